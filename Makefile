@@ -1,0 +1,162 @@
+# inlay. `make help` lists the targets.
+#
+# Each folder's module.mk names its sources; objects live in build/<flavour>/, keyed by the flags,
+# so that a sanitizer build and a release never mix. V=1 shows the commands.
+
+MAKEFLAGS += --no-builtin-rules
+.SUFFIXES:
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := all
+
+VERSION := 0.1.0
+
+# ---- choices ----
+# SANITIZE=address,undefined or SANITIZE=thread; CC=clang; each WITH_X=1 or 0.
+SANITIZE ?=
+WITH_KMS ?= $(call found,libdrm)
+WITH_SDL ?= $(call found,sdl2)
+WITH_GPIO ?= $(call found,libgpiod)
+WITH_EXR ?= $(call found,OpenEXR)
+
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+ifeq ($(origin CXX),default)
+CXX := g++
+endif
+PKG_CONFIG ?= pkg-config
+found = $(shell $(PKG_CONFIG) --exists $(1) 2>/dev/null && echo 1 || echo 0)
+
+WITH_KMS := $(WITH_KMS)
+WITH_SDL := $(WITH_SDL)
+WITH_GPIO := $(WITH_GPIO)
+WITH_EXR := $(WITH_EXR)
+
+FEATURES := $(foreach x,KMS SDL GPIO EXR,-DWITH_$(x)=$(WITH_$(x)))
+
+OPTIMIZE ?= -O3 -g
+WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes \
+	-Wvla -Wwrite-strings -Wundef -Wformat=2 -Wimplicit-fallthrough
+CXX_WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla -Wwrite-strings -Wundef -Wformat=2
+# No contraction: a fused multiply-add would make results differ between machines.
+SHARED_FLAGS := $(OPTIMIZE) -ffp-contract=off -fno-math-errno -fno-strict-aliasing \
+	-D_GNU_SOURCE -DINLAY_VERSION='"$(VERSION)"' $(FEATURES) -I. -MMD -MP -pthread
+SHARED_LINK := -pthread
+ifneq ($(SANITIZE),)
+SHARED_FLAGS += -fsanitize=$(SANITIZE) -fno-omit-frame-pointer -fno-sanitize-recover=undefined
+SHARED_LINK += -fsanitize=$(SANITIZE)
+endif
+CFLAGS_ALL = -std=gnu17 $(WARNINGS) $(SHARED_FLAGS) $(CFLAGS)
+CXXFLAGS_ALL = -std=c++17 $(CXX_WARNINGS) $(SHARED_FLAGS) $(CXXFLAGS)
+
+empty :=
+space := $(empty) $(empty)
+comma := ,
+FLAVOUR := $(notdir $(CC))$(if $(SANITIZE),-$(subst $(comma),-,$(SANITIZE)))$(shell \
+	printf '%s' "$(OPTIMIZE)$(CFLAGS)$(WITH_KMS)$(WITH_SDL)$(WITH_GPIO)$(WITH_EXR)" \
+	| cksum | cut -d' ' -f1 | sed 's/^/-/')
+BUILD ?= build/$(FLAVOUR)
+
+ifeq ($(V),1)
+Q :=
+say = @:
+else
+Q := @
+say = @printf '  %-7s %s\n'
+endif
+
+# ---- modules: each appends to *_SOURCES, and to PROGRAMS and TESTS ----
+include hal/module.mk
+include drivers/module.mk
+include config/module.mk
+include app/module.mk
+include bake/module.mk
+include tests/module.mk
+include board/module.mk
+
+objects = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
+pkg_cflags = $(if $(1),$(shell $(PKG_CONFIG) --cflags $(1)))
+pkg_libs = $(if $(1),$(shell $(PKG_CONFIG) --libs $(1)))
+
+ALL_SOURCES := $(HAL_SOURCES) $(DRIVER_SOURCES) $(CONFIG_SOURCES) $(APP_SOURCES) $(BAKE_SOURCES) \
+	$(BAKE_MAIN) $(APP_MAIN)
+PROGRAMS := $(BUILD)/inlay $(BUILD)/inlay-bake $(EXTRA_PROGRAMS)
+
+.PHONY: all
+## all: build inlay and inlay-bake (links to them appear in build/)
+all: $(PROGRAMS)
+	$(Q)ln -sfn $(patsubst build/%,%,$(BUILD))/inlay build/inlay
+	$(Q)ln -sfn $(patsubst build/%,%,$(BUILD))/inlay-bake build/inlay-bake
+
+# ---- rules ----
+$(BUILD)/%.o: %.c
+	@mkdir -p $(@D)
+	$(say) CC $<
+	$(Q)$(CC) $(CFLAGS_ALL) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
+
+$(BUILD)/%.o: %.cpp
+	@mkdir -p $(@D)
+	$(say) CXX $<
+	$(Q)$(CXX) $(CXXFLAGS_ALL) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
+
+define archive
+$(BUILD)/$(1).a: $(call objects,$(2))
+	$$(say) AR $$@
+	$$(Q)rm -f $$@ && $$(AR) rcs $$@ $$^
+endef
+$(eval $(call archive,hal,$(HAL_SOURCES)))
+$(eval $(call archive,drivers,$(DRIVER_SOURCES)))
+$(eval $(call archive,config,$(CONFIG_SOURCES)))
+$(eval $(call archive,app,$(APP_SOURCES)))
+$(eval $(call archive,bake,$(BAKE_SOURCES)))
+
+APP_LIBS := $(addprefix $(BUILD)/,app.a drivers.a config.a hal.a)
+BAKE_LIBS := $(addprefix $(BUILD)/,bake.a hal.a)
+APP_LINK = $(call pkg_libs,$(drivers_PACKAGES) $(app_PACKAGES) $(hal_PACKAGES)) $(hal_LIBS) -lm
+BAKE_LINK = $(call pkg_libs,$(bake_PACKAGES) $(hal_PACKAGES)) $(bake_LIBS) $(hal_LIBS) -lm
+
+$(BUILD)/inlay: $(call objects,$(APP_MAIN)) $(APP_LIBS)
+	$(say) LINK $@
+	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(APP_LINK)
+
+$(BUILD)/inlay-bake: $(call objects,$(BAKE_MAIN)) $(BAKE_LIBS)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(BAKE_LINK)
+
+# Unit tests, one program a file: tests/unit/test_x.c -> $(BUILD)/tests/unit/test_x
+UNIT_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(UNIT_TESTS)))
+$(UNIT_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(sort $(APP_LIBS) $(BAKE_LIBS))
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(addprefix $(BUILD)/,app.a drivers.a config.a bake.a hal.a) \
+		$(call pkg_libs,cmocka) $(APP_LINK) $(BAKE_LINK)
+
+# Fuzz targets replay their corpus under any compiler, and are real fuzzers under clang.
+FUZZ_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(FUZZ_TARGETS)))
+ifeq ($(FUZZER),1)
+SHARED_FLAGS += -fsanitize=fuzzer-no-link
+FUZZ_LINK := -fsanitize=fuzzer
+FUZZ_MAIN :=
+else
+FUZZ_LINK :=
+FUZZ_MAIN := $(BUILD)/tests/fuzz/replay.o
+endif
+$(FUZZ_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(FUZZ_MAIN) $(sort $(APP_LIBS) $(BAKE_LIBS))
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) $(FUZZ_LINK) $(LDFLAGS) -o $@ $< $(FUZZ_MAIN) \
+		$(addprefix $(BUILD)/,app.a drivers.a config.a bake.a hal.a) $(APP_LINK) $(BAKE_LINK)
+
+-include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c))
+
+.PHONY: programs-unit programs-fuzz
+programs-unit: $(UNIT_PROGRAMS)
+programs-fuzz: $(FUZZ_PROGRAMS)
+
+.PHONY: help
+## help: this list
+help:
+	@sed -n 's/^## \([a-z-]*\): \(.*\)/  \1|\2/p' Makefile | awk -F'|' '{printf "%-14s %s\n", $$1, $$2}'
+
+.PHONY: clean
+## clean: remove build/
+clean:
+	$(Q)rm -rf build

@@ -1,0 +1,2 @@
+APP_SOURCES :=
+APP_MAIN := app/main.c

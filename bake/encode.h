@@ -1,0 +1,41 @@
+/*
+ * From a tile's transport in floating point to the blocks of a basis file.
+ *
+ * Every cut has a bound that holds for any non-negative lighting; encode_tile() returns the largest
+ * it made, and the bake declares the largest of all tiles.
+ */
+#ifndef INLAY_BAKE_ENCODE_H
+#define INLAY_BAKE_ENCODE_H
+
+#include "hal/basis/basis_writer.h"
+
+/* Transport of one kind for some pixels of a tile. */
+struct encode_samples {
+	enum basis_kind kind;
+	int ground; /* of kind V */
+	int pixels;
+	const uint16_t *pixel; /* y * BASIS_TILE + x, ascending */
+	const float *value;    /* [pixels][3][lights] */
+};
+
+struct encode_settings {
+	int lights;
+	const double *ground; /* [grounds][3][lights]; for totals of V */
+	double ratio_cut; /* V: a light whose |v| is nowhere above this leaves the list; likewise
+			     pixels, and channels closer together than this share a row. D, U, T:
+			     only exact zeros (after quantisation) leave. */
+};
+
+struct encode_result {
+	struct basis_block_payload *blocks; /* owned by the encoder; valid until the next call */
+	int count;
+	double object_error, ratio_error; /* bounds, as in struct basis_info_chunk */
+};
+
+struct encoder;
+int encoder_create(struct encoder **encoder, const struct encode_settings *settings);
+int encode_tile(struct encoder *encoder, int tile, const struct encode_samples *samples, int count,
+		struct encode_result *result);
+void encoder_destroy(struct encoder *encoder);
+
+#endif

@@ -1,0 +1,64 @@
+/*
+ * Buttons: the contract between the program and drivers/buttons_*.c. Whatever the hardware, the
+ * program sees named actions.
+ */
+#ifndef INLAY_HAL_BUTTONS_H
+#define INLAY_HAL_BUTTONS_H
+
+#include "hal/fault.h"
+#include "hal/ini/ini.h"
+
+enum action {
+	ACTION_NONE,
+	ACTION_THRESHOLD_UP,
+	ACTION_THRESHOLD_DOWN,
+	ACTION_THRESHOLD_SET, /* value: the level */
+	ACTION_VIEW_NEXT,
+	ACTION_POSE_NEXT,
+	ACTION_OBJECT, /* shown or not */
+	ACTION_FREEZE,
+	ACTION_QUIT,
+	ACTION_COUNT
+};
+
+extern const char *const action_names[]; /* "none", "threshold-up", ... NULL */
+
+struct button_press {
+	enum action action;
+	double value; /* of ACTION_THRESHOLD_SET */
+};
+
+struct buttons_ops;
+
+struct buttons {
+	const struct buttons_ops *ops;
+	void *options; /* borrowed */
+	void *state;
+};
+
+struct buttons_ops {
+	const char *name;
+	const char *description;
+	const struct ini_key *keys; /* optional, prefixed "name." */
+	size_t options_size;
+
+	/* Optional. Prints one line of text for each device and line found through found(). */
+	int (*list)(void (*found)(void *context, const char *line), void *context);
+
+	/* Mandatory. */
+	int (*open)(struct buttons *buttons, struct fault *fault);
+	/* Mandatory. Polls readable when read() has something. */
+	int (*descriptor)(struct buttons *buttons);
+	/* Mandatory, never blocks. 0 and a press; -EAGAIN: none; other -errno: gone, close it. */
+	int (*read)(struct buttons *buttons, struct button_press *press, struct fault *fault);
+	/* Mandatory, idempotent. */
+	void (*close)(struct buttons *buttons);
+};
+
+int buttons_open(struct buttons *buttons, const struct buttons_ops *ops, void *options,
+		 struct fault *fault);
+int buttons_descriptor(struct buttons *buttons);
+int buttons_read(struct buttons *buttons, struct button_press *press, struct fault *fault);
+void buttons_close(struct buttons *buttons);
+
+#endif

@@ -1,0 +1,92 @@
+/*
+ * The compositor: N light colours and a basis to the finished picture.
+ *
+ *     O     = gain * sum_i t_i L_i                          (T blocks, premultiplied by coverage)
+ *     ratio = 1 - sum_i v_i u_i L_i / (sum_i u_i L_i + e)   (V blocks)
+ *     ratio = 1 - sum_i d_i L_i / (sum_i u_i L_i + e)       (D and U blocks)
+ *     out   = O + (1 - coverage) * max(ratio, 0) * B        (linear light, clipped to 1, encoded)
+ *
+ * per channel; L_i of used lights, plus in ambient mode one uniform radiance over all cells that
+ * stands for the dropped ones. e = 2^-20 * sum_i u_i: light below any camera's black; as all light
+ * goes out the ratio goes to 1 without a jump, 0/0 included. ratio is capped at
+ * COMPOSITOR_RATIO_MAX.
+ *
+ * compositor_run() is integer arithmetic: README.md names every Q format and proves that nothing
+ * overflows. compositor_reference() is the same formula in double precision with the exact transfer
+ * function; it is what the integer one is measured against.
+ */
+#ifndef INLAY_HAL_COMPOSITOR_COMPOSITOR_H
+#define INLAY_HAL_COMPOSITOR_COMPOSITOR_H
+
+#include <stdbool.h>
+
+#include "hal/basis/basis.h"
+#include "hal/fault.h"
+#include "hal/pool.h"
+#include "hal/transfer.h"
+#include "hal/view.h"
+
+#define COMPOSITOR_RATIO_MAX 16.0
+#define COMPOSITOR_GAIN_MAX 64.0
+
+enum threshold_mode { THRESHOLD_AMBIENT, THRESHOLD_DROP, THRESHOLD_MODE_COUNT };
+
+extern const char *const threshold_mode_names[]; /* "ambient", "drop", NULL */
+
+/* The lights of one frame, chosen (thesis 3.2.2). */
+struct light_selection {
+	int count;	       /* N */
+	double (*radiance)[3]; /* [count]: L_i, 0 where the light is left out */
+	bool *used;	       /* [count] */
+	int used_count;
+	double ambient[3]; /* radiance over all cells that stands for the dropped: sum over dropped
+			      of w_i L_i / (2 pi); 0 in drop mode */
+	double dropped_error[3]; /* no pixel's object radiance is off by more than this, per
+				    channel: max(sum over dropped of L_i peak_i, ambient *
+				    peak_total) * gain */
+};
+
+int light_selection_create(struct light_selection *selection, const struct basis *basis);
+void light_selection_free(struct light_selection *selection);
+
+/* A light is used when any channel reaches threshold (linear radiance; 0 uses all). Negative and
+ * non-finite radiance counts as 0. */
+void light_selection_choose(struct light_selection *selection, const struct basis *basis, int pose,
+			    const float (*radiance)[3], double threshold, enum threshold_mode mode,
+			    double gain);
+
+struct compositor_settings {
+	enum transfer background; /* of the background picture's code values */
+	enum transfer output;
+	double gain; /* 0..COMPOSITOR_GAIN_MAX */
+	bool object; /* false: the background alone, copied through the same tables */
+};
+
+struct compositor;
+
+/* The basis must outlive the compositor. pool may be NULL (the calling thread only). */
+int compositor_create(struct compositor **compositor, const struct basis *basis, struct pool *pool,
+		      struct fault *fault);
+
+void compositor_set(struct compositor *compositor, const struct compositor_settings *settings);
+
+/*
+ * Writes a BGRX picture of the basis's size. background has that size. out must not overlap it.
+ * Nothing is allocated. Work is divided among the pool's threads by bytes of basis to be read
+ * (thesis 3.2.1). -EINVAL: another size, pose out of range.
+ */
+int compositor_run(struct compositor *compositor, int pose, const struct light_selection *lights,
+		   const struct picture *background, uint8_t *out, size_t out_stride);
+
+void compositor_destroy(struct compositor *compositor);
+
+/*
+ * Double precision: out[height][width][3] gets R, G, B as encoded values in 0..255, not rounded.
+ * background as for compositor_run(). Slow; for tests, reports and `--mode reference`.
+ */
+int compositor_reference(const struct basis *basis, int pose,
+			 const struct compositor_settings *settings,
+			 const struct light_selection *lights, const struct picture *background,
+			 double *out);
+
+#endif

@@ -1,0 +1,110 @@
+/*
+ * Screens: the contract between the program and drivers/display_*.c.
+ *
+ * A display has two or three buffers of its own size. One of them at a time is drawn into, whole,
+ * by the program; it is then submitted and shown at the next refresh. The memory may be
+ * write-combined: write it once, in order, and never read it.
+ */
+#ifndef INLAY_HAL_DISPLAY_H
+#define INLAY_HAL_DISPLAY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/fault.h"
+#include "hal/ini/ini.h"
+
+struct display_settings {
+	char device[INI_PATH_MAX]; /* driver's own meaning: a card, an output file; empty: first
+				      found */
+	int width, height;	   /* wanted; 0: the driver's choice (hints below) */
+	double rate_hz;		   /* wanted; 0: the driver's choice */
+	int picture_width,
+		picture_height; /* of what will be shown: the size of drivers that are free */
+};
+
+struct display_ops;
+
+struct display {
+	const struct display_ops *ops;
+	struct display_settings settings;
+	void *options; /* the driver's own struct; borrowed */
+	/* What there really is, valid while open: */
+	int width, height;
+	double rate_hz; /* 0: as fast as it is fed */
+	uint64_t shown; /* frames that reached the screen */
+	void *state;
+};
+
+struct display_buffer {
+	uint8_t *pixels; /* BGRX */
+	size_t stride;
+	int width, height;
+	int index; /* the driver's own handle */
+};
+
+enum display_event_kind {
+	DISPLAY_NOTHING,
+	DISPLAY_SHOWN,	/* a submitted frame is on the screen since time_ns */
+	DISPLAY_CLOSED, /* the window was closed, the screen unplugged for good: stop */
+	DISPLAY_ACTION, /* a key pressed in the window: action holds enum action (hal/buttons.h) */
+};
+
+struct display_event {
+	enum display_event_kind kind;
+	int64_t time_ns; /* CLOCK_MONOTONIC */
+	int64_t token;	 /* as given to submit() */
+	int action;
+};
+
+/* What `devices` prints. */
+struct display_listing {
+	char device[INI_PATH_MAX];
+	char name[128];
+	char (*lines)[160];
+	int line_count;
+};
+
+struct display_ops {
+	const char *name;
+	const char *description;
+	const struct ini_key *keys; /* optional, prefixed "name." */
+	size_t options_size;
+
+	/* Optional; as camera_ops.list. */
+	int (*list)(void (*found)(void *context, const struct display_listing *listing),
+		    void *context);
+
+	/* Mandatory. Sets width, height, rate_hz, state. Leaves nothing open on failure. */
+	int (*open)(struct display *display, struct fault *fault);
+
+	/* Mandatory. Polls readable when dispatch() has something to do; -1: never. */
+	int (*descriptor)(struct display *display);
+
+	/* Mandatory, never blocks. A buffer to draw in. -EAGAIN: all are queued or on the screen.
+	 * The same buffer is returned until it is submitted. */
+	int (*acquire)(struct display *display, struct display_buffer *buffer);
+
+	/* Mandatory, never blocks. Shows what was acquired; token comes back in DISPLAY_SHOWN. 0 or
+	 * -errno: the screen is gone or the disk is full; close it. */
+	int (*submit)(struct display *display, struct display_buffer *buffer, int64_t token,
+		      struct fault *fault);
+
+	/* Mandatory, never blocks. One event per call until DISPLAY_NOTHING. 0 or -errno. */
+	int (*dispatch)(struct display *display, struct display_event *event, struct fault *fault);
+
+	/* Mandatory. Idempotent; gives the screen back as it was; finishes files. 0, or -errno with
+	 * a fault when something that was promised could not be finished. */
+	int (*close)(struct display *display, struct fault *fault);
+};
+
+int display_open(struct display *display, const struct display_ops *ops,
+		 const struct display_settings *settings, void *options, struct fault *fault);
+int display_descriptor(struct display *display);
+int display_acquire(struct display *display, struct display_buffer *buffer);
+int display_submit(struct display *display, struct display_buffer *buffer, int64_t token,
+		   struct fault *fault);
+int display_dispatch(struct display *display, struct display_event *event, struct fault *fault);
+int display_close(struct display *display, struct fault *fault); /* zeroed is fine */
+
+#endif

@@ -1,0 +1,80 @@
+/*
+ * A picture as a camera delivers it, and a plain BGRX picture as the rest of the program reads it.
+ */
+#ifndef INLAY_HAL_FRAME_H
+#define INLAY_HAL_FRAME_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "hal/fault.h"
+#include "hal/transfer.h"
+
+/* Named by the order of bytes in memory. */
+enum pixel_format {
+	PIXEL_NONE,
+	PIXEL_YUYV, /* 4:2:2 packed */
+	PIXEL_UYVY, /* 4:2:2 packed */
+	PIXEL_NV12, /* 4:2:0, planes Y and UV */
+	PIXEL_RGB24,
+	PIXEL_BGR24,
+	PIXEL_BGRX, /* V4L2 XBGR32, DRM XRGB8888, libyuv ARGB: the working format */
+	PIXEL_GREY,
+	PIXEL_MJPEG, /* one JPEG picture; planes[0].bytes is its length */
+	PIXEL_RGBF,  /* three float32 a pixel, linear radiance, unclipped (simulated cameras) */
+	PIXEL_FORMAT_COUNT
+};
+
+extern const char *const pixel_format_names[]; /* "none", "YUYV", ... NULL */
+
+enum colour_matrix { MATRIX_BT601, MATRIX_BT709, MATRIX_COUNT };
+enum colour_range { RANGE_LIMITED, RANGE_FULL, RANGE_COUNT };
+
+#define FRAME_PLANES 3
+
+struct frame_plane {
+	const uint8_t *data;
+	size_t stride; /* bytes from a row to the next; at least what a row needs */
+	size_t bytes;  /* readable bytes from data; rows are checked against it */
+};
+
+struct frame {
+	enum pixel_format format;
+	int width, height; /* pixels */
+	struct frame_plane planes[FRAME_PLANES];
+	enum colour_matrix matrix; /* of Y'CbCr formats */
+	enum colour_range range;
+	int64_t timestamp_ns; /* of capture, CLOCK_MONOTONIC */
+	uint32_t sequence;    /* counts at the source: a gap is a lost frame */
+	int buffer;	      /* the driver's own handle; others leave it alone */
+};
+
+/* An owned BGRX picture (X is 255). */
+struct canvas {
+	int width, height;
+	size_t stride; /* bytes; a multiple of 64 */
+	uint8_t *pixels;
+};
+
+int canvas_create(struct canvas *canvas, int width, int height);
+void canvas_free(struct canvas *canvas); /* idempotent */
+
+/* How many bytes each plane of the format needs at this size and stride; 0 for an unknown format
+ * or MJPEG. */
+size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int height);
+/* The smallest stride of a plane. */
+size_t frame_plane_stride(enum pixel_format format, int plane, int width);
+
+/*
+ * Decodes a frame into a canvas of the same size: matrix and range as the frame says, no flips, no
+ * scaling. -EINVAL (short planes, sizes that differ), -EBADMSG (a JPEG that does not decode),
+ * -ENOTSUP (PIXEL_RGBF and PIXEL_NONE). The decoder keeps its state (a JPEG decompressor), so that
+ * nothing is allocated per frame; one for each thread.
+ */
+struct frame_decoder;
+int frame_decoder_create(struct frame_decoder **decoder);
+int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,
+		 struct fault *fault);
+void frame_decoder_destroy(struct frame_decoder *decoder);
+
+#endif

@@ -1,0 +1,45 @@
+/*
+ * Pictures in files. What a file is, is told by its first bytes; what is written, by its name's
+ * ending. 8-bit pictures hold code values as stored; float ones hold linear light.
+ *
+ *     PNG, JPEG            8-bit (16-bit PNG is rounded, alpha dropped, grey spread)
+ *     Radiance .hdr, .pfm, OpenEXR   float
+ *
+ * Written: .png, .pfm, .hdr; every file appears by rename.
+ */
+#ifndef INLAY_HAL_IMAGE_H
+#define INLAY_HAL_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "hal/fault.h"
+
+#define IMAGE_SIDE_MAX 32768
+
+/* Three channels R, G, B, row 0 at the top, rows without padding. Exactly one of u8 and f32 is set.
+ */
+struct image {
+	int width, height;
+	uint8_t *u8;
+	float *f32;
+};
+
+/* -ENOENT..., -EBADMSG (damaged, truncated), -ENOTSUP (unknown kind), -EFBIG (a side beyond
+ * IMAGE_SIDE_MAX), -EDOM (a float picture that holds a NaN, infinity or negative light; the fault
+ * names the pixel). The image is zeroed on failure. */
+int image_read(const char *path, struct image *image, struct fault *fault);
+
+/* The same from memory; name stands for the file in messages. */
+int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,
+		      struct fault *fault);
+
+int image_create_u8(struct image *image, int width, int height);
+int image_create_f32(struct image *image, int width, int height);
+
+/* .png takes u8; .pfm and .hdr take f32; anything else is -ENOTSUP. */
+int image_write(const char *path, const struct image *image, struct fault *fault);
+
+void image_free(struct image *image); /* idempotent */
+
+#endif

@@ -1,0 +1,21 @@
+/*
+ * Messages to whoever runs the program: stderr, one line each, "inlay: text".
+ *
+ * Thread-safe. A caller that would repeat itself every frame says it once, when it changes.
+ */
+#ifndef INLAY_HAL_LOG_H
+#define INLAY_HAL_LOG_H
+
+enum log_level { LOG_LEVEL_ERROR, LOG_LEVEL_WARNING, LOG_LEVEL_INFO, LOG_LEVEL_DEBUG };
+
+/* Program name before each message ("inlay", "inlay-bake") and the least urgent level shown. */
+void log_setup(const char *program, enum log_level most);
+
+void log_say(enum log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#define log_error(...) log_say(LOG_LEVEL_ERROR, __VA_ARGS__)
+#define log_warning(...) log_say(LOG_LEVEL_WARNING, __VA_ARGS__)
+#define log_info(...) log_say(LOG_LEVEL_INFO, __VA_ARGS__)
+#define log_debug(...) log_say(LOG_LEVEL_DEBUG, __VA_ARGS__)
+
+#endif

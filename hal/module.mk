@@ -1,0 +1,4 @@
+hal_PACKAGES := libturbojpeg libpng libxxhash inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
+hal_LIBS := -lyuv
+HAL_SOURCES := \
+	hal/fault.c

@@ -1,0 +1,26 @@
+/*
+ * An equirectangular picture as a surrounding at infinity: radiance by direction.
+ *
+ * The picture's middle column looks along world +X (before rotation), columns to the right turn
+ * clockwise seen from above (towards -Y), the top row is the zenith: what a person standing inside
+ * sees, not mirrored.
+ */
+#ifndef INLAY_HAL_OPTICS_PANORAMA_H
+#define INLAY_HAL_OPTICS_PANORAMA_H
+
+#include "hal/image/image.h"
+
+struct panorama {
+	const struct image *image; /* f32; not owned */
+	double turn_rad; /* the surrounding is turned by this about Z, counter-clockwise */
+	double scale;	 /* radiance of 1.0 in the file */
+};
+
+/* Bilinear, wrapped in azimuth, clamped at the poles. dir need not be unit. */
+void panorama_radiance(const struct panorama *panorama, const double dir[3], double rgb[3]);
+
+/* Direction of a point in the picture (pixel centres at +0.5) and the solid angle of row y. */
+void panorama_direction(const struct panorama *panorama, double x, double y, double dir[3]);
+double panorama_row_sr(const struct panorama *panorama, int y);
+
+#endif

@@ -1,0 +1,57 @@
+/*
+ * Tsai's camera as in the thesis, equations 2.1 to 2.7.
+ *
+ *     Pc  = R Pw + T                              (2.1)
+ *     Psu = f (Pc.x, Pc.y) / Pc.z                 (2.2, 2.3)
+ *     Psd = Psu (1 + kappa1 |Psu|^2)              (2.4, 2.5)
+ *     X   = Cx + s Psd.x / Dx                     (2.6)   image x right
+ *     Y   = Cy -   Psd.y / Dy                     (2.7)   image y up, origin lower left
+ *
+ * Camera axes: x right, y down, z along the view. World units are the scene's; f, D in one sensor
+ * unit (mm), kappa1 in 1/unit^2. Picture coordinates below are (x right, y down from the upper
+ * edge), pixel centres at +0.5: y_down = height - Y.
+ */
+#ifndef INLAY_HAL_OPTICS_TSAI_H
+#define INLAY_HAL_OPTICS_TSAI_H
+
+#include "hal/fault.h"
+#include "hal/ini/ini.h"
+
+struct tsai_camera {
+	int width, height;     /* of the picture, pixels */
+	double rotation[9];    /* R, rows */
+	double translation[3]; /* T */
+	double focal;	       /* f */
+	double kappa1;
+	double centre_px[2]; /* C, in image axes (x right, y up) */
+	double pixel[2];     /* D */
+	double aspect;	     /* s */
+};
+
+extern const struct ini_key tsai_keys[]; /* every field of struct tsai_camera */
+
+/* -EINVAL: a field out of range, or R not a rotation to 1e-6 (it is then made exact). */
+int tsai_check(struct tsai_camera *camera, struct fault *fault);
+
+/* A camera at eye looking at target, up being world Z, square pixels, no distortion, of this
+ * horizontal field of view. -EINVAL when eye and target coincide or the view is straight up. */
+int tsai_look_at(struct tsai_camera *camera, int width, int height, const double eye[3],
+		 const double target[3], double field_deg, struct fault *fault);
+
+/*
+ * World point to picture. -ERANGE: behind the camera, or beyond the radius where a negative kappa1
+ * folds the picture over (|Psu| > 1/sqrt(-3 kappa1)): such a point has no image.
+ */
+int tsai_project(const struct tsai_camera *camera, const double world[3], double px[2]);
+
+/*
+ * Picture to the ray that it sees: origin (the same for all) and unit direction. The inverse of
+ * the cubic is taken in closed form on the branch that starts at the axis, polished by a fixed
+ * number of Newton steps. -ERANGE: no undistorted radius maps there (negative kappa1, too far out).
+ */
+int tsai_ray(const struct tsai_camera *camera, const double px[2], double origin[3], double dir[3]);
+
+/* Solves r (1 + kappa1 r^2) = distorted for the smallest r >= 0. Never loops, never NaN. */
+int tsai_undistort_radius(double kappa1, double distorted, double *undistorted);
+
+#endif

@@ -1,0 +1,62 @@
+/* Vectors of three doubles. World: right-handed, Z up, the ground is Z = 0. */
+#ifndef INLAY_HAL_OPTICS_VEC_H
+#define INLAY_HAL_OPTICS_VEC_H
+
+#include <math.h>
+
+static inline double vec_dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void vec_cross(const double a[3], const double b[3], double out[3])
+{
+	const double x = a[1] * b[2] - a[2] * b[1];
+	const double y = a[2] * b[0] - a[0] * b[2];
+
+	out[2] = a[0] * b[1] - a[1] * b[0];
+	out[0] = x;
+	out[1] = y;
+}
+
+static inline double vec_length(const double a[3])
+{
+	return sqrt(vec_dot(a, a));
+}
+
+/* Leaves a zero vector as it is. Returns the length it had. */
+static inline double vec_normalize(double a[3])
+{
+	const double length = vec_length(a);
+
+	if (length > 0) {
+		a[0] /= length;
+		a[1] /= length;
+		a[2] /= length;
+	}
+	return length;
+}
+
+/* out = M v, M in rows. */
+static inline void mat_apply(const double m[9], const double v[3], double out[3])
+{
+	const double x = m[0] * v[0] + m[1] * v[1] + m[2] * v[2];
+	const double y = m[3] * v[0] + m[4] * v[1] + m[5] * v[2];
+
+	out[2] = m[6] * v[0] + m[7] * v[1] + m[8] * v[2];
+	out[0] = x;
+	out[1] = y;
+}
+
+/* out = transpose(M) v: the inverse of a rotation. */
+static inline void mat_apply_transposed(const double m[9], const double v[3], double out[3])
+{
+	const double x = m[0] * v[0] + m[3] * v[1] + m[6] * v[2];
+	const double y = m[1] * v[0] + m[4] * v[1] + m[7] * v[2];
+
+	out[2] = m[2] * v[0] + m[5] * v[1] + m[8] * v[2];
+	out[0] = x;
+	out[1] = y;
+}
+
+#endif

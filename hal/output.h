@@ -1,0 +1,28 @@
+/*
+ * A file that appears whole or not at all: written under a temporary name in the same folder and
+ * renamed at the end. After a crash or a full disk the old file is still there.
+ */
+#ifndef INLAY_HAL_OUTPUT_H
+#define INLAY_HAL_OUTPUT_H
+
+#include <limits.h>
+#include <stdio.h>
+
+#include "hal/fault.h"
+
+struct output {
+	FILE *stream; /* write here; NULL when nothing is open */
+	char path[PATH_MAX];
+	char temporary[PATH_MAX];
+};
+
+/* -errno with a fault naming the path when the folder is missing or cannot be written. */
+int output_open(struct output *out, const char *path, struct fault *fault);
+
+/* Flushes, syncs and renames. On failure nothing is left behind and the old file is untouched. */
+int output_commit(struct output *out, struct fault *fault);
+
+/* Forgets everything written. Harmless on a zeroed, committed or abandoned output. */
+void output_abandon(struct output *out);
+
+#endif

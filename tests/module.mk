@@ -1,0 +1,3 @@
+tests_PACKAGES := cmocka
+UNIT_TESTS :=
+FUZZ_TARGETS :=
