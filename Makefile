@@ -147,9 +147,81 @@ $(FUZZ_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(FUZZ_MAIN) $(sort $(APP_LIBS) $(BAK
 
 -include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c))
 
-.PHONY: programs-unit programs-fuzz
+.PHONY: programs-unit programs-fuzz objects
 programs-unit: $(UNIT_PROGRAMS)
 programs-fuzz: $(FUZZ_PROGRAMS)
+objects: $(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c)
+
+# ---- what a person calls ----
+# deps.sh may install what the WITH_ choices above looked for, so the work is done by a second make.
+.PHONY: deps
+## deps: install the Debian packages that building, the demo and the tests need
+deps:
+	$(Q)board/deps.sh build demo test
+
+.PHONY: demo
+## demo: install, build, bake the cow, run it in the simulated studio; pictures are left in demo/
+demo:
+	$(Q)board/deps.sh demo
+	$(Q)$(MAKE) --no-print-directory all
+	$(Q)BUILD="$(BUILD)" bake/demo/demo.sh demo
+
+.PHONY: test
+## test: install, build, run every test, simulated hardware in QEMU included
+test:
+	$(Q)board/deps.sh test
+	$(Q)$(MAKE) --no-print-directory test-all
+
+RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
+	BUILD="$(BUILD)" tests/run.sh
+
+.PHONY: test-all
+test-all:
+	$(Q)tests/run.sh --begin
+	$(Q)-$(MAKE) --no-print-directory test-lint
+	$(Q)-$(MAKE) --no-print-directory test-unit
+	$(Q)-$(MAKE) --no-print-directory test-cli
+	$(Q)-$(MAKE) --no-print-directory test-accuracy
+	$(Q)-$(MAKE) --no-print-directory test-fuzz
+	$(Q)-$(MAKE) --no-print-directory test-sanitize
+	$(Q)-$(MAKE) --no-print-directory test-vm
+	$(Q)tests/run.sh --end
+
+# One group of tests each; what it counts is added to the results of this run.
+.PHONY: test-lint test-unit test-cli test-accuracy test-fuzz test-sanitize
+## test-lint: the same as lint, counted as tests
+test-lint:
+	$(Q)$(RUN_TESTS) lint tests/lint/lint.sh tests/lint/test_includes.sh
+## test-unit: unit tests alone
+test-unit: all programs-unit
+	$(Q)$(RUN_TESTS) unit $(UNIT_PROGRAMS)
+## test-cli: the programs as a person calls them
+test-cli: all $(EXTRA_PROGRAMS)
+	$(Q)$(RUN_TESTS) cli $(CLI_TESTS)
+## test-accuracy: the composite against path-traced truth, quick form
+test-accuracy: all $(EXTRA_PROGRAMS)
+	$(Q)$(RUN_TESTS) accuracy $(ACCURACY_TESTS)
+## test-fuzz: replay the corpora and fuzz each reader for some seconds (clang)
+test-fuzz: programs-fuzz
+	$(Q)$(RUN_TESTS) fuzz tests/fuzz/run.sh
+## test-sanitize: unit tests and a real run under address, undefined, thread sanitizers and valgrind
+test-sanitize:
+	$(Q)tests/sanitize/run.sh
+
+.PHONY: lint
+## lint: format, include rules, warnings as errors (gcc, clang), cppcheck, shellcheck
+lint:
+	$(Q)tests/lint/lint.sh
+
+.PHONY: accuracy
+## accuracy: spot in real panoramas against path-traced truth: the table of errors (minutes)
+accuracy: all $(EXTRA_PROGRAMS)
+	$(Q)BUILD="$(BUILD)" tests/accuracy/panoramas.sh
+
+.PHONY: bench
+## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
+bench: all $(EXTRA_PROGRAMS)
+	$(Q)BUILD="$(BUILD)" tests/bench/bench.sh
 
 .PHONY: help
 ## help: this list

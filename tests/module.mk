@@ -1,3 +1,5 @@
-tests_PACKAGES := cmocka
+tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS :=
 FUZZ_TARGETS :=
+CLI_TESTS :=
+ACCURACY_TESTS :=

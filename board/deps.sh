@@ -1,0 +1,51 @@
+#!/bin/bash
+# Installs the Debian packages that a purpose needs, and nothing when all of them are there.
+#     board/deps.sh build|demo|test ...
+# Root is asked for only when something is missing.
+set -eu
+
+build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev libsdl2-dev
+	libpng-dev libturbojpeg0-dev libopenexr-dev libxxhash-dev libembree-dev libassimp-dev"
+demo="ffmpeg"
+test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-rt-14-dev valgrind
+	git python3-minimal
+	qemu-system-x86 linux-source-6.1 busybox-static flex bison bc libelf-dev libssl-dev cpio kmod
+	xz-utils v4l-utils"
+
+wanted=""
+for purpose in "$@"; do
+	case "$purpose" in
+	build) wanted="$wanted $build" ;;
+	demo) wanted="$wanted $build $demo" ;;
+	test) wanted="$wanted $build $test" ;;
+	*)
+		echo "deps: unknown purpose \"$purpose\", expected build, demo or test" >&2
+		exit 2
+		;;
+	esac
+done
+
+missing=""
+for package in $wanted; do
+	status=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
+	case "$status" in
+	"install ok installed") ;;
+	*) missing="$missing $package" ;;
+	esac
+done
+[ -n "$missing" ] || exit 0
+
+echo "deps: installing$missing"
+as_root=""
+if [ "$(id -u)" != 0 ]; then
+	if ! command -v sudo >/dev/null; then
+		echo "deps: these packages are missing and there is no sudo; as root, run:" >&2
+		echo "    apt-get install --no-install-recommends$missing" >&2
+		exit 1
+	fi
+	as_root="sudo"
+fi
+export DEBIAN_FRONTEND=noninteractive
+$as_root apt-get update -q
+# shellcheck disable=SC2086 # a list of words
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
