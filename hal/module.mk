@@ -1,8 +1,7 @@
 hal_PACKAGES := libturbojpeg libpng libxxhash inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
-	\ \
 	hal/camera.c \
+	hal/fault.c \
 	hal/frame.c \
 	hal/frame_decode.c
-	hal/fault.c
