@@ -8,7 +8,8 @@
 
 enum log_level { LOG_LEVEL_ERROR, LOG_LEVEL_WARNING, LOG_LEVEL_INFO, LOG_LEVEL_DEBUG };
 
-/* Program name before each message ("inlay", "inlay-bake") and the least urgent level shown. */
+/* Program name before each message ("inlay", "inlay-bake") and the least urgent level shown. Called
+ * before other threads start; without it: "inlay" and LOG_LEVEL_INFO. */
 void log_setup(const char *program, enum log_level most);
 
 void log_say(enum log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -4,4 +4,12 @@ HAL_SOURCES := \
 	hal/camera.c \
 	hal/fault.c \
 	hal/frame.c \
-	hal/frame_decode.c
+	hal/frame_decode.c \
+	hal/log.c \
+	hal/output.c \
+	hal/pool.c \
+	hal/transfer.c \
+	hal/view.c \
+	hal/optics/fisheye.c \
+	hal/optics/panorama.c \
+	hal/optics/tsai.c

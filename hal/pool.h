@@ -6,9 +6,13 @@
 #ifndef INLAY_HAL_POOL_H
 #define INLAY_HAL_POOL_H
 
+#define POOL_THREADS_MAX 1024
+
 struct pool;
 
-/* threads >= 1 counts the caller; 0 means one for each online processor. Returns 0 or -errno. */
+/* threads counts the caller, 1..POOL_THREADS_MAX; 0 means one for each online processor. 0 or
+ * -errno: -EINVAL out of range, -ENOMEM, -EAGAIN (no more threads). Workers have all signals
+ * blocked. */
 int pool_create(struct pool **pool, int threads);
 
 int pool_threads(const struct pool *pool);

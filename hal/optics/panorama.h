@@ -19,8 +19,10 @@ struct panorama {
 /* Bilinear, wrapped in azimuth, clamped at the poles. dir need not be unit. */
 void panorama_radiance(const struct panorama *panorama, const double dir[3], double rgb[3]);
 
-/* Direction of a point in the picture (pixel centres at +0.5) and the solid angle of row y. */
+/* Direction of a point in the picture (pixel centres at +0.5). */
 void panorama_direction(const struct panorama *panorama, double x, double y, double dir[3]);
+
+/* Solid angle of the whole row y; each of its pixels has this over the picture's width. */
 double panorama_row_sr(const struct panorama *panorama, int y);
 
 #endif

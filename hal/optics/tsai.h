@@ -17,6 +17,8 @@
 #include "hal/fault.h"
 #include "hal/ini/ini.h"
 
+#define TSAI_SIDE_MAX 32768
+
 struct tsai_camera {
 	int width, height;     /* of the picture, pixels */
 	double rotation[9];    /* R, rows */
@@ -51,7 +53,8 @@ int tsai_project(const struct tsai_camera *camera, const double world[3], double
  */
 int tsai_ray(const struct tsai_camera *camera, const double px[2], double origin[3], double dir[3]);
 
-/* Solves r (1 + kappa1 r^2) = distorted for the smallest r >= 0. Never loops, never NaN. */
+/* Solves r (1 + kappa1 r^2) = distorted for the smallest r >= 0. -ERANGE when there is none, and
+ * for a negative, infinite or NaN argument. Never loops, never NaN. */
 int tsai_undistort_radius(double kappa1, double distorted, double *undistorted);
 
 #endif

@@ -1,0 +1,295 @@
+#include "hal/optics/tsai.h"
+
+#include <errno.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "hal/optics/vec.h"
+
+#define FIELD(f) offsetof(struct tsai_camera, f)
+
+const struct ini_key tsai_keys[] = {
+	{.name = "width",
+	 .type = INI_INT,
+	 .offset = FIELD(width),
+	 .min = 1,
+	 .max = TSAI_SIDE_MAX,
+	 .unit = "px",
+	 .help = "width of the picture"},
+	{.name = "height",
+	 .type = INI_INT,
+	 .offset = FIELD(height),
+	 .min = 1,
+	 .max = TSAI_SIDE_MAX,
+	 .unit = "px",
+	 .help = "height of the picture"},
+	{.name = "rotation",
+	 .type = INI_REALS,
+	 .offset = FIELD(rotation),
+	 .count = 9,
+	 .min = -1.001,
+	 .max = 1.001,
+	 .help = "R, world to camera, row by row; a rotation to 1e-6"},
+	{.name = "translation",
+	 .type = INI_REALS,
+	 .offset = FIELD(translation),
+	 .count = 3,
+	 .min = -1e9,
+	 .max = 1e9,
+	 .unit = "world units",
+	 .help = "T: the world's origin in camera axes (x right, y down, z along the view)"},
+	{.name = "focal",
+	 .type = INI_REAL,
+	 .offset = FIELD(focal),
+	 .min = 1e-6,
+	 .max = 1e6,
+	 .unit = "mm",
+	 .help = "f: distance from the pinhole to the sensor"},
+	{.name = "kappa1",
+	 .type = INI_REAL,
+	 .offset = FIELD(kappa1),
+	 .min = -1e6,
+	 .max = 1e6,
+	 .fallback = "0",
+	 .unit = "1/mm^2",
+	 .help = "radial distortion: distorted = undistorted (1 + kappa1 r^2), r the undistorted "
+		 "radius on the sensor"},
+	{.name = "centre",
+	 .type = INI_REALS,
+	 .offset = FIELD(centre_px),
+	 .count = 2,
+	 .min = -1e6,
+	 .max = 1e6,
+	 .unit = "px",
+	 .help = "C: the axis in the picture, from the lower left corner, x right, y up"},
+	{.name = "pixel",
+	 .type = INI_REALS,
+	 .offset = FIELD(pixel),
+	 .count = 2,
+	 .min = 1e-9,
+	 .max = 1e6,
+	 .unit = "mm",
+	 .help = "D: width and height of a pixel on the sensor"},
+	{.name = "aspect",
+	 .type = INI_REAL,
+	 .offset = FIELD(aspect),
+	 .min = 1e-3,
+	 .max = 1e3,
+	 .fallback = "1",
+	 .help = "s: horizontal stretch between sensor and frame grabber"},
+	INI_KEYS_END,
+};
+
+/* The nearest rotation to one that is nearly so: R <- R (3 - R^T R) / 2 squares the error each
+ * time, from 1e-6 to below rounding in two. */
+static void make_orthogonal(double r[9])
+{
+	for (int step = 0; step < 3; step++) {
+		double gram[9], next[9];
+
+		for (int i = 0; i < 3; i++)
+			for (int j = 0; j < 3; j++)
+				gram[3 * i + j] = r[i] * r[j] + r[3 + i] * r[3 + j] +
+						  r[6 + i] * r[6 + j];
+		for (int i = 0; i < 3; i++)
+			for (int j = 0; j < 3; j++)
+				next[3 * i + j] = 1.5 * r[3 * i + j] -
+						  0.5 * (r[3 * i] * gram[j] +
+							 r[3 * i + 1] * gram[3 + j] +
+							 r[3 * i + 2] * gram[6 + j]);
+		memcpy(r, next, sizeof(next));
+	}
+}
+
+/* How far the rows are from an orthonormal right-handed frame. NaN gives infinity. */
+static double rotation_error(const double r[9])
+{
+	double worst = 0, normal[3];
+
+	for (int i = 0; i < 3; i++)
+		for (int j = i; j < 3; j++) {
+			const double e = fabs(vec_dot(r + 3 * i, r + 3 * j) - (i == j));
+
+			worst = e <= worst ? worst : e;
+			if (!isfinite(e))
+				return INFINITY;
+		}
+	vec_cross(r, r + 3, normal);
+	return fmax(worst, fabs(vec_dot(normal, r + 6) - 1));
+}
+
+static bool all_finite(const double *v, int count)
+{
+	for (int i = 0; i < count; i++)
+		if (!isfinite(v[i]))
+			return false;
+	return true;
+}
+
+static bool positive(double x)
+{
+	return x > 0 && isfinite(x);
+}
+
+int tsai_check(struct tsai_camera *c, struct fault *fault)
+{
+	if (c->width < 1 || c->height < 1 || c->width > TSAI_SIDE_MAX || c->height > TSAI_SIDE_MAX)
+		return fault_say(fault, -EINVAL,
+				 "camera: the picture is %d x %d, expected sides of 1 to %d",
+				 c->width, c->height, TSAI_SIDE_MAX);
+	if (!positive(c->focal))
+		return fault_say(fault, -EINVAL, "camera: focal is %g, expected a number above 0",
+				 c->focal);
+	if (!positive(c->pixel[0]) || !positive(c->pixel[1]))
+		return fault_say(fault, -EINVAL,
+				 "camera: pixel is %g %g, expected two numbers above 0",
+				 c->pixel[0], c->pixel[1]);
+	if (!positive(c->aspect))
+		return fault_say(fault, -EINVAL, "camera: aspect is %g, expected a number above 0",
+				 c->aspect);
+	if (!isfinite(c->kappa1))
+		return fault_say(fault, -EINVAL, "camera: kappa1 is %g, expected a finite number",
+				 c->kappa1);
+	if (!all_finite(c->translation, 3) || !all_finite(c->centre_px, 2))
+		return fault_say(fault, -EINVAL,
+				 "camera: translation and centre must be finite numbers");
+	if (!(rotation_error(c->rotation) <= 1e-6))
+		return fault_say(fault, -EINVAL,
+				 "camera: rotation is off by %.3g from a right-handed rotation, "
+				 "expected at most 1e-6",
+				 rotation_error(c->rotation));
+	make_orthogonal(c->rotation);
+	return 0;
+}
+
+int tsai_look_at(struct tsai_camera *c, int width, int height, const double eye[3],
+		 const double target[3], double field_deg, struct fault *fault)
+{
+	const double sensor_mm = 36; /* of the usual film: focal then reads as people know it */
+	const double up[3] = {0, 0, 1};
+	double *right = c->rotation, *down = c->rotation + 3, *view = c->rotation + 6;
+	double away[3];
+
+	if (!(field_deg > 0 && field_deg < 180))
+		return fault_say(fault, -EINVAL,
+				 "camera: field of view is %g, expected above 0 and below 180 "
+				 "degrees",
+				 field_deg);
+	if (!all_finite(eye, 3) || !all_finite(target, 3))
+		return fault_say(fault, -EINVAL, "camera: eye and target must be finite numbers");
+	*c = (struct tsai_camera){.width = width, .height = height, .aspect = 1};
+	for (int i = 0; i < 3; i++)
+		view[i] = target[i] - eye[i];
+	if (!(vec_normalize(view) > 0))
+		return fault_say(fault, -EINVAL, "camera: eye and target coincide");
+	vec_cross(view, up, right);
+	if (!(vec_normalize(right) > 1e-9))
+		return fault_say(fault, -EINVAL,
+				 "camera: the view is straight up or down, so that no side of the "
+				 "picture is up; move eye or target a little");
+	vec_cross(view, right, down);
+	mat_apply(c->rotation, eye, away);
+	for (int i = 0; i < 3; i++)
+		c->translation[i] = -away[i];
+	c->pixel[0] = c->pixel[1] = sensor_mm / width;
+	c->focal = 0.5 * sensor_mm / tan(field_deg * (M_PI / 360));
+	c->centre_px[0] = 0.5 * width;
+	c->centre_px[1] = 0.5 * height;
+	return tsai_check(c, fault);
+}
+
+/* Where the distorted radius stops growing with the undistorted one. */
+static double fold_radius(double kappa1)
+{
+	return kappa1 < 0 ? 1 / sqrt(-3 * kappa1) : INFINITY;
+}
+
+int tsai_project(const struct tsai_camera *c, const double world[3], double px[2])
+{
+	double p[3], x, y, scale;
+
+	mat_apply(c->rotation, world, p);
+	for (int i = 0; i < 3; i++)
+		p[i] += c->translation[i];
+	if (!(p[2] > 0))
+		return -ERANGE;
+	x = c->focal * p[0] / p[2];
+	y = c->focal * p[1] / p[2];
+	if (!(hypot(x, y) <= fold_radius(c->kappa1)))
+		return -ERANGE;
+	scale = 1 + c->kappa1 * (x * x + y * y);
+	x = c->centre_px[0] + c->aspect * (x * scale) / c->pixel[0];
+	y = c->height - c->centre_px[1] + y * scale / c->pixel[1];
+	if (!isfinite(x) || !isfinite(y))
+		return -ERANGE;
+	px[0] = x;
+	px[1] = y;
+	return 0;
+}
+
+/*
+ * With r = 3 d t / q and q = 1.5 d sqrt(3 |kappa1|) the cubic becomes 4 t^3 + 3 t = q for a
+ * positive kappa1, which t = sinh(asinh(q) / 3) solves, and 3 t - 4 t^3 = q for a negative one,
+ * which t = sin(asin(q) / 3) solves on the branch through 0; q = 1 is the fold.
+ */
+static double closed_form(double kappa1, double d)
+{
+	const double q = 1.5 * d * sqrt(3) * sqrt(fabs(kappa1));
+
+	if (q < 1e-9) /* r = d to double precision, and t / q may be 0 / 0 */
+		return d;
+	if (kappa1 < 0) {
+		if (q > 1 + 8 * DBL_EPSILON)
+			return NAN;
+		return 3 * d * (sin(asin(fmin(q, 1)) / 3) / q);
+	}
+	if (q > 1e30) /* the linear term is below rounding, and q may be infinite */
+		return cbrt(d) / cbrt(kappa1);
+	return 3 * d * (sinh(asinh(q) / 3) / q);
+}
+
+int tsai_undistort_radius(double kappa1, double distorted, double *undistorted)
+{
+	const double fold = fold_radius(kappa1);
+	double r;
+
+	if (!isfinite(kappa1) || !isfinite(distorted) || distorted < 0)
+		return -ERANGE;
+	r = closed_form(kappa1, distorted);
+	if (!isfinite(r))
+		return -ERANGE;
+	for (int step = 0; step < 2; step++) {
+		const double bend = kappa1 * r * r;
+		const double next = r - (r * (1 + bend) - distorted) / (1 + 3 * bend);
+
+		/* At the fold the slope is 0 and a step leads nowhere: the closed form stays. */
+		if (next >= 0 && next <= fold && isfinite(next))
+			r = next;
+	}
+	*undistorted = r;
+	return 0;
+}
+
+int tsai_ray(const struct tsai_camera *c, const double px[2], double origin[3], double dir[3])
+{
+	const double x = (px[0] - c->centre_px[0]) * c->pixel[0] / c->aspect;
+	const double y = (px[1] - (c->height - c->centre_px[1])) * c->pixel[1];
+	const double distorted = hypot(x, y);
+	double r, camera[3];
+	int ret;
+
+	ret = tsai_undistort_radius(c->kappa1, distorted, &r);
+	if (ret < 0)
+		return ret;
+	camera[0] = distorted > 0 ? x * (r / distorted) : 0;
+	camera[1] = distorted > 0 ? y * (r / distorted) : 0;
+	camera[2] = c->focal;
+	if (!(vec_normalize(camera) <= DBL_MAX))
+		return -ERANGE;
+	mat_apply_transposed(c->rotation, camera, dir);
+	mat_apply_transposed(c->rotation, c->translation, origin);
+	for (int i = 0; i < 3; i++)
+		origin[i] = -origin[i];
+	return 0;
+}

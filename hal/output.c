@@ -1,0 +1,139 @@
+#include "hal/output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Renaming over a device, pipe or folder would destroy it or fail late, and over a link would cut
+ * it: a link is followed, and anything but a plain file is refused at once. */
+static int find_target(struct output *out, const char *path, struct fault *fault)
+{
+	struct stat s;
+
+	if (!*path)
+		return fault_say(fault, -EINVAL, "the name of an output file is empty");
+	if (strlen(path) >= sizeof(out->path) - 32)
+		return fault_say(fault, -ENAMETOOLONG, "%.64s...: the name is too long", path);
+	if (stat(path, &s) < 0) {
+		strcpy(out->path, path);
+		return 0;
+	}
+	if (!S_ISREG(s.st_mode))
+		return fault_say(fault, S_ISDIR(s.st_mode) ? -EISDIR : -EINVAL,
+				 "%s: cannot be written: it is %s, expected a plain file or none",
+				 path, S_ISDIR(s.st_mode) ? "a folder" : "not a plain file");
+	if (!realpath(path, out->path)) {
+		const int err = -errno;
+
+		return fault_say(fault, err, "%s: cannot be followed: %s", path, strerror(-err));
+	}
+	return 0;
+}
+
+/* Not mkstemp(): that ignores the umask, and the finished file would be readable by nobody else. */
+static int create_temporary(struct output *out)
+{
+	for (unsigned n = 0; n < 10000; n++) {
+		const int length = snprintf(out->temporary, sizeof(out->temporary),
+					    "%s.%ld-%u.part", out->path, (long)getpid(), n);
+		int fd;
+
+		if (length < 0 || (size_t)length >= sizeof(out->temporary))
+			return -ENAMETOOLONG;
+		fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+		if (fd >= 0)
+			return fd;
+		if (errno != EEXIST)
+			return -errno;
+	}
+	return -EEXIST;
+}
+
+int output_open(struct output *out, const char *path, struct fault *fault)
+{
+	int fd, ret;
+
+	memset(out, 0, sizeof(*out));
+	ret = find_target(out, path, fault);
+	if (ret < 0)
+		return ret;
+	fd = create_temporary(out);
+	if (fd < 0)
+		return fault_say(fault, fd, "%s: cannot be written: %s", path, strerror(-fd));
+	out->stream = fdopen(fd, "wb");
+	if (!out->stream) {
+		ret = -errno;
+		close(fd);
+		unlink(out->temporary);
+		return fault_say(fault, ret, "%s: cannot be written: %s", path, strerror(-ret));
+	}
+	return 0;
+}
+
+/* The rename itself reaches the disk with its folder. Some file systems cannot sync one: the file
+ * is whole all the same. */
+static void sync_folder(const char *path)
+{
+	char folder[PATH_MAX];
+	char *slash;
+	int fd;
+
+	strcpy(folder, path);
+	slash = strrchr(folder, '/');
+	if (!slash)
+		strcpy(folder, ".");
+	else
+		slash[slash == folder ? 1 : 0] = '\0';
+	fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	if (fd < 0)
+		return;
+	(void)fsync(fd);
+	close(fd);
+}
+
+static int finish_stream(FILE *stream)
+{
+	int ret = 0;
+
+	errno = 0;
+	if (fflush(stream) != 0)
+		ret = errno ? -errno : -EIO;
+	else if (ferror(stream))
+		ret = -EIO; /* an earlier write failed, and errno has moved on */
+	else if (fsync(fileno(stream)) < 0 && errno != EINVAL && errno != EROFS)
+		ret = -errno;
+	if (fclose(stream) != 0 && ret == 0)
+		ret = errno ? -errno : -EIO;
+	return ret;
+}
+
+int output_commit(struct output *out, struct fault *fault)
+{
+	int ret;
+
+	if (!out->stream)
+		return fault_say(fault, -EBADF, "%s: is not open for writing", out->path);
+	ret = finish_stream(out->stream);
+	out->stream = NULL;
+	if (ret == 0 && rename(out->temporary, out->path) < 0)
+		ret = -errno;
+	if (ret < 0) {
+		unlink(out->temporary);
+		return fault_say(fault, ret, "%s: cannot be written: %s", out->path,
+				 strerror(-ret));
+	}
+	sync_folder(out->path);
+	return 0;
+}
+
+void output_abandon(struct output *out)
+{
+	if (!out->stream)
+		return;
+	fclose(out->stream);
+	out->stream = NULL;
+	unlink(out->temporary);
+}
