@@ -10,6 +10,12 @@ HAL_SOURCES := \
 	hal/pool.c \
 	hal/transfer.c \
 	hal/view.c \
+	hal/image/image.c \
+	hal/image/image_png.c \
+	hal/image/image_jpeg.c \
+	hal/image/image_hdr.c \
+	hal/image/image_pfm.c \
 	hal/optics/fisheye.c \
 	hal/optics/panorama.c \
 	hal/optics/tsai.c
+HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.c)

@@ -1,0 +1,228 @@
+#include "hal/image/image.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "hal/image/codec.h"
+#include "hal/output.h"
+
+/* Larger files are no pictures; /dev/zero is none either. */
+#define FILE_BYTES_MAX ((size_t)1 << 32)
+
+static const struct image_codec *const codecs[] = {
+	&image_png, &image_jpeg, &image_hdr, &image_pfm,
+#if WITH_EXR
+	&image_exr,
+#endif
+	NULL,
+};
+
+#if WITH_EXR
+#define READABLE "PNG, JPEG, Radiance HDR, PFM and OpenEXR"
+#else
+#define READABLE "PNG, JPEG, Radiance HDR and PFM"
+#endif
+
+static bool size_fits(int width, int height)
+{
+	return width >= 1 && width <= IMAGE_SIDE_MAX && height >= 1 && height <= IMAGE_SIDE_MAX;
+}
+
+int image_create_u8(struct image *image, int width, int height)
+{
+	*image = (struct image){0};
+	if (!size_fits(width, height))
+		return -EINVAL;
+	image->u8 = calloc((size_t)width * (size_t)height, 3);
+	if (!image->u8)
+		return -ENOMEM;
+	image->width = width;
+	image->height = height;
+	return 0;
+}
+
+int image_create_f32(struct image *image, int width, int height)
+{
+	*image = (struct image){0};
+	if (!size_fits(width, height))
+		return -EINVAL;
+	image->f32 = calloc((size_t)width * (size_t)height, 3 * sizeof(float));
+	if (!image->f32)
+		return -ENOMEM;
+	image->width = width;
+	image->height = height;
+	return 0;
+}
+
+void image_free(struct image *image)
+{
+	free(image->u8);
+	free(image->f32);
+	*image = (struct image){0};
+}
+
+int image_check_size(const struct image_source *source, int64_t width, int64_t height,
+		     double pixels_per_byte, struct fault *fault)
+{
+	if (width < 1 || height < 1)
+		return fault_say(fault, -EBADMSG, "%s: the header says %lld x %lld pixels",
+				 source->name, (long long)width, (long long)height);
+	if (width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX)
+		return fault_say(fault, -EFBIG, "%s: %lld x %lld pixels, but a side has at most %d",
+				 source->name, (long long)width, (long long)height, IMAGE_SIDE_MAX);
+	if ((double)width * (double)height > (double)source->bytes * pixels_per_byte)
+		return fault_say(fault, -EBADMSG,
+				 "%s: the header says %lld x %lld pixels, but a file of %zu bytes "
+				 "cannot hold them",
+				 source->name, (long long)width, (long long)height, source->bytes);
+	return 0;
+}
+
+/* Light is finite and not negative; anything else in a file is damage or a mistake upstream, and
+ * would spread over the whole composite. */
+static int check_light(const struct image *image, const char *name, struct fault *fault)
+{
+	const size_t count = (size_t)image->width * (size_t)image->height * 3;
+
+	for (size_t i = 0; i < count; i++) {
+		const float value = image->f32[i];
+
+		if (value >= 0 && value <= 3.4028234663852886e38f)
+			continue;
+		return fault_say(fault, -EDOM,
+				 "%s: pixel (%zu, %zu), %s, holds %g: light must be finite and not "
+				 "negative",
+				 name, i / 3 % (size_t)image->width, i / 3 / (size_t)image->width,
+				 i % 3 == 0   ? "red"
+				 : i % 3 == 1 ? "green"
+					      : "blue",
+				 (double)value);
+	}
+	return 0;
+}
+
+int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,
+		      struct fault *fault)
+{
+	const struct image_source source = {.data = data, .bytes = bytes, .name = name};
+	const struct image_codec *codec = NULL;
+	int err;
+
+	*image = (struct image){0};
+	for (int i = 0; codecs[i] && !codec; i++)
+		if (codecs[i]->probe(data, bytes))
+			codec = codecs[i];
+	if (!bytes)
+		return fault_say(fault, -EBADMSG, "%s: the file is empty, expected a picture",
+				 name);
+	if (!codec)
+		return fault_say(fault, -ENOTSUP,
+				 "%s: not a picture of a known kind (" READABLE ")", name);
+	err = codec->read(&source, image, fault);
+	if (!err && image->f32)
+		err = check_light(image, name, fault);
+	if (err)
+		image_free(image);
+	return err;
+}
+
+/* The whole file. Not mapped: a file cut short by somebody else would then be a SIGBUS. */
+static int slurp(const char *path, uint8_t **data, size_t *bytes)
+{
+	size_t used = 0, room = 1 << 16;
+	uint8_t *buffer = malloc(room);
+	const int fd = buffer ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+	ssize_t got = -1;
+	int err = buffer ? -errno : -ENOMEM;
+
+	if (fd < 0)
+		goto free_buffer;
+	for (;;) {
+		got = read(fd, buffer + used, room - used);
+		err = got < 0 ? -errno : 0;
+		if (err == -EINTR)
+			continue;
+		if (got <= 0)
+			break;
+		used += (size_t)got;
+		if (used == room) {
+			uint8_t *larger = room < FILE_BYTES_MAX ? realloc(buffer, room * 2) : NULL;
+
+			if (!larger) {
+				err = room < FILE_BYTES_MAX ? -ENOMEM : -EFBIG;
+				break;
+			}
+			buffer = larger;
+			room *= 2;
+		}
+	}
+	close(fd);
+	if (err)
+		goto free_buffer;
+	*data = buffer;
+	*bytes = used;
+	return 0;
+
+free_buffer:
+	free(buffer);
+	return err;
+}
+
+int image_read(const char *path, struct image *image, struct fault *fault)
+{
+	uint8_t *data = NULL;
+	size_t bytes = 0;
+	int err;
+
+	*image = (struct image){0};
+	err = slurp(path, &data, &bytes);
+	if (err)
+		return fault_say(fault, err, "%s: cannot read the picture: %s", path,
+				 strerror(-err));
+	err = image_read_memory(data, bytes, path, image, fault);
+	free(data);
+	return err;
+}
+
+static const struct image_codec *codec_for_writing(const char *path)
+{
+	const char *dot = strrchr(path, '.');
+
+	for (int i = 0; dot && codecs[i]; i++)
+		if (codecs[i]->write && !strcasecmp(dot, codecs[i]->ending))
+			return codecs[i];
+	return NULL;
+}
+
+int image_write(const char *path, const struct image *image, struct fault *fault)
+{
+	const struct image_codec *codec = codec_for_writing(path);
+	struct output out = {0};
+	int err;
+
+	if (!size_fits(image->width, image->height) || !image->u8 == !image->f32)
+		return fault_say(fault, -EINVAL, "%s: there is no picture to write", path);
+	if (!codec)
+		return fault_say(fault, -ENOTSUP,
+				 "%s: cannot tell the kind of picture from the name, expected an "
+				 "ending of .png, .pfm or .hdr",
+				 path);
+	if (codec->linear != (image->f32 != NULL))
+		return fault_say(fault, -ENOTSUP, "%s: %s cannot hold this picture, expected %s",
+				 path, codec->name, image->f32 ? ".pfm or .hdr" : ".png");
+	err = output_open(&out, path, fault);
+	if (err)
+		return err;
+	err = codec->write(out.stream, image);
+	if (err) {
+		output_abandon(&out);
+		return fault_say(fault, err, "%s: cannot write the picture: %s", path,
+				 strerror(-err));
+	}
+	return output_commit(&out, fault);
+}

@@ -1,0 +1,176 @@
+/*
+ * PNG through libpng. Its errors are longjmps: each lands in the function that called setjmp, which
+ * keeps everything that must survive in the struct that its caller owns.
+ */
+#include <errno.h>
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/image/codec.h"
+
+/* Deflate's densest: 258 bytes from two bits and a bit, 1032 to 1; and 8 pixels of 1 bit a byte. */
+#define PIXELS_PER_BYTE (1032.0 * 8)
+
+struct png_work {
+	png_structp png;
+	png_infop info;
+	png_bytep *rows;
+	const struct image_source *source;
+	size_t at;
+	int err;
+	char message[128];
+};
+
+static bool png_probe(const uint8_t *data, size_t bytes)
+{
+	return bytes >= 8 && !png_sig_cmp(data, 0, 8);
+}
+
+static _Noreturn void on_error(png_structp png, png_const_charp message)
+{
+	struct png_work *work = png_get_error_ptr(png);
+
+	snprintf(work->message, sizeof(work->message), "%s", message);
+	png_longjmp(png, 1);
+}
+
+/* Warnings are about ancillary chunks, which are not used. */
+static void on_warning(png_structp png, png_const_charp message)
+{
+	(void)png;
+	(void)message;
+}
+
+static void take(png_structp png, png_bytep out, size_t bytes)
+{
+	struct png_work *work = png_get_io_ptr(png);
+
+	if (bytes > work->source->bytes - work->at)
+		png_error(png, "the file ends too early");
+	memcpy(out, work->source->data + work->at, bytes);
+	work->at += bytes;
+}
+
+static int allocate_rows(struct png_work *work, const struct image *image)
+{
+	work->rows = malloc((size_t)image->height * sizeof(*work->rows));
+	if (!work->rows)
+		return -ENOMEM;
+	for (int y = 0; y < image->height; y++)
+		work->rows[y] = image->u8 + (size_t)y * (size_t)image->width * 3;
+	return 0;
+}
+
+/* Every kind of PNG to RGB of 8 bits, code values untouched by gamma. */
+static void ask_for_rgb(struct png_work *work)
+{
+	png_set_scale_16(work->png);
+	png_set_palette_to_rgb(work->png);
+	png_set_expand_gray_1_2_4_to_8(work->png);
+	png_set_gray_to_rgb(work->png);
+	png_set_strip_alpha(work->png);
+	png_set_interlace_handling(work->png);
+	png_read_update_info(work->png, work->info);
+}
+
+static int decode(struct png_work *work, struct image *image, struct fault *fault)
+{
+	if (setjmp(png_jmpbuf(work->png)))
+		return fault_say(fault, -EBADMSG, "%s: damaged PNG: %s", work->source->name,
+				 work->message);
+	png_set_read_fn(work->png, work, take);
+	/* Sizes are judged below, in our own words. */
+	png_set_user_limits(work->png, 0x7fffffff, 0x7fffffff);
+	png_read_info(work->png, work->info);
+	work->err = image_check_size(work->source, png_get_image_width(work->png, work->info),
+				     png_get_image_height(work->png, work->info), PIXELS_PER_BYTE,
+				     fault);
+	if (work->err)
+		return work->err;
+	ask_for_rgb(work);
+	if (png_get_rowbytes(work->png, work->info) !=
+	    (size_t)png_get_image_width(work->png, work->info) * 3)
+		png_error(work->png, "rows are not RGB");
+	work->err = image_create_u8(image, (int)png_get_image_width(work->png, work->info),
+				    (int)png_get_image_height(work->png, work->info));
+	if (!work->err)
+		work->err = allocate_rows(work, image);
+	if (work->err)
+		return fault_say(fault, work->err, "%s: not enough memory for the picture",
+				 work->source->name);
+	png_read_image(work->png, work->rows);
+	png_read_end(work->png, NULL);
+	return 0;
+}
+
+static int png_read(const struct image_source *source, struct image *image, struct fault *fault)
+{
+	struct png_work work = {.source = source};
+	int err = -ENOMEM;
+
+	work.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+	work.info = work.png ? png_create_info_struct(work.png) : NULL;
+	if (work.info)
+		err = decode(&work, image, fault);
+	else
+		fault_say(fault, err, "%s: not enough memory", source->name);
+	png_destroy_read_struct(&work.png, &work.info, NULL);
+	free(work.rows);
+	return err;
+}
+
+static void put(png_structp png, png_bytep data, size_t bytes)
+{
+	if (fwrite(data, 1, bytes, png_get_io_ptr(png)) != bytes)
+		png_error(png, "cannot write");
+}
+
+static void flush(png_structp png)
+{
+	(void)png;
+}
+
+static int encode(struct png_work *work, FILE *stream, const struct image *image)
+{
+	if (setjmp(png_jmpbuf(work->png)))
+		return -EIO;
+	png_set_write_fn(work->png, stream, put, flush);
+	png_set_IHDR(work->png, work->info, (png_uint_32)image->width, (png_uint_32)image->height,
+		     8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+		     PNG_FILTER_TYPE_DEFAULT);
+	/* Level 3 is three times as fast as the default, and photographs grow by a few per cent. */
+	png_set_compression_level(work->png, 3);
+	png_write_info(work->png, work->info);
+	png_write_image(work->png, work->rows);
+	png_write_end(work->png, NULL);
+	return 0;
+}
+
+static int png_write(FILE *stream, const struct image *image)
+{
+	struct png_work work = {0};
+	int err = -ENOMEM;
+
+	work.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+	work.info = work.png ? png_create_info_struct(work.png) : NULL;
+	if (work.info)
+		err = allocate_rows(&work, image);
+	if (!err) {
+		errno = 0;
+		err = encode(&work, stream, image);
+		if (err && errno)
+			err = -errno;
+	}
+	png_destroy_write_struct(&work.png, &work.info);
+	free(work.rows);
+	return err;
+}
+
+const struct image_codec image_png = {
+	.name = "PNG",
+	.ending = ".png",
+	.probe = png_probe,
+	.read = png_read,
+	.write = png_write,
+};
