@@ -10,6 +10,10 @@ HAL_SOURCES := \
 	hal/pool.c \
 	hal/transfer.c \
 	hal/view.c \
+	hal/ini/ini.c \
+	hal/ini/ini_names.c \
+	hal/ini/ini_sample.c \
+	hal/ini/ini_value.c \
 	hal/image/image.c \
 	hal/image/image_png.c \
 	hal/image/image_jpeg.c \

@@ -3,7 +3,7 @@
  * help, the sample file and --print-config. Tokenising is inih's.
  *
  *     [section]            one struct
- *     [section name]       one struct for each name ("named" tables)
+ *     [section name]       one struct for each name ("named" tables; letters, digits, - and _)
  *     key = value          ; a comment follows white space and a semicolon
  *
  * Every fault names file, line, section and key, says what was expected, and offers the nearest
@@ -37,7 +37,7 @@ struct ini_key {
 	enum ini_type type;
 	size_t offset;		    /* of the field in the section's struct */
 	unsigned count;		    /* INI_REALS */
-	double min, max;	    /* INT, REAL, REALS, inclusive */
+	double min, max;	    /* INT, REAL, REALS, inclusive; both 0: any */
 	const char *const *choices; /* INI_CHOICE, NULL at the end */
 	const char *fallback;	    /* the default as it would be written; NULL: must be given */
 	const char *unit;	    /* for people: "px", "deg"; NULL for none */
@@ -69,7 +69,8 @@ struct ini_table {
 		.section = NULL                                                                    \
 	}
 
-/* Collects everything that is wrong with a file; the first is what most callers print. */
+/* Collects everything that is wrong with a file (the first hundred faults of one that is no INI
+ * file at all); the first is what most callers print. */
 struct ini_report {
 	int count;				      /* faults found */
 	void (*say)(void *context, const char *text); /* called for each; may be NULL */

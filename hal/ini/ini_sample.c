@@ -1,0 +1,67 @@
+#include <string.h>
+
+#include "hal/ini/ini_value.h"
+
+#define WRAP_COLUMN 90
+
+/* "; " before each line, broken at blanks. */
+static void write_comment(FILE *stream, const char *text)
+{
+	while (*text) {
+		size_t length = strlen(text);
+
+		if (length > WRAP_COLUMN) {
+			length = WRAP_COLUMN;
+			while (length && text[length] != ' ')
+				length--;
+			if (!length)
+				length = strcspn(text, " ");
+		}
+		fprintf(stream, "; %.*s\n", (int)length, text);
+		text += length;
+		text += strspn(text, " ");
+	}
+}
+
+static void write_key(FILE *stream, const char *prefix, const struct ini_key *key)
+{
+	char expected[INI_WHY_MAX], comment[2 * INI_WHY_MAX];
+
+	ini_value_expected(key, expected, sizeof(expected));
+	snprintf(comment, sizeof(comment), "%s (%s)", key->help ? key->help : "", expected);
+	fputc('\n', stream);
+	write_comment(stream, comment);
+	if (key->fallback)
+		fprintf(stream, "%s%s =%s%s\n", prefix, key->name, *key->fallback ? " " : "",
+			key->fallback);
+	else
+		fprintf(stream, "; must be given:\n; %s%s =\n", prefix, key->name);
+}
+
+static bool section_came_before(const struct ini_table *tables, const struct ini_table *table)
+{
+	for (const struct ini_table *t = tables; t < table; t++) {
+		if (!strcmp(t->section, table->section))
+			return true;
+	}
+	return false;
+}
+
+void ini_write_sample(FILE *stream, const struct ini_table *tables)
+{
+	for (const struct ini_table *table = tables; table->section; table++) {
+		if (section_came_before(tables, table))
+			continue;
+		if (table != tables)
+			fputc('\n', stream);
+		if (table->help)
+			write_comment(stream, table->help);
+		fprintf(stream, "[%s%s]\n", table->section, table->named ? " NAME" : "");
+		for (const struct ini_table *t = table; t->section; t++) {
+			if (strcmp(t->section, table->section) != 0)
+				continue;
+			for (const struct ini_key *key = t->keys; key->name; key++)
+				write_key(stream, t->prefix ? t->prefix : "", key);
+		}
+	}
+}

@@ -1,0 +1,329 @@
+#include "hal/ini/ini_value.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ECHO_MAX 60 /* of a wrong value that is repeated in a fault */
+
+/* Text that grows by pieces and is cut, never overrun; length counts what was cut too. */
+struct words {
+	char *text;
+	size_t room, length;
+};
+
+__attribute__((format(printf, 2, 3))) static void add(struct words *words, const char *format, ...)
+{
+	size_t at = words->length < words->room ? words->length : words->room;
+	va_list args;
+	int n;
+
+	va_start(args, format);
+	n = vsnprintf(words->text + at, words->room - at, format, args);
+	va_end(args);
+	if (n > 0)
+		words->length += (size_t)n;
+}
+
+static bool bounded(const struct ini_key *key)
+{
+	return key->min != 0 || key->max != 0;
+}
+
+static void add_range(struct words *words, const struct ini_key *key)
+{
+	if (bounded(key)) {
+		if (fabs(key->min) < 1e15 && fabs(key->max) < 1e15)
+			add(words, " %.10g..%.10g", key->min, key->max);
+		else if (fabs(key->min) < 1e15)
+			add(words, " of at least %.10g", key->min);
+		else if (fabs(key->max) < 1e15)
+			add(words, " of at most %.10g", key->max);
+	}
+	if (key->unit)
+		add(words, " %s", key->unit);
+}
+
+void ini_value_expected(const struct ini_key *key, char *text, size_t room)
+{
+	struct words words = {text, room, 0};
+
+	switch (key->type) {
+	case INI_BOOL:
+		add(&words, "yes or no");
+		break;
+	case INI_INT:
+		add(&words, "a whole number");
+		add_range(&words, key);
+		break;
+	case INI_REAL:
+		add(&words, "a number");
+		add_range(&words, key);
+		break;
+	case INI_REALS:
+		add(&words, "%u numbers", key->count);
+		add_range(&words, key);
+		break;
+	case INI_TEXT:
+		add(&words, "text of at most %d bytes", INI_TEXT_MAX - 1);
+		break;
+	case INI_PATH:
+		add(&words, "a path of at most %d bytes", INI_PATH_MAX - 1);
+		break;
+	case INI_CHOICE:
+		add(&words, "one of ");
+		for (int i = 0; key->choices[i]; i++)
+			add(&words, "%s%s", i ? ", " : "", key->choices[i]);
+		break;
+	}
+}
+
+static int refuse(const struct ini_key *key, const char *text, char why[INI_WHY_MAX])
+{
+	struct words words = {why, INI_WHY_MAX, 0};
+	char expected[INI_WHY_MAX];
+
+	ini_value_expected(key, expected, sizeof(expected));
+	if (*text)
+		add(&words, "is \"%.*s%s\", expected %s", ECHO_MAX, text,
+		    strlen(text) > ECHO_MAX ? "..." : "", expected);
+	else
+		add(&words, "has no value, expected %s", expected);
+	return -EINVAL;
+}
+
+static int read_bool(const char *text, bool *value)
+{
+	static const char *const yes[] = {"yes", "true", "on", "1"};
+	static const char *const no[] = {"no", "false", "off", "0"};
+
+	for (size_t i = 0; i < sizeof(yes) / sizeof(*yes); i++) {
+		if (!strcasecmp(text, yes[i]) || !strcasecmp(text, no[i])) {
+			*value = !strcasecmp(text, yes[i]);
+			return 0;
+		}
+	}
+	return -EINVAL;
+}
+
+static bool within(const struct ini_key *key, double value)
+{
+	return isfinite(value) && (!bounded(key) || (value >= key->min && value <= key->max));
+}
+
+static int read_int(const struct ini_key *key, const char *text, int *value)
+{
+	char *end;
+	long n;
+
+	errno = 0;
+	n = strtol(text, &end, 10);
+	if (end == text || *end || errno || n < INT_MIN || n > INT_MAX || !within(key, (double)n))
+		return -EINVAL;
+	*value = (int)n;
+	return 0;
+}
+
+/* One number at *text, which moves past it. Decimal only: strtod alone would also take hexadecimal,
+ * "nan" and "infinity". */
+static int read_number(const struct ini_key *key, const char **text, double *value)
+{
+	size_t length = strspn(*text, "+-.0123456789eE");
+	char *end;
+	double v = strtod(*text, &end);
+
+	if (!length || end != *text + length || !within(key, v))
+		return -EINVAL;
+	*value = v;
+	*text = end;
+	return 0;
+}
+
+static int read_real(const struct ini_key *key, const char *text, double *value)
+{
+	double v;
+	int err = read_number(key, &text, &v);
+
+	if (err || *text)
+		return -EINVAL;
+	*value = v;
+	return 0;
+}
+
+static const char *skip_blank(const char *text)
+{
+	return text + strspn(text, " \t");
+}
+
+/* Two passes: the first checks, so that a wrong list leaves the field as it was. */
+static int read_reals(const struct ini_key *key, const char *text, double *values)
+{
+	for (int pass = 0; pass < 2; pass++) {
+		const char *at = skip_blank(text);
+
+		for (unsigned i = 0; i < key->count; i++) {
+			double v;
+			const char *before;
+			int err = read_number(key, &at, &v);
+
+			if (err)
+				return err;
+			if (pass)
+				values[i] = v;
+			before = at;
+			at = skip_blank(at);
+			if (i + 1 < key->count && *at == ',')
+				at = skip_blank(at + 1);
+			if (i + 1 < key->count && at == before)
+				return -EINVAL;
+		}
+		if (*at)
+			return -EINVAL;
+	}
+	return 0;
+}
+
+static int read_text(const char *text, size_t room, char *value)
+{
+	size_t length = strlen(text);
+
+	if (length >= room)
+		return -EINVAL;
+	memcpy(value, text, length + 1);
+	return 0;
+}
+
+static int read_path(const char *text, const char *folder, char *value)
+{
+	size_t text_length = strlen(text);
+	size_t folder_length = folder ? strlen(folder) : 0;
+
+	if (!*text || *text == '/' || !folder_length)
+		return read_text(text, INI_PATH_MAX, value);
+	if (folder_length + 1 + text_length >= INI_PATH_MAX)
+		return -EINVAL;
+	stpcpy(stpcpy(stpcpy(value, folder), "/"), text);
+	return 0;
+}
+
+static int read_choice(const struct ini_key *key, const char *text, int *value)
+{
+	for (int i = 0; key->choices[i]; i++) {
+		if (!strcmp(text, key->choices[i])) {
+			*value = i;
+			return 0;
+		}
+	}
+	return -EINVAL;
+}
+
+static void offer_choice(const struct ini_key *key, const char *text, char why[INI_WHY_MAX])
+{
+	size_t count = 0, length = strlen(why);
+	const char *near;
+
+	while (key->choices[count])
+		count++;
+	near = ini_nearest(text, key->choices, count);
+	if (near)
+		snprintf(why + length, INI_WHY_MAX - length, "; did you mean \"%s\"?", near);
+}
+
+int ini_value_read(const struct ini_key *key, const char *text, const char *folder, void *values,
+		   char why[INI_WHY_MAX])
+{
+	void *field = (char *)values + key->offset;
+	int err = -EINVAL;
+
+	switch (key->type) {
+	case INI_BOOL:
+		err = read_bool(text, field);
+		break;
+	case INI_INT:
+		err = read_int(key, text, field);
+		break;
+	case INI_REAL:
+		err = read_real(key, text, field);
+		break;
+	case INI_REALS:
+		err = read_reals(key, text, field);
+		break;
+	case INI_TEXT:
+		err = read_text(text, INI_TEXT_MAX, field);
+		break;
+	case INI_PATH:
+		err = read_path(text, folder, field);
+		break;
+	case INI_CHOICE:
+		err = read_choice(key, text, field);
+		break;
+	}
+	if (err) {
+		refuse(key, text, why);
+		if (key->type == INI_CHOICE)
+			offer_choice(key, text, why);
+	}
+	return err;
+}
+
+/* The shortest decimal that reads back as the same double. */
+static void add_real(struct words *words, double value)
+{
+	char text[40];
+
+	for (int digits = 6; digits <= 17; digits++) {
+		snprintf(text, sizeof(text), "%.*g", digits, value);
+		if (strtod(text, NULL) == value)
+			break;
+	}
+	add(words, "%s", text);
+}
+
+int ini_value_text(const struct ini_key *key, const void *values, char *text, size_t room)
+{
+	const void *field = (const char *)values + key->offset;
+	struct words words = {text, room, 0};
+
+	switch (key->type) {
+	case INI_BOOL:
+		add(&words, "%s", *(const bool *)field ? "yes" : "no");
+		break;
+	case INI_INT:
+		add(&words, "%d", *(const int *)field);
+		break;
+	case INI_REAL:
+		add_real(&words, *(const double *)field);
+		break;
+	case INI_REALS:
+		for (unsigned i = 0; i < key->count; i++) {
+			add(&words, "%s", i ? " " : "");
+			add_real(&words, ((const double *)field)[i]);
+		}
+		break;
+	case INI_TEXT:
+	case INI_PATH:
+		add(&words, "%s", (const char *)field);
+		break;
+	case INI_CHOICE:
+		add(&words, "%s", key->choices[*(const int *)field]);
+		break;
+	}
+	return (int)words.length;
+}
+
+void ini_defaults(const struct ini_key *keys, void *values)
+{
+	char why[INI_WHY_MAX];
+
+	for (const struct ini_key *key = keys; key->name; key++) {
+		if (key->fallback && ini_value_read(key, key->fallback, NULL, values, why)) {
+			/* The table contradicts itself: a mistake in the program, not in a file. */
+			fprintf(stderr, "default of key \"%s\" %s\n", key->name, why);
+			abort();
+		}
+	}
+}
