@@ -50,6 +50,7 @@ struct camera {
 	enum pixel_format format;
 	int width, height;
 	double rate_hz;
+	bool on_demand; /* each grab() makes the next frame: waiting loses nothing */
 	enum camera_situation situation;
 	uint64_t frames, lost,
 		broken; /* handed out; gaps in sequence + superseded; skipped as unfit */

@@ -152,7 +152,9 @@ static void split_title(struct reading *r, const char *title)
 
 static void *place_of(const struct reading *r, const struct ini_table *table)
 {
-	return table->place(r->root, table->named ? r->instance : NULL);
+	void *place = table->place(r->root, table->named ? r->instance : NULL);
+
+	return place ? (char *)place + table->part : NULL;
 }
 
 /* ---- sections and keys ---- */

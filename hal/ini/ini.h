@@ -57,11 +57,15 @@ struct ini_table {
 	const struct ini_key *keys;
 	const char *help; /* of the section; may be NULL */
 	/*
-	 * The struct that the keys fill, already holding defaults (ini_defaults()). instance is the
-	 * name in a named section, else NULL. Called once or more for each section met, including
-	 * those that hold no key. NULL: no room for one more instance (a fault says so).
+	 * Where the struct that the keys fill is, already holding defaults (ini_defaults()).
+	 * instance is the name in a named section, else NULL. Called once or more for each section
+	 * met, including those that hold no key. NULL: no room for one more instance (a fault says
+	 * so).
 	 */
 	void *(*place)(void *root, const char *instance);
+	size_t part;	    /* bytes from what place() returns to the struct that the keys fill */
+	const char *sample; /* names of a named section's instances in the sample file, separated by
+			       blanks; the first is written in full; NULL: "NAME" */
 };
 
 #define INI_TABLES_END                                                                             \

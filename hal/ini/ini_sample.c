@@ -47,21 +47,41 @@ static bool section_came_before(const struct ini_table *tables, const struct ini
 	return false;
 }
 
+static void write_other_names(FILE *stream, const struct ini_table *table, const char *names)
+{
+	if (!table->named)
+		return;
+	while (names += strspn(names, " "), *names) {
+		size_t length = strcspn(names, " ");
+
+		fprintf(stream, "\n; The same keys.\n[%s %.*s]\n", table->section, (int)length,
+			names);
+		names += length;
+	}
+}
+
 void ini_write_sample(FILE *stream, const struct ini_table *tables)
 {
 	for (const struct ini_table *table = tables; table->section; table++) {
+		const char *name;
+		size_t length;
+
 		if (section_came_before(tables, table))
 			continue;
 		if (table != tables)
 			fputc('\n', stream);
 		if (table->help)
 			write_comment(stream, table->help);
-		fprintf(stream, "[%s%s]\n", table->section, table->named ? " NAME" : "");
+		name = table->sample ? table->sample : "NAME";
+		length = table->named ? strcspn(name, " ") : 0;
+		fprintf(stream, "[%s%s%.*s]\n", table->section, length ? " " : "", (int)length,
+			name);
 		for (const struct ini_table *t = table; t->section; t++) {
 			if (strcmp(t->section, table->section) != 0)
 				continue;
 			for (const struct ini_key *key = t->keys; key->name; key++)
 				write_key(stream, t->prefix ? t->prefix : "", key);
 		}
+		write_other_names(stream, table, name + length);
 	}
 }

@@ -34,7 +34,9 @@ struct extra {
 struct camera_part {
 	char name[64];
 	int width;
-	double sim_noise;
+	struct sim {
+		double noise;
+	} sim;
 };
 
 struct root {
@@ -70,8 +72,7 @@ static const struct ini_key camera_part_keys[] = {
 	 .fallback = "640", .unit = "px", .help = "Wanted."},
 	INI_KEYS_END};
 
-static const struct ini_key sim_keys[] = {{"noise", INI_REAL,
-					   offsetof(struct camera_part, sim_noise), .min = 0,
+static const struct ini_key sim_keys[] = {{"noise", INI_REAL, offsetof(struct sim, noise), .min = 0,
 					   .max = 1, .fallback = "0", .help = "Grain."},
 					  INI_KEYS_END};
 
@@ -110,16 +111,26 @@ static void *place_camera(void *user, const char *instance)
 	part = &root->cameras[root->camera_count++];
 	snprintf(part->name, sizeof(part->name), "%s", instance);
 	ini_defaults(camera_part_keys, part);
-	ini_defaults(sim_keys, part);
+	ini_defaults(sim_keys, &part->sim);
 	return part;
 }
 
 static const struct ini_table tables[] = {
-	{"lamp", false, NULL, lamp_keys, "A lamp.", place_lamp},
-	{"lamp", false, "spin.", extra_keys, NULL, place_extra},
-	{"camera", true, NULL, camera_part_keys, "A camera.", place_camera},
-	{"camera", true, "sim.", sim_keys, NULL, place_camera},
-	{"strict", false, NULL, strict_keys, NULL, place_strict},
+	{.section = "lamp", .keys = lamp_keys, .help = "A lamp.", .place = place_lamp},
+	{.section = "lamp", .prefix = "spin.", .keys = extra_keys, .place = place_extra},
+	{.section = "camera",
+	 .named = true,
+	 .keys = camera_part_keys,
+	 .help = "A camera.",
+	 .place = place_camera,
+	 .sample = "left right"},
+	{.section = "camera",
+	 .named = true,
+	 .prefix = "sim.",
+	 .keys = sim_keys,
+	 .place = place_camera,
+	 .part = offsetof(struct camera_part, sim)},
+	{.section = "strict", .keys = strict_keys, .place = place_strict},
 	INI_TABLES_END};
 
 struct outcome {
@@ -207,7 +218,7 @@ static void every_type_is_read(void **state)
 	assert_int_equal(o->root.camera_count, 2);
 	assert_string_equal(o->root.cameras[0].name, "one");
 	assert_int_equal(o->root.cameras[0].width, 4096);
-	assert_true(o->root.cameras[0].sim_noise == 0.5);
+	assert_true(o->root.cameras[0].sim.noise == 0.5);
 	assert_int_equal(o->root.cameras[1].width, 10);
 	free(o);
 }
@@ -466,7 +477,7 @@ static void assignments_are_read(void **state)
 	assert_string_equal(o->root.lamp.label, "a = b");
 	assert_string_equal(o->root.lamp.file, "rel/x");
 	assert_true(o->root.extra.speed == 1);
-	assert_true(o->root.cameras[0].sim_noise == 1);
+	assert_true(o->root.cameras[0].sim.noise == 1);
 	assert_int_equal(o->root.cameras[1].width, 1);
 	for (size_t i = 0; i < sizeof(wrong) / sizeof(*wrong); i++) {
 		o->said_count = 0;
@@ -536,9 +547,11 @@ static void sample_equals_the_defaults(void **state)
 	assert_non_null(strstr(o->said[0], "[strict] must: is missing"));
 	assert_memory_equal(&o->root.lamp, &fresh->root.lamp, sizeof(fresh->root.lamp));
 	assert_memory_equal(&o->root.extra, &fresh->root.extra, sizeof(fresh->root.extra));
-	assert_int_equal(o->root.camera_count, 1);
-	assert_string_equal(o->root.cameras[0].name, "NAME");
+	assert_int_equal(o->root.camera_count, 2);
+	assert_string_equal(o->root.cameras[0].name, "left");
 	assert_int_equal(o->root.cameras[0].width, 640);
+	assert_string_equal(o->root.cameras[1].name, "right");
+	assert_int_equal(o->root.cameras[1].width, 640);
 	for (const struct ini_key *key = lamp_keys; key->name; key++)
 		assert_non_null(strstr(text, key->help));
 	free(text);
