@@ -33,7 +33,7 @@ struct buttons_ops;
 struct buttons {
 	const struct buttons_ops *ops;
 	void *options; /* borrowed */
-	void *state;
+	void *state;   /* the driver's; NULL when closed */
 };
 
 struct buttons_ops {
@@ -45,16 +45,17 @@ struct buttons_ops {
 	/* Optional. Prints one line of text for each device and line found through found(). */
 	int (*list)(void (*found)(void *context, const char *line), void *context);
 
-	/* Mandatory. */
+	/* Mandatory. What a failure leaves half-open, buttons_open() has closed. */
 	int (*open)(struct buttons *buttons, struct fault *fault);
 	/* Mandatory. Polls readable when read() has something. */
 	int (*descriptor)(struct buttons *buttons);
 	/* Mandatory, never blocks. 0 and a press; -EAGAIN: none; other -errno: gone, close it. */
 	int (*read)(struct buttons *buttons, struct button_press *press, struct fault *fault);
-	/* Mandatory, idempotent. */
+	/* Mandatory, idempotent; accepts what open() left half-done. */
 	void (*close)(struct buttons *buttons);
 };
 
+/* What callers use. -EBADF: not open. Buttons that failed to open are closed and zeroed. */
 int buttons_open(struct buttons *buttons, const struct buttons_ops *ops, void *options,
 		 struct fault *fault);
 int buttons_descriptor(struct buttons *buttons);

@@ -33,7 +33,10 @@ struct display {
 	int width, height;
 	double rate_hz; /* 0: as fast as it is fed */
 	uint64_t shown; /* frames that reached the screen */
-	void *state;
+	void *state;	/* the driver's; NULL when closed */
+	/* The wrappers' own: */
+	bool acquired;
+	int acquired_index;
 };
 
 struct display_buffer {
@@ -75,7 +78,8 @@ struct display_ops {
 	int (*list)(void (*found)(void *context, const struct display_listing *listing),
 		    void *context);
 
-	/* Mandatory. Sets width, height, rate_hz, state. Leaves nothing open on failure. */
+	/* Mandatory. Sets width, height, rate_hz, state. What a failure leaves half-open,
+	 * display_open() has closed. */
 	int (*open)(struct display *display, struct fault *fault);
 
 	/* Mandatory. Polls readable when dispatch() has something to do; -1: never. */
@@ -93,11 +97,16 @@ struct display_ops {
 	/* Mandatory, never blocks. One event per call until DISPLAY_NOTHING. 0 or -errno. */
 	int (*dispatch)(struct display *display, struct display_event *event, struct fault *fault);
 
-	/* Mandatory. Idempotent; gives the screen back as it was; finishes files. 0, or -errno with
-	 * a fault when something that was promised could not be finished. */
+	/* Mandatory. Idempotent, accepts what open() left half-done; gives the screen back as it
+	 * was; finishes files. 0, or -errno with a fault when something that was promised could not
+	 * be finished. */
 	int (*close)(struct display *display, struct fault *fault);
 };
 
+/*
+ * What callers use. -EBADF: not open; -EINVAL: a buffer that was not acquired, or no op table. A
+ * display that failed to open is closed and zeroed.
+ */
 int display_open(struct display *display, const struct display_ops *ops,
 		 const struct display_settings *settings, void *options, struct fault *fault);
 int display_descriptor(struct display *display);
@@ -106,5 +115,8 @@ int display_submit(struct display *display, struct display_buffer *buffer, int64
 		   struct fault *fault);
 int display_dispatch(struct display *display, struct display_event *event, struct fault *fault);
 int display_close(struct display *display, struct fault *fault); /* zeroed is fine */
+
+/* For drivers whose size is free: what was asked for, else the picture's. -EINVAL: neither. */
+int display_free_size(const struct display *display, int *width, int *height, struct fault *fault);
 
 #endif

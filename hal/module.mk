@@ -1,7 +1,9 @@
 hal_PACKAGES := libturbojpeg libpng libxxhash inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
+	hal/buttons.c \
 	hal/camera.c \
+	hal/display.c \
 	hal/fault.c \
 	hal/frame.c \
 	hal/frame_decode.c \
@@ -14,6 +16,10 @@ HAL_SOURCES := \
 	hal/ini/ini_names.c \
 	hal/ini/ini_sample.c \
 	hal/ini/ini_value.c \
+	hal/basis/basis.c \
+	hal/basis/basis_blocks.c \
+	hal/basis/basis_layout.c \
+	hal/basis/basis_writer.c \
 	hal/image/image.c \
 	hal/image/image_png.c \
 	hal/image/image_jpeg.c \

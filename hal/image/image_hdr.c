@@ -272,15 +272,16 @@ static int run_length(const uint8_t (*row)[4], int channel, int from, int length
 	return to - from;
 }
 
-static void write_plane(FILE *stream, const uint8_t (*row)[4], int channel, int length)
+/* Runs of at least three, and what is between them as it is. Returns the end of the code. */
+static uint8_t *code_plane(uint8_t *out, const uint8_t (*row)[4], int channel, int length)
 {
 	for (int x = 0; x < length;) {
 		const int from = x;
 		int run = run_length(row, channel, x, length);
 
 		if (run >= 3) {
-			putc(128 + run, stream);
-			putc(row[x][channel], stream);
+			*out++ = (uint8_t)(128 + run);
+			*out++ = row[x][channel];
 			x += run;
 			continue;
 		}
@@ -288,36 +289,52 @@ static void write_plane(FILE *stream, const uint8_t (*row)[4], int channel, int 
 			x++;
 			run = run_length(row, channel, x, length);
 		}
-		putc(x - from, stream);
+		*out++ = (uint8_t)(x - from);
 		for (int i = from; i < x; i++)
-			putc(row[i][channel], stream);
+			*out++ = row[i][channel];
 	}
+	return out;
+}
+
+static int write_row(FILE *stream, const uint8_t (*row)[4], int length, uint8_t *code)
+{
+	const uint8_t *bytes = row[0];
+	size_t count = 4 * (size_t)length;
+
+	if (length >= NEW_CODING_MIN && length <= NEW_CODING_MAX) {
+		uint8_t *end = code;
+
+		*end++ = 2;
+		*end++ = 2;
+		*end++ = (uint8_t)(length >> 8);
+		*end++ = (uint8_t)length;
+		for (int c = 0; c < 4; c++)
+			end = code_plane(end, row, c, length);
+		bytes = code;
+		count = (size_t)(end - code);
+	}
+	return fwrite(bytes, 1, count, stream) == count ? 0 : -errno;
 }
 
 static int hdr_write(FILE *stream, const struct image *image)
 {
-	const int width = image->width;
-	const bool planes = width >= NEW_CODING_MIN && width <= NEW_CODING_MAX;
-	uint8_t(*row)[4] = malloc((size_t)width * sizeof(*row));
+	const size_t width = (size_t)image->width;
+	uint8_t(*row)[4] = malloc(width * sizeof(*row));
+	/* The code is longest without any run: a count before each 128 bytes. */
+	uint8_t *code = malloc(4 + 4 * (width + width / 128 + 1));
+	int err = row && code ? 0 : -ENOMEM;
 
-	if (!row)
-		return -ENOMEM;
-	fprintf(stream, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", image->height,
-		width);
-	for (int y = 0; y < image->height; y++) {
-		for (int x = 0; x < width; x++)
-			to_rgbe(image->f32 + ((size_t)y * (size_t)width + (size_t)x) * 3, row[x]);
-		if (!planes) {
-			fwrite(row, 4, (size_t)width, stream);
-			continue;
-		}
-		fwrite((const uint8_t[4]){2, 2, (uint8_t)(width >> 8), (uint8_t)width}, 1, 4,
-		       stream);
-		for (int c = 0; c < 4; c++)
-			write_plane(stream, (const uint8_t(*)[4])row, c, width);
+	if (!err)
+		fprintf(stream, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n",
+			image->height, image->width);
+	for (size_t y = 0; y < (size_t)image->height && !err; y++) {
+		for (size_t x = 0; x < width; x++)
+			to_rgbe(image->f32 + (y * width + x) * 3, row[x]);
+		err = write_row(stream, (const uint8_t(*)[4])row, image->width, code);
 	}
+	free(code);
 	free(row);
-	return 0;
+	return err;
 }
 
 const struct image_codec image_hdr = {

@@ -114,11 +114,12 @@ static int pfm_write(FILE *stream, const struct image *image)
 {
 	const size_t per_row = (size_t)image->width * 3;
 	uint8_t *row = malloc(per_row * 4);
+	int err = 0;
 
 	if (!row)
 		return -ENOMEM;
 	fprintf(stream, "PF\n%d %d\n-1.0\n", image->width, image->height);
-	for (int y = image->height - 1; y >= 0; y--) {
+	for (int y = image->height - 1; y >= 0 && !err; y--) {
 		for (size_t i = 0; i < per_row; i++) {
 			uint32_t bits;
 
@@ -128,10 +129,11 @@ static int pfm_write(FILE *stream, const struct image *image)
 			row[4 * i + 2] = (uint8_t)(bits >> 16);
 			row[4 * i + 3] = (uint8_t)(bits >> 24);
 		}
-		fwrite(row, 4, per_row, stream);
+		if (fwrite(row, 4, per_row, stream) != per_row)
+			err = -errno;
 	}
 	free(row);
-	return 0;
+	return err;
 }
 
 const struct image_codec image_pfm = {

@@ -1,0 +1,248 @@
+/*
+ * Buttons pressed by a file. A line is a time in seconds since the start, an action and, for
+ * threshold-set, a value:
+ *
+ *     # up the threshold, then look at the fisheye view
+ *     1.5  threshold-set 40
+ *     3    view-next
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include "drivers/drivers.h"
+#include "hal/clock.h"
+
+/* A day: later than anybody waits, and far from overflow. */
+#define SECONDS_MAX 86400.0
+
+struct script_options {
+	char file[INI_PATH_MAX];
+};
+
+struct script_line {
+	int64_t at_ns; /* since open */
+	struct button_press press;
+};
+
+struct script {
+	struct script_line *lines; /* in order of time */
+	size_t count, next;
+	int64_t start_ns;
+	int timer; /* one shot: the next line is due */
+};
+
+static const struct ini_key script_keys[] = {
+	{.name = "file",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct script_options, file),
+	 .fallback = "",
+	 .help = "Lines \"seconds action [value]\": presses, timed from the start."},
+	INI_KEYS_END,
+};
+
+/* The actions a script can name, for its author. */
+static int unknown_action(const char *path, int number, const char *word, struct fault *fault)
+{
+	const char *near = ini_nearest(word, action_names + ACTION_NONE + 1,
+				       ACTION_COUNT - ACTION_NONE - 1);
+
+	return fault_say(fault, -EINVAL, "%s:%d: unknown action \"%s\"%s%s%s", path, number, word,
+			 near ? ", did you mean \"" : ", expected one like view-next",
+			 near ? near : "", near ? "\"?" : "");
+}
+
+static int find_action(const char *word)
+{
+	for (int i = ACTION_NONE + 1; i < ACTION_COUNT; i++)
+		if (!strcmp(word, action_names[i]))
+			return i;
+	return ACTION_NONE;
+}
+
+static bool parse_number(const char *word, double *value)
+{
+	char *end;
+
+	*value = strtod(word, &end);
+	return end != word && !*end && isfinite(*value);
+}
+
+/* 1: a press; 0: a blank line; -EINVAL. */
+static int parse_line(char *text, const char *path, int number, struct script_line *line,
+		      struct fault *fault)
+{
+	char *word[4] = {NULL};
+	char *rest = NULL;
+	int words = 0;
+	double seconds;
+
+	text[strcspn(text, "#\r\n")] = '\0';
+	for (char *w = strtok_r(text, " \t", &rest); w && words < 4;
+	     w = strtok_r(NULL, " \t", &rest))
+		word[words++] = w;
+	if (!words)
+		return 0;
+	if (!parse_number(word[0], &seconds) || seconds < 0 || seconds > SECONDS_MAX)
+		return fault_say(fault, -EINVAL,
+				 "%s:%d: \"%s\" is not a time, expected seconds from 0 to %.0f",
+				 path, number, word[0], SECONDS_MAX);
+	if (words < 2)
+		return fault_say(fault, -EINVAL, "%s:%d: expected an action after the time", path,
+				 number);
+	*line = (struct script_line){.at_ns = llround(seconds * 1e9)};
+	line->press.action = (enum action)find_action(word[1]);
+	if (line->press.action == ACTION_NONE)
+		return unknown_action(path, number, word[1], fault);
+	if (line->press.action == ACTION_THRESHOLD_SET) {
+		if (words != 3 || !parse_number(word[2], &line->press.value))
+			return fault_say(fault, -EINVAL,
+					 "%s:%d: threshold-set needs a level, expected one number",
+					 path, number);
+	} else if (words != 2) {
+		return fault_say(fault, -EINVAL, "%s:%d: %s takes no value, found \"%s\"", path,
+				 number, word[1], word[2]);
+	}
+	return 1;
+}
+
+/* Lines of the same time keep their order. */
+static void insert(struct script *script, const struct script_line *line)
+{
+	size_t i = script->count++;
+
+	for (; i > 0 && script->lines[i - 1].at_ns > line->at_ns; i--)
+		script->lines[i] = script->lines[i - 1];
+	script->lines[i] = *line;
+}
+
+static int append(struct script *script, const struct script_line *line)
+{
+	struct script_line *larger = realloc(script->lines,
+					     (script->count + 1) * sizeof(*script->lines));
+
+	if (!larger)
+		return -ENOMEM;
+	script->lines = larger;
+	insert(script, line);
+	return 0;
+}
+
+static int read_script(struct script *script, const char *path, struct fault *fault)
+{
+	FILE *stream = fopen(path, "re");
+	char text[256];
+	int err = stream ? 0 : -errno;
+	int number = 0;
+
+	if (err)
+		return fault_say(fault, err, "%s: cannot read the button script: %s", path,
+				 strerror(-err));
+	while (!err && fgets(text, sizeof(text), stream)) {
+		struct script_line line;
+		int found;
+
+		number++;
+		if (strlen(text) == sizeof(text) - 1) {
+			err = fault_say(fault, -EINVAL, "%s:%d: the line is too long", path,
+					number);
+			break;
+		}
+		found = parse_line(text, path, number, &line, fault);
+		if (found < 0)
+			err = found;
+		else if (found)
+			err = append(script, &line);
+	}
+	if (!err && ferror(stream))
+		err = fault_say(fault, -EIO, "%s: cannot read the button script", path);
+	fclose(stream);
+	return err;
+}
+
+/* For the next line; quiet for ever after the last. */
+static int arm(struct script *script)
+{
+	struct itimerspec when = {0};
+
+	if (script->next < script->count) {
+		const int64_t at_ns = script->start_ns + script->lines[script->next].at_ns;
+
+		when.it_value.tv_sec = (time_t)(at_ns / NS_PER_S);
+		when.it_value.tv_nsec = (long)(at_ns % NS_PER_S);
+	}
+	return timerfd_settime(script->timer, TFD_TIMER_ABSTIME, &when, NULL) < 0 ? -errno : 0;
+}
+
+static int script_open(struct buttons *buttons, struct fault *fault)
+{
+	const struct script_options *options = buttons->options;
+	struct script *script;
+	int err;
+
+	if (!options->file[0])
+		return fault_say(fault, -EINVAL,
+				 "[buttons] script.file: the script driver needs a file");
+	script = calloc(1, sizeof(*script));
+	if (!script)
+		return fault_say(fault, -ENOMEM, "not enough memory for the button script");
+	buttons->state = script;
+	script->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+	if (script->timer < 0) {
+		err = -errno;
+		return fault_say(fault, err, "button script: no timer: %s", strerror(-err));
+	}
+	err = read_script(script, options->file, fault);
+	if (err)
+		return err;
+	script->start_ns = clock_now_ns();
+	err = arm(script);
+	return err ? fault_say(fault, err, "button script: timer: %s", strerror(-err)) : 0;
+}
+
+static int script_descriptor(struct buttons *buttons)
+{
+	return ((struct script *)buttons->state)->timer;
+}
+
+static int script_read(struct buttons *buttons, struct button_press *press, struct fault *fault)
+{
+	struct script *script = buttons->state;
+	int err;
+
+	if (script->next == script->count ||
+	    clock_now_ns() < script->start_ns + script->lines[script->next].at_ns)
+		return -EAGAIN;
+	*press = script->lines[script->next++].press;
+	/* Also makes the descriptor quiet until the next line. */
+	err = arm(script);
+	return err ? fault_say(fault, err, "button script: timer: %s", strerror(-err)) : 0;
+}
+
+static void script_close(struct buttons *buttons)
+{
+	struct script *script = buttons->state;
+
+	if (!script)
+		return;
+	if (script->timer >= 0)
+		close(script->timer);
+	free(script->lines);
+	free(script);
+	buttons->state = NULL;
+}
+
+const struct buttons_ops buttons_script = {
+	.name = "script",
+	.description = "presses from a file, timed from the start",
+	.keys = script_keys,
+	.options_size = sizeof(struct script_options),
+	.open = script_open,
+	.descriptor = script_descriptor,
+	.read = script_read,
+	.close = script_close,
+};

@@ -1,0 +1,172 @@
+/*
+ * A screen of which only the clock is real: two buffers, flips at a set rate, nothing to see. What
+ * is not fast enough for a screen of this rate is not fast enough here either.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include "drivers/drivers.h"
+#include "hal/clock.h"
+#include "hal/frame.h"
+
+#define NONE (-1)
+
+struct null_options {
+	double rate_hz;
+};
+
+struct null_screen {
+	struct canvas buffers[2];
+	int timer;     /* one shot: the flip that is due */
+	int on_screen; /* index, or NONE before the first flip */
+	int queued;
+	int64_t token;
+	int64_t due_ns;
+	int64_t start_ns, period_ns; /* of the refresh; period 0: at once */
+};
+
+static const struct ini_key null_keys[] = {
+	{.name = "rate",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct null_options, rate_hz),
+	 .max = 1000,
+	 .fallback = "60",
+	 .unit = "Hz",
+	 .help = "Refresh rate where [display] asks for none; 0 shows each frame at once."},
+	INI_KEYS_END,
+};
+
+static int null_open(struct display *display, struct fault *fault)
+{
+	const struct null_options *options = display->options;
+	const double rate = display->settings.rate_hz > 0 ? display->settings.rate_hz
+							  : options->rate_hz;
+	struct null_screen *screen;
+	int err;
+
+	err = display_free_size(display, &display->width, &display->height, fault);
+	if (err)
+		return err;
+	screen = calloc(1, sizeof(*screen));
+	if (!screen)
+		return fault_say(fault, -ENOMEM, "not enough memory for the null display");
+	display->state = screen;
+	display->rate_hz = rate;
+	screen->on_screen = screen->queued = NONE;
+	screen->start_ns = clock_now_ns();
+	screen->period_ns = rate > 0 ? (int64_t)((double)NS_PER_S / rate) : 0;
+	screen->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+	if (screen->timer < 0) {
+		err = -errno;
+		return fault_say(fault, err, "null display: no timer: %s", strerror(-err));
+	}
+	for (int i = 0; i < 2; i++) {
+		err = canvas_create(&screen->buffers[i], display->width, display->height);
+		if (err)
+			return fault_say(fault, err, "null display: no memory for %d x %d pixels",
+					 display->width, display->height);
+	}
+	return 0;
+}
+
+static int null_descriptor(struct display *display)
+{
+	return ((struct null_screen *)display->state)->timer;
+}
+
+static int null_acquire(struct display *display, struct display_buffer *buffer)
+{
+	struct null_screen *screen = display->state;
+	const int index = screen->on_screen == 0 ? 1 : 0;
+	const struct canvas *canvas = &screen->buffers[index];
+
+	if (screen->queued != NONE)
+		return -EAGAIN;
+	*buffer = (struct display_buffer){
+		.pixels = canvas->pixels,
+		.stride = canvas->stride,
+		.width = canvas->width,
+		.height = canvas->height,
+		.index = index,
+	};
+	return 0;
+}
+
+/* The first refresh after now. */
+static int64_t next_refresh_ns(const struct null_screen *screen, int64_t now_ns)
+{
+	if (!screen->period_ns)
+		return now_ns;
+	return now_ns + screen->period_ns - (now_ns - screen->start_ns) % screen->period_ns;
+}
+
+static int null_submit(struct display *display, struct display_buffer *buffer, int64_t token,
+		       struct fault *fault)
+{
+	struct null_screen *screen = display->state;
+	struct itimerspec when = {0};
+
+	screen->due_ns = next_refresh_ns(screen, clock_now_ns());
+	when.it_value.tv_sec = (time_t)(screen->due_ns / NS_PER_S);
+	when.it_value.tv_nsec = (long)(screen->due_ns % NS_PER_S);
+	if (timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &when, NULL) < 0) {
+		const int err = -errno;
+
+		return fault_say(fault, err, "null display: timer: %s", strerror(-err));
+	}
+	screen->queued = buffer->index;
+	screen->token = token;
+	return 0;
+}
+
+static int null_dispatch(struct display *display, struct display_event *event, struct fault *fault)
+{
+	struct null_screen *screen = display->state;
+	uint64_t expired;
+
+	if (read(screen->timer, &expired, sizeof(expired)) < 0) {
+		const int err = -errno;
+
+		return err == -EAGAIN ? 0 : fault_say(fault, err, "null display: timer");
+	}
+	if (screen->queued == NONE)
+		return 0;
+	event->kind = DISPLAY_SHOWN;
+	event->time_ns = screen->due_ns;
+	event->token = screen->token;
+	screen->on_screen = screen->queued;
+	screen->queued = NONE;
+	return 0;
+}
+
+static int null_close(struct display *display, struct fault *fault)
+{
+	struct null_screen *screen = display->state;
+
+	(void)fault;
+	if (!screen)
+		return 0;
+	if (screen->timer >= 0)
+		close(screen->timer);
+	for (int i = 0; i < 2; i++)
+		canvas_free(&screen->buffers[i]);
+	free(screen);
+	display->state = NULL;
+	return 0;
+}
+
+const struct display_ops display_null = {
+	.name = "null",
+	.description = "no screen: frames are shown to nobody, at a set rate",
+	.keys = null_keys,
+	.options_size = sizeof(struct null_options),
+	.open = null_open,
+	.descriptor = null_descriptor,
+	.acquire = null_acquire,
+	.submit = null_submit,
+	.dispatch = null_dispatch,
+	.close = null_close,
+};
