@@ -4,3 +4,4 @@ UNIT_TESTS := \
 FUZZ_TARGETS :=
 CLI_TESTS :=
 ACCURACY_TESTS :=
+include tests/vm/vm.mk

@@ -1,0 +1,110 @@
+#!/bin/bash
+# Boots the simulated machine and runs a command in it, as root, on the host's own files (read-only
+# below, whatever is written above them is forgotten).
+#
+#     boot.sh [--shell] [--seconds LIMIT] JOB COMMAND...
+#
+# JOB is a folder that both see (the guest as /run/job); console.log is left there. Exit code: the
+# command's, 124 when the limit passed and the machine was switched off, 125 when it stopped
+# before the command ended. --shell connects the terminal to the machine's serial port.
+set -euo pipefail
+
+here=$(cd "$(dirname "$0")" && pwd)
+source_dir=$(cd "$here/../.." && pwd)
+shell=0
+limit=230
+
+while :; do
+	case "${1:-}" in
+	--shell) shell=1 ;;
+	--seconds)
+		limit=$2
+		shift
+		;;
+	*) break ;;
+	esac
+	shift
+done
+mkdir -p "$1"
+job=$(cd "$1" && pwd)
+shift
+
+kernel=$("$source_dir/board/qemu-x86_64/build-kernel.sh")
+
+# A socket's path may have 107 characters, so it cannot lie in the job folder.
+scratch=$(mktemp -d /tmp/inlay-vm.XXXXXX)
+qemu=
+stop() {
+	if [ -n "$qemu" ]; then
+		kill "$qemu" 2>/dev/null || true # timeout hands it on to QEMU
+	fi
+	rm -rf "$scratch"
+}
+trap stop EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+# What the guest's first script needs to know, quoted by bash for bash.
+{
+	echo "export VM_KERNEL=$(printf %q "$kernel")"
+	echo "export VM_SOURCE=$(printf %q "$source_dir")"
+	echo "export VM_JOB_OUTSIDE=$(printf %q "$job")"
+	for name in BUILD INLAY INLAY_BAKE INLAY_SHARED_DATA; do
+		[ -z "${!name:-}" ] || echo "export $name=$(printf %q "${!name}")"
+	done
+	echo "export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/run"
+	echo "export LC_ALL=C.UTF-8 XDG_RUNTIME_DIR=/run TMPDIR=/run"
+	echo "cd $(printf %q "$source_dir")"
+	printf '%q ' "$@"
+	echo
+	echo 'echo $? >/run/job/exit-code'
+} >"$job/start"
+rm -f "$job/exit-code"
+
+# The initramfs: busybox and the script beside this one.
+mkdir -p "$scratch/root/bin"
+cp /bin/busybox "$scratch/root/bin/busybox"
+cp "$here/init" "$scratch/root/init"
+(cd "$scratch/root" && find . | cpio -o -H newc -R 0:0 --quiet | gzip -1) >"$scratch/initramfs"
+
+comma() { # QEMU's options write a comma in a value as two
+	printf '%s' "${1//,/,,}"
+}
+
+# The guest's second serial port is QEMU's own monitor: a test photographs the screen by itself.
+options=(
+	-accel "tcg,thread=multi" -cpu max -smp 2 -m 1024
+	-nodefaults -no-reboot -display none -vga none -device virtio-gpu-pci
+	-kernel "$kernel/bzImage" -initrd "$scratch/initramfs"
+	-append "console=ttyS0 quiet panic=-1 mitigations=off"
+	-virtfs "local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap"
+	-virtfs "local,path=$(comma "$job"),mount_tag=job,security_model=none"
+	-chardev "socket,id=monitor,path=$scratch/monitor,server=on,wait=off"
+	-mon chardev=monitor
+	-chardev "socket,id=guest,path=$scratch/monitor"
+)
+
+if [ "$shell" = 1 ]; then
+	qemu-system-x86_64 "${options[@]}" -chardev stdio,id=console,signal=off \
+		-serial chardev:console -serial chardev:guest
+else
+	# In the background, so that a signal to this script is acted on at once.
+	timeout --signal=KILL "$limit" qemu-system-x86_64 "${options[@]}" \
+		-serial "file:$job/console.log" -serial chardev:guest \
+		</dev/null >"$job/qemu.log" 2>&1 &
+	qemu=$!
+	code=0
+	wait "$qemu" || code=$?
+	qemu=
+	if [ "$code" -eq 137 ]; then
+		echo "boot: the machine was switched off after $limit s" >&2
+		exit 124
+	fi
+	[ "$code" -eq 0 ] || cat "$job/qemu.log" >&2
+fi
+
+if [ ! -s "$job/exit-code" ]; then
+	echo "boot: the machine stopped before its work was done; see $job/console.log" >&2
+	exit 125
+fi
+exit "$(cat "$job/exit-code")"

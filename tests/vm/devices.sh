@@ -1,0 +1,100 @@
+# shellcheck shell=bash
+# Sourced by the tests: brings simulated devices and takes them away again.
+
+tools=$BUILD/tests/vm
+case $tools in /*) ;; *) tools=$VM_SOURCE/$tools ;; esac
+
+load() { # module, parameters
+	modprobe -d "$VM_KERNEL/modules" "$@"
+}
+
+unload() {
+	modprobe -d "$VM_KERNEL/modules" -r "$@"
+}
+
+# The node whose name begins so: video_node vivid-000-vid-cap prints /dev/video2
+video_node() {
+	local name
+	for name in /sys/class/video4linux/video*/name; do
+		if grep -q "^$1" "$name" 2>/dev/null; then
+			name=${name%/name}
+			echo "/dev/${name##*/}"
+			return
+		fi
+	done
+	return 1
+}
+
+control() { # node, control=value...
+	local node=$1
+	shift
+	v4l2-ctl -d "$node" -c "$(
+		IFS=,
+		echo "$*"
+	)"
+}
+
+# A vivid with HDMI in and out joined, 640x480: what is played into the output is what its camera
+# sees. Format is a V4L2 fourcc.
+#     hdmi_loop INSTANCE FOURCC
+hdmi_loop() {
+	local in out
+	in=$(video_node "vivid-00$1-vid-cap")
+	out=$(video_node "vivid-00$1-vid-out")
+	v4l2-ctl -d "$out" --set-dv-bt-timings "width=640,height=480,$vga" &&
+		v4l2-ctl -d "$in" --set-dv-bt-timings "width=640,height=480,$vga" &&
+		v4l2-ctl -d "$out" --set-fmt-video-out "width=640,height=480,pixelformat=$2" &&
+		v4l2-ctl -d "$in" --set-fmt-video "width=640,height=480,pixelformat=$2" &&
+		control "$in" loop_video=1 osd_text_mode=2
+}
+vga="interlaced=0,polarities=0,pixelclock=25175000,hfp=16,hs=96,hbp=48,vfp=10,vs=2,vbp=33"
+
+# Plays one raw picture into an output until stop_playing.
+#     play INSTANCE FILE.raw
+players=()
+play() {
+	local out
+	out=$(video_node "vivid-00$1-vid-out")
+	v4l2-ctl -d "$out" --stream-out-mmap=3 --stream-from="$2" --stream-loop \
+		</dev/null >"$VM_OUT/play-$1.log" 2>&1 &
+	players+=($!)
+}
+
+stop_playing() {
+	kill "${players[@]}" 2>/dev/null
+	wait "${players[@]}" 2>/dev/null
+	players=()
+}
+
+# Photographs the screen of QEMU's own device from outside.
+#     screendump FILE.ppm     below /run/job
+screendump() {
+	local outside=$VM_JOB_OUTSIDE${1#/run/job} line
+	rm -f "$1"
+	exec 8<>/dev/ttyS1
+	stty -F /dev/ttyS1 raw -echo
+	printf 'screendump "%s"\n' "$outside" >&8
+	# The monitor prompts again when it has done so.
+	while IFS= read -r -t 10 -d ')' line <&8; do
+		case $line in
+		*screendump*) ;;
+		*) break ;;
+		esac
+	done
+	exec 8>&-
+	within_seconds 5 test -s "$1"
+}
+
+# The card that this driver drives: card_of vkms prints 1
+card_of() {
+	local device
+	for device in /sys/class/drm/card?; do
+		case $(readlink -f "$device/device/driver" 2>/dev/null || readlink -f "$device/device") in
+		*"$1"*)
+			echo "${device##*card}"
+			return
+			;;
+		esac
+	done
+	return 1
+}
