@@ -2,3 +2,18 @@ bake_PACKAGES := assimp
 bake_LIBS := -lembree3
 BAKE_SOURCES :=
 BAKE_MAIN := bake/main.c
+
+# The demo's own object. make-cow is a program apart: it needs no ray tracer.
+COW_SOURCES := \
+	bake/demo/atlas.c \
+	bake/demo/cow_coat.c \
+	bake/demo/cow_shape.c \
+	bake/demo/implicit.c \
+	bake/demo/polygonise.c
+BAKE_SOURCES += $(COW_SOURCES)
+COW_OBJECTS := $(patsubst %.c,$(BUILD)/%.o,$(COW_SOURCES) bake/demo/make_cow.c)
+EXTRA_PROGRAMS += $(BUILD)/make-cow
+$(BUILD)/make-cow: $(COW_OBJECTS) $(BUILD)/hal.a
+	$(say) LINK $@
+	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
+-include $(BUILD)/bake/demo/make_cow.d

@@ -1,0 +1,414 @@
+#include "bake/demo/atlas.h"
+
+#include <errno.h>
+#include <float.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/optics/vec.h"
+
+#define GUTTER 2 /* texels painted around a piece */
+#define TIDY_PASSES 6
+#define STEEPEST 0.35 /* least cosine between a triangle and an axis that it is laid along */
+
+/* A connected set of triangles laid along one axis. */
+struct piece {
+	int label;
+	double low[2], high[2];	 /* on its plane, in the surface's unit */
+	int x, y, width, height; /* its rectangle in the picture, gutter included */
+};
+
+struct turn {
+	int height, piece;
+};
+
+struct work {
+	const struct surface *surface;
+	int (*neighbour)[3]; /* of each triangle, across the edge from corner k to k + 1 */
+	int *label;	     /* 0..5: +x -x +y -y +z -z */
+	int *owner;	     /* piece of each triangle */
+	int *queue;
+	struct piece *piece;
+	int piece_count;
+	struct turn *turn; /* pieces, tallest first */
+};
+
+/* ---- which triangles touch ---- */
+
+struct edge {
+	int low, high;
+	int triangle, corner;
+};
+
+static int edge_compare(const void *a, const void *b)
+{
+	const struct edge *one = a, *two = b;
+
+	if (one->low != two->low)
+		return one->low < two->low ? -1 : 1;
+	return (one->high > two->high) - (one->high < two->high);
+}
+
+static int find_neighbours(struct work *work)
+{
+	const int count = 3 * work->surface->triangle_count;
+	struct edge *edge = malloc(count * sizeof(*edge));
+
+	if (!edge)
+		return -ENOMEM;
+	for (int e = 0; e < count; e++) {
+		const int a = work->surface->triangle[e / 3][e % 3];
+		const int b = work->surface->triangle[e / 3][(e + 1) % 3];
+
+		edge[e] = (struct edge){a < b ? a : b, a < b ? b : a, e / 3, e % 3};
+	}
+	qsort(edge, count, sizeof(*edge), edge_compare);
+	/* On a closed surface edges come in pairs. */
+	for (int e = 0; e + 1 < count; e += 2) {
+		work->neighbour[edge[e].triangle][edge[e].corner] = edge[e + 1].triangle;
+		work->neighbour[edge[e + 1].triangle][edge[e + 1].corner] = edge[e].triangle;
+	}
+	free(edge);
+	return 0;
+}
+
+/* ---- which axis each triangle is laid along ---- */
+
+static void triangle_normal(const struct surface *surface, int t, double normal[3])
+{
+	const int *corner = surface->triangle[t];
+	double a[3], b[3];
+
+	for (int i = 0; i < 3; i++) {
+		a[i] = surface->position[corner[1]][i] - surface->position[corner[0]][i];
+		b[i] = surface->position[corner[2]][i] - surface->position[corner[0]][i];
+	}
+	vec_cross(a, b, normal);
+	vec_normalize(normal);
+}
+
+static double facing(const double normal[3], int label)
+{
+	return label & 1 ? -normal[label / 2] : normal[label / 2];
+}
+
+/* The axis that a triangle faces most; then, so that pieces have smooth borders and few islands,
+ * the axis of two or three of its neighbours where it is not too steep for that. */
+static void choose_axes(struct work *work)
+{
+	const int count = work->surface->triangle_count;
+
+	for (int t = 0; t < count; t++) {
+		double normal[3];
+
+		triangle_normal(work->surface, t, normal);
+		work->label[t] = 0;
+		for (int label = 1; label < 6; label++)
+			if (facing(normal, label) > facing(normal, work->label[t]))
+				work->label[t] = label;
+	}
+	for (int pass = 0; pass < TIDY_PASSES; pass++) {
+		for (int t = 0; t < count; t++) {
+			const int *n = work->neighbour[t];
+			const int a = work->label[n[0]], b = work->label[n[1]];
+			const int c = work->label[n[2]];
+			const int most = a == b || a == c ? a : b == c ? b : work->label[t];
+			double normal[3];
+
+			triangle_normal(work->surface, t, normal);
+			if (facing(normal, most) > STEEPEST)
+				work->label[t] = most;
+		}
+	}
+}
+
+/* ---- pieces ---- */
+
+static void flatten(int label, const double p[3], double flat[2])
+{
+	flat[0] = p[(label / 2 + 1) % 3];
+	flat[1] = p[(label / 2 + 2) % 3];
+}
+
+/* Marks all that hangs together with triangle t as one piece. */
+static void gather(struct work *work, int t)
+{
+	struct piece *piece = &work->piece[work->piece_count];
+	int taken = 0, found = 0;
+
+	*piece = (struct piece){
+		.label = work->label[t], .low = {DBL_MAX, DBL_MAX}, .high = {-DBL_MAX, -DBL_MAX}};
+	work->owner[t] = work->piece_count;
+	work->queue[found++] = t;
+	while (taken < found) {
+		const int now = work->queue[taken++];
+
+		for (int k = 0; k < 3; k++) {
+			const int next = work->neighbour[now][k];
+			double flat[2];
+
+			flatten(piece->label,
+				work->surface->position[work->surface->triangle[now][k]], flat);
+			for (int i = 0; i < 2; i++) {
+				piece->low[i] = fmin(piece->low[i], flat[i]);
+				piece->high[i] = fmax(piece->high[i], flat[i]);
+			}
+			if (work->owner[next] >= 0 || work->label[next] != piece->label)
+				continue;
+			work->owner[next] = work->piece_count;
+			work->queue[found++] = next;
+		}
+	}
+	work->piece_count++;
+}
+
+static int height_compare(const void *a, const void *b)
+{
+	const struct turn *one = a, *two = b;
+
+	if (one->height != two->height)
+		return one->height > two->height ? -1 : 1;
+	return (one->piece > two->piece) - (one->piece < two->piece);
+}
+
+/* Shelves, the tallest pieces first. False when the picture is too small for this texel. */
+static bool pack(struct work *work, double texel, int side)
+{
+	int x = 0, y = 0, shelf = 0;
+
+	for (int k = 0; k < work->piece_count; k++) {
+		struct piece *piece = &work->piece[k];
+
+		piece->width = (int)ceil((piece->high[0] - piece->low[0]) / texel) + 2 * GUTTER + 1;
+		piece->height = (int)ceil((piece->high[1] - piece->low[1]) / texel) + 2 * GUTTER +
+				1;
+		if (piece->width > side)
+			return false;
+		work->turn[k] = (struct turn){piece->height, k};
+	}
+	qsort(work->turn, work->piece_count, sizeof(*work->turn), height_compare);
+	for (int k = 0; k < work->piece_count; k++) {
+		struct piece *piece = &work->piece[work->turn[k].piece];
+
+		if (x + piece->width > side) {
+			x = 0;
+			y += shelf;
+			shelf = 0;
+		}
+		if (!shelf)
+			shelf = piece->height;
+		if (y + shelf > side)
+			return false;
+		piece->x = x;
+		piece->y = y;
+		x += piece->width;
+	}
+	return true;
+}
+
+/* ---- texture coordinates and colours ---- */
+
+/* In texels. */
+static void texture_point(const struct piece *piece, double texel, const double p[3], double out[2])
+{
+	double flat[2];
+
+	flatten(piece->label, p, flat);
+	out[0] = piece->x + GUTTER + 0.5 + (flat[0] - piece->low[0]) / texel;
+	out[1] = piece->y + GUTTER + 0.5 + (flat[1] - piece->low[1]) / texel;
+}
+
+static int write_points(struct atlas *atlas, const struct work *work, int side)
+{
+	const struct surface *surface = work->surface;
+	/* A vertex has a point for each axis that its triangles are laid along, and two pieces of
+	 * one axis that meet only in it share nothing else: key by vertex and piece. */
+	int(*seen)[6] = malloc(surface->vertex_count * sizeof(*seen));
+	int *owner = malloc(3 * surface->triangle_count * sizeof(*owner));
+
+	if (!seen || !owner) {
+		free(seen);
+		free(owner);
+		return -ENOMEM;
+	}
+	memset(seen, -1, surface->vertex_count * sizeof(*seen));
+	for (int t = 0; t < surface->triangle_count; t++) {
+		const struct piece *piece = &work->piece[work->owner[t]];
+
+		for (int k = 0; k < 3; k++) {
+			const int vertex = surface->triangle[t][k];
+			int *at = &seen[vertex][piece->label];
+
+			if (*at < 0 || owner[*at] != work->owner[t]) {
+				double *point = atlas->point[atlas->point_count];
+
+				texture_point(piece, atlas->texel, surface->position[vertex],
+					      point);
+				point[0] /= side;
+				point[1] /= side;
+				owner[atlas->point_count] = work->owner[t];
+				*at = atlas->point_count++;
+			}
+			atlas->corner[t][k] = *at;
+		}
+	}
+	free(seen);
+	free(owner);
+	return 0;
+}
+
+/* Notes for each texel in or near triangle t where in space it is, if no other triangle of the
+ * same piece is nearer. */
+static void mark_texels(const struct work *work, const struct atlas *atlas, int t, int side,
+			double *away, double (*place)[3])
+{
+	const struct piece *piece = &work->piece[work->owner[t]];
+	const int *corner = work->surface->triangle[t];
+	double q[3][2], area2;
+
+	for (int k = 0; k < 3; k++)
+		texture_point(piece, atlas->texel, work->surface->position[corner[k]], q[k]);
+	area2 = (q[1][0] - q[0][0]) * (q[2][1] - q[0][1]) -
+		(q[2][0] - q[0][0]) * (q[1][1] - q[0][1]);
+	if (fabs(area2) < 1e-9)
+		return;
+
+	const int x0 = (int)fmin(q[0][0], fmin(q[1][0], q[2][0])) - GUTTER;
+	const int y0 = (int)fmin(q[0][1], fmin(q[1][1], q[2][1])) - GUTTER;
+	const int x1 = (int)fmax(q[0][0], fmax(q[1][0], q[2][0])) + GUTTER;
+	const int y1 = (int)fmax(q[0][1], fmax(q[1][1], q[2][1])) + GUTTER;
+
+	for (int y = y0 > piece->y ? y0 : piece->y; y <= y1 && y < piece->y + piece->height; y++) {
+		for (int x = x0 > piece->x ? x0 : piece->x; x <= x1 && x < piece->x + piece->width;
+		     x++) {
+			double weight[3], out = 0;
+
+			for (int k = 0; k < 3; k++) {
+				const double *a = q[(k + 1) % 3], *b = q[(k + 2) % 3];
+				const double cross = (a[0] - (x + 0.5)) * (b[1] - (y + 0.5)) -
+						     (b[0] - (x + 0.5)) * (a[1] - (y + 0.5));
+				const double edge = hypot(b[0] - a[0], b[1] - a[1]);
+
+				weight[k] = cross / area2;
+				out = fmax(out, -weight[k] * fabs(area2) / edge);
+			}
+			double *best = &away[(size_t)y * side + x];
+
+			if (out > GUTTER || out >= *best)
+				continue;
+			*best = out;
+			for (int i = 0; i < 3; i++) {
+				double *at = &place[(size_t)y * side + x][i];
+
+				*at = 0;
+				for (int k = 0; k < 3; k++)
+					*at += weight[k] * work->surface->position[corner[k]][i];
+			}
+		}
+	}
+}
+
+static int paint(struct atlas *atlas, const struct work *work, int side,
+		 void (*colour)(const double p[3], double rgb[3]))
+{
+	const size_t texels = (size_t)side * side;
+	double *away = malloc(texels * sizeof(*away));
+	double(*place)[3] = malloc(texels * sizeof(*place));
+	int err = image_create_u8(&atlas->picture, side, side);
+
+	if (!away || !place)
+		err = -ENOMEM;
+	if (err)
+		goto out;
+	for (size_t i = 0; i < texels; i++)
+		away[i] = DBL_MAX;
+	for (int t = 0; t < work->surface->triangle_count; t++)
+		mark_texels(work, atlas, t, side, away, place);
+	for (size_t i = 0; i < texels; i++) {
+		double rgb[3] = {0.5, 0.5, 0.5};
+
+		if (away[i] < DBL_MAX)
+			colour(place[i], rgb);
+		for (int c = 0; c < 3; c++)
+			atlas->picture.u8[3 * i + c] = (uint8_t)lrint(255 * rgb[c]);
+	}
+out:
+	free(away);
+	free(place);
+	return err;
+}
+
+static void work_free(struct work *work)
+{
+	free(work->neighbour);
+	free(work->label);
+	free(work->owner);
+	free(work->queue);
+	free(work->piece);
+	free(work->turn);
+}
+
+static int work_create(struct work *work, const struct surface *surface)
+{
+	const int count = surface->triangle_count;
+
+	*work = (struct work){.surface = surface};
+	work->neighbour = calloc(count, sizeof(*work->neighbour));
+	work->label = malloc(count * sizeof(*work->label));
+	work->owner = malloc(count * sizeof(*work->owner));
+	work->queue = malloc(count * sizeof(*work->queue));
+	work->piece = malloc(count * sizeof(*work->piece));
+	work->turn = malloc(count * sizeof(*work->turn));
+	if (!work->neighbour || !work->label || !work->owner || !work->queue || !work->piece ||
+	    !work->turn)
+		return -ENOMEM;
+	memset(work->owner, -1, count * sizeof(*work->owner));
+	return 0;
+}
+
+int atlas_create(struct atlas *atlas, const struct surface *surface, int side,
+		 void (*colour)(const double p[3], double rgb[3]))
+{
+	struct work work;
+	int err;
+
+	memset(atlas, 0, sizeof(*atlas));
+	err = work_create(&work, surface);
+	if (err)
+		goto out;
+	atlas->point = malloc(3 * surface->triangle_count * sizeof(*atlas->point));
+	atlas->corner = malloc(surface->triangle_count * sizeof(*atlas->corner));
+	if (!atlas->point || !atlas->corner) {
+		err = -ENOMEM;
+		goto out;
+	}
+	err = find_neighbours(&work);
+	if (err)
+		goto out;
+	choose_axes(&work);
+	for (int t = 0; t < surface->triangle_count; t++)
+		if (work.owner[t] < 0)
+			gather(&work, t);
+	/* From far too fine to the finest that fits. */
+	atlas->texel = 0.1 / side;
+	while (!pack(&work, atlas->texel, side))
+		atlas->texel *= 1.02;
+	err = write_points(atlas, &work, side);
+	if (err)
+		goto out;
+	err = paint(atlas, &work, side, colour);
+out:
+	work_free(&work);
+	if (err)
+		atlas_free(atlas);
+	return err;
+}
+
+void atlas_free(struct atlas *atlas)
+{
+	free(atlas->point);
+	free(atlas->corner);
+	image_free(&atlas->picture);
+	memset(atlas, 0, sizeof(*atlas));
+}

@@ -1,0 +1,26 @@
+/*
+ * A texture for a closed surface without a parametrisation of its own: pieces of it that face one
+ * of the six axes are laid flat along that axis, side by side, and painted by a function of space.
+ */
+#ifndef INLAY_BAKE_DEMO_ATLAS_H
+#define INLAY_BAKE_DEMO_ATLAS_H
+
+#include "bake/demo/polygonise.h"
+#include "hal/image/image.h"
+
+struct atlas {
+	int point_count;
+	double (*point)[2];   /* texture coordinates 0..1, u to the right, v down */
+	int (*corner)[3];     /* of each triangle: indices into point */
+	double texel;	      /* size of one on the surface where it faces its axis */
+	struct image picture; /* u8, square */
+};
+
+/* Every texel that a piece touches, and two around it, gets the colour of its place in space (code
+ * values 0..1), so that a filter may look over a border. -ENOMEM. */
+int atlas_create(struct atlas *atlas, const struct surface *surface, int side,
+		 void (*colour)(const double p[3], double rgb[3]));
+
+void atlas_free(struct atlas *atlas); /* idempotent; zeroed is fine */
+
+#endif
