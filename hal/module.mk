@@ -25,6 +25,10 @@ HAL_SOURCES := \
 	hal/image/image_jpeg.c \
 	hal/image/image_hdr.c \
 	hal/image/image_pfm.c \
+	hal/optics/dome.c \
+	hal/optics/dome_cells.c \
+	hal/optics/dome_lookup.c \
+	hal/optics/dome_nodes.c \
 	hal/optics/fisheye.c \
 	hal/optics/panorama.c \
 	hal/optics/tsai.c

@@ -1,15 +1,22 @@
 /*
  * The lights: the cells around the upper nodes of a geodesic dome (thesis 2.2.1, figure 2.7).
  *
- * A regular icosahedron with a vertex at the zenith; each face divided f times, by equal angles
- * (the thesis) or equal chords. Light i is the node's direction and the spherical Voronoi cell
- * around it, cut at the horizon: the solid angles sum to 2 pi, and those of nodes on the horizon
- * are what is left above it. Which nodes lie on the horizon is decided by their combinatorial
- * position on the icosahedron, not by rounding, so the count is a function of f alone:
- * 6, 26, 46, 86, 186, 406 for f = 1, 2, 3, 4, 6, 9 by angles (6, 26, 46, 91, 196, 406 by chords).
+ * A regular icosahedron with a vertex at the zenith and one above azimuth 0; each face divided f
+ * times, by equal angles (the thesis) or equal chords. Light i is a node at or above the horizon
+ * and its spherical Voronoi cell: the part of the upper hemisphere that is nearer to it than to any
+ * other such node. Nodes below the horizon do not compete, so that the cells cover the hemisphere:
+ * their solid angles sum to 2 pi, and a node on the horizon has what lies above it.
  *
- * Order of lights: by ring from the zenith, then by azimuth; stable for ever, since files refer
- * to lights by index.
+ * Which nodes lie on the horizon is decided by their combinatorial position on the icosahedron, not
+ * by rounding, so the count is a function of f and the division alone:
+ *     5 f^2 + 1            f odd
+ *     5 f^2 + 6            f even, by angles
+ *     5 f^2 + 1 + 5 f / 2  f even, by chords
+ * that is 6, 26, 46, 86, 186, 406 for f = 1, 2, 3, 4, 6, 9 by angles (6, 26, 46, 91, 196, 406 by
+ * chords).
+ *
+ * Order of lights: by row of the division from the zenith, then by azimuth from 0 to 2 pi; stable
+ * for ever, since files refer to lights by index.
  */
 #ifndef INLAY_HAL_OPTICS_DOME_H
 #define INLAY_HAL_OPTICS_DOME_H
@@ -22,6 +29,7 @@ enum dome_division { DOME_ANGLES, DOME_CHORDS, DOME_DIVISION_COUNT };
 
 extern const char *const dome_division_names[]; /* "angles", "chords", NULL */
 
+struct dome_cells;  /* the outlines of the cells */
 struct dome_lookup; /* finds the cell of a direction */
 
 struct dome {
@@ -31,24 +39,29 @@ struct dome {
 	double (*direction)[3]; /* unit; z >= 0, exactly 0 on the horizon */
 	double *solid_angle_sr; /* w_i; sum = 2 pi to 1e-12 */
 	double *projected_sr;	/* integral of cos(theta) over the cell; sum = pi to 1e-12 */
+	struct dome_cells *cells;
 	struct dome_lookup *lookup;
 };
 
-/* -EINVAL: frequency outside 1..DOME_FREQUENCY_MAX. */
+/* -EINVAL: frequency outside 1..DOME_FREQUENCY_MAX, unknown division; -ENOMEM. The dome is zeroed
+ * on failure. */
 int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault);
 void dome_free(struct dome *dome); /* idempotent; zeroed is fine */
 
 /* Polar angle from the zenith 0..pi/2, azimuth from +X towards +Y, -pi..pi. */
 void dome_angles(const struct dome *dome, int light, double *theta_rad, double *phi_rad);
 
-/* The light whose node is nearest (its cell holds dir), or -1 below the horizon (z < 0). On a
- * border the lowest index wins. dir need not be unit. O(1). */
+/* The light whose node is nearest (its cell holds dir), exactly as comparing the dot products with
+ * all nodes would find it; among equals the lowest index wins. -1 below the horizon (z < 0) and for
+ * no direction (zero, NaN, infinity). dir need not be unit. O(1): the candidates of a grid cell. */
 int dome_cell_of(const struct dome *dome, const double dir[3]);
 
-/* A direction uniform by solid angle in the cell, from two numbers in [0, 1). */
+/* A unit direction uniform by solid angle in the cell, from two numbers in [0, 1). Continuous but
+ * for cuts along the arcs from the node to the corners: low-discrepancy points stay so. */
 void dome_cell_sample(const struct dome *dome, int light, double u, double v, double dir[3]);
 
-/* Corners of the cell, in order around it. Returns their number, writes at most room of them. */
+/* Corners of the cell, counter-clockwise seen from outside the dome. Returns their number, writes
+ * at most room of them. */
 int dome_cell_corners(const struct dome *dome, int light, double (*corner)[3], int room);
 
 #endif

@@ -1,0 +1,154 @@
+#include "hal/optics/dome.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/optics/dome_cells.h"
+#include "hal/optics/dome_lookup.h"
+#include "hal/optics/dome_nodes.h"
+#include "hal/optics/vec.h"
+
+const char *const dome_division_names[] = {"angles", "chords", NULL};
+
+static int corners_of(const struct dome *dome, int light)
+{
+	return dome->cells->first[light + 1] - dome->cells->first[light];
+}
+
+static int fill(struct dome *dome)
+{
+	const double spacing_rad = atan(2) / dome->frequency; /* 63.4 degrees between vertices */
+	int ret;
+
+	dome->direction = calloc((size_t)dome->count, sizeof(*dome->direction));
+	dome->solid_angle_sr = calloc((size_t)dome->count, sizeof(*dome->solid_angle_sr));
+	dome->projected_sr = calloc((size_t)dome->count, sizeof(*dome->projected_sr));
+	if (!dome->direction || !dome->solid_angle_sr || !dome->projected_sr)
+		return -ENOMEM;
+	ret = dome_nodes_fill(dome->frequency, dome->division, dome->direction);
+	if (ret < 0)
+		return ret;
+	ret = dome_cells_create(&dome->cells, dome->direction, dome->count, spacing_rad);
+	if (ret < 0)
+		return ret;
+	ret = dome_lookup_create(&dome->lookup, dome->cells, dome->direction, dome->count);
+	if (ret < 0)
+		return ret;
+	for (int i = 0; i < dome->count; i++) {
+		dome->solid_angle_sr[i] = dome->cells->cumulative_sr[dome->cells->first[i + 1] - 1];
+		dome->projected_sr[i] = dome_cells_projected_sr(dome->cells, i);
+	}
+	return 0;
+}
+
+int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault)
+{
+	int ret;
+
+	memset(dome, 0, sizeof(*dome));
+	if (frequency < 1 || frequency > DOME_FREQUENCY_MAX)
+		return fault_say(fault, -EINVAL, "dome: frequency is %d, expected 1 to %d",
+				 frequency, DOME_FREQUENCY_MAX);
+	if (division < 0 || division >= DOME_DIVISION_COUNT)
+		return fault_say(fault, -EINVAL,
+				 "dome: division %d is unknown, expected angles "
+				 "or chords",
+				 (int)division);
+	dome->frequency = frequency;
+	dome->division = division;
+	dome->count = dome_node_count(frequency, division);
+	ret = fill(dome);
+	if (ret < 0) {
+		dome_free(dome);
+		return fault_say(fault, ret, "dome: cannot be made: %s", strerror(-ret));
+	}
+	return 0;
+}
+
+void dome_free(struct dome *dome)
+{
+	free(dome->direction);
+	free(dome->solid_angle_sr);
+	free(dome->projected_sr);
+	dome_cells_destroy(dome->cells);
+	dome_lookup_destroy(dome->lookup);
+	memset(dome, 0, sizeof(*dome));
+}
+
+void dome_angles(const struct dome *dome, int light, double *theta_rad, double *phi_rad)
+{
+	const double *d = dome->direction[light];
+
+	*theta_rad = atan2(hypot(d[0], d[1]), d[2]);
+	*phi_rad = atan2(d[1], d[0]);
+}
+
+int dome_cell_of(const struct dome *dome, const double dir[3])
+{
+	return dome_lookup_find(dome->lookup, dome->direction, dir);
+}
+
+/*
+ * A point uniform in the triangle a b c (Arvo, "Stratified sampling of spherical triangles", 1995):
+ * an arc from b that cuts off the share u of the area, and on it a point that cuts off the share v
+ * of the thin triangle at b. The arc's end is a cos x + t sin x, t the unit tangent at a towards c;
+ * van Oosterom and Strackee's formula gives tan(area / 2) of the part cut off as a ratio linear in
+ * tan(x / 2), solved here: no angles whose digits cancel in small triangles.
+ */
+static void sample_triangle(const double a[3], const double b[3], const double c[3], double u,
+			    double v, double dir[3])
+{
+	const double half_area = tan(0.5 * u * dome_triangle_sr(a, b, c));
+	double t[3], normal[3], end[3], across[3], tau, sine, chord, half;
+
+	for (int k = 0; k < 3; k++)
+		t[k] = c[k] - a[k];
+	vec_cross(a, t, normal);
+	vec_cross(normal, a, t);
+	vec_normalize(t);
+	vec_cross(b, t, normal); /* a . (b x t) = det(a, b, t) */
+	tau = half_area * (1 + vec_dot(a, b)) / (vec_dot(a, normal) - half_area * vec_dot(b, t));
+	for (int k = 0; k < 3; k++) {
+		end[k] = (a[k] * (1 - tau * tau) + t[k] * 2 * tau) / (1 + tau * tau);
+		across[k] = end[k] - b[k];
+	}
+	/* 1 - cos is uniform along the arc: sin(angle / 2) = sqrt(v) sin(whole / 2) */
+	chord = vec_length(across);
+	half = asin(sqrt(v) * fmin(0.5 * chord, 1));
+	sine = sin(2 * half);
+	vec_cross(b, across, normal);
+	vec_cross(normal, b, across);
+	vec_normalize(across);
+	for (int k = 0; k < 3; k++)
+		dir[k] = b[k] * cos(2 * half) + across[k] * sine;
+}
+
+void dome_cell_sample(const struct dome *dome, int light, double u, double v, double dir[3])
+{
+	const struct dome_cells *cells = dome->cells;
+	const int first = cells->first[light], last = cells->first[light + 1] - 1;
+	const double wanted = u * cells->cumulative_sr[last];
+	double below = 0, share;
+	int k = first;
+
+	while (k < last && cells->cumulative_sr[k] <= wanted)
+		below = cells->cumulative_sr[k++];
+	share = (wanted - below) / (cells->cumulative_sr[k] - below);
+	sample_triangle(cells->corner[k], dome->direction[light],
+			cells->corner[k < last ? k + 1 : first], share < 1 ? share : 1, v, dir);
+	dir[2] = fmax(dir[2], 0);
+	vec_normalize(dir);
+}
+
+int dome_cell_corners(const struct dome *dome, int light, double (*corner)[3], int room)
+{
+	const int count = corners_of(dome, light);
+	const int written = count < room ? count : room;
+
+	for (int k = 0; k < written; k++)
+		memcpy(corner[k], dome->cells->corner[dome->cells->first[light] + k],
+		       sizeof(corner[k]));
+	return count;
+}

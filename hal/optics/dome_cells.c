@@ -1,0 +1,285 @@
+/*
+ * Each cell by itself: around its node the sphere is projected onto the tangent plane, where the
+ * great circle between the node and another is a straight line; a large square is cut by the
+ * horizon and by the line of each near node. Nothing is assumed of how nodes lie, and four on a
+ * circle make no trouble: the corner of the fourth is the same point again.
+ */
+#include "hal/optics/dome_cells.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/optics/dome_map.h"
+#include "hal/optics/vec.h"
+
+#define POLYGON_MAX 64
+#define SQUARE 8.0 /* half the first square's side: cells reach less than atan(8) = 83 degrees */
+#define SAME 1e-11 /* corners nearer than this are one */
+
+struct polygon {
+	int count;
+	double at[POLYGON_MAX][2];
+};
+
+/* Nodes by grid cell of the map. */
+struct near_grid {
+	int side;
+	int *first; /* [side * side + 1] */
+	int *node;
+};
+
+/* Keeps the part where a x + b y + c >= 0. */
+static void polygon_cut(struct polygon *p, double a, double b, double c)
+{
+	struct polygon out = {.count = 0};
+
+	for (int i = 0; i < p->count; i++) {
+		const double *here = p->at[i], *next = p->at[(i + 1) % p->count];
+		const double h = a * here[0] + b * here[1] + c;
+		const double n = a * next[0] + b * next[1] + c;
+
+		if (h >= 0 && out.count < POLYGON_MAX)
+			memcpy(out.at[out.count++], here, sizeof(out.at[0]));
+		if ((h > 0 && n < 0) || (h < 0 && n > 0)) {
+			const double t = h / (h - n);
+
+			if (out.count == POLYGON_MAX)
+				break;
+			out.at[out.count][0] = here[0] + t * (next[0] - here[0]);
+			out.at[out.count][1] = here[1] + t * (next[1] - here[1]);
+			out.count++;
+		}
+	}
+	*p = out;
+}
+
+/* Two unit vectors that make a right-handed frame with n. */
+static void tangent_frame(const double n[3], double e1[3], double e2[3])
+{
+	const double axis[3] = {fabs(n[0]) < 0.6, fabs(n[0]) >= 0.6, 0};
+
+	vec_cross(axis, n, e1);
+	vec_normalize(e1);
+	vec_cross(n, e1, e2);
+}
+
+static void cut_by_node(struct polygon *p, const double node[3], const double other[3],
+			const double e1[3], const double e2[3])
+{
+	double away[3]; /* d . (node - other) >= 0, d = node + x e1 + y e2 */
+
+	for (int k = 0; k < 3; k++)
+		away[k] = node[k] - other[k];
+	polygon_cut(p, vec_dot(away, e1), vec_dot(away, e2), 0.5 * vec_dot(away, away));
+}
+
+static int near_grid_create(struct near_grid *grid, const double (*node)[3], int count)
+{
+	const int side = (int)ceil(sqrt(count));
+	int *cell_of;
+
+	grid->side = side;
+	grid->first = calloc((size_t)side * side + 2, sizeof(*grid->first));
+	grid->node = calloc((size_t)count, sizeof(*grid->node));
+	cell_of = calloc((size_t)count, sizeof(*cell_of));
+	if (!grid->first || !grid->node || !cell_of) {
+		free(cell_of);
+		return -ENOMEM;
+	}
+	for (int i = 0; i < count; i++) {
+		double uv[2];
+
+		dome_map(node[i], uv);
+		cell_of[i] = dome_map_cell(uv[1], side) * side + dome_map_cell(uv[0], side);
+		grid->first[cell_of[i] + 2]++;
+	}
+	for (int i = 0; i < side * side; i++)
+		grid->first[i + 2] += grid->first[i + 1];
+	for (int i = 0; i < count; i++)
+		grid->node[grid->first[cell_of[i] + 1]++] = i;
+	free(cell_of);
+	return 0;
+}
+
+static void near_grid_free(struct near_grid *grid)
+{
+	free(grid->first);
+	free(grid->node);
+}
+
+/* Cuts by all nodes nearer than reach (and some beyond, which do no harm). */
+static void cut_by_near(struct polygon *p, const struct near_grid *grid, const double (*node)[3],
+			int i, double reach, const double e1[3], const double e2[3])
+{
+	const double half = DOME_MAP_STRETCH * reach;
+	double uv[2];
+	int x0, x1, y0, y1;
+
+	dome_map(node[i], uv);
+	x0 = dome_map_cell(uv[0] - half, grid->side);
+	x1 = dome_map_cell(uv[0] + half, grid->side);
+	y0 = dome_map_cell(uv[1] - half, grid->side);
+	y1 = dome_map_cell(uv[1] + half, grid->side);
+	for (int y = y0; y <= y1; y++)
+		for (int k = grid->first[y * grid->side + x0];
+		     k < grid->first[y * grid->side + x1 + 1]; k++)
+			if (grid->node[k] != i)
+				cut_by_node(p, node[i], node[grid->node[k]], e1, e2);
+}
+
+/* From the tangent plane to the sphere; corners that coincide become one. Returns how many. */
+static int lift_corners(const struct polygon *p, const double node[3], const double e1[3],
+			const double e2[3], double (*corner)[3])
+{
+	int count = 0;
+
+	for (int i = 0; i < p->count; i++) {
+		const double *here = p->at[i], *before = p->at[(i + p->count - 1) % p->count];
+		double *c = corner[count];
+
+		if (hypot(here[0] - before[0], here[1] - before[1]) < SAME)
+			continue;
+		for (int k = 0; k < 3; k++)
+			c[k] = node[k] + here[0] * e1[k] + here[1] * e2[k];
+		if (fabs(c[2]) < SAME)
+			c[2] = 0; /* on the horizon but for rounding */
+		vec_normalize(c);
+		count++;
+	}
+	return count;
+}
+
+static double angle_between(const double a[3], const double b[3])
+{
+	const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+
+	return 2 * asin(fmin(0.5 * vec_length(d), 1));
+}
+
+/* The cell's outline. All nodes that can touch it are nearer than twice its radius: the search is
+ * widened until that holds. */
+static int find_cell(const struct near_grid *grid, const double (*node)[3], int i,
+		     double spacing_rad, double (*corner)[3], double *radius)
+{
+	double e1[3], e2[3];
+	int count;
+
+	tangent_frame(node[i], e1, e2);
+	for (double reach = 2 * spacing_rad;; reach *= 2) {
+		struct polygon p = {4,
+				    {{-SQUARE, -SQUARE},
+				     {SQUARE, -SQUARE},
+				     {SQUARE, SQUARE},
+				     {-SQUARE, SQUARE}}};
+
+		polygon_cut(&p, e1[2], e2[2], node[i][2]);
+		cut_by_near(&p, grid, node, i, reach, e1, e2);
+		count = lift_corners(&p, node[i], e1, e2, corner);
+		*radius = 0;
+		for (int k = 0; k < count; k++)
+			*radius = fmax(*radius, angle_between(corner[k], node[i]));
+		if (reach > M_PI || 2 * *radius < reach)
+			return count;
+	}
+}
+
+/* Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983. The determinant is taken
+ * of differences: its digits do not cancel in small triangles. */
+double dome_triangle_sr(const double a[3], const double b[3], const double c[3])
+{
+	const double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+	const double ac[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+	double normal[3];
+
+	vec_cross(ab, ac, normal);
+	return 2 * atan2(vec_dot(a, normal), 1 + vec_dot(a, b) + vec_dot(b, c) + vec_dot(c, a));
+}
+
+static void measure_cell(struct dome_cells *cells, const double node[3], int i)
+{
+	double sum = 0;
+
+	for (int k = cells->first[i]; k < cells->first[i + 1]; k++) {
+		const int next = k + 1 < cells->first[i + 1] ? k + 1 : cells->first[i];
+		const double sr = dome_triangle_sr(node, cells->corner[k], cells->corner[next]);
+
+		sum += fmax(sr, 0); /* 0 but for rounding where the node lies on the outline */
+		cells->cumulative_sr[k] = sum;
+	}
+}
+
+int dome_cells_create(struct dome_cells **out, const double (*node)[3], int count,
+		      double spacing_rad)
+{
+	struct dome_cells *cells = calloc(1, sizeof(*cells));
+	struct near_grid grid = {.side = 0};
+	int ret, room = 16 * count + POLYGON_MAX;
+
+	if (!cells)
+		return -ENOMEM;
+	cells->first = calloc((size_t)count + 1, sizeof(*cells->first));
+	cells->radius = calloc((size_t)count, sizeof(*cells->radius));
+	cells->corner = calloc((size_t)room, sizeof(*cells->corner));
+	cells->cumulative_sr = calloc((size_t)room, sizeof(*cells->cumulative_sr));
+	ret = near_grid_create(&grid, node, count);
+	if (ret < 0 || !cells->first || !cells->radius || !cells->corner || !cells->cumulative_sr) {
+		ret = -ENOMEM;
+		goto destroy;
+	}
+	for (int i = 0; i < count; i++) {
+		const int first = cells->first[i];
+
+		if (first + POLYGON_MAX > room) { /* nodes of a dome have six neighbours */
+			ret = -EINVAL;
+			goto destroy;
+		}
+		cells->first[i + 1] = first + find_cell(&grid, node, i, spacing_rad,
+							cells->corner + first, &cells->radius[i]);
+		measure_cell(cells, node[i], i);
+	}
+	near_grid_free(&grid);
+	*out = cells;
+	return 0;
+
+destroy:
+	near_grid_free(&grid);
+	dome_cells_destroy(cells);
+	return ret;
+}
+
+void dome_cells_destroy(struct dome_cells *cells)
+{
+	if (!cells)
+		return;
+	free(cells->first);
+	free(cells->radius);
+	free(cells->corner);
+	free(cells->cumulative_sr);
+	free(cells);
+}
+
+/*
+ * Lambert's formula: half the sum over the edges of the angle that the edge spans times the height
+ * of its plane's unit normal, here with angle / sin(angle) taken out of the cross product, whose
+ * digits do not cancel when it is taken of the edge's difference.
+ */
+double dome_cells_projected_sr(const struct dome_cells *cells, int i)
+{
+	double sum = 0;
+
+	for (int k = cells->first[i]; k < cells->first[i + 1]; k++) {
+		const double *a = cells->corner[k];
+		const double *b =
+			cells->corner[k + 1 < cells->first[i + 1] ? k + 1 : cells->first[i]];
+		const double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+		double normal[3], length;
+
+		vec_cross(a, ab, normal);
+		length = vec_length(normal);
+		if (length > 0)
+			sum += atan2(length, vec_dot(a, b)) / length * normal[2];
+	}
+	return 0.5 * sum;
+}

@@ -1,0 +1,200 @@
+/*
+ * The nodes. One fifth of the dome is divided, and turned five times.
+ *
+ * Rows count from the zenith: the cap's faces hold rows 0..f, the band's rows f..2f, and node row r
+ * lies opposite to one of row 3f - r, because the division is the same on every face whichever way
+ * round it is: the dome has the full symmetry of the icosahedron, inversion included. Hence
+ *   - all of the cap is above the horizon;
+ *   - a node c steps down one of the band's ten edges from its upper end is above for c < f/2, on
+ * the horizon for c = f/2 (the edge is bisected by an axis about which half a turn swaps the upper
+ *     and the lower half), below for c > f/2;
+ *   - of a node inside the band's faces and the node opposite to it, one is above and one below. So
+ *     only the faces that point down are divided, and each node P gives P or -P, whichever is
+ * above: never both, never none, whatever the rounding. By chords there is an exception: on the
+ * middle row (c = f/2) z is (f - 2c) times something, both P and -P are on the horizon. By angles
+ * no symmetry holds a node inside a face on the horizon, and for no f up to 64 is one nearer to it
+ *     than 3e-6: rounding has no say in which of the two is taken either.
+ */
+#include "hal/optics/dome_nodes.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/optics/vec.h"
+
+struct node {
+	int row;
+	double azimuth; /* 0..2 pi */
+	double direction[3];
+};
+
+struct division {
+	int frequency;
+	enum dome_division kind;
+	struct node *nodes;
+	int count;
+};
+
+int dome_node_count(int frequency, enum dome_division division)
+{
+	const int f = frequency;
+	const int horizon = f % 2 ? 0 : division == DOME_ANGLES ? 10 : 5 * f;
+
+	return 5 * f * f + 1 + horizon / 2; /* half of 10 f^2 + 2, and the other half of those */
+}
+
+/* The point that divides the angle from a to b in the ratio t : 1 - t. */
+static void divide_angle(const double a[3], const double b[3], double t, double out[3])
+{
+	const double angle =
+		atan2(hypot(hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]),
+			    a[0] * b[1] - a[1] * b[0]),
+		      vec_dot(a, b));
+	const double p = sin((1 - t) * angle) / sin(angle), q = sin(t * angle) / sin(angle);
+
+	for (int i = 0; i < 3; i++)
+		out[i] = p * a[i] + q * b[i];
+}
+
+/* The thesis's construction: M divides the angle BOC, P divides the angle AOM; weights a + b + c =
+ * f, a < f. */
+static void divide_from(const double *const corner[3], const int weight[3], int apex, double out[3])
+{
+	const int b = (apex + 1) % 3, c = (apex + 2) % 3;
+	const int rest = weight[b] + weight[c];
+	double m[3];
+
+	if (rest == 0) {
+		memcpy(out, corner[apex], sizeof(m));
+		return;
+	}
+	divide_angle(corner[b], corner[c], (double)weight[c] / rest, m);
+	divide_angle(corner[apex], m, (double)rest / (rest + weight[apex]), out);
+}
+
+/*
+ * The node with these weights on a face. The thesis's construction depends on which corner is
+ * called A, but on the edges: the mean of the three makes the division the same from every side.
+ */
+static void divide_face(enum dome_division kind, const double *const corner[3], const int weight[3],
+			double out[3])
+{
+	double sum[3] = {0, 0, 0};
+
+	for (int i = 0; i < 3; i++) {
+		double p[3];
+
+		if (kind == DOME_ANGLES)
+			divide_from(corner, weight, i, p);
+		else
+			for (int k = 0; k < 3; k++)
+				p[k] = weight[i] * corner[i][k];
+		for (int k = 0; k < 3; k++)
+			sum[k] += p[k];
+	}
+	vec_normalize(sum);
+	memcpy(out, sum, sizeof(sum));
+}
+
+static void add_node(struct division *d, int row, const double direction[3], double sign,
+		     bool horizon, int fifth)
+{
+	const double turn = fifth * (2 * M_PI / 5);
+	struct node *n = &d->nodes[d->count++];
+	const double x = sign * direction[0], y = sign * direction[1];
+
+	n->row = row;
+	n->direction[0] = fifth ? cos(turn) * x - sin(turn) * y : x;
+	n->direction[1] = fifth ? sin(turn) * x + cos(turn) * y : y;
+	n->direction[2] = horizon ? 0 : sign * direction[2];
+	vec_normalize(n->direction);
+	/* Nodes of one row are far apart: what is just below azimuth 0 is at 0 but for rounding. */
+	n->azimuth = atan2(n->direction[1], n->direction[0]);
+	if (n->azimuth < -1e-9)
+		n->azimuth += 2 * M_PI;
+}
+
+static void add_five(struct division *d, int row, const double direction[3], double sign,
+		     bool horizon)
+{
+	for (int fifth = 0; fifth < 5; fifth++)
+		add_node(d, row, direction, sign, horizon, fifth);
+}
+
+/* Rows 1..f of the face below the zenith, without its right edge: that is the next fifth's. */
+static void divide_cap(struct division *d, const double *const corner[3])
+{
+	const int f = d->frequency;
+
+	for (int row = 1; row <= f; row++)
+		for (int j = 0; j < row; j++) {
+			const int weight[3] = {f - row, row - j, j};
+			double p[3];
+
+			divide_face(d->kind, corner, weight, p);
+			add_five(d, row, p, 1, false);
+		}
+}
+
+/* The face of the band that points down: corners upper left, upper right, lower. */
+static void divide_band(struct division *d, const double *const corner[3])
+{
+	const int f = d->frequency;
+
+	for (int c = 1; c < f; c++)
+		for (int j = 0; j <= f - c; j++) {
+			const bool edge = j == 0 || j == f - c, middle = 2 * c == f;
+			const int weight[3] = {f - c - j, j, c};
+			double p[3];
+
+			if (edge && 2 * c > f)
+				continue;
+			divide_face(d->kind, corner, weight, p);
+			if (edge) {
+				add_five(d, f + c, p, 1, middle);
+			} else if (middle && d->kind == DOME_CHORDS) {
+				add_five(d, f + c, p, 1, true);
+				add_five(d, 2 * f - c, p, -1, true);
+			} else {
+				const bool above = p[2] > 0;
+
+				add_five(d, above ? f + c : 2 * f - c, p, above ? 1 : -1, false);
+			}
+		}
+}
+
+static int by_row_and_azimuth(const void *pa, const void *pb)
+{
+	const struct node *a = pa, *b = pb;
+
+	if (a->row != b->row)
+		return a->row < b->row ? -1 : 1;
+	return a->azimuth < b->azimuth ? -1 : a->azimuth > b->azimuth;
+}
+
+int dome_nodes_fill(int frequency, enum dome_division division, double (*direction)[3])
+{
+	const double z = 1 / sqrt(5), r = 2 / sqrt(5);
+	const double zenith[3] = {0, 0, 1};
+	const double left[3] = {r, 0, z};
+	const double right[3] = {r * cos(2 * M_PI / 5), r * sin(2 * M_PI / 5), z};
+	const double lower[3] = {r * cos(M_PI / 5), r * sin(M_PI / 5), -z};
+	const double *const cap[3] = {zenith, left, right}, *const band[3] = {left, right, lower};
+	const int count = dome_node_count(frequency, division);
+	struct division d = {.frequency = frequency, .kind = division};
+
+	d.nodes = calloc((size_t)count, sizeof(*d.nodes));
+	if (!d.nodes)
+		return -ENOMEM;
+	add_node(&d, 0, zenith, 1, false, 0);
+	divide_cap(&d, cap);
+	divide_band(&d, band);
+	qsort(d.nodes, (size_t)count, sizeof(*d.nodes), by_row_and_azimuth);
+	for (int i = 0; i < count; i++)
+		memcpy(direction[i], d.nodes[i].direction, sizeof(direction[i]));
+	free(d.nodes);
+	return 0;
+}

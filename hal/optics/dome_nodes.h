@@ -1,0 +1,13 @@
+/* The nodes of a geodesic dome at or above the horizon, in the order of lights (dome.h). */
+#ifndef INLAY_HAL_OPTICS_DOME_NODES_H
+#define INLAY_HAL_OPTICS_DOME_NODES_H
+
+#include "hal/optics/dome.h"
+
+/* How many there are; frequency in 1..DOME_FREQUENCY_MAX. */
+int dome_node_count(int frequency, enum dome_division division);
+
+/* Fills direction[dome_node_count()]. 0 or -ENOMEM. */
+int dome_nodes_fill(int frequency, enum dome_division division, double (*direction)[3]);
+
+#endif
