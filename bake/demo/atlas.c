@@ -24,7 +24,7 @@ struct turn {
 };
 
 struct work {
-	const struct surface *surface;
+	const struct trimesh *mesh;
 	int (*neighbour)[3]; /* of each triangle, across the edge from corner k to k + 1 */
 	int *label;	     /* 0..5: +x -x +y -y +z -z */
 	int *owner;	     /* piece of each triangle */
@@ -52,14 +52,14 @@ static int edge_compare(const void *a, const void *b)
 
 static int find_neighbours(struct work *work)
 {
-	const int count = 3 * work->surface->triangle_count;
+	const int count = 3 * work->mesh->triangle_count;
 	struct edge *edge = malloc(count * sizeof(*edge));
 
 	if (!edge)
 		return -ENOMEM;
 	for (int e = 0; e < count; e++) {
-		const int a = work->surface->triangle[e / 3][e % 3];
-		const int b = work->surface->triangle[e / 3][(e + 1) % 3];
+		const int a = work->mesh->triangle[e / 3][e % 3];
+		const int b = work->mesh->triangle[e / 3][(e + 1) % 3];
 
 		edge[e] = (struct edge){a < b ? a : b, a < b ? b : a, e / 3, e % 3};
 	}
@@ -75,14 +75,14 @@ static int find_neighbours(struct work *work)
 
 /* ---- which axis each triangle is laid along ---- */
 
-static void triangle_normal(const struct surface *surface, int t, double normal[3])
+static void triangle_normal(const struct trimesh *mesh, int t, double normal[3])
 {
-	const int *corner = surface->triangle[t];
+	const int *corner = mesh->triangle[t];
 	double a[3], b[3];
 
 	for (int i = 0; i < 3; i++) {
-		a[i] = surface->position[corner[1]][i] - surface->position[corner[0]][i];
-		b[i] = surface->position[corner[2]][i] - surface->position[corner[0]][i];
+		a[i] = mesh->position[corner[1]][i] - mesh->position[corner[0]][i];
+		b[i] = mesh->position[corner[2]][i] - mesh->position[corner[0]][i];
 	}
 	vec_cross(a, b, normal);
 	vec_normalize(normal);
@@ -97,12 +97,12 @@ static double facing(const double normal[3], int label)
  * the axis of two or three of its neighbours where it is not too steep for that. */
 static void choose_axes(struct work *work)
 {
-	const int count = work->surface->triangle_count;
+	const int count = work->mesh->triangle_count;
 
 	for (int t = 0; t < count; t++) {
 		double normal[3];
 
-		triangle_normal(work->surface, t, normal);
+		triangle_normal(work->mesh, t, normal);
 		work->label[t] = 0;
 		for (int label = 1; label < 6; label++)
 			if (facing(normal, label) > facing(normal, work->label[t]))
@@ -116,7 +116,7 @@ static void choose_axes(struct work *work)
 			const int most = a == b || a == c ? a : b == c ? b : work->label[t];
 			double normal[3];
 
-			triangle_normal(work->surface, t, normal);
+			triangle_normal(work->mesh, t, normal);
 			if (facing(normal, most) > STEEPEST)
 				work->label[t] = most;
 		}
@@ -148,8 +148,8 @@ static void gather(struct work *work, int t)
 			const int next = work->neighbour[now][k];
 			double flat[2];
 
-			flatten(piece->label,
-				work->surface->position[work->surface->triangle[now][k]], flat);
+			flatten(piece->label, work->mesh->position[work->mesh->triangle[now][k]],
+				flat);
 			for (int i = 0; i < 2; i++) {
 				piece->low[i] = fmin(piece->low[i], flat[i]);
 				piece->high[i] = fmax(piece->high[i], flat[i]);
@@ -221,30 +221,29 @@ static void texture_point(const struct piece *piece, double texel, const double 
 
 static int write_points(struct atlas *atlas, const struct work *work, int side)
 {
-	const struct surface *surface = work->surface;
+	const struct trimesh *mesh = work->mesh;
 	/* A vertex has a point for each axis that its triangles are laid along, and two pieces of
 	 * one axis that meet only in it share nothing else: key by vertex and piece. */
-	int(*seen)[6] = malloc(surface->vertex_count * sizeof(*seen));
-	int *owner = malloc(3 * surface->triangle_count * sizeof(*owner));
+	int(*seen)[6] = malloc(mesh->vertex_count * sizeof(*seen));
+	int *owner = malloc(3 * mesh->triangle_count * sizeof(*owner));
 
 	if (!seen || !owner) {
 		free(seen);
 		free(owner);
 		return -ENOMEM;
 	}
-	memset(seen, -1, surface->vertex_count * sizeof(*seen));
-	for (int t = 0; t < surface->triangle_count; t++) {
+	memset(seen, -1, mesh->vertex_count * sizeof(*seen));
+	for (int t = 0; t < mesh->triangle_count; t++) {
 		const struct piece *piece = &work->piece[work->owner[t]];
 
 		for (int k = 0; k < 3; k++) {
-			const int vertex = surface->triangle[t][k];
+			const int vertex = mesh->triangle[t][k];
 			int *at = &seen[vertex][piece->label];
 
 			if (*at < 0 || owner[*at] != work->owner[t]) {
 				double *point = atlas->point[atlas->point_count];
 
-				texture_point(piece, atlas->texel, surface->position[vertex],
-					      point);
+				texture_point(piece, atlas->texel, mesh->position[vertex], point);
 				point[0] /= side;
 				point[1] /= side;
 				owner[atlas->point_count] = work->owner[t];
@@ -264,11 +263,11 @@ static void mark_texels(const struct work *work, const struct atlas *atlas, int 
 			double *away, double (*place)[3])
 {
 	const struct piece *piece = &work->piece[work->owner[t]];
-	const int *corner = work->surface->triangle[t];
+	const int *corner = work->mesh->triangle[t];
 	double q[3][2], area2;
 
 	for (int k = 0; k < 3; k++)
-		texture_point(piece, atlas->texel, work->surface->position[corner[k]], q[k]);
+		texture_point(piece, atlas->texel, work->mesh->position[corner[k]], q[k]);
 	area2 = (q[1][0] - q[0][0]) * (q[2][1] - q[0][1]) -
 		(q[2][0] - q[0][0]) * (q[1][1] - q[0][1]);
 	if (fabs(area2) < 1e-9)
@@ -303,7 +302,7 @@ static void mark_texels(const struct work *work, const struct atlas *atlas, int 
 
 				*at = 0;
 				for (int k = 0; k < 3; k++)
-					*at += weight[k] * work->surface->position[corner[k]][i];
+					*at += weight[k] * work->mesh->position[corner[k]][i];
 			}
 		}
 	}
@@ -323,7 +322,7 @@ static int paint(struct atlas *atlas, const struct work *work, int side,
 		goto out;
 	for (size_t i = 0; i < texels; i++)
 		away[i] = DBL_MAX;
-	for (int t = 0; t < work->surface->triangle_count; t++)
+	for (int t = 0; t < work->mesh->triangle_count; t++)
 		mark_texels(work, atlas, t, side, away, place);
 	for (size_t i = 0; i < texels; i++) {
 		double rgb[3] = {0.5, 0.5, 0.5};
@@ -349,11 +348,11 @@ static void work_free(struct work *work)
 	free(work->turn);
 }
 
-static int work_create(struct work *work, const struct surface *surface)
+static int work_create(struct work *work, const struct trimesh *mesh)
 {
-	const int count = surface->triangle_count;
+	const int count = mesh->triangle_count;
 
-	*work = (struct work){.surface = surface};
+	*work = (struct work){.mesh = mesh};
 	work->neighbour = calloc(count, sizeof(*work->neighbour));
 	work->label = malloc(count * sizeof(*work->label));
 	work->owner = malloc(count * sizeof(*work->owner));
@@ -367,18 +366,18 @@ static int work_create(struct work *work, const struct surface *surface)
 	return 0;
 }
 
-int atlas_create(struct atlas *atlas, const struct surface *surface, int side,
+int atlas_create(struct atlas *atlas, const struct trimesh *mesh, int side,
 		 void (*colour)(const double p[3], double rgb[3]))
 {
 	struct work work;
 	int err;
 
 	memset(atlas, 0, sizeof(*atlas));
-	err = work_create(&work, surface);
+	err = work_create(&work, mesh);
 	if (err)
 		goto out;
-	atlas->point = malloc(3 * surface->triangle_count * sizeof(*atlas->point));
-	atlas->corner = malloc(surface->triangle_count * sizeof(*atlas->corner));
+	atlas->point = malloc(3 * mesh->triangle_count * sizeof(*atlas->point));
+	atlas->corner = malloc(mesh->triangle_count * sizeof(*atlas->corner));
 	if (!atlas->point || !atlas->corner) {
 		err = -ENOMEM;
 		goto out;
@@ -387,7 +386,7 @@ int atlas_create(struct atlas *atlas, const struct surface *surface, int side,
 	if (err)
 		goto out;
 	choose_axes(&work);
-	for (int t = 0; t < surface->triangle_count; t++)
+	for (int t = 0; t < mesh->triangle_count; t++)
 		if (work.owner[t] < 0)
 			gather(&work, t);
 	/* From far too fine to the finest that fits. */

@@ -18,7 +18,7 @@ struct atlas {
 
 /* Every texel that a piece touches, and two around it, gets the colour of its place in space (code
  * values 0..1), so that a filter may look over a border. -ENOMEM. */
-int atlas_create(struct atlas *atlas, const struct surface *surface, int side,
+int atlas_create(struct atlas *atlas, const struct trimesh *mesh, int side,
 		 void (*colour)(const double p[3], double rgb[3]));
 
 void atlas_free(struct atlas *atlas); /* idempotent; zeroed is fine */

@@ -25,23 +25,23 @@ struct obj {
 	int vertices, points;
 };
 
-static void write_part(struct obj *obj, const struct cow_part *part, const struct surface *surface,
+static void write_part(struct obj *obj, const struct cow_part *part, const struct trimesh *mesh,
 		       const struct atlas *atlas)
 {
 	fprintf(obj->stream, "o %s\nusemtl %s\n", part->name, part->material);
-	for (int v = 0; v < surface->vertex_count; v++)
-		fprintf(obj->stream, "v %.6f %.6f %.6f\n", surface->position[v][0],
-			surface->position[v][1], surface->position[v][2]);
-	for (int v = 0; v < surface->vertex_count; v++)
-		fprintf(obj->stream, "vn %.5f %.5f %.5f\n", surface->normal[v][0],
-			surface->normal[v][1], surface->normal[v][2]);
+	for (int v = 0; v < mesh->vertex_count; v++)
+		fprintf(obj->stream, "v %.6f %.6f %.6f\n", mesh->position[v][0],
+			mesh->position[v][1], mesh->position[v][2]);
+	for (int v = 0; v < mesh->vertex_count; v++)
+		fprintf(obj->stream, "vn %.5f %.5f %.5f\n", mesh->normal[v][0], mesh->normal[v][1],
+			mesh->normal[v][2]);
 	/* In the file v runs upwards. */
 	for (int k = 0; atlas && k < atlas->point_count; k++)
 		fprintf(obj->stream, "vt %.6f %.6f\n", atlas->point[k][0], 1 - atlas->point[k][1]);
-	for (int t = 0; t < surface->triangle_count; t++) {
+	for (int t = 0; t < mesh->triangle_count; t++) {
 		fputc('f', obj->stream);
 		for (int k = 0; k < 3; k++) {
-			const int v = surface->triangle[t][k] + 1 + obj->vertices;
+			const int v = mesh->triangle[t][k] + 1 + obj->vertices;
 
 			if (atlas)
 				fprintf(obj->stream, " %d/%d/%d", v,
@@ -51,7 +51,7 @@ static void write_part(struct obj *obj, const struct cow_part *part, const struc
 		}
 		fputc('\n', obj->stream);
 	}
-	obj->vertices += surface->vertex_count;
+	obj->vertices += mesh->vertex_count;
 	obj->points += atlas ? atlas->point_count : 0;
 }
 
@@ -66,24 +66,24 @@ static int write_texture(const char *folder, const struct atlas *atlas, struct f
 static int make_part(struct obj *obj, const struct cow_part *part, const char *folder,
 		     struct fault *fault)
 {
-	struct surface surface = {0};
+	struct trimesh mesh = {0};
 	struct atlas atlas = {0};
 	const bool textured = part == &cow_parts[0];
 	int err;
 
-	err = polygonise(&surface, &part->solid, part->step);
+	err = polygonise(&mesh, &part->solid, part->step);
 	if (!err && textured)
-		err = atlas_create(&atlas, &surface, TEXTURE_SIDE, cow_colour);
+		err = atlas_create(&atlas, &mesh, TEXTURE_SIDE, cow_colour);
 	if (err) {
 		fault_say(fault, err, "cannot make the cow's %s: %s", part->name, strerror(-err));
 		goto out;
 	}
-	write_part(obj, part, &surface, textured ? &atlas : NULL);
+	write_part(obj, part, &mesh, textured ? &atlas : NULL);
 	if (textured)
 		err = write_texture(folder, &atlas, fault);
 out:
 	atlas_free(&atlas);
-	surface_free(&surface);
+	trimesh_free(&mesh);
 	return err;
 }
 

@@ -100,7 +100,7 @@ static bool cell_middle(const struct grid *grid, const int cell[3], double p[3])
 	return true;
 }
 
-static int place_vertices(struct grid *grid, struct surface *surface)
+static int place_vertices(struct grid *grid, struct trimesh *mesh)
 {
 	int room = 0;
 
@@ -112,18 +112,18 @@ static int place_vertices(struct grid *grid, struct surface *surface)
 
 				if (!cell_middle(grid, cell, p))
 					continue;
-				if (surface->vertex_count == room) {
+				if (mesh->vertex_count == room) {
 					void *more;
 
 					room = room ? 2 * room : 4096;
-					more = realloc(surface->position,
-						       room * sizeof(*surface->position));
+					more = realloc(mesh->position,
+						       room * sizeof(*mesh->position));
 					if (!more)
 						return -ENOMEM;
-					surface->position = more;
+					mesh->position = more;
 				}
-				grid->vertex[grid_index(grid, x, y, z)] = surface->vertex_count;
-				memcpy(surface->position[surface->vertex_count++], p, sizeof(p));
+				grid->vertex[grid_index(grid, x, y, z)] = mesh->vertex_count;
+				memcpy(mesh->position[mesh->vertex_count++], p, sizeof(p));
 			}
 		}
 	}
@@ -146,7 +146,7 @@ static void edge_cells(const struct grid *grid, const int corner[3], int axis, b
 	}
 }
 
-static int join_vertices(const struct grid *grid, struct surface *surface)
+static int join_vertices(const struct grid *grid, struct trimesh *mesh)
 {
 	int room = 0;
 
@@ -168,23 +168,23 @@ static int join_vertices(const struct grid *grid, struct surface *surface)
 					if (inside == inside_next)
 						continue;
 					edge_cells(grid, corner, axis, inside, quad);
-					if (surface->triangle_count + 2 > room) {
+					if (mesh->triangle_count + 2 > room) {
 						void *more;
 
 						room = room ? 2 * room : 8192;
-						more = realloc(surface->triangle,
-							       room * sizeof(*surface->triangle));
+						more = realloc(mesh->triangle,
+							       room * sizeof(*mesh->triangle));
 						if (!more)
 							return -ENOMEM;
-						surface->triangle = more;
+						mesh->triangle = more;
 					}
-					int(*t)[3] = surface->triangle + surface->triangle_count;
+					int(*t)[3] = mesh->triangle + mesh->triangle_count;
 
 					memcpy(t[0], (int[3]){quad[0], quad[1], quad[2]},
 					       sizeof(t[0]));
 					memcpy(t[1], (int[3]){quad[0], quad[2], quad[3]},
 					       sizeof(t[1]));
-					surface->triangle_count += 2;
+					mesh->triangle_count += 2;
 				}
 			}
 		}
@@ -213,28 +213,28 @@ static void settle(const struct grid *grid, double p[3], double normal[3])
 
 /* Each vertex goes half-way to the middle of its neighbours, along the surface, and back onto it:
  * the grid's pattern leaves the triangles, which end up nearly equal. */
-static int even_out(const struct grid *grid, struct surface *surface)
+static int even_out(const struct grid *grid, struct trimesh *mesh)
 {
-	const int count = surface->vertex_count;
+	const int count = mesh->vertex_count;
 	double(*middle)[4] = malloc(count * sizeof(*middle));
 
 	if (!middle)
 		return -ENOMEM;
 	for (int pass = 0; pass < EVENING_PASSES; pass++) {
 		memset(middle, 0, count * sizeof(*middle));
-		for (int t = 0; t < surface->triangle_count; t++) {
+		for (int t = 0; t < mesh->triangle_count; t++) {
 			for (int k = 0; k < 3; k++) {
-				const int from = surface->triangle[t][k];
-				const int to = surface->triangle[t][(k + 1) % 3];
+				const int from = mesh->triangle[t][k];
+				const int to = mesh->triangle[t][(k + 1) % 3];
 
 				for (int i = 0; i < 3; i++)
-					middle[from][i] += surface->position[to][i];
+					middle[from][i] += mesh->position[to][i];
 				middle[from][3]++;
 			}
 		}
 		for (int v = 0; v < count; v++) {
-			double *p = surface->position[v];
-			double *normal = surface->normal[v];
+			double *p = mesh->position[v];
+			double *normal = mesh->normal[v];
 			double move[3], off;
 
 			for (int i = 0; i < 3; i++)
@@ -259,59 +259,59 @@ static double distance2(const double a[3], const double b[3])
 }
 
 /* Triangles were made in pairs; a pair is split along its shorter diagonal. */
-static void choose_diagonals(struct surface *surface)
+static void choose_diagonals(struct trimesh *mesh)
 {
-	for (int t = 0; t < surface->triangle_count; t += 2) {
-		int *one = surface->triangle[t], *two = surface->triangle[t + 1];
+	for (int t = 0; t < mesh->triangle_count; t += 2) {
+		int *one = mesh->triangle[t], *two = mesh->triangle[t + 1];
 		const int a = one[0], b = one[1], c = one[2], d = two[2];
 
-		if (distance2(surface->position[a], surface->position[c]) <=
-		    distance2(surface->position[b], surface->position[d]))
+		if (distance2(mesh->position[a], mesh->position[c]) <=
+		    distance2(mesh->position[b], mesh->position[d]))
 			continue;
 		memcpy(one, (int[3]){a, b, d}, 3 * sizeof(int));
 		memcpy(two, (int[3]){b, c, d}, 3 * sizeof(int));
 	}
 }
 
-int polygonise(struct surface *surface, const struct solid *solid, double step)
+int polygonise(struct trimesh *mesh, const struct solid *solid, double step)
 {
 	struct grid grid = {0};
 	int err;
 
-	memset(surface, 0, sizeof(*surface));
+	memset(mesh, 0, sizeof(*mesh));
 	err = grid_create(&grid, solid, step);
 	if (err)
 		goto fail;
-	err = place_vertices(&grid, surface);
+	err = place_vertices(&grid, mesh);
 	if (err)
 		goto fail;
-	err = join_vertices(&grid, surface);
+	err = join_vertices(&grid, mesh);
 	if (err)
 		goto fail;
-	surface->normal = malloc((surface->vertex_count + 1) * sizeof(*surface->normal));
-	if (!surface->normal) {
+	mesh->normal = malloc((mesh->vertex_count + 1) * sizeof(*mesh->normal));
+	if (!mesh->normal) {
 		err = -ENOMEM;
 		goto fail;
 	}
-	for (int v = 0; v < surface->vertex_count; v++)
-		settle(&grid, surface->position[v], surface->normal[v]);
-	err = even_out(&grid, surface);
+	for (int v = 0; v < mesh->vertex_count; v++)
+		settle(&grid, mesh->position[v], mesh->normal[v]);
+	err = even_out(&grid, mesh);
 	if (err)
 		goto fail;
-	choose_diagonals(surface);
+	choose_diagonals(mesh);
 	grid_free(&grid);
 	return 0;
 
 fail:
 	grid_free(&grid);
-	surface_free(surface);
+	trimesh_free(mesh);
 	return err;
 }
 
-void surface_free(struct surface *surface)
+void trimesh_free(struct trimesh *mesh)
 {
-	free(surface->position);
-	free(surface->normal);
-	free(surface->triangle);
-	memset(surface, 0, sizeof(*surface));
+	free(mesh->position);
+	free(mesh->normal);
+	free(mesh->triangle);
+	memset(mesh, 0, sizeof(*mesh));
 }

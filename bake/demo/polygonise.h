@@ -4,7 +4,7 @@
 
 #include "bake/demo/implicit.h"
 
-struct surface {
+struct trimesh {
 	int vertex_count, triangle_count;
 	double (*position)[3];
 	double (*normal)[3]; /* unit, outward: the function's gradient, not the triangles' */
@@ -22,8 +22,8 @@ struct solid {
  * across each crossed grid edge; then the vertices are spread evenly over the surface. Features
  * thinner than two steps may be lost or come out pinched. -ENOMEM.
  */
-int polygonise(struct surface *surface, const struct solid *solid, double step);
+int polygonise(struct trimesh *mesh, const struct solid *solid, double step);
 
-void surface_free(struct surface *surface); /* idempotent; zeroed is fine */
+void trimesh_free(struct trimesh *mesh); /* idempotent; zeroed is fine */
 
 #endif

@@ -15,7 +15,7 @@
 
 #define SEED 20240607u
 
-static struct surface parts[COW_PARTS];
+static struct trimesh parts[COW_PARTS];
 
 static double uniform(uint32_t *state)
 {
@@ -36,7 +36,7 @@ static int free_parts(void **state)
 {
 	(void)state;
 	for (int k = 0; k < COW_PARTS; k++)
-		surface_free(&parts[k]);
+		trimesh_free(&parts[k]);
 	return 0;
 }
 
@@ -133,16 +133,16 @@ static struct implicit ball_at(const void *context, const double p[3])
 	return implicit_ellipsoid(&ball, p);
 }
 
-static double volume(const struct surface *surface)
+static double volume(const struct trimesh *mesh)
 {
 	double sum = 0;
 
-	for (int t = 0; t < surface->triangle_count; t++) {
-		const int *corner = surface->triangle[t];
+	for (int t = 0; t < mesh->triangle_count; t++) {
+		const int *corner = mesh->triangle[t];
 		double cross[3];
 
-		vec_cross(surface->position[corner[1]], surface->position[corner[2]], cross);
-		sum += vec_dot(surface->position[corner[0]], cross) / 6;
+		vec_cross(mesh->position[corner[1]], mesh->position[corner[2]], cross);
+		sum += vec_dot(mesh->position[corner[0]], cross) / 6;
 	}
 	return sum;
 }
@@ -150,20 +150,20 @@ static double volume(const struct surface *surface)
 static void ball_is_a_ball(void **state)
 {
 	const struct solid solid = {ball_at, NULL, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
-	struct surface surface;
+	struct trimesh mesh;
 
 	(void)state;
-	assert_int_equal(polygonise(&surface, &solid, 0.05), 0);
-	for (int v = 0; v < surface.vertex_count; v++) {
-		assert_true(fabs(vec_length(surface.position[v]) - 0.5) < 1e-8);
-		assert_true(fabs(vec_dot(surface.position[v], surface.normal[v]) - 0.5) < 1e-8);
+	assert_int_equal(polygonise(&mesh, &solid, 0.05), 0);
+	for (int v = 0; v < mesh.vertex_count; v++) {
+		assert_true(fabs(vec_length(mesh.position[v]) - 0.5) < 1e-8);
+		assert_true(fabs(vec_dot(mesh.position[v], mesh.normal[v]) - 0.5) < 1e-8);
 	}
 	/* Euler's formula of a sphere, and a volume a little below the ball's. */
-	assert_int_equal(2 * (surface.vertex_count - 2), surface.triangle_count);
-	assert_true(volume(&surface) < M_PI / 6);
-	assert_true(volume(&surface) > 0.99 * M_PI / 6);
-	surface_free(&surface);
-	surface_free(&surface);
+	assert_int_equal(2 * (mesh.vertex_count - 2), mesh.triangle_count);
+	assert_true(volume(&mesh) < M_PI / 6);
+	assert_true(volume(&mesh) > 0.99 * M_PI / 6);
+	trimesh_free(&mesh);
+	trimesh_free(&mesh);
 }
 
 /* ---- the meshes ---- */
@@ -291,7 +291,7 @@ static void budget_and_size(void **state)
 
 static void same_every_time(void **state)
 {
-	struct surface again;
+	struct trimesh again;
 
 	(void)state;
 	assert_int_equal(polygonise(&again, &cow_parts[0].solid, cow_parts[0].step), 0);
@@ -301,7 +301,7 @@ static void same_every_time(void **state)
 			    again.vertex_count * sizeof(*again.position));
 	assert_memory_equal(again.triangle, parts[0].triangle,
 			    again.triangle_count * sizeof(*again.triangle));
-	surface_free(&again);
+	trimesh_free(&again);
 }
 
 /* ---- the texture ---- */
