@@ -6,3 +6,10 @@ FUZZ_TARGETS :=
 CLI_TESTS :=
 ACCURACY_TESTS :=
 include tests/vm/vm.mk
+
+# How far two pictures are apart, for the accuracy table.
+EXTRA_PROGRAMS += $(BUILD)/tests/accuracy/compare
+$(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.a
+	$(say) LINK $@
+	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
+-include $(BUILD)/tests/accuracy/compare.d
