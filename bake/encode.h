@@ -2,7 +2,7 @@
  * From a tile's transport in floating point to the blocks of a basis file.
  *
  * Every cut has a bound that holds for any non-negative lighting; encode_tile() returns the largest
- * it made, and the bake declares the largest of all tiles.
+ * it made, and the bake declares the largest of all tiles. The proofs are in hal/basis/README.md.
  */
 #ifndef INLAY_BAKE_ENCODE_H
 #define INLAY_BAKE_ENCODE_H
@@ -12,18 +12,20 @@
 /* Transport of one kind for some pixels of a tile. */
 struct encode_samples {
 	enum basis_kind kind;
-	int ground; /* of kind V */
+	int ground; /* of kind V; else 0 */
 	int pixels;
 	const uint16_t *pixel; /* y * BASIS_TILE + x, ascending */
-	const float *value;    /* [pixels][3][lights] */
+	const float *value;    /* [pixels][3][lights]; of kind U not negative */
 };
 
 struct encode_settings {
 	int lights;
-	const double *ground; /* [grounds][3][lights]; for totals of V */
+	int grounds;
+	const double *ground; /* [grounds][3][lights]; for totals of V. Must outlive the encoder. */
 	double ratio_cut; /* V: a light whose |v| is nowhere above this leaves the list; likewise
-			     pixels, and channels closer together than this share a row. D, U, T:
-			     only exact zeros (after quantisation) leave. */
+			     pixels, and channels closer together than this share a row. T, D, U:
+			     only what is 0 after quantisation leaves, and only equal channels
+			     share a row. */
 };
 
 struct encode_result {
@@ -32,10 +34,18 @@ struct encode_result {
 	double object_error, ratio_error; /* bounds, as in struct basis_info_chunk */
 };
 
+/* One for each thread. -ENOMEM. */
 struct encoder;
 int encoder_create(struct encoder **encoder, const struct encode_settings *settings);
+
+/*
+ * A set of samples becomes one block, or none when nothing is left of it. D samples must be
+ * followed by U samples of the same pixels: they keep and drop pixels together. -EDOM: a value is
+ * not finite, or one of U negative; -EINVAL: D and U do not pair; -ENOMEM.
+ */
 int encode_tile(struct encoder *encoder, int tile, const struct encode_samples *samples, int count,
 		struct encode_result *result);
-void encoder_destroy(struct encoder *encoder);
+
+void encoder_destroy(struct encoder *encoder); /* NULL is harmless */
 
 #endif

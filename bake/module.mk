@@ -1,6 +1,7 @@
 bake_PACKAGES := assimp
 bake_LIBS := -lembree3
-BAKE_SOURCES :=
+BAKE_SOURCES := \
+	bake/encode.c
 BAKE_MAIN := bake/main.c
 
 # The demo's own object. make-cow is a program apart: it needs no ray tracer.

@@ -1,0 +1,331 @@
+#include "hal/basis/basis_writer.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "hal/output.h"
+
+/* INFO, DOME, GROUND and CAMERA first, PROVENANCE last; each pose has DATA, BLOCKS, COVERAGE and
+ * PEAK. */
+#define FIRST_CHUNKS 4
+#define POSE_CHUNKS 4
+#define LAST_CHUNKS 1
+
+struct basis_writer {
+	struct output output;
+	struct basis_info_chunk info;
+	struct basis_chunk_entry *chunks;
+	uint32_t chunk_limit, chunk_count;
+	uint64_t position; /* where the next byte goes */
+	XXH3_state_t *hash;
+	bool in_pose; /* the DATA chunk of a pose is open */
+	uint32_t poses_done;
+	struct basis_block_entry *blocks; /* of the open pose */
+	size_t block_count, block_room;
+};
+
+static int say_write(const struct basis_writer *w, int err, struct fault *fault)
+{
+	return fault_say(fault, err, "%s: cannot be written: %s", w->output.path, strerror(-err));
+}
+
+static int put(struct basis_writer *w, const void *data, size_t bytes)
+{
+	errno = 0;
+	if (bytes && fwrite(data, 1, bytes, w->output.stream) != bytes)
+		return errno ? -errno : -EIO;
+	w->position += bytes;
+	return 0;
+}
+
+/* Zeros up to the next multiple of step; hashed when they lie inside a chunk. */
+static int pad(struct basis_writer *w, size_t step, bool hashed)
+{
+	static const uint8_t zeros[BASIS_PAGE];
+	const size_t bytes = (size_t)(-w->position & (step - 1));
+
+	if (hashed)
+		XXH3_64bits_update(w->hash, zeros, bytes);
+	return put(w, zeros, bytes);
+}
+
+static int chunk_begin(struct basis_writer *w, enum basis_chunk type, uint32_t pose)
+{
+	struct basis_chunk_entry *chunk = &w->chunks[w->chunk_count];
+	const int ret = pad(w, BASIS_PAGE, false);
+
+	if (ret < 0)
+		return ret;
+	*chunk = (struct basis_chunk_entry){.type = type, .pose = pose, .offset = w->position};
+	XXH3_64bits_reset(w->hash);
+	return 0;
+}
+
+static int chunk_put(struct basis_writer *w, const void *data, size_t bytes)
+{
+	if (bytes)
+		XXH3_64bits_update(w->hash, data, bytes);
+	return put(w, data, bytes);
+}
+
+static void chunk_end(struct basis_writer *w)
+{
+	struct basis_chunk_entry *chunk = &w->chunks[w->chunk_count++];
+
+	chunk->bytes = w->position - chunk->offset;
+	chunk->checksum = XXH3_64bits_digest(w->hash);
+}
+
+static int chunk_write(struct basis_writer *w, enum basis_chunk type, uint32_t pose,
+		       const void *data, size_t bytes)
+{
+	int ret = chunk_begin(w, type, pose);
+
+	if (ret < 0)
+		return ret;
+	ret = chunk_put(w, data, bytes);
+	chunk_end(w);
+	return ret;
+}
+
+static int check_info(const struct basis_info_chunk *info, const char *path, struct fault *fault)
+{
+	if (info->width < 1 || info->width > BASIS_SIDE_MAX || info->height < 1 ||
+	    info->height > BASIS_SIDE_MAX)
+		return fault_say(fault, -EINVAL, "%s: picture of %ux%u pixels, expected 1 to %d",
+				 path, info->width, info->height, BASIS_SIDE_MAX);
+	if (info->lights < 1 || info->lights > BASIS_LIGHTS_MAX)
+		return fault_say(fault, -EINVAL, "%s: %u lights, expected 1 to %d", path,
+				 info->lights, BASIS_LIGHTS_MAX);
+	if (info->grounds > BASIS_GROUNDS_MAX)
+		return fault_say(fault, -EINVAL, "%s: %u ground terms, expected at most %d", path,
+				 info->grounds, BASIS_GROUNDS_MAX);
+	if (info->poses < 1 ||
+	    info->poses > (BASIS_CHUNKS_MAX - FIRST_CHUNKS - LAST_CHUNKS) / POSE_CHUNKS)
+		return fault_say(fault, -EINVAL, "%s: %u poses, expected 1 to %d", path,
+				 info->poses,
+				 (BASIS_CHUNKS_MAX - FIRST_CHUNKS - LAST_CHUNKS) / POSE_CHUNKS);
+	return 0;
+}
+
+static int write_first(struct basis_writer *w, const struct basis_light *lights,
+		       const double *ground, const char *camera)
+{
+	const size_t n = w->info.lights;
+	const struct basis_file_header header = {0};
+	int ret;
+
+	/* Room for what is known only at the end. */
+	ret = put(w, &header, sizeof(header));
+	if (ret == 0)
+		ret = put(w, w->chunks, w->chunk_limit * sizeof(*w->chunks));
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_INFO, 0, &w->info, sizeof(w->info));
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_DOME, 0, lights, n * sizeof(*lights));
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_GROUND, 0, ground,
+				  w->info.grounds * 3 * n * sizeof(*ground));
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_CAMERA, 0, camera, strlen(camera) + 1);
+	return ret;
+}
+
+int basis_writer_open(struct basis_writer **writer, const char *path,
+		      const struct basis_info_chunk *info, const struct basis_light *lights,
+		      const double *ground, const char *camera, struct fault *fault)
+{
+	struct basis_writer *w;
+	int ret;
+
+	*writer = NULL;
+	ret = check_info(info, path, fault);
+	if (ret < 0)
+		return ret;
+	w = calloc(1, sizeof(*w));
+	if (!w)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	w->info = *info;
+	w->chunk_limit = FIRST_CHUNKS + POSE_CHUNKS * info->poses + LAST_CHUNKS;
+	w->chunks = calloc(w->chunk_limit, sizeof(*w->chunks));
+	w->hash = XXH3_createState();
+	if (!w->chunks || !w->hash) {
+		ret = fault_say(fault, -ENOMEM, "%s: out of memory", path);
+		goto fail;
+	}
+	ret = output_open(&w->output, path, fault);
+	if (ret < 0)
+		goto fail;
+	ret = write_first(w, lights, ground, camera);
+	if (ret < 0) {
+		say_write(w, ret, fault);
+		goto fail;
+	}
+	*writer = w;
+	return 0;
+fail:
+	basis_writer_abandon(w);
+	return ret;
+}
+
+static int pose_begin(struct basis_writer *w, struct fault *fault)
+{
+	int ret;
+
+	if (w->in_pose)
+		return 0;
+	if (w->poses_done == w->info.poses)
+		return fault_say(fault, -EINVAL, "%s: more poses written than the %u announced",
+				 w->output.path, w->info.poses);
+	ret = chunk_begin(w, BASIS_CHUNK_DATA, w->poses_done);
+	if (ret < 0)
+		return say_write(w, ret, fault);
+	w->in_pose = true;
+	w->block_count = 0;
+	return 0;
+}
+
+static int reserve(struct basis_writer *w, size_t more)
+{
+	struct basis_block_entry *blocks;
+	size_t room = w->block_room ? w->block_room : 1024;
+
+	while (room < w->block_count + more)
+		room *= 2;
+	if (room == w->block_room)
+		return 0;
+	blocks = realloc(w->blocks, room * sizeof(*blocks));
+	if (!blocks)
+		return -ENOMEM;
+	w->blocks = blocks;
+	w->block_room = room;
+	return 0;
+}
+
+int basis_writer_blocks(struct basis_writer *w, const struct basis_block_payload *blocks, int count,
+			struct fault *fault)
+{
+	uint64_t data;
+	int ret = pose_begin(w, fault);
+
+	if (ret < 0)
+		return ret;
+	data = w->chunks[w->chunk_count].offset;
+	ret = reserve(w, (size_t)count);
+	if (ret < 0)
+		return say_write(w, ret, fault);
+	for (int i = 0; i < count; i++) {
+		struct basis_block_entry entry = blocks[i].entry;
+
+		if (w->block_count && entry.tile < w->blocks[w->block_count - 1].tile)
+			return fault_say(fault, -EINVAL,
+					 "%s: blocks of tile %u follow those of tile %u, expected "
+					 "ascending tiles",
+					 w->output.path, entry.tile,
+					 w->blocks[w->block_count - 1].tile);
+		ret = pad(w, BASIS_ALIGN, true);
+		if (ret < 0)
+			return say_write(w, ret, fault);
+		entry.offset = w->position - data;
+		ret = chunk_put(w, blocks[i].payload, entry.bytes);
+		if (ret < 0)
+			return say_write(w, ret, fault);
+		w->blocks[w->block_count++] = entry;
+	}
+	return 0;
+}
+
+int basis_writer_pose_end(struct basis_writer *w, const uint16_t *coverage, const float (*peak)[3],
+			  struct fault *fault)
+{
+	const size_t pixels = (size_t)w->info.width * w->info.height;
+	const uint32_t pose = w->poses_done;
+	int ret = pose_begin(w, fault); /* a pose without any block */
+
+	if (ret < 0)
+		return ret;
+	chunk_end(w);
+	w->in_pose = false;
+	w->poses_done++;
+	ret = chunk_write(w, BASIS_CHUNK_BLOCKS, pose, w->blocks,
+			  w->block_count * sizeof(*w->blocks));
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_COVERAGE, pose, coverage,
+				  pixels * sizeof(*coverage));
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_PEAK, pose, peak,
+				  (w->info.lights + (size_t)1) * sizeof(*peak));
+	return ret < 0 ? say_write(w, ret, fault) : 0;
+}
+
+/* INFO, the header and the chunk table, whose place was kept. */
+static int write_back(struct basis_writer *w)
+{
+	const size_t table_bytes = w->chunk_count * sizeof(*w->chunks);
+	struct basis_file_header header = {
+		.magic = BASIS_MAGIC,
+		.version = BASIS_VERSION,
+		.chunk_count = w->chunk_count,
+		.file_bytes = w->position,
+	};
+
+	w->chunks[0].checksum = XXH3_64bits(&w->info, sizeof(w->info));
+	XXH3_64bits_reset(w->hash);
+	XXH3_64bits_update(w->hash, &header, sizeof(header));
+	XXH3_64bits_update(w->hash, w->chunks, table_bytes);
+	header.checksum = XXH3_64bits_digest(w->hash);
+
+	errno = 0;
+	if (fseeko(w->output.stream, (off_t)w->chunks[0].offset, SEEK_SET) < 0 ||
+	    fwrite(&w->info, sizeof(w->info), 1, w->output.stream) != 1 ||
+	    fseeko(w->output.stream, 0, SEEK_SET) < 0 ||
+	    fwrite(&header, sizeof(header), 1, w->output.stream) != 1 ||
+	    fwrite(w->chunks, 1, table_bytes, w->output.stream) != table_bytes)
+		return errno ? -errno : -EIO;
+	return 0;
+}
+
+static int finish(struct basis_writer *w, const struct basis_info_chunk *info,
+		  const char *provenance, struct fault *fault)
+{
+	int ret;
+
+	if (w->in_pose || w->poses_done != w->info.poses)
+		return fault_say(fault, -EINVAL, "%s: %u poses finished, expected %u",
+				 w->output.path, w->poses_done, w->info.poses);
+	if (info->width != w->info.width || info->height != w->info.height ||
+	    info->lights != w->info.lights || info->grounds != w->info.grounds ||
+	    info->poses != w->info.poses)
+		return fault_say(fault, -EINVAL, "%s: sizes changed since the file was begun",
+				 w->output.path);
+	w->info = *info;
+	ret = chunk_write(w, BASIS_CHUNK_PROVENANCE, 0, provenance, strlen(provenance) + 1);
+	if (ret == 0)
+		ret = write_back(w);
+	if (ret < 0)
+		return say_write(w, ret, fault);
+	return output_commit(&w->output, fault);
+}
+
+int basis_writer_finish(struct basis_writer *writer, const struct basis_info_chunk *info,
+			const char *provenance, struct fault *fault)
+{
+	const int ret = finish(writer, info, provenance, fault);
+
+	basis_writer_abandon(writer);
+	return ret;
+}
+
+void basis_writer_abandon(struct basis_writer *w)
+{
+	if (!w)
+		return;
+	output_abandon(&w->output);
+	XXH3_freeState(w->hash);
+	free(w->chunks);
+	free(w->blocks);
+	free(w);
+}
