@@ -31,7 +31,6 @@ shift
 
 kernel=$("$source_dir/board/qemu-x86_64/build-kernel.sh")
 
-# A socket's path may have 107 characters, so it cannot lie in the job folder.
 scratch=$(mktemp -d /tmp/inlay-vm.XXXXXX)
 qemu=
 stop() {
@@ -64,14 +63,19 @@ rm -f "$job/exit-code"
 # The initramfs: busybox and the script beside this one.
 mkdir -p "$scratch/root/bin"
 cp /bin/busybox "$scratch/root/bin/busybox"
-cp "$here/init" "$scratch/root/init"
+install -m 755 "$here/init" "$scratch/root/init"
 (cd "$scratch/root" && find . | cpio -o -H newc -R 0:0 --quiet | gzip -1) >"$scratch/initramfs"
 
 comma() { # QEMU's options write a comma in a value as two
 	printf '%s' "${1//,/,,}"
 }
 
-# The guest's second serial port is QEMU's own monitor: a test photographs the screen by itself.
+# What the guest writes to its second serial port is read by QEMU's own monitor (QMP, one command a
+# line), whose answers are left in the job folder: a test photographs the screen by itself.
+mkfifo "$scratch/monitor.in"
+ln -s "$job/monitor.log" "$scratch/monitor.out"
+echo >"$job/monitor.log"
+
 options=(
 	-accel "tcg,thread=multi" -cpu max -smp 2 -m 1024
 	-nodefaults -no-reboot -display none -vga none -device virtio-gpu-pci
@@ -79,9 +83,8 @@ options=(
 	-append "console=ttyS0 quiet panic=-1 mitigations=off"
 	-virtfs "local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap"
 	-virtfs "local,path=$(comma "$job"),mount_tag=job,security_model=none"
-	-chardev "socket,id=monitor,path=$scratch/monitor,server=on,wait=off"
-	-mon chardev=monitor
-	-chardev "socket,id=guest,path=$scratch/monitor"
+	-chardev "pipe,id=monitor,path=$scratch/monitor" -mon "chardev=monitor,mode=control"
+	-chardev "file,id=guest,path=$scratch/monitor.in"
 )
 
 if [ "$shell" = 1 ]; then

@@ -183,6 +183,7 @@ int main(int argc, char **argv)
 	struct fault fault = {""};
 	void *options = driver->options_size ? calloc(1, driver->options_size) : NULL;
 
+	setvbuf(stdout, NULL, _IOLBF, 0); /* a test waits for the first lines */
 	if (driver->keys)
 		ini_defaults(driver->keys, options);
 	int err = camera_open(&camera, driver, &request.settings, options, &fault);

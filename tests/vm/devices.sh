@@ -69,20 +69,19 @@ stop_playing() {
 # Photographs the screen of QEMU's own device from outside.
 #     screendump FILE.ppm     below /run/job
 screendump() {
-	local outside=$VM_JOB_OUTSIDE${1#/run/job} line
-	rm -f "$1"
-	exec 8<>/dev/ttyS1
-	stty -F /dev/ttyS1 raw -echo
-	printf 'screendump "%s"\n' "$outside" >&8
-	# The monitor prompts again when it has done so.
-	while IFS= read -r -t 10 -d ')' line <&8; do
-		case $line in
-		*screendump*) ;;
-		*) break ;;
-		esac
-	done
-	exec 8>&-
-	within_seconds 5 test -s "$1"
+	local outside=$VM_JOB_OUTSIDE${1#/run/job}
+	outside=${outside//\\/\\\\}
+	monitor screendump "\"filename\": \"${outside//\"/\\\"}\""
+}
+
+# One command to QEMU's monitor, waited for. A new greeting is asked for only once.
+#     monitor COMMAND [ARGUMENTS]
+monitor() {
+	local log=/run/job/monitor.log id=$RANDOM$RANDOM
+	[ -e /run/monitor-ready ] || echo '{"execute": "qmp_capabilities"}' >/dev/ttyS1
+	: >/run/monitor-ready
+	echo "{\"execute\": \"$1\", \"id\": \"$id\", \"arguments\": {${2:-}}}" >/dev/ttyS1
+	within_seconds 10 grep -q "\"id\": \"$id\"" $log && grep "\"id\": \"$id\"" $log | grep -q return
 }
 
 # The card that this driver drives: card_of vkms prints 1

@@ -11,6 +11,20 @@ v4l2-ctl -d "$in" --list-ctrls-menus >"$VM_OUT/controls" 2>&1
 v4l2-ctl -d "$in" --list-formats-ext >"$VM_OUT/formats" 2>&1
 check "vivid unloads" unload vivid
 
+# The joint that the live tests rest on.
+load vivid n_devs=2 num_inputs=1,1 input_types=3,3 num_outputs=1,1 output_types=1,1
+check "HDMI out and in can be joined" hdmi_loop 0 XR24
+"$tools/picture" chart background 640 480 "$VM_OUT/chart.png"
+"$tools/picture" raw BGRX "$VM_OUT/chart.png" "$VM_OUT/chart.raw"
+play 0 "$VM_OUT/chart.raw"
+comes_back() {
+	v4l2-ctl -d "$(video_node vivid-000-vid-cap)" --stream-mmap=3 --stream-count=1 \
+		--stream-to="$VM_OUT/back.raw" && cmp "$VM_OUT/chart.raw" "$VM_OUT/back.raw"
+}
+check "what is played out comes in again, byte by byte" within_seconds 10 comes_back
+stop_playing
+unload vivid
+
 check "vkms loads" load vkms
 "$tools/scanout" list >"$VM_OUT/screens"
 matches "vkms shows a connected screen" '^[0-9]+ vkms ' "$(cat "$VM_OUT/screens")"

@@ -1,0 +1,188 @@
+#!/bin/bash
+# The V4L2 driver on vivid's webcam: every format, single- and multi-planar, colours against what
+# the test pattern is defined to be, strides, rates, timestamps, faults.
+. tests/vm/tap.sh
+. tests/vm/devices.sh
+
+# What the last capture said about NAME.
+said() {
+	awk -v name="$1" '$1 == name { sub(/^[^ ]* /, ""); print; exit }' "$VM_OUT/said"
+}
+
+# capture FRAMES name=value...: from $in, 640x480; the last frame goes to $VM_OUT/frame.png.
+capture() {
+	local frames=$1
+	shift
+	rm -f "$VM_OUT/frame.png"
+	"$tools/capture" "$frames" "$VM_OUT/frame.png" "device=$in" width=640 height=480 "$@" \
+		>"$VM_OUT/said" 2>&1
+}
+
+# The middle of bar 0..7 holds one colour, within 2 levels of that expected.
+#     bar N R G B
+bar() {
+	local low_r low_g low_b high_r high_g high_b
+	read -r low_r low_g low_b high_r high_g high_b < <(
+		"$tools/picture" colour "$VM_OUT/frame.png" $(($1 * 80 + 20)) 240 40 40)
+	[ "${low_r:-999}" -ge $(($2 - 2)) ] && [ "$high_r" -le $(($2 + 2)) ] &&
+		[ "$low_g" -ge $(($3 - 2)) ] && [ "$high_g" -le $(($3 + 2)) ] &&
+		[ "$low_b" -ge $(($4 - 2)) ] && [ "$high_b" -le $(($4 + 2)) ] && return
+	echo "bar $1: expected $2 $3 $4, is $low_r..$high_r $low_g..$high_g $low_b..$high_b"
+	return 1
+}
+
+# The 75 % colour bars: 191 and 0 in every combination.
+colour_bars() {
+	local failed=0
+	bar 0 191 191 191 || failed=1
+	bar 1 191 191 0 || failed=1
+	bar 2 0 191 191 || failed=1
+	bar 3 0 191 0 || failed=1
+	bar 4 191 0 191 || failed=1
+	bar 5 191 0 0 || failed=1
+	bar 6 0 0 191 || failed=1
+	bar 7 0 0 0 || failed=1
+	return $failed
+}
+
+# The same as vivid's grey: the luma of Rec. 709, full range.
+grey_bars() {
+	local failed=0
+	bar 0 191 191 191 || failed=1
+	bar 3 137 137 137 || failed=1
+	bar 5 41 41 41 || failed=1
+	bar 6 14 14 14 || failed=1
+	bar 7 0 0 0 || failed=1
+	return $failed
+}
+
+colours_of_formats() { # how it was loaded
+	local format bars
+	in=$(video_node vivid-000-vid-cap)
+	control "$in" test_pattern=0 osd_text_mode=2
+	for format in YUYV UYVY NV12 RGB24 BGR24 BGRX GREY; do
+		bars=colour_bars
+		[ $format = GREY ] && bars=grey_bars
+		if capture 2 "format=$format" && [ "$(said format)" = $format ]; then
+			check "$1: $format holds the test pattern's colours" $bars
+		else
+			not_ok "$1: $format" <"$VM_OUT/said"
+		fi
+	done
+}
+
+# ---- single-planar ----
+load vivid n_devs=1 input_types=0xe4
+colours_of_formats "single-planar"
+equal "a wanted size is taken" 640x480 "$(said size)"
+
+for encoding in 1:bt601 2:bt709; do
+	for quantization in 1:full 2:limited; do
+		control "$in" "y_cbcr_encoding=${encoding%:*}" "quantization=${quantization%:*}"
+		what="${encoding#*:}, ${quantization#*:} range"
+		capture 2 format=YUYV
+		equal "$what is read from the device" "${encoding#*:} ${quantization#*:}" \
+			"$(said matrix) $(said range)"
+		check "$what gives the same colours" colour_bars
+	done
+done
+# A device that lies is overruled by the settings: bt709 full said to be bt709 limited is wrong.
+control "$in" y_cbcr_encoding=2 quantization=1
+capture 2 format=YUYV range=limited
+if colour_bars >/dev/null; then
+	echo "the wrong range went unnoticed" | not_ok "a range that is set overrules the device's"
+else
+	ok "a range that is set overrules the device's"
+fi
+control "$in" y_cbcr_encoding=0 quantization=0
+
+# A test pattern turned by the device itself must come out turned: our own code flips nothing.
+control "$in" sensor_flipped_horizontally=1
+capture 2 format=BGRX
+check "a mirrored sensor gives a mirrored picture" bar 7 191 191 191
+control "$in" sensor_flipped_horizontally=0
+
+for rate in 10 25; do
+	capture 12 format=YUYV rate=$rate
+	holds "rate $rate is set and read back" "$(said rate) == $rate"
+	holds "rate $rate is measured" \
+		"$(said measured_rate) > $rate * 0.9 && $(said measured_rate) < $rate * 1.1"
+	equal "timestamps rise at rate $rate" 0 "$(said backwards)"
+done
+
+capture 5 format=YUYV rate=25 hold=300
+holds "a slow reader gets the newest frame, the older are counted lost" "$(said lost) > 5"
+
+"$tools/capture" 2 "$VM_OUT/frame.png" "device=$in" >"$VM_OUT/said" 2>&1
+matches "without wishes the device's own choice is taken" '^[0-9]+x[0-9]+$' "$(said size)"
+
+# ---- faults ----
+control "$in" percentage_of_dropped_buffers=30
+capture 40 format=YUYV rate=25
+equal "a device that drops frames goes on" 40 "$(said taken)"
+holds "dropped frames are counted lost" "$(said lost) > 0"
+control "$in" percentage_of_dropped_buffers=0
+
+# button_when_streaming CONTROL: presses it once the capture of process $capturing streams.
+press_while_streaming() {
+	within_seconds 5 grep -q '^stride' "$VM_OUT/said"
+	v4l2-ctl -d "$in" -c "$1=1"
+}
+capture 40 format=YUYV rate=25 hold=1 &
+press_while_streaming inject_v4l2_buf_flag_error
+wait
+equal "a frame flagged corrupt does not stop the stream" 40 "$(said taken)"
+equal "a frame flagged corrupt is counted broken" 1 "$(said broken)"
+
+capture 40 format=YUYV rate=25 &
+press_while_streaming inject_fatal_streaming_error
+wait
+matches "a fatal error ends the stream and is said" '.' "$(said error)"
+check "the camera can be opened again after it" capture 2 format=YUYV
+
+capture 200 format=YUYV rate=25 &
+press_while_streaming disconnect
+wait
+equal "an unplugged camera is named so" "no device" "$(said situation)"
+check "the camera can be opened after it is plugged in again" capture 2 format=YUYV
+
+v4l2-ctl -d "$in" -c inject_vidioc_streamon_error=1
+if capture 2 format=YUYV; then
+	not_ok "a stream that does not start is an error" <"$VM_OUT/said"
+else
+	matches "a stream that does not start is an error" "$in" "$(said error)"
+fi
+
+v4l2-ctl -d "$in" --stream-mmap=3 --stream-count=1000 --stream-to=/dev/null >/dev/null 2>&1 &
+other=$!
+within_seconds 5 sh -c "! v4l2-ctl -d $in --set-fmt-video=width=320,height=180"
+capture 2 format=YUYV
+equal "a camera that another program uses is named so" busy "$(said situation)"
+kill $other
+wait $other 2>/dev/null
+
+"$tools/capture" 1 "$VM_OUT/frame.png" device=/dev/video99 >"$VM_OUT/said" 2>&1
+equal "a camera that is not there is named so" "no device" "$(said situation)"
+"$tools/capture" 1 "$VM_OUT/frame.png" device=/dev/null >"$VM_OUT/said" 2>&1
+matches "a file that is no camera is refused in words" /dev/null "$(said error)"
+unload vivid
+
+# ---- multi-planar: YUYV starts 128 bytes into its plane there ----
+load vivid n_devs=1 input_types=0xe4 multiplanar=2
+colours_of_formats "multi-planar"
+unload vivid
+
+# ---- renumbered: another camera takes the first numbers ----
+load vimc
+load vivid n_devs=1 input_types=0xe4
+in=$(video_node vivid-000-vid-cap)
+[ "$in" != /dev/video0 ] || echo "vivid is still /dev/video0" | not_ok "vimc takes the first number"
+control "$in" test_pattern=0 osd_text_mode=2
+capture 2 format=YUYV
+check "vivid behind vimc, by its new number" colour_bars
+bus=$(v4l2-ctl -d "$in" --info | sed -n 's/.*Bus info *: //p')
+in=$bus
+capture 2 format=YUYV
+check "vivid behind vimc, by its place ($bus)" colour_bars
+unload vivid
+unload vimc
