@@ -1,2 +1,3 @@
-APP_SOURCES :=
+APP_SOURCES := \
+	app/driver_list.c
 APP_MAIN := app/main.c

@@ -1,1 +1,3 @@
-CONFIG_SOURCES :=
+CONFIG_SOURCES := \
+	config/config.c \
+	config/config_keys.c

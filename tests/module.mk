@@ -1,8 +1,10 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
 	tests/unit/test_cow.c \
+	tests/unit/test_config.c \
 	tests/unit/test_ini.c
-FUZZ_TARGETS :=
+FUZZ_TARGETS := \
+	tests/fuzz/fuzz_config.c
 CLI_TESTS :=
 ACCURACY_TESTS :=
 include tests/vm/vm.mk

@@ -1,3 +1,4 @@
+#include <ctype.h>
 #include <string.h>
 
 #include "hal/ini/ini_value.h"
@@ -23,14 +24,25 @@ static void write_comment(FILE *stream, const char *text)
 	}
 }
 
-static void write_key(FILE *stream, const char *prefix, const struct ini_key *key)
+/* Whoever wrote the help may have begun it small or ended it with a full stop. */
+static void write_help(FILE *stream, const struct ini_key *key)
 {
+	const char *help = key->help ? key->help : key->name;
+	size_t length = strlen(help);
 	char expected[INI_WHY_MAX], comment[2 * INI_WHY_MAX];
 
+	if (length && help[length - 1] == '.')
+		length--;
 	ini_value_expected(key, expected, sizeof(expected));
-	snprintf(comment, sizeof(comment), "%s (%s)", key->help ? key->help : "", expected);
-	fputc('\n', stream);
+	snprintf(comment, sizeof(comment), "%c%.*s (%s).", toupper((unsigned char)*help),
+		 length ? (int)length - 1 : 0, help + 1, expected);
 	write_comment(stream, comment);
+}
+
+static void write_key(FILE *stream, const char *prefix, const struct ini_key *key)
+{
+	fputc('\n', stream);
+	write_help(stream, key);
 	if (key->fallback)
 		fprintf(stream, "%s%s =%s%s\n", prefix, key->name, *key->fallback ? " " : "",
 			key->fallback);

@@ -1,0 +1,156 @@
+/*
+ * Everything that can be configured: one struct a section, filled from a file and from --set.
+ *
+ * The keys, their ranges, defaults and help are in config_keys.c; the keys of drivers come from
+ * whoever calls, as a list of names and tables. README.md lists the sections.
+ */
+#ifndef INLAY_CONFIG_CONFIG_H
+#define INLAY_CONFIG_CONFIG_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "hal/camera.h"
+#include "hal/display.h"
+#include "hal/ini/ini.h"
+#include "hal/optics/fisheye.h"
+#include "hal/view.h"
+
+#define CONFIG_CAMERAS_MAX 4
+#define CONFIG_DRIVERS_MAX 16 /* of one class */
+#define CONFIG_NAME_MAX 64    /* of a camera */
+
+enum config_show { SHOW_COMPOSITE, SHOW_BEFORE, SHOW_FISHEYE, SHOW_SCENE, SHOW_QUAD, SHOW_COUNT };
+enum config_scale { SCALE_NONE, SCALE_FIT, SCALE_COUNT };
+
+extern const char *const config_show_names[];  /* "composite", "before", ... NULL */
+extern const char *const config_scale_names[]; /* "none", "fit", NULL */
+
+/* What a driver brings: its name and, unless keys is NULL, the keys of its own options. */
+struct config_driver {
+	const char *name;
+	const struct ini_key *keys;
+	size_t options_size;
+};
+
+enum config_class { CONFIG_CAMERA, CONFIG_DISPLAY, CONFIG_BUTTONS, CONFIG_CLASS_COUNT };
+
+/* One list a class, each ending with a NULL name, in the order of the program's own arrays. All of
+ * it is borrowed. */
+struct config_drivers {
+	const struct config_driver *list[CONFIG_CLASS_COUNT];
+};
+
+struct config_basis {
+	char file[INI_PATH_MAX];
+	int pose;
+};
+
+/* [camera NAME], [screen] and [buttons] are each followed in memory by the options of every driver
+ * of their class: config_options() finds them. */
+struct config_camera {
+	char name[CONFIG_NAME_MAX];
+	char driver[INI_TEXT_MAX];
+	struct camera_settings settings;
+};
+
+struct config_screen {
+	char driver[INI_TEXT_MAX];
+	struct display_settings settings;
+	int show;  /* enum config_show */
+	int scale; /* enum config_scale */
+};
+
+struct config_buttons {
+	char driver[INI_TEXT_MAX]; /* or "none" */
+};
+
+/* A rectangle of a camera's picture: config_view() makes a struct view of it. */
+struct config_view {
+	char camera[INI_TEXT_MAX]; /* [camera NAME]; empty: none */
+	struct view view;
+	bool rotate180;
+};
+
+struct config_fisheye {
+	struct config_view view;
+	struct fisheye_settings lens;
+	int estimator; /* enum light_estimator */
+	int transfer;  /* enum transfer */
+	int black_level;
+	double gain;
+};
+
+struct config_background {
+	struct config_view view;
+	int transfer; /* enum transfer */
+};
+
+struct config_scene {
+	struct config_view view;
+};
+
+struct config_lights {
+	double threshold; /* 8-bit grey level of the fisheye's picture, 0..255 */
+	double threshold_step;
+	int threshold_mode; /* enum threshold_mode */
+};
+
+struct config_composite {
+	double gain;
+	int threads; /* 0: one for each processor */
+};
+
+struct config {
+	struct config_basis basis;
+	struct config_camera *cameras[CONFIG_CAMERAS_MAX];
+	int camera_count;
+	struct config_fisheye fisheye;
+	struct config_background background;
+	struct config_scene scene;
+	struct config_lights lights;
+	struct config_composite composite;
+	struct config_screen *screen;
+	struct config_buttons *buttons;
+	/* private */
+	struct config_drivers drivers;
+	struct ini_table *tables;
+	size_t block_bytes[CONFIG_CLASS_COUNT];
+	size_t option_offset[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX];
+	char prefix[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX][CONFIG_NAME_MAX];
+	char name[INI_PATH_MAX]; /* of the file, in faults */
+};
+
+/* Every key at its default. 0 or -ENOMEM, -E2BIG (more drivers than there is room for). */
+int config_create(struct config **config, const struct config_drivers *drivers);
+void config_destroy(struct config *config); /* NULL is harmless */
+
+/* As ini_read() and ini_set(). */
+int config_read(struct config *config, const char *path, struct ini_report *report);
+int config_read_memory(struct config *config, const char *text, size_t bytes, const char *name,
+		       struct ini_report *report);
+int config_set(struct config *config, const char *assignment, struct ini_report *report);
+
+/* What no key can tell alone: cameras that views name but nobody defines, unknown drivers, files
+ * that drivers are to read and that are missing, no basis. Opens nothing. 0 or -EINVAL; every fault
+ * goes to the report. */
+int config_check(const struct config *config, struct ini_report *report);
+
+/* The whole configuration as a file that reads back the same. */
+void config_print(const struct config *config, FILE *stream);
+
+/* Every key at its default, with help and range. */
+void config_write_sample(const struct config *config, FILE *stream);
+
+/* The place of a driver in its list, or -1. */
+int config_driver_index(const struct config *config, enum config_class kind, const char *name);
+
+/* The options of one driver behind a camera, the screen or the buttons: block. */
+void *config_options(const struct config *config, enum config_class kind, void *block, int driver);
+
+/* The camera called name, or NULL. */
+struct config_camera *config_camera_named(const struct config *config, const char *name);
+
+struct view config_view(const struct config_view *view);
+
+#endif

@@ -1,0 +1,422 @@
+/* Every key that is not a driver's: name, type, range, default, help. */
+#include "config/config_keys.h"
+
+#include "config/config.h"
+#include "hal/basis/basis_format.h"
+#include "hal/compositor/compositor.h"
+#include "hal/lights/sampler.h"
+#include "hal/transfer.h"
+
+const char *const config_show_names[] = {"composite", "before", "fisheye", "scene", "quad", NULL};
+const char *const config_scale_names[] = {"none", "fit", NULL};
+
+_Static_assert(sizeof(config_show_names) / sizeof(*config_show_names) == SHOW_COUNT + 1,
+	       "a name for each view");
+_Static_assert(sizeof(config_scale_names) / sizeof(*config_scale_names) == SCALE_COUNT + 1,
+	       "a name for each scale");
+
+/* The index is the value of the enum plus 1. */
+static const char *const matrix_names[] = {"driver", "bt601", "bt709", NULL};
+static const char *const range_names[] = {"driver", "limited", "full", NULL};
+
+_Static_assert(sizeof(matrix_names) / sizeof(*matrix_names) == MATRIX_COUNT + 2,
+	       "a name for each matrix");
+_Static_assert(sizeof(range_names) / sizeof(*range_names) == RANGE_COUNT + 2,
+	       "a name for each range");
+
+static const struct ini_key basis_keys[] = {{.name = "file",
+					     .type = INI_PATH,
+					     .offset = offsetof(struct config_basis, file),
+					     .fallback = "",
+					     .help = "The basis file that inlay-bake made."},
+					    {.name = "pose",
+					     .type = INI_INT,
+					     .offset = offsetof(struct config_basis, pose),
+					     .min = 0,
+					     .max = 65535,
+					     .fallback = "0",
+					     .help = "Which of the file's poses is shown first."},
+					    INI_KEYS_END};
+
+const struct ini_key config_camera_keys[] = {
+	{.name = "driver",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_camera, driver),
+	 .fallback = "v4l2",
+	 .help = "Which driver: inlay devices lists them."},
+	{.name = "device",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_camera, settings.device),
+	 .fallback = "",
+	 .help = "Which device, in the driver's own words; empty: the first found."},
+	{.name = "width",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_camera, settings.width),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Wanted width; 0: the driver's choice."},
+	{.name = "height",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_camera, settings.height),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Wanted height; 0: the driver's choice."},
+	{.name = "rate",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_camera, settings.rate_hz),
+	 .min = 0,
+	 .max = 1000,
+	 .fallback = "0",
+	 .unit = "Hz",
+	 .help = "Wanted frames a second; 0: the driver's choice."},
+	{.name = "format",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_camera, settings.format),
+	 .choices = pixel_format_names,
+	 .fallback = "none",
+	 .help = "Wanted pixel format; none: the cheapest to convert."},
+	{.name = "buffers",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_camera, settings.buffers),
+	 .min = 2,
+	 .max = 8,
+	 .fallback = "4",
+	 .help = "Buffers that the driver cycles through."},
+	{.name = "matrix",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_camera, settings.matrix),
+	 .choices = matrix_names,
+	 .fallback = "driver",
+	 .help = "Y'CbCr matrix; driver: as the driver says."},
+	{.name = "range",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_camera, settings.range),
+	 .choices = range_names,
+	 .fallback = "driver",
+	 .help = "Y'CbCr range; driver: as the driver says."},
+	INI_KEYS_END};
+
+/* The three views differ in which camera they read unless told otherwise. */
+#define VIEW_CAMERA_KEY(camera_default, text)                                                      \
+	{                                                                                          \
+		.name = "camera", .type = INI_TEXT,                                                \
+		.offset = offsetof(struct config_view, camera), .fallback = (camera_default),      \
+		.help = (text)                                                                     \
+	}
+
+static const struct ini_key fisheye_camera_keys[] = {
+	VIEW_CAMERA_KEY("fisheye", "The [camera NAME] that looks at the sky."), INI_KEYS_END};
+static const struct ini_key background_camera_keys[] = {
+	VIEW_CAMERA_KEY("background", "The [camera NAME] whose picture the object stands in."),
+	INI_KEYS_END};
+static const struct ini_key scene_camera_keys[] = {
+	VIEW_CAMERA_KEY("", "A [camera NAME] that looks on, for show = quad; empty: none."),
+	INI_KEYS_END};
+
+static const struct ini_key view_keys[] = {
+	{.name = "x",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_view, view.x),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Left edge of the view in the camera's picture."},
+	{.name = "y",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_view, view.y),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Upper edge of the view in the camera's picture."},
+	{.name = "width",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_view, view.width),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Width of the view; 0: to the camera's right edge."},
+	{.name = "height",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_view, view.height),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Height of the view; 0: to the camera's lower edge."},
+	{.name = "hflip",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_view, view.hflip),
+	 .fallback = "no",
+	 .help = "Left and right are swapped in the camera's picture."},
+	{.name = "vflip",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_view, view.vflip),
+	 .fallback = "no",
+	 .help = "The camera's picture is upside down, but not mirrored."},
+	{.name = "rotate180",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_view, rotate180),
+	 .fallback = "no",
+	 .help = "The camera hangs upside down: both flips, on top of those."},
+	{.name = "squash",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_view, view.squash),
+	 .min = 0.1,
+	 .max = 10,
+	 .fallback = "1",
+	 .help = "Height of a pixel over its width; 2 where every other line was lost. Stretches "
+		 "what is shown."},
+	INI_KEYS_END};
+
+static const struct ini_key fisheye_light_keys[] = {
+	{.name = "estimator",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_fisheye, estimator),
+	 .choices = light_estimator_names,
+	 .fallback = "cell",
+	 .help = "A light's colour: cell is the mean over its cell of the sky, node the picture at "
+		 "its direction."},
+	{.name = "transfer",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_fisheye, transfer),
+	 .choices = transfer_names,
+	 .fallback = "srgb",
+	 .help = "Transfer function of the camera's 8-bit code values."},
+	{.name = "black_level",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_fisheye, black_level),
+	 .min = 0,
+	 .max = 254,
+	 .fallback = "0",
+	 .help = "Code value that is no light."},
+	{.name = "gain",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_fisheye, gain),
+	 .min = 0,
+	 .max = 1e6,
+	 .fallback = "1",
+	 .help = "Linear light is multiplied by it: this camera's units to the background's."},
+	INI_KEYS_END};
+
+static const struct ini_key background_keys[] = {
+	{.name = "transfer",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_background, transfer),
+	 .choices = transfer_names,
+	 .fallback = "srgb",
+	 .help = "Transfer function of the camera's 8-bit code values; the picture on the screen "
+		 "keeps it."},
+	INI_KEYS_END};
+
+static const struct ini_key lights_keys[] = {
+	{.name = "threshold",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_lights, threshold),
+	 .min = 0,
+	 .max = 255,
+	 .fallback = "0",
+	 .unit = "grey levels",
+	 .help = "A light none of whose channels reaches this 8-bit level of the fisheye's picture "
+		 "is left out; 0 uses all."},
+	{.name = "threshold_step",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_lights, threshold_step),
+	 .min = 0.5,
+	 .max = 255,
+	 .fallback = "8",
+	 .unit = "grey levels",
+	 .help = "What one press of a button changes."},
+	{.name = "threshold_mode",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_lights, threshold_mode),
+	 .choices = threshold_mode_names,
+	 .fallback = "ambient",
+	 .help = "What becomes of the light left out: ambient returns it from all directions "
+		 "alike, "
+		 "drop loses it."},
+	INI_KEYS_END};
+
+static const struct ini_key composite_keys[] = {
+	{.name = "gain",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_composite, gain),
+	 .min = 0,
+	 .max = COMPOSITOR_GAIN_MAX,
+	 .fallback = "1",
+	 .help = "The object's light is multiplied by it."},
+	{.name = "threads",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_composite, threads),
+	 .min = 0,
+	 .max = 256,
+	 .fallback = "0",
+	 .help = "Threads that composite; 0: one for each processor."},
+	INI_KEYS_END};
+
+const struct ini_key config_screen_keys[] = {
+	{.name = "driver",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_screen, driver),
+	 .fallback = "kms",
+	 .help = "Which driver: inlay devices lists them."},
+	{.name = "device",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_screen, settings.device),
+	 .fallback = "",
+	 .help = "Which device or output file; empty: the first found."},
+	{.name = "width",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_screen, settings.width),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Wanted width; 0: the driver's choice."},
+	{.name = "height",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_screen, settings.height),
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .help = "Wanted height; 0: the driver's choice."},
+	{.name = "rate",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_screen, settings.rate_hz),
+	 .min = 0,
+	 .max = 1000,
+	 .fallback = "0",
+	 .unit = "Hz",
+	 .help = "Wanted refreshes a second; 0: the driver's choice."},
+	{.name = "show",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_screen, show),
+	 .choices = config_show_names,
+	 .fallback = "composite",
+	 .help = "What is shown first: the picture with the object, before it, the fisheye with "
+		 "its "
+		 "marked lights, the scene camera, or all four."},
+	{.name = "scale",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_screen, scale),
+	 .choices = config_scale_names,
+	 .fallback = "none",
+	 .help = "none: pixel by pixel in the middle of the screen, cut where larger; fit: as "
+		 "large "
+		 "as fits."},
+	INI_KEYS_END};
+
+const struct ini_key config_buttons_keys[] = {
+	{.name = "driver",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_buttons, driver),
+	 .fallback = "none",
+	 .help = "Which driver, or none: inlay devices lists them."},
+	INI_KEYS_END};
+
+static void *place_basis(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->basis;
+}
+
+static void *place_fisheye(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->fisheye;
+}
+
+static void *place_background(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->background;
+}
+
+static void *place_scene(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->scene;
+}
+
+static void *place_lights(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->lights;
+}
+
+static void *place_composite(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->composite;
+}
+
+const struct ini_table config_tables[] = {
+	{.section = "basis",
+	 .keys = basis_keys,
+	 .place = place_basis,
+	 .help = "The object, as inlay-bake rendered it."},
+	{.section = "camera",
+	 .named = true,
+	 .keys = config_camera_keys,
+	 .place = config_place_camera,
+	 .sample = "fisheye background",
+	 .help = "A camera. Views below read it by its name; two views may share one."},
+	{.section = "fisheye",
+	 .keys = fisheye_camera_keys,
+	 .place = place_fisheye,
+	 .part = offsetof(struct config_fisheye, view),
+	 .help = "The picture that the light is measured in."},
+	{.section = "fisheye",
+	 .keys = view_keys,
+	 .place = place_fisheye,
+	 .part = offsetof(struct config_fisheye, view)},
+	{.section = "fisheye",
+	 .keys = fisheye_keys,
+	 .place = place_fisheye,
+	 .part = offsetof(struct config_fisheye, lens)},
+	{.section = "fisheye", .keys = fisheye_light_keys, .place = place_fisheye},
+	{.section = "background",
+	 .keys = background_camera_keys,
+	 .place = place_background,
+	 .part = offsetof(struct config_background, view),
+	 .help = "The picture that the object is put into; as large as the basis."},
+	{.section = "background",
+	 .keys = view_keys,
+	 .place = place_background,
+	 .part = offsetof(struct config_background, view)},
+	{.section = "background", .keys = background_keys, .place = place_background},
+	{.section = "scene",
+	 .keys = scene_camera_keys,
+	 .place = place_scene,
+	 .part = offsetof(struct config_scene, view),
+	 .help = "A picture of the whole set-up, for people."},
+	{.section = "scene",
+	 .keys = view_keys,
+	 .place = place_scene,
+	 .part = offsetof(struct config_scene, view)},
+	{.section = "lights",
+	 .keys = lights_keys,
+	 .place = place_lights,
+	 .help = "Which lights are used."},
+	{.section = "composite",
+	 .keys = composite_keys,
+	 .place = place_composite,
+	 .help = "How the object is put into the picture."},
+	{.section = "screen",
+	 .keys = config_screen_keys,
+	 .place = config_place_screen,
+	 .help = "Where the picture goes."},
+	{.section = "buttons",
+	 .keys = config_buttons_keys,
+	 .place = config_place_buttons,
+	 .help = "Buttons besides the window's keys."},
+	INI_TABLES_END};
+
+const size_t config_table_count = sizeof(config_tables) / sizeof(*config_tables) - 1;

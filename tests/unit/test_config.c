@@ -1,0 +1,308 @@
+/* The configuration: defaults, drivers' own keys, what no key can tell alone, printing. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/driver_list.h"
+#include "config/config.h"
+#include "hal/compositor/compositor.h"
+#include "hal/lights/sampler.h"
+
+struct fake_options {
+	double noise;
+	char file[INI_PATH_MAX];
+};
+
+static const struct ini_key fake_keys[] = {{.name = "noise",
+					    .type = INI_REAL,
+					    .offset = offsetof(struct fake_options, noise),
+					    .min = 0,
+					    .max = 1,
+					    .fallback = "0.25",
+					    .help = "grain"},
+					   {.name = "file",
+					    .type = INI_PATH,
+					    .offset = offsetof(struct fake_options, file),
+					    .fallback = "",
+					    .help = "a file"},
+					   INI_KEYS_END};
+
+static const struct config_driver fake_cameras[] = {
+	{"plain", NULL, 0}, {"fake", fake_keys, sizeof(struct fake_options)}, {NULL, NULL, 0}};
+static const struct config_driver fake_displays[] = {
+	{"kms", fake_keys, sizeof(struct fake_options)}, {NULL, NULL, 0}};
+static const struct config_driver fake_buttons[] = {
+	{"fake", fake_keys, sizeof(struct fake_options)}, {NULL, NULL, 0}};
+static const struct config_drivers fakes = {.list = {[CONFIG_CAMERA] = fake_cameras,
+						     [CONFIG_DISPLAY] = fake_displays,
+						     [CONFIG_BUTTONS] = fake_buttons}};
+
+struct said {
+	int count;
+	char text[20][FAULT_TEXT_MAX];
+};
+
+static void note(void *context, const char *text)
+{
+	struct said *said = context;
+
+	assert_true(said->count < 20);
+	snprintf(said->text[said->count++], FAULT_TEXT_MAX, "%s", text);
+}
+
+static struct config *fresh(const struct config_drivers *drivers)
+{
+	struct config *config = NULL;
+
+	assert_int_equal(config_create(&config, drivers), 0);
+	return config;
+}
+
+static struct config *read_text(const char *text)
+{
+	struct config *config = fresh(&fakes);
+	struct ini_report report = {.count = 0};
+	int err = config_read_memory(config, text, strlen(text), "k.conf", &report);
+
+	if (err)
+		fail_msg("%s", report.first.text);
+	return config;
+}
+
+static void defaults_are_those_of_the_keys(void **state)
+{
+	struct config *c = fresh(&fakes);
+
+	(void)state;
+	assert_string_equal(c->basis.file, "");
+	assert_int_equal(c->camera_count, 0);
+	assert_string_equal(c->fisheye.view.camera, "fisheye");
+	assert_string_equal(c->background.view.camera, "background");
+	assert_string_equal(c->scene.view.camera, "");
+	assert_true(c->fisheye.view.view.squash == 1);
+	assert_true(c->fisheye.lens.field_deg == 90);
+	assert_int_equal(c->fisheye.estimator, ESTIMATOR_CELL);
+	assert_int_equal(c->fisheye.transfer, TRANSFER_SRGB);
+	assert_true(c->fisheye.gain == 1);
+	assert_int_equal(c->lights.threshold_mode, THRESHOLD_AMBIENT);
+	assert_true(c->lights.threshold == 0);
+	assert_true(c->composite.gain == 1);
+	assert_string_equal(c->screen->driver, "kms");
+	assert_int_equal(c->screen->show, SHOW_COMPOSITE);
+	assert_string_equal(c->buttons->driver, "none");
+	assert_true(
+		((struct fake_options *)config_options(c, CONFIG_DISPLAY, c->screen, 0))->noise ==
+		0.25);
+	config_destroy(c);
+}
+
+static void drivers_keys_reach_their_own_options(void **state)
+{
+	struct config *c = read_text(
+		"[camera sky]\ndriver = fake\nfake.noise = 0.5\nwidth = 320\n"
+		"matrix = bt709\nformat = YUYV\n"
+		"[camera b]\n[screen]\nkms.noise = 1\n[buttons]\nfake.noise = 0\n");
+	struct config_camera *sky = config_camera_named(c, "sky");
+	struct fake_options *options;
+
+	(void)state;
+	assert_int_equal(c->camera_count, 2);
+	assert_non_null(sky);
+	assert_int_equal(sky->settings.width, 320);
+	assert_int_equal(sky->settings.matrix, MATRIX_BT709 + 1);
+	assert_int_equal(sky->settings.range, 0);
+	assert_int_equal(sky->settings.format, PIXEL_YUYV);
+	assert_int_equal(sky->settings.buffers, 4);
+	options = config_options(c, CONFIG_CAMERA, sky,
+				 config_driver_index(c, CONFIG_CAMERA, "fake"));
+	assert_true(options->noise == 0.5);
+	options = config_options(c, CONFIG_CAMERA, config_camera_named(c, "b"), 1);
+	assert_true(options->noise == 0.25);
+	options = config_options(c, CONFIG_DISPLAY, c->screen, 0);
+	assert_true(options->noise == 1);
+	options = config_options(c, CONFIG_BUTTONS, c->buttons, 0);
+	assert_true(options->noise == 0);
+	assert_int_equal(config_driver_index(c, CONFIG_CAMERA, "none"), -1);
+	config_destroy(c);
+}
+
+static void one_camera_too_many_is_said(void **state)
+{
+	static const char text[] = "[camera a]\n[camera b]\n[camera c]\n[camera d]\n[camera e]\n";
+	struct config *c = fresh(&fakes);
+	struct ini_report report = {.count = 0};
+
+	(void)state;
+	assert_int_equal(config_read_memory(c, text, strlen(text), "k.conf", &report), -EINVAL);
+	assert_string_equal(report.first.text,
+			    "k.conf:5: [camera e] is one section [camera NAME] more "
+			    "than there is room for");
+	config_destroy(c);
+}
+
+static void views_turn(void **state)
+{
+	struct config *c = read_text("[fisheye]\nrotate180 = yes\n[background]\nrotate180 = yes\n"
+				     "hflip = yes\n[scene]\nvflip = yes\n");
+	struct view fisheye = config_view(&c->fisheye.view);
+	struct view background = config_view(&c->background.view);
+	struct view scene = config_view(&c->scene.view);
+
+	(void)state;
+	assert_true(fisheye.hflip && fisheye.vflip);
+	assert_true(!background.hflip && background.vflip);
+	assert_true(!scene.hflip && scene.vflip);
+	config_destroy(c);
+}
+
+static void what_no_key_tells_alone(void **state)
+{
+	static const char text[] = "[camera sky]\ndriver = fak\n[camera bg]\ndriver = fake\n"
+				   "fake.file = missing.hdr\n[camera many]\ndriver = fake\n"
+				   "fake.file = many%03d.png\n[fisheye]\ncamera = skyy\n"
+				   "[background]\ncamera =\n[screen]\ndriver = kns\nshow = scene\n"
+				   "[buttons]\ndriver = gpio\n";
+	static const char *const expected[] = {
+		"k.conf: [basis] file: is empty, expected the basis file that inlay-bake made",
+		"k.conf: [camera sky] driver: is \"fak\", expected one of plain, fake; did you "
+		"mean "
+		"\"fake\"?",
+		"k.conf: [camera bg] fake.file: cannot read \"missing.hdr\": No such file or "
+		"directory",
+		"k.conf: [fisheye] camera: there is no section [camera skyy]; did you mean "
+		"\"sky\"?",
+		"k.conf: [background] camera: is empty, expected the name of a [camera NAME]",
+		"k.conf: [screen] show: is scene, but [scene] camera is empty; expected the name "
+		"of a "
+		"[camera NAME] there",
+		"k.conf: [screen] driver: is \"kns\", expected one of kms; did you mean \"kms\"?",
+		"k.conf: [buttons] driver: is \"gpio\", expected one of none, fake",
+	};
+	struct config *c = read_text(text);
+	struct said said = {.count = 0};
+	struct ini_report report = {.say = note, .context = &said};
+
+	(void)state;
+	assert_int_equal(config_check(c, &report), -EINVAL);
+	assert_int_equal(said.count, sizeof(expected) / sizeof(*expected));
+	for (int i = 0; i < said.count; i++)
+		assert_string_equal(said.text[i], expected[i]);
+	config_destroy(c);
+	c = read_text("[basis]\nfile = x.inlay\n[camera fisheye]\ndriver = fake\n"
+		      "[camera background]\ndriver=plain\n");
+	assert_int_equal(config_check(c, &report), 0);
+	config_destroy(c);
+}
+
+static char *printed(const struct config *config, void (*print)(const struct config *, FILE *))
+{
+	char *text = NULL;
+	size_t bytes;
+	FILE *stream = open_memstream(&text, &bytes);
+
+	assert_non_null(stream);
+	print(config, stream);
+	fclose(stream);
+	return text;
+}
+
+static void printing_reads_back(void **state)
+{
+	struct config *c = read_text(
+		"[basis]\nfile = /a b.inlay\npose = 3\n[camera one]\nfake.noise = 0.1\n[camera "
+		"two]\n"
+		"rate = 29.97\n[fisheye]\nfocal = 74.8 66.845\nrotate180 = yes\n[lights]\n"
+		"threshold = 33.5\nthreshold_mode = drop\n[screen]\nscale = fit\nshow = quad\n");
+	char *text = printed(c, config_print), *again;
+	struct config *other = read_text(text);
+
+	(void)state;
+	assert_non_null(strstr(text, "[camera two]\n"));
+	assert_non_null(strstr(text, "rate = 29.97\n"));
+	assert_non_null(strstr(text, "focal = 74.8 66.845\n"));
+	assert_int_equal(other->camera_count, 2);
+	assert_true(other->lights.threshold == 33.5);
+	assert_int_equal(other->screen->show, SHOW_QUAD);
+	again = printed(other, config_print);
+	assert_string_equal(text, again);
+	free(text);
+	free(again);
+	config_destroy(c);
+	config_destroy(other);
+}
+
+static char *file_text(const char *path)
+{
+	FILE *f = fopen(path, "r");
+	char *text = calloc(1, 1 << 18);
+
+	assert_non_null(text);
+	if (!f)
+		fail_msg("cannot open %s", path);
+	assert_true(fread(text, 1, (1 << 18) - 1, f) > 0);
+	fclose(f);
+	return text;
+}
+
+/* The whole sample: every key is in it, at its default, with help and range as the tables say. */
+static void sample_file_is_what_the_tables_say(void **state)
+{
+	struct config *c = fresh(driver_list());
+	char *now = printed(c, config_write_sample);
+	char *file = file_text("config/kiosk.conf");
+
+	(void)state;
+#if WITH_KMS && WITH_SDL && WITH_GPIO
+	assert_string_equal(file, now);
+#else
+	print_message("a driver was left out of this build: its keys in the sample go unchecked\n");
+#endif
+	free(file);
+	free(now);
+	config_destroy(c);
+}
+
+static void sample_equals_the_defaults(void **state)
+{
+	struct config *bare = fresh(driver_list()), *sample = fresh(driver_list());
+	struct ini_report report = {.count = 0};
+	char *text = printed(bare, config_write_sample), *bare_text, *sample_text;
+
+	(void)state;
+	/* The sample defines two cameras; so does the other, with nothing in them. */
+	assert_int_equal(config_read_memory(bare, "[camera fisheye]\n[camera background]\n", 36,
+					    "b", &report),
+			 0);
+	if (config_read_memory(sample, text, strlen(text), "s", &report))
+		fail_msg("%s", report.first.text);
+	bare_text = printed(bare, config_print);
+	sample_text = printed(sample, config_print);
+	assert_string_equal(bare_text, sample_text);
+	free(text);
+	free(bare_text);
+	free(sample_text);
+	config_destroy(bare);
+	config_destroy(sample);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(defaults_are_those_of_the_keys),
+		cmocka_unit_test(drivers_keys_reach_their_own_options),
+		cmocka_unit_test(one_camera_too_many_is_said),
+		cmocka_unit_test(views_turn),
+		cmocka_unit_test(what_no_key_tells_alone),
+		cmocka_unit_test(printing_reads_back),
+		cmocka_unit_test(sample_file_is_what_the_tables_say),
+		cmocka_unit_test(sample_equals_the_defaults),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
