@@ -2,6 +2,16 @@ drivers_PACKAGES := $(if $(filter 1,$(WITH_KMS)),libdrm) $(if $(filter 1,$(WITH_
 	$(if $(filter 1,$(WITH_GPIO)),libgpiod)
 DRIVER_SOURCES := \
 	drivers/drivers.c \
+	drivers/camera_sim.c \
+	drivers/sim/eye.c \
+	drivers/sim/options.c \
+	drivers/sim/panorama_view.c \
+	drivers/sim/player.c \
+	drivers/sim/sensor.c \
+	drivers/sim/studio.c \
+	drivers/sim/studio_lights.c \
+	drivers/sim/studio_view.c \
+	drivers/sim/y4m.c \
 	drivers/buttons_script.c \
 	drivers/display_file.c \
 	drivers/display_null.c

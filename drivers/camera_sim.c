@@ -1,0 +1,445 @@
+/*
+ * A simulated camera, for demonstrations and tests: a fisheye or a perspective view of a room that
+ * moves (studio) or of an HDR panorama, or pictures from files; with the faults of real cameras on
+ * demand.
+ *
+ * clock=real delivers frames when they are due, as a device does. clock=frames has the next one
+ * ready at once, its timestamp one period later: the same run gives the same pictures, as fast as
+ * they can be used.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include "drivers/drivers.h"
+#include "drivers/sim/options.h"
+#include "drivers/sim/panorama_view.h"
+#include "drivers/sim/player.h"
+#include "drivers/sim/sensor.h"
+#include "drivers/sim/studio_view.h"
+#include "hal/clock.h"
+
+struct sim {
+	struct studio_view *studio;
+	struct panorama_view *panorama;
+	struct player *player;
+	struct sensor sensor;
+	float *linear;	 /* studio, panorama: radiance of the frame */
+	uint8_t *bgrx;	 /* the sensor's output; NULL when the player's or none is used */
+	uint8_t *output; /* of the formats that are made from bgrx or linear */
+	int descriptor;	 /* timer or event; -1 when the player has its own */
+	int64_t start_ns, period_ns;
+	uint64_t next; /* sequence number of the frame to come */
+	uint64_t delivered;
+	double turn_rad; /* of the panorama in linear; NAN: none yet */
+	enum colour_matrix matrix;
+	enum colour_range range;
+};
+
+static void sim_close(struct camera *camera)
+{
+	struct sim *sim = camera->state;
+
+	camera->state = NULL;
+	if (!sim)
+		return;
+	if (sim->descriptor >= 0)
+		close(sim->descriptor);
+	studio_view_destroy(sim->studio);
+	panorama_view_destroy(sim->panorama);
+	player_close(sim->player);
+	free(sim->linear);
+	free(sim->bgrx);
+	free(sim->output);
+	free(sim);
+}
+
+static int open_scene(struct camera *camera, struct sim *sim, struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	struct eye eye;
+	int err = sim_eye(options, &camera->settings, &eye, fault);
+
+	if (err)
+		return err;
+	camera->width = eye.width;
+	camera->height = eye.height;
+	sim->linear = calloc((size_t)eye.width * (size_t)eye.height, 3 * sizeof(float));
+	if (!sim->linear)
+		return fault_say(fault, -ENOMEM, "sim: no memory for a picture of %dx%d", eye.width,
+				 eye.height);
+	if (options->source == SIM_SOURCE_PANORAMA)
+		return panorama_view_create(&sim->panorama, options->file, &eye, fault);
+	err = studio_view_create(&sim->studio, &eye);
+	if (err)
+		return fault_say(fault, err, "sim: no memory for the studio at %dx%d", eye.width,
+				 eye.height);
+	return 0;
+}
+
+static int open_files(struct camera *camera, struct sim *sim, struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	const struct player_settings settings = {
+		.path = options->file,
+		.loop = options->loop,
+		.matrix = camera->settings.matrix,
+		.range = camera->settings.range,
+	};
+	struct player_picture picture;
+	int err = player_open(&sim->player, &settings, fault);
+
+	if (err == -ETIMEDOUT)
+		camera->situation = CAMERA_NO_SIGNAL;
+	if (err == -ENOENT)
+		camera->situation = CAMERA_NO_DEVICE;
+	if (err)
+		return err;
+	picture = player_picture(sim->player);
+	camera->width = picture.width;
+	camera->height = picture.height;
+	if (camera->rate_hz == 0)
+		camera->rate_hz = picture.rate_hz;
+	return 0;
+}
+
+static int choose_format(struct camera *camera, struct sim *sim, struct fault *fault)
+{
+	const struct camera_settings *settings = &camera->settings;
+
+	camera->format = settings->format ? (enum pixel_format)settings->format : PIXEL_BGRX;
+	if (camera->format != PIXEL_BGRX && camera->format != PIXEL_RGBF &&
+	    camera->format != PIXEL_YUYV) {
+		camera->situation = CAMERA_UNSUPPORTED_FORMAT;
+		return fault_say(fault, -EINVAL, "sim: format %s, expected BGRX, YUYV or RGBF",
+				 pixel_format_names[camera->format]);
+	}
+	if (camera->format == PIXEL_YUYV && camera->width % 2) {
+		camera->situation = CAMERA_UNSUPPORTED_FORMAT;
+		return fault_say(fault, -EINVAL, "sim: YUYV of width %d, expected an even width",
+				 camera->width);
+	}
+	sim->matrix = settings->matrix ? (enum colour_matrix)(settings->matrix - 1) : MATRIX_BT601;
+	sim->range = settings->range ? (enum colour_range)(settings->range - 1) : RANGE_LIMITED;
+	return 0;
+}
+
+static int allocate(const struct camera *camera, struct sim *sim, struct fault *fault)
+{
+	const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+
+	sim->bgrx = malloc(pixels * 4);
+	sim->output = malloc(pixels * 3 * sizeof(float));
+	if (!sim->bgrx || !sim->output)
+		return fault_say(fault, -ENOMEM, "sim: no memory for a picture of %dx%d",
+				 camera->width, camera->height);
+	return 0;
+}
+
+static int start_clock(const struct camera *camera, struct sim *sim, struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	const int64_t first_ns = sim->start_ns;
+	const struct itimerspec times = {
+		.it_value = {first_ns / NS_PER_S, first_ns % NS_PER_S},
+		.it_interval = {sim->period_ns / NS_PER_S, sim->period_ns % NS_PER_S},
+	};
+
+	if (sim->player && player_picture(sim->player).descriptor >= 0)
+		return 0; /* the pipe's writer keeps time */
+	if (options->pace == SIM_CLOCK_FRAMES)
+		sim->descriptor = eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK);
+	else
+		sim->descriptor = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
+	if (sim->descriptor < 0 ||
+	    (options->pace == SIM_CLOCK_REAL &&
+	     timerfd_settime(sim->descriptor, TFD_TIMER_ABSTIME, &times, NULL)))
+		return fault_say(fault, -errno, "sim: no timer: %s", strerror(errno));
+	return 0;
+}
+
+static int sim_open(struct camera *camera, struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	struct sim *sim = calloc(1, sizeof(*sim));
+	int err;
+
+	if (!sim)
+		return fault_say(fault, -ENOMEM, "sim: no memory");
+	sim->descriptor = -1;
+	sim->turn_rad = NAN;
+	camera->state = sim;
+	camera->rate_hz = camera->settings.rate_hz;
+	err = options->source == SIM_SOURCE_FILES ? open_files(camera, sim, fault)
+						  : open_scene(camera, sim, fault);
+	if (!err)
+		err = choose_format(camera, sim, fault);
+	if (!err)
+		err = allocate(camera, sim, fault);
+	if (err)
+		goto fail;
+	sensor_prepare(&sim->sensor, &(struct sensor_settings){
+					     .exposure = options->exposure,
+					     .transfer = (enum transfer)options->transfer,
+					     .black_level = options->black_level,
+					     .read_noise = options->read_noise,
+					     .shot_noise = options->shot_noise,
+					     .seed = options->seed,
+				     });
+	if (camera->rate_hz <= 0)
+		camera->rate_hz = 25;
+	sim->period_ns = llround((double)NS_PER_S / camera->rate_hz);
+	sim->start_ns = clock_now_ns();
+	err = start_clock(camera, sim, fault);
+	if (err)
+		goto fail;
+	return 0;
+fail:
+	sim_close(camera);
+	return err;
+}
+
+static int sim_descriptor(struct camera *camera)
+{
+	const struct sim *sim = camera->state;
+
+	return sim->descriptor >= 0 ? sim->descriptor : player_picture(sim->player).descriptor;
+}
+
+/* A stalled device still lets itself be polled: nothing more comes. */
+static void fall_silent(struct sim *sim)
+{
+	const struct itimerspec never = {{0, 0}, {0, 0}};
+	uint64_t count;
+
+	if (sim->descriptor < 0)
+		return;
+	/* One of the two applies and empties the descriptor; the other fails harmlessly. */
+	(void)timerfd_settime(sim->descriptor, 0, &never, NULL);
+	(void)!read(sim->descriptor, &count, sizeof(count));
+}
+
+/* How many frames fell due since the last look; 0: none yet. */
+static uint64_t take_ticks(const struct camera *camera, const struct sim *sim)
+{
+	const struct sim_options *options = camera->options;
+	uint64_t ticks = 1;
+
+	if (sim->descriptor >= 0 && options->pace == SIM_CLOCK_REAL &&
+	    read(sim->descriptor, &ticks, sizeof(ticks)) != sizeof(ticks))
+		return 0;
+	return ticks;
+}
+
+/*
+ * The moment that the scene shows. Under the real clock all cameras of all programs share it, so
+ * that a fisheye and a background match; with clock=frames it counts from the first frame.
+ */
+static double scene_time_s(const struct camera *camera, const struct sim *sim, uint64_t sequence)
+{
+	const struct sim_options *options = camera->options;
+	const double elapsed = (double)sequence * (double)sim->period_ns / (double)NS_PER_S;
+
+	if (options->pace == SIM_CLOCK_FRAMES)
+		return elapsed;
+	return (double)sim->start_ns / (double)NS_PER_S + elapsed;
+}
+
+static void render_scene(const struct camera *camera, struct sim *sim, uint64_t sequence)
+{
+	const struct sim_options *options = camera->options;
+	const double time_s = scene_time_s(camera, sim, sequence);
+	double turn_rad;
+
+	if (sim->studio) {
+		studio_view_render(sim->studio, time_s, sim->linear);
+		return;
+	}
+	turn_rad = fmod(options->turn_rate_deg * time_s, 360) * M_PI / 180;
+	if (turn_rad == sim->turn_rad)
+		return; /* it stands still, and is there already */
+	panorama_view_render(sim->panorama, turn_rad, sim->linear);
+	sim->turn_rad = turn_rad;
+}
+
+static void fill_plane(struct frame *frame, const void *data)
+{
+	const size_t stride = frame_plane_stride(frame->format, 0, frame->width);
+
+	frame->planes[0] = (struct frame_plane){
+		.data = data,
+		.stride = stride,
+		.bytes = frame_plane_bytes(frame->format, 0, stride, frame->height),
+	};
+}
+
+static void output_linear(const struct camera *camera, struct sim *sim, const float *linear,
+			  struct frame *frame)
+{
+	const size_t values = (size_t)camera->width * (size_t)camera->height * 3;
+	const float exposure = (float)sim->sensor.settings.exposure;
+	float *to = (float *)(void *)sim->output;
+
+	for (size_t i = 0; i < values; i++)
+		to[i] = exposure * linear[i];
+	fill_plane(frame, to);
+}
+
+/* 8-bit files wanted as linear light. */
+static void output_decoded(const struct camera *camera, struct sim *sim, const uint8_t *bgrx,
+			   struct frame *frame)
+{
+	const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+	float *to = (float *)(void *)sim->output;
+	float decode[256];
+
+	for (int i = 0; i < 256; i++)
+		decode[i] = (float)transfer_decode(sim->sensor.settings.transfer, i / 255.0);
+	for (size_t i = 0; i < pixels; i++)
+		for (size_t c = 0; c < 3; c++)
+			to[3 * i + c] = decode[bgrx[4 * i + 2 - c]];
+	fill_plane(frame, to);
+}
+
+static void output_codes(const struct camera *camera, struct sim *sim, const uint8_t *bgrx,
+			 struct frame *frame)
+{
+	if (camera->format == PIXEL_BGRX) {
+		fill_plane(frame, bgrx);
+		return;
+	}
+	sensor_pack_yuyv(bgrx, (size_t)camera->width * (size_t)camera->height, sim->matrix,
+			 sim->range, sim->output);
+	fill_plane(frame, sim->output);
+}
+
+static void output_frame(const struct camera *camera, struct sim *sim, uint64_t sequence,
+			 struct frame *frame)
+{
+	const float *linear = sim->linear;
+	const uint8_t *bgrx = NULL;
+
+	if (sim->player) {
+		linear = player_picture(sim->player).linear;
+		bgrx = player_picture(sim->player).bgrx;
+	}
+	if (camera->format == PIXEL_RGBF) {
+		if (linear)
+			output_linear(camera, sim, linear, frame);
+		else
+			output_decoded(camera, sim, bgrx, frame);
+		return;
+	}
+	if (linear) {
+		sensor_expose(&sim->sensor, sequence, linear,
+			      (size_t)camera->width * (size_t)camera->height, sim->bgrx);
+		bgrx = sim->bgrx;
+	}
+	output_codes(camera, sim, bgrx, frame);
+}
+
+static int play(struct camera *camera, struct sim *sim, uint64_t steps, struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	int err = player_next(sim->player, steps, fault);
+
+	if (err == -ENODATA) {
+		camera->situation = CAMERA_NO_SIGNAL;
+		return fault_say(fault, -ENODEV, "%s: has ended", options->file);
+	}
+	return err;
+}
+
+static int64_t timestamp_ns(const struct camera *camera, const struct sim *sim, uint64_t sequence)
+{
+	const struct sim_options *options = camera->options;
+
+	if (sim->descriptor < 0 && options->pace == SIM_CLOCK_REAL)
+		return clock_now_ns(); /* of a pipe: when it came */
+	return sim->start_ns + (int64_t)sequence * sim->period_ns;
+}
+
+static bool reached(int limit, uint64_t count)
+{
+	return limit > 0 && count >= (uint64_t)limit;
+}
+
+/* One frame; an unfit one keeps the format PIXEL_NONE. */
+static int take_frame(struct camera *camera, struct sim *sim, struct frame *frame,
+		      struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	const uint64_t ticks = take_ticks(camera, sim);
+	uint64_t sequence;
+	int err;
+
+	if (ticks == 0)
+		return -EAGAIN;
+	err = sim->player ? play(camera, sim, ticks, fault) : 0;
+	if (err)
+		return err;
+	sequence = sim->next + ticks - 1;
+	sim->next = sequence + 1;
+	camera->lost += ticks - 1;
+	if (options->corrupt_every && sim->next % (uint64_t)options->corrupt_every == 0) {
+		camera->broken++;
+		return 0;
+	}
+	if (!sim->player)
+		render_scene(camera, sim, sequence);
+	*frame = (struct frame){
+		.format = camera->format,
+		.width = camera->width,
+		.height = camera->height,
+		.matrix = sim->matrix,
+		.range = sim->range,
+		.timestamp_ns = timestamp_ns(camera, sim, sequence),
+		.sequence = (uint32_t)sequence,
+	};
+	output_frame(camera, sim, sequence, frame);
+	return 0;
+}
+
+static int sim_grab(struct camera *camera, struct frame *frame, struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	struct sim *sim = camera->state;
+	int err;
+
+	if (reached(options->vanish_after, sim->delivered)) {
+		camera->situation = CAMERA_NO_DEVICE;
+		return fault_say(fault, -ENODEV, "sim: the camera vanished, as it was told to");
+	}
+	if (reached(options->stall_after, sim->delivered)) {
+		fall_silent(sim);
+		return -EAGAIN;
+	}
+	do
+		err = take_frame(camera, sim, frame, fault);
+	while (err == 0 && frame->format == PIXEL_NONE);
+	if (err == 0)
+		sim->delivered++;
+	return err;
+}
+
+static void sim_release(struct camera *camera, struct frame *frame)
+{
+	(void)camera;
+	(void)frame;
+}
+
+const struct camera_ops camera_sim = {
+	.name = "sim",
+	.description = "simulated: a studio, a panorama or pictures from files",
+	.keys = sim_keys,
+	.options_size = sizeof(struct sim_options),
+	.open = sim_open,
+	.descriptor = sim_descriptor,
+	.grab = sim_grab,
+	.release = sim_release,
+	.close = sim_close,
+};

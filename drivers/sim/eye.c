@@ -1,0 +1,32 @@
+#include "drivers/sim/eye.h"
+
+#include <string.h>
+
+#include "hal/optics/vec.h"
+
+bool eye_ray(const struct eye *eye, const double px[2], double origin[3], double dir[3])
+{
+	if (!eye->fisheye)
+		return tsai_ray(&eye->camera, px, origin, dir) == 0;
+	memcpy(origin, eye->position, sizeof(eye->position));
+	return fisheye_ray(&eye->lens, px, dir);
+}
+
+static double apart(const struct eye *eye, const double a[2], const double b[2])
+{
+	double origin[3], from[3], to[3], chord[3];
+
+	if (!eye_ray(eye, a, origin, from) || !eye_ray(eye, b, origin, to))
+		return 0;
+	for (int i = 0; i < 3; i++)
+		chord[i] = to[i] - from[i];
+	return vec_length(chord) / hypot(b[0] - a[0], b[1] - a[1]);
+}
+
+double eye_pixel_rad(const struct eye *eye, const double px[2])
+{
+	const double left[2] = {px[0] - 0.25, px[1]}, right[2] = {px[0] + 0.25, px[1]};
+	const double above[2] = {px[0], px[1] - 0.25}, below[2] = {px[0], px[1] + 0.25};
+
+	return (apart(eye, left, right) + apart(eye, above, below)) / 2;
+}

@@ -1,0 +1,25 @@
+/* Where a simulated camera stands and what each of its pixels looks at. */
+#ifndef INLAY_DRIVERS_SIM_EYE_H
+#define INLAY_DRIVERS_SIM_EYE_H
+
+#include <stdbool.h>
+
+#include "hal/optics/fisheye.h"
+#include "hal/optics/tsai.h"
+
+struct eye {
+	int width, height;
+	bool fisheye;
+	struct fisheye lens;	   /* of a fisheye */
+	double position[3];	   /* of a fisheye */
+	struct tsai_camera camera; /* otherwise */
+};
+
+/* The ray of a point in the picture; dir is a unit vector. False when nothing is seen there. */
+bool eye_ray(const struct eye *eye, const double px[2], double origin[3], double dir[3]);
+
+/* About how wide a pixel-sized patch is, rad: the mean of its two sides. 0 where nothing is seen.
+ */
+double eye_pixel_rad(const struct eye *eye, const double px[2]);
+
+#endif

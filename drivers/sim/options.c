@@ -1,0 +1,137 @@
+#include "drivers/sim/options.h"
+
+#include <errno.h>
+#include <stddef.h>
+#include <string.h>
+
+static const char *const source_names[] = {"studio", "panorama", "files", NULL};
+static const char *const view_names[] = {"fisheye", "perspective", NULL};
+static const char *const clock_names[] = {"real", "frames", NULL};
+
+#define AT(field) offsetof(struct sim_options, field)
+
+const struct ini_key sim_keys[] = {
+	{"source", INI_CHOICE, AT(source), .choices = source_names, .fallback = "studio",
+	 .help = "What is seen: a room with moving lamps, a panorama, or pictures from files."},
+	{"view", INI_CHOICE, AT(view), .choices = view_names, .fallback = "fisheye",
+	 .help = "How the studio or the panorama is seen."},
+	{"clock", INI_CHOICE, AT(pace), .choices = clock_names, .fallback = "real",
+	 .help = "real: a frame when it is due; frames: at once, time advancing by one period."},
+	{"file", INI_PATH, AT(file), .fallback = "",
+	 .help = "The panorama, or pictures (img%03d.png), video (clip.y4m) or a pipe of it."},
+	{"loop", INI_BOOL, AT(loop), .fallback = "yes",
+	 .help = "Start again at the end of the files; otherwise the camera is gone then."},
+	{"camera", INI_PATH, AT(camera), .fallback = "",
+	 .help = "Perspective: a file with a [camera] section; empty: eye, target and angle."},
+	{"eye", INI_REALS, AT(eye), 3, -1e6, 1e6, .fallback = "0 -1.7 0.95", .unit = "m",
+	 .help = "Perspective without a camera file: where it stands."},
+	{"target", INI_REALS, AT(target), 3, -1e6, 1e6, .fallback = "0 0 0.12", .unit = "m",
+	 .help = "Perspective without a camera file: what it looks at."},
+	{"angle", INI_REAL, AT(angle_deg), .min = 1, .max = 170, .fallback = "46", .unit = "deg",
+	 .help = "Perspective without a camera file: horizontal field of view."},
+	{"position", INI_REALS, AT(position), 3, -1e6, 1e6, .fallback = "0 0 0", .unit = "m",
+	 .help = "Fisheye: where it lies in the studio."},
+	{"focal", INI_REALS, AT(lens.focal_px), 2, 0, 1e6, .fallback = "0 0", .unit = "px/rad",
+	 .help = "Fisheye: focal lengths; 0 0: the field fills the smaller side."},
+	{"centre", INI_REALS, AT(lens.centre_px), 2, -1e6, 1e6, .fallback = "0 0", .unit = "px",
+	 .help = "Fisheye: centre of the image circle; 0 0: the middle of the picture."},
+	{"rotation", INI_REALS, AT(lens.rotation_deg), 3, -360, 360, .fallback = "0 0 0",
+	 .unit = "deg", .help = "Fisheye: turns about X, then Y, then Z."},
+	{"field", INI_REAL, AT(lens.field_deg), .min = 1, .max = 180, .fallback = "90",
+	 .unit = "deg", .help = "Fisheye: half the field of view."},
+	{"turn_rate", INI_REAL, AT(turn_rate_deg), .min = -3600, .max = 3600, .fallback = "0",
+	 .unit = "deg/s", .help = "Panorama: turns counter-clockwise seen from above."},
+	{"exposure", INI_REAL, AT(exposure), .min = 0, .max = 1e6, .fallback = "1",
+	 .help = "Linear light is multiplied by this; 1 and more is white."},
+	{"transfer", INI_CHOICE, AT(transfer), .choices = transfer_names, .fallback = "srgb",
+	 .help = "From linear light to code values, and back for 8-bit files wanted as RGBF."},
+	{"read_noise", INI_REAL, AT(read_noise), .min = 0, .max = 255, .fallback = "0",
+	 .unit = "levels", .help = "Standard deviation of noise in the dark, in linear light."},
+	{"shot_noise", INI_REAL, AT(shot_noise), .min = 0, .max = 255, .fallback = "0",
+	 .unit = "levels", .help = "Standard deviation added at white; grows as the square root."},
+	{"black_level", INI_INT, AT(black_level), .min = 0, .max = 254, .fallback = "0",
+	 .help = "Code value of no light."},
+	{"seed", INI_INT, AT(seed), .min = 0, .max = 2147483647, .fallback = "1",
+	 .help = "Of the noise."},
+	{"stall_after", INI_INT, AT(stall_after), .min = 0, .max = 2147483647, .fallback = "0",
+	 .unit = "frames", .help = "Then no more frames come; 0: never."},
+	{"vanish_after", INI_INT, AT(vanish_after), .min = 0, .max = 2147483647, .fallback = "0",
+	 .unit = "frames", .help = "Then the camera is gone; 0: never."},
+	{"corrupt_every", INI_INT, AT(corrupt_every), .min = 0, .max = 2147483647, .fallback = "0",
+	 .unit = "frames", .help = "Every so many frames one is unfit; 0: none."},
+	INI_KEYS_END,
+};
+
+struct camera_file {
+	struct tsai_camera camera;
+	bool found;
+};
+
+static void *place_camera(void *root, const char *instance)
+{
+	struct camera_file *file = root;
+
+	(void)instance;
+	if (!file->found)
+		ini_defaults(tsai_keys, &file->camera);
+	file->found = true;
+	return &file->camera;
+}
+
+static int read_camera(const char *path, struct tsai_camera *camera, struct fault *fault)
+{
+	static const struct ini_table tables[] = {
+		{.section = "camera", .keys = tsai_keys, .place = place_camera},
+		INI_TABLES_END,
+	};
+	struct camera_file file = {.found = false};
+	struct ini_report report = {0};
+	struct fault why = {0};
+	int err = ini_read(path, tables, &file, &report);
+
+	if (err)
+		return fault_say(fault, err, "%s", report.first.text);
+	if (!file.found)
+		return fault_say(fault, -EINVAL, "%s: expected a [camera] section", path);
+	err = tsai_check(&file.camera, &why);
+	if (err)
+		return fault_say(fault, err, "%s: %s", path, why.text);
+	*camera = file.camera;
+	return 0;
+}
+
+static int prepare_perspective(const struct sim_options *options,
+			       const struct camera_settings *settings, struct eye *eye,
+			       struct fault *fault)
+{
+	int err;
+
+	if (!options->camera[0])
+		return tsai_look_at(&eye->camera, eye->width, eye->height, options->eye,
+				    options->target, options->angle_deg, fault);
+	err = read_camera(options->camera, &eye->camera, fault);
+	if (err)
+		return err;
+	if ((settings->width && settings->width != eye->camera.width) ||
+	    (settings->height && settings->height != eye->camera.height))
+		return fault_say(fault, -EINVAL,
+				 "%s: a camera of %dx%d, but the settings want %dx%d",
+				 options->camera, eye->camera.width, eye->camera.height,
+				 settings->width, settings->height);
+	eye->width = eye->camera.width;
+	eye->height = eye->camera.height;
+	return 0;
+}
+
+int sim_eye(const struct sim_options *options, const struct camera_settings *settings,
+	    struct eye *eye, struct fault *fault)
+{
+	memset(eye, 0, sizeof(*eye));
+	eye->width = settings->width ? settings->width : 640;
+	eye->height = settings->height ? settings->height : 480;
+	eye->fisheye = options->view == SIM_VIEW_FISHEYE;
+	if (!eye->fisheye)
+		return prepare_perspective(options, settings, eye, fault);
+	memcpy(eye->position, options->position, sizeof(eye->position));
+	return fisheye_prepare(&eye->lens, &options->lens, eye->width, eye->height, fault);
+}

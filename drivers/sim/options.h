@@ -1,0 +1,39 @@
+/* The keys of the simulated camera, and where they put it. */
+#ifndef INLAY_DRIVERS_SIM_OPTIONS_H
+#define INLAY_DRIVERS_SIM_OPTIONS_H
+
+#include "drivers/sim/eye.h"
+#include "hal/camera.h"
+#include "hal/fault.h"
+#include "hal/ini/ini.h"
+#include "hal/optics/fisheye.h"
+
+enum sim_source { SIM_SOURCE_STUDIO, SIM_SOURCE_PANORAMA, SIM_SOURCE_FILES };
+enum sim_view { SIM_VIEW_FISHEYE, SIM_VIEW_PERSPECTIVE };
+enum sim_clock { SIM_CLOCK_REAL, SIM_CLOCK_FRAMES };
+
+struct sim_options {
+	int source, view, pace;
+	char file[INI_PATH_MAX];
+	char camera[INI_PATH_MAX];
+	double eye[3], target[3], angle_deg;
+	double position[3];
+	struct fisheye_settings lens;
+	double turn_rate_deg;
+	double exposure;
+	int transfer;
+	double read_noise, shot_noise;
+	int black_level;
+	int seed;
+	bool loop;
+	int stall_after, vanish_after, corrupt_every;
+};
+
+extern const struct ini_key sim_keys[];
+
+/* Where the camera stands, from the settings' size, else the camera file's, else 640x480.
+ * 0 or -errno: the camera file cannot be read, or does not fit the size. */
+int sim_eye(const struct sim_options *options, const struct camera_settings *settings,
+	    struct eye *eye, struct fault *fault);
+
+#endif

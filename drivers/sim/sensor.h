@@ -1,0 +1,38 @@
+/*
+ * A simulated sensor: linear light to the code values of a camera.
+ *
+ *     v    = exposure * radiance + noise          clipped to 0..1
+ *     code = black + (255 - black) * transfer(v)  rounded
+ *
+ * noise is Gaussian with a standard deviation of sqrt(read^2 + shot^2 v), both given in 8-bit
+ * levels of linear light; the same seed and frame give the same noise.
+ */
+#ifndef INLAY_DRIVERS_SIM_SENSOR_H
+#define INLAY_DRIVERS_SIM_SENSOR_H
+
+#include "hal/frame.h"
+
+struct sensor_settings {
+	double exposure;
+	enum transfer transfer;
+	int black_level;
+	double read_noise, shot_noise;
+	int seed;
+};
+
+struct sensor {
+	struct sensor_settings settings;
+	uint8_t encode[65536]; /* Q16 linear to code */
+};
+
+void sensor_prepare(struct sensor *sensor, const struct sensor_settings *settings);
+
+/* One frame of linear light, count pixels of three, to BGRX. */
+void sensor_expose(const struct sensor *sensor, uint64_t frame, const float *rgb, size_t count,
+		   uint8_t *bgrx);
+
+/* BGRX to YUYV, chroma averaged over each pair; both without padding, width even. */
+void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix matrix,
+		      enum colour_range range, uint8_t *yuyv);
+
+#endif

@@ -1,0 +1,371 @@
+#include "drivers/sim/studio.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "hal/optics/vec.h"
+
+static const double half_x = 3, half_y = 2.5, height = 3;
+
+const double studio_normals[STUDIO_SURFACE_COUNT][3] = {
+	{0, 0, 1}, {0, 0, -1}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0},
+};
+
+/* A rectangle that shines: corners in order around it, seen from inside the room. */
+struct emitter {
+	enum studio_surface surface;
+	double low[2], high[2]; /* the two coordinates that the surface leaves free, x before y
+				   before z */
+	double radiance[3];
+	double share; /* of the rectangle that shines */
+};
+
+/* The window's bars are left out of the light by its share. */
+enum { PANEL_EAST, PANEL_WEST, WINDOW, EMITTER_COUNT };
+
+static const double bar_m = 0.05;
+
+static const struct emitter emitters[EMITTER_COUNT] = {
+	[PANEL_EAST] = {STUDIO_CEILING, {0.95, -0.7}, {1.45, 0.7}, {2.0, 1.8, 1.45}, 1},
+	[PANEL_WEST] = {STUDIO_CEILING, {-1.45, -0.7}, {-0.95, 0.7}, {2.0, 1.8, 1.45}, 1},
+	[WINDOW] = {STUDIO_WALL_WEST,
+		    {-1.0, 0.9},
+		    {0.6, 2.1},
+		    {1.7, 2.1, 2.7},
+		    (1.6 - 0.05) * (1.2 - 0.05) / (1.6 * 1.2)},
+};
+
+/* What all the other surfaces give, taken as the same everywhere. */
+static const double ambient_irradiance[3] = {0.33, 0.31, 0.28};
+
+/* The axis a surface is perpendicular to, and where on it the surface lies. */
+static int surface_axis(enum studio_surface surface)
+{
+	return surface <= STUDIO_CEILING ? 2 : surface <= STUDIO_WALL_WEST ? 0 : 1;
+}
+
+static double surface_place(enum studio_surface surface)
+{
+	static const double place[STUDIO_SURFACE_COUNT] = {0,	    height, half_x,
+							   -half_x, half_y, -half_y};
+
+	return place[surface];
+}
+
+/* The surface's own coordinates: the free axes in order. */
+static void surface_uv(enum studio_surface surface, const double point[3], double uv[2])
+{
+	const int axis = surface_axis(surface);
+
+	uv[0] = point[axis == 0 ? 1 : 0];
+	uv[1] = point[axis == 2 ? 1 : 2];
+}
+
+void studio_lanterns(double time_s, struct studio_lantern lanterns[STUDIO_LANTERNS])
+{
+	/* 12 s round, the cool one ahead by a varying angle so that they never meet. */
+	const double turn = 2 * M_PI * time_s / 12 - 0.9;
+	const double ahead = turn + 2.6 + 0.4 * sin(2 * M_PI * time_s / 20);
+
+	lanterns[0] = (struct studio_lantern){
+		.centre = {1.15 * cos(turn), 0.95 * sin(turn), 1.55 + 0.2 * sin(2 * turn)},
+		.radius = 0.32,
+		.radiance = {5.2, 3.6, 1.9},
+	};
+	lanterns[1] = (struct studio_lantern){
+		.centre = {1.25 * cos(ahead), 1.05 * sin(ahead), 1.75 + 0.15 * cos(2 * ahead)},
+		.radius = 0.30,
+		.radiance = {1.5, 2.4, 3.9},
+	};
+}
+
+/* A number in 0..1 that belongs to a pair of integers. */
+static double hash_unit(int32_t a, int32_t b)
+{
+	uint32_t h = (uint32_t)a * 0x9e3779b1u ^ (uint32_t)b * 0x85ebca77u;
+
+	h ^= h >> 15;
+	h *= 0x2c1b3c6du;
+	h ^= h >> 12;
+	h *= 0x297a2d39u;
+	h ^= h >> 15;
+	return h / 4294967295.0;
+}
+
+static void set(double rgb[3], double r, double g, double b)
+{
+	rgb[0] = r;
+	rgb[1] = g;
+	rgb[2] = b;
+}
+
+static void scale(double rgb[3], double factor)
+{
+	for (int c = 0; c < 3; c++)
+		rgb[c] *= factor;
+}
+
+/* Oak boards along x, each of its own tone, with a faint grain and dark seams. */
+static void boards(double x, double y, double albedo[3])
+{
+	const double width = 0.14, length = 1.3, seam = 0.003;
+	const double row = floor(y / width);
+	const double shifted = x + length * hash_unit((int32_t)row, 7);
+	const double column = floor(shifted / length);
+	const double across = y - row * width, along = shifted - column * length;
+	const double tone = hash_unit((int32_t)row, (int32_t)column + 100);
+	const double grain = sin(across * 210 + 9 * tone + 1.5 * sin(along * 5 + 6 * tone)) +
+			     0.5 * sin(across * 530 + 3 * sin(along * 3 + 20 * tone));
+
+	set(albedo, 0.56, 0.36, 0.20);
+	scale(albedo, 0.82 + 0.3 * tone + 0.035 * grain);
+	if (across < seam || along < seam)
+		scale(albedo, 0.45);
+}
+
+/* A round rug under the object's place, plain inside so that shadows read well on it. */
+static bool rug(double x, double y, double albedo[3])
+{
+	const double r = hypot(x, y), edge = 0.85;
+	const double azimuth = atan2(y, x);
+
+	if (r > edge)
+		return false;
+	set(albedo, 0.68, 0.59, 0.45);
+	if (r > edge - 0.05 || (r > 0.60 && r < 0.615))
+		set(albedo, 0.10, 0.22, 0.26);
+	else if (r > edge - 0.19 && r < edge - 0.11)
+		set(albedo,
+		    sin(azimuth * 48) * sin(M_PI * (r - edge + 0.19) / 0.08) > 0.35 ? 0.20 : 0.52,
+		    0.15, 0.11);
+	/* The weave. */
+	scale(albedo, 1 + 0.012 * sin(r * 300));
+	return true;
+}
+
+static void floor_albedo(const double uv[2], double albedo[3])
+{
+	if (!rug(uv[0], uv[1], albedo))
+		boards(uv[0], uv[1], albedo);
+}
+
+static bool inside(const double uv[2], double low0, double high0, double low1, double high1)
+{
+	return uv[0] >= low0 && uv[0] < high0 && uv[1] >= low1 && uv[1] < high1;
+}
+
+/* A door and a picture, so that no two walls look alike. */
+static void wall_albedo(enum studio_surface surface, const double uv[2], double albedo[3])
+{
+	if (uv[1] < 0.09) {
+		set(albedo, 0.62, 0.60, 0.56); /* skirting */
+		return;
+	}
+	switch (surface) {
+	case STUDIO_WALL_EAST:
+		set(albedo, 0.50, 0.22, 0.15); /* terracotta */
+		if (inside(uv, 0.3, 1.2, 0, 2.05))
+			set(albedo, 0.28, 0.17, 0.10);
+		break;
+	case STUDIO_WALL_WEST:
+		set(albedo, 0.24, 0.33, 0.38); /* slate blue */
+		if (inside(uv, -1.08, 0.68, 0.82, 2.18))
+			set(albedo, 0.66, 0.65, 0.62); /* the window's frame */
+		break;
+	case STUDIO_WALL_NORTH:
+		set(albedo, 0.30, 0.38, 0.24); /* sage */
+		if (inside(uv, -1.1, 0.3, 1.1, 2.0))
+			set(albedo, 0.10, 0.09, 0.08);
+		if (inside(uv, -1.05, 0.25, 1.15, 1.95))
+			set(albedo, 0.62 - 0.2 * (uv[1] - 1.15), 0.42, 0.22 + 0.3 * (uv[1] - 1.15));
+		break;
+	default:
+		set(albedo, 0.48, 0.44, 0.34); /* straw */
+		break;
+	}
+}
+
+/* True on the glass of the window or the face of a panel. */
+static bool shines(const struct emitter *e, const double uv[2])
+{
+	const double middle[2] = {(e->low[0] + e->high[0]) / 2, (e->low[1] + e->high[1]) / 2};
+
+	if (!inside(uv, e->low[0], e->high[0], e->low[1], e->high[1]))
+		return false;
+	return e->share == 1 ||
+	       (fabs(uv[0] - middle[0]) >= bar_m / 2 && fabs(uv[1] - middle[1]) >= bar_m / 2);
+}
+
+static void paint(struct studio_hit *hit)
+{
+	double uv[2];
+
+	surface_uv(hit->surface, hit->point, uv);
+	set(hit->emitted, 0, 0, 0);
+	set(hit->albedo, 0, 0, 0);
+	for (int i = 0; i < EMITTER_COUNT; i++) {
+		if (emitters[i].surface == hit->surface && shines(&emitters[i], uv)) {
+			memcpy(hit->emitted, emitters[i].radiance, sizeof(hit->emitted));
+			return;
+		}
+	}
+	if (hit->surface == STUDIO_FLOOR)
+		floor_albedo(uv, hit->albedo);
+	else if (hit->surface == STUDIO_CEILING)
+		set(hit->albedo, 0.58, 0.57, 0.54);
+	else
+		wall_albedo(hit->surface, uv, hit->albedo);
+}
+
+bool studio_hit(const double origin[3], const double dir[3], struct studio_hit *hit)
+{
+	static const double low[3] = {-half_x, -half_y, 0}, high[3] = {half_x, half_y, height};
+	double enter = -INFINITY, leave = INFINITY;
+	int axis = 2;
+
+	for (int i = 0; i < 3; i++) {
+		const double near = dir[i] > 0 ? low[i] : high[i];
+		const double far = dir[i] > 0 ? high[i] : low[i];
+
+		if (dir[i] == 0) {
+			if (origin[i] < low[i] || origin[i] > high[i])
+				return false;
+			continue;
+		}
+		enter = fmax(enter, (near - origin[i]) / dir[i]);
+		if ((far - origin[i]) / dir[i] < leave) {
+			leave = (far - origin[i]) / dir[i];
+			axis = i;
+		}
+	}
+	if (leave < enter || leave < 0 || !isfinite(leave))
+		return false;
+	if (axis == 2)
+		hit->surface = dir[2] > 0 ? STUDIO_CEILING : STUDIO_FLOOR;
+	else if (axis == 0)
+		hit->surface = dir[0] > 0 ? STUDIO_WALL_EAST : STUDIO_WALL_WEST;
+	else
+		hit->surface = dir[1] > 0 ? STUDIO_WALL_NORTH : STUDIO_WALL_SOUTH;
+	hit->distance = leave;
+	for (int i = 0; i < 3; i++)
+		hit->point[i] = origin[i] + leave * dir[i];
+	hit->point[axis] = surface_place(hit->surface);
+	paint(hit);
+	return true;
+}
+
+/* Lambert's formula for a rectangle wholly in front of the surface, radiance 1. */
+static double rectangle_irradiance(const double corners[4][3], const double point[3],
+				   const double normal[3])
+{
+	double to[4][3], sum = 0;
+
+	for (int i = 0; i < 4; i++) {
+		for (int k = 0; k < 3; k++)
+			to[i][k] = corners[i][k] - point[k];
+		vec_normalize(to[i]);
+	}
+	for (int i = 0; i < 4; i++) {
+		const double *a = to[i], *b = to[(i + 1) % 4];
+		double across[3], sine;
+
+		vec_cross(a, b, across);
+		sine = vec_length(across);
+		if (sine > 0)
+			sum += atan2(sine, vec_dot(a, b)) * vec_dot(across, normal) / sine;
+	}
+	return fabs(sum) / 2; /* the sign is the sense in which the corners go round */
+}
+
+static void emitter_corners(const struct emitter *e, double corners[4][3])
+{
+	const int axis = surface_axis(e->surface);
+	const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+
+	for (int i = 0; i < 4; i++) {
+		corners[i][axis] = surface_place(e->surface);
+		corners[i][u] = i == 0 || i == 3 ? e->low[0] : e->high[0];
+		corners[i][v] = i < 2 ? e->low[1] : e->high[1];
+	}
+}
+
+void studio_steady_irradiance(const double point[3], enum studio_surface surface, double rgb[3])
+{
+	memcpy(rgb, ambient_irradiance, sizeof(ambient_irradiance));
+	for (int i = 0; i < EMITTER_COUNT; i++) {
+		double corners[4][3], share;
+
+		if (emitters[i].surface == surface)
+			continue; /* in the same plane */
+		emitter_corners(&emitters[i], corners);
+		share = emitters[i].share *
+			rectangle_irradiance(corners, point, studio_normals[surface]);
+		for (int c = 0; c < 3; c++)
+			rgb[c] += share * emitters[i].radiance[c];
+	}
+}
+
+double studio_lantern_irradiance(const struct studio_lantern *lantern, const double point[3],
+				 const double normal[3])
+{
+	const double to[3] = {lantern->centre[0] - point[0], lantern->centre[1] - point[1],
+			      lantern->centre[2] - point[2]};
+	const double d2 = vec_dot(to, to), facing = vec_dot(to, normal);
+
+	return facing > 0 ? M_PI * lantern->radius * lantern->radius * facing / (d2 * sqrt(d2)) : 0;
+}
+
+/* The nearest lantern that the ray meets before it has gone `limit`, or -1. */
+static int lantern_hit(const struct studio_lantern lanterns[STUDIO_LANTERNS],
+		       const double origin[3], const double dir[3], double limit)
+{
+	int found = -1;
+
+	for (int i = 0; i < STUDIO_LANTERNS; i++) {
+		const double *centre = lanterns[i].centre;
+		const double to[3] = {centre[0] - origin[0], centre[1] - origin[1],
+				      centre[2] - origin[2]};
+		const double along = vec_dot(to, dir);
+		const double inside2 = lanterns[i].radius * lanterns[i].radius -
+				       (vec_dot(to, to) - along * along);
+		double distance;
+
+		if (inside2 < 0 || along < 0)
+			continue;
+		distance = along - sqrt(inside2);
+		if (distance < limit) {
+			limit = distance;
+			found = i;
+		}
+	}
+	return found;
+}
+
+void studio_radiance(const double origin[3], const double dir[3], double time_s, double rgb[3])
+{
+	struct studio_lantern lanterns[STUDIO_LANTERNS];
+	struct studio_hit hit;
+	double irradiance[3];
+	int lantern;
+
+	set(rgb, 0, 0, 0);
+	if (!studio_hit(origin, dir, &hit))
+		return;
+	studio_lanterns(time_s, lanterns);
+	lantern = lantern_hit(lanterns, origin, dir, hit.distance);
+	if (lantern >= 0) {
+		memcpy(rgb, lanterns[lantern].radiance, sizeof(double[3]));
+		return;
+	}
+	studio_steady_irradiance(hit.point, hit.surface, irradiance);
+	for (int i = 0; i < STUDIO_LANTERNS; i++) {
+		const double e = studio_lantern_irradiance(&lanterns[i], hit.point,
+							   studio_normals[hit.surface]);
+
+		for (int c = 0; c < 3; c++)
+			irradiance[c] += e * lanterns[i].radiance[c];
+	}
+	for (int c = 0; c < 3; c++)
+		rgb[c] = hit.emitted[c] + hit.albedo[c] / M_PI * irradiance[c];
+}

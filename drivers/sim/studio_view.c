@@ -1,0 +1,236 @@
+#include "drivers/sim/studio_view.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/sim/studio.h"
+#include "hal/optics/vec.h"
+
+/* What is kept for a pixel, one float each; a row holds LANES runs of width floats. */
+enum lane {
+	POINT_X,
+	POINT_Y,
+	POINT_Z,
+	NORMAL_X,
+	NORMAL_Y,
+	NORMAL_Z,
+	PAINT_R, /* albedo / pi */
+	PAINT_G,
+	PAINT_B,
+	STEADY_R, /* radiance without the lanterns */
+	STEADY_G,
+	STEADY_B,
+	DIR_X,
+	DIR_Y,
+	DIR_Z,
+	PIXEL_RAD,
+	LANES
+};
+
+struct studio_view {
+	int width, height;
+	double origin[3];
+	float *lanes; /* [height][LANES][width] */
+};
+
+/* Sums over the parts of a pixel that see the room. */
+struct patch {
+	int count;
+	struct studio_hit first, last;
+	bool mixed; /* the parts see different things */
+	double paint[3], steady[3];
+	double last_irradiance[3];
+};
+
+static bool differs(const struct studio_hit *a, const struct studio_hit *b)
+{
+	if (a->surface != b->surface)
+		return true;
+	for (int c = 0; c < 3; c++)
+		if (fabs(a->albedo[c] - b->albedo[c]) > 0.02 || a->emitted[c] != b->emitted[c])
+			return true;
+	return false;
+}
+
+static void add_part(const struct eye *eye, const double px[2], double origin[3],
+		     struct patch *patch)
+{
+	struct studio_hit hit;
+	double dir[3];
+
+	if (!eye_ray(eye, px, origin, dir) || !studio_hit(origin, dir, &hit))
+		return;
+	/* Steady light hardly changes within a pixel, unless the surface does. */
+	if (patch->count == 0 || hit.surface != patch->last.surface)
+		studio_steady_irradiance(hit.point, hit.surface, patch->last_irradiance);
+	if (patch->count == 0)
+		patch->first = hit;
+	else if (differs(&hit, &patch->first))
+		patch->mixed = true;
+	patch->last = hit;
+	patch->count++;
+	for (int c = 0; c < 3; c++) {
+		patch->paint[c] += hit.albedo[c] / M_PI;
+		patch->steady[c] += hit.emitted[c] +
+				    hit.albedo[c] / M_PI * patch->last_irradiance[c];
+	}
+}
+
+static void add_parts(const struct eye *eye, int x, int y, int side, double origin[3],
+		      struct patch *patch)
+{
+	memset(patch, 0, sizeof(*patch));
+	for (int j = 0; j < side; j++)
+		for (int i = 0; i < side; i++) {
+			const double px[2] = {x + (i + 0.5) / side, y + (j + 0.5) / side};
+
+			add_part(eye, px, origin, patch);
+		}
+}
+
+static void prepare_pixel(struct studio_view *view, const struct eye *eye, int x, int y)
+{
+	float *lane = view->lanes + (size_t)y * LANES * (size_t)view->width + x;
+	const size_t step = (size_t)view->width;
+	const double middle[2] = {x + 0.5, y + 0.5};
+	double origin[3], dir[3];
+	struct patch patch;
+
+	add_parts(eye, x, y, 2, origin, &patch);
+	if (patch.mixed)
+		add_parts(eye, x, y, 5, origin, &patch);
+	if (patch.count == 0)
+		return;
+	memcpy(view->origin, origin, sizeof(origin));
+	for (int i = 0; i < 3; i++) {
+		dir[i] = patch.first.point[i] - origin[i];
+		lane[(POINT_X + i) * step] = (float)patch.first.point[i];
+		lane[(NORMAL_X + i) * step] = (float)studio_normals[patch.first.surface][i];
+		lane[(PAINT_R + i) * step] = (float)(patch.paint[i] / patch.count);
+		lane[(STEADY_R + i) * step] = (float)(patch.steady[i] / patch.count);
+	}
+	if (!eye_ray(eye, middle, origin, dir))
+		vec_normalize(dir); /* at the rim of the field the middle may lie outside */
+	for (int i = 0; i < 3; i++)
+		lane[(DIR_X + i) * step] = (float)dir[i];
+	lane[PIXEL_RAD * step] = (float)fmax(eye_pixel_rad(eye, middle), 1e-6);
+}
+
+int studio_view_create(struct studio_view **view, const struct eye *eye)
+{
+	struct studio_view *v = calloc(1, sizeof(*v));
+
+	*view = NULL;
+	if (!v)
+		return -ENOMEM;
+	v->width = eye->width;
+	v->height = eye->height;
+	v->lanes = calloc((size_t)eye->width * (size_t)eye->height * LANES, sizeof(float));
+	if (!v->lanes) {
+		free(v);
+		return -ENOMEM;
+	}
+	for (int y = 0; y < v->height; y++)
+		for (int x = 0; x < v->width; x++)
+			prepare_pixel(v, eye, x, y);
+	*view = v;
+	return 0;
+}
+
+void studio_view_destroy(struct studio_view *view)
+{
+	if (!view)
+		return;
+	free(view->lanes);
+	free(view);
+}
+
+/* A lantern as one frame needs it. */
+struct glow {
+	float centre[3], radius2_pi, radiance[3];
+	float to[3], cosine, sine; /* its direction and angular radius as seen from the camera */
+	double distance;
+};
+
+static void prepare_glow(const struct studio_lantern *lantern, const double origin[3],
+			 struct glow *glow)
+{
+	double to[3];
+
+	for (int i = 0; i < 3; i++) {
+		to[i] = lantern->centre[i] - origin[i];
+		glow->centre[i] = (float)lantern->centre[i];
+		glow->radiance[i] = (float)lantern->radiance[i];
+	}
+	glow->radius2_pi = (float)(M_PI * lantern->radius * lantern->radius);
+	glow->distance = vec_normalize(to);
+	for (int i = 0; i < 3; i++)
+		glow->to[i] = (float)to[i];
+	/* From inside it fills the view: no cosine is below -2. */
+	glow->sine = (float)fmin(lantern->radius / glow->distance, 1);
+	glow->cosine = glow->distance > lantern->radius ? sqrtf(1 - glow->sine * glow->sine) : -2;
+}
+
+/* Written so that compilers turn the loop into vectors: no branches, no calls but sqrtf. */
+static void render_row(const float *restrict lanes, int width, const struct glow *glows,
+		       float *restrict rgb)
+{
+	const struct glow a = glows[0], b = glows[1];
+	const size_t w = (size_t)width;
+
+	for (size_t x = 0; x < w; x++) {
+		const float px = lanes[POINT_X * w + x], py = lanes[POINT_Y * w + x],
+			    pz = lanes[POINT_Z * w + x];
+		const float nx = lanes[NORMAL_X * w + x], ny = lanes[NORMAL_Y * w + x],
+			    nz = lanes[NORMAL_Z * w + x];
+		const float dx = lanes[DIR_X * w + x], dy = lanes[DIR_Y * w + x],
+			    dz = lanes[DIR_Z * w + x];
+		const float rad = lanes[PIXEL_RAD * w + x] + 1e-9f;
+		const float ax = a.centre[0] - px, ay = a.centre[1] - py, az = a.centre[2] - pz;
+		const float bx = b.centre[0] - px, by = b.centre[1] - py, bz = b.centre[2] - pz;
+		const float a2 = ax * ax + ay * ay + az * az, b2 = bx * bx + by * by + bz * bz;
+		float ea = a.radius2_pi * (ax * nx + ay * ny + az * nz) / (a2 * sqrtf(a2));
+		float eb = b.radius2_pi * (bx * nx + by * ny + bz * nz) / (b2 * sqrtf(b2));
+		float ca = 0.5f +
+			   (dx * a.to[0] + dy * a.to[1] + dz * a.to[2] - a.cosine) / (a.sine * rad);
+		float cb = 0.5f +
+			   (dx * b.to[0] + dy * b.to[1] + dz * b.to[2] - b.cosine) / (b.sine * rad);
+
+		ea = ea > 0 ? ea : 0;
+		eb = eb > 0 ? eb : 0;
+		ca = ca > 0 ? ca : 0;
+		ca = ca < 1 ? ca : 1;
+		cb = cb > 0 ? cb : 0;
+		cb = cb < 1 ? cb : 1;
+		for (int c = 0; c < 3; c++) {
+			float v = lanes[(size_t)(STEADY_R + c) * w + x] +
+				  lanes[(size_t)(PAINT_R + c) * w + x] *
+					  (ea * a.radiance[c] + eb * b.radiance[c]);
+
+			v += ca * (a.radiance[c] - v);
+			v += cb * (b.radiance[c] - v);
+			rgb[3 * x + (size_t)c] = v;
+		}
+	}
+}
+
+void studio_view_render(const struct studio_view *view, double time_s, float *rgb)
+{
+	struct studio_lantern lanterns[STUDIO_LANTERNS];
+	struct glow glows[STUDIO_LANTERNS], nearer;
+
+	_Static_assert(STUDIO_LANTERNS == 2, "render_row() takes two");
+	studio_lanterns(time_s, lanterns);
+	for (int i = 0; i < STUDIO_LANTERNS; i++)
+		prepare_glow(&lanterns[i], view->origin, &glows[i]);
+	if (glows[0].distance < glows[1].distance) { /* the nearer covers the other */
+		nearer = glows[0];
+		glows[0] = glows[1];
+		glows[1] = nearer;
+	}
+	for (int y = 0; y < view->height; y++)
+		render_row(view->lanes + (size_t)y * LANES * (size_t)view->width, view->width,
+			   glows, rgb + (size_t)y * (size_t)view->width * 3);
+}
