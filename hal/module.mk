@@ -25,6 +25,9 @@ HAL_SOURCES := \
 	hal/image/image_jpeg.c \
 	hal/image/image_hdr.c \
 	hal/image/image_pfm.c \
+	hal/lights/lights_file.c \
+	hal/lights/sampler.c \
+	hal/lights/sampler_table.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \
 	hal/optics/dome_lookup.c \

@@ -8,6 +8,10 @@
  * a frame costs one pass over the pixels inside the image circle. Pixels that straddle cells are
  * shared between them by sub-pixel area. A cell that no pixel reaches (fine domes, small pictures)
  * falls back to its node. A cell outside the lens's field is dark, and counted.
+ *
+ * A pixel whose centre lies outside the field or below the horizon shows less sky than what is
+ * around it, and is left out by both: a sky of one colour gives that colour to every light, those
+ * on the horizon included, exactly.
  */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_H
 #define INLAY_HAL_LIGHTS_SAMPLER_H
@@ -26,28 +30,33 @@ extern const char *const light_estimator_names[]; /* "cell", "node", NULL */
 struct light_sampler_settings {
 	enum light_estimator estimator;
 	enum transfer transfer; /* of the camera's 8-bit code values */
-	int black_level;	/* code value that is no light, 0..254: the thesis's DARKRGB */
-	double gain; /* linear light is multiplied by it: fisheye units to background units */
+	int black_level; /* code value that is no light, 0..254: the thesis's DARKRGB. A pedestal
+			    under the encoded signal: code c stands for (c - black) / (255 - black)
+			  */
+	double gain; /* linear light is multiplied by it: fisheye units to background units; >= 0 */
 };
 
 struct light_sampler;
 
-/* For upright pictures of this size. */
+/* For upright pictures of this size; the dome is not needed afterwards. -EINVAL: a setting or size
+ * out of range; -ENOMEM. */
 int light_sampler_create(struct light_sampler **sampler, const struct dome *dome,
 			 const struct fisheye *lens, int width, int height,
 			 const struct light_sampler_settings *settings, struct fault *fault);
 
-/* radiance[i] gets the colour of light i. Nothing is allocated. -EINVAL: another size. Returns the
- * share of the sky's solid angle (0..1) that is clipped (any channel at 255) through clipped, which
- * may be NULL. */
+/* radiance[i] gets the colour of light i: R, G, B. Nothing is allocated. -EINVAL: another size.
+ * Returns the share of the sky's solid angle (0..1) that is clipped (any channel at 255) through
+ * clipped, which may be NULL. Integer arithmetic but for the last scaling: the same on every
+ * machine. */
 int light_sampler_read(struct light_sampler *sampler, const struct picture *picture,
 		       float (*radiance)[3], double *clipped);
 
-/* The same from linear radiance (black level and transfer do not apply; gain does). */
+/* The same from a float picture of linear radiance (black level and transfer do not apply; gain
+ * does). */
 int light_sampler_read_linear(struct light_sampler *sampler, const struct image *picture,
 			      float (*radiance)[3]);
 
-/* Cells that the lens does not see. */
+/* How many lights' cells the lens does not see: they are dark. */
 int light_sampler_unseen(const struct light_sampler *sampler);
 
 void light_sampler_destroy(struct light_sampler *sampler);
