@@ -1,0 +1,111 @@
+#include <errno.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "drivers/display_kms.h"
+
+/* Where a property belongs, its name, and where its id and value go. */
+struct property_row {
+	uint32_t kind; /* DRM_MODE_OBJECT_... */
+	const char *name;
+	size_t id, value;
+};
+
+#define ROW(kind, name, field)                                                                     \
+	{                                                                                          \
+		DRM_MODE_OBJECT_##kind, name, offsetof(struct kms_properties, field),              \
+			offsetof(struct kms_state, field)                                          \
+	}
+
+static const struct property_row rows[] = {
+	ROW(CONNECTOR, "CRTC_ID", connector_crtc), ROW(CRTC, "ACTIVE", crtc_active),
+	ROW(CRTC, "MODE_ID", crtc_mode),	   ROW(PLANE, "FB_ID", plane_fb),
+	ROW(PLANE, "CRTC_ID", plane_crtc),	   ROW(PLANE, "SRC_X", plane_source[0]),
+	ROW(PLANE, "SRC_Y", plane_source[1]),	   ROW(PLANE, "SRC_W", plane_source[2]),
+	ROW(PLANE, "SRC_H", plane_source[3]),	   ROW(PLANE, "CRTC_X", plane_target[0]),
+	ROW(PLANE, "CRTC_Y", plane_target[1]),	   ROW(PLANE, "CRTC_W", plane_target[2]),
+	ROW(PLANE, "CRTC_H", plane_target[3]),
+};
+
+#define ROWS (sizeof(rows) / sizeof(rows[0]))
+
+static uint32_t object_of(const struct kms_path *path, uint32_t kind)
+{
+	return kind == DRM_MODE_OBJECT_CONNECTOR ? path->connector
+	       : kind == DRM_MODE_OBJECT_CRTC	 ? path->crtc
+						 : path->plane;
+}
+
+static bool find_property(int card, const drmModeObjectProperties *list, const char *name,
+			  uint32_t *id, uint64_t *value)
+{
+	bool found = false;
+
+	for (uint32_t i = 0; i < list->count_props && !found; i++) {
+		drmModePropertyRes *property = drmModeGetProperty(card, list->props[i]);
+
+		found = property && !strcmp(property->name, name);
+		*id = list->props[i];
+		*value = list->prop_values[i];
+		drmModeFreeProperty(property);
+	}
+	return found;
+}
+
+static int copy_mode(int card, uint64_t *blob)
+{
+	drmModePropertyBlobRes *old = *blob ? drmModeGetPropertyBlob(card, (uint32_t)*blob) : NULL;
+	uint32_t copy = 0;
+	int err = 0;
+
+	if (old)
+		err = drmModeCreatePropertyBlob(card, old->data, old->length, &copy);
+	drmModeFreePropertyBlob(old);
+	*blob = err ? 0 : copy;
+	return err;
+}
+
+int kms_state_read(const struct kms_path *path, struct kms_properties *properties,
+		   struct kms_state *state, struct fault *fault)
+{
+	int err;
+
+	for (size_t i = 0; i < ROWS; i++) {
+		uint32_t *id = (uint32_t *)((char *)properties + rows[i].id);
+		uint64_t *value = (uint64_t *)((char *)state + rows[i].value);
+		drmModeObjectProperties *list = drmModeObjectGetProperties(
+			path->card, object_of(path, rows[i].kind), rows[i].kind);
+		const bool found = list && find_property(path->card, list, rows[i].name, id, value);
+
+		drmModeFreeObjectProperties(list);
+		if (!found)
+			return fault_say(fault, -ENOTSUP,
+					 "kms display: %s: the card has no property %s",
+					 path->connector_name, rows[i].name);
+	}
+	err = copy_mode(path->card, &state->crtc_mode);
+	return err ? fault_say(fault, err, "kms display: cannot keep the present mode: %s",
+			       strerror(-err))
+		   : 0;
+}
+
+int kms_state_commit(const struct kms_path *path, const struct kms_properties *properties,
+		     const struct kms_state *state, uint32_t flags)
+{
+	drmModeAtomicReq *request = drmModeAtomicAlloc();
+	int err = request ? 0 : -ENOMEM;
+
+	/* The first failure sticks: nothing after it is added, and nothing is committed. */
+	for (size_t i = 0; i < ROWS && !err; i++) {
+		const uint32_t id = *(const uint32_t *)((const char *)properties + rows[i].id);
+		const uint64_t value = *(const uint64_t *)((const char *)state + rows[i].value);
+		const int added = drmModeAtomicAddProperty(request, object_of(path, rows[i].kind),
+							   id, value);
+
+		err = added < 0 ? added : 0;
+	}
+	if (!err)
+		err = drmModeAtomicCommit(path->card, request, flags, NULL);
+	drmModeAtomicFree(request);
+	return err;
+}
