@@ -103,17 +103,26 @@ static const struct display_ops *find_driver(const char *name)
 	exit(1);
 }
 
-/* A driver's own option by its key's name: only texts are needed here. */
+static void *place(void *root, const char *instance)
+{
+	(void)instance;
+	return root;
+}
+
+/* A driver's own option, as its key table reads it. */
 static int set_option(const struct display_ops *driver, void *options, const char *name,
 		      const char *value)
 {
-	for (const struct ini_key *key = driver->keys; key && key->name; key++)
-		if (key->type == INI_TEXT && !strcmp(key->name, name)) {
-			snprintf((char *)options + key->offset, INI_TEXT_MAX, "%s", value);
-			return 0;
-		}
-	fprintf(stderr, "show: no such option: %s\n", name);
-	return -EINVAL;
+	const struct ini_table tables[] = {
+		{.section = driver->name, .keys = driver->keys, .place = place}, INI_TABLES_END};
+	struct ini_report report = {0};
+	char assignment[512];
+
+	snprintf(assignment, sizeof(assignment), "%s.%s=%s", driver->name, name, value);
+	const int err = ini_set(assignment, tables, options, &report);
+	if (err)
+		fprintf(stderr, "show: %s\n", report.first.text);
+	return err;
 }
 
 static int parse(int argc, char **argv, struct display_settings *settings,
