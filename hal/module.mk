@@ -20,6 +20,12 @@ HAL_SOURCES := \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_writer.c \
+	hal/compositor/compositor.c \
+	hal/compositor/kernels_c.c \
+	hal/compositor/reference.c \
+	hal/compositor/selection.c \
+	hal/compositor/tile.c \
+	hal/compositor/weights.c \
 	hal/image/image.c \
 	hal/image/image_png.c \
 	hal/image/image_jpeg.c \

@@ -283,11 +283,10 @@ static int check_ground(const struct basis_reader *r)
 	const size_t n = (size_t)r->basis->info.grounds * 3 * r->basis->info.lights;
 
 	for (size_t i = 0; i < n; i++) {
-		if (!(r->basis->ground[i] >= 0 && isfinite(r->basis->ground[i])))
-			return basis_damaged(r,
-					     "value %zu of the ground terms is %g, expected a "
-					     "finite number, 0 or more",
-					     i, r->basis->ground[i]);
+		if (!(r->basis->ground[i] >= 0 && r->basis->ground[i] <= BASIS_GROUND_MAX))
+			return basis_damaged(
+				r, "value %zu of the ground terms is %g, expected 0 to %g", i,
+				r->basis->ground[i], BASIS_GROUND_MAX);
 	}
 	return 0;
 }

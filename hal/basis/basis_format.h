@@ -39,6 +39,7 @@
 /* Pixels a side of a tile. Tiles go row by row; the right and lower edge cut them. */
 #define BASIS_TILE 16
 #define BASIS_GROUNDS_MAX 256
+#define BASIS_GROUND_MAX 1e30 /* of u: so that no sum of u L overflows */
 #define BASIS_CHUNKS_MAX 65536
 
 struct basis_file_header {
