@@ -226,7 +226,7 @@ bench: all $(EXTRA_PROGRAMS)
 .PHONY: help
 ## help: this list
 help:
-	@sed -n 's/^## \([a-z-]*\): \(.*\)/  \1|\2/p' Makefile | awk -F'|' '{printf "%-14s %s\n", $$1, $$2}'
+	@sed -n 's/^## \([a-z-]*\): \(.*\)/  \1|\2/p' $(filter Makefile %.mk,$(MAKEFILE_LIST)) | awk -F'|' '{printf "%-14s %s\n", $$1, $$2}'
 
 .PHONY: clean
 ## clean: remove build/
