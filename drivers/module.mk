@@ -2,6 +2,11 @@ drivers_PACKAGES := $(if $(filter 1,$(WITH_KMS)),libdrm) $(if $(filter 1,$(WITH_
 	$(if $(filter 1,$(WITH_GPIO)),libgpiod)
 DRIVER_SOURCES := \
 	drivers/drivers.c \
+	drivers/camera_v4l2.c \
+	drivers/v4l2/device.c \
+	drivers/v4l2/formats.c \
+	drivers/v4l2/listing.c \
+	drivers/v4l2/setup.c \
 	drivers/camera_sim.c \
 	drivers/sim/eye.c \
 	drivers/sim/options.c \

@@ -1,0 +1,32 @@
+/* A V4L2 capture device's file: opening it, asking it, and what its errors mean. */
+#ifndef INLAY_DRIVERS_V4L2_DEVICE_H
+#define INLAY_DRIVERS_V4L2_DEVICE_H
+
+#include <linux/videodev2.h>
+#include <stdbool.h>
+
+#include "hal/camera.h"
+
+enum { V4L2_DEVICES_MAX = 256 }; /* /dev/video0 and on */
+
+/* 0 or -errno; interrupted calls are made again. */
+int device_ioctl(int fd, unsigned long request, void *argument);
+
+/* What there is to say about a camera that answered err (negative). */
+enum camera_situation device_situation(int err);
+
+/* The capabilities of this very node, not of the whole device. */
+unsigned device_caps(const struct v4l2_capability *capability);
+
+/* It captures pictures and streams. */
+bool device_captures(unsigned caps);
+
+/* Opens path, non-blocking. A descriptor, or -errno; -ENOTTY: not a V4L2 device, -ENODEV: one
+ * that does not capture. capability may be NULL. */
+int device_open(const char *path, struct v4l2_capability *capability, struct fault *fault);
+
+/* Finds the first node that captures; path gets its name. */
+int device_open_first(char path[INI_PATH_MAX], struct v4l2_capability *capability,
+		      struct fault *fault);
+
+#endif

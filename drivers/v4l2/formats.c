@@ -1,0 +1,169 @@
+#include "drivers/v4l2/formats.h"
+
+#include <errno.h>
+
+/* The first is the cheapest to convert. */
+static const struct v4l2_layout layouts[] = {
+	{V4L2_PIX_FMT_XBGR32, PIXEL_BGRX, 1}, {V4L2_PIX_FMT_ABGR32, PIXEL_BGRX, 1},
+	{V4L2_PIX_FMT_BGR32, PIXEL_BGRX, 1},  {V4L2_PIX_FMT_BGR24, PIXEL_BGR24, 1},
+	{V4L2_PIX_FMT_RGB24, PIXEL_RGB24, 1}, {V4L2_PIX_FMT_YUYV, PIXEL_YUYV, 1},
+	{V4L2_PIX_FMT_UYVY, PIXEL_UYVY, 1},   {V4L2_PIX_FMT_NV12, PIXEL_NV12, 1},
+	{V4L2_PIX_FMT_NV12M, PIXEL_NV12, 2},  {V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
+	{V4L2_PIX_FMT_JPEG, PIXEL_MJPEG, 1},  {V4L2_PIX_FMT_GREY, PIXEL_GREY, 1},
+};
+
+enum { LAYOUTS = sizeof(layouts) / sizeof(layouts[0]) };
+
+const struct v4l2_layout *v4l2_layout_of(uint32_t fourcc)
+{
+	for (int i = 0; i < LAYOUTS; i++)
+		if (layouts[i].fourcc == fourcc)
+			return &layouts[i];
+	return NULL;
+}
+
+int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wanted)
+{
+	int best = -1, best_merit = -1;
+
+	for (int i = 0; i < count; i++) {
+		const struct v4l2_layout *layout = v4l2_layout_of(offers[i].fourcc);
+		int merit;
+
+		if (!layout || (wanted != PIXEL_NONE && layout->format != wanted))
+			continue;
+		merit = LAYOUTS - (int)(layout - layouts);
+		if (offers[i].size)
+			merit += LAYOUTS + 1;
+		if (offers[i].size && offers[i].rate)
+			merit += LAYOUTS + 1;
+		if (merit > best_merit) {
+			best = i;
+			best_merit = merit;
+		}
+	}
+	return best;
+}
+
+static bool is_rgb(uint32_t fourcc)
+{
+	const struct v4l2_layout *layout = v4l2_layout_of(fourcc);
+
+	return layout && (layout->format == PIXEL_BGRX || layout->format == PIXEL_BGR24 ||
+			  layout->format == PIXEL_RGB24);
+}
+
+void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matrix,
+		  enum colour_range *range)
+{
+	const bool large = format->height >= 720;
+	unsigned space = format->colorspace, encoding = format->ycbcr_enc;
+	unsigned quantization = format->quantization;
+
+	if (space == V4L2_COLORSPACE_DEFAULT)
+		space = V4L2_MAP_COLORSPACE_DEFAULT(!large, large);
+	if (encoding == V4L2_YCBCR_ENC_DEFAULT)
+		encoding = V4L2_MAP_YCBCR_ENC_DEFAULT(space);
+	if (quantization == V4L2_QUANTIZATION_DEFAULT)
+		quantization = V4L2_MAP_QUANTIZATION_DEFAULT(is_rgb(format->pixelformat), space,
+							     encoding);
+	*matrix = encoding == V4L2_YCBCR_ENC_601 || encoding == V4L2_YCBCR_ENC_XV601 ? MATRIX_BT601
+										     : MATRIX_BT709;
+	*range = quantization == V4L2_QUANTIZATION_FULL_RANGE ? RANGE_FULL : RANGE_LIMITED;
+}
+
+/* The multi-planar struct says the same in other words. */
+static struct v4l2_pix_format flatten(const struct v4l2_format *format)
+{
+	const struct v4l2_pix_format_mplane *m = &format->fmt.pix_mp;
+
+	if (format->type != V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE)
+		return format->fmt.pix;
+	return (struct v4l2_pix_format){
+		.width = m->width,
+		.height = m->height,
+		.pixelformat = m->pixelformat,
+		.field = m->field,
+		.bytesperline = m->plane_fmt[0].bytesperline,
+		.colorspace = m->colorspace,
+		.ycbcr_enc = m->ycbcr_enc,
+		.quantization = m->quantization,
+	};
+}
+
+int v4l2_picture_of(const struct v4l2_format *format, struct v4l2_picture *picture)
+{
+	const struct v4l2_pix_format pix = flatten(format);
+	const struct v4l2_layout *layout = v4l2_layout_of(pix.pixelformat);
+	const bool planar = format->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+
+	if (!layout || pix.field == V4L2_FIELD_ALTERNATE)
+		return -ENOTSUP;
+	if (planar && format->fmt.pix_mp.num_planes != layout->memory_planes)
+		return -ENOTSUP;
+	if (!planar && layout->memory_planes != 1)
+		return -ENOTSUP;
+	if (pix.width < 1 || pix.height < 1 || pix.width > 32768 || pix.height > 32768)
+		return -EINVAL;
+	*picture = (struct v4l2_picture){
+		.layout = layout,
+		.width = (int)pix.width,
+		.height = (int)pix.height,
+	};
+	v4l2_colours(&pix, &picture->matrix, &picture->range);
+	if (layout->format == PIXEL_MJPEG)
+		return 0;
+	picture->stride[0] = pix.bytesperline;
+	picture->stride[1] = layout->memory_planes == 2
+				     ? format->fmt.pix_mp.plane_fmt[1].bytesperline
+				     : pix.bytesperline;
+	if (picture->stride[0] < frame_plane_stride(layout->format, 0, picture->width) ||
+	    picture->stride[1] < frame_plane_stride(layout->format, 1, picture->width))
+		return -EINVAL;
+	return 0;
+}
+
+static bool whole(const struct frame_plane *plane, enum pixel_format format, int index, int width,
+		  int height)
+{
+	const size_t rows = frame_plane_bytes(format, index, 1, height);
+
+	return plane->bytes >=
+	       plane->stride * (rows - 1) + frame_plane_stride(format, index, width);
+}
+
+bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
+		      struct frame_plane planes[FRAME_PLANES])
+{
+	const enum pixel_format format = picture->layout->format;
+	const size_t luma = picture->stride[0] * (size_t)picture->height;
+
+	planes[0] = (struct frame_plane){memory[0].data, picture->stride[0], memory[0].bytes};
+	if (format == PIXEL_MJPEG)
+		return memory[0].bytes > 0;
+	if (!whole(&planes[0], format, 0, picture->width, picture->height))
+		return false;
+	if (format != PIXEL_NV12)
+		return true;
+	if (picture->layout->memory_planes == 2) {
+		planes[1] = (struct frame_plane){memory[1].data, picture->stride[1],
+						 memory[1].bytes};
+	} else {
+		if (memory[0].bytes < luma)
+			return false;
+		planes[0].bytes = luma;
+		planes[1] = (struct frame_plane){memory[0].data + luma, picture->stride[1],
+						 memory[0].bytes - luma};
+	}
+	return whole(&planes[1], format, 1, picture->width, picture->height);
+}
+
+void v4l2_fourcc_text(uint32_t fourcc, char text[5])
+{
+	for (int i = 0; i < 4; i++) {
+		const char c = (char)(fourcc >> (8 * i) & 0x7f);
+
+		text[i] = c >= ' ' && c < 0x7f ? c : '.';
+	}
+	text[4] = '\0';
+}

@@ -1,0 +1,191 @@
+#include "drivers/v4l2/listing.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "drivers/v4l2/device.h"
+#include "drivers/v4l2/formats.h"
+
+enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };
+
+/* Lines beyond what memory holds are left out: a listing is for reading. */
+__attribute__((format(printf, 2, 3))) static void add_line(struct camera_listing *listing,
+							   const char *format, ...)
+{
+	va_list arguments;
+	void *grown;
+
+	if (listing->line_count >= LINES_MAX)
+		return;
+	grown = realloc(listing->lines, (size_t)(listing->line_count + 1) * LINE);
+	if (!grown)
+		return;
+	listing->lines = grown;
+	va_start(arguments, format);
+	vsnprintf(listing->lines[listing->line_count], LINE, format, arguments);
+	va_end(arguments);
+	listing->line_count++;
+}
+
+static double rate_of(const struct v4l2_fract *interval)
+{
+	return interval->numerator ? (double)interval->denominator / interval->numerator : 0;
+}
+
+/* " 30 15 7.5" or " 1 to 60", what the device offers at one size. */
+static void rates_text(int fd, uint32_t fourcc, unsigned width, unsigned height, char *text,
+		       size_t room)
+{
+	size_t used = 0;
+
+	text[0] = '\0';
+	for (unsigned i = 0; i < 32 && used < room; i++) {
+		struct v4l2_frmivalenum rate = {
+			.index = i, .pixel_format = fourcc, .width = width, .height = height};
+
+		if (device_ioctl(fd, VIDIOC_ENUM_FRAMEINTERVALS, &rate))
+			return;
+		if (rate.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
+			snprintf(text, room, " %.4g to %.4g", rate_of(&rate.stepwise.max),
+				 rate_of(&rate.stepwise.min));
+			return;
+		}
+		used += (size_t)snprintf(text + used, room - used, " %.4g",
+					 rate_of(&rate.discrete));
+	}
+}
+
+static void add_size(int fd, struct camera_listing *listing, const char *name,
+		     const struct v4l2_frmsizeenum *size)
+{
+	char rates[80];
+
+	if (size->type != V4L2_FRMSIZE_TYPE_DISCRETE) {
+		const struct v4l2_frmsize_stepwise *s = &size->stepwise;
+
+		rates_text(fd, size->pixel_format, s->max_width, s->max_height, rates,
+			   sizeof(rates));
+		add_line(listing, "%s %ux%u to %ux%u%s%s", name, s->min_width, s->min_height,
+			 s->max_width, s->max_height, rates, rates[0] ? " Hz" : "");
+		return;
+	}
+	rates_text(fd, size->pixel_format, size->discrete.width, size->discrete.height, rates,
+		   sizeof(rates));
+	add_line(listing, "%s %ux%u%s%s", name, size->discrete.width, size->discrete.height, rates,
+		 rates[0] ? " Hz" : "");
+}
+
+static void add_formats(int fd, unsigned type, struct camera_listing *listing)
+{
+	for (unsigned i = 0;; i++) {
+		struct v4l2_fmtdesc format = {.index = i, .type = type};
+		const struct v4l2_layout *layout;
+		char name[48], code[5];
+		unsigned sizes = 0;
+
+		if (device_ioctl(fd, VIDIOC_ENUM_FMT, &format))
+			return;
+		layout = v4l2_layout_of(format.pixelformat);
+		v4l2_fourcc_text(format.pixelformat, code);
+		snprintf(name, sizeof(name), "%s %s", code,
+			 layout ? pixel_format_names[layout->format] : "(not supported)");
+		for (;; sizes++) {
+			struct v4l2_frmsizeenum size = {.index = sizes,
+							.pixel_format = format.pixelformat};
+
+			if (device_ioctl(fd, VIDIOC_ENUM_FRAMESIZES, &size))
+				break;
+			add_size(fd, listing, name, &size);
+			if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE)
+				break;
+		}
+		if (sizes == 0)
+			add_line(listing, "%s", name);
+	}
+}
+
+static void add_inputs(int fd, struct camera_listing *listing)
+{
+	for (unsigned i = 0;; i++) {
+		struct v4l2_input input = {.index = i};
+
+		if (device_ioctl(fd, VIDIOC_ENUMINPUT, &input))
+			return;
+		add_line(listing, "input %u \"%s\"%s", i, (const char *)input.name,
+			 input.status & V4L2_IN_ST_NO_SIGNAL ? ", no signal" : "");
+	}
+}
+
+static void add_control(int fd, const struct v4l2_queryctrl *query, struct camera_listing *listing)
+{
+	struct v4l2_control control = {.id = query->id};
+	char value[24] = "";
+
+	if (query->type != V4L2_CTRL_TYPE_INTEGER && query->type != V4L2_CTRL_TYPE_BOOLEAN &&
+	    query->type != V4L2_CTRL_TYPE_MENU)
+		return;
+	if (device_ioctl(fd, VIDIOC_G_CTRL, &control) == 0)
+		snprintf(value, sizeof(value), ", now %d", control.value);
+	add_line(listing, "control \"%s\" %d..%d, default %d%s", (const char *)query->name,
+		 query->minimum, query->maximum, query->default_value, value);
+}
+
+static void add_controls(int fd, struct camera_listing *listing)
+{
+	struct v4l2_queryctrl query = {.id = V4L2_CTRL_FLAG_NEXT_CTRL};
+
+	while (device_ioctl(fd, VIDIOC_QUERYCTRL, &query) == 0) {
+		if (!(query.flags & V4L2_CTRL_FLAG_DISABLED))
+			add_control(fd, &query, listing);
+		query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
+	}
+}
+
+static void describe(int fd, const struct v4l2_capability *capability,
+		     struct camera_listing *listing)
+{
+	snprintf(listing->name, sizeof(listing->name), "%s", (const char *)capability->card);
+	snprintf(listing->bus, sizeof(listing->bus), "%s", (const char *)capability->bus_info);
+	add_formats(fd,
+		    device_caps(capability) & V4L2_CAP_VIDEO_CAPTURE
+			    ? V4L2_BUF_TYPE_VIDEO_CAPTURE
+			    : V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE,
+		    listing);
+	add_inputs(fd, listing);
+	add_controls(fd, listing);
+}
+
+/* A camera that may not be opened is listed too, with the reason. */
+static bool list_one(int index, void (*found)(void *, const struct camera_listing *), void *context)
+{
+	struct camera_listing listing = {.lines = NULL};
+	struct v4l2_capability capability;
+	struct fault fault = {""};
+	int fd;
+
+	snprintf(listing.device, sizeof(listing.device), "/dev/video%d", index);
+	fd = device_open(listing.device, &capability, &fault);
+	if (fd >= 0) {
+		describe(fd, &capability, &listing);
+		close(fd);
+	} else if (device_situation(fd) == CAMERA_NO_DEVICE || fd == -ENOTTY) {
+		return false;
+	} else {
+		add_line(&listing, "%s", camera_situation_names[device_situation(fd)]);
+	}
+	found(context, &listing);
+	free(listing.lines);
+	return true;
+}
+
+int v4l2_list(void (*found)(void *context, const struct camera_listing *listing), void *context)
+{
+	int count = 0;
+
+	for (int i = 0; i < V4L2_DEVICES_MAX; i++)
+		count += list_one(i, found, context);
+	return count;
+}
