@@ -53,13 +53,15 @@ double transfer_encode(enum transfer t, double linear)
 {
 	const double l = clamp01(linear);
 	const struct curve *c;
+	double p;
 
 	if (t == TRANSFER_LINEAR)
 		return l;
 	c = &curves[t];
 	if (l <= c->knee)
 		return l * c->slope;
-	return clamp01((1 + c->offset) * pow(l, 1 / c->power) - c->offset);
+	p = pow(l, 1 / c->power);
+	return clamp01(p + c->offset * (p - 1)); /* so that 1 gives 1 to the bit */
 }
 
 void transfer_tables_fill(struct transfer_tables *tables, enum transfer t)

@@ -1,5 +1,9 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_view.c \
+	tests/unit/test_tsai.c \
+	tests/unit/test_transfer.c \
+	tests/unit/test_pool.c \
 	tests/unit/test_cow.c \
 	tests/unit/test_config.c \
 	tests/unit/test_ini.c

@@ -235,7 +235,7 @@ int tsai_project(const struct tsai_camera *c, const double world[3], double px[2
  */
 static double closed_form(double kappa1, double d)
 {
-	const double q = 1.5 * d * sqrt(3) * sqrt(fabs(kappa1));
+	const double q = 1.5 * sqrt(3) * sqrt(fabs(kappa1)) * d;
 
 	if (q < 1e-9) /* r = d to double precision, and t / q may be 0 / 0 */
 		return d;
@@ -263,8 +263,9 @@ int tsai_undistort_radius(double kappa1, double distorted, double *undistorted)
 		const double bend = kappa1 * r * r;
 		const double next = r - (r * (1 + bend) - distorted) / (1 + 3 * bend);
 
-		/* At the fold the slope is 0 and a step leads nowhere: the closed form stays. */
-		if (next >= 0 && next <= fold && isfinite(next))
+		/* The closed form is right to 1e-8 at the fold, where the slope is 0 and a step
+		 * may lead anywhere, and to 1e-15 elsewhere. */
+		if (fabs(next - r) <= 1e-8 * r && next <= fold)
 			r = next;
 	}
 	*undistorted = r;

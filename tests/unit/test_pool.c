@@ -1,0 +1,228 @@
+/* The pool: every item once, no two at a time share a worker, nothing is lost between jobs. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "hal/clock.h"
+#include "hal/pool.h"
+
+#define ITEMS 5000
+
+struct record {
+	atomic_int calls[ITEMS];
+	atomic_int busy[64];
+	atomic_int clashes, strangers;
+	int threads;
+	int scratch[64]; /* plain: the thread sanitizer sees two callers in one worker */
+};
+
+static void note(void *context, int item, int worker)
+{
+	struct record *r = context;
+
+	if (worker < 0 || worker >= r->threads) {
+		r->strangers++;
+		return;
+	}
+	if (atomic_fetch_add(&r->busy[worker], 1) != 0)
+		r->clashes++;
+	r->scratch[worker] += item;
+	r->calls[item]++;
+	atomic_fetch_sub(&r->busy[worker], 1);
+}
+
+static void every_item_once(void **state)
+{
+	static const int counts[] = {0, 1, 2, 3, 7, 64, ITEMS};
+	static struct record r;
+
+	(void)state;
+	for (int threads = 1; threads <= 8; threads++) {
+		struct pool *pool;
+
+		assert_int_equal(pool_create(&pool, threads), 0);
+		assert_int_equal(pool_threads(pool), threads);
+		for (unsigned k = 0; k < sizeof(counts) / sizeof(*counts); k++) {
+			int sum = 0;
+
+			memset(&r, 0, sizeof(r));
+			r.threads = threads;
+			pool_run(pool, counts[k], note, &r);
+			for (int i = 0; i < ITEMS; i++)
+				assert_int_equal(r.calls[i], i < counts[k]);
+			for (int w = 0; w < threads; w++)
+				sum += r.scratch[w];
+			assert_int_equal(sum, counts[k] * (counts[k] - 1) / 2);
+			assert_int_equal(r.clashes, 0);
+			assert_int_equal(r.strangers, 0);
+		}
+		pool_destroy(pool);
+	}
+}
+
+static void many_short_jobs(void **state)
+{
+	static struct record r;
+	struct pool *pool;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, 4), 0);
+	memset(&r, 0, sizeof(r));
+	r.threads = 4;
+	for (int job = 0; job < 20000; job++)
+		pool_run(pool, 1 + job % 5, note, &r);
+	pool_destroy(pool);
+	/* 20000 / 5 rounds of 1 + 2 + 3 + 4 + 5 items */
+	assert_int_equal(r.calls[0], 20000);
+	assert_int_equal(r.calls[4], 4000);
+	assert_int_equal(r.clashes, 0);
+}
+
+struct meeting {
+	pthread_mutex_t lock;
+	pthread_cond_t changed;
+	int present, most;
+};
+
+/* Waits, bounded, until all are here at once: only true concurrency can do that. */
+static void meet(void *context, int item, int worker)
+{
+	struct meeting *m = context;
+	struct timespec until;
+
+	(void)item;
+	(void)worker;
+	clock_gettime(CLOCK_REALTIME, &until);
+	until.tv_sec += 10;
+	pthread_mutex_lock(&m->lock);
+	m->present++;
+	if (m->present > m->most)
+		m->most = m->present;
+	pthread_cond_broadcast(&m->changed);
+	while (m->most < 3 && pthread_cond_timedwait(&m->changed, &m->lock, &until) == 0)
+		;
+	m->present--;
+	pthread_mutex_unlock(&m->lock);
+}
+
+static void works_side_by_side(void **state)
+{
+	struct meeting m = {PTHREAD_MUTEX_INITIALIZER, PTHREAD_COND_INITIALIZER, 0, 0};
+	struct pool *pool;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, 3), 0);
+	pool_run(pool, 3, meet, &m);
+	pool_destroy(pool);
+	assert_int_equal(m.most, 3);
+}
+
+static void check_caller(void *context, int item, int worker)
+{
+	const pthread_t *caller = context;
+
+	(void)item;
+	assert_int_equal(worker, 0);
+	assert_true(pthread_equal(*caller, pthread_self()));
+}
+
+static void one_thread_is_the_caller(void **state)
+{
+	pthread_t self = pthread_self();
+	struct pool *pool;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, 1), 0);
+	pool_run(pool, 100, check_caller, &self);
+	pool_destroy(pool);
+}
+
+static void check_signals(void *context, int item, int worker)
+{
+	atomic_int *open = context;
+	sigset_t blocked;
+
+	(void)item;
+	pthread_sigmask(SIG_SETMASK, NULL, &blocked);
+	if (worker > 0 && !sigismember(&blocked, SIGTERM))
+		(*open)++;
+}
+
+static void workers_leave_signals_alone(void **state)
+{
+	atomic_int open = 0;
+	struct pool *pool;
+	sigset_t blocked;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, 4), 0);
+	pool_run(pool, 1000, check_signals, &open);
+	pool_destroy(pool);
+	assert_int_equal(open, 0);
+	pthread_sigmask(SIG_SETMASK, NULL, &blocked);
+	assert_false(sigismember(&blocked, SIGTERM));
+}
+
+static void nothing(void *context, int item, int worker)
+{
+	(void)context;
+	(void)item;
+	(void)worker;
+}
+
+/* Between jobs the workers sleep: process time stands still while wall time passes. */
+static void sleeps_between_jobs(void **state)
+{
+	const struct timespec nap = {0, 200 * NS_PER_MS};
+	struct timespec before, after;
+	struct pool *pool;
+	int64_t spent_ns;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, 8), 0);
+	pool_run(pool, 100, nothing, NULL);
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &before);
+	nanosleep(&nap, NULL);
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &after);
+	pool_destroy(pool);
+	spent_ns = (after.tv_sec - before.tv_sec) * NS_PER_S + after.tv_nsec - before.tv_nsec;
+	assert_true(spent_ns < 50 * NS_PER_MS);
+}
+
+static void limits(void **state)
+{
+	struct pool *pool;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, -1), -EINVAL);
+	assert_null(pool);
+	assert_int_equal(pool_create(&pool, POOL_THREADS_MAX + 1), -EINVAL);
+	assert_int_equal(pool_create(&pool, 0), 0);
+	assert_int_equal(pool_threads(pool), sysconf(_SC_NPROCESSORS_ONLN));
+	pool_destroy(pool);
+	pool_destroy(NULL);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_item_once),
+		cmocka_unit_test(many_short_jobs),
+		cmocka_unit_test(works_side_by_side),
+		cmocka_unit_test(one_thread_is_the_caller),
+		cmocka_unit_test(workers_leave_signals_alone),
+		cmocka_unit_test(sleeps_between_jobs),
+		cmocka_unit_test(limits),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
