@@ -143,12 +143,7 @@ static int open_device(struct camera *camera, struct v4l2 *v, struct fault *faul
 {
 	struct v4l2_capability capability;
 
-	if (camera->settings.device[0]) {
-		snprintf(v->path, sizeof(v->path), "%s", camera->settings.device);
-		v->fd = device_open(v->path, &capability, fault);
-	} else {
-		v->fd = device_open_first(v->path, &capability, fault);
-	}
+	v->fd = device_find(camera->settings.device, v->path, &capability, fault);
 	if (v->fd < 0)
 		return v->fd;
 	v->type = device_caps(&capability) & V4L2_CAP_VIDEO_CAPTURE

@@ -77,28 +77,47 @@ int device_open(const char *path, struct v4l2_capability *capability, struct fau
 	return fd;
 }
 
-int device_open_first(char path[INI_PATH_MAX], struct v4l2_capability *capability,
-		      struct fault *fault)
+static bool called(const struct v4l2_capability *capability, const char *name)
+{
+	return name[0] == '\0' || strcmp((const char *)capability->bus_info, name) == 0 ||
+	       strcmp((const char *)capability->card, name) == 0;
+}
+
+static int not_found(const char *name, struct fault *fault)
+{
+	if (name[0])
+		return fault_say(fault, -ENODEV,
+				 "no camera \"%s\": expected /dev/videoN, or a name or bus that "
+				 "`inlay devices` prints",
+				 name);
+	return fault_say(fault, -ENODEV, "no camera found: expected a capturing /dev/video*");
+}
+
+int device_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability *capability,
+		struct fault *fault)
 {
 	struct fault last = {""};
-	int worst = -ENODEV;
+	int reason = 0;
 
+	if (name[0] == '/') {
+		snprintf(path, INI_PATH_MAX, "%s", name);
+		return device_open(path, capability, fault);
+	}
 	for (int i = 0; i < V4L2_DEVICES_MAX; i++) {
 		int fd;
 
 		snprintf(path, INI_PATH_MAX, "/dev/video%d", i);
 		fd = device_open(path, capability, &last);
-		if (fd >= 0)
+		if (fd >= 0 && called(capability, name))
 			return fd;
-		/* A camera that may not be opened explains more than one that is not there. */
-		if (device_situation(fd) == CAMERA_NO_PERMISSION ||
-		    device_situation(fd) == CAMERA_BUSY) {
-			worst = fd;
+		if (fd >= 0) {
+			close(fd);
+		} else if (device_situation(fd) == CAMERA_NO_PERMISSION) {
+			/* It explains more than "not found" would. */
+			reason = fd;
 			fault_say(fault, fd, "%s", last.text);
 		}
 	}
 	path[0] = '\0';
-	if (worst != -ENODEV)
-		return worst;
-	return fault_say(fault, -ENODEV, "no camera found: expected a capturing /dev/video*");
+	return reason ? reason : not_found(name, fault);
 }

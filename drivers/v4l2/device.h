@@ -25,8 +25,10 @@ bool device_captures(unsigned caps);
  * that does not capture. capability may be NULL. */
 int device_open(const char *path, struct v4l2_capability *capability, struct fault *fault);
 
-/* Finds the first node that captures; path gets its name. */
-int device_open_first(char path[INI_PATH_MAX], struct v4l2_capability *capability,
-		      struct fault *fault);
+/* Opens the camera called name: a path (it begins with /), or what the driver calls the bus or the
+ * card, which stay when numbers move; empty: the first node that captures. path gets its node. A
+ * descriptor or -errno, as device_open(). */
+int device_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability *capability,
+		struct fault *fault);
 
 #endif
