@@ -1,25 +1,46 @@
 #include "hal/compositor/kernels.h"
 
-/* Compilers make multiply-and-add-pairs instructions of this (pmaddwd); the sum fits because
- * 32 * 32767 * 2048 < 2^31. */
-static inline int32_t dot(const int16_t *row, const int16_t *weight)
+/*
+ * A row times the two digits of some segments, each digit summed apart.
+ *
+ * Compilers make multiply-and-add-pairs instructions (pmaddwd) of the inner loop. Its sums fit
+ * because 32 * 32767 * 2048 < 2^31.
+ */
+static void digit_sums(const int16_t *row, const uint32_t *start, const int16_t *weight, int count,
+		       int64_t digit[2])
 {
-	int32_t sum = 0;
+	int64_t first = 0, second = 0;
 
-	for (int i = 0; i < BASIS_ROW_STEP; i++)
-		sum += row[i] * weight[i];
-	return sum;
+	for (int s = 0; s < count; s++, weight += SEGMENT_WEIGHTS) {
+		const int16_t *r = __builtin_assume_aligned(row + start[s], BASIS_ALIGN);
+		const int16_t *w = __builtin_assume_aligned(weight, BASIS_ALIGN);
+		int32_t a = 0, b = 0;
+
+		for (int i = 0; i < BASIS_ROW_STEP; i++) {
+			a += r[i] * w[i];
+			b += r[i] * w[i + BASIS_ROW_STEP];
+		}
+		first += a;
+		second += b;
+	}
+	digit[0] = first;
+	digit[1] = second;
 }
 
-/* Unsigned, because parts of the sum may pass 2^63 and come back: the whole is exact. */
-static int64_t row_sum(const int16_t *row, const struct segments *segments)
+/* Unsigned, because parts may pass 2^63 and come back: the whole does not, and is exact. */
+static int64_t row_sum(const int16_t *row, const struct segments *s)
 {
-	const int16_t *weight = segments->weight;
-	uint64_t sum = 0;
+	int64_t digit[2];
+	uint64_t sum;
 
-	for (int s = 0; s < segments->count; s++, weight += BASIS_ROW_STEP)
-		sum += (uint64_t)(int64_t)dot(row + segments->start[s], weight)
-		       << segments->shift[s];
+	digit_sums(row, s->start, s->weight, s->low, digit);
+	sum = (uint64_t)digit[0] + ((uint64_t)digit[1] << WEIGHT_DIGIT_BITS);
+	if (s->high) {
+		digit_sums(row, s->start + s->low, s->weight + (size_t)s->low * SEGMENT_WEIGHTS,
+			   s->high, digit);
+		sum += (uint64_t)digit[0] << (2 * WEIGHT_DIGIT_BITS);
+		sum += (uint64_t)digit[1] << (3 * WEIGHT_DIGIT_BITS);
+	}
 	return (int64_t)sum;
 }
 

@@ -122,14 +122,14 @@ void weights_ground(struct weights *weights, const struct light_selection *light
 
 int segments_create(struct segments *segments, int lights)
 {
-	const size_t most = ((size_t)lights + BASIS_ROW_STEP - 1) / BASIS_ROW_STEP * WEIGHT_DIGITS;
+	const size_t runs = ((size_t)lights + BASIS_ROW_STEP - 1) / BASIS_ROW_STEP;
+	const size_t most = runs * WEIGHT_DIGITS / 2;
 
 	*segments = (struct segments){0};
 	segments->start = calloc(most, sizeof(*segments->start));
-	segments->shift = calloc(most, sizeof(*segments->shift));
 	segments->weight = aligned_alloc(BASIS_ALIGN,
-					 most * BASIS_ROW_STEP * sizeof(*segments->weight));
-	if (!segments->start || !segments->shift || !segments->weight) {
+					 most * SEGMENT_WEIGHTS * sizeof(*segments->weight));
+	if (!segments->start || !segments->weight) {
 		segments_free(segments);
 		return -ENOMEM;
 	}
@@ -139,39 +139,50 @@ int segments_create(struct segments *segments, int lights)
 void segments_free(struct segments *segments)
 {
 	free(segments->start);
-	free(segments->shift);
 	free(segments->weight);
 	*segments = (struct segments){0};
+}
+
+/* One digit of a run, zeros after its end; false when all of it is 0. */
+static bool gather_run(int16_t *to, const int16_t *digit, const uint16_t *light, int count)
+{
+	int16_t any = 0;
+
+	for (int i = 0; i < count; i++) {
+		to[i] = digit[light[i]];
+		any |= to[i];
+	}
+	for (int i = count; i < BASIS_ROW_STEP; i++)
+		to[i] = 0;
+	return any != 0;
+}
+
+/* The segments of two digits, put after the first `count`; how many there are then. */
+static int gather_pair(struct segments *segments, int count, const int16_t *const digit[2],
+		       const struct basis_block *block)
+{
+	for (int start = 0; start < block->lights; start += BASIS_ROW_STEP) {
+		int16_t *to = segments->weight + (size_t)count * SEGMENT_WEIGHTS;
+		const int rest = block->lights - start;
+		const int n = rest < BASIS_ROW_STEP ? rest : BASIS_ROW_STEP;
+		const bool first = gather_run(to, digit[0], block->light + start, n);
+		const bool second = gather_run(to + BASIS_ROW_STEP, digit[1], block->light + start,
+					       n);
+
+		if (first || second)
+			segments->start[count++] = (uint32_t)start;
+	}
+	return count;
 }
 
 void segments_gather(struct segments *segments, const struct weights *weights,
 		     const struct basis_block *block)
 {
-	int16_t *to = segments->weight;
-	int count = 0;
+	const int16_t *const low[2] = {weights->digit[0], weights->digit[1]};
+	const int16_t *const high[2] = {weights->digit[2], weights->digit[3]};
 
-	for (int start = 0; start < block->lights; start += BASIS_ROW_STEP) {
-		const uint16_t *light = block->light + start;
-		const int rest = block->lights - start;
-		const int n = rest < BASIS_ROW_STEP ? rest : BASIS_ROW_STEP;
-
-		for (int d = 0; d < weights->digits; d++) {
-			const int16_t *digit = weights->digit[d];
-			int16_t any = 0;
-
-			for (int i = 0; i < n; i++) {
-				to[i] = digit[light[i]];
-				any |= to[i];
-			}
-			if (!any)
-				continue;
-			for (int i = n; i < BASIS_ROW_STEP; i++)
-				to[i] = 0;
-			segments->start[count] = (uint32_t)start;
-			segments->shift[count] = (uint8_t)(d * WEIGHT_DIGIT_BITS);
-			count++;
-			to += BASIS_ROW_STEP;
-		}
-	}
-	segments->count = count;
+	segments->low = gather_pair(segments, 0, low, block);
+	segments->high = 0;
+	if (weights->digits > 2)
+		segments->high = gather_pair(segments, segments->low, high, block) - segments->low;
 }

@@ -38,12 +38,16 @@ void weights_receiver(struct weights *weights, const struct light_selection *lig
 void weights_ground(struct weights *weights, const struct light_selection *lights, int channel,
 		    const double *u);
 
-/* The weights of a block's own lights: runs of 32 that are not all zero, one digit each. */
+/*
+ * The weights of a block's own lights, in runs of 32 lights with two digits each: digits 0 and 1 of
+ * every run that has any, then digits 2 and 3. What is 0 is not there, so it costs nothing.
+ */
+#define SEGMENT_WEIGHTS (2 * BASIS_ROW_STEP)
+
 struct segments {
-	int count;
-	uint32_t *start; /* [count]: of the 32 values in a row */
-	uint8_t *shift;	 /* [count]: the digit's place */
-	int16_t *weight; /* [count][32] */
+	int low, high;	 /* how many hold digits 0 and 1; digits 2 and 3 */
+	uint32_t *start; /* [low + high]: of the run in a row */
+	int16_t *weight; /* [low + high][2][32], aligned to BASIS_ALIGN */
 };
 
 int segments_create(struct segments *segments, int lights);
