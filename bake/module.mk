@@ -1,7 +1,22 @@
 bake_PACKAGES := assimp
 bake_LIBS := -lembree3
 BAKE_SOURCES := \
-	bake/encode.c
+	bake/encode.c \
+	bake/cells.c \
+	bake/material.c \
+	bake/mesh.c \
+	bake/mesh_import.c \
+	bake/options.c \
+	bake/progress.c \
+	bake/render.c \
+	bake/scene.c \
+	bake/scene_file.c \
+	bake/tile.c \
+	bake/transport.c \
+	bake/world.c \
+	bake/dome_command.c \
+	bake/info_command.c \
+	bake/render_command.c
 BAKE_MAIN := bake/main.c
 
 # The demo's own object. make-cow is a program apart: it needs no ray tracer.

@@ -1,0 +1,115 @@
+/* inlay-bake dome: the lights of a dome. */
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bake/options.h"
+#include "hal/log.h"
+#include "hal/optics/dome.h"
+
+enum { FREQUENCY = 1, DIVISION, ANGLES, JSON };
+
+static const struct option options[] = {
+	{"frequency", required_argument, NULL, FREQUENCY},
+	{"division", required_argument, NULL, DIVISION},
+	{"angles", no_argument, NULL, ANGLES},
+	{"json", no_argument, NULL, JSON},
+	OPTIONS_OF_ALL,
+	{NULL, 0, NULL, 0},
+};
+
+static void print_angles(const struct dome *dome)
+{
+	for (int i = 0; i < dome->count; i++) {
+		double theta, phi;
+
+		dome_angles(dome, i, &theta, &phi);
+		printf("%.17g %.17g\n", theta, phi);
+	}
+}
+
+static void print_table(const struct dome *dome)
+{
+	printf("# %d lights: frequency %d, divided by %s\n", dome->count, dome->frequency,
+	       dome_division_names[dome->division]);
+	printf("# light theta_rad phi_rad solid_angle_sr\n");
+	for (int i = 0; i < dome->count; i++) {
+		double theta, phi;
+
+		dome_angles(dome, i, &theta, &phi);
+		printf("%d %.9f %.9f %.12g\n", i, theta, phi, dome->solid_angle_sr[i]);
+	}
+}
+
+static void print_json(const struct dome *dome)
+{
+	printf("{\"frequency\": %d, \"division\": \"%s\", \"count\": %d, \"lights\": [\n",
+	       dome->frequency, dome_division_names[dome->division], dome->count);
+	for (int i = 0; i < dome->count; i++) {
+		const double *d = dome->direction[i];
+		double theta, phi;
+
+		dome_angles(dome, i, &theta, &phi);
+		printf("{\"theta_rad\": %.17g, \"phi_rad\": %.17g, \"direction\": [%.17g, %.17g, "
+		       "%.17g], \"solid_angle_sr\": %.17g, \"projected_sr\": %.17g}%s\n",
+		       theta, phi, d[0], d[1], d[2], dome->solid_angle_sr[i], dome->projected_sr[i],
+		       i + 1 < dome->count ? "," : "");
+	}
+	printf("]}\n");
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	struct fault fault = {.text = ""};
+	int frequency = 0, division = DOME_ANGLES, form = 0, option, err = 0;
+	struct dome dome;
+
+	while (!err && (option = getopt_long(argc, argv, "", options, NULL)) != -1)
+		switch (option) {
+		case FREQUENCY:
+			err = option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &frequency,
+					 &fault);
+			break;
+		case DIVISION:
+			err = option_choice("--division", optarg, dome_division_names, &division,
+					    &fault);
+			break;
+		case ANGLES:
+		case JSON:
+			form = option;
+			break;
+		default:
+			return command_answer(command, option);
+		}
+	if (err)
+		return command_wrong(command, "%s", fault.text);
+	if (!frequency)
+		return command_wrong(command, "--frequency is missing");
+	if (optind < argc)
+		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
+	if (dome_create(&dome, frequency, (enum dome_division)division, &fault) < 0) {
+		log_error("%s", fault.text);
+		return EXIT_FAILURE;
+	}
+	if (form == ANGLES)
+		print_angles(&dome);
+	else if (form == JSON)
+		print_json(&dome);
+	else
+		print_table(&dome);
+	dome_free(&dome);
+	return EXIT_SUCCESS;
+}
+
+const struct command dome_command = {
+	.name = "dome",
+	.usage = "--frequency F [--division angles|chords] [--angles | --json]",
+	.summary = "print the lights of a dome",
+	.help = "\n"
+		"  --frequency F   1 to 64; 9 makes 406 lights\n"
+		"  --division D    angles (default) or chords\n"
+		"  --angles        one light a line: theta phi, radians\n"
+		"  --json          everything: angles, directions, solid angles\n",
+	.run = run,
+};

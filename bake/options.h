@@ -1,0 +1,44 @@
+/* Command-line values, and the commands of inlay-bake. */
+#ifndef INLAY_BAKE_OPTIONS_H
+#define INLAY_BAKE_OPTIONS_H
+
+#include "hal/fault.h"
+
+#define EXIT_USAGE 2
+
+/* One entry of the command table. run gets argv with the command's own name first, and returns the
+ * exit status. */
+struct command {
+	const char *name;
+	const char *usage;   /* what follows the name */
+	const char *summary; /* one line */
+	const char *help;    /* the rest */
+	int (*run)(const struct command *command, int argc, char **argv);
+};
+
+extern const struct command dome_command, render_command, info_command, truth_command;
+
+/* --help, --version (what getopt_long returns for them) and wrong usage. */
+#define OPTION_HELP 1000
+#define OPTION_VERSION 1001
+#define OPTIONS_OF_ALL                                                                             \
+	{"help", no_argument, NULL, OPTION_HELP},                                                  \
+	{                                                                                          \
+		"version", no_argument, NULL, OPTION_VERSION                                       \
+	}
+
+/* Answers --help, --version and anything unknown; returns the exit status. */
+int command_answer(const struct command *command, int option);
+int command_wrong(const struct command *command, const char *format, ...)
+	__attribute__((format(printf, 2, 3)));
+
+/* -EINVAL with a fault that names the option. Ranges are inclusive. */
+int option_int(const char *option, const char *text, int min, int max, int *value,
+	       struct fault *fault);
+int option_real(const char *option, const char *text, double min, double max, double *value,
+		struct fault *fault);
+int option_size(const char *option, const char *text, int *width, int *height, struct fault *fault);
+int option_choice(const char *option, const char *text, const char *const *choices, int *value,
+		  struct fault *fault);
+
+#endif

@@ -1,0 +1,83 @@
+/* The scene file as it is written: values in range, names that exist; nothing opened. The format is
+ * described in README.md. */
+#ifndef INLAY_BAKE_SCENE_FILE_H
+#define INLAY_BAKE_SCENE_FILE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/fault.h"
+#include "hal/ini/ini.h"
+#include "hal/optics/tsai.h"
+
+#define SCENE_MESHES_MAX 256 /* objects and stand-ins together */
+#define SCENE_MATERIALS_MAX 256
+#define SCENE_NAME_MAX 64
+
+struct scene_camera_values {
+	char file[INI_PATH_MAX];
+	double position[3], look_at[3], field_deg;
+	int width, height; /* 0: not given */
+};
+
+struct scene_dome_values {
+	int frequency, division;
+};
+
+struct scene_render_values {
+	int samples;	     /* a pixel */
+	double noise_levels; /* 0: samples says how many */
+	int bounces, seed;
+	double ratio_cut;
+};
+
+struct scene_ground_values {
+	bool given;
+	char material[INI_TEXT_MAX];
+	double extent;
+};
+
+struct scene_mesh_values {
+	char name[SCENE_NAME_MAX];
+	bool standin;
+	char file[INI_PATH_MAX];
+	char material[INI_TEXT_MAX];
+	double scale, rotate_deg[3], position[3], crease_deg;
+	bool stand;
+	int up; /* 0: y, 1: z */
+};
+
+struct scene_material_values {
+	char name[SCENE_NAME_MAX];
+	int kind; /* enum material_kind */
+	double colour[3], specular[3], roughness, ior;
+	char texture[INI_PATH_MAX];
+};
+
+struct scene_file {
+	bool tsai_given;
+	struct tsai_camera tsai;
+	struct scene_camera_values camera;
+	struct scene_dome_values dome;
+	struct scene_render_values render;
+	struct scene_ground_values ground;
+	struct scene_mesh_values mesh[SCENE_MESHES_MAX];
+	int mesh_count;
+	struct scene_material_values material[SCENE_MATERIALS_MAX];
+	int material_count;
+};
+
+/* Faults name the file, and where the parser found them line, section and key. It is large:
+ * allocate it. -ENOENT..., -EINVAL. */
+int scene_file_read(struct scene_file *file, const char *path, struct fault *fault);
+int scene_file_read_memory(struct scene_file *file, const char *text, size_t bytes,
+			   const char *name, struct fault *fault);
+
+/* The material of this name, or NULL. */
+const struct scene_material_values *scene_file_material(const struct scene_file *file,
+							const char *name);
+
+/* Every key with its default, range and meaning. */
+void scene_file_write_sample(FILE *stream);
+
+#endif

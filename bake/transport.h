@@ -1,0 +1,55 @@
+/*
+ * All lights at once: one path yields a row of N transport coefficients, not one colour.
+ *
+ * At the first surface a ray goes to every cell above it. Cells that are not blocked give their
+ * light; one of the blocked rays, chosen with a chance in proportion to its weight, is followed and
+ * carries the weight of all blocked ones. So what is blocked and what is bounced balance sample by
+ * sample, and a white object in a white furnace vanishes whatever the number of samples. At further
+ * surfaces the same is done with a few directions, cosine-weighted and stratified.
+ */
+#ifndef INLAY_BAKE_TRANSPORT_H
+#define INLAY_BAKE_TRANSPORT_H
+
+#include "bake/cells.h"
+#include "bake/world.h"
+
+/* Of one thread. */
+struct transport {
+	const struct world *world;
+	const struct cells *cells;
+	int bounces;	/* surfaces after the first that a path may visit */
+	int directions; /* at a further surface; a power of two */
+	struct v3 *fan; /* [TRANSPORT_FANS][directions]: cosine-weighted around +Z */
+	struct ray_batch rays;
+	int *cell;    /* [WORLD_RAYS_MAX]: the cell or fan direction of a ray in the batch */
+	float *value; /* [count] */
+	struct random random;
+	uint32_t pixel, sample; /* which of a cell's directions to take */
+	uint64_t ray_count;
+};
+
+#define TRANSPORT_FANS 256
+
+int transport_create(struct transport *transport, const struct world *world,
+		     const struct cells *cells, int bounces);
+void transport_free(struct transport *transport); /* idempotent; zeroed is fine */
+
+/* Before each camera sample: everything random about it follows from these three. */
+void transport_begin(struct transport *transport, uint64_t seed, uint32_t pixel, uint32_t sample);
+
+/*
+ * Adds to row[3][count] the radiance that leaves a surface towards wo for each cell's unit
+ * radiance. Called twice after transport_begin() with either presence, the two rows differ only by
+ * what the objects do.
+ */
+void transport_add(struct transport *transport, enum presence presence,
+		   const struct surface *surface, struct v3 wo, float *row);
+
+/*
+ * Adds to row[3][count] what the objects take away from each cell's light on flat ground where no
+ * stand-in is: (u - s) / albedo, exactly 0 for cells that no path through an object concerns.
+ * Returns false when nothing was added.
+ */
+bool transport_add_shadow(struct transport *transport, struct v3 position, float *row);
+
+#endif
