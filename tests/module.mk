@@ -6,9 +6,11 @@ UNIT_TESTS := \
 	tests/unit/test_pool.c \
 	tests/unit/test_cow.c \
 	tests/unit/test_config.c \
+	tests/unit/test_image.c \
 	tests/unit/test_ini.c
 FUZZ_TARGETS := \
-	tests/fuzz/fuzz_config.c
+	tests/fuzz/fuzz_config.c \
+	tests/fuzz/fuzz_image.c
 CLI_TESTS :=
 ACCURACY_TESTS :=
 include tests/vm/vm.mk

@@ -19,13 +19,17 @@ static int decode(tjhandle jpeg, const struct image_source *source, struct image
 	/* A hostile progressive file may hold scans without end; and what TurboJPEG only warns of
 	 * (a file that ends early, blocks that do not decode) is damage to us. */
 	const int flags = TJFLAG_LIMITSCANS | TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT;
-	int width, height, subsampling, space;
+	int width = 0, height = 0, subsampling, space;
 	int err;
 
 	if (tjDecompressHeader3(jpeg, source->data, source->bytes, &width, &height, &subsampling,
 				&space))
 		return fault_say(fault, -EBADMSG, "%s: damaged JPEG: %s", source->name,
 				 tjGetErrorStr2(jpeg));
+	/* Tables without a picture are no error to TurboJPEG. */
+	if (width < 1 || height < 1)
+		return fault_say(fault, -EBADMSG, "%s: damaged JPEG: no picture in it",
+				 source->name);
 	err = image_check_size(source, width, height, PIXELS_PER_BYTE, fault);
 	if (err)
 		return err;

@@ -1,0 +1,29 @@
+/* Any bytes as a picture: a clear refusal, or a whole picture of light that is finite. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "hal/image/image.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
+{
+	struct fault fault = {0};
+	struct image image;
+	size_t samples;
+
+	if (image_read_memory(data, bytes, "fuzz", &image, &fault)) {
+		if (!fault.text[0] || image.u8 || image.f32)
+			abort();
+		return 0;
+	}
+	samples = (size_t)image.width * (size_t)image.height * 3;
+	if (!image.u8 == !image.f32 || !samples)
+		abort();
+	for (size_t i = 0; image.f32 && i < samples; i++)
+		if (!isfinite(image.f32[i]) || image.f32[i] < 0)
+			abort();
+	image_free(&image);
+	return 0;
+}
