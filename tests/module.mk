@@ -1,5 +1,8 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_panorama.c \
+	tests/unit/test_fisheye.c \
+	tests/unit/test_dome.c \
 	tests/unit/test_view.c \
 	tests/unit/test_tsai.c \
 	tests/unit/test_transfer.c \
