@@ -66,10 +66,12 @@ size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int
 size_t frame_plane_stride(enum pixel_format format, int plane, int width);
 
 /*
- * Decodes a frame into a canvas of the same size: matrix and range as the frame says, no flips, no
- * scaling. -EINVAL (short planes, sizes that differ), -EBADMSG (a JPEG that does not decode),
- * -ENOTSUP (PIXEL_RGBF and PIXEL_NONE). The decoder keeps its state (a JPEG decompressor), so that
- * nothing is allocated per frame; one for each thread.
+ * Decodes a frame into a canvas of the same size: matrix and range as the frame says (a JPEG is
+ * always BT.601 full), no flips, no scaling; Y'CbCr to within 0.501 levels, RGB exactly. -EINVAL
+ * (short planes, sizes that differ), -EBADMSG (a JPEG that does not decode), -ENOTSUP (PIXEL_RGBF
+ * and PIXEL_NONE). The decoder keeps its state (a JPEG decompressor, a strip of planes), so that
+ * nothing of ours is allocated per frame of a size that it has met (libjpeg allocates what it needs
+ * for each picture); one for each thread.
  */
 struct frame_decoder;
 int frame_decoder_create(struct frame_decoder **decoder);

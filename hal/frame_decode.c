@@ -6,8 +6,10 @@
 #include <turbojpeg.h>
 
 #include "hal/frame.h"
+#include "hal/frame_ycbcr.h"
 
-/* Packed 4:2:2 goes through planes, a strip at a time so that it stays in the cache. */
+/* Packed and interleaved chroma goes through planes, a strip at a time so that it stays in the
+ * cache. */
 enum { STRIP_ROWS = 16 };
 
 struct frame_decoder {
@@ -36,16 +38,10 @@ void frame_decoder_destroy(struct frame_decoder *decoder)
 {
 	if (!decoder)
 		return;
-	tjDestroy(decoder->jpeg);
+	if (decoder->jpeg)
+		tjDestroy(decoder->jpeg);
 	free(decoder->strip);
 	free(decoder);
-}
-
-static const struct YuvConstants *constants(const struct frame *frame)
-{
-	if (frame->matrix == MATRIX_BT709)
-		return frame->range == RANGE_FULL ? &kYuvF709Constants : &kYuvH709Constants;
-	return frame->range == RANGE_FULL ? &kYuvJPEGConstants : &kYuvI601Constants;
 }
 
 static int check_plane(const struct frame *frame, int plane, struct fault *fault)
@@ -94,34 +90,69 @@ static int grow_strip(struct frame_decoder *decoder, int width)
 	return 0;
 }
 
+static uint32_t *row_of(const struct canvas *canvas, int y)
+{
+	return (uint32_t *)(void *)(canvas->pixels + (size_t)y * canvas->stride);
+}
+
 static int decode_packed(struct frame_decoder *decoder, const struct frame *frame,
 			 struct canvas *canvas)
 {
 	const int width = frame->width, chroma = (width + 1) / 2;
 	const int stride = (int)frame->planes[0].stride;
-	uint8_t *y, *u, *v;
-	int err = grow_strip(decoder, width);
+	uint8_t *y = decoder->strip;
+	uint8_t *u = y + (size_t)width * STRIP_ROWS;
+	uint8_t *v = u + (size_t)chroma * STRIP_ROWS;
+	struct ycbcr k;
 
-	if (err)
-		return err;
-	y = decoder->strip;
-	u = y + (size_t)width * STRIP_ROWS;
-	v = u + (size_t)chroma * STRIP_ROWS;
-	for (int row = 0; row < frame->height && !err; row += STRIP_ROWS) {
+	ycbcr_prepare(&k, frame->matrix, frame->range);
+	for (int row = 0; row < frame->height; row += STRIP_ROWS) {
 		const int left = frame->height - row;
 		const int rows = left < STRIP_ROWS ? left : STRIP_ROWS;
 		const uint8_t *from = frame->planes[0].data + (size_t)row * frame->planes[0].stride;
-		uint8_t *to = canvas->pixels + (size_t)row * canvas->stride;
+		const int err = frame->format == PIXEL_YUYV
+					? YUY2ToI422(from, stride, y, width, u, chroma, v, chroma,
+						     width, rows)
+					: UYVYToI422(from, stride, y, width, u, chroma, v, chroma,
+						     width, rows);
 
-		err = frame->format == PIXEL_YUYV ? YUY2ToI422(from, stride, y, width, u, chroma, v,
-							       chroma, width, rows)
-						  : UYVYToI422(from, stride, y, width, u, chroma, v,
-							       chroma, width, rows);
-		if (!err)
-			err = I422ToARGBMatrix(y, width, u, chroma, v, chroma, to,
-					       (int)canvas->stride, constants(frame), width, rows);
+		if (err)
+			return -EINVAL;
+		for (int i = 0; i < rows; i++)
+			ycbcr_row_halved(&k, y + i * width, u + i * chroma, v + i * chroma, width,
+					 row_of(canvas, row + i));
 	}
-	return err ? -EINVAL : 0;
+	return 0;
+}
+
+static int decode_nv12(struct frame_decoder *decoder, const struct frame *frame,
+		       struct canvas *canvas)
+{
+	const int chroma = (frame->width + 1) / 2;
+	uint8_t *u = decoder->strip, *v = u + chroma;
+	struct ycbcr k;
+
+	ycbcr_prepare(&k, frame->matrix, frame->range);
+	for (int row = 0; row < frame->height; row++) {
+		const struct frame_plane *p = frame->planes;
+
+		if (row % 2 == 0)
+			SplitUVPlane(p[1].data + (size_t)(row / 2) * p[1].stride, 0, u, 0, v, 0,
+				     chroma, 1);
+		ycbcr_row_halved(&k, p[0].data + (size_t)row * p[0].stride, u, v, frame->width,
+				 row_of(canvas, row));
+	}
+	return 0;
+}
+
+static void decode_grey(const struct frame *frame, struct canvas *canvas)
+{
+	struct ycbcr k;
+
+	ycbcr_prepare(&k, frame->matrix, frame->range);
+	for (int y = 0; y < frame->height; y++)
+		ycbcr_row_grey(&k, frame->planes[0].data + (size_t)y * frame->planes[0].stride,
+			       frame->width, row_of(canvas, y));
 }
 
 /* The fourth byte of a camera's pixel is whatever the driver left there. */
@@ -145,6 +176,16 @@ static int jpeg_is_damaged(tjhandle jpeg)
 	       !strstr(tjGetErrorStr2(jpeg), "extraneous bytes");
 }
 
+/* TurboJPEG does not recover by itself from a header that it gave up in the middle of: every later
+ * picture would fail too. */
+static int refuse_header(struct frame_decoder *decoder, struct fault *fault)
+{
+	fault_say(fault, -EBADMSG, "frame: not a JPEG picture: %s", tjGetErrorStr2(decoder->jpeg));
+	tjDestroy(decoder->jpeg);
+	decoder->jpeg = tjInitDecompress();
+	return -EBADMSG;
+}
+
 static int decode_jpeg(struct frame_decoder *decoder, const struct frame *frame,
 		       struct canvas *canvas, struct fault *fault)
 {
@@ -154,10 +195,11 @@ static int decode_jpeg(struct frame_decoder *decoder, const struct frame *frame,
 
 	if (!data || bytes == 0)
 		return fault_say(fault, -EBADMSG, "frame: an empty JPEG picture");
+	if (!decoder->jpeg)
+		return fault_say(fault, -ENOMEM, "frame: no memory to decode JPEG pictures");
 	if (tjDecompressHeader3(decoder->jpeg, data, bytes, &width, &height, &subsampling,
 				&colours))
-		return fault_say(fault, -EBADMSG, "frame: not a JPEG picture: %s",
-				 tjGetErrorStr2(decoder->jpeg));
+		return refuse_header(decoder, fault);
 	if (width != frame->width || height != frame->height)
 		return fault_say(fault, -EBADMSG, "frame: a JPEG picture of %dx%d, expected %dx%d",
 				 width, height, frame->width, frame->height);
@@ -182,10 +224,7 @@ static int decode_raw(struct frame_decoder *decoder, const struct frame *frame,
 	case PIXEL_UYVY:
 		return decode_packed(decoder, frame, canvas);
 	case PIXEL_NV12:
-		return NV12ToARGBMatrix(p[0].data, stride, p[1].data, (int)p[1].stride,
-					canvas->pixels, out_stride, constants(frame), width, height)
-			       ? -EINVAL
-			       : 0;
+		return decode_nv12(decoder, frame, canvas);
 	case PIXEL_RGB24: /* libyuv's "RAW" */
 		return RAWToARGB(p[0].data, stride, canvas->pixels, out_stride, width, height)
 			       ? -EINVAL
@@ -195,10 +234,8 @@ static int decode_raw(struct frame_decoder *decoder, const struct frame *frame,
 			       ? -EINVAL
 			       : 0;
 	case PIXEL_GREY:
-		return I400ToARGBMatrix(p[0].data, stride, canvas->pixels, out_stride,
-					constants(frame), width, height)
-			       ? -EINVAL
-			       : 0;
+		decode_grey(frame, canvas);
+		return 0;
 	default:
 		copy_bgrx(frame, canvas);
 		return 0;
@@ -222,6 +259,10 @@ int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struc
 	err = check_planes(frame, fault);
 	if (err)
 		return err;
+	err = grow_strip(decoder, frame->width);
+	if (err)
+		return fault_say(fault, err, "frame: no memory to convert %dx%d", frame->width,
+				 frame->height);
 	err = decode_raw(decoder, frame, canvas);
 	if (err)
 		return fault_say(fault, err, "frame: cannot convert %s at %dx%d",

@@ -7,6 +7,7 @@ HAL_SOURCES := \
 	hal/fault.c \
 	hal/frame.c \
 	hal/frame_decode.c \
+	hal/frame_ycbcr.c \
 	hal/log.c \
 	hal/output.c \
 	hal/pool.c \

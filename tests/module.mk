@@ -1,5 +1,6 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_basis.c \
 	tests/unit/test_panorama.c \
 	tests/unit/test_fisheye.c \
 	tests/unit/test_dome.c \
@@ -10,7 +11,8 @@ UNIT_TESTS := \
 	tests/unit/test_cow.c \
 	tests/unit/test_config.c \
 	tests/unit/test_image.c \
-	tests/unit/test_ini.c
+	tests/unit/test_ini.c \
+	tests/unit/test_frame.c
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_image.c

@@ -261,9 +261,7 @@ static int next_video(struct player *player, uint64_t steps, struct fault *fault
 	} while (--steps > 0);
 	if (player->settings.range)
 		range = (enum colour_range)(player->settings.range - 1);
-	err = y4m_decode(&player->video, video_matrix(player), range, &player->canvas);
-	if (err)
-		return fault_say(fault, err, "%s: cannot convert", player->video.path);
+	y4m_decode(&player->video, video_matrix(player), range, &player->canvas);
 	for (int y = 0; y < player->height; y++)
 		memcpy(player->bgrx + (size_t)y * row,
 		       player->canvas.pixels + (size_t)y * player->canvas.stride, row);

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <libyuv.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "hal/clock.h"
+#include "hal/frame_ycbcr.h"
 
 enum { SIDE_MAX = 16384, HEADER_WAIT_MS = 2000 };
 
@@ -250,39 +250,27 @@ int y4m_next(struct y4m *video, struct fault *fault)
 	return 0;
 }
 
-static const struct YuvConstants *constants(enum colour_matrix matrix, enum colour_range range)
+void y4m_decode(const struct y4m *video, enum colour_matrix matrix, enum colour_range range,
+		struct canvas *canvas)
 {
-	if (matrix == MATRIX_BT709)
-		return range == RANGE_FULL ? &kYuvF709Constants : &kYuvH709Constants;
-	return range == RANGE_FULL ? &kYuvJPEGConstants : &kYuvI601Constants;
-}
+	const size_t w = (size_t)video->width, h = (size_t)video->height;
+	const size_t chroma_w = video->chroma == Y4M_444 ? w : (w + 1) / 2;
+	const size_t chroma_h = video->chroma == Y4M_420 ? (h + 1) / 2 : h;
+	struct ycbcr k;
 
-int y4m_decode(const struct y4m *video, enum colour_matrix matrix, enum colour_range range,
-	       struct canvas *canvas)
-{
-	const struct YuvConstants *k = constants(matrix, range);
-	const int w = video->width, h = video->height;
-	const int chroma_w = video->chroma == Y4M_444 ? w : (w + 1) / 2;
-	const int chroma_h = video->chroma == Y4M_420 ? (h + 1) / 2 : h;
-	const uint8_t *y = video->picture, *u = y + (size_t)w * (size_t)h;
-	const uint8_t *v = u + (size_t)chroma_w * (size_t)chroma_h;
-	uint8_t *out = canvas->pixels;
-	const int stride = (int)canvas->stride;
-	int failed;
+	ycbcr_prepare(&k, matrix, range);
+	for (size_t row = 0; row < h; row++) {
+		const uint8_t *y = video->picture + row * w;
+		const size_t chroma_row = video->chroma == Y4M_420 ? row / 2 : row;
+		const uint8_t *cb = video->picture + w * h + chroma_row * chroma_w;
+		const uint8_t *cr = cb + chroma_w * chroma_h;
+		uint32_t *to = (uint32_t *)(void *)(canvas->pixels + row * canvas->stride);
 
-	switch (video->chroma) {
-	case Y4M_420:
-		failed = I420ToARGBMatrix(y, w, u, chroma_w, v, chroma_w, out, stride, k, w, h);
-		break;
-	case Y4M_422:
-		failed = I422ToARGBMatrix(y, w, u, chroma_w, v, chroma_w, out, stride, k, w, h);
-		break;
-	case Y4M_444:
-		failed = I444ToARGBMatrix(y, w, u, chroma_w, v, chroma_w, out, stride, k, w, h);
-		break;
-	default:
-		failed = I400ToARGBMatrix(y, w, out, stride, k, w, h);
-		break;
+		if (video->chroma == Y4M_GREY)
+			ycbcr_row_grey(&k, y, video->width, to);
+		else if (video->chroma == Y4M_444)
+			ycbcr_row_full(&k, y, cb, cr, video->width, to);
+		else
+			ycbcr_row_halved(&k, y, cb, cr, video->width, to);
 	}
-	return failed ? -EINVAL : 0;
 }

@@ -41,8 +41,8 @@ int y4m_next(struct y4m *video, struct fault *fault);
 int y4m_rewind(struct y4m *video, struct fault *fault);
 
 /* Converts the picture taken last; the canvas has the video's size. */
-int y4m_decode(const struct y4m *video, enum colour_matrix matrix, enum colour_range range,
-	       struct canvas *canvas);
+void y4m_decode(const struct y4m *video, enum colour_matrix matrix, enum colour_range range,
+		struct canvas *canvas);
 
 void y4m_close(struct y4m *video); /* idempotent; needs fd -1 or opened */
 

@@ -45,12 +45,14 @@ int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wa
 	return best;
 }
 
-static bool is_rgb(uint32_t fourcc)
+/* Grey is not Y'CbCr either: cameras that have it fill the whole range, though the kernel's
+ * documentation does not say so. */
+static bool is_ycbcr(uint32_t fourcc)
 {
 	const struct v4l2_layout *layout = v4l2_layout_of(fourcc);
 
-	return layout && (layout->format == PIXEL_BGRX || layout->format == PIXEL_BGR24 ||
-			  layout->format == PIXEL_RGB24);
+	return layout && (layout->format == PIXEL_YUYV || layout->format == PIXEL_UYVY ||
+			  layout->format == PIXEL_NV12);
 }
 
 void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matrix,
@@ -65,7 +67,7 @@ void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matr
 	if (encoding == V4L2_YCBCR_ENC_DEFAULT)
 		encoding = V4L2_MAP_YCBCR_ENC_DEFAULT(space);
 	if (quantization == V4L2_QUANTIZATION_DEFAULT)
-		quantization = V4L2_MAP_QUANTIZATION_DEFAULT(is_rgb(format->pixelformat), space,
+		quantization = V4L2_MAP_QUANTIZATION_DEFAULT(!is_ycbcr(format->pixelformat), space,
 							     encoding);
 	*matrix = encoding == V4L2_YCBCR_ENC_601 || encoding == V4L2_YCBCR_ENC_XV601 ? MATRIX_BT601
 										     : MATRIX_BT709;

@@ -1,0 +1,501 @@
+/* Frames into BGRX: every format against conversion in double precision, every check on sizes. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <turbojpeg.h>
+
+#include "hal/frame.h"
+
+static uint32_t random_state = 20261120;
+
+static uint32_t random_bits(void)
+{
+	random_state ^= random_state << 13;
+	random_state ^= random_state >> 17;
+	random_state ^= random_state << 5;
+	return random_state;
+}
+
+static void fill_random(uint8_t *data, size_t bytes)
+{
+	for (size_t i = 0; i < bytes; i++)
+		data[i] = (uint8_t)(random_bits() >> 11);
+}
+
+/* ITU-R BT.601-7 and BT.709-6, solved for R'G'B'; 0..255, clipped, not rounded. */
+static void exact_rgb(enum colour_matrix matrix, enum colour_range range, int y, int cb, int cr,
+		      double rgb[3])
+{
+	const double kr = matrix == MATRIX_BT709 ? 0.2126 : 0.299;
+	const double kb = matrix == MATRIX_BT709 ? 0.0722 : 0.114;
+	const double luma = range == RANGE_FULL ? y : (y - 16) * 255.0 / 219;
+	const double scale = range == RANGE_FULL ? 1 : 255.0 / 224;
+	const double pb = (cb - 128) * scale, pr = (cr - 128) * scale;
+
+	rgb[0] = luma + 2 * (1 - kr) * pr;
+	rgb[2] = luma + 2 * (1 - kb) * pb;
+	rgb[1] = (luma - kr * rgb[0] - kb * rgb[2]) / (1 - kr - kb);
+	for (int c = 0; c < 3; c++)
+		rgb[c] = fmin(fmax(rgb[c], 0), 255);
+}
+
+struct fixture {
+	struct frame_decoder *decoder;
+	struct frame frame;
+	struct canvas canvas;
+	uint8_t *memory[2];
+};
+
+/* A random picture; rows have `extra` bytes to spare, and the last row has none. */
+static void make(struct fixture *f, enum pixel_format format, int width, int height, size_t extra)
+{
+	memset(f, 0, sizeof(*f));
+	assert_int_equal(frame_decoder_create(&f->decoder), 0);
+	assert_int_equal(canvas_create(&f->canvas, width, height), 0);
+	f->frame = (struct frame){.format = format, .width = width, .height = height};
+	for (int p = 0; p < (format == PIXEL_NV12 ? 2 : 1); p++) {
+		const size_t row = frame_plane_stride(format, p, width);
+		const size_t stride = row + extra;
+		const size_t bytes = frame_plane_bytes(format, p, stride, height) - extra;
+
+		f->memory[p] = malloc(bytes);
+		fill_random(f->memory[p], bytes);
+		f->frame.planes[p] = (struct frame_plane){f->memory[p], stride, bytes};
+	}
+}
+
+static void drop(struct fixture *f)
+{
+	frame_decoder_destroy(f->decoder);
+	canvas_free(&f->canvas);
+	free(f->memory[0]);
+	free(f->memory[1]);
+}
+
+static const uint8_t *at(const struct frame *frame, int plane, int x, int y)
+{
+	return frame->planes[plane].data + (size_t)y * frame->planes[plane].stride + x;
+}
+
+static void ycbcr_at(const struct frame *frame, int x, int y, int ycbcr[3])
+{
+	const int pair = x / 2;
+
+	switch (frame->format) {
+	case PIXEL_YUYV:
+		ycbcr[0] = *at(frame, 0, 2 * x, y);
+		ycbcr[1] = *at(frame, 0, 4 * pair + 1, y);
+		ycbcr[2] = *at(frame, 0, 4 * pair + 3, y);
+		break;
+	case PIXEL_UYVY:
+		ycbcr[0] = *at(frame, 0, 2 * x + 1, y);
+		ycbcr[1] = *at(frame, 0, 4 * pair, y);
+		ycbcr[2] = *at(frame, 0, 4 * pair + 2, y);
+		break;
+	case PIXEL_NV12:
+		ycbcr[0] = *at(frame, 0, x, y);
+		ycbcr[1] = *at(frame, 1, 2 * pair, y / 2);
+		ycbcr[2] = *at(frame, 1, 2 * pair + 1, y / 2);
+		break;
+	default:
+		ycbcr[0] = *at(frame, 0, x, y);
+		ycbcr[1] = ycbcr[2] = 128;
+		break;
+	}
+}
+
+static double worst_error(const struct fixture *f, double *rms)
+{
+	double worst = 0, sum = 0;
+
+	for (int y = 0; y < f->frame.height; y++)
+		for (int x = 0; x < f->frame.width; x++) {
+			const uint8_t *got = f->canvas.pixels + (size_t)y * f->canvas.stride +
+					     (size_t)x * 4;
+			int ycbcr[3];
+			double rgb[3];
+
+			ycbcr_at(&f->frame, x, y, ycbcr);
+			exact_rgb(f->frame.matrix, f->frame.range, ycbcr[0], ycbcr[1], ycbcr[2],
+				  rgb);
+			for (int c = 0; c < 3; c++) {
+				worst = fmax(worst, fabs(rgb[c] - got[2 - c]));
+				sum += (rgb[c] - got[2 - c]) * (rgb[c] - got[2 - c]);
+			}
+			assert_int_equal(got[3], 255);
+		}
+	*rms = sqrt(sum / (3.0 * f->frame.width * f->frame.height));
+	return worst;
+}
+
+/* Rounding, and a little for single precision. */
+static const double error_max = 0.501;
+
+static void video_formats_match_double_precision(void **state)
+{
+	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12, PIXEL_GREY};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
+		for (int matrix = 0; matrix < MATRIX_COUNT; matrix++)
+			for (int range = 0; range < RANGE_COUNT; range++) {
+				struct fixture f;
+				double worst, rms;
+
+				make(&f, formats[i], 642, 358, 24);
+				f.frame.matrix = (enum colour_matrix)matrix;
+				f.frame.range = (enum colour_range)range;
+				assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
+						 0);
+				worst = worst_error(&f, &rms);
+				print_message("# %s, %s, %s: largest error %.2f levels, RMS %.2f\n",
+					      pixel_format_names[formats[i]],
+					      matrix ? "BT.709" : "BT.601",
+					      range ? "full" : "limited", worst, rms);
+				assert_true(worst <= error_max);
+				drop(&f);
+			}
+}
+
+/* Grey axis: no colour may creep in, black and white are exact. */
+static void grey_stays_grey(void **state)
+{
+	(void)state;
+	for (int matrix = 0; matrix < MATRIX_COUNT; matrix++)
+		for (int range = 0; range < RANGE_COUNT; range++) {
+			struct fixture f;
+
+			make(&f, PIXEL_YUYV, 256, 1, 0);
+			f.frame.matrix = (enum colour_matrix)matrix;
+			f.frame.range = (enum colour_range)range;
+			for (int x = 0; x < 256; x++) {
+				f.memory[0][2 * x] = (uint8_t)x;
+				f.memory[0][2 * x + 1] = 128;
+			}
+			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+			for (int x = 0; x < 256; x++) {
+				const uint8_t *p = f.canvas.pixels + (size_t)x * 4;
+
+				assert_int_equal(p[0], p[1]);
+				assert_int_equal(p[1], p[2]);
+			}
+			assert_int_equal(f.canvas.pixels[(range ? 0 : 16) * 4], 0);
+			assert_int_equal(f.canvas.pixels[(range ? 255 : 235) * 4], 255);
+			drop(&f);
+		}
+}
+
+static void rgb_formats_are_exact(void **state)
+{
+	static const struct {
+		enum pixel_format format;
+		int bytes, red, blue;
+	} cases[] = {{PIXEL_RGB24, 3, 0, 2}, {PIXEL_BGR24, 3, 2, 0}, {PIXEL_BGRX, 4, 2, 0}};
+
+	(void)state;
+	for (size_t i = 0; i < 3; i++)
+		for (int width = 1; width <= 65; width++) {
+			struct fixture f;
+
+			make(&f, cases[i].format, width, 5, 7);
+			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+			for (int y = 0; y < 5; y++)
+				for (int x = 0; x < width; x++) {
+					const uint8_t *from = at(&f.frame, 0, x * cases[i].bytes,
+								 y);
+					const uint8_t *to = f.canvas.pixels +
+							    (size_t)y * f.canvas.stride +
+							    (size_t)x * 4;
+
+					assert_int_equal(to[0], from[cases[i].blue]);
+					assert_int_equal(to[1], from[1]);
+					assert_int_equal(to[2], from[cases[i].red]);
+					assert_int_equal(to[3], 255);
+				}
+			drop(&f);
+		}
+}
+
+/* Odd sizes, where chroma is shared with a pixel that is not there; memory ends where it must. */
+static void odd_sizes_decode(void **state)
+{
+	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12};
+
+	(void)state;
+	for (size_t i = 0; i < 3; i++)
+		for (int width = 1; width <= 35; width++)
+			for (int height = 1; height <= 35; height += 2) {
+				struct fixture f;
+				double rms;
+
+				make(&f, formats[i], width, height, (size_t)(width % 3));
+				assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
+						 0);
+				assert_true(worst_error(&f, &rms) <= error_max);
+				drop(&f);
+			}
+}
+
+static void sizes_are_known(void **state)
+{
+	(void)state;
+	assert_int_equal(frame_plane_stride(PIXEL_YUYV, 0, 5), 12);
+	assert_int_equal(frame_plane_stride(PIXEL_NV12, 0, 5), 5);
+	assert_int_equal(frame_plane_stride(PIXEL_NV12, 1, 5), 6);
+	assert_int_equal(frame_plane_stride(PIXEL_RGBF, 0, 5), 60);
+	assert_int_equal(frame_plane_stride(PIXEL_BGRX, 1, 5), 0);
+	assert_int_equal(frame_plane_bytes(PIXEL_NV12, 0, 8, 5), 40);
+	assert_int_equal(frame_plane_bytes(PIXEL_NV12, 1, 8, 5), 24);
+	assert_int_equal(frame_plane_bytes(PIXEL_MJPEG, 0, 8, 5), 0);
+	assert_int_equal(frame_plane_bytes(PIXEL_NONE, 0, 8, 5), 0);
+	assert_int_equal(frame_plane_bytes(PIXEL_NV12, 2, 8, 5), 0);
+	assert_int_equal(frame_plane_bytes(PIXEL_NV12, -1, 8, 5), 0);
+	for (int i = 0; i < PIXEL_FORMAT_COUNT; i++)
+		assert_non_null(pixel_format_names[i]);
+}
+
+static void short_planes_are_refused(void **state)
+{
+	(void)state;
+	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
+		for (int p = 0; p < (format == PIXEL_NV12 ? 2 : 1); p++) {
+			struct frame_plane whole;
+			struct fault fault = {""};
+			struct fixture f;
+
+			make(&f, (enum pixel_format)format, 33, 9, 4);
+			whole = f.frame.planes[p];
+			f.frame.planes[p].bytes--;
+			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault),
+					 -EINVAL);
+			assert_non_null(strstr(fault.text, pixel_format_names[format]));
+			f.frame.planes[p] = whole;
+			f.frame.planes[p].stride =
+				frame_plane_stride((enum pixel_format)format, p, 33) - 1;
+			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
+					 -EINVAL);
+			f.frame.planes[p] = whole;
+			f.frame.planes[p].stride = (size_t)1 << 40;
+			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
+					 -EINVAL);
+			f.frame.planes[p] = whole;
+			f.frame.planes[p].data = NULL;
+			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
+					 -EINVAL);
+			drop(&f);
+		}
+}
+
+static void other_sizes_and_kinds_are_refused(void **state)
+{
+	struct fixture f;
+
+	(void)state;
+	make(&f, PIXEL_BGRX, 16, 16, 0);
+	f.frame.width = 15;
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL);
+	f.frame.width = 16;
+	f.frame.height = 0;
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL);
+	f.frame.height = 16;
+	f.frame.format = PIXEL_RGBF;
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -ENOTSUP);
+	f.frame.format = PIXEL_NONE;
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -ENOTSUP);
+	drop(&f);
+}
+
+/* A picture with soft colours, as JPEG. */
+static size_t make_jpeg(int width, int height, int subsampling, uint8_t *rgb, uint8_t **jpeg)
+{
+	tjhandle handle = tjInitCompress();
+	unsigned long bytes = 0;
+
+	for (int y = 0; y < height; y++)
+		for (int x = 0; x < width; x++) {
+			uint8_t *p = rgb + 3 * ((size_t)y * (size_t)width + (size_t)x);
+
+			p[0] = (uint8_t)(40 + 170 * x / width);
+			p[1] = (uint8_t)(200 - 150 * y / height);
+			p[2] = (uint8_t)(60 + 60 * (x + y) / (width + height));
+		}
+	*jpeg = NULL;
+	assert_int_equal(tjCompress2(handle, rgb, width, 0, height, TJPF_RGB, jpeg, &bytes,
+				     subsampling, 95, TJFLAG_ACCURATEDCT),
+			 0);
+	tjDestroy(handle);
+	return bytes;
+}
+
+static void make_jpeg_frame(struct fixture *f, int subsampling, uint8_t *rgb, uint8_t **jpeg)
+{
+	const size_t bytes = make_jpeg(64, 48, subsampling, rgb, jpeg);
+
+	make(f, PIXEL_BGRX, 64, 48, 0);
+	f->frame.format = PIXEL_MJPEG;
+	f->frame.planes[0] = (struct frame_plane){*jpeg, 0, bytes};
+}
+
+static void jpeg_decodes(void **state)
+{
+	static const int subsamplings[] = {TJSAMP_444, TJSAMP_422, TJSAMP_420};
+	uint8_t rgb[64 * 48 * 3];
+
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		struct fixture f;
+		uint8_t *jpeg;
+		int worst = 0;
+
+		make_jpeg_frame(&f, subsamplings[i], rgb, &jpeg);
+		assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+		for (int p = 0; p < 64 * 48; p++) {
+			const uint8_t *got = f.canvas.pixels + (size_t)(p / 64) * f.canvas.stride +
+					     p % 64 * 4;
+
+			for (int c = 0; c < 3; c++)
+				worst = abs(got[2 - c] - rgb[3 * p + c]) > worst
+						? abs(got[2 - c] - rgb[3 * p + c])
+						: worst;
+			assert_int_equal(got[3], 255);
+		}
+		print_message("# JPEG of quality 95: largest error %d levels\n", worst);
+		assert_true(worst <= 6);
+		drop(&f);
+		tjFree(jpeg);
+	}
+}
+
+/* Motion JPEG may leave out the Huffman tables, which are always the same. */
+static void jpeg_without_huffman_tables_decodes(void **state)
+{
+	uint8_t rgb[64 * 48 * 3], *jpeg;
+	struct canvas whole;
+	struct fixture f;
+	size_t kept = 2, bytes;
+
+	(void)state;
+	make_jpeg_frame(&f, TJSAMP_422, rgb, &jpeg);
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+	whole = f.canvas;
+	assert_int_equal(canvas_create(&f.canvas, 64, 48), 0);
+	bytes = f.frame.planes[0].bytes;
+	for (size_t i = 2; i < bytes;) {
+		const size_t length = 2 + (size_t)(jpeg[i + 2] << 8 | jpeg[i + 3]);
+
+		if (jpeg[i + 1] == 0xda) { /* the scan: all the rest */
+			memmove(jpeg + kept, jpeg + i, bytes - i);
+			kept += bytes - i;
+			break;
+		}
+		if (jpeg[i + 1] != 0xc4) {
+			memmove(jpeg + kept, jpeg + i, length);
+			kept += length;
+		}
+		i += length;
+	}
+	assert_true(kept < bytes);
+	f.frame.planes[0].bytes = kept;
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+	for (int y = 0; y < 48; y++)
+		assert_memory_equal(f.canvas.pixels + (size_t)y * f.canvas.stride,
+				    whole.pixels + (size_t)y * whole.stride, 64 * 4);
+	canvas_free(&whole);
+	drop(&f);
+	tjFree(jpeg);
+}
+
+static void damaged_jpeg_is_refused(void **state)
+{
+	uint8_t rgb[64 * 48 * 3], *jpeg;
+	struct fault fault = {""};
+	struct fixture f;
+	size_t bytes;
+
+	(void)state;
+	make_jpeg_frame(&f, TJSAMP_420, rgb, &jpeg);
+	bytes = f.frame.planes[0].bytes;
+	f.frame.planes[0].bytes = 0;
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
+	for (size_t cut = 1; cut < bytes - 2; cut += 13) {
+		f.frame.planes[0].bytes = cut;
+		assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
+		assert_true(strlen(fault.text) > 10);
+	}
+	/* Any flipped bit: a picture or a refusal, never a crash; the decoder goes on. */
+	f.frame.planes[0].bytes = bytes;
+	for (size_t i = 0; i < bytes; i++) {
+		int err;
+
+		jpeg[i] ^= 0x40;
+		err = frame_decode(f.decoder, &f.frame, &f.canvas, NULL);
+		assert_true(err == 0 || err == -EBADMSG);
+		jpeg[i] ^= 0x40;
+	}
+	if (frame_decode(f.decoder, &f.frame, &f.canvas, &fault))
+		fail_msg("after damaged pictures a good one fails: %s", fault.text);
+	drop(&f);
+	tjFree(jpeg);
+}
+
+static void jpeg_of_another_size_is_refused(void **state)
+{
+	uint8_t rgb[64 * 48 * 3], *jpeg;
+	struct fault fault = {""};
+	struct fixture f;
+
+	(void)state;
+	make_jpeg_frame(&f, TJSAMP_420, rgb, &jpeg);
+	canvas_free(&f.canvas);
+	assert_int_equal(canvas_create(&f.canvas, 32, 48), 0);
+	f.frame.width = 32;
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "64x48"));
+	drop(&f);
+	tjFree(jpeg);
+}
+
+static void canvases(void **state)
+{
+	struct canvas canvas;
+
+	(void)state;
+	assert_int_equal(canvas_create(&canvas, 0, 4), -EINVAL);
+	assert_int_equal(canvas_create(&canvas, 4, 40000), -EINVAL);
+	assert_null(canvas.pixels);
+	assert_int_equal(canvas_create(&canvas, 17, 3), 0);
+	assert_int_equal(canvas.stride % 64, 0);
+	assert_int_equal((uintptr_t)canvas.pixels % 64, 0);
+	assert_int_equal(canvas.pixels[3], 255);
+	canvas_free(&canvas);
+	canvas_free(&canvas);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(sizes_are_known),
+		cmocka_unit_test(canvases),
+		cmocka_unit_test(video_formats_match_double_precision),
+		cmocka_unit_test(grey_stays_grey),
+		cmocka_unit_test(rgb_formats_are_exact),
+		cmocka_unit_test(odd_sizes_decode),
+		cmocka_unit_test(short_planes_are_refused),
+		cmocka_unit_test(other_sizes_and_kinds_are_refused),
+		cmocka_unit_test(jpeg_decodes),
+		cmocka_unit_test(jpeg_without_huffman_tables_decodes),
+		cmocka_unit_test(damaged_jpeg_is_refused),
+		cmocka_unit_test(jpeg_of_another_size_is_refused),
+	};
+
+	print_message("# seed %u\n", random_state);
+	return cmocka_run_group_tests_name("frame", tests, NULL, NULL);
+}
