@@ -280,9 +280,9 @@ int basis_read_blocks(const struct basis_reader *reader, int pose_index,
 			memset(&use, 0, sizeof(use));
 		ret = check_padding(&at, b, chunk->data + e->offset);
 		if (ret == 0)
-			ret = check_lists(&at, b, tile, &use);
-		if (ret == 0)
 			ret = check_pair(&at, at.index ? b - 1 : NULL, tile_before, b, e->tile);
+		if (ret == 0)
+			ret = check_lists(&at, b, tile, &use);
 		if (ret == 0)
 			ret = check_rows(&at, b);
 		if (ret < 0)
