@@ -1,11 +1,12 @@
 /*
- * Takes frames from a real V4L2 device through the driver and says what came, one "name value" a
- * line, so that a shell test can check it.
+ * Takes frames from a camera through its driver and says what came, one "name value" a line, so
+ * that a shell test can check it; the last frame becomes a picture.
  *
- *     capture FRAMES OUT.png [device=/dev/video0] [format=YUYV] [width=W] [height=H] [rate=HZ]
- *             [matrix=bt601|bt709] [range=limited|full] [hold=MS]
+ *     capture DRIVER FRAMES OUT.png [device=/dev/video0] [format=YUYV] [width=W] [height=H]
+ *             [rate=HZ] [matrix=bt601|bt709] [range=limited|full] [hold=MS] [OPTION=VALUE]...
  *
- * hold keeps each frame that long before it is given back, as a busy program would. Exit 1 when the
+ * OPTION is the driver's own. hold keeps each frame that long before it is given back, as a busy
+ * program would. Exit 1 when the
  * camera does not open or ends; "situation" and "error" then say why.
  */
 #include <errno.h>
@@ -13,11 +14,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "drivers/drivers.h"
 #include "hal/camera.h"
+#include "hal/clock.h"
 #include "hal/image/image.h"
+#include "tests/vm/driver_option.h"
 
 struct request {
 	struct camera_settings settings;
@@ -34,49 +36,47 @@ static int name_index(const char *const *names, const char *name)
 	exit(2);
 }
 
-static const struct camera_ops *find_driver(void)
+static const struct camera_ops *find_driver(const char *name)
 {
 	for (int i = 0; camera_drivers[i]; i++)
-		if (!strcmp(camera_drivers[i]->name, "v4l2"))
+		if (!strcmp(camera_drivers[i]->name, name))
 			return camera_drivers[i];
-	fprintf(stderr, "capture: the driver v4l2 is not in this build\n");
+	fprintf(stderr, "capture: the driver %s is not in this build\n", name);
 	exit(1);
 }
 
-static struct request parse(int argc, char **argv)
+/* The value when text is "name=value", else NULL. */
+static const char *value_of(const char *text, const char *name)
+{
+	const size_t length = strlen(name);
+	return strncmp(text, name, length) || text[length] != '=' ? NULL : text + length + 1;
+}
+
+static struct request parse(int argc, char **argv, const struct camera_ops *driver, void *options)
 {
 	static const char *const matrices[] = {"auto", "bt601", "bt709", NULL};
 	static const char *const ranges[] = {"auto", "limited", "full", NULL};
-	struct request r = {.settings.buffers = 4};
+	struct request r = {.settings.buffers = 4, .frames = atoi(argv[2]), .out = argv[3]};
+	const char *value;
 
-	if (argc < 3) {
-		fprintf(stderr, "usage: capture FRAMES OUT.png [name=value]...\n");
-		exit(2);
-	}
-	r.frames = atoi(argv[1]);
-	r.out = argv[2];
-	for (int i = 3; i < argc; i++) {
-		char *value = strchr(argv[i], '=');
-		if (!value)
-			exit(2);
-		*value++ = '\0';
-		if (!strcmp(argv[i], "device"))
+	for (int i = 4; i < argc; i++) {
+		if ((value = value_of(argv[i], "device")))
 			snprintf(r.settings.device, sizeof(r.settings.device), "%s", value);
-		else if (!strcmp(argv[i], "format"))
+		else if ((value = value_of(argv[i], "format")))
 			r.settings.format = name_index(pixel_format_names, value);
-		else if (!strcmp(argv[i], "width"))
+		else if ((value = value_of(argv[i], "width")))
 			r.settings.width = atoi(value);
-		else if (!strcmp(argv[i], "height"))
+		else if ((value = value_of(argv[i], "height")))
 			r.settings.height = atoi(value);
-		else if (!strcmp(argv[i], "rate"))
+		else if ((value = value_of(argv[i], "rate")))
 			r.settings.rate_hz = atof(value);
-		else if (!strcmp(argv[i], "matrix"))
+		else if ((value = value_of(argv[i], "matrix")))
 			r.settings.matrix = name_index(matrices, value);
-		else if (!strcmp(argv[i], "range"))
+		else if ((value = value_of(argv[i], "range")))
 			r.settings.range = name_index(ranges, value);
-		else if (!strcmp(argv[i], "hold"))
+		else if ((value = value_of(argv[i], "hold")))
 			r.hold_ms = atoi(value);
-		else
+		else if (driver_option_set(driver->name, driver->keys, options, argv[i]))
 			exit(2);
 	}
 	return r;
@@ -126,9 +126,7 @@ static void watch_frame(struct watch *w, const struct frame *frame)
 /* One frame, waited for at most 5 s. */
 static int next_frame(struct camera *camera, struct frame *frame, struct fault *fault)
 {
-	struct timespec now;
-	clock_gettime(CLOCK_MONOTONIC, &now);
-	const time_t limit = now.tv_sec + 5;
+	const int64_t limit_ns = clock_now_ns() + 5 * NS_PER_S;
 
 	for (;;) {
 		struct pollfd p = {.fd = camera_descriptor(camera), .events = POLLIN};
@@ -136,8 +134,7 @@ static int next_frame(struct camera *camera, struct frame *frame, struct fault *
 		int err = camera_grab(camera, frame, fault);
 		if (err != -EAGAIN)
 			return err;
-		clock_gettime(CLOCK_MONOTONIC, &now);
-		if (now.tv_sec > limit)
+		if (clock_now_ns() > limit_ns)
 			return fault_say(fault, -ETIMEDOUT, "no frame for 5 s");
 	}
 }
@@ -176,16 +173,20 @@ static int take(struct camera *camera, const struct request *request, struct wat
 
 int main(int argc, char **argv)
 {
-	const struct request request = parse(argc, argv);
-	const struct camera_ops *driver = find_driver();
 	struct camera camera = {0};
 	struct watch watch = {0};
 	struct fault fault = {""};
-	void *options = driver->options_size ? calloc(1, driver->options_size) : NULL;
 
+	if (argc < 4) {
+		fprintf(stderr, "usage: capture DRIVER FRAMES OUT.png [name=value]...\n");
+		return 2;
+	}
 	setvbuf(stdout, NULL, _IOLBF, 0); /* a test waits for the first lines */
+	const struct camera_ops *driver = find_driver(argv[1]);
+	void *options = calloc(1, driver->options_size + 1);
 	if (driver->keys)
 		ini_defaults(driver->keys, options);
+	const struct request request = parse(argc, argv, driver, options);
 	int err = camera_open(&camera, driver, &request.settings, options, &fault);
 	if (!err) {
 		printf("format %s\nsize %dx%d\nrate %g\n", pixel_format_names[camera.format],

@@ -32,7 +32,7 @@ static struct image read_ppm(const char *path)
 {
 	struct fault fault = {""};
 	struct image image = {0};
-	int width, height;
+	int width = 0, height = 0;
 	FILE *f = fopen(path, "rb");
 
 	if (!f || fscanf(f, "P6 %d %d 255", &width, &height) != 2 || fgetc(f) != '\n')

@@ -14,12 +14,7 @@
 #include "drivers/drivers.h"
 #include "hal/buttons.h"
 #include "hal/clock.h"
-
-static void *place(void *root, const char *instance)
-{
-	(void)instance;
-	return root;
-}
+#include "tests/vm/driver_option.h"
 
 static const struct buttons_ops *find_driver(const char *name)
 {
@@ -28,20 +23,6 @@ static const struct buttons_ops *find_driver(const char *name)
 			return buttons_drivers[i];
 	fprintf(stderr, "presses: the driver %s is not in this build\n", name);
 	exit(1);
-}
-
-static void set_option(const struct buttons_ops *driver, void *options, const char *option)
-{
-	const struct ini_table tables[] = {
-		{.section = driver->name, .keys = driver->keys, .place = place}, INI_TABLES_END};
-	struct ini_report report = {0};
-	char assignment[512];
-
-	snprintf(assignment, sizeof(assignment), "%s.%s", driver->name, option);
-	if (ini_set(assignment, tables, options, &report)) {
-		fprintf(stderr, "presses: %s\n", report.first.text);
-		exit(2);
-	}
 }
 
 static int print_presses(struct buttons *buttons, int64_t until_ns, struct fault *fault)
@@ -76,7 +57,8 @@ int main(int argc, char **argv)
 	void *options = calloc(1, driver->options_size + 1);
 	ini_defaults(driver->keys, options);
 	for (int i = 3; i < argc; i++)
-		set_option(driver, options, argv[i]);
+		if (driver_option_set(driver->name, driver->keys, options, argv[i]))
+			return 2;
 
 	int err = buttons_open(&buttons, driver, options, &fault);
 	if (!err) {

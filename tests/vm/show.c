@@ -17,6 +17,7 @@
 #include "drivers/drivers.h"
 #include "hal/display.h"
 #include "hal/image/image.h"
+#include "tests/vm/driver_option.h"
 
 struct flips {
 	int shown, backwards, out_of_order;
@@ -103,45 +104,20 @@ static const struct display_ops *find_driver(const char *name)
 	exit(1);
 }
 
-static void *place(void *root, const char *instance)
-{
-	(void)instance;
-	return root;
-}
-
-/* A driver's own option, as its key table reads it. */
-static int set_option(const struct display_ops *driver, void *options, const char *name,
-		      const char *value)
-{
-	const struct ini_table tables[] = {
-		{.section = driver->name, .keys = driver->keys, .place = place}, INI_TABLES_END};
-	struct ini_report report = {0};
-	char assignment[512];
-
-	snprintf(assignment, sizeof(assignment), "%s.%s=%s", driver->name, name, value);
-	const int err = ini_set(assignment, tables, options, &report);
-	if (err)
-		fprintf(stderr, "show: %s\n", report.first.text);
-	return err;
-}
-
 static int parse(int argc, char **argv, struct display_settings *settings,
 		 const struct display_ops *driver, void *options)
 {
 	for (int i = 4; i < argc; i++) {
-		char *value = strchr(argv[i], '=');
-		if (!value)
-			return -EINVAL;
-		*value++ = '\0';
-		if (!strcmp(argv[i], "device"))
-			snprintf(settings->device, sizeof(settings->device), "%s", value);
-		else if (!strcmp(argv[i], "width"))
-			settings->width = atoi(value);
-		else if (!strcmp(argv[i], "height"))
-			settings->height = atoi(value);
-		else if (!strcmp(argv[i], "rate"))
-			settings->rate_hz = atof(value);
-		else if (set_option(driver, options, argv[i], value))
+		const char *option = argv[i];
+		if (!strncmp(option, "device=", 7))
+			snprintf(settings->device, sizeof(settings->device), "%s", option + 7);
+		else if (!strncmp(option, "width=", 6))
+			settings->width = atoi(option + 6);
+		else if (!strncmp(option, "height=", 7))
+			settings->height = atoi(option + 7);
+		else if (!strncmp(option, "rate=", 5))
+			settings->rate_hz = atof(option + 5);
+		else if (driver_option_set(driver->name, driver->keys, options, option))
 			return -EINVAL;
 	}
 	return 0;
