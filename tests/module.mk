@@ -10,6 +10,8 @@ UNIT_TESTS := \
 	tests/unit/test_pool.c \
 	tests/unit/test_cow.c \
 	tests/unit/test_config.c \
+	tests/unit/test_buttons.c \
+	tests/unit/test_display.c \
 	tests/unit/test_image.c \
 	tests/unit/test_ini.c \
 	tests/unit/test_frame.c

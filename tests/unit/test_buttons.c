@@ -1,0 +1,215 @@
+/* Buttons: the wrappers, scripts in time, the words for every mistake in one, and GPIO's refusals
+ * (the lines themselves are pressed in the simulated machine). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "drivers/drivers.h"
+#include "hal/clock.h"
+
+static char folder[] = "/tmp/inlay-buttons-XXXXXX";
+static char script[64];
+
+/* The script driver's only option. */
+static char option[INI_PATH_MAX];
+
+static int open_script(struct buttons *buttons, const char *text, struct fault *fault)
+{
+	FILE *stream = fopen(script, "w");
+
+	assert_non_null(stream);
+	assert_true(fputs(text, stream) >= 0);
+	assert_int_equal(fclose(stream), 0);
+	strcpy(option, script);
+	return buttons_open(buttons, &buttons_script, option, fault);
+}
+
+static void script_in_time(void **state)
+{
+	static const struct {
+		int64_t at_ms;
+		enum action action;
+		double value;
+	} expected[] = {
+		{0, ACTION_VIEW_NEXT, 0}, {50, ACTION_THRESHOLD_SET, 12.5},
+		{50, ACTION_FREEZE, 0},	  {80, ACTION_THRESHOLD_UP, 0},
+		{120, ACTION_QUIT, 0},
+	};
+	struct buttons buttons;
+	struct button_press press;
+	struct fault fault;
+	struct pollfd ready = {.events = POLLIN};
+	const int64_t start_ns = clock_now_ns();
+
+	(void)state;
+	if (open_script(&buttons,
+			"# later lines may come first\n"
+			"\n"
+			"0.08\tthreshold-up   # a remark\n"
+			"0 view-next\n"
+			"  0.05 threshold-set 12.5\r\n"
+			".05 freeze\n"
+			"   \n"
+			"12e-2 quit",
+			&fault))
+		fail_msg("%s", fault.text);
+	ready.fd = buttons_descriptor(&buttons);
+	for (size_t i = 0; i < sizeof(expected) / sizeof(expected[0]); i++) {
+		int64_t late_ns;
+
+		assert_int_equal(poll(&ready, 1, 2000), 1);
+		assert_int_equal(buttons_read(&buttons, &press, &fault), 0);
+		late_ns = clock_now_ns() - start_ns - expected[i].at_ms * NS_PER_MS;
+		assert_int_equal(press.action, expected[i].action);
+		assert_true(press.value == expected[i].value);
+		/* Never early; late only by what a busy machine takes. */
+		assert_true(late_ns >= 0 && late_ns < NS_PER_S);
+		if (i + 1 < sizeof(expected) / sizeof(expected[0]) &&
+		    expected[i + 1].at_ms > clock_now_ns() / NS_PER_MS - start_ns / NS_PER_MS + 5)
+			assert_int_equal(buttons_read(&buttons, &press, &fault), -EAGAIN);
+	}
+	/* Quiet for ever. */
+	assert_int_equal(poll(&ready, 1, 20), 0);
+	assert_int_equal(buttons_read(&buttons, &press, &fault), -EAGAIN);
+	assert_int_equal(press.action, ACTION_NONE);
+	buttons_close(&buttons);
+	buttons_close(&buttons);
+	assert_int_equal(buttons_read(&buttons, &press, &fault), -EBADF);
+	assert_int_equal(buttons_descriptor(&buttons), -EBADF);
+}
+
+static void script_empty(void **state)
+{
+	struct buttons buttons;
+	struct button_press press;
+	struct fault fault;
+
+	(void)state;
+	assert_int_equal(open_script(&buttons, "# nothing\n", &fault), 0);
+	assert_int_equal(buttons_read(&buttons, &press, &fault), -EAGAIN);
+	buttons_close(&buttons);
+}
+
+static void script_mistakes(void **state)
+{
+	static const struct {
+		const char *text, *words;
+	} cases[] = {
+		{"1 view-next\nsoon freeze\n", ":2: \"soon\" is not a time"},
+		{"-1 freeze\n", ":1: \"-1\" is not a time"},
+		{"nan freeze\n", ":1: \"nan\" is not a time"},
+		{"1e9 freeze\n", "from 0 to 86400"},
+		{"\n\n3\n", ":3: expected an action"},
+		{"3 veiw-next\n", ":1: unknown action \"veiw-next\", did you mean \"view-next\"?"},
+		{"3 none\n", ":1: unknown action \"none\""},
+		{"3 threshold-set\n", ":1: threshold-set needs a level"},
+		{"3 threshold-set x\n", ":1: threshold-set needs a level"},
+		{"3 threshold-set 1 2\n", ":1: threshold-set needs a level"},
+		{"3 freeze 1\n", ":1: freeze takes no value, found \"1\""},
+	};
+	char longest[400];
+	struct buttons buttons;
+	struct fault fault;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		assert_int_equal(open_script(&buttons, cases[i].text, &fault), -EINVAL);
+		if (strncmp(fault.text, script, strlen(script)) ||
+		    !strstr(fault.text, cases[i].words))
+			fail_msg("%s (expected %s)", fault.text, cases[i].words);
+	}
+	memset(longest, ' ', sizeof(longest));
+	longest[sizeof(longest) - 1] = '\0';
+	assert_int_equal(open_script(&buttons, longest, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, ":1: the line is too long"));
+}
+
+static void script_missing(void **state)
+{
+	struct buttons buttons;
+	struct fault fault;
+
+	(void)state;
+	snprintf(option, sizeof(option), "%s/none", folder);
+	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -ENOENT);
+	assert_non_null(strstr(fault.text, option));
+	option[0] = '\0';
+	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "script.file"));
+	strcpy(option, folder);
+	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -EIO);
+}
+
+static void wrappers(void **state)
+{
+	struct buttons buttons = {0};
+	struct fault fault;
+
+	(void)state;
+	buttons_close(&buttons);
+	assert_int_equal(buttons_open(&buttons, NULL, option, &fault), -EINVAL);
+	assert_int_equal(buttons_open(&buttons, &buttons_script, NULL, &fault), -EINVAL);
+	assert_string_equal(action_names[ACTION_THRESHOLD_SET], "threshold-set");
+	assert_string_equal(action_names[ACTION_QUIT], "quit");
+}
+
+#if WITH_GPIO
+static void gpio_missing(void **state)
+{
+	/* Through the key table, as the program does: the driver's struct is its own. */
+	void *options = calloc(1, buttons_gpio.options_size);
+	struct buttons buttons;
+	struct fault fault;
+
+	(void)state;
+	assert_non_null(options);
+	ini_defaults(buttons_gpio.keys, options);
+	for (const struct ini_key *key = buttons_gpio.keys; key->name; key++)
+		if (!strcmp(key->name, "chip"))
+			strcpy((char *)options + key->offset, "no-such-chip");
+	assert_int_equal(buttons_open(&buttons, &buttons_gpio, options, &fault), -ENOENT);
+	assert_non_null(strstr(fault.text, "no-such-chip"));
+	free(options);
+}
+#endif
+
+static int make_folder(void **state)
+{
+	(void)state;
+	if (!mkdtemp(folder))
+		return -1;
+	snprintf(script, sizeof(script), "%s/script", folder);
+	return 0;
+}
+
+static int remove_folder(void **state)
+{
+	(void)state;
+	unlink(script);
+	return rmdir(folder);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(script_in_time),
+		cmocka_unit_test(script_empty),
+		cmocka_unit_test(script_mistakes),
+		cmocka_unit_test(script_missing),
+		cmocka_unit_test(wrappers),
+#if WITH_GPIO
+		cmocka_unit_test(gpio_missing),
+#endif
+	};
+
+	return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
