@@ -1,5 +1,8 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_sampler.c \
+	tests/unit/test_output.c \
+	tests/unit/test_lights_file.c \
 	tests/unit/test_basis.c \
 	tests/unit/test_panorama.c \
 	tests/unit/test_fisheye.c \
