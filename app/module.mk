@@ -1,3 +1,22 @@
 APP_SOURCES := \
-	app/driver_list.c
+	app/command_check.c \
+	app/command_devices.c \
+	app/command_run.c \
+	app/command_still.c \
+	app/options.c \
+	app/settings.c \
+	app/driver_list.c \
+	app/kiosk.c \
+	app/kiosk_open.c \
+	app/loop.c \
+	app/stats.c \
+	app/still.c \
+	app/source.c \
+	app/eye.c \
+	app/pipeline.c \
+	app/pipeline_config.c \
+	app/show.c \
+	app/layout.c \
+	app/scaler.c \
+	app/marks.c
 APP_MAIN := app/main.c

@@ -112,13 +112,13 @@ struct config {
 	struct config_composite composite;
 	struct config_screen *screen;
 	struct config_buttons *buttons;
+	char name[INI_PATH_MAX]; /* of the file, for faults */
 	/* private */
 	struct config_drivers drivers;
 	struct ini_table *tables;
 	size_t block_bytes[CONFIG_CLASS_COUNT];
 	size_t option_offset[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX];
 	char prefix[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX][CONFIG_NAME_MAX];
-	char name[INI_PATH_MAX]; /* of the file, in faults */
 };
 
 /* Every key at its default. 0 or -ENOMEM, -E2BIG (more drivers than there is room for). */

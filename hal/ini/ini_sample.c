@@ -1,4 +1,3 @@
-#include <ctype.h>
 #include <string.h>
 
 #include "hal/ini/ini_value.h"
@@ -24,7 +23,7 @@ static void write_comment(FILE *stream, const char *text)
 	}
 }
 
-/* Whoever wrote the help may have begun it small or ended it with a full stop. */
+/* The longest text or path goes without saying. */
 static void write_help(FILE *stream, const struct ini_key *key)
 {
 	const char *help = key->help ? key->help : key->name;
@@ -34,8 +33,10 @@ static void write_help(FILE *stream, const struct ini_key *key)
 	if (length && help[length - 1] == '.')
 		length--;
 	ini_value_expected(key, expected, sizeof(expected));
-	snprintf(comment, sizeof(comment), "%c%.*s (%s).", toupper((unsigned char)*help),
-		 length ? (int)length - 1 : 0, help + 1, expected);
+	if (key->type == INI_TEXT || key->type == INI_PATH)
+		snprintf(comment, sizeof(comment), "%.*s.", (int)length, help);
+	else
+		snprintf(comment, sizeof(comment), "%.*s (%s).", (int)length, help, expected);
 	write_comment(stream, comment);
 }
 

@@ -1,0 +1,114 @@
+#include <errno.h>
+#include <stdio.h>
+
+#include "app/commands.h"
+#include "app/driver_list.h"
+#include "app/settings.h"
+#include "hal/basis/basis.h"
+#include "hal/log.h"
+
+struct check_options {
+	struct settings settings; /* first: SETTINGS_ROWS */
+	bool sample;
+};
+
+static int take_sample(void *context, const char *argument, const char **expected)
+{
+	(void)argument;
+	(void)expected;
+	((struct check_options *)context)->sample = true;
+	return 0;
+}
+
+static const struct option_row rows[] = {
+	SETTINGS_ROWS,
+	{.name = "print-config",
+	 .help = "print the whole configuration instead",
+	 .take = settings_take_print},
+	{.name = "sample",
+	 .help = "print every key at its default, with range and meaning, instead",
+	 .take = take_sample},
+	{.name = NULL}};
+
+static void say(void *context, const char *text)
+{
+	(void)context;
+	log_error("%s", text);
+}
+
+/* Also what the file says: a pose that it does not hold. */
+static int check_basis(const struct config *config)
+{
+	struct fault fault = {.text = ""};
+	struct basis basis = {.map = NULL};
+	int err;
+
+	if (!*config->basis.file)
+		return 0; /* config_check() has said so */
+	err = basis_open(&basis, config->basis.file, &fault);
+	if (err) {
+		log_error("%s: [basis] file: %s", config->name, fault.text);
+		return err;
+	}
+	if ((uint32_t)config->basis.pose >= basis.info.poses) {
+		log_error("%s: [basis] pose: is %d, expected 0..%u, the poses that the file holds",
+			  config->name, config->basis.pose, basis.info.poses - 1);
+		err = -EINVAL;
+	}
+	basis_close(&basis);
+	return err;
+}
+
+static int check(const struct config *config, struct ini_report *report)
+{
+	int err = config_check(config, report);
+	int basis_err = check_basis(config);
+
+	return err ? err : basis_err;
+}
+
+static int print_sample(void)
+{
+	struct config *config;
+	int err = config_create(&config, driver_list());
+
+	if (err)
+		return EXIT_FAILED;
+	config_write_sample(config, stdout);
+	config_destroy(config);
+	return EXIT_DONE;
+}
+
+static int run(int argc, char **argv)
+{
+	struct check_options options = {.sample = false};
+	struct ini_report report = {.say = say};
+	struct config *config = NULL;
+	int code = options_read(&command_check, argc, argv, &options), err, check_err;
+
+	if (code != OPTIONS_GO_ON)
+		return code;
+	if (options.sample)
+		return print_sample();
+	err = settings_read(&options.settings, &config, &report);
+	/* A file that cannot be read at all has no second fault. */
+	if (options.settings.print && !err)
+		config_print(config, stdout);
+	else if (config && (!err || err == -EINVAL)) {
+		check_err = check(config, &report);
+		if (!err)
+			err = check_err;
+		if (!err)
+			puts("configuration is fine");
+	}
+	config_destroy(config);
+	return err ? EXIT_FAILED : EXIT_DONE;
+}
+
+const struct command command_check = {
+	.name = "check",
+	.usage = "[--config FILE] [--set SECTION.KEY=VALUE]...",
+	.purpose = "say all that is wrong with a configuration; opens no device",
+	.options = rows,
+	.run = run,
+};

@@ -1,0 +1,202 @@
+#include <errno.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "app/commands.h"
+#include "drivers/drivers.h"
+#include "hal/log.h"
+
+struct devices_options {
+	bool json;
+};
+
+/* Where the listing goes, and what it has seen so far. */
+struct listing {
+	bool json;
+	const char *driver;
+	int found, failed;
+	bool first; /* of its array in JSON */
+};
+
+static int take_json(void *context, const char *argument, const char **expected)
+{
+	(void)argument;
+	(void)expected;
+	((struct devices_options *)context)->json = true;
+	return 0;
+}
+
+static const struct option_row rows[] = {
+	{.name = "json", .help = "for programs", .take = take_json}, {.name = NULL}};
+
+static void print_json_text(const char *text)
+{
+	putchar('"');
+	for (; *text; text++) {
+		unsigned char c = (unsigned char)*text;
+
+		if (c == '"' || c == '\\')
+			printf("\\%c", c);
+		else if (c < 0x20)
+			printf("\\u%04x", c);
+		else
+			putchar(c);
+	}
+	putchar('"');
+}
+
+static void print_json_pair(const char *key, const char *value)
+{
+	printf("\"%s\":", key);
+	print_json_text(value);
+}
+
+static void begin_item(struct listing *l)
+{
+	l->found++;
+	if (!l->json)
+		return;
+	printf("%s{", l->first ? "" : ",");
+	l->first = false;
+	print_json_pair("driver", l->driver);
+}
+
+static void print_item(struct listing *l, const char *device, const char *name, const char *bus,
+		       char (*lines)[160], int line_count)
+{
+	begin_item(l);
+	if (!l->json) {
+		printf("  %s: %s (%s)%s%s\n", l->driver, device, name, *bus ? " at " : "", bus);
+		for (int i = 0; i < line_count; i++)
+			printf("      %s\n", lines[i]);
+		return;
+	}
+	putchar(',');
+	print_json_pair("device", device);
+	putchar(',');
+	print_json_pair("name", name);
+	putchar(',');
+	print_json_pair("bus", bus);
+	printf(",\"lines\":[");
+	for (int i = 0; i < line_count; i++) {
+		printf("%s", i ? "," : "");
+		print_json_text(lines[i]);
+	}
+	printf("]}");
+}
+
+static void found_camera(void *context, const struct camera_listing *c)
+{
+	print_item(context, c->device, c->name, c->bus, c->lines, c->line_count);
+}
+
+static void found_display(void *context, const struct display_listing *d)
+{
+	print_item(context, d->device, d->name, "", d->lines, d->line_count);
+}
+
+static void found_line(void *context, const char *line)
+{
+	struct listing *l = context;
+
+	begin_item(l);
+	if (!l->json) {
+		printf("  %s: %s\n", l->driver, line);
+		return;
+	}
+	putchar(',');
+	print_json_pair("line", line);
+	putchar('}');
+}
+
+static void begin_class(struct listing *l, const char *title, const char *key)
+{
+	l->found = 0;
+	l->first = true;
+	if (l->json)
+		printf("%s\"%s\":[", *key == 'c' ? "{" : ",", key);
+	else
+		printf("%s\n", title);
+}
+
+static void end_class(struct listing *l)
+{
+	if (l->json)
+		putchar(']');
+	else if (!l->found)
+		puts("  none found");
+}
+
+/* A driver that cannot look is said, and the others are listed all the same. */
+static void note_failure(struct listing *l, int count)
+{
+	if (count >= 0)
+		return;
+	log_warning("devices: driver %s cannot list: error %d", l->driver, -count);
+	l->failed++;
+}
+
+static void list_all(struct listing *l)
+{
+	begin_class(l, "cameras", "cameras");
+	for (int i = 0; camera_drivers[i]; i++) {
+		l->driver = camera_drivers[i]->name;
+		if (camera_drivers[i]->list)
+			note_failure(l, camera_drivers[i]->list(found_camera, l));
+	}
+	end_class(l);
+	begin_class(l, "screens", "screens");
+	for (int i = 0; display_drivers[i]; i++) {
+		l->driver = display_drivers[i]->name;
+		if (display_drivers[i]->list)
+			note_failure(l, display_drivers[i]->list(found_display, l));
+	}
+	end_class(l);
+	begin_class(l, "buttons", "buttons");
+	for (int i = 0; buttons_drivers[i]; i++) {
+		l->driver = buttons_drivers[i]->name;
+		if (buttons_drivers[i]->list)
+			note_failure(l, buttons_drivers[i]->list(found_line, l));
+	}
+	end_class(l);
+}
+
+static void list_drivers(struct listing *l)
+{
+	if (l->json) {
+		puts("}");
+		return;
+	}
+	puts("drivers");
+	for (int i = 0; camera_drivers[i]; i++)
+		printf("  camera   %-8s %s\n", camera_drivers[i]->name,
+		       camera_drivers[i]->description);
+	for (int i = 0; display_drivers[i]; i++)
+		printf("  screen   %-8s %s\n", display_drivers[i]->name,
+		       display_drivers[i]->description);
+	for (int i = 0; buttons_drivers[i]; i++)
+		printf("  buttons  %-8s %s\n", buttons_drivers[i]->name,
+		       buttons_drivers[i]->description);
+}
+
+static int run(int argc, char **argv)
+{
+	struct devices_options options = {.json = false};
+	struct listing listing = {.json = false};
+	int code = options_read(&command_devices, argc, argv, &options);
+
+	if (code != OPTIONS_GO_ON)
+		return code;
+	listing.json = options.json;
+	list_all(&listing);
+	list_drivers(&listing);
+	return listing.failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+const struct command command_devices = {
+	.name = "devices",
+	.usage = "[--json]",
+	.purpose = "list the cameras, screens and buttons that there are",
+	.options = rows,
+	.run = run,
+};

@@ -1,0 +1,9 @@
+/* What `inlay` can do, in the order in which --help lists it. */
+#ifndef INLAY_APP_COMMANDS_H
+#define INLAY_APP_COMMANDS_H
+
+#include "app/options.h"
+
+extern const struct command command_run, command_still, command_devices, command_check;
+
+#endif

@@ -1,0 +1,28 @@
+/* One of the three views: which part of which camera, seen upright. */
+#ifndef INLAY_APP_EYE_H
+#define INLAY_APP_EYE_H
+
+#include <stdbool.h>
+
+#include "app/source.h"
+#include "hal/fault.h"
+#include "hal/view.h"
+
+struct eye {
+	const char *section;   /* "fisheye", ...: for faults; borrowed */
+	struct source *source; /* NULL: this view has no camera */
+	struct view wanted;    /* as configured */
+	struct view view;      /* resolved for a picture of this size: */
+	int camera_width, camera_height;
+};
+
+bool eye_has_picture(const struct eye *eye);
+
+/* Fits the view to the camera's picture, whose size may have changed. -EINVAL: it does not fit. An
+ * eye without a picture is fine. */
+int eye_fit(struct eye *eye, struct fault *fault);
+
+/* The upright picture; valid until the source decodes again. Only after eye_fit(). */
+struct picture eye_picture(const struct eye *eye);
+
+#endif

@@ -1,0 +1,43 @@
+/*
+ * Where pictures go on the screen. A cell is a rectangle of the screen; whoever places a picture in
+ * it writes each of its pixels once, in order: the picture, and black around it.
+ */
+#ifndef INLAY_APP_LAYOUT_H
+#define INLAY_APP_LAYOUT_H
+
+#include <stdbool.h>
+
+#include "app/scaler.h"
+#include "config/config.h"
+#include "hal/display.h"
+#include "hal/pool.h"
+#include "hal/view.h"
+
+struct box {
+	int x, y, width, height;
+};
+
+/* The whole screen, and its quarters: 0 up left, 1 up right, 2 down left, 3 down right. */
+struct box layout_whole(const struct display_buffer *screen);
+struct box layout_quarter(const struct display_buffer *screen, int quarter);
+
+/* Where in the cell a picture of this size comes to lie; outside it where it is larger and not to
+ * be scaled. squash: height of a pixel over its width. */
+struct box layout_box(const struct box *cell, int width, int height, double squash,
+		      enum config_scale scale);
+
+/* Whether such a picture goes there pixel by pixel and uncut, so that it can be made in place. */
+bool layout_in_place(const struct box *cell, const struct box *box, int width, int height);
+
+void layout_black(const struct display_buffer *screen, const struct box *box);
+
+/* Black in the cell around the box. */
+void layout_border(const struct display_buffer *screen, const struct box *cell,
+		   const struct box *box);
+
+/* 0 or -ENOMEM. scaler is kept for the next picture of the same place. */
+int layout_place(const struct display_buffer *screen, const struct box *cell,
+		 const struct picture *picture, double squash, enum config_scale scale,
+		 struct scaler *scaler, struct pool *pool);
+
+#endif

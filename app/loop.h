@@ -1,0 +1,39 @@
+/*
+ * The one epoll loop: a fixed set of slots, each with a descriptor or none. Also SIGINT and
+ * SIGTERM, and a tick every second.
+ */
+#ifndef INLAY_APP_LOOP_H
+#define INLAY_APP_LOOP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/fault.h"
+
+#define LOOP_SLOTS 16
+
+struct loop {
+	int epoll, signals, timer; /* -1: not there */
+	int watched[LOOP_SLOTS];   /* -1: nothing */
+	/* What the last wait found: */
+	uint32_t ready; /* bit i: slot i */
+	bool tick, stop;
+};
+
+/* Blocks SIGINT and SIGTERM for the caller and for threads that it starts from then on. */
+int loop_open(struct loop *loop, struct fault *fault);
+void loop_close(struct loop *loop); /* idempotent, after loop_open() */
+
+/* Polls descriptor in a slot from now on; -1: nothing. A descriptor that was closed must leave its
+ * slot (-1) before its number can come back. */
+int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault);
+
+/* Waits until something is ready; SIGINT and SIGTERM set stop. */
+int loop_wait(struct loop *loop, struct fault *fault);
+
+static inline bool loop_ready(const struct loop *loop, int slot)
+{
+	return loop->ready >> slot & 1;
+}
+
+#endif

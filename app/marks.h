@@ -1,0 +1,28 @@
+/* The lights drawn into the fisheye's picture, as in the thesis's figures: those in use red, those
+ * left out blue. */
+#ifndef INLAY_APP_MARKS_H
+#define INLAY_APP_MARKS_H
+
+#include <stdbool.h>
+
+#include "hal/frame.h"
+#include "hal/optics/dome.h"
+#include "hal/optics/fisheye.h"
+
+#define MARK_USED_BGR                                                                              \
+	{                                                                                          \
+		32, 32, 255                                                                        \
+	}
+#define MARK_UNUSED_BGR                                                                            \
+	{                                                                                          \
+		255, 96, 32                                                                        \
+	}
+
+/* A side of a mark, pixels: 2 in a picture of the thesis's height of 243. */
+int mark_side_px(int picture_height);
+
+/* used[dome->count]. lens is of the canvas's size. Lights that it does not see are not drawn. */
+void marks_draw(struct canvas *canvas, const struct dome *dome, const struct fisheye *lens,
+		const bool *used);
+
+#endif

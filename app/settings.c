@@ -1,0 +1,55 @@
+#include "app/settings.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include "app/driver_list.h"
+
+int settings_take_config(void *context, const char *argument, const char **expected)
+{
+	struct settings *settings = context;
+
+	(void)expected;
+	settings->config_file = argument;
+	return 0;
+}
+
+int settings_take_set(void *context, const char *argument, const char **expected)
+{
+	struct settings *settings = context;
+
+	if (settings->set_count == SETTINGS_SETS_MAX) {
+		*expected = "no more than 64 of them";
+		return -E2BIG;
+	}
+	settings->sets[settings->set_count++] = argument;
+	return 0;
+}
+
+int settings_take_print(void *context, const char *argument, const char **expected)
+{
+	(void)argument;
+	(void)expected;
+	((struct settings *)context)->print = true;
+	return 0;
+}
+
+int settings_read(const struct settings *settings, struct config **config,
+		  struct ini_report *report)
+{
+	int err = config_create(config, driver_list()), first = 0;
+
+	if (err) {
+		fault_say(&report->first, err, "cannot set up the configuration: %s",
+			  strerror(-err));
+		return err;
+	}
+	if (settings->config_file)
+		first = config_read(*config, settings->config_file, report);
+	for (int i = 0; i < settings->set_count; i++) {
+		err = config_set(*config, settings->sets[i], report);
+		if (err && !first)
+			first = err;
+	}
+	return first;
+}

@@ -1,0 +1,39 @@
+/* --config and --set, as run, still and check take them. */
+#ifndef INLAY_APP_SETTINGS_H
+#define INLAY_APP_SETTINGS_H
+
+#include <stdbool.h>
+
+#include "app/options.h"
+#include "config/config.h"
+
+#define SETTINGS_SETS_MAX 64
+
+struct settings {
+	const char *config_file; /* NULL: defaults */
+	const char *sets[SETTINGS_SETS_MAX];
+	int set_count;
+	bool print; /* --print-config */
+};
+
+/* Rows of an option table whose context begins with a struct settings. */
+#define SETTINGS_ROWS                                                                              \
+	{.name = "config",                                                                         \
+	 .argument = "FILE",                                                                       \
+	 .help = "read this configuration",                                                        \
+	 .take = settings_take_config},                                                            \
+	{                                                                                          \
+		.name = "set", .argument = "SECTION.KEY=VALUE",                                    \
+		.help = "change one key; may be given again", .take = settings_take_set            \
+	}
+
+int settings_take_config(void *context, const char *argument, const char **expected);
+int settings_take_set(void *context, const char *argument, const char **expected);
+int settings_take_print(void *context, const char *argument, const char **expected);
+
+/* Reads both. Everything wrong goes to the report; 0 or the first error. config is made in any case
+ * but -ENOMEM, so that a check can go on. */
+int settings_read(const struct settings *settings, struct config **config,
+		  struct ini_report *report);
+
+#endif

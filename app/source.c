@@ -1,0 +1,251 @@
+#include "app/source.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/clock.h"
+#include "hal/log.h"
+
+#define SILENT_NS (2 * NS_PER_S)  /* then a camera is called stalled */
+#define GIVE_UP_NS (6 * NS_PER_S) /* then it is closed and opened anew */
+
+int source_create(struct source *source, const struct source_settings *settings)
+{
+	int err;
+
+	*source = (struct source){.settings = *settings};
+	err = frame_decoder_create(&source->decoder);
+	if (err)
+		return err;
+	source->tables = malloc(sizeof(*source->tables));
+	if (!source->tables) {
+		source_destroy(source);
+		return -ENOMEM;
+	}
+	transfer_tables_fill(source->tables, settings->transfer);
+	return 0;
+}
+
+static void close_camera(struct source *source)
+{
+	source_drop(source);
+	camera_close(&source->camera);
+	source->earlier_frames += source->camera.frames;
+	source->earlier_lost += source->camera.lost;
+	source->earlier_broken += source->camera.broken;
+	source->camera.frames = source->camera.lost = source->camera.broken = 0;
+}
+
+void source_destroy(struct source *source)
+{
+	close_camera(source);
+	frame_decoder_destroy(source->decoder);
+	free(source->tables);
+	canvas_free(&source->canvas);
+	image_free(&source->linear);
+	*source = (struct source){.decoder = NULL};
+}
+
+void source_complain(struct source *source, const struct fault *fault)
+{
+	enum camera_situation now = source->camera.situation;
+
+	if (now == source->said)
+		return;
+	source->said = now;
+	if (now == CAMERA_FINE)
+		log_info("camera %s: fine again, %dx%d %s", source->settings.name,
+			 source->camera.width, source->camera.height,
+			 pixel_format_names[source->camera.format]);
+	else
+		log_warning("camera %s: %s%s%s", source->settings.name, camera_situation_names[now],
+			    *fault->text ? ": " : "", fault->text);
+}
+
+int source_open(struct source *source, struct fault *fault)
+{
+	int err = camera_open(&source->camera, source->settings.ops, &source->settings.camera,
+			      source->settings.options, fault);
+
+	source->heard_ns = clock_now_ns();
+	return err;
+}
+
+bool source_is_open(const struct source *source)
+{
+	return source->camera.state != NULL;
+}
+
+bool source_is_hopeless(const struct source *source)
+{
+	switch (source->camera.situation) {
+	case CAMERA_UNSUPPORTED_FORMAT:
+	case CAMERA_NO_PERMISSION:
+	case CAMERA_BROKEN:
+		return true;
+	default:
+		return false;
+	}
+}
+
+int source_descriptor(struct source *source)
+{
+	if (!source_is_open(source) || (source->camera.on_demand && source_has_news(source)))
+		return -1;
+	return camera_descriptor(&source->camera);
+}
+
+void source_drop(struct source *source)
+{
+	camera_release(&source->camera, &source->held);
+}
+
+void source_take(struct source *source, int64_t now_ns)
+{
+	struct fault fault = {.text = ""};
+	struct frame frame;
+	int err;
+
+	/* At most one frame may be out, so the one we hold goes back before we know of another:
+	 * readable, there is one. */
+	if (source_has_news(source)) {
+		source_drop(source);
+		source->superseded++;
+	}
+	err = camera_grab(&source->camera, &frame, &fault);
+	if (err == -EAGAIN)
+		return;
+	if (err) {
+		source_complain(source, &fault);
+		close_camera(source);
+		return;
+	}
+	source->held = frame;
+	/* A camera without a clock of its own stamps frames with a time that is not ours. */
+	source->held_ns = source->camera.on_demand ? now_ns : frame.timestamp_ns;
+	source->heard_ns = now_ns;
+	source_complain(source, &fault);
+}
+
+void source_watch(struct source *source, int64_t now_ns)
+{
+	static const struct fault nothing = {.text = ""};
+
+	if (!source_is_open(source) || source_has_news(source) ||
+	    now_ns - source->heard_ns < SILENT_NS)
+		return;
+	if (source->camera.situation == CAMERA_FINE)
+		source->camera.situation = CAMERA_STALLED;
+	source_complain(source, &nothing);
+	if (now_ns - source->heard_ns >= GIVE_UP_NS)
+		close_camera(source);
+}
+
+bool source_has_news(const struct source *source)
+{
+	return source->held.format != PIXEL_NONE;
+}
+
+bool source_has_picture(const struct source *source)
+{
+	return source->canvas.width > 0;
+}
+
+static int fit_pictures(struct source *source, const struct frame *frame)
+{
+	int err;
+
+	source->is_linear = frame->format == PIXEL_RGBF;
+	if (source->canvas.width != frame->width || source->canvas.height != frame->height) {
+		canvas_free(&source->canvas);
+		err = canvas_create(&source->canvas, frame->width, frame->height);
+		if (err)
+			return err;
+	}
+	if (!source->is_linear ||
+	    (source->linear.width == frame->width && source->linear.height == frame->height))
+		return 0;
+	image_free(&source->linear);
+	return image_create_f32(&source->linear, frame->width, frame->height);
+}
+
+static uint8_t code_of(const struct transfer_tables *tables, float linear)
+{
+	/* Written so that a NaN is black. */
+	if (!(linear > 0))
+		return tables->encode[0];
+	return tables->encode[linear < 1 ? (int)(linear * 65535 + 0.5f) : 65535];
+}
+
+static void encode_linear(const struct source *source)
+{
+	const struct image *linear = &source->linear;
+	const struct canvas *canvas = &source->canvas;
+
+	for (int y = 0; y < linear->height; y++) {
+		const float *from = linear->f32 + (size_t)y * (size_t)linear->width * 3;
+		uint8_t *to = canvas->pixels + (size_t)y * canvas->stride;
+
+		for (int x = 0; x < linear->width; x++, from += 3, to += 4) {
+			to[0] = code_of(source->tables, from[2]);
+			to[1] = code_of(source->tables, from[1]);
+			to[2] = code_of(source->tables, from[0]);
+			to[3] = 255;
+		}
+	}
+}
+
+static int copy_linear(struct source *source, const struct frame *frame)
+{
+	const struct frame_plane *plane = &frame->planes[0];
+	size_t row = (size_t)frame->width * 3 * sizeof(float);
+
+	if (plane->stride < row || plane->bytes < plane->stride * (size_t)(frame->height - 1) + row)
+		return -EINVAL;
+	for (int y = 0; y < frame->height; y++)
+		memcpy((char *)source->linear.f32 + (size_t)y * row,
+		       plane->data + (size_t)y * plane->stride, row);
+	return 0;
+}
+
+static int decode(struct source *source, struct fault *fault)
+{
+	int err = fit_pictures(source, &source->held);
+
+	if (err)
+		return fault_say(fault, err, "not enough memory for a picture of %dx%d",
+				 source->held.width, source->held.height);
+	if (!source->is_linear)
+		return frame_decode(source->decoder, &source->held, &source->canvas, fault);
+	err = copy_linear(source, &source->held);
+	if (err)
+		return fault_say(fault, err, "a short frame");
+	encode_linear(source);
+	return 0;
+}
+
+bool source_decode(struct source *source)
+{
+	struct fault fault = {.text = ""};
+	int err = decode(source, &fault);
+
+	if (err && !source->undecodable++)
+		log_warning("camera %s: a frame does not decode and is passed over: %s",
+			    source->settings.name, fault.text);
+	if (!err)
+		source->picture_ns = source->held_ns;
+	source_drop(source);
+	return !err;
+}
+
+struct source_counts source_counts(const struct source *source)
+{
+	const struct camera *camera = &source->camera;
+
+	return (struct source_counts){
+		.frames = source->earlier_frames + camera->frames,
+		.lost = source->earlier_lost + camera->lost + source->superseded,
+		.broken = source->earlier_broken + camera->broken + source->undecodable,
+	};
+}

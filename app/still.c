@@ -1,0 +1,245 @@
+#include "app/still.h"
+
+#include <errno.h>
+#include <libyuv.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "app/pipeline.h"
+#include "app/pipeline_config.h"
+#include "hal/frame.h"
+#include "hal/image/image.h"
+#include "hal/lights/lights_file.h"
+
+const char *const still_mode_names[] = {"exact", "reference", NULL};
+
+struct still {
+	const struct still_settings *settings;
+	struct basis basis;
+	struct pipeline pipeline;
+	struct image fisheye;
+	struct canvas fisheye_canvas, background_canvas, after;
+	double *reference; /* [height][width][3], encoded, 0..255 */
+	struct image out;
+};
+
+static bool ends_with(const char *path, const char *ending)
+{
+	size_t length = strlen(path), tail = strlen(ending);
+
+	return length > tail && !strcasecmp(path + length - tail, ending);
+}
+
+bool still_can_write(const char *path)
+{
+	return ends_with(path, ".png") || ends_with(path, ".pfm") || ends_with(path, ".hdr");
+}
+
+static int canvas_of(struct canvas *canvas, const struct image *image, const char *path,
+		     struct fault *fault)
+{
+	int err;
+
+	if (!image->u8)
+		return fault_say(fault, -EINVAL,
+				 "%s: holds linear light, expected an 8-bit picture (PNG, JPEG)",
+				 path);
+	err = canvas_create(canvas, image->width, image->height);
+	if (err)
+		return fault_say(fault, err, "%s: not enough memory for %dx%d pixels", path,
+				 image->width, image->height);
+	/* libyuv's RAW is R, G, B in memory. */
+	RAWToARGB(image->u8, 3 * image->width, canvas->pixels, (int)canvas->stride, image->width,
+		  image->height);
+	return 0;
+}
+
+static int say_view(struct fault *fault, int err, const char *path, const struct fault *reason)
+{
+	return fault_say(fault, err, "%s: %s", path, reason->text);
+}
+
+/* ---- light ---- */
+
+static int light_from_file(struct still *s, struct fault *fault)
+{
+	int count = (int)s->basis.info.lights, err;
+	float(*radiance)[3] = calloc((size_t)count, sizeof(*radiance));
+
+	if (!radiance)
+		return fault_say(fault, -ENOMEM, "not enough memory for %d lights", count);
+	err = lights_file_read(s->settings->lights, radiance, count, fault);
+	if (!err)
+		pipeline_light_given(&s->pipeline, radiance);
+	free(radiance);
+	return err;
+}
+
+static int light_from_fisheye(struct still *s, struct fault *fault)
+{
+	const char *path = s->settings->fisheye;
+	struct view view = config_view(&s->settings->config->fisheye.view);
+	struct fault reason = {.text = ""};
+	struct picture picture;
+	int err = image_read(path, &s->fisheye, fault);
+
+	if (err)
+		return err;
+	err = view_resolve(&view, s->fisheye.width, s->fisheye.height, &reason);
+	if (err)
+		return say_view(fault, err, path, &reason);
+	if (s->fisheye.f32)
+		return pipeline_light_linear(&s->pipeline, &s->fisheye, &view, fault);
+	err = canvas_of(&s->fisheye_canvas, &s->fisheye, path, fault);
+	if (err)
+		return err;
+	picture = view_picture(&view, s->fisheye_canvas.pixels, s->fisheye_canvas.stride);
+	return pipeline_light_picture(&s->pipeline, &picture, fault);
+}
+
+static int find_light(struct still *s, struct fault *fault)
+{
+	struct pipeline_choice choice = {s->settings->threshold, s->settings->pose, true};
+	int err = s->settings->lights ? light_from_file(s, fault) : light_from_fisheye(s, fault);
+
+	return err ? err : pipeline_choose(&s->pipeline, &choice, fault);
+}
+
+/* ---- picture ---- */
+
+static int read_background(struct still *s, struct picture *picture, struct fault *fault)
+{
+	const char *path = s->settings->background;
+	struct view view = config_view(&s->settings->config->background.view);
+	struct fault reason = {.text = ""};
+	struct image image;
+	int err = image_read(path, &image, fault);
+
+	if (err)
+		return err;
+	err = view_resolve(&view, image.width, image.height, &reason);
+	if (err)
+		err = say_view(fault, err, path, &reason);
+	else
+		err = canvas_of(&s->background_canvas, &image, path, fault);
+	image_free(&image);
+	if (err)
+		return err;
+	*picture = view_picture(&view, s->background_canvas.pixels, s->background_canvas.stride);
+	return 0;
+}
+
+/* The code value of one channel of the result, not rounded in reference mode. */
+static double code_at(const struct still *s, int x, int y, int channel)
+{
+	size_t at = (size_t)y * (size_t)s->out.width + (size_t)x;
+
+	if (s->reference)
+		return s->reference[3 * at + (size_t)channel];
+	return s->after.pixels[(size_t)y * s->after.stride + 4 * (size_t)x + 2 - (size_t)channel];
+}
+
+/* PNG takes code values, PFM and Radiance the linear light that they stand for. */
+static void fill_out(struct still *s)
+{
+	enum transfer transfer = (enum transfer)s->settings->config->background.transfer;
+
+	for (int y = 0; y < s->out.height; y++) {
+		for (int x = 0; x < s->out.width; x++) {
+			size_t at = 3 * ((size_t)y * (size_t)s->out.width + (size_t)x);
+
+			for (int c = 0; c < 3; c++) {
+				double code = code_at(s, x, y, c);
+
+				if (s->out.u8)
+					s->out.u8[at + (size_t)c] = (uint8_t)lrint(code);
+				else
+					s->out.f32[at + (size_t)c] =
+						(float)transfer_decode(transfer, code / 255);
+			}
+		}
+	}
+}
+
+static int composite(struct still *s, const struct picture *background, struct fault *fault)
+{
+	size_t pixels = (size_t)background->width * (size_t)background->height;
+	int err;
+
+	if (s->settings->mode == STILL_REFERENCE) {
+		s->reference = malloc(3 * pixels * sizeof(*s->reference));
+		if (!s->reference)
+			return fault_say(fault, -ENOMEM, "not enough memory for the picture");
+		return pipeline_reference(&s->pipeline, background, s->reference, fault);
+	}
+	err = canvas_create(&s->after, background->width, background->height);
+	if (err)
+		return fault_say(fault, err, "not enough memory for the picture");
+	return pipeline_composite(&s->pipeline, background, s->after.pixels, s->after.stride,
+				  fault);
+}
+
+static int make_picture(struct still *s, struct fault *fault)
+{
+	struct picture background;
+	int err = read_background(s, &background, fault);
+
+	if (err)
+		return err;
+	err = composite(s, &background, fault);
+	if (err)
+		return err;
+	if (ends_with(s->settings->out, ".png"))
+		err = image_create_u8(&s->out, background.width, background.height);
+	else
+		err = image_create_f32(&s->out, background.width, background.height);
+	if (err)
+		return fault_say(fault, err, "not enough memory for the picture");
+	fill_out(s);
+	return 0;
+}
+
+/* ---- all of it ---- */
+
+static int work(struct still *s, struct fault *fault)
+{
+	const struct still_settings *settings = s->settings;
+	struct pipeline_settings pipeline = pipeline_settings_of(settings->config);
+	int err = basis_open(&s->basis, settings->basis, fault);
+
+	if (err)
+		return err;
+	err = pipeline_create(&s->pipeline, &s->basis, &pipeline, fault);
+	if (err)
+		return err;
+	err = find_light(s, fault);
+	if (err)
+		return err;
+	err = make_picture(s, fault);
+	if (err)
+		return err;
+	/* Nothing is written before everything is known to be right. */
+	if (settings->lights_out)
+		err = lights_file_write(settings->lights_out,
+					(const float(*)[3])s->pipeline.radiance,
+					s->pipeline.dome.count, fault);
+	return err ? err : image_write(settings->out, &s->out, fault);
+}
+
+int still_run(const struct still_settings *settings, struct fault *fault)
+{
+	struct still s = {.settings = settings};
+	int err = work(&s, fault);
+
+	image_free(&s.out);
+	free(s.reference);
+	canvas_free(&s.after);
+	canvas_free(&s.background_canvas);
+	canvas_free(&s.fisheye_canvas);
+	image_free(&s.fisheye);
+	pipeline_destroy(&s.pipeline);
+	basis_close(&s.basis);
+	return err;
+}

@@ -1,0 +1,32 @@
+/* One picture through the pipeline: files in, a file out. */
+#ifndef INLAY_APP_STILL_H
+#define INLAY_APP_STILL_H
+
+#include <stdbool.h>
+
+#include "config/config.h"
+#include "hal/fault.h"
+
+enum still_mode { STILL_EXACT, STILL_REFERENCE, STILL_MODE_COUNT };
+
+extern const char *const still_mode_names[]; /* "exact", "reference", NULL */
+
+struct still_settings {
+	const struct config *config;
+	const char *basis;
+	const char *background;
+	const char *fisheye; /* one of these two, the other NULL */
+	const char *lights;
+	const char *lights_out; /* NULL: nowhere */
+	const char *out;	/* .png: code values; .pfm, .hdr: linear light */
+	double threshold;
+	int pose;
+	enum still_mode mode;
+};
+
+/* Whether still can write a file of this name. */
+bool still_can_write(const char *path);
+
+int still_run(const struct still_settings *settings, struct fault *fault);
+
+#endif
