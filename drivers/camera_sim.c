@@ -192,7 +192,7 @@ static int sim_open(struct camera *camera, struct fault *fault)
 				     });
 	if (camera->rate_hz <= 0)
 		camera->rate_hz = 25;
-	camera->on_demand = options->pace == CLOCK_FRAMES;
+	camera->on_demand = options->pace == SIM_CLOCK_FRAMES;
 	sim->period_ns = llround((double)NS_PER_S / camera->rate_hz);
 	sim->start_ns = clock_now_ns();
 	err = start_clock(camera, sim, fault);
