@@ -66,7 +66,8 @@ static int say_refused(const struct kms_screen *screen, int err, const char *wha
 	if (err == -EACCES || err == -EBUSY || err == -EPERM)
 		return fault_say(fault, err,
 				 "kms display: another program (a desktop or another inlay) holds "
-				 "the screen: stop it or switch to a free console");
+				 "the screen (%s of %s): stop it or switch to a free console",
+				 screen->path.connector_name, screen->path.device);
 	return fault_say(fault, err, "kms display: %s: cannot %s: %s", screen->path.connector_name,
 			 what, strerror(-err));
 }

@@ -34,7 +34,8 @@ int kms_mode_choose(const drmModeModeInfo *modes, int count, int width, int heig
 
 /* The way of a picture: plane, CRTC, connector. */
 struct kms_path {
-	int card; /* descriptor; not owned */
+	int card;	 /* descriptor; not owned */
+	char device[64]; /* of the card, for messages */
 	uint32_t connector, crtc, plane;
 	char connector_name[32];
 	drmModeModeInfo mode;

@@ -207,6 +207,7 @@ static int try_card(const struct display_settings *settings, const char *wanted,
 	uint64_t dumb = 0;
 	int err;
 
+	snprintf(path->device, sizeof(path->device), "%.63s", device);
 	path->card = open_card(device);
 	if (path->card < 0) {
 		err = path->card;
