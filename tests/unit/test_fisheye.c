@@ -257,6 +257,32 @@ static void refused(void **state)
 		-EINVAL);
 }
 
+static void *place(void *root, const char *instance)
+{
+	(void)instance;
+	return root;
+}
+
+static void keys_fill_every_field(void **state)
+{
+	static const char text[] = "[fisheye]\nfocal = 150 75\ncentre = 161 99\n"
+				   "rotation = 1 -2 3\nfield = 92.5\n";
+	const struct ini_table tables[] = {
+		{.section = "fisheye", .keys = fisheye_keys, .place = place}, INI_TABLES_END};
+	const struct fisheye_settings want = {{150, 75}, {161, 99}, {1, -2, 3}, 92.5};
+	const struct fisheye_settings fallback = {.field_deg = 90};
+	struct ini_report report = {.count = 0};
+	struct fisheye_settings settings;
+
+	(void)state;
+	ini_defaults(fisheye_keys, &settings);
+	assert_memory_equal(&settings, &fallback, sizeof(settings));
+	assert_int_equal(
+		ini_read_memory(text, strlen(text), "fisheye.ini", ".", tables, &settings, &report),
+		0);
+	assert_memory_equal(&settings, &want, sizeof(want));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -269,6 +295,7 @@ int main(void)
 		cmocka_unit_test(pixel_solid_angle),
 		cmocka_unit_test(a_hemisphere_is_two_pi),
 		cmocka_unit_test(refused),
+		cmocka_unit_test(keys_fill_every_field),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

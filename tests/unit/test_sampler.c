@@ -10,8 +10,10 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "hal/lights/sampler.h"
+#include "hal/optics/panorama.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/chance.h"
 
@@ -459,6 +461,116 @@ static void clipped_share(void **state)
 	sky_free(&s);
 }
 
+/* ---- real skies ---- */
+
+/* The colours of the lights by direct integration over the panorama, each pixel in 4 x 4 parts: no
+ * lens, no sampler. */
+static void integrate_panorama(const struct panorama *p, const struct dome *dome, double (*mean)[3])
+{
+	const int parts = 4;
+	double *sum_sr = calloc((size_t)dome->count, sizeof(*sum_sr));
+
+	assert_non_null(sum_sr);
+	memset(mean, 0, (size_t)dome->count * sizeof(*mean));
+	for (int y = 0; y < parts * p->image->height / 2; y++)
+		for (int x = 0; x < parts * p->image->width; x++) {
+			const float *pixel =
+				p->image->f32 +
+				3 * ((size_t)(y / parts) * p->image->width + x / parts);
+			double dir[3], sr;
+			int i;
+
+			panorama_direction(p, (x + 0.5) / parts, (y + 0.5) / parts, dir);
+			sr = sqrt(dir[0] * dir[0] + dir[1] * dir[1]);
+			i = dome_cell_of(dome, dir);
+			sum_sr[i] += sr;
+			for (int c = 0; c < 3; c++)
+				mean[i][c] += sr * pixel[c];
+		}
+	for (int i = 0; i < dome->count; i++)
+		for (int c = 0; c < 3; c++)
+			mean[i][c] /= sum_sr[i];
+	free(sum_sr);
+}
+
+/* What the lens sees of it, each pixel the mean of 4 x 4 points. */
+static void photograph(const struct sky *s, const struct panorama *p, struct image *image)
+{
+	const int parts = 4;
+
+	for (int y = 0; y < s->height; y++)
+		for (int x = 0; x < s->width; x++)
+			for (int k = 0; k < parts * parts; k++) {
+				const double px[2] = {x + (k % parts + 0.5) / parts,
+						      y + (k / parts + 0.5) / parts};
+				double dir[3], rgb[3];
+
+				if (!fisheye_ray(&s->lens, px, dir))
+					continue;
+				panorama_radiance(p, dir, rgb);
+				for (int c = 0; c < 3; c++)
+					image->f32[3 * (y * s->width + x) + c] +=
+						(float)(rgb[c] / (parts * parts));
+			}
+}
+
+static void check_real_sky(const char *folder, const char *name)
+{
+	const struct fisheye_settings turned = {.rotation_deg = {0, 0, 70}, .field_deg = 100};
+	struct sky s = sky_of(9, &turned, 640, 640, &by_cell);
+	double(*want)[3] = calloc((size_t)s.dome.count, sizeof(*want));
+	struct image image, photo = {640, 640, NULL, calloc(640 * 640, 3 * sizeof(float))};
+	const struct panorama p = {&image, 0.8, 1};
+	double scale = 0, error = 0, lights = 0, truth = 0;
+	char path[1024];
+
+	assert_non_null(want);
+	assert_non_null(photo.f32);
+	snprintf(path, sizeof(path), "%s/hdri/%s", folder, name);
+	assert_int_equal(image_read(path, &image, NULL), 0);
+	integrate_panorama(&p, &s.dome, want);
+	photograph(&s, &p, &photo);
+	assert_int_equal(light_sampler_read_linear(s.sampler, &photo, s.radiance), 0);
+	for (int i = 0; i < s.dome.count; i++)
+		for (int c = 0; c < 3; c++) {
+			const double sr = s.dome.solid_angle_sr[i];
+
+			lights += sr * s.radiance[i][c];
+			truth += sr * want[i][c];
+			error += sr * fabs(s.radiance[i][c] - want[i][c]);
+			scale += sr * want[i][c];
+		}
+	print_message("# %s: whole sky off by %.3f %%, lights on average by %.2f %%\n", name,
+		      100 * fabs(lights / truth - 1), 100 * error / scale);
+	assert_true(fabs(lights / truth - 1) < 5e-3);
+	assert_true(error / scale < 0.02);
+	image_free(&image);
+	free(photo.f32);
+	free(want);
+	sky_free(&s);
+}
+
+static void real_skies(void **state)
+{
+	static const char *const names[] = {"st_fagans_interior_1k.hdr", "venice_sunset_1k.hdr",
+					    "studio_small_03_1k.hdr"};
+	const char *folder = getenv("INLAY_SHARED_DATA");
+	char path[1024];
+
+	(void)state;
+	if (!folder)
+		folder = "../shared/data";
+	for (unsigned i = 0; i < sizeof(names) / sizeof(*names); i++) {
+		snprintf(path, sizeof(path), "%s/hdri/%s", folder, names[i]);
+		if (access(path, R_OK) != 0) {
+			print_message("# %s is missing; INLAY_SHARED_DATA names its folder\n",
+				      path);
+			skip();
+		}
+		check_real_sky(folder, names[i]);
+	}
+}
+
 static void refused(void **state)
 {
 	static const struct light_sampler_settings bad[] = {
@@ -506,6 +618,7 @@ int main(void)
 		cmocka_unit_test(outside_the_field_is_dark),
 		cmocka_unit_test(cropped_circle),
 		cmocka_unit_test(clipped_share),
+		cmocka_unit_test(real_skies),
 		cmocka_unit_test(refused),
 	};
 
