@@ -287,6 +287,8 @@ static int turn(struct kiosk *k, struct fault *fault)
 	bool frames;
 	int err = 0;
 
+	loop_start(&k->loop);
+	stats_start(&k->stats, clock_now_ns());
 	while (!err && !is_over(k)) {
 		err = watch_all(k, fault);
 		if (!err)

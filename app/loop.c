@@ -20,7 +20,6 @@ static int add(struct loop *loop, int descriptor, uint32_t slot)
 
 static int open_all(struct loop *loop)
 {
-	const struct itimerspec second = {.it_value.tv_sec = 1, .it_interval.tv_sec = 1};
 	sigset_t set;
 	int err;
 
@@ -37,7 +36,7 @@ static int open_all(struct loop *loop)
 	if (loop->signals < 0)
 		return -errno;
 	loop->timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
-	if (loop->timer < 0 || timerfd_settime(loop->timer, 0, &second, NULL))
+	if (loop->timer < 0)
 		return -errno;
 	err = add(loop, loop->signals, SLOT_SIGNALS);
 	return err ? err : add(loop, loop->timer, SLOT_TIMER);
@@ -70,6 +69,14 @@ void loop_close(struct loop *loop)
 	close_one(&loop->timer);
 	close_one(&loop->signals);
 	close_one(&loop->epoll);
+}
+
+void loop_start(struct loop *loop)
+{
+	const struct itimerspec second = {.it_value.tv_sec = 1, .it_interval.tv_sec = 1};
+
+	/* Fails only for a wrong descriptor or wrong times. */
+	(void)timerfd_settime(loop->timer, 0, &second, NULL);
 }
 
 int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault)

@@ -24,6 +24,8 @@ struct loop {
 int loop_open(struct loop *loop, struct fault *fault);
 void loop_close(struct loop *loop); /* idempotent, after loop_open() */
 
+void loop_start(struct loop *loop);
+
 /* Polls descriptor in a slot from now on; -1: nothing. A descriptor that was closed must leave its
  * slot (-1) before its number can come back. */
 int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault);

@@ -25,12 +25,16 @@ void show_free(struct show *show)
 		scaler_free(&show->scalers[i]);
 }
 
+/* Of a camera that is open, whether it has delivered or not. */
 static void eye_size(const struct eye *eye, int *width, int *height)
 {
-	if (!eye_has_picture(eye))
+	struct view view = eye->wanted;
+
+	if (!eye->source || !source_is_open(eye->source) ||
+	    view_resolve(&view, eye->source->camera.width, eye->source->camera.height, NULL))
 		return;
-	*width = eye->view.width;
-	*height = (int)lrint(eye->view.height * eye->view.squash);
+	*width = view.width;
+	*height = (int)lrint(view.height * view.squash);
 }
 
 void show_size(enum config_show what, const struct eyes *eyes, const struct basis *basis,

@@ -14,8 +14,7 @@ int stats_open(struct stats *stats, const char *path, struct fault *fault)
 {
 	int err;
 
-	*stats = (struct stats){.path = path, .start_ns = clock_now_ns()};
-	stats->line_ns = stats->start_ns;
+	*stats = (struct stats){.path = path};
 	if (!path)
 		return 0;
 	stats->stream = fopen(path, "we");
@@ -23,6 +22,11 @@ int stats_open(struct stats *stats, const char *path, struct fault *fault)
 		return 0;
 	err = -errno;
 	return fault_say(fault, err, "%s: cannot write statistics: %s", path, strerror(-err));
+}
+
+void stats_start(struct stats *stats, int64_t now_ns)
+{
+	stats->start_ns = stats->line_ns = now_ns;
 }
 
 void stats_close(struct stats *stats)

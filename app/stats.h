@@ -27,7 +27,8 @@ struct stats {
 
 /* path NULL: count, but write nothing. */
 int stats_open(struct stats *stats, const char *path, struct fault *fault);
-void stats_close(struct stats *stats); /* idempotent */
+void stats_start(struct stats *stats, int64_t now_ns); /* the run's time 0 */
+void stats_close(struct stats *stats);		       /* idempotent */
 
 /* A picture has been made, and spent so long in each stage. */
 void stats_made(struct stats *stats, const int64_t stage_ns[STAGE_COUNT]);
