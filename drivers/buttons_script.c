@@ -136,12 +136,14 @@ static int read_script(struct script *script, const char *path, struct fault *fa
 {
 	FILE *stream = fopen(path, "re");
 	char text[256];
-	int err = stream ? 0 : -errno;
 	int number = 0;
+	int err = 0;
 
-	if (err)
+	if (!stream) {
+		err = -errno;
 		return fault_say(fault, err, "%s: cannot read the button script: %s", path,
 				 strerror(-err));
+	}
 	while (!err && fgets(text, sizeof(text), stream)) {
 		struct script_line line;
 		int found;

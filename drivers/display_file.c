@@ -50,10 +50,11 @@ struct file_screen {
 static bool find_number(struct file_screen *screen, const char *path)
 {
 	const char *percent = strchr(path, '%');
-	const char *at = percent + 1;
+	const char *at;
 
 	if (!percent)
 		return false;
+	at = percent + 1;
 	screen->prefix_length = (int)(percent - path);
 	screen->zeros = *at == '0';
 	while (isdigit((unsigned char)*at) && screen->digits < 20)

@@ -12,8 +12,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "drivers/display_kms.h"
 #include "drivers/drivers.h"
+#include "drivers/kms/kms.h"
 #include "hal/clock.h"
 
 #define NONE (-1)

@@ -20,7 +20,7 @@ DRIVER_SOURCES := \
 	drivers/buttons_script.c \
 	drivers/display_file.c \
 	drivers/display_null.c
-DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c drivers/display_kms_find.c \
-	drivers/display_kms_mode.c drivers/display_kms_state.c)
+DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c drivers/kms/find.c \
+	drivers/kms/mode.c drivers/kms/state.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c)

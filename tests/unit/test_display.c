@@ -25,7 +25,7 @@
 #include <SDL.h>
 #endif
 #if WITH_KMS
-#include "drivers/display_kms.h"
+#include "drivers/kms/kms.h"
 #endif
 
 static char folder[] = "/tmp/inlay-display-XXXXXX";

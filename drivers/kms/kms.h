@@ -1,9 +1,9 @@
 /*
  * What the files of the KMS display share: choosing a mode, finding a screen, and the state of the
- * objects that lead to it. Private to drivers/display_kms*.c.
+ * objects that lead to it. Private to drivers/display_kms.c.
  */
-#ifndef INLAY_DRIVERS_DISPLAY_KMS_H
-#define INLAY_DRIVERS_DISPLAY_KMS_H
+#ifndef INLAY_DRIVERS_KMS_KMS_H
+#define INLAY_DRIVERS_KMS_KMS_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -18,7 +18,7 @@ struct kms_options {
 	int buffers;
 };
 
-/* ---- display_kms_mode.c: pure ---- */
+/* ---- mode.c: pure ---- */
 
 /* Refreshes a second, from the pixel clock. */
 double kms_mode_rate(const drmModeModeInfo *mode);
@@ -30,7 +30,7 @@ double kms_mode_rate(const drmModeModeInfo *mode);
  */
 int kms_mode_choose(const drmModeModeInfo *modes, int count, int width, int height, double rate_hz);
 
-/* ---- display_kms_find.c ---- */
+/* ---- find.c ---- */
 
 /* The way of a picture: plane, CRTC, connector. */
 struct kms_path {
@@ -48,7 +48,7 @@ int kms_find(const struct display_settings *settings, const char *connector, str
 
 int kms_list(void (*found)(void *context, const struct display_listing *listing), void *context);
 
-/* ---- display_kms_state.c ---- */
+/* ---- state.c ---- */
 
 /* The properties that set a picture up, by id. */
 struct kms_properties {

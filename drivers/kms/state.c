@@ -2,7 +2,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "drivers/display_kms.h"
+#include "drivers/kms/kms.h"
 
 /* Where a property belongs, its name, and where its id and value go. */
 struct property_row {

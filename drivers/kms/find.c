@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/display_kms.h"
+#include "drivers/kms/kms.h"
 
 #define CARDS 16
 
@@ -133,7 +133,7 @@ static bool find_crtc(const drmModeRes *resources, const drmModeConnector *conne
 static int say_no_mode(const struct display_settings *settings, const drmModeConnector *connector,
 		       const struct kms_path *path, struct fault *fault)
 {
-	char sizes[256] = "";
+	char sizes[256] = "", asked[32];
 	size_t used = 0;
 
 	for (int i = 0; i < connector->count_modes && used < sizeof(sizes) - 24; i++) {
@@ -147,10 +147,13 @@ static int say_no_mode(const struct display_settings *settings, const drmModeCon
 	if (!connector->count_modes)
 		return fault_say(fault, -EINVAL, "kms display: %s offers no modes",
 				 path->connector_name);
+	snprintf(asked, sizeof(asked), settings->width ? "%dx" : "any x ", settings->width);
+	used = strlen(asked);
+	snprintf(asked + used, sizeof(asked) - used, settings->height ? "%d" : "any",
+		 settings->height);
 	return fault_say(fault, -EINVAL,
-			 "kms display: %s has no progressive mode of %dx%d (0: any), expected one "
-			 "of %s",
-			 path->connector_name, settings->width, settings->height, sizes);
+			 "kms display: %s has no progressive mode of %s, expected one of %s",
+			 path->connector_name, asked, sizes);
 }
 
 static int use_connector(const struct display_settings *settings, const drmModeRes *resources,
@@ -244,7 +247,7 @@ int kms_find(const struct display_settings *settings, const char *connector, str
 		err = try_card(settings, connector, settings->device, path, fault);
 		return err ? err : path->card;
 	}
-	/* A card without a screen is passed over; any other trouble is kept, to be told. */
+	/* A card without a screen is passed over; the first other trouble is kept, to be told. */
 	for (int i = 0; i < CARDS; i++) {
 		struct fault trouble = {0};
 		char device[32];
@@ -254,7 +257,7 @@ int kms_find(const struct display_settings *settings, const char *connector, str
 		trial = try_card(settings, connector, device, path, &trouble);
 		if (!trial)
 			return path->card;
-		if (trial != -ENOENT && (err == -ENODEV || trial != -ENODEV))
+		if (trial != -ENOENT && err == -ENODEV)
 			err = fault_say(fault, trial, "%s", trouble.text);
 	}
 	return err;

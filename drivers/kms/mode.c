@@ -1,6 +1,6 @@
 #include <math.h>
 
-#include "drivers/display_kms.h"
+#include "drivers/kms/kms.h"
 
 double kms_mode_rate(const drmModeModeInfo *mode)
 {
