@@ -5,6 +5,7 @@ UNIT_TESTS := \
 	tests/unit/test_lights_file.c \
 	tests/unit/test_basis.c \
 	tests/unit/test_compositor.c \
+	tests/accuracy/test_compositor_accuracy.c \
 	tests/unit/test_panorama.c \
 	tests/unit/test_fisheye.c \
 	tests/unit/test_dome.c \
@@ -18,7 +19,8 @@ UNIT_TESTS := \
 	tests/unit/test_display.c \
 	tests/unit/test_image.c \
 	tests/unit/test_ini.c \
-	tests/unit/test_frame.c
+	tests/unit/test_frame.c \
+	tests/unit/test_studio.c
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_image.c

@@ -29,8 +29,12 @@ enum lane {
 	LANES
 };
 
+/* Looks into a pixel: side by side, where it sees one thing and where several. */
+enum { COARSE = 2, FINE = 5 };
+
 struct studio_view {
 	int width, height;
+	struct eye eye;
 	double origin[3];
 	float *lanes; /* [height][LANES][width] */
 };
@@ -98,9 +102,9 @@ static void prepare_pixel(struct studio_view *view, const struct eye *eye, int x
 	double origin[3], dir[3];
 	struct patch patch;
 
-	add_parts(eye, x, y, 2, origin, &patch);
+	add_parts(eye, x, y, COARSE, origin, &patch);
 	if (patch.mixed)
-		add_parts(eye, x, y, 5, origin, &patch);
+		add_parts(eye, x, y, FINE, origin, &patch);
 	if (patch.count == 0)
 		return;
 	memcpy(view->origin, origin, sizeof(origin));
@@ -125,6 +129,7 @@ int studio_view_create(struct studio_view **view, const struct eye *eye)
 	*view = NULL;
 	if (!v)
 		return -ENOMEM;
+	v->eye = *eye;
 	v->width = eye->width;
 	v->height = eye->height;
 	v->lanes = calloc((size_t)eye->width * (size_t)eye->height * LANES, sizeof(float));
@@ -173,9 +178,10 @@ static void prepare_glow(const struct studio_lantern *lantern, const double orig
 	glow->cosine = glow->distance > lantern->radius ? sqrtf(1 - glow->sine * glow->sine) : -2;
 }
 
-/* Written so that compilers turn the loop into vectors: no branches, no calls but sqrtf. */
-static void render_row(const float *restrict lanes, int width, const struct glow *glows,
-		       float *restrict rgb)
+/* Light on the surfaces. Written so that compilers turn the loop into vectors: no branches, no
+ * calls but sqrtf. */
+static void light_row(const float *restrict lanes, int width, const struct glow *glows,
+		      float *restrict rgb)
 {
 	const struct glow a = glows[0], b = glows[1];
 	const size_t w = (size_t)width;
@@ -185,35 +191,69 @@ static void render_row(const float *restrict lanes, int width, const struct glow
 			    pz = lanes[POINT_Z * w + x];
 		const float nx = lanes[NORMAL_X * w + x], ny = lanes[NORMAL_Y * w + x],
 			    nz = lanes[NORMAL_Z * w + x];
-		const float dx = lanes[DIR_X * w + x], dy = lanes[DIR_Y * w + x],
-			    dz = lanes[DIR_Z * w + x];
-		const float rad = lanes[PIXEL_RAD * w + x] + 1e-9f;
 		const float ax = a.centre[0] - px, ay = a.centre[1] - py, az = a.centre[2] - pz;
 		const float bx = b.centre[0] - px, by = b.centre[1] - py, bz = b.centre[2] - pz;
 		const float a2 = ax * ax + ay * ay + az * az, b2 = bx * bx + by * by + bz * bz;
 		float ea = a.radius2_pi * (ax * nx + ay * ny + az * nz) / (a2 * sqrtf(a2));
 		float eb = b.radius2_pi * (bx * nx + by * ny + bz * nz) / (b2 * sqrtf(b2));
-		float ca = 0.5f +
-			   (dx * a.to[0] + dy * a.to[1] + dz * a.to[2] - a.cosine) / (a.sine * rad);
-		float cb = 0.5f +
-			   (dx * b.to[0] + dy * b.to[1] + dz * b.to[2] - b.cosine) / (b.sine * rad);
 
 		ea = ea > 0 ? ea : 0;
 		eb = eb > 0 ? eb : 0;
-		ca = ca > 0 ? ca : 0;
-		ca = ca < 1 ? ca : 1;
-		cb = cb > 0 ? cb : 0;
-		cb = cb < 1 ? cb : 1;
-		for (int c = 0; c < 3; c++) {
-			float v = lanes[(size_t)(STEADY_R + c) * w + x] +
-				  lanes[(size_t)(PAINT_R + c) * w + x] *
-					  (ea * a.radiance[c] + eb * b.radiance[c]);
-
-			v += ca * (a.radiance[c] - v);
-			v += cb * (b.radiance[c] - v);
-			rgb[3 * x + (size_t)c] = v;
-		}
+		for (int c = 0; c < 3; c++)
+			rgb[3 * x + (size_t)c] = lanes[(size_t)(STEADY_R + c) * w + x] +
+						 lanes[(size_t)(PAINT_R + c) * w + x] *
+							 (ea * a.radiance[c] + eb * b.radiance[c]);
 	}
+}
+
+/* How much of a pixel on its rim a lantern covers. */
+static float rim_coverage(const struct studio_view *view, const struct glow *glow, int x, int y)
+{
+	int seen = 0, covered = 0;
+
+	for (int i = 0; i < FINE * FINE; i++) {
+		const double px[2] = {x + (i % FINE + 0.5) / FINE, y + (i / FINE + 0.5) / FINE};
+		double origin[3], dir[3];
+
+		if (!eye_ray(&view->eye, px, origin, dir))
+			continue;
+		seen++;
+		covered += dir[0] * glow->to[0] + dir[1] * glow->to[1] + dir[2] * glow->to[2] >
+			   glow->cosine;
+	}
+	return seen ? (float)covered / (float)seen : 0;
+}
+
+/* The lantern itself, over what is behind it. */
+static void draw_lantern(const struct studio_view *view, const float *lanes, int y,
+			 const struct glow *glow, float *rgb)
+{
+	const size_t w = (size_t)view->width;
+
+	for (size_t x = 0; x < w; x++) {
+		const float cosine = lanes[DIR_X * w + x] * glow->to[0] +
+				     lanes[DIR_Y * w + x] * glow->to[1] +
+				     lanes[DIR_Z * w + x] * glow->to[2];
+		/* A pixel's corner is nearer to its middle than this, on any lens. */
+		const float rim = 1.2f * glow->sine * lanes[PIXEL_RAD * w + x] + 1e-6f;
+		float coverage = 1;
+
+		if (lanes[PIXEL_RAD * w + x] == 0 || cosine < glow->cosine - rim)
+			continue;
+		if (cosine < glow->cosine + rim)
+			coverage = rim_coverage(view, glow, (int)x, y);
+		for (size_t c = 0; c < 3; c++)
+			rgb[3 * x + c] += coverage * (glow->radiance[c] - rgb[3 * x + c]);
+	}
+}
+
+static void render_row(const struct studio_view *view, int y, const struct glow *glows, float *rgb)
+{
+	const float *lanes = view->lanes + (size_t)y * LANES * (size_t)view->width;
+
+	light_row(lanes, view->width, glows, rgb);
+	for (int i = 0; i < STUDIO_LANTERNS; i++)
+		draw_lantern(view, lanes, y, &glows[i], rgb);
 }
 
 void studio_view_render(const struct studio_view *view, double time_s, float *rgb)
@@ -221,7 +261,7 @@ void studio_view_render(const struct studio_view *view, double time_s, float *rg
 	struct studio_lantern lanterns[STUDIO_LANTERNS];
 	struct glow glows[STUDIO_LANTERNS], nearer;
 
-	_Static_assert(STUDIO_LANTERNS == 2, "render_row() takes two");
+	_Static_assert(STUDIO_LANTERNS == 2, "light_row() takes two");
 	studio_lanterns(time_s, lanterns);
 	for (int i = 0; i < STUDIO_LANTERNS; i++)
 		prepare_glow(&lanterns[i], view->origin, &glows[i]);
@@ -231,6 +271,5 @@ void studio_view_render(const struct studio_view *view, double time_s, float *rg
 		glows[1] = nearer;
 	}
 	for (int y = 0; y < view->height; y++)
-		render_row(view->lanes + (size_t)y * LANES * (size_t)view->width, view->width,
-			   glows, rgb + (size_t)y * (size_t)view->width * 3);
+		render_row(view, y, glows, rgb + (size_t)y * (size_t)view->width * 3);
 }

@@ -9,7 +9,7 @@
 
 struct studio_view;
 
-/* 0 or -ENOMEM. The eye is not kept. Takes about 1 s for 640x480. */
+/* 0 or -ENOMEM. Takes about half a second for 640x480. */
 int studio_view_create(struct studio_view **view, const struct eye *eye);
 
 /* Mean radiance of each pixel at a time: rgb[height][width][3]. */

@@ -1,0 +1,435 @@
+/* The studio: its closed forms, its picture, its truth, and what the light sampler makes of it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/sim/studio.h"
+#include "drivers/sim/studio_view.h"
+#include "hal/lights/sampler.h"
+#include "hal/optics/vec.h"
+#include "hal/transfer.h"
+
+static const double origin[3] = {0, 0, 0};
+
+/* Irradiance on the floor by what shines at rays' ends, by brute force over the hemisphere. */
+static void brute_irradiance(const double point[3], double rgb[3])
+{
+	const int rings = 900, sectors = 1800;
+
+	rgb[0] = rgb[1] = rgb[2] = 0;
+	for (int i = 0; i < rings; i++)
+		for (int j = 0; j < sectors; j++) {
+			const double theta = (i + 0.5) * M_PI / 2 / rings;
+			const double phi = (j + 0.5) * 2 * M_PI / sectors;
+			const double dir[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi),
+					       cos(theta)};
+			const double weight = cos(theta) * sin(theta) * M_PI / 2 / rings * 2 *
+					      M_PI / sectors;
+			struct studio_hit hit;
+
+			assert_true(studio_hit(point, dir, &hit));
+			for (int c = 0; c < 3; c++)
+				rgb[c] += weight * hit.emitted[c];
+		}
+}
+
+/* The constant part cancels in the difference between two places. */
+static void rectangles_irradiate_as_they_shine(void **state)
+{
+	const double places[3][3] = {{0, 0, 0}, {-2.0, -0.4, 0}, {1.2, 0.3, 0}};
+	double closed[3][3], brute[3][3];
+
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		studio_steady_irradiance(places[i], STUDIO_FLOOR, closed[i]);
+		brute_irradiance(places[i], brute[i]);
+	}
+	for (int i = 1; i < 3; i++)
+		for (int c = 0; c < 3; c++) {
+			const double want = brute[i][c] - brute[0][c];
+			const double got = closed[i][c] - closed[0][c];
+
+			/* The window's bars are spread evenly over it in the closed form. */
+			assert_true(fabs(got - want) < 0.004);
+			assert_true(fabs(want) > 0.01);
+		}
+}
+
+static void lanterns_irradiate_as_they_shine(void **state)
+{
+	const struct studio_lantern lantern = {{0.7, -0.4, 1.6}, 0.3, {1, 1, 1}};
+	const double normal[3] = {0, 0, 1};
+	const double distance = sqrt(0.49 + 0.16 + 2.56);
+	const int steps = 1500;
+	double sum = 0;
+
+	(void)state;
+	for (int i = 0; i < steps; i++)
+		for (int j = 0; j < 2 * steps; j++) {
+			const double theta = (i + 0.5) * M_PI / 2 / steps;
+			const double phi = (j + 0.5) * M_PI / steps;
+			const double dir[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi),
+					       cos(theta)};
+			const double along = vec_dot(dir, lantern.centre);
+
+			if (along > 0 &&
+			    distance * distance - along * along < lantern.radius * lantern.radius)
+				sum += cos(theta) * sin(theta) * M_PI / 2 / steps * M_PI / steps;
+		}
+	assert_true(fabs(studio_lantern_irradiance(&lantern, origin, normal) / sum - 1) < 0.003);
+}
+
+static void lanterns_keep_their_distance(void **state)
+{
+	struct studio_lantern before[STUDIO_LANTERNS];
+
+	(void)state;
+	studio_lanterns(0, before);
+	for (int step = 1; step < 24000; step++) {
+		struct studio_lantern now[STUDIO_LANTERNS];
+		double apart[3];
+
+		studio_lanterns(step * 0.01, now);
+		for (int i = 0; i < STUDIO_LANTERNS; i++) {
+			const double *c = now[i].centre, r = now[i].radius;
+
+			assert_true(fabs(c[0]) + r < 3 && fabs(c[1]) + r < 2.5);
+			assert_true(c[2] - r > 0.9 && c[2] + r < 3);
+			for (int k = 0; k < 3; k++)
+				assert_true(fabs(c[k] - before[i].centre[k]) < 0.015);
+		}
+		for (int k = 0; k < 3; k++)
+			apart[k] = now[0].centre[k] - now[1].centre[k];
+		assert_true(vec_length(apart) > now[0].radius + now[1].radius + 0.3);
+		memcpy(before, now, sizeof(before));
+	}
+}
+
+/* A moment when the warm lantern stands at +X or +Y of the middle, as seen from above. */
+static double moment(int axis)
+{
+	double best = 0, best_cosine = -1;
+
+	for (double t = 0; t < 12; t += 0.01) {
+		struct studio_lantern lanterns[STUDIO_LANTERNS];
+		double cosine;
+
+		studio_lanterns(t, lanterns);
+		cosine = lanterns[0].centre[axis] /
+			 hypot(lanterns[0].centre[0], lanterns[0].centre[1]);
+		if (cosine > best_cosine) {
+			best_cosine = cosine;
+			best = t;
+		}
+	}
+	assert_true(best_cosine > 0.99);
+	return best;
+}
+
+static void prepare_fisheye(struct eye *eye, int side)
+{
+	const struct fisheye_settings settings = {.field_deg = 90};
+
+	memset(eye, 0, sizeof(*eye));
+	eye->width = eye->height = side;
+	eye->fisheye = true;
+	assert_int_equal(fisheye_prepare(&eye->lens, &settings, side, side, NULL), 0);
+}
+
+static void prepare_camera(struct eye *eye, int width, int height, const double from[3],
+			   const double to[3], double angle_deg)
+{
+	memset(eye, 0, sizeof(*eye));
+	eye->width = width;
+	eye->height = height;
+	assert_int_equal(tsai_look_at(&eye->camera, width, height, from, to, angle_deg, NULL), 0);
+}
+
+static float *render(const struct eye *eye, double time_s)
+{
+	float *rgb = calloc((size_t)eye->width * (size_t)eye->height * 3, sizeof(float));
+	struct studio_view *view;
+
+	assert_int_equal(studio_view_create(&view, eye), 0);
+	studio_view_render(view, time_s, rgb);
+	studio_view_destroy(view);
+	return rgb;
+}
+
+/* Middle of the pixels as bright as the warm lantern, from the picture's middle. */
+static void warm_place(const struct eye *eye, double time_s, double place[2])
+{
+	float *rgb = render(eye, time_s);
+	struct studio_lantern lanterns[STUDIO_LANTERNS];
+	int count = 0;
+
+	studio_lanterns(time_s, lanterns);
+	place[0] = place[1] = 0;
+	for (int y = 0; y < eye->height; y++)
+		for (int x = 0; x < eye->width; x++) {
+			const float *p = rgb + 3 * (y * eye->width + x);
+
+			if (fabs(p[0] - lanterns[0].radiance[0]) > 1e-3 ||
+			    fabs(p[2] - lanterns[0].radiance[2]) > 1e-3)
+				continue;
+			place[0] += x + 0.5;
+			place[1] += y + 0.5;
+			count++;
+		}
+	assert_true(count > 20);
+	place[0] = place[0] / count - eye->width / 2.0;
+	place[1] = place[1] / count - eye->height / 2.0;
+	free(rgb);
+}
+
+static void nothing_is_mirrored(void **state)
+{
+	const double from[3] = {0, -2.4, 1.5}, to[3] = {0, 2, 1.5};
+	struct eye eye;
+	double place[2];
+
+	(void)state;
+	prepare_fisheye(&eye, 200);
+	warm_place(&eye, moment(0), place); /* +X: to the right */
+	assert_true(place[0] > 20 && fabs(place[1]) < 0.15 * place[0]);
+	warm_place(&eye, moment(1), place); /* +Y: below */
+	assert_true(place[1] > 20 && fabs(place[0]) < 0.15 * place[1]);
+	prepare_camera(&eye, 200, 150, from, to, 80); /* from -Y towards +Y: +X is to the right */
+	warm_place(&eye, moment(0), place);
+	assert_true(place[0] > 20);
+}
+
+/* The perspective view is upright: floor below, ceiling above, and the window is to the left. */
+static void nothing_is_upside_down(void **state)
+{
+	const double from[3] = {0, -2.4, 1.5}, to[3] = {0, 2, 1.5};
+	struct studio_hit hit;
+	double start[3], dir[3];
+	struct eye eye;
+
+	(void)state;
+	prepare_camera(&eye, 200, 150, from, to, 100);
+	assert_true(eye_ray(&eye, (double[2]){100, 2}, start, dir));
+	assert_true(studio_hit(start, dir, &hit) && hit.surface == STUDIO_CEILING);
+	assert_true(eye_ray(&eye, (double[2]){100, 148}, start, dir));
+	assert_true(studio_hit(start, dir, &hit) && hit.surface == STUDIO_FLOOR);
+	assert_true(eye_ray(&eye, (double[2]){2, 75}, start, dir));
+	assert_true(studio_hit(start, dir, &hit) && hit.surface == STUDIO_WALL_WEST);
+}
+
+/* Mean of 12 x 12 rays through the pixel, each traced for itself. */
+static void traced_pixel(const struct eye *eye, int x, int y, double time_s, double rgb[3])
+{
+	const int side = 10;
+	int count = 0;
+
+	rgb[0] = rgb[1] = rgb[2] = 0;
+	for (int i = 0; i < side * side; i++) {
+		const double px[2] = {x + (i % side + 0.5) / side, y + (i / side + 0.5) / side};
+		double start[3], dir[3], one[3];
+
+		if (!eye_ray(eye, px, start, dir))
+			continue;
+		studio_radiance(start, dir, time_s, one);
+		for (int c = 0; c < 3; c++)
+			rgb[c] += one[c];
+		count++;
+	}
+	for (int c = 0; c < 3; c++)
+		rgb[c] /= count ? count : 1;
+}
+
+static void check_view(const struct eye *eye, const char *name)
+{
+	double worst = 0, sum = 0;
+	float *rgb = render(eye, 3.7);
+
+	for (int y = 0; y < eye->height; y++)
+		for (int x = 0; x < eye->width; x++) {
+			double want[3];
+
+			traced_pixel(eye, x, y, 3.7, want);
+			for (int c = 0; c < 3; c++) {
+				const double error =
+					fabs(rgb[3 * (y * eye->width + x) + c] - want[c]);
+
+				worst = fmax(worst, error);
+				sum += error * error;
+			}
+		}
+	free(rgb);
+	sum = sqrt(sum / (3.0 * eye->width * eye->height));
+	print_message("# %s against traced rays: RMS %.4f, largest %.3f of 5.2\n", name, sum,
+		      worst);
+	/* Edges are sampled less densely than here; the window's bars are as fine as a pixel. */
+	assert_true(sum < 0.02);
+	assert_true(worst < 0.8);
+}
+
+static void views_match_traced_rays(void **state)
+{
+	const double from[3] = {0.3, -1.9, 1.4}, to[3] = {0.1, 0.5, 1.1};
+	struct eye eye;
+
+	(void)state;
+	prepare_fisheye(&eye, 240);
+	check_view(&eye, "fisheye");
+	prepare_camera(&eye, 240, 180, from, to, 70);
+	check_view(&eye, "perspective");
+}
+
+static void exposure_suits_a_camera(void **state)
+{
+	static const double eye[3] = {0, -1.7, 0.95};
+
+	(void)state;
+	for (double t = 0; t < 60; t += 1.3)
+		for (int x = -2; x <= 2; x++) {
+			double dir[3] = {0.15 * x - eye[0], 0.1 - eye[1], -eye[2]}, rgb[3], code;
+
+			vec_normalize(dir);
+			studio_radiance(eye, dir, t, rgb);
+			code = 255 * transfer_encode(TRANSFER_SRGB, rgb[1]);
+			assert_true(code > 90 && code < 170);
+		}
+}
+
+static double random_unit(uint64_t *state)
+{
+	*state = *state * 6364136223846793005u + 1442695040888963407u;
+	return (double)(*state >> 11) / 9007199254740992.0;
+}
+
+/* Independent of the tiles: random directions in each cell. */
+static void lights_match_random_sampling(void **state)
+{
+	const int side = 220;
+	uint64_t seed = 20261120;
+	struct dome dome;
+	double(*lights)[3];
+	double worst = 0;
+
+	(void)state;
+	print_message("# seed %llu\n", (unsigned long long)seed);
+	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
+	lights = calloc((size_t)dome.count, sizeof(*lights));
+	assert_int_equal(studio_lights(&dome, origin, 5.1, lights), 0);
+	for (int i = 0; i < dome.count; i++) {
+		double sum[3] = {0, 0, 0};
+
+		for (int j = 0; j < side * side; j++) {
+			const double u = (j % side + random_unit(&seed)) / side;
+			const double v = (j / side + random_unit(&seed)) / side;
+			double dir[3], rgb[3];
+
+			dome_cell_sample(&dome, i, u, v, dir);
+			studio_radiance(origin, dir, 5.1, rgb);
+			for (int c = 0; c < 3; c++)
+				sum[c] += rgb[c] / (side * side);
+		}
+		for (int c = 0; c < 3; c++)
+			worst = fmax(worst, fabs(sum[c] - lights[i][c]));
+	}
+	print_message("# true lights against random sampling: largest %.5f of 5.2\n", worst);
+	assert_true(worst < 0.004);
+	free(lights);
+	dome_free(&dome);
+}
+
+struct sampled {
+	double rms, worst, energy; /* of the largest light; relative */
+};
+
+static struct sampled sample(int frequency, int side, enum light_estimator estimator, double t)
+{
+	const struct light_sampler_settings settings = {
+		.estimator = estimator, .transfer = TRANSFER_LINEAR, .gain = 1};
+	struct sampled s = {0, 0, 0};
+	double largest = 0, true_energy = 0, energy = 0;
+	struct light_sampler *sampler;
+	struct dome dome;
+	struct eye eye;
+	struct image image = {.width = side, .height = side};
+	double(*truth)[3];
+	float(*got)[3];
+
+	assert_int_equal(dome_create(&dome, frequency, DOME_ANGLES, NULL), 0);
+	truth = calloc((size_t)dome.count, sizeof(*truth));
+	got = calloc((size_t)dome.count, sizeof(*got));
+	prepare_fisheye(&eye, side);
+	image.f32 = render(&eye, t);
+	assert_int_equal(studio_lights(&dome, origin, t, truth), 0);
+	assert_int_equal(
+		light_sampler_create(&sampler, &dome, &eye.lens, side, side, &settings, NULL), 0);
+	assert_int_equal(light_sampler_read_linear(sampler, &image, got), 0);
+	for (int i = 0; i < dome.count; i++)
+		for (int c = 0; c < 3; c++) {
+			const double error = got[i][c] - truth[i][c];
+
+			s.rms += error * error / (3.0 * dome.count);
+			s.worst = fmax(s.worst, fabs(error));
+			largest = fmax(largest, truth[i][c]);
+			true_energy += truth[i][c] * dome.projected_sr[i];
+			energy += got[i][c] * dome.projected_sr[i];
+		}
+	s.rms = sqrt(s.rms) / largest;
+	s.worst /= largest;
+	s.energy = energy / true_energy - 1;
+	light_sampler_destroy(sampler);
+	free(image.f32);
+	free(truth);
+	free(got);
+	dome_free(&dome);
+	return s;
+}
+
+/* The light sampler on the studio's fisheye, against what is true. */
+static void the_light_sampler_finds_the_true_lights(void **state)
+{
+	static const struct {
+		int frequency, side;
+		double worst, energy;
+	} cases[] = {{2, 480, 0.005, 0.003},
+		     {4, 480, 0.01, 0.003},
+		     {9, 480, 0.03, 0.003},
+		     {9, 960, 0.015, 0.002}};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		const struct sampled cell = sample(cases[i].frequency, cases[i].side,
+						   ESTIMATOR_CELL, 2.0);
+		const struct sampled node = sample(cases[i].frequency, cases[i].side,
+						   ESTIMATOR_NODE, 2.0);
+
+		print_message("# f %d, fisheye %d px: cell RMS %.2f %% largest %.2f %% irradiance "
+			      "%+.3f %%; node RMS %.1f %% largest %.0f %% irradiance %+.1f %%\n",
+			      cases[i].frequency, cases[i].side, 100 * cell.rms, 100 * cell.worst,
+			      100 * cell.energy, 100 * node.rms, 100 * node.worst,
+			      100 * node.energy);
+		assert_true(cell.worst < cases[i].worst);
+		assert_true(fabs(cell.energy) < cases[i].energy);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(rectangles_irradiate_as_they_shine),
+		cmocka_unit_test(lanterns_irradiate_as_they_shine),
+		cmocka_unit_test(lanterns_keep_their_distance),
+		cmocka_unit_test(nothing_is_mirrored),
+		cmocka_unit_test(nothing_is_upside_down),
+		cmocka_unit_test(views_match_traced_rays),
+		cmocka_unit_test(exposure_suits_a_camera),
+		cmocka_unit_test(lights_match_random_sampling),
+		cmocka_unit_test(the_light_sampler_finds_the_true_lights),
+	};
+
+	return cmocka_run_group_tests_name("studio", tests, NULL, NULL);
+}
