@@ -34,20 +34,19 @@ control() { # node, control=value...
 	)"
 }
 
-# A vivid with HDMI in and out joined, 640x480: what is played into the output is what its camera
-# sees. Format is a V4L2 fourcc.
+# A vivid with HDMI in and out joined: what is played into the output is what its camera sees.
+# FOURCC is a V4L2 format. 640x480, 60 frames a second.
 #     hdmi_loop INSTANCE FOURCC
 hdmi_loop() {
-	local in out
+	local in out vga="cvt,width=640,height=480,fps=60" format="width=640,height=480,pixelformat=$2"
 	in=$(video_node "vivid-00$1-vid-cap")
 	out=$(video_node "vivid-00$1-vid-out")
-	v4l2-ctl -d "$out" --set-dv-bt-timings "width=640,height=480,$vga" &&
-		v4l2-ctl -d "$in" --set-dv-bt-timings "width=640,height=480,$vga" &&
-		v4l2-ctl -d "$out" --set-fmt-video-out "width=640,height=480,pixelformat=$2" &&
-		v4l2-ctl -d "$in" --set-fmt-video "width=640,height=480,pixelformat=$2" &&
+	v4l2-ctl -d "$out" --set-dv-bt-timings "$vga" &&
+		v4l2-ctl -d "$in" --set-dv-bt-timings "$vga" &&
+		v4l2-ctl -d "$out" --set-fmt-video-out "$format" &&
+		v4l2-ctl -d "$in" --set-fmt-video "$format" &&
 		control "$in" loop_video=1 osd_text_mode=2
 }
-vga="interlaced=0,polarities=0,pixelclock=25175000,hfp=16,hs=96,hbp=48,vfp=10,vs=2,vbp=33"
 
 # Plays one raw picture into an output until stop_playing.
 #     play INSTANCE FILE.raw

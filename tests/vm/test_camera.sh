@@ -184,6 +184,38 @@ load vivid n_devs=1 input_types=0xe4 multiplanar=2
 colours_of_formats "multi-planar"
 unload vivid
 
+# ---- HDMI: pictures of ours, played into the output, come in through the driver ----
+load vivid n_devs=1 num_inputs=1 input_types=3 num_outputs=1 output_types=1
+in=$(video_node vivid-000-vid-cap)
+"$tools/picture" chart background 640 480 "$VM_OUT/chart.png"
+# Y'CbCr: rounded once when the chart is made, by up to half a step of each: 0.5 * 1.164 +
+# 0.5 * 1.772 * 255 / 224 = 1.6 levels, and once when it is decoded.
+for format in RGB24:RGB3:0 BGR24:BGR3:0 BGRX:XR24:0 YUYV:YUYV:2 UYVY:UYVY:2 NV12:NV12:2; do
+	IFS=: read -r ours theirs within <<<"$format"
+	hdmi_loop 0 "$theirs" >/dev/null
+	"$tools/picture" raw "$ours" "$VM_OUT/chart.png" "$VM_OUT/chart.raw"
+	play 0 "$VM_OUT/chart.raw"
+	arrives() {
+		"$tools/capture" v4l2 2 "$VM_OUT/frame.png" "device=$in" "format=$ours" \
+			matrix=bt601 $range &&
+			"$tools/picture" compare "$VM_OUT/chart.png" "$VM_OUT/frame.png" \
+				"within=$within" >"$VM_OUT/compared"
+	}
+	range=""
+	case $ours in YUYV | UYVY | NV12) range=range=limited ;; esac
+	if within_seconds 10 arrives; then
+		ok "HDMI: a picture arrives in $ours within $within levels"
+	else
+		not_ok "HDMI: a picture arrives in $ours within $within levels" <"$VM_OUT/compared"
+	fi
+	stop_playing
+done
+control "$in" dv_timings_signal_mode=1
+capture 2
+equal "HDMI: a cable that is not plugged in is named so" "no signal" "$(said situation)"
+control "$in" dv_timings_signal_mode=0
+unload vivid
+
 # ---- renumbered: another camera takes the first numbers ----
 load vimc
 load vivid n_devs=1 input_types=0xe4

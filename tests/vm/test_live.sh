@@ -1,0 +1,172 @@
+#!/bin/bash
+# The whole program on devices: pictures of ours are played into two cameras (vivid's HDMI inputs),
+# `inlay run` puts the object in, and what the screen really shows is compared, pixel by pixel, with
+# `inlay still` on the same pictures.
+. tests/vm/tap.sh
+. tests/vm/devices.sh
+
+basis=$tools/live/live.inlay
+config=tests/vm/live.conf
+
+# What both commands must make of two pictures of 640x480.
+#     expect FISHEYE.png BACKGROUND.png OUT.png [option...]
+expect() {
+	local fisheye=$1 background=$2 out=$3
+	shift 3
+	"$INLAY" still --config $config --basis "$basis" --fisheye "$fisheye" \
+		--background "$background" "$@" -o "$out"
+}
+
+# run NAME option...: starts inlay run on both cameras; stopped with stop_run.
+run() {
+	local name=$1
+	shift
+	"$INLAY" run --config $config --set basis.file="$basis" \
+		--set camera.fisheye.device="$(video_node vivid-000-vid-cap)" \
+		--set camera.background.device="$(video_node vivid-001-vid-cap)" \
+		--stats "$VM_OUT/$name.jsonl" "$@" >"$VM_OUT/$name.log" 2>&1 &
+	running=$!
+}
+
+stop_run() {
+	kill $running 2>/dev/null
+	wait $running
+}
+
+# stat NAME KEY: a number of the last line of statistics.
+stat() {
+	tail -n 1 "$VM_OUT/$1.jsonl" | sed "s/.*\"$2\":\([-0-9.]*\).*/\1/"
+}
+
+# What the screen shows becomes equal to the expected picture, in its middle, black around it.
+#     shown_on vkms|virtio EXPECTED.png within=LEVELS
+shown_on() {
+	if [ "$1" = vkms ]; then
+		"$tools/scanout" picture "$(card_of vkms)" "$VM_OUT/screen.png" &&
+			"$tools/picture" compare "$2" "$VM_OUT/screen.png" x=352 y=264 "$3"
+	else
+		screendump "$VM_OUT/screen.ppm" &&
+			"$tools/picture" compare "$2" "$VM_OUT/screen.ppm" x=480 y=280 "$3"
+	fi >"$VM_OUT/compared" 2>&1
+}
+
+# shows DESCRIPTION then as above; the pictures of a failure are kept.
+shows() {
+	local description=$1
+	shift
+	if within_seconds 25 shown_on "$@"; then
+		ok "$description: $(sed 's/ at .*;/,/; s/;.*//' "$VM_OUT/compared")"
+	else
+		cp "$2" "$VM_OUT/expected-${description//[^a-z0-9]/-}.png"
+		cp "$VM_OUT"/screen.p?? "$VM_OUT/screen-${description//[^a-z0-9]/-}" 2>/dev/null
+		not_ok "$description" <"$VM_OUT/compared"
+	fi
+}
+
+# feed FOURCC FORMAT: both cameras deliver the charts in this format.
+feed() {
+	local i=0 picture
+	for picture in fisheye background; do
+		hdmi_loop $i "$1" >/dev/null
+		"$tools/picture" raw "$2" "$VM_OUT/$picture.png" "$VM_OUT/$picture.raw"
+		play $i "$VM_OUT/$picture.raw"
+		i=$((i + 1))
+	done
+}
+
+load vivid n_devs=2 num_inputs=1,1 input_types=3,3 num_outputs=1,1 output_types=1,1
+load vkms
+vkms="screen.device=/dev/dri/card$(card_of vkms)"
+virtio="screen.device=/dev/dri/card$(card_of virtio)"
+"$tools/picture" chart fisheye 640 480 "$VM_OUT/fisheye.png"
+"$tools/picture" chart background 640 480 "$VM_OUT/background.png"
+check "still makes the expected picture" \
+	expect "$VM_OUT/fisheye.png" "$VM_OUT/background.png" "$VM_OUT/expected.png"
+
+# ---- R'G'B' in: nothing may be lost ----
+feed XR24 BGRX
+sets=(--set camera.fisheye.format=BGRX --set camera.background.format=BGRX)
+run vkms --set "$vkms" "${sets[@]}"
+shows "vkms shows what still makes" vkms "$VM_OUT/expected.png" within=0
+check "vkms puts out exactly that (checksum)" "$tools/scanout" checksum "$(card_of vkms)"
+within_seconds 5 test -s "$VM_OUT/vkms.jsonl"
+"$INLAY" run --config $config --set basis.file="$basis" --set "$vkms" \
+	--set camera.fisheye.driver=sim --set camera.background.driver=sim \
+	--set camera.background.sim.view=perspective --frames 1 >"$VM_OUT/second.log" 2>&1
+equal "a second run while the first holds the screen fails" 1 $?
+equal "with one line" 1 "$(wc -l <"$VM_OUT/second.log")"
+matches "that says so" 'inlay: .*another program' "$(cat "$VM_OUT/second.log")"
+stop_run
+equal "SIGTERM ends a run well" 0 $?
+holds "statistics count frames" "$(stat vkms frames) > 0"
+equal "and all lights" 86 "$(stat vkms lights)"
+
+printf '\033[2J\033[Hthe console before\n' >/dev/tty1
+echo 0 >/sys/class/graphics/fbcon/cursor_blink
+settled() {
+	screendump "$VM_OUT/before.ppm" && screendump "$VM_OUT/again.ppm" &&
+		cmp "$VM_OUT/before.ppm" "$VM_OUT/again.ppm"
+}
+within_seconds 5 settled
+run virtio --set "$virtio" "${sets[@]}"
+shows "virtio-gpu shows what still makes" virtio "$VM_OUT/expected.png" within=0
+stop_run
+given_back() {
+	screendump "$VM_OUT/after.ppm" && cmp "$VM_OUT/before.ppm" "$VM_OUT/after.ppm"
+}
+check "after a run the console's picture is back" within_seconds 5 given_back
+
+# ---- buttons, scripted and on GPIO, step the threshold ----
+printf '0.1 threshold-set 100\n' >"$VM_OUT/script"
+expect "$VM_OUT/fisheye.png" "$VM_OUT/background.png" "$VM_OUT/expected-100.png" --threshold 100
+run script --set "$vkms" "${sets[@]}" --set buttons.driver=script \
+	--set buttons.script.file="$VM_OUT/script"
+shows "a scripted button sets the threshold" vkms "$VM_OUT/expected-100.png" within=0
+stop_run
+holds "fewer lights are used then" "$(stat script lights_used) < $(stat vkms lights_used)"
+
+load gpio-sim
+bank=/sys/kernel/config/gpio-sim/inlay/bank
+mkdir -p $bank && echo 4 >$bank/num_lines && echo panel >$bank/label &&
+	echo 1 >/sys/kernel/config/gpio-sim/inlay/live
+line=/sys/devices/platform/$(cat ${bank%/bank}/dev_name)/$(cat $bank/chip_name)/sim_gpio2/pull
+echo pull-up >"$line"
+run gpio --set "$vkms" "${sets[@]}" --set lights.threshold_step=100 --set buttons.driver=gpio \
+	--set buttons.gpio.chip=panel --set buttons.gpio.threshold_up=2
+shows "before the press all lights are used" vkms "$VM_OUT/expected.png" within=0
+echo pull-down >"$line"
+shows "a press on a GPIO line steps the threshold" vkms "$VM_OUT/expected-100.png" within=0
+echo pull-up >"$line"
+stop_run
+equal "the statistics say so" 100 "$(stat gpio threshold)"
+echo 0 >/sys/kernel/config/gpio-sim/inlay/live
+rmdir $bank ${bank%/bank}
+unload gpio-sim
+
+# ---- Y'CbCr in: chroma by pairs, one rounding (charts lose nothing else) ----
+stop_playing
+feed YUYV YUYV
+run yuyv --set "$vkms" --set camera.fisheye.format=YUYV --set camera.background.format=YUYV \
+	--set camera.fisheye.matrix=bt601 --set camera.fisheye.range=limited \
+	--set camera.background.matrix=bt601 --set camera.background.range=limited
+shows "the same from YUYV" vkms "$VM_OUT/expected.png" within=4
+stop_run
+
+# ---- a camera that is pulled out while it runs ----
+run pulled --set "$vkms" --set camera.fisheye.format=YUYV --set camera.background.format=YUYV
+within_seconds 10 test -s "$VM_OUT/pulled.jsonl"
+v4l2-ctl -d "$(video_node vivid-000-vid-cap)" -c disconnect=1
+noticed() {
+	tail -n 1 "$VM_OUT/pulled.jsonl" | grep -q '"name":"fisheye","situation":"no device"'
+}
+goes_on() {
+	tail -n 1 "$VM_OUT/pulled.jsonl" | grep -q '"name":"fisheye","situation":"fine"'
+}
+check "a camera that is pulled out is named in the statistics" within_seconds 10 noticed
+stop_playing # its output must be let go as well, or it stays unplugged
+check "and used again when it is back" within_seconds 10 goes_on
+stop_run
+equal "the run ends well after that" 0 $?
+
+unload vkms
+unload vivid
