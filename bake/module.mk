@@ -11,12 +11,16 @@ BAKE_SOURCES := \
 	bake/render.c \
 	bake/scene.c \
 	bake/scene_file.c \
+	bake/sky.c \
 	bake/tile.c \
 	bake/transport.c \
+	bake/truth.c \
+	bake/truth_views.c \
 	bake/world.c \
 	bake/dome_command.c \
 	bake/info_command.c \
-	bake/render_command.c
+	bake/render_command.c \
+	bake/truth_command.c
 BAKE_MAIN := bake/main.c
 
 # The demo's own object. make-cow is a program apart: it needs no ray tracer.

@@ -71,4 +71,21 @@ static inline uint32_t sobol_second(uint32_t index)
 	return bits;
 }
 
+/*
+ * The same points in another order: runs of 2^m stay runs of 2^m. Pairs taken from differently
+ * shuffled sequences are independent of each other (Owen scrambling of the index by the hash of
+ * Laine and Karras 2011, with Vegdahl's constants).
+ */
+static inline uint32_t sobol_shuffle(uint32_t index, uint32_t seed)
+{
+	uint32_t x = sobol_first(index); /* the bits reversed */
+
+	x += seed;
+	x ^= x * UINT32_C(0x6c50b47c);
+	x ^= x * UINT32_C(0xb82f1e52);
+	x ^= x * UINT32_C(0xc7afe638);
+	x ^= x * UINT32_C(0x8d22f6e6);
+	return sobol_first(x);
+}
+
 #endif

@@ -206,6 +206,7 @@ static int start_workers(struct job *job)
 {
 	const struct encode_settings encode = {
 		.lights = job->dome.count,
+		.grounds = (int)job->info.grounds,
 		.ground = job->ground,
 		.ratio_cut = job->settings.ratio_cut,
 	};

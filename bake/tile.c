@@ -73,8 +73,9 @@ static void add_sample(struct tile *tile, int at, uint32_t sample)
 	const int x = tile->x + at % BASIS_TILE, y = tile->y + at / BASIS_TILE;
 	const uint32_t pixel = (uint32_t)y * (uint32_t)tile->scene->camera.width + (uint32_t)x;
 	const uint64_t scramble = random_hash(tile->settings.seed, pixel, 0xca3e5a);
-	const double u = (sobol_first(sample) ^ (uint32_t)scramble) * 0x1p-32;
-	const double v = (sobol_second(sample) ^ (uint32_t)(scramble >> 32)) * 0x1p-32;
+	const uint32_t place = sobol_shuffle(sample, (uint32_t)random_mix(scramble));
+	const double u = (sobol_first(place) ^ (uint32_t)scramble) * 0x1p-32;
+	const double v = (sobol_second(place) ^ (uint32_t)(scramble >> 32)) * 0x1p-32;
 	struct tile_pixel *p = &tile->pixels[at];
 	struct surface surface;
 	struct v3 direction;

@@ -263,6 +263,26 @@ bool world_nearest(const struct world *world, enum presence presence, struct v3 
 	return false;
 }
 
+bool world_blocked(const struct world *world, enum presence presence, struct v3 origin,
+		   struct v3 direction)
+{
+	struct RTCIntersectContext context;
+	struct RTCRay r = {
+		.org_x = origin.x,
+		.org_y = origin.y,
+		.org_z = origin.z,
+		.dir_x = direction.x,
+		.dir_y = direction.y,
+		.dir_z = direction.z,
+		.tfar = INFINITY,
+		.mask = ~0u,
+	};
+
+	rtcInitIntersectContext(&context);
+	rtcOccluded1(world->scene[presence], &context, &r);
+	return r.tfar < 0;
+}
+
 /* ---- many rays ---- */
 
 void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
@@ -276,7 +296,8 @@ void world_occluded(const struct world *world, enum presence presence, struct v3
 	if (world->bounds[presence].radius < 0)
 		return;
 	rtcInitIntersectContext(&context);
-	context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+	/* called coherent they take half as long again: a whole sky of directions is not */
+	context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 	memset(&r, 0, sizeof(r));
 	for (int k = 0; k < PACKET; k++) {
 		r.org_x[k] = origin.x;

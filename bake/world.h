@@ -63,6 +63,10 @@ struct bounds world_bounds(const struct world *world, enum presence presence);
 bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction, struct surface *surface);
 
+/* Whether a ray meets a mesh (the ground does not count). */
+bool world_blocked(const struct world *world, enum presence presence, struct v3 origin,
+		   struct v3 direction);
+
 /* Which rays of a batch meet a mesh (the ground does not count: only rays upwards are asked). */
 void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
 		    struct ray_batch *batch);
