@@ -26,6 +26,7 @@ struct synthetic_options {
 	double object_share;   /* of pixels with a T row ... */
 	double ground_share;   /* ... with a V row ... */
 	double stand_in_share; /* ... with D and U rows (the two exclude each other) */
+	double unlit_share;    /* of these pixels: U is 0 (D is not) */
 	double peak;	       /* sum of a pixel's t over all lights, at most */
 	double bounce;	       /* v and d / u lie in -bounce..1 */
 	bool grey;	       /* all channels alike */
@@ -115,14 +116,18 @@ static inline void synthetic_fill_tile(const struct synthetic_options *o,
 				      tile->value[BASIS_KIND_V] + row * (size_t)n[BASIS_KIND_V]++,
 				      NULL, chance);
 		} else if (r < o->ground_share + o->stand_in_share) {
+			bool unlit;
 			float *u = tile->value[BASIS_KIND_U] + row * (size_t)n[BASIS_KIND_U];
 
 			tile->pixel[BASIS_KIND_D][n[BASIS_KIND_D]] = (uint16_t)p;
 			tile->pixel[BASIS_KIND_U][n[BASIS_KIND_U]++] = (uint16_t)p;
 			synthetic_row(o, BASIS_KIND_U, u, NULL, chance);
+			unlit = chance_real(chance, 0, 1) < o->unlit_share;
+			if (unlit)
+				memset(u, 0, row * sizeof(*u));
 			synthetic_row(o, BASIS_KIND_D,
 				      tile->value[BASIS_KIND_D] + row * (size_t)n[BASIS_KIND_D]++,
-				      u, chance);
+				      unlit ? NULL : u, chance);
 		}
 	}
 }
