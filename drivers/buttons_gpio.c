@@ -247,10 +247,15 @@ static int gpio_list(void (*found)(void *context, const char *line), void *conte
 {
 	struct gpiod_chip_iter *chips = gpiod_chip_iter_new();
 	struct gpiod_chip *chip;
-	int err = 0;
+	int err = chips ? 0 : -errno;
 
-	if (!chips)
-		return -errno;
+	if (err == -EACCES) {
+		found(context,
+		      "there are chips, but not for this user (is it in the group \"gpio\"?)");
+		return 0;
+	}
+	if (err)
+		return err;
 	gpiod_foreach_chip(chips, chip)
 	{
 		if (!err)

@@ -42,7 +42,8 @@ struct buttons_ops {
 	const struct ini_key *keys; /* optional, prefixed "name." */
 	size_t options_size;
 
-	/* Optional. Prints one line of text for each device and line found through found(). */
+	/* Optional. Hands found() one line of text for each device and line there is. 0 or -errno.
+	 */
 	int (*list)(void (*found)(void *context, const char *line), void *context);
 
 	/* Mandatory. What a failure leaves half-open, buttons_open() has closed. */

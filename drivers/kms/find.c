@@ -327,6 +327,19 @@ static int list_card(int card, struct display_listing *listing,
 	return err ? err : resources != NULL;
 }
 
+/* A card that is there but not for this user is listed too, with what to do about it. */
+static void list_forbidden(struct display_listing *listing,
+			   void (*found)(void *context, const struct display_listing *listing),
+			   void *context)
+{
+	char line[1][160] = {"cannot be opened (is the user in the group \"video\"?)"};
+
+	snprintf(listing->name, sizeof(listing->name), "no permission");
+	listing->lines = line;
+	listing->line_count = 1;
+	found(context, listing);
+}
+
 int kms_list(void (*found)(void *context, const struct display_listing *listing), void *context)
 {
 	int count = 0;
@@ -337,6 +350,10 @@ int kms_list(void (*found)(void *context, const struct display_listing *listing)
 
 		snprintf(listing.device, sizeof(listing.device), "/dev/dri/card%d", i);
 		card = open_card(listing.device);
+		if (card == -EACCES) {
+			list_forbidden(&listing, found, context);
+			count++;
+		}
 		if (card < 0)
 			continue;
 		listed = list_card(card, &listing, found, context);
