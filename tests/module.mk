@@ -20,7 +20,9 @@ UNIT_TESTS := \
 	tests/unit/test_image.c \
 	tests/unit/test_ini.c \
 	tests/unit/test_frame.c \
-	tests/unit/test_studio.c
+	tests/unit/test_studio.c \
+	tests/unit/test_camera_sim.c \
+	tests/unit/test_camera_v4l2.c
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_image.c

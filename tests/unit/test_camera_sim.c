@@ -1,0 +1,778 @@
+/* The simulated camera through the camera contract: clocks, faults, sensor, panorama, files. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "drivers/drivers.h"
+#include "hal/clock.h"
+#include "hal/image/image.h"
+#include "hal/optics/fisheye.h"
+#include "hal/optics/panorama.h"
+
+static char folder[] = "/tmp/inlay-sim.XXXXXX";
+
+static const char *in_folder(const char *name)
+{
+	static char path[4][256];
+	static int turn;
+
+	turn = (turn + 1) % 4;
+	snprintf(path[turn], sizeof(path[turn]), "%s/%s", folder, name);
+	return path[turn];
+}
+
+static void *place(void *root, const char *instance)
+{
+	(void)instance;
+	return root;
+}
+
+struct rig {
+	struct camera camera;
+	struct camera_settings settings;
+	void *options;
+	struct fault fault;
+};
+
+/* Options as "key=value", NULL at the end. */
+static void prepare(struct rig *rig, ...)
+{
+	const struct ini_table tables[] = {
+		{.section = "sim", .keys = camera_sim.keys, .place = place}, INI_TABLES_END};
+	const char *option;
+	va_list arguments;
+
+	memset(rig, 0, sizeof(*rig));
+	rig->settings = (struct camera_settings){.width = 64, .height = 48, .buffers = 4};
+	rig->options = calloc(1, camera_sim.options_size);
+	ini_defaults(camera_sim.keys, rig->options);
+	va_start(arguments, rig);
+	while ((option = va_arg(arguments, const char *))) {
+		struct ini_report report = {0};
+		char text[600];
+
+		snprintf(text, sizeof(text), "sim.%s", option);
+		if (ini_set(text, tables, rig->options, &report))
+			fail_msg("%s", report.first.text);
+	}
+	va_end(arguments);
+}
+
+static int start(struct rig *rig)
+{
+	return camera_open(&rig->camera, &camera_sim, &rig->settings, rig->options, &rig->fault);
+}
+
+static void must_start(struct rig *rig)
+{
+	if (start(rig))
+		fail_msg("%s", rig->fault.text);
+}
+
+static void finish(struct rig *rig)
+{
+	camera_close(&rig->camera);
+	camera_close(&rig->camera);
+	free(rig->options);
+}
+
+static void grab(struct rig *rig, struct frame *frame)
+{
+	struct pollfd p = {.fd = camera_descriptor(&rig->camera), .events = POLLIN};
+
+	assert_int_equal(poll(&p, 1, 5000), 1);
+	if (camera_grab(&rig->camera, frame, &rig->fault))
+		fail_msg("%s", rig->fault.text);
+}
+
+static uint64_t checksum(const struct frame *frame)
+{
+	uint64_t h = 1469598103934665603u;
+
+	for (size_t i = 0; i < frame->planes[0].bytes; i++)
+		h = (h ^ frame->planes[0].data[i]) * 1099511628211u;
+	return h;
+}
+
+static void defaults_are_sound(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	prepare(&rig, NULL);
+	rig.settings.width = rig.settings.height = 0;
+	must_start(&rig);
+	assert_int_equal(rig.camera.width, 640);
+	assert_int_equal(rig.camera.height, 480);
+	assert_int_equal(rig.camera.format, PIXEL_BGRX);
+	assert_true(rig.camera.rate_hz == 25);
+	grab(&rig, &frame);
+	assert_int_equal(frame.width, 640);
+	assert_int_equal(frame.planes[0].bytes, 640 * 480 * 4);
+	assert_int_equal(rig.camera.frames, 1);
+	camera_release(&rig.camera, &frame);
+	camera_release(&rig.camera, &frame);
+	finish(&rig);
+}
+
+static void same_frames_every_time(void **state)
+{
+	uint64_t sums[2][4], others = 0;
+	int64_t last_ns = 0;
+
+	(void)state;
+	for (int run = 0; run < 2; run++) {
+		struct frame frame;
+		struct rig rig;
+
+		prepare(&rig, "clock=frames", "read_noise=4", "shot_noise=4", NULL);
+		rig.settings.rate_hz = 50;
+		must_start(&rig);
+		for (int i = 0; i < 4; i++) {
+			grab(&rig, &frame);
+			sums[run][i] = checksum(&frame);
+			assert_int_equal(frame.sequence, i);
+			if (i > 0)
+				assert_int_equal(frame.timestamp_ns - last_ns, NS_PER_S / 50);
+			last_ns = frame.timestamp_ns;
+			camera_release(&rig.camera, &frame);
+		}
+		finish(&rig);
+	}
+	for (int i = 0; i < 4; i++) {
+		assert_true(sums[0][i] == sums[1][i]);
+		others += sums[0][i] != sums[0][(i + 1) % 4];
+	}
+	assert_int_equal(others, 4);
+}
+
+static void the_real_clock_keeps_time(void **state)
+{
+	const struct timespec nap = {0, 130 * 1000 * 1000};
+	struct frame frame;
+	struct rig rig;
+	int64_t first_ns;
+
+	(void)state;
+	prepare(&rig, NULL);
+	rig.settings.rate_hz = 50;
+	must_start(&rig);
+	grab(&rig, &frame);
+	first_ns = frame.timestamp_ns;
+	camera_release(&rig.camera, &frame);
+	nanosleep(&nap, NULL);
+	grab(&rig, &frame);
+	/* 6 periods went by at least: the newest counts, the rest is lost. */
+	assert_true(frame.sequence >= 6);
+	assert_int_equal(rig.camera.lost, frame.sequence - 1);
+	assert_int_equal(frame.timestamp_ns - first_ns, frame.sequence * (NS_PER_S / 50));
+	assert_true(clock_now_ns() >= frame.timestamp_ns);
+	camera_release(&rig.camera, &frame);
+	assert_int_equal(rig.camera.frames, 2);
+	finish(&rig);
+}
+
+static void a_camera_stalls_and_vanishes(void **state)
+{
+	static const char *const clocks[] = {"clock=real", "clock=frames"};
+
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		struct frame frame;
+		struct pollfd p = {.events = POLLIN};
+		struct rig rig;
+
+		prepare(&rig, clocks[i], "stall_after=2", NULL);
+		rig.settings.rate_hz = 200;
+		must_start(&rig);
+		for (int k = 0; k < 2; k++) {
+			grab(&rig, &frame);
+			camera_release(&rig.camera, &frame);
+		}
+		assert_int_equal(camera_grab(&rig.camera, &frame, NULL), -EAGAIN);
+		p.fd = camera_descriptor(&rig.camera);
+		assert_int_equal(poll(&p, 1, 50), 0);
+		finish(&rig);
+
+		prepare(&rig, clocks[i], "vanish_after=2", NULL);
+		rig.settings.rate_hz = 200;
+		for (int again = 0; again < 2; again++) {
+			must_start(&rig);
+			for (int k = 0; k < 2; k++) {
+				grab(&rig, &frame);
+				camera_release(&rig.camera, &frame);
+			}
+			assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ENODEV);
+			assert_int_equal(rig.camera.situation, CAMERA_NO_DEVICE);
+			camera_close(&rig.camera);
+		}
+		finish(&rig);
+	}
+}
+
+static void corrupt_frames_are_skipped(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	prepare(&rig, "clock=frames", "corrupt_every=3", NULL);
+	must_start(&rig);
+	for (uint32_t i = 0; i < 6; i++) {
+		grab(&rig, &frame);
+		assert_int_equal(frame.sequence, i + i / 2);
+		camera_release(&rig.camera, &frame);
+	}
+	assert_int_equal(rig.camera.broken, 2);
+	assert_int_equal(rig.camera.frames, 6);
+	finish(&rig);
+}
+
+/* A grey panorama of one radiance: what comes out is the sensor alone. */
+static const char *flat_panorama(float radiance)
+{
+	const char *path = in_folder("flat.pfm");
+	struct image image;
+
+	assert_int_equal(image_create_f32(&image, 64, 32), 0);
+	for (int i = 0; i < 64 * 32 * 3; i++)
+		image.f32[i] = radiance;
+	assert_int_equal(image_write(path, &image, NULL), 0);
+	image_free(&image);
+	return path;
+}
+
+static void option(char text[300], const char *key, const char *value)
+{
+	snprintf(text, 300, "%s=%s", key, value);
+}
+
+static uint8_t middle_code(const struct frame *frame)
+{
+	return frame->planes[0].data[(size_t)24 * frame->planes[0].stride + 32 * 4];
+}
+
+static void the_sensor_encodes(void **state)
+{
+	static const struct {
+		const char *transfer, *exposure, *black;
+		int code;
+	} cases[] = {
+		{"transfer=linear", "exposure=1", "black_level=0", 64},	 /* 0.25 * 255 */
+		{"transfer=linear", "exposure=2", "black_level=0", 128}, /* 0.5 */
+		{"transfer=linear", "exposure=8", "black_level=0", 255}, /* clipped */
+		{"transfer=linear", "exposure=0", "black_level=16", 16},
+		{"transfer=linear", "exposure=2", "black_level=16", 136}, /* 16 + 239 / 2 */
+		{"transfer=srgb", "exposure=1", "black_level=0", 137},	  /* 0.5371 * 255 */
+		{"transfer=bt709", "exposure=1", "black_level=0", 125},	  /* 0.4900 * 255 */
+	};
+	char file[300];
+
+	(void)state;
+	option(file, "file", flat_panorama(0.25f));
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct frame frame;
+		struct rig rig;
+
+		prepare(&rig, "clock=frames", "source=panorama", file, cases[i].transfer,
+			cases[i].exposure, cases[i].black, NULL);
+		must_start(&rig);
+		grab(&rig, &frame);
+		assert_int_equal(middle_code(&frame), cases[i].code);
+		finish(&rig);
+	}
+}
+
+static void noise_is_as_strong_as_said(void **state)
+{
+	double sum = 0, squares = 0;
+	struct frame frame;
+	struct rig rig;
+	char file[300];
+	const int count = 200 * 200 * 3;
+
+	(void)state;
+	option(file, "file", flat_panorama(0.25f));
+	prepare(&rig, "clock=frames", "source=panorama", "view=perspective", "transfer=linear",
+		"read_noise=6", "shot_noise=16", file, NULL);
+	rig.settings.width = rig.settings.height = 200;
+	must_start(&rig);
+	grab(&rig, &frame);
+	for (int i = 0; i < 200 * 200; i++)
+		for (int c = 0; c < 3; c++) {
+			const double v = frame.planes[0].data[4 * i + c];
+
+			sum += v;
+			squares += v * v;
+		}
+	sum /= count;
+	squares = sqrt(squares / count - sum * sum);
+	/* sqrt(6^2 + 16^2 * 0.25) = 10 levels. */
+	assert_true(fabs(sum - 63.75) < 0.15);
+	assert_true(fabs(squares - 10) < 0.15);
+	finish(&rig);
+}
+
+/* A panorama with a different colour in every direction. */
+static const char *coloured_panorama(struct image *image)
+{
+	const char *path = in_folder("colours.pfm");
+
+	assert_int_equal(image_create_f32(image, 256, 128), 0);
+	for (int y = 0; y < 128; y++)
+		for (int x = 0; x < 256; x++) {
+			float *p = image->f32 + 3 * (y * 256 + x);
+
+			p[0] = 1 + sinf((float)(2 * M_PI * x / 256));
+			p[1] = 1 + cosf((float)(2 * M_PI * x / 256));
+			p[2] = (float)y / 64;
+		}
+	assert_int_equal(image_write(path, image, NULL), 0);
+	return path;
+}
+
+static void panoramas_show_what_is_there(void **state)
+{
+	struct panorama panorama = {.scale = 1};
+	struct fisheye_settings settings = {.field_deg = 90};
+	double worst = 0;
+	struct fisheye lens;
+	struct image image;
+	struct frame frame;
+	struct rig rig;
+	char file[300];
+
+	(void)state;
+	option(file, "file", coloured_panorama(&image));
+	panorama.image = &image;
+	assert_int_equal(fisheye_prepare(&lens, &settings, 128, 128, NULL), 0);
+	prepare(&rig, "clock=frames", "source=panorama", "turn_rate=90", file, NULL);
+	rig.settings.width = rig.settings.height = 128;
+	rig.settings.rate_hz = 1;
+	rig.settings.format = PIXEL_RGBF;
+	must_start(&rig);
+	for (int turn = 0; turn < 5; turn++) {
+		const float *rgb;
+
+		grab(&rig, &frame);
+		assert_int_equal(frame.format, PIXEL_RGBF);
+		panorama.turn_rad = turn * M_PI / 2;
+		rgb = (const float *)(const void *)frame.planes[0].data;
+		for (int y = 0; y < 128; y++)
+			for (int x = 0; x < 128; x++) {
+				const double px[2] = {x + 0.5, y + 0.5};
+				double dir[3], want[3];
+
+				/* At the zenith all azimuths meet in a pixel. */
+				if (hypot(px[0] - 64, px[1] - 64) < 6 ||
+				    hypot(px[0] - 64, px[1] - 64) > 62 ||
+				    !fisheye_ray(&lens, px, dir))
+					continue;
+				panorama_radiance(&panorama, dir, want);
+				for (int c = 0; c < 3; c++)
+					worst = fmax(worst,
+						     fabs(rgb[3 * (y * 128 + x) + c] - want[c]));
+			}
+		camera_release(&rig.camera, &frame);
+	}
+	print_message("# panorama through the camera: largest error %.4f of 2\n", worst);
+	assert_true(worst < 0.01);
+	image_free(&image);
+	finish(&rig);
+}
+
+static void yuyv_holds_the_same_picture(void **state)
+{
+	(void)state;
+	for (int matrix = 0; matrix < MATRIX_COUNT; matrix++)
+		for (int range = 0; range < RANGE_COUNT; range++) {
+			struct frame_decoder *decoder;
+			struct canvas canvas, plain;
+			struct frame frame;
+			struct rig rig;
+			double sum = 0;
+
+			assert_int_equal(frame_decoder_create(&decoder), 0);
+			assert_int_equal(canvas_create(&canvas, 64, 48), 0);
+			assert_int_equal(canvas_create(&plain, 64, 48), 0);
+			for (int format = 0; format < 2; format++) {
+				prepare(&rig, "clock=frames", "view=perspective", NULL);
+				rig.settings.format = format ? PIXEL_YUYV : PIXEL_BGRX;
+				rig.settings.matrix = matrix + 1;
+				rig.settings.range = range + 1;
+				must_start(&rig);
+				grab(&rig, &frame);
+				assert_int_equal(frame.matrix, matrix);
+				assert_int_equal(frame.range, range);
+				assert_int_equal(frame_decode(decoder, &frame,
+							      format ? &canvas : &plain, NULL),
+						 0);
+				finish(&rig);
+			}
+			for (int y = 0; y < 48; y++)
+				for (int x = 0; x < 64 * 4; x++)
+					sum += abs(canvas.pixels[(size_t)y * canvas.stride + x] -
+						   plain.pixels[(size_t)y * plain.stride + x]);
+			/* Only colour edges within a pair differ. */
+			assert_true(sum / (64 * 48 * 3) < 2);
+			canvas_free(&canvas);
+			canvas_free(&plain);
+			frame_decoder_destroy(decoder);
+		}
+}
+
+static void write_picture(const char *name, int width, int height, int value)
+{
+	struct image image;
+
+	assert_int_equal(image_create_u8(&image, width, height), 0);
+	for (int i = 0; i < width * height; i++) {
+		image.u8[3 * i] = (uint8_t)value;
+		image.u8[3 * i + 1] = (uint8_t)(value + 1);
+		image.u8[3 * i + 2] = (uint8_t)(value + 2);
+	}
+	assert_int_equal(image_write(in_folder(name), &image, NULL), 0);
+	image_free(&image);
+}
+
+static void pictures_play_in_order(void **state)
+{
+	static const int looped[] = {10, 20, 30, 10, 20};
+	struct frame frame;
+	struct rig rig;
+	char file[300];
+
+	(void)state;
+	write_picture("p001.png", 20, 10, 10);
+	write_picture("p002.png", 20, 10, 20);
+	write_picture("p003.png", 20, 10, 30);
+	option(file, "file", in_folder("p%03d.png"));
+	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	must_start(&rig);
+	assert_int_equal(rig.camera.width, 20);
+	for (int i = 0; i < 5; i++) {
+		grab(&rig, &frame);
+		assert_int_equal(frame.planes[0].data[2], looped[i]);
+		assert_int_equal(frame.planes[0].data[0], looped[i] + 2);
+		camera_release(&rig.camera, &frame);
+	}
+	finish(&rig);
+
+	prepare(&rig, "clock=frames", "source=files", "loop=no", file, NULL);
+	must_start(&rig);
+	for (int i = 0; i < 3; i++) {
+		grab(&rig, &frame);
+		camera_release(&rig.camera, &frame);
+	}
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ENODEV);
+	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
+	finish(&rig);
+
+	/* A picture of another size ends it with a reason. */
+	write_picture("p004.png", 22, 10, 30);
+	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	must_start(&rig);
+	for (int i = 0; i < 3; i++) {
+		grab(&rig, &frame);
+		camera_release(&rig.camera, &frame);
+	}
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EINVAL);
+	assert_non_null(strstr(rig.fault.text, "p004.png"));
+	finish(&rig);
+}
+
+static void a_picture_stays(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+	char file[300];
+
+	(void)state;
+	write_picture("one.png", 8, 8, 99);
+	option(file, "file", in_folder("one.png"));
+	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	must_start(&rig);
+	for (int i = 0; i < 3; i++) {
+		grab(&rig, &frame);
+		assert_int_equal(frame.planes[0].data[2], 99);
+		camera_release(&rig.camera, &frame);
+	}
+	finish(&rig);
+}
+
+/* Video of n pictures, luma 50, 51 ...; chroma neutral. */
+static void write_video(FILE *f, const char *chroma, size_t chroma_bytes, int pictures)
+{
+	uint8_t *planes = malloc(16 * 8 + chroma_bytes);
+
+	assert_non_null(f);
+	assert_non_null(planes);
+	fprintf(f, "YUV4MPEG2 W16 H8 F30000:1001 Ip A1:1 C%s\n", chroma);
+	for (int i = 0; i < pictures; i++) {
+		memset(planes, 50 + i, 16 * 8);
+		memset(planes + 16 * 8, 128, chroma_bytes);
+		fprintf(f, "FRAME\n");
+		fwrite(planes, 1, 16 * 8 + chroma_bytes, f);
+	}
+	free(planes);
+}
+
+static int luma_code(int y)
+{
+	return (int)lrint((y - 16) * 255.0 / 219);
+}
+
+static void video_plays(void **state)
+{
+	static const struct {
+		const char *name;
+		size_t chroma_bytes;
+	} kinds[] = {{"420jpeg", 64}, {"422", 128}, {"444", 256}, {"mono", 0}};
+
+	(void)state;
+	for (size_t k = 0; k < 4; k++) {
+		FILE *f = fopen(in_folder("clip.y4m"), "w");
+		struct frame frame;
+		struct rig rig;
+		char file[300];
+
+		write_video(f, kinds[k].name, kinds[k].chroma_bytes, 3);
+		fclose(f);
+		option(file, "file", in_folder("clip.y4m"));
+		prepare(&rig, "clock=frames", "source=files", file, NULL);
+		must_start(&rig);
+		assert_int_equal(rig.camera.width, 16);
+		assert_int_equal(rig.camera.height, 8);
+		assert_true(fabs(rig.camera.rate_hz - 29.97) < 0.01);
+		for (int i = 0; i < 7; i++) {
+			grab(&rig, &frame);
+			for (int c = 0; c < 3; c++)
+				assert_int_equal(frame.planes[0].data[c], luma_code(50 + i % 3));
+			camera_release(&rig.camera, &frame);
+		}
+		finish(&rig);
+	}
+}
+
+static void a_pipe_plays_as_it_comes(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+	char file[300];
+	int hold;
+	FILE *f;
+
+	(void)state;
+	assert_int_equal(mkfifo(in_folder("pipe"), 0600), 0);
+	option(file, "file", in_folder("pipe"));
+	/* Both ends open, so that neither side waits for the other. */
+	hold = open(in_folder("pipe"), O_RDWR);
+	assert_true(hold >= 0);
+	f = fdopen(hold, "w");
+	write_video(f, "420", 64, 2);
+	fprintf(f, "FRAME\nnot yet");
+	fflush(f);
+	prepare(&rig, "source=files", file, NULL);
+	must_start(&rig);
+	for (int i = 0; i < 2; i++) {
+		grab(&rig, &frame);
+		assert_int_equal(frame.planes[0].data[0], luma_code(50 + i));
+		camera_release(&rig.camera, &frame);
+	}
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EAGAIN);
+	fclose(f); /* the writer goes in the middle of a picture */
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EBADMSG);
+	assert_non_null(strstr(rig.fault.text, "cut short"));
+	finish(&rig);
+}
+
+static void write_text(const char *name, const char *text)
+{
+	FILE *f = fopen(in_folder(name), "w");
+
+	assert_non_null(f);
+	fputs(text, f);
+	fclose(f);
+}
+
+static void bad_files_are_named(void **state)
+{
+	static const struct {
+		const char *source, *name, *text;
+		int err;
+	} cases[] = {
+		{"source=files", "missing.png", NULL, -ENOENT},
+		{"source=files", "missing.y4m", NULL, -ENOENT},
+		{"source=files", "missing%03d.png", NULL, -ENOENT},
+		{"source=files", "garbage.y4m", "RIFF and so on\n", -EBADMSG},
+		{"source=files", "empty.y4m", "", -EBADMSG},
+		{"source=files", "tall.y4m", "YUV4MPEG2 W16 H99999999\n", -EBADMSG},
+		{"source=files", "deep.y4m", "YUV4MPEG2 W16 H16 C420p10\n", -ENOTSUP},
+		{"source=files", "empty.png", "", -ENOTSUP},
+		{"source=panorama", "missing.hdr", NULL, -ENOENT},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct rig rig;
+		char file[300];
+		int err;
+
+		if (cases[i].text)
+			write_text(cases[i].name, cases[i].text);
+		option(file, "file", in_folder(cases[i].name));
+		prepare(&rig, cases[i].source, file, NULL);
+		err = start(&rig);
+		assert_true(err < 0);
+		if (strcmp(cases[i].name, "empty.png") != 0)
+			assert_int_equal(err, cases[i].err);
+		assert_true(rig.camera.situation != CAMERA_FINE);
+		assert_non_null(strstr(rig.fault.text, cases[i].name));
+		assert_null(rig.camera.state);
+		finish(&rig);
+	}
+}
+
+static void a_square_panorama_is_refused(void **state)
+{
+	struct image image;
+	struct rig rig;
+	char file[300];
+
+	(void)state;
+	assert_int_equal(image_create_f32(&image, 8, 8), 0);
+	assert_int_equal(image_write(in_folder("square.pfm"), &image, NULL), 0);
+	image_free(&image);
+	option(file, "file", in_folder("square.pfm"));
+	prepare(&rig, "source=panorama", file, NULL);
+	assert_int_equal(start(&rig), -EINVAL);
+	assert_non_null(strstr(rig.fault.text, "square.pfm"));
+	finish(&rig);
+}
+
+static const char camera_text[] = "[camera]\nwidth = 64\nheight = 48\n"
+				  "rotation = 1 0 0 0 0 -1 0 1 0\ntranslation = 0 1 2\n"
+				  "focal = 4\nkappa1 = 0\ncentre = 32 24\npixel = 0.1 0.1\n"
+				  "aspect = 1\n";
+
+static void a_camera_file_sets_the_view(void **state)
+{
+	const uint8_t *middle;
+	struct frame frame;
+	struct rig rig;
+	char file[300];
+
+	(void)state;
+	write_text("camera.ini", camera_text);
+	option(file, "camera", in_folder("camera.ini"));
+	prepare(&rig, "clock=frames", "view=perspective", file, NULL);
+	rig.settings.width = rig.settings.height = 0;
+	must_start(&rig);
+	assert_int_equal(rig.camera.width, 64);
+	assert_int_equal(rig.camera.height, 48);
+	grab(&rig, &frame);
+	middle = frame.planes[0].data + (size_t)24 * frame.planes[0].stride + 32 * 4;
+	/* From (0, -2, 1), level, towards +Y: the sage wall is in the middle, green above all. */
+	assert_true(middle[0] < middle[1] && middle[2] < middle[1]);
+	camera_release(&rig.camera, &frame);
+	camera_close(&rig.camera);
+	rig.settings.width = 320;
+	assert_int_equal(start(&rig), -EINVAL);
+	assert_non_null(strstr(rig.fault.text, "camera.ini"));
+	finish(&rig);
+
+	write_text("camera.ini", "[lens]\n");
+	prepare(&rig, "view=perspective", file, NULL);
+	assert_int_equal(start(&rig), -EINVAL);
+	assert_non_null(strstr(rig.fault.text, "camera.ini"));
+	finish(&rig);
+}
+
+static void other_formats_are_refused(void **state)
+{
+	struct rig rig;
+
+	(void)state;
+	prepare(&rig, NULL);
+	rig.settings.format = PIXEL_MJPEG;
+	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(rig.camera.situation, CAMERA_UNSUPPORTED_FORMAT);
+	finish(&rig);
+	prepare(&rig, NULL);
+	rig.settings.format = PIXEL_YUYV;
+	rig.settings.width = 63;
+	assert_int_equal(start(&rig), -EINVAL);
+	finish(&rig);
+}
+
+static void a_closed_camera_is_harmless(void **state)
+{
+	struct camera camera = {0};
+	struct frame frame;
+
+	(void)state;
+	camera_close(&camera);
+	assert_int_equal(camera_descriptor(&camera), -EBADF);
+	assert_int_equal(camera_grab(&camera, &frame, NULL), -EBADF);
+	camera_release(&camera, &frame);
+}
+
+static int make_folder(void **state)
+{
+	(void)state;
+	return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+	static const char *const names[] = {
+		"flat.pfm", "colours.pfm", "p001.png",	 "p002.png",	"p003.png",  "p004.png",
+		"one.png",  "clip.y4m",	   "pipe",	 "garbage.y4m", "empty.y4m", "tall.y4m",
+		"deep.y4m", "empty.png",   "square.pfm", "camera.ini",
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
+		unlink(in_folder(names[i]));
+	return rmdir(folder);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_closed_camera_is_harmless),
+		cmocka_unit_test(defaults_are_sound),
+		cmocka_unit_test(same_frames_every_time),
+		cmocka_unit_test(the_real_clock_keeps_time),
+		cmocka_unit_test(a_camera_stalls_and_vanishes),
+		cmocka_unit_test(corrupt_frames_are_skipped),
+		cmocka_unit_test(the_sensor_encodes),
+		cmocka_unit_test(noise_is_as_strong_as_said),
+		cmocka_unit_test(panoramas_show_what_is_there),
+		cmocka_unit_test(yuyv_holds_the_same_picture),
+		cmocka_unit_test(pictures_play_in_order),
+		cmocka_unit_test(a_picture_stays),
+		cmocka_unit_test(video_plays),
+		cmocka_unit_test(a_pipe_plays_as_it_comes),
+		cmocka_unit_test(bad_files_are_named),
+		cmocka_unit_test(a_square_panorama_is_refused),
+		cmocka_unit_test(a_camera_file_sets_the_view),
+		cmocka_unit_test(other_formats_are_refused),
+	};
+
+	return cmocka_run_group_tests_name("camera_sim", tests, make_folder, remove_folder);
+}
