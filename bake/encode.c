@@ -11,6 +11,7 @@
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
 #define ROW_MAX 32767
+#define VALUE_MAX 1e30F /* so that no sum of a few overflows */
 
 /* Of |value - scale * row| in units of scale: half a step, and what float arithmetic adds to it
  * (hal/basis/README.md). */
@@ -139,7 +140,8 @@ static float mean_of_channels(float *mean, const float *value, int n)
 	float spread = 0;
 
 	for (int i = 0; i < n; i++) {
-		const float m = (r[i] + g[i] + b[i]) * (1.0F / 3);
+		/* Exactly theirs where all three are equal. */
+		const float m = r[i] + ((g[i] - r[i]) + (b[i] - r[i])) * (1.0F / 3);
 		const float dr = fabsf(r[i] - m), dg = fabsf(g[i] - m), db = fabsf(b[i] - m);
 		const float rg = dr > dg ? dr : dg;
 		const float d = rg > db ? rg : db;
@@ -169,7 +171,7 @@ static int look(struct encoder *e, const struct encode_samples *s, struct survey
 		const uint32_t bits = peak_bits(value, 3 * n);
 
 		memcpy(&found->pixel_peak[p], &bits, sizeof(bits));
-		if (!isfinite(found->pixel_peak[p]))
+		if (!(found->pixel_peak[p] <= VALUE_MAX))
 			return -EDOM;
 		if (s->kind == BASIS_KIND_U && any_negative(value, 3 * n))
 			return -EDOM;

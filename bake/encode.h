@@ -41,7 +41,7 @@ int encoder_create(struct encoder **encoder, const struct encode_settings *setti
 /*
  * A set of samples becomes one block, or none when nothing is left of it. D samples must be
  * followed by U samples of the same pixels: they keep and drop pixels together. -EDOM: a value is
- * not finite, or one of U negative; -EINVAL: D and U do not pair; -ENOMEM.
+ * not finite or beyond 1e30, or one of U negative; -EINVAL: D and U do not pair; -ENOMEM.
  */
 int encode_tile(struct encoder *encoder, int tile, const struct encode_samples *samples, int count,
 		struct encode_result *result);
