@@ -65,7 +65,34 @@ static void check_nodes(int f, enum dome_division division, const double (*node)
 	assert_true(lowest > 3e-6);
 }
 
-static void counts_of_all_frequencies(void **state)
+/* 0..2 pi, what rounding puts just below 0 being 0. */
+static double azimuth(const double d[3])
+{
+	const double phi = atan2(d[1], d[0]);
+
+	return phi < -1e-9 ? phi + 2 * M_PI : phi;
+}
+
+/* Files refer to lights by index: rows from the zenith, each from azimuth 0 on. */
+static void check_order(int f, enum dome_division division, const double (*node)[3], int count)
+{
+	int rows = 1;
+
+	for (int i = 1; i < count; i++)
+		rows += !(azimuth(node[i]) > azimuth(node[i - 1]));
+	for (int row = 1; row <= f; row++) { /* the cap: 5 nodes more in each */
+		const int first = 1 + 5 * row * (row - 1) / 2;
+
+		assert_true(fabs(azimuth(node[first])) < 1e-14);
+		for (int i = first + 1; i < first + 5 * row; i++)
+			assert_true(azimuth(node[i]) > azimuth(node[i - 1]));
+	}
+	/* the zenith, the cap, the upper half of the band; by angles the rows there bend */
+	if (division == DOME_CHORDS)
+		assert_int_equal(rows, 1 + f + f / 2);
+}
+
+static void counts_and_order_of_all_frequencies(void **state)
 {
 	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++)
@@ -76,6 +103,7 @@ static void counts_of_all_frequencies(void **state)
 			assert_non_null(node);
 			assert_int_equal(dome_nodes_fill(f, division, node), 0);
 			check_nodes(f, division, (const double(*)[3])node, count);
+			check_order(f, division, (const double(*)[3])node, count);
 			free(node);
 		}
 }
@@ -639,7 +667,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(published_counts),
-		cmocka_unit_test(counts_of_all_frequencies),
+		cmocka_unit_test(counts_and_order_of_all_frequencies),
 		cmocka_unit_test(nodes_of_all_faces),
 		cmocka_unit_test(division_of_an_edge),
 		cmocka_unit_test(weights_sum_to_the_hemisphere),

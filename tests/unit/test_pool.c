@@ -87,6 +87,33 @@ static void many_short_jobs(void **state)
 	assert_int_equal(r.clashes, 0);
 }
 
+/* Ends some time after it was claimed. */
+static void finish_late(void *context, int item, int worker)
+{
+	const struct timespec nap = {0, NS_PER_MS / 2};
+	int *finished = context;
+
+	(void)worker;
+	nanosleep(&nap, NULL);
+	finished[item] = 1; /* plain: only the end of the job may make it visible */
+}
+
+static void returns_when_all_are_done(void **state)
+{
+	struct pool *pool;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, 4), 0);
+	for (int round = 0; round < 100; round++) {
+		int finished[7] = {0};
+
+		pool_run(pool, 7, finish_late, finished);
+		for (int i = 0; i < 7; i++)
+			assert_int_equal(finished[i], 1);
+	}
+	pool_destroy(pool);
+}
+
 struct meeting {
 	pthread_mutex_t lock;
 	pthread_cond_t changed;
@@ -217,6 +244,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_item_once),
 		cmocka_unit_test(many_short_jobs),
+		cmocka_unit_test(returns_when_all_are_done),
 		cmocka_unit_test(works_side_by_side),
 		cmocka_unit_test(one_thread_is_the_caller),
 		cmocka_unit_test(workers_leave_signals_alone),
