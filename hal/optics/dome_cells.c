@@ -164,7 +164,6 @@ static int find_cell(const struct near_grid *grid, const double (*node)[3], int 
 		     double spacing_rad, double (*corner)[3], double *radius)
 {
 	double e1[3], e2[3];
-	int count;
 
 	tangent_frame(node[i], e1, e2);
 	for (double reach = 2 * spacing_rad;; reach *= 2) {
@@ -173,6 +172,7 @@ static int find_cell(const struct near_grid *grid, const double (*node)[3], int 
 				     {SQUARE, -SQUARE},
 				     {SQUARE, SQUARE},
 				     {-SQUARE, SQUARE}}};
+		int count;
 
 		polygon_cut(&p, e1[2], e2[2], node[i][2]);
 		cut_by_near(&p, grid, node, i, reach, e1, e2);
