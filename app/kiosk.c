@@ -91,6 +91,16 @@ static int draw(struct kiosk *k, const struct display_buffer *screen, struct fau
 			 &k->pipeline, &k->eyes, screen, fault);
 }
 
+/* Once, when it works. */
+static void announce(const struct kiosk *k)
+{
+	const struct basis_info_chunk *info = &k->basis.info;
+
+	log_info("%s screen of %dx%d; basis of %ux%u, %u lights, %u pose%s",
+		 k->config->screen->driver, k->display.width, k->display.height, info->width,
+		 info->height, info->lights, info->poses, info->poses == 1 ? "" : "s");
+}
+
 /* A picture for the screen, if there is a buffer to draw in. frames: of what the cameras hold;
  * otherwise of what they gave before, so that cameras which go in step stay so. */
 static int make_picture(struct kiosk *k, bool frames, struct fault *fault)
@@ -128,7 +138,8 @@ static int make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	stage_ns[STAGE_SHOW] = clock_now_ns() - sampled - k->pipeline.composite_ns;
 	stats_made(&k->stats, stage_ns);
 	k->redraw = false;
-	k->submitted++;
+	if (!k->submitted++)
+		announce(k);
 	return 0;
 }
 

@@ -4,7 +4,6 @@
 #include "app/kiosk_parts.h"
 #include "app/pipeline_config.h"
 #include "drivers/drivers.h"
-#include "hal/log.h"
 
 static struct source *source_named(struct kiosk *k, const char *name)
 {
@@ -135,14 +134,7 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	err = stats_open(&k->stats, k->settings->stats, fault);
 	if (err)
 		return err;
-	err = open_display(k, fault); /* last: until now the screen shows what it did */
-	if (err)
-		return err;
-	log_info("%s screen of %dx%d; basis of %ux%u, %u lights, %u pose%s",
-		 k->config->screen->driver, k->display.width, k->display.height,
-		 k->basis.info.width, k->basis.info.height, k->basis.info.lights,
-		 k->basis.info.poses, k->basis.info.poses == 1 ? "" : "s");
-	return 0;
+	return open_display(k, fault); /* last: until now the screen shows what it did */
 }
 
 int kiosk_close(struct kiosk *k, struct fault *fault)

@@ -18,8 +18,10 @@ int stats_open(struct stats *stats, const char *path, struct fault *fault)
 	if (!path)
 		return 0;
 	stats->stream = fopen(path, "we");
-	if (stats->stream)
+	if (stats->stream) {
+		setvbuf(stats->stream, stats->buffer, _IOFBF, sizeof(stats->buffer));
 		return 0;
+	}
 	err = -errno;
 	return fault_say(fault, err, "%s: cannot write statistics: %s", path, strerror(-err));
 }

@@ -15,7 +15,8 @@
 enum stage { STAGE_DECODE, STAGE_SAMPLE, STAGE_COMPOSITE, STAGE_SHOW, STAGE_COUNT };
 
 struct stats {
-	FILE *stream; /* NULL: nobody reads them */
+	FILE *stream;	   /* NULL: nobody reads them */
+	char buffer[4096]; /* of the stream, which would else allocate its own at the first line */
 	const char *path;
 	int64_t start_ns, line_ns; /* of the run; of the last line */
 	uint64_t frames;	   /* shown since the start */

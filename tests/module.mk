@@ -25,9 +25,15 @@ UNIT_TESTS := \
 	tests/unit/test_camera_sim.c \
 	tests/unit/test_camera_v4l2.c
 FUZZ_TARGETS := \
+	tests/fuzz/fuzz_basis.c \
 	tests/fuzz/fuzz_config.c \
-	tests/fuzz/fuzz_image.c
-CLI_TESTS :=
+	tests/fuzz/fuzz_image.c \
+	tests/fuzz/fuzz_video.c
+CLI_TESTS := \
+	tests/cli/still.sh \
+	tests/cli/run.sh \
+	tests/cli/check.sh \
+	tests/cli/errors.sh
 ACCURACY_TESTS :=
 include tests/vm/vm.mk
 
@@ -37,3 +43,10 @@ $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.
 	$(say) LINK $@
 	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
+
+# Counts the heap allocations of a program that it is loaded into.
+EXTRA_PROGRAMS += $(BUILD)/tests/cli/allocations.so
+$(BUILD)/tests/cli/allocations.so: tests/cli/allocations.c
+	@mkdir -p $(@D)
+	$(say) LINK $@
+	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<

@@ -1,0 +1,122 @@
+#!/bin/bash
+# Bad input: one clear line, exit code 1, and no file left behind, not even a part of one.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+
+"$INLAY" run --config "$work/studio.conf" --frames 1 --set "screen.device=$work/background.png" \
+	--set screen.show=before 2>"$work/run.log"
+"$INLAY" run --config "$work/studio.conf" --frames 1 --set "screen.device=$work/fisheye.png" \
+	--set screen.show=before --set background.camera=fisheye --set screen.width=96 \
+	--set screen.height=96 2>"$work/run.log"
+out=$work/out.png
+
+still() { # NAME WORDS options: refused, and nothing written
+	local name=$1 words=$2
+	shift 2
+	refused "$name" 1 "$words" "$INLAY" still --config "$work/studio.conf" -o "$out" "$@"
+	absent "$name: nothing is left" "$out"
+}
+pictures=(--background "$work/background.png" --fisheye "$work/fisheye.png")
+
+still "no such basis" "none.inlay" "${pictures[@]}" --basis "$work/none.inlay"
+: >"$work/empty.inlay"
+still "an empty basis" "empty.inlay" "${pictures[@]}" --basis "$work/empty.inlay"
+head -c 20000 "$work/box.inlay" >"$work/cut.inlay"
+still "a truncated basis" "cut.inlay" "${pictures[@]}" --basis "$work/cut.inlay"
+size=$(stat -c %s "$work/box.inlay")
+for at in 0 9 40 5000 $((size / 2)) $((size - 1)); do
+	cp "$work/box.inlay" "$work/flipped.inlay"
+	byte=$(od -An -tu1 -j"$at" -N1 "$work/box.inlay")
+	printf "%b" "\\x$(printf %02x $((byte ^ 16)))" |
+		dd of="$work/flipped.inlay" bs=1 seek="$at" conv=notrunc 2>"$work/dd.log"
+	still "a basis with a bit flipped in byte $at" "flipped.inlay" "${pictures[@]}" \
+		--basis "$work/flipped.inlay"
+done
+still "a folder for a basis" "$work" "${pictures[@]}" --basis "$work"
+
+still "no such background" "none.png" --background "$work/none.png" --fisheye "$work/fisheye.png"
+still "no such fisheye" "none.png" --background "$work/background.png" --fisheye "$work/none.png"
+still "a background of the wrong size" "96x96 pixels, expected 48x32" \
+	--background "$work/fisheye.png" --fisheye "$work/fisheye.png"
+still "a view outside the picture" "background.png" "${pictures[@]}" --set background.x=48
+head -c 300 "$work/fisheye.png" >"$work/cut.png"
+still "a truncated picture" "cut.png" --background "$work/background.png" --fisheye "$work/cut.png"
+cp "$work/box.scene" "$work/text.png"
+still "a picture that is none" "text.png" --background "$work/text.png" \
+	--fisheye "$work/fisheye.png"
+
+# A linear picture of 2 x 2 pixels; one value is not a number, infinite, negative.
+pfm() { # FILE HEX-OF-THE-LAST-VALUE
+	printf 'PF\n2 2\n-1.0\n' >"$1"
+	for _ in 1 2 3 4 5 6 7 8 9 10 11; do
+		printf '\0\0\200\77'
+	done >>"$1"
+	# shellcheck disable=SC2059
+	printf "$2" >>"$1"
+}
+pfm "$work/nan.pfm" '\0\0\300\177'
+still "a NaN in linear light" "nan.pfm" --background "$work/background.png" \
+	--fisheye "$work/nan.pfm"
+pfm "$work/inf.pfm" '\0\0\200\177'
+still "infinite light" "inf.pfm" --background "$work/background.png" --fisheye "$work/inf.pfm"
+pfm "$work/negative.pfm" '\0\0\200\277'
+still "negative light" "negative.pfm" --background "$work/background.png" \
+	--fisheye "$work/negative.pfm"
+pfm "$work/fine.pfm" '\0\0\200\77'
+still "a linear background" "expected an 8-bit picture" --background "$work/fine.pfm" \
+	--fisheye "$work/fisheye.png" --set background.width=2
+
+printf '1 1 1\n' >"$work/few.txt"
+still "too few lights" "few.txt" --background "$work/background.png" --lights "$work/few.txt"
+printf '1 1 x\n' >"$work/odd.txt"
+still "a light that is none" "odd.txt:1" --background "$work/background.png" \
+	--lights "$work/odd.txt"
+still "a pose that there is not" "pose 3" "${pictures[@]}" --pose 3
+still "an unknown key" "unknown key, did you mean \"threshold\"?" "${pictures[@]}" \
+	--set lights.treshold=1
+still "a value out of range" "expected a number 0..64" "${pictures[@]}" --set composite.gain=65
+printf '[lights]\nthreshold = 256\n' >"$work/range.conf"
+refused "a value out of range in a file" 1 \
+	"range.conf:2: [lights] threshold: is \"256\", expected a number 0..255 grey levels" \
+	"$INLAY" still --config "$work/range.conf" --basis "$work/box.inlay" "${pictures[@]}" -o "$out"
+refused "no folder to write to" 1 "nowhere" "$INLAY" still --config "$work/studio.conf" \
+	"${pictures[@]}" -o "$work/nowhere/out.png"
+refused "no folder for the lights" 1 "nowhere" "$INLAY" still --config "$work/studio.conf" \
+	"${pictures[@]}" -o "$out" --lights-out "$work/nowhere/lights.txt"
+absent "no folder for the lights: nothing is left" "$out"
+printf 'as it was' >"$out"
+"$INLAY" still --config "$work/studio.conf" "${pictures[@]}" --basis "$work/cut.inlay" -o "$out" \
+	2>"$work/said"
+equal "an old picture stays as it was" "as it was" "$(cat "$out")"
+rm "$out"
+
+run() { # NAME WORDS options
+	local name=$1 words=$2
+	shift 2
+	refused "$name" 1 "$words" timeout 20 "$INLAY" run --config "$work/studio.conf" --frames 2 \
+		--set "screen.device=$out" "$@"
+	absent "$name: nothing is left" "$out"
+}
+run "run without a basis" "none.inlay" --set "basis.file=$work/none.inlay"
+run "run with a damaged basis" "cut.inlay" --set "basis.file=$work/cut.inlay"
+run "a camera that is none" "/dev/null" --set camera.background.driver=v4l2 \
+	--set camera.background.device=/dev/null
+run "a camera's file that is none" "text.png" --set camera.background.sim.source=files \
+	--set "camera.background.sim.file=$work/text.png"
+run "a format that a camera has not" "format" --set camera.fisheye.format=NV12
+run "an unknown camera driver" "[camera fisheye] driver" --set camera.fisheye.driver=webcam
+run "an unknown screen" "[screen] driver" --set screen.driver=oled
+run "a view without a camera" "there is no section [camera sky]" --set fisheye.camera=sky
+run "no buttons where they should be" "script.file" --set buttons.driver=script \
+	--set "buttons.script.file=$work/none.txt"
+run "statistics into no folder" "nowhere" --stats "$work/nowhere/s.jsonl"
+refused "a screen's file of an unknown kind" 1 "out.bmp" "$INLAY" run --config "$work/studio.conf" \
+	--frames 1 --set "screen.device=$work/out.bmp"
+refused "a screen's file in no folder" 1 "nowhere" "$INLAY" run --config "$work/studio.conf" \
+	--frames 1 --set "screen.device=$work/nowhere/out.png"
+
+run "a camera's picture of the wrong size" "the background is 64x32 pixels, expected 48x32" \
+	--set camera.background.width=64
+
+finish

@@ -1,0 +1,114 @@
+#!/bin/bash
+# inlay run on simulated cameras: what it shows, counts, survives, and when it ends.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+counter=$(dirname "$INLAY")/tests/cli/allocations.so
+
+run() {
+	timeout 60 "$INLAY" run --config "$work/studio.conf" "$@" 2>"$work/run.log"
+}
+png_size() { # width x height, from the file's header
+	od -An -tu1 -j16 -N8 "$1" | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'
+}
+number() { # FILE KEY: of the last line; the run's own come before those of its cameras
+	tail -n 1 "$1" | grep -oE "\"$2\":[-0-9.e+]*" | head -n 1 | cut -d: -f2
+}
+# until_true LIMIT COMMAND...: waits for an event, with a limit in seconds.
+until_true() {
+	local limit=$((SECONDS + $1))
+	shift
+	until "$@"; do
+		[ $SECONDS -lt $limit ] || return 1
+		sleep 0.05
+	done
+}
+
+# ---- the same run gives the same pictures ----
+check "five frames" run --frames 5 --set "screen.device=$work/a%d.png" --stats "$work/a.jsonl"
+equal "are five pictures" 5 "$(find "$work" -name 'a?.png' | wc -l)"
+check "again" run --frames 5 --set "screen.device=$work/b%d.png" --set composite.threads=1
+for i in 0 1 2 3 4; do
+	same "frame $i is the same, with one thread too" "$work/a$i.png" "$work/b$i.png"
+done
+differ "the lamps move" "$work/a0.png" "$work/a4.png"
+equal "the count of frames" 5 "$(number "$work/a.jsonl" frames)"
+equal "the count of lights" 26 "$(number "$work/a.jsonl" lights)"
+equal "all are used" 26 "$(number "$work/a.jsonl" lights_used)"
+equal "nothing is dropped, cameras on demand wait" 0 "$(number "$work/a.jsonl" drops)"
+check "statistics name stages and cameras" grep -qE \
+	'"stage_ms":\{"decode":[0-9.]+,"sample":[0-9.]+,"composite":[0-9.]+,"show":[0-9.]+\}.*"cameras":\[\{"name":"fisheye","situation":"fine"' \
+	"$work/a.jsonl"
+check "a threshold" run --frames 2 --set "screen.device=$work/t.png" --set lights.threshold=120 \
+	--stats "$work/t.jsonl"
+check "uses fewer lights ($(number "$work/t.jsonl" lights_used))" \
+	test "$(number "$work/t.jsonl" lights_used)" -lt 26
+
+# ---- views ----
+check "all four" run --frames 1 --set "screen.device=$work/quad.png" --set screen.show=quad
+equal "at twice the size" 96x64 "$(png_size "$work/quad.png")"
+check "the fisheye" run --frames 1 --set "screen.device=$work/sky.png" --set screen.show=fisheye
+equal "at its own size" 96x96 "$(png_size "$work/sky.png")"
+check "a larger screen, fitted" run --frames 1 --set "screen.device=$work/large.png" \
+	--set screen.width=200 --set screen.height=100 --set screen.scale=fit
+equal "is filled" 200x100 "$(png_size "$work/large.png")"
+
+# ---- buttons ----
+printf '0.2 threshold-set 255\n1.0 quit\n' >"$work/presses"
+check "a button ends it" run --set screen.driver=null --set buttons.driver=script \
+	--set "buttons.script.file=$work/presses" --stats "$work/buttons.jsonl"
+equal "another has set the threshold" 255 "$(number "$work/buttons.jsonl" threshold)"
+equal "so that no light is left" 0 "$(number "$work/buttons.jsonl" lights_used)"
+
+# ---- signals: the video is whole ----
+"$INLAY" run --config "$work/studio.conf" --set "screen.device=$work/clip.y4m" \
+	--stats "$work/clip.jsonl" 2>"$work/run.log" &
+inlay=$!
+check "it shows frames" until_true 20 grep -q '"frames":[1-9]' "$work/clip.jsonl"
+kill -TERM "$inlay"
+wait $inlay
+equal "SIGTERM ends it as it should" 0 $?
+equal "the video begins as one" "YUV4MPEG2" "$(head -c 9 "$work/clip.y4m")"
+header=$(head -n 1 "$work/clip.y4m" | wc -c)
+frame=$((6 + 3 * 48 * 32))
+equal "and holds whole frames" 0 $((($(stat -c %s "$work/clip.y4m") - header) % frame))
+equal "as many as were shown" "$(number "$work/clip.jsonl" frames)" \
+	$((($(stat -c %s "$work/clip.y4m") - header) / frame))
+
+# ---- cameras that go ----
+check "a camera that vanishes comes back" run --frames 60 --set screen.driver=null \
+	--set screen.rate=20 --set camera.fisheye.sim.vanish_after=25 --stats "$work/gone.jsonl"
+equal "it is said once" 1 "$(grep -c 'camera fisheye: no device' "$work/run.log")"
+check "and that it is back" grep -q 'camera fisheye: fine again' "$work/run.log"
+timeout --preserve-status 3 "$INLAY" run --config "$work/studio.conf" --set screen.driver=null \
+	--set camera.fisheye.driver=v4l2 --set camera.fisheye.device=/dev/video250 \
+	--stats "$work/absent.jsonl" 2>"$work/run.log"
+equal "an absent camera is waited for, until a signal" 0 $?
+equal "which is said once" 1 "$(grep -c 'camera fisheye: no device' "$work/run.log")"
+check "meanwhile the background is shown" test "$(number "$work/absent.jsonl" frames)" -gt 2
+check "and statistics name the situation" grep -q '"name":"fisheye","situation":"no device"' \
+	"$work/absent.jsonl"
+
+# ---- nothing is allocated per frame ----
+if [ -e "$counter" ]; then
+	allocations() { # WORD of what the counter says
+		tr ' ' '\n' <"$work/allocations" | grep -A1 -x "$1" | tail -n 1
+	}
+	for show in composite quad; do
+		check "$show for three seconds" env ALLOCATIONS="$work/allocations" \
+			LD_PRELOAD="$counter" "$INLAY" run --config "$work/studio.conf" \
+			--frames 180 --set screen.driver=null --set screen.width=320 \
+			--set screen.height=200 --set screen.scale=fit --set screen.rate=60 \
+			--set screen.show=$show --stats "$work/s.jsonl"
+		check "it turned $(allocations turns) times" test "$(allocations turns)" -gt 180
+		equal "and allocated nothing after the first second" 0 "$(allocations after)"
+	done
+	# The counter counts: pictures that are written to files do allocate.
+	timeout 3 env ALLOCATIONS="$work/allocations" LD_PRELOAD="$counter" "$INLAY" run \
+		--config "$work/studio.conf" --set "screen.device=$work/now.png" 2>"$work/run.log"
+	check "writing files does ($(allocations after))" test "$(allocations after)" -gt 0
+else
+	fail "nothing is allocated per frame" < <(echo "$counter: missing")
+fi
+
+finish

@@ -1,0 +1,81 @@
+#!/bin/bash
+# inlay still: the same picture as inlay run makes, from files.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+compare=$(dirname "$INLAY")/tests/accuracy/compare
+
+run() { # NAME.png, options: the third frame
+	local out=$1
+	shift
+	"$INLAY" run --config "$work/studio.conf" --frames 3 --set "screen.device=$work/$out" "$@" \
+		2>"$work/run.log" || sed 's/^/# /' "$work/run.log"
+}
+still() { # NAME, options
+	local out=$1
+	shift
+	"$INLAY" still --config "$work/studio.conf" -o "$work/$out" "$@"
+}
+
+# What the cameras saw in the frame that run showed last.
+run background.png --set screen.show=before
+sky=(--set background.camera=fisheye --set screen.width=96 --set screen.height=96)
+run fisheye.png --set screen.show=before "${sky[@]}"
+run after.png
+run after-100.png --set lights.threshold=100 --set lights.threshold_mode=drop
+pictures=(--background "$work/background.png" --fisheye "$work/fisheye.png")
+
+check "still makes a picture" still still.png --basis "$work/box.inlay" "${pictures[@]}"
+same "it is the one that run shows" "$work/after.png" "$work/still.png"
+check "the basis may stand in the configuration" still again.png "${pictures[@]}"
+same "and gives the same picture" "$work/still.png" "$work/again.png"
+differ "the object is in it" "$work/still.png" "$work/background.png"
+
+check "a threshold" still still-100.png "${pictures[@]}" --threshold 100 \
+	--set lights.threshold_mode=drop
+same "leaves out the lights that run leaves out" "$work/after-100.png" "$work/still-100.png"
+differ "which shows" "$work/still.png" "$work/still-100.png"
+
+check "lights are written" still with-lights.png "${pictures[@]}" --lights-out "$work/lights.txt"
+equal "one for each of 26" 26 "$(grep -c '^[0-9]' "$work/lights.txt")"
+check "and read instead of a fisheye" still from-lights.png --background "$work/background.png" \
+	--lights "$work/lights.txt"
+same "with the same picture" "$work/still.png" "$work/from-lights.png"
+awk '/^[0-9]/ { print 0, 0, 0; next } { print }' "$work/lights.txt" >"$work/night.txt"
+check "no light at all" still night.png --background "$work/background.png" \
+	--lights "$work/night.txt"
+differ "leaves the object black" "$work/night.png" "$work/still.png"
+
+# Half a level is rounding, the rest is the bound of the integer arithmetic.
+check "the reference" still reference.png "${pictures[@]}" --mode reference
+worst=$("$compare" "$work/still.png" "$work/reference.png" | awk '{ print $3 }')
+check "is within one level of exact (${worst:-not compared})" test "${worst%.*}" -le 1
+check "linear light into PFM" still still.pfm "${pictures[@]}"
+equal "of the same size" "PF 48 32" "$(head -c 9 "$work/still.pfm" | tr '\n' ' ' | sed 's/ *$//')"
+worst=$("$compare" "$work/still.png" "$work/still.pfm" | awk '{ print $3 }')
+check "and the same light (${worst:-not compared})" awk "BEGIN { exit !($worst < 0.01) }"
+check "into Radiance too" still still.hdr "${pictures[@]}"
+
+# A camera that hangs upside down gives both pictures turned.
+run turned-background.png --set screen.show=before --set background.rotate180=yes
+run turned-fisheye.png --set screen.show=before "${sky[@]}" --set background.rotate180=yes
+differ "turned pictures are others" "$work/background.png" "$work/turned-background.png"
+check "are turned back" still turned.png --background "$work/turned-background.png" \
+	--fisheye "$work/turned-fisheye.png" --set background.rotate180=yes \
+	--set fisheye.rotate180=yes
+same "into the same picture" "$work/still.png" "$work/turned.png"
+
+# Linear light: what the fisheye's picture stands for, as a float file.
+"$INLAY" still --config "$work/studio.conf" --lights "$work/night.txt" \
+	--background "$work/background.png" -o "$work/plain.pfm" --set composite.gain=0
+check "a linear fisheye" still linear.png --background "$work/background.png" \
+	--fisheye "$work/plain.pfm"
+"$INLAY" run --config "$work/studio.conf" --frames 2 --set "screen.device=$work/linear-run.png" \
+	--set camera.fisheye.sim.source=files --set "camera.fisheye.sim.file=$work/plain.pfm" \
+	--set camera.fisheye.format=RGBF --set camera.fisheye.width=0 --set camera.fisheye.height=0 \
+	--set camera.fisheye.sim.exposure=1 --set camera.background.sim.source=files \
+	--set "camera.background.sim.file=$work/background.png" --set camera.background.width=0 \
+	--set camera.background.height=0 2>"$work/run.log" || sed 's/^/# /' "$work/run.log"
+same "gives what a camera of linear light gives" "$work/linear-run.png" "$work/linear.png"
+
+finish
