@@ -99,6 +99,9 @@ struct camera_ops {
 	void (*close)(struct camera *camera);
 };
 
+/* Drivers count lost and broken and may set the situation; the wrappers count frames, make the
+ * situation fine with each frame and name it where a driver that fails has not. Closing keeps
+ * counts and situation for whoever reports them. A camera that is not open: -EBADF. */
 int camera_open(struct camera *camera, const struct camera_ops *ops,
 		const struct camera_settings *settings, void *options, struct fault *fault);
 int camera_descriptor(struct camera *camera);
