@@ -446,6 +446,26 @@ static void damaged_jpeg_is_refused(void **state)
 	tjFree(jpeg);
 }
 
+/* What some webcams send in every picture; nothing of it is missing. */
+static void stray_bytes_before_the_end_are_forgiven(void **state)
+{
+	uint8_t rgb[64 * 48 * 3], *jpeg, *longer;
+	struct fixture f;
+	size_t bytes;
+
+	(void)state;
+	make_jpeg_frame(&f, TJSAMP_420, rgb, &jpeg);
+	bytes = f.frame.planes[0].bytes;
+	longer = malloc(bytes + 6);
+	memcpy(longer, jpeg, bytes - 2);
+	memcpy(longer + bytes - 2, "stray!\xff\xd9", 8);
+	f.frame.planes[0] = (struct frame_plane){longer, 0, bytes + 6};
+	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+	free(longer);
+	drop(&f);
+	tjFree(jpeg);
+}
+
 static void jpeg_of_another_size_is_refused(void **state)
 {
 	uint8_t rgb[64 * 48 * 3], *jpeg;
@@ -493,6 +513,7 @@ int main(void)
 		cmocka_unit_test(jpeg_decodes),
 		cmocka_unit_test(jpeg_without_huffman_tables_decodes),
 		cmocka_unit_test(damaged_jpeg_is_refused),
+		cmocka_unit_test(stray_bytes_before_the_end_are_forgiven),
 		cmocka_unit_test(jpeg_of_another_size_is_refused),
 	};
 
