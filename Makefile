@@ -15,7 +15,7 @@ VERSION := 0.1.0
 SANITIZE ?=
 WITH_KMS ?= $(call found,libdrm)
 WITH_SDL ?= $(call found,sdl2)
-WITH_GPIO ?= $(call found,libgpiod)
+WITH_GPIO ?= $(call found,'libgpiod < 2')
 WITH_EXR ?= $(call found,OpenEXR)
 
 ifeq ($(origin CC),default)
@@ -75,8 +75,8 @@ include tests/module.mk
 include board/module.mk
 
 objects = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
-pkg_cflags = $(if $(1),$(shell $(PKG_CONFIG) --cflags $(1)))
-pkg_libs = $(if $(1),$(shell $(PKG_CONFIG) --libs $(1)))
+pkg_cflags = $(if $(strip $(1)),$(shell $(PKG_CONFIG) --cflags $(1)))
+pkg_libs = $(if $(strip $(1)),$(shell $(PKG_CONFIG) --libs $(1)))
 
 ALL_SOURCES := $(HAL_SOURCES) $(DRIVER_SOURCES) $(CONFIG_SOURCES) $(APP_SOURCES) $(BAKE_SOURCES) \
 	$(BAKE_MAIN) $(APP_MAIN)
