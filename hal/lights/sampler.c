@@ -105,13 +105,13 @@ static void add_span(struct sum *sum, const uint32_t decode[256], const uint8_t 
 
 	for (int k = 0; k < count; k++, pixel += step) {
 		const uint64_t w = weight[k];
-		const uint32_t b = pixel[0], g = pixel[1], r = pixel[2];
+		uint32_t bgrx; /* one load for the pixel; hosts are little-endian */
 
-		s.b += w * decode[b];
-		s.g += w * decode[g];
-		s.r += w * decode[r];
-		if (clips(b | g << 8 | r << 16))
-			s.clipped += w;
+		memcpy(&bgrx, pixel, sizeof(bgrx));
+		s.b += w * decode[bgrx & 255];
+		s.g += w * decode[bgrx >> 8 & 255];
+		s.r += w * decode[bgrx >> 16 & 255];
+		s.clipped += clips(bgrx) ? w : 0;
 	}
 	*sum = s;
 }
