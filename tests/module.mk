@@ -1,5 +1,7 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_app_layout.c \
+	tests/unit/test_app_scaler.c \
 	tests/unit/test_sampler.c \
 	tests/unit/test_output.c \
 	tests/unit/test_lights_file.c \
@@ -26,6 +28,7 @@ UNIT_TESTS := \
 	tests/unit/test_camera_v4l2.c
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_basis.c \
+	tests/fuzz/fuzz_lights.c \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_image.c \
 	tests/fuzz/fuzz_video.c
