@@ -1,0 +1,1 @@
+# Nothing here is compiled into the programs; `make kernel` is in tests/vm/vm.mk.

@@ -13,25 +13,17 @@ $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 
 -include $(addsuffix .d,$(VM_PROGRAMS))
 
-# What the live tests show. Baked here, because the guest's processors are emulated.
-VM_BASIS := $(BUILD)/tests/vm/live/live.inlay
-$(VM_BASIS): tests/vm/live.scene $(BUILD)/inlay-bake $(BUILD)/make-cow
-	@mkdir -p $(@D)
-	$(say) BAKE $@
-	$(Q)$(BUILD)/make-cow $(@D)
-	$(Q)cp $< $(@D)/live.scene
-	$(Q)$(BUILD)/inlay-bake render $(@D)/live.scene -o $@ >$(@D)/bake.log 2>&1 || \
-		{ cat $(@D)/bake.log >&2; exit 1; }
-
 .PHONY: kernel test-vm vm-shell
 ## kernel: build the simulated machine's kernel, once; it is kept in ~/.cache/inlay (some minutes)
 kernel:
 	$(Q)board/qemu-x86_64/build-kernel.sh
 ## test-vm: the real programs on vivid, vkms, virtio-gpu and gpio-sim in QEMU (FILTER=name: some)
-test-vm: all $(VM_PROGRAMS) $(VM_BASIS) kernel
+test-vm: all $(VM_PROGRAMS) kernel
+	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)FILTER="$(FILTER)" $(RUN_TESTS) vm tests/vm/run.sh
 ## vm-shell: a shell in the simulated machine (leave it with exit)
-vm-shell: all $(VM_PROGRAMS) $(VM_BASIS) kernel
+vm-shell: all $(VM_PROGRAMS) kernel
+	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/boot.sh --shell "$(BUILD)/tests/vm/shell" bash -i
 
 objects: $(addsuffix .o,$(VM_PROGRAMS))
