@@ -177,6 +177,13 @@ static void deposit(const struct transport *t, int cell, struct rgb weight, floa
 		row[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight.c[c];
 }
 
+/* Rays to the cells help a coat whose lobe is wider than a cell; a narrower one they hardly ever
+ * meet, and it is left to its own rays. */
+static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
+{
+	return bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
+}
+
 /* ---- the first surface: a ray to every cell ---- */
 
 /* One direction in each cell above the surface: value[] gets what a Lambertian white surface would
@@ -260,7 +267,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 		      UINT32_MAX);
 	}
 	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
-	if (glossy)
+	if (glossy && coat_is_wide(t, &s->bsdf))
 		add_coat_by_cells(t, s, wo, weight, row);
 	return onward;
 }
@@ -335,7 +342,7 @@ static void follow(struct transport *t, enum presence presence, const struct sur
 }
 
 /* The coat's own ray. False when it ended in the sky or below the surface; else the weight with
- * which it goes on. density_of_cells: whether the cells had their share (see above). */
+ * which it goes on. shared: the cells had their share (see above). */
 static bool sample_coat(struct transport *t, enum presence presence, const struct surface *s,
 			struct v3 wo, struct rgb weight, bool shared, struct surface *next,
 			struct v3 *wi, struct rgb *onward, float *row)
@@ -397,21 +404,21 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	struct rgb base, coat = {{0, 0, 0}};
 	struct onward onward;
 	struct v3 wi;
-	bool both;
+	bool shared;
 
 	if (!pass_glass(t, presence, &s, &wo, &weight, row))
 		return;
 	onward = depth == 0 ? spread_to_cells(t, presence, &s, wo, weight, row)
 			    : spread_fan(t, presence, &s, wo, weight, row);
 	base = rgb_scale(rgb_mul(weight, s.bsdf.colour), onward.weight);
+	shared = depth == 0 && coat_is_wide(t, &s.bsdf);
 	if (s.bsdf.kind != MATERIAL_GLOSSY ||
-	    !sample_coat(t, presence, &s, wo, weight, depth == 0, &mirrored, &wi, &coat, row)) {
+	    !sample_coat(t, presence, &s, wo, weight, shared, &mirrored, &wi, &coat, row)) {
 		follow(t, presence, &s, onward.direction, base, depth + 1, row);
 		return;
 	}
 	/* two ways on: both from the first surface, later one of them by chance */
-	both = depth == 0;
-	if (!both) {
+	if (depth > 0) {
 		const float share = rgb_peak(coat) / fmaxf(rgb_peak(coat) + rgb_peak(base), 1e-30f);
 
 		if (random_next(&t->random) < share) {

@@ -1,5 +1,8 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_bake_determinism.c \
+	tests/unit/test_bake_energy.c \
+	tests/unit/test_scene.c \
 	tests/unit/test_app_layout.c \
 	tests/unit/test_app_scaler.c \
 	tests/unit/test_sampler.c \
@@ -27,12 +30,14 @@ UNIT_TESTS := \
 	tests/unit/test_camera_sim.c \
 	tests/unit/test_camera_v4l2.c
 FUZZ_TARGETS := \
+	tests/fuzz/fuzz_scene.c \
 	tests/fuzz/fuzz_basis.c \
 	tests/fuzz/fuzz_lights.c \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_image.c \
 	tests/fuzz/fuzz_video.c
 CLI_TESTS := \
+	tests/cli/bake.sh \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
 	tests/cli/check.sh \

@@ -1,0 +1,125 @@
+#!/bin/bash
+# inlay-bake as a person calls it: what it prints, what it leaves, how it fails.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+
+bake=$INLAY_BAKE
+out="$work/out.inlay"
+
+# rejected NAME CODE WORDS COMMAND...: exits with CODE, says WORDS on stderr, nothing on stdout.
+rejected() {
+	local name=$1 code=$2 words=$3 said is
+	shift 3
+	said=$("$@" 2>"$work/stderr" </dev/null)
+	is=$?
+	if [ $is -ne "$code" ] || [ -n "$said" ] || ! grep -qF -- "$words" "$work/stderr"; then
+		fail "$name" < <(printf '%s\n' "exit code $is, expected $code with \"$words\": $*" \
+			"$said" "$(cat "$work/stderr")")
+	else
+		pass "$name"
+	fi
+}
+scene() { # NAME, text on stdin after a camera
+	{
+		printf '[camera]\nposition = 0 -3 1.5\nwidth = 24\nheight = 16\n'
+		printf '[dome]\nfrequency = 2\n[render]\nsamples = 2\n'
+		cat
+	} >"$work/$1.scene"
+}
+
+# ---- all commands ----
+for command in dome render info truth; do
+	check "$command --help" "$bake" $command --help
+	check "$command --version" "$bake" $command --version
+	rejected "$command with an unknown option" 2 "usage: inlay-bake $command" \
+		"$bake" $command --no-such-option
+done
+check "--help" "$bake" --help
+equal "--version" "inlay-bake" "$("$bake" --version | cut -d' ' -f1)"
+rejected "no command" 2 "usage" "$bake"
+rejected "an unknown command" 2 'no command "bakr"' "$bake" bakr
+
+# ---- dome ----
+for pair in "1 6" "2 26" "3 46" "4 86" "6 186" "9 406"; do
+	equal "dome of frequency $pair" "${pair#* }" \
+		"$("$bake" dome --frequency "${pair% *}" --angles | grep -c '^[0-9]')"
+done
+equal "dome by chords" 91 "$("$bake" dome --frequency 4 --division chords --angles | wc -l)"
+equal "solid angles sum to 2 pi" 6.283185307 "$("$bake" dome --frequency 5 |
+	awk '!/^#/ { s += $4 } END { printf "%.9f", s }')"
+equal "dome as JSON" 26 "$("$bake" dome --frequency 2 --json | grep -c theta_rad)"
+rejected "dome without a frequency" 2 "--frequency is missing" "$bake" dome
+rejected "dome frequency out of range" 2 "from 1 to 64" "$bake" dome --frequency 65
+rejected "dome division unknown" 2 "angles, chords" "$bake" dome --frequency 2 --division arcs
+
+# ---- render ----
+check "render" "$bake" render "$work/box.scene" -o "$out" --threads 2
+check "options after the scene" "$bake" render "$work/box.scene" -o "$work/again.inlay" --threads 1
+same "the same file from another number of threads" "$out" "$work/again.inlay"
+check "another seed" "$bake" render --seed 9 "$work/box.scene" -o "$work/again.inlay"
+differ "gives another file" "$out" "$work/again.inlay"
+equal "quiet says nothing" "" "$("$bake" render --quiet "$work/box.scene" -o "$out" 2>&1)"
+check "noise" "$bake" render --noise 3 --size 40x30 --frequency 1 "$work/box.scene" \
+	-o "$work/noise.inlay"
+equal "is kept to" 1 "$("$bake" info --json "$work/noise.inlay" |
+	grep -o '"noise_levels": [0-9.]*' | awk '{ print ($2 > 0 && $2 <= 3) }')"
+equal "size and dome from the command line" '"width": 40, "height": 30, "lights": 6' \
+	"$("$bake" info --json "$work/noise.inlay" | grep -o '"width.*lights": 6')"
+rejected "samples and noise together" 2 "exclude" "$bake" render --samples 2 --noise 2 \
+	"$work/box.scene" -o "$work/none.inlay"
+rejected "no output" 2 "-o OUT.inlay is missing" "$bake" render "$work/box.scene"
+rejected "no scene" 2 "one scene file" "$bake" render -o "$work/none.inlay"
+rejected "a size that is none" 2 "expected a size" "$bake" render --size 20 "$work/box.scene" \
+	-o "$work/none.inlay"
+rejected "no such scene" 1 "missing.scene" "$bake" render "$work/missing.scene" \
+	-o "$work/none.inlay"
+rejected "no such folder" 1 "no/none.inlay" "$bake" render "$work/box.scene" \
+	-o "$work/no/none.inlay"
+
+scene typo <<<$'[object a]\nfile = box.obj\nmateral = paint'
+rejected "a misspelt key" 1 "typo.scene:11: [object a] materal" "$bake" render \
+	"$work/typo.scene" -o "$work/none.inlay"
+printf 'v 0 0 0\nv 1 0 0\n' >"$work/points.obj"
+scene faceless <<<$'[object a]\nfile = points.obj'
+rejected "a mesh without faces" 1 "points.obj" "$bake" render "$work/faceless.scene" \
+	-o "$work/none.inlay"
+scene untextured <<<$'[object a]\nfile = box.obj\nmaterial = m\n[material m]\ntexture = no.png'
+rejected "a texture that is not there" 1 "no.png" "$bake" render "$work/untextured.scene" \
+	-o "$work/none.inlay"
+absent "failures leave no file" "$work/none.inlay"
+
+# ---- info ----
+check "info" "$bake" info "$out"
+equal "info names blocks by kind" 2 "$("$bake" info "$out" | grep -c '^[TV] (')"
+equal "the file holds no path" 0 "$(grep -acF "$work" "$out")"
+check "a map" "$bake" info "$out" --map "$work/map.png"
+rejected "info of no basis file" 1 "box.obj" "$bake" info "$work/box.obj"
+head -c 5000 "$out" >"$work/cut.inlay"
+rejected "info of half a basis file" 1 "cut.inlay" "$bake" info "$work/cut.inlay"
+if command -v python3 >/dev/null; then
+	check "info --json is JSON" python3 -c 'import json, sys; json.loads(sys.argv[1])' \
+		"$("$bake" info --json "$out")"
+fi
+
+# ---- truth ----
+# A panorama of 8 x 4 texels: white above, grey below (PFM: little-endian, from the bottom up).
+{
+	printf 'PF\n8 4\n-1.0\n'
+	for _ in {1..16}; do printf '\x00\x00\x80\x3e%.0s' 1 2 3 | cat; done
+	for _ in {1..16}; do printf '\x00\x00\x80\x3f%.0s' 1 2 3 | cat; done
+} >"$work/sky.pfm" 2>/dev/null
+check "truth" "$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" -o "$work/truth.png" \
+	--samples 4 --background-out "$work/background.png" --fisheye-out "$work/fisheye.pfm" \
+	--fisheye-size 32
+check "with that background" "$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" \
+	-o "$work/truth2.png" --samples 4 --background "$work/background.png" --threads 1
+same "is the same picture" "$work/truth.png" "$work/truth2.png"
+rejected "truth without a panorama" 2 "--panorama is missing" "$bake" truth "$work/box.scene" \
+	-o "$work/none.png"
+rejected "an 8-bit panorama" 1 "linear light" "$bake" truth "$work/box.scene" \
+	--panorama "$work/truth.png" -o "$work/none.png"
+rejected "a background of another size" 1 "expected 48 x 32" "$bake" truth "$work/box.scene" \
+	--panorama "$work/sky.pfm" --background "$work/fisheye.pfm" -o "$work/none.png"
+absent "failures leave no picture" "$work/none.png"
+finish
