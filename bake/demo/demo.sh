@@ -1,0 +1,80 @@
+#!/bin/bash
+# The demo: bakes the toy cow, runs inlay on simulated cameras, leaves pictures. `make demo` calls it.
+#     BUILD=build/x bake/demo/demo.sh [FOLDER]
+# Pictures go to FOLDER (demo/); the bake is skipped while its basis file is newer than all it is
+# made of.
+set -eu
+cd "$(dirname "$0")/../.."
+build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
+out=${1:-demo}
+rate=25
+seconds=6
+moment=4 # seconds into the run: both lamps stand well
+
+mkdir -p "$out"
+
+# True when FILE is missing or older than one of the others.
+stale() {
+	local file=$1 other
+	shift
+	[ -e "$file" ] || return 0
+	for other in "$@"; do
+		[ "$file" -nt "$other" ] || return 0
+	done
+	return 1
+}
+
+prepare() {
+	local file
+	if stale "$out/cow.obj" "$build/make-cow"; then
+		echo "demo: making the cow"
+		"$build/make-cow" "$out"
+	fi
+	for file in cow.scene background.ini; do
+		cmp -s "bake/demo/$file" "$out/$file" || cp "bake/demo/$file" "$out/$file"
+	done
+}
+
+bake() {
+	if stale "$out/cow.inlay" "$out/cow.obj" "$out/cow.mtl" "$out/cow.scene" \
+		"$out/background.ini" "$build/inlay-bake"; then
+		echo "demo: baking the scene (about a minute on two cores)"
+		"$build/inlay-bake" render -o "$out/cow.inlay" "$out/cow.scene"
+	fi
+}
+
+run() {
+	"$build/inlay" run --config config/demo.conf --set "basis.file=$out/cow.inlay" "$@"
+}
+
+# What one view shows at the chosen moment: cameras that take one picture then, and one before.
+picture() {
+	local show=$1 file=$2 camera slow=()
+	for camera in fisheye background overview; do
+		slow+=(--set "camera.$camera.rate=$(awk "BEGIN { print 1 / $moment }")")
+	done
+	run "${slow[@]}" --set "screen.show=$show" --set "screen.device=$out/$file" --frames 2
+}
+
+clip() {
+	run --set screen.show=composite --set "screen.device=$out/clip.y4m" \
+		--set "screen.rate=$rate" --frames $((rate * seconds))
+	ffmpeg -y -loglevel error -i "$out/clip.y4m" -c:v libx264 -crf 18 -pix_fmt yuv420p \
+		-movflags +faststart "$out/clip.part.mp4" </dev/null
+	mv "$out/clip.part.mp4" "$out/clip.mp4"
+	rm "$out/clip.y4m"
+}
+
+prepare
+bake
+echo "demo: running inlay in the studio"
+picture before before.png
+picture composite after.png
+picture fisheye fisheye.png
+picture quad quad.png
+clip
+echo "$out/before.png   what the camera sees"
+echo "$out/after.png    the same with the cow, lit by the studio's lamps"
+echo "$out/fisheye.png  the fisheye's view of them, each light marked"
+echo "$out/quad.png     the room from afar, the fisheye, before and after"
+echo "$out/clip.mp4     $seconds s of moving lamps"
