@@ -5,12 +5,10 @@ set -u
 cd "$(dirname "$0")/../.." || exit 1
 all_well=0
 
-export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0:allocator_may_return_null=1
-LSAN_OPTIONS=suppressions=$PWD/tests/sanitize/leaks.supp:print_suppressions=0
-export LSAN_OPTIONS
+export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
+export LSAN_OPTIONS=suppressions=tests/sanitize/leaks.supp:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
-TSAN_OPTIONS="suppressions='$PWD/tests/sanitize/races.supp' halt_on_error=1"
-export TSAN_OPTIONS
+export TSAN_OPTIONS=suppressions=tests/sanitize/races.supp:halt_on_error=1
 
 for sanitize in address,undefined thread; do
 	label=${sanitize//,/-}
