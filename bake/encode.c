@@ -397,7 +397,7 @@ static int encode_samples(struct encoder *e, int tile, const struct encode_sampl
 		error = quantise_all(e, s, channels);
 		lights = list_lights(e, s->kind, &dropped);
 		if (channels == 1 && s->kind == BASIS_KIND_V)
-			error += (double)found.channel_spread;
+			error += (double)found.channel_spread * (1 + 0x1p-20); /* it is a float's */
 	}
 	if (lights == 0 && pixels && s->kind == BASIS_KIND_U)
 		lights = 1; /* light 0 with a row of zeros: a D block must have its U */

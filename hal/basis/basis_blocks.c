@@ -81,6 +81,10 @@ static void locate(struct basis_block *b, const struct basis_block_entry *e, con
 {
 	const struct basis_layout layout = basis_layout(e->kind, e->pixels, e->channels,
 							(int)e->lights);
+	/* Aligned by the layout, as check_entry() has seen. */
+	const void *pixel = payload + layout.pixel, *light = payload + layout.light;
+	const void *scale = payload + layout.scale, *total = payload + layout.total;
+	const void *row = payload + layout.row;
 
 	*b = (struct basis_block){
 		.kind = e->kind,
@@ -90,11 +94,11 @@ static void locate(struct basis_block *b, const struct basis_block_entry *e, con
 		.lights = (int)e->lights,
 		.stride = layout.stride,
 		.ground = (int)e->ground,
-		.pixel = (const uint16_t *)(payload + layout.pixel),
-		.light = (const uint16_t *)(payload + layout.light),
-		.scale = (const float *)(payload + layout.scale),
-		.total = (const int32_t *)(payload + layout.total),
-		.row = (const int16_t *)(payload + layout.row),
+		.pixel = pixel,
+		.light = light,
+		.scale = scale,
+		.total = total,
+		.row = row,
 		.bytes = layout.bytes,
 	};
 }
