@@ -5,6 +5,9 @@ UNIT_TESTS := \
 	tests/unit/test_scene.c \
 	tests/unit/test_app_layout.c \
 	tests/unit/test_app_scaler.c \
+	tests/unit/test_app_source.c \
+	tests/unit/test_app_pipeline.c \
+	tests/unit/test_app_program.c \
 	tests/unit/test_sampler.c \
 	tests/unit/test_output.c \
 	tests/unit/test_lights_file.c \

@@ -1,0 +1,255 @@
+/* Options, event loop and statistics. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "app/loop.h"
+#include "app/options.h"
+#include "app/stats.h"
+#include "hal/clock.h"
+
+/* ---- options ---- */
+
+struct taken {
+	char words[8][32];
+	int count;
+	long number;
+};
+
+static int take_word(void *context, const char *argument, const char **expected)
+{
+	struct taken *taken = context;
+
+	(void)expected;
+	snprintf(taken->words[taken->count++], 32, "%s", argument ? argument : "(none)");
+	return 0;
+}
+
+static int take_number(void *context, const char *argument, const char **expected)
+{
+	*expected = "1..9";
+	return option_integer(argument, 1, 9, &((struct taken *)context)->number);
+}
+
+static const struct option_row rows[] = {
+	{.name = "word", .letter = 'w', .argument = "WORD", .help = "h", .take = take_word},
+	{.name = "flag", .help = "h", .take = take_word},
+	{.name = "number", .argument = "N", .help = "h", .take = take_number},
+	{.name = NULL}};
+
+static const struct command command = {.name = "try", .usage = "", .purpose = "", .options = rows};
+
+static int read_words(struct taken *taken, const char *first, ...)
+{
+	char *argv[12] = {(char *)"try"};
+	va_list args;
+	int argc = 1;
+
+	*taken = (struct taken){.count = 0};
+	va_start(args, first);
+	for (const char *word = first; word; word = va_arg(args, const char *))
+		argv[argc++] = (char *)word;
+	va_end(args);
+	return options_read(&command, argc, argv, taken);
+}
+
+static void options_are_read(void **state)
+{
+	struct taken taken;
+
+	(void)state;
+	assert_int_equal(read_words(&taken, NULL), OPTIONS_GO_ON);
+	assert_int_equal(read_words(&taken, "--word", "a b", "--word=c=d", "-w", "--x", "-we",
+				    "--word=", "--flag", "--number", "9", NULL),
+			 OPTIONS_GO_ON);
+	assert_int_equal(taken.count, 6);
+	assert_string_equal(taken.words[0], "a b");
+	assert_string_equal(taken.words[1], "c=d");
+	assert_string_equal(taken.words[2], "--x");
+	assert_string_equal(taken.words[3], "e");
+	assert_string_equal(taken.words[4], "");
+	assert_string_equal(taken.words[5], "(none)");
+	assert_int_equal(taken.number, 9);
+}
+
+static void wrong_options_are_wrong_usage(void **state)
+{
+	struct taken taken;
+
+	(void)state;
+	assert_int_equal(read_words(&taken, "--wrod", "a", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--wor", "a", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--word", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--flag=1", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--number", "10", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--number", "5x", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--number", "", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "word", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "-", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "-q", NULL), EXIT_USAGE);
+}
+
+static void numbers_are_whole_and_finite(void **state)
+{
+	double v;
+
+	(void)state;
+	assert_int_equal(option_number("12.5", 0, 255, &v), 0);
+	assert_true(v == 12.5);
+	assert_int_equal(option_number("nan", 0, 255, &v), -EINVAL);
+	assert_int_equal(option_number("inf", 0, 1e300, &v), -EINVAL);
+	assert_int_equal(option_number("256", 0, 255, &v), -EINVAL);
+	assert_int_equal(option_number("1 ", 0, 255, &v), -EINVAL);
+}
+
+/* ---- loop ---- */
+
+static void slots_are_polled(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct loop loop;
+	int a = eventfd(0, EFD_NONBLOCK), b = eventfd(1, EFD_NONBLOCK);
+
+	(void)state;
+	assert_int_equal(loop_open(&loop, &fault), 0);
+	assert_int_equal(loop_watch(&loop, 0, a, &fault), 0);
+	assert_int_equal(loop_watch(&loop, 3, b, &fault), 0);
+	assert_int_equal(loop_watch(&loop, 3, b, &fault), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_false(loop_ready(&loop, 0));
+	assert_true(loop_ready(&loop, 3));
+	assert_int_equal(loop_watch(&loop, 3, -1, &fault), 0);
+	assert_int_equal(eventfd_write(a, 1), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop_ready(&loop, 0));
+	assert_false(loop_ready(&loop, 3));
+	/* Closed, and the same number again: out of its slot first. */
+	close(a);
+	assert_int_equal(loop_watch(&loop, 0, -1, &fault), 0);
+	assert_int_equal(dup2(b, a), a);
+	assert_int_equal(loop_watch(&loop, 0, a, &fault), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop_ready(&loop, 0));
+	assert_int_equal(loop_watch(&loop, 1, 999, &fault), -EBADF);
+	loop_close(&loop);
+	loop_close(&loop);
+	close(a);
+	close(b);
+}
+
+static void signals_end_it_and_seconds_tick(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct loop loop;
+	int64_t start;
+
+	(void)state;
+	assert_int_equal(loop_open(&loop, &fault), 0);
+	start = clock_now_ns();
+	loop_start(&loop);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop.tick);
+	assert_true(clock_now_ns() - start >= 99 * NS_PER_S / 100);
+	assert_false(loop.stop);
+	assert_int_equal(raise(SIGTERM), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop.stop);
+	loop_close(&loop);
+}
+
+/* ---- statistics ---- */
+
+static void lines_say_what_was_counted(void **state)
+{
+	char path[] = "/tmp/test_app_stats_XXXXXX", text[2000] = "";
+	int file = mkstemp(path);
+	struct pipeline pipeline = {.clipped = 0.25,
+				    .choice = {.threshold = 33.5},
+				    .selection = {.count = 406,
+						  .used_count = 32,
+						  .dropped_error = {0.001, 0.003, 0.002}}};
+	struct source source = {.settings = {.name = "sky"},
+				.superseded = 2,
+				.undecodable = 1,
+				.camera = {.frames = 10, .lost = 3, .broken = 4}};
+	struct stats stats;
+	FILE *stream;
+
+	(void)state;
+	assert_true(file >= 0);
+	assert_int_equal(stats_open(&stats, path, NULL), 0);
+	stats_start(&stats, 5 * NS_PER_S);
+	for (int i = 1; i <= 3; i++) {
+		const int64_t stage[STAGE_COUNT] = {i * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS, 0};
+
+		stats_made(&stats, stage);
+		stats_shown(&stats, i * 10 * NS_PER_MS);
+	}
+	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &pipeline, &source, 1);
+	source.camera.situation = CAMERA_STALLED;
+	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &pipeline, &source, 1);
+	stats_close(&stats);
+	stats_close(&stats);
+	stream = fdopen(file, "r");
+	assert_non_null(stream);
+	assert_true(fread(text, 1, sizeof(text) - 1, stream) > 0);
+	fclose(stream);
+	unlink(path);
+	assert_string_equal(
+		text,
+		"{\"t\":2.000,\"frames\":3,\"fps\":1.50,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":20.000,\"max\":30.000},"
+		"\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"composite\":7.000,\"show\":0."
+		"000},"
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"cameras\":[{\"name\":\"sky\",\"situation\":\"fine\","
+		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n"
+		"{\"t\":3.000,\"frames\":3,\"fps\":0.00,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},"
+		"\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"composite\":0.000,\"show\":0."
+		"000},"
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"cameras\":[{\"name\":\"sky\",\"situation\":\"stalled\","
+		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n");
+}
+
+static void a_full_disk_ends_statistics_only(void **state)
+{
+	struct pipeline pipeline = {.clipped = 0};
+	struct stats stats;
+
+	(void)state;
+	if (access("/dev/full", W_OK))
+		skip();
+	assert_int_equal(stats_open(&stats, "/dev/full", NULL), 0);
+	stats_start(&stats, 0);
+	stats_line(&stats, NS_PER_S, &pipeline, NULL, 0);
+	assert_null(stats.stream);
+	stats_line(&stats, 2 * NS_PER_S, &pipeline, NULL, 0);
+	stats_close(&stats);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(options_are_read),
+		cmocka_unit_test(wrong_options_are_wrong_usage),
+		cmocka_unit_test(numbers_are_whole_and_finite),
+		cmocka_unit_test(slots_are_polled),
+		cmocka_unit_test(signals_end_it_and_seconds_tick),
+		cmocka_unit_test(lines_say_what_was_counted),
+		cmocka_unit_test(a_full_disk_ends_statistics_only),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,340 @@
+/* A camera as the program uses it, driven by a camera that does what the test says. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "app/eye.h"
+#include "app/source.h"
+#include "hal/clock.h"
+
+/* What the camera will do next, and what was done to it. */
+static struct {
+	int open_err, grab_err;
+	enum camera_situation situation;
+	bool on_demand;
+	enum pixel_format format;
+	int width, height;
+	size_t bytes; /* readable; 0: all that are needed */
+	uint8_t level;
+	float linear[3];
+	int opened, closed, out; /* out: frames that were not given back */
+	uint32_t sequence;
+} fake;
+
+static uint8_t memory[64 * 64 * 12];
+
+static int fake_open(struct camera *camera, struct fault *fault)
+{
+	if (fake.open_err) {
+		camera->situation = fake.situation;
+		return fault_say(fault, fake.open_err, "fake: it is broken");
+	}
+	fake.opened++;
+	camera->format = fake.format;
+	camera->width = fake.width;
+	camera->height = fake.height;
+	camera->on_demand = fake.on_demand;
+	camera->state = &fake;
+	return 0;
+}
+
+static int fake_descriptor(struct camera *camera)
+{
+	(void)camera;
+	return 42;
+}
+
+static int fake_grab(struct camera *camera, struct frame *frame, struct fault *fault)
+{
+	size_t stride = frame_plane_stride(fake.format, 0, fake.width);
+
+	if (fake.grab_err) {
+		camera->situation = fake.situation;
+		return fault_say(fault, fake.grab_err, "fake: it is gone");
+	}
+	assert_int_equal(fake.out, 0);
+	fake.out++;
+	memset(memory, fake.level, sizeof(memory));
+	if (fake.format == PIXEL_RGBF) {
+		for (int i = 0; i < fake.width * fake.height; i++)
+			memcpy(memory + 12 * i, fake.linear, 12);
+	}
+	*frame = (struct frame){
+		.format = fake.format,
+		.width = fake.width,
+		.height = fake.height,
+		.timestamp_ns = 1000 + fake.sequence,
+		.sequence = fake.sequence,
+	};
+	fake.sequence++;
+	frame->planes[0] = (struct frame_plane){
+		memory, stride, fake.bytes ? fake.bytes : stride * (size_t)fake.height};
+	return 0;
+}
+
+static void fake_release(struct camera *camera, struct frame *frame)
+{
+	(void)camera;
+	(void)frame;
+	fake.out--;
+	assert_int_equal(fake.out, 0);
+}
+
+static void fake_close(struct camera *camera)
+{
+	if (camera->state)
+		fake.closed++;
+	camera->state = NULL;
+}
+
+static const struct camera_ops fake_ops = {
+	.name = "fake",
+	.description = "does what the test says",
+	.open = fake_open,
+	.descriptor = fake_descriptor,
+	.grab = fake_grab,
+	.release = fake_release,
+	.close = fake_close,
+};
+
+static struct source source;
+
+static int begin(void **state)
+{
+	struct source_settings settings = {
+		.name = "front", .ops = &fake_ops, .transfer = TRANSFER_SRGB};
+
+	(void)state;
+	memset(&fake, 0, sizeof(fake));
+	fake.format = PIXEL_BGRX;
+	fake.width = 16;
+	fake.height = 8;
+	fake.level = 100;
+	return source_create(&source, &settings);
+}
+
+static int end(void **state)
+{
+	(void)state;
+	source_destroy(&source);
+	source_destroy(&source);
+	return fake.out || fake.opened != fake.closed;
+}
+
+static void must_open(void)
+{
+	struct fault fault = {.text = ""};
+
+	assert_int_equal(source_open(&source, &fault), 0);
+	assert_true(source_is_open(&source));
+}
+
+static void newest_frame_is_held(void **state)
+{
+	(void)state;
+	must_open();
+	assert_false(source_has_news(&source));
+	assert_false(source_has_picture(&source));
+	source_take(&source, 5);
+	source_take(&source, 6);
+	fake.level = 33;
+	source_take(&source, 7);
+	assert_true(source_has_news(&source));
+	assert_int_equal(source_counts(&source).frames, 3);
+	assert_int_equal(source_counts(&source).lost, 2);
+	assert_true(source_decode(&source));
+	assert_false(source_has_news(&source));
+	assert_int_equal(fake.out, 0);
+	assert_int_equal(source.canvas.width, 16);
+	assert_int_equal(source.canvas.pixels[0], 33);
+	assert_int_equal(source.picture_ns, 1002); /* its own time stamp */
+	source_drop(&source);			   /* nothing is held: harmless */
+}
+
+static void no_frame_is_no_trouble(void **state)
+{
+	(void)state;
+	must_open();
+	fake.grab_err = -EAGAIN;
+	source_take(&source, 5);
+	assert_true(source_is_open(&source));
+	assert_false(source_has_news(&source));
+	assert_int_equal(source_descriptor(&source), 42);
+}
+
+static void a_camera_on_demand_is_left_alone_while_its_frame_is_held(void **state)
+{
+	(void)state;
+	fake.on_demand = true;
+	assert_int_equal(source_descriptor(&source), -1);
+	must_open();
+	assert_int_equal(source_descriptor(&source), 42);
+	source_take(&source, 777);
+	assert_int_equal(source_descriptor(&source), -1);
+	assert_true(source_decode(&source));
+	assert_int_equal(source_descriptor(&source), 42);
+	assert_int_equal(source.picture_ns, 777); /* when it was made */
+	assert_int_equal(source_counts(&source).lost, 0);
+}
+
+static void a_lost_camera_leaves_its_picture(void **state)
+{
+	(void)state;
+	must_open();
+	source_take(&source, 1);
+	assert_true(source_decode(&source));
+	fake.grab_err = -ENODEV;
+	fake.situation = CAMERA_NO_DEVICE;
+	source_take(&source, 2);
+	assert_false(source_is_open(&source));
+	assert_int_equal(source_descriptor(&source), -1);
+	assert_int_equal(source.camera.situation, CAMERA_NO_DEVICE);
+	assert_false(source_is_hopeless(&source));
+	assert_true(source_has_picture(&source));
+	assert_int_equal(source.canvas.pixels[0], 100);
+	fake.grab_err = 0;
+	must_open();
+	fake.level = 7;
+	source_take(&source, 3);
+	assert_true(source_decode(&source));
+	assert_int_equal(source.canvas.pixels[0], 7);
+	assert_int_equal(source_counts(&source).frames, 2); /* of both openings */
+}
+
+static void which_failures_waiting_can_mend(void **state)
+{
+	static const struct {
+		enum camera_situation situation;
+		bool hopeless;
+	} cases[] = {{CAMERA_NO_DEVICE, false},	   {CAMERA_NO_SIGNAL, false},
+		     {CAMERA_BUSY, false},	   {CAMERA_NO_BANDWIDTH, false},
+		     {CAMERA_STALLED, false},	   {CAMERA_UNSUPPORTED_FORMAT, true},
+		     {CAMERA_NO_PERMISSION, true}, {CAMERA_BROKEN, true}};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		struct fault fault = {.text = ""};
+
+		fake.open_err = -EIO;
+		fake.situation = cases[i].situation;
+		assert_int_equal(source_open(&source, &fault), -EIO);
+		assert_string_equal(fault.text, "fake: it is broken");
+		assert_int_equal(source_is_hopeless(&source), cases[i].hopeless);
+	}
+}
+
+static void silence_is_named_and_ended(void **state)
+{
+	int64_t start;
+
+	(void)state;
+	must_open();
+	start = source.heard_ns;
+	source_watch(&source, start + NS_PER_S);
+	assert_int_equal(source.camera.situation, CAMERA_FINE);
+	source_watch(&source, start + 3 * NS_PER_S);
+	assert_int_equal(source.camera.situation, CAMERA_STALLED);
+	assert_true(source_is_open(&source));
+	source_take(&source, start + 4 * NS_PER_S); /* it speaks again */
+	assert_int_equal(source.camera.situation, CAMERA_FINE);
+	source_watch(&source, start + 9 * NS_PER_S); /* we hold its frame: it is not silent */
+	assert_true(source_is_open(&source));
+	assert_true(source_decode(&source));
+	source_watch(&source, start + 11 * NS_PER_S);
+	assert_false(source_is_open(&source));
+	assert_int_equal(source.camera.situation, CAMERA_STALLED);
+}
+
+static void a_frame_that_does_not_decode_is_passed_over(void **state)
+{
+	(void)state;
+	must_open();
+	source_take(&source, 1);
+	assert_true(source_decode(&source));
+	fake.bytes = 10;
+	fake.level = 5;
+	source_take(&source, 2);
+	assert_false(source_decode(&source));
+	assert_int_equal(fake.out, 0);
+	assert_int_equal(source.canvas.pixels[0], 100);
+	assert_int_equal(source.picture_ns, 1000);
+	assert_int_equal(source_counts(&source).broken, 1);
+}
+
+/* IEC 61966-2-1 by hand: 0.214041 is code 127.5. */
+static void linear_light_is_kept_and_encoded(void **state)
+{
+	const uint8_t *p = NULL;
+
+	(void)state;
+	fake.format = PIXEL_RGBF;
+	fake.linear[0] = 3.5f;
+	fake.linear[1] = 0.2158605f; /* code 128 */
+	fake.linear[2] = NAN;
+	must_open();
+	source_take(&source, 1);
+	assert_true(source_decode(&source));
+	assert_true(source.is_linear);
+	assert_true(source.linear.f32[0] == 3.5f);
+	p = source.canvas.pixels + 4;
+	assert_int_equal(p[2], 255);
+	assert_int_equal(p[1], 128);
+	assert_int_equal(p[0], 0);
+	assert_int_equal(p[3], 255);
+	fake.bytes = 100;
+	source_take(&source, 2);
+	assert_false(source_decode(&source));
+}
+
+static void the_picture_follows_the_cameras_size(void **state)
+{
+	struct eye eye = {.section = "fisheye", .source = &source, .wanted = {.squash = 1}};
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	assert_int_equal(eye_fit(&eye, &fault), 0); /* no picture yet */
+	must_open();
+	source_take(&source, 1);
+	assert_true(source_decode(&source));
+	assert_int_equal(eye_fit(&eye, &fault), 0);
+	assert_int_equal(eye.view.width, 16);
+	fake.width = 32;
+	fake.height = 24;
+	source_take(&source, 2);
+	assert_true(source_decode(&source));
+	assert_int_equal(eye_fit(&eye, &fault), 0);
+	assert_int_equal(eye.view.width, 32);
+	assert_int_equal(eye_picture(&eye).height, 24);
+	eye.wanted.x = 20;
+	fake.width = 16;
+	source_take(&source, 3);
+	assert_true(source_decode(&source));
+	assert_int_equal(eye_fit(&eye, &fault), -EINVAL);
+	assert_memory_equal(fault.text, "[fisheye] ", 10);
+}
+
+int main(void)
+{
+#define CASE(name) cmocka_unit_test_setup_teardown(name, begin, end)
+	const struct CMUnitTest tests[] = {
+		CASE(newest_frame_is_held),
+		CASE(no_frame_is_no_trouble),
+		CASE(a_camera_on_demand_is_left_alone_while_its_frame_is_held),
+		CASE(a_lost_camera_leaves_its_picture),
+		CASE(which_failures_waiting_can_mend),
+		CASE(silence_is_named_and_ended),
+		CASE(a_frame_that_does_not_decode_is_passed_over),
+		CASE(linear_light_is_kept_and_encoded),
+		CASE(the_picture_follows_the_cameras_size),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
