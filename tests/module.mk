@@ -45,7 +45,7 @@ CLI_TESTS := \
 	tests/cli/run.sh \
 	tests/cli/check.sh \
 	tests/cli/errors.sh
-ACCURACY_TESTS :=
+ACCURACY_TESTS := tests/accuracy/quick.sh
 include tests/vm/vm.mk
 
 # How far two pictures are apart, for the accuracy table.
