@@ -9,8 +9,9 @@
 /* Several for each thread, so that one held up by the system is helped by the others. */
 #define ITEMS_A_THREAD 8
 
-/* A tile's own cost, in bytes of basis that take as long: background, coverage, tables, output. */
-#define TILE_COST 8192
+/* What a tile's own pixels cost, in bytes of basis that take as long to read: copied, and mixed. */
+#define COPY_COST 8192
+#define MIX_COST 32768
 
 /* A pose's tiles, divided into runs of about equal bytes. */
 struct division {
@@ -49,6 +50,11 @@ static bool is_plain(const struct basis *basis, int pose, const struct basis_til
 	return true;
 }
 
+static uint64_t tile_cost(const struct basis_tile *tile, bool plain)
+{
+	return tile->bytes + (plain ? COPY_COST : MIX_COST);
+}
+
 static void divide(const struct compositor *c, int pose, struct division *division)
 {
 	const struct basis_tile *tiles = c->basis->poses[pose].tiles;
@@ -57,12 +63,12 @@ static void divide(const struct compositor *c, int pose, struct division *divisi
 
 	for (int t = 0; t < c->tiles; t++) {
 		division->plain[t] = is_plain(c->basis, pose, &tiles[t]);
-		all += tiles[t].bytes + TILE_COST;
+		all += tile_cost(&tiles[t], division->plain[t]);
 	}
 	for (int t = 0; t < c->tiles; t++) {
 		while (item < c->items && before >= all / (unsigned)c->items * (unsigned)item)
 			division->first[item++] = t;
-		before += tiles[t].bytes + TILE_COST;
+		before += tile_cost(&tiles[t], division->plain[t]);
 	}
 	while (item <= c->items)
 		division->first[item++] = c->tiles;
@@ -211,6 +217,7 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 		.decode = c->decode.decode,
 		.encode = c->encode.encode,
 		.recode = c->recode,
+		.same_codes = c->settings.background == c->settings.output,
 		.background = *background,
 		.out = out,
 		.out_stride = out_stride,

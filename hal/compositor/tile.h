@@ -19,6 +19,7 @@ struct tile_frame {
 	const uint16_t *decode;		   /* [256]: the background's, U16 linear */
 	const uint8_t *encode;		   /* [65536] */
 	const uint8_t *recode;		   /* [256]: encode[decode[code]] */
+	bool same_codes;		   /* recode changes nothing */
 	struct picture background;
 	uint8_t *out;
 	size_t out_stride;

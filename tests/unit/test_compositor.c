@@ -610,8 +610,10 @@ static void flips_are_only_reading_order(void **state)
 	flipped = malloc(f.bytes);
 	expected = malloc(f.bytes);
 	assert_true(flipped && expected);
-	for (int flip = 0; flip < 4; flip++) {
+	for (int flip = 0; flip < 8; flip++) {
 		const bool h = flip & 1, v = flip & 2;
+		const struct compositor_settings settings = {TRANSFER_SRGB, TRANSFER_SRGB, 1,
+							     !(flip & 4)};
 		const struct picture picture = {
 			f.background + (h ? 39 * 4 : 0) + (v ? 22 * f.stride : 0), h ? -4 : 4,
 			v ? -(ptrdiff_t)f.stride : (ptrdiff_t)f.stride, 40, 23};
@@ -623,6 +625,7 @@ static void flips_are_only_reading_order(void **state)
 				       f.background + (v ? 22 - y : y) * f.stride +
 					       (h ? 39 - x : x) * 4,
 				       4);
+		compositor_set(f.compositor, &settings);
 		memset(expected, 0x5a, f.bytes);
 		assert_int_equal(
 			compositor_run(f.compositor, 0, &f.lights, &upright, expected, f.stride),
