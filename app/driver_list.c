@@ -14,15 +14,15 @@ const struct config_drivers *driver_list(void)
 			 [CONFIG_BUTTONS] = buttons},
 	};
 
-	for (int i = 0; camera_drivers[i] && i < CONFIG_DRIVERS_MAX; i++)
+	for (int i = 0; i < CONFIG_DRIVERS_MAX && camera_drivers[i]; i++)
 		cameras[i] = (struct config_driver){camera_drivers[i]->name,
 						    camera_drivers[i]->keys,
 						    camera_drivers[i]->options_size};
-	for (int i = 0; display_drivers[i] && i < CONFIG_DRIVERS_MAX; i++)
+	for (int i = 0; i < CONFIG_DRIVERS_MAX && display_drivers[i]; i++)
 		displays[i] = (struct config_driver){display_drivers[i]->name,
 						     display_drivers[i]->keys,
 						     display_drivers[i]->options_size};
-	for (int i = 0; buttons_drivers[i] && i < CONFIG_DRIVERS_MAX; i++)
+	for (int i = 0; i < CONFIG_DRIVERS_MAX && buttons_drivers[i]; i++)
 		buttons[i] = (struct config_driver){buttons_drivers[i]->name,
 						    buttons_drivers[i]->keys,
 						    buttons_drivers[i]->options_size};
