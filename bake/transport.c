@@ -4,8 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define PIXEL_STEP UINT32_C(0x632be5ab) /* between the keys of one path's surfaces */
 #define DIRECTIONS_MIN 32
 #define DIRECTIONS_MAX 256
+/* Surfaces up to this one look at every cell; a fan of fewer rays misses most small lamps. */
+#define ALL_CELLS_DEPTH 1
 #define GLASS_MAX 32 /* glass surfaces in a row */
 /* A path of less weight than this lives on with a chance in proportion (Russian roulette). */
 #define WEIGHT_SURE 0.02f
@@ -184,12 +187,12 @@ static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 	return bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
 }
 
-/* ---- the first surface: a ray to every cell ---- */
+/* ---- the first surfaces: a ray to every cell ---- */
 
 /* One direction in each cell above the surface: value[] gets what a Lambertian white surface would
  * make of it, and rays[] those that may be blocked. */
 static void aim_at_cells(struct transport *t, const struct surface *s, float cos_o,
-			 const struct cone *cone)
+			 const struct cone *cone, uint32_t pixel)
 {
 	const struct cells *cells = t->cells;
 	const bool flat = s->kind == SURFACE_GROUND;
@@ -203,7 +206,7 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 		t->value[i] = 0;
 		if (v3_dot(s->normal, cells->node[i]) < -cells->reach[i])
 			continue;
-		d = table[cells_pick(cells, i, t->pixel, t->sample)];
+		d = table[cells_pick(cells, i, pixel, t->sample)];
 		cos_i = v3_dot(s->normal, d);
 		if (cos_i <= 0 || v3_dot(s->geometric, d) <= 0)
 			continue;
@@ -238,7 +241,7 @@ static void add_coat_by_cells(struct transport *t, const struct surface *s, stru
 
 static struct onward spread_to_cells(struct transport *t, enum presence presence,
 				     const struct surface *s, struct v3 wo, struct rgb weight,
-				     float *row)
+				     int depth, float *row)
 {
 	const struct bounds bounds = world_bounds(t->world, presence);
 	const bool glossy = s->bsdf.kind == MATERIAL_GLOSSY;
@@ -248,7 +251,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	const uint32_t key = (uint32_t)random_bits(&t->random);
 	struct onward onward = {.weight = 0};
 
-	aim_at_cells(t, s, cos_o, &cone);
+	aim_at_cells(t, s, cos_o, &cone, t->pixel + (uint32_t)depth * PIXEL_STEP);
 	trace_rays(t, presence, surface_leave(s, s->geometric));
 	for (int k = 0; k < t->rays.count; k++) {
 		const int cell = t->cell[k];
@@ -404,14 +407,15 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	struct rgb base, coat = {{0, 0, 0}};
 	struct onward onward;
 	struct v3 wi;
-	bool shared;
+	bool all, shared;
 
 	if (!pass_glass(t, presence, &s, &wo, &weight, row))
 		return;
-	onward = depth == 0 ? spread_to_cells(t, presence, &s, wo, weight, row)
-			    : spread_fan(t, presence, &s, wo, weight, row);
+	all = depth <= ALL_CELLS_DEPTH;
+	onward = all ? spread_to_cells(t, presence, &s, wo, weight, depth, row)
+		     : spread_fan(t, presence, &s, wo, weight, row);
 	base = rgb_scale(rgb_mul(weight, s.bsdf.colour), onward.weight);
-	shared = depth == 0 && coat_is_wide(t, &s.bsdf);
+	shared = all && coat_is_wide(t, &s.bsdf);
 	if (s.bsdf.kind != MATERIAL_GLOSSY ||
 	    !sample_coat(t, presence, &s, wo, weight, shared, &mirrored, &wi, &coat, row)) {
 		follow(t, presence, &s, onward.direction, base, depth + 1, row);

@@ -1,11 +1,12 @@
 /*
  * All lights at once: one path yields a row of N transport coefficients, not one colour.
  *
- * At the first surface a ray goes to every cell above it. Cells that are not blocked give their
- * light; one of the blocked rays, chosen with a chance in proportion to its weight, is followed and
- * carries the weight of all blocked ones. So what is blocked and what is bounced balance sample by
- * sample, and a white object in a white furnace vanishes whatever the number of samples. At further
- * surfaces the same is done with a few directions, cosine-weighted and stratified.
+ * At the first two surfaces a ray goes to every cell above them. Cells that are not blocked give
+ * their light; one of the blocked rays, chosen with a chance in proportion to its weight, is
+ * followed and carries the weight of all blocked ones. So what is blocked and what is bounced
+ * balance sample by sample, and a white object in a white furnace vanishes whatever the number of
+ * samples. At further surfaces the same is done with a few directions, cosine-weighted and
+ * stratified.
  */
 #ifndef INLAY_BAKE_TRANSPORT_H
 #define INLAY_BAKE_TRANSPORT_H
