@@ -14,7 +14,8 @@
 #define FILE_BYTES_MAX (1 << 20)
 #define LINE_BYTES_MAX 2048 /* with its line break and the NUL */
 #define TITLE_BYTES_MAX 50  /* inih cuts a section's title at this size, NUL included */
-#define FAULTS_MAX 100	    /* said of one file; a file that is no INI file has thousands */
+#define TITLE_CHARACTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-"
+#define FAULTS_MAX 100 /* said of one file; a file that is no INI file has thousands */
 #define BYTE_ORDER_MARK "\xef\xbb\xbf"
 
 /* Debian's inih takes its limit on lines from a variable, others fix it when they are compiled. */
@@ -268,9 +269,7 @@ static int handle(void *user, const char *section, const char *name, const char 
 
 static bool header_is_sound(struct reading *r, const char *line)
 {
-	static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-				      "0123456789_- \t";
-	size_t length = strspn(line + 1, allowed);
+	size_t length = strspn(line + 1, TITLE_CHARACTERS " \t");
 	const char *rest = line + 1 + length;
 
 	if (*rest != ']') {
@@ -516,8 +515,11 @@ static int split_assignment(struct reading *r, const char *left, const char **ke
 	if (!table->named)
 		return 0;
 	length = strcspn(*key, ".");
-	if (!length || length >= TITLE_BYTES_MAX || (*key)[length] != '.') {
-		complain(r, 0, r->title, NULL, "has named sections, expected %s.NAME.key=value",
+	if (!length || length >= TITLE_BYTES_MAX || (*key)[length] != '.' ||
+	    strspn(*key, TITLE_CHARACTERS) != length) {
+		complain(r, 0, r->title, NULL,
+			 "has named sections, expected %s.NAME.key=value, NAME of letters, digits, "
+			 "\"-\" and \"_\"",
 			 r->section);
 		return r->err;
 	}

@@ -452,8 +452,12 @@ static void assignments_are_read(void **state)
 		{"lamp.cout=3",
 		 "--set lamp.cout=3: [lamp] cout: unknown key, did you mean \"count\"?"},
 		{"lmp.count=3", "--set lmp.count=3: [lmp] unknown section, did you mean \"lamp\"?"},
-		{"camera.width=3", "--set camera.width=3: [camera] has named sections, expected "
-				   "camera.NAME.key=value"},
+		{"camera.width=3",
+		 "--set camera.width=3: [camera] has named sections, expected "
+		 "camera.NAME.key=value, NAME of letters, digits, \"-\" and \"_\""},
+		{"camera.o\"o.width=3",
+		 "--set camera.o\"o.width=3: [camera] has named sections, expected "
+		 "camera.NAME.key=value, NAME of letters, digits, \"-\" and \"_\""},
 		{"lamp.count", "--set lamp.count: expected section.key=value"},
 		{"count=3", "--set count=3: expected section.key=value"},
 		{"=", "--set =: expected section.key=value"},
