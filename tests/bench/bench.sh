@@ -1,0 +1,129 @@
+#!/bin/bash
+# How long things take: the bake, and a frame by stage, for the demo's cow and for spot.
+#     BUILD=build/x tests/bench/bench.sh [--quick]      (make bench)
+# Prints a Markdown table, leaves it in build/bench/table.md. Spot needs $INLAY_SHARED_DATA (else
+# ../shared/data) and is left out without it. --quick: the cow at 640x480 alone.
+set -eu
+cd "$(dirname "$0")/../.."
+build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
+data=${INLAY_SHARED_DATA:-../shared/data}
+work=build/bench
+log=$work/log.txt
+threads="1 2"
+
+mkdir -p "$work"
+: >"$log"
+
+# The cameras show files, so that no time goes into simulating.
+still_pictures() {
+	local size=$1
+	ffmpeg -y -loglevel error -f lavfi -i "testsrc2=s=$size" -frames:v 1 \
+		"$work/background-$size.png" </dev/null
+	[ -e "$work/fisheye.png" ] ||
+		ffmpeg -y -loglevel error -f lavfi -i "testsrc2=s=480x480" -frames:v 1 \
+			"$work/fisheye.png" </dev/null
+}
+
+scenes() {
+	mkdir -p "$work/cow" "$work/spot"
+	"$build/make-cow" "$work/cow"
+	cp bake/demo/cow.scene bake/demo/background.ini "$work/cow/"
+	[ -e "$data/mesh/spot.obj" ] || return 0
+	cp tests/accuracy/spot.scene "$work/spot/"
+	ln -sfn "$(realpath "$data/mesh/spot.obj")" "$work/spot/spot.obj"
+}
+
+
+# bake NAME SIZE SAMPLES: "seconds million_rays_per_s noise megabytes"
+bake() {
+	local name=$1 size=$2 samples=$3 line
+	line=$("$build/inlay-bake" render --frequency 9 --size "$size" --samples "$samples" \
+		-o "$work/$name.inlay" "$work/$name/$name.scene" 2>>"$log")
+	echo "$line" >>"$log"
+	sed -n 's/.*(\([0-9.]*\) million.*time \([0-9.]*\) s, noise \([0-9.]*\).*/\2 \1 \3/p' \
+		<<<"$line" | tr '\n' ' '
+	echo $(($(stat -c %s "$work/$name.inlay") / 1000000))
+}
+
+# The most memory that a process had, in MB, while it lives.
+peak_memory() {
+	local pid=$1 peak=0 now
+	while now=$(awk '/^VmHWM/ { print int($2 / 1024) }' "/proc/$pid/status" 2>/dev/null) &&
+		[ -n "$now" ]; do
+		peak=$now
+		sleep 0.05
+	done
+	echo "$peak"
+}
+
+# run NAME SIZE THREADS FRAMES: "fps decode sample composite show memory"
+run() {
+	local name=$1 size=$2 frames=$4 stats=$work/stats.jsonl camera sets=() memory pid
+	for camera in fisheye background; do
+		sets+=(--set "camera.$camera.driver=sim" --set "camera.$camera.sim.source=files"
+			--set "camera.$camera.sim.clock=frames")
+	done
+	"$build/inlay" run "${sets[@]}" --set "basis.file=$work/$name.inlay" \
+		--set "camera.fisheye.sim.file=$work/fisheye.png" \
+		--set "camera.background.sim.file=$work/background-$size.png" \
+		--set screen.driver=null --set "composite.threads=$3" \
+		--frames "$frames" --stats "$stats" 2>>"$log" &
+	pid=$!
+	memory=$(peak_memory $pid)
+	wait $pid
+	awk '
+		{
+			match($0, /"t":[0-9.]+/); t = substr($0, RSTART + 4, RLENGTH - 4)
+			match($0, /"fps":[0-9.]+/); n = substr($0, RSTART + 6, RLENGTH - 6) * (t - before)
+			before = t; sum += n
+			for (i = 1; i <= 4; i++) {
+				match($0, "\"" stage[i] "\":[0-9.]+")
+				ms[i] += n * substr($0, RSTART + length(stage[i]) + 3, RLENGTH)
+			}
+		}
+		BEGIN { split("decode sample composite show", stage) }
+		END {
+			printf "%.1f", sum / before
+			for (i = 1; i <= 4; i++) printf " %.2f", ms[i] / sum
+		}' "$stats"
+	echo " $memory"
+}
+
+# rows NAME SIZE SAMPLES FRAMES
+rows() {
+	local name=$1 size=$2 samples=$3 t seconds rays noise mb fps decode sample composite show memory
+	still_pictures "$size"
+	echo "baking $name at $size" >&2
+	read -r seconds rays noise mb < <(bake "$name" "$size" "$samples")
+	for t in $threads; do
+		echo "running $name at $size, threads: $t" >&2
+		read -r fps decode sample composite show memory < <(run "$name" "$size" "$t" "$4")
+		echo "| $name | $size | $samples | $seconds | $rays | $noise | $mb | $t |" \
+			"$decode | $sample | $composite | $show | $fps | $memory |"
+	done
+	rm -f "$work/$name.inlay"
+}
+
+table() {
+	echo "| object | size | samples | bake s | Mrays/s | noise levels | basis MB | threads |" \
+		"decode ms | sample | composite | show | fps | memory MB |"
+	echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+	rows cow 640x480 8 120
+	[ -z "${quick:-}" ] || return 0
+	rows cow 1920x1080 2 20
+	[ -e "$work/spot/spot.obj" ] || return 0
+	rows spot 640x480 8 120
+	rows spot 1920x1080 2 20
+}
+
+case ${1:-} in
+'') ;;
+--quick) quick=yes ;;
+*)
+	echo "usage: bench.sh [--quick]" >&2
+	exit 2
+	;;
+esac
+scenes
+table | tee "$work/table.part.md"
+mv "$work/table.part.md" "$work/table.md"
