@@ -285,7 +285,7 @@ static int v4l2_grab(struct camera *camera, struct frame *frame, struct fault *f
 {
 	struct v4l2 *v = camera->state;
 	struct frame newest = {.format = PIXEL_NONE}, next;
-	int err;
+	int err = -EAGAIN;
 
 	/* Never more than there are buffers, however fast the camera is. */
 	for (int i = 0; i < v->buffer_count; i++) {

@@ -187,7 +187,7 @@ int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *sett
 		       struct v4l2_picture *picture, double *rate_hz, struct fault *fault)
 {
 	struct v4l2_format format;
-	uint32_t fourcc;
+	uint32_t fourcc = 0;
 	int err = choose(fd, type, settings, &fourcc, fault);
 
 	if (!err)
