@@ -51,17 +51,6 @@ press 2
 press 3
 check "two presses of one line, one of the other" within_seconds 5 heard 1 threshold-down
 check "each is one action" heard 2 threshold-up
-for _ in 1 2 3 4 5 6; do
-	level 2 pull-down
-	level 2 pull-up
-done
-level 2 pull-down
-sleep 0.2
-level 2 pull-up
-press 3
-within_seconds 5 heard 2 threshold-down
-check "a bouncing press is one action" heard 3 threshold-up
-
 "$tools/presses" gpio 1 chip=panel threshold_up=2 >"$VM_OUT/second" 2>&1
 matches "a line that another program holds is an error that names it" "line 2 of panel" \
 	"$(cat "$VM_OUT/second")"
@@ -71,6 +60,22 @@ ignore
 matches "a line that the chip has not is an error that names it" '^error .*8' "$(cat "$VM_OUT/second")"
 "$tools/presses" gpio 1 chip=gpiochip77 threshold_up=1 >"$VM_OUT/second" 2>&1
 matches "a chip that there is not is an error that names it" gpiochip77 "$(cat "$VM_OUT/second")"
+
+# Under emulation even a bounce takes its time, so the button is said to bounce for long.
+listen chip=panel threshold_up=2 threshold_down=3 debounce_ms=800
+sleep 1
+for _ in 1 2 3 4 5 6; do
+	level 2 pull-down
+	level 2 pull-up
+done
+level 2 pull-down
+sleep 1.5
+level 2 pull-up
+sleep 1.5
+press 3
+check "another button after it" within_seconds 5 heard 1 threshold-down
+check "a bouncing press is one action" heard 1 threshold-up
+ignore
 
 listen chip=panel threshold_up=2 active_low=no bias=pull-down
 level 2 pull-down

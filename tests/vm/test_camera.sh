@@ -146,6 +146,12 @@ equal "a device that drops frames goes on" 40 "$(said taken)"
 holds "dropped frames are counted lost" "$(said lost) > 0"
 control "$in" percentage_of_dropped_buffers=0
 
+control "$in" wrap_sequence_number=1
+capture 140 format=YUYV rate=60
+holds "a sequence number that wraps around is no loss" "$(said lost) < 1000"
+holds "it did wrap" "$(said frames) > 128"
+control "$in" wrap_sequence_number=0
+
 capture_and_press inject_v4l2_buf_flag_error 40 format=YUYV
 equal "a frame flagged corrupt does not stop the stream" 40 "$(said taken)"
 equal "a frame flagged corrupt is counted broken" 1 "$(said broken)"

@@ -48,6 +48,28 @@ given_back() {
 }
 check "after a run the console's picture is back" within_seconds 5 given_back
 
+# ---- what cannot work ends at once with one line and exit code 1 ----
+# refused DESCRIPTION REGEX option...
+refused() {
+	local description=$1 regex=$2
+	shift 2
+	run refused "${sets[@]}" "$@"
+	within_seconds 15 ended
+	stop_run
+	equal "$description is refused" 1 $?
+	equal "$description: one line" 1 "$(grep -c . "$VM_OUT/refused.log")"
+	matches "$description: that says so" "^inlay: .*$regex" "$(cat "$VM_OUT/refused.log")"
+}
+refused "a screen that is none" /dev/null --set screen.device=/dev/null
+refused "a camera that is none" /dev/null --set "$vkms" --set camera.fisheye.device=/dev/null
+for status in /sys/class/drm/card*-*/status; do
+	echo off >"$status"
+done
+refused "no connected screen" screen
+for status in /sys/class/drm/card*-*/status; do
+	echo detect >"$status"
+done
+
 # ---- buttons, scripted and on GPIO, step the threshold ----
 printf '0.1 threshold-set 100\n' >"$VM_OUT/script"
 expect "$VM_OUT/fisheye.png" "$VM_OUT/background.png" "$VM_OUT/expected-100.png" --threshold 100

@@ -16,6 +16,15 @@ load vivid n_devs=2 num_inputs=1,1 input_types=3,3 num_outputs=1,1 output_types=
 check "HDMI out and in can be joined" hdmi_loop 0 XR24
 "$tools/picture" chart background 640 480 "$VM_OUT/chart.png"
 "$tools/picture" raw BGRX "$VM_OUT/chart.png" "$VM_OUT/chart.raw"
+# The comparison that everything rests on must be able to fail.
+"$tools/picture" chart background 638 480 "$VM_OUT/narrow.png"
+for shift in 0 1 2; do
+	if "$tools/picture" compare "$VM_OUT/narrow.png" "$VM_OUT/chart.png" x=$shift >/dev/null; then
+		echo "shift $shift went unnoticed" | not_ok "a picture that differs is told apart"
+	else
+		ok "a picture that differs is told apart ($shift)"
+	fi
+done
 play 0 "$VM_OUT/chart.raw"
 comes_back() {
 	v4l2-ctl -d "$(video_node vivid-000-vid-cap)" --stream-mmap=3 --stream-count=1 \
