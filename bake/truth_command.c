@@ -211,7 +211,7 @@ static int trace(const struct choices *c, const struct scene *scene,
 		 const struct panorama *panorama, struct fault *fault)
 {
 	struct image background = {.width = 0}, out = {.width = 0};
-	struct truth_report report;
+	struct truth_report report = {.rays = 0};
 	struct sky sky = {.width = 0};
 	int err = get_background(c, scene, panorama, &background, fault);
 

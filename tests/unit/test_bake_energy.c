@@ -137,7 +137,7 @@ static void test_white_furnace(void **state)
 	(void)state;
 	baking_write_sphere("ball.obj", 0.8, 32);
 	baking_write("furnace.ini", VIEW
-		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\nbounces = 64\n"
+		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
 		     "ratio_cut = 0\n[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
 		     "up = z\nmaterial = white\nstand = yes\n[material white]\ncolour = 1 1 1\n");
 	check_furnace("white", 0.005, 0.001);
@@ -148,7 +148,7 @@ static void test_glass_furnace(void **state)
 	(void)state;
 	baking_write_sphere("ball.obj", 0.8, 32);
 	baking_write("furnace.ini", VIEW
-		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\nbounces = 64\n"
+		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
 		     "ratio_cut = 0\n[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
 		     "up = z\nmaterial = glass\nstand = yes\n[material white]\ncolour = 1 1 1\n"
 		     "[material glass]\nkind = glass\ncolour = 1 1 1\n");
@@ -366,7 +366,7 @@ static void test_truth_agrees(void **state)
 {
 	const int width = 1024, height = 512, side = 64;
 	const struct truth_settings settings = {
-		.samples = 256, .bounces = 4, .seed = 3, .threads = 2, .quiet = true};
+		.samples = 256, .bounces = 32, .seed = 3, .threads = 2, .quiet = true};
 	struct image image, grey, out;
 	const struct panorama panorama = {.image = &image, .turn_rad = 0.7, .scale = 0.5};
 	struct fault fault = {.text = ""};
@@ -375,7 +375,7 @@ static void test_truth_agrees(void **state)
 	struct basis basis;
 	struct dome dome;
 	struct sky sky;
-	double light[64], square = 0, worst = 0;
+	double light[64] = {0}, square = 0, worst = 0;
 
 	(void)state;
 	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, &fault), 0);
