@@ -44,7 +44,8 @@ CLI_TESTS := \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
 	tests/cli/check.sh \
-	tests/cli/errors.sh
+	tests/cli/errors.sh \
+	tests/cli/demo.sh
 ACCURACY_TESTS := tests/accuracy/quick.sh
 include tests/vm/vm.mk
 

@@ -1,12 +1,13 @@
 #!/bin/bash
 # The demo: bakes the toy cow, runs inlay on simulated cameras, leaves pictures. `make demo` calls it.
-#     BUILD=build/x bake/demo/demo.sh [FOLDER]
-# Pictures go to FOLDER (demo/); the bake is skipped while its basis file is newer than all it is
-# made of.
+#     BUILD=build/x bake/demo/demo.sh [FOLDER [OPTION...]]
+# Pictures go to FOLDER (demo/); options are for `inlay-bake render`. The bake is skipped while its
+# basis file is newer than all it is made of.
 set -eu
 cd "$(dirname "$0")/../.."
 build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
 out=${1:-demo}
+bake_options=("${@:2}")
 rate=25
 seconds=6
 moment=4 # seconds into the run: both lamps stand well
@@ -39,7 +40,7 @@ bake() {
 	if stale "$out/cow.inlay" "$out/cow.obj" "$out/cow.mtl" "$out/cow.scene" \
 		"$out/background.ini" "$build/inlay-bake"; then
 		echo "demo: baking the scene (about a minute on two cores)"
-		"$build/inlay-bake" render -o "$out/cow.inlay" "$out/cow.scene"
+		"$build/inlay-bake" render "${bake_options[@]}" -o "$out/cow.inlay" "$out/cow.scene"
 	fi
 }
 

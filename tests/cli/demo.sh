@@ -1,0 +1,44 @@
+#!/bin/bash
+# The demo, with a bake as coarse as can be: what it leaves, and that it is not baked twice.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+build=$(dirname "$INLAY")
+out=$work/pictures
+
+demo() {
+	BUILD=$build timeout 300 bake/demo/demo.sh "$out" --frequency 1 --samples 1 --quiet \
+		>"$work/demo.log" 2>&1 || {
+		cat "$work/demo.log"
+		return 1
+	}
+}
+videos_frames() {
+	ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 "$1"
+}
+
+check "make-cow" "$build/make-cow" "$work/cow"
+check "again, elsewhere" "$build/make-cow" "$work/twin"
+for file in cow.obj cow.mtl cow.png; do
+	same "$file is the same" "$work/cow/$file" "$work/twin/$file"
+done
+"$build/make-cow" /proc/nowhere >"$work/cow.log" 2>&1
+equal "a folder that cannot be made: exit code" 1 $?
+check "a folder that cannot be made: one line" grep -qx 'make-cow: .*/proc/nowhere.*' "$work/cow.log"
+
+check "inlay check takes its configuration" "$INLAY" check --config config/demo.conf \
+	--set "basis.file=$work/box.inlay"
+check "the demo" demo
+for file in before.png after.png fisheye.png quad.png clip.mp4; do
+	check "leaves $file" test -s "$out/$file"
+	check "and says so" grep -qF "$out/$file" "$work/demo.log"
+done
+absent "no raw video is left" "$out/clip.y4m" "$out/clip.part"
+differ "the cow is seen" "$out/before.png" "$out/after.png"
+equal "the clip's frames" 150 "$(videos_frames "$out/clip.mp4")"
+check "it bakes at first" grep -q baking "$work/demo.log"
+cp "$out/after.png" "$work/after.png"
+check "once more" demo
+check "is not baked again" bash -c "! grep -q baking '$work/demo.log'"
+same "shows the same" "$work/after.png" "$out/after.png"
+finish
