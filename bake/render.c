@@ -152,7 +152,8 @@ static void hand_over(struct job *job, int index, const struct tile *tile,
 		slot->noise_count = tile->noise_count;
 		slot->ready = true;
 		job->info.object_error = fmax(job->info.object_error, result->object_error);
-		job->info.ratio_error = fmax(job->info.ratio_error, result->ratio_error);
+		job->info.ratio_error = fmax(job->info.ratio_error,
+					     fmax(result->ratio_error, tile->ratio_error));
 		job->rays += tile->transport.ray_count;
 		write_ready(job);
 		progress_show(&job->progress, job->next, job->rays);
@@ -213,6 +214,7 @@ static int start_workers(struct job *job)
 	const struct tile_settings tile = {
 		.samples = job->settings.samples,
 		.noise_levels = job->settings.noise_levels,
+		.ratio_cut = job->settings.ratio_cut,
 		.seed = (uint64_t)job->settings.seed,
 	};
 	int err = pool_create(&job->pool, job->settings.threads);

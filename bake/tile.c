@@ -274,6 +274,19 @@ static void finish_shadow(struct tile *tile)
 	add_part(tile, BASIS_KIND_V, tile->change_pixel, kept, tile->change);
 }
 
+/* The largest |d / u| of a pixel: no lighting changes its ratio by more. */
+static double largest_change(const float *d, const float *u, size_t count)
+{
+	double most = 0;
+
+	for (size_t i = 0; i < count; i++)
+		if (u[i] > 0)
+			most = fmax(most, fabs((double)d[i] / (double)u[i]));
+		else if (d[i] != 0)
+			return INFINITY;
+	return most;
+}
+
 static void finish_difference(struct tile *tile)
 {
 	const size_t row = row_size(tile);
@@ -285,12 +298,18 @@ static void finish_difference(struct tile *tile)
 		const float *without = tile->without + (size_t)at * row;
 		float *d = tile->change + (size_t)kept * row;
 		float *u = tile->without + (size_t)kept * row;
+		double change;
 
 		if (!p->receiver || !p->changed)
 			continue;
 		for (size_t i = 0; i < row; i++) {
 			d[i] = (without[i] - with[i]) / (float)p->other;
 			u[i] = without[i] / (float)p->receiver;
+		}
+		change = largest_change(d, u, row);
+		if (change <= tile->settings.ratio_cut) {
+			tile->ratio_error = fmax(tile->ratio_error, change);
+			continue;
 		}
 		tile->change_pixel[kept++] = (uint16_t)at;
 	}
@@ -308,6 +327,7 @@ static void clear(struct tile *tile)
 		memset(tile->without, 0, bytes);
 	memset(tile->pixels, 0, sizeof(tile->pixels));
 	tile->batches = tile->samples = tile->part_count = 0;
+	tile->ratio_error = 0;
 }
 
 void tile_render(struct tile *tile, int index)

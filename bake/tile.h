@@ -11,6 +11,7 @@
 struct tile_settings {
 	int samples;	     /* a pixel; when noise_levels is 0 */
 	double noise_levels; /* stop below this */
+	double ratio_cut;    /* pixels of stand-in scenes whose ratio changes less are left out */
 	uint64_t seed;
 };
 
@@ -41,6 +42,7 @@ struct tile {
 	struct encode_samples part[3];
 	int part_count;
 	uint16_t coverage[TILE_PIXELS];
+	double ratio_error;  /* largest change of the ratio that was left out */
 	double noise_square; /* sum of squared standard errors, 8-bit levels */
 	long noise_count;    /* channels of pixels in it */
 };

@@ -120,7 +120,7 @@ static inline struct basis baking_bake(const char *name)
 	return basis;
 }
 
-/* Row of a kind at a pixel and channel: out[lights], zeros where nothing is stored. */
+/* Row of a kind at a pixel and channel: out[lights], the rest where a light is not listed. */
 static inline bool baking_row(const struct basis *basis, int x, int y, enum basis_kind kind, int c,
 			      double *out)
 {
@@ -136,13 +136,16 @@ static inline bool baking_row(const struct basis *basis, int x, int y, enum basi
 			continue;
 		for (int p = 0; p < block->pixels; p++) {
 			const int row = p * block->channels + (block->channels == 3 ? c : 0);
+			const double scale = (double)block->scale[row];
+			const int16_t *value = block->row + (size_t)row * (size_t)block->stride;
+			const int listed = block->lights - block->rest;
 
 			if (block->pixel[p] != want)
 				continue;
-			for (int i = 0; i < block->lights; i++)
-				out[block->light[i]] =
-					(double)block->scale[row] *
-					block->row[(size_t)row * (size_t)block->stride + (size_t)i];
+			for (uint32_t i = 0; block->rest && i < basis->info.lights; i++)
+				out[i] = scale * value[listed];
+			for (int i = 0; i < listed; i++)
+				out[block->light[i]] = scale * value[i];
 			return true;
 		}
 	}
