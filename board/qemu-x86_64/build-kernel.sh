@@ -48,6 +48,7 @@ fi
 scratch=${TMPDIR:-/tmp}
 case $scratch in *[[:space:]:]*) scratch=/tmp ;; esac
 work=$(mktemp -d "$scratch/inlay-kernel.XXXXXX")
+export TMPDIR=$work # nor do its scripts quote this one
 staging=$(mktemp -d "$cache/.kernel-$key.XXXXXX")
 trap 'rm -rf "$work" "$staging"' EXIT
 trap 'exit 130' INT
