@@ -24,6 +24,6 @@ test-vm: all $(VM_PROGRAMS) kernel
 ## vm-shell: a shell in the simulated machine (leave it with exit)
 vm-shell: all $(VM_PROGRAMS) kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
-	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/boot.sh --shell "$(BUILD)/tests/vm/shell" bash -i
+	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/boot.sh --shell "$(BUILD)/tests/vm/shell" setsid --ctty --wait bash -i
 
 objects: $(addsuffix .o,$(VM_PROGRAMS))
