@@ -7,15 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/encode_rest.h"
+#include "bake/encode_values.h"
 #include "hal/basis/basis_layout.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
-#define ROW_MAX 32767
 #define VALUE_MAX 1e30F /* so that no sum of a few overflows */
 
-/* Of |value - scale * row| in units of scale: half a step, and what float arithmetic adds to it
- * (hal/basis/README.md). */
-#define STEP_ERROR 0.52
+/* What a difference of floats may be off by, of itself; generously. */
+#define FLOAT_ERROR 0x1p-20
 
 struct buffer {
 	void *data;
@@ -25,11 +25,14 @@ struct buffer {
 struct encoder {
 	struct encode_settings settings;
 	double (*ground_sum)[3]; /* [grounds] */
-	struct buffer rows;	 /* int16 [pixels * channels][lights]: all lights, quantised */
-	float *mean;		 /* [lights] */
-	float *light_peak;	 /* [lights]: largest |value| of any row */
-	int16_t *light_bits;	 /* [lights]: all rows' values or-ed */
-	uint16_t *light;	 /* [lights]: the list */
+	struct rest rest;
+	struct buffer rows;  /* int16 [pixels * channels][columns]: quantised */
+	float *mean;	     /* [lights] */
+	float *light_peak;   /* [lights]: largest |value| of any row */
+	uint16_t *light;     /* [lights]: the list */
+	uint16_t *column;    /* [lights]: where in the rows each of the list is */
+	float *picked;	     /* [lights]: a row's columns */
+	int16_t *light_bits; /* [lights]: by column, all rows' values or-ed */
 	float scale[TILE_PIXELS * 3];
 	bool keep[TILE_PIXELS];
 	struct buffer blocks;	/* struct basis_block_payload [] */
@@ -41,6 +44,14 @@ struct encoder {
 struct survey {
 	float pixel_peak[TILE_PIXELS];
 	float channel_spread; /* largest |value - mean of the three channels| */
+};
+
+/* How samples become a block. */
+struct plan {
+	int pixels, channels;
+	int lights;	/* of e->light */
+	bool rest;	/* the last of them is the rest */
+	double dropped; /* largest |value - what stands for it| of what is not listed */
 };
 
 static int reserve(struct buffer *buffer, size_t bytes)
@@ -71,7 +82,10 @@ int encoder_create(struct encoder **encoder, const struct encode_settings *setti
 	e->light_peak = calloc(n, sizeof(*e->light_peak));
 	e->light_bits = calloc(n, sizeof(*e->light_bits));
 	e->light = calloc(n, sizeof(*e->light));
-	if (!e->ground_sum || !e->mean || !e->light_peak || !e->light_bits || !e->light) {
+	e->column = calloc(n, sizeof(*e->column));
+	e->picked = calloc(n, sizeof(*e->picked));
+	if (rest_create(&e->rest, settings->lights) < 0 || !e->ground_sum || !e->mean ||
+	    !e->light_peak || !e->light_bits || !e->light || !e->column || !e->picked) {
 		encoder_destroy(e);
 		return -ENOMEM;
 	}
@@ -97,67 +111,10 @@ void encoder_destroy(struct encoder *e)
 	free(e->light_peak);
 	free(e->light_bits);
 	free(e->light);
+	free(e->column);
+	free(e->picked);
+	rest_free(&e->rest);
 	free(e);
-}
-
-/* The largest |value|, as bits: so that infinities and NaN come out on top. */
-static uint32_t peak_bits(const float *value, int count)
-{
-	int32_t peak = 0;
-
-	for (int i = 0; i < count; i++) {
-		int32_t bits;
-
-		memcpy(&bits, &value[i], sizeof(bits));
-		bits &= INT32_MAX;
-		peak = bits > peak ? bits : peak;
-	}
-	return (uint32_t)peak;
-}
-
-static bool any_negative(const float *value, int count)
-{
-	int any = 0;
-
-	for (int i = 0; i < count; i++)
-		any |= value[i] < 0;
-	return any;
-}
-
-static void raise_peaks(float *peak, const float *value, int count)
-{
-	for (int i = 0; i < count; i++) {
-		const float magnitude = fabsf(value[i]);
-
-		peak[i] = magnitude > peak[i] ? magnitude : peak[i];
-	}
-}
-
-/* Fills mean; returns the largest distance of a channel from it. */
-static float mean_of_channels(float *mean, const float *value, int n)
-{
-	const float *r = value, *g = value + n, *b = value + 2 * (size_t)n;
-	float spread = 0;
-
-	for (int i = 0; i < n; i++) {
-		/* Exactly theirs where all three are equal. */
-		const float m = r[i] + ((g[i] - r[i]) + (b[i] - r[i])) * (1.0F / 3);
-		const float dr = fabsf(r[i] - m), dg = fabsf(g[i] - m), db = fabsf(b[i] - m);
-		const float rg = dr > dg ? dr : dg;
-		const float d = rg > db ? rg : db;
-
-		mean[i] = m;
-		spread = d > spread ? d : spread;
-	}
-	return spread;
-}
-
-static bool channels_equal(const float *value, int n)
-{
-	const size_t bytes = (size_t)n * sizeof(*value);
-
-	return memcmp(value, value + n, bytes) == 0 &&
-	       memcmp(value, value + 2 * (size_t)n, bytes) == 0;
 }
 
 static int look(struct encoder *e, const struct encode_samples *s, struct survey *found)
@@ -168,92 +125,123 @@ static int look(struct encoder *e, const struct encode_samples *s, struct survey
 	found->channel_spread = 0;
 	for (int p = 0; p < s->pixels; p++) {
 		const float *value = s->value + (size_t)p * 3 * (size_t)n;
-		const uint32_t bits = peak_bits(value, 3 * n);
 
-		memcpy(&found->pixel_peak[p], &bits, sizeof(bits));
+		found->pixel_peak[p] = values_peak(value, 3 * n);
 		if (!(found->pixel_peak[p] <= VALUE_MAX))
 			return -EDOM;
-		if (s->kind == BASIS_KIND_U && any_negative(value, 3 * n))
+		if (s->kind == BASIS_KIND_U && values_any_negative(value, 3 * n))
 			return -EDOM;
 		if (s->kind == BASIS_KIND_V) {
-			const float spread = mean_of_channels(e->mean, value, n);
+			const float spread = values_mean_of_channels(e->mean, value, n);
 
 			if (spread > found->channel_spread)
 				found->channel_spread = spread;
 			for (int c = 0; c < 3; c++)
-				raise_peaks(e->light_peak, value + (size_t)c * (size_t)n, n);
-		} else if (!(found->channel_spread > 0) && !channels_equal(value, n)) {
+				values_raise_peaks(e->light_peak, value + (size_t)c * (size_t)n, n);
+		} else if (!(found->channel_spread > 0) && !values_channels_equal(value, n)) {
 			found->channel_spread = INFINITY;
 		}
 	}
 	return 0;
 }
 
-/* Row and scale of some values; the error bound is returned. A row too faint for a normal float as
- * its scale becomes zeros. */
-static double quantise(int16_t *row, float *scale, const float *value, int n)
+/* The columns of a V row: of the lights listed, and of the rest. */
+static const float *pick(struct encoder *e, const struct plan *plan, const float *value, float rest)
 {
-	const uint32_t bits = peak_bits(value, n);
-	float peak, inverse;
+	const int listed = plan->lights - plan->rest;
 
-	memcpy(&peak, &bits, sizeof(peak));
-	*scale = peak / ROW_MAX;
-	if (*scale < FLT_MIN) {
-		*scale = 0;
-		memset(row, 0, (size_t)n * sizeof(*row));
-		return (double)peak;
-	}
-	inverse = 1 / *scale;
-	for (int i = 0; i < n; i++) {
-		const float x = value[i] * inverse;
-
-		row[i] = (int16_t)(int)(x + copysignf(0.5F, x));
-	}
-	return STEP_ERROR * (double)*scale;
+	for (int k = 0; k < listed; k++)
+		e->picked[k] = value[e->light[k]];
+	if (plan->rest)
+		e->picked[listed] = rest;
+	return e->picked;
 }
 
-/* Every kept pixel's rows, all lights, and which lights are anywhere non-zero. */
-static double quantise_all(struct encoder *e, const struct encode_samples *s, int channels)
+/* Every kept pixel's rows, and which columns are anywhere non-zero. */
+static double quantise_all(struct encoder *e, const struct encode_samples *s,
+			   const struct plan *plan)
 {
 	const int n = e->settings.lights;
 	int16_t *row = e->rows.data;
 	float *scale = e->scale;
 	double error = 0;
 
-	memset(e->light_bits, 0, (size_t)n * sizeof(*e->light_bits));
+	memset(e->light_bits, 0, (size_t)plan->lights * sizeof(*e->light_bits));
 	for (int p = 0; p < s->pixels; p++) {
 		const float *value = s->value + (size_t)p * 3 * (size_t)n;
 
 		if (!e->keep[p])
 			continue;
-		if (channels == 1 && s->kind == BASIS_KIND_V) {
-			mean_of_channels(e->mean, value, n);
+		if (plan->channels == 1 && s->kind == BASIS_KIND_V) {
+			values_mean_of_channels(e->mean, value, n);
 			value = e->mean;
 		}
-		for (int c = 0; c < channels; c++, row += n, value += n) {
-			error = fmax(error, quantise(row, scale++, value, n));
-			for (int i = 0; i < n; i++)
-				e->light_bits[i] |= row[i];
+		for (int c = 0; c < plan->channels; c++, row += plan->lights, value += n) {
+			const float *from = value;
+
+			if (s->kind == BASIS_KIND_V)
+				from = pick(e, plan, value, e->rest.value[p][c]);
+			error = fmax(error, values_quantise(row, scale++, from, plan->lights));
+			for (int k = 0; k < plan->lights; k++)
+				e->light_bits[k] |= row[k];
 		}
 	}
 	return error;
 }
 
-/* The lights that are left, and the largest value that went with the others. */
-static int list_lights(struct encoder *e, enum basis_kind kind, double *dropped)
+static size_t block_bytes(const struct encode_samples *s, const struct plan *plan, int lights)
+{
+	return basis_layout(s->kind, plan->pixels, plan->channels, lights).bytes;
+}
+
+/* Lights of V that are not near 0 or, when that lists so few that the block is smaller, those that
+ * are not near the others, and the rest. All lights of other kinds. */
+static void choose_lights(struct encoder *e, const struct encode_samples *s, struct plan *plan)
+{
+	const double cut = s->kind == BASIS_KIND_V ? e->settings.ratio_cut : -1;
+	const int n = e->settings.lights;
+	double dropped = 0;
+
+	plan->lights = 0;
+	plan->rest = false;
+	for (int i = 0; i < n; i++) {
+		if ((double)e->light_peak[i] > cut)
+			e->light[plan->lights++] = (uint16_t)i;
+		else
+			dropped = fmax(dropped, (double)e->light_peak[i]);
+	}
+	if (s->kind == BASIS_KIND_V) {
+		rest_choose(&e->rest, s, e->keep,
+			    e->settings.ground + (size_t)s->ground * 3 * (size_t)n, cut,
+			    plan->channels == 1);
+		plan->rest = e->rest.listed + 1 < plan->lights &&
+			     block_bytes(s, plan, e->rest.listed + 1) <
+				     block_bytes(s, plan, plan->lights);
+	}
+	if (plan->rest) {
+		dropped = e->rest.error * (1 + FLOAT_ERROR);
+		plan->lights = 0;
+		for (int i = 0; i < n; i++) {
+			if (!e->rest.shares[i])
+				e->light[plan->lights++] = (uint16_t)i;
+		}
+		e->light[plan->lights++] = (uint16_t)n;
+	}
+	plan->dropped = fmax(plan->dropped, dropped);
+}
+
+/* Lights whose rows came out as zeros leave the list; but not where a rest would stand for them. */
+static void drop_zeros(struct encoder *e, struct plan *plan)
 {
 	int count = 0;
 
-	for (int i = 0; i < e->settings.lights; i++) {
-		const bool faint = kind == BASIS_KIND_V &&
-				   (double)e->light_peak[i] <= e->settings.ratio_cut;
-
-		if (e->light_bits[i] && !faint)
-			e->light[count++] = (uint16_t)i;
-		else if (faint)
-			*dropped = fmax(*dropped, (double)e->light_peak[i]);
+	for (int k = 0; k < plan->lights; k++) {
+		if (!plan->rest && !e->light_bits[k])
+			continue;
+		e->light[count] = e->light[k];
+		e->column[count++] = (uint16_t)k;
 	}
-	return count;
+	plan->lights = count;
 }
 
 static int32_t row_sum(const int16_t *row, int n)
@@ -266,60 +254,60 @@ static int32_t row_sum(const int16_t *row, int n)
 }
 
 static int32_t ground_total(const struct encoder *e, const struct encode_samples *s, int channel,
-			    const int16_t *row, int lights)
+			    const int16_t *row, const struct plan *plan)
 {
 	const size_t g = (size_t)s->ground * 3 + (size_t)channel;
 	const double *u = e->settings.ground + g * (size_t)e->settings.lights;
 	const double all = e->ground_sum[s->ground][channel];
-	double sum = 0;
+	const int count = plan->lights - plan->rest;
+	double sum = 0, listed = 0;
 
-	for (int i = 0; i < lights; i++)
+	for (int i = 0; i < count; i++) {
 		sum += row[i] * u[e->light[i]];
+		listed += u[e->light[i]];
+	}
+	if (plan->rest)
+		sum += row[count] * fmax(all - listed, 0);
 	return all > 0 ? (int32_t)lrint(32768 * (sum / all)) : 0;
 }
 
-static void fill_rows(const struct encoder *e, const struct basis_block_entry *entry,
+static void fill_rows(const struct encoder *e, const struct plan *plan, int columns,
 		      const struct basis_layout *at, uint8_t *payload)
 {
-	const int n = e->settings.lights, lights = (int)entry->lights;
 	const int16_t *from = e->rows.data;
 	int16_t *to = (int16_t *)(payload + at->row);
 
-	for (int r = 0; r < entry->pixels * entry->channels; r++, from += n, to += at->stride) {
-		if (lights == n) {
-			memcpy(to, from, (size_t)n * sizeof(*to));
-			continue;
-		}
-		for (int i = 0; i < lights; i++)
-			to[i] = from[e->light[i]];
+	for (int r = 0; r < plan->pixels * plan->channels; r++, from += columns, to += at->stride) {
+		for (int k = 0; k < plan->lights; k++)
+			to[k] = from[e->column[k]];
 	}
 }
 
 static void fill_totals(const struct encoder *e, const struct encode_samples *s,
-			const struct basis_block_entry *entry, const struct basis_layout *at,
-			uint8_t *payload)
+			const struct plan *plan, const struct basis_layout *at, uint8_t *payload)
 {
 	const int16_t *row = (const int16_t *)(payload + at->row);
 	int32_t *total = (int32_t *)(payload + at->total);
-	const int lights = (int)entry->lights;
 
-	for (int r = 0; r < entry->pixels * at->total_channels; r++) {
+	for (int r = 0; r < plan->pixels * at->total_channels; r++) {
 		const int c = r % at->total_channels;
 		const int16_t *own = row;
 
-		if (at->total_channels != entry->channels)
+		if (at->total_channels != plan->channels)
 			own += (size_t)(r / at->total_channels) * (size_t)at->stride;
 		else
 			own += (size_t)r * (size_t)at->stride;
-		total[r] = s->kind == BASIS_KIND_V ? ground_total(e, s, c, own, lights)
-						   : row_sum(own, lights);
+		total[r] = s->kind == BASIS_KIND_V ? ground_total(e, s, c, own, plan)
+						   : row_sum(own, plan->lights);
 	}
 }
 
-static int build(struct encoder *e, const struct encode_samples *s, int pixels, int channels,
-		 int lights, int tile, struct encode_result *result)
+static int build(struct encoder *e, const struct encode_samples *s, const struct plan *plan,
+		 int columns, int tile, struct encode_result *result)
 {
-	const struct basis_layout at = basis_layout(s->kind, pixels, channels, lights);
+	const size_t rows = (size_t)plan->pixels * (size_t)plan->channels;
+	const struct basis_layout at = basis_layout(s->kind, plan->pixels, plan->channels,
+						    plan->lights);
 	struct basis_block_payload *block =
 		&((struct basis_block_payload *)e->blocks.data)[result->count];
 	struct buffer *buffer = &e->payload[result->count];
@@ -336,9 +324,9 @@ static int build(struct encoder *e, const struct encode_samples *s, int pixels, 
 		.entry = {.tile = (uint32_t)tile,
 			  .kind = (uint16_t)s->kind,
 			  .encoding = BASIS_ENCODING_DENSE,
-			  .pixels = (uint16_t)pixels,
-			  .channels = (uint16_t)channels,
-			  .lights = (uint32_t)lights,
+			  .pixels = (uint16_t)plan->pixels,
+			  .channels = (uint16_t)plan->channels,
+			  .lights = (uint32_t)plan->lights,
 			  .bytes = at.bytes,
 			  .ground = s->kind == BASIS_KIND_V ? (uint32_t)s->ground : 0},
 	};
@@ -347,69 +335,82 @@ static int build(struct encoder *e, const struct encode_samples *s, int pixels, 
 		if (e->keep[p])
 			*pixel++ = s->pixel[p];
 	}
-	memcpy(payload + at.light, e->light, (size_t)lights * sizeof(*e->light));
-	memcpy(payload + at.scale, e->scale, (size_t)(pixels * channels) * sizeof(*e->scale));
-	fill_rows(e, &block->entry, &at, payload);
-	fill_totals(e, s, &block->entry, &at, payload);
+	memcpy(payload + at.light, e->light, (size_t)plan->lights * sizeof(*e->light));
+	memcpy(payload + at.scale, e->scale, rows * sizeof(*e->scale));
+	fill_rows(e, plan, columns, &at, payload);
+	fill_totals(e, s, plan, &at, payload);
 	result->count++;
 	return 0;
 }
 
-/* Which pixels stay; the largest value of those that go is returned. */
-static double choose_pixels(struct encoder *e, const struct encode_samples *s,
-			    const struct survey *found, int *kept)
+static void choose_pixels(struct encoder *e, const struct encode_samples *s,
+			  const struct survey *found, struct plan *plan)
 {
 	const double cut = s->kind == BASIS_KIND_V ? e->settings.ratio_cut : 0;
-	double dropped = 0;
 
-	*kept = 0;
+	plan->pixels = 0;
+	plan->dropped = 0;
 	for (int p = 0; p < s->pixels; p++) {
 		const double peak = (double)found->pixel_peak[p];
 
 		if (s->kind != BASIS_KIND_U) /* which follows its D */
-			e->keep[p] = peak > cut && peak / ROW_MAX >= (double)FLT_MIN;
+			e->keep[p] = peak > cut && peak / ENCODE_ROW_MAX >= (double)FLT_MIN;
 		if (e->keep[p])
-			(*kept)++;
+			plan->pixels++;
 		else
-			dropped = fmax(dropped, peak);
+			plan->dropped = fmax(plan->dropped, peak);
 	}
-	return dropped;
+}
+
+/* The bound of the errors that the plan made; step is that of rounding. */
+static double error_of(const struct encode_samples *s, const struct survey *found,
+		       const struct plan *plan, double step)
+{
+	double listed = step;
+
+	if (plan->channels == 1 && s->kind == BASIS_KIND_V)
+		listed += (double)found->channel_spread * (1 + FLOAT_ERROR);
+	return fmax(listed, plan->dropped + (plan->rest ? step : 0));
 }
 
 static int encode_samples(struct encoder *e, int tile, const struct encode_samples *s,
 			  struct encode_result *result)
 {
 	const double cut = s->kind == BASIS_KIND_V ? e->settings.ratio_cut : 0;
-	const size_t n = (size_t)e->settings.lights;
 	struct survey found;
-	double dropped, error = 0;
-	int pixels, channels, lights = 0;
-	int ret = look(e, s, &found);
+	struct plan plan;
+	double error;
+	int columns, ret = look(e, s, &found);
 
 	if (ret < 0)
 		return ret;
-	dropped = choose_pixels(e, s, &found, &pixels);
-	channels = (double)found.channel_spread <= cut ? 1 : 3;
-	if (pixels) {
-		ret = reserve(&e->rows, (size_t)(pixels * channels) * n * sizeof(int16_t));
+	choose_pixels(e, s, &found, &plan);
+	error = plan.dropped;
+	if (plan.pixels) {
+		plan.channels = (double)found.channel_spread <= cut ? 1 : 3;
+		choose_lights(e, s, &plan);
+		columns = plan.lights;
+		ret = reserve(&e->rows, (size_t)(plan.pixels * plan.channels) * (size_t)columns *
+						sizeof(int16_t));
 		if (ret < 0)
 			return ret;
-		error = quantise_all(e, s, channels);
-		lights = list_lights(e, s->kind, &dropped);
-		if (channels == 1 && s->kind == BASIS_KIND_V)
-			error += (double)found.channel_spread * (1 + 0x1p-20); /* it is a float's */
-	}
-	if (lights == 0 && pixels && s->kind == BASIS_KIND_U)
-		lights = 1; /* light 0 with a row of zeros: a D block must have its U */
-	if (lights) {
-		ret = build(e, s, pixels, channels, lights, tile, result);
-		if (ret < 0)
-			return ret;
+		error = error_of(s, &found, &plan, quantise_all(e, s, &plan));
+		drop_zeros(e, &plan);
+		if (plan.lights == 0 && s->kind == BASIS_KIND_U) {
+			/* Light 0 with a row of zeros: a D block must have its U. */
+			e->light[plan.lights] = 0;
+			e->column[plan.lights++] = 0;
+		}
+		if (plan.lights) {
+			ret = build(e, s, &plan, columns, tile, result);
+			if (ret < 0)
+				return ret;
+		}
 	}
 	if (s->kind == BASIS_KIND_T)
-		result->object_error = fmax(result->object_error, fmax(error, dropped));
+		result->object_error = fmax(result->object_error, error);
 	if (s->kind == BASIS_KIND_V)
-		result->ratio_error = fmax(result->ratio_error, fmax(error, dropped));
+		result->ratio_error = fmax(result->ratio_error, error);
 	return 0;
 }
 

@@ -22,8 +22,10 @@ struct encode_settings {
 	int lights;
 	int grounds;
 	const double *ground; /* [grounds][3][lights]; for totals of V. Must outlive the encoder. */
-	double ratio_cut; /* V: a light whose |v| is nowhere above this leaves the list; likewise
-			     pixels, and channels closer together than this share a row. T, D, U:
+	double ratio_cut; /* V: a light leaves the list when it is nowhere further than this from
+			     0 or, where that makes the block smaller, from what the lights not
+			     listed share (the rest). Likewise pixels that are this near to 0
+			     leave, and channels closer together than this share a row. T, D, U:
 			     only what is 0 after quantisation leaves, and only equal channels
 			     share a row. */
 };

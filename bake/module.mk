@@ -2,6 +2,8 @@ bake_PACKAGES := assimp
 bake_LIBS := -lembree3
 BAKE_SOURCES := \
 	bake/encode.c \
+	bake/encode_rest.c \
+	bake/encode_values.c \
 	bake/cells.c \
 	bake/material.c \
 	bake/mesh.c \

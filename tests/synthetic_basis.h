@@ -29,6 +29,8 @@ struct synthetic_options {
 	double unlit_share;    /* of these pixels: U is 0 (D is not) */
 	double peak;	       /* sum of a pixel's t over all lights, at most */
 	double bounce;	       /* v and d / u lie in -bounce..1 */
+	bool rest;	       /* lights that V blocks do not list have one v for each row, not 0;
+				  needs a ratio_cut above float's rounding */
 	bool grey;	       /* all channels alike */
 	double ratio_cut;
 	uint64_t seed;
@@ -66,15 +68,18 @@ static inline void synthetic_row(const struct synthetic_options *o, enum basis_k
 {
 	const int listed = kind == BASIS_KIND_T || !o->receiver_lights ? o->lights
 								       : o->receiver_lights;
+	float rest = 0;
 
 	for (int k = 0; k < 3 * o->lights; k++) {
 		const int i = k % o->lights;
 		const double r = chance_real(chance, 0, 1);
 
+		if (i == 0 && o->rest && kind == BASIS_KIND_V)
+			rest = (float)(chance_real(chance, 0, 1) * (1 + o->bounce) - o->bounce);
 		if (o->grey && k >= o->lights)
 			value[k] = value[i];
 		else if (i >= listed)
-			value[k] = 0;
+			value[k] = rest;
 		else if (kind == BASIS_KIND_T)
 			value[k] = (float)(r * o->peak / o->lights);
 		else if (kind == BASIS_KIND_U)

@@ -5,6 +5,7 @@
 #ifndef INLAY_HAL_BASIS_BASIS_H
 #define INLAY_HAL_BASIS_BASIS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "hal/basis/basis_format.h"
@@ -15,6 +16,7 @@ struct basis_block {
 	enum basis_kind kind;
 	enum basis_encoding encoding;
 	int pixels, channels, lights, stride, ground;
+	bool rest; /* the last of its lights is the rest (BASIS_ENCODING_DENSE) */
 	const uint16_t *pixel;
 	const uint16_t *light;
 	const float *scale;

@@ -118,14 +118,17 @@ static int check_padding(const struct place *at, const struct basis_block *b,
 	return 0;
 }
 
-static int check_lists(const struct place *at, const struct basis_block *b,
-		       const struct basis_tile *tile, struct tile_use *use)
+static int check_lists(const struct place *at, struct basis_block *b, const struct basis_tile *tile,
+		       struct tile_use *use)
 {
-	for (int i = 0; i < b->lights; i++) {
-		if (b->light[i] >= at->reader->basis->info.lights ||
-		    (i && b->light[i] <= b->light[i - 1]))
-			return DAMAGED(at, "light %u, expected ascending numbers below %u",
-				       b->light[i], at->reader->basis->info.lights);
+	const uint32_t lights = at->reader->basis->info.lights;
+
+	b->rest = b->kind == BASIS_KIND_V && b->light[b->lights - 1] == lights;
+	for (int i = 0; i < b->lights - b->rest; i++) {
+		if (b->light[i] >= lights || (i && b->light[i] <= b->light[i - 1]))
+			return DAMAGED(at, "light %u, expected ascending numbers below %u%s",
+				       b->light[i], lights,
+				       b->kind == BASIS_KIND_V ? ", or that as the last" : "");
 	}
 	for (int p = 0; p < b->pixels; p++) {
 		const int pixel = b->pixel[p];
@@ -163,10 +166,33 @@ static int check_pair(const struct place *at, const struct basis_block *before,
 	return 0;
 }
 
+/* Sums of a ground term: over all lights, and over those that share a block's rest. */
+struct ground_sums {
+	double all[3], rest[3];
+};
+
+static void sum_ground(const struct basis *basis, const struct basis_block *b,
+		       struct ground_sums *sums)
+{
+	for (int c = 0; c < 3; c++) {
+		const double *u = basis_ground(basis, b->ground, c);
+		double listed = 0;
+
+		sums->all[c] = 0;
+		for (uint32_t i = 0; i < basis->info.lights; i++)
+			sums->all[c] += u[i];
+		for (int i = 0; i < b->lights - b->rest; i++)
+			listed += u[b->light[i]];
+		sums->rest[c] = b->rest ? fmax(sums->all[c] - listed, 0) : 0;
+	}
+}
+
 /* round(2^15 * sum row u / sum u), to within the rounding of another machine's sum. */
 static int check_ground_total(const struct place *at, const struct basis_block *b, int p,
-			      const double sums[3])
+			      const struct ground_sums *sums)
 {
+	const int listed = b->lights - b->rest;
+
 	for (int c = 0; c < 3; c++) {
 		const double *u = basis_ground(at->reader->basis, b->ground, c);
 		const int row = p * b->channels + (b->channels == 3 ? c : 0);
@@ -174,9 +200,11 @@ static int check_ground_total(const struct place *at, const struct basis_block *
 		const int32_t total = b->total[p * 3 + c];
 		double sum = 0, expected;
 
-		for (int i = 0; i < b->lights; i++)
+		for (int i = 0; i < listed; i++)
 			sum += r[i] * u[b->light[i]];
-		expected = sums[c] > 0 ? 32768 * (sum / sums[c]) : 0;
+		if (b->rest)
+			sum += r[listed] * sums->rest[c];
+		expected = sums->all[c] > 0 ? 32768 * (sum / sums->all[c]) : 0;
 		if (!(fabs(total - expected) <= 0.51))
 			return DAMAGED(at, "total %d of pixel %d, expected %.2f", total,
 				       b->pixel[p], expected);
@@ -208,16 +236,10 @@ static int check_row(const struct place *at, const struct basis_block *b, int ro
 
 static int check_rows(const struct place *at, const struct basis_block *b)
 {
-	double sums[3] = {0};
+	struct ground_sums sums;
 	int32_t total = 0;
 	int ret;
 
-	for (int c = 0; b->kind == BASIS_KIND_V && c < 3; c++) {
-		const double *u = basis_ground(at->reader->basis, b->ground, c);
-
-		for (uint32_t i = 0; i < at->reader->basis->info.lights; i++)
-			sums[c] += u[i];
-	}
 	for (int row = 0; row < b->pixels * b->channels; row++) {
 		ret = check_row(at, b, row, &total);
 		if (ret < 0)
@@ -226,8 +248,11 @@ static int check_rows(const struct place *at, const struct basis_block *b)
 			return DAMAGED(at, "total %d of row %d, expected %d", b->total[row], row,
 				       total);
 	}
-	for (int p = 0; b->kind == BASIS_KIND_V && p < b->pixels; p++) {
-		ret = check_ground_total(at, b, p, sums);
+	if (b->kind != BASIS_KIND_V)
+		return 0;
+	sum_ground(at->reader->basis, b, &sums);
+	for (int p = 0; p < b->pixels; p++) {
+		ret = check_ground_total(at, b, p, &sums);
 		if (ret < 0)
 			return ret;
 	}

@@ -22,6 +22,10 @@
  * Storing v, not d: then ratio = 1 - sum v_i u_i L_i / sum u_i L_i is a weighted mean of the v_i,
  * so an error of e in every v_i is an error of at most e in the ratio, whatever the light.
  *
+ * The lights that a V block does not list may share one value for each row, the rest: light that
+ * the object throws on the ground changes v of all lights by about as much, while its shadow is
+ * sharp in a few.
+ *
  * A reader accepts a file only if all of this holds: README.md lists every rule.
  */
 #ifndef INLAY_HAL_BASIS_BASIS_FORMAT_H
@@ -107,14 +111,17 @@ enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_
 
 enum basis_encoding {
 	/*
-	 * Rows of 15 bits and sign over a list of lights (the others are 0 for the whole block):
+	 * Rows of 15 bits and sign over a list of lights:
 	 *     uint16 pixel[pixels]             y * BASIS_TILE + x, ascending
-	 *     uint16 light[lights]             ascending
+	 *     uint16 light[lights]             ascending; in V blocks the last may be N, the
+	 *                                      number of lights: the rest, a value that all lights
+	 *                                      not listed share. Without it they are 0.
 	 *     float  scale[pixels][channels]   value = scale * row; >= 0
 	 *     int32  total[pixels][channels]   T, D, U: sum of the row
 	 *            total[pixels][3]          V: round(2^15 * sum row_i u_i / sum over all lights
-	 *                                      of u_i), 0 where no u_i is; 3 because u may differ
-	 *                                      by channel where v does not
+	 *                                      of u_i), 0 where no u_i is; u of the rest is the
+	 *                                      sum over the lights not listed; 3 because u may
+	 *                                      differ by channel where v does not
 	 *     int16  row[pixels][channels][stride]   stride = lights rounded up to 32; -32768 does
 	 *                                      not occur, and rows of U are not negative
 	 * each array starting at a multiple of BASIS_ALIGN, padding 0 (basis_layout.h). channels is
@@ -129,7 +136,7 @@ struct basis_block_entry {
 	uint16_t kind, encoding;
 	uint16_t pixels;   /* 1..BASIS_TILE^2 */
 	uint16_t channels; /* 1 or 3 */
-	uint32_t lights;   /* 1..N */
+	uint32_t lights;   /* 1..N: how long the list is, the rest included */
 	uint64_t offset;   /* in the DATA chunk, a multiple of BASIS_ALIGN */
 	uint64_t bytes;
 	uint32_t ground; /* of a V block: index of its shared ground term; else 0 */

@@ -24,6 +24,7 @@ struct compositor {
 	struct pool *pool;
 	struct compositor_settings settings;
 	int tiles, items, workers;
+	bool receivers;		    /* some pose has a D block */
 	struct division *divisions; /* [poses] */
 	struct weights object[3], receiver[3];
 	struct weights (*ground)[3];   /* [grounds] */
@@ -74,6 +75,17 @@ static void divide(const struct compositor *c, int pose, struct division *divisi
 		division->first[item++] = c->tiles;
 }
 
+static bool has_receivers(const struct basis *basis)
+{
+	for (uint32_t p = 0; p < basis->info.poses; p++) {
+		for (int b = 0; b < basis->poses[p].block_count; b++) {
+			if (basis->poses[p].blocks[b].kind == BASIS_KIND_D)
+				return true;
+		}
+	}
+	return false;
+}
+
 static int create_divisions(struct compositor *c)
 {
 	const int poses = (int)c->basis->info.poses;
@@ -103,7 +115,7 @@ static int create_weights(struct compositor *c)
 		return -ENOMEM;
 	for (int k = 0; ret == 0 && k < 3; k++) {
 		ret = weights_create(&c->object[k], n);
-		if (ret == 0)
+		if (ret == 0 && c->receivers)
 			ret = weights_create(&c->receiver[k], n);
 		for (uint32_t g = 0; ret == 0 && g < c->basis->info.grounds; g++)
 			ret = weights_create(&c->ground[g][k], n);
@@ -145,6 +157,7 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	c->pool = pool;
 	c->workers = pool ? pool_threads(pool) : 1;
 	c->tiles = basis->tiles_across * basis->tiles_down;
+	c->receivers = has_receivers(basis);
 	c->items = c->workers * ITEMS_A_THREAD;
 	c->settings = (struct compositor_settings){
 		.background = TRANSFER_SRGB, .output = TRANSFER_SRGB, .gain = 1, .object = true};
@@ -176,7 +189,8 @@ static void fill_weights(struct compositor *c, const struct light_selection *lig
 {
 	for (int k = 0; k < 3; k++) {
 		weights_object(&c->object[k], lights, k, c->settings.gain);
-		weights_receiver(&c->receiver[k], lights, k);
+		if (c->receivers)
+			weights_receiver(&c->receiver[k], lights, k);
 		for (uint32_t g = 0; g < c->basis->info.grounds; g++)
 			weights_ground(&c->ground[g][k], lights, k,
 				       basis_ground(c->basis, (int)g, k));

@@ -7,9 +7,9 @@
  *     out   = O + (1 - coverage) * max(ratio, 0) * B        (linear light, clipped to 1, encoded)
  *
  * per channel; L_i of used lights, plus in ambient mode one uniform radiance over all cells that
- * stands for the dropped ones. e = 2^-20 * sum_i u_i: light below any camera's black; as all light
- * goes out the ratio goes to 1 without a jump, 0/0 included. ratio is capped at
- * COMPOSITOR_RATIO_MAX.
+ * stands for the dropped ones. v_i of a light that a V block does not list is that row's rest.
+ * e = 2^-20 * sum_i u_i: light below any camera's black; as all light goes out the ratio goes to 1
+ * without a jump, 0/0 included. ratio is capped at COMPOSITOR_RATIO_MAX.
  *
  * compositor_run() is integer arithmetic: README.md names every Q format and proves that nothing
  * overflows. compositor_reference() is the same formula in double precision with the exact transfer

@@ -50,12 +50,19 @@ static double ratio_of(double taken, double lit, double all)
 static double ground_ratio(const struct scene *s, const struct basis_block *b, int p, int c)
 {
 	const double *u = basis_ground(s->basis, b->ground, c);
+	const int listed = b->lights - b->rest;
+	const double rest = b->rest ? row_value(b, p, c, listed) : 0;
 	double taken = 0, lit = 0, all = 0;
+	int next = 0; /* of the list */
 
-	for (int i = 0; i < b->lights; i++)
-		taken += row_value(b, p, c, i) * u[b->light[i]] * s->radiance[b->light[i]][c];
 	for (uint32_t i = 0; i < s->basis->info.lights; i++) {
-		lit += u[i] * s->radiance[i][c];
+		const double light = u[i] * s->radiance[i][c];
+		double v = rest;
+
+		if (next < listed && b->light[next] == i)
+			v = row_value(b, p, c, next++);
+		taken += v * light;
+		lit += light;
 		all += u[i];
 	}
 	return ratio_of(taken, lit, all);

@@ -35,20 +35,36 @@ void weights_free(struct weights *weights)
 	*weights = (struct weights){0};
 }
 
+/* weight in 0..2^47 - 2^35. */
+static void split(int64_t weight, int16_t digit[WEIGHT_DIGITS])
+{
+	const int64_t half = 1 << (WEIGHT_DIGIT_BITS - 1);
+
+	for (int d = 0; d < WEIGHT_DIGITS; d++) {
+		digit[d] = (int16_t)(((weight + half) & (2 * half - 1)) - half);
+		weight = (weight - digit[d]) >> WEIGHT_DIGIT_BITS;
+	}
+}
+
+static void clear(struct weights *weights)
+{
+	weights->digits = 0;
+	weights->sum = 0;
+}
+
 /* value >= 0, at most 2^47 - 2^35. */
 static void put(struct weights *weights, int light, double value)
 {
-	const int64_t half = 1 << (WEIGHT_DIGIT_BITS - 1);
-	int64_t rest = (int64_t)(value + 0.5);
+	const int64_t weight = (int64_t)(value + 0.5);
+	int16_t digit[WEIGHT_DIGITS];
 
+	split(weight, digit);
 	for (int d = 0; d < WEIGHT_DIGITS; d++) {
-		const int64_t digit = ((rest + half) & (2 * half - 1)) - half;
-
-		weights->digit[d][light] = (int16_t)digit;
-		rest = (rest - digit) >> WEIGHT_DIGIT_BITS;
-		if (digit && d >= weights->digits)
+		weights->digit[d][light] = digit[d];
+		if (digit[d] && d >= weights->digits)
 			weights->digits = d + 1;
 	}
+	weights->sum += weight;
 }
 
 /* How many fraction bits keep sum (L_i + ambient) below 2^46. */
@@ -70,7 +86,7 @@ static void put_radiance(struct weights *weights, const struct light_selection *
 {
 	const double one = ldexp(1, bits);
 
-	weights->digits = 0;
+	clear(weights);
 	for (int i = 0; i < lights->count; i++)
 		put(weights, i, lights->radiance[i][channel] * one);
 	weights->ambient = (int64_t)(lights->ambient[channel] * one + 0.5);
@@ -112,7 +128,7 @@ void weights_ground(struct weights *weights, const struct light_selection *light
 	lit += all * ambient + ldexp(all, -RESIDUE_BITS);
 	if (!(lit > 0))
 		lit = 1; /* no light can reach this ground: all shares are 0 */
-	weights->digits = 0;
+	clear(weights);
 	for (int i = 0; i < lights->count; i++)
 		put(weights, i, u[i] * lights->radiance[i][channel] / lit * one);
 	weights->ambient = (int64_t)(ldexp(all * ambient / lit, AMBIENT_SHARE_BITS) + 0.5);
@@ -143,9 +159,21 @@ void segments_free(struct segments *segments)
 	*segments = (struct segments){0};
 }
 
-/* One digit of a run, zeros after its end; false when all of it is 0. */
-static bool gather_run(int16_t *to, const int16_t *digit, const uint16_t *light, int count)
+/* What a block gathers from. */
+struct gathering {
+	const struct weights *weights;
+	const struct basis_block *block;
+	int listed;		     /* lights, the rest not among them */
+	int16_t rest[WEIGHT_DIGITS]; /* zeros where there is none */
+};
+
+/* Digit d of a run, zeros after its end; false when all of it is 0. */
+static bool gather_run(int16_t *to, const struct gathering *g, int d, int start)
 {
+	const int16_t *digit = g->weights->digit[d];
+	const uint16_t *light = g->block->light + start;
+	const int left = g->listed - start;
+	const int count = left < BASIS_ROW_STEP ? left : BASIS_ROW_STEP;
 	int16_t any = 0;
 
 	for (int i = 0; i < count; i++) {
@@ -154,20 +182,20 @@ static bool gather_run(int16_t *to, const int16_t *digit, const uint16_t *light,
 	}
 	for (int i = count; i < BASIS_ROW_STEP; i++)
 		to[i] = 0;
+	if (left < BASIS_ROW_STEP) {
+		to[left] = g->rest[d];
+		any |= to[left];
+	}
 	return any != 0;
 }
 
-/* The segments of two digits, put after the first `count`; how many there are then. */
-static int gather_pair(struct segments *segments, int count, const int16_t *const digit[2],
-		       const struct basis_block *block)
+/* The segments of digits d and d + 1, put after the first `count`; how many there are then. */
+static int gather_pair(struct segments *segments, int count, const struct gathering *g, int d)
 {
-	for (int start = 0; start < block->lights; start += BASIS_ROW_STEP) {
+	for (int start = 0; start < g->block->lights; start += BASIS_ROW_STEP) {
 		int16_t *to = segments->weight + (size_t)count * SEGMENT_WEIGHTS;
-		const int rest = block->lights - start;
-		const int n = rest < BASIS_ROW_STEP ? rest : BASIS_ROW_STEP;
-		const bool first = gather_run(to, digit[0], block->light + start, n);
-		const bool second = gather_run(to + BASIS_ROW_STEP, digit[1], block->light + start,
-					       n);
+		const bool first = gather_run(to, g, d, start);
+		const bool second = gather_run(to + BASIS_ROW_STEP, g, d + 1, start);
 
 		if (first || second)
 			segments->start[count++] = (uint32_t)start;
@@ -175,14 +203,27 @@ static int gather_pair(struct segments *segments, int count, const int16_t *cons
 	return count;
 }
 
+static int64_t weight_of_rest(const struct weights *weights, const uint16_t *light, int listed)
+{
+	int64_t weight = weights->sum;
+
+	for (int i = 0; i < listed; i++) {
+		for (int d = 0; d < weights->digits; d++)
+			weight -= weights->digit[d][light[i]] *
+				  (INT64_C(1) << d * WEIGHT_DIGIT_BITS);
+	}
+	return weight;
+}
+
 void segments_gather(struct segments *segments, const struct weights *weights,
 		     const struct basis_block *block)
 {
-	const int16_t *const low[2] = {weights->digit[0], weights->digit[1]};
-	const int16_t *const high[2] = {weights->digit[2], weights->digit[3]};
+	struct gathering g = {weights, block, block->lights - block->rest, {0}};
 
-	segments->low = gather_pair(segments, 0, low, block);
+	if (block->rest)
+		split(weight_of_rest(weights, block->light, g.listed), g.rest);
+	segments->low = gather_pair(segments, 0, &g, 0);
 	segments->high = 0;
-	if (weights->digits > 2)
-		segments->high = gather_pair(segments, segments->low, high, block) - segments->low;
+	if (weights->digits > 2 || g.rest[2] || g.rest[3])
+		segments->high = gather_pair(segments, segments->low, &g, 2) - segments->low;
 }

@@ -19,6 +19,7 @@
 struct weights {
 	int digits;		       /* how many of the planes hold anything */
 	int16_t *digit[WEIGHT_DIGITS]; /* [N] each; plane d counts 4096^d */
+	int64_t sum;		       /* of all N weights */
 	int64_t ambient;	       /* times a row's total */
 	int ambient_shift;	       /* and that shifted right by this; 0: not */
 	int64_t residue;	       /* D and U: e, times U's total ... */
@@ -41,6 +42,8 @@ void weights_ground(struct weights *weights, const struct light_selection *light
 /*
  * The weights of a block's own lights, in runs of 32 lights with two digits each: digits 0 and 1 of
  * every run that has any, then digits 2 and 3. What is 0 is not there, so it costs nothing.
+ *
+ * The weight of a block's rest is the sum of all weights less those of the lights it lists: exact.
  */
 #define SEGMENT_WEIGHTS (2 * BASIS_ROW_STEP)
 

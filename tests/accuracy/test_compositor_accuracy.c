@@ -213,6 +213,39 @@ static void over_lights_and_thresholds(void **state)
 	bench_close(&b);
 }
 
+/* Blocks whose lights share a rest, from few to as many as may be. */
+static void over_rests(void **state)
+{
+	static const int counts[] = {2, 33, 406, 20000}, listed[] = {1, 31, 60, 1000};
+	struct chance chance = chance_begin("rests");
+
+	(void)state;
+	for (int k = 0; k < 4; k++) {
+		struct synthetic_options o = usual;
+		const struct basis_pose *pose;
+		struct bench b;
+		char name[40];
+
+		o.lights = counts[k];
+		o.receiver_lights = listed[k];
+		o.rest = true;
+		o.ratio_cut = 1e-4;
+		o.bounce = k % 2 ? 0.3 : 15;
+		if (o.lights > 1000) {
+			o.width = 7;
+			o.height = 5;
+		}
+		snprintf(name, sizeof(name), "N = %d, %d listed and a rest", o.lights, listed[k]);
+		bench_open(&b, &o, &chance);
+		pose = &b.file.basis.poses[0];
+		for (int n = 0; k > 1 && n < pose->block_count; n++)
+			assert_true(pose->blocks[n].rest == (pose->blocks[n].kind == BASIS_KIND_V));
+		all_patterns(&b, name, &chance);
+		report(&b, name);
+		bench_close(&b);
+	}
+}
+
 static void over_numbers_of_lights(void **state)
 {
 	static const int counts[] = {1, 6, 26, 33, 20000};
@@ -411,6 +444,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(over_lights_and_thresholds),
+		cmocka_unit_test(over_rests),
 		cmocka_unit_test(over_numbers_of_lights),
 		cmocka_unit_test(over_transfers_and_gains),
 		cmocka_unit_test(over_added_light),

@@ -494,6 +494,48 @@ static void refuses_broken_blocks(void **state)
 	free(c.data);
 }
 
+/* The list of a V block may end in N: nowhere else, and of no other kind. */
+static void the_rest_is_last_and_of_v_alone(void **state)
+{
+	struct synthetic_options o = small;
+	struct synthetic s;
+	struct copy whole, c;
+	struct parts b;
+	int listed;
+
+	(void)state;
+	o.rest = true;
+	o.ratio_cut = 1e-4;
+	synthetic_open(&s, &o);
+	for (int n = 0; n < s.basis.poses[0].block_count; n++) {
+		const struct basis_block *block = &s.basis.poses[0].blocks[n];
+
+		assert_true(block->rest == (block->kind == BASIS_KIND_V));
+		assert_true(!block->rest || (block->lights == 10 && block->light[9] == 50));
+	}
+	whole = copy_file(s.path);
+	c = copy_file(s.path);
+	b = first_block(&c, BASIS_KIND_V);
+	listed = (int)b.entry->lights - 1;
+	assert_int_equal(b.light[listed], 50);
+	REFUSED("light 50, expected ascending numbers below 50, or", b.light[listed - 1] = 50);
+	REFUSED("light 51, expected", b.light[listed] = 51);
+	REFUSED("light 65535, expected", b.light[listed] = UINT16_MAX);
+	REFUSED("of pixel", b.light[listed] = 49); /* another light's total */
+	REFUSED("of pixel", b.total[0] += 2);
+	REFUSED("value -32768", b.row[listed] = INT16_MIN);
+	for (int k = 0; k < BASIS_KIND_COUNT; k++) {
+		if (k == BASIS_KIND_V)
+			continue;
+		b = first_block(&c, (enum basis_kind)k);
+		listed = (int)b.entry->lights - 1;
+		REFUSED("light 50, expected ascending numbers below 50", b.light[listed] = 50);
+	}
+	free(whole.data);
+	free(c.data);
+	synthetic_close(&s);
+}
+
 static void unknown_chunks_are_passed_over(void **state)
 {
 	struct synthetic *s = *state;
@@ -517,6 +559,7 @@ int main(void)
 		cmocka_unit_test(refuses_every_flipped_bit),
 		cmocka_unit_test(refuses_broken_chunks),
 		cmocka_unit_test(refuses_broken_blocks),
+		cmocka_unit_test(the_rest_is_last_and_of_v_alone),
 		cmocka_unit_test(unknown_chunks_are_passed_over),
 	};
 

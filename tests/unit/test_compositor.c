@@ -152,6 +152,7 @@ static void weights_are_rounded_light(void **state)
 					 ldexp(s.radiance[i][0], bits)) <= 0.5);
 			sum += weight_of(&w, i);
 		}
+		assert_true(w.sum == sum);
 		assert_true(sum + (wide)N * w.ambient <= ((wide)1 << 46) + 2 * N);
 		if (bits < 20) /* no coarser than need be */
 			assert_true(sum + (wide)N * w.ambient >= ((wide)1 << 45) - 2 * N);
@@ -159,6 +160,24 @@ static void weights_are_rounded_light(void **state)
 	weights_free(&w);
 	weights_free(&w);
 	light_selection_free(&s);
+}
+
+/* What a row must come to: each light times its own value or, where it is not listed, the rest's.
+ */
+static wide exact_sum(const struct basis_block *b, const int16_t *row, const struct weights *w,
+		      int lights)
+{
+	const int listed = b->lights - b->rest;
+	wide sum = 0;
+	int next = 0;
+
+	for (int i = 0; i < lights; i++) {
+		if (next < listed && b->light[next] == i)
+			sum += (wide)row[next++] * weight_of(w, i);
+		else if (b->rest)
+			sum += (wide)row[listed] * weight_of(w, i);
+	}
+	return sum;
 }
 
 /* A row of the worst values times the worst weights; and random ones. */
@@ -180,21 +199,29 @@ static void sums_are_exact(void **state)
 	int64_t sum[PIXELS][3];
 
 	(void)state;
-	for (int i = 0; i < LISTED; i++)
-		light[i] = (uint16_t)(i + (i > 40 ? 13 : 0));
 	for (int c = 0; c < 3; c++) {
 		assert_int_equal(weights_create(&w[c], N), 0);
 		assert_int_equal(segments_create(&segments[c], N), 0);
 	}
 	for (int k = 0; k < 300; k++) {
 		block.channels = k % 2 ? 3 : 1;
+		/* A rest that shares a run with others, one that has a run alone, and none. */
+		block.lights = k % 3 == 1 ? 65 : LISTED;
+		block.rest = k % 3 < 2;
+		for (int i = 0; i < LISTED; i++)
+			light[i] = (uint16_t)(block.rest && i == block.lights - 1
+						      ? N
+						      : i + (i > 40 ? 13 : 0));
 		for (int r = 0; r < PIXELS * 3; r++) {
-			for (int i = 0; i < LISTED; i++)
+			for (int i = 0; i < STRIDE; i++)
 				row[r * STRIDE + i] =
-					(int16_t)(k % 5 == 0 ? 32767
-						  : k % 5 == 1
-							  ? -32767
-							  : chance_int(&chance, -32767, 32767));
+					i >= block.lights
+						? 0
+						: (int16_t)(k % 5 == 0 ? 32767
+							    : k % 5 == 1
+								    ? -32767
+								    : chance_int(&chance, -32767,
+										 32767));
 		}
 		for (int c = 0; c < 3; c++) {
 			for (int i = 0; i < N; i++)
@@ -211,11 +238,8 @@ static void sums_are_exact(void **state)
 		for (int p = 0; p < PIXELS; p++) {
 			for (int c = 0; c < 3; c++) {
 				const int r = block.channels == 3 ? p * 3 + c : p;
-				wide exact = 0;
+				const wide exact = exact_sum(&block, row + r * STRIDE, &w[c], N);
 
-				for (int i = 0; i < LISTED; i++)
-					exact += (wide)row[r * STRIDE + i] *
-						 weight_of(&w[c], light[i]);
 				assert_true(sum[p][c] == exact);
 				assert_true(exact < (wide)1 << 62 && exact > -((wide)1 << 62));
 			}
@@ -337,13 +361,15 @@ struct one {
 	int16_t row[3][32] __attribute__((aligned(64)));
 	float scale[3];
 	int32_t total[3][3];
-	uint16_t lists[2];
+	uint16_t lists[2], with_rest[2];
 };
 
 static void one_begin(struct one *o)
 {
 	memset(o, 0, sizeof(*o));
 	o->lists[1] = 1;
+	o->with_rest[0] = 1;
+	o->with_rest[1] = 2;
 	for (int i = 0; i < 2; i++) {
 		o->light[i] = (struct basis_light){{0, 0, 1}, M_PI};
 		for (int c = 0; c < 3; c++)
@@ -386,6 +412,26 @@ static void one_add(struct one *o, enum basis_kind kind, double first, double se
 					   .scale = &o->scale[n],
 					   .total = o->total[n],
 					   .row = o->row[n]};
+}
+
+/* A V block that lists light 1 (when `listed`), and the rest. */
+static void one_add_rest(struct one *o, bool listed, double second, double rest)
+{
+	const int n = o->tile.block_count;
+	struct basis_block *b = &o->block[n];
+	int32_t total;
+
+	if (listed)
+		one_add(o, BASIS_KIND_V, second, rest);
+	else
+		one_add(o, BASIS_KIND_V, rest, 0);
+	b->rest = true;
+	b->lights = 1 + listed;
+	b->light = o->with_rest + !listed;
+	/* Light 0, not listed, has u = 1 of 4. */
+	total = listed ? 8192 * (3 * o->row[n][0] + o->row[n][1]) : 32768 * o->row[n][0];
+	for (int c = 0; c < 3; c++)
+		o->total[n][c] = total;
 }
 
 /* Both compositors on one pixel of background 128: linear out, in 0..1. */
@@ -459,6 +505,27 @@ static void formula_gives_the_closed_forms(void **state)
 	one_expect(&o, 1e6, 1e6, 0, 1, 0.25 * b);
 	one_expect(&o, 0, 0, 0, 1, b);			   /* 0/0 */
 	one_expect(&o, 0, 0x1p-20 * 4 / 3, 0, 1, 0.5 * b); /* as much as e */
+
+	one_begin(&o); /* light 1 is shadowed, the other adds half: u = 1 and 3 */
+	one_add_rest(&o, true, 1, -0.5);
+	one_expect(&o, 1, 1, 0, 1, (1 - 0.75 + 0.125) * b);
+	one_expect(&o, 1, 0, 0, 1, 1.5 * b);
+	one_expect(&o, 0, 1, 0, 1, 0);
+	one_expect(&o, 3, 1, 0, 1, 0.75 * b);
+	one_expect(&o, 0, 0, 0.5, 1, 0.375 * b);
+	one_expect(&o, 2, 0, 1, 1, (1 - 0.5 + 0.25) * b);
+	one_expect(&o, 1e6, 1e6, 0, 1, 0.375 * b);
+	one_expect(&o, 0, 0, 0, 1, b);
+
+	one_begin(&o); /* one number whatever the light, down to e */
+	one_add_rest(&o, false, 0, 0.25);
+	one_expect(&o, 1, 1, 0, 1, 0.75 * b);
+	one_expect(&o, 1, 0, 0, 1, 0.75 * b);
+	one_expect(&o, 0, 7, 0, 1, 0.75 * b);
+	one_expect(&o, 0, 0, 0.3, 1, 0.75 * b);
+	one_expect(&o, 1, 5, 0.3, 1, 0.75 * b);
+	one_expect(&o, 0, 0, 0, 1, b);
+	one_expect(&o, 0, 0x1p-20 * 4 / 3, 0, 1, 0.875 * b);
 
 	one_begin(&o); /* light that the object adds */
 	one_add(&o, BASIS_KIND_V, -0.5, -0.5);
@@ -639,6 +706,37 @@ static void flips_are_only_reading_order(void **state)
 	frame_end(&f);
 }
 
+/* A file without D blocks needs no weights for them. */
+static void a_file_without_receivers_is_composited(void **state)
+{
+	struct synthetic_options o = plain;
+	struct chance chance = {5};
+	struct synthetic s;
+	struct frame_of f;
+	double *exact;
+
+	(void)state;
+	o.stand_in_share = 0;
+	synthetic_open(&s, &o);
+	frame_begin(&f, &s.basis, NULL, &chance);
+	exact = malloc(sizeof(*exact) * 3 * 40 * 23);
+	assert_non_null(exact);
+	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.picture, f.out, f.stride),
+			 0);
+	assert_int_equal(compositor_reference(&s.basis, 0,
+					      &(struct compositor_settings){TRANSFER_SRGB,
+									    TRANSFER_SRGB, 1, true},
+					      &f.lights, &f.picture, exact),
+			 0);
+	for (int i = 0; i < 40 * 23 * 3; i++)
+		assert_true(fabs(f.out[(size_t)(i / 120) * f.stride + (size_t)(i / 3 % 40) * 4 + 2 -
+				       (size_t)(i % 3)] -
+				 exact[i]) < 1);
+	free(exact);
+	frame_end(&f);
+	synthetic_close(&s);
+}
+
 static void threads_do_not_change_a_byte(void **state)
 {
 	struct synthetic *s = *state;
@@ -727,6 +825,7 @@ int main(void)
 		cmocka_unit_test(background_alone_is_copied),
 		cmocka_unit_test(untouched_pixels_are_copied),
 		cmocka_unit_test(flips_are_only_reading_order),
+		cmocka_unit_test(a_file_without_receivers_is_composited),
 		cmocka_unit_test(threads_do_not_change_a_byte),
 		cmocka_unit_test(wrong_sizes_are_refused),
 	};

@@ -23,6 +23,7 @@ struct trial {
 	float *value;	 /* [pixels][3][lights] */
 	double *decoded; /* the same */
 	double *ground;	 /* [3][lights] */
+	bool rest;	 /* the block has one */
 };
 
 static void trial_begin(struct trial *t, int lights, int pixels)
@@ -60,6 +61,8 @@ static void decode_block(struct trial *t, const struct basis_block_payload *bloc
 	const int16_t *row = (const int16_t *)(payload + at.row);
 
 	assert_true(e->bytes == at.bytes);
+	t->rest = light[e->lights - 1] == t->lights;
+	assert_true(!t->rest || e->kind == BASIS_KIND_V);
 	for (int p = 0; p < e->pixels; p++) {
 		int own = 0;
 
@@ -68,11 +71,14 @@ static void decode_block(struct trial *t, const struct basis_block_payload *bloc
 		assert_true(own < t->pixels);
 		for (int c = 0; c < 3; c++) {
 			const int r = e->channels == 3 ? p * 3 + c : p;
+			const int16_t *from = row + (size_t)r * (size_t)at.stride;
+			const uint32_t listed = e->lights - t->rest;
+			double *to = t->decoded + ((size_t)own * 3 + (size_t)c) * (size_t)t->lights;
 
-			for (uint32_t i = 0; i < e->lights; i++)
-				t->decoded[((size_t)own * 3 + (size_t)c) * (size_t)t->lights +
-					   light[i]] = (double)scale[r] *
-						       row[(size_t)r * (size_t)at.stride + i];
+			for (int i = 0; t->rest && i < t->lights; i++)
+				to[i] = (double)scale[r] * from[listed];
+			for (uint32_t i = 0; i < listed; i++)
+				to[light[i]] = (double)scale[r] * from[i];
 		}
 	}
 }
@@ -85,6 +91,7 @@ static void encode(struct trial *t, enum basis_kind kind, double cut, struct enc
 
 	assert_int_equal(encoder_create(encoder, &settings), 0);
 	assert_int_equal(encode_tile(*encoder, 9, &samples, 1, result), 0);
+	t->rest = false;
 	memset(t->decoded, 0, (size_t)t->pixels * 3 * (size_t)t->lights * sizeof(*t->decoded));
 	for (int b = 0; b < result->count; b++)
 		decode_block(t, &result->blocks[b]);
@@ -214,6 +221,163 @@ static void cuts_drop_what_they_should(void **state)
 	assert_true(result.object_error == 0);
 	encoder_destroy(encoder);
 	trial_end(&t);
+}
+
+/*
+ * A cast shadow of some lights, over light thrown back by the object, which v of all lights shows:
+ * `bounce` strong, varying by `spread` from light to light and smoothly over the pixels. `colour`
+ * is how much of it differs by channel.
+ */
+static void fill_ground(struct trial *t, int shadowing, double bounce, double spread, double colour,
+			struct chance *chance)
+{
+	for (int i = 0; i < t->lights; i++) {
+		const double own = chance_real(chance, -spread, spread);
+		const double edge = chance_real(chance, 0, t->pixels);
+
+		for (int p = 0; p < t->pixels; p++) {
+			const double there = 1 + 0.5 * p / t->pixels;
+
+			for (int c = 0; c < 3; c++) {
+				const double thrown = (-bounce * (1 + colour * (c - 1)) + own) *
+						      there;
+				const bool shadow = i < shadowing && p < edge;
+
+				t->value[((size_t)p * 3 + (size_t)c) * (size_t)t->lights +
+					 (size_t)i] = (float)(shadow ? 1 + thrown : thrown);
+			}
+		}
+	}
+}
+
+/* The change of a ratio under a uniform sky: exact, and as decoded. */
+static double uniform_error(const struct trial *t)
+{
+	double worst = 0;
+
+	for (int r = 0; r < t->pixels * 3; r++) {
+		const double *u = t->ground + r % 3 * t->lights;
+		double error = 0, all = 0;
+
+		for (int i = 0; i < t->lights; i++) {
+			const size_t k = (size_t)r * (size_t)t->lights + (size_t)i;
+
+			error += u[i] * ((double)t->value[k] - t->decoded[k]);
+			all += u[i];
+		}
+		worst = fmax(worst, fabs(error) / all);
+	}
+	return worst;
+}
+
+static void a_rest_stands_for_smooth_light(void **state)
+{
+	static const int counts[] = {64, 91, 406, 2000};
+	struct chance chance = chance_begin("rest");
+	double use = 0, smallest = 1e9;
+
+	(void)state;
+	for (int k = 0; k < 24; k++) {
+		const double cut = k % 3 ? 1.0 / 256 : 1.0 / 1024, spread = 0.35 * cut;
+		const double colour = k % 2 ? 0 : 0.4;
+		const int shadowing = counts[k % 4] / 16;
+		struct encode_result result;
+		struct encoder *encoder;
+		struct trial t;
+		const struct basis_block_entry *e;
+		size_t all;
+
+		trial_begin(&t, counts[k % 4], k % 4 == 3 ? 40 : 256);
+		for (int i = 0; i < 3 * t.lights; i++) /* a coloured ground */
+			t.ground[i] = (1 + i / t.lights) * (1 + i % t.lights % 5);
+		fill_ground(&t, shadowing, 7 * cut, spread, colour, &chance);
+		encode(&t, BASIS_KIND_V, cut, &result, &encoder);
+		assert_int_equal(result.count, 1);
+		e = &result.blocks[0].entry;
+		assert_true(t.rest && (int)e->lights <= shadowing + 1);
+		assert_int_equal(e->channels, colour > 0 ? 3 : 1);
+		assert_true(worst_error(&t) <= result.ratio_error);
+		assert_true(result.ratio_error <= cut + 1.6 / 32767 * 0.6);
+		for (int pattern = 0; pattern < 3; pattern++)
+			assert_true(lit_error(&t, t.ground, pattern, &chance) <=
+				    result.ratio_error * (1 + 1e-12));
+		/* Only the listed are off in the mean, by their rounding. */
+		assert_true(uniform_error(&t) <= 0.6 * 1.6 / 32767 + 1e-6);
+		use = fmax(use, worst_error(&t) / result.ratio_error);
+		/* Not one light could be left out without the rest: all of it would be stored. */
+		all = basis_layout(BASIS_KIND_V, t.pixels, e->channels, t.lights).bytes;
+		if (t.lights >= 406)
+			smallest = fmin(smallest, (double)all / (double)e->bytes);
+		encoder_destroy(encoder);
+		trial_end(&t);
+	}
+	printf("# a tile with a rest is at least %.1f times smaller; error over declared %.3f\n",
+	       smallest, use);
+	assert_true(smallest >= 5 && use > 0.9);
+}
+
+/* Where most lights are shadowed, the rest is shadow and the lit ones are listed. */
+static void a_rest_may_be_shadow(void **state)
+{
+	struct chance chance = chance_begin("shadow as rest");
+	struct encode_result result;
+	struct encoder *encoder;
+	struct trial t;
+
+	(void)state;
+	trial_begin(&t, 406, 100);
+	for (int k = 0; k < 100 * 3 * 406; k++)
+		t.value[k] = (float)(k % 406 % 20 == 7 ? chance_real(&chance, 0, 0.3)
+						       : 1 + chance_real(&chance, -4e-4, 4e-4));
+	encode(&t, BASIS_KIND_V, 1e-3, &result, &encoder);
+	assert_true(t.rest && result.blocks[0].entry.lights == 21);
+	assert_true(worst_error(&t) <= result.ratio_error);
+	encoder_destroy(encoder);
+	for (int k = 0; k < 100 * 3 * 406; k++) /* and nothing but the rest */
+		t.value[k] = 1;
+	encode(&t, BASIS_KIND_V, 1e-3, &result, &encoder);
+	assert_true(t.rest && result.blocks[0].entry.lights == 1);
+	assert_true(worst_error(&t) <= result.ratio_error && result.ratio_error < 1e-4);
+	encoder_destroy(encoder);
+	encode(&t, BASIS_KIND_T, 1e-3, &result, &encoder); /* never of other kinds */
+	assert_true(!t.rest && result.blocks[0].entry.lights == 406);
+	encoder_destroy(encoder);
+	trial_end(&t);
+}
+
+/* Shadows and light of many sizes that fit no rest well: still within what is declared. */
+static void odd_rests_keep_their_bound(void **state)
+{
+	struct chance chance = chance_begin("odd rests");
+	int rests = 0;
+
+	(void)state;
+	for (int k = 0; k < 60; k++) {
+		const double cut = pow(10, chance_real(&chance, -4, -1));
+		const int lights = chance_int(&chance, 33, 500);
+		struct encode_result result;
+		struct encoder *encoder;
+		struct trial t;
+
+		trial_begin(&t, lights, chance_int(&chance, 1, 64));
+		fill_ground(&t, chance_int(&chance, 0, lights / 2), chance_real(&chance, -4, 4),
+			    chance_real(&chance, 0, 1.5) * cut,
+			    k % 3 ? chance_real(&chance, 0, 1e-3) : 0, &chance);
+		for (int c = 0; c < 3; c++) /* ground that gets nothing of some lights */
+			for (int i = 0; i < lights; i++)
+				t.ground[c * lights + i] = k % 4 == 0 ? 0
+							   : i % 3 == c
+								   ? 0
+								   : chance_real(&chance, 0, 1);
+		encode(&t, BASIS_KIND_V, cut, &result, &encoder);
+		rests += t.rest;
+		assert_true(worst_error(&t) <= result.ratio_error);
+		assert_true(result.ratio_error <= cut * 1.001 + 10.0 / 32767 * 0.6);
+		encoder_destroy(encoder);
+		trial_end(&t);
+	}
+	printf("# %d of 60 odd blocks have a rest\n", rests);
+	assert_true(rests > 10);
 }
 
 static void alike_channels_share_a_row(void **state)
@@ -380,6 +544,9 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(declared_errors_hold),
 		cmocka_unit_test(cuts_drop_what_they_should),
+		cmocka_unit_test(a_rest_stands_for_smooth_light),
+		cmocka_unit_test(a_rest_may_be_shadow),
+		cmocka_unit_test(odd_rests_keep_their_bound),
 		cmocka_unit_test(alike_channels_share_a_row),
 		cmocka_unit_test(hostile_values_are_handled),
 		cmocka_unit_test(d_and_u_stay_together),
