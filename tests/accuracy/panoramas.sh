@@ -125,7 +125,7 @@ check() {
 	fi
 }
 
-# The bounds lie some 5 dB below what comes out, most of which is noise of few samples. Light from
+# The bounds lie 4 to 10 dB below what comes out, much of which is noise of few samples. Light from
 # a wrong side has to fail them, or they would prove nothing: the last two see to that.
 quick() {
 	local size=96x72 cell2 cell9 node9 mirrored turned rest
