@@ -12,7 +12,7 @@ set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
 shell=0
-limit=600
+limit=1200
 
 while :; do
 	case "${1:-}" in

@@ -20,7 +20,7 @@ for test in tests/vm/test_*.sh; do
 	export VM_OUT=/run/job/$name
 	mkdir -p "$VM_OUT"
 	started=$SECONDS
-	timeout 200 bash "$test" >"$VM_OUT/output" 2>&1 </dev/null
+	timeout 400 bash "$test" >"$VM_OUT/output" 2>&1 </dev/null
 	code=$?
 	while IFS= read -r line; do
 		case $line in
@@ -32,7 +32,7 @@ for test in tests/vm/test_*.sh; do
 		esac
 	done <"$VM_OUT/output"
 	if [ $code -eq 124 ]; then
-		result "not ok" "$name: took more than 200 s"
+		result "not ok" "$name: took more than 400 s"
 	elif [ $code -ne 0 ]; then
 		result "not ok" "$name: exit code $code"
 		tail -n 15 "$VM_OUT/output" | sed 's/^/# /' >>"$results"
