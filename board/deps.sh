@@ -17,7 +17,7 @@ for purpose in "$@"; do
 	case "$purpose" in
 	build) wanted="$wanted $build" ;;
 	demo) wanted="$wanted $build $demo" ;;
-	test) wanted="$wanted $build $test" ;;
+	test) wanted="$wanted $build $demo $test" ;;
 	*)
 		echo "deps: unknown purpose \"$purpose\", expected build, demo or test" >&2
 		exit 2
