@@ -33,23 +33,65 @@ static int find_target(struct output *out, const char *path, struct fault *fault
 	return 0;
 }
 
-/* Not mkstemp(): that ignores the umask, and the finished file would be readable by nobody else. */
-static int create_temporary(struct output *out)
+static void folder_of(const char *path, char folder[PATH_MAX])
 {
-	for (unsigned n = 0; n < 10000; n++) {
+	char *slash;
+
+	strcpy(folder, path);
+	slash = strrchr(folder, '/');
+	if (!slash)
+		strcpy(folder, ".");
+	else
+		slash[slash == folder ? 1 : 0] = '\0';
+}
+
+/* A file without a name: nothing is left of it whenever and however the program ends. Negative
+ * where the file system cannot, or where /proc, which names it at last, is missing. */
+static int create_unnamed(const struct output *out)
+{
+	char folder[PATH_MAX];
+
+	if (access("/proc/self/fd", F_OK) < 0)
+		return -errno;
+	folder_of(out->path, folder);
+	return open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+}
+
+/* Calls make() with temporary names until one is free; that is then out->temporary. */
+static int with_temporary_name(struct output *out, int (*make)(const char *name, int fd), int fd)
+{
+	int ret = -EEXIST;
+
+	for (unsigned n = 0; n < 10000 && ret == -EEXIST; n++) {
 		const int length = snprintf(out->temporary, sizeof(out->temporary),
 					    "%s.%ld-%u.part", out->path, (long)getpid(), n);
-		int fd;
 
-		if (length < 0 || (size_t)length >= sizeof(out->temporary))
-			return -ENAMETOOLONG;
-		fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-		if (fd >= 0)
-			return fd;
-		if (errno != EEXIST)
-			return -errno;
+		if (length < 0 || (size_t)length >= sizeof(out->temporary)) {
+			ret = -ENAMETOOLONG;
+			break;
+		}
+		ret = make(out->temporary, fd);
+		if (ret >= 0)
+			return ret;
+		ret = -errno;
 	}
-	return -EEXIST;
+	*out->temporary = '\0';
+	return ret;
+}
+
+/* Not mkstemp(): that ignores the umask, and the finished file would be readable by nobody else. */
+static int create_named(const char *name, int fd)
+{
+	(void)fd;
+	return open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+}
+
+static int give_name(const char *name, int fd)
+{
+	char unnamed[64];
+
+	snprintf(unnamed, sizeof(unnamed), "/proc/self/fd/%d", fd);
+	return linkat(AT_FDCWD, unnamed, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
 int output_open(struct output *out, const char *path, struct fault *fault)
@@ -60,14 +102,17 @@ int output_open(struct output *out, const char *path, struct fault *fault)
 	ret = find_target(out, path, fault);
 	if (ret < 0)
 		return ret;
-	fd = create_temporary(out);
+	fd = create_unnamed(out);
+	if (fd < 0)
+		fd = with_temporary_name(out, create_named, -1);
 	if (fd < 0)
 		return fault_say(fault, fd, "%s: cannot be written: %s", path, strerror(-fd));
 	out->stream = fdopen(fd, "wb");
 	if (!out->stream) {
 		ret = -errno;
 		close(fd);
-		unlink(out->temporary);
+		if (*out->temporary)
+			unlink(out->temporary);
 		return fault_say(fault, ret, "%s: cannot be written: %s", path, strerror(-ret));
 	}
 	return 0;
@@ -78,15 +123,9 @@ int output_open(struct output *out, const char *path, struct fault *fault)
 static void sync_folder(const char *path)
 {
 	char folder[PATH_MAX];
-	char *slash;
 	int fd;
 
-	strcpy(folder, path);
-	slash = strrchr(folder, '/');
-	if (!slash)
-		strcpy(folder, ".");
-	else
-		slash[slash == folder ? 1 : 0] = '\0';
+	folder_of(path, folder);
 	fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 	if (fd < 0)
 		return;
@@ -94,20 +133,16 @@ static void sync_folder(const char *path)
 	close(fd);
 }
 
-static int finish_stream(FILE *stream)
+static int flush(FILE *stream)
 {
-	int ret = 0;
-
 	errno = 0;
 	if (fflush(stream) != 0)
-		ret = errno ? -errno : -EIO;
-	else if (ferror(stream))
-		ret = -EIO; /* an earlier write failed, and errno has moved on */
-	else if (fsync(fileno(stream)) < 0 && errno != EINVAL && errno != EROFS)
-		ret = -errno;
-	if (fclose(stream) != 0 && ret == 0)
-		ret = errno ? -errno : -EIO;
-	return ret;
+		return errno ? -errno : -EIO;
+	if (ferror(stream))
+		return -EIO; /* an earlier write failed, and errno has moved on */
+	if (fsync(fileno(stream)) < 0 && errno != EINVAL && errno != EROFS)
+		return -errno;
+	return 0;
 }
 
 int output_commit(struct output *out, struct fault *fault)
@@ -116,12 +151,17 @@ int output_commit(struct output *out, struct fault *fault)
 
 	if (!out->stream)
 		return fault_say(fault, -EBADF, "%s: is not open for writing", out->path);
-	ret = finish_stream(out->stream);
+	ret = flush(out->stream);
+	if (ret == 0 && !*out->temporary)
+		ret = with_temporary_name(out, give_name, fileno(out->stream));
+	if (fclose(out->stream) != 0 && ret == 0)
+		ret = errno ? -errno : -EIO;
 	out->stream = NULL;
 	if (ret == 0 && rename(out->temporary, out->path) < 0)
 		ret = -errno;
 	if (ret < 0) {
-		unlink(out->temporary);
+		if (*out->temporary)
+			unlink(out->temporary);
 		return fault_say(fault, ret, "%s: cannot be written: %s", out->path,
 				 strerror(-ret));
 	}
@@ -135,5 +175,6 @@ void output_abandon(struct output *out)
 		return;
 	fclose(out->stream);
 	out->stream = NULL;
-	unlink(out->temporary);
+	if (*out->temporary)
+		unlink(out->temporary);
 }

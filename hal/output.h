@@ -1,6 +1,7 @@
 /*
- * A file that appears whole or not at all: written under a temporary name in the same folder and
- * renamed at the end. After a crash or a full disk the old file is still there.
+ * A file that appears whole or not at all: written without a name (where the file system knows no
+ * such files: under a temporary one) in the same folder, then renamed over its target. After a
+ * crash or a full disk the old file is still there, and nothing else.
  */
 #ifndef INLAY_HAL_OUTPUT_H
 #define INLAY_HAL_OUTPUT_H
@@ -13,7 +14,7 @@
 struct output {
 	FILE *stream; /* write here; NULL when nothing is open */
 	char path[PATH_MAX];
-	char temporary[PATH_MAX];
+	char temporary[PATH_MAX]; /* empty while the file has no name */
 };
 
 /* -errno with a fault naming the path when the folder is missing or cannot be written. */

@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "hal/log.h"
@@ -287,6 +288,28 @@ static void levels_and_long_lines(void **state)
 	fclose(stream);
 }
 
+/* Whatever ends the program, it leaves nothing. */
+static void killed_without_trace(void **state)
+{
+	const pid_t child = fork();
+	int status;
+
+	(void)state;
+	assert_true(child >= 0);
+	if (child == 0) {
+		struct output out;
+
+		if (output_open(&out, path_of("killed"), NULL) == 0) {
+			fputs("half of it", out.stream);
+			fflush(out.stream);
+		}
+		kill(getpid(), SIGKILL);
+	}
+	assert_int_equal(waitpid(child, &status, 0), child);
+	assert_true(WIFSIGNALED(status));
+	assert_int_equal(files_in_folder(), 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -294,6 +317,7 @@ int main(void)
 		cmocka_unit_test(abandoned_without_trace),
 		cmocka_unit_test(two_at_once),
 		cmocka_unit_test(full_disk_leaves_the_old_file),
+		cmocka_unit_test(killed_without_trace),
 		cmocka_unit_test(links_are_followed),
 		cmocka_unit_test(refused),
 		cmocka_unit_test(lines_stay_whole),
