@@ -67,6 +67,28 @@ composite() {
 		-o "$out" >>"$log" 2>&1 || fail "inlay still with f=$f in $name failed"
 }
 
+# live NAME FILE EXPOSURE FREQUENCY WIDTH HEIGHT OUT: the same by `inlay run`, whose cameras stand in
+# the panorama: a fisheye that does not clip, and the scene's camera in 8 bits.
+live() {
+	local camera sets=()
+	for camera in fisheye background; do
+		sets+=(--set "camera.$camera.driver=sim" --set "camera.$camera.sim.clock=frames"
+			--set "camera.$camera.sim.source=panorama"
+			--set "camera.$camera.sim.file=$data/hdri/$2.hdr"
+			--set "camera.$camera.sim.exposure=$3")
+	done
+	"$build/inlay" run "${sets[@]}" --set "basis.file=$work/f$4.inlay" \
+		--set camera.fisheye.format=RGBF \
+		--set camera.fisheye.width=512 --set camera.fisheye.height=512 \
+		--set "camera.background.width=$5" --set "camera.background.height=$6" \
+		--set camera.background.sim.view=perspective \
+		--set camera.background.sim.eye="2.3 -4.0 2.1" \
+		--set camera.background.sim.target="0 0 0.72" \
+		--set camera.background.sim.angle=40 \
+		--set screen.driver=file --set "screen.device=$7" --frames 1 \
+		>>"$log" 2>&1 || fail "inlay run in $1 failed"
+}
+
 compare() {
 	"$build/tests/accuracy/compare" "$@" 2>>"$log" || fail "compare $* failed"
 }
@@ -128,7 +150,7 @@ check() {
 # The bounds lie 4 to 10 dB below what comes out, much of which is noise of few samples. Light from
 # a wrong side has to fail them, or they would prove nothing: the last two see to that.
 quick() {
-	local size=96x72 cell2 cell9 node9 mirrored turned rest
+	local size=96x72 cell2 cell9 node9 live9 double mirrored turned rest
 
 	if [ ! -e "$data/mesh/spot.obj" ] || [ ! -e "$data/hdri/venice_sunset_1k.hdr" ]; then
 		echo "ok 1 - composite against truth # SKIP no data in $data"
@@ -146,6 +168,10 @@ quick() {
 	read -r node9 rest < <(compare "$work/quick.png" "$work/sunset-truth.pfm")
 	composite sunset 9 cell "$work/quick.png"
 	read -r cell9 rest < <(compare "$work/quick.png" "$work/sunset-truth.pfm")
+	composite sunset 9 cell "$work/double.pfm" --mode reference
+	read -r rest rest double < <(compare "$work/quick.png" "$work/double.pfm")
+	live sunset venice_sunset_1k 0.856 9 96 72 "$work/live.png"
+	read -r live9 rest < <(compare "$work/live.png" "$work/sunset-truth.pfm")
 	composite sunset 9 cell "$work/mirrored.png" --set fisheye.hflip=yes
 	read -r mirrored rest < <(compare "$work/mirrored.png" "$work/sunset-truth.pfm")
 	cp "$work/sunset-background.png" "$work/turned-background.png"
@@ -154,6 +180,8 @@ quick() {
 	check "26 lights" "$cell2 >= 36"
 	check "406 lights" "$cell9 >= 42"
 	check "406 lights, nodes only" "$node9 >= 36"
+	check "406 lights, by inlay run" "$live9 >= 42"
+	check "integers against double precision" "$double <= 1"
 	check "mirrored light is noticed" "$mirrored < 36"
 	check "light from behind is noticed" "$turned < 36"
 	echo "1..$count"

@@ -15,8 +15,7 @@ static int replay(const char *path)
 
 	if (!stream)
 		goto out;
-	if (fseek(stream, 0, SEEK_END) || (bytes = ftell(stream)) < 0 ||
-	    fseek(stream, 0, SEEK_SET))
+	if (fseek(stream, 0, SEEK_END) || (bytes = ftell(stream)) < 0 || fseek(stream, 0, SEEK_SET))
 		goto out;
 	/* Exactly as long as the input, so that a sanitizer sees one byte too many. */
 	data = malloc(bytes ? (size_t)bytes : 1);

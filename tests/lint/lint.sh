@@ -41,7 +41,7 @@ analysed() {
 		hal drivers config app bake
 }
 scripted() {
-	scripts | xargs shellcheck -S warning
+	scripts | xargs shellcheck -x -S warning
 }
 helped() { # every target with a comment is listed, and the ones that the README names exist
 	make --no-print-directory help >"$scratch/help" &&
