@@ -110,7 +110,7 @@ static const struct ini_key render_keys[] = {
 	 .type = INI_REAL,
 	 .offset = RENDER(ratio_cut),
 	 .max = 0.1,
-	 .fallback = "0.0009765625",
+	 .fallback = "0.00390625",
 	 .help = "changes of a real surface's light below this are not stored; the file declares "
 		 "the error"},
 	INI_KEYS_END,
