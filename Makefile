@@ -159,32 +159,32 @@ objects: $(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/
 deps:
 	$(Q)board/deps.sh build demo test
 
-.PHONY: demo
+AGAIN = $(Q)$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
+
+.PHONY: demo demo-installed
 ## demo: install, build, bake the cow, run it in the simulated studio; pictures are left in demo/
 demo:
 	$(Q)board/deps.sh demo
-	$(Q)$(MAKE) --no-print-directory all
+	$(AGAIN) demo-installed
+demo-installed: all
 	$(Q)BUILD="$(BUILD)" bake/demo/demo.sh demo
 
 .PHONY: test
 ## test: install, build, run every test, simulated hardware in QEMU included
 test:
 	$(Q)board/deps.sh test
-	$(Q)$(MAKE) --no-print-directory test-all
+	$(AGAIN) test-all
 
 RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
 	BUILD="$(BUILD)" tests/run.sh
 
+TEST_GROUPS := test-lint test-unit test-cli test-accuracy test-fuzz test-sanitize test-vm
+
+# One group after the other; a group that fails does not keep the rest from running.
 .PHONY: test-all
 test-all:
 	$(Q)tests/run.sh --begin
-	$(Q)-$(MAKE) --no-print-directory test-lint
-	$(Q)-$(MAKE) --no-print-directory test-unit
-	$(Q)-$(MAKE) --no-print-directory test-cli
-	$(Q)-$(MAKE) --no-print-directory test-accuracy
-	$(Q)-$(MAKE) --no-print-directory test-fuzz
-	$(Q)-$(MAKE) --no-print-directory test-sanitize
-	$(Q)-$(MAKE) --no-print-directory test-vm
+	$(Q)for group in $(TEST_GROUPS); do $(MAKE) --no-print-directory $$group || :; done
 	$(Q)tests/run.sh --end
 
 # One group of tests each; what it counts is added to the results of this run.
@@ -193,13 +193,13 @@ test-all:
 test-lint:
 	$(Q)$(RUN_TESTS) lint tests/lint/lint.sh tests/lint/test_includes.sh
 ## test-unit: unit tests alone
-test-unit: all programs-unit
+test-unit: all $(TEST_PROGRAMS) programs-unit
 	$(Q)$(RUN_TESTS) unit $(UNIT_PROGRAMS)
 ## test-cli: the programs as a person calls them
-test-cli: all $(EXTRA_PROGRAMS)
+test-cli: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(CLI_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
-test-accuracy: all $(EXTRA_PROGRAMS)
+test-accuracy: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) accuracy $(ACCURACY_TESTS)
 ## test-fuzz: replay the corpora and fuzz each reader for some seconds (clang)
 test-fuzz: programs-fuzz
@@ -213,20 +213,26 @@ test-sanitize:
 lint:
 	$(Q)tests/lint/lint.sh
 
-.PHONY: accuracy
+.PHONY: accuracy accuracy-installed
 ## accuracy: spot in real panoramas against path-traced truth: the table of errors (minutes)
-accuracy: all $(EXTRA_PROGRAMS)
+accuracy:
+	$(Q)board/deps.sh test
+	$(AGAIN) accuracy-installed
+accuracy-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/panoramas.sh
 
-.PHONY: bench
+.PHONY: bench bench-installed
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
-bench: all $(EXTRA_PROGRAMS)
+bench:
+	$(Q)board/deps.sh demo
+	$(AGAIN) bench-installed
+bench-installed: all
 	$(Q)BUILD="$(BUILD)" tests/bench/bench.sh
 
 .PHONY: help
 ## help: this list
 help:
-	@sed -n 's/^## \([a-z-]*\): \(.*\)/  \1|\2/p' $(filter Makefile %.mk,$(MAKEFILE_LIST)) | awk -F'|' '{printf "%-14s %s\n", $$1, $$2}'
+	@sed -n 's/^## \([a-z-]*\): \(.*\)/  \1|\2/p' $(filter Makefile %.mk,$(MAKEFILE_LIST)) | awk -F'|' '{printf "%-16s %s\n", $$1, $$2}'
 
 .PHONY: clean
 ## clean: remove build/

@@ -50,14 +50,14 @@ ACCURACY_TESTS := tests/accuracy/quick.sh
 include tests/vm/vm.mk
 
 # How far two pictures are apart, for the accuracy table.
-EXTRA_PROGRAMS += $(BUILD)/tests/accuracy/compare
+TEST_PROGRAMS += $(BUILD)/tests/accuracy/compare
 $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
 
 # Counts the heap allocations of a program that it is loaded into.
-EXTRA_PROGRAMS += $(BUILD)/tests/cli/allocations.so
+TEST_PROGRAMS += $(BUILD)/tests/cli/allocations.so
 $(BUILD)/tests/cli/allocations.so: tests/cli/allocations.c
 	@mkdir -p $(@D)
 	$(say) LINK $@
