@@ -36,10 +36,10 @@ static float reach_of(const struct dome *dome, int cell)
 static void cell_point(const struct dome *dome, int cell, uint32_t index, double out[3])
 {
 	const uint64_t scramble = random_hash((uint64_t)cell, 0xce11, 0);
-	const double u = (sobol_first(index) ^ (uint32_t)scramble) * 0x1p-32;
-	const double v = (sobol_second(index) ^ (uint32_t)(scramble >> 32)) * 0x1p-32;
+	double point[2];
 
-	dome_cell_sample(dome, cell, u, v, out);
+	sobol_point(index, scramble, point);
+	dome_cell_sample(dome, cell, point[0], point[1], out);
 }
 
 /* By rejection: a direction stays with a chance of its cosine over the cell's largest. */

@@ -71,6 +71,13 @@ static inline uint32_t sobol_second(uint32_t index)
 	return bits;
 }
 
+/* A point of the net, moved by the bits of scramble; 0 <= x < 1. */
+static inline void sobol_point(uint32_t index, uint64_t scramble, double point[2])
+{
+	point[0] = (sobol_first(index) ^ (uint32_t)scramble) * 0x1p-32;
+	point[1] = (sobol_second(index) ^ (uint32_t)(scramble >> 32)) * 0x1p-32;
+}
+
 /*
  * The same points in another order: runs of 2^m stay runs of 2^m. Pairs taken from differently
  * shuffled sequences are independent of each other (Owen scrambling of the index by the hash of

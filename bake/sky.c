@@ -34,13 +34,13 @@ static void fill_sums(struct sky *sky)
 	const struct image *image = sky->panorama.image;
 
 	for (int y = 0; y < sky->rows; y++) {
-		float *row = sky->sum + (size_t)y * (size_t)sky->width;
+		double *row = sky->sum + (size_t)y * (size_t)sky->width;
 		const double sr = panorama_row_sr(&sky->panorama, y);
 		double sum = 0;
 
 		for (int x = 0; x < sky->width; x++) {
 			sum += weight_of(image, x, y) * sr;
-			row[x] = (float)sum;
+			row[x] = sum;
 		}
 		sky->total += row[sky->width - 1];
 		sky->row_sum[y] = sky->total;
@@ -115,22 +115,7 @@ struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
 }
 
 /* The first of count running sums that is above x. */
-static int find_row(const double *sum, int count, double x)
-{
-	int low = 0, high = count - 1;
-
-	while (low < high) {
-		const int middle = (low + high) / 2;
-
-		if (sum[middle] > x)
-			high = middle;
-		else
-			low = middle + 1;
-	}
-	return low;
-}
-
-static int find_column(const float *sum, int count, double x)
+static int find(const double *sum, int count, double x)
 {
 	int low = 0, high = count - 1;
 
@@ -147,8 +132,8 @@ static int find_column(const float *sum, int count, double x)
 
 static float texel_density(const struct sky *sky, int x, int y)
 {
-	const float *row = sky->sum + (size_t)y * (size_t)sky->width;
-	const double share = ((double)row[x] - (x ? (double)row[x - 1] : 0)) / sky->total;
+	const double *row = sky->sum + (size_t)y * (size_t)sky->width;
+	const double share = (row[x] - (x ? row[x - 1] : 0)) / sky->total;
 
 	return (float)(share * sky->width / panorama_row_sr(&sky->panorama, y));
 }
@@ -157,14 +142,14 @@ struct v3 sky_sample(const struct sky *sky, float u, float v, float *density)
 {
 	const double height = sky->panorama.image->height;
 	const double want = v * sky->total;
-	const int y = find_row(sky->row_sum, sky->rows, want);
-	const float *row = sky->sum + (size_t)y * (size_t)sky->width;
+	const int y = find(sky->row_sum, sky->rows, want);
+	const double *row = sky->sum + (size_t)y * (size_t)sky->width;
 	const double before_row = y ? sky->row_sum[y - 1] : 0;
 	const double in_row = fmin((want - before_row) / (sky->row_sum[y] - before_row), 1);
-	const double across = u * (double)row[sky->width - 1];
-	const int x = find_column(row, sky->width, across);
-	const double before = x ? (double)row[x - 1] : 0;
-	const double in_texel = fmin((across - before) / ((double)row[x] - before), 1);
+	const double across = u * row[sky->width - 1];
+	const int x = find(row, sky->width, across);
+	const double before = x ? row[x - 1] : 0;
+	const double in_texel = fmin((across - before) / (row[x] - before), 1);
 	/* even in solid angle within the row: even in the cosine of the polar angle */
 	const double top = cos(M_PI * y / height), low = cos(M_PI * (y + 1) / height);
 	const double angle = acos(fmax(fmin(top + (low - top) * in_row, 1), -1));

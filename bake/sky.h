@@ -12,7 +12,7 @@ struct sky {
 	struct panorama panorama;
 	int width, rows; /* rows that reach above the horizon */
 	double *row_sum; /* [rows]: running sum over rows */
-	float *sum;	 /* [rows][width]: running sum along each row */
+	double *sum;	 /* [rows][width]: running sum along each row */
 	double total;
 	struct rgb ground; /* what flat, unshadowed, white ground sends back: irradiance / pi */
 };

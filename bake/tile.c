@@ -74,16 +74,17 @@ static void add_sample(struct tile *tile, int at, uint32_t sample)
 	const uint32_t pixel = (uint32_t)y * (uint32_t)tile->scene->camera.width + (uint32_t)x;
 	const uint64_t scramble = random_hash(tile->settings.seed, pixel, 0xca3e5a);
 	const uint32_t place = sobol_shuffle(sample, (uint32_t)random_mix(scramble));
-	const double u = (sobol_first(place) ^ (uint32_t)scramble) * 0x1p-32;
-	const double v = (sobol_second(place) ^ (uint32_t)(scramble >> 32)) * 0x1p-32;
 	struct tile_pixel *p = &tile->pixels[at];
 	struct surface surface;
 	struct v3 direction;
+	double at_pixel[2];
 	bool met;
 
+	sobol_point(place, scramble, at_pixel);
 	tile->transport.ray_count++;
 	transport_begin(&tile->transport, tile->settings.seed, pixel, sample);
-	met = scene_look(tile->scene, WITH_OBJECTS, x + u, y + v, &surface, &direction);
+	met = scene_look(tile->scene, WITH_OBJECTS, x + at_pixel[0], y + at_pixel[1], &surface,
+			 &direction);
 	if (met && surface.kind == SURFACE_OBJECT) {
 		p->object++;
 		p->changed = true;

@@ -219,16 +219,16 @@ static void add_sample(struct tracer *t, const struct truth_settings *settings, 
 	const uint32_t a = sobol_first(index), b = sobol_second(index);
 	struct surface surface;
 	struct v3 direction;
+	double at_pixel[2];
 	bool met;
 
+	sobol_point(place, scramble, at_pixel);
 	t->random.state = random_hash((uint64_t)settings->seed ^ 0x7247, pixel, index);
 	t->first[0] = random_unit(a ^ (uint32_t)another);
 	t->first[1] = random_unit(b ^ (uint32_t)(another >> 32));
 	t->rays++;
 	sums->samples++;
-	met = scene_look(t->scene, WITH_OBJECTS,
-			 x + (sobol_first(place) ^ (uint32_t)scramble) * 0x1p-32,
-			 y + (sobol_second(place) ^ (uint32_t)(scramble >> 32)) * 0x1p-32, &surface,
+	met = scene_look(t->scene, WITH_OBJECTS, x + at_pixel[0], y + at_pixel[1], &surface,
 			 &direction);
 	if (met && surface.kind == SURFACE_OBJECT) {
 		sums->changed = true;
