@@ -42,6 +42,8 @@ CXX_WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla -Wwrite-strings -Wu
 SHARED_FLAGS := $(OPTIMIZE) -ffp-contract=off -fno-math-errno -fno-strict-aliasing \
 	-D_GNU_SOURCE -DINLAY_VERSION='"$(VERSION)"' $(FEATURES) -I. -MMD -MP -pthread
 SHARED_LINK := -pthread
+# OpenEXR speaks C++, so what holds it is linked as C++.
+LINK := $(if $(filter 1,$(WITH_EXR)),$(CXX),$(CC))
 ifneq ($(SANITIZE),)
 SHARED_FLAGS += -fsanitize=$(SANITIZE) -fno-omit-frame-pointer -fno-sanitize-recover=undefined
 SHARED_LINK += -fsanitize=$(SANITIZE)
@@ -117,7 +119,7 @@ BAKE_LINK = $(call pkg_libs,$(bake_PACKAGES) $(hal_PACKAGES)) $(bake_LIBS) $(hal
 
 $(BUILD)/inlay: $(call objects,$(APP_MAIN)) $(APP_LIBS)
 	$(say) LINK $@
-	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(APP_LINK)
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(APP_LINK)
 
 $(BUILD)/inlay-bake: $(call objects,$(BAKE_MAIN)) $(BAKE_LIBS)
 	$(say) LINK $@

@@ -42,4 +42,4 @@ HAL_SOURCES := \
 	hal/optics/fisheye.c \
 	hal/optics/panorama.c \
 	hal/optics/tsai.c
-HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.c)
+HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)

@@ -53,7 +53,7 @@ include tests/vm/vm.mk
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/compare
 $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.a
 	$(say) LINK $@
-	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
 
 # Counts the heap allocations of a program that it is loaded into.

@@ -83,21 +83,22 @@ int image_check_size(const struct image_source *source, int64_t width, int64_t h
 	return 0;
 }
 
-/* Light is finite and not negative; anything else in a file is damage or a mistake upstream, and
- * would spread over the whole composite. */
-static int check_light(const struct image *image, const char *name, struct fault *fault)
+/* A NaN or an infinity is damage or a mistake upstream, and would spread over the whole composite.
+ * Negative light is what lossy compression and a wider gamut leave where there is next to none. */
+static int check_light(struct image *image, const char *name, struct fault *fault)
 {
 	const size_t count = (size_t)image->width * (size_t)image->height * 3;
 
 	for (size_t i = 0; i < count; i++) {
 		const float value = image->f32[i];
 
-		if (value >= 0 && value <= 3.4028234663852886e38f)
+		if (isfinite(value)) {
+			image->f32[i] = value > 0 ? value : 0;
 			continue;
+		}
 		return fault_say(fault, -EDOM,
-				 "%s: pixel (%zu, %zu), %s, holds %g: light must be finite and not "
-				 "negative",
-				 name, i / 3 % (size_t)image->width, i / 3 / (size_t)image->width,
+				 "%s: pixel (%zu, %zu), %s, holds %g: light must be finite", name,
+				 i / 3 % (size_t)image->width, i / 3 / (size_t)image->width,
 				 i % 3 == 0   ? "red"
 				 : i % 3 == 1 ? "green"
 					      : "blue",

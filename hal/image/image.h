@@ -26,8 +26,8 @@ struct image {
 };
 
 /* -ENOENT..., -EBADMSG (damaged, truncated), -ENOTSUP (unknown kind), -EFBIG (a side beyond
- * IMAGE_SIDE_MAX), -EDOM (a float picture that holds a NaN, infinity or negative light; the fault
- * names the pixel). The image is zeroed on failure. */
+ * IMAGE_SIDE_MAX), -EDOM (a float picture that holds a NaN or an infinity; the fault names the
+ * pixel). Negative light is read as 0. The image is zeroed on failure. */
 int image_read(const char *path, struct image *image, struct fault *fault);
 
 /* The same from memory; name stands for the file in messages. */

@@ -8,7 +8,7 @@ VM_PROGRAMS := $(addprefix $(BUILD)/tests/vm/,capture picture presses show) \
 $(addprefix $(BUILD)/tests/vm/,capture presses show): $(BUILD)/drivers.a
 $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 	$(say) LINK $@
-	$(Q)$(CC) $(SHARED_LINK) $(LDFLAGS) -o $@ $< \
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $< \
 		$(filter %/drivers.a,$^) $(BUILD)/hal.a $(APP_LINK)
 
 -include $(addsuffix .d,$(VM_PROGRAMS))

@@ -1,0 +1,154 @@
+/*
+ * OpenEXR: the first part of a file, in scan lines or tiles, channels R, G, B or Y alone, half or
+ * float. Alpha and other channels are left out.
+ *
+ * C++, because the library's C side (OpenEXRCore 3.1) does not read the DWA compressions, which
+ * many panoramas are kept in, and writes to channels that nobody asked for.
+ */
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <stdexcept>
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+
+extern "C" {
+#include "hal/image/codec.h"
+}
+
+namespace
+{
+
+/* Far beyond what its compressions reach on pictures; bounds what a hostile header can ask for. */
+constexpr double pixels_per_byte = 4096;
+
+class MemoryStream : public Imf::IStream
+{
+      public:
+	explicit MemoryStream(const image_source &file) : Imf::IStream(file.name), source(file)
+	{
+	}
+
+	bool read(char out[], int count) override
+	{
+		if (count < 0 || (size_t)count > source.bytes - position)
+			throw std::runtime_error("the file ends too early");
+		std::memcpy(out, source.data + position, (size_t)count);
+		position += (size_t)count;
+		return position < source.bytes;
+	}
+
+	uint64_t tellg() override
+	{
+		return position;
+	}
+
+	void seekg(uint64_t to) override
+	{
+		if (to > source.bytes)
+			throw std::runtime_error("it points beyond the end of the file");
+		position = (size_t)to;
+	}
+
+      private:
+	const image_source &source;
+	size_t position = 0;
+};
+
+/* grey: Y stands for all three. */
+int check_channels(const image_source *source, const Imf::ChannelList &channels, bool *grey,
+		   struct fault *fault)
+{
+	const char *const wanted[] = {"R", "G", "B", "Y"};
+	unsigned found = 0;
+
+	for (auto at = channels.begin(); at != channels.end(); ++at)
+		if (at.channel().xSampling != 1 || at.channel().ySampling != 1)
+			return fault_say(fault, -ENOTSUP,
+					 "%s: channel %s is subsampled, expected full size",
+					 source->name, at.name());
+	for (unsigned i = 0; i < 4; i++) {
+		const Imf::Channel *channel = channels.findChannel(wanted[i]);
+
+		if (!channel)
+			continue;
+		if (channel->type == Imf::UINT)
+			return fault_say(fault, -ENOTSUP,
+					 "%s: channel %s is of integers, expected half or float",
+					 source->name, wanted[i]);
+		found |= 1U << i;
+	}
+	*grey = found == 8;
+	if (found != 7 && found != 8)
+		return fault_say(fault, -ENOTSUP, "%s: expected channels R, G and B, or Y alone",
+				 source->name);
+	return 0;
+}
+
+void read_pixels(Imf::InputFile &file, bool grey, struct image *image)
+{
+	const Imath::Box2i window = file.header().dataWindow();
+	const size_t pixel = 3 * sizeof(float), row = pixel * (size_t)image->width;
+	const char *const names[] = {"R", "G", "B"};
+	const size_t count = (size_t)image->width * (size_t)image->height;
+	Imf::FrameBuffer buffer;
+
+	for (int c = 0; c < (grey ? 1 : 3); c++)
+		buffer.insert(grey ? "Y" : names[c],
+			      Imf::Slice::Make(Imf::FLOAT, image->f32 + c, window, pixel, row));
+	file.setFrameBuffer(buffer);
+	file.readPixels(window.min.y, window.max.y);
+	for (size_t i = 0; grey && i < count; i++)
+		image->f32[3 * i + 1] = image->f32[3 * i + 2] = image->f32[3 * i];
+}
+
+int read_file(const image_source *source, struct image *image, struct fault *fault)
+{
+	MemoryStream stream(*source);
+	Imf::InputFile file(stream, 0);
+	const Imath::Box2i window = file.header().dataWindow();
+	const int64_t width = (int64_t)window.max.x - window.min.x + 1;
+	const int64_t height = (int64_t)window.max.y - window.min.y + 1;
+	bool grey = false;
+	int err = image_check_size(source, width, height, pixels_per_byte, fault);
+
+	if (!err)
+		err = check_channels(source, file.header().channels(), &grey, fault);
+	if (err)
+		return err;
+	err = image_create_f32(image, (int)width, (int)height);
+	if (err)
+		return fault_say(fault, err, "%s: not enough memory for the picture", source->name);
+	read_pixels(file, grey, image);
+	return 0;
+}
+
+bool exr_probe(const uint8_t *data, size_t bytes)
+{
+	return bytes >= 4 && data[0] == 0x76 && data[1] == 0x2f && data[2] == 0x31 &&
+	       data[3] == 0x01;
+}
+
+/* No exception leaves this file. */
+int exr_read(const image_source *source, struct image *image, struct fault *fault)
+{
+	try {
+		return read_file(source, image, fault);
+	} catch (const std::bad_alloc &) {
+		return fault_say(fault, -ENOMEM, "%s: not enough memory for the picture",
+				 source->name);
+	} catch (const std::exception &e) {
+		return fault_say(fault, -EBADMSG, "%s: damaged OpenEXR file: %s", source->name,
+				 e.what());
+	}
+}
+
+} // namespace
+
+extern "C" const struct image_codec image_exr = {"OpenEXR", ".exr",   true,
+						 exr_probe, exr_read, nullptr};
