@@ -77,7 +77,8 @@ include tests/module.mk
 include board/module.mk
 
 objects = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
-pkg_cflags = $(if $(strip $(1)),$(shell $(PKG_CONFIG) --cflags $(1)))
+# Warnings are for our own headers.
+pkg_cflags = $(if $(strip $(1)),$(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags $(1))))
 pkg_libs = $(if $(strip $(1)),$(shell $(PKG_CONFIG) --libs $(1)))
 
 ALL_SOURCES := $(HAL_SOURCES) $(DRIVER_SOURCES) $(CONFIG_SOURCES) $(APP_SOURCES) $(BAKE_SOURCES) \

@@ -90,13 +90,15 @@ check "and statistics name the situation" grep -q '"name":"fisheye","situation":
 	"$work/absent.jsonl"
 
 # ---- nothing is allocated per frame ----
+# By name and path, because LD_PRELOAD ends at a blank.
+preload=(LD_LIBRARY_PATH="$(dirname "$counter")" LD_PRELOAD="$(basename "$counter")"
+	ALLOCATIONS="$work/allocations")
 if [ -e "$counter" ]; then
 	allocations() { # WORD of what the counter says
 		tr ' ' '\n' <"$work/allocations" | grep -A1 -x "$1" | tail -n 1
 	}
 	for show in composite quad; do
-		check "$show for three seconds" env ALLOCATIONS="$work/allocations" \
-			LD_PRELOAD="$counter" "$INLAY" run --config "$work/studio.conf" \
+		check "$show for three seconds" env "${preload[@]}" "$INLAY" run --config "$work/studio.conf" \
 			--frames 180 --set screen.driver=null --set screen.width=320 \
 			--set screen.height=200 --set screen.scale=fit --set screen.rate=60 \
 			--set screen.show=$show --stats "$work/s.jsonl"
@@ -104,7 +106,7 @@ if [ -e "$counter" ]; then
 		equal "and allocated nothing after the first second" 0 "$(allocations after)"
 	done
 	# The counter counts: pictures that are written to files do allocate.
-	timeout 3 env ALLOCATIONS="$work/allocations" LD_PRELOAD="$counter" "$INLAY" run \
+	timeout 3 env "${preload[@]}" "$INLAY" run \
 		--config "$work/studio.conf" --set "screen.device=$work/now.png" 2>"$work/run.log"
 	check "writing files does ($(allocations after))" test "$(allocations after)" -gt 0
 else
