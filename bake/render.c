@@ -359,6 +359,16 @@ static int finish(struct job *job, struct fault *fault)
 	return basis_writer_finish(writer, &job->info, provenance, fault);
 }
 
+static bool any_coverage(const struct job *job)
+{
+	const size_t count = (size_t)job->info.width * job->info.height;
+
+	for (size_t i = 0; i < count; i++)
+		if (job->coverage[i])
+			return true;
+	return false;
+}
+
 int render_run(const struct scene *scene, const struct render_settings *settings, const char *path,
 	       struct render_report *report, struct fault *fault)
 {
@@ -382,6 +392,7 @@ int render_run(const struct scene *scene, const struct render_settings *settings
 	else
 		err = finish(job, fault);
 	report->rays = job->rays;
+	report->object_seen = any_coverage(job);
 	report->noise_levels = job->info.noise_levels;
 	report->object_error = job->info.object_error;
 	report->ratio_error = job->info.ratio_error;

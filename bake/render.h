@@ -19,6 +19,7 @@ struct render_report {
 	double seconds;
 	double noise_levels; /* estimated; 0: not known (one sample) */
 	double object_error, ratio_error;
+	bool object_seen; /* some pixel shows it */
 };
 
 /* What the scene file says. */

@@ -97,6 +97,10 @@ static int bake(const char *path, const struct choices *c)
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
+	if (!report.object_seen)
+		log_warning("%s: the camera sees no object; expected one in the picture: look at "
+			    "[camera], and at position, scale and up of [object]",
+			    path);
 	if (!c->quiet)
 		printf("%s: rays %llu (%.2f million/s), time %.1f s, noise %.2f levels, object "
 		       "error %.2g, ratio error %.2g\n",

@@ -89,6 +89,10 @@ rejected "a texture that is not there" 1 "no.png" "$bake" render "$work/untextur
 	-o "$work/none.inlay"
 absent "failures leave no file" "$work/none.inlay"
 
+scene behind <<<$'[object a]\nfile = box.obj\nposition = 0 -500 0'
+equal "an object out of sight is remarked on" 1 "$("$bake" render --quiet "$work/behind.scene" \
+	-o "$work/behind.inlay" 2>&1 | grep -c 'sees no object')"
+
 # ---- info ----
 check "info" "$bake" info "$out"
 equal "info names blocks by kind" 2 "$("$bake" info "$out" | grep -c '^[TV] (')"
