@@ -74,8 +74,9 @@ const struct command command_run = {
 	.usage = "[--config FILE] [--set SECTION.KEY=VALUE]... [--frames N] [--stats FILE.jsonl]",
 	.purpose = "cameras to screen, until a signal, a button or --frames ends it",
 	.details =
-		"SIGINT and SIGTERM end it in order. A camera that is absent is waited for; one "
-		"that is\nnot a camera, or a screen that cannot be had, ends it with exit code 1.",
+		"SIGINT, SIGTERM and SIGHUP end it in order. A camera that is absent is waited "
+		"for; one that\nis not a camera, or a screen that cannot be had, ends it with exit "
+		"code 1.",
 	.options = rows,
 	.run = run,
 };

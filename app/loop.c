@@ -18,6 +18,14 @@ static int add(struct loop *loop, int descriptor, uint32_t slot)
 	return epoll_ctl(loop->epoll, EPOLL_CTL_ADD, descriptor, &event) ? -errno : 0;
 }
 
+/* As nohup leaves it: a blocked signal would arrive all the same. */
+static bool is_ignored(int signal)
+{
+	struct sigaction action;
+
+	return sigaction(signal, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 static int open_all(struct loop *loop)
 {
 	sigset_t set;
@@ -26,6 +34,8 @@ static int open_all(struct loop *loop)
 	sigemptyset(&set);
 	sigaddset(&set, SIGINT);
 	sigaddset(&set, SIGTERM);
+	if (!is_ignored(SIGHUP))
+		sigaddset(&set, SIGHUP);
 	err = -pthread_sigmask(SIG_BLOCK, &set, NULL);
 	if (err)
 		return err;

@@ -1,6 +1,6 @@
 /*
- * The one epoll loop: a fixed set of slots, each with a descriptor or none. Also SIGINT and
- * SIGTERM, and a tick every second.
+ * The one epoll loop: a fixed set of slots, each with a descriptor or none. Also SIGINT,
+ * SIGTERM and SIGHUP (the terminal has gone; not under nohup), and a tick every second.
  */
 #ifndef INLAY_APP_LOOP_H
 #define INLAY_APP_LOOP_H
@@ -20,7 +20,7 @@ struct loop {
 	bool tick, stop;
 };
 
-/* Blocks SIGINT and SIGTERM for the caller and for threads that it starts from then on. */
+/* Blocks those signals for the caller and for threads that it starts from then on. */
 int loop_open(struct loop *loop, struct fault *fault);
 void loop_close(struct loop *loop); /* idempotent, after loop_open() */
 
@@ -30,7 +30,7 @@ void loop_start(struct loop *loop);
  * slot (-1) before its number can come back. */
 int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault);
 
-/* Waits until something is ready; SIGINT and SIGTERM set stop. */
+/* Waits until something is ready; one of those signals sets stop. */
 int loop_wait(struct loop *loop, struct fault *fault);
 
 static inline bool loop_ready(const struct loop *loop, int slot)

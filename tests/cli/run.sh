@@ -61,13 +61,17 @@ equal "another has set the threshold" 255 "$(number "$work/buttons.jsonl" thresh
 equal "so that no light is left" 0 "$(number "$work/buttons.jsonl" lights_used)"
 
 # ---- signals: the video is whole ----
-"$INLAY" run --config "$work/studio.conf" --set "screen.device=$work/clip.y4m" \
-	--stats "$work/clip.jsonl" 2>"$work/run.log" &
-inlay=$!
-check "it shows frames" until_true 20 grep -q '"frames":[1-9]' "$work/clip.jsonl"
-kill -TERM "$inlay"
-wait $inlay
-equal "SIGTERM ends it as it should" 0 $?
+for signal in HUP INT TERM; do
+	rm -f "$work/clip.jsonl" "$work/clip.y4m"
+	# A shell's background jobs ignore SIGINT, and what is ignored stays so.
+	env --default-signal=INT "$INLAY" run --config "$work/studio.conf" \
+		--set "screen.device=$work/clip.y4m" --stats "$work/clip.jsonl" 2>"$work/run.log" &
+	inlay=$!
+	check "it shows frames" until_true 20 grep -qs '"frames":[1-9]' "$work/clip.jsonl"
+	kill -$signal "$inlay"
+	wait $inlay
+	equal "SIG$signal ends it as it should" 0 $?
+done
 equal "the video begins as one" "YUV4MPEG2" "$(head -c 9 "$work/clip.y4m")"
 header=$(head -n 1 "$work/clip.y4m" | wc -c)
 frame=$((6 + 3 * 48 * 32))
