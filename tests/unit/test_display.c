@@ -26,9 +26,8 @@
 #endif
 #if WITH_KMS
 #include "drivers/kms/kms.h"
+#include "tests/unit/own_folder.h"
 #endif
-
-static char folder[] = "/tmp/inlay-display-XXXXXX";
 
 /* ---- the wrappers ---- */
 
@@ -312,7 +311,7 @@ static void null_without_size(void **state)
 static void file_settings(struct display_settings *settings, const char *name)
 {
 	*settings = (struct display_settings){.picture_width = 33, .picture_height = 17};
-	snprintf(settings->device, sizeof(settings->device), "%s/%s", folder, name);
+	snprintf(settings->device, sizeof(settings->device), "%s/%s", own_folder, name);
 }
 
 static size_t files_in_folder(void)
@@ -321,7 +320,7 @@ static size_t files_in_folder(void)
 	glob_t found = {0};
 	size_t count;
 
-	snprintf(pattern, sizeof(pattern), "%s/*", folder);
+	snprintf(pattern, sizeof(pattern), "%s/*", own_folder);
 	glob(pattern, 0, NULL, &found);
 	count = found.gl_pathc;
 	globfree(&found);
@@ -445,7 +444,7 @@ static void file_pictures(void **state)
 			default:
 				strcpy(name, "now.png");
 			}
-			snprintf(path, sizeof(path), "%s/%s", folder, name);
+			snprintf(path, sizeof(path), "%s/%s", own_folder, name);
 			check_picture(path, n);
 			if (k < 2)
 				unlink(path);
@@ -688,18 +687,6 @@ static void kms_refusals(void **state)
 }
 #endif
 
-static int make_folder(void **state)
-{
-	(void)state;
-	return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-	(void)state;
-	return rmdir(folder);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -724,5 +711,5 @@ int main(void)
 #endif
 	};
 
-	return cmocka_run_group_tests(tests, make_folder, remove_folder);
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
 }

@@ -15,29 +15,7 @@
 
 #include "hal/lights/lights_file.h"
 #include "tests/unit/chance.h"
-
-/* A folder of the test's own. */
-static char folder[] = "/tmp/inlay-test-XXXXXX";
-
-static int make_folder(void **state)
-{
-	(void)state;
-	return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-	(void)state;
-	return rmdir(folder);
-}
-
-static const char *path_of(const char *name)
-{
-	static char path[PATH_MAX];
-
-	snprintf(path, sizeof(path), "%s/%s", folder, name);
-	return path;
-}
+#include "tests/unit/own_folder.h"
 
 static void write_text(const char *path, const char *text, size_t bytes)
 {
@@ -52,7 +30,7 @@ static void to_the_bit_and_back(void **state)
 {
 	static float lights[1000][3], back[1000][3];
 	struct chance chance = chance_begin("lights_file");
-	const char *path = path_of("lights.txt");
+	const char *path = own_path("lights.txt");
 
 	(void)state;
 	for (int i = 0; i < 1000; i++)
@@ -70,7 +48,7 @@ static void to_the_bit_and_back(void **state)
 static void comments_and_blanks(void **state)
 {
 	static const char text[] = "# lights\n\n  1 2 3  # the sun\r\n\t\n0.5\t.25 1e-3\n7 8 9";
-	const char *path = path_of("lights.txt");
+	const char *path = own_path("lights.txt");
 	const float want[3][3] = {{1, 2, 3}, {0.5f, 0.25f, 1e-3f}, {7, 8, 9}};
 	float lights[3][3];
 
@@ -100,7 +78,7 @@ static void refused(void **state)
 		{"", ":0: ", "after 0 lights, expected 2"},
 		{"1 1 1\n2 2 2\n3 3 3\n", ":3: ", "more than the 2 lights"},
 	};
-	const char *path = path_of("lights.txt");
+	const char *path = own_path("lights.txt");
 	float lights[2][3];
 
 	(void)state;
@@ -125,10 +103,10 @@ static void files_that_cannot_be(void **state)
 	float back[1][3];
 
 	(void)state;
-	assert_int_equal(lights_file_read(path_of("missing.txt"), back, 1, &fault), -ENOENT);
+	assert_int_equal(lights_file_read(own_path("missing.txt"), back, 1, &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "missing.txt"));
-	assert_int_equal(lights_file_read(folder, back, 1, &fault), -EISDIR);
-	assert_int_equal(lights_file_write(path_of("no/such.txt"), lights, 1, &fault), -ENOENT);
+	assert_int_equal(lights_file_read(own_folder, back, 1, &fault), -EISDIR);
+	assert_int_equal(lights_file_write(own_path("no/such.txt"), lights, 1, &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "such.txt"));
 }
 
@@ -141,5 +119,5 @@ int main(void)
 		cmocka_unit_test(files_that_cannot_be),
 	};
 
-	return cmocka_run_group_tests(tests, make_folder, remove_folder);
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
 }

@@ -20,33 +20,11 @@
 
 #include "hal/log.h"
 #include "hal/output.h"
-
-/* A folder of the test's own. */
-static char folder[] = "/tmp/inlay-test-XXXXXX";
-
-static int make_folder(void **state)
-{
-	(void)state;
-	return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-	(void)state;
-	return rmdir(folder);
-}
-
-static const char *path_of(const char *name)
-{
-	static char path[PATH_MAX];
-
-	snprintf(path, sizeof(path), "%s/%s", folder, name);
-	return path;
-}
+#include "tests/unit/own_folder.h"
 
 static int files_in_folder(void)
 {
-	DIR *dir = opendir(folder);
+	DIR *dir = opendir(own_folder);
 	int count = 0;
 
 	assert_non_null(dir);
@@ -69,7 +47,7 @@ static void check_content(const char *path, const char *want)
 
 static void appears_by_rename(void **state)
 {
-	const char *path = path_of("a");
+	const char *path = own_path("a");
 	struct output out;
 	struct stat s;
 	mode_t before;
@@ -105,7 +83,7 @@ static void abandoned_without_trace(void **state)
 
 	(void)state;
 	output_abandon(&zeroed);
-	assert_int_equal(output_open(&out, path_of("a"), NULL), 0);
+	assert_int_equal(output_open(&out, own_path("a"), NULL), 0);
 	fputs("one", out.stream);
 	output_abandon(&out);
 	output_abandon(&out);
@@ -117,22 +95,22 @@ static void two_at_once(void **state)
 	struct output a, b;
 
 	(void)state;
-	assert_int_equal(output_open(&a, path_of("a"), NULL), 0);
-	assert_int_equal(output_open(&b, path_of("a"), NULL), 0);
+	assert_int_equal(output_open(&a, own_path("a"), NULL), 0);
+	assert_int_equal(output_open(&b, own_path("a"), NULL), 0);
 	fputs("first", a.stream);
 	fputs("second", b.stream);
 	assert_int_equal(output_commit(&b, NULL), 0);
 	assert_int_equal(output_commit(&a, NULL), 0);
-	check_content(path_of("a"), "first");
+	check_content(own_path("a"), "first");
 	assert_int_equal(files_in_folder(), 1);
-	unlink(path_of("a"));
+	unlink(own_path("a"));
 }
 
 /* A full disk, played by a limit on the size of files. */
 static void full_disk_leaves_the_old_file(void **state)
 {
 	static char block[65536];
-	const char *path = path_of("a");
+	const char *path = own_path("a");
 	struct fault fault = {""};
 	struct rlimit before, tight;
 	struct output out;
@@ -166,8 +144,8 @@ static void links_are_followed(void **state)
 	struct stat s;
 
 	(void)state;
-	strcpy(target, path_of("target"));
-	strcpy(name, path_of("link"));
+	strcpy(target, own_path("target"));
+	strcpy(name, own_path("link"));
 	assert_int_equal(symlink("target", name), 0);
 	fclose(fopen(target, "wb"));
 	assert_int_equal(output_open(&out, name, NULL), 0);
@@ -187,9 +165,9 @@ static void refused(void **state)
 	struct output out;
 
 	(void)state;
-	assert_int_equal(output_open(&out, path_of("no/such"), &fault), -ENOENT);
+	assert_int_equal(output_open(&out, own_path("no/such"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "no/such"));
-	assert_int_equal(output_open(&out, folder, &fault), -EISDIR);
+	assert_int_equal(output_open(&out, own_folder, &fault), -EISDIR);
 	assert_int_equal(output_open(&out, "/dev/null", &fault), -EINVAL); /* not replaced */
 	assert_int_equal(output_open(&out, "", &fault), -EINVAL);
 	memset(path, 'x', sizeof(path));
@@ -299,7 +277,7 @@ static void killed_without_trace(void **state)
 	if (child == 0) {
 		struct output out;
 
-		if (output_open(&out, path_of("killed"), NULL) == 0) {
+		if (output_open(&out, own_path("killed"), NULL) == 0) {
 			fputs("half of it", out.stream);
 			fflush(out.stream);
 		}
@@ -324,5 +302,5 @@ int main(void)
 		cmocka_unit_test(levels_and_long_lines),
 	};
 
-	return cmocka_run_group_tests(tests, make_folder, remove_folder);
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
 }
