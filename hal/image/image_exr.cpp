@@ -110,6 +110,11 @@ void read_pixels(Imf::InputFile &file, bool grey, struct image *image)
 int read_file(const image_source *source, struct image *image, struct fault *fault)
 {
 	MemoryStream stream(*source);
+
+	/* The library allocates by the header before anybody can look at it. */
+	Imf::Header::setMaxImageSize(IMAGE_SIDE_MAX, IMAGE_SIDE_MAX);
+	Imf::Header::setMaxTileSize(IMAGE_SIDE_MAX, IMAGE_SIDE_MAX);
+
 	Imf::InputFile file(stream, 0);
 	const Imath::Box2i window = file.header().dataWindow();
 	const int64_t width = (int64_t)window.max.x - window.min.x + 1;
