@@ -552,6 +552,27 @@ static void formula_gives_the_closed_forms(void **state)
 	one_expect(&o, 0, 0, 0, 1, b);
 }
 
+/* k times the light: k times the object, and the same shadow. */
+static void brighter_light_scales_the_object_alone(void **state)
+{
+	const double b = 128 / 255.0;
+	struct one object, shadow;
+
+	(void)state;
+	one_begin(&object);
+	object.coverage = 65535;
+	one_add(&object, BASIS_KIND_T, 0.25, 0.5);
+	one_begin(&shadow);
+	one_add(&shadow, BASIS_KIND_V, 0, 1);
+	for (double k = 1.0 / 4096; k <= 2; k *= 1.37) {
+		one_expect(&object, k, k / 2, 0, 1, k / 2);
+		one_expect(&object, k / 2, k / 4, k / 3, 1, k / 2);
+		if (k > 0.05) /* the residue e shows in less light */
+			one_expect(&shadow, k, k, 0, 1, 0.25 * b);
+		one_expect(&shadow, 1e5 * k, 3e5 * k, 0, 1, 0.1 * b);
+	}
+}
+
 /* ---- pictures ---- */
 
 struct frame_of {
@@ -822,6 +843,7 @@ int main(void)
 		cmocka_unit_test(selection_keeps_what_reaches_the_threshold),
 		cmocka_unit_test(dropped_light_errs_no_more_than_said),
 		cmocka_unit_test(formula_gives_the_closed_forms),
+		cmocka_unit_test(brighter_light_scales_the_object_alone),
 		cmocka_unit_test(background_alone_is_copied),
 		cmocka_unit_test(untouched_pixels_are_copied),
 		cmocka_unit_test(flips_are_only_reading_order),
