@@ -13,12 +13,15 @@ $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 
 -include $(addsuffix .d,$(VM_PROGRAMS))
 
-.PHONY: kernel test-vm vm-shell
+.PHONY: kernel test-vm test-vm-installed vm-shell
 ## kernel: build the simulated machine's kernel, once; it is kept in ~/.cache/inlay (some minutes)
 kernel:
 	$(Q)board/qemu-x86_64/build-kernel.sh
 ## test-vm: the real programs on vivid, vkms, virtio-gpu and gpio-sim in QEMU (FILTER=name: some)
-test-vm: all $(VM_PROGRAMS) kernel
+test-vm:
+	$(Q)board/deps.sh test
+	$(AGAIN) test-vm-installed
+test-vm-installed: all $(VM_PROGRAMS) kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)FILTER="$(FILTER)" $(RUN_TESTS) vm tests/vm/run.sh
 ## vm-shell: a shell in the simulated machine (leave it with exit)
