@@ -15,8 +15,11 @@ VERSION := 0.1.0
 SANITIZE ?=
 WITH_KMS ?= $(call found,libdrm)
 WITH_SDL ?= $(call found,sdl2)
-WITH_GPIO ?= $(call found,'libgpiod < 2')
+WITH_GPIO ?= $(call found,libgpiod)
 WITH_EXR ?= $(call found,OpenEXR)
+WITH_LIBCAMERA ?= $(call found,libcamera)
+WITH_CAIRO ?= $(call found,cairo)
+WITH_SYSTEMD ?= $(call found,libsystemd)
 
 ifeq ($(origin CC),default)
 CC := gcc
@@ -31,8 +34,12 @@ WITH_KMS := $(WITH_KMS)
 WITH_SDL := $(WITH_SDL)
 WITH_GPIO := $(WITH_GPIO)
 WITH_EXR := $(WITH_EXR)
+WITH_LIBCAMERA := $(WITH_LIBCAMERA)
+WITH_CAIRO := $(WITH_CAIRO)
+WITH_SYSTEMD := $(WITH_SYSTEMD)
 
-FEATURES := $(foreach x,KMS SDL GPIO EXR,-DWITH_$(x)=$(WITH_$(x)))
+SWITCHES := KMS SDL GPIO EXR LIBCAMERA CAIRO SYSTEMD
+FEATURES := $(foreach x,$(SWITCHES),-DWITH_$(x)=$(WITH_$(x)))
 
 OPTIMIZE ?= -O3 -g
 WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes \
@@ -42,8 +49,8 @@ CXX_WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla -Wwrite-strings -Wu
 SHARED_FLAGS := $(OPTIMIZE) -ffp-contract=off -fno-math-errno -fno-strict-aliasing \
 	-D_GNU_SOURCE -DINLAY_VERSION='"$(VERSION)"' $(FEATURES) -I. -MMD -MP -pthread
 SHARED_LINK := -pthread
-# OpenEXR speaks C++, so what holds it is linked as C++.
-LINK := $(if $(filter 1,$(WITH_EXR)),$(CXX),$(CC))
+# OpenEXR and libcamera speak C++, so what holds them is linked as C++.
+LINK := $(if $(filter 1,$(WITH_EXR) $(WITH_LIBCAMERA)),$(CXX),$(CC))
 ifneq ($(SANITIZE),)
 SHARED_FLAGS += -fsanitize=$(SANITIZE) -fno-omit-frame-pointer -fno-sanitize-recover=undefined
 SHARED_LINK += -fsanitize=$(SANITIZE)
@@ -55,7 +62,7 @@ empty :=
 space := $(empty) $(empty)
 comma := ,
 FLAVOUR := $(notdir $(CC))$(if $(SANITIZE),-$(subst $(comma),-,$(SANITIZE)))$(shell \
-	printf '%s' "$(OPTIMIZE)$(CFLAGS)$(WITH_KMS)$(WITH_SDL)$(WITH_GPIO)$(WITH_EXR)" \
+	printf '%s' "$(OPTIMIZE)$(CFLAGS)$(foreach x,$(SWITCHES),$(WITH_$(x)))" \
 	| cksum | cut -d' ' -f1 | sed 's/^/-/')
 BUILD ?= build/$(FLAVOUR)
 

@@ -48,6 +48,7 @@ static int open_source(struct kiosk *k, struct config_camera *camera, struct fau
 		.ops = camera_drivers[driver],
 		.camera = camera->settings,
 		.options = config_options(k->config, CONFIG_CAMERA, camera, driver),
+		.deinterlace = (enum deinterlace)camera->deinterlace,
 		.transfer = transfer_for(k->config, camera->name),
 	};
 	struct fault reason = {.text = ""};
@@ -96,12 +97,12 @@ static int open_display(struct kiosk *k, struct fault *fault)
 static int open_buttons(struct kiosk *k, struct fault *fault)
 {
 	struct config_buttons *buttons = k->config->buttons;
-	int driver = config_driver_index(k->config, CONFIG_BUTTONS, buttons->driver);
+	int drivers[CONFIG_DRIVERS_MAX];
 
-	if (driver < 0)
+	if (config_buttons_used(k->config, drivers) == 0)
 		return 0; /* "none" */
-	return buttons_open(&k->buttons, buttons_drivers[driver],
-			    config_options(k->config, CONFIG_BUTTONS, buttons, driver), fault);
+	return buttons_open(&k->buttons, buttons_drivers[drivers[0]],
+			    config_options(k->config, CONFIG_BUTTONS, buttons, drivers[0]), fault);
 }
 
 int kiosk_open(struct kiosk *k, struct fault *fault)

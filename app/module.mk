@@ -1,3 +1,4 @@
+app_PACKAGES := $(if $(filter 1,$(WITH_CAIRO)),cairo) $(if $(filter 1,$(WITH_SYSTEMD)),libsystemd)
 APP_SOURCES := \
 	app/command_check.c \
 	app/command_devices.c \

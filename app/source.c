@@ -15,7 +15,7 @@ int source_create(struct source *source, const struct source_settings *settings)
 	int err;
 
 	*source = (struct source){.settings = *settings};
-	err = frame_decoder_create(&source->decoder);
+	err = frame_decoder_create(&source->decoder, settings->deinterlace);
 	if (err)
 		return err;
 	source->tables = malloc(sizeof(*source->tables));

@@ -19,6 +19,7 @@ struct source_settings {
 	const struct camera_ops *ops;
 	struct camera_settings camera;
 	void *options;		/* the driver's; borrowed */
+	enum deinterlace deinterlace;
 	enum transfer transfer; /* how linear radiance becomes 8-bit code values, where it must */
 };
 

@@ -236,6 +236,36 @@ struct config_camera *config_camera_named(const struct config *config, const cha
 	return NULL;
 }
 
+/* The next of the words that blanks or commas separate, cut to size; false at the end. */
+static bool next_word(const char **text, char word[CONFIG_NAME_MAX])
+{
+	size_t length;
+
+	*text += strspn(*text, " \t,");
+	length = strcspn(*text, " \t,");
+	snprintf(word, CONFIG_NAME_MAX, "%.*s", (int)(length < 60 ? length : 60), *text);
+	*text += length;
+	return length > 0;
+}
+
+int config_buttons_used(const struct config *config, int drivers[CONFIG_DRIVERS_MAX])
+{
+	const char *text = config->buttons->driver;
+	char word[CONFIG_NAME_MAX];
+	bool seen[CONFIG_DRIVERS_MAX] = {false};
+	int count = 0;
+
+	while (next_word(&text, word)) {
+		int driver = config_driver_index(config, CONFIG_BUTTONS, word);
+
+		if (driver < 0 || seen[driver])
+			continue;
+		seen[driver] = true;
+		drivers[count++] = driver;
+	}
+	return count;
+}
+
 struct view config_view(const struct config_view *view)
 {
 	struct view turned = view->view;
@@ -331,6 +361,19 @@ static void check_view(const struct config *config, const char *section,
 		 near ? "\"?" : "");
 }
 
+static void check_buttons(const struct config *config, struct ini_report *report)
+{
+	const char *text = config->buttons->driver;
+	char word[CONFIG_NAME_MAX];
+
+	while (next_word(&text, word)) {
+		if (!strcmp(word, "none"))
+			continue;
+		check_driver(config, CONFIG_BUTTONS, "buttons", word, report);
+		check_files(config, CONFIG_BUTTONS, "buttons", word, config->buttons, report);
+	}
+}
+
 int config_check(const struct config *config, struct ini_report *report)
 {
 	int before = report->count;
@@ -354,11 +397,7 @@ int config_check(const struct config *config, struct ini_report *report)
 			 "[screen] show: is scene, but [scene] camera is empty; expected the name "
 			 "of a [camera NAME] there");
 	check_driver(config, CONFIG_DISPLAY, "screen", config->screen->driver, report);
-	if (strcmp(config->buttons->driver, "none") != 0) {
-		check_driver(config, CONFIG_BUTTONS, "buttons", config->buttons->driver, report);
-		check_files(config, CONFIG_BUTTONS, "buttons", config->buttons->driver,
-			    config->buttons, report);
-	}
+	check_buttons(config, report);
 	return report->count > before ? -EINVAL : 0;
 }
 

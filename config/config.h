@@ -20,7 +20,16 @@
 #define CONFIG_DRIVERS_MAX 16 /* of one class */
 #define CONFIG_NAME_MAX 64    /* of a camera */
 
-enum config_show { SHOW_COMPOSITE, SHOW_BEFORE, SHOW_FISHEYE, SHOW_SCENE, SHOW_QUAD, SHOW_COUNT };
+enum config_show {
+	SHOW_COMPOSITE,
+	SHOW_BEFORE,
+	SHOW_FISHEYE,
+	SHOW_SCENE,
+	SHOW_QUAD,
+	SHOW_SPLIT, /* before | composite, with a line that moves */
+	SHOW_OFF,   /* black */
+	SHOW_COUNT
+};
 enum config_scale { SCALE_NONE, SCALE_FIT, SCALE_COUNT };
 
 extern const char *const config_show_names[];  /* "composite", "before", ... NULL */
@@ -52,6 +61,7 @@ struct config_camera {
 	char name[CONFIG_NAME_MAX];
 	char driver[INI_TEXT_MAX];
 	struct camera_settings settings;
+	int deinterlace; /* enum deinterlace */
 };
 
 struct config_screen {
@@ -59,10 +69,26 @@ struct config_screen {
 	struct display_settings settings;
 	int show;  /* enum config_show */
 	int scale; /* enum config_scale */
+	double split;	    /* where the line stands, share of the width, 0..1 */
+	bool information;   /* the line of figures is shown */
+	bool trouble;	    /* what is wrong is named on the screen */
+	double blank_after_s; /* without a new picture it goes black then; 0: never */
 };
 
 struct config_buttons {
-	char driver[INI_TEXT_MAX]; /* or "none" */
+	char driver[INI_TEXT_MAX]; /* names separated by blanks, or "none": config_buttons_used() */
+};
+
+/* Commands from other programs on this machine. */
+struct config_control {
+	char socket[INI_PATH_MAX]; /* empty: none */
+	char group[INI_TEXT_MAX];  /* who may, besides the owner and root; empty: nobody */
+};
+
+/* What was chosen, kept over a power cut. */
+struct config_state {
+	char file[INI_PATH_MAX]; /* empty: nothing is kept */
+	double interval_s;	 /* it is written at most so often */
 };
 
 /* A rectangle of a camera's picture: config_view() makes a struct view of it. */
@@ -112,6 +138,8 @@ struct config {
 	struct config_composite composite;
 	struct config_screen *screen;
 	struct config_buttons *buttons;
+	struct config_control control;
+	struct config_state state;
 	char name[INI_PATH_MAX]; /* of the file, for faults */
 	/* private */
 	struct config_drivers drivers;
@@ -144,6 +172,9 @@ void config_write_sample(const struct config *config, FILE *stream);
 
 /* The place of a driver in its list, or -1. */
 int config_driver_index(const struct config *config, enum config_class kind, const char *name);
+
+/* The places of the drivers that [buttons] names, each once, in the file's order. Returns how many. */
+int config_buttons_used(const struct config *config, int drivers[CONFIG_DRIVERS_MAX]);
 
 /* The options of one driver behind a camera, the screen or the buttons: block. */
 void *config_options(const struct config *config, enum config_class kind, void *block, int driver);

@@ -7,7 +7,8 @@
 #include "hal/lights/sampler.h"
 #include "hal/transfer.h"
 
-const char *const config_show_names[] = {"composite", "before", "fisheye", "scene", "quad", NULL};
+const char *const config_show_names[] = {"composite", "before", "fisheye", "scene", "quad",
+					  "split", "off", NULL};
 const char *const config_scale_names[] = {"none", "fit", NULL};
 
 _Static_assert(sizeof(config_show_names) / sizeof(*config_show_names) == SHOW_COUNT + 1,
@@ -98,6 +99,24 @@ const struct ini_key config_camera_keys[] = {
 	 .choices = range_names,
 	 .fallback = "driver",
 	 .help = "Y'CbCr range; driver: as the driver says."},
+	{.name = "deinterlace",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_camera, deinterlace),
+	 .choices = deinterlace_names,
+	 .fallback = "weave",
+	 .help = "Interlaced video: both fields line by line, the later one interpolated, or both "
+		 "averaged."},
+	{.name = "controls",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_camera, settings.controls),
+	 .fallback = "",
+	 .help = "Set at every opening, \"name=value, name=value\", as inlay devices lists them."},
+	{.name = "give_up",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_camera, settings.give_up),
+	 .fallback = "format rate",
+	 .help = "What may go, in this order, when the bus has no room: words of format, size, "
+		 "rate."},
 	INI_KEYS_END};
 
 /* The three views differ in which camera they read unless told otherwise. */
@@ -301,16 +320,40 @@ const struct ini_key config_screen_keys[] = {
 	 .choices = config_show_names,
 	 .fallback = "composite",
 	 .help = "What is shown first: the picture with the object, before it, the fisheye with "
-		 "its "
-		 "marked lights, the scene camera, or all four."},
+		 "its marked lights, the scene camera, all four, before and after side by side, "
+		 "nothing."},
 	{.name = "scale",
 	 .type = INI_CHOICE,
 	 .offset = offsetof(struct config_screen, scale),
 	 .choices = config_scale_names,
 	 .fallback = "none",
 	 .help = "none: pixel by pixel in the middle of the screen, cut where larger; fit: as "
-		 "large "
-		 "as fits."},
+		 "large as fits."},
+	{.name = "split",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_screen, split),
+	 .min = 0,
+	 .max = 1,
+	 .fallback = "0.5",
+	 .help = "Where the line of show = split stands, as a share of the width."},
+	{.name = "information",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_screen, information),
+	 .fallback = "no",
+	 .help = "A line of figures: lights used, threshold, error, frames a second, latency."},
+	{.name = "trouble",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_screen, trouble),
+	 .fallback = "yes",
+	 .help = "What is wrong is named on the screen."},
+	{.name = "blank_after",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_screen, blank_after_s),
+	 .min = 0,
+	 .max = 86400,
+	 .fallback = "0",
+	 .unit = "s",
+	 .help = "Without a new picture for so long the last one goes black; 0: never."},
 	INI_KEYS_END};
 
 const struct ini_key config_buttons_keys[] = {
@@ -318,7 +361,36 @@ const struct ini_key config_buttons_keys[] = {
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_buttons, driver),
 	 .fallback = "none",
-	 .help = "Which driver, or none: inlay devices lists them."},
+	 .help = "Which drivers, separated by blanks, or none: inlay devices lists them."},
+	INI_KEYS_END};
+
+static const struct ini_key control_keys[] = {
+	{.name = "socket",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_control, socket),
+	 .fallback = "",
+	 .help = "Where inlay control reaches a running kiosk; empty: nowhere."},
+	{.name = "group",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_control, group),
+	 .fallback = "",
+	 .help = "Whose members may command, besides the owner and root; empty: nobody."},
+	INI_KEYS_END};
+
+static const struct ini_key state_keys[] = {
+	{.name = "file",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_state, file),
+	 .fallback = "",
+	 .help = "Where threshold, view and pose are kept over a power cut; empty: nowhere."},
+	{.name = "interval",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_state, interval_s),
+	 .min = 0,
+	 .max = 86400,
+	 .fallback = "5",
+	 .unit = "s",
+	 .help = "It is written at most so often, and when the kiosk ends."},
 	INI_KEYS_END};
 
 static void *place_basis(void *root, const char *instance)
@@ -355,6 +427,18 @@ static void *place_composite(void *root, const char *instance)
 {
 	(void)instance;
 	return &((struct config *)root)->composite;
+}
+
+static void *place_control(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->control;
+}
+
+static void *place_state(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->state;
 }
 
 const struct ini_table config_tables[] = {
@@ -417,6 +501,14 @@ const struct ini_table config_tables[] = {
 	 .keys = config_buttons_keys,
 	 .place = config_place_buttons,
 	 .help = "Buttons besides the window's keys."},
+	{.section = "control",
+	 .keys = control_keys,
+	 .place = place_control,
+	 .help = "Commands from other programs."},
+	{.section = "state",
+	 .keys = state_keys,
+	 .place = place_state,
+	 .help = "What was chosen with the buttons."},
 	INI_TABLES_END};
 
 const size_t config_table_count = sizeof(config_tables) / sizeof(*config_tables) - 1;

@@ -3,8 +3,9 @@
 #include <errno.h>
 
 const char *const action_names[] = {
-	"none",	     "threshold-up", "threshold-down", "threshold-set", "view-next",
-	"pose-next", "object",	     "freeze",	       "quit",		NULL,
+	"none",	     "threshold-up", "threshold-down", "threshold-next", "threshold-set",
+	"view-next", "pose-next",    "object",	       "information",	 "split-left",
+	"split-right", "freeze",     "quit",	       NULL,
 };
 
 _Static_assert(sizeof(action_names) / sizeof(action_names[0]) == ACTION_COUNT + 1,

@@ -1,6 +1,6 @@
 /*
  * Buttons: the contract between the program and drivers/buttons_*.c. Whatever the hardware, the
- * program sees named actions.
+ * program sees named actions. Several drivers may be in use at once.
  */
 #ifndef INLAY_HAL_BUTTONS_H
 #define INLAY_HAL_BUTTONS_H
@@ -12,10 +12,14 @@ enum action {
 	ACTION_NONE,
 	ACTION_THRESHOLD_UP,
 	ACTION_THRESHOLD_DOWN,
-	ACTION_THRESHOLD_SET, /* value: the level */
+	ACTION_THRESHOLD_NEXT, /* up, and from the highest to 0: for a single button */
+	ACTION_THRESHOLD_SET,  /* value: the level */
 	ACTION_VIEW_NEXT,
 	ACTION_POSE_NEXT,
-	ACTION_OBJECT, /* shown or not */
+	ACTION_OBJECT,	    /* shown or not */
+	ACTION_INFORMATION, /* the line of figures, shown or not */
+	ACTION_SPLIT_LEFT,  /* moves the line between before and after */
+	ACTION_SPLIT_RIGHT,
 	ACTION_FREEZE,
 	ACTION_QUIT,
 	ACTION_COUNT
@@ -46,7 +50,8 @@ struct buttons_ops {
 	 */
 	int (*list)(void (*found)(void *context, const char *line), void *context);
 
-	/* Mandatory. What a failure leaves half-open, buttons_open() has closed. */
+	/* Mandatory. What a failure leaves half-open, buttons_open() has closed. Called again each
+	 * second until it succeeds: a missing chip does not stop the kiosk. */
 	int (*open)(struct buttons *buttons, struct fault *fault);
 	/* Mandatory. Polls readable when read() has something. */
 	int (*descriptor)(struct buttons *buttons);

@@ -38,6 +38,12 @@ struct camera_settings {
 	int buffers; /* 2..8 */
 	int matrix;  /* enum colour_matrix + 1; 0: as the driver says */
 	int range;   /* enum colour_range + 1; 0: as the driver says */
+	/* "name=value, name=value", names and values as `devices` lists them; set after every
+	 * opening and read back. A refusal is logged and does not keep the camera from opening. */
+	char controls[INI_TEXT_MAX];
+	/* What may be given up, in this order, when the bus has no room for what is wanted: words
+	 * of "format", "size", "rate"; empty: nothing. */
+	char give_up[INI_TEXT_MAX];
 };
 
 struct camera_ops;
@@ -46,6 +52,7 @@ struct camera {
 	const struct camera_ops *ops;
 	struct camera_settings settings;
 	void *options; /* the driver's own struct, ops->options_size bytes; borrowed */
+	char name[128]; /* what the device calls itself; empty: not known. Kept after closing */
 	/* What the device really gave, valid while open: */
 	enum pixel_format format;
 	int width, height;
@@ -78,9 +85,10 @@ struct camera_ops {
 	int (*list)(void (*found)(void *context, const struct camera_listing *listing),
 		    void *context);
 
-	/* Mandatory. From settings and options to streaming; sets format, width, height, rate_hz
-	 * and state. On failure sets situation, says why, and leaves nothing open. May block (start
-	 * of a device), at most 2 s. */
+	/* Mandatory. From settings and options to streaming; sets name, format, width, height,
+	 * rate_hz and state. On failure sets situation, says why, and leaves nothing open. May
+	 * block (start of a device), at most 2 s: the program calls it on a thread of its own, and
+	 * no other op until it has returned. */
 	int (*open)(struct camera *camera, struct fault *fault);
 
 	/* Mandatory. A descriptor that polls readable when grab() has something to do. */
@@ -89,7 +97,8 @@ struct camera_ops {
 	/* Mandatory, never blocks. Takes the newest frame; older ones that wait are given back to
 	 * the driver and counted lost; unfit ones are counted broken. frame's memory is the
 	 * driver's until release(). At most one frame is out at a time. 0; -EAGAIN: none yet;
-	 * -ENODEV: gone; other -errno: broken, close it. */
+	 * -ENODEV: gone; -ESTALE: the source sends another size or standard now: close it and open
+	 * it at once; other -errno: broken, close it. */
 	int (*grab)(struct camera *camera, struct frame *frame, struct fault *fault);
 
 	/* Mandatory. Gives the frame back. */

@@ -14,6 +14,21 @@
 #include "hal/fault.h"
 #include "hal/ini/ini.h"
 
+/* What there is to say about a screen that cannot show anything. */
+enum display_situation {
+	DISPLAY_FINE,
+	DISPLAY_NO_DEVICE,     /* no graphics card, no window system */
+	DISPLAY_NO_SCREEN,     /* nothing connected, or it is off */
+	DISPLAY_BUSY,	       /* another program holds it */
+	DISPLAY_NO_PERMISSION,
+	DISPLAY_NO_MODE,       /* it has none that was asked for */
+	DISPLAY_STALLED,       /* a refresh never came */
+	DISPLAY_BROKEN,	       /* anything else; the fault says what */
+	DISPLAY_SITUATION_COUNT
+};
+
+extern const char *const display_situation_names[]; /* "fine", "no device", ... NULL */
+
 struct display_settings {
 	char device[INI_PATH_MAX]; /* driver's own meaning: a card, an output file; empty: first
 				      found */
@@ -32,8 +47,10 @@ struct display {
 	/* What there really is, valid while open: */
 	int width, height;
 	double rate_hz; /* 0: as fast as it is fed */
-	uint64_t shown; /* frames that reached the screen */
-	void *state;	/* the driver's; NULL when closed */
+	bool hidden;	/* the console is switched to somebody else: acquire() says -EAGAIN */
+	enum display_situation situation; /* kept after closing and after a failure to open */
+	uint64_t shown;			  /* frames that reached the screen */
+	void *state;			  /* the driver's; NULL when closed */
 	/* The wrappers' own: */
 	bool acquired;
 	int acquired_index;
@@ -49,7 +66,8 @@ struct display_buffer {
 enum display_event_kind {
 	DISPLAY_NOTHING,
 	DISPLAY_SHOWN,	/* a submitted frame is on the screen since time_ns */
-	DISPLAY_CLOSED, /* the window was closed, the screen unplugged for good: stop */
+	DISPLAY_CLOSED, /* the person closed the window: stop */
+	DISPLAY_EXPOSED, /* what was on the screen is lost (the console is ours again): draw anew */
 	DISPLAY_ACTION, /* a key pressed in the window: action holds enum action (hal/buttons.h) */
 };
 
@@ -85,16 +103,24 @@ struct display_ops {
 	/* Mandatory. Polls readable when dispatch() has something to do; -1: never. */
 	int (*descriptor)(struct display *display);
 
+	/* Optional. Pictures of this size are to fill the screen, letterboxed, their pixels
+	 * height/width = squash. 0: the hardware does it, and acquire() gives buffers of this size
+	 * from now on; -ENOTSUP: it cannot, they stay as large as the screen. Nothing is allocated
+	 * for a size asked before. */
+	int (*fit)(struct display *display, int width, int height, double squash);
+
 	/* Mandatory, never blocks. A buffer to draw in. -EAGAIN: all are queued or on the screen.
 	 * The same buffer is returned until it is submitted. */
 	int (*acquire)(struct display *display, struct display_buffer *buffer);
 
 	/* Mandatory, never blocks. Shows what was acquired; token comes back in DISPLAY_SHOWN. 0 or
-	 * -errno: the screen is gone or the disk is full; close it. */
+	 * -errno: the screen is gone or the disk is full; situation says which; close it. */
 	int (*submit)(struct display *display, struct display_buffer *buffer, int64_t token,
 		      struct fault *fault);
 
-	/* Mandatory, never blocks. One event per call until DISPLAY_NOTHING. 0 or -errno. */
+	/* Mandatory, never blocks. One event per call until DISPLAY_NOTHING. 0; -ESTALE: the
+	 * connector or its modes changed; other -errno: it is gone, or a flip that was due never
+	 * came. After any of them: close it, and open it again when situation lets hope. */
 	int (*dispatch)(struct display *display, struct display_event *event, struct fault *fault);
 
 	/* Mandatory. Idempotent, accepts what open() left half-done; gives the screen back as it
@@ -105,16 +131,20 @@ struct display_ops {
 
 /*
  * What callers use. -EBADF: not open; -EINVAL: a buffer that was not acquired, or no op table. A
- * display that failed to open is closed and zeroed.
+ * display that failed to open is closed and zeroed but for ops and situation.
  */
 int display_open(struct display *display, const struct display_ops *ops,
 		 const struct display_settings *settings, void *options, struct fault *fault);
 int display_descriptor(struct display *display);
+int display_fit(struct display *display, int width, int height, double squash);
 int display_acquire(struct display *display, struct display_buffer *buffer);
 int display_submit(struct display *display, struct display_buffer *buffer, int64_t token,
 		   struct fault *fault);
 int display_dispatch(struct display *display, struct display_event *event, struct fault *fault);
 int display_close(struct display *display, struct fault *fault); /* zeroed is fine */
+
+/* Whether waiting may mend it: a screen that is plugged in, a program that lets go of it. */
+bool display_may_return(enum display_situation situation);
 
 /* For drivers whose size is free: what was asked for, else the picture's. -EINVAL: neither. */
 int display_free_size(const struct display *display, int *width, int *height, struct fault *fault);

@@ -4,6 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *const deinterlace_names[] = {"weave", "bob", "blend", NULL};
+
+_Static_assert(sizeof(deinterlace_names) / sizeof(deinterlace_names[0]) == DEINTERLACE_COUNT + 1,
+	       "a name for each way to deinterlace");
+
 const char *const pixel_format_names[] = {
 	"none", "YUYV", "UYVY", "NV12", "RGB24", "BGR24", "BGRX", "GREY", "MJPEG", "RGBF", NULL,
 };

@@ -4,6 +4,7 @@
 #ifndef INLAY_HAL_FRAME_H
 #define INLAY_HAL_FRAME_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -30,6 +31,28 @@ extern const char *const pixel_format_names[]; /* "none", "YUYV", ... NULL */
 enum colour_matrix { MATRIX_BT601, MATRIX_BT709, MATRIX_COUNT };
 enum colour_range { RANGE_LIMITED, RANGE_FULL, RANGE_COUNT };
 
+/* How the two fields of interlaced video lie in a frame. The top field holds lines 0, 2, ... */
+enum frame_fields {
+	FIELDS_NONE,	   /* progressive */
+	FIELDS_INTERLACED, /* line by line */
+	FIELDS_TOP_BOTTOM, /* one above the other, each at half the height */
+	FIELDS_BOTTOM_TOP,
+	FIELDS_PAIR,	   /* in memory of their own: planes is the top field, bottom_planes the other */
+	FIELDS_TOP,	   /* one alone; width and height are those of the whole picture */
+	FIELDS_BOTTOM,
+	FIELDS_COUNT
+};
+
+/* What becomes of the two fields. */
+enum deinterlace {
+	DEINTERLACE_WEAVE, /* both, line by line: sharp at rest, combed in motion; the default */
+	DEINTERLACE_BOB,   /* the later field alone, its lines interpolated: half the height's detail */
+	DEINTERLACE_BLEND, /* both, each line averaged with its neighbour: soft, never combed */
+	DEINTERLACE_COUNT
+};
+
+extern const char *const deinterlace_names[]; /* "weave", "bob", "blend", NULL */
+
 #define FRAME_PLANES 3
 
 struct frame_plane {
@@ -40,9 +63,12 @@ struct frame_plane {
 
 struct frame {
 	enum pixel_format format;
-	int width, height; /* pixels */
+	int width, height; /* pixels, of the whole picture */
 	struct frame_plane planes[FRAME_PLANES];
-	enum colour_matrix matrix; /* of Y'CbCr formats */
+	enum frame_fields fields;
+	bool bottom_first; /* the bottom field was captured before the top one */
+	struct frame_plane bottom_planes[FRAME_PLANES]; /* of FIELDS_PAIR */
+	enum colour_matrix matrix;			/* of Y'CbCr formats */
 	enum colour_range range;
 	int64_t timestamp_ns; /* of capture, CLOCK_MONOTONIC */
 	uint32_t sequence;    /* counts at the source: a gap is a lost frame */
@@ -74,7 +100,7 @@ size_t frame_plane_stride(enum pixel_format format, int plane, int width);
  * for each picture); one for each thread.
  */
 struct frame_decoder;
-int frame_decoder_create(struct frame_decoder **decoder);
+int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace);
 int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,
 		 struct fault *fault);
 void frame_decoder_destroy(struct frame_decoder *decoder);

@@ -13,12 +13,13 @@
 enum { STRIP_ROWS = 16 };
 
 struct frame_decoder {
+	enum deinterlace deinterlace;
 	tjhandle jpeg;
 	uint8_t *strip; /* Y, U and V of STRIP_ROWS rows */
 	int strip_width;
 };
 
-int frame_decoder_create(struct frame_decoder **decoder)
+int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace)
 {
 	struct frame_decoder *d = calloc(1, sizeof(*d));
 

@@ -58,7 +58,7 @@ struct fixture {
 static void make(struct fixture *f, enum pixel_format format, int width, int height, size_t extra)
 {
 	memset(f, 0, sizeof(*f));
-	assert_int_equal(frame_decoder_create(&f->decoder), 0);
+	assert_int_equal(frame_decoder_create(&f->decoder, DEINTERLACE_WEAVE), 0);
 	assert_int_equal(canvas_create(&f->canvas, width, height), 0);
 	f->frame = (struct frame){.format = format, .width = width, .height = height};
 	for (int p = 0; p < (format == PIXEL_NV12 ? 2 : 1); p++) {

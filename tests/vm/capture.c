@@ -147,7 +147,7 @@ static int take(struct camera *camera, const struct request *request, struct wat
 	int err = canvas_create(&canvas, camera->width, camera->height);
 
 	if (!err)
-		err = frame_decoder_create(&decoder);
+		err = frame_decoder_create(&decoder, DEINTERLACE_WEAVE);
 	while (!err && watch->taken < request->frames) {
 		struct frame frame;
 		err = next_frame(camera, &frame, fault);

@@ -1,0 +1,32 @@
+/* What the program says on the screen, in plain words. Pure functions from numbers to text. */
+#ifndef INLAY_APP_WORDS_H
+#define INLAY_APP_WORDS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "hal/camera.h"
+
+/*
+ * "Fisheye camera 'C920' is not connected: waiting". role: "Fisheye", "Background", "Scene" or
+ * "Fisheye and background" for a camera that several views share; name: of the device, or as the
+ * configuration calls it. Returns text's length, as snprintf; 0 for CAMERA_FINE.
+ */
+int words_camera(char *text, size_t room, const char *role, const char *name,
+		 enum camera_situation situation);
+
+struct words_figures {
+	int lights_used, lights;
+	double threshold;	 /* grey level */
+	double error_levels;	 /* worst case of what was dropped, in 8-bit levels of the output */
+	double frames_a_second;
+	double latency_ms;	 /* mean of the last second */
+	uint64_t drops;		 /* since the start */
+	double clipped;		 /* share of the sky, 0..1 */
+};
+
+/* "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · 29.9 frames/s · 38 ms · 12 dropped ·
+ * sky clipped 0.3 %" */
+int words_information(char *text, size_t room, const struct words_figures *figures);
+
+#endif
