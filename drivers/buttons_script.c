@@ -45,25 +45,6 @@ static const struct ini_key script_keys[] = {
 	INI_KEYS_END,
 };
 
-/* The actions a script can name, for its author. */
-static int unknown_action(const char *path, int number, const char *word, struct fault *fault)
-{
-	const char *near = ini_nearest(word, action_names + ACTION_NONE + 1,
-				       ACTION_COUNT - ACTION_NONE - 1);
-
-	return fault_say(fault, -EINVAL, "%s:%d: unknown action \"%s\"%s%s%s", path, number, word,
-			 near ? ", did you mean \"" : ", expected one like view-next",
-			 near ? near : "", near ? "\"?" : "");
-}
-
-static int find_action(const char *word)
-{
-	for (int i = ACTION_NONE + 1; i < ACTION_COUNT; i++)
-		if (!strcmp(word, action_names[i]))
-			return i;
-	return ACTION_NONE;
-}
-
 static bool parse_number(const char *word, double *value)
 {
 	char *end;
@@ -79,6 +60,7 @@ static int parse_line(char *text, const char *path, int number, struct script_li
 	char *word[4] = {NULL};
 	char *rest = NULL;
 	int words = 0;
+	struct fault reason;
 	double seconds;
 
 	text[strcspn(text, "#\r\n")] = '\0';
@@ -95,18 +77,10 @@ static int parse_line(char *text, const char *path, int number, struct script_li
 		return fault_say(fault, -EINVAL, "%s:%d: expected an action after the time", path,
 				 number);
 	*line = (struct script_line){.at_ns = llround(seconds * 1e9)};
-	line->press.action = (enum action)find_action(word[1]);
-	if (line->press.action == ACTION_NONE)
-		return unknown_action(path, number, word[1], fault);
-	if (line->press.action == ACTION_THRESHOLD_SET) {
-		if (words != 3 || !parse_number(word[2], &line->press.value))
-			return fault_say(fault, -EINVAL,
-					 "%s:%d: threshold-set needs a level, expected one number",
-					 path, number);
-	} else if (words != 2) {
-		return fault_say(fault, -EINVAL, "%s:%d: %s takes no value, found \"%s\"", path,
-				 number, word[1], word[2]);
-	}
+	if (words > 3 || button_press_parse(word[1], word[2], &line->press, &reason))
+		return fault_say(fault, -EINVAL, "%s:%d: %s", path, number,
+				 words > 3 ? "expected a time, an action and at most one value"
+					   : reason.text);
 	return 1;
 }
 

@@ -1,15 +1,68 @@
 #include "hal/buttons.h"
 
 #include <errno.h>
+#include <stdlib.h>
+#include <string.h>
 
 const char *const action_names[] = {
-	"none",	     "threshold-up", "threshold-down", "threshold-next", "threshold-set",
-	"view-next", "pose-next",    "object",	       "information",	 "split-left",
-	"split-right", "freeze",     "quit",	       NULL,
+	"none",		 "threshold-up", "threshold-down", "threshold-next",
+	"threshold-set", "view-next",	 "pose-next",	   "object",
+	"information",	 "split-left",	 "split-right",	   "freeze",
+	"quit",		 NULL,
 };
 
 _Static_assert(sizeof(action_names) / sizeof(action_names[0]) == ACTION_COUNT + 1,
 	       "a name for each action");
+
+static enum action find_action(const char *name)
+{
+	for (int i = ACTION_NONE + 1; i < ACTION_COUNT; i++)
+		if (!strcmp(name, action_names[i]))
+			return (enum action)i;
+	return ACTION_NONE;
+}
+
+static int unknown_action(const char *name, struct fault *fault)
+{
+	const char *near = ini_nearest(name, action_names + ACTION_NONE + 1,
+				       ACTION_COUNT - ACTION_NONE - 1);
+
+	return fault_say(fault, -EINVAL, "unknown action \"%.40s\"%s%s%s", name,
+			 near ? ", did you mean \"" : ", expected one like view-next",
+			 near ? near : "", near ? "\"?" : "");
+}
+
+static int parse_level(const char *text, double *level)
+{
+	char *end;
+
+	*level = strtod(text, &end);
+	/* The comparisons refuse what is no number, too. */
+	return end != text && !*end && *level >= 0 && *level <= ACTION_LEVEL_MAX ? 0 : -EINVAL;
+}
+
+int button_press_parse(const char *name, const char *value, struct button_press *press,
+		       struct fault *fault)
+{
+	*press = (struct button_press){.action = find_action(name)};
+	if (press->action == ACTION_NONE)
+		return unknown_action(name, fault);
+	if (press->action == ACTION_THRESHOLD_SET) {
+		if (!value || parse_level(value, &press->value))
+			return fault_say(fault, -EINVAL,
+					 "threshold-set needs a level, expected one number 0..%.0f",
+					 ACTION_LEVEL_MAX);
+	} else if (value) {
+		return fault_say(fault, -EINVAL, "%s takes no value, found \"%.40s\"", name, value);
+	}
+	return 0;
+}
+
+bool action_repeats(enum action action)
+{
+	return action == ACTION_THRESHOLD_UP || action == ACTION_THRESHOLD_DOWN ||
+	       action == ACTION_SPLIT_LEFT || action == ACTION_SPLIT_RIGHT;
+}
 
 int buttons_open(struct buttons *buttons, const struct buttons_ops *ops, void *options,
 		 struct fault *fault)

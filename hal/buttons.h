@@ -5,6 +5,8 @@
 #ifndef INLAY_HAL_BUTTONS_H
 #define INLAY_HAL_BUTTONS_H
 
+#include <stdbool.h>
+
 #include "hal/fault.h"
 #include "hal/ini/ini.h"
 
@@ -27,10 +29,20 @@ enum action {
 
 extern const char *const action_names[]; /* "none", "threshold-up", ... NULL */
 
+#define ACTION_LEVEL_MAX 255.0 /* of ACTION_THRESHOLD_SET */
+
 struct button_press {
 	enum action action;
-	double value; /* of ACTION_THRESHOLD_SET */
+	double value; /* of ACTION_THRESHOLD_SET: 0..ACTION_LEVEL_MAX */
 };
+
+/* A press as a person writes it: the name of an action and, for threshold-set alone, its value.
+ * value: NULL when there is none. 0, or -EINVAL and what was expected. */
+int button_press_parse(const char *name, const char *value, struct button_press *press,
+		       struct fault *fault);
+
+/* Whether the action goes on while its button is held: steps do, toggles do not. */
+bool action_repeats(enum action action);
 
 struct buttons_ops;
 

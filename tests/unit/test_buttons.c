@@ -113,7 +113,10 @@ static void script_mistakes(void **state)
 		{"3 none\n", ":1: unknown action \"none\""},
 		{"3 threshold-set\n", ":1: threshold-set needs a level"},
 		{"3 threshold-set x\n", ":1: threshold-set needs a level"},
-		{"3 threshold-set 1 2\n", ":1: threshold-set needs a level"},
+		{"3 threshold-set 1 2\n", ":1: expected a time, an action and at most one value"},
+		{"3 threshold-set 256\n", ":1: threshold-set needs a level, expected one number 0..255"},
+		{"3 threshold-set nan\n", ":1: threshold-set needs a level"},
+		{"3 threshold-set -1\n", ":1: threshold-set needs a level"},
 		{"3 freeze 1\n", ":1: freeze takes no value, found \"1\""},
 	};
 	char longest[400];
