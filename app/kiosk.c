@@ -78,6 +78,12 @@ static int fit_eyes(struct kiosk *k, struct fault *fault)
 
 static int draw(struct kiosk *k, const struct display_buffer *screen, struct fault *fault)
 {
+	const struct show_request request = {
+		.what = k->what,
+		.scale = (enum config_scale)k->config->screen->scale,
+		.split = k->config->screen->split,
+		.squash = 1,
+	};
 	struct pipeline_choice choice = k->choice;
 	int err;
 
@@ -87,8 +93,7 @@ static int draw(struct kiosk *k, const struct display_buffer *screen, struct fau
 	err = pipeline_choose(&k->pipeline, &choice, fault);
 	if (err)
 		return err;
-	return show_draw(&k->show, k->what, (enum config_scale)k->config->screen->scale,
-			 &k->pipeline, &k->eyes, screen, fault);
+	return show_draw(&k->show, &request, &k->pipeline, &k->eyes, screen, fault);
 }
 
 /* Once, when it works. */

@@ -17,6 +17,11 @@ struct box {
 	int x, y, width, height;
 };
 
+/* Columns from..to-1 of the screen. */
+struct span {
+	int from, to;
+};
+
 /* The whole screen, and its quarters: 0 up left, 1 up right, 2 down left, 3 down right. */
 struct box layout_whole(const struct display_buffer *screen);
 struct box layout_quarter(const struct display_buffer *screen, int quarter);
@@ -35,9 +40,21 @@ void layout_black(const struct display_buffer *screen, const struct box *box);
 void layout_border(const struct display_buffer *screen, const struct box *cell,
 		   const struct box *box);
 
-/* 0 or -ENOMEM. scaler is kept for the next picture of the same place. */
+/* Draws the columns of a picture that lies in the box, as far as they are in the cell; no other
+ * pixel is made. 0 or -ENOMEM. scaler is kept for the next picture of the same place. */
+int layout_fill(const struct display_buffer *screen, const struct box *cell, const struct box *box,
+		const struct span *columns, const struct picture *picture, struct scaler *scaler,
+		struct pool *pool);
+
+/* A whole picture and its border. 0 or -ENOMEM. */
 int layout_place(const struct display_buffer *screen, const struct box *cell,
 		 const struct picture *picture, double squash, enum config_scale scale,
 		 struct scaler *scaler, struct pool *pool);
+
+/* The line between two halves of a picture: which columns it takes, always within what is seen of
+ * the box; split: share of that, 0..1. White between black edges, to be seen on everything. */
+struct span layout_line(const struct box *cell, const struct box *box, double split);
+void layout_draw_line(const struct display_buffer *screen, const struct box *cell,
+		      const struct box *box, const struct span *line);
 
 #endif

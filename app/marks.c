@@ -3,12 +3,14 @@
 #include <math.h>
 
 #define HEIGHT_PER_SIDE 120
+#define SHOWN_SIDE_PX 3
 
-int mark_side_px(int picture_height)
+int mark_side_px(int picture_height, int shown_height)
 {
 	int side = (picture_height + HEIGHT_PER_SIDE / 2) / HEIGHT_PER_SIDE;
+	int seen = (SHOWN_SIDE_PX * picture_height + shown_height - 1) / shown_height;
 
-	return side < 2 ? 2 : side;
+	return side < seen ? seen : side;
 }
 
 /* Half-open, cut at the border: a light on the horizon lies on the edge of the image circle. */
@@ -25,17 +27,16 @@ static void fill_square(struct canvas *canvas, int left, int top, int side, cons
 }
 
 void marks_draw(struct canvas *canvas, const struct dome *dome, const struct fisheye *lens,
-		const bool *used)
+		const bool *used, int side_px)
 {
 	static const uint8_t colour[2][3] = {MARK_UNUSED_BGR, MARK_USED_BGR};
-	int side = mark_side_px(canvas->height);
 
 	for (int i = 0; i < dome->count; i++) {
 		double px[2];
 
 		if (!fisheye_project(lens, dome->direction[i], px))
 			continue;
-		fill_square(canvas, (int)lrint(px[0] - side / 2.0), (int)lrint(px[1] - side / 2.0),
-			    side, colour[used[i]]);
+		fill_square(canvas, (int)lrint(px[0] - side_px / 2.0),
+			    (int)lrint(px[1] - side_px / 2.0), side_px, colour[used[i]]);
 	}
 }

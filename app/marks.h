@@ -18,11 +18,12 @@
 		255, 96, 32                                                                        \
 	}
 
-/* A side of a mark, pixels: 2 in a picture of the thesis's height of 243. */
-int mark_side_px(int picture_height);
+/* A side of a mark in a picture of this height, which is shown shown_height pixels high: 2 in the
+ * thesis's 243, and at least 3 of the screen's, to be seen where the picture is made smaller. */
+int mark_side_px(int picture_height, int shown_height);
 
 /* used[dome->count]. lens is of the canvas's size. Lights that it does not see are not drawn. */
 void marks_draw(struct canvas *canvas, const struct dome *dome, const struct fisheye *lens,
-		const bool *used);
+		const bool *used, int side_px);
 
 #endif

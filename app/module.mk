@@ -19,5 +19,9 @@ APP_SOURCES := \
 	app/show.c \
 	app/layout.c \
 	app/scaler.c \
-	app/marks.c
+	app/marks.c \
+	app/overlay.c \
+	app/panel.c \
+	app/utf8.c \
+	app/words.c
 APP_MAIN := app/main.c

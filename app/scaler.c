@@ -114,16 +114,18 @@ void scaler_free(struct scaler *scaler)
 struct band_job {
 	struct scaler *scaler;
 	const struct picture *from;
+	int left, right;
 	uint8_t *out;
 	size_t out_stride;
 };
 
-static void scale_across(const struct scaler_axis *axis, const struct picture *from, int y,
-			 uint8_t *to)
+static void scale_across(const struct band_job *job, int y, uint8_t *to)
 {
+	const struct scaler_axis *axis = &job->scaler->across;
+	const struct picture *from = job->from;
 	const uint8_t *row = from->origin + y * from->y_step;
 
-	for (int x = 0; x < axis->to; x++) {
+	for (int x = job->left; x < job->right; x++, to += 4) {
 		const uint8_t *pixel = row + axis->first[x] * from->x_step;
 		const uint16_t *weight = axis->weight + (size_t)x * (size_t)axis->taps;
 		uint32_t sum[4] = {ONE / 2, ONE / 2, ONE / 2, ONE / 2};
@@ -133,7 +135,7 @@ static void scale_across(const struct scaler_axis *axis, const struct picture *f
 				sum[c] += (uint32_t)weight[t] * pixel[c];
 		}
 		for (int c = 0; c < 4; c++)
-			to[4 * x + c] = (uint8_t)(sum[c] / ONE);
+			to[c] = (uint8_t)(sum[c] / ONE);
 	}
 }
 
@@ -143,7 +145,7 @@ static void make_row(const struct band_job *job, int y, uint32_t *sum, uint8_t *
 	const struct scaler_axis *down = &scaler->down;
 	const uint16_t *weight = down->weight + (size_t)y * (size_t)down->taps;
 	uint8_t *out = job->out + (size_t)y * job->out_stride;
-	size_t bytes = row_bytes(scaler);
+	size_t bytes = (size_t)(job->right - job->left) * 4;
 
 	for (size_t i = 0; i < bytes; i++)
 		sum[i] = ONE / 2;
@@ -152,7 +154,7 @@ static void make_row(const struct band_job *job, int y, uint32_t *sum, uint8_t *
 		uint8_t *row = rows + (size_t)slot * bytes;
 
 		if (held[slot] != source) {
-			scale_across(&scaler->across, job->from, source, row);
+			scale_across(job, source, row);
 			held[slot] = source;
 		}
 		for (size_t i = 0; i < bytes; i++)
@@ -194,16 +196,12 @@ void picture_copy(const struct picture *from, uint8_t *out, size_t out_stride)
 	}
 }
 
-void scaler_run(struct scaler *scaler, struct pool *pool, const struct picture *from, uint8_t *out,
-		size_t out_stride)
+void scaler_run(struct scaler *scaler, struct pool *pool, const struct picture *from, int left,
+		int right, uint8_t *out, size_t out_stride)
 {
-	struct band_job job = {scaler, from, out, out_stride};
+	struct band_job job = {scaler, from, left, right, out, out_stride};
 	int bands = (scaler->down.to + BAND_ROWS - 1) / BAND_ROWS;
 
-	if (scaler->across.from == scaler->across.to && scaler->down.from == scaler->down.to) {
-		picture_copy(from, out, out_stride);
-		return;
-	}
 	if (pool) {
 		pool_run(pool, bands, make_band, &job);
 		return;

@@ -32,9 +32,10 @@ struct scaler {
 int scaler_fit(struct scaler *scaler, int from_width, int from_height, int to_width, int to_height,
 	       const struct pool *pool);
 
-/* Writes to_width x to_height BGRX pixels, each once. from has the size given to scaler_fit(). */
-void scaler_run(struct scaler *scaler, struct pool *pool, const struct picture *from, uint8_t *out,
-		size_t out_stride);
+/* Writes the columns left..right-1 of the result, BGRX, each pixel once: out is where the first of
+ * them goes. from has the size given to scaler_fit(); 0 <= left <= right <= to_width. */
+void scaler_run(struct scaler *scaler, struct pool *pool, const struct picture *from, int left,
+		int right, uint8_t *out, size_t out_stride);
 
 void scaler_free(struct scaler *scaler); /* idempotent */
 

@@ -10,10 +10,11 @@
 /* What every way of drawing needs. */
 struct drawing {
 	struct show *show;
+	const struct show_request *request;
+	enum config_scale scale;
 	struct pipeline *pipeline;
 	const struct eyes *eyes;
 	const struct display_buffer *screen;
-	enum config_scale scale;
 	struct fault *fault;
 };
 
@@ -26,30 +27,51 @@ void show_free(struct show *show)
 }
 
 /* Of a camera that is open, whether it has delivered or not. */
-static void eye_size(const struct eye *eye, int *width, int *height)
+static void fit_eye(struct show_fit *fit, const struct eye *eye)
 {
 	struct view view = eye->wanted;
 
 	if (!eye->source || !source_is_open(eye->source) ||
 	    view_resolve(&view, eye->source->camera.width, eye->source->camera.height, NULL))
 		return;
-	*width = view.width;
-	*height = (int)lrint(view.height * view.squash);
+	*fit = (struct show_fit){view.width, view.height, view.squash};
+}
+
+/* Of one picture: SHOW_QUAD is twice as wide and high. */
+static struct show_fit fit_one(enum config_show what, const struct eyes *eyes,
+			       const struct basis *basis)
+{
+	struct show_fit fit = {(int)basis->info.width, (int)basis->info.height,
+			       eyes->background.wanted.squash};
+
+	if (what == SHOW_FISHEYE)
+		fit_eye(&fit, &eyes->fisheye);
+	if (what == SHOW_SCENE)
+		fit_eye(&fit, &eyes->scene);
+	return fit;
+}
+
+static int copies_across(enum config_show what)
+{
+	return what == SHOW_QUAD ? 2 : 1;
+}
+
+struct show_fit show_fit(enum config_show what, const struct eyes *eyes, const struct basis *basis)
+{
+	struct show_fit fit = fit_one(what, eyes, basis);
+
+	fit.width *= copies_across(what);
+	fit.height *= copies_across(what);
+	return fit;
 }
 
 void show_size(enum config_show what, const struct eyes *eyes, const struct basis *basis,
 	       int *width, int *height)
 {
-	int copies = what == SHOW_QUAD ? 2 : 1;
+	const struct show_fit fit = fit_one(what, eyes, basis);
 
-	*width = (int)basis->info.width;
-	*height = (int)lrint(basis->info.height * eyes->background.wanted.squash);
-	if (what == SHOW_FISHEYE)
-		eye_size(&eyes->fisheye, width, height);
-	if (what == SHOW_SCENE)
-		eye_size(&eyes->scene, width, height);
-	*width *= copies;
-	*height *= copies;
+	*width = fit.width * copies_across(what);
+	*height = (int)lrint(fit.height * fit.squash) * copies_across(what);
 }
 
 static int canvas_fit(struct canvas *canvas, int width, int height)
@@ -60,22 +82,28 @@ static int canvas_fit(struct canvas *canvas, int width, int height)
 	return canvas_create(canvas, width, height);
 }
 
-static int place(const struct drawing *d, const struct box *cell, const struct picture *picture,
-		 double squash, int place)
+static double squash_of(const struct drawing *d, const struct eye *eye)
 {
-	int err = layout_place(d->screen, cell, picture, squash, d->scale, &d->show->scalers[place],
-			       d->pipeline->pool);
+	return eye->view.squash / d->request->squash;
+}
 
+static int say_scaling(const struct drawing *d, int err)
+{
 	return err ? fault_say(d->fault, err, "not enough memory to scale a picture") : 0;
 }
 
-static int place_canvas(const struct drawing *d, const struct box *cell,
-			const struct canvas *canvas, double squash, int slot)
+static struct picture canvas_picture(const struct canvas *canvas)
 {
 	const struct view whole = {.width = canvas->width, .height = canvas->height, .squash = 1};
-	struct picture picture = view_picture(&whole, canvas->pixels, canvas->stride);
 
-	return place(d, cell, &picture, squash, slot);
+	return view_picture(&whole, canvas->pixels, canvas->stride);
+}
+
+static int place(const struct drawing *d, const struct box *cell, const struct picture *picture,
+		 double squash, int slot)
+{
+	return say_scaling(d, layout_place(d->screen, cell, picture, squash, d->scale,
+					   &d->show->scalers[slot], d->pipeline->pool));
 }
 
 static int draw_eye(const struct drawing *d, const struct box *cell, const struct eye *eye,
@@ -88,15 +116,26 @@ static int draw_eye(const struct drawing *d, const struct box *cell, const struc
 		return 0;
 	}
 	picture = eye_picture(eye);
-	return place(d, cell, &picture, eye->view.squash, slot);
+	return place(d, cell, &picture, squash_of(d, eye), slot);
+}
+
+/* Into memory of its own. */
+static int make_after(const struct drawing *d, const struct picture *background)
+{
+	struct canvas *after = &d->show->after;
+	int err = canvas_fit(after, background->width, background->height);
+
+	if (err)
+		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d",
+				 background->width, background->height);
+	return pipeline_composite(d->pipeline, background, after->pixels, after->stride, d->fault);
 }
 
 /* Straight into the screen where it goes there pixel by pixel. */
 static int draw_after(const struct drawing *d, const struct box *cell, int slot)
 {
 	const struct eye *eye = &d->eyes->background;
-	struct canvas *after = &d->show->after;
-	struct picture background;
+	struct picture background, after;
 	struct box box;
 	int err;
 
@@ -105,7 +144,7 @@ static int draw_after(const struct drawing *d, const struct box *cell, int slot)
 		return 0;
 	}
 	background = eye_picture(eye);
-	box = layout_box(cell, background.width, background.height, eye->view.squash, d->scale);
+	box = layout_box(cell, background.width, background.height, squash_of(d, eye), d->scale);
 	if (layout_in_place(cell, &box, background.width, background.height)) {
 		layout_border(d->screen, cell, &box);
 		return pipeline_composite(d->pipeline, &background,
@@ -113,12 +152,43 @@ static int draw_after(const struct drawing *d, const struct box *cell, int slot)
 						  (size_t)box.x * 4,
 					  d->screen->stride, d->fault);
 	}
-	err = canvas_fit(after, background.width, background.height);
+	err = make_after(d, &background);
 	if (err)
-		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d",
-				 background.width, background.height);
-	err = pipeline_composite(d->pipeline, &background, after->pixels, after->stride, d->fault);
-	return err ? err : place_canvas(d, cell, after, eye->view.squash, slot);
+		return err;
+	after = canvas_picture(&d->show->after);
+	return place(d, cell, &after, squash_of(d, eye), slot);
+}
+
+/* Composited aside although it may go there pixel by pixel: the screen's memory is written once. */
+static int draw_split(const struct drawing *d, const struct box *cell)
+{
+	const struct eye *eye = &d->eyes->background;
+	struct scaler *scaler = &d->show->scalers[0];
+	struct picture background, after;
+	struct box box;
+	struct span line;
+	int err;
+
+	if (!eye_has_picture(eye)) {
+		layout_black(d->screen, cell);
+		return 0;
+	}
+	background = eye_picture(eye);
+	err = make_after(d, &background);
+	if (err)
+		return err;
+	after = canvas_picture(&d->show->after);
+	box = layout_box(cell, background.width, background.height, squash_of(d, eye), d->scale);
+	line = layout_line(cell, &box, d->request->split);
+	layout_border(d->screen, cell, &box);
+	layout_draw_line(d->screen, cell, &box, &line);
+	err = layout_fill(d->screen, cell, &box, &(struct span){cell->x, line.from}, &background,
+			  scaler, d->pipeline->pool);
+	if (!err)
+		err = layout_fill(d->screen, cell, &box,
+				  &(struct span){line.to, cell->x + cell->width}, &after, scaler,
+				  d->pipeline->pool);
+	return say_scaling(d, err);
 }
 
 static int draw_fisheye(const struct drawing *d, const struct box *cell, int slot)
@@ -126,6 +196,7 @@ static int draw_fisheye(const struct drawing *d, const struct box *cell, int slo
 	const struct eye *eye = &d->eyes->fisheye;
 	struct canvas *marked = &d->show->marked;
 	struct picture picture;
+	struct box box;
 	int err;
 
 	if (!eye_has_picture(eye)) {
@@ -138,10 +209,12 @@ static int draw_fisheye(const struct drawing *d, const struct box *cell, int slo
 		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d",
 				 picture.width, picture.height);
 	picture_copy(&picture, marked->pixels, marked->stride);
+	box = layout_box(cell, picture.width, picture.height, squash_of(d, eye), d->scale);
 	if (d->pipeline->lit)
 		marks_draw(marked, &d->pipeline->dome, &d->pipeline->lens,
-			   d->pipeline->selection.used);
-	return place_canvas(d, cell, marked, eye->view.squash, slot);
+			   d->pipeline->selection.used, mark_side_px(picture.height, box.height));
+	picture = canvas_picture(marked);
+	return place(d, cell, &picture, squash_of(d, eye), slot);
 }
 
 static int draw_quad(struct drawing *d)
@@ -162,23 +235,44 @@ static int draw_quad(struct drawing *d)
 	return err;
 }
 
-int show_draw(struct show *show, enum config_show what, enum config_scale scale,
-	      struct pipeline *pipeline, const struct eyes *eyes,
-	      const struct display_buffer *screen, struct fault *fault)
+static int draw_pictures(struct drawing *d)
 {
-	struct drawing d = {show, pipeline, eyes, screen, scale, fault};
-	struct box whole = layout_whole(screen);
+	const struct box whole = layout_whole(d->screen);
+	const enum config_show what = d->request->blank ? SHOW_OFF : d->request->what;
 
 	switch (what) {
 	case SHOW_BEFORE:
-		return draw_eye(&d, &whole, &eyes->background, 0);
+		return draw_eye(d, &whole, &d->eyes->background, 0);
 	case SHOW_FISHEYE:
-		return draw_fisheye(&d, &whole, 0);
+		return draw_fisheye(d, &whole, 0);
 	case SHOW_SCENE:
-		return draw_eye(&d, &whole, &eyes->scene, 0);
+		return draw_eye(d, &whole, &d->eyes->scene, 0);
 	case SHOW_QUAD:
-		return draw_quad(&d);
+		return draw_quad(d);
+	case SHOW_SPLIT:
+		return draw_split(d, &whole);
+	case SHOW_OFF:
+		layout_black(d->screen, &whole);
+		return 0;
 	default:
-		return draw_after(&d, &whole, 0);
+		return draw_after(d, &whole, 0);
 	}
+}
+
+int show_draw(struct show *show, const struct show_request *request, struct pipeline *pipeline,
+	      const struct eyes *eyes, const struct display_buffer *screen, struct fault *fault)
+{
+	struct drawing d = {.show = show,
+			    .request = request,
+			    .scale = request->scale,
+			    .pipeline = pipeline,
+			    .eyes = eyes,
+			    .screen = screen,
+			    .fault = fault};
+	int err = draw_pictures(&d);
+
+	if (err || !request->overlay)
+		return err;
+	err = overlay_draw(request->overlay, screen);
+	return err ? fault_say(fault, err, "not enough memory for text on the screen") : 0;
 }

@@ -17,12 +17,12 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 
 struct words_figures {
 	int lights_used, lights;
-	double threshold;	 /* grey level */
-	double error_levels;	 /* worst case of what was dropped, in 8-bit levels of the output */
+	double threshold;    /* grey level */
+	double error_levels; /* worst case of what was dropped, in 8-bit levels of the output */
 	double frames_a_second;
-	double latency_ms;	 /* mean of the last second */
-	uint64_t drops;		 /* since the start */
-	double clipped;		 /* share of the sky, 0..1 */
+	double latency_ms; /* mean of the last second */
+	uint64_t drops;	   /* since the start */
+	double clipped;	   /* share of the sky, 0..1 */
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · 29.9 frames/s · 38 ms · 12 dropped ·

@@ -1,0 +1,76 @@
+#include "app/words.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "app/utf8.h"
+
+#define NAME_MAX_BYTES 48 /* a name that is longer may not push out what is wrong */
+#define ELLIPSIS "\u2026"
+
+/* After "Fisheye camera 'C920' ". "waiting": it goes on by itself. */
+static const char *const wrong[CAMERA_SITUATION_COUNT] = {
+	[CAMERA_NO_DEVICE] = "is not connected: waiting",
+	[CAMERA_NO_SIGNAL] = "gets no video signal: waiting",
+	[CAMERA_STALLED] = "sends no picture: waiting",
+	[CAMERA_UNSUPPORTED_FORMAT] =
+		"has no picture format that can be used: see \"inlay devices\"",
+	[CAMERA_BUSY] = "is used by another program: waiting",
+	[CAMERA_NO_BANDWIDTH] = "has no room on its USB bus: plug it into another port, or choose "
+				"MJPEG, a smaller picture or a lower rate",
+	[CAMERA_NO_PERMISSION] = "may not be opened: add this program's user to the group video",
+	[CAMERA_BROKEN] = "does not work: the log says why",
+};
+
+static int give(char *text, size_t room, const char *whole)
+{
+	utf8_copy(text, room, whole);
+	return (int)strlen(whole);
+}
+
+int words_camera(char *text, size_t room, const char *role, const char *name,
+		 enum camera_situation situation)
+{
+	char whole[512], shown[NAME_MAX_BYTES + sizeof(ELLIPSIS)];
+	size_t length = utf8_copy(shown, NAME_MAX_BYTES, name);
+
+	if ((int)situation <= CAMERA_FINE || situation >= CAMERA_SITUATION_COUNT)
+		return give(text, room, "");
+	if (strlen(name) >= NAME_MAX_BYTES)
+		memcpy(shown + length, ELLIPSIS, sizeof(ELLIPSIS));
+	if (*shown)
+		snprintf(whole, sizeof(whole), "%.64s camera '%s' %s", role, shown,
+			 wrong[situation]);
+	else
+		snprintf(whole, sizeof(whole), "%.64s camera %s", role, wrong[situation]);
+	return give(text, room, whole);
+}
+
+/* A bound stays one when it is rounded. */
+static double up_to_tenths(double value)
+{
+	return ceil(value * 10 - 1e-9) / 10;
+}
+
+static const char *say_share(char *text, size_t room, double share)
+{
+	if (share > 0 && share < 0.0005)
+		snprintf(text, room, "< 0.1 %%");
+	else
+		snprintf(text, room, "%.1f %%", 100 * share);
+	return text;
+}
+
+int words_information(char *text, size_t room, const struct words_figures *f)
+{
+	char whole[512], clipped[32];
+
+	snprintf(whole, sizeof(whole),
+		 "lights %d of %d · threshold %g · error ≤ %.1f levels · %.1f frames/s · %.0f ms · "
+		 "%llu dropped · sky clipped %s",
+		 f->lights_used, f->lights, round(f->threshold * 10) / 10,
+		 up_to_tenths(f->error_levels), f->frames_a_second, f->latency_ms,
+		 (unsigned long long)f->drops, say_share(clipped, sizeof(clipped), f->clipped));
+	return give(text, room, whole);
+}
