@@ -40,6 +40,11 @@ WITH_SYSTEMD := $(WITH_SYSTEMD)
 
 SWITCHES := KMS SDL GPIO EXR LIBCAMERA CAIRO SYSTEMD
 FEATURES := $(foreach x,$(SWITCHES),-DWITH_$(x)=$(WITH_$(x)))
+ifeq ($(WITH_GPIO),1)
+# Its calls were renamed from 1.x to 2.x, and its header does not tell which it is.
+GPIOD_MAJOR := $(firstword $(subst ., ,$(shell $(PKG_CONFIG) --modversion libgpiod)))
+FEATURES += -DGPIOD_MAJOR=$(GPIOD_MAJOR)
+endif
 
 OPTIMIZE ?= -O3 -g
 WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes \

@@ -1,22 +1,28 @@
 /*
- * Buttons on GPIO lines, through libgpiod 1.x. A press is an edge to active on a line that was
- * still for the debounce time; both edges are watched, so that a release that bounces is no press.
+ * Buttons on GPIO lines. Lines are gpio/lines.h's, what is a press gpio/button.h's; here one epoll
+ * descriptor joins their edges with a timer for what is due without one: a level that settles, a
+ * repetition, and once a second a look at every line, which finds a chip that went away and makes
+ * good for an edge that was lost.
  */
 #include <errno.h>
-#include <gpiod.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
+#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include "drivers/drivers.h"
+#include "drivers/gpio/button.h"
+#include "drivers/gpio/lines.h"
 #include "hal/clock.h"
 
-#define LINES 6
+#define LINES 10
+#define TIMER LINES /* beside the lines in epoll's data */
 #define OFFSET_MAX 1023
+#define LOOK_EVERY_NS NS_PER_S
 
-enum gpio_bias { BIAS_AS_IS, BIAS_PULL_UP, BIAS_PULL_DOWN, BIAS_DISABLED };
+/* A line that never rests must not hold up the program: so many edges at one call. */
+#define EDGES_AT_ONCE 64
 
 struct gpio_options {
 	char chip[INI_TEXT_MAX];
@@ -24,19 +30,24 @@ struct gpio_options {
 	bool active_low;
 	int bias; /* enum gpio_bias */
 	int debounce_ms;
+	int repeat_after_ms;
+	int repeat_every_ms;
 };
 
 struct gpio_buttons {
 	struct gpiod_chip *chip;
 	int epoll;
-	struct gpiod_line *lines[LINES]; /* requested; NULL: none */
-	int64_t last_edge_ns[LINES];	 /* of CLOCK_MONOTONIC; 0: none yet */
-	int64_t debounce_ns;
+	int timer; /* one shot, of CLOCK_MONOTONIC */
+	struct button_timing timing;
+	struct gpio_line lines[LINES];
+	struct button buttons[LINES];
+	int64_t look_ns; /* at every line, next */
 };
 
 static const enum action line_actions[LINES] = {
-	ACTION_THRESHOLD_UP, ACTION_THRESHOLD_DOWN, ACTION_VIEW_NEXT,
-	ACTION_POSE_NEXT,    ACTION_OBJECT,	    ACTION_FREEZE,
+	ACTION_THRESHOLD_UP, ACTION_THRESHOLD_DOWN, ACTION_THRESHOLD_NEXT, ACTION_VIEW_NEXT,
+	ACTION_POSE_NEXT,    ACTION_OBJECT,	    ACTION_INFORMATION,	   ACTION_SPLIT_LEFT,
+	ACTION_SPLIT_RIGHT,  ACTION_FREEZE,
 };
 
 static const char *const bias_names[] = {"as-is", "pull-up", "pull-down", "disabled", NULL};
@@ -57,10 +68,14 @@ static const struct ini_key gpio_keys[] = {
 	 .help = "The chip's name, label or path."},
 	LINE_KEY("threshold_up", 0),
 	LINE_KEY("threshold_down", 1),
-	LINE_KEY("view_next", 2),
-	LINE_KEY("pose_next", 3),
-	LINE_KEY("object", 4),
-	LINE_KEY("freeze", 5),
+	LINE_KEY("threshold_next", 2),
+	LINE_KEY("view_next", 3),
+	LINE_KEY("pose_next", 4),
+	LINE_KEY("object", 5),
+	LINE_KEY("information", 6),
+	LINE_KEY("split_left", 7),
+	LINE_KEY("split_right", 8),
+	LINE_KEY("freeze", 9),
 	{.name = "active_low",
 	 .type = INI_BOOL,
 	 .offset = offsetof(struct gpio_options, active_low),
@@ -78,80 +93,78 @@ static const struct ini_key gpio_keys[] = {
 	 .max = 1000,
 	 .fallback = "20",
 	 .unit = "ms",
-	 .help = "A line must have been still for so long before a press counts."},
+	 .help = "A press counts when its line has been still for so long."},
+	{.name = "repeat_after_ms",
+	 .type = INI_INT,
+	 .offset = offsetof(struct gpio_options, repeat_after_ms),
+	 .max = 10000,
+	 .fallback = "500",
+	 .unit = "ms",
+	 .help = "A button for threshold or split that is held goes on from then; 0: never."},
+	{.name = "repeat_every_ms",
+	 .type = INI_INT,
+	 .offset = offsetof(struct gpio_options, repeat_every_ms),
+	 .min = 10,
+	 .max = 10000,
+	 .fallback = "100",
+	 .unit = "ms",
+	 .help = "It then steps once in so long."},
 	INI_KEYS_END,
 };
 
-static int request_flags(const struct gpio_options *options)
+static int watch(const struct gpio_buttons *gpio, int descriptor, int index)
 {
-	static const int bias_flags[] = {
-		[BIAS_PULL_UP] = GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP,
-		[BIAS_PULL_DOWN] = GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN,
-		[BIAS_DISABLED] = GPIOD_LINE_REQUEST_FLAG_BIAS_DISABLE,
-	};
+	struct epoll_event event = {.events = EPOLLIN, .data.u32 = (uint32_t)index};
 
-	return bias_flags[options->bias] |
-	       (options->active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0);
+	return epoll_ctl(gpio->epoll, EPOLL_CTL_ADD, descriptor, &event) ? -errno : 0;
 }
 
-static int request_line(struct gpio_buttons *gpio, const struct gpio_options *options, int index,
-			struct fault *fault)
+static int refuse_line(int err, const struct gpio_options *options, int index, struct fault *fault)
 {
-	const struct gpiod_line_request_config config = {
-		.consumer = "inlay",
-		.request_type = GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES,
-		.flags = request_flags(options),
-	};
 	const int offset = options->offsets[index];
-	struct epoll_event event = {.events = EPOLLIN, .data.u32 = (uint32_t)index};
-	struct gpiod_line *line = gpiod_chip_get_line(gpio->chip, (unsigned)offset);
-	int err = 0;
 
-	if (!line)
+	if (err == -ENXIO)
 		return fault_say(fault, -EINVAL,
-				 "gpio buttons: %s has no line %d, expected 0 to %u", options->chip,
-				 offset, gpiod_chip_num_lines(gpio->chip) - 1);
-	if (gpiod_line_request(line, &config, 0))
-		err = -errno;
+				 "gpio buttons: %s has no line %d (inlay devices lists them)",
+				 options->chip, offset);
+	return fault_say(fault, err, "gpio buttons: cannot watch line %d of %s for %s: %s%s",
+			 offset, options->chip, action_names[line_actions[index]], strerror(-err),
+			 err == -EBUSY ? " (is it used twice, or by another program?)" : "");
+}
+
+static int open_line(struct gpio_buttons *gpio, const struct gpio_options *options, int index,
+		     struct fault *fault)
+{
+	const struct gpio_line_settings settings = {
+		.active_low = options->active_low,
+		.bias = (enum gpio_bias)options->bias,
+		.settle_ns = options->debounce_ms * NS_PER_MS,
+	};
+	struct gpio_line *line = &gpio->lines[index];
+	int err, level;
+
+	err = gpio_line_open(line, gpio->chip, (unsigned)options->offsets[index], &settings);
 	if (err)
-		return fault_say(
-			fault, err, "gpio buttons: cannot watch line %d of %s for %s: %s%s", offset,
-			options->chip, action_names[line_actions[index]], strerror(-err),
-			err == -EBUSY ? " (is it used twice, or by another program?)" : "");
-	gpio->lines[index] = line;
-	if (epoll_ctl(gpio->epoll, EPOLL_CTL_ADD, gpiod_line_event_get_fd(line), &event))
-		err = -errno;
+		return refuse_line(err, options, index, fault);
+	level = gpio_line_level(line);
+	if (level < 0)
+		return refuse_line(level, options, index, fault);
+	button_start(&gpio->buttons[index], level, action_repeats(line_actions[index]));
+	err = watch(gpio, gpio_line_descriptor(line), index);
 	return err ? fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err)) : 0;
 }
 
-static int gpio_open(struct buttons *buttons, struct fault *fault)
+static int open_lines(struct gpio_buttons *gpio, const struct gpio_options *options,
+		      struct fault *fault)
 {
-	const struct gpio_options *options = buttons->options;
-	struct gpio_buttons *gpio = calloc(1, sizeof(*gpio));
 	int lines = 0;
-	int err;
 
-	if (!gpio)
-		return fault_say(fault, -ENOMEM, "gpio buttons: not enough memory");
-	buttons->state = gpio;
-	gpio->debounce_ns = options->debounce_ms * NS_PER_MS;
-	gpio->epoll = epoll_create1(EPOLL_CLOEXEC);
-	if (gpio->epoll < 0) {
-		err = -errno;
-		return fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err));
-	}
-	gpio->chip = gpiod_chip_open_lookup(options->chip);
-	if (!gpio->chip) {
-		err = errno ? -errno : -ENODEV;
-		return fault_say(fault, err,
-				 "gpio buttons: cannot open the chip \"%s\": %s (inlay devices "
-				 "lists them)",
-				 options->chip, strerror(-err));
-	}
 	for (int i = 0; i < LINES; i++) {
+		int err;
+
 		if (options->offsets[i] < 0)
 			continue;
-		err = request_line(gpio, options, i, fault);
+		err = open_line(gpio, options, i, fault);
 		if (err)
 			return err;
 		lines++;
@@ -163,6 +176,87 @@ static int gpio_open(struct buttons *buttons, struct fault *fault)
 	return 0;
 }
 
+static int open_chip(struct gpio_buttons *gpio, const char *name, struct fault *fault)
+{
+	const int err = gpio_chip_open(&gpio->chip, name);
+
+	if (err == -ENODEV)
+		return fault_say(fault, err,
+				 "gpio buttons: there is no chip \"%s\" (inlay devices lists them)",
+				 name);
+	if (err)
+		return fault_say(fault, err, "gpio buttons: cannot open the chip \"%s\": %s%s",
+				 name, strerror(-err),
+				 err == -EACCES ? " (is this user in the group \"gpio\"?)" : "");
+	return 0;
+}
+
+/* One descriptor for all of it. */
+static int open_waiting(struct gpio_buttons *gpio, struct fault *fault)
+{
+	int err = 0;
+
+	gpio->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+	if (gpio->timer < 0) {
+		err = -errno;
+		return fault_say(fault, err, "gpio buttons: no timer: %s", strerror(-err));
+	}
+	gpio->epoll = epoll_create1(EPOLL_CLOEXEC);
+	if (gpio->epoll < 0)
+		err = -errno;
+	else
+		err = watch(gpio, gpio->timer, TIMER);
+	return err ? fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err)) : 0;
+}
+
+/* For whatever is due first without an edge. */
+static int arm(struct gpio_buttons *gpio, struct fault *fault)
+{
+	int64_t at_ns = gpio->look_ns;
+	struct itimerspec when = {0};
+	int err = 0;
+
+	for (int i = 0; i < LINES; i++) {
+		const int64_t due_ns = button_deadline_ns(&gpio->buttons[i], &gpio->timing);
+
+		if (gpio->lines[i].request && due_ns < at_ns)
+			at_ns = due_ns;
+	}
+	when.it_value.tv_sec = (time_t)(at_ns / NS_PER_S);
+	when.it_value.tv_nsec = (long)(at_ns % NS_PER_S);
+	/* Also makes the descriptor quiet until then. */
+	if (timerfd_settime(gpio->timer, TFD_TIMER_ABSTIME, &when, NULL))
+		err = -errno;
+	return err ? fault_say(fault, err, "gpio buttons: timer: %s", strerror(-err)) : 0;
+}
+
+static int gpio_open(struct buttons *buttons, struct fault *fault)
+{
+	const struct gpio_options *options = buttons->options;
+	struct gpio_buttons *gpio = calloc(1, sizeof(*gpio));
+	int err;
+
+	if (!gpio)
+		return fault_say(fault, -ENOMEM, "gpio buttons: not enough memory");
+	gpio->epoll = -1;
+	gpio->timer = -1;
+	buttons->state = gpio;
+	gpio->timing = (struct button_timing){
+		.settle_ns = GPIO_KERNEL_SETTLES ? 0 : options->debounce_ms * NS_PER_MS,
+		.repeat_after_ns = options->repeat_after_ms * NS_PER_MS,
+		.repeat_every_ns = options->repeat_every_ms * NS_PER_MS,
+	};
+	err = open_waiting(gpio, fault);
+	if (!err)
+		err = open_chip(gpio, options->chip, fault);
+	if (!err)
+		err = open_lines(gpio, options, fault);
+	if (err)
+		return err;
+	gpio->look_ns = clock_now_ns() + LOOK_EVERY_NS;
+	return arm(gpio, fault);
+}
+
 static int gpio_descriptor(struct buttons *buttons)
 {
 	return ((struct gpio_buttons *)buttons->state)->epoll;
@@ -171,36 +265,104 @@ static int gpio_descriptor(struct buttons *buttons)
 /* 1: a press; 0: an edge that is none; -errno. */
 static int take_edge(struct gpio_buttons *gpio, int index)
 {
-	struct gpiod_line_event event;
-	int64_t at_ns, still_ns;
+	bool level;
+	int64_t at_ns, now_ns;
+	int err;
 
-	if (gpiod_line_event_read(gpio->lines[index], &event))
-		return -errno;
-	at_ns = (int64_t)event.ts.tv_sec * NS_PER_S + event.ts.tv_nsec;
-	still_ns = at_ns - gpio->last_edge_ns[index];
-	gpio->last_edge_ns[index] = at_ns;
-	return event.event_type == GPIOD_LINE_EVENT_RISING_EDGE && still_ns >= gpio->debounce_ns;
+	err = gpio_line_edge(&gpio->lines[index], &level, &at_ns);
+	if (err)
+		return err;
+	now_ns = clock_now_ns();
+	/* Kernels before 5.7 stamp edges with the time of day. */
+	if (at_ns > now_ns)
+		at_ns = now_ns;
+	return button_edge(&gpio->buttons[index], &gpio->timing, level, at_ns);
+}
+
+/* The line whose oldest edges are a press; LINES: none, all edges were taken; -errno. */
+static int take_edges(struct gpio_buttons *gpio)
+{
+	struct epoll_event ready;
+
+	for (int i = 0; i < EDGES_AT_ONCE && epoll_wait(gpio->epoll, &ready, 1, 0) == 1; i++) {
+		const int index = (int)ready.data.u32;
+		uint64_t ticks;
+		int pressed;
+
+		if (index == TIMER) {
+			if (read(gpio->timer, &ticks, sizeof(ticks)) < 0 && errno != EAGAIN)
+				return -errno;
+			continue;
+		}
+		pressed = ready.events & EPOLLIN ? take_edge(gpio, index) : -ENODEV;
+		if (pressed)
+			return pressed < 0 ? pressed : index;
+	}
+	return LINES;
+}
+
+static int look(struct gpio_buttons *gpio, int64_t now_ns)
+{
+	for (int i = 0; i < LINES; i++) {
+		int level;
+
+		if (!gpio->lines[i].request)
+			continue;
+		level = gpio_line_level(&gpio->lines[i]);
+		if (level < 0)
+			return level;
+		/* Never a press: nothing was left that had settled. */
+		button_edge(&gpio->buttons[i], &gpio->timing, level, now_ns);
+	}
+	gpio->look_ns = now_ns + LOOK_EVERY_NS;
+	return 0;
+}
+
+static int settled_press(struct gpio_buttons *gpio, int64_t now_ns)
+{
+	int index = 0;
+
+	while (index < LINES &&
+	       !(gpio->lines[index].request &&
+		 button_settle(&gpio->buttons[index], &gpio->timing, now_ns)))
+		index++;
+	return index;
+}
+
+/* The line that is pressed, LINES or -errno. */
+static int next_press(struct gpio_buttons *gpio)
+{
+	/* Before the edges are taken: those that come meanwhile have not settled by then. */
+	const int64_t now_ns = clock_now_ns();
+	int index = take_edges(gpio);
+
+	if (index == LINES)
+		index = settled_press(gpio, now_ns);
+	if (index == LINES && now_ns >= gpio->look_ns) {
+		const int err = look(gpio, now_ns);
+
+		if (err)
+			return err;
+	}
+	return index;
 }
 
 static int gpio_read(struct buttons *buttons, struct button_press *press, struct fault *fault)
 {
 	struct gpio_buttons *gpio = buttons->state;
-	struct epoll_event ready;
-	int count;
+	const int index = next_press(gpio);
+	int err;
 
-	while ((count = epoll_wait(gpio->epoll, &ready, 1, 0)) == 1) {
-		const int index = (int)ready.data.u32;
-		const int pressed = ready.events & EPOLLIN ? take_edge(gpio, index) : -ENODEV;
-
-		if (pressed < 0)
-			return fault_say(fault, pressed, "gpio buttons: the chip is gone: %s",
-					 strerror(-pressed));
-		if (pressed) {
-			press->action = line_actions[index];
-			return 0;
-		}
-	}
-	return -EAGAIN;
+	if (index < 0)
+		return fault_say(fault, index, "gpio buttons: the chip is gone: %s",
+				 strerror(-index));
+	err = arm(gpio, fault);
+	if (err)
+		return err;
+	if (index == LINES)
+		return -EAGAIN;
+	press->action = line_actions[index];
+	return 0;
 }
 
 static void gpio_close(struct buttons *buttons)
@@ -209,60 +371,25 @@ static void gpio_close(struct buttons *buttons)
 
 	if (!gpio)
 		return;
+	for (int i = 0; i < LINES; i++)
+		gpio_line_close(&gpio->lines[i]);
+	gpio_chip_close(gpio->chip);
 	if (gpio->epoll >= 0)
 		close(gpio->epoll);
-	if (gpio->chip)
-		gpiod_chip_close(gpio->chip); /* and releases its lines */
+	if (gpio->timer >= 0)
+		close(gpio->timer);
 	free(gpio);
 	buttons->state = NULL;
 }
 
-static int list_lines(struct gpiod_chip *chip, void (*found)(void *context, const char *line),
-		      void *context)
-{
-	const unsigned count = gpiod_chip_num_lines(chip);
-	char text[256];
-
-	snprintf(text, sizeof(text), "%s [%s], %u lines", gpiod_chip_name(chip),
-		 gpiod_chip_label(chip), count);
-	found(context, text);
-	for (unsigned i = 0; i < count; i++) {
-		struct gpiod_line *line = gpiod_chip_get_line(chip, i);
-		const char *name = line ? gpiod_line_name(line) : NULL;
-		const char *user = line ? gpiod_line_consumer(line) : NULL;
-
-		if (!line)
-			return -errno;
-		snprintf(text, sizeof(text), "  line %u%s%s: %s%s%s", i, name ? " " : "",
-			 name ? name : "",
-			 gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_INPUT ? "input"
-										  : "output",
-			 user ? ", used by " : "", user ? user : "");
-		found(context, text);
-	}
-	return 0;
-}
-
 static int gpio_list(void (*found)(void *context, const char *line), void *context)
 {
-	struct gpiod_chip_iter *chips = gpiod_chip_iter_new();
-	struct gpiod_chip *chip;
-	int err = chips ? 0 : -errno;
+	const int err = gpio_lines_list(found, context);
 
-	if (err == -EACCES) {
-		found(context,
-		      "there are chips, but not for this user (is it in the group \"gpio\"?)");
-		return 0;
-	}
-	if (err)
+	if (err != -EACCES)
 		return err;
-	gpiod_foreach_chip(chips, chip)
-	{
-		if (!err)
-			err = list_lines(chip, found, context);
-	}
-	gpiod_chip_iter_free(chips);
-	return err;
+	found(context, "there are chips, but not for this user (is it in the group \"gpio\"?)");
+	return 0;
 }
 
 const struct buttons_ops buttons_gpio = {

@@ -18,9 +18,10 @@ DRIVER_SOURCES := \
 	drivers/sim/studio_view.c \
 	drivers/sim/y4m.c \
 	drivers/buttons_script.c \
+	drivers/gpio/button.c \
 	drivers/display_file.c \
 	drivers/display_null.c
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c drivers/kms/find.c \
 	drivers/kms/mode.c drivers/kms/state.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
-DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c)
+DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/gpio/lines.c)

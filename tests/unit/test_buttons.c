@@ -179,8 +179,8 @@ static void gpio_missing(void **state)
 	for (const struct ini_key *key = buttons_gpio.keys; key->name; key++)
 		if (!strcmp(key->name, "chip"))
 			strcpy((char *)options + key->offset, "no-such-chip");
-	assert_int_equal(buttons_open(&buttons, &buttons_gpio, options, &fault), -ENOENT);
-	assert_non_null(strstr(fault.text, "no-such-chip"));
+	assert_int_equal(buttons_open(&buttons, &buttons_gpio, options, &fault), -ENODEV);
+	assert_non_null(strstr(fault.text, "there is no chip \"no-such-chip\""));
 	free(options);
 }
 #endif

@@ -1,0 +1,59 @@
+#include "drivers/gpio/button.h"
+
+void button_start(struct button *button, bool level, bool repeats)
+{
+	*button = (struct button){
+		.repeats = repeats,
+		.level = level,
+		.pressed = level,
+		.repeat_ns = BUTTON_NEVER,
+	};
+}
+
+/* The level has lasted: true when that is a press. */
+static bool settle(struct button *button, const struct button_timing *timing, int64_t now_ns)
+{
+	if (button->level == button->pressed || now_ns - button->edge_ns < timing->settle_ns)
+		return false;
+	button->pressed = button->level;
+	button->pressed_ns = button->edge_ns;
+	button->repeat_ns = button->pressed && button->repeats && timing->repeat_after_ns
+				    ? button->edge_ns + timing->repeat_after_ns
+				    : BUTTON_NEVER;
+	return button->pressed;
+}
+
+bool button_edge(struct button *button, const struct button_timing *timing, bool level,
+		 int64_t at_ns)
+{
+	bool press;
+
+	if (level == button->level)
+		return false; /* its opposite was lost */
+	press = settle(button, timing, at_ns);
+	button->level = level;
+	button->edge_ns = at_ns;
+	return press;
+}
+
+bool button_settle(struct button *button, const struct button_timing *timing, int64_t now_ns)
+{
+	if (settle(button, timing, now_ns))
+		return true;
+	if (now_ns < button->repeat_ns || !button->level)
+		return false;
+	if (now_ns - button->pressed_ns >= BUTTON_STUCK_NS) {
+		button->repeat_ns = BUTTON_NEVER;
+		return false;
+	}
+	/* From now, not from when it was due: a program that was held up does not catch up. */
+	button->repeat_ns = now_ns + timing->repeat_every_ns;
+	return true;
+}
+
+int64_t button_deadline_ns(const struct button *button, const struct button_timing *timing)
+{
+	if (button->level != button->pressed)
+		return button->edge_ns + timing->settle_ns;
+	return button->level ? button->repeat_ns : BUTTON_NEVER;
+}
