@@ -397,7 +397,7 @@ static int take_frame(struct camera *camera, struct sim *sim, struct frame *fram
 		.width = camera->width,
 		.height = camera->height,
 		.matrix = sim->matrix,
-		.range = sim->range,
+		.range = camera->format == PIXEL_YUYV ? sim->range : RANGE_FULL,
 		.timestamp_ns = timestamp_ns(camera, sim, sequence),
 		.sequence = (uint32_t)sequence,
 	};

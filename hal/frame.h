@@ -47,7 +47,8 @@ enum frame_fields {
 enum deinterlace {
 	DEINTERLACE_WEAVE, /* both, line by line: sharp at rest, combed in motion; the default */
 	DEINTERLACE_BOB,   /* the later field alone, its lines interpolated: half the height's detail */
-	DEINTERLACE_BLEND, /* both, each line averaged with its neighbour: soft, never combed */
+	DEINTERLACE_BLEND, /* both, half of each in every line (1 2 1 down the lines): soft, never
+			      combed */
 	DEINTERLACE_COUNT
 };
 
@@ -69,7 +70,7 @@ struct frame {
 	bool bottom_first; /* the bottom field was captured before the top one */
 	struct frame_plane bottom_planes[FRAME_PLANES]; /* of FIELDS_PAIR */
 	enum colour_matrix matrix;			/* of Y'CbCr formats */
-	enum colour_range range;
+	enum colour_range range; /* of Y'CbCr and R'G'B' formats; for the latter mostly RANGE_FULL */
 	int64_t timestamp_ns; /* of capture, CLOCK_MONOTONIC */
 	uint32_t sequence;    /* counts at the source: a gap is a lost frame */
 	int buffer;	      /* the driver's own handle; others leave it alone */
@@ -93,11 +94,20 @@ size_t frame_plane_stride(enum pixel_format format, int plane, int width);
 
 /*
  * Decodes a frame into a canvas of the same size: matrix and range as the frame says (a JPEG is
- * always BT.601 full), no flips, no scaling; Y'CbCr to within 0.501 levels, RGB exactly. -EINVAL
- * (short planes, sizes that differ), -EBADMSG (a JPEG that does not decode), -ENOTSUP (PIXEL_RGBF
- * and PIXEL_NONE). The decoder keeps its state (a JPEG decompressor, a strip of planes), so that
- * nothing of ours is allocated per frame of a size that it has met (libjpeg allocates what it needs
- * for each picture); one for each thread.
+ * always BT.601 full), no flips, no scaling; Y'CbCr and R'G'B' of limited range to within 0.501
+ * levels, R'G'B' of full range exactly. -EINVAL (short planes, sizes that differ, fields in an odd
+ * number of lines), -EBADMSG (a JPEG that does not decode), -ENOTSUP (PIXEL_RGBF and PIXEL_NONE).
+ *
+ * Fields: a progressive frame is decoded as it is. Each line of an interlaced frame's canvas shows
+ * the place of the scene that it would show in a progressive one, whichever way is taken: nothing
+ * moves up or down by half a line. What interpolation makes is rounded to the nearest, halves up,
+ * from decoded R'G'B'. A field that is alone is interpolated to the whole height. NV12 in one
+ * picture has chroma lines that belong to the fields in turn, so its height is a multiple of four.
+ * Interlaced MJPEG is one JPEG of the whole height or two of half of it, one after the other.
+ *
+ * The decoder keeps its state (a JPEG decompressor, a strip of planes, a picture for MJPEG in
+ * fields), so that nothing of ours is allocated per frame of a size that it has met (libjpeg
+ * allocates what it needs for each picture); one for each thread.
  */
 struct frame_decoder;
 int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace);

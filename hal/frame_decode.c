@@ -3,9 +3,10 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <turbojpeg.h>
 
 #include "hal/frame.h"
+#include "hal/frame_fields.h"
+#include "hal/frame_jpeg.h"
 #include "hal/frame_ycbcr.h"
 
 /* Packed and interleaved chroma goes through planes, a strip at a time so that it stays in the
@@ -14,22 +15,25 @@ enum { STRIP_ROWS = 16 };
 
 struct frame_decoder {
 	enum deinterlace deinterlace;
-	tjhandle jpeg;
-	uint8_t *strip; /* Y, U and V of STRIP_ROWS rows */
+	struct frame_jpeg jpeg;
+	uint8_t *strip; /* Y, U and V of STRIP_ROWS rows; two rows of pixels while blending */
 	int strip_width;
+	struct canvas unpacked; /* JPEG in fields */
 };
 
 int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace)
 {
 	struct frame_decoder *d = calloc(1, sizeof(*d));
+	int err;
 
 	*decoder = NULL;
 	if (!d)
 		return -ENOMEM;
-	d->jpeg = tjInitDecompress();
-	if (!d->jpeg) {
+	d->deinterlace = deinterlace;
+	err = frame_jpeg_create(&d->jpeg);
+	if (err) {
 		free(d);
-		return -ENOMEM;
+		return err;
 	}
 	*decoder = d;
 	return 0;
@@ -39,8 +43,8 @@ void frame_decoder_destroy(struct frame_decoder *decoder)
 {
 	if (!decoder)
 		return;
-	if (decoder->jpeg)
-		tjDestroy(decoder->jpeg);
+	frame_jpeg_destroy(&decoder->jpeg);
+	canvas_free(&decoder->unpacked);
 	free(decoder->strip);
 	free(decoder);
 }
@@ -169,78 +173,158 @@ static void copy_bgrx(const struct frame *frame, struct canvas *canvas)
 	}
 }
 
-/* Some webcams put stray bytes between the last scan and its end marker in every picture; the
- * picture is whole. Any other complaint means that part of it is missing or made up. */
-static int jpeg_is_damaged(tjhandle jpeg)
+static void expand(struct canvas *canvas)
 {
-	return tjGetErrorCode(jpeg) != TJERR_WARNING ||
-	       !strstr(tjGetErrorStr2(jpeg), "extraneous bytes");
+	struct ycbcr k;
+
+	ycbcr_prepare(&k, MATRIX_BT601, RANGE_LIMITED);
+	for (int y = 0; y < canvas->height; y++)
+		ycbcr_row_expand(&k, canvas->width, row_of(canvas, y));
 }
 
-/* TurboJPEG does not recover by itself from a header that it gave up in the middle of: every later
- * picture would fail too. */
-static int refuse_header(struct frame_decoder *decoder, struct fault *fault)
+static int decode_rgb(const struct frame *frame, struct canvas *canvas)
 {
-	fault_say(fault, -EBADMSG, "frame: not a JPEG picture: %s", tjGetErrorStr2(decoder->jpeg));
-	tjDestroy(decoder->jpeg);
-	decoder->jpeg = tjInitDecompress();
-	return -EBADMSG;
-}
+	const uint8_t *from = frame->planes[0].data;
+	const int stride = (int)frame->planes[0].stride, out_stride = (int)canvas->stride;
+	int err = 0;
 
-static int decode_jpeg(struct frame_decoder *decoder, const struct frame *frame,
-		       struct canvas *canvas, struct fault *fault)
-{
-	const uint8_t *data = frame->planes[0].data;
-	const size_t bytes = frame->planes[0].bytes;
-	int width, height, subsampling, colours;
-
-	if (!data || bytes == 0)
-		return fault_say(fault, -EBADMSG, "frame: an empty JPEG picture");
-	if (!decoder->jpeg)
-		return fault_say(fault, -ENOMEM, "frame: no memory to decode JPEG pictures");
-	if (tjDecompressHeader3(decoder->jpeg, data, bytes, &width, &height, &subsampling,
-				&colours))
-		return refuse_header(decoder, fault);
-	if (width != frame->width || height != frame->height)
-		return fault_say(fault, -EBADMSG, "frame: a JPEG picture of %dx%d, expected %dx%d",
-				 width, height, frame->width, frame->height);
-	/* BGRA, not BGRX: the former sets the fourth byte to 255. */
-	if (tjDecompress2(decoder->jpeg, data, bytes, canvas->pixels, width, (int)canvas->stride,
-			  height, TJPF_BGRA, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS) &&
-	    jpeg_is_damaged(decoder->jpeg))
-		return fault_say(fault, -EBADMSG, "frame: a damaged JPEG picture: %s",
-				 tjGetErrorStr2(decoder->jpeg));
+	if (frame->format == PIXEL_RGB24) /* libyuv's "RAW" */
+		err = RAWToARGB(from, stride, canvas->pixels, out_stride, frame->width,
+				frame->height);
+	else if (frame->format == PIXEL_BGR24) /* libyuv's "RGB24" */
+		err = RGB24ToARGB(from, stride, canvas->pixels, out_stride, frame->width,
+				  frame->height);
+	else
+		copy_bgrx(frame, canvas);
+	if (err)
+		return -EINVAL;
+	if (frame->range == RANGE_LIMITED)
+		expand(canvas);
 	return 0;
 }
 
-static int decode_raw(struct frame_decoder *decoder, const struct frame *frame,
-		      struct canvas *canvas)
+static int convert(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas)
 {
-	const struct frame_plane *p = frame->planes;
-	const int stride = (int)p[0].stride, out_stride = (int)canvas->stride;
-	const int width = frame->width, height = frame->height;
-
 	switch (frame->format) {
 	case PIXEL_YUYV:
 	case PIXEL_UYVY:
 		return decode_packed(decoder, frame, canvas);
 	case PIXEL_NV12:
 		return decode_nv12(decoder, frame, canvas);
-	case PIXEL_RGB24: /* libyuv's "RAW" */
-		return RAWToARGB(p[0].data, stride, canvas->pixels, out_stride, width, height)
-			       ? -EINVAL
-			       : 0;
-	case PIXEL_BGR24: /* libyuv's "RGB24" */
-		return RGB24ToARGB(p[0].data, stride, canvas->pixels, out_stride, width, height)
-			       ? -EINVAL
-			       : 0;
 	case PIXEL_GREY:
 		decode_grey(frame, canvas);
 		return 0;
 	default:
-		copy_bgrx(frame, canvas);
+		return decode_rgb(frame, canvas);
+	}
+}
+
+/* A progressive picture, or a field as one. */
+static int decode_picture(struct frame_decoder *decoder, const struct frame *frame,
+			  struct canvas *canvas, struct fault *fault)
+{
+	int err;
+
+	if (frame->format == PIXEL_MJPEG)
+		return frame_jpeg_decode(&decoder->jpeg, &frame->planes[0], canvas, fault);
+	err = check_planes(frame, fault);
+	if (err)
+		return err;
+	err = convert(decoder, frame, canvas);
+	if (err)
+		return fault_say(fault, err, "frame: cannot convert %s at %dx%d",
+				 pixel_format_names[frame->format], frame->width, frame->height);
+	return 0;
+}
+
+static int decode_field(struct frame_decoder *decoder, const struct frame *frame, bool bottom,
+			struct canvas *canvas, struct fault *fault)
+{
+	const struct frame field = frame_fields_one(frame, bottom);
+	struct canvas lines = canvas_field(canvas, bottom);
+
+	return decode_picture(decoder, &field, &lines, fault);
+}
+
+static int decode_jpeg_fields(struct frame_decoder *decoder, const struct frame *frame,
+			      struct canvas *upper, struct canvas *lower, struct fault *fault)
+{
+	struct frame_plane second;
+	int err;
+
+	err = frame_jpeg_decode(&decoder->jpeg, &frame->planes[0], upper, fault);
+	if (err || frame->fields == FIELDS_TOP || frame->fields == FIELDS_BOTTOM)
+		return err;
+	second = frame->fields == FIELDS_PAIR ? frame->bottom_planes[0]
+					      : frame_jpeg_after(&frame->planes[0]);
+	return frame_jpeg_decode(&decoder->jpeg, &second, lower, fault);
+}
+
+/* JPEG as a frame that can be taken apart into fields. */
+static int unpack_jpeg(struct frame_decoder *decoder, const struct frame *frame,
+		       struct frame *unpacked, struct fault *fault)
+{
+	struct canvas *canvas = &decoder->unpacked, upper, lower;
+	int height, err;
+
+	if (canvas->width != frame->width || canvas->height != frame->height) {
+		canvas_free(canvas);
+		err = canvas_create(canvas, frame->width, frame->height);
+		if (err)
+			return fault_say(fault, err, "frame: no memory for two fields of %dx%d",
+					 frame->width, frame->height);
+	}
+	err = frame_jpeg_height(&decoder->jpeg, &frame->planes[0], &height, fault);
+	if (err)
+		return err;
+	*unpacked = *frame;
+	unpacked->format = PIXEL_BGRX;
+	unpacked->range = RANGE_FULL;
+	unpacked->planes[0] = (struct frame_plane){canvas->pixels, canvas->stride,
+						   canvas->stride * (size_t)canvas->height};
+	if (height == frame->height && frame->fields >= FIELDS_INTERLACED &&
+	    frame->fields <= FIELDS_BOTTOM_TOP)
+		return frame_jpeg_decode(&decoder->jpeg, &frame->planes[0], canvas, fault);
+	upper = lower = *canvas;
+	upper.height = lower.height = canvas->height / 2;
+	lower.pixels += canvas->stride * (size_t)upper.height;
+	if (frame->fields == FIELDS_PAIR)
+		unpacked->fields = FIELDS_TOP_BOTTOM;
+	else if (frame->fields == FIELDS_INTERLACED)
+		unpacked->fields = frame->bottom_first ? FIELDS_BOTTOM_TOP : FIELDS_TOP_BOTTOM;
+	return decode_jpeg_fields(decoder, frame, &upper, &lower, fault);
+}
+
+static int decode_fields(struct frame_decoder *decoder, const struct frame *frame,
+			 struct canvas *canvas, struct fault *fault)
+{
+	const bool both = frame_fields_has(frame, false) && frame_fields_has(frame, true);
+	const bool alone = !both || decoder->deinterlace == DEINTERLACE_BOB;
+	const bool later_is_bottom = both ? !frame->bottom_first : frame_fields_has(frame, true);
+	struct frame unpacked;
+	int err = frame_fields_check(frame, fault);
+
+	if (err)
+		return err;
+	if (frame->format == PIXEL_MJPEG) {
+		err = unpack_jpeg(decoder, frame, &unpacked, fault);
+		if (err)
+			return err;
+		frame = &unpacked;
+	}
+	err = decode_field(decoder, frame, later_is_bottom, canvas, fault);
+	if (err)
+		return err;
+	if (alone) {
+		canvas_interpolate(canvas, later_is_bottom);
 		return 0;
 	}
+	err = decode_field(decoder, frame, !later_is_bottom, canvas, fault);
+	if (err)
+		return err;
+	if (decoder->deinterlace == DEINTERLACE_BLEND)
+		canvas_blend(canvas, decoder->strip);
+	return 0;
 }
 
 int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,
@@ -255,18 +339,10 @@ int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struc
 	    frame->height != canvas->height)
 		return fault_say(fault, -EINVAL, "frame: %dx%d into a canvas of %dx%d",
 				 frame->width, frame->height, canvas->width, canvas->height);
-	if (frame->format == PIXEL_MJPEG)
-		return decode_jpeg(decoder, frame, canvas, fault);
-	err = check_planes(frame, fault);
-	if (err)
-		return err;
 	err = grow_strip(decoder, frame->width);
 	if (err)
 		return fault_say(fault, err, "frame: no memory to convert %dx%d", frame->width,
 				 frame->height);
-	err = decode_raw(decoder, frame, canvas);
-	if (err)
-		return fault_say(fault, err, "frame: cannot convert %s at %dx%d",
-				 pixel_format_names[frame->format], frame->width, frame->height);
-	return 0;
+	return frame->fields == FIELDS_NONE ? decode_picture(decoder, frame, canvas, fault)
+					    : decode_fields(decoder, frame, canvas, fault);
 }

@@ -67,3 +67,16 @@ void ycbcr_row_grey(const struct ycbcr *k, const uint8_t *restrict y, int width,
 	for (int i = 0; i < width; i++)
 		bgrx[i] = pixel(&m, y[i], 0, 0, 0);
 }
+
+void ycbcr_row_expand(const struct ycbcr *k, int width, uint32_t *bgrx)
+{
+	const struct ycbcr m = *k;
+
+	for (int i = 0; i < width; i++) {
+		const uint32_t b = code(m.y_scale * (uint8_t)bgrx[i] + m.y_offset);
+		const uint32_t g = code(m.y_scale * (uint8_t)(bgrx[i] >> 8) + m.y_offset);
+		const uint32_t r = code(m.y_scale * (uint8_t)(bgrx[i] >> 16) + m.y_offset);
+
+		bgrx[i] = b | g << 8 | r << 16 | UINT32_C(255) << 24;
+	}
+}

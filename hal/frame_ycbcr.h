@@ -27,4 +27,8 @@ void ycbcr_row_full(const struct ycbcr *k, const uint8_t *restrict y, const uint
 void ycbcr_row_grey(const struct ycbcr *k, const uint8_t *restrict y, int width,
 		    uint32_t *restrict bgrx);
 
+/* R'G'B' of limited range (16 is black, 235 white) to full range, in place; k as for RANGE_LIMITED.
+ */
+void ycbcr_row_expand(const struct ycbcr *k, int width, uint32_t *bgrx);
+
 #endif

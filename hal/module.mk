@@ -7,6 +7,8 @@ HAL_SOURCES := \
 	hal/fault.c \
 	hal/frame.c \
 	hal/frame_decode.c \
+	hal/frame_fields.c \
+	hal/frame_jpeg.c \
 	hal/frame_ycbcr.c \
 	hal/log.c \
 	hal/output.c \

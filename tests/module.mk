@@ -29,6 +29,7 @@ UNIT_TESTS := \
 	tests/unit/test_image.c \
 	tests/unit/test_ini.c \
 	tests/unit/test_frame.c \
+	tests/unit/test_deinterlace.c \
 	tests/unit/test_studio.c \
 	tests/unit/test_camera_sim.c \
 	tests/unit/test_camera_v4l2.c
@@ -38,7 +39,8 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_lights.c \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_image.c \
-	tests/fuzz/fuzz_video.c
+	tests/fuzz/fuzz_video.c \
+	tests/fuzz/fuzz_mjpeg.c
 CLI_TESTS := \
 	tests/cli/bake.sh \
 	tests/cli/still.sh \

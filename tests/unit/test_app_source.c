@@ -71,6 +71,7 @@ static int fake_grab(struct camera *camera, struct frame *frame, struct fault *f
 		.format = fake.format,
 		.width = fake.width,
 		.height = fake.height,
+		.range = RANGE_FULL,
 		.timestamp_ns = 1000 + fake.sequence,
 		.sequence = fake.sequence,
 	};

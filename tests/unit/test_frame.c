@@ -60,7 +60,8 @@ static void make(struct fixture *f, enum pixel_format format, int width, int hei
 	memset(f, 0, sizeof(*f));
 	assert_int_equal(frame_decoder_create(&f->decoder, DEINTERLACE_WEAVE), 0);
 	assert_int_equal(canvas_create(&f->canvas, width, height), 0);
-	f->frame = (struct frame){.format = format, .width = width, .height = height};
+	f->frame = (struct frame){
+		.format = format, .width = width, .height = height, .range = RANGE_FULL};
 	for (int p = 0; p < (format == PIXEL_NV12 ? 2 : 1); p++) {
 		const size_t row = frame_plane_stride(format, p, width);
 		const size_t stride = row + extra;
@@ -222,6 +223,33 @@ static void rgb_formats_are_exact(void **state)
 				}
 			drop(&f);
 		}
+}
+
+/* 16 is black and 235 white; what lies beyond is clipped. */
+static void limited_rgb_is_expanded(void **state)
+{
+	static const enum pixel_format formats[] = {PIXEL_RGB24, PIXEL_BGR24, PIXEL_BGRX};
+
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		const int bytes = formats[i] == PIXEL_BGRX ? 4 : 3;
+		struct fixture f;
+
+		make(&f, formats[i], 256, 3, 5);
+		f.frame.range = RANGE_LIMITED;
+		for (int x = 0; x < 256; x++)
+			memset(f.memory[0] + x * bytes, x, (size_t)bytes);
+		assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+		for (int x = 0; x < 256; x++) {
+			const double exact = fmin(fmax((x - 16) * 255.0 / 219, 0), 255);
+			const uint8_t *got = f.canvas.pixels + (size_t)x * 4;
+
+			for (int c = 0; c < 3; c++)
+				assert_true(fabs(got[c] - exact) <= error_max);
+			assert_int_equal(got[3], 255);
+		}
+		drop(&f);
+	}
 }
 
 /* Odd sizes, where chroma is shared with a pixel that is not there; memory ends where it must. */
@@ -507,6 +535,7 @@ int main(void)
 		cmocka_unit_test(video_formats_match_double_precision),
 		cmocka_unit_test(grey_stays_grey),
 		cmocka_unit_test(rgb_formats_are_exact),
+		cmocka_unit_test(limited_rgb_is_expanded),
 		cmocka_unit_test(odd_sizes_decode),
 		cmocka_unit_test(short_planes_are_refused),
 		cmocka_unit_test(other_sizes_and_kinds_are_refused),
