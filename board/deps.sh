@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs the Debian packages that a purpose needs, and nothing when all of them are there.
-#     board/deps.sh build|demo|test ...
+#     board/deps.sh build|demo|package|test ...
 # Root is asked for only when something is missing.
 set -eu
 
@@ -11,16 +11,19 @@ demo="ffmpeg fonts-dejavu-core"
 test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-rt-14-dev valgrind
 	git python3-minimal
 	qemu-system-x86 linux-source-6.1 busybox-static flex bison bc libelf-dev libssl-dev cpio kmod
-	xz-utils v4l-utils libcamera-ipa udev"
+	xz-utils v4l-utils libcamera-ipa udev
+	man-db mandoc lintian mmdebstrap bash-completion zsh systemd"
+package="dpkg-dev xz-utils"
 
 wanted=""
 for purpose in "$@"; do
 	case "$purpose" in
 	build) wanted="$wanted $build" ;;
 	demo) wanted="$wanted $build $demo" ;;
-	test) wanted="$wanted $build $demo $test" ;;
+	package) wanted="$wanted $build $package" ;;
+	test) wanted="$wanted $build $demo $package $test" ;;
 	*)
-		echo "deps: unknown purpose \"$purpose\", expected build, demo or test" >&2
+		echo "deps: unknown purpose \"$purpose\", expected build, demo, package or test" >&2
 		exit 2
 		;;
 	esac

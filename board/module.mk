@@ -1,1 +1,2 @@
 # Nothing here is compiled into the programs; `make kernel` is in tests/vm/vm.mk.
+include board/install.mk
