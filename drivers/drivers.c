@@ -22,6 +22,7 @@ const struct buttons_ops *const buttons_drivers[] = {
 #if WITH_GPIO
 	&buttons_gpio,
 #endif
+	&buttons_keyboard,
 	&buttons_script,
 	NULL,
 };

@@ -17,6 +17,9 @@ DRIVER_SOURCES := \
 	drivers/sim/studio_lights.c \
 	drivers/sim/studio_view.c \
 	drivers/sim/y4m.c \
+	drivers/buttons_keyboard.c \
+	drivers/evdev/keymap.c \
+	drivers/evdev/keys.c \
 	drivers/buttons_script.c \
 	drivers/gpio/button.c \
 	drivers/display_file.c \

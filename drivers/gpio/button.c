@@ -18,7 +18,7 @@ static bool settle(struct button *button, const struct button_timing *timing, in
 	button->pressed = button->level;
 	button->pressed_ns = button->edge_ns;
 	button->repeat_ns = button->pressed && button->repeats && timing->repeat_after_ns
-				    ? button->edge_ns + timing->repeat_after_ns
+				    ? button->edge_ns + timing->settle_ns + timing->repeat_after_ns
 				    : BUTTON_NEVER;
 	return button->pressed;
 }

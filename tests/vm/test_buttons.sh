@@ -34,8 +34,14 @@ ignore() {
 	wait $listening 2>/dev/null
 	cat "$VM_OUT/said" >>"$VM_OUT/said-by-all"
 }
+count() { # action
+	grep -c "^$1\$" "$VM_OUT/said"
+}
 heard() { # times, action
-	[ "$(grep -c "^$2\$" "$VM_OUT/said")" = "$1" ]
+	[ "$(count "$2")" = "$1" ]
+}
+heard_least() { # times, action
+	[ "$(count "$2")" -ge "$1" ]
 }
 
 load gpio-sim
@@ -62,7 +68,9 @@ matches "a line that the chip has not is an error that names it" '^error .*8' "$
 matches "a chip that there is not is an error that names it" gpiochip77 "$(cat "$VM_OUT/second")"
 
 # Under emulation even a bounce takes its time, so the button is said to bounce for long.
-listen chip=panel threshold_up=2 threshold_down=3 debounce_ms=800
+listen chip=panel threshold_up=2 threshold_down=3 debounce_ms=800 repeat_after_ms=0
+level 3 pull-down
+level 3 pull-up
 sleep 1
 for _ in 1 2 3 4 5 6; do
 	level 2 pull-down
@@ -72,9 +80,62 @@ level 2 pull-down
 sleep 1.5
 level 2 pull-up
 sleep 1.5
-press 3
-check "another button after it" within_seconds 5 heard 1 threshold-down
 check "a bouncing press is one action" heard 1 threshold-up
+check "a spike is none" heard 0 threshold-down
+level 3 pull-down
+check "another button after it" within_seconds 5 heard 1 threshold-down
+level 3 pull-up
+ignore
+
+# ---- held ----
+listen chip=panel threshold_up=2 view_next=3 repeat_after_ms=400 repeat_every_ms=50
+level 2 pull-down
+level 3 pull-down
+check "a step that is held goes on" within_seconds 20 heard_least 4 threshold-up
+level 2 pull-up
+level 3 pull-up
+sleep 1
+held=$(count threshold-up)
+press 3
+check "and stops when it is let go" within_seconds 5 heard 2 view-next
+equal "at once" "$held" "$(count threshold-up)"
+ignore
+level 2 pull-down
+listen chip=panel threshold_up=2 view_next=3 repeat_after_ms=100 repeat_every_ms=50
+sleep 1
+press 3
+check "a line that is pressed at the start" within_seconds 5 heard 1 view-next
+check "is no press, however long" heard 0 threshold-up
+level 2 pull-up
+sleep 0.1
+press 2
+check "until it was let go" within_seconds 5 heard_least 1 threshold-up
+ignore
+listen chip=panel threshold_up=2 view_next=3 repeat_after_ms=0
+level 2 pull-down
+sleep 1
+level 2 pull-up
+press 3
+check "no repetition when none is wanted" within_seconds 5 heard 1 view-next
+check "but the press" heard 1 threshold-up
+
+# ---- a program that did not look for a while: more edges than the kernel keeps ----
+kill -STOP $listening
+for _ in {1..40}; do
+	level 3 pull-down
+	sleep 0.03
+	level 3 pull-up
+	sleep 0.03
+done
+level 2 pull-down
+kill -CONT $listening
+check "an edge that was not kept is found" within_seconds 5 heard 2 threshold-up
+many=$(count view-next)
+holds "as many presses as were kept ($many)" "2 <= $many && $many <= 41"
+level 2 pull-up
+sleep 0.1
+press 3
+check "and the next press counts" within_seconds 5 heard $((many + 1)) view-next
 ignore
 
 listen chip=panel threshold_up=2 active_low=no bias=pull-down
@@ -84,5 +145,21 @@ sleep 0.1
 level 2 pull-down
 check "a button to the supply works as well" within_seconds 5 heard 1 threshold-up
 ignore
+
+# ---- the chip goes and comes back ----
+level 2 pull-up
+listen chip=panel threshold_up=2
 check "the chip can be taken away" remove_chip
-unload gpio-sim
+check "which is said" within_seconds 10 grep -q '^error .*chip is gone' "$VM_OUT/said"
+"$tools/presses" gpio 1 chip=panel threshold_up=2 >"$VM_OUT/second" 2>&1
+matches "while it is away it is missing by name" 'there is no chip "panel"' "$(cat "$VM_OUT/second")"
+ignore
+check "it comes back" make_chip
+panel=/sys/devices/platform/$(cat "${bank%/bank}/dev_name")/$(cat $bank/chip_name)
+level 2 pull-up
+listen chip=panel threshold_up=2
+press 2
+check "and is pressed" within_seconds 5 heard 1 threshold-up
+ignore
+check "and is taken away for good" remove_chip
+# The module stays: this kernel goes on counting the line that was held when its chip went.

@@ -1,0 +1,49 @@
+#include "drivers/evdev/keys.h"
+
+static void set_bit(unsigned char *bits, unsigned code, bool on)
+{
+	const unsigned char bit = (unsigned char)(1U << (code % 8));
+
+	if (on)
+		bits[code / 8] |= bit;
+	else
+		bits[code / 8] &= (unsigned char)~bit;
+}
+
+enum action keys_take(struct keys *keys, const struct keymap *map, const struct input_event *event)
+{
+	enum action action;
+	bool was_down;
+
+	if (event->type == EV_SYN) {
+		if (event->code == SYN_DROPPED)
+			keys->dropped = true;
+		if (event->code == SYN_REPORT && keys->dropped) {
+			keys->dropped = false;
+			keys->ask = true;
+		}
+	}
+	if (event->type != EV_KEY || keys->dropped || event->code >= KEYMAP_CODES)
+		return ACTION_NONE;
+	action = (enum action)map->actions[event->code];
+	was_down = keys_bit(keys->down, event->code);
+	if (event->value == 2) /* the kernel's repetition */
+		return was_down && action_repeats(action) ? action : ACTION_NONE;
+	set_bit(keys->down, event->code, event->value);
+	return event->value && !was_down ? action : ACTION_NONE;
+}
+
+enum action keys_ask(struct keys *keys, const struct keymap *map, const unsigned char *now)
+{
+	enum action pressed = ACTION_NONE;
+
+	keys->ask = false;
+	for (unsigned code = 0; code < KEYMAP_CODES; code++) {
+		const bool down = keys_bit(now, code);
+
+		if (down && !keys_bit(keys->down, code) && pressed == ACTION_NONE)
+			pressed = (enum action)map->actions[code];
+		set_bit(keys->down, code, down);
+	}
+	return pressed;
+}
