@@ -21,7 +21,7 @@ APP_SOURCES := \
 	app/scaler.c \
 	app/marks.c \
 	app/overlay.c \
-	app/panel.c \
 	app/utf8.c \
 	app/words.c
+APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/panel.c app/typeset.c,app/panel_none.c)
 APP_MAIN := app/main.c

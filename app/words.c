@@ -6,7 +6,7 @@
 
 #include "app/utf8.h"
 
-#define NAME_MAX_BYTES 48 /* a name that is longer may not push out what is wrong */
+#define NAME_MAX_BYTES 40 /* a name that is longer may not push out what is wrong */
 #define ELLIPSIS "\u2026"
 
 /* After "Fisheye camera 'C920' ". "waiting": it goes on by itself. */

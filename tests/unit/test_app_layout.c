@@ -131,6 +131,95 @@ static void each_pixel_of_a_cell_is_written(void **state)
 	}
 }
 
+/* ---- the line of a split picture ---- */
+
+static void a_line_is_always_seen(void **state)
+{
+	struct chance chance = chance_begin("a_line_is_always_seen");
+
+	(void)state;
+	for (int run = 0; run < 1000; run++) {
+		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+				   chance_int(&chance, 1, 2000), chance_int(&chance, 1, 2000)};
+		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
+		struct box box = layout_box(&cell, chance_int(&chance, 1, 3000),
+					    chance_int(&chance, 1, 3000), 1, how);
+		double split = run % 3 ? chance_real(&chance, 0, 1) : run % 2;
+		struct span line = layout_line(&cell, &box, split);
+		int left = box.x > cell.x ? box.x : cell.x;
+		int width = box.width < cell.width ? box.width : cell.width;
+
+		assert_true(line.from >= left);
+		assert_true(line.to <= left + width);
+		assert_true(line.to - line.from >= (width < 3 ? width : 3));
+		if (split == 0)
+			assert_int_equal(line.from, left);
+		if (split == 1)
+			assert_int_equal(line.to, left + width);
+	}
+}
+
+/* Two fillings and the line between them write what one filling writes, but for the line. */
+static void two_halves_are_the_whole(void **state)
+{
+	struct chance chance = chance_begin("two_halves_are_the_whole");
+	enum { WIDTH = 90, HEIGHT = 70 };
+	static uint8_t all[HEIGHT][WIDTH][4], halves[HEIGHT][WIDTH][4];
+	const struct display_buffer one = {&all[0][0][0], sizeof(all[0]), WIDTH, HEIGHT, 0};
+	const struct display_buffer two = {&halves[0][0][0], sizeof(all[0]), WIDTH, HEIGHT, 0};
+
+	(void)state;
+	for (int run = 0; run < 300; run++) {
+		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+				   chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
+		struct canvas canvas = coordinates(chance_int(&chance, 1, 100),
+						   chance_int(&chance, 1, 100));
+		struct view view = {.width = canvas.width,
+				    .height = canvas.height,
+				    .hflip = run % 4 / 2,
+				    .squash = 1};
+		struct picture picture = view_picture(&view, canvas.pixels, canvas.stride);
+		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
+		struct box box = layout_box(&cell, canvas.width, canvas.height, 1, how);
+		struct span line = layout_line(&cell, &box, chance_real(&chance, 0, 1));
+		struct scaler scaler = {.scratch = NULL};
+
+		memset(all, UNTOUCHED, sizeof(all));
+		memset(halves, UNTOUCHED, sizeof(halves));
+		assert_int_equal(layout_place(&one, &cell, &picture, 1, how, &scaler, NULL), 0);
+		layout_border(&two, &cell, &box);
+		assert_int_equal(layout_fill(&two, &cell, &box, &(struct span){-100, line.from},
+					     &picture, &scaler, NULL),
+				 0);
+		assert_int_equal(layout_fill(&two, &cell, &box, &(struct span){line.to, 1000},
+					     &picture, &scaler, NULL),
+				 0);
+		for (int y = 0; y < HEIGHT; y++) {
+			bool in_rows = y >= cell.y && y >= box.y && y < cell.y + cell.height &&
+				       y < box.y + box.height;
+
+			for (int x = line.from; in_rows && x < line.to; x++) {
+				assert_int_equal(halves[y][x][2], UNTOUCHED);
+				memcpy(halves[y][x], all[y][x], 4);
+			}
+		}
+		assert_memory_equal(halves, all, sizeof(all));
+		layout_draw_line(&two, &cell, &box, &line);
+		for (int y = 0; y < HEIGHT; y++) {
+			for (int x = 0; x < WIDTH; x++) {
+				bool in_line = x >= line.from && x < line.to && y >= cell.y &&
+					       y >= box.y && y < cell.y + cell.height &&
+					       y < box.y + box.height;
+
+				if (!in_line)
+					assert_memory_equal(halves[y][x], all[y][x], 4);
+			}
+		}
+		scaler_free(&scaler);
+		canvas_free(&canvas);
+	}
+}
+
 /* ---- marks ---- */
 
 static struct fisheye lens_of(int width, int height)
@@ -165,7 +254,7 @@ static void marks_lie_on_the_lights(void **state)
 		used[i] = i % 3 == 0;
 	assert_int_equal(canvas_create(&canvas, SIDE, SIDE), 0);
 	memset(canvas.pixels, UNTOUCHED, canvas.stride * SIDE);
-	marks_draw(&canvas, &dome, &lens, used);
+	marks_draw(&canvas, &dome, &lens, used, 4);
 	for (int i = 0; i < 46; i++) {
 		const double *d = dome.direction[i];
 		double theta = acos(d[2]), phi = atan2(d[1], d[0]);
@@ -186,21 +275,23 @@ static void marks_are_squares_of_their_size(void **state)
 	static const int sides[] = {40, 243, 480, 1080};
 
 	(void)state;
-	assert_int_equal(mark_side_px(243), 2);
-	assert_int_equal(mark_side_px(480), 4);
+	assert_int_equal(mark_side_px(243, 1000), 2);
+	assert_int_equal(mark_side_px(480, 480), 4);
+	assert_int_equal(mark_side_px(480, 120), 12); /* 3 of the screen's pixels */
+	assert_int_equal(mark_side_px(120, 120), 3);
 	for (size_t s = 0; s < sizeof(sides) / sizeof(*sides); s++) {
 		struct fisheye lens = lens_of(sides[s], sides[s]);
 		const bool used[6] = {true, true, true, true, true, true};
 		struct canvas canvas;
 		struct dome dome;
-		int coloured = 0, side = mark_side_px(sides[s]);
+		int coloured = 0, side = mark_side_px(sides[s], sides[s]);
 
 		assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
 		assert_int_equal(dome.count, 6);
 		dome.count = 1; /* the zenith alone: in the middle */
 		assert_int_equal(canvas_create(&canvas, sides[s], sides[s]), 0);
 		memset(canvas.pixels, UNTOUCHED, canvas.stride * (size_t)sides[s]);
-		marks_draw(&canvas, &dome, &lens, used);
+		marks_draw(&canvas, &dome, &lens, used, side);
 		for (int y = 0; y < canvas.height; y++) {
 			for (int x = 0; x < canvas.width; x++)
 				coloured += is_colour(&canvas, x, y, used_bgr);
@@ -218,6 +309,8 @@ int main(void)
 		cmocka_unit_test(quarters_tile_the_screen),
 		cmocka_unit_test(boxes_keep_the_shape),
 		cmocka_unit_test(each_pixel_of_a_cell_is_written),
+		cmocka_unit_test(a_line_is_always_seen),
+		cmocka_unit_test(two_halves_are_the_whole),
 		cmocka_unit_test(marks_lie_on_the_lights),
 		cmocka_unit_test(marks_are_squares_of_their_size),
 	};

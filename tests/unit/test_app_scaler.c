@@ -71,7 +71,7 @@ static void scale(const struct picture *from, struct canvas *to, struct pool *po
 
 	assert_int_equal(
 		scaler_fit(&scaler, from->width, from->height, to->width, to->height, pool), 0);
-	scaler_run(&scaler, pool, from, to->pixels, to->stride);
+	scaler_run(&scaler, pool, from, 0, to->width, to->pixels, to->stride);
 	scaler_free(&scaler);
 	scaler_free(&scaler);
 }
@@ -177,6 +177,43 @@ static void threads_change_nothing(void **state)
 	canvas_free(&many);
 }
 
+/* Columns made alone are those of the whole, and nothing beside them is touched. */
+static void columns_are_those_of_the_whole(void **state)
+{
+	struct chance chance = chance_begin("columns_are_those_of_the_whole");
+
+	(void)state;
+	for (int run = 0; run < 60; run++) {
+		struct canvas from = noise(&chance, chance_int(&chance, 1, 40),
+					   chance_int(&chance, 1, 40));
+		struct canvas all = noise(&chance, chance_int(&chance, 1, 70),
+					  chance_int(&chance, 1, 70));
+		int left = chance_int(&chance, 0, all.width);
+		int right = chance_int(&chance, left, all.width);
+		struct picture picture = whole(&from, run % 2, run / 2 % 2);
+		struct scaler scaler = {.scratch = NULL};
+		uint8_t out[70][72][4];
+
+		scale(&picture, &all, NULL);
+		memset(out, 77, sizeof(out));
+		assert_int_equal(
+			scaler_fit(&scaler, from.width, from.height, all.width, all.height, NULL),
+			0);
+		scaler_run(&scaler, NULL, &picture, left, right, out[0][1], sizeof(out[0]));
+		for (int y = 0; y < all.height; y++) {
+			const uint8_t *row = all.pixels + (size_t)y * all.stride;
+			int end = 1 + right - left;
+
+			assert_memory_equal(out[y][1], row + 4 * left, 4 * (size_t)(right - left));
+			assert_int_equal(out[y][0][3], 77);
+			assert_int_equal(out[y][end][0], 77);
+		}
+		scaler_free(&scaler);
+		canvas_free(&from);
+		canvas_free(&all);
+	}
+}
+
 /* Nothing outside the rectangle is touched. */
 static void writes_no_further(void **state)
 {
@@ -189,7 +226,7 @@ static void writes_no_further(void **state)
 	(void)state;
 	memset(out, 77, sizeof(out));
 	assert_int_equal(scaler_fit(&scaler, 9, 9, 30, 30, NULL), 0);
-	scaler_run(&scaler, NULL, &picture, out + 5 * 200 + 8, 200);
+	scaler_run(&scaler, NULL, &picture, 0, 30, out + 5 * 200 + 8, 200);
 	for (int y = 0; y < 40; y++) {
 		for (int x = 0; x < 200; x++) {
 			if (y < 5 || y >= 35 || x < 8 || x >= 8 + 120)
@@ -203,8 +240,11 @@ static void writes_no_further(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(is_the_filter_it_says), cmocka_unit_test(equal_sizes_are_a_copy),
-		cmocka_unit_test(flat_stays_flat),	 cmocka_unit_test(threads_change_nothing),
+		cmocka_unit_test(is_the_filter_it_says),
+		cmocka_unit_test(equal_sizes_are_a_copy),
+		cmocka_unit_test(flat_stays_flat),
+		cmocka_unit_test(threads_change_nothing),
+		cmocka_unit_test(columns_are_those_of_the_whole),
 		cmocka_unit_test(writes_no_further),
 	};
 
