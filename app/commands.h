@@ -4,6 +4,7 @@
 
 #include "app/options.h"
 
-extern const struct command command_run, command_still, command_devices, command_check;
+extern const struct command command_run, command_control, command_still, command_devices,
+	command_check;
 
 #endif

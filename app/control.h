@@ -7,14 +7,21 @@
  *     status                                                        ->  one line of JSON
  *     anything else                                                 ->  error: what was expected
  *
- * Nothing blocks: a client that does not read its replies, sends without end or never ends its line
- * is cut off, and the others are served.
+ * Nothing blocks, and nobody is kept from the kiosk by another: a client that does not read its
+ * replies, sends without end or a line without end is cut off, and when CONTROL_CLIENTS_MAX are
+ * connected, one more takes the place of whoever has been silent longest.
  */
 #ifndef INLAY_APP_CONTROL_H
 #define INLAY_APP_CONTROL_H
 
+#include <stddef.h>
+
 #include "hal/buttons.h"
 #include "hal/fault.h"
+
+#define CONTROL_CLIENTS_MAX 8
+#define CONTROL_LINE_MAX 256 /* with its newline */
+#define CONTROL_RATE_MAX 500 /* lines a second, of one client */
 
 struct control;
 
@@ -25,6 +32,11 @@ struct control_request {
 	struct button_press press; /* of CONTROL_ACTION */
 };
 
+/* A line without its newline: 0, or -EINVAL and what was expected. No other byte than those of
+ * printed ASCII gets into the fault. */
+int control_parse(const char *line, size_t length, struct control_request *request,
+		  struct fault *fault);
+
 /* path: of the socket; one that a dead kiosk left is replaced, one in use is -EADDRINUSE. group:
  * name, or empty. */
 int control_open(struct control **control, const char *path, const char *group,
@@ -33,7 +45,9 @@ int control_open(struct control **control, const char *path, const char *group,
 /* Polls readable when control_next() has something to do. */
 int control_descriptor(const struct control *control);
 
-/* The next request, in order; each one but CONTROL_NOTHING must be answered before the next. */
+/* The next request, in order; each one but CONTROL_NOTHING must be answered before the next. After
+ * some requests it says CONTROL_NOTHING although more wait (the descriptor says so), so that a
+ * caller may read until then and still comes to its other work. */
 void control_next(struct control *control, struct control_request *request);
 void control_answer(struct control *control, const char *line); /* without its newline */
 

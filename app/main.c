@@ -5,8 +5,8 @@
 #include "hal/ini/ini.h"
 #include "hal/log.h"
 
-static const struct command *const commands[] = {&command_run, &command_still, &command_devices,
-						 &command_check};
+static const struct command *const commands[] = {&command_run, &command_control, &command_still,
+						 &command_devices, &command_check};
 
 #define COMMAND_COUNT (sizeof(commands) / sizeof(*commands))
 

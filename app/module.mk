@@ -1,9 +1,12 @@
 app_PACKAGES := $(if $(filter 1,$(WITH_CAIRO)),cairo) $(if $(filter 1,$(WITH_SYSTEMD)),libsystemd)
 APP_SOURCES := \
 	app/command_check.c \
+	app/command_control.c \
 	app/command_devices.c \
 	app/command_run.c \
 	app/command_still.c \
+	app/control.c \
+	app/control_socket.c \
 	app/options.c \
 	app/settings.c \
 	app/driver_list.c \

@@ -135,6 +135,22 @@ static int take(const struct command *command, const struct option_row *row, con
 	return OPTIONS_GO_ON;
 }
 
+static int take_bare(const struct command *command, const char *word, void *context)
+{
+	const char *expected = NULL;
+
+	if (!command->take_word) {
+		log_error("%s: \"%.60s\" is no option, expected --name", command->name, word);
+		return EXIT_USAGE;
+	}
+	if (command->take_word(context, word, &expected)) {
+		log_error("%s: \"%.60s\" is not right here, expected %s", command->name, word,
+			  expected);
+		return EXIT_USAGE;
+	}
+	return OPTIONS_GO_ON;
+}
+
 static int read_word(const struct command *command, int argc, char **argv, int *at, void *context)
 {
 	const char *word = argv[*at], *attached = NULL;
@@ -151,10 +167,8 @@ static int read_word(const struct command *command, int argc, char **argv, int *
 		}
 		return take(command, row, word[2] ? word + 2 : NULL, argc, argv, at, context);
 	}
-	if (word[0] != '-' || !word[1]) {
-		log_error("%s: \"%.60s\" is no option, expected --name", command->name, word);
-		return EXIT_USAGE;
-	}
+	if (word[0] != '-' || !word[1])
+		return take_bare(command, word, context);
 	word += 2;
 	length = strcspn(word, "=");
 	if (word[length])

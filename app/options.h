@@ -22,15 +22,17 @@ struct option_row {
 
 struct command {
 	const char *name;
-	const char *usage;		   /* one line after the name */
-	const char *purpose;		   /* one line, for the list of commands */
-	const char *details;		   /* paragraphs below it in --help; may be NULL */
-	const struct option_row *options;  /* ends with a NULL name */
+	const char *usage;		  /* one line after the name */
+	const char *purpose;		  /* one line, for the list of commands */
+	const char *details;		  /* paragraphs below it in --help; may be NULL */
+	const struct option_row *options; /* ends with a NULL name */
+	/* Called for each word that is no option, as take() of a row. NULL: there are none. */
+	int (*take_word)(void *context, const char *word, const char **expected);
 	int (*run)(int argc, char **argv); /* argv[0] is the command's name; returns an exit code */
 };
 
 /* Reads argv[1..]. OPTIONS_GO_ON, or an exit code: --help was printed, or something is wrong and
- * was said on stderr. No command takes bare words. */
+ * was said on stderr. */
 int options_read(const struct command *command, int argc, char **argv, void *context);
 
 /* take() of plain values. */

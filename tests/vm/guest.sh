@@ -42,7 +42,9 @@ for test in tests/vm/test_*.sh; do
 	echo "# $name took $((SECONDS - started)) s" >>"$results"
 done
 dmesg >/run/job/kernel.log
-if grep -E 'BUG:|Oops|Kernel panic|WARNING: ' /run/job/kernel.log >/run/job/kernel-faults; then
+# Linux 6.1 itself forgets the interrupt of a line that is watched when its chip goes away.
+if grep -E 'BUG:|Oops|Kernel panic|WARNING: ' /run/job/kernel.log |
+	grep -v 'WARNING: .* remove_proc_entry' >/run/job/kernel-faults; then
 	result "not ok" "kernel: reported faults"
 	sed 's/^/# /' /run/job/kernel-faults >>"$results"
 fi

@@ -1,0 +1,185 @@
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "app/commands.h"
+#include "app/control_socket.h"
+#include "app/driver_list.h"
+#include "app/settings.h"
+#include "hal/clock.h"
+#include "hal/log.h"
+
+#define REPLY_MAX 65536
+#define REPLY_WITHIN_NS (5 * NS_PER_S)
+
+struct control_options {
+	struct settings settings; /* first: settings_take_config() */
+	const char *socket;
+	const char *words[2]; /* command, value */
+};
+
+static int take_socket(void *context, const char *argument, const char **expected)
+{
+	(void)expected;
+	((struct control_options *)context)->socket = argument;
+	return 0;
+}
+
+static int take_word(void *context, const char *word, const char **expected)
+{
+	struct control_options *options = context;
+	const int place = !options->words[0] ? 0 : 1;
+
+	*expected = "one command and at most one value";
+	if (options->words[place] || strpbrk(word, "\r\n"))
+		return -EINVAL;
+	options->words[place] = word;
+	return 0;
+}
+
+static const struct option_row rows[] = {
+	{.name = "socket", .argument = "PATH", .help = "the kiosk's socket", .take = take_socket},
+	{.name = "config",
+	 .argument = "FILE",
+	 .help = "the kiosk's configuration, which names its socket",
+	 .take = settings_take_config},
+	{.name = NULL}};
+
+static void say_fault(void *context, const char *text)
+{
+	(void)context;
+	log_error("%s", text);
+}
+
+/* 0, or an exit code. */
+static int find_socket(const struct control_options *options, char *path, size_t room)
+{
+	struct ini_report report = {.say = say_fault};
+	struct config *config = NULL;
+	int err;
+
+	if (options->socket) {
+		snprintf(path, room, "%s", options->socket);
+		return 0;
+	}
+	err = settings_read(&options->settings, &config, &report);
+	if (!err)
+		snprintf(path, room, "%s", config->control.socket);
+	config_destroy(config);
+	if (err)
+		return EXIT_FAILED;
+	if (path[0])
+		return 0;
+	log_error("control: which kiosk? expected --socket PATH, or --config FILE with a socket in "
+		  "[control]");
+	return EXIT_USAGE;
+}
+
+/* 0 or -errno; -ETIMEDOUT: it was not ready in time. */
+static int wait_until(int fd, short events, int64_t until_ns)
+{
+	struct pollfd p = {.fd = fd, .events = events};
+	const int64_t left_ns = until_ns - clock_now_ns();
+	int ready;
+
+	if (left_ns <= 0)
+		return -ETIMEDOUT;
+	ready = poll(&p, 1, (int)(left_ns / NS_PER_MS) + 1);
+	if (ready < 0)
+		return -errno;
+	return ready ? 0 : -ETIMEDOUT;
+}
+
+/* 0 or -errno; -EPIPE: the kiosk hung up. The reply is without its newline. */
+static int exchange(int fd, const char *line, char *reply, size_t room)
+{
+	const int64_t until_ns = clock_now_ns() + REPLY_WITHIN_NS;
+	size_t length = 0;
+	char *newline = NULL;
+
+	if (send(fd, line, strlen(line), MSG_NOSIGNAL) < 0 && errno != EPIPE)
+		return -errno;
+	/* Whoever was refused finds the reason here, even when nothing could be sent. */
+	while (!newline && length < room) {
+		ssize_t bytes;
+		int err;
+
+		err = wait_until(fd, POLLIN, until_ns);
+		if (err)
+			return err;
+		bytes = recv(fd, reply + length, room - length, 0);
+		if (bytes < 0)
+			return -errno;
+		if (bytes == 0)
+			return -EPIPE;
+		newline = memchr(reply + length, '\n', (size_t)bytes);
+		length += (size_t)bytes;
+	}
+	if (!newline)
+		return -EMSGSIZE;
+	*newline = '\0';
+	return 0;
+}
+
+static int command(const char *path, const char *line)
+{
+	static char reply[REPLY_MAX];
+	const int fd = control_socket_connect(path);
+	int err;
+
+	if (fd < 0) {
+		log_error("control: no kiosk listens at \"%s\": %s", path, strerror(-fd));
+		return EXIT_FAILED;
+	}
+	err = exchange(fd, line, reply, sizeof(reply));
+	close(fd);
+	if (err) {
+		log_error("control: the kiosk at \"%s\" does not answer: %s", path, strerror(-err));
+		return EXIT_FAILED;
+	}
+	if (!strncmp(reply, "error: ", 7)) {
+		log_error("control: %s", reply + 7);
+		return EXIT_FAILED;
+	}
+	puts(reply);
+	return EXIT_DONE;
+}
+
+static int run(int argc, char **argv)
+{
+	struct control_options options = {.socket = NULL};
+	char path[INI_PATH_MAX] = "", line[1024];
+	int code = options_read(&command_control, argc, argv, &options), length;
+
+	if (code != OPTIONS_GO_ON)
+		return code;
+	if (!options.words[0]) {
+		log_error("control: no command, expected one like view-next or status");
+		return EXIT_USAGE;
+	}
+	length = snprintf(line, sizeof(line), "%s%s%s\n", options.words[0],
+			  options.words[1] ? " " : "", options.words[1] ? options.words[1] : "");
+	if ((size_t)length >= sizeof(line)) {
+		log_error("control: the command is too long");
+		return EXIT_USAGE;
+	}
+	code = find_socket(&options, path, sizeof(path));
+	return code ? code : command(path, line);
+}
+
+const struct command command_control = {
+	.name = "control",
+	.usage = "[--socket PATH | --config FILE] COMMAND [VALUE]",
+	.purpose = "give a running kiosk one command and print its reply",
+	.details = "commands: status, which is answered by one line of JSON, or a press of a "
+		   "button:\n"
+		   "threshold-up, threshold-down, threshold-next, threshold-set LEVEL, view-next,\n"
+		   "pose-next, object, information, split-left, split-right, freeze, quit",
+	.options = rows,
+	.take_word = take_word,
+	.run = run,
+};
