@@ -4,6 +4,9 @@
 
 const struct camera_ops *const camera_drivers[] = {
 	&camera_v4l2,
+#if WITH_LIBCAMERA
+	&camera_libcamera,
+#endif
 	&camera_sim,
 	NULL,
 };

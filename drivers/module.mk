@@ -1,5 +1,5 @@
 drivers_PACKAGES := $(if $(filter 1,$(WITH_KMS)),libdrm) $(if $(filter 1,$(WITH_SDL)),sdl2) \
-	$(if $(filter 1,$(WITH_GPIO)),libgpiod)
+	$(if $(filter 1,$(WITH_GPIO)),libgpiod) $(if $(filter 1,$(WITH_LIBCAMERA)),libcamera)
 DRIVER_SOURCES := \
 	drivers/drivers.c \
 	drivers/camera_v4l2.c \
@@ -28,3 +28,4 @@ DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c drivers/kms
 	drivers/kms/mode.c drivers/kms/state.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/gpio/lines.c)
+DRIVER_SOURCES += $(if $(filter 1,$(WITH_LIBCAMERA)),drivers/camera_libcamera.cpp)
