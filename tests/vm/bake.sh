@@ -27,6 +27,9 @@ bake() {
 mkdir -p "$out/live"
 [ -e "$out/live/cow.obj" ] || "$BUILD/make-cow" "$out/live"
 bake live
+mkdir -p "$out/thesis"
+ln -sfn ../live/cow.obj "$out/thesis/cow.obj"
+bake thesis
 
 if [ -r "$data/mesh/spot.obj" ]; then
 	mkdir -p "$out/spot"

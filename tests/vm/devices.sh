@@ -35,14 +35,16 @@ control() { # node, control=value...
 }
 
 # A vivid with HDMI in and out joined: what is played into the output is what its camera sees.
-# FOURCC is a V4L2 format. 640x480, 60 frames a second.
-#     hdmi_loop INSTANCE FOURCC
+# FOURCC is a V4L2 format. 60 frames a second.
+#     hdmi_loop INSTANCE FOURCC [WIDTHxHEIGHT, else 640x480]
 hdmi_loop() {
-	local in out vga="cvt,width=640,height=480,fps=60" format="width=640,height=480,pixelformat=$2"
+	local in out size=${3:-640x480}
+	local timings="cvt,width=${size%x*},height=${size#*x},fps=60"
+	local format="width=${size%x*},height=${size#*x},pixelformat=$2"
 	in=$(video_node "vivid-00$1-vid-cap")
 	out=$(video_node "vivid-00$1-vid-out")
-	v4l2-ctl -d "$out" --set-dv-bt-timings "$vga" &&
-		v4l2-ctl -d "$in" --set-dv-bt-timings "$vga" &&
+	v4l2-ctl -d "$out" --set-dv-bt-timings "$timings" &&
+		v4l2-ctl -d "$in" --set-dv-bt-timings "$timings" &&
 		v4l2-ctl -d "$out" --set-fmt-video-out "$format" &&
 		v4l2-ctl -d "$in" --set-fmt-video "$format" &&
 		control "$in" loop_video=1 osd_text_mode=2

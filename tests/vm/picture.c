@@ -1,7 +1,10 @@
 /*
  * Pictures for the simulated cameras, and the comparison of what came out of them.
  *
- *     picture chart fisheye|background WIDTH HEIGHT OUT.png
+ *     picture chart fisheye|background WIDTH HEIGHT OUT.png [SQUASH]
+ *                                            SQUASH: height of a pixel over its width
+ *     picture compose WIDTH HEIGHT OUT.png [IN.png X Y upright|vflip|hflip|rotate180]...
+ *                                            pictures side by side on black, as a composer does it
  *     picture raw FORMAT IN.png OUT.raw      as a V4L2 device takes it; Y'CbCr is BT.601 limited
  *     picture compare EXPECTED ACTUAL [x=X] [y=Y] [within=LEVELS]
  *                                            EXPECTED against the part of ACTUAL that starts at
@@ -86,7 +89,7 @@ static void background_colour(double x, double y, double rgb[3])
 	rgb[2] = dark * 255 * (2 - x - y) / 4;
 }
 
-static void chart(const char *kind, int width, int height, const char *path)
+static void chart(const char *kind, int width, int height, double squash, const char *path)
 {
 	struct fault fault = {""};
 	struct image image;
@@ -99,14 +102,50 @@ static void chart(const char *kind, int width, int height, const char *path)
 			const double bx = x / 2 * 2 + 1, by = y / 2 * 2 + 1;
 			double rgb[3];
 			if (!strcmp(kind, "fisheye"))
-				fisheye_colour((2 * bx - width) / small, (2 * by - height) / small,
-					       rgb);
+				fisheye_colour((2 * bx - width) / (small * squash),
+					       (2 * by - height) / small, rgb);
 			else
 				background_colour(2 * bx / width - 1, 2 * by / height - 1, rgb);
 			for (int c = 0; c < 3; c++)
 				to[c] = clamp_u8(rgb[c]);
 		}
 	need(image_write(path, &image, &fault), &fault);
+	image_free(&image);
+}
+
+static void paste(struct image *image, char **argv)
+{
+	struct image part = read_picture(argv[0]);
+	const int x0 = atoi(argv[1]), y0 = atoi(argv[2]);
+	const int hflip = !strcmp(argv[3], "hflip") || !strcmp(argv[3], "rotate180");
+	const int vflip = !strcmp(argv[3], "vflip") || !strcmp(argv[3], "rotate180");
+
+	if (x0 < 0 || y0 < 0 || x0 + part.width > image->width ||
+	    y0 + part.height > image->height) {
+		fprintf(stderr, "picture: %s does not fit at (%d, %d)\n", argv[0], x0, y0);
+		exit(2);
+	}
+	for (int y = 0; y < part.height; y++)
+		for (int x = 0; x < part.width; x++) {
+			const int from_x = hflip ? part.width - 1 - x : x;
+			const int from_y = vflip ? part.height - 1 - y : y;
+			memcpy(image->u8 + ((size_t)(y0 + y) * image->width + x0 + x) * 3,
+			       part.u8 + ((size_t)from_y * part.width + from_x) * 3, 3);
+		}
+	image_free(&part);
+}
+
+static void compose(int argc, char **argv)
+{
+	struct fault fault = {""};
+	struct image image;
+	const int width = atoi(argv[2]), height = atoi(argv[3]);
+
+	need(image_create_u8(&image, width, height), &fault);
+	memset(image.u8, 0, (size_t)width * (size_t)height * 3);
+	for (int i = 5; i + 3 < argc; i += 4)
+		paste(&image, argv + i);
+	need(image_write(argv[4], &image, &fault), &fault);
 	image_free(&image);
 }
 
@@ -271,8 +310,13 @@ static int colour(char **argv)
 
 int main(int argc, char **argv)
 {
-	if (argc == 6 && !strcmp(argv[1], "chart")) {
-		chart(argv[2], atoi(argv[3]), atoi(argv[4]), argv[5]);
+	if ((argc == 6 || argc == 7) && !strcmp(argv[1], "chart")) {
+		chart(argv[2], atoi(argv[3]), atoi(argv[4]), argc == 7 ? atof(argv[6]) : 1,
+		      argv[5]);
+		return 0;
+	}
+	if (argc >= 5 && !strcmp(argv[1], "compose")) {
+		compose(argc, argv);
 		return 0;
 	}
 	if (argc == 5 && !strcmp(argv[1], "raw")) {
@@ -283,6 +327,6 @@ int main(int argc, char **argv)
 		return compare(argc, argv);
 	if (argc == 7 && !strcmp(argv[1], "colour"))
 		return colour(argv);
-	fprintf(stderr, "usage: picture chart|raw|compare|colour ... (see picture.c)\n");
+	fprintf(stderr, "usage: picture chart|compose|raw|compare|colour ... (see picture.c)\n");
 	return 2;
 }
