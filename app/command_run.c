@@ -39,11 +39,39 @@ static const struct option_row rows[] = {SETTINGS_ROWS,
 					  .take = settings_take_print},
 					 {.name = NULL}};
 
-static int run_config(const struct run_options *options, const struct config *config,
-		      struct ini_report *report)
+static void say(void *context, const char *text)
+{
+	(void)context;
+	log_error("%s", text);
+}
+
+/* As at the start, but that it can be wrong without ending anything. */
+static int reread(void *context, struct config **fresh, struct ini_report *report)
+{
+	const struct run_options *options = context;
+	int err;
+
+	*fresh = NULL;
+	report->say = say;
+	err = settings_read(&options->settings, fresh, report);
+	if (!err)
+		err = config_check(*fresh, report);
+	if (!err)
+		return 0;
+	config_destroy(*fresh);
+	*fresh = NULL;
+	return err;
+}
+
+static int run_config(struct run_options *options, struct config *config, struct ini_report *report)
 {
 	struct kiosk_settings settings = {
-		.config = config, .frames = (uint64_t)options->frames, .stats = options->stats};
+		.config = config,
+		.frames = (uint64_t)options->frames,
+		.stats = options->stats,
+		.reread = reread,
+		.context = options,
+	};
 	int err = config_check(config, report);
 
 	return err ? err : kiosk_run(&settings, &report->first);
@@ -74,9 +102,10 @@ const struct command command_run = {
 	.usage = "[--config FILE] [--set SECTION.KEY=VALUE]... [--frames N] [--stats FILE.jsonl]",
 	.purpose = "cameras to screen, until a signal, a button or --frames ends it",
 	.details =
-		"SIGINT, SIGTERM and SIGHUP end it in order. A camera that is absent is waited "
-		"for; one that\nis not a camera, or a screen that cannot be had, ends it with exit "
-		"code 1.",
+		"SIGINT and SIGTERM end it in order; SIGHUP has the configuration read again. A "
+		"camera, a screen\nor buttons that are absent are waited for; what is not a "
+		"camera, "
+		"or a screen that another\nprogram holds at the start, ends it with exit code 1.",
 	.options = rows,
 	.run = run,
 };

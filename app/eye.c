@@ -2,7 +2,7 @@
 
 bool eye_has_picture(const struct eye *eye)
 {
-	return eye->source && source_has_picture(eye->source);
+	return eye->source && source_has_picture(eye->source) && !eye->unfit;
 }
 
 int eye_fit(struct eye *eye, struct fault *fault)
@@ -10,20 +10,17 @@ int eye_fit(struct eye *eye, struct fault *fault)
 	struct fault reason = {.text = ""};
 	int err;
 
-	if (!eye_has_picture(eye))
+	if (!eye->source || !source_has_picture(eye->source))
 		return 0;
-	if (eye->camera_width == eye->source->canvas.width &&
+	if (!eye->unfit && eye->camera_width == eye->source->canvas.width &&
 	    eye->camera_height == eye->source->canvas.height)
 		return 0;
 	eye->camera_width = eye->source->canvas.width;
 	eye->camera_height = eye->source->canvas.height;
 	eye->view = eye->wanted;
 	err = view_resolve(&eye->view, eye->camera_width, eye->camera_height, &reason);
-	if (err) {
-		eye->camera_width = 0;
-		return fault_say(fault, err, "[%s] %s", eye->section, reason.text);
-	}
-	return 0;
+	eye->unfit = err != 0;
+	return err ? fault_say(fault, err, "[%s] %s", eye->section, reason.text) : 0;
 }
 
 struct picture eye_picture(const struct eye *eye)

@@ -14,6 +14,7 @@ struct eye {
 	struct view wanted;    /* as configured */
 	struct view view;      /* resolved for a picture of this size: */
 	int camera_width, camera_height;
+	bool unfit; /* it does not fit the picture: as if there were none */
 };
 
 bool eye_has_picture(const struct eye *eye);

@@ -3,232 +3,16 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "app/kiosk_parts.h"
 #include "hal/clock.h"
-#include "hal/log.h"
 
-/* ---- making a picture ---- */
-
-/* The camera whose frames set the pace: the background's, or what there is without it. */
-static struct source *leader(struct kiosk *k)
-{
-	struct source *candidates[] = {k->eyes.background.source, k->eyes.fisheye.source,
-				       k->eyes.scene.source};
-
-	for (int i = 0; i < 3; i++) {
-		if (candidates[i] && source_is_open(candidates[i]))
-			return candidates[i];
-	}
-	return NULL;
-}
-
-static bool frames_are_due(struct kiosk *k)
-{
-	const struct source *first = leader(k);
-
-	if (!first || !source_has_news(first))
-		return false;
-	for (int i = 0; i < k->source_count; i++) {
-		const struct source *source = &k->sources[i];
-
-		if (source_is_open(source) && source->camera.on_demand && !source_has_news(source))
-			return false;
-	}
-	return true;
-}
-
-/* Takes in what the cameras hold. lit: the fisheye's picture is a new one. */
-static void decode_sources(struct kiosk *k, bool *lit)
-{
-	for (int i = 0; i < k->source_count; i++) {
-		struct source *source = &k->sources[i];
-
-		if (!source_has_news(source))
-			continue;
-		if (k->frozen && source_has_picture(source))
-			source_drop(source);
-		else if (source_decode(source) && source == k->eyes.fisheye.source)
-			*lit = true;
-	}
-}
-
-static int measure_light(struct kiosk *k, struct fault *fault)
-{
-	const struct eye *eye = &k->eyes.fisheye;
-	struct picture picture;
-
-	if (eye->source->is_linear)
-		return pipeline_light_linear(&k->pipeline, &eye->source->linear, &eye->view, fault);
-	picture = eye_picture(eye);
-	return pipeline_light_picture(&k->pipeline, &picture, fault);
-}
-
-static int fit_eyes(struct kiosk *k, struct fault *fault)
-{
-	int err = eye_fit(&k->eyes.fisheye, fault);
-
-	if (!err)
-		err = eye_fit(&k->eyes.background, fault);
-	if (!err)
-		err = eye_fit(&k->eyes.scene, fault);
-	return err;
-}
-
-static int draw(struct kiosk *k, const struct display_buffer *screen, struct fault *fault)
-{
-	const struct show_request request = {
-		.what = k->what,
-		.scale = (enum config_scale)k->config->screen->scale,
-		.split = k->config->screen->split,
-		.squash = 1,
-	};
-	struct pipeline_choice choice = k->choice;
-	int err;
-
-	/* An object without light would be a black hole in the picture: it waits for the fisheye.
-	 */
-	choice.object = choice.object && k->pipeline.lit;
-	err = pipeline_choose(&k->pipeline, &choice, fault);
-	if (err)
-		return err;
-	return show_draw(&k->show, &request, &k->pipeline, &k->eyes, screen, fault);
-}
-
-/* Once, when it works. */
-static void announce(const struct kiosk *k)
-{
-	const struct basis_info_chunk *info = &k->basis.info;
-
-	log_info("%s screen of %dx%d; basis of %ux%u, %u lights, %u pose%s",
-		 k->config->screen->driver, k->display.width, k->display.height, info->width,
-		 info->height, info->lights, info->poses, info->poses == 1 ? "" : "s");
-}
-
-/* A picture for the screen, if there is a buffer to draw in. frames: of what the cameras hold;
- * otherwise of what they gave before, so that cameras which go in step stay so. */
-static int make_picture(struct kiosk *k, bool frames, struct fault *fault)
-{
-	struct display_buffer screen;
-	int64_t start, decoded, sampled, stage_ns[STAGE_COUNT];
-	const struct source *first = leader(k);
-	bool lit = false;
-	int err = display_acquire(&k->display, &screen);
-
-	if (err == -EAGAIN)
-		return 0;
-	if (err)
-		return fault_say(fault, err, "the screen is gone: %s", strerror(-err));
-	start = clock_now_ns();
-	if (frames)
-		decode_sources(k, &lit);
-	decoded = clock_now_ns();
-	k->pipeline.sample_ns = k->pipeline.composite_ns = 0;
-	err = fit_eyes(k, fault);
-	if (!err && lit)
-		err = measure_light(k, fault);
-	if (err)
-		return err;
-	sampled = clock_now_ns();
-	err = draw(k, &screen, fault);
-	if (err)
-		return err;
-	err = display_submit(&k->display, &screen, first ? first->picture_ns : start, fault);
-	if (err)
-		return err;
-	stage_ns[STAGE_DECODE] = decoded - start;
-	stage_ns[STAGE_SAMPLE] = k->pipeline.sample_ns;
-	stage_ns[STAGE_COMPOSITE] = k->pipeline.composite_ns;
-	stage_ns[STAGE_SHOW] = clock_now_ns() - sampled - k->pipeline.composite_ns;
-	stats_made(&k->stats, stage_ns);
-	k->redraw = false;
-	if (!k->submitted++)
-		announce(k);
-	return 0;
-}
-
-/* ---- events ---- */
-
-static double within_codes(double level)
-{
-	return level < 0 ? 0 : level > 255 ? 255 : level;
-}
-
-/* Views that have nothing to show are passed over. */
-static void next_view(struct kiosk *k)
-{
-	do
-		k->what = (enum config_show)((k->what + 1) % SHOW_COUNT);
-	while (k->what == SHOW_SCENE && !k->eyes.scene.source);
-}
-
-static void act(struct kiosk *k, enum action action, double value)
-{
-	double step = k->config->lights.threshold_step;
-
-	switch (action) {
-	case ACTION_THRESHOLD_UP:
-		k->choice.threshold = within_codes(k->choice.threshold + step);
-		break;
-	case ACTION_THRESHOLD_DOWN:
-		k->choice.threshold = within_codes(k->choice.threshold - step);
-		break;
-	case ACTION_THRESHOLD_SET:
-		k->choice.threshold = within_codes(value);
-		break;
-	case ACTION_VIEW_NEXT:
-		next_view(k);
-		break;
-	case ACTION_POSE_NEXT:
-		k->choice.pose = (k->choice.pose + 1) % (int)k->basis.info.poses;
-		break;
-	case ACTION_OBJECT:
-		k->choice.object = !k->choice.object;
-		break;
-	case ACTION_FREEZE:
-		k->frozen = !k->frozen;
-		break;
-	case ACTION_QUIT:
-		k->stop = true;
-		break;
-	default:
-		return;
-	}
-	k->redraw = true;
-}
-
-static void handle_buttons(struct kiosk *k)
-{
-	struct button_press press;
-	struct fault reason = {.text = ""};
-	int err;
-
-	while ((err = buttons_read(&k->buttons, &press, &reason)) == 0)
-		act(k, press.action, press.value);
-	if (err == -EAGAIN)
-		return;
-	log_warning("buttons: %s: %s; going on without", k->config->buttons->driver, reason.text);
-	buttons_close(&k->buttons);
-}
-
-static int handle_display(struct kiosk *k, struct fault *fault)
-{
-	struct display_event event;
-	int err;
-
-	for (;;) {
-		err = display_dispatch(&k->display, &event, fault);
-		if (err || event.kind == DISPLAY_NOTHING)
-			return err;
-		if (event.kind == DISPLAY_SHOWN)
-			stats_shown(&k->stats, event.time_ns - event.token);
-		else if (event.kind == DISPLAY_CLOSED)
-			k->stop = true;
-		else
-			act(k, (enum action)event.action, k->choice.threshold);
-	}
-}
+/* A camera may take 2 s to open (hal/camera.h). One that takes longer is not waited for. */
+#define SETTLE_NS (5 * NS_PER_S)
+/* The loop comes round every second. If it did not, silence until now was ours. */
+#define ABSENT_NS (2 * NS_PER_S)
+/* Then a picture is drawn again at the next tick. */
+#define STILL_NS (NS_PER_S / 2)
 
 static int watch_all(struct kiosk *k, struct fault *fault)
 {
@@ -236,36 +20,81 @@ static int watch_all(struct kiosk *k, struct fault *fault)
 
 	for (int i = 0; i < k->source_count && !err; i++)
 		err = loop_watch(&k->loop, i, source_descriptor(&k->sources[i]), fault);
-	if (!err)
+	if (!err && k->display.state)
 		err = loop_watch(&k->loop, SLOT_DISPLAY, display_descriptor(&k->display), fault);
-	if (!err)
-		err = loop_watch(&k->loop, SLOT_BUTTONS,
-				 k->buttons.state ? buttons_descriptor(&k->buttons) : -1, fault);
+	if (!err && k->control)
+		err = loop_watch(&k->loop, SLOT_CONTROL, control_descriptor(k->control), fault);
+	for (int i = 0; i < k->keypad_count && !err; i++) {
+		if (k->keypads[i].buttons.state)
+			err = loop_watch(&k->loop, SLOT_BUTTONS + i,
+					 buttons_descriptor(&k->keypads[i].buttons), fault);
+	}
 	return err;
+}
+
+/* A descriptor that was closed leaves its slot before its number can come back. */
+static int forget_if_closed(struct kiosk *k, int i, struct fault *fault)
+{
+	return source_is_open(&k->sources[i]) ? 0 : loop_watch(&k->loop, i, -1, fault);
+}
+
+static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
+{
+	struct source *source = &k->sources[i];
+	struct fault reason = {.text = ""};
+	bool first = !source->tried;
+	int err = source_take(source, now, &reason);
+
+	if (err && first && source_is_hopeless(source))
+		return fault_say(fault, err, "camera %s: %s", source->settings.name, reason.text);
+	if (err)
+		source_complain(source, &reason);
+	return forget_if_closed(k, i, fault);
+}
+
+static int tick_sources(struct kiosk *k, int64_t now, struct fault *fault)
+{
+	for (int i = 0; i < k->source_count; i++) {
+		int err;
+
+		source_watch(&k->sources[i], now);
+		err = forget_if_closed(k, i, fault);
+		if (err)
+			return err;
+		source_open(&k->sources[i]);
+	}
+	return 0;
+}
+
+/* Frames on demand come by themselves: what is drawn in between would make runs differ. */
+static bool stands_still(struct kiosk *k, int64_t now)
+{
+	const struct source *first = kiosk_leader(k);
+
+	return now - k->made_ns >= STILL_NS && !(first && first->camera.on_demand);
 }
 
 /* Once a second. */
 static int tick(struct kiosk *k, struct fault *fault)
 {
 	int64_t now = clock_now_ns();
+	int err = tick_sources(k, now, fault);
 
-	for (int i = 0; i < k->source_count; i++) {
-		struct source *source = &k->sources[i];
-		struct fault reason = {.text = ""};
-		int err;
-
-		source_watch(source, now);
-		if (source_is_open(source))
-			continue;
-		/* Its descriptor's number may come back with the new one. */
-		err = loop_watch(&k->loop, i, -1, fault);
-		if (err)
-			return err;
-		err = source_open(source, &reason);
-		if (err)
-			source_complain(source, &reason);
-	}
+	if (!err)
+		err = kiosk_control_open(k, false, fault);
+	if (!err)
+		err = kiosk_buttons_open(k, false, fault);
+	if (!err && k->settled && !k->display.state)
+		err = kiosk_screen_open(k, false, fault);
+	if (err)
+		return err;
 	stats_line(&k->stats, now, &k->pipeline, k->sources, k->source_count);
+	kiosk_text(k);
+	k->redraw |= stands_still(k, now);
+	if (k->settled && kiosk_screen_is_excused(k)) {
+		service_ready(&k->service);
+		service_alive(&k->service, now);
+	}
 	return 0;
 }
 
@@ -275,16 +104,40 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 	int err = 0;
 
 	for (int i = 0; i < k->source_count; i++) {
-		if (loop_ready(&k->loop, i))
-			source_take(&k->sources[i], now);
+		if (now - k->heard_ns >= ABSENT_NS)
+			source_excuse(&k->sources[i], now);
 	}
-	if (k->buttons.state && loop_ready(&k->loop, SLOT_BUTTONS))
-		handle_buttons(k);
-	if (loop_ready(&k->loop, SLOT_DISPLAY))
-		err = handle_display(k, fault);
+	k->heard_ns = now;
+	for (int i = 0; i < k->source_count && !err; i++) {
+		if (loop_ready(&k->loop, i))
+			err = take_source(k, i, now, fault);
+	}
+	for (int i = 0; i < k->keypad_count; i++) {
+		if (loop_ready(&k->loop, SLOT_BUTTONS + i))
+			kiosk_buttons_read(k, &k->keypads[i]);
+	}
+	if (loop_ready(&k->loop, SLOT_CONTROL))
+		kiosk_control_read(k);
+	if (!err && loop_ready(&k->loop, SLOT_DISPLAY))
+		err = kiosk_screen_events(k, fault);
+	if (!err && k->loop.reload)
+		kiosk_reload(k);
 	if (!err && k->loop.tick)
 		err = tick(k, fault);
 	return err;
+}
+
+/* Once: when each camera has been tried, so that the first picture is of all of them and a screen
+ * that is free in size knows theirs. Until then the screen shows what it did. */
+static int settle(struct kiosk *k, struct fault *fault)
+{
+	for (int i = 0; i < k->source_count; i++) {
+		if (!k->sources[i].tried && clock_now_ns() - k->start_ns < SETTLE_NS)
+			return 0;
+	}
+	k->settled = true;
+	k->redraw = k->source_count > 0 && !kiosk_leader(k);
+	return kiosk_screen_open(k, true, fault);
 }
 
 static bool all_submitted(const struct kiosk *k)
@@ -295,28 +148,35 @@ static bool all_submitted(const struct kiosk *k)
 static bool is_over(const struct kiosk *k)
 {
 	return k->stop || k->loop.stop ||
-	       (k->settings->frames && k->display.shown >= k->settings->frames);
+	       (k->settings->frames && kiosk_shown(k) >= k->settings->frames);
+}
+
+static int go_round(struct kiosk *k, struct fault *fault)
+{
+	bool frames;
+	int err = watch_all(k, fault);
+
+	if (!err)
+		err = loop_wait(&k->loop, fault);
+	if (!err)
+		err = handle_events(k, fault);
+	if (!err && !k->settled)
+		err = settle(k, fault);
+	if (err || is_over(k) || all_submitted(k) || !k->display.state)
+		return err;
+	frames = kiosk_frames_are_due(k);
+	return frames || k->redraw ? kiosk_make_picture(k, frames, fault) : 0;
 }
 
 static int turn(struct kiosk *k, struct fault *fault)
 {
-	bool frames;
 	int err = 0;
 
 	loop_start(&k->loop);
-	stats_start(&k->stats, clock_now_ns());
-	while (!err && !is_over(k)) {
-		err = watch_all(k, fault);
-		if (!err)
-			err = loop_wait(&k->loop, fault);
-		if (!err)
-			err = handle_events(k, fault);
-		if (err || is_over(k) || all_submitted(k))
-			continue;
-		frames = frames_are_due(k);
-		if (frames || k->redraw)
-			err = make_picture(k, frames, fault);
-	}
+	k->start_ns = k->heard_ns = k->made_ns = clock_now_ns();
+	stats_start(&k->stats, k->start_ns);
+	while (!err && !is_over(k))
+		err = go_round(k, fault);
 	if (!err && k->stats.line_frames)
 		stats_line(&k->stats, clock_now_ns(), &k->pipeline, k->sources, k->source_count);
 	return err;
@@ -331,11 +191,12 @@ int kiosk_run(const struct kiosk_settings *settings, struct fault *fault)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	k->settings = settings;
 	k->config = settings->config;
-	signal(SIGPIPE,
-	       SIG_IGN); /* statistics into a pipe that was closed must not end the kiosk */
+	/* Statistics into a pipe that was closed must not end the kiosk. */
+	signal(SIGPIPE, SIG_IGN);
 	err = kiosk_open(k, fault);
 	if (!err)
 		err = turn(k, fault);
+	service_stopping(&k->service);
 	close_err = kiosk_close(k, err ? NULL : fault);
 	free(k);
 	return err ? err : close_err;

@@ -4,6 +4,7 @@
 #include "app/kiosk_parts.h"
 #include "app/pipeline_config.h"
 #include "drivers/drivers.h"
+#include "hal/log.h"
 
 static struct source *source_named(struct kiosk *k, const char *name)
 {
@@ -32,14 +33,14 @@ static bool is_watched(const struct config *config, const char *camera)
 }
 
 /* Radiance that two views share is encoded as the background expects it. */
-static enum transfer transfer_for(const struct config *config, const char *camera)
+enum transfer kiosk_transfer_for(const struct config *config, const char *camera)
 {
 	return !strcmp(config->background.view.camera, camera)
 		       ? (enum transfer)config->background.transfer
 		       : (enum transfer)config->fisheye.transfer;
 }
 
-static int open_source(struct kiosk *k, struct config_camera *camera, struct fault *fault)
+static int create_source(struct kiosk *k, struct config_camera *camera, struct fault *fault)
 {
 	int driver = config_driver_index(k->config, CONFIG_CAMERA, camera->driver);
 	struct source *source = &k->sources[k->source_count];
@@ -49,23 +50,19 @@ static int open_source(struct kiosk *k, struct config_camera *camera, struct fau
 		.camera = camera->settings,
 		.options = config_options(k->config, CONFIG_CAMERA, camera, driver),
 		.deinterlace = (enum deinterlace)camera->deinterlace,
-		.transfer = transfer_for(k->config, camera->name),
+		.transfer = kiosk_transfer_for(k->config, camera->name),
 	};
-	struct fault reason = {.text = ""};
 	int err = source_create(source, &settings);
 
 	if (err)
-		return fault_say(fault, err, "not enough memory for camera %s", camera->name);
+		return fault_say(fault, err, "camera %s: cannot be set up: %s", camera->name,
+				 strerror(-err));
 	k->source_count++;
-	err = source_open(source, &reason);
-	if (err && source_is_hopeless(source))
-		return fault_say(fault, err, "camera %s: %s", camera->name, reason.text);
-	if (err)
-		source_complain(source, &reason);
+	source_open(source);
 	return 0;
 }
 
-static int open_sources(struct kiosk *k, struct fault *fault)
+static int create_sources(struct kiosk *k, struct fault *fault)
 {
 	for (int i = 0; i < k->config->camera_count; i++) {
 		struct config_camera *camera = k->config->cameras[i];
@@ -73,7 +70,7 @@ static int open_sources(struct kiosk *k, struct fault *fault)
 
 		if (!is_watched(k->config, camera->name))
 			continue;
-		err = open_source(k, camera, fault);
+		err = create_source(k, camera, fault);
 		if (err)
 			return err;
 	}
@@ -83,72 +80,103 @@ static int open_sources(struct kiosk *k, struct fault *fault)
 	return 0;
 }
 
-static int open_display(struct kiosk *k, struct fault *fault)
+/* What was chosen before a power cut goes over what the configuration says; whatever is wrong with
+ * it is said, and no reason not to start. */
+static void take_state(struct kiosk *k)
 {
-	struct config_screen *screen = k->config->screen;
-	struct display_settings settings = screen->settings;
-	int driver = config_driver_index(k->config, CONFIG_DISPLAY, screen->driver);
+	const struct config *config = k->config;
+	struct state_values values = {k->choice.threshold, k->what, k->choice.pose};
+	struct fault fault = {.text = ""};
+	int err;
 
-	show_size(k->what, &k->eyes, &k->basis, &settings.picture_width, &settings.picture_height);
-	return display_open(&k->display, display_drivers[driver], &settings,
-			    config_options(k->config, CONFIG_DISPLAY, screen, driver), fault);
+	if (!*config->state.file)
+		return;
+	err = state_read(config->state.file, &values, &fault);
+	if (err && err != -ENOENT)
+		log_warning("state: %s; the configuration counts", fault.text);
+	k->choice.threshold = values.threshold;
+	if (values.view == SHOW_SCENE && !*config->scene.view.camera)
+		log_warning("state: %s: view is scene, but no camera looks at it; ignored",
+			    config->state.file);
+	else
+		k->what = (enum config_show)values.view;
+	if ((uint32_t)values.pose >= k->basis.info.poses)
+		log_warning("state: %s: pose is %d, expected 0..%u as in the basis; ignored",
+			    config->state.file, values.pose, k->basis.info.poses - 1);
+	else
+		k->choice.pose = values.pose;
 }
 
-static int open_buttons(struct kiosk *k, struct fault *fault)
+static int open_state(struct kiosk *k, struct fault *fault)
 {
-	struct config_buttons *buttons = k->config->buttons;
-	int drivers[CONFIG_DRIVERS_MAX];
+	const struct state_values values = {k->choice.threshold, k->what, k->choice.pose};
+	int err = state_create(&k->state, &k->config->state, &values);
 
-	if (config_buttons_used(k->config, drivers) == 0)
-		return 0; /* "none" */
-	return buttons_open(&k->buttons, buttons_drivers[drivers[0]],
-			    config_options(k->config, CONFIG_BUTTONS, buttons, drivers[0]), fault);
+	return err ? fault_say(fault, err, "state: %s", strerror(-err)) : 0;
+}
+
+static int open_pipeline(struct kiosk *k, struct fault *fault)
+{
+	struct pipeline_settings settings = pipeline_settings_of(k->config);
+	int err = pipeline_create(&k->pipeline, &k->basis, &settings, fault);
+
+	if (err)
+		return err;
+	return pipeline_choose(&k->pipeline, &k->choice, fault); /* is there such a pose? */
 }
 
 int kiosk_open(struct kiosk *k, struct fault *fault)
 {
 	const struct config *config = k->config;
-	struct pipeline_settings settings = pipeline_settings_of(config);
 	int err;
 
 	k->loop.epoll = k->loop.signals = k->loop.timer = -1;
 	k->choice = (struct pipeline_choice){config->lights.threshold, config->basis.pose, true};
 	k->what = (enum config_show)config->screen->show;
+	k->split = config->screen->split;
+	k->information = config->screen->information;
+	service_start(&k->service);
 	err = basis_open(&k->basis, config->basis.file, fault);
+	if (!err)
+		err = loop_open(&k->loop, fault); /* before any thread: they inherit its signals */
+	if (!err)
+		err = open_pipeline(k, fault);
 	if (err)
 		return err;
-	err = loop_open(&k->loop, fault); /* before any thread: they inherit its signals */
-	if (err)
-		return err;
-	err = pipeline_create(&k->pipeline, &k->basis, &settings, fault);
-	if (err)
-		return err;
-	err = pipeline_choose(&k->pipeline, &k->choice, fault); /* is there such a pose? */
-	if (err)
-		return err;
-	err = open_sources(k, fault);
-	if (err)
-		return err;
-	err = open_buttons(k, fault);
-	if (err)
-		return err;
-	err = stats_open(&k->stats, k->settings->stats, fault);
-	if (err)
-		return err;
-	return open_display(k, fault); /* last: until now the screen shows what it did */
+	take_state(k);
+	err = open_state(k, fault);
+	if (!err)
+		err = stats_open(&k->stats, k->settings->stats, fault);
+	if (!err)
+		err = kiosk_control_open(k, true, fault); /* a second kiosk ends here */
+	if (!err)
+		err = kiosk_buttons_open(k, true, fault);
+	return err ? err : create_sources(k, fault);
 }
 
 int kiosk_close(struct kiosk *k, struct fault *fault)
 {
 	int err = display_close(&k->display, fault);
 
-	stats_close(&k->stats);
-	buttons_close(&k->buttons);
+	kiosk_control_close(k);
+	kiosk_buttons_close(k);
 	for (int i = 0; i < k->source_count; i++)
 		source_destroy(&k->sources[i]);
+	stats_close(&k->stats);
+	state_destroy(k->state);
+	overlay_free(&k->overlay);
 	show_free(&k->show);
 	pipeline_destroy(&k->pipeline);
 	loop_close(&k->loop);
 	basis_close(&k->basis);
 	return err;
+}
+
+void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble)
+{
+	if (trouble && strcmp(trouble->text, said->text) != 0)
+		log_warning("%s: %s", what, trouble->text);
+	if (!trouble && *said->text)
+		log_info("%s: fine again", what);
+	*said = trouble ? *trouble : (struct fault){.text = ""};
 }

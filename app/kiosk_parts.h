@@ -1,46 +1,149 @@
-/* Private to app/kiosk*.c: what the kiosk is made of. */
+/* Private to app/kiosk*.c: what the kiosk is made of, and what its parts do for each other. */
 #ifndef INLAY_APP_KIOSK_PARTS_H
 #define INLAY_APP_KIOSK_PARTS_H
 
+#include "app/control.h"
 #include "app/eye.h"
 #include "app/kiosk.h"
 #include "app/loop.h"
+#include "app/overlay.h"
 #include "app/pipeline.h"
+#include "app/service.h"
 #include "app/show.h"
 #include "app/source.h"
+#include "app/state.h"
 #include "app/stats.h"
 #include "hal/buttons.h"
 #include "hal/display.h"
 
-/* Slots of the loop: cameras come first. */
-enum { SLOT_DISPLAY = CONFIG_CAMERAS_MAX, SLOT_BUTTONS };
+/* Slots of the loop: cameras come first, drivers of buttons last. */
+enum { SLOT_DISPLAY = CONFIG_CAMERAS_MAX, SLOT_CONTROL, SLOT_BUTTONS };
+
+_Static_assert(SLOT_BUTTONS + CONFIG_DRIVERS_MAX <= LOOP_SLOTS,
+	       "a slot for each driver of buttons");
+
+/* One driver of buttons. */
+struct keypad {
+	struct buttons buttons; /* state NULL: not there at present */
+	int driver;
+	struct fault said; /* the trouble that was logged last; empty: none */
+};
 
 struct kiosk {
 	const struct kiosk_settings *settings;
-	const struct config *config;
+	struct config *config; /* what is in force */
 	struct loop loop;
 	struct basis basis;
 	struct pipeline pipeline;
 	struct source sources[CONFIG_CAMERAS_MAX];
 	int source_count;
 	struct eyes eyes;
-	struct display display;
-	struct buttons buttons; /* state NULL: none, or gone */
+	struct fault unfit[3]; /* of fisheye, background, scene: why the picture is of no use */
+	struct fault light_said;
+	struct display display; /* state NULL: there is no screen at present */
+	struct fault display_said;
+	struct show_fit fit;   /* what display_fit() was asked for */
+	bool fitted;	       /* and does */
+	uint64_t shown_before; /* pictures, on screens that were lost since */
+	struct keypad keypads[CONFIG_DRIVERS_MAX];
+	int keypad_count;
+	struct control *control; /* NULL: none, or not to be had at present */
+	struct fault control_said;
+	struct state *state; /* NULL: nothing is kept */
+	struct service service;
 	struct show show;
+	struct overlay overlay;
 	struct stats stats;
 	/* what buttons change */
 	struct pipeline_choice choice;
 	enum config_show what;
+	double split;
+	bool information;
 	bool frozen;
-	bool redraw; /* a button changed the picture */
+	/* where we are */
+	bool settled; /* the cameras have been tried, and the screen */
+	bool redraw;  /* something other than a frame changed the picture */
 	bool stop;
+	int64_t start_ns; /* of the loop */
+	int64_t heard_ns; /* when the loop last came round */
+	int64_t made_ns;  /* when a picture was last made */
 	uint64_t submitted;
+	char status[STATS_TEXT_MAX + 512]; /* what the control socket is told */
 };
 
-/* From settings and config to streaming. Where it fails, kiosk_close() cleans up. */
+/* ---- kiosk_open.c ---- */
+
+/* From settings and config to cameras that are being opened. Where it fails, kiosk_close() cleans
+ * up. */
 int kiosk_open(struct kiosk *k, struct fault *fault);
 
 /* Idempotent. Finishes what the screen has promised, a file perhaps: that can fail. */
 int kiosk_close(struct kiosk *k, struct fault *fault);
+
+/* How a camera's linear radiance is encoded: radiance that two views share, as the background
+ * expects it. */
+enum transfer kiosk_transfer_for(const struct config *config, const char *camera);
+
+/* Logs a trouble unless it is the one that was logged last; NULL: it has passed. what: "buttons
+ * gpio". */
+void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble);
+
+/* ---- kiosk_picture.c ---- */
+
+/* The camera whose frames set the pace: the background's, or what there is without it; NULL: none
+ * is open. */
+struct source *kiosk_leader(struct kiosk *k);
+bool kiosk_frames_are_due(struct kiosk *k);
+
+/* A picture for the screen, if there is one and it has a buffer to draw in. frames: of what the
+ * cameras hold; otherwise of what they gave before, so that cameras which go in step stay so. */
+int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault);
+
+/* ---- kiosk_screen.c ---- */
+
+/* Opens the screen. A failure that waiting may mend is said and is none, except that at the very
+ * start (first) a screen that another program holds is one. */
+int kiosk_screen_open(struct kiosk *k, bool first, struct fault *fault);
+
+/* After an error of the open screen, which fault tells. 0: it is waited for; else the end. */
+int kiosk_screen_lost(struct kiosk *k, int err, struct fault *fault);
+
+/* What the screen has to tell. */
+int kiosk_screen_events(struct kiosk *k, struct fault *fault);
+
+/* Asks the screen to scale what is shown, where it can. */
+void kiosk_screen_fit(struct kiosk *k);
+
+uint64_t kiosk_shown(const struct kiosk *k);
+
+/* Whether it is right that nothing reaches a screen. */
+bool kiosk_screen_is_excused(const struct kiosk *k);
+
+/* ---- kiosk_actions.c ---- */
+
+void kiosk_act(struct kiosk *k, enum action action, double value);
+void kiosk_keep_state(struct kiosk *k); /* what is chosen at present */
+
+/* Opens what [buttons] names and is not open. At the very start (first) a mistake of the
+ * configuration is an error; everything else is said and waited for. */
+int kiosk_buttons_open(struct kiosk *k, bool first, struct fault *fault);
+void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad);
+void kiosk_buttons_close(struct kiosk *k);
+
+/* ---- kiosk_control.c ---- */
+
+/* The same of [control]; a socket in use is an error at the start. */
+int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault);
+void kiosk_control_read(struct kiosk *k);
+void kiosk_control_close(struct kiosk *k);
+
+/* ---- kiosk_text.c ---- */
+
+/* Once a second: what is wrong, and the figures. */
+void kiosk_text(struct kiosk *k);
+
+/* ---- kiosk_reload.c ---- */
+
+void kiosk_reload(struct kiosk *k);
 
 #endif

@@ -1,6 +1,7 @@
 #include "app/loop.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -24,6 +25,17 @@ static bool is_ignored(int signal)
 	struct sigaction action;
 
 	return sigaction(signal, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+/* Only a process that has a controlling terminal can open it by this name. */
+static bool has_terminal(void)
+{
+	int terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+
+	if (terminal < 0)
+		return false;
+	close(terminal);
+	return true;
 }
 
 static int open_all(struct loop *loop)
@@ -59,6 +71,7 @@ int loop_open(struct loop *loop, struct fault *fault)
 	*loop = (struct loop){.epoll = -1, .signals = -1, .timer = -1};
 	for (int i = 0; i < LOOP_SLOTS; i++)
 		loop->watched[i] = -1;
+	loop->has_terminal = has_terminal();
 	err = open_all(loop);
 	if (err) {
 		loop_close(loop);
@@ -108,13 +121,24 @@ int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault)
 	return 0;
 }
 
-static void note(struct loop *loop, uint32_t slot)
+static void take_signals(struct loop *loop)
 {
 	struct signalfd_siginfo signal;
+
+	while (read(loop->signals, &signal, sizeof(signal)) == sizeof(signal)) {
+		if (signal.ssi_signo == SIGHUP && (!loop->has_terminal || has_terminal()))
+			loop->reload = true;
+		else
+			loop->stop = true;
+	}
+}
+
+static void note(struct loop *loop, uint32_t slot)
+{
 	uint64_t expired;
 
 	if (slot == SLOT_SIGNALS)
-		loop->stop |= read(loop->signals, &signal, sizeof(signal)) == sizeof(signal);
+		take_signals(loop);
 	else if (slot == SLOT_TIMER)
 		loop->tick = read(loop->timer, &expired, sizeof(expired)) == sizeof(expired);
 	else
@@ -127,7 +151,7 @@ int loop_wait(struct loop *loop, struct fault *fault)
 	int count;
 
 	loop->ready = 0;
-	loop->tick = false;
+	loop->tick = loop->reload = false;
 	do
 		count = epoll_wait(loop->epoll, events, LOOP_SLOTS + 2, -1);
 	while (count < 0 && errno == EINTR);

@@ -1,6 +1,8 @@
 /*
- * The one epoll loop: a fixed set of slots, each with a descriptor or none. Also SIGINT,
- * SIGTERM and SIGHUP (the terminal has gone; not under nohup), and a tick every second.
+ * The one epoll loop: a fixed set of slots, each with a descriptor or none. Also signals, and a
+ * tick every second. SIGINT and SIGTERM end the program. SIGHUP does when it came because the
+ * terminal has gone; otherwise somebody asks for the configuration to be read again. Under nohup it
+ * is ignored.
  */
 #ifndef INLAY_APP_LOOP_H
 #define INLAY_APP_LOOP_H
@@ -10,14 +12,15 @@
 
 #include "hal/fault.h"
 
-#define LOOP_SLOTS 16
+#define LOOP_SLOTS 24
 
 struct loop {
 	int epoll, signals, timer; /* -1: not there */
 	int watched[LOOP_SLOTS];   /* -1: nothing */
+	bool has_terminal;	   /* it was started from one */
 	/* What the last wait found: */
 	uint32_t ready; /* bit i: slot i */
-	bool tick, stop;
+	bool tick, stop, reload;
 };
 
 /* Blocks those signals for the caller and for threads that it starts from then on. */
@@ -30,7 +33,7 @@ void loop_start(struct loop *loop);
  * slot (-1) before its number can come back. */
 int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault);
 
-/* Waits until something is ready; one of those signals sets stop. */
+/* Waits until something is ready. tick and reload are of this wait; stop stays. */
 int loop_wait(struct loop *loop, struct fault *fault);
 
 static inline bool loop_ready(const struct loop *loop, int slot)

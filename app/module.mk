@@ -11,8 +11,18 @@ APP_SOURCES := \
 	app/settings.c \
 	app/driver_list.c \
 	app/kiosk.c \
+	app/kiosk_actions.c \
+	app/kiosk_control.c \
 	app/kiosk_open.c \
+	app/kiosk_picture.c \
+	app/kiosk_reload.c \
+	app/kiosk_screen.c \
+	app/kiosk_text.c \
 	app/loop.c \
+	app/opener.c \
+	app/reload.c \
+	app/service.c \
+	app/state.c \
 	app/stats.c \
 	app/still.c \
 	app/source.c \

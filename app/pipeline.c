@@ -30,6 +30,23 @@ static int check_dome(const struct dome *dome, const struct basis *basis, struct
 	return 0;
 }
 
+/* Threads and the compositor that they run in. */
+static int start_threads(const struct basis *basis, int threads, struct pool **pool,
+			 struct compositor **compositor, struct fault *fault)
+{
+	int err = pool_create(pool, threads);
+
+	if (err)
+		return fault_say(fault, err, "cannot start %d threads: %s", threads,
+				 strerror(-err));
+	err = compositor_create(compositor, basis, *pool, fault);
+	if (err) {
+		pool_destroy(*pool);
+		*pool = NULL;
+	}
+	return err;
+}
+
 static int fill(struct pipeline *p, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &p->basis->info;
@@ -48,11 +65,7 @@ static int fill(struct pipeline *p, struct fault *fault)
 	err = light_selection_create(&p->selection, p->basis);
 	if (err)
 		return fault_say(fault, err, "not enough memory for %u lights", info->lights);
-	err = pool_create(&p->pool, p->settings.threads);
-	if (err)
-		return fault_say(fault, err, "cannot start %d threads: %s", p->settings.threads,
-				 strerror(-err));
-	return compositor_create(&p->compositor, p->basis, p->pool, fault);
+	return start_threads(p->basis, p->settings.threads, &p->pool, &p->compositor, fault);
 }
 
 int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
@@ -77,6 +90,28 @@ void pipeline_destroy(struct pipeline *p)
 	free(p->radiance);
 	dome_free(&p->dome);
 	*p = (struct pipeline){.basis = NULL};
+}
+
+int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings,
+		    struct fault *fault)
+{
+	struct compositor *compositor;
+	struct pool *pool;
+	int err;
+
+	if (settings->threads != p->settings.threads) {
+		err = start_threads(p->basis, settings->threads, &pool, &compositor, fault);
+		if (err)
+			return err;
+		compositor_destroy(p->compositor);
+		pool_destroy(p->pool);
+		p->compositor = compositor;
+		p->pool = pool;
+	}
+	light_sampler_destroy(p->sampler); /* the next measurement makes another */
+	p->sampler = NULL;
+	p->settings = *settings;
+	return 0;
 }
 
 /* The lens and the sampler's table are of one size of picture; a camera may come back with another.
@@ -199,17 +234,15 @@ static struct compositor_settings compositor_settings_of(const struct pipeline *
 	};
 }
 
-static int check_background(const struct pipeline *p, const struct picture *background,
-			    struct fault *fault)
+int pipeline_fits(const struct pipeline *p, int width, int height, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &p->basis->info;
 
-	if ((uint32_t)background->width == info->width &&
-	    (uint32_t)background->height == info->height)
+	if ((uint32_t)width == info->width && (uint32_t)height == info->height)
 		return 0;
 	return fault_say(fault, -EINVAL,
 			 "the background is %dx%d pixels, expected %ux%u as the basis was baked",
-			 background->width, background->height, info->width, info->height);
+			 width, height, info->width, info->height);
 }
 
 int pipeline_composite(struct pipeline *p, const struct picture *background, uint8_t *out,
@@ -217,7 +250,7 @@ int pipeline_composite(struct pipeline *p, const struct picture *background, uin
 {
 	struct compositor_settings settings = compositor_settings_of(p);
 	int64_t start = clock_now_ns();
-	int err = check_background(p, background, fault);
+	int err = pipeline_fits(p, background->width, background->height, fault);
 
 	if (err)
 		return err;
@@ -234,7 +267,7 @@ int pipeline_reference(struct pipeline *p, const struct picture *background, dou
 		       struct fault *fault)
 {
 	struct compositor_settings settings = compositor_settings_of(p);
-	int err = check_background(p, background, fault);
+	int err = pipeline_fits(p, background->width, background->height, fault);
 
 	if (err)
 		return err;

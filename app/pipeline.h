@@ -60,6 +60,14 @@ int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
 		    const struct pipeline_settings *settings, struct fault *fault);
 void pipeline_destroy(struct pipeline *pipeline); /* idempotent; zeroed is fine */
 
+/* Other settings from the next frame on; light that has been measured stays. On failure the old
+ * ones stay. */
+int pipeline_change(struct pipeline *pipeline, const struct pipeline_settings *settings,
+		    struct fault *fault);
+
+/* Whether a background of this size is the basis's. 0 or -EINVAL. */
+int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);
+
 /* Measures the light: in 8-bit code values; in linear radiance, of which view is the sky; or as
  * somebody measured it: radiance[basis lights]. */
 int pipeline_light_picture(struct pipeline *pipeline, const struct picture *fisheye,

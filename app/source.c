@@ -1,6 +1,7 @@
 #include "app/source.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,10 +19,13 @@ int source_create(struct source *source, const struct source_settings *settings)
 	err = frame_decoder_create(&source->decoder, settings->deinterlace);
 	if (err)
 		return err;
+	err = opener_create(&source->opener);
 	source->tables = malloc(sizeof(*source->tables));
-	if (!source->tables) {
+	if (!err && !source->tables)
+		err = -ENOMEM;
+	if (err) {
 		source_destroy(source);
-		return -ENOMEM;
+		return err;
 	}
 	transfer_tables_fill(source->tables, settings->transfer);
 	return 0;
@@ -39,6 +43,8 @@ static void close_camera(struct source *source)
 
 void source_destroy(struct source *source)
 {
+	opener_destroy(source->opener); /* then the camera is ours */
+	source->opening = false;
 	close_camera(source);
 	frame_decoder_destroy(source->decoder);
 	free(source->tables);
@@ -49,48 +55,47 @@ void source_destroy(struct source *source)
 
 void source_complain(struct source *source, const struct fault *fault)
 {
-	enum camera_situation now = source->camera.situation;
-
-	if (now == source->said)
+	if (source->situation == source->said)
 		return;
-	source->said = now;
-	if (now == CAMERA_FINE)
+	source->said = source->situation;
+	if (source->said == CAMERA_FINE)
 		log_info("camera %s: fine again, %dx%d %s", source->settings.name,
 			 source->camera.width, source->camera.height,
 			 pixel_format_names[source->camera.format]);
 	else
-		log_warning("camera %s: %s%s%s", source->settings.name, camera_situation_names[now],
-			    *fault->text ? ": " : "", fault->text);
+		log_warning("camera %s: %s%s%s", source->settings.name,
+			    camera_situation_names[source->said], *fault->text ? ": " : "",
+			    fault->text);
 }
 
-int source_open(struct source *source, struct fault *fault)
+void source_open(struct source *source)
 {
-	int err = camera_open(&source->camera, source->settings.ops, &source->settings.camera,
-			      source->settings.options, fault);
-
-	source->heard_ns = clock_now_ns();
-	return err;
+	if (source->opening || source_is_open(source))
+		return;
+	source->opening = true;
+	opener_start(source->opener, &source->camera, source->settings.ops,
+		     &source->settings.camera, source->settings.options);
 }
 
 bool source_is_open(const struct source *source)
 {
-	return source->camera.state != NULL;
+	return !source->opening && source->camera.state != NULL;
 }
 
 bool source_is_hopeless(const struct source *source)
 {
-	switch (source->camera.situation) {
-	case CAMERA_UNSUPPORTED_FORMAT:
-	case CAMERA_NO_PERMISSION:
-	case CAMERA_BROKEN:
-		return true;
-	default:
-		return false;
-	}
+	return source->situation == CAMERA_UNSUPPORTED_FORMAT || source->situation == CAMERA_BROKEN;
+}
+
+const char *source_device_name(const struct source *source)
+{
+	return *source->device_name ? source->device_name : source->settings.name;
 }
 
 int source_descriptor(struct source *source)
 {
+	if (source->opening)
+		return opener_descriptor(source->opener);
 	if (!source_is_open(source) || (source->camera.on_demand && source_has_news(source)))
 		return -1;
 	return camera_descriptor(&source->camera);
@@ -98,13 +103,33 @@ int source_descriptor(struct source *source)
 
 void source_drop(struct source *source)
 {
-	camera_release(&source->camera, &source->held);
+	if (source_has_news(source))
+		camera_release(&source->camera, &source->held);
 }
 
-void source_take(struct source *source, int64_t now_ns)
+/* An open camera stays what it was called last until a frame proves it fine. */
+static int take_opening(struct source *source, int64_t now_ns, struct fault *fault)
+{
+	int err;
+
+	if (!opener_take(source->opener, &err, fault))
+		return 0;
+	source->opening = false;
+	source->tried = true;
+	source->heard_ns = now_ns;
+	if (err)
+		source->situation = source->camera.situation;
+	else
+		snprintf(source->device_name, sizeof(source->device_name), "%s",
+			 source->camera.name);
+	return err;
+}
+
+static void take_frame(struct source *source, int64_t now_ns)
 {
 	struct fault fault = {.text = ""};
 	struct frame frame;
+	bool changed;
 	int err;
 
 	/* At most one frame may be out, so the one we hold goes back before we know of another:
@@ -114,18 +139,32 @@ void source_take(struct source *source, int64_t now_ns)
 		source->superseded++;
 	}
 	err = camera_grab(&source->camera, &frame, &fault);
-	if (err == -EAGAIN)
-		return;
-	if (err) {
+	/* "Not yet" does not make a camera that was lost fine. */
+	if (err != -EAGAIN || source->camera.situation != CAMERA_FINE)
+		source->situation = source->camera.situation;
+	if (err)
 		source_complain(source, &fault);
+	changed = err == -ESTALE && source->camera.frames > 0;
+	if (err && err != -EAGAIN)
 		close_camera(source);
+	if (changed) /* else in a second, or we would do nothing else */
+		source_open(source);
+	if (err)
 		return;
-	}
 	source->held = frame;
 	/* A camera without a clock of its own stamps frames with a time that is not ours. */
 	source->held_ns = source->camera.on_demand ? now_ns : frame.timestamp_ns;
 	source->heard_ns = now_ns;
 	source_complain(source, &fault);
+}
+
+int source_take(struct source *source, int64_t now_ns, struct fault *fault)
+{
+	if (!source->opening) {
+		take_frame(source, now_ns);
+		return 0;
+	}
+	return take_opening(source, now_ns, fault);
 }
 
 void source_watch(struct source *source, int64_t now_ns)
@@ -135,11 +174,16 @@ void source_watch(struct source *source, int64_t now_ns)
 	if (!source_is_open(source) || source_has_news(source) ||
 	    now_ns - source->heard_ns < SILENT_NS)
 		return;
-	if (source->camera.situation == CAMERA_FINE)
-		source->camera.situation = CAMERA_STALLED;
+	if (source->situation == CAMERA_FINE)
+		source->situation = CAMERA_STALLED;
 	source_complain(source, &nothing);
 	if (now_ns - source->heard_ns >= GIVE_UP_NS)
 		close_camera(source);
+}
+
+void source_excuse(struct source *source, int64_t now_ns)
+{
+	source->heard_ns = now_ns;
 }
 
 bool source_has_news(const struct source *source)
@@ -150,6 +194,12 @@ bool source_has_news(const struct source *source)
 bool source_has_picture(const struct source *source)
 {
 	return source->canvas.width > 0;
+}
+
+void source_encode_as(struct source *source, enum transfer transfer)
+{
+	source->settings.transfer = transfer;
+	transfer_tables_fill(source->tables, transfer);
 }
 
 static int fit_pictures(struct source *source, const struct frame *frame)
@@ -225,7 +275,7 @@ static int decode(struct source *source, struct fault *fault)
 	return 0;
 }
 
-bool source_decode(struct source *source)
+bool source_decode(struct source *source, int64_t now_ns)
 {
 	struct fault fault = {.text = ""};
 	int err = decode(source, &fault);
@@ -233,15 +283,19 @@ bool source_decode(struct source *source)
 	if (err && !source->undecodable++)
 		log_warning("camera %s: a frame does not decode and is passed over: %s",
 			    source->settings.name, fault.text);
-	if (!err)
+	if (!err) {
 		source->picture_ns = source->held_ns;
+		source->fresh_ns = now_ns;
+	}
 	source_drop(source);
 	return !err;
 }
 
 struct source_counts source_counts(const struct source *source)
 {
-	const struct camera *camera = &source->camera;
+	/* While it is being opened the camera is not ours to look at, and has given nothing. */
+	static const struct camera none;
+	const struct camera *camera = source->opening ? &none : &source->camera;
 
 	return (struct source_counts){
 		.frames = source->earlier_frames + camera->frames,

@@ -1,7 +1,7 @@
 /*
- * A camera as the program uses it: opened again when it was lost, its newest frame held until a
- * picture is made, decoded only then. What was decoded last stays, so that a lost camera leaves
- * its last picture.
+ * A camera as the program uses it: opened on a thread of its own, again when it was lost, its
+ * newest frame held until a picture is made, decoded only then. What was decoded last stays, so
+ * that a lost camera leaves its last picture.
  */
 #ifndef INLAY_APP_SOURCE_H
 #define INLAY_APP_SOURCE_H
@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "app/opener.h"
 #include "hal/camera.h"
 #include "hal/frame.h"
 #include "hal/image/image.h"
@@ -18,19 +19,24 @@ struct source_settings {
 	const char *name; /* as the configuration calls it; borrowed */
 	const struct camera_ops *ops;
 	struct camera_settings camera;
-	void *options;		/* the driver's; borrowed */
+	void *options; /* the driver's; borrowed */
 	enum deinterlace deinterlace;
 	enum transfer transfer; /* how linear radiance becomes 8-bit code values, where it must */
 };
 
 struct source {
 	struct source_settings settings;
-	struct camera camera;
-	enum camera_situation said; /* the situation that was logged last */
-	struct frame held;	    /* grabbed, not yet decoded; PIXEL_NONE: nothing */
-	int64_t held_ns;	    /* when it was captured */
-	int64_t heard_ns;	    /* when the camera last gave something, or was opened */
-	uint64_t superseded;	    /* held frames for which a newer one came */
+	struct camera camera; /* the opener's while opening */
+	struct opener *opener;
+	bool opening;
+	bool tried;			 /* an opening has ended, well or not */
+	enum camera_situation situation; /* of the camera, as far as we know */
+	enum camera_situation said;	 /* the situation that was logged last */
+	char device_name[128];		 /* of the camera that was open last; empty: it has none */
+	struct frame held;		 /* grabbed, not yet decoded; PIXEL_NONE: nothing */
+	int64_t held_ns;		 /* when it was captured */
+	int64_t heard_ns;		 /* when the camera last gave something, or was opened */
+	uint64_t superseded;		 /* held frames for which a newer one came */
 	uint64_t undecodable;
 	uint64_t earlier_frames, earlier_lost, earlier_broken; /* of openings before this one */
 
@@ -40,41 +46,60 @@ struct source {
 	struct image linear;  /* the same before it was clipped, of a camera that gives RGBF */
 	bool is_linear;
 	int64_t picture_ns; /* when what is in canvas was captured */
+	int64_t fresh_ns;   /* when it was decoded */
 };
 
+/* 0, -ENOMEM, or what keeps a thread from being started. */
 int source_create(struct source *source, const struct source_settings *settings);
-void source_destroy(struct source *source); /* idempotent; zeroed is fine */
+/* Waits for an opening that has begun. Idempotent; zeroed is fine. */
+void source_destroy(struct source *source);
 
-/* Opens the camera. Only the caller knows what a failure means: source_complain() or the end. */
-int source_open(struct source *source, struct fault *fault);
+/* Begins to open the camera: source_descriptor() polls readable when that has ended, and
+ * source_take() takes it in. Nothing happens when it is open or being opened. */
+void source_open(struct source *source);
 
-/* Logs a situation that differs from the one logged last. */
-void source_complain(struct source *source, const struct fault *fault);
+/* Of a source that has been tried: whether waiting cannot mend it, a camera that is not one, a
+ * format that it does not have. Only the caller knows whether that is the end. */
+bool source_is_hopeless(const struct source *source);
 
 bool source_is_open(const struct source *source);
 
-/* Whether waiting cannot mend it: a camera that is not one, a format that it does not have. */
-bool source_is_hopeless(const struct source *source);
+/* What the device calls itself, or else what the configuration does. */
+const char *source_device_name(const struct source *source);
 
 /* A descriptor to poll, -1 while there is nothing to wait for: a camera that makes frames on demand
  * is left alone while its last one is held. */
 int source_descriptor(struct source *source);
 
-/* Takes the newest frame, if there is one. A camera that is gone is closed, and said so once. */
-void source_take(struct source *source, int64_t now_ns);
+/*
+ * Takes what the descriptor announced: the end of an opening, or the newest frame, if there is one.
+ * A camera that is gone is closed, and said so once; one that sends another size or standard now is
+ * opened again at once. 0, or what opening said, with its fault: only the caller knows what that
+ * means, source_complain() or the end.
+ */
+int source_take(struct source *source, int64_t now_ns, struct fault *fault);
+
+/* Logs a situation that differs from the one logged last. */
+void source_complain(struct source *source, const struct fault *fault);
 
 /* Once a second: names a camera that has fallen silent, closes it after a while. */
 void source_watch(struct source *source, int64_t now_ns);
+
+/* Nobody listened until now, so silence until now means nothing. */
+void source_excuse(struct source *source, int64_t now_ns);
 
 bool source_has_news(const struct source *source);
 bool source_has_picture(const struct source *source);
 
 /* Decodes what is held and gives the frame back. False: it did not decode; the picture before it
  * stays. */
-bool source_decode(struct source *source);
+bool source_decode(struct source *source, int64_t now_ns);
 
 /* Gives back what is held, undecoded. */
 void source_drop(struct source *source);
+
+/* How linear radiance becomes code values from now on. */
+void source_encode_as(struct source *source, enum transfer transfer);
 
 struct source_counts {
 	uint64_t frames, lost, broken; /* lost: also superseded; broken: also undecodable */

@@ -1,6 +1,7 @@
 #include "app/stats.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <string.h>
 
 #include "hal/clock.h"
@@ -38,17 +39,39 @@ void stats_close(struct stats *stats)
 	stats->stream = NULL;
 }
 
-void stats_made(struct stats *stats, const int64_t stage_ns[STAGE_COUNT])
+void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT])
 {
+	int64_t work_ns = 0;
+
 	stats->made++;
-	for (int i = 0; i < STAGE_COUNT; i++)
+	for (int i = 0; i < STAGE_COUNT; i++) {
 		stats->stage_ns[i] += stage_ns[i];
+		work_ns += stage_ns[i];
+	}
+	stats->flying[stats->next_flying].captured_ns = captured_ns;
+	stats->flying[stats->next_flying].work_ns = work_ns;
+	stats->next_flying = (stats->next_flying + 1) % STATS_IN_FLIGHT;
 }
 
-void stats_shown(struct stats *stats, int64_t latency_ns)
+static int64_t work_on(const struct stats *stats, int64_t captured_ns)
 {
+	for (int i = 0; i < STATS_IN_FLIGHT; i++) {
+		if (stats->flying[i].captured_ns == captured_ns)
+			return stats->flying[i].work_ns;
+	}
+	return 0;
+}
+
+void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int64_t period_ns)
+{
+	int64_t latency_ns = shown_ns - captured_ns;
+
 	stats->frames++;
 	stats->line_frames++;
+	if (!captured_ns)
+		return;
+	stats->timed++;
+	stats->late += latency_ns > period_ns + work_on(stats, captured_ns);
 	stats->latency_sum_ns += latency_ns;
 	if (latency_ns > stats->latency_max_ns)
 		stats->latency_max_ns = latency_ns;
@@ -71,67 +94,109 @@ static double largest(const double v[3])
 	return m > v[2] ? m : v[2];
 }
 
-static void write_cameras(FILE *stream, const struct source *sources, int count)
+/* Text that grows to the end of its room and no further. */
+struct writing {
+	char *text;
+	size_t length;
+};
+
+__attribute__((format(printf, 2, 3))) static void append(struct writing *w, const char *format, ...)
 {
-	fputs(",\"cameras\":[", stream);
+	size_t room = STATS_TEXT_MAX - w->length;
+	va_list args;
+	int length;
+
+	va_start(args, format);
+	length = vsnprintf(w->text + w->length, room, format, args);
+	va_end(args);
+	w->length += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
+}
+
+static void append_cameras(struct writing *w, const struct source *sources, int count)
+{
+	append(w, ",\"cameras\":[");
 	for (int i = 0; i < count; i++) {
 		struct source_counts counts = source_counts(&sources[i]);
 
-		fprintf(stream,
-			"%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,"
-			"\"broken\":%llu}",
-			i ? "," : "", sources[i].settings.name,
-			camera_situation_names[sources[i].camera.situation],
-			(unsigned long long)counts.frames, (unsigned long long)counts.lost,
-			(unsigned long long)counts.broken);
+		append(w,
+		       "%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,"
+		       "\"broken\":%llu}",
+		       i ? "," : "", sources[i].settings.name,
+		       camera_situation_names[sources[i].situation],
+		       (unsigned long long)counts.frames, (unsigned long long)counts.lost,
+		       (unsigned long long)counts.broken);
 	}
-	fputs("]}\n", stream);
+	append(w, "]");
 }
 
-static uint64_t dropped(const struct source *sources, int count)
+uint64_t stats_drops(const struct source *sources, int source_count)
 {
 	uint64_t sum = 0;
 
-	for (int i = 0; i < count; i++)
+	for (int i = 0; i < source_count; i++)
 		sum += source_counts(&sources[i]).lost;
 	return sum;
 }
 
-static void write_line(const struct stats *s, int64_t now_ns, const struct pipeline *pipeline,
-		       const struct source *sources, int source_count)
+void stats_text(const struct stats *stats, const struct pipeline *pipeline,
+		const struct source *sources, int source_count, char text[STATS_TEXT_MAX])
+{
+	const struct stats_figures *last = &stats->last;
+	struct writing w = {.text = text};
+
+	append(&w, "\"t\":%.3f,\"frames\":%llu,\"fps\":%.2f,\"drops\":%llu", last->t_s,
+	       (unsigned long long)stats->frames, last->fps,
+	       (unsigned long long)stats_drops(sources, source_count));
+	append(&w, ",\"latency_ms\":{\"mean\":%.3f,\"max\":%.3f},\"late\":%llu,\"stage_ms\":{",
+	       last->latency_mean_ms, last->latency_max_ms, (unsigned long long)last->late);
+	for (int i = 0; i < STAGE_COUNT; i++)
+		append(&w, "%s\"%s\":%.3f", i ? "," : "", stage_names[i], last->stage_ms[i]);
+	append(&w,
+	       "},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"dropped_error\":%.6g,"
+	       "\"clipped\":%.6f",
+	       pipeline->selection.used_count, pipeline->selection.count,
+	       pipeline->choice.threshold, largest(pipeline->selection.dropped_error),
+	       pipeline->clipped);
+	append_cameras(&w, sources, source_count);
+}
+
+static struct stats_figures figures(const struct stats *s, int64_t now_ns)
 {
 	double seconds = (double)(now_ns - s->line_ns) / NS_PER_S;
+	struct stats_figures f = {
+		.t_s = (double)(now_ns - s->start_ns) / NS_PER_S,
+		.fps = seconds > 0 ? (double)s->line_frames / seconds : 0,
+		.latency_mean_ms = mean_ms(s->latency_sum_ns, s->timed),
+		.latency_max_ms = ms(s->latency_max_ns),
+		.late = s->late,
+	};
 
-	fprintf(s->stream, "{\"t\":%.3f,\"frames\":%llu,\"fps\":%.2f,\"drops\":%llu",
-		(double)(now_ns - s->start_ns) / NS_PER_S, (unsigned long long)s->frames,
-		seconds > 0 ? (double)s->line_frames / seconds : 0,
-		(unsigned long long)dropped(sources, source_count));
-	fprintf(s->stream, ",\"latency_ms\":{\"mean\":%.3f,\"max\":%.3f},\"stage_ms\":{",
-		mean_ms(s->latency_sum_ns, s->line_frames), ms(s->latency_max_ns));
 	for (int i = 0; i < STAGE_COUNT; i++)
-		fprintf(s->stream, "%s\"%s\":%.3f", i ? "," : "", stage_names[i],
-			mean_ms(s->stage_ns[i], s->made));
-	fprintf(s->stream,
-		"},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"dropped_error\":%.6g,"
-		"\"clipped\":%.6f",
-		pipeline->selection.used_count, pipeline->selection.count,
-		pipeline->choice.threshold, largest(pipeline->selection.dropped_error),
-		pipeline->clipped);
-	write_cameras(s->stream, sources, source_count);
+		f.stage_ms[i] = mean_ms(s->stage_ns[i], s->made);
+	return f;
+}
+
+static void write_line(struct stats *stats, const struct pipeline *pipeline,
+		       const struct source *sources, int source_count)
+{
+	char text[STATS_TEXT_MAX];
+
+	stats_text(stats, pipeline, sources, source_count, text);
+	fprintf(stats->stream, "{%s}\n", text);
+	if (!fflush(stats->stream) && !ferror(stats->stream))
+		return;
+	log_error("%s: cannot write statistics: %s", stats->path, strerror(errno));
+	stats_close(stats);
 }
 
 void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline *pipeline,
 		const struct source *sources, int source_count)
 {
-	if (stats->stream) {
-		write_line(stats, now_ns, pipeline, sources, source_count);
-		if (fflush(stats->stream) || ferror(stats->stream)) {
-			log_error("%s: cannot write statistics: %s", stats->path, strerror(errno));
-			stats_close(stats);
-		}
-	}
+	stats->last = figures(stats, now_ns);
+	if (stats->stream)
+		write_line(stats, pipeline, sources, source_count);
 	stats->line_ns = now_ns;
-	stats->line_frames = stats->made = 0;
+	stats->line_frames = stats->made = stats->timed = stats->late = 0;
 	stats->latency_sum_ns = stats->latency_max_ns = 0;
 	memset(stats->stage_ns, 0, sizeof(stats->stage_ns));
 }

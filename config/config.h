@@ -164,6 +164,18 @@ int config_set(struct config *config, const char *assignment, struct ini_report 
  * goes to the report. */
 int config_check(const struct config *config, struct ini_report *report);
 
+/* A key whose value differs. */
+struct config_change {
+	const char *section;
+	const char *instance; /* of [camera NAME]; NULL elsewhere */
+	char key[INI_TEXT_MAX]; /* prefix included; empty: the whole section is in one of them only */
+};
+
+/* Calls adopt() for each key whose value is another in fresh, which has the same drivers; where it
+ * says true, config takes that value. Cameras that only one of them has stay as they are. */
+void config_update(struct config *config, const struct config *fresh,
+		   bool (*adopt)(void *context, const struct config_change *change), void *context);
+
 /* The whole configuration as a file that reads back the same. */
 void config_print(const struct config *config, FILE *stream);
 

@@ -61,7 +61,7 @@ equal "another has set the threshold" 255 "$(number "$work/buttons.jsonl" thresh
 equal "so that no light is left" 0 "$(number "$work/buttons.jsonl" lights_used)"
 
 # ---- signals: the video is whole ----
-for signal in HUP INT TERM; do
+for signal in INT TERM; do
 	rm -f "$work/clip.jsonl" "$work/clip.y4m"
 	# A shell's background jobs ignore SIGINT, and what is ignored stays so.
 	env --default-signal=INT "$INLAY" run --config "$work/studio.conf" \

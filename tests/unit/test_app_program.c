@@ -161,6 +161,10 @@ static void signals_end_it_and_seconds_tick(void **state)
 	assert_true(loop.tick);
 	assert_true(clock_now_ns() - start >= 99 * NS_PER_S / 100);
 	assert_false(loop.stop);
+	assert_int_equal(raise(SIGHUP), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop.reload); /* nobody took our terminal away */
+	assert_false(loop.stop);
 	assert_int_equal(raise(SIGTERM), 0);
 	assert_int_equal(loop_wait(&loop, &fault), 0);
 	assert_true(loop.stop);
@@ -192,11 +196,15 @@ static void lines_say_what_was_counted(void **state)
 	for (int i = 1; i <= 3; i++) {
 		const int64_t stage[STAGE_COUNT] = {i * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS, 0};
 
-		stats_made(&stats, stage);
-		stats_shown(&stats, i * 10 * NS_PER_MS);
+		stats_made(&stats, i * NS_PER_S, stage);
+		stats_shown(&stats, i * NS_PER_S, i * NS_PER_S + i * 10 * NS_PER_MS,
+			    15 * NS_PER_MS);
 	}
+	stats_made(&stats, 0,
+		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS});
+	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* of no new frame: it has no latency */
 	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &pipeline, &source, 1);
-	source.camera.situation = CAMERA_STALLED;
+	source.situation = CAMERA_STALLED;
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &pipeline, &source, 1);
 	stats_close(&stats);
 	stats_close(&stats);
@@ -207,15 +215,15 @@ static void lines_say_what_was_counted(void **state)
 	unlink(path);
 	assert_string_equal(
 		text,
-		"{\"t\":2.000,\"frames\":3,\"fps\":1.50,\"drops\":5,"
-		"\"latency_ms\":{\"mean\":20.000,\"max\":30.000},"
+		"{\"t\":2.000,\"frames\":4,\"fps\":2.00,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
 		"\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"composite\":7.000,\"show\":0."
 		"000},"
 		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,\"dropped_error\":0.003,"
 		"\"clipped\":0.250000,\"cameras\":[{\"name\":\"sky\",\"situation\":\"fine\","
 		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n"
-		"{\"t\":3.000,\"frames\":3,\"fps\":0.00,\"drops\":5,"
-		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},"
+		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
 		"\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"composite\":0.000,\"show\":0."
 		"000},"
 		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,\"dropped_error\":0.003,"

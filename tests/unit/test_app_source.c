@@ -7,6 +7,8 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <math.h>
+#include <poll.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -23,6 +25,8 @@ static struct {
 	enum pixel_format format;
 	int width, height;
 	size_t bytes; /* readable; 0: all that are needed */
+	int gate;     /* opening waits until it is written; 0: it does not wait */
+	const char *name;
 	uint8_t level;
 	float linear[3];
 	int opened, closed, out; /* out: frames that were not given back */
@@ -33,11 +37,16 @@ static uint8_t memory[64 * 64 * 12];
 
 static int fake_open(struct camera *camera, struct fault *fault)
 {
+	eventfd_t opened;
+
+	if (fake.gate)
+		(void)eventfd_read(fake.gate, &opened);
 	if (fake.open_err) {
 		camera->situation = fake.situation;
 		return fault_say(fault, fake.open_err, "fake: it is broken");
 	}
 	fake.opened++;
+	snprintf(camera->name, sizeof(camera->name), "%s", fake.name ? fake.name : "");
 	camera->format = fake.format;
 	camera->width = fake.width;
 	camera->height = fake.height;
@@ -130,12 +139,40 @@ static int end(void **state)
 	return fake.out || fake.opened != fake.closed;
 }
 
+static struct fault told;
+
+/* What opening said. */
+static int opened(void)
+{
+	struct pollfd end;
+
+	source_open(&source);
+	assert_false(source_is_open(&source));
+	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
+	assert_int_equal(poll(&end, 1, 20000), 1);
+	return source_take(&source, clock_now_ns(), &told);
+}
+
 static void must_open(void)
 {
-	struct fault fault = {.text = ""};
-
-	assert_int_equal(source_open(&source, &fault), 0);
+	assert_int_equal(opened(), 0);
 	assert_true(source_is_open(&source));
+}
+
+static void take(int64_t now_ns)
+{
+	assert_int_equal(source_take(&source, now_ns, &told), 0);
+}
+
+/* The camera is gone. */
+static void must_close(void)
+{
+	int before = fake.grab_err;
+
+	fake.grab_err = -ENODEV;
+	take(1);
+	assert_false(source_is_open(&source));
+	fake.grab_err = before;
 }
 
 static void newest_frame_is_held(void **state)
@@ -144,14 +181,14 @@ static void newest_frame_is_held(void **state)
 	must_open();
 	assert_false(source_has_news(&source));
 	assert_false(source_has_picture(&source));
-	source_take(&source, 5);
-	source_take(&source, 6);
+	take(5);
+	take(6);
 	fake.level = 33;
-	source_take(&source, 7);
+	take(7);
 	assert_true(source_has_news(&source));
 	assert_int_equal(source_counts(&source).frames, 3);
 	assert_int_equal(source_counts(&source).lost, 2);
-	assert_true(source_decode(&source));
+	assert_true(source_decode(&source, 99));
 	assert_false(source_has_news(&source));
 	assert_int_equal(fake.out, 0);
 	assert_int_equal(source.canvas.width, 16);
@@ -165,7 +202,7 @@ static void no_frame_is_no_trouble(void **state)
 	(void)state;
 	must_open();
 	fake.grab_err = -EAGAIN;
-	source_take(&source, 5);
+	take(5);
 	assert_true(source_is_open(&source));
 	assert_false(source_has_news(&source));
 	assert_int_equal(source_descriptor(&source), 42);
@@ -178,9 +215,9 @@ static void a_camera_on_demand_is_left_alone_while_its_frame_is_held(void **stat
 	assert_int_equal(source_descriptor(&source), -1);
 	must_open();
 	assert_int_equal(source_descriptor(&source), 42);
-	source_take(&source, 777);
+	take(777);
 	assert_int_equal(source_descriptor(&source), -1);
-	assert_true(source_decode(&source));
+	assert_true(source_decode(&source, 99));
 	assert_int_equal(source_descriptor(&source), 42);
 	assert_int_equal(source.picture_ns, 777); /* when it was made */
 	assert_int_equal(source_counts(&source).lost, 0);
@@ -190,22 +227,22 @@ static void a_lost_camera_leaves_its_picture(void **state)
 {
 	(void)state;
 	must_open();
-	source_take(&source, 1);
-	assert_true(source_decode(&source));
+	take(1);
+	assert_true(source_decode(&source, 99));
 	fake.grab_err = -ENODEV;
 	fake.situation = CAMERA_NO_DEVICE;
-	source_take(&source, 2);
+	take(2);
 	assert_false(source_is_open(&source));
 	assert_int_equal(source_descriptor(&source), -1);
-	assert_int_equal(source.camera.situation, CAMERA_NO_DEVICE);
+	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
 	assert_false(source_is_hopeless(&source));
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 100);
 	fake.grab_err = 0;
 	must_open();
 	fake.level = 7;
-	source_take(&source, 3);
-	assert_true(source_decode(&source));
+	take(3);
+	assert_true(source_decode(&source, 99));
 	assert_int_equal(source.canvas.pixels[0], 7);
 	assert_int_equal(source_counts(&source).frames, 2); /* of both openings */
 }
@@ -215,19 +252,18 @@ static void which_failures_waiting_can_mend(void **state)
 	static const struct {
 		enum camera_situation situation;
 		bool hopeless;
-	} cases[] = {{CAMERA_NO_DEVICE, false},	   {CAMERA_NO_SIGNAL, false},
-		     {CAMERA_BUSY, false},	   {CAMERA_NO_BANDWIDTH, false},
-		     {CAMERA_STALLED, false},	   {CAMERA_UNSUPPORTED_FORMAT, true},
-		     {CAMERA_NO_PERMISSION, true}, {CAMERA_BROKEN, true}};
+	} cases[] = {{CAMERA_NO_DEVICE, false},	    {CAMERA_NO_SIGNAL, false},
+		     {CAMERA_BUSY, false},	    {CAMERA_NO_BANDWIDTH, false},
+		     {CAMERA_STALLED, false},	    {CAMERA_UNSUPPORTED_FORMAT, true},
+		     {CAMERA_NO_PERMISSION, false}, {CAMERA_BROKEN, true}};
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
-		struct fault fault = {.text = ""};
-
 		fake.open_err = -EIO;
 		fake.situation = cases[i].situation;
-		assert_int_equal(source_open(&source, &fault), -EIO);
-		assert_string_equal(fault.text, "fake: it is broken");
+		assert_int_equal(opened(), -EIO);
+		assert_true(source.tried);
+		assert_string_equal(told.text, "fake: it is broken");
 		assert_int_equal(source_is_hopeless(&source), cases[i].hopeless);
 	}
 }
@@ -240,30 +276,30 @@ static void silence_is_named_and_ended(void **state)
 	must_open();
 	start = source.heard_ns;
 	source_watch(&source, start + NS_PER_S);
-	assert_int_equal(source.camera.situation, CAMERA_FINE);
+	assert_int_equal(source.situation, CAMERA_FINE);
 	source_watch(&source, start + 3 * NS_PER_S);
-	assert_int_equal(source.camera.situation, CAMERA_STALLED);
+	assert_int_equal(source.situation, CAMERA_STALLED);
 	assert_true(source_is_open(&source));
-	source_take(&source, start + 4 * NS_PER_S); /* it speaks again */
-	assert_int_equal(source.camera.situation, CAMERA_FINE);
+	take(start + 4 * NS_PER_S); /* it speaks again */
+	assert_int_equal(source.situation, CAMERA_FINE);
 	source_watch(&source, start + 9 * NS_PER_S); /* we hold its frame: it is not silent */
 	assert_true(source_is_open(&source));
-	assert_true(source_decode(&source));
+	assert_true(source_decode(&source, 99));
 	source_watch(&source, start + 11 * NS_PER_S);
 	assert_false(source_is_open(&source));
-	assert_int_equal(source.camera.situation, CAMERA_STALLED);
+	assert_int_equal(source.situation, CAMERA_STALLED);
 }
 
 static void a_frame_that_does_not_decode_is_passed_over(void **state)
 {
 	(void)state;
 	must_open();
-	source_take(&source, 1);
-	assert_true(source_decode(&source));
+	take(1);
+	assert_true(source_decode(&source, 99));
 	fake.bytes = 10;
 	fake.level = 5;
-	source_take(&source, 2);
-	assert_false(source_decode(&source));
+	take(2);
+	assert_false(source_decode(&source, 99));
 	assert_int_equal(fake.out, 0);
 	assert_int_equal(source.canvas.pixels[0], 100);
 	assert_int_equal(source.picture_ns, 1000);
@@ -281,8 +317,8 @@ static void linear_light_is_kept_and_encoded(void **state)
 	fake.linear[1] = 0.2158605f; /* code 128 */
 	fake.linear[2] = NAN;
 	must_open();
-	source_take(&source, 1);
-	assert_true(source_decode(&source));
+	take(1);
+	assert_true(source_decode(&source, 99));
 	assert_true(source.is_linear);
 	assert_true(source.linear.f32[0] == 3.5f);
 	p = source.canvas.pixels + 4;
@@ -291,8 +327,8 @@ static void linear_light_is_kept_and_encoded(void **state)
 	assert_int_equal(p[0], 0);
 	assert_int_equal(p[3], 255);
 	fake.bytes = 100;
-	source_take(&source, 2);
-	assert_false(source_decode(&source));
+	take(2);
+	assert_false(source_decode(&source, 99));
 }
 
 static void the_picture_follows_the_cameras_size(void **state)
@@ -303,23 +339,104 @@ static void the_picture_follows_the_cameras_size(void **state)
 	(void)state;
 	assert_int_equal(eye_fit(&eye, &fault), 0); /* no picture yet */
 	must_open();
-	source_take(&source, 1);
-	assert_true(source_decode(&source));
+	take(1);
+	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), 0);
 	assert_int_equal(eye.view.width, 16);
 	fake.width = 32;
 	fake.height = 24;
-	source_take(&source, 2);
-	assert_true(source_decode(&source));
+	take(2);
+	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), 0);
 	assert_int_equal(eye.view.width, 32);
 	assert_int_equal(eye_picture(&eye).height, 24);
 	eye.wanted.x = 20;
 	fake.width = 16;
-	source_take(&source, 3);
-	assert_true(source_decode(&source));
+	take(3);
+	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), -EINVAL);
 	assert_memory_equal(fault.text, "[fisheye] ", 10);
+}
+
+/* A device that takes its time does not hold up whoever waits for it. */
+static void opening_is_waited_for_by_nobody_but_the_end(void **state)
+{
+	struct pollfd end;
+
+	(void)state;
+	fake.gate = eventfd(0, EFD_CLOEXEC);
+	assert_true(fake.gate >= 0);
+	source_open(&source);
+	source_open(&source); /* once is enough */
+	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
+	assert_int_equal(poll(&end, 1, 0), 0);
+	take(1); /* nothing yet: harmless */
+	assert_false(source_is_open(&source));
+	assert_false(source.tried);
+	assert_int_equal(source_counts(&source).frames, 0);
+	source_watch(&source, 99 * NS_PER_S);
+	assert_int_equal(eventfd_write(fake.gate, 1), 0);
+	source_destroy(&source); /* waits, and closes what was opened */
+	assert_int_equal(fake.opened, 1);
+	assert_int_equal(fake.closed, 1);
+	close(fake.gate);
+}
+
+static void another_standard_is_opened_at_once(void **state)
+{
+	struct pollfd end;
+
+	(void)state;
+	must_open();
+	take(1);
+	assert_true(source_decode(&source, 99));
+	fake.grab_err = -ESTALE;
+	fake.situation = CAMERA_NO_SIGNAL;
+	take(2);
+	assert_true(source.opening);
+	fake.grab_err = 0;
+	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
+	assert_int_equal(poll(&end, 1, 20000), 1);
+	take(3);
+	assert_true(source_is_open(&source));
+	assert_int_equal(source.situation, CAMERA_NO_SIGNAL); /* until a frame proves it fine */
+	take(4);
+	assert_int_equal(source.situation, CAMERA_FINE);
+	/* One that says so before it gave a frame would have us do nothing else. */
+	must_close();
+	must_open();
+	fake.grab_err = -ESTALE;
+	take(5);
+	assert_false(source.opening);
+	assert_false(source_is_open(&source));
+}
+
+static void silence_is_excused_when_nobody_listened(void **state)
+{
+	int64_t start;
+
+	(void)state;
+	must_open();
+	start = source.heard_ns;
+	source_excuse(&source, start + 10 * NS_PER_S);
+	source_watch(&source, start + 11 * NS_PER_S);
+	assert_true(source_is_open(&source));
+	assert_int_equal(source.situation, CAMERA_FINE);
+	source_watch(&source, start + 13 * NS_PER_S);
+	assert_int_equal(source.situation, CAMERA_STALLED);
+}
+
+static void a_camera_keeps_its_name_while_it_is_away(void **state)
+{
+	(void)state;
+	assert_string_equal(source_device_name(&source), "front");
+	fake.name = "C920";
+	must_open();
+	assert_string_equal(source_device_name(&source), "C920");
+	must_close();
+	fake.open_err = -ENODEV;
+	assert_int_equal(opened(), -ENODEV);
+	assert_string_equal(source_device_name(&source), "C920");
 }
 
 int main(void)
@@ -335,6 +452,10 @@ int main(void)
 		CASE(a_frame_that_does_not_decode_is_passed_over),
 		CASE(linear_light_is_kept_and_encoded),
 		CASE(the_picture_follows_the_cameras_size),
+		CASE(opening_is_waited_for_by_nobody_but_the_end),
+		CASE(another_standard_is_opened_at_once),
+		CASE(silence_is_excused_when_nobody_listened),
+		CASE(a_camera_keeps_its_name_while_it_is_away),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,63 @@
+/* Commands from other programs. */
+#include <errno.h>
+#include <stdio.h>
+
+#include "app/kiosk_parts.h"
+
+int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault)
+{
+	const struct config_control *control = &k->config->control;
+	struct fault reason = {.text = ""};
+	int err;
+
+	if (k->control || !*control->socket)
+		return 0;
+	err = control_open(&k->control, control->socket, control->group, &reason);
+	if (first && (err == -EADDRINUSE || err == -EINVAL))
+		return fault_say(fault, err, "%s", reason.text);
+	kiosk_complain(&k->control_said, "control", err ? &reason : NULL);
+	return 0;
+}
+
+void kiosk_control_close(struct kiosk *k)
+{
+	(void)loop_watch(&k->loop, SLOT_CONTROL, -1, NULL);
+	control_close(k->control);
+	k->control = NULL;
+}
+
+/* What buttons change, and the statistics of the last second. */
+static const char *status(struct kiosk *k)
+{
+	char figures[STATS_TEXT_MAX];
+
+	stats_text(&k->stats, &k->pipeline, k->sources, k->source_count, figures);
+	snprintf(k->status, sizeof(k->status),
+		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"object\":%s,\"frozen\":%s,"
+		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",%s}",
+		 INLAY_VERSION, config_show_names[k->what], k->choice.pose,
+		 k->choice.object ? "true" : "false", k->frozen ? "true" : "false", k->split,
+		 k->information ? "true" : "false", display_situation_names[k->display.situation],
+		 figures);
+	return k->status;
+}
+
+void kiosk_control_read(struct kiosk *k)
+{
+	struct control_request request;
+
+	for (;;) {
+		control_next(k->control, &request);
+		switch (request.kind) {
+		case CONTROL_ACTION:
+			kiosk_act(k, request.press.action, request.press.value);
+			control_answer(k->control, "ok");
+			break;
+		case CONTROL_STATUS:
+			control_answer(k->control, status(k));
+			break;
+		default:
+			return;
+		}
+	}
+}

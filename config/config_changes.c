@@ -1,0 +1,85 @@
+/* What differs between two configurations, key by key. */
+#include <string.h>
+
+#include "config/config.h"
+
+static size_t value_bytes(const struct ini_key *key)
+{
+	switch (key->type) {
+	case INI_BOOL:
+		return sizeof(bool);
+	case INI_REAL:
+		return sizeof(double);
+	case INI_REALS:
+		return key->count * sizeof(double);
+	case INI_TEXT:
+		return INI_TEXT_MAX;
+	case INI_PATH:
+		return INI_PATH_MAX;
+	default:
+		return sizeof(int);
+	}
+}
+
+/* What follows the end of a text is no part of it. */
+static bool is_same(const struct ini_key *key, const char *a, const char *b)
+{
+	if (key->type == INI_TEXT || key->type == INI_PATH)
+		return strcmp(a + key->offset, b + key->offset) == 0;
+	return memcmp(a + key->offset, b + key->offset, value_bytes(key)) == 0;
+}
+
+static void compare_table(struct config *config, const struct config *fresh,
+			  const struct ini_table *table, const char *instance,
+			  bool (*adopt)(void *context, const struct config_change *change),
+			  void *context)
+{
+	char *old_values = (char *)table->place(config, instance) + table->part;
+	/* place() takes what it may fill, and fills nothing that is there. */
+	const char *new_values = (char *)table->place((void *)fresh, instance) + table->part;
+
+	for (const struct ini_key *key = table->keys; key->name; key++) {
+		struct config_change change = {.section = table->section, .instance = instance};
+
+		if (is_same(key, old_values, new_values))
+			continue;
+		snprintf(change.key, sizeof(change.key), "%s%s", table->prefix ? table->prefix : "",
+			 key->name);
+		if (adopt(context, &change))
+			memcpy(old_values + key->offset, new_values + key->offset,
+			       value_bytes(key));
+	}
+}
+
+/* Cameras that only one of the two has. */
+static void compare_cameras(const struct config *one, const struct config *other,
+			    bool (*adopt)(void *context, const struct config_change *change),
+			    void *context)
+{
+	for (int i = 0; i < one->camera_count; i++) {
+		const struct config_change change = {.section = "camera",
+						     .instance = one->cameras[i]->name};
+
+		if (!config_camera_named(other, one->cameras[i]->name))
+			(void)adopt(context, &change);
+	}
+}
+
+void config_update(struct config *config, const struct config *fresh,
+		   bool (*adopt)(void *context, const struct config_change *change), void *context)
+{
+	for (const struct ini_table *table = config->tables; table->section; table++) {
+		if (!table->named) {
+			compare_table(config, fresh, table, NULL, adopt, context);
+			continue;
+		}
+		for (int i = 0; i < config->camera_count; i++) {
+			const char *name = config->cameras[i]->name;
+
+			if (config_camera_named(fresh, name))
+				compare_table(config, fresh, table, name, adopt, context);
+		}
+	}
+	compare_cameras(config, fresh, adopt, context);
+	compare_cameras(fresh, config, adopt, context);
+}
