@@ -4,13 +4,16 @@
 
 #define HEIGHT_PER_SIDE 120
 #define SHOWN_SIDE_PX 3
+#define SIDE_LEAST_PX 2
 
 int mark_side_px(int picture_height, int shown_height)
 {
 	int side = (picture_height + HEIGHT_PER_SIDE / 2) / HEIGHT_PER_SIDE;
 	int seen = (SHOWN_SIDE_PX * picture_height + shown_height - 1) / shown_height;
 
-	return side < seen ? seen : side;
+	if (side < seen)
+		side = seen;
+	return side < SIDE_LEAST_PX ? SIDE_LEAST_PX : side;
 }
 
 /* Half-open, cut at the border: a light on the horizon lies on the edge of the image circle. */

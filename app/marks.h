@@ -19,7 +19,8 @@
 	}
 
 /* A side of a mark in a picture of this height, which is shown shown_height pixels high: 2 in the
- * thesis's 243, and at least 3 of the screen's, to be seen where the picture is made smaller. */
+ * thesis's 243 and in smaller ones; at least 3 of the screen's pixels, to be seen where the picture
+ * is made smaller. */
 int mark_side_px(int picture_height, int shown_height);
 
 /* used[dome->count]. lens is of the canvas's size. Lights that it does not see are not drawn. */

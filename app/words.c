@@ -19,7 +19,7 @@ static const char *const wrong[CAMERA_SITUATION_COUNT] = {
 	[CAMERA_BUSY] = "is used by another program: waiting",
 	[CAMERA_NO_BANDWIDTH] = "has no room on its USB bus: plug it into another port, or choose "
 				"MJPEG, a smaller picture or a lower rate",
-	[CAMERA_NO_PERMISSION] = "may not be opened: add this program's user to the group video",
+	[CAMERA_NO_PERMISSION] = "may not be opened by this user: add the user to the group video",
 	[CAMERA_BROKEN] = "does not work: the log says why",
 };
 
@@ -50,7 +50,7 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 /* A bound stays one when it is rounded. */
 static double up_to_tenths(double value)
 {
-	return ceil(value * 10 - 1e-9) / 10;
+	return value > 0 ? ceil(value * 10 - 1e-9) / 10 : 0;
 }
 
 static const char *say_share(char *text, size_t room, double share)

@@ -8,6 +8,10 @@ UNIT_TESTS := \
 	tests/unit/test_app_source.c \
 	tests/unit/test_app_pipeline.c \
 	tests/unit/test_app_program.c \
+	tests/unit/test_app_words.c \
+	tests/unit/test_app_utf8.c \
+	tests/unit/test_app_show.c \
+	tests/unit/test_app_overlay.c \
 	tests/unit/test_sampler.c \
 	tests/unit/test_output.c \
 	tests/unit/test_lights_file.c \

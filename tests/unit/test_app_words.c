@@ -1,0 +1,187 @@
+/* What the program says on the screen. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/words.h"
+
+#define NAME "C920"
+
+static const char *const roles[] = {"Fisheye", "Background", "Scene", "Fisheye and background"};
+
+static void each_situation_has_a_sentence(void **state)
+{
+	char text[CAMERA_SITUATION_COUNT][256], start[80];
+
+	(void)state;
+	for (int r = 0; r < 4; r++) {
+		for (int s = CAMERA_FINE + 1; s < CAMERA_SITUATION_COUNT; s++) {
+			int length = words_camera(text[s], sizeof(text[s]), roles[r], NAME,
+						  (enum camera_situation)s);
+
+			assert_int_equal(length, strlen(text[s]));
+			snprintf(start, sizeof(start), "%s camera '" NAME "' ", roles[r]);
+			assert_memory_equal(text[s], start, strlen(start));
+			assert_true(strlen(text[s]) > strlen(start) + 10);
+			assert_null(strstr(text[s], "(null)"));
+			for (int other = CAMERA_FINE + 1; other < s; other++)
+				assert_string_not_equal(text[s], text[other]);
+			/* A name that is not known leaves no quotes. */
+			words_camera(text[s], sizeof(text[s]), roles[r], "",
+				     (enum camera_situation)s);
+			assert_null(strchr(text[s], '\''));
+			words_camera(text[s], sizeof(text[s]), roles[r], NAME,
+				     (enum camera_situation)s);
+		}
+	}
+}
+
+static void says_what_is_wrong(void **state)
+{
+	static const struct {
+		enum camera_situation situation;
+		const char *word;
+	} cases[] = {
+		{CAMERA_NO_DEVICE, "not connected: waiting"},
+		{CAMERA_NO_SIGNAL, "no video signal"},
+		{CAMERA_STALLED, "sends no picture"},
+		{CAMERA_UNSUPPORTED_FORMAT, "no picture format"},
+		{CAMERA_BUSY, "used by another program"},
+		{CAMERA_NO_BANDWIDTH, "no room on its USB bus"},
+		{CAMERA_NO_PERMISSION, "group video"},
+		{CAMERA_BROKEN, "log"},
+	};
+	char text[256];
+
+	(void)state;
+	assert_int_equal(sizeof(cases) / sizeof(*cases), CAMERA_SITUATION_COUNT - 1);
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		words_camera(text, sizeof(text), "Scene", NAME, cases[i].situation);
+		assert_non_null(strstr(text, cases[i].word));
+	}
+	words_camera(text, sizeof(text), "Fisheye", NAME, CAMERA_NO_DEVICE);
+	assert_string_equal(text, "Fisheye camera 'C920' is not connected: waiting");
+}
+
+static void nothing_to_say(void **state)
+{
+	char text[8] = "before";
+
+	(void)state;
+	assert_int_equal(words_camera(text, sizeof(text), "Scene", NAME, CAMERA_FINE), 0);
+	assert_string_equal(text, "");
+	assert_int_equal(words_camera(text, sizeof(text), "Scene", NAME, CAMERA_SITUATION_COUNT),
+			 0);
+}
+
+/* What is wrong is not pushed out by a name, and no room is overrun. */
+static void long_names_and_little_room(void **state)
+{
+	static const char *const names[] = {
+		"/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1.4.3.2.1:1.0-video-index0",
+		"äöüäöüäöüäöüäöüäöüäöüäöüäöüäöüäöüäöüäöü",
+		"日本語日本語日本語日本語日本語日本語日本語日本語",
+		"\xff\xfe\n\t\x1b[2J",
+	};
+	char whole[256], cut[300];
+
+	(void)state;
+	for (size_t n = 0; n < sizeof(names) / sizeof(*names); n++) {
+		int length = words_camera(whole, sizeof(whole), "Fisheye and background", names[n],
+					  CAMERA_NO_DEVICE);
+
+		assert_true(length < 130);
+		assert_non_null(strstr(whole, "' is not connected: waiting"));
+		assert_null(strchr(whole, '\n'));
+		assert_null(strchr(whole, '\x1b'));
+		for (size_t room = 0; room <= (size_t)length + 1; room++) {
+			memset(cut, '#', sizeof(cut));
+			assert_int_equal(words_camera(cut, room, "Fisheye and background", names[n],
+						      CAMERA_NO_DEVICE),
+					 length);
+			assert_int_equal(cut[room], '#');
+			if (room == 0)
+				continue;
+			assert_memory_equal(cut, whole, strlen(cut));
+			assert_true(strlen(cut) < room && room - strlen(cut) <= 4);
+			/* What follows begins a character. */
+			assert_int_not_equal(whole[strlen(cut)] & 0xc0, 0x80);
+		}
+	}
+}
+
+static void figures(void **state)
+{
+	struct words_figures f = {212, 406, 32, 1.37, 29.94, 38.2, 12, 0.003};
+	char text[256];
+	int length = words_information(text, sizeof(text), &f);
+
+	(void)state;
+	assert_int_equal(length, strlen(text));
+	assert_string_equal(text, "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · "
+				  "29.9 frames/s · 38 ms · 12 dropped · sky clipped 0.3 %");
+	f.threshold = 12.5;
+	f.clipped = 0;
+	f.error_levels = 0;
+	words_information(text, sizeof(text), &f);
+	assert_non_null(strstr(text, "threshold 12.5 ·"));
+	assert_non_null(strstr(text, "error ≤ 0.0 levels"));
+	assert_non_null(strstr(text, "clipped 0.0 %"));
+	f.clipped = 0.0001; /* a little is not nothing */
+	words_information(text, sizeof(text), &f);
+	assert_non_null(strstr(text, "clipped < 0.1 %"));
+}
+
+/* "at most" stays true when it is rounded. */
+static void a_bound_is_rounded_up(void **state)
+{
+	char text[256], expected[64];
+
+	(void)state;
+	for (int i = 0; i < 3000; i++) {
+		const struct words_figures f = {.error_levels = i / 100.0};
+
+		words_information(text, sizeof(text), &f);
+		snprintf(expected, sizeof(expected), "error ≤ %d.%d levels", (i + 9) / 10 / 10,
+			 (i + 9) / 10 % 10);
+		assert_non_null(strstr(text, expected));
+	}
+}
+
+static void figures_out_of_all_bounds(void **state)
+{
+	const struct words_figures wild[] = {
+		{.error_levels = INFINITY, .latency_ms = 1e300, .frames_a_second = -1e300},
+		{.error_levels = NAN, .threshold = NAN, .clipped = NAN, .drops = UINT64_MAX},
+		{.lights = INT32_MAX, .lights_used = INT32_MIN, .error_levels = 1e300},
+	};
+	char text[64];
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(wild) / sizeof(*wild); i++) {
+		memset(text, '#', sizeof(text));
+		assert_true(words_information(text, 60, &wild[i]) > 0);
+		assert_true(strlen(text) < 60);
+		assert_int_equal(text[60], '#');
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(each_situation_has_a_sentence),
+		cmocka_unit_test(says_what_is_wrong),
+		cmocka_unit_test(nothing_to_say),
+		cmocka_unit_test(long_names_and_little_room),
+		cmocka_unit_test(figures),
+		cmocka_unit_test(a_bound_is_rounded_up),
+		cmocka_unit_test(figures_out_of_all_bounds),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
