@@ -29,6 +29,8 @@ UNIT_TESTS := \
 	tests/unit/test_cow.c \
 	tests/unit/test_config.c \
 	tests/unit/test_buttons.c \
+	tests/unit/test_keyboard.c \
+	tests/unit/test_control.c \
 	tests/unit/test_display.c \
 	tests/unit/test_image.c \
 	tests/unit/test_ini.c \
@@ -42,6 +44,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_basis.c \
 	tests/fuzz/fuzz_lights.c \
 	tests/fuzz/fuzz_config.c \
+	tests/fuzz/fuzz_control.c \
 	tests/fuzz/fuzz_image.c \
 	tests/fuzz/fuzz_video.c \
 	tests/fuzz/fuzz_mjpeg.c

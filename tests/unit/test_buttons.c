@@ -1,5 +1,5 @@
-/* Buttons: the wrappers, scripts in time, the words for every mistake in one, and GPIO's refusals
- * (the lines themselves are pressed in the simulated machine). */
+/* Buttons: the wrappers, scripts in time, the words for every mistake in one, what is a press of a
+ * line, and GPIO's refusals (lines themselves are pressed in the simulated machine). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
+#include "drivers/gpio/button.h"
 #include "hal/clock.h"
 
 static char folder[] = "/tmp/inlay-buttons-XXXXXX";
@@ -114,7 +115,8 @@ static void script_mistakes(void **state)
 		{"3 threshold-set\n", ":1: threshold-set needs a level"},
 		{"3 threshold-set x\n", ":1: threshold-set needs a level"},
 		{"3 threshold-set 1 2\n", ":1: expected a time, an action and at most one value"},
-		{"3 threshold-set 256\n", ":1: threshold-set needs a level, expected one number 0..255"},
+		{"3 threshold-set 256\n",
+		 ":1: threshold-set needs a level, expected one number 0..255"},
 		{"3 threshold-set nan\n", ":1: threshold-set needs a level"},
 		{"3 threshold-set -1\n", ":1: threshold-set needs a level"},
 		{"3 freeze 1\n", ":1: freeze takes no value, found \"1\""},
@@ -165,6 +167,149 @@ static void wrappers(void **state)
 	assert_string_equal(action_names[ACTION_QUIT], "quit");
 }
 
+/* Every action's name is a press; those that step repeat. */
+static void every_action(void **state)
+{
+	struct button_press press;
+	struct fault fault;
+	int repeating = 0;
+
+	(void)state;
+	for (int i = ACTION_NONE + 1; i < ACTION_COUNT; i++) {
+		const char *value = i == ACTION_THRESHOLD_SET ? "255" : NULL;
+
+		assert_int_equal(button_press_parse(action_names[i], value, &press, &fault), 0);
+		assert_int_equal(press.action, i);
+		assert_true(press.value == (value ? 255 : 0));
+		repeating += action_repeats((enum action)i);
+	}
+	assert_int_equal(repeating, 4);
+	assert_int_equal(button_press_parse("none", NULL, &press, &fault), -EINVAL);
+	assert_int_equal(button_press_parse("threshold-set", "inf", &press, &fault), -EINVAL);
+	assert_int_equal(button_press_parse("threshold-set", "", &press, &fault), -EINVAL);
+}
+
+/* ---- lines: levels at times, in milliseconds ---- */
+
+static const struct button_timing timing = {
+	.settle_ns = 20 * NS_PER_MS,
+	.repeat_after_ns = 500 * NS_PER_MS,
+	.repeat_every_ns = 100 * NS_PER_MS,
+};
+
+static bool edge(struct button *button, int at_ms, bool level)
+{
+	return button_edge(button, &timing, level, at_ms * NS_PER_MS);
+}
+
+static bool settled(struct button *button, int at_ms)
+{
+	return button_settle(button, &timing, at_ms * NS_PER_MS);
+}
+
+/* How often the button is pressed from one time to another, its timer kept to the millisecond. */
+static int presses_between(struct button *button, int from_ms, int to_ms)
+{
+	int count = 0;
+
+	for (int ms = from_ms; ms < to_ms; ms++)
+		if (button_deadline_ns(button, &timing) <= ms * NS_PER_MS)
+			count += settled(button, ms);
+	return count;
+}
+
+static void line_bounces(void **state)
+{
+	struct button button;
+
+	(void)state;
+	button_start(&button, false, false);
+	assert_true(button_deadline_ns(&button, &timing) == BUTTON_NEVER);
+	for (int ms = 1000; ms < 1010; ms += 2) {
+		assert_false(edge(&button, ms, true));
+		assert_false(edge(&button, ms + 1, false));
+	}
+	assert_false(edge(&button, 1010, true));
+	assert_false(settled(&button, 1029));
+	assert_true(button_deadline_ns(&button, &timing) == 1030 * NS_PER_MS);
+	assert_true(settled(&button, 1030));
+	assert_int_equal(presses_between(&button, 1031, 5000), 0); /* it does not repeat */
+	/* Let go, with as many bounces: no press. */
+	for (int ms = 5000; ms < 5010; ms += 2) {
+		assert_false(edge(&button, ms, false));
+		assert_false(edge(&button, ms + 1, true));
+	}
+	assert_false(edge(&button, 5010, false));
+	assert_int_equal(presses_between(&button, 5010, 6000), 0);
+	assert_true(button_deadline_ns(&button, &timing) == BUTTON_NEVER);
+	/* A spike is none either. */
+	assert_false(edge(&button, 7000, true));
+	assert_false(edge(&button, 7005, false));
+	assert_int_equal(presses_between(&button, 7000, 8000), 0);
+}
+
+/* The program looks late: presses are told by the edges' own times. */
+static void line_seen_late(void **state)
+{
+	struct button button;
+
+	(void)state;
+	button_start(&button, false, true);
+	assert_false(edge(&button, 1000, true));
+	assert_true(edge(&button, 1100, false));
+	assert_false(edge(&button, 1200, true));
+	assert_true(edge(&button, 1300, false));
+	assert_false(settled(&button, 9000));
+	/* And a button that is held meanwhile does not catch up. */
+	assert_false(edge(&button, 10000, true));
+	assert_true(settled(&button, 10020));
+	assert_true(settled(&button, 15000));
+	assert_false(settled(&button, 15099));
+	assert_true(settled(&button, 15100));
+}
+
+static void line_repeats(void **state)
+{
+	const struct button_timing never = {.settle_ns = timing.settle_ns, .repeat_every_ns = 1};
+	struct button button;
+
+	(void)state;
+	button_start(&button, false, true);
+	assert_false(edge(&button, 1000, true));
+	assert_int_equal(presses_between(&button, 1000, 1520), 1);
+	assert_int_equal(presses_between(&button, 1520, 2020), 5);
+	assert_false(edge(&button, 2020, false));
+	assert_int_equal(presses_between(&button, 2020, 9000), 0);
+	/* Stuck: after ten seconds it is quiet, until it was let go. */
+	assert_false(edge(&button, 10000, true));
+	assert_in_range(presses_between(&button, 10000, 21000), 90, 100);
+	assert_int_equal(presses_between(&button, 21000, 90000), 0);
+	assert_false(edge(&button, 90000, false));
+	assert_false(settled(&button, 90020));
+	assert_false(edge(&button, 91000, true));
+	assert_true(settled(&button, 91020));
+
+	button_start(&button, false, true);
+	assert_false(button_edge(&button, &never, true, 0));
+	assert_true(button_settle(&button, &never, NS_PER_S));
+	assert_true(button_deadline_ns(&button, &never) == BUTTON_NEVER);
+}
+
+static void line_pressed_at_the_start(void **state)
+{
+	struct button button;
+
+	(void)state;
+	button_start(&button, true, true);
+	assert_int_equal(presses_between(&button, 0, 30000), 0);
+	assert_false(edge(&button, 30000, true)); /* an edge was lost before it */
+	assert_int_equal(presses_between(&button, 30000, 31000), 0);
+	assert_false(edge(&button, 31000, false));
+	assert_false(settled(&button, 31020));
+	assert_false(edge(&button, 32000, true));
+	assert_true(settled(&button, 32020));
+}
+
 #if WITH_GPIO
 static void gpio_missing(void **state)
 {
@@ -209,6 +354,11 @@ int main(void)
 		cmocka_unit_test(script_mistakes),
 		cmocka_unit_test(script_missing),
 		cmocka_unit_test(wrappers),
+		cmocka_unit_test(every_action),
+		cmocka_unit_test(line_bounces),
+		cmocka_unit_test(line_seen_late),
+		cmocka_unit_test(line_repeats),
+		cmocka_unit_test(line_pressed_at_the_start),
 #if WITH_GPIO
 		cmocka_unit_test(gpio_missing),
 #endif

@@ -1,0 +1,409 @@
+/* The control socket: what a line means, and that no client can harm the kiosk or the others. Other
+ * users come in the simulated machine (tests/vm/test_control.sh). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <grp.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "app/control.h"
+#include "app/control_socket.h"
+
+static char folder[] = "/tmp/inlay-control-XXXXXX";
+static char path[64];
+
+static void lines(void **state)
+{
+	static const struct {
+		const char *line;
+		enum control_request_kind kind;
+		enum action action;
+		double value;
+		const char *words; /* of the fault */
+	} cases[] = {
+		{"status", CONTROL_STATUS, ACTION_NONE, 0, NULL},
+		{"view-next", CONTROL_ACTION, ACTION_VIEW_NEXT, 0, NULL},
+		{"  quit\t\r", CONTROL_ACTION, ACTION_QUIT, 0, NULL},
+		{"threshold-set 40", CONTROL_ACTION, ACTION_THRESHOLD_SET, 40, NULL},
+		{"threshold-set\t0.5 ", CONTROL_ACTION, ACTION_THRESHOLD_SET, 0.5, NULL},
+		{"threshold-set", CONTROL_NOTHING, 0, 0, "needs a level"},
+		{"threshold-set 256", CONTROL_NOTHING, 0, 0, "expected one number 0..255"},
+		{"threshold-set nan", CONTROL_NOTHING, 0, 0, "expected one number 0..255"},
+		{"threshold-set 4 0", CONTROL_NOTHING, 0, 0, "at most one value"},
+		{"view-next 3", CONTROL_NOTHING, 0, 0, "view-next takes no value, found \"3\""},
+		{"status now", CONTROL_NOTHING, 0, 0, "unknown action \"status\""},
+		{"veiw-next", CONTROL_NOTHING, 0, 0, "did you mean \"view-next\"?"},
+		{"none", CONTROL_NOTHING, 0, 0, "unknown action \"none\""},
+		{"zzzzzzzzzzzz", CONTROL_NOTHING, 0, 0, "expected one like view-next"},
+		{"", CONTROL_NOTHING, 0, 0, "there is no command"},
+		{" \t ", CONTROL_NOTHING, 0, 0, "there is no command"},
+		{"quit\x1b[2J", CONTROL_NOTHING, 0, 0, "this is no text"},
+		{"qu\xc3\xafit", CONTROL_NOTHING, 0, 0, "this is no text"},
+	};
+	struct control_request request;
+	struct fault fault;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		const int err = control_parse(cases[i].line, strlen(cases[i].line), &request,
+					      &fault);
+
+		assert_int_equal(err, cases[i].words ? -EINVAL : 0);
+		assert_int_equal(request.kind, cases[i].kind);
+		if (err && !strstr(fault.text, cases[i].words))
+			fail_msg("%s (expected %s)", fault.text, cases[i].words);
+		if (request.kind == CONTROL_ACTION) {
+			assert_int_equal(request.press.action, cases[i].action);
+			assert_true(request.press.value == cases[i].value);
+		}
+	}
+	assert_int_equal(control_parse("quit\0quit", 9, &request, &fault), -EINVAL);
+}
+
+static struct control *open_control(const char *group)
+{
+	struct control *control;
+	struct fault fault;
+
+	if (control_open(&control, path, group, &fault))
+		fail_msg("%s", fault.text);
+	return control;
+}
+
+static int connect_client(void)
+{
+	const int fd = control_socket_connect(path);
+
+	assert_true(fd >= 0);
+	return fd;
+}
+
+static void send_text(int fd, const char *text)
+{
+	assert_int_equal(send(fd, text, strlen(text), MSG_NOSIGNAL), strlen(text));
+}
+
+static bool is_waiting(const struct control *control)
+{
+	struct pollfd p = {.fd = control_descriptor(control), .events = POLLIN};
+
+	return poll(&p, 1, 0) == 1;
+}
+
+/* Answers all that waits as the kiosk does, status with the given line. The count of requests. */
+static int serve(struct control *control, const char *status)
+{
+	struct control_request request;
+	int count = 0;
+
+	while (is_waiting(control)) {
+		int turn = 0;
+
+		for (;; turn++) {
+			control_next(control, &request);
+			if (request.kind == CONTROL_NOTHING)
+				break;
+			control_answer(control, request.kind == CONTROL_STATUS
+							? status
+							: action_names[request.press.action]);
+		}
+		assert_true(turn <= 16); /* a flood leaves time for other work */
+		count += turn;
+	}
+	return count;
+}
+
+/* What has come so far, with "EOF" at the end when the other side hung up. */
+static const char *replies(int fd)
+{
+	static char text[8192];
+	size_t length = 0;
+	ssize_t bytes;
+
+	while (length < sizeof(text) - 4 &&
+	       (bytes = recv(fd, text + length, sizeof(text) - 4 - length, MSG_DONTWAIT)) > 0)
+		length += (size_t)bytes;
+	strcpy(text + length, bytes == 0 || (bytes < 0 && errno == ECONNRESET) ? "EOF" : "");
+	return text;
+}
+
+static void one_after_the_other(void **state)
+{
+	struct control *control = open_control("");
+	const int one = connect_client(), other = connect_client();
+
+	(void)state;
+	assert_int_equal(serve(control, ""), 0);
+	assert_false(is_waiting(control));
+	send_text(one, "view-next\nstatus\nfoo\nthreshold-set 12\n");
+	assert_int_equal(serve(control, "{}"), 3);
+	assert_string_equal(replies(one),
+			    "view-next\n{}\n"
+			    "error: unknown action \"foo\", expected one like view-next\n"
+			    "threshold-set\n");
+	send_text(one, "pose-");
+	send_text(other, "object\n");
+	assert_int_equal(serve(control, ""), 1);
+	assert_string_equal(replies(other), "object\n");
+	assert_string_equal(replies(one), "");
+	send_text(one, "next\n");
+	assert_int_equal(serve(control, ""), 1);
+	assert_string_equal(replies(one), "pose-next\n");
+	/* Half a line of somebody who is gone is no command. */
+	send_text(other, "quit");
+	close(other);
+	assert_int_equal(serve(control, ""), 0);
+	control_close(control);
+	assert_string_equal(replies(one), "EOF");
+	close(one);
+	assert_int_equal(access(path, F_OK), -1);
+}
+
+/* A client that goes between its command and the answer. */
+static void gone_before_the_answer(void **state)
+{
+	struct control *control = open_control("");
+	struct control_request request;
+	const int one = connect_client();
+
+	(void)state;
+	send_text(one, "freeze\n");
+	do
+		control_next(control, &request);
+	while (request.kind == CONTROL_NOTHING);
+	assert_int_equal(request.press.action, ACTION_FREEZE);
+	close(one);
+	control_answer(control, "ok");
+	control_answer(control, "ok"); /* nobody asked */
+	assert_int_equal(serve(control, ""), 0);
+	control_close(control);
+	control_close(NULL);
+}
+
+static void line_without_end(void **state)
+{
+	struct control *control = open_control("");
+	const int one = connect_client(), other = connect_client();
+	char text[CONTROL_LINE_MAX + 1];
+
+	(void)state;
+	memset(text, ' ', sizeof(text));
+	memcpy(text, "quit", 4);
+	text[CONTROL_LINE_MAX - 1] = '\n';
+	text[CONTROL_LINE_MAX] = '\0';
+	send_text(one, text);
+	assert_int_equal(serve(control, ""), 1);
+	assert_string_equal(replies(one), "quit\n");
+	text[CONTROL_LINE_MAX - 1] = ' ';
+	send_text(one, text);
+	send_text(other, "object\n");
+	assert_int_equal(serve(control, ""), 1);
+	assert_string_equal(replies(one),
+			    "error: the line is too long, expected at most 255 bytes\nEOF");
+	assert_string_equal(replies(other), "object\n");
+	close(one);
+	close(other);
+	control_close(control);
+}
+
+static void flood(void **state)
+{
+	struct control *control = open_control("");
+	const int one = connect_client(), other = connect_client();
+	const char *end;
+
+	(void)state;
+	for (int i = 0; i <= CONTROL_RATE_MAX; i++) {
+		send_text(one, "object\n");
+		if (i % 100 == 0 && i < CONTROL_RATE_MAX) {
+			serve(control, "");
+			(void)replies(one);
+		}
+	}
+	send_text(other, "object\n");
+	serve(control, "");
+	end = strstr(replies(one), "error: too many");
+	assert_non_null(end);
+	assert_string_equal(end, "error: too many commands in a second\nEOF");
+	assert_string_equal(replies(other), "object\n");
+	close(one);
+	close(other);
+	control_close(control);
+}
+
+static void deaf_client(void **state)
+{
+	struct control *control = open_control("");
+	const int one = connect_client(), other = connect_client();
+	static char status[4096];
+	int sent = 0;
+
+	(void)state;
+	memset(status, 'x', sizeof(status) - 1);
+	while (sent < CONTROL_RATE_MAX && send(one, "status\n", 7, MSG_NOSIGNAL) == 7) {
+		serve(control, status);
+		sent++;
+	}
+	assert_in_range(sent, 2, CONTROL_RATE_MAX - 1);
+	send_text(other, "object\n");
+	assert_int_equal(serve(control, ""), 1);
+	assert_string_equal(replies(other), "object\n");
+	close(one);
+	close(other);
+	control_close(control);
+}
+
+static void one_client_more(void **state)
+{
+	struct control *control = open_control("");
+	int clients[CONTROL_CLIENTS_MAX + 1];
+
+	(void)state;
+	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++) {
+		clients[i] = connect_client();
+		serve(control, "");
+	}
+	send_text(clients[0], "object\n"); /* so the next one has been silent longest */
+	serve(control, "");
+	clients[CONTROL_CLIENTS_MAX] = connect_client();
+	send_text(clients[CONTROL_CLIENTS_MAX], "freeze\n");
+	assert_int_equal(serve(control, ""), 1);
+	assert_string_equal(replies(clients[CONTROL_CLIENTS_MAX]), "freeze\n");
+	assert_string_equal(replies(clients[1]),
+			    "error: another needs the place of this client\nEOF");
+	assert_string_equal(replies(clients[0]), "object\n");
+	for (int i = 0; i <= CONTROL_CLIENTS_MAX; i++)
+		close(clients[i]);
+	serve(control, "");
+	control_close(control);
+}
+
+static void out_of_descriptors(void **state)
+{
+	struct control *control = open_control("");
+	const int one = connect_client(), other = connect_client();
+	const int free_one = dup(0);
+	struct rlimit limit, none;
+
+	(void)state;
+	assert_true(free_one >= 0);
+	close(free_one);
+	assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
+	none = limit;
+	none.rlim_cur = (rlim_t)free_one; /* all below are taken */
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+	serve(control, ""); /* ends: nobody waits for ever */
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
+	assert_string_equal(replies(one), "EOF");
+	assert_string_equal(replies(other), "EOF");
+	close(one);
+	close(other);
+	const int later = connect_client();
+
+	send_text(later, "object\n");
+	assert_int_equal(serve(control, ""), 1);
+	close(later);
+	control_close(control);
+}
+
+static int refusal(const char *at, const char *group, const char *words)
+{
+	struct control *control;
+	struct fault fault;
+	const int err = control_open(&control, at, group, &fault);
+
+	assert_true(err < 0);
+	assert_null(control);
+	if (!strstr(fault.text, words))
+		fail_msg("%s (expected %s)", fault.text, words);
+	return err;
+}
+
+static void place(void **state)
+{
+	const struct group *own = getgrgid(getegid());
+	struct sockaddr_un address = {.sun_family = AF_UNIX};
+	struct control *control;
+	struct stat file;
+	char long_path[200];
+	int dead, plain;
+
+	(void)state;
+	control = open_control("");
+	assert_int_equal(stat(path, &file), 0);
+	assert_int_equal(file.st_mode & 07777, 0600);
+	assert_int_equal(refusal(path, "", "another kiosk listens"), -EADDRINUSE);
+	assert_int_equal(serve(control, ""), 0); /* the other one has only knocked */
+	/* Not ours any more: it stays. */
+	assert_int_equal(unlink(path), 0);
+	plain = open(path, O_CREAT | O_WRONLY, 0600);
+	assert_true(plain >= 0);
+	close(plain);
+	control_close(control);
+	assert_int_equal(refusal(path, "", "is there and no socket"), -EEXIST);
+	assert_int_equal(unlink(path), 0);
+
+	dead = socket(AF_UNIX, SOCK_STREAM, 0);
+	strcpy(address.sun_path, path);
+	assert_int_equal(bind(dead, (struct sockaddr *)&address, sizeof(address)), 0);
+	close(dead);
+	assert_non_null(own);
+	control = open_control(own->gr_name);
+	assert_int_equal(stat(path, &file), 0);
+	assert_int_equal(file.st_mode & 07777, 0660);
+	assert_int_equal(file.st_gid, own->gr_gid);
+	control_close(control);
+	assert_int_equal(access(path, F_OK), -1);
+
+	assert_int_equal(refusal(path, "no-such-group", "expected a group"), -EINVAL);
+	memset(long_path, 'x', sizeof(long_path) - 1);
+	long_path[0] = '/';
+	long_path[sizeof(long_path) - 1] = '\0';
+	assert_int_equal(refusal(long_path, "", "too long"), -ENAMETOOLONG);
+	assert_int_equal(refusal("/nowhere/at/all", "", "folder of"), -ENOENT);
+}
+
+static int make_folder(void **state)
+{
+	(void)state;
+	if (!mkdtemp(folder))
+		return -1;
+	snprintf(path, sizeof(path), "%s/socket", folder);
+	return 0;
+}
+
+static int remove_folder(void **state)
+{
+	(void)state;
+	return rmdir(folder); /* so nothing was left in it */
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(lines),
+		cmocka_unit_test(one_after_the_other),
+		cmocka_unit_test(gone_before_the_answer),
+		cmocka_unit_test(line_without_end),
+		cmocka_unit_test(flood),
+		cmocka_unit_test(deaf_client),
+		cmocka_unit_test(one_client_more),
+		cmocka_unit_test(out_of_descriptors),
+		cmocka_unit_test(place),
+	};
+
+	return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

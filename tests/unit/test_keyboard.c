@@ -1,0 +1,175 @@
+/* Keyboards: names of keys, and what the kernel's events mean. Devices are plugged into the
+ * simulated machine (tests/vm/test_keyboard.sh). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/drivers.h"
+#include "drivers/evdev/keys.h"
+
+static void names(void **state)
+{
+	struct keymap map = {0};
+	struct fault fault;
+
+	(void)state;
+	assert_int_equal(keymap_add(&map, ACTION_THRESHOLD_UP, " up  kpplus\t", "x", &fault), 0);
+	assert_int_equal(keymap_add(&map, ACTION_FREEZE, "", "x", &fault), 0);
+	assert_int_equal(keymap_add(&map, ACTION_QUIT, "btn_trigger", "x", &fault), 0);
+	assert_int_equal(map.actions[KEY_UP], ACTION_THRESHOLD_UP);
+	assert_int_equal(map.actions[KEY_KPPLUS], ACTION_THRESHOLD_UP);
+	assert_int_equal(map.actions[BTN_TRIGGER], ACTION_QUIT);
+	assert_int_equal(map.actions[KEY_DOWN], ACTION_NONE);
+
+	assert_int_equal(keymap_add(&map, ACTION_QUIT, "spcae", "keyboard.quit", &fault), -EINVAL);
+	assert_string_equal(fault.text,
+			    "keyboard.quit: unknown key \"spcae\", did you mean \"space\"?");
+	assert_int_equal(keymap_add(&map, ACTION_QUIT, "q up", "keyboard.quit", &fault), -EINVAL);
+	assert_string_equal(fault.text, "keyboard.quit: the key \"up\" is taken by threshold-up, "
+					"expected one that is free");
+}
+
+/* The names are the kernel's: a wrong one in the table would be another key. */
+static void codes(void **state)
+{
+	static const struct {
+		const char *name;
+		int code;
+	} some[] = {
+		{"esc", KEY_ESC},
+		{"1", KEY_1},
+		{"0", KEY_0},
+		{"a", KEY_A},
+		{"f1", KEY_F1},
+		{"f24", KEY_F24},
+		{"kp0", KEY_KP0},
+		{"102nd", KEY_102ND},
+		{"volumeup", KEY_VOLUMEUP},
+		{"ok", KEY_OK},
+		{"btn_0", BTN_0},
+		{"btn_south", BTN_SOUTH},
+		{"playpause", KEY_PLAYPAUSE},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(some) / sizeof(*some); i++)
+		assert_int_equal(keymap_code(some[i].name), some[i].code);
+	assert_int_equal(keymap_code("UP"), -1);
+	assert_int_equal(keymap_code(""), -1);
+}
+
+/* Every default names keys, and no key twice; every action but threshold-set has some. */
+static void defaults(void **state)
+{
+	unsigned char *options = calloc(1, buttons_keyboard.options_size);
+	struct keymap map = {0};
+	int actions = 0;
+
+	(void)state;
+	assert_non_null(options);
+	ini_defaults(buttons_keyboard.keys, options);
+	for (const struct ini_key *key = buttons_keyboard.keys; key->name; key++) {
+		struct fault fault;
+
+		if (!strcmp(key->name, "device") || !strcmp(key->name, "grab"))
+			continue;
+		actions++;
+		if (keymap_add(&map, (enum action)actions, (char *)options + key->offset, key->name,
+			       &fault))
+			fail_msg("%s", fault.text);
+		assert_true(options[key->offset]);
+	}
+	assert_int_equal(actions, ACTION_COUNT - 2);
+	free(options);
+}
+
+static struct keymap steps;
+
+static int make_map(void **state)
+{
+	(void)state;
+	steps = (struct keymap){0};
+	return keymap_add(&steps, ACTION_THRESHOLD_UP, "up", "x", NULL) ||
+	       keymap_add(&steps, ACTION_VIEW_NEXT, "v", "x", NULL);
+}
+
+static enum action take(struct keys *keys, unsigned type, unsigned code, int value)
+{
+	const struct input_event event = {
+		.type = (unsigned short)type,
+		.code = (unsigned short)code,
+		.value = value,
+	};
+
+	return keys_take(keys, &steps, &event);
+}
+
+static void presses(void **state)
+{
+	struct keys keys = {0};
+
+	(void)state;
+	assert_int_equal(take(&keys, EV_MSC, MSC_SCAN, 47), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 2), ACTION_NONE); /* a toggle does not repeat */
+	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
+	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, KEY_A, 1), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, 0xffff, 1), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_REL, KEY_V, 1), ACTION_NONE);
+	assert_false(keys.ask);
+}
+
+static void down_at_the_start(void **state)
+{
+	struct keys keys = {0};
+
+	(void)state;
+	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
+}
+
+/* While V is held, its release and a press of the arrow are among what the kernel dropped. */
+static void dropped(void **state)
+{
+	unsigned char now[KEYS_BITS_BYTES] = {0};
+	struct keys keys = {0};
+
+	(void)state;
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(take(&keys, EV_SYN, SYN_DROPPED, 0), ACTION_NONE);
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_NONE); /* not to be believed */
+	assert_false(keys.ask);
+	assert_int_equal(take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
+	assert_true(keys.ask);
+	now[KEY_UP / 8] = 1U << (KEY_UP % 8);
+	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_THRESHOLD_UP);
+	assert_false(keys.ask);
+	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* nothing new */
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(names),
+		cmocka_unit_test(codes),
+		cmocka_unit_test(defaults),
+		cmocka_unit_test(presses),
+		cmocka_unit_test(down_at_the_start),
+		cmocka_unit_test(dropped),
+	};
+
+	return cmocka_run_group_tests(tests, make_map, NULL);
+}
