@@ -50,7 +50,7 @@ panel=/sys/devices/platform/$(cat "${bank%/bank}/dev_name")/$(cat $bank/chip_nam
 level 2 pull-up
 level 3 pull-up
 
-listen chip=panel threshold_up=2 threshold_down=3
+listen chip=panel threshold_up=2 threshold_down=3 repeat_after_ms=0
 matches "the chip is found by its label" '^ready' "$(cat "$VM_OUT/said")"
 press 2
 press 2
@@ -138,7 +138,7 @@ press 3
 check "and the next press counts" within_seconds 5 heard $((many + 1)) view-next
 ignore
 
-listen chip=panel threshold_up=2 active_low=no bias=pull-down
+listen chip=panel threshold_up=2 active_low=no bias=pull-down repeat_after_ms=0
 level 2 pull-down
 level 2 pull-up
 sleep 0.1
@@ -157,7 +157,7 @@ ignore
 check "it comes back" make_chip
 panel=/sys/devices/platform/$(cat "${bank%/bank}/dev_name")/$(cat $bank/chip_name)
 level 2 pull-up
-listen chip=panel threshold_up=2
+listen chip=panel threshold_up=2 repeat_after_ms=0
 press 2
 check "and is pressed" within_seconds 5 heard 1 threshold-up
 ignore

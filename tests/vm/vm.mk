@@ -2,10 +2,10 @@
 # linux-source-6.1 busybox-static cpio kmod xz-utils flex bison bc libelf-dev v4l-utils libdrm-dev,
 # and what building needs anyway (gcc, make).
 
-VM_PROGRAMS := $(addprefix $(BUILD)/tests/vm/,capture picture presses show) \
+VM_PROGRAMS := $(addprefix $(BUILD)/tests/vm/,capture keys picture presses show) \
 	$(if $(filter 1,$(WITH_KMS)),$(BUILD)/tests/vm/scanout)
 
-$(addprefix $(BUILD)/tests/vm/,capture presses show): $(BUILD)/drivers.a
+$(addprefix $(BUILD)/tests/vm/,capture keys presses show): $(BUILD)/drivers.a
 $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $< \

@@ -1,0 +1,125 @@
+/*
+ * A keyboard that types what it is told, through the kernel's uinput: unplugged when its input
+ * ends.
+ *
+ *     keys NAME <COMMANDS         down KEY | up KEY | press KEY | flood COUNT KEY, one a line
+ *
+ * KEY is a name as in the configuration. Held keys repeat, as the kernel does it for any keyboard.
+ * Says "ready /dev/input/eventN" when it is plugged in.
+ */
+#include <dirent.h>
+#include <fcntl.h>
+#include <linux/uinput.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "drivers/evdev/keymap.h"
+
+static int device;
+
+static void die(const char *what)
+{
+	perror(what);
+	exit(1);
+}
+
+static void emit(int type, int code, int value)
+{
+	const struct input_event event = {
+		.type = (unsigned short)type,
+		.code = (unsigned short)code,
+		.value = value,
+	};
+
+	if (write(device, &event, sizeof(event)) != sizeof(event))
+		die("uinput");
+}
+
+static void turn(int code, int value)
+{
+	emit(EV_KEY, code, value);
+	emit(EV_SYN, SYN_REPORT, 0);
+}
+
+static int code_of(const char *name)
+{
+	const int code = keymap_code(name);
+
+	if (code < 0) {
+		fprintf(stderr, "keys: unknown key %s\n", name);
+		exit(2);
+	}
+	return code;
+}
+
+static void plug_in(const char *name)
+{
+	struct uinput_setup setup = {.id = {.bustype = BUS_USB}};
+
+	device = open("/dev/uinput", O_WRONLY);
+	if (device < 0)
+		die("/dev/uinput");
+	snprintf(setup.name, sizeof(setup.name), "%s", name);
+	if (ioctl(device, UI_SET_EVBIT, EV_KEY) || ioctl(device, UI_SET_EVBIT, EV_REP))
+		die("event types");
+	for (int code = 1; code < 128; code++)
+		if (ioctl(device, UI_SET_KEYBIT, code))
+			die("keys");
+	if (ioctl(device, UI_DEV_SETUP, &setup) || ioctl(device, UI_DEV_CREATE))
+		die("device");
+}
+
+/* Its node, by the name that the kernel gave it. */
+static void say_node(void)
+{
+	char name[64] = "", path[128];
+	struct dirent *entry;
+	DIR *folder;
+
+	if (ioctl(device, UI_GET_SYSNAME(sizeof(name) - 1), name) < 0)
+		die("name");
+	snprintf(path, sizeof(path), "/sys/devices/virtual/input/%s", name);
+	folder = opendir(path);
+	if (!folder)
+		die(path);
+	while ((entry = readdir(folder)))
+		if (!strncmp(entry->d_name, "event", 5))
+			printf("ready /dev/input/%s\n", entry->d_name);
+	closedir(folder);
+	fflush(stdout);
+}
+
+int main(int argc, char **argv)
+{
+	char line[128], key[64];
+	int count;
+
+	if (argc != 2) {
+		fprintf(stderr, "usage: keys NAME <COMMANDS\n");
+		return 2;
+	}
+	plug_in(argv[1]);
+	say_node();
+	while (fgets(line, sizeof(line), stdin)) {
+		if (sscanf(line, "down %63s", key) == 1) {
+			turn(code_of(key), 1);
+		} else if (sscanf(line, "up %63s", key) == 1) {
+			turn(code_of(key), 0);
+		} else if (sscanf(line, "press %63s", key) == 1) {
+			turn(code_of(key), 1);
+			turn(code_of(key), 0);
+		} else if (sscanf(line, "flood %d %63s", &count, key) == 2) {
+			for (; count > 0; count--) {
+				turn(code_of(key), 1);
+				turn(code_of(key), 0);
+			}
+		} else {
+			fprintf(stderr, "keys: what is %s", line);
+			return 2;
+		}
+	}
+	return 0; /* unplugged with it */
+}
