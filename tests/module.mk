@@ -54,7 +54,9 @@ CLI_TESTS := \
 	tests/cli/run.sh \
 	tests/cli/check.sh \
 	tests/cli/errors.sh \
-	tests/cli/demo.sh
+	tests/cli/demo.sh \
+	tests/cli/install.sh \
+	tests/cli/deb.sh
 ACCURACY_TESTS := tests/accuracy/quick.sh
 include tests/vm/vm.mk
 
