@@ -1,7 +1,6 @@
 # `make install`, `make uninstall`, `make deb`: board/README.md, "Installing".
 
 PREFIX ?= /usr/local
-export DESTDIR PREFIX DEB_MAINTAINER
 
 # The date of manual pages and packages: the last commit's, so that what is built twice is the same.
 ifeq ($(origin SOURCE_DATE_EPOCH),undefined)
@@ -56,11 +55,11 @@ INSTALLED := $(BUILD)/inlay $(BUILD)/inlay-bake $(SHARED)
 .PHONY: install uninstall
 ## install: programs, unit, udev rules, manual pages to PREFIX (/usr/local), below DESTDIR if given
 install: $(INSTALLED)
-	$(Q)board/install.sh install $(BUILD)
+	$(Q)DESTDIR="$(DESTDIR)" PREFIX="$(PREFIX)" board/install.sh install $(BUILD)
 
 ## uninstall: take away what install put there; a changed configuration and the state stay
 uninstall: $(SHARE)/kiosk.conf
-	$(Q)board/install.sh uninstall $(BUILD)
+	$(Q)DESTDIR="$(DESTDIR)" PREFIX="$(PREFIX)" board/install.sh uninstall $(BUILD)
 
 # ---- the Debian packages ----
 # DEB_MAINTAINER="Name <address>": of whoever gives them to others.
@@ -85,5 +84,5 @@ deb-built:
 		CXXFLAGS="$(call deb_flags,CPPFLAGS) $(call deb_flags,CXXFLAGS)" \
 		LDFLAGS="$(call deb_flags,LDFLAGS)" deb-packed
 deb-packed: $(INSTALLED)
-	$(Q)SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH) board/debian/build.sh $(BUILD) $(VERSION) \
-		$(DEB_ARCH) $(DEB_BUILD)
+	$(Q)SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH) DEB_MAINTAINER="$(DEB_MAINTAINER)" \
+		board/debian/build.sh $(BUILD) $(VERSION) $(DEB_ARCH) $(DEB_BUILD)
