@@ -35,7 +35,7 @@ static int take_word(void *context, const char *word, const char **expected)
 	const int place = !options->words[0] ? 0 : 1;
 
 	*expected = "one command and at most one value";
-	if (options->words[place] || strpbrk(word, "\r\n"))
+	if (options->words[place])
 		return -EINVAL;
 	options->words[place] = word;
 	return 0;
@@ -163,8 +163,8 @@ static int run(int argc, char **argv)
 	}
 	length = snprintf(line, sizeof(line), "%s%s%s\n", options.words[0],
 			  options.words[1] ? " " : "", options.words[1] ? options.words[1] : "");
-	if ((size_t)length >= sizeof(line)) {
-		log_error("control: the command is too long");
+	if ((size_t)length >= sizeof(line) || strcspn(line, "\n") + 1 != (size_t)length) {
+		log_error("control: a command is one line of less than %zu bytes", sizeof(line));
 		return EXIT_USAGE;
 	}
 	code = find_socket(&options, path, sizeof(path));

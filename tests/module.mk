@@ -53,6 +53,7 @@ CLI_TESTS := \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
 	tests/cli/check.sh \
+	tests/cli/control.sh \
 	tests/cli/errors.sh \
 	tests/cli/demo.sh \
 	tests/cli/install.sh \

@@ -1,0 +1,51 @@
+#!/bin/bash
+# inlay control and the kiosk that it speaks with; several users, in the simulated machine.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+# shellcheck disable=SC2317 # called by check
+until_true() {
+	local limit=$((SECONDS + $1))
+	shift
+	until "$@" 2>/dev/null; do
+		[ "$SECONDS" -lt "$limit" ] || return 1
+		sleep 0.05
+	done
+}
+tell() {
+	"$INLAY" control --socket "$work/socket" "$@"
+}
+
+refused "no command" 2 "no command, expected one like view-next" "$INLAY" control --socket "$work/socket"
+refused "no kiosk that is named" 2 "expected --socket PATH" "$INLAY" control status
+refused "two values" 2 "expected one command and at most one value" "$INLAY" control a b c
+refused "two lines in one" 2 "a command is one line" "$INLAY" control "view-next
+quit"
+refused "no kiosk" 1 "no kiosk listens at \"$work/socket\"" "$INLAY" control --socket "$work/socket" quit
+refused "no configuration" 1 "none.conf: No such file or directory" \
+	"$INLAY" control --config "$work/none.conf" quit
+refused "a folder that is not there" 1 "No such file or directory" "$INLAY" control \
+	--socket "$work/none/socket" quit
+
+timeout 60 "$INLAY" run --config "$work/studio.conf" --set screen.driver=null \
+	--set "control.socket=$work/socket" 2>"$work/run.log" &
+kiosk=$!
+check "a kiosk with a socket answers" until_true 10 tell status
+check "by one line of JSON" grep -qxE '\{"version":.*\}' <(tell status)
+equal "a command is answered" ok "$(tell threshold-set 40)"
+check "and done" grep -q '"threshold":40[,.}]' <(tell status)
+equal "the socket is its owner's alone" srw------- "$(stat -c %A "$work/socket")"
+echo "[control]
+socket = socket" >"$work/place.conf"
+equal "the configuration names the socket" ok "$("$INLAY" control --config "$work/place.conf" view-next)"
+refused "a misspelt command" 1 'unknown action "veiw-next", did you mean "view-next"?' tell veiw-next
+refused "a value too many" 1 "view-next takes no value" tell view-next 3
+refused "a level that is none" 1 "expected one number 0..255" tell threshold-set 300
+refused "a second kiosk there" 1 "another kiosk listens" "$INLAY" run --config "$work/studio.conf" \
+	--set screen.driver=null --set "control.socket=$work/socket"
+equal "quit is answered" ok "$(tell quit)"
+wait $kiosk
+equal "and done" 0 $?
+check "the socket is removed" test ! -e "$work/socket"
+
+finish
