@@ -2,7 +2,8 @@
  * A window on a desktop, through SDL2: for trying things out. Presenting may wait for the desktop's
  * own refresh, at most one. SDL has no descriptor, so a timer asks it for events.
  *
- * Keys: + and - threshold, v view, p pose, o object, f freeze, q or Escape quit.
+ * Keys: as those of the keyboard driver, up or + and down or - threshold, t threshold to the next, v
+ * view, p pose, o object, i information, left and right split, f freeze, q or Escape quit.
  */
 #include <SDL.h>
 #include <errno.h>
@@ -31,14 +32,20 @@ static const struct {
 	SDL_Keycode key;
 	enum action action;
 } keys[] = {
+	{SDLK_UP, ACTION_THRESHOLD_UP},
 	{SDLK_PLUS, ACTION_THRESHOLD_UP},
 	{SDLK_EQUALS, ACTION_THRESHOLD_UP},
 	{SDLK_KP_PLUS, ACTION_THRESHOLD_UP},
+	{SDLK_DOWN, ACTION_THRESHOLD_DOWN},
 	{SDLK_MINUS, ACTION_THRESHOLD_DOWN},
 	{SDLK_KP_MINUS, ACTION_THRESHOLD_DOWN},
+	{SDLK_t, ACTION_THRESHOLD_NEXT},
 	{SDLK_v, ACTION_VIEW_NEXT},
 	{SDLK_p, ACTION_POSE_NEXT},
 	{SDLK_o, ACTION_OBJECT},
+	{SDLK_i, ACTION_INFORMATION},
+	{SDLK_LEFT, ACTION_SPLIT_LEFT},
+	{SDLK_RIGHT, ACTION_SPLIT_RIGHT},
 	{SDLK_f, ACTION_FREEZE},
 	{SDLK_q, ACTION_QUIT},
 };
