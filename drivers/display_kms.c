@@ -3,46 +3,24 @@
  * reported by events. Buffers may be write-combined: they are never read here.
  *
  * The state that was found is put back at close. Should the program be killed, the kernel takes the
- * buffers back and, when no other program holds the card, shows its console again.
+ * buffers back and, when no other program holds the card, shows its console again; one that was
+ * taken with kms.vt shows text again after the next switch to or from it.
  */
-#include <drm_fourcc.h>
 #include <errno.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/kms/kms.h"
+#include "drivers/kms/screen.h"
 #include "hal/clock.h"
+#include "hal/log.h"
 
-#define NONE (-1)
-#define BUFFERS_MAX 3
+#define FLIP_WITHIN_NS NS_PER_S
+#define LOOK_EVERY_NS (2 * NS_PER_S) /* at the connector; many drivers send hotplug messages */
 
-struct kms_buffer {
-	uint32_t handle, stride, framebuffer;
-	uint64_t bytes;
-	uint8_t *map; /* NULL: not mapped */
-	int64_t token;
-};
-
-struct kms_screen {
-	struct kms_path path; /* path.card is ours; -1: closed */
-	bool master;
-	bool timestamps; /* of events are CLOCK_MONOTONIC */
-
-	struct kms_properties properties;
-	struct kms_state before, ours;
-	bool kept; /* before is known */
-	bool set;  /* ours is on the screen */
-
-	struct kms_buffer buffers[BUFFERS_MAX];
-	int buffer_count;
-	int on_screen; /* index */
-	int flipping;  /* queued in the kernel, or NONE */
-	int waiting;   /* submitted while another was flipping, or NONE */
-	struct display_event shown;
-};
+static const char *const scaling_choices[] = {"auto", "never", NULL};
 
 static const struct ini_key kms_keys[] = {
 	{.name = "connector",
@@ -50,6 +28,17 @@ static const struct ini_key kms_keys[] = {
 	 .offset = offsetof(struct kms_options, connector),
 	 .fallback = "",
 	 .help = "Connector to use, like HDMI-A-1; empty: the first that has a screen."},
+	{.name = "mode",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct kms_options, mode),
+	 .fallback = "",
+	 .help = "For screens that name no modes or wrong ones: 1920x1080@60, or a modeline as cvt "
+		 "prints it."},
+	{.name = "force",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct kms_options, force),
+	 .fallback = "no",
+	 .help = "Use the connector even if it knows of no screen; without a mode: 1024x768@60."},
 	{.name = "buffers",
 	 .type = INI_INT,
 	 .offset = offsetof(struct kms_options, buffers),
@@ -57,176 +46,204 @@ static const struct ini_key kms_keys[] = {
 	 .max = BUFFERS_MAX,
 	 .fallback = "2",
 	 .help = "Framebuffers: 2 for the least latency, 3 to miss fewer refreshes."},
+	{.name = "scaling",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct kms_options, scaling),
+	 .choices = scaling_choices,
+	 .fallback = "auto",
+	 .help = "Whether the graphics card may scale pictures to the screen, where it can."},
+	{.name = "vt",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct kms_options, vt),
+	 .fallback = "",
+	 .help = "Text console to take, so that switching to another shows it: /dev/tty1, or auto "
+		 "for the present one; empty: none."},
 	INI_KEYS_END,
 };
 
-static int say_refused(const struct kms_screen *screen, int err, const char *what,
-		       struct fault *fault)
+/* ---- modes and fitting ---- */
+
+static bool ask_for_scaling(struct kms_screen *screen, const struct kms_fit *fit)
 {
-	if (err == -EACCES || err == -EBUSY || err == -EPERM)
-		return fault_say(fault, err,
-				 "kms display: another program (a desktop or another inlay) holds "
-				 "the screen (%s of %s): stop it or switch to a free console",
-				 screen->path.connector_name, screen->path.device);
-	return fault_say(fault, err, "kms display: %s: cannot %s: %s", screen->path.connector_name,
-			 what, strerror(-err));
+	struct kms_state trial = screen->ours;
+
+	trial.plane_fb = screen->buffers[screen->on_screen].framebuffer;
+	kms_screen_set_fit(&trial, fit);
+	return !kms_state_commit(&screen->path, &screen->properties, &trial,
+				 DRM_MODE_ATOMIC_TEST_ONLY);
 }
 
-static int become_master(struct kms_screen *screen, struct fault *fault)
+static bool can_scale(struct kms_screen *screen, const struct kms_fit *fit, double squash)
 {
-	int err = 0;
+	struct kms_verdict *verdict;
 
-	/* The first to open a card is its master already. */
-	if (!drmIsMaster(screen->path.card) && drmSetMaster(screen->path.card))
-		err = -errno;
-	if (err)
-		return say_refused(screen, err, "become its master", fault);
-	screen->master = true;
-	return 0;
+	for (int i = 0; i < VERDICTS; i++) {
+		verdict = &screen->verdicts[i];
+		if (verdict->width == fit->width && verdict->height == fit->height &&
+		    verdict->squash == squash)
+			return verdict->accepted;
+	}
+	verdict = &screen->verdicts[screen->verdict_next++ % VERDICTS];
+	*verdict = (struct kms_verdict){fit->width, fit->height, squash,
+					ask_for_scaling(screen, fit)};
+	log_debug("kms display: %s %s %dx%d to the screen", screen->path.device,
+		  verdict->accepted ? "scales" : "does not scale", fit->width, fit->height);
+	return verdict->accepted;
 }
 
-static int create_buffer(struct kms_screen *screen, struct kms_buffer *buffer)
-{
-	const int card = screen->path.card;
-	struct drm_mode_create_dumb create = {
-		.width = screen->path.mode.hdisplay,
-		.height = screen->path.mode.vdisplay,
-		.bpp = 32,
-	};
-	struct drm_mode_map_dumb map = {0};
-	void *pixels;
-	int err;
-
-	if (drmIoctl(card, DRM_IOCTL_MODE_CREATE_DUMB, &create))
-		return -errno;
-	buffer->handle = map.handle = create.handle;
-	buffer->stride = create.pitch;
-	buffer->bytes = create.size;
-	err = drmModeAddFB2(card, create.width, create.height, DRM_FORMAT_XRGB8888,
-			    (uint32_t[4]){create.handle}, (uint32_t[4]){create.pitch},
-			    (uint32_t[4]){0}, &buffer->framebuffer, 0);
-	if (err)
-		return err;
-	if (drmIoctl(card, DRM_IOCTL_MODE_MAP_DUMB, &map))
-		return -errno;
-	pixels = mmap(NULL, create.size, PROT_READ | PROT_WRITE, MAP_SHARED, card,
-		      (off_t)map.offset);
-	if (pixels == MAP_FAILED)
-		return -errno;
-	buffer->map = pixels;
-	memset(buffer->map, 0, create.size);
-	return 0;
-}
-
-static void destroy_buffer(struct kms_screen *screen, struct kms_buffer *buffer)
-{
-	struct drm_mode_destroy_dumb destroy = {.handle = buffer->handle};
-
-	if (buffer->map)
-		munmap(buffer->map, buffer->bytes);
-	if (buffer->framebuffer)
-		drmModeRmFB(screen->path.card, buffer->framebuffer);
-	if (buffer->handle)
-		drmIoctl(screen->path.card, DRM_IOCTL_MODE_DESTROY_DUMB, &destroy);
-	*buffer = (struct kms_buffer){0};
-}
-
-/* Shows the first buffer, black. Tried before it is done, so that a refusal changes nothing. */
-static int set_mode(struct kms_screen *screen, struct fault *fault)
-{
-	const drmModeModeInfo *mode = &screen->path.mode;
-	struct kms_state *ours = &screen->ours;
-	uint32_t blob = 0;
-	int err;
-
-	err = drmModeCreatePropertyBlob(screen->path.card, mode, sizeof(*mode), &blob);
-	if (err)
-		return say_refused(screen, err, "describe the mode", fault);
-	*ours = (struct kms_state){
-		.connector_crtc = screen->path.crtc,
-		.crtc_active = 1,
-		.crtc_mode = blob,
-		.plane_fb = screen->buffers[0].framebuffer,
-		.plane_crtc = screen->path.crtc,
-		/* Of the source in 16.16. */
-		.plane_source = {0, 0, (uint64_t)mode->hdisplay << 16,
-				 (uint64_t)mode->vdisplay << 16},
-		.plane_target = {0, 0, mode->hdisplay, mode->vdisplay},
-	};
-	err = kms_state_commit(&screen->path, &screen->properties, ours,
-			       DRM_MODE_ATOMIC_TEST_ONLY | DRM_MODE_ATOMIC_ALLOW_MODESET);
-	if (!err)
-		err = kms_state_commit(&screen->path, &screen->properties, ours,
-				       DRM_MODE_ATOMIC_ALLOW_MODESET);
-	if (err)
-		return say_refused(screen, err, "set the mode", fault);
-	screen->set = true;
-	return 0;
-}
-
-static int open_screen(struct display *display, struct kms_screen *screen, struct fault *fault)
+/* Buffers stay as large as the screen; a part of them is shown larger. */
+static int kms_fit(struct display *display, int width, int height, double squash)
 {
 	const struct kms_options *options = display->options;
-	uint64_t monotonic = 0;
-	int err;
+	struct kms_screen *screen = display->state;
+	struct kms_fit fit = {width, height, {0}};
 
-	err = kms_find(&display->settings, options->connector, &screen->path, fault);
-	if (err < 0)
-		return err;
-	err = become_master(screen, fault);
+	screen->fit = kms_screen_whole(screen);
+	if (width < 1 || height < 1 || !(squash > 0) || width > display->width ||
+	    height > display->height || display->hidden)
+		return -ENOTSUP;
+	fit.box = kms_fit_box(width, height, squash, display->width, display->height);
+	if (fit.box.width == width && fit.box.height == height && width == display->width &&
+	    height == display->height)
+		return 0;
+	if (options->scaling == KMS_SCALING_NEVER || !can_scale(screen, &fit, squash))
+		return -ENOTSUP;
+	screen->fit = fit;
+	return 0;
+}
+
+/* ---- the console ---- */
+
+/* Another console's turn: what it shows is its business until ours is back. */
+static void go_away(struct display *display)
+{
+	struct kms_screen *screen = display->state;
+
+	screen->waiting = NONE;
+	if (screen->flipping == NONE)
+		screen->flip_due_ns = 0;
+	drmDropMaster(screen->path.card);
+	screen->master = false;
+	screen->set = false;
+	display->hidden = true;
+}
+
+static int take_flips(struct kms_screen *screen);
+static int look(struct kms_screen *screen, const struct display *display, bool probe,
+		struct fault *fault);
+
+/* Setting the mode waited for a flip that was under way, and undid it. */
+static int show_again(struct kms_screen *screen, struct fault *fault)
+{
+	const int index = screen->on_screen == NONE ? 0 : screen->on_screen;
+	int err = kms_screen_set_mode(screen, index, fault);
+
+	if (!err)
+		err = take_flips(screen);
+	screen->on_screen = index;
+	return err;
+}
+
+static int come_back(struct display *display, struct fault *fault)
+{
+	struct kms_screen *screen = display->state;
+	int err = kms_screen_become_master(screen, fault);
+
+	if (!err)
+		err = look(screen, display, true, fault);
+	if (!err)
+		err = show_again(screen, fault);
 	if (err)
 		return err;
-	screen->timestamps =
-		!drmGetCap(screen->path.card, DRM_CAP_TIMESTAMP_MONOTONIC, &monotonic) && monotonic;
-	err = kms_state_read(&screen->path, &screen->properties, &screen->before, fault);
-	if (err)
-		return err;
-	screen->kept = true;
-	screen->buffer_count = options->buffers;
-	for (int i = 0; i < screen->buffer_count; i++) {
-		err = create_buffer(screen, &screen->buffers[i]);
-		if (err)
-			return say_refused(screen, err, "make a framebuffer", fault);
+	display->hidden = false;
+	screen->exposed = true;
+	return 0;
+}
+
+static int switch_console(struct display *display, struct fault *fault)
+{
+	struct kms_screen *screen = display->state;
+	int err = 0;
+
+	switch (kms_console_next(&screen->console)) {
+	case KMS_SWITCH_AWAY:
+		if (!display->hidden)
+			go_away(display);
+		kms_console_let_go(&screen->console);
+		break;
+	case KMS_SWITCH_BACK:
+		kms_console_taken(&screen->console);
+		if (display->hidden)
+			err = come_back(display, fault);
+		break;
+	case KMS_SWITCH_NONE:
+		break;
 	}
-	return set_mode(screen, fault);
+	return err;
+}
+
+/* On another console than the one that is shown, it waits for its turn. */
+static int light_up(struct display *display, struct fault *fault)
+{
+	struct kms_screen *screen = display->state;
+
+	if (screen->console.tty < 0 || kms_console_is_active(&screen->console))
+		return kms_screen_set_mode(screen, 0, fault);
+	go_away(display);
+	kms_console_activate(&screen->console);
+	return 0;
 }
 
 static int kms_open(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = calloc(1, sizeof(*screen));
+	const drmModeModeInfo *mode;
 	int err;
 
 	if (!screen)
 		return fault_say(fault, -ENOMEM, "kms display: not enough memory");
-	screen->path.card = -1;
-	screen->flipping = screen->waiting = NONE;
 	display->state = screen;
-	err = open_screen(display, screen, fault);
+	err = kms_screen_open(screen, &display->settings, display->options, &display->situation,
+			      fault);
+	if (!err)
+		err = light_up(display, fault);
 	if (err)
 		return err;
-	display->width = screen->path.mode.hdisplay;
-	display->height = screen->path.mode.vdisplay;
-	display->rate_hz = kms_mode_rate(&screen->path.mode);
+	mode = &screen->path.mode;
+	display->width = mode->hdisplay;
+	display->height = mode->vdisplay;
+	display->rate_hz = kms_mode_rate(mode);
+	screen->looked_ns = clock_now_ns();
+	if (screen->path.computed)
+		log_info("kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not "
+			 "named",
+			 screen->path.connector_name, display->width, display->height,
+			 display->rate_hz);
 	return 0;
 }
 
 static int kms_descriptor(struct display *display)
 {
-	return ((struct kms_screen *)display->state)->path.card;
+	return ((struct kms_screen *)display->state)->watch.set;
 }
+
+/* ---- frames ---- */
 
 static int kms_acquire(struct display *display, struct display_buffer *buffer)
 {
-	const struct kms_screen *screen = display->state;
+	struct kms_screen *screen = display->state;
 
+	if (display->hidden || screen->waiting != NONE)
+		return -EAGAIN;
 	for (int i = 0; i < screen->buffer_count; i++) {
-		if (i == screen->on_screen || i == screen->flipping || i == screen->waiting)
+		if (i == screen->on_screen || i == screen->flipping)
 			continue;
+		screen->buffers[i].fit = screen->fit;
 		*buffer = (struct display_buffer){
 			.pixels = screen->buffers[i].map,
 			.stride = screen->buffers[i].stride,
-			.width = display->width,
-			.height = display->height,
+			.width = screen->fit.width,
+			.height = screen->fit.height,
 			.index = i,
 		};
 		return 0;
@@ -234,27 +251,39 @@ static int kms_acquire(struct display *display, struct display_buffer *buffer)
 	return -EAGAIN;
 }
 
-/* By hand rather than with drmModeAtomicCommit(), which allocates. */
-static int flip(struct kms_screen *screen, int index)
+/* Hands the frame that waits to the kernel, if it can be. One that the kernel has no time for stays
+ * and is tried again, until it is overdue. */
+static int flip(struct kms_screen *screen)
 {
-	uint32_t object = screen->path.plane;
-	uint32_t count = 1;
-	uint32_t property = screen->properties.plane_fb;
-	uint64_t value = screen->buffers[index].framebuffer;
-	struct drm_mode_atomic atomic = {
-		.flags = DRM_MODE_PAGE_FLIP_EVENT | DRM_MODE_ATOMIC_NONBLOCK,
-		.count_objs = 1,
-		.objs_ptr = (uintptr_t)&object,
-		.count_props_ptr = (uintptr_t)&count,
-		.props_ptr = (uintptr_t)&property,
-		.prop_values_ptr = (uintptr_t)&value,
-		.user_data = (uintptr_t)screen,
-	};
+	const int64_t now_ns = clock_now_ns();
+	struct kms_state *ours = &screen->ours;
+	const struct kms_buffer *buffer;
+	int err;
 
-	if (drmIoctl(screen->path.card, DRM_IOCTL_MODE_ATOMIC, &atomic))
-		return -errno;
-	screen->flipping = index;
+	if (screen->waiting == NONE || screen->flipping != NONE)
+		return 0;
+	buffer = &screen->buffers[screen->waiting];
+	ours->plane_fb = buffer->framebuffer;
+	kms_screen_set_fit(ours, &buffer->fit);
+	err = kms_state_flip(&screen->path, &screen->properties, ours, screen);
+	if (err == -EBUSY) {
+		if (!screen->flip_due_ns)
+			screen->flip_due_ns = now_ns + FLIP_WITHIN_NS;
+		kms_watch_soon(&screen->watch);
+		return 0;
+	}
+	if (err)
+		return err;
+	screen->flipping = screen->waiting;
+	screen->waiting = NONE;
+	screen->flip_due_ns = now_ns + FLIP_WITHIN_NS;
 	return 0;
+}
+
+static int say_lost(struct kms_screen *screen, int err, struct fault *fault)
+{
+	return err == -EACCES ? kms_screen_held(screen, fault)
+			      : kms_screen_refused(screen, err, "show a frame", fault);
 }
 
 static int kms_submit(struct display *display, struct display_buffer *buffer, int64_t token,
@@ -263,13 +292,12 @@ static int kms_submit(struct display *display, struct display_buffer *buffer, in
 	struct kms_screen *screen = display->state;
 	int err;
 
+	if (display->hidden)
+		return 0; /* acquired before the switch: there is nobody to see it */
 	screen->buffers[buffer->index].token = token;
-	if (screen->flipping != NONE) {
-		screen->waiting = buffer->index;
-		return 0;
-	}
-	err = flip(screen, buffer->index);
-	return err ? say_refused(screen, err, "show a frame", fault) : 0;
+	screen->waiting = buffer->index;
+	err = flip(screen);
+	return err ? say_lost(screen, err, fault) : 0;
 }
 
 static void on_flip(int card, unsigned sequence, unsigned seconds, unsigned microseconds,
@@ -284,6 +312,7 @@ static void on_flip(int card, unsigned sequence, unsigned seconds, unsigned micr
 		return;
 	screen->on_screen = screen->flipping;
 	screen->flipping = NONE;
+	screen->flip_due_ns = 0;
 	screen->shown = (struct display_event){
 		.kind = DISPLAY_SHOWN,
 		.time_ns = screen->timestamps
@@ -293,67 +322,146 @@ static void on_flip(int card, unsigned sequence, unsigned seconds, unsigned micr
 	};
 }
 
-static int kms_dispatch(struct display *display, struct display_event *event, struct fault *fault)
+static int take_flips(struct kms_screen *screen)
 {
-	struct kms_screen *screen = display->state;
 	drmEventContext context = {
 		.version = 3,
 		.page_flip_handler2 = on_flip,
 	};
-	int err = 0;
 
 	/* The card was opened non-blocking: without an event this says EAGAIN. */
 	if (drmHandleEvent(screen->path.card, &context) && errno != EAGAIN && errno != EINTR)
-		err = -errno;
-	if (!err && screen->flipping == NONE && screen->waiting != NONE) {
-		err = flip(screen, screen->waiting);
-		screen->waiting = NONE;
-	}
-	if (err)
-		return say_refused(screen, err, "show a frame", fault);
-	*event = screen->shown;
-	screen->shown.kind = DISPLAY_NOTHING;
+		return -errno;
 	return 0;
 }
 
-/* As it was; and where what was shown no longer exists, dark. A commit that may block waits for the
- * last flip. */
-static int restore(struct kms_screen *screen)
+/* Whether the screen is there, and would be given the same mode again. */
+static int look(struct kms_screen *screen, const struct display *display, bool probe,
+		struct fault *fault)
 {
-	const struct kms_state dark = {0};
-	int err = kms_state_commit(&screen->path, &screen->properties, &screen->before,
-				   DRM_MODE_ATOMIC_ALLOW_MODESET);
+	struct kms_connector *connector = &screen->connector;
+	drmModeModeInfo mode;
+	bool computed;
+	int err;
 
-	if (err)
-		err = kms_state_commit(&screen->path, &screen->properties, &dark,
-				       DRM_MODE_ATOMIC_ALLOW_MODESET);
+	screen->looked_ns = clock_now_ns();
+	err = kms_connector_read(screen->path.card, screen->path.connector, probe, connector);
+	if (err && err != -E2BIG)
+		return kms_screen_refused(screen, err == -ENOENT ? -ENODEV : err,
+					  "find it any more", fault);
+	if (err == -E2BIG) {
+		connector->count = 1;
+		connector->modes[0] = screen->path.mode;
+	}
+	err = kms_mode_pick(&display->settings, display->options, connector->connection,
+			    connector->modes, connector->count, &mode, &computed);
+	if (err == -ENOLINK)
+		return fault_say(fault, err,
+				 "kms display: the screen at %s was unplugged or is off",
+				 screen->path.connector_name);
+	if (err || !kms_mode_same(&mode, &screen->path.mode))
+		return fault_say(fault, -ESTALE,
+				 "kms display: the screen at %s has other modes now",
+				 screen->path.connector_name);
+	return 0;
+}
+
+/* A message of the kernel is reason to ask the screen itself; now and then, to ask the kernel. */
+static int look_if_due(struct display *display, unsigned ready, struct fault *fault)
+{
+	struct kms_screen *screen = display->state;
+	const bool told = ready & KMS_READY_HOTPLUG;
+	const unsigned known = screen->connector.connection;
+	int err;
+
+	if (display->hidden || !(told || clock_now_ns() - screen->looked_ns >= LOOK_EVERY_NS))
+		return 0;
+	err = look(screen, display, told, fault);
+	/* Newly plugged in, its modes are known only after asking. */
+	if (!err && !told && known && screen->connector.connection != known)
+		err = look(screen, display, true, fault);
 	return err;
+}
+
+static int check_flip(struct kms_screen *screen, struct fault *fault)
+{
+	if (!screen->flip_due_ns || clock_now_ns() < screen->flip_due_ns)
+		return 0;
+	screen->stalled = true;
+	return fault_say(fault, -ETIMEDOUT,
+			 "kms display: %s: a frame was not shown within a second",
+			 screen->path.connector_name);
+}
+
+static void tell(struct kms_screen *screen, struct display_event *event)
+{
+	if (screen->shown.kind != DISPLAY_NOTHING) {
+		*event = screen->shown;
+		screen->shown.kind = DISPLAY_NOTHING;
+	} else if (screen->exposed) {
+		*event = (struct display_event){
+			.kind = DISPLAY_EXPOSED,
+			.time_ns = clock_now_ns(),
+		};
+		screen->exposed = false;
+	}
+}
+
+static int kms_dispatch(struct display *display, struct display_event *event, struct fault *fault)
+{
+	struct kms_screen *screen = display->state;
+	const unsigned ready = kms_watch_take(&screen->watch);
+	int err = 0;
+
+	if (ready & KMS_READY_CARD)
+		err = take_flips(screen);
+	if (!err && ready & KMS_READY_GONE)
+		err = -ENODEV;
+	if (err)
+		return say_lost(screen, err, fault);
+	if (ready & KMS_READY_CONSOLE)
+		err = switch_console(display, fault);
+	if (!err && ready & (KMS_READY_HOTPLUG | KMS_READY_TICK))
+		err = look_if_due(display, ready, fault);
+	if (err)
+		return err;
+	err = flip(screen);
+	if (err)
+		return say_lost(screen, err, fault);
+	err = check_flip(screen, fault);
+	if (err)
+		return err;
+	tell(screen, event);
+	return 0;
+}
+
+/* ---- close ---- */
+
+static void *let_go_in_time(void *screen)
+{
+	kms_screen_release(screen);
+	return NULL;
 }
 
 static int kms_close(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;
-	int err = 0;
+	pthread_t thread;
+	int err;
 
 	if (!screen)
 		return 0;
-	if (screen->set)
-		err = restore(screen);
-	if (err)
-		say_refused(screen, err, "give the screen back", fault);
-	for (int i = 0; i < BUFFERS_MAX; i++)
-		destroy_buffer(screen, &screen->buffers[i]);
-	if (screen->ours.crtc_mode)
-		drmModeDestroyPropertyBlob(screen->path.card, (uint32_t)screen->ours.crtc_mode);
-	if (screen->kept && screen->before.crtc_mode)
-		drmModeDestroyPropertyBlob(screen->path.card, (uint32_t)screen->before.crtc_mode);
-	if (screen->master)
-		drmDropMaster(screen->path.card);
-	if (screen->path.card >= 0)
-		close(screen->path.card);
-	free(screen);
 	display->state = NULL;
-	return err;
+	/* The kernel waits ten seconds and more for a flip that never comes, whatever it is asked
+	 * to do with that card. The program does not wait with it. */
+	if (screen->stalled && !pthread_create(&thread, NULL, let_go_in_time, screen)) {
+		pthread_detach(thread);
+		return 0;
+	}
+	err = kms_screen_release(screen);
+	return err ? fault_say(fault, err, "kms display: cannot give the screen back: %s",
+			       strerror(-err))
+		   : 0;
 }
 
 const struct display_ops display_kms = {
@@ -364,6 +472,7 @@ const struct display_ops display_kms = {
 	.list = kms_list,
 	.open = kms_open,
 	.descriptor = kms_descriptor,
+	.fit = kms_fit,
 	.acquire = kms_acquire,
 	.submit = kms_submit,
 	.dispatch = kms_dispatch,

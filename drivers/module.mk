@@ -24,8 +24,10 @@ DRIVER_SOURCES := \
 	drivers/gpio/button.c \
 	drivers/display_file.c \
 	drivers/display_null.c
-DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c drivers/kms/find.c \
-	drivers/kms/mode.c drivers/kms/state.c)
+DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c \
+	drivers/kms/connector.c drivers/kms/console.c drivers/kms/find.c drivers/kms/fit.c \
+	drivers/kms/holder.c drivers/kms/list.c drivers/kms/mode.c drivers/kms/screen.c \
+	drivers/kms/state.c drivers/kms/timing.c drivers/kms/watch.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/gpio/lines.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_LIBCAMERA)),drivers/camera_libcamera.cpp)

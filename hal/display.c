@@ -121,7 +121,7 @@ int display_close(struct display *display, struct fault *fault)
 	if (display->ops && display->state)
 		err = display->ops->close(display, fault);
 	display->state = NULL;
-	display->acquired = false;
+	display->acquired = display->hidden = false;
 	return err;
 }
 

@@ -39,6 +39,8 @@ UNIT_TESTS := \
 	tests/unit/test_studio.c \
 	tests/unit/test_camera_sim.c \
 	tests/unit/test_camera_v4l2.c
+UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/test_kms_mode.c \
+	tests/unit/test_kms_card.c)
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_scene.c \
 	tests/fuzz/fuzz_basis.c \

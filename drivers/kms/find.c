@@ -1,23 +1,22 @@
 #include <drm_fourcc.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <grp.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "drivers/kms/kms.h"
 
-#define CARDS 16
-
-static int open_card(const char *path)
+int kms_card_open(const char *path)
 {
 	const int card = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
 
 	return card < 0 ? -errno : card;
 }
 
-static void name_connector(const drmModeConnector *connector, char *name, size_t room)
+void kms_connector_name(const drmModeConnector *connector, char *name, size_t room)
 {
 	const char *type = drmModeGetConnectorTypeName(connector->connector_type);
 
@@ -130,12 +129,19 @@ static bool find_crtc(const drmModeRes *resources, const drmModeConnector *conne
 	return false;
 }
 
-static int say_no_mode(const struct display_settings *settings, const drmModeConnector *connector,
-		       const struct kms_path *path, struct fault *fault)
+static int say_no_mode(const struct display_settings *settings, const struct kms_options *options,
+		       const drmModeConnector *connector, const struct kms_path *path,
+		       struct fault *fault)
 {
 	char sizes[256] = "", asked[32];
 	size_t used = 0;
 
+	if (options->mode[0])
+		return fault_say(fault, -EINVAL,
+				 "kms.mode: is \"%s\", expected a size and rate as in "
+				 "1920x1080@60, or a modeline (clock and eight numbers, as cvt "
+				 "prints it)",
+				 options->mode);
 	for (int i = 0; i < connector->count_modes && used < sizeof(sizes) - 24; i++) {
 		const drmModeModeInfo *mode = &connector->modes[i];
 
@@ -145,28 +151,30 @@ static int say_no_mode(const struct display_settings *settings, const drmModeCon
 					 used ? ", " : "", mode->hdisplay, mode->vdisplay);
 	}
 	if (!connector->count_modes)
-		return fault_say(fault, -EINVAL, "kms display: %s offers no modes",
+		return fault_say(fault, -EINVAL,
+				 "kms display: %s has a screen that offers no modes; kms.mode can "
+				 "say one",
 				 path->connector_name);
 	snprintf(asked, sizeof(asked), settings->width ? "%dx" : "any x ", settings->width);
 	used = strlen(asked);
 	snprintf(asked + used, sizeof(asked) - used, settings->height ? "%d" : "any",
 		 settings->height);
 	return fault_say(fault, -EINVAL,
-			 "kms display: %s has no progressive mode of %s, expected one of %s",
+			 "kms display: %s has no progressive mode of %s, expected one of %s (or "
+			 "kms.mode)",
 			 path->connector_name, asked, sizes);
 }
 
-static int use_connector(const struct display_settings *settings, const drmModeRes *resources,
-			 const drmModeConnector *connector, struct kms_path *path,
-			 struct fault *fault)
+static int use_connector(const struct display_settings *settings, const struct kms_options *options,
+			 const drmModeRes *resources, const drmModeConnector *connector,
+			 struct kms_path *path, struct fault *fault)
 {
-	const int mode = kms_mode_choose(connector->modes, connector->count_modes, settings->width,
-					 settings->height, settings->rate_hz);
+	const int err = kms_mode_pick(settings, options, connector->connection, connector->modes,
+				      connector->count_modes, &path->mode, &path->computed);
 
-	if (mode < 0)
-		return say_no_mode(settings, connector, path, fault);
+	if (err)
+		return say_no_mode(settings, options, connector, path, fault);
 	path->connector = connector->connector_id;
-	path->mode = connector->modes[mode];
 	if (!find_crtc(resources, connector, path))
 		return fault_say(fault, -ENOTSUP,
 				 "kms display: no free CRTC and primary plane of %s takes XRGB8888",
@@ -174,49 +182,75 @@ static int use_connector(const struct display_settings *settings, const drmModeR
 	return 0;
 }
 
-/* The wanted connector of an open card, or its first with a screen. -ENODEV: there is none. */
-static int search_card(const struct display_settings *settings, const char *wanted,
-		       const char *device, struct kms_path *path, struct fault *fault)
+static int say_no_screen(const char *wanted, bool named, const char *device, struct fault *fault)
+{
+	if (!*wanted)
+		return fault_say(fault, -ENOLINK, "kms display: no screen is connected to %s",
+				 device);
+	if (!named)
+		return fault_say(fault, -ENODEV,
+				 "kms display: %s has no connector %s (inlay devices lists them)",
+				 device, wanted);
+	return fault_say(fault, -ENOLINK, "kms display: no screen is connected to %s of %s", wanted,
+			 device);
+}
+
+/* The wanted connector of an open card, or its first of the best rank, if it is of this one. */
+static int search_card(const struct display_settings *settings, const struct kms_options *options,
+		       int rank, struct kms_path *path, struct fault *fault)
 {
 	drmModeRes *resources = drmModeGetResources(path->card);
-	int err = -ENODEV;
+	const char *wanted = options->connector;
+	bool named = false;
+	int err = -ENOLINK;
 
 	if (!resources)
-		return fault_say(fault, -ENODEV, "kms display: %s drives no screens", device);
-	fault_say(fault, err,
-		  *wanted ? "kms display: %s has no connector %s (inlay devices lists them)"
-			  : "kms display: no screen is connected to %s%s",
-		  device, wanted);
-	for (int i = 0; i < resources->count_connectors && err == -ENODEV; i++) {
+		return fault_say(fault, -ENODEV, "kms display: %s drives no screens", path->device);
+	for (int i = 0; i < resources->count_connectors && err == -ENOLINK; i++) {
 		drmModeConnector *connector = drmModeGetConnector(path->card,
 								  resources->connectors[i]);
 
 		if (!connector)
 			continue;
-		name_connector(connector, path->connector_name, sizeof(path->connector_name));
-		/* Asked for by name, it is used even where the cable says nothing. */
-		if (*wanted ? !strcmp(wanted, path->connector_name)
-			    : connector->connection == DRM_MODE_CONNECTED)
-			err = use_connector(settings, resources, connector, path, fault);
+		kms_connector_name(connector, path->connector_name, sizeof(path->connector_name));
+		if (!*wanted || !strcmp(wanted, path->connector_name)) {
+			named = *wanted;
+			if (kms_mode_rank(connector->connection, connector->count_modes, options) ==
+			    rank)
+				err = use_connector(settings, options, resources, connector, path,
+						    fault);
+		}
 		drmModeFreeConnector(connector);
 	}
 	drmModeFreeResources(resources);
-	return err;
+	return err == -ENOLINK ? say_no_screen(wanted, named, path->device, fault) : err;
 }
 
-static int try_card(const struct display_settings *settings, const char *wanted, const char *device,
-		    struct kms_path *path, struct fault *fault)
+void kms_card_remedy(const char *device, char *text, size_t room)
+{
+	struct stat node;
+	const struct group *group = stat(device, &node) ? NULL : getgrgid(node.st_gid);
+
+	snprintf(text, room, " (is the user in the group \"%s\"?)",
+		 group ? group->gr_name : "video");
+}
+
+static int try_card(const struct display_settings *settings, const struct kms_options *options,
+		    const char *device, int rank, struct kms_path *path, struct fault *fault)
 {
 	uint64_t dumb = 0;
 	int err;
 
 	snprintf(path->device, sizeof(path->device), "%.63s", device);
-	path->card = open_card(device);
+	path->card = kms_card_open(device);
 	if (path->card < 0) {
+		char remedy[96] = "";
+
 		err = path->card;
+		if (err == -EACCES)
+			kms_card_remedy(device, remedy, sizeof(remedy));
 		return fault_say(fault, err, "kms display: cannot open %s: %s%s", device,
-				 strerror(-err),
-				 err == -EACCES ? " (is the user in the group \"video\"?)" : "");
+				 strerror(-err), remedy);
 	}
 	if (drmGetCap(path->card, DRM_CAP_DUMB_BUFFER, &dumb) || !dumb)
 		err = fault_say(fault, -ENOTSUP,
@@ -226,9 +260,11 @@ static int try_card(const struct display_settings *settings, const char *wanted,
 	else if (drmSetClientCap(path->card, DRM_CLIENT_CAP_UNIVERSAL_PLANES, 1) ||
 		 drmSetClientCap(path->card, DRM_CLIENT_CAP_ATOMIC, 1))
 		err = fault_say(fault, -ENOTSUP,
-				"kms display: the driver of %s has no atomic modesetting", device);
+				"kms display: the driver of %s is of the old kind without atomic "
+				"modesetting, which is needed",
+				device);
 	else
-		err = search_card(settings, wanted, device, path, fault);
+		err = search_card(settings, options, rank, path, fault);
 	if (err) {
 		close(path->card);
 		path->card = -1;
@@ -236,131 +272,56 @@ static int try_card(const struct display_settings *settings, const char *wanted,
 	return err;
 }
 
-int kms_find(const struct display_settings *settings, const char *connector, struct kms_path *path,
-	     struct fault *fault)
+/* Which of two troubles is told: the one that is nearer to a picture. */
+static int weight(int err)
 {
-	int err = fault_say(fault, -ENODEV,
-			    "kms display: no graphics card found, expected one as /dev/dri/card0 "
-			    "(is its driver loaded?)");
-
-	if (settings->device[0]) {
-		err = try_card(settings, connector, settings->device, path, fault);
-		return err ? err : path->card;
+	switch (err) {
+	case 0:
+	case -ENOENT:
+		return 0;
+	case -ENODEV:
+		return 1;
+	case -ENOTSUP:
+		return 2;
+	case -ENOLINK:
+		return 3;
+	default:
+		return 4;
 	}
-	/* A card without a screen is passed over; the first other trouble is kept, to be told. */
-	for (int i = 0; i < CARDS; i++) {
+}
+
+/* Of all cards, or of the one that is asked for: a connector of this rank. */
+static int find_ranked(const struct display_settings *settings, const struct kms_options *options,
+		       int rank, struct kms_path *path, struct fault *fault)
+{
+	int err = 0;
+
+	if (settings->device[0])
+		return try_card(settings, options, settings->device, rank, path, fault);
+	for (int i = 0; i < KMS_CARDS; i++) {
 		struct fault trouble = {0};
 		char device[32];
 		int trial;
 
 		snprintf(device, sizeof(device), "/dev/dri/card%d", i);
-		trial = try_card(settings, connector, device, path, &trouble);
+		trial = try_card(settings, options, device, rank, path, &trouble);
 		if (!trial)
-			return path->card;
-		if (trial != -ENOENT && err == -ENODEV)
+			return 0;
+		if (weight(trial) > weight(err))
 			err = fault_say(fault, trial, "%s", trouble.text);
 	}
-	return err;
+	return err ? err
+		   : fault_say(fault, -ENODEV,
+			       "kms display: no graphics card found, expected one as "
+			       "/dev/dri/card0 (is its driver loaded?)");
 }
 
-/* ---- list ---- */
-
-static int list_room(int card, const drmModeRes *resources)
+int kms_find(const struct display_settings *settings, const struct kms_options *options,
+	     struct kms_path *path, struct fault *fault)
 {
-	int lines = 0;
+	int err = -ENOLINK;
 
-	for (int i = 0; i < resources->count_connectors; i++) {
-		drmModeConnector *connector = drmModeGetConnector(card, resources->connectors[i]);
-
-		lines += connector ? 1 + connector->count_modes : 0;
-		drmModeFreeConnector(connector);
-	}
-	return lines;
-}
-
-static void list_connector(const drmModeConnector *connector, struct display_listing *listing,
-			   int room)
-{
-	static const char *const states[] = {"", "connected", "disconnected", "unknown"};
-	char name[32];
-
-	if (listing->line_count >= room)
-		return;
-	name_connector(connector, name, sizeof(name));
-	snprintf(listing->lines[listing->line_count++], sizeof(listing->lines[0]), "%s: %s", name,
-		 states[connector->connection & 3]);
-	for (int i = 0; i < connector->count_modes && listing->line_count < room; i++) {
-		const drmModeModeInfo *mode = &connector->modes[i];
-
-		snprintf(listing->lines[listing->line_count++], sizeof(listing->lines[0]),
-			 "  %ux%u%s %.2f Hz%s", mode->hdisplay, mode->vdisplay,
-			 mode->flags & DRM_MODE_FLAG_INTERLACE ? "i" : "", kms_mode_rate(mode),
-			 mode->type & DRM_MODE_TYPE_PREFERRED ? " (preferred)" : "");
-	}
-}
-
-static int list_card(int card, struct display_listing *listing,
-		     void (*found)(void *context, const struct display_listing *listing),
-		     void *context)
-{
-	drmModeRes *resources = drmModeGetResources(card);
-	drmVersion *version = drmGetVersion(card);
-	const int room = resources ? list_room(card, resources) : 0;
-	int err = 0;
-
-	snprintf(listing->name, sizeof(listing->name), "%s", version ? version->name : "unknown");
-	listing->lines = calloc((size_t)room + 1, sizeof(*listing->lines));
-	if (!listing->lines)
-		err = -ENOMEM;
-	for (int i = 0; resources && i < resources->count_connectors && !err; i++) {
-		drmModeConnector *connector = drmModeGetConnector(card, resources->connectors[i]);
-
-		if (connector)
-			list_connector(connector, listing, room);
-		drmModeFreeConnector(connector);
-	}
-	if (resources && !err)
-		found(context, listing);
-	free(listing->lines);
-	drmFreeVersion(version);
-	drmModeFreeResources(resources);
-	return err ? err : resources != NULL;
-}
-
-/* A card that is there but not for this user is listed too, with what to do about it. */
-static void list_forbidden(struct display_listing *listing,
-			   void (*found)(void *context, const struct display_listing *listing),
-			   void *context)
-{
-	char line[1][160] = {"cannot be opened (is the user in the group \"video\"?)"};
-
-	snprintf(listing->name, sizeof(listing->name), "no permission");
-	listing->lines = line;
-	listing->line_count = 1;
-	found(context, listing);
-}
-
-int kms_list(void (*found)(void *context, const struct display_listing *listing), void *context)
-{
-	int count = 0;
-
-	for (int i = 0; i < CARDS; i++) {
-		struct display_listing listing = {0};
-		int card, listed;
-
-		snprintf(listing.device, sizeof(listing.device), "/dev/dri/card%d", i);
-		card = open_card(listing.device);
-		if (card == -EACCES) {
-			list_forbidden(&listing, found, context);
-			count++;
-		}
-		if (card < 0)
-			continue;
-		listed = list_card(card, &listing, found, context);
-		close(card);
-		if (listed < 0)
-			return listed;
-		count += listed;
-	}
-	return count;
+	for (int rank = KMS_RANK_BEST; rank > !options->force && err == -ENOLINK; rank--)
+		err = find_ranked(settings, options, rank, path, fault);
+	return err ? err : path->card;
 }

@@ -1,3 +1,4 @@
+#include <errno.h>
 #include <math.h>
 
 #include "drivers/kms/kms.h"
@@ -61,4 +62,69 @@ int kms_mode_choose(const drmModeModeInfo *modes, int count, int width, int heig
 		}
 	}
 	return best;
+}
+
+int kms_mode_rank(unsigned connection, int count, const struct kms_options *options)
+{
+	if (connection == DRM_MODE_CONNECTED)
+		return KMS_RANK_BEST;
+	if (connection == DRM_MODE_UNKNOWNCONNECTION && (count || options->mode[0]))
+		return 2;
+	return options->force ? 1 : 0;
+}
+
+/* As kms.mode says: the screen's own timing of that size and rate where it names one, for it knows
+ * best; a modeline is taken to the letter. */
+static int pick_told(const char *text, const drmModeModeInfo *modes, int count,
+		     drmModeModeInfo *mode, bool *computed)
+{
+	bool exact;
+	int listed, err = kms_timing_parse(text, mode, &exact);
+
+	if (err)
+		return err;
+	listed = exact ? -1
+		       : kms_mode_choose(modes, count, mode->hdisplay, mode->vdisplay,
+					 kms_mode_rate(mode));
+	*computed = listed < 0 || fabs(kms_mode_rate(&modes[listed]) - kms_mode_rate(mode)) > 0.5;
+	if (!*computed)
+		*mode = modes[listed];
+	return 0;
+}
+
+int kms_mode_pick(const struct display_settings *settings, const struct kms_options *options,
+		  unsigned connection, const drmModeModeInfo *modes, int count,
+		  drmModeModeInfo *mode, bool *computed)
+{
+	int chosen;
+
+	*computed = false;
+	if (!kms_mode_rank(connection, count, options))
+		return -ENOLINK;
+	if (options->mode[0])
+		return pick_told(options->mode, modes, count, mode, computed);
+	if (!count && options->force) {
+		const bool sized = settings->width && settings->height;
+
+		/* 1024 x 768 is the most that a screen may be expected to show unasked. */
+		kms_timing(sized ? settings->width : 1024, sized ? settings->height : 768,
+			   settings->rate_hz > 0 ? settings->rate_hz : 60, mode);
+		*computed = true;
+		return 0;
+	}
+	chosen = kms_mode_choose(modes, count, settings->width, settings->height,
+				 settings->rate_hz);
+	if (chosen < 0)
+		return -EINVAL;
+	*mode = modes[chosen];
+	return 0;
+}
+
+bool kms_mode_same(const drmModeModeInfo *a, const drmModeModeInfo *b)
+{
+	return a->clock == b->clock && a->flags == b->flags && a->hdisplay == b->hdisplay &&
+	       a->hsync_start == b->hsync_start && a->hsync_end == b->hsync_end &&
+	       a->htotal == b->htotal && a->hskew == b->hskew && a->vdisplay == b->vdisplay &&
+	       a->vsync_start == b->vsync_start && a->vsync_end == b->vsync_end &&
+	       a->vtotal == b->vtotal && a->vscan == b->vscan;
 }

@@ -109,3 +109,37 @@ int kms_state_commit(const struct kms_path *path, const struct kms_properties *p
 	drmModeAtomicFree(request);
 	return err;
 }
+
+/* By hand rather than with drmModeAtomicCommit(), which allocates. */
+int kms_state_flip(const struct kms_path *path, const struct kms_properties *properties,
+		   const struct kms_state *state, void *user)
+{
+	uint32_t object = path->plane;
+	uint32_t count = 9;
+	const uint32_t *source = properties->plane_source, *target = properties->plane_target;
+	uint32_t ids[9] = {properties->plane_fb,
+			   source[0],
+			   source[1],
+			   source[2],
+			   source[3],
+			   target[0],
+			   target[1],
+			   target[2],
+			   target[3]};
+	uint64_t values[9] = {state->plane_fb};
+	struct drm_mode_atomic atomic = {
+		.flags = DRM_MODE_PAGE_FLIP_EVENT | DRM_MODE_ATOMIC_NONBLOCK,
+		.count_objs = 1,
+		.objs_ptr = (uintptr_t)&object,
+		.count_props_ptr = (uintptr_t)&count,
+		.props_ptr = (uintptr_t)ids,
+		.prop_values_ptr = (uintptr_t)values,
+		.user_data = (uintptr_t)user,
+	};
+
+	for (int i = 0; i < 4; i++) {
+		values[1 + i] = state->plane_source[i];
+		values[5 + i] = state->plane_target[i];
+	}
+	return drmIoctl(path->card, DRM_IOCTL_MODE_ATOMIC, &atomic) ? -errno : 0;
+}

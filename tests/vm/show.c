@@ -2,10 +2,13 @@
  * Shows a picture on a real screen through a driver and says what happened, one "name value" a
  * line, so that a shell test can check it.
  *
- *     show DRIVER PICTURE.png FRAMES [device=D] [width=W] [height=H] [rate=HZ] [connector=C]
+ *     show DRIVER PICTURE.png FRAMES [patient] [device=D] [width=W] [height=H] [rate=HZ]
+ *          [connector=C] and the driver's other options
  *
  * The picture stands in the middle of a black screen. After FRAMES flips it says "ready 1", keeps
- * the screen until SIGTERM or SIGINT, and gives it back. Exit 1 with "error" when that fails.
+ * the screen until SIGTERM or SIGINT, and gives it back. Exit 1 with "error" when that fails; with
+ * "patient" a screen that may return is waited for ("waiting", "lost"), and shown on again.
+ * "hidden" and "exposed" tell of the console being switched away and back.
  */
 #include <errno.h>
 #include <poll.h>
@@ -65,34 +68,111 @@ static void note(struct flips *flips, const struct display_event *event)
 	flips->shown++;
 }
 
-static int run(struct display *display, const struct image *image, int frames, struct flips *flips,
-	       struct fault *fault)
+/* What a kiosk does too: draws what it has, takes in what happened. */
+struct show {
+	struct display display;
+	const struct image *image;
+	int frames; /* to show before "ready" */
+	int64_t token;
+	struct flips flips;
+	bool hidden, ready;
+};
+
+static int draw_one(struct show *show, struct fault *fault)
 {
-	int64_t token = 0;
+	struct display_buffer buffer;
+	int err = display_acquire(&show->display, &buffer);
 
-	while (flips->shown < frames && !asked_to_stop) {
-		struct display_buffer buffer;
-		struct display_event event;
-		int err = 0;
+	if (err)
+		return err == -EAGAIN ? 0 : fault_say(fault, err, "acquire: %s", strerror(-err));
+	draw(&buffer, show->image);
+	return display_submit(&show->display, &buffer, ++show->token, fault);
+}
 
-		while (token < frames && !display_acquire(display, &buffer)) {
-			draw(&buffer, image);
-			err = display_submit(display, &buffer, ++token, fault);
-			if (err)
-				return err;
+static int take_events(struct show *show, struct fault *fault)
+{
+	struct display_event event;
+	int err;
+
+	do {
+		err = display_dispatch(&show->display, &event, fault);
+		if (!err && event.kind == DISPLAY_SHOWN)
+			note(&show->flips, &event);
+		if (!err && event.kind == DISPLAY_EXPOSED) {
+			printf("exposed 1\n");
+			err = draw_one(show, fault);
 		}
-		struct pollfd p = {.fd = display_descriptor(display), .events = POLLIN};
-		if (poll(&p, 1, 5000) == 0)
+	} while (!err && event.kind != DISPLAY_NOTHING);
+	if (show->hidden != show->display.hidden)
+		printf("hidden %d\n", show->hidden = show->display.hidden);
+	return err;
+}
+
+static void say_ready(struct show *show)
+{
+	const struct flips *flips = &show->flips;
+
+	printf("shown %d\nbackwards %d\nout_of_order %d\n", flips->shown, flips->backwards,
+	       flips->out_of_order);
+	if (flips->shown > 1)
+		printf("measured_rate %.2f\n",
+		       1e9 * (flips->shown - 1) / (double)(flips->last_ns - flips->first_ns));
+	printf("ready 1\n");
+	show->ready = true;
+}
+
+/* Until a signal: 0; or until the screen fails. Signals are let in only while waiting. */
+static int run(struct show *show, const sigset_t *waiting, struct fault *fault)
+{
+	const struct timespec patience = {.tv_sec = 5};
+	int err = 0;
+
+	while (!err && !asked_to_stop) {
+		struct pollfd p = {.fd = display_descriptor(&show->display), .events = POLLIN};
+		const bool drawing = show->flips.shown < show->frames;
+		int woken;
+
+		if (!drawing && !show->ready)
+			say_ready(show);
+		if (show->token < show->frames)
+			err = draw_one(show, fault);
+		if (err)
+			return err;
+		woken = ppoll(&p, 1, drawing && !show->hidden ? &patience : NULL, waiting);
+		if (woken == 0)
 			return fault_say(fault, -ETIMEDOUT, "no flip for 5 s");
-		do {
-			err = display_dispatch(display, &event, fault);
-			if (err)
-				return err;
-			if (event.kind == DISPLAY_SHOWN)
-				note(flips, &event);
-		} while (event.kind != DISPLAY_NOTHING);
+		if (woken > 0)
+			err = take_events(show, fault);
 	}
-	return 0;
+	return err;
+}
+
+/* Opens it, and with patient again and again while that may help. */
+static int open_patiently(struct show *show, const struct display_ops *driver,
+			  const struct display_settings *settings, void *options, bool patient,
+			  const sigset_t *waiting, struct fault *fault)
+{
+	const struct timespec moment = {.tv_nsec = 100000000};
+	enum display_situation said = DISPLAY_FINE;
+	int err;
+
+	while ((err = display_open(&show->display, driver, settings, options, fault)) && patient &&
+	       !asked_to_stop && display_may_return(show->display.situation)) {
+		if (said != show->display.situation)
+			printf("waiting %s: %s\n", display_situation_names[show->display.situation],
+			       fault->text);
+		said = show->display.situation;
+		ppoll(NULL, 0, &moment, waiting);
+	}
+	if (!err) {
+		printf("mode %dx%d\nrate %g\n", show->display.width, show->display.height,
+		       show->display.rate_hz);
+		show->hidden = false;
+		show->ready = false;
+		show->flips = (struct flips){0};
+		show->token = 0;
+	}
+	return err;
 }
 
 static const struct display_ops *find_driver(const char *name)
@@ -105,7 +185,7 @@ static const struct display_ops *find_driver(const char *name)
 }
 
 static int parse(int argc, char **argv, struct display_settings *settings,
-		 const struct display_ops *driver, void *options)
+		 const struct display_ops *driver, void *options, bool *patient)
 {
 	for (int i = 4; i < argc; i++) {
 		const char *option = argv[i];
@@ -117,6 +197,8 @@ static int parse(int argc, char **argv, struct display_settings *settings,
 			settings->height = atoi(option + 7);
 		else if (!strncmp(option, "rate=", 5))
 			settings->rate_hz = atof(option + 5);
+		else if (!strcmp(option, "patient"))
+			*patient = true;
 		else if (driver_option_set(driver->name, driver->keys, options, option))
 			return -EINVAL;
 	}
@@ -126,14 +208,15 @@ static int parse(int argc, char **argv, struct display_settings *settings,
 int main(int argc, char **argv)
 {
 	struct display_settings settings = {0};
-	struct display display = {0};
 	struct image image = {0};
-	struct flips flips = {0};
+	struct show show = {.image = &image};
 	struct fault fault = {""};
-	sigset_t stopping, before;
+	sigset_t stopping, waiting;
+	bool patient = false;
 
 	if (argc < 4) {
-		fprintf(stderr, "usage: show DRIVER PICTURE.png FRAMES [name=value]...\n");
+		fprintf(stderr,
+			"usage: show DRIVER PICTURE.png FRAMES [patient] [name=value]...\n");
 		return 2;
 	}
 	setvbuf(stdout, NULL, _IOLBF, 0); /* a test waits for single lines */
@@ -141,41 +224,38 @@ int main(int argc, char **argv)
 	void *options = driver->options_size ? calloc(1, driver->options_size) : NULL;
 	if (driver->keys)
 		ini_defaults(driver->keys, options);
-	if (parse(argc, argv, &settings, driver, options))
+	if (parse(argc, argv, &settings, driver, options, &patient))
 		return 2;
 
-	/* Blocked but while waiting below, so that no signal is missed. */
+	/* Blocked but while waiting, so that no signal is missed. */
 	sigemptyset(&stopping);
 	sigaddset(&stopping, SIGTERM);
 	sigaddset(&stopping, SIGINT);
-	sigprocmask(SIG_BLOCK, &stopping, &before);
+	sigprocmask(SIG_BLOCK, &stopping, &waiting);
 	signal(SIGTERM, stop);
 	signal(SIGINT, stop);
 
 	int err = image_read(argv[2], &image, &fault);
-	if (!err) {
-		settings.picture_width = image.width;
-		settings.picture_height = image.height;
-		err = display_open(&display, driver, &settings, options, &fault);
+	show.frames = atoi(argv[3]);
+	settings.picture_width = image.width;
+	settings.picture_height = image.height;
+	while (!err && !asked_to_stop) {
+		err = open_patiently(&show, driver, &settings, options, patient, &waiting, &fault);
+		if (err)
+			break;
+		err = run(&show, &waiting, &fault);
+		if (err && patient && display_may_return(show.display.situation)) {
+			printf("lost %s: %s\n", display_situation_names[show.display.situation],
+			       fault.text);
+			err = 0;
+		}
+		if (err)
+			display_close(&show.display, NULL);
+		else
+			err = display_close(&show.display, &fault);
 	}
-	if (!err) {
-		printf("mode %dx%d\nrate %g\n", display.width, display.height, display.rate_hz);
-		err = run(&display, &image, atoi(argv[3]), &flips, &fault);
-		printf("shown %d\nbackwards %d\nout_of_order %d\n", flips.shown, flips.backwards,
-		       flips.out_of_order);
-		if (flips.shown > 1)
-			printf("measured_rate %.2f\n",
-			       1e9 * (flips.shown - 1) / (double)(flips.last_ns - flips.first_ns));
-	}
-	if (!err) {
-		printf("ready 1\n");
-		while (!asked_to_stop)
-			sigsuspend(&before);
-		err = display_close(&display, &fault);
-	}
-	if (err)
+	if (err && !asked_to_stop)
 		printf("error %s\n", fault.text);
-	display_close(&display, NULL);
 	image_free(&image);
 	free(options);
 	return err ? 1 : 0;

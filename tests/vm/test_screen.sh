@@ -68,6 +68,7 @@ check "virtio-gpu: it shows what was drawn, pixel by pixel" \
 equal "a screen that another program drives is refused" 1 $?
 equal "in one line" 1 "$(wc -l <"$VM_OUT/second")"
 matches "that names the card" "card$virtio" "$(cat "$VM_OUT/second")"
+matches "and who holds it" "show \(pid $showing\)" "$(cat "$VM_OUT/second")"
 check "and the first program's picture stays" screendump "$VM_OUT/virtio.ppm"
 check "unchanged" "$tools/picture" compare "$VM_OUT/chart.png" "$VM_OUT/virtio.ppm" x=320 y=160
 
@@ -93,9 +94,80 @@ done
 show 1
 matches "no connected screen is an error in words" '[Nn]o .*(screen|connected)' "$(said error)"
 wait $showing
-for status in /sys/class/drm/card*-*/status; do
-	echo detect >"$status"
+
+# ---- a screen that is plugged in later, pulled out, and back ----
+# saw COUNT REGEX: so many lines of it, sooner or later.
+saw_by_now() {
+	[ "$(grep -c -E "$2" "$VM_OUT/said")" -ge "$1" ]
+}
+saw() {
+	within_seconds 20 saw_by_now "$@"
+}
+plug() { # card number; off, on or detect
+	local status
+	for status in "/sys/class/drm/card$1"-*/status; do
+		echo "$2" >"$status"
+	done
+}
+for card in "$vkms" "$virtio"; do
+	: >"$VM_OUT/said"
+	"$tools/show" kms "$VM_OUT/chart.png" 3 patient "device=/dev/dri/card$card" \
+		>"$VM_OUT/said" 2>&1 &
+	showing=$!
+	check "card$card: a screen that is absent at the start is waited for" \
+		saw 1 '^waiting no screen: .*connected'
+	plug "$card" detect
+	check "card$card: and used when it is plugged in" saw 1 '^ready'
+	for round in 1 2; do
+		plug "$card" off
+		check "card$card: pulled out, it is missed ($round)" \
+			saw $round '^lost no screen: .*unplugged'
+		plug "$card" detect
+		check "card$card: and used again when it is back ($round)" saw $((round + 1)) '^ready'
+	done
+	check "card$card: its picture can be read back" \
+		"$tools/scanout" picture "$card" "$VM_OUT/back.png"
+	x=192 y=144
+	[ "$card" = "$vkms" ] || x=320 y=160
+	check "card$card: and is what was drawn" \
+		"$tools/picture" compare "$VM_OUT/chart.png" "$VM_OUT/back.png" x=$x y=$y
+	# The kernel says so when something about a card changes; most of it changes nothing.
+	for _ in 1 2 3; do
+		echo change >"/sys/class/drm/card$card/uevent"
+	done
+	plug "$card" off
+	echo change >"/sys/class/drm/card$card/uevent"
+	check "card$card: a message of the kernel is heeded" saw 3 '^lost no screen'
+	equal "card$card: and those before it have changed nothing" 3 "$(grep -c '^ready' "$VM_OUT/said")"
+	plug "$card" detect
+	saw 4 '^ready'
+	hide
+	equal "card$card: it closes well after all this" 0 $?
 done
+
+# ---- forced, and told a mode ----
+plug "$vkms" off
+show 3 "device=/dev/dri/card$vkms" mode=800x600
+matches "a mode alone does not light a connector without a screen" 'no screen' "$(said error)"
+wait $showing
+show 3 "device=/dev/dri/card$vkms" force=yes
+equal "forced, it is used" "1 1024x768" "$(said ready) $(said mode)"
+matches "and that the timing is ours is said" 'has not named' "$(cat "$VM_OUT/said")"
+hide
+show 3 "device=/dev/dri/card$vkms" force=yes mode=1400x1050@60
+equal "forced, with the mode that is told" "1 1400x1050" "$(said ready) $(said mode)"
+check "the device puts out exactly that" "$tools/scanout" checksum "$vkms"
+hide
+plug "$vkms" detect
+show 3 "device=/dev/dri/card$vkms" "mode=40 800 840 968 1056 600 601 605 628 +hsync +vsync"
+equal "a modeline is taken to the letter" "1 800x600 60.3165" \
+	"$(said ready) $(said mode) $(said rate)"
+hide
+show 3 "device=/dev/dri/card$vkms" mode=large
+matches "a mode that is none is an error that says what is expected" '1920x1080@60' "$(said error)"
+wait $showing
+
+# ---- names that are none ----
 "$tools/show" kms "$VM_OUT/chart.png" 1 device=/dev/dri/card9 >"$VM_OUT/said" 2>&1
 matches "a card that is not there is an error that names it" card9 "$(said error)"
 "$tools/show" kms "$VM_OUT/chart.png" 1 device=/dev/null >"$VM_OUT/said" 2>&1
@@ -103,4 +175,18 @@ matches "a file that is no screen is an error that names it" /dev/null "$(said e
 show 3 connector=Virtual-77
 matches "a connector that there is not is an error that names it" Virtual-77 "$(said error)"
 wait $showing
+
+# ---- stopped by hand for a while: not a stall ----
+# (The time that it is stopped for is what is tested: twice what a flip may take.)
+: >"$VM_OUT/said"
+"$tools/show" kms "$VM_OUT/chart.png" 200 patient "device=/dev/dri/card$vkms" >"$VM_OUT/said" 2>&1 &
+showing=$!
+saw 1 '^mode'
+kill -STOP $showing
+sleep 2
+kill -CONT $showing
+check "a program that was stopped for 2 s goes on" saw 1 '^ready'
+equal "and has not lost the screen" 0 "$(grep -c '^lost' "$VM_OUT/said")"
+hide
+equal "and closes well" 0 $?
 unload vkms

@@ -1,0 +1,243 @@
+#include "drivers/kms/screen.h"
+
+#include <drm_fourcc.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "hal/log.h"
+
+int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
+		       struct fault *fault)
+{
+	return fault_say(fault, err, "kms display: %s: cannot %s: %s", screen->path.connector_name,
+			 what, strerror(-err));
+}
+
+int kms_screen_held(const struct kms_screen *screen, struct fault *fault)
+{
+	char holders[256];
+	const int count = kms_holders(screen->path.device, holders, sizeof(holders));
+
+	if (!count)
+		return fault_say(fault, -EBUSY,
+				 "kms display: another program (a desktop or another inlay) holds "
+				 "the screen %s: stop it (as root, fuser -v %s tells its name)",
+				 screen->path.connector_name, screen->path.device);
+	return fault_say(fault, -EBUSY,
+			 "kms display: another program holds the screen %s of %s: stop %s",
+			 screen->path.connector_name, screen->path.device, holders);
+}
+
+int kms_screen_become_master(struct kms_screen *screen, struct fault *fault)
+{
+	/* The first to open a card is its master already. Whoever comes later and is not root gets
+	 * "no permission" here; the reason is that somebody else is. */
+	if (!drmIsMaster(screen->path.card) && drmSetMaster(screen->path.card))
+		return kms_screen_held(screen, fault);
+	screen->master = true;
+	return 0;
+}
+
+/* ---- buffers ---- */
+
+static int create_buffer(struct kms_screen *screen, struct kms_buffer *buffer)
+{
+	const int card = screen->path.card;
+	struct drm_mode_create_dumb create = {
+		.width = screen->path.mode.hdisplay,
+		.height = screen->path.mode.vdisplay,
+		.bpp = 32,
+	};
+	struct drm_mode_map_dumb map = {0};
+	void *pixels;
+	int err;
+
+	if (drmIoctl(card, DRM_IOCTL_MODE_CREATE_DUMB, &create))
+		return -errno;
+	buffer->handle = map.handle = create.handle;
+	buffer->stride = create.pitch;
+	buffer->bytes = create.size;
+	err = drmModeAddFB2(card, create.width, create.height, DRM_FORMAT_XRGB8888,
+			    (uint32_t[4]){create.handle}, (uint32_t[4]){create.pitch},
+			    (uint32_t[4]){0}, &buffer->framebuffer, 0);
+	if (err)
+		return err;
+	if (drmIoctl(card, DRM_IOCTL_MODE_MAP_DUMB, &map))
+		return -errno;
+	pixels = mmap(NULL, create.size, PROT_READ | PROT_WRITE, MAP_SHARED, card,
+		      (off_t)map.offset);
+	if (pixels == MAP_FAILED)
+		return -errno;
+	buffer->map = pixels;
+	buffer->fit = screen->fit;
+	memset(buffer->map, 0, create.size);
+	return 0;
+}
+
+static void destroy_buffer(struct kms_screen *screen, struct kms_buffer *buffer)
+{
+	struct drm_mode_destroy_dumb destroy = {.handle = buffer->handle};
+
+	if (buffer->map)
+		munmap(buffer->map, buffer->bytes);
+	if (buffer->framebuffer)
+		drmModeRmFB(screen->path.card, buffer->framebuffer);
+	if (buffer->handle)
+		drmIoctl(screen->path.card, DRM_IOCTL_MODE_DESTROY_DUMB, &destroy);
+	*buffer = (struct kms_buffer){0};
+}
+
+/* ---- modes ---- */
+
+void kms_screen_set_fit(struct kms_state *state, const struct kms_fit *fit)
+{
+	const uint64_t source[4] = {0, 0, (uint64_t)fit->width << 16, (uint64_t)fit->height << 16};
+	/* Signed numbers of 32 bits, none of them negative. */
+	const uint64_t target[4] = {(uint64_t)fit->box.x, (uint64_t)fit->box.y,
+				    (uint64_t)fit->box.width, (uint64_t)fit->box.height};
+
+	memcpy(state->plane_source, source, sizeof(source)); /* 16.16 */
+	memcpy(state->plane_target, target, sizeof(target));
+}
+
+struct kms_fit kms_screen_whole(const struct kms_screen *screen)
+{
+	const int width = screen->path.mode.hdisplay, height = screen->path.mode.vdisplay;
+
+	return (struct kms_fit){width, height, {0, 0, width, height}};
+}
+
+int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *fault)
+{
+	struct kms_state *ours = &screen->ours;
+	int err;
+
+	ours->plane_fb = screen->buffers[index].framebuffer;
+	kms_screen_set_fit(ours, &screen->buffers[index].fit);
+	err = kms_state_commit(&screen->path, &screen->properties, ours,
+			       DRM_MODE_ATOMIC_TEST_ONLY | DRM_MODE_ATOMIC_ALLOW_MODESET);
+	if (!err)
+		err = kms_state_commit(&screen->path, &screen->properties, ours,
+				       DRM_MODE_ATOMIC_ALLOW_MODESET);
+	if (err)
+		return kms_screen_refused(screen, err, "set the mode", fault);
+	screen->set = true;
+	screen->on_screen = index;
+	return 0;
+}
+
+static int describe_mode(struct kms_screen *screen, struct fault *fault)
+{
+	const drmModeModeInfo *mode = &screen->path.mode;
+	uint32_t blob = 0;
+	int err;
+
+	err = drmModeCreatePropertyBlob(screen->path.card, mode, sizeof(*mode), &blob);
+	if (err)
+		return kms_screen_refused(screen, err, "describe the mode", fault);
+	screen->ours = (struct kms_state){
+		.connector_crtc = screen->path.crtc,
+		.crtc_active = 1,
+		.crtc_mode = blob,
+		.plane_crtc = screen->path.crtc,
+	};
+	return 0;
+}
+
+/* ---- open and release ---- */
+
+static enum display_situation find_situation(int err)
+{
+	return err == -ENOENT	? DISPLAY_NO_DEVICE
+	       : err == -EINVAL ? DISPLAY_NO_MODE
+				: DISPLAY_FINE; /* the error tells */
+}
+
+static int create_buffers(struct kms_screen *screen, int count, struct fault *fault)
+{
+	screen->buffer_count = count;
+	for (int i = 0; i < count; i++) {
+		const int err = create_buffer(screen, &screen->buffers[i]);
+
+		if (err)
+			return kms_screen_refused(screen, err, "make a framebuffer", fault);
+	}
+	return 0;
+}
+
+int kms_screen_open(struct kms_screen *screen, const struct display_settings *settings,
+		    const struct kms_options *options, enum display_situation *situation,
+		    struct fault *fault)
+{
+	struct fault trouble;
+	uint64_t monotonic = 0;
+	int err;
+
+	screen->path.card = -1;
+	screen->watch = (struct kms_watch){-1, -1, -1};
+	screen->console = (struct kms_console){.tty = -1, .told = -1};
+	screen->on_screen = screen->flipping = screen->waiting = NONE;
+	err = kms_find(settings, options, &screen->path, fault);
+	if (err < 0) {
+		*situation = find_situation(err);
+		return err;
+	}
+	screen->fit = kms_screen_whole(screen);
+	err = kms_screen_become_master(screen, fault);
+	if (err)
+		return err;
+	screen->timestamps =
+		!drmGetCap(screen->path.card, DRM_CAP_TIMESTAMP_MONOTONIC, &monotonic) && monotonic;
+	err = kms_state_read(&screen->path, &screen->properties, &screen->before, fault);
+	if (err)
+		return err;
+	screen->kept = true;
+	err = create_buffers(screen, options->buffers, fault);
+	if (!err)
+		err = describe_mode(screen, fault);
+	if (err)
+		return err;
+	if (kms_console_open(&screen->console, options->vt, &trouble))
+		log_warning("kms display: %s; going on without it", trouble.text);
+	return kms_watch_open(&screen->watch, screen->path.card, screen->console.told, fault);
+}
+
+/* As it was; and where what was shown no longer exists, dark. A commit that may block waits for the
+ * last flip. */
+static int restore(struct kms_screen *screen)
+{
+	const struct kms_state dark = {0};
+	int err = kms_state_commit(&screen->path, &screen->properties, &screen->before,
+				   DRM_MODE_ATOMIC_ALLOW_MODESET);
+
+	if (err)
+		err = kms_state_commit(&screen->path, &screen->properties, &dark,
+				       DRM_MODE_ATOMIC_ALLOW_MODESET);
+	return err == -ENODEV ? 0 : err; /* nobody to give it back to */
+}
+
+int kms_screen_release(struct kms_screen *screen)
+{
+	int err = 0;
+
+	if (screen->set)
+		err = restore(screen);
+	/* Makes the kernel show its text, whatever was there before. */
+	kms_console_close(&screen->console);
+	kms_watch_close(&screen->watch);
+	for (int i = 0; i < BUFFERS_MAX; i++)
+		destroy_buffer(screen, &screen->buffers[i]);
+	if (screen->ours.crtc_mode)
+		drmModeDestroyPropertyBlob(screen->path.card, (uint32_t)screen->ours.crtc_mode);
+	if (screen->kept && screen->before.crtc_mode)
+		drmModeDestroyPropertyBlob(screen->path.card, (uint32_t)screen->before.crtc_mode);
+	if (screen->master)
+		drmDropMaster(screen->path.card);
+	if (screen->path.card >= 0)
+		close(screen->path.card);
+	free(screen);
+	return err;
+}
