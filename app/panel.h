@@ -26,7 +26,7 @@ int panel_create(struct panel **panel, enum panel_kind kind);
 
 /*
  * Draws count texts, UTF-8, one below the other. One that is too wide is made smaller, down to
- * three quarters; where that is not enough, lines are broken: between the parts of a text that " ·
+ * two thirds; where that is not enough, lines are broken: between the parts of a text that " ·
  * " separates, else between words, else between letters. If the lines are too many, letters are
  * made smaller as long as they can be read; then the last texts are left out and counted instead. 0
  * or -ENOMEM; nothing is allocated by this file for a panel no larger than it has been.

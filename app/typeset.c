@@ -7,7 +7,8 @@
 
 #include "app/utf8.h"
 
-#define LEAST_PX 9 /* smaller letters cannot be read */
+#define LEAST_PX 9     /* smaller letters cannot be read */
+#define UNBROKEN_PX 14 /* so small they may become to keep a text on one line */
 #define SEPARATOR "\u00b7"
 
 int typeset_run(struct typeset *set, cairo_t *cairo, int text)
@@ -113,13 +114,13 @@ static bool is_too_high(const struct typeset *set)
 	return typeset_height_px(set) > set->room.height;
 }
 
-/* Each text on a line of its own, in letters at least three quarters as large as wanted. -ERANGE:
- * not possible. */
+/* Each text on a line of its own, in letters at least two thirds as large as wanted. -ERANGE: not
+ * possible. */
 static int set_unbroken(struct typeset *set, cairo_t *cairo)
 {
-	int size = set->room.size_px, least = size * 3 / 4, err;
+	int size = set->room.size_px, least = size * 2 / 3, err;
 
-	while (size >= least && size >= LEAST_PX) {
+	while (size >= least && size >= UNBROKEN_PX) {
 		err = set_lines(set, cairo, size);
 		if (err)
 			return err;

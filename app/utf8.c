@@ -1,10 +1,12 @@
 #include "app/utf8.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
-/* RFC 3629: what each first byte stands for, the least that its form may say, and no surrogates. */
-int utf8_bytes(const char *text)
+/* RFC 3629: what each first byte stands for, the least that its form may say, and no surrogates.
+ * Returns the number of bytes. */
+static int decode(const char *text, uint32_t *code)
 {
 	static const struct {
 		uint8_t mask, mark;
@@ -14,29 +16,40 @@ int utf8_bytes(const char *text)
 	const uint8_t *byte = (const uint8_t *)text;
 
 	for (int more = 0; more < 4; more++) {
-		uint32_t code = byte[0] & (uint8_t)~forms[more].mask;
+		uint32_t c = byte[0] & (uint8_t)~forms[more].mask;
 
 		if ((byte[0] & forms[more].mask) != forms[more].mark)
 			continue;
 		for (int i = 1; i <= more; i++) {
 			if ((byte[i] & 0xc0) != 0x80)
 				return 0;
-			code = code << 6 | (byte[i] & 0x3f);
+			c = c << 6 | (byte[i] & 0x3f);
 		}
-		if (code < forms[more].least || code > 0x10ffff ||
-		    (code >= 0xd800 && code < 0xe000))
-			return 0;
-		return more + 1;
+		*code = c;
+		return c < forms[more].least || c > 0x10ffff || (c >= 0xd800 && c < 0xe000)
+			       ? 0
+			       : more + 1;
 	}
 	return 0;
 }
 
-/* C0, delete and C1 (U+0080..U+009F). */
-static int is_control(const char *text)
+int utf8_bytes(const char *text)
 {
-	const uint8_t *byte = (const uint8_t *)text;
+	uint32_t code;
 
-	return byte[0] < 0x20 || byte[0] == 0x7f || (byte[0] == 0xc2 && byte[1] < 0xa0);
+	return decode(text, &code);
+}
+
+/* C0, delete, C1. */
+static bool is_control(uint32_t code)
+{
+	return code < 0x20 || (code >= 0x7f && code < 0xa0);
+}
+
+/* Unicode keeps them out of texts for good; cairo refuses them. */
+static bool is_no_character(uint32_t code)
+{
+	return (code & 0xfffe) == 0xfffe || (code >= 0xfdd0 && code <= 0xfdef);
 }
 
 size_t utf8_copy(char *to, size_t room, const char *from)
@@ -46,8 +59,11 @@ size_t utf8_copy(char *to, size_t room, const char *from)
 	if (room == 0)
 		return 0;
 	while (*from) {
-		int bytes = utf8_bytes(from);
-		const char *shown = bytes == 0 ? "?" : is_control(from) ? " " : from;
+		uint32_t code;
+		int bytes = decode(from, &code);
+		const char *shown = bytes == 0 || is_no_character(code) ? "?"
+				    : is_control(code)			? " "
+									: from;
 		size_t size = shown == from ? (size_t)bytes : 1;
 
 		if (length + size >= room)

@@ -8,7 +8,8 @@
 int utf8_bytes(const char *text);
 
 /* Copies as many whole characters as there is room for, and ends them with a zero byte (room 0:
- * nothing is written). What is not UTF-8 becomes '?', what controls a terminal a blank. Returns the
+ * nothing is written). What is not UTF-8, or no character, becomes '?', what controls a terminal a
+ * blank. Returns the
  * length of what was written. */
 size_t utf8_copy(char *to, size_t room, const char *from);
 

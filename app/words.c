@@ -48,9 +48,13 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 }
 
 /* A bound stays one when it is rounded. */
-static double up_to_tenths(double value)
+static const char *say_bound(char *text, size_t room, double value)
 {
-	return value > 0 ? ceil(value * 10 - 1e-9) / 10 : 0;
+	if (value < 10)
+		snprintf(text, room, "%.1f", value > 0 ? ceil(value * 10 - 1e-9) / 10 : 0);
+	else
+		snprintf(text, room, "%.0f", ceil(value));
+	return text;
 }
 
 static const char *say_share(char *text, size_t room, double share)
@@ -64,13 +68,15 @@ static const char *say_share(char *text, size_t room, double share)
 
 int words_information(char *text, size_t room, const struct words_figures *f)
 {
-	char whole[512], clipped[32];
+	char whole[512], error[32], clipped[32];
 
 	snprintf(whole, sizeof(whole),
-		 "lights %d of %d · threshold %g · error ≤ %.1f levels · %.1f frames/s · %.0f ms · "
+		 "lights %d of %d · threshold %g · error ≤ %s levels · %.1f frames/s · latency "
+		 "%.0f ms · "
 		 "%llu dropped · sky clipped %s",
 		 f->lights_used, f->lights, round(f->threshold * 10) / 10,
-		 up_to_tenths(f->error_levels), f->frames_a_second, f->latency_ms,
-		 (unsigned long long)f->drops, say_share(clipped, sizeof(clipped), f->clipped));
+		 say_bound(error, sizeof(error), f->error_levels), f->frames_a_second,
+		 f->latency_ms, (unsigned long long)f->drops,
+		 say_share(clipped, sizeof(clipped), f->clipped));
 	return give(text, room, whole);
 }

@@ -25,8 +25,8 @@ struct words_figures {
 	double clipped;	   /* share of the sky, 0..1 */
 };
 
-/* "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · 29.9 frames/s · 38 ms · 12 dropped ·
- * sky clipped 0.3 %" */
+/* "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · 29.9 frames/s · latency 38 ms · 12
+ * dropped · sky clipped 0.3 %" */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

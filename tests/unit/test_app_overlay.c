@@ -33,7 +33,7 @@ void cairo_show_glyphs(void *cairo, const void *glyphs, int count)
 }
 
 static const char figures[] = "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · "
-			      "29.9 frames/s · 38 ms · 12 dropped · sky clipped 0.3 %";
+			      "29.9 frames/s · latency 38 ms · 12 dropped · sky clipped 0.3 %";
 
 static void give_troubles(struct overlay *overlay, int count)
 {
@@ -319,6 +319,38 @@ static void any_bytes(void **state)
 	}
 }
 
+/* The font has few of them; none may keep the others from being drawn. */
+static void every_character(void **state)
+{
+	struct guarded_screen screen = guarded_create(320, 240, 0);
+	struct overlay overlay = {.changed = false};
+
+	(void)state;
+	for (uint32_t code = 0x80; code < 0x110000; code += 40) {
+		char text[OVERLAY_TEXT_MAX];
+		int length = 0;
+
+		for (uint32_t c = code; c < code + 40; c++) {
+			if (c >= 0x10000)
+				text[length++] = (char)(0xf0 | c >> 18);
+			if (c >= 0x800)
+				text[length++] = (char)(c >= 0x10000 ? 0x80 | (c >> 12 & 0x3f)
+								     : 0xe0 | c >> 12);
+			text[length++] = (char)(c >= 0x800 ? 0x80 | (c >> 6 & 0x3f)
+							   : 0xc0 | c >> 6);
+			text[length++] = (char)(0x80 | (c & 0x3f));
+		}
+		text[length] = '\0';
+		/* All planes have the same rules: a sample of each will do. */
+		if (code > 0x11000 && (code & 0xffff) > 0x400 && (code & 0xffff) < 0xff00)
+			continue;
+		overlay_information(&overlay, text);
+		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
+	}
+	guarded_free(&screen);
+	overlay_free(&overlay);
+}
+
 static void longer_than_there_is_room_for(void **state)
 {
 	struct overlay overlay = {.changed = false};
@@ -371,6 +403,7 @@ int main(void)
 		cmocka_unit_test(figures_do_not_make_it_jump),
 		cmocka_unit_test(can_be_read),
 		cmocka_unit_test(any_bytes),
+		cmocka_unit_test(every_character),
 		cmocka_unit_test(longer_than_there_is_room_for),
 #else
 		cmocka_unit_test(without_cairo),

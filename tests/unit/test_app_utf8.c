@@ -72,6 +72,11 @@ static void copies_are_clean(void **state)
 	assert_string_equal(to, "ca?m?");
 	utf8_copy(to, sizeof(to), "\xc0\x80");
 	assert_string_equal(to, "??");
+	utf8_copy(to, sizeof(to),
+		  "a\xef\xbf\xbf" /* U+FFFF, U+1FFFE, U+FDD0 */
+		  "b\xf0\x9f\xbf\xbe"
+		  "c\xef\xb7\x90");
+	assert_string_equal(to, "a?b?c?");
 }
 
 /* Cut at any length: whole characters, the beginning of the text, nothing behind. */
