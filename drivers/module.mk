@@ -3,9 +3,16 @@ drivers_PACKAGES := $(if $(filter 1,$(WITH_KMS)),libdrm) $(if $(filter 1,$(WITH_
 DRIVER_SOURCES := \
 	drivers/drivers.c \
 	drivers/camera_v4l2.c \
+	drivers/v4l2/buffers.c \
+	drivers/v4l2/controls.c \
 	drivers/v4l2/device.c \
+	drivers/v4l2/fallback.c \
+	drivers/v4l2/fields.c \
+	drivers/v4l2/find.c \
 	drivers/v4l2/formats.c \
+	drivers/v4l2/input.c \
 	drivers/v4l2/listing.c \
+	drivers/v4l2/offers.c \
 	drivers/v4l2/setup.c \
 	drivers/camera_sim.c \
 	drivers/sim/eye.c \

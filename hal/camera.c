@@ -47,7 +47,7 @@ int camera_grab(struct camera *camera, struct frame *frame, struct fault *fault)
 		camera->situation = CAMERA_FINE;
 	} else if (err == -ENODEV && camera->situation == CAMERA_FINE) {
 		camera->situation = CAMERA_NO_DEVICE;
-	} else if (err != -EAGAIN && camera->situation == CAMERA_FINE) {
+	} else if (err != -EAGAIN && err != -ESTALE && camera->situation == CAMERA_FINE) {
 		camera->situation = CAMERA_BROKEN;
 	}
 	return err;

@@ -7,8 +7,6 @@
 
 #include "hal/camera.h"
 
-enum { V4L2_DEVICES_MAX = 256 }; /* /dev/video0 and on */
-
 /* 0 or -errno; interrupted calls are made again. */
 int device_ioctl(int fd, unsigned long request, void *argument);
 
@@ -24,11 +22,5 @@ bool device_captures(unsigned caps);
 /* Opens path, non-blocking. A descriptor, or -errno; -ENOTTY: not a V4L2 device, -ENODEV: one
  * that does not capture. capability may be NULL. */
 int device_open(const char *path, struct v4l2_capability *capability, struct fault *fault);
-
-/* Opens the camera called name: a path (it begins with /), or what the driver calls the bus or the
- * card, which stay when numbers move; empty: the first node that captures. path gets its node. A
- * descriptor or -errno, as device_open(). */
-int device_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability *capability,
-		struct fault *fault);
 
 #endif

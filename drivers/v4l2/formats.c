@@ -2,6 +2,8 @@
 
 #include <errno.h>
 
+#include "hal/frame_fields.h"
+
 /* The first is the cheapest to convert. */
 static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_XBGR32, PIXEL_BGRX, 1}, {V4L2_PIX_FMT_ABGR32, PIXEL_BGRX, 1},
@@ -93,36 +95,91 @@ static struct v4l2_pix_format flatten(const struct v4l2_format *format)
 	};
 }
 
-int v4l2_picture_of(const struct v4l2_format *format, struct v4l2_picture *picture)
+static int read_strides(const struct v4l2_format *format, const struct v4l2_pix_format *pix,
+			struct v4l2_picture *picture, struct fault *fault)
+{
+	const struct v4l2_layout *layout = picture->layout;
+
+	picture->stride[0] = pix->bytesperline;
+	picture->stride[1] = layout->memory_planes == 2
+				     ? format->fmt.pix_mp.plane_fmt[1].bytesperline
+				     : pix->bytesperline;
+	for (int i = 0; i < 2; i++)
+		if (picture->stride[i] < frame_plane_stride(layout->format, i, picture->width))
+			return fault_say(fault, -EINVAL,
+					 "the camera answered with rows of %zu bytes for %d pixels "
+					 "of %s",
+					 picture->stride[i], picture->width,
+					 pixel_format_names[layout->format]);
+	return 0;
+}
+
+static int read_lines(const struct v4l2_pix_format *pix, v4l2_std_id standard, int wanted_height,
+		      struct v4l2_picture *picture, struct fault *fault)
+{
+	const bool alone = pix->field == V4L2_FIELD_TOP || pix->field == V4L2_FIELD_BOTTOM;
+	struct frame frame;
+
+	picture->standard = standard;
+	picture->rows = picture->height = (int)pix->height;
+	picture->lines = v4l2_lines_of(pix->field, standard);
+	if (alone && picture->rows == wanted_height)
+		picture->lines = (struct v4l2_lines){FIELDS_NONE, false, false};
+	if (picture->lines.one_field)
+		picture->height *= 2;
+	if (picture->lines.fields == FIELDS_NONE)
+		return 0;
+	frame = (struct frame){.format = picture->layout->format,
+			       .height = picture->height,
+			       .fields = picture->lines.fields};
+	return frame_fields_check(&frame, fault);
+}
+
+int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int wanted_height,
+		    struct v4l2_picture *picture, struct fault *fault)
 {
 	const struct v4l2_pix_format pix = flatten(format);
 	const struct v4l2_layout *layout = v4l2_layout_of(pix.pixelformat);
 	const bool planar = format->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+	char code[5];
+	int err;
 
-	if (!layout || pix.field == V4L2_FIELD_ALTERNATE)
-		return -ENOTSUP;
-	if (planar && format->fmt.pix_mp.num_planes != layout->memory_planes)
-		return -ENOTSUP;
-	if (!planar && layout->memory_planes != 1)
-		return -ENOTSUP;
+	v4l2_fourcc_text(pix.pixelformat, code);
+	if (!layout || layout->memory_planes != (planar ? format->fmt.pix_mp.num_planes : 1))
+		return fault_say(fault, -ENOTSUP, "the camera answered with the format %s", code);
 	if (pix.width < 1 || pix.height < 1 || pix.width > 32768 || pix.height > 32768)
-		return -EINVAL;
-	*picture = (struct v4l2_picture){
-		.layout = layout,
-		.width = (int)pix.width,
-		.height = (int)pix.height,
-	};
+		return fault_say(fault, -EINVAL, "the camera answered with a picture of %ux%u",
+				 pix.width, pix.height);
+	*picture = (struct v4l2_picture){.layout = layout, .width = (int)pix.width};
+	err = read_lines(&pix, standard, wanted_height, picture, fault);
+	if (err)
+		return err;
 	v4l2_colours(&pix, &picture->matrix, &picture->range);
-	if (layout->format == PIXEL_MJPEG)
+	return layout->format == PIXEL_MJPEG ? 0 : read_strides(format, &pix, picture, fault);
+}
+
+int v4l2_bits(uint32_t fourcc)
+{
+	const struct v4l2_layout *layout = v4l2_layout_of(fourcc);
+
+	switch (layout ? layout->format : PIXEL_NONE) {
+	case PIXEL_MJPEG:
+		return 4;
+	case PIXEL_GREY:
+		return 8;
+	case PIXEL_NV12:
+		return 12;
+	case PIXEL_YUYV:
+	case PIXEL_UYVY:
+		return 16;
+	case PIXEL_RGB24:
+	case PIXEL_BGR24:
+		return 24;
+	case PIXEL_BGRX:
+		return 32;
+	default:
 		return 0;
-	picture->stride[0] = pix.bytesperline;
-	picture->stride[1] = layout->memory_planes == 2
-				     ? format->fmt.pix_mp.plane_fmt[1].bytesperline
-				     : pix.bytesperline;
-	if (picture->stride[0] < frame_plane_stride(layout->format, 0, picture->width) ||
-	    picture->stride[1] < frame_plane_stride(layout->format, 1, picture->width))
-		return -EINVAL;
-	return 0;
+	}
 }
 
 static bool whole(const struct frame_plane *plane, enum pixel_format format, int index, int width,
@@ -134,16 +191,37 @@ static bool whole(const struct frame_plane *plane, enum pixel_format format, int
 	       plane->stride * (rows - 1) + frame_plane_stride(format, index, width);
 }
 
+/* Drivers fill up with zeros, and some cameras put a few bytes of their own behind the picture. */
+enum { JPEG_TAIL = 64 };
+
+static bool trim_jpeg(struct frame_plane *plane)
+{
+	const uint8_t *data = plane->data;
+	size_t end = plane->bytes, least;
+
+	while (end > 4 && data[end - 1] == 0)
+		end--;
+	if (end < 4 || data[0] != 0xff || data[1] != 0xd8)
+		return false;
+	least = end > JPEG_TAIL + 4 ? end - JPEG_TAIL : 4;
+	for (; end >= least; end--)
+		if (data[end - 2] == 0xff && data[end - 1] == 0xd9) {
+			plane->bytes = end;
+			return true;
+		}
+	return false;
+}
+
 bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
 		      struct frame_plane planes[FRAME_PLANES])
 {
 	const enum pixel_format format = picture->layout->format;
-	const size_t luma = picture->stride[0] * (size_t)picture->height;
+	const size_t luma = picture->stride[0] * (size_t)picture->rows;
 
 	planes[0] = (struct frame_plane){memory[0].data, picture->stride[0], memory[0].bytes};
 	if (format == PIXEL_MJPEG)
-		return memory[0].bytes > 0;
-	if (!whole(&planes[0], format, 0, picture->width, picture->height))
+		return trim_jpeg(&planes[0]);
+	if (!whole(&planes[0], format, 0, picture->width, picture->rows))
 		return false;
 	if (format != PIXEL_NV12)
 		return true;
@@ -157,7 +235,7 @@ bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span
 		planes[1] = (struct frame_plane){memory[0].data + luma, picture->stride[1],
 						 memory[0].bytes - luma};
 	}
-	return whole(&planes[1], format, 1, picture->width, picture->height);
+	return whole(&planes[1], format, 1, picture->width, picture->rows);
 }
 
 void v4l2_fourcc_text(uint32_t fourcc, char text[5])

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "drivers/v4l2/fields.h"
 #include "hal/frame.h"
 
 struct v4l2_layout {
@@ -39,15 +40,21 @@ void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matr
 /* The most common fields of both kinds of struct v4l2_format. */
 struct v4l2_picture {
 	const struct v4l2_layout *layout;
-	int width, height;
+	int width, height; /* of the whole picture */
+	int rows;	   /* in a buffer: height, or half of it when a buffer holds one field */
+	struct v4l2_lines lines;
+	v4l2_std_id standard;
 	size_t stride[2]; /* of our planes; 0 for JPEG */
 	enum colour_matrix matrix;
 	enum colour_range range;
 };
 
-/* Reads a format that the driver returned. -ENOTSUP: not one of ours, or fields in turn;
- * -EINVAL: a stride too small for the width, or no size. */
-int v4l2_picture_of(const struct v4l2_format *format, struct v4l2_picture *picture);
+/* Reads a format that the driver returned, under this television standard (0: none). A field alone
+ * that is as high as the whole picture was asked to be (wanted_height; 0: not asked) is a
+ * progressive picture: the device squeezed it. -ENOTSUP: not one of ours; -EINVAL: a stride too
+ * small for the width, no size, or fields in a height that has no halves. */
+int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int wanted_height,
+		    struct v4l2_picture *picture, struct fault *fault);
 
 struct v4l2_span {
 	const uint8_t *data;
@@ -55,9 +62,13 @@ struct v4l2_span {
 };
 
 /* Points the frame's planes into a buffer's memory (one or two planes). False when the buffer holds
- * less than a whole picture. */
+ * less than it should: too few bytes, or JPEG that does not begin or end as JPEG does. What follows
+ * the end of a JPEG picture is left out. */
 bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
 		      struct frame_plane planes[FRAME_PLANES]);
+
+/* Bits of a pixel on the way from the camera; of JPEG a guess. 0: not one of ours. */
+int v4l2_bits(uint32_t fourcc);
 
 /* "YUYV" and the like; bytes that are no letters show as dots. */
 void v4l2_fourcc_text(uint32_t fourcc, char text[5]);

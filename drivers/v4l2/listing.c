@@ -1,12 +1,16 @@
 #include "drivers/v4l2/listing.h"
 
+#include <dirent.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/v4l2/controls.h"
 #include "drivers/v4l2/device.h"
+#include "drivers/v4l2/find.h"
 #include "drivers/v4l2/formats.h"
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };
@@ -107,40 +111,96 @@ static void add_formats(int fd, unsigned type, struct camera_listing *listing)
 	}
 }
 
+/* The families that name a standard as v4l2.standard takes it. */
+static const char *standards_text(v4l2_std_id standards, char text[32])
+{
+	snprintf(text, 32, "%s%s%s", standards & V4L2_STD_PAL ? " PAL" : "",
+		 standards & V4L2_STD_NTSC ? " NTSC" : "",
+		 standards & V4L2_STD_SECAM ? " SECAM" : "");
+	return text;
+}
+
 static void add_inputs(int fd, struct camera_listing *listing)
 {
 	for (unsigned i = 0;; i++) {
 		struct v4l2_input input = {.index = i};
+		char standards[32];
 
 		if (device_ioctl(fd, VIDIOC_ENUMINPUT, &input))
 			return;
-		add_line(listing, "input %u \"%s\"%s", i, (const char *)input.name,
+		add_line(listing, "input %u \"%s\"%s%s", i, (const char *)input.name,
+			 input.capabilities & V4L2_IN_CAP_STD ? standards_text(input.std, standards)
+							      : "",
 			 input.status & V4L2_IN_ST_NO_SIGNAL ? ", no signal" : "");
 	}
 }
 
-static void add_control(int fd, const struct v4l2_queryctrl *query, struct camera_listing *listing)
+static const char *remark(const struct v4l2_query_ext_ctrl *control)
 {
-	struct v4l2_control control = {.id = query->id};
-	char value[24] = "";
+	if (control->flags & V4L2_CTRL_FLAG_READ_ONLY)
+		return ", read only";
+	return control->flags & V4L2_CTRL_FLAG_INACTIVE ? ", no effect now" : "";
+}
 
-	if (query->type != V4L2_CTRL_TYPE_INTEGER && query->type != V4L2_CTRL_TYPE_BOOLEAN &&
-	    query->type != V4L2_CTRL_TYPE_MENU)
+static void add_menu(int fd, const struct v4l2_query_ext_ctrl *control, const char *name,
+		     struct camera_listing *listing)
+{
+	for (int64_t i = control->minimum; i <= control->maximum; i++) {
+		char entry[V4L2_CONTROL_NAME_MAX];
+
+		if (v4l2_menu_entry(fd, control, i, entry) && entry[0])
+			add_line(listing, "control %s=%s (%lld)", name, entry, (long long)i);
+	}
+}
+
+static void add_control(int fd, const struct v4l2_query_ext_ctrl *control,
+			struct camera_listing *listing)
+{
+	char name[V4L2_CONTROL_NAME_MAX], now[32] = "";
+	int64_t value;
+
+	v4l2_control_name(control->name, name);
+	if (control->type == V4L2_CTRL_TYPE_BUTTON) {
+		add_line(listing, "control %s, a button%s", name, remark(control));
 		return;
-	if (device_ioctl(fd, VIDIOC_G_CTRL, &control) == 0)
-		snprintf(value, sizeof(value), ", now %d", control.value);
-	add_line(listing, "control \"%s\" %d..%d, default %d%s", (const char *)query->name,
-		 query->minimum, query->maximum, query->default_value, value);
+	}
+	if (v4l2_get_control(fd, control, &value) == 0)
+		snprintf(now, sizeof(now), ", now %lld", (long long)value);
+	add_line(listing, "control %s %lld..%lld, default %lld%s%s", name,
+		 (long long)control->minimum, (long long)control->maximum,
+		 (long long)control->default_value, now, remark(control));
+	if (control->type == V4L2_CTRL_TYPE_MENU || control->type == V4L2_CTRL_TYPE_INTEGER_MENU)
+		add_menu(fd, control, name, listing);
 }
 
 static void add_controls(int fd, struct camera_listing *listing)
 {
-	struct v4l2_queryctrl query = {.id = V4L2_CTRL_FLAG_NEXT_CTRL};
+	struct v4l2_query_ext_ctrl control = {.id = 0};
 
-	while (device_ioctl(fd, VIDIOC_QUERYCTRL, &query) == 0) {
-		if (!(query.flags & V4L2_CTRL_FLAG_DISABLED))
-			add_control(fd, &query, listing);
-		query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
+	while (v4l2_next_control(fd, &control))
+		add_control(fd, &control, listing);
+}
+
+/* The names under which it is found again when numbers move. */
+static void add_links(const char *node, struct camera_listing *listing)
+{
+	static const char *const folders[] = {"/dev/v4l/by-id", "/dev/v4l/by-path"};
+	char port[V4L2_PORT_MAX], link[INI_PATH_MAX], target[PATH_MAX];
+	int number;
+
+	if (sscanf(node, "/dev/video%d", &number) == 1 && v4l2_port_of_node(number, port))
+		add_line(listing, "USB port %s", port);
+	for (int i = 0; i < 2; i++) {
+		DIR *folder = opendir(folders[i]);
+		const struct dirent *entry;
+
+		while (folder && (entry = readdir(folder))) {
+			snprintf(link, sizeof(link), "%s/%s", folders[i], entry->d_name);
+			if (realpath(link, target) && strcmp(target, node) == 0)
+				add_line(listing, "link %s", link);
+		}
+		if (folder)
+			closedir(folder);
 	}
 }
 
@@ -149,6 +209,7 @@ static void describe(int fd, const struct v4l2_capability *capability,
 {
 	snprintf(listing->name, sizeof(listing->name), "%s", (const char *)capability->card);
 	snprintf(listing->bus, sizeof(listing->bus), "%s", (const char *)capability->bus_info);
+	add_links(listing->device, listing);
 	add_formats(fd,
 		    device_caps(capability) & V4L2_CAP_VIDEO_CAPTURE
 			    ? V4L2_BUF_TYPE_VIDEO_CAPTURE

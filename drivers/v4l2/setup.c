@@ -5,102 +5,9 @@
 #include <string.h>
 
 #include "drivers/v4l2/device.h"
+#include "drivers/v4l2/offers.h"
 
 enum { OFFERS_MAX = 256 };
-
-static int take_timings(int fd, struct fault *fault)
-{
-	struct v4l2_dv_timings timings = {0};
-	int err = device_ioctl(fd, VIDIOC_QUERY_DV_TIMINGS, &timings);
-
-	if (err == -ENOLINK || err == -ENOLCK)
-		return fault_say(fault, err, "no signal at the camera's input");
-	if (err)
-		return 0; /* it cannot tell: keep what is set */
-	err = device_ioctl(fd, VIDIOC_S_DV_TIMINGS, &timings);
-	if (err)
-		return fault_say(fault, err, "the input's timings are out of the camera's range");
-	return 0;
-}
-
-/* A driver that finds no signal reports all standards, or none. */
-static void take_standard(int fd)
-{
-	v4l2_std_id standard = 0;
-
-	if (device_ioctl(fd, VIDIOC_QUERYSTD, &standard) == 0 && standard != 0 &&
-	    standard != V4L2_STD_ALL)
-		(void)device_ioctl(fd, VIDIOC_S_STD, &standard);
-}
-
-int v4l2_setup_input(int fd, int input, struct fault *fault)
-{
-	struct v4l2_input current = {0};
-	int index = input, err;
-
-	if (input >= 0) {
-		err = device_ioctl(fd, VIDIOC_S_INPUT, &index);
-		if (err)
-			return fault_say(fault, err, "v4l2.input: the camera has no input %d",
-					 input);
-	} else if (device_ioctl(fd, VIDIOC_G_INPUT, &index)) {
-		return 0; /* no inputs to choose from */
-	}
-	current.index = (unsigned)index;
-	if (device_ioctl(fd, VIDIOC_ENUMINPUT, &current))
-		return 0;
-	if (current.capabilities & V4L2_IN_CAP_DV_TIMINGS)
-		return take_timings(fd, fault);
-	if (current.capabilities & V4L2_IN_CAP_STD)
-		take_standard(fd);
-	return 0;
-}
-
-/* A device that does not enumerate sizes may have any. */
-static bool offers_size(int fd, uint32_t fourcc, const struct camera_settings *settings)
-{
-	const unsigned w = (unsigned)settings->width, h = (unsigned)settings->height;
-
-	if (w == 0 || h == 0)
-		return true;
-	for (unsigned i = 0;; i++) {
-		struct v4l2_frmsizeenum size = {.index = i, .pixel_format = fourcc};
-		const struct v4l2_frmsize_stepwise *s = &size.stepwise;
-
-		if (device_ioctl(fd, VIDIOC_ENUM_FRAMESIZES, &size))
-			return i == 0;
-		if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE)
-			return w >= s->min_width && w <= s->max_width && h >= s->min_height &&
-			       h <= s->max_height;
-		if (size.discrete.width == w && size.discrete.height == h)
-			return true;
-	}
-}
-
-/* Whether an interval is short enough; rates are often a hair off (29.97 for 30). */
-static bool fast_enough(const struct v4l2_fract *interval, double rate_hz)
-{
-	return interval->numerator * rate_hz <= interval->denominator * 1.01;
-}
-
-static bool offers_rate(int fd, uint32_t fourcc, const struct camera_settings *settings)
-{
-	if (settings->rate_hz <= 0 || settings->width == 0 || settings->height == 0)
-		return true;
-	for (unsigned i = 0;; i++) {
-		struct v4l2_frmivalenum rate = {.index = i,
-						.pixel_format = fourcc,
-						.width = (unsigned)settings->width,
-						.height = (unsigned)settings->height};
-
-		if (device_ioctl(fd, VIDIOC_ENUM_FRAMEINTERVALS, &rate))
-			return i == 0;
-		if (rate.type != V4L2_FRMIVAL_TYPE_DISCRETE)
-			return fast_enough(&rate.stepwise.min, settings->rate_hz);
-		if (fast_enough(&rate.discrete, settings->rate_hz))
-			return true;
-	}
-}
 
 static int choose(int fd, unsigned type, const struct camera_settings *settings, uint32_t *fourcc,
 		  struct fault *fault)
@@ -115,8 +22,10 @@ static int choose(int fd, unsigned type, const struct camera_settings *settings,
 			break;
 		offers[count++] = (struct v4l2_offer){
 			.fourcc = format.pixelformat,
-			.size = offers_size(fd, format.pixelformat, settings),
-			.rate = offers_rate(fd, format.pixelformat, settings),
+			.size = v4l2_offers_size(fd, format.pixelformat, settings->width,
+						 settings->height),
+			.rate = v4l2_offers_rate(fd, format.pixelformat, settings->width,
+						 settings->height, settings->rate_hz),
 		};
 	}
 	best = v4l2_choose(offers, count, (enum pixel_format)settings->format);
@@ -131,39 +40,80 @@ static int choose(int fd, unsigned type, const struct camera_settings *settings,
 	return 0;
 }
 
-static int set_format(int fd, unsigned type, uint32_t fourcc,
-		      const struct camera_settings *settings, struct v4l2_format *format,
-		      struct fault *fault)
+/* What is asked for; height is that of the whole picture, 0 for the device's choice. */
+struct request {
+	uint32_t fourcc, field;
+	unsigned width, height;
+};
+
+/* A format that holds one field has half the lines. */
+static unsigned lines_asked(const struct request *request, uint32_t field_now, unsigned height_now)
 {
+	const unsigned now = V4L2_FIELD_HAS_T_OR_B(field_now) ? height_now * 2 : height_now;
+	const unsigned whole = request->height ? request->height : now;
+
+	return V4L2_FIELD_HAS_T_OR_B(request->field) ? whole / 2 : whole;
+}
+
+static uint32_t field_of(const struct v4l2_format *format)
+{
+	return format->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? format->fmt.pix_mp.field
+								  : format->fmt.pix.field;
+}
+
+static unsigned height_of(const struct v4l2_format *format)
+{
+	return format->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? format->fmt.pix_mp.height
+								  : format->fmt.pix.height;
+}
+
+/* Strides and sizes in memory are for the driver to say. */
+static int ask(int fd, const struct request *request, struct v4l2_format *format,
+	       struct fault *fault)
+{
+	const unsigned lines = lines_asked(request, field_of(format), height_of(format));
 	int err;
 
-	memset(format, 0, sizeof(*format));
-	format->type = type;
-	err = device_ioctl(fd, VIDIOC_G_FMT, format);
-	if (err)
-		return fault_say(fault, err, "cannot read the camera's format: %s", strerror(-err));
-	if (type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+	if (format->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
 		struct v4l2_pix_format_mplane *m = &format->fmt.pix_mp;
 
-		m->pixelformat = fourcc;
-		m->width = settings->width ? (unsigned)settings->width : m->width;
-		m->height = settings->height ? (unsigned)settings->height : m->height;
-		m->field = V4L2_FIELD_ANY;
-		memset(m->plane_fmt, 0, sizeof(m->plane_fmt)); /* strides for the driver to say */
+		m->pixelformat = request->fourcc;
+		m->width = request->width ? request->width : m->width;
+		m->height = lines;
+		m->field = request->field;
+		memset(m->plane_fmt, 0, sizeof(m->plane_fmt));
 	} else {
 		struct v4l2_pix_format *p = &format->fmt.pix;
 
-		p->pixelformat = fourcc;
-		p->width = settings->width ? (unsigned)settings->width : p->width;
-		p->height = settings->height ? (unsigned)settings->height : p->height;
-		p->field = V4L2_FIELD_ANY;
+		p->pixelformat = request->fourcc;
+		p->width = request->width ? request->width : p->width;
+		p->height = lines;
+		p->field = request->field;
 		p->bytesperline = 0;
 		p->sizeimage = 0;
 	}
 	err = device_ioctl(fd, VIDIOC_S_FMT, format);
 	if (err)
-		return fault_say(fault, err, "cannot set the camera's format: %s", strerror(-err));
+		return fault_say(fault, err, "cannot set the camera's format: %s",
+				 err == -EBUSY ? "another program uses it" : strerror(-err));
 	return 0;
+}
+
+static int set_format(int fd, const struct request *wanted, struct v4l2_format *format,
+		      struct fault *fault)
+{
+	struct request request = *wanted;
+	int err = device_ioctl(fd, VIDIOC_G_FMT, format);
+
+	if (err)
+		return fault_say(fault, err, "cannot read the camera's format: %s", strerror(-err));
+	err = ask(fd, &request, format, fault);
+	if (err || request.height == 0 || field_of(format) != V4L2_FIELD_ALTERNATE ||
+	    height_of(format) < request.height)
+		return err;
+	/* Fields in turn, though not asked for, and each as high as the picture should be. */
+	request.field = V4L2_FIELD_ALTERNATE;
+	return ask(fd, &request, format, fault);
 }
 
 /* Many devices have no say in their rate; that is no fault. */
@@ -184,21 +134,26 @@ static double set_rate(int fd, unsigned type, double wanted_hz)
 }
 
 int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *settings,
+		       enum v4l2_field_wish wish, const struct v4l2_source *source,
 		       struct v4l2_picture *picture, double *rate_hz, struct fault *fault)
 {
-	struct v4l2_format format;
-	uint32_t fourcc = 0;
-	int err = choose(fd, type, settings, &fourcc, fault);
+	struct request request = {.field = v4l2_field_asked(wish, source->standard),
+				  .width = (unsigned)settings->width,
+				  .height = (unsigned)settings->height};
+	struct v4l2_format format = {.type = type};
+	int err;
 
+	err = choose(fd, type, settings, &request.fourcc, fault);
 	if (!err)
-		err = set_format(fd, type, fourcc, settings, &format, fault);
+		err = set_format(fd, &request, &format, fault);
+	if (err == -ENOSPC) /* what is to be lessened */
+		*picture = (struct v4l2_picture){.layout = v4l2_layout_of(request.fourcc),
+						 .width = settings->width,
+						 .height = settings->height};
+	if (!err)
+		err = v4l2_picture_of(&format, source->standard, settings->height, picture, fault);
 	if (err)
 		return err;
-	err = v4l2_picture_of(&format, picture);
-	if (err)
-		return fault_say(fault, err,
-				 "the camera answered with a picture that cannot be "
-				 "read");
 	if (settings->format && (int)picture->layout->format != settings->format)
 		return fault_say(fault, -ENOTSUP, "the camera answered with %s, expected %s",
 				 pixel_format_names[picture->layout->format],

@@ -1,0 +1,321 @@
+#include "drivers/v4l2/controls.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/v4l2/device.h"
+#include "drivers/v4l2/input.h"
+#include "hal/ini/ini.h"
+#include "hal/log.h"
+
+enum { KNOWN_MAX = 256 };
+
+void v4l2_control_name(const char *said, char name[V4L2_CONTROL_NAME_MAX])
+{
+	size_t used = 0;
+
+	for (; *said && used < V4L2_CONTROL_NAME_MAX - 1; said++) {
+		const unsigned char c = (unsigned char)*said;
+
+		if (isalnum(c))
+			name[used++] = (char)tolower(c);
+		else if (used > 0 && name[used - 1] != '_')
+			name[used++] = '_';
+	}
+	while (used > 0 && name[used - 1] == '_')
+		used--;
+	name[used] = '\0';
+}
+
+/* ---- what is asked for ---- */
+
+/* A part of the text without the blanks around it; false: it does not fit. */
+static bool copy_trimmed(const char *from, size_t length, char to[V4L2_CONTROL_NAME_MAX])
+{
+	while (length > 0 && isspace((unsigned char)*from)) {
+		from++;
+		length--;
+	}
+	while (length > 0 && isspace((unsigned char)from[length - 1]))
+		length--;
+	if (length >= V4L2_CONTROL_NAME_MAX)
+		return false;
+	memcpy(to, from, length);
+	to[length] = '\0';
+	return length > 0;
+}
+
+static bool read_one(struct v4l2_setting *setting, const char *text, size_t length)
+{
+	const char *equals = memchr(text, '=', length);
+
+	return equals && copy_trimmed(text, (size_t)(equals - text), setting->name) &&
+	       copy_trimmed(equals + 1, length - (size_t)(equals + 1 - text), setting->value);
+}
+
+int v4l2_controls_read(struct v4l2_settings *settings, const char *text, struct fault *fault)
+{
+	*settings = (struct v4l2_settings){.count = 0};
+	for (;;) {
+		size_t length;
+
+		text += strspn(text, " \t,");
+		if (!*text)
+			return 0;
+		length = strcspn(text, ",");
+		if (settings->count == V4L2_CONTROLS_MAX)
+			return fault_say(fault, -EINVAL, "controls: more than %d",
+					 V4L2_CONTROLS_MAX);
+		if (!read_one(&settings->list[settings->count], text, length))
+			return fault_say(fault, -EINVAL,
+					 "controls: \"%.*s\", expected name=value, name=value",
+					 (int)length, text);
+		settings->count++;
+		text += length;
+	}
+}
+
+/* ---- what the device has ---- */
+
+static bool is_number(const struct v4l2_query_ext_ctrl *control)
+{
+	switch (control->type) {
+	case V4L2_CTRL_TYPE_INTEGER:
+	case V4L2_CTRL_TYPE_BOOLEAN:
+	case V4L2_CTRL_TYPE_MENU:
+	case V4L2_CTRL_TYPE_BUTTON:
+	case V4L2_CTRL_TYPE_INTEGER64:
+	case V4L2_CTRL_TYPE_BITMASK:
+	case V4L2_CTRL_TYPE_INTEGER_MENU:
+		return control->elems <= 1 && !(control->flags & V4L2_CTRL_FLAG_DISABLED);
+	default:
+		return false;
+	}
+}
+
+bool v4l2_next_control(int fd, struct v4l2_query_ext_ctrl *control)
+{
+	uint32_t id = control->id;
+
+	for (;;) {
+		*control = (struct v4l2_query_ext_ctrl){.id = id | V4L2_CTRL_FLAG_NEXT_CTRL};
+		if (device_ioctl(fd, VIDIOC_QUERY_EXT_CTRL, control))
+			return false;
+		if (is_number(control))
+			return true;
+		id = control->id;
+	}
+}
+
+bool v4l2_menu_entry(int fd, const struct v4l2_query_ext_ctrl *control, int64_t index,
+		     char text[V4L2_CONTROL_NAME_MAX])
+{
+	struct v4l2_querymenu menu = {.id = control->id, .index = (uint32_t)index};
+
+	if (device_ioctl(fd, VIDIOC_QUERYMENU, &menu))
+		return false;
+	if (control->type == V4L2_CTRL_TYPE_INTEGER_MENU)
+		snprintf(text, V4L2_CONTROL_NAME_MAX, "%lld", (long long)menu.value);
+	else
+		v4l2_control_name((const char *)menu.name, text);
+	return true;
+}
+
+int v4l2_get_control(int fd, const struct v4l2_query_ext_ctrl *control, int64_t *value)
+{
+	struct v4l2_ext_control one = {.id = control->id};
+	struct v4l2_ext_controls all = {
+		.which = V4L2_CTRL_WHICH_CUR_VAL, .count = 1, .controls = &one};
+	int err = device_ioctl(fd, VIDIOC_G_EXT_CTRLS, &all);
+
+	if (err)
+		return err;
+	*value = control->type == V4L2_CTRL_TYPE_INTEGER64 ? one.value64
+		 : control->type == V4L2_CTRL_TYPE_BITMASK ? (int64_t)(uint32_t)one.value
+							   : one.value;
+	return 0;
+}
+
+static int set_control(int fd, const struct v4l2_query_ext_ctrl *control, int64_t value)
+{
+	struct v4l2_ext_control one = {.id = control->id};
+	struct v4l2_ext_controls all = {
+		.which = V4L2_CTRL_WHICH_CUR_VAL, .count = 1, .controls = &one};
+
+	if (control->type == V4L2_CTRL_TYPE_INTEGER64)
+		one.value64 = value;
+	else
+		one.value = (int32_t)value;
+	return device_ioctl(fd, VIDIOC_S_EXT_CTRLS, &all);
+}
+
+/* ---- the two brought together ---- */
+
+static void say_unknown(const char *path, const char *name, char (*known)[V4L2_CONTROL_NAME_MAX],
+			size_t count)
+{
+	const char *names[KNOWN_MAX], *nearest;
+
+	for (size_t i = 0; i < count; i++)
+		names[i] = known[i];
+	nearest = ini_nearest(name, names, count);
+	log_warning("%s: controls: the camera has no control \"%s\"%s%s%s; `inlay devices` lists "
+		    "them",
+		    path, name, nearest ? ", perhaps \"" : "", nearest ? nearest : "",
+		    nearest ? "\"" : "");
+}
+
+static bool find_control(int fd, const char *path, struct v4l2_setting *setting)
+{
+	char known[KNOWN_MAX][V4L2_CONTROL_NAME_MAX], wanted[V4L2_CONTROL_NAME_MAX];
+	struct v4l2_query_ext_ctrl control = {.id = 0};
+	size_t count = 0;
+
+	v4l2_control_name(setting->name, wanted);
+	while (count < KNOWN_MAX && v4l2_next_control(fd, &control)) {
+		v4l2_control_name(control.name, known[count]);
+		if (strcmp(known[count], wanted) == 0) {
+			setting->control = control;
+			return true;
+		}
+		count++;
+	}
+	say_unknown(path, setting->name, known, count);
+	return false;
+}
+
+static bool read_number(const char *text, int64_t *value)
+{
+	char *end;
+
+	errno = 0;
+	*value = strtoll(text, &end, 0);
+	return end != text && !*end && errno == 0;
+}
+
+static bool read_truth(const char *text, int64_t *value)
+{
+	static const char *const yes[] = {"yes", "true", "on", "1"};
+	static const char *const no[] = {"no", "false", "off", "0"};
+
+	for (int i = 0; i < 4; i++) {
+		*value = strcasecmp(text, yes[i]) == 0;
+		if (*value || strcasecmp(text, no[i]) == 0)
+			return true;
+	}
+	return false;
+}
+
+/* By name, or by the number of the entry; entries of an integer menu have numbers for names. */
+static bool read_entry(int fd, const struct v4l2_query_ext_ctrl *control, const char *text,
+		       int64_t *value)
+{
+	char entry[V4L2_CONTROL_NAME_MAX];
+
+	for (int64_t i = control->minimum; i <= control->maximum; i++)
+		if (v4l2_menu_entry(fd, control, i, entry) && v4l2_same_name(entry, text)) {
+			*value = i;
+			return true;
+		}
+	return control->type == V4L2_CTRL_TYPE_MENU && read_number(text, value);
+}
+
+static bool read_value(int fd, const char *path, struct v4l2_setting *s)
+{
+	const struct v4l2_query_ext_ctrl *c = &s->control;
+
+	switch (c->type) {
+	case V4L2_CTRL_TYPE_BUTTON:
+		s->wanted = 1;
+		return true;
+	case V4L2_CTRL_TYPE_BOOLEAN:
+		if (read_truth(s->value, &s->wanted))
+			return true;
+		log_warning("%s: controls: %s is \"%s\", expected yes or no", path, s->name,
+			    s->value);
+		return false;
+	case V4L2_CTRL_TYPE_MENU:
+	case V4L2_CTRL_TYPE_INTEGER_MENU:
+		if (read_entry(fd, c, s->value, &s->wanted))
+			return true;
+		log_warning("%s: controls: %s has no entry \"%s\"; `inlay devices` lists them",
+			    path, s->name, s->value);
+		return false;
+	default:
+		if (read_number(s->value, &s->wanted))
+			return true;
+		log_warning("%s: controls: %s is \"%s\", expected a whole number from %lld to %lld",
+			    path, s->name, s->value, (long long)c->minimum, (long long)c->maximum);
+		return false;
+	}
+}
+
+static const char *reason(const struct v4l2_query_ext_ctrl *control, int err)
+{
+	if (control->flags & V4L2_CTRL_FLAG_READ_ONLY)
+		return "it can only be read";
+	switch (-err) {
+	case ERANGE:
+		return "the value is out of its range";
+	case EBUSY:
+		return "it cannot be changed now";
+	case EACCES:
+		return "it cannot be set, perhaps because its automatic is on: switch that off "
+		       "before it";
+	default:
+		return strerror(-err);
+	}
+}
+
+static void set_and_read_back(int fd, const char *path, struct v4l2_setting *s)
+{
+	int err = set_control(fd, &s->control, s->wanted);
+
+	if (err) {
+		log_warning("%s: controls: %s=%s is refused: %s (range %lld to %lld)", path,
+			    s->name, s->value, reason(&s->control, err),
+			    (long long)s->control.minimum, (long long)s->control.maximum);
+		s->control.id = 0;
+		return;
+	}
+	s->taken = s->wanted;
+	if (s->control.type == V4L2_CTRL_TYPE_BUTTON ||
+	    s->control.flags & V4L2_CTRL_FLAG_WRITE_ONLY ||
+	    v4l2_get_control(fd, &s->control, &s->taken))
+		return;
+	if (s->taken != s->wanted)
+		log_warning("%s: controls: %s=%s was set, but the camera says %lld%s", path,
+			    s->name, s->value, (long long)s->taken,
+			    s->control.flags & V4L2_CTRL_FLAG_INACTIVE
+				    ? "; it has no effect now: is its automatic on?"
+				    : "");
+}
+
+void v4l2_controls_apply(int fd, const char *path, struct v4l2_settings *settings)
+{
+	for (int i = 0; i < settings->count; i++) {
+		struct v4l2_setting *s = &settings->list[i];
+
+		if (!find_control(fd, path, s) || !read_value(fd, path, s)) {
+			s->control.id = 0;
+			continue;
+		}
+		set_and_read_back(fd, path, s);
+	}
+}
+
+void v4l2_controls_confirm(int fd, const char *path, struct v4l2_settings *settings)
+{
+	for (int i = 0; i < settings->count; i++) {
+		struct v4l2_setting *s = &settings->list[i];
+		int64_t now;
+
+		if (s->control.id == 0 || s->control.type == V4L2_CTRL_TYPE_BUTTON ||
+		    v4l2_get_control(fd, &s->control, &now) || now == s->taken)
+			continue;
+		set_and_read_back(fd, path, s);
+	}
+}

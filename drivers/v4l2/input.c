@@ -1,0 +1,241 @@
+#include "drivers/v4l2/input.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/v4l2/device.h"
+
+enum { NAMES_MAX = 400 };
+
+static const char *next_letter(const char *text)
+{
+	while (*text && !isalnum((unsigned char)*text))
+		text++;
+	return text;
+}
+
+bool v4l2_same_name(const char *a, const char *b)
+{
+	for (;; a++, b++) {
+		a = next_letter(a);
+		b = next_letter(b);
+		if (tolower((unsigned char)*a) != tolower((unsigned char)*b))
+			return false;
+		if (!*a)
+			return true;
+	}
+}
+
+static void add_name(char names[NAMES_MAX], const char *name)
+{
+	const size_t used = strlen(names);
+
+	snprintf(names + used, NAMES_MAX - used, "%s\"%s\"", used ? ", " : "", name);
+}
+
+/* A whole number, or -1; "-1" itself once stood for the selected input. */
+static int number_of(const char *text)
+{
+	char *end;
+	const long value = strtol(text, &end, 10);
+
+	return end != text && !*end && value >= 0 && value <= 255 ? (int)value : -1;
+}
+
+static int find_input(int fd, const char *wanted, struct fault *fault)
+{
+	struct v4l2_input input = {0};
+	char names[NAMES_MAX] = "";
+	const int number = number_of(wanted);
+
+	for (; device_ioctl(fd, VIDIOC_ENUMINPUT, &input) == 0; input.index++) {
+		const char *name = (const char *)input.name;
+
+		if (number >= 0 ? (int)input.index == number : v4l2_same_name(wanted, name))
+			return (int)input.index;
+		add_name(names, name);
+	}
+	return fault_say(fault, -EINVAL,
+			 "v4l2.input: the camera has no input \"%s\", expected a number below %u "
+			 "or one of %s",
+			 wanted, input.index, names[0] ? names : "none");
+}
+
+static int select_input(int fd, const char *wanted, struct v4l2_source *source, struct fault *fault)
+{
+	int err;
+
+	if (!wanted[0] || strcmp(wanted, "-1") == 0) {
+		if (device_ioctl(fd, VIDIOC_G_INPUT, &source->input))
+			source->input = -1;
+		return 0;
+	}
+	source->input = find_input(fd, wanted, fault);
+	if (source->input < 0)
+		return source->input;
+	err = device_ioctl(fd, VIDIOC_S_INPUT, &source->input);
+	if (err)
+		return fault_say(fault, err, "v4l2.input: cannot select input \"%s\": %s", wanted,
+				 err == -EBUSY ? "another program uses the camera"
+					       : strerror(-err));
+	return 0;
+}
+
+int v4l2_check_signal(int fd, const struct v4l2_source *source, struct fault *fault)
+{
+	struct v4l2_input input = {.index = (unsigned)source->input};
+
+	if (source->input < 0 || device_ioctl(fd, VIDIOC_ENUMINPUT, &input))
+		return 0;
+	if (input.status & V4L2_IN_ST_NO_SIGNAL)
+		return fault_say(fault, -ENOLINK, "no signal at the input \"%s\"",
+				 (const char *)input.name);
+	if (input.status & (V4L2_IN_ST_NO_SYNC | V4L2_IN_ST_NO_H_LOCK))
+		return fault_say(fault, -ENOLCK, "the signal at the input \"%s\" is not stable",
+				 (const char *)input.name);
+	return 0;
+}
+
+static int take_timings(int fd, struct fault *fault)
+{
+	struct v4l2_dv_timings timings = {0};
+	int err = device_ioctl(fd, VIDIOC_QUERY_DV_TIMINGS, &timings);
+
+	if (err == -ENOLINK)
+		return fault_say(fault, err, "no signal at the camera's input");
+	if (err == -ENOLCK)
+		return fault_say(fault, err, "the signal at the camera's input is not stable");
+	if (err == -ERANGE)
+		return fault_say(fault, err, "the source's timings are out of the camera's range");
+	if (err)
+		return 0; /* it cannot tell: keep what is set */
+	err = device_ioctl(fd, VIDIOC_S_DV_TIMINGS, &timings);
+	if (err)
+		return fault_say(fault, err, "the source's timings are not taken: %s",
+				 err == -EBUSY ? "another program uses the camera"
+					       : strerror(-err));
+	return 0;
+}
+
+/* The families go first: a device lists "PAL-BGHIDK" and never plain "PAL". */
+static int standard_called(int fd, const char *name, v4l2_std_id offered, v4l2_std_id *standard,
+			   struct fault *fault)
+{
+	static const struct {
+		const char *name;
+		v4l2_std_id bits;
+	} families[] = {{"PAL", V4L2_STD_PAL}, {"NTSC", V4L2_STD_NTSC}, {"SECAM", V4L2_STD_SECAM}};
+	struct v4l2_standard listed = {0};
+	char names[NAMES_MAX] = "";
+
+	for (int i = 0; i < 3; i++)
+		if (v4l2_same_name(name, families[i].name) && families[i].bits & offered) {
+			*standard = families[i].bits & offered;
+			return 0;
+		}
+	for (; device_ioctl(fd, VIDIOC_ENUMSTD, &listed) == 0; listed.index++) {
+		if (v4l2_same_name(name, (const char *)listed.name)) {
+			*standard = listed.id;
+			return 0;
+		}
+		add_name(names, (const char *)listed.name);
+	}
+	return fault_say(fault, -EINVAL,
+			 "v4l2.standard: the input does not know \"%s\", expected PAL, NTSC, SECAM "
+			 "or one of %s",
+			 name, names[0] ? names : "none");
+}
+
+static int set_standard(int fd, const char *name, v4l2_std_id standard, struct fault *fault)
+{
+	int err = device_ioctl(fd, VIDIOC_S_STD, &standard);
+
+	if (err)
+		return fault_say(fault, err, "v4l2.standard: cannot set \"%s\": %s", name,
+				 err == -EBUSY ? "another program uses the camera"
+					       : strerror(-err));
+	return 0;
+}
+
+/* A driver that finds no signal reports all standards, or none. */
+static void take_standard(int fd)
+{
+	v4l2_std_id standard = 0;
+
+	if (device_ioctl(fd, VIDIOC_QUERYSTD, &standard) == 0 && standard != 0 &&
+	    standard != V4L2_STD_ALL)
+		(void)device_ioctl(fd, VIDIOC_S_STD, &standard);
+}
+
+static int setup_television(int fd, const char *wanted, v4l2_std_id offered,
+			    struct v4l2_source *source, struct fault *fault)
+{
+	v4l2_std_id standard = 0;
+	int err;
+
+	if (wanted[0]) {
+		err = standard_called(fd, wanted, offered, &standard, fault);
+		if (!err)
+			err = set_standard(fd, wanted, standard, fault);
+		if (err)
+			return err;
+	} else {
+		take_standard(fd);
+	}
+	if (device_ioctl(fd, VIDIOC_G_STD, &source->standard))
+		source->standard = standard;
+	return 0;
+}
+
+static void ask_for_events(int fd, struct v4l2_source *source)
+{
+	struct v4l2_event_subscription wish = {.type = V4L2_EVENT_SOURCE_CHANGE,
+					       .id = source->input > 0 ? (unsigned)source->input
+								       : 0};
+
+	source->tells = device_ioctl(fd, VIDIOC_SUBSCRIBE_EVENT, &wish) == 0;
+}
+
+int v4l2_setup_input(int fd, const struct v4l2_options *options, struct v4l2_source *source,
+		     struct fault *fault)
+{
+	struct v4l2_input input = {0};
+	int err;
+
+	*source = (struct v4l2_source){.input = -1};
+	err = select_input(fd, options->input, source, fault);
+	if (err)
+		return err;
+	/* Before anything is asked, so that no change goes by in between. */
+	ask_for_events(fd, source);
+	input.index = (unsigned)source->input;
+	if (source->input >= 0 && device_ioctl(fd, VIDIOC_ENUMINPUT, &input))
+		source->input = -1;
+	if (options->standard[0] && !(input.capabilities & V4L2_IN_CAP_STD))
+		return fault_say(
+			fault, -EINVAL,
+			"v4l2.standard: the input is not a television one; leave it empty");
+	if (source->input < 0)
+		return 0;
+	if (input.capabilities & V4L2_IN_CAP_DV_TIMINGS)
+		err = take_timings(fd, fault);
+	else if (input.capabilities & V4L2_IN_CAP_STD)
+		err = setup_television(fd, options->standard, input.std, source, fault);
+	return err ? err : v4l2_check_signal(fd, source, fault);
+}
+
+bool v4l2_source_changed(int fd)
+{
+	struct v4l2_event event = {0};
+	bool changed = false;
+
+	while (device_ioctl(fd, VIDIOC_DQEVENT, &event) == 0) {
+		changed = changed || event.type == V4L2_EVENT_SOURCE_CHANGE;
+		if (event.pending == 0)
+			break;
+	}
+	return changed;
+}

@@ -1,0 +1,300 @@
+/* The V4L2 driver against a played device: controls, and what is given up for want of room. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "drivers/v4l2/controls.h"
+#include "drivers/v4l2/find.h"
+#include "tests/unit/played_v4l2.h"
+
+/* ---- controls; what is logged goes to a file ---- */
+
+static char said[8192];
+
+static int start_and_listen(struct rig *rig)
+{
+	FILE *log = tmpfile();
+	const int stderr_was = dup(STDERR_FILENO);
+	size_t length;
+	int err;
+
+	assert_non_null(log);
+	fflush(stderr);
+	dup2(fileno(log), STDERR_FILENO);
+	err = start(rig);
+	fflush(stderr);
+	dup2(stderr_was, STDERR_FILENO);
+	close(stderr_was);
+	rewind(log);
+	length = fread(said, 1, sizeof(said) - 1, log);
+	said[length] = '\0';
+	fclose(log);
+	return err;
+}
+
+static void is_said(const char *text)
+{
+	if (!strstr(said, text))
+		fail_msg("\"%s\" is not in: %s", text, said);
+}
+
+enum { GAIN, AUTOMATIC, LINE, BALANCE };
+
+static void prepare_controls(struct rig *rig, const char *controls)
+{
+	static const struct played_control played[] = {
+		{.name = "Gain", .type = V4L2_CTRL_TYPE_INTEGER, .minimum = -8, .maximum = 255},
+		{.name = "White Balance, Automatic",
+		 .type = V4L2_CTRL_TYPE_BOOLEAN,
+		 .maximum = 1,
+		 .value = 1},
+		{.name = "Power Line Frequency", .type = V4L2_CTRL_TYPE_MENU, .maximum = 2},
+		{.name = "White Balance Temperature",
+		 .type = V4L2_CTRL_TYPE_INTEGER,
+		 .minimum = 2800,
+		 .maximum = 6500,
+		 .value = 4000},
+	};
+
+	prepare(rig, usual_formats);
+	memcpy(device.controls, played, sizeof(played));
+	strcpy(rig->settings.controls, controls);
+}
+
+static void controls_are_set_by_name(void **state)
+{
+	static const struct {
+		const char *text;
+		int which, value;
+	} cases[] = {
+		{"gain=17", GAIN, 17},
+		{" Gain = -3 ", GAIN, -3},
+		{"gain=0x10,", GAIN, 16},
+		{"white_balance_automatic=no", AUTOMATIC, 0},
+		{"white_balance_automatic = off", AUTOMATIC, 0},
+		{"power_line_frequency=50_hz", LINE, 1},
+		{"power_line_frequency=60 Hz", LINE, 2},
+		{"power_line_frequency=2", LINE, 2},
+		{"white_balance_automatic=0, white_balance_temperature=5000", BALANCE, 5000},
+	};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_controls(&rig, cases[i].text);
+		assert_int_equal(start_and_listen(&rig), 0);
+		assert_int_equal(device.controls[cases[i].which].value, cases[i].value);
+		assert_int_equal(device.controls[cases[i].which].sets, 1);
+		assert_null(strstr(said, "controls"));
+		finish(&rig);
+	}
+}
+
+static void what_is_refused_is_named(void **state)
+{
+	static const struct {
+		const char *text, *expected;
+	} cases[] = {
+		{"gain=256", "out of its range"},
+		{"gian=3", "perhaps \"gain\""},
+		{"gain=much", "expected a whole number from -8 to 255"},
+		{"white_balance_automatic=2", "expected yes or no"},
+		{"power_line_frequency=70_hz", "has no entry \"70_hz\""},
+		{"white_balance_temperature=5000", "automatic is on"},
+	};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_controls(&rig, cases[i].text);
+		device.controls[BALANCE].refuse = EACCES;
+		assert_int_equal(start_and_listen(&rig), 0); /* the camera opens all the same */
+		is_said("controls");
+		is_said(cases[i].expected);
+		finish(&rig);
+	}
+	prepare_controls(&rig, "gain=200");
+	device.controls[GAIN].most = 100;
+	assert_int_equal(start_and_listen(&rig), 0);
+	is_said("gain=200 was set, but the camera says 100");
+	finish(&rig);
+	prepare_controls(&rig, "gain=2");
+	device.controls[GAIN].flags = V4L2_CTRL_FLAG_READ_ONLY;
+	device.controls[GAIN].refuse = EACCES;
+	assert_int_equal(start_and_listen(&rig), 0);
+	is_said("only be read");
+	finish(&rig);
+}
+
+/* Some webcams begin anew when they start to stream. */
+static void what_starting_undoes_is_set_again(void **state)
+{
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "gain=99, power_line_frequency=1");
+	device.resets = true;
+	assert_int_equal(start_and_listen(&rig), 0);
+	assert_int_equal(device.controls[GAIN].value, 99);
+	assert_int_equal(device.controls[GAIN].sets, 2);
+	assert_int_equal(device.controls[LINE].sets, 1);
+	assert_null(strstr(said, "controls"));
+	finish(&rig);
+}
+
+static void controls_that_cannot_be_read_are_errors(void **state)
+{
+	static const char *const cases[] = {"gain", "gain=", "=3", "gain 3, brightness=2"};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_controls(&rig, cases[i]);
+		assert_int_equal(start_and_listen(&rig), -EINVAL);
+		assert_non_null(strstr(rig.fault.text, "controls"));
+		assert_non_null(strstr(rig.fault.text, "name=value"));
+		finish(&rig);
+	}
+}
+
+static void names_are_those_of_v4l2_ctl(void **state)
+{
+	static const char *const cases[][2] = {
+		{"Exposure Time, Absolute", "exposure_time_absolute"},
+		{"Limited RGB Range (16-235)", "limited_rgb_range_16_235"},
+		{"Y'CbCr Encoding", "y_cbcr_encoding"},
+		{"Gain", "gain"},
+		{"", ""},
+	};
+	char name[V4L2_CONTROL_NAME_MAX];
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		v4l2_control_name(cases[i][0], name);
+		assert_string_equal(name, cases[i][1]);
+	}
+}
+
+/* ---- what is given up; the played bus has `room` bits a second ---- */
+
+enum {
+	YUYV_5 = 64 * 48 * 16 * 5,
+	MJPEG_30 = 64 * 48 * 4 * 30,
+	MJPEG_15 = MJPEG_30 / 2,
+	MJPEG_5 = MJPEG_30 / 6,
+	SMALL_YUYV_5 = YUYV_5 / 4,
+};
+
+static void prepare_room(struct rig *rig, double room, const char *give_up)
+{
+	prepare(rig, usual_formats);
+	device.sizes_known = true;
+	device.room = room;
+	strcpy(rig->settings.give_up, give_up);
+}
+
+static void what_goes_goes_in_order(void **state)
+{
+	static const struct {
+		int format, rate; /* wanted */
+		double room;
+		const char *give_up;
+		int taken_format, width, taken_rate; /* 0: no room */
+	} cases[] = {
+		{PIXEL_YUYV, 5, YUYV_5, "format size rate", PIXEL_YUYV, 64, 5},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "format", PIXEL_MJPEG, 64, 5},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "size,rate", PIXEL_YUYV, 32, 5},
+		{PIXEL_MJPEG, 30, MJPEG_30 - 1, "format rate", PIXEL_MJPEG, 64, 15},
+		{PIXEL_MJPEG, 30, MJPEG_15 - 1, "format rate", PIXEL_MJPEG, 64, 5},
+		{PIXEL_MJPEG, 30, MJPEG_5 - 1, "rate size", PIXEL_MJPEG, 32, 5},
+		{PIXEL_MJPEG, 30, MJPEG_5 - 1, "format rate", 0, 0, 0},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "rate", 0, 0, 0},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "", 0, 0, 0},
+		{PIXEL_YUYV, 5, SMALL_YUYV_5 - 1, "size format", PIXEL_MJPEG, 32, 5},
+	};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < 2 * sizeof(cases) / sizeof(cases[0]); i++) {
+		const size_t c = i / 2;
+		int err;
+
+		prepare_room(&rig, cases[c].room, cases[c].give_up);
+		device.room_at_format = i % 2;
+		device.rate = (unsigned)cases[c].rate;
+		rig.settings.format = cases[c].format;
+		rig.settings.rate_hz = cases[c].rate;
+		rig.settings.width = 64;
+		rig.settings.height = 48;
+		if (device.room_at_format && cases[c].rate != 5)
+			continue; /* the rate is set after the format */
+		err = start_and_listen(&rig);
+		if (cases[c].width == 0) {
+			assert_int_equal(err, -ENOSPC);
+			assert_int_equal(rig.camera.situation, CAMERA_NO_BANDWIDTH);
+			assert_non_null(strstr(rig.fault.text, "share its bandwidth"));
+			assert_non_null(strstr(rig.fault.text, "give_up"));
+			finish(&rig);
+			continue;
+		}
+		if (err)
+			fail_msg("case %zu: %s", c, rig.fault.text);
+		assert_int_equal(rig.camera.format, cases[c].taken_format);
+		assert_int_equal(rig.camera.width, cases[c].width);
+		assert_true(rig.camera.rate_hz == cases[c].taken_rate);
+		if (c > 0) {
+			is_said("share its bandwidth");
+			is_said("Taken instead");
+			is_said(cases[c].give_up);
+		}
+		finish(&rig);
+	}
+}
+
+static void unknown_words_are_errors(void **state)
+{
+	static const char *const cases[] = {"colour", "format, frames", "rate rate"};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_room(&rig, 0, cases[i]);
+		assert_int_equal(start(&rig), -EINVAL);
+		assert_non_null(strstr(rig.fault.text, "give_up"));
+		finish(&rig);
+	}
+}
+
+static void usb_ports(void **state)
+{
+	char port[V4L2_PORT_MAX];
+
+	(void)state;
+	assert_true(v4l2_usb_port("1-2:1.0", port));
+	assert_string_equal(port, "1-2");
+	assert_true(v4l2_usb_port("3-1.4.2:1.1", port));
+	assert_string_equal(port, "3-1.4.2");
+	assert_false(v4l2_usb_port("vivid.0", port));
+	assert_false(v4l2_usb_port("0000:00:02.0", port));
+	assert_false(v4l2_usb_port("1-2", port));
+	assert_false(v4l2_usb_port("", port));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(controls_are_set_by_name),
+		cmocka_unit_test(what_is_refused_is_named),
+		cmocka_unit_test(what_starting_undoes_is_set_again),
+		cmocka_unit_test(controls_that_cannot_be_read_are_errors),
+		cmocka_unit_test(names_are_those_of_v4l2_ctl),
+		cmocka_unit_test(what_goes_goes_in_order),
+		cmocka_unit_test(unknown_words_are_errors),
+		cmocka_unit_test(usb_ports),
+	};
+
+	return cmocka_run_group_tests_name("v4l2_settings", tests, make_file, remove_file);
+}
