@@ -36,6 +36,8 @@ UNIT_TESTS := \
 	tests/unit/test_ini.c \
 	tests/unit/test_frame.c \
 	tests/unit/test_deinterlace.c \
+	tests/unit/test_v4l2_digitizer.c \
+	tests/unit/test_v4l2_settings.c \
 	tests/unit/test_studio.c \
 	tests/unit/test_camera_sim.c \
 	tests/unit/test_camera_v4l2.c
