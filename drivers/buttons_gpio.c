@@ -322,9 +322,8 @@ static int settled_press(struct gpio_buttons *gpio, int64_t now_ns)
 {
 	int index = 0;
 
-	while (index < LINES &&
-	       !(gpio->lines[index].request &&
-		 button_settle(&gpio->buttons[index], &gpio->timing, now_ns)))
+	while (index < LINES && !(gpio->lines[index].request &&
+				  button_settle(&gpio->buttons[index], &gpio->timing, now_ns)))
 		index++;
 	return index;
 }

@@ -20,8 +20,8 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/evdev/keymap.h"
-#include "drivers/evdev/keys.h"
+#include "drivers/keyboard/keymap.h"
+#include "drivers/keyboard/keys.h"
 #include "hal/log.h"
 
 #define FOLDER "/dev/input"

@@ -2,8 +2,8 @@
  * A window on a desktop, through SDL2: for trying things out. Presenting may wait for the desktop's
  * own refresh, at most one. SDL has no descriptor, so a timer asks it for events.
  *
- * Keys: as those of the keyboard driver, up or + and down or - threshold, t threshold to the next, v
- * view, p pose, o object, i information, left and right split, f freeze, q or Escape quit.
+ * Keys, as the keyboard driver's: up or + and down or - threshold, t the next threshold, v view,
+ * p pose, o object, i information, left and right split, f freeze, q or Escape quit.
  */
 #include <SDL.h>
 #include <errno.h>

@@ -25,8 +25,8 @@ DRIVER_SOURCES := \
 	drivers/sim/studio_view.c \
 	drivers/sim/y4m.c \
 	drivers/buttons_keyboard.c \
-	drivers/evdev/keymap.c \
-	drivers/evdev/keys.c \
+	drivers/keyboard/keymap.c \
+	drivers/keyboard/keys.c \
 	drivers/buttons_script.c \
 	drivers/gpio/button.c \
 	drivers/display_file.c \

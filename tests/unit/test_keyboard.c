@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "drivers/drivers.h"
-#include "drivers/evdev/keys.h"
+#include "drivers/keyboard/keys.h"
 
 static void names(void **state)
 {

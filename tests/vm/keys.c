@@ -16,7 +16,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "drivers/evdev/keymap.h"
+#include "drivers/keyboard/keymap.h"
 
 static int device;
 
@@ -103,7 +103,7 @@ int main(int argc, char **argv)
 	}
 	plug_in(argv[1]);
 	say_node();
-	while (fgets(line, sizeof(line), stdin)) {
+	while (fgets(line, sizeof(line), stdin) && strcmp(line, "unplug\n")) {
 		if (sscanf(line, "down %63s", key) == 1) {
 			turn(code_of(key), 1);
 		} else if (sscanf(line, "up %63s", key) == 1) {
@@ -121,5 +121,5 @@ int main(int argc, char **argv)
 			return 2;
 		}
 	}
-	return 0; /* unplugged with it */
+	return 0; /* the kernel takes it away */
 }

@@ -1,4 +1,4 @@
-#include "drivers/evdev/keymap.h"
+#include "drivers/keyboard/keymap.h"
 
 #include <errno.h>
 #include <linux/input-event-codes.h>

@@ -4,13 +4,13 @@
  * actions that repeat. When the kernel dropped events, what it says afterwards is not believed
  * until the owner has asked it which keys are down.
  */
-#ifndef INLAY_DRIVERS_EVDEV_KEYS_H
-#define INLAY_DRIVERS_EVDEV_KEYS_H
+#ifndef INLAY_DRIVERS_KEYBOARD_KEYS_H
+#define INLAY_DRIVERS_KEYBOARD_KEYS_H
 
 #include <linux/input.h>
 #include <stdbool.h>
 
-#include "drivers/evdev/keymap.h"
+#include "drivers/keyboard/keymap.h"
 
 #define KEYS_BITS_BYTES (KEYMAP_CODES / 8) /* what EVIOCGKEY and EVIOCGBIT(EV_KEY) fill */
 

@@ -3,8 +3,8 @@
  * codes. The names are those of <linux/input-event-codes.h> in small letters without KEY_; buttons
  * of joysticks and arcade encoders keep theirs (btn_trigger).
  */
-#ifndef INLAY_DRIVERS_EVDEV_KEYMAP_H
-#define INLAY_DRIVERS_EVDEV_KEYMAP_H
+#ifndef INLAY_DRIVERS_KEYBOARD_KEYMAP_H
+#define INLAY_DRIVERS_KEYBOARD_KEYMAP_H
 
 #include "hal/buttons.h"
 #include "hal/fault.h"

@@ -1,4 +1,4 @@
-#include "drivers/evdev/keys.h"
+#include "drivers/keyboard/keys.h"
 
 static void set_bit(unsigned char *bits, unsigned code, bool on)
 {
