@@ -1,5 +1,7 @@
 /*
- * Messages to whoever runs the program: stderr, one line each, "inlay: text".
+ * Messages to whoever runs the program: stderr, one line each, "inlay: text". Where stderr leads to
+ * the system's journal, which knows the program, a level goes before the text instead: "<4>text", as
+ * sd-daemon(3) has it.
  *
  * Thread-safe. A caller that would repeat itself every frame says it once, when it changes.
  */
@@ -9,7 +11,7 @@
 enum log_level { LOG_LEVEL_ERROR, LOG_LEVEL_WARNING, LOG_LEVEL_INFO, LOG_LEVEL_DEBUG };
 
 /* Program name before each message ("inlay", "inlay-bake") and the least urgent level shown. Called
- * before other threads start; without it: "inlay" and LOG_LEVEL_INFO. */
+ * before other threads start; without it: "inlay", LOG_LEVEL_INFO, and no journal. */
 void log_setup(const char *program, enum log_level most);
 
 void log_say(enum log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));

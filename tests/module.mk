@@ -6,6 +6,9 @@ UNIT_TESTS := \
 	tests/unit/test_app_layout.c \
 	tests/unit/test_app_scaler.c \
 	tests/unit/test_app_source.c \
+	tests/unit/test_app_state.c \
+	tests/unit/test_app_reload.c \
+	tests/unit/test_app_service.c \
 	tests/unit/test_app_pipeline.c \
 	tests/unit/test_app_program.c \
 	tests/unit/test_app_words.c \
@@ -48,6 +51,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_basis.c \
 	tests/fuzz/fuzz_lights.c \
 	tests/fuzz/fuzz_config.c \
+	tests/fuzz/fuzz_state.c \
 	tests/fuzz/fuzz_control.c \
 	tests/fuzz/fuzz_image.c \
 	tests/fuzz/fuzz_video.c \
@@ -56,6 +60,9 @@ CLI_TESTS := \
 	tests/cli/bake.sh \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
+	tests/cli/state.sh \
+	tests/cli/reload.sh \
+	tests/cli/service.sh \
 	tests/cli/check.sh \
 	tests/cli/control.sh \
 	tests/cli/errors.sh \

@@ -11,18 +11,6 @@ run() {
 png_size() { # width x height, from the file's header
 	od -An -tu1 -j16 -N8 "$1" | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'
 }
-number() { # FILE KEY: of the last line; the run's own come before those of its cameras
-	tail -n 1 "$1" | grep -oE "\"$2\":[-0-9.e+]*" | head -n 1 | cut -d: -f2
-}
-# until_true LIMIT COMMAND...: waits for an event, with a limit in seconds.
-until_true() {
-	local limit=$((SECONDS + $1))
-	shift
-	until "$@"; do
-		[ $SECONDS -lt $limit ] || return 1
-		sleep 0.05
-	done
-}
 
 # ---- the same run gives the same pictures ----
 check "five frames" run --frames 5 --set "screen.device=$work/a%d.png" --stats "$work/a.jsonl"

@@ -77,7 +77,59 @@ absent() {
 	done
 	equal "$name" "" "$left"
 }
+number() { # FILE KEY: of the last line; the run's own come before those of its cameras
+	tail -n 1 "$1" | grep -oE "\"$2\":[-0-9.e+]*" | head -n 1 | cut -d: -f2
+}
+# until_true LIMIT COMMAND...: waits for an event, with a limit in seconds.
+until_true() {
+	local limit=$((SECONDS + $1))
+	shift
+	until "$@"; do
+		[ $SECONDS -lt $limit ] || return 1
+		sleep 0.05
+	done
+}
+# says LOG WORDS...: a line of it holds them; said LOG WORDS: in how many lines.
+says() {
+	grep -qsF -- "$2" "$1"
+}
+said() {
+	grep -cF -- "$2" "$1"
+}
+# start OPTIONS...: inlay run in the background, on clocks of its own; what it says is in
+# $work/run.log, its statistics in $work/live.jsonl, its process is $inlay. finish() ends it.
+inlay=
+start() {
+	rm -f "$work/live.jsonl"
+	"$INLAY" run --config "$work/studio.conf" --set screen.driver=null \
+		--set camera.fisheye.sim.clock=real --set camera.background.sim.clock=real \
+		--stats "$work/live.jsonl" "$@" 2>"$work/run.log" &
+	inlay=$!
+}
+shows_frames() {
+	until_true 20 grep -qs '"fps":[1-9]' "$work/live.jsonl"
+}
+alive() {
+	kill -0 "$inlay" 2>/dev/null
+}
+# stop: ends it as a service manager does; its exit code is left.
+stop() {
+	local code
+	kill -TERM "$inlay" 2>/dev/null
+	wait "$inlay"
+	code=$?
+	inlay=
+	return $code
+}
+descriptors() {
+	find "/proc/$inlay/fd" -mindepth 1 | wc -l
+}
+# has KEY VALUE: the last line of statistics says so.
+has() {
+	[ "$(number "$work/live.jsonl" "$1")" = "$2" ]
+}
 finish() {
+	[ -z "$inlay" ] || kill -KILL "$inlay" 2>/dev/null
 	echo "1..$count"
 	exit $failed
 }

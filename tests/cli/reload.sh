@@ -1,0 +1,142 @@
+#!/bin/bash
+# SIGHUP: the configuration is read again while the pictures go on.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+conf=$work/studio.conf
+plain=$(grep -v "^threads" "$conf") # [composite] is the checks' own
+# reload TEXT: the file with these lines more; waits until the kiosk has said what it thinks of it.
+reload() {
+	local before
+	before=$(said "$work/run.log" "the configuration ")
+	printf '%s\n%s\n' "$plain" "$1" >"$conf.new"
+	mv "$conf.new" "$conf"
+	hang_up
+	until_true 20 more_said "$before"
+}
+more_said() {
+	[ "$(said "$work/run.log" "the configuration ")" -gt "$1" ]
+}
+hang_up() {
+	kill -HUP "$inlay"
+}
+waits_for() { # KEY
+	says "$work/run.log" "$1: takes effect at the next start"
+}
+
+start
+check "it shows frames" shows_frames
+check "it is read again" reload "[lights]
+threshold = 90"
+check "another threshold counts" until_true 20 has threshold 90
+check "a light's gain, a lens and an estimator are taken" reload "[lights]
+threshold = 100
+[fisheye]
+estimator = node
+field = 85
+black_level = 3"
+check "the kiosk goes on" until_true 20 has threshold 100
+check "other threads, another view, another scale" reload "[composite]
+threads = 1
+[screen]
+show = quad
+scale = fit
+information = yes
+[lights]
+threshold = 110"
+check "the kiosk goes on" until_true 20 has threshold 110
+equal "nothing is complained of" 0 "$(said "$work/run.log" "takes effect")"
+
+# ---- what cannot be changed ----
+check "a file that also changes what cannot be" reload "[camera background]
+rate = 50
+[screen]
+width = 99
+[basis]
+pose = 0
+[scene]
+camera = fisheye
+[lights]
+threshold = 120"
+for key in "[camera background] rate" "[scene] camera"; do
+	check "$key is named" waits_for "$key"
+done
+check "[screen] width too" waits_for "[screen] width"
+check "the rest counts" until_true 20 has threshold 120
+
+# ---- what is wrong ----
+check "a wrong file" reload "[lights]
+threshold = 300
+[screen]
+shwo = quad"
+check "every fault is named" says "$work/run.log" "[lights] threshold"
+check "the second too" says "$work/run.log" 'did you mean "show"'
+check "the old one stays" until_true 20 says "$work/run.log" "the old one stays"
+check "a lens that is none" reload "[fisheye]
+focal = 5 0"
+check "a pose that is none" reload "[basis]
+pose = 8"
+check "is named" says "$work/run.log" "[basis] pose: is 8"
+equal "the threshold is what it was" 120 "$(number "$work/live.jsonl" threshold)"
+mv "$conf" "$conf.away"
+hang_up
+check "a file that has gone" until_true 20 says "$work/run.log" "No such file"
+check "it runs on" alive
+mv "$conf.away" "$conf"
+
+# ---- buttons, socket, state ----
+printf '0 threshold-set 130\n' >"$work/presses"
+check "buttons can be added" reload "[buttons]
+driver = script
+script.file = $work/presses"
+check "and work" until_true 20 has threshold 130
+check "a socket and a state file too" reload "[control]
+socket = $work/socket
+[state]
+file = $work/state"
+check "the socket works" until_true 20 "$INLAY" control --socket "$work/socket" threshold-set 140
+check "the state is kept" until_true 20 grep -qsx 'threshold = 140' "$work/state"
+check "status is JSON" sh -c '"$1" control --socket "$2" status | python3 -m json.tool' \
+	- "$INLAY" "$work/socket"
+check "the socket goes again" reload ""
+check "from the folder too" test ! -e "$work/socket"
+
+# ---- again and again ----
+before=$(descriptors)
+stayed=$(said "$work/run.log" "the old one stays")
+for i in $(seq 25); do
+	reload "[lights]
+threshold = $i
+[composite]
+threads = $((1 + i % 3))
+[control]
+socket = $work/socket$((i % 2))" || break
+done
+check "it is read 25 times" until_true 20 has threshold 25
+equal "the old one never stayed" "$stayed" "$(said "$work/run.log" "the old one stays")"
+check "the socket goes once more" reload ""
+equal "descriptors do not grow" "$before" "$(descriptors)"
+stop
+equal "it ends in order" 0 $?
+
+# ---- no frame is lost: cameras on demand, every frame of theirs in a video ----
+printf '%s\n' "$plain" >"$conf"
+rm "$work/live.jsonl"
+"$INLAY" run --config "$conf" --set "screen.device=$work/clip.y4m" \
+	--stats "$work/live.jsonl" 2>"$work/run.log" &
+inlay=$!
+shows_frames
+for i in $(seq 10); do
+	reload "[fisheye]
+estimator = $([ $((i % 2)) = 0 ] && echo cell || echo node)
+[composite]
+threads = $((1 + i % 2))" || break
+done
+stop
+equal "it ends in order" 0 $?
+equal "no frame is lost" 0 "$(number "$work/live.jsonl" drops)"
+shown=$(number "$work/live.jsonl" frames)
+taken=$(tail -n 1 "$work/live.jsonl" | grep -oE '"fisheye","situation":"fine","frames":[0-9]+' | cut -d: -f3)
+check "of $taken that a camera gave, $shown are shown, and at most two on their way" \
+	test $((taken - shown)) -ge 0 -a $((taken - shown)) -le 2
+finish

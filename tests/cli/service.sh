@@ -1,0 +1,92 @@
+#!/bin/bash
+# What a service manager hears: ready, alive, reloading, stopping; and when it hears nothing.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+heard=$work/heard
+"$INLAY" --version >/dev/null
+if ! ldd "$INLAY" | grep -q libsystemd; then
+	echo "1..0 # SKIP built without libsystemd"
+	exit 77
+fi
+python3 "$(dirname "$0")/manager.py" "$work/notify" >"$heard" &
+manager=$!
+trap 'kill $manager; rm -rf "$work"' EXIT
+until_true 20 test -S "$work/notify"
+
+# serve MICROSECONDS OPTIONS...: inlay run under a watchdog.
+serve() {
+	local watchdog=$1
+	shift
+	: >"$heard"
+	export NOTIFY_SOCKET=$work/notify WATCHDOG_USEC=$watchdog
+	start "$@"
+	unset NOTIFY_SOCKET WATCHDOG_USEC
+}
+hears() {
+	grep -q -- "$1" "$heard"
+}
+feeds() { # at least so many
+	[ "$(grep -c WATCHDOG=1 "$heard")" -ge "$1" ]
+}
+order() {
+	sed 's/^[0-9.]* //' "$heard" | grep -oE "$1" | uniq | tr '\n' ' '
+}
+
+# ---- a run in order ----
+serve 2000000
+check "ready when a picture is on the screen" until_true 20 hears READY=1
+check "the watchdog is fed" until_true 20 feeds 3
+check "what it does is told" until_true 20 hears "STATUS=showing"
+kill -HUP "$inlay"
+check "reloading is told, with its time" until_true 20 hears "RELOADING=1 MONOTONIC_USEC=[0-9]"
+check "and its end" until_true 20 test "$(order 'READY=1|RELOADING=1')" = "READY=1 RELOADING=1 READY=1 "
+stop
+equal "it stops" 0 $?
+check "which is told" until_true 20 hears STOPPING=1
+
+# ---- slow but alive ----
+serve 8000000 --set screen.rate=1
+check "a picture a second feeds it" until_true 30 feeds 2
+stop
+serve 2000000 --set camera.background.sim.stall_after=10 --set camera.fisheye.sim.stall_after=10
+check "cameras that stall: the picture is drawn again" until_true 30 feeds 8
+check "and they are named" until_true 20 hears "STATUS=.*camera"
+check "it was a stall" says "$work/run.log" "stalled"
+stop
+serve 2000000 --set camera.background.driver=v4l2 --set camera.background.device=/dev/video250 \
+	--set camera.fisheye.driver=v4l2 --set camera.fisheye.device=/dev/video251
+check "no camera at all: ready all the same" until_true 20 hears READY=1
+check "and fed" until_true 30 feeds 5
+stop
+
+# ---- frozen: flips that do not come, a loop that does not turn ----
+serve 800000 --set screen.rate=0.02
+until_true 20 test -s "$work/live.jsonl"
+until_true 20 test "$(grep -c . "$work/live.jsonl")" -ge 4 # it turns
+check "flips that never come do not feed it" test "$(grep -c WATCHDOG=1 "$heard")" = 0
+check "nor is it ready" test "$(grep -c READY=1 "$heard")" = 0
+kill -KILL "$inlay"
+wait "$inlay" 2>/dev/null
+serve 800000
+until_true 20 feeds 3
+kill -STOP "$inlay"
+until_true 5 grep -q '^State:	T' "/proc/$inlay/status"
+before=$(grep -c WATCHDOG=1 "$heard")
+sleep 1.5
+equal "a loop that stands still does not feed it" "$before" "$(grep -c WATCHDOG=1 "$heard")"
+kill -CONT "$inlay"
+check "it goes on when the loop does" until_true 20 feeds $((before + 2))
+stop
+
+# ---- no screen: waiting is right ----
+if "$INLAY" devices 2>/dev/null | grep -q kms && [ ! -e /dev/dri/card0 ]; then
+	serve 2000000 --set screen.driver=kms
+	check "no screen: ready all the same" until_true 20 hears READY=1
+	check "fed while it waits" until_true 30 feeds 3
+	check "what it waits for is told" hears "STATUS=.*"
+	equal "and said once" 1 "$(said "$work/run.log" "screen:")"
+	stop
+	equal "it stops" 0 $?
+fi
+finish

@@ -1,0 +1,26 @@
+/* Any bytes as a state file: refused in a sentence that leaves everything alone, or in range. */
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/state.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
+{
+	const struct state_values before = {12.5, SHOW_QUAD, 3};
+	struct state_values values = before;
+	struct fault fault = {.text = ""};
+
+	if (state_read_memory((const char *)data, bytes, "fuzz", &values, &fault)) {
+		if (!*fault.text || values.threshold != before.threshold ||
+		    values.view != before.view || values.pose != before.pose)
+			abort();
+		return 0;
+	}
+	if (!(values.threshold >= 0 && values.threshold <= 255) || values.view < 0 ||
+	    values.view >= SHOW_COUNT || values.pose < 0 || values.pose > 65535)
+		abort();
+	return 0;
+}

@@ -1,0 +1,113 @@
+/* What a configuration that is read again changes, key by key. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "app/driver_list.h"
+#include "app/reload.h"
+
+static struct config *running, *fresh;
+
+static struct config *config_of(const char *text)
+{
+	struct config *config;
+
+	assert_int_equal(config_create(&config, driver_list()), 0);
+	assert_int_equal(config_read_memory(config, text, strlen(text), "x", NULL), 0);
+	return config;
+}
+
+static void begin(const char *before, const char *after)
+{
+	running = config_of(before);
+	fresh = config_of(after);
+}
+
+static void end(void)
+{
+	config_destroy(running);
+	config_destroy(fresh);
+}
+
+static void the_same_changes_nothing(void **state)
+{
+	static const char text[] = "[camera a]\ndriver = sim\nsim.eye = 1 2 3\n[basis]\nfile = b\n";
+
+	(void)state;
+	begin(text, text);
+	assert_int_equal(reload_compare(running, fresh), 0);
+	end();
+}
+
+static void each_key_has_its_effect(void **state)
+{
+	static const struct {
+		const char *text;
+		unsigned effects;
+	} cases[] = {
+		{"[lights]\nthreshold = 9\n", RELOAD_THRESHOLD | RELOAD_DRAWING},
+		{"[lights]\nthreshold_step = 9\n", RELOAD_DRAWING},
+		{"[lights]\nthreshold_mode = drop\n", RELOAD_PIPELINE | RELOAD_DRAWING},
+		{"[fisheye]\ngain = 2\n", RELOAD_PIPELINE | RELOAD_DRAWING},
+		{"[fisheye]\nx = 2\n", 0},
+		{"[fisheye]\ncamera = other\n", 0},
+		{"[background]\ntransfer = linear\n", RELOAD_PIPELINE | RELOAD_DRAWING},
+		{"[background]\nwidth = 9\n", 0},
+		{"[composite]\nthreads = 3\n", RELOAD_PIPELINE | RELOAD_DRAWING},
+		{"[screen]\nshow = quad\n", RELOAD_VIEW | RELOAD_DRAWING},
+		{"[screen]\nsplit = 0.25\n", RELOAD_SPLIT | RELOAD_DRAWING},
+		{"[screen]\ndriver = null\n", 0},
+		{"[screen]\nnull.rate = 30\n", 0},
+		{"[buttons]\nscript.file = x\n", RELOAD_BUTTONS},
+		{"[control]\ngroup = x\n", RELOAD_CONTROL},
+		{"[state]\ninterval = 1\n", RELOAD_STATE},
+		{"[basis]\npose = 1\n", RELOAD_POSE | RELOAD_DRAWING},
+		{"[basis]\nfile = x\n", 0},
+		{"[camera new]\ndriver = sim\n", 0},
+		{"[lights]\nthreshold = 9\n[screen]\nwidth = 9\n[state]\nfile = x\n",
+		 RELOAD_THRESHOLD | RELOAD_DRAWING | RELOAD_STATE},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		begin("", cases[i].text);
+		assert_int_equal(reload_compare(running, fresh), cases[i].effects);
+		end();
+	}
+}
+
+static void what_can_change_is_taken_over_and_nothing_else(void **state)
+{
+	(void)state;
+	begin("[camera a]\ndevice = one\n[screen]\nwidth = 100\n[basis]\nfile = old\n",
+	      "[camera a]\ndevice = two\n[camera b]\n[screen]\nwidth = 200\nshow = split\n"
+	      "[basis]\nfile = new\npose = 4\n[fisheye]\nfocal = 7 8\n[state]\nfile = there\n");
+	reload_adopt(running, fresh);
+	assert_string_equal(running->cameras[0]->settings.device, "one");
+	assert_int_equal(running->camera_count, 1);
+	assert_int_equal(running->screen->settings.width, 100);
+	assert_string_equal(running->basis.file, "old");
+	assert_int_equal(running->screen->show, SHOW_SPLIT);
+	assert_int_equal(running->basis.pose, 4);
+	assert_true(running->fisheye.lens.focal_px[1] == 8);
+	assert_string_equal(running->state.file, "there");
+	/* What is left is what waits for the next start: nothing of it has an effect. */
+	assert_int_equal(reload_compare(running, fresh), 0);
+	end();
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_same_changes_nothing),
+		cmocka_unit_test(each_key_has_its_effect),
+		cmocka_unit_test(what_can_change_is_taken_over_and_nothing_else),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
