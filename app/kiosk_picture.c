@@ -11,11 +11,18 @@ struct source *kiosk_leader(struct kiosk *k)
 	struct source *candidates[] = {k->eyes.background.source, k->eyes.fisheye.source,
 				       k->eyes.scene.source};
 
-	for (int i = 0; i < 3; i++) {
+	struct source *silent = NULL;
+
+	for (int i = 2; i >= 0; i--) {
 		if (candidates[i] && source_is_open(candidates[i]))
+			silent = candidates[i];
+	}
+	for (int i = 0; i < 3; i++) {
+		if (candidates[i] && source_is_open(candidates[i]) &&
+		    candidates[i]->situation == CAMERA_FINE)
 			return candidates[i];
 	}
-	return NULL;
+	return silent;
 }
 
 bool kiosk_frames_are_due(struct kiosk *k)

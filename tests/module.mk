@@ -62,6 +62,7 @@ CLI_TESTS := \
 	tests/cli/bake.sh \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
+	tests/cli/faults.sh \
 	tests/cli/state.sh \
 	tests/cli/reload.sh \
 	tests/cli/service.sh \

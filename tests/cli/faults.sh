@@ -1,0 +1,101 @@
+#!/bin/bash
+# What happens to a kiosk in months: it stands still, runs out of descriptors, is started twice,
+# its cameras fall silent, take their time, send rubbish. Nothing of it ends the program.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+lines() { # at least so many of statistics
+	[ "$(grep -c . "$work/live.jsonl")" -ge "$1" ]
+}
+total() { # KEY: its sum over all lines
+	grep -oE "\"$1\":[0-9]+" "$work/live.jsonl" | cut -d: -f2 | awk '{ s += $1 } END { print s + 0 }'
+}
+moves_on() { # it shows more frames than now
+	local now
+	now=$(number "$work/live.jsonl" frames)
+	until_true 20 more_than "$now"
+}
+more_than() {
+	[ "$(number "$work/live.jsonl" frames)" -gt "$1" ]
+}
+
+# ---- in health: a frame is on the screen within a frame's time and the work on it ----
+start
+check "it shows frames" shows_frames
+until_true 20 lines 5
+shown=$(number "$work/live.jsonl" frames)
+late=$(total late)
+echo "# $shown shown, $late late, latency $(tail -n 1 "$work/live.jsonl" | grep -oE '"latency_ms":{[^}]*}')"
+check "they are on time, but for what the machine does besides" test "$((late * 4))" -lt "$shown"
+
+# ---- it stands still for ten seconds ----
+kill -STOP "$inlay"
+sleep 10
+kill -CONT "$inlay"
+check "stopped for ten seconds, it goes on" moves_on
+until_true 20 lines $(($(grep -c . "$work/live.jsonl") + 2))
+equal "no camera is blamed" 0 "$(said "$work/run.log" "camera")"
+
+# ---- started twice ----
+stop
+start --set "control.socket=$work/socket"
+check "one kiosk runs" shows_frames
+refused "a second one is refused in one line" 1 "socket" timeout 20 "$INLAY" run \
+	--config "$work/studio.conf" --set screen.driver=null --set "control.socket=$work/socket"
+check "the first does not mind" moves_on
+check "and still answers" "$INLAY" control --socket "$work/socket" threshold-set 33
+stop
+
+# ---- no descriptor is left when a camera has to be opened again ----
+start --set camera.fisheye.sim.vanish_after=100
+check "a camera that will vanish" shows_frames
+before=$(descriptors)
+hard=$(ulimit -Hn)
+prlimit --pid "$inlay" --nofile="3:$hard"
+check "no descriptor is left: it is said" until_true 20 says "$work/run.log" "Too many open files"
+check "the background goes on" moves_on
+kill -HUP "$inlay"
+check "nor can the configuration be read" until_true 20 says "$work/run.log" "the old one stays"
+equal "the camera's trouble is said once" 1 "$(said "$work/run.log" "camera fisheye: broken")"
+prlimit --pid "$inlay" --nofile="256:$hard"
+check "with descriptors it comes back" until_true 20 says "$work/run.log" "camera fisheye: fine again"
+equal "none has leaked" "$before" "$(descriptors)"
+stop
+
+# ---- cameras that fall silent, send rubbish ----
+start --set camera.background.sim.stall_after=50
+check "a camera that will stall" shows_frames
+check "is named" until_true 20 says "$work/run.log" "camera background: stalled"
+check "the light goes on" moves_on
+check "given up, it is opened again" until_true 30 says "$work/run.log" "camera background: fine again"
+equal "all of that once" 1 "$(said "$work/run.log" "camera background: stalled")"
+stop
+start --set camera.fisheye.sim.corrupt_every=3
+check "every third frame is rubbish" shows_frames
+until_true 20 lines 3
+check "which is counted" test "$(total broken)" -gt 0
+equal "and no trouble" 0 "$(said "$work/run.log" "camera fisheye: broken")"
+stop
+
+# ---- a camera that takes its time: a pipe that nobody writes to ----
+mkfifo "$work/live.y4m"
+pipe=(--set camera.fisheye.sim.source=files --set "camera.fisheye.sim.file=$work/live.y4m")
+start "${pipe[@]}"
+check "a camera that takes its time does not hold up the other" shows_frames
+check "it is named" until_true 20 says "$work/run.log" "camera fisheye:"
+stop
+equal "ended in the middle of opening it ends in order" 0 $?
+
+# ---- no camera at all: the screen says so ----
+"$INLAY" run --config "$work/studio.conf" --set screen.width=320 --set screen.height=240 \
+	--set camera.fisheye.driver=v4l2 --set camera.fisheye.device=/dev/video250 \
+	--set camera.background.driver=v4l2 --set camera.background.device=/dev/video251 \
+	--frames 3 --set "screen.device=$work/none.png" 2>"$work/run.log"
+equal "without any camera it runs" 0 $?
+equal "each is named" 2 "$(said "$work/run.log" "no device")"
+"$INLAY" run --config "$work/studio.conf" --set screen.width=320 --set screen.height=240 \
+	--set camera.fisheye.driver=v4l2 --set camera.fisheye.device=/dev/video250 \
+	--set camera.background.driver=v4l2 --set camera.background.device=/dev/video251 \
+	--set screen.trouble=no --frames 3 --set "screen.device=$work/black.png" 2>"$work/run.log"
+differ "on the screen too, unless that is not wanted" "$work/none.png" "$work/black.png"
+finish
