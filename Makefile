@@ -184,6 +184,14 @@ demo:
 demo-installed: all
 	$(Q)BUILD="$(BUILD)" bake/demo/demo.sh demo
 
+.PHONY: picture picture-installed
+## picture: make the README's picture anew, board/kiosk.png
+picture:
+	$(Q)board/deps.sh demo
+	$(AGAIN) picture-installed
+picture-installed: all
+	$(Q)BUILD="$(BUILD)" board/picture.sh board/kiosk.png
+
 .PHONY: test
 ## test: install, build, run every test, simulated hardware in QEMU included
 test:

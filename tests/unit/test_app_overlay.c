@@ -19,6 +19,7 @@
 #if WITH_CAIRO
 
 static int lines_drawn;
+static int line_letters[64]; /* of the first lines */
 
 void cairo_show_glyphs(void *cairo, const void *glyphs, int count);
 
@@ -28,6 +29,8 @@ void cairo_show_glyphs(void *cairo, const void *glyphs, int count)
 	void (*real)(void *, const void *, int);
 
 	*(void **)&real = dlsym(RTLD_NEXT, "cairo_show_glyphs");
+	if (lines_drawn < 64)
+		line_letters[lines_drawn] = count;
 	lines_drawn++;
 	real(cairo, glyphs, count);
 }
@@ -236,6 +239,70 @@ static void figures_do_not_make_it_jump(void **state)
 	}
 }
 
+static const char *behind(const char *text, int letters)
+{
+	while (letters--)
+		text += utf8_bytes(text);
+	return text;
+}
+
+/* Figures are parted only where " · " stands, which then goes; sentences between words; what has
+ * neither, anywhere. */
+static void lines_end_where_they_may(void **state)
+{
+	static const struct {
+		const char *text, *end;
+	} cases[] = {
+		{figures, " · "},
+		{"Background camera 'HD Pro Webcam C920' is used by another program: waiting", " "},
+		{"/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1.4.3.2.1:1.0-video-index0-or-another",
+		 ""},
+	};
+
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		struct overlay overlay = {.changed = false};
+		struct guarded_screen screen = guarded_create(320, 240, 0);
+		const char *at = cases[i].text;
+
+		overlay_information(&overlay, at);
+		lines_drawn = 0;
+		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
+		assert_true(lines_drawn > 1);
+		for (int line = 0; line < lines_drawn; line++) {
+			at = behind(at, line_letters[line]);
+			if (line == lines_drawn - 1)
+				break;
+			assert_memory_equal(at, cases[i].end, strlen(cases[i].end));
+			at += strlen(cases[i].end);
+		}
+		assert_string_equal(at, "");
+		guarded_free(&screen);
+		overlay_free(&overlay);
+	}
+}
+
+/* What is not shown is counted: so many sentences, and a line that says how many more. */
+static void what_is_left_out_is_counted(void **state)
+{
+	struct overlay overlay = {.changed = false};
+	struct guarded_screen screen = guarded_create(240, 180, 0);
+	static char texts[6][OVERLAY_TEXT_MAX];
+
+	(void)state;
+	for (int i = 0; i < 6; i++)
+		memcpy(texts[i], "a camera is gone", 17); /* each on a line */
+	overlay_troubles(&overlay, (const char(*)[OVERLAY_TEXT_MAX])texts, 6);
+	lines_drawn = 0;
+	assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
+	assert_true(lines_drawn > 2 && lines_drawn < 6);
+	for (int line = 0; line < lines_drawn - 1; line++)
+		assert_int_equal(line_letters[line], 16);
+	assert_int_equal(line_letters[lines_drawn - 1], strlen("and 2 more"));
+	guarded_free(&screen);
+	overlay_free(&overlay);
+}
+
 static double luminance(const uint8_t bgr[4])
 {
 	double linear[3];
@@ -401,6 +468,8 @@ int main(void)
 		cmocka_unit_test(is_drawn_only_when_it_changes),
 		cmocka_unit_test(goes_when_it_is_taken_back),
 		cmocka_unit_test(figures_do_not_make_it_jump),
+		cmocka_unit_test(lines_end_where_they_may),
+		cmocka_unit_test(what_is_left_out_is_counted),
 		cmocka_unit_test(can_be_read),
 		cmocka_unit_test(any_bytes),
 		cmocka_unit_test(every_character),
