@@ -128,6 +128,7 @@ equal "there is a user for it" inlay "$(inside id -un inlay)"
 for group in inlay gpio video render input; do
 	check "and the group $group" inside getent group $group
 done
+equal "sysusers finds no fault" "" "$(systemd-sysusers --root="$root" --dry-run 2>&1 | grep -i inlay)"
 equal "its unit is not enabled" disabled "$(inside systemctl is-enabled inlay.service 2>&1)"
 equal "systemd-analyze finds no fault with it there" "" \
 	"$(inside systemd-analyze verify --man=no inlay.service 2>&1 | grep inlay)"
