@@ -100,6 +100,8 @@ void kiosk_screen_fit(struct kiosk *k)
 	/* Pixel by pixel the screen keeps its own size. */
 	struct show_fit fit = {k->display.width, k->display.height, 1};
 
+	if (k->display.hidden)
+		return; /* it would say no, and is asked once */
 	if (k->config->screen->scale == SCALE_FIT)
 		fit = show_fit(k->what, &k->eyes, &k->basis);
 	if (fit.width == k->fit.width && fit.height == k->fit.height && fit.squash == k->fit.squash)
