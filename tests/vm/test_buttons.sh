@@ -60,6 +60,9 @@ check "each is one action" heard 2 threshold-up
 "$tools/presses" gpio 1 chip=panel threshold_up=2 >"$VM_OUT/second" 2>&1
 matches "a line that another program holds is an error that names it" "line 2 of panel" \
 	"$(cat "$VM_OUT/second")"
+"$INLAY" devices >"$VM_OUT/devices" 2>&1
+check "inlay devices lists the chip" grep -q "\[panel\], 8 lines" "$VM_OUT/devices"
+check "and whose its lines are" grep -q "line 2: input, used by inlay" "$VM_OUT/devices"
 ignore
 
 "$tools/presses" gpio 1 chip=panel threshold_up=8 >"$VM_OUT/second" 2>&1

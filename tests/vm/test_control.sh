@@ -14,7 +14,7 @@ as() { # user, groups (one, or none), command...
 	local user=$1 groups=(--clear-groups)
 	[ "$2" = none ] || groups=(--groups "$2")
 	shift 2
-	setpriv --reuid "$user" --regid "$user" "${groups[@]}" "$@"
+	setpriv --reuid "$user" --regid "$(id -g "$user")" "${groups[@]}" "$@"
 }
 as_member() { # the group is the first of the process
 	setpriv --reuid nobody --regid games --clear-groups "$@"
@@ -43,7 +43,8 @@ END
 
 # kiosk NAME: starts one
 kiosk() {
-	as daemon games "$INLAY" run --config $place/kiosk.conf >"$VM_OUT/$1.log" 2>&1 &
+	setpriv --reuid daemon --regid daemon --groups games \
+		"$INLAY" run --config $place/kiosk.conf >"$VM_OUT/$1.log" 2>&1 &
 	running=$!
 }
 tell() { # as whoever the first words say
