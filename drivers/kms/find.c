@@ -319,9 +319,10 @@ static int find_ranked(const struct display_settings *settings, const struct kms
 int kms_find(const struct display_settings *settings, const struct kms_options *options,
 	     struct kms_path *path, struct fault *fault)
 {
+	const int least = options->force ? 1 : 2;
 	int err = -ENOLINK;
 
-	for (int rank = KMS_RANK_BEST; rank > !options->force && err == -ENOLINK; rank--)
+	for (int rank = KMS_RANK_BEST; rank >= least && err == -ENOLINK; rank--)
 		err = find_ranked(settings, options, rank, path, fault);
 	return err ? err : path->card;
 }

@@ -89,8 +89,7 @@ static void modes_are_read(void **state)
 	static const char *const sizes[] = {"1280x800", "1280x800@60"};
 	static const char *const lines[] = {
 		"71 1280 1328 1360 1440 800 803 809 823 +hsync -vsync",
-		"Modeline \"1280x800R\"   71.00  1280 1328 1360 1440  800 803 809 823 +hsync "
-		"-vsync",
+		"Modeline \"1280x800R\" 71.00  1280 1328 1360 1440  800 803 809 823 +hsync -vsync",
 		"\"x\" 71.0 1280 1328 1360 1440 800 803 809 823 -VSYNC +HSync  ",
 	};
 	static const char *const wrong[] = {
