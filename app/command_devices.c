@@ -3,16 +3,18 @@
 #include <stdio.h>
 
 #include "app/commands.h"
+#include "app/devices_sample.h"
 #include "drivers/drivers.h"
 #include "hal/log.h"
 
 struct devices_options {
-	bool json;
+	bool json, sample;
 };
 
 /* Where the listing goes, and what it has seen so far. */
 struct listing {
 	bool json;
+	struct sample *sample; /* NULL: the listing is printed */
 	const char *driver;
 	int found, failed;
 	bool first; /* of its array in JSON */
@@ -26,8 +28,20 @@ static int take_json(void *context, const char *argument, const char **expected)
 	return 0;
 }
 
+static int take_sample(void *context, const char *argument, const char **expected)
+{
+	(void)argument;
+	(void)expected;
+	((struct devices_options *)context)->sample = true;
+	return 0;
+}
+
 static const struct option_row rows[] = {
-	{.name = "json", .help = "for programs", .take = take_json}, {.name = NULL}};
+	{.name = "json", .help = "for programs", .take = take_json},
+	{.name = "sample",
+	 .help = "write a configuration for what is plugged in instead",
+	 .take = take_sample},
+	{.name = NULL}};
 
 static void print_json_text(const char *text)
 {
@@ -87,18 +101,32 @@ static void print_item(struct listing *l, const char *device, const char *name, 
 
 static void found_camera(void *context, const struct camera_listing *c)
 {
-	print_item(context, c->device, c->name, c->bus, c->lines, c->line_count);
+	const struct listing *l = context;
+
+	if (l->sample)
+		sample_add_camera(l->sample, l->driver, c);
+	else
+		print_item(context, c->device, c->name, c->bus, c->lines, c->line_count);
 }
 
 static void found_display(void *context, const struct display_listing *d)
 {
-	print_item(context, d->device, d->name, "", d->lines, d->line_count);
+	const struct listing *l = context;
+
+	if (l->sample)
+		sample_add_screen(l->sample, l->driver, d);
+	else
+		print_item(context, d->device, d->name, "", d->lines, d->line_count);
 }
 
 static void found_line(void *context, const char *line)
 {
 	struct listing *l = context;
 
+	if (l->sample) {
+		sample_add_buttons(l->sample, l->driver, line);
+		return;
+	}
 	begin_item(l);
 	if (!l->json) {
 		printf("  %s: %s\n", l->driver, line);
@@ -113,6 +141,8 @@ static void begin_class(struct listing *l, const char *title, const char *key)
 {
 	l->found = 0;
 	l->first = true;
+	if (l->sample)
+		return;
 	if (l->json)
 		printf("%s\"%s\":[", *key == 'c' ? "{" : ",", key);
 	else
@@ -121,6 +151,8 @@ static void begin_class(struct listing *l, const char *title, const char *key)
 
 static void end_class(struct listing *l)
 {
+	if (l->sample)
+		return;
 	if (l->json)
 		putchar(']');
 	else if (!l->found)
@@ -179,6 +211,20 @@ static void list_drivers(struct listing *l)
 		       buttons_drivers[i]->description);
 }
 
+static int write_sample(void)
+{
+	struct listing listing = {.sample = sample_create()};
+
+	if (!listing.sample) {
+		log_error("devices: not enough memory");
+		return EXIT_FAILED;
+	}
+	list_all(&listing);
+	sample_write(listing.sample, stdout);
+	sample_destroy(listing.sample);
+	return listing.failed ? EXIT_FAILED : EXIT_DONE;
+}
+
 static int run(int argc, char **argv)
 {
 	struct devices_options options = {.json = false};
@@ -187,6 +233,8 @@ static int run(int argc, char **argv)
 
 	if (code != OPTIONS_GO_ON)
 		return code;
+	if (options.sample)
+		return write_sample();
 	listing.json = options.json;
 	list_all(&listing);
 	list_drivers(&listing);
@@ -195,8 +243,18 @@ static int run(int argc, char **argv)
 
 const struct command command_devices = {
 	.name = "devices",
-	.usage = "[--json]",
+	.usage = "[--json | --sample]",
 	.purpose = "list the cameras, screens and buttons that there are",
+	.details = "What stands first after a driver's name is what the configuration calls its "
+		   "device:\n"
+		   "    cameras   driver = v4l2, device = /dev/video0; better a link, the name or "
+		   "the bus,\n"
+		   "              which stay when numbers change\n"
+		   "    screens   driver = kms, device = /dev/dri/card0, kms.connector = HDMI-A-1\n"
+		   "    buttons   driver = gpio, gpio.chip = gpiochip0 or its label\n"
+		   "Formats, sizes and controls are written as they are listed. A first "
+		   "configuration\n"
+		   "comes from inlay devices --sample > kiosk.conf.",
 	.options = rows,
 	.run = run,
 };

@@ -7,6 +7,7 @@ APP_SOURCES := \
 	app/command_still.c \
 	app/control.c \
 	app/control_socket.c \
+	app/devices_sample.c \
 	app/options.c \
 	app/settings.c \
 	app/driver_list.c \

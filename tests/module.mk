@@ -67,6 +67,7 @@ CLI_TESTS := \
 	tests/cli/reload.sh \
 	tests/cli/service.sh \
 	tests/cli/check.sh \
+	tests/cli/devices.sh \
 	tests/cli/control.sh \
 	tests/cli/errors.sh \
 	tests/cli/demo.sh \

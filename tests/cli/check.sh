@@ -40,7 +40,8 @@ END
 "$INLAY" check --config "$work/wrong.conf" >"$work/out" 2>"$work/said"
 equal "a wrong one is exit code 1" 1 $?
 equal "with nothing on standard output" "" "$(cat "$work/out")"
-grep -v nowhere.inlay "$work/said" >"$work/said-else"
+# libcamera is not in every build.
+grep -v nowhere.inlay "$work/said" | sed 's/ libcamera,//' >"$work/said-else"
 same "all that is wrong is said" "$work/expected" "$work/said-else"
 check "the missing basis too" grep -qF "[basis] file: $work/nowhere.inlay" "$work/said"
 

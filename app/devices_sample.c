@@ -1,0 +1,270 @@
+#include "app/devices_sample.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "config/config.h"
+
+enum { CAMERAS = 32, OFFERS = 6, LINE = sizeof(((struct camera_listing *)0)->lines[0]) };
+
+struct sample_camera {
+	char driver[32], name[128], bus[128];
+	char device[INI_PATH_MAX]; /* as it is listed: a number that may change */
+	char link[INI_PATH_MAX];   /* stays; empty: none */
+	char offers[OFFERS][LINE]; /* the first formats that can be shown */
+	int offer_count, offers_left_out;
+};
+
+struct sample_screen {
+	char driver[32], name[128], device[INI_PATH_MAX], connector[64];
+	int width, height; /* of the preferred mode; 0: none */
+	char rate[16];
+};
+
+struct sample {
+	struct sample_camera cameras[CAMERAS];
+	int camera_count, cameras_left_out;
+	struct sample_screen screen; /* the first that is connected */
+	int screens;		     /* connected ones */
+	char chip[128], chip_text[INI_TEXT_MAX];
+	bool keyboard;
+};
+
+struct sample *sample_create(void)
+{
+	return calloc(1, sizeof(struct sample));
+}
+
+void sample_destroy(struct sample *sample)
+{
+	free(sample);
+}
+
+/* "YUYV YUYV 640x480 30 Hz": the second word is one of our formats. */
+static bool is_offer(const char *line)
+{
+	char word[16];
+
+	if (sscanf(line, "%*s %15s", word) != 1)
+		return false;
+	for (int i = PIXEL_NONE + 1; i < PIXEL_FORMAT_COUNT; i++)
+		if (strcmp(word, pixel_format_names[i]) == 0)
+			return true;
+	return false;
+}
+
+static void read_camera_line(struct sample_camera *camera, const char *line)
+{
+	static const char link[] = "link ";
+
+	if (is_offer(line)) {
+		if (camera->offer_count < OFFERS)
+			snprintf(camera->offers[camera->offer_count++], LINE, "%s", line);
+		else
+			camera->offers_left_out++;
+	} else if (strncmp(line, link, strlen(link)) == 0 && strstr(line, "/by-id/")) {
+		snprintf(camera->link, sizeof(camera->link), "%s", line + strlen(link));
+	}
+}
+
+/* A webcam is listed by v4l2 and by libcamera, and a card with several nodes once for each: the
+ * first is enough. */
+static bool known(const struct sample *sample, const struct sample_camera *camera)
+{
+	for (int i = 0; i < sample->camera_count; i++) {
+		const struct sample_camera *other = &sample->cameras[i];
+
+		if (strcmp(other->driver, camera->driver) != 0) {
+			if (*camera->name && strstr(other->name, camera->name))
+				return true;
+		} else if (*camera->bus && strcmp(other->bus, camera->bus) == 0) {
+			return true;
+		}
+	}
+	return false;
+}
+
+void sample_add_camera(struct sample *sample, const char *driver,
+		       const struct camera_listing *listing)
+{
+	struct sample_camera camera = {.offer_count = 0};
+
+	snprintf(camera.driver, sizeof(camera.driver), "%s", driver);
+	snprintf(camera.name, sizeof(camera.name), "%s", listing->name);
+	snprintf(camera.bus, sizeof(camera.bus), "%s", listing->bus);
+	snprintf(camera.device, sizeof(camera.device), "%s", listing->device);
+	for (int i = 0; i < listing->line_count; i++)
+		read_camera_line(&camera, listing->lines[i]);
+	if (camera.offer_count == 0 || known(sample, &camera))
+		return;
+	if (sample->camera_count < CAMERAS)
+		sample->cameras[sample->camera_count++] = camera;
+	else
+		sample->cameras_left_out++;
+}
+
+void sample_add_screen(struct sample *sample, const char *driver,
+		       const struct display_listing *listing)
+{
+	struct sample_screen *screen = &sample->screen;
+	bool ours = false; /* the lines are of the connector that was taken */
+
+	for (int i = 0; i < listing->line_count; i++) {
+		const char *line = listing->lines[i], *colon = strchr(line, ':');
+
+		if (*line != ' ') {
+			ours = false;
+			if (!colon || strcmp(colon, ": connected") != 0 || sample->screens++ > 0)
+				continue;
+			ours = true;
+			snprintf(screen->driver, sizeof(screen->driver), "%s", driver);
+			snprintf(screen->name, sizeof(screen->name), "%s", listing->name);
+			snprintf(screen->device, sizeof(screen->device), "%s", listing->device);
+			snprintf(screen->connector, sizeof(screen->connector), "%.*s",
+				 (int)(colon - line), line);
+		} else if (ours && screen->width == 0 && strstr(line, "(preferred)")) {
+			if (sscanf(line, "%dx%d %15s Hz", &screen->width, &screen->height,
+				   screen->rate) != 3)
+				screen->width = screen->height = 0;
+		}
+	}
+}
+
+/* The label says what the chip is; its number may change. */
+void sample_add_buttons(struct sample *sample, const char *driver, const char *line)
+{
+	const char *open = strchr(line, '['), *close = strchr(line, ']');
+
+	if (strcmp(driver, "keyboard") == 0)
+		sample->keyboard = true;
+	if (strcmp(driver, "gpio") != 0 || *line == ' ' || !open || !close || close < open + 2 ||
+	    *sample->chip)
+		return;
+	snprintf(sample->chip, sizeof(sample->chip), "%.*s", (int)(close - open - 1), open + 1);
+	snprintf(sample->chip_text, sizeof(sample->chip_text), "%s", line);
+}
+
+static int times(const struct sample *sample, const char *link)
+{
+	int count = 0;
+
+	for (int i = 0; i < sample->camera_count; i++)
+		count += strcmp(sample->cameras[i].link, link) == 0;
+	return count;
+}
+
+/* What stays when numbers move: the link by what the camera is, unless another one is the same;
+ * else the bus where v4l2 knows it, which says which socket it is in. */
+static const char *stable_name(const struct sample *sample, const struct sample_camera *camera)
+{
+	if (*camera->link && strlen(camera->link) < INI_TEXT_MAX &&
+	    times(sample, camera->link) == 1)
+		return camera->link;
+	return *camera->bus ? camera->bus : camera->device;
+}
+
+static void write_camera(const struct sample *sample, int index, FILE *stream)
+{
+	const struct sample_camera *camera = &sample->cameras[index];
+	/* Beyond what a configuration may hold it is only a remark. */
+	const char *mark = index < CONFIG_CAMERAS_MAX ? "" : "; ";
+
+	fprintf(stream, "; %s, now %s%s%s. It offers:\n", *camera->name ? camera->name : "A camera",
+		camera->device, *camera->bus ? " at " : "", camera->bus);
+	for (int i = 0; i < camera->offer_count; i++)
+		fprintf(stream, ";     %s\n", camera->offers[i]);
+	if (camera->offers_left_out)
+		fprintf(stream, ";     and %d more: see inlay devices\n", camera->offers_left_out);
+	fprintf(stream, "%s[camera camera%d]\n%sdriver = %s\n%sdevice = %s\n", mark, index + 1,
+		mark, camera->driver, mark, stable_name(sample, camera));
+	fprintf(stream, "; 0: the driver's choice.\n%swidth = 0\n%sheight = 0\n%srate = 0\n\n",
+		mark, mark, mark);
+}
+
+static void write_cameras(const struct sample *sample, FILE *stream)
+{
+	const int count = sample->camera_count;
+
+	for (int i = 0; i < count; i++)
+		write_camera(sample, i, stream);
+	if (sample->cameras_left_out)
+		fprintf(stream, "; %d more cameras: see inlay devices\n\n",
+			sample->cameras_left_out);
+	if (count == 0)
+		fputs("; No camera was found when this was written: this is the first one that "
+		      "comes.\n[camera camera1]\n\n",
+		      stream);
+	if (count < 2)
+		fputs("; Both views are of one camera, until there is another: x, y, width and "
+		      "height say\n; which part of its picture each is (inlay check --sample).\n\n",
+		      stream);
+	else
+		fputs("; Which camera looks at the sky? If it is the other one, exchange the two "
+		      "names.\n\n",
+		      stream);
+	fputs("; The camera that measures the light, on its back beside the object.\n"
+	      "[fisheye]\ncamera = camera1\n"
+	      "; The middle of its circle of light, in pixels; 0 0: the middle of the picture.\n"
+	      "centre = 0 0\n"
+	      "; Half of what it sees, in degrees; focal = 0 0: that fills the picture's smaller "
+	      "side.\n"
+	      "field = 90\nfocal = 0 0\n\n"
+	      "; The camera in whose picture the object stands.\n",
+	      stream);
+	fprintf(stream, "[background]\ncamera = camera%d\n\n", count < 2 ? 1 : 2);
+}
+
+static void write_screen(const struct sample *sample, FILE *stream)
+{
+	const struct sample_screen *screen = &sample->screen;
+
+	if (sample->screens == 0) {
+		fputs("; No connected screen was found when this was written: this is the first "
+		      "one that comes.\n[screen]\n\n",
+		      stream);
+		return;
+	}
+	fprintf(stream, "; %s at %s", screen->connector, screen->name);
+	if (sample->screens > 1)
+		fprintf(stream, "; inlay devices lists %d connected screens", sample->screens);
+	fprintf(stream, "\n[screen]\ndriver = %s\n", screen->driver);
+	if (sample->screens > 1)
+		fprintf(stream, "device = %s\n", screen->device);
+	fprintf(stream, "kms.connector = %s\n", screen->connector);
+	if (screen->width)
+		fprintf(stream, "; What it prefers, at %s Hz:\nwidth = %d\nheight = %d\n",
+			screen->rate, screen->width, screen->height);
+	fputc('\n', stream);
+}
+
+static void write_buttons(const struct sample *sample, FILE *stream)
+{
+	if (!*sample->chip && !sample->keyboard) {
+		fputs("; No buttons were found: there is inlay control as well.\n[buttons]\n"
+		      "driver = none\n",
+		      stream);
+		return;
+	}
+	if (*sample->chip)
+		fprintf(stream,
+			"; %s. Name the lines that your buttons are on, and the driver:\n"
+			";     driver = %s\n;     gpio.threshold_next = 17\n"
+			";     gpio.view_next = 27\n",
+			sample->chip_text, sample->keyboard ? "gpio keyboard" : "gpio");
+	fprintf(stream, "[buttons]\ndriver = %s\n", sample->keyboard ? "keyboard" : "none");
+	if (*sample->chip)
+		fprintf(stream, "gpio.chip = %s\n", sample->chip);
+}
+
+void sample_write(const struct sample *sample, FILE *stream)
+{
+	fputs("; A configuration for what was plugged in when inlay devices --sample wrote it.\n"
+	      "; inlay check --config FILE says what is wrong with it; inlay check --sample shows "
+	      "every key.\n\n"
+	      "[basis]\n; What inlay-bake made for the place of the background camera.\n"
+	      "file = object.inlay\n\n",
+	      stream);
+	write_cameras(sample, stream);
+	write_screen(sample, stream);
+	write_buttons(sample, stream);
+}

@@ -1,0 +1,33 @@
+/*
+ * A configuration for what is plugged in: what `inlay devices --sample` writes.
+ *
+ * It is made of what the drivers list, so a driver that says more makes a better sample. Of the
+ * lines that listings hold for people, it looks for these:
+ *     cameras   "X FORMAT ...", FORMAT one of ours; "link /dev/v4l/by-id/..."
+ *     screens   "NAME: connected", and after it "  WxH RATE Hz (preferred)"
+ *     buttons   "CHIP [LABEL], N lines" of the driver gpio
+ */
+#ifndef INLAY_APP_DEVICES_SAMPLE_H
+#define INLAY_APP_DEVICES_SAMPLE_H
+
+#include <stdio.h>
+
+#include "hal/camera.h"
+#include "hal/display.h"
+
+struct sample;
+
+struct sample *sample_create(void); /* NULL: no memory */
+void sample_destroy(struct sample *sample);
+
+/* As the drivers list them; copied. What memory has no room for is left out. */
+void sample_add_camera(struct sample *sample, const char *driver,
+		       const struct camera_listing *listing);
+void sample_add_screen(struct sample *sample, const char *driver,
+		       const struct display_listing *listing);
+void sample_add_buttons(struct sample *sample, const char *driver, const char *line);
+
+/* Every key that is written is valid; only the basis is left to the reader. */
+void sample_write(const struct sample *sample, FILE *stream);
+
+#endif
