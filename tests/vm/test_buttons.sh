@@ -25,7 +25,7 @@ press() { # line; held as long as a finger would
 # listen option=value...: until ignore; what comes is in $VM_OUT/said
 listen() {
 	: >"$VM_OUT/said"
-	"$tools/presses" gpio 60 "$@" >"$VM_OUT/said" 2>&1 &
+	"$tools/presses" gpio 400 "$@" >"$VM_OUT/said" 2>&1 &
 	listening=$!
 	within_seconds 10 grep -q -E '^(ready|error)' "$VM_OUT/said"
 }

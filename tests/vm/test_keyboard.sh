@@ -35,7 +35,7 @@ listen() {
 	local name=$1
 	shift
 	: >"$VM_OUT/said-$name"
-	"$tools/presses" keyboard 100 "$@" >"$VM_OUT/said-$name" 2>&1 &
+	"$tools/presses" keyboard 400 "$@" >"$VM_OUT/said-$name" 2>&1 &
 	listener[$name]=$!
 	within_seconds 10 grep -q -E '^(ready|error)' "$VM_OUT/said-$name"
 }
