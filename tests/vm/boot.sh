@@ -76,6 +76,9 @@ mkfifo "$scratch/monitor.in"
 ln -s "$job/monitor.log" "$scratch/monitor.out"
 echo >"$job/monitor.log"
 
+# The guest's fourth serial port is connected to QEMU's own VNC server: a test asks it for a window of
+# another size, which to virtio-gpu is another screen, or for none. (The third would share its
+# interrupt with the first, which is always open; this one does with the second.)
 options=(
 	-accel "tcg,thread=multi" -cpu max -smp 2 -m 1024
 	-nodefaults -no-reboot -display none -vga none -device virtio-gpu-pci
@@ -85,15 +88,19 @@ options=(
 	-virtfs "local,path=$(comma "$job"),mount_tag=job,security_model=none"
 	-chardev "pipe,id=monitor,path=$scratch/monitor" -mon "chardev=monitor,mode=control"
 	-chardev "file,id=guest,path=$scratch/monitor.in"
+	-chardev "socket,id=window,path=$scratch/window,server=on,wait=off"
+	-vnc "unix:$scratch/window,reverse=on"
 )
 
 if [ "$shell" = 1 ]; then
 	qemu-system-x86_64 "${options[@]}" -chardev stdio,id=console,signal=off \
-		-serial chardev:console -serial chardev:guest
+		-serial chardev:console -serial chardev:guest \
+		-serial null -serial chardev:window
 else
 	# In the background, so that a signal to this script is acted on at once.
 	timeout --signal=KILL "$limit" qemu-system-x86_64 "${options[@]}" \
 		-serial "file:$job/console.log" -serial chardev:guest \
+		-serial null -serial chardev:window \
 		</dev/null >"$job/qemu.log" 2>&1 &
 	qemu=$!
 	code=0

@@ -85,6 +85,21 @@ monitor() {
 	within_seconds 10 grep -q "\"id\": \"$id\"" $log && grep "\"id\": \"$id\"" $log | grep -q return
 }
 
+# Makes the screen of QEMU's own device another one: virtio-gpu names this size as the preferred mode
+# from now on, and the kernel tells whoever listens. 0 0: it is pulled out. (What a VNC client says
+# who has resized the window; version and an anonymous greeting once.)
+#     resize_window WIDTH HEIGHT
+resize_window() {
+	local size
+	size=$(printf '\\x%02x' $(($1 >> 8)) $(($1 & 255)) $(($2 >> 8)) $(($2 & 255)))
+	if [ ! -e /run/window-ready ]; then
+		stty -F /dev/ttyS3 raw -echo
+		printf 'RFB 003.008\n\x01\x01' >/dev/ttyS3
+	fi
+	: >/run/window-ready
+	printf '\xfb\0%b\x01\0\0\0\0\0\0\0\0\0%b\0\0\0\0' "$size" "$size" >/dev/ttyS3
+}
+
 # The card that this driver drives: card_of vkms prints 1
 card_of() {
 	local device
