@@ -17,13 +17,13 @@
 /* What there is to say about a screen that cannot show anything. */
 enum display_situation {
 	DISPLAY_FINE,
-	DISPLAY_NO_DEVICE,     /* no graphics card, no window system */
-	DISPLAY_NO_SCREEN,     /* nothing connected, or it is off */
-	DISPLAY_BUSY,	       /* another program holds it */
+	DISPLAY_NO_DEVICE, /* no graphics card, no window system */
+	DISPLAY_NO_SCREEN, /* nothing connected, or it is off */
+	DISPLAY_BUSY,	   /* another program holds it */
 	DISPLAY_NO_PERMISSION,
-	DISPLAY_NO_MODE,       /* it has none that was asked for */
-	DISPLAY_STALLED,       /* a refresh never came */
-	DISPLAY_BROKEN,	       /* anything else; the fault says what */
+	DISPLAY_NO_MODE, /* it has none that was asked for */
+	DISPLAY_STALLED, /* a refresh never came */
+	DISPLAY_BROKEN,	 /* anything else; the fault says what */
 	DISPLAY_SITUATION_COUNT
 };
 
@@ -65,10 +65,10 @@ struct display_buffer {
 
 enum display_event_kind {
 	DISPLAY_NOTHING,
-	DISPLAY_SHOWN,	/* a submitted frame is on the screen since time_ns */
-	DISPLAY_CLOSED, /* the person closed the window: stop */
+	DISPLAY_SHOWN,	 /* a submitted frame is on the screen since time_ns */
+	DISPLAY_CLOSED,	 /* the person closed the window: stop */
 	DISPLAY_EXPOSED, /* what was on the screen is lost (the console is ours again): draw anew */
-	DISPLAY_ACTION, /* a key pressed in the window: action holds enum action (hal/buttons.h) */
+	DISPLAY_ACTION,	 /* a key pressed in the window: action holds enum action (hal/buttons.h) */
 };
 
 struct display_event {
@@ -113,7 +113,8 @@ struct display_ops {
 	 * The same buffer is returned until it is submitted. */
 	int (*acquire)(struct display *display, struct display_buffer *buffer);
 
-	/* Mandatory, never blocks. Shows what was acquired; token comes back in DISPLAY_SHOWN. 0 or
+	/* Mandatory, never blocks. Shows what was acquired; token comes back in DISPLAY_SHOWN, but
+	 * for a frame that the console's being switched away overtook: that one is lost. 0 or
 	 * -errno: the screen is gone or the disk is full; situation says which; close it. */
 	int (*submit)(struct display *display, struct display_buffer *buffer, int64_t token,
 		      struct fault *fault);

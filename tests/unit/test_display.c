@@ -166,6 +166,49 @@ static void wrappers_lend(void **state)
 	assert_int_equal(record.closed, 1);
 }
 
+/* A driver that says nothing but an error is still understood. */
+static void wrappers_name_situations(void **state)
+{
+	static const struct {
+		int err;
+		enum display_situation situation;
+		bool may_return;
+	} cases[] = {
+		{-ENODEV, DISPLAY_NO_DEVICE, true},
+		{-ENOLINK, DISPLAY_NO_SCREEN, true},
+		{-EBUSY, DISPLAY_BUSY, true},
+		{-ETIMEDOUT, DISPLAY_STALLED, true},
+		{-EACCES, DISPLAY_NO_PERMISSION, false},
+		{-EPERM, DISPLAY_NO_PERMISSION, false},
+		{-EIO, DISPLAY_BROKEN, false},
+		{-ENOTSUP, DISPLAY_BROKEN, false},
+	};
+	const struct display_settings settings = {.width = 4};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct record record = {.open_result = cases[i].err};
+		struct display display;
+
+		assert_int_equal(display_open(&display, &recorder, &settings, &record, NULL),
+				 cases[i].err);
+		assert_int_equal(display.situation, cases[i].situation);
+		assert_int_equal(display_may_return(display.situation), cases[i].may_return);
+		assert_int_equal(display_fit(&display, 4, 4, 1), -EBADF);
+		/* Kept when closed, until it is opened again. */
+		display_close(&display, NULL);
+		assert_int_equal(display.situation, cases[i].situation);
+		record.open_result = 0;
+		assert_int_equal(display_open(&display, &recorder, &settings, &record, NULL), 0);
+		assert_int_equal(display.situation, DISPLAY_FINE);
+		/* Most drivers leave scaling to the program. */
+		assert_int_equal(display_fit(&display, 4, 4, 1), -ENOTSUP);
+		display.hidden = true;
+		display_close(&display, NULL);
+		assert_false(display.hidden);
+	}
+}
+
 /* ---- what the drivers share ---- */
 
 static void open_fine(struct display *display, const struct display_ops *ops,
@@ -692,6 +735,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(wrappers_refuse),
 		cmocka_unit_test(wrappers_lend),
+		cmocka_unit_test(wrappers_name_situations),
 		cmocka_unit_test(null_flips_on_time),
 		cmocka_unit_test(null_without_rate),
 		cmocka_unit_test(null_without_size),
