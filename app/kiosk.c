@@ -136,7 +136,8 @@ static int settle(struct kiosk *k, struct fault *fault)
 			return 0;
 	}
 	k->settled = true;
-	k->redraw = k->source_count > 0 && !kiosk_leader(k);
+	k->redraw = !kiosk_leader(k);
+	kiosk_text(k);
 	return kiosk_screen_open(k, true, fault);
 }
 

@@ -13,8 +13,8 @@ struct opener {
 	pthread_cond_t wanted;
 	int ended; /* eventfd: written when an opening has ended */
 	/* Under the lock: */
-	bool open, leave;
-	/* The thread's from opener_start() until ended is written, else the caller's: */
+	bool open, done, leave;
+	/* The thread's from open to done, else the caller's: */
 	struct camera *camera;
 	const struct camera_ops *ops;
 	const struct camera_settings *settings;
@@ -45,8 +45,10 @@ static void *open_cameras(void *context)
 		*opener->fault.text = '\0';
 		opener->err = camera_open(opener->camera, opener->ops, opener->settings,
 					  opener->options, &opener->fault);
-		/* Fails only at 2^64 - 1 openings that nobody asked about. */
-		(void)eventfd_write(opener->ended, 1);
+		pthread_mutex_lock(&opener->lock);
+		opener->done = true;
+		(void)eventfd_write(opener->ended, 1); /* it was 0: there is room */
+		pthread_mutex_unlock(&opener->lock);
 	}
 	return NULL;
 }
@@ -105,8 +107,15 @@ int opener_descriptor(const struct opener *opener)
 bool opener_take(struct opener *opener, int *err, struct fault *fault)
 {
 	eventfd_t count;
+	bool done;
 
-	if (eventfd_read(opener->ended, &count))
+	pthread_mutex_lock(&opener->lock);
+	done = opener->done;
+	opener->done = false;
+	if (done)
+		(void)eventfd_read(opener->ended, &count);
+	pthread_mutex_unlock(&opener->lock);
+	if (!done)
 		return false;
 	*err = opener->err;
 	*fault = opener->fault;
