@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs the Debian packages that a purpose needs, and nothing when all of them are there.
-#     board/deps.sh build|demo|package|test ...
+#     board/deps.sh build|demo|package|image|test ...
 # Root is asked for only when something is missing.
 set -eu
 
@@ -14,6 +14,11 @@ test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-r
 	xz-utils v4l-utils libcamera-ipa udev
 	man-db mandoc lintian mmdebstrap bash-completion zsh systemd"
 package="dpkg-dev xz-utils"
+# QEMU and firmware are for booting what was built; the Arm compiler for the Arm boards.
+image="mmdebstrap uidmap fakeroot e2fsprogs dosfstools mtools fdisk systemd fontconfig binutils
+	dpkg-dev linux-source-6.1 flex bison bc libelf-dev libssl-dev cpio kmod xz-utils
+	qemu-system-x86 qemu-system-arm ovmf
+	qemu-user-static arch-test gcc-aarch64-linux-gnu g++-aarch64-linux-gnu"
 
 wanted=""
 for purpose in "$@"; do
@@ -21,9 +26,10 @@ for purpose in "$@"; do
 	build) wanted="$wanted $build" ;;
 	demo) wanted="$wanted $build $demo" ;;
 	package) wanted="$wanted $build $package" ;;
-	test) wanted="$wanted $build $demo $package $test" ;;
+	image) wanted="$wanted $build $image" ;;
+	test) wanted="$wanted $build $demo $package $image $test" ;;
 	*)
-		echo "deps: unknown purpose \"$purpose\", expected build, demo, package or test" >&2
+		echo "deps: unknown purpose \"$purpose\", expected build, demo, package, image or test" >&2
 		exit 2
 		;;
 	esac

@@ -1,0 +1,25 @@
+# `make image BOARD=...`, `make boot BOARD=...`: board/image/README.md.
+
+BOARD ?= qemu-x86_64
+BOARD_ARCH := $(if $(filter raspberrypi qemu-arm64,$(BOARD)),arm64,amd64)
+IMAGE_BUILD := build/image/$(BOARD_ARCH)
+# A kiosk has no desktop and reads no OpenEXR.
+IMAGE_SWITCHES := WITH_SDL=0 WITH_EXR=0
+
+.PHONY: image image-built image-programs boot
+## image: build/image/BOARD/inlay.img, for BOARD=qemu-x86_64, pc-x86_64, raspberrypi, qemu-arm64
+image:
+	$(Q)board/deps.sh image
+	$(AGAIN) image-built BOARD=$(BOARD)
+image-built: all
+	$(Q)BUILD="$(BUILD)" board/image/demo.sh
+	$(Q)board/image/programs.sh $(BOARD_ARCH) $(IMAGE_BUILD) $(IMAGE_SWITCHES)
+	$(Q)BUILD=$(IMAGE_BUILD) board/image/image.sh $(BOARD)
+
+# What the image holds of ours, without the baker (board/image/programs.sh chooses the compiler).
+image-programs: $(filter-out %/inlay-bake %.bash %/inlay-bake.1 %/_inlay-bake,$(INSTALLED)) \
+	$(SHARE)/inlay.bash
+
+## boot: start an image in QEMU, in a window where there is one (BOARD=qemu-x86_64)
+boot: $(if $(wildcard build/image/$(BOARD)/inlay.img),,image)
+	$(Q)board/image/boot.sh $(BOARD)

@@ -1,0 +1,10 @@
+# shellcheck shell=bash disable=SC2034
+# The simulated PC: the kernel that the device tests use, given to QEMU directly.
+architecture=amd64
+
+board_files() { # root, boot, out
+	local kernel
+	kernel=$(board/qemu-x86_64/build-kernel.sh)
+	cp -r "$kernel/modules/lib/modules" "$1/usr/lib/"
+	cp "$kernel/bzImage" "$3/kernel"
+}

@@ -1,0 +1,90 @@
+# shellcheck shell=bash
+# Sourced by the boot tests: one machine at a time, booted from an image, with a root's shell on its
+# second serial port and QEMU's monitor beside it.
+. board/image/emulator.sh
+
+machine= # process id of QEMU
+
+# machine_start BOARD IMAGE OUT [KERNEL WORD...]: what it says is left in OUT.
+machine_start() {
+	local board=$1 image=$2
+	out=$3
+	shift 3
+	mkdir -p "$out"
+	rm -f "$out"/{shell,monitor}.{in,out}
+	mkfifo "$out"/{shell,monitor}.in
+	for log in shell monitor; do
+		: >"$out/$log.log"
+		ln -s "$log.log" "$out/$log.out"
+	done
+	exec 7<>"$out/shell.in" 8<>"$out/monitor.in"
+	emulator_of "$board" "$image" "build/image/$board" "$@" || return 1
+	"${emulator[@]}" -display none -vga none -device virtio-gpu-pci \
+		-serial "file:$out/console.log" \
+		-chardev "pipe,id=shell,path=$out/shell" -serial chardev:shell \
+		-chardev "pipe,id=monitor,path=$out/monitor" -mon chardev=monitor,mode=control \
+		</dev/null >"$out/qemu.log" 2>&1 7>&- 8>&- &
+	machine=$!
+	echo '{"execute":"qmp_capabilities"}' >&8
+	asked=0
+}
+
+alive() {
+	kill -0 "$machine" 2>/dev/null
+}
+
+# within SECONDS COMMAND...: tries until it succeeds; fails at the limit, or when the machine is gone.
+within() {
+	local limit=$((SECONDS + $1))
+	shift
+	until "$@"; do
+		[ $SECONDS -lt $limit ] && alive || return 1
+		sleep 0.1
+	done
+}
+
+# shell SECONDS COMMAND: runs it in the machine, prints what it prints, returns its exit code.
+shell() {
+	within "$1" grep -q 'inlay# ' "$out/shell.log" || {
+		echo "no shell within $1 s"
+		return 124
+	}
+	asked=$((asked + 1))
+	# The terminal echoes the command: its marks must not look like those that are printed.
+	printf 'echo "<""begun %d>"; { %s\n} 2>&1; echo "<""ended %d $?>"\n' $asked "$2" $asked >&7
+	within "$1" grep -q "^<ended $asked [0-9]*>" "$out/shell.log" || {
+		echo "no answer within $1 s to: $2"
+		return 124
+	}
+	tr -d '\r' <"$out/shell.log" |
+		sed -e "1,/^<begun $asked>/d" -e "/^<ended $asked /,\$d"
+	return "$(sed -n "s/^<ended $asked \([0-9]*\)>.*/\1/p" "$out/shell.log")"
+}
+
+# screendump FILE.ppm
+screendump() {
+	rm -f "$1"
+	echo "{\"execute\":\"screendump\",\"arguments\":{\"filename\":\"$(realpath -m "$1")\"}}" >&8
+	within 10 test -s "$1"
+}
+
+power_cut() {
+	kill -KILL "$machine"
+	wait "$machine" 2>/dev/null
+	machine=
+}
+
+# The machine switches itself off.
+switched_off() { # seconds
+	local limit=$((SECONDS + $1))
+	while alive; do
+		[ $SECONDS -lt $limit ] || return 1
+		sleep 0.1
+	done
+	wait "$machine" 2>/dev/null
+	machine=
+}
+
+machine_end() {
+	[ -z "$machine" ] || power_cut
+}
