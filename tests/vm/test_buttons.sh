@@ -27,7 +27,7 @@ listen() {
 	: >"$VM_OUT/said"
 	"$tools/presses" gpio 400 "$@" >"$VM_OUT/said" 2>&1 &
 	listening=$!
-	within_seconds 10 grep -q -E '^(ready|error)' "$VM_OUT/said"
+	within_seconds 60 grep -q -E '^(ready|error)' "$VM_OUT/said"
 }
 ignore() {
 	kill $listening 2>/dev/null
@@ -55,7 +55,7 @@ matches "the chip is found by its label" '^ready' "$(cat "$VM_OUT/said")"
 press 2
 press 2
 press 3
-check "two presses of one line, one of the other" within_seconds 5 heard 1 threshold-down
+check "two presses of one line, one of the other" within_seconds 20 heard 1 threshold-down
 check "each is one action" heard 2 threshold-up
 "$tools/presses" gpio 1 chip=panel threshold_up=2 >"$VM_OUT/second" 2>&1
 matches "a line that another program holds is an error that names it" "line 2 of panel" \
@@ -86,7 +86,7 @@ sleep 1.5
 check "a bouncing press is one action" heard 1 threshold-up
 check "a spike is none" heard 0 threshold-down
 level 3 pull-down
-check "another button after it" within_seconds 5 heard 1 threshold-down
+check "another button after it" within_seconds 20 heard 1 threshold-down
 level 3 pull-up
 ignore
 
@@ -100,26 +100,26 @@ level 3 pull-up
 sleep 1
 held=$(count threshold-up)
 press 3
-check "and stops when it is let go" within_seconds 5 heard 2 view-next
+check "and stops when it is let go" within_seconds 20 heard 2 view-next
 equal "at once" "$held" "$(count threshold-up)"
 ignore
 level 2 pull-down
 listen chip=panel threshold_up=2 view_next=3 repeat_after_ms=100 repeat_every_ms=50
 sleep 1
 press 3
-check "a line that is pressed at the start" within_seconds 5 heard 1 view-next
+check "a line that is pressed at the start" within_seconds 20 heard 1 view-next
 check "is no press, however long" heard 0 threshold-up
 level 2 pull-up
 sleep 0.1
 press 2
-check "until it was let go" within_seconds 5 heard_least 1 threshold-up
+check "until it was let go" within_seconds 20 heard_least 1 threshold-up
 ignore
 listen chip=panel threshold_up=2 view_next=3 repeat_after_ms=0
 level 2 pull-down
 sleep 1
 level 2 pull-up
 press 3
-check "no repetition when none is wanted" within_seconds 5 heard 1 view-next
+check "no repetition when none is wanted" within_seconds 20 heard 1 view-next
 check "but the press" heard 1 threshold-up
 
 # ---- a program that did not look for a while: more edges than the kernel keeps ----
@@ -132,13 +132,13 @@ for _ in {1..40}; do
 done
 level 2 pull-down
 kill -CONT $listening
-check "an edge that was not kept is found" within_seconds 5 heard 2 threshold-up
+check "an edge that was not kept is found" within_seconds 20 heard 2 threshold-up
 many=$(count view-next)
 holds "as many presses as were kept ($many)" "2 <= $many && $many <= 41"
 level 2 pull-up
 sleep 0.1
 press 3
-check "and the next press counts" within_seconds 5 heard $((many + 1)) view-next
+check "and the next press counts" within_seconds 20 heard $((many + 1)) view-next
 ignore
 
 listen chip=panel threshold_up=2 active_low=no bias=pull-down repeat_after_ms=0
@@ -146,14 +146,14 @@ level 2 pull-down
 level 2 pull-up
 sleep 0.1
 level 2 pull-down
-check "a button to the supply works as well" within_seconds 5 heard 1 threshold-up
+check "a button to the supply works as well" within_seconds 20 heard 1 threshold-up
 ignore
 
 # ---- the chip goes and comes back ----
 level 2 pull-up
 listen chip=panel threshold_up=2
 check "the chip can be taken away" remove_chip
-check "which is said" within_seconds 10 grep -q '^error .*chip is gone' "$VM_OUT/said"
+check "which is said" within_seconds 20 grep -q '^error .*chip is gone' "$VM_OUT/said"
 "$tools/presses" gpio 1 chip=panel threshold_up=2 >"$VM_OUT/second" 2>&1
 matches "while it is away it is missing by name" 'there is no chip "panel"' "$(cat "$VM_OUT/second")"
 ignore
@@ -162,7 +162,7 @@ panel=/sys/devices/platform/$(cat "${bank%/bank}/dev_name")/$(cat $bank/chip_nam
 level 2 pull-up
 listen chip=panel threshold_up=2 repeat_after_ms=0
 press 2
-check "and is pressed" within_seconds 5 heard 1 threshold-up
+check "and is pressed" within_seconds 20 heard 1 threshold-up
 ignore
 check "and is taken away for good" remove_chip
 # The module stays: this kernel goes on counting the line that was held when its chip went.

@@ -147,7 +147,7 @@ check "and pictures go on" within_seconds 20 more_frames
 
 # ---- a kiosk that died ----
 kill -KILL $running
-within_seconds 10 ended
+within_seconds 20 ended
 refused "a dead kiosk is no kiosk" "no kiosk listens .* Connection refused" "${commands[@]}" status
 kiosk third
 check "another takes its socket's place" within_seconds 30 answers
