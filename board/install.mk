@@ -68,12 +68,16 @@ uninstall: $(SHARE)/kiosk.conf
 DEB_ARCH ?= $(shell dpkg --print-architecture)
 DEB_BUILD ?= build/deb
 DEB_RUNNER ?= $(if $(filter-out $(shell dpkg --print-architecture),$(DEB_ARCH)),qemu-$(shell \
-	dpkg-architecture -a$(DEB_ARCH) -qDEB_HOST_GNU_CPU))
+	dpkg-architecture -a$(DEB_ARCH) -qDEB_HOST_GNU_CPU 2>/dev/null))
 # Debian's hardening, at our own level of optimisation.
 deb_flags = $(shell DEB_HOST_ARCH=$(DEB_ARCH) DEB_BUILD_MAINT_OPTIONS=hardening=+bindnow \
 	DEB_CFLAGS_MAINT_STRIP="-g -O2" DEB_CXXFLAGS_MAINT_STRIP="-g -O2" dpkg-buildflags --get $(1))
 
-.PHONY: deb deb-built deb-packed
+# A package in which a part is missing because its library was not found would be no kiosk.
+DEB_PARTS := KMS GPIO EXR LIBCAMERA CAIRO SYSTEMD
+DEB_MISSING = $(foreach x,$(DEB_PARTS),$(if $(filter 1,$(WITH_$(x))),,WITH_$(x)))
+
+.PHONY: deb deb-built deb-whole deb-packed
 ## deb: the Debian packages inlay (the kiosk, without windows) and inlay-bake, in build/deb
 deb:
 	$(Q)board/deps.sh build package
@@ -83,6 +87,9 @@ deb-built:
 		CFLAGS="$(call deb_flags,CPPFLAGS) $(call deb_flags,CFLAGS)" \
 		CXXFLAGS="$(call deb_flags,CPPFLAGS) $(call deb_flags,CXXFLAGS)" \
 		LDFLAGS="$(call deb_flags,LDFLAGS)" deb-packed
-deb-packed: $(INSTALLED)
+deb-whole:
+	$(Q)[ -z "$(strip $(DEB_MISSING))" ] || { echo "deb: $(PKG_CONFIG) finds no library for \
+	$(strip $(DEB_MISSING)): expected those of $(DEB_ARCH)" >&2; exit 1; }
+deb-packed: deb-whole $(INSTALLED)
 	$(Q)SOURCE_DATE_EPOCH=$(SOURCE_DATE_EPOCH) DEB_MAINTAINER="$(DEB_MAINTAINER)" \
 		board/debian/build.sh $(BUILD) $(VERSION) $(DEB_ARCH) $(DEB_BUILD)

@@ -10,7 +10,7 @@ build=$1 version=$2 arch=$3 out=$4
 here=$PWD/board/debian
 export LC_ALL=C.UTF-8 TZ=UTC DEB_HOST_ARCH=$arch
 umask 022
-kind=$(dpkg-architecture -a"$arch" -qDEB_HOST_GNU_TYPE)
+kind=$(dpkg-architecture -a"$arch" -qDEB_HOST_GNU_TYPE 2>/dev/null)
 stage=$PWD/$build/stage
 rm -rf "$stage"
 mkdir -p "$stage/debian" "$out"

@@ -24,6 +24,11 @@ check "make deb" make_debs
 check "leaves the package of the kiosk" test -s "$kiosk"
 check "and that of the offline program" test -s "$bake"
 
+# A library that is not found must not make a kiosk without it.
+check "a part that is missing stops it" grep -q "finds no library for WITH_KMS" < <(
+	env -u MAKEFLAGS -u MAKELEVEL make --no-print-directory WITH_KMS=0 deb-whole 2>&1
+)
+
 # ---- what they hold ----
 contents() { # mode, owner and path of what is no folder
 	dpkg-deb -c "$1" | awk '$1 !~ /^d/ { print $1, $2, substr($6, 2) }' | LC_ALL=C sort -k3
