@@ -4,12 +4,14 @@
  *
  * C++, because libcamera is; kept in this file. Inside it a failure is an exception that says what
  * the screen is to say; every op catches all of them. Debian 12 has libcamera 0.0.3, Debian 13 0.4:
- * what differs between them is in control_elements() and control_words().
+ * what differs between them is in Manager, control_elements() and control_words().
  */
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstring>
 #include <limits>
 #include <list>
@@ -27,9 +29,12 @@
 #include <fcntl.h>
 #include <linux/dma-buf.h>
 #include <strings.h>
+#include <sys/epoll.h>
 #include <sys/eventfd.h>
+#include <sys/inotify.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <libcamera/libcamera.h>
@@ -160,9 +165,9 @@ class Manager
 
 		if (users == 0) {
 			redirect_messages();
-			only = std::make_unique<lc::CameraManager>();
+			only = new lc::CameraManager;
 			if (const int err = only->start(); err) {
-				only.reset();
+				delete only;
 				throw Failure(err, CAMERA_NO_DEVICE, "it finds no devices at all");
 			}
 		}
@@ -176,7 +181,7 @@ class Manager
 		if (--users > 0)
 			return;
 		only->stop();
-		only.reset();
+		delete only;
 	}
 
 	Manager(const Manager &) = delete;
@@ -187,14 +192,49 @@ class Manager
 		return only->cameras();
 	}
 
+	/* So that the camera may come back under its name: two of one name are fatal. libcamera
+	 * wants to be told by its own thread; later versions have no way to be told. */
+	void forget(const std::shared_ptr<lc::Camera> &camera) const
+	{
+#if LIBCAMERA_AT_LEAST(0, 4)
+		(void)camera;
+#else
+		class Errand : public lc::Object
+		{
+		      public:
+			void run(std::shared_ptr<lc::Camera> what)
+			{
+				only->removeCamera(what);
+			}
+		};
+		Errand errand;
+
+		errand.moveToThread(camera->thread());
+		errand.invokeMethod(&Errand::run, lc::ConnectionTypeBlocking, camera);
+#endif
+	}
+
+	/* The device, as in struct stat, is one that this camera is made of. */
+	bool made_of(const std::shared_ptr<lc::Camera> &camera, dev_t number) const
+	{
+#if LIBCAMERA_AT_LEAST(0, 4)
+		const auto numbers = camera->properties().get(lc::properties::SystemDevices);
+
+		return numbers && std::find(numbers->begin(), numbers->end(), (int64_t)number) !=
+					  numbers->end();
+#else
+		return only->get(number) == camera;
+#endif
+	}
+
       private:
 	static std::mutex lock;
-	static std::unique_ptr<lc::CameraManager> only;
+	static lc::CameraManager *only; /* no destructor: see libcamera_close() */
 	static int users;
 };
 
 std::mutex Manager::lock;
-std::unique_ptr<lc::CameraManager> Manager::only;
+lc::CameraManager *Manager::only;
 int Manager::users;
 
 std::string model_of(const lc::Camera &device)
@@ -766,6 +806,16 @@ class Inbox
 
 		over = true;
 		eventfd_write(fd, 1);
+		changed.notify_all();
+	}
+
+	/* libcamera hears of a device that is gone a little later than we do, if at all. */
+	bool ends_soon()
+	{
+		std::unique_lock<std::mutex> guard(lock);
+
+		return changed.wait_for(guard, std::chrono::milliseconds(300),
+					[this] { return over; });
 	}
 
 	bool ended()
@@ -794,9 +844,68 @@ class Inbox
 
       private:
 	std::mutex lock;
+	std::condition_variable changed;
 	std::vector<int> ring;
 	size_t first = 0, count = 0;
 	bool over = false;
+};
+
+/* The names in /dev of what a camera is made of: of cameras other than webcams libcamera does not
+ * tell that they are gone. */
+class Nodes
+{
+      public:
+	Nodes() : fd(inotify_init1(IN_CLOEXEC | IN_NONBLOCK))
+	{
+		if (fd < 0)
+			throw Failure(-errno, "cannot watch /dev");
+	}
+
+	~Nodes()
+	{
+		close(fd);
+	}
+
+	Nodes(const Nodes &) = delete;
+	Nodes &operator=(const Nodes &) = delete;
+
+	void watch(const Manager &manager, const std::shared_ptr<lc::Camera> &camera)
+	{
+		const std::unique_ptr<DIR, int (*)(DIR *)> dev(opendir("/dev"), closedir);
+		struct stat status;
+
+		if (inotify_add_watch(fd, "/dev", IN_DELETE | IN_ONLYDIR) < 0)
+			throw Failure(-errno, "cannot watch /dev");
+		while (const dirent *entry = dev ? readdir(dev.get()) : nullptr)
+			if (!strncmp(entry->d_name, "video", 5) &&
+			    stat((std::string("/dev/") + entry->d_name).c_str(), &status) == 0 &&
+			    manager.made_of(camera, status.st_rdev))
+				names.push_back(entry->d_name);
+	}
+
+	/* Whether one of them was deleted since watch(). */
+	bool deleted()
+	{
+		alignas(inotify_event) char events[4096];
+		ssize_t length;
+
+		while ((length = read(fd, events, sizeof(events))) > 0)
+			for (const char *at = events; at < events + length;) {
+				const auto *const event = (const inotify_event *)at;
+
+				if (event->len > 0 && std::find(names.begin(), names.end(),
+								event->name) != names.end())
+					gone = true;
+				at += sizeof(*event) + event->len;
+			}
+		return gone;
+	}
+
+	const int fd;
+
+      private:
+	std::vector<std::string> names;
+	bool gone = false;
 };
 
 /* The memory behind one descriptor of libcamera's; several planes may share it. */
@@ -864,6 +973,10 @@ class Session
 	int grab(camera *camera, frame *frame);
 	void release(size_t index);
 
+	/* False: the camera went away in a way that libcamera cannot clean up after: this session
+	 * is to be left as it is. */
+	bool can_be_deleted();
+
 	/* Runs body; a failure says whose it is, once that is known. */
 	template <typename Body> auto named(Body body)
 	{
@@ -875,9 +988,13 @@ class Session
 		}
 	}
 
-	Inbox inbox;
+	int descriptor() const
+	{
+		return poller;
+	}
 
       private:
+	void poll_both();
 	void start(const camera_settings &settings);
 	void map_buffers();
 	void map_planes(Buffer &buffer) const;
@@ -889,6 +1006,9 @@ class Session
 	void reading(size_t index, bool begins) const;
 
 	Manager manager; /* goes last */
+	Inbox inbox;
+	Nodes nodes;
+	int poller = -1;
 	std::string id;
 	std::shared_ptr<lc::Camera> device;
 	bool acquired = false;
@@ -920,6 +1040,17 @@ Session::~Session()
 	configuration.reset();
 	if (acquired)
 		device->release();
+	if (poller >= 0)
+		close(poller);
+}
+
+bool Session::can_be_deleted()
+{
+	if (!nodes.deleted() || inbox.ends_soon())
+		return true;
+	buffers.clear();
+	manager.forget(device);
+	return false;
 }
 
 void Session::open(camera *camera)
@@ -932,6 +1063,8 @@ void Session::open(camera *camera)
 	if (const int err = device->acquire(); err)
 		throw Failure(err, "cannot take the camera, another program may use it");
 	acquired = true;
+	nodes.watch(manager, device);
+	poll_both();
 	configuration = configure(*device, camera->settings);
 	const lc::StreamConfiguration &stream = configuration->at(0);
 
@@ -943,6 +1076,18 @@ void Session::open(camera *camera)
 	camera->width = (int)stream.size.width;
 	camera->height = (int)stream.size.height;
 	camera->rate_hz = rate_hz;
+}
+
+/* One descriptor for requests that came back and for nodes that went away. */
+void Session::poll_both()
+{
+	epoll_event event = {};
+
+	event.events = EPOLLIN;
+	poller = epoll_create1(EPOLL_CLOEXEC);
+	if (poller < 0 || epoll_ctl(poller, EPOLL_CTL_ADD, inbox.fd, &event) ||
+	    epoll_ctl(poller, EPOLL_CTL_ADD, nodes.fd, &event))
+		throw Failure(-errno, "no event descriptor");
 }
 
 void Session::start(const camera_settings &settings)
@@ -1131,7 +1276,7 @@ int Session::grab(camera *camera, frame *frame)
 
 	if (inbox.ended() && trouble && trouble != -ENODEV)
 		throw Failure(trouble, "it takes no request");
-	if (inbox.ended())
+	if (inbox.ended() || nodes.deleted())
 		throw Failure(-ENODEV, CAMERA_NO_DEVICE, "the camera has gone");
 	/* Never more than there are, however fast the camera is. */
 	for (size_t i = 0; i < requests.size(); i++) {
@@ -1303,7 +1448,7 @@ int libcamera_open(camera *camera, fault *fault)
 
 int libcamera_descriptor(camera *camera)
 {
-	return session_of(camera)->inbox.fd;
+	return session_of(camera)->descriptor();
 }
 
 int libcamera_grab(camera *camera, frame *frame, fault *fault)
@@ -1323,13 +1468,27 @@ void libcamera_release(camera *camera, frame *frame)
 	});
 }
 
+/*
+ * libcamera aborts the program when it is asked to stop a camera that is gone, unless it knows so
+ * by itself, as it does of webcams; and it does not survive that a running camera is destroyed.
+ * What it holds for such a camera is left to it, which costs some memory and descriptors each time
+ * that a board's sensor is taken from under a running program: a driver that is unbound.
+ */
 void libcamera_close(camera *camera)
 {
-	Session *const session = session_of(camera);
+	static std::vector<std::unique_ptr<Session>> *const left =
+		new std::vector<std::unique_ptr<Session>>;
+	static std::mutex lock;
+	std::unique_ptr<Session> session(session_of(camera));
 
 	camera->state = nullptr;
 	guarded(nullptr, nullptr, [&] {
-		delete session;
+		if (session && !session->can_be_deleted()) {
+			const std::lock_guard<std::mutex> guard(lock);
+
+			left->push_back(std::move(session));
+		}
+		session.reset();
 		return 0;
 	});
 }
