@@ -14,7 +14,7 @@ RUNNER ?=
 SHARE := $(BUILD)/share
 SHARED := $(addprefix $(SHARE)/,inlay.1 inlay-bake.1 inlay.conf.5 kiosk.conf inlay.bash _inlay \
 	inlay-bake.bash _inlay-bake)
-ABOUT_PAGE = -v version=$(VERSION) -v date=$$(date -u -d @$(SOURCE_DATE_EPOCH) +%Y-%m-%d) \
+ABOUT_PAGE = -v version=$(VERSION) -v date=$$(cat $(SHARE)/date) \
 	-v about=board/manual/$(basename $(@F)).about -f board/manual/roff.awk
 
 .SECONDARY: $(SHARE)/inlay.facts $(SHARE)/inlay-bake.facts
@@ -22,16 +22,24 @@ $(SHARE)/%.facts: $(BUILD)/% board/manual/facts.sh board/manual/facts.awk
 	@mkdir -p $(@D)
 	$(Q)board/manual/facts.sh $< $* "$(RUNNER)" >$@
 
+# Written when it changes: pages that were made on another day are made again.
+.PHONY: look-at-date
+$(SHARE)/date: look-at-date
+	@mkdir -p $(@D)
+	@date -u -d @$(SOURCE_DATE_EPOCH) +%Y-%m-%d | cmp -s - $@ || \
+		date -u -d @$(SOURCE_DATE_EPOCH) +%Y-%m-%d >$@
+
 $(SHARE)/sample: $(BUILD)/inlay
 	@mkdir -p $(@D)
 	$(Q)$(RUNNER) $< check --sample >$@
 
-$(SHARE)/%.1: $(SHARE)/%.facts board/manual/command.awk board/manual/roff.awk board/manual/%.about
+$(SHARE)/%.1: $(SHARE)/%.facts board/manual/command.awk board/manual/roff.awk board/manual/%.about \
+		$(SHARE)/date
 	$(say) MAN $@
 	$(Q)awk -v name=$* $(ABOUT_PAGE) -f board/manual/command.awk $< >$@
 
 $(SHARE)/inlay.conf.5: $(SHARE)/sample board/manual/settings.awk board/manual/roff.awk \
-		board/manual/inlay.conf.about
+		board/manual/inlay.conf.about $(SHARE)/date
 	$(say) MAN $@
 	$(Q)awk $(ABOUT_PAGE) -f board/manual/settings.awk $< >$@
 
