@@ -3,8 +3,7 @@
  * reported by events. Buffers may be write-combined: they are never read here.
  *
  * The state that was found is put back at close. Should the program be killed, the kernel takes the
- * buffers back and, when no other program holds the card, shows its console again; one that was
- * taken with kms.vt shows text again after the next switch to or from it.
+ * buffers back and, when no other program holds the card, shows its console again.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -123,6 +122,7 @@ static void go_away(struct display *display)
 	if (screen->flipping == NONE)
 		screen->flip_due_ns = 0;
 	drmDropMaster(screen->path.card);
+	kms_console_show_text(&screen->console);
 	screen->master = false;
 	screen->set = false;
 	display->hidden = true;

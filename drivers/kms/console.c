@@ -1,6 +1,10 @@
 /*
- * The text console under the picture. While it is ours it draws no text, and the kernel asks before
- * it switches to another: by a signal, whose handler only writes a byte for the event loop.
+ * The text console under the picture. While it is ours, the kernel asks before it switches to
+ * another: by a signal, whose handler only writes a byte for the event loop.
+ *
+ * It stays in text mode, where its text goes to a buffer that is not shown. In graphics mode it
+ * would draw none; but if the program is killed then, the kernel forgets to leave that mode in
+ * part, and no console shows anything any more.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -114,24 +118,19 @@ static void give_signals_back(void)
 static int take(struct kms_console *console)
 {
 	const struct sigaction action = {.sa_handler = tell, .sa_flags = SA_RESTART};
-	struct vt_mode mode = {
+	const struct vt_mode mode = {
 		.mode = VT_PROCESS,
 		.relsig = (short)SIGNAL_AWAY,
 		.acqsig = (short)SIGNAL_BACK,
 	};
-	int err = 0;
+	int err;
 
 	sigaction(SIGNAL_AWAY, &action, &before[0]);
 	sigaction(SIGNAL_BACK, &action, &before[1]);
-	if (ioctl(console->tty, VT_SETMODE, &mode))
-		err = -errno;
-	else if (ioctl(console->tty, KDSETMODE, KD_GRAPHICS))
-		err = -errno;
-	if (err) {
-		mode.mode = VT_AUTO;
-		ioctl(console->tty, VT_SETMODE, &mode);
-		give_signals_back();
-	}
+	if (!ioctl(console->tty, VT_SETMODE, &mode))
+		return 0;
+	err = -errno;
+	give_signals_back();
 	return err;
 }
 
@@ -188,6 +187,13 @@ enum kms_switch kms_console_next(struct kms_console *console)
 	return (enum kms_switch)what;
 }
 
+/* Leaving graphics mode is what makes the kernel show its own buffer, whoever drew last. */
+void kms_console_show_text(const struct kms_console *console)
+{
+	ioctl(console->tty, KDSETMODE, KD_GRAPHICS);
+	ioctl(console->tty, KDSETMODE, KD_TEXT);
+}
+
 void kms_console_let_go(struct kms_console *console)
 {
 	ioctl(console->tty, VT_RELDISP, 1);
@@ -205,7 +211,7 @@ void kms_console_close(struct kms_console *console)
 
 	if (console->tty < 0)
 		return;
-	ioctl(console->tty, KDSETMODE, KD_TEXT);
+	kms_console_show_text(console);
 	/* Who asked a moment ago is not kept waiting. */
 	while ((asked = kms_console_next(console)) != KMS_SWITCH_NONE)
 		if (asked == KMS_SWITCH_AWAY)

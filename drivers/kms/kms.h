@@ -166,7 +166,7 @@ bool kms_watch_concerns(const char *message, size_t length);
 
 enum kms_switch { KMS_SWITCH_NONE, KMS_SWITCH_AWAY, KMS_SWITCH_BACK };
 
-/* A text console that is ours: it shows no text, and the kernel asks before it switches away. */
+/* A text console that is ours: the kernel asks before it switches away. */
 struct kms_console {
 	int tty;  /* -1: none */
 	int told; /* readable when the kernel has asked */
@@ -178,9 +178,10 @@ int kms_console_open(struct kms_console *console, const char *vt, struct fault *
 bool kms_console_is_active(const struct kms_console *console);
 void kms_console_activate(const struct kms_console *console); /* asks for a switch to it */
 enum kms_switch kms_console_next(struct kms_console *console);
-void kms_console_let_go(struct kms_console *console); /* answers KMS_SWITCH_AWAY */
-void kms_console_taken(struct kms_console *console);  /* answers KMS_SWITCH_BACK */
-void kms_console_close(struct kms_console *console);  /* text again; idempotent */
+void kms_console_show_text(const struct kms_console *console); /* if it is the active one */
+void kms_console_let_go(struct kms_console *console);	       /* answers KMS_SWITCH_AWAY */
+void kms_console_taken(struct kms_console *console);	       /* answers KMS_SWITCH_BACK */
+void kms_console_close(struct kms_console *console);	       /* text again; idempotent */
 
 /* ---- state.c ---- */
 

@@ -45,11 +45,6 @@ chvt() {
 	timeout 20 busybox chvt "$1"
 }
 
-# On QEMU's keyboard. It is a key that wakes a console whose program died without a word.
-type_alt() {
-	monitor send-key '"keys": [{"type": "qcode", "data": "alt"}, {"type": "qcode", "data": "'"$1"'"}]'
-}
-
 "$tools/picture" chart background 640 480 "$VM_OUT/chart.png"
 echo 0 >/sys/class/graphics/fbcon/cursor_blink
 printf '\033[2J\033[Hthe second console\n' >/dev/tty2
@@ -145,10 +140,17 @@ check "a killed program leaves the console's text" within_seconds 5 console_is "
 show vt=/dev/tty1
 within_seconds 5 chart_is
 hide KILL
-check "one that had taken the console lets it be left" type_alt f2
-check "to another" within_seconds 5 console_is "$VM_OUT/second.ppm"
-type_alt f1
-check "and it shows text again" within_seconds 5 console_is "$VM_OUT/first.ppm"
+check "so does one that had taken the console" within_seconds 5 console_is "$VM_OUT/first.ppm"
+check "it can be left for another" chvt 2
+check "that shows its text" within_seconds 5 console_is "$VM_OUT/second.ppm"
+chvt 1
+check "as the first does again" within_seconds 5 console_is "$VM_OUT/first.ppm"
+printf 'and a line more\n' >/dev/tty1
+console_is_not() {
+	screendump "$VM_OUT/now.ppm" && differ "$1" "$VM_OUT/now.ppm"
+}
+check "and new text" within_seconds 5 console_is_not "$VM_OUT/first.ppm"
+printf '\033[2J\033[Hthe first console\n' >/dev/tty1
 show vt=/dev/tty1
 check "the next program can take it" within_seconds 5 chart_is
 hide

@@ -15,7 +15,7 @@ show() {
 	: >"$VM_OUT/said"
 	"$tools/show" kms "$VM_OUT/chart.png" "$frames" "$@" >"$VM_OUT/said" 2>&1 &
 	showing=$!
-	within_seconds 20 grep -q -E '^(ready|error)' "$VM_OUT/said"
+	within_seconds 40 grep -q -E '^(ready|error)' "$VM_OUT/said"
 }
 
 hide() {
@@ -63,7 +63,18 @@ check "virtio-gpu: can be photographed" screendump "$VM_OUT/virtio.ppm"
 check "virtio-gpu: it shows what was drawn, pixel by pixel" \
 	"$tools/picture" compare "$VM_OUT/chart.png" "$VM_OUT/virtio.ppm" x=320 y=160
 
+hide
+: >"$VM_OUT/said"
+env "ALLOCATIONS=$VM_OUT/allocations" "LD_PRELOAD=$tools/../cli/allocations.so" \
+	"$tools/show" kms "$VM_OUT/chart.png" 300 "device=/dev/dri/card$virtio" >"$VM_OUT/said" 2>&1 &
+showing=$!
+within_seconds 60 grep -q '^ready' "$VM_OUT/said"
+hide
+matches "memory is allocated before the first frames alone" 'before [1-9][0-9]* after 0 turns [1-9]' \
+	"$(cat "$VM_OUT/allocations")"
+
 # ---- busy ----
+show 3 "device=/dev/dri/card$virtio"
 "$tools/show" kms "$VM_OUT/chart.png" 1 "device=/dev/dri/card$virtio" >"$VM_OUT/second" 2>&1
 equal "a screen that another program drives is refused" 1 $?
 equal "in one line" 1 "$(wc -l <"$VM_OUT/second")"

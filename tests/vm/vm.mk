@@ -21,7 +21,7 @@ kernel:
 test-vm:
 	$(Q)board/deps.sh test
 	$(AGAIN) test-vm-installed
-test-vm-installed: all $(VM_PROGRAMS) kernel
+test-vm-installed: all $(VM_PROGRAMS) $(BUILD)/tests/cli/allocations.so kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)FILTER="$(FILTER)" $(RUN_TESTS) vm tests/vm/run.sh
 ## vm-shell: a shell in the simulated machine (leave it with exit)
