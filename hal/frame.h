@@ -37,8 +37,8 @@ enum frame_fields {
 	FIELDS_INTERLACED, /* line by line */
 	FIELDS_TOP_BOTTOM, /* one above the other, each at half the height */
 	FIELDS_BOTTOM_TOP,
-	FIELDS_PAIR,	   /* in memory of their own: planes is the top field, bottom_planes the other */
-	FIELDS_TOP,	   /* one alone; width and height are those of the whole picture */
+	FIELDS_PAIR, /* in memory of their own: planes is the top field, bottom_planes the other */
+	FIELDS_TOP,  /* one alone; width and height are those of the whole picture */
 	FIELDS_BOTTOM,
 	FIELDS_COUNT
 };
@@ -46,7 +46,8 @@ enum frame_fields {
 /* What becomes of the two fields. */
 enum deinterlace {
 	DEINTERLACE_WEAVE, /* both, line by line: sharp at rest, combed in motion; the default */
-	DEINTERLACE_BOB,   /* the later field alone, its lines interpolated: half the height's detail */
+	DEINTERLACE_BOB, /* the later field alone, its lines interpolated: half the height's detail
+			  */
 	DEINTERLACE_BLEND, /* both, half of each in every line (1 2 1 down the lines): soft, never
 			      combed */
 	DEINTERLACE_COUNT
@@ -70,7 +71,8 @@ struct frame {
 	bool bottom_first; /* the bottom field was captured before the top one */
 	struct frame_plane bottom_planes[FRAME_PLANES]; /* of FIELDS_PAIR */
 	enum colour_matrix matrix;			/* of Y'CbCr formats */
-	enum colour_range range; /* of Y'CbCr and R'G'B' formats; for the latter mostly RANGE_FULL */
+	enum colour_range
+		range;	      /* of Y'CbCr and R'G'B' formats; for the latter mostly RANGE_FULL */
 	int64_t timestamp_ns; /* of capture, CLOCK_MONOTONIC */
 	uint32_t sequence;    /* counts at the source: a gap is a lost frame */
 	int buffer;	      /* the driver's own handle; others leave it alone */

@@ -116,6 +116,18 @@ static int set_format(int fd, const struct request *wanted, struct v4l2_format *
 	return ask(fd, &request, format, fault);
 }
 
+/* A device that can lay its picture into a part of the memory keeps doing so for whoever comes
+ * next, and what is left over is never written. Most cannot; that is no fault. */
+static void fill_memory(int fd, const struct v4l2_picture *picture)
+{
+	struct v4l2_selection whole = {
+		.type = V4L2_BUF_TYPE_VIDEO_CAPTURE, /* for both kinds of planes */
+		.target = V4L2_SEL_TGT_COMPOSE,
+		.r = {.width = (unsigned)picture->width, .height = (unsigned)picture->rows}};
+
+	(void)device_ioctl(fd, VIDIOC_S_SELECTION, &whole);
+}
+
 /* Many devices have no say in their rate; that is no fault. */
 static double set_rate(int fd, unsigned type, double wanted_hz)
 {
@@ -158,6 +170,7 @@ int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *sett
 		return fault_say(fault, -ENOTSUP, "the camera answered with %s, expected %s",
 				 pixel_format_names[picture->layout->format],
 				 pixel_format_names[settings->format]);
+	fill_memory(fd, picture);
 	if (settings->matrix)
 		picture->matrix = (enum colour_matrix)(settings->matrix - 1);
 	if (settings->range)

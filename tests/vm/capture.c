@@ -1,13 +1,16 @@
 /*
  * Takes frames from a camera through its driver and says what came, one "name value" a line, so
- * that a shell test can check it; the last frame becomes a picture.
+ * that a shell test can check it; the last frame becomes a picture, unless OUT.png is "-", and what
+ * its lines of even and of odd number hold is said ("even LOWEST HIGHEST", without the first two:
+ * in them a PAL camera signals its aspect).
  *
  *     capture DRIVER FRAMES OUT.png [device=/dev/video0] [format=YUYV] [width=W] [height=H]
- *             [rate=HZ] [matrix=bt601|bt709] [range=limited|full] [hold=MS] [OPTION=VALUE]...
+ *             [rate=HZ] [matrix=bt601|bt709] [range=limited|full] [hold=MS] [controls=LIST]
+ *             [give_up=WORDS] [deinterlace=weave|bob|blend] [OPTION=VALUE]...
  *
  * OPTION is the driver's own. hold keeps each frame that long before it is given back, as a busy
- * program would. Exit 1 when the
- * camera does not open or ends; "situation" and "error" then say why.
+ * program would. Exit 1 when the camera does not open or ends; "situation", "code" and "error" then
+ * say why.
  */
 #include <errno.h>
 #include <poll.h>
@@ -24,6 +27,7 @@
 struct request {
 	struct camera_settings settings;
 	int frames, hold_ms;
+	enum deinterlace deinterlace;
 	const char *out;
 };
 
@@ -74,6 +78,12 @@ static struct request parse(int argc, char **argv, const struct camera_ops *driv
 			r.settings.matrix = name_index(matrices, value);
 		else if ((value = value_of(argv[i], "range")))
 			r.settings.range = name_index(ranges, value);
+		else if ((value = value_of(argv[i], "controls")))
+			snprintf(r.settings.controls, sizeof(r.settings.controls), "%s", value);
+		else if ((value = value_of(argv[i], "give_up")))
+			snprintf(r.settings.give_up, sizeof(r.settings.give_up), "%s", value);
+		else if ((value = value_of(argv[i], "deinterlace")))
+			r.deinterlace = (enum deinterlace)name_index(deinterlace_names, value);
 		else if ((value = value_of(argv[i], "hold")))
 			r.hold_ms = atoi(value);
 		else if (driver_option_set(driver->name, driver->keys, options, argv[i]))
@@ -139,6 +149,32 @@ static int next_frame(struct camera *camera, struct frame *frame, struct fault *
 	}
 }
 
+static const char *fields_text(const struct frame *frame)
+{
+	static const char *const names[] = {"none", "interlaced", "top-bottom", "bottom-top",
+					    "pair", "top",	  "bottom"};
+	static char text[40];
+
+	snprintf(text, sizeof(text), "%s%s", names[frame->fields],
+		 frame->bottom_first ? " bottom-first" : "");
+	return text;
+}
+
+static void say_lines(const struct canvas *canvas, int parity)
+{
+	int lowest = 255, highest = 0;
+
+	for (int y = 2 + parity; y < canvas->height; y += 2)
+		for (int x = 0; x < canvas->width * 4; x++) {
+			const int level = canvas->pixels[(size_t)y * canvas->stride + (size_t)x];
+			if (x % 4 == 3)
+				continue;
+			lowest = level < lowest ? level : lowest;
+			highest = level > highest ? level : highest;
+		}
+	printf("%s %d %d\n", parity ? "odd" : "even", lowest, highest);
+}
+
 static int take(struct camera *camera, const struct request *request, struct watch *watch,
 		struct fault *fault)
 {
@@ -147,14 +183,15 @@ static int take(struct camera *camera, const struct request *request, struct wat
 	int err = canvas_create(&canvas, camera->width, camera->height);
 
 	if (!err)
-		err = frame_decoder_create(&decoder, DEINTERLACE_WEAVE);
+		err = frame_decoder_create(&decoder, request->deinterlace);
 	while (!err && watch->taken < request->frames) {
 		struct frame frame;
 		err = next_frame(camera, &frame, fault);
 		if (err)
 			break;
 		if (watch->taken == 0)
-			printf("stride %zu\nmatrix %s\nrange %s\n", frame.planes[0].stride,
+			printf("fields %s\nstride %zu\nmatrix %s\nrange %s\n", fields_text(&frame),
+			       frame.planes[0].stride,
 			       frame.matrix == MATRIX_BT709 ? "bt709" : "bt601",
 			       frame.range == RANGE_FULL ? "full" : "limited");
 		watch_frame(watch, &frame);
@@ -164,7 +201,9 @@ static int take(struct camera *camera, const struct request *request, struct wat
 			poll(NULL, 0, request->hold_ms);
 		camera_release(camera, &frame);
 	}
-	if (!err)
+	for (int parity = 0; parity < 2 && !err; parity++)
+		say_lines(&canvas, parity);
+	if (!err && strcmp(request->out, "-") != 0)
 		err = write_canvas(request->out, &canvas, fault);
 	frame_decoder_destroy(decoder);
 	canvas_free(&canvas);
@@ -189,8 +228,9 @@ int main(int argc, char **argv)
 	const struct request request = parse(argc, argv, driver, options);
 	int err = camera_open(&camera, driver, &request.settings, options, &fault);
 	if (!err) {
-		printf("format %s\nsize %dx%d\nrate %g\n", pixel_format_names[camera.format],
-		       camera.width, camera.height, camera.rate_hz);
+		printf("name %s\nformat %s\nsize %dx%d\nrate %g\n", camera.name,
+		       pixel_format_names[camera.format], camera.width, camera.height,
+		       camera.rate_hz);
 		err = take(&camera, &request, &watch, &fault);
 		printf("taken %d\nframes %llu\nlost %llu\nbroken %llu\nbackwards %d\ngaps %d\n",
 		       watch.taken, (unsigned long long)camera.frames,
@@ -202,7 +242,7 @@ int main(int argc, char **argv)
 	}
 	printf("situation %s\n", camera_situation_names[camera.situation]);
 	if (err)
-		printf("error %s\n", fault.text);
+		printf("code %s\nerror %s\n", strerrorname_np(-err), fault.text);
 	camera_close(&camera);
 	free(options);
 	return err ? 1 : 0;
