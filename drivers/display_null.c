@@ -1,6 +1,7 @@
 /*
  * A screen of which only the clock is real: two buffers, flips at a set rate, nothing to see. What
- * is not fast enough for a screen of this rate is not fast enough here either.
+ * is not fast enough for a screen of this rate is not fast enough here either. It can fail as
+ * screens do, for tests; opened again, it is whole.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -13,9 +14,11 @@
 #include "hal/frame.h"
 
 #define NONE (-1)
+#define STALL_NS NS_PER_S /* so late that nothing more is expected */
 
 struct null_options {
 	double rate_hz;
+	int vanish_after, stall_after;
 };
 
 struct null_screen {
@@ -25,6 +28,8 @@ struct null_screen {
 	int queued;
 	int64_t token;
 	int64_t due_ns;
+	int submitted;		     /* frames */
+	int failure;		     /* -errno of the refresh that is due; 0: it will be one */
 	int64_t start_ns, period_ns; /* of the refresh; period 0: at once */
 };
 
@@ -36,6 +41,19 @@ static const struct ini_key null_keys[] = {
 	 .fallback = "60",
 	 .unit = "Hz",
 	 .help = "Refresh rate where [display] asks for none; 0 shows each frame at once."},
+	{.name = "vanish_after",
+	 .type = INI_INT,
+	 .offset = offsetof(struct null_options, vanish_after),
+	 .max = 2147483647,
+	 .fallback = "0",
+	 .help = "Frames after which it is pulled out, each time that it is opened; 0: never."},
+	{.name = "stall_after",
+	 .type = INI_INT,
+	 .offset = offsetof(struct null_options, stall_after),
+	 .max = 2147483647,
+	 .fallback = "0",
+	 .help = "Frames after which a refresh never comes, each time that it is opened; 0: "
+		 "never."},
 	INI_KEYS_END,
 };
 
@@ -106,10 +124,18 @@ static int64_t next_refresh_ns(const struct null_screen *screen, int64_t now_ns)
 static int null_submit(struct display *display, struct display_buffer *buffer, int64_t token,
 		       struct fault *fault)
 {
+	const struct null_options *options = display->options;
 	struct null_screen *screen = display->state;
 	struct itimerspec when = {0};
 
 	screen->due_ns = next_refresh_ns(screen, clock_now_ns());
+	screen->submitted++;
+	if (options->vanish_after && screen->submitted > options->vanish_after) {
+		screen->failure = -ENOLINK;
+	} else if (options->stall_after && screen->submitted > options->stall_after) {
+		screen->failure = -ETIMEDOUT;
+		screen->due_ns += STALL_NS;
+	}
 	when.it_value.tv_sec = (time_t)(screen->due_ns / NS_PER_S);
 	when.it_value.tv_nsec = (long)(screen->due_ns % NS_PER_S);
 	if (timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &when, NULL) < 0) {
@@ -132,6 +158,11 @@ static int null_dispatch(struct display *display, struct display_event *event, s
 
 		return err == -EAGAIN ? 0 : fault_say(fault, err, "null display: timer");
 	}
+	if (screen->failure)
+		return fault_say(fault, screen->failure, "null display: %s",
+				 screen->failure == -ENOLINK
+					 ? "pulled out, as null.vanish_after says"
+					 : "stalled, as null.stall_after says");
 	if (screen->queued == NONE)
 		return 0;
 	event->kind = DISPLAY_SHOWN;

@@ -20,13 +20,13 @@
 #include "drivers/drivers.h"
 #include "hal/clock.h"
 #include "hal/image/image.h"
+#include "tests/unit/own_folder.h"
 
 #if WITH_SDL
 #include <SDL.h>
 #endif
 #if WITH_KMS
 #include "drivers/kms/kms.h"
-#include "tests/unit/own_folder.h"
 #endif
 
 /* ---- the wrappers ---- */
@@ -271,10 +271,16 @@ static void show(struct display *display, int number)
 
 /* ---- null ---- */
 
+/* The driver's own options. */
+struct null_choice {
+	double rate_hz;
+	int vanish_after, stall_after;
+};
+
 static void null_flips_on_time(void **state)
 {
 	const struct display_settings settings = {.picture_width = 64, .picture_height = 48};
-	double rate_hz = 125; /* the driver's only option: 8 ms */
+	struct null_choice choice = {.rate_hz = 125}; /* 8 ms */
 	struct display_event event = {0}, nothing;
 	struct display display;
 	struct display_buffer buffer, again;
@@ -283,7 +289,7 @@ static void null_flips_on_time(void **state)
 	int last_index = -1;
 
 	(void)state;
-	open_fine(&display, &display_null, &settings, &rate_hz);
+	open_fine(&display, &display_null, &settings, &choice);
 	assert_int_equal(display.width, 64);
 	assert_int_equal(display.height, 48);
 	for (int i = 0; i < 12; i++) {
@@ -321,12 +327,12 @@ static void null_flips_on_time(void **state)
 static void null_without_rate(void **state)
 {
 	const struct display_settings settings = {.width = 8, .height = 8};
-	double rate_hz = 0;
+	struct null_choice choice = {.rate_hz = 0};
 	struct display display;
 	int64_t start_ns;
 
 	(void)state;
-	open_fine(&display, &display_null, &settings, &rate_hz);
+	open_fine(&display, &display_null, &settings, &choice);
 	start_ns = clock_now_ns();
 	for (int i = 0; i < 200; i++)
 		show(&display, i);
@@ -339,14 +345,54 @@ static void null_without_rate(void **state)
 static void null_without_size(void **state)
 {
 	const struct display_settings settings = {.rate_hz = 50};
-	double rate_hz = 60;
+	struct null_choice choice = {.rate_hz = 60};
 	struct display display;
 	struct fault fault;
 
 	(void)state;
-	assert_int_equal(display_open(&display, &display_null, &settings, &rate_hz, &fault),
+	assert_int_equal(display_open(&display, &display_null, &settings, &choice, &fault),
 			 -EINVAL);
 	assert_non_null(strstr(fault.text, "size"));
+}
+
+/* As often as it is opened: so many frames, then the trouble, and not before its time. */
+static void null_fails_when_told(void **state)
+{
+	static const struct {
+		struct null_choice choice;
+		int err;
+		enum display_situation situation;
+		int64_t least_ns;
+	} cases[] = {
+		{{0, 3, 0}, -ENOLINK, DISPLAY_NO_SCREEN, 0},
+		{{0, 0, 3}, -ETIMEDOUT, DISPLAY_STALLED, NS_PER_S},
+	};
+	const struct display_settings settings = {.width = 8, .height = 8};
+
+	(void)state;
+	for (int i = 0; i < 4; i++) {
+		struct null_choice choice = cases[i / 2].choice;
+		struct pollfd ready = {.events = POLLIN};
+		struct display display;
+		struct display_buffer buffer;
+		struct display_event event;
+		struct fault fault;
+		int64_t start_ns;
+
+		open_fine(&display, &display_null, &settings, &choice);
+		for (int n = 0; n < 3; n++)
+			show(&display, n);
+		assert_int_equal(display_acquire(&display, &buffer), 0);
+		assert_int_equal(display_submit(&display, &buffer, 3, &fault), 0);
+		start_ns = clock_now_ns();
+		ready.fd = display_descriptor(&display);
+		assert_int_equal(poll(&ready, 1, 5000), 1);
+		assert_int_equal(display_dispatch(&display, &event, &fault), cases[i / 2].err);
+		assert_int_equal(event.kind, DISPLAY_NOTHING);
+		assert_int_equal(display.situation, cases[i / 2].situation);
+		assert_true(clock_now_ns() - start_ns >= cases[i / 2].least_ns);
+		close_fine(&display);
+	}
 }
 
 /* ---- file ---- */
@@ -739,6 +785,7 @@ int main(void)
 		cmocka_unit_test(null_flips_on_time),
 		cmocka_unit_test(null_without_rate),
 		cmocka_unit_test(null_without_size),
+		cmocka_unit_test(null_fails_when_told),
 		cmocka_unit_test(file_video),
 		cmocka_unit_test(file_video_fraction),
 		cmocka_unit_test(file_pictures),
