@@ -173,7 +173,8 @@ for wrap in sequence_number:1 timestamp:1 timestamp:2; do
 	control "$in" "wrap_${wrap%:*}=${wrap#*:}"
 	pal 40 field=alternate
 	equal "wrap_$wrap: frames go on" 40 "$(said taken)"
-	holds "wrap_$wrap: no loss is made up" "$(said lost) + $(said broken) < 20"
+	# A busy host loses some; a wrap that is taken for a loss makes millions.
+	holds "wrap_$wrap: no loss is made up" "$(said lost) + $(said broken) < 1000"
 	equal "wrap_$wrap: time goes on" 0 "$(said backwards)"
 	control "$in" "wrap_${wrap%:*}=0"
 done
