@@ -1471,8 +1471,9 @@ void libcamera_release(camera *camera, frame *frame)
 /*
  * libcamera aborts the program when it is asked to stop a camera that is gone, unless it knows so
  * by itself, as it does of webcams; and it does not survive that a running camera is destroyed.
- * What it holds for such a camera is left to it, which costs some memory and descriptors each time
- * that a board's sensor is taken from under a running program: a driver that is unbound.
+ * What it holds for such a camera is left to it. That costs memory, some twenty descriptors and a
+ * thread of libcamera's that is woken all the time, whenever a board's sensor is taken from under a
+ * running program: a driver that is unbound.
  */
 void libcamera_close(camera *camera)
 {
