@@ -28,9 +28,9 @@ ended() {
 	! kill -0 $running
 }
 
-# stat NAME KEY: a number of the last line of statistics.
+# stat NAME KEY: a number of the last line of statistics, not of a camera.
 stat() {
-	tail -n 1 "$VM_OUT/$1.jsonl" | sed "s/.*\"$2\":\([-0-9.]*\).*/\1/"
+	tail -n 1 "$VM_OUT/$1.jsonl" | grep -o "\"$2\":[-0-9.]*" | head -n 1 | cut -d : -f 2
 }
 
 # The last line says that this camera's situation is so.
