@@ -201,7 +201,7 @@ test:
 RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
 	BUILD="$(BUILD)" tests/run.sh
 
-TEST_GROUPS := test-lint test-unit test-cli test-accuracy test-fuzz test-sanitize test-vm
+TEST_GROUPS := test-lint test-unit test-cli test-accuracy test-fuzz test-sanitize test-vm test-boot
 
 # One group after the other; a group that fails does not keep the rest from running.
 .PHONY: test-all

@@ -1,6 +1,7 @@
 # `make image BOARD=...`, `make boot BOARD=...`: board/image/README.md.
 
 BOARD ?= qemu-x86_64
+TEST_BOARDS ?= qemu-arm64 pc-x86_64 raspberrypi
 BOARD_ARCH := $(if $(filter raspberrypi qemu-arm64,$(BOARD)),arm64,amd64)
 IMAGE_BUILD := build/image/$(BOARD_ARCH)
 # A kiosk has no desktop and reads no OpenEXR.
@@ -23,3 +24,20 @@ image-programs: $(filter-out %/inlay-bake %.bash %/inlay-bake.1 %/_inlay-bake,$(
 ## boot: start an image in QEMU, in a window where there is one (BOARD=qemu-x86_64)
 boot: $(if $(wildcard build/image/$(BOARD)/inlay.img),,image)
 	$(Q)board/image/boot.sh $(BOARD)
+
+.PHONY: test-boot test-boot-installed test-boards test-boards-installed
+## test-boot: boot the image of qemu-x86_64: time to the picture, hangs, power cuts (CUTS=10)
+test-boot:
+	$(Q)board/deps.sh test
+	$(AGAIN) test-boot-installed
+test-boot-installed: $(VM_PROGRAMS)
+	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
+	$(Q)$(RUN_TESTS) boot tests/boot/run.sh
+## test-boards: the same for the other boards, as far as QEMU can be them (half an hour)
+test-boards:
+	$(Q)board/deps.sh test
+	$(AGAIN) test-boards-installed
+test-boards-installed: $(VM_PROGRAMS)
+	$(Q)for board in $(TEST_BOARDS); do \
+		$(MAKE) --no-print-directory image-built BOARD=$$board || exit; done
+	$(Q)BOARDS="$(TEST_BOARDS)" $(RUN_TESTS) boards tests/boot/run.sh

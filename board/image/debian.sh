@@ -82,7 +82,7 @@ printf 'deb http://deb.debian.org/debian %s %s\ndeb http://deb.debian.org/debian
 mode=unshare # an ordinary user's own namespace
 [ "$(id -u)" != 0 ] || mode=root
 options=(
-	--mode=$mode --variant=$variant --architectures="$architecture" --format=tar
+	"--mode=$mode" "--variant=$variant" "--architectures=$architecture" --format=tar
 	--include="$(IFS=, && echo "$*")"
 	--aptopt="$staging/apt.conf"
 	--dpkgopt=path-exclude=/usr/share/man/* --dpkgopt=path-exclude=/usr/share/locale/*

@@ -6,6 +6,7 @@
 #
 # FOLDER: where `make image` left the image's companions (a kernel). WORDs go to the kernel's command
 # line, for boards whose kernel QEMU is given directly.
+# shellcheck disable=SC2054 # the commas are QEMU's
 emulator_of() {
 	local board=$1 image=$2 folder=$3
 	shift 3

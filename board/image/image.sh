@@ -135,5 +135,5 @@ export board build here staging base config_mib
 fakeroot bash -euo pipefail -c "$(declare -f fail fill board_files); fill"
 linked
 assemble
-rm -rf "$staging"/{root,boot} "$staging"/*.ext4 "$staging"/*.fat
+rm -rf "${staging:?}"/{root,boot} "$staging"/*.ext4 "$staging"/*.fat
 mv -f "$staging"/* "$out/"

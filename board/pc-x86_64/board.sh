@@ -12,7 +12,7 @@ board_files() { # root, boot, out
 	cp "$1/usr/lib/systemd/boot/efi/systemd-bootx64.efi" "$2/EFI/BOOT/BOOTX64.EFI"
 	cp "$1"/boot/vmlinuz-* "$2/vmlinuz"
 	cp "$1"/boot/initrd.img-* "$2/initrd"
-	rm -rf "$1"/boot/* "$1"/vmlinuz* "$1"/initrd.img*
+	rm -rf "${1:?}"/boot/* "$1"/vmlinuz* "$1"/initrd.img*
 	printf 'timeout 0\neditor yes\n' >"$2/loader/loader.conf"
 	# A space held down while it starts opens the menu, e on an entry its command line.
 	cat >"$2/loader/entries/inlay.conf" <<-END

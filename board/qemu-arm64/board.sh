@@ -7,5 +7,5 @@ before=board/image/initramfs
 board_files() { # root, boot, out
 	cp "$1"/boot/vmlinuz-* "$3/kernel"
 	cp "$1"/boot/initrd.img-* "$3/initrd"
-	rm -rf "$1"/boot/* "$1"/vmlinuz* "$1"/initrd.img*
+	rm -rf "${1:?}"/boot/* "$1"/vmlinuz* "$1"/initrd.img*
 }

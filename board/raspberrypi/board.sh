@@ -14,7 +14,7 @@ board_files() { # root, boot, out
 	[ -e "$2/bcm2711-rpi-4-b.dtb" ] || fail "the kernel has no device tree of a Raspberry Pi 4"
 	cp "$1"/boot/vmlinuz-* "$2/vmlinuz"
 	cp "$1"/boot/initrd.img-* "$2/initrd.img"
-	rm -rf "$1"/boot/* "$1"/vmlinuz* "$1"/initrd.img*
+	rm -rf "${1:?}"/boot/* "$1"/vmlinuz* "$1"/initrd.img*
 	cat >"$2/config.txt" <<-END
 		# The firmware's own settings.
 		arm_64bit=1

@@ -19,14 +19,16 @@ machine_start() {
 	done
 	exec 7<>"$out/shell.in" 8<>"$out/monitor.in"
 	emulator_of "$board" "$image" "build/image/$board" "$@" || return 1
+	local second=(-serial chardev:shell)
+	[ "$board" != qemu-arm64 ] || second=(-device pci-serial,chardev=shell) # it has only one
 	"${emulator[@]}" -display none -vga none -device virtio-gpu-pci \
 		-serial "file:$out/console.log" \
-		-chardev "pipe,id=shell,path=$out/shell" -serial chardev:shell \
+		-chardev "pipe,id=shell,path=$out/shell" "${second[@]}" \
 		-chardev "pipe,id=monitor,path=$out/monitor" -mon chardev=monitor,mode=control \
 		</dev/null >"$out/qemu.log" 2>&1 7>&- 8>&- &
 	machine=$!
 	echo '{"execute":"qmp_capabilities"}' >&8
-	asked=0
+	echo 0 >"$out/asked"
 }
 
 alive() {
@@ -49,7 +51,8 @@ shell() {
 		echo "no shell within $1 s"
 		return 124
 	}
-	asked=$((asked + 1))
+	local asked=$(($(cat "$out/asked") + 1)) # in a file: shell is called in subshells too
+	echo $asked >"$out/asked"
 	# The terminal echoes the command: its marks must not look like those that are printed.
 	printf 'echo "<""begun %d>"; { %s\n} 2>&1; echo "<""ended %d $?>"\n' $asked "$2" $asked >&7
 	within "$1" grep -q "^<ended $asked [0-9]*>" "$out/shell.log" || {
@@ -61,6 +64,14 @@ shell() {
 	return "$(sed -n "s/^<ended $asked \([0-9]*\)>.*/\1/p" "$out/shell.log")"
 }
 
+# shell_on_disk IMAGE: the same for a board whose kernel's command line lies on its disk.
+shell_on_disk() {
+	local entry
+	entry=$(mtype -i "$1@@1M" ::/loader/entries/inlay.conf) || return
+	sed '/^options/s/$/ console=ttyS0 systemd.wants=inlay-shell@ttyS1.service/' <<<"$entry" |
+		mcopy -o -i "$1@@1M" - ::/loader/entries/inlay.conf
+}
+
 # screendump FILE.ppm
 screendump() {
 	rm -f "$1"
@@ -68,8 +79,14 @@ screendump() {
 	within 10 test -s "$1"
 }
 
+# Processor time that the emulator has taken so far, in seconds: unlike the clock, hardly a matter of
+# what else the host does.
+processor_time() {
+	awk -v hertz="$(getconf CLK_TCK)" '{ printf "%.1f", ($14 + $15) / hertz }' "/proc/$machine/stat"
+}
+
 power_cut() {
-	kill -KILL "$machine"
+	kill -KILL "$machine" 2>/dev/null
 	wait "$machine" 2>/dev/null
 	machine=
 }

@@ -1,0 +1,73 @@
+#!/bin/bash
+# An image comes to the picture by itself: how long that takes, what is on the screen, and that the
+# kiosk is there for good: restarted when it hangs, stopped in order, the root never written.
+#     test_picture.sh BOARD
+. tests/vm/tap.sh
+. tests/boot/machine.sh
+. tests/boot/scene.sh
+board=$1
+case $board in
+qemu-x86_64) tty=ttyS1 patience=120 ;;
+pc-x86_64) tty=ttyS1 patience=900 ;;
+qemu-arm64) tty=ttyS0 patience=900 ;;
+esac
+folder=$BUILD/tests/boot/$board
+rm -rf "$folder"
+mkdir -p "$folder"
+image=$folder/disk.img
+trap machine_end EXIT
+
+# ---- as it is delivered: its own configuration, the demo ----
+cp --sparse=always "build/image/$board/inlay.img" "$image"
+root_of() { # checksum of the root partition
+	local start size
+	read -r start size < <(PATH=$PATH:/usr/sbin sfdisk -d "$1" |
+		sed -n 's/.*img2 : start= *\([0-9]*\), size= *\([0-9]*\),.*/\1 \2/p')
+	dd if="$1" bs=512 skip="$start" count="$size" status=none | sha256sum
+}
+before=$(root_of "$image")
+[ "$board" != pc-x86_64 ] || shell_on_disk "$image" # its command line is on the disk
+machine_start "$board" "$image" "$folder" "systemd.wants=inlay-shell@$tty.service"
+
+up() { # READY=1 comes with the first picture that is on the screen
+	shell "$patience" 'until systemctl is-active -q inlay; do sleep 0.1; done'
+}
+if ! up >"$folder/up"; then
+	cat "$folder/up" "$folder/console.log" | tail -n 40 | not_ok "it comes to the picture"
+	exit
+fi
+ok "it comes to the picture"
+used=$(processor_time)
+first_us=$(shell 60 'systemctl show inlay -p ActiveEnterTimestampMonotonic' | cut -d= -f2)
+holds "that moment is known" "${first_us:-0} > 0"
+echo "# $board: first composited frame $(awk "BEGIN { printf \"%.2f\", $first_us / 1e6 }") s after" \
+	"the kernel started (budget on qemu-x86_64: 5 s), $used s of processor time;" \
+	"$(nproc) processors, load $(cut -d' ' -f1 /proc/loadavg), acceleration ${ACCEL:-none}"
+shell 60 'systemd-analyze --no-pager; systemd-analyze --no-pager critical-chain inlay.service' |
+	sed 's/^/# /'
+equal "nothing failed on the way" running "$(shell 60 'systemctl is-system-running --wait')"
+equal "the kiosk is nobody special" inlay \
+	"$(shell 60 'stat -c %U /proc/$(systemctl show -P MainPID inlay)')"
+matches "the root is read-only" '^ro,' "$(shell 60 "awk '\$2 == \"/\" { print \$4 }' /proc/mounts")"
+if shell 60 'touch /probe /etc/inlay/probe' >/dev/null; then
+	echo "a file could be made" | not_ok "neither it nor the configuration can be written"
+else
+	ok "neither it nor the configuration can be written"
+fi
+equal "the image names Debian's own archive" "" \
+	"$(shell 60 "grep -r '^deb ' /etc/apt/sources.list* | grep -v -F http://deb.debian.org/")"
+[ "$board" = qemu-x86_64 ] || {
+	screendump "$folder/screen.ppm"
+	check "its screen shows the demo" test "$("$BUILD/tests/vm/picture" colour "$folder/screen.ppm" \
+		600 300 80 80 | head -n 1)" != "0 0 0 0 0 0"
+}
+
+# ---- hung: the watchdog has it started again ----
+shell 60 'kill -STOP $(systemctl show -P MainPID inlay)'
+check "a kiosk that hangs is started again" \
+	shell "$patience" 'until [ "$(systemctl show -P NRestarts inlay)" -ge 1 ]; do sleep 0.1; done'
+check "and shows a picture again" up
+# ---- switched off in order ----
+shell 5 'systemctl poweroff' >/dev/null
+check "it switches itself off in order" switched_off "$patience"
+equal "the root is as it was delivered, bit for bit" "$before" "$(root_of "$image")"
