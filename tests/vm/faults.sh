@@ -56,11 +56,14 @@ all_fine() {
 	is_situation fisheye fine && is_situation background fine && is_situation scene fine
 }
 
-# Five more pictures reach the screen than had when this was called first.
+# A number of the statistics has reached a value: counts KEY VALUE
+counts() {
+	[ "$(stat "$kiosk_name" "$1")" -ge "$2" ]
+}
+
+# Five more pictures reach the screen than had when this was called.
 pictures_go_on() {
-	local before
-	before=$(stat "$kiosk_name" frames)
-	within_seconds "${1:-20}" eval '[ "$(stat "$kiosk_name" frames)" -ge $((before + 5)) ]'
+	within_seconds "${1:-20}" counts frames $(($(stat "$kiosk_name" frames) + 5))
 }
 
 status() {

@@ -29,4 +29,18 @@ vm-shell: all $(VM_PROGRAMS) kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/boot.sh --shell "$(BUILD)/tests/vm/shell" setsid --ctty --wait bash -i
 
+# The address sanitizer needs a build of its own.
+SOAK_SANITIZED := build/sanitize-address-undefined
+MINUTES ?= 10
+.PHONY: soak soak-installed
+## soak: faults at random for MINUTES=10, as built and under the sanitizers (SEED=n repeats one)
+soak:
+	$(Q)board/deps.sh test
+	$(AGAIN) soak-installed
+soak-installed: all $(VM_PROGRAMS) kernel
+	$(Q)$(MAKE) --no-print-directory SANITIZE=address,undefined OPTIMIZE="-O1 -g" \
+		BUILD=$(SOAK_SANITIZED) $(SOAK_SANITIZED)/inlay
+	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
+	$(Q)BUILD="$(BUILD)" SANITIZED="$(SOAK_SANITIZED)" tests/vm/run_soak.sh $(MINUTES) $(SEED)
+
 objects: $(addsuffix .o,$(VM_PROGRAMS))

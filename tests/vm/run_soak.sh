@@ -1,0 +1,34 @@
+#!/bin/bash
+# Boots the simulated machine twice and soaks the kiosk in it: as it is, and built with the address
+# and undefined behaviour sanitizers. Prints both tables; their files stay in $BUILD/tests/vm/soak-*.
+#
+#     run_soak.sh MINUTES [SEED]      (half of the time each)
+set -uo pipefail
+
+here=$(cd "$(dirname "$0")" && pwd)
+cd "$here/../.." || exit 1
+: "${BUILD:?is not set: expected the folder that holds inlay}"
+: "${SANITIZED:?is not set: expected the folder of the sanitized build}"
+minutes=$(awk "BEGIN { print ${1:-10} / 2 }")
+seed=${2:-$RANDOM}
+code=0
+
+# soak NAME PROGRAM SLACK_KB
+soak() {
+	local job=$BUILD/tests/vm/soak-$1
+	rm -rf "$job"
+	mkdir -p "$job/soak"
+	echo "soak: $1, $minutes minutes of faults, seed $seed"
+	INLAY=$2 tests/vm/boot.sh --seconds "$(awk "BEGIN { print int($minutes * 180 + 600) }")" "$job" \
+		env VM_OUT=/run/job/soak ASAN_OPTIONS=quarantine_size_mb=4:detect_leaks=1 \
+		LSAN_OPTIONS=suppressions=tests/sanitize/leaks.supp:print_suppressions=0 \
+		UBSAN_OPTIONS=print_stacktrace=1 bash -c \
+		"tests/vm/soak.sh $minutes $seed $3 >/run/job/results.tap" || code=1
+	grep -v '^#' "$job/results.tap"
+	column -t "$job/soak/soak.txt"
+	grep -q '^ok' "$job/results.tap" && ! grep -q '^not ok' "$job/results.tap" || code=1
+}
+
+soak plain "$PWD/$BUILD/inlay" 1024
+soak sanitized "$PWD/$SANITIZED/inlay" 8192
+exit $code

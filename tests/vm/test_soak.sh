@@ -1,0 +1,5 @@
+#!/bin/bash
+# A minute of the soak (`make soak` is longer, and under the sanitizers too).
+seed=$RANDOM
+echo "# seed $seed"
+exec tests/vm/soak.sh 1 $seed
