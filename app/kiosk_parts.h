@@ -90,8 +90,8 @@ void kiosk_complain(struct fault *said, const char *what, const struct fault *tr
 
 /* ---- kiosk_picture.c ---- */
 
-/* The camera whose frames set the pace: the background's, or what gives frames without it; NULL: none
- * is open. */
+/* The camera whose frames set the pace: the background's, or what gives frames without it; NULL:
+ * none is open. */
 struct source *kiosk_leader(struct kiosk *k);
 bool kiosk_frames_are_due(struct kiosk *k);
 

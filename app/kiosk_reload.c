@@ -25,6 +25,22 @@ static int check(const struct kiosk *k, const struct config *fresh, struct fault
 			       k->pipeline.lens_height, fault);
 }
 
+/* A camera's radiance is encoded as its views expect it. */
+static void encode(struct kiosk *k)
+{
+	for (int i = 0; i < k->source_count; i++)
+		source_encode_as(&k->sources[i],
+				 kiosk_transfer_for(k->config, k->sources[i].settings.name));
+}
+
+static int apply_light(struct kiosk *k, struct fault *fault)
+{
+	struct pipeline_settings settings = pipeline_settings_of(k->config);
+
+	encode(k);
+	return pipeline_relight(&k->pipeline, &settings, fault);
+}
+
 static int apply_pipeline(struct kiosk *k, struct fault *fault)
 {
 	struct pipeline_settings settings = pipeline_settings_of(k->config);
@@ -37,9 +53,7 @@ static int apply_pipeline(struct kiosk *k, struct fault *fault)
 		show_free(&k->show); /* its scalers have room for so many threads */
 		k->show = (struct show){.after = {.width = 0}};
 	}
-	for (int i = 0; i < k->source_count; i++)
-		source_encode_as(&k->sources[i],
-				 kiosk_transfer_for(k->config, k->sources[i].settings.name));
+	encode(k);
 	return 0;
 }
 
@@ -49,6 +63,8 @@ static void apply(struct kiosk *k, unsigned effects)
 	struct fault fault = {.text = ""};
 
 	if (effects & RELOAD_PIPELINE && apply_pipeline(k, &fault))
+		log_error("reload: %s", fault.text);
+	if (effects & RELOAD_LIGHT && apply_light(k, &fault))
 		log_error("reload: %s", fault.text);
 	if (effects & RELOAD_THRESHOLD)
 		k->choice.threshold = config->lights.threshold;

@@ -12,7 +12,7 @@
 static void role_of(const struct kiosk *k, const struct source *source, char role[ROLE_MAX])
 {
 	const struct eye *eyes[] = {&k->eyes.fisheye, &k->eyes.background, &k->eyes.scene};
-	const char *used[3];
+	const char *used[3] = {NULL};
 	int count = 0, length = 0;
 
 	for (int i = 0; i < 3; i++) {

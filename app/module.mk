@@ -30,6 +30,7 @@ APP_SOURCES := \
 	app/eye.c \
 	app/pipeline.c \
 	app/pipeline_config.c \
+	app/pipeline_light.c \
 	app/show.c \
 	app/layout.c \
 	app/scaler.c \

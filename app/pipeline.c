@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/pipeline_parts.h"
 #include "hal/clock.h"
 
 /* The light files and the sampler are in the dome's order, so the basis must be of that dome. */
@@ -82,6 +83,7 @@ int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
 
 void pipeline_destroy(struct pipeline *p)
 {
+	pipeline_relight_end(p);
 	compositor_destroy(p->compositor);
 	pool_destroy(p->pool);
 	light_selection_free(&p->selection);
@@ -95,6 +97,8 @@ void pipeline_destroy(struct pipeline *p)
 int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings,
 		    struct fault *fault)
 {
+	struct light_sampler_settings sampler;
+	struct fisheye_settings lens;
 	struct compositor *compositor;
 	struct pool *pool;
 	int err;
@@ -108,100 +112,13 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		p->compositor = compositor;
 		p->pool = pool;
 	}
-	light_sampler_destroy(p->sampler); /* the next measurement makes another */
-	p->sampler = NULL;
+	/* What the light is measured with is pipeline_relight()'s. */
+	sampler = p->settings.sampler;
+	lens = p->settings.lens;
 	p->settings = *settings;
+	p->settings.sampler = sampler;
+	p->settings.lens = lens;
 	return 0;
-}
-
-/* The lens and the sampler's table are of one size of picture; a camera may come back with another.
- */
-static int fit_lens(struct pipeline *p, int width, int height, struct fault *fault)
-{
-	int err;
-
-	if (p->sampler && width == p->lens_width && height == p->lens_height)
-		return 0;
-	light_sampler_destroy(p->sampler);
-	p->sampler = NULL;
-	err = fisheye_prepare(&p->lens, &p->settings.lens, width, height, fault);
-	if (err)
-		return err;
-	p->lens_width = width;
-	p->lens_height = height;
-	return light_sampler_create(&p->sampler, &p->dome, &p->lens, width, height,
-				    &p->settings.sampler, fault);
-}
-
-int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
-{
-	int64_t start = clock_now_ns();
-	int err = fit_lens(p, fisheye->width, fisheye->height, fault);
-
-	if (err)
-		return err;
-	err = light_sampler_read(p->sampler, fisheye, p->radiance, &p->clipped);
-	if (err)
-		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
-				 fisheye->width, fisheye->height);
-	p->lit = true;
-	p->sample_ns = clock_now_ns() - start;
-	return 0;
-}
-
-/* Radiance has no struct picture to be read through: turned and cut by copying. */
-static int turn_upright(struct pipeline *p, const struct image *camera, const struct view *view)
-{
-	struct image *to = &p->upright;
-	int err;
-
-	if (to->width != view->width || to->height != view->height) {
-		image_free(to);
-		err = image_create_f32(to, view->width, view->height);
-		if (err)
-			return err;
-	}
-	for (int y = 0; y < view->height; y++) {
-		int row = view->y + (view->vflip ? view->height - 1 - y : y);
-		const float *from = camera->f32 +
-				    3 * ((size_t)row * (size_t)camera->width + (size_t)view->x);
-		float *out = to->f32 + 3 * (size_t)y * (size_t)view->width;
-
-		if (!view->hflip) {
-			memcpy(out, from, 3 * sizeof(float) * (size_t)view->width);
-			continue;
-		}
-		for (int x = 0; x < view->width; x++)
-			memcpy(out + 3 * x, from + 3 * (view->width - 1 - x), 3 * sizeof(float));
-	}
-	return 0;
-}
-
-int pipeline_light_linear(struct pipeline *p, const struct image *camera, const struct view *view,
-			  struct fault *fault)
-{
-	int64_t start = clock_now_ns();
-	int err = fit_lens(p, view->width, view->height, fault);
-
-	if (err)
-		return err;
-	err = turn_upright(p, camera, view);
-	if (!err)
-		err = light_sampler_read_linear(p->sampler, &p->upright, p->radiance);
-	if (err)
-		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
-				 view->width, view->height, strerror(-err));
-	p->clipped = 0;
-	p->lit = true;
-	p->sample_ns = clock_now_ns() - start;
-	return 0;
-}
-
-void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
-{
-	memcpy(p->radiance, radiance, p->basis->info.lights * sizeof(*radiance));
-	p->clipped = 0;
-	p->lit = true;
 }
 
 /* The level as the sampler would read it from the picture. */

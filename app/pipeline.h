@@ -46,10 +46,11 @@ struct pipeline {
 	struct fisheye lens; /* of pictures of this size; width 0: not known yet */
 	int lens_width, lens_height;
 	struct light_sampler *sampler;
-	struct image upright; /* linear radiance as the view shows it */
-	float (*radiance)[3]; /* [basis lights]: what was measured */
-	bool lit;	      /* there has been light to measure */
-	double clipped;	      /* share of the sky that was at its limit, 0..1 */
+	struct relight *relight; /* private: the next sampler and lens, in the making */
+	struct image upright;	 /* linear radiance as the view shows it */
+	float (*radiance)[3];	 /* [basis lights]: what was measured */
+	bool lit;		 /* there has been light to measure */
+	double clipped;		 /* share of the sky that was at its limit, 0..1 */
 	struct light_selection selection;
 	struct compositor *compositor;
 	int64_t sample_ns, composite_ns; /* what the last calls took */
@@ -60,10 +61,15 @@ int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
 		    const struct pipeline_settings *settings, struct fault *fault);
 void pipeline_destroy(struct pipeline *pipeline); /* idempotent; zeroed is fine */
 
-/* Other settings from the next frame on; light that has been measured stays. On failure the old
- * ones stay. */
+/* Other settings from the next frame on, but for those of the sampler and the lens. On failure the
+ * old ones stay. */
 int pipeline_change(struct pipeline *pipeline, const struct pipeline_settings *settings,
 		    struct fault *fault);
+
+/* Those of the sampler and the lens: a thread prepares them, and they count from the first light
+ * that is measured after that. Light that has been measured stays. */
+int pipeline_relight(struct pipeline *pipeline, const struct pipeline_settings *settings,
+		     struct fault *fault);
 
 /* Whether a background of this size is the basis's. 0 or -EINVAL. */
 int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);

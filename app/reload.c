@@ -22,7 +22,7 @@ static const struct {
 	{"fisheye", "vflip", NEXT_START},
 	{"fisheye", "rotate180", NEXT_START},
 	{"fisheye", "squash", NEXT_START},
-	{"fisheye", NULL, RELOAD_PIPELINE | RELOAD_DRAWING},
+	{"fisheye", NULL, RELOAD_LIGHT | RELOAD_DRAWING},
 	{"background", "transfer", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"lights", "threshold", RELOAD_THRESHOLD | RELOAD_DRAWING},
 	{"lights", "threshold_mode", RELOAD_PIPELINE | RELOAD_DRAWING},

@@ -18,7 +18,8 @@ enum reload_effect {
 	RELOAD_BUTTONS = 1 << 6,     /* they are opened anew */
 	RELOAD_CONTROL = 1 << 7,     /* so is the socket */
 	RELOAD_STATE = 1 << 8,	     /* another file or interval */
-	RELOAD_DRAWING = 1 << 9,     /* the picture is drawn anew; nothing else */
+	RELOAD_LIGHT = 1 << 9,	     /* pipeline_relight() */
+	RELOAD_DRAWING = 1 << 10,    /* the picture is drawn anew; nothing else */
 };
 
 /* The effects of all keys that differ. Names each key that waits for the next start in a warning.

@@ -198,6 +198,8 @@ bool source_has_picture(const struct source *source)
 
 void source_encode_as(struct source *source, enum transfer transfer)
 {
+	if (source->settings.transfer == transfer)
+		return;
 	source->settings.transfer = transfer;
 	transfer_tables_fill(source->tables, transfer);
 }

@@ -67,11 +67,11 @@ struct config_camera {
 struct config_screen {
 	char driver[INI_TEXT_MAX];
 	struct display_settings settings;
-	int show;  /* enum config_show */
-	int scale; /* enum config_scale */
-	double split;	    /* where the line stands, share of the width, 0..1 */
-	bool information;   /* the line of figures is shown */
-	bool trouble;	    /* what is wrong is named on the screen */
+	int show;	      /* enum config_show */
+	int scale;	      /* enum config_scale */
+	double split;	      /* where the line stands, share of the width, 0..1 */
+	bool information;     /* the line of figures is shown */
+	bool trouble;	      /* what is wrong is named on the screen */
 	double blank_after_s; /* without a new picture it goes black then; 0: never */
 };
 
@@ -167,8 +167,9 @@ int config_check(const struct config *config, struct ini_report *report);
 /* A key whose value differs. */
 struct config_change {
 	const char *section;
-	const char *instance; /* of [camera NAME]; NULL elsewhere */
-	char key[INI_TEXT_MAX]; /* prefix included; empty: the whole section is in one of them only */
+	const char *instance;	/* of [camera NAME]; NULL elsewhere */
+	char key[INI_TEXT_MAX]; /* prefix included; empty: the whole section is in one of them only
+				 */
 };
 
 /* Calls adopt() for each key whose value is another in fresh, which has the same drivers; where it
@@ -185,7 +186,8 @@ void config_write_sample(const struct config *config, FILE *stream);
 /* The place of a driver in its list, or -1. */
 int config_driver_index(const struct config *config, enum config_class kind, const char *name);
 
-/* The places of the drivers that [buttons] names, each once, in the file's order. Returns how many. */
+/* The places of the drivers that [buttons] names, each once, in the file's order. Returns how many.
+ */
 int config_buttons_used(const struct config *config, int drivers[CONFIG_DRIVERS_MAX]);
 
 /* The options of one driver behind a camera, the screen or the buttons: block. */

@@ -7,8 +7,8 @@
 #include "hal/lights/sampler.h"
 #include "hal/transfer.h"
 
-const char *const config_show_names[] = {"composite", "before", "fisheye", "scene", "quad",
-					  "split", "off", NULL};
+const char *const config_show_names[] = {"composite", "before", "fisheye", "scene",
+					 "quad",      "split",	"off",	   NULL};
 const char *const config_scale_names[] = {"none", "fit", NULL};
 
 _Static_assert(sizeof(config_show_names) / sizeof(*config_show_names) == SHOW_COUNT + 1,

@@ -1,7 +1,7 @@
 /*
  * Messages to whoever runs the program: stderr, one line each, "inlay: text". Where stderr leads to
- * the system's journal, which knows the program, a level goes before the text instead: "<4>text", as
- * sd-daemon(3) has it.
+ * the system's journal, which knows the program, a level goes before the text instead: "<4>text",
+ * as sd-daemon(3) has it.
  *
  * Thread-safe. A caller that would repeat itself every frame says it once, when it changes.
  */

@@ -139,4 +139,12 @@ shown=$(number "$work/live.jsonl" frames)
 taken=$(tail -n 1 "$work/live.jsonl" | grep -oE '"fisheye","situation":"fine","frames":[0-9]+' | cut -d: -f3)
 check "of $taken that a camera gave, $shown are shown, and at most two on their way" \
 	test $((taken - shown)) -ge 0 -a $((taken - shown)) -le 2
+
+# ---- the terminal it was started from goes: that is the end, and no reload ----
+printf '%s\n' "$plain" >"$conf"
+rm "$work/live.jsonl"
+python3 "$(dirname "$0")/terminal.py" "$work/live.jsonl" "$INLAY" run --config "$conf" \
+	--set screen.driver=null --stats "$work/live.jsonl" 2>"$work/run.log"
+equal "without its terminal it ends in order" 0 $?
+check "having shown frames" test "$(number "$work/live.jsonl" frames)" -gt 0
 finish

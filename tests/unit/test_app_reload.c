@@ -53,7 +53,7 @@ static void each_key_has_its_effect(void **state)
 		{"[lights]\nthreshold = 9\n", RELOAD_THRESHOLD | RELOAD_DRAWING},
 		{"[lights]\nthreshold_step = 9\n", RELOAD_DRAWING},
 		{"[lights]\nthreshold_mode = drop\n", RELOAD_PIPELINE | RELOAD_DRAWING},
-		{"[fisheye]\ngain = 2\n", RELOAD_PIPELINE | RELOAD_DRAWING},
+		{"[fisheye]\ngain = 2\n", RELOAD_LIGHT | RELOAD_DRAWING},
 		{"[fisheye]\nx = 2\n", 0},
 		{"[fisheye]\ncamera = other\n", 0},
 		{"[background]\ntransfer = linear\n", RELOAD_PIPELINE | RELOAD_DRAWING},

@@ -1,0 +1,195 @@
+/* Measuring the light, and what it is measured with. */
+#include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/pipeline_parts.h"
+#include "hal/clock.h"
+
+/* A sampler takes longer to make than a frame lasts, so a running pipeline has the next one made by
+ * a thread, and measures with the present one until then. */
+struct relight {
+	pthread_t thread;
+	atomic_bool done;
+	/* The thread's until done: */
+	const struct dome *dome;
+	struct light_sampler_settings settings;
+	struct fisheye_settings lens_settings;
+	int width, height;
+	struct fisheye lens;
+	struct light_sampler *sampler;
+	int err;
+	struct fault fault;
+};
+
+static void *make_sampler(void *context)
+{
+	struct relight *r = context;
+
+	r->err = fisheye_prepare(&r->lens, &r->lens_settings, r->width, r->height, &r->fault);
+	if (!r->err)
+		r->err = light_sampler_create(&r->sampler, r->dome, &r->lens, r->width, r->height,
+					      &r->settings, &r->fault);
+	atomic_store(&r->done, true);
+	return NULL;
+}
+
+void pipeline_relight_end(struct pipeline *p)
+{
+	if (!p->relight)
+		return;
+	pthread_join(p->relight->thread, NULL);
+	light_sampler_destroy(p->relight->sampler);
+	free(p->relight);
+	p->relight = NULL;
+}
+
+int pipeline_relight(struct pipeline *p, const struct pipeline_settings *settings,
+		     struct fault *fault)
+{
+	struct relight *r;
+	int err;
+
+	pipeline_relight_end(p); /* the later one counts */
+	if (!p->sampler) {	 /* the first measurement makes it */
+		p->settings.sampler = settings->sampler;
+		p->settings.lens = settings->lens;
+		return 0;
+	}
+	r = calloc(1, sizeof(*r));
+	if (!r)
+		return fault_say(fault, -ENOMEM, "not enough memory to measure the light anew");
+	r->dome = &p->dome;
+	r->settings = settings->sampler;
+	r->lens_settings = settings->lens;
+	r->width = p->lens_width;
+	r->height = p->lens_height;
+	err = -pthread_create(&r->thread, NULL, make_sampler, r);
+	if (err) {
+		free(r);
+		return fault_say(fault, err, "no thread to measure the light anew: %s",
+				 strerror(-err));
+	}
+	p->relight = r;
+	return 0;
+}
+
+/* Goes over to the sampler that was made, if it is. */
+static int take_over(struct pipeline *p, struct fault *fault)
+{
+	struct relight *r = p->relight;
+	int err;
+
+	if (!r || !atomic_load(&r->done))
+		return 0;
+	err = r->err;
+	if (err) {
+		fault_say(fault, err, "%s", r->fault.text);
+	} else {
+		light_sampler_destroy(p->sampler);
+		p->sampler = r->sampler;
+		p->lens = r->lens;
+		p->lens_width = r->width;
+		p->lens_height = r->height;
+		p->settings.sampler = r->settings;
+		p->settings.lens = r->lens_settings;
+		r->sampler = NULL;
+	}
+	pipeline_relight_end(p);
+	return err;
+}
+
+/* The lens and the sampler's table are of one size of picture; a camera may come back with another.
+ */
+static int fit_lens(struct pipeline *p, int width, int height, struct fault *fault)
+{
+	int err;
+
+	err = take_over(p, fault);
+	if (err)
+		return err;
+	if (p->sampler && width == p->lens_width && height == p->lens_height)
+		return 0;
+	light_sampler_destroy(p->sampler);
+	p->sampler = NULL;
+	err = fisheye_prepare(&p->lens, &p->settings.lens, width, height, fault);
+	if (err)
+		return err;
+	p->lens_width = width;
+	p->lens_height = height;
+	return light_sampler_create(&p->sampler, &p->dome, &p->lens, width, height,
+				    &p->settings.sampler, fault);
+}
+
+int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
+{
+	int64_t start = clock_now_ns();
+	int err = fit_lens(p, fisheye->width, fisheye->height, fault);
+
+	if (err)
+		return err;
+	err = light_sampler_read(p->sampler, fisheye, p->radiance, &p->clipped);
+	if (err)
+		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
+				 fisheye->width, fisheye->height);
+	p->lit = true;
+	p->sample_ns = clock_now_ns() - start;
+	return 0;
+}
+
+/* Radiance has no struct picture to be read through: turned and cut by copying. */
+static int turn_upright(struct pipeline *p, const struct image *camera, const struct view *view)
+{
+	struct image *to = &p->upright;
+	int err;
+
+	if (to->width != view->width || to->height != view->height) {
+		image_free(to);
+		err = image_create_f32(to, view->width, view->height);
+		if (err)
+			return err;
+	}
+	for (int y = 0; y < view->height; y++) {
+		int row = view->y + (view->vflip ? view->height - 1 - y : y);
+		const float *from = camera->f32 +
+				    3 * ((size_t)row * (size_t)camera->width + (size_t)view->x);
+		float *out = to->f32 + 3 * (size_t)y * (size_t)view->width;
+
+		if (!view->hflip) {
+			memcpy(out, from, 3 * sizeof(float) * (size_t)view->width);
+			continue;
+		}
+		for (int x = 0; x < view->width; x++)
+			memcpy(out + 3 * x, from + 3 * (view->width - 1 - x), 3 * sizeof(float));
+	}
+	return 0;
+}
+
+int pipeline_light_linear(struct pipeline *p, const struct image *camera, const struct view *view,
+			  struct fault *fault)
+{
+	int64_t start = clock_now_ns();
+	int err = fit_lens(p, view->width, view->height, fault);
+
+	if (err)
+		return err;
+	err = turn_upright(p, camera, view);
+	if (!err)
+		err = light_sampler_read_linear(p->sampler, &p->upright, p->radiance);
+	if (err)
+		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
+				 view->width, view->height, strerror(-err));
+	p->clipped = 0;
+	p->lit = true;
+	p->sample_ns = clock_now_ns() - start;
+	return 0;
+}
+
+void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
+{
+	memcpy(p->radiance, radiance, p->basis->info.lights * sizeof(*radiance));
+	p->clipped = 0;
+	p->lit = true;
+}
