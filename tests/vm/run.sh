@@ -1,9 +1,9 @@
 #!/bin/bash
-# Runs tests/vm/test_*.sh (those whose name contains FILTER) in one boot of the simulated machine
-# and prints their results as TAP while they come. Everything they leave is kept in
-# $BUILD/tests/vm/job.
+# Runs tests/vm/test_*.sh (those whose name contains FILTER), each in a simulated machine of its own,
+# as many at a time as there are processors, and prints their results as TAP when each ends.
+# Everything they leave is kept in $BUILD/tests/vm/job/NAME.
 #
-#     tests/vm/run.sh [FILTER]        (or FILTER in the environment)
+#     tests/vm/run.sh [FILTER]        (or FILTER in the environment; VM_MACHINES=n at a time)
 set -uo pipefail
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -12,23 +12,62 @@ export BUILD=${BUILD:-build}
 export INLAY=${INLAY:-$PWD/$BUILD/inlay} INLAY_BAKE=${INLAY_BAKE:-$PWD/$BUILD/inlay-bake}
 INLAY_SHARED_DATA=$(realpath "${INLAY_SHARED_DATA:-../shared/data}" 2>/dev/null)
 export INLAY_SHARED_DATA
+filter=${1:-${FILTER:-}}
+jobs=$BUILD/tests/vm/job
+rm -rf "$jobs"
+mkdir -p "$jobs"
 
-job=$BUILD/tests/vm/job
-rm -rf "$job"
-mkdir -p "$job"
-: >"$job/results.tap"
+# one NAME: boots a machine for it.
+one() {
+	local job=$jobs/$1 begun=$SECONDS code=0
+	mkdir -p "$job"
+	: >"$job/results.tap"
+	tests/vm/boot.sh "$job" tests/vm/guest.sh "$1" || code=$?
+	if [ $code -ne 0 ]; then
+		echo "not ok - $1: the machine stopped with exit code $code" >>"$job/results.tap"
+		tail -n 20 "$job/console.log" 2>/dev/null | sed 's/^/# /' >>"$job/results.tap"
+	fi
+	echo "# $1 took $((SECONDS - begun)) s" >>"$job/results.tap"
+	mv "$job/results.tap" "$job/done.tap"
+}
 
-tests/vm/boot.sh "$job" tests/vm/guest.sh "${1:-${FILTER:-}}" &
-boot=$!
-tail -s 0.2 -f --pid=$boot "$job/results.tap" 2>/dev/null
-wait $boot
-code=$?
+# What has ended since the last call, numbered on.
+count=0
+failed=0
+report() {
+	local results line
+	for results in "$jobs"/*/done.tap; do
+		[ -e "$results" ] || continue
+		while IFS= read -r line; do
+			case $line in
+			"ok "*) echo "ok $((++count)) ${line#ok }" ;;
+			"not ok "*)
+				echo "not ok $((++count)) ${line#not ok }"
+				failed=1
+				;;
+			*) echo "$line" ;;
+			esac
+		done <"$results"
+		mv "$results" "${results%done.tap}results.tap"
+	done
+}
 
-count=$(grep -c -E '^(not )?ok ' "$job/results.tap")
-if [ $code -ne 0 ]; then
-	echo "not ok $((count + 1)) - machine: stopped with exit code $code"
-	tail -n 20 "$job/console.log" 2>/dev/null | sed 's/^/# /'
-	count=$((count + 1))
-fi
+# The longest first, so that none is left alone at the end.
+running=0
+for name in $(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p'); do
+	case $name in *"$filter"*) ;; *) continue ;; esac
+	while [ $running -ge "${VM_MACHINES:-$(nproc)}" ]; do
+		wait -n
+		running=$((running - 1))
+		report
+	done
+	one "$name" &
+	running=$((running + 1))
+done
+while [ $running -gt 0 ]; do
+	wait -n
+	running=$((running - 1))
+	report
+done
 echo "1..$count"
-[ $code -eq 0 ] && [ "$count" -gt 0 ] && ! grep -q '^not ok' "$job/results.tap"
+[ $count -gt 0 ] && [ $failed -eq 0 ]
