@@ -67,7 +67,7 @@ empty :=
 space := $(empty) $(empty)
 comma := ,
 FLAVOUR := $(notdir $(CC))$(if $(SANITIZE),-$(subst $(comma),-,$(SANITIZE)))$(shell \
-	printf '%s' "$(OPTIMIZE)$(CFLAGS)$(foreach x,$(SWITCHES),$(WITH_$(x)))" \
+	printf '%s' "$(OPTIMIZE)$(CFLAGS)$(foreach x,$(SWITCHES),$(WITH_$(x)))$(GPIOD_MAJOR)" \
 	| cksum | cut -d' ' -f1 | sed 's/^/-/')
 BUILD ?= build/$(FLAVOUR)
 
