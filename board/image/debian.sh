@@ -47,7 +47,7 @@ if [ -e "$result" ]; then
 fi
 
 mkdir -p "$cache"
-exec 9>"$cache/debian.lock"
+exec 9>"$cache/.debian-$key.lock"
 flock 9 # the second of two finds the first one's result
 if [ -e "$result" ]; then
 	echo "$result"
@@ -72,7 +72,7 @@ staging=$(mktemp -d "$cache/.debian-$key.XXXXXX")
 trap 'rm -rf "$staging"' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
-log=$cache/debian.log
+log=$cache/debian-$architecture-$key.log
 
 # The host's proxy serves the download and is not kept.
 apt-config dump | grep -E '^Acquire::(https?|ftp)::Proxy|^Acquire::Check' >"$staging/apt.conf" || true
@@ -106,4 +106,5 @@ if ! mmdebstrap "${options[@]}" "$suite" "$staging/root.tar" - <<<"$sources" >"$
 	fail "mmdebstrap failed; the whole log is $log"
 fi
 mv -T "$staging/root.tar" "$result"
+rm -f "$cache/.debian-$key.lock"
 echo "$result"

@@ -48,8 +48,8 @@ record() {
 	}
 }
 record background background.y4m --set "camera.background.sim.camera=$PWD/$staging/background.ini"
-# As large as the background, which shows it: the circle is in the middle.
-record fisheye fisheye.y4m
+# As large as the background, which shows it: the circle, of 150 pixels, is in the middle.
+record fisheye fisheye.y4m --set "camera.fisheye.sim.focal=47.7465 47.7465"
 
 mv "$staging"/{cow.inlay,background.y4m,fisheye.y4m} "$out/"
 echo "$key" >"$out/key"

@@ -20,7 +20,7 @@ machine_start() {
 	exec 7<>"$out/shell.in" 8<>"$out/monitor.in"
 	emulator_of "$board" "$image" "build/image/$board" "$@" || return 1
 	local second=(-serial chardev:shell)
-	[ "$board" != qemu-arm64 ] || second=(-device pci-serial,chardev=shell) # it has only one
+	[ "$board" != qemu-arm64 ] || second=(-device "pci-serial,chardev=shell") # it has only one
 	"${emulator[@]}" -display none -vga none -device virtio-gpu-pci \
 		-serial "file:$out/console.log" \
 		-chardev "pipe,id=shell,path=$out/shell" "${second[@]}" \

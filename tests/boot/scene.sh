@@ -2,9 +2,9 @@
 # Sourced: a kiosk.conf for cameras that always see the same, put where a person would put it, and
 # what `inlay still` makes of the same pictures.
 
-# still_scene IMAGE FOLDER: changes the partition INLAY of an image.
-still_scene() {
-	local image=$1 folder=$2 camera
+# still_scene_pictures FOLDER: what each camera of the demo sees first.
+still_scene_pictures() {
+	local folder=$1 camera
 	for camera in fisheye background; do
 		"$INLAY" run --config board/image/demo.conf --set state.file= --set control.socket= \
 			--set basis.file=build/image/demo/cow.inlay \
@@ -13,6 +13,12 @@ still_scene() {
 			--set background.camera=$camera --set screen.show=before \
 			--set screen.driver=file --set "screen.device=$folder/$camera.png" --frames 1 || return
 	done
+}
+
+# still_scene IMAGE FOLDER: changes the partition INLAY of an image.
+still_scene() {
+	local image=$1 folder=$2
+	still_scene_pictures "$folder" || return
 	sed -e "s|^sim.file = .*/\(.*\).y4m|sim.file = \1.png|" -e 's/^scale = fit/scale = none/' \
 		-e '/^\[state\]/a interval = 0' -e '/^rate =/d' board/image/demo.conf >"$folder/kiosk.conf"
 	mcopy -o -i "$image@@1M" "$folder"/{kiosk.conf,fisheye.png,background.png} ::/

@@ -30,7 +30,7 @@ before=$(root_of "$image")
 machine_start "$board" "$image" "$folder" "systemd.wants=inlay-shell@$tty.service"
 
 up() { # READY=1 comes with the first picture that is on the screen
-	shell "$patience" 'until systemctl is-active -q inlay; do sleep 0.1; done'
+	shell "$patience" 'systemctl start inlay' # waits for the start that is under way
 }
 if ! up >"$folder/up"; then
 	cat "$folder/up" "$folder/console.log" | tail -n 40 | not_ok "it comes to the picture"

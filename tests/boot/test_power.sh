@@ -31,7 +31,7 @@ check "a person's configuration goes onto the partition INLAY" still_scene "$ima
 # start: boots and waits for the picture.
 start() {
 	machine_start "$board" "$image" "$folder" systemd.wants=inlay-shell@ttyS1.service &&
-		shell 120 'until systemctl is-active -q inlay; do sleep 0.1; done'
+		shell 120 'systemctl start inlay' # waits for the start that is under way
 }
 threshold() { # as the kiosk itself says it
 	shell 60 'inlay control --socket /run/inlay/control status' |

@@ -1,0 +1,54 @@
+#!/bin/bash
+# An image that QEMU cannot start: what is on its partitions, and its own program at work under
+# qemu-user, which must make the same picture as this machine's, bit for bit.
+#     test_contents.sh BOARD
+. tests/vm/tap.sh
+. tests/boot/scene.sh
+board=$1
+PATH=$PATH:/usr/sbin:/sbin
+image=build/image/$board/inlay.img
+folder=$BUILD/tests/boot/$board
+rm -rf "$folder"
+mkdir -p "$folder"
+
+has() { # file on INLAY
+	mdir -b -i "$image@@1M" "::/$1"
+}
+for file in config.txt cmdline.txt start4.elf fixup4.dat bcm2711-rpi-4-b.dtb vmlinuz initrd.img \
+	kiosk.conf; do
+	check "the firmware's partition has $file" has $file
+done
+matches "it starts the kernel that is there" '^kernel=vmlinuz' \
+	"$(mtype -i "$image@@1M" ::/config.txt)"
+matches "and that finds its root" 'root=LABEL=inlay-root ro' \
+	"$(mtype -i "$image@@1M" ::/cmdline.txt)"
+table=$(sfdisk -d "$image")
+matches "a partition table that every model reads" '^label: dos' "$table"
+
+read -r start size < <(sed -n 's/.*img2 : start= *\([0-9]*\), size= *\([0-9]*\),.*/\1 \2/p' <<<"$table")
+dd if="$image" bs=512 skip="$start" count="$size" status=none conv=sparse of="$folder/root.ext4"
+check "the root is sound" e2fsck -f -n "$folder/root.ext4"
+root=$folder/root
+mkdir "$root"
+fakeroot debugfs -R "rdump / $root" "$folder/root.ext4" >"$folder/rdump" 2>&1
+equal "its systemd starts the kiosk" inlay.target \
+	"$(readlink "$root/etc/systemd/system/default.target")"
+
+arm() {
+	qemu-aarch64-static -cpu cortex-a72 -L "$root" "$root/usr/bin/inlay" "$@"
+}
+matches "its inlay runs on a Raspberry Pi 4's processor" '^inlay [0-9]' "$(arm --version 2>&1)"
+demo=$root/usr/share/inlay/demo
+check "it finds nothing wrong with its configuration" \
+	arm check --config <(sed "s|/usr/share|$root&|" "$root/etc/inlay/kiosk.conf")
+
+still_scene_pictures "$folder"
+compose() {
+	local out=$1
+	shift
+	"$@" still --config board/image/demo.conf --basis "$demo/cow.inlay" \
+		--fisheye "$folder/fisheye.png" --background "$folder/background.png" -o "$out"
+}
+check "it composites" compose "$folder/arm.png" arm
+check "so does this machine's" compose "$folder/here.png" "$INLAY"
+check "both are the same, bit for bit" cmp "$folder/arm.png" "$folder/here.png"
