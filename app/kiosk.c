@@ -7,8 +7,9 @@
 #include "app/kiosk_parts.h"
 #include "hal/clock.h"
 
-/* A camera may take 2 s to open (hal/camera.h). One that takes longer is not waited for. */
-#define SETTLE_NS (5 * NS_PER_S)
+/* A camera may take 2 s to open (hal/camera.h), and more on a busy machine. One that takes much
+ * longer is not waited for. */
+#define SETTLE_NS (10 * NS_PER_S)
 /* The loop comes round every second. If it did not, silence until now was ours. */
 #define ABSENT_NS (2 * NS_PER_S)
 /* Then a picture is drawn again at the next tick. */

@@ -4,7 +4,6 @@
 
 #include "app/kiosk_parts.h"
 #include "app/words.h"
-#include "hal/transfer.h"
 
 #define ROLE_MAX 64
 
@@ -64,21 +63,13 @@ static double largest(const double v[3])
 	return m > v[2] ? m : v[2];
 }
 
-/* Transfer functions are steepest in the dark: there an error is worth the most levels. */
-static double error_levels(const struct pipeline *pipeline)
-{
-	double error = largest(pipeline->selection.dropped_error);
-
-	return 255 * transfer_encode(pipeline->settings.background, error < 1 ? error : 1);
-}
-
 static void write_information(struct kiosk *k)
 {
 	const struct words_figures figures = {
 		.lights_used = k->pipeline.selection.used_count,
 		.lights = k->pipeline.selection.count,
 		.threshold = k->choice.threshold,
-		.error_levels = error_levels(&k->pipeline),
+		.error = largest(k->pipeline.selection.dropped_error),
 		.frames_a_second = k->stats.last.fps,
 		.latency_ms = k->stats.last.latency_mean_ms,
 		.drops = stats_drops(k->sources, k->source_count),

@@ -17,15 +17,15 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 
 struct words_figures {
 	int lights_used, lights;
-	double threshold;    /* grey level */
-	double error_levels; /* worst case of what was dropped, in 8-bit levels of the output */
+	double threshold; /* grey level */
+	double error;	  /* worst case of what was dropped, linear light, 1 is white */
 	double frames_a_second;
 	double latency_ms; /* mean of the last second */
 	uint64_t drops;	   /* since the start */
 	double clipped;	   /* share of the sky, 0..1 */
 };
 
-/* "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · 29.9 frames/s · latency 38 ms · 12
+/* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
  * dropped · sky clipped 0.3 %" */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 

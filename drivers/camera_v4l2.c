@@ -25,9 +25,9 @@
 #include "hal/log.h"
 
 #define SIGNAL_CHECK_NS NS_PER_S
-/* A time that is further from now is of another clock, or of one that wrapped around. */
+/* An older time is of another clock, or of one that wrapped around; so is one that is yet to come.
+ */
 #define TIME_PAST_NS (60 * NS_PER_S)
-#define TIME_AHEAD_NS NS_PER_S
 
 static const struct ini_key v4l2_keys[] = {
 	{"input", INI_TEXT, offsetof(struct v4l2_options, input), .fallback = "",
@@ -256,10 +256,10 @@ static int64_t timestamp_ns(const struct v4l2_buffer *buffer)
 
 	if ((buffer->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
 		return now_ns;
-	if (s < 0 || s > (now_ns + TIME_AHEAD_NS) / NS_PER_S)
+	if (s < 0 || s > now_ns / NS_PER_S)
 		return now_ns;
 	ns = s * NS_PER_S + (int64_t)buffer->timestamp.tv_usec * 1000;
-	return ns < now_ns - TIME_PAST_NS || ns > now_ns + TIME_AHEAD_NS ? now_ns : ns;
+	return ns < now_ns - TIME_PAST_NS || ns > now_ns ? now_ns : ns;
 }
 
 /* Sequence numbers wrap; a step back means that the driver started to count anew. */

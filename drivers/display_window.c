@@ -185,7 +185,8 @@ static bool translate(const SDL_Event *from, struct display_event *to)
 	if (from->type != SDL_KEYDOWN)
 		return false;
 	for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++)
-		if (from->key.keysym.sym == keys[i].key) {
+		if (from->key.keysym.sym == keys[i].key &&
+		    (!from->key.repeat || action_repeats(keys[i].action))) {
 			to->kind = DISPLAY_ACTION;
 			to->action = keys[i].action;
 			to->time_ns = clock_now_ns();

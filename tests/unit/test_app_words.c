@@ -117,20 +117,20 @@ static void long_names_and_little_room(void **state)
 
 static void figures(void **state)
 {
-	struct words_figures f = {212, 406, 32, 1.37, 29.94, 38.2, 12, 0.003};
+	struct words_figures f = {212, 406, 32, 0.0137, 29.94, 38.2, 12, 0.003};
 	char text[256];
 	int length = words_information(text, sizeof(text), &f);
 
 	(void)state;
 	assert_int_equal(length, strlen(text));
-	assert_string_equal(text, "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · "
+	assert_string_equal(text, "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · "
 				  "29.9 frames/s · latency 38 ms · 12 dropped · sky clipped 0.3 %");
 	f.threshold = 12.5;
 	f.clipped = 0;
-	f.error_levels = 0;
+	f.error = 0;
 	words_information(text, sizeof(text), &f);
 	assert_non_null(strstr(text, "threshold 12.5 ·"));
-	assert_non_null(strstr(text, "error ≤ 0.0 levels"));
+	assert_non_null(strstr(text, "error ≤ 0.0 % of white"));
 	assert_non_null(strstr(text, "clipped 0.0 %"));
 	f.clipped = 0.0001; /* a little is not nothing */
 	words_information(text, sizeof(text), &f);
@@ -144,15 +144,16 @@ static void a_bound_is_rounded_up(void **state)
 
 	(void)state;
 	for (int i = 0; i < 3000; i++) {
-		const struct words_figures f = {.error_levels = i / 100.0};
+		const struct words_figures f = {.error = i / 10000.0};
 		int tenths = (i + 9) / 10;
 
 		words_information(text, sizeof(text), &f);
 		if (i < 1000)
-			snprintf(expected, sizeof(expected), "error ≤ %d.%d levels", tenths / 10,
-				 tenths % 10);
+			snprintf(expected, sizeof(expected), "error ≤ %d.%d %% of white",
+				 tenths / 10, tenths % 10);
 		else
-			snprintf(expected, sizeof(expected), "error ≤ %d levels", (i + 99) / 100);
+			snprintf(expected, sizeof(expected), "error ≤ %d %% of white",
+				 (i + 99) / 100);
 		assert_non_null(strstr(text, expected));
 	}
 }
@@ -160,9 +161,9 @@ static void a_bound_is_rounded_up(void **state)
 static void figures_out_of_all_bounds(void **state)
 {
 	const struct words_figures wild[] = {
-		{.error_levels = INFINITY, .latency_ms = 1e300, .frames_a_second = -1e300},
-		{.error_levels = NAN, .threshold = NAN, .clipped = NAN, .drops = UINT64_MAX},
-		{.lights = INT32_MAX, .lights_used = INT32_MIN, .error_levels = 1e300},
+		{.error = INFINITY, .latency_ms = 1e300, .frames_a_second = -1e300},
+		{.error = NAN, .threshold = NAN, .clipped = NAN, .drops = UINT64_MAX},
+		{.lights = INT32_MAX, .lights_used = INT32_MIN, .error = 1e300},
 	};
 	char text[64];
 

@@ -80,7 +80,8 @@ mkdir -p $bank && echo 4 >$bank/num_lines && echo panel >$bank/label &&
 line=/sys/devices/platform/$(cat ${bank%/bank}/dev_name)/$(cat $bank/chip_name)/sim_gpio2/pull
 echo pull-up >"$line"
 run gpio --set "$vkms" "${sets[@]}" --set lights.threshold_step=100 --set buttons.driver=gpio \
-	--set buttons.gpio.chip=panel --set buttons.gpio.threshold_up=2
+	--set buttons.gpio.chip=panel --set buttons.gpio.threshold_up=2 \
+	--set buttons.gpio.repeat_after_ms=0
 shows "before the press all lights are used" vkms "$VM_OUT/expected.png" within=0
 echo pull-down >"$line"
 shows "a press on a GPIO line steps the threshold" vkms "$VM_OUT/expected-100.png" within=0
