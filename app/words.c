@@ -53,7 +53,7 @@ static const char *say_bound(char *text, size_t room, double value)
 	if (value < 10)
 		snprintf(text, room, "%.1f", value > 0 ? ceil(value * 10 - 1e-9) / 10 : 0);
 	else
-		snprintf(text, room, "%.0f", ceil(value));
+		snprintf(text, room, "%.0f", ceil(value - 1e-9));
 	return text;
 }
 
