@@ -390,7 +390,7 @@ static void find_link(dev_t number, char *link, size_t room)
 static void list_device(const char *path, const struct keymap *map,
 			void (*found)(void *context, const char *line), void *context)
 {
-	char name[INI_TEXT_MAX] = "", link[INI_PATH_MAX], text[INI_PATH_MAX + 2 * INI_TEXT_MAX];
+	char name[INI_TEXT_MAX] = "", link[INI_PATH_MAX], text[2 * INI_PATH_MAX + INI_TEXT_MAX];
 	const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
 	struct stat node;
 

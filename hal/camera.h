@@ -51,7 +51,7 @@ struct camera_ops;
 struct camera {
 	const struct camera_ops *ops;
 	struct camera_settings settings;
-	void *options; /* the driver's own struct, ops->options_size bytes; borrowed */
+	void *options;	/* the driver's own struct, ops->options_size bytes; borrowed */
 	char name[128]; /* what the device calls itself; empty: not known. Kept after closing */
 	/* What the device really gave, valid while open: */
 	enum pixel_format format;

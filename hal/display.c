@@ -16,12 +16,12 @@ static void name_situation(struct display *display, int err)
 {
 	if (!err || display->situation != DISPLAY_FINE)
 		return;
-	display->situation = err == -ENODEV ? DISPLAY_NO_DEVICE
+	display->situation = err == -ENODEV			 ? DISPLAY_NO_DEVICE
 			     : err == -ENOLINK || err == -ESTALE ? DISPLAY_NO_SCREEN
-			     : err == -EACCES || err == -EPERM ? DISPLAY_NO_PERMISSION
-			     : err == -EBUSY ? DISPLAY_BUSY
-			     : err == -ETIMEDOUT ? DISPLAY_STALLED
-						 : DISPLAY_BROKEN;
+			     : err == -EACCES || err == -EPERM	 ? DISPLAY_NO_PERMISSION
+			     : err == -EBUSY			 ? DISPLAY_BUSY
+			     : err == -ETIMEDOUT		 ? DISPLAY_STALLED
+								 : DISPLAY_BROKEN;
 }
 
 bool display_may_return(enum display_situation situation)

@@ -25,7 +25,9 @@ play 0 "$VM_OUT/composed.raw"
 # still is given upright pictures of their own, so its views are the whole of them.
 upright=()
 for view in fisheye background scene; do
-	upright+=(--set $view.x=0 --set $view.y=0 --set $view.width=0 --set $view.height=0)
+	for key in x y width height; do
+		upright+=(--set "$view.$key=0")
+	done
 done
 check "still makes the expected picture" expect "$VM_OUT/fisheye.png" "$VM_OUT/background.png" \
 	"$VM_OUT/expected.png" "${upright[@]}" --set fisheye.vflip=no
@@ -33,7 +35,7 @@ check "still makes the expected picture" expect "$VM_OUT/fisheye.png" "$VM_OUT/b
 # Shown pixel by pixel, nothing may be lost.
 square=(--set screen.scale=none)
 for view in fisheye background scene; do
-	square+=(--set $view.squash=1)
+	square+=(--set "$view.squash=1")
 done
 run_thesis() { # NAME SHOW option...
 	local name=$1 show=$2
