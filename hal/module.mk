@@ -3,6 +3,8 @@ hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/buttons.c \
 	hal/camera.c \
+	hal/camera_choice.c \
+	hal/camera_controls.c \
 	hal/display.c \
 	hal/fault.c \
 	hal/frame.c \

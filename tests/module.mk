@@ -42,6 +42,7 @@ UNIT_TESTS := \
 	tests/unit/test_v4l2_digitizer.c \
 	tests/unit/test_v4l2_settings.c \
 	tests/unit/test_studio.c \
+	tests/unit/test_camera_wants.c \
 	tests/unit/test_camera_sim.c \
 	tests/unit/test_camera_v4l2.c
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/test_kms_mode.c \

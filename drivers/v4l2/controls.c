@@ -30,52 +30,19 @@ void v4l2_control_name(const char *said, char name[V4L2_CONTROL_NAME_MAX])
 	name[used] = '\0';
 }
 
-/* ---- what is asked for ---- */
-
-/* A part of the text without the blanks around it; false: it does not fit. */
-static bool copy_trimmed(const char *from, size_t length, char to[V4L2_CONTROL_NAME_MAX])
-{
-	while (length > 0 && isspace((unsigned char)*from)) {
-		from++;
-		length--;
-	}
-	while (length > 0 && isspace((unsigned char)from[length - 1]))
-		length--;
-	if (length >= V4L2_CONTROL_NAME_MAX)
-		return false;
-	memcpy(to, from, length);
-	to[length] = '\0';
-	return length > 0;
-}
-
-static bool read_one(struct v4l2_setting *setting, const char *text, size_t length)
-{
-	const char *equals = memchr(text, '=', length);
-
-	return equals && copy_trimmed(text, (size_t)(equals - text), setting->name) &&
-	       copy_trimmed(equals + 1, length - (size_t)(equals + 1 - text), setting->value);
-}
-
 int v4l2_controls_read(struct v4l2_settings *settings, const char *text, struct fault *fault)
 {
-	*settings = (struct v4l2_settings){.count = 0};
-	for (;;) {
-		size_t length;
+	struct camera_control said;
+	int got;
 
-		text += strspn(text, " \t,");
-		if (!*text)
-			return 0;
-		length = strcspn(text, ",");
+	*settings = (struct v4l2_settings){.count = 0};
+	while ((got = camera_controls_next(&text, &said, fault)) > 0) {
 		if (settings->count == V4L2_CONTROLS_MAX)
 			return fault_say(fault, -EINVAL, "controls: more than %d",
 					 V4L2_CONTROLS_MAX);
-		if (!read_one(&settings->list[settings->count], text, length))
-			return fault_say(fault, -EINVAL,
-					 "controls: \"%.*s\", expected name=value, name=value",
-					 (int)length, text);
-		settings->count++;
-		text += length;
+		settings->list[settings->count++].said = said;
 	}
+	return got;
 }
 
 /* ---- what the device has ---- */
@@ -174,7 +141,7 @@ static bool find_control(int fd, const char *path, struct v4l2_setting *setting)
 	struct v4l2_query_ext_ctrl control = {.id = 0};
 	size_t count = 0;
 
-	v4l2_control_name(setting->name, wanted);
+	v4l2_control_name(setting->said.name, wanted);
 	while (count < KNOWN_MAX && v4l2_next_control(fd, &control)) {
 		v4l2_control_name(control.name, known[count]);
 		if (strcmp(known[count], wanted) == 0) {
@@ -183,7 +150,7 @@ static bool find_control(int fd, const char *path, struct v4l2_setting *setting)
 		}
 		count++;
 	}
-	say_unknown(path, setting->name, known, count);
+	say_unknown(path, setting->said.name, known, count);
 	return false;
 }
 
@@ -232,23 +199,24 @@ static bool read_value(int fd, const char *path, struct v4l2_setting *s)
 		s->wanted = 1;
 		return true;
 	case V4L2_CTRL_TYPE_BOOLEAN:
-		if (read_truth(s->value, &s->wanted))
+		if (read_truth(s->said.value, &s->wanted))
 			return true;
-		log_warning("%s: controls: %s is \"%s\", expected yes or no", path, s->name,
-			    s->value);
+		log_warning("%s: controls: %s is \"%s\", expected yes or no", path, s->said.name,
+			    s->said.value);
 		return false;
 	case V4L2_CTRL_TYPE_MENU:
 	case V4L2_CTRL_TYPE_INTEGER_MENU:
-		if (read_entry(fd, c, s->value, &s->wanted))
+		if (read_entry(fd, c, s->said.value, &s->wanted))
 			return true;
 		log_warning("%s: controls: %s has no entry \"%s\"; `inlay devices` lists them",
-			    path, s->name, s->value);
+			    path, s->said.name, s->said.value);
 		return false;
 	default:
-		if (read_number(s->value, &s->wanted))
+		if (read_number(s->said.value, &s->wanted))
 			return true;
 		log_warning("%s: controls: %s is \"%s\", expected a whole number from %lld to %lld",
-			    path, s->name, s->value, (long long)c->minimum, (long long)c->maximum);
+			    path, s->said.name, s->said.value, (long long)c->minimum,
+			    (long long)c->maximum);
 		return false;
 	}
 }
@@ -276,7 +244,7 @@ static void set_and_read_back(int fd, const char *path, struct v4l2_setting *s)
 
 	if (err) {
 		log_warning("%s: controls: %s=%s is refused: %s (range %lld to %lld)", path,
-			    s->name, s->value, reason(&s->control, err),
+			    s->said.name, s->said.value, reason(&s->control, err),
 			    (long long)s->control.minimum, (long long)s->control.maximum);
 		s->control.id = 0;
 		return;
@@ -288,7 +256,7 @@ static void set_and_read_back(int fd, const char *path, struct v4l2_setting *s)
 		return;
 	if (s->taken != s->wanted)
 		log_warning("%s: controls: %s=%s was set, but the camera says %lld%s", path,
-			    s->name, s->value, (long long)s->taken,
+			    s->said.name, s->said.value, (long long)s->taken,
 			    s->control.flags & V4L2_CTRL_FLAG_INACTIVE
 				    ? "; it has no effect now: is its automatic on?"
 				    : "");

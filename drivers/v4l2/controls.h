@@ -7,13 +7,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "hal/camera_controls.h"
 #include "hal/fault.h"
 
 enum { V4L2_CONTROLS_MAX = 32, V4L2_CONTROL_NAME_MAX = 64 };
 
-/* One assignment, "name=value". */
 struct v4l2_setting {
-	char name[V4L2_CONTROL_NAME_MAX], value[V4L2_CONTROL_NAME_MAX];
+	struct camera_control said;
 	struct v4l2_query_ext_ctrl control; /* id is 0 while it is not known */
 	int64_t wanted, taken;
 };

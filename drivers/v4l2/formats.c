@@ -2,9 +2,10 @@
 
 #include <errno.h>
 
+#include "hal/camera_choice.h"
 #include "hal/frame_fields.h"
 
-/* The first is the cheapest to convert. */
+/* Of two for one format the first is taken. */
 static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_XBGR32, PIXEL_BGRX, 1}, {V4L2_PIX_FMT_ABGR32, PIXEL_BGRX, 1},
 	{V4L2_PIX_FMT_BGR32, PIXEL_BGRX, 1},  {V4L2_PIX_FMT_BGR24, PIXEL_BGR24, 1},
@@ -26,7 +27,8 @@ const struct v4l2_layout *v4l2_layout_of(uint32_t fourcc)
 
 int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wanted)
 {
-	int best = -1, best_merit = -1;
+	const struct v4l2_layout *best_layout = NULL;
+	int best = -1, best_merit = 0;
 
 	for (int i = 0; i < count; i++) {
 		const struct v4l2_layout *layout = v4l2_layout_of(offers[i].fourcc);
@@ -34,14 +36,11 @@ int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wa
 
 		if (!layout || (wanted != PIXEL_NONE && layout->format != wanted))
 			continue;
-		merit = LAYOUTS - (int)(layout - layouts);
-		if (offers[i].size)
-			merit += LAYOUTS + 1;
-		if (offers[i].size && offers[i].rate)
-			merit += LAYOUTS + 1;
-		if (merit > best_merit) {
+		merit = camera_format_merit(layout->format, offers[i].size, offers[i].rate);
+		if (merit > best_merit || (merit == best_merit && layout < best_layout)) {
 			best = i;
 			best_merit = merit;
+			best_layout = layout;
 		}
 	}
 	return best;

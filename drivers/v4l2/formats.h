@@ -26,9 +26,8 @@ struct v4l2_offer {
 };
 
 /*
- * The offer to take, or -1: what is wanted, if it is offered; for PIXEL_NONE the one that is
- * cheapest to convert among those with the wanted size and rate, else size, else all: full colour
- * without conversion, then halved chroma, quartered chroma, compressed, grey.
+ * The offer to take, or -1: of the wanted format, if it is offered; for PIXEL_NONE of any; the one
+ * of the greatest camera_format_merit().
  */
 int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wanted);
 

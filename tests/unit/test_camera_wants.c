@@ -1,0 +1,98 @@
+/* What is wanted of a camera, whichever driver it has: controls and formats. */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "hal/camera_choice.h"
+#include "hal/camera_controls.h"
+
+static void assignments_are_taken_one_by_one(void **state)
+{
+	const char *text = ",, gain = 17 ,White Balance=off,\tgains=1.5 2,focus=a=b , ";
+	static const struct camera_control expected[] = {
+		{"gain", "17"}, {"White Balance", "off"}, {"gains", "1.5 2"}, {"focus", "a=b"}};
+	struct camera_control got;
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	for (int i = 0; i < 4; i++) {
+		assert_int_equal(camera_controls_next(&text, &got, &fault), 1);
+		assert_string_equal(got.name, expected[i].name);
+		assert_string_equal(got.value, expected[i].value);
+	}
+	for (int i = 0; i < 2; i++)
+		assert_int_equal(camera_controls_next(&text, &got, &fault), 0);
+	assert_string_equal(fault.text, "");
+}
+
+static void what_is_no_assignment_is_quoted(void **state)
+{
+	static const char *const wrong[] = {"gain", "gain=", "=3", "gain = ", " = ", "="};
+	struct camera_control got;
+	char name[CAMERA_CONTROL_NAME_MAX + 8], value[INI_TEXT_MAX + 8];
+	const char *text;
+	struct fault fault;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+		char both[64];
+
+		snprintf(both, sizeof(both), "%s,focus=1", wrong[i]);
+		text = both;
+		assert_int_equal(camera_controls_next(&text, &got, &fault), -EINVAL);
+		assert_non_null(strstr(fault.text, "expected name=value"));
+		assert_int_equal(camera_controls_next(&text, &got, &fault), 1);
+		assert_string_equal(got.name, "focus");
+	}
+	memset(name, 'n', sizeof(name));
+	for (int spare = -1; spare <= 0; spare++) { /* the longest name, and one more */
+		strcpy(name + CAMERA_CONTROL_NAME_MAX + spare, "=1");
+		text = name;
+		assert_int_equal(camera_controls_next(&text, &got, &fault), spare ? 1 : -EINVAL);
+		name[CAMERA_CONTROL_NAME_MAX + spare] = 'n';
+	}
+	memset(value, 'v', sizeof(value));
+	memcpy(value, "n=", 2);
+	for (int spare = -1; spare <= 0; spare++) {
+		value[2 + INI_TEXT_MAX + spare] = '\0';
+		text = value;
+		assert_int_equal(camera_controls_next(&text, &got, &fault), spare ? 1 : -EINVAL);
+		value[2 + INI_TEXT_MAX + spare] = 'v';
+	}
+}
+
+static void rate_goes_before_size_and_size_before_cost(void **state)
+{
+	static const enum pixel_format order[] = {PIXEL_BGRX, PIXEL_BGR24, PIXEL_RGB24, PIXEL_YUYV,
+						  PIXEL_UYVY, PIXEL_NV12,  PIXEL_MJPEG, PIXEL_GREY};
+
+	(void)state;
+	for (int i = 1; i < 8; i++)
+		for (int has = 0; has < 3; has++)
+			assert_true(camera_format_merit(order[i], has > 0, has > 1) <
+				    camera_format_merit(order[i - 1], has > 0, has > 1));
+	assert_true(camera_format_merit(PIXEL_GREY, true, false) >
+		    camera_format_merit(PIXEL_BGRX, false, true)); /* a rate at another size */
+	assert_true(camera_format_merit(PIXEL_GREY, true, true) >
+		    camera_format_merit(PIXEL_BGRX, true, false));
+	assert_true(camera_format_merit(PIXEL_GREY, false, false) > 0);
+	assert_int_equal(camera_format_merit(PIXEL_NONE, true, true), 0);
+	assert_int_equal(camera_format_merit(PIXEL_RGBF, true, true), 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(assignments_are_taken_one_by_one),
+		cmocka_unit_test(what_is_no_assignment_is_quoted),
+		cmocka_unit_test(rate_goes_before_size_and_size_before_cost),
+	};
+
+	return cmocka_run_group_tests_name("camera_wants", tests, NULL, NULL);
+}
