@@ -8,7 +8,6 @@
 # --unconfigured     packages are only unpacked: for headers and libraries to link with
 #
 # The tar lies in the user's cache, named by a hash of everything asked for, and appears by rename.
-# A root asked for again comes from the cache; `make image-refresh` forgets it (security updates).
 set -euo pipefail
 
 architecture=$(dpkg --print-architecture)
