@@ -1,5 +1,6 @@
 bake_PACKAGES := assimp
-bake_LIBS := -lembree3
+# Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/world.c does the same.
+bake_LIBS := -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so)),4,3)
 BAKE_SOURCES := \
 	bake/encode.c \
 	bake/encode_rest.c \

@@ -1,6 +1,10 @@
 #include "bake/world.h"
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +30,51 @@ struct world {
 	struct rgb albedo;
 	float extent2; /* squared radius of the ground; infinite without end */
 };
+
+/*
+ * The three questions asked of Embree, whose arguments 4.0 changed. By default both take rays as
+ * incoherent; called coherent they take half as long again: a whole sky of directions is not.
+ */
+#if RTC_VERSION_MAJOR >= 4
+static void intersect(RTCScene scene, struct RTCRayHit *r)
+{
+	rtcIntersect1(scene, r, NULL);
+}
+
+static void occlude(RTCScene scene, struct RTCRay *r)
+{
+	rtcOccluded1(scene, r, NULL);
+}
+
+static void occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
+{
+	rtcOccluded16(valid, scene, r, NULL);
+}
+#else
+static void intersect(RTCScene scene, struct RTCRayHit *r)
+{
+	struct RTCIntersectContext context;
+
+	rtcInitIntersectContext(&context);
+	rtcIntersect1(scene, &context, r);
+}
+
+static void occlude(RTCScene scene, struct RTCRay *r)
+{
+	struct RTCIntersectContext context;
+
+	rtcInitIntersectContext(&context);
+	rtcOccluded1(scene, &context, r);
+}
+
+static void occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
+{
+	struct RTCIntersectContext context;
+
+	rtcInitIntersectContext(&context);
+	rtcOccluded16(valid, scene, &context, r);
+}
+#endif
 
 static const struct material plain = {
 	.kind = MATERIAL_DIFFUSE,
@@ -235,11 +284,9 @@ static void mesh_surface(const struct world *world, struct v3 direction, const s
 bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction, struct surface *surface)
 {
-	struct RTCIntersectContext context;
 	struct RTCRayHit r;
 	const float ground = ground_distance(world, origin, direction);
 
-	rtcInitIntersectContext(&context);
 	memset(&r, 0, sizeof(r));
 	r.ray.org_x = origin.x;
 	r.ray.org_y = origin.y;
@@ -251,7 +298,7 @@ bool world_nearest(const struct world *world, enum presence presence, struct v3 
 	r.ray.mask = ~0u;
 	r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 	r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-	rtcIntersect1(world->scene[presence], &context, &r);
+	intersect(world->scene[presence], &r);
 	if (r.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
 		mesh_surface(world, direction, &r, surface);
 		return true;
@@ -266,7 +313,6 @@ bool world_nearest(const struct world *world, enum presence presence, struct v3 
 bool world_blocked(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction)
 {
-	struct RTCIntersectContext context;
 	struct RTCRay r = {
 		.org_x = origin.x,
 		.org_y = origin.y,
@@ -278,8 +324,7 @@ bool world_blocked(const struct world *world, enum presence presence, struct v3 
 		.mask = ~0u,
 	};
 
-	rtcInitIntersectContext(&context);
-	rtcOccluded1(world->scene[presence], &context, &r);
+	occlude(world->scene[presence], &r);
 	return r.tfar < 0;
 }
 
@@ -288,16 +333,12 @@ bool world_blocked(const struct world *world, enum presence presence, struct v3 
 void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
 		    struct ray_batch *batch)
 {
-	struct RTCIntersectContext context;
 	struct RTCRay16 r __attribute__((aligned(64)));
 	int valid[PACKET] __attribute__((aligned(64)));
 
 	memset(batch->blocked, 0, (size_t)batch->count);
 	if (world->bounds[presence].radius < 0)
 		return;
-	rtcInitIntersectContext(&context);
-	/* called coherent they take half as long again: a whole sky of directions is not */
-	context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 	memset(&r, 0, sizeof(r));
 	for (int k = 0; k < PACKET; k++) {
 		r.org_x[k] = origin.x;
@@ -315,7 +356,7 @@ void world_occluded(const struct world *world, enum presence presence, struct v3
 		memcpy(r.dir_x, batch->x + first, (size_t)n * sizeof(float));
 		memcpy(r.dir_y, batch->y + first, (size_t)n * sizeof(float));
 		memcpy(r.dir_z, batch->z + first, (size_t)n * sizeof(float));
-		rtcOccluded16(valid, world->scene[presence], &context, &r);
+		occlude_packet(valid, world->scene[presence], &r);
 		for (int k = 0; k < n; k++)
 			batch->blocked[first + k] = r.tfar[k] < 0;
 	}

@@ -8,7 +8,7 @@ build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev li
 	libcamera-dev libcairo2-dev libsystemd-dev libpng-dev
 	libturbojpeg0-dev libopenexr-dev libxxhash-dev libembree-dev libassimp-dev"
 demo="ffmpeg fonts-dejavu-core"
-test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-rt-14-dev valgrind
+test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-rt-dev valgrind
 	git python3-minimal
 	qemu-system-x86 linux-source-6.1 busybox-static flex bison bc libelf-dev libssl-dev cpio kmod
 	xz-utils v4l-utils libcamera-ipa udev
