@@ -13,6 +13,8 @@
 #include "hal/clock.h"
 #include "hal/log.h"
 
+/* Of the installed service (board/appliance.conf). */
+#define SOCKET_DEFAULT "/run/inlay/control"
 #define REPLY_MAX 65536
 #define REPLY_WITHIN_NS (5 * NS_PER_S)
 
@@ -42,7 +44,10 @@ static int take_word(void *context, const char *word, const char **expected)
 }
 
 static const struct option_row rows[] = {
-	{.name = "socket", .argument = "PATH", .help = "the kiosk's socket", .take = take_socket},
+	{.name = "socket",
+	 .argument = "PATH",
+	 .help = "the kiosk's socket, else " SOCKET_DEFAULT,
+	 .take = take_socket},
 	{.name = "config",
 	 .argument = "FILE",
 	 .help = "the kiosk's configuration, which names its socket",
@@ -62,8 +67,8 @@ static int find_socket(const struct control_options *options, char *path, size_t
 	struct config *config = NULL;
 	int err;
 
-	if (options->socket) {
-		snprintf(path, room, "%s", options->socket);
+	if (options->socket || !options->settings.config_file) {
+		snprintf(path, room, "%s", options->socket ? options->socket : SOCKET_DEFAULT);
 		return 0;
 	}
 	err = settings_read(&options->settings, &config, &report);
@@ -74,8 +79,8 @@ static int find_socket(const struct control_options *options, char *path, size_t
 		return EXIT_FAILED;
 	if (path[0])
 		return 0;
-	log_error("control: which kiosk? expected --socket PATH, or --config FILE with a socket in "
-		  "[control]");
+	log_error("control: %s names no socket in [control], expected one, or --socket PATH",
+		  options->settings.config_file);
 	return EXIT_USAGE;
 }
 

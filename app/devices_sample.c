@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "config/config.h"
 
@@ -214,14 +215,34 @@ static void write_cameras(const struct sample *sample, FILE *stream)
 	fprintf(stream, "[background]\ncamera = camera%d\n\n", count < 2 ? 1 : 2);
 }
 
+/* The folder is the package's (board/appliance.conf): a service runs here, with a place of its own.
+ */
+static bool is_installed(void)
+{
+	return access("/etc/inlay", F_OK) == 0;
+}
+
+static void write_service(FILE *stream)
+{
+	fputs("\n; For the installed service: inlay control reaches it, and what was chosen "
+	      "outlasts "
+	      "a power cut.\n"
+	      "[control]\nsocket = /run/inlay/control\ngroup = inlay\n\n"
+	      "[state]\nfile = /var/lib/inlay/state\n",
+	      stream);
+}
+
 static void write_screen(const struct sample *sample, FILE *stream)
 {
 	const struct sample_screen *screen = &sample->screen;
 
+	const char *console = is_installed() ? "kms.vt = auto\n" : "";
+
 	if (sample->screens == 0) {
-		fputs("; No connected screen was found when this was written: this is the first "
-		      "one that comes.\n[screen]\n\n",
-		      stream);
+		fprintf(stream,
+			"; No connected screen was found when this was written: this is the first "
+			"one that comes.\n[screen]\n%s\n",
+			console);
 		return;
 	}
 	fprintf(stream, "; %s at %s", screen->connector, screen->name);
@@ -230,9 +251,10 @@ static void write_screen(const struct sample *sample, FILE *stream)
 	fprintf(stream, "\n[screen]\ndriver = %s\n", screen->driver);
 	if (sample->screens > 1)
 		fprintf(stream, "device = %s\n", screen->device);
-	fprintf(stream, "kms.connector = %s\n", screen->connector);
+	fprintf(stream, "kms.connector = %s\n%s", screen->connector, console);
 	if (screen->width)
-		fprintf(stream, "; What it prefers, at %s Hz:\nwidth = %d\nheight = %d\n",
+		fprintf(stream,
+			"; It prefers this, at %s Hz:\n;     width = %d\n;     height = %d\n",
 			screen->rate, screen->width, screen->height);
 	fputc('\n', stream);
 }
@@ -267,4 +289,6 @@ void sample_write(const struct sample *sample, FILE *stream)
 	write_cameras(sample, stream);
 	write_screen(sample, stream);
 	write_buttons(sample, stream);
+	if (is_installed())
+		write_service(stream);
 }

@@ -22,7 +22,7 @@ check "the first camera goes by its bus, not by a number that moves" has "device
 check "so does the second" has "device = platform:vivid-001"
 check "the views are of both" test "$(grep -c -x 'camera = camera[12]' "$sample")" = 2
 check "the connector is named" has "kms.connector = Virtual-1"
-check "with the size that it prefers" has "width = 1280"
+check "with the size that it prefers" has ";     width = 1280"
 check "the chip goes by its label" has "gpio.chip = panel"
 matches "every key is valid" "configuration is fine" \
 	"$("$INLAY" check --config "$sample" --set basis.file="$basis" 2>&1)"
