@@ -17,7 +17,7 @@ tell() {
 }
 
 refused "no command" 2 "no command, expected one like view-next" "$INLAY" control --socket "$work/socket"
-refused "a configuration without a socket" 2 "names no socket in \[control\]" "$INLAY" control --config config/demo.conf status
+refused "a configuration without a socket" 2 "names no socket in [control]" "$INLAY" control --config config/demo.conf status
 refused "two values" 2 "expected one command and at most one value" "$INLAY" control a b c
 refused "two lines in one" 2 "a command is one line" "$INLAY" control "view-next
 quit"
