@@ -80,6 +80,17 @@ check "which is counted" test "$(total broken)" -gt 0
 equal "and no trouble" 0 "$(said "$work/run.log" "camera fisheye: broken")"
 stop
 
+# ---- a screen whose refresh never comes, one that is pulled out ----
+for fault in stall vanish; do
+	start --set screen.driver=null --set screen.null.${fault}_after=20
+	check "a screen that will $fault" shows_frames
+	check "is named" until_true 20 says "$work/run.log" "screen: null display: "
+	check "opened again, it shows more" until_true 20 says "$work/run.log" "screen: fine again"
+	check "and goes on" moves_on
+	stop
+	equal "it ends well then" 0 $?
+done
+
 # ---- a camera that takes its time: a pipe that nobody writes to ----
 mkfifo "$work/live.y4m"
 pipe=(--set camera.fisheye.sim.source=files --set "camera.fisheye.sim.file=$work/live.y4m")

@@ -29,11 +29,6 @@ check "unplugged: it is used again" within_seconds 20 screen_fine
 check "unplugged: pictures go on" pictures_go_on
 equal "unplugged: nothing is lost" 30 "$(of_status threshold)"
 
-# ---- other modes ----
-modes() { cat /sys/class/drm/card"$(card_of vkms)"-*/modes; }
-if command -v edid-decode >/dev/null; then edid-decode --version; fi
-size() { "$tools/scanout" list | sed -n 's/.* vkms .*//p'; }
-
 # ---- another kiosk ----
 "$INLAY" run --config $kiosk_conf --set control.socket= --set state.file= >"$VM_OUT/second.log" 2>&1
 equal "two instances: the second ends" 1 $?
@@ -48,4 +43,22 @@ check "two instances: and still listens" act threshold-set 40
 check "the kiosk was never restarted" kill -0 $running
 stop_run
 equal "it ends well" 0 $?
+
+# ---- another screen, of other modes, in place of the first ----
+of_size() { # WIDTHxHEIGHT: that is what is scanned out
+	screendump "$VM_OUT/size.ppm" && head -c 20 "$VM_OUT/size.ppm" | tr '\n' ' ' | grep -q "^P6 ${1/x/ } "
+}
+kiosk modes --set "screen.device=/dev/dri/card$(card_of virtio)"
+check "modes: the kiosk starts" within_seconds 30 screen_fine
+check "modes: in the preferred one" within_seconds 20 of_size 1280x800
+resize_window 1024 768
+check "modes: another screen's preferred mode is set" within_seconds 30 of_size 1024x768
+check "modes: pictures go on" pictures_go_on
+resize_window 0 0
+check "modes: pulled out, it is named" within_seconds 30 no_screen
+resize_window 1280 800
+check "modes: it is used again" within_seconds 30 of_size 1280x800
+check "modes: pictures go on after that" pictures_go_on
+stop_run
+equal "modes: it ends well" 0 $?
 faults_unload
