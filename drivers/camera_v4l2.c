@@ -21,6 +21,7 @@
 #include "drivers/v4l2/formats.h"
 #include "drivers/v4l2/listing.h"
 #include "drivers/v4l2/setup.h"
+#include "hal/camera_situation.h"
 #include "hal/clock.h"
 #include "hal/log.h"
 
@@ -235,7 +236,7 @@ static int v4l2_open(struct camera *camera, struct fault *fault)
 	return 0;
 fail:
 	if (camera->situation == CAMERA_FINE)
-		camera->situation = device_situation(err);
+		camera->situation = camera_situation_of(err);
 	v4l2_close(camera);
 	return err;
 }
@@ -474,7 +475,7 @@ static int v4l2_grab(struct camera *camera, struct frame *frame, struct fault *f
 	}
 	if (err == 0 || err == -EAGAIN)
 		return -EAGAIN;
-	camera->situation = device_situation(err);
+	camera->situation = camera_situation_of(err);
 	return fault_say(fault, err == -ENXIO ? -ENODEV : err, "%s: %s", v->path,
 			 err == -ENODEV || err == -ENXIO ? "the camera has gone" : strerror(-err));
 }

@@ -5,6 +5,7 @@ HAL_SOURCES := \
 	hal/camera.c \
 	hal/camera_choice.c \
 	hal/camera_controls.c \
+	hal/camera_situation.c \
 	hal/display.c \
 	hal/fault.c \
 	hal/frame.c \

@@ -49,7 +49,8 @@ UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/test_kms_mode.c \
 	tests/unit/test_kms_card.c)
 # Its graphics card is played: see there.
 $(BUILD)/tests/unit/test_kms_card: LDFLAGS += -Wl,--wrap=mmap
-UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/test_camera_libcamera.cpp)
+UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/test_camera_libcamera.cpp \
+	tests/unit/test_libcamera_parts.c)
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_scene.c \
 	tests/fuzz/fuzz_basis.c \

@@ -16,28 +16,6 @@ int device_ioctl(int fd, unsigned long request, void *argument)
 	return got < 0 ? -errno : 0;
 }
 
-enum camera_situation device_situation(int err)
-{
-	switch (-err) {
-	case ENOENT:
-	case ENODEV:
-	case ENXIO:
-		return CAMERA_NO_DEVICE;
-	case EACCES:
-	case EPERM:
-		return CAMERA_NO_PERMISSION;
-	case EBUSY:
-		return CAMERA_BUSY;
-	case ENOSPC: /* the USB host has no bandwidth left */
-		return CAMERA_NO_BANDWIDTH;
-	case ENOLINK: /* nothing is plugged into the input */
-	case ENOLCK:  /* something is, but it is not stable */
-		return CAMERA_NO_SIGNAL;
-	default:
-		return CAMERA_BROKEN;
-	}
-}
-
 unsigned device_caps(const struct v4l2_capability *capability)
 {
 	return capability->capabilities & V4L2_CAP_DEVICE_CAPS ? capability->device_caps

@@ -1,17 +1,14 @@
-/* A V4L2 capture device's file: opening it, asking it, and what its errors mean. */
+/* A V4L2 capture device's file: opening and asking it. */
 #ifndef INLAY_DRIVERS_V4L2_DEVICE_H
 #define INLAY_DRIVERS_V4L2_DEVICE_H
 
 #include <linux/videodev2.h>
 #include <stdbool.h>
 
-#include "hal/camera.h"
+#include "hal/fault.h"
 
 /* 0 or -errno; interrupted calls are made again. */
 int device_ioctl(int fd, unsigned long request, void *argument);
-
-/* What there is to say about a camera that answered err (negative). */
-enum camera_situation device_situation(int err);
 
 /* The capabilities of this very node, not of the whole device. */
 unsigned device_caps(const struct v4l2_capability *capability);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "drivers/v4l2/device.h"
+#include "hal/camera_situation.h"
 #include "hal/log.h"
 
 bool v4l2_usb_port(const char *interface, char port[V4L2_PORT_MAX])
@@ -97,7 +98,7 @@ static void visit(struct search *s, int number, char path[INI_PATH_MAX],
 
 	snprintf(node, sizeof(node), "/dev/video%d", number);
 	fd = device_open(node, &here, &why);
-	if (fd < 0 && s->fd == -ENODEV && device_situation(fd) == CAMERA_NO_PERMISSION) {
+	if (fd < 0 && s->fd == -ENODEV && camera_situation_of(fd) == CAMERA_NO_PERMISSION) {
 		/* It explains more than "not found" would. */
 		s->fd = fd;
 		s->refusal = why;

@@ -12,6 +12,7 @@
 #include "drivers/v4l2/device.h"
 #include "drivers/v4l2/find.h"
 #include "drivers/v4l2/formats.h"
+#include "hal/camera_situation.h"
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };
 
@@ -232,10 +233,10 @@ static bool list_one(int index, void (*found)(void *, const struct camera_listin
 	if (fd >= 0) {
 		describe(fd, &capability, &listing);
 		close(fd);
-	} else if (device_situation(fd) == CAMERA_NO_DEVICE || fd == -ENOTTY) {
+	} else if (camera_situation_of(fd) == CAMERA_NO_DEVICE || fd == -ENOTTY) {
 		return false;
 	} else {
-		add_line(&listing, "%s", camera_situation_names[device_situation(fd)]);
+		add_line(&listing, "%s", camera_situation_names[camera_situation_of(fd)]);
 	}
 	found(context, &listing);
 	free(listing.lines);

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "hal/camera_situation.h"
 #include "tests/unit/played_v4l2.h"
 
 enum { BUFFERS = 4 };
@@ -302,8 +303,8 @@ static void errors_are_situations(void **state)
 	assert_non_null(strstr(rig.fault.text, "does not capture"));
 	finish(&rig);
 
-	assert_int_equal(device_situation(-EACCES), CAMERA_NO_PERMISSION);
-	assert_int_equal(device_situation(-EPERM), CAMERA_NO_PERMISSION);
+	assert_int_equal(camera_situation_of(-EACCES), CAMERA_NO_PERMISSION);
+	assert_int_equal(camera_situation_of(-EPERM), CAMERA_NO_PERMISSION);
 }
 
 static void what_is_no_camera_is_refused(void **state)

@@ -1,0 +1,141 @@
+#include "drivers/libcamera/picture.h"
+
+#include <errno.h>
+#include <linux/dma-buf.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "hal/clock.h"
+
+static int map_one(struct libcamera_picture *p, int fd)
+{
+	const off_t end = lseek(fd, 0, SEEK_END);
+	const size_t length = end > 0 ? (size_t)end : 0;
+	void *memory = mmap(NULL, length, PROT_READ, MAP_SHARED, fd, 0);
+	const int index = p->mapping_count;
+
+	if (memory == MAP_FAILED)
+		return -errno;
+	p->mappings[index].fd = fd;
+	p->mappings[index].memory = memory;
+	p->mappings[index].length = length;
+	p->mapping_count++;
+	return index;
+}
+
+/* Index of what is mapped of fd. */
+static int mapped(struct libcamera_picture *p, int fd)
+{
+	for (int i = 0; i < p->mapping_count; i++)
+		if (p->mappings[i].fd == fd)
+			return i;
+	return map_one(p, fd);
+}
+
+static int point_into(struct libcamera_picture *p, const struct libcamera_span *span,
+		      struct frame_plane *plane)
+{
+	const int index = mapped(p, span->fd);
+	size_t room;
+
+	if (index < 0)
+		return index;
+	if (span->offset >= p->mappings[index].length)
+		return -EINVAL;
+	room = p->mappings[index].length - span->offset;
+	plane->data = (const uint8_t *)p->mappings[index].memory + span->offset;
+	plane->bytes = span->bytes < room ? span->bytes : room;
+	return 0;
+}
+
+/* The second plane where only the first is told of. */
+static int point_behind(struct libcamera_picture *p, size_t stride)
+{
+	const struct frame_plane *first = &p->planes[0];
+	const size_t bytes = stride * (size_t)p->height;
+
+	if (first->bytes < bytes)
+		return -EINVAL;
+	p->planes[1].data = first->data + bytes;
+	p->planes[1].bytes = first->bytes - bytes;
+	return 0;
+}
+
+static int planes_of(enum pixel_format format)
+{
+	return format == PIXEL_NV12 ? 2 : 1;
+}
+
+/* Bytes from a plane's first to its last. */
+static size_t extent(const struct libcamera_picture *p, int index)
+{
+	const size_t rows = frame_plane_bytes(p->format, index, 1, p->height);
+
+	return p->planes[index].stride * (rows - 1) +
+	       frame_plane_stride(p->format, index, p->width);
+}
+
+int libcamera_picture_map(struct libcamera_picture *p, size_t stride,
+			  const struct libcamera_span *spans, int count)
+{
+	for (int i = 0; i < planes_of(p->format); i++) {
+		struct frame_plane *plane = &p->planes[i];
+		const int err = i == 0 || i < count ? point_into(p, &spans[i], plane)
+						    : point_behind(p, stride);
+
+		if (err)
+			return err;
+		if (p->format == PIXEL_MJPEG)
+			continue;
+		plane->stride = stride;
+		if (stride < frame_plane_stride(p->format, i, p->width) ||
+		    plane->bytes < extent(p, i))
+			return -EINVAL;
+	}
+	return 0;
+}
+
+void libcamera_picture_unmap(struct libcamera_picture *p)
+{
+	for (int i = 0; i < p->mapping_count; i++)
+		munmap(p->mappings[i].memory, p->mappings[i].length);
+	*p = (struct libcamera_picture){.format = PIXEL_NONE};
+}
+
+void libcamera_picture_reading(const struct libcamera_picture *p, bool begins)
+{
+	struct dma_buf_sync sync = {.flags = DMA_BUF_SYNC_READ |
+					     (begins ? DMA_BUF_SYNC_START : DMA_BUF_SYNC_END)};
+
+	for (int i = 0; i < p->mapping_count; i++)
+		while (ioctl(p->mappings[i].fd, DMA_BUF_IOCTL_SYNC, &sync) &&
+		       (errno == EINTR || errno == EAGAIN))
+			;
+}
+
+bool libcamera_picture_planes(const struct libcamera_picture *p, const size_t *used, int count,
+			      struct frame_plane planes[FRAME_PLANES])
+{
+	memcpy(planes, p->planes, sizeof(p->planes));
+	for (int i = 0; i < count && i < planes_of(p->format); i++) {
+		if (p->format != PIXEL_MJPEG && used[i] < extent(p, i))
+			return false;
+		if (p->format == PIXEL_MJPEG && used[i] < planes[i].bytes)
+			planes[i].bytes = used[i];
+	}
+	return planes[0].bytes > 0;
+}
+
+int64_t libcamera_picture_time_ns(int64_t stamp_ns)
+{
+	const int64_t now_ns = clock_now_ns();
+	struct timespec boot;
+
+	if (stamp_ns > now_ns) {
+		clock_gettime(CLOCK_BOOTTIME, &boot);
+		stamp_ns -= (int64_t)boot.tv_sec * NS_PER_S + boot.tv_nsec - now_ns;
+	}
+	return stamp_ns > 0 && stamp_ns <= now_ns ? stamp_ns : now_ns;
+}

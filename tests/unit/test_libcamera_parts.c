@@ -1,0 +1,310 @@
+/* The libcamera driver's parts in C: events between threads, pictures in buffers, messages. */
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "drivers/libcamera/events.h"
+#include "drivers/libcamera/messages.h"
+#include "drivers/libcamera/picture.h"
+#include "hal/clock.h"
+
+/* ---- events ---- */
+
+static bool readable(const struct libcamera_events *events)
+{
+	struct pollfd one = {.fd = events->descriptor, .events = POLLIN};
+
+	return poll(&one, 1, 0) == 1;
+}
+
+static void *all_done(void *events)
+{
+	for (int i = LIBCAMERA_REQUESTS_MAX - 1; i >= 0; i--)
+		libcamera_events_done(events, i);
+	return NULL;
+}
+
+static void requests_are_taken_in_the_order_in_which_they_were_done(void **state)
+{
+	struct libcamera_events events;
+	pthread_t thread;
+
+	(void)state;
+	assert_int_equal(libcamera_events_open(&events, NULL), 0);
+	assert_false(readable(&events));
+	assert_int_equal(libcamera_events_take(&events), -EAGAIN);
+	assert_int_equal(pthread_create(&thread, NULL, all_done, &events), 0);
+	pthread_join(thread, NULL);
+	for (int i = LIBCAMERA_REQUESTS_MAX - 1; i >= 0; i--) {
+		assert_true(readable(&events));
+		assert_int_equal(libcamera_events_take(&events), i);
+	}
+	assert_false(readable(&events));
+	assert_int_equal(libcamera_events_take(&events), -EAGAIN);
+	libcamera_events_close(&events);
+	libcamera_events_close(&events);
+}
+
+static void the_end_stays(void **state)
+{
+	struct libcamera_events events;
+
+	(void)state;
+	assert_int_equal(libcamera_events_open(&events, NULL), 0);
+	libcamera_events_done(&events, 3);
+	libcamera_events_end(&events);
+	libcamera_events_done(&events, 4);
+	assert_int_equal(libcamera_events_take(&events), 3);
+	for (int i = 0; i < 3; i++)
+		assert_int_equal(libcamera_events_take(&events), -ENODEV);
+	assert_true(libcamera_events_end_soon(&events));
+	libcamera_events_close(&events);
+}
+
+static void *end_later(void *events)
+{
+	const struct timespec later = {0, 20 * NS_PER_MS};
+
+	libcamera_events_done(events, 1);
+	nanosleep(&later, NULL);
+	libcamera_events_end(events);
+	return NULL;
+}
+
+static void the_end_is_waited_for_a_moment(void **state)
+{
+	struct libcamera_events events;
+	pthread_t thread;
+	int64_t start_ns;
+
+	(void)state;
+	assert_int_equal(libcamera_events_open(&events, NULL), 0);
+	start_ns = clock_now_ns();
+	libcamera_events_done(&events, 2);
+	assert_false(libcamera_events_end_soon(&events));
+	assert_true(clock_now_ns() - start_ns >= 300 * NS_PER_MS);
+	assert_int_equal(pthread_create(&thread, NULL, end_later, &events), 0);
+	assert_true(libcamera_events_end_soon(&events));
+	pthread_join(thread, NULL);
+	libcamera_events_close(&events);
+}
+
+static bool none(const void *context, dev_t number)
+{
+	(void)context;
+	(void)number;
+	return false;
+}
+
+/* The kernel tells of names in /dev; a file there plays a node where the test may make one. */
+static void a_node_that_goes_is_noticed(void **state)
+{
+	static const char mine[] = "/dev/video253", other[] = "/dev/video254";
+	struct libcamera_events events;
+	FILE *file;
+
+	(void)state;
+	if (access("/dev", W_OK) || access(mine, F_OK) == 0 || access(other, F_OK) == 0)
+		skip();
+	assert_int_equal(libcamera_events_open(&events, NULL), 0);
+	assert_int_equal(libcamera_events_watch(&events, none, NULL, NULL), 0);
+	events.nodes[253] = true;
+	for (int i = 0; i < 2; i++) {
+		file = fopen(i ? mine : other, "w");
+		assert_non_null(file);
+		fclose(file);
+		assert_false(readable(&events));
+		assert_int_equal(remove(i ? mine : other), 0);
+		assert_true(readable(&events));
+		assert_int_equal(libcamera_events_deleted(&events), i);
+	}
+	assert_true(libcamera_events_deleted(&events)); /* for good */
+	assert_int_equal(libcamera_events_take(&events), -EAGAIN);
+	libcamera_events_close(&events);
+}
+
+/* ---- pictures ---- */
+
+enum { WIDTH = 16, HEIGHT = 6, STRIDE = 32, LUMA = STRIDE * HEIGHT, CHROMA = LUMA / 2 };
+
+static int memory_of(size_t bytes)
+{
+	const int fd = memfd_create("picture", MFD_CLOEXEC);
+
+	assert_true(fd >= 0);
+	assert_int_equal(ftruncate(fd, (off_t)bytes), 0);
+	return fd;
+}
+
+static struct libcamera_picture picture_of(enum pixel_format format)
+{
+	return (struct libcamera_picture){.format = format, .width = WIDTH, .height = HEIGHT};
+}
+
+static int map_into(size_t bytes, size_t stride, struct libcamera_picture *picture,
+		    struct libcamera_span *spans, int count)
+{
+	static int memory = -1; /* lives until the next */
+
+	if (memory >= 0)
+		close(memory);
+	memory = memory_of(bytes);
+	for (int i = 0; i < count; i++)
+		spans[i].fd = memory;
+	return libcamera_picture_map(picture, stride, spans, count);
+}
+
+static void planes_lie_where_they_are_said_to(void **state)
+{
+	struct libcamera_span apart[2] = {{-1, 64, LUMA}, {-1, 64 + LUMA, CHROMA}};
+	struct libcamera_span together[1] = {{-1, 0, LUMA + CHROMA}};
+	struct libcamera_picture p;
+
+	(void)state;
+	p = picture_of(PIXEL_NV12);
+	assert_int_equal(map_into(64 + LUMA + CHROMA, STRIDE, &p, apart, 2), 0);
+	assert_int_equal(p.mapping_count, 1); /* two planes share a descriptor */
+	assert_ptr_equal(p.planes[0].data, (uint8_t *)p.mappings[0].memory + 64);
+	assert_ptr_equal(p.planes[1].data, p.planes[0].data + LUMA);
+	assert_int_equal(p.planes[1].stride, STRIDE);
+	assert_int_equal(p.planes[1].bytes, CHROMA);
+	libcamera_picture_reading(&p, true); /* no DMABUF, and no error */
+	libcamera_picture_reading(&p, false);
+	libcamera_picture_unmap(&p);
+	libcamera_picture_unmap(&p);
+
+	p = picture_of(PIXEL_NV12);
+	assert_int_equal(map_into(LUMA + CHROMA, STRIDE, &p, together, 1), 0);
+	assert_ptr_equal(p.planes[1].data, p.planes[0].data + LUMA);
+	assert_int_equal(p.planes[1].bytes, CHROMA);
+	libcamera_picture_unmap(&p);
+}
+
+static void memory_that_is_too_small_is_refused(void **state)
+{
+	static const struct {
+		enum pixel_format format;
+		size_t memory, stride, offset, bytes;
+		int err;
+	} cases[] = {
+		{PIXEL_GREY, LUMA, STRIDE, 0, LUMA, 0},
+		{PIXEL_GREY, LUMA, STRIDE, 0, LUMA - STRIDE + WIDTH, 0}, /* no padding at the end */
+		{PIXEL_GREY, LUMA, STRIDE, 0, LUMA - STRIDE + WIDTH - 1, -EINVAL},
+		{PIXEL_GREY, LUMA - STRIDE, STRIDE, 0, LUMA,
+		 -EINVAL}, /* it says more than it has */
+		{PIXEL_GREY, LUMA, STRIDE, LUMA, LUMA, -EINVAL},
+		{PIXEL_GREY, LUMA, WIDTH - 1, 0, LUMA, -EINVAL},
+		{PIXEL_NV12, LUMA, STRIDE, 0, LUMA, -EINVAL},
+		{PIXEL_NV12, LUMA, STRIDE, 0, LUMA - STRIDE + WIDTH, -EINVAL},
+		{PIXEL_MJPEG, 100, 0, 0, 100, 0},
+		{PIXEL_MJPEG, 0, 0, 0, 0, -EINVAL},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct libcamera_picture p = picture_of(cases[i].format);
+		struct libcamera_span span = {-1, cases[i].offset, cases[i].bytes};
+
+		assert_int_equal(map_into(cases[i].memory, cases[i].stride, &p, &span, 1),
+				 cases[i].err);
+		libcamera_picture_unmap(&p);
+	}
+}
+
+static void a_part_of_a_picture_is_none(void **state)
+{
+	struct libcamera_span span = {-1, 0, LUMA};
+	struct libcamera_picture p = picture_of(PIXEL_GREY);
+	struct frame_plane planes[FRAME_PLANES];
+	size_t used = LUMA - STRIDE + WIDTH;
+
+	(void)state;
+	assert_int_equal(map_into(LUMA, STRIDE, &p, &span, 1), 0);
+	assert_true(libcamera_picture_planes(&p, &used, 1, planes));
+	assert_int_equal(planes[0].bytes, LUMA);
+	used--;
+	assert_false(libcamera_picture_planes(&p, &used, 1, planes));
+	libcamera_picture_unmap(&p);
+
+	p = picture_of(PIXEL_MJPEG);
+	used = 77;
+	assert_int_equal(map_into(LUMA, 0, &p, &span, 1), 0);
+	assert_true(libcamera_picture_planes(&p, &used, 1, planes));
+	assert_int_equal(planes[0].bytes, 77);
+	used = 0;
+	assert_false(libcamera_picture_planes(&p, &used, 1, planes));
+	libcamera_picture_unmap(&p);
+}
+
+static void times_are_monotonic(void **state)
+{
+	const int64_t now_ns = clock_now_ns();
+	struct timespec boot;
+
+	(void)state;
+	assert_true(libcamera_picture_time_ns(now_ns - 5 * NS_PER_MS) == now_ns - 5 * NS_PER_MS);
+	assert_true(libcamera_picture_time_ns(0) >= now_ns);
+	assert_true(libcamera_picture_time_ns(now_ns + 1000 * NS_PER_S) >= now_ns);
+	clock_gettime(CLOCK_BOOTTIME, &boot);
+	assert_true(libcamera_picture_time_ns((int64_t)boot.tv_sec * NS_PER_S + boot.tv_nsec) <=
+		    clock_now_ns());
+}
+
+/* ---- messages ---- */
+
+static void messages_lose_their_head_and_are_said_once(void **state)
+{
+	static const char *const lines[] = {
+		"[0:01:02.000000000] [42] ERROR V4L2 v4l2.cpp:1 /dev/video0: Failed\n",
+		"[0:01:03.000000000] [42] ERROR V4L2 v4l2.cpp:1 /dev/video0: Failed\n",
+		"[0:01:03.000000000] [42]  INFO Camera camera_manager.cpp:299 libcamera v0.0.3\n",
+		"[0:01:03.000000000] [42] \n",
+		"\n",
+		"FATAL without a head",
+	};
+	FILE *log = tmpfile();
+	const int stderr_was = dup(STDERR_FILENO);
+	char said[1024];
+	size_t length;
+
+	(void)state;
+	assert_non_null(log);
+	dup2(fileno(log), STDERR_FILENO);
+	for (size_t i = 0; i < sizeof(lines) / sizeof(lines[0]); i++)
+		libcamera_message(lines[i], strlen(lines[i]));
+	dup2(stderr_was, STDERR_FILENO);
+	close(stderr_was);
+	rewind(log);
+	length = fread(said, 1, sizeof(said) - 1, log);
+	said[length] = '\0';
+	fclose(log);
+	assert_string_equal(said, "inlay: libcamera: ERROR V4L2 v4l2.cpp:1 /dev/video0: Failed\n"
+				  "inlay: libcamera: FATAL without a head\n");
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(requests_are_taken_in_the_order_in_which_they_were_done),
+		cmocka_unit_test(the_end_stays),
+		cmocka_unit_test(the_end_is_waited_for_a_moment),
+		cmocka_unit_test(a_node_that_goes_is_noticed),
+		cmocka_unit_test(planes_lie_where_they_are_said_to),
+		cmocka_unit_test(memory_that_is_too_small_is_refused),
+		cmocka_unit_test(a_part_of_a_picture_is_none),
+		cmocka_unit_test(times_are_monotonic),
+		cmocka_unit_test(messages_lose_their_head_and_are_said_once),
+	};
+
+	return cmocka_run_group_tests_name("libcamera_parts", tests, NULL, NULL);
+}
