@@ -166,45 +166,61 @@ static int check_pair(const struct place *at, const struct basis_block *before,
 	return 0;
 }
 
-/* Sums of a ground term: over all lights, and over those that share a block's rest. */
-struct ground_sums {
-	double all[3], rest[3];
+/* A ground term as a block lists it, and its sum over all lights. */
+struct ground_terms {
+	double *listed[3]; /* of each of the block's lights, the rest's at the end; room for all */
+	double sum[3];
 };
 
-static void sum_ground(const struct basis *basis, const struct basis_block *b,
-		       struct ground_sums *sums)
-{
-	for (int c = 0; c < 3; c++) {
-		const double *u = basis_ground(basis, b->ground, c);
-		double listed = 0;
-
-		sums->all[c] = 0;
-		for (uint32_t i = 0; i < basis->info.lights; i++)
-			sums->all[c] += u[i];
-		for (int i = 0; i < b->lights - b->rest; i++)
-			listed += u[b->light[i]];
-		sums->rest[c] = b->rest ? fmax(sums->all[c] - listed, 0) : 0;
-	}
-}
-
-/* round(2^15 * sum row u / sum u), to within the rounding of another machine's sum. */
-static int check_ground_total(const struct place *at, const struct basis_block *b, int p,
-			      const struct ground_sums *sums)
+static void list_ground(const struct basis *basis, const struct basis_block *b,
+			struct ground_terms *terms)
 {
 	const int listed = b->lights - b->rest;
 
 	for (int c = 0; c < 3; c++) {
-		const double *u = basis_ground(at->reader->basis, b->ground, c);
+		const double *u = basis_ground(basis, b->ground, c);
+		double sum = 0, sum_listed = 0;
+
+		for (uint32_t i = 0; i < basis->info.lights; i++)
+			sum += u[i];
+		for (int i = 0; i < listed; i++) {
+			terms->listed[c][i] = u[b->light[i]];
+			sum_listed += u[b->light[i]];
+		}
+		if (b->rest)
+			terms->listed[c][listed] = fmax(sum - sum_listed, 0);
+		terms->sum[c] = sum;
+	}
+}
+
+/* Most of the time that opening a file takes goes here: sums side by side can be vectors. */
+static double dot(const int16_t *row, const double *terms, int count)
+{
+	double sums[8] = {0}, sum = 0;
+	int i = 0;
+
+	for (; i + 8 <= count; i += 8) {
+		for (int k = 0; k < 8; k++)
+			sums[k] += row[i + k] * terms[i + k];
+	}
+	for (; i < count; i++)
+		sum += row[i] * terms[i];
+	for (int k = 0; k < 8; k++)
+		sum += sums[k];
+	return sum;
+}
+
+/* round(2^15 * sum row u / sum u), to within the rounding of another machine's sum. */
+static int check_ground_total(const struct place *at, const struct basis_block *b, int p,
+			      const struct ground_terms *terms)
+{
+	for (int c = 0; c < 3; c++) {
 		const int row = p * b->channels + (b->channels == 3 ? c : 0);
 		const int16_t *r = b->row + (size_t)row * (size_t)b->stride;
 		const int32_t total = b->total[p * 3 + c];
-		double sum = 0, expected;
+		const double sum = dot(r, terms->listed[c], b->lights);
+		const double expected = terms->sum[c] > 0 ? 32768 * (sum / terms->sum[c]) : 0;
 
-		for (int i = 0; i < listed; i++)
-			sum += r[i] * u[b->light[i]];
-		if (b->rest)
-			sum += r[listed] * sums->rest[c];
-		expected = sums->all[c] > 0 ? 32768 * (sum / sums->all[c]) : 0;
 		if (!(fabs(total - expected) <= 0.51))
 			return DAMAGED(at, "total %d of pixel %d, expected %.2f", total,
 				       b->pixel[p], expected);
@@ -234,9 +250,9 @@ static int check_row(const struct place *at, const struct basis_block *b, int ro
 	return 0;
 }
 
-static int check_rows(const struct place *at, const struct basis_block *b)
+static int check_rows(const struct place *at, const struct basis_block *b,
+		      struct ground_terms *terms)
 {
-	struct ground_sums sums;
 	int32_t total = 0;
 	int ret;
 
@@ -250,9 +266,9 @@ static int check_rows(const struct place *at, const struct basis_block *b)
 	}
 	if (b->kind != BASIS_KIND_V)
 		return 0;
-	sum_ground(at->reader->basis, b, &sums);
+	list_ground(at->reader->basis, b, terms);
 	for (int p = 0; p < b->pixels; p++) {
-		ret = check_ground_total(at, b, p, &sums);
+		ret = check_ground_total(at, b, p, terms);
 		if (ret < 0)
 			return ret;
 	}
@@ -280,8 +296,8 @@ static int allocate(struct basis *basis, struct basis_pose *pose, size_t blocks)
 	return 0;
 }
 
-int basis_read_blocks(const struct basis_reader *reader, int pose_index,
-		      const struct basis_blocks_chunk *chunk)
+static int read_blocks(const struct basis_reader *reader, int pose_index,
+		       const struct basis_blocks_chunk *chunk, struct ground_terms *terms)
 {
 	struct basis_pose *pose = &reader->basis->poses[pose_index];
 	struct place at = {reader, pose_index, 0};
@@ -313,7 +329,7 @@ int basis_read_blocks(const struct basis_reader *reader, int pose_index,
 		if (ret == 0)
 			ret = check_lists(&at, b, tile, &use);
 		if (ret == 0)
-			ret = check_rows(&at, b);
+			ret = check_rows(&at, b, terms);
 		if (ret < 0)
 			return ret;
 		if (!tile->block_count)
@@ -328,4 +344,21 @@ int basis_read_blocks(const struct basis_reader *reader, int pose_index,
 	pose->block_count = (int)chunk->count;
 	return check_pair(&at, chunk->count ? &pose->blocks[chunk->count - 1] : NULL, tile_before,
 			  NULL, 0);
+}
+
+int basis_read_blocks(const struct basis_reader *reader, int pose_index,
+		      const struct basis_blocks_chunk *chunk)
+{
+	const size_t room = (size_t)reader->basis->info.lights + 1;
+	double *memory = calloc(3 * room, sizeof(*memory));
+	struct ground_terms terms;
+	int ret;
+
+	if (!memory)
+		return fault_say(reader->fault, -ENOMEM, "%s: out of memory", reader->name);
+	for (int c = 0; c < 3; c++)
+		terms.listed[c] = memory + (size_t)c * room;
+	ret = read_blocks(reader, pose_index, chunk, &terms);
+	free(memory);
+	return ret;
 }
