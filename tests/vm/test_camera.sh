@@ -24,7 +24,7 @@ capture_and_press() { # control, then as above
 	shift
 	: >"$VM_OUT/said"
 	capture "$@" &
-	within_seconds 5 grep -q '^stride' "$VM_OUT/said"
+	within_seconds 60 grep -q '^stride' "$VM_OUT/said"
 	v4l2-ctl -d "$in" -c "$control=1"
 	wait $!
 }

@@ -30,7 +30,7 @@ all_unplugged_begin
 kiosk late
 check "late: the kiosk starts without a camera" within_seconds 20 pictures_go_on
 matches "late: and names what is missing" "camera fisheye: no device" "$(cat "$VM_OUT/late.log")"
-within_seconds 60 false
+sleep 60 # that long, and nothing comes
 check "late: the screen is alive after a minute" pictures_go_on
 equal "late: each camera is named once, not every second" 1 \
 	"$(grep -c "camera fisheye" "$VM_OUT/late.log")"
