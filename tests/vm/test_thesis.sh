@@ -50,6 +50,9 @@ run_thesis composite composite "${square[@]}"
 shows "the composite is what still makes of the separate pictures" vkms "$VM_OUT/expected.png" within=0
 stop_run
 equal "it ends well" 0 $?
+run_thesis virtio composite "${square[@]}" --set "screen.device=/dev/dri/card$(card_of virtio)"
+shows "on virtio-gpu, too" virtio "$VM_OUT/expected.png" within=0
+stop_run
 run_thesis before before "${square[@]}"
 shows "the background's quarter is upright" vkms "$VM_OUT/background.png" within=0
 stop_run
