@@ -26,9 +26,9 @@
 
 extern "C" {
 #include "drivers/drivers.h"
-#include "drivers/libcamera/absence.h"
 #include "drivers/libcamera/controls.h"
 #include "drivers/libcamera/events.h"
+#include "drivers/libcamera/find.h"
 #include "drivers/libcamera/messages.h"
 #include "drivers/libcamera/picture.h"
 #include "hal/camera_choice.h"
@@ -189,49 +189,21 @@ std::string model_of(const lc::Camera &device)
 	return model ? std::string(*model) : std::string();
 }
 
-std::string names_of(const std::vector<std::shared_ptr<lc::Camera>> &cameras)
-{
-	std::string text;
-
-	for (const auto &device : cameras)
-		text += (text.empty() ? "" : ", ") + device->id() + " (" + model_of(*device) + ")";
-	return text;
-}
-
-/* By id, else by model, else by a part of either; empty: the first. */
-std::shared_ptr<lc::Camera> find(const Manager &manager, const std::string &wanted)
+std::shared_ptr<lc::Camera> find(const Manager &manager, const char *wanted)
 {
 	const auto cameras = manager.cameras();
+	std::deque<std::string> models;
+	std::vector<libcamera_name> names;
+	fault why;
 
-	if (cameras.empty()) {
-		fault why;
-		const int err = libcamera_absence(&why);
+	for (const auto &device : cameras)
+		names.push_back(
+			{device->id().c_str(), models.emplace_back(model_of(*device)).c_str()});
+	const int index = libcamera_find(names.data(), (int)names.size(), wanted, &why);
 
-		throw Failure(err, why.text);
-	}
-	if (wanted.empty())
-		return cameras.front();
-	for (int step = 0; step < 3; step++) {
-		std::vector<std::shared_ptr<lc::Camera>> found;
-
-		for (const auto &device : cameras) {
-			const std::string &id = device->id(), model = model_of(*device);
-
-			if (step == 0	? id == wanted
-			    : step == 1 ? model == wanted
-					: strcasestr(id.c_str(), wanted.c_str()) ||
-						  strcasestr(model.c_str(), wanted.c_str()))
-				found.push_back(device);
-		}
-		if (found.size() == 1)
-			return found.front();
-		if (found.size() > 1)
-			throw Failure(-EINVAL,
-				      "\"" + wanted +
-					      "\" fits more than one camera, expected one of " +
-					      names_of(found));
-	}
-	throw Failure(-ENODEV, "no camera \"" + wanted + "\"; there is " + names_of(cameras));
+	if (index < 0)
+		throw Failure(index, why.text);
+	return cameras[(size_t)index];
 }
 
 /* ---- pictures ----
@@ -433,61 +405,21 @@ libcamera_kind kind_of(lc::ControlType type)
 
 libcamera_value numbers_of(const lc::ControlValue &value)
 {
-	const uint8_t *data = value.data().data();
-	libcamera_value numbers = {};
+	libcamera_value numbers;
 
-	const auto read = [&](auto zero) {
-		numbers.count = (int)std::min<size_t>(value.numElements(), LIBCAMERA_NUMBERS_MAX);
-		for (int i = 0; i < numbers.count; i++, data += sizeof(zero)) {
-			memcpy(&zero, data, sizeof(zero));
-			numbers.numbers[i] = (double)zero;
-		}
-	};
-	numbers.kind = kind_of(value.type());
-	switch (numbers.kind) {
-	case LIBCAMERA_BOOL:
-	case LIBCAMERA_BYTE:
-		read(uint8_t());
-		break;
-	case LIBCAMERA_INT32:
-		read(int32_t());
-		break;
-	case LIBCAMERA_INT64:
-		read(int64_t());
-		break;
-	case LIBCAMERA_FLOAT:
-		read(float());
-		break;
-	case LIBCAMERA_OTHER:
-		break;
-	}
+	libcamera_value_unpack(&numbers, kind_of(value.type()), (int)value.numElements(),
+			       value.data().data());
 	return numbers;
-}
-
-template <typename T> lc::ControlValue value_from(const libcamera_value &numbers, bool array)
-{
-	const std::vector<T> elements(numbers.numbers, numbers.numbers + numbers.count);
-
-	return array ? lc::ControlValue(lc::Span<const T>(elements.data(), elements.size()))
-		     : lc::ControlValue(elements[0]);
 }
 
 lc::ControlValue value_of(const libcamera_wish &wish)
 {
-	const bool array = wish.control->elements > 0;
+	const auto *const id = static_cast<const lc::ControlId *>(wish.control->theirs);
+	lc::ControlValue value;
 
-	switch (wish.control->kind) {
-	case LIBCAMERA_BOOL:
-		return lc::ControlValue(wish.value.numbers[0] != 0);
-	case LIBCAMERA_BYTE:
-		return value_from<uint8_t>(wish.value, array);
-	case LIBCAMERA_INT32:
-		return value_from<int32_t>(wish.value, array);
-	case LIBCAMERA_INT64:
-		return value_from<int64_t>(wish.value, array);
-	default:
-		return value_from<float>(wish.value, array);
-	}
+	value.reserve(id->type(), wish.control->elements > 0, (size_t)wish.value.count);
+	libcamera_value_pack(&wish.value, value.data().data());
+	return value;
 }
 
 /* What the next request is to carry. */
@@ -539,48 +471,70 @@ bool used_value(const void *metadata, const void *theirs, libcamera_value *value
 
 /* A buffer and the request that it goes around with. */
 struct Slot {
-	Slot() = default;
-
-	~Slot()
-	{
-		libcamera_picture_unmap(&picture);
-	}
-
-	Slot(const Slot &) = delete;
-	Slot &operator=(const Slot &) = delete;
-
 	std::unique_ptr<lc::Request> request;
-	const lc::FrameBuffer *buffer = nullptr;
-	libcamera_picture picture = {};
-	libcamera_load load = {}; /* the controls that the request carries */
+	const lc::FrameBuffer *buffer;
+	libcamera_picture picture;
+	libcamera_load load; /* the controls that the request carries */
 };
 
 /* From open() to the destructor, which cleans up however far open() came. */
 class Session
 {
       public:
-	Session();
-	~Session();
+	Session()
+	{
+		fault why;
+
+		if (const int err = libcamera_events_open(&events, &why); err)
+			throw Failure(err, why.text);
+	}
+
+	~Session()
+	{
+		if (device) {
+			/* From here on libcamera's thread does not call us. */
+			device->stop();
+			device->requestCompleted.disconnect(this);
+			device->disconnected.disconnect(this);
+		}
+		unmap();
+		slots.clear();
+		allocator.reset();
+		configuration.reset();
+		if (acquired)
+			device->release();
+		libcamera_events_close(&events);
+	}
+
 	Session(const Session &) = delete;
 	Session &operator=(const Session &) = delete;
 
-	void open(camera *camera);
-	int grab(camera *camera, frame *frame);
-	void release(size_t index);
-
-	/* False: the camera went away in a way that libcamera cannot clean up after: this session
-	 * is to be left as it is. */
-	bool can_be_deleted();
-
-	/* Runs body; a failure says whose it is, once that is known. */
-	template <typename Body> auto named(Body body)
+	void open(camera *camera)
 	{
-		try {
-			return body();
-		} catch (const Failure &why) {
-			throw Failure(why.err, (id.empty() ? "" : id + ": ") + why.what(),
-				      why.situation);
-		}
+		device = find(manager, camera->settings.device);
+		id = device->id();
+		const std::string model = model_of(*device);
+
+		snprintf(camera->name, sizeof(camera->name), "%s",
+			 (model.empty() ? id : model).c_str());
+		if (const int err = device->acquire(); err)
+			throw refusal(err, "cannot take the camera, another program may use it");
+		acquired = true;
+		watch();
+		configuration = configure(*device, camera->settings);
+		const lc::StreamConfiguration &stream = configuration->at(0);
+
+		blank.format = camera->format = format_of(stream.pixelFormat);
+		blank.width = camera->width = (int)stream.size.width;
+		blank.height = camera->height = (int)stream.size.height;
+		blank.matrix = matrix_of(stream, camera->settings.matrix);
+		blank.range = range_of(stream, camera->settings.range);
+		make_slots(stream);
+		controls = controls_of(device->controls());
+		camera->rate_hz = libcamera_wishes_read(
+			&wishes, id.c_str(), controls.data(), (int)controls.size(),
+			camera->settings.controls, camera->settings.rate_hz);
+		start();
 	}
 
 	int descriptor() const
@@ -588,285 +542,212 @@ class Session
 		return events.descriptor;
 	}
 
-      private:
-	/* libcamera's thread calls these two. */
-	void completed(lc::Request *request);
-	void disconnected();
+	int grab(camera *camera, frame *frame)
+	{
+		::frame newest = {}, next;
+		int index = -EAGAIN;
 
-	static bool owns(const void *session, dev_t number) noexcept;
-	void start(const camera_settings &settings);
-	void make_slots();
-	void map(Slot &slot) const;
-	void queue(Slot &slot);
-	void requeue(Slot &slot);
-	bool read(const Slot &slot, frame *frame) const;
-	void read_metadata(camera *camera, const lc::ControlList &metadata);
-	uint32_t missed(uint32_t number);
+		if (libcamera_events_deleted(&events))
+			throw Failure(-ENODEV, "the camera has gone");
+		/* Never more than there are, however fast the camera is. */
+		for (size_t i = 0; i < slots.size(); i++) {
+			index = libcamera_events_take(&events);
+			if (index < 0)
+				break;
+			Slot &slot = slots[(size_t)index];
+
+			if (!read(slot, &next)) {
+				camera->broken++;
+				libcamera_wishes_refused(&wishes, slot.load);
+				requeue(slot);
+				continue;
+			}
+			camera->lost += missed(next.sequence);
+			read_metadata(camera, slot.request->metadata());
+			if (newest.format != PIXEL_NONE) {
+				camera->lost++;
+				requeue(slots[(size_t)newest.buffer]);
+			}
+			newest = next;
+		}
+		if (index == -ENODEV)
+			throw trouble && trouble != -ENODEV
+				? refusal(trouble, "it takes no request")
+				: Failure(-ENODEV, "the camera has gone");
+		if (newest.format == PIXEL_NONE)
+			return -EAGAIN;
+		libcamera_picture_reading(&slots[(size_t)newest.buffer].picture, true);
+		*frame = newest;
+		return 0;
+	}
+
+	void release(size_t index)
+	{
+		libcamera_picture_reading(&slots[index].picture, false);
+		requeue(slots[index]);
+	}
+
+	/* False: the camera went away in a way that libcamera cannot clean up after: this session
+	 * is to be left as it is. */
+	bool can_be_deleted()
+	{
+		if (!libcamera_events_deleted(&events) || libcamera_events_end_soon(&events))
+			return true;
+		unmap();
+		manager.forget(device);
+		return false;
+	}
+
+	std::string id; /* of the camera, once that is known */
+
+      private:
+	void watch()
+	{
+		const auto own = [](const void *session, dev_t number) {
+			const auto *const self = static_cast<const Session *>(session);
+
+			return self->manager.made_of(self->device, number);
+		};
+		fault why;
+
+		if (const int err = libcamera_events_watch(&events, own, this, &why); err)
+			throw Failure(err, why.text);
+	}
+
+	void make_slots(const lc::StreamConfiguration &stream)
+	{
+		allocator = std::make_unique<lc::FrameBufferAllocator>(device);
+		if (const int count = allocator->allocate(stream.stream()); count < 2)
+			throw refusal(count < 0 ? count : -ENOMEM, "cannot allocate two buffers");
+		for (const auto &buffer : allocator->buffers(stream.stream())) {
+			if (slots.size() == LIBCAMERA_REQUESTS_MAX)
+				break;
+			auto request = device->createRequest(slots.size());
+
+			if (!request || request->addBuffer(stream.stream(), buffer.get()))
+				throw refusal(-ENOMEM, "cannot make a request");
+			slots.push_back({std::move(request), buffer.get(), {}, {}});
+			map(slots.back(), stream);
+		}
+	}
+
+	void map(Slot &slot, const lc::StreamConfiguration &stream) const
+	{
+		libcamera_span spans[FRAME_PLANES];
+		int count = 0;
+
+		for (const auto &plane : slot.buffer->planes())
+			if (count < FRAME_PLANES)
+				spans[count++] = {
+					plane.fd.get(),
+					plane.offset == lc::FrameBuffer::Plane::kInvalidOffset
+						? 0
+						: plane.offset,
+					plane.length};
+		slot.picture.format = blank.format;
+		slot.picture.width = blank.width;
+		slot.picture.height = blank.height;
+		const int err = libcamera_picture_map(&slot.picture, stream.stride, spans, count);
+
+		if (err == -EINVAL)
+			throw Failure(err, "its buffers are smaller than a picture of " +
+						   stream.toString());
+		if (err)
+			throw refusal(err, "cannot map a buffer");
+	}
+
+	void unmap()
+	{
+		for (Slot &slot : slots)
+			libcamera_picture_unmap(&slot.picture);
+	}
+
+	/* What is connected here runs on libcamera's thread. */
+	void start()
+	{
+		device->requestCompleted.connect(this, [this](lc::Request *request) {
+			libcamera_events_done(&events, (int)request->cookie());
+		});
+		device->disconnected.connect(this, [this] { libcamera_events_end(&events); });
+		if (const int err = device->start(); err)
+			throw refusal(err, "cannot start the camera");
+		for (Slot &slot : slots)
+			queue(slot);
+	}
+
+	/* What fails here, the next grab() says. */
+	void queue(Slot &slot)
+	{
+		slot.load = put_wishes(wishes, slot.request->controls());
+		if (const int err = device->queueRequest(slot.request.get()); err) {
+			trouble = err;
+			libcamera_events_end(&events);
+		}
+	}
+
+	void requeue(Slot &slot)
+	{
+		slot.request->reuse(lc::Request::ReuseBuffers);
+		queue(slot);
+	}
+
+	/* False: cancelled, damaged, or not a whole picture. */
+	bool read(const Slot &slot, frame *frame) const
+	{
+		const lc::FrameMetadata &metadata = slot.buffer->metadata();
+		const auto stamp = slot.request->metadata().get(lc::controls::SensorTimestamp);
+		size_t used[FRAME_PLANES];
+		int count = 0;
+
+		if (slot.request->status() != lc::Request::RequestComplete ||
+		    metadata.status == lc::FrameMetadata::FrameError ||
+		    metadata.status == lc::FrameMetadata::FrameCancelled)
+			return false;
+		*frame = blank;
+		frame->timestamp_ns =
+			libcamera_picture_time_ns(stamp ? *stamp : (int64_t)metadata.timestamp);
+		frame->sequence = metadata.sequence;
+		frame->buffer = (int)slot.request->cookie();
+		for (const auto &plane : metadata.planes())
+			if (count < FRAME_PLANES)
+				used[count++] = plane.bytesused;
+		return libcamera_picture_planes(&slot.picture, used, count, frame->planes);
+	}
+
+	/* Numbers wrap; a step back means that the source counts anew. */
+	uint32_t missed(uint32_t number)
+	{
+		const uint32_t step = number - last_number;
+		const bool gap = counted && step > 1 && step < UINT32_MAX / 2;
+
+		counted = true;
+		last_number = number;
+		return gap ? step - 1 : 0;
+	}
+
+	void read_metadata(camera *camera, const lc::ControlList &metadata)
+	{
+		const auto duration_us = metadata.get(lc::controls::FrameDuration);
+
+		if (duration_us && *duration_us > 0)
+			camera->rate_hz = 1e6 / (double)*duration_us;
+		libcamera_wishes_compare(&wishes, used_value, &metadata);
+	}
 
 	Manager manager; /* goes last */
 	libcamera_events events;
-	std::string id;
 	std::shared_ptr<lc::Camera> device;
 	bool acquired = false;
 	std::unique_ptr<lc::CameraConfiguration> configuration;
 	std::unique_ptr<lc::FrameBufferAllocator> allocator;
 	std::deque<Slot> slots; /* a request's cookie is its index */
-	colour_matrix matrix = MATRIX_BT601;
-	colour_range range = RANGE_LIMITED;
+	frame blank = {};	/* what all frames have in common */
 	std::vector<libcamera_control> controls;
 	libcamera_wishes wishes = {};
-	double rate_hz = 0;   /* as far as it is known */
 	int trouble = 0;      /* why a request was not taken */
 	bool counted = false; /* last_number holds one */
 	uint32_t last_number = 0;
 };
-
-Session::Session()
-{
-	fault why;
-
-	if (const int err = libcamera_events_open(&events, &why); err)
-		throw Failure(err, why.text);
-}
-
-Session::~Session()
-{
-	if (device) {
-		/* From here on libcamera's thread does not call us. */
-		device->stop();
-		device->requestCompleted.disconnect(this);
-		device->disconnected.disconnect(this);
-	}
-	slots.clear();
-	allocator.reset();
-	configuration.reset();
-	if (acquired)
-		device->release();
-	libcamera_events_close(&events);
-}
-
-bool Session::can_be_deleted()
-{
-	if (!libcamera_events_deleted(&events) || libcamera_events_end_soon(&events))
-		return true;
-	for (Slot &slot : slots)
-		libcamera_picture_unmap(&slot.picture);
-	manager.forget(device);
-	return false;
-}
-
-void Session::completed(lc::Request *request)
-{
-	libcamera_events_done(&events, (int)request->cookie());
-}
-
-void Session::disconnected()
-{
-	libcamera_events_end(&events);
-}
-
-bool Session::owns(const void *session, dev_t number) noexcept
-{
-	const auto *const self = static_cast<const Session *>(session);
-
-	return self->manager.made_of(self->device, number);
-}
-
-void Session::open(camera *camera)
-{
-	fault why;
-
-	device = find(manager, camera->settings.device);
-	id = device->id();
-	const std::string model = model_of(*device);
-
-	snprintf(camera->name, sizeof(camera->name), "%s", (model.empty() ? id : model).c_str());
-	if (const int err = device->acquire(); err)
-		throw refusal(err, "cannot take the camera, another program may use it");
-	acquired = true;
-	if (const int err = libcamera_events_watch(&events, owns, this, &why); err)
-		throw Failure(err, why.text);
-	configuration = configure(*device, camera->settings);
-	const lc::StreamConfiguration &stream = configuration->at(0);
-
-	matrix = matrix_of(stream, camera->settings.matrix);
-	range = range_of(stream, camera->settings.range);
-	start(camera->settings);
-	camera->format = format_of(stream.pixelFormat);
-	camera->width = (int)stream.size.width;
-	camera->height = (int)stream.size.height;
-	camera->rate_hz = rate_hz;
-}
-
-void Session::start(const camera_settings &settings)
-{
-	make_slots();
-	controls = controls_of(device->controls());
-	rate_hz = libcamera_wishes_read(&wishes, id.c_str(), controls.data(), (int)controls.size(),
-					settings.controls, settings.rate_hz);
-	device->requestCompleted.connect(this, &Session::completed);
-	device->disconnected.connect(this, &Session::disconnected);
-	if (const int err = device->start(); err)
-		throw refusal(err, "cannot start the camera");
-	for (Slot &slot : slots)
-		queue(slot);
-}
-
-void Session::make_slots()
-{
-	lc::Stream *const stream = configuration->at(0).stream();
-
-	allocator = std::make_unique<lc::FrameBufferAllocator>(device);
-	if (const int count = allocator->allocate(stream); count < 2)
-		throw refusal(count < 0 ? count : -ENOMEM, "cannot allocate two buffers");
-	for (const auto &buffer : allocator->buffers(stream)) {
-		if (slots.size() == LIBCAMERA_REQUESTS_MAX)
-			break;
-		auto request = device->createRequest(slots.size());
-
-		if (!request || request->addBuffer(stream, buffer.get()))
-			throw refusal(-ENOMEM, "cannot make a request");
-		Slot &slot = slots.emplace_back();
-
-		slot.request = std::move(request);
-		slot.buffer = buffer.get();
-		map(slot);
-	}
-}
-
-void Session::map(Slot &slot) const
-{
-	const lc::StreamConfiguration &stream = configuration->at(0);
-	libcamera_span spans[FRAME_PLANES];
-	int count = 0;
-
-	for (const auto &plane : slot.buffer->planes())
-		if (count < FRAME_PLANES)
-			spans[count++] = {plane.fd.get(),
-					  plane.offset == lc::FrameBuffer::Plane::kInvalidOffset
-						  ? 0
-						  : plane.offset,
-					  plane.length};
-	slot.picture.format = format_of(stream.pixelFormat);
-	slot.picture.width = (int)stream.size.width;
-	slot.picture.height = (int)stream.size.height;
-	const int err = libcamera_picture_map(&slot.picture, stream.stride, spans, count);
-
-	if (err == -EINVAL)
-		throw Failure(err,
-			      "its buffers are smaller than a picture of " + stream.toString());
-	if (err)
-		throw refusal(err, "cannot map a buffer");
-}
-
-/* What fails here, the next grab() says. */
-void Session::queue(Slot &slot)
-{
-	slot.load = put_wishes(wishes, slot.request->controls());
-	if (const int err = device->queueRequest(slot.request.get()); err) {
-		trouble = err;
-		libcamera_events_end(&events);
-	}
-}
-
-void Session::requeue(Slot &slot)
-{
-	slot.request->reuse(lc::Request::ReuseBuffers);
-	queue(slot);
-}
-
-void Session::release(size_t index)
-{
-	libcamera_picture_reading(&slots[index].picture, false);
-	requeue(slots[index]);
-}
-
-/* False: cancelled, damaged, or not a whole picture. */
-bool Session::read(const Slot &slot, frame *frame) const
-{
-	const lc::FrameMetadata &metadata = slot.buffer->metadata();
-	const auto stamp = slot.request->metadata().get(lc::controls::SensorTimestamp);
-	size_t used[FRAME_PLANES];
-	int count = 0;
-
-	if (slot.request->status() != lc::Request::RequestComplete ||
-	    metadata.status == lc::FrameMetadata::FrameError ||
-	    metadata.status == lc::FrameMetadata::FrameCancelled)
-		return false;
-	*frame = {};
-	frame->format = slot.picture.format;
-	frame->width = slot.picture.width;
-	frame->height = slot.picture.height;
-	frame->matrix = matrix;
-	frame->range = range;
-	frame->timestamp_ns = libcamera_picture_time_ns(stamp ? *stamp
-							      : (int64_t)metadata.timestamp);
-	frame->sequence = metadata.sequence;
-	frame->buffer = (int)slot.request->cookie();
-	for (const auto &plane : metadata.planes())
-		if (count < FRAME_PLANES)
-			used[count++] = plane.bytesused;
-	return libcamera_picture_planes(&slot.picture, used, count, frame->planes);
-}
-
-/* Numbers wrap; a step back means that the source counts anew. */
-uint32_t Session::missed(uint32_t number)
-{
-	const uint32_t step = number - last_number;
-	const bool gap = counted && step > 1 && step < UINT32_MAX / 2;
-
-	counted = true;
-	last_number = number;
-	return gap ? step - 1 : 0;
-}
-
-void Session::read_metadata(camera *camera, const lc::ControlList &metadata)
-{
-	const auto duration_us = metadata.get(lc::controls::FrameDuration);
-
-	if (duration_us && *duration_us > 0)
-		camera->rate_hz = 1e6 / (double)*duration_us;
-	libcamera_wishes_compare(&wishes, used_value, &metadata);
-}
-
-int Session::grab(camera *camera, frame *frame)
-{
-	::frame newest = {}, next;
-	int index = -EAGAIN;
-
-	if (libcamera_events_deleted(&events))
-		throw Failure(-ENODEV, "the camera has gone");
-	/* Never more than there are, however fast the camera is. */
-	for (size_t i = 0; i < slots.size(); i++) {
-		index = libcamera_events_take(&events);
-		if (index < 0)
-			break;
-		Slot &slot = slots[(size_t)index];
-
-		if (!read(slot, &next)) {
-			camera->broken++;
-			libcamera_wishes_refused(&wishes, slot.load);
-			requeue(slot);
-			continue;
-		}
-		camera->lost += missed(next.sequence);
-		read_metadata(camera, slot.request->metadata());
-		if (newest.format != PIXEL_NONE) {
-			camera->lost++;
-			requeue(slots[(size_t)newest.buffer]);
-		}
-		newest = next;
-	}
-	if (index == -ENODEV && trouble && trouble != -ENODEV)
-		throw refusal(trouble, "it takes no request");
-	if (index == -ENODEV)
-		throw Failure(-ENODEV, "the camera has gone");
-	if (newest.format == PIXEL_NONE)
-		return -EAGAIN;
-	libcamera_picture_reading(&slots[(size_t)newest.buffer].picture, true);
-	*frame = newest;
-	return 0;
-}
 
 /* ---- listing ---- */
 
@@ -879,116 +760,105 @@ std::string value_text(const lc::ControlValue &value)
 	return numbers.count > 0 ? text : value.toString();
 }
 
-struct Line {
-	char text[sizeof(camera_listing::lines[0])];
-};
-
-class Listing
+std::vector<std::string> format_lines(lc::Camera &device)
 {
-      public:
-	explicit Listing(lc::Camera &camera) : device(camera)
-	{
-		add_formats();
-		add_controls();
-	}
+	const auto configuration = device.generateConfiguration({lc::StreamRole::Viewfinder});
+	std::vector<std::string> lines;
 
-	void show(void (*found)(void *, const camera_listing *), void *context)
-	{
-		camera_listing listing = {};
+	if (!configuration || configuration->empty())
+		return lines;
+	const lc::StreamFormats &formats = configuration->at(0).formats();
 
-		snprintf(listing.device, sizeof(listing.device), "%s", device.id().c_str());
-		snprintf(listing.name, sizeof(listing.name), "%s", model_of(device).c_str());
-		listing.lines = &lines.data()->text;
-		listing.line_count = (int)lines.size();
-		found(context, &listing);
-	}
+	for (const lc::PixelFormat &format : formats.pixelformats()) {
+		const pixel_format ours = format_of(format);
+		const std::string name = format.toString() + " " +
+					 (ours ? pixel_format_names[ours] : "(not supported)") +
+					 " ";
+		const lc::SizeRange sizes = formats.range(format);
 
-      private:
-	void add(const std::string &text)
-	{
-		lines.emplace_back();
-		snprintf(lines.back().text, sizeof(lines.back().text), "%s", text.c_str());
-	}
-
-	void add_formats()
-	{
-		const auto configuration =
-			device.generateConfiguration({lc::StreamRole::Viewfinder});
-
-		if (!configuration || configuration->empty())
-			return;
-		const lc::StreamFormats &formats = configuration->at(0).formats();
-
-		for (const lc::PixelFormat &format : formats.pixelformats()) {
-			const pixel_format ours = format_of(format);
-			const std::string name =
-				format.toString() + " " +
-				(ours ? pixel_format_names[ours] : "(not supported)") + " ";
-			const lc::SizeRange sizes = formats.range(format);
-
-			if (is_range(sizes)) {
-				add(name + sizes.min.toString() + " to " + sizes.max.toString());
-				continue;
-			}
-			for (const lc::Size &size : formats.sizes(format))
-				add(name + size.toString());
+		if (is_range(sizes)) {
+			lines.push_back(name + sizes.min.toString() + " to " +
+					sizes.max.toString());
+			continue;
 		}
+		for (const lc::Size &size : formats.sizes(format))
+			lines.push_back(name + size.toString());
 	}
+	return lines;
+}
 
-	void add_controls()
-	{
-		std::vector<std::string> texts;
+std::vector<std::string> control_lines(const lc::Camera &device)
+{
+	std::vector<std::string> lines;
 
-		for (const auto &[id, info] : device.controls()) {
-			const auto words = words_of(*id);
-			std::string text = "control \"" + id->name() + "\" ";
+	for (const auto &[id, info] : device.controls()) {
+		const auto words = words_of(*id);
+		std::string text = "control \"" + id->name() + "\" ";
 
-			if (info.values().empty())
-				text += value_text(info.min()) + ".." + value_text(info.max());
-			for (const lc::ControlValue &value : info.values()) {
-				const libcamera_value number = numbers_of(value);
-				const auto word = words.find(number.count ? (int)number.numbers[0]
-									  : -1);
+		if (info.values().empty())
+			text += value_text(info.min()) + ".." + value_text(info.max());
+		for (const lc::ControlValue &value : info.values()) {
+			const libcamera_value number = numbers_of(value);
+			const auto word = words.find(number.count ? (int)number.numbers[0] : -1);
 
-				text += (&value == info.values().data() ? "" : " | ") +
-					(word == words.end() ? value_text(value) : word->second);
-			}
-			if (!info.def().isNone())
-				text += ", default " + value_text(info.def());
-			texts.push_back(text);
+			text += (&value == info.values().data() ? "" : " | ") +
+				(word == words.end() ? value_text(value) : word->second);
 		}
-		std::sort(texts.begin(), texts.end());
-		for (const std::string &text : texts)
-			add(text);
+		if (!info.def().isNone())
+			text += ", default " + value_text(info.def());
+		lines.push_back(text);
 	}
+	std::sort(lines.begin(), lines.end());
+	return lines;
+}
 
-	lc::Camera &device;
-	std::vector<Line> lines;
-};
+void show(lc::Camera &device, void (*found)(void *, const camera_listing *), void *context)
+{
+	struct Line {
+		char text[sizeof(camera_listing::lines[0])];
+	};
+	std::vector<std::string> texts = format_lines(device);
+	const std::vector<std::string> more = control_lines(device);
+	camera_listing listing = {};
+
+	texts.insert(texts.end(), more.begin(), more.end());
+	std::vector<Line> lines(texts.size());
+
+	for (size_t i = 0; i < texts.size(); i++)
+		snprintf(lines[i].text, sizeof(lines[i].text), "%s", texts[i].c_str());
+	snprintf(listing.device, sizeof(listing.device), "%s", device.id().c_str());
+	snprintf(listing.name, sizeof(listing.name), "%s", model_of(device).c_str());
+	listing.lines = &lines.data()->text;
+	listing.line_count = (int)lines.size();
+	found(context, &listing);
+}
 
 /* ---- ops ---- */
-
-/* No exception leaves this file. camera may be NULL. */
-template <typename Body> int guarded(camera *camera, fault *fault, Body body) noexcept
-{
-	const char *const who = "libcamera";
-
-	try {
-		return body();
-	} catch (const Failure &why) {
-		if (camera)
-			camera->situation = why.situation;
-		return fault_say(fault, why.err, "%s: %s", who, why.what());
-	} catch (const std::bad_alloc &) {
-		return fault_say(fault, -ENOMEM, "%s: no memory", who);
-	} catch (const std::exception &why) {
-		return fault_say(fault, -EIO, "%s: %s", who, why.what());
-	}
-}
 
 Session *session_of(const camera *camera)
 {
 	return static_cast<Session *>(camera->state);
+}
+
+/* No exception leaves this file. A failure says whose it is, once that is known; camera may be
+ * NULL. */
+template <typename Body> int guarded(camera *camera, fault *fault, Body body) noexcept
+{
+	try {
+		return body();
+	} catch (const Failure &why) {
+		const Session *const session = camera ? session_of(camera) : nullptr;
+		const char *const id = session ? session->id.c_str() : "";
+
+		if (camera)
+			camera->situation = why.situation;
+		return fault_say(fault, why.err, "libcamera: %s%s%s", id, *id ? ": " : "",
+				 why.what());
+	} catch (const std::bad_alloc &) {
+		return fault_say(fault, -ENOMEM, "libcamera: no memory");
+	} catch (const std::exception &why) {
+		return fault_say(fault, -EIO, "libcamera: %s", why.what());
+	}
 }
 
 int libcamera_list(void (*found)(void *, const camera_listing *), void *context)
@@ -999,7 +869,7 @@ int libcamera_list(void (*found)(void *, const camera_listing *), void *context)
 		const auto cameras = manager.cameras();
 
 		for (const auto &device : cameras)
-			Listing(*device).show(found, context);
+			show(*device, found, context);
 		return (int)cameras.size();
 	});
 
@@ -1008,13 +878,12 @@ int libcamera_list(void (*found)(void *, const camera_listing *), void *context)
 	return count == -ENODEV ? 0 : count;
 }
 
+/* What a failure leaves, close() cleans up. */
 int libcamera_open(camera *camera, fault *fault)
 {
 	return guarded(camera, fault, [&] {
-		auto session = std::make_unique<Session>();
-
-		session->named([&] { session->open(camera); });
-		camera->state = session.release();
+		camera->state = new Session;
+		session_of(camera)->open(camera);
 		return 0;
 	});
 }
@@ -1026,11 +895,7 @@ int libcamera_descriptor(camera *camera)
 
 int libcamera_grab(camera *camera, frame *frame, fault *fault)
 {
-	return guarded(camera, fault, [&] {
-		Session &session = *session_of(camera);
-
-		return session.named([&] { return session.grab(camera, frame); });
-	});
+	return guarded(camera, fault, [&] { return session_of(camera)->grab(camera, frame); });
 }
 
 void libcamera_release(camera *camera, frame *frame)
@@ -1067,21 +932,18 @@ void libcamera_close(camera *camera)
 	});
 }
 
-constexpr camera_ops operations()
-{
-	camera_ops ops = {};
-
-	ops.name = "libcamera";
-	ops.description = "libcamera: sensors on a board's camera connector, and webcams";
-	ops.list = libcamera_list;
-	ops.open = libcamera_open;
-	ops.descriptor = libcamera_descriptor;
-	ops.grab = libcamera_grab;
-	ops.release = libcamera_release;
-	ops.close = libcamera_close;
-	return ops;
-}
-
 } // namespace
 
-extern "C" const camera_ops camera_libcamera = operations();
+/* In the order of the struct; it has no keys of its own. */
+extern "C" const camera_ops camera_libcamera = {
+	"libcamera",
+	"libcamera: sensors on a board's camera connector, and webcams",
+	nullptr,
+	0,
+	libcamera_list,
+	libcamera_open,
+	libcamera_descriptor,
+	libcamera_grab,
+	libcamera_release,
+	libcamera_close,
+};

@@ -38,5 +38,5 @@ DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c \
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/gpio/lines.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_LIBCAMERA)),drivers/camera_libcamera.cpp \
-	drivers/libcamera/absence.c drivers/libcamera/controls.c drivers/libcamera/events.c \
+	drivers/libcamera/controls.c drivers/libcamera/events.c drivers/libcamera/find.c \
 	drivers/libcamera/messages.c drivers/libcamera/picture.c)

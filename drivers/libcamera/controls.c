@@ -14,6 +14,42 @@ enum { FRAMES_TO_SETTLE = 12 };
 
 /* ---- values ---- */
 
+void libcamera_value_unpack(struct libcamera_value *value, enum libcamera_kind kind, int count,
+			    const void *elements)
+{
+	*value = (struct libcamera_value){.kind = kind};
+	if (kind != LIBCAMERA_OTHER)
+		value->count = count < LIBCAMERA_NUMBERS_MAX ? count : LIBCAMERA_NUMBERS_MAX;
+	for (int i = 0; i < value->count; i++)
+		value->numbers[i] = kind == LIBCAMERA_INT32 ? ((const int32_t *)elements)[i]
+				    : kind == LIBCAMERA_INT64
+					    ? (double)((const int64_t *)elements)[i]
+				    : kind == LIBCAMERA_FLOAT ? (double)((const float *)elements)[i]
+							      : ((const uint8_t *)elements)[i];
+}
+
+void libcamera_value_pack(const struct libcamera_value *value, void *elements)
+{
+	for (int i = 0; i < value->count; i++)
+		switch (value->kind) {
+		case LIBCAMERA_BOOL:
+		case LIBCAMERA_BYTE:
+			((uint8_t *)elements)[i] = (uint8_t)value->numbers[i];
+			break;
+		case LIBCAMERA_INT32:
+			((int32_t *)elements)[i] = (int32_t)value->numbers[i];
+			break;
+		case LIBCAMERA_INT64:
+			((int64_t *)elements)[i] = (int64_t)value->numbers[i];
+			break;
+		case LIBCAMERA_FLOAT:
+			((float *)elements)[i] = (float)value->numbers[i];
+			break;
+		case LIBCAMERA_OTHER:
+			break;
+		}
+}
+
 void libcamera_value_text(const struct libcamera_value *value, char text[LIBCAMERA_VALUE_TEXT_MAX])
 {
 	size_t used = 0;

@@ -36,6 +36,12 @@ struct libcamera_control {
 	bool (*number_of)(const void *theirs, const char *word, double *number);
 };
 
+/* Between a value and the memory of its elements: bytes, integers and floats of the machine. Of an
+ * array with more than LIBCAMERA_NUMBERS_MAX elements the first are read. */
+void libcamera_value_unpack(struct libcamera_value *value, enum libcamera_kind kind, int count,
+			    const void *elements);
+void libcamera_value_pack(const struct libcamera_value *value, void *elements);
+
 /* Numbers with blanks between; empty where there are none. */
 void libcamera_value_text(const struct libcamera_value *value, char text[LIBCAMERA_VALUE_TEXT_MAX]);
 

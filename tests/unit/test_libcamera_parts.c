@@ -1,4 +1,5 @@
-/* The libcamera driver's parts in C: events between threads, pictures in buffers, messages. */
+/* The libcamera driver's parts in C: choice by name, events between threads, pictures in buffers,
+ * elements of values, messages. */
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
@@ -13,10 +14,116 @@
 
 #include <cmocka.h>
 
+#include "drivers/libcamera/controls.h"
 #include "drivers/libcamera/events.h"
+#include "drivers/libcamera/find.h"
 #include "drivers/libcamera/messages.h"
 #include "drivers/libcamera/picture.h"
 #include "hal/clock.h"
+
+/* ---- names ---- */
+
+static void cameras_are_found_by_name(void **state)
+{
+	static const struct libcamera_name cameras[] = {
+		{"platform/isp imx219 0", "imx219"},
+		{"platform/isp imx219 1", "imx219"},
+		{"usb-1.2 046d", "Webcam of imx708"},
+		{"platform/isp imx708", "imx708"},
+		{"imx708", "another"},
+	};
+	static const struct {
+		const char *wanted;
+		int expected;
+	} cases[] = {
+		{"", 0},
+		{"platform/isp imx219 1", 1},
+		{"IMX219 1", 1},
+		{"imx708", 4}, /* an id goes before a model */
+		{"Webcam of imx708", 2},
+		{"another", 4},
+		{"046D", 2},
+		{"imx219", -EINVAL},
+		{"platform", -EINVAL},
+		{"ov5647", -ENODEV},
+	};
+	struct fault fault;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
+		assert_int_equal(libcamera_find(cameras, 5, cases[i].wanted, &fault),
+				 cases[i].expected);
+	assert_string_equal(fault.text,
+			    "no camera \"ov5647\"; there is platform/isp imx219 0 (imx219), "
+			    "platform/isp imx219 1 (imx219), usb-1.2 046d (Webcam of imx708), "
+			    "platform/isp imx708 (imx708), imx708 (another)");
+	libcamera_find(cameras, 5, "imx219", &fault);
+	assert_string_equal(fault.text,
+			    "\"imx219\" fits more than one camera, expected one of "
+			    "platform/isp imx219 0 (imx219), platform/isp imx219 1 (imx219)");
+}
+
+static void names_that_do_not_fit_are_cut(void **state)
+{
+	struct libcamera_name cameras[40];
+	struct fault fault;
+
+	(void)state;
+	for (int i = 0; i < 40; i++)
+		cameras[i] = (struct libcamera_name){"platform/a path as long as such paths are",
+						     "a model"};
+	assert_int_equal(libcamera_find(cameras, 40, "other", &fault), -ENODEV);
+	assert_int_equal(strlen(fault.text), sizeof(fault.text) - 1);
+}
+
+/* ---- values ---- */
+
+static void elements_are_packed_as_they_were_unpacked(void **state)
+{
+	static const struct {
+		enum libcamera_kind kind;
+		int64_t memory[2];
+		size_t size;
+		int count;
+		double expected[2];
+	} cases[] = {
+		{LIBCAMERA_BOOL, {1}, 1, 1, {1}},
+		{LIBCAMERA_BYTE, {0x80ff}, 2, 2, {255, 128}},
+		{LIBCAMERA_INT32, {INT64_C(-4294967289)}, 8, 2, {7, -1}},
+		{LIBCAMERA_INT64, {-5, INT64_C(1) << 40}, 16, 2, {-5, 0x1p40}},
+		{LIBCAMERA_FLOAT, {INT64_C(0xc000000040200000)}, 8, 2, {2.5, -2}},
+		{LIBCAMERA_OTHER, {42}, 0, 0, {0}},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct libcamera_value value;
+		int64_t memory[2] = {0, 0};
+
+		libcamera_value_unpack(&value, cases[i].kind, cases[i].count, cases[i].memory);
+		assert_int_equal(value.count, cases[i].count);
+		for (int n = 0; n < value.count; n++)
+			assert_true(value.numbers[n] == cases[i].expected[n]);
+		libcamera_value_pack(&value, memory);
+		assert_memory_equal(memory, cases[i].memory, cases[i].size);
+	}
+}
+
+static void long_arrays_are_cut(void **state)
+{
+	float elements[LIBCAMERA_NUMBERS_MAX + 4];
+	struct libcamera_value value;
+	char text[LIBCAMERA_VALUE_TEXT_MAX];
+
+	(void)state;
+	for (int i = 0; i < LIBCAMERA_NUMBERS_MAX + 4; i++)
+		elements[i] = -1.23456789e-30f;
+	libcamera_value_unpack(&value, LIBCAMERA_FLOAT, LIBCAMERA_NUMBERS_MAX + 4, elements);
+	assert_int_equal(value.count, LIBCAMERA_NUMBERS_MAX);
+	libcamera_value_text(&value, text);
+	assert_int_equal(strncmp(text, "-1.23456", 8), 0);
+	assert_true(strlen(text) < LIBCAMERA_VALUE_TEXT_MAX);
+}
 
 /* ---- events ---- */
 
@@ -295,6 +402,10 @@ static void messages_lose_their_head_and_are_said_once(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(cameras_are_found_by_name),
+		cmocka_unit_test(names_that_do_not_fit_are_cut),
+		cmocka_unit_test(elements_are_packed_as_they_were_unpacked),
+		cmocka_unit_test(long_arrays_are_cut),
 		cmocka_unit_test(requests_are_taken_in_the_order_in_which_they_were_done),
 		cmocka_unit_test(the_end_stays),
 		cmocka_unit_test(the_end_is_waited_for_a_moment),
