@@ -226,16 +226,17 @@ static void a_node_that_goes_is_noticed(void **state)
 	assert_int_equal(libcamera_events_open(&events, NULL), 0);
 	assert_int_equal(libcamera_events_watch(&events, none, NULL, NULL), 0);
 	events.nodes[253] = true;
-	for (int i = 0; i < 2; i++) {
-		file = fopen(i ? mine : other, "w");
+	for (int i = 0; i < 3; i++) { /* another, its own, which is for good, another */
+		const char *const name = i == 1 ? mine : other;
+
+		file = fopen(name, "w");
 		assert_non_null(file);
 		fclose(file);
 		assert_false(readable(&events));
-		assert_int_equal(remove(i ? mine : other), 0);
+		assert_int_equal(remove(name), 0);
 		assert_true(readable(&events));
-		assert_int_equal(libcamera_events_deleted(&events), i);
+		assert_int_equal(libcamera_events_deleted(&events), i > 0);
 	}
-	assert_true(libcamera_events_deleted(&events)); /* for good */
 	assert_int_equal(libcamera_events_take(&events), -EAGAIN);
 	libcamera_events_close(&events);
 }
@@ -360,8 +361,9 @@ static void times_are_monotonic(void **state)
 
 	(void)state;
 	assert_true(libcamera_picture_time_ns(now_ns - 5 * NS_PER_MS) == now_ns - 5 * NS_PER_MS);
-	assert_true(libcamera_picture_time_ns(0) >= now_ns);
-	assert_true(libcamera_picture_time_ns(now_ns + 1000 * NS_PER_S) >= now_ns);
+	assert_in_range(libcamera_picture_time_ns(0), now_ns, clock_now_ns() + NS_PER_S);
+	assert_in_range(libcamera_picture_time_ns(now_ns + 1000 * NS_PER_S), now_ns,
+			clock_now_ns() + NS_PER_S);
 	clock_gettime(CLOCK_BOOTTIME, &boot);
 	assert_true(libcamera_picture_time_ns((int64_t)boot.tv_sec * NS_PER_S + boot.tv_nsec) <=
 		    clock_now_ns());
