@@ -1,6 +1,9 @@
 # `make image BOARD=...`, `make boot BOARD=...`: board/image/README.md.
 
 BOARD ?= qemu-x86_64
+BOARDS := qemu-x86_64 pc-x86_64 raspberrypi qemu-arm64
+# Said before anything is installed or built.
+known_board = $(if $(filter $(BOARD),$(BOARDS)),,$(error BOARD is "$(BOARD)", expected one of $(BOARDS)))
 TEST_BOARDS ?= qemu-arm64 pc-x86_64 raspberrypi
 BOARD_ARCH := $(if $(filter raspberrypi qemu-arm64,$(BOARD)),arm64,amd64)
 IMAGE_BUILD := build/image/$(BOARD_ARCH)
@@ -10,6 +13,7 @@ IMAGE_SWITCHES := WITH_SDL=0 WITH_EXR=0
 .PHONY: image image-built image-programs boot
 ## image: build/image/BOARD/inlay.img, for BOARD=qemu-x86_64, pc-x86_64, raspberrypi, qemu-arm64
 image:
+	$(known_board)
 	$(Q)board/deps.sh image
 	$(AGAIN) image-built BOARD=$(BOARD)
 image-built: all
@@ -23,6 +27,7 @@ image-programs: $(filter-out %/inlay-bake %.bash %/inlay-bake.1 %/_inlay-bake,$(
 
 ## boot: start an image in QEMU, in a window where there is one (BOARD=qemu-x86_64)
 boot: $(if $(wildcard build/image/$(BOARD)/inlay.img),,image)
+	$(known_board)
 	$(Q)board/image/boot.sh $(BOARD)
 
 .PHONY: test-boot test-boot-installed test-boards test-boards-installed

@@ -3,10 +3,26 @@
 # and undefined behaviour sanitizers. Prints both tables; their files stay in $BUILD/tests/vm/soak-*.
 #
 #     run_soak.sh MINUTES [SEED]      (half of the time each)
+#     run_soak.sh --check MINUTES [SEED]      only says whether these are such
 set -uo pipefail
 
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../.." || exit 1
+
+check=
+if [ "${1:-}" = --check ]; then
+	check=yes
+	shift
+fi
+if ! [[ ${1:-10} =~ ^[0-9]*\.?[0-9]+$ && ${1:-10} == *[1-9]* ]]; then
+	echo "soak: MINUTES is \"$1\", expected a number above 0" >&2
+	exit 2
+fi
+if ! [[ ${2:-0} =~ ^[0-9]+$ ]]; then
+	echo "soak: SEED is \"$2\", expected a whole number" >&2
+	exit 2
+fi
+[ -z "$check" ] || exit 0
 : "${BUILD:?is not set: expected the folder that holds inlay}"
 : "${SANITIZED:?is not set: expected the folder of the sanitized build}"
 minutes=$(awk "BEGIN { print ${1:-10} / 2 }")

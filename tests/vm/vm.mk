@@ -35,6 +35,7 @@ MINUTES ?= 10
 .PHONY: soak soak-installed
 ## soak: faults at random for MINUTES=10, as built and under the sanitizers (SEED=n repeats one)
 soak:
+	$(Q)tests/vm/run_soak.sh --check "$(MINUTES)" "$(SEED)"
 	$(Q)board/deps.sh test
 	$(AGAIN) soak-installed
 soak-installed: all $(VM_PROGRAMS) kernel
