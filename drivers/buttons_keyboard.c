@@ -125,16 +125,12 @@ static bool is_wanted(int fd, dev_t number, const char *device)
 	return stat(device, &named) == 0 && S_ISCHR(named.st_mode) && named.st_rdev == number;
 }
 
-/* Not while a key is down: the console would never see it let go. */
+/* Not while a key is down: the console would never see it let go. The kernel is not asked which
+ * are: its answer takes away what waits to be read. */
 static void grab_when_idle(struct keyboard *keyboard)
 {
-	unsigned char down[KEYS_BITS_BYTES] = {0};
-
-	if (ioctl(keyboard->fd, EVIOCGKEY(sizeof(down)), down) < 0)
+	if (!keys_are_idle(&keyboard->keys))
 		return;
-	for (size_t i = 0; i < sizeof(down); i++)
-		if (down[i])
-			return;
 	if (ioctl(keyboard->fd, EVIOCGRAB, 1) && errno == EBUSY)
 		log_warning("keyboard: another program has grabbed one; its keys do not come here");
 	keyboard->grabbed = true;
@@ -142,14 +138,18 @@ static void grab_when_idle(struct keyboard *keyboard)
 
 static int adopt(struct keyboards *keyboards, int fd, dev_t number)
 {
+	unsigned char down[KEYS_BITS_BYTES] = {0};
+
 	for (int i = 0; i < KEYBOARDS_MAX; i++) {
 		struct epoll_event event = {.events = EPOLLIN, .data.u32 = (uint32_t)i};
 
 		if (keyboards->list[i].fd >= 0)
 			continue;
-		if (epoll_ctl(keyboards->epoll, EPOLL_CTL_ADD, fd, &event))
+		if (ioctl(fd, EVIOCGKEY(sizeof(down)), down) < 0 ||
+		    epoll_ctl(keyboards->epoll, EPOLL_CTL_ADD, fd, &event))
 			return -errno;
 		keyboards->list[i] = (struct keyboard){.fd = fd, .number = number};
+		keys_start(&keyboards->list[i].keys, down);
 		return 0;
 	}
 	return -ENOSPC;

@@ -1,5 +1,7 @@
 #include "drivers/keyboard/keys.h"
 
+#include <string.h>
+
 static void set_bit(unsigned char *bits, unsigned code, bool on)
 {
 	const unsigned char bit = (unsigned char)(1U << (code % 8));
@@ -8,6 +10,20 @@ static void set_bit(unsigned char *bits, unsigned code, bool on)
 		bits[code / 8] |= bit;
 	else
 		bits[code / 8] &= (unsigned char)~bit;
+}
+
+void keys_start(struct keys *keys, const unsigned char *now)
+{
+	*keys = (struct keys){.ask = false};
+	memcpy(keys->before, now, sizeof(keys->before));
+}
+
+bool keys_are_idle(const struct keys *keys)
+{
+	for (unsigned i = 0; i < KEYS_BITS_BYTES; i++)
+		if (keys->down[i] || keys->before[i])
+			return false;
+	return true;
 }
 
 enum action keys_take(struct keys *keys, const struct keymap *map, const struct input_event *event)
@@ -30,6 +46,8 @@ enum action keys_take(struct keys *keys, const struct keymap *map, const struct 
 	if (event->value == 2) /* the kernel's repetition */
 		return was_down && action_repeats(action) ? action : ACTION_NONE;
 	set_bit(keys->down, event->code, event->value);
+	if (!event->value)
+		set_bit(keys->before, event->code, false);
 	return event->value && !was_down ? action : ACTION_NONE;
 }
 
@@ -39,11 +57,13 @@ enum action keys_ask(struct keys *keys, const struct keymap *map, const unsigned
 
 	keys->ask = false;
 	for (unsigned code = 0; code < KEYMAP_CODES; code++) {
-		const bool down = keys_bit(now, code);
+		const bool down = keys_bit(now, code),
+			   before = down && keys_bit(keys->before, code);
 
-		if (down && !keys_bit(keys->down, code) && pressed == ACTION_NONE)
+		if (down && !before && !keys_bit(keys->down, code) && pressed == ACTION_NONE)
 			pressed = (enum action)map->actions[code];
-		set_bit(keys->down, code, down);
+		set_bit(keys->before, code, before);
+		set_bit(keys->down, code, down && !before);
 	}
 	return pressed;
 }

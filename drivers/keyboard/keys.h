@@ -15,15 +15,22 @@
 #define KEYS_BITS_BYTES (KEYMAP_CODES / 8) /* what EVIOCGKEY and EVIOCGBIT(EV_KEY) fill */
 
 struct keys {
-	unsigned char down[KEYS_BITS_BYTES]; /* pressed since keys_start() */
-	bool dropped;			     /* until the report ends */
-	bool ask;			     /* the owner is to call keys_ask() */
+	unsigned char down[KEYS_BITS_BYTES];   /* pressed since the start */
+	unsigned char before[KEYS_BITS_BYTES]; /* down at the start, and not let go since */
+	bool dropped;			       /* until the report ends */
+	bool ask;			       /* the owner is to call keys_ask() */
 };
 
 static inline bool keys_bit(const unsigned char *bits, unsigned code)
 {
 	return bits[code / 8] >> (code % 8) & 1;
 }
+
+/* now: a bit for each key that is down already. */
+void keys_start(struct keys *keys, const unsigned char *now);
+
+/* No key is down. */
+bool keys_are_idle(const struct keys *keys);
 
 /* ACTION_NONE: no press. */
 enum action keys_take(struct keys *keys, const struct keymap *map, const struct input_event *event);

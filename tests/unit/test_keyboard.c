@@ -131,12 +131,25 @@ static void presses(void **state)
 
 static void down_at_the_start(void **state)
 {
-	struct keys keys = {0};
+	unsigned char now[KEYS_BITS_BYTES] = {0};
+	struct keys keys;
 
 	(void)state;
+	keys_start(&keys, now);
+	assert_true(keys_are_idle(&keys));
+	now[KEY_UP / 8] = 1U << (KEY_UP % 8);
+	keys_start(&keys, now);
+	assert_false(keys_are_idle(&keys));
 	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_NONE);
+	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* still the same press */
+	assert_false(keys_are_idle(&keys));
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
 	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
+	assert_false(keys_are_idle(&keys));
+	assert_int_equal(take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
+	assert_true(keys_are_idle(&keys));
 	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
+	assert_false(keys_are_idle(&keys));
 }
 
 /* While V is held, its release and a press of the arrow are among what the kernel dropped. */
