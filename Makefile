@@ -210,6 +210,13 @@ test-all:
 	$(Q)for group in $(TEST_GROUPS); do $(MAKE) --no-print-directory $$group || :; done
 	$(Q)tests/run.sh --end
 
+.PHONY: release-check
+## release-check: test, the images of the other boards, ten minutes of soak (an hour and a half)
+release-check:
+	$(Q)$(MAKE) --no-print-directory test
+	$(Q)$(MAKE) --no-print-directory test-boards
+	$(Q)$(MAKE) --no-print-directory soak MINUTES=10
+
 # One group of tests each; what it counts is added to the results of this run.
 .PHONY: test-lint test-unit test-cli test-accuracy test-fuzz test-sanitize
 ## test-lint: the same as lint, counted as tests
