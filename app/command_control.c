@@ -136,6 +136,12 @@ static int command(const char *path, const char *line)
 	const int fd = control_socket_connect(path);
 	int err;
 
+	if (fd == -EACCES || fd == -EPERM) {
+		log_error("control: you may not use the kiosk's socket \"%s\", expected a member "
+			  "of its group (sudo adduser NAME inlay) or root",
+			  path);
+		return EXIT_FAILED;
+	}
 	if (fd < 0) {
 		log_error("control: no kiosk listens at \"%s\": %s", path, strerror(-fd));
 		return EXIT_FAILED;

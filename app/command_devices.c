@@ -201,13 +201,13 @@ static void list_drivers(struct listing *l)
 	}
 	puts("drivers");
 	for (int i = 0; camera_drivers[i]; i++)
-		printf("  camera   %-8s %s\n", camera_drivers[i]->name,
+		printf("  camera   %-9s %s\n", camera_drivers[i]->name,
 		       camera_drivers[i]->description);
 	for (int i = 0; display_drivers[i]; i++)
-		printf("  screen   %-8s %s\n", display_drivers[i]->name,
+		printf("  screen   %-9s %s\n", display_drivers[i]->name,
 		       display_drivers[i]->description);
 	for (int i = 0; buttons_drivers[i]; i++)
-		printf("  buttons  %-8s %s\n", buttons_drivers[i]->name,
+		printf("  buttons  %-9s %s\n", buttons_drivers[i]->name,
 		       buttons_drivers[i]->description);
 }
 
@@ -221,6 +221,9 @@ static int write_sample(void)
 	}
 	list_all(&listing);
 	sample_write(listing.sample, stdout);
+	if (sample_refused(listing.sample))
+		log_warning("devices: some devices are not for this user and are left out: inlay "
+			    "devices names them, as root it sees them");
 	sample_destroy(listing.sample);
 	return listing.failed ? EXIT_FAILED : EXIT_DONE;
 }
@@ -233,6 +236,10 @@ static int run(int argc, char **argv)
 
 	if (code != OPTIONS_GO_ON)
 		return code;
+	if (options.sample && options.json) {
+		log_error("devices: --json and --sample, expected one of them");
+		return EXIT_USAGE;
+	}
 	if (options.sample)
 		return write_sample();
 	listing.json = options.json;

@@ -29,6 +29,7 @@ struct sample {
 	int screens;		     /* connected ones */
 	char chip[128], chip_text[INI_TEXT_MAX];
 	bool keyboard;
+	int refused; /* what this user may not open */
 };
 
 struct sample *sample_create(void)
@@ -39,6 +40,13 @@ struct sample *sample_create(void)
 void sample_destroy(struct sample *sample)
 {
 	free(sample);
+}
+
+/* In the words of the drivers for what is there, but not for this user. */
+static bool says_refused(const char *text)
+{
+	return strstr(text, "no permission") || strstr(text, "Permission denied") ||
+	       strstr(text, "not for this user");
 }
 
 /* "YUYV YUYV 640x480 30 Hz": the second word is one of our formats. */
@@ -94,8 +102,10 @@ void sample_add_camera(struct sample *sample, const char *driver,
 	snprintf(camera.name, sizeof(camera.name), "%s", listing->name);
 	snprintf(camera.bus, sizeof(camera.bus), "%s", listing->bus);
 	snprintf(camera.device, sizeof(camera.device), "%s", listing->device);
-	for (int i = 0; i < listing->line_count; i++)
+	for (int i = 0; i < listing->line_count; i++) {
 		read_camera_line(&camera, listing->lines[i]);
+		sample->refused += says_refused(listing->lines[i]);
+	}
 	if (camera.offer_count == 0 || known(sample, &camera))
 		return;
 	if (sample->camera_count < CAMERAS)
@@ -110,6 +120,7 @@ void sample_add_screen(struct sample *sample, const char *driver,
 	struct sample_screen *screen = &sample->screen;
 	bool ours = false; /* the lines are of the connector that was taken */
 
+	sample->refused += says_refused(listing->name);
 	for (int i = 0; i < listing->line_count; i++) {
 		const char *line = listing->lines[i], *colon = strchr(line, ':');
 
@@ -136,6 +147,7 @@ void sample_add_buttons(struct sample *sample, const char *driver, const char *l
 {
 	const char *open = strchr(line, '['), *close = strchr(line, ']');
 
+	sample->refused += says_refused(line);
 	if (strcmp(driver, "keyboard") == 0)
 		sample->keyboard = true;
 	if (strcmp(driver, "gpio") != 0 || *line == ' ' || !open || !close || close < open + 2 ||
@@ -276,6 +288,11 @@ static void write_buttons(const struct sample *sample, FILE *stream)
 	fprintf(stream, "[buttons]\ndriver = %s\n", sample->keyboard ? "keyboard" : "none");
 	if (*sample->chip)
 		fprintf(stream, "gpio.chip = %s\n", sample->chip);
+}
+
+int sample_refused(const struct sample *sample)
+{
+	return sample->refused;
 }
 
 void sample_write(const struct sample *sample, FILE *stream)

@@ -6,6 +6,7 @@
  *     cameras   "X FORMAT ...", FORMAT one of ours; "link /dev/v4l/by-id/..."
  *     screens   "NAME: connected", and after it "  WxH RATE Hz (preferred)"
  *     buttons   "CHIP [LABEL], N lines" of the driver gpio
+ *     any       "no permission", "Permission denied", "not for this user"
  */
 #ifndef INLAY_APP_DEVICES_SAMPLE_H
 #define INLAY_APP_DEVICES_SAMPLE_H
@@ -26,6 +27,9 @@ void sample_add_camera(struct sample *sample, const char *driver,
 void sample_add_screen(struct sample *sample, const char *driver,
 		       const struct display_listing *listing);
 void sample_add_buttons(struct sample *sample, const char *driver, const char *line);
+
+/* How many devices are there that this user may not open: the sample knows nothing of them. */
+int sample_refused(const struct sample *sample);
 
 /* Every key that is written is valid; only the basis is left to the reader. */
 void sample_write(const struct sample *sample, FILE *stream);

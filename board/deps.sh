@@ -1,6 +1,7 @@
 #!/bin/bash
 # Installs the Debian packages that a purpose needs, and nothing when all of them are there.
 #     board/deps.sh build|demo|package|image|test ...
+# Debian 12 has all of them; Debian 13 those for build, demo and package.
 # Root is asked for only when something is missing.
 set -eu
 
@@ -57,5 +58,12 @@ if [ "$(id -u)" != 0 ]; then
 fi
 export DEBIAN_FRONTEND=noninteractive
 $as_root apt-get update -q
+# apt-get would take a name that it does not know for a pattern, and install what fits.
+for package in $missing; do
+	if ! apt-cache pkgnames "$package" | grep -qxF "$package"; then
+		echo "deps: this system has no package $package, expected Debian 12" >&2
+		exit 1
+	fi
+done
 # shellcheck disable=SC2086 # a list of words
 $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing

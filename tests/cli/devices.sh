@@ -31,6 +31,7 @@ check "a misspelt key would have been found" \
 		! "$1" check --config "$0/wrong.conf" --set "basis.file=$0/box.inlay" 2>/dev/null' \
 	"$work" "$INLAY"
 
+refused "both forms at once" 2 "expected one of them" "$INLAY" devices --json --sample
 refused "what it does not know" 2 "colour" "$INLAY" devices --colour
 
 finish

@@ -78,7 +78,7 @@ check "the kiosk's own user may" tell as daemon none "${commands[@]}" threshold-
 check "a member of the group may" tell as nobody games "${commands[@]}" threshold-up
 check "and one whose first group it is" tell as_member "${commands[@]}" threshold-up
 equal "three steps of the threshold" 24 "$(figure threshold)"
-refused "nobody else may connect" "Permission denied" as nobody none "${commands[@]}" threshold-up
+refused "nobody else may connect" "you may not use the kiosk.s socket" as nobody none "${commands[@]}" threshold-up
 chmod 666 $socket
 refused "nor would it help if the socket were everybody's" "this user may not, expected root" \
 	as nobody none "${commands[@]}" threshold-up

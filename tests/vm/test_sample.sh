@@ -15,6 +15,10 @@ sample=$VM_OUT/kiosk.conf
 "$INLAY" devices --sample >"$sample" 2>"$VM_OUT/errors"
 equal "a sample is written" 0 $?
 equal "without complaint" "" "$(cat "$VM_OUT/errors")"
+setpriv --reuid=65534 --regid=65534 --clear-groups "$INLAY" devices --sample \
+	>"$VM_OUT/nobody.conf" 2>"$VM_OUT/errors"
+matches "who may open nothing is told so" "some devices are not for this user" \
+	"$(cat "$VM_OUT/errors")"
 has() {
 	grep -q -x -F -e "$1" "$sample"
 }
