@@ -111,6 +111,12 @@ equal "inlay ru<TAB>" run "$(completed inlay ru)"
 equal "inlay run --fr<TAB>" --frames "$(completed inlay run --fr)"
 equal "inlay run --set lights.threshold_s<TAB>" lights.threshold_step= \
 	"$(completed inlay run --set lights.threshold_s)"
+{
+	echo status
+	sed -n '/action_names\[\] = {/,/^}/p' hal/buttons.c | grep -oE '"[a-z-]+"' | tr -d '"'
+} | grep -vx none | sort >"$work/expected"
+completed inlay control "" | grep '^[a-z]' | sort >"$work/offered"
+same "bash offers everything that a kiosk can be told" "$work/expected" "$work/offered"
 equal "inlay run --config <TAB> is left to file names" "" "$(completed inlay run --config "")"
 for program in inlay inlay-bake; do
 	commands_of "$dest/usr/bin/$program" | sort >"$work/expected"
