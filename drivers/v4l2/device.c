@@ -34,8 +34,9 @@ int device_open(const char *path, struct v4l2_capability *capability, struct fau
 	int err, fd = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
 
 	if (fd < 0)
-		return fault_say(fault, -errno, "%s: cannot open the camera: %s", path,
-				 strerror(errno));
+		return fault_say(fault, -errno, "%s: cannot open the camera: %s%s", path,
+				 strerror(errno),
+				 errno == EACCES ? " (is this user in the group \"video\"?)" : "");
 	if (!capability)
 		capability = &own;
 	memset(capability, 0, sizeof(*capability));

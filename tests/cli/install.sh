@@ -6,7 +6,9 @@ set -u
 cd "$(dirname "$0")/../.." || exit 1
 build=$(realpath --relative-to=. "$(dirname "$INLAY")")
 
-# The tests run below a make of their own, whose choices hold here too.
+# The tests run below a make of their own, whose choices hold here too, but not its jobs.
+MAKEFLAGS=$(sed -E 's/(^| )(-j[0-9]*|--jobserver-[a-z]+=[^ ]*)//g' <<<"${MAKEFLAGS:-}")
+export MAKEFLAGS
 make_here() { make --no-print-directory BUILD="$build" "$@"; }
 listed() { (cd "$1" && find . -type f -printf '%m %P\n' | sort -k2); }
 
