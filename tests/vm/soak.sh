@@ -31,6 +31,16 @@ s.sendall(os.urandom(600))' $control_socket
 }
 rubbish_end() { :; }
 
+# The next fault: all of them in an order of chance, then all again in another.
+bag=()
+draw() {
+	local i
+	[ ${#bag[@]} -gt 0 ] || bag=("${faults[@]}")
+	i=$((RANDOM % ${#bag[@]}))
+	fault=${bag[i]}
+	bag=("${bag[@]:0:i}" "${bag[@]:i+1}")
+}
+
 sample() {
 	local rss fds
 	rss=$(awk '$1 == "VmRSS:" { print $2 }' "/proc/$running/status")
@@ -55,7 +65,7 @@ count=0
 stuck=0
 # On a busy host a minute holds few faults: no fewer than nine are begun.
 while { [ $((SECONDS - begun)) -lt "$seconds" ] || [ $count -lt 9 ]; } && kill -0 $running 2>/dev/null; do
-	fault=${faults[RANDOM % ${#faults[@]}]}
+	draw
 	length=$((RANDOM % 3 + 1))
 	"${fault}_begin" >/dev/null 2>&1
 	# The one wait of a set time here: a fault lasts.
