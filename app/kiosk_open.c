@@ -5,6 +5,7 @@
 #include "app/pipeline_config.h"
 #include "drivers/drivers.h"
 #include "hal/log.h"
+#include "hal/output.h"
 
 static struct source *source_named(struct kiosk *k, const char *name)
 {
@@ -86,6 +87,7 @@ static void take_state(struct kiosk *k)
 {
 	const struct config *config = k->config;
 	struct state_values values = {k->choice.threshold, k->what, k->choice.pose};
+	struct output probe = {.stream = NULL};
 	struct fault fault = {.text = ""};
 	int err;
 
@@ -94,6 +96,10 @@ static void take_state(struct kiosk *k)
 	err = state_read(config->state.file, &values, &fault);
 	if (err && err != -ENOENT)
 		log_warning("state: %s; the configuration counts", fault.text);
+	/* Better said now than when something was chosen, months later. */
+	if (output_open(&probe, config->state.file, &fault))
+		log_warning("state: %s; what is chosen cannot be kept", fault.text);
+	output_abandon(&probe);
 	k->choice.threshold = values.threshold;
 	if (values.view == SHOW_SCENE && !*config->scene.view.camera)
 		log_warning("state: %s: view is scene, but no camera looks at it; ignored",

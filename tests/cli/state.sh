@@ -54,11 +54,13 @@ check "which is said too" says "$work/run.log" "view is scene, but no camera"
 # ---- folders that are wrong ----
 rm -rf "$work/kept"
 printf '0.1 threshold-set 50\n0.3 threshold-set 51\n' >"$work/presses"
+check "a missing folder is no reason not to start" run "${keep[@]}" --frames 1
+check "it is said, before anything is chosen" says "$work/run.log" "what is chosen cannot be kept"
 start "${keep[@]}" "${press[@]}"
 check "a missing folder is said" until_true 20 says "$work/run.log" "state: $state: cannot be written"
 check "the kiosk goes on" until_true 20 has threshold 51
 until_true 20 test "$(grep -c . "$work/live.jsonl")" -gt 3
-equal "it is said once" 1 "$(said "$work/run.log" "cannot be written")"
+equal "it is said at the start, and once when it is tried" 2 "$(said "$work/run.log" "cannot be written")"
 mkdir "$work/kept"
 check "when there is one the file is written" until_true 20 grep -qsx 'threshold = 51' "$state"
 check "which is said" until_true 20 says "$work/run.log" "is written again"
