@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "drivers/v4l2/device.h"
@@ -99,9 +100,18 @@ int v4l2_check_signal(int fd, const struct v4l2_source *source, struct fault *fa
 	return 0;
 }
 
+/* What is measured is never exact, and would drift if it were set time after time. */
+static bool is_the_same(const struct v4l2_bt_timings *set, const struct v4l2_bt_timings *measured)
+{
+	const uint64_t a = set->pixelclock, b = measured->pixelclock;
+
+	return set->width == measured->width && set->height == measured->height &&
+	       set->interlaced == measured->interlaced && (a > b ? a - b : b - a) * 50 <= a;
+}
+
 static int take_timings(int fd, struct fault *fault)
 {
-	struct v4l2_dv_timings timings = {0};
+	struct v4l2_dv_timings timings = {0}, set = {0};
 	int err = device_ioctl(fd, VIDIOC_QUERY_DV_TIMINGS, &timings);
 
 	if (err == -ENOLINK)
@@ -112,6 +122,8 @@ static int take_timings(int fd, struct fault *fault)
 		return fault_say(fault, err, "the source's timings are out of the camera's range");
 	if (err)
 		return 0; /* it cannot tell: keep what is set */
+	if (!device_ioctl(fd, VIDIOC_G_DV_TIMINGS, &set) && is_the_same(&set.bt, &timings.bt))
+		return 0;
 	err = device_ioctl(fd, VIDIOC_S_DV_TIMINGS, &timings);
 	if (err)
 		return fault_say(fault, err, "the source's timings are not taken: %s",

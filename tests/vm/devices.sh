@@ -100,6 +100,17 @@ resize_window() {
 	printf '\xfb\0%b\x01\0\0\0\0\0\0\0\0\0%b\0\0\0\0' "$size" "$size" >/dev/ttyS3
 }
 
+# Whether that works: what the terminal echoes before it is told not to can spoil the greeting. While
+# nobody holds the screen the kernel itself asks for its modes.
+window_can_be_resized() {
+	local modes
+	modes=$(echo /sys/class/drm/card"$(card_of virtio)"-Virtual-*/modes)
+	resize_window 1024 768
+	within_seconds 5 sh -c "head -n 1 $modes | grep -q 1024x768" || return
+	resize_window 1280 800
+	within_seconds 5 sh -c "head -n 1 $modes | grep -q 1280x800"
+}
+
 # The card that this driver drives: card_of vkms prints 1
 card_of() {
 	local device

@@ -62,8 +62,11 @@ stop_run
 
 # The four views fill the screen's quarters in the shape of 4:3: 512x384 each, without a border.
 run_thesis quad quad
-within_seconds 20 test -s "$VM_OUT/quad.jsonl"
-"$tools/scanout" picture "$(card_of vkms)" "$VM_OUT/quad.png" >/dev/null
+camera_shown() { # the first pictures may be from before the camera's first frame
+	"$tools/scanout" picture "$(card_of vkms)" "$VM_OUT/quad.png" >/dev/null &&
+		[ "$("$tools/picture" colour "$VM_OUT/quad.png" 518 390 1 1)" != "0 0 0 0 0 0" ]
+}
+check "four views are shown" within_seconds 20 camera_shown
 corner() { # DESCRIPTION X Y CONDITION over r g b
 	local r g b
 	read -r r g b _ < <("$tools/picture" colour "$VM_OUT/quad.png" "$2" "$3" 1 1)
