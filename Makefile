@@ -46,6 +46,10 @@ GPIOD_MAJOR := $(firstword $(subst ., ,$(shell $(PKG_CONFIG) --modversion libgpi
 FEATURES += -DGPIOD_MAJOR=$(GPIOD_MAJOR)
 endif
 
+# Of what the compiler builds for. A module.mk sets ISA_FLAGS for single objects of an instruction set
+# that not every such processor has; who calls them asks the processor first.
+MACHINE := $(firstword $(subst -, ,$(shell $(CC) -dumpmachine)))
+
 OPTIMIZE ?= -O3 -g
 WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes \
 	-Wvla -Wwrite-strings -Wundef -Wformat=2 -Wimplicit-fallthrough
@@ -107,7 +111,7 @@ all: $(PROGRAMS)
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(say) CC $<
-	$(Q)$(CC) $(CFLAGS_ALL) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
+	$(Q)$(CC) $(CFLAGS_ALL) $(ISA_FLAGS) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
 
 $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
@@ -201,7 +205,7 @@ test:
 RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
 	BUILD="$(BUILD)" tests/run.sh
 
-TEST_GROUPS := test-lint test-unit test-cli test-accuracy test-fuzz test-sanitize test-vm test-boot
+TEST_GROUPS := test-lint test-unit test-kernels test-cli test-accuracy test-fuzz test-sanitize test-vm test-boot
 
 # One group after the other; a group that fails does not keep the rest from running.
 .PHONY: test-all
@@ -218,13 +222,16 @@ release-check:
 	$(Q)$(MAKE) --no-print-directory soak MINUTES=10
 
 # One group of tests each; what it counts is added to the results of this run.
-.PHONY: test-lint test-unit test-cli test-accuracy test-fuzz test-sanitize
+.PHONY: test-lint test-unit test-kernels test-cli test-accuracy test-fuzz test-sanitize
 ## test-lint: the same as lint, counted as tests
 test-lint:
 	$(Q)$(RUN_TESTS) lint tests/lint/lint.sh tests/lint/test_includes.sh
 ## test-unit: unit tests alone
 test-unit: all $(TEST_PROGRAMS) programs-unit
 	$(Q)$(RUN_TESTS) unit $(UNIT_PROGRAMS)
+## test-kernels: every SIMD kernel against the C one, natively and under emulation
+test-kernels: all
+	$(Q)$(RUN_TESTS) kernels tests/kernels/kernels.sh
 ## test-cli: the programs as a person calls them
 test-cli: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(CLI_TESTS)

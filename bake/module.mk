@@ -1,4 +1,5 @@
-bake_PACKAGES := assimp
+# LAPACK for the encoder; OpenBLAS is what makes it fast.
+bake_PACKAGES := assimp lapacke openblas cairo
 # Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/world.c does the same.
 bake_LIBS := -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so)),4,3)
 BAKE_SOURCES := \

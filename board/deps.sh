@@ -7,7 +7,8 @@ set -eu
 
 build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev libsdl2-dev
 	libcamera-dev libcairo2-dev libsystemd-dev libpng-dev
-	libturbojpeg0-dev libopenexr-dev libxxhash-dev libembree-dev libassimp-dev"
+	libturbojpeg0-dev libopenexr-dev libxxhash-dev libembree-dev libassimp-dev
+	liblapacke-dev libopenblas-dev"
 demo="ffmpeg fonts-dejavu-core"
 test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-rt-dev valgrind
 	git python3-minimal

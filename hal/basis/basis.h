@@ -11,17 +11,21 @@
 #include "hal/basis/basis_format.h"
 #include "hal/fault.h"
 
-/* One block, its arrays located. */
+/* One block, its arrays located (basis_format.h). */
 struct basis_block {
 	enum basis_kind kind;
-	enum basis_encoding encoding;
-	int pixels, channels, lights, stride, ground;
-	bool rest; /* the last of its lights is the rest (BASIS_ENCODING_DENSE) */
-	const uint16_t *pixel;
-	const uint16_t *light;
-	const float *scale;
-	const int32_t *total;
-	const int16_t *row;
+	int pixels, channels, bits, ground;
+	int patterns, columns;
+	int stride;		    /* of a pattern */
+	const uint16_t *pixel;	    /* [pixels] */
+	const uint16_t *tint;	    /* [3][pixels]; NULL: 1 */
+	const float *pattern_scale; /* [patterns] */
+	const int16_t *pattern;	    /* [patterns][stride] */
+	const int16_t *coefficient; /* [panels16][channels][patterns][32] */
+	const uint16_t *light;	    /* [columns] */
+	const float *column_scale;  /* [columns] */
+	const int16_t *column16;    /* [panels16][channels][columns][32]; NULL unless bits is 16 */
+	const int8_t *column8;	    /* [panels8][channels][columns][64]; NULL unless bits is 8 */
 	size_t bytes;
 };
 
@@ -32,19 +36,26 @@ struct basis_tile {
 	size_t bytes;
 };
 
+/* All tiles of a pose in one encoding. */
+struct basis_layer {
+	struct basis_tile *tiles; /* [tiles_down][tiles_across] */
+	struct basis_block *blocks;
+	int block_count;
+};
+
 struct basis_pose {
 	const uint16_t *coverage; /* [height][width] */
 	const float (*peak)[3];	  /* [lights + 1] */
-	struct basis_tile *tiles;
-	struct basis_block *blocks;
-	int block_count;
+	struct basis_layer shown;
+	struct basis_layer exact; /* tiles is NULL where the file has none or was opened without */
 };
 
 struct basis {
 	struct basis_info_chunk info;
 	const struct basis_light *lights;
-	const double *ground; /* [grounds][3][lights] */
-	const char *camera;   /* INI text, NUL-terminated; empty when absent */
+	const double *ground;		   /* [grounds][3][lights] */
+	const struct basis_coarse *coarse; /* [lights]; NULL: each light is its own */
+	const char *camera;		   /* INI text, NUL-terminated; empty when absent */
 	const char *provenance;
 	int tiles_across, tiles_down;
 	struct basis_pose *poses;
@@ -53,14 +64,21 @@ struct basis {
 	size_t map_bytes;
 };
 
+enum basis_part {
+	BASIS_SHOWN,	  /* the exact layer, if there is one, is neither read nor checked */
+	BASIS_WITH_EXACT, /* -ENODATA when a pose has none */
+	BASIS_ALL,	  /* the exact layer where there is one */
+};
+
 /* -ENOENT..., -EBADMSG for a file that is damaged, truncated, inconsistent or not one of ours (the
- * fault says what and where), -ENOTSUP for a later version. Nothing is left open on failure. */
-int basis_open(struct basis *basis, const char *path, struct fault *fault);
+ * fault says what and where), -ENOTSUP for another version, -ENODATA as above. Nothing is left open
+ * on failure. */
+int basis_open(struct basis *basis, const char *path, enum basis_part part, struct fault *fault);
 
 /* The same from memory, which must stay (for tests and fuzzing). data is page-aligned or at least
  * aligned to BASIS_ALIGN. */
 int basis_open_memory(struct basis *basis, const void *data, size_t bytes, const char *name,
-		      struct fault *fault);
+		      enum basis_part part, struct fault *fault);
 
 void basis_close(struct basis *basis); /* idempotent; zeroed is fine */
 

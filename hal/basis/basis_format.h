@@ -1,5 +1,5 @@
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 1.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 2.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -7,24 +7,42 @@
  *
  * What is stored, for pixel p, light i, channel c (all of it linear light):
  *
- *   T  t[p,i,c]  object radiance towards the camera per unit radiance of cell i, averaged over the
- *                whole pixel (samples that miss the object count as 0): premultiplied by coverage.
- *   V  v[p,i,c] = (u - s) / u: the share of cell i's light on this receiver that the object takes
- *                away (negative: adds), averaged over the pixel's receiver samples, on a receiver
- *                whose u is one of the file's shared ground terms. 0 is unchanged, 1 is a full
- *                shadow.
- *   D  d[p,i,c] = u - s, and
- *   U  u[p,i,c]  the same for receivers that have a u of their own (stand-in meshes).
+ *   T  object radiance towards the camera, averaged over the whole pixel (samples that miss the
+ *      object count as 0): premultiplied by coverage.
+ *   V  v = (u - s) / u: the share of cell i's light on this receiver that the object takes away
+ *      (negative: adds), averaged over the pixel's receiver samples, on a receiver whose u is one
+ *      of the file's shared ground terms. 0 is unchanged, 1 is a full shadow.
+ *   D  d = u - s, and
+ *   U  u, for receivers that have a u of their own (stand-in meshes).
+ *
+ * Each is per unit of X_i, the light that cell i sends:
+ *
+ *   T, D, U   X_i = w_i L_i       w_i: solid angle of the cell; so t, d and u are divided by w_i
+ *   V         X_i = u_i L_i       u_i: the ground's term, which depends on the channel
+ *
+ * so that a column changes smoothly with the direction of its light, and an error of e in every
+ * column is at most e sum X_i in T, and at most e in the ratio.
+ *
+ * A block holds the columns of some pixels of a tile as a sum of two parts, either of which may be
+ * empty:
+ *
+ *   value[p,c] = tint[p,c] * ( sum_j scale_j coefficient[p,c,j] y_j,c  +  sum_n scale_n
+ * column[p,c,n] X_n,c ) y_j,c      = sum_k pattern[j,k] Y_k,c Y_k,c      = sum_i P_ki X_i,c
+ *
+ * Y are the coarse lights: the light of all N cells gathered in K <= N places by COAR, a sparse
+ * matrix that the whole file shares; so what a tile costs does not depend on N. A pattern is a mix
+ * of the coarse lights. A column is of one light by itself: all that this light does where there
+ * are no patterns, else what the patterns leave wrong about it.
+ *
+ * Blocks add up: the shadow (one channel) and the light that the object throws (three) may be two V
+ * blocks over the same pixels.
  *
  * A pixel that its tile does not list, and whose coverage is 0, is not changed by the object. One
  * that is covered but has no T row holds an object that gives off no light.
  *
- * Storing v, not d: then ratio = 1 - sum v_i u_i L_i / sum u_i L_i is a weighted mean of the v_i,
- * so an error of e in every v_i is an error of at most e in the ratio, whatever the light.
- *
- * The lights that a V block does not list may share one value for each row, the rest: light that
- * the object throws on the ground changes v of all lights by about as much, while its shadow is
- * sharp in a few.
+ * The same pose may be there twice: BLCK and DATA hold what is shown, within the declared errors;
+ * BLCX and DATX, which may be absent, hold every light's column in 16 bits and no patterns: what
+ * the other is held against.
  *
  * A reader accepts a file only if all of this holds: README.md lists every rule.
  */
@@ -34,7 +52,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 1
+#define BASIS_VERSION 2
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* of every array inside a block */
 
@@ -45,6 +63,13 @@
 #define BASIS_GROUNDS_MAX 256
 #define BASIS_GROUND_MAX 1e30 /* of u: so that no sum of u L overflows */
 #define BASIS_CHUNKS_MAX 65536
+#define BASIS_PATTERNS_MAX 1024 /* of a block */
+/* No value per unit of X exceeds this: scale * 32767 for columns of 16 bits, scale * 127 for those
+ * of 8, scale * 32767 * sum over k of |pattern[j,k]| for each pattern. */
+#define BASIS_VALUE_MAX 65536.0
+#define BASIS_TINT_ONE 32768
+/* Of a light's three places among the coarse lights; their weights sum to this. */
+#define BASIS_COARSE_ONE 32768
 
 struct basis_file_header {
 	char magic[8];
@@ -71,11 +96,15 @@ enum basis_chunk {
 	BASIS_CHUNK_GROUND = BASIS_FOURCC('G', 'R', 'N', 'D'), /* double [grounds][3][lights]: u */
 	/* uint16 [height][width], 65535 = 1 */
 	BASIS_CHUNK_COVERAGE = BASIS_FOURCC('C', 'O', 'V', 'R'),
-	BASIS_CHUNK_BLOCKS = BASIS_FOURCC('B', 'L', 'C',
-					  'K'), /* struct basis_block_entry[] by tile */
-	BASIS_CHUNK_DATA = BASIS_FOURCC('D', 'A', 'T', 'A'), /* the blocks' payloads */
-	/* float [lights + 1][3]: the largest t[p,i,c] of any pixel; the last row holds the largest
-	 * sum over i of t[p,i,c] */
+	/* struct basis_coarse [lights]; absent when each light is its own (coarse == lights) */
+	BASIS_CHUNK_COARSE = BASIS_FOURCC('C', 'O', 'A', 'R'),
+	/* struct basis_block_entry[], and the blocks' payloads */
+	BASIS_CHUNK_BLOCKS = BASIS_FOURCC('B', 'L', 'C', 'K'),
+	BASIS_CHUNK_DATA = BASIS_FOURCC('D', 'A', 'T', 'A'),
+	BASIS_CHUNK_EXACT_BLOCKS = BASIS_FOURCC('B', 'L', 'C', 'X'),
+	BASIS_CHUNK_EXACT_DATA = BASIS_FOURCC('D', 'A', 'T', 'X'),
+	/* float [lights + 1][3]: the largest radiance that any pixel of the object gives off per
+	 * unit of L_i; the last row holds the largest under L_i = 1 for all i */
 	BASIS_CHUNK_PEAK = BASIS_FOURCC('P', 'E', 'A', 'K'),
 	/* Texts end in a NUL byte, their only one. */
 	BASIS_CHUNK_CAMERA = BASIS_FOURCC('C', 'A', 'M', 'R'),	   /* the camera as INI */
@@ -87,18 +116,29 @@ struct basis_info_chunk {
 	uint32_t lights;
 	uint32_t dome_frequency, dome_division;
 	uint32_t grounds;
-	uint32_t poses; /* >= 1 */
-	uint32_t reserved;
+	uint32_t poses;	 /* >= 1 */
+	uint32_t coarse; /* K, 1..lights */
 	/*
-	 * Declared errors. The first two are bounds for any lighting, quantisation and cuts
-	 * together; the error of the light cells themselves is not in them.
-	 *   object_error  |error of sum t L| <= this * sum over i of L_i
+	 * Declared errors; that of the light cells themselves is in none of them.
+	 *
+	 * column_cut: a column that changes no pixel by more than this, as linear light (T, white
+	 * is 1) or in the ratio (V), may be left out of a frame. The measured errors count that in.
+	 *
+	 * Bounds for any lighting, quantisation and cuts together, if every column is used:
+	 *   object_error  |error of O| <= this * sum over i of X_i
 	 *   ratio_error   |error of the ratio| <= this (V blocks)
-	 *   noise_levels  estimated standard error of the render, 8-bit sRGB levels, RMS over
-	 *                 stored pixels under a uniform sky of radiance 1; 0: not known
+	 * Measured by the bake against its own transport before any cut, in 8-bit sRGB levels over
+	 * stored pixels, the background being the ground's own light (bake/ensemble.h):
+	 *   sky_rms, sky_max    the worst of an ensemble of lightings: overcast, suns, random
+	 *   cell_rms, cell_max  every cell lit alone (RMS over all of them)
+	 * noise_levels  estimated standard error of the render, 8-bit sRGB levels, RMS over stored
+	 *               pixels under a uniform sky of radiance 1; 0: not known
 	 */
+	double column_cut;
 	double object_error;
 	double ratio_error;
+	double sky_rms, sky_max;
+	double cell_rms, cell_max;
 	double noise_levels;
 };
 
@@ -107,40 +147,50 @@ struct basis_light {
 	double solid_angle_sr;
 };
 
-enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_KIND_COUNT };
-
-enum basis_encoding {
-	/*
-	 * Rows of 15 bits and sign over a list of lights:
-	 *     uint16 pixel[pixels]             y * BASIS_TILE + x, ascending
-	 *     uint16 light[lights]             ascending; in V blocks the last may be N, the
-	 *                                      number of lights: the rest, a value that all lights
-	 *                                      not listed share. Without it they are 0.
-	 *     float  scale[pixels][channels]   value = scale * row; >= 0
-	 *     int32  total[pixels][channels]   T, D, U: sum of the row
-	 *            total[pixels][3]          V: round(2^15 * sum row_i u_i / sum over all lights
-	 *                                      of u_i), 0 where no u_i is; u of the rest is the
-	 *                                      sum over the lights not listed; 3 because u may
-	 *                                      differ by channel where v does not
-	 *     int16  row[pixels][channels][stride]   stride = lights rounded up to 32; -32768 does
-	 *                                      not occur, and rows of U are not negative
-	 * each array starting at a multiple of BASIS_ALIGN, padding 0 (basis_layout.h). channels is
-	 * 3, or 1 where all three channels share a row.
-	 */
-	BASIS_ENCODING_DENSE = 1,
+/* P_ki of one light, times BASIS_COARSE_ONE: three coarse lights, ascending where the weight is not
+ * 0; unused ones have index 0 and weight 0 and come last. */
+struct basis_coarse {
+	uint16_t index[3];
+	uint16_t weight[3];
 };
 
-/* In the order of tiles; offsets ascend too. A D block is followed by the U block of its pixels. */
+enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_KIND_COUNT };
+
+/*
+ * A block's payload, each array starting at a multiple of BASIS_ALIGN, padding 0 (basis_layout.h):
+ *
+ *     uint16 pixel[pixels]               y * BASIS_TILE + x, ascending
+ *     uint16 tint[3][pixels]             only when tinted; BASIS_TINT_ONE is 1
+ *     float  pattern_scale[patterns]     finite, >= 0
+ *     int16  pattern[patterns][stride]   stride = K rounded up to 32
+ *     int16  coefficient[panels16][channels][patterns][32]
+ *     uint16 light[columns]              ascending, < N
+ *     float  column_scale[columns]       finite, >= 0
+ *     int16  column[panels16][channels][columns][32]      bits = 16
+ *     int8   column[panels8][channels][columns][64]       bits = 8
+ *
+ * A panel is as many pixels of the block, in the order of its list, as fill a cache line:
+ * panels16 = ceil(pixels / 32), panels8 = ceil(pixels / 64); places after the last pixel hold 0. A
+ * line, 64 bytes, is one pattern or column for one panel and channel: what is read, or left out, as
+ * a whole. -32768 and -128 do not occur.
+ *
+ * In D and U blocks of one tile the pixels are the same, and of U no light alone comes out negative
+ * by more than quantisation.
+ */
+/* In the order of tiles, then of kinds; offsets ascend too. */
 struct basis_block_entry {
 	uint32_t tile;
-	uint16_t kind, encoding;
-	uint16_t pixels;   /* 1..BASIS_TILE^2 */
-	uint16_t channels; /* 1 or 3 */
-	uint32_t lights;   /* 1..N: how long the list is, the rest included */
-	uint64_t offset;   /* in the DATA chunk, a multiple of BASIS_ALIGN */
-	uint64_t bytes;
-	uint32_t ground; /* of a V block: index of its shared ground term; else 0 */
+	uint8_t kind;
+	uint8_t channels; /* 3, or 1 where all three share their rows */
+	uint8_t bits;	  /* 8 or 16: of columns; 16 where there are none */
+	uint8_t tinted;	  /* 1: has a tint; only where channels is 1 */
+	uint16_t pixels;  /* 1..BASIS_TILE^2 */
+	uint16_t patterns;
+	uint32_t columns; /* 0..N; patterns + columns >= 1 */
+	uint32_t ground;  /* of a V block: index of its shared ground term; else 0 */
 	uint32_t reserved;
+	uint64_t offset; /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */
+	uint64_t bytes;
 };
 
 #endif

@@ -5,18 +5,24 @@ static size_t align(size_t bytes)
 	return (bytes + BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN;
 }
 
-struct basis_layout basis_layout(enum basis_kind kind, int pixels, int channels, int lights)
+struct basis_layout basis_layout(const struct basis_block_entry *entry, int coarse)
 {
-	const size_t rows = (size_t)pixels * (size_t)channels;
+	const size_t pixels = entry->pixels, channels = entry->channels;
+	const size_t patterns = entry->patterns, columns = entry->columns;
 	struct basis_layout at;
 
-	at.stride = (lights + BASIS_ROW_STEP - 1) / BASIS_ROW_STEP * BASIS_ROW_STEP;
-	at.total_channels = kind == BASIS_KIND_V ? 3 : channels;
+	at.stride = (coarse + BASIS_LINE16 - 1) / BASIS_LINE16 * BASIS_LINE16;
+	at.panels16 = (entry->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+	at.panels8 = (entry->pixels + BASIS_LINE8 - 1) / BASIS_LINE8;
+	at.column_panels = entry->bits == 8 ? at.panels8 : at.panels16;
 	at.pixel = 0;
-	at.light = align((size_t)pixels * sizeof(uint16_t));
-	at.scale = at.light + align((size_t)lights * sizeof(uint16_t));
-	at.total = at.scale + align(rows * sizeof(float));
-	at.row = at.total + align((size_t)pixels * (size_t)at.total_channels * sizeof(int32_t));
-	at.bytes = at.row + rows * (size_t)at.stride * sizeof(int16_t);
+	at.tint = align(pixels * sizeof(uint16_t));
+	at.pattern_scale = at.tint + (entry->tinted ? align(3 * pixels * sizeof(uint16_t)) : 0);
+	at.pattern = at.pattern_scale + align(patterns * sizeof(float));
+	at.coefficient = at.pattern + patterns * (size_t)at.stride * sizeof(int16_t);
+	at.light = at.coefficient + (size_t)at.panels16 * channels * patterns * BASIS_ALIGN;
+	at.column_scale = at.light + align(columns * sizeof(uint16_t));
+	at.column = at.column_scale + align(columns * sizeof(float));
+	at.bytes = at.column + (size_t)at.column_panels * channels * columns * BASIS_ALIGN;
 	return at;
 }

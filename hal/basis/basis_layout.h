@@ -9,19 +9,23 @@
 
 #include "hal/basis/basis_format.h"
 
-/* Lights a row is padded to: 64 bytes, a cache line. */
-#define BASIS_ROW_STEP 32
+/* Coarse lights that a pattern is padded to, and pixels of a 16-bit line: 64 bytes, a cache line.
+ */
+#define BASIS_LINE16 32
+#define BASIS_LINE8 64
 
 struct basis_layout {
-	int stride;	    /* int16 values of one row */
-	int total_channels; /* 3 for V, else the block's channels */
+	int stride;	       /* int16 values of one pattern */
+	int panels16, panels8; /* of coefficients; of 8-bit columns */
+	int column_panels;     /* panels16 or panels8, as the block's bits say */
 	/* Offsets from the start of the payload, in bytes; each array ends where the padding to the
-	 * next one (to the end, for row) begins. */
-	size_t pixel, light, scale, total, row;
+	 * next one (to the end, for column) begins. An array that is absent has no bytes. */
+	size_t pixel, tint, pattern_scale, pattern, coefficient, light, column_scale, column;
 	size_t bytes; /* of the payload; a multiple of BASIS_ALIGN */
 };
 
-/* pixels 1..256, channels 1 or 3, lights 1..BASIS_LIGHTS_MAX: nothing overflows. */
-struct basis_layout basis_layout(enum basis_kind kind, int pixels, int channels, int lights);
+/* Of an entry's pixels, channels, bits, tinted, patterns and columns, all in their ranges; coarse
+ * is K. Nothing overflows. */
+struct basis_layout basis_layout(const struct basis_block_entry *entry, int coarse);
 
 #endif

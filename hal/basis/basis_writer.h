@@ -13,15 +13,19 @@ struct basis_block_payload {
 	const void *payload;
 };
 
-/* lights: [info->lights]; ground: [info->grounds][3][info->lights]. Both are copied. camera and
- * provenance are texts. */
+/* lights: [info->lights]; ground: [info->grounds][3][info->lights]; coarse: [info->lights], or NULL
+ * when info->coarse is info->lights. All are copied. camera and provenance are texts. */
 int basis_writer_open(struct basis_writer **writer, const char *path,
 		      const struct basis_info_chunk *info, const struct basis_light *lights,
-		      const double *ground, const char *camera, struct fault *fault);
+		      const double *ground, const struct basis_coarse *coarse, const char *camera,
+		      struct fault *fault);
 
-/* Poses in order; each takes its blocks in ascending tile order, then its coverage and peaks. */
+/* Poses in order; each takes its blocks in ascending tile order, those of either layer as they come
+ * (the exact ones wait in an unnamed file beside the other), then its coverage and peaks. */
 int basis_writer_blocks(struct basis_writer *writer, const struct basis_block_payload *blocks,
 			int count, struct fault *fault);
+int basis_writer_exact_blocks(struct basis_writer *writer, const struct basis_block_payload *blocks,
+			      int count, struct fault *fault);
 int basis_writer_pose_end(struct basis_writer *writer, const uint16_t *coverage,
 			  const float (*peak)[3], struct fault *fault);
 

@@ -7,9 +7,9 @@
  *     out   = O + (1 - coverage) * max(ratio, 0) * B        (linear light, clipped to 1, encoded)
  *
  * per channel; L_i of used lights, plus in ambient mode one uniform radiance over all cells that
- * stands for the dropped ones. v_i of a light that a V block does not list is that row's rest.
- * e = 2^-20 * sum_i u_i: light below any camera's black; as all light goes out the ratio goes to 1
- * without a jump, 0/0 included. ratio is capped at COMPOSITOR_RATIO_MAX.
+ * stands for the dropped ones. e = 2^-20 * sum_i u_i: light below any camera's black; as all light
+ * goes out the ratio goes to 1 without a jump, 0/0 included. ratio is capped at
+ * COMPOSITOR_RATIO_MAX.
  *
  * compositor_run() is integer arithmetic: README.md names every Q format and proves that nothing
  * overflows. compositor_reference() is the same formula in double precision with the exact transfer
@@ -55,7 +55,23 @@ void light_selection_choose(struct light_selection *selection, const struct basi
 			    const float (*radiance)[3], double threshold, enum threshold_mode mode,
 			    double gain);
 
+enum compositor_mode {
+	COMPOSITOR_FAST,  /* the shown layer; columns below the basis's column_cut are left out */
+	COMPOSITOR_EXACT, /* the exact layer (basis_open() with it): every light, every byte */
+	COMPOSITOR_MODE_COUNT
+};
+
+/* Whether a frame starts from the sums of the one before it, and adds only what has changed. Both
+ * give the same bits. */
+enum compositor_reuse {
+	REUSE_AUTO, /* whichever has less to read */
+	REUSE_NEVER,
+	REUSE_ALWAYS, /* where there is a frame before it in the same mode and pose */
+};
+
 struct compositor_settings {
+	enum compositor_mode mode;
+	enum compositor_reuse reuse;
 	enum transfer background; /* of the background picture's code values */
 	enum transfer output;
 	double gain; /* 0..COMPOSITOR_GAIN_MAX */
@@ -64,25 +80,59 @@ struct compositor_settings {
 
 struct compositor;
 
-/* The basis must outlive the compositor. pool may be NULL (the calling thread only). */
-int compositor_create(struct compositor **compositor, const struct basis *basis, struct pool *pool,
-		      struct fault *fault);
+struct compositor_options {
+	struct pool *pool;  /* NULL: the calling thread only */
+	const char *kernel; /* NULL or "auto": the fastest that the processor has (kernels.h) */
+};
+
+/* The basis must outlive the compositor. -ENOTSUP: no such kernel here, -ENOMEM. */
+int compositor_create(struct compositor **compositor, const struct basis *basis,
+		      const struct compositor_options *options, struct fault *fault);
+
+const char *compositor_kernel(const struct compositor *compositor); /* the one in use */
 
 void compositor_set(struct compositor *compositor, const struct compositor_settings *settings);
 
 /*
- * Writes a BGRX picture of the basis's size. background has that size. out must not overlap it.
- * Nothing is allocated. Work is divided among the pool's threads by bytes of basis to be read
- * (thesis 3.2.1). -EINVAL: another size, pose out of range.
+ * The background: a picture in memory or, so that each of its pixels is touched once, somebody who
+ * makes a part of it when it is needed (and called for each part once a frame, by several threads).
+ */
+struct backdrop {
+	int width, height;
+	struct picture picture; /* where make is NULL */
+	/* Writes the rectangle as upright BGRX. */
+	void (*make)(const void *context, int x, int y, int width, int height, uint8_t *out,
+		     size_t out_stride);
+	const void *context;
+};
+
+struct backdrop backdrop_of(const struct picture *picture);
+
+/*
+ * Writes a BGRX picture of the basis's size. background has that size. out must not overlap it; it
+ * is written once, in whole cache lines where it can be, and never read. Nothing is allocated. Work
+ * is divided among the pool's threads by what its parts took before. -EINVAL: another size, pose
+ * out of range; -ENODATA: exact mode without an exact layer.
  */
 int compositor_run(struct compositor *compositor, int pose, const struct light_selection *lights,
-		   const struct picture *background, uint8_t *out, size_t out_stride);
+		   const struct backdrop *background, uint8_t *out, size_t out_stride);
+
+/* What the last frame took. */
+struct compositor_frame {
+	uint64_t basis_bytes; /* of the basis read: patterns, coefficients, columns */
+	int columns;	      /* of single lights used, over all blocks */
+	int columns_left_out; /* by the cut */
+	bool reused;	      /* the sums before it were */
+};
+
+struct compositor_frame compositor_last(const struct compositor *compositor);
 
 void compositor_destroy(struct compositor *compositor);
 
 /*
- * Double precision: out[height][width][3] gets R, G, B as encoded values in 0..255, not rounded.
- * background as for compositor_run(). Slow; for tests, reports and `--mode reference`.
+ * Double precision, of the layer that settings->mode names, every column used:
+ * out[height][width][3] gets R, G, B as encoded values in 0..255, not rounded. background has the
+ * basis's size. Slow; for tests, reports and `--mode reference`.
  */
 int compositor_reference(const struct basis *basis, int pose,
 			 const struct compositor_settings *settings,

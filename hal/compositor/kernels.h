@@ -1,17 +1,105 @@
 /*
- * The inner loops of the compositor. Private to hal/compositor.
+ * The inner loops of the compositor, one table of functions for each instruction set. Private to
+ * hal/compositor, its tests and benchmarks.
  *
- * What a kernel computes is an exact integer, so every implementation gives the same bits in
- * whatever order it sums.
+ * kernels_c.c is the specification: every other table gives the same bits for every input inside
+ * the stated ranges, in whatever order it adds and however it splits its factors, since what is
+ * computed is an exact integer. No intermediate saturates. No function reads or writes beyond what
+ * its comment names.
  */
 #ifndef INLAY_HAL_COMPOSITOR_KERNELS_H
 #define INLAY_HAL_COMPOSITOR_KERNELS_H
 
-#include "hal/basis/basis.h"
-#include "hal/compositor/weights.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-/* sum[p][c] = sum over i of row[p][c][i] * weight[c][i], each below 2^62 in magnitude. */
-void kernel_sums_c(const struct basis_block *block, const struct segments segments[3],
-		   int64_t (*sum)[3]);
+#define KERNEL_LINE_BYTES 64
+#define KERNEL_LINE16 32 /* pixels of a line of int16 */
+#define KERNEL_LINE8 64	 /* of int8 */
+
+/*
+ * A number up to 2^46.9 is split into balanced digits of base 4096, -2048..2047 each, so that
+ * products with int16 add up in int32: 32 of them at most, as 32 * 32767 * 2048 < 2^31.
+ */
+#define KERNEL_DIGITS 4
+#define KERNEL_DIGIT_BITS 12
+
+/* Weights of some lines of a panel. */
+struct kernel_weights {
+	int count;	      /* even; an odd number of lines is filled up with a weight of 0 */
+	int digits;	      /* planes that hold anything, 1..KERNEL_DIGITS */
+	const uint32_t *line; /* [count]: which of the panel's lines; need not ascend */
+	const int16_t *digit[KERNEL_DIGITS]; /* [count]; plane d counts 4096^d */
+};
+
+/* A vector over the coarse lights. */
+struct kernel_vector {
+	int digits;			     /* 0..KERNEL_DIGITS; 0: all of it is 0 */
+	const int16_t *digit[KERNEL_DIGITS]; /* [stride], 64-byte aligned, 0 after the last light */
+};
+
+/* A row of pixels to be mixed; R, G, B is the order of the channels. */
+struct kernel_row {
+	int count;
+	const int32_t *object[3];  /* [count]: O in Q24, |O| < 2^31 */
+	const int32_t *taken[3];   /* [count]: 1 - ratio in Q24 */
+	const uint16_t *coverage;  /* [count]: 65535 = 1 */
+	const uint8_t *background; /* [count] BGRX */
+	const uint16_t *decode;	   /* [256]: linear light, 65535 = 1 */
+	const uint8_t *encode;	   /* [65536] */
+	uint8_t *out;		   /* [count] BGRX; X becomes 255; written once and never read */
+};
+
+struct kernels {
+	const char *name; /* as options and environment spell it */
+	bool (*supported)(void);
+
+	/* sum[p] += sum over k of lines[line_k][p] * weight_k, for a panel of one channel. lines is
+	 * 64-byte aligned; no value is -32768. The result's magnitude is below 2^63. */
+	void (*sums16)(const int16_t *lines, const struct kernel_weights *weights,
+		       int64_t sum[KERNEL_LINE16]);
+	/* The same for bytes; none is -128. */
+	void (*sums8)(const int8_t *lines, const struct kernel_weights *weights,
+		      int64_t sum[KERNEL_LINE8]);
+
+	/* y[j][c] = sum over k of rows[j][k] * vector_c[k], below 2^63 in magnitude. rows is
+	 * 64-byte aligned, stride a multiple of 32; no value is -32768. */
+	void (*project)(const int16_t *rows, int count, int stride,
+			const struct kernel_vector vector[3], int64_t (*y)[3]);
+
+	/*
+	 * to[p] += what sum[p] is in Q24:
+	 *     x = round_shift(sum[p], shift), clamped to +-KERNEL_LIMIT    shift in 1..62
+	 *     x = round_shift(x * factor, 30), clamped likewise            factor <= 2^31
+	 *     x = round_shift(x * tint[p], 15), clamped likewise           unless tint is NULL
+	 * and the sum is clamped too. count 1..256.
+	 */
+	void (*fold)(const int64_t *sum, int count, int shift, uint32_t factor,
+		     const uint16_t *tint, int32_t *to);
+
+	/*
+	 * For each pixel and channel, with B = decode[background], in integers:
+	 *     o     = round_shift(object, 8)
+	 *     ratio = 65536 - round_shift(taken, 8), clamped to 0..16 * 65536
+	 *     left  = 65536 - coverage - (coverage >> 15)
+	 *     out   = encode[clamp(o + round_shift(ratio * left * B, 32), 0, 65535)]
+	 */
+	void (*mix)(const struct kernel_row *row);
+};
+
+/* Of sums in Q24: 127. No lighting that is not blindingly beyond white reaches it. */
+#define KERNEL_LIMIT (INT32_C(127) << 24)
+
+/* The tables that this program was built with, the specification first, the fastest last, then
+ * NULL. */
+extern const struct kernels *const kernels_all[];
+
+/*
+ * The fastest that the processor supports, or the one of that name ("auto" and NULL: the fastest).
+ * The environment's INLAY_KERNEL names one in place of "auto". NULL: there is none of that name, or
+ * the processor does not support it.
+ */
+const struct kernels *kernels_choose(const char *name);
 
 #endif

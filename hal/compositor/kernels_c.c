@@ -1,58 +1,128 @@
+#include "hal/compositor/fixed.h"
 #include "hal/compositor/kernels.h"
 
-/*
- * A row times the two digits of some segments, each digit summed apart.
- *
- * Compilers make multiply-and-add-pairs instructions (pmaddwd) of the inner loop. Its sums fit
- * because 32 * 32767 * 2048 < 2^31.
+#define RATIO_MAX (16 * Q16_ONE)
+
+static bool always(void)
+{
+	return true;
+}
+
+/* Unsigned, because parts of a sum may pass 2^63 and come back: the whole does not, and is exact.
  */
-static void digit_sums(const int16_t *row, const uint32_t *start, const int16_t *weight, int count,
-		       int64_t digit[2])
+static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE16])
 {
-	int64_t first = 0, second = 0;
+	for (int d = 0; d < w->digits; d++) {
+		for (int k = 0; k < w->count; k++) {
+			const int16_t *line = lines + (size_t)w->line[k] * KERNEL_LINE16;
+			const int32_t weight = w->digit[d][k];
 
-	for (int s = 0; s < count; s++, weight += SEGMENT_WEIGHTS) {
-		const int16_t *r = __builtin_assume_aligned(row + start[s], BASIS_ALIGN);
-		const int16_t *w = __builtin_assume_aligned(weight, BASIS_ALIGN);
-		int32_t a = 0, b = 0;
+			for (int p = 0; p < KERNEL_LINE16; p++) {
+				const uint64_t more = (uint64_t)(int64_t)(line[p] * weight);
 
-		for (int i = 0; i < BASIS_ROW_STEP; i++) {
-			a += r[i] * w[i];
-			b += r[i] * w[i + BASIS_ROW_STEP];
+				sum[p] = (int64_t)((uint64_t)sum[p] +
+						   (more << d * KERNEL_DIGIT_BITS));
+			}
 		}
-		first += a;
-		second += b;
 	}
-	digit[0] = first;
-	digit[1] = second;
 }
 
-/* Unsigned, because parts may pass 2^63 and come back: the whole does not, and is exact. */
-static int64_t row_sum(const int16_t *row, const struct segments *s)
+static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE8])
 {
-	int64_t digit[2];
-	uint64_t sum;
+	for (int d = 0; d < w->digits; d++) {
+		for (int k = 0; k < w->count; k++) {
+			const int8_t *line = lines + (size_t)w->line[k] * KERNEL_LINE8;
+			const int32_t weight = w->digit[d][k];
 
-	digit_sums(row, s->start, s->weight, s->low, digit);
-	sum = (uint64_t)digit[0] + ((uint64_t)digit[1] << WEIGHT_DIGIT_BITS);
-	if (s->high) {
-		digit_sums(row, s->start + s->low, s->weight + (size_t)s->low * SEGMENT_WEIGHTS,
-			   s->high, digit);
-		sum += (uint64_t)digit[0] << (2 * WEIGHT_DIGIT_BITS);
-		sum += (uint64_t)digit[1] << (3 * WEIGHT_DIGIT_BITS);
+			for (int p = 0; p < KERNEL_LINE8; p++) {
+				const uint64_t more = (uint64_t)(int64_t)(line[p] * weight);
+
+				sum[p] = (int64_t)((uint64_t)sum[p] +
+						   (more << d * KERNEL_DIGIT_BITS));
+			}
+		}
 	}
-	return (int64_t)sum;
 }
 
-void kernel_sums_c(const struct basis_block *block, const struct segments segments[3],
-		   int64_t (*sum)[3])
+static int64_t dot(const int16_t *row, const int16_t *digit, int count)
 {
-	const size_t next = block->channels == 3 ? (size_t)block->stride : 0;
-	const int16_t *row = block->row;
+	int64_t sum = 0;
 
-	for (int p = 0; p < block->pixels; p++) {
-		for (int c = 0; c < 3; c++)
-			sum[p][c] = row_sum(row + (size_t)c * next, &segments[c]);
-		row += (size_t)block->channels * (size_t)block->stride;
+	for (int k = 0; k < count; k += KERNEL_LINE16) {
+		int32_t part = 0; /* 32 * 32767 * 2048 < 2^31 */
+
+		for (int i = 0; i < KERNEL_LINE16; i++)
+			part += row[k + i] * digit[k + i];
+		sum += part;
+	}
+	return sum;
+}
+
+static void project(const int16_t *rows, int count, int stride,
+		    const struct kernel_vector vector[3], int64_t (*y)[3])
+{
+	for (int j = 0; j < count; j++, rows += stride) {
+		for (int c = 0; c < 3; c++) {
+			uint64_t sum = 0;
+
+			for (int d = 0; d < vector[c].digits; d++)
+				sum += (uint64_t)dot(rows, vector[c].digit[d], stride)
+				       << d * KERNEL_DIGIT_BITS;
+			y[j][c] = (int64_t)sum;
+		}
 	}
 }
+
+static int64_t clamp(int64_t x)
+{
+	return x > KERNEL_LIMIT ? KERNEL_LIMIT : x < -KERNEL_LIMIT ? -KERNEL_LIMIT : x;
+}
+
+static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
+		 int32_t *to)
+{
+	for (int p = 0; p < count; p++) {
+		int64_t x = clamp(round_shift(sum[p], shift));
+
+		x = clamp(round_shift(x * factor, 30));
+		if (tint)
+			x = clamp(round_shift(x * tint[p], 15));
+		to[p] = (int32_t)clamp(to[p] + x);
+	}
+}
+
+static uint8_t mix_one(int32_t object, int32_t taken, int32_t left, uint16_t background,
+		       const uint8_t *encode)
+{
+	int64_t ratio = Q16_ONE - round_shift(taken, 8);
+	int64_t sum;
+
+	ratio = ratio < 0 ? 0 : ratio > RATIO_MAX ? RATIO_MAX : ratio;
+	sum = round_shift(object, 8) + round_shift(ratio * left * background, 32);
+	return encode[sum < 0 ? 0 : sum > 65535 ? 65535 : sum];
+}
+
+static void mix(const struct kernel_row *row)
+{
+	for (int x = 0; x < row->count; x++) {
+		const uint8_t *in = row->background + (size_t)x * 4;
+		uint8_t *out = row->out + (size_t)x * 4;
+		/* 1 - coverage in Q16, rounded: a / 65535 is (a + a / 32768) / 65536. */
+		const int32_t left = Q16_ONE - row->coverage[x] - (row->coverage[x] >> 15);
+
+		for (int c = 0; c < 3; c++) /* R, G, B lie at bytes 2, 1, 0 */
+			out[2 - c] = mix_one(row->object[c][x], row->taken[c][x], left,
+					     row->decode[in[2 - c]], row->encode);
+		out[3] = 255;
+	}
+}
+
+const struct kernels kernels_c = {
+	.name = "c",
+	.supported = always,
+	.sums16 = sums16,
+	.sums8 = sums8,
+	.project = project,
+	.fold = fold,
+	.mix = mix,
+};
