@@ -27,6 +27,7 @@ HAL_SOURCES := \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_writer.c \
 	hal/compositor/compositor.c \
+	hal/compositor/kernels.c \
 	hal/compositor/kernels_c.c \
 	hal/compositor/reference.c \
 	hal/compositor/selection.c \

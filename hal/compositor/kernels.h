@@ -91,6 +91,8 @@ struct kernels {
 /* Of sums in Q24: 127. No lighting that is not blindingly beyond white reaches it. */
 #define KERNEL_LIMIT (INT32_C(127) << 24)
 
+extern const struct kernels kernels_c;
+
 /* The tables that this program was built with, the specification first, the fastest last, then
  * NULL. */
 extern const struct kernels *const kernels_all[];
