@@ -16,6 +16,7 @@ HAL_SOURCES := \
 	hal/log.c \
 	hal/output.c \
 	hal/pool.c \
+	hal/processor.c \
 	hal/transfer.c \
 	hal/view.c \
 	hal/ini/ini.c \
@@ -24,6 +25,7 @@ HAL_SOURCES := \
 	hal/ini/ini_value.c \
 	hal/basis/basis.c \
 	hal/basis/basis_blocks.c \
+	hal/basis/basis_chunks.c \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_writer.c \
 	hal/compositor/compositor.c \
