@@ -1,4 +1,6 @@
-/* The blocks of a basis file: every number is checked here, once, so that nobody need later. */
+/* The blocks of a basis file: every number is checked here, once, so that nobody need later. Most
+ * of the time goes into the loops over whole arrays: they gather what is wrong in one variable and
+ * ask at the end, so that a compiler makes vectors of them. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,58 +13,77 @@
 
 static const char *const kind_names[] = {"T", "V", "D", "U"};
 
-/* What earlier blocks of the same tile have taken. */
+/* What the blocks of a tile so far have said about its pixels. */
 struct tile_use {
-	bool object[TILE_PIXELS];   /* has a T row */
-	bool receiver[TILE_PIXELS]; /* has a V or a D row */
+	uint32_t ground[TILE_PIXELS]; /* index of the term of its V blocks + 1; 0: has none */
+	bool changed[TILE_PIXELS];    /* has a D row */
+	bool lit[TILE_PIXELS];	      /* has a U row */
 };
 
 /* For messages: which block of which pose. */
 struct place {
 	const struct basis_reader *reader;
-	int pose;
+	const struct basis_blocks_chunk *chunk;
 	size_t index;
 };
 
 #define DAMAGED(place, format, ...)                                                                \
-	basis_damaged((place)->reader, "pose %d, block %zu: " format, (place)->pose,               \
-		      (place)->index, __VA_ARGS__)
+	basis_damaged((place)->reader, "pose %d, %sblock %zu: " format, (place)->chunk->pose,      \
+		      (place)->chunk->exact ? "exact " : "", (place)->index, __VA_ARGS__)
 
-bool basis_all_zero(const uint8_t *from, const uint8_t *to)
-{
-	uint8_t any = 0;
-
-	while (from < to)
-		any |= *from++;
-	return any == 0;
-}
-
-static int check_entry(const struct place *at, const struct basis_block_entry *e,
-		       const struct basis_blocks_chunk *chunk, uint64_t free_from)
+static int check_shape(const struct place *at, const struct basis_block_entry *e)
 {
 	const struct basis *basis = at->reader->basis;
-	const uint32_t tiles = (uint32_t)basis->tiles_across * (uint32_t)basis->tiles_down;
-	uint64_t expected;
 
-	if (e->tile >= tiles)
-		return DAMAGED(at, "tile %u, expected less than %u", e->tile, tiles);
 	if (e->kind >= BASIS_KIND_COUNT)
 		return DAMAGED(at, "kind %u, expected less than %d", e->kind, BASIS_KIND_COUNT);
-	if (e->encoding != BASIS_ENCODING_DENSE)
-		return DAMAGED(at, "encoding %u, expected %d", e->encoding, BASIS_ENCODING_DENSE);
 	if (e->pixels < 1 || e->pixels > TILE_PIXELS)
 		return DAMAGED(at, "%u pixels, expected 1 to %d", e->pixels, TILE_PIXELS);
 	if (e->channels != 1 && e->channels != 3)
 		return DAMAGED(at, "%u channels, expected 1 or 3", e->channels);
-	if (e->lights < 1 || e->lights > basis->info.lights)
-		return DAMAGED(at, "%u lights, expected 1 to %u", e->lights, basis->info.lights);
+	if (e->tinted > 1 || (e->tinted && e->channels != 1))
+		return DAMAGED(at, "tinted %u with %u channels, expected 0, or 1 with 1 channel",
+			       e->tinted, e->channels);
+	if (e->patterns > BASIS_PATTERNS_MAX)
+		return DAMAGED(at, "%u patterns, expected at most %d", e->patterns,
+			       BASIS_PATTERNS_MAX);
+	if (e->columns > basis->info.lights)
+		return DAMAGED(at, "%u columns, expected at most %u", e->columns,
+			       basis->info.lights);
+	if (!e->patterns && !e->columns)
+		return DAMAGED(at, "%d patterns and columns, expected some", 0);
+	if (e->bits != 16 && (e->bits != 8 || !e->columns))
+		return DAMAGED(at, "%u bits, expected 16, or 8 where there are columns", e->bits);
+	if (at->chunk->exact &&
+	    (e->patterns || e->columns != basis->info.lights || e->bits != 16 || e->tinted))
+		return DAMAGED(at,
+			       "%u patterns and %u columns of %u bits%s, expected the %u lights' "
+			       "columns of 16 bits alone",
+			       e->patterns, e->columns, e->bits, e->tinted ? ", tinted" : "",
+			       basis->info.lights);
 	if (e->kind == BASIS_KIND_V ? e->ground >= basis->info.grounds : e->ground != 0)
 		return DAMAGED(at, "ground term %u, expected %s %u", e->ground,
 			       e->kind == BASIS_KIND_V ? "less than" : "0 in a file of",
 			       basis->info.grounds);
 	if (e->reserved)
 		return DAMAGED(at, "reserved field is %u, expected 0", e->reserved);
-	expected = basis_layout(e->kind, e->pixels, e->channels, (int)e->lights).bytes;
+	return 0;
+}
+
+static int check_lies(const struct place *at, const struct basis_block_entry *e, uint64_t free_from)
+{
+	const struct basis *basis = at->reader->basis;
+	const struct basis_blocks_chunk *chunk = at->chunk;
+	const uint32_t tiles = (uint32_t)basis->tiles_across * (uint32_t)basis->tiles_down;
+	const uint64_t expected = basis_layout(e, (int)basis->info.coarse).bytes;
+
+	if (e->tile >= tiles)
+		return DAMAGED(at, "tile %u, expected less than %u", e->tile, tiles);
+	if (at->index && (e->tile < e[-1].tile || (e->tile == e[-1].tile && e->kind < e[-1].kind)))
+		return DAMAGED(at,
+			       "tile %u, kind %s after tile %u, kind %s, expected the order of "
+			       "tiles, then of kinds",
+			       e->tile, kind_names[e->kind], e[-1].tile, kind_names[e[-1].kind]);
 	if (e->bytes != expected)
 		return DAMAGED(at, "%llu bytes, expected %llu", (unsigned long long)e->bytes,
 			       (unsigned long long)expected);
@@ -77,62 +98,91 @@ static int check_entry(const struct place *at, const struct basis_block_entry *e
 	return 0;
 }
 
-static void locate(struct basis_block *b, const struct basis_block_entry *e, const uint8_t *payload)
+static void locate(struct basis_block *b, const struct basis_block_entry *e,
+		   const struct basis_layout *layout, const uint8_t *payload)
 {
-	const struct basis_layout layout = basis_layout(e->kind, e->pixels, e->channels,
-							(int)e->lights);
-	/* Aligned by the layout, as check_entry() has seen. */
-	const void *pixel = payload + layout.pixel, *light = payload + layout.light;
-	const void *scale = payload + layout.scale, *total = payload + layout.total;
-	const void *row = payload + layout.row;
+	/* Aligned by the layout, as check_lies() has seen. */
+	const void *pixel = payload + layout->pixel, *tint = payload + layout->tint;
+	const void *pattern_scale = payload + layout->pattern_scale;
+	const void *pattern = payload + layout->pattern;
+	const void *coefficient = payload + layout->coefficient;
+	const void *light = payload + layout->light;
+	const void *column_scale = payload + layout->column_scale;
+	const void *column = payload + layout->column;
 
 	*b = (struct basis_block){
 		.kind = e->kind,
-		.encoding = e->encoding,
 		.pixels = e->pixels,
 		.channels = e->channels,
-		.lights = (int)e->lights,
-		.stride = layout.stride,
+		.bits = e->bits,
 		.ground = (int)e->ground,
+		.patterns = e->patterns,
+		.columns = (int)e->columns,
+		.stride = layout->stride,
 		.pixel = pixel,
+		.tint = e->tinted ? tint : NULL,
+		.pattern_scale = pattern_scale,
+		.pattern = pattern,
+		.coefficient = coefficient,
 		.light = light,
-		.scale = scale,
-		.total = total,
-		.row = row,
-		.bytes = layout.bytes,
+		.column_scale = column_scale,
+		.column16 = e->bits == 16 ? column : NULL,
+		.column8 = e->bits == 8 ? column : NULL,
+		.bytes = layout->bytes,
 	};
 }
 
 static int check_padding(const struct place *at, const struct basis_block *b,
-			 const uint8_t *payload)
+			 const struct basis_layout *layout, const uint8_t *payload)
 {
-	const struct basis_layout layout = basis_layout(b->kind, b->pixels, b->channels, b->lights);
-	const size_t rows = (size_t)b->pixels * (size_t)b->channels;
-	const size_t totals = (size_t)b->pixels * (size_t)layout.total_channels;
+	const uint8_t *after_tint = b->tint ? (const uint8_t *)(b->tint + 3 * b->pixels)
+					    : payload + layout->pattern_scale;
 
-	if (!basis_all_zero((const uint8_t *)(b->pixel + b->pixels), payload + layout.light) ||
-	    !basis_all_zero((const uint8_t *)(b->light + b->lights), payload + layout.scale) ||
-	    !basis_all_zero((const uint8_t *)(b->scale + rows), payload + layout.total) ||
-	    !basis_all_zero((const uint8_t *)(b->total + totals), payload + layout.row))
+	if (!basis_all_zero((const uint8_t *)(b->pixel + b->pixels), payload + layout->tint) ||
+	    !basis_all_zero(after_tint, payload + layout->pattern_scale) ||
+	    !basis_all_zero((const uint8_t *)(b->pattern_scale + b->patterns),
+			    payload + layout->pattern) ||
+	    !basis_all_zero((const uint8_t *)(b->light + b->columns),
+			    payload + layout->column_scale) ||
+	    !basis_all_zero((const uint8_t *)(b->column_scale + b->columns),
+			    payload + layout->column))
 		return DAMAGED(at, "padding between arrays is not %d", 0);
 	return 0;
 }
 
-static int check_lists(const struct place *at, struct basis_block *b, const struct basis_tile *tile,
-		       struct tile_use *use)
+static int use_pixel(const struct place *at, const struct basis_block *b, int pixel,
+		     struct tile_use *use)
 {
-	const uint32_t lights = at->reader->basis->info.lights;
+	const uint32_t ground = (uint32_t)b->ground + 1;
 
-	b->rest = b->kind == BASIS_KIND_V && b->light[b->lights - 1] == lights;
-	for (int i = 0; i < b->lights - b->rest; i++) {
-		if (b->light[i] >= lights || (i && b->light[i] <= b->light[i - 1]))
-			return DAMAGED(at, "light %u, expected ascending numbers below %u%s",
-				       b->light[i], lights,
-				       b->kind == BASIS_KIND_V ? ", or that as the last" : "");
+	switch (b->kind) {
+	case BASIS_KIND_V:
+		if (use->ground[pixel] && use->ground[pixel] != ground)
+			return DAMAGED(at, "ground term %d of pixel %d, expected that before, %u",
+				       b->ground, pixel, use->ground[pixel] - 1);
+		use->ground[pixel] = ground;
+		return 0;
+	case BASIS_KIND_D:
+		if (use->ground[pixel])
+			return DAMAGED(at, "pixel %d has a V row already", pixel);
+		use->changed[pixel] = true;
+		return 0;
+	case BASIS_KIND_U:
+		if (use->lit[pixel])
+			return DAMAGED(at, "pixel %d has a U row already", pixel);
+		use->lit[pixel] = true;
+		return 0;
+	default:
+		return 0;
 	}
+}
+
+static int check_pixels(const struct place *at, const struct basis_block *b,
+			const struct basis_tile *tile, struct tile_use *use)
+{
 	for (int p = 0; p < b->pixels; p++) {
 		const int pixel = b->pixel[p];
-		bool *taken;
+		int ret;
 
 		if (pixel % BASIS_TILE >= tile->width || pixel / BASIS_TILE >= tile->height ||
 		    (p && pixel <= b->pixel[p - 1]))
@@ -140,151 +190,178 @@ static int check_lists(const struct place *at, struct basis_block *b, const stru
 				       "pixel %d, expected ascending numbers inside a tile of "
 				       "%dx%d pixels",
 				       pixel, tile->width, tile->height);
-		if (b->kind == BASIS_KIND_U)
-			continue; /* the same pixels as its D block */
-		taken = b->kind == BASIS_KIND_T ? &use->object[pixel] : &use->receiver[pixel];
-		if (*taken)
-			return DAMAGED(at, "pixel %d has a row of its kind already", pixel);
-		*taken = true;
+		ret = use_pixel(at, b, pixel, use);
+		if (ret < 0)
+			return ret;
 	}
 	return 0;
 }
 
-/* Every D is followed by the U of its pixels, and every U follows one. */
-static int check_pair(const struct place *at, const struct basis_block *before,
-		      uint32_t tile_before, const struct basis_block *b, uint32_t tile)
+/* After the last block of a tile: what changes must be a change of something. */
+static int check_pairs(const struct place *at, const struct tile_use *use, uint32_t tile)
 {
-	const bool owed = before && before->kind == BASIS_KIND_D;
-
-	if (!b ? owed : owed != (b->kind == BASIS_KIND_U))
-		return DAMAGED(at, "kind %s%s", b ? kind_names[b->kind] : "none",
-			       owed ? ", expected U after a D block" : " without a D block before");
-	if (b && owed &&
-	    (tile != tile_before || b->pixels != before->pixels ||
-	     memcmp(b->pixel, before->pixel, (size_t)b->pixels * sizeof(*b->pixel)) != 0))
-		return DAMAGED(at, "its %d pixels are not those of the D block before", b->pixels);
+	for (int p = 0; p < TILE_PIXELS; p++) {
+		if (use->changed[p] && !use->lit[p])
+			return DAMAGED(at, "before it, pixel %d of tile %u has a D row and no U", p,
+				       tile);
+	}
 	return 0;
 }
 
-/* A ground term as a block lists it, and its sum over all lights. */
-struct ground_terms {
-	double *listed[3]; /* of each of the block's lights, the rest's at the end; room for all */
-	double sum[3];
-};
-
-static void list_ground(const struct basis *basis, const struct basis_block *b,
-			struct ground_terms *terms)
+static int check_lights(const struct place *at, const struct basis_block *b)
 {
-	const int listed = b->lights - b->rest;
+	const int lights = (int)at->reader->basis->info.lights;
+	int wrong = b->columns && b->light[b->columns - 1] >= lights;
 
-	for (int c = 0; c < 3; c++) {
-		const double *u = basis_ground(basis, b->ground, c);
-		double sum = 0, sum_listed = 0;
+	for (int i = 1; i < b->columns; i++)
+		wrong |= b->light[i] <= b->light[i - 1];
+	for (int i = 0; wrong && i < b->columns; i++) {
+		if (b->light[i] >= lights || (i && b->light[i] <= b->light[i - 1]))
+			return DAMAGED(at, "light %u, expected ascending numbers below %d",
+				       b->light[i], lights);
+	}
+	return 0;
+}
 
-		for (uint32_t i = 0; i < basis->info.lights; i++)
-			sum += u[i];
-		for (int i = 0; i < listed; i++) {
-			terms->listed[c][i] = u[b->light[i]];
-			sum_listed += u[b->light[i]];
+static int check_scale(const struct place *at, const char *what, int index, float scale,
+		       double times)
+{
+	if (!isfinite(scale) || signbit(scale))
+		return DAMAGED(at, "scale %g of %s %d, expected a finite number, 0 or more",
+			       (double)scale, what, index);
+	if ((double)scale * times > BASIS_VALUE_MAX)
+		return DAMAGED(at, "scale %g of %s %d makes values of %g, expected at most %g",
+			       (double)scale, what, index, (double)scale * times, BASIS_VALUE_MAX);
+	return 0;
+}
+
+/* Floats without a sign have the order of their bits, infinity and NaN above all. */
+static int check_column_scales(const struct place *at, const struct basis_block *b)
+{
+	const double times = b->bits == 16 ? INT16_MAX : INT8_MAX;
+	const float near = (float)(BASIS_VALUE_MAX / times);
+	uint32_t limit, bits, wrong = 0;
+	int ret = 0;
+
+	memcpy(&limit, &near, sizeof(limit));
+	for (int i = 0; i < b->columns; i++) {
+		memcpy(&bits, &b->column_scale[i], sizeof(bits));
+		wrong |= bits >= limit;
+	}
+	for (int i = 0; wrong && ret == 0 && i < b->columns; i++)
+		ret = check_scale(at, "column", i, b->column_scale[i], times);
+	return ret;
+}
+
+static int check_patterns(const struct place *at, const struct basis_block *b)
+{
+	const int coarse = (int)at->reader->basis->info.coarse;
+	int ret = 0;
+
+	for (int j = 0; ret == 0 && j < b->patterns; j++) {
+		const int16_t *row = b->pattern + (size_t)j * (size_t)b->stride;
+		int32_t sum = 0; /* at most 2^15 of 2^15 */
+		int least = 0;
+
+		for (int k = 0; k < coarse; k++) {
+			const int v = row[k];
+
+			least = v < least ? v : least;
+			sum += v < 0 ? -v : v;
 		}
-		if (b->rest)
-			terms->listed[c][listed] = fmax(sum - sum_listed, 0);
-		terms->sum[c] = sum;
+		if (least == INT16_MIN)
+			return DAMAGED(at, "value %d in pattern %d, expected at least %d", least, j,
+				       -INT16_MAX);
+		if (!basis_all_zero((const uint8_t *)(row + coarse),
+				    (const uint8_t *)(row + b->stride)))
+			return DAMAGED(at, "padding of pattern %d is not 0", j);
+		ret = check_scale(at, "pattern", j, b->pattern_scale[j], (double)INT16_MAX * sum);
 	}
+	return ret;
 }
 
-/* Most of the time that opening a file takes goes here: sums side by side can be vectors. */
-static double dot(const int16_t *row, const double *terms, int count)
+static bool has_least16(const int16_t *v, size_t count)
 {
-	double sums[8] = {0}, sum = 0;
-	int i = 0;
+	unsigned any = 0;
 
-	for (; i + 8 <= count; i += 8) {
-		for (int k = 0; k < 8; k++)
-			sums[k] += row[i + k] * terms[i + k];
-	}
-	for (; i < count; i++)
-		sum += row[i] * terms[i];
-	for (int k = 0; k < 8; k++)
-		sum += sums[k];
-	return sum;
+	for (size_t i = 0; i < count; i++)
+		any |= v[i] == INT16_MIN;
+	return any != 0;
 }
 
-/* round(2^15 * sum row u / sum u), to within the rounding of another machine's sum. */
-static int check_ground_total(const struct place *at, const struct basis_block *b, int p,
-			      const struct ground_terms *terms)
+static bool has_least8(const int8_t *v, size_t count)
 {
-	for (int c = 0; c < 3; c++) {
-		const int row = p * b->channels + (b->channels == 3 ? c : 0);
-		const int16_t *r = b->row + (size_t)row * (size_t)b->stride;
-		const int32_t total = b->total[p * 3 + c];
-		const double sum = dot(r, terms->listed[c], b->lights);
-		const double expected = terms->sum[c] > 0 ? 32768 * (sum / terms->sum[c]) : 0;
+	unsigned char any = 0;
 
-		if (!(fabs(total - expected) <= 0.51))
-			return DAMAGED(at, "total %d of pixel %d, expected %.2f", total,
-				       b->pixel[p], expected);
-	}
-	return 0;
+	for (size_t i = 0; i < count; i++)
+		any |= v[i] == INT8_MIN;
+	return any != 0;
 }
 
-static int check_row(const struct place *at, const struct basis_block *b, int row, int32_t *sum)
+/* Lines of one cache line each: the last panel's hold 0 behind their `used` bytes. */
+static int check_rest(const struct place *at, const char *what, const void *lines, size_t count,
+		      size_t used)
 {
-	const int16_t *r = b->row + (size_t)row * (size_t)b->stride;
-	int32_t total = 0;
-	int16_t least = 0;
+	const uint8_t *line = lines;
+	bool zero = true;
 
-	if (!isfinite(b->scale[row]) || signbit(b->scale[row]))
-		return DAMAGED(at, "scale %g of row %d, expected a finite number, 0 or more",
-			       (double)b->scale[row], row);
-	for (int i = 0; i < b->lights; i++) {
-		total += r[i];
-		least = r[i] < least ? r[i] : least;
-	}
-	if (least < (b->kind == BASIS_KIND_U ? 0 : -INT16_MAX))
-		return DAMAGED(at, "value %d in row %d, expected at least %d", least, row,
-			       b->kind == BASIS_KIND_U ? 0 : -INT16_MAX);
-	if (!basis_all_zero((const uint8_t *)(r + b->lights), (const uint8_t *)(r + b->stride)))
-		return DAMAGED(at, "padding of row %d is not 0", row);
-	*sum = total;
-	return 0;
+	for (size_t i = 0; i < count && used; i++, line += BASIS_ALIGN)
+		zero &= basis_all_zero(line + used, line + BASIS_ALIGN);
+	return zero ? 0 : DAMAGED(at, "%s after the last pixel are not 0", what);
 }
 
-static int check_rows(const struct place *at, const struct basis_block *b,
-		      struct ground_terms *terms)
+static int check_lines(const struct place *at, const struct basis_block *b,
+		       const struct basis_layout *layout)
 {
-	int32_t total = 0;
+	const size_t coefficients = (size_t)b->channels * (size_t)b->patterns; /* of a panel */
+	const size_t columns = (size_t)b->channels * (size_t)b->columns;
+	const size_t value_bytes = (size_t)b->bits / 8, line = BASIS_ALIGN / value_bytes;
+	const size_t panels16 = (size_t)layout->panels16, panels = (size_t)layout->column_panels;
+	const void *column = b->bits == 16 ? (const void *)b->column16 : b->column8;
 	int ret;
 
-	for (int row = 0; row < b->pixels * b->channels; row++) {
-		ret = check_row(at, b, row, &total);
-		if (ret < 0)
-			return ret;
-		if (b->kind != BASIS_KIND_V && b->total[row] != total)
-			return DAMAGED(at, "total %d of row %d, expected %d", b->total[row], row,
-				       total);
-	}
-	if (b->kind != BASIS_KIND_V)
-		return 0;
-	list_ground(at->reader->basis, b, terms);
-	for (int p = 0; p < b->pixels; p++) {
-		ret = check_ground_total(at, b, p, terms);
-		if (ret < 0)
-			return ret;
-	}
-	return 0;
+	if (has_least16(b->coefficient, panels16 * coefficients * BASIS_LINE16))
+		return DAMAGED(at, "value %d among coefficients, expected at least %d", INT16_MIN,
+			       -INT16_MAX);
+	if (b->bits == 16 ? has_least16(b->column16, panels * columns * line)
+			  : has_least8(b->column8, panels * columns * line))
+		return DAMAGED(at, "value %d among columns, expected at least %d",
+			       b->bits == 16 ? INT16_MIN : INT8_MIN,
+			       b->bits == 16 ? -INT16_MAX : -INT8_MAX);
+	ret = check_rest(at, "coefficients",
+			 b->coefficient + (panels16 - 1) * coefficients * BASIS_LINE16,
+			 coefficients, (size_t)b->pixels % BASIS_LINE16 * sizeof(int16_t));
+	if (ret < 0)
+		return ret;
+	return check_rest(at, "columns",
+			  (const uint8_t *)column + (panels - 1) * columns * BASIS_ALIGN, columns,
+			  (size_t)b->pixels % line * value_bytes);
 }
 
-static int allocate(struct basis *basis, struct basis_pose *pose, size_t blocks)
+static int check_block(const struct place *at, const struct basis_block *b,
+		       const struct basis_layout *layout, const uint8_t *payload)
+{
+	int ret = check_padding(at, b, layout, payload);
+
+	if (ret == 0)
+		ret = check_lights(at, b);
+	if (ret == 0)
+		ret = check_column_scales(at, b);
+	if (ret == 0)
+		ret = check_patterns(at, b);
+	return ret < 0 ? ret : check_lines(at, b, layout);
+}
+
+static int allocate(const struct basis *basis, struct basis_layer *layer, size_t blocks)
 {
 	const size_t across = (size_t)basis->tiles_across, down = (size_t)basis->tiles_down;
 
-	pose->tiles = calloc(across * down, sizeof(*pose->tiles));
-	pose->blocks = calloc(blocks ? blocks : 1, sizeof(*pose->blocks));
-	if (!pose->tiles || !pose->blocks)
+	layer->tiles = calloc(across * down, sizeof(*layer->tiles));
+	layer->blocks = calloc(blocks ? blocks : 1, sizeof(*layer->blocks));
+	if (!layer->tiles || !layer->blocks)
 		return -ENOMEM;
 	for (size_t t = 0; t < across * down; t++) {
-		struct basis_tile *tile = &pose->tiles[t];
+		struct basis_tile *tile = &layer->tiles[t];
 		const int x = (int)(t % across) * BASIS_TILE, y = (int)(t / across) * BASIS_TILE;
 		const int right = (int)basis->info.width - x, below = (int)basis->info.height - y;
 
@@ -296,69 +373,57 @@ static int allocate(struct basis *basis, struct basis_pose *pose, size_t blocks)
 	return 0;
 }
 
-static int read_blocks(const struct basis_reader *reader, int pose_index,
-		       const struct basis_blocks_chunk *chunk, struct ground_terms *terms)
+static int read_block(const struct place *at, struct basis_layer *layer, uint64_t free_from,
+		      struct tile_use *use)
 {
-	struct basis_pose *pose = &reader->basis->poses[pose_index];
-	struct place at = {reader, pose_index, 0};
+	const struct basis_block_entry *e = &at->chunk->entries[at->index];
+	struct basis_block *b = &layer->blocks[at->index];
+	struct basis_layout layout;
+	const uint8_t *payload;
+	struct basis_tile *tile;
+	int ret = check_shape(at, e);
+
+	if (ret == 0)
+		ret = check_lies(at, e, free_from);
+	if (ret < 0)
+		return ret;
+	layout = basis_layout(e, (int)at->reader->basis->info.coarse);
+	payload = at->chunk->data + e->offset;
+	locate(b, e, &layout, payload);
+	tile = &layer->tiles[e->tile];
+	if (at->index && e->tile != e[-1].tile) {
+		ret = check_pairs(at, use, e[-1].tile);
+		memset(use, 0, sizeof(*use));
+	}
+	if (ret == 0)
+		ret = check_pixels(at, b, tile, use);
+	if (ret == 0)
+		ret = check_block(at, b, &layout, payload);
+	if (!tile->block_count)
+		tile->blocks = b;
+	tile->block_count++;
+	tile->bytes += b->bytes;
+	return ret;
+}
+
+int basis_read_blocks(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk,
+		      struct basis_layer *layer)
+{
+	struct place at = {reader, chunk, 0};
 	struct tile_use use = {0};
-	uint32_t tile_before = 0;
 	uint64_t end = 0;
-	int ret = allocate(reader->basis, pose, chunk->count);
+	int ret = allocate(reader->basis, layer, chunk->count);
 
 	if (ret < 0)
 		return fault_say(reader->fault, ret, "%s: out of memory", reader->name);
 	for (; at.index < chunk->count; at.index++) {
-		const struct basis_block_entry *e = &chunk->entries[at.index];
-		struct basis_block *b = &pose->blocks[at.index];
-		struct basis_tile *tile;
-
-		ret = check_entry(&at, e, chunk, end);
+		ret = read_block(&at, layer, end, &use);
 		if (ret < 0)
 			return ret;
-		if (e->tile < tile_before)
-			return DAMAGED(&at, "tile %u after tile %u, expected ascending tiles",
-				       e->tile, tile_before);
-		locate(b, e, chunk->data + e->offset);
-		tile = &pose->tiles[e->tile];
-		if (e->tile != tile_before)
-			memset(&use, 0, sizeof(use));
-		ret = check_padding(&at, b, chunk->data + e->offset);
-		if (ret == 0)
-			ret = check_pair(&at, at.index ? b - 1 : NULL, tile_before, b, e->tile);
-		if (ret == 0)
-			ret = check_lists(&at, b, tile, &use);
-		if (ret == 0)
-			ret = check_rows(&at, b, terms);
-		if (ret < 0)
-			return ret;
-		if (!tile->block_count)
-			tile->blocks = b;
-		tile->block_count++;
-		tile->bytes += b->bytes;
-		tile_before = e->tile;
-		end = e->offset + e->bytes;
+		end = chunk->entries[at.index].offset + chunk->entries[at.index].bytes;
 	}
+	layer->block_count = (int)chunk->count;
 	if (!basis_all_zero(chunk->data + end, chunk->data + chunk->data_bytes))
 		return DAMAGED(&at, "bytes after the last block are not %d", 0);
-	pose->block_count = (int)chunk->count;
-	return check_pair(&at, chunk->count ? &pose->blocks[chunk->count - 1] : NULL, tile_before,
-			  NULL, 0);
-}
-
-int basis_read_blocks(const struct basis_reader *reader, int pose_index,
-		      const struct basis_blocks_chunk *chunk)
-{
-	const size_t room = (size_t)reader->basis->info.lights + 1;
-	double *memory = calloc(3 * room, sizeof(*memory));
-	struct ground_terms terms;
-	int ret;
-
-	if (!memory)
-		return fault_say(reader->fault, -ENOMEM, "%s: out of memory", reader->name);
-	for (int c = 0; c < 3; c++)
-		terms.listed[c] = memory + (size_t)c * room;
-	ret = read_blocks(reader, pose_index, chunk, &terms);
-	free(memory);
-	return ret;
+	return chunk->count ? check_pairs(&at, &use, chunk->entries[chunk->count - 1].tile) : 0;
 }

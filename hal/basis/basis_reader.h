@@ -11,6 +11,8 @@ struct basis_reader {
 	const uint8_t *data;
 	size_t bytes;
 	const char *name;
+	enum basis_part part;
+	bool mapped; /* data is a file's mapping: what will be read can be asked for */
 	struct fault *fault;
 };
 
@@ -21,16 +23,37 @@ int basis_damaged(const struct basis_reader *reader, const char *format, ...)
 /* Padding is checked so that no byte of a file is beyond its checks. */
 bool basis_all_zero(const uint8_t *from, const uint8_t *to);
 
-/* A pose's block list and payloads, as found in the file. */
+/* Where the chunks lie; NULL for those that the file does not have. */
+struct basis_pose_chunks {
+	const struct basis_chunk_entry *coverage, *peak, *blocks, *data, *exact_blocks, *exact_data;
+};
+
+struct basis_chunk_map {
+	const struct basis_chunk_entry *table;
+	uint32_t count;
+	const struct basis_chunk_entry *info, *dome, *ground, *coarse, *camera, *provenance;
+	struct basis_pose_chunks *poses; /* by basis_find_pose_chunks(); to be freed */
+};
+
+/* Checks header, chunk table, gaps and the checksums of all chunks that reader->part needs, and
+ * finds those that poses share. -EBADMSG, -ENOTSUP, -ENOMEM. */
+int basis_find_chunks(const struct basis_reader *reader, struct basis_chunk_map *map);
+
+/* Those of each of basis->info.poses poses. -EBADMSG, -ENOMEM. */
+int basis_find_pose_chunks(const struct basis_reader *reader, struct basis_chunk_map *map);
+
+/* A layer's block list and payloads, as found in the file. */
 struct basis_blocks_chunk {
 	const struct basis_block_entry *entries;
 	size_t count;
 	const uint8_t *data;
 	size_t data_bytes;
+	int pose;
+	bool exact;
 };
 
-/* Checks every block of a pose and fills pose->blocks and pose->tiles. -EBADMSG, -ENOMEM. */
-int basis_read_blocks(const struct basis_reader *reader, int pose,
-		      const struct basis_blocks_chunk *chunk);
+/* Checks every block of a layer and fills it. -EBADMSG, -ENOMEM. */
+int basis_read_blocks(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk,
+		      struct basis_layer *layer);
 
 #endif

@@ -1,18 +1,27 @@
 #include "hal/basis/basis_writer.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 #include "hal/output.h"
 
-/* INFO, DOME, GROUND and CAMERA first, PROVENANCE last; each pose has DATA, BLOCKS, COVERAGE and
- * PEAK. */
-#define FIRST_CHUNKS 4
-#define POSE_CHUNKS 4
+/* INFO, DOME, GROUND, COARSE and CAMERA first, PROVENANCE last; each pose has DATA, BLOCKS,
+ * EXACT_DATA, EXACT_BLOCKS, COVERAGE and PEAK. At most: some may be absent. */
+#define FIRST_CHUNKS 5
+#define POSE_CHUNKS 6
 #define LAST_CHUNKS 1
+#define POSES_MAX ((BASIS_CHUNKS_MAX - FIRST_CHUNKS - LAST_CHUNKS) / POSE_CHUNKS)
+
+/* The blocks of the open pose in one layer. */
+struct block_list {
+	struct basis_block_entry *entries;
+	size_t count, room;
+};
 
 struct basis_writer {
 	struct output output;
@@ -23,9 +32,12 @@ struct basis_writer {
 	XXH3_state_t *hash;
 	bool in_pose; /* the DATA chunk of a pose is open */
 	uint32_t poses_done;
-	struct basis_block_entry *blocks; /* of the open pose */
-	size_t block_count, block_room;
+	struct block_list shown, exact;
+	FILE *aside; /* payloads of the exact blocks of the open pose; NULL: none yet */
+	uint64_t aside_bytes;
 };
+
+static const uint8_t zeros[BASIS_PAGE];
 
 static int say_write(const struct basis_writer *w, int err, struct fault *fault)
 {
@@ -44,7 +56,6 @@ static int put(struct basis_writer *w, const void *data, size_t bytes)
 /* Zeros up to the next multiple of step; hashed when they lie inside a chunk. */
 static int pad(struct basis_writer *w, size_t step, bool hashed)
 {
-	static const uint8_t zeros[BASIS_PAGE];
 	const size_t bytes = (size_t)(-w->position & (step - 1));
 
 	if (hashed)
@@ -103,16 +114,17 @@ static int check_info(const struct basis_info_chunk *info, const char *path, str
 	if (info->grounds > BASIS_GROUNDS_MAX)
 		return fault_say(fault, -EINVAL, "%s: %u ground terms, expected at most %d", path,
 				 info->grounds, BASIS_GROUNDS_MAX);
-	if (info->poses < 1 ||
-	    info->poses > (BASIS_CHUNKS_MAX - FIRST_CHUNKS - LAST_CHUNKS) / POSE_CHUNKS)
+	if (info->poses < 1 || info->poses > POSES_MAX)
 		return fault_say(fault, -EINVAL, "%s: %u poses, expected 1 to %d", path,
-				 info->poses,
-				 (BASIS_CHUNKS_MAX - FIRST_CHUNKS - LAST_CHUNKS) / POSE_CHUNKS);
+				 info->poses, POSES_MAX);
+	if (info->coarse < 1 || info->coarse > info->lights)
+		return fault_say(fault, -EINVAL, "%s: %u coarse lights, expected 1 to %u", path,
+				 info->coarse, info->lights);
 	return 0;
 }
 
 static int write_first(struct basis_writer *w, const struct basis_light *lights,
-		       const double *ground, const char *camera)
+		       const double *ground, const struct basis_coarse *coarse, const char *camera)
 {
 	const size_t n = w->info.lights;
 	const struct basis_file_header header = {0};
@@ -129,6 +141,8 @@ static int write_first(struct basis_writer *w, const struct basis_light *lights,
 	if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_GROUND, 0, ground,
 				  w->info.grounds * 3 * n * sizeof(*ground));
+	if (ret == 0 && w->info.coarse < w->info.lights)
+		ret = chunk_write(w, BASIS_CHUNK_COARSE, 0, coarse, n * sizeof(*coarse));
 	if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_CAMERA, 0, camera, strlen(camera) + 1);
 	return ret;
@@ -136,7 +150,8 @@ static int write_first(struct basis_writer *w, const struct basis_light *lights,
 
 int basis_writer_open(struct basis_writer **writer, const char *path,
 		      const struct basis_info_chunk *info, const struct basis_light *lights,
-		      const double *ground, const char *camera, struct fault *fault)
+		      const double *ground, const struct basis_coarse *coarse, const char *camera,
+		      struct fault *fault)
 {
 	struct basis_writer *w;
 	int ret;
@@ -145,6 +160,9 @@ int basis_writer_open(struct basis_writer **writer, const char *path,
 	ret = check_info(info, path, fault);
 	if (ret < 0)
 		return ret;
+	if (!coarse != (info->coarse == info->lights))
+		return fault_say(fault, -EINVAL, "%s: %u coarse lights of %u %s a table", path,
+				 info->coarse, info->lights, coarse ? "with" : "without");
 	w = calloc(1, sizeof(*w));
 	if (!w)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
@@ -159,7 +177,7 @@ int basis_writer_open(struct basis_writer **writer, const char *path,
 	ret = output_open(&w->output, path, fault);
 	if (ret < 0)
 		goto fail;
-	ret = write_first(w, lights, ground, camera);
+	ret = write_first(w, lights, ground, coarse, camera);
 	if (ret < 0) {
 		say_write(w, ret, fault);
 		goto fail;
@@ -184,24 +202,34 @@ static int pose_begin(struct basis_writer *w, struct fault *fault)
 	if (ret < 0)
 		return say_write(w, ret, fault);
 	w->in_pose = true;
-	w->block_count = 0;
+	w->shown.count = w->exact.count = 0;
+	w->aside_bytes = 0;
 	return 0;
 }
 
-static int reserve(struct basis_writer *w, size_t more)
+/* Notes a block that will lie at `offset`. */
+static int note(const struct basis_writer *w, struct block_list *list,
+		const struct basis_block_entry *entry, uint64_t offset, struct fault *fault)
 {
-	struct basis_block_entry *blocks;
-	size_t room = w->block_room ? w->block_room : 1024;
+	const struct basis_block_entry *last = list->count ? &list->entries[list->count - 1] : NULL;
 
-	while (room < w->block_count + more)
-		room *= 2;
-	if (room == w->block_room)
-		return 0;
-	blocks = realloc(w->blocks, room * sizeof(*blocks));
-	if (!blocks)
-		return -ENOMEM;
-	w->blocks = blocks;
-	w->block_room = room;
+	if (last &&
+	    (entry->tile < last->tile || (entry->tile == last->tile && entry->kind < last->kind)))
+		return fault_say(fault, -EINVAL,
+				 "%s: a block of tile %u, kind %d follows one of tile %u, kind %d, "
+				 "expected the order of tiles, then of kinds",
+				 w->output.path, entry->tile, entry->kind, last->tile, last->kind);
+	if (list->count == list->room) {
+		const size_t room = list->room ? 2 * list->room : 1024;
+		struct basis_block_entry *entries = realloc(list->entries, room * sizeof(*entries));
+
+		if (!entries)
+			return fault_say(fault, -ENOMEM, "%s: out of memory", w->output.path);
+		list->entries = entries;
+		list->room = room;
+	}
+	list->entries[list->count] = *entry;
+	list->entries[list->count++].offset = offset;
 	return 0;
 }
 
@@ -214,28 +242,123 @@ int basis_writer_blocks(struct basis_writer *w, const struct basis_block_payload
 	if (ret < 0)
 		return ret;
 	data = w->chunks[w->chunk_count].offset;
-	ret = reserve(w, (size_t)count);
-	if (ret < 0)
-		return say_write(w, ret, fault);
 	for (int i = 0; i < count; i++) {
-		struct basis_block_entry entry = blocks[i].entry;
-
-		if (w->block_count && entry.tile < w->blocks[w->block_count - 1].tile)
-			return fault_say(fault, -EINVAL,
-					 "%s: blocks of tile %u follow those of tile %u, expected "
-					 "ascending tiles",
-					 w->output.path, entry.tile,
-					 w->blocks[w->block_count - 1].tile);
 		ret = pad(w, BASIS_ALIGN, true);
 		if (ret < 0)
 			return say_write(w, ret, fault);
-		entry.offset = w->position - data;
-		ret = chunk_put(w, blocks[i].payload, entry.bytes);
+		ret = note(w, &w->shown, &blocks[i].entry, w->position - data, fault);
+		if (ret < 0)
+			return ret;
+		ret = chunk_put(w, blocks[i].payload, blocks[i].entry.bytes);
 		if (ret < 0)
 			return say_write(w, ret, fault);
-		w->blocks[w->block_count++] = entry;
 	}
 	return 0;
+}
+
+/* ---- the exact layer, which waits for the end of its pose ---- */
+
+/* A file without a name in the output's folder, where there is room for the output too: nothing is
+ * left of it whenever and however the program ends. */
+static int aside_open(struct basis_writer *w)
+{
+	char name[PATH_MAX];
+	char *slash;
+	int fd, ret;
+
+	strcpy(name, w->output.path);
+	slash = strrchr(name, '/');
+	if (slash)
+		slash[slash == name ? 1 : 0] = '\0';
+	fd = open(slash ? name : ".", O_RDWR | O_TMPFILE | O_CLOEXEC, 0600);
+	if (fd < 0) { /* the file system knows no such files */
+		ret = snprintf(name, sizeof(name), "%s.XXXXXX", w->output.path);
+		if (ret < 0 || (size_t)ret >= sizeof(name))
+			return -ENAMETOOLONG;
+		fd = mkostemp(name, O_CLOEXEC);
+		if (fd < 0)
+			return -errno;
+		unlink(name);
+	}
+	w->aside = fdopen(fd, "w+b");
+	if (!w->aside) {
+		ret = -errno;
+		close(fd);
+		return ret;
+	}
+	return 0;
+}
+
+static int aside_put(struct basis_writer *w, const void *data, size_t bytes)
+{
+	errno = 0;
+	if (bytes && fwrite(data, 1, bytes, w->aside) != bytes)
+		return errno ? -errno : -EIO;
+	w->aside_bytes += bytes;
+	return 0;
+}
+
+int basis_writer_exact_blocks(struct basis_writer *w, const struct basis_block_payload *blocks,
+			      int count, struct fault *fault)
+{
+	int ret = pose_begin(w, fault);
+
+	if (ret < 0)
+		return ret;
+	if (count && !w->aside) {
+		ret = aside_open(w);
+		if (ret < 0)
+			return say_write(w, ret, fault);
+	}
+	for (int i = 0; i < count; i++) {
+		ret = aside_put(w, zeros, (size_t)(-w->aside_bytes & (BASIS_ALIGN - 1)));
+		if (ret < 0)
+			return say_write(w, ret, fault);
+		ret = note(w, &w->exact, &blocks[i].entry, w->aside_bytes, fault);
+		if (ret < 0)
+			return ret;
+		ret = aside_put(w, blocks[i].payload, blocks[i].entry.bytes);
+		if (ret < 0)
+			return say_write(w, ret, fault);
+	}
+	return 0;
+}
+
+/* From the other file into this one, and begins that anew. */
+static int copy_aside(struct basis_writer *w)
+{
+	uint8_t part[1 << 16];
+	int ret = 0;
+
+	errno = 0;
+	if (fseeko(w->aside, 0, SEEK_SET) < 0)
+		return errno ? -errno : -EIO;
+	for (uint64_t left = w->aside_bytes; left && ret == 0;) {
+		const size_t bytes = left < sizeof(part) ? (size_t)left : sizeof(part);
+
+		errno = 0;
+		if (fread(part, 1, bytes, w->aside) != bytes)
+			return errno ? -errno : -EIO;
+		ret = chunk_put(w, part, bytes);
+		left -= bytes;
+	}
+	errno = 0;
+	if (ret == 0 && (fseeko(w->aside, 0, SEEK_SET) < 0 || ftruncate(fileno(w->aside), 0) < 0))
+		ret = errno ? -errno : -EIO;
+	return ret;
+}
+
+static int write_exact(struct basis_writer *w, uint32_t pose)
+{
+	int ret = chunk_begin(w, BASIS_CHUNK_EXACT_DATA, pose);
+
+	if (ret == 0)
+		ret = copy_aside(w);
+	if (ret < 0)
+		return ret;
+	chunk_end(w);
+	return chunk_write(w, BASIS_CHUNK_EXACT_BLOCKS, pose, w->exact.entries,
+			   w->exact.count * sizeof(*w->exact.entries));
 }
 
 int basis_writer_pose_end(struct basis_writer *w, const uint16_t *coverage, const float (*peak)[3],
@@ -250,8 +373,10 @@ int basis_writer_pose_end(struct basis_writer *w, const uint16_t *coverage, cons
 	chunk_end(w);
 	w->in_pose = false;
 	w->poses_done++;
-	ret = chunk_write(w, BASIS_CHUNK_BLOCKS, pose, w->blocks,
-			  w->block_count * sizeof(*w->blocks));
+	ret = chunk_write(w, BASIS_CHUNK_BLOCKS, pose, w->shown.entries,
+			  w->shown.count * sizeof(*w->shown.entries));
+	if (ret == 0 && w->exact.count)
+		ret = write_exact(w, pose);
 	if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_COVERAGE, pose, coverage,
 				  pixels * sizeof(*coverage));
@@ -298,7 +423,7 @@ static int finish(struct basis_writer *w, const struct basis_info_chunk *info,
 				 w->output.path, w->poses_done, w->info.poses);
 	if (info->width != w->info.width || info->height != w->info.height ||
 	    info->lights != w->info.lights || info->grounds != w->info.grounds ||
-	    info->poses != w->info.poses)
+	    info->poses != w->info.poses || info->coarse != w->info.coarse)
 		return fault_say(fault, -EINVAL, "%s: sizes changed since the file was begun",
 				 w->output.path);
 	w->info = *info;
@@ -326,6 +451,9 @@ void basis_writer_abandon(struct basis_writer *w)
 	output_abandon(&w->output);
 	XXH3_freeState(w->hash);
 	free(w->chunks);
-	free(w->blocks);
+	free(w->shown.entries);
+	free(w->exact.entries);
+	if (w->aside)
+		fclose(w->aside);
 	free(w);
 }
