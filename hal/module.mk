@@ -29,6 +29,7 @@ HAL_SOURCES := \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_writer.c \
 	hal/compositor/compositor.c \
+	hal/compositor/kernel_curves.c \
 	hal/compositor/kernels.c \
 	hal/compositor/kernels_c.c \
 	hal/compositor/reference.c \

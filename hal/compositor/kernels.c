@@ -14,7 +14,7 @@ const struct kernels *kernels_choose(const char *name)
 
 	if (!name || strcmp(name, "auto") == 0)
 		name = getenv("INLAY_KERNEL");
-	if (name && (name[0] == '\0' || strcmp(name, "auto") == 0))
+	if (name && strcmp(name, "auto") == 0)
 		name = NULL;
 	for (int i = 0; kernels_all[i]; i++) {
 		if ((!name || strcmp(kernels_all[i]->name, name) == 0) &&

@@ -14,6 +14,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "hal/transfer.h"
+
 #define KERNEL_LINE_BYTES 64
 #define KERNEL_LINE16 32 /* pixels of a line of int16 */
 #define KERNEL_LINE8 64	 /* of int8 */
@@ -39,16 +41,42 @@ struct kernel_vector {
 	const int16_t *digit[KERNEL_DIGITS]; /* [stride], 64-byte aligned, 0 after the last light */
 };
 
-/* A row of pixels to be mixed; R, G, B is the order of the channels. */
+/*
+ * The transfer functions of background and output, as mix reads them. White is KERNEL_WHITE, raised
+ * by KERNEL_BLACK: then the exponent of a float and the 2 highest bits of its mantissa number 32
+ * pieces of the encoding's curve, finer towards black, each of which is a parabola.
+ */
+#define KERNEL_PIECES 32
+#define KERNEL_BLACK 256.0f
+#define KERNEL_WHITE 65280.0f
+
+struct kernel_curves {
+	_Alignas(64) uint16_t decode[256]; /* linear light, 65535 = 1 */
+	_Alignas(64) float linear[256];	   /* the same numbers */
+	/* Of piece i and t in 0..1/2, in 1/256 of a level, 1/2 of a level added for the rounding:
+	 * a + b t + c t^2. |b| + |c| / 2 < 32767. */
+	_Alignas(64) uint16_t a[KERNEL_PIECES];
+	_Alignas(64) int16_t b[KERNEL_PIECES];
+	_Alignas(64) int16_t c[KERNEL_PIECES];
+	uint8_t recode[256]; /* what mix makes of a pixel that nothing changes */
+};
+
+/*
+ * What mix writes is within 0.52 levels of the exact encoding of the exact sum, and recode[i] is i
+ * where both transfer functions are the same: tests/kernels proves both for every code and curve.
+ */
+void kernel_curves_fill(struct kernel_curves *curves, enum transfer background,
+			enum transfer output);
+
+/* A row of pixels to be mixed; R, G, B is the order of the channels. Nothing need be aligned. */
 struct kernel_row {
 	int count;
 	const int32_t *object[3];  /* [count]: O in Q24, |O| < 2^31 */
 	const int32_t *taken[3];   /* [count]: 1 - ratio in Q24 */
 	const uint16_t *coverage;  /* [count]: 65535 = 1 */
 	const uint8_t *background; /* [count] BGRX */
-	const uint16_t *decode;	   /* [256]: linear light, 65535 = 1 */
-	const uint8_t *encode;	   /* [65536] */
-	uint8_t *out;		   /* [count] BGRX; X becomes 255; written once and never read */
+	const struct kernel_curves *curves;
+	uint8_t *out; /* [count] BGRX; X becomes 255; written once and never read */
 };
 
 struct kernels {
@@ -73,17 +101,21 @@ struct kernels {
 	 *     x = round_shift(sum[p], shift), clamped to +-KERNEL_LIMIT    shift in 1..62
 	 *     x = round_shift(x * factor, 30), clamped likewise            factor <= 2^31
 	 *     x = round_shift(x * tint[p], 15), clamped likewise           unless tint is NULL
-	 * and the sum is clamped too. count 1..256.
+	 * and the sum with to[p] is clamped too. count 1..256; |sum[p]| < 2^62.
 	 */
 	void (*fold)(const int64_t *sum, int count, int shift, uint32_t factor,
 		     const uint16_t *tint, int32_t *to);
 
 	/*
-	 * For each pixel and channel, with B = decode[background], in integers:
-	 *     o     = round_shift(object, 8)
-	 *     ratio = 65536 - round_shift(taken, 8), clamped to 0..16 * 65536
-	 *     left  = 65536 - coverage - (coverage >> 15)
-	 *     out   = encode[clamp(o + round_shift(ratio * left * B, 32), 0, 65535)]
+	 * For each pixel and channel, in float, each operation rounded to the nearest (never
+	 * contracted), with B = linear[background]:
+	 *     left  = (65536 - coverage - (coverage >> 15)) * fl(KERNEL_WHITE / 65535 / 65536)
+	 *     ratio = min(max(1 - taken * 2^-24, 0), 16)
+	 *     v     = (ratio * left) * B + (object * (KERNEL_WHITE * 2^-24) + KERNEL_BLACK)
+	 * and of the bits of v, in integers:
+	 *     key   = min(max((bits >> 10) - (135 << 13), 0), 65535)      as 135 - 127 = log2 256
+	 *     i     = key >> 11,  t = (key & 2047) << 4                   t / 65536 in 0..1/2
+	 *     out   = (a[i] + ((b[i] + ((c[i] * t) >> 16)) * t >> 16)) >> 8
 	 */
 	void (*mix)(const struct kernel_row *row);
 };

@@ -1,7 +1,7 @@
+#include <string.h>
+
 #include "hal/compositor/fixed.h"
 #include "hal/compositor/kernels.h"
-
-#define RATIO_MAX (16 * Q16_ONE)
 
 static bool always(void)
 {
@@ -91,15 +91,27 @@ static void fold(const int64_t *sum, int count, int shift, uint32_t factor, cons
 	}
 }
 
-static uint8_t mix_one(int32_t object, int32_t taken, int32_t left, uint16_t background,
-		       const uint8_t *encode)
+static uint8_t encode(const struct kernel_curves *k, float v)
 {
-	int64_t ratio = Q16_ONE - round_shift(taken, 8);
-	int64_t sum;
+	int32_t bits, key, t, slope;
 
-	ratio = ratio < 0 ? 0 : ratio > RATIO_MAX ? RATIO_MAX : ratio;
-	sum = round_shift(object, 8) + round_shift(ratio * left * background, 32);
-	return encode[sum < 0 ? 0 : sum > 65535 ? 65535 : sum];
+	memcpy(&bits, &v, sizeof(bits));
+	key = (bits >> 10) - (135 << 13);
+	key = key < 0 ? 0 : key > 65535 ? 65535 : key;
+	t = (key & 2047) << 4;
+	key >>= 11;
+	slope = k->b[key] + ((k->c[key] * t) >> 16);
+	return (uint8_t)((k->a[key] + ((slope * t) >> 16)) >> 8);
+}
+
+static uint8_t mix_one(int32_t object, int32_t taken, float left, uint8_t background,
+		       const struct kernel_curves *curves)
+{
+	float ratio = 1.0f - (float)taken * 0x1p-24f;
+
+	ratio = ratio < 0.0f ? 0.0f : ratio > 16.0f ? 16.0f : ratio;
+	return encode(curves, (ratio * left) * curves->linear[background] +
+				      ((float)object * (KERNEL_WHITE * 0x1p-24f) + KERNEL_BLACK));
 }
 
 static void mix(const struct kernel_row *row)
@@ -107,12 +119,13 @@ static void mix(const struct kernel_row *row)
 	for (int x = 0; x < row->count; x++) {
 		const uint8_t *in = row->background + (size_t)x * 4;
 		uint8_t *out = row->out + (size_t)x * 4;
-		/* 1 - coverage in Q16, rounded: a / 65535 is (a + a / 32768) / 65536. */
-		const int32_t left = Q16_ONE - row->coverage[x] - (row->coverage[x] >> 15);
+		/* 1 - coverage, rounded: a / 65535 is (a + a / 32768) / 65536. */
+		const int32_t rest = 65536 - row->coverage[x] - (row->coverage[x] >> 15);
+		const float left = (float)rest * (KERNEL_WHITE / 65535 / 65536);
 
 		for (int c = 0; c < 3; c++) /* R, G, B lie at bytes 2, 1, 0 */
-			out[2 - c] = mix_one(row->object[c][x], row->taken[c][x], left,
-					     row->decode[in[2 - c]], row->encode);
+			out[2 - c] = mix_one(row->object[c][x], row->taken[c][x], left, in[2 - c],
+					     row->curves);
 		out[3] = 255;
 	}
 }
