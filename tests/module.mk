@@ -19,6 +19,7 @@ UNIT_TESTS := \
 	tests/unit/test_output.c \
 	tests/unit/test_lights_file.c \
 	tests/unit/test_basis.c \
+	tests/unit/test_basis_damage.c \
 	tests/unit/test_encode.c \
 	tests/unit/test_compositor.c \
 	tests/accuracy/test_compositor_accuracy.c \
