@@ -5,6 +5,6 @@
 #include "app/options.h"
 
 extern const struct command command_run, command_control, command_still, command_devices,
-	command_check;
+	command_check, command_bench;
 
 #endif

@@ -5,8 +5,9 @@
 #include "hal/ini/ini.h"
 #include "hal/log.h"
 
-static const struct command *const commands[] = {&command_run, &command_control, &command_still,
-						 &command_devices, &command_check};
+static const struct command *const commands[] = {&command_run,	 &command_control,
+						 &command_still, &command_devices,
+						 &command_check, &command_bench};
 
 #define COMMAND_COUNT (sizeof(commands) / sizeof(*commands))
 

@@ -1,0 +1,34 @@
+/*
+ * A whole frame, as a kiosk has it: two cameras' YUYV pictures of the basis's size to a picture.
+ * For bench alone.
+ */
+#ifndef INLAY_APP_BENCH_FRAME_H
+#define INLAY_APP_BENCH_FRAME_H
+
+#include "hal/basis/basis.h"
+#include "hal/compositor/compositor.h"
+#include "hal/fault.h"
+#include "hal/frame.h"
+
+struct bench_frame;
+
+/* The background camera's picture is made from a canvas. -ENOTSUP: the basis's lights are no
+ * dome's, so that no lens can look at them. */
+int bench_frame_create(struct bench_frame **frame, const struct basis *basis,
+		       const struct canvas *background, struct fault *fault);
+
+/* Makes the fisheye camera's picture: each cell as bright as its light, at its limit where that is
+ * beyond 1. */
+void bench_frame_light(struct bench_frame *frame, const float (*radiance)[3]);
+
+/* Conversion, light, composite; bytes: of the basis, read. */
+int bench_frame_run(struct bench_frame *frame, struct compositor *compositor, double threshold,
+		    struct canvas *out, uint64_t *bytes, struct fault *fault);
+
+/* The background as the frame saw it, and the lights that it found: for measuring its error. */
+struct picture bench_frame_background(const struct bench_frame *frame);
+const struct light_selection *bench_frame_lights(const struct bench_frame *frame);
+
+void bench_frame_destroy(struct bench_frame *frame); /* NULL is harmless */
+
+#endif

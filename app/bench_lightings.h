@@ -1,0 +1,45 @@
+/*
+ * Lightings to try a basis under: built-in ones, files of lights, panoramas. All but files are
+ * exposed as a camera would be. For bench alone.
+ */
+#ifndef INLAY_APP_BENCH_LIGHTINGS_H
+#define INLAY_APP_BENCH_LIGHTINGS_H
+
+#include "hal/basis/basis.h"
+#include "hal/fault.h"
+
+/* One or, of a kind, several, whose worst counts. */
+struct lighting {
+	char name[64];
+	int members;
+	float (*radiance)[3]; /* [members][lights] */
+};
+
+struct lightings {
+	struct lighting *item;
+	int count;
+};
+
+void lightings_free(struct lightings *lightings); /* idempotent; zeroed is fine */
+
+/* One member of a lighting: [lights]. */
+const float (*lighting_member(const struct lighting *lighting, const struct basis *basis,
+			      int member))[3];
+
+/* Each adds to the list. Fine failures leave what was there. */
+
+/* Overcast (CIE), a low sun that no bake has tried, single cells (cells of them, spread over the
+ * sky), random. White ground, or with single cells what is brightest of it and the object, has
+ * radiance 1. */
+int lightings_add_built_in(struct lightings *lightings, const struct basis *basis, int cells,
+			   struct fault *fault);
+
+int lightings_add_file(struct lightings *lightings, const struct basis *basis, const char *path,
+		       struct fault *fault);
+
+/* The mean of an equirectangular picture over each cell, white ground having radiance 0.6. -EINVAL:
+ * the picture is not of linear light, or the basis's lights are no dome's. */
+int lightings_add_panorama(struct lightings *lightings, const struct basis *basis, const char *path,
+			   struct fault *fault);
+
+#endif

@@ -1,0 +1,379 @@
+#include "app/bench_thesis.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "app/bench_transport.h"
+
+enum role { ROLE_PICTURE, ROLE_OBJECT, ROLE_SHADOW };
+
+struct thesis {
+	const struct basis *basis;
+	const struct basis_layer *layer;
+	struct pool *pool; /* that frames are made by */
+	int width, height, lights;
+	uint8_t *role;	/* [height * width]: enum role */
+	uint8_t **row;	/* [height * width]: [lights][3] of an object, [lights][6] in shadow */
+	int *first;	/* [threads + 1]: pixels of each thread, alike in bytes to read */
+	double rate;	/* radiance that a byte of an object's row stands for, times 255 */
+	double *weight; /* [lights][3] */
+	int *used;	/* [used_count]: which lights reach the threshold */
+	int used_count;
+	uint64_t light_bytes; /* a light, over all rows */
+};
+
+static size_t pixels_of(const struct thesis *t)
+{
+	return (size_t)t->width * (size_t)t->height;
+}
+
+/* ---- roles and memory ---- */
+
+/* There is no coverage: a pixel is the object's where the object has half of it. */
+static void find_roles(struct thesis *t)
+{
+	const uint16_t *coverage = t->basis->poses[0].coverage;
+	const int tiles = t->basis->tiles_across * t->basis->tiles_down;
+
+	for (int k = 0; k < tiles; k++) {
+		const struct basis_tile *tile = &t->layer->tiles[k];
+
+		for (int b = 0; b < tile->block_count; b++) {
+			const struct basis_block *block = &tile->blocks[b];
+
+			for (int p = 0; p < block->pixels; p++) {
+				const int x = tile->x + block->pixel[p] % BASIS_TILE;
+				const int y = tile->y + block->pixel[p] / BASIS_TILE;
+				const size_t at = (size_t)y * (size_t)t->width + (size_t)x;
+
+				if (block->kind != BASIS_KIND_T)
+					t->role[at] = ROLE_SHADOW;
+			}
+		}
+	}
+	for (size_t at = 0; at < pixels_of(t); at++) {
+		/* black where nothing of it shines */
+		if (coverage[at] > 32767)
+			t->role[at] = ROLE_OBJECT;
+		t->light_bytes += t->role[at] * UINT64_C(3);
+	}
+}
+
+static uint64_t memory_free(void)
+{
+	FILE *file = fopen("/proc/meminfo", "r");
+	unsigned long long kib = 0;
+	char line[128];
+
+	if (!file)
+		return UINT64_MAX;
+	while (fgets(line, sizeof(line), file) && sscanf(line, "MemAvailable: %llu kB", &kib) != 1)
+		;
+	fclose(file);
+	return kib ? (uint64_t)kib * 1024 : UINT64_MAX;
+}
+
+static int allocate_rows(struct thesis *t, struct fault *fault)
+{
+	const uint64_t needed = t->light_bytes * (uint64_t)t->lights, there = memory_free();
+
+	/* a row's own overhead, and room for everybody else */
+	if (needed + pixels_of(t) * 32 + (UINT64_C(256) << 20) > there)
+		return fault_say(fault, -ENOMEM,
+				 "the thesis's basis takes %.1f GB of memory and %.1f GB are free: "
+				 "--thesis no leaves it out",
+				 (double)needed / 1e9, (double)there / 1e9);
+	for (size_t at = 0; at < pixels_of(t); at++) {
+		if (t->role[at] == ROLE_PICTURE)
+			continue;
+		t->row[at] = calloc((size_t)t->role[at] * 3, (size_t)t->lights);
+		if (!t->row[at])
+			return fault_say(fault, -ENOMEM,
+					 "the thesis's basis takes %.1f GB of memory, more than "
+					 "there is: --thesis no leaves it out",
+					 (double)needed / 1e9);
+	}
+	return 0;
+}
+
+/* ---- quantisation ---- */
+
+struct quantiser {
+	struct thesis *thesis;
+	struct transport *transport; /* one for each thread */
+};
+
+static uint8_t byte_of(float value)
+{
+	return (uint8_t)(value <= 0 ? 0 : value >= 255 ? 255 : value + 0.5F);
+}
+
+/* Of the pixels of a tile that have a row. */
+struct tile_rows {
+	int count;
+	int pixel[TRANSPORT_PIXELS]; /* of the tile */
+	uint8_t *row[TRANSPORT_PIXELS];
+	bool is_object[TRANSPORT_PIXELS];
+	float most[TRANSPORT_PIXELS]; /* what 255 stands for */
+};
+
+static void find_rows(const struct thesis *t, const struct basis_tile *tile, struct tile_rows *rows)
+{
+	rows->count = 0;
+	for (int p = 0; p < TRANSPORT_PIXELS; p++) {
+		const int x = tile->x + p % BASIS_TILE, y = tile->y + p / BASIS_TILE;
+		const size_t at = (size_t)y * (size_t)t->width + (size_t)x;
+
+		if (p % BASIS_TILE >= tile->width || p / BASIS_TILE >= tile->height ||
+		    t->role[at] == ROLE_PICTURE)
+			continue;
+		rows->pixel[rows->count] = p;
+		rows->row[rows->count] = t->row[at];
+		rows->is_object[rows->count] = t->role[at] == ROLE_OBJECT;
+		rows->most[rows->count++] = t->role[at] == ROLE_OBJECT ? (float)t->rate : 0;
+	}
+}
+
+static void find_most(const struct transport *from, struct tile_rows *rows)
+{
+	for (int k = 0; k < 3 * from->lights; k++) {
+		for (int n = 0; n < rows->count; n++) {
+			const int p = rows->pixel[n];
+			const float u = from->unlit[k][p], s = u - from->taken[k][p];
+
+			if (!rows->is_object[n])
+				rows->most[n] = fmaxf(rows->most[n], fmaxf(u, s));
+		}
+	}
+}
+
+/* Light by light, as it lies in memory. */
+static void fill_rows(const struct transport *from, const struct tile_rows *rows)
+{
+	for (int k = 0; k < 3 * from->lights; k++) {
+		const int c = k / from->lights, i = k % from->lights;
+
+		for (int n = 0; n < rows->count; n++) {
+			const int p = rows->pixel[n];
+			const float unit = rows->most[n] > 0 ? 255 / rows->most[n] : 0;
+			uint8_t *row = rows->row[n];
+
+			if (rows->is_object[n]) {
+				row[3 * i + c] = byte_of(from->object[k][p] * unit);
+				continue;
+			}
+			row[6 * i + c] = byte_of(from->unlit[k][p] * unit);
+			row[6 * i + 3 + c] =
+				byte_of((from->unlit[k][p] - from->taken[k][p]) * unit);
+		}
+	}
+}
+
+static void quantise_tile(void *context, int item, int worker)
+{
+	const struct quantiser *q = context;
+	struct transport *from = &q->transport[worker];
+	const struct basis_tile *tile = &q->thesis->layer->tiles[item];
+	struct tile_rows rows;
+
+	find_rows(q->thesis, tile, &rows);
+	if (!rows.count)
+		return;
+	transport_fill(from, q->thesis->basis, tile);
+	find_most(from, &rows);
+	fill_rows(from, &rows);
+}
+
+static int quantise(struct thesis *t, struct pool *pool)
+{
+	const float(*peak)[3] = t->basis->poses[0].peak;
+	const int threads = pool_threads(pool);
+	struct quantiser q = {t, calloc((size_t)threads, sizeof(*q.transport))};
+	int err = q.transport ? 0 : -ENOMEM;
+
+	for (int i = 0; i < 3 * t->lights; i++)
+		t->rate = fmax(t->rate, (double)peak[i / 3][i % 3]);
+	if (!(t->rate > 0))
+		t->rate = 1;
+	for (int k = 0; !err && k < threads; k++)
+		err = transport_create(&q.transport[k], t->basis);
+	if (!err)
+		pool_run(pool, t->basis->tiles_across * t->basis->tiles_down, quantise_tile, &q);
+	for (int k = 0; q.transport && k < threads; k++)
+		transport_free(&q.transport[k]);
+	free(q.transport);
+	return err;
+}
+
+int thesis_create(struct thesis **thesis, const struct basis *basis,
+		  const struct basis_layer *layer, struct pool *pool, struct fault *fault)
+{
+	struct thesis *t = calloc(1, sizeof(*t));
+	int err = -ENOMEM;
+
+	if (!t)
+		return fault_say(fault, err, "not enough memory");
+	*t = (struct thesis){.basis = basis,
+			     .layer = layer,
+			     .width = (int)basis->info.width,
+			     .height = (int)basis->info.height,
+			     .lights = (int)basis->info.lights};
+	t->role = calloc(pixels_of(t), sizeof(*t->role));
+	t->row = calloc(pixels_of(t), sizeof(*t->row));
+	t->weight = calloc(3 * (size_t)t->lights, sizeof(*t->weight));
+	t->used = calloc((size_t)t->lights, sizeof(*t->used));
+	if (!t->role || !t->row || !t->weight || !t->used) {
+		fault_say(fault, err, "not enough memory for a picture of %dx%d", t->width,
+			  t->height);
+		goto failed;
+	}
+	find_roles(t);
+	err = allocate_rows(t, fault);
+	if (err)
+		goto failed;
+	err = quantise(t, pool);
+	if (err) {
+		fault_say(fault, err, "not enough memory for %d lights", t->lights);
+		goto failed;
+	}
+	*thesis = t;
+	return 0;
+failed:
+	thesis_destroy(t);
+	return err;
+}
+
+void thesis_destroy(struct thesis *t)
+{
+	if (!t)
+		return;
+	for (size_t at = 0; t->row && at < pixels_of(t); at++)
+		free(t->row[at]);
+	free(t->row);
+	free(t->role);
+	free(t->first);
+	free(t->weight);
+	free(t->used);
+	free(t);
+}
+
+uint64_t thesis_bytes(const struct thesis *t, int lights_used)
+{
+	return t->light_bytes * (uint64_t)lights_used;
+}
+
+void thesis_light(struct thesis *t, const struct light_selection *lights)
+{
+	t->used_count = 0;
+	for (int i = 0; i < t->lights; i++) {
+		for (int c = 0; c < 3; c++)
+			t->weight[3 * i + c] = lights->radiance[i][c];
+		if (lights->used[i])
+			t->used[t->used_count++] = i;
+	}
+}
+
+/* ---- a frame ---- */
+
+/* Each thread takes a run of pixels, of about as many bytes as the others. */
+int thesis_share(struct thesis *t, struct pool *pool)
+{
+	const int threads = pool_threads(pool);
+	const uint64_t all = t->light_bytes + pixels_of(t);
+	uint64_t sum = 0;
+	int thread = 1;
+
+	free(t->first);
+	t->first = calloc((size_t)threads + 1, sizeof(*t->first));
+	if (!t->first)
+		return -ENOMEM;
+	t->pool = pool;
+	for (size_t at = 0; at < pixels_of(t); at++) {
+		while (thread < threads && sum * (uint64_t)threads >= all * (uint64_t)thread)
+			t->first[thread++] = (int)at;
+		sum += t->role[at] * UINT64_C(3) + 1;
+	}
+	while (thread <= threads)
+		t->first[thread++] = (int)pixels_of(t);
+	return 0;
+}
+
+struct frame_work {
+	const struct thesis *thesis;
+	const struct canvas *background;
+	struct canvas *out;
+};
+
+static uint8_t whole(double value)
+{
+	return value >= 255 ? 255 : (uint8_t)value;
+}
+
+static void object_pixel(const struct thesis *t, const uint8_t *row, uint8_t *out)
+{
+	double r = 0, g = 0, b = 0;
+
+	for (int k = 0; k < t->used_count; k++) {
+		const int at = 3 * t->used[k];
+
+		r += row[at] * t->weight[at];
+		g += row[at + 1] * t->weight[at + 1];
+		b += row[at + 2] * t->weight[at + 2];
+	}
+	out[2] = whole(r * t->rate + 0.5);
+	out[1] = whole(g * t->rate + 0.5);
+	out[0] = whole(b * t->rate + 0.5);
+}
+
+static void shadow_pixel(const struct thesis *t, const uint8_t *row, const uint8_t *in,
+			 uint8_t *out)
+{
+	double without[3] = {0, 0, 0}, with[3] = {0, 0, 0};
+
+	for (int k = 0; k < t->used_count; k++) {
+		const double *w = t->weight + 3 * t->used[k];
+		const uint8_t *v = row + 6 * t->used[k];
+
+		without[0] += v[0] * w[0];
+		without[1] += v[1] * w[1];
+		without[2] += v[2] * w[2];
+		with[0] += v[3] * w[0];
+		with[1] += v[4] * w[1];
+		with[2] += v[5] * w[2];
+	}
+	for (int c = 0; c < 3; c++)
+		out[2 - c] = without[c] > 0 ? whole(in[2 - c] * with[c] / without[c]) : 0;
+}
+
+static void run_share(void *context, int item, int worker)
+{
+	const struct frame_work *work = context;
+	const struct thesis *t = work->thesis;
+
+	(void)worker;
+	for (int at = t->first[item]; at < t->first[item + 1]; at++) {
+		const size_t x = (size_t)(at % t->width) * 4, y = (size_t)(at / t->width);
+		const uint8_t *in = work->background->pixels + y * work->background->stride + x;
+		uint8_t *out = work->out->pixels + y * work->out->stride + x;
+
+		if (t->role[at] == ROLE_PICTURE) {
+			out[0] = in[0];
+			out[1] = in[1];
+			out[2] = in[2];
+		} else if (t->role[at] == ROLE_OBJECT) {
+			object_pixel(t, t->row[at], out);
+		} else {
+			shadow_pixel(t, t->row[at], in, out);
+		}
+	}
+}
+
+void thesis_run(struct thesis *t, const struct canvas *background, struct canvas *out)
+{
+	struct frame_work work = {t, background, out};
+
+	pool_run(t->pool, pool_threads(t->pool), run_share, &work);
+}

@@ -1,0 +1,70 @@
+/*
+ * The ways to make a picture that bench compares: each prepares itself, untimed, and then makes one
+ * frame. For bench alone.
+ */
+#ifndef INLAY_APP_BENCH_WAYS_H
+#define INLAY_APP_BENCH_WAYS_H
+
+#include "app/bench.h"
+#include "app/bench_frame.h"
+#include "app/bench_lightings.h"
+#include "app/bench_memory.h"
+#include "app/bench_thesis.h"
+#include "hal/compositor/compositor.h"
+
+/* What all ways share. */
+struct bench_stage {
+	const struct bench_settings *settings;
+	const struct basis *basis;
+	bool exact; /* there is an exact layer */
+	struct pool *pool;
+	struct canvas background, out;
+	struct picture background_picture;
+	struct thesis *thesis;	     /* NULL: left out */
+	struct bench_frame *cameras; /* NULL: the basis's lights are no dome's */
+	struct reading reading;
+	const struct lighting *lighting; /* of this round */
+	struct light_selection lights;	 /* of the member whose turn it is */
+	struct light_selection before;	 /* the same, but for some */
+	float (*scratch)[3];		 /* [lights] */
+};
+
+enum bench_kind { BENCH_THESIS, BENCH_COMPOSITE, BENCH_FRAME, BENCH_READ, BENCH_COPY };
+
+#define BENCH_CHANGE_ALL (-1)
+
+struct bench_way {
+	enum bench_kind kind;
+	struct bench_row row; /* what and kernel; the rest when it is known */
+	/* BENCH_COMPOSITE, BENCH_FRAME */
+	struct compositor *compositor;
+	struct compositor_settings composite;
+	int changed;	/* lights that differ from the frame before it: 0, n, BENCH_CHANGE_ALL */
+	uint64_t bytes; /* of the basis, read by its last frame */
+	/* BENCH_READ: as many bytes as that way has read */
+	const struct bench_way *like;
+	double *ms; /* [repeat] */
+};
+
+struct bench_ways {
+	struct bench_way *way;
+	int count;
+	struct compositor **compositors;
+	int compositor_count;
+};
+
+int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage,
+		      struct fault *fault);
+void bench_ways_free(struct bench_ways *ways); /* idempotent; zeroed is fine */
+
+/* Makes a member of the lighting the one whose turn it is. */
+void bench_stage_light(struct bench_stage *stage, int member);
+
+/* Untimed: what has to be so before this way's frame, one frame of it included. */
+int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn,
+		      struct fault *fault);
+
+/* The frame, into stage->out. */
+int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault *fault);
+
+#endif
