@@ -12,6 +12,8 @@ HAL_SOURCES := \
 	hal/frame_decode.c \
 	hal/frame_fields.c \
 	hal/frame_jpeg.c \
+	hal/frame_reader.c \
+	hal/frame_rows.c \
 	hal/frame_ycbcr.c \
 	hal/log.c \
 	hal/output.c \
@@ -28,14 +30,19 @@ HAL_SOURCES := \
 	hal/basis/basis_chunks.c \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_writer.c \
+	hal/compositor/backdrop.c \
+	hal/compositor/block_sums.c \
 	hal/compositor/compositor.c \
+	hal/compositor/division.c \
+	hal/compositor/frame.c \
 	hal/compositor/kernel_curves.c \
 	hal/compositor/kernels.c \
 	hal/compositor/kernels_c.c \
+	hal/compositor/light_vector.c \
+	hal/compositor/plan.c \
 	hal/compositor/reference.c \
 	hal/compositor/selection.c \
 	hal/compositor/tile.c \
-	hal/compositor/weights.c \
 	hal/image/image.c \
 	hal/image/image_png.c \
 	hal/image/image_jpeg.c \
@@ -52,3 +59,12 @@ HAL_SOURCES := \
 	hal/optics/panorama.c \
 	hal/optics/tsai.c
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)
+
+# Rows of video for wider instruction sets; who calls them asks the processor first.
+ifeq ($(MACHINE),x86_64)
+HAL_SOURCES += hal/frame_rows_avx2.c hal/frame_rows_avx512.c
+$(BUILD)/hal/frame_rows_avx2.o: ISA_FLAGS := -mavx2
+$(BUILD)/hal/frame_rows_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl
+else ifeq ($(MACHINE),aarch64)
+HAL_SOURCES += hal/frame_rows_neon.c
+endif

@@ -1,178 +1,214 @@
-#include "hal/compositor/compositor.h"
+#include "hal/compositor/compositor_parts.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/compositor/tile.h"
-
 /* Several for each thread, so that one held up by the system is helped by the others. */
-#define ITEMS_A_THREAD 8
+#define RUNS_A_THREAD 8
+/* What a tile takes, in bytes of basis that take as long to read: copied, and mixed. */
+#define COPY_COST 1024
+#define MIX_COST 8192
 
-/* What a tile's own pixels cost, in bytes of basis that take as long to read: copied, and mixed. */
-#define COPY_COST 8192
-#define MIX_COST 32768
-
-/* A pose's tiles, divided into runs of about equal bytes. */
-struct division {
-	int *first;  /* [items + 1]: of each run; the last is the number of tiles */
-	bool *plain; /* [tiles]: the object changes nothing here */
-};
-
-struct compositor {
-	const struct basis *basis;
-	struct pool *pool;
-	struct compositor_settings settings;
-	int tiles, items, workers;
-	bool receivers;		    /* some pose has a D block */
-	struct division *divisions; /* [poses] */
-	struct weights object[3], receiver[3];
-	struct weights (*ground)[3];   /* [grounds] */
-	struct tile_scratch **scratch; /* [workers] */
-	struct transfer_tables decode, encode;
-	uint8_t recode[256];
-	struct tile_frame frame;
-};
-
-static bool is_plain(const struct basis *basis, int pose, const struct basis_tile *tile)
+static int divide(struct compositor *c, struct layer *layer)
 {
-	const uint16_t *coverage = basis->poses[pose].coverage;
+	const int most = c->workers > 1 ? c->workers * RUNS_A_THREAD : 1;
+	double *cost = calloc((size_t)c->tiles, sizeof(*cost));
+	int ret;
 
-	if (tile->block_count)
-		return false;
-	for (int y = 0; y < tile->height; y++) {
-		const uint16_t *a = coverage + (size_t)(tile->y + y) * basis->info.width + tile->x;
-
-		for (int x = 0; x < tile->width; x++) {
-			if (a[x])
-				return false;
-		}
-	}
-	return true;
+	if (!cost)
+		return -ENOMEM;
+	for (int t = 0; t < c->tiles; t++)
+		cost[t] = layer->plan.tiles[t].plain
+				  ? COPY_COST
+				  : MIX_COST + (double)layer->basis->tiles[t].bytes;
+	ret = division_create(&layer->division, most < c->tiles ? most : c->tiles, c->tiles, cost);
+	free(cost);
+	return ret;
 }
 
-static uint64_t tile_cost(const struct basis_tile *tile, bool plain)
+static int create_layer(struct compositor *c, struct layer *layer, const struct basis_pose *pose,
+			enum compositor_mode mode)
 {
-	return tile->bytes + (plain ? COPY_COST : MIX_COST);
+	const struct basis_layer *basis = mode == COMPOSITOR_EXACT ? &pose->exact : &pose->shown;
+	int ret;
+
+	layer->basis = basis;
+	if (!basis->tiles)
+		return 0;
+	ret = layer_plan_create(&layer->plan, c->basis, pose, basis, mode == COMPOSITOR_FAST);
+	if (ret < 0)
+		return ret;
+	layer->needs_ground = calloc(c->basis->info.grounds + (size_t)1,
+				     sizeof(*layer->needs_ground));
+	if (!layer->needs_ground)
+		return -ENOMEM;
+	for (int n = 0; n < basis->block_count; n++) {
+		const struct basis_block *b = &basis->blocks[n];
+
+		layer->needs[b->kind] = true;
+		if (b->kind == BASIS_KIND_V)
+			layer->needs_ground[b->ground] = true;
+	}
+	return divide(c, layer);
 }
 
-static void divide(const struct compositor *c, int pose, struct division *division)
+static int create_poses(struct compositor *c)
 {
-	const struct basis_tile *tiles = c->basis->poses[pose].tiles;
-	uint64_t all = 0, before = 0;
-	int item = 0;
+	int ret = 0;
 
-	for (int t = 0; t < c->tiles; t++) {
-		division->plain[t] = is_plain(c->basis, pose, &tiles[t]);
-		all += tile_cost(&tiles[t], division->plain[t]);
+	c->poses = calloc(c->basis->info.poses, sizeof(*c->poses));
+	if (!c->poses)
+		return -ENOMEM;
+	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
+		for (int mode = 0; ret == 0 && mode < COMPOSITOR_MODE_COUNT; mode++)
+			ret = create_layer(c, &c->poses[p].layer[mode], &c->basis->poses[p],
+					   (enum compositor_mode)mode);
 	}
-	for (int t = 0; t < c->tiles; t++) {
-		while (item < c->items && before >= all / (unsigned)c->items * (unsigned)item)
-			division->first[item++] = t;
-		before += tile_cost(&tiles[t], division->plain[t]);
-	}
-	while (item <= c->items)
-		division->first[item++] = c->tiles;
+	return ret;
 }
 
-static bool has_receivers(const struct basis *basis)
+static bool any_needs(const struct compositor *c, enum basis_kind kind, uint32_t ground)
 {
-	for (uint32_t p = 0; p < basis->info.poses; p++) {
-		for (int b = 0; b < basis->poses[p].block_count; b++) {
-			if (basis->poses[p].blocks[b].kind == BASIS_KIND_D)
+	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
+		for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
+			const struct layer *l = &c->poses[p].layer[mode];
+
+			if (l->basis->tiles &&
+			    (kind == BASIS_KIND_V ? l->needs_ground[ground] : l->needs[kind]))
 				return true;
 		}
 	}
 	return false;
 }
 
-static int create_divisions(struct compositor *c)
+/* Tells the light vectors how far the columns reach that a frame may leave out. */
+static void expect_columns(struct compositor *c, const struct layer *layer)
 {
-	const int poses = (int)c->basis->info.poses;
+	for (int n = 0; n < layer->basis->block_count; n++) {
+		const struct block_plan *plan = &layer->plan.blocks[n];
+		const struct basis_block *b = plan->block;
 
-	c->divisions = calloc((size_t)poses, sizeof(*c->divisions));
-	if (!c->divisions)
-		return -ENOMEM;
-	for (int p = 0; p < poses; p++) {
-		struct division *d = &c->divisions[p];
-
-		d->first = calloc((size_t)c->items + 1, sizeof(*d->first));
-		d->plain = calloc((size_t)c->tiles, sizeof(*d->plain));
-		if (!d->first || !d->plain)
-			return -ENOMEM;
-		divide(c, p, d);
+		for (int k = 0; plan->has && k < b->columns; k++)
+			light_vector_expect(b->kind == BASIS_KIND_V ? &c->ground[b->ground]
+								    : &c->vector[b->kind],
+					    b->light[k], b->column_scale[k] * plan->reach);
 	}
-	return 0;
 }
 
-static int create_weights(struct compositor *c)
+static int create_vectors(struct compositor *c)
 {
-	const int n = (int)c->basis->info.lights;
 	int ret = 0;
 
 	c->ground = calloc(c->basis->info.grounds + (size_t)1, sizeof(*c->ground));
 	if (!c->ground)
 		return -ENOMEM;
-	for (int k = 0; ret == 0 && k < 3; k++) {
-		ret = weights_create(&c->object[k], n);
-		if (ret == 0 && c->receivers)
-			ret = weights_create(&c->receiver[k], n);
-		for (uint32_t g = 0; ret == 0 && g < c->basis->info.grounds; g++)
-			ret = weights_create(&c->ground[g][k], n);
+	for (int k = 0; ret == 0 && k < BASIS_KIND_COUNT; k++) {
+		if (k != BASIS_KIND_V && any_needs(c, (enum basis_kind)k, 0))
+			ret = light_vector_create(&c->vector[k], c->basis);
 	}
+	for (uint32_t g = 0; ret == 0 && g < c->basis->info.grounds; g++) {
+		if (any_needs(c, BASIS_KIND_V, g))
+			ret = light_vector_create(&c->ground[g], c->basis);
+	}
+	for (uint32_t p = 0; ret == 0 && p < c->basis->info.poses; p++)
+		expect_columns(c, &c->poses[p].layer[COMPOSITOR_FAST]);
 	return ret;
 }
 
-static int create_scratch(struct compositor *c)
+/* Zeros, at a cache line. */
+static void *aligned_zeros(size_t bytes)
 {
-	c->scratch = calloc((size_t)c->workers, sizeof(*c->scratch));
-	if (!c->scratch)
+	void *memory = aligned_alloc(BASIS_ALIGN,
+				     (bytes + BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN);
+
+	return memory ? memset(memory, 0, bytes) : NULL;
+}
+
+static int create_workers(struct compositor *c)
+{
+	const size_t row = c->basis->info.width,
+		     span = (size_t)SPAN_TILES * BASIS_TILE * BASIS_TILE;
+
+	c->worker = calloc((size_t)c->workers, sizeof(*c->worker));
+	if (!c->worker)
 		return -ENOMEM;
 	for (int w = 0; w < c->workers; w++) {
-		c->scratch[w] = tile_scratch_create((int)c->basis->info.lights);
-		if (!c->scratch[w])
+		c->worker[w] = aligned_zeros(sizeof(**c->worker));
+		if (!c->worker[w])
+			return -ENOMEM;
+		c->worker[w]->rows = aligned_zeros(4 * (row > span ? row : span));
+		if (!c->worker[w]->rows ||
+		    block_work_create(&c->worker[w]->tile.block, c->basis) < 0)
 			return -ENOMEM;
 	}
 	return 0;
 }
 
-static void fill_tables(struct compositor *c)
+int compositor_create(struct compositor **compositor, const struct basis *basis,
+		      const struct compositor_options *options, struct fault *fault)
 {
-	transfer_tables_fill(&c->decode, c->settings.background);
-	transfer_tables_fill(&c->encode, c->settings.output);
-	for (int code = 0; code < 256; code++)
-		c->recode[code] = c->encode.encode[c->decode.decode[code]];
-}
-
-int compositor_create(struct compositor **compositor, const struct basis *basis, struct pool *pool,
-		      struct fault *fault)
-{
-	struct compositor *c = calloc(1, sizeof(*c));
+	const struct kernels *kernels = kernels_choose(options->kernel);
+	struct compositor *c;
 	int ret;
 
 	*compositor = NULL;
+	if (!kernels)
+		return fault_say(fault, -ENOTSUP, "this processor has no kernel called \"%s\"",
+				 options->kernel ? options->kernel : "auto");
+	c = aligned_zeros(sizeof(*c));
 	if (!c)
 		return fault_say(fault, -ENOMEM, "the compositor is out of memory");
 	c->basis = basis;
-	c->pool = pool;
-	c->workers = pool ? pool_threads(pool) : 1;
+	c->kernels = kernels;
+	c->pool = options->pool;
+	c->workers = c->pool ? pool_threads(c->pool) : 1;
 	c->tiles = basis->tiles_across * basis->tiles_down;
-	c->receivers = has_receivers(basis);
-	c->items = c->workers * ITEMS_A_THREAD;
-	c->settings = (struct compositor_settings){
-		.background = TRANSFER_SRGB, .output = TRANSFER_SRGB, .gain = 1, .object = true};
-	ret = create_divisions(c);
+	c->settings = (struct compositor_settings){.reuse = REUSE_NEVER,
+						   .background = TRANSFER_SRGB,
+						   .output = TRANSFER_SRGB,
+						   .gain = 1,
+						   .object = true};
+	ret = create_poses(c);
 	if (ret == 0)
-		ret = create_weights(c);
+		ret = create_vectors(c);
 	if (ret == 0)
-		ret = create_scratch(c);
+		ret = create_workers(c);
 	if (ret < 0) {
 		compositor_destroy(c);
 		return fault_say(fault, ret, "the compositor is out of memory");
 	}
-	fill_tables(c);
+	kernel_curves_fill(&c->curves, TRANSFER_SRGB, TRANSFER_SRGB);
 	*compositor = c;
 	return 0;
+}
+
+/* Room for the sums of any pose in this mode. Without it nothing is kept, and the pictures are the
+ * same. */
+static void make_room(struct compositor *c, enum compositor_mode mode)
+{
+	size_t size = 0, blocks = 0;
+
+	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
+		const struct layer *l = &c->poses[p].layer[mode];
+
+		size = l->plan.kept_size > size ? l->plan.kept_size : size;
+		if (l->plan.kept_blocks && (size_t)l->basis->block_count > blocks)
+			blocks = (size_t)l->basis->block_count;
+	}
+	if (size <= c->kept_size && blocks <= c->valid_size)
+		return;
+	free(c->kept);
+	free(c->valid);
+	c->kept_of = NULL;
+	c->kept_size = size;
+	c->valid_size = blocks;
+	c->kept = aligned_alloc(BASIS_ALIGN, size * sizeof(*c->kept));
+	c->valid = calloc(blocks, sizeof(*c->valid));
+	if (!c->kept || !c->valid) {
+		free(c->kept);
+		c->kept = NULL;
+	}
 }
 
 void compositor_set(struct compositor *c, const struct compositor_settings *settings)
@@ -182,87 +218,47 @@ void compositor_set(struct compositor *c, const struct compositor_settings *sett
 
 	c->settings = *settings;
 	if (!same)
-		fill_tables(c);
+		kernel_curves_fill(&c->curves, settings->background, settings->output);
+	if (settings->reuse != REUSE_NEVER)
+		make_room(c, settings->mode);
 }
 
-static void fill_weights(struct compositor *c, const struct light_selection *lights)
+struct compositor_frame compositor_last(const struct compositor *c)
 {
-	for (int k = 0; k < 3; k++) {
-		weights_object(&c->object[k], lights, k, c->settings.gain);
-		if (c->receivers)
-			weights_receiver(&c->receiver[k], lights, k);
-		for (uint32_t g = 0; g < c->basis->info.grounds; g++)
-			weights_ground(&c->ground[g][k], lights, k,
-				       basis_ground(c->basis, (int)g, k));
-	}
+	return c->last;
 }
 
-static void work(void *context, int item, int worker)
+const char *compositor_kernel(const struct compositor *c)
 {
-	struct compositor *c = context;
-	const struct division *d = &c->divisions[c->frame.pose];
-	const struct basis_tile *tiles = c->basis->poses[c->frame.pose].tiles;
-
-	for (int t = d->first[item]; t < d->first[item + 1]; t++) {
-		if (d->plain[t] || !c->settings.object)
-			tile_copy(&c->frame, &tiles[t]);
-		else
-			tile_composite(&c->frame, &tiles[t], c->scratch[worker]);
-	}
-}
-
-int compositor_run(struct compositor *c, int pose, const struct light_selection *lights,
-		   const struct picture *background, uint8_t *out, size_t out_stride)
-{
-	const struct basis_info_chunk *info = &c->basis->info;
-
-	if (pose < 0 || (uint32_t)pose >= info->poses || background->width != (int)info->width ||
-	    background->height != (int)info->height || lights->count != (int)info->lights ||
-	    out_stride < (size_t)info->width * 4)
-		return -EINVAL;
-	if (c->settings.object)
-		fill_weights(c, lights);
-	c->frame = (struct tile_frame){
-		.basis = c->basis,
-		.pose = pose,
-		.object = c->object,
-		.receiver = c->receiver,
-		.ground = (const struct weights(*)[3])c->ground,
-		.decode = c->decode.decode,
-		.encode = c->encode.encode,
-		.recode = c->recode,
-		.same_codes = c->settings.background == c->settings.output,
-		.background = *background,
-		.out = out,
-		.out_stride = out_stride,
-	};
-	if (c->pool) {
-		pool_run(c->pool, c->items, work, c);
-	} else {
-		for (int item = 0; item < c->items; item++)
-			work(c, item, 0);
-	}
-	return 0;
+	return c->kernels->name;
 }
 
 void compositor_destroy(struct compositor *c)
 {
 	if (!c)
 		return;
-	for (uint32_t p = 0; c->divisions && p < c->basis->info.poses; p++) {
-		free(c->divisions[p].first);
-		free(c->divisions[p].plain);
+	for (uint32_t p = 0; c->poses && p < c->basis->info.poses; p++) {
+		for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
+			struct layer *l = &c->poses[p].layer[mode];
+
+			layer_plan_free(&l->plan);
+			division_free(&l->division);
+			free(l->needs_ground);
+		}
 	}
-	free(c->divisions);
-	for (int k = 0; k < 3; k++) {
-		weights_free(&c->object[k]);
-		weights_free(&c->receiver[k]);
-		for (uint32_t g = 0; c->ground && g < c->basis->info.grounds; g++)
-			weights_free(&c->ground[g][k]);
-	}
+	free(c->poses);
+	for (int k = 0; k < BASIS_KIND_COUNT; k++)
+		light_vector_free(&c->vector[k]);
+	for (uint32_t g = 0; c->ground && g < c->basis->info.grounds; g++)
+		light_vector_free(&c->ground[g]);
 	free(c->ground);
-	for (int w = 0; c->scratch && w < c->workers; w++)
-		tile_scratch_destroy(c->scratch[w]);
-	free(c->scratch);
+	for (int w = 0; c->worker && w < c->workers && c->worker[w]; w++) {
+		block_work_free(&c->worker[w]->tile.block);
+		free(c->worker[w]->rows);
+		free(c->worker[w]);
+	}
+	free(c->worker);
+	free(c->kept);
+	free(c->valid);
 	free(c);
 }

@@ -11,7 +11,7 @@
  * goes out the ratio goes to 1 without a jump, 0/0 included. ratio is capped at
  * COMPOSITOR_RATIO_MAX.
  *
- * compositor_run() is integer arithmetic: README.md names every Q format and proves that nothing
+ * compositor_run() sums in integers: README.md names every Q format and proves that nothing
  * overflows. compositor_reference() is the same formula in double precision with the exact transfer
  * function; it is what the integer one is measured against.
  */
@@ -91,6 +91,8 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 
 const char *compositor_kernel(const struct compositor *compositor); /* the one in use */
 
+/* From the next frame on. Allocates room for sums when reuse is first allowed and the file has
+ * blocks whose sums are worth keeping; where there is no memory for it nothing is reused. */
 void compositor_set(struct compositor *compositor, const struct compositor_settings *settings);
 
 /*
@@ -100,7 +102,9 @@ void compositor_set(struct compositor *compositor, const struct compositor_setti
 struct backdrop {
 	int width, height;
 	struct picture picture; /* where make is NULL */
-	/* Writes the rectangle as upright BGRX. */
+	/* Writes the rectangle as upright BGRX, X being 255, and nothing beside it: out may be the
+	 * screen. A pixel must not depend on which rectangle it is asked for in; those begin at
+	 * multiples of BASIS_TILE. */
 	void (*make)(const void *context, int x, int y, int width, int height, uint8_t *out,
 		     size_t out_stride);
 	const void *context;

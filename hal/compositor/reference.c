@@ -1,8 +1,10 @@
-/* The compositor's formula in double precision, straight from compositor.h. */
+/* The compositor's formula in double precision, straight from compositor.h and basis_format.h. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "hal/basis/basis_layout.h"
 #include "hal/compositor/compositor.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
@@ -11,99 +13,145 @@ struct scene {
 	const struct basis *basis;
 	const struct compositor_settings *settings;
 	double (*radiance)[3]; /* [lights]: used and ambient together */
+	double (*x)[3];	       /* [lights]: X of the block in hand */
+	double (*y)[3];	       /* [coarse] */
 };
 
 struct tile_values {
 	double object[TILE_PIXELS][3];
-	double ratio[TILE_PIXELS][3];
+	double taken[TILE_PIXELS][3];
+	double own[TILE_PIXELS][3]; /* of D and U: sum u L + e */
+	double less[TILE_PIXELS][3];
 };
 
-static double row_value(const struct basis_block *b, int p, int c, int i)
+/* X of a block's kind; all: what is lit if every cell has radiance 1. */
+static void fill_x(const struct scene *s, const struct basis_block *b, double more)
 {
-	const size_t row = b->channels == 3 ? (size_t)p * 3 + (size_t)c : (size_t)p;
-
-	return (double)b->scale[row] * b->row[row * (size_t)b->stride + (size_t)i];
-}
-
-/* sum over i of value_i L_i, and in *all the sum of the values alone. */
-static double lit_sum(const struct scene *s, const struct basis_block *b, int p, int c, double *all)
-{
-	double sum = 0;
-
-	*all = 0;
-	for (int i = 0; i < b->lights; i++) {
-		const double value = row_value(b, p, c, i);
-
-		sum += value * s->radiance[b->light[i]][c];
-		*all += value;
-	}
-	return sum;
-}
-
-static double ratio_of(double taken, double lit, double all)
-{
-	const double there = lit + ldexp(all, -20);
-
-	return there > 0 ? fmin(fmax(1 - taken / there, 0), COMPOSITOR_RATIO_MAX) : 1;
-}
-
-static double ground_ratio(const struct scene *s, const struct basis_block *b, int p, int c)
-{
-	const double *u = basis_ground(s->basis, b->ground, c);
-	const int listed = b->lights - b->rest;
-	const double rest = b->rest ? row_value(b, p, c, listed) : 0;
-	double taken = 0, lit = 0, all = 0;
-	int next = 0; /* of the list */
-
 	for (uint32_t i = 0; i < s->basis->info.lights; i++) {
-		const double light = u[i] * s->radiance[i][c];
-		double v = rest;
-
-		if (next < listed && b->light[next] == i)
-			v = row_value(b, p, c, next++);
-		taken += v * light;
-		lit += light;
-		all += u[i];
+		for (int c = 0; c < 3; c++)
+			s->x[i][c] = (s->radiance[i][c] + more) *
+				     (b->kind == BASIS_KIND_V
+					      ? basis_ground(s->basis, b->ground, c)[i]
+					      : s->basis->lights[i].solid_angle_sr);
 	}
-	return ratio_of(taken, lit, all);
 }
 
-static void add_block(const struct scene *s, const struct basis_block *b, struct tile_values *v)
+static void fill_y(const struct scene *s)
 {
-	double all, taken, lit;
+	const struct basis_info_chunk *info = &s->basis->info;
 
-	for (int p = 0; p < b->pixels; p++) {
+	memset(s->y, 0, sizeof(*s->y) * info->coarse);
+	for (uint32_t i = 0; i < info->lights; i++) {
 		for (int c = 0; c < 3; c++) {
-			switch (b->kind) {
-			case BASIS_KIND_T:
-				v->object[b->pixel[p]][c] = s->settings->gain *
-							    lit_sum(s, b, p, c, &all);
-				break;
-			case BASIS_KIND_V:
-				v->ratio[b->pixel[p]][c] = ground_ratio(s, b, p, c);
-				break;
-			case BASIS_KIND_D:
-				taken = lit_sum(s, b, p, c, &all);
-				lit = lit_sum(s, b + 1, p, c, &all);
-				v->ratio[b->pixel[p]][c] = ratio_of(taken, lit, all);
-				break;
-			default: /* U came with its D */
-				break;
-			}
+			if (!s->basis->coarse)
+				s->y[i][c] = s->x[i][c];
+			for (int k = 0; s->basis->coarse && k < 3; k++)
+				s->y[s->basis->coarse[i].index[k]][c] +=
+					s->x[i][c] * s->basis->coarse[i].weight[k] /
+					BASIS_COARSE_ONE;
 		}
 	}
+}
+
+/* Where pixel p of a channel stands in a line of so many pixels, among `lines` lines a panel. */
+static size_t place(const struct basis_block *b, int p, int c, int lines, int line, int width)
+{
+	const int channel = b->channels == 3 ? c : 0;
+
+	return ((size_t)(p / width * b->channels + channel) * (size_t)lines + (size_t)line) *
+		       (size_t)width +
+	       (size_t)(p % width);
+}
+
+static double column_value(const struct basis_block *b, int p, int c, int n)
+{
+	return (double)b->column_scale[n] *
+	       (b->bits == 8 ? b->column8[place(b, p, c, b->columns, n, BASIS_LINE8)]
+			     : b->column16[place(b, p, c, b->columns, n, BASIS_LINE16)]);
+}
+
+/* value * X, summed; to[pixel][c] gains it. */
+static void add_block(const struct scene *s, const struct basis_block *b, double more,
+		      double (*to)[3])
+{
+	fill_x(s, b, more);
+	fill_y(s);
+	for (int j = 0; j < b->patterns; j++) {
+		double y[3] = {0};
+
+		for (uint32_t k = 0; k < s->basis->info.coarse; k++) {
+			for (int c = 0; c < 3; c++)
+				y[c] += b->pattern[(size_t)j * (size_t)b->stride + k] * s->y[k][c];
+		}
+		for (int p = 0; p < b->pixels; p++) {
+			for (int c = 0; c < 3; c++)
+				to[p][c] += (double)b->pattern_scale[j] * y[c] *
+					    b->coefficient[place(b, p, c, b->patterns, j,
+								 BASIS_LINE16)];
+		}
+	}
+	for (int n = 0; n < b->columns; n++) {
+		for (int p = 0; p < b->pixels; p++) {
+			for (int c = 0; c < 3; c++)
+				to[p][c] += column_value(b, p, c, n) * s->x[b->light[n]][c];
+		}
+	}
+}
+
+/* The block's values times light, tinted and times factor[c], added to its pixels. */
+static void spread_block(const struct scene *s, const struct basis_block *b, double more,
+			 const double factor[3], double (*to)[3])
+{
+	double value[TILE_PIXELS][3] = {{0}};
+
+	add_block(s, b, more, value);
+	for (int p = 0; p < b->pixels; p++) {
+		for (int c = 0; c < 3; c++)
+			to[b->pixel[p]][c] +=
+				value[p][c] * factor[c] *
+				(b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1);
+	}
+}
+
+static void spread_ground(const struct scene *s, const struct basis_block *b, struct tile_values *v)
+{
+	double factor[3];
+
+	for (int c = 0; c < 3; c++) {
+		const double *u = basis_ground(s->basis, b->ground, c);
+		double there = 0;
+
+		for (uint32_t i = 0; i < s->basis->info.lights; i++)
+			there += u[i] * (s->radiance[i][c] + 0x1p-20);
+		factor[c] = there > 0 ? 1 / there : 0;
+	}
+	spread_block(s, b, 0, factor, v->taken);
 }
 
 static void fill_tile(const struct scene *s, const struct basis_tile *tile, struct tile_values *v)
 {
+	const double gain = s->settings->gain;
+	const double gains[3] = {gain, gain, gain}, ones[3] = {1, 1, 1};
+
+	memset(v, 0, sizeof(*v));
+	for (int n = 0; s->settings->object && n < tile->block_count; n++) {
+		const struct basis_block *b = &tile->blocks[n];
+
+		if (b->kind == BASIS_KIND_T)
+			spread_block(s, b, 0, gains, v->object);
+		else if (b->kind == BASIS_KIND_V)
+			spread_ground(s, b, v);
+		else if (b->kind == BASIS_KIND_D)
+			spread_block(s, b, 0, ones, v->less);
+		else
+			spread_block(s, b, 0x1p-20, ones, v->own);
+	}
 	for (int p = 0; p < TILE_PIXELS; p++) {
 		for (int c = 0; c < 3; c++) {
-			v->object[p][c] = 0;
-			v->ratio[p][c] = 1;
+			if (v->own[p][c] > 0)
+				v->taken[p][c] += v->less[p][c] / v->own[p][c];
 		}
 	}
-	for (int i = 0; s->settings->object && i < tile->block_count; i++)
-		add_block(s, &tile->blocks[i], v);
 }
 
 static void write_tile(const struct scene *s, int pose, const struct basis_tile *tile,
@@ -125,14 +173,34 @@ static void write_tile(const struct scene *s, int pose, const struct basis_tile 
 			for (int c = 0; c < 3; c++) {
 				const double behind = transfer_decode(s->settings->background,
 								      in[2 - c] / 255.0);
-				const double linear = v->object[p][c] +
-						      (1 - a) * v->ratio[p][c] * behind;
+				const double ratio = fmin(fmax(1 - v->taken[p][c], 0),
+							  COMPOSITOR_RATIO_MAX);
 
-				out[at * 3 + (size_t)c] = 255 * transfer_encode(s->settings->output,
-										linear);
+				out[at * 3 + (size_t)c] =
+					255 *
+					transfer_encode(s->settings->output,
+							v->object[p][c] + (1 - a) * ratio * behind);
 			}
 		}
 	}
+}
+
+static int write_picture(struct scene *s, int pose, const struct picture *background, double *out)
+{
+	const struct basis *basis = s->basis;
+	const struct basis_layer *layer = s->settings->mode == COMPOSITOR_EXACT
+						  ? &basis->poses[pose].exact
+						  : &basis->poses[pose].shown;
+	struct tile_values *values = malloc(sizeof(*values));
+
+	if (!values)
+		return -ENOMEM;
+	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++) {
+		fill_tile(s, &layer->tiles[t], values);
+		write_tile(s, pose, &layer->tiles[t], background, values, out);
+	}
+	free(values);
+	return 0;
 }
 
 int compositor_reference(const struct basis *basis, int pose,
@@ -142,24 +210,25 @@ int compositor_reference(const struct basis *basis, int pose,
 {
 	const struct basis_info_chunk *info = &basis->info;
 	struct scene scene = {.basis = basis, .settings = settings};
-	struct tile_values values;
+	int ret = -ENOMEM;
 
 	if (pose < 0 || (uint32_t)pose >= info->poses || background->width != (int)info->width ||
 	    background->height != (int)info->height || lights->count != (int)info->lights)
 		return -EINVAL;
+	if (settings->mode == COMPOSITOR_EXACT && !basis->poses[pose].exact.tiles)
+		return -ENODATA;
 	scene.radiance = calloc(info->lights, sizeof(*scene.radiance));
-	if (!scene.radiance)
-		return -ENOMEM;
-	for (int i = 0; i < lights->count; i++) {
-		for (int c = 0; c < 3; c++)
-			scene.radiance[i][c] = lights->radiance[i][c] + lights->ambient[c];
-	}
-	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++) {
-		const struct basis_tile *tile = &basis->poses[pose].tiles[t];
-
-		fill_tile(&scene, tile, &values);
-		write_tile(&scene, pose, tile, background, &values, out);
+	scene.x = calloc(info->lights, sizeof(*scene.x));
+	scene.y = calloc(info->coarse, sizeof(*scene.y));
+	if (scene.radiance && scene.x && scene.y) {
+		for (int i = 0; i < lights->count; i++) {
+			for (int c = 0; c < 3; c++)
+				scene.radiance[i][c] = lights->radiance[i][c] + lights->ambient[c];
+		}
+		ret = write_picture(&scene, pose, background, out);
 	}
 	free(scene.radiance);
-	return 0;
+	free(scene.x);
+	free(scene.y);
+	return ret;
 }

@@ -1,226 +1,178 @@
 #include "hal/compositor/tile.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/fixed.h"
 
-/* Beyond this much of full radiance nothing that is added can change the clipped result. */
-#define OBJECT_LIMIT (1 << 20)
-#define RATIO_MAX ((int32_t)(COMPOSITOR_RATIO_MAX * Q16_ONE))
+/* Fraction bits of O and 1 - ratio. */
+#define VALUE_BITS 24
 
-struct tile_scratch *tile_scratch_create(int lights)
+/* How a sum becomes a value. */
+struct folding {
+	int shift;
+	const uint32_t *factor; /* [3] */
+};
+
+static void sums_of(const struct frame_light *f, const struct block_plan *plan,
+		    const struct light_vector *light, int fraction, struct block_work *work,
+		    const int64_t *sum[3])
 {
-	struct tile_scratch *scratch = calloc(1, sizeof(*scratch));
+	const bool whole_light = plan->block->kind == BASIS_KIND_D ||
+				 plan->block->kind == BASIS_KIND_U;
+	const struct block_request request = {
+		.kernels = f->kernels,
+		.light = light,
+		.kept = &f->kept,
+		.kept_index = (int)(plan - f->first),
+		.all = f->all || whole_light,
+	};
 
-	if (!scratch)
-		return NULL;
-	for (int c = 0; c < 3; c++) {
-		if (segments_create(&scratch->segments[c], lights) < 0) {
-			tile_scratch_destroy(scratch);
-			return NULL;
-		}
-	}
-	return scratch;
+	block_sums(work, plan, &request, fraction, sum);
 }
 
-void tile_scratch_destroy(struct tile_scratch *scratch)
+/* Light beyond all measure has so few fraction bits that its sums must be shifted up, not down:
+ * what does not fit is beyond any limit that comes later. */
+static const int64_t *lifted(const int64_t *sum, int count, int up, int64_t *to)
 {
-	if (!scratch)
-		return;
-	for (int c = 0; c < 3; c++)
-		segments_free(&scratch->segments[c]);
-	free(scratch);
-}
+	const int64_t most = up < 62 ? (INT64_C(1) << 62) >> up : 0;
 
-/* sum over all lights of row * weight, the ambient term included. */
-static void block_sums(const struct basis_block *b, const struct weights weights[3],
-		       struct segments segments[3], int64_t (*sum)[3])
-{
-	const int totals = b->kind == BASIS_KIND_V ? 3 : b->channels;
-
-	for (int c = 0; c < 3; c++)
-		segments_gather(&segments[c], &weights[c], b);
-	kernel_sums_c(b, segments, sum);
-	for (int c = 0; c < 3; c++) {
-		const int32_t *total = b->total + (totals == 3 ? c : 0);
-		const int64_t ambient = weights[c].ambient;
-		const int shift = weights[c].ambient_shift;
-
-		for (int p = 0; ambient && p < b->pixels; p++) {
-			const int64_t more = total[p * totals] * ambient;
-
-			sum[p][c] += shift ? round_shift(more, shift) : more;
-		}
-	}
-}
-
-static int32_t scaled(const struct basis_block *b, int p, int c, const struct weights *weights,
-		      int64_t sum, int32_t limit)
-{
-	const float scale = b->scale[b->channels == 3 ? p * 3 + c : p];
-
-	return multiplier_apply(multiplier_product(multiplier_from_scale(scale), weights->unit),
-				sum, limit);
-}
-
-static void add_object(const struct tile_frame *f, const struct basis_block *b,
-		       struct tile_scratch *s)
-{
-	block_sums(b, f->object, s->segments, s->sum);
-	for (int p = 0; p < b->pixels; p++) {
-		for (int c = 0; c < 3; c++)
-			s->object[b->pixel[p]][c] = scaled(b, p, c, &f->object[c], s->sum[p][c],
-							   OBJECT_LIMIT);
-	}
-}
-
-static int32_t ratio_without(int32_t share)
-{
-	const int32_t ratio = Q16_ONE - share;
-
-	return ratio < 0 ? 0 : ratio > RATIO_MAX ? RATIO_MAX : ratio;
-}
-
-static void add_ground(const struct tile_frame *f, const struct basis_block *b,
-		       struct tile_scratch *s)
-{
-	const struct weights *weights = f->ground[b->ground];
-
-	block_sums(b, weights, s->segments, s->sum);
-	for (int p = 0; p < b->pixels; p++) {
-		for (int c = 0; c < 3; c++)
-			s->ratio[b->pixel[p]][c] = ratio_without(
-				scaled(b, p, c, &weights[c], s->sum[p][c], RATIO_MAX));
-	}
-}
-
-/* d: its light taken away; u: its own light without the object. */
-static void add_receiver(const struct tile_frame *f, const struct basis_block *d,
-			 const struct basis_block *u, struct tile_scratch *s)
-{
-	block_sums(d, f->receiver, s->segments, s->sum);
-	block_sums(u, f->receiver, s->segments, s->own_sum);
-	for (int p = 0; p < d->pixels; p++) {
-		for (int c = 0; c < 3; c++) {
-			const struct weights *w = &f->receiver[c];
-			const int d_row = d->channels == 3 ? p * 3 + c : p;
-			const int u_row = u->channels == 3 ? p * 3 + c : p;
-			const struct multiplier u_scale = multiplier_from_scale(u->scale[u_row]);
-			const int64_t e = u->total[u_row] * w->residue;
-			const int64_t own = s->own_sum[p][c] +
-					    (w->residue_shift ? round_shift(e, w->residue_shift)
-							      : e);
-			int32_t share = 0; /* where no light can arrive, none is taken away */
-
-			if (own > 0 && u_scale.mantissa)
-				share = quotient_q16(s->sum[p][c],
-						     multiplier_from_scale(d->scale[d_row]), own,
-						     u_scale, RATIO_MAX);
-			s->ratio[d->pixel[p]][c] = ratio_without(share);
-		}
-	}
-}
-
-static void add_blocks(const struct tile_frame *f, const struct basis_tile *tile,
-		       struct tile_scratch *s)
-{
-	for (int i = 0; i < tile->block_count; i++) {
-		const struct basis_block *b = &tile->blocks[i];
-
-		switch (b->kind) {
-		case BASIS_KIND_T:
-			add_object(f, b, s);
-			break;
-		case BASIS_KIND_V:
-			add_ground(f, b, s);
-			break;
-		case BASIS_KIND_D:
-			add_receiver(f, b, b + 1, s);
-			break;
-		default: /* U came with its D */
-			break;
-		}
-	}
-}
-
-/* out = O + (1 - a) * ratio * B, one rounding, clipped and encoded. */
-static uint8_t mix(int32_t object, int32_t ratio, int32_t left, uint16_t background,
-		   const uint8_t *encode)
-{
-	const int64_t product = (int64_t)ratio * left * background;
-	const int32_t sum = object + (int32_t)round_shift(product, 32);
-
-	return encode[sum < 0 ? 0 : sum > 65535 ? 65535 : sum];
-}
-
-void tile_composite(const struct tile_frame *f, const struct basis_tile *tile,
-		    struct tile_scratch *s)
-{
-	const size_t width = f->basis->info.width;
-	const uint16_t *coverage = f->basis->poses[f->pose].coverage;
-
-	memset(s->object, 0, sizeof(s->object));
-	for (int p = 0; p < TILE_PIXELS; p++) {
-		for (int c = 0; c < 3; c++)
-			s->ratio[p][c] = Q16_ONE;
-	}
-	add_blocks(f, tile, s);
-	for (int y = 0; y < tile->height; y++) {
-		const uint8_t *in = f->background.origin + (tile->y + y) * f->background.y_step +
-				    tile->x * f->background.x_step;
-		const uint16_t *a = coverage + (size_t)(tile->y + y) * width + tile->x;
-		uint8_t *out = f->out + (size_t)(tile->y + y) * f->out_stride + (size_t)tile->x * 4;
-
-		for (int x = 0; x < tile->width; x++, in += f->background.x_step, out += 4) {
-			const int p = y * BASIS_TILE + x;
-			/* 1 - coverage in Q16, rounded: a / 65535 is (a + a / 32768) / 65536. */
-			const int32_t left = Q16_ONE - a[x] - (a[x] >> 15);
-
-			for (int c = 0; c < 3; c++) /* R, G, B lie at bytes 2, 1, 0 */
-				out[2 - c] = mix(s->object[p][c], s->ratio[p][c], left,
-						 f->decode[in[2 - c]], f->encode);
-			out[3] = 255;
-		}
-	}
-}
-
-/* In the order of reading, with nothing to recode: four bytes at once. */
-static void copy_row(uint8_t *out, const uint8_t *in, int width)
-{
-	const uint8_t opaque[4] = {0, 0, 0, 255};
-	uint32_t pixel, filler;
-
-	memcpy(&filler, opaque, sizeof(filler));
-	for (int x = 0; x < width; x++) {
-		memcpy(&pixel, in + (size_t)x * 4, sizeof(pixel));
-		pixel |= filler;
-		memcpy(out + (size_t)x * 4, &pixel, sizeof(pixel));
-	}
-}
-
-static void recode_row(uint8_t *out, const uint8_t *in, ptrdiff_t step, int width,
-		       const uint8_t *recode)
-{
-	for (int x = 0; x < width; x++, in += step, out += 4) {
-		for (int c = 0; c < 3; c++)
-			out[c] = recode[in[c]];
-		out[3] = 255;
-	}
-}
-
-void tile_copy(const struct tile_frame *f, const struct basis_tile *tile)
-{
-	const ptrdiff_t step = f->background.x_step;
-
-	for (int y = 0; y < tile->height; y++) {
-		const uint8_t *in = f->background.origin + (tile->y + y) * f->background.y_step +
-				    tile->x * step;
-		uint8_t *out = f->out + (size_t)(tile->y + y) * f->out_stride + (size_t)tile->x * 4;
-
-		if (f->same_codes && step == 4)
-			copy_row(out, in, tile->width);
+	for (int p = 0; p < count; p++) {
+		if (sum[p] > most || sum[p] < -most)
+			to[p] = sum[p] > 0 ? INT64_C(1) << 62 : -(INT64_C(1) << 62);
 		else
-			recode_row(out, in, step, tile->width, f->recode);
+			to[p] = up < 62 ? sum[p] * (INT64_C(1) << up) : 0;
 	}
+	return to;
+}
+
+/* Adds the block to the values of one channel. */
+static void fold(const struct frame_light *f, const struct block_plan *plan, const int64_t *sum,
+		 const struct folding *how, int c, struct tile_work *work, int32_t *values)
+{
+	const struct basis_block *b = plan->block;
+	const uint16_t *tint = b->tint ? b->tint + c * b->pixels : NULL;
+	int shift = how->shift;
+
+	if (shift < 1) {
+		sum = lifted(sum, b->pixels, 1 - shift, work->block.sum[c]);
+		shift = 1;
+	}
+	if (plan->whole) {
+		f->kernels->fold(sum, b->pixels, shift, how->factor[c], tint, values);
+		return;
+	}
+	for (int p = 0; p < b->pixels; p++)
+		work->listed[p] = values[b->pixel[p]];
+	f->kernels->fold(sum, b->pixels, shift, how->factor[c], tint, work->listed);
+	for (int p = 0; p < b->pixels; p++)
+		values[b->pixel[p]] = work->listed[p];
+}
+
+static int fraction_of(const struct block_plan *plan, const struct light_vector *light, int more)
+{
+	const int room = PLAN_SUM_BITS - plan->bound - light->reach;
+
+	return plan->fraction + more < room ? plan->fraction + more : room;
+}
+
+static void add_object(const struct frame_light *f, const struct block_plan *plan,
+		       struct tile_work *work, struct tile_values *values)
+{
+	const int fraction = fraction_of(plan, f->object, f->gain_bits);
+	const struct folding how = {fraction - VALUE_BITS - f->gain_bits, f->object->factor};
+	const int64_t *sum[3];
+
+	sums_of(f, plan, f->object, fraction, &work->block, sum);
+	for (int c = 0; c < 3; c++)
+		fold(f, plan, sum[c], &how, c, work, values->object[c]);
+}
+
+static void add_ground(const struct frame_light *f, const struct block_plan *plan,
+		       struct tile_work *work, struct tile_values *values)
+{
+	const struct light_vector *light = &f->ground[plan->block->ground];
+	const int fraction = fraction_of(plan, light, 0);
+	const struct folding how = {fraction - VALUE_BITS, light->factor};
+	const int64_t *sum[3];
+
+	sums_of(f, plan, light, fraction, &work->block, sum);
+	for (int c = 0; c < 3; c++)
+		fold(f, plan, sum[c], &how, c, work, values->taken[c]);
+}
+
+/* ---- receivers with a u of their own ---- */
+
+static void add_receiver(const struct frame_light *f, const struct block_plan *plan,
+			 const struct light_vector *light, int fraction, struct block_work *work,
+			 int64_t (*to)[BLOCK_PIXELS])
+{
+	const struct basis_block *b = plan->block;
+	const int64_t *sum[3];
+
+	sums_of(f, plan, light, fraction, work, sum);
+	for (int c = 0; c < 3; c++) {
+		for (int p = 0; p < b->pixels; p++)
+			to[c][b->pixel[p]] += b->tint ? mul_q15(sum[c][p],
+								b->tint[c * b->pixels + p])
+						      : sum[c][p];
+	}
+}
+
+/* d: light taken away; u: the receiver's own light without the object, e included. */
+static void divide(const struct basis_block *b, struct tile_work *work, int exponent,
+		   struct tile_values *values)
+{
+	for (int c = 0; c < 3; c++) {
+		for (int n = 0; n < b->pixels; n++) {
+			const int p = b->pixel[n];
+			const int64_t own = work->u[c][p];
+
+			/* Where no light can arrive, none is taken away. */
+			if (own > 0)
+				values->taken[c][p] = quotient_q24(work->d[c][p], own, exponent,
+								   KERNEL_LIMIT);
+		}
+	}
+}
+
+static void add_receivers(const struct frame_light *f, const struct tile_plan *tile,
+			  struct tile_work *work, struct tile_values *values)
+{
+	const int d_fraction = PLAN_SUM_BITS - tile->d_bound - f->taken->reach;
+	const int u_fraction = PLAN_SUM_BITS - tile->u_bound - f->own->reach;
+
+	memset(work->d, 0, sizeof(work->d));
+	memset(work->u, 0, sizeof(work->u));
+	for (int n = 0; n < tile->block_count; n++) {
+		const struct block_plan *plan = &tile->blocks[n];
+
+		if (plan->block->kind == BASIS_KIND_D)
+			add_receiver(f, plan, f->taken, d_fraction, &work->block, work->d);
+		else if (plan->block->kind == BASIS_KIND_U)
+			add_receiver(f, plan, f->own, u_fraction, &work->block, work->u);
+	}
+	for (int n = 0; n < tile->block_count; n++) {
+		if (tile->blocks[n].block->kind == BASIS_KIND_D)
+			divide(tile->blocks[n].block, work, u_fraction - d_fraction, values);
+	}
+}
+
+void tile_compute(const struct frame_light *light, const struct tile_plan *tile,
+		  struct tile_work *work, struct tile_values *values)
+{
+	bool receivers = false;
+
+	memset(values, 0, sizeof(*values));
+	for (int n = 0; n < tile->block_count; n++) {
+		const struct block_plan *plan = &tile->blocks[n];
+
+		if (plan->block->kind == BASIS_KIND_T)
+			add_object(light, plan, work, values);
+		else if (plan->block->kind == BASIS_KIND_V)
+			add_ground(light, plan, work, values);
+		else
+			receivers = true;
+	}
+	if (receivers)
+		add_receivers(light, tile, work, values);
 }

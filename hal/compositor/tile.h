@@ -1,47 +1,37 @@
-/* One tile of the picture, composited. Private to hal/compositor. */
+/*
+ * One tile: from light to O and 1 - ratio of its pixels. Private to hal/compositor.
+ */
 #ifndef INLAY_HAL_COMPOSITOR_TILE_H
 #define INLAY_HAL_COMPOSITOR_TILE_H
 
-#include <stdbool.h>
+#include "hal/compositor/block_sums.h"
 
-#include "hal/compositor/compositor.h"
-#include "hal/compositor/weights.h"
-
-#define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
-
-/* One frame, as all workers read it. */
-struct tile_frame {
-	const struct basis *basis;
-	int pose;
-	const struct weights(*object);	   /* [3] */
-	const struct weights(*receiver);   /* [3] */
-	const struct weights (*ground)[3]; /* [grounds][3] */
-	const uint16_t *decode;		   /* [256]: the background's, U16 linear */
-	const uint8_t *encode;		   /* [65536] */
-	const uint8_t *recode;		   /* [256]: encode[decode[code]] */
-	bool same_codes;		   /* recode changes nothing */
-	struct picture background;
-	uint8_t *out;
-	size_t out_stride;
+/* The light of one frame, as all workers read it. */
+struct frame_light {
+	const struct kernels *kernels;
+	const struct light_vector *object;
+	const struct light_vector *taken, *own; /* D, U */
+	const struct light_vector *ground;	/* [grounds] */
+	int gain_bits;
+	bool all; /* no column is left out */
+	struct kept_sums kept;
+	const struct block_plan *first; /* of the layer: what kept.valid counts from */
 };
 
-/* What one worker needs; each has its own. */
-struct tile_scratch {
-	struct segments segments[3];
-	int64_t sum[TILE_PIXELS][3];
-	int64_t own_sum[TILE_PIXELS][3]; /* of U */
-	int32_t object[TILE_PIXELS][3];	 /* O, 65535 = 1.0 */
-	int32_t ratio[TILE_PIXELS][3];	 /* Q16 */
+/* Of one tile's pixels in Q24 (kernels.h): [c][y * BASIS_TILE + x]. */
+struct tile_values {
+	int32_t object[3][BLOCK_PIXELS] __attribute__((aligned(64)));
+	int32_t taken[3][BLOCK_PIXELS] __attribute__((aligned(64)));
 };
 
-struct tile_scratch *tile_scratch_create(int lights);
-void tile_scratch_destroy(struct tile_scratch *scratch); /* NULL is harmless */
+/* What one worker needs. */
+struct tile_work {
+	struct block_work block;
+	int64_t d[3][BLOCK_PIXELS], u[3][BLOCK_PIXELS];
+	int32_t listed[BLOCK_PIXELS] __attribute__((aligned(64)));
+};
 
-/* The object and its shadow over the background. */
-void tile_composite(const struct tile_frame *frame, const struct basis_tile *tile,
-		    struct tile_scratch *scratch);
-
-/* The background alone. */
-void tile_copy(const struct tile_frame *frame, const struct basis_tile *tile);
+void tile_compute(const struct frame_light *light, const struct tile_plan *tile,
+		  struct tile_work *work, struct tile_values *values);
 
 #endif

@@ -1,0 +1,61 @@
+/*
+ * The sums of one block: its lines times what the light makes of them. Private to hal/compositor.
+ */
+#ifndef INLAY_HAL_COMPOSITOR_BLOCK_SUMS_H
+#define INLAY_HAL_COMPOSITOR_BLOCK_SUMS_H
+
+#include <stdbool.h>
+
+#include "hal/compositor/compositor.h"
+#include "hal/compositor/kernels.h"
+#include "hal/compositor/light_vector.h"
+#include "hal/compositor/plan.h"
+
+#define BLOCK_PIXELS (BASIS_TILE * BASIS_TILE)
+
+/* Lines to be read, and their weights split into digits. */
+struct line_set {
+	int count;
+	uint32_t *line;
+	int64_t *weight[3];
+	int16_t *digit[3][KERNEL_DIGITS];
+	struct kernel_weights kernel[3]; /* digits is 0 where all weights are */
+};
+
+/* What one worker needs for it. */
+struct block_work {
+	int64_t (*y)[3]; /* of patterns */
+	struct line_set patterns, columns;
+	int64_t *now[3]; /* [patterns + columns]: of kept blocks, what each line weighs now */
+	int64_t sum[3][BLOCK_PIXELS] __attribute__((aligned(64)));
+	int64_t part[KERNEL_LINE8] __attribute__((aligned(64)));
+	struct compositor_frame counts;
+};
+
+int block_work_create(struct block_work *work, const struct basis *basis);
+void block_work_free(struct block_work *work); /* zeroed is fine */
+
+/* Sums of the frame before, of blocks that keep them. */
+struct kept_sums {
+	int64_t *values; /* [layer_plan's kept_size]; NULL: nothing is kept */
+	bool *valid;	 /* [blocks of the layer]: hold the frame before's */
+	bool always;	 /* even where it costs more */
+};
+
+struct block_request {
+	const struct kernels *kernels;
+	const struct light_vector *light;
+	const struct kept_sums *kept;
+	int kept_index; /* of this block in kept->valid */
+	bool all;	/* no column is left out */
+};
+
+/*
+ * sum[c][p] of the block's pixels: value per unit of light times the light, with `fraction` more
+ * bits; in work->sum or, of kept blocks, where they are kept. Exact integers whichever way they
+ * come.
+ */
+void block_sums(struct block_work *work, const struct block_plan *plan,
+		const struct block_request *request, int fraction, const int64_t *sum[3]);
+
+#endif

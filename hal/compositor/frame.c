@@ -1,0 +1,184 @@
+/* One frame: the light once, then runs of tiles shared among the threads. */
+#include <errno.h>
+#include <string.h>
+
+#include "hal/clock.h"
+#include "hal/compositor/backdrop.h"
+#include "hal/compositor/compositor_parts.h"
+
+/* ---- a run of tiles ---- */
+
+static void mix_tile(const struct compositor *c, const struct basis_tile *tile,
+		     const struct tile_values *v, struct backdrop_rows rows)
+{
+	struct kernel_row row = {.count = tile->width, .curves = &c->curves};
+
+	for (int y = 0; y < tile->height; y++) {
+		for (int k = 0; k < 3; k++) {
+			row.object[k] = v->object[k] + y * BASIS_TILE;
+			row.taken[k] = v->taken[k] + y * BASIS_TILE;
+		}
+		row.coverage = c->coverage + (size_t)(tile->y + y) * c->basis->info.width + tile->x;
+		row.background = rows.pixels + y * rows.stride;
+		row.out = c->out + (size_t)(tile->y + y) * c->out_stride + (size_t)tile->x * 4;
+		c->kernels->mix(&row);
+	}
+}
+
+/* Tiles side by side that are all plain, or all not. */
+static struct area area_of(const struct basis_tile *tiles, int first, int end)
+{
+	const struct basis_tile *a = &tiles[first], *b = &tiles[end - 1];
+
+	return (struct area){a->x, a->y, b->x + b->width - a->x, a->height};
+}
+
+static void copy_span(const struct compositor *c, int first, int end, struct worker *w)
+{
+	const struct area area = area_of(c->layer->basis->tiles, first, end);
+	const bool same = c->settings.background == c->settings.output;
+
+	backdrop_copy(c->backdrop, area, same ? NULL : c->curves.recode, w->rows,
+		      c->out + (size_t)area.y * c->out_stride + (size_t)area.x * 4, c->out_stride);
+}
+
+static void mix_span(const struct compositor *c, int first, int end, struct worker *w)
+{
+	const struct basis_tile *tiles = c->layer->basis->tiles;
+	struct backdrop_rows rows = backdrop_rows(c->backdrop, area_of(tiles, first, end), w->rows);
+
+	for (int t = first; t < end; t++) {
+		tile_compute(&c->light, &c->layer->plan.tiles[t], &w->tile, &w->values);
+		mix_tile(c, &tiles[t], &w->values, rows);
+		rows.pixels += BASIS_TILE * 4;
+	}
+}
+
+static bool is_copied(const struct compositor *c, int tile)
+{
+	return !c->settings.object || c->layer->plan.tiles[tile].plain;
+}
+
+static void make_run(struct compositor *c, int run, struct worker *w)
+{
+	const struct division *d = &c->layer->division;
+	const int end = d->first[run + 1];
+	int t = d->first[run];
+
+	while (t < end) {
+		const bool copied = is_copied(c, t);
+		const int across = c->basis->tiles_across, row_end = (t / across + 1) * across;
+		int last = t + 1;
+
+		while (last < end && last < row_end && is_copied(c, last) == copied &&
+		       (copied || last - t < SPAN_TILES))
+			last++;
+		if (copied)
+			copy_span(c, t, last, w);
+		else
+			mix_span(c, t, last, w);
+		t = last;
+	}
+}
+
+static void work(void *context, int run, int worker)
+{
+	struct compositor *c = context;
+	const int64_t start = clock_now_ns();
+
+	make_run(c, run, c->worker[worker]);
+	if (c->settings.object)
+		division_took(&c->layer->division, run, clock_now_ns() - start);
+}
+
+/* ---- a frame ---- */
+
+static void fill_light(struct compositor *c, const struct light_selection *lights)
+{
+	const bool *needs = c->layer->needs;
+
+	if (needs[BASIS_KIND_T])
+		light_vector_object(&c->vector[BASIS_KIND_T], c->basis, lights, c->settings.gain);
+	if (needs[BASIS_KIND_D] || needs[BASIS_KIND_U]) {
+		light_vector_receiver(&c->vector[BASIS_KIND_D], c->basis, lights, false);
+		light_vector_receiver(&c->vector[BASIS_KIND_U], c->basis, lights, true);
+	}
+	for (uint32_t g = 0; g < c->basis->info.grounds; g++) {
+		if (c->layer->needs_ground[g])
+			light_vector_ground(&c->ground[g], c->basis, lights, (int)g);
+	}
+}
+
+/* Sums of another pose or mode are of no use. */
+static struct kept_sums keep(struct compositor *c)
+{
+	if (c->settings.reuse == REUSE_NEVER || !c->kept || !c->layer->plan.kept_blocks) {
+		c->kept_of = NULL;
+		return (struct kept_sums){.values = NULL};
+	}
+	if (c->kept_of != c->layer)
+		memset(c->valid, 0, sizeof(*c->valid) * c->valid_size);
+	c->kept_of = c->layer;
+	return (struct kept_sums){c->kept, c->valid, c->settings.reuse == REUSE_ALWAYS};
+}
+
+static void begin_frame(struct compositor *c, const struct light_selection *lights)
+{
+	fill_light(c, lights);
+	c->light = (struct frame_light){
+		.kernels = c->kernels,
+		.object = &c->vector[BASIS_KIND_T],
+		.taken = &c->vector[BASIS_KIND_D],
+		.own = &c->vector[BASIS_KIND_U],
+		.ground = c->ground,
+		.gain_bits = gain_bits(c->settings.gain),
+		.all = c->settings.mode == COMPOSITOR_EXACT,
+		.kept = keep(c),
+		.first = c->layer->plan.blocks,
+	};
+	for (int w = 0; w < c->workers; w++)
+		c->worker[w]->tile.block.counts = (struct compositor_frame){0};
+}
+
+static void end_frame(struct compositor *c)
+{
+	for (int w = 0; w < c->workers; w++) {
+		const struct compositor_frame *counts = &c->worker[w]->tile.block.counts;
+
+		c->last.basis_bytes += counts->basis_bytes;
+		c->last.columns += counts->columns;
+		c->last.columns_left_out += counts->columns_left_out;
+		c->last.reused |= counts->reused;
+	}
+	division_settle(&c->layer->division);
+}
+
+int compositor_run(struct compositor *c, int pose, const struct light_selection *lights,
+		   const struct backdrop *background, uint8_t *out, size_t out_stride)
+{
+	const struct basis_info_chunk *info = &c->basis->info;
+
+	if (pose < 0 || (uint32_t)pose >= info->poses || background->width != (int)info->width ||
+	    background->height != (int)info->height || lights->count != (int)info->lights ||
+	    out_stride < (size_t)info->width * 4)
+		return -EINVAL;
+	c->layer = &c->poses[pose].layer[c->settings.mode];
+	if (!c->layer->basis->tiles)
+		return -ENODATA;
+	c->coverage = c->basis->poses[pose].coverage;
+	c->backdrop = background;
+	c->out = out;
+	c->out_stride = out_stride;
+	c->last = (struct compositor_frame){0};
+	if (c->settings.object)
+		begin_frame(c, lights);
+	if (c->pool) {
+		pool_run(c->pool, c->layer->division.runs, work, c);
+	} else {
+		for (int run = 0; run < c->layer->division.runs; run++)
+			work(c, run, 0);
+	}
+	if (c->settings.object)
+		end_frame(c);
+	return 0;
+}

@@ -1,0 +1,186 @@
+#include "hal/compositor/plan.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+#include "hal/basis/basis_layout.h"
+#include "hal/compositor/fixed.h"
+
+/* So that the roundings of all weights of a block together are below 2^-17. */
+#define FRACTION_BITS 31
+/* A byte column counts 127 where others count 32767. */
+#define BYTE_SHIFT 8
+/* Reading and writing the kept sums costs as much as reading so many lines. */
+#define KEPT_LINES 64
+
+static float value_of_one(const struct basis_block *b)
+{
+	float most = b->bits == 8 ? 127 : 32767;
+	int tint = BASIS_TINT_ONE;
+
+	for (int i = 0; b->tint && i < 3 * b->pixels; i++)
+		tint = b->tint[i] > tint ? b->tint[i] : tint;
+	return most * ((float)tint / BASIS_TINT_ONE);
+}
+
+/* The largest value per unit of light that the sum of all lines can come to: the coarse lights add
+ * up to no more than the light that they gather. */
+static double block_bound(const struct basis_block *b)
+{
+	const double most = b->bits == 8 ? 127 : 32767;
+	double patterns = 0, column = 0;
+
+	for (int j = 0; j < b->patterns; j++) {
+		const int16_t *row = b->pattern + (size_t)j * (size_t)b->stride;
+		int highest = 0;
+
+		for (int k = 0; k < b->stride; k++)
+			highest = abs(row[k]) > highest ? abs(row[k]) : highest;
+		patterns += (double)b->pattern_scale[j] * 32767 * highest;
+	}
+	for (int n = 0; n < b->columns; n++)
+		column = fmax(column, (double)b->column_scale[n] * most);
+	return patterns + column;
+}
+
+static int exponent_of_bound(double bound)
+{
+	return bound > 0 ? exponent_above(bound) : -200;
+}
+
+static struct block_plan plan_block(const struct basis_block *b)
+{
+	return (struct block_plan){
+		.block = b,
+		.fraction = FRACTION_BITS + exponent_above(b->patterns + b->columns),
+		.bound = exponent_of_bound(block_bound(b)),
+		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
+		.kept = b->patterns + b->columns >= KEPT_LINES,
+		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
+		.reach = value_of_one(b),
+	};
+}
+
+/* Whether a bitmap finds the bright columns sooner than their list does. */
+static bool wants_marks(const struct basis *basis, const struct basis_block *b)
+{
+	return (b->kind == BASIS_KIND_T || b->kind == BASIS_KIND_V) &&
+	       (uint32_t)b->columns > (basis->info.lights + 63) / 64;
+}
+
+static void mark(const struct basis_block *b, size_t words, uint64_t *has, uint16_t *before)
+{
+	uint16_t count = 0;
+
+	for (int n = 0; n < b->columns; n++)
+		has[b->light[n] / 64] |= UINT64_C(1) << b->light[n] % 64;
+	for (size_t w = 0; w < words; w++) {
+		before[w] = count;
+		count = (uint16_t)(count + __builtin_popcountll(has[w]));
+	}
+}
+
+static int mark_all(struct layer_plan *plan, const struct basis *basis, int count)
+{
+	const size_t words = (basis->info.lights + 63) / 64;
+	size_t next = 0, marked = 0;
+
+	for (int n = 0; n < count; n++)
+		marked += wants_marks(basis, plan->blocks[n].block);
+	plan->has = calloc(marked * words + 1, sizeof(*plan->has));
+	plan->before = calloc(marked * words + 1, sizeof(*plan->before));
+	if (!plan->has || !plan->before)
+		return -ENOMEM;
+	for (int n = 0; n < count; n++) {
+		struct block_plan *b = &plan->blocks[n];
+
+		if (!wants_marks(basis, b->block))
+			continue;
+		mark(b->block, words, plan->has + next, plan->before + next);
+		b->has = plan->has + next;
+		b->before = plan->before + next;
+		next += words;
+	}
+	return 0;
+}
+
+static bool is_plain(const struct basis *basis, const uint16_t *coverage,
+		     const struct basis_tile *tile)
+{
+	if (tile->block_count)
+		return false;
+	for (int y = 0; y < tile->height; y++) {
+		const uint16_t *a = coverage + (size_t)(tile->y + y) * basis->info.width + tile->x;
+
+		for (int x = 0; x < tile->width; x++) {
+			if (a[x])
+				return false;
+		}
+	}
+	return true;
+}
+
+/* Of all blocks of a kind together, each with its tint. */
+static int bound_of_kind(const struct tile_plan *t, enum basis_kind kind)
+{
+	double sum = 0;
+
+	for (int n = 0; n < t->block_count; n++) {
+		if (t->blocks[n].block->kind == kind)
+			sum += ldexp(1, t->blocks[n].bound + (t->blocks[n].block->tint != NULL));
+	}
+	return exponent_of_bound(sum);
+}
+
+static void place_kept(struct layer_plan *plan, struct block_plan *b)
+{
+	if (!b->kept)
+		return;
+	b->state = plan->kept_size;
+	plan->kept_size += 3 * ((size_t)plan_lines(b) + (size_t)plan_sums(b));
+	plan->kept_size = (plan->kept_size + 7) / 8 * 8; /* a cache line */
+	plan->kept_blocks++;
+}
+
+int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
+		      const struct basis_pose *pose, const struct basis_layer *layer, bool marks)
+{
+	const int tiles = basis->tiles_across * basis->tiles_down;
+	int ret;
+
+	*plan = (struct layer_plan){0};
+	plan->tiles = calloc((size_t)tiles + 1, sizeof(*plan->tiles));
+	plan->blocks = calloc((size_t)layer->block_count + 1, sizeof(*plan->blocks));
+	if (!plan->tiles || !plan->blocks) {
+		layer_plan_free(plan);
+		return -ENOMEM;
+	}
+	for (int n = 0; n < layer->block_count; n++) {
+		plan->blocks[n] = plan_block(&layer->blocks[n]);
+		place_kept(plan, &plan->blocks[n]);
+	}
+	for (int t = 0; t < tiles; t++) {
+		const struct basis_tile *tile = &layer->tiles[t];
+		struct tile_plan *p = &plan->tiles[t];
+
+		p->block_count = tile->block_count;
+		p->blocks = tile->block_count ? plan->blocks + (tile->blocks - layer->blocks)
+					      : plan->blocks;
+		p->plain = is_plain(basis, pose->coverage, tile);
+		p->d_bound = bound_of_kind(p, BASIS_KIND_D);
+		p->u_bound = bound_of_kind(p, BASIS_KIND_U);
+	}
+	ret = marks ? mark_all(plan, basis, layer->block_count) : 0;
+	if (ret < 0)
+		layer_plan_free(plan);
+	return ret;
+}
+
+void layer_plan_free(struct layer_plan *plan)
+{
+	free(plan->tiles);
+	free(plan->blocks);
+	free(plan->has);
+	free(plan->before);
+	*plan = (struct layer_plan){0};
+}

@@ -1,0 +1,68 @@
+/*
+ * What is found out about each block once, when the compositor is created. Private to
+ * hal/compositor.
+ */
+#ifndef INLAY_HAL_COMPOSITOR_PLAN_H
+#define INLAY_HAL_COMPOSITOR_PLAN_H
+
+#include <stdbool.h>
+
+#include "hal/basis/basis.h"
+
+/* The bits of a sum of light in a block: its magnitude stays below 2^PLAN_SUM_BITS. */
+#define PLAN_SUM_BITS 60
+
+struct block_plan {
+	const struct basis_block *block;
+	int fraction;	  /* bits that the roundings of this many weights need */
+	int bound;	  /* no value per unit of light reaches 2^bound */
+	bool whole;	  /* lists every pixel of a whole tile */
+	bool kept;	  /* its sums are worth keeping from frame to frame */
+	int column_shift; /* weights of columns have so many bits less than those of patterns */
+	float reach;	  /* a column's values reach column_scale times this, tint included */
+	/* Where lights have columns: bit i, and how many there are before each word. NULL where the
+	 * list itself is shorter. */
+	const uint64_t *has;
+	const uint16_t *before;
+	size_t state; /* of kept blocks: offset in int64 into what is kept of the layer */
+};
+
+/* One tile: its blocks' plans, in their order. */
+struct tile_plan {
+	const struct block_plan *blocks;
+	int block_count;
+	bool plain; /* the object changes nothing here */
+	/* Of D and U blocks, which are summed up before they are divided. */
+	int d_bound, u_bound;
+};
+
+struct layer_plan {
+	struct tile_plan *tiles;
+	size_t kept_size; /* int64s */
+	int kept_blocks;
+	struct block_plan *blocks; /* in the layer's order */
+	/* private */
+	uint64_t *has;
+	uint16_t *before;
+};
+
+/* marks: whether bitmaps of lights are wanted, that is, columns may be left out. -ENOMEM. */
+int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
+		      const struct basis_pose *pose, const struct basis_layer *layer, bool marks);
+void layer_plan_free(struct layer_plan *plan); /* zeroed is fine */
+
+/* Lines of one panel and channel: patterns and columns. */
+static inline int plan_lines(const struct block_plan *p)
+{
+	return p->block->patterns + p->block->columns;
+}
+
+/* What kept blocks keep: the weights of their lines, and their sums. */
+#define PLAN_PANEL 64 /* pixels that sums are padded to */
+
+static inline int plan_sums(const struct block_plan *p)
+{
+	return (p->block->pixels + PLAN_PANEL - 1) / PLAN_PANEL * PLAN_PANEL;
+}
+
+#endif
