@@ -1,5 +1,6 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_bench.c \
 	tests/unit/test_bake_determinism.c \
 	tests/unit/test_bake_energy.c \
 	tests/unit/test_scene.c \
