@@ -3,6 +3,7 @@
 
 #include "app/commands.h"
 #include "app/driver_list.h"
+#include "app/pipeline_config.h"
 #include "app/settings.h"
 #include "hal/basis/basis.h"
 #include "hal/log.h"
@@ -45,7 +46,7 @@ static int check_basis(const struct config *config)
 
 	if (!*config->basis.file)
 		return 0; /* config_check() has said so */
-	err = basis_open(&basis, config->basis.file, &fault);
+	err = pipeline_open_basis(&basis, config->basis.file, pipeline_part_of(config), &fault);
 	if (err) {
 		log_error("%s: [basis] file: %s", config->name, fault.text);
 		return err;
@@ -59,12 +60,22 @@ static int check_basis(const struct config *config)
 	return err;
 }
 
+static int check_kernel(const struct config *config)
+{
+	if (compositor_has_kernel(config->composite.kernel))
+		return 0;
+	log_error("%s: [composite] kernel: this processor has none called \"%s\", expected auto "
+		  "or one that inlay bench lists",
+		  config->name, config->composite.kernel);
+	return -ENOTSUP;
+}
+
 static int check(const struct config *config, struct ini_report *report)
 {
 	int err = config_check(config, report);
-	int basis_err = check_basis(config);
+	int basis_err = check_basis(config), kernel_err = check_kernel(config);
 
-	return err ? err : basis_err;
+	return err ? err : basis_err ? basis_err : kernel_err;
 }
 
 static int print_sample(void)

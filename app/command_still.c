@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/settings.h"
 #include "app/still.h"
+#include "hal/compositor/compositor.h"
 #include "hal/log.h"
 
 struct still_options {
@@ -12,7 +13,7 @@ struct still_options {
 	const char *basis, *background, *fisheye, *lights, *lights_out, *out;
 	double threshold; /* NAN: as configured */
 	long pose;	  /* -1: as configured */
-	int mode;
+	int mode;	  /* -1: as configured */
 };
 
 #define TAKE_PATH(field)                                                                           \
@@ -52,7 +53,7 @@ static int take_pose(void *context, const char *argument, const char **expected)
 
 static int take_mode(void *context, const char *argument, const char **expected)
 {
-	*expected = "exact or reference";
+	*expected = "fast, exact or reference";
 	for (int i = 0; still_mode_names[i]; i++) {
 		if (!strcmp(still_mode_names[i], argument)) {
 			((struct still_options *)context)->mode = i;
@@ -94,7 +95,8 @@ static const struct option_row rows[] = {
 	 .take = take_pose},
 	{.name = "mode",
 	 .argument = "MODE",
-	 .help = "exact: as run does it, in integers; reference: in double precision",
+	 .help = "fast or exact, as [composite] mode; reference: in double precision, exact where "
+		 "the basis is",
 	 .take = take_mode},
 	{.name = "out",
 	 .letter = 'o',
@@ -131,7 +133,9 @@ static int run_config(const struct still_options *o, const struct config *config
 		.out = o->out,
 		.threshold = isnan(o->threshold) ? config->lights.threshold : o->threshold,
 		.pose = o->pose < 0 ? config->basis.pose : (int)o->pose,
-		.mode = (enum still_mode)o->mode,
+		.mode = o->mode >= 0				     ? (enum still_mode)o->mode
+			: config->composite.mode == COMPOSITOR_EXACT ? STILL_EXACT
+								     : STILL_FAST,
 	};
 
 	if (!*settings.basis)
@@ -144,7 +148,7 @@ static int run_config(const struct still_options *o, const struct config *config
 
 static int run(int argc, char **argv)
 {
-	struct still_options options = {.threshold = NAN, .pose = -1};
+	struct still_options options = {.threshold = NAN, .pose = -1, .mode = -1};
 	struct ini_report report = {.count = 0};
 	struct config *config = NULL;
 	int code = options_read(&command_still, argc, argv, &options), err;

@@ -142,7 +142,7 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	k->split = config->screen->split;
 	k->information = config->screen->information;
 	service_start(&k->service);
-	err = basis_open(&k->basis, config->basis.file, fault);
+	err = pipeline_open_basis(&k->basis, config->basis.file, pipeline_part_of(config), fault);
 	if (!err)
 		err = loop_open(&k->loop, fault); /* before any thread: they inherit its signals */
 	if (!err)

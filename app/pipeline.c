@@ -32,15 +32,17 @@ static int check_dome(const struct dome *dome, const struct basis *basis, struct
 }
 
 /* Threads and the compositor that they run in. */
-static int start_threads(const struct basis *basis, int threads, struct pool **pool,
-			 struct compositor **compositor, struct fault *fault)
+static int start_threads(const struct basis *basis, const struct pipeline_settings *settings,
+			 struct pool **pool, struct compositor **compositor, struct fault *fault)
 {
-	int err = pool_create(pool, threads);
+	struct compositor_options options = {.kernel = *settings->kernel ? settings->kernel : NULL};
+	int err = pool_create(pool, settings->threads);
 
 	if (err)
-		return fault_say(fault, err, "cannot start %d threads: %s", threads,
+		return fault_say(fault, err, "cannot start %d threads: %s", settings->threads,
 				 strerror(-err));
-	err = compositor_create(compositor, basis, *pool, fault);
+	options.pool = *pool;
+	err = compositor_create(compositor, basis, &options, fault);
 	if (err) {
 		pool_destroy(*pool);
 		*pool = NULL;
@@ -66,7 +68,7 @@ static int fill(struct pipeline *p, struct fault *fault)
 	err = light_selection_create(&p->selection, p->basis);
 	if (err)
 		return fault_say(fault, err, "not enough memory for %u lights", info->lights);
-	return start_threads(p->basis, p->settings.threads, &p->pool, &p->compositor, fault);
+	return start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
 }
 
 int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
@@ -103,8 +105,9 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 	struct pool *pool;
 	int err;
 
-	if (settings->threads != p->settings.threads) {
-		err = start_threads(p->basis, settings->threads, &pool, &compositor, fault);
+	if (settings->threads != p->settings.threads ||
+	    strcmp(settings->kernel, p->settings.kernel) != 0) {
+		err = start_threads(p->basis, settings, &pool, &compositor, fault);
 		if (err)
 			return err;
 		compositor_destroy(p->compositor);
@@ -144,6 +147,8 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 static struct compositor_settings compositor_settings_of(const struct pipeline *p)
 {
 	return (struct compositor_settings){
+		.mode = p->settings.mode,
+		.reuse = p->settings.reuse,
 		.background = p->settings.background,
 		.output = p->settings.background,
 		.gain = p->settings.gain,
@@ -162,7 +167,7 @@ int pipeline_fits(const struct pipeline *p, int width, int height, struct fault 
 			 width, height, info->width, info->height);
 }
 
-int pipeline_composite(struct pipeline *p, const struct picture *background, uint8_t *out,
+int pipeline_composite(struct pipeline *p, const struct backdrop *background, uint8_t *out,
 		       size_t out_stride, struct fault *fault)
 {
 	struct compositor_settings settings = compositor_settings_of(p);
@@ -188,6 +193,8 @@ int pipeline_reference(struct pipeline *p, const struct picture *background, dou
 
 	if (err)
 		return err;
+	if (p->basis->poses[p->choice.pose].exact.tiles)
+		settings.mode = COMPOSITOR_EXACT;
 	err = compositor_reference(p->basis, p->choice.pose, &settings, &p->selection, background,
 				   out);
 	if (err)

@@ -21,13 +21,18 @@
 #include "hal/pool.h"
 #include "hal/view.h"
 
+#define PIPELINE_KERNEL_MAX 256
+
 struct pipeline_settings {
 	struct light_sampler_settings sampler;
 	struct fisheye_settings lens;
 	enum threshold_mode threshold_mode;
 	enum transfer background; /* of the background's code values, and of what comes out */
 	double gain;
-	int threads; /* 0: one for each processor */
+	int threads;		   /* 0: one for each processor */
+	enum compositor_mode mode; /* exact only where the basis was opened with that layer */
+	enum compositor_reuse reuse;
+	char kernel[PIPELINE_KERNEL_MAX]; /* compositor.h; empty: auto */
 };
 
 /* What buttons change from frame to frame. */
@@ -87,10 +92,11 @@ int pipeline_choose(struct pipeline *pipeline, const struct pipeline_choice *cho
 		    struct fault *fault);
 
 /* Writes a BGRX picture of the basis's size, which the background must have: -EINVAL. */
-int pipeline_composite(struct pipeline *pipeline, const struct picture *background, uint8_t *out,
+int pipeline_composite(struct pipeline *pipeline, const struct backdrop *background, uint8_t *out,
 		       size_t out_stride, struct fault *fault);
 
-/* The same in double precision: out[height][width][3], R G B, 0..255, not rounded. Slow. */
+/* The same in double precision, of the exact layer where the basis was opened with it:
+ * out[height][width][3], R G B, 0..255, not rounded. Slow. */
 int pipeline_reference(struct pipeline *pipeline, const struct picture *background, double *out,
 		       struct fault *fault);
 

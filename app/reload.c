@@ -27,6 +27,8 @@ static const struct {
 	{"lights", "threshold", RELOAD_THRESHOLD | RELOAD_DRAWING},
 	{"lights", "threshold_mode", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"lights", NULL, RELOAD_DRAWING},
+	/* The file is opened with what its mode needs. */
+	{"composite", "mode", NEXT_START},
 	{"composite", NULL, RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"screen", "show", RELOAD_VIEW | RELOAD_DRAWING},
 	{"screen", "split", RELOAD_SPLIT | RELOAD_DRAWING},

@@ -123,12 +123,14 @@ static int draw_eye(const struct drawing *d, const struct box *cell, const struc
 static int make_after(const struct drawing *d, const struct picture *background)
 {
 	struct canvas *after = &d->show->after;
+	struct backdrop backdrop;
 	int err = canvas_fit(after, background->width, background->height);
 
 	if (err)
 		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d",
 				 background->width, background->height);
-	return pipeline_composite(d->pipeline, background, after->pixels, after->stride, d->fault);
+	backdrop = backdrop_of(background);
+	return pipeline_composite(d->pipeline, &backdrop, after->pixels, after->stride, d->fault);
 }
 
 /* Straight into the screen where it goes there pixel by pixel. */
@@ -136,6 +138,7 @@ static int draw_after(const struct drawing *d, const struct box *cell, int slot)
 {
 	const struct eye *eye = &d->eyes->background;
 	struct picture background, after;
+	struct backdrop backdrop;
 	struct box box;
 	int err;
 
@@ -147,7 +150,8 @@ static int draw_after(const struct drawing *d, const struct box *cell, int slot)
 	box = layout_box(cell, background.width, background.height, squash_of(d, eye), d->scale);
 	if (layout_in_place(cell, &box, background.width, background.height)) {
 		layout_border(d->screen, cell, &box);
-		return pipeline_composite(d->pipeline, &background,
+		backdrop = backdrop_of(&background);
+		return pipeline_composite(d->pipeline, &backdrop,
 					  d->screen->pixels + (size_t)box.y * d->screen->stride +
 						  (size_t)box.x * 4,
 					  d->screen->stride, d->fault);

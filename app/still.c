@@ -13,7 +13,7 @@
 #include "hal/image/image.h"
 #include "hal/lights/lights_file.h"
 
-const char *const still_mode_names[] = {"exact", "reference", NULL};
+const char *const still_mode_names[] = {"fast", "exact", "reference", NULL};
 
 struct still {
 	const struct still_settings *settings;
@@ -166,6 +166,7 @@ static void fill_out(struct still *s)
 static int composite(struct still *s, const struct picture *background, struct fault *fault)
 {
 	size_t pixels = (size_t)background->width * (size_t)background->height;
+	struct backdrop backdrop;
 	int err;
 
 	if (s->settings->mode == STILL_REFERENCE) {
@@ -177,8 +178,8 @@ static int composite(struct still *s, const struct picture *background, struct f
 	err = canvas_create(&s->after, background->width, background->height);
 	if (err)
 		return fault_say(fault, err, "not enough memory for the picture");
-	return pipeline_composite(&s->pipeline, background, s->after.pixels, s->after.stride,
-				  fault);
+	backdrop = backdrop_of(background);
+	return pipeline_composite(&s->pipeline, &backdrop, s->after.pixels, s->after.stride, fault);
 }
 
 static int make_picture(struct still *s, struct fault *fault)
@@ -203,14 +204,28 @@ static int make_picture(struct still *s, struct fault *fault)
 
 /* ---- all of it ---- */
 
+static int open_basis(struct still *s, struct fault *fault)
+{
+	static const enum basis_part parts[] = {
+		[STILL_FAST] = BASIS_SHOWN,
+		[STILL_EXACT] = BASIS_WITH_EXACT,
+		[STILL_REFERENCE] = BASIS_ALL,
+	};
+	const struct still_settings *settings = s->settings;
+
+	return pipeline_open_basis(&s->basis, settings->basis, parts[settings->mode], fault);
+}
+
 static int work(struct still *s, struct fault *fault)
 {
 	const struct still_settings *settings = s->settings;
 	struct pipeline_settings pipeline = pipeline_settings_of(settings->config);
-	int err = basis_open(&s->basis, settings->basis, fault);
+	int err = open_basis(s, fault);
 
 	if (err)
 		return err;
+	pipeline.mode = settings->mode == STILL_EXACT ? COMPOSITOR_EXACT : COMPOSITOR_FAST;
+	pipeline.reuse = REUSE_NEVER; /* there is one picture */
 	err = pipeline_create(&s->pipeline, &s->basis, &pipeline, fault);
 	if (err)
 		return err;

@@ -7,9 +7,11 @@
 #include "config/config.h"
 #include "hal/fault.h"
 
-enum still_mode { STILL_EXACT, STILL_REFERENCE, STILL_MODE_COUNT };
+/* As compositor.h has them, but reference: double precision, of the exact layer where there is one.
+ */
+enum still_mode { STILL_FAST, STILL_EXACT, STILL_REFERENCE, STILL_MODE_COUNT };
 
-extern const char *const still_mode_names[]; /* "exact", "reference", NULL */
+extern const char *const still_mode_names[]; /* "fast", "exact", "reference", NULL */
 
 struct still_settings {
 	const struct config *config;

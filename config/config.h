@@ -125,6 +125,9 @@ struct config_lights {
 struct config_composite {
 	double gain;
 	int threads; /* 0: one for each processor */
+	int mode;    /* enum compositor_mode */
+	int reuse;   /* enum compositor_reuse */
+	char kernel[INI_TEXT_MAX];
 };
 
 struct config {

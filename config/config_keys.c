@@ -277,6 +277,26 @@ static const struct ini_key composite_keys[] = {
 	 .max = 256,
 	 .fallback = "0",
 	 .help = "Threads that composite; 0: one for each processor."},
+	{.name = "mode",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_composite, mode),
+	 .choices = compositor_mode_names,
+	 .fallback = "fast",
+	 .help = "fast: within the errors that the basis declares; exact: every light's own "
+		 "picture, where the basis holds them."},
+	{.name = "reuse",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_composite, reuse),
+	 .choices = compositor_reuse_names,
+	 .fallback = "auto",
+	 .help = "Whether a picture starts from the sums of the one before it and adds what has "
+		 "changed; auto: where that is less to read. The picture is the same."},
+	{.name = "kernel",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_composite, kernel),
+	 .fallback = "auto",
+	 .help = "Instructions that the sums are made with; auto: the fastest that the processor "
+		 "has. inlay bench lists them."},
 	INI_KEYS_END};
 
 const struct ini_key config_screen_keys[] = {

@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *const compositor_mode_names[] = {"fast", "exact", NULL};
+const char *const compositor_reuse_names[] = {"auto", "never", "always", NULL};
+
 /* Several for each thread, so that one held up by the system is helped by the others. */
 #define RUNS_A_THREAD 8
 /* What a tile takes, in bytes of basis that take as long to read: copied, and mixed. */
@@ -231,6 +234,11 @@ struct compositor_frame compositor_last(const struct compositor *c)
 const char *compositor_kernel(const struct compositor *c)
 {
 	return c->kernels->name;
+}
+
+bool compositor_has_kernel(const char *name)
+{
+	return kernels_choose(name) != NULL;
 }
 
 void compositor_destroy(struct compositor *c)

@@ -61,13 +61,18 @@ enum compositor_mode {
 	COMPOSITOR_MODE_COUNT
 };
 
+extern const char *const compositor_mode_names[]; /* "fast", "exact", NULL */
+
 /* Whether a frame starts from the sums of the one before it, and adds only what has changed. Both
  * give the same bits. */
 enum compositor_reuse {
 	REUSE_AUTO, /* whichever has less to read */
 	REUSE_NEVER,
 	REUSE_ALWAYS, /* where there is a frame before it in the same mode and pose */
+	REUSE_COUNT
 };
+
+extern const char *const compositor_reuse_names[]; /* "auto", "never", "always", NULL */
 
 struct compositor_settings {
 	enum compositor_mode mode;
@@ -90,6 +95,9 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 		      const struct compositor_options *options, struct fault *fault);
 
 const char *compositor_kernel(const struct compositor *compositor); /* the one in use */
+
+/* Whether compositor_create() would find a kernel of that name. */
+bool compositor_has_kernel(const char *name);
 
 /* From the next frame on. Allocates room for sums when reuse is first allowed and the file has
  * blocks whose sums are worth keeping; where there is no memory for it nothing is reused. */
