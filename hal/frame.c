@@ -1,6 +1,7 @@
 #include "hal/frame.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,4 +82,34 @@ size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int
 	if (format == PIXEL_NV12 && plane == 1)
 		rows = (rows + 1) / 2;
 	return stride * rows;
+}
+
+static int check_plane(const struct frame *frame, int plane, struct fault *fault)
+{
+	const struct frame_plane *p = &frame->planes[plane];
+	const size_t row = frame_plane_stride(frame->format, plane, frame->width);
+	const size_t rows = frame_plane_bytes(frame->format, plane, 1, frame->height);
+
+	if (!p->data || p->stride < row || p->stride > INT_MAX ||
+	    p->bytes < p->stride * (rows - 1) + row)
+		return fault_say(fault, -EINVAL,
+				 "frame: plane %d of %s at %dx%d has stride %zu and %zu bytes, "
+				 "expected a stride of at least %zu and %zu bytes",
+				 plane, pixel_format_names[frame->format], frame->width,
+				 frame->height, p->stride, p->bytes, row,
+				 p->stride * (rows - 1) + row);
+	return 0;
+}
+
+int frame_check(const struct frame *frame, struct fault *fault)
+{
+	const int planes = frame->format == PIXEL_NV12 ? 2 : 1;
+
+	for (int i = 0; i < planes; i++) {
+		int err = check_plane(frame, i, fault);
+
+		if (err)
+			return err;
+	}
+	return 0;
 }

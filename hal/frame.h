@@ -94,6 +94,9 @@ size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int
 /* The smallest stride of a plane. */
 size_t frame_plane_stride(enum pixel_format format, int plane, int width);
 
+/* Whether a progressive frame's planes hold its picture; not of MJPEG. 0 or -EINVAL. */
+int frame_check(const struct frame *frame, struct fault *fault);
+
 /*
  * Decodes a frame into a canvas of the same size: matrix and range as the frame says (a JPEG is
  * always BT.601 full), no flips, no scaling; Y'CbCr and R'G'B' of limited range to within 0.501
@@ -107,9 +110,9 @@ size_t frame_plane_stride(enum pixel_format format, int plane, int width);
  * picture has chroma lines that belong to the fields in turn, so its height is a multiple of four.
  * Interlaced MJPEG is one JPEG of the whole height or two of half of it, one after the other.
  *
- * The decoder keeps its state (a JPEG decompressor, a strip of planes, a picture for MJPEG in
- * fields), so that nothing of ours is allocated per frame of a size that it has met (libjpeg
- * allocates what it needs for each picture); one for each thread.
+ * The decoder keeps its state (a JPEG decompressor, two rows, a picture for MJPEG in fields), so
+ * that nothing of ours is allocated per frame of a size that it has met (libjpeg allocates what it
+ * needs for each picture); one for each thread.
  */
 struct frame_decoder;
 int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace);

@@ -1,5 +1,7 @@
 #include "hal/frame_ycbcr.h"
 
+#include <stddef.h>
+
 void ycbcr_prepare(struct ycbcr *k, enum colour_matrix matrix, enum colour_range range)
 {
 	const double kr = matrix == MATRIX_BT709 ? 0.2126 : 0.299;
@@ -59,13 +61,61 @@ void ycbcr_row_full(const struct ycbcr *k, const uint8_t *restrict y, const uint
 	}
 }
 
-void ycbcr_row_grey(const struct ycbcr *k, const uint8_t *restrict y, int width,
+/* Packed rows are taken apart by as many pixels at a time, which compilers do well. */
+enum { CHUNK = 256 };
+
+/* steps: bytes from a value to the next, of luma and of chroma. */
+static void row_packed(const struct ycbcr *k, const uint8_t *y, int y_step, const uint8_t *cb,
+		       const uint8_t *cr, int pair_step, int count, uint32_t *bgrx)
+{
+	uint8_t luma[CHUNK], blue[CHUNK / 2], red[CHUNK / 2];
+
+	for (int done = 0; done < count; done += CHUNK) {
+		const int now = count - done < CHUNK ? count - done : CHUNK;
+
+		for (int i = 0; i < now; i++)
+			luma[i] = y[(size_t)(done + i) * (size_t)y_step];
+		for (int i = 0; i < (now + 1) / 2; i++) {
+			blue[i] = cb[(size_t)(done / 2 + i) * (size_t)pair_step];
+			red[i] = cr[(size_t)(done / 2 + i) * (size_t)pair_step];
+		}
+		ycbcr_row_halved(k, luma, blue, red, now, bgrx + done);
+	}
+}
+
+void ycbcr_row_yuyv(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
+{
+	row_packed(k, from, 2, from + 1, from + 3, 4, count, bgrx);
+}
+
+void ycbcr_row_uyvy(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
+{
+	row_packed(k, from + 1, 2, from, from + 2, 4, count, bgrx);
+}
+
+void ycbcr_row_nv12(const struct ycbcr *k, const uint8_t *y, const uint8_t *cbcr, int count,
+		    uint32_t *bgrx)
+{
+	row_packed(k, y, 1, cbcr, cbcr + 1, 2, count, bgrx);
+}
+
+void ycbcr_row_grey(const struct ycbcr *k, const uint8_t *restrict y, int count,
 		    uint32_t *restrict bgrx)
 {
 	const struct ycbcr m = *k;
 
-	for (int i = 0; i < width; i++)
+	for (int i = 0; i < count; i++)
 		bgrx[i] = pixel(&m, y[i], 0, 0, 0);
+}
+
+void bgrx_row_reverse(uint32_t *bgrx, int count)
+{
+	for (int i = 0, j = count - 1; i < j; i++, j--) {
+		const uint32_t left = bgrx[i];
+
+		bgrx[i] = bgrx[j];
+		bgrx[j] = left;
+	}
 }
 
 void ycbcr_row_expand(const struct ycbcr *k, int width, uint32_t *bgrx)

@@ -23,9 +23,19 @@ void ycbcr_row_halved(const struct ycbcr *k, const uint8_t *restrict y, const ui
 void ycbcr_row_full(const struct ycbcr *k, const uint8_t *restrict y, const uint8_t *restrict cb,
 		    const uint8_t *restrict cr, int width, uint32_t *restrict bgrx);
 
+/* The same from what cameras send, count pixels from the first of a pair: the specification of
+ * frame_rows.h. */
+void ycbcr_row_yuyv(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx);
+void ycbcr_row_uyvy(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx);
+void ycbcr_row_nv12(const struct ycbcr *k, const uint8_t *y, const uint8_t *cbcr, int count,
+		    uint32_t *bgrx);
+
 /* The same without colour. */
-void ycbcr_row_grey(const struct ycbcr *k, const uint8_t *restrict y, int width,
+void ycbcr_row_grey(const struct ycbcr *k, const uint8_t *restrict y, int count,
 		    uint32_t *restrict bgrx);
+
+/* Back to front, in place. */
+void bgrx_row_reverse(uint32_t *bgrx, int count);
 
 /* R'G'B' of limited range (16 is black, 235 white) to full range, in place; k as for RANGE_LIMITED.
  */

@@ -55,7 +55,7 @@ bool processor_features_named(const char *name, unsigned *features)
 	};
 
 	for (size_t i = 0; i < sizeof(known) / sizeof(known[0]); i++) {
-		if (!strcmp(name ? name : "auto", known[i].name)) {
+		if (!strcmp(name && *name ? name : "auto", known[i].name)) {
 			*features = known[i].features;
 			return true;
 		}
@@ -65,7 +65,7 @@ bool processor_features_named(const char *name, unsigned *features)
 
 unsigned processor_features_allowed(const char *name)
 {
-	const bool automatic = !name || !strcmp(name, "auto");
+	const bool automatic = !name || !*name || !strcmp(name, "auto");
 	unsigned allowed = 0;
 
 	if (!processor_features_named(automatic ? getenv("INLAY_KERNEL") : name, &allowed))

@@ -25,8 +25,8 @@ unsigned processor_features(void);
 
 /*
  * Features that what is called so may use, from no others: "c" none, then "sse4.1", "avx2",
- * "avx512-vnni", "neon", "neon-dotprod", each with those before it on its machine; NULL and "auto":
- * all. False: there is no such name.
+ * "avx512-vnni", "neon", "neon-dotprod", each with those before it on its machine; NULL, "" and
+ * "auto": all. False: there is no such name.
  */
 bool processor_features_named(const char *name, unsigned *features);
 

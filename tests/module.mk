@@ -40,6 +40,7 @@ UNIT_TESTS := \
 	tests/unit/test_image.c \
 	tests/unit/test_ini.c \
 	tests/unit/test_frame.c \
+	tests/unit/test_frame_rows.c \
 	tests/unit/test_deinterlace.c \
 	tests/unit/test_v4l2_digitizer.c \
 	tests/unit/test_v4l2_settings.c \
