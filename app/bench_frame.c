@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/bench_lightings.h"
 #include "hal/lights/sampler.h"
-#include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 
 /* What one camera delivers, and what it is decoded into. */
@@ -82,14 +82,10 @@ static int create_sampler(struct bench_frame *f, struct fault *fault)
 static int fill(struct bench_frame *f, const struct canvas *background, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &f->basis->info;
-	int err = dome_create(&f->dome, (int)info->dome_frequency,
-			      (enum dome_division)info->dome_division, fault);
+	const int err = lightings_dome(&f->dome, f->basis, fault);
 
 	if (err)
 		return err;
-	if ((uint32_t)f->dome.count != info->lights)
-		return fault_say(fault, -ENOTSUP, "the basis's %u lights are no dome's",
-				 info->lights);
 	f->radiance = calloc(info->lights, sizeof(*f->radiance));
 	if (!f->radiance || light_selection_create(&f->lights, f->basis) ||
 	    camera_create(&f->background, (int)info->width, (int)info->height) ||

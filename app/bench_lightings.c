@@ -9,7 +9,6 @@
 
 #include "hal/image/image.h"
 #include "hal/lights/lights_file.h"
-#include "hal/optics/dome.h"
 #include "hal/optics/panorama.h"
 
 #define SUBSAMPLES 3 /* of a panorama's texel, a side */
@@ -211,6 +210,24 @@ int lightings_add_file(struct lightings *l, const struct basis *basis, const cha
 
 /* ---- panoramas ---- */
 
+int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault)
+{
+	const struct basis_info_chunk *info = &basis->info;
+	int err = dome_create(dome, (int)info->dome_frequency,
+			      (enum dome_division)info->dome_division, fault);
+
+	if (err == -ENOMEM)
+		return err;
+	if (!err && (uint32_t)dome->count == info->lights)
+		return 0;
+	if (!err)
+		dome_free(dome);
+	return fault_say(fault, -ENOTSUP,
+			 "the basis's %u lights are no dome's: no picture can be divided among "
+			 "them",
+			 info->lights);
+}
+
 static void add_point(const struct panorama *panorama, const struct dome *dome, double x, double y,
 		      double sr, double (*sum)[4])
 {
@@ -264,16 +281,10 @@ static int gather_image(const struct image *image, const struct basis *basis, co
 		return fault_say(fault, -EINVAL,
 				 "%s: holds code values, expected linear light (.hdr, .pfm, .exr)",
 				 path);
-	err = dome_create(&dome, (int)basis->info.dome_frequency,
-			  (enum dome_division)basis->info.dome_division, fault);
+	err = lightings_dome(&dome, basis, fault);
 	if (err)
 		return err;
-	if ((uint32_t)dome.count != basis->info.lights)
-		err = fault_say(fault, -EINVAL,
-				"%s: the basis's %u lights are no dome's, so a panorama cannot be "
-				"divided among them: expected --lights FILE",
-				path, basis->info.lights);
-	else if (gather(&panorama, &dome, radiance))
+	if (gather(&panorama, &dome, radiance))
 		err = fault_say(fault, -ENOMEM, "%s: not enough memory", path);
 	dome_free(&dome);
 	if (!err)

@@ -7,6 +7,7 @@
 
 #include "hal/basis/basis.h"
 #include "hal/fault.h"
+#include "hal/optics/dome.h"
 
 /* One or, of a kind, several, whose worst counts. */
 struct lighting {
@@ -26,6 +27,9 @@ void lightings_free(struct lightings *lightings); /* idempotent; zeroed is fine 
 const float (*lighting_member(const struct lighting *lighting, const struct basis *basis,
 			      int member))[3];
 
+/* The dome whose lights the basis's are. -ENOTSUP: of none. */
+int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault);
+
 /* Each adds to the list. Fine failures leave what was there. */
 
 /* Overcast (CIE), a low sun that no bake has tried, single cells (cells of them, spread over the
@@ -38,7 +42,7 @@ int lightings_add_file(struct lightings *lightings, const struct basis *basis, c
 		       struct fault *fault);
 
 /* The mean of an equirectangular picture over each cell, white ground having radiance 0.6. -EINVAL:
- * the picture is not of linear light, or the basis's lights are no dome's. */
+ * the picture is not of linear light; -ENOTSUP: the basis's lights are no dome's. */
 int lightings_add_panorama(struct lightings *lightings, const struct basis *basis, const char *path,
 			   struct fault *fault);
 

@@ -111,13 +111,12 @@ static int add_kernels(struct bench_ways *ways, const struct bench_stage *stage,
 }
 
 /* What memory allows, for what the last kernel does: all kernels read the same. */
-static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
+static void add_bounds(struct bench_ways *ways)
 {
 	const int count = ways->count;
 	const char *kernel = NULL;
 	struct bench_way *way;
 
-	(void)stage;
 	for (int k = 0; k < count; k++) {
 		if (ways->way[k].kind == BENCH_COMPOSITE)
 			kernel = ways->way[k].row.kernel;
@@ -126,7 +125,8 @@ static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
 		const struct bench_way *like = &ways->way[k];
 		char what[sizeof(like->row.what)];
 
-		if (like->kind != BENCH_COMPOSITE || strcmp(like->row.kernel, kernel) != 0)
+		if (like->kind != BENCH_COMPOSITE || like->changed ||
+		    strcmp(like->row.kernel, kernel) != 0)
 			continue;
 		snprintf(what, sizeof(what), "read bound: %.30s", like->row.what);
 		way = add(ways, BENCH_READ, what, "");
@@ -153,7 +153,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 		add(ways, BENCH_THESIS, "thesis, double precision", "");
 	err = add_kernels(ways, stage, fault);
 	if (!err)
-		add_bounds(ways, stage);
+		add_bounds(ways);
 	for (int k = 0; !err && k < ways->count; k++) {
 		ways->way[k].ms = calloc((size_t)stage->settings->repeat, sizeof(*ways->way[k].ms));
 		if (!ways->way[k].ms)
