@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/info_map.h"
 #include "bake/options.h"
 #include "hal/basis/basis.h"
-#include "hal/image/image.h"
 #include "hal/log.h"
 #include "hal/optics/dome.h"
 
@@ -24,44 +24,98 @@ static const char *const kind_names[BASIS_KIND_COUNT] = {"T", "V", "D", "U"};
 static const char *const kind_meanings[BASIS_KIND_COUNT] = {
 	"object", "shadow on shared ground", "change of own surfaces", "light of own surfaces"};
 
-struct kind_sum {
-	long blocks, pixels;
-	uint64_t bytes;
-	double lights; /* summed over pixels */
+/* Blocks of one kind, or of all, in one layer. */
+struct block_sum {
+	long blocks, blocks_of_bytes, tinted; /* of bytes: columns of 8 bits */
+	long pixels;			      /* each once, in however many blocks it is */
+	double patterns, columns;	      /* summed over blocks */
+	int patterns_most, columns_most;
+	double pixel_patterns, pixel_columns; /* summed over blocks and their pixels */
+	uint64_t bytes;			      /* payloads, and entries in the list of blocks */
+};
+
+struct layer_sum {
+	struct block_sum kind[BASIS_KIND_COUNT], all;
+	long tiles_used;
 };
 
 struct summary {
-	struct kind_sum kind[BASIS_KIND_COUNT];
-	long tiles, tiles_used, covered;
-	uint64_t bytes;
+	struct layer_sum shown, exact;
+	bool has_exact; /* in any pose */
+	long tiles, covered;
+	uint64_t bytes; /* of the file */
 };
+
+static void add_block(struct block_sum *sum, const struct basis_block *block)
+{
+	sum->blocks++;
+	sum->blocks_of_bytes += block->bits == 8;
+	sum->tinted += block->tint != NULL;
+	sum->patterns += block->patterns;
+	sum->columns += block->columns;
+	if (block->patterns > sum->patterns_most)
+		sum->patterns_most = block->patterns;
+	if (block->columns > sum->columns_most)
+		sum->columns_most = block->columns;
+	sum->pixel_patterns += (double)block->patterns * block->pixels;
+	sum->pixel_columns += (double)block->columns * block->pixels;
+	sum->bytes += block->bytes + sizeof(struct basis_block_entry);
+}
+
+static void add_tile(struct layer_sum *layer, const struct basis_tile *tile)
+{
+	bool listed[BASIS_KIND_COUNT][BASIS_TILE * BASIS_TILE] = {{false}};
+
+	layer->tiles_used += tile->block_count > 0;
+	for (int b = 0; b < tile->block_count; b++) {
+		const struct basis_block *block = &tile->blocks[b];
+
+		add_block(&layer->kind[block->kind], block);
+		add_block(&layer->all, block);
+		for (int p = 0; p < block->pixels; p++)
+			listed[block->kind][block->pixel[p]] = true;
+	}
+	for (int p = 0; p < BASIS_TILE * BASIS_TILE; p++) {
+		bool any = false;
+
+		for (int k = 0; k < BASIS_KIND_COUNT; k++) {
+			layer->kind[k].pixels += listed[k][p];
+			any |= listed[k][p];
+		}
+		layer->all.pixels += any;
+	}
+}
 
 static struct summary summarise(const struct basis *basis)
 {
-	struct summary s = {.tiles = 0};
+	const int tiles = basis->tiles_across * basis->tiles_down;
 	const long pixels = (long)basis->info.width * basis->info.height;
+	struct summary s = {.bytes = basis->map_bytes};
 
-	s.bytes = basis->map_bytes;
 	for (uint32_t p = 0; p < basis->info.poses; p++) {
 		const struct basis_pose *pose = &basis->poses[p];
 
-		for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++) {
-			s.tiles++;
-			s.tiles_used += pose->tiles[t].block_count > 0;
-		}
-		for (int b = 0; b < pose->block_count; b++) {
-			const struct basis_block *block = &pose->blocks[b];
-			struct kind_sum *sum = &s.kind[block->kind];
-
-			sum->blocks++;
-			sum->pixels += block->pixels;
-			sum->bytes += block->bytes;
-			sum->lights += (double)block->pixels * block->lights;
-		}
+		s.tiles += tiles;
+		for (int t = 0; t < tiles; t++)
+			add_tile(&s.shown, &pose->shown.tiles[t]);
+		for (int t = 0; pose->exact.tiles && t < tiles; t++)
+			add_tile(&s.exact, &pose->exact.tiles[t]);
+		s.has_exact |= pose->exact.tiles != NULL;
 		for (long i = 0; i < pixels; i++)
 			s.covered += pose->coverage[i] > 0;
 	}
 	return s;
+}
+
+/* What the same pixels take at a byte for each light and channel, the simplest encoding. */
+static double dense_bytes(const struct basis *basis, const struct layer_sum *layer, int kind)
+{
+	double pixels = 0;
+
+	for (int k = 0; k < BASIS_KIND_COUNT; k++)
+		if (kind == k || kind == BASIS_KIND_COUNT)
+			pixels += (double)layer->kind[k].pixels;
+	return pixels * 3 * basis->info.lights;
 }
 
 static const char *division_name(const struct basis *basis)
@@ -71,23 +125,72 @@ static const char *division_name(const struct basis *basis)
 		       : "unknown";
 }
 
+static double per(double sum, double count)
+{
+	return count > 0 ? sum / count : 0;
+}
+
+static void print_kind(const struct basis *basis, const struct layer_sum *layer, int kind,
+		       const char *before)
+{
+	const struct block_sum *s = &layer->kind[kind];
+	const double dense = dense_bytes(basis, layer, kind);
+
+	printf("%s%s (%s): %ld blocks, %ld pixels, %.1f patterns a block (largest %d), "
+	       "%.1f columns (largest %d",
+	       before, kind_names[kind], kind_meanings[kind], s->blocks, s->pixels,
+	       per(s->patterns, (double)s->blocks), s->patterns_most,
+	       per(s->columns, (double)s->blocks), s->columns_most);
+	if (s->blocks_of_bytes)
+		printf("; of 8 bits in %ld blocks", s->blocks_of_bytes);
+	printf(")");
+	if (s->tinted)
+		printf(", %ld tinted", s->tinted);
+	printf(", %.2f MB, %.1f bytes a pixel; dense 8-bit %.2f MB, %.1f times as much\n",
+	       (double)s->bytes * 1e-6, per((double)s->bytes, (double)s->pixels), dense * 1e-6,
+	       per(dense, (double)s->bytes));
+}
+
+static void print_layer(const struct basis *basis, const struct summary *all, bool exact)
+{
+	const struct layer_sum *layer = exact ? &all->exact : &all->shown;
+	const double dense = dense_bytes(basis, layer, BASIS_KIND_COUNT);
+
+	printf("%s layer: %ld of %ld tiles hold something, %ld pixels, %.2f MB; dense 8-bit %.2f "
+	       "MB, %.1f times as much\n",
+	       exact ? "exact" : "shown", layer->tiles_used, all->tiles, layer->all.pixels,
+	       (double)layer->all.bytes * 1e-6, dense * 1e-6, per(dense, (double)layer->all.bytes));
+	for (int k = 0; k < BASIS_KIND_COUNT; k++)
+		if (layer->kind[k].blocks)
+			print_kind(basis, layer, k, exact ? "exact " : "");
+}
+
+static void print_errors(const struct basis_info_chunk *info)
+{
+	printf("measured error in 8-bit levels: skies %.3g RMS, %.3g at most; single cells %.3g "
+	       "RMS, %.3g at most; noise %.3g\n",
+	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max, info->noise_levels);
+	printf("bounds under any lighting: object %.3g of the light sent, ratio %.3g; columns that "
+	       "change less than %.3g may be left out\n",
+	       info->object_error, info->ratio_error, info->column_cut);
+}
+
 static void print_text(const struct basis *basis, const struct summary *s, const char *path)
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("%s: %u x %u, %u lights (dome frequency %u, %s), %u pose%s, %.2f MB\n", path,
-	       info->width, info->height, info->lights, info->dome_frequency, division_name(basis),
-	       info->poses, info->poses == 1 ? "" : "s", (double)s->bytes * 1e-6);
-	printf("tiles: %ld of %ld hold something; the object covers %ld pixels\n", s->tiles_used,
-	       s->tiles, s->covered);
-	for (int k = 0; k < BASIS_KIND_COUNT; k++)
-		if (s->kind[k].blocks)
-			printf("%s (%s): %ld blocks, %ld pixels, %.1f lights a pixel, %.2f MB\n",
-			       kind_names[k], kind_meanings[k], s->kind[k].blocks,
-			       s->kind[k].pixels, s->kind[k].lights / (double)s->kind[k].pixels,
-			       (double)s->kind[k].bytes * 1e-6);
-	printf("declared errors: object %.3g of the lights' sum, ratio %.3g, noise %.3g levels\n",
-	       info->object_error, info->ratio_error, info->noise_levels);
+	printf("%s: %u x %u, %u lights (dome frequency %u, %s), %u coarse, %u pose%s, %u ground "
+	       "term%s, %.2f MB\n",
+	       path, info->width, info->height, info->lights, info->dome_frequency,
+	       division_name(basis), info->coarse, info->poses, info->poses == 1 ? "" : "s",
+	       info->grounds, info->grounds == 1 ? "" : "s", (double)s->bytes * 1e-6);
+	printf("the object covers %ld pixels\n", s->covered);
+	print_layer(basis, s, false);
+	if (s->has_exact)
+		print_layer(basis, s, true);
+	else
+		printf("no exact layer\n");
+	print_errors(info);
 	printf("%s%s", basis->camera, basis->provenance);
 }
 
@@ -105,74 +208,52 @@ static void print_string(const char *text)
 	putchar('"');
 }
 
+static void print_json_sum(const char *name, const struct block_sum *s, double dense)
+{
+	printf("\"%s\": {\"blocks\": %ld, \"blocks_8_bit\": %ld, \"tinted\": %ld, \"pixels\": %ld, "
+	       "\"patterns\": %.0f, \"patterns_most\": %d, \"columns\": %.0f, \"columns_most\": "
+	       "%d, \"pixel_patterns\": %.0f, \"pixel_columns\": %.0f, \"bytes\": %" PRIu64
+	       ", \"dense_bytes\": %.0f}",
+	       name, s->blocks, s->blocks_of_bytes, s->tinted, s->pixels, s->patterns,
+	       s->patterns_most, s->columns, s->columns_most, s->pixel_patterns, s->pixel_columns,
+	       s->bytes, dense);
+}
+
+static void print_json_layer(const struct basis *basis, const struct layer_sum *layer)
+{
+	printf("{\"tiles_used\": %ld, ", layer->tiles_used);
+	print_json_sum("all", &layer->all, dense_bytes(basis, layer, BASIS_KIND_COUNT));
+	for (int k = 0; k < BASIS_KIND_COUNT; k++) {
+		printf(", ");
+		print_json_sum(kind_names[k], &layer->kind[k], dense_bytes(basis, layer, k));
+	}
+	printf("}");
+}
+
 static void print_json(const struct basis *basis, const struct summary *s)
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("{\"width\": %u, \"height\": %u, \"lights\": %u, \"dome_frequency\": %u, "
-	       "\"dome_division\": \"%s\", \"poses\": %u, \"grounds\": %u, \"bytes\": %" PRIu64
-	       ", \"tiles\": %ld, \"tiles_used\": %ld, \"covered_pixels\": %ld, \"blocks\": {",
-	       info->width, info->height, info->lights, info->dome_frequency, division_name(basis),
-	       info->poses, info->grounds, s->bytes, s->tiles, s->tiles_used, s->covered);
-	for (int k = 0; k < BASIS_KIND_COUNT; k++)
-		printf("%s\"%s\": {\"blocks\": %ld, \"pixels\": %ld, \"lights\": %.0f, \"bytes\": "
-		       "%" PRIu64 "}",
-		       k ? ", " : "", kind_names[k], s->kind[k].blocks, s->kind[k].pixels,
-		       s->kind[k].lights, s->kind[k].bytes);
-	printf("}, \"object_error\": %.9g, \"ratio_error\": %.9g, \"noise_levels\": %.9g, "
-	       "\"camera\": ",
-	       info->object_error, info->ratio_error, info->noise_levels);
+	printf("{\"width\": %u, \"height\": %u, \"lights\": %u, \"coarse\": %u, "
+	       "\"dome_frequency\": %u, \"dome_division\": \"%s\", \"poses\": %u, \"grounds\": %u, "
+	       "\"bytes\": %" PRIu64 ", \"tiles\": %ld, \"covered_pixels\": %ld, \"shown\": ",
+	       info->width, info->height, info->lights, info->coarse, info->dome_frequency,
+	       division_name(basis), info->poses, info->grounds, s->bytes, s->tiles, s->covered);
+	print_json_layer(basis, &s->shown);
+	printf(", \"exact\": ");
+	if (s->has_exact)
+		print_json_layer(basis, &s->exact);
+	else
+		printf("null");
+	printf(", \"column_cut\": %.9g, \"object_error\": %.9g, \"ratio_error\": %.9g, "
+	       "\"sky_rms\": %.9g, \"sky_max\": %.9g, \"cell_rms\": %.9g, \"cell_max\": %.9g, "
+	       "\"noise_levels\": %.9g, \"camera\": ",
+	       info->column_cut, info->object_error, info->ratio_error, info->sky_rms,
+	       info->sky_max, info->cell_rms, info->cell_max, info->noise_levels);
 	print_string(basis->camera);
 	printf(", \"provenance\": ");
 	print_string(basis->provenance);
 	printf("}\n");
-}
-
-/* ---- maps ---- */
-
-/* Coverage in green over the number of lights that a pixel's receiver blocks hold, in red, and
- * bytes of its tile in blue, each against its largest. */
-static int write_map(const struct basis *basis, const char *path, struct fault *fault)
-{
-	const int width = (int)basis->info.width, height = (int)basis->info.height;
-	const struct basis_pose *pose = &basis->poses[0];
-	const int tiles = basis->tiles_across * basis->tiles_down;
-	struct image image;
-	size_t most = 1;
-	int err = image_create_u8(&image, width, height);
-
-	if (err)
-		return fault_say(fault, err, "%s: out of memory", path);
-	for (int t = 0; t < tiles; t++)
-		most = pose->tiles[t].bytes > most ? pose->tiles[t].bytes : most;
-	for (int t = 0; t < tiles; t++) {
-		const struct basis_tile *tile = &pose->tiles[t];
-
-		for (int y = tile->y; y < tile->y + tile->height; y++)
-			for (int x = tile->x; x < tile->x + tile->width; x++) {
-				const size_t at = (size_t)y * (size_t)width + (size_t)x;
-
-				image.u8[3 * at + 1] = (uint8_t)(pose->coverage[at] >> 8);
-				image.u8[3 * at + 2] = (uint8_t)(255 * tile->bytes / most);
-			}
-		for (int b = 0; b < tile->block_count; b++) {
-			const struct basis_block *block = &tile->blocks[b];
-
-			if (block->kind != BASIS_KIND_V && block->kind != BASIS_KIND_D)
-				continue;
-			for (int p = 0; p < block->pixels; p++) {
-				const int x = tile->x + block->pixel[p] % BASIS_TILE;
-				const int y = tile->y + block->pixel[p] / BASIS_TILE;
-
-				image.u8[3 * ((size_t)y * (size_t)width + (size_t)x)] =
-					(uint8_t)(255 * (long)block->lights /
-						  (long)basis->info.lights);
-			}
-		}
-	}
-	err = image_write(path, &image, fault);
-	image_free(&image);
-	return err;
 }
 
 static int run(const struct command *command, int argc, char **argv)
@@ -196,9 +277,9 @@ static int run(const struct command *command, int argc, char **argv)
 		}
 	if (optind + 1 != argc)
 		return command_wrong(command, "expected one basis file");
-	err = basis_open(&basis, argv[optind], &fault);
+	err = basis_open(&basis, argv[optind], BASIS_ALL, &fault);
 	if (!err && map)
-		err = write_map(&basis, map, &fault);
+		err = info_map_write(&basis, map, &fault);
 	if (err) {
 		log_error("%s", fault.text);
 		basis_close(&basis);
@@ -219,8 +300,7 @@ const struct command info_command = {
 	.summary = "say what a basis file holds",
 	.help = "\n"
 		"  --json      everything, for programs\n"
-		"  --map F     a picture: coverage in green, lights stored for real surfaces in "
-		"red,\n"
-		"              bytes of each tile in blue\n",
+		"  --map F     a picture: patterns, columns and bytes of each pixel, side by "
+		"side\n",
 	.run = run,
 };

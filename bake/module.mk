@@ -23,6 +23,7 @@ BAKE_SOURCES := \
 	bake/world.c \
 	bake/dome_command.c \
 	bake/info_command.c \
+	bake/info_map.c \
 	bake/render_command.c \
 	bake/truth_command.c
 BAKE_MAIN := bake/main.c
