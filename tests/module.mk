@@ -66,6 +66,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_mjpeg.c
 CLI_TESTS := \
 	tests/cli/bake.sh \
+	tests/cli/bench.sh \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
 	tests/cli/faults.sh \
