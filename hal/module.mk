@@ -58,6 +58,14 @@ HAL_SOURCES := \
 	hal/optics/fisheye.c \
 	hal/optics/panorama.c \
 	hal/optics/tsai.c
+# The compositor's inner loops: only these files are built for more than every processor has.
+HAL_SOURCES += $(addprefix hal/compositor/kernels_,$(if $(filter x86_64,$(MACHINE)),\
+	sse41.c avx2.c avx512.c)$(if $(filter aarch64,$(MACHINE)),neon.c neon_dotprod.c))
+$(BUILD)/hal/compositor/kernels_sse41.o: ISA_FLAGS := -msse4.1
+$(BUILD)/hal/compositor/kernels_avx2.o: ISA_FLAGS := -mavx2
+$(BUILD)/hal/compositor/kernels_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
+	-mavx512vnni
+$(BUILD)/hal/compositor/kernels_neon_dotprod.o: ISA_FLAGS := -march=armv8.2-a+dotprod
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)
 
 # Rows of video for wider instruction sets; who calls them asks the processor first.

@@ -90,9 +90,26 @@ $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
 
+# Writes the seeds of fuzz_basis anew when the format has changed.
+TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
+$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(BUILD)/hal.a
+	$(say) LINK $@
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
+-include $(BUILD)/tests/fuzz/basis_seeds.d
+
 # Counts the heap allocations of a program that it is loaded into.
 TEST_PROGRAMS += $(BUILD)/tests/cli/allocations.so
 $(BUILD)/tests/cli/allocations.so: tests/cli/allocations.c
 	@mkdir -p $(@D)
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
+
+# The kernels' test stands alone, without libraries, so that it can be built for another processor
+# and run by an emulator.
+KERNELS_TEST := $(addprefix $(BUILD)/,tests/kernels/test_kernels.o tests/kernels/compare.o \
+	tests/kernels/faults.o tests/kernels/guarded.o hal/processor.o hal/transfer.o) \
+	$(addsuffix .o,$(addprefix $(BUILD)/,$(basename $(filter hal/compositor/kernel%,$(HAL_SOURCES)))))
+$(BUILD)/tests/kernels/test_kernels: $(KERNELS_TEST)
+	$(say) LINK $@
+	$(Q)$(CC) $(SHARED_LINK) $(if $(SANITIZE),,-static) $(LDFLAGS) -o $@ $^ -lm
+-include $(KERNELS_TEST:.o=.d)

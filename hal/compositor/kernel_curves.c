@@ -71,6 +71,13 @@ void kernel_curves_fill(struct kernel_curves *curves, enum transfer background,
 	}
 	for (int piece = 0; piece < KERNEL_PIECES; piece++)
 		fit(curves, output, piece);
+	for (int piece = 0; piece < KERNEL_PIECES; piece++) {
+		const uint16_t word[3] = {curves->a[piece], (uint16_t)curves->b[piece],
+					  (uint16_t)curves->c[piece]};
+
+		for (int i = 0; i < 6; i++)
+			curves->bytes[i][piece] = (uint8_t)(word[i / 2] >> (i % 2 * 8));
+	}
 	for (int i = 0; i < 256; i++)
 		curves->recode[i] = unchanged(curves, i);
 }

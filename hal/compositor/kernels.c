@@ -1,12 +1,49 @@
-#include "hal/compositor/kernels.h"
-
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/compositor/kernels_isa.h"
+#include "hal/processor.h"
+
 const struct kernels *const kernels_all[] = {
 	&kernels_c,
+#if defined(__x86_64__)
+	&kernels_sse41, &kernels_avx2, &kernels_avx512,
+#elif defined(__aarch64__)
+	&kernels_neon,
+	&kernels_neon_dotprod,
+#endif
 	NULL,
 };
+
+static bool has(unsigned features)
+{
+	return (processor_features() & features) == features;
+}
+
+bool kernels_supported_sse41(void)
+{
+	return has(PROCESSOR_SSE41);
+}
+
+bool kernels_supported_avx2(void)
+{
+	return has(PROCESSOR_AVX2);
+}
+
+bool kernels_supported_avx512(void)
+{
+	return has(PROCESSOR_AVX512 | PROCESSOR_AVX512_VNNI);
+}
+
+bool kernels_supported_neon(void)
+{
+	return has(PROCESSOR_NEON);
+}
+
+bool kernels_supported_neon_dotprod(void)
+{
+	return has(PROCESSOR_NEON | PROCESSOR_DOTPROD);
+}
 
 const struct kernels *kernels_choose(const char *name)
 {

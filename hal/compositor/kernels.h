@@ -58,6 +58,8 @@ struct kernel_curves {
 	_Alignas(64) uint16_t a[KERNEL_PIECES];
 	_Alignas(64) int16_t b[KERNEL_PIECES];
 	_Alignas(64) int16_t c[KERNEL_PIECES];
+	/* The low and the high byte of each a, each b and each c. */
+	_Alignas(64) uint8_t bytes[6][KERNEL_PIECES];
 	uint8_t recode[256]; /* what mix makes of a pixel that nothing changes */
 };
 

@@ -1,0 +1,111 @@
+/*
+ * What the files of the single instruction sets share. Each is compiled with the flags of its own
+ * set (hal/module.mk); nothing else is, and so nothing but its table may be called from outside,
+ * after supported() said yes. Private to hal/compositor/kernels*.c.
+ */
+#ifndef INLAY_HAL_COMPOSITOR_KERNELS_ISA_H
+#define INLAY_HAL_COMPOSITOR_KERNELS_ISA_H
+
+#include <string.h>
+
+#include "hal/compositor/kernels.h"
+
+/* Digits, or the kind of a line, are constants where these are called, so that each case becomes
+ * code of its own with its sums in registers. */
+#define KERNEL_INLINE static inline __attribute__((always_inline))
+
+/* Lines, or runs of values, whose products with a digit add up in int32: kernels.h has the proof.
+ */
+#define KERNEL_RUN 32
+
+/* Products of a lane of int32 before it must be widened: 32 of them in the same sense. */
+#define KERNEL_LANE_PRODUCTS 32
+
+#define KERNEL_KEY_BASE (135 << 13) /* of the bits of KERNEL_BLACK */
+
+extern const struct kernels kernels_sse41;
+extern const struct kernels kernels_avx2;
+extern const struct kernels kernels_avx512;
+extern const struct kernels kernels_neon;
+extern const struct kernels kernels_neon_dotprod;
+
+/* In kernels.c, which every processor can run. */
+bool kernels_supported_sse41(void);
+bool kernels_supported_avx2(void);
+bool kernels_supported_avx512(void);
+bool kernels_supported_neon(void);
+bool kernels_supported_neon_dotprod(void);
+
+/* Two weights that lie side by side, as one number of 32 bits. */
+static inline int32_t kernel_weight_pair(const int16_t *digit)
+{
+	int32_t pair;
+
+	memcpy(&pair, digit, sizeof(pair));
+	return pair;
+}
+
+/*
+ * The planes of three vectors that may have different numbers of digits: what one has less is
+ * filled with any plane there is, and keep says 0, so that the loops have no branches.
+ */
+struct kernel_planes {
+	int digits; /* 0: there is nothing but 0 */
+	const int16_t *plane[3][KERNEL_DIGITS];
+	int64_t keep[3][KERNEL_DIGITS]; /* -1 or 0 */
+};
+
+static inline void kernel_planes_fill(struct kernel_planes *p, const struct kernel_vector vector[3])
+{
+	const int16_t *any = NULL;
+
+	p->digits = 0;
+	for (int c = 0; c < 3; c++) {
+		if (vector[c].digits > p->digits) {
+			p->digits = vector[c].digits;
+			any = vector[c].digit[0];
+		}
+	}
+	for (int c = 0; c < 3; c++) {
+		for (int d = 0; d < KERNEL_DIGITS; d++) {
+			const bool there = d < vector[c].digits;
+
+			p->plane[c][d] = there ? vector[c].digit[d] : any;
+			p->keep[c][d] = there ? -1 : 0;
+		}
+	}
+}
+
+/* The rest of a row, less than a vector, worked upon as a whole one in memory that is ours. */
+#define KERNEL_REST 16
+
+struct kernel_rest {
+	_Alignas(64) int32_t object[3][KERNEL_REST], taken[3][KERNEL_REST];
+	uint16_t coverage[KERNEL_REST];
+	uint8_t background[KERNEL_REST * 4], out[KERNEL_REST * 4];
+};
+
+static inline void kernel_rest_load(struct kernel_rest *rest, struct kernel_row *all,
+				    const struct kernel_row *row, int x)
+{
+	const size_t count = (size_t)(row->count - x);
+
+	memset(rest, 0, sizeof(*rest));
+	*all = (struct kernel_row){
+		.count = KERNEL_REST,
+		.coverage = rest->coverage,
+		.background = rest->background,
+		.curves = row->curves,
+		.out = rest->out,
+	};
+	for (int c = 0; c < 3; c++) {
+		memcpy(rest->object[c], row->object[c] + x, count * sizeof(int32_t));
+		memcpy(rest->taken[c], row->taken[c] + x, count * sizeof(int32_t));
+		all->object[c] = rest->object[c];
+		all->taken[c] = rest->taken[c];
+	}
+	memcpy(rest->coverage, row->coverage + x, count * sizeof(uint16_t));
+	memcpy(rest->background, row->background + (size_t)x * 4, count * 4);
+}
+
+#endif

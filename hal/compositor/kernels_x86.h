@@ -1,0 +1,284 @@
+/*
+ * The kernels of SSE4.1 and AVX2: the same steps on vectors of 16 and of 32 bytes, whose lanes of
+ * 16 bytes do the same in both. The including file defines, for its width:
+ *
+ *     vector, vector_float
+ *     I(name), F(name)      the integer and the float intrinsic of that name
+ *     SI(name)              the same, whose name ends in the number of bits
+ *     LOAD(p), STORE(p, x)  unaligned
+ *     LOAD_ALIGNED(p)
+ *     LOAD_WIDE8(p)         as many int8 as a vector has int16, widened
+ *     LOAD_WIDE16(p)        as many uint16 as a vector has int32, widened
+ *     WIDEN_LOW(x), WIDEN_HIGH(x)    int32 to int64, of the lower and the upper half
+ *     IN_ORDER_LOW(a, b), IN_ORDER_HIGH(a, b)    what unpacking low and high has put apart by lanes
+ *     IN_ORDER_64(x)        int32 taken by pairs from two vectors, lane by lane
+ *     AS_FLOAT(x)           the same bits
+ *     LANES(x)              16 bytes in each lane
+ *     linear_of(row, x, byte)        linear[] of a channel of as many pixels as a vector has floats
+ */
+#include <immintrin.h>
+
+#define WORDS ((int)sizeof(vector) / 2)
+#define DWORDS ((int)sizeof(vector) / 4)
+
+/* ---- sums16, sums8 ---- */
+
+/* Two vectors of int16 of a line, from pixel p. */
+KERNEL_INLINE void line_of(const void *lines, uint32_t line, int p, const bool bytes, vector x[2])
+{
+	if (bytes) {
+		const int8_t *from = (const int8_t *)lines + (size_t)line * KERNEL_LINE8 + p;
+
+		x[0] = LOAD_WIDE8(from);
+		x[1] = LOAD_WIDE8(from + WORDS);
+	} else {
+		const int16_t *from = (const int16_t *)lines + (size_t)line * KERNEL_LINE16 + p;
+
+		x[0] = LOAD_ALIGNED(from);
+		x[1] = LOAD_ALIGNED(from + WORDS);
+	}
+}
+
+/* One run of lines for 2 * WORDS pixels and one or two digits: two lines side by side, so that one
+ * instruction multiplies both and adds. sum += the result * 4096^first. */
+KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int first, int from,
+			  int to, int p, int64_t *sum, const bool bytes, const int digits)
+{
+	_Alignas(32) int32_t part[2][2 * WORDS];
+	vector acc[2][4], one[2], next[2], both[4];
+	const int shift = first * KERNEL_DIGIT_BITS;
+
+	for (int d = 0; d < digits; d++)
+		acc[d][0] = acc[d][1] = acc[d][2] = acc[d][3] = SI(setzero)();
+	for (int k = from; k < to; k += 2) {
+		line_of(lines, w->line[k], p, bytes, one);
+		line_of(lines, w->line[k + 1], p, bytes, next);
+		for (int i = 0; i < 2; i++) {
+			both[2 * i] = I(unpacklo_epi16)(one[i], next[i]);
+			both[2 * i + 1] = I(unpackhi_epi16)(one[i], next[i]);
+		}
+		for (int d = 0; d < digits; d++) {
+			const vector pair =
+				I(set1_epi32)(kernel_weight_pair(w->digit[first + d] + k));
+
+			for (int i = 0; i < 4; i++)
+				acc[d][i] = I(add_epi32)(acc[d][i], I(madd_epi16)(both[i], pair));
+		}
+	}
+	for (int d = 0; d < digits; d++) {
+		for (int i = 0; i < 4; i += 2) {
+			STORE(part[d] + i * DWORDS, IN_ORDER_LOW(acc[d][i], acc[d][i + 1]));
+			STORE(part[d] + (i + 1) * DWORDS, IN_ORDER_HIGH(acc[d][i], acc[d][i + 1]));
+		}
+	}
+	for (int i = 0; i < 2 * WORDS; i++) {
+		uint64_t more = (uint64_t)(int64_t)part[0][i];
+
+		if (digits == 2)
+			more += (uint64_t)(int64_t)part[1][i] << KERNEL_DIGIT_BITS;
+		sum[p + i] = (int64_t)((uint64_t)sum[p + i] + (more << shift));
+	}
+}
+
+KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64_t *sum,
+			const bool bytes)
+{
+	for (int k = 0; k < w->count; k += KERNEL_RUN) {
+		const int end = w->count - k > KERNEL_RUN ? k + KERNEL_RUN : w->count;
+
+		for (int p = 0; p < (bytes ? KERNEL_LINE8 : KERNEL_LINE16); p += 2 * WORDS) {
+			for (int d = 0; d < w->digits; d += 2) {
+				if (w->digits - d >= 2)
+					run_of(lines, w, d, k, end, p, sum, bytes, 2);
+				else
+					run_of(lines, w, d, k, end, p, sum, bytes, 1);
+			}
+		}
+	}
+}
+
+static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE16])
+{
+	sums(lines, w, sum, false);
+}
+
+static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE8])
+{
+	sums(lines, w, sum, true);
+}
+
+/* ---- project ---- */
+
+/* Values of a row until a lane of int32 has had its 32 products, two from each vector. */
+#define ROW_RUN (WORDS / 2 * KERNEL_LANE_PRODUCTS)
+
+KERNEL_INLINE vector widened(vector x)
+{
+	return I(add_epi64)(WIDEN_LOW(x), WIDEN_HIGH(x));
+}
+
+/* One row times one or two digits of all channels, in int64. */
+KERNEL_INLINE void row_of(const int16_t *row, int stride, const struct kernel_planes *planes,
+			  int first, vector total[3], const int digits)
+{
+	for (int c = 0; c < 3; c++)
+		total[c] = SI(setzero)();
+	for (int from = 0; from < stride; from += ROW_RUN) {
+		const int to = stride - from > ROW_RUN ? from + ROW_RUN : stride;
+		vector acc[3][2];
+
+		for (int c = 0; c < 3; c++)
+			acc[c][0] = acc[c][1] = SI(setzero)();
+		for (int k = from; k < to; k += WORDS) {
+			const vector x = LOAD_ALIGNED(row + k);
+
+			for (int c = 0; c < 3; c++) {
+				for (int d = 0; d < digits; d++) {
+					const int16_t *plane = planes->plane[c][first + d];
+
+					acc[c][d] = I(add_epi32)(
+						acc[c][d],
+						I(madd_epi16)(x, LOAD_ALIGNED(plane + k)));
+				}
+			}
+		}
+		for (int c = 0; c < 3; c++) {
+			for (int d = 0; d < digits; d++) {
+				const vector keep = I(set1_epi64x)(planes->keep[c][first + d]);
+				const vector more = SI(and)(keep, widened(acc[c][d]));
+
+				total[c] = I(add_epi64)(total[c],
+							I(slli_epi64)(more, d * KERNEL_DIGIT_BITS));
+			}
+		}
+	}
+}
+
+static void project(const int16_t *rows, int count, int stride,
+		    const struct kernel_vector vector_of[3], int64_t (*y)[3])
+{
+	struct kernel_planes planes;
+	int64_t lanes[sizeof(vector) / 8];
+	vector total[3];
+
+	kernel_planes_fill(&planes, vector_of);
+	for (int j = 0; j < count; j++, rows += stride) {
+		y[j][0] = y[j][1] = y[j][2] = 0;
+		for (int d = 0; d < planes.digits; d += 2) {
+			if (planes.digits - d >= 2)
+				row_of(rows, stride, &planes, d, total, 2);
+			else
+				row_of(rows, stride, &planes, d, total, 1);
+			for (int c = 0; c < 3; c++) {
+				uint64_t sum = 0;
+
+				STORE(lanes, total[c]);
+				for (size_t i = 0; i < sizeof(vector) / 8; i++)
+					sum += (uint64_t)lanes[i];
+				y[j][c] = (int64_t)((uint64_t)y[j][c] +
+						    (sum << d * KERNEL_DIGIT_BITS));
+			}
+		}
+	}
+}
+
+/* ---- fold ---- */
+
+/*
+ * There is no shift of int64 with a sign here, so numbers are moved up to have none: if x + 2^b is
+ * shifted by n <= b, what comes out is 2^(b - n) too much, exactly.
+ */
+
+/* int32 of the halves of int64, clamped first to int32 and then to KERNEL_LIMIT. */
+KERNEL_INLINE vector limited(vector low, vector high)
+{
+	const vector bound = SI(xor)(I(srai_epi32)(high, 31), I(set1_epi32)(INT32_MAX));
+	const vector fits = I(cmpeq_epi32)(high, I(srai_epi32)(low, 31));
+	const vector x = I(blendv_epi8)(bound, low, fits);
+
+	return I(max_epi32)(I(min_epi32)(x, I(set1_epi32)(KERNEL_LIMIT)),
+			    I(set1_epi32)(-KERNEL_LIMIT));
+}
+
+/* limit(round_shift(sum, shift)) of two vectors of int64 */
+KERNEL_INLINE vector first_of(const int64_t *sum, __m128i shift, vector half, vector excess)
+{
+	const vector sign = I(set1_epi64x)(INT64_MIN);
+	vector x[2];
+
+	for (int i = 0; i < 2; i++) {
+		x[i] = I(add_epi64)(LOAD(sum + i * DWORDS / 2), half);
+		x[i] = I(srl_epi64)(SI(xor)(x[i], sign), shift);
+		x[i] = I(sub_epi64)(x[i], excess);
+	}
+	return IN_ORDER_64(
+		limited(SI(castps)(F(shuffle_ps)(AS_FLOAT(x[0]), AS_FLOAT(x[1]), 0x88)),
+			SI(castps)(F(shuffle_ps)(AS_FLOAT(x[0]), AS_FLOAT(x[1]), 0xdd))));
+}
+
+/* limit(round_shift(x * factor, shift)): factor_even and factor_odd are those of the even and the
+ * odd places, as uint32 in int64. */
+KERNEL_INLINE vector scaled(vector x, vector factor_even, vector factor_odd, int shift)
+{
+	const vector up = SI(xor)(x, I(set1_epi32)(INT32_MIN));
+	const vector half = I(set1_epi64x)(INT64_C(1) << (shift - 1));
+	vector even = I(add_epi64)(I(mul_epu32)(up, factor_even), half);
+	vector odd = I(add_epi64)(I(mul_epu32)(I(srli_epi64)(up, 32), factor_odd), half);
+
+	even = I(sub_epi64)(I(srli_epi64)(even, shift), I(slli_epi64)(factor_even, 31 - shift));
+	odd = I(sub_epi64)(I(srli_epi64)(odd, shift), I(slli_epi64)(factor_odd, 31 - shift));
+	return limited(I(blend_epi16)(even, I(slli_epi64)(odd, 32), 0xcc),
+		       I(blend_epi16)(I(srli_epi64)(even, 32), odd, 0xcc));
+}
+
+/* limit(a + b), where the sum in int32 may come out with the wrong sign. */
+KERNEL_INLINE vector added(vector a, vector b)
+{
+	const vector sum = I(add_epi32)(a, b);
+	const vector wrong = SI(and)(SI(xor)(a, sum), SI(xor)(b, sum));
+	const vector bound = SI(xor)(I(srai_epi32)(a, 31), I(set1_epi32)(INT32_MAX));
+	const vector x = I(blendv_epi8)(sum, bound, I(srai_epi32)(wrong, 31));
+
+	return I(max_epi32)(I(min_epi32)(x, I(set1_epi32)(KERNEL_LIMIT)),
+			    I(set1_epi32)(-KERNEL_LIMIT));
+}
+
+KERNEL_INLINE void fold_vectors(const int64_t *sum, int count, int shift, uint32_t factor,
+				const uint16_t *tint, int32_t *to)
+{
+	const vector half = I(set1_epi64x)(INT64_C(1) << (shift - 1));
+	const vector excess = I(set1_epi64x)(INT64_C(1) << (63 - shift));
+	const vector f = I(set1_epi64x)(factor);
+	const vector lower = I(set1_epi64x)(UINT32_MAX);
+
+	for (int p = 0; p < count; p += DWORDS) {
+		vector x = first_of(sum + p, _mm_cvtsi32_si128(shift), half, excess);
+
+		x = scaled(x, f, f, 30);
+		if (tint) {
+			const vector t = LOAD_WIDE16(tint + p);
+
+			x = scaled(x, SI(and)(t, lower), I(srli_epi64)(t, 32), 15);
+		}
+		STORE(to + p, added(LOAD(to + p), x));
+	}
+}
+
+static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
+		 int32_t *to)
+{
+	const int whole = count / DWORDS * DWORDS, rest = count - whole;
+	int64_t last_sum[DWORDS] = {0};
+	uint16_t last_tint[DWORDS] = {0};
+	int32_t last_to[DWORDS] = {0};
+
+	fold_vectors(sum, whole, shift, factor, tint, to);
+	if (!rest)
+		return;
+	memcpy(last_sum, sum + whole, (size_t)rest * sizeof(*sum));
+	memcpy(last_to, to + whole, (size_t)rest * sizeof(*to));
+	if (tint)
+		memcpy(last_tint, tint + whole, (size_t)rest * sizeof(*tint));
+	fold_vectors(last_sum, DWORDS, shift, factor, tint ? last_tint : NULL, last_to);
+	memcpy(to + whole, last_to, (size_t)rest * sizeof(*to));
+}

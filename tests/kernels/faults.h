@@ -1,0 +1,18 @@
+/*
+ * Tables that are wrong in one small thing each: what the comparison must find.
+ */
+#ifndef INLAY_TESTS_KERNELS_FAULTS_H
+#define INLAY_TESTS_KERNELS_FAULTS_H
+
+#include "tests/kernels/compare.h"
+
+struct faulty {
+	const char *fault;
+	enum kernel_function function;
+	struct kernels table;
+};
+
+extern const int faulty_count;
+struct faulty faulty_table(int i); /* the specification with that one function replaced */
+
+#endif

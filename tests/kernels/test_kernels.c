@@ -1,0 +1,253 @@
+/*
+ * Every table of kernels that the processor supports against the specification, bit by bit; the
+ * specification against wider integers and double precision; and the comparison itself against
+ * tables that are wrong in one small thing each.
+ *
+ *     test_kernels [--seed S] [--rounds N] [--need NAME]... [--choose NAME]
+ *
+ * --need: that table must be there and supported. --choose: it must be the one that is taken when
+ * nobody asks for another.
+ */
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "tests/kernels/compare.h"
+#include "tests/kernels/faults.h"
+
+#define NEEDED_MAX 8
+
+struct run {
+	uint64_t seed;
+	int rounds;
+	const char *needed[NEEDED_MAX];
+	int needed_count;
+	const char *chosen;
+	int tests, failed;
+};
+
+static void result(struct run *run, bool passed, const char *name, const char *what,
+		   const char *why)
+{
+	run->tests++;
+	run->failed += !passed;
+	if (!passed)
+		printf("# %s\n", why);
+	printf("%s %d - %s: %s\n", passed ? "ok" : "not ok", run->tests, name, what);
+	fflush(stdout);
+}
+
+static void test_table(struct run *run, const struct kernels *table)
+{
+	for (int f = 0; f < FUNCTIONS; f++) {
+		struct comparison *c = comparison_create(run->seed);
+		char why[256];
+		const bool same = comparison_run(c, (enum kernel_function)f, run->rounds,
+						 &kernels_c, table, why);
+
+		result(run, same, table->name, kernel_function_names[f], why);
+		comparison_free(c);
+	}
+}
+
+static void test_faults(struct run *run)
+{
+	for (int i = 0; i < faulty_count; i++) {
+		const struct faulty f = faulty_table(i);
+		struct comparison *c = comparison_create(run->seed);
+		char why[256];
+		const bool caught = !comparison_run(c, f.function, run->rounds, &kernels_c,
+						    &f.table, why);
+
+		result(run, caught, "a wrong table is caught", f.fault, "it was not");
+		comparison_free(c);
+	}
+}
+
+/* ---- the specification ---- */
+
+static int random_between(int low, int high)
+{
+	return low + (int)(random() % (high - low + 1));
+}
+
+/* Against the weights put together again, in 128 bits. */
+static void test_sums(struct run *run)
+{
+	enum { LINES = 96 };
+	static int16_t lines[LINES * KERNEL_LINE16] __attribute__((aligned(64)));
+	static int16_t digit[KERNEL_DIGITS][LINES];
+	uint32_t line[LINES];
+	struct kernel_weights w = {.count = LINES, .digits = KERNEL_DIGITS, .line = line};
+	int64_t sum[KERNEL_LINE16];
+	bool same = true;
+
+	for (int i = 0; i < LINES * KERNEL_LINE16; i++)
+		lines[i] = (int16_t)random_between(-2000, 2000);
+	for (uint32_t k = 0; k < LINES; k++) {
+		line[k] = k * 7 % LINES;
+		for (int d = 0; d < KERNEL_DIGITS; d++)
+			digit[d][k] = (int16_t)random_between(-2048, 2047);
+	}
+	for (int d = 0; d < KERNEL_DIGITS; d++)
+		w.digit[d] = digit[d];
+	memset(sum, 0, sizeof(sum));
+	for (int p = 0; p < KERNEL_LINE16; p++)
+		sum[p] = p * INT64_C(1000000007);
+	kernels_c.sums16(lines, &w, sum);
+	for (int p = 0; p < KERNEL_LINE16; p++) {
+		__int128 whole = p * INT64_C(1000000007);
+
+		for (int k = 0; k < LINES; k++) {
+			__int128 weight = 0;
+
+			for (int d = KERNEL_DIGITS - 1; d >= 0; d--)
+				weight = weight * 4096 + digit[d][k];
+			whole += weight * lines[line[k] * KERNEL_LINE16 + (uint32_t)p];
+		}
+		same = same && whole == sum[p];
+	}
+	result(run, same, "c", "sums16 is what 128 bits give", "it is not");
+}
+
+/* Against double precision: linear light, and encoded without a table. */
+static void test_mix(struct run *run, enum transfer from, enum transfer to)
+{
+	static struct kernel_curves curves;
+	double worst = 0;
+	bool unchanged = true;
+	char why[128], what[64];
+
+	kernel_curves_fill(&curves, from, to);
+	for (int i = 0; i < 400000; i++) {
+		const int32_t object = random_between(-1, 3)
+					       ? random_between(0, 1 << random_between(1, 24))
+					       : 0;
+		const int32_t taken = random_between(-(1 << 24), 1 << 24);
+		const uint16_t coverage = (uint16_t)(random_between(0, 1) ? random_between(0, 65535)
+									  : 0);
+		const uint8_t in[4] = {(uint8_t)random(), 0, 0, 0};
+		const struct kernel_row row = {1,
+					       {&object, &object, &object},
+					       {&taken, &taken, &taken},
+					       &coverage,
+					       in,
+					       &curves,
+					       (uint8_t[4]){0}};
+		const double linear = ldexp(object, -24) + (1 - coverage / 65535.0) *
+								   (1 - ldexp(taken, -24)) *
+								   curves.decode[in[0]] / 65535;
+
+		kernels_c.mix(&row);
+		worst = fmax(worst, fabs(row.out[0] - 255 * transfer_encode(to, linear)));
+	}
+	for (int i = 0; i < 256; i++)
+		unchanged = unchanged && (from != to || curves.recode[i] == i);
+	snprintf(what, sizeof(what), "mix from %s to %s", transfer_names[from], transfer_names[to]);
+	snprintf(why, sizeof(why), "%.4f levels from double precision%s", worst,
+		 unchanged ? "" : "; an unchanged pixel comes out changed");
+	printf("# %s: at most %.4f levels from double precision\n", what, worst);
+	result(run, unchanged && worst <= 0.52, "c", what, why);
+}
+
+/* ---- which there are ---- */
+
+static void test_needed(struct run *run)
+{
+	for (int i = 0; i < run->needed_count; i++) {
+		const struct kernels *k = kernels_choose(run->needed[i]);
+
+		result(run, k && strcmp(k->name, run->needed[i]) == 0, run->needed[i],
+		       "is there and supported", "it is not");
+	}
+}
+
+static void test_choice(struct run *run)
+{
+	const struct kernels *k;
+
+	unsetenv("INLAY_KERNEL");
+	k = kernels_choose(NULL);
+	if (run->chosen)
+		result(run, k && strcmp(k->name, run->chosen) == 0, run->chosen,
+		       "is taken of itself", k ? k->name : "none is");
+	result(run, k == kernels_choose("auto"), "choice", "auto is the fastest", "it is not");
+	result(run, kernels_choose("c") == &kernels_c, "choice", "c by its name", "it is not");
+	result(run, !kernels_choose("mmx"), "choice", "an unknown name gives none", "it does");
+	setenv("INLAY_KERNEL", "c", 1);
+	result(run, kernels_choose("auto") == &kernels_c && kernels_choose(NULL) == &kernels_c,
+	       "choice", "the environment in place of auto", "it is not");
+	result(run, kernels_choose(k->name) == k, "choice", "a name before the environment",
+	       "it is not");
+	setenv("INLAY_KERNEL", "mmx", 1);
+	result(run, !kernels_choose(NULL), "choice", "an unknown name in the environment", "taken");
+	unsetenv("INLAY_KERNEL");
+}
+
+static int usage(void)
+{
+	fputs("usage: test_kernels [--seed S] [--rounds N] [--need NAME]... [--choose NAME]\n",
+	      stderr);
+	return 2;
+}
+
+static int options(struct run *run, int argc, char **argv)
+{
+	static const struct option known[] = {{"seed", required_argument, NULL, 's'},
+					      {"rounds", required_argument, NULL, 'r'},
+					      {"need", required_argument, NULL, 'n'},
+					      {"choose", required_argument, NULL, 'c'},
+					      {NULL, 0, NULL, 0}};
+	int o;
+
+	while ((o = getopt_long(argc, argv, "", known, NULL)) != -1) {
+		switch (o) {
+		case 's':
+			run->seed = strtoull(optarg, NULL, 0);
+			break;
+		case 'r':
+			run->rounds = atoi(optarg);
+			break;
+		case 'n':
+			if (run->needed_count == NEEDED_MAX)
+				return usage();
+			run->needed[run->needed_count++] = optarg;
+			break;
+		case 'c':
+			run->chosen = optarg;
+			break;
+		default:
+			return usage();
+		}
+	}
+	return optind < argc ? usage() : 0;
+}
+
+int main(int argc, char **argv)
+{
+	struct run run = {.seed = (uint64_t)time(NULL), .rounds = 2000};
+
+	if (options(&run, argc, argv) != 0)
+		return 2;
+	printf("# seed %llu, %d rounds\n", (unsigned long long)run.seed, run.rounds);
+	srandom((unsigned)run.seed);
+	test_needed(&run);
+	test_choice(&run);
+	for (int i = 0; kernels_all[i]; i++) {
+		if (kernels_all[i]->supported())
+			test_table(&run, kernels_all[i]);
+		else
+			printf("# %s: not supported by this processor\n", kernels_all[i]->name);
+	}
+	test_faults(&run);
+	test_sums(&run);
+	for (int from = 0; from < TRANSFER_COUNT; from++) {
+		for (int to = 0; to < TRANSFER_COUNT; to++)
+			test_mix(&run, (enum transfer)from, (enum transfer)to);
+	}
+	printf("1..%d\n", run.tests);
+	return run.failed != 0;
+}
