@@ -35,53 +35,113 @@ static void *aligned_copy(const void *data, size_t bytes)
 	return copy;
 }
 
+struct scene {
+	const struct basis *basis;
+	struct picture picture;
+	struct backdrop backdrop;
+	struct light_selection lights;
+	struct compositor *compositor;
+	float (*radiance)[3];
+	uint8_t *out, *again;
+	double *exact;
+	size_t pixels;
+};
+
+static void choose(struct scene *s, int pose, uint32_t step)
+{
+	for (uint32_t i = 0; i < s->basis->info.lights; i++)
+		for (uint32_t c = 0; c < 3; c++)
+			s->radiance[i][c] = (i + c + step) % 3 ? 0.25F * (float)step : 3e38F;
+	light_selection_choose(&s->lights, s->basis, pose, (const float(*)[3])s->radiance, 1,
+			       THRESHOLD_AMBIENT, 2);
+}
+
+static void run(struct scene *s, int pose, enum compositor_mode mode, enum compositor_reuse reuse,
+		uint8_t *out)
+{
+	const struct compositor_settings settings = {mode,	    reuse, TRANSFER_BT709,
+						     TRANSFER_SRGB, 2,	   true};
+
+	compositor_set(s->compositor, &settings);
+	if (compositor_run(s->compositor, pose, &s->lights, &s->backdrop, out,
+			   (size_t)s->basis->info.width * 4) < 0 ||
+	    compositor_reference(s->basis, pose, &settings, &s->lights, &s->picture, s->exact) < 0)
+		abort();
+}
+
+/* A frame, then one that keeps its sums, which must be what it is without them. */
+static void composite_pose(struct scene *s, int pose, enum compositor_mode mode)
+{
+	choose(s, pose, 0);
+	run(s, pose, mode, REUSE_AUTO, s->out);
+	choose(s, pose, 1);
+	run(s, pose, mode, REUSE_ALWAYS, s->out);
+	run(s, pose, mode, REUSE_NEVER, s->again);
+	if (memcmp(s->out, s->again, s->pixels * 4) != 0)
+		abort();
+}
+
 static void composite(const struct basis *basis)
 {
 	const size_t pixels = (size_t)basis->info.width * basis->info.height;
-	const struct picture picture = {calloc(pixels, 4), 4, (ptrdiff_t)basis->info.width * 4,
-					(int)basis->info.width, (int)basis->info.height};
-	const struct compositor_settings settings = {TRANSFER_BT709, TRANSFER_SRGB, 2, true};
-	float(*radiance)[3] = calloc(basis->info.lights, sizeof(*radiance));
-	uint8_t *out = malloc(pixels * 4);
-	double *exact = malloc(pixels * 3 * sizeof(*exact));
-	struct light_selection lights;
-	struct compositor *compositor;
+	const struct compositor_options options = {NULL, NULL};
+	struct scene s = {
+		.basis = basis,
+		.picture = {calloc(pixels, 4), 4, (ptrdiff_t)basis->info.width * 4,
+			    (int)basis->info.width, (int)basis->info.height},
+		.radiance = calloc(basis->info.lights, sizeof(*s.radiance)),
+		.out = malloc(pixels * 4),
+		.again = malloc(pixels * 4),
+		.exact = malloc(pixels * 3 * sizeof(*s.exact)),
+		.pixels = pixels,
+	};
 
-	if (!picture.origin || !radiance || !out || !exact ||
-	    light_selection_create(&lights, basis) < 0 ||
-	    compositor_create(&compositor, basis, NULL, NULL) < 0)
+	if (!s.picture.origin || !s.radiance || !s.out || !s.again || !s.exact ||
+	    light_selection_create(&s.lights, basis) < 0 ||
+	    compositor_create(&s.compositor, basis, &options, NULL) < 0)
 		abort();
-	compositor_set(compositor, &settings);
-	for (uint32_t pose = 0; pose < basis->info.poses; pose++) {
-		for (uint32_t i = 0; i < basis->info.lights; i++)
-			for (int c = 0; c < 3; c++)
-				radiance[i][c] = (i + (uint32_t)c) % 3 ? 0.25F : 3e38F;
-		light_selection_choose(&lights, basis, (int)pose, (const float(*)[3])radiance, 1,
-				       THRESHOLD_AMBIENT, settings.gain);
-		if (compositor_run(compositor, (int)pose, &lights, &picture, out,
-				   (size_t)basis->info.width * 4) < 0 ||
-		    compositor_reference(basis, (int)pose, &settings, &lights, &picture, exact) < 0)
-			abort();
+	s.backdrop = backdrop_of(&s.picture);
+	for (int pose = 0; pose < (int)basis->info.poses; pose++) {
+		composite_pose(&s, pose, COMPOSITOR_FAST);
+		if (basis->poses[pose].exact.tiles)
+			composite_pose(&s, pose, COMPOSITOR_EXACT);
 	}
-	compositor_destroy(compositor);
-	light_selection_free(&lights);
-	free((void *)picture.origin);
-	free(radiance);
-	free(out);
-	free(exact);
+	compositor_destroy(s.compositor);
+	light_selection_free(&s.lights);
+	free((void *)s.picture.origin);
+	free(s.radiance);
+	free(s.out);
+	free(s.again);
+	free(s.exact);
+}
+
+static int open_part(const void *data, size_t bytes, enum basis_part part, struct basis *basis)
+{
+	struct fault fault = {""};
+	const int ret = basis_open_memory(basis, data, bytes, "fuzz", part, &fault);
+
+	if (ret < 0 && !fault.text[0])
+		abort(); /* a refusal must say why */
+	return ret;
 }
 
 static void open_file(const void *data, size_t bytes)
 {
-	struct fault fault = {""};
 	struct basis basis;
-	const int ret = basis_open_memory(&basis, data, bytes, "fuzz", &fault);
+	const int shown = open_part(data, bytes, BASIS_SHOWN, &basis);
+	int ret;
 
-	if (ret < 0 && !fault.text[0])
-		abort(); /* a refusal must say why */
+	basis_close(&basis);
+	ret = open_part(data, bytes, BASIS_ALL, &basis);
+	if (ret == 0 && shown < 0)
+		abort(); /* a part of what is right */
 	if (ret == 0 &&
 	    (uint64_t)basis.info.width * basis.info.height * basis.info.lights < WORK_MOST)
 		composite(&basis);
+	basis_close(&basis);
+	ret = open_part(data, bytes, BASIS_WITH_EXACT, &basis);
+	if (ret == 0 && shown < 0)
+		abort();
 	basis_close(&basis);
 }
 

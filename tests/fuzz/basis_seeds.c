@@ -1,0 +1,140 @@
+/*
+ * Writes the seeds of fuzz_basis into a folder: small files of random content, each as the list of
+ * its chunks that fuzz_basis.c unpacks. The same at every run.
+ */
+#include "tests/synthetic_basis.h"
+
+static const struct {
+	const char *name;
+	struct synthetic_options options;
+} seeds[] = {
+	{"all_kinds",
+	 {.width = 18,
+	  .height = 4,
+	  .lights = 4,
+	  .coarse = 2,
+	  .grounds = 2,
+	  .patterns = 2,
+	  .columns = 2,
+	  .vary = true,
+	  .layers = 2,
+	  .exact = true,
+	  .object_share = 0.4,
+	  .ground_share = 0.3,
+	  .stand_in_share = 0.3,
+	  .unlit_share = 0.2,
+	  .peak = 1,
+	  .bounce = 0.3,
+	  .seed = 1}},
+	{"columns",
+	 {.width = 7,
+	  .height = 6,
+	  .lights = 6,
+	  .grounds = 1,
+	  .columns = -1,
+	  .bits = 8,
+	  .object_share = 0.5,
+	  .ground_share = 0.5,
+	  .peak = 1,
+	  .bounce = 2,
+	  .column_cut = 0.01,
+	  .exact = true,
+	  .seed = 2}},
+	{"tinted",
+	 {.width = 6,
+	  .height = 11,
+	  .lights = 34,
+	  .coarse = 2,
+	  .patterns = 3,
+	  .grey = true,
+	  .tinted = true,
+	  .object_share = 0.6,
+	  .stand_in_share = 0.5,
+	  .peak = 1,
+	  .bounce = 0.3,
+	  .seed = 3}},
+	{"nothing", {.width = 3, .height = 2, .lights = 2, .seed = 4}},
+};
+
+/* As fuzz_basis.c reads it. */
+struct packed {
+	uint32_t type, pose, bytes;
+};
+
+static void must_write(FILE *out, const void *data, size_t bytes)
+{
+	if (fwrite(data, 1, bytes, out) != bytes)
+		abort();
+}
+
+static void pack_chunk(FILE *out, const struct basis_chunk_entry *chunk, uint32_t pose,
+		       const void *data)
+{
+	const struct packed head = {chunk->type, pose, (uint32_t)chunk->bytes};
+
+	must_write(out, &head, sizeof(head));
+	must_write(out, data, chunk->bytes);
+}
+
+static bool is_of_pose(uint32_t type)
+{
+	return type == BASIS_CHUNK_COVERAGE || type == BASIS_CHUNK_PEAK ||
+	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA;
+}
+
+static void pack(const struct basis *basis, const char *path, int poses)
+{
+	const uint8_t *file = basis->map;
+	const struct basis_file_header *header = basis->map;
+	const struct basis_chunk_entry *chunk = (const void *)(header + 1);
+	FILE *out = fopen(path, "wb");
+
+	if (!out)
+		abort();
+	for (uint32_t i = 0; i < header->chunk_count; i++) {
+		const void *data = file + chunk[i].offset;
+		struct basis_info_chunk info;
+
+		if (chunk[i].type == BASIS_CHUNK_INFO) {
+			memcpy(&info, data, sizeof(info));
+			info.poses = (uint32_t)poses;
+			data = &info;
+		}
+		pack_chunk(out, &chunk[i], 0, data);
+		if (poses > 1 && is_of_pose(chunk[i].type)) /* without an exact layer */
+			pack_chunk(out, &chunk[i], 1, data);
+	}
+	if (fclose(out) != 0)
+		abort();
+}
+
+int main(int argc, char **argv)
+{
+	char path[4096];
+	FILE *out;
+
+	if (argc != 2) {
+		fprintf(stderr, "usage: basis_seeds FOLDER\n");
+		return 2;
+	}
+	for (size_t i = 0; i < sizeof(seeds) / sizeof(seeds[0]); i++) {
+		struct synthetic s;
+
+		synthetic_open(&s, &seeds[i].options);
+		snprintf(path, sizeof(path), "%s/%s.chunks", argv[1], seeds[i].name);
+		pack(&s.basis, path, 1);
+		if (i == 1) {
+			snprintf(path, sizeof(path), "%s/poses.chunks", argv[1]);
+			pack(&s.basis, path, 2);
+			snprintf(path, sizeof(path), "%s/cut.inlay", argv[1]);
+			out = fopen(path, "wb");
+			if (!out)
+				abort();
+			must_write(out, s.basis.map, 400);
+			if (fclose(out) != 0)
+				abort();
+		}
+		synthetic_close(&s);
+	}
+	return 0;
+}
