@@ -33,7 +33,7 @@ struct bench_row {
 	char lighting[64];
 	char what[48];
 	char kernel[24];
-	int lights; /* used, of one member of the lighting */
+	int lights; /* used, of one member of the lighting; -1: does not apply */
 	double median_ms, least_ms;
 	double speedup;	   /* the thesis's median over this one */
 	double basis_mb;   /* of 1,000,000 bytes, read in the last frame */

@@ -7,13 +7,15 @@
 #include <string.h>
 
 #include "app/bench_lightings.h"
+#include "hal/frame_reader.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/fisheye.h"
 
-/* What one camera delivers, and what it is decoded into. */
+/* What one camera delivers, and the same decoded. */
 struct bench_camera {
 	uint8_t *yuyv;
 	struct frame frame;
+	struct frame_reader reader;
 	struct frame_decoder *decoder;
 	struct canvas canvas;
 	struct picture picture;
@@ -51,7 +53,8 @@ static int camera_create(struct bench_camera *camera, int width, int height)
 	if (err)
 		return err;
 	camera->picture = view_picture(&whole, camera->canvas.pixels, camera->canvas.stride);
-	return frame_decoder_create(&camera->decoder, DEINTERLACE_WEAVE);
+	err = frame_decoder_create(&camera->decoder, DEINTERLACE_WEAVE);
+	return err ? err : frame_reader_open(&camera->reader, &camera->frame, &whole, NULL);
 }
 
 static void camera_destroy(struct bench_camera *camera)
@@ -82,7 +85,7 @@ static int create_sampler(struct bench_frame *f, struct fault *fault)
 static int fill(struct bench_frame *f, const struct canvas *background, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &f->basis->info;
-	const int err = lightings_dome(&f->dome, f->basis, fault);
+	int err = lightings_dome(&f->dome, f->basis, fault);
 
 	if (err)
 		return err;
@@ -93,7 +96,10 @@ static int fill(struct bench_frame *f, const struct canvas *background, struct f
 		return fault_say(fault, -ENOMEM, "not enough memory for two cameras of %ux%u",
 				 info->width, info->height);
 	camera_take(&f->background, background);
-	return create_sampler(f, fault);
+	/* for double precision; the compositor takes it from the camera */
+	err = frame_decode(f->background.decoder, &f->background.frame, &f->background.canvas,
+			   fault);
+	return err ? err : create_sampler(f, fault);
 }
 
 int bench_frame_create(struct bench_frame **frame, const struct basis *basis,
@@ -153,13 +159,14 @@ void bench_frame_light(struct bench_frame *f, const float (*radiance)[3])
 int bench_frame_run(struct bench_frame *f, struct compositor *compositor, double threshold,
 		    struct canvas *out, uint64_t *bytes, struct fault *fault)
 {
-	struct backdrop backdrop;
-	int err = frame_decode(f->background.decoder, &f->background.frame, &f->background.canvas,
-			       fault);
+	const struct backdrop backdrop = {
+		.width = f->background.frame.width,
+		.height = f->background.frame.height,
+		.make = frame_reader_make,
+		.context = &f->background.reader,
+	};
+	int err = frame_decode(f->fisheye.decoder, &f->fisheye.frame, &f->fisheye.canvas, fault);
 
-	if (!err)
-		err = frame_decode(f->fisheye.decoder, &f->fisheye.frame, &f->fisheye.canvas,
-				   fault);
 	if (err)
 		return err;
 	err = light_sampler_read(f->sampler, &f->fisheye.picture, f->radiance, NULL);
@@ -168,7 +175,6 @@ int bench_frame_run(struct bench_frame *f, struct compositor *compositor, double
 				 strerror(-err));
 	light_selection_choose(&f->lights, f->basis, 0, (const float(*)[3])f->radiance, threshold,
 			       THRESHOLD_AMBIENT, 1);
-	backdrop = backdrop_of(&f->background.picture);
 	err = compositor_run(compositor, 0, &f->lights, &backdrop, out->pixels, out->stride);
 	*bytes = compositor_last(compositor).basis_bytes;
 	return err ? fault_say(fault, err, "whole frame: the compositor fails: %s", strerror(-err))

@@ -47,10 +47,9 @@ static double number_of(const struct bench_row *row, const struct column *column
 		int count;
 
 		memcpy(&count, at, sizeof(count));
-		value = count;
-	} else {
-		memcpy(&value, at, sizeof(value));
+		return count < 0 ? NAN : count;
 	}
+	memcpy(&value, at, sizeof(value));
 	if (column->kind == OF_ERROR)
 		return row->has_error ? value : NAN;
 	return value > 0 ? value : NAN;

@@ -29,7 +29,7 @@ static struct bench_way *add(struct bench_ways *ways, enum bench_kind kind, cons
 {
 	struct bench_way *way = &ways->way[ways->count++];
 
-	*way = (struct bench_way){.kind = kind};
+	*way = (struct bench_way){.kind = kind, .row = {.lights = -1}};
 	snprintf(way->row.what, sizeof(way->row.what), "%s", what);
 	snprintf(way->row.kernel, sizeof(way->row.kernel), "%s", kernel);
 	return way;
