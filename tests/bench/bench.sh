@@ -1,8 +1,9 @@
 #!/bin/bash
 # How long things take: the bake, and a frame by stage, for the demo's cow and for spot.
-#     BUILD=build/x tests/bench/bench.sh [--quick]      (make bench)
-# Prints a Markdown table, leaves it in build/bench/table.md. Spot needs $INLAY_SHARED_DATA (else
-# ../shared/data) and is left out without it. --quick: the cow at 640x480 alone.
+#     BUILD=build/x tests/bench/bench.sh [--quick | --full]      (make bench)
+# Prints Markdown tables, leaves them in build/bench/table.md and build/bench/modes.md. Spot needs
+# $INLAY_SHARED_DATA (else ../shared/data) and is left out without it. --quick: the cow at 640x480
+# alone. --full: spot under 1,626 and 6,486 lights too, and at 1920x1080.
 set -eu
 cd "$(dirname "$0")/../.."
 build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
@@ -116,14 +117,108 @@ table() {
 	rows spot 1920x1080 2 20
 }
 
+# ---- inlay bench ----
+
+# Of the JSON that inlay bench prints, a row a line: the figure of a way under a lighting, by the
+# fastest kernel, which comes last.
+figure() { # JSON LIGHTING WHAT KEY
+	grep -F "{\"lighting\": \"$2\", \"what\": \"$3\"" "$1" | tail -n 1 |
+		sed -n "s/.*\"$4\": \([^,}]*\).*/\1/p"
+}
+head_figure() { # JSON KEY
+	sed -n "s/.*\"$2\": \([0-9.e+]*\).*/\1/p" "$1" | head -n 1
+}
+rounded() { # DIGITS VALUE...
+	local digits=$1 value
+	shift
+	for value in "$@"; do
+		case ${value:-null} in
+		null) printf '| - ' ;;
+		*) printf "| %.${digits}f " "$value" ;;
+		esac
+	done
+}
+
+# mode_rows JSON: a row for each lighting.
+mode_rows() {
+	local json=$1 lighting
+	sed -n 's/^ *{"lighting": "\([^"]*\)".*/\1/p' "$json" | uniq | while read -r lighting; do
+		of() { figure "$json" "$lighting" "$1" "$2"; }
+		printf '| %dx%d, %d | %s ' "$(head_figure "$json" width)" \
+			"$(head_figure "$json" height)" "$(head_figure "$json" lights)" "$lighting"
+		rounded 2 "$(of 'thesis, double precision' median_ms)" "$(of exact median_ms)" \
+			"$(of exact read_ratio)"
+		rounded 3 "$(of fast median_ms)"
+		rounded 0 "$(of fast speedup)"
+		rounded 1 "$(of fast psnr_db)" "$(of fast max)"
+		rounded 4 "$(of fast contrast)"
+		rounded 3 "$(of 'fast, 1 light changes' median_ms)" \
+			"$(of 'fast, 10 lights change' median_ms)" \
+			"$(of 'fast, all lights change' median_ms)" "$(of 'exact, 1 light changes' median_ms)" \
+			"$(of 'whole frame' median_ms)" "$(of 'memcpy of the picture' median_ms)"
+		rounded 1 "$(of 'whole frame' copies)"
+		echo "|"
+	done
+}
+
+# modes FREQUENCY SIZE SAMPLES REPEAT [OPTION...]: bakes spot and puts it through inlay bench, under
+# the built-in lightings and the panoramas.
+modes() {
+	local f=$1 size=$2 samples=$3 repeat=$4 name json sky=()
+	shift 4
+	name=spot-$f-$size
+	echo "baking spot at $size, f = $f" >&2
+	"$build/inlay-bake" render --frequency "$f" --size "$size" --samples "$samples" --exact \
+		-o "$work/$name.inlay" "$work/spot/spot.scene" >>"$log" 2>&1
+	for json in "$data"/hdri/*.hdr; do
+		[ -e "$json" ] && sky+=(--panorama "$json")
+	done
+	echo "timing spot at $size, f = $f" >&2
+	"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
+		>"$work/$name.json" 2>>"$log"
+	mode_rows "$work/$name.json"
+	if [ ${#sky[@]} -gt 0 ]; then
+		"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
+			"${sky[@]}" >"$work/$name-panoramas.json" 2>>"$log"
+		mode_rows "$work/$name-panoramas.json"
+	fi
+	echo "$name: fast $(head_figure "$work/$name.json" shown_mb) MB," \
+		"exact $(head_figure "$work/$name.json" exact_mb) MB," \
+		"a byte for each value $(head_figure "$work/$name.json" dense_mb) MB" >>"$work/sizes.txt"
+	rm -f "$work/$name.inlay"
+}
+
+modes_table() {
+	: >"$work/sizes.txt"
+	echo "| spot | lighting | thesis ms | exact ms | x read bound | fast ms | x thesis |" \
+		"PSNR dB | max | contrast | 1 light changes ms | 10 | all | exact, 1 changes ms |" \
+		"whole frame ms | memcpy ms | frame / memcpy |"
+	echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+	modes 9 640x480 64 15
+	if [ -n "${full:-}" ]; then
+		modes 18 640x480 64 9
+		modes 36 640x480 64 5 --cells 8
+		modes 9 1920x1080 8 9 --thesis no --cells 4
+		modes 9 1920x1080 8 9 --thesis no --cells 4 --threads 2
+	fi
+	echo
+	cat "$work/sizes.txt"
+}
+
 case ${1:-} in
 '') ;;
 --quick) quick=yes ;;
+--full) full=yes ;;
 *)
-	echo "usage: bench.sh [--quick]" >&2
+	echo "usage: bench.sh [--quick | --full]" >&2
 	exit 2
 	;;
 esac
 scenes
 table | tee "$work/table.part.md"
 mv "$work/table.part.md" "$work/table.md"
+if [ -z "${quick:-}" ] && [ -e "$work/spot/spot.obj" ]; then
+	echo
+	modes_table | tee "$work/modes.part.md"
+	mv "$work/modes.part.md" "$work/modes.md"
+fi
