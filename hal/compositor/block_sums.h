@@ -46,6 +46,7 @@ struct block_request {
 	const struct kernels *kernels;
 	const struct light_vector *light;
 	const struct kept_sums *kept;
+	const struct basis_block *next; /* that will be summed next; NULL: not known */
 	int kept_index; /* of this block in kept->valid */
 	bool all;	/* no column is left out */
 };

@@ -25,6 +25,18 @@ static void mix_tile(const struct compositor *c, const struct basis_tile *tile,
 	}
 }
 
+/* What mixing will read, fetched while the sums are made: rows of a tile lie too far apart for the
+ * processor to see a pattern. Inline by force: gcc 12 sees no effect in it, and drops a call. */
+static inline __attribute__((always_inline)) void
+fetch_ahead(const struct compositor *c, const struct basis_tile *tile, struct backdrop_rows rows)
+{
+	for (int y = 0; y < tile->height; y++) {
+		__builtin_prefetch(rows.pixels + y * rows.stride);
+		__builtin_prefetch(c->coverage + (size_t)(tile->y + y) * c->basis->info.width +
+				   tile->x);
+	}
+}
+
 /* Tiles side by side that are all plain, or all not. */
 static struct area area_of(const struct basis_tile *tiles, int first, int end)
 {
@@ -48,6 +60,7 @@ static void mix_span(const struct compositor *c, int first, int end, struct work
 	struct backdrop_rows rows = backdrop_rows(c->backdrop, area_of(tiles, first, end), w->rows);
 
 	for (int t = first; t < end; t++) {
+		fetch_ahead(c, &tiles[t], rows);
 		tile_compute(&c->light, &c->layer->plan.tiles[t], &w->tile, &w->values);
 		mix_tile(c, &tiles[t], &w->values, rows);
 		rows.pixels += BASIS_TILE * 4;
@@ -135,6 +148,7 @@ static void begin_frame(struct compositor *c, const struct light_selection *ligh
 		.all = c->settings.mode == COMPOSITOR_EXACT,
 		.kept = keep(c),
 		.first = c->layer->plan.blocks,
+		.end = c->layer->plan.blocks + c->layer->basis->block_count,
 	};
 	for (int w = 0; w < c->workers; w++)
 		c->worker[w]->tile.block.counts = (struct compositor_frame){0};

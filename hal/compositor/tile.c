@@ -23,6 +23,7 @@ static void sums_of(const struct frame_light *f, const struct block_plan *plan,
 		.kernels = f->kernels,
 		.light = light,
 		.kept = &f->kept,
+		.next = plan + 1 < f->end ? plan[1].block : NULL,
 		.kept_index = (int)(plan - f->first),
 		.all = f->all || whole_light,
 	};
