@@ -97,13 +97,6 @@ $(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(BUILD)/hal.
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
 -include $(BUILD)/tests/fuzz/basis_seeds.d
 
-# Writes the seeds of fuzz_basis anew when the format has changed.
-TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
-$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(BUILD)/hal.a
-	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
--include $(BUILD)/tests/fuzz/basis_seeds.d
-
 # Counts the heap allocations of a program that it is loaded into.
 TEST_PROGRAMS += $(BUILD)/tests/cli/allocations.so
 $(BUILD)/tests/cli/allocations.so: tests/cli/allocations.c
