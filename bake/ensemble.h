@@ -15,6 +15,12 @@
 
 #include "hal/basis/basis_format.h"
 
+#define ENSEMBLE_SKIES_MAX 64
+
+/* The sine of the least height that a cell counts as having, where its light on level ground sets
+ * the exposure: a lamp on the horizon is looked at with something upright in view. */
+#define ENSEMBLE_LOWEST 0.05
+
 struct ensemble {
 	int lights, skies;
 	float *radiance; /* [skies][3][lights]: L_i */
@@ -22,7 +28,7 @@ struct ensemble {
 
 /* Sums that can be added up over tiles. */
 struct ensemble_error {
-	double sky_square[64]; /* [skies]: sum over pixels and channels */
+	double sky_square[ENSEMBLE_SKIES_MAX]; /* sum over pixels and channels */
 	double sky_count;
 	double sky_max; /* of all */
 	double cell_square, cell_count, cell_max;
@@ -30,6 +36,10 @@ struct ensemble_error {
 
 int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights, int count);
 void ensemble_free(struct ensemble *ensemble); /* idempotent; zeroed is fine */
+
+/* Of a cell, on level ground: solid angle times the sine of its height, at least
+ * ENSEMBLE_LOWEST. */
+double ensemble_projected_sr(const struct basis_light *light);
 
 void ensemble_error_add(struct ensemble_error *to, const struct ensemble_error *more);
 

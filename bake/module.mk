@@ -3,9 +3,16 @@ bake_PACKAGES := assimp lapacke openblas cairo
 # Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/world.c does the same.
 bake_LIBS := -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so)),4,3)
 BAKE_SOURCES := \
+	bake/coarse.c \
 	bake/encode.c \
-	bake/encode_rest.c \
-	bake/encode_values.c \
+	bake/encode_block.c \
+	bake/encode_measure.c \
+	bake/encode_part.c \
+	bake/encode_rank.c \
+	bake/encode_reader.c \
+	bake/encode_search.c \
+	bake/encode_split.c \
+	bake/ensemble.c \
 	bake/cells.c \
 	bake/material.c \
 	bake/mesh.c \

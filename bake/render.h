@@ -2,14 +2,21 @@
 #ifndef INLAY_BAKE_RENDER_H
 #define INLAY_BAKE_RENDER_H
 
+#include "bake/encode.h"
 #include "bake/scene.h"
+
+/* What any pixel may be off by, where nobody says, against the RMS. */
+#define RENDER_MAX_OF_RMS 4
 
 struct render_settings {
 	int frequency, division; /* enum dome_division */
 	int samples;
 	double noise_levels; /* above 0: instead of samples */
 	int bounces, seed;
-	double ratio_cut;
+	struct encode_target target; /* max 0: RENDER_MAX_OF_RMS times rms */
+	double column_cut;	     /* of struct basis_info_chunk */
+	int coarse;  /* frequency of the coarse dome, at most frequency; 0: chosen */
+	bool exact;  /* store the exact layer too */
 	int threads; /* 0: one for each processor */
 	bool quiet;  /* no progress */
 };
@@ -17,9 +24,9 @@ struct render_settings {
 struct render_report {
 	uint64_t rays;
 	double seconds;
-	double noise_levels; /* estimated; 0: not known (one sample) */
-	double object_error, ratio_error;
-	bool object_seen; /* some pixel shows it */
+	struct basis_info_chunk info;	   /* with the declared errors */
+	uint64_t shown_bytes, exact_bytes; /* of all blocks */
+	bool object_seen;		   /* some pixel shows it */
 };
 
 /* What the scene file says. */

@@ -1,0 +1,95 @@
+/*
+ * A set of samples laid out for the encoder: values per unit of X, light by light; and how values
+ * become 8-bit levels under each cell and sky. Private to the encoder.
+ */
+#ifndef INLAY_BAKE_ENCODE_PART_H
+#define INLAY_BAKE_ENCODE_PART_H
+
+#include <stddef.h>
+
+#include "bake/encode.h"
+
+#define PART_PIXELS (BASIS_TILE * BASIS_TILE)
+#define PART_ROWS (3 * PART_PIXELS)
+
+/* The 8-bit level, not rounded, of linear light 0..1, by linear interpolation: off by less than
+ * 0.001. */
+#define LEVELS_STEPS 16384
+struct levels {
+	float at[LEVELS_STEPS + 2];
+};
+
+void levels_fill(struct levels *levels);
+
+static inline float level_of(const struct levels *levels, float x)
+{
+	const float clipped = x < 0 ? 0 : x > 1 ? 1 : x;
+	const float place = clipped * LEVELS_STEPS;
+	const int step = (int)place;
+
+	return levels->at[step] + (place - (float)step) * (levels->at[step + 1] - levels->at[step]);
+}
+
+/* Of the darkest light, the steepest: no two levels are farther apart than this times their light.
+ */
+#define LEVELS_STEEPEST (12.92F * 255)
+
+struct part {
+	enum basis_kind kind;
+	int ground;
+	int pixels;
+	uint16_t pixel[PART_PIXELS];
+	bool keep[PART_PIXELS]; /* false: changes nothing worth a place in the blocks */
+	int kept;
+	int channels; /* of value: 3, or 1 where all three are alike */
+	int rows;     /* channels * pixels; row = channel * pixels + place in pixel */
+	int direct_channels;
+	float largest;	   /* of all |value| */
+	float *value;	   /* [lights][rows], per unit of X */
+	float *direct;	   /* [lights][direct_channels * pixels]; NULL where there is no bounce */
+	const float *base; /* [lights][rows]: what an error in value is seen on: value itself, or
+			      u - d */
+	/*
+	 * Shown light is offset + slope * base * (light's X); an error of e in value is seen as
+	 * slope * e. Cells: X is in slope. Skies: X is sky_x.
+	 */
+	float cell_offset[3];
+	float *cell_slope; /* [3][lights] */
+	float *sky_x;	   /* [skies][3][lights] */
+	float sky_offset[ENSEMBLE_SKIES_MAX][3], sky_slope[ENSEMBLE_SKIES_MAX][3];
+	float *sky_base; /* [skies][3 * pixels]: sum of X base */
+	/* The radiance that comes out as 1, where L is 1 in the cell, and as the sky has it. */
+	float *cell_white; /* [lights] */
+	double sky_white[ENSEMBLE_SKIES_MAX];
+	size_t value_room, direct_room, base_room;
+	float *own_base; /* where base is not value */
+};
+
+int part_create(struct part *part, const struct encode_settings *settings);
+void part_free(struct part *part); /* zeroed is fine */
+
+/* Takes the samples in: checks them, divides by X's factors. -EDOM, -ENOMEM. */
+int part_load(struct part *part, const struct encode_settings *settings,
+	      const struct encode_samples *samples);
+
+/* For a pair: errors of both are seen on u - d. */
+int part_pair(struct part *difference, struct part *whole, int lights);
+
+/* After loading (and pairing): exposures, and which pixels are worth keeping. white_ground:
+ * [skies][3], of the skies; tolerance in levels. */
+void part_expose(struct part *part, const struct encode_settings *settings,
+		 const struct levels *levels, double tolerance);
+
+/* Columns of D and U are always used. */
+static inline double part_column_cut(const struct part *part,
+				     const struct encode_settings *settings)
+{
+	return part->kind == BASIS_KIND_T || part->kind == BASIS_KIND_V ? settings->column_cut : 0;
+}
+
+/* The largest difference in levels that leaving `left` [rows] out makes under this cell alone, or,
+ * as soon as it is found, one above limit. */
+float part_cell_error(const struct part *part, const struct levels *levels, int lights, int light,
+		      const float *left, float limit);
+
+#endif

@@ -1,0 +1,287 @@
+#include "bake/encode_rank.h"
+
+#include <cblas.h>
+#include <errno.h>
+#include <float.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/random.h"
+#include "hal/basis/basis_layout.h"
+
+/* Directions beyond those wanted, and rounds: the found space then holds the wanted ones. */
+#define SPARE 8
+#define WIDTH (RANK_MOST + SPARE)
+#define ROUNDS 2
+/* Of a light that X says nothing about, against the mean; so that no light is ignored. */
+#define LEAST_WEIGHT 0.1
+#define RIDGE 1e-5 /* of the mean of the diagonal: coarse lights that few others meet */
+
+static int coarse_stride(int coarse)
+{
+	return (coarse + BASIS_LINE16 - 1) / BASIS_LINE16 * BASIS_LINE16;
+}
+
+/* ---- the metric ---- */
+
+static int factorise(struct rank_metric *metric, const struct encode_settings *settings)
+{
+	const size_t k = (size_t)settings->coarse;
+	double trace = 0;
+
+	metric->factor = calloc(k * k, sizeof(*metric->factor));
+	if (!metric->factor)
+		return -ENOMEM;
+	for (int i = 0; i < settings->lights; i++) {
+		const struct basis_coarse *g = &settings->gather[i];
+
+		for (int a = 0; a < 3; a++)
+			for (int b = 0; b < 3; b++)
+				metric->factor[g->index[a] * k + g->index[b]] +=
+					metric->weight[i] * (float)g->weight[a] *
+					(float)g->weight[b] * 0x1p-30F;
+	}
+	for (size_t a = 0; a < k; a++)
+		trace += (double)metric->factor[a * k + a];
+	for (size_t a = 0; a < k; a++)
+		metric->factor[a * k + a] += (float)(RIDGE * trace / (double)k);
+	return LAPACKE_spotrf(LAPACK_ROW_MAJOR, 'L', (int)k, metric->factor, (int)k) == 0 ? 0
+											  : -EDOM;
+}
+
+int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings,
+		       const double *factor)
+{
+	const int n = settings->lights;
+	double mean = 0;
+
+	*metric = (struct rank_metric){.weight = calloc((size_t)n, sizeof(*metric->weight))};
+	if (!metric->weight)
+		return -ENOMEM;
+	for (int i = 0; i < n; i++)
+		mean += factor[i] / n;
+	for (int i = 0; i < n; i++)
+		metric->weight[i] = (float)(LEAST_WEIGHT + (mean > 0 ? factor[i] / mean : 1));
+	return settings->coarse < n ? factorise(metric, settings) : 0;
+}
+
+void rank_metric_free(struct rank_metric *metric)
+{
+	free(metric->weight);
+	free(metric->factor);
+	*metric = (struct rank_metric){0};
+}
+
+/* ---- room ---- */
+
+int rank_patterns_create(struct rank_patterns *p, const struct encode_settings *settings)
+{
+	const size_t n = (size_t)settings->lights;
+
+	*p = (struct rank_patterns){.stride = coarse_stride(settings->coarse)};
+	p->at_light = calloc(RANK_MOST * n, sizeof(*p->at_light));
+	p->coefficient = calloc(RANK_MOST * PART_ROWS, sizeof(*p->coefficient));
+	p->pattern = calloc(RANK_MOST * (size_t)p->stride, sizeof(*p->pattern));
+	p->stored = calloc(RANK_MOST * PART_ROWS, sizeof(*p->stored));
+	return p->at_light && p->coefficient && p->pattern && p->stored ? 0 : -ENOMEM;
+}
+
+void rank_patterns_free(struct rank_patterns *p)
+{
+	free(p->at_light);
+	free(p->coefficient);
+	free(p->pattern);
+	free(p->stored);
+	*p = (struct rank_patterns){0};
+}
+
+int rank_scratch_create(struct rank_scratch *s, const struct encode_settings *settings)
+{
+	const size_t k = (size_t)settings->coarse;
+	const size_t longest = k > PART_ROWS ? k : PART_ROWS;
+
+	s->coarse = calloc(k * PART_ROWS, sizeof(*s->coarse));
+	s->left = calloc(longest * WIDTH, sizeof(*s->left));
+	s->right = calloc(longest * WIDTH, sizeof(*s->right));
+	s->mixed = calloc(longest * WIDTH, sizeof(*s->mixed));
+	return s->coarse && s->left && s->right && s->mixed ? 0 : -ENOMEM;
+}
+
+void rank_scratch_free(struct rank_scratch *s)
+{
+	free(s->coarse);
+	free(s->left);
+	free(s->right);
+	free(s->mixed);
+	*s = (struct rank_scratch){0};
+}
+
+/* ---- finding ---- */
+
+/* Columns over the coarse lights in which a sum of squares is the weighted sum of squared errors.
+ */
+static void project(const struct encode_settings *settings, const struct rank_metric *metric,
+		    const float *value, float *coarse, int rows)
+{
+	if (metric->factor)
+		memset(coarse, 0, (size_t)settings->coarse * (size_t)rows * sizeof(*coarse));
+	for (int i = 0; i < settings->lights; i++) {
+		const float *from = value + (size_t)i * (size_t)rows;
+		float *to = coarse + (size_t)i * (size_t)rows;
+		const float root = sqrtf(metric->weight[i]);
+
+		for (int r = 0; !metric->factor && r < rows; r++)
+			to[r] = root * from[r];
+		for (int a = 0; metric->factor && a < 3; a++) {
+			const struct basis_coarse *g = &settings->gather[i];
+			const float w = metric->weight[i] * (float)g->weight[a] * 0x1p-15F;
+
+			to = coarse + (size_t)g->index[a] * (size_t)rows;
+			for (int r = 0; w > 0 && r < rows; r++)
+				to[r] += w * from[r];
+		}
+	}
+	if (metric->factor)
+		cblas_strsm(CblasRowMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit,
+			    settings->coarse, rows, 1, metric->factor, settings->coarse, coarse,
+			    rows);
+}
+
+/* So that squares neither overflow nor vanish. */
+static float normalise(float *value, size_t count)
+{
+	float most = 0;
+
+	for (size_t k = 0; k < count; k++)
+		most = fabsf(value[k]) > most ? fabsf(value[k]) : most;
+	if (!(most >= FLT_MIN))
+		return 0;
+	for (size_t k = 0; k < count; k++)
+		value[k] /= most;
+	return most;
+}
+
+static void orthonormalise(float *columns, int length, int count)
+{
+	float tau[WIDTH];
+
+	LAPACKE_sgeqrf(LAPACK_COL_MAJOR, length, count, columns, length, tau);
+	LAPACKE_sorgqr(LAPACK_COL_MAJOR, length, count, count, columns, length, tau);
+}
+
+/*
+ * Subspace iteration (Halko, Martinsson and Tropp 2011, algorithm 4.4): left [count][K] becomes an
+ * orthonormal basis of what the matrix mostly is, right [count][rows] the matrix in it.
+ */
+static void iterate(struct rank_scratch *s, int k, int rows, int count)
+{
+	struct random random = {random_hash(0x7061747465726e73, (uint64_t)k, (uint64_t)rows)};
+
+	for (int i = 0; i < count * rows; i++)
+		s->right[i] = random_next(&random) - 0.5F;
+	for (int round = 0; round < ROUNDS; round++) {
+		orthonormalise(s->right, rows, count);
+		cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, k, count, rows, 1, s->coarse,
+			    rows, s->right, rows, 0, s->left, k);
+		orthonormalise(s->left, k, count);
+		cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, rows, count, k, 1, s->coarse,
+			    rows, s->left, k, 0, s->right, rows);
+	}
+}
+
+/* Turns both sides so that the strongest come first. */
+static void sort_out(struct rank_scratch *s, int k, int rows, int count)
+{
+	float gram[WIDTH * WIDTH], size[WIDTH], turned[WIDTH * WIDTH];
+
+	cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, count, count, rows, 1, s->right, rows,
+		    s->right, rows, 0, gram, count);
+	if (LAPACKE_ssyev(LAPACK_COL_MAJOR, 'V', 'U', count, gram, count, size) != 0)
+		return;
+	for (int j = 0; j < count; j++)
+		memcpy(turned + j * count, gram + (count - 1 - j) * count,
+		       (size_t)count * sizeof(*gram));
+	cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, rows, count, count, 1, s->right,
+		    rows, turned, count, 0, s->mixed, rows);
+	memcpy(s->right, s->mixed, (size_t)rows * (size_t)count * sizeof(*s->right));
+	cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, k, count, count, 1, s->left, k,
+		    turned, count, 0, s->mixed, k);
+	memcpy(s->left, s->mixed, (size_t)k * (size_t)count * sizeof(*s->left));
+}
+
+static double store(const float *from, int count, int16_t *to)
+{
+	double most = 0, step;
+
+	for (int k = 0; k < count; k++)
+		most = fmax(most, fabs((double)from[k]));
+	step = most / 32767;
+	for (int k = 0; k < count; k++)
+		to[k] = step > 0 ? (int16_t)lrint((double)from[k] / step) : 0;
+	return step;
+}
+
+/* False when it is nothing, or more than the format allows. */
+static bool quantise(struct rank_patterns *p, const struct encode_settings *settings, int j,
+		     const float *coefficient, const float *pattern, double size)
+{
+	int16_t *rows = p->stored + (size_t)j * PART_ROWS;
+	int16_t *lights = p->pattern + (size_t)j * (size_t)p->stride;
+	float *at = p->at_light + (size_t)j * (size_t)settings->lights;
+	const double row_step = store(coefficient, p->rows, rows) * size;
+	const double light_step = store(pattern, settings->coarse, lights);
+	const double step = row_step * light_step;
+	double sum = 0;
+
+	for (int k = 0; k < settings->coarse; k++)
+		sum += abs(lights[k]);
+	if (!(step >= (double)FLT_MIN) || step * 32767 * sum > 0.99 * BASIS_VALUE_MAX)
+		return false;
+	p->scale[j] = (float)step;
+	for (int r = 0; r < p->rows; r++)
+		p->coefficient[(size_t)j * (size_t)p->rows + (size_t)r] =
+			(float)(row_step * rows[r]);
+	for (int i = 0; i < settings->lights; i++) {
+		const struct basis_coarse *g = &settings->gather[i];
+		double y = 0;
+
+		for (int a = 0; settings->gather && a < 3; a++)
+			y += lights[g->index[a]] * (double)g->weight[a] / BASIS_COARSE_ONE;
+		at[i] = (float)(light_step * (settings->gather ? y : lights[i]));
+	}
+	return true;
+}
+
+void rank_find(struct rank_patterns *p, const struct encode_settings *settings,
+	       const struct rank_metric *metric, struct rank_scratch *s, const float *value,
+	       int rows)
+{
+	const int k = settings->coarse;
+	const int shortest = k < rows ? k : rows;
+	const int count = shortest < WIDTH ? shortest : WIDTH;
+	float size;
+
+	p->count = 0;
+	p->rows = rows;
+	project(settings, metric, value, s->coarse, rows);
+	size = normalise(s->coarse, (size_t)k * (size_t)rows);
+	if (!(size > 0))
+		return;
+	iterate(s, k, rows, count);
+	sort_out(s, k, rows, count);
+	if (metric->factor)
+		cblas_strsm(CblasColMajor, CblasLeft, CblasUpper, CblasNoTrans, CblasNonUnit, k,
+			    count, 1, metric->factor, k, s->left, k);
+	for (int j = 0; j < count && j < RANK_MOST; j++) {
+		float *pattern = s->left + (size_t)j * (size_t)k;
+
+		for (int i = 0; !metric->factor && i < k; i++)
+			pattern[i] /= sqrtf(metric->weight[i]);
+		if (!quantise(p, settings, j, s->right + (size_t)j * (size_t)rows, pattern,
+			      (double)size))
+			break;
+		p->count++;
+	}
+}

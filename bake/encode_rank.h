@@ -1,0 +1,49 @@
+/* The best few patterns for a set of columns: a truncated singular value decomposition over the
+ * coarse lights, quantised as the file has it. Private to the encoder. */
+#ifndef INLAY_BAKE_ENCODE_RANK_H
+#define INLAY_BAKE_ENCODE_RANK_H
+
+#include "bake/encode_part.h"
+
+#define RANK_MOST 48
+
+/* How much an error at each light counts, and what that means for the coarse lights. */
+struct rank_metric {
+	float *weight; /* [lights]: of a squared error */
+	float *factor; /* [K][K], row by row: lower Cholesky factor of P W P^T; NULL where K is N */
+};
+
+struct rank_patterns {
+	int count; /* the best first */
+	int rows;
+	int stride;	    /* of pattern */
+	float *at_light;    /* [RANK_MOST][lights]: pattern times its step */
+	float *coefficient; /* [RANK_MOST][rows]: as stored, times its step */
+	int16_t *pattern;   /* [RANK_MOST][stride]: as stored, over the coarse lights */
+	int16_t *stored;    /* [RANK_MOST][rows]: coefficients as stored */
+	float scale[RANK_MOST];
+};
+
+struct rank_scratch {
+	float *coarse;	     /* [K][rows] */
+	float *left, *right; /* [K or rows][RANK_MOST + more] */
+	float *mixed;
+};
+
+/* factor: [lights] of X, any scale, >= 0. */
+int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings,
+		       const double *factor);
+void rank_metric_free(struct rank_metric *metric);
+
+int rank_patterns_create(struct rank_patterns *patterns, const struct encode_settings *settings);
+void rank_patterns_free(struct rank_patterns *patterns);
+
+int rank_scratch_create(struct rank_scratch *scratch, const struct encode_settings *settings);
+void rank_scratch_free(struct rank_scratch *scratch);
+
+/* Of value [lights][rows]. Fewer than RANK_MOST where the rest is nothing or cannot be stored. */
+void rank_find(struct rank_patterns *patterns, const struct encode_settings *settings,
+	       const struct rank_metric *metric, struct rank_scratch *scratch, const float *value,
+	       int rows);
+
+#endif

@@ -1,0 +1,235 @@
+/* What blocks say, decoded from their payloads alone. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/encode_block.h"
+#include "hal/basis/basis_layout.h"
+
+void block_reader_free(struct block_reader *reader)
+{
+	free(reader->at_light);
+	free(reader->coefficient);
+	*reader = (struct block_reader){.count = 0};
+}
+
+static int reserve(struct block_reader *reader, int patterns)
+{
+	if (patterns <= reader->patterns_room)
+		return 0;
+	free(reader->at_light);
+	free(reader->coefficient);
+	reader->patterns_room = 0;
+	reader->at_light = calloc((size_t)patterns * (size_t)reader->settings->lights,
+				  sizeof(*reader->at_light));
+	reader->coefficient = calloc((size_t)patterns * PART_ROWS, sizeof(*reader->coefficient));
+	if (!reader->at_light || !reader->coefficient)
+		return -ENOMEM;
+	reader->patterns_room = patterns;
+	return 0;
+}
+
+static void read_patterns(struct block_reader *reader, const struct basis_block_payload *block,
+			  int first)
+{
+	const struct basis_block_entry *e = &block->entry;
+	const struct encode_settings *settings = reader->settings;
+	const struct basis_layout at = basis_layout(e, settings->coarse);
+	const uint8_t *payload = block->payload;
+	const float *scale = (const float *)(payload + at.pattern_scale);
+	const int16_t *coefficient = (const int16_t *)(payload + at.coefficient);
+
+	for (int j = 0; j < e->patterns; j++) {
+		const int16_t *pattern = (const int16_t *)(payload + at.pattern) +
+					 (size_t)j * (size_t)at.stride;
+		double *to = reader->at_light + (size_t)(first + j) * (size_t)settings->lights;
+
+		for (int i = 0; i < settings->lights; i++) {
+			to[i] = settings->gather ? 0 : pattern[i];
+			for (int a = 0; settings->gather && a < 3; a++)
+				to[i] += pattern[settings->gather[i].index[a]] *
+					 ((double)settings->gather[i].weight[a] / BASIS_COARSE_ONE);
+		}
+		to = reader->coefficient + (size_t)(first + j) * PART_ROWS;
+		for (int c = 0; c < e->channels; c++)
+			for (int p = 0; p < e->pixels; p++) {
+				const int line =
+					(p / BASIS_LINE16 * e->channels + c) * e->patterns + j;
+
+				to[c * PART_PIXELS + p] = (double)scale[j] *
+							  coefficient[(size_t)line * BASIS_LINE16 +
+								      (size_t)(p % BASIS_LINE16)];
+			}
+	}
+}
+
+int block_reader_open(struct block_reader *reader, const struct encode_settings *settings,
+		      const struct part *part, const struct basis_block_payload *block, int count)
+{
+	int patterns = 0, err;
+
+	reader->settings = settings;
+	reader->part = part;
+	reader->block = block;
+	reader->count = count;
+	for (int k = 0; k < count; k++)
+		patterns += block[k].entry.patterns;
+	err = reserve(reader, patterns);
+	if (err)
+		return err;
+	patterns = 0;
+	for (int k = 0; k < count; k++) {
+		read_patterns(reader, &block[k], patterns);
+		patterns += block[k].entry.patterns;
+	}
+	return 0;
+}
+
+/* own [channels][PART_PIXELS] += factor * column. */
+static void add_column(const struct basis_block_payload *block, const struct basis_layout *at,
+		       int number, const double factor[3], double (*own)[PART_PIXELS])
+{
+	const struct basis_block_entry *e = &block->entry;
+	const uint8_t *payload = block->payload;
+	const int line_pixels = e->bits == 8 ? BASIS_LINE8 : BASIS_LINE16;
+	const double scale = (double)((const float *)(payload + at->column_scale))[number];
+
+	for (int c = 0; c < 3; c++) {
+		const int stored = e->channels == 3 ? c : 0;
+
+		for (int p = 0; factor[c] != 0 && p < e->pixels; p++) {
+			const size_t line =
+				((size_t)(p / line_pixels) * e->channels + (size_t)stored) *
+					e->columns +
+				(size_t)number;
+			const size_t from = line * (size_t)line_pixels + (size_t)(p % line_pixels);
+
+			own[c][p] += factor[c] * scale *
+				     (e->bits == 8
+					      ? ((const int8_t *)(payload + at->column))[from]
+					      : ((const int16_t *)(payload + at->column))[from]);
+		}
+	}
+}
+
+/* To the part's pixels, tinted. */
+static void add_block(const struct part *part, const struct basis_block_payload *block,
+		      const struct basis_layout *at, const double (*own)[PART_PIXELS],
+		      double (*value)[PART_PIXELS])
+{
+	const struct basis_block_entry *e = &block->entry;
+	const uint8_t *payload = block->payload;
+	const uint16_t *pixel = (const uint16_t *)(payload + at->pixel);
+	const uint16_t *tint = (const uint16_t *)(payload + at->tint);
+	int place = 0;
+
+	for (int p = 0; p < part->pixels && place < e->pixels; p++) {
+		if (part->pixel[p] != pixel[place])
+			continue;
+		for (int c = 0; c < 3; c++)
+			value[c][p] +=
+				own[c][place] *
+				(e->tinted ? (double)tint[c * e->pixels + place] / BASIS_TINT_ONE
+					   : 1);
+		place++;
+	}
+}
+
+/* y: [3] of pattern number j. */
+static void add_patterns(const struct block_reader *reader, const struct basis_block_entry *e,
+			 int first, const double (*y)[3], double (*own)[PART_PIXELS])
+{
+	for (int j = 0; j < e->patterns; j++)
+		for (int c = 0; c < 3; c++) {
+			const double *row = reader->coefficient + (size_t)(first + j) * PART_ROWS +
+					    (e->channels == 3 ? c * PART_PIXELS : 0);
+
+			for (int p = 0; p < e->pixels; p++)
+				own[c][p] += y[j][c] * row[p];
+		}
+}
+
+static int find(const struct basis_block_payload *block, const struct basis_layout *at, int light)
+{
+	const uint16_t *lights = (const uint16_t *)((const uint8_t *)block->payload + at->light);
+	int low = 0, high = (int)block->entry.columns;
+
+	while (low < high) {
+		const int middle = (low + high) / 2;
+
+		if (lights[middle] < light)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < (int)block->entry.columns && lights[low] == light ? low : -1;
+}
+
+void block_reader_light(const struct block_reader *reader, int light, double (*value)[PART_PIXELS])
+{
+	static const double one[3] = {1, 1, 1};
+	int first = 0;
+
+	memset(value, 0, 3 * sizeof(*value));
+	for (int k = 0; k < reader->count; k++) {
+		const struct basis_block_payload *block = &reader->block[k];
+		const struct basis_layout at = basis_layout(&block->entry,
+							    reader->settings->coarse);
+		const int column = find(block, &at, light);
+		double own[3][PART_PIXELS] = {{0}};
+		double y[RANK_MOST][3];
+
+		for (int j = 0; j < block->entry.patterns; j++)
+			for (int c = 0; c < 3; c++)
+				y[j][c] =
+					reader->at_light[(size_t)(first + j) *
+								 (size_t)reader->settings->lights +
+							 (size_t)light];
+		add_patterns(reader, &block->entry, first, (const double(*)[3])y, own);
+		if (column >= 0)
+			add_column(block, &at, column, one, own);
+		add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, value);
+		first += block->entry.patterns;
+	}
+}
+
+void block_reader_sky(const struct block_reader *reader, const float *x, double cut,
+		      double (*sum)[PART_PIXELS])
+{
+	const size_t n = (size_t)reader->settings->lights;
+	int first = 0;
+
+	memset(sum, 0, 3 * sizeof(*sum));
+	for (int k = 0; k < reader->count; k++) {
+		const struct basis_block_payload *block = &reader->block[k];
+		const struct basis_block_entry *e = &block->entry;
+		const struct basis_layout at = basis_layout(e, reader->settings->coarse);
+		const uint8_t *payload = block->payload;
+		double own[3][PART_PIXELS] = {{0}};
+		double y[RANK_MOST][3];
+
+		for (int j = 0; j < e->patterns; j++)
+			for (int c = 0; c < 3; c++) {
+				const double *at_light = reader->at_light + (size_t)(first + j) * n;
+
+				y[j][c] = 0;
+				for (size_t i = 0; i < n; i++)
+					y[j][c] += at_light[i] * (double)x[(size_t)c * n + i];
+			}
+		add_patterns(reader, e, first, (const double(*)[3])y, own);
+		for (uint32_t i = 0; i < e->columns; i++) {
+			const uint16_t light = ((const uint16_t *)(payload + at.light))[i];
+			const double most =
+				(double)((const float *)(payload + at.column_scale))[i] *
+				(e->bits == 8 ? 127 : 32767);
+			const double factor[3] = {(double)x[light], (double)x[n + light],
+						  (double)x[2 * n + light]};
+
+			if (most * fmax(fmax(factor[0], factor[1]), factor[2]) >= cut)
+				add_column(block, &at, (int)i, factor, own);
+		}
+		add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, sum);
+		first += e->patterns;
+	}
+}

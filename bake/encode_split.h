@@ -1,0 +1,80 @@
+/*
+ * A part taken apart: what all channels share, up to a tint (one channel), and the rest (three).
+ * Either may be nothing. Each is patterns; what patterns leave wrong about a light is a column of
+ * one or the other. Private to the encoder.
+ */
+#ifndef INLAY_BAKE_ENCODE_SPLIT_H
+#define INLAY_BAKE_ENCODE_SPLIT_H
+
+#include "bake/encode_rank.h"
+
+enum split_way {
+	SPLIT_PLAIN,  /* all of it as it is: one channel if it has one, else three */
+	SPLIT_TOTAL,  /* one channel and a tint for all of it; the rest is what is of another hue */
+	SPLIT_DIRECT, /* the same for direct light; the rest is what bounced */
+	SPLIT_WAYS
+};
+
+/* How a light's own column is stored, if it has one. */
+enum column_form {
+	COLUMN_NONE,
+	COLUMN_MONO8,
+	COLUMN_MONO16,
+	COLUMN_COLOUR8,
+	COLUMN_COLOUR16,
+	COLUMN_FORMS
+};
+
+/* The largest value that is stored. */
+static inline int column_most(enum column_form form)
+{
+	return form == COLUMN_MONO8 || form == COLUMN_COLOUR8 ? 127 : 32767;
+}
+
+struct split {
+	const struct part *part;
+	enum split_way way;
+	bool mono, colour; /* which of the two there are */
+	bool tinted;
+	uint16_t tint[3][PART_PIXELS];
+	float tint_share[3][PART_PIXELS]; /* tint / 2^15 */
+	const float *mono_value;	  /* [lights][pixels] */
+	const float *colour_value;	  /* [lights][3 * pixels] */
+	float *own_mono, *own_colour;	  /* where they are not the part's own */
+	size_t mono_room, colour_room, mono_left_room, colour_left_room;
+	/* What the patterns of these ranks leave: */
+	float *mono_left, *colour_left;
+	int mono_rank, colour_rank;
+	struct rank_patterns mono_patterns, colour_patterns;
+	struct rank_scratch scratch;
+};
+
+/* One light's column, as stored. */
+struct split_column {
+	enum column_form form;
+	float scale;
+	int16_t value[PART_ROWS]; /* channel by channel */
+};
+
+int split_create(struct split *split, const struct encode_settings *settings);
+void split_free(struct split *split); /* zeroed is fine */
+
+/* Whether it would differ from the ways before it. */
+bool split_possible(const struct part *part, enum split_way way);
+
+/* Finds tint and patterns. -ENOMEM. */
+int split_part(struct split *split, const struct encode_settings *settings,
+	       const struct rank_metric *metric, const struct part *part, enum split_way way);
+
+/* Sets what is left; ranks beyond what was found count as that. */
+void split_set_ranks(struct split *split, int lights, int mono_rank, int colour_rank);
+
+/* All that is left of a light, rows as the part has them. */
+void split_left(const struct split *split, int light, float *left);
+
+/* The cheapest column that keeps the light within limit levels (16 bits of three channels, whatever
+ * they leave, when nothing else does); left becomes what that leaves. */
+void split_find_column(const struct split *split, const struct levels *levels, int lights,
+		       int light, float limit, float *left, struct split_column *column);
+
+#endif
