@@ -32,77 +32,169 @@ static float reach_of(const struct dome *dome, int cell)
 	return (float)sqrt(1 - least * least) * 1.001f + 1e-6f;
 }
 
-/* Point number index of a cell's scrambled net. */
-static void cell_point(const struct dome *dome, int cell, uint32_t index, double out[3])
+/* ---- directions ---- */
+
+/* Squares a side on which the cosine is taken as even: a cell hardly bends. */
+#define SQUARES 16
+
+/* How to turn the unit square so that dome_cell_sample() yields directions by projected solid
+ * angle: along u by all[], then along v by the strip's own part[]. Sums from 0 to the total. */
+struct warp {
+	double all[SQUARES + 1];
+	double part[SQUARES][SQUARES + 1];
+};
+
+static void make_warp(const struct dome *dome, int cell, struct warp *warp)
 {
-	const uint64_t scramble = random_hash((uint64_t)cell, 0xce11, 0);
-	double point[2];
+	warp->all[0] = 0;
+	for (int j = 0; j < SQUARES; j++) {
+		warp->part[j][0] = 0;
+		for (int k = 0; k < SQUARES; k++) {
+			double d[3];
 
-	sobol_point(index, scramble, point);
-	dome_cell_sample(dome, cell, point[0], point[1], out);
-}
-
-/* By rejection: a direction stays with a chance of its cosine over the cell's largest. */
-static void fill_ground(struct cells *cells, int cell, struct v3 *out)
-{
-	struct random random = {random_hash((uint64_t)cell, 0x9d, 1)};
-	const double sine = cells->reach[cell];
-	const double z = cells->node[cell].z;
-	/* cos(a - b), b the cell's reach; 1 where the cell holds the zenith */
-	const double most = z * z + sine * sine >= 1
-				    ? 1
-				    : z * sqrt(1 - sine * sine) + sqrt(1 - z * z) * sine;
-	uint32_t index = 0;
-
-	for (int k = 0; k < cells->depth;) {
-		double d[3];
-
-		cell_point(cells->dome, cell, index++, d);
-		if (random_next(&random) * most < d[2])
-			out[k++] = narrow(d);
+			dome_cell_sample(dome, cell, (j + 0.5) / SQUARES, (k + 0.5) / SQUARES, d);
+			warp->part[j][k + 1] = warp->part[j][k] + d[2];
+		}
+		warp->all[j + 1] = warp->all[j] + warp->part[j][SQUARES];
 	}
 }
+
+/* Where in 0..1 the sums reach the share x of their total; *square: between which two. */
+static double reach_share(const double sum[SQUARES + 1], double x, int *square)
+{
+	const double want = x * sum[SQUARES];
+	int k = 0;
+
+	while (k < SQUARES - 1 && sum[k + 1] <= want)
+		k++;
+	*square = k;
+	return fmin((k + (want - sum[k]) / (sum[k + 1] - sum[k])) / SQUARES, 0x1.fffffep-1);
+}
+
+static void fill_directions(struct cells *cells, int place)
+{
+	const int cell = cells->order[place];
+	const uint64_t scramble = random_hash((uint64_t)cell, 0xce11, 0);
+	struct warp warp;
+
+	make_warp(cells->dome, cell, &warp);
+	for (int k = 0; k < cells->depth; k++) {
+		const size_t at = (size_t)k * (size_t)cells->count + (size_t)place;
+		double point[2], d[3], u;
+		int strip, square;
+
+		sobol_point((uint32_t)k, scramble, point);
+		dome_cell_sample(cells->dome, cell, point[0], point[1], d);
+		cells->uniform[at] = narrow(d);
+		u = reach_share(warp.all, point[0], &strip);
+		dome_cell_sample(cells->dome, cell, u,
+				 reach_share(warp.part[strip], point[1], &square), d);
+		cells->ground[at] = narrow(d);
+	}
+}
+
+/* ---- order ---- */
+
+struct place {
+	uint32_t key;
+	int cell;
+};
+
+static int compare_places(const void *a, const void *b)
+{
+	const struct place *left = a, *right = b;
+
+	if (left->key != right->key)
+		return left->key < right->key ? -1 : 1;
+	return left->cell < right->cell ? -1 : 1;
+}
+
+/* How far along Hilbert's curve a point of a square of 2^15 a side lies. */
+static uint32_t hilbert(uint32_t x, uint32_t y)
+{
+	const uint32_t last = (UINT32_C(1) << 15) - 1;
+	uint32_t along = 0;
+
+	for (uint32_t s = UINT32_C(1) << 14; s; s >>= 1) {
+		const uint32_t right = (x & s) != 0, up = (y & s) != 0;
+
+		along += s * s * ((3 * right) ^ up);
+		if (!up) {
+			const uint32_t swap = x;
+
+			x = right ? last - y : y;
+			y = right ? last - swap : swap;
+		}
+	}
+	return along;
+}
+
+/* Along Hilbert's curve over the equal-area picture of the sky. */
+static int set_order(struct cells *cells)
+{
+	const size_t count = (size_t)cells->count;
+	struct place *places = malloc(count * sizeof(*places));
+
+	if (!places)
+		return -ENOMEM;
+	for (int i = 0; i < cells->count; i++) {
+		const struct v3 d = cells->node[i];
+		const float scale = 1 / sqrtf(1 + d.z);
+
+		places[i].cell = i;
+		places[i].key = hilbert((uint32_t)((d.x * scale + 1) * 16383.5f),
+					(uint32_t)((d.y * scale + 1) * 16383.5f));
+	}
+	qsort(places, count, sizeof(*places), compare_places);
+	for (size_t i = 0; i < count; i++)
+		cells->order[i] = places[i].cell;
+	free(places);
+	return 0;
+}
+
+/* ---- all of it ---- */
 
 int cells_create(struct cells *cells, const struct dome *dome)
 {
 	const size_t count = (size_t)dome->count;
 	size_t all;
+	int err;
 
 	*cells = (struct cells){.dome = dome, .count = dome->count, .depth = 256};
 	while ((int64_t)cells->depth * cells->count > TABLE_MAX / 16 && cells->depth > 32)
 		cells->depth /= 2;
 	all = count * (size_t)cells->depth;
+	cells->order = malloc(count * sizeof(*cells->order));
 	cells->node = malloc(count * sizeof(*cells->node));
 	cells->sr = malloc(count * sizeof(*cells->sr));
 	cells->share = malloc(count * sizeof(*cells->share));
 	cells->reach = malloc(count * sizeof(*cells->reach));
 	cells->uniform = malloc(all * sizeof(*cells->uniform));
 	cells->ground = malloc(all * sizeof(*cells->ground));
-	if (!cells->node || !cells->sr || !cells->share || !cells->reach || !cells->uniform ||
-	    !cells->ground) {
+	if (!cells->order || !cells->node || !cells->sr || !cells->share || !cells->reach ||
+	    !cells->uniform || !cells->ground) {
 		cells_free(cells);
 		return -ENOMEM;
 	}
 	for (int i = 0; i < cells->count; i++) {
-		struct v3 *uniform = cells->uniform + (size_t)i * (size_t)cells->depth;
-
 		cells->node[i] = narrow(dome->direction[i]);
 		cells->sr[i] = (float)dome->solid_angle_sr[i];
 		cells->share[i] = (float)(dome->projected_sr[i] / M_PI);
 		cells->reach[i] = reach_of(dome, i);
-		for (int k = 0; k < cells->depth; k++) {
-			double d[3];
-
-			cell_point(dome, i, (uint32_t)k, d);
-			uniform[k] = narrow(d);
-		}
-		fill_ground(cells, i, cells->ground + (size_t)i * (size_t)cells->depth);
 	}
+	err = set_order(cells);
+	if (err) {
+		cells_free(cells);
+		return err;
+	}
+	for (int place = 0; place < cells->count; place++)
+		fill_directions(cells, place);
 	return 0;
 }
 
 void cells_free(struct cells *cells)
 {
+	free(cells->order);
 	free(cells->node);
 	free(cells->sr);
 	free(cells->share);

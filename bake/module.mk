@@ -13,6 +13,7 @@ BAKE_SOURCES := \
 	bake/encode_search.c \
 	bake/encode_split.c \
 	bake/ensemble.c \
+	bake/bounce.c \
 	bake/cells.c \
 	bake/material.c \
 	bake/mesh.c \
@@ -24,6 +25,7 @@ BAKE_SOURCES := \
 	bake/scene_file.c \
 	bake/sky.c \
 	bake/tile.c \
+	bake/tile_noise.c \
 	bake/transport.c \
 	bake/truth.c \
 	bake/truth_views.c \

@@ -4,22 +4,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/transfer.h"
+#include "bake/tile_noise.h"
 
 #define BATCH_FEWEST 4	   /* a spread of fewer batches says nothing */
 #define BATCH_SAMPLES 4	   /* a pixel and batch, when noise says how many batches */
 #define SAMPLES_MOST 16384 /* where noise gives up */
-#define BACKGROUND 0.5	   /* behind the object when noise is judged */
 
-static size_t row_size(const struct tile *tile)
+/* ---- memory ---- */
+
+static int create_rows(struct tile *tile, enum tile_kind kind, int channels)
 {
-	return 3 * (size_t)tile->cells->count;
+	struct tile_rows *rows = &tile->rows[kind];
+
+	rows->channels = channels;
+	rows->direct = malloc(TILE_PIXELS * tile_direct_size(tile, kind) * sizeof(float));
+	for (int half = 0; half < 2; half++) {
+		rows->bounce[half] = malloc(TILE_PIXELS * tile_bounce_size(tile) * sizeof(float));
+		if (!rows->bounce[half])
+			return -ENOMEM;
+	}
+	return rows->direct ? 0 : -ENOMEM;
 }
 
 int tile_create(struct tile *tile, const struct scene *scene, const struct cells *cells,
 		const struct tile_settings *settings, int bounces)
 {
-	const size_t floats = TILE_PIXELS * 3 * (size_t)cells->count;
 	const bool standins = world_has_standins(scene->world);
 	int err;
 
@@ -28,44 +37,85 @@ int tile_create(struct tile *tile, const struct scene *scene, const struct cells
 	tile->cells = cells;
 	tile->settings = *settings;
 	err = transport_create(&tile->transport, scene->world, cells, bounces);
-	if (err)
-		return err;
-	tile->object = malloc(floats * sizeof(float));
-	tile->change = malloc(floats * sizeof(float));
-	if (standins)
-		tile->without = malloc(floats * sizeof(float));
-	if (tile->object && tile->change && (tile->without || !standins))
-		return 0;
-	tile_free(tile);
-	return -ENOMEM;
+	if (!err)
+		err = bounce_create(&tile->bounce, cells->count);
+	if (!err)
+		err = create_rows(tile, TILE_OBJECT, 3);
+	if (!err)
+		err = create_rows(tile, TILE_CHANGE, standins ? 3 : 1);
+	if (!err && standins)
+		err = create_rows(tile, TILE_WITHOUT, 3);
+	tile->even_sky = malloc(3 * (size_t)cells->count * sizeof(float));
+	if (err || !tile->even_sky) {
+		tile_free(tile);
+		return err ? err : -ENOMEM;
+	}
+	tile->radiance_scale = tile->even_sky + cells->count;
+	tile->ratio_scale = tile->radiance_scale + cells->count;
+	for (int i = 0; i < cells->count; i++) {
+		tile->even_sky[i] = 1;
+		tile->radiance_scale[i] = 1 / sqrtf(cells->sr[i]);
+		tile->ratio_scale[i] = sqrtf(cells->share[i]);
+	}
+	return 0;
 }
 
 void tile_free(struct tile *tile)
 {
 	transport_free(&tile->transport);
-	free(tile->object);
-	free(tile->change);
-	free(tile->without);
-	tile->object = tile->change = tile->without = NULL;
+	bounce_free(&tile->bounce);
+	for (int kind = 0; kind < TILE_KINDS; kind++) {
+		free(tile->rows[kind].direct);
+		free(tile->rows[kind].bounce[0]);
+		free(tile->rows[kind].bounce[1]);
+		tile->rows[kind] = (struct tile_rows){.channels = 0};
+	}
+	free(tile->even_sky);
+	tile->even_sky = NULL;
 }
 
 /* ---- samples ---- */
+
+static int half_of_batch(const struct tile *tile)
+{
+	return (tile->batches - 1) & 1;
+}
+
+/* Where a sample's light goes. Most tiles leave most rows alone: they are cleared when first used.
+ */
+static struct transport_rows rows_for(struct tile *tile, enum tile_kind kind, int at, bool first)
+{
+	const struct tile_rows *rows = &tile->rows[kind];
+	const size_t direct = tile_direct_size(tile, kind), bounce = tile_bounce_size(tile);
+	const size_t at_direct = (size_t)at * direct, at_bounce = (size_t)at * bounce;
+
+	if (first) {
+		memset(rows->direct + at_direct, 0, direct * sizeof(float));
+		memset(rows->bounce[0] + at_bounce, 0, bounce * sizeof(float));
+		memset(rows->bounce[1] + at_bounce, 0, bounce * sizeof(float));
+	}
+	return (struct transport_rows){
+		.direct = rows->direct + at_direct,
+		.bounce = rows->bounce[half_of_batch(tile)] + at_bounce,
+	};
+}
 
 static void add_receiver(struct tile *tile, int at, const struct surface *surface, struct v3 wo,
 			 uint32_t pixel, uint32_t sample)
 {
 	struct transport *t = &tile->transport;
 	struct tile_pixel *p = &tile->pixels[at];
-	const size_t row = (size_t)at * row_size(tile);
+	const bool first = p->receiver++ == 0;
+	struct transport_rows rows = rows_for(tile, TILE_CHANGE, at, first);
 
-	p->receiver++;
-	if (!tile->without) {
-		p->changed |= transport_add_shadow(t, surface->position, tile->change + row);
+	if (!tile_has_standins(tile)) {
+		p->changed |= transport_add_shadow(t, surface->position, &rows);
 		return;
 	}
-	transport_add(t, WITH_OBJECTS, surface, wo, tile->change + row);
+	transport_add(t, WITH_OBJECTS, surface, wo, &rows);
+	rows = rows_for(tile, TILE_WITHOUT, at, first);
 	transport_begin(t, tile->settings.seed, pixel, sample);
-	transport_add(t, WITHOUT_OBJECTS, surface, wo, tile->without + row);
+	transport_add(t, WITHOUT_OBJECTS, surface, wo, &rows);
 }
 
 static void add_sample(struct tile *tile, int at, uint32_t sample)
@@ -86,10 +136,12 @@ static void add_sample(struct tile *tile, int at, uint32_t sample)
 	met = scene_look(tile->scene, WITH_OBJECTS, x + at_pixel[0], y + at_pixel[1], &surface,
 			 &direction);
 	if (met && surface.kind == SURFACE_OBJECT) {
+		const struct transport_rows rows = rows_for(tile, TILE_OBJECT, at, p->object == 0);
+
 		p->object++;
 		p->changed = true;
 		transport_add(&tile->transport, WITH_OBJECTS, &surface, v3_scale(direction, -1),
-			      tile->object + (size_t)at * row_size(tile));
+			      &rows);
 		return;
 	}
 	p->other++;
@@ -97,92 +149,32 @@ static void add_sample(struct tile *tile, int at, uint32_t sample)
 		add_receiver(tile, at, &surface, v3_scale(direction, -1), pixel, sample);
 }
 
-/* ---- noise ---- */
+/* ---- batches ---- */
 
-static double sum_row(const float *row, int count)
+static bool same_rows(const float *a, const float *b, size_t floats)
 {
-	double sum = 0;
-
-	for (int i = 0; i < count; i++)
-		sum += row[i];
-	return sum;
-}
-
-/* One more value of each pixel under a uniform sky, from the batch just made. */
-static void add_batch(struct tile *tile, int at, int samples)
-{
-	struct tile_pixel *p = &tile->pixels[at];
-	const int count = tile->cells->count;
-	const double other = p->other - p->before_count[0];
-	const double receiver = p->receiver - p->before_count[1];
-	const double coverage = 1 - other / samples;
-
-	for (int c = 0; c < 3; c++) {
-		const size_t row = (size_t)at * row_size(tile) + (size_t)c * (size_t)count;
-		const double total[3] = {
-			p->object ? sum_row(tile->object + row, count) : 0,
-			p->receiver ? sum_row(tile->change + row, count) : 0,
-			p->receiver && tile->without ? sum_row(tile->without + row, count) : 0,
-		};
-		double fresh[3], value, deviation, ratio = 1;
-
-		for (int k = 0; k < 3; k++) {
-			fresh[k] = total[k] - p->before[c][k];
-			p->before[c][k] = total[k];
-		}
-		if (receiver > 0 && !tile->without)
-			ratio -= fresh[1] / other;
-		else if (receiver > 0 && fresh[2] > 0)
-			ratio -= (1 - fresh[1] / fresh[2]) * receiver / other;
-		value = fresh[0] / samples + (1 - coverage) * fmax(ratio, 0) * BACKGROUND;
-		deviation = value - p->mean[c];
-		p->mean[c] += deviation / tile->batches;
-		p->spread[c] += deviation * (value - p->mean[c]);
-	}
-	p->before_count[0] = p->other;
-	p->before_count[1] = p->receiver;
-}
-
-static double levels_of(double mean, double error)
-{
-	return 127.5 * (transfer_encode(TRANSFER_SRGB, mean + error) -
-			transfer_encode(TRANSFER_SRGB, mean - error));
-}
-
-/* The standard error of the mean over batches, RMS over the tile's changed pixels. */
-static double judge_noise(struct tile *tile)
-{
-	tile->noise_square = 0;
-	tile->noise_count = 0;
-	if (tile->batches < 2)
-		return 0;
-	for (int at = 0; at < TILE_PIXELS; at++) {
-		const struct tile_pixel *p = &tile->pixels[at];
-		const double n = tile->batches;
-
-		if (!p->changed)
-			continue;
-		for (int c = 0; c < 3; c++) {
-			const double e = levels_of(p->mean[c], sqrt(p->spread[c] / (n * (n - 1))));
-
-			tile->noise_square += e * e;
-			tile->noise_count++;
-		}
-	}
-	return tile->noise_count ? sqrt(tile->noise_square / (double)tile->noise_count) : 0;
+	return !memcmp(a, b, floats * sizeof(float));
 }
 
 static void find_changes(struct tile *tile)
 {
-	const size_t row = row_size(tile);
+	const struct tile_rows *with = &tile->rows[TILE_CHANGE];
+	const struct tile_rows *without = &tile->rows[TILE_WITHOUT];
+	const size_t size = tile_bounce_size(tile);
 
-	if (!tile->without)
+	if (!tile_has_standins(tile))
 		return;
-	for (int at = 0; at < TILE_PIXELS; at++)
-		if (!tile->pixels[at].changed)
-			tile->pixels[at].changed = memcmp(tile->change + (size_t)at * row,
-							  tile->without + (size_t)at * row,
-							  row * sizeof(float)) != 0;
+	for (size_t at = 0; at < TILE_PIXELS; at++) {
+		struct tile_pixel *p = &tile->pixels[at];
+
+		if (!p->receiver || p->changed)
+			continue;
+		p->changed = !same_rows(with->direct + at * size, without->direct + at * size,
+					size);
+		for (int half = 0; half < 2; half++)
+			p->changed |= !same_rows(with->bounce[half] + at * size,
+						 without->bounce[half] + at * size, size);
+	}
 }
 
 static void run_batch(struct tile *tile, int samples)
@@ -194,9 +186,10 @@ static void run_batch(struct tile *tile, int samples)
 
 			for (int k = 0; k < samples; k++)
 				add_sample(tile, at, (uint32_t)(tile->samples + k));
-			add_batch(tile, at, samples);
+			tile_noise_add(tile, at, samples);
 		}
 	tile->samples += samples;
+	tile->half_samples[half_of_batch(tile)] += samples;
 	find_changes(tile);
 }
 
@@ -208,126 +201,190 @@ static void run_batches(struct tile *tile)
 		do
 			run_batch(tile, BATCH_SAMPLES);
 		while (tile->batches < BATCH_FEWEST ||
-		       (judge_noise(tile) > s->noise_levels && tile->samples < SAMPLES_MOST));
+		       (tile_noise_judge(tile) > s->noise_levels && tile->samples < SAMPLES_MOST));
 	} else {
 		const int batches = s->samples < 8 ? s->samples : 8;
 
 		for (int k = 0; k < batches; k++)
 			run_batch(tile, s->samples * (k + 1) / batches - s->samples * k / batches);
 	}
-	judge_noise(tile);
+	tile_noise_judge(tile);
 }
 
 /* ---- finishing ---- */
 
-static void add_part(struct tile *tile, enum basis_kind kind, const uint16_t *pixel, int pixels,
-		     const float *value)
+/*
+ * Sums become means, kept pixels move together in place: rows from pixel at to place kept, divided
+ * by samples, and where share is given by the share of each light. A half is scaled as if all
+ * samples had been like its own, so that the mean of both is that of all samples.
+ */
+static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, int samples,
+		      const float *share)
 {
-	if (pixels)
-		tile->part[tile->part_count++] = (struct encode_samples){
-			.kind = kind,
-			.pixels = pixels,
-			.pixel = pixel,
-			.value = value,
-		};
+	const struct tile_rows *rows = &tile->rows[kind];
+	const size_t count = (size_t)tile->cells->count;
+	const size_t direct = tile_direct_size(tile, kind), bounce = tile_bounce_size(tile);
+	const float *from = rows->direct + (size_t)at * direct;
+	float *to = rows->direct + (size_t)kept * direct;
+
+	for (size_t i = 0; i < direct; i++)
+		to[i] = from[i] / (float)samples;
+	for (int half = 0; half < 2; half++) {
+		const double scale = (double)tile->samples /
+				     ((double)tile->half_samples[half] * samples);
+
+		from = rows->bounce[half] + (size_t)at * bounce;
+		to = rows->bounce[half] + (size_t)kept * bounce;
+		if (!tile->half_samples[half])
+			continue;
+		for (size_t i = 0; i < bounce; i++)
+			to[i] = from[i] * (float)scale / (share ? share[i % count] : 1);
+	}
 }
 
-/* Means over samples, moved together in place. */
+/* The mean of all samples: of both halves where there are two. */
+static void finish_bounce(struct tile *tile, enum tile_kind kind, int pixels)
+{
+	const struct tile_rows *rows = &tile->rows[kind];
+	const bool ratio = kind == TILE_CHANGE && !tile_has_standins(tile);
+	const struct bounce_halves halves = {
+		.rows = 3 * pixels,
+		.half = {rows->bounce[0], rows->bounce[1]},
+		.share = {(double)tile->half_samples[0] / tile->samples,
+			  (double)tile->half_samples[1] / tile->samples},
+		.sky = ratio ? tile->cells->share : tile->even_sky,
+		.scale = ratio ? tile->ratio_scale : tile->radiance_scale,
+	};
+
+	if (tile->half_samples[1])
+		bounce_filter(&tile->bounce, &halves);
+}
+
+static void add_part(struct tile *tile, enum tile_kind kind, enum basis_kind basis_kind,
+		     const uint16_t *pixel, int pixels)
+{
+	const struct tile_rows *rows = &tile->rows[kind];
+	const bool bounces = tile->transport.bounces > 0;
+
+	if (!pixels)
+		return;
+	if (bounces)
+		finish_bounce(tile, kind, pixels);
+	tile->part[tile->part_count++] = (struct encode_samples){
+		.kind = basis_kind,
+		.pixels = pixels,
+		.pixel = pixel,
+		.channels = rows->channels,
+		.direct = rows->direct,
+		.bounce = bounces ? rows->bounce[0] : NULL,
+	};
+}
+
 static void finish_object(struct tile *tile)
 {
-	const size_t row = row_size(tile);
-	const float scale = 1.0f / (float)tile->samples;
 	int kept = 0;
 
 	for (int at = 0; at < TILE_PIXELS; at++) {
-		const float *from = tile->object + (size_t)at * row;
-		float *to = tile->object + (size_t)kept * row;
-
 		if (!tile->pixels[at].object)
 			continue;
-		for (size_t i = 0; i < row; i++)
-			to[i] = from[i] * scale;
+		move_rows(tile, TILE_OBJECT, at, kept, tile->samples, NULL);
 		tile->object_pixel[kept++] = (uint16_t)at;
 	}
-	add_part(tile, BASIS_KIND_T, tile->object_pixel, kept, tile->object);
+	add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->object_pixel, kept);
 }
 
 /* Samples that see neither object nor real surface are unchanged, and count so. */
 static void finish_shadow(struct tile *tile)
 {
-	const int count = tile->cells->count;
-	const size_t row = row_size(tile);
 	int kept = 0;
 
 	for (int at = 0; at < TILE_PIXELS; at++) {
 		const struct tile_pixel *p = &tile->pixels[at];
-		const float *from = tile->change + (size_t)at * row;
-		float *to = tile->change + (size_t)kept * row;
 
 		if (!p->receiver || !p->changed)
 			continue;
-		for (int c = 0; c < 3; c++)
-			for (int i = 0; i < count; i++)
-				to[c * count + i] = from[c * count + i] /
-						    ((float)p->other * tile->cells->share[i]);
+		move_rows(tile, TILE_CHANGE, at, kept, p->other, tile->cells->share);
 		tile->change_pixel[kept++] = (uint16_t)at;
 	}
-	add_part(tile, BASIS_KIND_V, tile->change_pixel, kept, tile->change);
+	add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->change_pixel, kept);
 }
 
-/* The largest |d / u| of a pixel: no lighting changes its ratio by more. */
-static double largest_change(const float *d, const float *u, size_t count)
+/* with becomes without - with, as a share of the samples that count for the ratio. */
+static void subtract(const float *without, float *with, size_t count)
 {
+	for (size_t i = 0; i < count; i++)
+		with[i] = without[i] - with[i];
+}
+
+/* The largest |d / u| of a pixel's sums: no lighting changes its ratio by more. */
+static double largest_change(const struct tile *tile, int at)
+{
+	const struct tile_rows *rows[2] = {&tile->rows[TILE_CHANGE], &tile->rows[TILE_WITHOUT]};
+	const size_t size = tile_bounce_size(tile), first = (size_t)at * size;
+	const struct tile_pixel *p = &tile->pixels[at];
 	double most = 0;
 
-	for (size_t i = 0; i < count; i++)
-		if (u[i] > 0)
-			most = fmax(most, fabs((double)d[i] / (double)u[i]));
-		else if (d[i] != 0)
+	for (size_t i = first; i < first + size; i++) {
+		double sum[2];
+
+		for (int k = 0; k < 2; k++)
+			sum[k] = (double)rows[k]->direct[i] + (double)rows[k]->bounce[0][i] +
+				 (double)rows[k]->bounce[1][i];
+		if (sum[1] > 0)
+			most = fmax(most, fabs(sum[0] / sum[1]) * p->receiver / p->other);
+		else if (sum[0] != 0)
 			return INFINITY;
+	}
 	return most;
+}
+
+/* The filter may leave a little less than nothing of a u. */
+static void keep_positive(const struct encode_samples *u, float *bounce, size_t count)
+{
+	for (size_t i = 0; u->bounce && i < count; i++)
+		bounce[i] = fmaxf(bounce[i], -u->direct[i]);
 }
 
 static void finish_difference(struct tile *tile)
 {
-	const size_t row = row_size(tile);
+	const struct tile_rows *with = &tile->rows[TILE_CHANGE];
+	const struct tile_rows *without = &tile->rows[TILE_WITHOUT];
+	const size_t size = tile_bounce_size(tile);
 	int kept = 0;
 
 	for (int at = 0; at < TILE_PIXELS; at++) {
-		const struct tile_pixel *p = &tile->pixels[at];
-		const float *with = tile->change + (size_t)at * row;
-		const float *without = tile->without + (size_t)at * row;
-		float *d = tile->change + (size_t)kept * row;
-		float *u = tile->without + (size_t)kept * row;
+		struct tile_pixel *p = &tile->pixels[at];
+		const size_t row = (size_t)at * size;
 		double change;
 
 		if (!p->receiver || !p->changed)
 			continue;
-		for (size_t i = 0; i < row; i++) {
-			d[i] = (without[i] - with[i]) / (float)p->other;
-			u[i] = without[i] / (float)p->receiver;
+		subtract(without->direct + row, with->direct + row, size);
+		for (int half = 0; half < 2; half++) {
+			subtract(without->bounce[half] + row, with->bounce[half] + row, size);
 		}
-		change = largest_change(d, u, row);
+		change = largest_change(tile, at);
 		if (change <= tile->settings.ratio_cut) {
 			tile->ratio_error = fmax(tile->ratio_error, change);
+			p->changed = p->object > 0;
 			continue;
 		}
+		move_rows(tile, TILE_CHANGE, at, kept, p->other, NULL);
+		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver, NULL);
 		tile->change_pixel[kept++] = (uint16_t)at;
 	}
-	add_part(tile, BASIS_KIND_D, tile->change_pixel, kept, tile->change);
-	add_part(tile, BASIS_KIND_U, tile->change_pixel, kept, tile->without);
+	add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->change_pixel, kept);
+	add_part(tile, TILE_WITHOUT, BASIS_KIND_U, tile->change_pixel, kept);
+	if (kept)
+		keep_positive(&tile->part[tile->part_count - 1], without->bounce[0],
+			      (size_t)kept * size);
 }
 
 static void clear(struct tile *tile)
 {
-	const size_t bytes = TILE_PIXELS * row_size(tile) * sizeof(float);
-
-	memset(tile->object, 0, bytes);
-	memset(tile->change, 0, bytes);
-	if (tile->without)
-		memset(tile->without, 0, bytes);
 	memset(tile->pixels, 0, sizeof(tile->pixels));
 	tile->batches = tile->samples = tile->part_count = 0;
+	tile->half_samples[0] = tile->half_samples[1] = 0;
 	tile->ratio_error = 0;
 }
 
@@ -347,7 +404,7 @@ void tile_render(struct tile *tile, int index)
 		tile->coverage[at] =
 			(uint16_t)lround(65535.0 * tile->pixels[at].object / tile->samples);
 	finish_object(tile);
-	if (tile->without)
+	if (tile_has_standins(tile))
 		finish_difference(tile);
 	else
 		finish_shadow(tile);
@@ -355,21 +412,26 @@ void tile_render(struct tile *tile, int index)
 
 void tile_peaks(const struct tile *tile, float (*peak)[3])
 {
-	const int count = tile->cells->count;
+	const size_t count = (size_t)tile->cells->count;
 
 	for (int k = 0; k < tile->part_count; k++) {
 		const struct encode_samples *part = &tile->part[k];
 
 		if (part->kind != BASIS_KIND_T)
 			continue;
-		for (int p = 0; p < part->pixels; p++)
-			for (int c = 0; c < 3; c++) {
-				const float *row = part->value + (size_t)p * row_size(tile) +
-						   (size_t)c * (size_t)count;
+		for (size_t row = 0; row < 3 * (size_t)part->pixels; row++) {
+			const float *direct = part->direct + row * count;
+			const float *bounce = part->bounce ? part->bounce + row * count : NULL;
+			const size_t c = row % 3;
+			float sum = 0;
 
-				for (int i = 0; i < count; i++)
-					peak[i][c] = fmaxf(peak[i][c], row[i]);
-				peak[count][c] = fmaxf(peak[count][c], (float)sum_row(row, count));
+			for (size_t i = 0; i < count; i++) {
+				const float value = direct[i] + (bounce ? bounce[i] : 0);
+
+				peak[i][c] = fmaxf(peak[i][c], value);
+				sum += value;
 			}
+			peak[count][c] = fmaxf(peak[count][c], sum);
+		}
 	}
 }

@@ -26,7 +26,7 @@ struct cone {
 };
 
 static void add_path(struct transport *t, enum presence presence, const struct surface *s,
-		     struct v3 wo, struct rgb weight, int depth, float *row);
+		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows);
 
 /* ---- setting up ---- */
 
@@ -79,9 +79,15 @@ void transport_free(struct transport *t)
 
 void transport_begin(struct transport *t, uint64_t seed, uint32_t pixel, uint32_t sample)
 {
+	const uint64_t choice = random_hash(seed, pixel, 0xc401ce);
+	const uint64_t below = random_hash(seed, pixel, 0xbe10);
+
 	t->random.state = random_hash(seed, pixel, sample);
 	t->pixel = (uint32_t)random_hash(seed, pixel, 0x5eed);
 	t->sample = sample;
+	t->choice = random_unit(sobol_first(sobol_shuffle(sample, (uint32_t)choice)) ^
+				(uint32_t)(choice >> 32));
+	sobol_point(sobol_shuffle(sample, (uint32_t)random_mix(below)), below, t->below);
 }
 
 /* ---- parts ---- */
@@ -138,6 +144,43 @@ static void offer(struct onward *onward, struct v3 direction, float weight, uint
 }
 
 /*
+ * The same among the blocked rays of the batch, whose weights are in value[], and one more
+ * candidate. At the first surface the choices of a pixel's samples are spread evenly over all of
+ * them: they lie in the order of the sky, so that the second surfaces are well spread too. Not so
+ * where two streams are compared: there neighbours that take each other's place would be noise.
+ */
+static struct onward choose(struct transport *t, int depth, struct v3 other, float other_weight)
+{
+	const bool spread = depth == 0 && !t->compared;
+	const uint32_t key = (uint32_t)random_bits(&t->random);
+	struct onward onward = {.weight = 0};
+	float total = other_weight, sum = 0;
+
+	for (int k = 0; k < t->rays.count; k++)
+		if (t->rays.blocked[k])
+			total += t->value[t->cell[k]];
+	for (int k = 0; k < t->rays.count; k++) {
+		const int cell = t->cell[k];
+
+		if (!t->rays.blocked[k])
+			continue;
+		if (!spread) {
+			offer(&onward, pushed_ray(t, k), t->value[cell], key, (uint32_t)cell);
+			continue;
+		}
+		if (sum <= t->choice * total)
+			onward.direction = pushed_ray(t, k);
+		sum += t->value[cell];
+	}
+	if (!spread)
+		offer(&onward, other, other_weight, key, UINT32_MAX);
+	else if (other_weight > 0 && sum <= t->choice * total)
+		onward.direction = other;
+	onward.weight = total;
+	return onward;
+}
+
+/*
  * Cosine-weighted direction around n that points below the horizon: of the unit disc onto which
  * the hemisphere projects, the part beyond the ellipse of the horizon. Across the slope the disc
  * is as it was; down the slope what remains of each chord is stretched over all of it.
@@ -163,14 +206,15 @@ static float share_below(struct v3 n)
 static void deposit_values(const struct transport *t, struct rgb weight, float *row)
 {
 	const int count = t->cells->count;
+	const float *restrict value = t->value;
 
 	for (int c = 0; c < 3; c++) {
-		float *out = row + (size_t)c * (size_t)count;
+		float *restrict out = row + (size_t)c * (size_t)count;
 		const float w = weight.c[c];
 
 		if (w != 0)
 			for (int i = 0; i < count; i++)
-				out[i] += w * t->value[i];
+				out[i] += w * value[i];
 	}
 }
 
@@ -196,17 +240,18 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 {
 	const struct cells *cells = t->cells;
 	const bool flat = s->kind == SURFACE_GROUND;
-	const struct v3 *table = flat ? cells->ground : cells->uniform;
+	const struct v3 *row = cells_pick(cells, flat ? cells->ground : cells->uniform, pixel,
+					  t->sample);
 
 	t->rays.count = 0;
-	for (int i = 0; i < cells->count; i++) {
-		struct v3 d;
+	for (int k = 0; k < cells->count; k++) {
+		const struct v3 d = row[k];
+		const int i = cells->order[k];
 		float cos_i;
 
 		t->value[i] = 0;
 		if (v3_dot(s->normal, cells->node[i]) < -cells->reach[i])
 			continue;
-		d = table[cells_pick(cells, i, pixel, t->sample)];
 		cos_i = v3_dot(s->normal, d);
 		if (cos_i <= 0 || v3_dot(s->geometric, d) <= 0)
 			continue;
@@ -248,27 +293,23 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	const struct cone everywhere = {{0, 0, 1}, -2};
 	const struct cone cone = glossy ? everywhere : cone_of(&bounds, s->position);
 	const float cos_o = v3_dot(s->normal, wo), below = share_below(s->normal);
-	const uint32_t key = (uint32_t)random_bits(&t->random);
-	struct onward onward = {.weight = 0};
+	struct v3 down = {0, 0, 0};
+	float weight_down = 0;
+	struct onward onward;
 
 	aim_at_cells(t, s, cos_o, &cone, t->pixel + (uint32_t)depth * PIXEL_STEP);
 	trace_rays(t, presence, surface_leave(s, s->geometric));
-	for (int k = 0; k < t->rays.count; k++) {
-		const int cell = t->cell[k];
-
-		if (!t->rays.blocked[k])
-			continue;
-		offer(&onward, pushed_ray(t, k), t->value[cell], key, (uint32_t)cell);
-		t->value[cell] = 0;
-	}
 	if (below > 0) {
-		const float u = random_next(&t->random), v = random_next(&t->random);
-		const struct v3 d = direction_below(s->normal, u, v);
+		const float u = depth ? random_next(&t->random) : (float)t->below[0];
+		const float v = depth ? random_next(&t->random) : (float)t->below[1];
 
-		offer(&onward, d,
-		      below * bsdf_base(&s->bsdf, cos_o, fmaxf(v3_dot(s->normal, d), 0)), key,
-		      UINT32_MAX);
+		down = direction_below(s->normal, u, v);
+		weight_down = below * bsdf_base(&s->bsdf, cos_o, fmaxf(v3_dot(s->normal, down), 0));
 	}
+	onward = choose(t, depth, down, weight_down);
+	for (int k = 0; k < t->rays.count; k++)
+		if (t->rays.blocked[k])
+			t->value[t->cell[k]] = 0;
 	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
 	if (glossy && coat_is_wide(t, &s->bsdf))
 		add_coat_by_cells(t, s, wo, weight, row);
@@ -327,7 +368,8 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 
 /* A path carries on from s: into the sky, or to the next surface. */
 static void follow(struct transport *t, enum presence presence, const struct surface *s,
-		   struct v3 direction, struct rgb weight, int depth, float *row)
+		   struct v3 direction, struct rgb weight, int depth,
+		   const struct transport_rows *rows)
 {
 	const float peak = rgb_peak(weight);
 	struct surface next;
@@ -341,7 +383,7 @@ static void follow(struct transport *t, enum presence presence, const struct sur
 	}
 	t->ray_count++;
 	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next))
-		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, row);
+		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, rows);
 }
 
 /* The coat's own ray. False when it ended in the sky or below the surface; else the weight with
@@ -401,8 +443,9 @@ static bool pass_glass(struct transport *t, enum presence presence, struct surfa
 }
 
 static void add_path(struct transport *t, enum presence presence, const struct surface *at,
-		     struct v3 wo, struct rgb weight, int depth, float *row)
+		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows)
 {
+	float *const row = depth == 0 ? rows->direct : rows->bounce;
 	struct surface s = *at, mirrored;
 	struct rgb base, coat = {{0, 0, 0}};
 	struct onward onward;
@@ -418,7 +461,7 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	shared = all && coat_is_wide(t, &s.bsdf);
 	if (s.bsdf.kind != MATERIAL_GLOSSY ||
 	    !sample_coat(t, presence, &s, wo, weight, shared, &mirrored, &wi, &coat, row)) {
-		follow(t, presence, &s, onward.direction, base, depth + 1, row);
+		follow(t, presence, &s, onward.direction, base, depth + 1, rows);
 		return;
 	}
 	/* two ways on: both from the first surface, later one of them by chance */
@@ -434,19 +477,21 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 		}
 	}
 	if (depth < t->bounces && rgb_peak(coat) > 0)
-		add_path(t, presence, &mirrored, v3_scale(wi, -1), coat, depth + 1, row);
-	follow(t, presence, &s, onward.direction, base, depth + 1, row);
+		add_path(t, presence, &mirrored, v3_scale(wi, -1), coat, depth + 1, rows);
+	follow(t, presence, &s, onward.direction, base, depth + 1, rows);
 }
 
 void transport_add(struct transport *t, enum presence presence, const struct surface *surface,
-		   struct v3 wo, float *row)
+		   struct v3 wo, const struct transport_rows *rows)
 {
-	add_path(t, presence, surface, wo, rgb_make(1, 1, 1), 0, row);
+	t->compared = surface->kind != SURFACE_OBJECT;
+	add_path(t, presence, surface, wo, rgb_make(1, 1, 1), 0, rows);
 }
 
 /* ---- shadow on flat ground ---- */
 
-bool transport_add_shadow(struct transport *t, struct v3 position, float *row)
+bool transport_add_shadow(struct transport *t, struct v3 position,
+			  const struct transport_rows *rows)
 {
 	const struct cells *cells = t->cells;
 	const struct bounds bounds = world_bounds(t->world, WITH_OBJECTS);
@@ -457,31 +502,26 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float *row)
 		.normal = {0, 0, 1},
 		.geometric = {0, 0, 1},
 	};
-	const uint32_t key = (uint32_t)random_bits(&t->random);
-	const size_t count = (size_t)cells->count;
-	struct onward onward = {.weight = 0};
+	const struct v3 *row = cells_pick(cells, cells->ground, t->pixel, t->sample);
+	struct onward onward;
 
+	t->compared = false;
 	t->rays.count = 0;
-	for (int i = 0; i < cells->count; i++) {
-		const struct v3 d = cells->ground[cells_pick(cells, i, t->pixel, t->sample)];
-
-		if (v3_dot(cone.axis, d) >= cone.cosine)
-			push_ray(t, d, i);
-	}
+	for (int k = 0; k < cells->count; k++)
+		if (v3_dot(cone.axis, row[k]) >= cone.cosine)
+			push_ray(t, row[k], cells->order[k]);
 	trace_rays(t, WITH_OBJECTS, position);
 	for (int k = 0; k < t->rays.count; k++) {
 		const int cell = t->cell[k];
-		const float share = cells->share[cell];
 
-		if (!t->rays.blocked[k])
-			continue;
-		for (size_t c = 0; c < 3; c++)
-			row[c * count + (size_t)cell] += share;
-		offer(&onward, pushed_ray(t, k), share, key, (uint32_t)cell);
+		t->value[cell] = cells->share[cell];
+		if (t->rays.blocked[k])
+			rows->direct[cell] += 1;
 	}
+	onward = choose(t, 0, v3_make(0, 0, 0), 0);
 	if (onward.weight == 0)
 		return false;
 	follow(t, WITH_OBJECTS, &ground, onward.direction,
-	       rgb_make(-onward.weight, -onward.weight, -onward.weight), 1, row);
+	       rgb_make(-onward.weight, -onward.weight, -onward.weight), 1, rows);
 	return true;
 }

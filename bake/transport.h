@@ -25,7 +25,11 @@ struct transport {
 	int *cell;    /* [WORLD_RAYS_MAX]: the cell or fan direction of a ray in the batch */
 	float *value; /* [count] */
 	struct random random;
+	/* Of a sample: */
 	uint32_t pixel, sample; /* which of a cell's directions to take */
+	float choice;		/* which blocked ray to follow from the first surface, 0..1 */
+	double below[2];	/* which direction below the horizon, 0..1 */
+	bool compared;		/* it will be traced again with other things around it */
 	uint64_t ray_count;
 };
 
@@ -38,19 +42,28 @@ void transport_free(struct transport *transport); /* idempotent; zeroed is fine 
 /* Before each camera sample: everything random about it follows from these three. */
 void transport_begin(struct transport *transport, uint64_t seed, uint32_t pixel, uint32_t sample);
 
-/*
- * Adds to row[3][count] the radiance that leaves a surface towards wo for each cell's unit
- * radiance. Called twice after transport_begin() with either presence, the two rows differ only by
- * what the objects do.
- */
-void transport_add(struct transport *transport, enum presence presence,
-		   const struct surface *surface, struct v3 wo, float *row);
+/* What one sample adds to. Light that met exactly one surface is apart from the rest: the first is
+ * sharp and almost without noise, the second smooth and noisy. Clear glass before the first other
+ * surface does not count. */
+struct transport_rows {
+	float *direct; /* [3][count]; of a shadow [count] */
+	float *bounce; /* [3][count] */
+};
 
 /*
- * Adds to row[3][count] what the objects take away from each cell's light on flat ground where no
- * stand-in is: (u - s) / albedo, exactly 0 for cells that no path through an object concerns.
- * Returns false when nothing was added.
+ * Adds the radiance that leaves a surface towards wo for each cell's unit radiance. Called twice
+ * after transport_begin() with either presence, the rows differ only by what the objects do.
  */
-bool transport_add_shadow(struct transport *transport, struct v3 position, float *row);
+void transport_add(struct transport *transport, enum presence presence,
+		   const struct surface *surface, struct v3 wo, const struct transport_rows *rows);
+
+/*
+ * What the objects take away from each cell's light on flat ground where no stand-in is: to direct
+ * 1 for each cell that is blocked, to bounce (u - s) / albedo of the light that objects throw on
+ * the ground (not above 0). Both stay as they are for cells that no path through an object
+ * concerns. Returns false when nothing was added.
+ */
+bool transport_add_shadow(struct transport *transport, struct v3 position,
+			  const struct transport_rows *rows);
 
 #endif

@@ -1,0 +1,44 @@
+/*
+ * Takes noise out of the light that met several surfaces.
+ *
+ * Each sample of such light follows one path by chance, so its noise differs in every pixel and
+ * light, while the light itself is smooth: a matrix of pixels by lights that is of low rank but for
+ * noise. It comes as two halves of independent samples. What the leading singular vectors of one
+ * half find again in the other half is light, what they do not is noise.
+ *
+ * Under a uniform sky nothing changes: sample by sample, what is blocked of it and what is bounced
+ * balance, and the filter keeps each row's sum.
+ */
+#ifndef INLAY_BAKE_BOUNCE_H
+#define INLAY_BAKE_BOUNCE_H
+
+#define BOUNCE_ROWS_MAX 768 /* of a tile: 256 pixels of 3 channels */
+#define BOUNCE_RANK_MAX 48
+
+/* Scratch of one thread. */
+struct bounce {
+	int lights;
+	float *memory;
+};
+
+/* What is filtered. Neither sky nor scale is 0. */
+struct bounce_halves {
+	int rows;
+	float *half[2];	    /* [rows][lights]: means, each over samples of its own */
+	double share[2];    /* of all samples; they sum to 1 */
+	const float *sky;   /* [lights]: the lighting, in units of the values, that is left alone */
+	const float *scale; /* [lights]: makes the noise of all columns about alike */
+};
+
+/* -ENOMEM */
+int bounce_create(struct bounce *bounce, int lights);
+void bounce_free(struct bounce *bounce); /* idempotent; zeroed is fine */
+
+/*
+ * half[0] becomes the mean of both, filtered, and half[1] is spoilt. Returns how many singular
+ * vectors were kept besides each row's sum, or -1 when the mean was left as it is: the halves do
+ * not show that more noise would go than light.
+ */
+int bounce_filter(struct bounce *bounce, const struct bounce_halves *halves);
+
+#endif
