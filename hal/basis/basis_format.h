@@ -26,8 +26,11 @@
  * A block holds the columns of some pixels of a tile as a sum of two parts, either of which may be
  * empty:
  *
- *   value[p,c] = tint[p,c] * ( sum_j scale_j coefficient[p,c,j] y_j,c  +  sum_n scale_n
- * column[p,c,n] X_n,c ) y_j,c      = sum_k pattern[j,k] Y_k,c Y_k,c      = sum_i P_ki X_i,c
+ *     value[p,c] = tint[p,c] * (pattern part + column part)
+ *     pattern part = sum_j pattern_scale_j * coefficient[p,c,j] * y_j,c
+ *     column part  = sum_n column_scale_n * column[p,c,n] * X_n,c
+ *     y_j,c = sum_k pattern[j,k] * Y_k,c
+ *     Y_k,c = sum_i P_ki * X_i,c
  *
  * Y are the coarse lights: the light of all N cells gathered in K <= N places by COAR, a sparse
  * matrix that the whole file shares; so what a tile costs does not depend on N. A pattern is a mix
@@ -64,8 +67,9 @@
 #define BASIS_GROUND_MAX 1e30 /* of u: so that no sum of u L overflows */
 #define BASIS_CHUNKS_MAX 65536
 #define BASIS_PATTERNS_MAX 1024 /* of a block */
-/* No value per unit of X exceeds this: scale * 32767 for columns of 16 bits, scale * 127 for those
- * of 8, scale * 32767 * sum over k of |pattern[j,k]| for each pattern. */
+/* No value per unit of X exceeds this before its tint. Held are, for columns of 16 bits,
+ * scale * 32767; for those of 8, scale * 127; for each pattern,
+ * scale * 32767 * sum over k of |pattern[j,k]|. */
 #define BASIS_VALUE_MAX 65536.0
 #define BASIS_TINT_ONE 32768
 /* Of a light's three places among the coarse lights; their weights sum to this. */
@@ -174,8 +178,8 @@ enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_
  * line, 64 bytes, is one pattern or column for one panel and channel: what is read, or left out, as
  * a whole. -32768 and -128 do not occur.
  *
- * In D and U blocks of one tile the pixels are the same, and of U no light alone comes out negative
- * by more than quantisation.
+ * Every pixel of a D block is in one of its tile's U blocks, which do not overlap; of U no light
+ * alone comes out negative by more than quantisation.
  */
 /* In the order of tiles, then of kinds; offsets ascend too. */
 struct basis_block_entry {

@@ -195,6 +195,45 @@ static void writes_and_reads_back(void **state)
 	unlink(path);
 }
 
+/* What waits beside the file for the end of a pose begins anew with each. */
+static void each_pose_has_its_own_exact_layer(void **state)
+{
+	static const int tiles[3][2] = {{0, 1}, {-1, -1}, {1, -1}};
+	const struct basis_info_chunk info = {
+		.width = 17, .height = 1, .lights = LIGHTS, .poses = 3, .coarse = LIGHTS};
+	const uint16_t coverage[17] = {0};
+	const float peak[LIGHTS + 1][3] = {{0}};
+	uint8_t payload[PAYLOAD] __attribute__((aligned(64)));
+	struct synthetic *s = *state;
+	struct basis_writer *writer;
+	struct fault fault = {""};
+	struct basis basis;
+	char path[100];
+
+	snprintf(path, sizeof(path), "%s/three.inlay", s->folder);
+	assert_int_equal(
+		basis_writer_open(&writer, path, &info, three_lights, NULL, NULL, "", &fault), 0);
+	for (int p = 0; p < 3; p++) {
+		for (int n = 0; n < 2 && tiles[p][n] >= 0; n++) {
+			const struct basis_block_payload block = exact_block(payload,
+									     (uint32_t)tiles[p][n]);
+
+			assert_int_equal(basis_writer_exact_blocks(writer, &block, 1, &fault), 0);
+		}
+		assert_int_equal(basis_writer_pose_end(writer, coverage, peak, &fault), 0);
+	}
+	assert_int_equal(basis_writer_finish(writer, &info, "", &fault), 0);
+	if (basis_open(&basis, path, BASIS_ALL, &fault) < 0)
+		fail_msg("%s", fault.text);
+	check_exact(&basis.poses[0].exact);
+	assert_null(basis.poses[1].exact.tiles);
+	assert_int_equal(basis.poses[2].exact.block_count, 1);
+	assert_int_equal(basis.poses[2].exact.tiles[0].block_count, 0);
+	assert_int_equal(basis.poses[2].exact.tiles[1].blocks->column16[32], -32766);
+	basis_close(&basis);
+	unlink(path);
+}
+
 /* Files of every shape that may be are accepted, and both layers say the same. */
 static void accepts_what_may_be(void **state)
 {
@@ -476,6 +515,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(writes_and_reads_back),
+		cmocka_unit_test(each_pose_has_its_own_exact_layer),
 		cmocka_unit_test(accepts_what_may_be),
 		cmocka_unit_test(both_layers_say_the_same),
 		cmocka_unit_test(a_failed_writer_leaves_nothing),
