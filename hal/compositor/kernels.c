@@ -15,6 +15,9 @@ const struct kernels *const kernels_all[] = {
 	NULL,
 };
 
+/* Not const, so that it takes no room in the program's file. */
+_Alignas(64) int16_t kernel_zeros[KERNEL_STRIDE_MAX];
+
 static bool has(unsigned features)
 {
 	return (processor_features() & features) == features;

@@ -17,8 +17,9 @@
 #include "hal/transfer.h"
 
 #define KERNEL_LINE_BYTES 64
-#define KERNEL_LINE16 32 /* pixels of a line of int16 */
-#define KERNEL_LINE8 64	 /* of int8 */
+#define KERNEL_STRIDE_MAX 32768 /* coarse lights of a row */
+#define KERNEL_LINE16 32	/* pixels of a line of int16 */
+#define KERNEL_LINE8 64		/* of int8 */
 
 /*
  * A number up to 2^46.9 is split into balanced digits of base 4096, -2048..2047 each, so that
@@ -94,7 +95,7 @@ struct kernels {
 		      int64_t sum[KERNEL_LINE8]);
 
 	/* y[j][c] = sum over k of rows[j][k] * vector_c[k], below 2^63 in magnitude. rows is
-	 * 64-byte aligned, stride a multiple of 32; no value is -32768. */
+	 * 64-byte aligned, stride a multiple of 32, 32..KERNEL_STRIDE_MAX; no value is -32768. */
 	void (*project)(const int16_t *rows, int count, int stride,
 			const struct kernel_vector vector[3], int64_t (*y)[3]);
 

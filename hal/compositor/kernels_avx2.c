@@ -14,8 +14,6 @@ typedef __m256 vector_float;
 #define STORE(p, x) _mm256_storeu_si256((__m256i *)(p), x)
 #define LOAD_WIDE8(p) _mm256_cvtepi8_epi16(_mm_loadu_si128((const __m128i *)(p)))
 #define LOAD_WIDE16(p) _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(p)))
-#define WIDEN_LOW(x) _mm256_cvtepi32_epi64(_mm256_castsi256_si128(x))
-#define WIDEN_HIGH(x) _mm256_cvtepi32_epi64(_mm256_extracti128_si256(x, 1))
 #define IN_ORDER_LOW(a, b) _mm256_permute2x128_si256(a, b, 0x20)
 #define IN_ORDER_HIGH(a, b) _mm256_permute2x128_si256(a, b, 0x31)
 #define IN_ORDER_64(x) _mm256_permute4x64_epi64(x, 0xd8)

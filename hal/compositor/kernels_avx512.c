@@ -10,6 +10,7 @@
 KERNEL_INLINE void run16(const int16_t *lines, const struct kernel_weights *w, int from, int to,
 			 const int digits, __m512i part[KERNEL_DIGITS][2])
 {
+	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++)
 		part[d][0] = part[d][1] = _mm512_setzero_si512();
 	for (int k = from; k < to; k += 2) {
@@ -19,6 +20,7 @@ KERNEL_INLINE void run16(const int16_t *lines, const struct kernel_weights *w, i
 		const __m512i low = _mm512_unpacklo_epi16(one, next);
 		const __m512i high = _mm512_unpackhi_epi16(one, next);
 
+		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
 			const __m512i pair = _mm512_set1_epi32(kernel_weight_pair(w->digit[d] + k));
 
@@ -34,6 +36,7 @@ KERNEL_INLINE __m512i combined(__m512i part[KERNEL_DIGITS][2], int which, int ha
 {
 	__m512i sum = _mm512_setzero_si512();
 
+	KERNEL_UNROLL
 	for (int d = digits - 1; d >= 0; d--) {
 		const __m256i narrow = half ? _mm512_extracti64x4_epi64(part[d][which], 1)
 					    : _mm512_castsi512_si256(part[d][which]);
@@ -59,12 +62,15 @@ KERNEL_INLINE void sums16_of(const int16_t *lines, const struct kernel_weights *
 		const int end = w->count - k > KERNEL_RUN ? k + KERNEL_RUN : w->count;
 
 		run16(lines, w, k, end, digits, part);
+		KERNEL_UNROLL
 		for (int which = 0; which < 2; which++) {
+			KERNEL_UNROLL
 			for (int half = 0; half < 2; half++)
 				total[which][half] = _mm512_add_epi64(
 					total[which][half], combined(part, which, half, digits));
 		}
 	}
+	KERNEL_UNROLL
 	for (int half = 0; half < 2; half++) { /* 0-3, 8-11 and 4-7, 12-15 into their order */
 		const __m512i low = total[0][half], high = total[1][half];
 
@@ -111,6 +117,7 @@ KERNEL_INLINE void split_digits(struct split *split, const struct kernel_weights
 {
 	const __mmask32 mask = (__mmask32)(count >= SPLIT ? ~0U : (1U << count) - 1);
 
+	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++) {
 		const __m512i digit = _mm512_maskz_loadu_epi16(mask, w->digit[first + d] + k);
 		const __m512i high =
@@ -128,9 +135,11 @@ KERNEL_INLINE void quads_of(const int8_t *lines, const uint32_t line[4], __m512i
 	const __m512i sign = _mm512_set1_epi8(-128);
 	__m512i x[4], low[2], high[2];
 
+	KERNEL_UNROLL
 	for (int i = 0; i < 4; i++)
 		x[i] = _mm512_xor_si512(_mm512_load_si512(lines + (size_t)line[i] * KERNEL_LINE8),
 					sign);
+	KERNEL_UNROLL
 	for (int i = 0; i < 2; i++) {
 		low[i] = _mm512_unpacklo_epi8(x[2 * i], x[2 * i + 1]);
 		high[i] = _mm512_unpackhi_epi8(x[2 * i], x[2 * i + 1]);
@@ -190,8 +199,10 @@ KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int
 	__m512i low[2][4], high[2][4], all[2], quad[4];
 	struct split split;
 
+	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++) {
 		all[d] = _mm512_setzero_si512();
+		KERNEL_UNROLL
 		for (int i = 0; i < 4; i++)
 			low[d][i] = high[d][i] = all[d];
 	}
@@ -205,16 +216,19 @@ KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int
 		if (at == 0)
 			split_digits(&split, w, first, k, to - k, digits, all);
 		quads_of(lines, line, quad);
+		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
 			const __m512i l4 = weight_quad(split.low[d] + at);
 			const __m512i h4 = weight_quad(split.high[d] + at);
 
+			KERNEL_UNROLL
 			for (int i = 0; i < 4; i++) {
 				low[d][i] = _mm512_dpbusd_epi32(low[d][i], quad[i], l4);
 				high[d][i] = _mm512_dpbusd_epi32(high[d][i], quad[i], h4);
 			}
 		}
 	}
+	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++)
 		add_digit(sum, low[d], high[d], all[d], first + d);
 }
@@ -244,30 +258,35 @@ KERNEL_INLINE void row_run(const int16_t *row, const struct kernel_planes *p, in
 {
 	__m512i part[3][KERNEL_DIGITS];
 
+	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++) {
+		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++)
 			part[c][d] = _mm512_setzero_si512();
 	}
 	for (int k = from; k < to; k += 32) {
 		const __m512i x = _mm512_load_si512(row + k);
 
+		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++) {
+			KERNEL_UNROLL
 			for (int d = 0; d < digits; d++)
 				part[c][d] = _mm512_dpwssd_epi32(
 					part[c][d], x, _mm512_load_si512(p->plane[c][d] + k));
 		}
 	}
+	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++) {
 		__m512i sum = _mm512_setzero_si512();
 
+		KERNEL_UNROLL
 		for (int d = digits - 1; d >= 0; d--) {
-			const __m512i keep = _mm512_set1_epi64(p->keep[c][d]);
+			/* Even and odd places. */
+			const __m512i even = _mm512_mul_epi32(part[c][d], _mm512_set1_epi64(1));
 			const __m512i odd = _mm512_srai_epi64(part[c][d], 32);
-			const __m512i even = _mm512_srai_epi64(_mm512_slli_epi64(part[c][d], 32),
-							       32);
 
 			sum = _mm512_add_epi64(_mm512_slli_epi64(sum, KERNEL_DIGIT_BITS),
-					       _mm512_and_si512(keep, _mm512_add_epi64(odd, even)));
+					       _mm512_add_epi64(odd, even));
 		}
 		total[c] = _mm512_add_epi64(total[c], sum);
 	}
@@ -279,6 +298,7 @@ static inline void store_lanes(int64_t *y, const __m512i total[3])
 	__m256i half[3], pair, last;
 	__m128i two;
 
+	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++)
 		half[c] = _mm256_add_epi64(_mm512_castsi512_si256(total[c]),
 					   _mm512_extracti64x4_epi64(total[c], 1));

@@ -109,7 +109,8 @@ static uint8_t mix_one(int32_t object, int32_t taken, float left, uint8_t backgr
 {
 	float ratio = 1.0f - (float)taken * 0x1p-24f;
 
-	ratio = ratio < 0.0f ? 0.0f : ratio > 16.0f ? 16.0f : ratio;
+	ratio = ratio > 0.0f ? ratio : 0.0f;
+	ratio = ratio < 16.0f ? ratio : 16.0f;
 	return encode(curves, (ratio * left) * curves->linear[background] +
 				      ((float)object * (KERNEL_WHITE * 0x1p-24f) + KERNEL_BLACK));
 }

@@ -14,6 +14,9 @@
  * code of its own with its sums in registers. */
 #define KERNEL_INLINE static inline __attribute__((always_inline))
 
+/* Loops over what must stay in registers: gcc would else decide too late. */
+#define KERNEL_UNROLL _Pragma("GCC unroll 8")
+
 /* Lines, or runs of values, whose products with a digit add up in int32: kernels.h has the proof.
  */
 #define KERNEL_RUN 32
@@ -46,33 +49,24 @@ static inline int32_t kernel_weight_pair(const int16_t *digit)
 }
 
 /*
- * The planes of three vectors that may have different numbers of digits: what one has less is
- * filled with any plane there is, and keep says 0, so that the loops have no branches.
+ * The planes of three vectors that may have different numbers of digits: where one has less, it is
+ * filled up with zeros, so that the loops have no branches.
  */
 struct kernel_planes {
 	int digits; /* 0: there is nothing but 0 */
 	const int16_t *plane[3][KERNEL_DIGITS];
-	int64_t keep[3][KERNEL_DIGITS]; /* -1 or 0 */
 };
+
+extern int16_t kernel_zeros[KERNEL_STRIDE_MAX]; /* never written */
 
 static inline void kernel_planes_fill(struct kernel_planes *p, const struct kernel_vector vector[3])
 {
-	const int16_t *any = NULL;
-
 	p->digits = 0;
 	for (int c = 0; c < 3; c++) {
-		if (vector[c].digits > p->digits) {
+		if (vector[c].digits > p->digits)
 			p->digits = vector[c].digits;
-			any = vector[c].digit[0];
-		}
-	}
-	for (int c = 0; c < 3; c++) {
-		for (int d = 0; d < KERNEL_DIGITS; d++) {
-			const bool there = d < vector[c].digits;
-
-			p->plane[c][d] = there ? vector[c].digit[d] : any;
-			p->keep[c][d] = there ? -1 : 0;
-		}
+		for (int d = 0; d < KERNEL_DIGITS; d++)
+			p->plane[c][d] = d < vector[c].digits ? vector[c].digit[d] : kernel_zeros;
 	}
 }
 

@@ -14,8 +14,6 @@ typedef __m128 vector_float;
 #define STORE(p, x) _mm_storeu_si128((__m128i *)(p), x)
 #define LOAD_WIDE8(p) _mm_cvtepi8_epi16(_mm_loadl_epi64((const __m128i *)(p)))
 #define LOAD_WIDE16(p) _mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i *)(p)))
-#define WIDEN_LOW(x) _mm_cvtepi32_epi64(x)
-#define WIDEN_HIGH(x) _mm_cvtepi32_epi64(_mm_unpackhi_epi64(x, x))
 #define IN_ORDER_LOW(a, b) (a)
 #define IN_ORDER_HIGH(a, b) (b)
 #define IN_ORDER_64(x) (x)

@@ -9,7 +9,6 @@
  *     LOAD_ALIGNED(p)
  *     LOAD_WIDE8(p)         as many int8 as a vector has int16, widened
  *     LOAD_WIDE16(p)        as many uint16 as a vector has int32, widened
- *     WIDEN_LOW(x), WIDEN_HIGH(x)    int32 to int64, of the lower and the upper half
  *     IN_ORDER_LOW(a, b), IN_ORDER_HIGH(a, b)    what unpacking low and high has put apart by lanes
  *     IN_ORDER_64(x)        int32 taken by pairs from two vectors, lane by lane
  *     AS_FLOAT(x)           the same bits
@@ -48,24 +47,30 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 	vector acc[2][4], one[2], next[2], both[4];
 	const int shift = first * KERNEL_DIGIT_BITS;
 
+	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++)
 		acc[d][0] = acc[d][1] = acc[d][2] = acc[d][3] = SI(setzero)();
 	for (int k = from; k < to; k += 2) {
 		line_of(lines, w->line[k], p, bytes, one);
 		line_of(lines, w->line[k + 1], p, bytes, next);
+		KERNEL_UNROLL
 		for (int i = 0; i < 2; i++) {
 			both[2 * i] = I(unpacklo_epi16)(one[i], next[i]);
 			both[2 * i + 1] = I(unpackhi_epi16)(one[i], next[i]);
 		}
+		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
 			const vector pair =
 				I(set1_epi32)(kernel_weight_pair(w->digit[first + d] + k));
 
+			KERNEL_UNROLL
 			for (int i = 0; i < 4; i++)
 				acc[d][i] = I(add_epi32)(acc[d][i], I(madd_epi16)(both[i], pair));
 		}
 	}
+	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++) {
+		KERNEL_UNROLL
 		for (int i = 0; i < 4; i += 2) {
 			STORE(part[d] + i * DWORDS, IN_ORDER_LOW(acc[d][i], acc[d][i + 1]));
 			STORE(part[d] + (i + 1) * DWORDS, IN_ORDER_HIGH(acc[d][i], acc[d][i + 1]));
@@ -112,27 +117,34 @@ static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t s
 /* Values of a row until a lane of int32 has had its 32 products, two from each vector. */
 #define ROW_RUN (WORDS / 2 * KERNEL_LANE_PRODUCTS)
 
-KERNEL_INLINE vector widened(vector x)
+/* Even and odd places of int32 times 1 or 4096, in int64. */
+KERNEL_INLINE vector widened(vector x, int digit)
 {
-	return I(add_epi64)(WIDEN_LOW(x), WIDEN_HIGH(x));
+	const vector unit = I(set1_epi64x)(INT64_C(1) << digit * KERNEL_DIGIT_BITS);
+
+	return I(add_epi64)(I(mul_epi32)(x, unit), I(mul_epi32)(I(srli_epi64)(x, 32), unit));
 }
 
 /* One row times one or two digits of all channels, in int64. */
 KERNEL_INLINE void row_of(const int16_t *row, int stride, const struct kernel_planes *planes,
 			  int first, vector total[3], const int digits)
 {
+	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++)
 		total[c] = SI(setzero)();
 	for (int from = 0; from < stride; from += ROW_RUN) {
 		const int to = stride - from > ROW_RUN ? from + ROW_RUN : stride;
 		vector acc[3][2];
 
+		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++)
 			acc[c][0] = acc[c][1] = SI(setzero)();
 		for (int k = from; k < to; k += WORDS) {
 			const vector x = LOAD_ALIGNED(row + k);
 
+			KERNEL_UNROLL
 			for (int c = 0; c < 3; c++) {
+				KERNEL_UNROLL
 				for (int d = 0; d < digits; d++) {
 					const int16_t *plane = planes->plane[c][first + d];
 
@@ -142,13 +154,11 @@ KERNEL_INLINE void row_of(const int16_t *row, int stride, const struct kernel_pl
 				}
 			}
 		}
+		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++) {
+			KERNEL_UNROLL
 			for (int d = 0; d < digits; d++) {
-				const vector keep = I(set1_epi64x)(planes->keep[c][first + d]);
-				const vector more = SI(and)(keep, widened(acc[c][d]));
-
-				total[c] = I(add_epi64)(total[c],
-							I(slli_epi64)(more, d * KERNEL_DIGIT_BITS));
+				total[c] = I(add_epi64)(total[c], widened(acc[c][d], d));
 			}
 		}
 	}
@@ -169,6 +179,7 @@ static void project(const int16_t *rows, int count, int stride,
 				row_of(rows, stride, &planes, d, total, 2);
 			else
 				row_of(rows, stride, &planes, d, total, 1);
+			KERNEL_UNROLL
 			for (int c = 0; c < 3; c++) {
 				uint64_t sum = 0;
 
@@ -206,6 +217,7 @@ KERNEL_INLINE vector first_of(const int64_t *sum, __m128i shift, vector half, ve
 	const vector sign = I(set1_epi64x)(INT64_MIN);
 	vector x[2];
 
+	KERNEL_UNROLL
 	for (int i = 0; i < 2; i++) {
 		x[i] = I(add_epi64)(LOAD(sum + i * DWORDS / 2), half);
 		x[i] = I(srl_epi64)(SI(xor)(x[i], sign), shift);
