@@ -368,7 +368,8 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
 	} else {
 		for (int c = 0; c < 3; c++) {
 			to[c] = work->sum[c];
-			memset(to[c], 0, sizeof(*to[c]) * (size_t)plan_sums(plan));
+			if (!plan->joins)
+				memset(to[c], 0, sizeof(*to[c]) * (size_t)plan_sums(plan));
 		}
 		line_set_split(&work->patterns);
 		line_set_split(&work->columns);

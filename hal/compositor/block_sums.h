@@ -47,14 +47,14 @@ struct block_request {
 	const struct light_vector *light;
 	const struct kept_sums *kept;
 	const struct basis_block *next; /* that will be summed next; NULL: not known */
-	int kept_index; /* of this block in kept->valid */
-	bool all;	/* no column is left out */
+	int kept_index;			/* of this block in kept->valid */
+	bool all;			/* no column is left out */
 };
 
 /*
  * sum[c][p] of the block's pixels: value per unit of light times the light, with `fraction` more
- * bits; in work->sum or, of kept blocks, where they are kept. Exact integers whichever way they
- * come.
+ * bits; in work->sum, on top of what the block before left there if this one joins it, or, of kept
+ * blocks, where they are kept. Exact integers whichever way they come.
  */
 void block_sums(struct block_work *work, const struct block_plan *plan,
 		const struct block_request *request, int fraction, const int64_t *sum[3]);

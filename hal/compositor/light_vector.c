@@ -9,7 +9,7 @@
 #include "hal/compositor/fixed.h"
 
 /* Fraction bits of X beyond those that N roundings take up. */
-#define SPARE_BITS 16
+#define SPARE_BITS 15
 /* The sum of a channel's X stays below 2^SUM_BITS. */
 #define SUM_BITS 45
 /* Of receivers, where a pixel may see but a millionth of all light: all there is room for. */

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "hal/basis/basis_layout.h"
 #include "hal/compositor/fixed.h"
@@ -52,8 +53,6 @@ static struct block_plan plan_block(const struct basis_block *b)
 {
 	return (struct block_plan){
 		.block = b,
-		.fraction = FRACTION_BITS + exponent_above(b->patterns + b->columns),
-		.bound = exponent_of_bound(block_bound(b)),
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
 		.kept = b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
@@ -120,16 +119,49 @@ static bool is_plain(const struct basis *basis, const uint16_t *coverage,
 	return true;
 }
 
-/* Of all blocks of a kind together, each with its tint. */
-static int bound_of_kind(const struct tile_plan *t, enum basis_kind kind)
+static bool same_group(const struct basis_block *a, const struct basis_block *b)
 {
-	double sum = 0;
+	return a->kind == b->kind && a->ground == b->ground;
+}
 
-	for (int n = 0; n < t->block_count; n++) {
-		if (t->blocks[n].block->kind == kind)
-			sum += ldexp(1, t->blocks[n].bound + (t->blocks[n].block->tint != NULL));
+static bool same_pixels(const struct basis_block *a, const struct basis_block *b)
+{
+	return a->pixels == b->pixels &&
+	       memcmp(a->pixel, b->pixel, sizeof(*a->pixel) * (size_t)a->pixels) == 0;
+}
+
+static void plan_group(struct block_plan *plan, int count)
+{
+	double bound = 0;
+	int lines = 0, shares = 1;
+
+	for (int n = 0; n < count; n++) {
+		const struct basis_block *b = plan[n].block;
+
+		bound += block_bound(b) * (b->tint ? 2 : 1);
+		lines += b->patterns + b->columns;
+		plan[n].joins = n > 0 && !plan[n].kept && !plan[n - 1].kept && !b->tint &&
+				!plan[n - 1].block->tint && same_pixels(b, plan[n - 1].block);
+		shares += plan[n].joins;
 	}
-	return exponent_of_bound(sum);
+	for (int n = 0; n < count; n++) {
+		plan[n].group = n ? 0 : count;
+		plan[n].single = shares == count && !plan[0].block->tint;
+		plan[n].fraction = FRACTION_BITS + exponent_above(lines);
+		plan[n].bound = exponent_of_bound(bound);
+	}
+}
+
+/* Its groups; blocks come in the order of kinds, but those of two grounds may take turns. */
+static void plan_tile(struct tile_plan *tile, struct block_plan *plan, int count)
+{
+	tile->blocks = plan;
+	tile->block_count = count;
+	for (int n = 0, next; n < count; n = next) {
+		for (next = n + 1; next < count && same_group(plan[n].block, plan[next].block);)
+			next++;
+		plan_group(plan + n, next - n);
+	}
 }
 
 static void place_kept(struct layer_plan *plan, struct block_plan *b)
@@ -163,12 +195,10 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		const struct basis_tile *tile = &layer->tiles[t];
 		struct tile_plan *p = &plan->tiles[t];
 
-		p->block_count = tile->block_count;
-		p->blocks = tile->block_count ? plan->blocks + (tile->blocks - layer->blocks)
-					      : plan->blocks;
+		if (tile->block_count)
+			plan_tile(p, plan->blocks + (tile->blocks - layer->blocks),
+				  tile->block_count);
 		p->plain = is_plain(basis, pose->coverage, tile);
-		p->d_bound = bound_of_kind(p, BASIS_KIND_D);
-		p->u_bound = bound_of_kind(p, BASIS_KIND_U);
 	}
 	ret = marks ? mark_all(plan, basis, layer->block_count) : 0;
 	if (ret < 0)

@@ -12,10 +12,17 @@
 /* The bits of a sum of light in a block: its magnitude stays below 2^PLAN_SUM_BITS. */
 #define PLAN_SUM_BITS 60
 
+/*
+ * Blocks of a tile that follow each other and add up, being of one kind (and ground), are a group.
+ * Those of a group that list the same pixels without a tint share their sums.
+ */
 struct block_plan {
 	const struct basis_block *block;
-	int fraction;	  /* bits that the roundings of this many weights need */
-	int bound;	  /* no value per unit of light reaches 2^bound */
+	int group;	  /* how many blocks, of the first of a group; else 0 */
+	bool joins;	  /* its sums go on top of those of the block before it */
+	bool single;	  /* the whole group shares its sums, without a tint */
+	int fraction;	  /* of the group: bits that the roundings of so many weights need */
+	int bound;	  /* of the group: no value per unit of light exceeds 2^bound */
 	bool whole;	  /* lists every pixel of a whole tile */
 	bool kept;	  /* its sums are worth keeping from frame to frame */
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
@@ -32,8 +39,6 @@ struct tile_plan {
 	const struct block_plan *blocks;
 	int block_count;
 	bool plain; /* the object changes nothing here */
-	/* Of D and U blocks, which are summed up before they are divided. */
-	int d_bound, u_bound;
 };
 
 struct layer_plan {

@@ -6,10 +6,12 @@
 
 /* Fraction bits of O and 1 - ratio. */
 #define VALUE_BITS 24
+/* No sum of parts below 2^SAFE_BITS reaches KERNEL_LIMIT. */
+#define SAFE_BITS 6
 
-/* How a sum becomes a value. */
+/* How the sums of a group become values. */
 struct folding {
-	int shift;
+	int fraction, shift;
 	const uint32_t *factor; /* [3] */
 };
 
@@ -46,77 +48,101 @@ static const int64_t *lifted(const int64_t *sum, int count, int up, int64_t *to)
 	return to;
 }
 
-/* Adds the block to the values of one channel. */
-static void fold(const struct frame_light *f, const struct block_plan *plan, const int64_t *sum,
-		 const struct folding *how, int c, struct tile_work *work, int32_t *values)
+/* Adds sums of `count` pixels to the values of as many. */
+static void fold(const struct frame_light *f, const struct folding *how, int c, const int64_t *sum,
+		 int count, const uint16_t *tint, struct tile_work *work, int32_t *values)
 {
-	const struct basis_block *b = plan->block;
-	const uint16_t *tint = b->tint ? b->tint + c * b->pixels : NULL;
-	int shift = how->shift;
-
-	if (shift < 1) {
-		sum = lifted(sum, b->pixels, 1 - shift, work->block.sum[c]);
-		shift = 1;
-	}
-	if (plan->whole) {
-		f->kernels->fold(sum, b->pixels, shift, how->factor[c], tint, values);
+	if (how->shift >= 1) {
+		f->kernels->fold(sum, count, how->shift, how->factor[c], tint, values);
 		return;
 	}
-	for (int p = 0; p < b->pixels; p++)
-		work->listed[p] = values[b->pixel[p]];
-	f->kernels->fold(sum, b->pixels, shift, how->factor[c], tint, work->listed);
-	for (int p = 0; p < b->pixels; p++)
-		values[b->pixel[p]] = work->listed[p];
+	sum = lifted(sum, count, 1 - how->shift, work->block.sum[c]);
+	f->kernels->fold(sum, count, 1, how->factor[c], tint, values);
 }
 
-static int fraction_of(const struct block_plan *plan, const struct light_vector *light, int more)
-{
-	const int room = PLAN_SUM_BITS - plan->bound - light->reach;
-
-	return plan->fraction + more < room ? plan->fraction + more : room;
-}
-
-static void add_object(const struct frame_light *f, const struct block_plan *plan,
-		       struct tile_work *work, struct tile_values *values)
-{
-	const int fraction = fraction_of(plan, f->object, f->gain_bits);
-	const struct folding how = {fraction - VALUE_BITS - f->gain_bits, f->object->factor};
-	const int64_t *sum[3];
-
-	sums_of(f, plan, f->object, fraction, &work->block, sum);
-	for (int c = 0; c < 3; c++)
-		fold(f, plan, sum[c], &how, c, work, values->object[c]);
-}
-
-static void add_ground(const struct frame_light *f, const struct block_plan *plan,
-		       struct tile_work *work, struct tile_values *values)
-{
-	const struct light_vector *light = &f->ground[plan->block->ground];
-	const int fraction = fraction_of(plan, light, 0);
-	const struct folding how = {fraction - VALUE_BITS, light->factor};
-	const int64_t *sum[3];
-
-	sums_of(f, plan, light, fraction, &work->block, sum);
-	for (int c = 0; c < 3; c++)
-		fold(f, plan, sum[c], &how, c, work, values->taken[c]);
-}
-
-/* ---- receivers with a u of their own ---- */
-
-static void add_receiver(const struct frame_light *f, const struct block_plan *plan,
-			 const struct light_vector *light, int fraction, struct block_work *work,
-			 int64_t (*to)[BLOCK_PIXELS])
+/* Adds the sums of blocks that share them, plan being the last of these. */
+static void fold_block(const struct frame_light *f, const struct block_plan *plan,
+		       const struct folding *how, const int64_t *const sum[3],
+		       struct tile_work *work, int32_t (*values)[BLOCK_PIXELS])
 {
 	const struct basis_block *b = plan->block;
-	const int64_t *sum[3];
 
-	sums_of(f, plan, light, fraction, work, sum);
+	for (int c = 0; c < 3; c++) {
+		const uint16_t *tint = b->tint ? b->tint + c * b->pixels : NULL;
+
+		if (plan->whole) {
+			fold(f, how, c, sum[c], b->pixels, tint, work, values[c]);
+			continue;
+		}
+		for (int p = 0; p < b->pixels; p++)
+			work->listed[p] = values[c][b->pixel[p]];
+		fold(f, how, c, sum[c], b->pixels, tint, work, work->listed);
+		for (int p = 0; p < b->pixels; p++)
+			values[c][b->pixel[p]] = work->listed[p];
+	}
+}
+
+static void spread(const struct basis_block *b, const int64_t *const sum[3],
+		   int64_t (*to)[BLOCK_PIXELS])
+{
 	for (int c = 0; c < 3; c++) {
 		for (int p = 0; p < b->pixels; p++)
 			to[c][b->pixel[p]] += b->tint ? mul_q15(sum[c][p],
 								b->tint[c * b->pixels + p])
 						      : sum[c][p];
 	}
+}
+
+static int room(const struct block_plan *group, const struct light_vector *light)
+{
+	return PLAN_SUM_BITS - group->bound - light->reach;
+}
+
+/*
+ * Adds a group of T or V blocks. Where light is so strong that a part might reach the limit of Q24,
+ * and another part or a dark tint take it back, they are added up before they are folded.
+ */
+static void add_group(const struct frame_light *f, const struct block_plan *group,
+		      const struct light_vector *light, int more, struct tile_work *work,
+		      int32_t (*values)[BLOCK_PIXELS])
+{
+	const int wanted = group->fraction + more, most = room(group, light);
+	const int fraction = wanted < most ? wanted : most;
+	const struct folding how = {fraction, fraction - VALUE_BITS - more, light->factor};
+	const bool apart = group->single || group->bound + light->reach + more <= SAFE_BITS;
+	const int64_t *sum[3];
+
+	if (!apart)
+		memset(work->d, 0, sizeof(work->d));
+	for (int n = 0; n < group->group; n++) {
+		sums_of(f, &group[n], light, fraction, &work->block, sum);
+		if (n + 1 < group->group && group[n + 1].joins)
+			continue;
+		if (apart)
+			fold_block(f, &group[n], &how, sum, work, values);
+		else
+			spread(group[n].block, sum, work->d);
+	}
+	for (int c = 0; c < 3 && !apart; c++)
+		fold(f, &how, c, work->d[c], BLOCK_PIXELS, NULL, work, values[c]);
+}
+
+/* ---- receivers with a u of their own ---- */
+
+static int add_receiver(const struct frame_light *f, const struct block_plan *group,
+			const struct light_vector *light, struct tile_work *work,
+			int64_t (*to)[BLOCK_PIXELS])
+{
+	const int fraction = room(group, light);
+	const int64_t *sum[3];
+
+	memset(to, 0, sizeof(*to) * 3);
+	for (int n = 0; n < group->group; n++) {
+		sums_of(f, &group[n], light, fraction, &work->block, sum);
+		if (n + 1 == group->group || !group[n + 1].joins)
+			spread(group[n].block, sum, to);
+	}
+	return fraction;
 }
 
 /* d: light taken away; u: the receiver's own light without the object, e included. */
@@ -136,44 +162,42 @@ static void divide(const struct basis_block *b, struct tile_work *work, int expo
 	}
 }
 
-static void add_receivers(const struct frame_light *f, const struct tile_plan *tile,
-			  struct tile_work *work, struct tile_values *values)
+/* The D and the U blocks of a tile. */
+static void add_receivers(const struct frame_light *f, const struct block_plan *d,
+			  const struct block_plan *u, struct tile_work *work,
+			  struct tile_values *values)
 {
-	const int d_fraction = PLAN_SUM_BITS - tile->d_bound - f->taken->reach;
-	const int u_fraction = PLAN_SUM_BITS - tile->u_bound - f->own->reach;
+	const int d_fraction = add_receiver(f, d, f->taken, work, work->d);
+	const int u_fraction = add_receiver(f, u, f->own, work, work->u);
 
-	memset(work->d, 0, sizeof(work->d));
-	memset(work->u, 0, sizeof(work->u));
-	for (int n = 0; n < tile->block_count; n++) {
-		const struct block_plan *plan = &tile->blocks[n];
-
-		if (plan->block->kind == BASIS_KIND_D)
-			add_receiver(f, plan, f->taken, d_fraction, &work->block, work->d);
-		else if (plan->block->kind == BASIS_KIND_U)
-			add_receiver(f, plan, f->own, u_fraction, &work->block, work->u);
-	}
-	for (int n = 0; n < tile->block_count; n++) {
-		if (tile->blocks[n].block->kind == BASIS_KIND_D)
-			divide(tile->blocks[n].block, work, u_fraction - d_fraction, values);
-	}
+	for (int n = 0; n < d->group; n++)
+		divide(d[n].block, work, u_fraction - d_fraction, values);
 }
 
-void tile_compute(const struct frame_light *light, const struct tile_plan *tile,
-		  struct tile_work *work, struct tile_values *values)
+void tile_compute(const struct frame_light *f, const struct tile_plan *tile, struct tile_work *work,
+		  struct tile_values *values)
 {
-	bool receivers = false;
+	const struct block_plan *d = NULL;
 
 	memset(values, 0, sizeof(*values));
-	for (int n = 0; n < tile->block_count; n++) {
-		const struct block_plan *plan = &tile->blocks[n];
+	for (int n = 0; n < tile->block_count; n += tile->blocks[n].group) {
+		const struct block_plan *group = &tile->blocks[n];
 
-		if (plan->block->kind == BASIS_KIND_T)
-			add_object(light, plan, work, values);
-		else if (plan->block->kind == BASIS_KIND_V)
-			add_ground(light, plan, work, values);
-		else
-			receivers = true;
+		switch (group->block->kind) {
+		case BASIS_KIND_T:
+			add_group(f, group, f->object, f->gain_bits, work, values->object);
+			break;
+		case BASIS_KIND_V:
+			add_group(f, group, &f->ground[group->block->ground], 0, work,
+				  values->taken);
+			break;
+		case BASIS_KIND_D:
+			d = group;
+			break;
+		default: /* U comes after D */
+			if (d)
+				add_receivers(f, d, group, work, values);
+			break;
+		}
 	}
-	if (receivers)
-		add_receivers(light, tile, work, values);
 }

@@ -25,6 +25,7 @@ struct difference {
 
 struct bench {
 	struct synthetic file;
+	const char *kernel;
 	struct light_selection lights;
 	float (*radiance)[3];
 	uint8_t *background, *out;
@@ -53,7 +54,8 @@ static void bench_open(struct bench *b, const struct synthetic_options *options,
 	assert_true(b->radiance && b->background && b->out && b->exact);
 	for (size_t i = 0; i < pixels * 4; i++) /* dark codes are where a level is small */
 		b->background[i] = (uint8_t)chance_int(chance, 0, i % 3 ? 255 : 12);
-	b->settings = (struct compositor_settings){TRANSFER_SRGB, TRANSFER_SRGB, 1, true};
+	b->settings = (struct compositor_settings){
+		.background = TRANSFER_SRGB, .output = TRANSFER_SRGB, .gain = 1, .object = true};
 	b->mode = THRESHOLD_DROP;
 }
 
@@ -87,15 +89,17 @@ static void compare(const struct bench *b, struct difference *d)
 static struct difference measure_with(struct bench *b, const struct basis *integer)
 {
 	const struct picture picture = {b->background, 4, b->width * 4, b->width, b->height};
+	const struct backdrop backdrop = backdrop_of(&picture);
+	const struct compositor_options options = {.kernel = b->kernel};
 	struct difference d = {.max = 0};
 	struct compositor *compositor;
 
 	light_selection_choose(&b->lights, &b->file.basis, 0, (const float(*)[3])b->radiance,
 			       b->threshold, b->mode, b->settings.gain);
-	assert_int_equal(compositor_create(&compositor, integer, NULL, NULL), 0);
+	assert_int_equal(compositor_create(&compositor, integer, &options, NULL), 0);
 	compositor_set(compositor, &b->settings);
 	assert_int_equal(
-		compositor_run(compositor, 0, &b->lights, &picture, b->out, (size_t)b->width * 4),
+		compositor_run(compositor, 0, &b->lights, &backdrop, b->out, (size_t)b->width * 4),
 		0);
 	compositor_destroy(compositor);
 	assert_int_equal(compositor_reference(&b->file.basis, 0, &b->settings, &b->lights, &picture,
@@ -171,15 +175,18 @@ static void all_patterns(struct bench *b, const char *name, struct chance *chanc
 
 	for (int p = 0; p < LIGHTS_PATTERNS; p++) {
 		fill_lights(b, (enum light_pattern)p, chance);
-		for (int mode = 0; mode < THRESHOLD_MODE_COUNT; mode++) {
-			b->mode = (enum threshold_mode)mode;
-			for (int t = 0; t < 3; t++) {
-				b->threshold = t == 0 ? 0 : t == 1 ? 0.4 : 1e30;
-				snprintf(label, sizeof(label), "%s, %s lights, %s %g", name,
-					 pattern_names[p], threshold_mode_names[mode],
-					 b->threshold);
-				measure(b, label);
-			}
+		for (int way = 0; way < 12; way++) {
+			const bool exact = way / 6;
+
+			if (exact && !b->file.basis.poses[0].exact.tiles)
+				continue;
+			b->settings.mode = exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST;
+			b->mode = (enum threshold_mode)(way % 2);
+			b->threshold = way / 2 % 3 == 0 ? 0 : way / 2 % 3 == 1 ? 0.4 : 1e30;
+			snprintf(label, sizeof(label), "%s, %s lights, %s %g, %s", name,
+				 pattern_names[p], threshold_mode_names[b->mode], b->threshold,
+				 compositor_mode_names[b->settings.mode]);
+			measure(b, label);
 		}
 	}
 }
@@ -191,7 +198,12 @@ static const struct synthetic_options usual = {
 	.height = 44,
 	.lights = 406,
 	.grounds = 2,
-	.receiver_lights = 60,
+	.coarse = 100,
+	.patterns = 6,
+	.columns = 40,
+	.layers = 2,
+	.vary = true,
+	.exact = true,
 	.object_share = 0.5,
 	.ground_share = 0.4,
 	.stand_in_share = 0.4,
@@ -213,42 +225,9 @@ static void over_lights_and_thresholds(void **state)
 	bench_close(&b);
 }
 
-/* Blocks whose lights share a rest, from few to as many as may be. */
-static void over_rests(void **state)
-{
-	static const int counts[] = {2, 33, 406, 20000}, listed[] = {1, 31, 60, 1000};
-	struct chance chance = chance_begin("rests");
-
-	(void)state;
-	for (int k = 0; k < 4; k++) {
-		struct synthetic_options o = usual;
-		const struct basis_pose *pose;
-		struct bench b;
-		char name[40];
-
-		o.lights = counts[k];
-		o.receiver_lights = listed[k];
-		o.rest = true;
-		o.ratio_cut = 1e-4;
-		o.bounce = k % 2 ? 0.3 : 15;
-		if (o.lights > 1000) {
-			o.width = 7;
-			o.height = 5;
-		}
-		snprintf(name, sizeof(name), "N = %d, %d listed and a rest", o.lights, listed[k]);
-		bench_open(&b, &o, &chance);
-		pose = &b.file.basis.poses[0];
-		for (int n = 0; k > 1 && n < pose->block_count; n++)
-			assert_true(pose->blocks[n].rest == (pose->blocks[n].kind == BASIS_KIND_V));
-		all_patterns(&b, name, &chance);
-		report(&b, name);
-		bench_close(&b);
-	}
-}
-
 static void over_numbers_of_lights(void **state)
 {
-	static const int counts[] = {1, 6, 26, 33, 20000};
+	static const int counts[] = {1, 6, 26, 33, 6500, 20000};
 	struct chance chance = chance_begin("numbers of lights");
 	struct bench b;
 
@@ -258,10 +237,12 @@ static void over_numbers_of_lights(void **state)
 		char name[40];
 
 		o.lights = counts[k];
-		o.receiver_lights = 0;
+		o.coarse = o.lights < 150 ? 0 : 100;
+		o.columns = o.lights < 40 ? o.lights : 40;
 		if (o.lights > 1000) {
 			o.width = 7;
 			o.height = 5;
+			o.columns = 1000;
 		}
 		snprintf(name, sizeof(name), "N = %d", o.lights);
 		bench_open(&b, &o, &chance);
@@ -280,6 +261,7 @@ static void over_transfers_and_gains(void **state)
 
 	(void)state;
 	o.lights = 46;
+	o.coarse = 20;
 	bench_open(&b, &o, &chance);
 	for (int from = 0; from < TRANSFER_COUNT; from++) {
 		for (int to = 0; to < TRANSFER_COUNT; to++) {
@@ -317,6 +299,7 @@ static void over_added_light(void **state)
 		char name[40];
 
 		o.lights = 86;
+		o.coarse = 30;
 		o.bounce = bounces[k];
 		snprintf(name, sizeof(name), "v down to -%g", o.bounce);
 		bench_open(&b, &o, &chance);
@@ -336,11 +319,11 @@ static void over_sizes(void **state)
 		struct synthetic_options o = usual;
 		struct bench b;
 
-		o.lights = 6;
+		o.lights = o.columns = 6;
+		o.coarse = 0;
 		o.width = width;
 		o.height = width == 1 ? 1 : chance_int(&chance, 1, 35);
 		o.seed = (uint64_t)width;
-		o.grey = width % 2;
 		bench_open(&b, &o, &chance);
 		fill_lights(&b, LIGHTS_RANDOM, &chance);
 		measure(&b, "odd size");
@@ -363,6 +346,7 @@ static void darkness_comes_without_a_jump(void **state)
 
 	(void)state;
 	o.lights = 46;
+	o.coarse = 20;
 	o.object_share = 0; /* the ratio alone */
 	bench_open(&b, &o, &chance);
 	values = (size_t)b.width * (size_t)b.height * 3;
@@ -398,6 +382,233 @@ static void darkness_comes_without_a_jump(void **state)
 	bench_close(&b);
 }
 
+/* The same picture in light a million times dimmer: ratios only, so nothing may change but what e
+ * takes; and the integers must follow the exact values there as well. */
+static void dimness_loses_no_precision(void **state)
+{
+	struct chance chance = chance_begin("dimness");
+	struct synthetic_options o = usual;
+	struct bench b;
+
+	(void)state;
+	o.object_share = 0;
+	o.stand_in_share = 0.5;
+	bench_open(&b, &o, &chance);
+	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
+		b.settings.mode = (enum compositor_mode)mode;
+		for (int power = -44; power <= 30; power += 2) {
+			fill_lights(&b, LIGHTS_RANDOM, &chance);
+			for (int i = 0; i < o.lights * 3; i++)
+				b.radiance[i / 3][i % 3] *= (float)pow(10, power);
+			measure(&b, "dim light");
+		}
+	}
+	report(&b, "light of 1e-44 to 1e30, ratios");
+	bench_close(&b);
+}
+
+/* v near 1 everywhere: what is left is the small difference of large sums; and brightly lit
+ * backgrounds make it seen. */
+static void deficits_may_nearly_cancel(void **state)
+{
+	struct chance chance = chance_begin("cancellation");
+	struct synthetic_options o = usual;
+	struct bench b;
+
+	(void)state;
+	o.bounce = -0.995; /* v in 0.995..1 */
+	o.object_share = 0;
+	bench_open(&b, &o, &chance);
+	memset(b.background, 255, (size_t)b.width * (size_t)b.height * 4);
+	all_patterns(&b, "v near 1", &chance);
+	report(&b, "v near 1");
+	bench_close(&b);
+}
+
+/* Patterns that are copies of each other, lines that are the same for all pixels, scales of 0 and
+ * below the smallest normal float: each is a valid file. */
+static void duplicate_and_constant_lines(void **state)
+{
+	struct chance chance = chance_begin("degenerate lines");
+	struct synthetic_options o = usual;
+	struct fault fault;
+	struct basis odd;
+	struct bench b;
+	uint8_t *copy;
+
+	(void)state;
+	bench_open(&b, &o, &chance);
+	copy = aligned_alloc(BASIS_PAGE, (b.file.basis.map_bytes / BASIS_PAGE + 1) * BASIS_PAGE);
+	assert_non_null(copy);
+	memcpy(copy, b.file.basis.map, b.file.basis.map_bytes);
+	assert_int_equal(
+		basis_open_memory(&odd, copy, b.file.basis.map_bytes, "copy", BASIS_ALL, &fault),
+		0);
+	for (int n = 0; n < odd.poses[0].shown.block_count; n++) {
+		const struct basis_block *k = &odd.poses[0].shown.blocks[n];
+		int16_t *pattern = (int16_t *)(copy + ((const uint8_t *)k->pattern - copy));
+		int16_t *lines = (int16_t *)(copy + ((const uint8_t *)k->coefficient - copy));
+		float *scale = (float *)(copy + ((const uint8_t *)k->column_scale - copy));
+
+		for (int j = 1; j < k->patterns && n % 3 == 0; j++)
+			memcpy(pattern + j * k->stride, pattern,
+			       sizeof(*pattern) * (size_t)k->stride);
+		for (int i = 0; i < k->channels * k->patterns && n % 3 == 1; i++)
+			for (int p = 0; p < BASIS_LINE16 && p < k->pixels; p++)
+				lines[i * BASIS_LINE16 + p] = 32767;
+		for (int i = 0; i < k->columns && n % 3 == 2; i++)
+			scale[i] = i % 2 ? 0 : 1e-40F;
+	}
+	for (int p = 0; p < LIGHTS_PATTERNS; p++) {
+		const struct basis whole = b.file.basis;
+		struct difference d;
+
+		fill_lights(&b, (enum light_pattern)p, &chance);
+		b.file.basis = odd;
+		d = measure_with(&b, &odd);
+		b.file.basis = whole;
+		b.all.max = fmax(b.all.max, d.max);
+		assert_true(d.max <= LEVELS_MOST);
+	}
+	printf("# degenerate lines: max %.4f levels\n", b.all.max);
+	basis_close(&odd);
+	free(copy);
+	bench_close(&b);
+}
+
+/* What passing over dim columns may change, one light at a time: no more than the cut for each
+ * block that holds a column of it. */
+static void left_out_columns_change_no_more_than_declared(void **state)
+{
+	struct chance chance = chance_begin("left out");
+	struct synthetic_options o = usual;
+	const double cut = 0.004;
+	struct bench b;
+	double most = 0;
+
+	(void)state;
+	o.lights = 200;
+	o.columns = 120;
+	o.column_cut = cut;
+	o.stand_in_share = 0;
+	o.layers = 1;
+	bench_open(&b, &o, &chance);
+	b.settings.output = TRANSFER_LINEAR;
+	for (int k = 0; k < 60; k++) {
+		struct difference d;
+
+		fill_lights(&b, k % 2 ? LIGHTS_ONE : LIGHTS_RANDOM, &chance);
+		if (k % 2) {
+			for (int i = 0; i < o.lights * 3; i++)
+				b.radiance[i / 3][i % 3] *= (float)pow(10,
+								       -chance_real(&chance, 0, 3));
+		} else {
+			for (int i = 0; i < o.lights * 3; i++)
+				b.radiance[i / 3][i % 3] *= 0.2F;
+		}
+		d = measure_with(&b, &b.file.basis);
+		/* Every one of the columns of T and V might be left out, to the same side. */
+		assert_true(d.max <= LEVELS_MOST + 255 * cut * (k % 2 ? 2 : 2 * 120));
+		if (k % 2)
+			most = fmax(most, d.max);
+	}
+	printf("# one light, columns below %g left out: max %.3f levels, linear\n", cut, most);
+	assert_true(most > 0.55); /* or the test sees nothing */
+	bench_close(&b);
+}
+
+/* The change of the picture when the lights change: the most of any code. */
+static int change(struct bench *b, uint8_t *before)
+{
+	const size_t bytes = (size_t)b->width * (size_t)b->height * 4;
+	int most = 0;
+
+	memcpy(before, b->out, bytes);
+	measure_with(b, &b->file.basis);
+	for (size_t i = 0; i < bytes; i++)
+		most = abs(b->out[i] - before[i]) > most ? abs(b->out[i] - before[i]) : most;
+	return most;
+}
+
+/* A camera's noise: one cell of the sky is one level brighter, and is not. */
+static void a_flicker_does_not_crawl(void **state)
+{
+	struct chance chance = chance_begin("flicker");
+	struct synthetic_options o = usual;
+	uint8_t *before;
+	struct bench b;
+
+	(void)state;
+	o.column_cut = 0.002;
+	bench_open(&b, &o, &chance);
+	before = malloc((size_t)b.width * (size_t)b.height * 4);
+	assert_non_null(before);
+	fill_lights(&b, LIGHTS_RANDOM, &chance);
+	measure_with(&b, &b.file.basis);
+	for (int k = 0; k < 60; k++) {
+		const int light = chance_int(&chance, 0, o.lights - 1);
+		const int level = chance_int(&chance, 0, 254);
+
+		for (int c = 0; c < 3; c++)
+			b.radiance[light][c] = (float)transfer_decode(TRANSFER_SRGB, level / 255.0);
+		measure_with(&b, &b.file.basis);
+		for (int c = 0; c < 3; c++)
+			b.radiance[light][c] = (float)transfer_decode(TRANSFER_SRGB,
+								      (level + 1) / 255.0);
+		assert_true(change(&b, before) <= 1);
+	}
+	free(before);
+	bench_close(&b);
+}
+
+/* Light that fades by half a per cent a frame: the object darkens by one level at a time and never
+ * comes back, and shadows stay. */
+static void slow_fades_show_no_steps(void **state)
+{
+	struct chance chance = {77};
+	struct synthetic_options o = usual;
+	uint8_t *before;
+	struct bench b;
+	size_t bytes;
+
+	(void)state;
+	o.stand_in_share = 0;
+	o.bounce = 0.1;
+	o.exact = false;
+	bench_open(&b, &o, &chance);
+	bytes = (size_t)b.width * (size_t)b.height * 4;
+	before = malloc(bytes);
+	assert_non_null(before);
+	fill_lights(&b, LIGHTS_RANDOM, &chance);
+	measure_with(&b, &b.file.basis);
+	for (int k = 0; k < 300; k++) {
+		for (int i = 0; i < o.lights * 3; i++)
+			b.radiance[i / 3][i % 3] *= 0.995F;
+		assert_true(change(&b, before) <= 1);
+		for (size_t i = 0; i < bytes; i++)
+			assert_true(b.out[i] <= before[i]);
+	}
+	free(before);
+	bench_close(&b);
+}
+
+/* Partial coverage where a wrong share of the background shows most; and a dark background under
+ * so much light that the object saturates. */
+static void edges_over_black_and_white(void **state)
+{
+	struct chance chance = chance_begin("edges");
+	struct bench b;
+
+	(void)state;
+	bench_open(&b, &usual, &chance);
+	for (int white = 0; white < 2; white++) {
+		memset(b.background, white ? 255 : 0, (size_t)b.width * (size_t)b.height * 4);
+		all_patterns(&b, white ? "over white" : "over black", &chance);
+	}
+	report(&b, "over black and over white");
+	bench_close(&b);
+}
+
 /* The measure must see a compositor that is wrong by a little: here one that reads a file in which
  * the first block of a kind is 5 % too strong. */
 static void a_wrong_compositor_is_noticed(void **state)
@@ -410,7 +621,7 @@ static void a_wrong_compositor_is_noticed(void **state)
 	uint8_t *copy;
 
 	(void)state;
-	o.receiver_lights = 0;
+	o.vary = false;
 	bench_open(&b, &o, &chance);
 	fill_lights(&b, LIGHTS_RANDOM, &chance);
 	for (int i = 0; i < b.lights.count * 3; i++)
@@ -418,20 +629,19 @@ static void a_wrong_compositor_is_noticed(void **state)
 	copy = aligned_alloc(BASIS_PAGE, (b.file.basis.map_bytes / BASIS_PAGE + 1) * BASIS_PAGE);
 	assert_non_null(copy);
 	memcpy(copy, b.file.basis.map, b.file.basis.map_bytes);
-	assert_int_equal(basis_open_memory(&wrong, copy, b.file.basis.map_bytes, "copy", &fault),
+	assert_int_equal(basis_open_memory(&wrong, copy, b.file.basis.map_bytes, "copy",
+					   BASIS_SHOWN, &fault),
 			 0);
 	assert_true(measure_with(&b, &wrong).max <= LEVELS_MOST);
 	for (int kind = 0; kind < BASIS_KIND_COUNT; kind++) {
-		const struct basis_block *block = wrong.poses[0].blocks;
+		const struct basis_block *block = wrong.poses[0].shown.blocks;
 		float *scale;
-		int rows;
 
 		while (block->kind != (enum basis_kind)kind)
 			block++;
-		scale = (float *)(copy + ((const uint8_t *)block->scale - copy));
-		rows = block->pixels * block->channels;
-		for (int r = 0; r < rows; r++)
-			scale[r] *= 1.05F;
+		scale = (float *)(copy + ((const uint8_t *)block->pattern_scale - copy));
+		for (int j = 0; j < block->patterns; j++)
+			scale[j] *= 1.05F;
 		assert_true(measure_with(&b, &wrong).max > LEVELS_MOST);
 		memcpy(copy, b.file.basis.map, b.file.basis.map_bytes);
 	}
@@ -444,12 +654,18 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(over_lights_and_thresholds),
-		cmocka_unit_test(over_rests),
 		cmocka_unit_test(over_numbers_of_lights),
 		cmocka_unit_test(over_transfers_and_gains),
 		cmocka_unit_test(over_added_light),
 		cmocka_unit_test(over_sizes),
 		cmocka_unit_test(darkness_comes_without_a_jump),
+		cmocka_unit_test(dimness_loses_no_precision),
+		cmocka_unit_test(deficits_may_nearly_cancel),
+		cmocka_unit_test(duplicate_and_constant_lines),
+		cmocka_unit_test(left_out_columns_change_no_more_than_declared),
+		cmocka_unit_test(a_flicker_does_not_crawl),
+		cmocka_unit_test(slow_fades_show_no_steps),
+		cmocka_unit_test(edges_over_black_and_white),
 		cmocka_unit_test(a_wrong_compositor_is_noticed),
 	};
 
