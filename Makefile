@@ -230,7 +230,7 @@ test-lint:
 test-unit: all $(TEST_PROGRAMS) programs-unit
 	$(Q)$(RUN_TESTS) unit $(UNIT_PROGRAMS)
 ## test-kernels: every SIMD kernel against the C one, natively and under emulation
-test-kernels: all
+test-kernels: $(BUILD)/tests/kernels/test_kernels
 	$(Q)$(RUN_TESTS) kernels tests/kernels/kernels.sh
 ## test-cli: the programs as a person calls them
 test-cli: all $(TEST_PROGRAMS)

@@ -323,7 +323,7 @@ static struct kernel_row make_row(struct comparison *c, int count)
 
 static bool mix(struct comparison *c, const struct kernels *tables[2], char *why)
 {
-	const int count = c->round < 130 ? c->round / 2 : between(c, 1, WIDTH);
+	const int count = c->round < 132 ? c->round / 2 : between(c, 1, WIDTH);
 	const int beyond = below(c, 20); /* pixels after the row, to be left alone; else a wall */
 	const size_t size = (size_t)(count + beyond) * 4;
 	struct kernel_row row = make_row(c, count);

@@ -1,0 +1,97 @@
+#!/bin/bash
+# Every table of kernels against the specification: those of this processor natively, those that it
+# has not, and the choice among them, on emulated ones.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+: "${BUILD:?the folder of the build}"
+seed=${SEED:-$(date +%s)}
+arm=build/kernels-aarch64
+count=0
+failed=0
+
+# run NAME COMMAND...: its tests are counted on as ours. One that ends early is a failure.
+run() {
+	local name=$1 output code
+	shift
+	echo "# $name: $*"
+	output=$("$@" 2>&1)
+	code=$?
+	while IFS= read -r line; do
+		case "$line" in
+		"ok "* | "not ok "*)
+			count=$((count + 1))
+			echo "${line%%ok *}ok $count - $name: ${line#* - }"
+			;;
+		1..*) ;;
+		*) echo "# ${line#\# }" ;;
+		esac
+	done <<<"$output"
+	if ! grep -q '^1\.\.' <<<"$output"; then
+		count=$((count + 1))
+		echo "not ok $count - $name: ended early, exit code $code"
+	fi
+	[ $code -eq 0 ] || failed=1
+}
+# present NAME PROGRAM PACKAGE: a machine that runs the tests has it.
+present() {
+	command -v "$2" >/dev/null && return
+	count=$((count + 1))
+	failed=1
+	echo "# there is no $2, expected Debian's package $3 (board/deps.sh test installs it)"
+	echo "not ok $count - $1"
+	return 1
+}
+# lists NAME: the system says that the processor has it.
+lists() {
+	grep -m1 -E '^(flags|Features)' /proc/cpuinfo | grep -qw "$1"
+}
+
+machine=$(uname -m)
+program=$BUILD/tests/kernels/test_kernels
+needed=()
+case "$machine" in
+x86_64)
+	lists sse4_1 && needed+=(--need sse4.1)
+	lists avx2 && needed+=(--need avx2)
+	lists avx512_vnni && lists avx512bw && lists avx512dq && lists avx512vl &&
+		needed+=(--need avx512-vnni)
+	;;
+aarch64)
+	needed+=(--need neon)
+	lists asimddp && needed+=(--need neon-dotprod)
+	;;
+esac
+run native "$program" --seed "$seed" "${needed[@]}"
+
+# Fewer rounds where an emulator does the work; still every width, every length of a run.
+rounds=300
+if [ "$machine" = x86_64 ] && present "an old processor" qemu-x86_64-static qemu-user-static; then
+	if readelf -lW "$program" | grep -q INTERP; then
+		echo "# this build is not static (a sanitizer's): old processors are left out"
+	else
+		run "SSE4.1 (Penryn)" qemu-x86_64-static -cpu Penryn "$program" --seed "$seed" \
+			--rounds $rounds --need sse4.1 --choose sse4.1
+		run "no SSE4.1 (Conroe)" qemu-x86_64-static -cpu Conroe "$program" --seed "$seed" \
+			--rounds $rounds --choose c
+	fi
+fi
+if [ "$machine" = x86_64 ] && present "Arm" aarch64-linux-gnu-gcc gcc-aarch64-linux-gnu &&
+	present "Arm" qemu-aarch64-static qemu-user-static; then
+	if output=$(env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u SANITIZE -u CFLAGS make \
+		--no-print-directory CC=aarch64-linux-gnu-gcc BUILD=$arm \
+		$arm/tests/kernels/test_kernels 2>&1); then
+		run "NEON (Cortex-A72)" qemu-aarch64-static -cpu cortex-a72 \
+			$arm/tests/kernels/test_kernels --seed "$seed" --rounds $rounds \
+			--need neon --choose neon
+		run "NEON with dot products" qemu-aarch64-static -cpu max \
+			$arm/tests/kernels/test_kernels --seed "$seed" --rounds $rounds \
+			--need neon --need neon-dotprod --choose neon-dotprod
+	else
+		count=$((count + 1))
+		failed=1
+		sed 's/^/# /' <<<"$output"
+		echo "not ok $count - Arm: the test builds"
+	fi
+fi
+echo "1..$count"
+exit $failed
