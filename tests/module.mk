@@ -1,6 +1,7 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
 	tests/unit/test_bench.c \
+	tests/unit/test_bake_bounce.c \
 	tests/unit/test_bake_determinism.c \
 	tests/unit/test_bake_energy.c \
 	tests/unit/test_scene.c \
@@ -23,6 +24,8 @@ UNIT_TESTS := \
 	tests/unit/test_basis_damage.c \
 	tests/unit/test_encode.c \
 	tests/unit/test_compositor.c \
+	tests/unit/test_compositor_parts.c \
+	tests/unit/test_compositor_reuse.c \
 	tests/accuracy/test_compositor_accuracy.c \
 	tests/unit/test_panorama.c \
 	tests/unit/test_fisheye.c \

@@ -1,0 +1,217 @@
+/* Frames that start from the sums of the one before: the same, bit for bit, as frames that do not.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "tests/unit/compositing.h"
+
+/* Two compositors over the same lights, one of which never reuses anything. */
+struct pair {
+	struct frame_of f;
+	struct compositor *fresh;
+	uint8_t *out;
+	float (*radiance)[3];
+	int reused;
+};
+
+static void pair_begin(struct pair *p, const struct basis *basis, struct pool *pool,
+		       struct chance *chance)
+{
+	const struct compositor_options options = {.kernel = NULL};
+
+	*p = (struct pair){.reused = 0};
+	frame_begin(&p->f, basis, pool, chance);
+	p->out = malloc(p->f.bytes);
+	p->radiance = calloc(basis->info.lights, sizeof(*p->radiance));
+	assert_true(p->out && p->radiance);
+	memset(p->out, 0x5a, p->f.bytes);
+	assert_int_equal(compositor_create(&p->fresh, basis, &options, NULL), 0);
+}
+
+static void pair_end(struct pair *p)
+{
+	compositor_destroy(p->fresh);
+	free(p->out);
+	free(p->radiance);
+	frame_end(&p->f);
+}
+
+static void pair_set(struct pair *p, struct compositor_settings settings)
+{
+	compositor_set(p->f.compositor, &settings);
+	settings.reuse = REUSE_NEVER;
+	compositor_set(p->fresh, &settings);
+}
+
+static void pair_reuse(struct pair *p, const struct basis *basis, int pose, double threshold,
+		       enum threshold_mode mode)
+{
+	light_selection_choose(&p->f.lights, basis, pose, (const float(*)[3])p->radiance, threshold,
+			       mode, 1);
+	assert_int_equal(compositor_run(p->f.compositor, pose, &p->f.lights, &p->f.backdrop,
+					p->f.out, p->f.stride),
+			 0);
+	p->reused += compositor_last(p->f.compositor).reused;
+}
+
+static void pair_compare(struct pair *p, int pose)
+{
+	assert_int_equal(
+		compositor_run(p->fresh, pose, &p->f.lights, &p->f.backdrop, p->out, p->f.stride),
+		0);
+	assert_false(compositor_last(p->fresh).reused);
+	assert_memory_equal(p->out, p->f.out, p->f.bytes);
+}
+
+static const struct synthetic_options many_lines = {
+	.width = 20,
+	.height = 17,
+	.lights = 150,
+	.coarse = 40,
+	.patterns = 5,
+	.columns = 120,
+	.layers = 2,
+	.exact = true,
+	.grounds = 2,
+	.column_cut = 0.001,
+	.object_share = 0.4,
+	.ground_share = 0.5,
+	.stand_in_share = 0.3,
+	.peak = 1,
+	.bounce = 0.3,
+	.seed = 8,
+};
+
+/* Lights change, appear and vanish, the threshold moves, and so do gain, mode and how much is
+ * reused: whatever came before, the frame is the one that its own light makes. */
+static void reused_sums_give_the_same_frames(void **state)
+{
+	struct chance chance = chance_begin("reuse");
+	struct compositor_settings settings = {.gain = 1, .object = true, .reuse = REUSE_ALWAYS};
+	double threshold = 0;
+	enum threshold_mode mode = THRESHOLD_DROP;
+	struct synthetic s;
+	struct pool *pool;
+	struct pair p;
+
+	(void)state;
+	synthetic_open(&s, &many_lines);
+	assert_int_equal(pool_create(&pool, 2), 0);
+	pair_begin(&p, &s.basis, pool, &chance);
+	pair_set(&p, settings);
+	for (int k = 0; k < 1500; k++) {
+		const int what = chance_int(&chance, 0, 60), light = chance_int(&chance, 0, 149);
+
+		if (what == 0)
+			settings.mode = (enum compositor_mode)chance_int(&chance, 0, 1);
+		else if (what == 1)
+			settings.gain = chance_real(&chance, 0, 5);
+		else if (what == 2)
+			settings.reuse = (enum compositor_reuse)chance_int(&chance, 0, 2);
+		else if (what == 3)
+			settings.object = !settings.object;
+		else if (what < 8)
+			threshold = chance_real(&chance, 0, 1);
+		else if (what == 8)
+			mode = (enum threshold_mode)chance_int(&chance, 0, 1);
+		else if (what == 9)
+			memset(p.radiance, 0, sizeof(*p.radiance) * 150);
+		else if (what == 10)
+			for (int i = 0; i < 150; i++)
+				p.radiance[i][1] = (float)chance_real(&chance, 0, 1);
+		else if (what == 11)
+			p.radiance[light][0] = 1e30F;
+		for (int c = 0; c < 3; c++)
+			p.radiance[light][c] = what % 7 ? (float)chance_real(&chance, 0, 1) : 0;
+		pair_set(&p, settings);
+		pair_reuse(&p, &s.basis, 0, threshold, mode);
+		pair_compare(&p, 0);
+	}
+	printf("# %d of 1500 frames reused sums\n", p.reused);
+	assert_true(p.reused > 200);
+	pair_end(&p);
+	pool_destroy(pool);
+	synthetic_close(&s);
+}
+
+/* A drift of one bit in a million would show. */
+static void a_million_updates_leave_no_trace(void **state)
+{
+	struct synthetic_options o = many_lines;
+	struct chance chance = chance_begin("a million updates");
+	const struct compositor_settings settings = {
+		.gain = 1, .object = true, .reuse = REUSE_ALWAYS, .mode = COMPOSITOR_EXACT};
+	struct synthetic s;
+	struct pair p;
+
+	(void)state;
+	o.width = o.height = 3;
+	o.lights = 70;
+	o.coarse = 20;
+	o.columns = 60;
+	o.layers = 1;
+	synthetic_open(&s, &o);
+	pair_begin(&p, &s.basis, NULL, &chance);
+	pair_set(&p, settings);
+	for (int k = 0; k < 1000000; k++) {
+		/* A frame after every change would take minutes: some change together. */
+		const int light = chance_int(&chance, 0, 69), c = chance_int(&chance, 0, 2);
+
+		p.radiance[light][c] = k % 11 ? (float)chance_real(&chance, 0, 1) : 0;
+		if (k % 20 == 0)
+			pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
+		if (k % 5000 == 0)
+			pair_compare(&p, 0);
+	}
+	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
+	pair_compare(&p, 0);
+	assert_true(p.reused >= 49999);
+	pair_end(&p);
+	synthetic_close(&s);
+}
+
+/* With all lights as they were, nothing of the lines is read; what is counted is what is read. */
+static void less_is_read_where_less_has_changed(void **state)
+{
+	struct chance chance = chance_begin("less is read");
+	const struct compositor_settings settings = {
+		.gain = 1, .object = true, .reuse = REUSE_AUTO, .mode = COMPOSITOR_EXACT};
+	uint64_t all, one;
+	struct synthetic s;
+	struct pair p;
+
+	(void)state;
+	synthetic_open(&s, &many_lines);
+	pair_begin(&p, &s.basis, NULL, &chance);
+	for (int i = 0; i < 150; i++)
+		for (int c = 0; c < 3; c++)
+			p.radiance[i][c] = (float)chance_real(&chance, 0.1, 1);
+	pair_set(&p, settings);
+	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
+	all = compositor_last(p.f.compositor).basis_bytes;
+	assert_int_equal(p.reused, 0);
+	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
+	assert_int_equal(compositor_last(p.f.compositor).basis_bytes, 0);
+	p.radiance[7][1] *= 1.01F;
+	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
+	one = compositor_last(p.f.compositor).basis_bytes;
+	assert_true(one > 0 && one < all / 3); /* the ground's shares all change with the whole */
+	pair_compare(&p, 0);
+	pair_end(&p);
+	synthetic_close(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(reused_sums_give_the_same_frames),
+		cmocka_unit_test(a_million_updates_leave_no_trace),
+		cmocka_unit_test(less_is_read_where_less_has_changed),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
