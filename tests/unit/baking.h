@@ -11,6 +11,7 @@
 
 #include "bake/render.h"
 #include "hal/basis/basis.h"
+#include "hal/basis/basis_layout.h"
 
 static char baking_folder[64];
 
@@ -101,6 +102,7 @@ static inline struct render_report baking_render(const struct scene *scene, cons
 
 	settings.threads = threads;
 	settings.quiet = true;
+	settings.exact = true;
 	if (render_run(scene, &settings, baking_path(out), &report, &fault) < 0)
 		fail_msg("%s", fault.text);
 	return report;
@@ -115,41 +117,56 @@ static inline struct basis baking_bake(const char *name)
 
 	baking_render(scene, "out.inlay", 2);
 	scene_close(scene);
-	if (basis_open(&basis, baking_path("out.inlay"), &fault) < 0)
+	if (basis_open(&basis, baking_path("out.inlay"), BASIS_WITH_EXACT, &fault) < 0)
 		fail_msg("%s", fault.text);
 	return basis;
 }
 
-/* Row of a kind at a pixel and channel: out[lights], the rest where a light is not listed. */
+/* Adds what a block without patterns holds of its pixel number p and channel c. */
+static inline void baking_add(const struct basis *basis, const struct basis_block *block, int p,
+			      int c, double *out)
+{
+	const int channel = block->channels == 3 ? c : 0;
+	const double tint = block->tint
+				    ? block->tint[c * block->pixels + p] / (double)BASIS_TINT_ONE
+				    : 1;
+
+	assert_int_equal(block->patterns, 0);
+	assert_int_equal(block->bits, 16);
+	for (int n = 0; n < block->columns; n++) {
+		const size_t line =
+			((size_t)(p / BASIS_LINE16) * (size_t)block->channels + (size_t)channel) *
+				(size_t)block->columns +
+			(size_t)n;
+		const int i = block->light[n];
+
+		out[i] += tint * (double)block->column_scale[n] *
+			  block->column16[line * BASIS_LINE16 + (size_t)(p % BASIS_LINE16)] *
+			  (block->kind == BASIS_KIND_V ? 1 : basis->lights[i].solid_angle_sr);
+	}
+}
+
+/* Row of a kind at a pixel and channel, from the exact layer: t, v, d or u of each light.
+ * False: there is none. */
 static inline bool baking_row(const struct basis *basis, int x, int y, enum basis_kind kind, int c,
 			      double *out)
 {
 	const int tile = y / BASIS_TILE * basis->tiles_across + x / BASIS_TILE;
-	const struct basis_tile *t = &basis->poses[0].tiles[tile];
+	const struct basis_tile *t = &basis->poses[0].exact.tiles[tile];
 	const int want = y % BASIS_TILE * BASIS_TILE + x % BASIS_TILE;
+	bool found = false;
 
 	memset(out, 0, basis->info.lights * sizeof(*out));
 	for (int b = 0; b < t->block_count; b++) {
 		const struct basis_block *block = &t->blocks[b];
 
-		if (block->kind != kind)
-			continue;
-		for (int p = 0; p < block->pixels; p++) {
-			const int row = p * block->channels + (block->channels == 3 ? c : 0);
-			const double scale = (double)block->scale[row];
-			const int16_t *value = block->row + (size_t)row * (size_t)block->stride;
-			const int listed = block->lights - block->rest;
-
-			if (block->pixel[p] != want)
-				continue;
-			for (uint32_t i = 0; block->rest && i < basis->info.lights; i++)
-				out[i] = scale * value[listed];
-			for (int i = 0; i < listed; i++)
-				out[block->light[i]] = scale * value[i];
-			return true;
-		}
+		for (int p = 0; block->kind == kind && p < block->pixels; p++)
+			if (block->pixel[p] == want) {
+				baking_add(basis, block, p, c, out);
+				found = true;
+			}
 	}
-	return false;
+	return found;
 }
 
 /* sum over i of t_i L_i; light NULL: all 1. */

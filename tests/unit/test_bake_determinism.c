@@ -96,8 +96,9 @@ static void test_noise_is_true(void **state)
 
 		write_scene("n.ini", "noise = 2", 11 + k);
 		bake("n.ini", k ? "k1.inlay" : "k0.inlay", 2);
-		assert_int_equal(
-			basis_open(&basis[k], baking_path(k ? "k1.inlay" : "k0.inlay"), &fault), 0);
+		assert_int_equal(basis_open(&basis[k], baking_path(k ? "k1.inlay" : "k0.inlay"),
+					    BASIS_WITH_EXACT, &fault),
+				 0);
 		declared += basis[k].info.noise_levels / 2;
 	}
 	for (int y = 0; y < 50; y++)

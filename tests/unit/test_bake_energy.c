@@ -138,7 +138,7 @@ static void test_white_furnace(void **state)
 	baking_write_sphere("ball.obj", 0.8, 32);
 	baking_write("furnace.ini", VIEW
 		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
-		     "ratio_cut = 0\n[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+		     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
 		     "up = z\nmaterial = white\nstand = yes\n[material white]\ncolour = 1 1 1\n");
 	check_furnace("white", 0.005, 0.001);
 }
@@ -149,7 +149,7 @@ static void test_glass_furnace(void **state)
 	baking_write_sphere("ball.obj", 0.8, 32);
 	baking_write("furnace.ini", VIEW
 		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
-		     "ratio_cut = 0\n[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+		     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
 		     "up = z\nmaterial = glass\nstand = yes\n[material white]\ncolour = 1 1 1\n"
 		     "[material glass]\nkind = glass\ncolour = 1 1 1\n");
 	check_furnace("glass", 0.01, 0.001);
@@ -219,7 +219,7 @@ static void test_form_factor(void **state)
 	baking_write_sphere("ball.obj", radius, 64);
 	baking_write("f.ini",
 		     "[camera]\nposition = 0 -10 1\nlook_at = 0 0 0\nfield_deg = 0.05\nwidth = 3\n"
-		     "height = 3\n[dome]\nfrequency = 9\n[render]\nsamples = 256\nratio_cut = 0\n"
+		     "height = 3\n[dome]\nfrequency = 9\n[render]\nsamples = 256\n"
 		     "[ground]\n[object ball]\nfile = ball.obj\nup = z\nposition = 0 0 %g\n"
 		     "material = black\n[material black]\ncolour = 0 0 0\n",
 		     height);
@@ -313,7 +313,7 @@ static void test_standin_is_ground(void **state)
 			"s.ini",
 			"[camera]\nposition = 0 -6 4\nlook_at = 0 0 0\nfield_deg = 40\nwidth = "
 			"32\nheight = 32\n[dome]\nfrequency = 4\n[render]\nsamples = 64\n"
-			"ratio_cut = 0\n%s[object ball]\nfile = ball.obj\nup = z\nmaterial = m\n"
+			"%s[object ball]\nfile = ball.obj\nup = z\nmaterial = m\n"
 			"position = 0 0 1.2\n[material m]\ncolour = 0.5 0.5 0.5\n",
 			k ? "[standin floor]\nfile = plane.obj\nup = z\nmaterial = m\n"
 			  : "[ground]\nmaterial = m\n");
