@@ -15,9 +15,9 @@
 #include <unistd.h>
 
 #include "app/pipeline.h"
-#include "bake/encode.h"
 #include "hal/basis/basis_writer.h"
 #include "hal/frame.h"
+#include "tests/hand_basis.h"
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
 
@@ -41,17 +41,14 @@ static void write_basis(const char *to, bool swapped)
 					.lights = LIGHTS,
 					.dome_frequency = 1,
 					.dome_division = DOME_ANGLES,
-					.poses = 1};
+					.poses = 1,
+					.coarse = LIGHTS};
 	static struct basis_light lights[LIGHTS];
 	static uint16_t coverage[WIDTH * HEIGHT];
 	static float peak[LIGHTS + 1][3], value[2][3][LIGHTS];
 	const uint16_t pixel[2] = {2 * BASIS_TILE + 3, 2 * BASIS_TILE + 4};
 	struct fault fault = {.text = ""};
-	const struct encode_samples samples = {
-		.kind = BASIS_KIND_T, .pixels = 2, .pixel = pixel, .value = &value[0][0][0]};
-	const struct encode_settings settings = {.lights = LIGHTS};
-	struct encode_result result;
-	struct encoder *encoder;
+	struct basis_block_payload block;
 	struct basis_writer *writer;
 	struct dome dome;
 
@@ -74,13 +71,12 @@ static void write_basis(const char *to, bool swapped)
 		peak[0][c] = peak[3][c] = peak[LIGHTS][c] = SHARE;
 	}
 	coverage[2 * WIDTH + 3] = coverage[2 * WIDTH + 4] = 65535;
-	assert_int_equal(encoder_create(&encoder, &settings), 0);
-	assert_int_equal(encode_tile(encoder, 0, &samples, 1, &result), 0);
-	must(basis_writer_open(&writer, to, &info, lights, NULL, "", &fault), &fault);
-	must(basis_writer_blocks(writer, result.blocks, result.count, &fault), &fault);
+	block = hand_object(0, 2, pixel, LIGHTS, lights, &value[0][0][0]);
+	must(basis_writer_open(&writer, to, &info, lights, NULL, NULL, "", &fault), &fault);
+	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
 	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
 	must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	encoder_destroy(encoder);
+	free((void *)block.payload);
 }
 
 static int open_basis(void **state)
@@ -92,7 +88,7 @@ static int open_basis(void **state)
 		return -1;
 	snprintf(path, sizeof(path), "%s/hand.inlay", folder);
 	write_basis(path, false);
-	must(basis_open(&basis, path, &fault), &fault);
+	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
 	return 0;
 }
 
@@ -153,8 +149,10 @@ static void composite(struct pipeline *pipeline, uint8_t out[HEIGHT][WIDTH][4])
 {
 	struct canvas background = flat(WIDTH, HEIGHT, 90);
 	struct picture picture = whole(&background);
+	struct backdrop backdrop = backdrop_of(&picture);
 
-	assert_int_equal(pipeline_composite(pipeline, &picture, &out[0][0][0], WIDTH * 4, NULL), 0);
+	assert_int_equal(pipeline_composite(pipeline, &backdrop, &out[0][0][0], WIDTH * 4, NULL),
+			 0);
 	canvas_free(&background);
 }
 
@@ -315,6 +313,7 @@ static void what_does_not_fit_is_said(void **state)
 	struct pipeline_choice choice = {.pose = 1};
 	struct canvas narrow = flat(WIDTH - 1, HEIGHT, 0);
 	struct picture picture = whole(&narrow);
+	struct backdrop backdrop = backdrop_of(&picture);
 	struct fault fault = {.text = ""};
 	struct basis other;
 	char swapped[96];
@@ -326,7 +325,7 @@ static void what_does_not_fit_is_said(void **state)
 	assert_string_equal(fault.text, "pose 1 is not in the basis, expected 0..0");
 	choice.pose = -1;
 	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EINVAL);
-	assert_int_equal(pipeline_composite(&pipeline, &picture, &out[0][0][0], WIDTH * 4, &fault),
+	assert_int_equal(pipeline_composite(&pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault),
 			 -EINVAL);
 	assert_string_equal(
 		fault.text,
@@ -337,7 +336,7 @@ static void what_does_not_fit_is_said(void **state)
 
 	snprintf(swapped, sizeof(swapped), "%s/swapped.inlay", folder);
 	write_basis(swapped, true);
-	must(basis_open(&other, swapped, &fault), &fault);
+	must(basis_open(&other, swapped, BASIS_SHOWN, &fault), &fault);
 	assert_int_equal(pipeline_create(&pipeline, &other, &settings, &fault), -EINVAL);
 	assert_string_equal(fault.text,
 			    "light 1 of the basis is not where the dome of frequency 1 has it");

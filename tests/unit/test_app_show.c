@@ -14,8 +14,8 @@
 
 #include "app/layout.h"
 #include "app/show.h"
-#include "bake/encode.h"
 #include "hal/basis/basis_writer.h"
+#include "tests/hand_basis.h"
 #include "tests/unit/chance.h"
 #include "tests/unit/guarded_screen.h"
 #include "tests/unit/own_folder.h"
@@ -44,16 +44,13 @@ static void write_basis(const char *path)
 					      .lights = LIGHTS,
 					      .dome_frequency = 3,
 					      .dome_division = DOME_ANGLES,
-					      .poses = 1};
+					      .poses = 1,
+					      .coarse = LIGHTS};
 	static struct basis_light lights[LIGHTS];
 	static uint16_t coverage[WIDTH * HEIGHT], pixel[PIXELS];
 	static float peak[LIGHTS + 1][3], value[PIXELS][3][LIGHTS];
 	struct fault fault = {.text = ""};
-	const struct encode_samples samples = {
-		.kind = BASIS_KIND_T, .pixels = PIXELS, .pixel = pixel, .value = &value[0][0][0]};
-	const struct encode_settings settings = {.lights = LIGHTS};
-	struct encode_result result;
-	struct encoder *encoder;
+	struct basis_block_payload block;
 	struct basis_writer *writer;
 	struct dome dome;
 
@@ -70,13 +67,12 @@ static void write_basis(const char *path)
 		for (int c = 0; c < 3; c++)
 			value[p][c][0] = peak[0][c] = peak[LIGHTS][c] = 0.25f;
 	}
-	must(encoder_create(&encoder, &settings), &fault);
-	must(encode_tile(encoder, 0, &samples, 1, &result), &fault);
-	must(basis_writer_open(&writer, path, &info, lights, NULL, "", &fault), &fault);
-	must(basis_writer_blocks(writer, result.blocks, result.count, &fault), &fault);
+	block = hand_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0][0]);
+	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
+	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
 	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
 	must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	encoder_destroy(encoder);
+	free((void *)block.payload);
 }
 
 /* No two cameras alike, and no pixel of what lay in the screens' memory. */
@@ -117,7 +113,7 @@ static int set_up(void **state)
 	if (own_folder_make(state))
 		return -1;
 	write_basis(own_path("show.inlay"));
-	must(basis_open(&basis, own_path("show.inlay"), &fault), &fault);
+	must(basis_open(&basis, own_path("show.inlay"), BASIS_SHOWN, &fault), &fault);
 	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
 	fill(&sources[0].canvas, SKY, SKY, 60);
 	fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
@@ -240,13 +236,14 @@ static void composite_is_the_composite(void **state)
 	struct guarded_screen framed;
 	static uint8_t made[HEIGHT][WIDTH][4];
 	struct picture background = eye_picture(&eyes.background);
+	struct backdrop backdrop = backdrop_of(&background);
 	int changed = 0;
 
 	(void)state;
 	request.scale = SCALE_NONE;
 	framed = shown(&request, WIDTH + 31, HEIGHT + 7);
-	assert_int_equal(
-		pipeline_composite(&pipeline, &background, &made[0][0][0], WIDTH * 4, NULL), 0);
+	assert_int_equal(pipeline_composite(&pipeline, &backdrop, &made[0][0][0], WIDTH * 4, NULL),
+			 0);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++) {
 			assert_memory_equal(guarded_pixel(&exact, x, y), made[y][x], 3);
