@@ -104,7 +104,7 @@ struct kernels {
 	 *     x = round_shift(sum[p], shift), clamped to +-KERNEL_LIMIT    shift in 1..62
 	 *     x = round_shift(x * factor, 30), clamped likewise            factor <= 2^31
 	 *     x = round_shift(x * tint[p], 15), clamped likewise           unless tint is NULL
-	 * and the sum with to[p] is clamped too. count 1..256; |sum[p]| < 2^62.
+	 * and the sum with to[p] is clamped too. count 1..256; |sum[p]| <= 2^62.
 	 */
 	void (*fold)(const int64_t *sum, int count, int shift, uint32_t factor,
 		     const uint16_t *tint, int32_t *to);

@@ -360,10 +360,18 @@ KERNEL_INLINE __m512i limit64(__m512i x)
 				_mm512_set1_epi64(-(int64_t)KERNEL_LIMIT));
 }
 
-/* limit(round_shift(x, bits)) */
 KERNEL_INLINE __m512i rounded(__m512i x, __m512i half, __m128i bits)
 {
-	return limit64(_mm512_sra_epi64(_mm512_add_epi64(x, half), bits));
+	return _mm512_sra_epi64(_mm512_add_epi64(x, half), bits);
+}
+
+/* Factors and tints up to 1, which most are, need no limit: their result is no larger. */
+KERNEL_INLINE __m512i tinted(__m512i x, const uint16_t *tint, __mmask8 mask)
+{
+	const __m512i t = _mm512_cvtepu16_epi64(_mm_maskz_loadu_epi16(mask, tint));
+
+	x = rounded(_mm512_mul_epi32(x, t), _mm512_set1_epi64(1 << 14), _mm_cvtsi32_si128(15));
+	return _mm512_cmpgt_epi64_mask(t, _mm512_set1_epi64(1 << 15)) ? limit64(x) : x;
 }
 
 static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
@@ -374,20 +382,19 @@ static void fold(const int64_t *sum, int count, int shift, uint32_t factor, cons
 	const __m512i f = _mm512_set1_epi64(factor >> (30 - whole));
 	const __m512i half1 = _mm512_set1_epi64(INT64_C(1) << (shift - 1));
 	const __m512i half2 = _mm512_set1_epi64(INT64_C(1) << (whole - 1));
-	const __m512i half3 = _mm512_set1_epi64(1 << 14);
 	const __m128i bits1 = _mm_cvtsi32_si128(shift), bits2 = _mm_cvtsi32_si128(whole);
-	const __m128i bits3 = _mm_cvtsi32_si128(15);
 
 	for (int p = 0; p < count; p += 8) {
 		const __mmask8 mask = (__mmask8)(count - p >= 8 ? 0xff : (1 << (count - p)) - 1);
-		__m512i x = rounded(_mm512_maskz_loadu_epi64(mask, sum + p), half1, bits1);
+		const __m512i all = _mm512_maskz_loadu_epi64(mask, sum + p);
+		__m512i x = limit64(rounded(all, half1, bits1));
 
-		x = rounded(_mm512_mul_epi32(x, f), half2, bits2);
-		if (tint) {
-			const __m128i t = _mm_maskz_loadu_epi16(mask, tint + p);
-
-			x = rounded(_mm512_mul_epi32(x, _mm512_cvtepu16_epi64(t)), half3, bits3);
-		}
+		if (factor != 1U << 30)
+			x = rounded(_mm512_mul_epi32(x, f), half2, bits2);
+		if (factor > 1U << 30)
+			x = limit64(x);
+		if (tint)
+			x = tinted(x, tint + p, mask);
 		x = _mm512_add_epi64(x,
 				     _mm512_cvtepi32_epi64(_mm256_maskz_loadu_epi32(mask, to + p)));
 		_mm256_mask_storeu_epi32(to + p, mask, _mm512_cvtepi64_epi32(limit64(x)));

@@ -243,6 +243,27 @@ KERNEL_INLINE vector scaled(vector x, vector factor_even, vector factor_odd, int
 		       I(blend_epi16)(I(srli_epi64)(even, 32), odd, 0xcc));
 }
 
+/* The same of factors up to 1: what comes out is no larger than x, so only its 32 bits count, and
+ * they are the same whatever is shifted in above them. */
+KERNEL_INLINE vector scaled_down(vector x, vector factor_even, vector factor_odd, int shift)
+{
+	const vector half = I(set1_epi64x)(INT64_C(1) << (shift - 1));
+	const vector even = I(add_epi64)(I(mul_epi32)(x, factor_even), half);
+	const vector odd = I(add_epi64)(I(mul_epi32)(I(srli_epi64)(x, 32), factor_odd), half);
+
+	return I(blend_epi16)(I(srli_epi64)(even, shift), I(slli_epi64)(odd, 32 - shift), 0xcc);
+}
+
+/* Most tints are up to 1; a vector with one that is not is rare. */
+KERNEL_INLINE vector tinted(vector x, const uint16_t *tint)
+{
+	const vector t = LOAD_WIDE16(tint);
+	const vector beyond = I(cmpgt_epi32)(t, I(set1_epi32)(1 << 15));
+	const vector even = SI(and)(t, I(set1_epi64x)(UINT32_MAX)), odd = I(srli_epi64)(t, 32);
+
+	return SI(testz)(beyond, beyond) ? scaled_down(x, even, odd, 15) : scaled(x, even, odd, 15);
+}
+
 /* limit(a + b), where the sum in int32 may come out with the wrong sign. */
 KERNEL_INLINE vector added(vector a, vector b)
 {
@@ -261,17 +282,16 @@ KERNEL_INLINE void fold_vectors(const int64_t *sum, int count, int shift, uint32
 	const vector half = I(set1_epi64x)(INT64_C(1) << (shift - 1));
 	const vector excess = I(set1_epi64x)(INT64_C(1) << (63 - shift));
 	const vector f = I(set1_epi64x)(factor);
-	const vector lower = I(set1_epi64x)(UINT32_MAX);
 
 	for (int p = 0; p < count; p += DWORDS) {
 		vector x = first_of(sum + p, _mm_cvtsi32_si128(shift), half, excess);
 
-		x = scaled(x, f, f, 30);
-		if (tint) {
-			const vector t = LOAD_WIDE16(tint + p);
-
-			x = scaled(x, SI(and)(t, lower), I(srli_epi64)(t, 32), 15);
-		}
+		if (factor < 1U << 30)
+			x = scaled_down(x, f, f, 30);
+		else if (factor > 1U << 30)
+			x = scaled(x, f, f, 30);
+		if (tint)
+			x = tinted(x, tint + p);
 		STORE(to + p, added(LOAD(to + p), x));
 	}
 }

@@ -200,7 +200,7 @@ static bool project(struct comparison *c, const struct kernels *tables[2], char 
 /* A sum, often where its rounding or its clamping turns. */
 static int64_t fold_sum(struct comparison *c, int shift)
 {
-	const int64_t limit = (INT64_C(1) << 62) - 1;
+	const int64_t limit = INT64_C(1) << 62;
 	const int64_t unit = INT64_C(1) << (shift - 1); /* half of what is rounded to */
 	int64_t x = spread(c, 62);
 
@@ -251,14 +251,16 @@ static bool fold(struct comparison *c, const struct kernels *tables[2], char *wh
 	const size_t size = (size_t)count * sizeof(int32_t);
 	int64_t *sum = guarded_take(&c->lines, (size_t)count * sizeof(*sum));
 	uint16_t *tint = guarded_take(&c->coverage, (size_t)count * sizeof(*tint));
-	const bool tinted = below(c, 2);
+	const bool tinted = below(c, 2), dark = below(c, 2);
 	int32_t *to[2];
 
 	for (int i = 0; i < 2; i++)
 		to[i] = guarded_take(&c->out[i], size);
 	for (int p = 0; p < count; p++) {
 		sum[p] = fold_sum(c, shift);
-		tint[p] = below(c, 4) ? (uint16_t)next(c) : below(c, 2) ? 65535 : 32768;
+		tint[p] = (uint16_t)(next(c) % (dark ? 32769 : 65536));
+		if (below(c, 4) == 0)
+			tint[p] = dark || below(c, 2) ? 32768 : 65535;
 		to[0][p] = to[1][p] = fold_to(c);
 	}
 	for (int i = 0; i < 2; i++)
