@@ -50,6 +50,10 @@ refused "a pose that the basis does not hold" 1 "[basis] pose: is 1, expected 0.
 head -c 5000 "$work/box.inlay" >"$work/short.inlay"
 refused "a damaged basis" 1 "short.inlay" \
 	"$INLAY" check --config "$work/studio.conf" --set "basis.file=$work/short.inlay"
+refused "a kernel that there is not" 1 '[composite] kernel: this processor has none called "abacus"' \
+	"$INLAY" check --config "$work/studio.conf" --set composite.kernel=abacus
+refused "exact without the lights' own pictures" 1 "no exact layer" \
+	"$INLAY" check --config "$work/studio.conf" --set composite.mode=exact
 refused "no such configuration" 1 "none.conf: No such file or directory" \
 	"$INLAY" check --config "$work/none.conf"
 refused "a configuration that is none" 1 "expected a text file" \

@@ -36,8 +36,10 @@ estimator = node
 field = 85
 black_level = 3"
 check "the kiosk goes on" until_true 20 has threshold 100
-check "other threads, another view, another scale" reload "[composite]
+check "other threads, another kernel, view and scale" reload "[composite]
 threads = 1
+kernel = c
+reuse = never
 [screen]
 show = quad
 scale = fit

@@ -47,9 +47,29 @@ check "no light at all" still night.png --background "$work/background.png" \
 differ "leaves the object black" "$work/night.png" "$work/still.png"
 
 # Half a level is rounding, the rest is the bound of the integer arithmetic.
+for kernel in auto c; do
+	check "fast, kernel $kernel" still fast.png "${pictures[@]}" --mode fast \
+		--set "composite.kernel=$kernel"
+	same "is what there is without a word" "$work/still.png" "$work/fast.png"
+done
 check "the reference" still reference.png "${pictures[@]}" --mode reference
 worst=$("$compare" "$work/still.png" "$work/reference.png" | awk '{ print $3 }')
-check "is within one level of exact (${worst:-not compared})" test "${worst%.*}" -le 1
+check "is within one level of fast (${worst:-not compared})" test "${worst%.*}" -le 1
+refused "a kernel that there is not" 1 'no kernel called "abacus"' \
+	"$INLAY" still --config "$work/studio.conf" -o "$work/none.png" "${pictures[@]}" \
+	--set composite.kernel=abacus
+refused "exact without the lights' own pictures" 1 "inlay-bake render --exact" \
+	"$INLAY" still --config "$work/studio.conf" -o "$work/none.png" "${pictures[@]}" --mode exact
+check "a basis with them" "$INLAY_BAKE" render "$work/box.scene" --exact -o "$work/exact.inlay" \
+	--quiet
+exact=(--basis "$work/exact.inlay" "${pictures[@]}")
+check "gives an exact picture" still exact.png "${exact[@]}" --mode exact
+check "as the configuration may ask for" still exact-too.png "${exact[@]}" \
+	--set composite.mode=exact
+same "alike" "$work/exact.png" "$work/exact-too.png"
+check "and is its reference" still exact-reference.png "${exact[@]}" --mode reference
+worst=$("$compare" "$work/exact.png" "$work/exact-reference.png" | awk '{ print $3 }')
+check "which is within one level (${worst:-not compared})" test "${worst%.*}" -le 1
 check "linear light into PFM" still still.pfm "${pictures[@]}"
 equal "of the same size" "PF 48 32" "$(head -c 9 "$work/still.pfm" | tr '\n' ' ' | sed 's/ *$//')"
 worst=$("$compare" "$work/still.png" "$work/still.pfm" | awk '{ print $3 }')
