@@ -19,13 +19,15 @@ typedef __m256 vector_float;
 #define IN_ORDER_64(x) _mm256_permute4x64_epi64(x, 0xd8)
 #define LANES(x) _mm256_broadcastsi128_si256(x)
 
+#define LINEAR(pixel) linear[in[4 * (pixel)]]
+
 static inline vector_float linear_of(const struct kernel_row *row, int x, int byte)
 {
-	const vector in = LOAD(row->background + (size_t)x * 4);
-	const vector code = _mm256_and_si256(_mm256_srli_epi32(in, 8 * byte),
-					     _mm256_set1_epi32(255));
+	const float *linear = row->curves->linear;
+	const uint8_t *in = row->background + (size_t)x * 4 + byte;
 
-	return _mm256_i32gather_ps(row->curves->linear, code, 4);
+	return _mm256_setr_ps(LINEAR(0), LINEAR(1), LINEAR(2), LINEAR(3), LINEAR(4), LINEAR(5),
+			      LINEAR(6), LINEAR(7));
 }
 
 #include "hal/compositor/kernels_x86.h"
