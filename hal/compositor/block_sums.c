@@ -12,6 +12,8 @@
 #define KEPT_COST 8
 /* Of each array of the next block: well inside a first cache. */
 #define AHEAD_BYTES 8192
+/* Of a block's own columns, where few of them are taken. */
+#define AHEAD_LINES 16
 
 static int line_set_create(struct line_set *set, size_t most)
 {
@@ -105,7 +107,7 @@ static void weigh_patterns(struct block_work *work, const struct basis_block *b,
 	request->kernels->project(b->pattern, b->patterns, b->stride, request->light->planes,
 				  work->y);
 	for (int c = 0; c < 3; c++) {
-		const double one = ldexp(request->light->unit[c], fraction);
+		const double one = request->light->unit[c] * power_of_two(fraction);
 
 		for (int j = 0; j < b->patterns; j++)
 			set->weight[c][j] = round_double((double)work->y[j][c] *
@@ -115,29 +117,27 @@ static void weigh_patterns(struct block_work *work, const struct basis_block *b,
 		set->line[j] = (uint32_t)j;
 }
 
-/* Takes column n into the set, if it counts. */
+/* Takes column n, of light i, into the set. */
 static void take_column(struct line_set *set, const struct block_plan *plan,
-			const struct block_request *request, int n, double one)
+			const struct block_request *request, int n, int i, double one)
 {
-	const struct basis_block *b = plan->block;
-	const double *x = request->light->amount[b->light[n]];
-	const double weight = (double)b->column_scale[n] * one;
+	const double *x = request->light->amount[i];
+	const double weight = (double)plan->block->column_scale[n] * one;
 
 	for (int c = 0; c < 3; c++)
 		set->weight[c][set->count] = round_double(x[c] * weight);
 	set->line[set->count++] = (uint32_t)n;
 }
 
-static bool counts(const struct block_plan *plan, const struct block_request *request, int n)
+/* Whether column n, of light i, may change what can be seen. */
+static bool counts(const struct block_plan *plan, const struct block_request *request, int n, int i)
 {
-	const struct basis_block *b = plan->block;
 	const struct light_vector *light = request->light;
-	const int i = b->light[n];
+	const double *x = light->amount[i];
 
 	if (request->all)
-		return light->amount[i][0] > 0 || light->amount[i][1] > 0 ||
-		       light->amount[i][2] > 0;
-	return light->strength[i] * (b->column_scale[n] * plan->reach) >= 1;
+		return x[0] > 0 || x[1] > 0 || x[2] > 0;
+	return light->strength[i] * (plan->block->column_scale[n] * plan->reach) >= 1;
 }
 
 /* Those of the lights that are bright enough for some block, by the bitmap of this one. */
@@ -153,27 +153,52 @@ static void take_marked(struct line_set *set, const struct block_plan *plan,
 		for (; both; both &= both - 1) {
 			const uint64_t below = (both & -both) - 1;
 			const int n = plan->before[w] + __builtin_popcountll(plan->has[w] & below);
+			const int i = w * 64 + __builtin_ctzll(both);
 
-			if (counts(plan, request, n))
-				take_column(set, plan, request, n, one);
+			if (counts(plan, request, n, i))
+				take_column(set, plan, request, n, i, one);
 		}
+	}
+}
+
+static void take_listed(struct line_set *set, const struct block_plan *plan,
+			const struct block_request *request, double one)
+{
+	const struct basis_block *b = plan->block;
+
+	for (int n = 0; n < b->columns; n++) {
+		if (counts(plan, request, n, b->light[n]))
+			take_column(set, plan, request, n, b->light[n], one);
+	}
+}
+
+/* Single lines here and there, which are read after the patterns have been projected. */
+static inline __attribute__((always_inline)) void fetch_columns(const struct basis_block *b,
+								const struct line_set *set)
+{
+	const char *lines = b->bits == 8 ? (const char *)b->column8 : (const char *)b->column16;
+	const int pixels = b->bits == 8 ? KERNEL_LINE8 : KERNEL_LINE16;
+	const int parts = (b->pixels + pixels - 1) / pixels * b->channels;
+
+	for (int k = 0; k < set->count && k < AHEAD_LINES; k++) {
+		for (int p = 0; p < parts; p++)
+			__builtin_prefetch(lines + ((size_t)p * (size_t)b->columns + set->line[k]) *
+							   KERNEL_LINE_BYTES);
 	}
 }
 
 static void weigh_columns(struct block_work *work, const struct block_plan *plan,
 			  const struct block_request *request, int fraction)
 {
-	const double one = ldexp(1, fraction - plan->column_shift);
+	const double one = power_of_two(fraction - plan->column_shift);
 	struct line_set *set = &work->columns;
 
 	set->count = 0;
 	if (plan->has && !request->all) {
 		take_marked(set, plan, request, one);
+		fetch_columns(plan->block, set);
 	} else {
-		for (int n = 0; n < plan->block->columns; n++) {
-			if (counts(plan, request, n))
-				take_column(set, plan, request, n, one);
-		}
+		take_listed(set, plan, request, one);
 	}
 	work->counts.columns += set->count;
 	if (!request->all)
@@ -360,8 +385,8 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
 
 	if (request->next)
 		fetch_ahead(request->next);
-	weigh_patterns(work, b, request, fraction);
 	weigh_columns(work, plan, request, fraction);
+	weigh_patterns(work, b, request, fraction);
 	work->counts.basis_bytes += (size_t)b->patterns * (size_t)b->stride * sizeof(int16_t);
 	if (plan->kept && request->kept->values) {
 		kept_block_sums(work, plan, request, to);

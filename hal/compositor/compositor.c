@@ -208,7 +208,9 @@ static void make_room(struct compositor *c, enum compositor_mode mode)
 	c->valid_size = blocks;
 	c->kept = aligned_alloc(BASIS_ALIGN, size * sizeof(*c->kept));
 	c->valid = calloc(blocks, sizeof(*c->valid));
-	if (!c->kept || !c->valid) {
+	if (!c->before)
+		c->before = calloc(c->basis->info.lights, sizeof(*c->before));
+	if (!c->kept || !c->valid || !c->before) {
 		free(c->kept);
 		c->kept = NULL;
 	}
@@ -268,5 +270,6 @@ void compositor_destroy(struct compositor *c)
 	free(c->worker);
 	free(c->kept);
 	free(c->valid);
+	free(c->before);
 	free(c);
 }

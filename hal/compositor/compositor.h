@@ -66,7 +66,7 @@ extern const char *const compositor_mode_names[]; /* "fast", "exact", NULL */
 /* Whether a frame starts from the sums of the one before it, and adds only what has changed. Both
  * give the same bits. */
 enum compositor_reuse {
-	REUSE_AUTO, /* whichever has less to read */
+	REUSE_AUTO, /* whichever has less to read; sums are kept while few lights change */
 	REUSE_NEVER,
 	REUSE_ALWAYS, /* where there is a frame before it in the same mode and pose */
 	REUSE_COUNT

@@ -44,7 +44,8 @@ struct compositor {
 	int64_t *kept;
 	bool *valid;
 	size_t kept_size, valid_size;
-	const struct layer *kept_of;
+	const struct layer *kept_of; /* NULL: they hold nothing */
+	double (*before)[3];	     /* [lights]: light of the last frame that could keep them */
 	/* The frame in the making. */
 	struct layer *layer;
 	const uint16_t *coverage;

@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #define Q16_ONE 65536 /* of ratios and of what coverage leaves */
 
@@ -29,6 +30,16 @@ static inline int64_t mul_q15(int64_t x, uint16_t m)
 static inline int64_t round_double(double x)
 {
 	return llrint(x);
+}
+
+/* 2^e, e in -1022..1023. */
+static inline double power_of_two(int e)
+{
+	const uint64_t bits = (uint64_t)(e + 1023) << 52;
+	double power;
+
+	memcpy(&power, &bits, sizeof(power));
+	return power;
 }
 
 /* The least e with x <= 2^e; x > 0. */

@@ -6,6 +6,9 @@
 #include "hal/compositor/backdrop.h"
 #include "hal/compositor/compositor_parts.h"
 
+/* Sums are kept where no more than this part of the lights changed last. */
+#define CHANGED_SHARE 4
+
 /* ---- a run of tiles ---- */
 
 static void mix_tile(const struct compositor *c, const struct basis_tile *tile,
@@ -122,17 +125,43 @@ static void fill_light(struct compositor *c, const struct light_selection *light
 	}
 }
 
-/* Sums of another pose or mode are of no use. */
-static struct kept_sums keep(struct compositor *c)
+/* How many lights are not what they were in the frame before. */
+static int changed_lights(struct compositor *c, const struct light_selection *lights)
 {
-	if (c->settings.reuse == REUSE_NEVER || !c->kept || !c->layer->plan.kept_blocks) {
+	int changed = 0;
+
+	for (int i = 0; i < lights->count; i++) {
+		bool same = true;
+
+		for (int k = 0; k < 3; k++) {
+			const double now = lights->radiance[i][k] + lights->ambient[k];
+
+			same = same && c->before[i][k] == now;
+			c->before[i][k] = now;
+		}
+		changed += !same;
+	}
+	return changed;
+}
+
+/*
+ * The sums to start from and to keep. To keep them costs, so where most lights change from frame to
+ * frame, as under a camera's noise, it is not begun. Sums of another pose or mode are of no use.
+ */
+static struct kept_sums keep(struct compositor *c, const struct light_selection *lights)
+{
+	const bool able = c->settings.reuse != REUSE_NEVER && c->kept &&
+			  c->layer->plan.kept_blocks > 0;
+	const bool always = c->settings.reuse == REUSE_ALWAYS;
+
+	if (!able || (changed_lights(c, lights) * CHANGED_SHARE > lights->count && !always)) {
 		c->kept_of = NULL;
 		return (struct kept_sums){.values = NULL};
 	}
 	if (c->kept_of != c->layer)
 		memset(c->valid, 0, sizeof(*c->valid) * c->valid_size);
 	c->kept_of = c->layer;
-	return (struct kept_sums){c->kept, c->valid, c->settings.reuse == REUSE_ALWAYS};
+	return (struct kept_sums){c->kept, c->valid, always};
 }
 
 static void begin_frame(struct compositor *c, const struct light_selection *lights)
@@ -146,7 +175,7 @@ static void begin_frame(struct compositor *c, const struct light_selection *ligh
 		.ground = c->ground,
 		.gain_bits = gain_bits(c->settings.gain),
 		.all = c->settings.mode == COMPOSITOR_EXACT,
-		.kept = keep(c),
+		.kept = keep(c, lights),
 		.first = c->layer->plan.blocks,
 		.end = c->layer->plan.blocks + c->layer->basis->block_count,
 	};

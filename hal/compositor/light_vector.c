@@ -16,6 +16,9 @@
 #define RECEIVER_BITS 44
 /* e of compositor.h: 2^-20 of the sum of u. */
 #define RESIDUE 0x1p-20
+/* U + e of a ground that no light can reach: no scene has one so dark, and its inverse is finite.
+ */
+#define NO_GROUND 0x1p-900
 /* The exponent of no light: below that of the least float times the smallest cell. */
 #define DARK (-300)
 
@@ -106,9 +109,9 @@ static void gather(struct light_vector *v, const struct basis *basis, int c)
 /* X of a channel from v->amount, which is then what X stands for. */
 static void round_channel(struct light_vector *v, const struct basis *basis, int c, int bits)
 {
-	const double one = ldexp(1, bits);
+	const double one = power_of_two(bits);
 
-	v->unit[c] = ldexp(1, -bits);
+	v->unit[c] = power_of_two(-bits);
 	for (int i = 0; i < v->lights; i++) {
 		v->x[i] = round_double(v->amount[i][c] * one);
 		v->amount[i][c] = (double)v->x[i] * v->unit[c];
@@ -192,7 +195,7 @@ void light_vector_ground(struct light_vector *v, const struct basis *basis,
 	v->reach = 2;
 	for (int c = 0; c < 3; c++) {
 		const double *u = basis_ground(basis, ground, c);
-		double all = 0, there;
+		double all = 0, there, scale;
 		int exponent;
 
 		for (int i = 0; i < v->lights; i++) {
@@ -200,12 +203,13 @@ void light_vector_ground(struct light_vector *v, const struct basis *basis,
 			all += u[i];
 		}
 		there = channel_sum(v, c) + RESIDUE * all;
-		exponent = there > 0 ? ilogb(there) : 0;
+		exponent = there > NO_GROUND ? ilogb(there) : 0;
+		scale = power_of_two(-exponent);
 		for (int i = 0; i < v->lights; i++)
-			v->amount[i][c] = ldexp(v->amount[i][c], -exponent);
+			v->amount[i][c] *= scale;
 		round_channel(v, basis, c, SPARE_BITS + count_bits(v->lights));
 		/* Where no light can arrive, nothing is taken away. */
-		share[c] = there > 0 ? 1 / ldexp(there, -exponent) : 0;
+		share[c] = there > NO_GROUND ? 1 / (there * scale) : 0;
 		v->factor[c] = (uint32_t)round_double(ldexp(share[c], 30));
 	}
 	set_strength(v, share, basis->info.column_cut);
