@@ -18,8 +18,6 @@
 struct encoder {
 	struct encode_settings settings;
 	struct levels levels;
-	struct rank_metric light_metric;   /* of kinds T, D and U */
-	struct rank_metric *ground_metric; /* [grounds] */
 	struct part *part;
 	struct block_reader *reader;
 	int parts; /* that there is room for */
@@ -29,33 +27,10 @@ struct encoder {
 	struct block_list shown, exact;
 };
 
-static int create_metrics(struct encoder *e)
-{
-	const struct encode_settings *s = &e->settings;
-	const size_t n = (size_t)s->lights;
-	double *factor = calloc(n, sizeof(*factor));
-	int err = factor ? 0 : -ENOMEM;
-
-	if (err)
-		return err;
-	for (size_t i = 0; i < n; i++)
-		factor[i] = s->light[i].solid_angle_sr;
-	err = rank_metric_create(&e->light_metric, s, factor);
-	for (int g = 0; g < s->grounds && !err; g++) {
-		const double *u = s->ground + (size_t)g * 3 * n;
-
-		for (size_t i = 0; i < n; i++)
-			factor[i] = (u[i] + u[n + i] + u[2 * n + i]) / 3;
-		err = rank_metric_create(&e->ground_metric[g], s, factor);
-	}
-	free(factor);
-	return err;
-}
-
 int encoder_create(struct encoder **encoder, const struct encode_settings *settings)
 {
 	struct encoder *e = calloc(1, sizeof(*e));
-	int err = 0;
+	int err;
 
 	*encoder = NULL;
 	if (!e)
@@ -63,16 +38,10 @@ int encoder_create(struct encoder **encoder, const struct encode_settings *setti
 	/* Tiles are what is shared among threads. */
 	openblas_set_num_threads(1);
 	e->settings = *settings;
-	levels_fill(&e->levels);
+	levels_fill(&e->levels, settings->target.cell);
 	e->measure.settings = &e->settings;
 	e->measure.levels = &e->levels;
-	e->ground_metric = calloc((size_t)settings->grounds + 1, sizeof(*e->ground_metric));
-	if (!e->ground_metric)
-		err = -ENOMEM;
-	if (!err)
-		err = create_metrics(e);
-	if (!err)
-		err = split_create(&e->split, &e->settings);
+	err = split_create(&e->split, &e->settings);
 	if (!err)
 		err = search_create(&e->search, &e->settings, &e->levels);
 	if (err)
@@ -92,10 +61,6 @@ void encoder_destroy(struct encoder *e)
 	}
 	free(e->part);
 	free(e->reader);
-	rank_metric_free(&e->light_metric);
-	for (int g = 0; g < e->settings.grounds && e->ground_metric; g++)
-		rank_metric_free(&e->ground_metric[g]);
-	free(e->ground_metric);
 	split_free(&e->split);
 	search_free(&e->search);
 	measure_free(&e->measure);
@@ -169,16 +134,13 @@ static int build(struct encoder *e, int tile, int count, int *first)
 
 	for (int k = 0; k < count && !err; k++) {
 		const struct part *part = &e->part[k];
-		const struct rank_metric *metric = part->kind == BASIS_KIND_V
-							   ? &e->ground_metric[part->ground]
-							   : &e->light_metric;
 		const bool alone = part->kind == BASIS_KIND_U && first[k - 1] == e->shown.count;
 		struct plan plan;
 
 		first[k] = e->shown.count;
 		if (!part->kept || alone)
 			continue;
-		err = search_best(&e->search, &e->split, metric, part, &plan);
+		err = search_best(&e->search, &e->split, part, &plan);
 		if (!err)
 			err = block_build(&e->shown, &e->search, &e->split, &plan, tile);
 		if (!err && part->kind == BASIS_KIND_U && first[k] == e->shown.count)

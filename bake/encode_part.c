@@ -2,6 +2,7 @@
 
 #include <cblas.h>
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,14 +12,42 @@
 #define SAMPLE_MAX 1e30F /* so that no sum of a few overflows */
 /* Below BASIS_VALUE_MAX by more than any rounding in the encoder. */
 #define VALUE_MAX (0.999F * (float)BASIS_VALUE_MAX)
+/* What tables and single precision may cost of the error asked for. */
+#define MARGIN 0.99
+/* The narrowest error that is told from others, against the largest value. */
+#define NARROWEST 1e-6F
+/* Of a light whose error nobody sees, against the mean: so that none is ignored. */
+#define LEAST_WEIGHT 0.01
 #define BLOCK 64 /* lights that are transposed at once */
 
-void levels_fill(struct levels *levels)
+static double light_of(double level)
 {
-	for (int k = 0; k <= LEVELS_STEPS; k++)
-		levels->at[k] =
-			(float)(255 * transfer_encode(TRANSFER_SRGB, (double)k / LEVELS_STEPS));
-	levels->at[LEVELS_STEPS + 1] = levels->at[LEVELS_STEPS];
+	return transfer_decode(TRANSFER_SRGB, level / 255);
+}
+
+void levels_fill(struct levels *levels, double cell_error)
+{
+	/* The least of a step's two ends, so that what lies between is not beyond either. */
+	float rise[LEVELS_STEPS + 2], fall[LEVELS_STEPS + 2];
+
+	for (int k = 0; k <= LEVELS_STEPS + 1; k++) {
+		const double x = fmin((double)k / LEVELS_STEPS, 1);
+		const double level = 255 * transfer_encode(TRANSFER_SRGB, x);
+
+		levels->at[k] = (float)level;
+		rise[k] = level + cell_error >= 255
+				  ? LEVELS_FREE
+				  : (float)(MARGIN * (light_of(level + cell_error) - x));
+		fall[k] = level - cell_error <= 0
+				  ? LEVELS_FREE
+				  : (float)(MARGIN * (x - light_of(level - cell_error)));
+	}
+	for (int k = 0; k <= LEVELS_STEPS + 1; k++) {
+		const int next = k <= LEVELS_STEPS ? k + 1 : k;
+
+		levels->rise[k] = fminf(rise[k], rise[next]);
+		levels->fall[k] = fminf(fall[k], fall[next]);
+	}
 }
 
 int part_create(struct part *part, const struct encode_settings *settings)
@@ -29,8 +58,11 @@ int part_create(struct part *part, const struct encode_settings *settings)
 	part->cell_slope = calloc(3 * n, sizeof(*part->cell_slope));
 	part->sky_x = calloc(skies * 3 * n, sizeof(*part->sky_x));
 	part->cell_white = calloc(n, sizeof(*part->cell_white));
+	part->weight = calloc(n, sizeof(*part->weight));
 	part->sky_base = calloc(skies * PART_ROWS, sizeof(*part->sky_base));
-	return part->cell_slope && part->cell_white && part->sky_x && part->sky_base ? 0 : -ENOMEM;
+	return part->cell_slope && part->cell_white && part->weight && part->sky_x && part->sky_base
+		       ? 0
+		       : -ENOMEM;
 }
 
 void part_free(struct part *part)
@@ -38,7 +70,10 @@ void part_free(struct part *part)
 	free(part->value);
 	free(part->direct);
 	free(part->own_base);
+	free(part->least_left);
+	free(part->most_left);
 	free(part->cell_white);
+	free(part->weight);
 	free(part->cell_slope);
 	free(part->sky_x);
 	free(part->sky_base);
@@ -131,6 +166,10 @@ int part_load(struct part *part, const struct encode_settings *settings,
 	part->channels = s->bounce ? 3 : s->channels;
 	part->rows = part->channels * s->pixels;
 	err = room_for(&part->value, &part->value_room, n * (size_t)part->rows);
+	if (!err)
+		err = room_for(&part->least_left, &part->least_room, n * (size_t)part->rows);
+	if (!err)
+		err = room_for(&part->most_left, &part->most_room, n * (size_t)part->rows);
 	if (!err && s->bounce)
 		err = room_for(&part->direct, &part->direct_room,
 			       n * (size_t)(s->channels * s->pixels));
@@ -298,37 +337,82 @@ static void expose_light(struct part *part, const struct encode_settings *settin
 	}
 }
 
-float part_cell_error(const struct part *part, const struct levels *levels, int lights, int light,
-		      const float *left, float limit)
+/* Shown light less what is left of it, within rise and fall: slope * left in -rise..fall. */
+static void limit_row(const struct levels *levels, float offset, float slope, const float *base,
+		      float *least, float *most, int count, bool again)
 {
-	const float *base = part->base + (size_t)light * (size_t)part->rows;
-	float most = 0, worst = 0;
+	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : LEVELS_FREE;
 
-	for (int r = 0; r < part->rows; r++)
-		most = fabsf(left[r]) > most ? fabsf(left[r]) : most;
-	if (!(most > 0))
-		return 0;
-	for (int c = 0; c < 3; c++) {
-		const float offset = part->cell_offset[c];
-		const float slope = part->cell_slope[(size_t)c * (size_t)lights + (size_t)light];
-		const int first = part->channels == 3 ? c * part->pixels : 0;
+	for (int p = 0; p < count; p++) {
+		const float is = offset + slope * base[p];
+		const float rise = fminf(levels_read(levels->rise, is) * per, LEVELS_FREE);
+		const float fall = fminf(levels_read(levels->fall, is) * per, LEVELS_FREE);
+		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
 
-		if (most * fabsf(slope) * LEVELS_STEEPEST <= fminf(limit, 0.01F))
-			continue;
-		if (part->channels == 1 && c && offset == part->cell_offset[c - 1] &&
-		    slope == part->cell_slope[(size_t)(c - 1) * (size_t)lights + (size_t)light])
-			continue;
-		for (int p = first; p < first + part->pixels; p++) {
-			const float is = offset + slope * base[p];
-			const float by = fabsf(level_of(levels, is) -
-					       level_of(levels, is - slope * left[p]));
-
-			worst = by > worst ? by : worst;
-		}
-		if (worst > limit)
-			return worst;
+		least[p] = again ? fmaxf(least[p], low) : low;
+		most[p] = again ? fminf(most[p], high) : high;
 	}
-	return worst;
+}
+
+static void limit_cells(struct part *part, const struct levels *levels, int lights)
+{
+	for (int i = 0; i < lights; i++)
+		for (int c = 0; c < 3; c++) {
+			const size_t k = (size_t)c * (size_t)lights + (size_t)i;
+			const size_t at = (size_t)i * (size_t)part->rows +
+					  (size_t)(part->channels == 3 ? c * part->pixels : 0);
+			const bool again = part->channels == 1 && c;
+
+			if (again && part->cell_offset[c] == part->cell_offset[0] &&
+			    part->cell_slope[k] == part->cell_slope[i])
+				continue;
+			limit_row(levels, part->cell_offset[c], part->cell_slope[k],
+				  part->base + at, part->least_left + at, part->most_left + at,
+				  part->pixels, again);
+		}
+}
+
+/* Lights that allow little error count more: by the mean of what is allowed, inverted. */
+static void weigh_lights(struct part *part, int lights)
+{
+	const float narrowest = NARROWEST * part->largest + FLT_MIN;
+	double all = 0;
+
+	for (int i = 0; i < lights; i++) {
+		const float *least = part->least_left + (size_t)i * (size_t)part->rows;
+		const float *most = part->most_left + (size_t)i * (size_t)part->rows;
+		float sum = 0;
+
+		for (int r = 0; r < part->rows; r++) {
+			const float narrow = most[r] < -least[r] ? most[r] : -least[r];
+
+			sum += 1 / (narrow > narrowest ? narrow : narrowest);
+		}
+		part->weight[i] = sum;
+		all += (double)sum;
+	}
+	for (int i = 0; i < lights; i++)
+		part->weight[i] =
+			all > 0 ? (float)((double)part->weight[i] * lights / all + LEAST_WEIGHT)
+				: 1;
+}
+
+bool part_cell_holds(const struct part *part, int light, const float *left)
+{
+	const size_t first = (size_t)light * (size_t)part->rows;
+
+	for (int c = 0; c < part->channels; c++) {
+		const int from = c * part->pixels;
+		const float *least = part->least_left + first + from;
+		const float *most = part->most_left + first + from;
+		int beyond = 0;
+
+		for (int p = 0; p < part->pixels; p++)
+			beyond |= (left[from + p] < least[p]) | (left[from + p] > most[p]);
+		if (beyond)
+			return false;
+	}
+	return true;
 }
 
 static void choose_pixels(struct part *part, const struct encode_settings *settings,
@@ -374,5 +458,7 @@ void part_expose(struct part *part, const struct encode_settings *settings,
 		expose_light(part, settings);
 		sum_skies(part, settings);
 	}
+	limit_cells(part, levels, settings->lights);
+	weigh_lights(part, settings->lights);
 	choose_pixels(part, settings, levels, (float)tolerance);
 }

@@ -13,21 +13,30 @@
 #define PART_ROWS (3 * PART_PIXELS)
 
 /* The 8-bit level, not rounded, of linear light 0..1, by linear interpolation: off by less than
- * 0.001. */
+ * 0.001. And how far light may rise or fall until it is off by the error asked for under a cell. */
 #define LEVELS_STEPS 16384
 struct levels {
 	float at[LEVELS_STEPS + 2];
+	float rise[LEVELS_STEPS + 2], fall[LEVELS_STEPS + 2];
 };
 
-void levels_fill(struct levels *levels);
+/* Farther than anything: what is clipped anyway. */
+#define LEVELS_FREE 1e30F
 
-static inline float level_of(const struct levels *levels, float x)
+void levels_fill(struct levels *levels, double cell_error);
+
+static inline float levels_read(const float *table, float x)
 {
 	const float clipped = x < 0 ? 0 : x > 1 ? 1 : x;
 	const float place = clipped * LEVELS_STEPS;
 	const int step = (int)place;
 
-	return levels->at[step] + (place - (float)step) * (levels->at[step + 1] - levels->at[step]);
+	return table[step] + (place - (float)step) * (table[step + 1] - table[step]);
+}
+
+static inline float level_of(const struct levels *levels, float x)
+{
+	return levels_read(levels->at, x);
 }
 
 /* Of the darkest light, the steepest: no two levels are farther apart than this times their light.
@@ -55,13 +64,16 @@ struct part {
 	 */
 	float cell_offset[3];
 	float *cell_slope; /* [3][lights] */
-	float *sky_x;	   /* [skies][3][lights] */
+	/* [lights][rows]: what may be left of a value, from least to most, under its cell alone. */
+	float *least_left, *most_left;
+	float *weight; /* [lights]: how much a squared error of this light's values counts */
+	float *sky_x;  /* [skies][3][lights] */
 	float sky_offset[ENSEMBLE_SKIES_MAX][3], sky_slope[ENSEMBLE_SKIES_MAX][3];
 	float *sky_base; /* [skies][3 * pixels]: sum of X base */
 	/* The radiance that comes out as 1, where L is 1 in the cell, and as the sky has it. */
 	float *cell_white; /* [lights] */
 	double sky_white[ENSEMBLE_SKIES_MAX];
-	size_t value_room, direct_room, base_room;
+	size_t value_room, direct_room, base_room, least_room, most_room;
 	float *own_base; /* where base is not value */
 };
 
@@ -87,9 +99,8 @@ static inline double part_column_cut(const struct part *part,
 	return part->kind == BASIS_KIND_T || part->kind == BASIS_KIND_V ? settings->column_cut : 0;
 }
 
-/* The largest difference in levels that leaving `left` [rows] out makes under this cell alone, or,
- * as soon as it is found, one above limit. */
-float part_cell_error(const struct part *part, const struct levels *levels, int lights, int light,
-		      const float *left, float limit);
+/* Whether this may be left [rows] out of a light's values: no pixel is off by more than the error
+ * asked for under this cell alone. */
+bool part_cell_holds(const struct part *part, int light, const float *left);
 
 #endif

@@ -15,8 +15,6 @@
 #define SPARE 8
 #define WIDTH (RANK_MOST + SPARE)
 #define ROUNDS 2
-/* Of a light that X says nothing about, against the mean; so that no light is ignored. */
-#define LEAST_WEIGHT 0.1
 #define RIDGE 1e-5 /* of the mean of the diagonal: coarse lights that few others meet */
 
 static int coarse_stride(int coarse)
@@ -26,22 +24,35 @@ static int coarse_stride(int coarse)
 
 /* ---- the metric ---- */
 
-static int factorise(struct rank_metric *metric, const struct encode_settings *settings)
+int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings)
+{
+	const size_t k = (size_t)settings->coarse;
+
+	*metric = (struct rank_metric){.weight = NULL};
+	if (settings->coarse == settings->lights)
+		return 0;
+	metric->factor = calloc(k * k, sizeof(*metric->factor));
+	return metric->factor ? 0 : -ENOMEM;
+}
+
+int rank_metric_set(struct rank_metric *metric, const struct encode_settings *settings,
+		    const float *weight)
 {
 	const size_t k = (size_t)settings->coarse;
 	double trace = 0;
 
-	metric->factor = calloc(k * k, sizeof(*metric->factor));
+	metric->weight = weight;
 	if (!metric->factor)
-		return -ENOMEM;
+		return 0;
+	memset(metric->factor, 0, k * k * sizeof(*metric->factor));
 	for (int i = 0; i < settings->lights; i++) {
 		const struct basis_coarse *g = &settings->gather[i];
 
 		for (int a = 0; a < 3; a++)
 			for (int b = 0; b < 3; b++)
 				metric->factor[g->index[a] * k + g->index[b]] +=
-					metric->weight[i] * (float)g->weight[a] *
-					(float)g->weight[b] * 0x1p-30F;
+					weight[i] * (float)g->weight[a] * (float)g->weight[b] *
+					0x1p-30F;
 	}
 	for (size_t a = 0; a < k; a++)
 		trace += (double)metric->factor[a * k + a];
@@ -51,25 +62,8 @@ static int factorise(struct rank_metric *metric, const struct encode_settings *s
 											  : -EDOM;
 }
 
-int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings,
-		       const double *factor)
-{
-	const int n = settings->lights;
-	double mean = 0;
-
-	*metric = (struct rank_metric){.weight = calloc((size_t)n, sizeof(*metric->weight))};
-	if (!metric->weight)
-		return -ENOMEM;
-	for (int i = 0; i < n; i++)
-		mean += factor[i] / n;
-	for (int i = 0; i < n; i++)
-		metric->weight[i] = (float)(LEAST_WEIGHT + (mean > 0 ? factor[i] / mean : 1));
-	return settings->coarse < n ? factorise(metric, settings) : 0;
-}
-
 void rank_metric_free(struct rank_metric *metric)
 {
-	free(metric->weight);
 	free(metric->factor);
 	*metric = (struct rank_metric){0};
 }

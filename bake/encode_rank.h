@@ -9,8 +9,9 @@
 
 /* How much an error at each light counts, and what that means for the coarse lights. */
 struct rank_metric {
-	float *weight; /* [lights]: of a squared error */
-	float *factor; /* [K][K], row by row: lower Cholesky factor of P W P^T; NULL where K is N */
+	const float *weight; /* [lights]: of a squared error, > 0; the part's */
+	float *factor;	     /* [K][K], row by row: lower Cholesky factor of P W P^T; NULL where K
+				is N */
 };
 
 struct rank_patterns {
@@ -30,9 +31,10 @@ struct rank_scratch {
 	float *mixed;
 };
 
-/* factor: [lights] of X, any scale, >= 0. */
-int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings,
-		       const double *factor);
+int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings);
+/* weight must stay. -EDOM: they are no numbers. */
+int rank_metric_set(struct rank_metric *metric, const struct encode_settings *settings,
+		    const float *weight);
 void rank_metric_free(struct rank_metric *metric);
 
 int rank_patterns_create(struct rank_patterns *patterns, const struct encode_settings *settings);

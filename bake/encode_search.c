@@ -114,19 +114,14 @@ static bool negative(const struct part *part, int light, const float *left)
 	return least < -most / 254;
 }
 
-void search_column(const struct search *s, const struct split *split, int light,
-		   struct split_column *column)
+void search_column(const struct split *split, int light, struct split_column *column)
 {
-	const float limit = (float)s->target.cell;
 	float left[PART_ROWS];
 
 	column->form = COLUMN_NONE;
 	split_left(split, light, left);
-	if (part_cell_error(split->part, s->levels, s->settings->lights, light, left, limit) >
-		    limit ||
-	    negative(split->part, light, left))
-		split_find_column(split, s->levels, s->settings->lights, light, limit, left,
-				  column);
+	if (!part_cell_holds(split->part, light, left) || negative(split->part, light, left))
+		split_find_column(split, light, left, column);
 }
 
 static void choose_columns(struct search *s, const struct split *split, struct plan *plan)
@@ -140,7 +135,7 @@ static void choose_columns(struct search *s, const struct split *split, struct p
 	for (int i = 0; i < n; i++) {
 		struct split_column column;
 
-		search_column(s, split, i, &column);
+		search_column(split, i, &column);
 		if (column.form != COLUMN_NONE)
 			mask(s, part, i, (double)column.scale * column_most(column.form));
 		plan->columns[column.form]++;
@@ -261,22 +256,23 @@ static void search_split(struct search *s, struct split *split, struct plan *bes
 		*best = own;
 }
 
-int search_best(struct search *s, struct split *split, const struct rank_metric *metric,
-		const struct part *part, struct plan *best)
+int search_best(struct search *s, struct split *split, const struct part *part, struct plan *best)
 {
-	int err;
+	int err = split_take(split, s->settings, part);
 
+	if (err)
+		return err;
 	*best = (struct plan){.excess = INFINITY};
 	for (int way = 0; way < SPLIT_WAYS; way++) {
 		if (!split_possible(part, (enum split_way)way))
 			continue;
-		err = split_part(split, s->settings, metric, part, (enum split_way)way);
+		err = split_part(split, s->settings, (enum split_way)way);
 		if (err)
 			return err;
 		search_split(s, split, best);
 	}
 	if (split->way != best->way) {
-		err = split_part(split, s->settings, metric, part, best->way);
+		err = split_part(split, s->settings, best->way);
 		if (err)
 			return err;
 	}

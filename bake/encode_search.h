@@ -40,11 +40,10 @@ int search_create(struct search *search, const struct encode_settings *settings,
 void search_free(struct search *search); /* zeroed is fine */
 
 /* The best plan for the part, its split ready and its ranks set. -ENOMEM. */
-int search_best(struct search *search, struct split *split, const struct rank_metric *metric,
-		const struct part *part, struct plan *best);
+int search_best(struct search *search, struct split *split, const struct part *part,
+		struct plan *best);
 
 /* The light's column at the ranks that are set; its form is COLUMN_NONE where it needs none. */
-void search_column(const struct search *search, const struct split *split, int light,
-		   struct split_column *column);
+void search_column(const struct split *split, int light, struct split_column *column);
 
 #endif

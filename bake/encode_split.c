@@ -14,7 +14,9 @@ int split_create(struct split *split, const struct encode_settings *settings)
 	int err;
 
 	*split = (struct split){.mono = false};
-	err = rank_patterns_create(&split->mono_patterns, settings);
+	err = rank_metric_create(&split->metric, settings);
+	if (!err)
+		err = rank_patterns_create(&split->mono_patterns, settings);
 	if (!err)
 		err = rank_patterns_create(&split->colour_patterns, settings);
 	if (!err)
@@ -24,6 +26,7 @@ int split_create(struct split *split, const struct encode_settings *settings)
 
 void split_free(struct split *split)
 {
+	rank_metric_free(&split->metric);
 	rank_patterns_free(&split->mono_patterns);
 	rank_patterns_free(&split->colour_patterns);
 	rank_scratch_free(&split->scratch);
@@ -81,7 +84,7 @@ static void main_hue(double product[3][3], double hue[3])
 }
 
 static void find_tints(struct split *split, const struct encode_settings *settings,
-		       const struct rank_metric *metric, const float *value)
+		       const float *value)
 {
 	const int pixels = split->part->pixels, rows = 3 * pixels;
 	static _Thread_local double product[PART_PIXELS][3][3];
@@ -93,7 +96,7 @@ static void find_tints(struct split *split, const struct encode_settings *settin
 		for (int p = 0; p < pixels; p++)
 			for (int a = 0; a < 3; a++)
 				for (int b = a; b < 3; b++)
-					product[p][a][b] += (double)(metric->weight[i] *
+					product[p][a][b] += (double)(split->metric.weight[i] *
 								     v[a * pixels + p] *
 								     v[b * pixels + p]);
 	}
@@ -131,8 +134,7 @@ static void untint(const struct split *split, const float *three, float *one)
 	}
 }
 
-static int take_mono(struct split *split, const struct encode_settings *settings,
-		     const struct rank_metric *metric)
+static int take_mono(struct split *split, const struct encode_settings *settings)
 {
 	const struct part *part = split->part;
 	const float *from = split->way == SPLIT_DIRECT ? part->direct : part->value;
@@ -148,7 +150,7 @@ static int take_mono(struct split *split, const struct encode_settings *settings
 		split->mono_value = from;
 		return 0;
 	}
-	find_tints(split, settings, metric, from);
+	find_tints(split, settings, from);
 	err = room_for(&split->own_mono, &split->mono_room, (size_t)settings->lights * pixels);
 	if (err)
 		return err;
@@ -182,18 +184,23 @@ static int take_colour(struct split *split, const struct encode_settings *settin
 	return 0;
 }
 
-int split_part(struct split *split, const struct encode_settings *settings,
-	       const struct rank_metric *metric, const struct part *part, enum split_way way)
+int split_take(struct split *split, const struct encode_settings *settings, const struct part *part)
 {
+	split->part = part;
+	return rank_metric_set(&split->metric, settings, part->weight);
+}
+
+int split_part(struct split *split, const struct encode_settings *settings, enum split_way way)
+{
+	const struct part *part = split->part;
 	const size_t n = (size_t)settings->lights;
 	int err = 0;
 
-	split->part = part;
 	split->way = way;
 	split->mono = split->colour = split->tinted = false;
 	split->mono_patterns.count = split->colour_patterns.count = 0;
 	if (way != SPLIT_PLAIN) {
-		err = take_mono(split, settings, metric);
+		err = take_mono(split, settings);
 		if (!err)
 			err = take_colour(split, settings);
 	} else if (part->channels == 1) {
@@ -214,10 +221,10 @@ int split_part(struct split *split, const struct encode_settings *settings,
 	if (err)
 		return err;
 	if (split->mono)
-		rank_find(&split->mono_patterns, settings, metric, &split->scratch,
+		rank_find(&split->mono_patterns, settings, &split->metric, &split->scratch,
 			  split->mono_value, part->pixels);
 	if (split->colour)
-		rank_find(&split->colour_patterns, settings, metric, &split->scratch,
+		rank_find(&split->colour_patterns, settings, &split->metric, &split->scratch,
 			  split->colour_value, 3 * part->pixels);
 	split->mono_rank = split->colour_rank = -1;
 	return 0;
@@ -316,8 +323,8 @@ static void try_form(const struct split *split, enum column_form form, const flo
 	}
 }
 
-void split_find_column(const struct split *split, const struct levels *levels, int lights,
-		       int light, float limit, float *left, struct split_column *column)
+void split_find_column(const struct split *split, int light, float *left,
+		       struct split_column *column)
 {
 	const int first = split->mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
 	const int last = split->colour ? COLUMN_COLOUR16 : COLUMN_MONO16;
@@ -331,7 +338,7 @@ void split_find_column(const struct split *split, const struct levels *levels, i
 		if ((int)order[k] < first || (int)order[k] > last)
 			continue;
 		try_form(split, order[k], wanted, left, column);
-		if (part_cell_error(split->part, levels, lights, light, left, limit) <= limit)
+		if (part_cell_holds(split->part, light, left))
 			return;
 	}
 }

@@ -45,6 +45,7 @@ struct split {
 	/* What the patterns of these ranks leave: */
 	float *mono_left, *colour_left;
 	int mono_rank, colour_rank;
+	struct rank_metric metric;
 	struct rank_patterns mono_patterns, colour_patterns;
 	struct rank_scratch scratch;
 };
@@ -62,9 +63,12 @@ void split_free(struct split *split); /* zeroed is fine */
 /* Whether it would differ from the ways before it. */
 bool split_possible(const struct part *part, enum split_way way);
 
-/* Finds tint and patterns. -ENOMEM. */
-int split_part(struct split *split, const struct encode_settings *settings,
-	       const struct rank_metric *metric, const struct part *part, enum split_way way);
+/* The part that the next calls are about: how its lights count. -EDOM: they are no numbers. */
+int split_take(struct split *split, const struct encode_settings *settings,
+	       const struct part *part);
+
+/* Finds tint and patterns. -ENOMEM, -EDOM. */
+int split_part(struct split *split, const struct encode_settings *settings, enum split_way way);
 
 /* Sets what is left; ranks beyond what was found count as that. */
 void split_set_ranks(struct split *split, int lights, int mono_rank, int colour_rank);
@@ -72,9 +76,9 @@ void split_set_ranks(struct split *split, int lights, int mono_rank, int colour_
 /* All that is left of a light, rows as the part has them. */
 void split_left(const struct split *split, int light, float *left);
 
-/* The cheapest column that keeps the light within limit levels (16 bits of three channels, whatever
- * they leave, when nothing else does); left becomes what that leaves. */
-void split_find_column(const struct split *split, const struct levels *levels, int lights,
-		       int light, float limit, float *left, struct split_column *column);
+/* The cheapest column that keeps the light within the error asked for (16 bits of three channels,
+ * whatever they leave, when nothing else does); left becomes what that leaves. */
+void split_find_column(const struct split *split, int light, float *left,
+		       struct split_column *column);
 
 #endif
