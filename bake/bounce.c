@@ -10,6 +10,7 @@
 
 #include "bake/random.h"
 
+#define CHANNELS 3
 #define RANK_FEW 16 /* tried first: more are seldom needed */
 #define RANK_SPARE 4
 #define ITERATIONS 2
@@ -33,13 +34,15 @@ struct scratch {
 	float *tau;		   /* [rank] */
 	float *core, *turn, *back; /* [rank][rank] */
 	float *profile;		   /* [lights] */
+	float *column[2];	   /* [channels][lights] */
 };
 
 static size_t floats_needed(size_t lights)
 {
 	const size_t k = BOUNCE_RANK_MAX;
 
-	return 4 * k * lights + 3 * k * BOUNCE_ROWS_MAX + 3 * k + 3 * k * k + lights;
+	return 4 * k * lights + 3 * k * BOUNCE_ROWS_MAX + 3 * k + 3 * k * k +
+	       (1 + 2 * CHANNELS) * lights;
 }
 
 static struct scratch deal(const struct bounce *bounce)
@@ -68,6 +71,8 @@ static struct scratch deal(const struct bounce *bounce)
 	s.turn = s.core + k * k;
 	s.back = s.turn + k * k;
 	s.profile = s.back + k * k;
+	s.column[0] = s.profile + lights;
+	s.column[1] = s.column[0] + CHANNELS * lights;
 	return s;
 }
 
@@ -210,25 +215,26 @@ static double filtered_dot(const struct scratch *s, const struct verdict *v)
 }
 
 /*
- * Whether the filter is worth it. Of the light that the filter takes away, what both halves show is
- * <A - A', B - B'>: their noise is independent. The noise of the mean is |A - B|^2 / 4 before the
- * filter and |A' - B'|^2 / 4 after it.
+ * The error of the filtered mean, as far as the halves tell; aside: of what the filter leaves
+ * alone. Of the light that the filter takes away, what both halves show is <A - A', B - B'>, for
+ * their noise is independent. The noise of a mean is a quarter of |A - B|^2, A' and B' being what
+ * is left of them.
  */
-static bool gains(const struct scratch *s, float *const half[2], const struct verdict *v)
+static double filtered_error(const struct scratch *s, float *const half[2], const struct verdict *v,
+			     double aside)
 {
 	const size_t count = (size_t)s->rows * (size_t)s->lights;
-	const double both = dot(half[0], half[1], count), together = filtered_dot(s, v);
-	const double own = dot(half[0], half[0], count) + dot(half[1], half[1], count);
-	double lost = both + together, left = -2 * together;
+	const double together = filtered_dot(s, v);
+	double lost = dot(half[0], half[1], count) + together, apart = -2 * together;
 
 	for (int k = 0; k < v->kept; k++)
 		for (int h = 0; h < 2; h++) {
 			const double value = v->weight[k] * (double)s->of[h].value[k];
 
 			lost -= value * v->found[h][k];
-			left += value * value;
+			apart += value * value;
 		}
-	return fmax(lost, 0) + left / 4 < (own - 2 * both) / 4;
+	return fmax(lost, 0) + (apart + aside) / 4;
 }
 
 /* 0 when the verdict stands. */
@@ -289,38 +295,69 @@ static bool find_profile(const struct bounce_halves *in, size_t lights, double (
 	return true;
 }
 
-/* Both halves become what they hold beside their sums, scaled. Returns whether that brought them
- * closer: sums of both signs that cancel have no profile, and noise would be blown up. */
-static bool set_sums_aside(const struct bounce_halves *in, size_t lights, double (*sum)[2],
-			   const float *profile)
+/* Both halves become what they hold beside their sums, scaled. Sets the square of what they were
+ * apart before, and of what their sums' parts are. */
+static void set_sums_aside(const struct bounce_halves *in, size_t lights, double (*sum)[2],
+			   const float *profile, double *apart, double *sums_apart)
 {
-	double before = 0, after = 0;
+	double profile_square = 0;
 
+	*apart = *sums_apart = 0;
+	for (size_t i = 0; i < lights; i++)
+		profile_square += pow((double)profile[i] * (double)in->scale[i], 2);
 	for (size_t row = 0; row < (size_t)in->rows; row++) {
 		float *a = in->half[0] + row * lights, *b = in->half[1] + row * lights;
 		const float by_a = (float)sum[row][0], by_b = (float)sum[row][1];
 
 		for (size_t i = 0; i < lights; i++) {
-			const float apart = (a[i] - b[i]) * in->scale[i];
+			const float d = (a[i] - b[i]) * in->scale[i];
 
+			*apart += (double)d * (double)d;
 			a[i] = (a[i] - by_a * profile[i]) * in->scale[i];
 			b[i] = (b[i] - by_b * profile[i]) * in->scale[i];
-			before += (double)apart * (double)apart;
-			after += (double)(a[i] - b[i]) * (double)(a[i] - b[i]);
 		}
+		*sums_apart += pow(sum[row][0] - sum[row][1], 2) * profile_square;
 	}
-	return after <= before;
 }
 
-static void put_sums_back(const struct bounce_halves *in, size_t lights, double (*sum)[2],
-			  const float *profile)
+/* The same with the mean of each channel's column, so that no light makes a step from one tile to
+ * the next. Adds to the square. */
+static void set_means_aside(const struct bounce_halves *in, size_t lights, float *const column[2],
+			    double *means_apart)
 {
+	const size_t pixels = (size_t)in->rows / CHANNELS, size = CHANNELS * lights;
+
+	for (int h = 0; h < 2; h++) {
+		memset(column[h], 0, size * sizeof(float));
+		for (size_t p = 0; p < pixels; p++)
+			for (size_t i = 0; i < size; i++)
+				column[h][i] += in->half[h][p * size + i];
+		for (size_t i = 0; i < size; i++)
+			column[h][i] /= (float)pixels;
+		for (size_t p = 0; p < pixels; p++)
+			for (size_t i = 0; i < size; i++)
+				in->half[h][p * size + i] -= column[h][i];
+	}
+	for (size_t i = 0; i < size; i++)
+		*means_apart += pow((double)column[0][i] - (double)column[1][i], 2) *
+				(double)pixels;
+}
+
+static void put_back(const struct bounce_halves *in, size_t lights, double (*sum)[2],
+		     const struct scratch *s)
+{
+	const float share[2] = {(float)in->share[0], (float)in->share[1]};
+
 	for (size_t row = 0; row < (size_t)in->rows; row++) {
+		const size_t channel = row % CHANNELS * lights;
 		float *at = in->half[0] + row * lights;
 		const float by = (float)mean_sum(in, sum[row]);
 
 		for (size_t i = 0; i < lights; i++)
-			at[i] = at[i] / in->scale[i] + by * profile[i];
+			at[i] = (at[i] + share[0] * s->column[0][channel + i] +
+				 share[1] * s->column[1][channel + i]) /
+					in->scale[i] +
+				by * s->profile[i];
 	}
 }
 
@@ -355,6 +392,7 @@ int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 	const size_t lights = (size_t)bounce->lights;
 	double sum[BOUNCE_ROWS_MAX][2];
 	struct verdict v = {.kept = 0};
+	double apart, aside;
 	int kept = -1;
 
 	s.rows = in->rows;
@@ -363,14 +401,15 @@ int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 		take_mean(in, lights);
 		return -1;
 	}
-	if (set_sums_aside(in, lights, sum, s.profile) && !judge(&s, in->half, &v) &&
-	    gains(&s, in->half, &v))
+	set_sums_aside(in, lights, sum, s.profile, &apart, &aside);
+	set_means_aside(in, lights, s.column, &aside);
+	if (!judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < apart / 4)
 		kept = v.kept;
 	take_mean(in, lights);
 	if (kept == 0)
 		memset(in->half[0], 0, (size_t)in->rows * lights * sizeof(float));
 	else if (kept > 0 && filter_mean(&s, in->half[0], &v))
 		kept = -1;
-	put_sums_back(in, lights, sum, s.profile);
+	put_back(in, lights, sum, &s);
 	return kept;
 }

@@ -6,8 +6,9 @@
  * noise. It comes as two halves of independent samples. What the leading singular vectors of one
  * half find again in the other half is light, what they do not is noise.
  *
- * Under a uniform sky nothing changes: sample by sample, what is blocked of it and what is bounced
- * balance, and the filter keeps each row's sum.
+ * Two things the filter leaves alone. Each row's sum under a uniform sky: there what is blocked and
+ * what is bounced balance sample by sample. And, of each light and channel, the mean over all
+ * pixels: tiles that are filtered apart must not show steps between them.
  */
 #ifndef INLAY_BAKE_BOUNCE_H
 #define INLAY_BAKE_BOUNCE_H
@@ -23,7 +24,7 @@ struct bounce {
 
 /* What is filtered. Neither sky nor scale is 0. */
 struct bounce_halves {
-	int rows;
+	int rows;	    /* three channels of each pixel */
 	float *half[2];	    /* [rows][lights]: means, each over samples of its own */
 	double share[2];    /* of all samples; they sum to 1 */
 	const float *sky;   /* [lights]: the lighting, in units of the values, that is left alone */
@@ -36,7 +37,7 @@ void bounce_free(struct bounce *bounce); /* idempotent; zeroed is fine */
 
 /*
  * half[0] becomes the mean of both, filtered, and half[1] is spoilt. Returns how many singular
- * vectors were kept besides each row's sum, or -1 when the mean was left as it is: the halves do
+ * vectors were kept besides sums and means, or -1 when the mean was left as it is: the halves do
  * not show that more noise would go than light.
  */
 int bounce_filter(struct bounce *bounce, const struct bounce_halves *halves);
