@@ -14,7 +14,9 @@ static const int ranks[] = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define TURNS 2
 #define FIRST_RANK 4
 /* Ranks in a row that are worse than the best before a search gives up. */
-#define PATIENCE 3
+#define PATIENCE 4
+/* Three channels without a tint are tried where one light in so many has a hue of its own. */
+#define HUE_SHARE 16
 
 int search_create(struct search *s, const struct encode_settings *settings,
 		  const struct levels *levels)
@@ -62,12 +64,12 @@ int plan_blocks(const struct plan *plan, struct plan_block *blocks)
 	return count;
 }
 
-static size_t bytes_of(const struct search *s, const struct split *split, const struct plan *plan)
+static void count_bytes(const struct search *s, const struct split *split, struct plan *plan)
 {
 	struct plan_block blocks[PLAN_BLOCKS_MAX];
 	const int count = plan_blocks(plan, blocks);
-	size_t bytes = 0;
 
+	plan->bytes = plan->pattern_bytes = 0;
 	for (int k = 0; k < count; k++) {
 		const struct basis_block_entry entry = {
 			.pixels = (uint16_t)split->part->kept,
@@ -77,10 +79,11 @@ static size_t bytes_of(const struct search *s, const struct split *split, const 
 			.patterns = (uint16_t)blocks[k].patterns,
 			.columns = (uint32_t)blocks[k].columns,
 		};
+		const struct basis_layout at = basis_layout(&entry, s->settings->coarse);
 
-		bytes += basis_layout(&entry, s->settings->coarse).bytes;
+		plan->bytes += at.bytes;
+		plan->pattern_bytes += at.light - at.pattern;
 	}
-	return bytes;
 }
 
 /* Where the column is used, what patterns leave of this light is not seen. size: of what it changes
@@ -205,15 +208,21 @@ static void evaluate(struct search *s, struct split *split, int mono_rank, int c
 	plan->mono_rank = split->mono ? split->mono_rank : 0;
 	plan->colour_rank = split->colour ? split->colour_rank : 0;
 	choose_columns(s, split, plan);
-	plan->bytes = bytes_of(s, split, plan);
+	count_bytes(s, split, plan);
 	plan->excess = excess_of(s, split);
+}
+
+/* Patterns count twice: every frame reads them, and columns of bright lights alone. */
+static double cost_of(const struct plan *plan)
+{
+	return (double)plan->bytes + (double)plan->pattern_bytes;
 }
 
 static bool better(const struct plan *a, const struct plan *b)
 {
 	if ((a->excess <= 1) != (b->excess <= 1))
 		return a->excess <= 1;
-	return a->excess <= 1 ? a->bytes < b->bytes : a->excess < b->excess;
+	return a->excess <= 1 ? cost_of(a) < cost_of(b) : a->excess < b->excess;
 }
 
 /* Improves one of the two ranks. */
@@ -229,7 +238,7 @@ static void scan(struct search *s, struct split *split, bool mono, struct plan *
 		if (better(&plan, best)) {
 			*best = plan;
 			worse = 0;
-		} else if (best->excess <= 1 && plan.bytes > best->bytes) {
+		} else if (best->excess <= 1 && cost_of(&plan) > cost_of(best)) {
 			worse++;
 		}
 		if (ranks[k] >= (mono ? split->mono_patterns.count : split->colour_patterns.count))
@@ -256,6 +265,14 @@ static void search_split(struct search *s, struct split *split, struct plan *bes
 		*best = own;
 }
 
+/* A tint does not do where many lights need columns of three channels. */
+static bool hue_varies(const struct search *s, const struct plan *best)
+{
+	const int coloured = best->columns[COLUMN_COLOUR8] + best->columns[COLUMN_COLOUR16];
+
+	return best->excess > 1 || coloured * HUE_SHARE > s->settings->lights;
+}
+
 int search_best(struct search *s, struct split *split, const struct part *part, struct plan *best)
 {
 	int err = split_take(split, s->settings, part);
@@ -264,7 +281,8 @@ int search_best(struct search *s, struct split *split, const struct part *part, 
 		return err;
 	*best = (struct plan){.excess = INFINITY};
 	for (int way = 0; way < SPLIT_WAYS; way++) {
-		if (!split_possible(part, (enum split_way)way))
+		if (!split_possible(part, (enum split_way)way) ||
+		    (way == SPLIT_PLAIN && !hue_varies(s, best)))
 			continue;
 		err = split_part(split, s->settings, (enum split_way)way);
 		if (err)

@@ -1,4 +1,4 @@
-/* How many patterns, and which lights get a column: the fewest bytes that hold the error asked for.
+/* How many patterns, and which lights get a column: the cheapest that holds the error asked for.
  * Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_SEARCH_H
 #define INLAY_BAKE_ENCODE_SEARCH_H
@@ -9,8 +9,8 @@ struct plan {
 	enum split_way way;
 	int mono_rank, colour_rank;
 	int columns[COLUMN_FORMS];
-	size_t bytes;
-	double excess; /* of the skies' errors over what is asked; up to 1: held */
+	size_t bytes, pattern_bytes; /* of all; of patterns and their coefficients */
+	double excess;		     /* of the skies' errors over what is asked; up to 1: held */
 };
 
 /* A block to be: which patterns and which columns are in it. */

@@ -57,7 +57,8 @@ bool split_possible(const struct part *part, enum split_way way)
 		return true;
 	if (part->channels == 1 || part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U)
 		return false;
-	return way == SPLIT_TOTAL || part->direct;
+	return way == SPLIT_DIRECT ? part->direct != NULL
+				   : part->kind == BASIS_KIND_T || part->direct_channels == 3;
 }
 
 /* ---- one channel and a tint ---- */

@@ -9,9 +9,10 @@
 #include "bake/encode_rank.h"
 
 enum split_way {
+	SPLIT_DIRECT, /* one channel, and a tint, for direct light; the rest is mostly what bounced
+		       */
+	SPLIT_TOTAL,  /* the same for all of it; the rest is what is of another hue */
 	SPLIT_PLAIN,  /* all of it as it is: one channel if it has one, else three */
-	SPLIT_TOTAL,  /* one channel and a tint for all of it; the rest is what is of another hue */
-	SPLIT_DIRECT, /* the same for direct light; the rest is what bounced */
 	SPLIT_WAYS
 };
 
@@ -60,7 +61,8 @@ struct split_column {
 int split_create(struct split *split, const struct encode_settings *settings);
 void split_free(struct split *split); /* zeroed is fine */
 
-/* Whether it would differ from the ways before it. */
+/* Whether it is worth trying: of a shadow in one channel and coloured bounce, the direct light is
+ * all that channels share. */
 bool split_possible(const struct part *part, enum split_way way);
 
 /* The part that the next calls are about: how its lights count. -EDOM: they are no numbers. */
