@@ -99,8 +99,8 @@ static int check_lights(const struct basis_reader *r)
 		if (!(fabs(square - 1) < 1e-6))
 			return basis_damaged(r, "direction %u (%g %g %g), expected length 1", i,
 					     d[0], d[1], d[2]);
-		if (!(light->solid_angle_sr >= 0 && isfinite(light->solid_angle_sr)))
-			return basis_damaged(r, "solid angle %u is %g, expected 0 or more", i,
+		if (!(light->solid_angle_sr >= 0 && light->solid_angle_sr <= 4 * M_PI))
+			return basis_damaged(r, "solid angle %u is %g, expected 0 to 4 pi", i,
 					     light->solid_angle_sr);
 	}
 	return 0;

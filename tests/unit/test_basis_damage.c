@@ -187,6 +187,7 @@ static void refuses_broken_numbers(void **state)
 	REFUSED("direction 3", lights[3].direction[1] = NAN);
 	REFUSED("solid angle 0", lights[0].solid_angle_sr = -1);
 	REFUSED("solid angle 49", lights[49].solid_angle_sr = NAN);
+	REFUSED("solid angle 7", lights[7].solid_angle_sr = 1e300);
 	REFUSED("value 5 of the ground", ground[5] = NAN);
 	REFUSED("value 5 of the ground", ground[5] = -1);
 	REFUSED("value 5 of the ground", ground[5] = 1e300);
