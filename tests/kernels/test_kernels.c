@@ -123,10 +123,11 @@ static void test_mix(struct run *run, enum transfer from, enum transfer to)
 
 	kernel_curves_fill(&curves, from, to);
 	for (int i = 0; i < 400000; i++) {
-		const int32_t object = random_between(-1, 3)
-					       ? random_between(0, 1 << random_between(1, 24))
-					       : 0;
-		const int32_t taken = random_between(-(1 << 24), 1 << 24);
+		const int32_t object = random_between(0, 3) ? random_between(-1000, 1 << 24) >>
+								      random_between(0, 20)
+							    : 0;
+		const int32_t taken = random_between(0, 1) ? random_between(-(1 << 24), 1 << 24)
+							   : random_between(-16 * (1 << 24), 0);
 		const uint16_t coverage = (uint16_t)(random_between(0, 1) ? random_between(0, 65535)
 									  : 0);
 		const uint8_t in[4] = {(uint8_t)random(), 0, 0, 0};
@@ -138,7 +139,7 @@ static void test_mix(struct run *run, enum transfer from, enum transfer to)
 					       &curves,
 					       (uint8_t[4]){0}};
 		const double linear = ldexp(object, -24) + (1 - coverage / 65535.0) *
-								   (1 - ldexp(taken, -24)) *
+								   fmin(1 - ldexp(taken, -24), 16) *
 								   curves.decode[in[0]] / 65535;
 
 		kernels_c.mix(&row);
