@@ -16,13 +16,18 @@
 #define MARGIN 0.99
 /* The narrowest error that is told from others, against the largest value. */
 #define NARROWEST 1e-6F
+/* The widest: where a light is not seen at all. */
+#define WIDEST 1e30F
 /* Of a light whose error nobody sees, against the mean: so that none is ignored. */
 #define LEAST_WEIGHT 0.01
 #define BLOCK 64 /* lights that are transposed at once */
 
+/* sRGB's own formulas, below black and beyond white too. */
 static double light_of(double level)
 {
-	return transfer_decode(TRANSFER_SRGB, level / 255);
+	const double encoded = level / 255;
+
+	return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
 }
 
 void levels_fill(struct levels *levels, double cell_error)
@@ -35,12 +40,8 @@ void levels_fill(struct levels *levels, double cell_error)
 		const double level = 255 * transfer_encode(TRANSFER_SRGB, x);
 
 		levels->at[k] = (float)level;
-		rise[k] = level + cell_error >= 255
-				  ? LEVELS_FREE
-				  : (float)(MARGIN * (light_of(level + cell_error) - x));
-		fall[k] = level - cell_error <= 0
-				  ? LEVELS_FREE
-				  : (float)(MARGIN * (x - light_of(level - cell_error)));
+		rise[k] = (float)(MARGIN * (light_of(level + cell_error) - x));
+		fall[k] = (float)(MARGIN * (x - light_of(level - cell_error)));
 	}
 	for (int k = 0; k <= LEVELS_STEPS + 1; k++) {
 		const int next = k <= LEVELS_STEPS ? k + 1 : k;
@@ -341,12 +342,12 @@ static void expose_light(struct part *part, const struct encode_settings *settin
 static void limit_row(const struct levels *levels, float offset, float slope, const float *base,
 		      float *least, float *most, int count, bool again)
 {
-	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : LEVELS_FREE;
+	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : WIDEST;
 
 	for (int p = 0; p < count; p++) {
 		const float is = offset + slope * base[p];
-		const float rise = fminf(levels_read(levels->rise, is) * per, LEVELS_FREE);
-		const float fall = fminf(levels_read(levels->fall, is) * per, LEVELS_FREE);
+		const float rise = fminf(levels_read(levels->rise, is) * per, WIDEST);
+		const float fall = fminf(levels_read(levels->fall, is) * per, WIDEST);
 		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
 
 		least[p] = again ? fmaxf(least[p], low) : low;

@@ -13,15 +13,13 @@
 #define PART_ROWS (3 * PART_PIXELS)
 
 /* The 8-bit level, not rounded, of linear light 0..1, by linear interpolation: off by less than
- * 0.001. And how far light may rise or fall until it is off by the error asked for under a cell. */
+ * 0.001. And how far light may rise or fall until it is off by the error asked for under a
+ * cell, as if nothing were clipped: what is clipped alone is not when lights add up. */
 #define LEVELS_STEPS 16384
 struct levels {
 	float at[LEVELS_STEPS + 2];
 	float rise[LEVELS_STEPS + 2], fall[LEVELS_STEPS + 2];
 };
-
-/* Farther than anything: what is clipped anyway. */
-#define LEVELS_FREE 1e30F
 
 void levels_fill(struct levels *levels, double cell_error);
 
