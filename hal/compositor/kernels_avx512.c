@@ -80,9 +80,11 @@ KERNEL_INLINE void sums_of(const void *lines, const struct kernel_weights *w, in
 	KERNEL_UNROLL
 	for (int i = 0; i < 8; i++)
 		total[i / 4][i / 2 % 2][i % 2] = _mm512_setzero_si512();
+	kernel_fetch(lines, w, 0, kernel_run_end(w, 0));
 	for (int k = 0; k < w->count; k += KERNEL_RUN) {
-		const int end = w->count - k > KERNEL_RUN ? k + KERNEL_RUN : w->count;
+		const int end = kernel_run_end(w, k);
 
+		kernel_fetch(lines, w, end, kernel_run_end(w, end));
 		run_of(lines, w, k, end, bytes, digits, acc);
 		KERNEL_UNROLL
 		for (int i = 0; i < 4 + 4 * bytes; i++)

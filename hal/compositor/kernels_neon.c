@@ -71,9 +71,11 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64_t *sum,
 			const bool bytes)
 {
+	kernel_fetch(lines, w, 0, kernel_run_end(w, 0));
 	for (int k = 0; k < w->count; k += KERNEL_RUN) {
-		const int end = w->count - k > KERNEL_RUN ? k + KERNEL_RUN : w->count;
+		const int end = kernel_run_end(w, k);
 
+		kernel_fetch(lines, w, end, kernel_run_end(w, end));
 		for (int p = 0; p < (bytes ? KERNEL_LINE8 : KERNEL_LINE16); p += 32) {
 			for (int d = 0; d < w->digits; d += 2) {
 				if (w->digits - d >= 2)

@@ -92,6 +92,7 @@ static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t s
 	for (int k = 0; k < w->count; k += PIECE) {
 		const int end = w->count - k > PIECE ? k + PIECE : w->count;
 
+		kernel_fetch(lines, w, k, end);
 		for (int p = 0; p < KERNEL_LINE8; p += PIXELS) {
 			for (int d = 0; d < w->digits; d += 2) {
 				if (w->digits - d >= 2)
