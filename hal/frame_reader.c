@@ -162,3 +162,16 @@ const uint32_t *frame_reader_row(const struct frame_reader *r, int x, int y, int
 	read_row(r, x, y, count, scratch);
 	return scratch;
 }
+
+void frame_reader_prefetch(const struct frame_reader *r, int x, int y, int count)
+{
+	const struct view *v = &r->view;
+	const int left = v->x + (v->hflip ? v->width - x - count : x);
+	const int row = v->y + (v->vflip ? v->height - 1 - y : y);
+	const uint8_t *from = row_at(&r->frame, 0, row);
+	const size_t first = frame_plane_stride(r->frame.format, 0, left);
+	const size_t end = frame_plane_stride(r->frame.format, 0, left + count);
+
+	for (size_t i = first; i < end; i += 64)
+		__builtin_prefetch(from + i);
+}

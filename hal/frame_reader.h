@@ -50,4 +50,7 @@ void frame_reader_make(const void *context, int x, int y, int width, int height,
 const uint32_t *frame_reader_row(const struct frame_reader *reader, int x, int y, int count,
 				 uint32_t *scratch);
 
+/* Asks for what a part of a row will be read from, so that it is in the cache by then. */
+void frame_reader_prefetch(const struct frame_reader *reader, int x, int y, int count);
+
 #endif

@@ -50,6 +50,8 @@ HAL_SOURCES := \
 	hal/image/image_pfm.c \
 	hal/lights/lights_file.c \
 	hal/lights/sampler.c \
+	hal/lights/sampler_kernels.c \
+	hal/lights/sampler_shares.c \
 	hal/lights/sampler_table.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \
@@ -68,11 +70,15 @@ $(BUILD)/hal/compositor/kernels_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mav
 $(BUILD)/hal/compositor/kernels_neon_dotprod.o: ISA_FLAGS := -march=armv8.2-a+dotprod
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)
 
-# Rows of video for wider instruction sets; who calls them asks the processor first.
+# Rows of video and light sampling for wider instruction sets; who calls them asks the processor first.
 ifeq ($(MACHINE),x86_64)
-HAL_SOURCES += hal/frame_rows_avx2.c hal/frame_rows_avx512.c
+HAL_SOURCES += hal/frame_rows_avx2.c hal/frame_rows_avx512.c hal/lights/sampler_avx2.c \
+	hal/lights/sampler_avx512.c
+$(BUILD)/hal/lights/sampler_avx2.o: ISA_FLAGS := -mavx2
+$(BUILD)/hal/lights/sampler_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
+	-mavx512vbmi -mavx512vnni -mbmi2
 $(BUILD)/hal/frame_rows_avx2.o: ISA_FLAGS := -mavx2
 $(BUILD)/hal/frame_rows_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl
 else ifeq ($(MACHINE),aarch64)
-HAL_SOURCES += hal/frame_rows_neon.c
+HAL_SOURCES += hal/frame_rows_neon.c hal/lights/sampler_neon.c
 endif

@@ -18,6 +18,7 @@ UNIT_TESTS := \
 	tests/unit/test_app_show.c \
 	tests/unit/test_app_overlay.c \
 	tests/unit/test_sampler.c \
+	tests/unit/test_sampler_kernels.c \
 	tests/unit/test_output.c \
 	tests/unit/test_lights_file.c \
 	tests/unit/test_basis.c \

@@ -18,9 +18,11 @@
 
 #include "hal/fault.h"
 #include "hal/frame.h"
+#include "hal/frame_reader.h"
 #include "hal/image/image.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
+#include "hal/pool.h"
 #include "hal/view.h"
 
 enum light_estimator { ESTIMATOR_CELL, ESTIMATOR_NODE, ESTIMATOR_COUNT };
@@ -44,10 +46,23 @@ int light_sampler_create(struct light_sampler **sampler, const struct dome *dome
 			 const struct fisheye *lens, int width, int height,
 			 const struct light_sampler_settings *settings, struct fault *fault);
 
-/* radiance[i] gets the colour of light i: R, G, B. Nothing is allocated. -EINVAL: another size.
+/*
+ * radiance[i] gets the colour of light i: R, G, B. The frame is read as it is, its pixels inside
+ * the image circle once each, from top to bottom. Strips of it are shared among the pool's threads;
+ * NULL: the calling thread does all. Nothing is allocated but once for each thread. -EINVAL:
+ * another size; -ENOMEM.
+ *
  * Returns the share of the sky's solid angle (0..1) that is clipped (any channel at 255) through
  * clipped, which may be NULL. Integer arithmetic but for the last scaling: the same on every
- * machine. */
+ * machine, with any number of threads.
+ *
+ * A colour is within 2^-14 of itself and gain * 2^-16 of what double precision makes of the same
+ * pixels and their shares.
+ */
+int light_sampler_read_frame(struct light_sampler *sampler, const struct frame_reader *frame,
+			     struct pool *pool, float (*radiance)[3], double *clipped);
+
+/* The same from a picture in memory, by the calling thread. */
 int light_sampler_read(struct light_sampler *sampler, const struct picture *picture,
 		       float (*radiance)[3], double *clipped);
 

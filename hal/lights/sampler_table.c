@@ -2,350 +2,326 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define SUBPIXELS 8 /* each way, in pixels that straddle cells */
+/* A light whose small weights are many, next to all its weight, has a fine sum too: see README.md.
+ * A weight is small below half of the largest one's. */
+#define SMALL_WEIGHT 16384
 
-/* A pixel's part in a light. */
-struct share {
-	int light;
-	uint16_t x, y;
-	float weight; /* in any unit */
+/* Pixels between two that are needed, up to which they are read as one segment. */
+#define SEGMENT_GAP 64
+
+struct packer {
+	struct sampler_table *table;
+	const struct sampler_share *shares;
+	size_t count;
+	int *order;   /* [count]: by light, then by strip and light */
+	float *scale; /* [lights]: of weights, to units of the largest */
+	int spans, segments;
+	size_t weights, weight_room;
 };
 
-struct share_list {
-	struct share *items;
-	size_t count, room;
-};
-
-struct builder {
-	const struct dome *dome;
-	const struct fisheye *lens;
-	int width, height;
-	int *corner_light; /* [height + 1][width + 1]: the cell at each pixel's upper left corner */
-	struct share_list shares;
-};
-
-static int add_share(struct share_list *list, int light, int x, int y, double weight)
+static int strip_of(const struct sampler_share *share)
 {
-	if (list->count == list->room) {
-		const size_t room = list->room ? 2 * list->room : 4096;
-		struct share *items = realloc(list->items, room * sizeof(*items));
-
-		if (!items)
-			return -ENOMEM;
-		list->items = items;
-		list->room = room;
-	}
-	list->items[list->count++] = (struct share){light, (uint16_t)x, (uint16_t)y, (float)weight};
-	return 0;
+	return share->y / SAMPLER_STRIP_ROWS;
 }
 
-/* The cell seen at a point of the picture; -1 outside the field and below the horizon. */
-static int light_at(const struct builder *b, double x, double y)
+static int light_of(const struct sampler_share *share)
 {
-	const double px[2] = {x, y};
-	double dir[3];
-
-	return fisheye_ray(b->lens, px, dir) ? dome_cell_of(b->dome, dir) : -1;
+	return share->light;
 }
 
-static int corner_light(const struct builder *b, int x, int y)
+/* Stable: what is of one key keeps its order. */
+static int sort_by(struct packer *p, int (*key)(const struct sampler_share *), int keys)
 {
-	return b->corner_light[(size_t)y * (b->width + 1) + x];
-}
+	int *first = calloc((size_t)keys + 1, sizeof(*first));
+	int *sorted = malloc((p->count + 1) * sizeof(*sorted));
 
-/* Whether the picture's rim may pass through a pixel none of whose corners sees the sky: a corner
- * around it does then. */
-static bool near_sky(const struct builder *b, int x, int y)
-{
-	for (int j = y - 1; j <= y + 2; j++)
-		for (int i = x - 1; i <= x + 2; i++)
-			if (i >= 0 && j >= 0 && i <= b->width && j <= b->height &&
-			    corner_light(b, i, j) >= 0)
-				return true;
-	return false;
-}
-
-/* The directions of the pixel's four corners; false when one of them does not see the sky. */
-static bool corner_rays(const struct builder *b, int x, int y, double corner[4][3])
-{
-	for (int k = 0; k < 4; k++) {
-		const double px[2] = {x + (k & 1), y + (k >> 1)};
-
-		if (corner_light(b, x + (k & 1), y + (k >> 1)) < 0 ||
-		    !fisheye_ray(b->lens, px, corner[k]))
-			return false;
-	}
-	return true;
-}
-
-/* Counts sub-pixels by light. Within a pixel the direction is as good as bilinear in position (off
- * by 1e-3 pixels in a picture of 480), and that is much cheaper than the lens; not at the rim,
- * where a part is not seen. */
-static int count_subpixels(const struct builder *b, int x, int y, int light[SUBPIXELS * SUBPIXELS],
-			   int count[SUBPIXELS * SUBPIXELS])
-{
-	double corner[4][3];
-	const bool whole = corner_rays(b, x, y, corner);
-	int kinds = 0;
-
-	for (int k = 0; k < SUBPIXELS * SUBPIXELS; k++) {
-		const double s = (k % SUBPIXELS + 0.5) / SUBPIXELS;
-		const double t = (k / SUBPIXELS + 0.5) / SUBPIXELS;
-		int found, at = 0;
-
-		if (whole) {
-			double dir[3];
-
-			for (int c = 0; c < 3; c++)
-				dir[c] = (1 - t) * ((1 - s) * corner[0][c] + s * corner[1][c]) +
-					 t * ((1 - s) * corner[2][c] + s * corner[3][c]);
-			found = dome_cell_of(b->dome, dir);
-		} else {
-			found = light_at(b, x + s, y + t);
-		}
-		if (found < 0)
-			continue;
-		while (at < kinds && light[at] != found)
-			at++;
-		if (at == kinds) {
-			light[kinds] = found;
-			count[kinds++] = 0;
-		}
-		count[at]++;
-	}
-	return kinds;
-}
-
-/* Cells are convex: a pixel whose corners lie in one lies in it. */
-static int share_pixel(struct builder *b, int x, int y)
-{
-	const double centre[2] = {x + 0.5, y + 0.5};
-	const int first = corner_light(b, x, y);
-	const bool same = first == corner_light(b, x + 1, y) &&
-			  first == corner_light(b, x, y + 1) &&
-			  first == corner_light(b, x + 1, y + 1);
-	int light[SUBPIXELS * SUBPIXELS], count[SUBPIXELS * SUBPIXELS], kinds;
-	double sr;
-
-	if (same && first < 0 && !near_sky(b, x, y))
-		return 0;
-	if (light_at(b, centre[0], centre[1]) < 0)
-		return 0;
-	sr = fisheye_pixel_sr(b->lens, centre);
-	if (same && first >= 0)
-		return add_share(&b->shares, first, x, y, sr);
-	kinds = count_subpixels(b, x, y, light, count);
-	for (int k = 0; k < kinds; k++) {
-		const int ret = add_share(&b->shares, light[k], x, y,
-					  sr * count[k] / (SUBPIXELS * SUBPIXELS));
-
-		if (ret < 0)
-			return ret;
-	}
-	return 0;
-}
-
-static int share_by_cell(struct builder *b)
-{
-	const int columns = b->width + 1;
-
-	b->corner_light = calloc((size_t)columns * (b->height + 1), sizeof(*b->corner_light));
-	if (!b->corner_light)
+	if (!first || !sorted) {
+		free(first);
+		free(sorted);
 		return -ENOMEM;
-	for (int y = 0; y <= b->height; y++)
-		for (int x = 0; x <= b->width; x++)
-			b->corner_light[(size_t)y * columns + x] = light_at(b, x, y);
-	for (int y = 0; y < b->height; y++)
-		for (int x = 0; x < b->width; x++) {
-			const int ret = share_pixel(b, x, y);
-
-			if (ret < 0)
-				return ret;
-		}
+	}
+	for (size_t k = 0; k < p->count; k++)
+		first[key(&p->shares[p->order[k]]) + 1]++;
+	for (int i = 0; i < keys; i++)
+		first[i + 1] += first[i];
+	for (size_t k = 0; k < p->count; k++)
+		sorted[first[key(&p->shares[p->order[k]])]++] = p->order[k];
+	free(first);
+	free(p->order);
+	p->order = sorted;
 	return 0;
 }
 
-/* The pixel nearest to px, of those around it, whose centre sees the sky. */
-static int share_nearest(struct builder *b, int light, const double px[2])
+/* A weight in units of the light's largest: the whole part, and what is left in the next bits. */
+struct digits {
+	uint16_t whole, fine;
+};
+
+static struct digits digits_of(const struct packer *p, const struct sampler_share *share)
 {
-	const int x0 = (int)floor(px[0]), y0 = (int)floor(px[1]);
-	double best = INFINITY;
-	int found[2] = {0, 0};
+	const int light = share->light;
+	const double weight = (double)share->weight * p->scale[light];
+	const double unit = 1 << SAMPLER_FINE_BITS;
+	uint32_t all;
 
-	for (int y = y0 - 2; y <= y0 + 2; y++)
-		for (int x = x0 - 2; x <= x0 + 2; x++) {
-			const double d = hypot(x + 0.5 - px[0], y + 0.5 - px[1]);
-
-			if (x < 0 || y < 0 || x >= b->width || y >= b->height || d >= best ||
-			    light_at(b, x + 0.5, y + 0.5) < 0)
-				continue;
-			best = d;
-			found[0] = x;
-			found[1] = y;
-		}
-	return best < INFINITY ? add_share(&b->shares, light, found[0], found[1], 1) : 0;
+	if (p->table->light[light].fine < 0)
+		return (struct digits){(uint16_t)fmin(rint(weight), SAMPLER_WEIGHT_MAX), 0};
+	all = (uint32_t)fmin(rint(weight * unit), SAMPLER_WEIGHT_MAX * unit);
+	return (struct digits){(uint16_t)(all >> SAMPLER_FINE_BITS),
+			       (uint16_t)(all & ((1U << SAMPLER_FINE_BITS) - 1))};
 }
 
-/* Bilinear at the node, of the pixels whose centre sees the sky. Nothing when the lens does not see
- * the node or the picture does not hold it. */
-static int share_node(struct builder *b, int light)
+/* Shares of one light, which order[] lists in a row. */
+static void measure_light(struct packer *p, int light, size_t first, size_t count)
 {
-	double px[2], total = 0;
-	int x0, y0;
+	struct sampler_light *l = &p->table->light[light];
+	double largest = 0, whole = 0, small = 0;
 
-	if (!fisheye_project(b->lens, b->dome->direction[light], px))
-		return 0;
-	if (!(px[0] >= 0 && px[1] >= 0 && px[0] <= b->width && px[1] <= b->height))
-		return 0;
-	x0 = (int)floor(px[0] - 0.5);
-	y0 = (int)floor(px[1] - 0.5);
-	for (int k = 0; k < 4; k++) {
-		const int x = x0 + (k & 1), y = y0 + (k >> 1);
-		const double weight = (1 - fabs(x + 0.5 - px[0])) * (1 - fabs(y + 0.5 - px[1]));
-		int ret;
+	*l = (struct sampler_light){-1, -1, {0, 0}};
+	for (size_t k = first; k < first + count; k++)
+		largest = fmax(largest, p->shares[p->order[k]].weight);
+	if (count == 0)
+		p->table->unseen++;
+	if (!(largest > 0))
+		return;
+	p->scale[light] = (float)(SAMPLER_WEIGHT_MAX / largest);
+	l->sum = p->table->sums++;
+	for (size_t k = first; k < first + count; k++) {
+		const double w = digits_of(p, &p->shares[p->order[k]]).whole;
 
-		if (x < 0 || y < 0 || x >= b->width || y >= b->height || !(weight > 0) ||
-		    light_at(b, x + 0.5, y + 0.5) < 0)
-			continue;
-		ret = add_share(&b->shares, light, x, y, weight);
-		if (ret < 0)
-			return ret;
-		total += weight;
+		whole += w;
+		small += w < SMALL_WEIGHT;
 	}
-	return total > 0 ? 0 : share_nearest(b, light, px);
-}
+	if (whole < (double)SMALL_WEIGHT * (double)count || small * 65536 > whole)
+		l->fine = p->table->sums++;
+	for (size_t k = first; k < first + count; k++) {
+		const struct digits d = digits_of(p, &p->shares[p->order[k]]);
 
-static int share_nodes(struct builder *b, const bool *done)
-{
-	for (int i = 0; i < b->dome->count; i++) {
-		const int ret = done && done[i] ? 0 : share_node(b, i);
-
-		if (ret < 0)
-			return ret;
-	}
-	return 0;
-}
-
-/* The cells that no pixel reaches get their nodes. */
-static int share_missing(struct builder *b)
-{
-	bool *done = calloc((size_t)b->dome->count, sizeof(*done));
-	int ret;
-
-	if (!done)
-		return -ENOMEM;
-	for (size_t k = 0; k < b->shares.count; k++)
-		done[b->shares.items[k].light] = true;
-	ret = share_nodes(b, done);
-	free(done);
-	return ret;
-}
-
-/* Weights of one light as integers: rounding the running sum makes the whole exact, and each off by
- * less than one unit. */
-static void round_weights(const struct share *shares, const int *order, int count, uint32_t *weight)
-{
-	const double whole = ldexp(1, SAMPLER_WEIGHT_BITS);
-	double total = 0, sum = 0, before = 0;
-
-	for (int k = 0; k < count; k++)
-		total += shares[order[k]].weight;
-	for (int k = 0; k < count; k++) {
-		double now;
-
-		sum += shares[order[k]].weight; /* the last equals total to the bit: the same sum */
-		now = rint(whole * (sum / total));
-		weight[k] = (uint32_t)(now - before);
-		before = now;
+		l->whole[0] += d.whole;
+		l->whole[1] += d.fine;
 	}
 }
 
-static bool continues(const struct share *before, const struct share *here)
+static void measure_lights(struct packer *p)
+{
+	size_t k = 0;
+
+	for (int i = 0; i < p->table->lights; i++) {
+		const size_t first = k;
+
+		while (k < p->count && p->shares[p->order[k]].light == i)
+			k++;
+		measure_light(p, i, first, k - first);
+	}
+}
+
+static bool continues(const struct sampler_share *before, const struct sampler_share *here)
 {
 	return before->y == here->y && before->x + 1 == here->x;
 }
 
-/* order[] lists the shares light by light, first[] where each light's begin. */
-static void fill_table(struct sampler_table *table, const struct share *shares, const int *order,
-		       const int *first)
+/* Room for another span's weights, all 0. */
+static uint16_t *add_weights(struct packer *p, size_t count)
 {
-	int spans = 0;
+	struct sampler_table *t = p->table;
+	uint16_t *weights;
 
-	for (int i = 0; i < table->lights; i++) {
-		table->first[i] = spans;
-		for (int k = first[i]; k < first[i + 1]; k++) {
-			const struct share *s = &shares[order[k]];
+	if (p->weights + count >= p->weight_room) {
+		const size_t room = 2 * (p->weights + count + 4096) / 64 * 64;
+		uint16_t *more = aligned_alloc(64, room * sizeof(*more));
 
-			if (k > first[i] && continues(&shares[order[k - 1]], s))
-				table->span[spans - 1].count++;
-			else
-				table->span[spans++] = (struct sampler_span){s->x, s->y, 1};
-		}
-		round_weights(shares, order + first[i], first[i + 1] - first[i],
-			      table->weight + first[i]);
-		table->unseen += first[i] == first[i + 1];
+		if (!more)
+			return NULL;
+		memset(more, 0, room * sizeof(*more));
+		if (p->weights)
+			memcpy(more, t->weight, p->weights * sizeof(*more));
+		free(t->weight);
+		t->weight = more;
+		p->weight_room = room;
 	}
-	table->first[table->lights] = spans;
+	weights = t->weight + p->weights;
+	p->weights += count;
+	return weights;
 }
 
-/* Sorts by light and keeps the order of rows. */
-static int make_table(struct sampler_table *table, const struct share_list *shares)
+/* Spans of shares first.. of one light in one strip, with whole weights or with fine ones. */
+static int pack_part(struct packer *p, size_t first, size_t end, bool fine)
 {
-	const size_t count = shares->count;
-	int *first = calloc((size_t)table->lights + 2, sizeof(*first));
-	int *order = calloc(count + 1, sizeof(*order));
-	int ret = -ENOMEM;
+	struct sampler_table *t = p->table;
+	const struct sampler_light *light = &t->light[p->shares[p->order[first]].light];
 
-	table->first = calloc((size_t)table->lights + 1, sizeof(*table->first));
-	table->span = calloc(count + 1, sizeof(*table->span));
-	table->weight = calloc(count + 1, sizeof(*table->weight));
-	if (!first || !order || !table->first || !table->span || !table->weight)
-		goto out;
-	for (size_t k = 0; k < count; k++)
-		first[shares->items[k].light + 2]++;
-	for (int i = 0; i < table->lights; i++)
-		first[i + 2] += first[i + 1];
-	for (size_t k = 0; k < count; k++)
-		order[first[shares->items[k].light + 1]++] = (int)k;
-	fill_table(table, shares->items, order, first);
-	ret = 0;
-out:
-	free(first);
-	free(order);
+	t->part[t->parts++] = (struct sampler_part){
+		.sum = fine ? light->fine : light->sum,
+		.first_span = p->spans,
+		.first_weight = p->weights,
+	};
+	for (size_t k = first; k < end;) {
+		const struct sampler_share *share = &p->shares[p->order[k]];
+		const int row = share->y % SAMPLER_STRIP_ROWS;
+		size_t count = 1, chunks;
+		uint16_t *weight;
+
+		while (k + count < end && count < SAMPLER_CHUNKS_MAX * SAMPLER_CHUNK &&
+		       continues(&p->shares[p->order[k + count - 1]],
+				 &p->shares[p->order[k + count]]))
+			count++;
+		chunks = (count + SAMPLER_CHUNK - 1) / SAMPLER_CHUNK;
+		weight = add_weights(p, chunks * SAMPLER_CHUNK);
+		if (!weight)
+			return -ENOMEM;
+		for (size_t i = 0; i < count; i++) {
+			const struct digits d = digits_of(p, &p->shares[p->order[k + i]]);
+
+			weight[i] = fine ? d.fine : d.whole;
+		}
+		t->span[p->spans++] = (struct sampler_span){
+			.offset = (uint32_t)(row * t->row_stride + share->x),
+			.chunks = (uint32_t)chunks,
+		};
+		k += count;
+	}
+	t->part[t->parts - 1].spans = p->spans - t->part[t->parts - 1].first_span;
+	return 0;
+}
+
+/* The pixels of a row of a strip that any light needs: needed[] holds them, and is cleared. */
+static void pack_segments(struct packer *p, int row, uint8_t *needed, int width)
+{
+	struct sampler_segment *open = NULL;
+
+	for (int x = 0; x < width; x++) {
+		if (!needed[x])
+			continue;
+		needed[x] = 0;
+		if (!open || x - (open->x + open->count) > SEGMENT_GAP) {
+			open = &p->table->segment[p->segments++];
+			*open = (struct sampler_segment){(uint16_t)row, (uint16_t)x, 0};
+		}
+		open->count = (uint16_t)(x - open->x + 1);
+	}
+}
+
+static int pack_strip(struct packer *p, size_t first, size_t end, uint8_t *needed, int width)
+{
+	struct sampler_table *t = p->table;
+	int ret = 0;
+
+	for (size_t k = first; ret == 0 && k < end;) {
+		const int light = p->shares[p->order[k]].light;
+		size_t next = k;
+
+		while (next < end && p->shares[p->order[next]].light == light)
+			next++;
+		if (t->light[light].sum >= 0)
+			ret = pack_part(p, k, next, false);
+		if (ret == 0 && t->light[light].fine >= 0)
+			ret = pack_part(p, k, next, true);
+		k = next;
+	}
+	for (size_t k = first; k < end; k++) {
+		const struct sampler_share *share = &p->shares[p->order[k]];
+
+		needed[(size_t)(share->y % SAMPLER_STRIP_ROWS) * (size_t)width + share->x] = 1;
+	}
+	for (int row = 0; row < SAMPLER_STRIP_ROWS; row++)
+		pack_segments(p, row, needed + (size_t)row * (size_t)width, width);
 	return ret;
 }
 
-int sampler_table_create(struct sampler_table *table, const struct dome *dome,
-			 const struct fisheye *lens, int width, int height,
-			 enum light_estimator estimator)
+static int pack_strips(struct packer *p, int width)
 {
-	struct builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
+	struct sampler_table *t = p->table;
+	uint8_t *needed = calloc((size_t)width, SAMPLER_STRIP_ROWS);
+	size_t k = 0;
+	int ret = needed ? 0 : -ENOMEM;
+
+	for (int s = 0; ret == 0 && s < t->strips; s++) {
+		const size_t first = k;
+
+		while (k < p->count && strip_of(&p->shares[p->order[k]]) == s)
+			k++;
+		t->strip[s].first_part = t->parts;
+		t->strip[s].first_segment = p->segments;
+		ret = pack_strip(p, first, k, needed, width);
+		t->strip[s].parts = t->parts - t->strip[s].first_part;
+		t->strip[s].segments = p->segments - t->strip[s].first_segment;
+	}
+	free(needed);
+	return ret;
+}
+
+static int pack(struct packer *p, int width)
+{
+	struct sampler_table *t = p->table;
 	int ret;
 
-	*table = (struct sampler_table){.lights = dome->count};
-	if (estimator == ESTIMATOR_NODE) {
-		ret = share_nodes(&b, NULL);
-	} else {
-		ret = share_by_cell(&b);
-		if (ret == 0)
-			ret = share_missing(&b);
-	}
-	if (ret == 0)
-		ret = make_table(table, &b.shares);
+	for (size_t k = 0; k < p->count; k++)
+		p->order[k] = (int)k;
+	ret = sort_by(p, light_of, t->lights);
+	if (ret < 0)
+		return ret;
+	measure_lights(p);
+	ret = sort_by(p, strip_of, t->strips);
+	return ret < 0 ? ret : pack_strips(p, width);
+}
+
+/* To what is used; where that fails, nothing is lost. */
+static void shrink(struct packer *p)
+{
+	struct sampler_table *t = p->table;
+	void *part = realloc(t->part, ((size_t)t->parts + 1) * sizeof(*t->part));
+	void *span = realloc(t->span, ((size_t)p->spans + 1) * sizeof(*t->span));
+	void *segment = realloc(t->segment, ((size_t)p->segments + 1) * sizeof(*t->segment));
+
+	t->part = part ? part : t->part;
+	t->span = span ? span : t->span;
+	t->segment = segment ? segment : t->segment;
+}
+
+int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
+			 int lights, int width, int height)
+{
+	/* No more parts, spans or segments than that, with a fine span for each. */
+	const size_t most = 2 * shares->count + 1;
+	struct packer p = {.table = table, .shares = shares->items, .count = shares->count};
+	int ret = -ENOMEM;
+
+	*table = (struct sampler_table){
+		.lights = lights,
+		.strips = (height + SAMPLER_STRIP_ROWS - 1) / SAMPLER_STRIP_ROWS,
+		/* The last chunk of a row may reach beyond it. */
+		.row_stride = (width + 2 * SAMPLER_CHUNK - 1) / SAMPLER_CHUNK * SAMPLER_CHUNK,
+	};
+	table->light = calloc((size_t)lights, sizeof(*table->light));
+	table->strip = calloc((size_t)table->strips, sizeof(*table->strip));
+	table->part = malloc(most * sizeof(*table->part));
+	table->span = malloc(most * sizeof(*table->span));
+	table->segment = malloc(most * sizeof(*table->segment));
+	p.order = malloc((p.count + 1) * sizeof(*p.order));
+	p.scale = calloc((size_t)lights, sizeof(*p.scale));
+	if (table->light && table->strip && table->part && table->span && table->segment &&
+	    p.order && p.scale && add_weights(&p, 0))
+		ret = pack(&p, width);
+	free(p.order);
+	free(p.scale);
 	if (ret < 0)
 		sampler_table_free(table);
-	free(b.corner_light);
-	free(b.shares.items);
+	else
+		shrink(&p);
 	return ret;
 }
 
 void sampler_table_free(struct sampler_table *table)
 {
-	free(table->first);
+	free(table->light);
+	free(table->strip);
+	free(table->part);
 	free(table->span);
+	free(table->segment);
 	free(table->weight);
 	memset(table, 0, sizeof(*table));
 }

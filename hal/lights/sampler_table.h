@@ -1,30 +1,57 @@
-/* Which pixels make up which light, with what weight. */
+/*
+ * Which pixels make up which light, with what weight, in the order in which a picture is read.
+ *
+ * A picture is taken in strips of rows, each decoded to planes of linear light that stay in the
+ * cache. A part is what one light has in one strip: spans of pixels with a weight each.
+ */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_TABLE_H
 #define INLAY_HAL_LIGHTS_SAMPLER_TABLE_H
 
-#include "hal/lights/sampler.h"
+#include "hal/lights/sampler_kernels.h"
+#include "hal/lights/sampler_shares.h"
 
-/* The weights of a light sum to exactly this, so that a constant picture gives that constant. */
-#define SAMPLER_WEIGHT_BITS 31
+enum { SAMPLER_STRIP_ROWS = 16 };
 
-/* count pixels to the right from (x, y). */
-struct sampler_span {
-	uint16_t x, y, count;
+/* Weights of a light are in units of its largest over SAMPLER_WEIGHT_MAX; where that is too coarse
+ * (README.md), a second sum has the next SAMPLER_FINE_BITS bits of each. */
+#define SAMPLER_WEIGHT_MAX 32767
+#define SAMPLER_FINE_BITS 15
+
+struct sampler_part {
+	int sum; /* which one it adds to */
+	int first_span, spans;
+	size_t first_weight;
 };
 
-/* Light by light: its sums stay in registers, and spans and weights are read once, in order. */
+/* Pixels of a strip that are needed. */
+struct sampler_segment {
+	uint16_t row, x, count;
+};
+
+struct sampler_strip {
+	int first_part, parts, first_segment, segments;
+};
+
+struct sampler_light {
+	int sum, fine;	 /* indices of its sums; fine: -1 where it has none, both -1: unseen */
+	double whole[2]; /* the weights of each, added up */
+};
+
 struct sampler_table {
-	int lights;
-	int *first; /* [lights + 1]: spans of light i are first[i]..first[i + 1] - 1 */
-	struct sampler_span *span; /* row by row within a light */
-	uint32_t *weight;	   /* one for each pixel of each span, in order */
-	int unseen;		   /* lights without spans */
+	int lights, sums, strips, parts;
+	int row_stride; /* values from a row of a strip's planes to the next */
+	struct sampler_light *light;
+	struct sampler_strip *strip;
+	struct sampler_part *part;
+	struct sampler_span *span;
+	struct sampler_segment *segment;
+	uint16_t *weight; /* 64-byte aligned */
+	int unseen;	  /* lights without pixels */
 };
 
 /* -ENOMEM. Zeroed on failure. */
-int sampler_table_create(struct sampler_table *table, const struct dome *dome,
-			 const struct fisheye *lens, int width, int height,
-			 enum light_estimator estimator);
+int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
+			 int lights, int width, int height);
 void sampler_table_free(struct sampler_table *table); /* idempotent; zeroed is fine */
 
 #endif

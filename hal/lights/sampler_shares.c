@@ -1,0 +1,261 @@
+#include "hal/lights/sampler_shares.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SUBPIXELS 8 /* each way, in pixels that straddle cells */
+
+struct builder {
+	const struct dome *dome;
+	const struct fisheye *lens;
+	int width, height;
+	int *corner_light; /* [height + 1][width + 1]: the cell at each pixel's upper left corner */
+	struct sampler_shares shares;
+};
+
+static int add_share(struct sampler_shares *list, int light, int x, int y, double weight)
+{
+	if (list->count == list->room) {
+		const size_t room = list->room ? 2 * list->room : 4096;
+		struct sampler_share *items = realloc(list->items, room * sizeof(*items));
+
+		if (!items)
+			return -ENOMEM;
+		list->items = items;
+		list->room = room;
+	}
+	list->items[list->count++] = (struct sampler_share){light, (uint16_t)x, (uint16_t)y,
+							    (float)weight};
+	return 0;
+}
+
+/* The cell seen at a point of the picture; -1 outside the field and below the horizon. */
+static int light_at(const struct builder *b, double x, double y)
+{
+	const double px[2] = {x, y};
+	double dir[3];
+
+	return fisheye_ray(b->lens, px, dir) ? dome_cell_of(b->dome, dir) : -1;
+}
+
+static int corner_light(const struct builder *b, int x, int y)
+{
+	return b->corner_light[(size_t)y * (b->width + 1) + x];
+}
+
+/* Whether the picture's rim may pass through a pixel none of whose corners sees the sky: a corner
+ * around it does then. */
+static bool near_sky(const struct builder *b, int x, int y)
+{
+	for (int j = y - 1; j <= y + 2; j++)
+		for (int i = x - 1; i <= x + 2; i++)
+			if (i >= 0 && j >= 0 && i <= b->width && j <= b->height &&
+			    corner_light(b, i, j) >= 0)
+				return true;
+	return false;
+}
+
+/* The directions of the pixel's four corners; false when one of them does not see the sky. */
+static bool corner_rays(const struct builder *b, int x, int y, double corner[4][3])
+{
+	for (int k = 0; k < 4; k++) {
+		const double px[2] = {x + (k & 1), y + (k >> 1)};
+
+		if (corner_light(b, x + (k & 1), y + (k >> 1)) < 0 ||
+		    !fisheye_ray(b->lens, px, corner[k]))
+			return false;
+	}
+	return true;
+}
+
+/* Counts sub-pixels by light. Within a pixel the direction is as good as bilinear in position (off
+ * by 1e-3 pixels in a picture of 480), and that is much cheaper than the lens; not at the rim,
+ * where a part is not seen. */
+static int count_subpixels(const struct builder *b, int x, int y, int light[SUBPIXELS * SUBPIXELS],
+			   int count[SUBPIXELS * SUBPIXELS])
+{
+	double corner[4][3];
+	const bool whole = corner_rays(b, x, y, corner);
+	int kinds = 0;
+
+	for (int k = 0; k < SUBPIXELS * SUBPIXELS; k++) {
+		const double s = (k % SUBPIXELS + 0.5) / SUBPIXELS;
+		const double t = (k / SUBPIXELS + 0.5) / SUBPIXELS;
+		int found, at = 0;
+
+		if (whole) {
+			double dir[3];
+
+			for (int c = 0; c < 3; c++)
+				dir[c] = (1 - t) * ((1 - s) * corner[0][c] + s * corner[1][c]) +
+					 t * ((1 - s) * corner[2][c] + s * corner[3][c]);
+			found = dome_cell_of(b->dome, dir);
+		} else {
+			found = light_at(b, x + s, y + t);
+		}
+		if (found < 0)
+			continue;
+		while (at < kinds && light[at] != found)
+			at++;
+		if (at == kinds) {
+			light[kinds] = found;
+			count[kinds++] = 0;
+		}
+		count[at]++;
+	}
+	return kinds;
+}
+
+/* Cells are convex: a pixel whose corners lie in one lies in it. */
+static int share_pixel(struct builder *b, int x, int y)
+{
+	const double centre[2] = {x + 0.5, y + 0.5};
+	const int first = corner_light(b, x, y);
+	const bool same = first == corner_light(b, x + 1, y) &&
+			  first == corner_light(b, x, y + 1) &&
+			  first == corner_light(b, x + 1, y + 1);
+	int light[SUBPIXELS * SUBPIXELS], count[SUBPIXELS * SUBPIXELS], kinds;
+	double sr;
+
+	if (same && first < 0 && !near_sky(b, x, y))
+		return 0;
+	if (light_at(b, centre[0], centre[1]) < 0)
+		return 0;
+	sr = fisheye_pixel_sr(b->lens, centre);
+	if (same && first >= 0)
+		return add_share(&b->shares, first, x, y, sr);
+	kinds = count_subpixels(b, x, y, light, count);
+	for (int k = 0; k < kinds; k++) {
+		const int ret = add_share(&b->shares, light[k], x, y,
+					  sr * count[k] / (SUBPIXELS * SUBPIXELS));
+
+		if (ret < 0)
+			return ret;
+	}
+	return 0;
+}
+
+static int share_by_cell(struct builder *b)
+{
+	const int columns = b->width + 1;
+
+	b->corner_light = calloc((size_t)columns * (b->height + 1), sizeof(*b->corner_light));
+	if (!b->corner_light)
+		return -ENOMEM;
+	for (int y = 0; y <= b->height; y++)
+		for (int x = 0; x <= b->width; x++)
+			b->corner_light[(size_t)y * columns + x] = light_at(b, x, y);
+	for (int y = 0; y < b->height; y++)
+		for (int x = 0; x < b->width; x++) {
+			const int ret = share_pixel(b, x, y);
+
+			if (ret < 0)
+				return ret;
+		}
+	return 0;
+}
+
+/* The pixel nearest to px, of those around it, whose centre sees the sky. */
+static int share_nearest(struct builder *b, int light, const double px[2])
+{
+	const int x0 = (int)floor(px[0]), y0 = (int)floor(px[1]);
+	double best = INFINITY;
+	int found[2] = {0, 0};
+
+	for (int y = y0 - 2; y <= y0 + 2; y++)
+		for (int x = x0 - 2; x <= x0 + 2; x++) {
+			const double d = hypot(x + 0.5 - px[0], y + 0.5 - px[1]);
+
+			if (x < 0 || y < 0 || x >= b->width || y >= b->height || d >= best ||
+			    light_at(b, x + 0.5, y + 0.5) < 0)
+				continue;
+			best = d;
+			found[0] = x;
+			found[1] = y;
+		}
+	return best < INFINITY ? add_share(&b->shares, light, found[0], found[1], 1) : 0;
+}
+
+/* Bilinear at the node, of the pixels whose centre sees the sky. Nothing when the lens does not see
+ * the node or the picture does not hold it. */
+static int share_node(struct builder *b, int light)
+{
+	double px[2], total = 0;
+	int x0, y0;
+
+	if (!fisheye_project(b->lens, b->dome->direction[light], px))
+		return 0;
+	if (!(px[0] >= 0 && px[1] >= 0 && px[0] <= b->width && px[1] <= b->height))
+		return 0;
+	x0 = (int)floor(px[0] - 0.5);
+	y0 = (int)floor(px[1] - 0.5);
+	for (int k = 0; k < 4; k++) {
+		const int x = x0 + (k & 1), y = y0 + (k >> 1);
+		const double weight = (1 - fabs(x + 0.5 - px[0])) * (1 - fabs(y + 0.5 - px[1]));
+		int ret;
+
+		if (x < 0 || y < 0 || x >= b->width || y >= b->height || !(weight > 0) ||
+		    light_at(b, x + 0.5, y + 0.5) < 0)
+			continue;
+		ret = add_share(&b->shares, light, x, y, weight);
+		if (ret < 0)
+			return ret;
+		total += weight;
+	}
+	return total > 0 ? 0 : share_nearest(b, light, px);
+}
+
+static int share_nodes(struct builder *b, const bool *done)
+{
+	for (int i = 0; i < b->dome->count; i++) {
+		const int ret = done && done[i] ? 0 : share_node(b, i);
+
+		if (ret < 0)
+			return ret;
+	}
+	return 0;
+}
+
+/* The cells that no pixel reaches get their nodes. */
+static int share_missing(struct builder *b)
+{
+	bool *done = calloc((size_t)b->dome->count, sizeof(*done));
+	int ret;
+
+	if (!done)
+		return -ENOMEM;
+	for (size_t k = 0; k < b->shares.count; k++)
+		done[b->shares.items[k].light] = true;
+	ret = share_nodes(b, done);
+	free(done);
+	return ret;
+}
+
+int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
+			  const struct fisheye *lens, int width, int height,
+			  enum light_estimator estimator)
+{
+	struct builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
+	int ret;
+
+	if (estimator == ESTIMATOR_NODE) {
+		ret = share_nodes(&b, NULL);
+	} else {
+		ret = share_by_cell(&b);
+		if (ret == 0)
+			ret = share_missing(&b);
+	}
+	free(b.corner_light);
+	*shares = b.shares;
+	if (ret < 0)
+		sampler_shares_free(shares);
+	return ret;
+}
+
+void sampler_shares_free(struct sampler_shares *shares)
+{
+	free(shares->items);
+	memset(shares, 0, sizeof(*shares));
+}
