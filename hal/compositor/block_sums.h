@@ -22,6 +22,12 @@ struct line_set {
 	struct kernel_weights kernel[3]; /* digits is 0 where all weights are */
 };
 
+/* What is still to be asked for of the next block: patterns, coefficients. */
+struct fetch {
+	const char *from[2];
+	size_t left[2]; /* bytes */
+};
+
 /* What one worker needs for it. */
 struct block_work {
 	int64_t (*y)[3]; /* of patterns */
@@ -29,6 +35,7 @@ struct block_work {
 	int64_t *now[3]; /* [patterns + columns]: of kept blocks, what each line weighs now */
 	int64_t sum[3][BLOCK_PIXELS] __attribute__((aligned(64)));
 	int64_t part[KERNEL_LINE8] __attribute__((aligned(64)));
+	struct fetch next;
 	struct compositor_frame counts;
 };
 

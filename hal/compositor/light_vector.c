@@ -134,8 +134,10 @@ static void set_strength(struct light_vector *v, const double share[3], double c
 	memset(v->bright, 0, sizeof(*v->bright) * (size_t)((v->lights + 63) / 64));
 	for (int i = 0; i < v->lights; i++) {
 		const double *x = v->amount[i];
-		const double most = fmax(fmax(x[0] * share[0], x[1] * share[1]), x[2] * share[2]);
+		double most = 0;
 
+		for (int c = 0; c < 3; c++)
+			most = x[c] * share[c] > most ? x[c] * share[c] : most;
 		v->strength[i] = most > 0 ? (float)(most / cut) : 0;
 		if (v->strength[i] * v->most[i] >= 1)
 			v->bright[i / 64] |= UINT64_C(1) << i % 64;
