@@ -2,8 +2,10 @@
  * inlay bench: what a frame of a basis takes, every way that there is, beside the thesis's own
  * algorithm and what memory allows; with the error of each against double precision.
  *
- * All ways are timed in turns (A, B, C, A, B, C, ...), each after one frame of its own that is not
- * timed, so that noise of the machine meets all alike and each finds its caches as it leaves them.
+ * All ways are timed in turns (A, B, C, A, B, C, ...), each after a few milliseconds of its own
+ * that are not timed, so that noise of the machine meets all alike and each finds its caches as it
+ * leaves them. Times of one thread are what it had of the processor, those of several are by the
+ * clock.
  */
 #ifndef INLAY_APP_BENCH_H
 #define INLAY_APP_BENCH_H
@@ -51,6 +53,9 @@ struct bench_report {
 	double shown_mb, exact_mb, dense_mb; /* fast and exact layer; a byte for each value */
 	const char *truth;   /* the layer that double precision took: "exact", ... */
 	const char *vectors; /* that memory is read with */
+	/* Share of the timed turns in which the calling thread did not run. With one thread: others
+	 * did, which is in no time here, but they use caches and memory too. */
+	double waited;
 	struct bench_row *row;
 	int count;
 };

@@ -11,21 +11,20 @@
 #include "hal/lights/sampler.h"
 #include "hal/optics/fisheye.h"
 
-/* What one camera delivers, and the same decoded. */
+/* What one camera delivers. */
 struct bench_camera {
 	uint8_t *yuyv;
 	struct frame frame;
 	struct frame_reader reader;
-	struct frame_decoder *decoder;
-	struct canvas canvas;
-	struct picture picture;
 };
 
 struct bench_frame {
 	const struct basis *basis;
+	struct pool *pool;
 	struct dome dome;
 	struct fisheye lens;
 	struct bench_camera background, fisheye;
+	struct canvas canvas; /* the background as read from its camera: for double precision */
 	struct light_sampler *sampler;
 	float (*radiance)[3];
 	struct light_selection lights;
@@ -36,7 +35,6 @@ static int camera_create(struct bench_camera *camera, int width, int height)
 	const size_t stride = frame_plane_stride(PIXEL_YUYV, 0, width);
 	const size_t bytes = frame_plane_bytes(PIXEL_YUYV, 0, stride, height);
 	const struct view whole = {.width = width, .height = height, .squash = 1};
-	int err;
 
 	camera->yuyv = calloc(bytes, 1);
 	if (!camera->yuyv)
@@ -49,19 +47,7 @@ static int camera_create(struct bench_camera *camera, int width, int height)
 		.matrix = MATRIX_BT601,
 		.range = RANGE_LIMITED,
 	};
-	err = canvas_create(&camera->canvas, width, height);
-	if (err)
-		return err;
-	camera->picture = view_picture(&whole, camera->canvas.pixels, camera->canvas.stride);
-	err = frame_decoder_create(&camera->decoder, DEINTERLACE_WEAVE);
-	return err ? err : frame_reader_open(&camera->reader, &camera->frame, &whole, NULL);
-}
-
-static void camera_destroy(struct bench_camera *camera)
-{
-	frame_decoder_destroy(camera->decoder);
-	canvas_free(&camera->canvas);
-	free(camera->yuyv);
+	return frame_reader_open(&camera->reader, &camera->frame, &whole, NULL);
 }
 
 static void camera_take(struct bench_camera *camera, const struct canvas *picture)
@@ -91,19 +77,19 @@ static int fill(struct bench_frame *f, const struct canvas *background, struct f
 		return err;
 	f->radiance = calloc(info->lights, sizeof(*f->radiance));
 	if (!f->radiance || light_selection_create(&f->lights, f->basis) ||
+	    canvas_create(&f->canvas, background->width, background->height) ||
 	    camera_create(&f->background, (int)info->width, (int)info->height) ||
 	    camera_create(&f->fisheye, (int)info->width, (int)info->height))
 		return fault_say(fault, -ENOMEM, "not enough memory for two cameras of %ux%u",
 				 info->width, info->height);
 	camera_take(&f->background, background);
-	/* for double precision; the compositor takes it from the camera */
-	err = frame_decode(f->background.decoder, &f->background.frame, &f->background.canvas,
-			   fault);
-	return err ? err : create_sampler(f, fault);
+	frame_reader_make(&f->background.reader, 0, 0, f->canvas.width, f->canvas.height,
+			  f->canvas.pixels, f->canvas.stride);
+	return create_sampler(f, fault);
 }
 
 int bench_frame_create(struct bench_frame **frame, const struct basis *basis,
-		       const struct canvas *background, struct fault *fault)
+		       const struct canvas *background, struct pool *pool, struct fault *fault)
 {
 	struct bench_frame *f = calloc(1, sizeof(*f));
 	int err;
@@ -111,6 +97,7 @@ int bench_frame_create(struct bench_frame **frame, const struct basis *basis,
 	if (!f)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	f->basis = basis;
+	f->pool = pool;
 	err = fill(f, background, fault);
 	if (err)
 		bench_frame_destroy(f);
@@ -125,17 +112,22 @@ void bench_frame_destroy(struct bench_frame *f)
 		return;
 	light_sampler_destroy(f->sampler);
 	light_selection_free(&f->lights);
-	camera_destroy(&f->background);
-	camera_destroy(&f->fisheye);
+	canvas_free(&f->canvas);
+	free(f->background.yuyv);
+	free(f->fisheye.yuyv);
 	dome_free(&f->dome);
 	free(f->radiance);
 	free(f);
 }
 
-void bench_frame_light(struct bench_frame *f, const float (*radiance)[3])
+int bench_frame_light(struct bench_frame *f, const float (*radiance)[3])
 {
-	const struct canvas *canvas = &f->fisheye.canvas;
+	struct canvas picture;
+	const struct canvas *canvas = &picture;
+	const int err = canvas_create(&picture, f->canvas.width, f->canvas.height);
 
+	if (err)
+		return err;
 	for (int y = 0; y < canvas->height; y++) {
 		for (int x = 0; x < canvas->width; x++) {
 			uint8_t *to = canvas->pixels + (size_t)y * canvas->stride + (size_t)x * 4;
@@ -154,6 +146,26 @@ void bench_frame_light(struct bench_frame *f, const float (*radiance)[3])
 		}
 	}
 	camera_take(&f->fisheye, canvas);
+	canvas_free(&picture);
+	return 0;
+}
+
+int bench_frame_measure(struct bench_frame *f, double threshold, struct fault *fault)
+{
+	const int err = light_sampler_read_frame(f->sampler, &f->fisheye.reader, f->pool,
+						 f->radiance, NULL);
+
+	if (err)
+		return fault_say(fault, err, "the light cannot be measured: %s", strerror(-err));
+	light_selection_choose(&f->lights, f->basis, 0, (const float(*)[3])f->radiance, threshold,
+			       THRESHOLD_AMBIENT, 1);
+	return 0;
+}
+
+void bench_frame_convert(const struct bench_frame *f, struct canvas *out)
+{
+	frame_reader_make(&f->background.reader, 0, 0, out->width, out->height, out->pixels,
+			  out->stride);
 }
 
 int bench_frame_run(struct bench_frame *f, struct compositor *compositor, double threshold,
@@ -165,16 +177,10 @@ int bench_frame_run(struct bench_frame *f, struct compositor *compositor, double
 		.make = frame_reader_make,
 		.context = &f->background.reader,
 	};
-	int err = frame_decode(f->fisheye.decoder, &f->fisheye.frame, &f->fisheye.canvas, fault);
+	int err = bench_frame_measure(f, threshold, fault);
 
 	if (err)
 		return err;
-	err = light_sampler_read(f->sampler, &f->fisheye.picture, f->radiance, NULL);
-	if (err)
-		return fault_say(fault, err, "whole frame: the light cannot be measured: %s",
-				 strerror(-err));
-	light_selection_choose(&f->lights, f->basis, 0, (const float(*)[3])f->radiance, threshold,
-			       THRESHOLD_AMBIENT, 1);
 	err = compositor_run(compositor, 0, &f->lights, &backdrop, out->pixels, out->stride);
 	*bytes = compositor_last(compositor).basis_bytes;
 	return err ? fault_say(fault, err, "whole frame: the compositor fails: %s", strerror(-err))
@@ -183,7 +189,10 @@ int bench_frame_run(struct bench_frame *f, struct compositor *compositor, double
 
 struct picture bench_frame_background(const struct bench_frame *f)
 {
-	return f->background.picture;
+	const struct view whole = {
+		.width = f->canvas.width, .height = f->canvas.height, .squash = 1};
+
+	return view_picture(&whole, f->canvas.pixels, f->canvas.stride);
 }
 
 const struct light_selection *bench_frame_lights(const struct bench_frame *f)

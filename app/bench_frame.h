@@ -12,14 +12,18 @@
 
 struct bench_frame;
 
-/* The background camera's picture is made from a canvas. -ENOTSUP: the basis's lights are no
- * dome's, so that no lens can look at them. */
+/* The background camera's picture is made from a canvas; pool is what measures the light. -ENOTSUP:
+ * the basis's lights are no dome's, so that no lens can look at them. */
 int bench_frame_create(struct bench_frame **frame, const struct basis *basis,
-		       const struct canvas *background, struct fault *fault);
+		       const struct canvas *background, struct pool *pool, struct fault *fault);
 
 /* Makes the fisheye camera's picture: each cell as bright as its light, at its limit where that is
- * beyond 1. */
-void bench_frame_light(struct bench_frame *frame, const float (*radiance)[3]);
+ * beyond 1. -ENOMEM. */
+int bench_frame_light(struct bench_frame *frame, const float (*radiance)[3]);
+
+/* Parts of it: the light of all cells, and which are used; the background, converted alone. */
+int bench_frame_measure(struct bench_frame *frame, double threshold, struct fault *fault);
+void bench_frame_convert(const struct bench_frame *frame, struct canvas *out);
 
 /* Conversion, light, composite; bytes: of the basis, read. */
 int bench_frame_run(struct bench_frame *frame, struct compositor *compositor, double threshold,

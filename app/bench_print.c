@@ -4,6 +4,9 @@
 #include <stddef.h>
 #include <string.h>
 
+/* Share of the time that somebody else had, from where figures cannot be trusted. */
+#define WAITED_MUCH 0.03
+
 /* A column of the table, in JSON and CSV under its key. */
 struct column {
 	const char *key;
@@ -101,6 +104,14 @@ void bench_print_table(const struct bench_report *r, FILE *to)
 		"the object changes\n",
 		r->basis, r->width, r->height, r->lights, r->object_pixels, r->shadow_pixels,
 		r->shown_mb, r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth);
+	if (r->threads == 1 && r->waited > WAITED_MUCH)
+		fprintf(to,
+			"the machine was busy: others had the processor in %.0f %% of the time; "
+			"that is not "
+			"counted, but they\nuse caches and memory too, so that times are longer "
+			"than on an idle "
+			"machine\n",
+			100 * r->waited);
 	for (int k = 0; k < r->count; k++) {
 		if (!k || strcmp(r->row[k].lighting, r->row[k - 1].lighting) != 0) {
 			fprintf(to, "\n%s\n", r->row[k].lighting);
@@ -153,9 +164,10 @@ void bench_print_json(const struct bench_report *r, FILE *to)
 		" \"object_pixels\": %ld, \"shadow_pixels\": %ld,\n"
 		" \"shown_mb\": %.6g, \"exact_mb\": %.6g, \"dense_mb\": %.6g,\n"
 		" \"threads\": %d, \"repeat\": %d, \"vectors\": \"%s\", \"truth\": \"%s\",\n"
+		" \"waited\": %.6g,\n"
 		" \"rows\": [",
 		r->width, r->height, r->lights, r->object_pixels, r->shadow_pixels, r->shown_mb,
-		r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth);
+		r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth, r->waited);
 	for (int k = 0; k < r->count; k++) {
 		fputs(k ? ",\n  " : "\n  ", to);
 		print_json_row(&r->row[k], to);

@@ -168,7 +168,7 @@ static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int mem
 	for (int k = 0; !err && k < ways->count; k++) {
 		struct bench_way *way = &ways->way[k];
 
-		if (way->kind == BENCH_READ || way->kind == BENCH_COPY)
+		if (!bench_way_shows(way))
 			continue;
 		err = bench_way_prepare(way, stage, member, fault);
 		if (!err)
@@ -182,13 +182,11 @@ static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int mem
 }
 
 /* The cameras have to have seen the light before double precision can take it from them. */
-static int see_light(struct bench_ways *ways, struct bench_stage *stage, struct fault *fault)
+static int see_light(const struct bench_stage *stage, struct fault *fault)
 {
-	for (int k = 0; k < ways->count; k++) {
-		if (ways->way[k].kind == BENCH_FRAME)
-			return bench_way_prepare(&ways->way[k], stage, 0, fault);
-	}
-	return 0;
+	return stage->cameras
+		       ? bench_frame_measure(stage->cameras, stage->settings->threshold, fault)
+		       : 0;
 }
 
 int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct scope *scope,
@@ -203,7 +201,7 @@ int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct
 		ways->way[k].row.has_error = false;
 	for (int m = 0; !err && m < stage->lighting->members; m++) {
 		bench_stage_light(stage, m);
-		err = see_light(ways, stage, fault);
+		err = see_light(stage, fault);
 		if (err)
 			break;
 		pool_run(all, TRUTH_COUNT, make_truth, &t);

@@ -110,8 +110,8 @@ static int add_kernels(struct bench_ways *ways, const struct bench_stage *stage,
 	return err;
 }
 
-/* What memory allows, for what the last kernel does: all kernels read the same. */
-static void add_bounds(struct bench_ways *ways)
+/* What memory allows, for what the last kernel does, as all kernels read the same; parts. */
+static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
 {
 	const int count = ways->count;
 	const char *kernel = NULL;
@@ -132,6 +132,10 @@ static void add_bounds(struct bench_ways *ways)
 		way = add(ways, BENCH_READ, what, "");
 		way->like = like;
 	}
+	if (stage->cameras) {
+		add(ways, BENCH_LIGHT, "light from its camera", "");
+		add(ways, BENCH_CONVERT, "background from its camera", "");
+	}
 	add(ways, BENCH_COPY, "memcpy of the picture", "");
 }
 
@@ -142,7 +146,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 
 	while (kernels_all[kernels])
 		kernels++;
-	most = (kernels + 1) * (SEQUENCE_COUNT + 1) + 2;
+	most = (kernels + 1) * (SEQUENCE_COUNT + 1) + 4;
 	*ways = (struct bench_ways){.way = calloc(most, sizeof(*ways->way))};
 	ways->compositors = calloc(4 * kernels, sizeof(*ways->compositors));
 	if (!ways->way || !ways->compositors) {
@@ -153,7 +157,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 		add(ways, BENCH_THESIS, "thesis, double precision", "");
 	err = add_kernels(ways, stage, fault);
 	if (!err)
-		add_bounds(ways);
+		add_bounds(ways, stage);
 	for (int k = 0; !err && k < ways->count; k++) {
 		ways->way[k].ms = calloc((size_t)stage->settings->repeat, sizeof(*ways->way[k].ms));
 		if (!ways->way[k].ms)
@@ -217,6 +221,12 @@ static void light_before(struct bench_stage *stage, int turn, int changed)
 
 /* ---- frames ---- */
 
+bool bench_way_shows(const struct bench_way *way)
+{
+	return way->kind == BENCH_THESIS || way->kind == BENCH_COMPOSITE ||
+	       way->kind == BENCH_FRAME;
+}
+
 static int composite(struct bench_way *way, struct bench_stage *stage,
 		     const struct light_selection *lights, struct fault *fault)
 {
@@ -233,7 +243,7 @@ static int composite(struct bench_way *way, struct bench_stage *stage,
 int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn,
 		      struct fault *fault)
 {
-	if (way->kind != BENCH_READ && way->kind != BENCH_COPY)
+	if (bench_way_shows(way))
 		way->row.lights = stage->lights.used_count;
 	if (way->kind == BENCH_THESIS) {
 		thesis_light(stage->thesis, &stage->lights);
@@ -245,7 +255,7 @@ int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn
 		light_before(stage, turn, way->changed);
 		return composite(way, stage, &stage->before, fault);
 	}
-	return bench_way_run(way, stage, fault);
+	return 0;
 }
 
 int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault *fault)
@@ -262,6 +272,11 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 		way->row.lights = bench_frame_lights(stage->cameras)->used_count;
 		return bench_frame_run(stage->cameras, way->compositor, stage->settings->threshold,
 				       &stage->out, &way->bytes, fault);
+	case BENCH_LIGHT:
+		return bench_frame_measure(stage->cameras, stage->settings->threshold, fault);
+	case BENCH_CONVERT:
+		bench_frame_convert(stage->cameras, &stage->out);
+		break;
 	case BENCH_READ: {
 		/* so that no compiler leaves the reading out */
 		volatile uint64_t sum = reading_run(&stage->reading, way->like->bytes, stage->pool);

@@ -27,9 +27,19 @@ struct bench_stage {
 	struct light_selection lights;	 /* of the member whose turn it is */
 	struct light_selection before;	 /* the same, but for some */
 	float (*scratch)[3];		 /* [lights] */
+	int64_t timed_ns, ran_ns;	 /* in all timed turns: by the clock, by the processor */
 };
 
-enum bench_kind { BENCH_THESIS, BENCH_COMPOSITE, BENCH_FRAME, BENCH_READ, BENCH_COPY };
+enum bench_kind {
+	BENCH_THESIS,
+	BENCH_COMPOSITE,
+	BENCH_FRAME,
+	/* these make no picture of the object */
+	BENCH_LIGHT,
+	BENCH_CONVERT,
+	BENCH_READ,
+	BENCH_COPY,
+};
 
 #define BENCH_CHANGE_ALL (-1)
 
@@ -57,10 +67,13 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage,
 		      struct fault *fault);
 void bench_ways_free(struct bench_ways *ways); /* idempotent; zeroed is fine */
 
+/* Whether it makes a picture of the object, so that there is an error to measure. */
+bool bench_way_shows(const struct bench_way *way);
+
 /* Makes a member of the lighting the one whose turn it is. */
 void bench_stage_light(struct bench_stage *stage, int member);
 
-/* Untimed: what has to be so before this way's frame, one frame of it included. */
+/* Untimed: what has to be so before this way's frame, the frame that it starts from included. */
 int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn,
 		      struct fault *fault);
 
