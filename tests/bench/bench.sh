@@ -184,7 +184,9 @@ modes() {
 	fi
 	echo "$name: fast $(head_figure "$work/$name.json" shown_mb) MB," \
 		"exact $(head_figure "$work/$name.json" exact_mb) MB," \
-		"a byte for each value $(head_figure "$work/$name.json" dense_mb) MB" >>"$work/sizes.txt"
+		"a byte for each value $(head_figure "$work/$name.json" dense_mb) MB;" \
+		"others had the processor for $(head_figure "$work/$name.json" waited) of the time" \
+		>>"$work/sizes.txt"
 	rm -f "$work/$name.inlay"
 }
 
