@@ -65,10 +65,12 @@ run native "$program" --seed "$seed" "${needed[@]}"
 
 # Fewer rounds where an emulator does the work; still every width, every length of a run.
 rounds=300
-if [ "$machine" = x86_64 ] && present "an old processor" qemu-x86_64-static qemu-user-static; then
+if [ "$machine" = x86_64 ] && present "older processors" qemu-x86_64-static qemu-user-static; then
 	if readelf -lW "$program" | grep -q INTERP; then
-		echo "# this build is not static (a sanitizer's): old processors are left out"
+		echo "# this build is not static (a sanitizer's): older processors are left out"
 	else
+		run "AVX2 (Haswell)" qemu-x86_64-static -cpu Haswell "$program" --seed "$seed" \
+			--rounds $rounds --need avx2 --choose avx2
 		run "SSE4.1 (Penryn)" qemu-x86_64-static -cpu Penryn "$program" --seed "$seed" \
 			--rounds $rounds --need sse4.1 --choose sse4.1
 		run "no SSE4.1 (Conroe)" qemu-x86_64-static -cpu Conroe "$program" --seed "$seed" \
