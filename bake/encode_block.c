@@ -154,8 +154,9 @@ static void write_columns(struct block_list *list, int first, const struct searc
 
 	for (int i = 0; i < s->settings->lights; i++) {
 		struct split_column column;
+		float left[PART_ROWS];
 
-		search_column(split, i, &column);
+		search_column(split, i, left, &column);
 		for (int k = 0; k < count && column.form != COLUMN_NONE; k++)
 			if (blocks[k].form == column.form)
 				write_column(s->settings, split->part, false,

@@ -24,15 +24,18 @@ int search_create(struct search *s, const struct encode_settings *settings,
 	const size_t skies = (size_t)settings->ensemble->skies;
 
 	*s = (struct search){.settings = settings, .levels = levels, .target = settings->target};
+	s->column_x = calloc(skies * 3 * (size_t)settings->lights, sizeof(*s->column_x));
 	s->sky_x = calloc(skies * 3 * (size_t)settings->lights, sizeof(*s->sky_x));
 	s->sky_sum = calloc(skies * PART_ROWS, sizeof(*s->sky_sum));
 	s->sky_mono = calloc(skies * PART_PIXELS, sizeof(*s->sky_mono));
-	return s->sky_x && s->sky_sum && s->sky_mono ? 0 : -ENOMEM;
+	return s->column_x && s->sky_x && s->sky_sum && s->sky_mono ? 0 : -ENOMEM;
 }
 
 void search_free(struct search *s)
 {
 	free(s->sky_x);
+	free(s->column_x);
+	free(s->column_left);
 	free(s->sky_sum);
 	free(s->sky_mono);
 	*s = (struct search){.settings = NULL};
@@ -86,19 +89,27 @@ static void count_bytes(const struct search *s, const struct split *split, struc
 	}
 }
 
-/* Where the column is used, what patterns leave of this light is not seen. size: of what it changes
- * by at most, per unit of X. */
-static void mask(struct search *s, const struct part *part, int light, double size)
+/* The skies' light on what patterns leave goes, where the column is used, to what the column
+ * leaves; size: of what it changes by at most, per unit of X. */
+static void use_column(struct search *s, const struct part *part, int light, double size,
+		       const float *left)
 {
-	const size_t n = (size_t)s->settings->lights;
+	const size_t n = (size_t)s->settings->lights, number = (size_t)s->used_columns++;
 	const double cut = part_column_cut(part, s->settings);
 
+	memcpy(s->column_left + number * (size_t)part->rows, left,
+	       (size_t)part->rows * sizeof(*left));
 	for (size_t k = 0; k < (size_t)s->settings->ensemble->skies; k++) {
 		const float *x = part->sky_x + k * 3 * n + (size_t)light;
 		const double most = (double)fmaxf(fmaxf(x[0], x[n]), x[2 * n]);
 
-		for (size_t c = 0; c < 3 && most * size >= cut; c++)
+		for (size_t c = 0; c < 3; c++) {
+			s->column_x[(k * 3 + c) * n + number] = 0;
+			if (most * size < cut)
+				continue;
+			s->column_x[(k * 3 + c) * n + number] = x[c * n];
 			s->sky_x[(k * 3 + c) * n + (size_t)light] = 0;
+		}
 	}
 }
 
@@ -117,14 +128,27 @@ static bool negative(const struct part *part, int light, const float *left)
 	return least < -most / 254;
 }
 
-void search_column(const struct split *split, int light, struct split_column *column)
+void search_column(const struct split *split, int light, float *left, struct split_column *column)
 {
-	float left[PART_ROWS];
-
 	column->form = COLUMN_NONE;
 	split_left(split, light, left);
 	if (!part_cell_holds(split->part, light, left) || negative(split->part, light, left))
 		split_find_column(split, light, left, column);
+}
+
+static int reserve(struct search *s, const struct part *part)
+{
+	const size_t wanted = (size_t)s->settings->lights * (size_t)part->rows;
+
+	if (wanted <= s->left_room)
+		return 0;
+	free(s->column_left);
+	s->left_room = 0;
+	s->column_left = malloc(wanted * sizeof(*s->column_left));
+	if (!s->column_left)
+		return -ENOMEM;
+	s->left_room = wanted;
+	return 0;
 }
 
 static void choose_columns(struct search *s, const struct split *split, struct plan *plan)
@@ -132,15 +156,18 @@ static void choose_columns(struct search *s, const struct split *split, struct p
 	const struct part *part = split->part;
 	const int n = s->settings->lights;
 	const size_t rows = (size_t)s->settings->ensemble->skies * 3;
+	float left[PART_ROWS];
 
 	memcpy(s->sky_x, part->sky_x, rows * (size_t)n * sizeof(*s->sky_x));
 	memset(plan->columns, 0, sizeof(plan->columns));
+	s->used_columns = 0;
 	for (int i = 0; i < n; i++) {
 		struct split_column column;
 
-		search_column(split, i, &column);
+		search_column(split, i, left, &column);
 		if (column.form != COLUMN_NONE)
-			mask(s, part, i, (double)column.scale * column_most(column.form));
+			use_column(s, part, i, (double)column.scale * column_most(column.form),
+				   left);
 		plan->columns[column.form]++;
 	}
 }
@@ -160,11 +187,10 @@ static void sum_left(struct search *s, const struct split *split)
 			cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, pixels, n, 1,
 				    x, 3 * n, split->colour_left + c * pixels, 3 * pixels, 0, to,
 				    3 * pixels);
-		if (!split->mono)
-			continue;
-		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, pixels, n, 1, x,
-			    3 * n, split->mono_left, pixels, 0, s->sky_mono, pixels);
-		for (int k = 0; k < skies; k++)
+		if (split->mono)
+			cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, pixels, n, 1,
+				    x, 3 * n, split->mono_left, pixels, 0, s->sky_mono, pixels);
+		for (int k = 0; split->mono && k < skies; k++)
 			for (int p = 0; p < pixels; p++) {
 				const float by = split->tint_share[c][p] *
 						 s->sky_mono[k * pixels + p];
@@ -172,6 +198,11 @@ static void sum_left(struct search *s, const struct split *split)
 				to[k * 3 * pixels + p] = split->colour ? to[k * 3 * pixels + p] + by
 								       : by;
 			}
+		if (s->used_columns)
+			cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, pixels,
+				    s->used_columns, 1, s->column_x + (size_t)c * (size_t)n, 3 * n,
+				    s->column_left + (part->channels == 3 ? c * pixels : 0),
+				    part->rows, 1, to, 3 * pixels);
 	}
 }
 
@@ -275,8 +306,10 @@ static bool hue_varies(const struct search *s, const struct plan *best)
 
 int search_best(struct search *s, struct split *split, const struct part *part, struct plan *best)
 {
-	int err = split_take(split, s->settings, part);
+	int err = reserve(s, part);
 
+	if (!err)
+		err = split_take(split, s->settings, part);
 	if (err)
 		return err;
 	*best = (struct plan){.excess = INFINITY};

@@ -30,7 +30,11 @@ struct search {
 	const struct encode_settings *settings;
 	const struct levels *levels;
 	struct encode_target target;
-	float *sky_x;	/* [skies][3][lights]: of what no column puts right */
+	float *sky_x;	    /* [skies][3][lights]: of what no column puts right */
+	float *column_x;    /* [skies][3][lights], by number of column: of what it leaves */
+	float *column_left; /* [used_columns][rows] */
+	int used_columns;
+	size_t left_room;
 	float *sky_sum; /* [skies][3 * pixels] */
 	float *sky_mono;
 };
@@ -43,7 +47,8 @@ void search_free(struct search *search); /* zeroed is fine */
 int search_best(struct search *search, struct split *split, const struct part *part,
 		struct plan *best);
 
-/* The light's column at the ranks that are set; its form is COLUMN_NONE where it needs none. */
-void search_column(const struct split *split, int light, struct split_column *column);
+/* The light's column at the ranks that are set; its form is COLUMN_NONE where it needs none. left
+ * [rows]: what it and the patterns leave. */
+void search_column(const struct split *split, int light, float *left, struct split_column *column);
 
 #endif

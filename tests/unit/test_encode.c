@@ -1,4 +1,4 @@
-/* The encoder: its declared errors against brute force in double precision. */
+/* The encoder: errors held and declared, against blocks decoded in double precision. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,551 +7,586 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <float.h>
-#include <stdbool.h>
-#include <string.h>
 
-#include "bake/encode.h"
-#include "hal/basis/basis_layout.h"
-#include "tests/unit/chance.h"
+#include "tests/unit/encoding.h"
 
-#define PIXELS_MOST (BASIS_TILE * BASIS_TILE)
+static double largest_difference(const struct encoding *e, const struct encoding_part *part)
+{
+	const size_t n = (size_t)e->settings.lights;
+	double most = 0;
 
-/* One kind of samples, and what its blocks say of them. */
-struct trial {
-	int lights, pixels;
-	uint16_t pixel[PIXELS_MOST];
-	float *value;	 /* [pixels][3][lights] */
-	double *decoded; /* the same */
-	double *ground;	 /* [3][lights] */
-	bool rest;	 /* the block has one */
+	for (size_t k = 0; k < (size_t)part->samples.pixels * 3 * n; k++)
+		most = fmax(most, fabs(part->is[k] - part->decoded[k]) /
+					  encoding_unit(e, part->samples.kind, (int)(k % n)));
+	return most;
+}
+
+/* White ground of the brightest channel under a lighting; [3][lights]. */
+static double white_under(const struct encoding *e, const double *radiance)
+{
+	double white = 0;
+
+	for (int c = 0; c < 3; c++) {
+		double sum = 0;
+
+		for (int i = 0; i < e->settings.lights; i++)
+			sum += radiance[c * e->settings.lights + i] *
+			       ensemble_projected_sr(&e->light[i]) / M_PI;
+		white = fmax(white, sum);
+	}
+	return white;
+}
+
+/* Sums of a part's rows under a lighting: of kind V shares of the ground's light. */
+static double lit(const struct encoding *e, const struct encoding_part *part, const double *values,
+		  int row, const double *radiance)
+{
+	const int n = e->settings.lights, c = row % 3;
+	double sum = 0, all = 0;
+
+	for (int i = 0; i < n; i++) {
+		const double u = part->samples.kind == BASIS_KIND_V ? e->ground[c * n + i] : 1;
+		const double x = u * radiance[c * n + i];
+
+		sum += values[(size_t)row * (size_t)n + (size_t)i] * x;
+		all += x;
+	}
+	return part->samples.kind == BASIS_KIND_V ? sum / all : sum;
+}
+
+struct seen {
+	double rms, most;
 };
 
-static void trial_begin(struct trial *t, int lights, int pixels)
+/* The difference in levels, exposed as ensemble.h says; kind T over black, V over its ground. */
+static struct seen seen_under(const struct encoding *e, const struct encoding_part *part,
+			      const double *radiance)
 {
-	const size_t values = (size_t)pixels * 3 * (size_t)lights;
+	const int rows = part->samples.pixels * 3;
+	double white = white_under(e, radiance), square = 0;
+	struct seen seen = {0, 0};
 
-	t->lights = lights;
-	t->pixels = pixels;
-	t->value = calloc(values, sizeof(*t->value));
-	t->decoded = calloc(values, sizeof(*t->decoded));
-	t->ground = calloc((size_t)lights * 3, sizeof(*t->ground));
-	assert_true(t->value && t->decoded && t->ground);
-	for (int p = 0; p < pixels; p++)
-		t->pixel[p] = (uint16_t)(p * (PIXELS_MOST / pixels));
-	for (int i = 0; i < lights * 3; i++)
-		t->ground[i] = 1 + i % 5;
-}
+	for (int r = 0; r < rows && part->samples.kind == BASIS_KIND_T; r++)
+		white = fmax(white, lit(e, part, part->is, r, radiance));
+	for (int r = 0; r < rows; r++) {
+		double is = lit(e, part, part->is, r, radiance);
+		double got = lit(e, part, part->decoded, r, radiance), by;
 
-static void trial_end(struct trial *t)
-{
-	free(t->value);
-	free(t->decoded);
-	free(t->ground);
-}
+		if (part->samples.kind == BASIS_KIND_V) {
+			double ground = 0;
 
-static void decode_block(struct trial *t, const struct basis_block_payload *block)
-{
-	const struct basis_block_entry *e = &block->entry;
-	const struct basis_layout at = basis_layout(e->kind, e->pixels, e->channels,
-						    (int)e->lights);
-	const uint8_t *payload = block->payload;
-	const uint16_t *pixel = (const uint16_t *)(payload + at.pixel);
-	const uint16_t *light = (const uint16_t *)(payload + at.light);
-	const float *scale = (const float *)(payload + at.scale);
-	const int16_t *row = (const int16_t *)(payload + at.row);
-
-	assert_true(e->bytes == at.bytes);
-	t->rest = light[e->lights - 1] == t->lights;
-	assert_true(!t->rest || e->kind == BASIS_KIND_V);
-	for (int p = 0; p < e->pixels; p++) {
-		int own = 0;
-
-		while (t->pixel[own] != pixel[p])
-			own++;
-		assert_true(own < t->pixels);
-		for (int c = 0; c < 3; c++) {
-			const int r = e->channels == 3 ? p * 3 + c : p;
-			const int16_t *from = row + (size_t)r * (size_t)at.stride;
-			const uint32_t listed = e->lights - t->rest;
-			double *to = t->decoded + ((size_t)own * 3 + (size_t)c) * (size_t)t->lights;
-
-			for (int i = 0; t->rest && i < t->lights; i++)
-				to[i] = (double)scale[r] * from[listed];
-			for (uint32_t i = 0; i < listed; i++)
-				to[light[i]] = (double)scale[r] * from[i];
+			for (int i = 0; i < e->settings.lights; i++)
+				ground += e->ground[r % 3 * e->settings.lights + i] *
+					  radiance[r % 3 * e->settings.lights + i];
+			is = (1 - is) * ground;
+			got = (1 - got) * ground;
 		}
+		by = fabs(encoding_level(is / white) - encoding_level(got / white));
+		square += by * by;
+		seen.most = fmax(seen.most, by);
+	}
+	seen.rms = sqrt(square / rows);
+	return seen;
+}
+
+/* ---- what is held ---- */
+
+static void hold_cells(const struct encoding *e, const struct encoding_part *part, double limit)
+{
+	const int n = e->settings.lights;
+	double *radiance = calloc(3 * (size_t)n, sizeof(*radiance));
+
+	assert_non_null(radiance);
+	for (int i = 0; i < n; i++) {
+		struct seen seen;
+
+		for (int c = 0; c < 3; c++)
+			radiance[c * n + i] = 1;
+		seen = seen_under(e, part, radiance);
+		if (seen.most > limit)
+			fail_msg("cell %d of %d alone: %g levels, expected at most %g", i, n,
+				 seen.most, limit);
+		for (int c = 0; c < 3; c++)
+			radiance[c * n + i] = 0;
+	}
+	free(radiance);
+}
+
+/* Lightings that are not of the ensemble: a lamp, a sun or soft light in a direction of chance. */
+static void light_unseen(const struct encoding *e, struct chance *chance, double *radiance)
+{
+	const int n = e->settings.lights, which = chance_int(chance, 0, 2);
+	double to[3], tone[3];
+
+	chance_direction(chance, 0.05, to);
+	for (int c = 0; c < 3; c++)
+		tone[c] = chance_real(chance, 0.2, 1);
+	for (int i = 0; i < n; i++) {
+		const double near = encoding_dot(e->light[i].direction, to);
+
+		for (int c = 0; c < 3; c++)
+			radiance[c * n + i] = which == 0 ? 0.05 + tone[c] * pow(fmax(near, 0), 40)
+					      : which == 1
+						      ? 0.3 + tone[c] * chance_real(chance, 0, 3)
+						      : 0.2 * tone[c] + (near > 0.99 ? 300 : 0);
 	}
 }
 
-static void encode(struct trial *t, enum basis_kind kind, double cut, struct encode_result *result,
-		   struct encoder **encoder)
-{
-	const struct encode_settings settings = {t->lights, 1, t->ground, cut};
-	const struct encode_samples samples = {kind, 0, t->pixels, t->pixel, t->value};
-
-	assert_int_equal(encoder_create(encoder, &settings), 0);
-	assert_int_equal(encode_tile(*encoder, 9, &samples, 1, result), 0);
-	t->rest = false;
-	memset(t->decoded, 0, (size_t)t->pixels * 3 * (size_t)t->lights * sizeof(*t->decoded));
-	for (int b = 0; b < result->count; b++)
-		decode_block(t, &result->blocks[b]);
-}
-
-/* The worst that lighting can make of the errors of one row, as a share of all its weight: any
- * weighted mean lies between the extremes, which single lights reach. */
-static double worst_error(const struct trial *t)
-{
-	double worst = 0;
-
-	for (size_t k = 0; k < (size_t)t->pixels * 3 * (size_t)t->lights; k++)
-		worst = fmax(worst, fabs((double)t->value[k] - t->decoded[k]));
-	return worst;
-}
-
-/* |sum error L| / sum weight L under lights that are random, or all on one side of the error. */
-static double lit_error(const struct trial *t, const double *weight, int pattern,
+static void hold_unseen(const struct encoding *e, const struct encoding_part *part, int times,
 			struct chance *chance)
 {
-	double worst = 0;
+	double *radiance = calloc(3 * (size_t)e->settings.lights, sizeof(*radiance));
 
-	for (int r = 0; r < t->pixels * 3; r++) {
-		double sum = 0, all = 0;
+	assert_non_null(radiance);
+	for (int k = 0; k < times; k++) {
+		struct seen seen;
 
-		for (int i = 0; i < t->lights; i++) {
-			const size_t k = (size_t)r * (size_t)t->lights + (size_t)i;
-			const double error = (double)t->value[k] - t->decoded[k];
-			const double light = pattern == 0   ? chance_real(chance, 0, 1)
-					     : pattern == 1 ? error > 0
-							    : error < 0;
-			const double w = weight ? weight[r % 3 * t->lights + i] : 1;
+		light_unseen(e, chance, radiance);
+		seen = seen_under(e, part, radiance);
+		if (seen.rms > 1.5 * e->settings.target.rms ||
+		    seen.most > 1.5 * e->settings.target.max)
+			fail_msg("unseen light %d: RMS %g, most %g levels", k, seen.rms, seen.most);
+	}
+	free(radiance);
+}
 
-			sum += error * w * light;
-			all += w * light;
+static void hold_skies(const struct encoding *e, const struct encoding_part *part)
+{
+	const size_t n = (size_t)e->settings.lights;
+	double *radiance = calloc(3 * n, sizeof(*radiance));
+
+	assert_non_null(radiance);
+	for (int s = 0; s < e->ensemble.skies; s++) {
+		struct seen seen;
+
+		for (size_t k = 0; k < 3 * n; k++)
+			radiance[k] = (double)e->ensemble.radiance[(size_t)s * 3 * n + k];
+		seen = seen_under(e, part, radiance);
+		if (seen.rms > e->settings.target.rms || seen.most > e->settings.target.max)
+			fail_msg("sky %d, kind %d, %d pixels, %d lights: RMS %g, most %g levels", s,
+				 (int)part->samples.kind, part->samples.pixels, (int)n, seen.rms,
+				 seen.most);
+	}
+	free(radiance);
+}
+
+static void check_format(const struct encoding *e, const struct encode_result *result)
+{
+	for (int k = 0; k < result->shown_count; k++) {
+		const struct basis_block_entry *b = &result->shown[k].entry;
+		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
+								    e->settings.coarse);
+
+		assert_true(b->tile == 5 && b->pixels && b->patterns + b->columns > 0);
+		assert_true(!k || result->shown[k - 1].entry.kind <= b->kind);
+		assert_true(b->columns || b->bits == 16);
+		for (int p = 1; p < b->pixels; p++)
+			assert_true(a.pixel[p] > a.pixel[p - 1]);
+		for (uint32_t n = 0; n < b->columns; n++) {
+			assert_true(a.light[n] < e->settings.lights);
+			assert_true(!n || a.light[n] > a.light[n - 1]);
+			assert_true(a.column_scale[n] >= 0 &&
+				    (double)a.column_scale[n] * (b->bits == 8 ? 127 : 32767) <=
+					    BASIS_VALUE_MAX);
+			for (int p = 0; p < (b->pixels + 63) / 64 * 64 && b->bits == 8; p++)
+				assert_true(a.column8[((size_t)(p / 64) * b->channels * b->columns +
+						       n) * 64 +
+						      (size_t)(p % 64)] >= -127 * (p < b->pixels));
 		}
-		if (all > 0)
-			worst = fmax(worst, fabs(sum) / all);
-	}
-	return worst;
-}
+		for (int j = 0; j < b->patterns; j++) {
+			double sum = 0;
 
-/* Values of many sizes, some 0, some light nowhere above a small share of the rest. */
-static void fill(struct trial *t, bool negative, double faint, struct chance *chance)
-{
-	for (int r = 0; r < t->pixels * 3; r++) {
-		const double size = pow(10, chance_real(chance, -3, 0));
-
-		for (int i = 0; i < t->lights; i++) {
-			const double v = chance_real(chance, negative ? -1 : 0, 1);
-			float *to = &t->value[(size_t)r * (size_t)t->lights + (size_t)i];
-
-			if (r / 3 % 7 == 3)
-				*to = (float)(faint * v); /* a pixel that may go */
-			else if (i % 3 == 1)
-				*to = (float)(faint * v); /* a light that may go */
-			else
-				*to = i % 11 == 5 ? 0 : (float)(size * v);
-		}
-	}
-}
-
-static void declared_errors_hold(void **state)
-{
-	static const int counts[] = {1, 6, 26, 91, 406};
-	static const double cuts[] = {0, 1e-4, 1e-3, 0.05};
-	struct chance chance = chance_begin("declared errors");
-	double object_use = 0, ratio_use = 0;
-
-	(void)state;
-	for (int k = 0; k < 60; k++) {
-		const bool object = k % 2;
-		const double cut = cuts[k / 2 % 4];
-		struct encode_result result;
-		struct encoder *encoder;
-		struct trial t;
-		double declared;
-
-		trial_begin(&t, counts[k % 5], chance_int(&chance, 1, 60));
-		fill(&t, !object, k % 3 ? cut : 1e-6, &chance);
-		encode(&t, object ? BASIS_KIND_T : BASIS_KIND_V, cut, &result, &encoder);
-		declared = object ? result.object_error : result.ratio_error;
-		assert_true((object ? result.ratio_error : result.object_error) == 0);
-		assert_true(worst_error(&t) <= declared);
-		for (int pattern = 0; pattern < 3; pattern++)
-			assert_true(lit_error(&t, object ? NULL : t.ground, pattern, &chance) <=
-				    declared * (1 + 1e-12));
-		if (object)
-			object_use = fmax(object_use, worst_error(&t) / declared);
-		else
-			ratio_use = fmax(ratio_use, worst_error(&t) / declared);
-		encoder_destroy(encoder);
-		trial_end(&t);
-	}
-	/* The bounds are not idle: something comes close to them. */
-	printf("# largest error over declared: object %.3f, ratio %.3f\n", object_use, ratio_use);
-	assert_true(object_use > 0.9 && ratio_use > 0.9);
-}
-
-static void cuts_drop_what_they_should(void **state)
-{
-	struct chance chance = chance_begin("cuts");
-	struct encode_result result;
-	struct encoder *encoder;
-	struct trial t;
-
-	(void)state;
-	trial_begin(&t, 91, 20);
-	fill(&t, true, 1e-3, &chance);
-	encode(&t, BASIS_KIND_V, 1e-3, &result, &encoder);
-	assert_int_equal(result.count, 1);
-	assert_int_equal(result.blocks[0].entry.tile, 9);
-	assert_int_equal(result.blocks[0].entry.pixels, 20 - 3); /* 3, 10 and 17 are faint */
-	assert_true(result.blocks[0].entry.lights <= 61);
-	assert_int_equal(result.blocks[0].entry.channels, 3);
-	encoder_destroy(encoder);
-	encode(&t, BASIS_KIND_V, 0, &result, &encoder);
-	assert_int_equal(result.blocks[0].entry.pixels, 20);
-	encoder_destroy(encoder);
-	encode(&t, BASIS_KIND_V, 1.5, &result, &encoder); /* nothing is left */
-	assert_int_equal(result.count, 0);
-	assert_true(result.ratio_error <= 1 && result.ratio_error >= worst_error(&t));
-	encoder_destroy(encoder);
-	memset(t.value, 0, 20 * 3 * 91 * sizeof(*t.value));
-	encode(&t, BASIS_KIND_T, 0, &result, &encoder);
-	assert_int_equal(result.count, 0);
-	assert_true(result.object_error == 0);
-	encoder_destroy(encoder);
-	trial_end(&t);
-}
-
-/*
- * A cast shadow of some lights, over light thrown back by the object, which v of all lights shows:
- * `bounce` strong, varying by `spread` from light to light and smoothly over the pixels. `colour`
- * is how much of it differs by channel.
- */
-static void fill_ground(struct trial *t, int shadowing, double bounce, double spread, double colour,
-			struct chance *chance)
-{
-	for (int i = 0; i < t->lights; i++) {
-		const double own = chance_real(chance, -spread, spread);
-		const double edge = chance_real(chance, 0, t->pixels);
-
-		for (int p = 0; p < t->pixels; p++) {
-			const double there = 1 + 0.5 * p / t->pixels;
-
-			for (int c = 0; c < 3; c++) {
-				const double thrown = (-bounce * (1 + colour * (c - 1)) + own) *
-						      there;
-				const bool shadow = i < shadowing && p < edge;
-
-				t->value[((size_t)p * 3 + (size_t)c) * (size_t)t->lights +
-					 (size_t)i] = (float)(shadow ? 1 + thrown : thrown);
+			for (int i = 0; i < a.stride; i++) {
+				assert_true(a.pattern[j * a.stride + i] != -32768);
+				assert_true(i < e->settings.coarse ||
+					    a.pattern[j * a.stride + i] == 0);
+				sum += abs(a.pattern[j * a.stride + i]);
 			}
+			assert_true((double)a.pattern_scale[j] * 32767 * sum <= BASIS_VALUE_MAX);
 		}
 	}
 }
 
-/* The change of a ratio under a uniform sky: exact, and as decoded. */
-static double uniform_error(const struct trial *t)
+/* One part by itself: all that is promised of it. */
+static struct encode_result hold(struct encoding *e, struct encoding_part *part,
+				 struct chance *chance)
 {
-	double worst = 0;
+	const struct encode_result result = encoding_run(e, &part, 1, false);
+	const double bound = part->samples.kind == BASIS_KIND_T ? result.object_error
+								: result.ratio_error;
+	const double is = largest_difference(e, part);
 
-	for (int r = 0; r < t->pixels * 3; r++) {
-		const double *u = t->ground + r % 3 * t->lights;
-		double error = 0, all = 0;
-
-		for (int i = 0; i < t->lights; i++) {
-			const size_t k = (size_t)r * (size_t)t->lights + (size_t)i;
-
-			error += u[i] * ((double)t->value[k] - t->decoded[k]);
-			all += u[i];
-		}
-		worst = fmax(worst, fabs(error) / all);
-	}
-	return worst;
+	check_format(e, &result);
+	if (is > bound || is < 0.99 * bound - 1e-5)
+		fail_msg("largest difference %g, declared %g", is, bound);
+	hold_cells(e, part, e->settings.target.cell);
+	hold_skies(e, part);
+	if (chance)
+		hold_unseen(e, part, 40, chance);
+	assert_true(ensemble_sky_rms(&result.error) <= e->settings.target.rms);
+	assert_true(result.error.cell_max <= e->settings.target.cell);
+	return result;
 }
 
-static void a_rest_stands_for_smooth_light(void **state)
+static void over_scenes(void **state)
 {
-	static const int counts[] = {64, 91, 406, 2000};
-	struct chance chance = chance_begin("rest");
-	double use = 0, smallest = 1e9;
+	struct chance chance = chance_begin("scenes");
 
 	(void)state;
-	for (int k = 0; k < 24; k++) {
-		const double cut = k % 3 ? 1.0 / 256 : 1.0 / 1024, spread = 0.35 * cut;
-		const double colour = k % 2 ? 0 : 0.4;
-		const int shadowing = counts[k % 4] / 16;
+	for (int k = 0; k < 8; k++) {
+		struct encoding e = encoding_dome(k & 1 ? 8 : 5, k & 2 ? 4 : 9);
+		const enum basis_kind kind = k & 4 ? BASIS_KIND_T : BASIS_KIND_V;
+		struct encoding_part *part;
+
+		if (!(k & 2))
+			e.settings.coarse = e.settings.lights;
+		part = encoding_part_new(&e, kind, k & 1 ? 256 : 57, kind == BASIS_KIND_T ? 3 : 1,
+					 k != 4);
+		encoding_start(&e);
+		encoding_fill(&e, part);
+		if (kind == BASIS_KIND_T)
+			for (int p = 0; p < part->samples.pixels; p++)
+				e.coverage[part->pixel[p]] = 65535;
+		hold(&e, part, &chance);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
+/* Errors asked for are errors got: a tighter one costs more and is held. */
+static void over_targets(void **state)
+{
+	uint64_t before = UINT64_MAX;
+
+	(void)state;
+	for (double cell = 0.25; cell < 20; cell *= 3) {
+		struct encoding e = encoding_dome(6, 6);
+		struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_V, 256, 1, true);
 		struct encode_result result;
-		struct encoder *encoder;
-		struct trial t;
-		const struct basis_block_entry *e;
-		size_t all;
+		uint64_t bytes = 0;
 
-		trial_begin(&t, counts[k % 4], k % 4 == 3 ? 40 : 256);
-		for (int i = 0; i < 3 * t.lights; i++) /* a coloured ground */
-			t.ground[i] = (1 + i / t.lights) * (1 + i % t.lights % 5);
-		fill_ground(&t, shadowing, 7 * cut, spread, colour, &chance);
-		encode(&t, BASIS_KIND_V, cut, &result, &encoder);
-		assert_int_equal(result.count, 1);
-		e = &result.blocks[0].entry;
-		assert_true(t.rest && (int)e->lights <= shadowing + 1);
-		assert_int_equal(e->channels, colour > 0 ? 3 : 1);
-		assert_true(worst_error(&t) <= result.ratio_error);
-		assert_true(result.ratio_error <= cut + 1.6 / 32767 * 0.6);
-		for (int pattern = 0; pattern < 3; pattern++)
-			assert_true(lit_error(&t, t.ground, pattern, &chance) <=
-				    result.ratio_error * (1 + 1e-12));
-		/* Only the listed are off in the mean, by their rounding. */
-		assert_true(uniform_error(&t) <= 0.6 * 1.6 / 32767 + 1e-6);
-		use = fmax(use, worst_error(&t) / result.ratio_error);
-		/* Not one light could be left out without the rest: all of it would be stored. */
-		all = basis_layout(BASIS_KIND_V, t.pixels, e->channels, t.lights).bytes;
-		if (t.lights >= 406)
-			smallest = fmin(smallest, (double)all / (double)e->bytes);
-		encoder_destroy(encoder);
-		trial_end(&t);
+		e.settings.target.cell = cell;
+		encoding_start(&e);
+		encoding_fill(&e, part);
+		result = hold(&e, part, NULL);
+		for (int k = 0; k < result.shown_count; k++)
+			bytes += result.shown[k].entry.bytes;
+		assert_true(bytes <= before);
+		before = bytes;
+		encoding_part_free(part);
+		encoding_end(&e);
 	}
-	printf("# a tile with a rest is at least %.1f times smaller; error over declared %.3f\n",
-	       smallest, use);
-	assert_true(smallest >= 5 && use > 0.9);
+	assert_true(before < 256 * 3 * 186 / 5); /* against a byte a value */
 }
 
-/* Where most lights are shadowed, the rest is shadow and the lit ones are listed. */
-static void a_rest_may_be_shadow(void **state)
+/* An error in T and V at once, at a pixel half covered, is measured as it is seen. */
+static void together(void **state)
 {
-	struct chance chance = chance_begin("shadow as rest");
-	struct encode_result result;
-	struct encoder *encoder;
-	struct trial t;
+	struct encoding e = encoding_dome(5, 5);
+	struct encoding_part *part[2];
+	struct encode_result both;
 
 	(void)state;
-	trial_begin(&t, 406, 100);
-	for (int k = 0; k < 100 * 3 * 406; k++)
-		t.value[k] = (float)(k % 406 % 20 == 7 ? chance_real(&chance, 0, 0.3)
-						       : 1 + chance_real(&chance, -4e-4, 4e-4));
-	encode(&t, BASIS_KIND_V, 1e-3, &result, &encoder);
-	assert_true(t.rest && result.blocks[0].entry.lights == 21);
-	assert_true(worst_error(&t) <= result.ratio_error);
-	encoder_destroy(encoder);
-	for (int k = 0; k < 100 * 3 * 406; k++) /* and nothing but the rest */
-		t.value[k] = 1;
-	encode(&t, BASIS_KIND_V, 1e-3, &result, &encoder);
-	assert_true(t.rest && result.blocks[0].entry.lights == 1);
-	assert_true(worst_error(&t) <= result.ratio_error && result.ratio_error < 1e-4);
-	encoder_destroy(encoder);
-	encode(&t, BASIS_KIND_T, 1e-3, &result, &encoder); /* never of other kinds */
-	assert_true(!t.rest && result.blocks[0].entry.lights == 406);
-	encoder_destroy(encoder);
-	trial_end(&t);
+	encoding_start(&e);
+	part[0] = encoding_part_new(&e, BASIS_KIND_T, 64, 3, true);
+	part[1] = encoding_part_new(&e, BASIS_KIND_V, 64, 1, true);
+	for (int k = 0; k < 2; k++)
+		encoding_fill(&e, part[k]);
+	for (int p = 0; p < PIXELS_MOST; p++)
+		e.coverage[p] = 32768;
+	both = encoding_run(&e, part, 2, false);
+	check_format(&e, &both);
+	assert_true(both.error.sky_count == 3 * 64);
+	assert_true(both.error.cell_count == 3 * 64 * e.settings.lights);
+	assert_true(both.error.cell_max <= 2 * e.settings.target.cell);
+	for (int k = 0; k < 2; k++)
+		assert_true(largest_difference(&e, part[k]) <=
+			    (k ? both.ratio_error : both.object_error));
+	for (int k = 0; k < 2; k++)
+		encoding_part_free(part[k]);
+	encoding_end(&e);
 }
 
-/* Shadows and light of many sizes that fit no rest well: still within what is declared. */
-static void odd_rests_keep_their_bound(void **state)
+/* ---- hard values ---- */
+
+/* Full rank: no pattern does. */
+static void over_noise(void **state)
 {
-	struct chance chance = chance_begin("odd rests");
-	int rests = 0;
+	struct chance chance = chance_begin("noise");
 
 	(void)state;
-	for (int k = 0; k < 60; k++) {
-		const double cut = pow(10, chance_real(&chance, -4, -1));
-		const int lights = chance_int(&chance, 33, 500);
+	for (int k = 0; k < 2; k++) {
+		struct encoding e = encoding_dome(4, 4);
+		struct encoding_part *part = encoding_part_new(&e, k ? BASIS_KIND_T : BASIS_KIND_V,
+							       100, k ? 3 : 1, false);
+		const int n = e.settings.lights;
 		struct encode_result result;
-		struct encoder *encoder;
-		struct trial t;
 
-		trial_begin(&t, lights, chance_int(&chance, 1, 64));
-		fill_ground(&t, chance_int(&chance, 0, lights / 2), chance_real(&chance, -4, 4),
-			    chance_real(&chance, 0, 1.5) * cut,
-			    k % 3 ? chance_real(&chance, 0, 1e-3) : 0, &chance);
-		for (int c = 0; c < 3; c++) /* ground that gets nothing of some lights */
-			for (int i = 0; i < lights; i++)
-				t.ground[c * lights + i] = k % 4 == 0 ? 0
-							   : i % 3 == c
-								   ? 0
-								   : chance_real(&chance, 0, 1);
-		encode(&t, BASIS_KIND_V, cut, &result, &encoder);
-		rests += t.rest;
-		assert_true(worst_error(&t) <= result.ratio_error);
-		assert_true(result.ratio_error <= cut * 1.001 + 10.0 / 32767 * 0.6);
-		encoder_destroy(encoder);
-		trial_end(&t);
+		encoding_start(&e);
+		for (int r = 0; r < 100 * part->samples.channels; r++)
+			for (int i = 0; i < n; i++)
+				part->direct[r * n + i] =
+					(float)(chance_real(&chance, 0, 0.3) *
+						(k ? e.light[i].solid_angle_sr : 1));
+		result = hold(&e, part, NULL);
+		assert_true(result.shown_count > 0);
+		encoding_part_free(part);
+		encoding_end(&e);
 	}
-	printf("# %d of 60 odd blocks have a rest\n", rests);
-	assert_true(rests > 10);
 }
 
-static void alike_channels_share_a_row(void **state)
+static void over_sizes(void **state)
 {
-	struct chance chance = chance_begin("channels");
-	struct encode_result result;
-	struct encoder *encoder;
-	struct trial t;
+	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
+	struct chance chance = chance_begin("sizes");
 
 	(void)state;
-	trial_begin(&t, 26, 10);
-	for (int k = 0; k < 10 * 3 * 26; k++) {
-		const int p = k / 78, i = k % 26;
+	for (int lights = 0; lights < 2; lights++)
+		for (size_t k = 0; k < sizeof(pixels) / sizeof(*pixels); k++)
+			for (int kind = BASIS_KIND_T; kind <= BASIS_KIND_V; kind++) {
+				struct encoding e = lights ? encoding_dome(1, 1) : encoding_lamp();
+				struct encoding_part *part = encoding_part_new(
+					&e, (enum basis_kind)kind, pixels[k], 3, k % 2);
 
-		t.value[k] = k % 78 < 26 ? (float)chance_real(&chance, -1, 1) : t.value[p * 78 + i];
-	}
-	for (int kind = 0; kind < 2; kind++) { /* exactly alike: T too */
-		encode(&t, (enum basis_kind)kind, 0, &result, &encoder);
-		assert_int_equal(result.blocks[0].entry.channels, 1);
-		assert_true(worst_error(&t) <= fmax(result.object_error, result.ratio_error));
-		encoder_destroy(encoder);
-	}
-	for (int k = 0; k < 10 * 3 * 26; k++)
-		t.value[k] += (float)chance_real(&chance, -0.01, 0.01);
-	encode(&t, BASIS_KIND_V, 0.02, &result, &encoder); /* nearly: V alone */
-	assert_int_equal(result.blocks[0].entry.channels, 1);
-	assert_true(worst_error(&t) <= result.ratio_error && result.ratio_error < 0.025);
-	encoder_destroy(encoder);
-	encode(&t, BASIS_KIND_T, 0.02, &result, &encoder);
-	assert_int_equal(result.blocks[0].entry.channels, 3);
-	encoder_destroy(encoder);
-	trial_end(&t);
+				encoding_start(&e);
+				encoding_fill(&e, part);
+				hold(&e, part, &chance);
+				encoding_part_free(part);
+				encoding_end(&e);
+			}
 }
 
-static void hostile_values_are_handled(void **state)
+/* Nothing, all alike, one light a million times the rest, values that hardly are. */
+static void over_values(void **state)
 {
-	static const float bad[] = {NAN, INFINITY, -INFINITY, FLT_MAX};
-	static const float odd[] = {FLT_MIN, 1e-45F, 1e-40F, 3e-34F, 1e-30F, 1e30F};
-	const double ground[6] = {1, 1, 1, 1, 1, 1};
-	const struct encode_settings settings = {2, 1, ground, 0};
+	(void)state;
+	for (int k = 0; k < 6; k++) {
+		struct encoding e = encoding_dome(4, 4);
+		struct encoding_part *part =
+			encoding_part_new(&e, k == 1 ? BASIS_KIND_V : BASIS_KIND_T, 70, 3, false);
+		const int n = e.settings.lights;
+		struct encode_result result;
+
+		encoding_start(&e);
+		for (int r = 0; r < 210; r++)
+			for (int i = 0; i < n; i++) {
+				const double w = e.light[i].solid_angle_sr;
+
+				part->direct[r * n + i] =
+					(float)(k == 0	 ? 0
+						: k == 1 ? 1
+						: k == 2 ? 0.2 * w
+						: k == 3 ? w * 1e-3 * (i == 7 ? 1e6 : 1) * (r % 7)
+						: k == 4 ? 1e-44 * (r % 5)
+							 : 1e-30 * (i % 5) * (r % 3));
+			}
+		result = hold(&e, part, NULL);
+		assert_true(k != 0 || !result.shown_count);
+		/* 6,000 is the largest value of the fourth. */
+		assert_true(result.object_error < (k == 3 ? 6000 / 250.0 : 1e-2));
+		assert_true(result.ratio_error < 1e-2);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
+static int encode_one(struct encoding *e, struct encoding_part *part, float value)
+{
 	struct encode_result result;
-	struct encoder *encoder;
-	struct trial t;
-	float value[6];
-	const uint16_t pixel = 255;
-	struct encode_samples samples = {BASIS_KIND_T, 0, 1, &pixel, value};
+
+	part->direct[3] = value;
+	return encode_tile(e->encoder, 0, e->coverage, &part->samples, 1, &result);
+}
+
+static void refuses(void **state)
+{
+	struct encoding e = encoding_dome(2, 2);
+	struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_T, 5, 3, true);
+	struct encoding_part *pair[2];
+	struct encode_samples samples[2];
+	struct encode_result result;
 
 	(void)state;
-	assert_int_equal(encoder_create(&encoder, &settings), 0);
-	for (size_t k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
-		for (int at = 0; at < 6; at++) {
-			for (int i = 0; i < 6; i++)
-				value[i] = i == at ? bad[k] : 1;
-			assert_int_equal(encode_tile(encoder, 0, &samples, 1, &result), -EDOM);
+	encoding_start(&e);
+	encoding_fill(&e, part);
+	assert_int_equal(encode_one(&e, part, NAN), -EDOM);
+	assert_int_equal(encode_one(&e, part, INFINITY), -EDOM);
+	assert_int_equal(encode_one(&e, part, -1e31F), -EDOM);
+	assert_int_equal(encode_one(&e, part, 70000 * (float)e.light[3].solid_angle_sr), -EDOM);
+	assert_int_equal(encode_one(&e, part, 60000 * (float)e.light[3].solid_angle_sr), 0);
+	part->bounce[1] = NAN;
+	assert_int_equal(encode_one(&e, part, 0), -EDOM);
+	for (int k = 0; k < 2; k++) {
+		pair[k] = encoding_part_new(&e, k ? BASIS_KIND_U : BASIS_KIND_D, 5, 3, false);
+		encoding_fill(&e, pair[k]);
+		samples[k] = pair[k]->samples;
+	}
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 1, &result), -EINVAL);
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples + 1, 1, &result), -EINVAL);
+	samples[1].pixels = 4;
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 2, &result), -EINVAL);
+	samples[1].pixels = 5;
+	pair[1]->direct[0] = -1e-6F;
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 2, &result), -EDOM);
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, NULL, 0, &result), 0);
+	assert_int_equal(result.shown_count, 0);
+	encoding_part_free(part);
+	for (int k = 0; k < 2; k++)
+		encoding_part_free(pair[k]);
+	encoding_end(&e);
+}
+
+/* ---- receivers with a u of their own ---- */
+
+static void over_pairs(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 4; k++) {
+		struct encoding e = encoding_dome(k & 1 ? 6 : 3, k & 1 ? 4 : 3);
+		struct encoding_part *part[2];
+		struct encode_result result;
+		const int n = e.settings.lights;
+
+		encoding_start(&e);
+		for (int q = 0; q < 2; q++) {
+			part[q] = encoding_part_new(&e, q ? BASIS_KIND_U : BASIS_KIND_D, 120, 3,
+						    k & 2);
+			encoding_fill(&e, part[q]);
 		}
+		result = encoding_run(&e, part, 2, false);
+		check_format(&e, &result);
+		assert_true(result.shown_count >= 2);
+		assert_true(ensemble_sky_rms(&result.error) <= e.settings.target.rms);
+		assert_true(result.error.cell_max <= 2 * e.settings.target.cell);
+		for (int r = 0; r < 360; r++)
+			for (int i = 0; i < n; i++) {
+				/* Nothing but what rounding makes: 1 is white. */
+				assert_true(part[1]->decoded[r * n + i] >=
+					    -2e-3 * e.light[i].solid_angle_sr);
+			}
+		for (int q = 0; q < 2; q++)
+			encoding_part_free(part[q]);
+		encoding_end(&e);
 	}
-	encoder_destroy(encoder);
-	encoder_destroy(NULL);
-	trial_begin(&t, 2, 1);
-	for (size_t k = 0; k < sizeof(odd) / sizeof(*odd); k++) {
-		for (int i = 0; i < 6; i++)
-			t.value[i] = i == 3 ? -odd[k] : i % 2 ? odd[k] : odd[k] / 3;
-		encode(&t, BASIS_KIND_T, 0, &result, &encoder);
-		assert_true(worst_error(&t) <= result.object_error);
-		encoder_destroy(encoder);
-	}
-	trial_end(&t);
 }
 
-static void d_and_u_stay_together(void **state)
+/* ---- the exact layer, and sameness ---- */
+
+static void exact(void **state)
 {
-	const double ground[18] = {1};
-	const struct encode_settings settings = {6, 1, ground, 0.1};
-	const uint16_t pixel[2] = {4, 8}, other[2] = {4, 9};
-	float d[2][18] = {{0}}, u[2][18] = {{0}};
-	struct encode_samples s[2] = {{BASIS_KIND_D, 0, 2, pixel, d[0]},
-				      {BASIS_KIND_U, 0, 2, pixel, u[0]}};
-	const struct basis_layout at = basis_layout(BASIS_KIND_U, 1, 1, 1);
-	struct encode_result r;
-	struct encoder *encoder;
-
 	(void)state;
-	assert_int_equal(encoder_create(&encoder, &settings), 0);
-	u[0][1] = 1;
-	assert_int_equal(encode_tile(encoder, 0, s, 2, &r), 0);
-	assert_int_equal(r.count, 0); /* nothing is taken anywhere */
-	d[1][3] = 1e-6F;	      /* not cut: ratio_cut is of V */
-	assert_int_equal(encode_tile(encoder, 0, s, 2, &r), 0);
-	assert_int_equal(r.count, 2);
-	for (int b = 0; b < 2; b++) {
-		assert_int_equal(r.blocks[b].entry.kind, b ? BASIS_KIND_U : BASIS_KIND_D);
-		assert_int_equal(r.blocks[b].entry.pixels, 1);
-		assert_int_equal(((const uint16_t *)r.blocks[b].payload)[0], 8);
-	}
-	/* The U of that pixel is dark, and still there. */
-	assert_int_equal(r.blocks[1].entry.lights, 1);
-	assert_int_equal(((const int16_t *)((const uint8_t *)r.blocks[1].payload + at.row))[0], 0);
-	assert_int_equal(encode_tile(encoder, 0, s, 1, &r), -EINVAL);
-	assert_int_equal(encode_tile(encoder, 0, s + 1, 1, &r), -EINVAL);
-	s[1].pixel = other;
-	assert_int_equal(encode_tile(encoder, 0, s, 2, &r), -EINVAL);
-	s[1].pixel = pixel;
-	u[1][17] = -1;
-	assert_int_equal(encode_tile(encoder, 0, s, 2, &r), -EDOM);
-	encoder_destroy(encoder);
-}
+	for (int kind = BASIS_KIND_T; kind <= BASIS_KIND_V; kind++) {
+		struct encoding e = encoding_dome(5, 3);
+		struct encoding_part *part = encoding_part_new(&e, (enum basis_kind)kind, 97,
+							       kind == BASIS_KIND_T ? 3 : 1,
+							       kind == BASIS_KIND_T);
+		const int n = e.settings.lights;
+		struct encode_result result;
 
-static void totals_are_sums(void **state)
-{
-	struct chance chance = chance_begin("totals");
-	struct trial t;
+		e.settings.exact = true;
+		encoding_start(&e);
+		encoding_fill(&e, part);
+		result = encoding_run(&e, &part, 1, true);
+		assert_int_equal(result.exact_count, 1);
+		assert_int_equal(result.exact->entry.columns, n);
+		assert_int_equal(result.exact->entry.bits, 16);
+		assert_int_equal(result.exact->entry.patterns, 0);
+		assert_int_equal(result.exact->entry.channels, kind == BASIS_KIND_T ? 3 : 1);
+		for (int i = 0; i < n; i++) {
+			double most = 0;
 
-	(void)state;
-	trial_begin(&t, 60, 12);
-	for (int kind = 0; kind < 2; kind++) {
-		struct encode_result r;
-		struct encoder *encoder;
-		struct basis_layout at;
-		const struct basis_block_entry *e;
-		const uint8_t *payload;
-
-		fill(&t, true, 0, &chance);
-		encode(&t, (enum basis_kind)kind, 0, &r, &encoder);
-		e = &r.blocks[0].entry;
-		at = basis_layout(e->kind, e->pixels, e->channels, (int)e->lights);
-		payload = r.blocks[0].payload;
-		for (int k = 0; k < e->pixels * 3; k++) {
-			const int16_t *row = (const int16_t *)(payload + at.row) + k * at.stride;
-			const uint16_t *light = (const uint16_t *)(payload + at.light);
-			const double *u = t.ground + k % 3 * 60;
-			double sum = 0, all = 0;
-
-			for (uint32_t i = 0; i < e->lights; i++)
-				sum += row[i] * (kind == BASIS_KIND_V ? u[light[i]] : 1);
-			for (int i = 0; kind == BASIS_KIND_V && i < 60; i++)
-				all += u[i] / 32768;
-			sum /= all > 0 ? all : 1;
-			assert_true(fabs(((const int32_t *)(payload + at.total))[k] - sum) < 0.501);
+			for (int r = 0; r < 97 * 3; r++)
+				most = fmax(most, fabs(part->is[r * n + i]));
+			for (int r = 0; r < 97 * 3; r++)
+				assert_true(fabs(part->is[r * n + i] - part->decoded[r * n + i]) <=
+					    most * (0.5 / 32767 + 1e-6));
 		}
-		encoder_destroy(encoder);
+		encoding_part_free(part);
+		encoding_end(&e);
 	}
-	trial_end(&t);
 }
 
-static void many_lights_fit(void **state)
+/* What was encoded before leaves no trace. */
+static void repeats(void **state)
 {
-	struct chance chance = chance_begin("many lights");
-	struct encode_result result;
-	struct encoder *encoder;
-	struct trial t;
+	struct encoding e = encoding_dome(6, 4), other = encoding_dome(6, 4);
+	struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_T, 200, 3, true);
+	struct encoding_part *before = encoding_part_new(&e, BASIS_KIND_V, 256, 1, false);
+	struct encode_result first, second;
 
 	(void)state;
-	trial_begin(&t, 20000, 40);
-	fill(&t, false, 1e-7, &chance);
-	encode(&t, BASIS_KIND_T, 0, &result, &encoder);
-	assert_true(result.count == 1 && result.blocks[0].entry.lights > 13000);
-	assert_true(worst_error(&t) <= result.object_error);
-	encoder_destroy(encoder);
-	trial_end(&t);
+	encoding_start(&e);
+	encoding_start(&other);
+	encoding_fill(&e, part);
+	encoding_fill(&e, before);
+	encoding_run(&other, &before, 1, false);
+	first = encoding_run(&e, &part, 1, false);
+	second = encoding_run(&other, &part, 1, false);
+	assert_int_equal(first.shown_count, second.shown_count);
+	for (int k = 0; k < first.shown_count; k++) {
+		assert_memory_equal(&first.shown[k].entry, &second.shown[k].entry,
+				    sizeof(first.shown->entry));
+		assert_memory_equal(first.shown[k].payload, second.shown[k].payload,
+				    first.shown[k].entry.bytes);
+	}
+	assert_memory_equal(&first.error, &second.error, sizeof(first.error));
+	encoding_part_free(part);
+	encoding_part_free(before);
+	encoding_end(&e);
+	encoding_end(&other);
+}
+
+/* ---- the coarse lights ---- */
+
+static void over_coarse(void **state)
+{
+	static const int fine[] = {2, 5, 9, 12, 20, 36}, coarse[] = {1, 2, 3, 4, 9};
+
+	(void)state;
+	for (size_t a = 0; a < 6; a++)
+		for (size_t b = 0; b < 5; b++) {
+			struct encoding e, few;
+
+			if (coarse[b] >= fine[a])
+				continue;
+			e = encoding_dome(fine[a], coarse[b]);
+			few = encoding_dome(coarse[b], coarse[b]);
+			for (int i = 0; i < e.settings.lights; i++) {
+				const struct basis_coarse *g = &e.gather[i];
+				double mean[3] = {0, 0, 0};
+				int sum = 0;
+
+				for (int k = 0; k < 3; k++) {
+					assert_true(g->index[k] < e.settings.coarse);
+					assert_true(!k || !g->weight[k] ||
+						    (g->weight[k - 1] &&
+						     g->index[k] > g->index[k - 1]));
+					assert_true(g->weight[k] || !g->index[k]);
+					sum += g->weight[k];
+					for (int x = 0; x < 3; x++)
+						mean[x] += g->weight[k] *
+							   few.light[g->index[k]].direction[x];
+				}
+				assert_int_equal(sum, BASIS_COARSE_ONE);
+				/* Inside the triangles: the mean lies in the light's direction. */
+				if (e.light[i].direction[2] > 1.0 / coarse[b])
+					assert_true(encoding_dot(mean, e.light[i].direction) >
+						    (1 - 1e-7) * sqrt(encoding_dot(mean, mean)));
+			}
+			encoding_end(&e);
+			encoding_end(&few);
+		}
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(declared_errors_hold),
-		cmocka_unit_test(cuts_drop_what_they_should),
-		cmocka_unit_test(a_rest_stands_for_smooth_light),
-		cmocka_unit_test(a_rest_may_be_shadow),
-		cmocka_unit_test(odd_rests_keep_their_bound),
-		cmocka_unit_test(alike_channels_share_a_row),
-		cmocka_unit_test(hostile_values_are_handled),
-		cmocka_unit_test(d_and_u_stay_together),
-		cmocka_unit_test(totals_are_sums),
-		cmocka_unit_test(many_lights_fit),
+		cmocka_unit_test(over_scenes), cmocka_unit_test(over_targets),
+		cmocka_unit_test(together),    cmocka_unit_test(over_noise),
+		cmocka_unit_test(over_sizes),  cmocka_unit_test(over_values),
+		cmocka_unit_test(refuses),     cmocka_unit_test(over_pairs),
+		cmocka_unit_test(exact),       cmocka_unit_test(repeats),
+		cmocka_unit_test(over_coarse),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
