@@ -321,7 +321,7 @@ static inline void encoding_decode(const struct encoding *e, struct encoding_par
 static inline struct encode_result encoding_run(struct encoding *e, struct encoding_part **part,
 						int count, bool exact)
 {
-	struct encode_samples samples[4];
+	struct encode_samples samples[4] = {{.pixels = 0}};
 	struct encode_result result;
 	const size_t n = (size_t)e->settings.lights;
 

@@ -338,7 +338,6 @@ static void over_noise(void **state)
 static void over_sizes(void **state)
 {
 	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
-	struct chance chance = chance_begin("sizes");
 
 	(void)state;
 	for (int lights = 0; lights < 2; lights++)
@@ -350,7 +349,7 @@ static void over_sizes(void **state)
 
 				encoding_start(&e);
 				encoding_fill(&e, part);
-				hold(&e, part, &chance);
+				hold(&e, part, NULL);
 				encoding_part_free(part);
 				encoding_end(&e);
 			}
