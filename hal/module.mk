@@ -35,10 +35,12 @@ HAL_SOURCES := \
 	hal/compositor/compositor.c \
 	hal/compositor/division.c \
 	hal/compositor/frame.c \
+	hal/compositor/kept_sums.c \
 	hal/compositor/kernel_curves.c \
 	hal/compositor/kernels.c \
 	hal/compositor/kernels_c.c \
 	hal/compositor/light_vector.c \
+	hal/compositor/lines.c \
 	hal/compositor/plan.c \
 	hal/compositor/reference.c \
 	hal/compositor/selection.c \
@@ -53,6 +55,12 @@ HAL_SOURCES := \
 	hal/lights/sampler_kernels.c \
 	hal/lights/sampler_shares.c \
 	hal/lights/sampler_table.c \
+	hal/measure/background.c \
+	hal/measure/error.c \
+	hal/measure/lightings.c \
+	hal/measure/thesis.c \
+	hal/measure/transport.c \
+	hal/measure/turns.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \
 	hal/optics/dome_lookup.c \

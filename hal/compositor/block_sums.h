@@ -9,24 +9,10 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/kernels.h"
 #include "hal/compositor/light_vector.h"
+#include "hal/compositor/lines.h"
 #include "hal/compositor/plan.h"
 
 #define BLOCK_PIXELS (BASIS_TILE * BASIS_TILE)
-
-/* Lines to be read, and their weights split into digits. */
-struct line_set {
-	int count;
-	uint32_t *line;
-	int64_t *weight[3];
-	int16_t *digit[3][KERNEL_DIGITS];
-	struct kernel_weights kernel[3]; /* digits is 0 where all weights are */
-};
-
-/* What is still to be asked for of the next block: patterns, coefficients. */
-struct fetch {
-	const char *from[2];
-	size_t left[2]; /* bytes */
-};
 
 /* What one worker needs for it. */
 struct block_work {
@@ -34,7 +20,6 @@ struct block_work {
 	struct line_set patterns, columns;
 	int64_t *now[3]; /* [patterns + columns]: of kept blocks, what each line weighs now */
 	int64_t sum[3][BLOCK_PIXELS] __attribute__((aligned(64)));
-	int64_t part[KERNEL_LINE8] __attribute__((aligned(64)));
 	struct fetch next;
 	struct compositor_frame counts;
 };
@@ -43,10 +28,15 @@ int block_work_create(struct block_work *work, const struct basis *basis);
 void block_work_free(struct block_work *work); /* zeroed is fine */
 
 /* Sums of the frame before, of blocks that keep them. */
+struct kept_block {
+	bool valid;   /* holds the frame before's */
+	int fraction; /* of that */
+};
+
 struct kept_sums {
-	int64_t *values; /* [layer_plan's kept_size]; NULL: nothing is kept */
-	bool *valid;	 /* [blocks of the layer]: hold the frame before's */
-	bool always;	 /* even where it costs more */
+	int64_t *values;	   /* [layer_plan's kept_size]; NULL: nothing is kept */
+	struct kept_block *blocks; /* [blocks of the layer] */
+	bool always;		   /* even where it costs more */
 };
 
 struct block_request {
@@ -54,7 +44,7 @@ struct block_request {
 	const struct light_vector *light;
 	const struct kept_sums *kept;
 	const struct basis_block *next; /* that will be summed next; NULL: not known */
-	int kept_index;			/* of this block in kept->valid */
+	int kept_index;			/* of this block in kept->blocks */
 	bool all;			/* no column is left out */
 };
 

@@ -199,18 +199,18 @@ static void make_room(struct compositor *c, enum compositor_mode mode)
 		if (l->plan.kept_blocks && (size_t)l->basis->block_count > blocks)
 			blocks = (size_t)l->basis->block_count;
 	}
-	if (size <= c->kept_size && blocks <= c->valid_size)
+	if (size <= c->kept_size && blocks <= c->kept_count)
 		return;
 	free(c->kept);
-	free(c->valid);
+	free(c->kept_blocks);
 	c->kept_of = NULL;
 	c->kept_size = size;
-	c->valid_size = blocks;
+	c->kept_count = blocks;
 	c->kept = aligned_alloc(BASIS_ALIGN, size * sizeof(*c->kept));
-	c->valid = calloc(blocks, sizeof(*c->valid));
+	c->kept_blocks = calloc(blocks, sizeof(*c->kept_blocks));
 	if (!c->before)
 		c->before = calloc(c->basis->info.lights, sizeof(*c->before));
-	if (!c->kept || !c->valid || !c->before) {
+	if (!c->kept || !c->kept_blocks || !c->before) {
 		free(c->kept);
 		c->kept = NULL;
 	}
@@ -269,7 +269,7 @@ void compositor_destroy(struct compositor *c)
 	}
 	free(c->worker);
 	free(c->kept);
-	free(c->valid);
+	free(c->kept_blocks);
 	free(c->before);
 	free(c);
 }

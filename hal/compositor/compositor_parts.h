@@ -42,8 +42,8 @@ struct compositor {
 	struct compositor_frame last;
 	/* Sums of the frame before, for one pose in one mode. */
 	int64_t *kept;
-	bool *valid;
-	size_t kept_size, valid_size;
+	struct kept_block *kept_blocks;
+	size_t kept_size, kept_count;
 	const struct layer *kept_of; /* NULL: they hold nothing */
 	double (*before)[3];	     /* [lights]: light of the last frame that could keep them */
 	/* The frame in the making. */

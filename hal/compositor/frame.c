@@ -159,9 +159,22 @@ static struct kept_sums keep(struct compositor *c, const struct light_selection 
 		return (struct kept_sums){.values = NULL};
 	}
 	if (c->kept_of != c->layer)
-		memset(c->valid, 0, sizeof(*c->valid) * c->valid_size);
+		memset(c->kept_blocks, 0, sizeof(*c->kept_blocks) * c->kept_count);
 	c->kept_of = c->layer;
-	return (struct kept_sums){c->kept, c->valid, always};
+	return (struct kept_sums){c->kept, c->kept_blocks, always};
+}
+
+/* For blocks that ask which lights have changed. */
+static void track_light(struct compositor *c)
+{
+	for (int k = 0; k < BASIS_KIND_COUNT; k++) {
+		if (k != BASIS_KIND_V && c->vector[k].lights)
+			light_vector_track(&c->vector[k]);
+	}
+	for (uint32_t g = 0; g < c->basis->info.grounds; g++) {
+		if (c->layer->needs_ground[g])
+			light_vector_track(&c->ground[g]);
+	}
 }
 
 static void begin_frame(struct compositor *c, const struct light_selection *lights)
@@ -179,6 +192,8 @@ static void begin_frame(struct compositor *c, const struct light_selection *ligh
 		.first = c->layer->plan.blocks,
 		.end = c->layer->plan.blocks + c->layer->basis->block_count,
 	};
+	if (c->light.kept.values)
+		track_light(c);
 	for (int w = 0; w < c->workers; w++)
 		c->worker[w]->tile.block.counts = (struct compositor_frame){0};
 }

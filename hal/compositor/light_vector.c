@@ -37,11 +37,14 @@ int light_vector_create(struct light_vector *v, const struct basis *basis)
 	v->amount = calloc(n, sizeof(*v->amount));
 	v->strength = calloc(n, sizeof(*v->strength));
 	v->most = calloc(n, sizeof(*v->most));
+	v->before = calloc(n, sizeof(*v->before));
+	v->changed = calloc(n, sizeof(*v->changed));
 	v->bright = calloc((n + 63) / 64, sizeof(*v->bright));
 	v->x = calloc(n, sizeof(*v->x));
 	v->y = calloc(k, sizeof(*v->y));
 	v->digits = aligned_alloc(BASIS_ALIGN, bytes);
-	if (!v->amount || !v->strength || !v->most || !v->bright || !v->x || !v->y || !v->digits) {
+	if (!v->before || !v->changed || !v->amount || !v->strength || !v->most || !v->bright ||
+	    !v->x || !v->y || !v->digits) {
 		light_vector_free(v);
 		return -ENOMEM;
 	}
@@ -58,6 +61,8 @@ void light_vector_free(struct light_vector *v)
 	free(v->amount);
 	free(v->strength);
 	free(v->most);
+	free(v->before);
+	free(v->changed);
 	free(v->bright);
 	free(v->x);
 	free(v->y);
@@ -69,6 +74,20 @@ void light_vector_expect(struct light_vector *v, int light, float reach)
 {
 	if (v->most[light] < reach)
 		v->most[light] = reach;
+}
+
+void light_vector_track(struct light_vector *v)
+{
+	v->changed_count = v->lit = 0;
+	for (int i = 0; i < v->lights; i++) {
+		const double *now = v->amount[i];
+		double *before = v->before[i];
+
+		v->lit += now[0] > 0 || now[1] > 0 || now[2] > 0;
+		if (now[0] != before[0] || now[1] != before[1] || now[2] != before[2])
+			v->changed[v->changed_count++] = i;
+		memcpy(before, now, sizeof(v->before[i]));
+	}
 }
 
 int gain_bits(double gain)

@@ -27,15 +27,24 @@ struct light_vector {
 	 */
 	float *strength;  /* [lights] */
 	uint64_t *bright; /* [(lights + 63) / 64]: lights that some block of this vector needs */
+	/* Of light_vector_track(): lights whose X is another than at its last call. */
+	int *changed;
+	int changed_count;
+	int lit; /* lights with any X */
 	/* private */
-	float *most;	 /* [lights]: the farthest reach of any column of this light */
-	int64_t *x;	 /* [lights], of one channel */
-	int64_t *y;	 /* [coarse] */
-	int16_t *digits; /* [3][KERNEL_DIGITS][stride] */
+	double (*before)[3]; /* [lights] */
+	float *most;	     /* [lights]: the farthest reach of any column of this light */
+	int64_t *x;	     /* [lights], of one channel */
+	int64_t *y;	     /* [coarse] */
+	int16_t *digits;     /* [3][KERNEL_DIGITS][stride] */
 };
 
 int light_vector_create(struct light_vector *vector, const struct basis *basis);
 void light_vector_free(struct light_vector *vector); /* zeroed is fine */
+
+/* Finds what has changed. Each call is about the frame after that of the one before, or its answer
+ * is not used. */
+void light_vector_track(struct light_vector *vector);
 
 /* A column of this light reaches so far: told for all blocks of the vector before the first frame.
  */

@@ -15,7 +15,8 @@ struct frame_light {
 	int gain_bits;
 	bool all; /* no column is left out */
 	struct kept_sums kept;
-	const struct block_plan *first, *end; /* of the layer's blocks, as kept.valid counts them */
+	const struct block_plan *first,
+		*end; /* of the layer's blocks, as kept.blocks counts them */
 };
 
 /* Of one tile's pixels in Q24 (kernels.h): [c][y * BASIS_TILE + x]. */

@@ -1,0 +1,42 @@
+/*
+ * Lines of a block times their weights. Private to hal/compositor.
+ */
+#ifndef INLAY_HAL_COMPOSITOR_LINES_H
+#define INLAY_HAL_COMPOSITOR_LINES_H
+
+#include <stddef.h>
+
+#include "hal/basis/basis.h"
+#include "hal/compositor/kernels.h"
+
+/* Lines to be read, and their weights split into digits. */
+struct line_set {
+	int count;
+	uint32_t *line;
+	int64_t *weight[3];
+	int16_t *digit[3][KERNEL_DIGITS];
+	struct kernel_weights kernel[3]; /* digits is 0 where all weights are */
+};
+
+int line_set_create(struct line_set *set, size_t most);
+void line_set_free(struct line_set *set); /* zeroed is fine */
+
+/* Fills the digits from line and weight. */
+void line_set_split(struct line_set *set);
+
+/* What is still to be asked for of the next block: patterns, coefficients. */
+struct fetch {
+	const char *from[2];
+	size_t left[2]; /* bytes */
+};
+
+/* b will be read next; NULL: not known. */
+void fetch_expect(struct fetch *fetch, const struct basis_block *b);
+
+/* Adds patterns and columns of a block to the sums of its pixels. columns have weights with `shift`
+ * bits less. Returns how many bytes were read. While it adds it fetches. */
+size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
+		 const struct line_set *patterns, const struct line_set *columns, int shift,
+		 struct fetch *fetch, int64_t *sum[3]);
+
+#endif
