@@ -23,7 +23,16 @@ int eye_fit(struct eye *eye, struct fault *fault)
 	return err ? fault_say(fault, err, "[%s] %s", eye->section, reason.text) : 0;
 }
 
+bool eye_read(const struct eye *eye, struct frame_reader *reader)
+{
+	const struct source *source = eye->source;
+
+	return source->shown && !source->whole &&
+	       frame_reader_open(reader, &source->held, &eye->view, NULL) == 0;
+}
+
 struct picture eye_picture(const struct eye *eye)
 {
+	source_make_whole(eye->source);
 	return view_picture(&eye->view, eye->source->canvas.pixels, eye->source->canvas.stride);
 }

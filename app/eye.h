@@ -6,6 +6,7 @@
 
 #include "app/source.h"
 #include "hal/fault.h"
+#include "hal/frame_reader.h"
 #include "hal/view.h"
 
 struct eye {
@@ -23,7 +24,10 @@ bool eye_has_picture(const struct eye *eye);
  * eye without a picture is fine. */
 int eye_fit(struct eye *eye, struct fault *fault);
 
-/* The upright picture; valid until the source decodes again. Only after eye_fit(). */
+/* Both only after eye_fit(), and valid until the source takes or decodes again: the upright picture
+ * where the camera left it, false where that is not to be had; and as a whole in memory, which is
+ * made then. */
+bool eye_read(const struct eye *eye, struct frame_reader *reader);
 struct picture eye_picture(const struct eye *eye);
 
 #endif

@@ -44,7 +44,10 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 	struct source *source = &k->sources[i];
 	struct fault reason = {.text = ""};
 	bool first = !source->tried;
-	int err = source_take(source, now, &reason);
+	int err;
+
+	source->kept = k->frozen;
+	err = source_take(source, now, &reason);
 
 	if (err && first && source_is_hopeless(source))
 		return fault_say(fault, err, "camera %s: %s", source->settings.name, reason.text);

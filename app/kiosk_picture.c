@@ -46,14 +46,16 @@ struct taken {
 	bool lit;	     /* the fisheye's picture is a new one */
 };
 
-static void decode_sources(struct kiosk *k, struct taken *taken)
+/* frames: all that is held; otherwise only where there is no picture without. */
+static void decode_sources(struct kiosk *k, bool frames, struct taken *taken)
 {
 	const struct source *first = kiosk_leader(k);
 
 	for (int i = 0; i < k->source_count; i++) {
 		struct source *source = &k->sources[i];
+		const bool wanting = source->canvas.width > 0 && !source_has_picture(source);
 
-		if (!source_has_news(source))
+		if (!source_has_news(source) || (!frames && !wanting))
 			continue;
 		if (k->frozen && source_has_picture(source)) {
 			source_drop(source);
@@ -104,10 +106,13 @@ static int fit_eyes(struct kiosk *k, struct fault *fault)
 static int measure(struct kiosk *k, struct fault *fault)
 {
 	const struct eye *eye = &k->eyes.fisheye;
+	struct frame_reader reader;
 	struct picture picture;
 
 	if (eye->source->is_linear)
 		return pipeline_light_linear(&k->pipeline, &eye->source->linear, &eye->view, fault);
+	if (eye_read(eye, &reader))
+		return pipeline_light_frame(&k->pipeline, &reader, fault);
 	picture = eye_picture(eye);
 	return pipeline_light_picture(&k->pipeline, &picture, fault);
 }
@@ -186,8 +191,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 		return kiosk_screen_lost(k, err, fault);
 	}
 	start = clock_now_ns();
-	if (frames)
-		decode_sources(k, &taken);
+	decode_sources(k, frames, &taken);
 	decoded = clock_now_ns();
 	k->pipeline.sample_ns = k->pipeline.composite_ns = 0;
 	err = fit_eyes(k, fault);

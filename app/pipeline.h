@@ -79,8 +79,10 @@ int pipeline_relight(struct pipeline *pipeline, const struct pipeline_settings *
 /* Whether a background of this size is the basis's. 0 or -EINVAL. */
 int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);
 
-/* Measures the light: in 8-bit code values; in linear radiance, of which view is the sky; or as
- * somebody measured it: radiance[basis lights]. */
+/* Measures the light: in 8-bit code values, of a frame as the camera sent it or of a picture; in
+ * linear radiance, of which view is the sky; or as somebody measured it: radiance[basis lights]. */
+int pipeline_light_frame(struct pipeline *pipeline, const struct frame_reader *fisheye,
+			 struct fault *fault);
 int pipeline_light_picture(struct pipeline *pipeline, const struct picture *fisheye,
 			   struct fault *fault);
 int pipeline_light_linear(struct pipeline *pipeline, const struct image *camera,

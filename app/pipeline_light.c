@@ -123,20 +123,29 @@ static int fit_lens(struct pipeline *p, int width, int height, struct fault *fau
 				    &p->settings.sampler, fault);
 }
 
-int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
+int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
+			 struct fault *fault)
 {
+	const int width = fisheye->view.width, height = fisheye->view.height;
 	int64_t start = clock_now_ns();
-	int err = fit_lens(p, fisheye->width, fisheye->height, fault);
+	int err = fit_lens(p, width, height, fault);
 
 	if (err)
 		return err;
-	err = light_sampler_read(p->sampler, fisheye, p->radiance, &p->clipped);
+	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, p->radiance, &p->clipped);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
-				 fisheye->width, fisheye->height);
+				 width, height);
 	p->lit = true;
 	p->sample_ns = clock_now_ns() - start;
 	return 0;
+}
+
+int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
+{
+	const struct frame_reader reader = frame_reader_of(fisheye);
+
+	return pipeline_light_frame(p, &reader, fault);
 }
 
 /* Radiance has no struct picture to be read through: turned and cut by copying. */

@@ -119,26 +119,45 @@ static int draw_eye(const struct drawing *d, const struct box *cell, const struc
 	return place(d, cell, &picture, squash_of(d, eye), slot);
 }
 
-/* Into memory of its own. */
-static int make_after(const struct drawing *d, const struct picture *background)
+/* Read from the camera's own memory while the compositor goes over it, where that can be. */
+static int composite(const struct drawing *d, uint8_t *out, size_t out_stride)
 {
-	struct canvas *after = &d->show->after;
+	const struct eye *eye = &d->eyes->background;
+	struct frame_reader reader;
 	struct backdrop backdrop;
-	int err = canvas_fit(after, background->width, background->height);
+	struct picture picture;
+
+	if (eye_read(eye, &reader)) {
+		backdrop = (struct backdrop){.width = eye->view.width,
+					     .height = eye->view.height,
+					     .make = frame_reader_make,
+					     .context = &reader};
+	} else {
+		picture = eye_picture(eye);
+		backdrop = backdrop_of(&picture);
+	}
+	return pipeline_composite(d->pipeline, &backdrop, out, out_stride, d->fault);
+}
+
+/* Into memory of its own. */
+static int make_after(const struct drawing *d)
+{
+	const struct view *view = &d->eyes->background.view;
+	struct canvas *after = &d->show->after;
+	int err = canvas_fit(after, view->width, view->height);
 
 	if (err)
 		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d",
-				 background->width, background->height);
-	backdrop = backdrop_of(background);
-	return pipeline_composite(d->pipeline, &backdrop, after->pixels, after->stride, d->fault);
+				 view->width, view->height);
+	return composite(d, after->pixels, after->stride);
 }
 
 /* Straight into the screen where it goes there pixel by pixel. */
 static int draw_after(const struct drawing *d, const struct box *cell, int slot)
 {
 	const struct eye *eye = &d->eyes->background;
-	struct picture background, after;
-	struct backdrop backdrop;
+	const struct view *view = &eye->view;
+	struct picture after;
 	struct box box;
 	int err;
 
@@ -146,17 +165,15 @@ static int draw_after(const struct drawing *d, const struct box *cell, int slot)
 		layout_black(d->screen, cell);
 		return 0;
 	}
-	background = eye_picture(eye);
-	box = layout_box(cell, background.width, background.height, squash_of(d, eye), d->scale);
-	if (layout_in_place(cell, &box, background.width, background.height)) {
+	box = layout_box(cell, view->width, view->height, squash_of(d, eye), d->scale);
+	if (layout_in_place(cell, &box, view->width, view->height)) {
 		layout_border(d->screen, cell, &box);
-		backdrop = backdrop_of(&background);
-		return pipeline_composite(d->pipeline, &backdrop,
-					  d->screen->pixels + (size_t)box.y * d->screen->stride +
-						  (size_t)box.x * 4,
-					  d->screen->stride, d->fault);
+		return composite(d,
+				 d->screen->pixels + (size_t)box.y * d->screen->stride +
+					 (size_t)box.x * 4,
+				 d->screen->stride);
 	}
-	err = make_after(d, &background);
+	err = make_after(d);
 	if (err)
 		return err;
 	after = canvas_picture(&d->show->after);
@@ -178,7 +195,7 @@ static int draw_split(const struct drawing *d, const struct box *cell)
 		return 0;
 	}
 	background = eye_picture(eye);
-	err = make_after(d, &background);
+	err = make_after(d);
 	if (err)
 		return err;
 	after = canvas_picture(&d->show->after);

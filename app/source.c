@@ -6,10 +6,15 @@
 #include <string.h>
 
 #include "hal/clock.h"
+#include "hal/frame_reader.h"
 #include "hal/log.h"
 
 #define SILENT_NS (2 * NS_PER_S)  /* then a camera is called stalled */
 #define GIVE_UP_NS (6 * NS_PER_S) /* then it is closed and opened anew */
+
+/* Of fewer buffers none is held for the length of a frame: drivers want one to fill and one to go
+ * on with. */
+#define BUFFERS_TO_HOLD 3
 
 int source_create(struct source *source, const struct source_settings *settings)
 {
@@ -31,8 +36,10 @@ int source_create(struct source *source, const struct source_settings *settings)
 	return 0;
 }
 
+/* The camera keeps its frames readable until it is closed. */
 static void close_camera(struct source *source)
 {
+	source_make_whole(source);
 	source_drop(source);
 	camera_close(&source->camera);
 	source->earlier_frames += source->camera.frames;
@@ -103,8 +110,9 @@ int source_descriptor(struct source *source)
 
 void source_drop(struct source *source)
 {
-	if (source_has_news(source))
+	if (source->held.format != PIXEL_NONE)
 		camera_release(&source->camera, &source->held);
+	source->shown = false;
 }
 
 /* An open camera stays what it was called last until a frame proves it fine. */
@@ -125,20 +133,52 @@ static int take_opening(struct source *source, int64_t now_ns, struct fault *fau
 	return err;
 }
 
+/* A frame that its rows can be read from. */
+static bool is_readable(const struct frame *frame)
+{
+	return frame_is_raw(frame) && frame_check(frame, NULL) == 0;
+}
+
+static void convert(struct source *source, const struct frame *frame)
+{
+	source->whole = frame_decode(source->decoder, frame, &source->canvas, NULL) == 0;
+}
+
+/*
+ * At most one frame may be out, so the one we hold goes back before we know of another: readable,
+ * there is one. What we then have no picture without is returned; nothing else is converted, since
+ * the next frame is most likely to take its place. A camera that is stepped waits for others, and
+ * may have to show its last picture once more; a frozen one has to.
+ */
+static struct frame give_back(struct source *source)
+{
+	struct frame last = {.format = PIXEL_NONE};
+
+	if (source_has_news(source))
+		source->superseded++;
+	else if (source->camera.on_demand || source->kept)
+		source_make_whole(source);
+	if (!source->whole && source->canvas.width > 0) {
+		last = source->held;
+		if (source_has_news(source))
+			source->picture_ns = source->held_ns;
+	}
+	source_drop(source);
+	return last;
+}
+
 static void take_frame(struct source *source, int64_t now_ns)
 {
 	struct fault fault = {.text = ""};
-	struct frame frame;
+	struct frame frame, last = give_back(source);
 	bool changed;
 	int err;
 
-	/* At most one frame may be out, so the one we hold goes back before we know of another:
-	 * readable, there is one. */
-	if (source_has_news(source)) {
-		source_drop(source);
-		source->superseded++;
-	}
 	err = camera_grab(&source->camera, &frame, &fault);
+	/* A frame stays readable until another is grabbed, and no camera fills the one that it got
+	 * back last while it has others. */
+	if (last.format != PIXEL_NONE && (err || !is_readable(&frame)))
+		convert(source, &last);
 	/* "Not yet" does not make a camera that was lost fine. */
 	if (err != -EAGAIN || source->camera.situation != CAMERA_FINE)
 		source->situation = source->camera.situation;
@@ -188,12 +228,18 @@ void source_excuse(struct source *source, int64_t now_ns)
 
 bool source_has_news(const struct source *source)
 {
-	return source->held.format != PIXEL_NONE;
+	return source->held.format != PIXEL_NONE && !source->shown;
 }
 
 bool source_has_picture(const struct source *source)
 {
-	return source->canvas.width > 0;
+	return source->canvas.width > 0 && (source->whole || source->shown);
+}
+
+void source_make_whole(struct source *source)
+{
+	if (source->shown && !source->whole)
+		convert(source, &source->held);
 }
 
 void source_encode_as(struct source *source, enum transfer transfer)
@@ -214,6 +260,7 @@ static int fit_pictures(struct source *source, const struct frame *frame)
 		err = canvas_create(&source->canvas, frame->width, frame->height);
 		if (err)
 			return err;
+		source->whole = true; /* black, if nothing comes of it */
 	}
 	if (!source->is_linear ||
 	    (source->linear.width == frame->width && source->linear.height == frame->height))
@@ -263,11 +310,25 @@ static int copy_linear(struct source *source, const struct frame *frame)
 
 static int decode(struct source *source, struct fault *fault)
 {
-	int err = fit_pictures(source, &source->held);
+	int err;
 
+	if (frame_is_raw(&source->held)) {
+		err = frame_check(&source->held, fault);
+		if (err)
+			return err;
+	}
+	err = fit_pictures(source, &source->held);
 	if (err)
 		return fault_say(fault, err, "not enough memory for a picture of %dx%d",
 				 source->held.width, source->held.height);
+	if (frame_is_raw(&source->held)) {
+		source->shown = true;
+		source->whole = false;
+		if (source->settings.camera.buffers < BUFFERS_TO_HOLD)
+			source_make_whole(source);
+		return 0;
+	}
+	source->whole = true; /* and what does not decode leaves what was there */
 	if (!source->is_linear)
 		return frame_decode(source->decoder, &source->held, &source->canvas, fault);
 	err = copy_linear(source, &source->held);
@@ -289,7 +350,8 @@ bool source_decode(struct source *source, int64_t now_ns)
 		source->picture_ns = source->held_ns;
 		source->fresh_ns = now_ns;
 	}
-	source_drop(source);
+	if (err || source->whole)
+		source_drop(source);
 	return !err;
 }
 

@@ -1,7 +1,10 @@
 /*
  * A camera as the program uses it: opened on a thread of its own, again when it was lost, its
- * newest frame held until a picture is made, decoded only then. What was decoded last stays, so
- * that a lost camera leaves its last picture.
+ * newest frame held until a picture is made.
+ *
+ * A raw frame then is the picture, read where the camera left it (hal/frame_reader.h), and given
+ * back only when the next one is to be had; whoever wants it whole has it converted then. Others
+ * are decoded whole and given back. Either way the last picture stays when the camera is lost.
  */
 #ifndef INLAY_APP_SOURCE_H
 #define INLAY_APP_SOURCE_H
@@ -33,7 +36,9 @@ struct source {
 	enum camera_situation situation; /* of the camera, as far as we know */
 	enum camera_situation said;	 /* the situation that was logged last */
 	char device_name[128];		 /* of the camera that was open last; empty: it has none */
-	struct frame held;		 /* grabbed, not yet decoded; PIXEL_NONE: nothing */
+	struct frame held;		 /* grabbed, not given back; PIXEL_NONE: nothing */
+	bool shown;			 /* held is the picture, raw */
+	bool kept;			 /* its user's: each picture is to outlive its frame */
 	int64_t held_ns;		 /* when it was captured */
 	int64_t heard_ns;		 /* when the camera last gave something, or was opened */
 	uint64_t superseded;		 /* held frames for which a newer one came */
@@ -42,11 +47,12 @@ struct source {
 
 	struct frame_decoder *decoder;
 	struct transfer_tables *tables;
-	struct canvas canvas; /* the last picture; width 0: there has been none */
+	struct canvas canvas; /* of the picture's size; width 0: there has been none */
+	bool whole;	      /* the picture is in it */
 	struct image linear;  /* the same before it was clipped, of a camera that gives RGBF */
 	bool is_linear;
-	int64_t picture_ns; /* when what is in canvas was captured */
-	int64_t fresh_ns;   /* when it was decoded */
+	int64_t picture_ns; /* when the picture was captured */
+	int64_t fresh_ns;   /* when it became the picture */
 };
 
 /* 0, -ENOMEM, or what keeps a thread from being started. */
@@ -89,13 +95,17 @@ void source_watch(struct source *source, int64_t now_ns);
 void source_excuse(struct source *source, int64_t now_ns);
 
 bool source_has_news(const struct source *source);
+/* None either while the frame that was the picture has been given back for news. */
 bool source_has_picture(const struct source *source);
 
-/* Decodes what is held and gives the frame back. False: it did not decode; the picture before it
+/* Makes what is held the picture. False: it is of no use, and given back; the picture before it
  * stays. */
 bool source_decode(struct source *source, int64_t now_ns);
 
-/* Gives back what is held, undecoded. */
+/* Converts the picture into canvas, unless it is there. Only with a picture. */
+void source_make_whole(struct source *source);
+
+/* Gives back what is held, whether it was the picture or not. */
 void source_drop(struct source *source);
 
 /* How linear radiance becomes code values from now on. */

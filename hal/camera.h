@@ -101,7 +101,8 @@ struct camera_ops {
 	 * it at once; other -errno: broken, close it. */
 	int (*grab)(struct camera *camera, struct frame *frame, struct fault *fault);
 
-	/* Mandatory. Gives the frame back. */
+	/* Mandatory. Gives the frame back. Its memory stays readable until a grab() that gives
+	 * another or close(), though what is in it may change. */
 	void (*release)(struct camera *camera, struct frame *frame);
 
 	/* Mandatory. Idempotent; the only cleanup; accepts a half-open camera. */

@@ -118,6 +118,8 @@ static int set_up(void **state)
 	fill(&sources[0].canvas, SKY, SKY, 60);
 	fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
 	fill(&sources[2].canvas, SCENE_WIDTH, SCENE_HEIGHT, 140);
+	for (int i = 0; i < 3; i++)
+		sources[i].whole = true;
 	return 0;
 }
 

@@ -33,7 +33,8 @@ static struct {
 	uint32_t sequence;
 } fake;
 
-static uint8_t memory[64 * 64 * 12];
+/* Frames take turns, as buffers do. */
+static uint8_t buffers[2][64 * 64 * 12];
 
 static int fake_open(struct camera *camera, struct fault *fault)
 {
@@ -64,6 +65,7 @@ static int fake_descriptor(struct camera *camera)
 static int fake_grab(struct camera *camera, struct frame *frame, struct fault *fault)
 {
 	size_t stride = frame_plane_stride(fake.format, 0, fake.width);
+	uint8_t *memory = buffers[fake.sequence % 2];
 
 	if (fake.grab_err) {
 		camera->situation = fake.situation;
@@ -71,7 +73,7 @@ static int fake_grab(struct camera *camera, struct frame *frame, struct fault *f
 	}
 	assert_int_equal(fake.out, 0);
 	fake.out++;
-	memset(memory, fake.level, sizeof(memory));
+	memset(memory, fake.level, sizeof(buffers[0]));
 	if (fake.format == PIXEL_RGBF) {
 		for (int i = 0; i < fake.width * fake.height; i++)
 			memcpy(memory + 12 * i, fake.linear, 12);
@@ -306,6 +308,113 @@ static void a_frame_that_does_not_decode_is_passed_over(void **state)
 	assert_int_equal(source_counts(&source).broken, 1);
 }
 
+static const struct view all = {.width = 16, .height = 8, .squash = 1};
+
+/* With buffers to spare, what a raw frame shows is read where the camera left it. */
+static void show_raw(int level)
+{
+	source.settings.camera.buffers = 4;
+	fake.level = (uint8_t)level;
+	take(level);
+	assert_true(source_decode(&source, 99));
+	assert_false(source_has_news(&source));
+	assert_true(source_has_picture(&source));
+	assert_int_equal(fake.out, 1);
+	assert_false(source.whole);
+}
+
+static void a_raw_frame_stays_until_the_next(void **state)
+{
+	struct eye eye = {.section = "background", .source = &source, .wanted = all};
+	struct frame_reader reader;
+	uint32_t pixel;
+
+	(void)state;
+	must_open();
+	show_raw(33);
+	assert_int_equal(eye_fit(&eye, NULL), 0);
+	assert_true(eye_read(&eye, &reader));
+	frame_reader_make(&reader, 15, 7, 1, 1, (uint8_t *)&pixel, 4);
+	assert_int_equal(pixel, 0xff212121);
+	assert_int_equal(eye_picture(&eye).origin[0], 33); /* somebody wants it whole */
+	assert_false(eye_read(&eye, &reader));
+	show_raw(34); /* and so it would have stayed */
+	fake.level = 35;
+	take(7);
+	assert_int_equal(fake.out, 1);
+	assert_true(source_has_news(&source));
+	assert_false(source_has_picture(&source));
+	assert_true(source_decode(&source, 99));
+	assert_int_equal(eye_picture(&eye).origin[0], 35);
+	source_drop(&source);
+	assert_int_equal(fake.out, 0);
+	assert_true(source_has_picture(&source));
+	assert_int_equal(source_counts(&source).lost, 0);
+}
+
+static void a_lost_camera_leaves_its_raw_frame(void **state)
+{
+	(void)state;
+	must_open();
+	show_raw(60);
+	fake.grab_err = -EAGAIN; /* it was nothing */
+	take(2);
+	assert_int_equal(fake.out, 0);
+	assert_true(source_has_picture(&source));
+	assert_int_equal(source.canvas.pixels[0], 60);
+	fake.grab_err = 0;
+	show_raw(61);
+	take(3); /* news that nobody took a picture of yet */
+	fake.grab_err = -ENODEV;
+	take(4);
+	assert_false(source_is_open(&source));
+	assert_true(source_has_picture(&source));
+	assert_int_equal(source.canvas.pixels[0], 61);
+	fake.grab_err = 0;
+	must_open();
+	show_raw(62);
+	source_watch(&source, clock_now_ns() + 60 * NS_PER_S); /* silent for good */
+	assert_false(source_is_open(&source));
+	assert_int_equal(source.canvas.pixels[0], 62);
+	assert_true(source_has_picture(&source));
+}
+
+static void a_raw_frame_that_is_short_is_passed_over(void **state)
+{
+	(void)state;
+	must_open();
+	show_raw(70);
+	fake.bytes = 10;
+	fake.level = 5;
+	take(2);
+	assert_true(source_has_picture(&source));
+	assert_false(source_decode(&source, 99));
+	assert_int_equal(fake.out, 0);
+	assert_int_equal(source.canvas.pixels[0], 70);
+	assert_int_equal(source_counts(&source).broken, 1);
+}
+
+/* A frozen picture, and that of a camera which waits for others. */
+static void a_kept_picture_outlives_its_frame(void **state)
+{
+	(void)state;
+	must_open();
+	for (int way = 0; way < 2; way++) {
+		show_raw(80 + way);
+		source.kept = way == 0;
+		source.camera.on_demand = way == 1;
+		fake.level = 5;
+		take(2);
+		assert_true(source_has_news(&source));
+		assert_true(source_has_picture(&source));
+		assert_int_equal(source.canvas.pixels[0], 80 + way);
+		source.camera.on_demand = false;
+		source.kept = false;
+		source_drop(&source);
+		assert_true(source_has_picture(&source));
+	}
+}
+
 /* IEC 61966-2-1 by hand: 0.214041 is code 127.5. */
 static void linear_light_is_kept_and_encoded(void **state)
 {
@@ -449,6 +558,10 @@ int main(void)
 		CASE(a_lost_camera_leaves_its_picture),
 		CASE(which_failures_waiting_can_mend),
 		CASE(silence_is_named_and_ended),
+		CASE(a_raw_frame_stays_until_the_next),
+		CASE(a_lost_camera_leaves_its_raw_frame),
+		CASE(a_raw_frame_that_is_short_is_passed_over),
+		CASE(a_kept_picture_outlives_its_frame),
 		CASE(a_frame_that_does_not_decode_is_passed_over),
 		CASE(linear_light_is_kept_and_encoded),
 		CASE(the_picture_follows_the_cameras_size),
