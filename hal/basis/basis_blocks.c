@@ -168,8 +168,6 @@ static int use_pixel(const struct place *at, const struct basis_block *b, int pi
 		use->changed[pixel] = true;
 		return 0;
 	case BASIS_KIND_U:
-		if (use->lit[pixel])
-			return DAMAGED(at, "pixel %d has a U row already", pixel);
 		use->lit[pixel] = true;
 		return 0;
 	default:

@@ -178,7 +178,7 @@ enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_
  * line, 64 bytes, is one pattern or column for one panel and channel: what is read, or left out, as
  * a whole. -32768 and -128 do not occur.
  *
- * Every pixel of a D block is in one of its tile's U blocks, which do not overlap; of U no light
+ * Every pixel of a D block is in one of its tile's U blocks; of U no light
  * alone comes out negative by more than quantisation.
  */
 /* In the order of tiles, then of kinds; offsets ascend too. */
