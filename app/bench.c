@@ -5,31 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/bench_picture.h"
 #include "app/bench_truth.h"
 #include "app/bench_ways.h"
-#include "hal/clock.h"
 #include "hal/log.h"
-
-/* Before a frame is timed, in each turn: as many as make a short way feel at home. */
-#define WARM_FRAMES 8
-#define WARM_NS (2 * NS_PER_MS)
+#include "hal/measure/background.h"
+#include "hal/measure/turns.h"
 
 /* ---- rows ---- */
-
-static int rising(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
-/* Sorts; of an even number the mean of the two in the middle. */
-static double median(double *value, int count)
-{
-	qsort(value, (size_t)count, sizeof(*value), rising);
-	return (value[(count - 1) / 2] + value[count / 2]) / 2;
-}
 
 static const struct bench_way *find_way(const struct bench_ways *ways, enum bench_kind kind,
 					const char *what)
@@ -76,7 +58,7 @@ static int take_rows(struct bench_report *report, struct bench_ways *ways,
 	for (int k = 0; k < ways->count; k++) {
 		struct bench_way *way = &ways->way[k];
 
-		way->row.median_ms = median(way->ms, report->repeat);
+		way->row.median_ms = turns_median(way->ms, report->repeat);
 		way->row.least_ms = way->ms[0];
 	}
 	for (int k = 0; k < ways->count; k++) {
@@ -106,60 +88,54 @@ static int grow_reading(struct bench_ways *ways, struct bench_stage *stage, stru
 	return 0;
 }
 
-/* Of the processor, that this thread has had. */
-static int64_t thread_ns(void)
-{
-	struct timespec t;
+/* What is timed under one lighting. */
+struct round {
+	struct bench_ways *ways;
+	struct bench_stage *stage;
+	int turn; /* whose light the stage has */
+	struct fault *fault;
+};
 
-	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-	return (int64_t)t.tv_sec * NS_PER_S + t.tv_nsec;
+static int prepare(void *context, int way, int turn)
+{
+	struct round *round = context;
+
+	if (round->turn != turn)
+		bench_stage_light(round->stage, turn % round->stage->lighting->members);
+	round->turn = turn;
+	return bench_way_prepare(&round->ways->way[way], round->stage, turn, round->fault);
 }
 
-/* What is short is not alone in the processor's mind after a single frame: caches, branches. */
-static int warm_up(struct bench_way *way, struct bench_stage *stage, int turn, struct fault *fault)
+static int run(void *context, int way)
 {
-	const int64_t start = thread_ns();
-	int err = 0;
+	const struct round *round = context;
 
-	for (int n = 0; !err && n < WARM_FRAMES && thread_ns() - start < WARM_NS; n++) {
-		err = bench_way_prepare(way, stage, turn, fault);
-		if (!err)
-			err = bench_way_run(way, stage, fault);
-	}
-	return err;
+	return bench_way_run(&round->ways->way[way], round->stage, round->fault);
 }
 
-/* One thread is timed by what it had of the processor: a long way that has to make room for others
- * would seem longer than a short one. */
-static int time_way(struct bench_way *way, struct bench_stage *stage, int turn, struct fault *fault)
+static bool is_alone(void *context, int way)
 {
-	int64_t start, ran, took;
-	int err = warm_up(way, stage, turn, fault);
+	const struct round *round = context;
 
-	if (!err)
-		err = bench_way_prepare(way, stage, turn, fault);
-	if (err)
-		return err;
-	ran = thread_ns();
-	start = clock_now_ns();
-	err = bench_way_run(way, stage, fault);
-	took = clock_now_ns() - start;
-	ran = thread_ns() - ran;
-	stage->ran_ns += ran;
-	stage->timed_ns += took;
-	way->ms[turn] = (double)(pool_threads(stage->pool) == 1 ? ran : took) / (double)NS_PER_MS;
-	return err;
+	(void)way;
+	return pool_threads(round->stage->pool) == 1;
 }
 
 static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct fault *fault)
 {
+	struct round round = {.ways = ways, .stage = stage, .turn = -1, .fault = fault};
+	struct turns turns = {.context = &round,
+			      .ways = ways->count,
+			      .repeat = stage->settings->repeat,
+			      .prepare = prepare,
+			      .run = run,
+			      .is_alone = is_alone};
 	int err = grow_reading(ways, stage, fault);
 
-	for (int turn = 0; !err && turn < stage->settings->repeat; turn++) {
-		bench_stage_light(stage, turn % stage->lighting->members);
-		for (int k = 0; !err && k < ways->count; k++)
-			err = time_way(&ways->way[k], stage, turn, fault);
-	}
+	if (!err)
+		err = turns_time(&turns, ways->ms);
+	stage->timed_ns += turns.timed_ns;
+	stage->ran_ns += turns.ran_ns;
 	return err;
 }
 
@@ -230,7 +206,7 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 	    light_selection_create(&stage->before, stage->basis))
 		return fault_say(fault, -ENOMEM, "not enough memory for pictures of %dx%d", width,
 				 height);
-	bench_picture_fill(&stage->background);
+	background_fill(&stage->background);
 	stage->background_picture = view_picture(&whole, stage->background.pixels,
 						 stage->background.stride);
 	if (settings->thesis) {

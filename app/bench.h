@@ -13,8 +13,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "app/bench_error.h"
 #include "hal/fault.h"
+#include "hal/measure/error.h"
 
 #define BENCH_FILES_MAX 16
 

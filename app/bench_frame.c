@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/bench_lightings.h"
 #include "hal/frame_reader.h"
 #include "hal/lights/sampler.h"
+#include "hal/measure/lightings.h"
 #include "hal/optics/fisheye.h"
 
 /* What one camera delivers. */

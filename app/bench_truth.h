@@ -3,8 +3,8 @@
 #ifndef INLAY_APP_BENCH_TRUTH_H
 #define INLAY_APP_BENCH_TRUTH_H
 
-#include "app/bench_error.h"
 #include "app/bench_ways.h"
+#include "hal/measure/error.h"
 
 /* Fills in the error of each way, the worst of all members of the stage's lighting. all: threads
  * that double precision may use; it takes long. -EIO: two ways differ. */

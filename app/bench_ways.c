@@ -158,11 +158,14 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 	err = add_kernels(ways, stage, fault);
 	if (!err)
 		add_bounds(ways, stage);
-	for (int k = 0; !err && k < ways->count; k++) {
-		ways->way[k].ms = calloc((size_t)stage->settings->repeat, sizeof(*ways->way[k].ms));
-		if (!ways->way[k].ms)
+	if (!err) {
+		ways->ms = calloc((size_t)ways->count * (size_t)stage->settings->repeat,
+				  sizeof(*ways->ms));
+		if (!ways->ms)
 			err = fault_say(fault, -ENOMEM, "not enough memory");
 	}
+	for (int k = 0; !err && k < ways->count; k++)
+		ways->way[k].ms = ways->ms + (size_t)k * (size_t)stage->settings->repeat;
 	if (err)
 		bench_ways_free(ways);
 	return err;
@@ -170,8 +173,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 
 void bench_ways_free(struct bench_ways *ways)
 {
-	for (int k = 0; k < ways->count; k++)
-		free(ways->way[k].ms);
+	free(ways->ms);
 	for (int k = 0; k < ways->compositor_count; k++)
 		compositor_destroy(ways->compositors[k]);
 	free(ways->way);
@@ -193,27 +195,16 @@ void bench_stage_light(struct bench_stage *stage, int member)
 	choose(stage, &stage->lights, lighting_member(stage->lighting, stage->basis, member));
 }
 
-/* The frame before had some lights brighter and a little of the mean's light in each of them, so
- * that dark ones change too. Which ones moves on from turn to turn. */
+/* The frame before had some lights brighter. */
 static void light_before(struct bench_stage *stage, int turn, int changed)
 {
 	const int n = stage->lights.count;
-	double mean[3] = {0, 0, 0};
 
 	changed = changed == BENCH_CHANGE_ALL || changed > n ? n : changed;
-	for (int i = 0; i < n; i++) {
-		for (int c = 0; c < 3; c++) {
-			stage->scratch[i][c] = (float)stage->lights.radiance[i][c];
-			mean[c] += stage->lights.radiance[i][c] / n;
-		}
-	}
-	for (int k = 0; k < changed; k++) {
-		const int i = (int)((turn * INT64_C(7919) + (int64_t)k * n / changed) % n);
-
+	for (int i = 0; i < n; i++)
 		for (int c = 0; c < 3; c++)
-			stage->scratch[i][c] =
-				(float)(1.07 * (double)stage->scratch[i][c] + 0.02 * mean[c]);
-	}
+			stage->scratch[i][c] = (float)stage->lights.radiance[i][c];
+	lighting_change(stage->scratch, n, changed, turn);
 	choose(stage, &stage->before, (const float(*)[3])stage->scratch);
 	for (int c = 0; c < 3; c++)
 		stage->before.ambient[c] = stage->lights.ambient[c];

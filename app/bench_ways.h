@@ -7,10 +7,10 @@
 
 #include "app/bench.h"
 #include "app/bench_frame.h"
-#include "app/bench_lightings.h"
 #include "app/bench_memory.h"
-#include "app/bench_thesis.h"
 #include "hal/compositor/compositor.h"
+#include "hal/measure/lightings.h"
+#include "hal/measure/thesis.h"
 
 /* What all ways share. */
 struct bench_stage {
@@ -53,12 +53,13 @@ struct bench_way {
 	uint64_t bytes; /* of the basis, read by its last frame */
 	/* BENCH_READ: as many bytes as that way has read */
 	const struct bench_way *like;
-	double *ms; /* [repeat] */
+	double *ms; /* [repeat], of the list's own memory */
 };
 
 struct bench_ways {
 	struct bench_way *way;
 	int count;
+	double *ms; /* [count][repeat] */
 	struct compositor **compositors;
 	int compositor_count;
 };

@@ -1,14 +1,9 @@
 app_PACKAGES := $(if $(filter 1,$(WITH_CAIRO)),cairo) $(if $(filter 1,$(WITH_SYSTEMD)),libsystemd)
 APP_SOURCES := \
 	app/bench.c \
-	app/bench_error.c \
 	app/bench_frame.c \
-	app/bench_lightings.c \
 	app/bench_memory.c \
-	app/bench_picture.c \
 	app/bench_print.c \
-	app/bench_thesis.c \
-	app/bench_transport.c \
 	app/bench_truth.c \
 	app/bench_ways.c \
 	app/command_bench.c \

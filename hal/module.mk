@@ -59,8 +59,8 @@ HAL_SOURCES := \
 	hal/measure/error.c \
 	hal/measure/lightings.c \
 	hal/measure/thesis.c \
-	hal/measure/transport.c \
 	hal/measure/turns.c \
+	hal/measure/unpacked.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \
 	hal/optics/dome_lookup.c \

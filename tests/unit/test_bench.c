@@ -11,13 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/bench_error.h"
-#include "app/bench_lightings.h"
 #include "app/bench_memory.h"
-#include "app/bench_picture.h"
-#include "app/bench_thesis.h"
-#include "app/bench_transport.h"
 #include "hal/image/image.h"
+#include "hal/measure/background.h"
+#include "hal/measure/error.h"
+#include "hal/measure/lightings.h"
+#include "hal/measure/thesis.h"
+#include "hal/measure/unpacked.h"
 #include "tests/synthetic_basis.h"
 
 static struct synthetic_options every_encoding(struct chance *chance)
@@ -50,7 +50,7 @@ static double unit_of(const struct basis *basis, const struct basis_block *b, in
 				       : basis->lights[i].solid_angle_sr;
 }
 
-static double transport_at(const struct transport *t, enum basis_kind kind, int p, int c, int i)
+static double transport_at(const struct unpacked *t, enum basis_kind kind, int p, int c, int i)
 {
 	const size_t row = (size_t)c * (size_t)t->lights + (size_t)i;
 
@@ -60,35 +60,34 @@ static double transport_at(const struct transport *t, enum basis_kind kind, int 
 }
 
 /* Takes what the tile's blocks say away from the transport: nothing is left of it. */
-static void check_tile(const struct basis *basis, const struct basis_tile *tile,
-		       struct transport *t)
+static void check_tile(const struct basis *basis, const struct basis_tile *tile, struct unpacked *t)
 {
 	const int n = (int)basis->info.lights;
-	double *is = calloc((size_t)TRANSPORT_PIXELS * 3 * (size_t)n, sizeof(*is) * 3);
-	double *value = calloc((size_t)TRANSPORT_PIXELS * 3 * (size_t)n, sizeof(*value));
+	double *is = calloc((size_t)UNPACKED_PIXELS * 3 * (size_t)n, sizeof(*is) * 3);
+	double *value = calloc((size_t)UNPACKED_PIXELS * 3 * (size_t)n, sizeof(*value));
 
 	assert_true(is && value);
-	transport_fill(t, basis, tile);
+	unpacked_fill(t, basis, tile);
 	for (int k = 0; k < tile->block_count; k++) {
 		const struct basis_block *b = &tile->blocks[k];
 		const int part = b->kind == BASIS_KIND_T ? 0 : b->kind == BASIS_KIND_U ? 1 : 2;
 
-		memset(value, 0, (size_t)TRANSPORT_PIXELS * 3 * (size_t)n * sizeof(*value));
+		memset(value, 0, (size_t)UNPACKED_PIXELS * 3 * (size_t)n * sizeof(*value));
 		synthetic_add_values(b, n, basis->coarse, value);
 		for (int at = 0; at < b->pixels * 3 * n; at++) {
 			const int i = at % n, c = at / n % 3, p = b->pixel[at / n / 3];
 			const double unit = unit_of(basis, b, c, i);
 
-			is[((part * TRANSPORT_PIXELS + p) * 3 + c) * n + i] += value[at] * unit;
+			is[((part * UNPACKED_PIXELS + p) * 3 + c) * n + i] += value[at] * unit;
 			if (b->kind == BASIS_KIND_V)
-				is[((1 * TRANSPORT_PIXELS + p) * 3 + c) * n + i] = unit;
+				is[((1 * UNPACKED_PIXELS + p) * 3 + c) * n + i] = unit;
 		}
 	}
 	for (int part = 0; part < 3; part++) {
 		static const enum basis_kind kinds[3] = {BASIS_KIND_T, BASIS_KIND_U, BASIS_KIND_D};
 
-		for (int at = 0; at < TRANSPORT_PIXELS * 3 * n; at++) {
-			const double want = is[part * TRANSPORT_PIXELS * 3 * n + at];
+		for (int at = 0; at < UNPACKED_PIXELS * 3 * n; at++) {
+			const double want = is[part * UNPACKED_PIXELS * 3 * n + at];
 			const double got = transport_at(t, kinds[part], at / n / 3, at / n % 3,
 							at % n);
 
@@ -107,13 +106,13 @@ static void transport_is_what_blocks_say(void **state)
 	for (int round = 0; round < 4; round++) {
 		const struct synthetic_options options = every_encoding(&chance);
 		struct synthetic s;
-		struct transport t;
+		struct unpacked t;
 
 		synthetic_open(&s, &options);
-		assert_int_equal(transport_create(&t, &s.basis), 0);
+		assert_int_equal(unpacked_create(&t, &s.basis), 0);
 		for (int k = 0; k < s.basis.tiles_across * s.basis.tiles_down; k++)
 			check_tile(&s.basis, &s.basis.poses[0].shown.tiles[k], &t);
-		transport_free(&t);
+		unpacked_free(&t);
 		synthetic_close(&s);
 	}
 }
@@ -142,7 +141,7 @@ static void scene_open(struct scene *f, struct basis *basis, struct chance *chan
 		canvas_create(&f->background, (int)basis->info.width, (int)basis->info.height), 0);
 	assert_int_equal(canvas_create(&f->out, (int)basis->info.width, (int)basis->info.height),
 			 0);
-	bench_picture_fill(&f->background);
+	background_fill(&f->background);
 	free(radiance);
 }
 
@@ -160,7 +159,7 @@ static double code_value(const struct canvas *canvas, int x, int y, int c)
 
 /* What one pixel ought to be, in double precision: bytes stay within half a step, so sums within
  * half a step of all light. */
-static void check_pixel(const struct scene *f, const struct transport *t, int x, int y, int p,
+static void check_pixel(const struct scene *f, const struct unpacked *t, int x, int y, int p,
 			double step)
 {
 	const uint16_t a = f->basis->poses[0].coverage[y * (int)f->basis->info.width + x];
@@ -205,19 +204,19 @@ static void check_pixel(const struct scene *f, const struct transport *t, int x,
 static void check_frame(const struct scene *f, double step)
 {
 	const struct basis *basis = f->basis;
-	struct transport t;
+	struct unpacked t;
 
-	assert_int_equal(transport_create(&t, basis), 0);
+	assert_int_equal(unpacked_create(&t, basis), 0);
 	for (int k = 0; k < basis->tiles_across * basis->tiles_down; k++) {
 		const struct basis_tile *tile = &basis->poses[0].shown.tiles[k];
 
-		transport_fill(&t, basis, tile);
+		unpacked_fill(&t, basis, tile);
 		for (int y = 0; y < tile->height; y++)
 			for (int x = 0; x < tile->width; x++)
 				check_pixel(f, &t, tile->x + x, tile->y + y, y * BASIS_TILE + x,
 					    step);
 	}
-	transport_free(&t);
+	unpacked_free(&t);
 }
 
 static double brightest(const struct basis *basis)

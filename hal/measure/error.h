@@ -1,10 +1,10 @@
 /*
  * How far a composite is from double precision, in 8-bit levels, over the pixels that the object
  * changes. What double precision says is not rounded: a perfect picture in 8 bits has an RMS error
- * of 0.29 levels, 58.9 dB. For bench alone.
+ * of 0.29 levels, 58.9 dB.
  */
-#ifndef INLAY_APP_BENCH_ERROR_H
-#define INLAY_APP_BENCH_ERROR_H
+#ifndef INLAY_HAL_MEASURE_ERROR_H
+#define INLAY_HAL_MEASURE_ERROR_H
 
 #include <stdint.h>
 

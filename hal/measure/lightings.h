@@ -1,9 +1,9 @@
 /*
  * Lightings to try a basis under: built-in ones, files of lights, panoramas. All but files are
- * exposed as a camera would be. For bench alone.
+ * exposed as a camera would be.
  */
-#ifndef INLAY_APP_BENCH_LIGHTINGS_H
-#define INLAY_APP_BENCH_LIGHTINGS_H
+#ifndef INLAY_HAL_MEASURE_LIGHTINGS_H
+#define INLAY_HAL_MEASURE_LIGHTINGS_H
 
 #include "hal/basis/basis.h"
 #include "hal/fault.h"
@@ -45,5 +45,12 @@ int lightings_add_file(struct lightings *lightings, const struct basis *basis, c
  * the picture is not of linear light; -ENOTSUP: the basis's lights are no dome's. */
 int lightings_add_panorama(struct lightings *lightings, const struct basis *basis, const char *path,
 			   struct fault *fault);
+
+/*
+ * Makes some lights brighter, by a part of their own and by a little of the mean, so that dark ones
+ * change too: a frame next to the one of these lights. Which ones moves on from turn to turn;
+ * changed: 0..lights.
+ */
+void lighting_change(float (*radiance)[3], int lights, int changed, int turn);
 
 #endif

@@ -1,4 +1,4 @@
-#include "app/bench_transport.h"
+#include "hal/measure/unpacked.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -6,30 +6,30 @@
 
 #include "hal/basis/basis_layout.h"
 
-static size_t rows_of(const struct transport *t)
+static size_t rows_of(const struct unpacked *t)
 {
 	return 3 * (size_t)t->lights;
 }
 
-int transport_create(struct transport *t, const struct basis *basis)
+int unpacked_create(struct unpacked *t, const struct basis *basis)
 {
-	*t = (struct transport){.lights = (int)basis->info.lights};
+	*t = (struct unpacked){.lights = (int)basis->info.lights};
 	t->object = malloc(rows_of(t) * sizeof(*t->object));
 	t->unlit = malloc(rows_of(t) * sizeof(*t->unlit));
 	t->taken = malloc(rows_of(t) * sizeof(*t->taken));
 	if (!t->object || !t->unlit || !t->taken) {
-		transport_free(t);
+		unpacked_free(t);
 		return -ENOMEM;
 	}
 	return 0;
 }
 
-void transport_free(struct transport *t)
+void unpacked_free(struct unpacked *t)
 {
 	free(t->object);
 	free(t->unlit);
 	free(t->taken);
-	*t = (struct transport){.lights = 0};
+	*t = (struct unpacked){.lights = 0};
 }
 
 /* What one light adds to a line of pixels, in units of the light X that its cell sends. */
@@ -98,7 +98,7 @@ static void fill_line(struct line *l, int column, const float *share)
 		add_line16(l, b->column16, b->columns, column, b->column_scale[column]);
 }
 
-static void add_line(struct transport *t, const struct line *l, int channel, float unit, int light)
+static void add_line(struct unpacked *t, const struct line *l, int channel, float unit, int light)
 {
 	const struct basis_block *b = l->block;
 	const size_t row = (size_t)channel * (size_t)t->lights + (size_t)light;
@@ -116,7 +116,7 @@ static void add_line(struct transport *t, const struct line *l, int channel, flo
 }
 
 /* All of a block that is light i's. */
-static void add_light(struct transport *t, const struct basis *basis, const struct basis_block *b,
+static void add_light(struct unpacked *t, const struct basis *basis, const struct basis_block *b,
 		      int column, int light)
 {
 	float share[BASIS_PATTERNS_MAX];
@@ -142,7 +142,7 @@ static void add_light(struct transport *t, const struct basis *basis, const stru
 	}
 }
 
-static void mark(struct transport *t, const struct basis *basis, const struct basis_block *b)
+static void mark(struct unpacked *t, const struct basis *basis, const struct basis_block *b)
 {
 	bool *is = b->kind == BASIS_KIND_T ? t->is_object : t->is_receiver;
 
@@ -157,7 +157,7 @@ static void mark(struct transport *t, const struct basis *basis, const struct ba
 	}
 }
 
-void transport_fill(struct transport *t, const struct basis *basis, const struct basis_tile *tile)
+void unpacked_fill(struct unpacked *t, const struct basis *basis, const struct basis_tile *tile)
 {
 	memset(t->object, 0, rows_of(t) * sizeof(*t->object));
 	memset(t->unlit, 0, rows_of(t) * sizeof(*t->unlit));

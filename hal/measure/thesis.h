@@ -8,8 +8,8 @@
  * Rows are quantised as kindly as a byte allows: those of the object to the brightest value that
  * any pixel has under any light, those in shadow each to its own.
  */
-#ifndef INLAY_APP_BENCH_THESIS_H
-#define INLAY_APP_BENCH_THESIS_H
+#ifndef INLAY_HAL_MEASURE_THESIS_H
+#define INLAY_HAL_MEASURE_THESIS_H
 
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"

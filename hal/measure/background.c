@@ -1,7 +1,7 @@
-#include "app/bench_picture.h"
+#include "hal/measure/background.h"
 
 /* A bright floor that darkens to the left, tiles on it, grain, a dark quarter and a white bar. */
-void bench_picture_fill(struct canvas *canvas)
+void background_fill(struct canvas *canvas)
 {
 	uint32_t grain = 1;
 

@@ -1,4 +1,4 @@
-#include "app/bench_error.h"
+#include "hal/measure/error.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "app/bench_thesis.h"
+#include "hal/measure/thesis.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "app/bench_transport.h"
+#include "hal/measure/unpacked.h"
 
 enum role { ROLE_PICTURE, ROLE_OBJECT, ROLE_SHADOW };
 
@@ -103,7 +103,7 @@ static int allocate_rows(struct thesis *t, struct fault *fault)
 
 struct quantiser {
 	struct thesis *thesis;
-	struct transport *transport; /* one for each thread */
+	struct unpacked *unpacked; /* one for each thread */
 };
 
 static uint8_t byte_of(float value)
@@ -114,16 +114,16 @@ static uint8_t byte_of(float value)
 /* Of the pixels of a tile that have a row. */
 struct tile_rows {
 	int count;
-	int pixel[TRANSPORT_PIXELS]; /* of the tile */
-	uint8_t *row[TRANSPORT_PIXELS];
-	bool is_object[TRANSPORT_PIXELS];
-	float most[TRANSPORT_PIXELS]; /* what 255 stands for */
+	int pixel[UNPACKED_PIXELS]; /* of the tile */
+	uint8_t *row[UNPACKED_PIXELS];
+	bool is_object[UNPACKED_PIXELS];
+	float most[UNPACKED_PIXELS]; /* what 255 stands for */
 };
 
 static void find_rows(const struct thesis *t, const struct basis_tile *tile, struct tile_rows *rows)
 {
 	rows->count = 0;
-	for (int p = 0; p < TRANSPORT_PIXELS; p++) {
+	for (int p = 0; p < UNPACKED_PIXELS; p++) {
 		const int x = tile->x + p % BASIS_TILE, y = tile->y + p / BASIS_TILE;
 		const size_t at = (size_t)y * (size_t)t->width + (size_t)x;
 
@@ -137,7 +137,7 @@ static void find_rows(const struct thesis *t, const struct basis_tile *tile, str
 	}
 }
 
-static void find_most(const struct transport *from, struct tile_rows *rows)
+static void find_most(const struct unpacked *from, struct tile_rows *rows)
 {
 	for (int k = 0; k < 3 * from->lights; k++) {
 		for (int n = 0; n < rows->count; n++) {
@@ -151,7 +151,7 @@ static void find_most(const struct transport *from, struct tile_rows *rows)
 }
 
 /* Light by light, as it lies in memory. */
-static void fill_rows(const struct transport *from, const struct tile_rows *rows)
+static void fill_rows(const struct unpacked *from, const struct tile_rows *rows)
 {
 	for (int k = 0; k < 3 * from->lights; k++) {
 		const int c = k / from->lights, i = k % from->lights;
@@ -175,14 +175,14 @@ static void fill_rows(const struct transport *from, const struct tile_rows *rows
 static void quantise_tile(void *context, int item, int worker)
 {
 	const struct quantiser *q = context;
-	struct transport *from = &q->transport[worker];
+	struct unpacked *from = &q->unpacked[worker];
 	const struct basis_tile *tile = &q->thesis->layer->tiles[item];
 	struct tile_rows rows;
 
 	find_rows(q->thesis, tile, &rows);
 	if (!rows.count)
 		return;
-	transport_fill(from, q->thesis->basis, tile);
+	unpacked_fill(from, q->thesis->basis, tile);
 	find_most(from, &rows);
 	fill_rows(from, &rows);
 }
@@ -191,20 +191,20 @@ static int quantise(struct thesis *t, struct pool *pool)
 {
 	const float(*peak)[3] = t->basis->poses[0].peak;
 	const int threads = pool_threads(pool);
-	struct quantiser q = {t, calloc((size_t)threads, sizeof(*q.transport))};
-	int err = q.transport ? 0 : -ENOMEM;
+	struct quantiser q = {t, calloc((size_t)threads, sizeof(*q.unpacked))};
+	int err = q.unpacked ? 0 : -ENOMEM;
 
 	for (int i = 0; i < 3 * t->lights; i++)
 		t->rate = fmax(t->rate, (double)peak[i / 3][i % 3]);
 	if (!(t->rate > 0))
 		t->rate = 1;
 	for (int k = 0; !err && k < threads; k++)
-		err = transport_create(&q.transport[k], t->basis);
+		err = unpacked_create(&q.unpacked[k], t->basis);
 	if (!err)
 		pool_run(pool, t->basis->tiles_across * t->basis->tiles_down, quantise_tile, &q);
-	for (int k = 0; q.transport && k < threads; k++)
-		transport_free(&q.transport[k]);
-	free(q.transport);
+	for (int k = 0; q.unpacked && k < threads; k++)
+		unpacked_free(&q.unpacked[k]);
+	free(q.unpacked);
 	return err;
 }
 

@@ -1,0 +1,75 @@
+#include "hal/measure/turns.h"
+
+#include <stdlib.h>
+
+#include "hal/clock.h"
+
+/* Before a run is timed, in each turn: as many as make a short way feel at home. */
+#define WARM_RUNS 8
+#define WARM_NS (2 * NS_PER_MS)
+
+/* Of the processor, that this thread has had. */
+static int64_t thread_ns(void)
+{
+	struct timespec t;
+
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+	return (int64_t)t.tv_sec * NS_PER_S + t.tv_nsec;
+}
+
+/* What is short is not alone in the processor's mind after a single run: caches, branches. */
+static int warm_up(const struct turns *t, int way, int turn)
+{
+	const int64_t start = thread_ns();
+	int err = 0;
+
+	for (int n = 0; !err && n < WARM_RUNS && thread_ns() - start < WARM_NS; n++) {
+		err = t->prepare(t->context, way, turn);
+		if (!err)
+			err = t->run(t->context, way);
+	}
+	return err;
+}
+
+static int time_run(struct turns *t, int way, int turn, double *ms)
+{
+	int64_t start, ran, took;
+	int err = warm_up(t, way, turn);
+
+	if (!err)
+		err = t->prepare(t->context, way, turn);
+	if (err)
+		return err;
+	ran = thread_ns();
+	start = clock_now_ns();
+	err = t->run(t->context, way);
+	took = clock_now_ns() - start;
+	ran = thread_ns() - ran;
+	t->timed_ns += took;
+	t->ran_ns += ran;
+	*ms = (double)(t->is_alone(t->context, way) ? ran : took) / (double)NS_PER_MS;
+	return err;
+}
+
+int turns_time(struct turns *t, double *ms)
+{
+	int err = 0;
+
+	for (int turn = 0; !err && turn < t->repeat; turn++)
+		for (int way = 0; !err && way < t->ways; way++)
+			err = time_run(t, way, turn, ms + (int64_t)way * t->repeat + turn);
+	return err;
+}
+
+static int rising(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+double turns_median(double *ms, int count)
+{
+	qsort(ms, (size_t)count, sizeof(*ms), rising);
+	return (ms[(count - 1) / 2] + ms[count / 2]) / 2;
+}
