@@ -8,6 +8,9 @@
 
 enum { PIXELS = 64, VALUES = 32 };
 
+/* Weights are asked for so many before they are needed: other memory comes in between. */
+enum { AHEAD = 2048 };
+
 /* A table of 256 bytes in registers. */
 struct lookup {
 	__m512i quarter[4];
@@ -51,35 +54,35 @@ static inline __m512i gather(const __m512i pixels[4], __m512i order)
 	return _mm512_mask_blend_epi8(0xff00ff00ff00ff00, first, second);
 }
 
-/* Low and high bytes in that order to 64 words, of which count are written. */
-static inline void store(int16_t *to, __m512i low, __m512i high, int count)
+/* Low and high bytes in that order to 64 words, of which those of the mask are written. */
+static inline __attribute__((always_inline)) void store(int16_t *to, __m512i low, __m512i high,
+							__mmask64 which)
 {
-	const __m512i first = _mm512_unpacklo_epi8(low, high);
-	const __m512i second = _mm512_unpackhi_epi8(low, high);
-
-	if (count >= PIXELS) {
-		_mm512_storeu_si512(to, first);
-		_mm512_storeu_si512(to + VALUES, second);
-		return;
-	}
-	_mm512_mask_storeu_epi16(to, _cvtu32_mask32(_bzhi_u32(~0U, (unsigned)count)), first);
-	if (count > VALUES)
-		_mm512_mask_storeu_epi16(to + VALUES,
-					 _cvtu32_mask32(_bzhi_u32(~0U, (unsigned)(count - VALUES))),
-					 second);
+	_mm512_mask_storeu_epi16(to, (__mmask32)which, _mm512_unpacklo_epi8(low, high));
+	_mm512_mask_storeu_epi16(to + VALUES, (__mmask32)(which >> VALUES),
+				 _mm512_unpackhi_epi8(low, high));
 }
 
-static inline void load(__m512i pixels[4], const uint32_t *bgrx, int count)
+/* What a mask leaves out of the pixels is 0 and not clipped. */
+static inline __attribute__((always_inline)) __mmask64
+decode_pixels(const struct lookup *low, const struct lookup *high, const __m512i order[3],
+	      const uint32_t *bgrx, int16_t *planes, size_t plane_stride, __mmask64 which)
 {
-	for (int i = 0; i < 4; i++) {
-		const int left = count - 16 * i;
+	__m512i pixels[4];
+	__mmask64 full = 0;
 
-		if (left >= 16)
-			pixels[i] = _mm512_loadu_si512(bgrx + 16 * i);
-		else
-			pixels[i] = _mm512_maskz_loadu_epi32(
-				left > 0 ? (__mmask16)((1U << left) - 1) : 0, bgrx + 16 * i);
+	for (int i = 0; i < 4; i++)
+		pixels[i] = _mm512_maskz_loadu_epi32((__mmask16)(which >> 16 * i), bgrx + 16 * i);
+	for (int c = 0; c < 3; c++) {
+		const __m512i code = gather(pixels, order[c]);
+
+		full |= _mm512_cmpeq_epi8_mask(code, _mm512_set1_epi8(-1));
+		store(planes + (size_t)c * plane_stride, look_up(low, code), look_up(high, code),
+		      which);
 	}
+	store(planes + 3 * plane_stride, _mm512_maskz_set1_epi8(full, 1), _mm512_setzero_si512(),
+	      which);
+	return full;
 }
 
 static bool decode(const struct sampler_decode *table, const uint32_t *bgrx, int count,
@@ -89,25 +92,11 @@ static bool decode(const struct sampler_decode *table, const uint32_t *bgrx, int
 	const __m512i order[3] = {gather_order(2), gather_order(1), gather_order(0)};
 	__mmask64 any = 0;
 
-	for (int done = 0; done < count; done += PIXELS) {
-		const int left = count - done;
-		__m512i pixels[4];
-		__mmask64 full = 0;
-
-		load(pixels, bgrx + done, left);
-		for (int c = 0; c < 3; c++) {
-			const __m512i code = gather(pixels, order[c]);
-
-			full |= _mm512_cmpeq_epi8_mask(code, _mm512_set1_epi8(-1));
-			store(planes + (size_t)c * plane_stride + done, look_up(&low, code),
-			      look_up(&high, code), left);
-		}
-		any |= full;
-		store(planes + 3 * plane_stride + done,
-		      _mm512_and_si512(_mm512_movm_epi8(full), _mm512_set1_epi8(1)),
-		      _mm512_setzero_si512(), left);
-	}
-	/* What a mask left out of the last pixels is 0. */
+	for (; count >= PIXELS; count -= PIXELS, bgrx += PIXELS, planes += PIXELS)
+		any |= decode_pixels(&low, &high, order, bgrx, planes, plane_stride, ~0ULL);
+	if (count)
+		any |= decode_pixels(&low, &high, order, bgrx, planes, plane_stride,
+				     (1ULL << count) - 1);
 	return any != 0;
 }
 
@@ -164,6 +153,8 @@ add_some(const int16_t *planes, int count, size_t plane_stride, const struct sam
 		unsigned left = spans[k].chunks;
 
 		chunks += left;
+		_mm_prefetch((const char *)(weight + AHEAD), _MM_HINT_T0);
+		_mm_prefetch((const char *)(weight + AHEAD + VALUES), _MM_HINT_T0);
 		for (; left >= 2; left -= 2, value += VALUES, weight += VALUES) {
 			const __m512i w = _mm512_loadu_si512(weight);
 			const __m512i h = _mm512_srli_epi16(w, 7), l = _mm512_and_si512(w, seven);
