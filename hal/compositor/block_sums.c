@@ -84,6 +84,15 @@ static bool counts(const struct block_plan *plan, const struct block_request *re
 	return light->strength[i] * (plan->block->column_scale[n] * plan->reach) >= 1;
 }
 
+/* Of a word; not every processor that this runs on has an instruction for it. */
+static int count_bits(uint64_t x)
+{
+	x -= x >> 1 & UINT64_C(0x5555555555555555);
+	x = (x & UINT64_C(0x3333333333333333)) + (x >> 2 & UINT64_C(0x3333333333333333));
+	x = (x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
+	return (int)(x * UINT64_C(0x0101010101010101) >> 56);
+}
+
 /* Those of the lights that are bright enough for some block, by the bitmap of this one. */
 static void take_marked(struct line_set *set, const struct block_plan *plan,
 			const struct block_request *request, double one)
@@ -96,7 +105,7 @@ static void take_marked(struct line_set *set, const struct block_plan *plan,
 
 		for (; both; both &= both - 1) {
 			const uint64_t below = (both & -both) - 1;
-			const int n = plan->before[w] + __builtin_popcountll(plan->has[w] & below);
+			const int n = plan->before[w] + count_bits(plan->has[w] & below);
 			const int i = w * 64 + __builtin_ctzll(both);
 
 			if (counts(plan, request, n, i))
@@ -160,7 +169,8 @@ static void fresh_block_sums(struct block_work *work, const struct block_plan *p
 	line_set_split(&work->patterns);
 	line_set_split(&work->columns);
 	work->counts.basis_bytes += lines_add(request->kernels, plan->block, &work->patterns,
-					      &work->columns, plan->column_shift, &work->next, sum);
+					      &work->columns, plan->column_shift, !plan->joins,
+					      &work->next, sum);
 }
 
 void block_sums(struct block_work *work, const struct block_plan *plan,

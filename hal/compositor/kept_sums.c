@@ -70,7 +70,8 @@ static void add_sets(struct block_work *work, const struct block_plan *plan,
 	line_set_split(&work->patterns);
 	line_set_split(&work->columns);
 	work->counts.basis_bytes += lines_add(request->kernels, plan->block, &work->patterns,
-					      &work->columns, plan->column_shift, &work->next, sum);
+					      &work->columns, plan->column_shift, false,
+					      &work->next, sum);
 }
 
 void kept_sums_take(struct block_work *work, const struct block_plan *plan,

@@ -69,13 +69,15 @@ void fetch_expect(struct fetch *fetch, const struct basis_block *b)
 	const size_t panels = b ? ((size_t)b->pixels + KERNEL_LINE16 - 1) / KERNEL_LINE16 : 0;
 
 	*fetch = (struct fetch){0};
-	if (!b || !b->patterns)
+	if (!b)
 		return;
 	fetch->from[0] = (const char *)b->pattern;
 	fetch->left[0] = (size_t)b->patterns * (size_t)b->stride * sizeof(*b->pattern);
 	fetch->from[1] = (const char *)b->coefficient;
 	fetch->left[1] = panels * (size_t)(b->channels * b->patterns) * KERNEL_LINE_BYTES;
-	for (int k = 0; k < 2; k++)
+	fetch->from[2] = (const char *)b->column_scale;
+	fetch->left[2] = (size_t)b->columns * sizeof(*b->column_scale);
+	for (int k = 0; k < FETCHES; k++)
 		fetch->left[k] = fetch->left[k] < AHEAD_BYTES ? fetch->left[k] : AHEAD_BYTES;
 }
 
@@ -85,7 +87,7 @@ void fetch_expect(struct fetch *fetch, const struct basis_block *b)
  */
 static inline __attribute__((always_inline)) void fetch_some(struct fetch *next)
 {
-	for (int k = 0; k < 2; k++) {
+	for (int k = 0; k < FETCHES; k++) {
 		size_t bytes = AHEAD_STEP;
 
 		bytes = bytes < next->left[k] ? bytes : next->left[k];
@@ -114,7 +116,7 @@ static void add_patterns(const struct line_set *set, const struct basis_block *b
 }
 
 static void add_columns16(const struct line_set *set, const struct basis_block *b,
-			  const struct kernels *kernels, int64_t *sum[3])
+			  const struct kernels *kernels, struct fetch *fetch, int64_t *sum[3])
 {
 	const size_t panel_size = (size_t)b->columns * KERNEL_LINE16;
 	const int16_t *lines = b->column16;
@@ -125,12 +127,15 @@ static void add_columns16(const struct line_set *set, const struct basis_block *
 				kernels->sums16(lines + (b->channels == 3 ? c : 0) * panel_size,
 						&set->kernel[c], sum[c] + at);
 		}
+		fetch_some(fetch);
 		lines += panel_size * (size_t)b->channels;
 	}
 }
 
+/* What is there, if anything, has `shift` bits more. */
 static void add_columns8(const struct line_set *set, const struct basis_block *b,
-			 const struct kernels *kernels, int shift, int64_t *sum[3])
+			 const struct kernels *kernels, int shift, bool fresh, struct fetch *fetch,
+			 int64_t *sum[3])
 {
 	const size_t panel_size = (size_t)b->columns * KERNEL_LINE8;
 	const int8_t *lines = b->column8;
@@ -140,28 +145,32 @@ static void add_columns8(const struct line_set *set, const struct basis_block *b
 		for (int c = 0; c < 3; c++) {
 			if (!set->kernel[c].digits)
 				continue;
-			memset(part, 0, sizeof(part));
+			if (!fresh)
+				memset(part, 0, sizeof(part));
 			kernels->sums8(lines + (b->channels == 3 ? c : 0) * panel_size,
-				       &set->kernel[c], part);
-			for (int p = 0; p < KERNEL_LINE8; p++)
+				       &set->kernel[c], fresh ? sum[c] + at : part);
+			for (int p = 0; fresh && p < KERNEL_LINE8; p++)
+				sum[c][at + p] *= INT64_C(1) << shift;
+			for (int p = 0; !fresh && p < KERNEL_LINE8; p++)
 				sum[c][at + p] += part[p] * (INT64_C(1) << shift);
 		}
+		fetch_some(fetch);
 		lines += panel_size * (size_t)b->channels;
 	}
 }
 
 size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 		 const struct line_set *patterns, const struct line_set *columns, int shift,
-		 struct fetch *fetch, int64_t *sum[3])
+		 bool fresh, struct fetch *fetch, int64_t *sum[3])
 {
 	const int pixels = b->bits == 8 ? KERNEL_LINE8 : KERNEL_LINE16;
 	const int panels16 = (b->pixels + KERNEL_LINE16 - 1) / KERNEL_LINE16;
 	const int panels = (b->pixels + pixels - 1) / pixels;
 
 	if (columns->count && b->bits == 8)
-		add_columns8(columns, b, kernels, shift, sum);
+		add_columns8(columns, b, kernels, shift, fresh, fetch, sum);
 	else if (columns->count)
-		add_columns16(columns, b, kernels, sum);
+		add_columns16(columns, b, kernels, fetch, sum);
 	if (patterns->count)
 		add_patterns(patterns, b, kernels, fetch, sum);
 	return (size_t)(b->channels * (panels16 * patterns->count + panels * columns->count)) *

@@ -4,6 +4,7 @@
 #ifndef INLAY_HAL_COMPOSITOR_LINES_H
 #define INLAY_HAL_COMPOSITOR_LINES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "hal/basis/basis.h"
@@ -24,19 +25,22 @@ void line_set_free(struct line_set *set); /* zeroed is fine */
 /* Fills the digits from line and weight. */
 void line_set_split(struct line_set *set);
 
-/* What is still to be asked for of the next block: patterns, coefficients. */
+/* What is still to be asked for of the next block: patterns, coefficients, scales of columns. */
+#define FETCHES 3
+
 struct fetch {
-	const char *from[2];
-	size_t left[2]; /* bytes */
+	const char *from[FETCHES];
+	size_t left[FETCHES]; /* bytes */
 };
 
 /* b will be read next; NULL: not known. */
 void fetch_expect(struct fetch *fetch, const struct basis_block *b);
 
-/* Adds patterns and columns of a block to the sums of its pixels. columns have weights with `shift`
- * bits less. Returns how many bytes were read. While it adds it fetches. */
+/* Adds patterns and columns of a block to the sums of its pixels, which are all 0 if fresh. columns
+ * have weights with `shift` bits less. Returns how many bytes were read. While it adds it fetches.
+ */
 size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 		 const struct line_set *patterns, const struct line_set *columns, int shift,
-		 struct fetch *fetch, int64_t *sum[3]);
+		 bool fresh, struct fetch *fetch, int64_t *sum[3]);
 
 #endif
