@@ -50,7 +50,7 @@ static bool decode(const struct sampler_decode *table, const uint32_t *bgrx, int
 				    _mm256_srli_epi16(full, 15));
 		any = _mm256_or_si256(any, full);
 	}
-	return sampler_decode_c(table, bgrx, count, planes, plane_stride) |
+	return sampler_decode_c(table, bgrx, count, planes, plane_stride) ||
 	       !_mm256_testz_si256(any, any);
 }
 
