@@ -78,7 +78,7 @@ $(BUILD)/hal/compositor/kernels_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mav
 $(BUILD)/hal/compositor/kernels_neon_dotprod.o: ISA_FLAGS := -march=armv8.2-a+dotprod
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)
 
-# Rows of video and light sampling for wider instruction sets; who calls them asks the processor first.
+# Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)
 HAL_SOURCES += hal/frame_rows_avx2.c hal/frame_rows_avx512.c hal/lights/sampler_avx2.c \
 	hal/lights/sampler_avx512.c
