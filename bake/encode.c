@@ -9,7 +9,7 @@
 #include "bake/encode_block.h"
 #include "bake/encode_measure.h"
 
-/* What the arithmetic between samples and values may be off by, against the largest value. */
+/* What the arithmetic between samples and values may be off by, against the largest of them. */
 #define FLOAT_ERROR 0x1p-22
 
 /* A pixel is left out where that is worth less than this share of the error asked for. */
@@ -162,7 +162,7 @@ static int measure(struct encoder *e, const uint16_t *coverage, int count, const
 		err = measure_tile(&e->measure, e->part, e->reader, count, coverage,
 				   &result->error);
 	for (int k = 0; k < count && !err; k++) {
-		const double bound = e->measure.bound[k] + FLOAT_ERROR * (double)e->part[k].largest;
+		const double bound = e->measure.bound[k] + FLOAT_ERROR * (double)e->part[k].rounded;
 
 		if (e->part[k].kind == BASIS_KIND_T)
 			result->object_error = fmax(result->object_error, bound);

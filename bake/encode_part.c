@@ -153,6 +153,34 @@ static bool scatter_all(const struct encode_settings *settings, const struct enc
 	return true;
 }
 
+/* False where a value is larger than the file may hold. */
+static bool measure(struct part *part, int lights)
+{
+	bool fits = true;
+
+	part->largest = part->rounded = 0;
+	for (int i = 0; i < lights; i++) {
+		const float *value = part->value + (size_t)i * (size_t)part->rows;
+		const float *direct =
+			part->direct ? part->direct + (size_t)i * (size_t)(part->direct_channels *
+									   part->pixels)
+				     : value;
+
+		for (int r = 0; r < part->rows; r++) {
+			const int own = part->direct && part->direct_channels == 1
+						? r % part->pixels
+						: r;
+			const float size = fabsf(value[r]);
+			const float both = fabsf(direct[own]) + fabsf(value[r] - direct[own]);
+
+			fits &= size <= VALUE_MAX; /* false for NaN */
+			part->largest = size > part->largest ? size : part->largest;
+			part->rounded = both > part->rounded ? both : part->rounded;
+		}
+	}
+	return fits;
+}
+
 int part_load(struct part *part, const struct encode_settings *settings,
 	      const struct encode_samples *s)
 {
@@ -183,14 +211,8 @@ int part_load(struct part *part, const struct encode_settings *settings,
 	}
 	if (!scatter_all(settings, s, part))
 		return -EDOM;
-	part->largest = 0;
-	for (size_t k = 0; k < n * (size_t)part->rows; k++) {
-		const float size = fabsf(part->value[k]);
-
-		if (!(size <= VALUE_MAX))
-			return -EDOM;
-		part->largest = size > part->largest ? size : part->largest;
-	}
+	if (!measure(part, settings->lights))
+		return -EDOM;
 	part->base = part->value;
 	return 0;
 }

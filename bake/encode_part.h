@@ -52,6 +52,7 @@ struct part {
 	int rows;     /* channels * pixels; row = channel * pixels + place in pixel */
 	int direct_channels;
 	float largest;	   /* of all |value| */
+	float rounded;	   /* of all |direct| + |bounce|: what roundings are a share of */
 	float *value;	   /* [lights][rows], per unit of X */
 	float *direct;	   /* [lights][direct_channels * pixels]; NULL where there is no bounce */
 	const float *base; /* [lights][rows]: what an error in value is seen on: value itself, or
