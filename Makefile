@@ -266,6 +266,14 @@ bench:
 bench-installed: all
 	$(Q)BUILD="$(BUILD)" tests/bench/bench.sh
 
+.PHONY: report report-installed
+## report: speed against error of spot in real panoramas, or of the cow: build/report (minutes)
+report:
+	$(Q)board/deps.sh demo
+	$(AGAIN) report-installed
+report-installed: all
+	$(Q)BUILD="$(BUILD)" tests/accuracy/report.sh build/report
+
 .PHONY: help
 ## help: this list
 help:

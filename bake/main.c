@@ -7,10 +7,7 @@
 #include "hal/log.h"
 
 static const struct command *const commands[] = {
-	&dome_command,
-	&render_command,
-	&info_command,
-	&truth_command,
+	&dome_command, &render_command, &info_command, &truth_command, &report_command,
 };
 
 #define COMMANDS (sizeof(commands) / sizeof(commands[0]))

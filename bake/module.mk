@@ -21,6 +21,20 @@ BAKE_SOURCES := \
 	bake/options.c \
 	bake/progress.c \
 	bake/render.c \
+	bake/report.c \
+	bake/report_bake.c \
+	bake/report_choices.c \
+	bake/report_error.c \
+	bake/report_lighting.c \
+	bake/report_lights.c \
+	bake/report_page.c \
+	bake/report_pictures.c \
+	bake/report_plot.c \
+	bake/report_sky.c \
+	bake/report_summary.c \
+	bake/report_table.c \
+	bake/report_thesis.c \
+	bake/report_trial.c \
 	bake/scene.c \
 	bake/scene_file.c \
 	bake/sky.c \
@@ -34,6 +48,7 @@ BAKE_SOURCES := \
 	bake/info_command.c \
 	bake/info_map.c \
 	bake/render_command.c \
+	bake/report_command.c \
 	bake/truth_command.c
 BAKE_MAIN := bake/main.c
 

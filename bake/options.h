@@ -16,7 +16,8 @@ struct command {
 	int (*run)(const struct command *command, int argc, char **argv);
 };
 
-extern const struct command dome_command, render_command, info_command, truth_command;
+extern const struct command dome_command, render_command, info_command, truth_command,
+	report_command;
 
 /* --help, --version (what getopt_long returns for them) and wrong usage. */
 #define OPTION_HELP 1000

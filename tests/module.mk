@@ -71,6 +71,7 @@ FUZZ_TARGETS := \
 CLI_TESTS := \
 	tests/cli/bake.sh \
 	tests/cli/bench.sh \
+	tests/cli/report.sh \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
 	tests/cli/faults.sh \

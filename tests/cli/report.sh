@@ -1,0 +1,210 @@
+#!/bin/bash
+# inlay-bake report: page, plots and tables are there and say the same; how it fails. Figures that
+# are times are not judged.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+
+report() {
+	"$INLAY_BAKE" report --quick --quiet --frequency 2 "$@"
+}
+
+# ---- of a scene ----
+out=$work/report
+check "report of a scene" report "$work/box.scene" -o "$out"
+for name in settings lights threshold input declared-error column-cut incremental kernels threads \
+	thesis-table thesis-threshold surroundings; do
+	check "table $name" test -s "$out/$name.csv"
+done
+for name in pareto lights-error lights-time threshold-error input-error error-memory error-time \
+	column-cut incremental kernels threads thesis-time; do
+	check "plot $name" grep -q '</svg>' "$out/$name.svg"
+done
+equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
+equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' ! -name '*.svg' \
+	! -name '*.png' ! -name report.html; find "$work" -maxdepth 1 -name 'report.part*')"
+
+# Everything that is wrong about a report's folder; nothing is fine.
+judged() { # FOLDER
+	python3 - "$1" <<'END'
+import csv, html.parser, math, os, re, sys
+
+folder = sys.argv[1]
+wrong = []
+EMPTY = {"meta", "img", "br"}
+
+
+class Page(html.parser.HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.open, self.tables, self.table, self.cell, self.images = [], {}, None, None, 0
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag not in EMPTY:
+            self.open.append(tag)
+        if tag == "table":
+            self.table = self.tables.setdefault(attributes["id"], {"head": [], "rows": []})
+        elif tag == "tr" and "tbody" in self.open:
+            self.table["rows"].append([])
+        elif tag in ("td", "th"):
+            self.cell = ""
+        elif tag == "img":
+            self.images += 1
+            if not re.match(r"data:image/(png|svg\+xml);base64,[A-Za-z0-9+/]+=*$", attributes["src"]):
+                wrong.append("a picture is not in the page")
+        elif tag == "a" and not os.path.exists(os.path.join(folder, attributes["href"])):
+            wrong.append("a link to %s, which is not there" % attributes["href"])
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            wrong.append("</%s> closes nothing" % tag)
+        if tag == "td":
+            self.table["rows"][-1].append(self.cell)
+        elif tag == "th":
+            self.table["head"].append(self.cell)
+        if tag in ("td", "th"):
+            self.cell = None
+
+    def handle_data(self, data):
+        if self.cell is not None:
+            self.cell += data
+
+
+def is_number(text):
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def alike(shown, kept):
+    if not is_number(shown) or not is_number(kept):
+        return shown == kept
+    return abs(float(shown) - float(kept)) <= max(0.06 * abs(float(kept)) if abs(float(kept)) < 0.1
+                                                   else 0.006 * abs(float(kept)), 1e-9)
+
+
+page = Page()
+page.feed(open(os.path.join(folder, "report.html"), encoding="utf-8").read())
+page.close()
+if page.open:
+    wrong.append("not closed: %s" % page.open)
+tables = {name[:-4] for name in os.listdir(folder) if name.endswith(".csv")}
+if set(page.tables) != tables:
+    wrong.append("tables and CSVs: %s" % (set(page.tables) ^ tables))
+plots = [name for name in os.listdir(folder) if name.endswith((".svg", ".png"))]
+if page.images != len(plots):
+    wrong.append("%d pictures in the page, %d in the folder" % (page.images, len(plots)))
+for name in set(page.tables) & tables:
+    kept = list(csv.reader(open(os.path.join(folder, name + ".csv"), encoding="utf-8")))
+    shown = page.tables[name]["rows"]
+    if len(shown) != len(kept) - 1 or not shown:
+        wrong.append("%s has %d rows, its CSV %d" % (name, len(shown), len(kept) - 1))
+    for row, line in zip(shown, kept[1:]):
+        if len(line) != len(kept[0]):
+            wrong.append("%s.csv has a row of %d" % (name, len(line)))
+        # shown columns are some of the CSV's, in their order
+        at = 0
+        for cell in row:
+            while at < len(line) and not alike(cell, line[at]):
+                at += 1
+            if at == len(line):
+                wrong.append("%s: %r is not in %s" % (name, cell, line))
+                break
+            at += 1
+settings = list(csv.DictReader(open(os.path.join(folder, "settings.csv"), encoding="utf-8")))
+best = math.inf
+if [float(row["median_ms"]) for row in settings] != sorted(float(row["median_ms"]) for row in settings):
+    wrong.append("settings are not in the order of their times")
+for row in settings:
+    rms = float(row["rms_levels"])
+    if (row["front"] == "yes") != (rms * 1.01 < best):
+        wrong.append("%s: on the front or not" % row["setting"])
+    if row["front"] == "yes":
+        best = rms
+print("; ".join(wrong[:10]))
+END
+}
+
+if command -v python3 >/dev/null; then
+	equal "the page is whole, and every figure in its CSV" "" "$(judged "$out" 2>&1)"
+	# The judge has to see what is wrong.
+	cp -r "$out" "$work/broken"
+	sed -i '2s/^[^,]*,[^,]*/7,8/' "$work/broken/lights.csv"
+	differ "another figure is noticed" <(judged "$work/broken" 2>&1) <(echo)
+	cp "$out/lights.csv" "$work/broken/lights.csv"
+	sed -i '0,/<\/table>/s///' "$work/broken/report.html"
+	differ "a table without end is noticed" <(judged "$work/broken" 2>&1) <(echo)
+
+	# What the thesis gives, and what has to hold whatever the machine.
+	equal "the thesis's lights, data, threads and times stand in its table" \
+		"6,0.61,1,90 25,4.9,3,200 88,37,8,330 191,77,7,550 406,200,9,1300" \
+		"$(tail -n +2 "$out/thesis-table.csv" | cut -d, -f1-4 | paste -sd' ')"
+	equal "as many lights reach the threshold as in the thesis" "406 180 406 180 180" \
+		"$(python3 -c 'import csv, sys
+print(*[row["lights_used"] for row in csv.DictReader(open(sys.argv[1]))])' \
+		"$out/thesis-threshold.csv")"
+	equal "the exact layer is rounded and no more" "" "$(python3 -c 'import csv, sys
+for row in csv.DictReader(open(sys.argv[1])):
+    if row["way"] == "exact" and float(row["double_max_levels"]) > 1.5:
+        print(row["lights"], row["double_max_levels"])' "$out/lights.csv")"
+fi
+
+# A panorama of 8 x 4 texels: white above, grey below (PFM: little-endian, from the bottom up).
+{
+	printf 'PF\n8 4\n-1.0\n'
+	for _ in {1..48}; do printf '\x00\x00\x80\x3e'; done
+	for _ in {1..48}; do printf '\x00\x00\x80\x3f'; done
+} >"$work/sky.pfm"
+
+# ---- again, into the same folder ----
+echo mine >"$out/notes.txt"
+check "an earlier report is replaced" report "$work/box.scene" -o "$out/" \
+	--panorama "$work/sky.pfm"
+check "by a whole one" test -s "$out/report.html"
+equal "of one surrounding" 1 "$(find "$out" -name 'picture-*.png' | wc -l)"
+check "what is not a report's is kept" grep -rqx mine "$work" --include=notes.txt
+
+# ---- of a basis ----
+check "a basis" "$INLAY_BAKE" render --quiet --exact "$work/box.scene" -o "$work/box.inlay"
+check "report of a basis" report "$work/box.inlay" -o "$work/basis report"
+absent "has no bakes to compare" "$work/basis report/declared-error.csv"
+check "but kernels" test -s "$work/basis report/kernels.csv"
+if command -v python3 >/dev/null; then
+	equal "the page is whole" "" "$(judged "$work/basis report" 2>&1)"
+fi
+
+# ---- wrong ----
+wrong() { # NAME CODE WORDS COMMAND...: one sentence on stderr, and no folder
+	local name=$1 code=$2 words=$3 is
+	shift 3
+	"$@" >"$work/said" 2>"$work/stderr" </dev/null
+	is=$?
+	if [ $is -ne "$code" ] || ! grep -qF -- "$words" "$work/stderr" || [ -s "$work/said" ]; then
+		fail "$name" < <(printf '%s\n' "exit code $is, expected $code with \"$words\"" \
+			"$(cat "$work/stderr")")
+	elif [ "$code" -eq 1 ] && [ "$(wc -l <"$work/stderr")" -ne 1 ]; then
+		fail "$name" < <(echo "more than one line" && cat "$work/stderr")
+	else
+		pass "$name"
+	fi
+	absent "$name: nothing is left" "$work/none"
+}
+wrong "no folder" 2 "-o DIR is missing" report "$work/box.scene"
+wrong "no scene" 2 "expected one scene file" report -o "$work/none"
+wrong "an unknown option" 2 "usage: inlay-bake report" report --fast "$work/box.scene" -o "$work/none"
+wrong "a size that is none" 2 "expected a size" report --size 9 "$work/box.scene" -o "$work/none"
+wrong "no repetition" 2 "--repeat" report --repeat 0 "$work/box.scene" -o "$work/none"
+wrong "a scene that is not there" 1 "missing.scene" report "$work/missing.scene" -o "$work/none"
+wrong "a panorama that is not there" 1 "missing.hdr" report --panorama "$work/missing.hdr" \
+	"$work/box.scene" -o "$work/none"
+wrong "a panorama of code values" 1 "expected linear light" report \
+	--panorama "$out/picture-1.png" "$work/box.scene" -o "$work/none"
+wrong "a folder that cannot be made" 1 "no/none" report "$work/box.scene" -o "$work/no/none"
+mkdir "$work/full"
+echo mine >"$work/full/file"
+wrong "a folder of somebody else's" 1 "holds files and no report.html" report "$work/box.scene" \
+	-o "$work/full"
+equal "keeps what it holds" "file" "$(ls "$work/full")"
+finish
