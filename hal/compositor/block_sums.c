@@ -93,15 +93,16 @@ static int count_bits(uint64_t x)
 	return (int)(x * UINT64_C(0x0101010101010101) >> 56);
 }
 
-/* Those of the lights that are bright enough for some block, by the bitmap of this one. */
+/* Those of the lights that are bright enough for a block like this one, by its bitmap. */
 static void take_marked(struct line_set *set, const struct block_plan *plan,
 			const struct block_request *request, double one)
 {
 	const struct light_vector *light = request->light;
+	const uint64_t *bright = light_vector_bright(light, plan->bright);
 	const int words = (light->lights + 63) / 64;
 
 	for (int w = 0; w < words; w++) {
-		uint64_t both = light->bright[w] & plan->has[w];
+		uint64_t both = bright[w] & plan->has[w];
 
 		for (; both; both &= both - 1) {
 			const uint64_t below = (both & -both) - 1;

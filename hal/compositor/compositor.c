@@ -85,20 +85,6 @@ static bool any_needs(const struct compositor *c, enum basis_kind kind, uint32_t
 	return false;
 }
 
-/* Tells the light vectors how far the columns reach that a frame may leave out. */
-static void expect_columns(struct compositor *c, const struct layer *layer)
-{
-	for (int n = 0; n < layer->basis->block_count; n++) {
-		const struct block_plan *plan = &layer->plan.blocks[n];
-		const struct basis_block *b = plan->block;
-
-		for (int k = 0; plan->has && k < b->columns; k++)
-			light_vector_expect(b->kind == BASIS_KIND_V ? &c->ground[b->ground]
-								    : &c->vector[b->kind],
-					    b->light[k], b->column_scale[k] * plan->reach);
-	}
-}
-
 static int create_vectors(struct compositor *c)
 {
 	int ret = 0;
@@ -114,8 +100,6 @@ static int create_vectors(struct compositor *c)
 		if (any_needs(c, BASIS_KIND_V, g))
 			ret = light_vector_create(&c->ground[g], c->basis);
 	}
-	for (uint32_t p = 0; ret == 0 && p < c->basis->info.poses; p++)
-		expect_columns(c, &c->poses[p].layer[COMPOSITOR_FAST]);
 	return ret;
 }
 

@@ -1,6 +1,7 @@
 #include "hal/compositor/light_vector.h"
 
 #include <errno.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,15 +37,14 @@ int light_vector_create(struct light_vector *v, const struct basis *basis)
 	*v = (struct light_vector){.lights = (int)n, .coarse = (int)k, .stride = stride};
 	v->amount = calloc(n, sizeof(*v->amount));
 	v->strength = calloc(n, sizeof(*v->strength));
-	v->most = calloc(n, sizeof(*v->most));
 	v->before = calloc(n, sizeof(*v->before));
 	v->changed = calloc(n, sizeof(*v->changed));
-	v->bright = calloc((n + 63) / 64, sizeof(*v->bright));
+	v->bright = calloc((n + 63) / 64 * BRIGHT_CLASSES, sizeof(*v->bright));
 	v->x = calloc(n, sizeof(*v->x));
 	v->y = calloc(k, sizeof(*v->y));
 	v->digits = aligned_alloc(BASIS_ALIGN, bytes);
-	if (!v->before || !v->changed || !v->amount || !v->strength || !v->most || !v->bright ||
-	    !v->x || !v->y || !v->digits) {
+	if (!v->before || !v->changed || !v->amount || !v->strength || !v->bright || !v->x ||
+	    !v->y || !v->digits) {
 		light_vector_free(v);
 		return -ENOMEM;
 	}
@@ -60,7 +60,6 @@ void light_vector_free(struct light_vector *v)
 {
 	free(v->amount);
 	free(v->strength);
-	free(v->most);
 	free(v->before);
 	free(v->changed);
 	free(v->bright);
@@ -70,10 +69,39 @@ void light_vector_free(struct light_vector *v)
 	*v = (struct light_vector){0};
 }
 
-void light_vector_expect(struct light_vector *v, int light, float reach)
+int bright_class(float reach)
 {
-	if (v->most[light] < reach)
-		v->most[light] = reach;
+	const int k = reach > 0 ? exponent_above((double)reach) - BRIGHT_LEAST : 0;
+
+	return k < 0 ? 0 : k < BRIGHT_CLASSES ? k : BRIGHT_CLASSES - 1;
+}
+
+/* The least class of blocks that may need a light: with strength below 2^e no column that reaches
+ * 2^-e does. */
+static int class_of_strength(float strength)
+{
+	int e, k;
+
+	if (!(strength < FLT_MAX))
+		return 0;
+	(void)frexpf(strength, &e);
+	k = 1 - e - BRIGHT_LEAST;
+	return k < 0 ? 0 : k < BRIGHT_CLASSES ? k : BRIGHT_CLASSES - 1;
+}
+
+/* Marks each light in its class, and then in all above it. */
+static void mark_bright(struct light_vector *v)
+{
+	const size_t words = (size_t)(v->lights + 63) / 64;
+
+	memset(v->bright, 0, sizeof(*v->bright) * words * BRIGHT_CLASSES);
+	for (int i = 0; i < v->lights; i++) {
+		if (v->strength[i] > 0)
+			v->bright[(size_t)class_of_strength(v->strength[i]) * words +
+				  (size_t)i / 64] |= UINT64_C(1) << i % 64;
+	}
+	for (size_t k = words; k < words * BRIGHT_CLASSES; k++)
+		v->bright[k] |= v->bright[k - words];
 }
 
 void light_vector_track(struct light_vector *v)
@@ -150,7 +178,6 @@ static double channel_sum(const struct light_vector *v, int c)
 /* What a column of value 1 changes, by what may be left out. */
 static void set_strength(struct light_vector *v, const double share[3], double cut)
 {
-	memset(v->bright, 0, sizeof(*v->bright) * (size_t)((v->lights + 63) / 64));
 	for (int i = 0; i < v->lights; i++) {
 		const double *x = v->amount[i];
 		double most = 0;
@@ -158,9 +185,8 @@ static void set_strength(struct light_vector *v, const double share[3], double c
 		for (int c = 0; c < 3; c++)
 			most = x[c] * share[c] > most ? x[c] * share[c] : most;
 		v->strength[i] = most > 0 ? (float)(most / cut) : 0;
-		if (v->strength[i] * v->most[i] >= 1)
-			v->bright[i / 64] |= UINT64_C(1) << i % 64;
 	}
+	mark_bright(v);
 }
 
 static void fill_weighted(struct light_vector *v, const struct basis *basis,

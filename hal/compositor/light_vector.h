@@ -12,6 +12,9 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/kernels.h"
 
+#define BRIGHT_CLASSES 32
+#define BRIGHT_LEAST (-20)
+
 struct light_vector {
 	int lights, coarse, stride; /* stride: coarse rounded up to a line */
 	/* X in linear light, or of a ground in units of 2^ilogb(U + e): an integer times `unit`. */
@@ -25,15 +28,16 @@ struct light_vector {
 	 * a column whose values reach r is left out where strength * r < 1. Infinite where nothing
 	 * may be left out, 0 where there is no light.
 	 */
-	float *strength;  /* [lights] */
-	uint64_t *bright; /* [(lights + 63) / 64]: lights that some block of this vector needs */
+	float *strength; /* [lights] */
+	/* Lights that a block may need whose columns reach no farther than 2^k, for each k from
+	 * BRIGHT_LEAST on: light_vector_bright(). The last are all lights. */
+	uint64_t *bright; /* [BRIGHT_CLASSES][(lights + 63) / 64] */
 	/* Of light_vector_track(): lights whose X is another than at its last call. */
 	int *changed;
 	int changed_count;
 	int lit; /* lights with any X */
 	/* private */
 	double (*before)[3]; /* [lights] */
-	float *most;	     /* [lights]: the farthest reach of any column of this light */
 	int64_t *x;	     /* [lights], of one channel */
 	int64_t *y;	     /* [coarse] */
 	int16_t *digits;     /* [3][KERNEL_DIGITS][stride] */
@@ -46,9 +50,13 @@ void light_vector_free(struct light_vector *vector); /* zeroed is fine */
  * is not used. */
 void light_vector_track(struct light_vector *vector);
 
-/* A column of this light reaches so far: told for all blocks of the vector before the first frame.
- */
-void light_vector_expect(struct light_vector *vector, int light, float reach);
+/* The class of blocks whose columns reach so far. */
+int bright_class(float reach);
+
+static inline const uint64_t *light_vector_bright(const struct light_vector *v, int class)
+{
+	return v->bright + (size_t) class * (size_t)((v->lights + 63) / 64);
+}
 
 /* How many bits the gain moves values up by: gain <= 2^gain_bits(gain). */
 int gain_bits(double gain);

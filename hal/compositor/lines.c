@@ -77,6 +77,10 @@ void fetch_expect(struct fetch *fetch, const struct basis_block *b)
 	fetch->left[1] = panels * (size_t)(b->channels * b->patterns) * KERNEL_LINE_BYTES;
 	fetch->from[2] = (const char *)b->column_scale;
 	fetch->left[2] = (size_t)b->columns * sizeof(*b->column_scale);
+	fetch->from[3] = (const char *)b->pattern_scale;
+	fetch->left[3] = (size_t)b->patterns * sizeof(*b->pattern_scale);
+	fetch->from[4] = (const char *)b->pixel;
+	fetch->left[4] = (size_t)b->pixels * sizeof(*b->pixel);
 	for (int k = 0; k < FETCHES; k++)
 		fetch->left[k] = fetch->left[k] < AHEAD_BYTES ? fetch->left[k] : AHEAD_BYTES;
 }

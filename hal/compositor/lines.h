@@ -25,8 +25,8 @@ void line_set_free(struct line_set *set); /* zeroed is fine */
 /* Fills the digits from line and weight. */
 void line_set_split(struct line_set *set);
 
-/* What is still to be asked for of the next block: patterns, coefficients, scales of columns. */
-#define FETCHES 3
+/* What is still to be asked for of the next block: patterns, coefficients, scales, pixels. */
+#define FETCHES 5
 
 struct fetch {
 	const char *from[FETCHES];

@@ -6,6 +6,7 @@
 
 #include "hal/basis/basis_layout.h"
 #include "hal/compositor/fixed.h"
+#include "hal/compositor/light_vector.h"
 
 /* So that the roundings of all weights of a block together are below 2^-17. */
 #define FRACTION_BITS 31
@@ -51,12 +52,18 @@ static int exponent_of_bound(double bound)
 
 static struct block_plan plan_block(const struct basis_block *b)
 {
+	const float reach = value_of_one(b);
+	float farthest = 0;
+
+	for (int n = 0; n < b->columns; n++)
+		farthest = fmaxf(farthest, b->column_scale[n]);
 	return (struct block_plan){
 		.block = b,
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
 		.kept = b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
-		.reach = value_of_one(b),
+		.reach = reach,
+		.bright = bright_class(farthest * reach),
 	};
 }
 

@@ -27,6 +27,7 @@ struct block_plan {
 	bool kept;	  /* its sums are worth keeping from frame to frame */
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
 	float reach;	  /* a column's values reach column_scale times this, tint included */
+	int bright;	  /* light_vector.h: which lights its columns may need */
 	/* Where lights have columns: bit i, and how many there are before each word. NULL where the
 	 * list itself is shorter. */
 	const uint64_t *has;

@@ -198,6 +198,55 @@ static void light_is_rounded_once(void **state)
 	synthetic_close(&file);
 }
 
+/* A block that asks only for the lights of its class misses none that it needs. */
+static void no_light_that_counts_is_overlooked(void **state)
+{
+	static const struct synthetic_options o = {.width = 1,
+						   .height = 1,
+						   .lights = 130,
+						   .patterns = 1,
+						   .object_share = 1,
+						   .column_cut = 0.001,
+						   .seed = 2};
+	struct chance chance = chance_begin("bright lights");
+	struct light_selection s;
+	struct light_vector v;
+	struct synthetic file;
+	int counted = 0, marked = 0;
+
+	(void)state;
+	synthetic_open(&file, &o);
+	assert_int_equal(light_selection_create(&s, &file.basis), 0);
+	assert_int_equal(light_vector_create(&v, &file.basis), 0);
+	for (int k = 0; k < 300; k++) {
+		for (int i = 0; i < o.lights; i++)
+			for (int c = 0; c < 3; c++)
+				s.radiance[i][c] = i % 9 == c ? 0
+							      : ldexp(chance_real(&chance, 0, 1),
+								      chance_int(&chance, -60, 60));
+		file.basis.info.column_cut = k % 10 ? 0.001 : 0;
+		light_vector_object(&v, &file.basis, &s, 1);
+		for (int n = 0; n < 100; n++) {
+			const float reach = (float)ldexp(chance_real(&chance, 0.5, 1),
+							 chance_int(&chance, -60, 40));
+			const uint64_t *bright = light_vector_bright(&v, bright_class(reach));
+
+			for (int i = 0; i < o.lights; i++) {
+				const bool counts = v.strength[i] * reach >= 1;
+				const bool is_marked = bright[i / 64] >> i % 64 & 1;
+
+				assert_true(is_marked || !counts);
+				counted += counts;
+				marked += is_marked;
+			}
+		}
+	}
+	assert_true(counted > 0 && marked < 1.2 * counted); /* nor many that it does not */
+	light_vector_free(&v);
+	light_selection_free(&s);
+	synthetic_close(&file);
+}
+
 /* ---- division ---- */
 
 static void check_division(const struct division *d)
@@ -251,6 +300,7 @@ int main(void)
 		cmocka_unit_test(digits_hold_what_was_split),
 		cmocka_unit_test(exponents_are_the_least),
 		cmocka_unit_test(light_is_rounded_once),
+		cmocka_unit_test(no_light_that_counts_is_overlooked),
 		cmocka_unit_test(runs_are_divided_by_what_they_took),
 	};
 
