@@ -66,6 +66,21 @@ equal "is kept to" 1 "$("$bake" info --json "$work/noise.inlay" |
 	grep -o '"noise_levels": [0-9.]*' | awk '{ print ($2 > 0 && $2 <= 3) }')"
 equal "size and dome from the command line" '"width": 40, "height": 30, "lights": 6' \
 	"$("$bake" info --json "$work/noise.inlay" | grep -o '"width.*lights": 6')"
+check "an exact layer, over fewer coarse lights" "$bake" render --exact --coarse 1 --error 1,3 \
+	--cell-error 4 --column-cut 0.002 "$work/box.scene" -o "$work/exact.inlay"
+equal "the file says how it was encoded" "target_levels = rms 1, max 3, cell 4
+column_cut = 0.002
+coarse_lights = 6
+exact = yes" "$("$bake" info "$work/exact.inlay" | grep -E '^(target_|column_|coarse_|exact = )')"
+equal "most is four times RMS where nobody says" "target_levels = rms 0.25, max 1, cell 2" \
+	"$("$bake" render --quiet --error 0.25 "$work/box.scene" -o "$work/fine.inlay" &&
+		"$bake" info "$work/fine.inlay" | grep '^target_levels')"
+rejected "an error that is none" 2 "--error" "$bake" render --error 0.5,no "$work/box.scene" \
+	-o "$work/none.inlay"
+rejected "an error of nothing" 2 "from 0.001 to 255" "$bake" render --error 0 "$work/box.scene" \
+	-o "$work/none.inlay"
+rejected "a cut beyond reason" 2 "from 0 to 0.1" "$bake" render --column-cut 1 \
+	"$work/box.scene" -o "$work/none.inlay"
 rejected "samples and noise together" 2 "exclude" "$bake" render --samples 2 --noise 2 \
 	"$work/box.scene" -o "$work/none.inlay"
 rejected "no output" 2 "-o OUT.inlay is missing" "$bake" render "$work/box.scene"
