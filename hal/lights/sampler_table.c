@@ -269,17 +269,21 @@ static int pack(struct packer *p, int width)
 	return ret < 0 ? ret : pack_strips(p, width);
 }
 
-/* To what is used; where that fails, nothing is lost. */
+/* The same memory, no larger than this; where that fails, as it was. */
+static void *shrunk(void *memory, size_t bytes)
+{
+	void *smaller = realloc(memory, bytes);
+
+	return smaller ? smaller : memory;
+}
+
 static void shrink(struct packer *p)
 {
 	struct sampler_table *t = p->table;
-	void *part = realloc(t->part, ((size_t)t->parts + 1) * sizeof(*t->part));
-	void *span = realloc(t->span, ((size_t)p->spans + 1) * sizeof(*t->span));
-	void *segment = realloc(t->segment, ((size_t)p->segments + 1) * sizeof(*t->segment));
 
-	t->part = part ? part : t->part;
-	t->span = span ? span : t->span;
-	t->segment = segment ? segment : t->segment;
+	t->part = shrunk(t->part, ((size_t)t->parts + 1) * sizeof(*t->part));
+	t->span = shrunk(t->span, ((size_t)p->spans + 1) * sizeof(*t->span));
+	t->segment = shrunk(t->segment, ((size_t)p->segments + 1) * sizeof(*t->segment));
 }
 
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
