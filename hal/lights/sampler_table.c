@@ -274,7 +274,9 @@ static void *shrunk(void *memory, size_t bytes)
 {
 	void *smaller = realloc(memory, bytes);
 
-	return smaller ? smaller : memory;
+	if (!smaller)
+		return memory;
+	return smaller;
 }
 
 static void shrink(struct packer *p)
