@@ -25,6 +25,7 @@ BAKE_SOURCES := \
 	bake/report_bake.c \
 	bake/report_choices.c \
 	bake/report_error.c \
+	bake/report_given.c \
 	bake/report_lighting.c \
 	bake/report_lights.c \
 	bake/report_page.c \

@@ -221,13 +221,16 @@ static int open_scene(struct report *r)
 	r->render.threads = r->threads;
 	r->render.exact = true;
 	r->render.quiet = s->quiet;
-	return 0;
+	return s->basis ? report_given_open(r) : 0;
 }
 
 static int open_basis(struct report *r)
 {
 	int err;
 
+	if (r->settings->basis)
+		return fault_say(r->fault, -EINVAL, "%s: a basis file; --basis goes with a scene",
+				 r->settings->input);
 	r->bakes = 1;
 	r->used = &r->bake[0];
 	err = report_bake_open(r->used, r->settings->input, r->fault);
@@ -266,6 +269,7 @@ static int open_all(struct report *r)
 		r->steps += choose_frequencies(r, frequency) + (r->settings->quick ? 2 : 6) + 5;
 	else
 		r->steps--;
+	r->steps += r->settings->basis != NULL;
 	err = open_lightings(r);
 	if (!err && r->scene)
 		err = make_bakes(r);
@@ -321,6 +325,10 @@ static int show_surroundings(struct report *r)
 static int show_method(struct report *r)
 {
 	const struct report_settings *s = r->settings;
+	const double waited = r->stage.timed_ns > r->stage.ran_ns
+				      ? 100 - 100 * (double)r->stage.ran_ns /
+							(double)r->stage.timed_ns
+				      : 0;
 	char processor[200];
 
 	processor_name(processor, sizeof(processor));
@@ -336,9 +344,11 @@ static int show_method(struct report *r)
 	report_paragraph(
 		r->page.body,
 		"Times are medians of %d frames under each surrounding, all ways of a "
-		"section in turns, each after frames that do not count; of one thread, what "
-		"it had of the processor.",
-		r->stage.repeat);
+		"section in turns, each after frames that do not count. Of one thread it is "
+		"the time that it had of the processor, which it waited for during %.0f %% "
+		"of the frames; of several it is the clock's, and too long where the machine "
+		"had other work.",
+		r->stage.repeat, waited);
 	report_paragraph(
 		r->page.body,
 		"Errors are in 8-bit sRGB levels over the pixels that the object changes. "
@@ -365,7 +375,8 @@ static int write_sections(struct report *r)
 	static int (*const sections[])(struct report * r) = {
 		report_lights,	   report_threshold,   report_input_bits, report_declared_error,
 		report_column_cut, report_incremental, report_kernels,	  report_thread_counts,
-		report_thesis,	   report_pictures,    show_method,	  report_summary};
+		report_thesis,	   report_given,       report_pictures,	  show_method,
+		report_summary};
 	int err = 0;
 
 	for (size_t k = 0; !err && k < sizeof(sections) / sizeof(*sections); k++)
@@ -379,6 +390,7 @@ static void close_all(struct report *r)
 		report_bake_close(&r->bake[k]);
 	for (int l = 0; l < r->stage.lightings; l++)
 		report_lighting_close(&r->stage.lighting[l]);
+	report_bake_close(&r->given);
 	scope_free(&r->scope);
 	scene_close(r->scene);
 	pool_destroy(r->stage.all);

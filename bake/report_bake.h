@@ -29,8 +29,9 @@ enum light_estimator report_input_estimator(enum report_input input);
 struct report_stage {
 	int width, height, lightings;
 	struct report_lighting lighting[REPORT_LIGHTINGS_MAX];
-	struct pool *all; /* a thread for each processor: for what is not timed */
-	int repeat;	  /* how often each frame is timed */
+	struct pool *all;	  /* a thread for each processor: for what is not timed */
+	int repeat;		  /* how often each frame is timed */
+	int64_t timed_ns, ran_ns; /* in frames of one thread: by the clock, by the processor */
 };
 
 struct report_bake {

@@ -62,7 +62,7 @@ static double used_share(const struct report *r, const struct report_trial *tria
 
 /* ---- threshold ---- */
 
-static const double levels[] = {0, 1, 4, 8, 16, 32, 48, 64, 96, 128, 192};
+static const double levels[] = {0, 4, 16, 48, 96, 128, 160, 192, 208, 224, 240};
 
 #define LEVELS ((int)(sizeof(levels) / sizeof(*levels)))
 

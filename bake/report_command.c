@@ -9,10 +9,22 @@
 #include "hal/optics/dome.h"
 #include "hal/pool.h"
 
-enum { PANORAMA = 1, SIZE, SAMPLES, TRUTH_SAMPLES, FREQUENCY, REPEAT, THREADS, QUICK, QUIET };
+enum {
+	BASIS = 1,
+	PANORAMA,
+	SIZE,
+	SAMPLES,
+	TRUTH_SAMPLES,
+	FREQUENCY,
+	REPEAT,
+	THREADS,
+	QUICK,
+	QUIET
+};
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},
+	{"basis", required_argument, NULL, BASIS},
 	{"panorama", required_argument, NULL, PANORAMA},
 	{"size", required_argument, NULL, SIZE},
 	{"samples", required_argument, NULL, SAMPLES},
@@ -40,6 +52,9 @@ static int take(struct report_settings *s, int option, struct fault *fault)
 	switch (option) {
 	case 'o':
 		s->folder = optarg;
+		return 0;
+	case BASIS:
+		s->basis = optarg;
 		return 0;
 	case PANORAMA:
 		return take_panorama(s, fault);
@@ -94,7 +109,7 @@ static int run(const struct command *command, int argc, char **argv)
 
 const struct command report_command = {
 	.name = "report",
-	.usage = "SCENE -o DIR [--panorama FILE]... [--size WxH] [--samples S]\n"
+	.usage = "SCENE -o DIR [--basis FILE] [--panorama FILE]... [--size WxH] [--samples S]\n"
 		 "           [--truth-samples S] [--frequency F] [--repeat N] [--threads T] "
 		 "[--quick]\n"
 		 "           [--quiet]",
@@ -102,6 +117,9 @@ const struct command report_command = {
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its plots and tables as files;\n"
 		"                     appears when it is whole\n"
+		"  --basis FILE       a basis of this scene, the one in use: it is measured too, "
+		"and\n"
+		"                     what it was baked with stands for what the scene file says\n"
 		"  --panorama FILE    a surrounding, equirectangular in linear light; may be "
 		"given\n"
 		"                     again; else skies and a room that inlay makes itself\n"

@@ -31,6 +31,7 @@ struct report {
 	struct report_bake bake[REPORT_SWEEP_MAX]; /* by number of lights */
 	int bakes;
 	struct report_bake *used; /* one of them */
+	struct report_bake given; /* the file in use, if there is one */
 	struct report_candidate candidate[REPORT_CANDIDATES_MAX];
 	int candidates;
 	int step, steps;
@@ -41,7 +42,8 @@ struct report {
 void report_step(struct report *report, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-struct render_settings report_render_settings(const struct report *report);
+/* Opens the basis file in use: what it was baked with becomes report->render. */
+int report_given_open(struct report *report);
 
 /* The columns of time, memory and errors, and a trial's cells of them. */
 void report_result_columns(const struct report *report, struct report_table *table);
@@ -65,6 +67,7 @@ int report_incremental(struct report *report);
 int report_kernels(struct report *report);
 int report_thread_counts(struct report *report);
 int report_thesis(struct report *report);
+int report_given(struct report *report);
 int report_pictures(struct report *report);
 
 /* Goes before all of them, but needs what they have found. */

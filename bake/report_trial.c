@@ -206,6 +206,8 @@ static int time_all(struct runners *all)
 			trial->read_mb += read_mb(&all->runner[k], all->lighting) / lightings;
 		}
 	}
+	all->stage->timed_ns += turns.timed_ns;
+	all->stage->ran_ns += turns.ran_ns;
 	free(ms);
 	return err;
 }

@@ -1,6 +1,7 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
 	tests/unit/test_bench.c \
+	tests/unit/test_measure.c \
 	tests/unit/test_bake_bounce.c \
 	tests/unit/test_bake_determinism.c \
 	tests/unit/test_bake_energy.c \

@@ -33,6 +33,7 @@ static int warm_up(const struct turns *t, int way, int turn)
 
 static int time_run(struct turns *t, int way, int turn, double *ms)
 {
+	const bool alone = t->is_alone(t->context, way);
 	int64_t start, ran, took;
 	int err = warm_up(t, way, turn);
 
@@ -45,9 +46,9 @@ static int time_run(struct turns *t, int way, int turn, double *ms)
 	err = t->run(t->context, way);
 	took = clock_now_ns() - start;
 	ran = thread_ns() - ran;
-	t->timed_ns += took;
-	t->ran_ns += ran;
-	*ms = (double)(t->is_alone(t->context, way) ? ran : took) / (double)NS_PER_MS;
+	t->timed_ns += alone ? took : 0;
+	t->ran_ns += alone ? ran : 0;
+	*ms = (double)(alone ? ran : took) / (double)NS_PER_MS;
 	return err;
 }
 

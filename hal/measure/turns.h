@@ -19,7 +19,7 @@ struct turns {
 	 * the processor: by the clock a long way that has to make room for others would seem longer
 	 * than a short one. */
 	bool (*is_alone)(void *context, int way);
-	/* Added to: of all that was timed, by the clock and by the processor. */
+	/* Added to, by what the calling thread did alone: by the clock, and by the processor. */
 	int64_t timed_ns, ran_ns;
 };
 

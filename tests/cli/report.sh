@@ -9,6 +9,9 @@ report() {
 	"$INLAY_BAKE" report --quick --quiet --frequency 2 "$@"
 }
 
+check "--help" "$INLAY_BAKE" report --help
+check "--version" "$INLAY_BAKE" report --version
+
 # ---- of a scene ----
 out=$work/report
 check "report of a scene" report "$work/box.scene" -o "$out"
@@ -175,6 +178,10 @@ if command -v python3 >/dev/null; then
 	equal "the page is whole" "" "$(judged "$work/basis report" 2>&1)"
 fi
 
+check "report of a scene whose basis is in use" report "$work/box.scene" --basis "$work/box.inlay" \
+	--panorama "$work/sky.pfm" -o "$work/in use"
+check "measures it as it is" grep -q '^exact,1,' "$work/in use/basis-file.csv"
+
 # ---- wrong ----
 wrong() { # NAME CODE WORDS COMMAND...: one sentence on stderr, and no folder
 	local name=$1 code=$2 words=$3 is
@@ -199,6 +206,10 @@ wrong "no repetition" 2 "--repeat" report --repeat 0 "$work/box.scene" -o "$work
 wrong "a scene that is not there" 1 "missing.scene" report "$work/missing.scene" -o "$work/none"
 wrong "a panorama that is not there" 1 "missing.hdr" report --panorama "$work/missing.hdr" \
 	"$work/box.scene" -o "$work/none"
+wrong "a basis in use that is not there" 1 "missing.inlay" report --basis "$work/missing.inlay" \
+	"$work/box.scene" -o "$work/none"
+wrong "a basis of a basis" 1 "goes with a scene" report --basis "$work/box.inlay" \
+	"$work/box.inlay" -o "$work/none"
 wrong "a panorama of code values" 1 "expected linear light" report \
 	--panorama "$out/picture-1.png" "$work/box.scene" -o "$work/none"
 wrong "a folder that cannot be made" 1 "no/none" report "$work/box.scene" -o "$work/no/none"

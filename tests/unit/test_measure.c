@@ -1,0 +1,261 @@
+/* What bench and report measure with, and how a report writes what it found: turns, medians, cells
+ * of tables. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "bake/report_table.h"
+#include "hal/clock.h"
+#include "hal/measure/lightings.h"
+#include "hal/measure/turns.h"
+
+/* ---- turns ---- */
+
+#define WAYS 3
+#define REPEAT 4
+
+struct log {
+	int prepared[WAYS], ran[WAYS];
+	int last_turn, last_way;
+	bool disordered;
+	int fails_at; /* way; -1: none */
+};
+
+static int prepare(void *context, int way, int turn)
+{
+	struct log *log = context;
+
+	log->prepared[way]++;
+	log->disordered |= turn < log->last_turn || (turn == log->last_turn && way < log->last_way);
+	log->last_turn = turn;
+	log->last_way = way;
+	return 0;
+}
+
+/* The third way sleeps, which takes the clock's time and not the processor's. */
+static int run(void *context, int way)
+{
+	struct log *log = context;
+
+	log->ran[way]++;
+	log->disordered |= way != log->last_way;
+	if (way == 2)
+		usleep(2000);
+	return way == log->fails_at ? -5 : 0;
+}
+
+static bool is_alone(void *context, int way)
+{
+	(void)context;
+	return way != 1;
+}
+
+static struct turns turns_of(struct log *log)
+{
+	return (struct turns){.context = log,
+			      .ways = WAYS,
+			      .repeat = REPEAT,
+			      .prepare = prepare,
+			      .run = run,
+			      .is_alone = is_alone};
+}
+
+static void ways_take_turns(void **state)
+{
+	struct log log = {.fails_at = -1};
+	struct turns turns = turns_of(&log);
+	double ms[WAYS * REPEAT];
+
+	(void)state;
+	for (int k = 0; k < WAYS * REPEAT; k++)
+		ms[k] = -1;
+	assert_int_equal(turns_time(&turns, ms), 0);
+	assert_false(log.disordered);
+	for (int k = 0; k < WAYS; k++) {
+		assert_true(log.ran[k] >= 2 * REPEAT); /* some of them untimed */
+		assert_int_equal(log.prepared[k], log.ran[k]);
+	}
+	for (int k = 0; k < WAYS * REPEAT; k++)
+		assert_true(ms[k] >= 0);
+	/* alone, and asleep: the clock goes on, the processor does other things */
+	assert_true(turns.timed_ns >= REPEAT * 2 * NS_PER_MS);
+	assert_true(turns.ran_ns < turns.timed_ns);
+	assert_true(turns_median(ms + (ptrdiff_t)2 * REPEAT, REPEAT) < 2);
+}
+
+static void a_failure_ends_all(void **state)
+{
+	struct log log = {.fails_at = 1};
+	struct turns turns = turns_of(&log);
+	double ms[WAYS * REPEAT];
+
+	(void)state;
+	assert_int_equal(turns_time(&turns, ms), -5);
+	assert_int_equal(log.ran[1], 1);
+	assert_int_equal(log.ran[2], 0);
+}
+
+static void the_median_is_in_the_middle(void **state)
+{
+	double odd[] = {9, 1, 5}, even[] = {8, 2, 100, 4}, one[] = {7};
+
+	(void)state;
+	assert_true(turns_median(odd, 3) == 5);
+	assert_true(turns_median(even, 4) == 6);
+	assert_true(turns_median(one, 1) == 7);
+}
+
+/* ---- lights that change ---- */
+
+static void as_many_lights_change_as_asked(void **state)
+{
+	static const int counts[] = {6, 406, 6486};
+
+	(void)state;
+	for (size_t n = 0; n < sizeof(counts) / sizeof(*counts); n++) {
+		const int lights = counts[n];
+		float(*radiance)[3] = malloc((size_t)lights * sizeof(*radiance));
+		const int asked[] = {0, 1, lights / 3, lights};
+
+		assert_non_null(radiance);
+		for (size_t a = 0; a < sizeof(asked) / sizeof(*asked); a++) {
+			int changed = 0;
+
+			for (int i = 0; i < lights; i++)
+				for (int c = 0; c < 3; c++)
+					radiance[i][c] = i % 2 ? 0.5F : 0;
+			lighting_change(radiance, lights, asked[a], 12345);
+			for (int i = 0; i < lights; i++)
+				changed += radiance[i][0] > (i % 2 ? 0.5F : 0);
+			assert_int_equal(changed, asked[a]);
+		}
+		free(radiance);
+	}
+}
+
+/* ---- tables ---- */
+
+static void numbers_are_rounded_for_readers(void **state)
+{
+	static const struct {
+		double value;
+		const char *text;
+	} cases[] = {
+		{0, "0"},	   {406, "406"},       {1234567, "1234567"},
+		{0.1234, "0.123"}, {0.01234, "0.012"}, {1.005e-5, "1e-05"},
+		{9.996, "10.0"},   {99.6, "100"},      {-2.345, "-2.35"},
+		{12.34, "12.3"},   {NAN, ""},	       {INFINITY, ""},
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		char text[32];
+
+		report_rounded(cases[k].value, text, sizeof(text));
+		assert_string_equal(text, cases[k].text);
+	}
+}
+
+static void fill(struct report_table *table)
+{
+	report_table_begin(table, "table");
+	report_table_column(table, "name", "name", NULL);
+	report_table_column(table, "value_ms", "time", "ms");
+	report_table_column(table, "hidden", NULL, NULL);
+	report_text(table, "%s", "a, \"b\" & <c>");
+	report_number(table, 1.23456789);
+	report_number(table, 5);
+	report_text(table, "plain");
+	report_number(table, NAN);
+	report_number(table, 6);
+	report_table_mark(table);
+}
+
+static void tables_keep_what_they_are_given(void **state)
+{
+	struct report_table table;
+	struct fault fault;
+	char folder[] = "/tmp/inlay-table-XXXXXX", path[64], text[256];
+	size_t got;
+	FILE *file;
+
+	(void)state;
+	fill(&table);
+	assert_int_equal(report_table_rows(&table), 2);
+	assert_int_equal(table.marked, 1);
+	assert_true(report_table_value(&table, 1, "hidden") == 6);
+	assert_true(isnan(report_table_value(&table, 0, "name")));
+	assert_true(isnan(report_table_value(&table, 0, "no such column")));
+	assert_non_null(mkdtemp(folder));
+	assert_int_equal(report_table_write_csv(&table, folder, &fault), 0);
+	snprintf(path, sizeof(path), "%s/table.csv", folder);
+	file = fopen(path, "r");
+	assert_non_null(file);
+	got = fread(text, 1, sizeof(text) - 1, file);
+	text[got] = '\0';
+	fclose(file);
+	assert_string_equal(text, "name,value_ms,hidden\n"
+				  "\"a, \"\"b\"\" & <c>\",1.234568,5\n"
+				  "plain,,6\n");
+	unlink(path);
+	rmdir(folder);
+	report_table_free(&table);
+}
+
+static void tables_are_safe_in_html(void **state)
+{
+	struct report_table table;
+	char *text = NULL;
+	size_t bytes = 0;
+	FILE *file = open_memstream(&text, &bytes);
+
+	(void)state;
+	assert_non_null(file);
+	fill(&table);
+	report_table_write_html(&table, file);
+	fclose(file);
+	assert_non_null(strstr(text, "<td>a, &quot;b&quot; &amp; &lt;c&gt;</td>"));
+	assert_non_null(strstr(text, "<td class=\"n\">1.23</td></tr>"));
+	assert_non_null(
+		strstr(text, "<tr class=\"used\"><td>plain</td><td class=\"n\"></td></tr>"));
+	assert_null(strstr(text, "hidden"));
+	free(text);
+	report_table_free(&table);
+}
+
+static void too_many_columns_are_an_error(void **state)
+{
+	struct report_table table;
+	struct fault fault;
+
+	(void)state;
+	report_table_begin(&table, "wide");
+	for (int k = 0; k <= REPORT_COLUMNS_MAX; k++)
+		report_table_column(&table, "x", NULL, NULL);
+	assert_true(report_table_write_csv(&table, "/tmp", &fault) < 0);
+	assert_non_null(strstr(fault.text, "wide"));
+	report_table_free(&table);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(ways_take_turns),
+		cmocka_unit_test(a_failure_ends_all),
+		cmocka_unit_test(the_median_is_in_the_middle),
+		cmocka_unit_test(as_many_lights_change_as_asked),
+		cmocka_unit_test(numbers_are_rounded_for_readers),
+		cmocka_unit_test(tables_keep_what_they_are_given),
+		cmocka_unit_test(tables_are_safe_in_html),
+		cmocka_unit_test(too_many_columns_are_an_error),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
