@@ -6,7 +6,7 @@
 #include "bake/scene.h"
 
 /* What any pixel may be off by, where nobody says, against the RMS. */
-#define RENDER_MAX_OF_RMS 4
+#define RENDER_MAX_OF_RMS 2
 
 struct render_settings {
 	int frequency, division; /* enum dome_division */

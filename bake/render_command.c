@@ -234,7 +234,7 @@ const struct command render_command = {
 		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"
 		"                  in 8-bit levels under a uniform sky\n"
 		"  --error R[,M]   what the encoding may be off by under a sky, in each tile:\n"
-		"                  RMS and any pixel, in 8-bit levels; M: four times R\n"
+		"                  RMS and any pixel, in 8-bit levels; M: twice R\n"
 		"  --cell-error L  what any pixel may be off by where one cell gives all light\n"
 		"  --column-cut X  what a light's own correction may change, as linear light,\n"
 		"                  and yet be left out of a frame\n"

@@ -111,7 +111,7 @@ static const struct ini_key render_keys[] = {
 	 .offset = RENDER(error_rms),
 	 .min = 1e-3,
 	 .max = 255,
-	 .fallback = "0.5",
+	 .fallback = "1",
 	 .unit = "8-bit levels, RMS",
 	 .help = "what the encoding may be off by under a sky, in each tile; the file declares "
 		 "what "
@@ -122,7 +122,7 @@ static const struct ini_key render_keys[] = {
 	 .max = 255,
 	 .fallback = "0",
 	 .unit = "8-bit levels",
-	 .help = "the same of any pixel; 0: four times error"},
+	 .help = "the same of any pixel; 0: twice error"},
 	{.name = "cell_error",
 	 .type = INI_REAL,
 	 .offset = RENDER(error_cell),

@@ -28,7 +28,7 @@ struct scene_render_values {
 	int samples;	     /* a pixel */
 	double noise_levels; /* 0: samples says how many */
 	int bounces, seed;
-	/* of the encoding, 8-bit levels; error_max 0: several times error_rms */
+	/* of the encoding, 8-bit levels; error_max 0: twice error_rms */
 	double error_rms, error_max, error_cell;
 	double column_cut;
 	int coarse; /* frequency of the coarse dome; 0: as the program chooses */

@@ -72,7 +72,7 @@ equal "the file says how it was encoded" "target_levels = rms 1, max 3, cell 4
 column_cut = 0.002
 coarse_lights = 6
 exact = yes" "$("$bake" info "$work/exact.inlay" | grep -E '^(target_|column_|coarse_|exact = )')"
-equal "most is four times RMS where nobody says" "target_levels = rms 0.25, max 1, cell 2" \
+equal "most is twice RMS where nobody says" "target_levels = rms 0.25, max 0.5, cell 2" \
 	"$("$bake" render --quiet --error 0.25 "$work/box.scene" -o "$work/fine.inlay" &&
 		"$bake" info "$work/fine.inlay" | grep '^target_levels')"
 rejected "an error that is none" 2 "--error" "$bake" render --error 0.5,no "$work/box.scene" \
