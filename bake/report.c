@@ -63,7 +63,7 @@ double report_rms(const struct report *r, const struct report_trial *trial)
 	return r->truth ? trial->truth.all.rms : trial->precise.all.rms;
 }
 
-static void error_columns(struct report_table *t, const char *key, const char *against)
+void report_error_columns(struct report_table *t, const char *key, const char *against)
 {
 	static const struct {
 		const char *key, *heading, *unit;
@@ -86,8 +86,8 @@ void report_result_columns(const struct report *r, struct report_table *t)
 	report_table_column(t, "median_ms", "time", "ms");
 	report_table_column(t, "read_mb", "read", "MB");
 	if (r->truth)
-		error_columns(t, "truth", "to truth");
-	error_columns(t, "double", "to double");
+		report_error_columns(t, "truth", "to truth");
+	report_error_columns(t, "double", "to double");
 	for (int l = 0; l < r->stage.lightings; l++) {
 		char key[80];
 
@@ -101,12 +101,12 @@ void report_result_columns(const struct report *r, struct report_table *t)
 	}
 }
 
-static void error_cells(struct report_table *t, const struct composite_error *error, bool known)
+void report_error_cells(struct report_table *t, const struct composite_error *error)
 {
-	report_number(t, known ? error->rms : NAN);
-	report_number(t, known ? error->psnr_db : NAN);
-	report_number(t, known ? error->max : NAN);
-	report_number(t, known ? 100 * error->contrast : NAN);
+	report_number(t, error ? error->rms : NAN);
+	report_number(t, error ? error->psnr_db : NAN);
+	report_number(t, error ? error->max : NAN);
+	report_number(t, error ? 100 * error->contrast : NAN);
 }
 
 void report_result_cells(const struct report *r, struct report_table *t,
@@ -117,8 +117,8 @@ void report_result_cells(const struct report *r, struct report_table *t,
 	report_number(t, trial->median_ms);
 	report_number(t, trial->read_mb);
 	if (r->truth)
-		error_cells(t, &trial->truth.all, against_truth);
-	error_cells(t, &trial->precise.all, true);
+		report_error_cells(t, against_truth ? &trial->truth.all : NULL);
+	report_error_cells(t, &trial->precise.all);
 	for (int l = 0; l < r->stage.lightings; l++) {
 		if (r->truth)
 			report_number(t, against_truth ? trial->truth.each[l].rms : NAN);
@@ -299,29 +299,6 @@ static void processor_name(char *name, size_t room)
 		fclose(file);
 }
 
-static int show_surroundings(struct report *r)
-{
-	struct report_table t;
-	int err;
-
-	report_table_begin(&t, "surroundings");
-	report_table_column(&t, "surrounding", "surrounding", NULL);
-	report_table_column(&t, "sky_peak_over_mean", "brightest / mean", "of the sky");
-	report_table_column(&t, "truth_noise_levels", "noise of the truth", "levels");
-	report_table_column(&t, "truth_s", "traced in", "s");
-	for (int l = 0; l < r->stage.lightings; l++) {
-		const struct report_lighting *lighting = &r->stage.lighting[l];
-
-		report_text(&t, "%s", lighting->name);
-		report_number(&t, lighting->peak_ratio);
-		report_number(&t, lighting->truth ? lighting->noise_levels : NAN);
-		report_number(&t, lighting->truth ? lighting->seconds : NAN);
-	}
-	err = report_page_table(&r->page, r->page.body, &t, r->fault);
-	report_table_free(&t);
-	return err;
-}
-
 static int show_method(struct report *r)
 {
 	const struct report_settings *s = r->settings;
@@ -367,7 +344,7 @@ static int show_method(struct report *r)
 			"when it is less.",
 			r->render.samples, r->used->report.info.noise_levels,
 			choose(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES, TRUTH_SAMPLES));
-	return show_surroundings(r);
+	return 0;
 }
 
 static int write_sections(struct report *r)

@@ -109,10 +109,9 @@ static int run(const struct command *command, int argc, char **argv)
 
 const struct command report_command = {
 	.name = "report",
-	.usage = "SCENE -o DIR [--basis FILE] [--panorama FILE]... [--size WxH] [--samples S]\n"
-		 "           [--truth-samples S] [--frequency F] [--repeat N] [--threads T] "
-		 "[--quick]\n"
-		 "           [--quiet]",
+	.usage = "SCENE -o DIR [--basis FILE] [--panorama FILE]... [--size WxH]\n"
+		 "           [--samples S] [--truth-samples S] [--frequency F] [--repeat N]\n"
+		 "           [--threads T] [--quick] [--quiet]",
 	.summary = "speed against error of a scene: one page with plots, tables and CSVs",
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its plots and tables as files;\n"
@@ -138,8 +137,6 @@ const struct command report_command = {
 		"threshold, bits of the input, declared error, column cut, full or incremental,\n"
 		"kernel, threads; and makes the thesis's own measurements again. What the scene\n"
 		"file says is the setting in use. Of a basis file in place of the scene it tells\n"
-		"what needs no other bake and no truth. It takes minutes.\n"
-		"\n"
-		"Options go before the scene file.\n",
+		"what needs no other bake and no truth. It takes minutes.\n",
 	.run = run,
 };

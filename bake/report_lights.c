@@ -156,6 +156,9 @@ int report_lights(struct report *r)
 		for (int k = 0; k < WAYS; k++)
 			describe(r, &trials[b * WAYS + k], &r->bake[b], k);
 	err = report_trials_run(trials, r->bakes * WAYS, &r->stage, &r->scope, r->fault);
+	for (int b = 0; b < r->bakes; b++)
+		if (&r->bake[b] == r->used)
+			r->in_use = trials[b * WAYS + CELL];
 	if (!err)
 		err = show(r, trials);
 	for (int k = 0; !err && k < r->bakes * WAYS; k++)

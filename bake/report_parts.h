@@ -30,8 +30,9 @@ struct report {
 	struct render_settings render;		   /* of the setting in use */
 	struct report_bake bake[REPORT_SWEEP_MAX]; /* by number of lights */
 	int bakes;
-	struct report_bake *used; /* one of them */
-	struct report_bake given; /* the file in use, if there is one */
+	struct report_bake *used;   /* one of them */
+	struct report_trial in_use; /* as it came out */
+	struct report_bake given;   /* the file in use, if there is one */
 	struct report_candidate candidate[REPORT_CANDIDATES_MAX];
 	int candidates;
 	int step, steps;
@@ -49,6 +50,11 @@ int report_given_open(struct report *report);
 void report_result_columns(const struct report *report, struct report_table *table);
 void report_result_cells(const struct report *report, struct report_table *table,
 			 const struct report_trial *trial);
+
+/* RMS, PSNR, the largest and the shadow's, against what: "truth" in the CSV, "to truth" in the
+ * page. error NULL: does not apply. */
+void report_error_columns(struct report_table *table, const char *key, const char *against);
+void report_error_cells(struct report_table *table, const struct composite_error *error);
 
 /* What a setting's picture is off by: against truth, else against double precision. */
 double report_rms(const struct report *report, const struct report_trial *trial);

@@ -176,6 +176,38 @@ static void describe_use(struct report *r, const struct report_candidate *used)
 		bake->exact ? exact : "", bake->exact ? " MB)" : "", report_against(r), rms);
 }
 
+static int show_surroundings(struct report *r)
+{
+	struct report_table t;
+	int err;
+
+	report_paragraph(r->page.head, "The setting in use, in each surrounding:");
+	report_table_begin(&t, "surroundings");
+	report_table_column(&t, "surrounding", "surrounding", NULL);
+	report_table_column(&t, "sky_peak_over_mean", "brightest / mean", "of the sky");
+	if (r->truth) {
+		report_error_columns(&t, "truth", "to truth");
+		report_table_column(&t, "truth_noise_levels", "noise of it", "levels");
+		report_table_column(&t, "truth_s", NULL, NULL);
+	}
+	report_error_columns(&t, "double", "to double");
+	for (int l = 0; l < r->stage.lightings; l++) {
+		const struct report_lighting *lighting = &r->stage.lighting[l];
+
+		report_text(&t, "%s", lighting->name);
+		report_number(&t, lighting->peak_ratio);
+		if (r->truth) {
+			report_error_cells(&t, &r->in_use.truth.each[l]);
+			report_number(&t, lighting->noise_levels);
+			report_number(&t, lighting->seconds);
+		}
+		report_error_cells(&t, &r->in_use.precise.each[l]);
+	}
+	err = report_page_table(&r->page, r->page.head, &t, r->fault);
+	report_table_free(&t);
+	return err;
+}
+
 int report_summary(struct report *r)
 {
 	const struct report_candidate *used;
@@ -198,6 +230,8 @@ int report_summary(struct report *r)
 				"No other setting that was tried is nearer in no more time, "
 				"or faster and no further off.");
 	}
-	err = show_front(r);
+	err = show_surroundings(r);
+	if (!err)
+		err = show_front(r);
 	return err ? err : show_candidates(r);
 }
