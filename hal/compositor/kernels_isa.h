@@ -70,15 +70,20 @@ static inline void kernel_planes_fill(struct kernel_planes *p, const struct kern
 	}
 }
 
-/* Asks for the lines of a run that comes later, where they do not follow each other: those that do
- * the processor fetches of itself. Inline by force, as gcc 12 drops calls in which it sees no
- * effect. */
+/* How far ahead of a run to ask for lines that follow each other: 4 KiB, more than the processor
+ * fetches of itself. Beyond a panel lies the next one. */
+#define KERNEL_AHEAD 64
+
+/* Asks for the lines of a run that comes later. Inline by force, as gcc 12 drops calls in which it
+ * sees no effect. */
 KERNEL_INLINE void kernel_fetch(const void *lines, const struct kernel_weights *w, int from, int to)
 {
-	if (from >= to || w->line[to - 1] - w->line[from] == (uint32_t)(to - 1 - from))
-		return;
+	const char *first = lines;
+
+	if (from < to && w->line[to - 1] - w->line[from] == (uint32_t)(to - 1 - from))
+		first += (size_t)KERNEL_AHEAD * KERNEL_LINE_BYTES;
 	for (int k = from; k < to; k++)
-		__builtin_prefetch((const char *)lines + (size_t)w->line[k] * KERNEL_LINE_BYTES);
+		__builtin_prefetch(first + (size_t)w->line[k] * KERNEL_LINE_BYTES);
 }
 
 static inline int kernel_run_end(const struct kernel_weights *w, int from)
