@@ -32,11 +32,6 @@ const char *const report_input_names[] = {"cell, float",
 					  "cell, 8 bits, 6 stops darker",
 					  NULL};
 
-enum light_estimator report_input_estimator(enum report_input input)
-{
-	return inputs[input].estimator;
-}
-
 /* ---- open ---- */
 
 static double layer_mb(const struct basis *basis, const struct basis_layer *layer)

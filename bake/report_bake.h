@@ -23,8 +23,6 @@ enum report_input {
 
 extern const char *const report_input_names[]; /* "cell", "node", "cell, 8 bits", ... NULL */
 
-enum light_estimator report_input_estimator(enum report_input input);
-
 /* What a picture is measured on: the lightings, all of one size. */
 struct report_stage {
 	int width, height, lightings;

@@ -5,8 +5,7 @@
 
 enum { CELL, NODE, EXACT, THESIS, WAYS };
 
-static void describe(struct report *r, struct report_trial *trial, struct report_bake *bake,
-		     int which)
+static void describe(struct report_trial *trial, struct report_bake *bake, int which)
 {
 	static const char *const names[WAYS] = {"", ", node", ", exact layer", ""};
 
@@ -16,7 +15,6 @@ static void describe(struct report *r, struct report_trial *trial, struct report
 	trial->way.thesis = which == THESIS;
 	snprintf(trial->name, sizeof(trial->name), "%u lights%s", bake->basis.info.lights,
 		 names[which]);
-	(void)r;
 }
 
 static void fill_table(const struct report *r, const struct report_trial *trials,
@@ -56,7 +54,7 @@ static void fill_table(const struct report *r, const struct report_trial *trials
 
 static void light_ticks(const struct report *r, struct report_plot *plot)
 {
-	for (int b = 0; b < r->bakes && b < REPORT_TICKS_MAX; b++)
+	for (int b = 0; b < r->bakes; b++)
 		plot->x_tick[plot->x_ticks++] = r->bake[b].basis.info.lights;
 }
 
@@ -154,7 +152,7 @@ int report_lights(struct report *r)
 	report_step(r, "numbers of lights");
 	for (int b = 0; b < r->bakes; b++)
 		for (int k = 0; k < WAYS; k++)
-			describe(r, &trials[b * WAYS + k], &r->bake[b], k);
+			describe(&trials[b * WAYS + k], &r->bake[b], k);
 	err = report_trials_run(trials, r->bakes * WAYS, &r->stage, &r->scope, r->fault);
 	for (int b = 0; b < r->bakes; b++)
 		if (&r->bake[b] == r->used)

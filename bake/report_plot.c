@@ -298,7 +298,7 @@ static int upwards(const void *a, const void *b)
 /* At the right ends, moved apart where they would lie on each other. */
 static void draw_series_labels(const struct drawing *d, const struct report_plot *p)
 {
-	struct label label[REPORT_SERIES_MAX];
+	struct label label[REPORT_SERIES_MAX] = {{.y = 0}};
 	int count = 0;
 
 	for (int k = 0; k < p->count; k++) {
@@ -344,14 +344,10 @@ static void draw_point_label(const struct drawing *d, const struct report_point 
 	const double x = place(&d->x, point->x), y = place(&d->y, point->y);
 	const double width = text_width(d->c, point->label);
 	const double gap = point->ringed ? 13 : 8;
-	const double at[][2] = {{x + gap, y},
-				{x + gap, y - 13},
-				{x + gap, y + 13},
-				{x - gap - width, y + 13},
-				{x - gap - width, y - 13},
-				{x - gap - width, y},
-				{x + gap, y - 26},
-				{x + gap, y + 26}};
+	const double at[][2] = {{x + gap, y - 10},	   {x + gap, y},
+				{x + gap, y + 13},	   {x - gap - width, y + 13},
+				{x - gap - width, y - 13}, {x - gap - width, y},
+				{x + gap, y - 26},	   {x + gap, y + 26}};
 
 	for (size_t k = 0; k < sizeof(at) / sizeof(*at) && *count < REPORT_POINTS_MAX; k++) {
 		const struct box box = {at[k][0], at[k][1], width};

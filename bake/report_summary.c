@@ -8,6 +8,8 @@
 
 /* Nearer by less than this factor is no reason. */
 #define WORTH 1.01
+/* Times that are nearer to each other than this factor cannot be told apart. */
+#define SAME_TIME 1.05
 
 void report_candidate_add(struct report *r, const struct report_trial *trial, bool in_use)
 {
@@ -34,18 +36,6 @@ static int faster_first(const void *a, const void *b)
 			      : (x->rms > y->rms) - (x->rms < y->rms);
 }
 
-static void find_front(struct report *r)
-{
-	double best = INFINITY;
-
-	qsort(r->candidate, (size_t)r->candidates, sizeof(*r->candidate), faster_first);
-	for (int k = 0; k < r->candidates; k++) {
-		r->candidate[k].front = r->candidate[k].rms * WORTH < best;
-		if (r->candidate[k].front)
-			best = r->candidate[k].rms;
-	}
-}
-
 static const struct report_candidate *in_use(const struct report *r)
 {
 	for (int k = 0; k < r->candidates; k++)
@@ -54,19 +44,37 @@ static const struct report_candidate *in_use(const struct report *r)
 	return NULL;
 }
 
-/* The nearest that takes no longer, the fastest that is no further off, the nearest of all; NULL
- * where that is the one in use. */
+/* Another that is neither faster nor nearer than the one in use by more than chance may make it. */
+static bool is_like_used(const struct report_candidate *used, const struct report_candidate *c)
+{
+	return used && c != used && used->ms <= c->ms * SAME_TIME && used->rms <= c->rms * WORTH;
+}
+
+static void find_front(struct report *r)
+{
+	const struct report_candidate *used;
+	double best = INFINITY;
+
+	qsort(r->candidate, (size_t)r->candidates, sizeof(*r->candidate), faster_first);
+	used = in_use(r);
+	for (int k = 0; k < r->candidates; k++) {
+		struct report_candidate *c = &r->candidate[k];
+
+		c->front = !is_like_used(used, c) && c->rms * WORTH < best;
+		if (c->front)
+			best = c->rms;
+	}
+}
+
+/* The nearest of the others that take no longer and are no further off; NULL: there is none. */
 static const struct report_candidate *better(const struct report *r, double ms, double rms)
 {
-	const struct report_candidate *found = NULL, *used = in_use(r);
+	const struct report_candidate *found = NULL;
 
-	for (int k = 0; used && k < r->candidates; k++) {
+	for (int k = 0; k < r->candidates; k++) {
 		const struct report_candidate *c = &r->candidate[k];
 
-		if (c->ms > ms || c->rms > rms || c == used)
-			continue;
-		if (!found ||
-		    (isfinite(ms) || !isfinite(rms) ? c->rms < found->rms : c->ms < found->ms))
+		if (!c->in_use && c->ms <= ms && c->rms <= rms && (!found || c->rms < found->rms))
 			found = c;
 	}
 	return found;
@@ -114,11 +122,11 @@ static int show_front(struct report *r)
 		point->ringed = true;
 		snprintf(point->label, sizeof(point->label), "in use");
 	}
-	return report_page_plot(
-		&r->page, r->page.head, &plot,
-		"Every setting that was tried. Blue: the Pareto front, that is, no "
-		"other is as fast and nearer by 1 % or more. Ring: the setting in use.",
-		r->fault);
+	return report_page_plot(&r->page, r->page.head, &plot,
+				"Every setting that was tried. Blue: the Pareto front, that is, no "
+				"other is as fast and nearer by 1 % or more (5 % of time is "
+				"chance). Ring: the setting in use.",
+				r->fault);
 }
 
 static int show_candidates(struct report *r)
@@ -132,6 +140,7 @@ static int show_candidates(struct report *r)
 	report_table_column(&table, "rms_levels", "RMS", "levels");
 	report_table_column(&table, "basis_mb", "basis", "MB");
 	report_table_column(&table, "front", "Pareto front", NULL);
+	report_table_column(&table, "in_use", "in use", NULL);
 	for (int k = 0; k < r->candidates; k++) {
 		const struct report_candidate *c = &r->candidate[k];
 
@@ -140,6 +149,7 @@ static int show_candidates(struct report *r)
 		report_number(&table, c->rms);
 		report_number(&table, c->mb);
 		report_text(&table, "%s", c->front ? "yes" : "");
+		report_text(&table, "%s", c->in_use ? "yes" : "");
 		if (c->in_use)
 			report_table_mark(&table);
 	}
@@ -217,14 +227,14 @@ int report_summary(struct report *r)
 	used = in_use(r);
 	if (used) {
 		const struct report_candidate *nearer = better(r, used->ms, used->rms / WORTH);
-		const struct report_candidate *faster = better(r, INFINITY, used->rms * WORTH);
+		const struct report_candidate *faster = better(r, used->ms / SAME_TIME,
+							       used->rms * WORTH);
 
 		describe_use(r, used);
 		suggest(r->page.head, "Nearer in no more time", nearer);
-		suggest(r->page.head, "Faster and no further off",
-			faster && faster->ms < used->ms ? faster : NULL);
+		suggest(r->page.head, "Faster and no further off", faster);
 		suggest(r->page.head, "The nearest of all", better(r, INFINITY, INFINITY));
-		if (!nearer && !(faster && faster->ms < used->ms))
+		if (!nearer && !faster)
 			report_paragraph(
 				r->page.head,
 				"No other setting that was tried is nearer in no more time, "
