@@ -322,9 +322,9 @@ static int show_method(struct report *r)
 		r->page.body,
 		"Times are medians of %d frames under each surrounding, all ways of a "
 		"section in turns, each after frames that do not count. Of one thread it is "
-		"the time that it had of the processor, which it waited for during %.0f %% "
-		"of the frames; of several it is the clock's, and too long where the machine "
-		"had other work.",
+		"the time that it had of the processor (%.0f %% of the time it had to wait "
+		"for it); of several it is the clock's, and too long where the machine had "
+		"other work.",
 		r->stage.repeat, waited);
 	report_paragraph(
 		r->page.body,
