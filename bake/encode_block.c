@@ -121,9 +121,10 @@ static void write_column(const struct encode_settings *settings, const struct pa
 	const struct basis_layout at = basis_layout(entry, settings->coarse);
 	const int line_pixels = entry->bits == 8 ? BASIS_LINE8 : BASIS_LINE16;
 	uint8_t *payload = (uint8_t *)(uintptr_t)block->payload;
+	void *scales = payload + at.column_scale;
 
 	((uint16_t *)(payload + at.light))[number] = (uint16_t)light;
-	((float *)(payload + at.column_scale))[number] = scale;
+	((float *)scales)[number] = scale;
 	for (int c = 0; c < entry->channels; c++) {
 		int place = 0;
 

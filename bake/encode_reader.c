@@ -37,7 +37,8 @@ static void read_patterns(struct block_reader *reader, const struct basis_block_
 	const struct encode_settings *settings = reader->settings;
 	const struct basis_layout at = basis_layout(e, settings->coarse);
 	const uint8_t *payload = block->payload;
-	const float *scale = (const float *)(payload + at.pattern_scale);
+	const void *scales = payload + at.pattern_scale;
+	const float *scale = scales;
 	const int16_t *coefficient = (const int16_t *)(payload + at.coefficient);
 
 	for (int j = 0; j < e->patterns; j++) {
@@ -93,7 +94,8 @@ static void add_column(const struct basis_block_payload *block, const struct bas
 	const struct basis_block_entry *e = &block->entry;
 	const uint8_t *payload = block->payload;
 	const int line_pixels = e->bits == 8 ? BASIS_LINE8 : BASIS_LINE16;
-	const double scale = (double)((const float *)(payload + at->column_scale))[number];
+	const void *scales = payload + at->column_scale;
+	const double scale = (double)((const float *)scales)[number];
 
 	for (int c = 0; c < 3; c++) {
 		const int stored = e->channels == 3 ? c : 0;
@@ -206,6 +208,7 @@ void block_reader_sky(const struct block_reader *reader, const float *x, double 
 		const struct basis_block_entry *e = &block->entry;
 		const struct basis_layout at = basis_layout(e, reader->settings->coarse);
 		const uint8_t *payload = block->payload;
+		const void *scales = payload + at.column_scale;
 		double own[3][PART_PIXELS] = {{0}};
 		double y[RANK_MOST][3];
 
@@ -220,9 +223,8 @@ void block_reader_sky(const struct block_reader *reader, const float *x, double 
 		add_patterns(reader, e, first, (const double(*)[3])y, own);
 		for (uint32_t i = 0; i < e->columns; i++) {
 			const uint16_t light = ((const uint16_t *)(payload + at.light))[i];
-			const double most =
-				(double)((const float *)(payload + at.column_scale))[i] *
-				(e->bits == 8 ? 127 : 32767);
+			const double most = (double)((const float *)scales)[i] *
+					    (e->bits == 8 ? 127 : 32767);
 			const double factor[3] = {(double)x[light], (double)x[n + light],
 						  (double)x[2 * n + light]};
 
