@@ -92,9 +92,10 @@ void fetch_expect(struct fetch *fetch, const struct basis_block *b)
 static inline __attribute__((always_inline)) void fetch_some(struct fetch *next)
 {
 	for (int k = 0; k < FETCHES; k++) {
-		size_t bytes = AHEAD_STEP;
+		const size_t bytes = AHEAD_STEP < next->left[k] ? AHEAD_STEP : next->left[k];
 
-		bytes = bytes < next->left[k] ? bytes : next->left[k];
+		if (!bytes)
+			continue; /* what is not there may have no address */
 		for (size_t at = 0; at < bytes; at += KERNEL_LINE_BYTES)
 			__builtin_prefetch(next->from[k] + at);
 		next->from[k] += bytes;
