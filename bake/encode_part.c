@@ -81,7 +81,7 @@ void part_free(struct part *part)
 	*part = (struct part){.kept = 0};
 }
 
-static int room_for(float **array, size_t *room, size_t count)
+int part_room_for(float **array, size_t *room, size_t count)
 {
 	float *grown;
 
@@ -194,14 +194,14 @@ int part_load(struct part *part, const struct encode_settings *settings,
 	part->direct_channels = s->channels;
 	part->channels = s->bounce ? 3 : s->channels;
 	part->rows = part->channels * s->pixels;
-	err = room_for(&part->value, &part->value_room, n * (size_t)part->rows);
+	err = part_room_for(&part->value, &part->value_room, n * (size_t)part->rows);
 	if (!err)
-		err = room_for(&part->least_left, &part->least_room, n * (size_t)part->rows);
+		err = part_room_for(&part->least_left, &part->least_room, n * (size_t)part->rows);
 	if (!err)
-		err = room_for(&part->most_left, &part->most_room, n * (size_t)part->rows);
+		err = part_room_for(&part->most_left, &part->most_room, n * (size_t)part->rows);
 	if (!err && s->bounce)
-		err = room_for(&part->direct, &part->direct_room,
-			       n * (size_t)(s->channels * s->pixels));
+		err = part_room_for(&part->direct, &part->direct_room,
+				    n * (size_t)(s->channels * s->pixels));
 	if (err)
 		return err;
 	if (!s->bounce) {
@@ -225,7 +225,7 @@ int part_pair(struct part *difference, struct part *whole, int lights)
 
 	if (difference->channels != channels || whole->channels != channels)
 		return -EINVAL;
-	err = room_for(&whole->own_base, &whole->base_room, count);
+	err = part_room_for(&whole->own_base, &whole->base_room, count);
 	if (err)
 		return err;
 	for (size_t k = 0; k < count; k++)

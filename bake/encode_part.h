@@ -76,6 +76,9 @@ struct part {
 	float *own_base; /* where base is not value */
 };
 
+/* Makes an array at least so long; what it held may be lost. -ENOMEM: it stays as it was. */
+int part_room_for(float **array, size_t *room, size_t count);
+
 int part_create(struct part *part, const struct encode_settings *settings);
 void part_free(struct part *part); /* zeroed is fine */
 

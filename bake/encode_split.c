@@ -37,20 +37,6 @@ void split_free(struct split *split)
 	*split = (struct split){.mono = false};
 }
 
-static int room_for(float **array, size_t *room, size_t count)
-{
-	float *grown;
-
-	if (count <= *room)
-		return 0;
-	grown = realloc(*array, count * sizeof(**array));
-	if (!grown)
-		return -ENOMEM;
-	*array = grown;
-	*room = count;
-	return 0;
-}
-
 bool split_possible(const struct part *part, enum split_way way)
 {
 	if (way == SPLIT_PLAIN)
@@ -152,7 +138,7 @@ static int take_mono(struct split *split, const struct encode_settings *settings
 		return 0;
 	}
 	find_tints(split, settings, from);
-	err = room_for(&split->own_mono, &split->mono_room, (size_t)settings->lights * pixels);
+	err = part_room_for(&split->own_mono, &split->mono_room, (size_t)settings->lights * pixels);
 	if (err)
 		return err;
 	for (size_t i = 0; i < (size_t)settings->lights; i++)
@@ -165,8 +151,8 @@ static int take_colour(struct split *split, const struct encode_settings *settin
 {
 	const struct part *part = split->part;
 	const int pixels = part->pixels;
-	int err = room_for(&split->own_colour, &split->colour_room,
-			   (size_t)settings->lights * (size_t)part->rows);
+	int err = part_room_for(&split->own_colour, &split->colour_room,
+				(size_t)settings->lights * (size_t)part->rows);
 
 	if (err)
 		return err;
@@ -215,10 +201,11 @@ int split_part(struct split *split, const struct encode_settings *settings, enum
 		split->colour_value = part->value;
 	}
 	if (!err && split->mono)
-		err = room_for(&split->mono_left, &split->mono_left_room, n * (size_t)part->pixels);
+		err = part_room_for(&split->mono_left, &split->mono_left_room,
+				    n * (size_t)part->pixels);
 	if (!err && split->colour)
-		err = room_for(&split->colour_left, &split->colour_left_room,
-			       n * 3 * (size_t)part->pixels);
+		err = part_room_for(&split->colour_left, &split->colour_left_room,
+				    n * 3 * (size_t)part->pixels);
 	if (err)
 		return err;
 	if (split->mono)

@@ -103,28 +103,12 @@ static inline __attribute__((always_inline)) void fetch_some(struct fetch *next)
 	}
 }
 
-static void add_patterns(const struct line_set *set, const struct basis_block *b,
-			 const struct kernels *kernels, struct fetch *fetch, int64_t *sum[3])
+/* Lines of 16 bits, of which a panel has `count` for each channel. */
+static void add_lines16(const struct line_set *set, const struct basis_block *b,
+			const int16_t *lines, int count, const struct kernels *kernels,
+			struct fetch *fetch, int64_t *sum[3])
 {
-	const size_t panel_size = (size_t)b->patterns * KERNEL_LINE16;
-	const int16_t *lines = b->coefficient;
-
-	for (int at = 0; at < b->pixels; at += KERNEL_LINE16) {
-		for (int c = 0; c < 3; c++) {
-			if (set->kernel[c].digits)
-				kernels->sums16(lines + (b->channels == 3 ? c : 0) * panel_size,
-						&set->kernel[c], sum[c] + at);
-		}
-		fetch_some(fetch);
-		lines += panel_size * (size_t)b->channels;
-	}
-}
-
-static void add_columns16(const struct line_set *set, const struct basis_block *b,
-			  const struct kernels *kernels, struct fetch *fetch, int64_t *sum[3])
-{
-	const size_t panel_size = (size_t)b->columns * KERNEL_LINE16;
-	const int16_t *lines = b->column16;
+	const size_t panel_size = (size_t)count * KERNEL_LINE16;
 
 	for (int at = 0; at < b->pixels; at += KERNEL_LINE16) {
 		for (int c = 0; c < 3; c++) {
@@ -175,9 +159,9 @@ size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 	if (columns->count && b->bits == 8)
 		add_columns8(columns, b, kernels, shift, fresh, fetch, sum);
 	else if (columns->count)
-		add_columns16(columns, b, kernels, fetch, sum);
+		add_lines16(columns, b, b->column16, b->columns, kernels, fetch, sum);
 	if (patterns->count)
-		add_patterns(patterns, b, kernels, fetch, sum);
+		add_lines16(patterns, b, b->coefficient, b->patterns, kernels, fetch, sum);
 	return (size_t)(b->channels * (panels16 * patterns->count + panels * columns->count)) *
 	       KERNEL_LINE_BYTES;
 }
