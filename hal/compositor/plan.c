@@ -25,12 +25,22 @@ static float value_of_one(const struct basis_block *b)
 	return most * ((float)tint / BASIS_TINT_ONE);
 }
 
+/* Compared, as gcc 12 for Arm breaks at a largest by fmax(). */
+static float farthest_scale(const struct basis_block *b)
+{
+	float farthest = 0;
+
+	for (int n = 0; n < b->columns; n++)
+		farthest = b->column_scale[n] > farthest ? b->column_scale[n] : farthest;
+	return farthest;
+}
+
 /* The largest value per unit of light that the sum of all lines can come to: the coarse lights add
  * up to no more than the light that they gather. */
 static double block_bound(const struct basis_block *b)
 {
 	const double most = b->bits == 8 ? 127 : 32767;
-	double patterns = 0, column = 0;
+	double patterns = 0;
 
 	for (int j = 0; j < b->patterns; j++) {
 		const int16_t *row = b->pattern + (size_t)j * (size_t)b->stride;
@@ -40,9 +50,7 @@ static double block_bound(const struct basis_block *b)
 			highest = abs(row[k]) > highest ? abs(row[k]) : highest;
 		patterns += (double)b->pattern_scale[j] * 32767 * highest;
 	}
-	for (int n = 0; n < b->columns; n++)
-		column = fmax(column, (double)b->column_scale[n] * most);
-	return patterns + column;
+	return patterns + (double)farthest_scale(b) * most;
 }
 
 static int exponent_of_bound(double bound)
@@ -53,17 +61,14 @@ static int exponent_of_bound(double bound)
 static struct block_plan plan_block(const struct basis_block *b)
 {
 	const float reach = value_of_one(b);
-	float farthest = 0;
 
-	for (int n = 0; n < b->columns; n++)
-		farthest = fmaxf(farthest, b->column_scale[n]);
 	return (struct block_plan){
 		.block = b,
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
 		.kept = b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
 		.reach = reach,
-		.bright = bright_class(farthest * reach),
+		.bright = bright_class(farthest_scale(b) * reach),
 	};
 }
 
