@@ -169,7 +169,8 @@ quick() {
 	composite sunset 9 cell "$work/quick.png"
 	read -r cell9 rest < <(compare "$work/quick.png" "$work/sunset-truth.pfm")
 	# Double precision and the same rays: first only the arithmetic differs, then the encoding too,
-	# under light that the encoder has not seen.
+	# under light that the encoder has not seen: 2 levels, as it was asked for, and half a one that
+	# rounding to 8 bits adds.
 	composite sunset 9 cell "$work/double.pfm" --mode reference
 	composite sunset 9 cell "$work/exact.png" --mode exact
 	read -r rest rest double < <(compare "$work/exact.png" "$work/double.pfm")
