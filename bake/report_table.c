@@ -116,7 +116,7 @@ void report_rounded(double value, char *text, size_t room)
 
 static void write_csv_text(FILE *to, const char *text)
 {
-	if (!strpbrk(text, ",\"\n")) {
+	if (!strpbrk(text, ",\"\n\r")) {
 		fputs(text, to);
 		return;
 	}
