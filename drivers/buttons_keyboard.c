@@ -72,6 +72,7 @@ static const struct ini_key keyboard_keys[] = {
 	KEYS_OF("threshold_next", ACTION_THRESHOLD_NEXT, "t"),
 	KEYS_OF("view_next", ACTION_VIEW_NEXT, "v"),
 	KEYS_OF("pose_next", ACTION_POSE_NEXT, "p"),
+	KEYS_OF("pose_prev", ACTION_POSE_PREV, "b"),
 	KEYS_OF("object", ACTION_OBJECT, "o"),
 	KEYS_OF("information", ACTION_INFORMATION, "i"),
 	KEYS_OF("split_left", ACTION_SPLIT_LEFT, "left"),

@@ -542,6 +542,17 @@ class Session
 		return events.descriptor;
 	}
 
+	int control(const char *name, const char *value, fault *fault)
+	{
+		::fault why;
+
+		if (const int err = libcamera_wishes_change(
+			    &wishes, controls.data(), (int)controls.size(), name, value, &why);
+		    err)
+			return fault_say(fault, err, "libcamera: %s: %s", id.c_str(), why.text);
+		return 0;
+	}
+
 	int grab(camera *camera, frame *frame)
 	{
 		::frame newest = {}, next;
@@ -932,6 +943,12 @@ void libcamera_close(camera *camera)
 	});
 }
 
+int libcamera_control_change(camera *camera, const char *name, const char *value, fault *fault)
+{
+	return guarded(nullptr, fault,
+		       [&] { return session_of(camera)->control(name, value, fault); });
+}
+
 } // namespace
 
 /* In the order of the struct; it has no keys of its own. */
@@ -946,4 +963,5 @@ extern "C" const camera_ops camera_libcamera = {
 	libcamera_grab,
 	libcamera_release,
 	libcamera_close,
+	libcamera_control_change,
 };

@@ -23,6 +23,12 @@
 #include "drivers/sim/studio_view.h"
 #include "hal/clock.h"
 
+/* An exposure that was asked for. */
+struct change {
+	uint64_t from; /* the first frame that shows it */
+	double exposure;
+};
+
 struct sim {
 	struct studio_view *studio;
 	struct panorama_view *panorama;
@@ -35,6 +41,8 @@ struct sim {
 	int64_t start_ns, period_ns;
 	uint64_t next; /* sequence number of the frame to come */
 	uint64_t delivered;
+	struct change changes[SIM_DELAY_MAX + 1]; /* in turn; at most one a frame */
+	int change_count;
 	double turn_rad; /* of the panorama in linear; NAN: none yet */
 	enum colour_matrix matrix;
 	enum colour_range range;
@@ -369,6 +377,22 @@ static bool reached(int limit, uint64_t count)
 	return limit > 0 && count >= (uint64_t)limit;
 }
 
+/* The exposures that have fallen due. */
+static void apply_changes(struct sim *sim, uint64_t sequence)
+{
+	struct sensor_settings settings = sim->sensor.settings;
+	int due = 0;
+
+	while (due < sim->change_count && sim->changes[due].from <= sequence)
+		settings.exposure = sim->changes[due++].exposure;
+	if (due == 0)
+		return;
+	sensor_prepare(&sim->sensor, &settings);
+	sim->change_count -= due;
+	memmove(sim->changes, sim->changes + due,
+		(size_t)sim->change_count * sizeof(*sim->changes));
+}
+
 /* One frame; an unfit one keeps the format PIXEL_NONE. */
 static int take_frame(struct camera *camera, struct sim *sim, struct frame *frame,
 		      struct fault *fault)
@@ -390,6 +414,7 @@ static int take_frame(struct camera *camera, struct sim *sim, struct frame *fram
 		camera->broken++;
 		return 0;
 	}
+	apply_changes(sim, sequence);
 	if (!sim->player)
 		render_scene(camera, sim, sequence);
 	*frame = (struct frame){
@@ -427,6 +452,53 @@ static int sim_grab(struct camera *camera, struct frame *frame, struct fault *fa
 	return err;
 }
 
+/* What plays 8-bit files gives them as they are. */
+static bool has_exposure(const struct sim *sim)
+{
+	return !sim->player || player_picture(sim->player).linear;
+}
+
+/* The first frame that is not captured yet: who asks late is obeyed late. */
+static uint64_t to_come(const struct camera *camera, const struct sim *sim)
+{
+	const struct sim_options *options = camera->options;
+	const int64_t since_ns = clock_now_ns() - sim->start_ns;
+	uint64_t captured;
+
+	if (options->pace == SIM_CLOCK_FRAMES || sim->descriptor < 0)
+		return sim->next;
+	captured = (uint64_t)(since_ns / sim->period_ns) + 1;
+	return captured > sim->next ? captured : sim->next;
+}
+
+static int sim_control(struct camera *camera, const char *name, const char *value,
+		       struct fault *fault)
+{
+	const struct sim_options *options = camera->options;
+	struct sim *sim = camera->state;
+	const uint64_t from = to_come(camera, sim) + (uint64_t)options->control_delay;
+	char *end;
+	const double exposure = strtod(value, &end);
+
+	if (!has_exposure(sim))
+		return fault_say(fault, -ENOTSUP, "sim: %s: 8-bit pictures have no exposure",
+				 options->file);
+	if (strcmp(name, "exposure") != 0)
+		return fault_say(fault, -EINVAL,
+				 "sim: the camera has no control \"%s\", expected exposure", name);
+	if (end == value || *end || isnan(exposure))
+		return fault_say(fault, -EINVAL, "sim: exposure is \"%s\", expected a number",
+				 value);
+	if (exposure < 0 || exposure > SIM_EXPOSURE_MAX)
+		return fault_say(fault, -ERANGE, "sim: exposure is %s, expected 0 to %g", value,
+				 SIM_EXPOSURE_MAX);
+	/* Two for one frame: the later counts. */
+	if (sim->change_count == 0 || sim->changes[sim->change_count - 1].from < from)
+		sim->change_count++;
+	sim->changes[sim->change_count - 1] = (struct change){from, exposure};
+	return 0;
+}
+
 static void sim_release(struct camera *camera, struct frame *frame)
 {
 	(void)camera;
@@ -443,4 +515,5 @@ const struct camera_ops camera_sim = {
 	.grab = sim_grab,
 	.release = sim_release,
 	.close = sim_close,
+	.control = sim_control,
 };

@@ -3,7 +3,8 @@
  * own refresh, at most one. SDL has no descriptor, so a timer asks it for events.
  *
  * Keys, as the keyboard driver's: up or + and down or - threshold, t the next threshold, v view,
- * p pose, o object, i information, left and right split, f freeze, q or Escape quit.
+ * p next pose, b the one before, o object, i information, left and right split, f freeze, q or
+ * Escape quit.
  */
 #include <SDL.h>
 #include <errno.h>
@@ -42,6 +43,7 @@ static const struct {
 	{SDLK_t, ACTION_THRESHOLD_NEXT},
 	{SDLK_v, ACTION_VIEW_NEXT},
 	{SDLK_p, ACTION_POSE_NEXT},
+	{SDLK_b, ACTION_POSE_PREV},
 	{SDLK_o, ACTION_OBJECT},
 	{SDLK_i, ACTION_INFORMATION},
 	{SDLK_LEFT, ACTION_SPLIT_LEFT},

@@ -23,9 +23,7 @@ const struct display_ops *const display_drivers[] = {
 
 const struct buttons_ops *const buttons_drivers[] = {
 #if WITH_GPIO
-	&buttons_gpio,
+	&buttons_gpio,	   &buttons_encoder,
 #endif
-	&buttons_keyboard,
-	&buttons_script,
-	NULL,
+	&buttons_keyboard, &buttons_script,  NULL,
 };

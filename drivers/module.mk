@@ -4,6 +4,7 @@ DRIVER_SOURCES := \
 	drivers/drivers.c \
 	drivers/camera_v4l2.c \
 	drivers/v4l2/buffers.c \
+	drivers/v4l2/capture.c \
 	drivers/v4l2/controls.c \
 	drivers/v4l2/device.c \
 	drivers/v4l2/fallback.c \
@@ -29,6 +30,8 @@ DRIVER_SOURCES := \
 	drivers/keyboard/keys.c \
 	drivers/buttons_script.c \
 	drivers/gpio/button.c \
+	drivers/gpio/edge_order.c \
+	drivers/gpio/quadrature.c \
 	drivers/display_file.c \
 	drivers/display_null.c
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c \
@@ -36,7 +39,8 @@ DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c \
 	drivers/kms/holder.c drivers/kms/list.c drivers/kms/mode.c drivers/kms/screen.c \
 	drivers/kms/state.c drivers/kms/timing.c drivers/kms/watch.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
-DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/gpio/lines.c)
+DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/buttons_gpio_encoder.c \
+	drivers/gpio/lines.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_LIBCAMERA)),drivers/camera_libcamera.cpp \
 	drivers/libcamera/controls.c drivers/libcamera/events.c drivers/libcamera/find.c \
 	drivers/libcamera/messages.c drivers/libcamera/picture.c)

@@ -135,7 +135,7 @@ static int out_of_range(const struct libcamera_control *control, const char *wor
 
 	libcamera_value_text(&control->least, least);
 	libcamera_value_text(&control->most, most);
-	return fault_say(fault, -EINVAL, "%s is out of its range %s..%s", word, least, most);
+	return fault_say(fault, -ERANGE, "%s is out of its range %s..%s", word, least, most);
 }
 
 int libcamera_value_read(const struct libcamera_control *control, const char *text,
@@ -240,6 +240,32 @@ double libcamera_wishes_read(struct libcamera_wishes *w, const char *camera,
 				    fault.text);
 	}
 	return want_rate(w, find(known, count, "FrameDurationLimits"), rate_hz);
+}
+
+int libcamera_wishes_change(struct libcamera_wishes *w, const struct libcamera_control *known,
+			    int count, const char *name, const char *value, struct fault *fault)
+{
+	const struct libcamera_control *control = find(known, count, name);
+	struct libcamera_value read;
+	struct fault why;
+	int at = 0, err;
+
+	if (!control)
+		return fault_say(fault, -EINVAL, "the camera has no control \"%s\"", name);
+	err = libcamera_value_read(control, value, &read, &why);
+	if (err)
+		return fault_say(fault, err, "control %s: %s", name, why.text);
+	while (at < w->count && w->list[at].control != control)
+		at++;
+	if (at == LIBCAMERA_WISHES_MAX)
+		return fault_say(fault, -E2BIG, "more than %d controls", LIBCAMERA_WISHES_MAX);
+	if (at == w->count)
+		w->count++;
+	/* In its place: requests under way name theirs by number. Those behind it are sent again.
+	 */
+	w->list[at] = (struct libcamera_wish){.control = control, .value = read};
+	w->next = at < w->next ? at : w->next;
+	return 0;
 }
 
 struct libcamera_load libcamera_wishes_next(struct libcamera_wishes *w)

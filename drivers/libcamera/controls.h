@@ -45,7 +45,7 @@ void libcamera_value_pack(const struct libcamera_value *value, void *elements);
 /* Numbers with blanks between; empty where there are none. */
 void libcamera_value_text(const struct libcamera_value *value, char text[LIBCAMERA_VALUE_TEXT_MAX]);
 
-/* Reads numbers with blanks between, or words. -EINVAL: the fault says why not. */
+/* Reads numbers with blanks between, or words. -EINVAL, -ERANGE: the fault says why not. */
 int libcamera_value_read(const struct libcamera_control *control, const char *text,
 			 struct libcamera_value *value, struct fault *fault);
 
@@ -69,6 +69,11 @@ struct libcamera_wishes {
 double libcamera_wishes_read(struct libcamera_wishes *wishes, const char *camera,
 			     const struct libcamera_control *known, int count, const char *text,
 			     double rate_hz);
+
+/* Another value for a control on the way: the requests that are queued from now on carry it.
+ * -EINVAL, -ERANGE: as libcamera_value_read(), or no such control; -E2BIG. */
+int libcamera_wishes_change(struct libcamera_wishes *wishes, const struct libcamera_control *known,
+			    int count, const char *name, const char *value, struct fault *fault);
 
 /* A part of the list. */
 struct libcamera_load {

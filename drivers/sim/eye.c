@@ -30,3 +30,16 @@ double eye_pixel_rad(const struct eye *eye, const double px[2])
 
 	return (apart(eye, left, right) + apart(eye, above, below)) / 2;
 }
+
+bool eye_on_rim(const struct eye *eye, int x, int y)
+{
+	int seen = 0;
+
+	for (int k = 0; eye->fisheye && k < 4; k++) {
+		const double corner[2] = {x + k % 2, y + k / 2};
+		double origin[3], dir[3];
+
+		seen += eye_ray(eye, corner, origin, dir);
+	}
+	return seen % 4 != 0;
+}

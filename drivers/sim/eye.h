@@ -22,4 +22,7 @@ bool eye_ray(const struct eye *eye, const double px[2], double origin[3], double
  */
 double eye_pixel_rad(const struct eye *eye, const double px[2]);
 
+/* Whether the rim of a fisheye's image circle goes through a pixel, which then sees in part. */
+bool eye_on_rim(const struct eye *eye, int x, int y);
+
 #endif

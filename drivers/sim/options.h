@@ -27,7 +27,12 @@ struct sim_options {
 	int seed;
 	bool loop;
 	int stall_after, vanish_after, corrupt_every;
+	int control_delay;
 };
+
+/* Of the exposure, as a key and as a control; of the delay. */
+#define SIM_EXPOSURE_MAX 1e6
+#define SIM_DELAY_MAX 30
 
 extern const struct ini_key sim_keys[];
 

@@ -7,7 +7,7 @@
 
 #include "hal/image/image.h"
 
-enum { SIDE_MAX = 4 };
+enum { SIDE_MAX = 4, RIM_SIDE = 8 };
 
 struct panorama_view {
 	int width, height;
@@ -16,6 +16,7 @@ struct panorama_view {
 	/* Places in the unturned panorama, [height][width][side * side][2], in its pixels with
 	 * centres at whole numbers; NAN: nothing is seen. */
 	float *places;
+	float *share; /* [height][width]: of a pixel that sees anything */
 };
 
 static int samples_per_side(const struct eye *eye, const struct image *image)
@@ -39,19 +40,49 @@ static void place(const struct panorama_view *view, const struct eye *eye, const
 	at[1] = (float)(view->image.height * atan2(hypot(dir[0], dir[1]), dir[2]) / M_PI - 0.5);
 }
 
-static void place_all(struct panorama_view *view, const struct eye *eye)
+/* A pixel on the rim: how much of it sees, and samples of that part. */
+static float place_rim(const struct panorama_view *view, const struct eye *eye, int x, int y,
+		       float *at)
+{
+	float seen[RIM_SIDE * RIM_SIDE][2];
+	int count = 0;
+
+	for (int i = 0; i < RIM_SIDE * RIM_SIDE; i++) {
+		const double px[2] = {x + (i % RIM_SIDE + 0.5) / RIM_SIDE,
+				      y + (i / RIM_SIDE + 0.5) / RIM_SIDE};
+
+		place(view, eye, px, seen[count]);
+		count += !isnan(seen[count][0]);
+	}
+	for (int i = 0; i < view->side * view->side; i++)
+		for (int k = 0; k < 2; k++)
+			at[2 * i + k] = count ? seen[i * count / (view->side * view->side)][k]
+					      : NAN;
+	return (float)count / (RIM_SIDE * RIM_SIDE);
+}
+
+static float place_pixel(const struct panorama_view *view, const struct eye *eye, int x, int y,
+			 float *at)
 {
 	const int side = view->side;
-	float *at = view->places;
+
+	if (eye_on_rim(eye, x, y))
+		return place_rim(view, eye, x, y, at);
+	for (int i = 0; i < side * side; i++, at += 2) {
+		const double px[2] = {x + (i % side + 0.5) / side, y + (i / side + 0.5) / side};
+
+		place(view, eye, px, at);
+	}
+	return 1;
+}
+
+static void place_all(struct panorama_view *view, const struct eye *eye)
+{
+	float *at = view->places, *share = view->share;
 
 	for (int y = 0; y < view->height; y++)
-		for (int x = 0; x < view->width; x++)
-			for (int i = 0; i < side * side; i++, at += 2) {
-				const double px[2] = {x + (i % side + 0.5) / side,
-						      y + (i / side + 0.5) / side};
-
-				place(view, eye, px, at);
-			}
+		for (int x = 0; x < view->width; x++, at += 2 * view->side * view->side)
+			*share++ = place_pixel(view, eye, x, y, at);
 }
 
 int panorama_view_create(struct panorama_view **view, const char *path, const struct eye *eye,
@@ -79,7 +110,8 @@ int panorama_view_create(struct panorama_view **view, const char *path, const st
 	v->side = samples_per_side(eye, &v->image);
 	v->places = malloc((size_t)v->width * (size_t)v->height * (size_t)(v->side * v->side) * 2 *
 			   sizeof(float));
-	if (!v->places) {
+	v->share = malloc((size_t)v->width * (size_t)v->height * sizeof(float));
+	if (!v->places || !v->share) {
 		err = fault_say(fault, -ENOMEM, "%s: no memory for the view", path);
 		goto fail;
 	}
@@ -97,6 +129,7 @@ void panorama_view_destroy(struct panorama_view *view)
 		return;
 	image_free(&view->image);
 	free(view->places);
+	free(view->share);
 	free(view);
 }
 
@@ -149,6 +182,6 @@ void panorama_view_render(const struct panorama_view *view, double turn_rad, flo
 			seen++;
 		}
 		for (int c = 0; c < 3; c++)
-			rgb[c] = seen ? sum[c] / (float)seen : 0;
+			rgb[c] = seen ? view->share[p] * sum[c] / (float)seen : 0;
 	}
 }

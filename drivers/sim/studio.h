@@ -61,8 +61,8 @@ double studio_lantern_irradiance(const struct studio_lantern *lantern, const dou
 /* Radiance that arrives at origin from dir (unit); 0 where there is no room. */
 void studio_radiance(const double origin[3], const double dir[3], double time_s, double rgb[3]);
 
-/* The true light of each cell: its mean radiance, integrated to about 1e-3 of the brightest.
- * radiance[dome->count]. 0 or -ENOMEM. */
+/* The true light of each cell or tent: its mean radiance, integrated to about 1e-3 of the
+ * brightest. radiance[dome->count]. 0 or -ENOMEM. */
 int studio_lights(const struct dome *dome, const double origin[3], double time_s,
 		  double (*radiance)[3]);
 

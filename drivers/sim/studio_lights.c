@@ -1,4 +1,4 @@
-/* The studio's true lights, by integrating its radiance over each cell. */
+/* The studio's true lights, by integrating its radiance over each of them. */
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -10,8 +10,8 @@
 /*
  * The sky in tiles of polar angle and azimuth. The mean of its corners stands for a tile that sees
  * one smooth surface; the others are looked at finely. A tile that lies in several cells is shared
- * among them finely. Everything that shines is far larger than a tile, which is at most 0.35
- * degrees wide, so the corners tell.
+ * among them finely; tents hardly bend within one, and share it as they do its middle. Everything
+ * that shines is far larger than a tile, which is at most 0.35 degrees wide, so the corners tell.
  */
 enum { RINGS = 256, SECTORS = 1024, FINE = 10 };
 
@@ -53,6 +53,17 @@ static void add(struct integral *in, int cell, const double rgb[3], double weigh
 	in->weights[cell] += weight;
 }
 
+/* To the lights that share a direction. */
+static void add_seen(struct integral *in, const double dir[3], const double rgb[3], double weight)
+{
+	double share[3];
+	int light[3];
+	const int count = dome_weights(in->dome, dir, light, share);
+
+	for (int k = 0; k < count; k++)
+		add(in, light[k], rgb, weight * share[k]);
+}
+
 static bool same_light(const struct sight corners[4])
 {
 	for (int i = 1; i < 4; i++)
@@ -72,7 +83,8 @@ static void add_finely(struct integral *in, const struct sight corners[4], int r
 		       const double mean[3])
 {
 	const double height = M_PI / 2 / RINGS / FINE, width = 2 * M_PI / SECTORS / FINE;
-	const bool smooth = same_light(corners), whole = same_cell(corners);
+	const bool smooth = same_light(corners);
+	const bool whole = in->dome->shape == DOME_CELLS && same_cell(corners);
 
 	for (int i = 0; i < FINE; i++) {
 		const double theta = (ring * FINE + i + 0.5) * height;
@@ -85,26 +97,32 @@ static void add_finely(struct integral *in, const struct sight corners[4], int r
 			direction(theta, phi, dir);
 			if (!smooth)
 				studio_radiance(in->origin, dir, in->time_s, rgb);
-			add(in, whole ? corners[0].cell : dome_cell_of(in->dome, dir),
-			    smooth ? mean : rgb, weight);
+			if (whole)
+				add(in, corners[0].cell, smooth ? mean : rgb, weight);
+			else
+				add_seen(in, dir, smooth ? mean : rgb, weight);
 		}
 	}
 }
 
 static void add_tile(struct integral *in, const struct sight corners[4], int ring, int sector)
 {
-	const double height = M_PI / 2 / RINGS;
-	double mean[3];
+	const double height = M_PI / 2 / RINGS, width = 2 * M_PI / SECTORS;
+	const double weight = (cos(ring * height) - cos((ring + 1) * height)) * width;
+	double mean[3], middle[3];
 
 	for (int c = 0; c < 3; c++)
 		mean[c] = (corners[0].rgb[c] + corners[1].rgb[c] + corners[2].rgb[c] +
 			   corners[3].rgb[c]) /
 			  4;
-	if (same_cell(corners) && same_light(corners))
-		add(in, corners[0].cell, mean,
-		    (cos(ring * height) - cos((ring + 1) * height)) * 2 * M_PI / SECTORS);
-	else
+	if (in->dome->shape == DOME_TENTS && same_light(corners)) {
+		direction((ring + 0.5) * height, (sector + 0.5) * width, middle);
+		add_seen(in, middle, mean, weight);
+	} else if (in->dome->shape == DOME_CELLS && same_cell(corners) && same_light(corners)) {
+		add(in, corners[0].cell, mean, weight);
+	} else {
 		add_finely(in, corners, ring, sector, mean);
+	}
 }
 
 static void look_along_ring(const struct integral *in, int ring, struct sight *sights)

@@ -26,6 +26,7 @@ enum lane {
 	DIR_Y,
 	DIR_Z,
 	PIXEL_RAD,
+	SHARE, /* of the pixel that sees the room: less on the rim of a fisheye's circle */
 	LANES
 };
 
@@ -101,10 +102,13 @@ static void prepare_pixel(struct studio_view *view, const struct eye *eye, int x
 	const double middle[2] = {x + 0.5, y + 0.5};
 	double origin[3], dir[3];
 	struct patch patch;
+	int side = eye_on_rim(eye, x, y) ? FINE : COARSE;
 
-	add_parts(eye, x, y, COARSE, origin, &patch);
-	if (patch.mixed)
-		add_parts(eye, x, y, FINE, origin, &patch);
+	add_parts(eye, x, y, side, origin, &patch);
+	if (patch.mixed && side < FINE) {
+		side = FINE;
+		add_parts(eye, x, y, side, origin, &patch);
+	}
 	if (patch.count == 0)
 		return;
 	memcpy(view->origin, origin, sizeof(origin));
@@ -112,13 +116,14 @@ static void prepare_pixel(struct studio_view *view, const struct eye *eye, int x
 		dir[i] = patch.first.point[i] - origin[i];
 		lane[(POINT_X + i) * step] = (float)patch.first.point[i];
 		lane[(NORMAL_X + i) * step] = (float)studio_normals[patch.first.surface][i];
-		lane[(PAINT_R + i) * step] = (float)(patch.paint[i] / patch.count);
-		lane[(STEADY_R + i) * step] = (float)(patch.steady[i] / patch.count);
+		lane[(PAINT_R + i) * step] = (float)(patch.paint[i] / (side * side));
+		lane[(STEADY_R + i) * step] = (float)(patch.steady[i] / (side * side));
 	}
 	if (!eye_ray(eye, middle, origin, dir))
 		vec_normalize(dir); /* at the rim of the field the middle may lie outside */
 	for (int i = 0; i < 3; i++)
 		lane[(DIR_X + i) * step] = (float)dir[i];
+	lane[SHARE * step] = (float)patch.count / (float)(side * side);
 	lane[PIXEL_RAD * step] = (float)fmax(eye_pixel_rad(eye, middle), 1e-6);
 }
 
@@ -206,7 +211,7 @@ static void light_row(const float *restrict lanes, int width, const struct glow 
 	}
 }
 
-/* How much of a pixel on its rim a lantern covers. */
+/* How much of what a pixel on its rim sees a lantern covers. */
 static float rim_coverage(const struct studio_view *view, const struct glow *glow, int x, int y)
 {
 	int seen = 0, covered = 0;
@@ -243,7 +248,8 @@ static void draw_lantern(const struct studio_view *view, const float *lanes, int
 		if (cosine < glow->cosine + rim)
 			coverage = rim_coverage(view, glow, (int)x, y);
 		for (size_t c = 0; c < 3; c++)
-			rgb[3 * x + c] += coverage * (glow->radiance[c] - rgb[3 * x + c]);
+			rgb[3 * x + c] += coverage * (lanes[SHARE * w + x] * glow->radiance[c] -
+						      rgb[3 * x + c]);
 	}
 }
 

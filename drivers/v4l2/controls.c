@@ -121,21 +121,21 @@ static int set_control(int fd, const struct v4l2_query_ext_ctrl *control, int64_
 
 /* ---- the two brought together ---- */
 
-static void say_unknown(const char *path, const char *name, char (*known)[V4L2_CONTROL_NAME_MAX],
-			size_t count)
+static int say_unknown(const char *name, char (*known)[V4L2_CONTROL_NAME_MAX], size_t count,
+		       struct fault *fault)
 {
 	const char *names[KNOWN_MAX], *nearest;
 
 	for (size_t i = 0; i < count; i++)
 		names[i] = known[i];
 	nearest = ini_nearest(name, names, count);
-	log_warning("%s: controls: the camera has no control \"%s\"%s%s%s; `inlay devices` lists "
-		    "them",
-		    path, name, nearest ? ", perhaps \"" : "", nearest ? nearest : "",
-		    nearest ? "\"" : "");
+	return fault_say(fault, -EINVAL,
+			 "the camera has no control \"%s\"%s%s%s; `inlay devices` lists them", name,
+			 nearest ? ", perhaps \"" : "", nearest ? nearest : "",
+			 nearest ? "\"" : "");
 }
 
-static bool find_control(int fd, const char *path, struct v4l2_setting *setting)
+static int find_control(int fd, struct v4l2_setting *setting, struct fault *fault)
 {
 	char known[KNOWN_MAX][V4L2_CONTROL_NAME_MAX], wanted[V4L2_CONTROL_NAME_MAX];
 	struct v4l2_query_ext_ctrl control = {.id = 0};
@@ -146,12 +146,11 @@ static bool find_control(int fd, const char *path, struct v4l2_setting *setting)
 		v4l2_control_name(control.name, known[count]);
 		if (strcmp(known[count], wanted) == 0) {
 			setting->control = control;
-			return true;
+			return 0;
 		}
 		count++;
 	}
-	say_unknown(path, setting->said.name, known, count);
-	return false;
+	return say_unknown(setting->said.name, known, count, fault);
 }
 
 static bool read_number(const char *text, int64_t *value)
@@ -190,34 +189,32 @@ static bool read_entry(int fd, const struct v4l2_query_ext_ctrl *control, const 
 	return control->type == V4L2_CTRL_TYPE_MENU && read_number(text, value);
 }
 
-static bool read_value(int fd, const char *path, struct v4l2_setting *s)
+static int read_value(int fd, struct v4l2_setting *s, struct fault *fault)
 {
 	const struct v4l2_query_ext_ctrl *c = &s->control;
 
 	switch (c->type) {
 	case V4L2_CTRL_TYPE_BUTTON:
 		s->wanted = 1;
-		return true;
+		return 0;
 	case V4L2_CTRL_TYPE_BOOLEAN:
 		if (read_truth(s->said.value, &s->wanted))
-			return true;
-		log_warning("%s: controls: %s is \"%s\", expected yes or no", path, s->said.name,
-			    s->said.value);
-		return false;
+			return 0;
+		return fault_say(fault, -EINVAL, "%s is \"%s\", expected yes or no", s->said.name,
+				 s->said.value);
 	case V4L2_CTRL_TYPE_MENU:
 	case V4L2_CTRL_TYPE_INTEGER_MENU:
 		if (read_entry(fd, c, s->said.value, &s->wanted))
-			return true;
-		log_warning("%s: controls: %s has no entry \"%s\"; `inlay devices` lists them",
-			    path, s->said.name, s->said.value);
-		return false;
+			return 0;
+		return fault_say(fault, -EINVAL,
+				 "%s has no entry \"%s\"; `inlay devices` lists them", s->said.name,
+				 s->said.value);
 	default:
 		if (read_number(s->said.value, &s->wanted))
-			return true;
-		log_warning("%s: controls: %s is \"%s\", expected a whole number from %lld to %lld",
-			    path, s->said.name, s->said.value, (long long)c->minimum,
-			    (long long)c->maximum);
-		return false;
+			return 0;
+		return fault_say(
+			fault, -EINVAL, "%s is \"%s\", expected a whole number from %lld to %lld",
+			s->said.name, s->said.value, (long long)c->minimum, (long long)c->maximum);
 	}
 }
 
@@ -238,40 +235,44 @@ static const char *reason(const struct v4l2_query_ext_ctrl *control, int err)
 	}
 }
 
-static void set_and_read_back(int fd, const char *path, struct v4l2_setting *s)
+static int set_and_read_back(int fd, const char *path, struct v4l2_setting *s, struct fault *fault)
 {
 	int err = set_control(fd, &s->control, s->wanted);
 
-	if (err) {
-		log_warning("%s: controls: %s=%s is refused: %s (range %lld to %lld)", path,
-			    s->said.name, s->said.value, reason(&s->control, err),
-			    (long long)s->control.minimum, (long long)s->control.maximum);
-		s->control.id = 0;
-		return;
-	}
+	if (err)
+		return fault_say(fault, err, "%s=%s is refused: %s (range %lld to %lld)",
+				 s->said.name, s->said.value, reason(&s->control, err),
+				 (long long)s->control.minimum, (long long)s->control.maximum);
 	s->taken = s->wanted;
 	if (s->control.type == V4L2_CTRL_TYPE_BUTTON ||
 	    s->control.flags & V4L2_CTRL_FLAG_WRITE_ONLY ||
 	    v4l2_get_control(fd, &s->control, &s->taken))
-		return;
+		return 0;
 	if (s->taken != s->wanted)
 		log_warning("%s: controls: %s=%s was set, but the camera says %lld%s", path,
 			    s->said.name, s->said.value, (long long)s->taken,
 			    s->control.flags & V4L2_CTRL_FLAG_INACTIVE
 				    ? "; it has no effect now: is its automatic on?"
 				    : "");
+	return 0;
+}
+
+/* What is refused is not tried again. */
+static void give_up(const char *path, struct v4l2_setting *s, const struct fault *fault)
+{
+	log_warning("%s: controls: %s", path, fault->text);
+	s->control.id = 0;
 }
 
 void v4l2_controls_apply(int fd, const char *path, struct v4l2_settings *settings)
 {
 	for (int i = 0; i < settings->count; i++) {
 		struct v4l2_setting *s = &settings->list[i];
+		struct fault fault;
 
-		if (!find_control(fd, path, s) || !read_value(fd, path, s)) {
-			s->control.id = 0;
-			continue;
-		}
-		set_and_read_back(fd, path, s);
+		if (find_control(fd, s, &fault) || read_value(fd, s, &fault) ||
+		    set_and_read_back(fd, path, s, &fault))
+			give_up(path, s, &fault);
 	}
 }
 
@@ -279,11 +280,47 @@ void v4l2_controls_confirm(int fd, const char *path, struct v4l2_settings *setti
 {
 	for (int i = 0; i < settings->count; i++) {
 		struct v4l2_setting *s = &settings->list[i];
+		struct fault fault;
 		int64_t now;
 
 		if (s->control.id == 0 || s->control.type == V4L2_CTRL_TYPE_BUTTON ||
 		    v4l2_get_control(fd, &s->control, &now) || now == s->taken)
 			continue;
-		set_and_read_back(fd, path, s);
+		if (set_and_read_back(fd, path, s, &fault))
+			give_up(path, s, &fault);
 	}
+}
+
+/* Drivers make the nearest that they can of a number beyond the range, and say nothing. */
+static int check_range(const struct v4l2_setting *s, struct fault *fault)
+{
+	const struct v4l2_query_ext_ctrl *c = &s->control;
+
+	if (c->type == V4L2_CTRL_TYPE_BUTTON || c->type == V4L2_CTRL_TYPE_BITMASK ||
+	    (s->wanted >= c->minimum && s->wanted <= c->maximum))
+		return 0;
+	return fault_say(fault, -ERANGE, "%s is %s, expected %lld to %lld", s->said.name,
+			 s->said.value, (long long)c->minimum, (long long)c->maximum);
+}
+
+int v4l2_control_change(int fd, const char *path, const char *name, const char *value,
+			struct fault *fault)
+{
+	struct v4l2_setting s = {.control = {.id = 0}};
+	struct fault why;
+	int err;
+
+	if (strlen(name) >= sizeof(s.said.name) || strlen(value) >= sizeof(s.said.value))
+		return fault_say(fault, -EINVAL, "%s: no control has so long a name or value",
+				 path);
+	snprintf(s.said.name, sizeof(s.said.name), "%s", name);
+	snprintf(s.said.value, sizeof(s.said.value), "%s", value);
+	err = find_control(fd, &s, &why);
+	if (!err)
+		err = read_value(fd, &s, &why);
+	if (!err)
+		err = check_range(&s, &why);
+	if (!err)
+		err = set_and_read_back(fd, path, &s, &why);
+	return err ? fault_say(fault, err, "%s: %s", path, why.text) : 0;
 }

@@ -1,0 +1,172 @@
+#include "drivers/v4l2/capture.h"
+
+#include <string.h>
+
+#include "hal/clock.h"
+
+/* An older time is of another clock, or of one that wrapped around; so is one that is yet to come.
+ */
+#define TIME_PAST_NS (60 * NS_PER_S)
+
+const struct v4l2_taken v4l2_nothing = {.frame.format = PIXEL_NONE, .buffers = {-1, -1}};
+
+/* ---- one buffer ---- */
+
+static int64_t timestamp_ns(const struct v4l2_buffer *buffer)
+{
+	const int64_t now_ns = clock_now_ns(), s = buffer->timestamp.tv_sec;
+	int64_t ns;
+
+	if ((buffer->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
+		return now_ns;
+	if (s < 0 || s > now_ns / NS_PER_S)
+		return now_ns;
+	ns = s * NS_PER_S + (int64_t)buffer->timestamp.tv_usec * 1000;
+	return ns < now_ns - TIME_PAST_NS || ns > now_ns ? now_ns : ns;
+}
+
+/* Sequence numbers wrap; a step back means that the driver started to count anew. */
+static uint32_t missed(struct v4l2_capture *v, uint32_t sequence)
+{
+	const uint32_t step = sequence - v->last_sequence;
+	const bool gap = v->counted && step > 1 && step < UINT32_MAX / 2;
+
+	v->counted = true;
+	v->last_sequence = sequence;
+	return gap ? step - 1 : 0;
+}
+
+static struct v4l2_span span(const struct v4l2_mapping *mapping, size_t offset, size_t used)
+{
+	const size_t end = used < mapping->length ? used : mapping->length;
+
+	if (offset >= end)
+		return (struct v4l2_span){mapping->memory, 0};
+	return (struct v4l2_span){mapping->memory + offset, end - offset};
+}
+
+/* False: the driver marked it as damaged, or it does not hold what it should. */
+static bool read_buffer(const struct v4l2_capture *v, const struct v4l2_buffer *buffer,
+			struct frame *frame)
+{
+	const struct v4l2_mapping *mapping = v->buffers.mappings[buffer->index];
+	const struct v4l2_lines lines = v4l2_lines_of_buffer(&v->picture.lines, buffer->field,
+							     v->picture.standard);
+	struct v4l2_span memory[V4L2_PLANES_MAX] = {{NULL, 0}, {NULL, 0}};
+
+	if (buffer->flags & V4L2_BUF_FLAG_ERROR)
+		return false;
+	if (!v4l2_multiplanar(&v->buffers))
+		memory[0] = span(&mapping[0], 0, buffer->bytesused);
+	for (int p = 0; v4l2_multiplanar(&v->buffers) && p < v->buffers.memory_planes; p++)
+		memory[p] = span(&mapping[p], buffer->m.planes[p].data_offset,
+				 buffer->m.planes[p].bytesused);
+	*frame = (struct frame){
+		.format = v->picture.layout->format,
+		.width = v->picture.width,
+		.height = v->picture.height,
+		.fields = lines.fields,
+		.bottom_first = lines.bottom_first,
+		.matrix = v->picture.matrix,
+		.range = v->picture.range,
+		.timestamp_ns = timestamp_ns(buffer),
+		.sequence = buffer->sequence,
+		.buffer = (int)buffer->index,
+	};
+	return v4l2_fill_planes(&v->picture, memory, frame->planes);
+}
+
+int v4l2_give_back(struct v4l2_capture *v, struct v4l2_taken *t)
+{
+	int first = 0;
+
+	for (int i = 0; i < 2; i++) {
+		const int err = t->buffers[i] >= 0 ? v4l2_buffers_queue(&v->buffers, t->buffers[i])
+						   : 0;
+
+		first = first ? first : err;
+	}
+	*t = v4l2_nothing;
+	return first;
+}
+
+/* ---- fields in turn ---- */
+
+static void join(struct v4l2_taken *pair, const struct v4l2_taken *second, bool second_is_bottom)
+{
+	struct frame *f = &pair->frame;
+	const size_t bytes = sizeof(f->planes);
+
+	if (second_is_bottom) {
+		memcpy(f->bottom_planes, second->frame.planes, bytes);
+	} else {
+		memcpy(f->bottom_planes, f->planes, bytes);
+		memcpy(f->planes, second->frame.planes, bytes);
+	}
+	f->bottom_first = !second_is_bottom;
+	f->timestamp_ns = second->frame.timestamp_ns; /* whole only then */
+	pair->buffers[1] = second->buffers[0];
+}
+
+/* A field came, fit or not; what makes a picture with it, if anything does, replaces it. A picture
+ * of which either field is unfit or lost is counted broken once. */
+static int pair_up(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *t,
+		   uint32_t sequence, bool bottom)
+{
+	struct v4l2_taken first = v->waiting;
+	int err = 0;
+
+	switch (v4l2_pairing_take(&v->pairing, sequence, bottom, v->picture.lines.bottom_first)) {
+	case V4L2_PAIR_ORPHAN:
+		camera->broken++;
+		err = v4l2_give_back(v, &first);
+		v->waiting = *t;
+		*t = v4l2_nothing;
+		return err;
+	case V4L2_PAIR_FIRST:
+		v->waiting = *t;
+		*t = v4l2_nothing;
+		return 0;
+	default:
+		v->waiting = v4l2_nothing;
+	}
+	if (first.frame.format != PIXEL_NONE && t->frame.format != PIXEL_NONE) {
+		join(&first, t, bottom);
+		*t = first;
+		return 0;
+	}
+	camera->broken++;
+	err = v4l2_give_back(v, &first);
+	return err ? err : v4l2_give_back(v, t);
+}
+
+/* A buffer that does not say which field it holds belongs to no pair. */
+static bool is_field(uint32_t field)
+{
+	return field == V4L2_FIELD_TOP || field == V4L2_FIELD_BOTTOM;
+}
+
+int v4l2_take(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *t)
+{
+	struct v4l2_plane planes[VIDEO_MAX_PLANES];
+	struct v4l2_buffer buffer;
+	const bool pairs = v->picture.lines.fields == FIELDS_PAIR;
+	bool fit;
+	int err;
+
+	*t = v4l2_nothing;
+	err = v4l2_buffers_take(&v->buffers, &buffer, planes);
+	if (err)
+		return err;
+	camera->lost += missed(v, v->pairing.counts_fields ? buffer.sequence / 2 : buffer.sequence);
+	fit = read_buffer(v, &buffer, &t->frame) && (!pairs || is_field(buffer.field));
+	t->buffers[0] = (int)buffer.index;
+	if (!fit)
+		err = v4l2_give_back(v, t);
+	if (err)
+		return err;
+	if (pairs && is_field(buffer.field))
+		return pair_up(camera, v, t, buffer.sequence, buffer.field == V4L2_FIELD_BOTTOM);
+	camera->broken += !fit;
+	return 0;
+}
