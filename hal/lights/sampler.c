@@ -6,41 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/lights/sampler_table.h"
+#include "hal/lights/sampler_parts.h"
 
 const char *const light_estimator_names[] = {"cell", "node", NULL};
-
-/* Linear 1.0 of a decoded code value, which is kept less half of the range. */
-#define VALUE_MAX 65535
-#define VALUE_BIAS 32768
-
-struct sums {
-	int64_t plane[SAMPLER_PLANES];
-};
-
-/* What one thread decodes a strip into. */
-struct scratch {
-	int16_t *planes;
-	uint32_t *row;
-};
-
-struct light_sampler {
-	struct sampler_table table;
-	const struct sampler_kernels *kernels;
-	int width, height;
-	double gain;
-	struct sampler_decode decode;
-	double *sky_share;     /* [lights]: solid angle over 2 pi */
-	struct sums *of_parts; /* [parts] */
-	struct sums *of_all;   /* [sums] */
-	double (*linear)[3];   /* [sums] */
-	struct scratch *scratch;
-	int scratches;
-};
 
 static int check_settings(const struct light_sampler_settings *s, int width, int height,
 			  struct fault *fault)
 {
+	struct fault what = {.text = ""};
+
 	if (width < 1 || height < 1 || width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX)
 		return fault_say(fault, -EINVAL,
 				 "fisheye: the picture is %d x %d, expected sides of 1 to %d",
@@ -49,42 +23,84 @@ static int check_settings(const struct light_sampler_settings *s, int width, int
 		return fault_say(fault, -EINVAL,
 				 "fisheye: estimator %d is unknown, expected cell or node",
 				 (int)s->estimator);
-	if (s->transfer < 0 || s->transfer >= TRANSFER_COUNT)
-		return fault_say(fault, -EINVAL,
-				 "fisheye: transfer %d is unknown, expected srgb, bt709 or linear",
-				 (int)s->transfer);
-	if (s->black_level < 0 || s->black_level > 254)
-		return fault_say(fault, -EINVAL, "fisheye: black level is %d, expected 0 to 254",
-				 s->black_level);
+	if (transfer_curve_check(&s->curve, &what) < 0)
+		return fault_say(fault, -EINVAL, "fisheye: %s", what.text);
 	if (!(s->gain >= 0) || !isfinite(s->gain))
 		return fault_say(fault, -EINVAL,
 				 "fisheye: gain is %g, expected a finite number of at least 0",
 				 s->gain);
+	for (int k = 0; k < 9; k++)
+		if (!isfinite(s->colours[k]))
+			return fault_say(fault, -EINVAL,
+					 "fisheye: number %d of colours is %g, expected a finite "
+					 "number",
+					 k + 1, s->colours[k]);
 	return 0;
 }
 
-static void fill_decode(struct sampler_decode *decode, enum transfer transfer, int black)
+/* Gain and colours in one. */
+static void fill_colours(struct light_sampler *s, const struct light_sampler_settings *settings)
+{
+	bool none = true;
+
+	for (int k = 0; k < 9; k++)
+		none = none && settings->colours[k] == 0;
+	for (int k = 0; k < 9; k++)
+		s->colours[k / 3][k % 3] = settings->gain *
+					   (none ? k % 4 == 0 : settings->colours[k]);
+}
+
+void sampler_colour(const struct light_sampler *s, const double linear[3], float out[3])
+{
+	for (int c = 0; c < 3; c++)
+		out[c] = (float)fmax(s->colours[c][0] * linear[0] + s->colours[c][1] * linear[1] +
+					     s->colours[c][2] * linear[2],
+				     0);
+}
+
+static void fill_decode(struct sampler_decode *decode, const struct transfer_curve *curve)
 {
 	for (int c = 0; c < 256; c++) {
-		const double code = (double)(c - black) / (255 - black);
-		const long value = lrint(VALUE_MAX * transfer_decode(transfer, code));
+		const long value =
+			lrint(SAMPLER_VALUE_MAX * transfer_curve_decode(curve, c / 255.0));
 
-		decode->value[c] = (int16_t)(value - VALUE_BIAS);
+		decode->value[c] = (int16_t)(value - SAMPLER_VALUE_BIAS);
 		decode->wide[c] = decode->value[c];
 		decode->low[c] = (uint8_t)(decode->value[c] & 255);
 		decode->high[c] = (uint8_t)(decode->value[c] >> 8 & 255);
 	}
 }
 
-static size_t plane_values(const struct light_sampler *s)
+/* What is left of the first table's values above a value. */
+static void fill_above(struct sampler_decode *above, const struct sampler_decode *decode, int value)
 {
-	return (size_t)s->table.row_stride * SAMPLER_STRIP_ROWS;
+	for (int c = 0; c < 256; c++) {
+		const int more = decode->wide[c] + SAMPLER_VALUE_BIAS - value;
+
+		above->wide[c] = (more > 0 ? more : 0) - SAMPLER_VALUE_BIAS;
+		above->value[c] = (int16_t)above->wide[c];
+		above->low[c] = (uint8_t)(above->value[c] & 255);
+		above->high[c] = (uint8_t)(above->value[c] >> 8 & 255);
+	}
 }
 
-/* For so many threads. What there is stays: nothing is allocated for a second frame. */
-static int grow_scratch(struct light_sampler *s, int threads)
+void light_sampler_above(struct light_sampler *s, double level)
 {
-	struct scratch *more;
+	const int value = (int)lrint(SAMPLER_VALUE_MAX * level);
+
+	if (value != s->above_value)
+		fill_above(&s->above, &s->decode, value);
+	s->above_value = value;
+}
+
+const float (*light_sampler_excess(const struct light_sampler *s))[3]
+{
+	return (const float(*)[3])s->excess;
+}
+
+int sampler_grow(struct light_sampler *s, int threads)
+{
+	struct sampler_scratch *more;
 
 	if (threads <= s->scratches)
 		return 0;
@@ -93,7 +109,8 @@ static int grow_scratch(struct light_sampler *s, int threads)
 		return -ENOMEM;
 	s->scratch = more;
 	for (; s->scratches < threads; s->scratches++) {
-		const size_t bytes = plane_values(s) * SAMPLER_PLANES * sizeof(*more->planes);
+		const size_t bytes = sampler_plane_values(s) * SAMPLER_PLANES *
+				     sizeof(*more->planes);
 		const size_t row = ((size_t)s->width * sizeof(*more->row) + 63) / 64 * 64;
 
 		more = &s->scratch[s->scratches];
@@ -118,7 +135,7 @@ static int make_table(struct light_sampler *s, const struct dome *dome, const st
 	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, estimator);
 	if (ret < 0)
 		return ret;
-	ret = sampler_table_create(&s->table, &shares, dome->count, s->width, s->height);
+	ret = sampler_table_create(&s->table, &shares, lens, dome->count, s->width, s->height);
 	sampler_shares_free(&shares);
 	return ret;
 }
@@ -131,14 +148,20 @@ static int fill_sampler(struct light_sampler *s, const struct dome *dome,
 	if (ret < 0)
 		return ret;
 	s->sky_share = calloc((size_t)dome->count, sizeof(*s->sky_share));
+	s->clipped = calloc((size_t)dome->count, sizeof(*s->clipped));
+	s->excess = calloc((size_t)dome->count, sizeof(*s->excess));
+	s->above_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->above_parts));
+	s->above_all = calloc((size_t)s->table.sums + 1, sizeof(*s->above_all));
+	s->above_value = SAMPLER_VALUE_MAX;
 	s->of_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->of_parts));
 	s->of_all = calloc((size_t)s->table.sums + 1, sizeof(*s->of_all));
 	s->linear = calloc((size_t)s->table.sums + 1, sizeof(*s->linear));
-	if (!s->sky_share || !s->of_parts || !s->of_all || !s->linear)
+	if (!s->excess || !s->above_parts || !s->above_all || !s->sky_share || !s->clipped ||
+	    !s->of_parts || !s->of_all || !s->linear)
 		return -ENOMEM;
 	for (int i = 0; i < dome->count; i++)
 		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI);
-	return grow_scratch(s, 1);
+	return sampler_grow(s, 1);
 }
 
 int light_sampler_create(struct light_sampler **out, const struct dome *dome,
@@ -157,9 +180,9 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 		return fault_say(fault, -ENOMEM, "fisheye: out of memory");
 	s->width = width;
 	s->height = height;
-	s->gain = settings->gain;
+	fill_colours(s, settings);
 	s->kernels = sampler_kernels_choose();
-	fill_decode(&s->decode, settings->transfer, settings->black_level);
+	fill_decode(&s->decode, &settings->curve);
 	ret = fill_sampler(s, dome, lens, settings->estimator);
 	if (ret < 0) {
 		light_sampler_destroy(s);
@@ -168,126 +191,6 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	}
 	*out = s;
 	return 0;
-}
-
-/* ---- a frame ---- */
-
-struct pass {
-	struct light_sampler *sampler;
-	const struct frame_reader *reader;
-};
-
-/* Whether anything of it is clipped. */
-static bool decode_strip(const struct pass *pass, int strip, const struct scratch *scratch)
-{
-	const struct light_sampler *s = pass->sampler;
-	const struct sampler_table *t = &s->table;
-	const struct sampler_strip *which = &t->strip[strip];
-	bool clipped = false;
-
-	for (int k = 0; k < which->segments; k++) {
-		const struct sampler_segment *g = &t->segment[which->first_segment + k];
-
-		if (k + 1 < which->segments)
-			frame_reader_prefetch(pass->reader, g[1].x,
-					      strip * SAMPLER_STRIP_ROWS + g[1].row, g[1].count);
-		const uint32_t *pixels = frame_reader_row(pass->reader, g->x,
-							  strip * SAMPLER_STRIP_ROWS + g->row,
-							  g->count, scratch->row);
-
-		clipped |= s->kernels->decode(&s->decode, pixels, g->count,
-					      scratch->planes +
-						      (size_t)g->row * (size_t)t->row_stride + g->x,
-					      plane_values(s));
-	}
-	return clipped;
-}
-
-static void read_strip(void *context, int strip, int worker)
-{
-	const struct pass *pass = context;
-	struct light_sampler *s = pass->sampler;
-	const struct sampler_table *t = &s->table;
-	const struct sampler_strip *which = &t->strip[strip];
-	const struct scratch *scratch = &s->scratch[worker];
-	const int planes = decode_strip(pass, strip, scratch) ? 4 : 3;
-
-	for (int k = which->first_part; k < which->first_part + which->parts; k++) {
-		const struct sampler_part *part = &t->part[k];
-
-		s->kernels->add(scratch->planes, planes, plane_values(s),
-				t->span + part->first_span, part->spans,
-				t->weight + part->first_weight, s->of_parts[k].plane);
-	}
-}
-
-static void add_parts(struct light_sampler *s)
-{
-	memset(s->of_all, 0, (size_t)s->table.sums * sizeof(*s->of_all));
-	for (int k = 0; k < s->table.parts; k++) {
-		struct sums *sum = &s->of_all[s->table.part[k].sum];
-
-		for (int c = 0; c < SAMPLER_PLANES; c++)
-			sum->plane[c] += s->of_parts[k].plane[c];
-	}
-}
-
-/* The mean of a plane over a light, whose values are so much less than they stand for. */
-static double mean_of(const struct light_sampler *s, const struct sampler_light *light, int c,
-		      double bias)
-{
-	const double fine = ldexp(1, -SAMPLER_FINE_BITS);
-	double sum, whole;
-
-	if (light->sum < 0)
-		return 0;
-	whole = light->whole[0];
-	sum = (double)s->of_all[light->sum].plane[c] + bias * whole;
-	if (light->fine >= 0) {
-		sum += fine * ((double)s->of_all[light->fine].plane[c] + bias * light->whole[1]);
-		whole += fine * light->whole[1];
-	}
-	return sum / whole;
-}
-
-int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader *reader,
-			     struct pool *pool, float (*radiance)[3], double *clipped)
-{
-	const double unit = s->gain / VALUE_MAX;
-	struct pass pass = {s, reader};
-	double share = 0;
-	int ret;
-
-	if (reader->view.width != s->width || reader->view.height != s->height)
-		return -EINVAL;
-	ret = grow_scratch(s, pool ? pool_threads(pool) : 1);
-	if (ret < 0)
-		return ret;
-	if (pool) {
-		pool_run(pool, s->table.strips, read_strip, &pass);
-	} else {
-		for (int strip = 0; strip < s->table.strips; strip++)
-			read_strip(&pass, strip, 0);
-	}
-	add_parts(s);
-	for (int i = 0; i < s->table.lights; i++) {
-		const struct sampler_light *light = &s->table.light[i];
-
-		for (int c = 0; c < 3; c++)
-			radiance[i][c] = (float)(unit * mean_of(s, light, c, VALUE_BIAS));
-		share += mean_of(s, light, 3, 0) * s->sky_share[i];
-	}
-	if (clipped)
-		*clipped = share;
-	return 0;
-}
-
-int light_sampler_read(struct light_sampler *s, const struct picture *picture, float (*radiance)[3],
-		       double *clipped)
-{
-	const struct frame_reader reader = frame_reader_of(picture);
-
-	return light_sampler_read_frame(s, &reader, NULL, radiance, clipped);
 }
 
 /* ---- linear pictures ---- */
@@ -323,6 +226,8 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 	if (picture->width != s->width || picture->height != s->height || !picture->f32)
 		return -EINVAL;
 	memset(s->linear, 0, (size_t)t->sums * sizeof(*s->linear));
+	memset(s->clipped, 0, (size_t)t->lights * sizeof(*s->clipped));
+	memset(s->excess, 0, (size_t)t->lights * sizeof(*s->excess));
 	for (int strip = 0; strip < t->strips; strip++) {
 		for (int k = 0; k < t->strip[strip].parts; k++)
 			add_linear(s, picture, strip, &t->part[t->strip[strip].first_part + k]);
@@ -330,15 +235,21 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 	for (int i = 0; i < t->lights; i++) {
 		const struct sampler_light *l = &t->light[i];
 		const double whole = l->whole[0] + fine * l->whole[1];
+		double linear[3] = {0};
 
-		for (int c = 0; c < 3; c++) {
-			double sum = l->sum >= 0 ? s->linear[l->sum][c] : 0;
-
-			sum += l->fine >= 0 ? fine * s->linear[l->fine][c] : 0;
-			radiance[i][c] = l->sum >= 0 ? (float)(s->gain * sum / whole) : 0;
+		for (int c = 0; l->sum >= 0 && c < 3; c++) {
+			linear[c] = s->linear[l->sum][c];
+			linear[c] += l->fine >= 0 ? fine * s->linear[l->fine][c] : 0;
+			linear[c] = l->brighter * linear[c] / whole;
 		}
+		sampler_colour(s, linear, radiance[i]);
 	}
 	return 0;
+}
+
+const float *light_sampler_clipped(const struct light_sampler *s)
+{
+	return s->clipped;
 }
 
 int light_sampler_unseen(const struct light_sampler *s)
@@ -359,6 +270,10 @@ void light_sampler_destroy(struct light_sampler *s)
 	free(s->linear);
 	free(s->of_all);
 	free(s->of_parts);
+	free(s->excess);
+	free(s->above_parts);
+	free(s->above_all);
+	free(s->clipped);
 	free(s->sky_share);
 	free(s);
 }

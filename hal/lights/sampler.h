@@ -3,11 +3,13 @@
  *
  * Two estimators of L_i:
  *   node   the picture at the node's direction, bilinear in linear light (thesis 2.2.2);
- *   cell   the mean over the cell, weighted by solid angle: conserves energy, cannot miss a lamp.
+ *   cell   the mean over the light, weighted by solid angle and, of tents, the light's weight:
+ *          conserves energy, as the weights of a direction sum to 1, and cannot miss a lamp.
  * All geometry (lens, orientation, flips, squash, the cell of each pixel) is in a table made once;
  * a frame costs one pass over the pixels inside the image circle. Pixels that straddle cells are
- * shared between them by sub-pixel area. A cell that no pixel reaches (fine domes, small pictures)
- * falls back to its node. A cell outside the lens's field is dark, and counted.
+ * shared between them by sub-pixel area, and all of them among three tents. A light that no pixel
+ * reaches (fine domes, small pictures) falls back to its node. A cell outside the lens's field is
+ * dark, and counted.
  *
  * A pixel whose centre lies outside the field or below the horizon shows less sky than what is
  * around it, and is left out by both: a sky of one colour gives that colour to every light, those
@@ -31,11 +33,13 @@ extern const char *const light_estimator_names[]; /* "cell", "node", NULL */
 
 struct light_sampler_settings {
 	enum light_estimator estimator;
-	enum transfer transfer; /* of the camera's 8-bit code values */
-	int black_level; /* code value that is no light, 0..254: the thesis's DARKRGB. A pedestal
-			    under the encoded signal: code c stands for (c - black) / (255 - black)
-			  */
+	struct transfer_curve curve; /* of the camera's 8-bit code values; its black level is the
+					thesis's DARKRGB */
 	double gain; /* linear light is multiplied by it: fisheye units to background units; >= 0 */
+	/* Then this camera's linear R, G, B become the background's, row by row: all 0 stands for
+	 * the identity. Of each light's colour, not of each pixel. What comes out negative, a
+	 * colour that the background camera cannot see, is 0. */
+	double colours[9];
 };
 
 struct light_sampler;
@@ -57,7 +61,8 @@ int light_sampler_create(struct light_sampler **sampler, const struct dome *dome
  * machine, with any number of threads.
  *
  * A colour is within 2^-14 of itself and gain * 2^-16 of what double precision makes of the same
- * pixels and their shares.
+ * pixels and their shares; with colours, each channel by as much of what its row adds up, whatever
+ * the signs.
  */
 int light_sampler_read_frame(struct light_sampler *sampler, const struct frame_reader *frame,
 			     struct pool *pool, float (*radiance)[3], double *clipped);
@@ -66,10 +71,24 @@ int light_sampler_read_frame(struct light_sampler *sampler, const struct frame_r
 int light_sampler_read(struct light_sampler *sampler, const struct picture *picture,
 		       float (*radiance)[3], double *clipped);
 
-/* The same from a float picture of linear radiance (black level and transfer do not apply; gain
- * does). */
+/* The same from a float picture of linear radiance (the curve does not apply; gain and
+ * colours do). */
 int light_sampler_read_linear(struct light_sampler *sampler, const struct image *picture,
 			      float (*radiance)[3]);
+
+/*
+ * From the next frame on, what is brighter than `level` of white (0..1) is measured too, by itself:
+ * the mean of max(x - level, 0) over each light, for exposures.h. 1, as it is at first: it is not.
+ */
+void light_sampler_above(struct light_sampler *sampler, double level);
+
+/* That of the frame read last, radiance[lights]; 0 where nothing is so bright. Valid until the
+ * next. */
+const float (*light_sampler_excess(const struct light_sampler *sampler))[3];
+
+/* [lights]: the share of each light that was clipped in the frame read last, 0..1; 0 exactly where
+ * none of its pixels was. Valid until the next. */
+const float *light_sampler_clipped(const struct light_sampler *sampler);
 
 /* How many lights' cells the lens does not see: they are dark. */
 int light_sampler_unseen(const struct light_sampler *sampler);

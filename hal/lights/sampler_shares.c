@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SUBPIXELS 8 /* each way, in pixels that straddle cells */
+#define SUBPIXELS 8	 /* each way, in pixels that straddle cells */
+#define TENT_SUBPIXELS 2 /* the same of tents: what is linear in a pixel is exact */
+#define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
 
 struct builder {
 	const struct dome *dome;
@@ -106,6 +108,61 @@ static int count_subpixels(const struct builder *b, int x, int y, int light[SUBP
 		count[at]++;
 	}
 	return kinds;
+}
+
+/* Of each sub-pixel that sees the sky its lights' weights, added up by light. */
+static int weigh_subpixels(const struct builder *b, int x, int y, int light[TENTS_MAX],
+			   double sum[TENTS_MAX])
+{
+	int kinds = 0;
+
+	for (int n = 0; n < TENT_SUBPIXELS * TENT_SUBPIXELS; n++) {
+		const double px[2] = {x + (n % TENT_SUBPIXELS + 0.5) / TENT_SUBPIXELS,
+				      y + (n / TENT_SUBPIXELS + 0.5) / TENT_SUBPIXELS};
+		double dir[3], weight[3];
+		int found[3], count = 0;
+
+		if (fisheye_ray(b->lens, px, dir))
+			count = dome_weights(b->dome, dir, found, weight);
+		for (int k = 0; k < count; k++) {
+			int at = 0;
+
+			while (at < kinds && light[at] != found[k])
+				at++;
+			if (at == kinds) {
+				light[kinds] = found[k];
+				sum[kinds++] = 0;
+			}
+			sum[at] += weight[k];
+		}
+	}
+	return kinds;
+}
+
+static int share_among_tents(struct builder *b, int x, int y)
+{
+	const double centre[2] = {x + 0.5, y + 0.5};
+	double sum[TENTS_MAX], sr;
+	int light[TENTS_MAX], kinds, ret = 0;
+
+	if (light_at(b, centre[0], centre[1]) < 0)
+		return 0;
+	sr = fisheye_pixel_sr(b->lens, centre);
+	kinds = weigh_subpixels(b, x, y, light, sum);
+	for (int k = 0; k < kinds && ret == 0; k++)
+		ret = add_share(&b->shares, light[k], x, y,
+				sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS));
+	return ret;
+}
+
+static int share_by_tent(struct builder *b)
+{
+	int ret = 0;
+
+	for (int y = 0; y < b->height; y++)
+		for (int x = 0; x < b->width && ret == 0; x++)
+			ret = share_among_tents(b, x, y);
+	return ret;
 }
 
 /* Cells are convex: a pixel whose corners lie in one lies in it. */
@@ -218,7 +275,7 @@ static int share_nodes(struct builder *b, const bool *done)
 	return 0;
 }
 
-/* The cells that no pixel reaches get their nodes. */
+/* The lights that no pixel reaches get their nodes. */
 static int share_missing(struct builder *b)
 {
 	bool *done = calloc((size_t)b->dome->count, sizeof(*done));
@@ -243,7 +300,7 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 	if (estimator == ESTIMATOR_NODE) {
 		ret = share_nodes(&b, NULL);
 	} else {
-		ret = share_by_cell(&b);
+		ret = dome->shape == DOME_TENTS ? share_by_tent(&b) : share_by_cell(&b);
 		if (ret == 0)
 			ret = share_missing(&b);
 	}

@@ -17,8 +17,9 @@ struct packer {
 	struct sampler_table *table;
 	const struct sampler_share *shares;
 	size_t count;
-	int *order;   /* [count]: by light, then by strip and light */
-	float *scale; /* [lights]: of weights, to units of the largest */
+	float *weight; /* [count]: of the shares, over what the lens passes there */
+	int *order;    /* [count]: by light, then by strip and light */
+	float *scale;  /* [lights]: of weights, to units of the largest */
 	int spans, segments;
 	size_t weights, weight_room;
 };
@@ -61,10 +62,10 @@ struct digits {
 	uint16_t whole, fine;
 };
 
-static struct digits digits_of(const struct packer *p, const struct sampler_share *share)
+static struct digits digits_of(const struct packer *p, int k)
 {
-	const int light = share->light;
-	const double weight = (double)share->weight * p->scale[light];
+	const int light = p->shares[k].light;
+	const double weight = (double)p->weight[k] * p->scale[light];
 	const double unit = 1 << SAMPLER_FINE_BITS;
 	uint32_t all;
 
@@ -79,19 +80,23 @@ static struct digits digits_of(const struct packer *p, const struct sampler_shar
 static void measure_light(struct packer *p, int light, size_t first, size_t count)
 {
 	struct sampler_light *l = &p->table->light[light];
-	double largest = 0, whole = 0, small = 0;
+	double largest = 0, whole = 0, small = 0, with = 0, without = 0;
 
-	*l = (struct sampler_light){-1, -1, {0, 0}};
-	for (size_t k = first; k < first + count; k++)
-		largest = fmax(largest, p->shares[p->order[k]].weight);
+	*l = (struct sampler_light){-1, -1, {0, 0}, 1};
+	for (size_t k = first; k < first + count; k++) {
+		with += p->weight[p->order[k]];
+		without += p->shares[p->order[k]].weight;
+		largest = fmax(largest, p->weight[p->order[k]]);
+	}
 	if (count == 0)
 		p->table->unseen++;
 	if (!(largest > 0))
 		return;
+	l->brighter = with / without;
 	p->scale[light] = (float)(SAMPLER_WEIGHT_MAX / largest);
 	l->sum = p->table->sums++;
 	for (size_t k = first; k < first + count; k++) {
-		const double w = digits_of(p, &p->shares[p->order[k]]).whole;
+		const double w = digits_of(p, p->order[k]).whole;
 
 		whole += w;
 		small += w < SMALL_WEIGHT;
@@ -99,7 +104,7 @@ static void measure_light(struct packer *p, int light, size_t first, size_t coun
 	if (whole < (double)SMALL_WEIGHT * (double)count || small * 65536 > whole)
 		l->fine = p->table->sums++;
 	for (size_t k = first; k < first + count; k++) {
-		const struct digits d = digits_of(p, &p->shares[p->order[k]]);
+		const struct digits d = digits_of(p, p->order[k]);
 
 		l->whole[0] += d.whole;
 		l->whole[1] += d.fine;
@@ -174,7 +179,7 @@ static int pack_part(struct packer *p, size_t first, size_t end, bool fine)
 		if (!weight)
 			return -ENOMEM;
 		for (size_t i = 0; i < count; i++) {
-			const struct digits d = digits_of(p, &p->shares[p->order[k + i]]);
+			const struct digits d = digits_of(p, p->order[k + i]);
 
 			weight[i] = fine ? d.fine : d.whole;
 		}
@@ -254,13 +259,17 @@ static int pack_strips(struct packer *p, int width)
 	return ret;
 }
 
-static int pack(struct packer *p, int width)
+static int pack(struct packer *p, const struct fisheye *lens, int width)
 {
 	struct sampler_table *t = p->table;
 	int ret;
 
-	for (size_t k = 0; k < p->count; k++)
+	for (size_t k = 0; k < p->count; k++) {
+		const double px[2] = {p->shares[k].x + 0.5, p->shares[k].y + 0.5};
+
 		p->order[k] = (int)k;
+		p->weight[k] = (float)((double)p->shares[k].weight / fisheye_falloff(lens, px));
+	}
 	ret = sort_by(p, light_of, t->lights);
 	if (ret < 0)
 		return ret;
@@ -289,7 +298,7 @@ static void shrink(struct packer *p)
 }
 
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
-			 int lights, int width, int height)
+			 const struct fisheye *lens, int lights, int width, int height)
 {
 	/* No more parts, spans or segments than that, with a fine span for each. */
 	const size_t most = 2 * shares->count + 1;
@@ -308,11 +317,13 @@ int sampler_table_create(struct sampler_table *table, const struct sampler_share
 	table->span = malloc(most * sizeof(*table->span));
 	table->segment = malloc(most * sizeof(*table->segment));
 	p.order = malloc((p.count + 1) * sizeof(*p.order));
+	p.weight = malloc((p.count + 1) * sizeof(*p.weight));
 	p.scale = calloc((size_t)lights, sizeof(*p.scale));
 	if (table->light && table->strip && table->part && table->span && table->segment &&
-	    p.order && p.scale && add_weights(&p, 0))
-		ret = pack(&p, width);
+	    p.order && p.weight && p.scale && add_weights(&p, 0))
+		ret = pack(&p, lens, width);
 	free(p.order);
+	free(p.weight);
 	free(p.scale);
 	if (ret < 0)
 		sampler_table_free(table);

@@ -35,6 +35,12 @@ struct sampler_strip {
 struct sampler_light {
 	int sum, fine;	 /* indices of its sums; fine: -1 where it has none, both -1: unseen */
 	double whole[2]; /* the weights of each, added up */
+	/*
+	 * Where the lens passes less light than on its axis, weights are larger by as much; this
+	 * makes up for what that adds to whole: the weights with it over those without, 1 for a
+	 * lens without falloff.
+	 */
+	double brighter;
 };
 
 struct sampler_table {
@@ -51,7 +57,7 @@ struct sampler_table {
 
 /* -ENOMEM. Zeroed on failure. */
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
-			 int lights, int width, int height);
+			 const struct fisheye *lens, int lights, int width, int height);
 void sampler_table_free(struct sampler_table *table); /* idempotent; zeroed is fine */
 
 #endif

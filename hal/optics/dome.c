@@ -8,13 +8,35 @@
 #include "hal/optics/dome_cells.h"
 #include "hal/optics/dome_lookup.h"
 #include "hal/optics/dome_nodes.h"
+#include "hal/optics/dome_tents.h"
 #include "hal/optics/vec.h"
 
 const char *const dome_division_names[] = {"angles", "chords", NULL};
+const char *const dome_shape_names[] = {"cells", "tents", NULL};
 
 static int corners_of(const struct dome *dome, int light)
 {
 	return dome->cells->first[light + 1] - dome->cells->first[light];
+}
+
+static int fill_cells(struct dome *dome)
+{
+	for (int i = 0; i < dome->count; i++) {
+		dome->solid_angle_sr[i] = dome->cells->cumulative_sr[dome->cells->first[i + 1] - 1];
+		dome->projected_sr[i] = dome_cells_projected_sr(dome->cells, i);
+	}
+	return 0;
+}
+
+static int fill_tents(struct dome *dome)
+{
+	const int ret = dome_tents_create(&dome->tents, dome->cells, dome->lookup,
+					  (const double(*)[3])dome->direction, dome->count);
+
+	for (int i = 0; ret == 0 && i < dome->count; i++)
+		dome_tents_measure(dome->tents, i, &dome->solid_angle_sr[i],
+				   &dome->projected_sr[i]);
+	return ret;
 }
 
 static int fill(struct dome *dome)
@@ -33,17 +55,14 @@ static int fill(struct dome *dome)
 	ret = dome_cells_create(&dome->cells, dome->direction, dome->count, spacing_rad);
 	if (ret < 0)
 		return ret;
-	ret = dome_lookup_create(&dome->lookup, dome->cells, dome->direction, dome->count);
+	ret = dome_lookup_create(&dome->lookup, dome->cells->radius, dome->direction, dome->count);
 	if (ret < 0)
 		return ret;
-	for (int i = 0; i < dome->count; i++) {
-		dome->solid_angle_sr[i] = dome->cells->cumulative_sr[dome->cells->first[i + 1] - 1];
-		dome->projected_sr[i] = dome_cells_projected_sr(dome->cells, i);
-	}
-	return 0;
+	return dome->shape == DOME_TENTS ? fill_tents(dome) : fill_cells(dome);
 }
 
-int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault)
+int dome_create_shaped(struct dome *dome, int frequency, enum dome_division division,
+		       enum dome_shape shape, struct fault *fault)
 {
 	int ret;
 
@@ -56,8 +75,13 @@ int dome_create(struct dome *dome, int frequency, enum dome_division division, s
 				 "dome: division %d is unknown, expected angles "
 				 "or chords",
 				 (int)division);
+	if (shape < 0 || shape >= DOME_SHAPE_COUNT)
+		return fault_say(fault, -EINVAL,
+				 "dome: shape %d of lights is unknown, expected cells or tents",
+				 (int)shape);
 	dome->frequency = frequency;
 	dome->division = division;
+	dome->shape = shape;
 	dome->count = dome_node_count(frequency, division);
 	ret = fill(dome);
 	if (ret < 0) {
@@ -67,6 +91,11 @@ int dome_create(struct dome *dome, int frequency, enum dome_division division, s
 	return 0;
 }
 
+int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault)
+{
+	return dome_create_shaped(dome, frequency, division, DOME_CELLS, fault);
+}
+
 void dome_free(struct dome *dome)
 {
 	free(dome->direction);
@@ -74,6 +103,7 @@ void dome_free(struct dome *dome)
 	free(dome->projected_sr);
 	dome_cells_destroy(dome->cells);
 	dome_lookup_destroy(dome->lookup);
+	dome_tents_destroy(dome->tents);
 	memset(dome, 0, sizeof(*dome));
 }
 
@@ -140,6 +170,48 @@ void dome_cell_sample(const struct dome *dome, int light, double u, double v, do
 			cells->corner[k < last ? k + 1 : first], share < 1 ? share : 1, v, dir);
 	dir[2] = fmax(dir[2], 0);
 	vec_normalize(dir);
+}
+
+int dome_weights(const struct dome *dome, const double dir[3], int light[3], double weight[3])
+{
+	if (dome->shape == DOME_TENTS)
+		return dome_tents_weights(dome->tents, dir, light, weight);
+	light[0] = dome_cell_of(dome, dir);
+	weight[0] = 1;
+	return light[0] >= 0;
+}
+
+double dome_weight(const struct dome *dome, int light, const double dir[3])
+{
+	int lights[3];
+	double weights[3];
+	const int count = dome_weights(dome, dir, lights, weights);
+
+	for (int k = 0; k < count; k++)
+		if (lights[k] == light)
+			return weights[k];
+	return 0;
+}
+
+void dome_light_sample(const struct dome *dome, int light, double u, double v, double dir[3])
+{
+	if (dome->shape == DOME_TENTS)
+		dome_tents_sample(dome->tents, light, u, v, dir);
+	else
+		dome_cell_sample(dome, light, u, v, dir);
+}
+
+double dome_light_density(const struct dome *dome, int light, const double dir[3])
+{
+	if (dome->shape == DOME_TENTS)
+		return dome_tents_density(dome->tents, light, dir);
+	return dome_cell_of(dome, dir) == light ? 1 / dome->solid_angle_sr[light] : 0;
+}
+
+double dome_light_reach_rad(const struct dome *dome, int light)
+{
+	return dome->shape == DOME_TENTS ? dome_tents_reach_rad(dome->tents, light)
+					 : dome->cells->radius[light];
 }
 
 int dome_cell_corners(const struct dome *dome, int light, double (*corner)[3], int room)

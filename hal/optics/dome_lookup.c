@@ -80,8 +80,8 @@ static void visit(struct dome_lookup *l, const struct grid_cap *caps, const doub
 	}
 }
 
-int dome_lookup_create(struct dome_lookup **out, const struct dome_cells *cells,
-		       const double (*node)[3], int count)
+int dome_lookup_create(struct dome_lookup **out, const double *radius, const double (*centre)[3],
+		       int count)
 {
 	struct dome_lookup *l = calloc(1, sizeof(*l));
 	struct grid_cap *caps = NULL;
@@ -99,7 +99,7 @@ int dome_lookup_create(struct dome_lookup **out, const struct dome_cells *cells,
 		goto out;
 	for (int i = 0; i < total; i++)
 		grid_cap_fill(&caps[i], i % l->side, i / l->side, l->side);
-	visit(l, caps, cells->radius, node, count, NULL);
+	visit(l, caps, radius, centre, count, NULL);
 	for (int i = 0; i < total; i++) {
 		l->first[i + 1] += l->first[i];
 		next[i] = l->first[i];
@@ -107,7 +107,7 @@ int dome_lookup_create(struct dome_lookup **out, const struct dome_cells *cells,
 	l->candidate = calloc((size_t)l->first[total], sizeof(*l->candidate));
 	if (!l->candidate)
 		goto out;
-	visit(l, caps, cells->radius, node, count, next);
+	visit(l, caps, radius, centre, count, next);
 	*out = l;
 	l = NULL;
 	ret = 0;
@@ -127,20 +127,31 @@ void dome_lookup_destroy(struct dome_lookup *l)
 	free(l);
 }
 
+const int *dome_lookup_candidates(const struct dome_lookup *l, const double dir[3], int *count)
+{
+	double uv[2];
+	int cell;
+
+	*count = 0;
+	if (!(dir[2] >= 0) || !dome_map(dir, uv))
+		return l->candidate;
+	cell = dome_map_cell(uv[1], l->side) * l->side + dome_map_cell(uv[0], l->side);
+	*count = l->first[cell + 1] - l->first[cell];
+	return l->candidate + l->first[cell];
+}
+
 int dome_lookup_find(const struct dome_lookup *l, const double (*node)[3], const double dir[3])
 {
-	double uv[2], best = -INFINITY;
-	int cell, found = -1;
+	double best = -INFINITY;
+	int count, found = -1;
+	const int *candidate = dome_lookup_candidates(l, dir, &count);
 
-	if (!(dir[2] >= 0) || !dome_map(dir, uv))
-		return -1;
-	cell = dome_map_cell(uv[1], l->side) * l->side + dome_map_cell(uv[0], l->side);
-	for (int k = l->first[cell]; k < l->first[cell + 1]; k++) {
-		const double near = vec_dot(node[l->candidate[k]], dir);
+	for (int k = 0; k < count; k++) {
+		const double near = vec_dot(node[candidate[k]], dir);
 
 		if (near > best) {
 			best = near;
-			found = l->candidate[k];
+			found = candidate[k];
 		}
 	}
 	return found;

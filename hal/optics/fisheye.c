@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "hal/optics/vec.h"
 
@@ -21,8 +22,7 @@ const struct ini_key fisheye_keys[] = {
 	 .max = 1e6,
 	 .fallback = "0 0",
 	 .unit = "px/rad",
-	 .help = "horizontal and vertical focal length, r = focal * angle; 0 0: the field fills "
-		 "the smaller side"},
+	 .help = "Horizontal and vertical focal length; 0 0: the field fills the smaller side."},
 	{.name = "centre",
 	 .type = INI_REALS,
 	 .offset = FIELD(centre_px),
@@ -31,8 +31,8 @@ const struct ini_key fisheye_keys[] = {
 	 .max = 1e6,
 	 .fallback = "0 0",
 	 .unit = "px",
-	 .help = "the lens's axis in the upright picture, from its upper left corner; 0 0: the "
-		 "middle"},
+	 .help = "The lens's axis in the upright picture, from its upper left corner; 0 0: the "
+		 "middle."},
 	{.name = "rotation",
 	 .type = INI_REALS,
 	 .offset = FIELD(rotation_deg),
@@ -41,8 +41,8 @@ const struct ini_key fisheye_keys[] = {
 	 .max = 360,
 	 .fallback = "0 0 0",
 	 .unit = "deg",
-	 .help = "turn of the world into the camera, about X, then Y, then Z; 0 0 0: it lies on "
-		 "its back, picture right is world X, picture down is world Y"},
+	 .help = "Turn of the world into the camera, about X, then Y, then Z; 0 0 0: it lies on "
+		 "its back, picture right is world X, picture down is world Y."},
 	{.name = "field",
 	 .type = INI_REAL,
 	 .offset = FIELD(field_deg),
@@ -50,12 +50,35 @@ const struct ini_key fisheye_keys[] = {
 	 .max = 180,
 	 .fallback = "90",
 	 .unit = "deg",
-	 .help = "half the field of view: 90 sees a hemisphere"},
+	 .help = "Half the field of view: 90 sees a hemisphere."},
+	{.name = "model",
+	 .type = INI_CHOICE,
+	 .offset = FIELD(model),
+	 .choices = fisheye_model_names,
+	 .fallback = "equidistant",
+	 .help = "How far from the axis the angle t from it is seen, in focal lengths: t; "
+		 "2 sin(t/2); 2 tan(t/2); sin(t); the polynomial below."},
+	{.name = "polynomial",
+	 .type = INI_REALS,
+	 .offset = FIELD(polynomial),
+	 .count = FISHEYE_TERMS,
+	 .min = -1e3,
+	 .max = 1e3,
+	 .fallback = "0 0 0 0",
+	 .help = "k1 k2 k3 k4 of that model: t + k1 t^3 + k2 t^5 + k3 t^7 + k4 t^9, t in radians."},
+	{.name = "falloff",
+	 .type = INI_REALS,
+	 .offset = FIELD(falloff),
+	 .count = FISHEYE_FALLOFF_TERMS,
+	 .min = -1e3,
+	 .max = 1e3,
+	 .fallback = "0 0 0",
+	 .help = "v1 v2 v3: of the light on its axis the lens passes 1 + v1 t^2 + v2 t^4 + v3 t^6 "
+		 "at the angle t; what is measured is divided by it."},
 	INI_KEYS_END,
 };
 
-/* Rz Ry Rx */
-static void rotation_from_degrees(const double deg[3], double r[9])
+void fisheye_rotation(const double deg[3], double r[9])
 {
 	const double cx = cos(deg[0] * (M_PI / 180)), sx = sin(deg[0] * (M_PI / 180));
 	const double cy = cos(deg[1] * (M_PI / 180)), sy = sin(deg[1] * (M_PI / 180));
@@ -90,12 +113,51 @@ static int check_settings(const struct fisheye_settings *s, struct fault *fault)
 					 "fisheye: centre is %g %g, expected finite numbers",
 					 s->centre_px[0], s->centre_px[1]);
 	}
+	if (s->model < 0 || s->model >= FISHEYE_MODEL_COUNT)
+		return fault_say(fault, -EINVAL,
+				 "fisheye: model %d is unknown, expected one of 0..%d", s->model,
+				 FISHEYE_MODEL_COUNT - 1);
+	for (int i = 0; i < FISHEYE_TERMS; i++)
+		if (!isfinite(s->polynomial[i]))
+			return fault_say(
+				fault, -EINVAL,
+				"fisheye: polynomial is %g %g %g %g, expected finite numbers",
+				s->polynomial[0], s->polynomial[1], s->polynomial[2],
+				s->polynomial[3]);
+	for (int i = 0; i < FISHEYE_FALLOFF_TERMS; i++)
+		if (!isfinite(s->falloff[i]))
+			return fault_say(fault, -EINVAL,
+					 "fisheye: falloff is %g %g %g, expected finite numbers",
+					 s->falloff[0], s->falloff[1], s->falloff[2]);
 	for (int i = 0; i < 3; i++)
 		if (!isfinite(s->rotation_deg[i]))
 			return fault_say(fault, -EINVAL,
 					 "fisheye: rotation is %g %g %g, expected finite numbers",
 					 s->rotation_deg[0], s->rotation_deg[1],
 					 s->rotation_deg[2]);
+	return 0;
+}
+
+/* What the model can show of the field, and what light is left there. */
+static int check_curve(const struct fisheye *lens, double field_deg, struct fault *fault)
+{
+	const double *v = lens->falloff, passed[4] = {1, v[0], v[1], v[2]};
+	const double fold = fisheye_curve_fold(&lens->curve, lens->field_rad);
+	const double dark = sqrt(fisheye_first_root(passed, 3, lens->field_rad * lens->field_rad));
+
+	if (fold < INFINITY)
+		return fault_say(
+			fault, -EINVAL,
+			"fisheye: field is %g degrees, but the %s model folds over at %.4g; "
+			"expected a smaller field or another polynomial",
+			field_deg, fisheye_model_names[lens->curve.model], fold * (180 / M_PI));
+	if (!(lens->rim < INFINITY))
+		return fault_say(fault, -EINVAL, "fisheye: the rim of the field has no place");
+	if (dark < INFINITY)
+		return fault_say(fault, -EINVAL,
+				 "fisheye: falloff is %g %g %g, which leaves no light %.4g degrees "
+				 "from the axis; expected some in all of the field of %g",
+				 v[0], v[1], v[2], dark * (180 / M_PI), field_deg);
 	return 0;
 }
 
@@ -114,20 +176,24 @@ int fisheye_prepare(struct fisheye *lens, const struct fisheye_settings *setting
 	ret = check_settings(settings, fault);
 	if (ret < 0)
 		return ret;
+	lens->curve.model = (enum fisheye_model)settings->model;
+	memcpy(lens->curve.k, settings->polynomial, sizeof(lens->curve.k));
+	memcpy(lens->falloff, settings->falloff, sizeof(lens->falloff));
 	lens->field_rad = settings->field_deg * (M_PI / 180);
+	lens->rim = fisheye_curve_radius(&lens->curve, lens->field_rad);
 	for (int i = 0; i < 2; i++) {
-		lens->focal_px[i] = whole ? 0.5 * side / lens->field_rad : settings->focal_px[i];
+		lens->focal_px[i] = whole ? 0.5 * side / lens->rim : settings->focal_px[i];
 		lens->centre_px[i] = middle ? 0.5 * (i ? height : width) : settings->centre_px[i];
 	}
 	for (int i = 0; i < 3; i++)
 		lens->rotation_deg[i] = settings->rotation_deg[i];
-	rotation_from_degrees(lens->rotation_deg, lens->rotation);
-	return 0;
+	fisheye_rotation(lens->rotation_deg, lens->rotation);
+	return check_curve(lens, settings->field_deg, fault);
 }
 
 bool fisheye_project(const struct fisheye *lens, const double dir[3], double px[2])
 {
-	double c[3], across, theta;
+	double c[3], across, theta, radius;
 
 	mat_apply(lens->rotation, dir, c);
 	across = hypot(c[0], c[1]);
@@ -136,39 +202,39 @@ bool fisheye_project(const struct fisheye *lens, const double dir[3], double px[
 	theta = atan2(across, c[2]);
 	if (!(theta <= lens->field_rad + FIELD_SLACK_RAD))
 		return false;
+	radius = fisheye_curve_radius(&lens->curve, theta);
 	if (across > 0) {
-		px[0] = lens->centre_px[0] + lens->focal_px[0] * theta * (c[0] / across);
-		px[1] = lens->centre_px[1] + lens->focal_px[1] * theta * (c[1] / across);
+		px[0] = lens->centre_px[0] + lens->focal_px[0] * radius * (c[0] / across);
+		px[1] = lens->centre_px[1] + lens->focal_px[1] * radius * (c[1] / across);
 	} else { /* on the axis; straight behind, any point of the rim is as good */
-		px[0] = lens->centre_px[0] + lens->focal_px[0] * theta;
+		px[0] = lens->centre_px[0] + lens->focal_px[0] * radius;
 		px[1] = lens->centre_px[1];
 	}
 	return true;
 }
 
-/* The point in radians from the axis; false outside the field. */
-static bool angle_of(const struct fisheye *lens, const double px[2], double angle[2], double *theta)
+/* Where the point lies in focal lengths from the axis, and the angle; false outside the field. */
+static bool angle_of(const struct fisheye *lens, const double px[2], double at[2], double *radius,
+		     double *theta)
 {
 	for (int i = 0; i < 2; i++)
-		angle[i] = (px[i] - lens->centre_px[i]) / lens->focal_px[i];
-	*theta = hypot(angle[0], angle[1]);
-	return *theta <= lens->field_rad + FIELD_SLACK_RAD;
-}
-
-/* sin(x) / x */
-static double sinc(double x)
-{
-	return x > 1e-8 ? sin(x) / x : 1;
+		at[i] = (px[i] - lens->centre_px[i]) / lens->focal_px[i];
+	*radius = hypot(at[0], at[1]);
+	if (!(*radius <= lens->rim + FIELD_SLACK_RAD * (1 + lens->rim)))
+		return false;
+	*theta = fisheye_curve_angle(&lens->curve, *radius, lens->field_rad);
+	return true;
 }
 
 bool fisheye_ray(const struct fisheye *lens, const double px[2], double dir[3])
 {
-	double angle[2], theta, c[3];
+	double at[2], radius, theta, across, c[3];
 
-	if (!angle_of(lens, px, angle, &theta))
+	if (!angle_of(lens, px, at, &radius, &theta))
 		return false;
-	c[0] = angle[0] * sinc(theta);
-	c[1] = angle[1] * sinc(theta);
+	across = radius > 1e-8 ? sin(theta) / radius : 1;
+	c[0] = at[0] * across;
+	c[1] = at[1] * across;
 	c[2] = cos(theta);
 	mat_apply_transposed(lens->rotation, c, dir);
 	vec_normalize(dir);
@@ -177,9 +243,25 @@ bool fisheye_ray(const struct fisheye *lens, const double px[2], double dir[3])
 
 double fisheye_pixel_sr(const struct fisheye *lens, const double px[2])
 {
-	double angle[2], theta;
+	const double focal2 = lens->focal_px[0] * lens->focal_px[1];
+	double at[2], radius, theta, sr;
 
-	if (!angle_of(lens, px, angle, &theta))
+	if (!angle_of(lens, px, at, &radius, &theta))
 		return 0;
-	return fmax(sinc(theta), 0) / (lens->focal_px[0] * lens->focal_px[1]);
+	sr = fmax(fisheye_curve_patch_sr(&lens->curve, theta), 0);
+	/* cos(theta) half a pixel inside of the rim is 1 / sqrt(focal). */
+	if (lens->curve.model == FISHEYE_ORTHOGRAPHIC && !(sr * sr * sr * sr < focal2))
+		sr = sqrt(sqrt(focal2));
+	return sr / focal2;
+}
+
+double fisheye_falloff(const struct fisheye *lens, const double px[2])
+{
+	const double *v = lens->falloff;
+	double at[2], radius, theta, u;
+
+	if ((v[0] == 0 && v[1] == 0 && v[2] == 0) || !angle_of(lens, px, at, &radius, &theta))
+		return 1;
+	u = theta * theta;
+	return 1 + u * (v[0] + u * (v[1] + u * v[2]));
 }

@@ -9,6 +9,8 @@
 
 #define FIELD(f) offsetof(struct tsai_camera, f)
 
+const char *const tsai_distortion_names[] = {"distorts", "undistorts", NULL};
+
 const struct ini_key tsai_keys[] = {
 	{.name = "width",
 	 .type = INI_INT,
@@ -53,8 +55,15 @@ const struct ini_key tsai_keys[] = {
 	 .max = 1e6,
 	 .fallback = "0",
 	 .unit = "1/mm^2",
-	 .help = "radial distortion: distorted = undistorted (1 + kappa1 r^2), r the undistorted "
-		 "radius on the sensor"},
+	 .help = "radial distortion, r the radius on the sensor"},
+	{.name = "distortion",
+	 .type = INI_CHOICE,
+	 .offset = FIELD(distortion),
+	 .choices = tsai_distortion_names,
+	 .fallback = "distorts",
+	 .help = "what kappa1 means; distorts: distorted = undistorted (1 + kappa1 r^2), r "
+		 "undistorted; undistorts (Tsai's papers): undistorted = distorted (1 + kappa1 "
+		 "r^2), r distorted"},
 	{.name = "centre",
 	 .type = INI_REALS,
 	 .offset = FIELD(centre_px),
@@ -151,6 +160,11 @@ int tsai_check(struct tsai_camera *c, struct fault *fault)
 	if (!isfinite(c->kappa1))
 		return fault_say(fault, -EINVAL, "camera: kappa1 is %g, expected a finite number",
 				 c->kappa1);
+	if (c->distortion != TSAI_DISTORTS && c->distortion != TSAI_UNDISTORTS)
+		return fault_say(fault, -EINVAL,
+				 "camera: distortion is %d, expected %d (distorts) or %d "
+				 "(undistorts)",
+				 c->distortion, TSAI_DISTORTS, TSAI_UNDISTORTS);
 	if (!all_finite(c->translation, 3) || !all_finite(c->centre_px, 2))
 		return fault_say(fault, -EINVAL,
 				 "camera: translation and centre must be finite numbers");
@@ -199,33 +213,9 @@ int tsai_look_at(struct tsai_camera *c, int width, int height, const double eye[
 	return tsai_check(c, fault);
 }
 
-/* Where the distorted radius stops growing with the undistorted one. */
-static double fold_radius(double kappa1)
+double tsai_fold_radius(double kappa1)
 {
 	return kappa1 < 0 ? 1 / sqrt(-3 * kappa1) : INFINITY;
-}
-
-int tsai_project(const struct tsai_camera *c, const double world[3], double px[2])
-{
-	double p[3], x, y, scale;
-
-	mat_apply(c->rotation, world, p);
-	for (int i = 0; i < 3; i++)
-		p[i] += c->translation[i];
-	if (!(p[2] > 0))
-		return -ERANGE;
-	x = c->focal * p[0] / p[2];
-	y = c->focal * p[1] / p[2];
-	if (!(hypot(x, y) <= fold_radius(c->kappa1)))
-		return -ERANGE;
-	scale = 1 + c->kappa1 * (x * x + y * y);
-	x = c->centre_px[0] + c->aspect * (x * scale) / c->pixel[0];
-	y = c->height - c->centre_px[1] + y * scale / c->pixel[1];
-	if (!isfinite(x) || !isfinite(y))
-		return -ERANGE;
-	px[0] = x;
-	px[1] = y;
-	return 0;
 }
 
 /*
@@ -249,26 +239,71 @@ static double closed_form(double kappa1, double d)
 	return 3 * d * (sinh(asinh(q) / 3) / q);
 }
 
-int tsai_undistort_radius(double kappa1, double distorted, double *undistorted)
+int tsai_straight_radius(double kappa1, double bent, double *straight)
 {
-	const double fold = fold_radius(kappa1);
+	const double fold = tsai_fold_radius(kappa1);
 	double r;
 
-	if (!isfinite(kappa1) || !isfinite(distorted) || distorted < 0)
+	if (!isfinite(kappa1) || !isfinite(bent) || bent < 0)
 		return -ERANGE;
-	r = closed_form(kappa1, distorted);
+	r = closed_form(kappa1, bent);
 	if (!isfinite(r))
 		return -ERANGE;
 	for (int step = 0; step < 2; step++) {
 		const double bend = kappa1 * r * r;
-		const double next = r - (r * (1 + bend) - distorted) / (1 + 3 * bend);
+		const double next = r - (r * (1 + bend) - bent) / (1 + 3 * bend);
 
 		/* The closed form is right to 1e-8 at the fold, where the slope is 0 and a step
 		 * may lead anywhere, and to 1e-15 elsewhere. */
 		if (fabs(next - r) <= 1e-8 * r && next <= fold)
 			r = next;
 	}
-	*undistorted = r;
+	*straight = r;
+	return 0;
+}
+
+/* What a radius is multiplied with by 1 + kappa1 r^2, on this side of the fold. */
+static int bend(double kappa1, double radius, double *factor)
+{
+	if (!(radius <= tsai_fold_radius(kappa1)))
+		return -ERANGE;
+	*factor = 1 + kappa1 * radius * radius;
+	return 0;
+}
+
+/* What a radius is multiplied with to undo that. */
+static int straighten(double kappa1, double radius, double *factor)
+{
+	double r;
+	const int ret = tsai_straight_radius(kappa1, radius, &r);
+
+	if (ret < 0)
+		return ret;
+	*factor = radius > 0 ? r / radius : 1;
+	return 0;
+}
+
+int tsai_project(const struct tsai_camera *c, const double world[3], double px[2])
+{
+	double p[3], x, y, factor = 1;
+	int ret;
+
+	mat_apply(c->rotation, world, p);
+	for (int i = 0; i < 3; i++)
+		p[i] += c->translation[i];
+	if (!(p[2] > 0))
+		return -ERANGE;
+	x = c->focal * p[0] / p[2];
+	y = c->focal * p[1] / p[2];
+	ret = (c->distortion == TSAI_DISTORTS ? bend : straighten)(c->kappa1, hypot(x, y), &factor);
+	if (ret < 0)
+		return ret;
+	x = c->centre_px[0] + c->aspect * (x * factor) / c->pixel[0];
+	y = c->height - c->centre_px[1] + y * factor / c->pixel[1];
+	if (!isfinite(x) || !isfinite(y))
+		return -ERANGE;
+	px[0] = x;
+	px[1] = y;
 	return 0;
 }
 
@@ -276,15 +311,14 @@ int tsai_ray(const struct tsai_camera *c, const double px[2], double origin[3], 
 {
 	const double x = (px[0] - c->centre_px[0]) * c->pixel[0] / c->aspect;
 	const double y = (px[1] - (c->height - c->centre_px[1])) * c->pixel[1];
-	const double distorted = hypot(x, y);
-	double r, camera[3];
+	double factor = 1, camera[3];
 	int ret;
 
-	ret = tsai_undistort_radius(c->kappa1, distorted, &r);
+	ret = (c->distortion == TSAI_DISTORTS ? straighten : bend)(c->kappa1, hypot(x, y), &factor);
 	if (ret < 0)
 		return ret;
-	camera[0] = distorted > 0 ? x * (r / distorted) : 0;
-	camera[1] = distorted > 0 ? y * (r / distorted) : 0;
+	camera[0] = x * factor;
+	camera[1] = y * factor;
 	camera[2] = c->focal;
 	if (!(vec_normalize(camera) <= DBL_MAX))
 		return -ERANGE;

@@ -3,9 +3,16 @@
  *
  *     Pc  = R Pw + T                              (2.1)
  *     Psu = f (Pc.x, Pc.y) / Pc.z                 (2.2, 2.3)
- *     Psd = Psu (1 + kappa1 |Psu|^2)              (2.4, 2.5)
+ *     Psd = Psu (1 + kappa1 |Psu|^2)              (2.4, 2.5), TSAI_DISTORTS
  *     X   = Cx + s Psd.x / Dx                     (2.6)   image x right
  *     Y   = Cy -   Psd.y / Dy                     (2.7)   image y up, origin lower left
+ *
+ * Tsai's own papers have the distortion the other way round, which is TSAI_UNDISTORTS:
+ *
+ *     Psu = Psd (1 + kappa1 |Psd|^2)              (Tsai 1987, 5a, 5b)
+ *
+ * Neither is the other's inverse: a kappa1 means nothing without its direction. A barrel has a
+ * negative kappa1 in the thesis's, a positive one in Tsai's.
  *
  * Camera axes: x right, y down, z along the view. World units are the scene's; f, D in one sensor
  * unit (mm), kappa1 in 1/unit^2. Picture coordinates below are (x right, y down from the upper
@@ -19,12 +26,20 @@
 
 #define TSAI_SIDE_MAX 32768
 
+enum tsai_distortion {
+	TSAI_DISTORTS,	 /* the thesis's: distorted from undistorted */
+	TSAI_UNDISTORTS, /* Tsai's own: undistorted from distorted */
+};
+
+extern const char *const tsai_distortion_names[]; /* "distorts", "undistorts", NULL */
+
 struct tsai_camera {
 	int width, height;     /* of the picture, pixels */
 	double rotation[9];    /* R, rows */
 	double translation[3]; /* T */
 	double focal;	       /* f */
 	double kappa1;
+	int distortion;	     /* enum tsai_distortion: what kappa1 means */
 	double centre_px[2]; /* C, in image axes (x right, y up) */
 	double pixel[2];     /* D */
 	double aspect;	     /* s */
@@ -42,19 +57,26 @@ int tsai_look_at(struct tsai_camera *camera, int width, int height, const double
 
 /*
  * World point to picture. -ERANGE: behind the camera, or beyond the radius where a negative kappa1
- * folds the picture over (|Psu| > 1/sqrt(-3 kappa1)): such a point has no image.
+ * folds the picture over (TSAI_DISTORTS: |Psu| > 1/sqrt(-3 kappa1); TSAI_UNDISTORTS: |Psu| > 2/3 of
+ * that, which no |Psd| reaches): such a point has no image.
  */
 int tsai_project(const struct tsai_camera *camera, const double world[3], double px[2]);
 
 /*
- * Picture to the ray that it sees: origin (the same for all) and unit direction. The inverse of
- * the cubic is taken in closed form on the branch that starts at the axis, polished by a fixed
- * number of Newton steps. -ERANGE: no undistorted radius maps there (negative kappa1, too far out).
+ * Picture to the ray that it sees: origin (the same for all) and unit direction. -ERANGE: negative
+ * kappa1, and too far out: no undistorted radius maps there (TSAI_DISTORTS), or it is one where
+ * the picture would be folded over (TSAI_UNDISTORTS: |Psd| > 1/sqrt(-3 kappa1)).
  */
 int tsai_ray(const struct tsai_camera *camera, const double px[2], double origin[3], double dir[3]);
 
-/* Solves r (1 + kappa1 r^2) = distorted for the smallest r >= 0. -ERANGE when there is none, and
- * for a negative, infinite or NaN argument. Never loops, never NaN. */
-int tsai_undistort_radius(double kappa1, double distorted, double *undistorted);
+/*
+ * Solves r (1 + kappa1 r^2) = bent for the smallest r >= 0, what both directions need one way: in
+ * closed form on the branch that starts at the axis, polished by a fixed number of Newton steps.
+ * -ERANGE when there is none, and for a negative, infinite or NaN argument. Never loops, never NaN.
+ */
+int tsai_straight_radius(double kappa1, double bent, double *straight);
+
+/* Where r (1 + kappa1 r^2) stops growing with r: infinite unless kappa1 is negative. */
+double tsai_fold_radius(double kappa1);
 
 #endif

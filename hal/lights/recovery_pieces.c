@@ -1,0 +1,136 @@
+#include "hal/lights/recovery_pieces.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+#define CORNERS_MAX 32 /* of a cell: five to seven, and more where its corners coincide */
+#define BEYOND 0.01    /* of the way from node to edge: far enough from what rounding does */
+
+struct clipped_pieces {
+	int lights;
+	int *first;	  /* [lights + 1]: pairs of light i are first[i]..first[i + 1] - 1 */
+	int *neighbour;	  /* [pairs]: each pair once, at the later of the two */
+	int *parent;	  /* [lights]: an earlier light of the same piece, or itself */
+	double *solid_sr; /* [lights]: of each */
+	double *piece_sr; /* [lights]: what find() returns */
+};
+
+/* ---- neighbours ---- */
+
+/* What lies behind the edge between two corners of a light's cell; -1: the horizon. */
+static int across(const struct dome *dome, int light, const double a[3], const double b[3])
+{
+	double out[3];
+
+	for (int k = 0; k < 3; k++) {
+		const double middle = (a[k] + b[k]) / 2;
+
+		out[k] = middle + BEYOND * (middle - dome->direction[light][k]);
+	}
+	return dome_cell_of(dome, out);
+}
+
+/* The earlier neighbours of a light; to may be NULL. */
+static int list(const struct dome *dome, int light, int *to)
+{
+	double corner[CORNERS_MAX][3];
+	const int corners = dome_cell_corners(dome, light, corner, CORNERS_MAX);
+	const int known = corners < CORNERS_MAX ? corners : CORNERS_MAX;
+	int count = 0;
+
+	for (int k = 0; k < known; k++) {
+		const int other = across(dome, light, corner[k], corner[(k + 1) % known]);
+
+		if (other < 0 || other >= light)
+			continue;
+		if (to)
+			to[count] = other;
+		count++;
+	}
+	return count;
+}
+
+int clipped_pieces_create(struct clipped_pieces **out, const struct dome *dome)
+{
+	const size_t lights = (size_t)dome->count;
+	struct clipped_pieces *p = calloc(1, sizeof(*p));
+
+	*out = NULL;
+	if (!p)
+		return -ENOMEM;
+	p->lights = dome->count;
+	p->first = calloc(lights + 1, sizeof(*p->first));
+	p->parent = calloc(lights, sizeof(*p->parent));
+	p->solid_sr = calloc(lights, sizeof(*p->solid_sr));
+	p->piece_sr = calloc(lights, sizeof(*p->piece_sr));
+	if (!p->first || !p->parent || !p->solid_sr || !p->piece_sr)
+		goto destroy;
+	for (int i = 0; i < p->lights; i++) {
+		p->solid_sr[i] = dome->solid_angle_sr[i];
+		p->first[i + 1] = p->first[i] + list(dome, i, NULL);
+	}
+	p->neighbour = calloc((size_t)p->first[p->lights] + 1, sizeof(*p->neighbour));
+	if (!p->neighbour)
+		goto destroy;
+	for (int i = 0; i < p->lights; i++)
+		list(dome, i, p->neighbour + p->first[i]);
+	*out = p;
+	return 0;
+
+destroy:
+	clipped_pieces_destroy(p);
+	return -ENOMEM;
+}
+
+void clipped_pieces_destroy(struct clipped_pieces *p)
+{
+	if (!p)
+		return;
+	free(p->first);
+	free(p->neighbour);
+	free(p->parent);
+	free(p->solid_sr);
+	free(p->piece_sr);
+	free(p);
+}
+
+/* ---- a frame ---- */
+
+/* The earliest light of a piece; on the way there each light gets nearer to it. */
+static int root_of(struct clipped_pieces *p, int light)
+{
+	while (p->parent[light] != light) {
+		p->parent[light] = p->parent[p->parent[light]];
+		light = p->parent[light];
+	}
+	return light;
+}
+
+static void join(struct clipped_pieces *p, int light, int neighbour)
+{
+	const int a = root_of(p, light), b = root_of(p, neighbour);
+
+	if (a < b)
+		p->parent[b] = a;
+	else
+		p->parent[a] = b;
+}
+
+const double *clipped_pieces_find(struct clipped_pieces *p, const float *clipped)
+{
+	for (int i = 0; i < p->lights; i++) {
+		p->parent[i] = i;
+		p->piece_sr[i] = 0;
+		for (int k = p->first[i]; clipped[i] > 0 && k < p->first[i + 1]; k++)
+			if (clipped[p->neighbour[k]] > 0)
+				join(p, i, p->neighbour[k]);
+	}
+	for (int i = 0; i < p->lights; i++)
+		if (clipped[i] > 0)
+			p->piece_sr[root_of(p, i)] += (double)clipped[i] * p->solid_sr[i];
+	/* A root comes before all others of its piece, which have added nothing to themselves. */
+	for (int i = 0; i < p->lights; i++)
+		if (clipped[i] > 0)
+			p->piece_sr[i] = p->piece_sr[root_of(p, i)];
+	return p->piece_sr;
+}

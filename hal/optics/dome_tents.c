@@ -1,0 +1,426 @@
+#include "hal/optics/dome_tents.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/optics/dome_triangles.h"
+#include "hal/optics/vec.h"
+
+/* Gauss's points a side of a triangle, so that integrals come out to 1e-14: of the largest, the
+ * icosahedron's, and of small ones. */
+#define POINTS_MAX 20
+#define POINTS_FEW 9
+/* The least weight that is drawn: with 0 there would be no density, by a rounding not even a part.
+ */
+#define INSIDE 1e-6
+#define SMALL 0.15 /* a volume of corners: about 30 degrees a side */
+/* Of the solid angles' sum, as a share. */
+#define COVERED 1e-9
+
+struct facet {
+	int owner[3]; /* the lights of its corners */
+	double corner[3][3];
+	double volume;		  /* of the parallelepiped of the corners */
+	double solid_angle_sr[3]; /* of each corner's weight */
+	double projected_sr[3];
+};
+
+/* A corner of a facet whose light is this. */
+struct patch {
+	int facet, corner;
+	double azimuth;	      /* around the node, of the facet's middle */
+	double cumulative_sr; /* of the light's patches up to and including it */
+};
+
+struct dome_tents {
+	int facets, lights;
+	struct facet *facet;
+	/* [facets]: a point of the flat triangle, p = sum of weight_k corner_k, has weight_k =
+	 * edge_k . p; a direction d meets it at d / (sum of edge_k . d) */
+	double (*edge)[3][3];
+	struct dome_lookup *lookup; /* of facets */
+	int *first; /* [lights + 1]: patches of light i are first[i] to first[i + 1] - 1 */
+	struct patch *patch;
+	double *reach_rad; /* [lights] */
+};
+
+/* ---- what a facet holds ---- */
+
+/* Gauss's, on 0..1. */
+struct rule {
+	int points;
+	double at[POINTS_MAX], weight[POINTS_MAX];
+};
+
+/* Roots of Legendre's polynomial, by Newton's steps. */
+static void fill_rule(struct rule *rule, int points)
+{
+	rule->points = points;
+	for (int i = 0; i < points; i++) {
+		double x = cos(M_PI * (i + 0.75) / (points + 0.5)), slope = 1;
+
+		for (int step = 0; step < 8; step++) {
+			double before = 1, here = x;
+
+			for (int n = 2; n <= points; n++) {
+				const double next = ((2 * n - 1) * x * here - (n - 1) * before) / n;
+
+				before = here;
+				here = next;
+			}
+			slope = points * (x * here - before) / (x * x - 1);
+			x -= here / slope;
+		}
+		rule->at[i] = 0.5 * (1 - x);
+		rule->weight[i] = 1 / ((1 - x * x) * slope * slope);
+	}
+}
+
+/*
+ * Integrals over the flat triangle: a piece dA of it is seen under volume / |p|^3 dA / (2 area).
+ * Its points are those of a square, one side of which is drawn together at corner 0.
+ */
+static void measure_facet(struct facet *f, const struct rule *rule)
+{
+	for (int n = 0; n < rule->points * rule->points; n++) {
+		const int i = n / rule->points, j = n % rule->points;
+		const double x = rule->at[i], y = rule->at[j];
+		const double share[3] = {1 - x, x * (1 - y), x * y};
+		double p[3], away, sr;
+
+		for (int c = 0; c < 3; c++)
+			p[c] = share[0] * f->corner[0][c] + share[1] * f->corner[1][c] +
+			       share[2] * f->corner[2][c];
+		away = vec_length(p);
+		sr = rule->weight[i] * rule->weight[j] * x * f->volume / (away * away * away);
+		for (int k = 0; k < 3; k++) {
+			f->solid_angle_sr[k] += sr * share[k];
+			f->projected_sr[k] += sr * share[k] * p[2] / away;
+		}
+	}
+}
+
+static void fill_facet(struct dome_tents *t, const struct dome_triangles *triangles, int number)
+{
+	struct facet *f = &t->facet[number];
+	double(*edge)[3] = t->edge[number];
+
+	for (int k = 0; k < 3; k++) {
+		const int vertex = triangles->corner[number][k];
+
+		f->owner[k] = triangles->owner[vertex];
+		memcpy(f->corner[k], triangles->vertex[vertex], sizeof(f->corner[k]));
+	}
+	for (int k = 0; k < 3; k++)
+		vec_cross(f->corner[(k + 1) % 3], f->corner[(k + 2) % 3], edge[k]);
+	f->volume = vec_dot(f->corner[0], edge[0]);
+	for (int k = 0; k < 3; k++)
+		for (int x = 0; x < 3; x++)
+			edge[k][x] /= f->volume;
+}
+
+static double angle_between(const double a[3], const double b[3])
+{
+	const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+
+	return 2 * asin(fmin(0.5 * vec_length(d), 1));
+}
+
+/* A cap around its middle that holds a facet's corners holds all of it. */
+static int index_facets(struct dome_tents *t)
+{
+	double(*middle)[3] = calloc((size_t)t->facets, sizeof(*middle));
+	double *radius = calloc((size_t)t->facets, sizeof(*radius));
+	int ret = middle && radius ? 0 : -ENOMEM;
+
+	for (int n = 0; !ret && n < t->facets; n++) {
+		const struct facet *f = &t->facet[n];
+
+		for (int x = 0; x < 3; x++)
+			middle[n][x] = f->corner[0][x] + f->corner[1][x] + f->corner[2][x];
+		vec_normalize(middle[n]);
+		for (int k = 0; k < 3; k++)
+			radius[n] = fmax(radius[n], angle_between(middle[n], f->corner[k]));
+	}
+	if (!ret)
+		ret = dome_lookup_create(&t->lookup, radius, (const double(*)[3])middle, t->facets);
+	free(middle);
+	free(radius);
+	return ret;
+}
+
+/* ---- what a light holds ---- */
+
+static double azimuth_around(const double node[3], const struct facet *f)
+{
+	const double axis[3] = {fabs(node[0]) < 0.6, fabs(node[0]) >= 0.6, 0};
+	double e1[3], e2[3], middle[3];
+
+	vec_cross(axis, node, e1);
+	vec_cross(node, e1, e2);
+	for (int x = 0; x < 3; x++)
+		middle[x] = f->corner[0][x] + f->corner[1][x] + f->corner[2][x];
+	return atan2(vec_dot(middle, e2), vec_dot(middle, e1));
+}
+
+static int by_azimuth(const void *pa, const void *pb)
+{
+	const struct patch *a = pa, *b = pb;
+
+	if (a->azimuth != b->azimuth)
+		return a->azimuth < b->azimuth ? -1 : 1;
+	if (a->facet != b->facet)
+		return a->facet < b->facet ? -1 : 1;
+	return a->corner - b->corner;
+}
+
+static void finish_light(struct dome_tents *t, int light, const double node[3])
+{
+	struct patch *own = t->patch + t->first[light];
+	const int count = t->first[light + 1] - t->first[light];
+	double sum = 0;
+
+	for (int k = 0; k < count; k++)
+		own[k].azimuth = azimuth_around(node, &t->facet[own[k].facet]);
+	qsort(own, (size_t)count, sizeof(*own), by_azimuth);
+	for (int k = 0; k < count; k++) {
+		const struct facet *f = &t->facet[own[k].facet];
+
+		sum += f->solid_angle_sr[own[k].corner];
+		own[k].cumulative_sr = sum;
+		for (int c = 0; c < 3; c++)
+			t->reach_rad[light] = fmax(t->reach_rad[light],
+						   angle_between(node, f->corner[c]));
+	}
+}
+
+static int fill_lights(struct dome_tents *t, const double (*node)[3])
+{
+	int *next = calloc((size_t)t->lights + 1, sizeof(*next));
+
+	t->first = calloc((size_t)t->lights + 1, sizeof(*t->first));
+	t->patch = calloc(3 * (size_t)t->facets, sizeof(*t->patch));
+	t->reach_rad = calloc((size_t)t->lights, sizeof(*t->reach_rad));
+	if (!next || !t->first || !t->patch || !t->reach_rad) {
+		free(next);
+		return -ENOMEM;
+	}
+	for (int n = 0; n < 3 * t->facets; n++)
+		t->first[t->facet[n / 3].owner[n % 3] + 1]++;
+	for (int i = 0; i < t->lights; i++) {
+		t->first[i + 1] += t->first[i];
+		next[i + 1] = t->first[i + 1];
+	}
+	for (int n = 0; n < 3 * t->facets; n++) {
+		const int light = t->facet[n / 3].owner[n % 3];
+
+		t->patch[next[light]++] = (struct patch){.facet = n / 3, .corner = n % 3};
+	}
+	for (int i = 0; i < t->lights; i++)
+		finish_light(t, i, node[i]);
+	free(next);
+	return 0;
+}
+
+/* ---- all of it ---- */
+
+static int fill(struct dome_tents *t, const struct dome_triangles *triangles,
+		const double (*node)[3])
+{
+	struct rule many, few;
+	double sum = 0;
+	int ret;
+
+	t->facets = triangles->count;
+	t->facet = calloc((size_t)t->facets, sizeof(*t->facet));
+	t->edge = calloc((size_t)t->facets, sizeof(*t->edge));
+	if (!t->facet || !t->edge)
+		return -ENOMEM;
+	fill_rule(&many, POINTS_MAX);
+	fill_rule(&few, POINTS_FEW);
+	for (int n = 0; n < t->facets; n++) {
+		fill_facet(t, triangles, n);
+		measure_facet(&t->facet[n], t->facet[n].volume < SMALL ? &few : &many);
+		for (int k = 0; k < 3; k++)
+			sum += t->facet[n].solid_angle_sr[k];
+	}
+	if (!(fabs(sum / (2 * M_PI) - 1) < COVERED))
+		return -EINVAL;
+	ret = index_facets(t);
+	return ret < 0 ? ret : fill_lights(t, node);
+}
+
+int dome_tents_create(struct dome_tents **tents, const struct dome_cells *cells,
+		      const struct dome_lookup *lookup, const double (*node)[3], int count)
+{
+	struct dome_tents *t = calloc(1, sizeof(*t));
+	struct dome_triangles triangles;
+	int ret;
+
+	if (!t)
+		return -ENOMEM;
+	t->lights = count;
+	ret = dome_triangles_create(&triangles, cells, lookup, node, count);
+	if (ret == 0)
+		ret = fill(t, &triangles, node);
+	dome_triangles_free(&triangles);
+	if (ret < 0)
+		dome_tents_destroy(t);
+	else
+		*tents = t;
+	return ret;
+}
+
+void dome_tents_destroy(struct dome_tents *t)
+{
+	if (!t)
+		return;
+	free(t->facet);
+	free(t->edge);
+	free(t->first);
+	free(t->patch);
+	free(t->reach_rad);
+	dome_lookup_destroy(t->lookup);
+	free(t);
+}
+
+/* ---- of a direction ---- */
+
+/* Weights of a facet's corners before they are made to sum to 1. */
+static void weigh(const struct dome_tents *t, int facet, const double dir[3], double share[3])
+{
+	for (int k = 0; k < 3; k++)
+		share[k] = vec_dot(t->edge[facet][k], dir);
+}
+
+/* A direction on an edge may, by a rounding, lie outside of both facets: the nearest. */
+static int nearest_facet(const struct dome_tents *t, const int *candidate, int count,
+			 const double dir[3])
+{
+	double best = -INFINITY;
+	int found = -1;
+
+	for (int n = 0; n < count; n++) {
+		double share[3], least;
+
+		weigh(t, candidate[n], dir, share);
+		least = fmin(share[0], fmin(share[1], share[2]));
+		if (share[0] + share[1] + share[2] > 0 && least > best) {
+			best = least;
+			found = candidate[n];
+		}
+	}
+	return found;
+}
+
+/* The facet that holds a direction, -1 below the horizon and for no direction. share: none is
+ * negative; *sum is theirs, 1 over how far away the facet is in units of dir's length. */
+static int find_facet(const struct dome_tents *t, const double dir[3], double share[3], double *sum)
+{
+	int count, found = -1;
+	const int *candidate = dome_lookup_candidates(t->lookup, dir, &count);
+
+	for (int n = 0; n < count && found < 0; n++) {
+		weigh(t, candidate[n], dir, share);
+		if (share[0] >= 0 && share[1] >= 0 && share[2] >= 0)
+			found = candidate[n];
+	}
+	if (found < 0 && count > 0) {
+		found = nearest_facet(t, candidate, count, dir);
+		if (found >= 0)
+			weigh(t, found, dir, share);
+	}
+	*sum = 0;
+	for (int k = 0; found >= 0 && k < 3; k++) {
+		share[k] = share[k] > 0 ? share[k] : 0;
+		*sum += share[k];
+	}
+	return *sum > 0 ? found : -1;
+}
+
+int dome_tents_weights(const struct dome_tents *t, const double dir[3], int light[3],
+		       double weight[3])
+{
+	double share[3], sum;
+	const int facet = find_facet(t, dir, share, &sum);
+	int count = 0;
+
+	for (int k = 0; facet >= 0 && k < 3; k++) {
+		const int owner = t->facet[facet].owner[k];
+		int at = 0;
+
+		if (!(share[k] > 0))
+			continue;
+		while (at < count && light[at] != owner)
+			at++;
+		if (at == count) {
+			light[count] = owner;
+			weight[count++] = 0;
+		}
+		weight[at] += share[k] / sum;
+	}
+	return count;
+}
+
+/* ---- of a light ---- */
+
+void dome_tents_measure(const struct dome_tents *t, int light, double *solid_angle_sr,
+			double *projected_sr)
+{
+	*projected_sr = 0;
+	for (int k = t->first[light]; k < t->first[light + 1]; k++)
+		*projected_sr += t->facet[t->patch[k].facet].projected_sr[t->patch[k].corner];
+	*solid_angle_sr = t->patch[t->first[light + 1] - 1].cumulative_sr;
+}
+
+double dome_tents_reach_rad(const struct dome_tents *t, int light)
+{
+	return t->reach_rad[light];
+}
+
+/*
+ * A patch is chosen by its solid angle; in its flat triangle a point with the corner's weight x as
+ * density per area: along the far side evenly, and x with density 6 x (1 - x), whose integral
+ * 3 x^2 - 2 x^3 has the inverse below.
+ */
+void dome_tents_sample(const struct dome_tents *t, int light, double u, double v, double dir[3])
+{
+	const struct patch *own = t->patch + t->first[light];
+	const int last = t->first[light + 1] - t->first[light] - 1;
+	const double wanted = u * own[last].cumulative_sr;
+	const double x = fmax(0.5 - sin(asin(fmin(fmax(1 - 2 * v, -1), 1)) / 3), INSIDE);
+	const struct facet *f;
+	double below = 0, along;
+	int n = 0, k;
+
+	while (n < last && own[n].cumulative_sr <= wanted)
+		below = own[n++].cumulative_sr;
+	along = fmin((wanted - below) / (own[n].cumulative_sr - below), 1);
+	f = &t->facet[own[n].facet];
+	k = own[n].corner;
+	for (int c = 0; c < 3; c++)
+		dir[c] = x * f->corner[k][c] + (1 - x) * ((1 - along) * f->corner[(k + 1) % 3][c] +
+							  along * f->corner[(k + 2) % 3][c]);
+	dir[2] = fmax(dir[2], 0);
+	vec_normalize(dir);
+}
+
+/* As drawn above, turned from areas to solid angles: 3 x / area, |p|^3 area 2 / volume of each. */
+double dome_tents_density(const struct dome_tents *t, int light, const double dir[3])
+{
+	const double whole_sr = t->patch[t->first[light + 1] - 1].cumulative_sr;
+	double share[3], sum, density = 0, away;
+	const int facet = find_facet(t, dir, share, &sum);
+	const struct facet *f = t->facet + (facet < 0 ? 0 : facet);
+
+	if (facet < 0)
+		return 0;
+	away = vec_length(dir) / sum;
+	for (int k = 0; k < 3; k++)
+		if (f->owner[k] == light)
+			density += share[k] / sum * f->solid_angle_sr[k];
+	return density * 6 * away * away * away / (f->volume * whole_sr);
+}

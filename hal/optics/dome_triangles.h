@@ -1,0 +1,21 @@
+/* The triangles between a dome's nodes, and between its rim and the horizon (dome_tents.h). */
+#ifndef INLAY_HAL_OPTICS_DOME_TRIANGLES_H
+#define INLAY_HAL_OPTICS_DOME_TRIANGLES_H
+
+#include "hal/optics/dome_cells.h"
+#include "hal/optics/dome_lookup.h"
+
+struct dome_triangles {
+	int vertices; /* the nodes, then the feet of some of them */
+	double (*vertex)[3];
+	int *owner; /* the node that a vertex is, or is the foot of */
+	int count, room;
+	int (*corner)[3]; /* counter-clockwise from outside */
+};
+
+/* -ENOMEM. Free it after failure, too. */
+int dome_triangles_create(struct dome_triangles *triangles, const struct dome_cells *cells,
+			  const struct dome_lookup *lookup, const double (*node)[3], int count);
+void dome_triangles_free(struct dome_triangles *triangles); /* idempotent */
+
+#endif
