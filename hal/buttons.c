@@ -6,9 +6,9 @@
 
 const char *const action_names[] = {
 	"none",		 "threshold-up", "threshold-down", "threshold-next",
-	"threshold-set", "view-next",	 "pose-next",	   "object",
-	"information",	 "split-left",	 "split-right",	   "freeze",
-	"quit",		 NULL,
+	"threshold-set", "view-next",	 "pose-next",	   "pose-prev",
+	"pose",		 "object",	 "information",	   "split-left",
+	"split-right",	 "freeze",	 "quit",	   NULL,
 };
 
 _Static_assert(sizeof(action_names) / sizeof(action_names[0]) == ACTION_COUNT + 1,
@@ -32,13 +32,32 @@ static int unknown_action(const char *name, struct fault *fault)
 			 near ? near : "", near ? "\"?" : "");
 }
 
-static int parse_level(const char *text, double *level)
+static int parse_level(const char *text, struct button_press *press)
 {
-	char *end;
+	struct ini_level level;
+	const int err = ini_level_read(text, ACTION_LEVEL_MAX, &level);
 
-	*level = strtod(text, &end);
-	/* The comparisons refuse what is no number, too. */
-	return end != text && !*end && *level >= 0 && *level <= ACTION_LEVEL_MAX ? 0 : -EINVAL;
+	if (!err) {
+		press->value = level.value;
+		press->percent = level.percent;
+	}
+	return err;
+}
+
+static int parse_pose(const char *text, struct button_press *press, struct fault *fault)
+{
+	if (!text || !*text || strlen(text) >= sizeof(press->name))
+		return fault_say(
+			fault, -EINVAL,
+			"pose needs a value, expected next, prev, or the number or name of "
+			"a pose");
+	if (!strcmp(text, "next"))
+		press->action = ACTION_POSE_NEXT;
+	else if (!strcmp(text, "prev"))
+		press->action = ACTION_POSE_PREV;
+	else
+		strcpy(press->name, text);
+	return 0;
 }
 
 int button_press_parse(const char *name, const char *value, struct button_press *press,
@@ -48,10 +67,14 @@ int button_press_parse(const char *name, const char *value, struct button_press 
 	if (press->action == ACTION_NONE)
 		return unknown_action(name, fault);
 	if (press->action == ACTION_THRESHOLD_SET) {
-		if (!value || parse_level(value, &press->value))
-			return fault_say(fault, -EINVAL,
-					 "threshold-set needs a level, expected one number 0..%.0f",
-					 ACTION_LEVEL_MAX);
+		if (!value || parse_level(value, press))
+			return fault_say(
+				fault, -EINVAL,
+				"threshold-set needs a level, expected one number 0..%.0f or a "
+				"percentage 0%%..100%%",
+				ACTION_LEVEL_MAX);
+	} else if (press->action == ACTION_POSE_SET) {
+		return parse_pose(value, press, fault);
 	} else if (value) {
 		return fault_say(fault, -EINVAL, "%s takes no value, found \"%.40s\"", name, value);
 	}

@@ -15,9 +15,11 @@ enum action {
 	ACTION_THRESHOLD_UP,
 	ACTION_THRESHOLD_DOWN,
 	ACTION_THRESHOLD_NEXT, /* up, and from the highest to 0: for a single button */
-	ACTION_THRESHOLD_SET,  /* value: the level */
+	ACTION_THRESHOLD_SET,  /* value: the level, or percentage */
 	ACTION_VIEW_NEXT,
 	ACTION_POSE_NEXT,
+	ACTION_POSE_PREV,
+	ACTION_POSE_SET,    /* name: of the pose, or its number */
 	ACTION_OBJECT,	    /* shown or not */
 	ACTION_INFORMATION, /* the line of figures, shown or not */
 	ACTION_SPLIT_LEFT,  /* moves the line between before and after */
@@ -29,15 +31,19 @@ enum action {
 
 extern const char *const action_names[]; /* "none", "threshold-up", ... NULL */
 
+#define BUTTON_NAME_MAX 32     /* with its NUL */
 #define ACTION_LEVEL_MAX 255.0 /* of ACTION_THRESHOLD_SET */
 
 struct button_press {
 	enum action action;
-	double value; /* of ACTION_THRESHOLD_SET: 0..ACTION_LEVEL_MAX */
+	double value;		    /* of ACTION_THRESHOLD_SET: 0..ACTION_LEVEL_MAX */
+	bool percent;		    /* the value is one, 0..100 */
+	char name[BUTTON_NAME_MAX]; /* of ACTION_POSE_SET */
 };
 
-/* A press as a person writes it: the name of an action and, for threshold-set alone, its value.
- * value: NULL when there is none. 0, or -EINVAL and what was expected. */
+/* A press as a person writes it: the name of an action and, for threshold-set and pose alone, its
+ * value; "pose next" and "pose prev" are pose-next and pose-prev. value: NULL when there is none.
+ * 0, or -EINVAL and what was expected. */
 int button_press_parse(const char *name, const char *value, struct button_press *press,
 		       struct fault *fault);
 

@@ -60,6 +60,18 @@ void camera_release(struct camera *camera, struct frame *frame)
 	memset(frame, 0, sizeof(*frame));
 }
 
+int camera_control(struct camera *camera, const char *name, const char *value, struct fault *fault)
+{
+	if (!camera->state)
+		return fault_say(fault, -EBADF, "a camera that is not open");
+	if (!camera->ops->control)
+		return fault_say(fault, -ENOTSUP,
+				 "%s: cameras of this driver have no control that could be changed "
+				 "while they stream",
+				 camera->ops->name);
+	return camera->ops->control(camera, name, value, fault);
+}
+
 void camera_close(struct camera *camera)
 {
 	if (camera->ops)

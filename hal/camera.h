@@ -107,6 +107,16 @@ struct camera_ops {
 
 	/* Mandatory. Idempotent; the only cleanup; accepts a half-open camera. */
 	void (*close)(struct camera *camera);
+
+	/* Optional. Changes a control while the camera streams; name and value as in
+	 * camera_settings.controls. Takes as long as the device takes to answer, some milliseconds
+	 * mostly. Frames that were captured before, and some after it, still show the old value:
+	 * how many is the device's affair. 0; -EINVAL: no control of that name, or no value of
+	 * its; -ERANGE: out of its range, which the fault names; -ENOTSUP: this camera has none
+	 * that can be changed now; other -errno: the device refuses it. The camera goes on
+	 * streaming, whatever is returned. */
+	int (*control)(struct camera *camera, const char *name, const char *value,
+		       struct fault *fault);
 };
 
 /* Drivers count lost and broken and may set the situation; the wrappers count frames, make the
@@ -117,6 +127,8 @@ int camera_open(struct camera *camera, const struct camera_ops *ops,
 int camera_descriptor(struct camera *camera);
 int camera_grab(struct camera *camera, struct frame *frame, struct fault *fault);
 void camera_release(struct camera *camera, struct frame *frame);
+/* -ENOTSUP also where the driver has no such op. */
+int camera_control(struct camera *camera, const char *name, const char *value, struct fault *fault);
 void camera_close(struct camera *camera); /* zeroed is fine */
 
 #endif

@@ -1,4 +1,4 @@
-hal_PACKAGES := libturbojpeg libpng libxxhash inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
+hal_PACKAGES := libturbojpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/buttons.c \
@@ -19,6 +19,7 @@ HAL_SOURCES := \
 	hal/output.c \
 	hal/pool.c \
 	hal/processor.c \
+	hal/response.c \
 	hal/transfer.c \
 	hal/view.c \
 	hal/ini/ini.c \
@@ -28,17 +29,28 @@ HAL_SOURCES := \
 	hal/basis/basis.c \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \
+	hal/basis/basis_file.c \
+	hal/basis/basis_glass.c \
 	hal/basis/basis_layout.c \
+	hal/basis/basis_names.c \
+	hal/basis/basis_store.c \
 	hal/basis/basis_writer.c \
+	hal/basis/pack.c \
 	hal/compositor/backdrop.c \
 	hal/compositor/block_sums.c \
+	hal/compositor/column_choice.c \
 	hal/compositor/compositor.c \
 	hal/compositor/division.c \
+	hal/compositor/fetch.c \
 	hal/compositor/frame.c \
+	hal/compositor/glass.c \
 	hal/compositor/kept_sums.c \
 	hal/compositor/kernel_curves.c \
 	hal/compositor/kernels.c \
 	hal/compositor/kernels_c.c \
+	hal/compositor/light_budget.c \
+	hal/compositor/light_return.c \
+	hal/compositor/light_terms.c \
 	hal/compositor/light_vector.c \
 	hal/compositor/lines.c \
 	hal/compositor/plan.c \
@@ -50,8 +62,15 @@ HAL_SOURCES := \
 	hal/image/image_jpeg.c \
 	hal/image/image_hdr.c \
 	hal/image/image_pfm.c \
+	hal/lights/exposure_schedule.c \
+	hal/lights/exposures.c \
+	hal/lights/light_filter.c \
 	hal/lights/lights_file.c \
+	hal/lights/pixel_noise.c \
+	hal/lights/recovery.c \
+	hal/lights/recovery_pieces.c \
 	hal/lights/sampler.c \
+	hal/lights/sampler_frame.c \
 	hal/lights/sampler_kernels.c \
 	hal/lights/sampler_shares.c \
 	hal/lights/sampler_table.c \
@@ -65,28 +84,31 @@ HAL_SOURCES := \
 	hal/optics/dome_cells.c \
 	hal/optics/dome_lookup.c \
 	hal/optics/dome_nodes.c \
+	hal/optics/dome_tents.c \
+	hal/optics/dome_triangles.c \
 	hal/optics/fisheye.c \
+	hal/optics/fisheye_curve.c \
 	hal/optics/panorama.c \
 	hal/optics/tsai.c
 # The compositor's inner loops: only these files are built for more than every processor has.
 HAL_SOURCES += $(addprefix hal/compositor/kernels_,$(if $(filter x86_64,$(MACHINE)),\
 	sse41.c avx2.c avx512.c)$(if $(filter aarch64,$(MACHINE)),neon.c neon_dotprod.c))
-$(BUILD)/hal/compositor/kernels_sse41.o: ISA_FLAGS := -msse4.1
-$(BUILD)/hal/compositor/kernels_avx2.o: ISA_FLAGS := -mavx2
-$(BUILD)/hal/compositor/kernels_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
+$(BUILD)/hal/compositor/kernels_sse41.o: OWN_FLAGS := -msse4.1
+$(BUILD)/hal/compositor/kernels_avx2.o: OWN_FLAGS := -mavx2
+$(BUILD)/hal/compositor/kernels_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
 	-mavx512vnni
-$(BUILD)/hal/compositor/kernels_neon_dotprod.o: ISA_FLAGS := -march=armv8.2-a+dotprod
+$(BUILD)/hal/compositor/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv8.2-a+dotprod
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)
 HAL_SOURCES += hal/frame_rows_avx2.c hal/frame_rows_avx512.c hal/lights/sampler_avx2.c \
 	hal/lights/sampler_avx512.c
-$(BUILD)/hal/lights/sampler_avx2.o: ISA_FLAGS := -mavx2
-$(BUILD)/hal/lights/sampler_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
+$(BUILD)/hal/lights/sampler_avx2.o: OWN_FLAGS := -mavx2
+$(BUILD)/hal/lights/sampler_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
 	-mavx512vbmi -mavx512vnni -mbmi2
-$(BUILD)/hal/frame_rows_avx2.o: ISA_FLAGS := -mavx2
-$(BUILD)/hal/frame_rows_avx512.o: ISA_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl
+$(BUILD)/hal/frame_rows_avx2.o: OWN_FLAGS := -mavx2
+$(BUILD)/hal/frame_rows_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl
 else ifeq ($(MACHINE),aarch64)
 HAL_SOURCES += hal/frame_rows_neon.c hal/lights/sampler_neon.c
 endif

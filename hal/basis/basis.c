@@ -1,22 +1,26 @@
 #include "hal/basis/basis.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "hal/basis/basis_file.h"
+#include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_reader.h"
+#include "hal/basis/basis_store.h"
 
-_Static_assert(sizeof(struct basis_info_chunk) == 96, "as on disk");
+_Static_assert(sizeof(struct basis_info_chunk) == 104, "as on disk");
 _Static_assert(sizeof(struct basis_light) == 32, "as on disk");
 _Static_assert(sizeof(struct basis_coarse) == 12, "as on disk");
 _Static_assert(sizeof(struct basis_block_entry) == 40, "as on disk");
+_Static_assert(sizeof(struct basis_pose_name) == 32, "as on disk");
+_Static_assert(sizeof(struct basis_pack) == 16, "as on disk");
+_Static_assert(sizeof(struct basis_pack_part) == 24, "as on disk");
+_Static_assert(sizeof(struct basis_glass) == 16, "as on disk");
 
 /* Declared errors: none is NaN, infinite or negative. */
 static int check_errors(const struct basis_reader *r)
@@ -53,11 +57,14 @@ static int check_info(const struct basis_reader *r, const struct basis_chunk_map
 	if (info->grounds > BASIS_GROUNDS_MAX)
 		return basis_damaged(r, "%u ground terms, expected at most %d", info->grounds,
 				     BASIS_GROUNDS_MAX);
-	if (info->poses < 1 || info->poses > map->count)
+	if (info->poses < 1 || info->poses > BASIS_POSES_MAX || info->poses > map->count)
 		return basis_damaged(r, "%u poses in %u chunks", info->poses, map->count);
 	if (info->coarse < 1 || info->coarse > info->lights)
 		return basis_damaged(r, "%u coarse lights, expected 1 to %u", info->coarse,
 				     info->lights);
+	if (info->light_shape >= BASIS_LIGHT_SHAPE_COUNT || info->reserved != 0)
+		return basis_damaged(r, "light shape %u (and %u), expected 0 or 1 (and 0)",
+				     info->light_shape, info->reserved);
 	r->basis->tiles_across = (int)(info->width + BASIS_TILE - 1) / BASIS_TILE;
 	r->basis->tiles_down = (int)(info->height + BASIS_TILE - 1) / BASIS_TILE;
 	return check_errors(r);
@@ -148,6 +155,25 @@ static int check_coarse(const struct basis_reader *r)
 	return 0;
 }
 
+static int read_names(const struct basis_reader *r, const struct basis_chunk_map *map)
+{
+	const uint32_t poses = r->basis->info.poses;
+	const void *names = NULL;
+	int ret;
+
+	if (!map->names)
+		return 0;
+	ret = array(r, map->names, "POSE", poses * sizeof(*r->basis->names), &names);
+	if (ret < 0)
+		return ret;
+	r->basis->names = names;
+	ret = basis_names_check(names, poses);
+	return ret == -EINVAL
+		       ? basis_damaged(r, "names of poses, expected letters, digits, - and _, not "
+					  "digits alone, and no two alike")
+		       : ret;
+}
+
 static int check_peaks(const struct basis_reader *r, const float (*peak)[3])
 {
 	for (uint32_t i = 0; i <= r->basis->info.lights; i++) {
@@ -176,6 +202,8 @@ static int read_shared(const struct basis_reader *r, const struct basis_chunk_ma
 	if (ret == 0)
 		ret = array(r, map->coarse, "COAR",
 			    basis->info.coarse < n ? n * sizeof(*basis->coarse) : 0, &coarse);
+	if (ret == 0)
+		ret = read_names(r, map);
 	if (ret == 0)
 		ret = text(r, map->camera, "CAMR", &basis->camera);
 	if (ret == 0)
@@ -208,6 +236,18 @@ static int read_layer(const struct basis_reader *r, const struct basis_chunk_ent
 	return basis_read_blocks(r, &chunk, exact ? &to->exact : &to->shown);
 }
 
+static int add_packed(const struct basis_reader *r, const struct basis_pose_chunks *chunks,
+		      int index)
+{
+	struct basis *basis = r->basis;
+	int ret = 0;
+
+	if (!basis->store)
+		ret = basis_store_create(&basis->store, r, basis->poses);
+	return ret < 0 ? ret
+		       : basis_store_add(basis->store, r, index, chunks->blocks, chunks->pack);
+}
+
 static int read_pose(const struct basis_reader *r, const struct basis_pose_chunks *chunks,
 		     int index)
 {
@@ -215,9 +255,11 @@ static int read_pose(const struct basis_reader *r, const struct basis_pose_chunk
 	struct basis_pose *pose = &basis->poses[index];
 	const uint64_t pixels = (uint64_t)basis->info.width * basis->info.height;
 	const void *coverage = NULL, *peak = NULL;
-	int ret;
+	int ret = 0;
 
-	ret = array(r, chunks->coverage, "COVR", pixels * sizeof(*pose->coverage), &coverage);
+	if (!chunks->pack)
+		ret = array(r, chunks->coverage, "COVR", pixels * sizeof(*pose->coverage),
+			    &coverage);
 	if (ret == 0)
 		ret = array(r, chunks->peak, "PEAK",
 			    (basis->info.lights + UINT64_C(1)) * sizeof(*pose->peak), &peak);
@@ -227,10 +269,11 @@ static int read_pose(const struct basis_reader *r, const struct basis_pose_chunk
 	pose->peak = peak;
 	ret = check_peaks(r, pose->peak);
 	if (ret == 0)
-		ret = read_layer(r, chunks->blocks, chunks->data, index, false);
+		ret = chunks->pack ? add_packed(r, chunks, index)
+				   : read_layer(r, chunks->blocks, chunks->data, index, false);
 	if (ret == 0 && chunks->exact_blocks && r->part != BASIS_SHOWN)
 		ret = read_layer(r, chunks->exact_blocks, chunks->exact_data, index, true);
-	return ret;
+	return ret < 0 ? ret : basis_read_glass(r, chunks->glass, pose);
 }
 
 static int read_poses(const struct basis_reader *r, struct basis_chunk_map *map)
@@ -245,6 +288,10 @@ static int read_poses(const struct basis_reader *r, struct basis_chunk_map *map)
 	for (uint32_t p = 0; ret == 0 && p < poses; p++)
 		ret = read_pose(r, &map->poses[p], (int)p);
 	free(map->poses);
+	if (ret == 0 && r->basis->store)
+		ret = basis_store_check(r->basis->store, r);
+	if (ret == 0)
+		ret = basis_pose_load(r->basis, 0, r->fault);
 	return ret;
 }
 
@@ -284,66 +331,35 @@ int basis_open_memory(struct basis *basis, const void *data, size_t bytes, const
 						       .fault = fault});
 }
 
-static int map_file(int fd, const char *path, void **map, size_t *bytes, struct fault *fault)
-{
-	struct stat s;
-	int err;
-
-	if (fstat(fd, &s) < 0) {
-		err = -errno;
-		return fault_say(fault, err, "%s: cannot be read: %s", path, strerror(-err));
-	}
-	if (!S_ISREG(s.st_mode))
-		return fault_say(fault, -EINVAL, "%s: not a plain file, expected a basis file",
-				 path);
-	if (s.st_size == 0)
-		return fault_say(fault, -EBADMSG, "%s: empty, expected a basis file", path);
-	if ((uintmax_t)s.st_size > SIZE_MAX)
-		return fault_say(fault, -EFBIG, "%s: too large for this machine", path);
-	*bytes = (size_t)s.st_size;
-	*map = mmap(NULL, *bytes, PROT_READ, MAP_PRIVATE, fd, 0);
-	if (*map == MAP_FAILED) {
-		err = -errno;
-		*map = NULL;
-		return fault_say(fault, err, "%s: cannot be mapped: %s", path, strerror(-err));
-	}
-	return 0;
-}
-
 int basis_open(struct basis *basis, const char *path, enum basis_part part, struct fault *fault)
 {
-	size_t bytes = 0;
-	void *map = NULL;
-	int fd, ret;
+	struct basis_file file;
+	int ret;
 
 	memset(basis, 0, sizeof(*basis));
-	fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-	if (fd < 0) {
-		ret = -errno;
-		return fault_say(fault, ret, "%s: cannot be opened: %s", path, strerror(-ret));
-	}
-	ret = map_file(fd, path, &map, &bytes, fault);
-	close(fd);
+	ret = basis_file_open(&file, path, part, fault);
 	if (ret < 0)
 		return ret;
 	ret = open_data(basis, &(struct basis_reader){.basis = basis,
-						      .data = map,
-						      .bytes = bytes,
+						      .data = file.memory,
+						      .bytes = file.bytes,
 						      .name = path,
 						      .part = part,
-						      .mapped = true,
+						      .file = &file,
 						      .fault = fault});
-	if (ret < 0) {
-		munmap(map, bytes);
-		return ret;
+	if (ret == 0) {
+		(void)mprotect(file.memory, file.bytes, PROT_READ);
+		basis->map = file.memory;
+		basis->map_bytes = file.bytes;
+		file.memory = NULL;
 	}
-	basis->map = map;
-	basis->map_bytes = bytes;
-	return 0;
+	basis_file_close(&file);
+	return ret;
 }
 
 void basis_close(struct basis *basis)
 {
+	basis_store_destroy(basis->store);
 	for (uint32_t p = 0; basis->poses && p < basis->info.poses; p++) {
 		free(basis->poses[p].shown.tiles);
 		free(basis->poses[p].shown.blocks);

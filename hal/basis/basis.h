@@ -1,5 +1,5 @@
 /*
- * A basis file, mapped and checked: everything is validated before basis_open() returns, so whoever
+ * A basis file, read and checked: everything is validated before basis_open() returns, so whoever
  * reads blocks afterwards needs no checks. Layout: basis_format.h.
  */
 #ifndef INLAY_HAL_BASIS_BASIS_H
@@ -25,7 +25,7 @@ struct basis_block {
 	const uint16_t *light;	    /* [columns] */
 	const float *column_scale;  /* [columns] */
 	const int16_t *column16;    /* [panels16][channels][columns][32]; NULL unless bits is 16 */
-	const int8_t *column8;	    /* [panels8][channels][columns][64]; NULL unless bits is 8 */
+	const int8_t *column8;	    /* [columns][channels][panels8][64]; NULL unless bits is 8 */
 	size_t bytes;
 };
 
@@ -43,25 +43,32 @@ struct basis_layer {
 	int block_count;
 };
 
+/* Of a file that holds several, only those that are in memory have blocks and coverage:
+ * basis_pose_load(). */
 struct basis_pose {
-	const uint16_t *coverage; /* [height][width] */
-	const float (*peak)[3];	  /* [lights + 1] */
+	const uint16_t *coverage;	 /* [height][width] */
+	const float (*peak)[3];		 /* [lights + 1] */
+	const struct basis_glass *glass; /* [glass_count] */
+	size_t glass_count;		 /* 0: nothing is seen through the object */
 	struct basis_layer shown;
 	struct basis_layer exact; /* tiles is NULL where the file has none or was opened without */
+	unsigned turn;		  /* how often its blocks have come to lie somewhere else */
 };
 
 struct basis {
 	struct basis_info_chunk info;
 	const struct basis_light *lights;
-	const double *ground;		   /* [grounds][3][lights] */
-	const struct basis_coarse *coarse; /* [lights]; NULL: each light is its own */
-	const char *camera;		   /* INI text, NUL-terminated; empty when absent */
+	const double *ground;		     /* [grounds][3][lights] */
+	const struct basis_coarse *coarse;   /* [lights]; NULL: each light is its own */
+	const struct basis_pose_name *names; /* [poses]; NULL: they have none */
+	const char *camera;		     /* INI text, NUL-terminated; empty when absent */
 	const char *provenance;
 	int tiles_across, tiles_down;
 	struct basis_pose *poses;
 	/* private */
 	void *map;
 	size_t map_bytes;
+	struct basis_store *store; /* NULL: all poses lie in place */
 };
 
 enum basis_part {
@@ -70,9 +77,10 @@ enum basis_part {
 	BASIS_ALL,	  /* the exact layer where there is one */
 };
 
-/* -ENOENT..., -EBADMSG for a file that is damaged, truncated, inconsistent or not one of ours (the
- * fault says what and where), -ENOTSUP for another version, -ENODATA as above. Nothing is left open
- * on failure. */
+/* BASIS_SHOWN reads what is shown into memory, and whatever becomes of the file changes nothing;
+ * for the others it is mapped, and has to stay as it is. -ENOENT..., -EBADMSG for a file that is
+ * damaged, truncated, inconsistent or not one of ours (the fault says what and where), -ENOTSUP for
+ * another version, -ENODATA as above. Nothing is left open on failure. */
 int basis_open(struct basis *basis, const char *path, enum basis_part part, struct fault *fault);
 
 /* The same from memory, which must stay (for tests and fuzzing). data is page-aligned or at least
@@ -81,6 +89,37 @@ int basis_open_memory(struct basis *basis, const void *data, size_t bytes, const
 		      enum basis_part part, struct fault *fault);
 
 void basis_close(struct basis *basis); /* idempotent; zeroed is fine */
+
+/* "" where it has none. */
+const char *basis_pose_name(const struct basis *basis, int pose);
+
+/* The pose of that number or name; -EINVAL. */
+int basis_find_pose(const struct basis *basis, const char *text, struct fault *fault);
+
+/*
+ * Poses of a file that holds several lie packed in it; pose 0 is in memory when the file is opened.
+ * One thread at a time uses the poses: loads them, expects others, reads blocks.
+ *
+ * Load: the pose is in memory from here on, until another set is expected without it. It may have
+ * been unpacked ahead; else all processors do it now. -ENOMEM; -EBADMSG if the file was changed
+ * since it was checked.
+ */
+int basis_pose_load(const struct basis *basis, int pose, struct fault *fault);
+
+/* Expect: these poses, some of which may be in use, will be needed in this order: a thread unpacks
+ * what is not there yet, and all others are dropped. At most BASIS_EXPECT_MAX count. */
+#define BASIS_EXPECT_MAX 8
+void basis_poses_expect(const struct basis *basis, const int *poses, int count);
+
+/* Whether loading it takes no longer than a lock. It comes to be so only of those that are
+ * expected, and stays so as long as they are. One that cannot be unpacked is ready to fail. */
+bool basis_pose_ready(const struct basis *basis, int pose);
+
+/* The tile of a pixel that is seen through. */
+static inline int basis_glass_tile(const struct basis *basis, const struct basis_glass *glass)
+{
+	return glass->y / BASIS_TILE * basis->tiles_across + glass->x / BASIS_TILE;
+}
 
 const double *basis_ground(const struct basis *basis, int ground, int channel); /* [lights] */
 

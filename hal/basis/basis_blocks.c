@@ -98,6 +98,33 @@ static int check_lies(const struct place *at, const struct basis_block_entry *e,
 	return 0;
 }
 
+int basis_check_shapes(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk)
+{
+	struct place at = {.reader = reader, .chunk = chunk};
+	uint64_t end = 0;
+
+	for (at.index = 0; at.index < chunk->count; at.index++) {
+		const struct basis_block_entry *e = &chunk->entries[at.index];
+		const int ret = check_shape(&at, e);
+
+		if (ret < 0)
+			return ret;
+		if (e->offset != end ||
+		    e->bytes != basis_layout(e, (int)reader->basis->info.coarse).bytes)
+			return DAMAGED(&at,
+				       "%llu bytes at byte %llu, expected %zu at %llu, behind the "
+				       "block before it",
+				       (unsigned long long)e->bytes, (unsigned long long)e->offset,
+				       basis_layout(e, (int)reader->basis->info.coarse).bytes,
+				       (unsigned long long)end);
+		end += e->bytes;
+	}
+	return end == chunk->data_bytes
+		       ? 0
+		       : basis_damaged(reader, "pose %d: blocks of %llu bytes, expected %zu",
+				       chunk->pose, (unsigned long long)end, chunk->data_bytes);
+}
+
 static void locate(struct basis_block *b, const struct basis_block_entry *e,
 		   const struct basis_layout *layout, const uint8_t *payload)
 {
@@ -296,14 +323,15 @@ static bool has_least8(const int8_t *v, size_t count)
 	return any != 0;
 }
 
-/* Lines of one cache line each: the last panel's hold 0 behind their `used` bytes. */
+/* Lines of one cache line each, every `step`th: the last panel's hold 0 behind their `used` bytes.
+ */
 static int check_rest(const struct place *at, const char *what, const void *lines, size_t count,
-		      size_t used)
+		      size_t step, size_t used)
 {
 	const uint8_t *line = lines;
 	bool zero = true;
 
-	for (size_t i = 0; i < count && used; i++, line += BASIS_ALIGN)
+	for (size_t i = 0; i < count && used; i++, line += step * BASIS_ALIGN)
 		zero &= basis_all_zero(line + used, line + BASIS_ALIGN);
 	return zero ? 0 : DAMAGED(at, "%s after the last pixel are not 0", what);
 }
@@ -328,11 +356,13 @@ static int check_lines(const struct place *at, const struct basis_block *b,
 			       b->bits == 16 ? -INT16_MAX : -INT8_MAX);
 	ret = check_rest(at, "coefficients",
 			 b->coefficient + (panels16 - 1) * coefficients * BASIS_LINE16,
-			 coefficients, (size_t)b->pixels % BASIS_LINE16 * sizeof(int16_t));
+			 coefficients, 1, (size_t)b->pixels % BASIS_LINE16 * sizeof(int16_t));
 	if (ret < 0)
 		return ret;
 	return check_rest(at, "columns",
-			  (const uint8_t *)column + (panels - 1) * columns * BASIS_ALIGN, columns,
+			  (const uint8_t *)column +
+				  (panels - 1) * (b->bits == 16 ? columns : 1) * BASIS_ALIGN,
+			  columns, b->bits == 16 ? 1 : panels,
 			  (size_t)b->pixels % line * value_bytes);
 }
 

@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <xxhash.h>
 
+#include "hal/basis/basis_file.h"
 #include "hal/basis/basis_reader.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the file is read where it lies");
@@ -53,8 +53,10 @@ static int check_header(const struct basis_reader *r, struct basis_chunk_map *ma
 {
 	struct basis_file_header header;
 	uint64_t checksum;
-	int ret;
+	int ret = r->bytes < sizeof(header) ? 0 : basis_file_fetch(r, 0, sizeof(header));
 
+	if (ret < 0)
+		return ret;
 	if (r->bytes < sizeof(header) || memcmp(r->data, BASIS_MAGIC, sizeof(header.magic)) != 0)
 		return fault_say(r->fault, -EBADMSG,
 				 "%s: not a basis file (%zu bytes): expected one made by "
@@ -74,7 +76,9 @@ static int check_header(const struct basis_reader *r, struct basis_chunk_map *ma
 				     header.chunk_count, BASIS_CHUNKS_MAX);
 	map->table = (const struct basis_chunk_entry *)(r->data + sizeof(header));
 	map->count = header.chunk_count;
-
+	ret = basis_file_fetch(r, sizeof(header), map->count * sizeof(*map->table));
+	if (ret < 0)
+		return ret;
 	checksum = header.checksum;
 	ret = hash_table(r, &header, map);
 	if (ret == 0 && header.checksum != checksum)
@@ -89,11 +93,40 @@ static bool is_exact(const struct basis_chunk_entry *c)
 	return c->type == BASIS_CHUNK_EXACT_BLOCKS || c->type == BASIS_CHUNK_EXACT_DATA;
 }
 
+static int check_gap(const struct basis_reader *r, uint64_t from, uint64_t to)
+{
+	const int ret = basis_file_fetch(r, from, to - from);
+
+	if (ret < 0)
+		return ret;
+	return basis_all_zero(r->data + from, r->data + to) ? 0 : 1;
+}
+
+/* What is packed is not kept: poses are many, and each is read when it is unpacked. */
+static int check_sum(const struct basis_reader *r, const struct basis_chunk_entry *c, uint32_t i)
+{
+	const uint8_t *data = r->data + c->offset;
+	void *owned = NULL;
+	bool same;
+	int ret;
+
+	if (c->type == BASIS_CHUNK_PACK)
+		ret = basis_file_borrow(r, c->offset, c->bytes, &data, &owned);
+	else
+		ret = basis_file_fetch(r, c->offset, c->bytes);
+	if (ret < 0)
+		return ret;
+	same = XXH3_64bits(data, c->bytes) == c->checksum;
+	free(owned);
+	return same ? 0 : basis_damaged(r, "chunk %u does not have its checksum", i);
+}
+
 /* Bounds, order, gaps and checksums of all chunks, of unknown types too. The exact layer may be
  * many times what is shown: where nobody asked for it, not a byte of it is fetched. */
 static int check_chunks(const struct basis_reader *r, const struct basis_chunk_map *map)
 {
 	uint64_t end = sizeof(struct basis_file_header) + map->count * sizeof(*map->table);
+	int ret;
 
 	for (uint32_t i = 0; i < map->count; i++) {
 		const struct basis_chunk_entry *c = &map->table[i];
@@ -106,19 +139,19 @@ static int check_chunks(const struct basis_reader *r, const struct basis_chunk_m
 					     "the file",
 					     i, (unsigned long long)c->bytes,
 					     (unsigned long long)c->offset, BASIS_PAGE);
-		if (!basis_all_zero(r->data + end, r->data + c->offset))
-			return basis_damaged(r, "bytes before chunk %u are not 0", i);
+		ret = check_gap(r, end, c->offset);
+		if (ret)
+			return ret < 0 ? ret
+				       : basis_damaged(r, "bytes before chunk %u are not 0", i);
 		end = c->offset + c->bytes;
 		if (is_exact(c) && r->part == BASIS_SHOWN)
 			continue;
-		if (r->mapped && c->bytes)
-			(void)madvise((void *)(r->data + c->offset), c->bytes, MADV_WILLNEED);
-		if (XXH3_64bits(r->data + c->offset, c->bytes) != c->checksum)
-			return basis_damaged(r, "chunk %u does not have its checksum", i);
+		ret = check_sum(r, c, i);
+		if (ret < 0)
+			return ret;
 	}
-	if (!basis_all_zero(r->data + end, r->data + r->bytes))
-		return basis_damaged(r, "bytes after the last chunk are not %d", 0);
-	return 0;
+	ret = check_gap(r, end, r->bytes);
+	return ret > 0 ? basis_damaged(r, "bytes after the last chunk are not %d", 0) : ret;
 }
 
 static const struct basis_chunk_entry **shared_slot(struct basis_chunk_map *map, uint32_t type)
@@ -132,6 +165,8 @@ static const struct basis_chunk_entry **shared_slot(struct basis_chunk_map *map,
 		return &map->ground;
 	case BASIS_CHUNK_COARSE:
 		return &map->coarse;
+	case BASIS_CHUNK_POSES:
+		return &map->names;
 	case BASIS_CHUNK_CAMERA:
 		return &map->camera;
 	case BASIS_CHUNK_PROVENANCE:
@@ -148,10 +183,14 @@ static const struct basis_chunk_entry **pose_slot(struct basis_pose_chunks *pose
 		return &pose->coverage;
 	case BASIS_CHUNK_PEAK:
 		return &pose->peak;
+	case BASIS_CHUNK_GLASS:
+		return &pose->glass;
 	case BASIS_CHUNK_BLOCKS:
 		return &pose->blocks;
 	case BASIS_CHUNK_DATA:
 		return &pose->data;
+	case BASIS_CHUNK_PACK:
+		return &pose->pack;
 	case BASIS_CHUNK_EXACT_BLOCKS:
 		return &pose->exact_blocks;
 	case BASIS_CHUNK_EXACT_DATA:
@@ -200,8 +239,11 @@ int basis_find_chunks(const struct basis_reader *r, struct basis_chunk_map *map)
 static int check_pose_chunks(const struct basis_reader *r, const struct basis_pose_chunks *pose,
 			     uint32_t index)
 {
-	if (!pose->blocks || !pose->data)
+	if (!pose->blocks || (!pose->data && !pose->pack))
 		return basis_damaged(r, "pose %u has no BLCK and DATA chunks", index);
+	if (pose->pack && (pose->data || pose->coverage))
+		return basis_damaged(r, "pose %u has PACK, and DATA or COVR; expected one of them",
+				     index);
 	if (!pose->exact_blocks != !pose->exact_data)
 		return basis_damaged(r, "pose %u has one of BLCX and DATX, expected both or none",
 				     index);

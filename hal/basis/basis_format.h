@@ -1,5 +1,5 @@
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 2.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 4.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -55,7 +55,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 2
+#define BASIS_VERSION 4
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* of every array inside a block */
 
@@ -66,6 +66,8 @@
 #define BASIS_GROUNDS_MAX 256
 #define BASIS_GROUND_MAX 1e30 /* of u: so that no sum of u L overflows */
 #define BASIS_CHUNKS_MAX 65536
+#define BASIS_POSES_MAX 8192
+#define BASIS_POSE_NAME_MAX 32	/* with its NUL */
 #define BASIS_PATTERNS_MAX 1024 /* of a block */
 /* No value per unit of X exceeds this before its tint. Held are, for columns of 16 bits,
  * scale * 32767; for those of 8, scale * 127; for each pattern,
@@ -91,6 +93,14 @@ struct basis_chunk_entry {
 	uint64_t checksum; /* XXH3-64 of the chunk */
 };
 
+/*
+ * What one light of the dome is. Its solid angle w_i is the integral of its weight over the sky.
+ *   cell   weight 1 in the directions nearest to its node, 0 elsewhere
+ *   tent   weight 1 at its node, falling linearly to 0 across the dome's triangles around it: the
+ *          weights of a direction add up to 1, and a lamp that moves is handed from light to light
+ */
+enum basis_light_shape { BASIS_LIGHT_CELL, BASIS_LIGHT_TENT, BASIS_LIGHT_SHAPE_COUNT };
+
 #define BASIS_FOURCC(a, b, c, d)                                                                   \
 	((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
@@ -110,6 +120,13 @@ enum basis_chunk {
 	/* float [lights + 1][3]: the largest radiance that any pixel of the object gives off per
 	 * unit of L_i; the last row holds the largest under L_i = 1 for all i */
 	BASIS_CHUNK_PEAK = BASIS_FOURCC('P', 'E', 'A', 'K'),
+	/* in the place of a pose's COVR and DATA: struct basis_pack, struct basis_pack_part
+	 * [parts], coverage, and the parts' streams */
+	BASIS_CHUNK_PACK = BASIS_FOURCC('P', 'A', 'C', 'K'),
+	/* struct basis_glass []: where the background is seen through the object; may be absent */
+	BASIS_CHUNK_GLASS = BASIS_FOURCC('G', 'L', 'A', 'S'),
+	/* struct basis_pose_name [poses]; may be absent */
+	BASIS_CHUNK_POSES = BASIS_FOURCC('P', 'O', 'S', 'E'),
 	/* Texts end in a NUL byte, their only one. */
 	BASIS_CHUNK_CAMERA = BASIS_FOURCC('C', 'A', 'M', 'R'),	   /* the camera as INI */
 	BASIS_CHUNK_PROVENANCE = BASIS_FOURCC('P', 'R', 'O', 'V'), /* key = value lines */
@@ -120,8 +137,10 @@ struct basis_info_chunk {
 	uint32_t lights;
 	uint32_t dome_frequency, dome_division;
 	uint32_t grounds;
-	uint32_t poses;	 /* >= 1 */
-	uint32_t coarse; /* K, 1..lights */
+	uint32_t poses;	      /* >= 1 */
+	uint32_t coarse;      /* K, 1..lights */
+	uint32_t light_shape; /* enum basis_light_shape */
+	uint32_t reserved;    /* 0 */
 	/*
 	 * Declared errors; that of the light cells themselves is in none of them.
 	 *
@@ -132,7 +151,8 @@ struct basis_info_chunk {
 	 *   object_error  |error of O| <= this * sum over i of X_i
 	 *   ratio_error   |error of the ratio| <= this (V blocks)
 	 * Measured by the bake against its own transport before any cut, in 8-bit sRGB levels over
-	 * stored pixels, the background being the ground's own light (bake/ensemble.h):
+	 * stored pixels, the background being the ground's own light, or white under a cell
+	 * alone (bake/ensemble.h):
 	 *   sky_rms, sky_max    the worst of an ensemble of lightings: overcast, suns, random
 	 *   cell_rms, cell_max  every cell lit alone (RMS over all of them)
 	 * noise_levels  estimated standard error of the render, 8-bit sRGB levels, RMS over stored
@@ -158,6 +178,37 @@ struct basis_coarse {
 	uint16_t weight[3];
 };
 
+/* What a pose is called: letters, digits, - and _, not digits alone, no two alike; zeros behind it.
+ * Empty: it has no name. */
+struct basis_pose_name {
+	char text[BASIS_POSE_NAME_MAX];
+};
+
+/*
+ * A pixel in which the background B is seen through the object, straight or bent:
+ *
+ *     out = O + ratio * ((1 - coverage) * B(x, y) + transmission * B(x + dx, y + dy))
+ *
+ * transmission is what arrives of the background's light, averaged over the whole pixel like T:
+ * samples that see none of it through the object count as 0, so it is at most coverage, as glass
+ * covers. B(x + dx, y + dy) is the mean, in linear light, of what the picture shows in a rectangle
+ * around the middle of the pixel moved by the offset; the picture's edge goes on beyond it. Its
+ * sides are 1 + spread / BASIS_GLASS_SPREAD pixels, so straight glass shows the pixel itself. ratio
+ * is that of the pixel's V, or D and U: they hold the mean over the real surfaces that are seen
+ * beside the object (each sample counts 1) and through it (each counts the mean of its three
+ * transmissions), and samples of the background without a real surface count as unchanged.
+ */
+#define BASIS_GLASS_STEP 16 /* of an offset, in a pixel */
+#define BASIS_GLASS_SPREAD 4
+
+/* In the order of tiles, in each by y, then x; no pixel twice. */
+struct basis_glass {
+	uint16_t x, y;		  /* in the picture */
+	uint16_t transmission[3]; /* 65535 = 1 */
+	int16_t dx, dy;
+	uint8_t spread[2]; /* across, down */
+};
+
 enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_KIND_COUNT };
 
 /*
@@ -171,12 +222,13 @@ enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_
  *     uint16 light[columns]              ascending, < N
  *     float  column_scale[columns]       finite, >= 0
  *     int16  column[panels16][channels][columns][32]      bits = 16
- *     int8   column[panels8][channels][columns][64]       bits = 8
+ *     int8   column[columns][channels][panels8][64]       bits = 8
  *
  * A panel is as many pixels of the block, in the order of its list, as fill a cache line:
  * panels16 = ceil(pixels / 32), panels8 = ceil(pixels / 64); places after the last pixel hold 0. A
  * line, 64 bytes, is one pattern or column for one panel and channel: what is read, or left out, as
- * a whole. -32768 and -128 do not occur.
+ * a whole. Of columns of 16 bits most are read, panel by panel; of those of 8 bits a few here and
+ * there, so that what is read of one lies together. -32768 and -128 do not occur.
  *
  * Every pixel of a D block is in one of its tile's U blocks; of U no light
  * alone comes out negative by more than quantisation.
@@ -195,6 +247,35 @@ struct basis_block_entry {
 	uint32_t reserved;
 	uint64_t offset; /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */
 	uint64_t bytes;
+};
+
+/*
+ * A file of several poses shows one at a time, so the others may lie packed. PACK holds what COVR
+ * and DATA would; payloads lie there one behind the other, without a gap, in parts of some blocks
+ * each. A part is four streams, each one zstd frame (RFC 8878), or nothing where it is empty:
+ *
+ *     0  pixel, tint, pattern_scale, light and column_scale with their padding, as they are
+ *     1  upper bytes of all 16-bit values: patterns, coefficients, columns
+ *     2  their lower bytes
+ *     3  columns of 8 bits
+ *
+ * A value v is there as 2v, or -2v - 1 where it is negative, modulo 2^8 or 2^16. Coefficients and
+ * columns are differences first: those of 16 bits from the value before, 0 before a block's first;
+ * those of 8 bits from the value before in the same row of BASIS_TILE, a row's first from that of
+ * the row before, each channel of each column by itself.
+ */
+#define BASIS_PACK_STREAMS 4
+
+struct basis_pack {
+	uint64_t data_bytes; /* of DATA */
+	uint32_t parts;
+	uint32_t coverage_bytes; /* packed: one zstd frame of what COVR would be */
+};
+
+struct basis_pack_part {
+	uint32_t blocks;		    /* the next so many of the list; >= 1 */
+	uint32_t bytes[BASIS_PACK_STREAMS]; /* packed */
+	uint32_t reserved;		    /* 0 */
 };
 
 #endif

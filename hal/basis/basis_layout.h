@@ -28,4 +28,15 @@ struct basis_layout {
  * is K. Nothing overflows. */
 struct basis_layout basis_layout(const struct basis_block_entry *entry, int coarse);
 
+/* Whether poses may be called so. 0, -EINVAL, -ENOMEM. */
+int basis_names_check(const struct basis_pose_name *names, uint32_t count);
+
+/* Which of a block's lines of columns holds `column` for one panel and channel. */
+static inline size_t basis_column_line(int bits, int panels, int channels, int columns, int panel,
+				       int channel, int column)
+{
+	return bits == 8 ? (size_t)(column * channels + channel) * (size_t)panels + (size_t)panel
+			 : (size_t)(panel * channels + channel) * (size_t)columns + (size_t)column;
+}
+
 #endif

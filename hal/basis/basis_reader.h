@@ -6,13 +6,15 @@
 
 #include "hal/basis/basis.h"
 
+struct basis_file;
+
 struct basis_reader {
 	struct basis *basis;
 	const uint8_t *data;
 	size_t bytes;
 	const char *name;
 	enum basis_part part;
-	bool mapped; /* data is a file's mapping: what will be read can be asked for */
+	const struct basis_file *file; /* NULL: data is the caller's memory, and all there */
 	struct fault *fault;
 };
 
@@ -25,13 +27,14 @@ bool basis_all_zero(const uint8_t *from, const uint8_t *to);
 
 /* Where the chunks lie; NULL for those that the file does not have. */
 struct basis_pose_chunks {
-	const struct basis_chunk_entry *coverage, *peak, *blocks, *data, *exact_blocks, *exact_data;
+	const struct basis_chunk_entry *coverage, *peak, *blocks, *data, *exact_blocks, *exact_data,
+		*pack, *glass;
 };
 
 struct basis_chunk_map {
 	const struct basis_chunk_entry *table;
 	uint32_t count;
-	const struct basis_chunk_entry *info, *dome, *ground, *coarse, *camera, *provenance;
+	const struct basis_chunk_entry *info, *dome, *ground, *coarse, *names, *camera, *provenance;
 	struct basis_pose_chunks *poses; /* by basis_find_pose_chunks(); to be freed */
 };
 
@@ -42,6 +45,11 @@ int basis_find_chunks(const struct basis_reader *reader, struct basis_chunk_map 
 /* Those of each of basis->info.poses poses. -EBADMSG, -ENOMEM. */
 int basis_find_pose_chunks(const struct basis_reader *reader, struct basis_chunk_map *map);
 
+/* Checks what is seen through the object of a pose, and fills it in. chunk may be NULL. -EBADMSG.
+ */
+int basis_read_glass(const struct basis_reader *reader, const struct basis_chunk_entry *chunk,
+		     struct basis_pose *pose);
+
 /* A layer's block list and payloads, as found in the file. */
 struct basis_blocks_chunk {
 	const struct basis_block_entry *entries;
@@ -51,6 +59,10 @@ struct basis_blocks_chunk {
 	int pose;
 	bool exact;
 };
+
+/* Checks the list alone, of payloads that lie one behind the other: whatever basis_layout() asks
+ * for is in its range, and data_bytes is right. -EBADMSG. */
+int basis_check_shapes(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk);
 
 /* Checks every block of a layer and fills it. -EBADMSG, -ENOMEM. */
 int basis_read_blocks(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk,

@@ -8,14 +8,18 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "hal/basis/basis_layout.h"
+#include "hal/basis/pack.h"
 #include "hal/output.h"
 
-/* INFO, DOME, GROUND, COARSE and CAMERA first, PROVENANCE last; each pose has DATA, BLOCKS,
- * EXACT_DATA, EXACT_BLOCKS, COVERAGE and PEAK. At most: some may be absent. */
+/* INFO, DOME, GROUND, COARSE and CAMERA first, POSES and PROVENANCE last; each pose has DATA,
+ * BLOCKS, EXACT_DATA, EXACT_BLOCKS, COVERAGE, PEAK and GLASS. At most: some may be absent. */
 #define FIRST_CHUNKS 5
-#define POSE_CHUNKS 6
-#define LAST_CHUNKS 1
-#define POSES_MAX ((BASIS_CHUNKS_MAX - FIRST_CHUNKS - LAST_CHUNKS) / POSE_CHUNKS)
+#define POSE_CHUNKS 7
+#define LAST_CHUNKS 2
+
+_Static_assert(FIRST_CHUNKS + POSE_CHUNKS * BASIS_POSES_MAX + LAST_CHUNKS <= BASIS_CHUNKS_MAX,
+	       "chunks for all poses");
 
 /* The blocks of the open pose in one layer. */
 struct block_list {
@@ -32,6 +36,8 @@ struct basis_writer {
 	XXH3_state_t *hash;
 	bool in_pose; /* the DATA chunk of a pose is open */
 	uint32_t poses_done;
+	struct packer *packer; /* of files of several poses; NULL: payloads lie in place */
+	uint64_t data_bytes;   /* of the open pose's payloads, where they are packed */
 	struct block_list shown, exact;
 	FILE *aside; /* payloads of the exact blocks of the open pose; NULL: none yet */
 	uint64_t aside_bytes;
@@ -114,9 +120,9 @@ static int check_info(const struct basis_info_chunk *info, const char *path, str
 	if (info->grounds > BASIS_GROUNDS_MAX)
 		return fault_say(fault, -EINVAL, "%s: %u ground terms, expected at most %d", path,
 				 info->grounds, BASIS_GROUNDS_MAX);
-	if (info->poses < 1 || info->poses > POSES_MAX)
+	if (info->poses < 1 || info->poses > BASIS_POSES_MAX)
 		return fault_say(fault, -EINVAL, "%s: %u poses, expected 1 to %d", path,
-				 info->poses, POSES_MAX);
+				 info->poses, BASIS_POSES_MAX);
 	if (info->coarse < 1 || info->coarse > info->lights)
 		return fault_say(fault, -EINVAL, "%s: %u coarse lights, expected 1 to %u", path,
 				 info->coarse, info->lights);
@@ -170,6 +176,10 @@ int basis_writer_open(struct basis_writer **writer, const char *path,
 	w->chunk_limit = FIRST_CHUNKS + POSE_CHUNKS * info->poses + LAST_CHUNKS;
 	w->chunks = calloc(w->chunk_limit, sizeof(*w->chunks));
 	w->hash = XXH3_createState();
+	if (info->poses > 1 && packer_create(&w->packer, (int)info->coarse) < 0) {
+		ret = fault_say(fault, -ENOMEM, "%s: out of memory", path);
+		goto fail;
+	}
 	if (!w->chunks || !w->hash) {
 		ret = fault_say(fault, -ENOMEM, "%s: out of memory", path);
 		goto fail;
@@ -198,10 +208,11 @@ static int pose_begin(struct basis_writer *w, struct fault *fault)
 	if (w->poses_done == w->info.poses)
 		return fault_say(fault, -EINVAL, "%s: more poses written than the %u announced",
 				 w->output.path, w->info.poses);
-	ret = chunk_begin(w, BASIS_CHUNK_DATA, w->poses_done);
+	ret = w->packer ? 0 : chunk_begin(w, BASIS_CHUNK_DATA, w->poses_done);
 	if (ret < 0)
 		return say_write(w, ret, fault);
 	w->in_pose = true;
+	w->data_bytes = 0;
 	w->shown.count = w->exact.count = 0;
 	w->aside_bytes = 0;
 	return 0;
@@ -233,14 +244,29 @@ static int note(const struct basis_writer *w, struct block_list *list,
 	return 0;
 }
 
+static int pack_blocks(struct basis_writer *w, const struct basis_block_payload *blocks, int count,
+		       struct fault *fault)
+{
+	int ret = 0;
+
+	for (int i = 0; i < count && ret == 0; i++) {
+		ret = note(w, &w->shown, &blocks[i].entry, w->data_bytes, fault);
+		if (ret < 0)
+			return ret;
+		ret = packer_add(w->packer, &blocks[i].entry, blocks[i].payload);
+		w->data_bytes += blocks[i].entry.bytes;
+	}
+	return ret < 0 ? say_write(w, ret, fault) : 0;
+}
+
 int basis_writer_blocks(struct basis_writer *w, const struct basis_block_payload *blocks, int count,
 			struct fault *fault)
 {
 	uint64_t data;
 	int ret = pose_begin(w, fault);
 
-	if (ret < 0)
-		return ret;
+	if (ret < 0 || w->packer)
+		return ret < 0 ? ret : pack_blocks(w, blocks, count, fault);
 	data = w->chunks[w->chunk_count].offset;
 	for (int i = 0; i < count; i++) {
 		ret = pad(w, BASIS_ALIGN, true);
@@ -361,6 +387,16 @@ static int write_exact(struct basis_writer *w, uint32_t pose)
 			   w->exact.count * sizeof(*w->exact.entries));
 }
 
+static int write_packed(struct basis_writer *w, uint32_t pose, const uint16_t *coverage,
+			size_t pixels)
+{
+	const void *chunk = NULL;
+	size_t bytes = 0;
+	const int ret = packer_finish(w->packer, coverage, pixels, &chunk, &bytes);
+
+	return ret < 0 ? ret : chunk_write(w, BASIS_CHUNK_PACK, pose, chunk, bytes);
+}
+
 int basis_writer_pose_end(struct basis_writer *w, const uint16_t *coverage, const float (*peak)[3],
 			  struct fault *fault)
 {
@@ -370,19 +406,37 @@ int basis_writer_pose_end(struct basis_writer *w, const uint16_t *coverage, cons
 
 	if (ret < 0)
 		return ret;
-	chunk_end(w);
+	if (!w->packer)
+		chunk_end(w);
 	w->in_pose = false;
 	w->poses_done++;
 	ret = chunk_write(w, BASIS_CHUNK_BLOCKS, pose, w->shown.entries,
 			  w->shown.count * sizeof(*w->shown.entries));
 	if (ret == 0 && w->exact.count)
 		ret = write_exact(w, pose);
-	if (ret == 0)
+	if (ret == 0 && w->packer)
+		ret = write_packed(w, pose, coverage, pixels);
+	else if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_COVERAGE, pose, coverage,
 				  pixels * sizeof(*coverage));
 	if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_PEAK, pose, peak,
 				  (w->info.lights + (size_t)1) * sizeof(*peak));
+	return ret < 0 ? say_write(w, ret, fault) : 0;
+}
+
+int basis_writer_glass(struct basis_writer *w, const struct basis_glass *glass, size_t count,
+		       struct fault *fault)
+{
+	int ret;
+
+	if (w->in_pose || !w->poses_done || !count ||
+	    w->chunks[w->chunk_count - 1].type == BASIS_CHUNK_GLASS)
+		return fault_say(fault, -EINVAL,
+				 "%s: %zu pixels that are seen through, expected some, once, after "
+				 "the end of their pose",
+				 w->output.path, count);
+	ret = chunk_write(w, BASIS_CHUNK_GLASS, w->poses_done - 1, glass, count * sizeof(*glass));
 	return ret < 0 ? say_write(w, ret, fault) : 0;
 }
 
@@ -413,6 +467,22 @@ static int write_back(struct basis_writer *w)
 	return 0;
 }
 
+int basis_writer_names(struct basis_writer *w, const struct basis_pose_name *names,
+		       struct fault *fault)
+{
+	const uint32_t poses = w->info.poses;
+	int ret = basis_names_check(names, poses);
+
+	if (ret == -EINVAL)
+		return fault_say(fault, ret,
+				 "%s: names of poses, expected letters, digits, - and _, not "
+				 "digits alone, and no two alike",
+				 w->output.path);
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_POSES, 0, names, poses * sizeof(*names));
+	return ret < 0 ? say_write(w, ret, fault) : 0;
+}
+
 static int finish(struct basis_writer *w, const struct basis_info_chunk *info,
 		  const char *provenance, struct fault *fault)
 {
@@ -423,7 +493,8 @@ static int finish(struct basis_writer *w, const struct basis_info_chunk *info,
 				 w->output.path, w->poses_done, w->info.poses);
 	if (info->width != w->info.width || info->height != w->info.height ||
 	    info->lights != w->info.lights || info->grounds != w->info.grounds ||
-	    info->poses != w->info.poses || info->coarse != w->info.coarse)
+	    info->poses != w->info.poses || info->coarse != w->info.coarse ||
+	    info->light_shape != w->info.light_shape)
 		return fault_say(fault, -EINVAL, "%s: sizes changed since the file was begun",
 				 w->output.path);
 	w->info = *info;
@@ -451,6 +522,7 @@ void basis_writer_abandon(struct basis_writer *w)
 	output_abandon(&w->output);
 	XXH3_freeState(w->hash);
 	free(w->chunks);
+	packer_destroy(w->packer);
 	free(w->shown.entries);
 	free(w->exact.entries);
 	if (w->aside)

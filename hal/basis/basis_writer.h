@@ -2,6 +2,8 @@
 #ifndef INLAY_HAL_BASIS_BASIS_WRITER_H
 #define INLAY_HAL_BASIS_BASIS_WRITER_H
 
+#include <stddef.h>
+
 #include "hal/basis/basis_format.h"
 #include "hal/fault.h"
 
@@ -13,7 +15,8 @@ struct basis_block_payload {
 	const void *payload;
 };
 
-/* lights: [info->lights]; ground: [info->grounds][3][info->lights]; coarse: [info->lights], or NULL
+/* Payloads of a file of several poses are packed (basis_format.h), those of one lie in place.
+ * lights: [info->lights]; ground: [info->grounds][3][info->lights]; coarse: [info->lights], or NULL
  * when info->coarse is info->lights. All are copied. camera and provenance are texts. */
 int basis_writer_open(struct basis_writer **writer, const char *path,
 		      const struct basis_info_chunk *info, const struct basis_light *lights,
@@ -28,6 +31,15 @@ int basis_writer_exact_blocks(struct basis_writer *writer, const struct basis_bl
 			      int count, struct fault *fault);
 int basis_writer_pose_end(struct basis_writer *writer, const uint16_t *coverage,
 			  const float (*peak)[3], struct fault *fault);
+
+/* Right after the end of the pose that it belongs to, if there is any; in the order of the format.
+ */
+int basis_writer_glass(struct basis_writer *writer, const struct basis_glass *glass, size_t count,
+		       struct fault *fault);
+
+/* [info->poses], once before the end; without it they have none. -EINVAL: not names of poses. */
+int basis_writer_names(struct basis_writer *writer, const struct basis_pose_name *names,
+		       struct fault *fault);
 
 /* info again, because errors and noise are known only now. Frees the writer, also on failure. */
 int basis_writer_finish(struct basis_writer *writer, const struct basis_info_chunk *info,

@@ -5,11 +5,13 @@
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
+#include "hal/compositor/column_choice.h"
 #include "hal/compositor/fixed.h"
 #include "hal/compositor/kept_sums.h"
 
-/* Of a block's own columns, where few of them are taken. */
-#define AHEAD_LINES 16
+/* Lines of a block that are there when it begins: as it follows the one before it in memory, they
+ * were asked for with the last ones of that. */
+#define STREAM_AHEAD 128
 
 int block_work_create(struct block_work *work, const struct basis *basis)
 {
@@ -38,6 +40,11 @@ void block_work_free(struct block_work *work)
 	memset(work, 0, sizeof(*work));
 }
 
+void block_work_begin(struct block_work *work)
+{
+	work->counts = (struct compositor_frame){0};
+}
+
 /* ---- weights ---- */
 
 static void weigh_patterns(struct block_work *work, const struct basis_block *b,
@@ -61,84 +68,57 @@ static void weigh_patterns(struct block_work *work, const struct basis_block *b,
 		set->line[j] = (uint32_t)j;
 }
 
-/* Takes column n, of light i, into the set. */
-static void take_column(struct line_set *set, const struct block_plan *plan,
-			const struct block_request *request, int n, int i, double one)
+/* Lines of 16 bits that will be streamed begin to come while their weights are made. */
+static inline __attribute__((always_inline)) void fetch_stream(const struct basis_block *b, int k)
 {
-	const double *x = request->light->amount[i];
-	const double weight = (double)plan->block->column_scale[n] * one;
-
-	for (int c = 0; c < 3; c++)
-		set->weight[c][set->count] = round_double(x[c] * weight);
-	set->line[set->count++] = (uint32_t)n;
+	__builtin_prefetch(b->column16 + (size_t)(k + STREAM_AHEAD) * BASIS_LINE16, 0, 0);
 }
 
-/* Whether column n, of light i, may change what can be seen. */
-static bool counts(const struct block_plan *plan, const struct block_request *request, int n, int i)
+/* Of the columns that were chosen for this light. */
+static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
+			 const struct light_sent *sent, double one)
 {
-	const struct light_vector *light = request->light;
-	const double *x = light->amount[i];
+	int count;
+	const struct chosen_column *chosen = columns_chosen(plan, &count);
+	int64_t *const to[3] = {set->weight[0], set->weight[1], set->weight[2]};
+	uint32_t *line = set->line;
 
-	if (request->all)
-		return x[0] > 0 || x[1] > 0 || x[2] > 0;
-	return light->strength[i] * (plan->block->column_scale[n] * plan->reach) >= 1;
-}
+	set->count = count;
+	for (int k = 0; k < count; k++) {
+		const double *x = sent[chosen[k].light].amount;
+		const double weight = (double)chosen[k].scale * one;
 
-/* Of a word; not every processor that this runs on has an instruction for it. */
-static int count_bits(uint64_t x)
-{
-	x -= x >> 1 & UINT64_C(0x5555555555555555);
-	x = (x & UINT64_C(0x3333333333333333)) + (x >> 2 & UINT64_C(0x3333333333333333));
-	x = (x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
-	return (int)(x * UINT64_C(0x0101010101010101) >> 56);
-}
-
-/* Those of the lights that are bright enough for a block like this one, by its bitmap. */
-static void take_marked(struct line_set *set, const struct block_plan *plan,
-			const struct block_request *request, double one)
-{
-	const struct light_vector *light = request->light;
-	const uint64_t *bright = light_vector_bright(light, plan->bright);
-	const int words = (light->lights + 63) / 64;
-
-	for (int w = 0; w < words; w++) {
-		uint64_t both = bright[w] & plan->has[w];
-
-		for (; both; both &= both - 1) {
-			const uint64_t below = (both & -both) - 1;
-			const int n = plan->before[w] + count_bits(plan->has[w] & below);
-			const int i = w * 64 + __builtin_ctzll(both);
-
-			if (counts(plan, request, n, i))
-				take_column(set, plan, request, n, i, one);
-		}
+		for (int c = 0; c < 3; c++)
+			to[c][k] = round_double(x[c] * weight);
+		line[k] = chosen[k].column;
 	}
 }
 
-static void take_listed(struct line_set *set, const struct block_plan *plan,
-			const struct block_request *request, double one)
+/* Of all columns that have any light. Whatever a branch would depend on nobody could foretell: one
+ * that is dark is written too, and the next one over it. */
+static void weigh_lit(struct line_set *set, const struct block_plan *plan,
+		      const struct light_sent *sent, double one)
 {
 	const struct basis_block *b = plan->block;
+	const bool stream = b->bits == 16 && b->columns > FETCH_COLUMNS;
+	const uint16_t *light = b->light;
+	const float *scale = b->column_scale;
+	int64_t *const to[3] = {set->weight[0], set->weight[1], set->weight[2]};
+	uint32_t *line = set->line;
+	int count = 0;
 
 	for (int n = 0; n < b->columns; n++) {
-		if (counts(plan, request, n, b->light[n]))
-			take_column(set, plan, request, n, b->light[n], one);
-	}
-}
+		const double *x = sent[light[n]].amount;
+		const double weight = (double)scale[n] * one;
 
-/* Single lines here and there, which are read after the patterns have been projected. */
-static inline __attribute__((always_inline)) void fetch_columns(const struct basis_block *b,
-								const struct line_set *set)
-{
-	const char *lines = b->bits == 8 ? (const char *)b->column8 : (const char *)b->column16;
-	const int pixels = b->bits == 8 ? KERNEL_LINE8 : KERNEL_LINE16;
-	const int parts = (b->pixels + pixels - 1) / pixels * b->channels;
-
-	for (int k = 0; k < set->count && k < AHEAD_LINES; k++) {
-		for (int p = 0; p < parts; p++)
-			__builtin_prefetch(lines + ((size_t)p * (size_t)b->columns + set->line[k]) *
-							   KERNEL_LINE_BYTES);
+		if (stream)
+			fetch_stream(b, n);
+		for (int c = 0; c < 3; c++)
+			to[c][count] = round_double(x[c] * weight);
+		line[count] = (uint32_t)n;
+		count += x[0] > 0 || x[1] > 0 || x[2] > 0;
 	}
+	set->count = count;
 }
 
 static void weigh_columns(struct block_work *work, const struct block_plan *plan,
@@ -147,30 +127,22 @@ static void weigh_columns(struct block_work *work, const struct block_plan *plan
 	const double one = power_of_two(fraction - plan->column_shift);
 	struct line_set *set = &work->columns;
 
-	set->count = 0;
-	if (plan->has && !request->all) {
-		take_marked(set, plan, request, one);
-		fetch_columns(plan->block, set);
-	} else {
-		take_listed(set, plan, request, one);
-	}
+	if (plan->choice)
+		weigh_chosen(set, plan, request->light->sent, one);
+	else
+		weigh_lit(set, plan, request->light->sent, one);
 	work->counts.columns += set->count;
-	if (!request->all)
-		work->counts.columns_left_out += plan->block->columns - set->count;
 }
 
 static void fresh_block_sums(struct block_work *work, const struct block_plan *plan,
 			     const struct block_request *request, int64_t *sum[3])
 {
-	for (int c = 0; c < 3; c++) {
+	for (int c = 0; c < 3; c++)
 		sum[c] = work->sum[c];
-		if (!plan->joins)
-			memset(sum[c], 0, sizeof(*sum[c]) * (size_t)plan_sums(plan));
-	}
-	line_set_split(&work->patterns);
-	line_set_split(&work->columns);
+	line_set_split(&work->patterns, request->kernels);
+	line_set_split(&work->columns, request->kernels);
 	work->counts.basis_bytes += lines_add(request->kernels, plan->block, &work->patterns,
-					      &work->columns, plan->column_shift, !plan->joins,
+					      &work->columns, plan->column_shift, request->fresh,
 					      &work->next, sum);
 }
 
@@ -181,10 +153,12 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
 	const bool kept = plan->kept && request->kept->values;
 	int64_t *to[3];
 
-	fetch_expect(&work->next, request->next);
 	if (!kept || !kept_sums_step(work, plan, request, fraction, to)) {
+		fetch_expect(&work->next, plan, request->next, request->after);
 		weigh_columns(work, plan, request, fraction);
+		fetch_some(&work->next);
 		weigh_patterns(work, b, request, fraction);
+		fetch_some(&work->next);
 		work->counts.basis_bytes += (size_t)b->patterns * (size_t)b->stride *
 					    sizeof(int16_t);
 		if (kept)

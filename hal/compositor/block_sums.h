@@ -27,6 +27,9 @@ struct block_work {
 int block_work_create(struct block_work *work, const struct basis *basis);
 void block_work_free(struct block_work *work); /* zeroed is fine */
 
+/* Before each frame. */
+void block_work_begin(struct block_work *work);
+
 /* Sums of the frame before, of blocks that keep them. */
 struct kept_block {
 	bool valid;   /* holds the frame before's */
@@ -43,14 +46,15 @@ struct block_request {
 	const struct kernels *kernels;
 	const struct light_vector *light;
 	const struct kept_sums *kept;
-	const struct basis_block *next; /* that will be summed next; NULL: not known */
-	int kept_index;			/* of this block in kept->blocks */
-	bool all;			/* no column is left out */
+	/* What will be summed next, and what after that; NULL: not known. */
+	const struct block_plan *next, *after;
+	int kept_index; /* of this block in kept->blocks */
+	bool fresh;	/* the sums are 0, whatever the block before left there */
 };
 
 /*
  * sum[c][p] of the block's pixels: value per unit of light times the light, with `fraction` more
- * bits; in work->sum, on top of what the block before left there if this one joins it, or, of kept
+ * bits; in work->sum, on top of what the block before left there unless it is fresh, or, of kept
  * blocks, where they are kept. Exact integers whichever way they come.
  */
 void block_sums(struct block_work *work, const struct block_plan *plan,

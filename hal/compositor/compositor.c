@@ -30,76 +30,121 @@ static int divide(struct compositor *c, struct layer *layer)
 	return ret;
 }
 
+/* Which light of a kind, and ground, blocks need: its vector is made when the first asks. */
+static int need_light(struct compositor *c, struct layer *layer, const struct basis_block *b,
+		      bool cut)
+{
+	struct light_vector *vector = b->kind == BASIS_KIND_V ? &c->ground[b->ground]
+							      : &c->vector[b->kind];
+	struct light_order *order;
+	int k = 0, ret;
+
+	while (k < layer->light_count && layer->light[k].vector != vector)
+		k++;
+	order = &layer->light[k].order;
+	if (k == layer->light_count) {
+		layer->light[layer->light_count++].vector = vector;
+		*order = (struct light_order){.kind = b->kind, .ground = b->ground};
+		ret = vector->lights ? 0 : light_vector_create(vector, &c->terms);
+		if (ret < 0)
+			return ret;
+	}
+	order->patterns |= b->patterns > 0;
+	order->cut |= cut && b->columns > 0 && (b->kind == BASIS_KIND_T || b->kind == BASIS_KIND_V);
+	return 0;
+}
+
+static int need_choice(struct compositor *c, struct layer *layer, struct layer_light *light)
+{
+	if (!light->order.cut)
+		return 0;
+	return column_choice_create(&light->choice, layer->plan.blocks, layer->basis->block_count,
+				    light->order.kind, light->order.ground,
+				    (int)c->basis->info.lights);
+}
+
 static int create_layer(struct compositor *c, struct layer *layer, const struct basis_pose *pose,
 			enum compositor_mode mode)
 {
 	const struct basis_layer *basis = mode == COMPOSITOR_EXACT ? &pose->exact : &pose->shown;
+	const bool cut = mode == COMPOSITOR_FAST;
 	int ret;
 
 	layer->basis = basis;
 	if (!basis->tiles)
 		return 0;
-	ret = layer_plan_create(&layer->plan, c->basis, pose, basis, mode == COMPOSITOR_FAST);
+	ret = layer_plan_create(&layer->plan, c->basis, pose, basis, cut);
 	if (ret < 0)
 		return ret;
-	layer->needs_ground = calloc(c->basis->info.grounds + (size_t)1,
-				     sizeof(*layer->needs_ground));
-	if (!layer->needs_ground)
+	layer->light = calloc(BASIS_KIND_COUNT + (size_t)c->basis->info.grounds,
+			      sizeof(*layer->light));
+	if (!layer->light)
 		return -ENOMEM;
-	for (int n = 0; n < basis->block_count; n++) {
-		const struct basis_block *b = &basis->blocks[n];
+	for (int n = 0; ret == 0 && n < basis->block_count; n++)
+		ret = need_light(c, layer, &basis->blocks[n], cut);
+	for (int k = 0; ret == 0 && k < layer->light_count; k++)
+		ret = need_choice(c, layer, &layer->light[k]);
+	return ret < 0 ? ret : divide(c, layer);
+}
 
-		layer->needs[b->kind] = true;
-		if (b->kind == BASIS_KIND_V)
-			layer->needs_ground[b->ground] = true;
+static void forget_pose(struct compositor *c, struct pose *pose)
+{
+	glass_plan_free(&pose->glass);
+	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
+		struct layer *l = &pose->layer[mode];
+
+		if (c->kept_of == l)
+			c->kept_of = NULL;
+		for (int k = 0; k < l->light_count; k++)
+			column_choice_free(&l->light[k].choice);
+		layer_plan_free(&l->plan);
+		division_free(&l->division);
+		free(l->light);
 	}
-	return divide(c, layer);
+	*pose = (struct pose){.made = false};
+}
+
+/* Of a pose that is in memory. */
+static int make_pose(struct compositor *c, int index)
+{
+	const struct basis_pose *basis = &c->basis->poses[index];
+	struct pose *pose = &c->poses[index];
+	int ret = glass_plan_create(&pose->glass, c->basis, basis);
+
+	pose->made = true;
+	pose->turn = basis->turn;
+	for (int mode = 0; ret == 0 && mode < COMPOSITOR_MODE_COUNT; mode++)
+		ret = create_layer(c, &pose->layer[mode], basis, (enum compositor_mode)mode);
+	if (ret < 0)
+		forget_pose(c, pose);
+	return ret;
+}
+
+static int create_behind(struct compositor *c)
+{
+	const struct basis_info_chunk *info = &c->basis->info;
+
+	for (uint32_t p = 0; p < info->poses && !c->behind; p++)
+		if (c->basis->poses[p].glass_count) {
+			c->behind = malloc((size_t)info->width * info->height * 4);
+			if (!c->behind)
+				return -ENOMEM;
+		}
+	return 0;
 }
 
 static int create_poses(struct compositor *c)
 {
 	int ret = 0;
 
+	c->pose = -1;
 	c->poses = calloc(c->basis->info.poses, sizeof(*c->poses));
-	if (!c->poses)
-		return -ENOMEM;
-	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
-		for (int mode = 0; ret == 0 && mode < COMPOSITOR_MODE_COUNT; mode++)
-			ret = create_layer(c, &c->poses[p].layer[mode], &c->basis->poses[p],
-					   (enum compositor_mode)mode);
-	}
-	return ret;
-}
-
-static bool any_needs(const struct compositor *c, enum basis_kind kind, uint32_t ground)
-{
-	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
-		for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
-			const struct layer *l = &c->poses[p].layer[mode];
-
-			if (l->basis->tiles &&
-			    (kind == BASIS_KIND_V ? l->needs_ground[ground] : l->needs[kind]))
-				return true;
-		}
-	}
-	return false;
-}
-
-static int create_vectors(struct compositor *c)
-{
-	int ret = 0;
-
 	c->ground = calloc(c->basis->info.grounds + (size_t)1, sizeof(*c->ground));
-	if (!c->ground)
+	if (!c->poses || !c->ground)
 		return -ENOMEM;
-	for (int k = 0; ret == 0 && k < BASIS_KIND_COUNT; k++) {
-		if (k != BASIS_KIND_V && any_needs(c, (enum basis_kind)k, 0))
-			ret = light_vector_create(&c->vector[k], c->basis);
-	}
-	for (uint32_t g = 0; ret == 0 && g < c->basis->info.grounds; g++) {
-		if (any_needs(c, BASIS_KIND_V, g))
-			ret = light_vector_create(&c->ground[g], c->basis);
-	}
+	for (int p = 0; ret == 0 && p < (int)c->basis->info.poses; p++)
+		if (c->basis->poses[p].shown.tiles)
+			ret = make_pose(c, p);
 	return ret;
 }
 
@@ -151,34 +196,34 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	c->pool = options->pool;
 	c->workers = c->pool ? pool_threads(c->pool) : 1;
 	c->tiles = basis->tiles_across * basis->tiles_down;
-	c->settings = (struct compositor_settings){.reuse = REUSE_NEVER,
-						   .background = TRANSFER_SRGB,
-						   .output = TRANSFER_SRGB,
-						   .gain = 1,
-						   .object = true};
-	ret = create_poses(c);
+	c->settings = (struct compositor_settings){.reuse = REUSE_NEVER, .gain = 1, .object = true};
+	ret = light_terms_create(&c->terms, basis);
 	if (ret == 0)
-		ret = create_vectors(c);
+		ret = create_poses(c);
+	if (ret == 0)
+		ret = create_behind(c);
 	if (ret == 0)
 		ret = create_workers(c);
 	if (ret < 0) {
 		compositor_destroy(c);
 		return fault_say(fault, ret, "the compositor is out of memory");
 	}
-	kernel_curves_fill(&c->curves, TRANSFER_SRGB, TRANSFER_SRGB);
+	kernel_curves_fill(&c->curves, &c->settings.background, &c->settings.output);
 	*compositor = c;
 	return 0;
 }
 
-/* Room for the sums of any pose in this mode. Without it nothing is kept, and the pictures are the
+/* Room for the sums of any pose in exact mode. Without it nothing is kept, and the pictures are the
  * same. */
-static void make_room(struct compositor *c, enum compositor_mode mode)
+static void make_room(struct compositor *c)
 {
 	size_t size = 0, blocks = 0;
 
 	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
-		const struct layer *l = &c->poses[p].layer[mode];
+		const struct layer *l = &c->poses[p].layer[COMPOSITOR_EXACT];
 
+		if (!c->poses[p].made)
+			continue;
 		size = l->plan.kept_size > size ? l->plan.kept_size : size;
 		if (l->plan.kept_blocks && (size_t)l->basis->block_count > blocks)
 			blocks = (size_t)l->basis->block_count;
@@ -202,14 +247,44 @@ static void make_room(struct compositor *c, enum compositor_mode mode)
 
 void compositor_set(struct compositor *c, const struct compositor_settings *settings)
 {
-	const bool same = settings->background == c->settings.background &&
-			  settings->output == c->settings.output;
+	const bool same = transfer_curve_same(&settings->background, &c->settings.background) &&
+			  transfer_curve_same(&settings->output, &c->settings.output);
 
 	c->settings = *settings;
 	if (!same)
-		kernel_curves_fill(&c->curves, settings->background, settings->output);
-	if (settings->reuse != REUSE_NEVER)
-		make_room(c, settings->mode);
+		kernel_curves_fill(&c->curves, &settings->background, &settings->output);
+	c->keeps = settings->reuse != REUSE_NEVER && settings->mode == COMPOSITOR_EXACT;
+	if (c->keeps)
+		make_room(c);
+}
+
+static void forget_others(struct compositor *c)
+{
+	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
+		const struct basis_pose *basis = &c->basis->poses[p];
+
+		if (c->poses[p].made && (!basis->shown.tiles || basis->turn != c->poses[p].turn))
+			forget_pose(c, &c->poses[p]);
+	}
+}
+
+int compositor_take_pose(struct compositor *c, int pose)
+{
+	int ret;
+
+	if (pose == c->pose && c->poses[pose].made &&
+	    c->poses[pose].turn == c->basis->poses[pose].turn)
+		return 0;
+	ret = basis_pose_load(c->basis, pose, NULL);
+	if (ret < 0)
+		return ret;
+	forget_others(c);
+	if (!c->poses[pose].made)
+		ret = make_pose(c, pose);
+	if (ret == 0 && c->keeps)
+		make_room(c);
+	c->pose = ret < 0 ? -1 : pose;
+	return ret;
 }
 
 struct compositor_frame compositor_last(const struct compositor *c)
@@ -231,27 +306,22 @@ void compositor_destroy(struct compositor *c)
 {
 	if (!c)
 		return;
-	for (uint32_t p = 0; c->poses && p < c->basis->info.poses; p++) {
-		for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
-			struct layer *l = &c->poses[p].layer[mode];
-
-			layer_plan_free(&l->plan);
-			division_free(&l->division);
-			free(l->needs_ground);
-		}
-	}
+	for (uint32_t p = 0; c->poses && p < c->basis->info.poses; p++)
+		forget_pose(c, &c->poses[p]);
 	free(c->poses);
 	for (int k = 0; k < BASIS_KIND_COUNT; k++)
 		light_vector_free(&c->vector[k]);
 	for (uint32_t g = 0; c->ground && g < c->basis->info.grounds; g++)
 		light_vector_free(&c->ground[g]);
 	free(c->ground);
+	light_terms_free(&c->terms);
 	for (int w = 0; c->worker && w < c->workers && c->worker[w]; w++) {
 		block_work_free(&c->worker[w]->tile.block);
 		free(c->worker[w]->rows);
 		free(c->worker[w]);
 	}
 	free(c->worker);
+	free(c->behind);
 	free(c->kept);
 	free(c->kept_blocks);
 	free(c->before);

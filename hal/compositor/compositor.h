@@ -4,12 +4,14 @@
  *     O     = gain * sum_i t_i L_i                          (T blocks, premultiplied by coverage)
  *     ratio = 1 - sum_i v_i u_i L_i / (sum_i u_i L_i + e)   (V blocks)
  *     ratio = 1 - sum_i d_i L_i / (sum_i u_i L_i + e)       (D and U blocks)
- *     out   = O + (1 - coverage) * max(ratio, 0) * B        (linear light, clipped to 1, encoded)
+ *     out   = O + max(ratio, 0) * ((1 - coverage) * B + transmission * B')
+ *                                                           (linear light, clipped to 1, encoded)
  *
- * per channel; L_i of used lights, plus in ambient mode one uniform radiance over all cells that
- * stands for the dropped ones. e = 2^-20 * sum_i u_i: light below any camera's black; as all light
- * goes out the ratio goes to 1 without a jump, 0/0 included. ratio is capped at
- * COMPOSITOR_RATIO_MAX.
+ * per channel; L_i of used lights, plus in ambient mode one uniform radiance over all lights that
+ * stands for the dropped ones, or in mode harmonics one that varies smoothly over the sky. e =
+ * 2^-20 * sum_i u_i: light below any camera's black; as all light goes out the ratio goes to 1
+ * without a jump, 0/0 included. ratio is capped at COMPOSITOR_RATIO_MAX.
+ * B' is the background as it is seen through the object (struct basis_glass).
  *
  * compositor_run() sums in integers: README.md names every Q format and proves that nothing
  * overflows. compositor_reference() is the same formula in double precision with the exact transfer
@@ -29,28 +31,97 @@
 #define COMPOSITOR_RATIO_MAX 16.0
 #define COMPOSITOR_GAIN_MAX 64.0
 
-enum threshold_mode { THRESHOLD_AMBIENT, THRESHOLD_DROP, THRESHOLD_MODE_COUNT };
+enum threshold_mode {
+	THRESHOLD_AMBIENT,
+	THRESHOLD_DROP,
+	THRESHOLD_HARMONICS,
+	THRESHOLD_MODE_COUNT
+};
 
-extern const char *const threshold_mode_names[]; /* "ambient", "drop", NULL */
+extern const char *const threshold_mode_names[]; /* "ambient", "drop", "harmonics", NULL */
+
+/* Spherical harmonics up to l = 2 but for the constant. */
+#define LIGHT_RETURN_TERMS 8
 
 /* The lights of one frame, chosen (thesis 3.2.2). */
 struct light_selection {
 	int count;	       /* N */
-	double (*radiance)[3]; /* [count]: L_i, 0 where the light is left out */
+	double (*radiance)[3]; /* [count]: L_i, 0 where the light is left out; in mode harmonics
+				  with what comes back of the dropped from there */
 	bool *used;	       /* [count] */
 	int used_count;
 	double ambient[3]; /* radiance over all cells that stands for the dropped: sum over dropped
-			      of w_i L_i / (2 pi); 0 in drop mode */
+			      of w_i L_i / (2 pi); 0 in other modes */
 	double dropped_error[3]; /* no pixel's object radiance is off by more than this, per
 				    channel: max(sum over dropped of L_i peak_i, ambient *
-				    peak_total) * gain */
+				    peak_total) * gain; in mode harmonics the less of that, with
+				    the largest that comes back in ambient's place, and the
+				    larger of the sums of r_i peak_i, r what comes back less what
+				    was dropped, over the lights that gain and those that lose */
+	/* The owner's, 0 as created: how far below the threshold a light that was used in the
+	 * choice before must fall to be left out. What a camera's noise amounts to there: else a
+	 * light at the threshold comes and goes from frame to frame, and the picture with it. */
+	double band;
+	/* The owner's, 0 as created: above 0, a share of white (1) that stands in the threshold's
+	 * place. */
+	double budget;
+	/* private: */
+	double (*ground)[3]; /* [grounds]: sum of u */
+	uint64_t *bound;     /* [count]: what each light may change (light_budget.h) */
+	double (*term)[LIGHT_RETURN_TERMS]; /* [count]: light_return.h */
+	double (*returned)[3];		    /* [count] */
+	/* of the choice before */
+	double threshold, last_budget;
+	enum threshold_mode mode;
+	bool lit; /* there was light: what is chosen of none is no state */
 };
 
 int light_selection_create(struct light_selection *selection, const struct basis *basis);
 void light_selection_free(struct light_selection *selection);
 
-/* A light is used when any channel reaches threshold (linear radiance; 0 uses all). Negative and
- * non-finite radiance counts as 0. */
+/*
+ * A light is used when any channel reaches threshold (linear radiance; 0 uses all), and stays so
+ * until all are below threshold - band. What was used before counts only where threshold and mode
+ * are the same as in the choice before: a first choice, and one by another threshold or mode, is
+ * by the threshold alone. Negative and non-finite radiance counts as 0.
+ *
+ * What is dropped comes back in ambient mode as m = sum over dropped of w_i L_i / (2 pi) from every
+ * light alike; in mode harmonics as m + s q_j from light j, in each channel: q is the least-squares
+ * fit of spherical harmonics of l = 1 and 2 to the dropped light over the sky (light_return.h), and
+ * s the largest share of 0..1 with which none comes back negative. sum of w_j q_j = 0, so that the
+ * energy is ambient's; over the sky it is nearer to what was dropped, by the fit, the larger s.
+ *
+ * With a budget, as many of the weakest lights are left out as cannot together change any pixel by
+ * more than that share of white, in linear light. Weak is a light whose bound is small:
+ *
+ *     b_i = max over c of L_ic (gain P_ic + max over g of G_igc / U_gc)
+ *     P_ic = peak_ic; unless in drop mode max(peak_ic, w_i / (2 pi) peak_total_c)
+ *     G_igc = u_igc; unless in drop mode max(u_igc, w_i / (2 pi) sum over k of u_kgc)
+ *     U_gc = sum over k of u_kgc L_kc + e_gc
+ *
+ * over channels c and the file's grounds g. No sum over dropped lights of b_i is above the budget;
+ * each pixel changes by no more than that sum:
+ *   - The object's light changes by what is taken, at most gain L_i peak_i each, less what comes
+ *     back, at most gain L_i w_i / (2 pi) peak_total each; of two sums that are not negative the
+ *     difference is at most the larger.
+ *   - 1 - ratio is the mean of v over the ground's light, weighted by u L, with e as light of v 0.
+ *     Light before and after are two mixtures that share the kept lights, of weight K; D was taken
+ *     and A came back. Where 0 <= v <= 1 their means differ by at most
+ *     max(D / (K + D), A / (K + A)) <= max(D, A) / (K + D), which is at most the sum of the shares.
+ * Where the object also throws light at the ground, v >= -n, it is at most 1 + n times that;
+ * receivers with a u of their own (D and U) are reckoned as ground.
+ *   - In mode harmonics what comes back is at most gain (m + s max q) peak_total to the object and
+ *     sum over j of u_j (m + s q_j) to the ground. Both are convex in s and ambient's for s = 0, so
+ *     that the s at which a straight line between the bounds of 0 and of the s above meets the
+ *     budget keeps it.
+ *   - coverage and the background are at most 1, and clipping brings no two values further apart.
+ * Bounds are rounded up to 2^-40 and summed exactly. What the basis file itself declares as its
+ * errors comes on top.
+ *
+ * The first choice leaves out the most lights whose bounds fit; what was left out stays so until
+ * their bounds exceed the budget, or 7/8 of it would hold more lights. Then the most that fit into
+ * 15/16 of it are: so the set does not change with noise of a sixteenth.
+ */
 void light_selection_choose(struct light_selection *selection, const struct basis *basis, int pose,
 			    const float (*radiance)[3], double threshold, enum threshold_mode mode,
 			    double gain);
@@ -63,12 +134,12 @@ enum compositor_mode {
 
 extern const char *const compositor_mode_names[]; /* "fast", "exact", NULL */
 
-/* Whether a frame starts from the sums of the one before it, and adds only what has changed. Both
- * give the same bits. */
+/* Whether a frame in exact mode starts from the sums of the one before it, and adds only what has
+ * changed. Both give the same bits. In fast mode none does, as it would cost more than it saves. */
 enum compositor_reuse {
 	REUSE_AUTO, /* whichever has less to read; sums are kept while few lights change */
 	REUSE_NEVER,
-	REUSE_ALWAYS, /* where there is a frame before it in the same mode and pose */
+	REUSE_ALWAYS, /* where there is an exact frame before it of the same pose */
 	REUSE_COUNT
 };
 
@@ -77,8 +148,8 @@ extern const char *const compositor_reuse_names[]; /* "auto", "never", "always",
 struct compositor_settings {
 	enum compositor_mode mode;
 	enum compositor_reuse reuse;
-	enum transfer background; /* of the background picture's code values */
-	enum transfer output;
+	struct transfer_curve background; /* of the background picture's code values */
+	struct transfer_curve output;
 	double gain; /* 0..COMPOSITOR_GAIN_MAX */
 	bool object; /* false: the background alone, copied through the same tables */
 };
@@ -99,13 +170,14 @@ const char *compositor_kernel(const struct compositor *compositor); /* the one i
 /* Whether compositor_create() would find a kernel of that name. */
 bool compositor_has_kernel(const char *name);
 
-/* From the next frame on. Allocates room for sums when reuse is first allowed and the file has
- * blocks whose sums are worth keeping; where there is no memory for it nothing is reused. */
+/* From the next frame on. Allocates room for sums when they may first be kept and the file has
+ * blocks whose sums are worth it; where there is no memory for it nothing is reused. */
 void compositor_set(struct compositor *compositor, const struct compositor_settings *settings);
 
 /*
  * The background: a picture in memory or, so that each of its pixels is touched once, somebody who
- * makes a part of it when it is needed (and called for each part once a frame, by several threads).
+ * makes a part of it when it is needed (and called for each part once a frame, or twice where it is
+ * seen through the object, by several threads).
  */
 struct backdrop {
 	int width, height;
@@ -122,9 +194,10 @@ struct backdrop backdrop_of(const struct picture *picture);
 
 /*
  * Writes a BGRX picture of the basis's size. background has that size. out must not overlap it; it
- * is written once, in whole cache lines where it can be, and never read. Nothing is allocated. Work
- * is divided among the pool's threads by what its parts took before. -EINVAL: another size, pose
- * out of range; -ENODATA: exact mode without an exact layer.
+ * is written once, in whole cache lines where it can be, and never read. Nothing is allocated, but
+ * for a pose that was not in memory in the frame before (basis_pose_load()). Work is divided among
+ * the pool's threads by what its parts took before. -EINVAL: another size, pose out of range;
+ * -ENODATA: exact mode without an exact layer; -ENOMEM, -EBADMSG: of a pose to be loaded.
  */
 int compositor_run(struct compositor *compositor, int pose, const struct light_selection *lights,
 		   const struct backdrop *background, uint8_t *out, size_t out_stride);

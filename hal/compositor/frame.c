@@ -8,24 +8,35 @@
 
 /* Sums are kept where no more than this part of the lights changed last. */
 #define CHANGED_SHARE 4
+/* Lights of all vectors from where on threads make them sooner than one does, waking included. */
+#define SHARED_LIGHTS 12000
 
 /* ---- a run of tiles ---- */
 
-static void mix_tile(const struct compositor *c, const struct basis_tile *tile,
-		     const struct tile_values *v, struct backdrop_rows rows)
+static void mix_tile(const struct compositor *c, int t, const struct tile_values *v,
+		     struct backdrop_rows rows)
 {
-	struct kernel_row row = {.count = tile->width, .curves = &c->curves};
+	const struct basis_tile *tile = &c->layer->basis->tiles[t];
+	const struct tile_plan *plan = &c->layer->plan.tiles[t];
+	const size_t width = c->basis->info.width;
+	struct kernel_row row = {
+		.count = tile->width,
+		.rows = tile->height,
+		.coverage = c->coverage + (size_t)tile->y * width + tile->x,
+		.background = rows.pixels,
+		.curves = &c->curves,
+		.out = c->out + (size_t)tile->y * c->out_stride + (size_t)tile->x * 4,
+		.value_step = BASIS_TILE,
+		.coverage_step = (ptrdiff_t)width,
+		.background_step = rows.stride,
+		.out_step = (ptrdiff_t)c->out_stride,
+	};
 
-	for (int y = 0; y < tile->height; y++) {
-		for (int k = 0; k < 3; k++) {
-			row.object[k] = v->object[k] + y * BASIS_TILE;
-			row.taken[k] = v->taken[k] + y * BASIS_TILE;
-		}
-		row.coverage = c->coverage + (size_t)(tile->y + y) * c->basis->info.width + tile->x;
-		row.background = rows.pixels + y * rows.stride;
-		row.out = c->out + (size_t)(tile->y + y) * c->out_stride + (size_t)tile->x * 4;
-		c->kernels->mix(&row);
+	for (int k = 0; k < 3; k++) {
+		row.object[k] = plan->object ? v->object[k] : tile_nothing;
+		row.taken[k] = plan->taken ? v->taken[k] : tile_nothing;
 	}
+	c->kernels->mix(&row);
 }
 
 /* What mixing will read, fetched while the sums are made: rows of a tile lie too far apart for the
@@ -51,7 +62,7 @@ static struct area area_of(const struct basis_tile *tiles, int first, int end)
 static void copy_span(const struct compositor *c, int first, int end, struct worker *w)
 {
 	const struct area area = area_of(c->layer->basis->tiles, first, end);
-	const bool same = c->settings.background == c->settings.output;
+	const bool same = transfer_curve_same(&c->settings.background, &c->settings.output);
 
 	backdrop_copy(c->backdrop, area, same ? NULL : c->curves.recode, w->rows,
 		      c->out + (size_t)area.y * c->out_stride + (size_t)area.x * 4, c->out_stride);
@@ -65,7 +76,9 @@ static void mix_span(const struct compositor *c, int first, int end, struct work
 	for (int t = first; t < end; t++) {
 		fetch_ahead(c, &tiles[t], rows);
 		tile_compute(&c->light, &c->layer->plan.tiles[t], &w->tile, &w->values);
-		mix_tile(c, &tiles[t], &w->values, rows);
+		if (c->glass)
+			glass_add(c->glass, t, &c->through, c->curves.decode, &w->values);
+		mix_tile(c, t, &w->values, rows);
 		rows.pixels += BASIS_TILE * 4;
 	}
 }
@@ -109,20 +122,60 @@ static void work(void *context, int run, int worker)
 
 /* ---- a frame ---- */
 
-static void fill_light(struct compositor *c, const struct light_selection *lights)
+static void make_light(void *context, int item, int worker)
 {
-	const bool *needs = c->layer->needs;
+	const struct compositor *c = context;
+	struct layer_light *light = &c->layer->light[item];
+	struct light_order order = light->order;
 
-	if (needs[BASIS_KIND_T])
-		light_vector_object(&c->vector[BASIS_KIND_T], c->basis, lights, c->settings.gain);
-	if (needs[BASIS_KIND_D] || needs[BASIS_KIND_U]) {
-		light_vector_receiver(&c->vector[BASIS_KIND_D], c->basis, lights, false);
-		light_vector_receiver(&c->vector[BASIS_KIND_U], c->basis, lights, true);
+	(void)worker;
+	order.gain = c->settings.gain;
+	light_vector_make(light->vector, &order, c->lights);
+	if (order.cut)
+		column_choice_make(&light->choice, light->vector);
+}
+
+static void make_behind(void *context, int item, int worker)
+{
+	const struct compositor *c = context;
+	const struct area *a = &c->glass->source[item];
+	const size_t stride = (size_t)c->basis->info.width * 4;
+
+	(void)worker;
+	c->backdrop->make(c->backdrop->context, a->x, a->y, a->width, a->height,
+			  c->behind + (size_t)a->y * stride + (size_t)a->x * 4, stride);
+}
+
+/* The background where the object lets it through: a tile may look at any other, so all of it is
+ * there before the first. */
+static void look_behind(struct compositor *c, const struct glass_plan *glass)
+{
+	const int width = (int)c->basis->info.width, height = (int)c->basis->info.height;
+
+	c->glass = glass->first ? glass : NULL;
+	c->through = c->backdrop->picture;
+	if (!c->glass || !c->backdrop->make)
+		return;
+	c->through = (struct picture){c->behind, 4, (ptrdiff_t)width * 4, width, height};
+	if (c->pool) {
+		pool_run(c->pool, glass->source_count, make_behind, c);
+		return;
 	}
-	for (uint32_t g = 0; g < c->basis->info.grounds; g++) {
-		if (c->layer->needs_ground[g])
-			light_vector_ground(&c->ground[g], c->basis, lights, (int)g);
+	for (int k = 0; k < glass->source_count; k++)
+		make_behind(c, k, 0);
+}
+
+/* The vectors of light that this layer needs. */
+static void make_lights(struct compositor *c)
+{
+	const int count = c->layer->light_count;
+
+	if (c->pool && count > 1 && c->lights->count * count >= SHARED_LIGHTS) {
+		pool_run(c->pool, count, make_light, c);
+		return;
 	}
+	for (int k = 0; k < count; k++)
+		make_light(c, k, 0);
 }
 
 /* How many lights are not what they were in the frame before. */
@@ -150,8 +203,7 @@ static int changed_lights(struct compositor *c, const struct light_selection *li
  */
 static struct kept_sums keep(struct compositor *c, const struct light_selection *lights)
 {
-	const bool able = c->settings.reuse != REUSE_NEVER && c->kept &&
-			  c->layer->plan.kept_blocks > 0;
+	const bool able = c->keeps && c->kept && c->layer->plan.kept_blocks > 0;
 	const bool always = c->settings.reuse == REUSE_ALWAYS;
 
 	if (!able || (changed_lights(c, lights) * CHANGED_SHARE > lights->count && !always)) {
@@ -167,19 +219,14 @@ static struct kept_sums keep(struct compositor *c, const struct light_selection 
 /* For blocks that ask which lights have changed. */
 static void track_light(struct compositor *c)
 {
-	for (int k = 0; k < BASIS_KIND_COUNT; k++) {
-		if (k != BASIS_KIND_V && c->vector[k].lights)
-			light_vector_track(&c->vector[k]);
-	}
-	for (uint32_t g = 0; g < c->basis->info.grounds; g++) {
-		if (c->layer->needs_ground[g])
-			light_vector_track(&c->ground[g]);
-	}
+	for (int k = 0; k < c->layer->light_count; k++)
+		light_vector_track(c->layer->light[k].vector);
 }
 
 static void begin_frame(struct compositor *c, const struct light_selection *lights)
 {
-	fill_light(c, lights);
+	c->lights = lights;
+	make_lights(c);
 	c->light = (struct frame_light){
 		.kernels = c->kernels,
 		.object = &c->vector[BASIS_KIND_T],
@@ -187,7 +234,6 @@ static void begin_frame(struct compositor *c, const struct light_selection *ligh
 		.own = &c->vector[BASIS_KIND_U],
 		.ground = c->ground,
 		.gain_bits = gain_bits(c->settings.gain),
-		.all = c->settings.mode == COMPOSITOR_EXACT,
 		.kept = keep(c, lights),
 		.first = c->layer->plan.blocks,
 		.end = c->layer->plan.blocks + c->layer->basis->block_count,
@@ -195,7 +241,7 @@ static void begin_frame(struct compositor *c, const struct light_selection *ligh
 	if (c->light.kept.values)
 		track_light(c);
 	for (int w = 0; w < c->workers; w++)
-		c->worker[w]->tile.block.counts = (struct compositor_frame){0};
+		block_work_begin(&c->worker[w]->tile.block);
 }
 
 static void end_frame(struct compositor *c)
@@ -205,9 +251,10 @@ static void end_frame(struct compositor *c)
 
 		c->last.basis_bytes += counts->basis_bytes;
 		c->last.columns += counts->columns;
-		c->last.columns_left_out += counts->columns_left_out;
 		c->last.reused |= counts->reused;
 	}
+	for (int k = 0; k < c->layer->light_count; k++)
+		c->last.columns_left_out += c->layer->light[k].choice.left_out;
 	division_settle(&c->layer->division);
 }
 
@@ -215,11 +262,15 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 		   const struct backdrop *background, uint8_t *out, size_t out_stride)
 {
 	const struct basis_info_chunk *info = &c->basis->info;
+	int ret;
 
 	if (pose < 0 || (uint32_t)pose >= info->poses || background->width != (int)info->width ||
 	    background->height != (int)info->height || lights->count != (int)info->lights ||
 	    out_stride < (size_t)info->width * 4)
 		return -EINVAL;
+	ret = compositor_take_pose(c, pose);
+	if (ret < 0)
+		return ret;
 	c->layer = &c->poses[pose].layer[c->settings.mode];
 	if (!c->layer->basis->tiles)
 		return -ENODATA;
@@ -228,8 +279,10 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 	c->out = out;
 	c->out_stride = out_stride;
 	c->last = (struct compositor_frame){0};
-	if (c->settings.object)
+	if (c->settings.object) {
 		begin_frame(c, lights);
+		look_behind(c, &c->poses[pose].glass);
+	}
 	if (c->pool) {
 		pool_run(c->pool, c->layer->division.runs, work, c);
 	} else {

@@ -67,8 +67,8 @@ static int64_t *kept_weights(const struct block_plan *plan, const struct block_r
 static void add_sets(struct block_work *work, const struct block_plan *plan,
 		     const struct block_request *request, int64_t *sum[3])
 {
-	line_set_split(&work->patterns);
-	line_set_split(&work->columns);
+	line_set_split(&work->patterns, request->kernels);
+	line_set_split(&work->columns, request->kernels);
 	work->counts.basis_bytes += lines_add(request->kernels, plan->block, &work->patterns,
 					      &work->columns, plan->column_shift, false,
 					      &work->next, sum);
@@ -107,7 +107,7 @@ bool kept_sums_step(struct block_work *work, const struct block_plan *plan,
 	struct line_set *set = &work->columns;
 	int64_t *weights;
 
-	if (!kept->valid || kept->fraction != fraction || !request->all || b->patterns ||
+	if (!kept->valid || kept->fraction != fraction || b->patterns ||
 	    b->columns != light->lights ||
 	    !(request->kept->always || light->changed_count + KEPT_COST < light->lit))
 		return false;
@@ -119,7 +119,7 @@ bool kept_sums_step(struct block_work *work, const struct block_plan *plan,
 
 		for (int c = 0; c < 3; c++) {
 			int64_t *before = &weights[c * b->columns + i];
-			const int64_t now = round_double(light->amount[i][c] * weight);
+			const int64_t now = round_double(light->sent[i].amount[c] * weight);
 
 			set->weight[c][set->count] = now - *before;
 			*before = now;

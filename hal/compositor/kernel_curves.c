@@ -5,12 +5,12 @@
 #define STEPS 2048 /* of a piece: what is left of the key */
 
 /* What step `at` of a piece is encoded to, in 1/256 of a level. */
-static double curve(enum transfer transfer, int piece, double at)
+static double curve(const struct transfer_curve *to, int piece, double at)
 {
 	const double octave = ldexp(KERNEL_BLACK, piece >> 2);
 	const double v = octave * (1 + ((piece & 3) + at / STEPS) / 4);
 
-	return 256 * 255 * transfer_encode(transfer, (v - KERNEL_BLACK) / KERNEL_WHITE);
+	return 256 * 255 * transfer_curve_encode(to, (v - KERNEL_BLACK) / KERNEL_WHITE);
 }
 
 /* So that |b| + |c| / 2 fits; no curve of hal/transfer.h comes near. */
@@ -21,7 +21,7 @@ static int16_t limited(double x, int limit)
 
 /* The parabola through the three points where one that is the best differs least (Chebyshev's). A
  * step stands for all that its key stands for, so it counts as its middle. */
-static void fit(struct kernel_curves *curves, enum transfer transfer, int piece)
+static void fit(struct kernel_curves *curves, const struct transfer_curve *to, int piece)
 {
 	double t[3], y[3], slope, bend;
 
@@ -29,7 +29,7 @@ static void fit(struct kernel_curves *curves, enum transfer transfer, int piece)
 		const double at = STEPS / 2.0 * (1 + cos((2 * i + 1) * M_PI / 6));
 
 		t[i] = (at - 0.5) * 16 / 65536;
-		y[i] = curve(transfer, piece, at);
+		y[i] = curve(to, piece, at);
 	}
 	slope = (y[1] - y[0]) / (t[1] - t[0]);
 	bend = ((y[2] - y[1]) / (t[2] - t[1]) - slope) / (t[2] - t[0]);
@@ -49,6 +49,7 @@ static uint8_t unchanged(const struct kernel_curves *curves, int code)
 	uint8_t out[4];
 	const struct kernel_row row = {
 		.count = 1,
+		.rows = 1,
 		.object = {none, none, none},
 		.taken = {none, none, none},
 		.coverage = clear,
@@ -61,12 +62,12 @@ static uint8_t unchanged(const struct kernel_curves *curves, int code)
 	return out[0];
 }
 
-void kernel_curves_fill(struct kernel_curves *curves, enum transfer background,
-			enum transfer output)
+void kernel_curves_fill(struct kernel_curves *curves, const struct transfer_curve *background,
+			const struct transfer_curve *output)
 {
 	for (int i = 0; i < 256; i++) {
 		curves->decode[i] =
-			(uint16_t)lround(65535 * transfer_decode(background, i / 255.0));
+			(uint16_t)lround(65535 * transfer_curve_decode(background, i / 255.0));
 		curves->linear[i] = curves->decode[i];
 	}
 	for (int piece = 0; piece < KERNEL_PIECES; piece++)

@@ -38,7 +38,9 @@ const struct kernels kernels_avx2 = {
 	.supported = kernels_supported_avx2,
 	.sums16 = sums16,
 	.sums8 = sums8,
+	.split = kernel_c_split,
 	.project = project,
 	.fold = fold,
+	.place = kernel_c_place,
 	.mix = mix,
 };

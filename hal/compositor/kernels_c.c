@@ -1,7 +1,8 @@
 #include <string.h>
 
+#include "hal/compositor/digits.h"
 #include "hal/compositor/fixed.h"
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels_isa.h"
 
 static bool always(void)
 {
@@ -10,38 +11,80 @@ static bool always(void)
 
 /* Unsigned, because parts of a sum may pass 2^63 and come back: the whole does not, and is exact.
  */
-static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE16])
+static void add(int64_t *sum, int64_t more, int shift)
 {
-	for (int d = 0; d < w->digits; d++) {
+	*sum = (int64_t)((uint64_t)*sum + ((uint64_t)more << shift));
+}
+
+static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+{
+	for (int c = 0; c < 3; c++) {
+		if (w->fresh)
+			memset(sum[c], 0, KERNEL_LINE16 * sizeof(*sum[c]));
 		for (int k = 0; k < w->count; k++) {
-			const int16_t *line = lines + (size_t)w->line[k] * KERNEL_LINE16;
-			const int32_t weight = w->digit[d][k];
+			const int16_t *line = lines +
+					      (w->line[k] * w->step + (size_t)c * w->channel) /
+						      sizeof(*lines);
 
-			for (int p = 0; p < KERNEL_LINE16; p++) {
-				const uint64_t more = (uint64_t)(int64_t)(line[p] * weight);
+			for (int d = 0; d < w->digits; d++) {
+				const int32_t weight = *kernel_digit(w, k, c, d);
+				const int shift = w->shift + d * KERNEL_DIGIT_BITS;
 
-				sum[p] = (int64_t)((uint64_t)sum[p] +
-						   (more << d * KERNEL_DIGIT_BITS));
+				for (int p = 0; p < KERNEL_LINE16; p++)
+					add(&sum[c][p], line[p] * weight, shift);
 			}
 		}
 	}
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE8])
+static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
-	for (int d = 0; d < w->digits; d++) {
+	for (int c = 0; c < 3; c++) {
+		if (w->fresh)
+			memset(sum[c], 0, KERNEL_LINE8 * sizeof(*sum[c]));
 		for (int k = 0; k < w->count; k++) {
-			const int8_t *line = lines + (size_t)w->line[k] * KERNEL_LINE8;
-			const int32_t weight = w->digit[d][k];
+			const int8_t *line = lines + w->line[k] * w->step + (size_t)c * w->channel;
 
-			for (int p = 0; p < KERNEL_LINE8; p++) {
-				const uint64_t more = (uint64_t)(int64_t)(line[p] * weight);
+			for (int d = 0; d < w->digits; d++) {
+				const int32_t weight = *kernel_digit(w, k, c, d);
+				const int shift = w->shift + d * KERNEL_DIGIT_BITS;
 
-				sum[p] = (int64_t)((uint64_t)sum[p] +
-						   (more << d * KERNEL_DIGIT_BITS));
+				for (int p = 0; p < KERNEL_LINE8; p++)
+					add(&sum[c][p], line[p] * weight, shift);
 			}
 		}
 	}
+}
+
+int kernel_c_split(const int64_t *const weight[3], int count, int16_t *digit)
+{
+	int64_t most = 0;
+	int digits;
+
+	for (int c = 0; c < 3; c++) {
+		for (int k = 0; k < count; k++) {
+			const int64_t w = weight[c][k] < 0 ? -weight[c][k] : weight[c][k];
+
+			most = w > most ? w : most;
+		}
+	}
+	digits = digits_of(most);
+	for (int c = 0; c < 3; c++) {
+		int16_t *to = digit + 2 * c * digits;
+
+		for (int k = 0; k < count; k += 2, to += 2 * 3 * digits) {
+			const uint64_t one = (uint64_t)(weight[c][k] + DIGITS_BIAS);
+			const uint64_t next = (uint64_t)(weight[c][k + 1] + DIGITS_BIAS);
+
+			for (int d = 0; d < digits; d++) {
+				const int shift = d * KERNEL_DIGIT_BITS;
+
+				to[2 * d] = (int16_t)((one >> shift & 4095) - DIGIT_HALF);
+				to[2 * d + 1] = (int16_t)((next >> shift & 4095) - DIGIT_HALF);
+			}
+		}
+	}
+	return digits;
 }
 
 static int64_t dot(const int16_t *row, const int16_t *digit, int count)
@@ -79,7 +122,7 @@ static int64_t clamp(int64_t x)
 }
 
 static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
-		 int32_t *to)
+		 const int32_t *from, int32_t *to)
 {
 	for (int p = 0; p < count; p++) {
 		int64_t x = clamp(round_shift(sum[p], shift));
@@ -87,7 +130,18 @@ static void fold(const int64_t *sum, int count, int shift, uint32_t factor, cons
 		x = clamp(round_shift(x * factor, 30));
 		if (tint)
 			x = clamp(round_shift(x * tint[p], 15));
-		to[p] = (int32_t)clamp(to[p] + x);
+		to[p] = (int32_t)clamp(from[p] + x);
+	}
+}
+
+void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to)
+{
+	for (int y = 0; y < 16; y++, to += 16) {
+		for (unsigned bits = row[y]; bits; bits &= bits - 1) {
+			const int x = __builtin_ctz(bits);
+
+			to[x] = (int32_t)clamp((int64_t)to[x] + *value++);
+		}
 	}
 }
 
@@ -115,7 +169,7 @@ static uint8_t mix_one(int32_t object, int32_t taken, float left, uint8_t backgr
 				      ((float)object * (KERNEL_WHITE * 0x1p-24f) + KERNEL_BLACK));
 }
 
-static void mix(const struct kernel_row *row)
+static void mix_row(const struct kernel_row *row)
 {
 	for (int x = 0; x < row->count; x++) {
 		const uint8_t *in = row->background + (size_t)x * 4;
@@ -131,12 +185,22 @@ static void mix(const struct kernel_row *row)
 	}
 }
 
+static void mix(const struct kernel_row *rows)
+{
+	struct kernel_row row = *rows;
+
+	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row))
+		mix_row(&row);
+}
+
 const struct kernels kernels_c = {
 	.name = "c",
 	.supported = always,
 	.sums16 = sums16,
 	.sums8 = sums8,
+	.split = kernel_c_split,
 	.project = project,
 	.fold = fold,
+	.place = kernel_c_place,
 	.mix = mix,
 };

@@ -20,6 +20,8 @@
 /* Lines, or runs of values, whose products with a digit add up in int32: kernels.h has the proof.
  */
 #define KERNEL_RUN 32
+/* Of bytes there may be many more: 4096 * 127 * 2048 < 2^31. */
+#define KERNEL_RUN8 4096
 
 /* Products of a lane of int32 before it must be widened: 32 of them in the same sense. */
 #define KERNEL_LANE_PRODUCTS 32
@@ -31,6 +33,10 @@ extern const struct kernels kernels_avx2;
 extern const struct kernels kernels_avx512;
 extern const struct kernels kernels_neon;
 extern const struct kernels kernels_neon_dotprod;
+
+/* The specification, for those that have nothing better. */
+int kernel_c_split(const int64_t *const weight[3], int count, int16_t *digit);
+void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to);
 
 /* In kernels.c, which every processor can run. */
 bool kernels_supported_sse41(void);
@@ -80,15 +86,35 @@ KERNEL_INLINE void kernel_fetch(const void *lines, const struct kernel_weights *
 {
 	const char *first = lines;
 
-	if (from < to && w->line[to - 1] - w->line[from] == (uint32_t)(to - 1 - from))
+	if (from < to && w->step == KERNEL_LINE_BYTES &&
+	    w->line[to - 1] - w->line[from] == (uint32_t)(to - 1 - from))
 		first += (size_t)KERNEL_AHEAD * KERNEL_LINE_BYTES;
 	for (int k = from; k < to; k++)
-		__builtin_prefetch(first + (size_t)w->line[k] * KERNEL_LINE_BYTES);
+		__builtin_prefetch(first + w->line[k] * w->step);
 }
 
-static inline int kernel_run_end(const struct kernel_weights *w, int from)
+static inline void kernel_begin(const struct kernel_weights *w, int64_t *const sum[3], int pixels)
 {
-	return w->count - from > KERNEL_RUN ? from + KERNEL_RUN : w->count;
+	for (int c = 0; c < 3 && w->fresh; c++)
+		memset(sum[c], 0, (size_t)pixels * sizeof(*sum[c]));
+}
+
+static inline int kernel_run_end(const struct kernel_weights *w, int from, bool bytes)
+{
+	const int run = bytes ? KERNEL_RUN8 : KERNEL_RUN;
+
+	return w->count - from > run ? from + run : w->count;
+}
+
+static inline void kernel_row_next(struct kernel_row *row)
+{
+	for (int c = 0; c < 3; c++) {
+		row->object[c] += row->value_step;
+		row->taken[c] += row->value_step;
+	}
+	row->coverage += row->coverage_step;
+	row->background += row->background_step;
+	row->out += row->out_step;
 }
 
 /* The rest of a row, less than a vector, worked upon as a whole one in memory that is ours. */

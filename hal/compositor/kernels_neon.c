@@ -4,11 +4,10 @@
 
 /* 32 pixels of a line, one after the other: the widening multiply-and-add needs no pairs. Below
  * 2^31 for a run of KERNEL_RUN lines. */
-KERNEL_INLINE void line_of(const void *lines, uint32_t line, int p, const bool bytes,
-			   int16x8_t x[4])
+KERNEL_INLINE void line_of(const void *lines, size_t at, int p, const bool bytes, int16x8_t x[4])
 {
 	if (bytes) {
-		const int8_t *from = (const int8_t *)lines + (size_t)line * KERNEL_LINE8 + p;
+		const int8_t *from = (const int8_t *)lines + at + p;
 		const int8x16_t low = vld1q_s8(from), high = vld1q_s8(from + 16);
 
 		x[0] = vmovl_s8(vget_low_s8(low));
@@ -16,7 +15,7 @@ KERNEL_INLINE void line_of(const void *lines, uint32_t line, int p, const bool b
 		x[2] = vmovl_s8(vget_low_s8(high));
 		x[3] = vmovl_s8(vget_high_s8(high));
 	} else {
-		const int16_t *from = (const int16_t *)lines + (size_t)line * KERNEL_LINE16 + p;
+		const int16_t *from = (const int16_t *)lines + at / sizeof(int16_t) + p;
 
 		KERNEL_UNROLL
 		for (int i = 0; i < 4; i++)
@@ -37,11 +36,11 @@ KERNEL_INLINE void add_to(int64_t *sum, const int32x4_t part[2], int64x2_t shift
 	vst1q_s64(sum + 2, vaddq_s64(vld1q_s64(sum + 2), vshlq_s64(high, shift)));
 }
 
-/* A run of lines, 32 pixels, one or two digits: 8 or 16 sums of four. */
-KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int first, int from,
-			  int to, int p, int64_t *sum, const bool bytes, const int digits)
+/* A run of lines, 32 pixels of a channel, one or two digits: 8 or 16 sums of four. */
+KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int c, int first,
+			  int from, int to, int p, int64_t *sum, const bool bytes, const int digits)
 {
-	const int64x2_t shift = vdupq_n_s64(first * KERNEL_DIGIT_BITS);
+	const int64x2_t shift = vdupq_n_s64(w->shift + first * KERNEL_DIGIT_BITS);
 	int32x4_t part[8][2];
 	int16x8_t x[4];
 
@@ -49,10 +48,10 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 	for (int i = 0; i < 8; i++)
 		part[i][0] = part[i][1] = vdupq_n_s32(0);
 	for (int k = from; k < to; k++) {
-		line_of(lines, w->line[k], p, bytes, x);
+		line_of(lines, w->line[k] * w->step, p, bytes, x);
 		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
-			const int16x8_t weight = vld1q_dup_s16(w->digit[first + d] + k);
+			const int16x8_t weight = vld1q_dup_s16(kernel_digit(w, k, c, first + d));
 
 			KERNEL_UNROLL
 			for (int i = 0; i < 4; i++) {
@@ -68,32 +67,40 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 		add_to(sum + p + 4 * i, part[i], shift, digits);
 }
 
-KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64_t *sum,
+KERNEL_INLINE void channel_of(const void *lines, const struct kernel_weights *w, int c, int from,
+			      int to, int p, int64_t *sum, const bool bytes)
+{
+	lines = (const char *)lines + (size_t)c * w->channel;
+	for (int d = 0; d < w->digits; d += 2) {
+		if (w->digits - d >= 2)
+			run_of(lines, w, c, d, from, to, p, sum, bytes, 2);
+		else
+			run_of(lines, w, c, d, from, to, p, sum, bytes, 1);
+	}
+}
+
+KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64_t *const sum[3],
 			const bool bytes)
 {
-	kernel_fetch(lines, w, 0, kernel_run_end(w, 0));
-	for (int k = 0; k < w->count; k += KERNEL_RUN) {
-		const int end = kernel_run_end(w, k);
+	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
 
-		kernel_fetch(lines, w, end, kernel_run_end(w, end));
-		for (int p = 0; p < (bytes ? KERNEL_LINE8 : KERNEL_LINE16); p += 32) {
-			for (int d = 0; d < w->digits; d += 2) {
-				if (w->digits - d >= 2)
-					run_of(lines, w, d, k, end, p, sum, bytes, 2);
-				else
-					run_of(lines, w, d, k, end, p, sum, bytes, 1);
-			}
+	kernel_begin(w, sum, pixels);
+	for (int k = 0, end; k < w->count; k = end) {
+		end = kernel_run_end(w, k, bytes);
+		kernel_fetch(lines, w, end, kernel_run_end(w, end, bytes));
+		for (int p = 0; p < pixels; p += 32) {
+			for (int c = 0; c < 3; c++)
+				channel_of(lines, w, c, k, end, p, sum[c], bytes);
 		}
 	}
 }
 
-void kernel_neon_sums16(const int16_t *lines, const struct kernel_weights *w,
-			int64_t sum[KERNEL_LINE16])
+void kernel_neon_sums16(const int16_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
 	sums(lines, w, sum, false);
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE8])
+static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
 	sums(lines, w, sum, true);
 }
@@ -186,7 +193,8 @@ KERNEL_INLINE int32x4_t scaled(int32x4_t x, int32x4_t factor, int64x2_t minus_bi
 		       vrshlq_s64(vmull_high_s32(x, factor), minus_bits));
 }
 
-static void fold4(const int64_t *sum, int shift, uint32_t factor, const uint16_t *tint, int32_t *to)
+static void fold4(const int64_t *sum, int shift, uint32_t factor, const uint16_t *tint,
+		  const int32_t *from, int32_t *to)
 {
 	/* The multiplication has signs, and 2^31 none: half of it, one bit less, is the same. */
 	const int whole = factor >> 31 ? 29 : 30;
@@ -200,13 +208,13 @@ static void fold4(const int64_t *sum, int shift, uint32_t factor, const uint16_t
 
 		x = scaled(x, t, vdupq_n_s64(-15));
 	}
-	x = vqaddq_s32(vld1q_s32(to), x);
+	x = vqaddq_s32(vld1q_s32(from), x);
 	x = vmaxq_s32(vminq_s32(x, vdupq_n_s32(KERNEL_LIMIT)), vdupq_n_s32(-KERNEL_LIMIT));
 	vst1q_s32(to, x);
 }
 
 void kernel_neon_fold(const int64_t *sum, int count, int shift, uint32_t factor,
-		      const uint16_t *tint, int32_t *to)
+		      const uint16_t *tint, const int32_t *from, int32_t *to)
 {
 	const int whole = count / 4 * 4;
 	const size_t rest = (size_t)(count - whole);
@@ -215,14 +223,14 @@ void kernel_neon_fold(const int64_t *sum, int count, int shift, uint32_t factor,
 	int32_t last_to[4] = {0};
 
 	for (int p = 0; p < whole; p += 4)
-		fold4(sum + p, shift, factor, tint ? tint + p : NULL, to + p);
+		fold4(sum + p, shift, factor, tint ? tint + p : NULL, from + p, to + p);
 	if (!rest)
 		return;
 	memcpy(last_sum, sum + whole, rest * sizeof(*sum));
-	memcpy(last_to, to + whole, rest * sizeof(*to));
+	memcpy(last_to, from + whole, rest * sizeof(*to));
 	if (tint)
 		memcpy(last_tint, tint + whole, rest * sizeof(*tint));
-	fold4(last_sum, shift, factor, tint ? last_tint : NULL, last_to);
+	fold4(last_sum, shift, factor, tint ? last_tint : NULL, last_to, last_to);
 	memcpy(to + whole, last_to, rest * sizeof(*to));
 }
 
@@ -313,26 +321,34 @@ KERNEL_INLINE void mix16(const struct kernel_row *row, const struct tables *k, i
 	vst4q_u8(row->out + (size_t)x * 4, out);
 }
 
-void kernel_neon_mix(const struct kernel_row *row)
+KERNEL_INLINE void mix_row(const struct kernel_row *row, const struct tables *k)
 {
-	struct tables k;
 	int x = 0;
 
-	KERNEL_UNROLL
-	for (int i = 0; i < 6; i++) {
-		k.byte[i].val[0] = vld1q_u8(row->curves->bytes[i]);
-		k.byte[i].val[1] = vld1q_u8(row->curves->bytes[i] + 16);
-	}
 	for (; x + 16 <= row->count; x += 16)
-		mix16(row, &k, x);
+		mix16(row, k, x);
 	if (x < row->count) {
 		struct kernel_rest rest;
 		struct kernel_row all;
 
 		kernel_rest_load(&rest, &all, row, x);
-		mix16(&all, &k, 0);
+		mix16(&all, k, 0);
 		memcpy(row->out + (size_t)x * 4, rest.out, (size_t)(row->count - x) * 4);
 	}
+}
+
+void kernel_neon_mix(const struct kernel_row *rows)
+{
+	struct kernel_row row = *rows;
+	struct tables k;
+
+	KERNEL_UNROLL
+	for (int i = 0; i < 6; i++) {
+		k.byte[i].val[0] = vld1q_u8(row.curves->bytes[i]);
+		k.byte[i].val[1] = vld1q_u8(row.curves->bytes[i] + 16);
+	}
+	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row))
+		mix_row(&row, &k);
 }
 
 const struct kernels kernels_neon = {
@@ -340,7 +356,9 @@ const struct kernels kernels_neon = {
 	.supported = kernels_supported_neon,
 	.sums16 = kernel_neon_sums16,
 	.sums8 = sums8,
+	.split = kernel_c_split,
 	.project = kernel_neon_project,
 	.fold = kernel_neon_fold,
+	.place = kernel_c_place,
 	.mix = kernel_neon_mix,
 };

@@ -10,11 +10,11 @@
 #include "hal/compositor/kernels_isa.h"
 
 void kernel_neon_sums16(const int16_t *lines, const struct kernel_weights *w,
-			int64_t sum[KERNEL_LINE16]);
+			int64_t *const sum[3]);
 void kernel_neon_project(const int16_t *rows, int count, int stride,
 			 const struct kernel_vector vector[3], int64_t (*y)[3]);
 void kernel_neon_fold(const int64_t *sum, int count, int shift, uint32_t factor,
-		      const uint16_t *tint, int32_t *to);
-void kernel_neon_mix(const struct kernel_row *row);
+		      const uint16_t *tint, const int32_t *from, int32_t *to);
+void kernel_neon_mix(const struct kernel_row *rows);
 
 #endif

@@ -10,25 +10,24 @@
 #define PIECE 256 /* lines that stay in the first cache while every 16 pixels go through them */
 #define PIXELS 16 /* at once: two halves of one or two digits are 8 or 16 sums of four */
 
-/* The low bytes of four weights, and then the high ones. */
-KERNEL_INLINE int8x8_t split_of(const int16_t *digit, int count)
+/* The low bytes of four weights, two pairs of them, and then the high ones. */
+KERNEL_INLINE int8x8_t split_of(int32_t first, int32_t second)
 {
-	const int16_t two[4] = {digit[0], digit[1], 0, 0};
-	const int16x4_t x = vld1_s16(count > 2 ? digit : two);
+	const int16x4_t x = vreinterpret_s16_s32((int32x2_t){first, second});
 	const int16x4_t h = vshr_n_s16(vadd_s16(x, vdup_n_s16(128)), 8);
 
 	return vuzp1_s8(vreinterpret_s8_s16(x), vreinterpret_s8_s16(h));
 }
 
 /* quad[i] holds pixels 4i..4i+3. */
-KERNEL_INLINE void quads_of(const int8_t *lines, const uint32_t line[4], int p, int8x16_t quad[4])
+KERNEL_INLINE void quads_of(const int8_t *lines, const size_t at[4], int p, int8x16_t quad[4])
 {
 	int8x16_t x[4];
 	int16x8_t low[2], high[2];
 
 	KERNEL_UNROLL
 	for (int i = 0; i < 4; i++)
-		x[i] = vld1q_s8(lines + (size_t)line[i] * KERNEL_LINE8 + p);
+		x[i] = vld1q_s8(lines + at[i] + p);
 	KERNEL_UNROLL
 	for (int i = 0; i < 2; i++) {
 		low[i] = vreinterpretq_s16_s8(vzip1q_s8(x[2 * i], x[2 * i + 1]));
@@ -50,8 +49,8 @@ KERNEL_INLINE void add_to(int64_t *sum, int32x4_t l, int32x4_t h, int64x2_t shif
 	vst1q_s64(sum + 2, vaddq_s64(vld1q_s64(sum + 2), vshlq_s64(b, shift)));
 }
 
-KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int first, int from,
-			int to, int p, int64_t *sum, const int digits)
+KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int c, int first,
+			int from, int to, int p, int64_t *sum, const int digits)
 {
 	int32x4_t low[2][4], high[2][4];
 	int8x16_t quad[4];
@@ -63,12 +62,17 @@ KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int
 		const uint32_t *l = w->line + k;
 		/* Where two lines are left they stand in for the others, whose weights are 0. */
 		const int other = to - k > 2 ? 2 : 0;
-		const uint32_t line[4] = {l[0], l[1], l[other], l[other + 1]};
+		const size_t at[4] = {l[0] * w->step, l[1] * w->step, l[other] * w->step,
+				      l[other + 1] * w->step};
 
-		quads_of(lines, line, p, quad);
+		quads_of(lines, at, p, quad);
 		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
-			const int8x8_t split = split_of(w->digit[first + d] + k, to - k);
+			const int16_t *digit = kernel_digit(w, k, c, first + d);
+			const int8x8_t split = split_of(
+				kernel_weight_pair(digit),
+				other ? kernel_weight_pair(kernel_digit(w, k + 2, c, first + d))
+				      : 0);
 
 			KERNEL_UNROLL
 			for (int i = 0; i < 4; i++) {
@@ -79,7 +83,7 @@ KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int
 	}
 	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++) {
-		const int64x2_t shift = vdupq_n_s64((first + d) * KERNEL_DIGIT_BITS);
+		const int64x2_t shift = vdupq_n_s64(w->shift + (first + d) * KERNEL_DIGIT_BITS);
 
 		KERNEL_UNROLL
 		for (int i = 0; i < 4; i++)
@@ -87,19 +91,28 @@ KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int
 	}
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE8])
+KERNEL_INLINE void piece8(const int8_t *lines, const struct kernel_weights *w, int c, int from,
+			  int to, int p, int64_t *sum)
 {
+	lines += (size_t)c * w->channel;
+	for (int d = 0; d < w->digits; d += 2) {
+		if (w->digits - d >= 2)
+			run8(lines, w, c, d, from, to, p, sum, 2);
+		else
+			run8(lines, w, c, d, from, to, p, sum, 1);
+	}
+}
+
+static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+{
+	kernel_begin(w, sum, KERNEL_LINE8);
 	for (int k = 0; k < w->count; k += PIECE) {
 		const int end = w->count - k > PIECE ? k + PIECE : w->count;
 
 		kernel_fetch(lines, w, k, end);
 		for (int p = 0; p < KERNEL_LINE8; p += PIXELS) {
-			for (int d = 0; d < w->digits; d += 2) {
-				if (w->digits - d >= 2)
-					run8(lines, w, d, k, end, p, sum, 2);
-				else
-					run8(lines, w, d, k, end, p, sum, 1);
-			}
+			for (int c = 0; c < 3; c++)
+				piece8(lines, w, c, k, end, p, sum[c]);
 		}
 	}
 }
@@ -109,7 +122,9 @@ const struct kernels kernels_neon_dotprod = {
 	.supported = kernels_supported_neon_dotprod,
 	.sums16 = kernel_neon_sums16,
 	.sums8 = sums8,
+	.split = kernel_c_split,
 	.project = kernel_neon_project,
 	.fold = kernel_neon_fold,
+	.place = kernel_c_place,
 	.mix = kernel_neon_mix,
 };

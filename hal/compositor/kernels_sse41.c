@@ -36,7 +36,9 @@ const struct kernels kernels_sse41 = {
 	.supported = kernels_supported_sse41,
 	.sums16 = sums16,
 	.sums8 = sums8,
+	.split = kernel_c_split,
 	.project = project,
 	.fold = fold,
+	.place = kernel_c_place,
 	.mix = mix,
 };

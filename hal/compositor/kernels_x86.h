@@ -23,36 +23,37 @@
 /* ---- sums16, sums8 ---- */
 
 /* Two vectors of int16 of a line, from pixel p. */
-KERNEL_INLINE void line_of(const void *lines, uint32_t line, int p, const bool bytes, vector x[2])
+KERNEL_INLINE void line_of(const void *lines, size_t at, int p, const bool bytes, vector x[2])
 {
 	if (bytes) {
-		const int8_t *from = (const int8_t *)lines + (size_t)line * KERNEL_LINE8 + p;
+		const int8_t *from = (const int8_t *)lines + at + p;
 
 		x[0] = LOAD_WIDE8(from);
 		x[1] = LOAD_WIDE8(from + WORDS);
 	} else {
-		const int16_t *from = (const int16_t *)lines + (size_t)line * KERNEL_LINE16 + p;
+		const int16_t *from = (const int16_t *)lines + at / sizeof(int16_t) + p;
 
 		x[0] = LOAD_ALIGNED(from);
 		x[1] = LOAD_ALIGNED(from + WORDS);
 	}
 }
 
-/* One run of lines for 2 * WORDS pixels and one or two digits: two lines side by side, so that one
- * instruction multiplies both and adds. sum += the result * 4096^first. */
-KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int first, int from,
-			  int to, int p, int64_t *sum, const bool bytes, const int digits)
+/* One run of lines for 2 * WORDS pixels of a channel and one or two digits: two lines side by side,
+ * so that one instruction multiplies both and adds. sum += the result * 4096^first * 2^shift. */
+KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int c, int first,
+			  int from, int to, int p, int64_t *sum, const bool bytes, const int digits)
 {
 	_Alignas(32) int32_t part[2][2 * WORDS];
 	vector acc[2][4], one[2], next[2], both[4];
-	const int shift = first * KERNEL_DIGIT_BITS;
+	const int shift = w->shift + first * KERNEL_DIGIT_BITS;
+	const int16_t *digit = kernel_digit(w, from, c, first);
 
 	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++)
 		acc[d][0] = acc[d][1] = acc[d][2] = acc[d][3] = SI(setzero)();
 	for (int k = from; k < to; k += 2) {
-		line_of(lines, w->line[k], p, bytes, one);
-		line_of(lines, w->line[k + 1], p, bytes, next);
+		line_of(lines, w->line[k] * w->step, p, bytes, one);
+		line_of(lines, w->line[k + 1] * w->step, p, bytes, next);
 		KERNEL_UNROLL
 		for (int i = 0; i < 2; i++) {
 			both[2 * i] = I(unpacklo_epi16)(one[i], next[i]);
@@ -60,13 +61,13 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 		}
 		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
-			const vector pair =
-				I(set1_epi32)(kernel_weight_pair(w->digit[first + d] + k));
+			const vector pair = I(set1_epi32)(kernel_weight_pair(digit + 2 * d));
 
 			KERNEL_UNROLL
 			for (int i = 0; i < 4; i++)
 				acc[d][i] = I(add_epi32)(acc[d][i], I(madd_epi16)(both[i], pair));
 		}
+		digit += 2 * 3 * w->digits;
 	}
 	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++) {
@@ -85,31 +86,40 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 	}
 }
 
-KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64_t *sum,
+KERNEL_INLINE void channel_of(const void *lines, const struct kernel_weights *w, int c, int from,
+			      int to, int p, int64_t *sum, const bool bytes)
+{
+	lines = (const char *)lines + (size_t)c * w->channel;
+	for (int d = 0; d < w->digits; d += 2) {
+		if (w->digits - d >= 2)
+			run_of(lines, w, c, d, from, to, p, sum, bytes, 2);
+		else
+			run_of(lines, w, c, d, from, to, p, sum, bytes, 1);
+	}
+}
+
+KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64_t *const sum[3],
 			const bool bytes)
 {
-	kernel_fetch(lines, w, 0, kernel_run_end(w, 0));
-	for (int k = 0; k < w->count; k += KERNEL_RUN) {
-		const int end = kernel_run_end(w, k);
+	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
 
-		kernel_fetch(lines, w, end, kernel_run_end(w, end));
-		for (int p = 0; p < (bytes ? KERNEL_LINE8 : KERNEL_LINE16); p += 2 * WORDS) {
-			for (int d = 0; d < w->digits; d += 2) {
-				if (w->digits - d >= 2)
-					run_of(lines, w, d, k, end, p, sum, bytes, 2);
-				else
-					run_of(lines, w, d, k, end, p, sum, bytes, 1);
-			}
+	kernel_begin(w, sum, pixels);
+	for (int k = 0, end; k < w->count; k = end) {
+		end = kernel_run_end(w, k, bytes);
+		kernel_fetch(lines, w, end, kernel_run_end(w, end, bytes));
+		for (int p = 0; p < pixels; p += 2 * WORDS) {
+			for (int c = 0; c < 3; c++)
+				channel_of(lines, w, c, k, end, p, sum[c], bytes);
 		}
 	}
 }
 
-static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE16])
+static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
 	sums(lines, w, sum, false);
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t sum[KERNEL_LINE8])
+static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
 	sums(lines, w, sum, true);
 }
@@ -279,7 +289,7 @@ KERNEL_INLINE vector added(vector a, vector b)
 }
 
 KERNEL_INLINE void fold_vectors(const int64_t *sum, int count, int shift, uint32_t factor,
-				const uint16_t *tint, int32_t *to)
+				const uint16_t *tint, const int32_t *from, int32_t *to)
 {
 	const vector half = I(set1_epi64x)(INT64_C(1) << (shift - 1));
 	const vector excess = I(set1_epi64x)(INT64_C(1) << (63 - shift));
@@ -294,25 +304,25 @@ KERNEL_INLINE void fold_vectors(const int64_t *sum, int count, int shift, uint32
 			x = scaled(x, f, f, 30);
 		if (tint)
 			x = tinted(x, tint + p);
-		STORE(to + p, added(LOAD(to + p), x));
+		STORE(to + p, added(LOAD(from + p), x));
 	}
 }
 
 static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
-		 int32_t *to)
+		 const int32_t *from, int32_t *to)
 {
 	const int whole = count / DWORDS * DWORDS, rest = count - whole;
 	int64_t last_sum[DWORDS] = {0};
 	uint16_t last_tint[DWORDS] = {0};
 	int32_t last_to[DWORDS] = {0};
 
-	fold_vectors(sum, whole, shift, factor, tint, to);
+	fold_vectors(sum, whole, shift, factor, tint, from, to);
 	if (!rest)
 		return;
 	memcpy(last_sum, sum + whole, (size_t)rest * sizeof(*sum));
-	memcpy(last_to, to + whole, (size_t)rest * sizeof(*to));
+	memcpy(last_to, from + whole, (size_t)rest * sizeof(*to));
 	if (tint)
 		memcpy(last_tint, tint + whole, (size_t)rest * sizeof(*tint));
-	fold_vectors(last_sum, DWORDS, shift, factor, tint ? last_tint : NULL, last_to);
+	fold_vectors(last_sum, DWORDS, shift, factor, tint ? last_tint : NULL, last_to, last_to);
 	memcpy(to + whole, last_to, (size_t)rest * sizeof(*to));
 }

@@ -103,21 +103,29 @@ KERNEL_INLINE void mix_two(const struct kernel_row *row, const struct tables *k,
 	}
 }
 
-static void mix(const struct kernel_row *row)
+KERNEL_INLINE void mix_row(const struct kernel_row *row, const struct tables *k)
 {
-	struct tables k;
 	int x = 0;
 
-	tables_load(&k, row->curves);
 	for (; x + 2 * DWORDS <= row->count; x += 2 * DWORDS)
-		mix_two(row, &k, x);
+		mix_two(row, k, x);
 	if (x < row->count) {
 		struct kernel_rest rest;
 		struct kernel_row all;
 
 		kernel_rest_load(&rest, &all, row, x);
 		for (int i = 0; i < row->count - x; i += 2 * DWORDS)
-			mix_two(&all, &k, i);
+			mix_two(&all, k, i);
 		memcpy(row->out + (size_t)x * 4, rest.out, (size_t)(row->count - x) * 4);
 	}
+}
+
+static void mix(const struct kernel_row *rows)
+{
+	struct kernel_row row = *rows;
+	struct tables k;
+
+	tables_load(&k, row.curves);
+	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row))
+		mix_row(&row, &k);
 }

@@ -27,27 +27,35 @@ static int padded(int count, int step)
 	return (count + step - 1) / step * step;
 }
 
-int light_vector_create(struct light_vector *v, const struct basis *basis)
+static void *lines_of(size_t count, size_t bytes)
 {
-	const size_t n = basis->info.lights, k = basis->info.coarse;
-	const int stride = padded((int)k, BASIS_LINE16);
-	const size_t bytes = sizeof(int16_t) * 3 * KERNEL_DIGITS * (size_t)stride;
+	const size_t whole = (count * bytes + BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN;
+	void *memory = aligned_alloc(BASIS_ALIGN, whole);
 
-	*v = (struct light_vector){.lights = (int)n, .coarse = (int)k, .stride = stride};
-	v->amount = calloc(n, sizeof(*v->amount));
-	v->strength = calloc(n, sizeof(*v->strength));
-	v->before = calloc(n, sizeof(*v->before));
+	return memory ? memset(memory, 0, whole) : NULL;
+}
+
+int light_vector_create(struct light_vector *v, const struct light_terms *terms)
+{
+	const size_t n = (size_t)terms->lights, k = (size_t)terms->coarse;
+	const int stride = padded((int)k, BASIS_LINE16);
+	bool fine;
+
+	*v = (struct light_vector){
+		.lights = (int)n, .coarse = (int)k, .stride = stride, .terms = terms};
+	v->sent = lines_of(n, sizeof(*v->sent));
 	v->changed = calloc(n, sizeof(*v->changed));
-	v->bright = calloc((n + 63) / 64 * BRIGHT_CLASSES, sizeof(*v->bright));
-	v->x = calloc(n, sizeof(*v->x));
-	v->y = calloc(k, sizeof(*v->y));
-	v->digits = aligned_alloc(BASIS_ALIGN, bytes);
-	if (!v->before || !v->changed || !v->amount || !v->strength || !v->bright || !v->x ||
-	    !v->y || !v->digits) {
+	v->before = calloc(n, sizeof(*v->before));
+	v->digits = lines_of(3 * KERNEL_DIGITS * (size_t)stride, sizeof(*v->digits));
+	fine = v->sent && v->changed && v->before && v->digits;
+	for (int c = 0; c < 3; c++) {
+		v->y[c] = lines_of(k, sizeof(*v->y[c]));
+		fine = fine && v->y[c];
+	}
+	if (!fine) {
 		light_vector_free(v);
 		return -ENOMEM;
 	}
-	memset(v->digits, 0, bytes);
 	for (int c = 0; c < 3; c++) {
 		for (int d = 0; d < KERNEL_DIGITS; d++)
 			v->planes[c].digit[d] = v->digits + (c * KERNEL_DIGITS + d) * stride;
@@ -57,63 +65,13 @@ int light_vector_create(struct light_vector *v, const struct basis *basis)
 
 void light_vector_free(struct light_vector *v)
 {
-	free(v->amount);
-	free(v->strength);
-	free(v->before);
+	free(v->sent);
 	free(v->changed);
-	free(v->bright);
-	free(v->x);
-	free(v->y);
+	free(v->before);
 	free(v->digits);
+	for (int c = 0; c < 3; c++)
+		free(v->y[c]);
 	*v = (struct light_vector){0};
-}
-
-int bright_class(float reach)
-{
-	const int k = reach > 0 ? exponent_above((double)reach) - BRIGHT_LEAST : 0;
-
-	return k < 0 ? 0 : k < BRIGHT_CLASSES ? k : BRIGHT_CLASSES - 1;
-}
-
-/* The least class of blocks that may need a light: with strength below 2^e no column that reaches
- * 2^-e does. */
-static int class_of_strength(float strength)
-{
-	uint32_t bits;
-	int k;
-
-	memcpy(&bits, &strength, sizeof(bits)); /* frexpf() takes longer than all else here */
-	k = 1 - ((int)(bits >> 23) - 126) - BRIGHT_LEAST;
-	return k < 0 ? 0 : k < BRIGHT_CLASSES ? k : BRIGHT_CLASSES - 1;
-}
-
-/* Marks each light in its class, and then in all above it. */
-static void mark_bright(struct light_vector *v)
-{
-	const size_t words = (size_t)(v->lights + 63) / 64;
-
-	memset(v->bright, 0, sizeof(*v->bright) * words * BRIGHT_CLASSES);
-	for (int i = 0; i < v->lights; i++) {
-		if (v->strength[i] > 0)
-			v->bright[(size_t)class_of_strength(v->strength[i]) * words +
-				  (size_t)i / 64] |= UINT64_C(1) << i % 64;
-	}
-	for (size_t k = words; k < words * BRIGHT_CLASSES; k++)
-		v->bright[k] |= v->bright[k - words];
-}
-
-void light_vector_track(struct light_vector *v)
-{
-	v->changed_count = v->lit = 0;
-	for (int i = 0; i < v->lights; i++) {
-		const double *now = v->amount[i];
-		double *before = v->before[i];
-
-		v->lit += now[0] > 0 || now[1] > 0 || now[2] > 0;
-		if (now[0] != before[0] || now[1] != before[1] || now[2] != before[2])
-			v->changed[v->changed_count++] = i;
-		memcpy(before, now, sizeof(v->before[i]));
-	}
 }
 
 int gain_bits(double gain)
@@ -126,24 +84,152 @@ static int count_bits(int count)
 	return exponent_above(count);
 }
 
-/* Y from X, one channel, as digits. */
-static void gather(struct light_vector *v, const struct basis *basis, int c)
+/* ---- X ---- */
+
+/* Light as it arrives, by channels. */
+struct arriving {
+	const double (*radiance)[3];
+	double more[3]; /* ambient, and e of U */
+	const double *weight[3];
+};
+
+/* What light i sends, before any rounding: weight * (L + more). */
+static inline void weigh_light(struct light_sent *restrict sent, const struct arriving *from, int i,
+			       double part[3])
 {
-	const int64_t *y = v->x;
+	double x[3];
+
+	for (int c = 0; c < 3; c++)
+		x[c] = from->weight[c][i] * (from->radiance[i][c] + from->more[c]);
+	for (int c = 0; c < 3; c++) {
+		sent[i].amount[c] = x[c];
+		part[c] += x[c];
+	}
+}
+
+/* Of all lights, and its sum in each channel. */
+static void weigh(struct light_sent *restrict sent, const struct arriving *light, int count,
+		  double sum[3])
+{
+	const struct arriving from = *light;
+	const int whole = count / LIGHT_PARTS * LIGHT_PARTS;
+	double a[3] = {0}, b[3] = {0}, c[3] = {0}, d[3] = {0};
+
+	for (int i = 0; i < whole; i += LIGHT_PARTS) {
+		weigh_light(sent, &from, i, a);
+		weigh_light(sent, &from, i + 1, b);
+		weigh_light(sent, &from, i + 2, c);
+		weigh_light(sent, &from, i + 3, d);
+	}
+	for (int i = whole; i < count; i++)
+		weigh_light(sent, &from, i, a);
+	for (int k = 0; k < 3; k++)
+		sum[k] = light_parts(a[k], b[k], c[k], d[k]);
+}
+
+/* What becomes of the sums of a frame's light: X = amount * 2^up * 2^bits, rounded. */
+struct rounding {
+	int bits[3], up[3];
+	double share[3]; /* what a column of value 1 makes of an amount of 1 */
+};
+
+/* Rounds what lights send: as if strength, which is made after it, were a channel, too, as four
+ * doubles are two vectors. */
+static void round_lights(struct light_sent *restrict sent, int count, const double factor[4],
+			 const double unit[4])
+{
+	double *restrict x = (double *)sent;
+
+	_Static_assert(sizeof(*sent) == 4 * sizeof(*x), "four doubles");
+	for (int i = 0; i < 4 * count; i += 4) {
+		for (int c = 0; c < 4; c++)
+			x[i + c] = round_narrow(x[i + c] * factor[c]) * unit[c];
+	}
+}
+
+/* ---- what columns may be left out ---- */
+
+static inline double strength_of(const double amount[3], const double worth[3])
+{
+	const double r = amount[0] * worth[0], g = amount[1] * worth[1], b = amount[2] * worth[2];
+	const double most = r > g ? r : g;
+
+	return most > b ? most : b;
+}
+
+/* The most that a light may be worth: no file's cut is so small, and no product overflows. */
+#define WORTH_MOST 0x1p900
+
+static void round_all(struct light_vector *v, const struct rounding *how, bool cut)
+{
+	const double least = v->terms->basis->info.column_cut;
+	const double per_cut = least * WORTH_MOST > 1 ? 1 / least : WORTH_MOST;
+	double factor[4] = {0}, unit[4] = {0}, worth[3];
+
+	for (int c = 0; c < 3; c++) {
+		v->unit[c] = unit[c] = power_of_two(-how->bits[c]);
+		factor[c] = power_of_two(how->bits[c] + how->up[c]);
+		worth[c] = how->share[c] * per_cut;
+	}
+	round_lights(v->sent, v->lights, factor, unit);
+	for (int i = 0; i < v->lights && cut; i++)
+		v->sent[i].strength = strength_of(v->sent[i].amount, worth);
+}
+
+/* ---- Y ---- */
+
+/* The whole numbers that sums of X times weights may come to in a double, without any rounding. */
+#define NARROW_BITS 53
+
+static void gather_narrow(struct light_vector *v, const double one[3])
+{
+	const struct light_terms *t = v->terms;
+
+	for (int k = 0; k < v->coarse; k++) {
+		double sum[3] = {0};
+
+		for (uint32_t n = t->first[k]; n < t->first[k + 1]; n++) {
+			const double *x = v->sent[t->light[n]].amount;
+			const double weight = t->weight[n];
+
+			for (int c = 0; c < 3; c++)
+				sum[c] += x[c] * weight;
+		}
+		for (int c = 0; c < 3; c++)
+			v->y[c][k] = round_shift((int64_t)(sum[c] * one[c]), 15);
+	}
+}
+
+static void gather_wide(struct light_vector *v, const double one[3])
+{
+	const struct light_terms *t = v->terms;
+
+	for (int k = 0; k < v->coarse; k++) {
+		int64_t sum[3] = {0};
+
+		for (uint32_t n = t->first[k]; n < t->first[k + 1]; n++) {
+			for (int c = 0; c < 3; c++)
+				sum[c] += (int64_t)(v->sent[t->light[n]].amount[c] * one[c]) *
+					  (int64_t)t->weight[n];
+		}
+		for (int c = 0; c < 3; c++)
+			v->y[c][k] = round_shift(sum[c], 15);
+	}
+}
+
+static void copy_lights(struct light_vector *v, const double one[3])
+{
+	for (int k = 0; k < v->coarse; k++) {
+		for (int c = 0; c < 3; c++)
+			v->y[c][k] = (int64_t)(v->sent[k].amount[c] * one[c]);
+	}
+}
+
+static void split_channel(struct light_vector *v, int c)
+{
+	const int64_t *y = v->y[c];
 	int64_t most = 0;
 
-	if (basis->coarse) {
-		memset(v->y, 0, sizeof(*v->y) * (size_t)v->coarse);
-		for (int i = 0; i < v->lights; i++) {
-			const struct basis_coarse *g = &basis->coarse[i];
-
-			for (int j = 0; j < 3; j++)
-				v->y[g->index[j]] += v->x[i] * g->weight[j];
-		}
-		for (int k = 0; k < v->coarse; k++)
-			v->y[k] = round_shift(v->y[k], 15);
-		y = v->y;
-	}
 	for (int k = 0; k < v->coarse; k++)
 		most = y[k] > most ? y[k] : most;
 	v->planes[c].digits = digits_of(most);
@@ -151,111 +237,115 @@ static void gather(struct light_vector *v, const struct basis *basis, int c)
 		digits_split(y, v->coarse, d, v->digits + (c * KERNEL_DIGITS + d) * v->stride);
 }
 
-/* X of a channel from v->amount, which is then what X stands for. */
-static void round_channel(struct light_vector *v, const struct basis *basis, int c, int bits)
+/* x_bits: the sum of X of each channel is below 2^x_bits. */
+static void make_planes(struct light_vector *v, int x_bits)
 {
-	const double one = power_of_two(bits);
+	const double one[3] = {1 / v->unit[0], 1 / v->unit[1], 1 / v->unit[2]};
 
-	v->unit[c] = power_of_two(-bits);
-	for (int i = 0; i < v->lights; i++) {
-		v->x[i] = round_double(v->amount[i][c] * one);
-		v->amount[i][c] = (double)v->x[i] * v->unit[c];
-	}
-	gather(v, basis, c);
+	if (!v->terms->first)
+		copy_lights(v, one);
+	else if (x_bits + 15 <= NARROW_BITS)
+		gather_narrow(v, one);
+	else
+		gather_wide(v, one);
+	for (int c = 0; c < 3; c++)
+		split_channel(v, c);
 }
 
-static double channel_sum(const struct light_vector *v, int c)
+/* ---- a frame ---- */
+
+/* Of T, D and U: as many fraction bits as there is room for above the sum, but no more than `most`.
+ * Returns the bits of the largest sum of X. */
+static int plan_weighted(struct light_vector *v, const double sum[3], int most, int room,
+			 struct rounding *how)
 {
-	double sum = 0;
+	int x_bits = count_bits(v->lights);
 
-	for (int i = 0; i < v->lights; i++)
-		sum += v->amount[i][c];
-	return sum;
-}
-
-/* What a column of value 1 changes, by what may be left out. */
-static void set_strength(struct light_vector *v, const double share[3], double cut)
-{
-	for (int i = 0; i < v->lights; i++) {
-		const double *x = v->amount[i];
-		double most = 0;
-
-		for (int c = 0; c < 3; c++)
-			most = x[c] * share[c] > most ? x[c] * share[c] : most;
-		v->strength[i] = most > 0 ? (float)(most / cut) : 0;
-	}
-	mark_bright(v);
-}
-
-static void fill_weighted(struct light_vector *v, const struct basis *basis,
-			  const struct light_selection *lights, double more)
-{
-	for (int i = 0; i < v->lights; i++) {
-		for (int c = 0; c < 3; c++)
-			v->amount[i][c] = basis->lights[i].solid_angle_sr *
-					  (lights->radiance[i][c] + lights->ambient[c] + more);
-	}
-}
-
-/* most: fraction bits, fewer where the light is so strong that X would exceed its range. */
-static void round_weighted(struct light_vector *v, const struct basis *basis, int most, int room)
-{
 	v->reach = DARK;
 	for (int c = 0; c < 3; c++) {
-		const double sum = channel_sum(v, c);
-		const int exponent = sum > 0 ? ilogb(sum) + 1 : DARK;
+		const int exponent = sum[c] > 0 ? ilogb(sum[c]) + 1 : DARK;
+		const int bits = most < room - exponent ? most : room - exponent;
 
 		/* Roundings may double X, and Y again, where nearly all is rounded off. */
-		if (v->reach < exponent + 2)
-			v->reach = exponent + 2;
-		round_channel(v, basis, c, most < room - exponent ? most : room - exponent);
+		v->reach = v->reach < exponent + 2 ? exponent + 2 : v->reach;
+		x_bits = x_bits < exponent + bits ? exponent + bits : x_bits;
+		how->bits[c] = bits;
 	}
+	return x_bits;
 }
 
-void light_vector_object(struct light_vector *v, const struct basis *basis,
-			 const struct light_selection *lights, double gain)
+static int plan_object(struct light_vector *v, const double sum[3], double gain,
+		       struct rounding *how)
 {
 	const int up = gain_bits(gain);
-	const double share[3] = {gain, gain, gain};
 
-	fill_weighted(v, basis, lights, 0);
-	round_weighted(v, basis, SPARE_BITS + count_bits(v->lights) + up, SUM_BITS);
-	for (int c = 0; c < 3; c++)
-		v->factor[c] = (uint32_t)round_double(ldexp(gain, 30 - up));
-	set_strength(v, share, basis->info.column_cut);
-}
-
-void light_vector_receiver(struct light_vector *v, const struct basis *basis,
-			   const struct light_selection *lights, bool residue)
-{
-	fill_weighted(v, basis, lights, residue ? RESIDUE : 0);
-	round_weighted(v, basis, RECEIVER_BITS - DARK, RECEIVER_BITS);
-}
-
-void light_vector_ground(struct light_vector *v, const struct basis *basis,
-			 const struct light_selection *lights, int ground)
-{
-	double share[3];
-
-	v->reach = 2;
 	for (int c = 0; c < 3; c++) {
-		const double *u = basis_ground(basis, ground, c);
-		double all = 0, there, scale;
-		int exponent;
-
-		for (int i = 0; i < v->lights; i++) {
-			v->amount[i][c] = u[i] * (lights->radiance[i][c] + lights->ambient[c]);
-			all += u[i];
-		}
-		there = channel_sum(v, c) + RESIDUE * all;
-		exponent = there > NO_GROUND ? ilogb(there) : 0;
-		scale = power_of_two(-exponent);
-		for (int i = 0; i < v->lights; i++)
-			v->amount[i][c] *= scale;
-		round_channel(v, basis, c, SPARE_BITS + count_bits(v->lights));
-		/* Where no light can arrive, nothing is taken away. */
-		share[c] = there > NO_GROUND ? 1 / (there * scale) : 0;
-		v->factor[c] = (uint32_t)round_double(ldexp(share[c], 30));
+		how->share[c] = gain;
+		v->factor[c] = (uint32_t)round_double(ldexp(gain, 30 - up));
 	}
-	set_strength(v, share, basis->info.column_cut);
+	return plan_weighted(v, sum, SPARE_BITS + count_bits(v->lights) + up, SUM_BITS, how);
+}
+
+static int plan_ground(struct light_vector *v, const double sum[3], int ground,
+		       struct rounding *how)
+{
+	const int bits = SPARE_BITS + count_bits(v->lights);
+
+	for (int c = 0; c < 3; c++) {
+		const double there = sum[c] + RESIDUE * v->terms->ground_sum[ground][c];
+		const int exponent = there > NO_GROUND ? ilogb(there) : 0;
+
+		how->bits[c] = bits;
+		how->up[c] = -exponent;
+		/* Where no light can arrive, nothing is taken away. */
+		how->share[c] = there > NO_GROUND ? 1 / (there * power_of_two(-exponent)) : 0;
+		v->factor[c] = (uint32_t)round_double(ldexp(how->share[c], 30));
+	}
+	v->reach = 2;
+	return bits + 1;
+}
+
+void light_vector_make(struct light_vector *v, const struct light_order *order,
+		       const struct light_selection *lights)
+{
+	struct arriving from = {.radiance = (const double(*)[3])lights->radiance};
+	struct rounding how = {.up = {0}};
+	double sum[3];
+	int x_bits;
+
+	for (int c = 0; c < 3; c++) {
+		from.more[c] = lights->ambient[c] + (order->kind == BASIS_KIND_U ? RESIDUE : 0);
+		from.weight[c] = order->kind == BASIS_KIND_V
+					 ? basis_ground(v->terms->basis, order->ground, c)
+					 : v->terms->solid_angle;
+	}
+	weigh(v->sent, &from, v->lights, sum);
+	switch (order->kind) {
+	case BASIS_KIND_T:
+		x_bits = plan_object(v, sum, order->gain, &how);
+		break;
+	case BASIS_KIND_V:
+		x_bits = plan_ground(v, sum, order->ground, &how);
+		break;
+	default:
+		x_bits = plan_weighted(v, sum, RECEIVER_BITS - DARK, RECEIVER_BITS, &how);
+		break;
+	}
+	round_all(v, &how, order->cut);
+	if (order->patterns)
+		make_planes(v, x_bits + 1); /* N roundings of 1/2 add less than that */
+}
+
+void light_vector_track(struct light_vector *v)
+{
+	v->changed_count = v->lit = 0;
+	for (int i = 0; i < v->lights; i++) {
+		const double *now = v->sent[i].amount;
+		double *before = v->before[i];
+
+		v->lit += now[0] > 0 || now[1] > 0 || now[2] > 0;
+		if (now[0] != before[0] || now[1] != before[1] || now[2] != before[2])
+			v->changed[v->changed_count++] = i;
+		memcpy(before, now, sizeof(v->before[i]));
+	}
 }

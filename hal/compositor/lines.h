@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include "hal/basis/basis.h"
+#include "hal/compositor/fetch.h"
 #include "hal/compositor/kernels.h"
 
 /* Lines to be read, and their weights split into digits. */
@@ -15,30 +16,19 @@ struct line_set {
 	int count;
 	uint32_t *line;
 	int64_t *weight[3];
-	int16_t *digit[3][KERNEL_DIGITS];
-	struct kernel_weights kernel[3]; /* digits is 0 where all weights are */
+	int16_t *digit;
+	struct kernel_weights kernel; /* digits is 0 where all weights are */
 };
 
 int line_set_create(struct line_set *set, size_t most);
 void line_set_free(struct line_set *set); /* zeroed is fine */
 
-/* Fills the digits from line and weight. */
-void line_set_split(struct line_set *set);
+/* Fills the digits from the weights, and the count up to an even one. */
+void line_set_split(struct line_set *set, const struct kernels *kernels);
 
-/* What is still to be asked for of the next block: patterns, coefficients, scales, pixels. */
-#define FETCHES 5
-
-struct fetch {
-	const char *from[FETCHES];
-	size_t left[FETCHES]; /* bytes */
-};
-
-/* b will be read next; NULL: not known. */
-void fetch_expect(struct fetch *fetch, const struct basis_block *b);
-
-/* Adds patterns and columns of a block to the sums of its pixels, which are all 0 if fresh. columns
- * have weights with `shift` bits less. Returns how many bytes were read. While it adds it fetches.
- */
+/* Adds patterns and columns of a block to the sums of its pixels, which are all 0 if fresh,
+ * whatever stands there. columns have weights with `shift` bits less. Returns how many bytes were
+ * read. While it adds it fetches. */
 size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 		 const struct line_set *patterns, const struct line_set *columns, int shift,
 		 bool fresh, struct fetch *fetch, int64_t *sum[3]);

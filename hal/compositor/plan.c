@@ -6,7 +6,6 @@
 
 #include "hal/basis/basis_layout.h"
 #include "hal/compositor/fixed.h"
-#include "hal/compositor/light_vector.h"
 
 /* So that the roundings of all weights of a block together are below 2^-17. */
 #define FRACTION_BITS 31
@@ -58,61 +57,19 @@ static int exponent_of_bound(double bound)
 	return bound > 0 ? exponent_above(bound) : -200;
 }
 
-static struct block_plan plan_block(const struct basis_block *b)
+static struct block_plan plan_block(const struct basis_block *b, bool cut)
 {
-	const float reach = value_of_one(b);
-
-	return (struct block_plan){
+	struct block_plan plan = {
 		.block = b,
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
-		.kept = b->patterns + b->columns >= KEPT_LINES,
+		.kept = !cut && b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
-		.reach = reach,
-		.bright = bright_class(farthest_scale(b) * reach),
+		.reach = value_of_one(b),
 	};
-}
 
-/* Whether a bitmap finds the bright columns sooner than their list does. */
-static bool wants_marks(const struct basis *basis, const struct basis_block *b)
-{
-	return (b->kind == BASIS_KIND_T || b->kind == BASIS_KIND_V) &&
-	       (uint32_t)b->columns > (basis->info.lights + 63) / 64;
-}
-
-static void mark(const struct basis_block *b, size_t words, uint64_t *has, uint16_t *before)
-{
-	uint16_t count = 0;
-
-	for (int n = 0; n < b->columns; n++)
-		has[b->light[n] / 64] |= UINT64_C(1) << b->light[n] % 64;
-	for (size_t w = 0; w < words; w++) {
-		before[w] = count;
-		count = (uint16_t)(count + __builtin_popcountll(has[w]));
-	}
-}
-
-static int mark_all(struct layer_plan *plan, const struct basis *basis, int count)
-{
-	const size_t words = (basis->info.lights + 63) / 64;
-	size_t next = 0, marked = 0;
-
-	for (int n = 0; n < count; n++)
-		marked += wants_marks(basis, plan->blocks[n].block);
-	plan->has = calloc(marked * words + 1, sizeof(*plan->has));
-	plan->before = calloc(marked * words + 1, sizeof(*plan->before));
-	if (!plan->has || !plan->before)
-		return -ENOMEM;
-	for (int n = 0; n < count; n++) {
-		struct block_plan *b = &plan->blocks[n];
-
-		if (!wants_marks(basis, b->block))
-			continue;
-		mark(b->block, words, plan->has + next, plan->before + next);
-		b->has = plan->has + next;
-		b->before = plan->before + next;
-		next += words;
-	}
-	return 0;
+	for (int p = 0; p < b->pixels; p++)
+		plan.row[b->pixel[p] / BASIS_TILE] |= (uint16_t)(1 << b->pixel[p] % BASIS_TILE);
+	return plan;
 }
 
 static bool is_plain(const struct basis *basis, const uint16_t *coverage,
@@ -173,6 +130,7 @@ static void plan_tile(struct tile_plan *tile, struct block_plan *plan, int count
 		for (next = n + 1; next < count && same_group(plan[n].block, plan[next].block);)
 			next++;
 		plan_group(plan + n, next - n);
+		*(plan[n].block->kind == BASIS_KIND_T ? &tile->object : &tile->taken) = true;
 	}
 }
 
@@ -187,10 +145,9 @@ static void place_kept(struct layer_plan *plan, struct block_plan *b)
 }
 
 int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
-		      const struct basis_pose *pose, const struct basis_layer *layer, bool marks)
+		      const struct basis_pose *pose, const struct basis_layer *layer, bool cut)
 {
 	const int tiles = basis->tiles_across * basis->tiles_down;
-	int ret;
 
 	*plan = (struct layer_plan){0};
 	plan->tiles = calloc((size_t)tiles + 1, sizeof(*plan->tiles));
@@ -200,7 +157,7 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		return -ENOMEM;
 	}
 	for (int n = 0; n < layer->block_count; n++) {
-		plan->blocks[n] = plan_block(&layer->blocks[n]);
+		plan->blocks[n] = plan_block(&layer->blocks[n], cut);
 		place_kept(plan, &plan->blocks[n]);
 	}
 	for (int t = 0; t < tiles; t++) {
@@ -210,19 +167,16 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		if (tile->block_count)
 			plan_tile(p, plan->blocks + (tile->blocks - layer->blocks),
 				  tile->block_count);
+		if (pose->glass_count)
+			p->object = p->taken = true;
 		p->plain = is_plain(basis, pose->coverage, tile);
 	}
-	ret = marks ? mark_all(plan, basis, layer->block_count) : 0;
-	if (ret < 0)
-		layer_plan_free(plan);
-	return ret;
+	return 0;
 }
 
 void layer_plan_free(struct layer_plan *plan)
 {
 	free(plan->tiles);
 	free(plan->blocks);
-	free(plan->has);
-	free(plan->before);
 	*plan = (struct layer_plan){0};
 }

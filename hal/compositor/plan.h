@@ -9,6 +9,8 @@
 
 #include "hal/basis/basis.h"
 
+struct column_choice;
+
 /* The bits of a sum of light in a block: its magnitude stays below 2^PLAN_SUM_BITS. */
 #define PLAN_SUM_BITS 60
 
@@ -18,20 +20,20 @@
  */
 struct block_plan {
 	const struct basis_block *block;
-	int group;	  /* how many blocks, of the first of a group; else 0 */
-	bool joins;	  /* its sums go on top of those of the block before it */
-	bool single;	  /* the whole group shares its sums, without a tint */
-	int fraction;	  /* of the group: bits that the roundings of so many weights need */
-	int bound;	  /* of the group: no value per unit of light exceeds 2^bound */
-	bool whole;	  /* lists every pixel of a whole tile */
-	bool kept;	  /* its sums are worth keeping from frame to frame */
+	int group;    /* how many blocks, of the first of a group; else 0 */
+	bool joins;   /* its sums go on top of those of the block before it */
+	bool single;  /* the whole group shares its sums, without a tint */
+	int fraction; /* of the group: bits that the roundings of so many weights need */
+	int bound;    /* of the group: no value per unit of light exceeds 2^bound */
+	bool whole;   /* lists every pixel of a whole tile */
+	uint16_t row[BASIS_TILE]; /* bit x of row y: that pixel is listed */
+	bool kept;		  /* its sums are worth keeping from frame to frame */
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
 	float reach;	  /* a column's values reach column_scale times this, tint included */
-	int bright;	  /* light_vector.h: which lights its columns may need */
-	/* Where lights have columns: bit i, and how many there are before each word. NULL where the
-	 * list itself is shorter. */
-	const uint64_t *has;
-	const uint16_t *before;
+	/* Of T and V blocks that need not use all their columns: what chooses among them, and their
+	 * number there (column_choice.h). NULL: each column counts whose light is not 0. */
+	const struct column_choice *choice;
+	int number;
 	size_t state; /* of kept blocks: offset in int64 into what is kept of the layer */
 };
 
@@ -39,7 +41,8 @@ struct block_plan {
 struct tile_plan {
 	const struct block_plan *blocks;
 	int block_count;
-	bool plain; /* the object changes nothing here */
+	bool plain;	    /* the object changes nothing here */
+	bool object, taken; /* what its blocks, or glass, add to */
 };
 
 struct layer_plan {
@@ -47,14 +50,11 @@ struct layer_plan {
 	size_t kept_size; /* int64s */
 	int kept_blocks;
 	struct block_plan *blocks; /* in the layer's order */
-	/* private */
-	uint64_t *has;
-	uint16_t *before;
 };
 
-/* marks: whether bitmaps of lights are wanted, that is, columns may be left out. -ENOMEM. */
+/* cut: columns may be left out, so no sums are kept. -ENOMEM. */
 int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
-		      const struct basis_pose *pose, const struct basis_layer *layer, bool marks);
+		      const struct basis_pose *pose, const struct basis_layer *layer, bool cut);
 void layer_plan_free(struct layer_plan *plan); /* zeroed is fine */
 
 /* Lines of one panel and channel: patterns and columns. */

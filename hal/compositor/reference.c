@@ -22,6 +22,7 @@ struct tile_values {
 	double taken[TILE_PIXELS][3];
 	double own[TILE_PIXELS][3]; /* of D and U: sum u L + e */
 	double less[TILE_PIXELS][3];
+	double through[TILE_PIXELS][3]; /* what arrives of the background through the object */
 };
 
 /* X of a block's kind; all: what is lit if every cell has radiance 1. */
@@ -53,21 +54,25 @@ static void fill_y(const struct scene *s)
 	}
 }
 
-/* Where pixel p of a channel stands in a line of so many pixels, among `lines` lines a panel. */
-static size_t place(const struct basis_block *b, int p, int c, int lines, int line, int width)
+/* Where pixel p of a channel stands in a line of 16 bits, of which a panel has `lines`. */
+static size_t place(const struct basis_block *b, int p, int c, int lines, int line)
 {
 	const int channel = b->channels == 3 ? c : 0;
 
-	return ((size_t)(p / width * b->channels + channel) * (size_t)lines + (size_t)line) *
-		       (size_t)width +
-	       (size_t)(p % width);
+	return ((size_t)(p / BASIS_LINE16 * b->channels + channel) * (size_t)lines + (size_t)line) *
+		       BASIS_LINE16 +
+	       (size_t)(p % BASIS_LINE16);
 }
 
 static double column_value(const struct basis_block *b, int p, int c, int n)
 {
+	const int channel = b->channels == 3 ? c : 0, panels = (b->pixels - 1) / BASIS_LINE8 + 1;
+	const size_t line8 = ((size_t)n * (size_t)b->channels + (size_t)channel) * (size_t)panels +
+			     (size_t)(p / BASIS_LINE8);
+
 	return (double)b->column_scale[n] *
-	       (b->bits == 8 ? b->column8[place(b, p, c, b->columns, n, BASIS_LINE8)]
-			     : b->column16[place(b, p, c, b->columns, n, BASIS_LINE16)]);
+	       (b->bits == 8 ? b->column8[line8 * BASIS_LINE8 + (size_t)(p % BASIS_LINE8)]
+			     : b->column16[place(b, p, c, b->columns, n)]);
 }
 
 /* value * X, summed; to[pixel][c] gains it. */
@@ -86,8 +91,7 @@ static void add_block(const struct scene *s, const struct basis_block *b, double
 		for (int p = 0; p < b->pixels; p++) {
 			for (int c = 0; c < 3; c++)
 				to[p][c] += (double)b->pattern_scale[j] * y[c] *
-					    b->coefficient[place(b, p, c, b->patterns, j,
-								 BASIS_LINE16)];
+					    b->coefficient[place(b, p, c, b->patterns, j)];
 		}
 	}
 	for (int n = 0; n < b->columns; n++) {
@@ -154,6 +158,58 @@ static void fill_tile(const struct scene *s, const struct basis_tile *tile, stru
 	}
 }
 
+static int within(int at, int count)
+{
+	return at < 0 ? 0 : at >= count ? count - 1 : at;
+}
+
+static double background_at(const struct scene *s, const struct picture *b, int x, int y, int c)
+{
+	const uint8_t *in = b->origin + within(y, b->height) * b->y_step +
+			    within(x, b->width) * b->x_step;
+
+	return transfer_curve_decode(&s->settings->background, in[2 - c] / 255.0);
+}
+
+/* How much of pixel `at` lies inside. */
+static double inside(int at, double middle, double length)
+{
+	return fmin(at + 1, middle + length / 2) - fmax(at, middle - length / 2);
+}
+
+/* The mean over a rectangle of the background. */
+static double mean_behind(const struct scene *s, const struct picture *b,
+			  const struct basis_glass *g, int c)
+{
+	const double x = g->x + 0.5 + (double)g->dx / BASIS_GLASS_STEP;
+	const double y = g->y + 0.5 + (double)g->dy / BASIS_GLASS_STEP;
+	const double width = 1 + (double)g->spread[0] / BASIS_GLASS_SPREAD;
+	const double height = 1 + (double)g->spread[1] / BASIS_GLASS_SPREAD;
+	double sum = 0;
+
+	for (int v = (int)floor(y - height / 2); v < y + height / 2; v++)
+		for (int u = (int)floor(x - width / 2); u < x + width / 2; u++)
+			sum += inside(u, x, width) * inside(v, y, height) *
+			       background_at(s, b, u, v, c);
+	return sum / (width * height);
+}
+
+/* What is seen through the pixels of a tile. */
+static void look_through(const struct scene *s, int pose, int tile,
+			 const struct picture *background, struct tile_values *v)
+{
+	const struct basis_pose *p = &s->basis->poses[pose];
+
+	for (size_t i = 0; s->settings->object && i < p->glass_count; i++) {
+		const struct basis_glass *g = &p->glass[i];
+		const int at = g->y % BASIS_TILE * BASIS_TILE + g->x % BASIS_TILE;
+
+		for (int c = 0; c < 3 && basis_glass_tile(s->basis, g) == tile; c++)
+			v->through[at][c] = mean_behind(s, background, g, c) * g->transmission[c] /
+					    65535.0;
+	}
+}
+
 static void write_tile(const struct scene *s, int pose, const struct basis_tile *tile,
 		       const struct picture *background, const struct tile_values *v, double *out)
 {
@@ -162,24 +218,22 @@ static void write_tile(const struct scene *s, int pose, const struct basis_tile 
 	for (int y = 0; y < tile->height; y++) {
 		for (int x = 0; x < tile->width; x++) {
 			const size_t at = (size_t)(tile->y + y) * width + (size_t)(tile->x + x);
-			const uint8_t *in = background->origin +
-					    (tile->y + y) * background->y_step +
-					    (tile->x + x) * background->x_step;
 			const double a = s->settings->object
 						 ? s->basis->poses[pose].coverage[at] / 65535.0
 						 : 0;
 			const int p = y * BASIS_TILE + x;
 
 			for (int c = 0; c < 3; c++) {
-				const double behind = transfer_decode(s->settings->background,
-								      in[2 - c] / 255.0);
+				const double behind = background_at(s, background, tile->x + x,
+								    tile->y + y, c);
 				const double ratio = fmin(fmax(1 - v->taken[p][c], 0),
 							  COMPOSITOR_RATIO_MAX);
 
 				out[at * 3 + (size_t)c] =
-					255 *
-					transfer_encode(s->settings->output,
-							v->object[p][c] + (1 - a) * ratio * behind);
+					255 * transfer_curve_encode(
+						      &s->settings->output,
+						      v->object[p][c] + ratio * ((1 - a) * behind +
+										 v->through[p][c]));
 			}
 		}
 	}
@@ -197,6 +251,7 @@ static int write_picture(struct scene *s, int pose, const struct picture *backgr
 		return -ENOMEM;
 	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++) {
 		fill_tile(s, &layer->tiles[t], values);
+		look_through(s, pose, t, background, values);
 		write_tile(s, pose, &layer->tiles[t], background, values, out);
 	}
 	free(values);
@@ -210,13 +265,17 @@ int compositor_reference(const struct basis *basis, int pose,
 {
 	const struct basis_info_chunk *info = &basis->info;
 	struct scene scene = {.basis = basis, .settings = settings};
-	int ret = -ENOMEM;
+	int ret;
 
 	if (pose < 0 || (uint32_t)pose >= info->poses || background->width != (int)info->width ||
 	    background->height != (int)info->height || lights->count != (int)info->lights)
 		return -EINVAL;
+	ret = basis_pose_load(basis, pose, NULL);
+	if (ret < 0)
+		return ret;
 	if (settings->mode == COMPOSITOR_EXACT && !basis->poses[pose].exact.tiles)
 		return -ENODATA;
+	ret = -ENOMEM;
 	scene.radiance = calloc(info->lights, sizeof(*scene.radiance));
 	scene.x = calloc(info->lights, sizeof(*scene.x));
 	scene.y = calloc(info->coarse, sizeof(*scene.y));

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "hal/compositor/column_choice.h"
 #include "hal/compositor/fixed.h"
 
 /* Fraction bits of O and 1 - ratio. */
@@ -15,19 +16,41 @@ struct folding {
 	const uint32_t *factor; /* [3] */
 };
 
-static void sums_of(const struct frame_light *f, const struct block_plan *plan,
-		    const struct light_vector *light, int fraction, struct block_work *work,
-		    const int64_t *sum[3])
+static const struct light_vector *light_of(const struct frame_light *f, const struct basis_block *b)
 {
-	const bool whole_light = plan->block->kind == BASIS_KIND_D ||
-				 plan->block->kind == BASIS_KIND_U;
+	switch (b->kind) {
+	case BASIS_KIND_T:
+		return f->object;
+	case BASIS_KIND_V:
+		return &f->ground[b->ground];
+	case BASIS_KIND_D:
+		return f->taken;
+	default:
+		return f->own;
+	}
+}
+
+/* The next block that is summed; NULL: there is none. */
+static const struct block_plan *next_of(const struct frame_light *f, const struct block_plan *plan)
+{
+	do
+		plan++;
+	while (plan < f->end && !block_counts(plan));
+	return plan < f->end ? plan : NULL;
+}
+
+static void sums_of(const struct frame_light *f, const struct block_plan *plan, bool fresh,
+		    int fraction, struct block_work *work, const int64_t *sum[3])
+{
+	const struct block_plan *next = next_of(f, plan);
 	const struct block_request request = {
 		.kernels = f->kernels,
-		.light = light,
+		.light = light_of(f, plan->block),
 		.kept = &f->kept,
-		.next = plan + 1 < f->end ? plan[1].block : NULL,
 		.kept_index = (int)(plan - f->first),
-		.all = f->all || whole_light,
+		.fresh = fresh,
+		.next = next,
+		.after = next ? next_of(f, next) : NULL,
 	};
 
 	block_sums(work, plan, &request, fraction, sum);
@@ -48,21 +71,22 @@ static const int64_t *lifted(const int64_t *sum, int count, int up, int64_t *to)
 	return to;
 }
 
-/* Adds sums of `count` pixels to the values of as many. */
+/* Adds sums of `count` pixels to the values of as many; fresh: to nothing. */
 static void fold(const struct frame_light *f, const struct folding *how, int c, const int64_t *sum,
-		 int count, const uint16_t *tint, struct tile_work *work, int32_t *values)
+		 int count, const uint16_t *tint, bool fresh, struct tile_work *work,
+		 int32_t *values)
 {
-	if (how->shift >= 1) {
-		f->kernels->fold(sum, count, how->shift, how->factor[c], tint, values);
-		return;
-	}
-	sum = lifted(sum, count, 1 - how->shift, work->block.sum[c]);
-	f->kernels->fold(sum, count, 1, how->factor[c], tint, values);
+	const int32_t *from = fresh ? tile_nothing : values;
+	const int shift = how->shift >= 1 ? how->shift : 1;
+
+	if (how->shift < 1)
+		sum = lifted(sum, count, 1 - how->shift, work->block.sum[c]);
+	f->kernels->fold(sum, count, shift, how->factor[c], tint, from, values);
 }
 
 /* Adds the sums of blocks that share them, plan being the last of these. */
 static void fold_block(const struct frame_light *f, const struct block_plan *plan,
-		       const struct folding *how, const int64_t *const sum[3],
+		       const struct folding *how, const int64_t *const sum[3], bool fresh,
 		       struct tile_work *work, int32_t (*values)[BLOCK_PIXELS])
 {
 	const struct basis_block *b = plan->block;
@@ -71,14 +95,13 @@ static void fold_block(const struct frame_light *f, const struct block_plan *pla
 		const uint16_t *tint = b->tint ? b->tint + c * b->pixels : NULL;
 
 		if (plan->whole) {
-			fold(f, how, c, sum[c], b->pixels, tint, work, values[c]);
+			fold(f, how, c, sum[c], b->pixels, tint, fresh, work, values[c]);
 			continue;
 		}
-		for (int p = 0; p < b->pixels; p++)
-			work->listed[p] = values[c][b->pixel[p]];
-		fold(f, how, c, sum[c], b->pixels, tint, work, work->listed);
-		for (int p = 0; p < b->pixels; p++)
-			values[c][b->pixel[p]] = work->listed[p];
+		if (fresh)
+			memset(values[c], 0, sizeof(values[c]));
+		fold(f, how, c, sum[c], b->pixels, tint, true, work, work->listed);
+		f->kernels->place(work->listed, plan->row, values[c]);
 	}
 }
 
@@ -99,32 +122,41 @@ static int room(const struct block_plan *group, const struct light_vector *light
 }
 
 /*
- * Adds a group of T or V blocks. Where light is so strong that a part might reach the limit of Q24,
- * and another part or a dark tint take it back, they are added up before they are folded.
+ * Adds a group of T or V blocks to the values, which are 0 if fresh, whatever stands there. Returns
+ * whether they still are: where none of the blocks counts, nothing is done. Where light is so
+ * strong that a part might reach the limit of Q24, and another part or a dark tint take it back,
+ * they are added up before they are folded.
  */
-static void add_group(const struct frame_light *f, const struct block_plan *group,
-		      const struct light_vector *light, int more, struct tile_work *work,
-		      int32_t (*values)[BLOCK_PIXELS])
+static bool add_group(const struct frame_light *f, const struct block_plan *group,
+		      const struct light_vector *light, int more, bool fresh,
+		      struct tile_work *work, int32_t (*values)[BLOCK_PIXELS])
 {
 	const int wanted = group->fraction + more, most = room(group, light);
 	const int fraction = wanted < most ? wanted : most;
 	const struct folding how = {fraction, fraction - VALUE_BITS - more, light->factor};
 	const bool apart = group->single || group->bound + light->reach + more <= SAFE_BITS;
 	const int64_t *sum[3];
+	bool summed = false; /* of those that share their sums */
 
 	if (!apart)
 		memset(work->d, 0, sizeof(work->d));
 	for (int n = 0; n < group->group; n++) {
-		sums_of(f, &group[n], light, fraction, &work->block, sum);
-		if (n + 1 < group->group && group[n + 1].joins)
+		if (block_counts(&group[n])) {
+			sums_of(f, &group[n], !summed, fraction, &work->block, sum);
+			summed = true;
+		}
+		if (!summed || (n + 1 < group->group && group[n + 1].joins))
 			continue;
+		summed = false;
 		if (apart)
-			fold_block(f, &group[n], &how, sum, work, values);
+			fold_block(f, &group[n], &how, sum, fresh, work, values);
 		else
 			spread(group[n].block, sum, work->d);
+		fresh = fresh && !apart;
 	}
 	for (int c = 0; c < 3 && !apart; c++)
-		fold(f, &how, c, work->d[c], BLOCK_PIXELS, NULL, work, values[c]);
+		fold(f, &how, c, work->d[c], BLOCK_PIXELS, NULL, fresh, work, values[c]);
+	return fresh && apart;
 }
 
 /* ---- receivers with a u of their own ---- */
@@ -138,7 +170,7 @@ static int add_receiver(const struct frame_light *f, const struct block_plan *gr
 
 	memset(to, 0, sizeof(*to) * 3);
 	for (int n = 0; n < group->group; n++) {
-		sums_of(f, &group[n], light, fraction, &work->block, sum);
+		sums_of(f, &group[n], !group[n].joins, fraction, &work->block, sum);
 		if (n + 1 == group->group || !group[n + 1].joins)
 			spread(group[n].block, sum, to);
 	}
@@ -174,30 +206,40 @@ static void add_receivers(const struct frame_light *f, const struct block_plan *
 		divide(d[n].block, work, u_fraction - d_fraction, values);
 }
 
+const int32_t tile_nothing[BLOCK_PIXELS] __attribute__((aligned(64)));
+
 void tile_compute(const struct frame_light *f, const struct tile_plan *tile, struct tile_work *work,
 		  struct tile_values *values)
 {
 	const struct block_plan *d = NULL;
+	bool no_object = true, nothing_taken = true; /* yet */
 
-	memset(values, 0, sizeof(*values));
 	for (int n = 0; n < tile->block_count; n += tile->blocks[n].group) {
 		const struct block_plan *group = &tile->blocks[n];
 
 		switch (group->block->kind) {
 		case BASIS_KIND_T:
-			add_group(f, group, f->object, f->gain_bits, work, values->object);
+			no_object = add_group(f, group, f->object, f->gain_bits, no_object, work,
+					      values->object);
 			break;
 		case BASIS_KIND_V:
-			add_group(f, group, &f->ground[group->block->ground], 0, work,
-				  values->taken);
+			nothing_taken = add_group(f, group, &f->ground[group->block->ground], 0,
+						  nothing_taken, work, values->taken);
 			break;
 		case BASIS_KIND_D:
 			d = group;
 			break;
 		default: /* U comes after D */
+			if (nothing_taken)
+				memset(values->taken, 0, sizeof(values->taken));
+			nothing_taken = false;
 			if (d)
 				add_receivers(f, d, group, work, values);
 			break;
 		}
 	}
+	if (tile->object && no_object)
+		memset(values->object, 0, sizeof(values->object));
+	if (tile->taken && nothing_taken)
+		memset(values->taken, 0, sizeof(values->taken));
 }

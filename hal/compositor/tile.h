@@ -13,23 +13,25 @@ struct frame_light {
 	const struct light_vector *taken, *own; /* D, U */
 	const struct light_vector *ground;	/* [grounds] */
 	int gain_bits;
-	bool all; /* no column is left out */
 	struct kept_sums kept;
 	const struct block_plan *first,
 		*end; /* of the layer's blocks, as kept.blocks counts them */
 };
 
-/* Of one tile's pixels in Q24 (kernels.h): [c][y * BASIS_TILE + x]. */
+/* Of one tile's pixels in Q24 (kernels.h): [c][y * BASIS_TILE + x]. What no block of the tile adds
+ * to (tile_plan's object and taken) is not written. */
 struct tile_values {
 	int32_t object[3][BLOCK_PIXELS] __attribute__((aligned(64)));
 	int32_t taken[3][BLOCK_PIXELS] __attribute__((aligned(64)));
 };
 
+extern const int32_t tile_nothing[BLOCK_PIXELS]; /* zeros */
+
 /* What one worker needs. */
 struct tile_work {
 	struct block_work block;
 	int64_t d[3][BLOCK_PIXELS], u[3][BLOCK_PIXELS];
-	int32_t listed[BLOCK_PIXELS] __attribute__((aligned(64)));
+	int32_t listed[BLOCK_PIXELS + KERNEL_PLACE_BEYOND] __attribute__((aligned(64)));
 };
 
 void tile_compute(const struct frame_light *light, const struct tile_plan *tile,

@@ -46,4 +46,9 @@ extern const struct image_codec image_exr;
 int image_check_size(const struct image_source *source, int64_t width, int64_t height,
 		     double pixels_per_byte, struct fault *fault);
 
+/* Chromaticities of red, green, blue and white, x and y of each, against those that colours are
+ * taken for, of sRGB. -ENOTSUP: others, as of ACES or P3. */
+int image_check_primaries(const struct image_source *source, const double xy[8],
+			  struct fault *fault);
+
 #endif

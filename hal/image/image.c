@@ -83,6 +83,22 @@ int image_check_size(const struct image_source *source, int64_t width, int64_t h
 	return 0;
 }
 
+int image_check_primaries(const struct image_source *source, const double xy[8],
+			  struct fault *fault)
+{
+	static const double srgb[8] = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.329};
+
+	for (int k = 0; k < 8; k++)
+		/* so far are Radiance's own, whose white is of equal energy; negated: NaN */
+		if (!(fabs(xy[k] - srgb[k]) < 0.03))
+			return fault_say(fault, -ENOTSUP,
+					 "%s: its colours are of other primaries: red %g %g, green "
+					 "%g %g, blue %g %g, white %g %g, expected those of sRGB",
+					 source->name, xy[0], xy[1], xy[2], xy[3], xy[4], xy[5],
+					 xy[6], xy[7]);
+	return 0;
+}
+
 /* A NaN or an infinity is damage or a mistake upstream, and would spread over the whole composite.
  * Negative light is what lossy compression and a wider gamut leave where there is next to none. */
 static int check_light(struct image *image, const char *name, struct fault *fault)
@@ -200,19 +216,35 @@ static const struct image_codec *codec_for_writing(const char *path)
 	return NULL;
 }
 
+static int find_codec(const char *path, const struct image_codec **codec, struct fault *fault)
+{
+	*codec = codec_for_writing(path);
+	return *codec ? 0
+		      : fault_say(fault, -ENOTSUP,
+				  "%s: cannot tell the kind of picture from the name, expected an "
+				  "ending of .png, .pfm or .hdr",
+				  path);
+}
+
+int image_name_linear(const char *path, struct fault *fault)
+{
+	const struct image_codec *codec;
+	const int err = find_codec(path, &codec, fault);
+
+	return err ? err : codec->linear;
+}
+
 int image_write(const char *path, const struct image *image, struct fault *fault)
 {
-	const struct image_codec *codec = codec_for_writing(path);
+	const struct image_codec *codec;
 	struct output out = {0};
 	int err;
 
 	if (!size_fits(image->width, image->height) || !image->u8 == !image->f32)
 		return fault_say(fault, -EINVAL, "%s: there is no picture to write", path);
-	if (!codec)
-		return fault_say(fault, -ENOTSUP,
-				 "%s: cannot tell the kind of picture from the name, expected an "
-				 "ending of .png, .pfm or .hdr",
-				 path);
+	err = find_codec(path, &codec, fault);
+	if (err)
+		return err;
 	if (codec->linear != (image->f32 != NULL))
 		return fault_say(fault, -ENOTSUP, "%s: %s cannot hold this picture, expected %s",
 				 path, codec->name, image->f32 ? ".pfm or .hdr" : ".png");

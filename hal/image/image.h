@@ -40,6 +40,10 @@ int image_create_f32(struct image *image, int width, int height);
 /* .png takes u8; .pfm and .hdr take f32; anything else is -ENOTSUP. */
 int image_write(const char *path, const struct image *image, struct fault *fault);
 
+/* What a picture of this name holds: 1, linear light, or 0, code values; -ENOTSUP where none is
+ * written. For programs that work long before they write. */
+int image_name_linear(const char *path, struct fault *fault);
+
 void image_free(struct image *image); /* idempotent */
 
 #endif

@@ -1,10 +1,12 @@
 /*
  * OpenEXR: the first part of a file, in scan lines or tiles, channels R, G, B or Y alone, half or
- * float. Alpha and other channels are left out.
+ * float. Alpha and other channels are left out. The picture is the display window: programs that
+ * crop or overscan keep fewer or more pixels than that.
  *
  * C++, because the library's C side (OpenEXRCore 3.1) does not read the DWA compressions, which
  * many panoramas are kept in, and writes to channels that nobody asked for.
  */
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -16,6 +18,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
+#include <ImfStandardAttributes.h>
 
 extern "C" {
 #include "hal/image/codec.h"
@@ -107,6 +110,51 @@ void read_pixels(Imf::InputFile &file, bool grey, struct image *image)
 		image->f32[3 * i + 1] = image->f32[3 * i + 2] = image->f32[3 * i];
 }
 
+int check_colours(const image_source *source, const Imf::Header &header, struct fault *fault)
+{
+	if (!Imf::hasChromaticities(header))
+		return 0;
+
+	const Imf::Chromaticities &c = Imf::chromaticities(header);
+	const double xy[8] = {c.red.x,	c.red.y,  c.green.x, c.green.y,
+			      c.blue.x, c.blue.y, c.white.x, c.white.y};
+
+	return image_check_primaries(source, xy, fault);
+}
+
+/* From the pixels that the file holds to those of the picture: what it leaves out is black, what
+ * lies outside is left out. */
+int take_shown(const image_source *source, const Imath::Box2i &held, const Imath::Box2i &shown,
+	       struct image *image, struct fault *fault)
+{
+	const int64_t width = (int64_t)shown.max.x - shown.min.x + 1;
+	const int64_t height = (int64_t)shown.max.y - shown.min.y + 1;
+	const int left = std::max(held.min.x, shown.min.x);
+	const int right = std::min(held.max.x, shown.max.x);
+	const size_t pixel = 3 * sizeof(float);
+	struct image whole;
+	int err = image_check_size(source, width, height, pixels_per_byte, fault);
+
+	if (err)
+		return err;
+	err = image_create_f32(&whole, (int)width, (int)height);
+	if (err)
+		return fault_say(fault, err, "%s: not enough memory for the picture", source->name);
+	for (int64_t y = std::max(held.min.y, shown.min.y);
+	     y <= std::min(held.max.y, shown.max.y) && left <= right; y++) {
+		const size_t from = (size_t)(y - held.min.y) * (size_t)image->width +
+				    (size_t)((int64_t)left - held.min.x);
+		const size_t to = (size_t)(y - shown.min.y) * (size_t)width +
+				  (size_t)((int64_t)left - shown.min.x);
+
+		std::memcpy(whole.f32 + 3 * to, image->f32 + 3 * from,
+			    pixel * (size_t)((int64_t)right - left + 1));
+	}
+	image_free(image);
+	*image = whole;
+	return 0;
+}
+
 int read_file(const image_source *source, struct image *image, struct fault *fault)
 {
 	MemoryStream stream(*source);
@@ -124,13 +172,17 @@ int read_file(const image_source *source, struct image *image, struct fault *fau
 
 	if (!err)
 		err = check_channels(source, file.header().channels(), &grey, fault);
+	if (!err)
+		err = check_colours(source, file.header(), fault);
 	if (err)
 		return err;
 	err = image_create_f32(image, (int)width, (int)height);
 	if (err)
 		return fault_say(fault, err, "%s: not enough memory for the picture", source->name);
 	read_pixels(file, grey, image);
-	return 0;
+	if (file.header().displayWindow() == window)
+		return 0;
+	return take_shown(source, window, file.header().displayWindow(), image, fault);
 }
 
 bool exr_probe(const uint8_t *data, size_t bytes)

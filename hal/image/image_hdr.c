@@ -68,16 +68,50 @@ static bool take_scale(struct hdr_reader *reader, const char *text, int channels
 	return true;
 }
 
-static int take_header(struct hdr_reader *reader, const char *name, struct fault *fault)
+/* Whether the text is "32-bit_rle_rgbe", in any number of blanks. */
+static bool is_rgbe(const char *text)
 {
+	static const char rgbe[] = "32-bit_rle_rgbe";
+
+	text += strspn(text, " \t");
+	return !strncmp(text, rgbe, strlen(rgbe)) &&
+	       !text[strlen(rgbe) + strspn(text + strlen(rgbe), " \t")];
+}
+
+static int take_primaries(const struct image_source *source, const char *text, struct fault *fault)
+{
+	double xy[8];
+	bool said = false;
+
+	for (int k = 0; k < 8; k++) {
+		char *stop = NULL;
+
+		xy[k] = strtod(text, &stop);
+		if (stop == text)
+			return fault_say(fault, -EBADMSG,
+					 "%s: the HDR header says PRIMARIES and %d numbers, "
+					 "expected 8",
+					 source->name, k);
+		said |= xy[k] != 0;
+		text = stop;
+	}
+	/* eight times 0 is what some programs write that know of none */
+	return said ? image_check_primaries(source, xy, fault) : 0;
+}
+
+static int take_header(struct hdr_reader *reader, const struct image_source *source,
+		       struct fault *fault)
+{
+	const char *name = source->name;
 	char line[256];
 
 	do {
 		bool fine = true;
+		int err = 0;
 
 		if (!take_line(reader, line, sizeof(line)))
 			return fault_say(fault, -EBADMSG, "%s: the HDR header has no end", name);
-		if (!strncmp(line, "FORMAT=", 7) && strcmp(line + 7, "32-bit_rle_rgbe"))
+		if (!strncmp(line, "FORMAT=", 7) && !is_rgbe(line + 7))
 			return fault_say(fault, -ENOTSUP,
 					 "%s: the HDR is of format \"%.40s\", expected "
 					 "32-bit_rle_rgbe",
@@ -86,6 +120,10 @@ static int take_header(struct hdr_reader *reader, const char *name, struct fault
 			fine = take_scale(reader, line + 9, 1);
 		else if (!strncmp(line, "COLORCORR=", 10))
 			fine = take_scale(reader, line + 10, 3);
+		else if (!strncmp(line, "PRIMARIES=", 10))
+			err = take_primaries(source, line + 10, fault);
+		if (err)
+			return err;
 		if (!fine)
 			return fault_say(fault, -EBADMSG,
 					 "%s: the HDR header says \"%.60s\", expected numbers "
@@ -225,7 +263,7 @@ static int hdr_read(const struct image_source *source, struct image *image, stru
 	int64_t width, height;
 	int err;
 
-	err = take_header(&reader, source->name, fault);
+	err = take_header(&reader, source, fault);
 	if (!err)
 		err = take_resolution(&reader, source->name, fault);
 	if (err)

@@ -22,22 +22,31 @@
 #define INI_PATH_MAX 1024 /* char[INI_PATH_MAX] holds an INI_PATH */
 
 enum ini_type {
-	INI_BOOL,   /* bool: yes/no, true/false, on/off, 1/0 */
-	INI_INT,    /* int */
-	INI_REAL,   /* double; finite */
-	INI_REALS,  /* double[count]: exactly count numbers separated by blanks or commas */
-	INI_TEXT,   /* char[INI_TEXT_MAX] */
-	INI_PATH,   /* char[INI_PATH_MAX]; a relative one is taken from the file's own folder (from
-		       the current one on the command line); empty stays empty */
+	INI_BOOL,  /* bool: yes/no, true/false, on/off, 1/0 */
+	INI_INT,   /* int */
+	INI_REAL,  /* double; finite */
+	INI_LEVEL, /* struct ini_level: a number, or a percentage 0%..100% */
+	INI_REALS, /* double[count]: exactly count numbers separated by blanks or commas */
+	INI_LIST,  /* double[count]: at most count of them, or none; what is not said is 0, which no
+		      number may be */
+	INI_TEXT,  /* char[INI_TEXT_MAX] */
+	INI_PATH,  /* char[INI_PATH_MAX]; a relative one is taken from the file's own folder (from
+		      the current one on the command line); empty stays empty */
 	INI_CHOICE, /* int: index into choices */
+};
+
+/* A level in either of two units. */
+struct ini_level {
+	double value;
+	bool percent;
 };
 
 struct ini_key {
 	const char *name;
 	enum ini_type type;
 	size_t offset;		    /* of the field in the section's struct */
-	unsigned count;		    /* INI_REALS */
-	double min, max;	    /* INT, REAL, REALS, inclusive; both 0: any */
+	unsigned count;		    /* INI_REALS, INI_LIST */
+	double min, max;	    /* INT, REAL, REALS, LEVEL's number, inclusive; both 0: any */
 	const char *const *choices; /* INI_CHOICE, NULL at the end */
 	const char *fallback;	    /* the default as it would be written; NULL: must be given */
 	const char *unit;	    /* for people: "px", "deg"; NULL for none */
@@ -103,6 +112,14 @@ int ini_set(const char *assignment, const struct ini_table *tables, void *root,
 
 /* A key's value as the file would write it. Returns text's length, as snprintf. */
 int ini_value_text(const struct ini_key *key, const void *values, char *text, size_t room);
+
+/* A level of at least 0: a number of at most max, or "1%". -EINVAL, and level is left alone. */
+int ini_level_read(const char *text, double max, struct ini_level *level);
+
+#define INI_LEVEL_TEXT_MAX 40
+
+/* "40", "1%". */
+void ini_level_text(const struct ini_level *level, char text[INI_LEVEL_TEXT_MAX]);
 
 /* The sample file: every key at its default with its help, range and unit as comments. */
 void ini_write_sample(FILE *stream, const struct ini_table *tables);

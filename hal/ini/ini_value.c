@@ -64,8 +64,17 @@ void ini_value_expected(const struct ini_key *key, char *text, size_t room)
 		add(&words, "a number");
 		add_range(&words, key);
 		break;
+	case INI_LEVEL:
+		add(&words, "a number");
+		add_range(&words, key);
+		add(&words, " or a percentage 0%%..100%%");
+		break;
 	case INI_REALS:
 		add(&words, "%u numbers", key->count);
+		add_range(&words, key);
+		break;
+	case INI_LIST:
+		add(&words, "at most %u numbers", key->count);
 		add_range(&words, key);
 		break;
 	case INI_TEXT:
@@ -154,18 +163,31 @@ static int read_real(const struct ini_key *key, const char *text, double *value)
 	return 0;
 }
 
+int ini_level_read(const char *text, double max, struct ini_level *level)
+{
+	const struct ini_key number = {.min = 0, .max = max}, percentage = {.min = 0, .max = 100};
+	const size_t length = strlen(text);
+	const bool percent = length > 1 && text[length - 1] == '%';
+	double value;
+
+	if (read_number(percent ? &percentage : &number, &text, &value) || strlen(text) != percent)
+		return -EINVAL;
+	*level = (struct ini_level){value, percent};
+	return 0;
+}
+
 static const char *skip_blank(const char *text)
 {
 	return text + strspn(text, " \t");
 }
 
 /* Two passes: the first checks, so that a wrong list leaves the field as it was. */
-static int read_reals(const struct ini_key *key, const char *text, double *values)
+static int read_numbers(const struct ini_key *key, unsigned count, const char *text, double *values)
 {
 	for (int pass = 0; pass < 2; pass++) {
 		const char *at = skip_blank(text);
 
-		for (unsigned i = 0; i < key->count; i++) {
+		for (unsigned i = 0; i < count; i++) {
 			double v;
 			const char *before;
 			int err = read_number(key, &at, &v);
@@ -176,15 +198,27 @@ static int read_reals(const struct ini_key *key, const char *text, double *value
 				values[i] = v;
 			before = at;
 			at = skip_blank(at);
-			if (i + 1 < key->count && *at == ',')
+			if (i + 1 < count && *at == ',')
 				at = skip_blank(at + 1);
-			if (i + 1 < key->count && at == before)
+			if (i + 1 < count && at == before)
 				return -EINVAL;
 		}
 		if (*at)
 			return -EINVAL;
 	}
 	return 0;
+}
+
+static int read_list(const struct ini_key *key, const char *text, double *values)
+{
+	for (unsigned count = 0; count <= key->count; count++) {
+		if (count ? read_numbers(key, count, text, values) : *skip_blank(text) != 0)
+			continue;
+		for (unsigned i = count; i < key->count; i++)
+			values[i] = 0;
+		return 0;
+	}
+	return -EINVAL;
 }
 
 static int read_text(const char *text, size_t room, char *value)
@@ -249,8 +283,14 @@ int ini_value_read(const struct ini_key *key, const char *text, const char *fold
 	case INI_REAL:
 		err = read_real(key, text, field);
 		break;
+	case INI_LEVEL:
+		err = ini_level_read(text, key->max, field);
+		break;
 	case INI_REALS:
-		err = read_reals(key, text, field);
+		err = read_numbers(key, key->count, text, field);
+		break;
+	case INI_LIST:
+		err = read_list(key, text, field);
 		break;
 	case INI_TEXT:
 		err = read_text(text, INI_TEXT_MAX, field);
@@ -283,11 +323,21 @@ static void add_real(struct words *words, double value)
 	add(words, "%s", text);
 }
 
+void ini_level_text(const struct ini_level *level, char text[INI_LEVEL_TEXT_MAX])
+{
+	struct words words = {text, INI_LEVEL_TEXT_MAX, 0};
+
+	add_real(&words, level->value);
+	if (level->percent)
+		add(&words, "%%");
+}
+
 int ini_value_text(const struct ini_key *key, const void *values, char *text, size_t room)
 {
 	const void *field = (const char *)values + key->offset;
 	struct words words = {text, room, 0};
 
+	add(&words, "%s", ""); /* a list may be empty */
 	switch (key->type) {
 	case INI_BOOL:
 		add(&words, "%s", *(const bool *)field ? "yes" : "no");
@@ -298,8 +348,18 @@ int ini_value_text(const struct ini_key *key, const void *values, char *text, si
 	case INI_REAL:
 		add_real(&words, *(const double *)field);
 		break;
+	case INI_LEVEL: {
+		char level[INI_LEVEL_TEXT_MAX];
+
+		ini_level_text(field, level);
+		add(&words, "%s", level);
+		break;
+	}
 	case INI_REALS:
+	case INI_LIST:
 		for (unsigned i = 0; i < key->count; i++) {
+			if (key->type == INI_LIST && ((const double *)field)[i] == 0)
+				break;
 			add(&words, "%s", i ? " " : "");
 			add_real(&words, ((const double *)field)[i]);
 		}

@@ -229,8 +229,9 @@ int lightings_add_file(struct lightings *l, const struct basis *basis, const cha
 int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &basis->info;
-	int err = dome_create(dome, (int)info->dome_frequency,
-			      (enum dome_division)info->dome_division, fault);
+	int err = dome_create_shaped(dome, (int)info->dome_frequency,
+				     (enum dome_division)info->dome_division,
+				     (enum dome_shape)info->light_shape, fault);
 
 	if (err == -ENOMEM)
 		return err;
@@ -247,17 +248,19 @@ int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *f
 static void add_point(const struct panorama *panorama, const struct dome *dome, double x, double y,
 		      double sr, double (*sum)[4])
 {
-	double d[3], rgb[3];
-	int cell;
+	double d[3], rgb[3], weight[3];
+	int light[3], count;
 
 	panorama_direction(panorama, x, y, d);
-	cell = dome_cell_of(dome, d);
-	if (cell < 0)
+	count = dome_weights(dome, d, light, weight);
+	if (!count)
 		return;
 	panorama_radiance(panorama, d, rgb);
-	for (int c = 0; c < 3; c++)
-		sum[cell][c] += sr * rgb[c];
-	sum[cell][3] += sr;
+	for (int k = 0; k < count; k++) {
+		for (int c = 0; c < 3; c++)
+			sum[light[k]][c] += weight[k] * sr * rgb[c];
+		sum[light[k]][3] += weight[k] * sr;
+	}
 }
 
 static int gather(const struct panorama *panorama, const struct dome *dome, float (*radiance)[3])
@@ -277,7 +280,7 @@ static int gather(const struct panorama *panorama, const struct dome *dome, floa
 	for (int i = 0; i < dome->count; i++) {
 		double node[3];
 
-		/* a cell between the points: its node stands for it */
+		/* a light between the points: its node stands for it */
 		panorama_radiance(panorama, dome->direction[i], node);
 		for (int c = 0; c < 3; c++)
 			radiance[i][c] = (float)(sum[i][3] > 0 ? sum[i][c] / sum[i][3] : node[c]);

@@ -41,8 +41,8 @@ int lightings_add_built_in(struct lightings *lightings, const struct basis *basi
 int lightings_add_file(struct lightings *lightings, const struct basis *basis, const char *path,
 		       struct fault *fault);
 
-/* The mean of an equirectangular picture over each cell, white ground having radiance 0.6. -EINVAL:
- * the picture is not of linear light; -ENOTSUP: the basis's lights are no dome's. */
+/* The mean of an equirectangular picture over each light, white ground having radiance 0.6.
+ * -EINVAL: the picture is not of linear light; -ENOTSUP: the basis's lights are no dome's. */
 int lightings_add_panorama(struct lightings *lightings, const struct basis *basis, const char *path,
 			   struct fault *fault);
 

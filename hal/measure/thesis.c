@@ -8,14 +8,12 @@
 
 #include "hal/measure/unpacked.h"
 
-enum role { ROLE_PICTURE, ROLE_OBJECT, ROLE_SHADOW };
-
 struct thesis {
 	const struct basis *basis;
 	const struct basis_layer *layer;
 	struct pool *pool; /* that frames are made by */
 	int width, height, lights;
-	uint8_t *role;	/* [height * width]: enum role */
+	uint8_t *role;	/* [height * width]: enum thesis_role */
 	uint8_t **row;	/* [height * width]: [lights][3] of an object, [lights][6] in shadow */
 	int *first;	/* [threads + 1]: pixels of each thread, alike in bytes to read */
 	double rate;	/* radiance that a byte of an object's row stands for, times 255 */
@@ -50,14 +48,14 @@ static void find_roles(struct thesis *t)
 				const size_t at = (size_t)y * (size_t)t->width + (size_t)x;
 
 				if (block->kind != BASIS_KIND_T)
-					t->role[at] = ROLE_SHADOW;
+					t->role[at] = THESIS_SHADOW;
 			}
 		}
 	}
 	for (size_t at = 0; at < pixels_of(t); at++) {
 		/* black where nothing of it shines */
 		if (coverage[at] > 32767)
-			t->role[at] = ROLE_OBJECT;
+			t->role[at] = THESIS_OBJECT;
 		t->light_bytes += t->role[at] * UINT64_C(3);
 	}
 }
@@ -87,7 +85,7 @@ static int allocate_rows(struct thesis *t, struct fault *fault)
 				 "--thesis no leaves it out",
 				 (double)needed / 1e9, (double)there / 1e9);
 	for (size_t at = 0; at < pixels_of(t); at++) {
-		if (t->role[at] == ROLE_PICTURE)
+		if (t->role[at] == THESIS_PICTURE)
 			continue;
 		t->row[at] = calloc((size_t)t->role[at] * 3, (size_t)t->lights);
 		if (!t->row[at])
@@ -128,12 +126,12 @@ static void find_rows(const struct thesis *t, const struct basis_tile *tile, str
 		const size_t at = (size_t)y * (size_t)t->width + (size_t)x;
 
 		if (p % BASIS_TILE >= tile->width || p / BASIS_TILE >= tile->height ||
-		    t->role[at] == ROLE_PICTURE)
+		    t->role[at] == THESIS_PICTURE)
 			continue;
 		rows->pixel[rows->count] = p;
 		rows->row[rows->count] = t->row[at];
-		rows->is_object[rows->count] = t->role[at] == ROLE_OBJECT;
-		rows->most[rows->count++] = t->role[at] == ROLE_OBJECT ? (float)t->rate : 0;
+		rows->is_object[rows->count] = t->role[at] == THESIS_OBJECT;
+		rows->most[rows->count++] = t->role[at] == THESIS_OBJECT ? (float)t->rate : 0;
 	}
 }
 
@@ -260,6 +258,19 @@ void thesis_destroy(struct thesis *t)
 	free(t);
 }
 
+enum thesis_role thesis_pixel(const struct thesis *t, int x, int y, const uint8_t **row)
+{
+	const size_t at = (size_t)y * (size_t)t->width + (size_t)x;
+
+	*row = t->row[at];
+	return (enum thesis_role)t->role[at];
+}
+
+double thesis_rate(const struct thesis *t)
+{
+	return t->rate;
+}
+
 uint64_t thesis_bytes(const struct thesis *t, int lights_used)
 {
 	return t->light_bytes * (uint64_t)lights_used;
@@ -359,11 +370,11 @@ static void run_share(void *context, int item, int worker)
 		const uint8_t *in = work->background->pixels + y * work->background->stride + x;
 		uint8_t *out = work->out->pixels + y * work->out->stride + x;
 
-		if (t->role[at] == ROLE_PICTURE) {
+		if (t->role[at] == THESIS_PICTURE) {
 			out[0] = in[0];
 			out[1] = in[1];
 			out[2] = in[2];
-		} else if (t->role[at] == ROLE_OBJECT) {
+		} else if (t->role[at] == THESIS_OBJECT) {
 			object_pixel(t, t->row[at], out);
 		} else {
 			shadow_pixel(t, t->row[at], in, out);

@@ -19,6 +19,9 @@
 
 struct thesis;
 
+/* What a pixel is; a row has three bytes a light times this. */
+enum thesis_role { THESIS_PICTURE, THESIS_OBJECT, THESIS_SHADOW };
+
 /* Made from a layer of pose 0, by the pool's threads. -ENOMEM, with how much is needed and how much
  * there is, before any of it is taken. */
 int thesis_create(struct thesis **thesis, const struct basis *basis,
@@ -26,6 +29,11 @@ int thesis_create(struct thesis **thesis, const struct basis *basis,
 
 /* The threads that frames are made by; before the first. -ENOMEM. */
 int thesis_share(struct thesis *thesis, struct pool *pool);
+
+/* What it is made of. A byte of an object's row is light of rate / 255; rows are NULL in PICTURE.
+ */
+enum thesis_role thesis_pixel(const struct thesis *thesis, int x, int y, const uint8_t **row);
+double thesis_rate(const struct thesis *thesis);
 
 uint64_t thesis_bytes(const struct thesis *thesis, int lights_used); /* read by a frame */
 

@@ -43,11 +43,11 @@ struct line {
 static void add_column8(struct line *l, int column)
 {
 	const struct basis_block *b = l->block;
-	const size_t panel = (size_t)(l->first / BASIS_LINE8);
-	const int8_t *v = b->column8 + (((panel * (size_t)b->channels + (size_t)l->channel) *
-						 (size_t)b->columns +
-					 (size_t)column) *
-					BASIS_LINE8);
+	const int panels = (b->pixels + BASIS_LINE8 - 1) / BASIS_LINE8;
+	const int8_t *v = b->column8 + basis_column_line(8, panels, b->channels, b->columns,
+							 l->first / BASIS_LINE8, l->channel,
+							 column) *
+					       BASIS_LINE8;
 
 	for (int p = 0; p < l->count; p++)
 		l->value[p] += b->column_scale[column] * v[p];

@@ -1,0 +1,448 @@
+#include "hal/basis/basis_store.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "hal/basis/basis_file.h"
+#include "hal/basis/pack.h"
+#include "hal/pool.h"
+
+/* A pose that unpacks to more than this many times its bytes holds nothing that a bake has made. */
+#define EXPANDS_MOST 4096
+#define SMALL ((uint64_t)1 << 20)
+
+/* A pose in memory. */
+struct unpacked {
+	uint8_t *memory; /* coverage, then payloads; NULL: none */
+	size_t bytes, data_at;
+	struct basis_layer layer;
+};
+
+enum slot_state { SLOT_PLAIN, SLOT_ABSENT, SLOT_LOADING, SLOT_READY };
+
+struct slot {
+	enum slot_state state;
+	bool given;			  /* basis->poses has it */
+	bool failed;			  /* not tried again ahead */
+	struct basis_blocks_chunk blocks; /* data is NULL */
+	uint64_t pack_at;		  /* in the file */
+	size_t pack_bytes;
+	struct unpacked unpacked;
+};
+
+struct basis_store {
+	struct basis shell; /* sizes, for the checks of blocks */
+	char *name;
+	const uint8_t *data;
+	struct basis_file file; /* open as long as poses are read */
+	struct basis_pose *poses;
+	struct pool *pool;
+	int count;
+	/* under the lock: */
+	pthread_mutex_t lock;
+	pthread_cond_t turned;
+	struct slot *slots; /* [count] */
+	int wanted[BASIS_EXPECT_MAX], wanted_count;
+	bool leave, thread_runs;
+	pthread_t thread;
+};
+
+/* ---- one pose ---- */
+
+static void release(struct unpacked *u)
+{
+	if (u->memory)
+		munmap(u->memory, u->bytes);
+	free(u->layer.tiles);
+	free(u->layer.blocks);
+	*u = (struct unpacked){.memory = NULL};
+}
+
+static size_t pixels_of(const struct basis_store *store)
+{
+	return (size_t)store->shell.info.width * store->shell.info.height;
+}
+
+static int allocate(const struct basis_store *store, struct unpacked *u, uint64_t data_bytes)
+{
+	const size_t coverage = pixels_of(store) * sizeof(uint16_t);
+
+	u->data_at = (coverage + BASIS_PAGE - 1) / BASIS_PAGE * BASIS_PAGE;
+	u->bytes = u->data_at + data_bytes;
+	u->memory = mmap(NULL, u->bytes, PROT_READ | PROT_WRITE,
+			 MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+	if (u->memory == MAP_FAILED) {
+		u->memory = NULL;
+		return -ENOMEM;
+	}
+	(void)madvise(u->memory, u->bytes, MADV_HUGEPAGE);
+	return 0;
+}
+
+struct unpacking {
+	const struct pack *pack;
+	uint8_t *data;
+	int err; /* of any part; written by whoever fails */
+};
+
+static void unpack_part(void *context, int part, int worker)
+{
+	struct unpacking *job = context;
+	const int err = pack_unpack(job->pack, part, job->data);
+
+	(void)worker;
+	if (err)
+		__atomic_store_n(&job->err, err, __ATOMIC_RELAXED);
+}
+
+/* pool: NULL for the calling thread alone. */
+static int unpack_all(const struct basis_store *store, const struct pack *pack, struct unpacked *u,
+		      struct pool *pool)
+{
+	struct unpacking job = {.pack = pack, .data = u->memory + u->data_at};
+	uint16_t *coverage = (uint16_t *)(void *)u->memory;
+	const int ret = pack_coverage(pack, coverage, pixels_of(store));
+
+	if (ret < 0)
+		return ret;
+	if (pool)
+		pool_run(pool, pack->parts, unpack_part, &job);
+	else
+		for (int k = 0; k < pack->parts && !job.err; k++)
+			unpack_part(&job, k, 0);
+	return job.err;
+}
+
+static int load(struct basis_store *store, int pose, struct pool *pool, struct unpacked *u,
+		struct fault *fault)
+{
+	const struct slot *slot = &store->slots[pose];
+	struct basis_blocks_chunk blocks = slot->blocks;
+	const struct basis_reader reader = {
+		.basis = &store->shell,
+		.data = store->data,
+		.name = store->name,
+		.file = &store->file,
+		.fault = fault,
+	};
+	struct pack pack = {.parts = 0};
+	const uint8_t *chunk;
+	void *owned;
+	int ret = basis_file_borrow(&reader, slot->pack_at, slot->pack_bytes, &chunk, &owned);
+
+	*u = (struct unpacked){.memory = NULL};
+	if (ret < 0)
+		return ret;
+	ret = pack_open(&pack, &reader, chunk, slot->pack_bytes, &blocks);
+	if (ret < 0)
+		goto give_back;
+	ret = allocate(store, u, pack.data_bytes);
+	if (ret == 0)
+		ret = unpack_all(store, &pack, u, pool);
+	if (ret == -EBADMSG)
+		basis_damaged(&reader, "pose %d cannot be unpacked", pose);
+	else if (ret < 0)
+		fault_say(fault, ret, "%s: out of memory", store->name);
+	pack_close(&pack);
+	if (ret == 0) {
+		blocks.data = u->memory + u->data_at;
+		ret = basis_read_blocks(&reader, &blocks, &u->layer);
+	}
+	if (ret < 0)
+		release(u);
+give_back:
+	free(owned);
+	return ret;
+}
+
+/* ---- the file ---- */
+
+int basis_store_create(struct basis_store **out, const struct basis_reader *reader,
+		       struct basis_pose *poses)
+{
+	const struct basis *basis = reader->basis;
+	struct basis_store *store = calloc(1, sizeof(*store));
+	int ret = -ENOMEM;
+
+	*out = store;
+	if (!store)
+		return fault_say(reader->fault, ret, "%s: out of memory", reader->name);
+	store->shell.info = basis->info;
+	store->shell.tiles_across = basis->tiles_across;
+	store->shell.tiles_down = basis->tiles_down;
+	store->data = reader->data;
+	store->file.fd = -1;
+	store->poses = poses;
+	store->count = (int)basis->info.poses;
+	pthread_mutex_init(&store->lock, NULL); /* these do not fail in glibc */
+	pthread_cond_init(&store->turned, NULL);
+	store->name = strdup(reader->name);
+	store->slots = calloc(basis->info.poses, sizeof(*store->slots));
+	if (store->name && store->slots)
+		ret = pool_create(&store->pool, 0);
+	if (ret == 0 && reader->file && reader->file->fd >= 0) {
+		store->file.fd = fcntl(reader->file->fd, F_DUPFD_CLOEXEC, 0);
+		ret = store->file.fd < 0 ? -errno : 0;
+	}
+	return ret < 0 ? fault_say(reader->fault, ret, "%s: cannot be unpacked: %s", reader->name,
+				   strerror(-ret))
+		       : 0;
+}
+
+int basis_store_add(struct basis_store *store, const struct basis_reader *reader, int pose,
+		    const struct basis_chunk_entry *blocks, const struct basis_chunk_entry *pack)
+{
+	struct basis_pack head;
+	struct slot *slot = &store->slots[pose];
+	const size_t entry = sizeof(*slot->blocks.entries);
+	const uint8_t *at;
+	void *owned;
+	int ret;
+
+	if (blocks->bytes % entry || blocks->bytes / entry > INT_MAX)
+		return basis_damaged(reader, "BLCK chunk of %llu bytes, expected a multiple of %zu",
+				     (unsigned long long)blocks->bytes, entry);
+	if (pack->bytes < sizeof(head))
+		return basis_damaged(reader, "PACK chunk of %llu bytes, expected %zu and more",
+				     (unsigned long long)pack->bytes, sizeof(head));
+	ret = basis_file_borrow(reader, pack->offset, sizeof(head), &at, &owned);
+	if (ret < 0)
+		return ret;
+	memcpy(&head, at, sizeof(head));
+	free(owned);
+	if (head.data_bytes > SMALL && head.data_bytes / EXPANDS_MOST > pack->bytes)
+		return basis_damaged(reader,
+				     "PACK chunk of %llu bytes unpacks to %llu, expected less than "
+				     "%d times as many",
+				     (unsigned long long)pack->bytes,
+				     (unsigned long long)head.data_bytes, EXPANDS_MOST);
+	slot->state = SLOT_ABSENT;
+	slot->blocks = (struct basis_blocks_chunk){
+		.entries = (const void *)(reader->data + blocks->offset),
+		.count = blocks->bytes / entry,
+		.data_bytes = head.data_bytes,
+		.pose = pose,
+	};
+	slot->pack_at = pack->offset;
+	slot->pack_bytes = pack->bytes;
+	return basis_check_shapes(reader, &slot->blocks);
+}
+
+struct checking {
+	struct basis_store *store;
+	const struct basis_reader *reader;
+	int err, pose; /* of the first pose that is wrong */
+};
+
+static void check_pose(void *context, int pose, int worker)
+{
+	struct checking *job = context;
+	struct basis_store *store = job->store;
+	struct fault fault = {.text = ""};
+	struct unpacked u;
+	int err;
+
+	(void)worker;
+	if (store->slots[pose].state == SLOT_PLAIN)
+		return;
+	err = load(store, pose, NULL, &u, &fault);
+	release(&u);
+	pthread_mutex_lock(&store->lock);
+	if (err && (!job->err || pose < job->pose)) {
+		job->err = err;
+		job->pose = pose;
+		if (job->reader->fault)
+			*job->reader->fault = fault;
+	}
+	pthread_mutex_unlock(&store->lock);
+}
+
+int basis_store_check(struct basis_store *store, const struct basis_reader *reader)
+{
+	struct checking job = {.store = store, .reader = reader};
+
+	pool_run(store->pool, store->count, check_pose, &job);
+	return job.err;
+}
+
+/* ---- in use ---- */
+
+static bool is_wanted(const struct basis_store *store, int pose)
+{
+	for (int k = 0; k < store->wanted_count; k++)
+		if (store->wanted[k] == pose)
+			return true;
+	return false;
+}
+
+/* The lock is held, and the calling thread is the one that uses the poses. */
+static void give(struct basis_store *store, int pose)
+{
+	struct basis_pose *to = &store->poses[pose];
+	struct slot *slot = &store->slots[pose];
+
+	if (slot->given)
+		return;
+	to->shown = slot->unpacked.layer;
+	to->coverage = (const uint16_t *)(const void *)slot->unpacked.memory;
+	to->turn++;
+	slot->given = true;
+}
+
+/* The same holds. */
+static void take_back(struct basis_store *store, int pose)
+{
+	struct basis_pose *from = &store->poses[pose];
+	struct slot *slot = &store->slots[pose];
+
+	if (slot->given) {
+		from->shown = (struct basis_layer){.tiles = NULL};
+		from->coverage = NULL;
+		slot->given = false;
+	}
+	release(&slot->unpacked);
+	slot->state = SLOT_ABSENT;
+}
+
+int basis_pose_load(const struct basis *basis, int pose, struct fault *fault)
+{
+	struct basis_store *store = basis->store;
+	struct slot *slot;
+	int ret = 0;
+
+	if (!store)
+		return 0;
+	slot = &store->slots[pose];
+	pthread_mutex_lock(&store->lock);
+	while (slot->state == SLOT_LOADING)
+		pthread_cond_wait(&store->turned, &store->lock);
+	if (slot->state == SLOT_ABSENT) {
+		slot->state = SLOT_LOADING;
+		pthread_mutex_unlock(&store->lock);
+		ret = load(store, pose, store->pool, &slot->unpacked, fault);
+		pthread_mutex_lock(&store->lock);
+		slot->state = ret < 0 ? SLOT_ABSENT : SLOT_READY;
+	}
+	if (ret == 0 && slot->state == SLOT_READY)
+		give(store, pose);
+	pthread_mutex_unlock(&store->lock);
+	return ret;
+}
+
+bool basis_pose_ready(const struct basis *basis, int pose)
+{
+	struct basis_store *store = basis->store;
+	bool comes;
+
+	if (!store)
+		return true;
+	pthread_mutex_lock(&store->lock);
+	comes = store->slots[pose].state == SLOT_LOADING ||
+		(store->slots[pose].state == SLOT_ABSENT && !store->slots[pose].failed &&
+		 (store->thread_runs || !is_wanted(store, pose)));
+	pthread_mutex_unlock(&store->lock);
+	return !comes;
+}
+
+/* The lock is held. -1: nothing is to be done. */
+static int next_wanted(const struct basis_store *store)
+{
+	for (int k = 0; k < store->wanted_count; k++) {
+		const struct slot *slot = &store->slots[store->wanted[k]];
+
+		if (slot->state == SLOT_ABSENT && !slot->failed)
+			return store->wanted[k];
+	}
+	return -1;
+}
+
+static void *look_ahead(void *context)
+{
+	struct basis_store *store = context;
+
+	pthread_mutex_lock(&store->lock);
+	while (!store->leave) {
+		const int pose = next_wanted(store);
+		struct slot *slot = pose < 0 ? NULL : &store->slots[pose];
+		int err;
+
+		if (!slot) {
+			pthread_cond_wait(&store->turned, &store->lock);
+			continue;
+		}
+		slot->state = SLOT_LOADING;
+		pthread_mutex_unlock(&store->lock);
+		err = load(store, pose, NULL, &slot->unpacked, NULL);
+		pthread_mutex_lock(&store->lock);
+		slot->failed = err != 0;
+		slot->state = err ? SLOT_ABSENT : SLOT_READY;
+		if (!is_wanted(store, pose) && !err)
+			take_back(store, pose); /* nobody has it yet */
+		pthread_cond_broadcast(&store->turned);
+	}
+	pthread_mutex_unlock(&store->lock);
+	return NULL;
+}
+
+/* Without a thread poses are unpacked when they are asked for. */
+static void start_thread(struct basis_store *store)
+{
+	sigset_t all, before;
+
+	sigfillset(&all);
+	pthread_sigmask(SIG_SETMASK, &all, &before);
+	store->thread_runs = pthread_create(&store->thread, NULL, look_ahead, store) == 0;
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+void basis_poses_expect(const struct basis *basis, const int *poses, int count)
+{
+	struct basis_store *store = basis->store;
+
+	if (!store)
+		return;
+	pthread_mutex_lock(&store->lock);
+	store->wanted_count = 0;
+	for (int k = 0; k < count && store->wanted_count < BASIS_EXPECT_MAX; k++)
+		if (!is_wanted(store, poses[k]))
+			store->wanted[store->wanted_count++] = poses[k];
+	for (int p = 0; p < store->count; p++) {
+		store->slots[p].failed = false;
+		if (store->slots[p].state == SLOT_READY && !is_wanted(store, p))
+			take_back(store, p);
+	}
+	if (!store->thread_runs && next_wanted(store) >= 0)
+		start_thread(store);
+	pthread_cond_broadcast(&store->turned);
+	pthread_mutex_unlock(&store->lock);
+}
+
+void basis_store_destroy(struct basis_store *store)
+{
+	if (!store)
+		return;
+	pthread_mutex_lock(&store->lock);
+	store->leave = true;
+	pthread_cond_broadcast(&store->turned);
+	pthread_mutex_unlock(&store->lock);
+	if (store->thread_runs)
+		pthread_join(store->thread, NULL);
+	for (int p = 0; store->slots && p < store->count; p++)
+		if (store->slots[p].state == SLOT_READY)
+			take_back(store, p);
+	pool_destroy(store->pool);
+	pthread_cond_destroy(&store->turned);
+	pthread_mutex_destroy(&store->lock);
+	free(store->slots);
+	free(store->name);
+	if (store->file.fd >= 0)
+		close(store->file.fd);
+	free(store);
+}

@@ -1,0 +1,85 @@
+#include "hal/compositor/fetch.h"
+
+/* Of each array: well inside a first cache. */
+#define RANGE_LINES 128
+
+static int panels_of(const struct basis_block *b, int pixels)
+{
+	return (b->pixels + pixels - 1) / pixels;
+}
+
+/* What is not there may have no address. */
+static void expect(struct fetch *fetch, const void *from, size_t bytes)
+{
+	const size_t all = (bytes + KERNEL_LINE_BYTES - 1) / KERNEL_LINE_BYTES;
+	const size_t lines = all < RANGE_LINES ? all : RANGE_LINES;
+
+	if (!lines)
+		return;
+	fetch->range[fetch->ranges++] = (struct fetch_range){from, lines};
+	fetch->lines += lines;
+}
+
+static void expect_lines(struct fetch *fetch, const struct basis_block *b)
+{
+	const size_t panels = (size_t)panels_of(b, KERNEL_LINE16);
+
+	expect(fetch, b->pattern, (size_t)b->patterns * (size_t)b->stride * sizeof(*b->pattern));
+	expect(fetch, b->coefficient,
+	       panels * (size_t)(b->channels * b->patterns) * KERNEL_LINE_BYTES);
+	expect(fetch, b->pattern_scale, (size_t)b->patterns * sizeof(*b->pattern_scale));
+}
+
+/* What is read of a block before anything is added up, and what tells of the block behind it. */
+static void expect_weights(struct fetch *fetch, const struct block_plan *plan)
+{
+	const struct basis_block *b = plan->block;
+
+	if (!plan->choice) {
+		expect(fetch, b->column_scale, (size_t)b->columns * sizeof(*b->column_scale));
+		expect(fetch, b->light, (size_t)b->columns * sizeof(*b->light));
+	}
+	expect(fetch, plan + 1, sizeof(*plan));
+	expect(fetch, b + 1, sizeof(*b));
+}
+
+static void expect_columns(struct fetch *fetch, const struct block_plan *plan)
+{
+	const struct basis_block *b = plan->block;
+
+	fetch->chosen = columns_chosen(plan, &fetch->column_count);
+	if (b->bits == 8) {
+		fetch->columns = (const char *)b->column8;
+		fetch->line_bytes = KERNEL_LINE_BYTES;
+		fetch->column_lines = panels_of(b, KERNEL_LINE8) * b->channels;
+		fetch->column_bytes = (size_t)fetch->column_lines * KERNEL_LINE_BYTES;
+	} else {
+		fetch->columns = (const char *)b->column16;
+		fetch->line_bytes = (size_t)b->columns * KERNEL_LINE_BYTES;
+		fetch->column_lines = panels_of(b, KERNEL_LINE16) * b->channels;
+		fetch->column_bytes = KERNEL_LINE_BYTES;
+		if (fetch->column_count > FETCH_COLUMNS)
+			fetch->column_count = 0;
+	}
+}
+
+void fetch_expect(struct fetch *fetch, const struct block_plan *plan, const struct block_plan *next,
+		  const struct block_plan *after)
+{
+	const struct basis_block *b = plan->block;
+	const int calls = 2 + (b->columns ? panels_of(b, KERNEL_LINE8) : 0) +
+			  (b->patterns ? panels_of(b, KERNEL_LINE16) : 0);
+
+	fetch->ranges = fetch->next = fetch->column = 0;
+	fetch->lines = 0;
+	fetch->column_count = 0;
+	if (next) {
+		expect_lines(fetch, next->block);
+		if (next->choice)
+			expect_columns(fetch, next);
+	}
+	if (after)
+		expect_weights(fetch, after);
+	fetch->lines_step = fetch->lines / (size_t)calls + 1;
+	fetch->column_step = fetch->column_count / calls + 1;
+}
