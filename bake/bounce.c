@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/bounce_aside.h"
 #include "bake/random.h"
 
-#define CHANNELS 3
 #define RANK_FEW 16 /* tried first: more are seldom needed */
 #define RANK_SPARE 4
 #define ITERATIONS 2
@@ -33,8 +33,7 @@ struct scratch {
 	float *left, *right;	   /* like those of factors */
 	float *tau;		   /* [rank] */
 	float *core, *turn, *back; /* [rank][rank] */
-	float *profile;		   /* [lights] */
-	float *column[2];	   /* [channels][lights] */
+	struct bounce_aside aside;
 };
 
 static size_t floats_needed(size_t lights)
@@ -42,7 +41,7 @@ static size_t floats_needed(size_t lights)
 	const size_t k = BOUNCE_RANK_MAX;
 
 	return 4 * k * lights + 3 * k * BOUNCE_ROWS_MAX + 3 * k + 3 * k * k +
-	       (1 + 2 * CHANNELS) * lights;
+	       bounce_aside_floats(lights);
 }
 
 static struct scratch deal(const struct bounce *bounce)
@@ -70,9 +69,7 @@ static struct scratch deal(const struct bounce *bounce)
 	s.core = next;
 	s.turn = s.core + k * k;
 	s.back = s.turn + k * k;
-	s.profile = s.back + k * k;
-	s.column[0] = s.profile + lights;
-	s.column[1] = s.column[0] + CHANNELS * lights;
+	bounce_aside_open(&s.aside, lights, s.back + k * k);
 	return s;
 }
 
@@ -167,15 +164,6 @@ struct verdict {
 	double found[2][BOUNCE_RANK_MAX]; /* left^T X right, X the other half */
 };
 
-static double dot(const float *a, const float *b, size_t count)
-{
-	double sum = 0;
-
-	for (size_t i = 0; i < count; i++)
-		sum += (double)a[i] * (double)b[i];
-	return sum;
-}
-
 static void find_weights(struct scratch *s, float *const half[2], struct verdict *v)
 {
 	const size_t lights = (size_t)s->lights;
@@ -184,8 +172,8 @@ static void find_weights(struct scratch *s, float *const half[2], struct verdict
 	for (int h = 0; h < 2; h++) {
 		times_columns(s, half[!h], s->of[h].left, s->right);
 		for (size_t k = 0; k < (size_t)s->rank; k++)
-			v->found[h][k] = dot(s->right + k * lights, s->of[h].right + k * lights,
-					     lights);
+			v->found[h][k] = bounce_dot(s->right + k * lights,
+						    s->of[h].right + k * lights, lights);
 	}
 	v->kept = 0;
 	for (int k = 0; k < s->rank; k++) {
@@ -208,15 +196,16 @@ static double filtered_dot(const struct scratch *s, const struct verdict *v)
 		for (size_t k = 0; k < (size_t)v->kept; k++)
 			sum += v->weight[j] * (double)s->of[0].value[j] * v->weight[k] *
 			       (double)s->of[1].value[k] *
-			       dot(s->of[0].left + j * rows, s->of[1].left + k * rows, rows) *
-			       dot(s->of[0].right + j * lights, s->of[1].right + k * lights,
-				   lights);
+			       bounce_dot(s->of[0].left + j * rows, s->of[1].left + k * rows,
+					  rows) *
+			       bounce_dot(s->of[0].right + j * lights, s->of[1].right + k * lights,
+					  lights);
 	return sum;
 }
 
 /*
- * The error of the filtered mean, as far as the halves tell; aside: of what the filter leaves
- * alone. Of the light that the filter takes away, what both halves show is <A - A', B - B'>, for
+ * The square of the error of the filtered mean, as far as the halves tell; aside: of what was set
+ * aside. Of the light that the filter takes away, what both halves show is <A - A', B - B'>, for
  * their noise is independent. The noise of a mean is a quarter of |A - B|^2, A' and B' being what
  * is left of them.
  */
@@ -225,7 +214,7 @@ static double filtered_error(const struct scratch *s, float *const half[2], cons
 {
 	const size_t count = (size_t)s->rows * (size_t)s->lights;
 	const double together = filtered_dot(s, v);
-	double lost = dot(half[0], half[1], count) + together, apart = -2 * together;
+	double lost = bounce_dot(half[0], half[1], count) + together, apart = -2 * together;
 
 	for (int k = 0; k < v->kept; k++)
 		for (int h = 0; h < 2; h++) {
@@ -234,7 +223,7 @@ static double filtered_error(const struct scratch *s, float *const half[2], cons
 			lost -= value * v->found[h][k];
 			apart += value * value;
 		}
-	return fmax(lost, 0) + (apart + aside) / 4;
+	return fmax(lost, 0) + apart / 4 + aside;
 }
 
 /* 0 when the verdict stands. */
@@ -259,107 +248,6 @@ static int judge(struct scratch *s, float *const half[2], struct verdict *v)
 }
 
 /* ---- the filter ---- */
-
-static void sum_rows(const struct bounce_halves *in, size_t lights, double (*sum)[2])
-{
-	for (int h = 0; h < 2; h++)
-		for (size_t row = 0; row < (size_t)in->rows; row++)
-			sum[row][h] = dot(in->half[h] + row * lights, in->sky, lights);
-}
-
-static double mean_sum(const struct bounce_halves *in, const double sum[2])
-{
-	return in->share[0] * sum[0] + in->share[1] * sum[1];
-}
-
-/* The row whose multiples come nearest to all rows of the mean, each with the sum of its own; its
- * own sum is 1. False: there is none. */
-static bool find_profile(const struct bounce_halves *in, size_t lights, double (*sum)[2],
-			 float *profile)
-{
-	double square = 0;
-
-	for (int row = 0; row < in->rows; row++)
-		square += mean_sum(in, sum[row]) * mean_sum(in, sum[row]);
-	if (!isfinite(square) || square == 0)
-		return false;
-	memset(profile, 0, lights * sizeof(*profile));
-	for (int h = 0; h < 2; h++)
-		for (size_t row = 0; row < (size_t)in->rows; row++) {
-			const float *from = in->half[h] + row * lights;
-			const float by = (float)(in->share[h] * mean_sum(in, sum[row]) / square);
-
-			for (size_t i = 0; i < lights; i++)
-				profile[i] += by * from[i];
-		}
-	return true;
-}
-
-/* Both halves become what they hold beside their sums, scaled. Sets the square of what they were
- * apart before, and of what their sums' parts are. */
-static void set_sums_aside(const struct bounce_halves *in, size_t lights, double (*sum)[2],
-			   const float *profile, double *apart, double *sums_apart)
-{
-	double profile_square = 0;
-
-	*apart = *sums_apart = 0;
-	for (size_t i = 0; i < lights; i++)
-		profile_square += pow((double)profile[i] * (double)in->scale[i], 2);
-	for (size_t row = 0; row < (size_t)in->rows; row++) {
-		float *a = in->half[0] + row * lights, *b = in->half[1] + row * lights;
-		const float by_a = (float)sum[row][0], by_b = (float)sum[row][1];
-
-		for (size_t i = 0; i < lights; i++) {
-			const float d = (a[i] - b[i]) * in->scale[i];
-
-			*apart += (double)d * (double)d;
-			a[i] = (a[i] - by_a * profile[i]) * in->scale[i];
-			b[i] = (b[i] - by_b * profile[i]) * in->scale[i];
-		}
-		*sums_apart += pow(sum[row][0] - sum[row][1], 2) * profile_square;
-	}
-}
-
-/* The same with the mean of each channel's column, so that no light makes a step from one tile to
- * the next. Adds to the square. */
-static void set_means_aside(const struct bounce_halves *in, size_t lights, float *const column[2],
-			    double *means_apart)
-{
-	const size_t pixels = (size_t)in->rows / CHANNELS, size = CHANNELS * lights;
-
-	for (int h = 0; h < 2; h++) {
-		memset(column[h], 0, size * sizeof(float));
-		for (size_t p = 0; p < pixels; p++)
-			for (size_t i = 0; i < size; i++)
-				column[h][i] += in->half[h][p * size + i];
-		for (size_t i = 0; i < size; i++)
-			column[h][i] /= (float)pixels;
-		for (size_t p = 0; p < pixels; p++)
-			for (size_t i = 0; i < size; i++)
-				in->half[h][p * size + i] -= column[h][i];
-	}
-	for (size_t i = 0; i < size; i++)
-		*means_apart += pow((double)column[0][i] - (double)column[1][i], 2) *
-				(double)pixels;
-}
-
-static void put_back(const struct bounce_halves *in, size_t lights, double (*sum)[2],
-		     const struct scratch *s)
-{
-	const float share[2] = {(float)in->share[0], (float)in->share[1]};
-
-	for (size_t row = 0; row < (size_t)in->rows; row++) {
-		const size_t channel = row % CHANNELS * lights;
-		float *at = in->half[0] + row * lights;
-		const float by = (float)mean_sum(in, sum[row]);
-
-		for (size_t i = 0; i < lights; i++)
-			at[i] = (at[i] + share[0] * s->column[0][channel + i] +
-				 share[1] * s->column[1][channel + i]) /
-					in->scale[i] +
-				by * s->profile[i];
-	}
-}
 
 static void take_mean(const struct bounce_halves *in, size_t lights)
 {
@@ -390,26 +278,22 @@ int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 {
 	struct scratch s = deal(bounce);
 	const size_t lights = (size_t)bounce->lights;
-	double sum[BOUNCE_ROWS_MAX][2];
 	struct verdict v = {.kept = 0};
-	double apart, aside;
+	double noise, aside;
 	int kept = -1;
 
 	s.rows = in->rows;
-	sum_rows(in, lights, sum);
-	if (!find_profile(in, lights, sum, s.profile)) {
+	if (!bounce_set_aside(&s.aside, in, &noise, &aside)) {
 		take_mean(in, lights);
 		return -1;
 	}
-	set_sums_aside(in, lights, sum, s.profile, &apart, &aside);
-	set_means_aside(in, lights, s.column, &aside);
-	if (!judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < apart / 4)
+	if (!judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < noise)
 		kept = v.kept;
 	take_mean(in, lights);
 	if (kept == 0)
 		memset(in->half[0], 0, (size_t)in->rows * lights * sizeof(float));
 	else if (kept > 0 && filter_mean(&s, in->half[0], &v))
 		kept = -1;
-	put_back(in, lights, sum, &s);
+	bounce_put_back(&s.aside, in, kept >= 0);
 	return kept;
 }

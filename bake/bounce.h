@@ -8,10 +8,13 @@
  *
  * Two things the filter leaves alone. Each row's sum under a uniform sky: there what is blocked and
  * what is bounced balance sample by sample. And, of each light and channel, the mean over all
- * pixels: tiles that are filtered apart must not show steps between them.
+ * pixels. The slope over them is filtered by itself: what singular vectors do not tell of a plane,
+ * tiles that are filtered apart would show as steps between them.
  */
 #ifndef INLAY_BAKE_BOUNCE_H
 #define INLAY_BAKE_BOUNCE_H
+
+#include <stdint.h>
 
 #define BOUNCE_ROWS_MAX 768 /* of a tile: 256 pixels of 3 channels */
 #define BOUNCE_RANK_MAX 48
@@ -24,9 +27,10 @@ struct bounce {
 
 /* What is filtered. Neither sky nor scale is 0. */
 struct bounce_halves {
-	int rows;	    /* three channels of each pixel */
-	float *half[2];	    /* [rows][lights]: means, each over samples of its own */
-	double share[2];    /* of all samples; they sum to 1 */
+	int rows;	       /* three channels of each pixel */
+	const uint16_t *pixel; /* [rows / 3]: y * BASIS_TILE + x, all different */
+	float *half[2];	       /* [rows][lights]: means, each over samples of its own */
+	double share[2];       /* of all samples; they sum to 1 */
 	const float *sky;   /* [lights]: the lighting, in units of the values, that is left alone */
 	const float *scale; /* [lights]: makes the noise of all columns about alike */
 };

@@ -1,59 +1,57 @@
 #include "bake/cells.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "bake/random.h"
 
-#define CORNERS_MAX 32
-#define TABLE_MAX (4 << 20) /* directions in a table */
+/* Directions in a table: it should stay in the cache. */
+#define TABLE_MAX (1 << 18)
+/* Directions of a cell. All pixels share them, so that of a cell that is hidden in part about 1 /
+ * depth is seen wrongly, in every pixel alike. */
+#define DEPTH_MIN 32
+#define DEPTH_MAX (1 << 15)
 
 static struct v3 narrow(const double d[3])
 {
 	return v3_make((float)d[0], (float)d[1], (float)d[2]);
 }
 
-/* Sine of the largest angle from the node to a corner of its cell; 1 when a right angle or more. */
-static float reach_of(const struct dome *dome, int cell)
+static float reach_of(const struct dome *dome, int light)
 {
-	double corner[CORNERS_MAX][3];
-	const double *node = dome->direction[cell];
-	const int count = dome_cell_corners(dome, cell, corner, CORNERS_MAX);
-	double least = 1;
+	const double reach = dome_light_reach_rad(dome, light);
 
-	for (int k = 0; k < count && k < CORNERS_MAX; k++) {
-		const double c = corner[k][0] * node[0] + corner[k][1] * node[1] +
-				 corner[k][2] * node[2];
-
-		least = c < least ? c : least;
-	}
-	if (least <= 0 || count > CORNERS_MAX)
-		return 1;
-	return (float)sqrt(1 - least * least) * 1.001f + 1e-6f;
+	return reach < M_PI / 2 ? (float)sin(reach) * 1.001f + 1e-6f : 1;
 }
 
 /* ---- directions ---- */
 
-/* Squares a side on which the cosine is taken as even: a cell hardly bends. */
+/* Squares a side on which densities are taken as even: a cell hardly bends. */
 #define SQUARES 16
 
-/* How to turn the unit square so that dome_cell_sample() yields directions by projected solid
- * angle: along u by all[], then along v by the strip's own part[]. Sums from 0 to the total. */
+/* How to turn the unit square so that dome_light_sample() yields directions by another density:
+ * along u by all[], then along v by the strip's own part[]. Sums from 0 to the total. */
 struct warp {
 	double all[SQUARES + 1];
 	double part[SQUARES][SQUARES + 1];
 };
 
-static void make_warp(const struct dome *dome, int cell, struct warp *warp)
+/* By the light's weight over solid angles, or, projected, over what flat ground sees of them. */
+static void make_warp(const struct dome *dome, int light, bool projected, struct warp *warp)
 {
 	warp->all[0] = 0;
 	for (int j = 0; j < SQUARES; j++) {
 		warp->part[j][0] = 0;
 		for (int k = 0; k < SQUARES; k++) {
-			double d[3];
+			double d[3], share;
 
-			dome_cell_sample(dome, cell, (j + 0.5) / SQUARES, (k + 0.5) / SQUARES, d);
-			warp->part[j][k + 1] = warp->part[j][k] + d[2];
+			dome_light_sample(dome, light, (j + 0.5) / SQUARES, (k + 0.5) / SQUARES, d);
+			share = projected ? d[2] : 1;
+			if (dome->shape == DOME_TENTS)
+				share *= dome_weight(dome, light, d) /
+					 dome_light_density(dome, light, d);
+			warp->part[j][k + 1] = warp->part[j][k] + share;
 		}
 		warp->all[j + 1] = warp->all[j] + warp->part[j][SQUARES];
 	}
@@ -71,24 +69,34 @@ static double reach_share(const double sum[SQUARES + 1], double x, int *square)
 	return fmin((k + (want - sum[k]) / (sum[k + 1] - sum[k])) / SQUARES, 0x1.fffffep-1);
 }
 
+static void take_warped(const struct dome *dome, int light, const struct warp *warp,
+			const double point[2], double d[3])
+{
+	int strip, square;
+	const double u = reach_share(warp->all, point[0], &strip);
+
+	dome_light_sample(dome, light, u, reach_share(warp->part[strip], point[1], &square), d);
+}
+
 static void fill_directions(struct cells *cells, int place)
 {
 	const int cell = cells->order[place];
 	const uint64_t scramble = random_hash((uint64_t)cell, 0xce11, 0);
-	struct warp warp;
+	struct warp even, ground;
 
-	make_warp(cells->dome, cell, &warp);
+	make_warp(cells->dome, cell, false, &even);
+	make_warp(cells->dome, cell, true, &ground);
 	for (int k = 0; k < cells->depth; k++) {
 		const size_t at = (size_t)k * (size_t)cells->count + (size_t)place;
-		double point[2], d[3], u;
-		int strip, square;
+		double point[2], d[3];
 
 		sobol_point((uint32_t)k, scramble, point);
-		dome_cell_sample(cells->dome, cell, point[0], point[1], d);
+		if (cells->dome->shape == DOME_CELLS) /* even already */
+			dome_light_sample(cells->dome, cell, point[0], point[1], d);
+		else
+			take_warped(cells->dome, cell, &even, point, d);
 		cells->uniform[at] = narrow(d);
-		u = reach_share(warp.all, point[0], &strip);
-		dome_cell_sample(cells->dome, cell, u,
-				 reach_share(warp.part[strip], point[1], &square), d);
+		take_warped(cells->dome, cell, &ground, point, d);
 		cells->ground[at] = narrow(d);
 	}
 }
@@ -160,8 +168,8 @@ int cells_create(struct cells *cells, const struct dome *dome)
 	size_t all;
 	int err;
 
-	*cells = (struct cells){.dome = dome, .count = dome->count, .depth = 256};
-	while ((int64_t)cells->depth * cells->count > TABLE_MAX / 16 && cells->depth > 32)
+	*cells = (struct cells){.dome = dome, .count = dome->count, .depth = DEPTH_MAX};
+	while ((int64_t)cells->depth * cells->count > TABLE_MAX && cells->depth > DEPTH_MIN)
 		cells->depth /= 2;
 	all = count * (size_t)cells->depth;
 	cells->order = malloc(count * sizeof(*cells->order));

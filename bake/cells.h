@@ -1,5 +1,6 @@
 /*
- * The dome as the tracer uses it: for each cell a set of directions, drawn once.
+ * The dome as the tracer uses it: for each light, be it a cell or a tent, a set of directions,
+ * drawn once with its weight as density. What is said of cells here is meant of tents, too.
  *
  * Sample s of a pixel takes direction s ^ key of every cell, key a hash of the pixel. Samples of
  * one pixel then fill each cell evenly (the directions are a (0,m,2)-net, scrambled cell by cell),
@@ -23,10 +24,11 @@ struct cells {
 	struct v3 *node; /* [count] */
 	float *sr;	 /* [count] solid angle */
 	float *share;	 /* [count] projected solid angle / pi: sums to 1 */
-	float *reach;	 /* [count] sine of the largest angle between node and border */
+	float *reach; /* [count] sine of the largest angle between node and border; 1: beyond 90 deg
+		       */
 	/* [depth][count], a row in the order above: */
-	struct v3 *uniform; /* uniform by solid angle */
-	struct v3 *ground;  /* by projected solid angle: what flat ground receives */
+	struct v3 *uniform; /* by solid angle times weight */
+	struct v3 *ground;  /* by projected solid angle times weight: what flat ground gets */
 };
 
 int cells_create(struct cells *cells, const struct dome *dome);
@@ -40,12 +42,25 @@ static inline const struct v3 *cells_pick(const struct cells *cells, const struc
 	       (size_t)((sample ^ pixel) & (uint32_t)(cells->depth - 1)) * (size_t)cells->count;
 }
 
-/* The cell that an escaping ray reads, or -1 below the horizon. */
-static inline int cells_of(const struct cells *cells, struct v3 direction)
+/* The lights that an escaping ray reads, and how much of each: none below the horizon. */
+static inline int cells_weights(const struct cells *cells, struct v3 direction, int light[3],
+				float weight[3])
+{
+	const double d[3] = {direction.x, direction.y, direction.z};
+	double exact[3];
+	const int count = dome_weights(cells->dome, d, light, exact);
+
+	for (int k = 0; k < count; k++)
+		weight[k] = (float)exact[k];
+	return count;
+}
+
+/* That of one light. */
+static inline float cells_weight(const struct cells *cells, int light, struct v3 direction)
 {
 	const double d[3] = {direction.x, direction.y, direction.z};
 
-	return dome_cell_of(cells->dome, d);
+	return (float)dome_weight(cells->dome, light, d);
 }
 
 #endif

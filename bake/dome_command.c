@@ -4,35 +4,27 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bake/options.h"
+#include "bake/angles.h"
+#include "bake/commands.h"
 #include "hal/log.h"
 #include "hal/optics/dome.h"
 
-enum { FREQUENCY = 1, DIVISION, ANGLES, JSON };
+enum { FREQUENCY = 1, DIVISION, LIGHTS, ANGLES, JSON };
 
 static const struct option options[] = {
 	{"frequency", required_argument, NULL, FREQUENCY},
 	{"division", required_argument, NULL, DIVISION},
+	{"lights", required_argument, NULL, LIGHTS},
 	{"angles", no_argument, NULL, ANGLES},
 	{"json", no_argument, NULL, JSON},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
 };
 
-static void print_angles(const struct dome *dome)
-{
-	for (int i = 0; i < dome->count; i++) {
-		double theta, phi;
-
-		dome_angles(dome, i, &theta, &phi);
-		printf("%.17g %.17g\n", theta, phi);
-	}
-}
-
 static void print_table(const struct dome *dome)
 {
-	printf("# %d lights: frequency %d, divided by %s\n", dome->count, dome->frequency,
-	       dome_division_names[dome->division]);
+	printf("# %d lights: frequency %d, divided by %s, %s\n", dome->count, dome->frequency,
+	       dome_division_names[dome->division], dome_shape_names[dome->shape]);
 	printf("# light theta_rad phi_rad solid_angle_sr\n");
 	for (int i = 0; i < dome->count; i++) {
 		double theta, phi;
@@ -44,8 +36,10 @@ static void print_table(const struct dome *dome)
 
 static void print_json(const struct dome *dome)
 {
-	printf("{\"frequency\": %d, \"division\": \"%s\", \"count\": %d, \"lights\": [\n",
-	       dome->frequency, dome_division_names[dome->division], dome->count);
+	printf("{\"frequency\": %d, \"division\": \"%s\", \"shape\": \"%s\", \"count\": %d, "
+	       "\"lights\": [\n",
+	       dome->frequency, dome_division_names[dome->division], dome_shape_names[dome->shape],
+	       dome->count);
 	for (int i = 0; i < dome->count; i++) {
 		const double *d = dome->direction[i];
 		double theta, phi;
@@ -62,7 +56,7 @@ static void print_json(const struct dome *dome)
 static int run(const struct command *command, int argc, char **argv)
 {
 	struct fault fault = {.text = ""};
-	int frequency = 0, division = DOME_ANGLES, form = 0, option, err = 0;
+	int frequency = 0, division = DOME_ANGLES, shape = DOME_CELLS, form = 0, option, err = 0;
 	struct dome dome;
 
 	while (!err && (option = getopt_long(argc, argv, "", options, NULL)) != -1)
@@ -74,6 +68,9 @@ static int run(const struct command *command, int argc, char **argv)
 		case DIVISION:
 			err = option_choice("--division", optarg, dome_division_names, &division,
 					    &fault);
+			break;
+		case LIGHTS:
+			err = option_choice("--lights", optarg, dome_shape_names, &shape, &fault);
 			break;
 		case ANGLES:
 		case JSON:
@@ -88,12 +85,13 @@ static int run(const struct command *command, int argc, char **argv)
 		return command_wrong(command, "--frequency is missing");
 	if (optind < argc)
 		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
-	if (dome_create(&dome, frequency, (enum dome_division)division, &fault) < 0) {
+	if (dome_create_shaped(&dome, frequency, (enum dome_division)division,
+			       (enum dome_shape)shape, &fault) < 0) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
 	if (form == ANGLES)
-		print_angles(&dome);
+		angles_write(stdout, &dome);
 	else if (form == JSON)
 		print_json(&dome);
 	else
@@ -104,11 +102,14 @@ static int run(const struct command *command, int argc, char **argv)
 
 const struct command dome_command = {
 	.name = "dome",
-	.usage = "--frequency F [--division angles|chords] [--angles | --json]",
+	.usage = "--frequency F [--division angles|chords] [--lights cells|tents]\n"
+		 "           [--angles | --json]",
 	.summary = "print the lights of a dome",
 	.help = "\n"
 		"  --frequency F   1 to 64; 9 makes 406 lights\n"
 		"  --division D    angles (default) or chords\n"
+		"  --lights L      cells (default) or tents: their solid angles; tents are named "
+		"before angles\n"
 		"  --angles        one light a line: theta phi, radians\n"
 		"  --json          everything: angles, directions, solid angles\n",
 	.run = run,

@@ -8,6 +8,7 @@
 
 #include "bake/encode_block.h"
 #include "bake/encode_measure.h"
+#include "bake/encode_shade.h"
 
 /* What the arithmetic between samples and values may be off by, against the largest of them. */
 #define FLOAT_ERROR 0x1p-22
@@ -15,8 +16,13 @@
 /* A pixel is left out where that is worth less than this share of the error asked for. */
 #define PIXEL_SHARE 0.5
 
+/* How often a tile is encoded until the errors hold, and how far inside them the next goes. */
+#define ATTEMPTS 4
+#define TIGHTER 0.97
+
 struct encoder {
-	struct encode_settings settings;
+	struct encode_settings settings; /* its ensemble is shade's */
+	struct shade shade;
 	struct levels levels;
 	struct part *part;
 	struct block_reader *reader;
@@ -41,7 +47,10 @@ int encoder_create(struct encoder **encoder, const struct encode_settings *setti
 	levels_fill(&e->levels, settings->target.cell);
 	e->measure.settings = &e->settings;
 	e->measure.levels = &e->levels;
-	err = split_create(&e->split, &e->settings);
+	err = shade_create(&e->shade, settings);
+	e->settings.ensemble = &e->shade.skies;
+	if (!err)
+		err = split_create(&e->split, &e->settings);
 	if (!err)
 		err = search_create(&e->search, &e->settings, &e->levels);
 	if (err)
@@ -61,6 +70,7 @@ void encoder_destroy(struct encoder *e)
 	}
 	free(e->part);
 	free(e->reader);
+	shade_free(&e->shade);
 	split_free(&e->split);
 	search_free(&e->search);
 	measure_free(&e->measure);
@@ -113,7 +123,6 @@ static int reserve(struct encoder *e, int count)
 
 static int load(struct encoder *e, const struct encode_samples *samples, int count)
 {
-	const struct encode_target *target = &e->settings.target;
 	int err = 0;
 
 	for (int k = 0; k < count && !err; k++) {
@@ -121,17 +130,16 @@ static int load(struct encoder *e, const struct encode_samples *samples, int cou
 		if (!err && samples[k].kind == BASIS_KIND_U)
 			err = part_pair(&e->part[k - 1], &e->part[k], e->settings.lights);
 	}
-	for (int k = 0; k < count && !err; k++)
-		part_expose(&e->part[k], &e->settings, &e->levels,
-			    PIXEL_SHARE * fmin(target->rms, target->cell));
 	return err;
 }
 
-/* Blocks first[k]..first[k + 1] - 1 are the part's. */
-static int build(struct encoder *e, int tile, int count, int *first)
+/* Blocks first[k]..first[k + 1] - 1 are the part's. *held: as far as the search knows. */
+static int build(struct encoder *e, int tile, int count, int *first, bool *held)
 {
 	int err = 0;
 
+	e->shown.count = 0;
+	*held = true;
 	for (int k = 0; k < count && !err; k++) {
 		const struct part *part = &e->part[k];
 		const bool alone = part->kind == BASIS_KIND_U && first[k - 1] == e->shown.count;
@@ -141,6 +149,7 @@ static int build(struct encoder *e, int tile, int count, int *first)
 		if (!part->kept || alone)
 			continue;
 		err = search_best(&e->search, &e->split, part, &plan);
+		*held &= plan.excess <= 1;
 		if (!err)
 			err = block_build(&e->shown, &e->search, &e->split, &plan, tile);
 		if (!err && part->kind == BASIS_KIND_U && first[k] == e->shown.count)
@@ -155,6 +164,7 @@ static int measure(struct encoder *e, const uint16_t *coverage, int count, const
 {
 	int err = 0;
 
+	result->object_error = result->ratio_error = 0;
 	for (int k = 0; k < count && !err; k++)
 		err = block_reader_open(&e->reader[k], &e->settings, &e->part[k],
 					e->shown.block + first[k], first[k + 1] - first[k]);
@@ -169,6 +179,77 @@ static int measure(struct encoder *e, const uint16_t *coverage, int count, const
 		if (e->part[k].kind == BASIS_KIND_V)
 			result->ratio_error = fmax(result->ratio_error, bound);
 	}
+	return err;
+}
+
+static void limit(struct encoder *e, int count)
+{
+	const struct encode_target *target = &e->settings.target;
+
+	for (int k = 0; k < count; k++)
+		part_limit(&e->part[k], &e->settings, &e->levels,
+			   PIXEL_SHARE * fmin(target->rms, target->cell));
+}
+
+/* The largest error of all places, as a share of that asked for; listed: by how many parts each. */
+static double worst_of(const struct encoder *e, int count, int *listed)
+{
+	double worst = 0;
+
+	memset(listed, 0, PART_PIXELS * sizeof(*listed));
+	for (int k = 0; k < count; k++)
+		for (int p = 0; p < e->part[k].pixels; p++) {
+			const int at = e->part[k].pixel[p];
+
+			listed[at]++;
+			worst = fmax(worst, e->measure.over[at]);
+		}
+	return worst;
+}
+
+/* Where the measured error is larger than asked for, parts have to do with less: mostly along an
+ * object's edge, where the shadow behind it is off as well, and wherever else that is so. At last
+ * what they may use up together is what was asked for. False: the error is not larger. */
+static bool tighten(struct encoder *e, int count, const struct ensemble_error *error, bool last)
+{
+	const double rms = ensemble_sky_rms(error) / e->settings.target.rms;
+	int listed[PART_PIXELS];
+	const double worst = worst_of(e, count, listed);
+
+	e->search.target.rms *= rms > 1 ? TIGHTER / rms : 1;
+	for (int k = 0; k < count && worst > 1; k++)
+		for (int p = 0; p < e->part[k].pixels; p++) {
+			const int at = e->part[k].pixel[p];
+
+			float *share = &e->part[k].share[p];
+
+			if (e->measure.over[at] > 1 || listed[at] > 1)
+				*share *= (float)(TIGHTER / worst);
+			if (last)
+				*share = fminf(*share, 1 / (float)listed[at]);
+		}
+	return worst > 1 || rms > 1;
+}
+
+/* The truth decides, and the search does it again. */
+static int build_until_held(struct encoder *e, int tile, const uint16_t *coverage, int count,
+			    struct encode_result *result)
+{
+	int *first = calloc((size_t)count + 1, sizeof(*first)), err = first ? 0 : -ENOMEM;
+	bool held = true, over = true;
+
+	e->search.target = e->settings.target;
+	shade_set(&e->shade, &e->settings, e->part, count);
+	for (int k = 0; k < count; k++)
+		part_expose(&e->part[k], &e->settings);
+	for (int k = 0; k < ATTEMPTS && !err && held && over; k++) {
+		limit(e, count);
+		err = build(e, tile, count, first, &held);
+		if (!err)
+			err = measure(e, coverage, count, first, result);
+		over = !err && tighten(e, count, &result->error, k == ATTEMPTS - 2);
+	}
+	free(first);
 	return err;
 }
 
@@ -189,7 +270,7 @@ static int build_exact(struct encoder *e, int tile, int count)
 int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 		const struct encode_samples *samples, int count, struct encode_result *result)
 {
-	int *first, err;
+	int err;
 
 	*result = (struct encode_result){.shown = NULL};
 	if (!pairs(samples, count))
@@ -200,14 +281,8 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 	err = load(e, samples, count);
 	if (err)
 		return err;
-	first = calloc((size_t)count + 1, sizeof(*first));
-	if (!first)
-		return -ENOMEM;
-	e->shown.count = e->exact.count = 0;
-	err = build(e, tile, count, first);
-	if (!err)
-		err = measure(e, coverage, count, first, result);
-	free(first);
+	e->exact.count = 0;
+	err = build_until_held(e, tile, coverage, count, result);
 	if (!err && e->settings.exact)
 		err = build_exact(e, tile, count);
 	if (err)

@@ -129,10 +129,9 @@ static void write_column(const struct encode_settings *settings, const struct pa
 		int place = 0;
 
 		for (int p = 0; p < part->pixels; p++) {
-			const int panel = place / line_pixels;
-			const size_t line = ((size_t)panel * entry->channels + (size_t)c) *
-						    entry->columns +
-					    (size_t)number;
+			const size_t line = basis_column_line(entry->bits, at.column_panels,
+							      entry->channels, (int)entry->columns,
+							      place / line_pixels, c, number);
 			const size_t to = line * (size_t)line_pixels +
 					  (size_t)(place % line_pixels);
 			const int16_t is = value[c * part->pixels + p];

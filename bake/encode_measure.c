@@ -91,22 +91,29 @@ static double seen(const struct measure *m, double object, double ratio, double 
 	return (double)level_of(m->levels, (float)shown);
 }
 
-/* Sum of squared differences over the listed places; *most grows. */
-static double compare(const struct measure *m, const bool *listed, const uint16_t *coverage,
+/* Sum of squared differences over the listed places; *most grows, and what is over the error asked
+ * for. */
+static double compare(struct measure *m, const bool *listed, const uint16_t *coverage, double asked,
 		      double *most)
 {
 	double square = 0;
 
-	for (int at = 0; at < PART_PIXELS; at++)
+	for (int at = 0; at < PART_PIXELS; at++) {
+		const double open = 1 - coverage[at] / 65535.0;
+		double worst = 0;
+
 		for (int c = 0; c < 3 && listed[at]; c++) {
 			const struct measure_pixel *q = &m->pixel[at];
-			const double back = q->back[c] * (1 - coverage[at] / 65535.0);
+			const double back = q->back[c] * open;
 			const double by = seen(m, q->object_got[c], q->ratio_got[c], back) -
 					  seen(m, q->object_is[c], q->ratio_is[c], back);
 
 			square += by * by;
-			*most = fmax(*most, fabs(by));
+			worst = fmax(worst, fabs(by));
 		}
+		m->over[at] = fmax(m->over[at], worst / asked);
+		*most = fmax(*most, worst);
+	}
 	return square;
 }
 
@@ -118,7 +125,7 @@ static void sum_sky(struct measure *m, const struct part *part, const struct blo
 	const size_t n = (size_t)m->settings->lights;
 	const float *x = part->sky_x + (size_t)sky * 3 * n;
 
-	block_reader_sky(reader, x, part_column_cut(part, m->settings), sums->got);
+	block_reader_sky(reader, x, part->column_cut, sums->got);
 	if (part->base == part->value) {
 		for (int c = 0; c < 3; c++)
 			for (int p = 0; p < part->pixels; p++)
@@ -182,7 +189,7 @@ static double sky_error(struct measure *m, const struct part *parts,
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
 	}
-	return compare(m, listed, coverage, most);
+	return compare(m, listed, coverage, m->settings->target.max, most);
 }
 
 static double cell_error(struct measure *m, const struct part *parts,
@@ -209,7 +216,7 @@ static double cell_error(struct measure *m, const struct part *parts,
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], 1 / white);
 	}
-	return compare(m, listed, coverage, most);
+	return compare(m, listed, coverage, m->settings->target.cell, most);
 }
 
 int measure_tile(struct measure *m, const struct part *parts, const struct block_reader *readers,
@@ -220,6 +227,7 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 	int err = reserve(m, count);
 
 	*error = (struct ensemble_error){.sky_count = 0};
+	memset(m->over, 0, sizeof(m->over));
 	if (err)
 		return err;
 	for (int k = 0; k < count; k++) {

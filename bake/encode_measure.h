@@ -23,6 +23,7 @@ struct measure {
 	struct measure_sums *sums; /* [parts] */
 	double *bound;		   /* [parts]: largest |what is - what blocks say| of any light */
 	int room;
+	double over[PART_PIXELS]; /* largest error of each place as a share of that asked for */
 	struct measure_pixel pixel[PART_PIXELS];
 };
 

@@ -51,12 +51,16 @@ struct part {
 	int channels; /* of value: 3, or 1 where all three are alike */
 	int rows;     /* channels * pixels; row = channel * pixels + place in pixel */
 	int direct_channels;
-	float largest;	   /* of all |value| */
-	float rounded;	   /* of all |direct| + |bounce|: what roundings are a share of */
-	float *value;	   /* [lights][rows], per unit of X */
+	float share[PART_PIXELS]; /* of the error asked for, what this part may use up: 1 until
+				     the measured one is too large */
+	float largest;		  /* of all |value| */
+	float rounded;		  /* of all |direct| + |bounce|: what roundings are a share of */
+	float *value;		  /* [lights][rows], per unit of X */
 	float *direct;	   /* [lights][direct_channels * pixels]; NULL where there is no bounce */
 	const float *base; /* [lights][rows]: what an error in value is seen on: value itself, or
 			      u - d */
+	const struct levels *levels;
+	double column_cut; /* below which columns are left out of a frame; 0: never */
 	/*
 	 * Shown light is offset + slope * base * (light's X); an error of e in value is seen as
 	 * slope * e. Cells: X is in slope. Skies: X is sky_x.
@@ -65,8 +69,10 @@ struct part {
 	float *cell_slope; /* [3][lights] */
 	/* [lights][rows]: what may be left of a value, from least to most, under its cell alone. */
 	float *least_left, *most_left;
-	float *weight; /* [lights]: how much a squared error of this light's values counts */
-	float *sky_x;  /* [skies][3][lights] */
+	/* How much a squared error counts: of a light's values, and of a pixel's. */
+	float *weight; /* [lights] */
+	float pixel_weight[PART_PIXELS];
+	float *sky_x; /* [skies][3][lights] */
 	float sky_offset[ENSEMBLE_SKIES_MAX][3], sky_slope[ENSEMBLE_SKIES_MAX][3];
 	float *sky_base; /* [skies][3 * pixels]: sum of X base */
 	/* The radiance that comes out as 1, where L is 1 in the cell, and as the sky has it. */
@@ -89,20 +95,28 @@ int part_load(struct part *part, const struct encode_settings *settings,
 /* For a pair: errors of both are seen on u - d. */
 int part_pair(struct part *difference, struct part *whole, int lights);
 
-/* After loading (and pairing): exposures, and which pixels are worth keeping. white_ground:
- * [skies][3], of the skies; tolerance in levels. */
-void part_expose(struct part *part, const struct encode_settings *settings,
-		 const struct levels *levels, double tolerance);
+/* After loading (and pairing): exposures. */
+void part_expose(struct part *part, const struct encode_settings *settings);
 
-/* Columns of D and U are always used. */
-static inline double part_column_cut(const struct part *part,
-				     const struct encode_settings *settings)
-{
-	return part->kind == BASIS_KIND_T || part->kind == BASIS_KIND_V ? settings->column_cut : 0;
-}
+/* After that, and again when share has changed: what may be left of each value, which pixels are
+ * worth keeping, and how lights and pixels count. tolerance in levels. */
+void part_limit(struct part *part, const struct encode_settings *settings,
+		const struct levels *levels, double tolerance);
 
 /* Whether this may be left [rows] out of a light's values: no pixel is off by more than the error
  * asked for under this cell alone. */
 bool part_cell_holds(const struct part *part, int light, const float *left);
+
+/*
+ * How far a column that makes up for left [rows] has to reach at least (scale times the largest
+ * value that is stored): frames leave it out where X times that is below the cut, and as their
+ * light fades, no pixel may be off by more than the error asked for at the moment when that
+ * happens. 0: however far.
+ */
+double part_column_reach(const struct part *part, int light, const float *left);
+
+/* The largest share that any pixel of the blocks takes up of what may be left of a light's values.
+ */
+float part_cell_share(const struct part *part, int light, const float *left);
 
 #endif

@@ -16,6 +16,9 @@
 #define WIDTH (RANK_MOST + SPARE)
 #define ROUNDS 2
 #define RIDGE 1e-5 /* of the mean of the diagonal: coarse lights that few others meet */
+/* Of coefficients and patterns, as integers: the lowest bit is noise, which does not pack. Of more
+ * bits the search misses so many errors asked for that it ends with larger ones. */
+#define UNIT 2
 
 static int coarse_stride(int coarse)
 {
@@ -36,12 +39,15 @@ int rank_metric_create(struct rank_metric *metric, const struct encode_settings 
 }
 
 int rank_metric_set(struct rank_metric *metric, const struct encode_settings *settings,
-		    const float *weight)
+		    const struct part *part, const float *weight)
 {
 	const size_t k = (size_t)settings->coarse;
 	double trace = 0;
 
 	metric->weight = weight;
+	metric->pixels = part->pixels;
+	for (int p = 0; p < part->pixels; p++)
+		metric->root[p] = sqrtf(part->pixel_weight[p]);
 	if (!metric->factor)
 		return 0;
 	memset(metric->factor, 0, k * k * sizeof(*metric->factor));
@@ -114,6 +120,18 @@ void rank_scratch_free(struct rank_scratch *s)
 
 /* ---- finding ---- */
 
+/* to[row] = or += by * from[row], as much as the row's pixel counts. */
+static void take_rows(const struct rank_metric *metric, float by, const float *from, float *to,
+		      int rows, bool add)
+{
+	for (int first = 0; first < rows; first += metric->pixels)
+		for (int p = 0; p < metric->pixels; p++) {
+			const float is = by * metric->root[p] * from[first + p];
+
+			to[first + p] = add ? to[first + p] + is : is;
+		}
+}
+
 /* Columns over the coarse lights in which a sum of squares is the weighted sum of squared errors.
  */
 static void project(const struct encode_settings *settings, const struct rank_metric *metric,
@@ -123,18 +141,17 @@ static void project(const struct encode_settings *settings, const struct rank_me
 		memset(coarse, 0, (size_t)settings->coarse * (size_t)rows * sizeof(*coarse));
 	for (int i = 0; i < settings->lights; i++) {
 		const float *from = value + (size_t)i * (size_t)rows;
-		float *to = coarse + (size_t)i * (size_t)rows;
-		const float root = sqrtf(metric->weight[i]);
 
-		for (int r = 0; !metric->factor && r < rows; r++)
-			to[r] = root * from[r];
+		if (!metric->factor)
+			take_rows(metric, sqrtf(metric->weight[i]), from,
+				  coarse + (size_t)i * (size_t)rows, rows, false);
 		for (int a = 0; metric->factor && a < 3; a++) {
 			const struct basis_coarse *g = &settings->gather[i];
 			const float w = metric->weight[i] * (float)g->weight[a] * 0x1p-15F;
 
-			to = coarse + (size_t)g->index[a] * (size_t)rows;
-			for (int r = 0; w > 0 && r < rows; r++)
-				to[r] += w * from[r];
+			if (w > 0)
+				take_rows(metric, w, from,
+					  coarse + (size_t)g->index[a] * (size_t)rows, rows, true);
 		}
 	}
 	if (metric->factor)
@@ -205,15 +222,16 @@ static void sort_out(struct rank_scratch *s, int k, int rows, int count)
 	memcpy(s->left, s->mixed, (size_t)k * (size_t)count * sizeof(*s->left));
 }
 
+/* As multiples of UNIT; returns what 1 stands for. */
 static double store(const float *from, int count, int16_t *to)
 {
 	double most = 0, step;
 
 	for (int k = 0; k < count; k++)
 		most = fmax(most, fabs((double)from[k]));
-	step = most / 32767;
+	step = most / (32767 / UNIT * UNIT);
 	for (int k = 0; k < count; k++)
-		to[k] = step > 0 ? (int16_t)lrint((double)from[k] / step) : 0;
+		to[k] = step > 0 ? (int16_t)(lrint((double)from[k] / step / UNIT) * UNIT) : 0;
 	return step;
 }
 
@@ -248,13 +266,31 @@ static bool quantise(struct rank_patterns *p, const struct encode_settings *sett
 	return true;
 }
 
+/* Back from where a sum of squares was the weighted one. */
+static void unweigh(const struct rank_metric *metric, struct rank_scratch *s, int k, int rows,
+		    int count)
+{
+	if (metric->factor)
+		cblas_strsm(CblasColMajor, CblasLeft, CblasUpper, CblasNoTrans, CblasNonUnit, k,
+			    count, 1, metric->factor, k, s->left, k);
+	for (int j = 0; j < count; j++) {
+		float *pattern = s->left + (size_t)j * (size_t)k;
+		float *row = s->right + (size_t)j * (size_t)rows;
+
+		for (int i = 0; !metric->factor && i < k; i++)
+			pattern[i] /= sqrtf(metric->weight[i]);
+		for (int r = 0; r < rows; r++)
+			row[r] /= metric->root[r % metric->pixels];
+	}
+}
+
 void rank_find(struct rank_patterns *p, const struct encode_settings *settings,
 	       const struct rank_metric *metric, struct rank_scratch *s, const float *value,
-	       int rows)
+	       int rows, int most)
 {
 	const int k = settings->coarse;
 	const int shortest = k < rows ? k : rows;
-	const int count = shortest < WIDTH ? shortest : WIDTH;
+	const int count = shortest < most + SPARE ? shortest : most + SPARE;
 	float size;
 
 	p->count = 0;
@@ -265,17 +301,9 @@ void rank_find(struct rank_patterns *p, const struct encode_settings *settings,
 		return;
 	iterate(s, k, rows, count);
 	sort_out(s, k, rows, count);
-	if (metric->factor)
-		cblas_strsm(CblasColMajor, CblasLeft, CblasUpper, CblasNoTrans, CblasNonUnit, k,
-			    count, 1, metric->factor, k, s->left, k);
-	for (int j = 0; j < count && j < RANK_MOST; j++) {
-		float *pattern = s->left + (size_t)j * (size_t)k;
-
-		for (int i = 0; !metric->factor && i < k; i++)
-			pattern[i] /= sqrtf(metric->weight[i]);
-		if (!quantise(p, settings, j, s->right + (size_t)j * (size_t)rows, pattern,
-			      (double)size))
-			break;
+	unweigh(metric, s, k, rows, count);
+	while (p->count < count && p->count < most &&
+	       quantise(p, settings, p->count, s->right + (size_t)p->count * (size_t)rows,
+			s->left + (size_t)p->count * (size_t)k, (double)size))
 		p->count++;
-	}
 }

@@ -6,12 +6,15 @@
 #include "bake/encode_part.h"
 
 #define RANK_MOST 48
+#define RANK_FEW 16 /* that are looked for first: more are seldom worth it */
 
-/* How much an error at each light counts, and what that means for the coarse lights. */
+/* How much an error at each light and pixel counts, and what that means for the coarse lights. */
 struct rank_metric {
-	const float *weight; /* [lights]: of a squared error, > 0; the part's */
-	float *factor;	     /* [K][K], row by row: lower Cholesky factor of P W P^T; NULL where K
-				is N */
+	const float *weight; /* [lights]: of a squared error, > 0 */
+	int pixels;
+	float root[PART_PIXELS]; /* of pixels' weights, > 0 */
+	float *factor; /* [K][K], row by row: lower Cholesky factor of P W P^T; NULL where K
+			  is N */
 };
 
 struct rank_patterns {
@@ -32,9 +35,9 @@ struct rank_scratch {
 };
 
 int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings);
-/* weight must stay. -EDOM: they are no numbers. */
+/* weight [lights] must stay; pixels as the part has it. -EDOM: they are no numbers. */
 int rank_metric_set(struct rank_metric *metric, const struct encode_settings *settings,
-		    const float *weight);
+		    const struct part *part, const float *weight);
 void rank_metric_free(struct rank_metric *metric);
 
 int rank_patterns_create(struct rank_patterns *patterns, const struct encode_settings *settings);
@@ -43,9 +46,10 @@ void rank_patterns_free(struct rank_patterns *patterns);
 int rank_scratch_create(struct rank_scratch *scratch, const struct encode_settings *settings);
 void rank_scratch_free(struct rank_scratch *scratch);
 
-/* Of value [lights][rows]. Fewer than RANK_MOST where the rest is nothing or cannot be stored. */
+/* The best most (up to RANK_MOST) of value [lights][rows]. Fewer where the rest is nothing or
+ * cannot be stored. */
 void rank_find(struct rank_patterns *patterns, const struct encode_settings *settings,
 	       const struct rank_metric *metric, struct rank_scratch *scratch, const float *value,
-	       int rows);
+	       int rows, int most);
 
 #endif

@@ -101,10 +101,9 @@ static void add_column(const struct basis_block_payload *block, const struct bas
 		const int stored = e->channels == 3 ? c : 0;
 
 		for (int p = 0; factor[c] != 0 && p < e->pixels; p++) {
-			const size_t line =
-				((size_t)(p / line_pixels) * e->channels + (size_t)stored) *
-					e->columns +
-				(size_t)number;
+			const size_t line = basis_column_line(e->bits, at->column_panels,
+							      e->channels, (int)e->columns,
+							      p / line_pixels, stored, number);
 			const size_t from = line * (size_t)line_pixels + (size_t)(p % line_pixels);
 
 			own[c][p] += factor[c] * scale *

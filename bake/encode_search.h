@@ -7,10 +7,14 @@
 
 struct plan {
 	enum split_way way;
+	int most; /* patterns that were looked for */
+	bool wide[2];
 	int mono_rank, colour_rank;
 	int columns[COLUMN_FORMS];
 	size_t bytes, pattern_bytes; /* of all; of patterns and their coefficients */
-	double excess;		     /* of the skies' errors over what is asked; up to 1: held */
+	double read;		     /* of columns, in a frame: mean over the skies */
+	int blocks;
+	double excess; /* of the skies' errors over what is asked; up to 1: held */
 };
 
 /* A block to be: which patterns and which columns are in it. */
@@ -37,6 +41,8 @@ struct search {
 	size_t left_room;
 	float *sky_sum; /* [skies][3 * pixels] */
 	float *sky_mono;
+	float *weight, *next_weight; /* [lights]: of the best plan, of one to be tried */
+	float *miss; /* [lights]: by how many times what may be left of it patterns miss a light */
 };
 
 int search_create(struct search *search, const struct encode_settings *settings,
@@ -46,6 +52,17 @@ void search_free(struct search *search); /* zeroed is fine */
 /* The best plan for the part, its split ready and its ranks set. -ENOMEM. */
 int search_best(struct search *search, struct split *split, const struct part *part,
 		struct plan *best);
+
+/* Sets the split's ranks, and what comes of them: plan's columns, bytes and excess. best: what it
+ * has to beat, or NULL; where it costs more, excess is infinite. */
+void plan_evaluate(struct search *search, struct split *split, int mono_rank, int colour_rank,
+		   const struct plan *best, struct plan *plan);
+
+/* Bytes of the file and of a frame, which reads all patterns, and columns of bright lights. */
+double plan_cost(const struct plan *plan);
+
+/* The cheaper of those that hold, else the nearer. */
+bool plan_better(const struct plan *a, const struct plan *b);
 
 /* The light's column at the ranks that are set; its form is COLUMN_NONE where it needs none. left
  * [rows]: what it and the patterns leave. */

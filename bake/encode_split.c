@@ -73,7 +73,8 @@ static void main_hue(double product[3][3], double hue[3])
 static void find_tints(struct split *split, const struct encode_settings *settings,
 		       const float *value)
 {
-	const int pixels = split->part->pixels, rows = 3 * pixels;
+	const struct part *part = split->part;
+	const int pixels = part->pixels, rows = 3 * pixels;
 	static _Thread_local double product[PART_PIXELS][3][3];
 
 	memset(product, 0, sizeof(product));
@@ -83,7 +84,7 @@ static void find_tints(struct split *split, const struct encode_settings *settin
 		for (int p = 0; p < pixels; p++)
 			for (int a = 0; a < 3; a++)
 				for (int b = a; b < 3; b++)
-					product[p][a][b] += (double)(split->metric.weight[i] *
+					product[p][a][b] += (double)(part->weight[i] *
 								     v[a * pixels + p] *
 								     v[b * pixels + p]);
 	}
@@ -105,8 +106,7 @@ static void find_tints(struct split *split, const struct encode_settings *settin
 	}
 }
 
-/* The one channel that, tinted, comes nearest to three. */
-static void untint(const struct split *split, const float *three, float *one)
+void split_untint(const struct split *split, const float *three, float *one)
 {
 	const int pixels = split->part->pixels;
 
@@ -142,7 +142,7 @@ static int take_mono(struct split *split, const struct encode_settings *settings
 	if (err)
 		return err;
 	for (size_t i = 0; i < (size_t)settings->lights; i++)
-		untint(split, from + i * 3 * pixels, split->own_mono + i * pixels);
+		split_untint(split, from + i * 3 * pixels, split->own_mono + i * pixels);
 	split->mono_value = split->own_mono;
 	return 0;
 }
@@ -171,20 +171,17 @@ static int take_colour(struct split *split, const struct encode_settings *settin
 	return 0;
 }
 
-int split_take(struct split *split, const struct encode_settings *settings, const struct part *part)
+int split_part(struct split *split, const struct encode_settings *settings, const struct part *part,
+	       enum split_way way)
 {
-	split->part = part;
-	return rank_metric_set(&split->metric, settings, part->weight);
-}
-
-int split_part(struct split *split, const struct encode_settings *settings, enum split_way way)
-{
-	const struct part *part = split->part;
 	const size_t n = (size_t)settings->lights;
 	int err = 0;
 
+	split->part = part;
 	split->way = way;
 	split->mono = split->colour = split->tinted = false;
+	split->wide[0] = split->wide[1] = false;
+	split->most = 0;
 	split->mono_patterns.count = split->colour_patterns.count = 0;
 	if (way != SPLIT_PLAIN) {
 		err = take_mono(split, settings);
@@ -206,14 +203,25 @@ int split_part(struct split *split, const struct encode_settings *settings, enum
 	if (!err && split->colour)
 		err = part_room_for(&split->colour_left, &split->colour_left_room,
 				    n * 3 * (size_t)part->pixels);
+	split->mono_rank = split->colour_rank = -1;
+	return err;
+}
+
+int split_find(struct split *split, const struct encode_settings *settings, const float *weight,
+	       int most)
+{
+	const struct part *part = split->part;
+	int err = rank_metric_set(&split->metric, settings, part, weight);
+
 	if (err)
 		return err;
+	split->most = most;
 	if (split->mono)
 		rank_find(&split->mono_patterns, settings, &split->metric, &split->scratch,
-			  split->mono_value, part->pixels);
+			  split->mono_value, part->pixels, most);
 	if (split->colour)
 		rank_find(&split->colour_patterns, settings, &split->metric, &split->scratch,
-			  split->colour_value, 3 * part->pixels);
+			  split->colour_value, 3 * part->pixels, most);
 	split->mono_rank = split->colour_rank = -1;
 	return 0;
 }
@@ -263,70 +271,4 @@ void split_left(const struct split *split, int light, float *left)
 	for (int c = 0; split->mono && c < 3; c++)
 		for (int p = 0; p < pixels; p++)
 			left[c * pixels + p] += split->tint_share[c][p] * mono[p];
-}
-
-/* ---- columns ---- */
-
-/* False where it is too small to be stored. */
-static bool quantise(const float *from, int count, int most, struct split_column *column)
-{
-	float largest = 0;
-	double step;
-
-	for (int k = 0; k < count; k++)
-		largest = fabsf(from[k]) > largest ? fabsf(from[k]) : largest;
-	column->scale = (float)((double)largest / most);
-	if (!(column->scale >= FLT_MIN)) {
-		column->scale = 0;
-		memset(column->value, 0, (size_t)count * sizeof(*column->value));
-		return false;
-	}
-	step = (double)column->scale;
-	for (int k = 0; k < count; k++) {
-		const long is = lrint((double)from[k] / step);
-
-		column->value[k] = (int16_t)(is > most ? most : is < -most ? -most : is);
-	}
-	return true;
-}
-
-/* What a column of this form leaves of wanted. */
-static void try_form(const struct split *split, enum column_form form, const float *wanted,
-		     float *left, struct split_column *column)
-{
-	const int pixels = split->part->pixels, rows = split->part->rows;
-	const bool mono = form == COLUMN_MONO8 || form == COLUMN_MONO16;
-	float one[PART_PIXELS];
-
-	column->form = form;
-	if (mono && split->colour)
-		untint(split, wanted, one);
-	quantise(mono && split->colour ? one : wanted, mono ? pixels : rows, column_most(form),
-		 column);
-	for (int r = 0; r < rows; r++) {
-		const int c = r / pixels, p = r % pixels;
-		const float share = mono ? split->tint_share[c][p] : 1;
-
-		left[r] = wanted[r] - share * column->scale * (float)column->value[mono ? p : r];
-	}
-}
-
-void split_find_column(const struct split *split, int light, float *left,
-		       struct split_column *column)
-{
-	const int first = split->mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
-	const int last = split->colour ? COLUMN_COLOUR16 : COLUMN_MONO16;
-	/* By what they cost. */
-	static const enum column_form order[] = {COLUMN_MONO8, COLUMN_MONO16, COLUMN_COLOUR8,
-						 COLUMN_COLOUR16};
-	float wanted[PART_ROWS];
-
-	memcpy(wanted, left, (size_t)split->part->rows * sizeof(*left));
-	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++) {
-		if ((int)order[k] < first || (int)order[k] > last)
-			continue;
-		try_form(split, order[k], wanted, left, column);
-		if (part_cell_holds(split->part, light, left))
-			return;
-	}
 }

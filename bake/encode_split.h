@@ -37,6 +37,7 @@ struct split {
 	enum split_way way;
 	bool mono, colour; /* which of the two there are */
 	bool tinted;
+	bool wide[2]; /* columns of one channel, of three: all in 16 bits */
 	uint16_t tint[3][PART_PIXELS];
 	float tint_share[3][PART_PIXELS]; /* tint / 2^15 */
 	const float *mono_value;	  /* [lights][pixels] */
@@ -46,6 +47,7 @@ struct split {
 	/* What the patterns of these ranks leave: */
 	float *mono_left, *colour_left;
 	int mono_rank, colour_rank;
+	int most; /* patterns that were looked for; 0: not yet */
 	struct rank_metric metric;
 	struct rank_patterns mono_patterns, colour_patterns;
 	struct rank_scratch scratch;
@@ -65,18 +67,23 @@ void split_free(struct split *split); /* zeroed is fine */
  * all that channels share. */
 bool split_possible(const struct part *part, enum split_way way);
 
-/* The part that the next calls are about: how its lights count. -EDOM: they are no numbers. */
-int split_take(struct split *split, const struct encode_settings *settings,
-	       const struct part *part);
+/* Takes a part apart; nothing is found yet. -ENOMEM. */
+int split_part(struct split *split, const struct encode_settings *settings, const struct part *part,
+	       enum split_way way);
 
-/* Finds tint and patterns. -ENOMEM, -EDOM. */
-int split_part(struct split *split, const struct encode_settings *settings, enum split_way way);
+/* Finds the best patterns, at most so many of each, where lights count by weight [lights], which
+ * must stay. -EDOM: they are no numbers. */
+int split_find(struct split *split, const struct encode_settings *settings, const float *weight,
+	       int most);
 
 /* Sets what is left; ranks beyond what was found count as that. */
 void split_set_ranks(struct split *split, int lights, int mono_rank, int colour_rank);
 
 /* All that is left of a light, rows as the part has them. */
 void split_left(const struct split *split, int light, float *left);
+
+/* The one channel [pixels] that, tinted, comes nearest to three. */
+void split_untint(const struct split *split, const float *three, float *one);
 
 /* The cheapest column that keeps the light within the error asked for (16 bits of three channels,
  * whatever they leave, when nothing else does); left becomes what that leaves. */

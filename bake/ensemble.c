@@ -8,7 +8,14 @@
 #include "bake/random.h"
 
 enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, SOFT = 4, RANDOM = 4 };
-#define SKIES (EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + SOFT + RANDOM)
+enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
+#define BRIGHT                                                                                     \
+	(EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + SOFT + RANDOM + STRONG_SUNS + DUSKS + ROOMS)
+/* Every so many of them again, with so much of the light. */
+#define DIM_STEP 5
+#define DIM_EXPOSURE 0.125F
+#define SKIES (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
+#define ROOM_LIGHTS 5
 
 /* Their heights and azimuths are spread by the golden ratio, so that no two are alike. */
 #define GOLDEN 0.6180339887498949
@@ -67,22 +74,29 @@ static void even_skies(struct ensemble *e, const struct basis_light *lights, int
 		}
 }
 
-/* A cell that sends as much light to level ground as the rest of the sky, or several times that. */
+void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
+		  float *radiance)
+{
+	static const double blue[3] = {0.8, 1, 1.25};
+	const double sun = size * level_light(lights, count) / ensemble_projected_sr(&lights[cell]);
+
+	for (int c = 0; c < 3; c++) {
+		float *to = radiance + (size_t)c * (size_t)count;
+
+		for (int i = 0; i < count; i++)
+			to[i] = (float)blue[c];
+		to[cell] += (float)sun;
+	}
+}
+
 static void sun(struct ensemble *e, const struct basis_light *lights, int sky, double height_deg,
 		double size)
 {
-	static const double blue[3] = {0.8, 1, 1.25};
 	double dir[3];
-	int cell;
 
 	direction_of(height_deg * M_PI / 180, sky * GOLDEN, dir);
-	cell = nearest(lights, e->lights, dir);
-	for (int c = 0; c < 3; c++) {
-		for (int i = 0; i < e->lights; i++)
-			sky_channel(e, sky, c)[i] = (float)blue[c];
-		sky_channel(e, sky, c)[cell] += (float)(size * level_light(lights, e->lights) /
-							ensemble_projected_sr(&lights[cell]));
-	}
+	ensemble_sun(lights, e->lights, nearest(lights, e->lights, dir), size,
+		     sky_channel(e, sky, 0));
 }
 
 /* Three small lamps of red, green and blue in a dim room. */
@@ -119,6 +133,44 @@ static void soft(struct ensemble *e, const struct basis_light *lights, int sky, 
 	}
 }
 
+/* Bright along the horizon, thick as the sine of its height, most of all in one direction. */
+static void dusk(struct ensemble *e, const struct basis_light *lights, int sky, double thick)
+{
+	double dir[3];
+
+	direction_of(0, sky * GOLDEN, dir);
+	for (int i = 0; i < e->lights; i++) {
+		const double low = exp(-fmax(lights[i].direction[2], 0) / thick);
+		const double lobe = pow((1 + towards(&lights[i], dir)) / 2, 3);
+
+		for (int c = 0; c < 3; c++)
+			sky_channel(e, sky, c)[i] = (float)(0.1 * (1 + 0.25 * (c - 1)) +
+							    low * lobe * (1 - 0.3 * (c - 1)));
+	}
+}
+
+/* Some windows and lamps of any size. */
+static void room(struct ensemble *e, const struct basis_light *lights, int sky)
+{
+	struct random random = {random_hash(0x6669656c64, (uint64_t)sky, 0)};
+
+	for (int k = 0; k < 3 * e->lights; k++)
+		sky_channel(e, sky, 0)[k] = 0.05F;
+	for (int k = 0; k < ROOM_LIGHTS; k++) {
+		const double sharpness = pow(2, 1 + 5 * (double)random_next(&random));
+		const double height_rad = M_PI / 2 * (double)random_next(&random);
+		double dir[3];
+
+		direction_of(height_rad, (double)random_next(&random), dir);
+		for (int i = 0; i < e->lights; i++) {
+			const double lobe = pow(fmax(towards(&lights[i], dir), 0), sharpness);
+
+			for (int c = 0; c < 3; c++)
+				sky_channel(e, sky, c)[i] += (float)lobe;
+		}
+	}
+}
+
 /* Every cell and channel by itself: most are dim, few are bright. */
 static void unlike(struct ensemble *e, int sky)
 {
@@ -129,6 +181,18 @@ static void unlike(struct ensemble *e, int sky)
 		for (int i = 0; i < e->lights; i++)
 			sky_channel(e, sky, c)[i] =
 				(float)pow(-log1p(-(double)random_next(&random)), power);
+}
+
+static void dim(struct ensemble *e)
+{
+	const size_t each = 3 * (size_t)e->lights;
+
+	for (int s = 0; s < ENSEMBLE_SKIES_MAX; s++)
+		e->exposure[s] = s < BRIGHT || s >= SKIES ? 1 : DIM_EXPOSURE;
+	for (int s = BRIGHT; s < SKIES; s++)
+		memcpy(e->radiance + (size_t)s * each,
+		       e->radiance + (size_t)((s - BRIGHT) * DIM_STEP) * each,
+		       each * sizeof(*e->radiance));
 }
 
 int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights, int count)
@@ -150,6 +214,13 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 		soft(ensemble, lights, sky, 2 << 2 * k);
 	for (int k = 0; k < RANDOM; k++, sky++)
 		unlike(ensemble, sky);
+	for (int k = 0; k < STRONG_SUNS; k++, sky++)
+		sun(ensemble, lights, sky, height_deg[k], 16);
+	for (int k = 0; k < DUSKS; k++, sky++)
+		dusk(ensemble, lights, sky, 0.1 * (1 << k % 3));
+	for (int k = 0; k < ROOMS; k++, sky++)
+		room(ensemble, lights, sky);
+	dim(ensemble);
 	return 0;
 }
 

@@ -1,14 +1,17 @@
 /*
  * The lightings that an encoding is tried under before it is believed.
  *
- * Skies: uniform, overcast (CIE: three times brighter at the zenith), suns of 1 and 4 times the
- * sky's light in a single cell at several heights, coloured lamps, random ones. Besides, every cell
- * lit alone. Each is exposed like a camera would: white ground, or what is brightest of the object,
- * comes out as 1. They are the same for every scene and seed; panoramas are not among them, so that
- * those stay unseen until the report.
+ * Skies: uniform, overcast (CIE: three times brighter at the zenith), suns of 1, 4 and 16 times the
+ * sky's light in a single cell at several heights, coloured lamps, windows, dusk, rooms, random
+ * ones. They are the same for every scene and seed; panoramas are not among them, so that those
+ * stay unseen until the report. Each tile adds suns that leave it dark (encode_shade.h). Besides,
+ * every cell lit alone. Each is exposed like a camera would: white ground, or what is brightest of
+ * the object, comes out as 1. Some skies are seen a second time by an object in much less
+ * light: there frames leave out most columns, and levels are closest.
  *
  * Errors are in 8-bit sRGB levels of the composite, against the transport before any cut, over the
- * pixels of the blocks: the object's own light, over a background that is the ground's.
+ * pixels of the blocks: the object's own light, over a background that is the ground's under skies
+ * and white under a cell alone.
  */
 #ifndef INLAY_BAKE_ENSEMBLE_H
 #define INLAY_BAKE_ENSEMBLE_H
@@ -24,6 +27,8 @@
 struct ensemble {
 	int lights, skies;
 	float *radiance; /* [skies][3][lights]: L_i */
+	/* What the object's brightest spot, or white ground, comes out as. */
+	float exposure[ENSEMBLE_SKIES_MAX];
 };
 
 /* Sums that can be added up over tiles. */
@@ -40,6 +45,11 @@ void ensemble_free(struct ensemble *ensemble); /* idempotent; zeroed is fine */
 /* Of a cell, on level ground: solid angle times the sine of its height, at least
  * ENSEMBLE_LOWEST. */
 double ensemble_projected_sr(const struct basis_light *light);
+
+/* A cell that sends size times as much light to level ground as the rest of a blue sky does.
+ * radiance: [3][count]. */
+void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
+		  float *radiance);
 
 void ensemble_error_add(struct ensemble_error *to, const struct ensemble_error *more);
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/commands.h"
 #include "bake/info_map.h"
-#include "bake/options.h"
 #include "hal/basis/basis.h"
 #include "hal/log.h"
 #include "hal/optics/dome.h"
@@ -42,7 +42,7 @@ struct layer_sum {
 struct summary {
 	struct layer_sum shown, exact;
 	bool has_exact; /* in any pose */
-	long tiles, covered;
+	long tiles, covered, seen_through;
 	uint64_t bytes; /* of the file */
 };
 
@@ -86,25 +86,35 @@ static void add_tile(struct layer_sum *layer, const struct basis_tile *tile)
 	}
 }
 
-static struct summary summarise(const struct basis *basis)
+static void add_pose(struct summary *s, const struct basis *basis, const struct basis_pose *pose)
 {
 	const int tiles = basis->tiles_across * basis->tiles_down;
 	const long pixels = (long)basis->info.width * basis->info.height;
-	struct summary s = {.bytes = basis->map_bytes};
 
-	for (uint32_t p = 0; p < basis->info.poses; p++) {
-		const struct basis_pose *pose = &basis->poses[p];
+	s->tiles += tiles;
+	for (int t = 0; t < tiles; t++)
+		add_tile(&s->shown, &pose->shown.tiles[t]);
+	for (int t = 0; pose->exact.tiles && t < tiles; t++)
+		add_tile(&s->exact, &pose->exact.tiles[t]);
+	s->has_exact |= pose->exact.tiles != NULL;
+	for (long i = 0; i < pixels; i++)
+		s->covered += pose->coverage[i] > 0;
+	s->seen_through += (long)pose->glass_count;
+}
 
-		s.tiles += tiles;
-		for (int t = 0; t < tiles; t++)
-			add_tile(&s.shown, &pose->shown.tiles[t]);
-		for (int t = 0; pose->exact.tiles && t < tiles; t++)
-			add_tile(&s.exact, &pose->exact.tiles[t]);
-		s.has_exact |= pose->exact.tiles != NULL;
-		for (long i = 0; i < pixels; i++)
-			s.covered += pose->coverage[i] > 0;
+/* One pose after the other, none longer in memory than it takes. */
+static int summarise(const struct basis *basis, struct summary *s, struct fault *fault)
+{
+	int err = 0;
+
+	*s = (struct summary){.bytes = basis->map_bytes};
+	for (int p = 0; p < (int)basis->info.poses && !err; p++) {
+		basis_poses_expect(basis, NULL, 0);
+		err = basis_pose_load(basis, p, fault);
+		if (!err)
+			add_pose(s, basis, &basis->poses[p]);
 	}
-	return s;
+	return err;
 }
 
 /* What the same pixels take at a byte for each light and channel, the simplest encoding. */
@@ -165,6 +175,19 @@ static void print_layer(const struct basis *basis, const struct summary *all, bo
 			print_kind(basis, layer, k, exact ? "exact " : "");
 }
 
+static void print_poses(const struct basis *basis)
+{
+	const int poses = (int)basis->info.poses;
+
+	if (!basis->names)
+		return;
+	printf("poses:");
+	for (int p = 0; p < poses; p++)
+		printf(" %d%s%s", p, *basis_pose_name(basis, p) ? "=" : "",
+		       basis_pose_name(basis, p));
+	printf("\n");
+}
+
 static void print_errors(const struct basis_info_chunk *info)
 {
 	printf("measured error in 8-bit levels: skies %.3g RMS, %.3g at most; single cells %.3g "
@@ -179,18 +202,24 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("%s: %u x %u, %u lights (dome frequency %u, %s), %u coarse, %u pose%s, %u ground "
+	printf("%s: %u x %u, %u lights (dome frequency %u, %s, %s), %u coarse, %u pose%s, %u "
+	       "ground "
 	       "term%s, %.2f MB\n",
 	       path, info->width, info->height, info->lights, info->dome_frequency,
-	       division_name(basis), info->coarse, info->poses, info->poses == 1 ? "" : "s",
-	       info->grounds, info->grounds == 1 ? "" : "s", (double)s->bytes * 1e-6);
-	printf("the object covers %ld pixels\n", s->covered);
+	       division_name(basis), dome_shape_names[info->light_shape], info->coarse, info->poses,
+	       info->poses == 1 ? "" : "s", info->grounds, info->grounds == 1 ? "" : "s",
+	       (double)s->bytes * 1e-6);
+	printf("the object covers %ld pixels", s->covered);
+	if (s->seen_through)
+		printf(", and the background is seen through %ld of them", s->seen_through);
+	printf("\n");
 	print_layer(basis, s, false);
 	if (s->has_exact)
 		print_layer(basis, s, true);
 	else
 		printf("no exact layer\n");
 	print_errors(info);
+	print_poses(basis);
 	printf("%s%s", basis->camera, basis->provenance);
 }
 
@@ -235,10 +264,13 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	const struct basis_info_chunk *info = &basis->info;
 
 	printf("{\"width\": %u, \"height\": %u, \"lights\": %u, \"coarse\": %u, "
-	       "\"dome_frequency\": %u, \"dome_division\": \"%s\", \"poses\": %u, \"grounds\": %u, "
-	       "\"bytes\": %" PRIu64 ", \"tiles\": %ld, \"covered_pixels\": %ld, \"shown\": ",
+	       "\"dome_frequency\": %u, \"dome_division\": \"%s\", \"light_shape\": \"%s\", "
+	       "\"poses\": %u, \"grounds\": %u, "
+	       "\"bytes\": %" PRIu64 ", \"tiles\": %ld, \"covered_pixels\": %ld, "
+	       "\"seen_through_pixels\": %ld, \"shown\": ",
 	       info->width, info->height, info->lights, info->coarse, info->dome_frequency,
-	       division_name(basis), info->poses, info->grounds, s->bytes, s->tiles, s->covered);
+	       division_name(basis), dome_shape_names[info->light_shape], info->poses,
+	       info->grounds, s->bytes, s->tiles, s->covered, s->seen_through);
 	print_json_layer(basis, &s->shown);
 	printf(", \"exact\": ");
 	if (s->has_exact)
@@ -251,7 +283,12 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	       info->column_cut, info->object_error, info->ratio_error, info->sky_rms,
 	       info->sky_max, info->cell_rms, info->cell_max, info->noise_levels);
 	print_string(basis->camera);
-	printf(", \"provenance\": ");
+	printf(", \"pose_names\": [");
+	for (int p = 0; p < (int)info->poses; p++) {
+		fputs(p ? ", " : "", stdout);
+		print_string(basis_pose_name(basis, p));
+	}
+	printf("], \"provenance\": ");
 	print_string(basis->provenance);
 	printf("}\n");
 }
@@ -280,12 +317,13 @@ static int run(const struct command *command, int argc, char **argv)
 	err = basis_open(&basis, argv[optind], BASIS_ALL, &fault);
 	if (!err && map)
 		err = info_map_write(&basis, map, &fault);
+	if (!err)
+		err = summarise(&basis, &summary, &fault);
 	if (err) {
 		log_error("%s", fault.text);
 		basis_close(&basis);
 		return EXIT_FAILURE;
 	}
-	summary = summarise(&basis);
 	if (json)
 		print_json(&basis, &summary);
 	else

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/surface.h"
 #include "hal/image/image.h"
 
 #define PANELS 3
@@ -21,12 +22,6 @@ static const char *const titles[PANELS] = {"patterns", "columns", "bytes"};
 static const double paper[3] = {0.09, 0.09, 0.1}, ink[3] = {0.92, 0.92, 0.92};
 static const double not_stored[3] = {0.26, 0.26, 0.28};
 
-/* From little to much: ever lighter, from blue to yellow, so that it reads without its hues too. */
-static const double ramp[][3] = {
-	{0.11, 0.10, 0.42}, {0.16, 0.31, 0.66}, {0.12, 0.55, 0.60},
-	{0.35, 0.75, 0.38}, {0.83, 0.85, 0.24}, {1.00, 0.98, 0.78},
-};
-
 /* One number for each pixel. */
 struct panel {
 	float *value; /* [height][width]; negative: not stored */
@@ -39,16 +34,6 @@ struct map {
 	int across; /* of a panel: of its picture or its texts */
 	struct panel panel[PANELS];
 };
-
-static void colour_of(double share, double rgb[3])
-{
-	const int last = (int)(sizeof(ramp) / sizeof(ramp[0])) - 1;
-	const double at = fmin(fmax(share, 0), 1) * last;
-	const int k = at < last ? (int)at : last - 1;
-
-	for (int c = 0; c < 3; c++)
-		rgb[c] = ramp[k][c] + (at - k) * (ramp[k + 1][c] - ramp[k][c]);
-}
 
 /* The least number that is not below value and round: a step, of which a quarter is
  * round too, times a power of ten. */
@@ -170,7 +155,7 @@ static void draw_pixels(const struct map *map, const struct panel *panel, cairo_
 			double rgb[3];
 			uint32_t pixel;
 
-			colour_of((double)value / panel->top, rgb);
+			surface_ramp((double)value / panel->top, rgb);
 			pixel = packed(value < 0 ? not_stored : rgb);
 			memcpy(row + (size_t)x * 4, &pixel, sizeof(pixel));
 		}
@@ -193,12 +178,9 @@ static void draw_bar(cairo_t *cairo, const struct panel *panel, double left, dou
 		     double width)
 {
 	cairo_pattern_t *gradient = cairo_pattern_create_linear(left, 0, left + width, 0);
-	const int stops = (int)(sizeof(ramp) / sizeof(ramp[0]));
 	char text[80];
 
-	for (int k = 0; k < stops; k++)
-		cairo_pattern_add_color_stop_rgb(gradient, (double)k / (stops - 1), ramp[k][0],
-						 ramp[k][1], ramp[k][2]);
+	surface_ramp_stops(gradient);
 	cairo_rectangle(cairo, left, top, width, BAR);
 	cairo_set_source(cairo, gradient);
 	cairo_fill(cairo);
@@ -227,29 +209,6 @@ static void draw_panel(const struct map *map, int index, cairo_t *cairo, cairo_s
 	draw_bar(cairo, panel, left, ABOVE + map->height * map->zoom + 14, map->across);
 }
 
-static int to_image(cairo_surface_t *surface, struct image *image)
-{
-	const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
-	const unsigned char *data;
-	const int ret = image_create_u8(image, cairo_image_surface_get_width(surface),
-					cairo_image_surface_get_height(surface));
-
-	if (ret < 0)
-		return ret;
-	cairo_surface_flush(surface);
-	data = cairo_image_surface_get_data(surface);
-	for (int y = 0; y < image->height; y++)
-		for (int x = 0; x < image->width; x++) {
-			const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-			uint32_t pixel;
-
-			memcpy(&pixel, data + (size_t)y * stride + (size_t)x * 4, sizeof(pixel));
-			for (int c = 0; c < 3; c++)
-				image->u8[3 * at + (size_t)c] = (uint8_t)(pixel >> (16 - 8 * c));
-		}
-	return 0;
-}
-
 static int draw_map(const struct map *map, struct image *image)
 {
 	const int width = MARGIN + PANELS * (map->across + MARGIN);
@@ -266,7 +225,7 @@ static int draw_map(const struct map *map, struct image *image)
 		cairo_set_font_size(cairo, 14);
 		for (int k = 0; k < PANELS; k++)
 			draw_panel(map, k, cairo, surface);
-		ret = to_image(surface, image);
+		ret = surface_to_image(surface, image);
 	}
 	cairo_destroy(cairo);
 	cairo_surface_destroy(surface);

@@ -68,10 +68,16 @@ struct bsdf material_at(const struct material *material, float u, float v)
 		.specular = material->specular,
 		.alpha = fmaxf(material->roughness * material->roughness, ALPHA_MIN),
 		.ior = material->ior,
+		.thin = material->thin,
 	};
 
-	if (material->texture)
-		bsdf.colour = rgb_mul(bsdf.colour, texture_at(material->texture, u, v));
+	if (material->texture) {
+		const struct rgb texel = texture_at(material->texture, u, v);
+
+		bsdf.colour = rgb_mul(bsdf.colour, texel);
+		for (int c = 0; c < 3; c++)
+			bsdf.specular.c[c] -= material->metal.c[c] * (1 - fminf(texel.c[c], 1));
+	}
 	for (int c = 0; c < 3; c++)
 		bsdf.colour.c[c] = fminf(bsdf.colour.c[c], 1);
 	return bsdf;
@@ -172,29 +178,41 @@ bool bsdf_coat_sample(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct
 	return v3_dot(*wi, n) > 0;
 }
 
+struct glass_ways bsdf_glass_ways(const struct bsdf *bsdf, struct v3 n, bool entering, struct v3 wo)
+{
+	const bool dense = entering || bsdf->thin;
+	const float ratio = dense ? 1 / bsdf->ior : bsdf->ior; /* outside over inside */
+	const float cos_o = fminf(fmaxf(v3_dot(n, wo), 0), 1);
+	const float sin2 = ratio * ratio * (1 - cos_o * cos_o);
+	struct glass_ways ways = {1, v3_unit(v3_sub(v3_scale(n, 2 * cos_o), wo)), {0, 0, 0}};
+
+	if (sin2 < 1) {
+		const float cos_t = sqrtf(1 - sin2);
+		const float s = (ratio * cos_o - cos_t) / (ratio * cos_o + cos_t);
+		const float p = (cos_o - ratio * cos_t) / (cos_o + ratio * cos_t);
+
+		ways.reflectance = 0.5f * (s * s + p * p);
+		ways.passed =
+			v3_unit(v3_sub(v3_scale(n, ratio * cos_o - cos_t), v3_scale(wo, ratio)));
+	}
+	if (bsdf->thin) {
+		ways.reflectance = 2 * ways.reflectance / (1 + ways.reflectance);
+		ways.passed = v3_scale(wo, -1);
+	}
+	return ways;
+}
+
 struct v3 bsdf_glass_sample(const struct bsdf *bsdf, struct v3 n, bool entering, struct v3 wo,
 			    struct random *random, struct rgb *weight)
 {
-	const float ratio = entering ? 1 / bsdf->ior : bsdf->ior; /* outside over inside */
-	const float cos_o = fminf(fmaxf(v3_dot(n, wo), 0), 1);
-	const float sin2 = ratio * ratio * (1 - cos_o * cos_o);
-	float reflectance = 1, cos_t = 0;
+	const struct glass_ways ways = bsdf_glass_ways(bsdf, n, entering, wo);
 
-	if (sin2 < 1) {
-		cos_t = sqrtf(1 - sin2);
-		{
-			const float s = (ratio * cos_o - cos_t) / (ratio * cos_o + cos_t);
-			const float p = (cos_o - ratio * cos_t) / (cos_o + ratio * cos_t);
-
-			reflectance = 0.5f * (s * s + p * p);
-		}
-	}
-	if (random_next(random) < reflectance) {
+	if (random_next(random) < ways.reflectance) {
 		*weight = rgb_make(1, 1, 1);
-		return v3_unit(v3_sub(v3_scale(n, 2 * cos_o), wo));
+		return ways.mirrored;
 	}
 	*weight = bsdf->colour;
-	return v3_unit(v3_sub(v3_scale(n, ratio * cos_o - cos_t), v3_scale(wo, ratio)));
+	return ways.passed;
 }
 
 void disc_from_square(float u, float v, float *x, float *y)

@@ -35,8 +35,10 @@ struct material {
 	enum material_kind kind;
 	struct rgb colour;	       /* 0..1: of the base, or what glass lets through */
 	struct rgb specular;	       /* 0..1: the coat's reflectance at normal incidence */
+	struct rgb metal;	       /* what of specular the texture multiplies, too */
 	float roughness;	       /* 0..1; GGX alpha is its square */
 	float ior;		       /* of glass */
+	bool thin;		       /* glass: its surface is a whole pane */
 	const struct texture *texture; /* multiplies colour; NULL for none */
 };
 
@@ -47,6 +49,7 @@ struct bsdf {
 	struct rgb specular;
 	float alpha;
 	float ior;
+	bool thin;
 };
 
 void texture_prepare(struct texture *texture); /* after image is set */
@@ -70,6 +73,19 @@ struct rgb bsdf_coat(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct 
 /* False when the sampled direction lies below the surface. */
 bool bsdf_coat_sample(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct random *random,
 		      struct v3 *wi);
+
+/*
+ * Glass's two ways. entering: wo is on the outer side of n. What is mirrored is not tinted, what
+ * passes is, by colour; thin glass is two surfaces at once, with the light that goes to and fro
+ * between them, tinted once and passed straight.
+ */
+struct glass_ways {
+	float reflectance; /* of Fresnel; 1: nothing passes, and passed is not set */
+	struct v3 mirrored, passed;
+};
+
+struct glass_ways bsdf_glass_ways(const struct bsdf *bsdf, struct v3 n, bool entering,
+				  struct v3 wo);
 
 /* Follows one of glass's two ways, chosen by chance with its own probability. entering: wo is on
  * the outer side of n. The weight is the tint where light passes through, 1 where it is mirrored.

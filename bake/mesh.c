@@ -10,6 +10,9 @@
 
 #include "bake/mesh_import.h"
 
+/* Times a mesh's size: there its vertices are rounded to 1/100 of it. */
+#define FAR_MOST (0.01 * (1 << 24))
+
 /* ---- placement ---- */
 
 /* p = M p + t */
@@ -89,6 +92,32 @@ static void place(struct mesh *mesh, const struct mesh_placement *placement)
 
 /* ---- checks ---- */
 
+/* Single precision rounds the vertices of a small mesh far from the origin to a grid. */
+static int check_precision(const struct mesh *mesh, const char *path, struct fault *fault)
+{
+	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+	double size = 0, far = 0;
+
+	for (int k = 0; k < mesh->part_count; k++)
+		for (int i = 0; i < mesh->parts[k].vertices; i++)
+			for (int axis = 0; axis < 3; axis++) {
+				const float at = mesh->parts[k].position[i][axis];
+
+				low[axis] = fminf(low[axis], at);
+				high[axis] = fmaxf(high[axis], at);
+			}
+	for (int axis = 0; axis < 3; axis++) {
+		size = fmax(size, (double)high[axis] - (double)low[axis]);
+		far = fmax(far, fmax(-(double)low[axis], (double)high[axis]));
+	}
+	if (far < FAR_MOST * size || size == 0)
+		return 0;
+	return fault_say(fault, -ERANGE,
+			 "%s: it is %.4g across and up to %.6g from the origin, where single "
+			 "precision rounds its vertices, expected less than %.3g: move it nearer",
+			 path, size, far, FAR_MOST * size);
+}
+
 static int check(const struct mesh *mesh, const char *path, struct fault *fault)
 {
 	long triangles = 0;
@@ -118,7 +147,7 @@ static int check(const struct mesh *mesh, const char *path, struct fault *fault)
 				 "%s: no faces, expected a mesh of triangles or "
 				 "polygons",
 				 path);
-	return 0;
+	return check_precision(mesh, path, fault);
 }
 
 int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *placement,
@@ -166,6 +195,7 @@ uint64_t mesh_hash(const struct mesh *mesh)
 		XXH3_64bits_update(state, &m->kind, sizeof(m->kind));
 		XXH3_64bits_update(state, &m->colour, sizeof(m->colour));
 		XXH3_64bits_update(state, &m->specular, sizeof(m->specular));
+		XXH3_64bits_update(state, &m->metal, sizeof(m->metal));
 		XXH3_64bits_update(state, &m->roughness, sizeof(m->roughness));
 		XXH3_64bits_update(state, &m->ior, sizeof(m->ior));
 	}

@@ -7,11 +7,12 @@
 #include <string.h>
 
 #include <assimp/cimport.h>
-#include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "bake/mesh_mtl.h"
+#include "bake/mesh_normals.h"
 #include "hal/optics/vec.h"
 
 #define TRIANGLES_MAX (64 << 20)
@@ -23,8 +24,8 @@ static void *allocate(size_t count, size_t size)
 
 /* ---- geometry ---- */
 
-static int import_part(struct mesh_part *part, const struct aiMesh *from, const char *path,
-		       struct fault *fault)
+static int import_part(struct mesh_part *part, const struct aiMesh *from, double crease_deg,
+		       const char *path, struct fault *fault)
 {
 	const size_t vertices = from->mNumVertices;
 
@@ -62,6 +63,8 @@ static int import_part(struct mesh_part *part, const struct aiMesh *from, const 
 			continue;
 		memcpy(part->index[part->triangles++], face->mIndices, sizeof(*part->index));
 	}
+	if (!from->mNormals && mesh_smooth(part, crease_deg) < 0)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	return 0;
 }
 
@@ -149,8 +152,9 @@ static void set_metallic(struct material *m, float metallic, float roughness)
 	metallic = fminf(fmaxf(metallic, 0), 1);
 	m->kind = MATERIAL_GLOSSY;
 	m->roughness = fminf(fmaxf(roughness, 0), 1);
+	m->metal = rgb_scale(m->colour, metallic);
 	for (int c = 0; c < 3; c++)
-		m->specular.c[c] = 0.04f * (1 - metallic) + m->colour.c[c] * metallic;
+		m->specular.c[c] = 0.04f * (1 - metallic) + m->metal.c[c];
 	m->colour = rgb_scale(m->colour, 1 - metallic);
 }
 
@@ -165,6 +169,47 @@ static void set_phong(struct material *m, struct rgb specular, float exponent)
 		m->specular.c[c] = fminf(specular.c[c], 1 - m->colour.c[c]);
 }
 
+/* Assimp makes one up where a file has none, for each format another grey. Those of glTF, whose
+ * default is a metal, are as the format says. */
+static bool is_made_up(const struct aiMaterial *from)
+{
+	struct aiString name = {.length = 0};
+	ai_real metallic;
+
+	return aiGetMaterialFloat(from, AI_MATKEY_METALLIC_FACTOR, &metallic) != AI_SUCCESS &&
+	       (aiGetMaterialString(from, AI_MATKEY_NAME, &name) != AI_SUCCESS || !name.length ||
+		strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0);
+}
+
+/* glTF's factors are mostly 1, and its texture of both, roughness in green and metal in blue, says
+ * what is meant: they become its means. */
+static int take_surface_means(const struct aiScene *scene, const struct aiMaterial *from,
+			      ai_real *metallic, ai_real *roughness, const char *path,
+			      struct fault *fault)
+{
+	double green = 0, blue = 0;
+	struct aiString name;
+	struct image image;
+	size_t pixels;
+	int err;
+
+	if (aiGetMaterialTexture(from, aiTextureType_UNKNOWN, 0, &name, NULL, NULL, NULL, NULL,
+				 NULL, NULL) != AI_SUCCESS)
+		return 0;
+	err = import_image(&image, scene, name.data, path, fault);
+	if (err)
+		return err;
+	pixels = (size_t)image.width * (size_t)image.height;
+	for (size_t k = 0; k < pixels; k++) {
+		green += image.u8 ? image.u8[3 * k + 1] / 255.0 : (double)image.f32[3 * k + 1];
+		blue += image.u8 ? image.u8[3 * k + 2] / 255.0 : (double)image.f32[3 * k + 2];
+	}
+	*roughness *= (ai_real)(green / (double)pixels);
+	*metallic *= (ai_real)(blue / (double)pixels);
+	image_free(&image);
+	return 0;
+}
+
 static int import_material(struct mesh *mesh, struct material *m, const struct aiScene *scene,
 			   const struct aiMaterial *from, const char *path, struct fault *fault)
 {
@@ -172,12 +217,19 @@ static int import_material(struct mesh *mesh, struct material *m, const struct a
 	ai_real metallic, roughness = 1, exponent = 0;
 	struct aiString name;
 
-	aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, &colour);
-	aiGetMaterialColor(from, AI_MATKEY_COLOR_SPECULAR, &specular);
+	if (!is_made_up(from)) {
+		aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, &colour);
+		aiGetMaterialColor(from, AI_MATKEY_COLOR_SPECULAR, &specular);
+	}
 	m->colour = clamp_colour(colour);
 	m->ior = 1.5f;
 	if (aiGetMaterialFloat(from, AI_MATKEY_METALLIC_FACTOR, &metallic) == AI_SUCCESS) {
+		int err;
+
 		aiGetMaterialFloat(from, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
+		err = take_surface_means(scene, from, &metallic, &roughness, path, fault);
+		if (err)
+			return err;
 		set_metallic(m, metallic, roughness);
 	} else if (aiGetMaterialFloat(from, AI_MATKEY_SHININESS, &exponent) == AI_SUCCESS &&
 		   exponent > 0 && rgb_peak(clamp_colour(specular)) > 0) {
@@ -193,7 +245,7 @@ static int import_material(struct mesh *mesh, struct material *m, const struct a
 /* ---- all of it ---- */
 
 static int import_scene(struct mesh *mesh, const struct aiScene *scene, const char *path,
-			bool materials, struct fault *fault)
+			double crease_deg, bool materials, struct fault *fault)
 {
 	int err = 0;
 
@@ -204,7 +256,8 @@ static int import_scene(struct mesh *mesh, const struct aiScene *scene, const ch
 	for (unsigned k = 0; k < scene->mNumMeshes && !err; k++) {
 		if (!(scene->mMeshes[k]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE))
 			continue;
-		err = import_part(&mesh->parts[mesh->part_count++], scene->mMeshes[k], path, fault);
+		err = import_part(&mesh->parts[mesh->part_count++], scene->mMeshes[k], crease_deg,
+				  path, fault);
 	}
 	if (!materials)
 		return err;
@@ -214,29 +267,77 @@ static int import_scene(struct mesh *mesh, const struct aiScene *scene, const ch
 	return err;
 }
 
+static int check_mesh(const struct aiMesh *mesh, const char *path, struct fault *fault)
+{
+	for (unsigned v = 0; v < mesh->mNumVertices; v++) {
+		const struct aiVector3D *p = &mesh->mVertices[v];
+
+		if (!isfinite(p->x) || !isfinite(p->y) || !isfinite(p->z))
+			return fault_say(fault, -EDOM,
+					 "%s: vertex %u is not finite, expected numbers", path,
+					 v + 1);
+	}
+	for (unsigned f = 0; f < mesh->mNumFaces; f++)
+		for (unsigned i = 0; i < mesh->mFaces[f].mNumIndices; i++)
+			if (mesh->mFaces[f].mIndices[i] >= mesh->mNumVertices)
+				return fault_say(fault, -EBADMSG,
+						 "%s: face %u names vertex %u, expected less "
+						 "than %u: damaged or cut short",
+						 path, f + 1, mesh->mFaces[f].mIndices[i],
+						 mesh->mNumVertices);
+	return 0;
+}
+
+/* As it came: assimp's own steps trust indices, and take what is no number for any number. */
+static int check(const struct aiScene *scene, const char *path, struct fault *fault)
+{
+	unsigned faces = 0;
+	int err = 0;
+
+	for (unsigned k = 0; k < scene->mNumMeshes && !err; k++) {
+		faces |= scene->mMeshes[k]->mNumFaces;
+		err = check_mesh(scene->mMeshes[k], path, fault);
+	}
+	if (!err && !faces)
+		err = fault_say(fault, -ENODATA,
+				"%s: no faces, expected a mesh of triangles or polygons", path);
+	return err;
+}
+
+static int open_file(const struct aiScene **scene, const char *path, unsigned steps,
+		     struct fault *fault)
+{
+	*scene = aiImportFile(path, steps);
+	return *scene ? 0
+		      : fault_say(fault, -EBADMSG,
+				  "%s: no mesh that can be read (%s), expected OBJ, PLY or glTF",
+				  path, aiGetErrorString());
+}
+
+/*
+ * Read twice: once to be judged, once with the steps, as assimp 5.2 crashes where steps fail that
+ * come after. Not among them are normals: assimp smooths as if no two faces of a file shared a
+ * vertex, which those of PLY and glTF do.
+ */
 int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 		struct fault *fault)
 {
 	const unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
-			       aiProcess_PreTransformVertices | aiProcess_SortByPType |
-			       aiProcess_GenSmoothNormals;
-	struct aiPropertyStore *store = aiCreatePropertyStore();
+			       aiProcess_PreTransformVertices;
 	const struct aiScene *scene;
-	int err;
+	int err = materials ? mesh_mtl_check(path, fault) : 0;
 
-	if (!store)
-		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
-	aiSetImportPropertyFloat(store, AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, (ai_real)crease_deg);
-	aiSetImportPropertyInteger(store, AI_CONFIG_PP_SBP_REMOVE,
-				   aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-	scene = aiImportFileExWithProperties(path, steps, NULL, store);
-	aiReleasePropertyStore(store);
-	if (!scene)
-		return fault_say(fault, -EBADMSG,
-				 "%s: no mesh that can be read (%s), expected OBJ, PLY "
-				 "or glTF",
-				 path, aiGetErrorString());
-	err = import_scene(mesh, scene, path, materials, fault);
+	if (!err)
+		err = open_file(&scene, path, 0, fault);
+	if (err)
+		return err;
+	err = check(scene, path, fault);
+	aiReleaseImport(scene);
+	if (!err)
+		err = open_file(&scene, path, steps, fault);
+	if (err)
+		return err;
+	err = import_scene(mesh, scene, path, crease_deg, materials, fault);
 	aiReleaseImport(scene);
 	return err;
 }

@@ -3,22 +3,48 @@ bake_PACKAGES := assimp lapacke openblas cairo
 # Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/world.c does the same.
 bake_LIBS := -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so)),4,3)
 BAKE_SOURCES := \
+	bake/angles.c \
+	bake/assembly.c \
 	bake/coarse.c \
 	bake/encode.c \
 	bake/encode_block.c \
+	bake/encode_expose.c \
 	bake/encode_measure.c \
 	bake/encode_part.c \
+	bake/encode_plan.c \
 	bake/encode_rank.c \
 	bake/encode_reader.c \
 	bake/encode_search.c \
+	bake/encode_shade.c \
 	bake/encode_split.c \
+	bake/encode_column.c \
+	bake/encoding_options.c \
 	bake/ensemble.c \
+	bake/export_blender.c \
+	bake/export_job.c \
+	bake/export_mesh.c \
+	bake/export_radiance.c \
+	bake/export_rays.c \
 	bake/bounce.c \
+	bake/bounce_aside.c \
 	bake/cells.c \
+	bake/finished_tile.c \
+	bake/import.c \
+	bake/import_judge.c \
+	bake/import_pictures.c \
+	bake/in_order.c \
+	bake/keyframes.c \
 	bake/material.c \
 	bake/mesh.c \
 	bake/mesh_import.c \
+	bake/mesh_mtl.c \
+	bake/mesh_normals.c \
+	bake/msi.c \
 	bake/options.c \
+	bake/peaks.c \
+	bake/picture_stack.c \
+	bake/pictures.c \
+	bake/plan.c \
 	bake/progress.c \
 	bake/render.c \
 	bake/report.c \
@@ -38,20 +64,32 @@ BAKE_SOURCES := \
 	bake/report_trial.c \
 	bake/scene.c \
 	bake/scene_file.c \
+	bake/shard.c \
+	bake/sight.c \
 	bake/sky.c \
+	bake/surface.c \
 	bake/tile.c \
+	bake/tile_glass.c \
 	bake/tile_noise.c \
 	bake/transport.c \
 	bake/truth.c \
+	bake/truth_paths.c \
 	bake/truth_views.c \
 	bake/world.c \
 	bake/dome_command.c \
+	bake/export_command.c \
+	bake/import_command.c \
 	bake/info_command.c \
 	bake/info_map.c \
+	bake/merge_command.c \
+	bake/pictures_command.c \
 	bake/render_command.c \
 	bake/report_command.c \
 	bake/truth_command.c
 BAKE_MAIN := bake/main.c
+# What goes out with a job as it is.
+$(BUILD)/bake/export_blender.o: bake/export_blender.py
+$(BUILD)/bake/export_radiance.o: bake/export_radiance.mk
 
 # The demo's own object. make-cow is a program apart: it needs no ray tracer.
 COW_SOURCES := \

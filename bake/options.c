@@ -8,19 +8,66 @@
 #include <string.h>
 
 #include "hal/basis/basis_format.h"
+#include "hal/log.h"
+
+static const char *program = "inlay-bake";
+
+static void print_usage(FILE *stream, const struct command *const *commands)
+{
+	fprintf(stream, "usage: %s COMMAND ...\n\n", program);
+	for (; *commands; commands++)
+		fprintf(stream, "  %-8s %s\n", (*commands)->name, (*commands)->summary);
+	fprintf(stream, "\n%s COMMAND --help says more; %s --version.\n", program, program);
+}
+
+static int run_command(const struct command *command, int argc, char **argv)
+{
+	const int status = command->run(command, argc, argv);
+
+	/* a full disk under stdout shows only now */
+	if (fflush(stdout) || ferror(stdout)) {
+		log_error("standard output cannot be written");
+		return EXIT_FAILURE;
+	}
+	return status;
+}
+
+int program_run(const char *name, const struct command *const *commands, int argc, char **argv)
+{
+	program = name;
+	log_setup(name, LOG_LEVEL_INFO);
+	if (argc < 2) {
+		print_usage(stderr, commands);
+		return EXIT_USAGE;
+	}
+	if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
+		print_usage(stdout, commands);
+		return EXIT_SUCCESS;
+	}
+	if (!strcmp(argv[1], "--version")) {
+		printf("%s %s\n", program, INLAY_VERSION);
+		return EXIT_SUCCESS;
+	}
+	for (const struct command *const *c = commands; *c; c++)
+		if (!strcmp(argv[1], (*c)->name))
+			return run_command(*c, argc - 1, argv + 1);
+	fprintf(stderr, "%s: there is no command \"%s\"\n", program, argv[1]);
+	print_usage(stderr, commands);
+	return EXIT_USAGE;
+}
 
 int command_answer(const struct command *command, int option)
 {
 	if (option == OPTION_VERSION) {
-		printf("inlay-bake %s\n", INLAY_VERSION);
+		printf("%s %s\n", program, INLAY_VERSION);
 		return EXIT_SUCCESS;
 	}
 	if (option == OPTION_HELP) {
-		printf("usage: inlay-bake %s %s\n\n%s\n%s", command->name, command->usage,
+		printf("usage: %s %s %s\n\n%s\n%s", program, command->name, command->usage,
 		       command->summary, command->help);
 		return EXIT_SUCCESS;
 	}
-	fprintf(stderr, "usage: inlay-bake %s %s\n", command->name, command->usage);
+	fprintf(stderr, "usage: %s %s %s\n", program, command->name, command->usage);
 	return EXIT_USAGE;
 }
 
@@ -28,7 +75,7 @@ int command_wrong(const struct command *command, const char *format, ...)
 {
 	va_list args;
 
-	fprintf(stderr, "inlay-bake: ");
+	fprintf(stderr, "%s: ", program);
 	va_start(args, format);
 	vfprintf(stderr, format, args);
 	va_end(args);
@@ -64,6 +111,29 @@ int option_real(const char *option, const char *text, double min, double max, do
 				 option, text, min, max);
 	*value = x;
 	return 0;
+}
+
+int option_reals(const char *option, const char *text, int least, int most, double min, double max,
+		 double *value, struct fault *fault)
+{
+	const char *at = text;
+	int count = 0;
+	char *end;
+
+	for (; count < most; at = end + 1) {
+		const double x = strtod(at, &end);
+
+		if (end == at || !(x >= min && x <= max) || (*end && *end != ','))
+			break;
+		value[count++] = x;
+		if (!*end && count >= least)
+			return count;
+		if (!*end)
+			break;
+	}
+	return fault_say(fault, -EINVAL,
+			 "%s: \"%s\", expected %d to %d numbers from %g to %g with commas between",
+			 option, text, least, most, min, max);
 }
 
 int option_size(const char *option, const char *text, int *width, int *height, struct fault *fault)

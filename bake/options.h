@@ -1,4 +1,4 @@
-/* Command-line values, and the commands of inlay-bake. */
+/* Command-line values, and programs that are a table of commands. */
 #ifndef INLAY_BAKE_OPTIONS_H
 #define INLAY_BAKE_OPTIONS_H
 
@@ -16,8 +16,8 @@ struct command {
 	int (*run)(const struct command *command, int argc, char **argv);
 };
 
-extern const struct command dome_command, render_command, info_command, truth_command,
-	report_command;
+/* main() of such a program: its commands, NULL at the end. Returns the exit status. */
+int program_run(const char *name, const struct command *const *commands, int argc, char **argv);
 
 /* --help, --version (what getopt_long returns for them) and wrong usage. */
 #define OPTION_HELP 1000
@@ -38,6 +38,9 @@ int option_int(const char *option, const char *text, int min, int max, int *valu
 	       struct fault *fault);
 int option_real(const char *option, const char *text, double min, double max, double *value,
 		struct fault *fault);
+/* Numbers with commas between; how many, or -EINVAL. */
+int option_reals(const char *option, const char *text, int least, int most, double min, double max,
+		 double *value, struct fault *fault);
 int option_size(const char *option, const char *text, int *width, int *height, struct fault *fault);
 int option_choice(const char *option, const char *text, const char *const *choices, int *value,
 		  struct fault *fault);

@@ -1,33 +1,21 @@
 #include "bake/render.h"
 
 #include <errno.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/coarse.h"
+#include "bake/assembly.h"
+#include "bake/in_order.h"
+#include "bake/keyframes.h"
+#include "bake/peaks.h"
 #include "bake/progress.h"
 #include "bake/tile.h"
 #include "hal/pool.h"
-
-/* Tiles that may be done before the one whose turn it is in the file. */
-#define WINDOW 64
-#define TEXT_MAX 4096
 
 /* Of a real surface with a u of its own: a pixel whose ratio never changes by more than this share
  * of the error asked for is not stored. Near white, a ratio's change is at most so many levels. */
 #define RATIO_SHARE 0.5
 #define LEVELS_OF_RATIO 112
-
-/* A finished tile that waits for its turn. */
-struct waiting {
-	struct basis_block_payload *blocks; /* shown ones, exact ones, then their payloads */
-	int shown, exact;
-	struct ensemble_error error;
-	double noise_square;
-	long noise_count;
-	bool ready;
-};
 
 struct worker {
 	struct tile tile;
@@ -37,31 +25,25 @@ struct worker {
 
 /* One bake. */
 struct job {
-	const struct scene *scene;
+	struct scene *scene;
 	struct render_settings settings;
 	struct dome dome;
 	struct cells cells;
-	double *ground; /* [3][lights] */
-	struct basis_light *lights;
-	struct basis_coarse *gather; /* NULL: each light is its own */
+	struct plan plan;
 	struct ensemble ensemble;
-	uint16_t *coverage;
 	struct pool *pool;
 	struct worker *workers;
 	int worker_count;
-	struct basis_writer *writer;
-	struct basis_info_chunk info;
+	/* where finished tiles go: one of the two */
+	struct assembly *assembly;
+	struct shard_writer *shard;
 	struct progress progress;
-	/* under the lock: */
-	pthread_mutex_t lock;
-	pthread_cond_t turned; /* next has moved, or the job has failed */
-	struct waiting waiting[WINDOW];
-	int next, tiles, err;
-	uint64_t rays, shown_bytes, exact_bytes;
-	struct ensemble_error error;
-	double noise_square;
-	long noise_count;
-	struct fault fault;
+	int first_pose, pose; /* of the scene: the file's first, the one in the making */
+	/* Which of the picture's tiles: the k-th is first + k * step. */
+	int tiles, first, step;
+	int done; /* tiles of the poses before */
+	uint64_t rays;
+	bool object_seen;
 };
 
 struct render_settings render_settings_of(const struct scene *scene)
@@ -71,6 +53,7 @@ struct render_settings render_settings_of(const struct scene *scene)
 	return (struct render_settings){
 		.frequency = scene->file->dome.frequency,
 		.division = scene->file->dome.division,
+		.shape = scene->file->dome.shape,
 		.samples = r->samples,
 		.noise_levels = r->noise_levels,
 		.bounces = r->bounces,
@@ -82,157 +65,157 @@ struct render_settings render_settings_of(const struct scene *scene)
 	};
 }
 
-/* ---- in order into the file ---- */
+/* ---- tiles ---- */
 
-static uint64_t payload_bytes(const struct basis_block_payload *blocks, int count)
+/* Of the pose that the scene is in: they hold its world. */
+static int create_tiles(struct job *job)
 {
-	uint64_t bytes = 0;
-
-	for (int k = 0; k < count; k++)
-		bytes += blocks[k].entry.bytes;
-	return bytes;
-}
-
-static uint8_t *copy_blocks(struct basis_block_payload *to, const struct basis_block_payload *from,
-			    int count, uint8_t *data)
-{
-	for (int k = 0; k < count; k++) {
-		to[k] = from[k];
-		to[k].payload = memcpy(data, from[k].payload, from[k].entry.bytes);
-		data += from[k].entry.bytes;
-	}
-	return data;
-}
-
-/* The encoder's blocks live until its next tile: this keeps a copy. */
-static int keep_blocks(struct waiting *slot, const struct encode_result *result)
-{
-	const size_t entries = (size_t)(result->shown_count + result->exact_count) *
-			       sizeof(*slot->blocks);
-	uint8_t *data = malloc(entries + payload_bytes(result->shown, result->shown_count) +
-			       payload_bytes(result->exact, result->exact_count) + 1);
-
-	if (!data)
-		return -ENOMEM;
-	slot->blocks = (struct basis_block_payload *)(void *)data;
-	slot->shown = result->shown_count;
-	slot->exact = result->exact_count;
-	slot->error = result->error;
-	data = copy_blocks(slot->blocks, result->shown, slot->shown, data + entries);
-	copy_blocks(slot->blocks + slot->shown, result->exact, slot->exact, data);
-	return 0;
-}
-
-static void fail(struct job *job, int err)
-{
-	if (!job->err)
-		job->err = err;
-	pthread_cond_broadcast(&job->turned);
-}
-
-static int write_slot(struct job *job, const struct waiting *slot)
-{
-	const struct basis_block_payload *exact = slot->blocks + slot->shown;
+	const struct tile_settings tile = {
+		.samples = job->settings.samples,
+		.noise_levels = job->settings.noise_levels,
+		.ratio_cut = RATIO_SHARE / LEVELS_OF_RATIO *
+			     fmin(job->settings.target.rms, job->settings.target.cell),
+		.seed = (uint64_t)job->settings.seed,
+	};
 	int err = 0;
 
-	if (slot->shown)
-		err = basis_writer_blocks(job->writer, slot->blocks, slot->shown, &job->fault);
-	if (!err && slot->exact)
-		err = basis_writer_exact_blocks(job->writer, exact, slot->exact, &job->fault);
-	job->shown_bytes += payload_bytes(slot->blocks, slot->shown);
-	job->exact_bytes += payload_bytes(exact, slot->exact);
+	for (int k = 0; k < job->worker_count && !err; k++) {
+		tile_free(&job->workers[k].tile);
+		err = tile_create(&job->workers[k].tile, job->scene, &job->cells, &tile,
+				  job->settings.bounces);
+	}
 	return err;
 }
 
-/* Writes every tile whose turn has come. The lock is held. */
-static void write_ready(struct job *job)
+/* What a tile has come to, but for its blocks. */
+static void account_for(const struct tile *tile, const struct encode_result *result,
+			struct tile_account *account)
 {
-	while (job->waiting[job->next % WINDOW].ready) {
-		struct waiting *slot = &job->waiting[job->next % WINDOW];
-		const int err = write_slot(job, slot);
-
-		/* In the tiles' order: sums that are the same whatever the threads. */
-		ensemble_error_add(&job->error, &slot->error);
-		job->noise_square += slot->noise_square;
-		job->noise_count += slot->noise_count;
-		free(slot->blocks);
-		*slot = (struct waiting){.blocks = NULL};
-		job->next++;
-		if (err) {
-			fail(job, err);
-			return;
-		}
-	}
-	pthread_cond_broadcast(&job->turned);
+	*account = (struct tile_account){
+		.error = result->error,
+		.object_error = result->object_error,
+		.ratio_error = fmax(result->ratio_error, tile->ratio_error),
+		.noise_square = tile->noise_square,
+		.noise_count = tile->noise_count,
+		.rays = tile->transport.ray_count,
+	};
+	memcpy(account->coverage, tile->coverage, sizeof(account->coverage));
 }
 
-/* False when the job has failed. Tiles are begun in order, so the one whose turn it is is always in
- * some thread's hands, and waiting ends. */
-static bool wait_for_room(struct job *job, int index)
-{
-	bool go_on;
-
-	pthread_mutex_lock(&job->lock);
-	while (!job->err && index >= job->next + WINDOW)
-		pthread_cond_wait(&job->turned, &job->lock);
-	go_on = !job->err;
-	pthread_mutex_unlock(&job->lock);
-	return go_on;
-}
-
-static void hand_over(struct job *job, int index, const struct tile *tile,
-		      const struct encode_result *result, int err)
-{
-	struct waiting *slot = &job->waiting[index % WINDOW];
-
-	pthread_mutex_lock(&job->lock);
-	if (!err)
-		err = keep_blocks(slot, result);
-	if (err) {
-		fault_say(&job->fault, err, "a tile cannot be encoded: %s",
-			  err == -EDOM ? "its light transport is not finite, or a cell's light "
-					 "comes back more than 65,000 times as strong"
-				       : strerror(-err));
-		fail(job, err);
-	} else if (!job->err) {
-		slot->noise_square = tile->noise_square;
-		slot->noise_count = tile->noise_count;
-		slot->ready = true;
-		job->info.object_error = fmax(job->info.object_error, result->object_error);
-		job->info.ratio_error = fmax(job->info.ratio_error,
-					     fmax(result->ratio_error, tile->ratio_error));
-		job->rays += tile->transport.ray_count;
-		write_ready(job);
-		progress_show(&job->progress, job->next, job->rays);
-	}
-	pthread_mutex_unlock(&job->lock);
-}
-
-static void store_coverage(struct job *job, const struct tile *tile)
-{
-	for (int y = 0; y < tile->height; y++)
-		memcpy(job->coverage + (size_t)(tile->y + y) * job->info.width + tile->x,
-		       tile->coverage + y * BASIS_TILE,
-		       (size_t)tile->width * sizeof(*job->coverage));
-}
-
-static void work(void *context, int index, int number)
+/* The encoder's blocks live until its next tile, so they are copied. */
+static int make_tile(void *context, int index, int number, struct finished_tile *finished,
+		     struct fault *fault)
 {
 	struct job *job = context;
 	struct worker *worker = &job->workers[number];
 	struct tile *tile = &worker->tile;
 	struct encode_result result = {.shown = NULL};
+	const int place = job->first + index * job->step;
 	int err;
 
-	if (!wait_for_room(job, index))
-		return;
 	tile->transport.ray_count = 0;
-	tile_render(tile, index);
-	tile_peaks(tile, worker->peak);
-	store_coverage(job, tile);
-	err = encode_tile(worker->encoder, index, tile->coverage, tile->part, tile->part_count,
+	tile_render(tile, place);
+	for (int k = 0; k < tile->part_count; k++)
+		peaks_grow(worker->peak, &tile->part[k], job->dome.count);
+	err = encode_tile(worker->encoder, place, tile->opaque, tile->part, tile->part_count,
 			  &result);
-	hand_over(job, index, tile, &result, err);
+	if (!err)
+		err = finished_tile_keep(finished, result.shown, result.shown_count, result.exact,
+					 result.exact_count);
+	if (!err)
+		err = finished_tile_keep_glass(finished, tile->glass, tile->glass_count);
+	if (err)
+		return fault_say(fault, err, "a tile cannot be encoded: %s",
+				 err == -EDOM ? "its light transport is not finite, or a cell's "
+						"light comes back more than 65,000 times as strong"
+					      : strerror(-err));
+	finished->tile = place;
+	finished->pose = job->pose - job->first_pose;
+	account_for(tile, &result, &finished->account);
+	return 0;
+}
+
+static int take_tile(void *context, const struct finished_tile *tile, struct fault *fault)
+{
+	struct job *job = context;
+
+	job->rays += tile->account.rays;
+	for (int k = 0; k < TILE_PIXELS; k++)
+		job->object_seen |= tile->account.coverage[k] > 0;
+	return job->shard ? shard_writer_add(job->shard, tile, fault)
+			  : assembly_add(job->assembly, tile, fault);
+}
+
+/* Which of the pose's tiles this job makes. */
+static void set_tiles(struct job *job)
+{
+	const struct shard_place *shard = &job->settings.shard;
+	const int all = plan_tiles(&job->plan);
+
+	job->first = shard->count ? shard_first(shard, all, job->pose - job->first_pose) : 0;
+	job->step = shard->count ? shard->count : 1;
+	job->tiles = job->first < all ? (all - job->first - 1) / job->step + 1 : 0;
+}
+
+static int end_pose(struct job *job, struct fault *fault)
+{
+	const size_t bytes = ((size_t)job->dome.count + 1) * sizeof(*job->workers->peak);
+	float(*peak)[3] = job->workers[0].peak;
+	int err;
+
+	for (int k = 1; k < job->worker_count; k++) {
+		peaks_join(peak, (const float(*)[3])job->workers[k].peak, job->dome.count);
+		memset(job->workers[k].peak, 0, bytes);
+	}
+	err = job->shard ? shard_writer_pose_end(job->shard, (const float(*)[3])peak, fault)
+			 : assembly_pose_end(job->assembly, (const float(*)[3])peak, fault);
+	memset(peak, 0, bytes);
+	return err;
+}
+
+static int make_pose(struct job *job, struct fault *fault)
+{
+	const struct in_order work = {
+		.tiles = job->tiles,
+		.tiles_before = job->done,
+		.rays_before = job->rays,
+		.context = job,
+		.make = make_tile,
+		.take = take_tile,
+		.progress = &job->progress,
+	};
+	int err = scene_take_pose(job->scene, job->pose, fault);
+
+	if (err)
+		return err;
+	err = create_tiles(job);
+	if (err)
+		return fault_say(fault, err, "the bake cannot go on: %s", strerror(-err));
+	err = in_order_run(&work, job->pool, fault);
+	job->done += job->tiles;
+	return err ? err : end_pose(job, fault);
+}
+
+static int make_all(struct job *job, struct render_report *report, struct fault *fault)
+{
+	const int poses = (int)job->plan.info.poses;
+	int tiles = 0, err = 0;
+
+	for (int p = 0; p < poses; p++) {
+		job->pose = job->first_pose + p;
+		set_tiles(job);
+		tiles += job->tiles;
+	}
+	progress_begin(&job->progress, "bake", tiles, job->settings.quiet);
+	for (int p = 0; p < poses && !err; p++) {
+		job->pose = job->first_pose + p;
+		set_tiles(job);
+		err = make_pose(job, fault);
+	}
+	report->seconds = progress_end(&job->progress);
+	report->rays = job->rays;
+	report->object_seen = job->object_seen;
+	return err;
 }
 
 /* ---- setting up ---- */
@@ -241,13 +224,13 @@ static int set_ground(struct job *job)
 {
 	const size_t n = (size_t)job->dome.count;
 
-	job->ground = calloc(3 * n, sizeof(*job->ground));
-	if (!job->ground)
+	job->plan.ground = calloc(3 * n, sizeof(*job->plan.ground));
+	if (!job->plan.ground)
 		return -ENOMEM;
 	for (size_t c = 0; c < 3; c++)
 		for (size_t i = 0; i < n; i++)
-			job->ground[c * n + i] = job->scene->ground_albedo[c] / M_PI *
-						 job->dome.projected_sr[i];
+			job->plan.ground[c * n + i] = job->scene->ground_albedo[c] / M_PI *
+						      job->dome.projected_sr[i];
 	return 0;
 }
 
@@ -255,22 +238,15 @@ static int start_workers(struct job *job)
 {
 	const struct encode_settings encode = {
 		.lights = job->dome.count,
-		.grounds = (int)job->info.grounds,
-		.light = job->lights,
-		.ground = job->ground,
-		.coarse = (int)job->info.coarse,
-		.gather = job->gather,
+		.grounds = (int)job->plan.info.grounds,
+		.light = job->plan.light,
+		.ground = job->plan.ground,
+		.coarse = (int)job->plan.info.coarse,
+		.gather = job->plan.gather,
 		.ensemble = &job->ensemble,
 		.target = job->settings.target,
 		.column_cut = job->settings.column_cut,
 		.exact = job->settings.exact,
-	};
-	const struct tile_settings tile = {
-		.samples = job->settings.samples,
-		.noise_levels = job->settings.noise_levels,
-		.ratio_cut = RATIO_SHARE / LEVELS_OF_RATIO *
-			     fmin(job->settings.target.rms, job->settings.target.cell),
-		.seed = (uint64_t)job->settings.seed,
 	};
 	int err = pool_create(&job->pool, job->settings.threads);
 
@@ -287,189 +263,151 @@ static int start_workers(struct job *job)
 		if (!w->peak)
 			return -ENOMEM;
 		err = encoder_create(&w->encoder, &encode);
-		if (!err)
-			err = tile_create(&w->tile, job->scene, &job->cells, &tile,
-					  job->settings.bounces);
 	}
 	return err;
 }
 
-static int set_lights(struct job *job)
+/* What makes the file, in words. */
+static void write_provenance(struct job *job)
 {
-	const size_t n = (size_t)job->dome.count;
+	const struct render_settings *s = &job->settings;
+	const struct basis_info_chunk *info = &job->plan.info;
 
-	job->lights = calloc(n, sizeof(*job->lights));
-	if (!job->lights)
-		return -ENOMEM;
-	for (size_t i = 0; i < n; i++) {
-		memcpy(job->lights[i].direction, job->dome.direction[i],
-		       sizeof(job->lights[i].direction));
-		job->lights[i].solid_angle_sr = job->dome.solid_angle_sr[i];
+	snprintf(job->plan.provenance, sizeof(job->plan.provenance),
+		 "program = inlay-bake %s\n"
+		 "scene_xxh3 = %016llx\n"
+		 "size = %u x %u\n"
+		 "dome = frequency %d, division %s, %u lights%s\n"
+		 "samples = %d\n"
+		 "noise_target_levels = %g\n"
+		 "bounces = %d\n"
+		 "seed = %d\n"
+		 "target_levels = rms %g, max %g, cell %g\n"
+		 "column_cut = %.9g\n"
+		 "coarse_lights = %u\n"
+		 "exact = %s\n",
+		 INLAY_VERSION, (unsigned long long)job->scene->hash, info->width, info->height,
+		 s->frequency, dome_division_names[s->division], info->lights,
+		 s->shape == DOME_TENTS ? ", tents" : "", s->noise_levels > 0 ? 0 : s->samples,
+		 s->noise_levels, s->bounces, s->seed, s->target.rms, s->target.max, s->target.cell,
+		 s->column_cut, info->coarse, s->exact ? "yes" : "no");
+	if (job->scene->file->poses.count > 1) {
+		const size_t used = strlen(job->plan.provenance);
+
+		snprintf(job->plan.provenance + used, sizeof(job->plan.provenance) - used,
+			 "poses = %u of %d, from %d\n", info->poses, job->scene->file->poses.count,
+			 job->first_pose);
 	}
-	return ensemble_create(&job->ensemble, job->lights, job->dome.count);
 }
 
-/* Sets info.coarse and gather. */
-static int set_coarse(struct job *job, struct fault *fault)
+static int open_file(struct job *job, const char *path, struct fault *fault)
 {
-	const int chosen = job->settings.coarse ? job->settings.coarse : COARSE_FREQUENCY;
-	struct dome coarse;
-	int err;
-
-	job->info.coarse = job->info.lights;
-	if (chosen >= job->dome.frequency)
-		return 0;
-	err = dome_create(&coarse, chosen, job->dome.division, fault);
-	if (err)
-		return err;
-	job->info.coarse = (uint32_t)coarse.count;
-	job->gather = calloc(job->info.lights, sizeof(*job->gather));
-	if (job->gather)
-		coarse_fill(&job->dome, &coarse, job->gather);
-	else
-		err = fault_say(fault, -ENOMEM, "out of memory");
-	dome_free(&coarse);
-	return err;
-}
-
-static int open_writer(struct job *job, const char *path, struct fault *fault)
-{
-	char camera[TEXT_MAX];
-	int err = scene_camera_text(job->scene, camera, sizeof(camera));
+	const int err = scene_camera_text(job->scene, job->plan.camera, sizeof(job->plan.camera));
 
 	if (err)
 		return fault_say(fault, err, "%s: the camera cannot be written", path);
-	return basis_writer_open(&job->writer, path, &job->info, job->lights, job->ground,
-				 job->gather, camera, fault);
+	write_provenance(job);
+	if (job->settings.shard.count)
+		return shard_writer_open(&job->shard, &job->plan, &job->settings.shard, path,
+					 fault);
+	return assembly_open(&job->assembly, &job->plan, path, fault);
+}
+
+/* Which poses, and what they are called. */
+static int set_poses(struct job *job, struct fault *fault)
+{
+	const struct scene_file *file = job->scene->file;
+	const int poses = job->settings.pose ? 1 : file->poses.count;
+	struct fault what = {.text = ""};
+
+	if (job->settings.pose) {
+		job->first_pose = keyframe_find_pose(file, job->settings.pose, &what);
+		if (job->first_pose < 0)
+			return fault_say(fault, job->first_pose, "%s: %s", job->scene->path,
+					 what.text);
+	}
+	job->plan.info.poses = (uint32_t)poses;
+	if (file->poses.count == 1)
+		return 0;
+	job->plan.names = calloc((size_t)poses, sizeof(*job->plan.names));
+	if (!job->plan.names)
+		return fault_say(fault, -ENOMEM, "out of memory");
+	for (int p = 0; p < poses; p++)
+		strcpy(job->plan.names[p].text, keyframe_pose_name(file, job->first_pose + p));
+	return 0;
 }
 
 static int set_up(struct job *job, const char *path, struct fault *fault)
 {
 	const struct tsai_camera *camera = &job->scene->camera;
-	int err = dome_create(&job->dome, job->settings.frequency,
-			      (enum dome_division)job->settings.division, fault);
+	int err = dome_create_shaped(&job->dome, job->settings.frequency,
+				     (enum dome_division)job->settings.division,
+				     (enum dome_shape)job->settings.shape, fault);
 
 	if (err)
 		return err;
-	job->info = (struct basis_info_chunk){
+	job->plan.info = (struct basis_info_chunk){
 		.width = (uint32_t)camera->width,
 		.height = (uint32_t)camera->height,
-		.lights = (uint32_t)job->dome.count,
-		.dome_frequency = (uint32_t)job->dome.frequency,
-		.dome_division = (uint32_t)job->dome.division,
 		.grounds = world_has_ground(job->scene->world) ? 1 : 0,
-		.poses = 1,
 		.column_cut = job->settings.column_cut,
 	};
-	err = set_coarse(job, fault);
+	err = plan_set_lights(&job->plan, &job->dome, job->settings.coarse, fault);
+	if (!err)
+		err = set_poses(job, fault);
 	if (err)
 		return err;
-	job->tiles = (camera->width + BASIS_TILE - 1) / BASIS_TILE *
-		     ((camera->height + BASIS_TILE - 1) / BASIS_TILE);
-	job->coverage = calloc((size_t)camera->width * (size_t)camera->height,
-			       sizeof(*job->coverage));
 	err = cells_create(&job->cells, &job->dome);
 	if (!err)
 		err = set_ground(job);
 	if (!err)
-		err = set_lights(job);
+		err = ensemble_create(&job->ensemble, job->plan.light, job->dome.count);
 	if (!err)
 		err = start_workers(job);
-	if (err || !job->coverage)
-		return fault_say(fault, err ? err : -ENOMEM, "%s: the bake cannot start: %s", path,
-				 strerror(err ? -err : ENOMEM));
-	return open_writer(job, path, fault);
+	if (err)
+		return fault_say(fault, err, "%s: the bake cannot start: %s", path, strerror(-err));
+	return open_file(job, path, fault);
 }
 
 static void tear_down(struct job *job)
 {
-	basis_writer_abandon(job->writer);
+	assembly_abandon(job->assembly);
+	shard_writer_abandon(job->shard);
 	pool_destroy(job->pool);
 	for (int k = 0; k < job->worker_count && job->workers; k++) {
 		tile_free(&job->workers[k].tile);
 		encoder_destroy(job->workers[k].encoder);
 		free(job->workers[k].peak);
 	}
-	for (int k = 0; k < WINDOW; k++)
-		free(job->waiting[k].blocks);
 	free(job->workers);
-	free(job->coverage);
-	free(job->ground);
-	free(job->lights);
-	free(job->gather);
+	plan_free(&job->plan);
 	ensemble_free(&job->ensemble);
 	cells_free(&job->cells);
 	dome_free(&job->dome);
-	pthread_cond_destroy(&job->turned);
-	pthread_mutex_destroy(&job->lock);
 }
 
 /* ---- finishing ---- */
 
-/* What made the file, in words: nothing that differs from one run to the next. */
-static void write_provenance(const struct job *job, char *text, size_t room)
+static int finish(struct job *job, struct render_report *report, struct fault *fault)
 {
-	const struct render_settings *s = &job->settings;
-
-	snprintf(text, room,
-		 "program = inlay-bake %s\n"
-		 "scene_xxh3 = %016llx\n"
-		 "size = %u x %u\n"
-		 "dome = frequency %d, division %s, %u lights\n"
-		 "samples = %d\n"
-		 "noise_target_levels = %g\n"
-		 "noise_levels = %.4f\n"
-		 "bounces = %d\n"
-		 "seed = %d\n"
-		 "target_levels = rms %g, max %g, cell %g\n"
-		 "column_cut = %.9g\n"
-		 "coarse_lights = %u\n"
-		 "exact = %s\n"
-		 "rays = %llu\n",
-		 INLAY_VERSION, (unsigned long long)job->scene->hash, job->info.width,
-		 job->info.height, s->frequency, dome_division_names[s->division], job->info.lights,
-		 s->noise_levels > 0 ? 0 : s->samples, s->noise_levels, job->info.noise_levels,
-		 s->bounces, s->seed, s->target.rms, s->target.max, s->target.cell, s->column_cut,
-		 job->info.coarse, s->exact ? "yes" : "no", (unsigned long long)job->rays);
-}
-
-static int finish(struct job *job, struct fault *fault)
-{
-	float(*peak)[3] = job->workers[0].peak;
-	char provenance[TEXT_MAX];
-	struct basis_writer *writer;
+	struct assembly_report all = {.info = job->plan.info};
+	struct assembly *assembly = job->assembly;
+	struct shard_writer *shard = job->shard;
 	int err;
 
-	for (int k = 1; k < job->worker_count; k++)
-		for (int i = 0; i <= job->dome.count; i++)
-			for (int c = 0; c < 3; c++)
-				peak[i][c] = fmaxf(peak[i][c], job->workers[k].peak[i][c]);
-	if (job->noise_count)
-		job->info.noise_levels = sqrt(job->noise_square / (double)job->noise_count);
-	job->info.sky_rms = ensemble_sky_rms(&job->error);
-	job->info.sky_max = job->error.sky_max;
-	job->info.cell_rms = ensemble_cell_rms(&job->error);
-	job->info.cell_max = job->error.cell_max;
-	write_provenance(job, provenance, sizeof(provenance));
-	err = basis_writer_pose_end(job->writer, job->coverage, (const float(*)[3])peak, fault);
-	if (err)
-		return err;
-	writer = job->writer;
-	job->writer = NULL; /* finishing frees it */
-	return basis_writer_finish(writer, &job->info, provenance, fault);
+	job->assembly = NULL; /* finishing frees them */
+	job->shard = NULL;
+	if (shard)
+		err = shard_writer_finish(shard, fault);
+	else
+		err = assembly_finish(assembly, &all, fault);
+	report->info = all.info;
+	report->shown_bytes = all.shown_bytes;
+	report->exact_bytes = all.exact_bytes;
+	return err;
 }
 
-static bool any_coverage(const struct job *job)
-{
-	const size_t count = (size_t)job->info.width * job->info.height;
-
-	for (size_t i = 0; i < count; i++)
-		if (job->coverage[i])
-			return true;
-	return false;
-}
-
-int render_run(const struct scene *scene, const struct render_settings *settings, const char *path,
+int render_run(struct scene *scene, const struct render_settings *settings, const char *path,
 	       struct render_report *report, struct fault *fault)
 {
 	struct job *job = calloc(1, sizeof(*job));
@@ -481,24 +419,11 @@ int render_run(const struct scene *scene, const struct render_settings *settings
 	job->settings = *settings;
 	if (!(settings->target.max > 0))
 		job->settings.target.max = RENDER_MAX_OF_RMS * settings->target.rms;
-	pthread_mutex_init(&job->lock, NULL);
-	pthread_cond_init(&job->turned, NULL);
 	err = set_up(job, path, fault);
-	if (err)
-		goto tear_down;
-	progress_begin(&job->progress, "bake", job->tiles, settings->quiet);
-	pool_run(job->pool, job->tiles, work, job);
-	report->seconds = progress_end(&job->progress);
-	if (job->err)
-		err = fault_say(fault, job->err, "%s", job->fault.text);
-	else
-		err = finish(job, fault);
-	report->rays = job->rays;
-	report->object_seen = any_coverage(job);
-	report->info = job->info;
-	report->shown_bytes = job->shown_bytes;
-	report->exact_bytes = job->exact_bytes;
-tear_down:
+	if (!err)
+		err = make_all(job, report, fault);
+	if (!err)
+		err = finish(job, report, fault);
 	tear_down(job);
 	free(job);
 	return err;

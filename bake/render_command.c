@@ -1,10 +1,12 @@
 /* inlay-bake render: a scene file to a basis file. */
+#include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/options.h"
+#include "bake/commands.h"
+#include "bake/encoding_options.h"
 #include "bake/render.h"
 #include "hal/log.h"
 #include "hal/optics/dome.h"
@@ -12,6 +14,7 @@
 enum {
 	FREQUENCY = 1,
 	DIVISION,
+	LIGHTS,
 	SIZE,
 	SAMPLES,
 	NOISE,
@@ -19,26 +22,22 @@ enum {
 	THREADS,
 	QUIET,
 	SAMPLE_FILE,
-	ERROR,
-	CELL_ERROR,
-	COLUMN_CUT,
-	COARSE,
-	EXACT
+	SHARD,
+	POSE
 };
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},
 	{"frequency", required_argument, NULL, FREQUENCY},
 	{"division", required_argument, NULL, DIVISION},
+	{"lights", required_argument, NULL, LIGHTS},
 	{"size", required_argument, NULL, SIZE},
 	{"samples", required_argument, NULL, SAMPLES},
 	{"noise", required_argument, NULL, NOISE},
 	{"seed", required_argument, NULL, SEED},
-	{"error", required_argument, NULL, ERROR},
-	{"cell-error", required_argument, NULL, CELL_ERROR},
-	{"column-cut", required_argument, NULL, COLUMN_CUT},
-	{"coarse", required_argument, NULL, COARSE},
-	{"exact", no_argument, NULL, EXACT},
+	ENCODING_OPTIONS,
+	{"pose", required_argument, NULL, POSE},
+	{"shard", required_argument, NULL, SHARD},
 	{"threads", required_argument, NULL, THREADS},
 	{"quiet", no_argument, NULL, QUIET},
 	{"print-scene", no_argument, NULL, SAMPLE_FILE},
@@ -49,27 +48,28 @@ static const struct option options[] = {
 /* What the command line says; -1 where it says nothing. */
 struct choices {
 	const char *output;
-	int frequency, division, width, height, samples, seed, threads;
-	int coarse;
-	double noise, error, error_max, cell_error, column_cut;
-	bool exact, quiet;
+	int frequency, division, shape, width, height, samples, seed, threads;
+	double noise;
+	struct encoding_said encoding;
+	struct shard_place shard;
+	const char *pose;
+	bool quiet;
 };
 
-#define LEVELS_MIN 1e-3
-#define LEVELS_MAX 255
-
-/* RMS[,MAX] */
-static int take_error(struct choices *c, char *text, struct fault *fault)
+/* i/n, from 1 */
+static int take_shard(struct choices *c, const char *text, struct fault *fault)
 {
-	char *comma = strchr(text, ',');
-	int err = 0;
+	int index, count;
+	char rest;
 
-	if (comma) {
-		*comma = '\0';
-		err = option_real("--error", comma + 1, LEVELS_MIN, LEVELS_MAX, &c->error_max,
-				  fault);
-	}
-	return err ? err : option_real("--error", text, LEVELS_MIN, LEVELS_MAX, &c->error, fault);
+	if (strlen(text) > 16 || sscanf(text, "%d/%d%c", &index, &count, &rest) != 2 || index < 1 ||
+	    count > SHARDS_MAX || index > count)
+		return fault_say(
+			fault, -EINVAL,
+			"--shard: \"%s\", expected which of how many, such as 2/8; up to %d", text,
+			SHARDS_MAX);
+	c->shard = (struct shard_place){.index = index - 1, .count = count};
+	return 0;
 }
 
 static int take(struct choices *c, int option, struct fault *fault)
@@ -84,6 +84,8 @@ static int take(struct choices *c, int option, struct fault *fault)
 	case DIVISION:
 		return option_choice("--division", optarg, dome_division_names, &c->division,
 				     fault);
+	case LIGHTS:
+		return option_choice("--lights", optarg, dome_shape_names, &c->shape, fault);
 	case SIZE:
 		return option_size("--size", optarg, &c->width, &c->height, fault);
 	case SAMPLES:
@@ -94,21 +96,16 @@ static int take(struct choices *c, int option, struct fault *fault)
 		return option_int("--seed", optarg, 0, 2147483647, &c->seed, fault);
 	case THREADS:
 		return option_int("--threads", optarg, 1, 1024, &c->threads, fault);
-	case ERROR:
-		return take_error(c, optarg, fault);
-	case CELL_ERROR:
-		return option_real("--cell-error", optarg, LEVELS_MIN, LEVELS_MAX, &c->cell_error,
-				   fault);
-	case COLUMN_CUT:
-		return option_real("--column-cut", optarg, 0, 0.1, &c->column_cut, fault);
-	case COARSE:
-		return option_int("--coarse", optarg, 1, DOME_FREQUENCY_MAX, &c->coarse, fault);
-	case EXACT:
-		c->exact = true;
+	case SHARD:
+		return take_shard(c, optarg, fault);
+	case POSE:
+		c->pose = optarg;
 		return 0;
-	default:
+	case QUIET:
 		c->quiet = true;
 		return 0;
+	default:
+		return encoding_option_take(&c->encoding, option, optarg, fault);
 	}
 }
 
@@ -118,6 +115,8 @@ static void override(struct render_settings *s, const struct choices *c)
 		s->frequency = c->frequency;
 	if (c->division >= 0)
 		s->division = c->division;
+	if (c->shape >= 0)
+		s->shape = c->shape;
 	if (c->samples >= 0) {
 		s->samples = c->samples;
 		s->noise_levels = 0;
@@ -126,29 +125,26 @@ static void override(struct render_settings *s, const struct choices *c)
 		s->noise_levels = c->noise;
 	if (c->seed >= 0)
 		s->seed = c->seed;
-	if (c->error >= 0) {
-		s->target.rms = c->error;
-		s->target.max = c->error_max > 0 ? c->error_max : 0;
-	}
-	if (c->cell_error >= 0)
-		s->target.cell = c->cell_error;
-	if (c->column_cut >= 0)
-		s->column_cut = c->column_cut;
-	if (c->coarse >= 0)
-		s->coarse = c->coarse;
-	s->exact |= c->exact;
+	encoding_said_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
+	s->shard = c->shard;
+	s->pose = c->pose;
 	s->threads = c->threads;
 	s->quiet = c->quiet;
 }
 
-static void print_report(const char *path, const struct render_report *report)
+static void print_report(const struct choices *c, const struct render_report *report)
 {
 	const struct basis_info_chunk *info = &report->info;
 
-	printf("%s: rays %llu (%.2f million/s), time %.1f s, noise %.2f levels, ", path,
+	printf("%s: rays %llu (%.2f million/s), time %.1f s, ", c->output,
 	       (unsigned long long)report->rays, (double)report->rays / report->seconds * 1e-6,
-	       report->seconds, info->noise_levels);
-	printf("encoded in %.2f MB", (double)report->shown_bytes * 1e-6);
+	       report->seconds);
+	if (c->shard.count) {
+		printf("shard %d of %d\n", c->shard.index + 1, c->shard.count);
+		return;
+	}
+	printf("noise %.2f levels, encoded in %.2f MB", info->noise_levels,
+	       (double)report->shown_bytes * 1e-6);
 	if (report->exact_bytes)
 		printf(" (exact layer %.2f MB)", (double)report->exact_bytes * 1e-6);
 	printf(", error in levels RMS / most: skies %.2f / %.1f, cells %.2f / %.1f\n",
@@ -173,12 +169,12 @@ static int bake(const char *path, const struct choices *c)
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	if (!report.object_seen)
+	if (!report.object_seen && !c->shard.count)
 		log_warning("%s: the camera sees no object; expected one in the picture: look at "
 			    "[camera], and at position, scale and up of [object]",
 			    path);
 	if (!c->quiet)
-		print_report(c->output, &report);
+		print_report(c, &report);
 	return EXIT_SUCCESS;
 }
 
@@ -186,14 +182,11 @@ static int run(const struct command *command, int argc, char **argv)
 {
 	struct choices c = {.frequency = -1,
 			    .division = -1,
+			    .shape = -1,
 			    .samples = -1,
 			    .seed = -1,
-			    .coarse = -1,
 			    .noise = -1,
-			    .error = -1,
-			    .error_max = -1,
-			    .cell_error = -1,
-			    .column_cut = -1};
+			    .encoding = ENCODING_UNSAID};
 	struct fault fault = {.text = ""};
 	int option, err = 0;
 
@@ -219,28 +212,27 @@ static int run(const struct command *command, int argc, char **argv)
 
 const struct command render_command = {
 	.name = "render",
-	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--size WxH]\n"
-		 "           [--samples S | --noise LEVELS] [--error RMS[,MAX]] [--cell-error "
-		 "LEVELS]\n"
-		 "           [--column-cut X] [--coarse F] [--exact] [--seed K] [--threads T] "
-		 "[--quiet]",
+	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
+		 "           [--size WxH]\n"
+		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
+		 "           [--pose P] [--seed K] [--shard I/N] [--threads T] [--quiet]",
 	.summary = "bake a scene: all its light transport, to a basis file",
 	.help = "\n"
 		"  -o FILE         the basis file; appears when it is whole\n"
 		"  --frequency F   of the dome, 1 to 64; 9 makes 406 lights\n"
 		"  --division D    angles or chords\n"
+		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps "
+		"move\n"
+		"                  without steps\n"
 		"  --size WxH      of the picture\n"
 		"  --samples S     camera rays a pixel\n"
 		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"
-		"                  in 8-bit levels under a uniform sky\n"
-		"  --error R[,M]   what the encoding may be off by under a sky, in each tile:\n"
-		"                  RMS and any pixel, in 8-bit levels; M: twice R\n"
-		"  --cell-error L  what any pixel may be off by where one cell gives all light\n"
-		"  --column-cut X  what a light's own correction may change, as linear light,\n"
-		"                  and yet be left out of a frame\n"
-		"  --coarse F      frequency of the dome over which smooth light is gathered\n"
-		"  --exact         store every light in 16 bits as well, for the exact mode\n"
+		"                  in 8-bit levels under a uniform sky\n" ENCODING_HELP
 		"  --seed K        of all random numbers; the same file whatever the threads\n"
+		"  --pose P        only this one of the scene's poses: its number, from 0, or "
+		"name\n"
+		"  --shard I/N     only every N-th tile, from the I-th on: inlay-bake merge puts "
+		"all N together\n"
 		"  --threads T     default: one for each processor\n"
 		"  --quiet         print nothing but errors\n"
 		"  --print-scene   a scene file with every key, its default and its meaning\n"

@@ -211,6 +211,8 @@ static int open_scene(struct report *r)
 		height = s->quick ? QUICK_HEIGHT : HEIGHT;
 	}
 	err = scene_open(&r->scene, s->input, width, height, r->fault);
+	if (!err)
+		err = scene_find_pose(r->scene, s->pose, r->fault);
 	if (err)
 		return err;
 	r->stage.width = r->scene->camera.width;
@@ -220,6 +222,7 @@ static int open_scene(struct report *r)
 	r->render.noise_levels = 0;
 	r->render.threads = r->threads;
 	r->render.exact = true;
+	r->render.pose = s->pose;
 	r->render.quiet = s->quiet;
 	return s->basis ? report_given_open(r) : 0;
 }
@@ -228,9 +231,9 @@ static int open_basis(struct report *r)
 {
 	int err;
 
-	if (r->settings->basis)
-		return fault_say(r->fault, -EINVAL, "%s: a basis file; --basis goes with a scene",
-				 r->settings->input);
+	if (r->settings->basis || r->settings->pose)
+		return fault_say(r->fault, -EINVAL, "%s: a basis file; --%s goes with a scene",
+				 r->settings->input, r->settings->basis ? "basis" : "pose");
 	r->bakes = 1;
 	r->used = &r->bake[0];
 	err = report_bake_open(r->used, r->settings->input, r->fault);
@@ -314,9 +317,11 @@ static int show_method(struct report *r)
 		r->page.body,
 		"inlay-bake %s on %s, kernel %s. Pictures of %d x %d pixels; %ld of them "
 		"changed by the object, of which %ld show shadow alone; times grow with that "
-		"number.%s",
+		"number.%s%s%s%s",
 		INLAY_VERSION, processor, kernels_choose(NULL)->name, r->stage.width,
 		r->stage.height, r->scope.objects + r->scope.shadows, r->scope.shadows,
+		s->pose ? " Of the scene's poses it is " : "", s->pose ? s->pose : "",
+		s->pose ? "." : "",
 		s->quick ? " This is a quick run: its figures show that it works, no more." : "");
 	report_paragraph(
 		r->page.body,

@@ -11,6 +11,7 @@
 struct report_settings {
 	const char *input;  /* a scene file, or a basis file: then only what can be asked of it */
 	const char *basis;  /* of the same scene: the one in use; NULL: what the scene file says */
+	const char *pose;   /* of the scene, by name or number; NULL: its first */
 	const char *folder; /* appears when it is whole */
 	const char *panorama[REPORT_LIGHTINGS_MAX]; /* none: surroundings of the project's own */
 	int panoramas;

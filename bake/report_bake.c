@@ -74,17 +74,20 @@ int report_bake_open(struct report_bake *bake, const char *path, struct fault *f
 	return 0;
 }
 
-int report_bake_make(struct report_bake *bake, const struct scene *scene,
+int report_bake_make(struct report_bake *bake, struct scene *scene,
 		     const struct render_settings *settings, const char *folder,
 		     struct fault *fault)
 {
+	struct render_settings one = *settings;
 	struct render_report report;
 	char path[PATH_MAX];
 	int err;
 
 	*bake = (struct report_bake){.exact = false};
 	snprintf(path, sizeof(path), "%s/report.inlay", folder);
-	err = render_run(scene, settings, path, &report, fault);
+	if (!one.pose)
+		one.pose = "0"; /* as the scene is opened */
+	err = render_run(scene, &one, path, &report, fault);
 	if (err)
 		return err;
 	err = report_bake_open(bake, path, fault);
@@ -178,7 +181,7 @@ static int make_radiance(struct report_bake *bake, const struct report_stage *st
 {
 	const struct light_sampler_settings settings = {
 		.estimator = inputs[input].estimator,
-		.transfer = TRANSFER_SRGB,
+		.curve = {.named = TRANSFER_SRGB},
 		.gain = pow(2, inputs[input].stops),
 	};
 	const struct fisheye_settings lens_settings = {.field_deg = 90};
@@ -229,8 +232,8 @@ static void make_precise(void *context, int k, int worker)
 	struct precision *p = context;
 	const struct compositor_settings settings = {
 		.mode = p->bake->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
-		.background = TRANSFER_SRGB,
-		.output = TRANSFER_SRGB,
+		.background = {.named = TRANSFER_SRGB},
+		.output = {.named = TRANSFER_SRGB},
 		.gain = 1,
 		.object = true,
 	};

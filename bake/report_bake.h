@@ -51,7 +51,7 @@ struct report_bake {
 };
 
 /* Bakes into a file that is gone when this returns: only the open basis is left of it. */
-int report_bake_make(struct report_bake *bake, const struct scene *scene,
+int report_bake_make(struct report_bake *bake, struct scene *scene,
 		     const struct render_settings *settings, const char *folder,
 		     struct fault *fault);
 

@@ -68,7 +68,8 @@ static const double levels[] = {0, 4, 16, 48, 96, 128, 160, 192, 208, 224, 240};
 
 static int plot_threshold(struct sweep *s)
 {
-	static const char *const names[] = {"given back as ambient", "dropped"};
+	static const char *const names[] = {"given back as ambient", "dropped",
+					    "given back as nine terms"};
 	struct report *r = s->report;
 	struct report_plot plot;
 
@@ -76,7 +77,7 @@ static int plot_threshold(struct sweep *s)
 			  "RMS error against double precision, levels");
 	plot.y_log = true;
 	for (int mode = 0; mode < THRESHOLD_MODE_COUNT; mode++) {
-		report_plot_series(&plot, names[mode], STYLE_LINE, mode == 0 ? 1 : 2);
+		report_plot_series(&plot, names[mode], STYLE_LINE, mode + 1);
 		for (int k = LEVELS - 1; k >= 0; k--) {
 			const struct report_trial *trial = &s->trial[mode * LEVELS + k];
 			struct report_point *point = report_plot_point(&plot, used_share(r, trial),
@@ -132,7 +133,8 @@ int report_threshold(struct report *r)
 		r->page.body,
 		"A light none of whose channels reaches the threshold is left out. "
 		"\"drop\" is the thesis's way; \"ambient\" gives what was left out back as "
-		"even light. Errors are against double precision with every light; white "
+		"even light, \"harmonics\" as nine terms over the sky. Errors are against double "
+		"precision with every light; white "
 		"ground has radiance %.2g, 1 is grey level 255 of sRGB.",
 		REPORT_WHITE);
 	if (!err)
@@ -279,7 +281,7 @@ static int plot_incremental(struct sweep *s, const double *shares, int count)
 			report_plot_point(&plot, shares[k], s->trial[reuse * count + k].median_ms);
 	}
 	return report_page_plot(&r->page, r->page.body, &plot,
-				"Time by how much of the light changes, fast mode.", r->fault);
+				"Time by how much of the light changes, exact mode.", r->fault);
 }
 
 int report_incremental(struct report *r)
@@ -292,36 +294,37 @@ int report_incremental(struct report *r)
 	static struct sweep s;
 	int err;
 
+	report_heading(r->page.body, "All lights anew, or only those that have changed?");
+	if (!r->used->exact) {
+		report_paragraph(r->page.body, "Sums are kept from frame to frame in exact mode "
+					       "alone, and this basis has no exact layer.");
+		return 0;
+	}
 	report_step(r, "full or incremental");
 	sweep_begin(&s, r, "incremental");
-	for (int n = 0; n < 2 * REUSE_COUNT * 5; n++) {
+	for (int n = 0; n < REUSE_COUNT * 5; n++) {
 		struct report_way *way = sweep_add(&s, "");
 
-		way->mode = n < REUSE_COUNT * 5 ? COMPOSITOR_FAST : COMPOSITOR_EXACT;
-		way->reuse = (enum compositor_reuse)(n / 5 % REUSE_COUNT);
+		way->mode = COMPOSITOR_EXACT;
+		way->reuse = (enum compositor_reuse)(n / 5);
 		way->changed = changes[n % 5];
 		shares[n % 5] = 100.0 * (changes[n % 5] < 0 ? lights : changes[n % 5]) / lights;
 	}
-	if (!r->used->exact)
-		s.count /= 2;
 	err = sweep_run(&s, false);
-	report_table_column(&s.table, "mode", "mode", NULL);
 	report_table_column(&s.table, "reuse", "way", NULL);
 	report_table_column(&s.table, "lights_changed_percent", "lights change", "%");
 	report_table_column(&s.table, "median_ms", "time", "ms");
 	report_table_column(&s.table, "read_mb", "read", "MB");
 	for (int n = 0; n < s.count; n++) {
-		report_text(&s.table, "%s", compositor_mode_names[s.trial[n].way.mode]);
 		report_text(&s.table, "%s", modes[s.trial[n].way.reuse]);
 		report_number(&s.table, shares[n % 5]);
 		report_number(&s.table, s.trial[n].median_ms);
 		report_number(&s.table, s.trial[n].read_mb);
 	}
-	report_heading(r->page.body, "All lights anew, or only those that have changed?");
 	report_paragraph(
 		r->page.body,
-		"The frame before had some lights brighter, spread over the sky. Both ways "
-		"give the same bits; \"auto\" takes what has less to read.");
+		"Exact mode. The frame before had some lights brighter, spread over the sky. Both "
+		"ways give the same bits; \"auto\" takes what has less to read.");
 	if (!err)
 		err = plot_incremental(&s, shares, 5);
 	return sweep_end(&s, err);

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bake/options.h"
+#include "bake/commands.h"
 #include "bake/report.h"
 #include "hal/log.h"
 #include "hal/optics/dome.h"
@@ -16,6 +16,7 @@ enum {
 	SAMPLES,
 	TRUTH_SAMPLES,
 	FREQUENCY,
+	POSE,
 	REPEAT,
 	THREADS,
 	QUICK,
@@ -30,6 +31,7 @@ static const struct option options[] = {
 	{"samples", required_argument, NULL, SAMPLES},
 	{"truth-samples", required_argument, NULL, TRUTH_SAMPLES},
 	{"frequency", required_argument, NULL, FREQUENCY},
+	{"pose", required_argument, NULL, POSE},
 	{"repeat", required_argument, NULL, REPEAT},
 	{"threads", required_argument, NULL, THREADS},
 	{"quick", no_argument, NULL, QUICK},
@@ -67,6 +69,9 @@ static int take(struct report_settings *s, int option, struct fault *fault)
 	case FREQUENCY:
 		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &s->most_frequency,
 				  fault);
+	case POSE:
+		s->pose = optarg;
+		return 0;
 	case REPEAT:
 		return option_int("--repeat", optarg, 1, 1000, &s->repeat, fault);
 	case THREADS:
@@ -110,8 +115,8 @@ static int run(const struct command *command, int argc, char **argv)
 const struct command report_command = {
 	.name = "report",
 	.usage = "SCENE -o DIR [--basis FILE] [--panorama FILE]... [--size WxH]\n"
-		 "           [--samples S] [--truth-samples S] [--frequency F] [--repeat N]\n"
-		 "           [--threads T] [--quick] [--quiet]",
+		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"
+		 "           [--repeat N] [--threads T] [--quick] [--quiet]",
 	.summary = "speed against error of a scene: one page with plots, tables and CSVs",
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its plots and tables as files;\n"
@@ -126,6 +131,7 @@ const struct command report_command = {
 		"  --samples S        camera rays a pixel of each bake, 16\n"
 		"  --truth-samples S  of the truth, 1024\n"
 		"  --frequency F      of the finest dome that is tried, 1 to 64; 36\n"
+		"  --pose P           of the scene: number, from 0, or name; 0\n"
 		"  --repeat N         how often each frame is timed, 9\n"
 		"  --threads T        that bake and trace, and are tried; one for each processor\n"
 		"  --quick            everything small: only to see that it works\n"

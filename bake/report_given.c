@@ -24,11 +24,15 @@ int report_given_open(struct report *r)
 
 	if (err)
 		return err;
+	if (info->poses > 1 && r->settings->pose)
+		return fault_say(r->fault, -ENOTSUP, "%s: %u poses, expected one of pose %s alone",
+				 r->settings->basis, info->poses, r->settings->pose);
 	if (!info->dome_frequency)
 		return fault_say(r->fault, -ENOTSUP, "%s: its lights are no dome's",
 				 r->settings->basis);
 	r->render.frequency = (int)info->dome_frequency;
 	r->render.division = (int)info->dome_division;
+	r->render.shape = (int)info->light_shape;
 	r->render.column_cut = info->column_cut;
 	find_target(r->given.basis.provenance, &r->render.target);
 	return 0;

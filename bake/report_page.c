@@ -18,7 +18,7 @@
 /* What reports are made of, and nothing else is ever taken away. */
 static bool is_ours(const char *name)
 {
-	static const char *const endings[] = {".html", ".csv", ".svg", ".png", ".inlay"};
+	static const char *const endings[] = {".html", ".csv", ".json", ".svg", ".png", ".inlay"};
 	const char *dot = strrchr(name, '.');
 
 	for (size_t k = 0; dot && k < sizeof(endings) / sizeof(*endings); k++)

@@ -130,7 +130,8 @@ static void choose_linear_ticks(struct axis *a)
 
 	while (k < 3 && steps[k] * decade < rough)
 		k++;
-	for (double v = ceil(low / (steps[k] * decade)); v * steps[k] * decade <= high; v++)
+	/* + 0: ceil() of little less than 0 is -0, and reads so */
+	for (double v = ceil(low / (steps[k] * decade)) + 0.0; v * steps[k] * decade <= high; v++)
 		add_tick(a, v * steps[k] * decade, NULL);
 }
 

@@ -279,6 +279,8 @@ static int open_stage(struct again *a)
 	const int share = s->quick ? 4 : 1;
 	int err = scene_open(&a->scene, s->input, WIDTH / share, HEIGHT / share, r->fault);
 
+	if (!err)
+		err = scene_find_pose(a->scene, s->pose, r->fault);
 	if (err)
 		return err;
 	a->stage = (struct report_stage){.width = WIDTH / share,

@@ -67,8 +67,8 @@ static int runner_create(struct runner *r, struct report_trial *trial, struct re
 	const struct report_way *way = &trial->way;
 	const struct compositor_settings settings = {.mode = way->mode,
 						     .reuse = way->reuse,
-						     .background = TRANSFER_SRGB,
-						     .output = TRANSFER_SRGB,
+						     .background = {.named = TRANSFER_SRGB},
+						     .output = {.named = TRANSFER_SRGB},
 						     .gain = 1,
 						     .object = true};
 	struct compositor_options options = {.kernel = way->kernel};
@@ -220,8 +220,8 @@ static int linear_truth(const struct runner *r, const struct report_stage *stage
 {
 	const struct compositor_settings settings = {
 		.mode = r->trial->way.bake->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
-		.background = TRANSFER_LINEAR,
-		.output = TRANSFER_LINEAR,
+		.background = {.named = TRANSFER_LINEAR},
+		.output = {.named = TRANSFER_LINEAR},
 		.gain = 1,
 		.object = true};
 

@@ -6,6 +6,7 @@
 
 #include <xxhash.h>
 
+#include "bake/keyframes.h"
 #include "hal/optics/vec.h"
 
 #define WIDTH 640
@@ -107,6 +108,7 @@ static int load_material(struct scene *scene, int k, struct fault *fault)
 		.specular = colour_of(from->specular),
 		.roughness = (float)from->roughness,
 		.ior = (float)from->ior,
+		.thin = from->thin,
 	};
 	if (!from->texture[0])
 		return 0;
@@ -124,7 +126,8 @@ static int load_material(struct scene *scene, int k, struct fault *fault)
 
 static int load_mesh(struct scene *scene, int k, struct fault *fault)
 {
-	const struct scene_mesh_values *from = &scene->file->mesh[k];
+	const struct scene_mesh_values values = keyframe_mesh(scene->file, k, scene->pose);
+	const struct scene_mesh_values *from = &values;
 	const struct scene_material_values *named =
 		from->material[0] ? scene_file_material(scene->file, from->material) : NULL;
 	const struct material *material = named ? &scene->materials[named - scene->file->material]
@@ -165,6 +168,39 @@ static void set_ground(struct scene *scene)
 	world_ground(scene->world, colour_of(scene->ground_albedo), from->extent);
 }
 
+/* What a file holds; one that cannot be read is said when its pose is loaded. */
+static void hash_file(const char *path, XXH3_state_t *state)
+{
+	FILE *stream = fopen(path, "rb");
+	char part[1 << 14];
+	size_t bytes;
+
+	while (stream && (bytes = fread(part, 1, sizeof(part), stream)) > 0)
+		XXH3_64bits_update(state, part, bytes);
+	if (stream)
+		fclose(stream);
+}
+
+/* Of a scene of several poses, what makes them differ. */
+static void hash_poses(const struct scene_file *file, XXH3_state_t *state)
+{
+	for (int p = 0; p < file->poses.count && file->poses.count > 1; p++) {
+		const char *name = keyframe_pose_name(file, p);
+
+		XXH3_64bits_update(state, name, strlen(name) + 1);
+		for (int k = 0; k < file->mesh_count; k++) {
+			const struct scene_mesh_values m = keyframe_mesh(file, k, p);
+
+			XXH3_64bits_update(state, &m.scale, sizeof(m.scale));
+			XXH3_64bits_update(state, m.rotate_deg, sizeof(m.rotate_deg));
+			XXH3_64bits_update(state, m.position, sizeof(m.position));
+		}
+	}
+	for (int k = 0; k < file->keyframe_count; k++)
+		if (file->keyframe[k].file[0])
+			hash_file(file->keyframe[k].file, state);
+}
+
 /* Over what was read, not over paths: a scene that moves to another folder stays the same scene. */
 static uint64_t hash_scene(const struct scene *scene)
 {
@@ -186,6 +222,8 @@ static uint64_t hash_scene(const struct scene *scene)
 		XXH3_64bits_update(state, m->specular, sizeof(m->specular));
 		XXH3_64bits_update(state, &m->roughness, sizeof(m->roughness));
 		XXH3_64bits_update(state, &m->ior, sizeof(m->ior));
+		if (m->thin)
+			XXH3_64bits_update(state, &m->thin, sizeof(m->thin));
 		if (texture)
 			texture_hash(texture, state);
 	}
@@ -197,9 +235,31 @@ static uint64_t hash_scene(const struct scene *scene)
 		XXH3_64bits_update(state, &file->mesh[k].standin, sizeof(file->mesh[k].standin));
 		XXH3_64bits_update(state, file->mesh[k].material, strlen(file->mesh[k].material));
 	}
+	hash_poses(file, state);
 	hash = XXH3_64bits_digest(state);
 	XXH3_freeState(state);
 	return hash;
+}
+
+/* All meshes as they are in scene->pose, and the ground. */
+static int build_world(struct scene *scene, struct fault *fault)
+{
+	int err = world_create(&scene->world, fault);
+
+	for (int k = 0; k < scene->file->mesh_count && !err; k++)
+		err = load_mesh(scene, k, fault);
+	if (err)
+		return err;
+	set_ground(scene);
+	return world_commit(scene->world, fault);
+}
+
+static void free_world(struct scene *scene)
+{
+	world_destroy(scene->world);
+	scene->world = NULL;
+	for (int k = 0; k < SCENE_MESHES_MAX; k++)
+		mesh_free(&scene->meshes[k]);
 }
 
 int scene_open(struct scene **out, const char *path, int width, int height, struct fault *fault)
@@ -221,15 +281,10 @@ int scene_open(struct scene **out, const char *path, int width, int height, stru
 	err = set_camera(scene, width, height, fault);
 	if (err)
 		goto close_scene;
-	err = world_create(&scene->world, fault);
 	for (int k = 0; k < scene->file->material_count && !err; k++)
 		err = load_material(scene, k, fault);
-	for (int k = 0; k < scene->file->mesh_count && !err; k++)
-		err = load_mesh(scene, k, fault);
-	if (err)
-		goto close_scene;
-	set_ground(scene);
-	err = world_commit(scene->world, fault);
+	if (!err)
+		err = build_world(scene, fault);
 	if (err)
 		goto close_scene;
 	scene->hash = hash_scene(scene);
@@ -240,13 +295,27 @@ close_scene:
 	return err;
 }
 
+int scene_take_pose(struct scene *scene, int pose, struct fault *fault)
+{
+	if (pose == scene->pose)
+		return 0;
+	free_world(scene);
+	scene->pose = pose;
+	return build_world(scene, fault);
+}
+
+int scene_find_pose(struct scene *scene, const char *pose, struct fault *fault)
+{
+	const int number = pose ? keyframe_find_pose(scene->file, pose, fault) : 0;
+
+	return number < 0 ? number : scene_take_pose(scene, number, fault);
+}
+
 void scene_close(struct scene *scene)
 {
 	if (!scene)
 		return;
-	world_destroy(scene->world);
-	for (int k = 0; k < SCENE_MESHES_MAX; k++)
-		mesh_free(&scene->meshes[k]);
+	free_world(scene);
 	for (int k = 0; k < SCENE_MATERIALS_MAX; k++)
 		if (scene->textures[k]) {
 			image_free(&scene->textures[k]->image);
@@ -281,4 +350,15 @@ int scene_camera_text(const struct scene *scene, char *text, size_t room)
 						 value);
 	}
 	return used < room ? 0 : -ENOSPC;
+}
+
+int scene_dome(const struct scene *scene, const struct scene_lights *lights, struct dome *dome,
+	       struct fault *fault)
+{
+	const struct scene_dome_values *own = &scene->file->dome;
+	const int division = lights->division < 0 ? own->division : lights->division;
+	const int shape = lights->shape < 0 ? own->shape : lights->shape;
+
+	return dome_create_shaped(dome, lights->frequency < 0 ? own->frequency : lights->frequency,
+				  (enum dome_division)division, (enum dome_shape)shape, fault);
 }

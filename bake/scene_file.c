@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "bake/keyframes.h"
 #include "bake/material.h"
 #include "hal/optics/dome.h"
 
@@ -74,6 +75,13 @@ static const struct ini_key dome_keys[] = {
 	 .choices = dome_division_names,
 	 .fallback = "angles",
 	 .help = "how the dome's triangles are divided"},
+	{.name = "lights",
+	 .type = INI_CHOICE,
+	 .offset = DOME(shape),
+	 .choices = dome_shape_names,
+	 .fallback = "cells",
+	 .help = "cells: each light is the part of the sky nearest to it; tents: it fades towards "
+		 "its neighbours, so that a lamp moves without steps"},
 	INI_KEYS_END,
 };
 
@@ -111,7 +119,7 @@ static const struct ini_key render_keys[] = {
 	 .offset = RENDER(error_rms),
 	 .min = 1e-3,
 	 .max = 255,
-	 .fallback = "1",
+	 .fallback = "0.6",
 	 .unit = "8-bit levels, RMS",
 	 .help = "what the encoding may be off by under a sky, in each tile; the file declares "
 		 "what "
@@ -128,14 +136,14 @@ static const struct ini_key render_keys[] = {
 	 .offset = RENDER(error_cell),
 	 .min = 1e-3,
 	 .max = 255,
-	 .fallback = "2",
+	 .fallback = "1.5",
 	 .unit = "8-bit levels",
 	 .help = "what any pixel may be off by where a single cell gives all light"},
 	{.name = "column_cut",
 	 .type = INI_REAL,
 	 .offset = RENDER(column_cut),
 	 .max = 0.1,
-	 .fallback = "0.0005",
+	 .fallback = "0.001",
 	 .unit = "linear light, white is 1",
 	 .help = "what a single light's own correction may change and yet be left out of a frame"},
 	{.name = "coarse",
@@ -268,7 +276,12 @@ static const struct ini_key material_keys[] = {
 	 .min = 1,
 	 .max = 4,
 	 .fallback = "1.5",
-	 .help = "of glass: index of refraction"},
+	 .help = "of glass: index of refraction; 1 lets light through straight"},
+	{.name = "thin",
+	 .type = INI_BOOL,
+	 .offset = MATERIAL(thin),
+	 .fallback = "no",
+	 .help = "of glass: its surface stands for a whole pane, and what passes goes straight on"},
 	INI_KEYS_END,
 };
 
@@ -336,6 +349,17 @@ static void *place_standin(void *root, const char *instance)
 	return place_mesh(root, instance, true);
 }
 
+static void *place_poses(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct scene_file *)root)->poses;
+}
+
+static void *place_keyframe(void *root, const char *instance)
+{
+	return keyframe_place(root, instance);
+}
+
 static void *place_material(void *root, const char *instance)
 {
 	struct scene_file *file = root;
@@ -368,6 +392,9 @@ static const struct ini_table scene_tables[] = {
 	TABLE("object", true, mesh_keys, place_object, "a virtual object; one section each"),
 	TABLE("standin", true, mesh_keys, place_standin,
 	      "stands for a real surface: catches shadows, hides objects behind it"),
+	TABLE("poses", false, keyframe_poses_keys, place_poses, "positions, turns, animation"),
+	TABLE("keyframe", true, keyframe_keys, place_keyframe,
+	      "what an object is like in one pose; poses between two keyframes lie between them"),
 	TABLE("material", true, material_keys, place_material, "by the name that objects use"),
 	INI_TABLES_END,
 };
@@ -445,7 +472,7 @@ static int check_ground(const struct scene_file *file, const char *path, struct 
 	return 0;
 }
 
-static int check(const struct scene_file *file, const char *path, struct fault *fault)
+static int check(struct scene_file *file, const char *path, struct fault *fault)
 {
 	int objects = 0, err;
 
@@ -467,9 +494,9 @@ static int check(const struct scene_file *file, const char *path, struct fault *
 		return fault_say(fault, -EINVAL,
 				 "%s: no section [object NAME], expected at least one", path);
 	err = check_camera(file, path, fault);
-	if (err)
-		return err;
-	return check_ground(file, path, fault);
+	if (!err)
+		err = check_ground(file, path, fault);
+	return err ? err : keyframes_settle(file, path, fault);
 }
 
 /* ---- reading ---- */
@@ -482,6 +509,7 @@ static void set_defaults(struct scene_file *file)
 	ini_defaults(dome_keys, &file->dome);
 	ini_defaults(render_keys, &file->render);
 	ini_defaults(ground_keys, &file->ground);
+	ini_defaults(keyframe_poses_keys, &file->poses);
 }
 
 int scene_file_read(struct scene_file *file, const char *path, struct fault *fault)
@@ -513,6 +541,11 @@ int scene_file_read_memory(struct scene_file *file, const char *text, size_t byt
 		return err;
 	}
 	return check(file, name, fault);
+}
+
+void scene_render_defaults(struct scene_render_values *values)
+{
+	ini_defaults(render_keys, values);
 }
 
 void scene_file_write_sample(FILE *stream)

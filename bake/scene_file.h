@@ -13,6 +13,8 @@
 #define SCENE_MESHES_MAX 256 /* objects and stand-ins together */
 #define SCENE_MATERIALS_MAX 256
 #define SCENE_NAME_MAX 64
+#define SCENE_POSES_MAX 4096
+#define SCENE_KEYFRAMES_MAX 1024
 
 struct scene_camera_values {
 	char file[INI_PATH_MAX];
@@ -21,7 +23,7 @@ struct scene_camera_values {
 };
 
 struct scene_dome_values {
-	int frequency, division;
+	int frequency, division, shape; /* enum dome_division, dome_shape */
 };
 
 struct scene_render_values {
@@ -51,10 +53,25 @@ struct scene_mesh_values {
 	int up; /* 0: y, 1: z */
 };
 
+struct scene_poses_values {
+	int count; /* >= 1 */
+};
+
+/* What a mesh is like at one pose (keyframes.h). NAN: not given. */
+struct scene_keyframe_values {
+	char name[SCENE_NAME_MAX];
+	char object[INI_TEXT_MAX];
+	char file[INI_PATH_MAX]; /* empty: not given */
+	double pose;
+	double scale, rotate_deg[3], position[3];
+	int mesh, order; /* whose; place in the file */
+};
+
 struct scene_material_values {
 	char name[SCENE_NAME_MAX];
 	int kind; /* enum material_kind */
 	double colour[3], specular[3], roughness, ior;
+	bool thin;
 	char texture[INI_PATH_MAX];
 };
 
@@ -67,6 +84,9 @@ struct scene_file {
 	struct scene_ground_values ground;
 	struct scene_mesh_values mesh[SCENE_MESHES_MAX];
 	int mesh_count;
+	struct scene_poses_values poses;
+	struct scene_keyframe_values keyframe[SCENE_KEYFRAMES_MAX]; /* in the order of poses */
+	int keyframe_count;
 	struct scene_material_values material[SCENE_MATERIALS_MAX];
 	int material_count;
 };
@@ -80,6 +100,9 @@ int scene_file_read_memory(struct scene_file *file, const char *text, size_t byt
 /* The material of this name, or NULL. */
 const struct scene_material_values *scene_file_material(const struct scene_file *file,
 							const char *name);
+
+/* [render] of a file that does not have it. */
+void scene_render_defaults(struct scene_render_values *values);
 
 /* Every key with its default, range and meaning. */
 void scene_file_write_sample(FILE *stream);

@@ -3,7 +3,9 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#define SUBSAMPLES 4 /* a texel and side, for the ground's irradiance */
+#define SUBSAMPLES 4	  /* a texel and side, for the ground's irradiance */
+#define FINE_WIDTH 4096	  /* texels across that are fine enough without */
+#define ASPECT_SLACK 0.05 /* of width over height: pictures that were scaled by hand */
 
 static double brightness(const struct image *image, int x, int y)
 {
@@ -49,18 +51,19 @@ static void fill_sums(struct sky *sky)
 
 static void integrate_ground(struct sky *sky)
 {
+	const int parts = sky->width < FINE_WIDTH ? SUBSAMPLES : 1;
 	double sum[3] = {0, 0, 0};
 
-	for (int y = 0; y < sky->rows * SUBSAMPLES; y++) {
+	for (int y = 0; y < sky->rows * parts; y++) {
 		double row[3] = {0, 0, 0}, d[3] = {0, 0, 0};
-		const double at = (y + 0.5) / SUBSAMPLES, height = sky->panorama.image->height;
-		const double band = cos(M_PI * y / (SUBSAMPLES * height)) -
-				    cos(M_PI * (y + 1) / (SUBSAMPLES * height));
+		const double at = (y + 0.5) / parts, height = sky->panorama.image->height;
+		const double band = cos(M_PI * y / (parts * height)) -
+				    cos(M_PI * (y + 1) / (parts * height));
 
-		for (int x = 0; x < sky->width * SUBSAMPLES; x++) {
+		for (int x = 0; x < sky->width * parts; x++) {
 			double rgb[3];
 
-			panorama_direction(&sky->panorama, (x + 0.5) / SUBSAMPLES, at, d);
+			panorama_direction(&sky->panorama, (x + 0.5) / parts, at, d);
 			panorama_radiance(&sky->panorama, d, rgb);
 			for (int c = 0; c < 3; c++)
 				row[c] += rgb[c];
@@ -68,7 +71,7 @@ static void integrate_ground(struct sky *sky)
 		if (d[2] <= 0)
 			continue;
 		for (int c = 0; c < 3; c++)
-			sum[c] += row[c] * d[2] * band * 2 * M_PI / (sky->width * SUBSAMPLES);
+			sum[c] += row[c] * d[2] * band * 2 * M_PI / (sky->width * parts);
 	}
 	for (int c = 0; c < 3; c++)
 		sky->ground.c[c] = (float)(sum[c] / M_PI);
@@ -77,7 +80,14 @@ static void integrate_ground(struct sky *sky)
 int sky_create(struct sky *sky, const struct panorama *panorama, const char *name,
 	       struct fault *fault)
 {
-	*sky = (struct sky){.panorama = *panorama, .width = panorama->image->width};
+	const struct image *image = panorama->image;
+
+	*sky = (struct sky){.panorama = *panorama, .width = image->width};
+	if (fabs((double)image->width / image->height - 2) > ASPECT_SLACK)
+		return fault_say(fault, -EINVAL,
+				 "%s: %d x %d pixels, expected twice as wide as high: the whole "
+				 "sphere, equirectangular",
+				 name, image->width, image->height);
 	sky->rows = (panorama->image->height + 1) / 2;
 	sky->row_sum = malloc((size_t)sky->rows * sizeof(*sky->row_sum));
 	sky->sum = malloc((size_t)sky->rows * (size_t)sky->width * sizeof(*sky->sum));
@@ -95,6 +105,13 @@ int sky_create(struct sky *sky, const struct panorama *panorama, const char *nam
 	return 0;
 }
 
+void sky_of_light(struct sky *sky, const struct dome *dome, int light)
+{
+	*sky = (struct sky){.dome = dome, .light = light};
+	for (int c = 0; c < 3; c++)
+		sky->ground.c[c] = (float)(dome->projected_sr[light] / M_PI);
+}
+
 void sky_free(struct sky *sky)
 {
 	free(sky->row_sum);
@@ -110,6 +127,11 @@ struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
 
 	if (direction.z < 0)
 		return rgb_make(0, 0, 0);
+	if (sky->dome) {
+		const float lit = (float)dome_weight(sky->dome, sky->light, d);
+
+		return rgb_make(lit, lit, lit);
+	}
 	panorama_radiance(&sky->panorama, d, rgb);
 	return rgb_make((float)rgb[0], (float)rgb[1], (float)rgb[2]);
 }
@@ -138,7 +160,16 @@ static float texel_density(const struct sky *sky, int x, int y)
 	return (float)(share * sky->width / panorama_row_sr(&sky->panorama, y));
 }
 
-struct v3 sky_sample(const struct sky *sky, float u, float v, float *density)
+static struct v3 sample_light(const struct sky *sky, float u, float v, float *density)
+{
+	double d[3];
+
+	dome_light_sample(sky->dome, sky->light, (double)u, (double)v, d);
+	*density = (float)dome_light_density(sky->dome, sky->light, d);
+	return v3_make((float)d[0], (float)d[1], (float)d[2]);
+}
+
+static struct v3 sample_panorama(const struct sky *sky, float u, float v, float *density)
 {
 	const double height = sky->panorama.image->height;
 	const double want = v * sky->total;
@@ -160,7 +191,19 @@ struct v3 sky_sample(const struct sky *sky, float u, float v, float *density)
 	return v3_make((float)d[0], (float)d[1], (float)d[2]);
 }
 
-float sky_density(const struct sky *sky, struct v3 d)
+struct v3 sky_sample(const struct sky *sky, float u, float v, float *density)
+{
+	return sky->dome ? sample_light(sky, u, v, density) : sample_panorama(sky, u, v, density);
+}
+
+static float light_density(const struct sky *sky, struct v3 d)
+{
+	const double direction[3] = {d.x, d.y, d.z};
+
+	return (float)dome_light_density(sky->dome, sky->light, direction);
+}
+
+static float panorama_density(const struct sky *sky, struct v3 d)
 {
 	const struct image *image = sky->panorama.image;
 	/* azimuth runs from +X towards +Y, columns the other way, the middle one at +X */
@@ -173,4 +216,9 @@ float sky_density(const struct sky *sky, struct v3 d)
 	if (x >= image->width)
 		x = image->width - 1;
 	return y < sky->rows ? texel_density(sky, x, y) : 0;
+}
+
+float sky_density(const struct sky *sky, struct v3 direction)
+{
+	return sky->dome ? light_density(sky, direction) : panorama_density(sky, direction);
 }

@@ -1,14 +1,17 @@
 /*
- * A panorama as a light: its upper half, importance-sampled texel by texel. Below the horizon
- * nothing shines: what is there is the ground.
+ * A panorama as a light: its upper half, importance-sampled texel by texel; or one light of a dome,
+ * whose radiance is its weight. Below the horizon nothing shines: what is there is the ground.
  */
 #ifndef INLAY_BAKE_SKY_H
 #define INLAY_BAKE_SKY_H
 
 #include "bake/vec3.h"
+#include "hal/optics/dome.h"
 #include "hal/optics/panorama.h"
 
 struct sky {
+	const struct dome *dome; /* NULL: the panorama */
+	int light;		 /* of the dome */
 	struct panorama panorama;
 	int width, rows; /* rows that reach above the horizon */
 	double *row_sum; /* [rows]: running sum over rows */
@@ -20,6 +23,10 @@ struct sky {
 /* The image of the panorama must outlive the sky. -EDOM: the upper half is black. */
 int sky_create(struct sky *sky, const struct panorama *panorama, const char *name,
 	       struct fault *fault);
+
+/* Cannot fail. The dome must outlive the sky. */
+void sky_of_light(struct sky *sky, const struct dome *dome, int light);
+
 void sky_free(struct sky *sky); /* idempotent; zeroed is fine */
 
 /* Radiance from a direction; black below the horizon. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/tile_glass.h"
 #include "bake/tile_noise.h"
 
 #define BATCH_FEWEST 4	   /* a spread of fewer batches says nothing */
@@ -81,9 +82,8 @@ static int half_of_batch(const struct tile *tile)
 	return (tile->batches - 1) & 1;
 }
 
-/* Where a sample's light goes. Most tiles leave most rows alone: they are cleared when first used.
- */
-static struct transport_rows rows_for(struct tile *tile, enum tile_kind kind, int at, bool first)
+/* Most tiles leave most rows alone: they are cleared when first used. */
+struct transport_rows tile_rows_for(struct tile *tile, enum tile_kind kind, int at, bool first)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
 	const size_t direct = tile_direct_size(tile, kind), bounce = tile_bounce_size(tile);
@@ -100,22 +100,41 @@ static struct transport_rows rows_for(struct tile *tile, enum tile_kind kind, in
 	};
 }
 
-static void add_receiver(struct tile *tile, int at, const struct surface *surface, struct v3 wo,
-			 uint32_t pixel, uint32_t sample)
+void tile_add_receiver(struct tile *tile, const struct tile_sample *sample,
+		       const struct surface *surface, struct v3 direction, float weight)
 {
+	const struct v3 wo = v3_scale(direction, -1);
+	const struct rgb weights = {{weight, weight, weight}};
+	const uint64_t seed = tile->settings.seed;
 	struct transport *t = &tile->transport;
-	struct tile_pixel *p = &tile->pixels[at];
+	struct tile_pixel *p = &tile->pixels[sample->at];
 	const bool first = p->receiver++ == 0;
-	struct transport_rows rows = rows_for(tile, TILE_CHANGE, at, first);
+	struct transport_rows rows = tile_rows_for(tile, TILE_CHANGE, sample->at, first);
 
+	p->receiver_weight += (double)weight;
 	if (!tile_has_standins(tile)) {
-		p->changed |= transport_add_shadow(t, surface->position, &rows);
+		p->changed |= transport_add_shadow(t, surface->position, weight, &rows);
 		return;
 	}
-	transport_add(t, WITH_OBJECTS, surface, wo, &rows);
-	rows = rows_for(tile, TILE_WITHOUT, at, first);
-	transport_begin(t, tile->settings.seed, pixel, sample);
-	transport_add(t, WITHOUT_OBJECTS, surface, wo, &rows);
+	transport_begin(t, seed, sample->pixel, sample->sample);
+	transport_add(t, WITH_OBJECTS, surface, wo, weights, &rows);
+	rows = tile_rows_for(tile, TILE_WITHOUT, sample->at, first);
+	transport_begin(t, seed, sample->pixel, sample->sample);
+	transport_add(t, WITHOUT_OBJECTS, surface, wo, weights, &rows);
+}
+
+static void add_object(struct tile *tile, const struct tile_sample *s)
+{
+	struct tile_pixel *p = &tile->pixels[s->at];
+	const struct transport_rows rows = tile_rows_for(tile, TILE_OBJECT, s->at,
+							 p->object++ == 0);
+
+	p->changed = true;
+	if (s->surface.bsdf.kind == MATERIAL_GLASS)
+		tile_glass_add(tile, s, &rows);
+	else
+		transport_add(&tile->transport, WITH_OBJECTS, &s->surface,
+			      v3_scale(s->direction, -1), rgb_make(1, 1, 1), &rows);
 }
 
 static void add_sample(struct tile *tile, int at, uint32_t sample)
@@ -124,29 +143,23 @@ static void add_sample(struct tile *tile, int at, uint32_t sample)
 	const uint32_t pixel = (uint32_t)y * (uint32_t)tile->scene->camera.width + (uint32_t)x;
 	const uint64_t scramble = random_hash(tile->settings.seed, pixel, 0xca3e5a);
 	const uint32_t place = sobol_shuffle(sample, (uint32_t)random_mix(scramble));
-	struct tile_pixel *p = &tile->pixels[at];
-	struct surface surface;
-	struct v3 direction;
-	double at_pixel[2];
+	struct tile_sample s = {.at = at, .pixel = pixel, .sample = sample};
 	bool met;
 
-	sobol_point(place, scramble, at_pixel);
+	sobol_point(place, scramble, s.place);
+	s.place[0] += x;
+	s.place[1] += y;
 	tile->transport.ray_count++;
 	transport_begin(&tile->transport, tile->settings.seed, pixel, sample);
-	met = scene_look(tile->scene, WITH_OBJECTS, x + at_pixel[0], y + at_pixel[1], &surface,
-			 &direction);
-	if (met && surface.kind == SURFACE_OBJECT) {
-		const struct transport_rows rows = rows_for(tile, TILE_OBJECT, at, p->object == 0);
-
-		p->object++;
-		p->changed = true;
-		transport_add(&tile->transport, WITH_OBJECTS, &surface, v3_scale(direction, -1),
-			      &rows);
+	met = scene_look(tile->scene, WITH_OBJECTS, s.place[0], s.place[1], &s.surface,
+			 &s.direction);
+	if (met && s.surface.kind == SURFACE_OBJECT) {
+		add_object(tile, &s);
 		return;
 	}
-	p->other++;
+	tile->pixels[at].other_weight++;
 	if (met)
-		add_receiver(tile, at, &surface, v3_scale(direction, -1), pixel, sample);
+		tile_add_receiver(tile, &s, &s.surface, s.direction, 1);
 }
 
 /* ---- batches ---- */
@@ -218,7 +231,7 @@ static void run_batches(struct tile *tile)
  * by samples, and where share is given by the share of each light. A half is scaled as if all
  * samples had been like its own, so that the mean of both is that of all samples.
  */
-static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, int samples,
+static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, double samples,
 		      const float *share)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
@@ -243,12 +256,13 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 }
 
 /* The mean of all samples: of both halves where there are two. */
-static void finish_bounce(struct tile *tile, enum tile_kind kind, int pixels)
+static void finish_bounce(struct tile *tile, enum tile_kind kind, const uint16_t *pixel, int pixels)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
 	const bool ratio = kind == TILE_CHANGE && !tile_has_standins(tile);
 	const struct bounce_halves halves = {
 		.rows = 3 * pixels,
+		.pixel = pixel,
 		.half = {rows->bounce[0], rows->bounce[1]},
 		.share = {(double)tile->half_samples[0] / tile->samples,
 			  (double)tile->half_samples[1] / tile->samples},
@@ -269,7 +283,7 @@ static void add_part(struct tile *tile, enum tile_kind kind, enum basis_kind bas
 	if (!pixels)
 		return;
 	if (bounces)
-		finish_bounce(tile, kind, pixels);
+		finish_bounce(tile, kind, pixel, pixels);
 	tile->part[tile->part_count++] = (struct encode_samples){
 		.kind = basis_kind,
 		.pixels = pixels,
@@ -303,7 +317,7 @@ static void finish_shadow(struct tile *tile)
 
 		if (!p->receiver || !p->changed)
 			continue;
-		move_rows(tile, TILE_CHANGE, at, kept, p->other, tile->cells->share);
+		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, tile->cells->share);
 		tile->change_pixel[kept++] = (uint16_t)at;
 	}
 	add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->change_pixel, kept);
@@ -331,7 +345,8 @@ static double largest_change(const struct tile *tile, int at)
 			sum[k] = (double)rows[k]->direct[i] + (double)rows[k]->bounce[0][i] +
 				 (double)rows[k]->bounce[1][i];
 		if (sum[1] > 0)
-			most = fmax(most, fabs(sum[0] / sum[1]) * p->receiver / p->other);
+			most = fmax(most,
+				    fabs(sum[0] / sum[1]) * p->receiver_weight / p->other_weight);
 		else if (sum[0] != 0)
 			return INFINITY;
 	}
@@ -369,8 +384,8 @@ static void finish_difference(struct tile *tile)
 			p->changed = p->object > 0;
 			continue;
 		}
-		move_rows(tile, TILE_CHANGE, at, kept, p->other, NULL);
-		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver, NULL);
+		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, NULL);
+		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver_weight, NULL);
 		tile->change_pixel[kept++] = (uint16_t)at;
 	}
 	add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->change_pixel, kept);
@@ -403,35 +418,10 @@ void tile_render(struct tile *tile, int index)
 	for (int at = 0; at < TILE_PIXELS; at++)
 		tile->coverage[at] =
 			(uint16_t)lround(65535.0 * tile->pixels[at].object / tile->samples);
+	tile_glass_finish(tile);
 	finish_object(tile);
 	if (tile_has_standins(tile))
 		finish_difference(tile);
 	else
 		finish_shadow(tile);
-}
-
-void tile_peaks(const struct tile *tile, float (*peak)[3])
-{
-	const size_t count = (size_t)tile->cells->count;
-
-	for (int k = 0; k < tile->part_count; k++) {
-		const struct encode_samples *part = &tile->part[k];
-
-		if (part->kind != BASIS_KIND_T)
-			continue;
-		for (size_t row = 0; row < 3 * (size_t)part->pixels; row++) {
-			const float *direct = part->direct + row * count;
-			const float *bounce = part->bounce ? part->bounce + row * count : NULL;
-			const size_t c = row % 3;
-			float sum = 0;
-
-			for (size_t i = 0; i < count; i++) {
-				const float value = direct[i] + (bounce ? bounce[i] : 0);
-
-				peak[i][c] = fmaxf(peak[i][c], value);
-				sum += value;
-			}
-			peak[count][c] = fmaxf(peak[count][c], sum);
-		}
-	}
 }

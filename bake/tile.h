@@ -30,11 +30,18 @@ struct tile_rows {
 
 /* What a pixel has come to; sums over its samples. */
 struct tile_pixel {
-	int object, receiver, other; /* samples that met an object; a real surface; no object */
-	bool changed;		     /* an object was involved */
+	int object, receiver; /* samples that met an object; that saw a real surface */
+	/* How much was seen of the background, and of real surfaces in it: each sample beside the
+	 * object 1, each through its glass what arrives, as the mean of three channels. */
+	double other_weight, receiver_weight;
+	double through[3]; /* what arrives of the background through glass */
+	double offset[2];  /* from the pixel to where it is seen, times the weight of each sample */
+	double seen[2], seen_square[2]; /* of these places, from the pixel's middle: moments */
+	double through_weight;
+	bool changed; /* an object was involved */
 	/* of the value under a uniform sky of radiance 1 over a background of one half: */
 	double before[3][TILE_KINDS]; /* sums of the rows up to the last batch */
-	int before_count[2];	      /* other, receiver */
+	double before_weight[2];      /* other, receiver */
 	double mean[3], spread[3];    /* over batches: mean, sum of squared deviations */
 };
 
@@ -56,6 +63,9 @@ struct tile {
 	struct encode_samples part[TILE_KINDS];
 	int part_count;
 	uint16_t coverage[TILE_PIXELS];
+	uint16_t opaque[TILE_PIXELS]; /* coverage less what glass lets through at most */
+	struct basis_glass glass[TILE_PIXELS];
+	int glass_count;
 	double ratio_error; /* largest change of the ratio that was left out */
 	/* Squared standard errors in 8-bit levels. They come from the batches before the bounce is
 	 * filtered, and hold afterwards: under a uniform sky the filter changes nothing. Under
@@ -66,7 +76,7 @@ struct tile {
 
 /*
  * A pixel takes 9 floats of memory a light (t), 7 on flat ground, twice 9 more with stand-ins: 16
- * MB a tile at 1,000 lights, 27 MB with stand-ins. The filter adds 0.8 KB a light.
+ * MB a tile at 1,000 lights, 27 MB with stand-ins. The filter adds 0.9 KB a light.
  */
 int tile_create(struct tile *tile, const struct scene *scene, const struct cells *cells,
 		const struct tile_settings *settings, int bounces);
@@ -88,10 +98,23 @@ static inline bool tile_has_standins(const struct tile *tile)
 	return tile->rows[TILE_WITHOUT].direct;
 }
 
+/* A camera ray. */
+struct tile_sample {
+	int at; /* the pixel's place in the tile */
+	uint32_t pixel, sample;
+	double place[2]; /* in the picture */
+	struct surface surface;
+	struct v3 direction;
+};
+
+/* Where a sample's light goes; first: of this pixel and kind. */
+struct transport_rows tile_rows_for(struct tile *tile, enum tile_kind kind, int at, bool first);
+
+/* A real surface that is seen, as much as weight says. */
+void tile_add_receiver(struct tile *tile, const struct tile_sample *sample,
+		       const struct surface *surface, struct v3 direction, float weight);
+
 /* Renders tile number index of the picture. */
 void tile_render(struct tile *tile, int index);
-
-/* peak[lights + 1][3] grows to what this tile holds (see BASIS_CHUNK_PEAK). */
-void tile_peaks(const struct tile *tile, float (*peak)[3]);
 
 #endif

@@ -39,8 +39,8 @@ static double sum_kind(const struct tile *tile, enum tile_kind kind, int at, int
 void tile_noise_add(struct tile *tile, int at, int samples)
 {
 	struct tile_pixel *p = &tile->pixels[at];
-	const double other = p->other - p->before_count[0];
-	const double receiver = p->receiver - p->before_count[1];
+	const double other = p->other_weight - p->before_weight[0];
+	const double receiver = p->receiver_weight - p->before_weight[1];
 
 	for (int c = 0; c < 3; c++) {
 		double fresh[TILE_KINDS] = {0}, ratio = 1, value, deviation;
@@ -64,8 +64,8 @@ void tile_noise_add(struct tile *tile, int at, int samples)
 		p->mean[c] += deviation / tile->batches;
 		p->spread[c] += deviation * (value - p->mean[c]);
 	}
-	p->before_count[0] = p->other;
-	p->before_count[1] = p->receiver;
+	p->before_weight[0] = p->other_weight;
+	p->before_weight[1] = p->receiver_weight;
 }
 
 static double levels_of(double mean, double error)

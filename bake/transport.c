@@ -224,6 +224,18 @@ static void deposit(const struct transport *t, int cell, struct rgb weight, floa
 		row[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight.c[c];
 }
 
+/* What comes from a direction of the sky, to the lights that share it. */
+static void deposit_sky(const struct transport *t, struct v3 direction, struct rgb weight,
+			float *row)
+{
+	float share[3];
+	int light[3];
+	const int count = cells_weights(t->cells, direction, light, share);
+
+	for (int k = 0; k < count; k++)
+		deposit(t, light[k], rgb_scale(weight, share[k]), row);
+}
+
 /* Rays to the cells help a coat whose lobe is wider than a cell; a narrower one they hardly ever
  * meet, and it is left to its own rays. */
 static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
@@ -236,12 +248,16 @@ static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 /* One direction in each cell above the surface: value[] gets what a Lambertian white surface would
  * make of it, and rays[] those that may be blocked. */
 static void aim_at_cells(struct transport *t, const struct surface *s, float cos_o,
-			 const struct cone *cone, uint32_t pixel)
+			 const struct cone *cone, int depth)
 {
 	const struct cells *cells = t->cells;
+	const uint32_t pixel = t->pixel + (uint32_t)depth * PIXEL_STEP;
 	const bool flat = s->kind == SURFACE_GROUND;
+	/* Later surfaces take the samples in another order: their directions are not to know which
+	 * direction led there. */
+	const uint32_t sample = depth ? sobol_shuffle(t->sample, pixel) : t->sample;
 	const struct v3 *row = cells_pick(cells, flat ? cells->ground : cells->uniform, pixel,
-					  t->sample);
+					  sample);
 
 	t->rays.count = 0;
 	for (int k = 0; k < cells->count; k++) {
@@ -264,22 +280,23 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 }
 
 /* The coat's share of the rays that got through: the balance heuristic between one ray a cell
- * (density 1/sr) and rays drawn from the coat itself. */
+ * (of density weight/sr) and rays drawn from the coat itself. */
 static void add_coat_by_cells(struct transport *t, const struct surface *s, struct v3 wo,
 			      struct rgb weight, float *row)
 {
 	for (int k = 0; k < t->rays.count; k++) {
 		const int cell = t->cell[k];
-		float density;
+		float density, share;
 		struct rgb f;
 
 		if (t->rays.blocked[k])
 			continue;
 		f = bsdf_coat(&s->bsdf, s->normal, wo, pushed_ray(t, k), &density);
-		if (rgb_peak(f) > 0)
+		share = rgb_peak(f) > 0 ? cells_weight(t->cells, cell, pushed_ray(t, k)) : 0;
+		if (share > 0)
 			deposit(t, cell,
 				rgb_scale(rgb_mul(weight, f),
-					  1 / (1 / t->cells->sr[cell] + density)),
+					  share / (share / t->cells->sr[cell] + density)),
 				row);
 	}
 }
@@ -297,7 +314,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	float weight_down = 0;
 	struct onward onward;
 
-	aim_at_cells(t, s, cos_o, &cone, t->pixel + (uint32_t)depth * PIXEL_STEP);
+	aim_at_cells(t, s, cos_o, &cone, depth);
 	trace_rays(t, presence, surface_leave(s, s->geometric));
 	if (below > 0) {
 		const float u = depth ? random_next(&t->random) : (float)t->below[0];
@@ -347,7 +364,7 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 		if (d.z < 0)
 			offer(&onward, d, value, key, (uint32_t)k);
 		else if (v3_dot(cone.axis, d) < cone.cosine)
-			deposit(t, cells_of(t->cells, d), rgb_scale(colour, value), row);
+			deposit_sky(t, d, rgb_scale(colour, value), row);
 		else
 			push_ray(t, d, k);
 	}
@@ -359,7 +376,7 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 		if (t->rays.blocked[k])
 			offer(&onward, d, value, key, (uint32_t)t->cell[k]);
 		else
-			deposit(t, cells_of(t->cells, d), rgb_scale(colour, value), row);
+			deposit_sky(t, d, rgb_scale(colour, value), row);
 	}
 	return onward;
 }
@@ -392,9 +409,9 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 			struct v3 wo, struct rgb weight, bool shared, struct surface *next,
 			struct v3 *wi, struct rgb *onward, float *row)
 {
-	float density;
+	float density, share[3];
+	int light[3], count;
 	struct rgb f;
-	int cell;
 
 	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, &t->random, wi) ||
 	    v3_dot(s->geometric, *wi) <= 0)
@@ -408,10 +425,12 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 		*onward = rgb_scale(f, 1 / density);
 		return true;
 	}
-	cell = cells_of(t->cells, *wi);
-	if (cell >= 0)
-		deposit(t, cell,
-			rgb_scale(f, 1 / (density + (shared ? 1 / t->cells->sr[cell] : 0))), row);
+	count = cells_weights(t->cells, *wi, light, share);
+	for (int k = 0; k < count; k++)
+		deposit(t, light[k],
+			rgb_scale(f, share[k] / (density +
+						 (shared ? share[k] / t->cells->sr[light[k]] : 0))),
+			row);
 	return false;
 }
 
@@ -430,10 +449,7 @@ static bool pass_glass(struct transport *t, enum presence presence, struct surfa
 		*weight = rgb_mul(*weight, tint);
 		t->ray_count++;
 		if (!world_nearest(t->world, presence, surface_leave(s, d), d, &next)) {
-			const int cell = cells_of(t->cells, d);
-
-			if (cell >= 0)
-				deposit(t, cell, *weight, row);
+			deposit_sky(t, d, *weight, row);
 			return false;
 		}
 		*s = next;
@@ -482,15 +498,21 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 }
 
 void transport_add(struct transport *t, enum presence presence, const struct surface *surface,
-		   struct v3 wo, const struct transport_rows *rows)
+		   struct v3 wo, struct rgb weight, const struct transport_rows *rows)
 {
 	t->compared = surface->kind != SURFACE_OBJECT;
-	add_path(t, presence, surface, wo, rgb_make(1, 1, 1), 0, rows);
+	add_path(t, presence, surface, wo, weight, 0, rows);
+}
+
+void transport_add_sky(struct transport *t, struct v3 direction, struct rgb weight,
+		       const struct transport_rows *rows)
+{
+	deposit_sky(t, direction, weight, rows->direct);
 }
 
 /* ---- shadow on flat ground ---- */
 
-bool transport_add_shadow(struct transport *t, struct v3 position,
+bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 			  const struct transport_rows *rows)
 {
 	const struct cells *cells = t->cells;
@@ -516,12 +538,13 @@ bool transport_add_shadow(struct transport *t, struct v3 position,
 
 		t->value[cell] = cells->share[cell];
 		if (t->rays.blocked[k])
-			rows->direct[cell] += 1;
+			rows->direct[cell] += weight;
 	}
 	onward = choose(t, 0, v3_make(0, 0, 0), 0);
 	if (onward.weight == 0)
 		return false;
-	follow(t, WITH_OBJECTS, &ground, onward.direction,
-	       rgb_make(-onward.weight, -onward.weight, -onward.weight), 1, rows);
+	weight *= -onward.weight;
+	follow(t, WITH_OBJECTS, &ground, onward.direction, rgb_make(weight, weight, weight), 1,
+	       rows);
 	return true;
 }

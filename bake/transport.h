@@ -51,19 +51,25 @@ struct transport_rows {
 };
 
 /*
- * Adds the radiance that leaves a surface towards wo for each cell's unit radiance. Called twice
- * after transport_begin() with either presence, the rows differ only by what the objects do.
+ * Adds the radiance that leaves a surface towards wo for each cell's unit radiance, times weight.
+ * Called twice after transport_begin() with either presence, the rows differ only by what the
+ * objects do.
  */
 void transport_add(struct transport *transport, enum presence presence,
-		   const struct surface *surface, struct v3 wo, const struct transport_rows *rows);
+		   const struct surface *surface, struct v3 wo, struct rgb weight,
+		   const struct transport_rows *rows);
+
+/* Adds the radiance that comes from a direction of the sky, times weight. */
+void transport_add_sky(struct transport *transport, struct v3 direction, struct rgb weight,
+		       const struct transport_rows *rows);
 
 /*
- * What the objects take away from each cell's light on flat ground where no stand-in is: to direct
- * 1 for each cell that is blocked, to bounce (u - s) / albedo of the light that objects throw on
- * the ground (not above 0). Both stay as they are for cells that no path through an object
- * concerns. Returns false when nothing was added.
+ * What the objects take away from each cell's light on flat ground where no stand-in is, times
+ * weight: to direct 1 for each cell that is blocked, to bounce (u - s) / albedo of the light that
+ * objects throw on the ground (not above 0). Both stay as they are for cells that no path through
+ * an object concerns. Returns false when nothing was added.
  */
-bool transport_add_shadow(struct transport *transport, struct v3 position,
+bool transport_add_shadow(struct transport *transport, struct v3 position, float weight,
 			  const struct transport_rows *rows);
 
 #endif

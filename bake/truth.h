@@ -34,6 +34,20 @@ int truth_run(const struct scene *scene, const struct sky *sky, const struct ima
 	      const struct truth_settings *settings, struct image *out, struct truth_report *report,
 	      struct fault *fault);
 
+/* What a renderer of pictures makes of a scene under one sky: linear, black where nothing is seen.
+ */
+struct truth_pictures {
+	struct image with;     /* objects and real surfaces */
+	struct image without;  /* real surfaces alone */
+	struct image alone;    /* what is seen of the objects, over black */
+	struct image coverage; /* the objects' share of each pixel, the same in all channels */
+};
+
+int truth_pictures(const struct scene *scene, const struct sky *sky,
+		   const struct truth_settings *settings, struct truth_pictures *out,
+		   struct fault *fault);
+void truth_pictures_free(struct truth_pictures *pictures); /* idempotent; zeroed is fine */
+
 /* The panorama through the scene's camera, linear, averaged over each pixel. */
 int truth_background(const struct scene *scene, const struct panorama *panorama, struct image *out);
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/options.h"
+#include "bake/commands.h"
 #include "bake/truth.h"
 #include "hal/log.h"
 #include "hal/transfer.h"
@@ -24,6 +24,7 @@ enum {
 	BACKGROUND_OUT,
 	FISHEYE_OUT,
 	FISHEYE_SIZE,
+	POSE,
 	SEED,
 	THREADS,
 	QUIET
@@ -40,6 +41,7 @@ static const struct option options[] = {
 	{"background-out", required_argument, NULL, BACKGROUND_OUT},
 	{"fisheye-out", required_argument, NULL, FISHEYE_OUT},
 	{"fisheye-size", required_argument, NULL, FISHEYE_SIZE},
+	{"pose", required_argument, NULL, POSE},
 	{"seed", required_argument, NULL, SEED},
 	{"threads", required_argument, NULL, THREADS},
 	{"quiet", no_argument, NULL, QUIET},
@@ -48,6 +50,7 @@ static const struct option options[] = {
 };
 
 struct choices {
+	const char *pose;
 	const char *output, *panorama, *background, *background_out, *fisheye_out;
 	double turn_deg, exposure;
 	int width, height, fisheye_side;
@@ -82,6 +85,9 @@ static int take(struct choices *c, int option, struct fault *fault)
 		return 0;
 	case FISHEYE_SIZE:
 		return option_int("--fisheye-size", optarg, 8, 8192, &c->fisheye_side, fault);
+	case POSE:
+		c->pose = optarg;
+		return 0;
 	case SEED:
 		return option_int("--seed", optarg, 0, 2147483647, &c->truth.seed, fault);
 	case THREADS:
@@ -123,11 +129,12 @@ static int decode(const struct image *coded, struct image *out)
 /* 8-bit for .png, linear for the others. */
 static int write_linear(const char *path, const struct image *linear, struct fault *fault)
 {
-	const char *dot = strrchr(path, '.');
 	struct image coded;
-	int err;
+	int err = image_name_linear(path, fault);
 
-	if (!dot || strcmp(dot, ".png") != 0)
+	if (err < 0)
+		return err;
+	if (err)
 		return image_write(path, linear, fault);
 	err = encode(linear, &coded);
 	if (err)
@@ -213,10 +220,13 @@ static int trace(const struct choices *c, const struct scene *scene,
 	struct image background = {.width = 0}, out = {.width = 0};
 	struct truth_report report = {.rays = 0};
 	struct sky sky = {.width = 0};
-	int err = get_background(c, scene, panorama, &background, fault);
+	/* first of all, as it says whether the panorama is one: nothing is written before */
+	int err = sky_create(&sky, panorama, c->panorama, fault);
 
 	if (!err)
-		err = sky_create(&sky, panorama, c->panorama, fault);
+		err = get_background(c, scene, panorama, &background, fault);
+	if (!err && c->fisheye_out)
+		err = write_fisheye(c, panorama, fault);
 	if (!err)
 		err = truth_run(scene, &sky, &background, &c->truth, &out, &report, fault);
 	if (!err)
@@ -232,17 +242,35 @@ static int trace(const struct choices *c, const struct scene *scene,
 	return err;
 }
 
+/* Before minutes are spent on what cannot be written. */
+static int check_names(const struct choices *c, struct fault *fault)
+{
+	const char *const names[] = {c->output, c->background_out, c->fisheye_out};
+
+	for (size_t i = 0; i < sizeof(names) / sizeof(*names); i++) {
+		const int kind = names[i] ? image_name_linear(names[i], fault) : 0;
+
+		if (kind < 0)
+			return kind;
+	}
+	return 0;
+}
+
 static int run_truth(const char *path, struct choices *c, struct fault *fault)
 {
 	struct image picture = {.width = 0};
 	struct panorama panorama = {.image = &picture};
 	struct scene *scene;
-	int err = scene_open(&scene, path, c->width, c->height, fault);
+	int err = check_names(c, fault);
 
+	if (!err)
+		err = scene_open(&scene, path, c->width, c->height, fault);
 	if (err)
 		return err;
 	c->truth.bounces = scene->file->render.bounces;
-	err = image_read(c->panorama, &picture, fault);
+	err = scene_find_pose(scene, c->pose, fault);
+	if (!err)
+		err = image_read(c->panorama, &picture, fault);
 	if (!err && !picture.f32)
 		err = fault_say(fault, -EINVAL,
 				"%s: 8-bit code values, expected a picture of linear light "
@@ -250,8 +278,6 @@ static int run_truth(const char *path, struct choices *c, struct fault *fault)
 				c->panorama);
 	panorama.turn_rad = c->turn_deg * (M_PI / 180);
 	panorama.scale = c->exposure;
-	if (!err && c->fisheye_out)
-		err = write_fisheye(c, &panorama, fault);
 	if (!err)
 		err = trace(c, scene, &panorama, fault);
 	image_free(&picture);
@@ -294,7 +320,8 @@ const struct command truth_command = {
 	.usage = "SCENE --panorama P.hdr -o OUT.png|.pfm [--turn DEG] [--exposure E]\n"
 		 "           [--background IMG] [--samples S] [--size WxH] [--background-out "
 		 "B.png]\n"
-		 "           [--fisheye-out F.pfm] [--fisheye-size N] [--seed K] [--threads T] "
+		 "           [--fisheye-out F.pfm] [--fisheye-size N] [--pose P] [--seed K] "
+		 "[--threads T] "
 		 "[--quiet]",
 	.summary = "path trace the finished composite under a panorama",
 	.help = "\n"
@@ -310,6 +337,7 @@ const struct command truth_command = {
 		"  --background-out F  write the background that was used\n"
 		"  --fisheye-out F     what a perfect fisheye camera at the origin sees\n"
 		"  --fisheye-size N    its side in pixels; 1024\n"
+		"  --pose P            of the scene: number, from 0, or name\n"
 		"  --seed K            of all random numbers\n"
 		"  --threads T         default: one for each processor\n"
 		"  --quiet             print nothing but errors\n",

@@ -217,14 +217,15 @@ struct bounds world_bounds(const struct world *world, enum presence presence)
 
 /* ---- one ray ---- */
 
-/* Distance to the ground, or infinity. */
+/* Distance to the ground, or infinity. What leaves the underside of a mesh that stands on the
+ * ground starts a little below it, and is there. */
 static float ground_distance(const struct world *world, struct v3 origin, struct v3 direction)
 {
 	float t, x, y;
 
-	if (!world->ground || direction.z >= 0 || origin.z < 0)
+	if (!world->ground || direction.z >= 0 || origin.z < -2 * OFFSET_SCALE * world->size)
 		return INFINITY;
-	t = -origin.z / direction.z;
+	t = fmaxf(-origin.z / direction.z, 0);
 	x = origin.x + t * direction.x;
 	y = origin.y + t * direction.y;
 	return x * x + y * y <= world->extent2 ? t : INFINITY;

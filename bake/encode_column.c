@@ -1,0 +1,191 @@
+/* A light's own column: the cheapest that brings what patterns leave of it inside what may be left.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "bake/encode_split.h"
+
+/* Added to a number below 2^22 and taken away again, it leaves the nearest integer. */
+#define ROUNDING 0x1.8p23F
+/* Scales that are tried for 8 bits: the finest, and some coarser ones that may happen to round
+ * every value well enough. */
+#define SCALES 16
+#define SCALE_STEP 0.01
+/* Columns of 16 bits are rounded to multiples of a power of two, the largest that does: lower bits
+ * that nobody needs are noise, which does not pack. */
+#define COARSEST_BITS 7
+/* A channel that is tinted darker is as good as black. */
+#define DARKEST_TINT 1e-9F
+/* A scale is a float, and what the compositor multiplies it by as well. */
+#define REACH_ROUNDING 1e-6
+
+/* What column->value, of one channel or three, leaves of wanted. */
+static void leave_column(const struct split *split, bool mono, const float *wanted,
+			 const struct split_column *column, float *left)
+{
+	const int pixels = split->part->pixels;
+
+	for (int c = 0; c < split->part->channels; c++) {
+		const int16_t *value = column->value + (mono ? 0 : c * pixels);
+		const float *share = split->tint_share[c];
+
+		for (int p = 0; p < pixels; p++) {
+			const float is = column->scale * (float)value[p];
+
+			left[c * pixels + p] = wanted[c * pixels + p] - (mono ? share[p] * is : is);
+		}
+	}
+}
+
+/* Multiples of unit, at most most. Where the scale is too small to be stored, it is 0, and so are
+ * they. */
+static void quantise(const float *from, int count, double scale, int most, int unit,
+		     struct split_column *column)
+{
+	const bool nothing = !(scale >= (double)FLT_MIN);
+	const float by = nothing ? 0 : (float)(1 / scale / unit), limit = (float)(most / unit);
+
+	column->scale = nothing ? 0 : (float)scale;
+	for (int k = 0; k < count; k++) {
+		const float is = by * from[k];
+		const float inside = is > limit ? limit : is < -limit ? -limit : is;
+
+		column->value[k] = (int16_t)((int)(inside + ROUNDING - ROUNDING) * unit);
+	}
+}
+
+/* Between what each value of a column has to be, so that what it leaves may be left. */
+struct between {
+	int count;
+	float least[PART_ROWS], most[PART_ROWS];
+	float needed; /* no column does that does not reach so far */
+};
+
+/* Of one channel: what does for all three, tinted. */
+static void find_between(const struct split *split, bool mono, int light, const float *wanted,
+			 struct between *b)
+{
+	const struct part *part = split->part;
+	const int pixels = part->pixels;
+	const size_t first = (size_t)light * (size_t)part->rows;
+
+	b->count = mono ? pixels : part->rows;
+	b->needed = 0;
+	for (int c = 0; c < part->channels; c++)
+		for (int p = 0; p < pixels; p++) {
+			const int r = c * pixels + p, k = mono ? p : r;
+			const float share = mono ? split->tint_share[c][p] : 1;
+			const float per = share > DARKEST_TINT ? 1 / share : 1 / DARKEST_TINT;
+			const float low = per * (wanted[r] - part->most_left[first + (size_t)r]);
+			const float high = per * (wanted[r] - part->least_left[first + (size_t)r]);
+			const bool fresh = !mono || !c;
+
+			b->least[k] = fresh || low > b->least[k] ? low : b->least[k];
+			b->most[k] = fresh || high < b->most[k] ? high : b->most[k];
+		}
+	for (int k = 0; k < b->count; k++) {
+		b->needed = b->least[k] > b->needed ? b->least[k] : b->needed;
+		b->needed = -b->most[k] > b->needed ? -b->most[k] : b->needed;
+	}
+}
+
+/* The nearest integers that lie between. False: somewhere there is none. */
+static bool quantise_between(const struct between *b, const float *from, double scale, int most,
+			     struct split_column *column)
+{
+	const float by = (float)(1 / scale), limit = (float)most;
+
+	if (!(scale >= (double)FLT_MIN))
+		return false;
+	column->scale = (float)scale;
+	for (int k = 0; k < b->count; k++) {
+		const float low = by * b->least[k] > -limit ? by * b->least[k] : -limit;
+		const float high = by * b->most[k] < limit ? by * b->most[k] : limit;
+		const float best = by * from[k];
+		const float inside = best < low ? low : best > high ? high : best;
+		float is = (inside > limit ? limit : inside) + ROUNDING - ROUNDING;
+
+		is += is < low ? 1 : is > high ? -1 : 0;
+		if (!(is >= low && is <= high))
+			return false;
+		column->value[k] = (int16_t)is;
+	}
+	return true;
+}
+
+/* Rounded to what is nearest, some values may be off by more than they may, although others that
+ * the form has would not be. */
+static bool try_between(const struct split *split, bool mono, int light, double reach,
+			const float *wanted, const float *from, float *left,
+			struct split_column *column)
+{
+	const int most = column_most(column->form);
+	struct between b;
+
+	find_between(split, mono, light, wanted, &b);
+	for (int k = 0; k < SCALES; k++) {
+		const double scale = fmax(reach, (double)b.needed) / most * (1 + SCALE_STEP * k);
+
+		if (!quantise_between(&b, from, scale, most, column))
+			continue;
+		leave_column(split, mono, wanted, column, left);
+		if (part_cell_holds(split->part, light, left))
+			return true;
+	}
+	return false;
+}
+
+/* Whether a column of this form that reaches so far does for wanted; left becomes what it leaves.
+ */
+static bool try_form(const struct split *split, enum column_form form, int light, double reach,
+		     const float *wanted, float *left, struct split_column *column)
+{
+	const int pixels = split->part->pixels, most = column_most(form);
+	const bool mono = form == COLUMN_MONO8 || form == COLUMN_MONO16;
+	const bool narrow = form == COLUMN_MONO8 || form == COLUMN_COLOUR8;
+	const int count = mono ? pixels : split->part->rows;
+	const float *from = wanted;
+	float one[PART_PIXELS];
+	double largest = reach;
+
+	if (mono && split->colour) {
+		split_untint(split, wanted, one);
+		from = one;
+	}
+	for (int k = 0; k < count; k++)
+		largest = fmax(largest, (double)fabsf(from[k]));
+	column->form = form;
+	for (int k = 0; k < (narrow ? SCALES : COARSEST_BITS + 1); k++) {
+		const int unit = narrow ? 1 : 1 << (COARSEST_BITS - k);
+		const double wider = narrow ? 1 + SCALE_STEP * k : 1;
+
+		quantise(from, count, largest / (most / unit * unit) * wider, most, unit, column);
+		leave_column(split, mono, wanted, column, left);
+		if (part_cell_holds(split->part, light, left))
+			return true;
+	}
+	return narrow && try_between(split, mono, light, reach, wanted, from, left, column);
+}
+
+void split_find_column(const struct split *split, int light, float *left,
+		       struct split_column *column)
+{
+	/* By what they cost. */
+	static const enum column_form order[] = {COLUMN_MONO8, COLUMN_MONO16, COLUMN_COLOUR8,
+						 COLUMN_COLOUR16};
+	const double reach = part_column_reach(split->part, light, left) * (1 + REACH_ROUNDING);
+	float wanted[PART_ROWS];
+
+	memcpy(wanted, left, (size_t)split->part->rows * sizeof(*left));
+	for (int k = 0; k < 4; k++) {
+		const bool mono = k < 2, narrow = k % 2 == 0;
+
+		if (mono ? !split->mono : !split->colour)
+			continue;
+		if (narrow && split->wide[mono ? 0 : 1])
+			continue;
+		if (try_form(split, order[k], light, reach, wanted, left, column))
+			return;
+	}
+}

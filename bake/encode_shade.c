@@ -1,0 +1,73 @@
+#include "bake/encode_shade.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A sun in the cell that leaves the object darkest, one in that of the deepest shadow, each of
+ * these sizes. */
+static const double sizes[] = {3, 10};
+#define SIZES ((int)(sizeof(sizes) / sizeof(*sizes)))
+#define OWN (2 * SIZES)
+
+int shade_create(struct shade *shade, const struct encode_settings *settings)
+{
+	const struct ensemble *common = settings->ensemble;
+	const size_t sky = 3 * (size_t)common->lights;
+
+	*shade = (struct shade){.skies = *common, .common = common->skies};
+	shade->skies.skies += OWN;
+	shade->skies.radiance = calloc((size_t)shade->skies.skies * sky,
+				       sizeof(*shade->skies.radiance));
+	if (!shade->skies.radiance)
+		return -ENOMEM;
+	memcpy(shade->skies.radiance, common->radiance,
+	       (size_t)common->skies * sky * sizeof(*common->radiance));
+	return 0;
+}
+
+void shade_free(struct shade *shade)
+{
+	ensemble_free(&shade->skies);
+	*shade = (struct shade){.common = 0};
+}
+
+/* The light whose values come to least (of an object), or to most (of what a shadow takes). */
+static int darkest(const struct part *part, int lights)
+{
+	const double sign = part->kind == BASIS_KIND_T ? -1 : 1;
+	double most = 0;
+	int best = 0;
+
+	for (int i = 0; i < lights; i++) {
+		const float *value = part->value + (size_t)i * (size_t)part->rows;
+		double sum = 0;
+
+		for (int r = 0; r < part->rows; r++)
+			sum += sign * (double)value[r];
+		if (!i || sum > most) {
+			most = sum;
+			best = i;
+		}
+	}
+	return best;
+}
+
+void shade_set(struct shade *shade, const struct encode_settings *settings,
+	       const struct part *parts, int count)
+{
+	const size_t sky = 3 * (size_t)settings->lights;
+	float *to = shade->skies.radiance + (size_t)shade->common * sky;
+	int object = -1, shadow = -1;
+
+	for (int k = 0; k < count; k++)
+		if (parts[k].kind == BASIS_KIND_T)
+			object = darkest(&parts[k], settings->lights);
+		else if (parts[k].kind != BASIS_KIND_U)
+			shadow = darkest(&parts[k], settings->lights);
+	object = object >= 0 ? object : shadow;
+	shadow = shadow >= 0 ? shadow : object;
+	for (int k = 0; k < OWN && object >= 0; k++)
+		ensemble_sun(settings->light, settings->lights, k % 2 ? shadow : object,
+			     sizes[k / 2], to + (size_t)k * sky);
+}

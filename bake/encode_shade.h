@@ -1,0 +1,24 @@
+/*
+ * The ensemble's skies, and a tile's own: suns that leave it dark. There the rest of the sky is all
+ * that it is seen by, dim enough for each of its columns to be left out of a frame, and what they
+ * come to together is seen best. Private to the encoder.
+ */
+#ifndef INLAY_BAKE_ENCODE_SHADE_H
+#define INLAY_BAKE_ENCODE_SHADE_H
+
+#include "bake/encode_part.h"
+
+struct shade {
+	struct ensemble skies; /* the settings', then the tile's; its own memory */
+	int common;	       /* of the settings' */
+};
+
+/* -ENOMEM. */
+int shade_create(struct shade *shade, const struct encode_settings *settings);
+void shade_free(struct shade *shade); /* zeroed is fine */
+
+/* Sets the tile's own from its parts, which are loaded and not yet exposed. */
+void shade_set(struct shade *shade, const struct encode_settings *settings,
+	       const struct part *parts, int count);
+
+#endif

@@ -1,0 +1,167 @@
+#include "bake/export_job.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "bake/angles.h"
+#include "bake/export_mesh.h"
+
+int export_job_open(const struct export_job *job, const char *name, struct output *out,
+		    struct fault *fault)
+{
+	char path[PATH_MAX];
+
+	if (snprintf(path, sizeof(path), "%s/%s", job->folder, name) >= (int)sizeof(path))
+		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", job->folder);
+	return output_open(out, path, fault);
+}
+
+double export_job_reach(const struct export_job *job)
+{
+	const struct scene_ground_values *ground = &job->scene->file->ground;
+
+	if (!ground->given)
+		return job->span;
+	return ground->extent > 0 ? ground->extent : job->span * EXPORT_REACH;
+}
+
+void export_job_import(const struct export_job *job, const char *ending, char *text, size_t room)
+{
+	const int d = job->digits;
+
+	snprintf(text, room,
+		 "inlay-bake import --angles angles.txt --object 'o%%0%dd.%s' "
+		 "--ground 'g%%0%dd.%s' --alone 'a%%0%dd.%s' --coverage coverage.%s -o out.inlay",
+		 d, ending, d, ending, d, ending, ending);
+}
+
+static int make_folder(const char *folder, struct fault *fault)
+{
+	struct stat about;
+
+	if (mkdir(folder, 0777) == 0)
+		return 0;
+	if (errno != EEXIST)
+		return fault_say(fault, -errno, "%s: cannot be made: %s", folder, strerror(errno));
+	if (stat(folder, &about) || !S_ISDIR(about.st_mode))
+		return fault_say(fault, -ENOTDIR, "%s: is no folder, expected one or nothing",
+				 folder);
+	return 0;
+}
+
+static int write_angles(const struct export_job *job, struct fault *fault)
+{
+	struct output out;
+	int err = export_job_open(job, "angles.txt", &out, fault);
+
+	if (err)
+		return err;
+	angles_write(out.stream, job->dome);
+	return output_commit(&out, fault);
+}
+
+/* ---- materials ---- */
+
+static int write_texture(const struct export_job *job, int number, struct fault *fault)
+{
+	const struct material *material = job->material[number];
+	const struct image *from = &material->texture->image;
+	const size_t pixels = (size_t)from->width * (size_t)from->height;
+	char path[PATH_MAX];
+	struct image to;
+	int err = image_create_f32(&to, from->width, from->height);
+
+	if (err)
+		return fault_say(fault, err, "%s: out of memory", job->folder);
+	for (size_t k = 0; k < 3 * pixels; k++) {
+		const float value = from->f32 ? from->f32[k]
+					      : material->texture->decode[from->u8[k]];
+
+		to.f32[k] = fminf(value * material->colour.c[k % 3], 1);
+	}
+	if (snprintf(path, sizeof(path), "%s/texture%d.hdr", job->folder, number) >=
+	    (int)sizeof(path))
+		err = fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", job->folder);
+	else
+		err = image_write(path, &to, fault);
+	image_free(&to);
+	return err;
+}
+
+static int write_textures(const struct export_job *job, struct fault *fault)
+{
+	int err = 0;
+
+	for (int k = 0; !err && k < job->material_count; k++)
+		if (job->material[k]->texture)
+			err = write_texture(job, k, fault);
+	return err;
+}
+
+/* ---- what is there ---- */
+
+static double longest(const struct mesh *mesh)
+{
+	double most = 0;
+
+	for (int k = 0; k < mesh->part_count; k++) {
+		const struct mesh_part *part = &mesh->parts[k];
+
+		for (int v = 0; v < part->vertices; v++) {
+			const float *p = part->position[v];
+
+			most = fmax(most, sqrt((double)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])));
+		}
+	}
+	return most;
+}
+
+static void look_around(struct export_job *job)
+{
+	const struct scene *scene = job->scene;
+
+	job->span = (double)v3_length(scene->eye);
+	for (int k = 0; k < scene->file->mesh_count; k++) {
+		job->span = fmax(job->span, longest(&scene->meshes[k]));
+		*(scene->file->mesh[k].standin ? &job->has_standins : &job->has_objects) = true;
+	}
+	job->digits = snprintf(NULL, 0, "%d", job->dome->count - 1);
+	job->digits = job->digits < 3 ? 3 : job->digits;
+}
+
+int export_job_begin(struct export_job *job, const struct scene *scene, const struct dome *dome,
+		     const char *folder, struct fault *fault)
+{
+	int err;
+
+	*job = (struct export_job){.scene = scene, .dome = dome, .folder = folder};
+	look_around(job);
+	if (!scene->file->ground.given && !job->has_standins)
+		return fault_say(fault, -EINVAL,
+				 "%s: no [ground] and no [standin], expected something real that "
+				 "pictures can show",
+				 scene->path);
+	err = make_folder(folder, fault);
+	if (!err)
+		err = export_materials(job, fault);
+	if (!err)
+		err = write_angles(job, fault);
+	if (!err)
+		err = write_textures(job, fault);
+	if (!err && job->has_objects)
+		err = export_meshes(job, false, "objects.obj", fault);
+	if (!err && job->has_standins)
+		err = export_meshes(job, true, "standins.obj", fault);
+	if (err)
+		export_job_end(job);
+	return err;
+}
+
+void export_job_end(struct export_job *job)
+{
+	free(job->material);
+	*job = (struct export_job){.material = NULL};
+}

@@ -1,0 +1,160 @@
+#include "bake/mesh_mtl.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define BLANKS " \t\r\n"
+
+/* What an OBJ's libraries define: names, one after the other, each with its 0. */
+struct names {
+	char *text;
+	size_t bytes;
+	bool any_library;
+	/* A library that could not be opened: wanted only where a material is. NULL: none. */
+	char *missing;
+	int missing_line, missing_error;
+};
+
+/* What follows a word at the beginning of a line, without blanks around it; NULL: another word. */
+static char *after(char *line, const char *word)
+{
+	const size_t length = strlen(word);
+	char *end;
+
+	line += strspn(line, BLANKS);
+	if (strncmp(line, word, length) != 0 || !line[length] || !strchr(BLANKS, line[length]))
+		return NULL;
+	line += length + strspn(line + length, BLANKS);
+	end = line + strlen(line);
+	while (end > line && strchr(BLANKS, end[-1]))
+		*--end = '\0';
+	return line;
+}
+
+static bool is_named(const struct names *names, const char *name)
+{
+	for (size_t at = 0; at < names->bytes; at += strlen(names->text + at) + 1)
+		if (strcmp(names->text + at, name) == 0)
+			return true;
+	return false;
+}
+
+static int add_name(struct names *names, const char *name)
+{
+	const size_t bytes = strlen(name) + 1;
+	char *grown = realloc(names->text, names->bytes + bytes);
+
+	if (!grown)
+		return -ENOMEM;
+	names->text = grown;
+	memcpy(grown + names->bytes, name, bytes);
+	names->bytes += bytes;
+	return 0;
+}
+
+/* The library of a line, or, as assimp has it, the one that is named as the mesh. */
+static FILE *open_library(const char *path, const char *library)
+{
+	const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+	char name[PATH_MAX];
+	FILE *file = NULL;
+
+	if (snprintf(name, sizeof(name), "%.*s%s", slash ? (int)(slash - path) + 1 : 0, path,
+		     library) < (int)sizeof(name))
+		file = fopen(name, "r");
+	if (!file &&
+	    snprintf(name, sizeof(name), "%.*s.mtl", (int)(dot - path), path) < (int)sizeof(name))
+		file = fopen(name, "r");
+	return file;
+}
+
+static int read_library(struct names *names, FILE *file)
+{
+	char *line = NULL;
+	size_t room = 0;
+	int err = 0;
+
+	while (!err && getline(&line, &room, file) >= 0) {
+		const char *name = after(line, "newmtl");
+
+		err = name ? add_name(names, name) : 0;
+	}
+	free(line);
+	return err;
+}
+
+static int miss_library(struct names *names, const char *library, int number)
+{
+	const int err = -errno;
+
+	if (names->missing)
+		return 0;
+	names->missing = strdup(library);
+	names->missing_line = number;
+	names->missing_error = err;
+	return names->missing ? 0 : -ENOMEM;
+}
+
+static int check_used(const struct names *names, const char *used, const char *path, int number,
+		      struct fault *fault)
+{
+	if (!names->any_library || is_named(names, used))
+		return 0;
+	if (names->missing)
+		return fault_say(fault, -ENOENT,
+				 "%s:%d: mtllib %s: cannot be opened: %s, expected it beside the "
+				 "mesh, or a material in the scene file",
+				 path, names->missing_line, names->missing,
+				 strerror(-names->missing_error));
+	return fault_say(fault, -EINVAL,
+			 "%s:%d: usemtl %s: its libraries have no such material, expected newmtl "
+			 "%s in one, or a material in the scene file",
+			 path, number, used, used);
+}
+
+static int check_line(struct names *names, char *line, const char *path, int number,
+		      struct fault *fault)
+{
+	const char *library = after(line, "mtllib"), *used = library ? NULL : after(line, "usemtl");
+	FILE *file;
+	int err;
+
+	if (used)
+		return check_used(names, used, path, number, fault);
+	if (!library)
+		return 0;
+	names->any_library = true;
+	file = open_library(path, library);
+	if (file) {
+		err = read_library(names, file);
+		fclose(file);
+	} else {
+		err = miss_library(names, library, number);
+	}
+	return err ? fault_say(fault, err, "%s: out of memory", path) : 0;
+}
+
+int mesh_mtl_check(const char *path, struct fault *fault)
+{
+	const char *dot = strrchr(path, '.');
+	FILE *file = dot && strcasecmp(dot, ".obj") == 0 ? fopen(path, "r") : NULL;
+	struct names names = {.text = NULL};
+	char *line = NULL;
+	size_t room = 0;
+	int err = 0, number = 0;
+
+	/* one that cannot be opened is said by whoever reads it */
+	while (file && !err && getline(&line, &room, file) >= 0)
+		err = check_line(&names, line, path, ++number, fault);
+	if (file)
+		fclose(file);
+	free(line);
+	free(names.missing);
+	free(names.text);
+	return err;
+}

@@ -1,0 +1,11 @@
+/* Whether an OBJ's materials are there: assimp makes grey of those that are not, without a word. */
+#ifndef INLAY_BAKE_MESH_MTL_H
+#define INLAY_BAKE_MESH_MTL_H
+
+#include "hal/fault.h"
+
+/* 0 for any other file. -ENOENT: an mtllib that cannot be opened, where a usemtl may have meant it;
+ * -EINVAL: a usemtl that none of them has. The fault names file and line. */
+int mesh_mtl_check(const char *path, struct fault *fault);
+
+#endif
