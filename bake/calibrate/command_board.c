@@ -1,0 +1,70 @@
+/* inlay-calibrate board: a board to print. */
+#include <getopt.h>
+#include <stdlib.h>
+
+#include "bake/calibrate/boards.h"
+#include "bake/calibrate/commands.h"
+#include "hal/log.h"
+
+/* Fills a4 and letter, and may be seen in part. */
+#define DEFAULT_BOARD "charuco:7x9:26mm:19mm"
+#define DEFAULT_PAGE "a4"
+
+enum { BOARD = 1, PAGE };
+
+static const struct option options[] = {
+	{"board", required_argument, NULL, BOARD},
+	{"page", required_argument, NULL, PAGE},
+	{"output", required_argument, NULL, 'o'},
+	OPTIONS_OF_ALL,
+	{NULL, 0, NULL, 0},
+};
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	const char *spec = DEFAULT_BOARD, *page = DEFAULT_PAGE, *path = NULL;
+	struct fault fault = {.text = ""};
+	struct board board;
+	int option;
+
+	while ((option = getopt_long(argc, argv, "o:", options, NULL)) != -1) {
+		if (option == BOARD)
+			spec = optarg;
+		else if (option == PAGE)
+			page = optarg;
+		else if (option == 'o')
+			path = optarg;
+		else
+			return command_answer(command, option);
+	}
+	if (optind != argc)
+		return command_wrong(command, "expected no more than options, not \"%s\"",
+				     argv[optind]);
+	if (!path)
+		return command_wrong(command, "expected -o FILE.pdf");
+	if (board_parse(&board, spec, &fault))
+		return command_wrong(command, "--board %s", fault.text);
+	if (board_print(&board, page, path, &fault)) {
+		log_error("%s", fault.text);
+		return EXIT_FAILURE;
+	}
+	return EXIT_SUCCESS;
+}
+
+const struct command board_command = {
+	.name = "board",
+	.usage = "[--board BOARD] [--page PAGE] -o FILE.pdf",
+	.summary = "a board to print, at its true size",
+	.help = "\n"
+		"Print it at 100 % (not fitted to the page), measure the ruler on it, and fix it "
+		"to\n"
+		"something flat.\n"
+		"\n"
+		"  --board BOARD  charuco:COLUMNSxROWS:SQUARE:MARKER, squares with markers: may be "
+		"seen in part\n"
+		"                 chess:COLUMNSxROWS:SQUARE, columns and rows of inner corners\n"
+		"                 circles:COLUMNSxROWS:STEP, asymmetric, an odd number of rows\n"
+		"                 (" DEFAULT_BOARD ")\n"
+		"  --page PAGE    a4, a3, letter (" DEFAULT_PAGE ")\n",
+	.run = run,
+};

@@ -1,0 +1,383 @@
+/* inlay-calibrate camera: where the background camera stands, and what its lens does. */
+#include <errno.h>
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/camera.h"
+#include "bake/calibrate/camera_file.h"
+#include "bake/calibrate/commands.h"
+#include "bake/calibrate/convert.h"
+#include "bake/calibrate/lens_job.h"
+#include "hal/log.h"
+#include "hal/optics/vec.h"
+
+/* What a kiosk's camera is from what it looks at, generously. */
+#define NEAREST_M 0.02
+#define FARTHEST_M 300
+#define FARTHEST 1e12 /* in any unit */
+
+enum {
+	POINTS = 1,
+	IMAGES,
+	LIVE,
+	BOARD,
+	VIEWS,
+	SIZE,
+	CENTRE,
+	CENTRE_DEVIATION,
+	PIXEL,
+	Y_UP,
+	PIXEL_CENTRE,
+	DISTORTION,
+	METHOD,
+	ROBUST,
+	INTRINSICS,
+	REFERENCE,
+	OBJECT,
+	TOLERANCE,
+	UNIT,
+	Z_DOWN
+};
+
+static const struct option options[] = {
+	{"points", required_argument, NULL, POINTS},
+	{"images", required_argument, NULL, IMAGES},
+	{"live", required_argument, NULL, LIVE},
+	{"board", required_argument, NULL, BOARD},
+	{"views", required_argument, NULL, VIEWS},
+	{"size", required_argument, NULL, SIZE},
+	{"centre", required_argument, NULL, CENTRE},
+	{"centre-deviation", required_argument, NULL, CENTRE_DEVIATION},
+	{"pixel", required_argument, NULL, PIXEL},
+	{"y-up", no_argument, NULL, Y_UP},
+	{"pixel-centre", required_argument, NULL, PIXEL_CENTRE},
+	{"distortion", required_argument, NULL, DISTORTION},
+	{"method", required_argument, NULL, METHOD},
+	{"robust", no_argument, NULL, ROBUST},
+	{"intrinsics", required_argument, NULL, INTRINSICS},
+	{"reference", required_argument, NULL, REFERENCE},
+	{"object", required_argument, NULL, OBJECT},
+	{"tolerance", required_argument, NULL, TOLERANCE},
+	{"unit", required_argument, NULL, UNIT},
+	{"z-down", no_argument, NULL, Z_DOWN},
+	OPTIONS_OF_LENS,
+};
+
+static const char *const method_names[] = {"full", "three", NULL};
+static const char *const unit_names[] = {"m", "cm", "mm", "in", NULL};
+static const double unit_mm[] = {1000, 10, 1, 25.4};
+
+struct job {
+	struct lens_job lens;
+	struct camera_task task;
+	struct points_convention convention;
+	int source; /* POINTS, IMAGES or LIVE */
+	const char *board, *intrinsics, *reference;
+	int views;
+	bool pixel_given;
+	struct lens_ini known;
+};
+
+/* ---- options ---- */
+
+/* Files that follow belong to it. */
+static int read_source(struct job *job, int option, struct fault *fault)
+{
+	if (job->source && job->source != option)
+		return fault_say(fault, -EINVAL, "expected one of --points, --images and --live");
+	job->source = option;
+	job->lens.more = option != LIVE;
+	job->lens.file[job->lens.files++] = optarg;
+	return 0;
+}
+
+static int read_object(struct job *job, struct fault *fault)
+{
+	double number[4] = {0};
+	const int count = option_reals("--object", optarg, 3, 4, -FARTHEST, FARTHEST, number,
+				       fault);
+
+	if (count < 0)
+		return count;
+	if (number[3] < 0)
+		return fault_say(fault, -EINVAL, "--object: a radius of %g, expected 0 or more",
+				 number[3]);
+	job->task.object_given = true;
+	memcpy(job->task.object, number, sizeof(job->task.object));
+	job->task.object_radius = number[3];
+	return 0;
+}
+
+static int read_pixel(struct job *job, struct fault *fault)
+{
+	const int count = option_reals("--pixel", optarg, 2, 2, 1e-9, FARTHEST, job->task.pixel,
+				       fault);
+
+	job->pixel_given = true;
+	return count < 0 ? count : 0;
+}
+
+static int read_lens_option(struct job *job, int option, struct fault *fault)
+{
+	struct camera_task *task = &job->task;
+	int chosen = 0, err;
+
+	switch (option) {
+	case SIZE:
+		return option_size("--size", optarg, &task->width, &task->height, fault);
+	case CENTRE:
+		task->centre_given = true;
+		err = option_reals("--centre", optarg, 2, 2, -FARTHEST, FARTHEST, task->centre_px,
+				   fault);
+		return err < 0 ? err : 0;
+	case CENTRE_DEVIATION:
+		return option_real("--centre-deviation", optarg, 0, FARTHEST,
+				   &task->centre_deviation_px, fault);
+	case PIXEL:
+		return read_pixel(job, fault);
+	case Y_UP:
+		job->convention.y_up = 1;
+		return 0;
+	case PIXEL_CENTRE:
+		return option_real("--pixel-centre", optarg, 0, 0.5, &job->convention.pixel_centre,
+				   fault);
+	case DISTORTION:
+		return option_choice("--distortion", optarg, tsai_distortion_names,
+				     &task->distortion, fault);
+	case METHOD:
+		err = option_choice("--method", optarg, method_names, &chosen, fault);
+		task->method = chosen ? CAMERA_THREE : CAMERA_FULL;
+		return err;
+	default:
+		job->intrinsics = optarg;
+		return 0;
+	}
+}
+
+static int read_option(void *context, int option, struct fault *fault)
+{
+	struct job *job = context;
+	int unit = 0, err;
+
+	switch (option) {
+	case POINTS:
+	case IMAGES:
+	case LIVE:
+		return read_source(job, option, fault);
+	case BOARD:
+		job->board = optarg;
+		return 0;
+	case VIEWS:
+		return option_int("--views", optarg, 1, 1000, &job->views, fault);
+	case ROBUST:
+		job->task.robust = true;
+		return 0;
+	case REFERENCE:
+		job->reference = optarg;
+		return 0;
+	case OBJECT:
+		return read_object(job, fault);
+	case TOLERANCE:
+		return option_real("--tolerance", optarg, 1e-6, 1e6, &job->task.tolerance_px,
+				   fault);
+	case UNIT:
+		err = option_choice("--unit", optarg, unit_names, &unit, fault);
+		job->task.unit_mm = unit_mm[unit];
+		return err;
+	case Z_DOWN:
+		job->task.z_down = true;
+		return 0;
+	default:
+		return read_lens_option(job, option, fault);
+	}
+}
+
+static int check_options(const void *context, struct fault *fault)
+{
+	const struct job *job = context;
+
+	if (!job->source)
+		return fault_say(fault, -EINVAL, "expected --points, --images or --live");
+	if ((job->source != POINTS) != (job->board != NULL))
+		return fault_say(fault, -EINVAL,
+				 job->board ? "--board goes with --images or --live"
+					    : "--board is missing");
+	if (job->source == POINTS && !job->task.width && !job->intrinsics)
+		return fault_say(fault, -EINVAL, "--size is missing");
+	if (job->task.width && (job->source != POINTS || job->intrinsics))
+		return fault_say(fault, -EINVAL, "--size: the %s how large the picture is",
+				 job->intrinsics ? "file of --intrinsics says"
+						 : "pictures themselves say");
+	if (job->intrinsics &&
+	    (job->pixel_given || job->task.centre_given || job->task.centre_deviation_px >= 0))
+		return fault_say(fault, -EINVAL,
+				 "--pixel, --centre and --centre-deviation: the file of "
+				 "--intrinsics says them");
+	return 0;
+}
+
+/* ---- work ---- */
+
+static int read_intrinsics(struct job *job, struct fault *fault)
+{
+	struct fault why = {.text = ""};
+	int err;
+
+	if (!job->intrinsics)
+		return 0;
+	err = lens_read_ini(&job->known, job->intrinsics, fault);
+	if (err)
+		return err;
+	if (!job->known.camera_given)
+		return fault_say(fault, -EINVAL, "%s: expected a section [camera]",
+				 job->intrinsics);
+	if (tsai_check(&job->known.camera, &why))
+		return fault_say(fault, -EINVAL, "%s: %s", job->intrinsics, why.text);
+	job->task.intrinsics = &job->known.camera;
+	job->task.width = job->known.camera.width;
+	job->task.height = job->known.camera.height;
+	return 0;
+}
+
+static int gather(struct job *job, struct gathering *all, struct fault *fault)
+{
+	struct board board;
+	int err = 0;
+
+	if (job->board) {
+		err = board_parse(&board, job->board, fault);
+		board.unit = 1 / job->task.unit_mm;
+	}
+	if (err)
+		return err;
+	job->convention.height = job->task.height;
+	if (job->source == POINTS)
+		return gather_points(all, job->lens.file, job->lens.files, &job->convention, fault);
+	if (job->source == IMAGES)
+		err = gather_images(all, job->lens.file, job->lens.files, &board, fault);
+	else
+		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &board, job->views,
+				  fault);
+	if (err)
+		return err;
+	if (job->intrinsics &&
+	    (all->seen.width != job->task.width || all->seen.height != job->task.height))
+		return fault_say(fault, -EINVAL,
+				 "%s is of pictures of %d x %d, these are of %d x %d",
+				 job->intrinsics, job->task.width, job->task.height,
+				 all->seen.width, all->seen.height);
+	job->task.width = all->seen.width;
+	job->task.height = all->seen.height;
+	return 0;
+}
+
+/* --centre is counted as the points are. */
+static void place_centre(struct job *job)
+{
+	double *centre = job->task.centre_px;
+
+	for (int k = 0; k < 2; k++)
+		centre[k] += 0.5 - job->convention.pixel_centre;
+	if (job->convention.y_up)
+		centre[1] = job->task.height - centre[1];
+}
+
+/* A scene in mm that is read as m is as good a picture of itself. */
+static void warn_of_unit(const struct job *job, const struct camera_solution *solution)
+{
+	const double metres = vec_length(solution->camera.translation) * job->task.unit_mm / 1000;
+
+	if (solution->solved && !(metres > NEAREST_M && metres < FARTHEST_M))
+		log_warning("the world's origin is %.3g m from the camera: is --unit right?",
+			    metres);
+}
+
+/* Writes what there is to write; 1: done, and not to be trusted. */
+static int conclude(const struct job *job, const struct gathering *all,
+		    const struct camera_solution *solution, struct fault *fault)
+{
+	const bool trusted = solution->finding.verdict.trusted;
+	int err = lens_job_report(&job->lens, all, &solution->finding, fault);
+
+	camera_print(stdout, "", solution);
+	warn_of_unit(job, solution);
+	if (!err && solution->solved && (trusted || job->lens.force))
+		err = camera_file_write(job->lens.output, solution, fault);
+	return err ? err : verdict_end(&solution->finding.verdict);
+}
+
+static int work(void *context, struct fault *fault)
+{
+	struct job *job = context;
+	struct gathering all = {.picture = NULL};
+	struct camera_solution solution = {.solved = false};
+	int err = read_intrinsics(job, fault);
+
+	if (!err)
+		err = gather(job, &all, fault);
+	if (!err && job->task.centre_given)
+		place_centre(job);
+	if (!err && job->reference) {
+		job->task.reference = gather_view(&all, job->reference);
+		if (job->task.reference < 0)
+			err = fault_say(fault, -EINVAL,
+					"--reference: \"%s\", expected a file, or its number of 1 "
+					"to %d",
+					job->reference, all.seen.views);
+	}
+	if (!err)
+		err = camera_calibrate(&all.seen, &job->task, &solution, fault);
+	if (!err)
+		err = conclude(job, &all, &solution, fault);
+	camera_solution_free(&solution);
+	gather_free(&all);
+	return err;
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	static const struct lens_calls calls = {options, read_option, check_options, work};
+	struct job job = {
+		.task = camera_task_default(), .convention = {.pixel_centre = 0.5}, .views = 1};
+
+	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
+}
+
+const struct command camera_command = {
+	.name = "camera",
+	.usage = "(--points FILE ... | --images 'GLOB' ... --board BOARD |\n"
+		 "        --live CONFIG --board BOARD [--views N]) [options] -o CAM.ini",
+	.summary = "where the background camera stands, and what its lens does",
+	.help = "\n"
+		"  --points F ...     files of lines xw yw zw xf yf, each a view\n"
+		"  --images 'G' ...   photographs of a board\n"
+		"  --live CONFIG      the background camera of a kiosk's configuration\n"
+		"  --board BOARD      9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm\n"
+		"  --views N          live: pictures of the board at most (1); the screen says "
+		"where\n"
+		"  --size WxH         of the picture the points are in\n"
+		"  --y-up             their y counts upwards from the lower edge\n"
+		"  --pixel-centre P   where they have a pixel's centre: 0.5 (default) or 0\n"
+		"  --centre X,Y       first guess of the axis, counted as the points (the middle)\n"
+		"  --centre-deviation PX  of that, one standard deviation; 0: it is exact (2.5 % "
+		"of\n"
+		"                     the picture's diagonal)\n"
+		"  --pixel DX,DY      size of a pixel in mm; without it f is in pixels\n"
+		"  --distortion D     distorts (the thesis's, default) or undistorts (Tsai's)\n"
+		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"
+		"  --robust           points that do not fit the others count less, and are named\n"
+		"  --intrinsics F     the lens is known from this CAM.ini: the pose alone\n"
+		"  --reference VIEW   photograph, or its number, whose board is the world (1)\n"
+		"  --object X,Y,Z[,R] where the object stands, and its radius (the points' box)\n"
+		"  --tolerance PX     how uncertain its place in the picture may be (1)\n"
+		"  --unit U           of the world: m (default), cm, mm, in\n"
+		"  --z-down           the board's Z points away from the camera\n"
+		"  --report DIR       a page that shows how well it fits\n"
+		"  --force            write CAM.ini whatever the verdict\n"
+		"  -o, --output FILE  the camera\n"
+		"\n"
+		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason "
+		"given.\n",
+	.run = run,
+};

@@ -1,0 +1,215 @@
+/* inlay-calibrate convert: lenses between our files and those of OpenCV and ROS. */
+#include <errno.h>
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/commands.h"
+#include "bake/calibrate/convert.h"
+#include "hal/log.h"
+#include "hal/output.h"
+
+#define TOLERANCE_PX 0.1
+
+enum { AS = 1, SIZE, FISHEYE, TOLERANCE };
+
+static const struct option options[] = {
+	{"as", required_argument, NULL, AS},
+	{"size", required_argument, NULL, SIZE},
+	{"fisheye", no_argument, NULL, FISHEYE},
+	{"tolerance", required_argument, NULL, TOLERANCE},
+	OPTIONS_OF_ALL,
+	{NULL, 0, NULL, 0},
+};
+
+struct job {
+	const char *in, *out;
+	int as; /* enum lens_file; -1: by the ending of out */
+	int width, height;
+	bool fisheye;
+	double tolerance_px, error_px, turn_deg;
+};
+
+static bool ends_with(const char *path, const char *ending)
+{
+	const size_t length = strlen(path), tail = strlen(ending);
+
+	return length > tail && !strcmp(path + length - tail, ending);
+}
+
+/* -1: none that is known. */
+static int file_of(const char *path)
+{
+	if (ends_with(path, ".ini") || ends_with(path, ".conf"))
+		return LENS_FILE_INI;
+	if (ends_with(path, ".yml"))
+		return LENS_FILE_OPENCV;
+	return ends_with(path, ".yaml") ? LENS_FILE_ROS : -1;
+}
+
+/* ---- reading ---- */
+
+static int lens_of_ini(struct job *job, const struct lens_ini *ini, struct lens *lens,
+		       struct fault *fault)
+{
+	if (ini->camera_given)
+		return lens_of_tsai(lens, &ini->camera, job->tolerance_px, &job->error_px, fault);
+	if (!job->width)
+		return fault_say(fault, -EINVAL,
+				 "a [fisheye] section does not say how large the picture is, "
+				 "expected --size WIDTHxHEIGHT");
+	return lens_of_fisheye(lens, &ini->fisheye, job->width, job->height, job->tolerance_px,
+			       &job->error_px, fault);
+}
+
+static int ini_of_lens(struct job *job, const struct lens *lens, struct lens_ini *ini,
+		       struct fault *fault)
+{
+	*ini = (struct lens_ini){.camera_given = !lens->fisheye, .fisheye_given = lens->fisheye};
+	if (lens->fisheye)
+		return lens_to_fisheye(lens, &ini->fisheye, fault);
+	return lens_to_tsai(lens, &ini->camera, job->tolerance_px, &job->error_px, &job->turn_deg,
+			    fault);
+}
+
+/* What does not come from reading a file begins with its name all the same. */
+static int with_name(const char *path, int err, struct fault *fault)
+{
+	char text[FAULT_TEXT_MAX];
+
+	if (!err || !strncmp(fault->text, path, strlen(path)))
+		return err;
+	memcpy(text, fault->text, sizeof(text));
+	return fault_say(fault, err, "%s: %s", path, text);
+}
+
+static int read_in(struct job *job, struct lens *lens, struct lens_ini *ini, struct fault *fault)
+{
+	int err;
+
+	*lens = (struct lens){.fisheye = job->fisheye, .width = job->width, .height = job->height};
+	if (file_of(job->in) == LENS_FILE_INI) {
+		err = lens_read_ini(ini, job->in, fault);
+		if (!err)
+			err = lens_of_ini(job, ini, lens, fault);
+	} else {
+		err = lens_read_yaml(lens, job->in, fault);
+		if (!err && job->as == LENS_FILE_INI)
+			err = ini_of_lens(job, lens, ini, fault);
+	}
+	return with_name(job->in, err, fault);
+}
+
+/* ---- writing ---- */
+
+/* Of ROS's camera: the file's name without folder and ending, as far as it may be one. */
+static void camera_name(const char *path, char *name, size_t room)
+{
+	const char *slash = strrchr(path, '/');
+
+	snprintf(name, room, "%s", slash ? slash + 1 : path);
+	name[strcspn(name, ".")] = '\0';
+	for (char *c = name; *c; c++)
+		if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_", *c))
+			*c = '_';
+}
+
+static int write_out(const struct job *job, const struct lens *lens, const struct lens_ini *ini,
+		     struct fault *fault)
+{
+	struct output out = {.stream = NULL};
+	char name[128];
+	int err = output_open(&out, job->out, fault);
+
+	if (err)
+		return err;
+	camera_name(job->out, name, sizeof(name));
+	if (job->as == LENS_FILE_INI)
+		lens_write_ini(out.stream, ini, job->in, job->error_px, job->turn_deg);
+	else if (job->as == LENS_FILE_OPENCV)
+		lens_write_opencv(out.stream, lens, job->error_px);
+	else
+		lens_write_ros(out.stream, lens, name, job->error_px);
+	err = output_commit(&out, fault);
+	output_abandon(&out);
+	return err;
+}
+
+/* ---- the command ---- */
+
+static int read_option(struct job *job, int option, struct fault *fault)
+{
+	switch (option) {
+	case AS:
+		return option_choice("--as", optarg, lens_file_names, &job->as, fault);
+	case SIZE:
+		return option_size("--size", optarg, &job->width, &job->height, fault);
+	case TOLERANCE:
+		return option_real("--tolerance", optarg, 0, 1e6, &job->tolerance_px, fault);
+	default:
+		job->fisheye = true;
+		return 0;
+	}
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	struct job job = {.as = -1, .tolerance_px = TOLERANCE_PX};
+	struct fault fault = {.text = ""};
+	struct lens_ini ini = {.camera_given = false};
+	struct lens lens;
+	int option, err;
+
+	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
+		if (option < AS || option > TOLERANCE)
+			return command_answer(command, option);
+		if (read_option(&job, option, &fault))
+			return command_wrong(command, "%s", fault.text);
+	}
+	if (optind + 2 != argc)
+		return command_wrong(command, "expected two files");
+	job.in = argv[optind];
+	job.out = argv[optind + 1];
+	if (job.as < 0)
+		job.as = file_of(job.out);
+	if (job.as < 0)
+		return command_wrong(command, "%s: expected .ini, .yml, .yaml or --as", job.out);
+	if (file_of(job.in) == LENS_FILE_INI && job.as == LENS_FILE_INI)
+		return command_wrong(command, "%s and %s are files of the same kind", job.in,
+				     job.out);
+	err = read_in(&job, &lens, &ini, &fault);
+	if (!err)
+		err = write_out(&job, &lens, &ini, &fault);
+	if (err) {
+		log_error("%s", fault.text);
+		return EXIT_FAILURE;
+	}
+	if (job.turn_deg > 0)
+		log_info("%s: fitted, off by at most %.3g px, besides a turn by %.3g degrees",
+			 job.out, job.error_px, job.turn_deg);
+	else if (job.error_px > 0)
+		log_info("%s: fitted, off by at most %.3g px", job.out, job.error_px);
+	return EXIT_SUCCESS;
+}
+
+const struct command convert_command = {
+	.name = "convert",
+	.usage = "IN OUT [--as FORMAT] [--size WxH] [--fisheye] [--tolerance PX]",
+	.summary = "lenses to and from the files of OpenCV and ROS",
+	.help = "\n"
+		"Names that end in .ini are ours, with a section [camera] or [fisheye]; those that "
+		"end in\n"
+		".yml are OpenCV's, in .yaml ROS's camera_info. Either of these is read, whatever "
+		"its name.\n"
+		"What it says is the lens alone: where the camera is comes from inlay-calibrate "
+		"camera\n"
+		"--intrinsics OUT.ini, how a fisheye is turned from inlay-calibrate fisheye.\n"
+		"\n"
+		"  --as F          write ini, opencv or ros, whatever the name of OUT\n"
+		"  --size WxH      of the picture, where IN does not say\n"
+		"  --fisheye       IN is a fisheye's, where it does not say\n"
+		"  --tolerance PX  what has no exact counterpart is fitted, and refused when that "
+		"is off by\n"
+		"                  more than this anywhere in the picture (0.1)\n",
+	.run = run,
+};

@@ -1,0 +1,352 @@
+/* inlay-calibrate fisheye: the lens that looks at the sky. */
+#include <errno.h>
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/commands.h"
+#include "bake/calibrate/convert.h"
+#include "bake/calibrate/fisheye_circle.h"
+#include "bake/calibrate/fisheye_file.h"
+#include "bake/calibrate/fisheye_lamps.h"
+#include "bake/calibrate/lens_job.h"
+
+enum {
+	IMAGES = 1,
+	LIVE,
+	CIRCLE,
+	DIRECTIONS,
+	LAMPS,
+	PICTURE,
+	LENS,
+	BOARD,
+	VIEWS,
+	WORLD,
+	SIZE,
+	RIM,
+	FIELD,
+	MODEL,
+	UNIFORM,
+	TOLERANCE
+};
+
+static const struct option options[] = {
+	{"images", required_argument, NULL, IMAGES},
+	{"live", required_argument, NULL, LIVE},
+	{"circle", required_argument, NULL, CIRCLE},
+	{"directions", required_argument, NULL, DIRECTIONS},
+	{"lamps", required_argument, NULL, LAMPS},
+	{"picture", required_argument, NULL, PICTURE},
+	{"lens", required_argument, NULL, LENS},
+	{"board", required_argument, NULL, BOARD},
+	{"views", required_argument, NULL, VIEWS},
+	{"world", required_argument, NULL, WORLD},
+	{"size", required_argument, NULL, SIZE},
+	{"rim-deg", required_argument, NULL, RIM},
+	{"field", required_argument, NULL, FIELD},
+	{"model", required_argument, NULL, MODEL},
+	{"uniform", required_argument, NULL, UNIFORM},
+	{"tolerance", required_argument, NULL, TOLERANCE},
+	OPTIONS_OF_LENS,
+};
+
+/* fisheye_model_names, and auto */
+static const char *const model_names[] = {
+	"equidistant", "equisolid", "stereographic", "orthographic", "polynomial", "auto", NULL};
+
+struct job {
+	struct lens_job lens;
+	struct fisheye_wanted wanted;
+	int source; /* IMAGES, LIVE, CIRCLE, DIRECTIONS, LAMPS or LENS */
+	const char *board, *world, *picture, *uniform;
+	int width, height, views;
+	double rim_deg;
+};
+
+/* ---- options ---- */
+
+static int read_option(void *context, int option, struct fault *fault)
+{
+	struct job *job = context;
+
+	switch (option) {
+	case IMAGES:
+	case LIVE:
+	case CIRCLE:
+	case DIRECTIONS:
+	case LAMPS:
+	case LENS:
+		if (job->source && (job->source != option || option != IMAGES))
+			return fault_say(fault, -EINVAL,
+					 "expected one of --images, --live, --circle, "
+					 "--directions, --lamps and --lens");
+		job->source = option;
+		job->lens.more = option == IMAGES;
+		job->lens.anew = option == LENS;
+		job->lens.file[job->lens.files++] = optarg;
+		return 0;
+	case BOARD:
+		job->board = optarg;
+		return 0;
+	case PICTURE:
+		job->picture = optarg;
+		return 0;
+	case VIEWS:
+		return option_int("--views", optarg, 1, 1000, &job->views, fault);
+	case WORLD:
+		job->world = optarg;
+		return 0;
+	case SIZE:
+		return option_size("--size", optarg, &job->width, &job->height, fault);
+	case RIM:
+		return option_real("--rim-deg", optarg, 10, 170, &job->rim_deg, fault);
+	case FIELD:
+		return option_real("--field", optarg, 1, 180, &job->wanted.field_deg, fault);
+	case MODEL:
+		return option_choice("--model", optarg, model_names, &job->wanted.model, fault);
+	case TOLERANCE:
+		return option_real("--tolerance", optarg, 1e-6, 1e6, &job->wanted.tolerance_px,
+				   fault);
+	default:
+		job->uniform = optarg;
+		return 0;
+	}
+}
+
+static int check_options(const void *context, struct fault *fault)
+{
+	const struct job *job = context;
+	const bool with_board = job->source == IMAGES || job->source == LIVE;
+
+	if (!job->source)
+		return fault_say(fault, -EINVAL,
+				 "expected --images, --live, --circle, --directions, --lamps or "
+				 "--lens");
+	if (with_board != (job->board != NULL))
+		return fault_say(fault, -EINVAL,
+				 job->board ? "--board goes with --images or --live"
+					    : "--board is missing");
+	if (job->world && !with_board)
+		return fault_say(fault, -EINVAL, "--world goes with --images or --live");
+	if ((job->source == LAMPS) != (job->picture != NULL))
+		return fault_say(fault, -EINVAL,
+				 job->picture ? "--picture goes with --lamps"
+					      : "--picture is missing");
+	if (job->source == LENS && !job->uniform)
+		return fault_say(fault, -EINVAL, "--lens goes with --uniform");
+	if (job->source == LENS && job->lens.report)
+		return fault_say(fault, -EINVAL, "--report: there is none of --uniform alone");
+	return 0;
+}
+
+/* ---- work ---- */
+
+struct work {
+	struct gathering all;
+	struct fisheye_result result;
+	struct lamps_told told;
+	struct falloff falloff;
+	struct lens_ini known;
+};
+
+static int find_circle(const struct job *job, struct work *work, struct fault *fault)
+{
+	const char *path = job->lens.file[0];
+	struct image picture;
+	int err = image_read(path, &picture, fault);
+
+	if (!err)
+		err = fisheye_circle(&work->result, &work->all.seen, &picture, path, job->rim_deg,
+				     &job->wanted, fault);
+	if (!err && gather_keep(&work->all, &picture))
+		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	image_free(&picture);
+	return err;
+}
+
+static int find_lamps(const struct job *job, struct work *work, struct fault *fault)
+{
+	const char *path = job->lens.file[0];
+	struct lamps lamps;
+	struct image picture = {.width = 0};
+	int err = lamps_read(&lamps, path, fault);
+
+	if (!err)
+		err = image_read(job->picture, &picture, fault);
+	if (!err)
+		err = fisheye_lamps(&work->result, &work->all.seen, &work->told, &lamps, path,
+				    &picture, job->picture, &job->wanted, fault);
+	if (!err && gather_keep(&work->all, &picture))
+		err = fault_say(fault, -ENOMEM, "%s: out of memory", job->picture);
+	image_free(&picture);
+	lamps_free(&lamps);
+	return err;
+}
+
+static int find_points(struct job *job, struct work *work, struct fault *fault)
+{
+	const struct points_convention convention = {.directions = true, .pixel_centre = 0.5};
+	struct board board;
+	int err;
+
+	if (job->source == DIRECTIONS) {
+		job->wanted.directions = true;
+		err = gather_points(&work->all, job->lens.file, job->lens.files, &convention,
+				    fault);
+		work->all.seen.width = job->width;
+		work->all.seen.height = job->height;
+	} else {
+		err = board_parse(&board, job->board, fault);
+		if (!err && job->source == LIVE)
+			err = gather_live(&work->all, job->lens.file[0], LIVE_FISHEYE, &board,
+					  job->views, fault);
+		else if (!err)
+			err = gather_images(&work->all, job->lens.file, job->lens.files, &board,
+					    fault);
+	}
+	if (!err && job->world) {
+		job->wanted.world_view = gather_view(&work->all, job->world);
+		if (job->wanted.world_view < 0)
+			err = fault_say(fault, -EINVAL,
+					"--world: \"%s\", expected a file, or its number of 1 to "
+					"%d",
+					job->world, work->all.seen.views);
+	}
+	return err ? err : fisheye_find(&work->result, &work->all.seen, &job->wanted, fault);
+}
+
+static int find_lens(struct job *job, struct work *work, struct fault *fault)
+{
+	int err;
+
+	if (job->source == CIRCLE)
+		return find_circle(job, work, fault);
+	if (job->source == LAMPS)
+		return find_lamps(job, work, fault);
+	if (job->source != LENS)
+		return find_points(job, work, fault);
+	err = lens_read_ini(&work->known, job->lens.file[0], fault);
+	if (err)
+		return err;
+	work->result.lens = work->known.fisheye;
+	verdict_begin(&work->result.finding.verdict);
+	return work->known.fisheye_given
+		       ? 0
+		       : fault_say(fault, -EINVAL, "%s: expected a section [fisheye]",
+				   job->lens.file[0]);
+}
+
+static bool has_lens(const struct job *job, const struct work *work)
+{
+	return job->source == LENS || work->result.finding.estimate.count > 0;
+}
+
+static int find_falloff(const struct job *job, struct work *work, struct fault *fault)
+{
+	struct image picture;
+	int err;
+
+	if (!job->uniform || !has_lens(job, work))
+		return 0;
+	err = image_read(job->uniform, &picture, fault);
+	if (err)
+		return err;
+	err = falloff_find(&work->falloff, &picture, &work->result.lens, fault);
+	image_free(&picture);
+	memcpy(work->result.lens.falloff, work->falloff.v, sizeof(work->falloff.v));
+	return err;
+}
+
+/* 1: what was found is not to be trusted. */
+static int conclude(const struct job *job, const struct work *work, struct fault *fault)
+{
+	const struct verdict *lens = &work->result.finding.verdict;
+	const struct verdict *doubted = !lens->trusted || !job->uniform ? lens
+									: &work->falloff.verdict;
+	const struct fisheye_result *found = job->source == LENS ? NULL : &work->result;
+	const struct falloff *falloff = job->uniform && has_lens(job, work) ? &work->falloff : NULL;
+	int err = lens_job_report(&job->lens, &work->all, &work->result.finding, fault);
+
+	if (job->source == LAMPS)
+		lamps_print(stdout, "", &work->told, job->lens.file[0]);
+	if (found)
+		fisheye_print(stdout, "", found);
+	if (falloff)
+		falloff_print(stdout, "", falloff);
+	if (!err && has_lens(job, work) && (doubted->trusted || job->lens.force))
+		err = fisheye_file_write(job->lens.output, &work->result.lens, found, falloff,
+					 fault);
+	return err ? err : verdict_end(doubted);
+}
+
+static int calibrate(void *context, struct fault *fault)
+{
+	struct job *job = context;
+	struct work *work = calloc(1, sizeof(*work));
+	int err;
+
+	if (!work)
+		return fault_say(fault, -ENOMEM, "out of memory");
+	err = find_lens(job, work, fault);
+	if (!err)
+		err = find_falloff(job, work, fault);
+	if (!err)
+		err = conclude(job, work, fault);
+	fisheye_result_free(&work->result);
+	gather_free(&work->all);
+	free(work);
+	return err;
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	static const struct lens_calls calls = {options, read_option, check_options, calibrate};
+	struct job job = {.wanted = {.model = FISHEYE_MODEL_AUTO,
+				     .field_deg = 90,
+				     .tolerance_px = 0.5,
+				     .world_view = -1},
+			  .rim_deg = 90,
+			  .views = 8};
+
+	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
+}
+
+const struct command fisheye_command = {
+	.name = "fisheye",
+	.usage = "((--images GLOB... | --live CONFIG) --board SPEC | --circle PICTURE |\n"
+		 "        --directions FILE | --lamps FILE --picture PICTURE | --lens EYE.ini) "
+		 "[options] "
+		 "-o EYE.ini",
+	.summary = "the lens that looks at the sky",
+	.help = "\n"
+		"  --images GLOB        photographs of a board, in several places; more may "
+		"follow\n"
+		"  --live CONFIG        the fisheye of a kiosk's configuration, before which a "
+		"board "
+		"is moved\n"
+		"  --views N            live: pictures of the board at most; 8\n"
+		"  --board SPEC         9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm\n"
+		"  --world VIEW         where the board lies as the world does: a file, or its "
+		"number\n"
+		"  --circle PICTURE     a picture whose image circle is bright to its rim\n"
+		"  --rim-deg DEG        the rim's angle from the axis; 90\n"
+		"  --directions FILE    lines dx dy dz xf yf: what is seen in known directions\n"
+		"  --size WxH           of the picture that those were seen in\n"
+		"  --lamps FILE         lamps in known directions, a line each: azimuth elevation\n"
+		"                       (degrees, from world X towards Y, from the horizon up) or\n"
+		"                       dx dy dz; and, where they look alike, roughly xf yf\n"
+		"  --picture PICTURE    where they are seen, dark but for them\n"
+		"  --lens EYE.ini       a lens that is known, to add its falloff to\n"
+		"  --uniform PICTURE    something equally bright all over: the lens's falloff\n"
+		"  --model MODEL        equidistant, equisolid, stereographic, orthographic,\n"
+		"                       polynomial; auto: what the points speak for\n"
+		"  --field DEG          half the field of view that is used; 90\n"
+		"  --tolerance PX       one standard deviation, anywhere in the circle; 0.5\n"
+		"  --report DIR         pictures, maps and tables\n"
+		"  --force              write also what cannot be trusted\n"
+		"  -o, --output FILE    the lens, for [fisheye] lens of the configuration\n"
+		"\n"
+		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason "
+		"given.\n",
+	.run = run,
+};

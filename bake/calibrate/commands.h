@@ -1,0 +1,10 @@
+/* The commands of inlay-calibrate. */
+#ifndef INLAY_BAKE_CALIBRATE_COMMANDS_H
+#define INLAY_BAKE_CALIBRATE_COMMANDS_H
+
+#include "bake/options.h"
+
+extern const struct command board_command, camera_command, fisheye_command, light_command,
+	convert_command;
+
+#endif

@@ -1,0 +1,267 @@
+/* inlay-calibrate light gain and colours. */
+#include <errno.h>
+#include <libyuv.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/light_colours.h"
+#include "bake/calibrate/light_gain.h"
+#include "bake/calibrate/light_job.h"
+#include "bake/calibrate/light_report.h"
+#include "hal/frame.h"
+
+/* ---- the sky ---- */
+
+struct sky {
+	struct dome dome;
+	struct fisheye_settings lens;
+	struct light_sampler_settings sampler;
+	float (*radiance)[3];
+};
+
+static void *place_lens(void *root, const char *instance)
+{
+	(void)instance;
+	return root;
+}
+
+static int read_lens(const char *path, struct fisheye_settings *lens, struct fault *fault)
+{
+	const struct ini_table tables[] = {
+		{.section = "fisheye", .keys = fisheye_keys, .place = place_lens}, INI_TABLES_END};
+	struct ini_report report = {.count = 0};
+	int err = 0;
+
+	ini_defaults(fisheye_keys, lens);
+	if (path)
+		err = ini_read(path, tables, lens, &report);
+	return err ? fault_say(fault, err, "%s", report.first.text) : 0;
+}
+
+static int sky_create(struct sky *sky, const struct light_job *job, struct fault *fault)
+{
+	int err = read_lens(job->lens, &sky->lens, fault);
+
+	if (err)
+		return err;
+	sky->sampler = (struct light_sampler_settings){
+		.curve = response_curve(&job->measured, (enum transfer)job->transfer, 0),
+		.gain = 1,
+	};
+	if (!job->white_balance)
+		memcpy(sky->sampler.colours, job->measured.colours, sizeof(sky->sampler.colours));
+	err = dome_create(&sky->dome, job->frequency, DOME_ANGLES, fault);
+	if (err)
+		return err;
+	sky->radiance = calloc((size_t)sky->dome.count, sizeof(*sky->radiance));
+	return sky->radiance ? 0 : fault_say(fault, -ENOMEM, "not enough memory");
+}
+
+static void sky_free(struct sky *sky)
+{
+	free(sky->radiance);
+	dome_free(&sky->dome);
+}
+
+static int read_codes(struct light_sampler *sampler, const struct image *image, struct sky *sky,
+		      double *clipped)
+{
+	const struct view view = {.width = image->width, .height = image->height};
+	struct canvas canvas = {.pixels = NULL};
+	struct picture picture;
+	int err = canvas_create(&canvas, image->width, image->height);
+
+	if (err)
+		return err;
+	/* libyuv's RAW is R, G, B in memory. */
+	RAWToARGB(image->u8, 3 * image->width, canvas.pixels, (int)canvas.stride, image->width,
+		  image->height);
+	picture = view_picture(&view, canvas.pixels, canvas.stride);
+	err = light_sampler_read(sampler, &picture, sky->radiance, clipped);
+	canvas_free(&canvas);
+	return err;
+}
+
+static int sky_measure(struct sky *sky, const char *path, double *clipped, struct fault *fault)
+{
+	struct light_sampler *sampler = NULL;
+	struct image image = {.width = 0};
+	struct fisheye lens;
+	int err = image_read(path, &image, fault);
+
+	*clipped = 0;
+	if (!err)
+		err = fisheye_prepare(&lens, &sky->lens, image.width, image.height, fault);
+	if (!err)
+		err = light_sampler_create(&sampler, &sky->dome, &lens, image.width, image.height,
+					   &sky->sampler, fault);
+	if (!err) {
+		err = image.u8 ? read_codes(sampler, &image, sky, clipped)
+			       : light_sampler_read_linear(sampler, &image, sky->radiance);
+		if (err)
+			fault_say(fault, err, "%s: cannot be measured: %s", path, strerror(-err));
+	}
+	light_sampler_destroy(sampler);
+	image_free(&image);
+	return err;
+}
+
+/* ---- gain ---- */
+
+static int measure_patch(const char *path, const struct light_area *area,
+			 const struct transfer_curve *curve, struct light_patch *patch,
+			 struct fault *fault)
+{
+	struct image image = {.width = 0};
+	struct fault why = {.text = ""};
+	int err = image_read(path, &image, fault);
+
+	if (err)
+		return err;
+	err = light_patch_measure(patch, &image, area, curve, &why);
+	image_free(&image);
+	return err ? fault_say(fault, err, "%s: %s", path, why.text) : 0;
+}
+
+static int measure_pairs(const struct light_job *job, struct light_pair *pairs, struct fault *fault)
+{
+	struct sky sky = {.radiance = NULL};
+	struct transfer_curve curve;
+	int err = light_curve_of(job->background_light, job->background_transfer, &curve, fault);
+
+	if (!err)
+		err = sky_create(&sky, job, fault);
+	for (int k = 0; !err && k < job->file_count / 2; k++) {
+		const int area = k < job->areas ? k : job->areas - 1;
+
+		err = sky_measure(&sky, job->files[2 * k], &pairs[k].clipped_sky, fault);
+		if (err)
+			break;
+		light_gain_predict(&sky.dome, (const float(*)[3])sky.radiance, job->reflectance,
+				   pairs[k].predicted);
+		err = measure_patch(job->files[2 * k + 1], &job->area[area], &curve,
+				    &pairs[k].patch, fault);
+	}
+	sky_free(&sky);
+	return err;
+}
+
+/* Each channel's own gain, as a matrix. */
+static int set_balance(const struct light_job *job, const struct light_gain *found,
+		       struct fault *fault)
+{
+	const double *b = found->balance;
+	char text[128];
+
+	snprintf(text, sizeof(text), "%.5g 0 0  0 %.5g 0  0 0 %.5g", b[0], b[1], b[2]);
+	return light_conclude(job, &found->verdict, "colours", text,
+			      "Colours: white balance, found with the gain.", fault);
+}
+
+int light_command_gain(const struct light_job *job, struct fault *fault)
+{
+	struct light_pair pairs[LIGHT_PAIRS_MAX];
+	struct light_gain found;
+	char text[64], comment[256];
+	int err;
+
+	if (job->file_count < 2 || job->file_count % 2 || job->file_count > 2 * LIGHT_PAIRS_MAX ||
+	    job->areas < 1 || job->areas > job->file_count / 2)
+		return fault_say(
+			fault, -EINVAL,
+			"there are %d pictures and %d --patch, expected pairs of pictures, "
+			"fisheye and background, and one patch for all or one for each",
+			job->file_count, job->areas);
+	err = measure_pairs(job, pairs, fault);
+	if (!err)
+		err = light_gain_find(&found, pairs, job->file_count / 2, fault);
+	if (err)
+		return err;
+	printf("gain %.5g, deviation %.2g (%.2f %%); white balance %.4f %.4f %.4f\n", found.gain,
+	       found.deviation, 100 * found.deviation / found.gain, found.balance[0],
+	       found.balance[1], found.balance[2]);
+	for (int k = 0; k < found.pairs; k++)
+		printf("pair %d: %.5g, weight %.2f, the patch uneven by %.1f %%\n", k + 1,
+		       found.ratio[k], found.weight[k], 100 * pairs[k].patch.uneven);
+	if (job->report)
+		err = light_report_gain(job->report, &found, pairs, fault);
+	snprintf(text, sizeof(text), "%.6g", found.gain);
+	snprintf(comment, sizeof(comment), "Gain: deviation %.2g, from %d pairs of pictures.",
+		 found.deviation, found.pairs);
+	if (!err)
+		err = light_conclude(job, &found.verdict, "gain", text, comment, fault);
+	return err || !job->white_balance ? err : set_balance(job, &found, fault);
+}
+
+/* ---- colours ---- */
+
+static int measure_colours(const struct light_job *job, struct light_colour_pair *pairs,
+			   struct fault *fault)
+{
+	struct transfer_curve here, there;
+	struct light_patch patch;
+	int err;
+
+	if (!job->fisheye || !job->background || job->areas < 1 ||
+	    job->areas != job->background_areas)
+		return fault_say(fault, -EINVAL,
+				 "expected a file of patches, or --fisheye, --background and as "
+				 "many --patch as --background-patch");
+	here = response_curve(&job->measured, (enum transfer)job->transfer, 0);
+	err = light_curve_of(job->background_light, job->background_transfer, &there, fault);
+	for (int k = 0; !err && k < job->areas; k++) {
+		err = measure_patch(job->fisheye, &job->area[k], &here, &patch, fault);
+		if (err)
+			break;
+		memcpy(pairs[k].fisheye, patch.mean, sizeof(patch.mean));
+		err = measure_patch(job->background, &job->background_area[k], &there, &patch,
+				    fault);
+		memcpy(pairs[k].background, patch.mean, sizeof(patch.mean));
+	}
+	return err ? err : job->areas;
+}
+
+static void say_colours(const struct light_colours *found)
+{
+	for (int r = 0; r < 3; r++)
+		printf("%8.4f %8.4f %8.4f   deviation %.4f %.4f %.4f\n", found->matrix[3 * r],
+		       found->matrix[3 * r + 1], found->matrix[3 * r + 2],
+		       estimate_deviation(&found->estimate, 3 * r),
+		       estimate_deviation(&found->estimate, 3 * r + 1),
+		       estimate_deviation(&found->estimate, 3 * r + 2));
+	printf("scale %.4g; %d patches differ by %.2f %%, before by %.2f %%; condition %.3g\n",
+	       found->scale, found->patches, 100 * found->after, 100 * found->before,
+	       found->condition);
+}
+
+int light_command_colours(const struct light_job *job, struct fault *fault)
+{
+	struct light_colour_pair pairs[LIGHT_PATCHES_MAX];
+	struct light_colours found = {.patches = 0};
+	char text[256] = "", comment[256];
+	int err = job->file_count == 1 ? light_colours_read(job->files[0], pairs, fault)
+				       : measure_colours(job, pairs, fault);
+
+	if (err >= 0)
+		err = light_colours_find(&found, pairs, err, job->keep_white, fault);
+	if (!err) {
+		say_colours(&found);
+		for (int e = 0; e < 9; e++)
+			snprintf(text + strlen(text), sizeof(text) - strlen(text), "%s%.6g",
+				 e % 3	 ? " "
+				 : e > 0 ? "  "
+					 : "",
+				 found.matrix[e]);
+		snprintf(comment, sizeof(comment),
+			 "Colours: %d patches, which differ by %.2f %% (before: %.2f %%).",
+			 found.patches, 100 * found.after, 100 * found.before);
+		if (job->report)
+			err = light_report_colours(job->report, &found, pairs, fault);
+	}
+	if (!err)
+		err = light_conclude(job, &found.verdict, "colours", text, comment, fault);
+	light_colours_free(&found);
+	return err;
+}

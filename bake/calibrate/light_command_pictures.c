@@ -1,0 +1,163 @@
+/* inlay-calibrate light black and response. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bake/calibrate/light_black.h"
+#include "bake/calibrate/light_job.h"
+#include "bake/calibrate/light_report.h"
+#include "bake/calibrate/light_response.h"
+#include "hal/log.h"
+
+static int read_pictures(const struct light_job *job, struct image *pictures, struct fault *fault)
+{
+	for (int k = 0; k < job->file_count; k++) {
+		const int err = image_read(job->files[k], &pictures[k], fault);
+
+		if (err)
+			return err;
+	}
+	return 0;
+}
+
+static void free_pictures(struct image *pictures, int count)
+{
+	for (int k = 0; k < count; k++)
+		image_free(&pictures[k]);
+}
+
+static int find_black(const struct light_job *job, struct light_black *black, struct fault *fault)
+{
+	struct image pictures[2] = {{.width = 0}};
+	int err = read_pictures(job, pictures, fault);
+
+	if (!err)
+		err = job->exposures ? light_black_darkest(black, &pictures[0], &pictures[1], fault)
+				     : light_black_covered(black, &pictures[0], fault);
+	free_pictures(pictures, 2);
+	return err;
+}
+
+int light_command_black(const struct light_job *job, struct fault *fault)
+{
+	struct light_black black;
+	char text[64], comment[256];
+	int err;
+
+	if (job->file_count != (job->exposures ? 2 : 1))
+		return fault_say(fault, -EINVAL, "expected %s",
+				 job->exposures ? "two pictures, the shorter exposure first"
+						: "one picture, taken with the lens covered");
+	err = find_black(job, &black, fault);
+	if (err)
+		return err;
+	printf("black level %.3f, deviation %.3f; a pixel's noise %.2f codes; R G B %.2f %.2f "
+	       "%.2f\n",
+	       black.level, black.deviation, black.noise, black.channel[0], black.channel[1],
+	       black.channel[2]);
+	if (job->report) {
+		err = light_report_black(job->report, &black, fault);
+		if (err)
+			return err;
+	}
+	if (black.verdict.trusted && job->measured.knot[TRANSFER_KNOTS - 1] > 0 &&
+	    !(job->measured.black_level == black.level))
+		log_warning("%s: its response was measured with another black level; measure it "
+			    "again",
+			    job->output);
+	snprintf(text, sizeof(text), "%.4g", black.level);
+	snprintf(comment, sizeof(comment),
+		 "Black level: deviation %.3f, a pixel's noise %.2f codes.", black.deviation,
+		 black.noise);
+	return light_conclude(job, &black.verdict, "black_level", text, comment, fault);
+}
+
+/* ---- response ---- */
+
+static void write_knots(const struct light_response *found, char *text, size_t room)
+{
+	size_t used = 0;
+
+	for (int k = 0; k < TRANSFER_KNOTS && used < room; k++)
+		used += (size_t)snprintf(text + used, room - used, "%s%.6g", k ? " " : "",
+					 found->curve.knot[k]);
+}
+
+static void write_comment(const struct light_response *found, char *text, size_t room)
+{
+	double worst = 0;
+
+	for (int k = TRANSFER_KNOTS / 10; k < TRANSFER_KNOTS * 9 / 10; k++)
+		worst = worst > found->deviation[k] / found->curve.knot[k]
+				? worst
+				: found->deviation[k] / found->curve.knot[k];
+	snprintf(text, room,
+		 "Response: %d places in %d exposures, codes from %.0f %% to %.0f %%; deviation at "
+		 "most %.2f %%\n"
+		 "between 10 %% and 90 %%; what is left is %.2f times what noise explains.",
+		 found->samples, found->exposures, 100 * found->from, 100 * found->to, 100 * worst,
+		 found->sigma);
+}
+
+static int find_response(const struct light_job *job, struct light_response *found,
+			 struct fault *fault)
+{
+	struct image pictures[LIGHT_EXPOSURES_MAX] = {{.width = 0}};
+	const struct image *list[LIGHT_EXPOSURES_MAX];
+	struct light_response_settings settings = {.time_deviation = job->time_deviation};
+	struct light_samples samples = {.sample = NULL};
+	const double black = job->measured.black_level;
+	int err = read_pictures(job, pictures, fault);
+
+	for (int k = 0; k < job->file_count; k++) {
+		list[k] = &pictures[k];
+		settings.time[k] = job->time[k];
+	}
+	if (!err)
+		err = light_samples_create(&samples, list, job->file_count, black > 0 ? black : 0,
+					   fault);
+	if (!err)
+		err = light_response_find(found, &samples, &settings, fault);
+	light_samples_free(&samples);
+	free_pictures(pictures, job->file_count);
+	return err;
+}
+
+static void say_response(const struct light_response *found)
+{
+	printf("%d places, %d pieces; left over %.2f of what noise explains; held out %.2f\n",
+	       found->samples, found->spline.pieces, found->sigma, found->held_out);
+	for (int j = 0; j < found->exposures; j++)
+		printf("exposure %d: time %.5g, off by %+.2f %%, scatter %.2f %%\n", j + 1,
+		       found->time[j], 100 * found->offset[j], 100 * found->scatter[j]);
+	for (int c = 0; c < 3; c++)
+		printf("channel %c: off by %.2f %% at most, deviation %.2f %%\n", "RGB"[c],
+		       100 * found -> channel_off[c], 100 * found -> channel_deviation[c]);
+}
+
+int light_command_response(const struct light_job *job, struct fault *fault)
+{
+	struct light_response found = {.samples = 0};
+	char text[1024], comment[512];
+	int err;
+
+	if (job->file_count < 2 || job->file_count > LIGHT_EXPOSURES_MAX ||
+	    job->times != job->file_count)
+		return fault_say(
+			fault, -EINVAL,
+			"there are %d pictures and %d --times, expected as many of each, 2 "
+			"to %d",
+			job->file_count, job->times, LIGHT_EXPOSURES_MAX);
+	err = find_response(job, &found, fault);
+	if (err)
+		return err;
+	say_response(&found);
+	if (job->report)
+		err = light_report_response(job->report, &found, fault);
+	write_knots(&found, text, sizeof(text));
+	write_comment(&found, comment, sizeof(comment));
+	if (!err)
+		err = light_conclude(job, &found.verdict, "response", text, comment, fault);
+	light_response_free(&found);
+	return err;
+}
