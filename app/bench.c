@@ -99,9 +99,13 @@ struct round {
 static int prepare(void *context, int way, int turn)
 {
 	struct round *round = context;
+	int err = 0;
 
 	if (round->turn != turn)
-		bench_stage_light(round->stage, turn % round->stage->lighting->members);
+		err = bench_stage_light(round->stage, turn % round->stage->lighting->members,
+					round->fault);
+	if (err)
+		return err;
 	round->turn = turn;
 	return bench_way_prepare(&round->ways->way[way], round->stage, turn, round->fault);
 }
@@ -195,20 +199,22 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 {
 	const struct bench_settings *settings = stage->settings;
 	const int width = (int)stage->basis->info.width, height = (int)stage->basis->info.height;
-	const struct view whole = {.width = width, .height = height, .squash = 1};
 	struct fault reason = {.text = ""};
-	int err;
+	int err = 0;
 
 	stage->scratch = calloc(stage->basis->info.lights, sizeof(*stage->scratch));
-	if (!stage->scratch || canvas_create(&stage->background, width, height) ||
-	    canvas_create(&stage->out, width, height) ||
-	    light_selection_create(&stage->lights, stage->basis) ||
+	for (int k = 0; !err && k < BENCH_CAMERA_BUFFERS; k++)
+		err = canvas_create(&stage->background[k], width, height);
+	for (int k = 0; !err && k < BENCH_SCREEN_BUFFERS; k++)
+		err = canvas_create(&stage->screen[k], width, height);
+	if (err || !stage->scratch || light_selection_create(&stage->lights, stage->basis) ||
 	    light_selection_create(&stage->before, stage->basis))
 		return fault_say(fault, -ENOMEM, "not enough memory for pictures of %dx%d", width,
 				 height);
-	background_fill(&stage->background);
-	stage->background_picture = view_picture(&whole, stage->background.pixels,
-						 stage->background.stride);
+	stage->lights.budget = stage->before.budget = settings->budget;
+	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
+		background_fill(&stage->background[k]);
+	bench_stage_next(stage);
 	if (settings->thesis) {
 		log_info("making the thesis's basis");
 		err = thesis_create(&stage->thesis, stage->basis, best_layer(stage), all, fault);
@@ -217,12 +223,14 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		if (thesis_share(stage->thesis, stage->pool))
 			return fault_say(fault, -ENOMEM, "not enough memory");
 	}
-	err = bench_frame_create(&stage->cameras, stage->basis, &stage->background, stage->pool,
+	err = bench_frame_create(&stage->cameras, stage->basis, stage->background, stage->pool,
 				 &reason);
 	if (err == -ENOTSUP)
 		log_warning("%s: the whole frame is left out", reason.text);
 	else if (err)
 		return fault_say(fault, err, "%s", reason.text);
+	else
+		bench_frame_budget(stage->cameras, settings->budget);
 	return 0;
 }
 
@@ -233,8 +241,10 @@ static void clear_stage(struct bench_stage *stage)
 	reading_free(&stage->reading);
 	light_selection_free(&stage->before);
 	light_selection_free(&stage->lights);
-	canvas_free(&stage->out);
-	canvas_free(&stage->background);
+	for (int k = 0; k < BENCH_SCREEN_BUFFERS; k++)
+		canvas_free(&stage->screen[k]);
+	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
+		canvas_free(&stage->background[k]);
 	free(stage->scratch);
 }
 
@@ -251,12 +261,7 @@ static int run_lightings(struct bench_ways *ways, struct bench_stage *stage,
 	for (int k = 0; !err && k < lightings->count; k++) {
 		stage->lighting = &lightings->item[k];
 		log_info("%s: double precision", stage->lighting->name);
-		if (stage->cameras &&
-		    bench_frame_light(stage->cameras,
-				      lighting_member(stage->lighting, stage->basis, 0)))
-			err = fault_say(fault, -ENOMEM, "not enough memory for pictures");
-		if (!err)
-			err = bench_truth(ways, stage, &scope, all, fault);
+		err = bench_truth(ways, stage, &scope, all, fault);
 		if (err)
 			break;
 		log_info("%s: times", stage->lighting->name);

@@ -27,6 +27,7 @@ struct bench_settings {
 	int repeat;
 	int cells;	  /* of the built-in single ones */
 	double threshold; /* linear radiance: lights below are left out; 0: none */
+	double budget;	  /* above 0, in its place: of white, as compositor.h has it */
 	bool thesis;	  /* its basis takes much memory */
 };
 

@@ -13,7 +13,8 @@
 
 /* What one camera delivers. */
 struct bench_camera {
-	uint8_t *yuyv;
+	uint8_t *yuyv[BENCH_CAMERA_BUFFERS];
+	int turn; /* whose buffer it is */
 	struct frame frame;
 	struct frame_reader reader;
 };
@@ -30,36 +31,55 @@ struct bench_frame {
 	struct light_selection lights;
 };
 
+static int camera_show(struct bench_camera *camera, int turn)
+{
+	const struct view whole = {
+		.width = camera->frame.width, .height = camera->frame.height, .squash = 1};
+
+	camera->turn = turn;
+	camera->frame.planes[0].data = camera->yuyv[turn];
+	return frame_reader_open(&camera->reader, &camera->frame, &whole, NULL);
+}
+
 static int camera_create(struct bench_camera *camera, int width, int height)
 {
 	const size_t stride = frame_plane_stride(PIXEL_YUYV, 0, width);
 	const size_t bytes = frame_plane_bytes(PIXEL_YUYV, 0, stride, height);
-	const struct view whole = {.width = width, .height = height, .squash = 1};
 
-	camera->yuyv = calloc(bytes, 1);
-	if (!camera->yuyv)
-		return -ENOMEM;
+	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++) {
+		camera->yuyv[k] = calloc(bytes, 1);
+		if (!camera->yuyv[k])
+			return -ENOMEM;
+	}
 	camera->frame = (struct frame){
 		.format = PIXEL_YUYV,
 		.width = width,
 		.height = height,
-		.planes = {{camera->yuyv, stride, bytes}},
+		.planes = {{camera->yuyv[0], stride, bytes}},
 		.matrix = MATRIX_BT601,
 		.range = RANGE_LIMITED,
 	};
-	return frame_reader_open(&camera->reader, &camera->frame, &whole, NULL);
+	return camera_show(camera, 0);
+}
+
+static void camera_free(struct bench_camera *camera)
+{
+	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
+		free(camera->yuyv[k]);
 }
 
 static void camera_take(struct bench_camera *camera, const struct canvas *picture)
 {
-	ARGBToYUY2(picture->pixels, (int)picture->stride, camera->yuyv,
-		   (int)camera->frame.planes[0].stride, picture->width, picture->height);
+	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
+		ARGBToYUY2(picture->pixels, (int)picture->stride, camera->yuyv[k],
+			   (int)camera->frame.planes[0].stride, picture->width, picture->height);
 }
 
 static int create_sampler(struct bench_frame *f, struct fault *fault)
 {
 	const struct fisheye_settings lens = {.field_deg = 90};
-	const struct light_sampler_settings settings = {.transfer = TRANSFER_SRGB, .gain = 1};
+	const struct light_sampler_settings settings = {.curve = {.named = TRANSFER_SRGB},
+							.gain = 1};
 	const int width = (int)f->basis->info.width, height = (int)f->basis->info.height;
 	int err = fisheye_prepare(&f->lens, &lens, width, height, fault);
 
@@ -113,8 +133,8 @@ void bench_frame_destroy(struct bench_frame *f)
 	light_sampler_destroy(f->sampler);
 	light_selection_free(&f->lights);
 	canvas_free(&f->canvas);
-	free(f->background.yuyv);
-	free(f->fisheye.yuyv);
+	camera_free(&f->background);
+	camera_free(&f->fisheye);
 	dome_free(&f->dome);
 	free(f->radiance);
 	free(f);
@@ -132,22 +152,36 @@ int bench_frame_light(struct bench_frame *f, const float (*radiance)[3])
 		for (int x = 0; x < canvas->width; x++) {
 			uint8_t *to = canvas->pixels + (size_t)y * canvas->stride + (size_t)x * 4;
 			const double px[2] = {x + 0.5, y + 0.5};
-			double d[3];
-			int cell = -1;
+			double d[3], weight[3];
+			int light[3], count = 0;
 
 			if (fisheye_ray(&f->lens, px, d))
-				cell = dome_cell_of(&f->dome, d);
+				count = dome_weights(&f->dome, d, light, weight);
 			for (int c = 0; c < 3; c++) {
-				const double light = cell < 0 ? 0 : (double)radiance[cell][c];
+				double seen = 0;
 
+				for (int k = 0; k < count; k++)
+					seen += weight[k] * (double)radiance[light[k]][c];
 				to[2 - c] = (uint8_t)lrint(
-					255 * transfer_encode(TRANSFER_SRGB, fmin(light, 1)));
+					255 * transfer_encode(TRANSFER_SRGB, fmin(seen, 1)));
 			}
 		}
 	}
 	camera_take(&f->fisheye, canvas);
 	canvas_free(&picture);
 	return 0;
+}
+
+void bench_frame_budget(struct bench_frame *f, double budget)
+{
+	f->lights.budget = budget;
+}
+
+void bench_frame_next(struct bench_frame *f)
+{
+	/* opened as before but for where it lies: it cannot fail */
+	(void)camera_show(&f->background, (f->background.turn + 1) % BENCH_CAMERA_BUFFERS);
+	(void)camera_show(&f->fisheye, (f->fisheye.turn + 1) % BENCH_CAMERA_BUFFERS);
 }
 
 int bench_frame_measure(struct bench_frame *f, double threshold, struct fault *fault)

@@ -10,6 +10,9 @@
 #include "hal/fault.h"
 #include "hal/frame.h"
 
+#define BENCH_CAMERA_BUFFERS 4
+#define BENCH_SCREEN_BUFFERS 3
+
 struct bench_frame;
 
 /* The background camera's picture is made from a canvas; pool is what measures the light. -ENOTSUP:
@@ -20,6 +23,12 @@ int bench_frame_create(struct bench_frame **frame, const struct basis *basis,
 /* Makes the fisheye camera's picture: each cell as bright as its light, at its limit where that is
  * beyond 1. -ENOMEM. */
 int bench_frame_light(struct bench_frame *frame, const float (*radiance)[3]);
+
+/* What may be left out from now on (compositor.h); 0, as created: by the threshold. */
+void bench_frame_budget(struct bench_frame *frame, double budget);
+
+/* Both cameras' next frames: the same pictures in the next of their buffers. */
+void bench_frame_next(struct bench_frame *frame);
 
 /* Parts of it: the light of all cells, and which are used; the background, converted alone. */
 int bench_frame_measure(struct bench_frame *frame, double threshold, struct fault *fault);

@@ -30,8 +30,8 @@ static void make_truth(void *context, int item, int worker)
 	const struct bench_stage *stage = t->stage;
 	struct compositor_settings settings = {
 		.mode = stage->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
-		.background = TRANSFER_SRGB,
-		.output = TRANSFER_SRGB,
+		.background = {.named = TRANSFER_SRGB},
+		.output = {.named = TRANSFER_SRGB},
 		.gain = 1,
 		.object = true,
 	};
@@ -42,7 +42,7 @@ static void make_truth(void *context, int item, int worker)
 	if (!t->picture[item])
 		return;
 	if (item == TRUTH_THESIS)
-		settings.background = settings.output = TRANSFER_LINEAR;
+		settings.background.named = settings.output.named = TRANSFER_LINEAR;
 	if (item == TRUTH_FRAME) {
 		background = bench_frame_background(stage->cameras);
 		lights = bench_frame_lights(stage->cameras);
@@ -200,8 +200,9 @@ int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct
 	for (int k = 0; k < ways->count; k++)
 		ways->way[k].row.has_error = false;
 	for (int m = 0; !err && m < stage->lighting->members; m++) {
-		bench_stage_light(stage, m);
-		err = see_light(stage, fault);
+		err = bench_stage_light(stage, m, fault);
+		if (!err)
+			err = see_light(stage, fault);
 		if (err)
 			break;
 		pool_run(all, TRUTH_COUNT, make_truth, &t);

@@ -51,8 +51,8 @@ static struct compositor_settings settings_of(enum compositor_mode mode, bool se
 	return (struct compositor_settings){
 		.mode = mode,
 		.reuse = sequence ? REUSE_AUTO : REUSE_NEVER,
-		.background = TRANSFER_SRGB,
-		.output = TRANSFER_SRGB,
+		.background = {.named = TRANSFER_SRGB},
+		.output = {.named = TRANSFER_SRGB},
 		.gain = 1,
 		.object = true,
 	};
@@ -190,9 +190,17 @@ static void choose(struct bench_stage *stage, struct light_selection *lights,
 			       THRESHOLD_AMBIENT, 1);
 }
 
-void bench_stage_light(struct bench_stage *stage, int member)
+int bench_stage_light(struct bench_stage *stage, int member, struct fault *fault)
 {
-	choose(stage, &stage->lights, lighting_member(stage->lighting, stage->basis, member));
+	const float(*radiance)[3] = lighting_member(stage->lighting, stage->basis, member);
+
+	choose(stage, &stage->lights, radiance);
+	if (!stage->cameras || stage->seen == radiance)
+		return 0;
+	if (bench_frame_light(stage->cameras, radiance))
+		return fault_say(fault, -ENOMEM, "not enough memory for a picture of the light");
+	stage->seen = radiance;
+	return 0;
 }
 
 /* The frame before had some lights brighter. */
@@ -211,6 +219,18 @@ static void light_before(struct bench_stage *stage, int turn, int changed)
 }
 
 /* ---- frames ---- */
+
+void bench_stage_next(struct bench_stage *stage)
+{
+	const unsigned turn = ++stage->frames;
+	const struct canvas *from = &stage->background[turn % BENCH_CAMERA_BUFFERS];
+	const struct view whole = {.width = from->width, .height = from->height, .squash = 1};
+
+	stage->background_picture = view_picture(&whole, from->pixels, from->stride);
+	stage->out = stage->screen[turn % BENCH_SCREEN_BUFFERS];
+	if (stage->cameras)
+		bench_frame_next(stage->cameras);
+}
 
 bool bench_way_shows(const struct bench_way *way)
 {
@@ -251,8 +271,10 @@ int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn
 
 int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault *fault)
 {
-	const struct canvas *from = &stage->background;
+	const struct canvas *from;
 
+	bench_stage_next(stage);
+	from = &stage->background[stage->frames % BENCH_CAMERA_BUFFERS];
 	switch (way->kind) {
 	case BENCH_THESIS:
 		thesis_run(stage->thesis, from, &stage->out);

@@ -18,12 +18,17 @@ struct bench_stage {
 	const struct basis *basis;
 	bool exact; /* there is an exact layer */
 	struct pool *pool;
-	struct canvas background, out;
-	struct picture background_picture;
+	/* As many buffers as a kiosk's cameras and screen have: a frame finds other memory than the
+	 * one before it left in the caches. All backgrounds are the same picture. */
+	struct canvas background[BENCH_CAMERA_BUFFERS], screen[BENCH_SCREEN_BUFFERS];
+	struct picture background_picture; /* whose turn it is */
+	struct canvas out;		   /* the same; borrowed */
+	unsigned frames;
 	struct thesis *thesis;	     /* NULL: left out */
 	struct bench_frame *cameras; /* NULL: the basis's lights are no dome's */
 	struct reading reading;
 	const struct lighting *lighting; /* of this round */
+	const float (*seen)[3];		 /* the member of it that the cameras show */
 	struct light_selection lights;	 /* of the member whose turn it is */
 	struct light_selection before;	 /* the same, but for some */
 	float (*scratch)[3];		 /* [lights] */
@@ -71,14 +76,17 @@ void bench_ways_free(struct bench_ways *ways); /* idempotent; zeroed is fine */
 /* Whether it makes a picture of the object, so that there is an error to measure. */
 bool bench_way_shows(const struct bench_way *way);
 
-/* Makes a member of the lighting the one whose turn it is. */
-void bench_stage_light(struct bench_stage *stage, int member);
+/* Makes a member of the lighting the one whose turn it is, for the cameras too. -ENOMEM. */
+int bench_stage_light(struct bench_stage *stage, int member, struct fault *fault);
+
+/* The next of the cameras' and the screen's buffers. */
+void bench_stage_next(struct bench_stage *stage);
 
 /* Untimed: what has to be so before this way's frame, the frame that it starts from included. */
 int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn,
 		      struct fault *fault);
 
-/* The frame, into stage->out. */
+/* The frame, into stage->out, which is the next of the screen's buffers. */
 int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault *fault);
 
 #endif

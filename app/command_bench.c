@@ -7,6 +7,7 @@
 #include "app/bench_print.h"
 #include "app/commands.h"
 #include "hal/compositor/kernels.h"
+#include "hal/ini/ini.h"
 #include "hal/log.h"
 #include "hal/output.h"
 #include "hal/pool.h"
@@ -104,14 +105,16 @@ static int take_cells(void *context, const char *argument, const char **expected
 
 static int take_threshold(void *context, const char *argument, const char **expected)
 {
-	double level;
-	const int err = option_number(argument, 0, 255, &level);
+	struct bench_settings *settings = &((struct bench_options *)context)->settings;
+	struct ini_level level;
+	const int err = ini_level_read(argument, 255, &level);
 
-	*expected = "a grey level 0..255";
-	if (!err)
-		((struct bench_options *)context)->settings.threshold =
-			transfer_decode(TRANSFER_SRGB, level / 255);
-	return err;
+	*expected = "a grey level 0..255 or a percentage 0%..100%";
+	if (err)
+		return err;
+	settings->threshold = level.percent ? 0 : transfer_decode(TRANSFER_SRGB, level.value / 255);
+	settings->budget = level.percent ? level.value / 100 : 0;
+	return 0;
 }
 
 static int take_thesis(void *context, const char *argument, const char **expected)
@@ -143,7 +146,8 @@ static const struct option_row rows[] = {
 	 .take = take_cells},
 	{.name = "threshold",
 	 .argument = "LEVEL",
-	 .help = "leave out lights below this grey level, 0..255; 0 takes all",
+	 .help = "leave out lights below this grey level, 0..255, or what changes no pixel by more "
+		 "of white: 1%; 0 takes all",
 	 .take = take_threshold},
 	{.name = "threads",
 	 .argument = "N",

@@ -186,20 +186,25 @@ const struct command command_control = {
 	.name = "control",
 	.usage = "[--socket PATH | --config FILE] COMMAND [VALUE]",
 	.purpose = "give a running kiosk one command and print its reply",
-	.details = "commands:\n"
-		   "  status                what it is doing, as one line of JSON\n"
-		   "  threshold-up          leave out more of the dim lights\n"
-		   "  threshold-down        leave out fewer of them\n"
-		   "  threshold-next        up, and from the highest to 0\n"
-		   "  threshold-set LEVEL   leave out lights below this grey level, 0..255\n"
-		   "  view-next             show the next view\n"
-		   "  pose-next             take the next pose of the basis\n"
-		   "  object                show the object, or hide it\n"
-		   "  information           show the line of figures, or hide it\n"
-		   "  split-left            move the line between before and after\n"
-		   "  split-right           move it the other way\n"
-		   "  freeze                hold the picture, or let it go on\n"
-		   "  quit                  end the kiosk",
+	.details =
+		"commands:\n"
+		"  status                what it is doing, as one line of JSON\n"
+		"  threshold-up          leave out more of the dim lights\n"
+		"  threshold-down        leave out fewer of them\n"
+		"  threshold-next        up, and from the highest to 0\n"
+		"  threshold-set LEVEL   leave out lights below this grey level, 0..255, or "
+		"what changes no\n"
+		"                        pixel by more of white: 1%\n"
+		"  view-next             show the next view\n"
+		"  pose-next             take the next pose of the basis\n"
+		"  pose-prev             take the one before\n"
+		"  pose P                take this pose: next, prev, its number from 0, or name\n"
+		"  object                show the object, or hide it\n"
+		"  information           show the line of figures, or hide it\n"
+		"  split-left            move the line between before and after\n"
+		"  split-right           move it the other way\n"
+		"  freeze                hold the picture, or let it go on\n"
+		"  quit                  end the kiosk",
 	.options = rows,
 	.take_word = take_word,
 	.run = run,

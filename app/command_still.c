@@ -6,14 +6,15 @@
 #include "app/settings.h"
 #include "app/still.h"
 #include "hal/compositor/compositor.h"
+#include "hal/image/image.h"
 #include "hal/log.h"
 
 struct still_options {
 	struct settings settings; /* first: SETTINGS_ROWS */
 	const char *basis, *background, *fisheye, *lights, *lights_out, *out;
-	double threshold; /* NAN: as configured */
-	long pose;	  /* -1: as configured */
-	int mode;	  /* -1: as configured */
+	struct ini_level threshold; /* value NAN: as configured */
+	long pose;		    /* -1: as configured */
+	int mode;		    /* -1: as configured */
 };
 
 #define TAKE_PATH(field)                                                                           \
@@ -33,7 +34,7 @@ TAKE_PATH(lights_out)
 static int take_out(void *context, const char *argument, const char **expected)
 {
 	*expected = "a name that ends in .png, .pfm or .hdr";
-	if (!still_can_write(argument))
+	if (image_name_linear(argument, NULL) < 0)
 		return -EINVAL;
 	((struct still_options *)context)->out = argument;
 	return 0;
@@ -41,8 +42,8 @@ static int take_out(void *context, const char *argument, const char **expected)
 
 static int take_threshold(void *context, const char *argument, const char **expected)
 {
-	*expected = "a grey level 0..255";
-	return option_number(argument, 0, 255, &((struct still_options *)context)->threshold);
+	*expected = "a grey level 0..255 or a percentage 0%..100%";
+	return ini_level_read(argument, 255, &((struct still_options *)context)->threshold);
 }
 
 static int take_pose(void *context, const char *argument, const char **expected)
@@ -87,7 +88,8 @@ static const struct option_row rows[] = {
 	 .take = take_lights_out},
 	{.name = "threshold",
 	 .argument = "LEVEL",
-	 .help = "leave out lights below this grey level, 0..255",
+	 .help = "leave out lights below this grey level, 0..255, or what changes no pixel by more "
+		 "of white: 1%",
 	 .take = take_threshold},
 	{.name = "pose",
 	 .argument = "N",
@@ -131,7 +133,7 @@ static int run_config(const struct still_options *o, const struct config *config
 		.lights = o->lights,
 		.lights_out = o->lights_out,
 		.out = o->out,
-		.threshold = isnan(o->threshold) ? config->lights.threshold : o->threshold,
+		.threshold = isnan(o->threshold.value) ? config->lights.threshold : o->threshold,
 		.pose = o->pose < 0 ? config->basis.pose : (int)o->pose,
 		.mode = o->mode >= 0				     ? (enum still_mode)o->mode
 			: config->composite.mode == COMPOSITOR_EXACT ? STILL_EXACT
@@ -148,7 +150,7 @@ static int run_config(const struct still_options *o, const struct config *config
 
 static int run(int argc, char **argv)
 {
-	struct still_options options = {.threshold = NAN, .pose = -1, .mode = -1};
+	struct still_options options = {.threshold = {.value = NAN}, .pose = -1, .mode = -1};
 	struct ini_report report = {.count = 0};
 	struct config *config = NULL;
 	int code = options_read(&command_still, argc, argv, &options), err;

@@ -196,8 +196,11 @@ int kiosk_run(const struct kiosk_settings *settings, struct fault *fault)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	k->settings = settings;
 	k->config = settings->config;
-	/* Statistics into a pipe that was closed must not end the kiosk. */
+	/* Neither statistics into a pipe that was closed nor a signal that means nothing to it may
+	 * end the kiosk. */
 	signal(SIGPIPE, SIG_IGN);
+	signal(SIGUSR1, SIG_IGN);
+	signal(SIGUSR2, SIG_IGN);
 	err = kiosk_open(k, fault);
 	if (!err)
 		err = turn(k, fault);

@@ -5,8 +5,10 @@
 
 #include "app/kiosk_parts.h"
 #include "drivers/drivers.h"
+#include "hal/log.h"
 
 #define LEVEL_MAX 255.0
+#define PERCENT_MAX 100.0
 #define SPLIT_STEP 0.02 /* of the width */
 
 static double within(double value, double high)
@@ -29,29 +31,62 @@ static void next_view(struct kiosk *k)
 	while (k->what == SHOW_SCENE && !k->eyes.scene.source);
 }
 
-void kiosk_act(struct kiosk *k, enum action action, double value)
+/* By a step of the threshold's own unit. */
+static void move_threshold(struct ini_level *threshold, enum action action, double step)
 {
-	double step = k->config->lights.threshold_step;
-	double threshold = k->choice.threshold;
+	const double most = threshold->percent ? PERCENT_MAX : LEVEL_MAX;
+	const double up = threshold->value + step;
 
-	switch (action) {
+	if (action == ACTION_THRESHOLD_NEXT)
+		threshold->value = up > most ? 0 : up;
+	else
+		threshold->value =
+			within(action == ACTION_THRESHOLD_UP ? up : threshold->value - step, most);
+}
+
+void kiosk_take_pose(struct kiosk *k, int pose)
+{
+	k->choice.pose = pose;
+	k->choice.share = 0;
+	timeline_begin(&k->timeline, &k->config->poses, (int)k->basis.info.poses, pose,
+		       k->stamp_ns);
+}
+
+static void step_pose(struct kiosk *k, int step)
+{
+	const int poses = (int)k->basis.info.poses;
+
+	kiosk_take_pose(k, (k->choice.pose + poses + step) % poses);
+}
+
+int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *fault)
+{
+	int pose;
+
+	switch (press->action) {
 	case ACTION_THRESHOLD_UP:
-		k->choice.threshold = within(threshold + step, LEVEL_MAX);
-		break;
 	case ACTION_THRESHOLD_DOWN:
-		k->choice.threshold = within(threshold - step, LEVEL_MAX);
-		break;
 	case ACTION_THRESHOLD_NEXT:
-		k->choice.threshold = threshold + step > LEVEL_MAX ? 0 : threshold + step;
+		move_threshold(&k->choice.threshold, press->action,
+			       k->config->lights.threshold_step);
 		break;
 	case ACTION_THRESHOLD_SET:
-		k->choice.threshold = within(value, LEVEL_MAX);
+		k->choice.threshold = (struct ini_level){press->value, press->percent};
 		break;
 	case ACTION_VIEW_NEXT:
 		next_view(k);
 		break;
 	case ACTION_POSE_NEXT:
-		k->choice.pose = (k->choice.pose + 1) % (int)k->basis.info.poses;
+		step_pose(k, 1);
+		break;
+	case ACTION_POSE_PREV:
+		step_pose(k, -1);
+		break;
+	case ACTION_POSE_SET:
+		pose = basis_find_pose(&k->basis, press->name, fault);
+		if (pose < 0)
+			return pose;
+		kiosk_take_pose(k, pose);
 		break;
 	case ACTION_OBJECT:
 		k->choice.object = !k->choice.object;
@@ -73,10 +108,11 @@ void kiosk_act(struct kiosk *k, enum action action, double value)
 		k->stop = true;
 		break;
 	default:
-		return;
+		return 0;
 	}
 	k->redraw = true;
 	kiosk_keep_state(k);
+	return 0;
 }
 
 /* ---- buttons ---- */
@@ -120,7 +156,8 @@ void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad)
 	int err;
 
 	while ((err = buttons_read(&keypad->buttons, &press, &reason)) == 0)
-		kiosk_act(k, press.action, press.value);
+		if (kiosk_act(k, &press, &reason))
+			log_warning("%s", reason.text);
 	if (err == -EAGAIN)
 		return;
 	name_keypad(keypad, name);

@@ -31,27 +31,41 @@ static const char *status(struct kiosk *k)
 {
 	char figures[STATS_TEXT_MAX];
 
-	stats_text(&k->stats, &k->pipeline, k->sources, k->source_count, figures);
+	stats_text(&k->stats, &k->pipeline, &k->choice.threshold, k->sources, k->source_count,
+		   figures);
 	snprintf(k->status, sizeof(k->status),
-		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"object\":%s,\"frozen\":%s,"
+		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
+		 "\"pose_shown\":%d,\"object\":%s,\"frozen\":%s,"
 		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",%s}",
 		 INLAY_VERSION, config_show_names[k->what], k->choice.pose,
+		 basis_pose_name(&k->basis, k->choice.pose), k->pipeline.choice.pose,
 		 k->choice.object ? "true" : "false", k->frozen ? "true" : "false", k->split,
 		 k->information ? "true" : "false", display_situation_names[k->display.situation],
 		 figures);
 	return k->status;
 }
 
+static const char *act(struct kiosk *k, const struct button_press *press,
+		       char answer[FAULT_TEXT_MAX + 16])
+{
+	struct fault fault = {.text = ""};
+
+	if (!kiosk_act(k, press, &fault))
+		return "ok";
+	snprintf(answer, FAULT_TEXT_MAX + 16, "error: %s", fault.text);
+	return answer;
+}
+
 void kiosk_control_read(struct kiosk *k)
 {
 	struct control_request request;
+	char answer[FAULT_TEXT_MAX + 16];
 
 	for (;;) {
 		control_next(k->control, &request);
 		switch (request.kind) {
 		case CONTROL_ACTION:
-			kiosk_act(k, request.press.action, request.press.value);
-			control_answer(k->control, "ok");
+			control_answer(k->control, act(k, &request.press, answer));
 			break;
 		case CONTROL_STATUS:
 			control_answer(k->control, status(k));

@@ -34,11 +34,11 @@ static bool is_watched(const struct config *config, const char *camera)
 }
 
 /* Radiance that two views share is encoded as the background expects it. */
-enum transfer kiosk_transfer_for(const struct config *config, const char *camera)
+struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera)
 {
 	return !strcmp(config->background.view.camera, camera)
-		       ? (enum transfer)config->background.transfer
-		       : (enum transfer)config->fisheye.transfer;
+		       ? config_background_curve(&config->background)
+		       : config_fisheye_curve(&config->fisheye);
 }
 
 static int create_source(struct kiosk *k, struct config_camera *camera, struct fault *fault)
@@ -51,7 +51,7 @@ static int create_source(struct kiosk *k, struct config_camera *camera, struct f
 		.camera = camera->settings,
 		.options = config_options(k->config, CONFIG_CAMERA, camera, driver),
 		.deinterlace = (enum deinterlace)camera->deinterlace,
-		.transfer = kiosk_transfer_for(k->config, camera->name),
+		.curve = kiosk_curve_for(k->config, camera->name),
 	};
 	int err = source_create(source, &settings);
 
@@ -69,13 +69,16 @@ static int create_sources(struct kiosk *k, struct fault *fault)
 		struct config_camera *camera = k->config->cameras[i];
 		int err;
 
-		if (!is_watched(k->config, camera->name))
+		if (!is_watched(k->config, camera->name)) {
+			log_info("camera %s: no view names it, it stays closed", camera->name);
 			continue;
+		}
 		err = create_source(k, camera, fault);
 		if (err)
 			return err;
 	}
 	k->eyes.fisheye = eye_of(k, "fisheye", &k->config->fisheye.view);
+	exposing_start(&k->exposing, &k->config->fisheye);
 	k->eyes.background = eye_of(k, "background", &k->config->background.view);
 	k->eyes.scene = eye_of(k, "scene", &k->config->scene.view);
 	return 0;
@@ -110,7 +113,7 @@ static void take_state(struct kiosk *k)
 		log_warning("state: %s: pose is %d, expected 0..%u as in the basis; ignored",
 			    config->state.file, values.pose, k->basis.info.poses - 1);
 	else
-		k->choice.pose = values.pose;
+		kiosk_take_pose(k, values.pose);
 }
 
 static int open_state(struct kiosk *k, struct fault *fault)
@@ -118,7 +121,7 @@ static int open_state(struct kiosk *k, struct fault *fault)
 	const struct state_values values = {k->choice.threshold, k->what, k->choice.pose};
 	int err = state_create(&k->state, &k->config->state, &values);
 
-	return err ? fault_say(fault, err, "state: %s", strerror(-err)) : 0;
+	return err ? fault_say(fault, err, "state: cannot be kept: %s", strerror(-err)) : 0;
 }
 
 static int open_pipeline(struct kiosk *k, struct fault *fault)
@@ -137,7 +140,8 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	int err;
 
 	k->loop.epoll = k->loop.signals = k->loop.timer = -1;
-	k->choice = (struct pipeline_choice){config->lights.threshold, config->basis.pose, true};
+	k->choice = (struct pipeline_choice){
+		.threshold = config->lights.threshold, .pose = config->basis.pose, .object = true};
 	k->what = (enum config_show)config->screen->show;
 	k->split = config->screen->split;
 	k->information = config->screen->information;
@@ -149,6 +153,7 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 		err = open_pipeline(k, fault);
 	if (err)
 		return err;
+	kiosk_take_pose(k, config->basis.pose);
 	take_state(k);
 	err = open_state(k, fault);
 	if (!err)

@@ -3,6 +3,7 @@
 #define INLAY_APP_KIOSK_PARTS_H
 
 #include "app/control.h"
+#include "app/exposing.h"
 #include "app/eye.h"
 #include "app/kiosk.h"
 #include "app/loop.h"
@@ -13,6 +14,7 @@
 #include "app/source.h"
 #include "app/state.h"
 #include "app/stats.h"
+#include "app/timeline.h"
 #include "hal/buttons.h"
 #include "hal/display.h"
 
@@ -38,7 +40,8 @@ struct kiosk {
 	struct source sources[CONFIG_CAMERAS_MAX];
 	int source_count;
 	struct eyes eyes;
-	struct fault unfit[3]; /* of fisheye, background, scene: why the picture is of no use */
+	struct exposing exposing; /* the fisheye's camera */
+	struct fault unfit[3];	  /* of fisheye, background, scene: why the picture is of no use */
 	struct fault light_said;
 	struct display display; /* state NULL: there is no screen at present */
 	struct fault display_said;
@@ -56,6 +59,9 @@ struct kiosk {
 	struct stats stats;
 	/* what buttons change */
 	struct pipeline_choice choice;
+	struct timeline timeline;
+	bool timed;	  /* there has been a frame that it goes by */
+	int64_t stamp_ns; /* of the newest such frame */
 	enum config_show what;
 	double split;
 	bool information;
@@ -82,7 +88,7 @@ int kiosk_close(struct kiosk *k, struct fault *fault);
 
 /* How a camera's linear radiance is encoded: radiance that two views share, as the background
  * expects it. */
-enum transfer kiosk_transfer_for(const struct config *config, const char *camera);
+struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera);
 
 /* Logs a trouble unless it is the one that was logged last; NULL: it has passed. what: "buttons
  * gpio". */
@@ -121,8 +127,10 @@ bool kiosk_screen_is_excused(const struct kiosk *k);
 
 /* ---- kiosk_actions.c ---- */
 
-void kiosk_act(struct kiosk *k, enum action action, double value);
-void kiosk_keep_state(struct kiosk *k); /* what is chosen at present */
+/* 0, or -EINVAL: the basis has no such pose. */
+int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *fault);
+void kiosk_take_pose(struct kiosk *k, int pose); /* and the timeline goes on from it */
+void kiosk_keep_state(struct kiosk *k);		 /* what is chosen at present */
 
 /* Opens what [buttons] names and is not open. At the very start (first) a mistake of the
  * configuration is an error; everything else is said and waited for. */

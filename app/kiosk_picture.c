@@ -63,8 +63,10 @@ static void decode_sources(struct kiosk *k, bool frames, struct taken *taken)
 		}
 		if (!source_decode(source, clock_now_ns()))
 			continue;
-		if (source == k->eyes.fisheye.source)
+		if (source == k->eyes.fisheye.source) {
 			taken->lit = true;
+			k->pipeline.exposure = exposing_take(&k->exposing, source, clock_now_ns());
+		}
 		if (source == first)
 			taken->captured_ns = source->picture_ns;
 	}
@@ -117,7 +119,24 @@ static int measure(struct kiosk *k, struct fault *fault)
 	return pipeline_light_picture(&k->pipeline, &picture, fault);
 }
 
-/* A sky that cannot be measured leaves the light as it was. */
+/* What the fisheye clips may be seen on the ground. */
+static void recover(struct kiosk *k)
+{
+	const struct eye *eye = &k->eyes.background;
+	struct frame_reader reader;
+	struct picture picture;
+
+	if (!k->pipeline.ground || !eye_has_picture(eye))
+		return;
+	if (!eye_read(eye, &reader)) {
+		picture = eye_picture(eye);
+		reader = frame_reader_of(&picture);
+	}
+	pipeline_recover(&k->pipeline, &reader);
+}
+
+/* A sky that cannot be measured leaves the light as it was, and so does a picture whose exposure is
+ * not known. */
 static int measure_light(struct kiosk *k, struct fault *fault)
 {
 	struct fault reason = {.text = ""};
@@ -126,6 +145,14 @@ static int measure_light(struct kiosk *k, struct fault *fault)
 	if (!eye_has_picture(&k->eyes.fisheye))
 		return 0;
 	err = measure(k, &reason);
+	if (!err || err == -ESTALE)
+		exposing_judge(&k->exposing, k->eyes.fisheye.source, k->pipeline.level, !err);
+	if (err == -ESTALE)
+		return 0;
+	if (!err) {
+		recover(k);
+		pipeline_follow(&k->pipeline, k->eyes.fisheye.source->stamp_ns);
+	}
 	if (err && !k->submitted)
 		return fault_say(fault, err, "%s", reason.text);
 	kiosk_complain(&k->light_said, "light", err ? &reason : NULL);
@@ -142,6 +169,28 @@ static bool is_blank(const struct kiosk *k, int64_t now)
 	return limit > 0 && !k->frozen && (double)(now - fresh) > limit * (double)NS_PER_S;
 }
 
+/* A timeline goes by the time at which frames were captured, so that the object moves with what is
+ * behind it. Its first frame is where it begins. */
+static void follow_timeline(struct kiosk *k)
+{
+	const struct source *leader = kiosk_leader(k);
+	struct timeline_place at;
+
+	if (!leader)
+		return;
+	k->stamp_ns = leader->stamp_ns;
+	if (!k->timed) {
+		k->timed = true;
+		kiosk_take_pose(k, k->choice.pose);
+	}
+	if (k->timeline.kind == TIMELINE_NONE)
+		return;
+	at = timeline_at(&k->timeline, k->stamp_ns);
+	k->choice.pose = at.pose;
+	k->choice.next = at.next;
+	k->choice.share = k->config->poses.fade && at.next != at.pose ? at.share : 0;
+}
+
 static int draw(struct kiosk *k, const struct display_buffer *screen, int64_t now,
 		struct fault *fault)
 {
@@ -153,12 +202,15 @@ static int draw(struct kiosk *k, const struct display_buffer *screen, int64_t no
 		.blank = is_blank(k, now),
 		.overlay = &k->overlay,
 	};
+	const struct source *leader = kiosk_leader(k);
 	struct pipeline_choice choice = k->choice;
 	int err;
 
 	/* An object without light would be a black hole in the picture: it waits for the fisheye.
 	 */
 	choice.object = choice.object && k->pipeline.lit;
+	/* There is nothing to be late for without a camera's pace. */
+	choice.hold = leader && leader->situation == CAMERA_FINE && !leader->camera.on_demand;
 	err = pipeline_choose(&k->pipeline, &choice, fault);
 	if (err)
 		return err;
@@ -200,6 +252,8 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	if (err)
 		return err;
 	sampled = clock_now_ns();
+	if (taken.captured_ns)
+		follow_timeline(k);
 	err = draw(k, &screen, start, fault);
 	if (err)
 		return err;

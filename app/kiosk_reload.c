@@ -28,9 +28,12 @@ static int check(const struct kiosk *k, const struct config *fresh, struct fault
 /* A camera's radiance is encoded as its views expect it. */
 static void encode(struct kiosk *k)
 {
-	for (int i = 0; i < k->source_count; i++)
-		source_encode_as(&k->sources[i],
-				 kiosk_transfer_for(k->config, k->sources[i].settings.name));
+	for (int i = 0; i < k->source_count; i++) {
+		const struct transfer_curve curve = kiosk_curve_for(k->config,
+								    k->sources[i].settings.name);
+
+		source_encode_as(&k->sources[i], &curve);
+	}
 }
 
 static int apply_light(struct kiosk *k, struct fault *fault)
@@ -69,7 +72,9 @@ static void apply(struct kiosk *k, unsigned effects)
 	if (effects & RELOAD_THRESHOLD)
 		k->choice.threshold = config->lights.threshold;
 	if (effects & RELOAD_POSE)
-		k->choice.pose = config->basis.pose;
+		kiosk_take_pose(k, config->basis.pose);
+	if (effects & RELOAD_POSES)
+		kiosk_take_pose(k, k->choice.pose);
 	if (effects & RELOAD_VIEW)
 		k->what = (enum config_show)config->screen->show;
 	if (effects & RELOAD_SPLIT)

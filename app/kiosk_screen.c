@@ -87,7 +87,11 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 			k->redraw = true;
 			break;
 		case DISPLAY_ACTION:
-			kiosk_act(k, (enum action)event.action, k->choice.threshold);
+			kiosk_act(k,
+				  &(struct button_press){.action = (enum action)event.action,
+							 .value = k->choice.threshold.value,
+							 .percent = k->choice.threshold.percent},
+				  NULL);
 			break;
 		default:
 			return 0;

@@ -68,12 +68,15 @@ static void write_information(struct kiosk *k)
 	const struct words_figures figures = {
 		.lights_used = k->pipeline.selection.used_count,
 		.lights = k->pipeline.selection.count,
-		.threshold = k->choice.threshold,
+		.threshold = k->choice.threshold.value,
+		.percent = k->choice.threshold.percent,
 		.error = largest(k->pipeline.selection.dropped_error),
 		.frames_a_second = k->stats.last.fps,
 		.latency_ms = k->stats.last.latency_mean_ms,
 		.drops = stats_drops(k->sources, k->source_count),
 		.clipped = k->pipeline.clipped,
+		.recovered = k->pipeline.recovery.recovered,
+		.at_bound = k->pipeline.recovery.at_bound,
 	};
 	char text[OVERLAY_TEXT_MAX];
 

@@ -33,11 +33,16 @@ APP_SOURCES := \
 	app/state.c \
 	app/stats.c \
 	app/still.c \
+	app/timeline.c \
 	app/source.c \
+	app/exposing.c \
 	app/eye.c \
 	app/pipeline.c \
 	app/pipeline_config.c \
+	app/pipeline_fade.c \
+	app/pipeline_ground.c \
 	app/pipeline_light.c \
+	app/pipeline_pose.c \
 	app/show.c \
 	app/layout.c \
 	app/scaler.c \

@@ -55,19 +55,29 @@ static int fill(struct pipeline *p, struct fault *fault)
 	const struct basis_info_chunk *info = &p->basis->info;
 	int err;
 
-	err = dome_create(&p->dome, (int)info->dome_frequency,
-			  (enum dome_division)info->dome_division, fault);
+	err = dome_create_shaped(&p->dome, (int)info->dome_frequency,
+				 (enum dome_division)info->dome_division,
+				 (enum dome_shape)info->light_shape, fault);
 	if (err)
 		return err;
 	err = check_dome(&p->dome, p->basis, fault);
 	if (err)
 		return err;
 	p->radiance = calloc(info->lights, sizeof(*p->radiance));
-	if (!p->radiance)
+	p->sampled = calloc(info->lights, sizeof(*p->sampled));
+	p->left = calloc(info->lights, sizeof(*p->left));
+	if (!p->radiance || !p->sampled || !p->left)
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
+	if (!err)
+		err = light_filter_create(&p->filter, (int)info->lights);
+	if (!err)
+		err = light_exposures_create(&p->exposures, (int)info->lights);
 	if (err)
 		return fault_say(fault, err, "not enough memory for %u lights", info->lights);
+	err = pipeline_ground_prepare(p, &p->settings, fault);
+	if (err)
+		return err;
 	return start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
 }
 
@@ -76,7 +86,8 @@ int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
 {
 	int err;
 
-	*pipeline = (struct pipeline){.settings = *settings, .basis = basis};
+	*pipeline = (struct pipeline){
+		.settings = *settings, .basis = basis, .shown = {.pose = -1}, .expected = {-1}};
 	err = fill(pipeline, fault);
 	if (err)
 		pipeline_destroy(pipeline);
@@ -86,12 +97,18 @@ int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
 void pipeline_destroy(struct pipeline *p)
 {
 	pipeline_relight_end(p);
+	pipeline_fade_end(p);
 	compositor_destroy(p->compositor);
 	pool_destroy(p->pool);
 	light_selection_free(&p->selection);
 	light_sampler_destroy(p->sampler);
+	light_filter_destroy(p->filter);
+	light_exposures_destroy(p->exposures);
+	pipeline_ground_free(p);
 	image_free(&p->upright);
 	free(p->radiance);
+	free(p->sampled);
+	free(p->left);
 	dome_free(&p->dome);
 	*p = (struct pipeline){.basis = NULL};
 }
@@ -99,8 +116,7 @@ void pipeline_destroy(struct pipeline *p)
 int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings,
 		    struct fault *fault)
 {
-	struct light_sampler_settings sampler;
-	struct fisheye_settings lens;
+	struct pipeline_settings before;
 	struct compositor *compositor;
 	struct pool *pool;
 	int err;
@@ -115,32 +131,70 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		p->compositor = compositor;
 		p->pool = pool;
 	}
+	err = pipeline_ground_prepare(p, settings, fault);
+	if (err)
+		return err;
 	/* What the light is measured with is pipeline_relight()'s. */
-	sampler = p->settings.sampler;
-	lens = p->settings.lens;
+	before = p->settings;
 	p->settings = *settings;
-	p->settings.sampler = sampler;
-	p->settings.lens = lens;
+	p->settings.sampler = before.sampler;
+	p->settings.lens = before.lens;
+	p->settings.exposures = before.exposures;
+	memcpy(p->settings.exposure, before.exposure, sizeof(before.exposure));
 	return 0;
 }
 
-/* The level as the sampler would read it from the picture. */
-static double linear_threshold(const struct pipeline *p)
+double pipeline_gain_of_grey(const struct light_sampler_settings *s)
 {
-	const struct light_sampler_settings *s = &p->settings.sampler;
-	double code = (p->choice.threshold - s->black_level) / (255 - s->black_level);
+	double sum = 0;
 
-	return transfer_decode(s->transfer, code) * s->gain;
+	for (int k = 0; k < 9; k++)
+		sum += s->colours[k];
+	return sum > 0 ? s->gain * sum / 3 : s->gain;
+}
+
+/* A grey level of the fisheye's picture as the sampler would read it. */
+static double linear_level(const struct light_sampler_settings *s, double level)
+{
+	return transfer_curve_decode(&s->curve, level / 255) * pipeline_gain_of_grey(s);
+}
+
+/* One grey level below the threshold, and twice what the sampler may round: a light at that level
+ * is not below it. */
+static double band_below(const struct light_sampler_settings *s, double threshold)
+{
+	const double below = linear_level(s, threshold - 1);
+	const double rounding = below * 0x1p-13 + pipeline_gain_of_grey(s) * 0x1p-15;
+
+	return linear_level(s, threshold) - below + rounding;
+}
+
+static int check_pose(const struct pipeline *p, int pose, struct fault *fault)
+{
+	if (pose >= 0 && (uint32_t)pose < p->basis->info.poses)
+		return 0;
+	return fault_say(fault, -EINVAL, "pose %d is not in the basis, expected 0..%u", pose,
+			 p->basis->info.poses - 1);
 }
 
 int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, struct fault *fault)
 {
-	if (choice->pose < 0 || (uint32_t)choice->pose >= p->basis->info.poses)
-		return fault_say(fault, -EINVAL, "pose %d is not in the basis, expected 0..%u",
-				 choice->pose, p->basis->info.poses - 1);
+	const struct ini_level *threshold = &choice->threshold;
+	const double level = threshold->percent ? 0 : threshold->value;
+	int err = check_pose(p, choice->pose, fault);
+
+	if (!err)
+		err = check_pose(p, choice->next, fault);
+	if (err)
+		return err;
 	p->choice = *choice;
-	light_selection_choose(&p->selection, p->basis, choice->pose, p->radiance,
-			       linear_threshold(p), p->settings.threshold_mode, p->settings.gain);
+	pipeline_take_poses(p, choice);
+	p->selection.band = band_below(&p->settings.sampler, level);
+	p->selection.budget = threshold->percent ? threshold->value / 100 : 0;
+	light_selection_choose(&p->selection, p->basis,
+			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
+			       linear_level(&p->settings.sampler, level),
+			       p->settings.threshold_mode, p->settings.gain);
 	return 0;
 }
 
@@ -177,8 +231,11 @@ int pipeline_composite(struct pipeline *p, const struct backdrop *background, ui
 	if (err)
 		return err;
 	compositor_set(p->compositor, &settings);
-	err = compositor_run(p->compositor, p->choice.pose, &p->selection, background, out,
-			     out_stride);
+	if (p->choice.share > 0)
+		err = pipeline_fade_run(p, background, out, out_stride);
+	else
+		err = compositor_run(p->compositor, p->choice.pose, &p->selection, background, out,
+				     out_stride);
 	if (err)
 		return fault_say(fault, err, "cannot composite pose %d", p->choice.pose);
 	p->composite_ns = clock_now_ns() - start;

@@ -2,23 +2,39 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <string.h>
+
+#include "hal/clock.h"
 
 struct pipeline_settings pipeline_settings_of(const struct config *config)
 {
 	struct pipeline_settings settings = {
 		.sampler = {.estimator = (enum light_estimator)config->fisheye.estimator,
-			    .transfer = (enum transfer)config->fisheye.transfer,
-			    .black_level = config->fisheye.black_level,
-			    .gain = config->fisheye.gain},
+			    .curve = config_fisheye_curve(&config->fisheye),
+			    .gain = response_gain(&config->fisheye.measured, config->fisheye.gain)},
 		.lens = config->fisheye.lens,
+		.follow_ns = (int64_t)(config->lights.follow_s * (double)NS_PER_S),
 		.threshold_mode = (enum threshold_mode)config->lights.threshold_mode,
-		.background = (enum transfer)config->background.transfer,
+		.background = config_background_curve(&config->background),
 		.gain = config->composite.gain,
 		.threads = config->composite.threads,
 		.mode = (enum compositor_mode)config->composite.mode,
 		.reuse = (enum compositor_reuse)config->composite.reuse,
 	};
 
+	settings.exposures = config_exposures(&config->fisheye);
+	for (int k = 0; k < settings.exposures; k++)
+		settings.exposure[k] = config->fisheye.exposures[k] / config->fisheye.exposures[0];
+	settings.patch = (struct pipeline_patch){
+		.x = (int)config->background.patch[0],
+		.y = (int)config->background.patch[1],
+		.width = (int)config->background.patch[2],
+		.height = (int)config->background.patch[3],
+	};
+	memcpy(settings.patch.reflectance, config->background.reflectance,
+	       sizeof(settings.patch.reflectance));
+	memcpy(settings.sampler.colours, config->fisheye.measured.colours,
+	       sizeof(settings.sampler.colours));
 	snprintf(settings.kernel, sizeof(settings.kernel), "%s", config->composite.kernel);
 	return settings;
 }

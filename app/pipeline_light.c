@@ -1,5 +1,6 @@
 /* Measuring the light, and what it is measured with. */
 #include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -76,6 +77,43 @@ int pipeline_relight(struct pipeline *p, const struct pipeline_settings *setting
 	return 0;
 }
 
+/* ---- what noise the filter has to expect ---- */
+
+/* How many pixels see a light: its cell's, or the few around its node. */
+static float pixels_of(const struct pipeline *p, int light)
+{
+	double px[2], pixel_sr;
+
+	if (p->settings.sampler.estimator == ESTIMATOR_NODE ||
+	    !fisheye_project(&p->lens, p->dome.direction[light], px))
+		return 1;
+	pixel_sr = fisheye_pixel_sr(&p->lens, px);
+	return pixel_sr > 0 ? (float)fmax(1, p->dome.solid_angle_sr[light] / pixel_sr) : 1;
+}
+
+/* Light is measured in another way from now on. */
+static int expect_noise(struct pipeline *p, struct fault *fault)
+{
+	static const double one[] = {1};
+	const int count = p->dome.count;
+	float *pixels = malloc(sizeof(*pixels) * (size_t)count);
+
+	if (!pixels)
+		return fault_say(fault, -ENOMEM, "not enough memory for %d lights", count);
+	for (int i = 0; i < count; i++)
+		pixels[i] = pixels_of(p, i);
+	light_filter_measured(p->filter, &p->settings.sampler.curve,
+			      pipeline_gain_of_grey(&p->settings.sampler), pixels);
+	light_exposures_measured(p->exposures, p->settings.exposures ? p->settings.exposure : one,
+				 p->settings.exposures ? p->settings.exposures : 1,
+				 &p->settings.sampler.curve,
+				 pipeline_gain_of_grey(&p->settings.sampler), pixels);
+	free(pixels);
+	return 0;
+}
+
+/* ---- the lens and the sampler ---- */
+
 /* Goes over to the sampler that was made, if it is. */
 static int take_over(struct pipeline *p, struct fault *fault)
 {
@@ -96,6 +134,7 @@ static int take_over(struct pipeline *p, struct fault *fault)
 		p->settings.sampler = r->settings;
 		p->settings.lens = r->lens_settings;
 		r->sampler = NULL;
+		err = expect_noise(p, fault);
 	}
 	pipeline_relight_end(p);
 	return err;
@@ -119,8 +158,44 @@ static int fit_lens(struct pipeline *p, int width, int height, struct fault *fau
 		return err;
 	p->lens_width = width;
 	p->lens_height = height;
-	return light_sampler_create(&p->sampler, &p->dome, &p->lens, width, height,
-				    &p->settings.sampler, fault);
+	err = light_sampler_create(&p->sampler, &p->dome, &p->lens, width, height,
+				   &p->settings.sampler, fault);
+	return err ? err : expect_noise(p, fault);
+}
+
+/* ---- a picture ---- */
+
+static double level_of(const struct pipeline *p)
+{
+	const double white = 3 * pipeline_gain_of_grey(&p->settings.sampler) * p->dome.count;
+	double sum = 0;
+
+	for (int i = 0; i < p->dome.count; i++)
+		for (int c = 0; c < 3; c++)
+			sum += (double)p->sampled[i][c];
+	return white > 0 ? sum / white : 0;
+}
+
+/* What the sampler has just read becomes the light. */
+static int take_light(struct pipeline *p)
+{
+	p->level = level_of(p);
+	if (p->exposure < 0)
+		return -ESTALE;
+	if (!light_exposures_fit(p->exposures, p->exposure, (const float(*)[3])p->sampled,
+				 light_sampler_clipped(p->sampler))) {
+		p->unfit++;
+		return -ESTALE;
+	}
+	light_exposures_take(p->exposures, p->exposure, (const float(*)[3])p->sampled,
+			     light_sampler_excess(p->sampler), light_sampler_clipped(p->sampler),
+			     p->radiance, p->left);
+	p->clipped = 0;
+	for (int i = 0; i < p->dome.count; i++)
+		p->clipped += (double)p->left[i] * p->dome.solid_angle_sr[i] / (2 * M_PI);
+	p->recovery = (struct light_recovery){.recovered = false};
+	p->lit = true;
+	return 0;
 }
 
 int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
@@ -132,13 +207,14 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 
 	if (err)
 		return err;
-	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, p->radiance, &p->clipped);
+	light_sampler_above(p->sampler, light_exposures_above(p->exposures, p->exposure));
+	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, p->sampled, NULL);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
 				 width, height);
-	p->lit = true;
+	err = take_light(p);
 	p->sample_ns = clock_now_ns() - start;
-	return 0;
+	return err;
 }
 
 int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
@@ -186,19 +262,24 @@ int pipeline_light_linear(struct pipeline *p, const struct image *camera, const 
 		return err;
 	err = turn_upright(p, camera, view);
 	if (!err)
-		err = light_sampler_read_linear(p->sampler, &p->upright, p->radiance);
+		err = light_sampler_read_linear(p->sampler, &p->upright, p->sampled);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
 				 view->width, view->height, strerror(-err));
-	p->clipped = 0;
-	p->lit = true;
+	err = take_light(p);
 	p->sample_ns = clock_now_ns() - start;
-	return 0;
+	return err;
 }
 
 void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
 {
 	memcpy(p->radiance, radiance, p->basis->info.lights * sizeof(*radiance));
 	p->clipped = 0;
+	p->recovery = (struct light_recovery){.recovered = false};
 	p->lit = true;
+}
+
+void pipeline_follow(struct pipeline *p, int64_t captured_ns)
+{
+	light_filter_run(p->filter, captured_ns, p->settings.follow_ns, p->radiance);
 }

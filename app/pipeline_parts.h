@@ -4,6 +4,23 @@
 
 #include "app/pipeline.h"
 
+/* What the sampler turns light into: gain, and what colours make of grey in the mean. */
+double pipeline_gain_of_grey(const struct light_sampler_settings *settings);
+
+/* What the settings' patch needs, in place of what there was; that stays on failure. -EINVAL: it is
+ * not in the basis's picture, or has no reflectance; -ENOMEM. */
+int pipeline_ground_prepare(struct pipeline *pipeline, const struct pipeline_settings *settings,
+			    struct fault *fault);
+void pipeline_ground_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
+
+/* Which poses are shown, in p->choice: those of choice, or those before them. */
+void pipeline_take_poses(struct pipeline *pipeline, const struct pipeline_choice *choice);
+
+/* The two poses of p->choice, mixed by its share. What compositor_run() returns, -ENOMEM. */
+int pipeline_fade_run(struct pipeline *pipeline, const struct backdrop *background, uint8_t *out,
+		      size_t out_stride);
+void pipeline_fade_end(struct pipeline *pipeline);
+
 /* Waits for what pipeline_relight() has begun, and forgets it. */
 void pipeline_relight_end(struct pipeline *pipeline);
 

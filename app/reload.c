@@ -12,6 +12,7 @@ static const struct {
 	unsigned effects;
 } policy[] = {
 	{"basis", "pose", RELOAD_POSE | RELOAD_DRAWING},
+	{"poses", NULL, RELOAD_POSES | RELOAD_DRAWING},
 	/* Where the views lie is fitted to the cameras when they open. */
 	{"fisheye", "camera", NEXT_START},
 	{"fisheye", "x", NEXT_START},
@@ -22,10 +23,17 @@ static const struct {
 	{"fisheye", "vflip", NEXT_START},
 	{"fisheye", "rotate180", NEXT_START},
 	{"fisheye", "squash", NEXT_START},
+	{"fisheye", "exposures", NEXT_START},
+	{"fisheye", "exposure_control", NEXT_START},
+	{"fisheye", "exposure_delay", NEXT_START},
 	{"fisheye", NULL, RELOAD_LIGHT | RELOAD_DRAWING},
 	{"background", "transfer", RELOAD_PIPELINE | RELOAD_DRAWING},
+	{"background", "light", RELOAD_PIPELINE | RELOAD_DRAWING},
+	{"background", "ground_patch", RELOAD_PIPELINE | RELOAD_DRAWING},
+	{"background", "ground_reflectance", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"lights", "threshold", RELOAD_THRESHOLD | RELOAD_DRAWING},
 	{"lights", "threshold_mode", RELOAD_PIPELINE | RELOAD_DRAWING},
+	{"lights", "follow", RELOAD_PIPELINE},
 	{"lights", NULL, RELOAD_DRAWING},
 	/* The file is opened with what its mode needs. */
 	{"composite", "mode", NEXT_START},

@@ -19,6 +19,7 @@ enum reload_effect {
 	RELOAD_CONTROL = 1 << 7,     /* so is the socket */
 	RELOAD_STATE = 1 << 8,	     /* another file or interval */
 	RELOAD_LIGHT = 1 << 9,	     /* pipeline_relight() */
+	RELOAD_POSES = 1 << 11,	     /* [poses]: the timeline begins anew */
 	RELOAD_DRAWING = 1 << 10,    /* the picture is drawn anew; nothing else */
 };
 

@@ -51,5 +51,6 @@ int settings_read(const struct settings *settings, struct config **config,
 		if (err && !first)
 			first = err;
 	}
-	return first;
+	err = config_read_files(*config, report);
+	return first ? first : err;
 }

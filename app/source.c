@@ -9,8 +9,10 @@
 #include "hal/frame_reader.h"
 #include "hal/log.h"
 
-#define SILENT_NS (2 * NS_PER_S)  /* then a camera is called stalled */
-#define GIVE_UP_NS (6 * NS_PER_S) /* then it is closed and opened anew */
+#define SILENT_NS (2 * NS_PER_S)       /* then a camera is called stalled, */
+#define SILENT_FRAMES 3		       /* or when a slow one misses so many */
+#define SILENT_MOST_NS (60 * NS_PER_S) /* whatever it says of its rate */
+#define GIVE_UP 3		       /* silences; then it is closed and opened anew */
 
 /* Of fewer buffers none is held for the length of a frame: drivers want one to fill and one to go
  * on with. */
@@ -32,7 +34,7 @@ int source_create(struct source *source, const struct source_settings *settings)
 		source_destroy(source);
 		return err;
 	}
-	transfer_tables_fill(source->tables, settings->transfer);
+	transfer_tables_fill(source->tables, &settings->curve);
 	return 0;
 }
 
@@ -130,6 +132,7 @@ static int take_opening(struct source *source, int64_t now_ns, struct fault *fau
 	else
 		snprintf(source->device_name, sizeof(source->device_name), "%s",
 			 source->camera.name);
+	source->openings += !err;
 	return err;
 }
 
@@ -207,17 +210,30 @@ int source_take(struct source *source, int64_t now_ns, struct fault *fault)
 	return take_opening(source, now_ns, fault);
 }
 
+static int64_t silence_of(const struct camera *camera)
+{
+	const double frames_s = camera->rate_hz > 0 ? SILENT_FRAMES / camera->rate_hz : 0;
+
+	if (!(frames_s * NS_PER_S > SILENT_NS))
+		return SILENT_NS;
+	return frames_s * NS_PER_S < SILENT_MOST_NS ? (int64_t)(frames_s * NS_PER_S)
+						    : SILENT_MOST_NS;
+}
+
 void source_watch(struct source *source, int64_t now_ns)
 {
 	static const struct fault nothing = {.text = ""};
+	int64_t silence_ns;
 
-	if (!source_is_open(source) || source_has_news(source) ||
-	    now_ns - source->heard_ns < SILENT_NS)
+	if (!source_is_open(source) || source_has_news(source))
+		return;
+	silence_ns = silence_of(&source->camera);
+	if (now_ns - source->heard_ns < silence_ns)
 		return;
 	if (source->situation == CAMERA_FINE)
 		source->situation = CAMERA_STALLED;
 	source_complain(source, &nothing);
-	if (now_ns - source->heard_ns >= GIVE_UP_NS)
+	if (now_ns - source->heard_ns >= GIVE_UP * silence_ns)
 		close_camera(source);
 }
 
@@ -242,12 +258,19 @@ void source_make_whole(struct source *source)
 		convert(source, &source->held);
 }
 
-void source_encode_as(struct source *source, enum transfer transfer)
+int source_control(struct source *source, const char *name, const char *value, struct fault *fault)
 {
-	if (source->settings.transfer == transfer)
+	if (!source_is_open(source))
+		return fault_say(fault, -EBADF, "a camera that is not open");
+	return camera_control(&source->camera, name, value, fault);
+}
+
+void source_encode_as(struct source *source, const struct transfer_curve *curve)
+{
+	if (transfer_curve_same(&source->settings.curve, curve))
 		return;
-	source->settings.transfer = transfer;
-	transfer_tables_fill(source->tables, transfer);
+	source->settings.curve = *curve;
+	transfer_tables_fill(source->tables, curve);
 }
 
 static int fit_pictures(struct source *source, const struct frame *frame)
@@ -348,6 +371,8 @@ bool source_decode(struct source *source, int64_t now_ns)
 			    source->settings.name, fault.text);
 	if (!err) {
 		source->picture_ns = source->held_ns;
+		source->stamp_ns = source->held.timestamp_ns;
+		source->sequence = source->held.sequence;
 		source->fresh_ns = now_ns;
 	}
 	if (err || source->whole)

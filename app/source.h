@@ -24,7 +24,8 @@ struct source_settings {
 	struct camera_settings camera;
 	void *options; /* the driver's; borrowed */
 	enum deinterlace deinterlace;
-	enum transfer transfer; /* how linear radiance becomes 8-bit code values, where it must */
+	struct transfer_curve
+		curve; /* how linear radiance becomes 8-bit code values, where it must */
 };
 
 struct source {
@@ -32,6 +33,7 @@ struct source {
 	struct camera camera; /* the opener's while opening */
 	struct opener *opener;
 	bool opening;
+	unsigned openings;		 /* that went well */
 	bool tried;			 /* an opening has ended, well or not */
 	enum camera_situation situation; /* of the camera, as far as we know */
 	enum camera_situation said;	 /* the situation that was logged last */
@@ -52,6 +54,8 @@ struct source {
 	struct image linear;  /* the same before it was clipped, of a camera that gives RGBF */
 	bool is_linear;
 	int64_t picture_ns; /* when the picture was captured */
+	int64_t stamp_ns;   /* the same by the camera's own clock, which may be a simulated one */
+	uint32_t sequence;  /* its number at the camera */
 	int64_t fresh_ns;   /* when it became the picture */
 };
 
@@ -108,8 +112,11 @@ void source_make_whole(struct source *source);
 /* Gives back what is held, whether it was the picture or not. */
 void source_drop(struct source *source);
 
+/* As camera_control(); -EBADF while it is not open. */
+int source_control(struct source *source, const char *name, const char *value, struct fault *fault);
+
 /* How linear radiance becomes code values from now on. */
-void source_encode_as(struct source *source, enum transfer transfer);
+void source_encode_as(struct source *source, const struct transfer_curve *curve);
 
 struct source_counts {
 	uint64_t frames, lost, broken; /* lost: also superseded; broken: also undecodable */

@@ -5,13 +5,14 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "hal/clock.h"
 #include "hal/log.h"
 #include "hal/output.h"
 
 static const struct ini_key keys[] = {{.name = "threshold",
-				       .type = INI_REAL,
+				       .type = INI_LEVEL,
 				       .offset = offsetof(struct state_values, threshold),
 				       .min = 0,
 				       .max = 255,
@@ -53,8 +54,14 @@ int state_read(const char *path, struct state_values *values, struct fault *faul
 {
 	struct ini_report report = {.count = 0};
 	struct state_values read = *values;
-	int err = ini_read(path, tables, &read, &report);
+	struct stat file;
+	int err;
 
+	/* A pipe would be waited for, for ever. */
+	if (stat(path, &file) == 0 && !S_ISREG(file.st_mode))
+		return fault_say(fault, -EINVAL, "%s: not a plain file, expected one to write",
+				 path);
+	err = ini_read(path, tables, &read, &report);
 	return adopt(err, &report, &read, values, fault);
 }
 
@@ -123,7 +130,9 @@ static void write_now(struct state *state, const struct config_state *settings,
 
 static bool same(const struct state_values *a, const struct state_values *b)
 {
-	return a->threshold == b->threshold && a->view == b->view && a->pose == b->pose;
+	return a->threshold.value == b->threshold.value &&
+	       a->threshold.percent == b->threshold.percent && a->view == b->view &&
+	       a->pose == b->pose;
 }
 
 /* Until there is something to write, and the time for it has come; false: leave. */

@@ -10,8 +10,8 @@
 #include "hal/fault.h"
 
 struct state_values {
-	double threshold; /* 0..255 */
-	int view;	  /* enum config_show */
+	struct ini_level threshold; /* 0..255 or 0..100 % */
+	int view;		    /* enum config_show */
 	int pose; /* of at least 0; whether the basis has it is for the caller to find out */
 };
 

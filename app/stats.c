@@ -139,7 +139,8 @@ uint64_t stats_drops(const struct source *sources, int source_count)
 }
 
 void stats_text(const struct stats *stats, const struct pipeline *pipeline,
-		const struct source *sources, int source_count, char text[STATS_TEXT_MAX])
+		const struct ini_level *threshold, const struct source *sources, int source_count,
+		char text[STATS_TEXT_MAX])
 {
 	const struct stats_figures *last = &stats->last;
 	struct writing w = {.text = text};
@@ -152,11 +153,17 @@ void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 	for (int i = 0; i < STAGE_COUNT; i++)
 		append(&w, "%s\"%s\":%.3f", i ? "," : "", stage_names[i], last->stage_ms[i]);
 	append(&w,
-	       "},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"dropped_error\":%.6g,"
-	       "\"clipped\":%.6f",
-	       pipeline->selection.used_count, pipeline->selection.count,
-	       pipeline->choice.threshold, largest(pipeline->selection.dropped_error),
-	       pipeline->clipped);
+	       "},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"threshold_unit\":\"%s\","
+	       "\"dropped_error\":%.6g,"
+	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu",
+	       pipeline->selection.used_count, pipeline->selection.count, threshold->value,
+	       threshold->percent ? "percent" : "grey level",
+	       largest(pipeline->selection.dropped_error), pipeline->clipped,
+	       !pipeline->recovery.recovered ? "no"
+	       : pipeline->recovery.at_bound ? "in part"
+					     : "yes",
+	       pipeline->settings.exposures ? pipeline->settings.exposures : 1,
+	       (unsigned long long)pipeline->unfit);
 	append_cameras(&w, sources, source_count);
 }
 
@@ -181,7 +188,7 @@ static void write_line(struct stats *stats, const struct pipeline *pipeline,
 {
 	char text[STATS_TEXT_MAX];
 
-	stats_text(stats, pipeline, sources, source_count, text);
+	stats_text(stats, pipeline, &pipeline->choice.threshold, sources, source_count, text);
 	fprintf(stats->stream, "{%s}\n", text);
 	if (!fflush(stats->stream) && !ferror(stats->stream))
 		return;

@@ -60,9 +60,11 @@ void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int
 void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline *pipeline,
 		const struct source *sources, int source_count);
 
-/* What the line holds, without its braces: the figures of the last one, the rest as it is now. */
+/* What the line holds, without its braces: the figures of the last one, the rest as it is now.
+ * threshold: the pipeline's, or what it will be in the next frame. */
 void stats_text(const struct stats *stats, const struct pipeline *pipeline,
-		const struct source *sources, int source_count, char text[STATS_TEXT_MAX]);
+		const struct ini_level *threshold, const struct source *sources, int source_count,
+		char text[STATS_TEXT_MAX]);
 
 /* Frames of all cameras that were not used. */
 uint64_t stats_drops(const struct source *sources, int source_count);

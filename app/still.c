@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "app/pipeline.h"
 #include "app/pipeline_config.h"
@@ -24,18 +23,6 @@ struct still {
 	double *reference; /* [height][width][3], encoded, 0..255 */
 	struct image out;
 };
-
-static bool ends_with(const char *path, const char *ending)
-{
-	size_t length = strlen(path), tail = strlen(ending);
-
-	return length > tail && !strcasecmp(path + length - tail, ending);
-}
-
-bool still_can_write(const char *path)
-{
-	return ends_with(path, ".png") || ends_with(path, ".pfm") || ends_with(path, ".hdr");
-}
 
 static int canvas_of(struct canvas *canvas, const struct image *image, const char *path,
 		     struct fault *fault)
@@ -99,12 +86,20 @@ static int light_from_fisheye(struct still *s, struct fault *fault)
 	return pipeline_light_picture(&s->pipeline, &picture, fault);
 }
 
+static int choose(struct still *s, struct fault *fault)
+{
+	const struct pipeline_choice choice = {
+		.threshold = s->settings->threshold, .pose = s->settings->pose, .object = true};
+
+	return pipeline_choose(&s->pipeline, &choice, fault);
+}
+
 static int find_light(struct still *s, struct fault *fault)
 {
-	struct pipeline_choice choice = {s->settings->threshold, s->settings->pose, true};
-	int err = s->settings->lights ? light_from_file(s, fault) : light_from_fisheye(s, fault);
+	const int err = s->settings->lights ? light_from_file(s, fault)
+					    : light_from_fisheye(s, fault);
 
-	return err ? err : pipeline_choose(&s->pipeline, &choice, fault);
+	return err ? err : choose(s, fault);
 }
 
 /* ---- picture ---- */
@@ -144,7 +139,7 @@ static double code_at(const struct still *s, int x, int y, int channel)
 /* PNG takes code values, PFM and Radiance the linear light that they stand for. */
 static void fill_out(struct still *s)
 {
-	enum transfer transfer = (enum transfer)s->settings->config->background.transfer;
+	const struct transfer_curve curve = s->pipeline.settings.background;
 
 	for (int y = 0; y < s->out.height; y++) {
 		for (int x = 0; x < s->out.width; x++) {
@@ -157,7 +152,7 @@ static void fill_out(struct still *s)
 					s->out.u8[at + (size_t)c] = (uint8_t)lrint(code);
 				else
 					s->out.f32[at + (size_t)c] =
-						(float)transfer_decode(transfer, code / 255);
+						(float)transfer_curve_decode(&curve, code / 255);
 			}
 		}
 	}
@@ -182,20 +177,32 @@ static int composite(struct still *s, const struct picture *background, struct f
 	return pipeline_composite(&s->pipeline, &backdrop, s->after.pixels, s->after.stride, fault);
 }
 
+/* What the fisheye clips may be seen on the ground. */
+static int recover(struct still *s, const struct picture *background, struct fault *fault)
+{
+	const struct frame_reader reader = frame_reader_of(background);
+
+	if (s->settings->lights)
+		return 0;
+	pipeline_recover(&s->pipeline, &reader);
+	return choose(s, fault);
+}
+
 static int make_picture(struct still *s, struct fault *fault)
 {
 	struct picture background;
 	int err = read_background(s, &background, fault);
 
+	if (!err)
+		err = recover(s, &background, fault);
 	if (err)
 		return err;
 	err = composite(s, &background, fault);
 	if (err)
 		return err;
-	if (ends_with(s->settings->out, ".png"))
-		err = image_create_u8(&s->out, background.width, background.height);
-	else
-		err = image_create_f32(&s->out, background.width, background.height);
+	err = image_name_linear(s->settings->out, fault) == 1
+		      ? image_create_f32(&s->out, background.width, background.height)
+		      : image_create_u8(&s->out, background.width, background.height);
 	if (err)
 		return fault_say(fault, err, "not enough memory for the picture");
 	fill_out(s);

@@ -2,8 +2,6 @@
 #ifndef INLAY_APP_STILL_H
 #define INLAY_APP_STILL_H
 
-#include <stdbool.h>
-
 #include "config/config.h"
 #include "hal/fault.h"
 
@@ -21,13 +19,10 @@ struct still_settings {
 	const char *lights;
 	const char *lights_out; /* NULL: nowhere */
 	const char *out;	/* .png: code values; .pfm, .hdr: linear light */
-	double threshold;
+	struct ini_level threshold;
 	int pose;
 	enum still_mode mode;
 };
-
-/* Whether still can write a file of this name. */
-bool still_can_write(const char *path);
 
 int still_run(const struct still_settings *settings, struct fault *fault);
 

@@ -2,6 +2,7 @@
 #ifndef INLAY_APP_WORDS_H
 #define INLAY_APP_WORDS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,15 +19,18 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 struct words_figures {
 	int lights_used, lights;
 	double threshold; /* grey level */
+	bool percent;	  /* the threshold is one, of white */
 	double error;	  /* worst case of what was dropped, linear light, 1 is white */
 	double frames_a_second;
 	double latency_ms; /* mean of the last second */
 	uint64_t drops;	   /* since the start */
 	double clipped;	   /* share of the sky, 0..1 */
+	bool recovered;	   /* what it must be has been added */
+	bool at_bound;	   /* but not all of it */
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
- * dropped · sky clipped 0.3 %" */
+ * dropped · sky clipped 0.3 %, recovered"; "threshold 1 %" of a percentage */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

@@ -1,0 +1,64 @@
+/* Which poses are in the picture, which are coming, and which are to be in memory. */
+#include <string.h>
+
+#include "app/pipeline_parts.h"
+
+static bool is_ready(const struct pipeline *p, const struct pipeline_poses *poses)
+{
+	return poses->pose >= 0 && basis_pose_ready(p->basis, poses->pose) &&
+	       basis_pose_ready(p->basis, poses->next);
+}
+
+/* Those that are coming stay so until they have been shown: if the choice changes faster than
+ * poses are unpacked, some of them are seen and none is waited for in vain. */
+static void take(struct pipeline *p, const struct pipeline_poses *wanted, bool hold)
+{
+	if (!hold || is_ready(p, wanted) || !is_ready(p, &p->shown)) {
+		p->shown = p->coming = *wanted;
+		return;
+	}
+	if (is_ready(p, &p->coming)) {
+		p->shown = p->coming;
+		p->coming = *wanted;
+	}
+}
+
+/* What comes is unpacked first; what is shown stays in memory; then neighbours, one more in the
+ * direction of the last step. */
+static void expect(struct pipeline *p)
+{
+	const int count = (int)p->basis->info.poses;
+	const int now[] = {p->coming.pose, p->coming.next, p->shown.pose, p->shown.next};
+	const bool back = now[0] == p->expected[0] ? p->back
+						   : (now[0] + 1) % count == p->expected[0];
+	const int forth = back ? count - 1 : 1;
+	const int poses[] = {now[0],
+			     now[1],
+			     now[2],
+			     now[3],
+			     (now[1] + forth) % count,
+			     (now[1] + 2 * forth) % count,
+			     (now[0] + count - forth) % count};
+
+	_Static_assert(sizeof(poses) / sizeof(*poses) <= BASIS_EXPECT_MAX, "all are expected");
+	if (count == 1 || memcmp(p->expected, now, sizeof(now)) == 0)
+		return;
+	memcpy(p->expected, now, sizeof(now));
+	p->back = back;
+	basis_poses_expect(p->basis, poses, (int)(sizeof(poses) / sizeof(*poses)));
+}
+
+void pipeline_take_poses(struct pipeline *p, const struct pipeline_choice *choice)
+{
+	const struct pipeline_poses wanted = {
+		.pose = choice->pose,
+		.next = choice->share > 0 ? choice->next : choice->pose,
+		.share = choice->share,
+	};
+
+	take(p, &wanted, choice->hold);
+	expect(p);
+	p->choice.pose = p->shown.pose;
+	p->choice.next = p->shown.next;
+	p->choice.share = p->shown.share;
+}
