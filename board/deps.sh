@@ -7,11 +7,12 @@ set -eu
 
 build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev libsdl2-dev
 	libcamera-dev libcairo2-dev libsystemd-dev libpng-dev
-	libturbojpeg0-dev libopenexr-dev libxxhash-dev libembree-dev libassimp-dev
-	liblapacke-dev libopenblas-dev"
+	libturbojpeg0-dev libopenexr-dev libxxhash-dev libzstd-dev libembree-dev libassimp-dev
+	liblapacke-dev libopenblas-dev libcminpack-dev libopencv-calib3d-dev
+	libopencv-contrib-dev"
 demo="ffmpeg fonts-dejavu-core"
 test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-rt-dev valgrind
-	git python3-minimal
+	git python3-minimal opencv-doc poppler-utils parallel slurmctld slurmd slurm-client
 	qemu-system-x86 linux-source-6.1 busybox-static flex bison bc libelf-dev libssl-dev cpio kmod
 	xz-utils v4l-utils libcamera-ipa udev
 	man-db mandoc lintian mmdebstrap bash-completion zsh systemd"

@@ -21,8 +21,9 @@ image-built: all
 	$(Q)board/image/programs.sh $(BOARD_ARCH) $(IMAGE_BUILD) $(IMAGE_SWITCHES)
 	$(Q)BUILD=$(IMAGE_BUILD) board/image/image.sh $(BOARD)
 
-# What the image holds of ours, without the baker (board/image/programs.sh chooses the compiler).
-image-programs: $(filter-out %/inlay-bake %.bash %/inlay-bake.1 %/_inlay-bake,$(INSTALLED)) \
+# What the image holds of ours, without the offline programs (board/image/programs.sh chooses the
+# compiler).
+image-programs: $(filter-out %.bash $(foreach x,inlay-bake inlay-calibrate,%/$(x) %/$(x).1 %/_$(x)),$(INSTALLED)) \
 	$(SHARE)/inlay.bash
 
 ## boot: start an image in QEMU, in a window where there is one (BOARD=qemu-x86_64)

@@ -12,12 +12,12 @@ RUNNER ?=
 
 # ---- what is made from the programs' own words: manual pages, completions, the configuration ----
 SHARE := $(BUILD)/share
-SHARED := $(addprefix $(SHARE)/,inlay.1 inlay-bake.1 inlay.conf.5 kiosk.conf inlay.bash _inlay \
-	inlay-bake.bash _inlay-bake)
+SHARED := $(addprefix $(SHARE)/,inlay.1 inlay-bake.1 inlay-calibrate.1 inlay.conf.5 kiosk.conf \
+	inlay.bash _inlay inlay-bake.bash _inlay-bake inlay-calibrate.bash _inlay-calibrate)
 ABOUT_PAGE = -v version=$(VERSION) -v date=$$(cat $(SHARE)/date) \
 	-v about=board/manual/$(basename $(@F)).about -f board/manual/roff.awk
 
-.SECONDARY: $(SHARE)/inlay.facts $(SHARE)/inlay-bake.facts
+.SECONDARY: $(addprefix $(SHARE)/,inlay.facts inlay-bake.facts inlay-calibrate.facts)
 $(SHARE)/%.facts: $(BUILD)/% board/manual/facts.sh board/manual/facts.awk
 	@mkdir -p $(@D)
 	$(Q)board/manual/facts.sh $< $* "$(RUNNER)" >$@
@@ -58,7 +58,7 @@ $(SHARE)/_%: $(SHARE)/%.facts $(SHARE)/sample $(addprefix board/completion/,opti
 	$(Q)awk -f board/completion/options.awk $< | \
 		awk -v name=$* -v keys="$(SETTINGS_NAMES)" -f board/completion/zsh.awk >$@
 
-INSTALLED := $(BUILD)/inlay $(BUILD)/inlay-bake $(SHARED)
+INSTALLED := $(BUILD)/inlay $(BUILD)/inlay-bake $(BUILD)/inlay-calibrate $(SHARED)
 
 .PHONY: install uninstall
 ## install: programs, unit, udev rules, manual pages to PREFIX (/usr/local), below DESTDIR if given

@@ -27,6 +27,10 @@ files() {
 		inlay-bake 644 $build/share/inlay-bake.1 $prefix/share/man/man1/inlay-bake.1
 		inlay-bake 644 $build/share/inlay-bake.bash $prefix/share/bash-completion/completions/inlay-bake
 		inlay-bake 644 $build/share/_inlay-bake $prefix/share/zsh/site-functions/_inlay-bake
+		inlay-bake 755 $build/inlay-calibrate $prefix/bin/inlay-calibrate
+		inlay-bake 644 $build/share/inlay-calibrate.1 $prefix/share/man/man1/inlay-calibrate.1
+		inlay-bake 644 $build/share/inlay-calibrate.bash $prefix/share/bash-completion/completions/inlay-calibrate
+		inlay-bake 644 $build/share/_inlay-calibrate $prefix/share/zsh/site-functions/_inlay-calibrate
 	END
 }
 

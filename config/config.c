@@ -2,10 +2,8 @@
 
 #include <errno.h>
 #include <stdalign.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "config/config_keys.h"
 #include "hal/lights/sampler.h"
@@ -175,6 +173,8 @@ int config_create(struct config **out, const struct config_drivers *drivers)
 		goto destroy;
 	}
 	defaults_fill(config);
+	response_begin(&config->fisheye.measured);
+	response_begin(&config->background.measured);
 	*out = config;
 	return 0;
 destroy:
@@ -216,6 +216,17 @@ int config_set(struct config *config, const char *assignment, struct ini_report 
 
 /* ---- looking up ---- */
 
+struct transfer_curve config_fisheye_curve(const struct config_fisheye *fisheye)
+{
+	return response_curve(&fisheye->measured, (enum transfer)fisheye->transfer,
+			      fisheye->black_level);
+}
+
+struct transfer_curve config_background_curve(const struct config_background *background)
+{
+	return response_curve(&background->measured, (enum transfer)background->transfer, 0);
+}
+
 int config_driver_index(const struct config *config, enum config_class kind, const char *name)
 {
 	const struct config_driver *drivers = config->drivers.list[kind];
@@ -236,8 +247,7 @@ struct config_camera *config_camera_named(const struct config *config, const cha
 	return NULL;
 }
 
-/* The next of the words that blanks or commas separate, cut to size; false at the end. */
-static bool next_word(const char **text, char word[CONFIG_NAME_MAX])
+bool config_next_word(const char **text, char word[CONFIG_NAME_MAX])
 {
 	size_t length;
 
@@ -255,7 +265,7 @@ int config_buttons_used(const struct config *config, int drivers[CONFIG_DRIVERS_
 	bool seen[CONFIG_DRIVERS_MAX] = {false};
 	int count = 0;
 
-	while (next_word(&text, word)) {
+	while (config_next_word(&text, word)) {
 		int driver = config_driver_index(config, CONFIG_BUTTONS, word);
 
 		if (driver < 0 || seen[driver])
@@ -273,132 +283,6 @@ struct view config_view(const struct config_view *view)
 	turned.hflip ^= view->rotate180;
 	turned.vflip ^= view->rotate180;
 	return turned;
-}
-
-/* ---- checking ---- */
-
-__attribute__((format(printf, 3, 4))) static void
-complain(const struct config *config, struct ini_report *report, const char *format, ...)
-{
-	char what[FAULT_TEXT_MAX - INI_PATH_MAX / 2];
-	struct fault fault = {.text = ""};
-	va_list args;
-
-	va_start(args, format);
-	vsnprintf(what, sizeof(what), format, args);
-	va_end(args);
-	fault_say(&fault, -EINVAL, "%.500s: %s", config->name, what);
-	if (!report->count++)
-		report->first = fault;
-	if (report->say)
-		report->say(report->context, fault.text);
-}
-
-static void check_driver(const struct config *config, enum config_class kind, const char *title,
-			 const char *name, struct ini_report *report)
-{
-	const char *names[CONFIG_DRIVERS_MAX + 1];
-	const struct config_driver *drivers = config->drivers.list[kind];
-	size_t count = 0;
-	char all[256] = "";
-	const char *near;
-
-	for (; drivers[count].name; count++) {
-		names[count] = drivers[count].name;
-		snprintf(all + strlen(all), sizeof(all) - strlen(all), "%s%s", count ? ", " : "",
-			 names[count]);
-	}
-	if (config_driver_index(config, kind, name) >= 0)
-		return;
-	near = ini_nearest(name, names, count);
-	complain(config, report, "[%s] driver: is \"%.60s\", expected one of %s%s%s%s%s", title,
-		 name, kind == CONFIG_BUTTONS ? "none, " : "", all, near ? "; did you mean \"" : "",
-		 near ? near : "", near ? "\"?" : "");
-}
-
-/* A name that stands for many files ("%04d.png", "*.png") is left to its driver. */
-static void check_files(const struct config *config, enum config_class kind, const char *title,
-			const char *driver, void *block, struct ini_report *report)
-{
-	int index = config_driver_index(config, kind, driver);
-	const struct ini_key *keys;
-
-	if (index < 0)
-		return;
-	keys = config->drivers.list[kind][index].keys;
-	for (const struct ini_key *key = keys; key && key->name; key++) {
-		const char *path = (const char *)config_options(config, kind, block, index) +
-				   key->offset;
-
-		if (key->type != INI_PATH || !*path || strpbrk(path, "%*?"))
-			continue;
-		if (access(path, R_OK) != 0)
-			complain(config, report, "[%s] %s%s: cannot read \"%s\": %s", title,
-				 config->prefix[kind][index], key->name, path, strerror(errno));
-	}
-}
-
-static void check_view(const struct config *config, const char *section,
-		       const struct config_view *view, bool needed, struct ini_report *report)
-{
-	const char *names[CONFIG_CAMERAS_MAX];
-	const char *near;
-
-	if (!*view->camera) {
-		if (needed)
-			complain(config, report,
-				 "[%s] camera: is empty, expected the name of a [camera NAME]",
-				 section);
-		return;
-	}
-	if (config_camera_named(config, view->camera))
-		return;
-	for (int i = 0; i < config->camera_count; i++)
-		names[i] = config->cameras[i]->name;
-	near = ini_nearest(view->camera, names, (size_t)config->camera_count);
-	complain(config, report, "[%s] camera: there is no section [camera %.60s]%s%s%s", section,
-		 view->camera, near ? "; did you mean \"" : "", near ? near : "",
-		 near ? "\"?" : "");
-}
-
-static void check_buttons(const struct config *config, struct ini_report *report)
-{
-	const char *text = config->buttons->driver;
-	char word[CONFIG_NAME_MAX];
-
-	while (next_word(&text, word)) {
-		if (!strcmp(word, "none"))
-			continue;
-		check_driver(config, CONFIG_BUTTONS, "buttons", word, report);
-		check_files(config, CONFIG_BUTTONS, "buttons", word, config->buttons, report);
-	}
-}
-
-int config_check(const struct config *config, struct ini_report *report)
-{
-	int before = report->count;
-
-	if (!*config->basis.file)
-		complain(config, report,
-			 "[basis] file: is empty, expected the basis file that inlay-bake made");
-	for (int i = 0; i < config->camera_count; i++) {
-		struct config_camera *camera = config->cameras[i];
-		char title[CONFIG_NAME_MAX + 16];
-
-		snprintf(title, sizeof(title), "camera %s", camera->name);
-		check_driver(config, CONFIG_CAMERA, title, camera->driver, report);
-		check_files(config, CONFIG_CAMERA, title, camera->driver, camera, report);
-	}
-	check_view(config, "fisheye", &config->fisheye.view, true, report);
-	check_view(config, "background", &config->background.view, true, report);
-	check_view(config, "scene", &config->scene.view, false, report);
-	if (config->screen->show == SHOW_SCENE && !*config->scene.view.camera)
-		complain(config, report,
-			 "[screen] show: is scene, but [scene] camera is empty; expected the name "
-			 "of a [camera NAME] there");
-	check_driver(config, CONFIG_DISPLAY, "screen", config->screen->driver, report);
-	check_buttons(config, report);
-	return report->count > before ? -EINVAL : 0;
 }
 
 /* ---- printing ---- */

@@ -10,10 +10,13 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "hal/buttons.h"
 #include "hal/camera.h"
 #include "hal/display.h"
 #include "hal/ini/ini.h"
+#include "hal/lights/exposures.h"
 #include "hal/optics/fisheye.h"
+#include "hal/response.h"
 #include "hal/view.h"
 
 #define CONFIG_CAMERAS_MAX 4
@@ -30,10 +33,12 @@ enum config_show {
 	SHOW_OFF,   /* black */
 	SHOW_COUNT
 };
+enum config_timeline { TIMELINE_NONE, TIMELINE_LOOP, TIMELINE_SWING, TIMELINE_COUNT };
 enum config_scale { SCALE_NONE, SCALE_FIT, SCALE_COUNT };
 
-extern const char *const config_show_names[];  /* "composite", "before", ... NULL */
-extern const char *const config_scale_names[]; /* "none", "fit", NULL */
+extern const char *const config_show_names[];	  /* "composite", "before", ... NULL */
+extern const char *const config_timeline_names[]; /* "none", "loop", "swing", NULL */
+extern const char *const config_scale_names[];	  /* "none", "fit", NULL */
 
 /* What a driver brings: its name and, unless keys is NULL, the keys of its own options. */
 struct config_driver {
@@ -49,6 +54,18 @@ enum config_class { CONFIG_CAMERA, CONFIG_DISPLAY, CONFIG_BUTTONS, CONFIG_CLASS_
 struct config_drivers {
 	const struct config_driver *list[CONFIG_CLASS_COUNT];
 };
+
+/* Room for the lists of a program's arrays: one driver too many still fits, to be refused. */
+struct config_driver_room {
+	struct config_driver list[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX + 2];
+};
+
+/* What the configuration wants to know of drivers in arrays that end with NULL, in their order. The
+ * lists are in the room, which has to live as long as they. */
+struct config_drivers config_drivers_of(struct config_driver_room *room,
+					const struct camera_ops *const *cameras,
+					const struct display_ops *const *displays,
+					const struct buttons_ops *const *buttons);
 
 struct config_basis {
 	char file[INI_PATH_MAX];
@@ -100,16 +117,33 @@ struct config_view {
 
 struct config_fisheye {
 	struct config_view view;
+	char lens_file[INI_PATH_MAX]; /* its keys replace those of lens; empty: none */
 	struct fisheye_settings lens;
 	int estimator; /* enum light_estimator */
 	int transfer;  /* enum transfer */
 	int black_level;
 	double gain;
+	char light[INI_PATH_MAX];	 /* empty: none */
+	struct response measured;	 /* what that file says: config_read_files() */
+	double exposures[EXPOSURES_MAX]; /* the control's values, the longest first; then 0 */
+	char exposure_control[INI_TEXT_MAX];
+	int exposure_delay; /* frames; -1: as measured, if it was */
 };
 
 struct config_background {
 	struct config_view view;
 	int transfer; /* enum transfer */
+	char light[INI_PATH_MAX];
+	struct response measured;
+	double patch[4];       /* x, y, width, height in the view; width 0: none */
+	double reflectance[3]; /* of the patch; 0 0 0: as the basis has it */
+};
+
+/* Poses of the basis, by the clock. */
+struct config_poses {
+	int timeline; /* enum config_timeline */
+	double rate;  /* poses a second */
+	bool fade;
 };
 
 struct config_scene {
@@ -117,9 +151,11 @@ struct config_scene {
 };
 
 struct config_lights {
-	double threshold; /* 8-bit grey level of the fisheye's picture, 0..255 */
-	double threshold_step;
-	int threshold_mode; /* enum threshold_mode */
+	/* 8-bit grey level of the fisheye's picture, 0..255; percent: of white, what may change */
+	struct ini_level threshold;
+	double threshold_step; /* in the threshold's unit */
+	int threshold_mode;    /* enum threshold_mode */
+	double follow_s;
 };
 
 struct config_composite {
@@ -132,6 +168,7 @@ struct config_composite {
 
 struct config {
 	struct config_basis basis;
+	struct config_poses poses;
 	struct config_camera *cameras[CONFIG_CAMERAS_MAX];
 	int camera_count;
 	struct config_fisheye fisheye;
@@ -162,6 +199,20 @@ int config_read_memory(struct config *config, const char *text, size_t bytes, co
 		       struct ini_report *report);
 int config_set(struct config *config, const char *assignment, struct ini_report *report);
 
+/* Reads the files that [fisheye] and [background] name, after everything else: light, and the lens,
+ * over its keys. Everything wrong goes to the report, with the file's name and line; 0 or the first
+ * negative errno. */
+int config_read_files(struct config *config, struct ini_report *report);
+
+/* What the views' code values stand for: as measured, or else as configured. */
+struct transfer_curve config_fisheye_curve(const struct config_fisheye *fisheye);
+struct transfer_curve config_background_curve(const struct config_background *background);
+
+/* How many exposures the fisheye takes in turn; 0: it keeps one. After how many frames they are
+ * seen, as configured or else as measured; -1: not known. */
+int config_exposures(const struct config_fisheye *fisheye);
+int config_exposure_delay(const struct config_fisheye *fisheye);
+
 /* What no key can tell alone: cameras that views name but nobody defines, unknown drivers, files
  * that drivers are to read and that are missing, no basis. Opens nothing. 0 or -EINVAL; every fault
  * goes to the report. */
@@ -175,8 +226,9 @@ struct config_change {
 				 */
 };
 
-/* Calls adopt() for each key whose value is another in fresh, which has the same drivers; where it
- * says true, config takes that value. Cameras that only one of them has stay as they are. */
+/* Calls adopt() for each key whose value is another in fresh, which has the same drivers, and for
+ * "light" where the file of that name says something else; where it says true, config takes that
+ * value. Cameras that only one of them has stay as they are. */
 void config_update(struct config *config, const struct config *fresh,
 		   bool (*adopt)(void *context, const struct config_change *change), void *context);
 

@@ -10,7 +10,10 @@ static size_t value_bytes(const struct ini_key *key)
 		return sizeof(bool);
 	case INI_REAL:
 		return sizeof(double);
+	case INI_LEVEL:
+		return offsetof(struct ini_level, percent) + sizeof(bool); /* no padding */
 	case INI_REALS:
+	case INI_LIST:
 		return key->count * sizeof(double);
 	case INI_TEXT:
 		return INI_TEXT_MAX;
@@ -65,6 +68,17 @@ static void compare_cameras(const struct config *one, const struct config *other
 	}
 }
 
+/* The file may say something else under its old name. */
+static void compare_light(const char *section, struct response *old, const struct response *fresh,
+			  bool (*adopt)(void *context, const struct config_change *change),
+			  void *context)
+{
+	const struct config_change change = {.section = section, .key = "light"};
+
+	if (memcmp(old, fresh, sizeof(*old)) != 0 && adopt(context, &change))
+		*old = *fresh;
+}
+
 void config_update(struct config *config, const struct config *fresh,
 		   bool (*adopt)(void *context, const struct config_change *change), void *context)
 {
@@ -80,6 +94,10 @@ void config_update(struct config *config, const struct config *fresh,
 				compare_table(config, fresh, table, name, adopt, context);
 		}
 	}
+	compare_light("fisheye", &config->fisheye.measured, &fresh->fisheye.measured, adopt,
+		      context);
+	compare_light("background", &config->background.measured, &fresh->background.measured,
+		      adopt, context);
 	compare_cameras(config, fresh, adopt, context);
 	compare_cameras(fresh, config, adopt, context);
 }

@@ -1,18 +1,22 @@
 /* Every key that is not a driver's: name, type, range, default, help. */
 #include "config/config_keys.h"
 
-#include "config/config.h"
 #include "hal/basis/basis_format.h"
 #include "hal/compositor/compositor.h"
+#include "hal/lights/exposure_schedule.h"
+#include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
 #include "hal/transfer.h"
 
 const char *const config_show_names[] = {"composite", "before", "fisheye", "scene",
 					 "quad",      "split",	"off",	   NULL};
+const char *const config_timeline_names[] = {"none", "loop", "swing", NULL};
 const char *const config_scale_names[] = {"none", "fit", NULL};
 
 _Static_assert(sizeof(config_show_names) / sizeof(*config_show_names) == SHOW_COUNT + 1,
 	       "a name for each view");
+_Static_assert(sizeof(config_timeline_names) / sizeof(*config_timeline_names) == TIMELINE_COUNT + 1,
+	       "a name for each timeline");
 _Static_assert(sizeof(config_scale_names) / sizeof(*config_scale_names) == SCALE_COUNT + 1,
 	       "a name for each scale");
 
@@ -38,6 +42,30 @@ static const struct ini_key basis_keys[] = {{.name = "file",
 					     .fallback = "0",
 					     .help = "Which of the file's poses is shown first."},
 					    INI_KEYS_END};
+
+static const struct ini_key poses_keys[] = {
+	{.name = "timeline",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_poses, timeline),
+	 .choices = config_timeline_names,
+	 .fallback = "none",
+	 .help = "Whether poses follow each other by themselves: from the last to the first, or "
+		 "back and forth."},
+	{.name = "rate",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_poses, rate),
+	 .min = 0.001,
+	 .max = 1000,
+	 .fallback = "12",
+	 .unit = "poses a second",
+	 .help = "How fast, by the time at which frames are captured."},
+	{.name = "fade",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_poses, fade),
+	 .fallback = "no",
+	 .help = "Mix neighbours on the way from one to the next; a frame then takes twice as "
+		 "long."},
+	INI_KEYS_END};
 
 const struct ini_key config_camera_keys[] = {
 	{.name = "driver",
@@ -194,6 +222,15 @@ static const struct ini_key view_keys[] = {
 		 "what is shown."},
 	INI_KEYS_END};
 
+static const struct ini_key fisheye_lens_keys[] = {
+	{.name = "lens",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_fisheye, lens_file),
+	 .fallback = "",
+	 .help = "A file with a [fisheye] section, as inlay-calibrate fisheye writes it. Its keys "
+		 "replace the seven that follow here; empty: none."},
+	INI_KEYS_END};
+
 static const struct ini_key fisheye_light_keys[] = {
 	{.name = "estimator",
 	 .type = INI_CHOICE,
@@ -222,6 +259,38 @@ static const struct ini_key fisheye_light_keys[] = {
 	 .max = 1e6,
 	 .fallback = "1",
 	 .help = "Linear light is multiplied by it: this camera's units to the background's."},
+	{.name = "light",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_fisheye, light),
+	 .fallback = "",
+	 .help = "What inlay-calibrate light measured; what it says goes before transfer, "
+		 "black_level and gain."},
+	{.name = "exposures",
+	 .type = INI_LIST,
+	 .offset = offsetof(struct config_fisheye, exposures),
+	 .count = EXPOSURES_MAX,
+	 .min = 1e-6,
+	 .max = 1e9,
+	 .fallback = "",
+	 .help = "2 to 5 values of exposure_control, descending, that the camera takes in turn; "
+		 "light "
+		 "is proportional to them, and the other keys are those of the first. Empty: it "
+		 "keeps one."},
+	{.name = "exposure_control",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_fisheye, exposure_control),
+	 .fallback = "exposure_time_absolute",
+	 .help = "The camera's control that sets the exposure, as inlay devices lists it; its "
+		 "automatics are off by [camera NAME] controls."},
+	{.name = "exposure_delay",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_fisheye, exposure_delay),
+	 .min = -1,
+	 .max = EXPOSURE_DELAY_MAX,
+	 .fallback = "-1",
+	 .unit = "frames",
+	 .help = "So many frames still show the exposure before: inlay-calibrate light delay; -1: "
+		 "as light says, or else measured whenever the camera is opened."},
 	INI_KEYS_END};
 
 static const struct ini_key background_keys[] = {
@@ -232,34 +301,70 @@ static const struct ini_key background_keys[] = {
 	 .fallback = "srgb",
 	 .help = "Transfer function of the camera's 8-bit code values; the picture on the screen "
 		 "keeps it."},
+	{.name = "light",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_background, light),
+	 .fallback = "",
+	 .help = "What inlay-calibrate light measured: its black_level counts, and its response "
+		 "goes before transfer."},
+	{.name = "ground_patch",
+	 .type = INI_REALS,
+	 .offset = offsetof(struct config_background, patch),
+	 .count = 4,
+	 .min = 0,
+	 .max = BASIS_SIDE_MAX,
+	 .fallback = "0 0 0 0",
+	 .unit = "px",
+	 .help = "x, y, width and height of a patch of open ground in the view: what the sky's "
+		 "clipped parts must be, so that it is as bright as it is. Width 0: none."},
+	{.name = "ground_reflectance",
+	 .type = INI_REALS,
+	 .offset = offsetof(struct config_background, reflectance),
+	 .count = 3,
+	 .min = 0,
+	 .max = 1,
+	 .fallback = "0 0 0",
+	 .help = "Of that patch, R G B in linear light, as it was given for the gain; 0 0 0: that "
+		 "of "
+		 "the ground that was baked."},
 	INI_KEYS_END};
 
 static const struct ini_key lights_keys[] = {
 	{.name = "threshold",
-	 .type = INI_REAL,
+	 .type = INI_LEVEL,
 	 .offset = offsetof(struct config_lights, threshold),
 	 .min = 0,
 	 .max = 255,
 	 .fallback = "0",
 	 .unit = "grey levels",
 	 .help = "A light none of whose channels reaches this 8-bit level of the fisheye's picture "
-		 "is left out; 0 uses all."},
+		 "is left out; 0 uses all. A percentage: the most lights that together change no "
+		 "pixel by more of white."},
 	{.name = "threshold_step",
 	 .type = INI_REAL,
 	 .offset = offsetof(struct config_lights, threshold_step),
-	 .min = 0.5,
+	 .min = 0.1,
 	 .max = 255,
 	 .fallback = "8",
-	 .unit = "grey levels",
-	 .help = "What one press of a button changes."},
+	 .unit = "grey levels, or percent",
+	 .help = "What one press of a button changes, in the unit of the threshold."},
 	{.name = "threshold_mode",
 	 .type = INI_CHOICE,
 	 .offset = offsetof(struct config_lights, threshold_mode),
 	 .choices = threshold_mode_names,
 	 .fallback = "ambient",
 	 .help = "What becomes of the light left out: ambient returns it from all directions "
-		 "alike, "
+		 "alike, harmonics from about where it came (nine terms, spherical harmonics), "
 		 "drop loses it."},
+	{.name = "follow",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_lights, follow_s),
+	 .min = 0,
+	 .max = LIGHT_FILTER_FOLLOW_MAX,
+	 .fallback = "0.1",
+	 .unit = "s",
+	 .help = "By then 90 % of a change of the light are shown; what a camera's noise makes is "
+		 "averaged for longer. 0: each frame's light as it is."},
 	INI_KEYS_END};
 
 static const struct ini_key composite_keys[] = {
@@ -289,8 +394,9 @@ static const struct ini_key composite_keys[] = {
 	 .offset = offsetof(struct config_composite, reuse),
 	 .choices = compositor_reuse_names,
 	 .fallback = "auto",
-	 .help = "Whether a picture starts from the sums of the one before it and adds what has "
-		 "changed; auto: where that is less to read. The picture is the same."},
+	 .help = "Whether a picture of exact mode starts from the sums of the one before it and "
+		 "adds what has changed; auto: where that is less to read. The picture is the "
+		 "same. Fast mode makes each anew, which is quicker there."},
 	{.name = "kernel",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_composite, kernel),
@@ -419,6 +525,12 @@ static void *place_basis(void *root, const char *instance)
 	return &((struct config *)root)->basis;
 }
 
+static void *place_poses(void *root, const char *instance)
+{
+	(void)instance;
+	return &((struct config *)root)->poses;
+}
+
 static void *place_fisheye(void *root, const char *instance)
 {
 	(void)instance;
@@ -466,6 +578,10 @@ const struct ini_table config_tables[] = {
 	 .keys = basis_keys,
 	 .place = place_basis,
 	 .help = "The object, as inlay-bake rendered it."},
+	{.section = "poses",
+	 .keys = poses_keys,
+	 .place = place_poses,
+	 .help = "What follows what, where the basis holds several poses."},
 	{.section = "camera",
 	 .named = true,
 	 .keys = config_camera_keys,
@@ -481,6 +597,7 @@ const struct ini_table config_tables[] = {
 	 .keys = view_keys,
 	 .place = place_fisheye,
 	 .part = offsetof(struct config_fisheye, view)},
+	{.section = "fisheye", .keys = fisheye_lens_keys, .place = place_fisheye},
 	{.section = "fisheye",
 	 .keys = fisheye_keys,
 	 .place = place_fisheye,

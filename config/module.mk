@@ -1,4 +1,8 @@
 CONFIG_SOURCES := \
 	config/config.c \
 	config/config_changes.c \
-	config/config_keys.c
+	config/config_check.c \
+	config/config_drivers.c \
+	config/config_files.c \
+	config/config_keys.c \
+	config/config_light.c

@@ -37,7 +37,7 @@ pack() { # package
 	local package=$1 root=$stage/$1 doc=$stage/$1/usr/share/doc/$1
 	DESTDIR=$root PREFIX=/usr board/install.sh install "$build" "$package"
 	"$kind-strip" --strip-unneeded --remove-section=.comment --remove-section=.note \
-		"$root/usr/bin/$package"
+		"$root/usr/bin/"*
 	find "$root/usr/share/man" -type f -exec gzip -9n {} +
 	# Debian's zsh looks for completions of packages in a folder of its own.
 	mkdir -p "$root/usr/share/zsh/vendor-completions" "$doc" "$root/DEBIAN"
@@ -59,7 +59,7 @@ pack() { # package
 	chmod 644 "$root/DEBIAN/md5sums"
 	(
 		cd "$stage"
-		dpkg-shlibdeps -O -e"$package/usr/bin/$package" >substvars
+		dpkg-shlibdeps -O "$package/usr/bin/"* >substvars
 		dpkg-gencontrol -p"$package" -P"$package" -Tsubstvars -fdebian/files
 	)
 	dpkg-deb --root-owner-group -Zxz --build "$root" "$out" >/dev/null

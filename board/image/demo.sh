@@ -13,7 +13,8 @@ width=400
 height=300
 frames=60
 
-key=$(cat "$0" bake/demo/{cow.scene,background.ini,*.[ch]} config/demo.conf | sha256sum)
+key=$(cat "$0" bake/demo/{cow.scene,background.ini,*.[ch]} config/demo.conf \
+	hal/basis/basis_format.h | sha256sum)
 [ "$(cat "$out/key" 2>/dev/null)" != "$key" ] || exit 0
 
 echo "  DEMO    $out"

@@ -1,0 +1,82 @@
+/* The files that calibrations wrote and the configuration names. */
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "config/config_keys.h"
+
+/* Whoever reads the message knows the key better than the file. */
+static int check_readable(const struct config *config, const char *key, const char *path,
+			  struct ini_report *report)
+{
+	int err;
+
+	if (access(path, R_OK) == 0)
+		return 0;
+	err = -errno;
+	config_complain(config, report, "%s: cannot read \"%s\": %s", key, path, strerror(-err));
+	return err;
+}
+
+struct lens_file {
+	struct fisheye_settings *lens;
+	bool found;
+};
+
+static void *place(void *root, const char *instance)
+{
+	struct lens_file *file = root;
+
+	(void)instance;
+	file->found = true;
+	return file->lens;
+}
+
+static int read_lens(struct config *config, struct ini_report *report)
+{
+	static const struct ini_table tables[] = {
+		{.section = "fisheye", .keys = fisheye_keys, .place = place},
+		INI_TABLES_END,
+	};
+	const char *path = config->fisheye.lens_file;
+	struct lens_file file = {.lens = &config->fisheye.lens};
+	struct fault fault = {.text = ""};
+	int err;
+
+	if (!*path)
+		return 0;
+	err = check_readable(config, "[fisheye] lens", path, report);
+	if (!err)
+		err = ini_read(path, tables, &file, report);
+	if (err || file.found)
+		return err;
+	fault_say(&fault, -EINVAL, "%s: expected a [fisheye] section", path);
+	if (!report->count++)
+		report->first = fault;
+	if (report->say)
+		report->say(report->context, fault.text);
+	return -EINVAL;
+}
+
+static int read_light(const struct config *config, const char *key, const char *path,
+		      struct response *measured, struct ini_report *report)
+{
+	int err;
+
+	response_begin(measured);
+	if (!*path)
+		return 0;
+	err = check_readable(config, key, path, report);
+	return err ? err : response_read(measured, path, report);
+}
+
+int config_read_files(struct config *config, struct ini_report *report)
+{
+	const int lens = read_lens(config, report);
+	const int fisheye = read_light(config, "[fisheye] light", config->fisheye.light,
+				       &config->fisheye.measured, report);
+	const int background = read_light(config, "[background] light", config->background.light,
+					  &config->background.measured, report);
+
+	return lens ? lens : fisheye ? fisheye : background;
+}
