@@ -46,8 +46,8 @@ GPIOD_MAJOR := $(firstword $(subst ., ,$(shell $(PKG_CONFIG) --modversion libgpi
 FEATURES += -DGPIOD_MAJOR=$(GPIOD_MAJOR)
 endif
 
-# Of what the compiler builds for. A module.mk sets ISA_FLAGS for single objects of an instruction set
-# that not every such processor has; who calls them asks the processor first.
+# Of what the compiler builds for. A module.mk sets OWN_FLAGS for single objects: of an instruction set
+# that not every such processor has (who calls them asks the processor first), or of a library of theirs.
 MACHINE := $(firstword $(subst -, ,$(shell $(CC) -dumpmachine)))
 
 OPTIMIZE ?= -O3 -g
@@ -83,40 +83,42 @@ Q := @
 say = @printf '  %-7s %s\n'
 endif
 
+objects = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
+
 # ---- modules: each appends to *_SOURCES, and to PROGRAMS and TESTS ----
 include hal/module.mk
 include drivers/module.mk
 include config/module.mk
 include app/module.mk
 include bake/module.mk
+include bake/calibrate/module.mk
 include tests/module.mk
 include board/module.mk
 
-objects = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
 # Warnings are for our own headers.
 pkg_cflags = $(if $(strip $(1)),$(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags $(1))))
 pkg_libs = $(if $(strip $(1)),$(shell $(PKG_CONFIG) --libs $(1)))
 
 ALL_SOURCES := $(HAL_SOURCES) $(DRIVER_SOURCES) $(CONFIG_SOURCES) $(APP_SOURCES) $(BAKE_SOURCES) \
-	$(BAKE_MAIN) $(APP_MAIN)
-PROGRAMS := $(BUILD)/inlay $(BUILD)/inlay-bake $(EXTRA_PROGRAMS)
+	$(CALIBRATE_SOURCES) $(BAKE_MAIN) $(APP_MAIN) $(CALIBRATE_MAIN)
+PROGRAMS := $(addprefix $(BUILD)/,inlay inlay-bake inlay-calibrate) $(EXTRA_PROGRAMS)
 
 .PHONY: all
-## all: build inlay and inlay-bake (links to them appear in build/)
+## all: build inlay, inlay-bake and inlay-calibrate (links to them appear in build/)
 all: $(PROGRAMS)
-	$(Q)ln -sfn $(patsubst build/%,%,$(BUILD))/inlay build/inlay
-	$(Q)ln -sfn $(patsubst build/%,%,$(BUILD))/inlay-bake build/inlay-bake
+	$(Q)for program in inlay inlay-bake inlay-calibrate; do \
+		ln -sfn $(patsubst build/%,%,$(BUILD))/$$program build/$$program; done
 
 # ---- rules ----
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(say) CC $<
-	$(Q)$(CC) $(CFLAGS_ALL) $(ISA_FLAGS) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
+	$(Q)$(CC) $(CFLAGS_ALL) $(OWN_FLAGS) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
 
 $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
 	$(say) CXX $<
-	$(Q)$(CXX) $(CXXFLAGS_ALL) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS_ALL) $(OWN_FLAGS) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
 
 define archive
 $(BUILD)/$(1).a: $(call objects,$(2))
@@ -128,11 +130,14 @@ $(eval $(call archive,drivers,$(DRIVER_SOURCES)))
 $(eval $(call archive,config,$(CONFIG_SOURCES)))
 $(eval $(call archive,app,$(APP_SOURCES)))
 $(eval $(call archive,bake,$(BAKE_SOURCES)))
+$(eval $(call archive,calibrate,$(CALIBRATE_SOURCES)))
 
 APP_LIBS := $(addprefix $(BUILD)/,app.a drivers.a config.a hal.a)
 BAKE_LIBS := $(addprefix $(BUILD)/,bake.a hal.a)
 APP_LINK = $(call pkg_libs,$(drivers_PACKAGES) $(app_PACKAGES) $(hal_PACKAGES)) $(hal_LIBS) -lm
 BAKE_LINK = $(call pkg_libs,$(bake_PACKAGES) $(hal_PACKAGES)) $(bake_LIBS) $(hal_LIBS) -lm
+CALIBRATE_LIBS := $(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
+CALIBRATE_LINK = $(call pkg_libs,$(calibrate_PACKAGES) $(drivers_PACKAGES)) $(calibrate_LIBS) $(BAKE_LINK)
 
 $(BUILD)/inlay: $(call objects,$(APP_MAIN)) $(APP_LIBS)
 	$(say) LINK $@
@@ -142,12 +147,17 @@ $(BUILD)/inlay-bake: $(call objects,$(BAKE_MAIN)) $(BAKE_LIBS)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(BAKE_LINK)
 
+$(BUILD)/inlay-calibrate: $(call objects,$(CALIBRATE_MAIN)) $(CALIBRATE_LIBS)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
+
 # Unit tests, one program a file: tests/unit/test_x.c -> $(BUILD)/tests/unit/test_x
 UNIT_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(UNIT_TESTS)))
-$(UNIT_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(sort $(APP_LIBS) $(BAKE_LIBS))
+EVERY_LIB := $(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
+EVERY_LINK = -Wl,--as-needed $(APP_LINK) $(CALIBRATE_LINK)
+$(UNIT_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(EVERY_LIB)
 	$(say) LINK $@
-	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(addprefix $(BUILD)/,app.a drivers.a config.a bake.a hal.a) \
-		$(call pkg_libs,cmocka) $(APP_LINK) $(BAKE_LINK)
+	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(EVERY_LIB) $(call pkg_libs,cmocka) $(EVERY_LINK)
 
 # Fuzz targets replay their corpus under any compiler, and are real fuzzers under clang.
 FUZZ_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(FUZZ_TARGETS)))
@@ -159,10 +169,9 @@ else
 FUZZ_LINK :=
 FUZZ_MAIN := $(BUILD)/tests/fuzz/replay.o
 endif
-$(FUZZ_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(FUZZ_MAIN) $(sort $(APP_LIBS) $(BAKE_LIBS))
+$(FUZZ_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(FUZZ_MAIN) $(EVERY_LIB)
 	$(say) LINK $@
-	$(Q)$(CXX) $(SHARED_LINK) $(FUZZ_LINK) $(LDFLAGS) -o $@ $< $(FUZZ_MAIN) \
-		$(addprefix $(BUILD)/,app.a drivers.a config.a bake.a hal.a) $(APP_LINK) $(BAKE_LINK)
+	$(Q)$(CXX) $(SHARED_LINK) $(FUZZ_LINK) $(LDFLAGS) -o $@ $< $(FUZZ_MAIN) $(EVERY_LIB) $(EVERY_LINK)
 
 -include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c))
 
@@ -203,15 +212,14 @@ test:
 	$(AGAIN) test-all
 
 RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
-	BUILD="$(BUILD)" tests/run.sh
+	INLAY_CALIBRATE="$(abspath $(BUILD))/inlay-calibrate" BUILD="$(BUILD)" tests/run.sh
 
 TEST_GROUPS := test-lint test-unit test-kernels test-cli test-accuracy test-fuzz test-sanitize test-vm test-boot
 
-# One group after the other; a group that fails does not keep the rest from running.
 .PHONY: test-all
 test-all:
 	$(Q)tests/run.sh --begin
-	$(Q)for group in $(TEST_GROUPS); do $(MAKE) --no-print-directory $$group || :; done
+	+$(Q)MAKE="$(MAKE)" tests/run.sh --make $(TEST_GROUPS)
 	$(Q)tests/run.sh --end
 
 .PHONY: release-check
@@ -257,6 +265,14 @@ accuracy:
 	$(AGAIN) accuracy-installed
 accuracy-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/panoramas.sh
+
+.PHONY: exposures exposures-installed
+## exposures: how right the light of an 8-bit fisheye is, of one exposure and of three (minutes)
+exposures:
+	$(Q)board/deps.sh test
+	$(AGAIN) exposures-installed
+exposures-installed: all $(TEST_PROGRAMS)
+	$(Q)BUILD="$(BUILD)" tests/accuracy/exposures.sh
 
 .PHONY: bench bench-installed
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)

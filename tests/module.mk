@@ -1,18 +1,38 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
+	tests/unit/test_boards.c \
 	tests/unit/test_bench.c \
+	tests/unit/test_live.c \
+	tests/unit/test_live_collect.c \
+	tests/unit/test_observations.c \
 	tests/unit/test_measure.c \
+	tests/unit/test_camera_photographs.cpp \
+	tests/unit/test_camera_published.c \
+	tests/unit/test_camera_solve.c \
+	tests/unit/test_camera_verdict.c \
+	tests/unit/test_least_squares.c \
 	tests/unit/test_bake_bounce.c \
+	tests/unit/test_calibrate_report.c \
+	tests/unit/test_convert.c \
+	tests/unit/test_finding.c \
+	tests/unit/test_convert_opencv.cpp \
 	tests/unit/test_bake_determinism.c \
 	tests/unit/test_bake_energy.c \
+	tests/unit/test_bake_glass.c \
+	tests/unit/test_export.c \
+	tests/unit/test_msi.c \
 	tests/unit/test_scene.c \
 	tests/unit/test_app_layout.c \
 	tests/unit/test_app_scaler.c \
 	tests/unit/test_app_source.c \
 	tests/unit/test_app_state.c \
+	tests/unit/test_timeline.c \
+	tests/unit/test_keyframes.c \
+	tests/unit/test_poses.c \
 	tests/unit/test_app_reload.c \
 	tests/unit/test_app_service.c \
 	tests/unit/test_app_pipeline.c \
+	tests/unit/test_pipeline_pose.c \
 	tests/unit/test_app_program.c \
 	tests/unit/test_app_words.c \
 	tests/unit/test_app_utf8.c \
@@ -21,20 +41,44 @@ UNIT_TESTS := \
 	tests/unit/test_sampler.c \
 	tests/unit/test_sampler_kernels.c \
 	tests/unit/test_output.c \
+	tests/unit/test_light_budget.c \
+	tests/unit/test_light_return.c \
+	tests/unit/test_exposures.c \
+	tests/unit/test_exposure_schedule.c \
+	tests/unit/test_recovery.c \
+	tests/unit/test_recovery_pieces.c \
+	tests/unit/test_light_filter.c \
 	tests/unit/test_lights_file.c \
 	tests/unit/test_basis.c \
 	tests/unit/test_basis_damage.c \
 	tests/unit/test_encode.c \
+	tests/unit/test_encode_hard.c \
+	tests/unit/test_coarse.c \
 	tests/unit/test_compositor.c \
+	tests/unit/test_compositor_glass.c \
 	tests/unit/test_compositor_parts.c \
 	tests/unit/test_compositor_reuse.c \
+	tests/unit/test_light_vector.c \
+	tests/unit/test_selection.c \
 	tests/accuracy/test_compositor_accuracy.c \
+	tests/accuracy/test_moving_lamp.c \
 	tests/unit/test_panorama.c \
 	tests/unit/test_fisheye.c \
+	tests/unit/test_fisheye_boards.c \
+	tests/unit/test_fisheye_circle.c \
+	tests/unit/test_fisheye_falloff.c \
+	tests/unit/test_fisheye_find.c \
+	tests/unit/test_fisheye_lamps.c \
+	tests/unit/test_fisheye_sim.c \
 	tests/unit/test_dome.c \
+	tests/unit/test_dome_tents.c \
 	tests/unit/test_view.c \
 	tests/unit/test_tsai.c \
 	tests/unit/test_transfer.c \
+	tests/unit/test_light_response.c \
+	tests/unit/test_light_match.c \
+	tests/unit/test_light_config.c \
+	tests/unit/test_light_ground.c \
 	tests/unit/test_pool.c \
 	tests/unit/test_cow.c \
 	tests/unit/test_config.c \
@@ -56,13 +100,19 @@ UNIT_TESTS := \
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/test_kms_mode.c \
 	tests/unit/test_kms_card.c)
 # Its graphics card is played: see there.
-$(BUILD)/tests/unit/test_kms_card: LDFLAGS += -Wl,--wrap=mmap
+$(BUILD)/tests/unit/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
+$(BUILD)/tests/unit/test_camera_photographs.o $(BUILD)/tests/unit/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
 UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/test_camera_libcamera.cpp \
 	tests/unit/test_libcamera_parts.c)
 FUZZ_TARGETS := \
+	tests/fuzz/fuzz_angles.c \
+	tests/fuzz/fuzz_msi.c \
+	tests/fuzz/fuzz_shard.c \
 	tests/fuzz/fuzz_scene.c \
 	tests/fuzz/fuzz_basis.c \
+	tests/fuzz/fuzz_lens.c \
 	tests/fuzz/fuzz_lights.c \
+	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_state.c \
 	tests/fuzz/fuzz_control.c \
@@ -72,12 +122,19 @@ FUZZ_TARGETS := \
 CLI_TESTS := \
 	tests/cli/bake.sh \
 	tests/cli/bench.sh \
+	tests/cli/calibrate.sh \
+	tests/cli/import.sh \
+	tests/cli/export.sh \
 	tests/cli/report.sh \
+	tests/cli/shards.sh \
+	tests/cli/poses.sh \
 	tests/cli/still.sh \
 	tests/cli/run.sh \
 	tests/cli/faults.sh \
 	tests/cli/state.sh \
 	tests/cli/reload.sh \
+	tests/cli/light.sh \
+	tests/cli/exposures.sh \
 	tests/cli/service.sh \
 	tests/cli/check.sh \
 	tests/cli/devices.sh \
@@ -86,7 +143,7 @@ CLI_TESTS := \
 	tests/cli/demo.sh \
 	tests/cli/install.sh \
 	tests/cli/deb.sh
-ACCURACY_TESTS := tests/accuracy/quick.sh
+ACCURACY_TESTS := tests/accuracy/quick.sh tests/accuracy/registration.sh
 include tests/vm/vm.mk
 
 # How far two pictures are apart, for the accuracy table.
@@ -95,6 +152,24 @@ $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
+
+# How right the light is that a camera of several exposures measures: exposures.sh.
+TEST_PROGRAMS += $(BUILD)/tests/accuracy/exposures
+$(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
+		$(BUILD)/tests/accuracy/exposures_random.o $(BUILD)/tests/accuracy/exposures_truth.o \
+		$(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(EVERY_LINK)
+-include $(BUILD)/tests/accuracy/exposures.d $(BUILD)/tests/accuracy/exposures_random.d \
+	$(BUILD)/tests/accuracy/exposures_truth.d
+
+# How long a camera's calibration takes; run by hand.
+TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera
+$(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o \
+		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
+-include $(BUILD)/tests/bench/bench_camera.d
 
 # Writes the seeds of fuzz_basis anew when the format has changed.
 TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
@@ -110,10 +185,19 @@ $(BUILD)/tests/cli/allocations.so: tests/cli/allocations.c
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
+# Draws what is photographed for the calibration of a fisheye.
+TEST_PROGRAMS += $(BUILD)/tests/cli/photographs
+$(BUILD)/tests/cli/photographs: $(BUILD)/tests/cli/photographs.o \
+		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
+-include $(BUILD)/tests/cli/photographs.d
+
 # The kernels' test stands alone, without libraries, so that it can be built for another processor
 # and run by an emulator.
 KERNELS_TEST := $(addprefix $(BUILD)/,tests/kernels/test_kernels.o tests/kernels/compare.o \
-	tests/kernels/faults.o tests/kernels/guarded.o hal/processor.o hal/transfer.o) \
+	tests/kernels/compare_sums.o tests/kernels/compare_pixels.o \
+	tests/kernels/faults.o tests/kernels/guarded.o hal/fault.o hal/processor.o hal/transfer.o) \
 	$(addsuffix .o,$(addprefix $(BUILD)/,$(basename $(filter hal/compositor/kernel%,$(HAL_SOURCES)))))
 $(BUILD)/tests/kernels/test_kernels: $(KERNELS_TEST)
 	$(say) LINK $@

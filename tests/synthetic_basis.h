@@ -202,6 +202,46 @@ static inline void synthetic_write_tile(struct synthetic_maker *m, uint32_t tile
 	free(groups);
 }
 
+/* Straight, bent a little, and bent as far as it goes; transmissions of 0 and 1 among them. */
+static inline void synthetic_write_glass(struct synthetic_maker *m)
+{
+	const struct synthetic_options *o = m->options;
+	struct chance chance = {o->seed ^ 0x61a55};
+	struct basis_glass *glass = synthetic_zeros((size_t)o->width * (size_t)o->height,
+						    sizeof(*glass));
+	struct fault fault = {""};
+	size_t count = 0;
+
+	for (int y0 = 0; y0 < o->height; y0 += BASIS_TILE)
+		for (int x0 = 0; x0 < o->width; x0 += BASIS_TILE)
+			for (int p = 0; p < SYNTHETIC_PIXELS; p++) {
+				const int x = x0 + p % BASIS_TILE, y = y0 + p / BASIS_TILE;
+				const int reach = (int[]){0, 40, 400,
+							  32768}[chance_int(&chance, 0, 3)];
+				struct basis_glass *g = &glass[count];
+
+				if (x >= o->width || y >= o->height ||
+				    chance_real(&chance, 0, 1) >= o->glass_share)
+					continue;
+				*g = (struct basis_glass){.x = (uint16_t)x, .y = (uint16_t)y};
+				for (int c = 0; c < 3; c++)
+					g->transmission[c] = (uint16_t)fmin(
+						fmax(chance_real(&chance, -0.2, 1.2), 0) * 65535,
+						65535);
+				for (int k = 0; k < 2; k++)
+					g->spread[k] =
+						(uint8_t)(chance_int(&chance, 0, 3)
+								  ? 0
+								  : chance_int(&chance, 0, 255));
+				g->dx = (int16_t)chance_int(&chance, -reach, reach ? reach - 1 : 0);
+				g->dy = (int16_t)chance_int(&chance, -reach, reach ? reach - 1 : 0);
+				count++;
+			}
+	if (count)
+		synthetic_must(basis_writer_glass(m->writer, glass, count, &fault), &fault);
+	free(glass);
+}
+
 /* Overwrites s->path. */
 static inline void synthetic_write(struct synthetic *s, const struct synthetic_options *o)
 {
@@ -241,6 +281,7 @@ static inline void synthetic_write(struct synthetic *s, const struct synthetic_o
 	synthetic_must(
 		basis_writer_pose_end(m.writer, m.coverage, (const float(*)[3])m.peak, &fault),
 		&fault);
+	synthetic_write_glass(&m);
 	synthetic_must(basis_writer_finish(m.writer, &m.info, "made = by a test\n", &fault),
 		       &fault);
 	free(light);

@@ -34,6 +34,7 @@ struct synthetic_options {
 	double object_share;   /* of pixels with a T row ... */
 	double ground_share;   /* ... with a V row ... */
 	double stand_in_share; /* ... with D and U rows (the two exclude each other) */
+	double glass_share;    /* of all pixels: the background is seen through them */
 	double unlit_share;    /* of these pixels: U is 0 (D is not) */
 	double peak;	       /* of a pixel's object radiance under L_i = 1, at most */
 	double bounce;	       /* v and d / u lie in -bounce..1 */
@@ -93,7 +94,7 @@ static inline void synthetic_add_values(const struct basis_block *b, int lights,
 			const double tint =
 				b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1;
 			const size_t line = (size_t)(p / BASIS_LINE16 * b->channels + channel);
-			const size_t line8 = (size_t)(p / BASIS_LINE8 * b->channels + channel);
+			const size_t panels8 = (size_t)(b->pixels - 1) / BASIS_LINE8 + 1;
 			double *to = value + ((size_t)p * 3 + (size_t)c) * (size_t)lights;
 
 			memset(row, 0, (size_t)b->stride * sizeof(*row));
@@ -115,13 +116,14 @@ static inline void synthetic_add_values(const struct basis_block *b, int lights,
 								   BASIS_COARSE_ONE;
 			for (int n = 0; n < b->columns; n++) {
 				const size_t columns = (size_t)b->columns;
-				const int v = b->column16
-						      ? b->column16[(line * columns + (size_t)n) *
-									    BASIS_LINE16 +
-								    (size_t)(p % BASIS_LINE16)]
-						      : b->column8[(line8 * columns + (size_t)n) *
-									   BASIS_LINE8 +
-								   (size_t)(p % BASIS_LINE8)];
+				const int v =
+					b->column16
+						? b->column16[(line * columns + (size_t)n) *
+								      BASIS_LINE16 +
+							      (size_t)(p % BASIS_LINE16)]
+						: b->column8[((size_t)(n * b->channels + channel) *
+								      panels8 * BASIS_LINE8 +
+							      (size_t)p)];
 
 				to[b->light[n]] += tint * (double)b->column_scale[n] * v;
 			}
@@ -271,7 +273,8 @@ static inline void synthetic_scale_pixels(struct synthetic_block *b, const doubl
 							       : 0);
 	}
 	for (size_t i = 0; i < values; i++) {
-		const size_t p = i / (columns * line) * line + i % line;
+		const size_t p = b->entry.bits == 8 ? i % ((size_t)b->at.panels8 * line)
+						    : i / (columns * line) * line + i % line;
 		const double f = p < b->entry.pixels ? factor[p] : 0;
 
 		if (b->entry.bits == 8)

@@ -1,71 +1,19 @@
 #!/bin/bash
 # Spot in real panoramas: the composite that inlay makes, against path-traced truth.
 #     BUILD=build/x tests/accuracy/panoramas.sh           the table, in Markdown (make accuracy)
+#     LIGHTS=tents BUILD=build/x tests/accuracy/panoramas.sh     the same of tents
 #     BUILD=build/x tests/accuracy/panoramas.sh --quick   a few of its cells as a test, in TAP
 # Pictures and table are left in build/accuracy/. README.md says how to read them.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-build=${BUILD:?is not set: expected the folder that holds inlay and inlay-bake}
-data=${INLAY_SHARED_DATA:-../shared/data}
+# shellcheck source=tests/accuracy/method.sh
+. tests/accuracy/method.sh
 work=build/accuracy
 
-# Name, file, and the exposure at which a white ground has radiance 0.6.
-panoramas="museum st_fagans_interior_1k 0.585
-sunset venice_sunset_1k 0.856
-studio studio_small_03_1k 0.136"
 estimators="cell node"
 frequencies="2 4 9 18"
 samples_baked=64
 samples_true=4096
-
-log=$work/log.txt
-
-# Prints what is wrong where it will be read, and ends.
-fail() {
-	if [ "${quick:-}" ]; then
-		echo "not ok - $1"
-		sed 's/^/# /' "$log" | tail -n 20
-	else
-		echo "panoramas.sh: $1" >&2
-		tail -n 20 "$log" >&2
-	fi
-	exit 1
-}
-
-prepare() {
-	mkdir -p "$work"
-	: >"$log"
-	cp tests/accuracy/spot.scene "$work/spot.scene"
-	ln -sfn "$(realpath "$data/mesh/spot.obj")" "$work/spot.obj"
-}
-
-# bake FREQUENCY [OPTION...]
-bake() {
-	local f=$1
-	shift
-	"$build/inlay-bake" render --frequency "$f" "$@" -o "$work/f$f.inlay" "$work/spot.scene" \
-		>>"$log" 2>&1 || fail "inlay-bake render --frequency $f failed"
-}
-
-# trace NAME FILE EXPOSURE [OPTION...]: NAME-truth.pfm, NAME-background.png, NAME-fisheye.pfm
-trace() {
-	local name=$1 file=$2 exposure=$3
-	shift 3
-	"$build/inlay-bake" truth --panorama "$data/hdri/$file.hdr" --exposure "$exposure" "$@" \
-		--background-out "$work/$name-background.png" \
-		--fisheye-out "$work/$name-fisheye.pfm" \
-		-o "$work/$name-truth.pfm" "$work/spot.scene" \
-		>>"$log" 2>&1 || fail "inlay-bake truth in $file failed"
-}
-
-# composite NAME FREQUENCY ESTIMATOR OUT [OPTION...]
-composite() {
-	local name=$1 f=$2 estimator=$3 out=$4
-	shift 4
-	"$build/inlay" still --basis "$work/f$f.inlay" --background "$work/$name-background.png" \
-		--fisheye "$work/$name-fisheye.pfm" --set "fisheye.estimator=$estimator" "$@" \
-		-o "$out" >>"$log" 2>&1 || fail "inlay still with f=$f in $name failed"
-}
 
 # live NAME FILE EXPOSURE FREQUENCY WIDTH HEIGHT OUT: the same by `inlay run`, whose cameras stand in
 # the panorama: a fisheye that does not clip, and the scene's camera in 8 bits.
@@ -87,10 +35,6 @@ live() {
 		--set camera.background.sim.angle=40 \
 		--set screen.driver=file --set "screen.device=$7" --frames 1 \
 		>>"$log" 2>&1 || fail "inlay run in $1 failed"
-}
-
-compare() {
-	"$build/tests/accuracy/compare" "$@" 2>>"$log" || fail "compare $* failed"
 }
 
 # ---- the table ----
@@ -202,7 +146,6 @@ case ${1:-} in
 --quick)
 	quick=yes
 	work=build/accuracy/quick
-	log=$work/log.txt
 	prepare
 	quick
 	;;

@@ -1,3 +1,3 @@
 #!/bin/bash
-# A few cells of the accuracy table as a test.
-exec "$(dirname "$0")/panoramas.sh" --quick
+# A few cells of the accuracy table, and a small one of settings within a time, as tests.
+cd "$(dirname "$0")" && ./panoramas.sh --quick && ./within.sh --quick

@@ -54,8 +54,10 @@ static void bench_open(struct bench *b, const struct synthetic_options *options,
 	assert_true(b->radiance && b->background && b->out && b->exact);
 	for (size_t i = 0; i < pixels * 4; i++) /* dark codes are where a level is small */
 		b->background[i] = (uint8_t)chance_int(chance, 0, i % 3 ? 255 : 12);
-	b->settings = (struct compositor_settings){
-		.background = TRANSFER_SRGB, .output = TRANSFER_SRGB, .gain = 1, .object = true};
+	b->settings = (struct compositor_settings){.background = {.named = TRANSFER_SRGB},
+						   .output = {.named = TRANSFER_SRGB},
+						   .gain = 1,
+						   .object = true};
 	b->mode = THRESHOLD_DROP;
 }
 
@@ -140,11 +142,13 @@ enum light_pattern {
 	LIGHTS_FAINT_LAMP, /* the same, and the others at the first code of a camera */
 	LIGHTS_NEAR_E,	   /* as much as e: where the ratio turns to 1 */
 	LIGHTS_WIDE,	   /* over twelve decades */
+	LIGHTS_SATURATED,  /* every cell at the camera's limit: all alike, and the object white */
+	LIGHTS_DENORMAL,   /* below the smallest normal float: whoever flushes those is dark */
 	LIGHTS_PATTERNS
 };
 
-static const char *const pattern_names[] = {"dark", "random", "one",	"huge",
-					    "lamp", "faint",  "near e", "wide"};
+static const char *const pattern_names[] = {"dark",  "random", "one",  "huge",	    "lamp",
+					    "faint", "near e", "wide", "saturated", "denormal"};
 
 static void fill_lights(struct bench *b, enum light_pattern pattern, struct chance *chance)
 {
@@ -162,6 +166,8 @@ static void fill_lights(struct bench *b, enum light_pattern pattern, struct chan
 				i == chosen ? 300 : 3e-4 * r,
 				ldexp(r, -20),
 				pow(10, 12 * r - 9),
+				1,
+				1e-40 * r,
 			};
 
 			b->radiance[i][c] = (float)values[pattern];
@@ -268,8 +274,8 @@ static void over_transfers_and_gains(void **state)
 			for (int g = 0; g < 5; g++) {
 				char name[80];
 
-				b.settings.background = (enum transfer)from;
-				b.settings.output = (enum transfer)to;
+				b.settings.background.named = (enum transfer)from;
+				b.settings.output.named = (enum transfer)to;
 				b.settings.gain = gains[g];
 				snprintf(name, sizeof(name), "%s to %s, gain %g",
 					 transfer_names[from], transfer_names[to], gains[g]);
@@ -331,6 +337,34 @@ static void over_sizes(void **state)
 		bench_close(&b);
 	}
 	printf("# widths 1 to 65: max %.4f levels\n", all.max);
+}
+
+/* Objects and shadows of a pixel here and there, on both sides of tiles' borders and in tiles that
+ * the picture's edge cuts: lists of one, where every kernel works on what is mostly padding. */
+static void single_pixels(void **state)
+{
+	struct chance chance = chance_begin("single pixels");
+	struct difference all = {.max = 0};
+
+	(void)state;
+	for (int k = 0; k < 12; k++) {
+		struct synthetic_options o = usual;
+		struct bench b;
+
+		o.lights = 46;
+		o.coarse = 20;
+		o.columns = 46;
+		o.width = 33 + k % 3;
+		o.height = 17 + k % 2;
+		o.object_share = o.ground_share = o.stand_in_share = 1.0 / BASIS_TILE / BASIS_TILE;
+		o.seed = (uint64_t)k + 1;
+		bench_open(&b, &o, &chance);
+		all_patterns(&b, "single pixels", &chance);
+		all.max = fmax(all.max, b.all.max);
+		bench_close(&b);
+	}
+	printf("# single pixels: max %.4f levels\n", all.max);
+	assert_true(all.max > 0.3); /* or there were none */
 }
 
 /* As all light goes out by small steps, neither result may jump. */
@@ -493,7 +527,7 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 	o.stand_in_share = 0;
 	o.layers = 1;
 	bench_open(&b, &o, &chance);
-	b.settings.output = TRANSFER_LINEAR;
+	b.settings.output.named = TRANSFER_LINEAR;
 	for (int k = 0; k < 60; k++) {
 		struct difference d;
 
@@ -592,6 +626,51 @@ static void slow_fades_show_no_steps(void **state)
 	bench_close(&b);
 }
 
+/* One light at its threshold, a level above and a level below: what a whole cell gives is taken
+ * away and given back with every frame, which shows as a flicker of the whole object, unless the
+ * light that is in use stays in use (light_selection's band). Held against what the level alone
+ * changes. */
+static void the_threshold_crosses_its_own_light(void **state)
+{
+	enum { GREY = 200, FRAMES = 40 };
+	const double at = transfer_decode(TRANSFER_SRGB, GREY / 255.0);
+	const double below = transfer_decode(TRANSFER_SRGB, (GREY - 1) / 255.0);
+	struct chance chance = chance_begin("threshold");
+	struct synthetic_options o = usual;
+	int most[2] = {0};
+	uint8_t *before;
+	struct bench b;
+
+	(void)state;
+	o.lights = 26;
+	o.coarse = 12;
+	o.columns = 11;
+	bench_open(&b, &o, &chance);
+	before = malloc((size_t)b.width * (size_t)b.height * 4);
+	assert_non_null(before);
+	fill_lights(&b, LIGHTS_RANDOM, &chance);
+	b.threshold = at;
+	for (int n = 0; n < 2 * THRESHOLD_MODE_COUNT * FRAMES; n++) {
+		const int banded = n / FRAMES % 2, k = n % FRAMES;
+		int off;
+
+		b.mode = (enum threshold_mode)(n / FRAMES / 2);
+		b.lights.band = banded ? (at - below) * 1.001 : 0;
+		for (int c = 0; c < 3; c++)
+			b.radiance[9][c] = (float)(k % 2 ? below : at * 1.0001);
+		off = change(&b, before);
+		most[banded] = k > 0 && off > most[banded] ? off : most[banded];
+		assert_int_equal(b.lights.used[9], k % 2 == 0 || banded);
+		measure(&b, "threshold");
+	}
+	printf("# a light that crosses its threshold by a level: change %d with a band, %d "
+	       "without\n",
+	       most[1], most[0]);
+	assert_true(most[1] <= 1 && most[0] > 3);
+	free(before);
+	bench_close(&b);
+}
+
 /* Partial coverage where a wrong share of the background shows most; and a dark background under
  * so much light that the object saturates. */
 static void edges_over_black_and_white(void **state)
@@ -658,12 +737,14 @@ int main(void)
 		cmocka_unit_test(over_transfers_and_gains),
 		cmocka_unit_test(over_added_light),
 		cmocka_unit_test(over_sizes),
+		cmocka_unit_test(single_pixels),
 		cmocka_unit_test(darkness_comes_without_a_jump),
 		cmocka_unit_test(dimness_loses_no_precision),
 		cmocka_unit_test(deficits_may_nearly_cancel),
 		cmocka_unit_test(duplicate_and_constant_lines),
 		cmocka_unit_test(left_out_columns_change_no_more_than_declared),
 		cmocka_unit_test(a_flicker_does_not_crawl),
+		cmocka_unit_test(the_threshold_crosses_its_own_light),
 		cmocka_unit_test(slow_fades_show_no_steps),
 		cmocka_unit_test(edges_over_black_and_white),
 		cmocka_unit_test(a_wrong_compositor_is_noticed),

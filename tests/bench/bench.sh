@@ -1,9 +1,10 @@
 #!/bin/bash
 # How long things take: the bake, and a frame by stage, for the demo's cow and for spot.
-#     BUILD=build/x tests/bench/bench.sh [--quick | --full]      (make bench)
+#     BUILD=build/x tests/bench/bench.sh [--quick | --full | --1080p]      (make bench)
 # Prints Markdown tables, leaves them in build/bench/table.md and build/bench/modes.md. Spot needs
 # $INLAY_SHARED_DATA (else ../shared/data) and is left out without it. --quick: the cow at 640x480
-# alone. --full: spot under 1,626 and (at 320x240) 6,486 lights too, and at 1920x1080.
+# alone. --full: spot under 1,626 and (at 320x240) 6,486 lights too, and what --1080p is: a frame of
+# 1920x1080, of which object and shadow are a quarter, by one thread and by two.
 set -eu
 cd "$(dirname "$0")/../.."
 build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
@@ -32,8 +33,12 @@ scenes() {
 	[ -e "$data/mesh/spot.obj" ] || return 0
 	cp tests/accuracy/spot.scene "$work/spot/"
 	ln -sfn "$(realpath "$data/mesh/spot.obj")" "$work/spot/spot.obj"
+	# from further off, on ground that ends: together a quarter of a wide picture
+	mkdir -p "$work/quarter"
+	sed -e 's/^field_deg.*/field_deg = 57/' -e 's/^\[ground\]/&\nextent = 1.4/' tests/accuracy/spot.scene \
+		>"$work/quarter/quarter.scene"
+	ln -sfn "$(realpath "$data/mesh/spot.obj")" "$work/quarter/spot.obj"
 }
-
 
 # bake NAME SIZE SAMPLES: "seconds million_rays_per_s noise megabytes"
 bake() {
@@ -139,13 +144,14 @@ rounded() { # DIGITS VALUE...
 	done
 }
 
-# mode_rows JSON: a row for each lighting.
+# mode_rows JSON SCENE: a row for each lighting.
 mode_rows() {
 	local json=$1 lighting
 	sed -n 's/^ *{"lighting": "\([^"]*\)".*/\1/p' "$json" | uniq | while read -r lighting; do
 		of() { figure "$json" "$lighting" "$1" "$2"; }
-		printf '| %dx%d, %d | %s ' "$(head_figure "$json" width)" \
-			"$(head_figure "$json" height)" "$(head_figure "$json" lights)" "$lighting"
+		printf '| %s, %dx%d, %d lights, threads %d | %s ' "$2" "$(head_figure "$json" width)" \
+			"$(head_figure "$json" height)" "$(head_figure "$json" lights)" \
+			"$(head_figure "$json" threads)" "$lighting"
 		rounded 2 "$(of 'thesis, double precision' median_ms)" "$(of exact median_ms)" \
 			"$(of exact read_ratio)"
 		rounded 3 "$(of fast median_ms)"
@@ -161,50 +167,73 @@ mode_rows() {
 	done
 }
 
-# modes FREQUENCY SIZE SAMPLES REPEAT [OPTION...]: bakes spot and puts it through inlay bench, under
-# the built-in lightings and the panoramas.
-modes() {
-	local f=$1 size=$2 samples=$3 repeat=$4 name json sky=()
+# bake_modes SCENE FREQUENCY SIZE SAMPLES [OPTION...]
+bake_modes() {
+	local scene=$1 f=$2 size=$3 samples=$4
 	shift 4
-	name=spot-$f-$size
-	echo "baking spot at $size, f = $f" >&2
-	"$build/inlay-bake" render --frequency "$f" --size "$size" --samples "$samples" --exact \
-		-o "$work/$name.inlay" "$work/spot/spot.scene" >>"$log" 2>&1
+	echo "baking $scene at $size, f = $f" >&2
+	"$build/inlay-bake" render --frequency "$f" --size "$size" --samples "$samples" "$@" \
+		-o "$work/$scene-$f-$size.inlay" "$work/$scene/$scene.scene" >>"$log" 2>&1
+}
+
+# modes SCENE FREQUENCY SIZE REPEAT [OPTION...]: puts the bake through inlay bench, under the built-in
+# lightings and the panoramas.
+modes() {
+	local scene=$1 f=$2 size=$3 repeat=$4 name out json sky=()
+	shift 4
+	name=$scene-$f-$size
+	out=$work/$name
+	[[ " $* " != *" --threads 2 "* ]] || out+=-2-threads
 	for json in "$data"/hdri/*.hdr; do
 		[ -e "$json" ] && sky+=(--panorama "$json")
 	done
-	echo "timing spot at $size, f = $f" >&2
+	echo "timing $name" >&2
 	"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
-		>"$work/$name.json" 2>>"$log"
-	mode_rows "$work/$name.json"
+		>"$out.json" 2>>"$log"
+	mode_rows "$out.json" "$scene"
 	if [ ${#sky[@]} -gt 0 ]; then
 		"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
-			"${sky[@]}" >"$work/$name-panoramas.json" 2>>"$log"
-		mode_rows "$work/$name-panoramas.json"
+			"${sky[@]}" >"$out-panoramas.json" 2>>"$log"
+		mode_rows "$out-panoramas.json" "$scene"
 	fi
-	echo "$name: fast $(head_figure "$work/$name.json" shown_mb) MB," \
-		"exact $(head_figure "$work/$name.json" exact_mb) MB," \
-		"a byte for each value $(head_figure "$work/$name.json" dense_mb) MB;" \
-		"others had the processor for $(head_figure "$work/$name.json" waited) of the time" \
+	echo "${out##*/}: fast $(head_figure "$out.json" shown_mb) MB," \
+		"exact $(head_figure "$out.json" exact_mb) MB," \
+		"a byte for each value $(head_figure "$out.json" dense_mb) MB;" \
+		"others had the processor for $(head_figure "$out.json" waited) of the time" \
 		>>"$work/sizes.txt"
-	rm -f "$work/$name.inlay"
+}
+
+# Of 8 samples a pixel, the noise of which costs columns; 64 would take half an hour.
+quarter() {
+	bake_modes quarter 9 1920x1080 8
+	modes quarter 9 1920x1080 15 --thesis no --cells 4 --kernel auto
+	modes quarter 9 1920x1080 15 --thesis no --cells 4 --kernel auto --threads 2
+	rm -f "$work/quarter-9-1920x1080.inlay"
+}
+
+# spot FREQUENCY SIZE SAMPLES REPEAT [OPTION...]: with its exact layer, which is large.
+spot() {
+	local f=$1 size=$2 samples=$3
+	shift 3
+	bake_modes spot "$f" "$size" "$samples" --exact
+	modes spot "$f" "$size" "$@"
+	rm -f "$work/spot-$f-$size.inlay"
 }
 
 modes_table() {
 	: >"$work/sizes.txt"
-	echo "| spot | lighting | thesis ms | exact ms | x read bound | fast ms | x thesis |" \
+	echo "| scene | lighting | thesis ms | exact ms | x read bound | fast ms | x thesis |" \
 		"PSNR dB | max | contrast | 1 light changes ms | 10 | all | exact, 1 changes ms |" \
 		"whole frame ms | memcpy ms | frame / memcpy |"
 	echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
-	modes 9 640x480 64 15
+	[ -n "${wide:-}" ] || spot 9 640x480 64 15
 	if [ -n "${full:-}" ]; then
-		modes 18 640x480 64 9
+		spot 18 640x480 64 9
 		# the exact layer of 6,486 lights at 640x480 would be 12 GB
-		modes 9 320x240 64 9
-		modes 36 320x240 64 5 --cells 8
-		modes 9 1920x1080 8 9 --thesis no --cells 4
-		modes 9 1920x1080 8 9 --thesis no --cells 4 --threads 2
+		spot 9 320x240 64 9
+		spot 36 320x240 64 5 --cells 8
 	fi
+	[ -z "${full:-}${wide:-}" ] || quarter
 	echo
 	cat "$work/sizes.txt"
 }
@@ -213,14 +242,17 @@ case ${1:-} in
 '') ;;
 --quick) quick=yes ;;
 --full) full=yes ;;
+--1080p) wide=yes ;;
 *)
-	echo "usage: bench.sh [--quick | --full]" >&2
+	echo "usage: bench.sh [--quick | --full | --1080p]" >&2
 	exit 2
 	;;
 esac
 scenes
-table | tee "$work/table.part.md"
-mv "$work/table.part.md" "$work/table.md"
+if [ -z "${wide:-}" ]; then
+	table | tee "$work/table.part.md"
+	mv "$work/table.part.md" "$work/table.md"
+fi
 if [ -z "${quick:-}" ] && [ -e "$work/spot/spot.obj" ]; then
 	echo
 	modes_table | tee "$work/modes.part.md"

@@ -1,7 +1,8 @@
 /*
  * Loaded before a program (LD_PRELOAD), counts its heap allocations by the turns of its event loop:
- * the loop begins with the first epoll_wait(); what is allocated from a second later until the last
- * epoll_wait() is counted. Says so at the end in the file that ALLOCATIONS names:
+ * the loop begins with the first epoll_wait(); what is allocated from a second and SETTLING_TURNS
+ * turns later (a busy machine makes few in a second) until the last epoll_wait() is counted. Says
+ * so at the end in the file that ALLOCATIONS names:
  *     before NUMBER after NUMBER turns NUMBER
  */
 #include <dlfcn.h>
@@ -14,6 +15,7 @@
 #include <time.h>
 
 #define SETTLING_NS INT64_C(1000000000)
+#define SETTLING_TURNS 60
 
 /* glibc's own, under its other names: dlsym() itself allocates. */
 void *__libc_malloc(size_t bytes);
@@ -36,7 +38,7 @@ static void note(void)
 {
 	int64_t settled = settled_ns;
 
-	if (settled && now_ns() >= settled)
+	if (settled && turns >= SETTLING_TURNS && now_ns() >= settled)
 		after++;
 	else
 		before++;

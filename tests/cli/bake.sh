@@ -52,11 +52,18 @@ equal "dome as JSON" 26 "$("$bake" dome --frequency 2 --json | grep -c theta_rad
 rejected "dome without a frequency" 2 "--frequency is missing" "$bake" dome
 rejected "dome frequency out of range" 2 "from 1 to 64" "$bake" dome --frequency 65
 rejected "dome division unknown" 2 "angles, chords" "$bake" dome --frequency 2 --division arcs
+equal "tents sum to 2 pi" 6.283185307 "$("$bake" dome --frequency 5 --lights tents |
+	awk '!/^#/ { s += $4 } END { printf "%.9f", s }')"
+equal "angles of tents say so" tents "$("$bake" dome --frequency 2 --lights tents --angles | head -n 1)"
+rejected "lights of no shape" 2 "cells, tents" "$bake" dome --frequency 2 --lights cones
 
 # ---- render ----
 check "render" "$bake" render "$work/box.scene" -o "$out" --threads 2
 check "options after the scene" "$bake" render "$work/box.scene" -o "$work/again.inlay" --threads 1
 same "the same file from another number of threads" "$out" "$work/again.inlay"
+check "tents" "$bake" render --lights tents "$work/box.scene" -o "$work/tents.inlay"
+equal "their file says so" tents "$("$bake" info --json "$work/tents.inlay" |
+	sed -n 's/.*"light_shape": "\([a-z]*\)".*/\1/p')"
 check "another seed" "$bake" render --seed 9 "$work/box.scene" -o "$work/again.inlay"
 differ "gives another file" "$out" "$work/again.inlay"
 equal "quiet says nothing" "" "$("$bake" render --quiet "$work/box.scene" -o "$out" 2>&1)"
@@ -72,7 +79,7 @@ equal "the file says how it was encoded" "target_levels = rms 1, max 3, cell 4
 column_cut = 0.002
 coarse_lights = 6
 exact = yes" "$("$bake" info "$work/exact.inlay" | grep -E '^(target_|column_|coarse_|exact = )')"
-equal "most is twice RMS where nobody says" "target_levels = rms 0.25, max 0.5, cell 2" \
+equal "most is twice RMS where nobody says" "target_levels = rms 0.25, max 0.5, cell 1.5" \
 	"$("$bake" render --quiet --error 0.25 "$work/box.scene" -o "$work/fine.inlay" &&
 		"$bake" info "$work/fine.inlay" | grep '^target_levels')"
 rejected "an error that is none" 2 "--error" "$bake" render --error 0.5,no "$work/box.scene" \
@@ -136,9 +143,29 @@ check "with that background" "$bake" truth "$work/box.scene" --panorama "$work/s
 same "is the same picture" "$work/truth.png" "$work/truth2.png"
 rejected "truth without a panorama" 2 "--panorama is missing" "$bake" truth "$work/box.scene" \
 	-o "$work/none.png"
+rejected "a truth as a kind of picture that is not written" 1 "truth.jpg: cannot tell the kind" \
+	"$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" -o "$work/truth.jpg"
+rejected "pictures of lights that would be rounded" 1 "c.png: would round" "$bake" pictures \
+	"$work/box.scene" --object "$work/o%d.pfm" --ground "$work/g%d.pfm" --coverage "$work/c.png"
+check "before any is rendered" test ! -e "$work/o0.pfm"
 rejected "an 8-bit panorama" 1 "linear light" "$bake" truth "$work/box.scene" \
 	--panorama "$work/truth.png" -o "$work/none.png"
 rejected "a background of another size" 1 "expected 48 x 32" "$bake" truth "$work/box.scene" \
 	--panorama "$work/sky.pfm" --background "$work/fisheye.pfm" -o "$work/none.png"
+# night NAME WIDTH HEIGHT: all black.
+night() {
+	{ printf 'Pf\n%d %d\n-1.0\n' "$2" "$3" && head -c $((4 * $2 * $3)) /dev/zero; } >"$work/$1.pfm"
+}
+night night 8 4
+night square 8 8
+for panorama in night square; do
+	words="upper half is black"
+	[ $panorama = night ] || words="square.pfm: 8 x 8 pixels, expected twice as wide as high"
+	rejected "a panorama that is none: $panorama" 1 "$words" "$bake" truth "$work/box.scene" \
+		--panorama "$work/$panorama.pfm" -o "$work/none.png" --fisheye-out "$work/no-eye.pfm" \
+		--background-out "$work/no-ground.png"
+done
 absent "failures leave no picture" "$work/none.png"
+absent "of those that go with it, neither" "$work/no-eye.pfm"
+absent "nor the background" "$work/no-ground.png"
 finish

@@ -22,6 +22,23 @@ done
 equal "by the one kernel that was asked for" "c" \
 	"$(grep -E '^(exact|fast)(,|  )' "$work/bench.txt" | cut -c 38-49 | tr -d ' ' | sort -u)"
 
+# The middle one of three cells is the only one of one, and the worst of three counts.
+"$INLAY" bench --basis "$basis" --repeat 1 --cells 1 --kernel c --thesis no --csv "$work/one.csv" \
+	>"$work/bench.txt" 2>"$work/said"
+for what in "fast" "whole frame"; do
+	check "of three cells the worst counts: $what" awk -F, -v what="$what" '
+		FNR == 1 { for (k = 1; k <= NF; k++) of[$k] = k }
+		$1 == "single cells" && $2 == what && $3 == "c" {
+			rms[FILENAME] = $of["rms"]; max[FILENAME] = $of["max"]
+			contrast[FILENAME] = $of["contrast"]
+		}
+		END {
+			three = ARGV[1]; one = ARGV[2]
+			exit !(rms[one] > 0 && rms[three] >= rms[one] && max[three] >= max[one] &&
+				contrast[three] >= contrast[one])
+		}' "$work/bench.csv" "$work/one.csv"
+done
+
 if command -v python3 >/dev/null; then
 	# What a list of all that is wrong says; nothing is fine.
 	judged() {
@@ -109,6 +126,10 @@ refused "an unknown kernel" 2 "--kernel is \"mmx\"" "$INLAY" bench --basis "$bas
 refused "no repeats" 2 "--repeat is \"0\"" "$INLAY" bench --basis "$basis" --repeat 0
 refused "too many threads" 2 "--threads is \"9999\"" "$INLAY" bench --basis "$basis" --threads 9999
 refused "neither yes nor no" 2 "--thesis is \"maybe\"" "$INLAY" bench --basis "$basis" --thesis maybe
+check "a budget of white too" "$INLAY" bench --basis "$basis" --repeat 1 --kernel c --thesis no \
+	--lights "$work/even.txt" --threshold 1%
+refused "more than all of it" 2 "--threshold is \"101%\", expected a grey level 0..255 or a percentage" \
+	"$INLAY" bench --basis "$basis" --threshold 101%
 refused "a level beyond white" 2 "--threshold is \"256\"" "$INLAY" bench --basis "$basis" --threshold 256
 refused "a misspelt option" 2 "did you mean --panorama?" "$INLAY" bench --panoramas x
 refused "a word that is no option" 2 "is no option" "$INLAY" bench "$basis"

@@ -32,7 +32,7 @@ cat >"$work/expected" <<END
 inlay: $work/wrong.conf:7: [camera sky] rate: is "fast", expected a number 0..1000 Hz
 inlay: $work/wrong.conf:12: [fisheye] transfer: is "sgrb", expected one of srgb, bt709, linear; did you mean "srgb"?
 inlay: $work/wrong.conf:16: [lights] treshold: unknown key, did you mean "threshold"?
-inlay: $work/wrong.conf:17: [lights] threshold_step: is "1000", expected a number 0.5..255 grey levels
+inlay: $work/wrong.conf:17: [lights] threshold_step: is "1000", expected a number 0.1..255 grey levels, or percent
 inlay: $work/wrong.conf: [camera sky] sim.file: cannot read "$work/missing.hdr": No such file or directory
 inlay: $work/wrong.conf: [camera other] driver: is "v4l3", expected one of v4l2, sim; did you mean "v4l2"?
 inlay: $work/wrong.conf: [fisheye] camera: there is no section [camera syk]; did you mean "sky"?

@@ -34,6 +34,11 @@ check "a kiosk with a socket answers" until_true 10 tell status
 check "by one line of JSON" grep -qxE '\{"version":.*\}' <(tell status)
 equal "a command is answered" ok "$(tell threshold-set 40)"
 check "and done" grep -q '"threshold":40[,.}]' <(tell status)
+equal "a percentage too" ok "$(tell threshold-set 1.5%)"
+check "which is said to be one" grep -q '"threshold":1.5,"threshold_unit":"percent"[,}]' <(tell status)
+equal "a step is one of its unit" ok "$(tell threshold-up)"
+check "and done" grep -q '"threshold":9.5,"threshold_unit":"percent"[,}]' <(tell status)
+refused "a percentage that is none" 1 "or a percentage 0%..100%" tell threshold-set 101%
 equal "the socket is its owner's alone" srw------- "$(stat -c %A "$work/socket")"
 echo "[control]
 socket = socket" >"$work/place.conf"

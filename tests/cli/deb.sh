@@ -22,7 +22,7 @@ make_debs() { env -u MAKEFLAGS -u MAKELEVEL -u BUILD make --no-print-directory -
 rm -f "$kiosk" "$bake"
 check "make deb" make_debs
 check "leaves the package of the kiosk" test -s "$kiosk"
-check "and that of the offline program" test -s "$bake"
+check "and that of the offline programs" test -s "$bake"
 
 # A library that is not found must not make a kiosk without it.
 check "a part that is missing stops it" grep -q "finds no library for WITH_KMS" < <(
@@ -54,28 +54,33 @@ same "the kiosk's holds these files" "$work/expected" "$work/listed"
 contents "$bake" >"$work/listed"
 cat >"$work/expected" <<'END'
 -rwxr-xr-x root/root /usr/bin/inlay-bake
+-rwxr-xr-x root/root /usr/bin/inlay-calibrate
 -rw-r--r-- root/root /usr/share/bash-completion/completions/inlay-bake
+-rw-r--r-- root/root /usr/share/bash-completion/completions/inlay-calibrate
 -rw-r--r-- root/root /usr/share/doc/inlay-bake/changelog.gz
 -rw-r--r-- root/root /usr/share/doc/inlay-bake/copyright
 -rw-r--r-- root/root /usr/share/man/man1/inlay-bake.1.gz
+-rw-r--r-- root/root /usr/share/man/man1/inlay-calibrate.1.gz
 -rw-r--r-- root/root /usr/share/zsh/vendor-completions/_inlay-bake
+-rw-r--r-- root/root /usr/share/zsh/vendor-completions/_inlay-calibrate
 END
-same "the offline program's holds these" "$work/expected" "$work/listed"
+same "the offline programs' holds these" "$work/expected" "$work/listed"
 dpkg-deb -e "$kiosk" "$work/kiosk"
 equal "the configuration is the person's own" /etc/inlay/kiosk.conf "$(cat "$work/kiosk/conffiles")"
 equal "the version is the program's" "$version" "$(dpkg-deb -f "$kiosk" Version)"
 
 # ---- what they need ----
-# Decoders, the camera, screen and button libraries, text, systemd: nothing of a desktop or a baker.
+# Decoders, zstd, the camera, screen and button libraries, text, systemd: nothing of a desktop or a baker.
 lean='libc6|libcairo2|libcamera[0-9.]*|libdrm2|libevdev2|libgcc-s1|libgpiod[23]|libinih1'
-lean+='|libopenexr-3-1-30|libpng16-16|libstdc\+\+6|libsystemd0|libturbojpeg0|libudev1|libxxhash0|libyuv0'
+lean+='|libopenexr-3-1-30|libpng16-16|libstdc\+\+6|libsystemd0|libturbojpeg0|libudev1|libxxhash0|libyuv0|libzstd1'
 lean+='|default-systemd-sysusers|fonts-dejavu-core|init-system-helpers'
 needs() { # names alone; of alternatives the first; t64 is Debian 13's mark
 	dpkg-deb -f "$1" Depends | tr ',' '\n' | awk '{ sub(/t64$/, "", $1); print $1 }' | sort -u
 }
 equal "the kiosk needs nothing but these" "" "$(needs "$kiosk" | grep -vxE "$lean")"
-check "the offline program would fail that" test -n "$(needs "$bake" | grep -vxE "$lean")"
-check "which needs Embree" grep -q '^libembree' < <(needs "$bake")
+check "the offline programs would fail that" test -n "$(needs "$bake" | grep -vxE "$lean")"
+check "which need Embree" grep -q '^libembree' < <(needs "$bake")
+check "and OpenCV" grep -q '^libopencv-calib3d' < <(needs "$bake")
 
 # ---- what the distribution's own critic says ----
 if command -v lintian >/dev/null; then
@@ -99,7 +104,7 @@ cp -r "build/deb/$arch" $again
 ) >"$work/again.log" 2>&1
 same "packed again elsewhere the kiosk's is the same, bit for bit" "$kiosk" \
 	$again/out/"${kiosk##*/}"
-same "and the offline program's" "$bake" $again/out/"${bake##*/}"
+same "and the offline programs'" "$bake" $again/out/"${bake##*/}"
 SOURCE_DATE_EPOCH=$((date - 86400)) board/debian/build.sh $again "$version" "$arch" $again/out \
 	>"$work/again.log" 2>&1
 differ "it would differ with another date" "$kiosk" $again/out/"${kiosk##*/}"

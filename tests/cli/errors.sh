@@ -77,6 +77,9 @@ printf '[lights]\nthreshold = 256\n' >"$work/range.conf"
 refused "a value out of range in a file" 1 \
 	"range.conf:2: [lights] threshold: is \"256\", expected a number 0..255 grey levels" \
 	"$INLAY" still --config "$work/range.conf" --basis "$work/box.inlay" "${pictures[@]}" -o "$out"
+printf '[lights]\nthreshold = 101%%\n' >"$work/percent.conf"
+refused "more than all of white" 1 "is \"101%\", expected a number 0..255 grey levels or a percentage 0%..100%" \
+	"$INLAY" still --config "$work/percent.conf" --basis "$work/box.inlay" "${pictures[@]}" -o "$out"
 refused "no folder to write to" 1 "nowhere" "$INLAY" still --config "$work/studio.conf" \
 	"${pictures[@]}" -o "$work/nowhere/out.png"
 refused "no folder for the lights" 1 "nowhere" "$INLAY" still --config "$work/studio.conf" \

@@ -32,12 +32,32 @@ echo "# $(number "$work/live.jsonl" frames) shown, $(total late) late, $(tail -n
 	grep -oE '"latency_ms":{[^}]*}')"
 
 # ---- it stands still for ten seconds ----
+kill -USR1 "$inlay"
+kill -USR2 "$inlay"
+check "signals that mean nothing to it do nothing" moves_on
 kill -STOP "$inlay"
 sleep 10
 kill -CONT "$inlay"
 check "stopped for ten seconds, it goes on" moves_on
 until_true 20 lines $(($(grep -c . "$work/live.jsonl") + 2))
 equal "no camera is blamed" 0 "$(said "$work/run.log" "camera")"
+
+# ---- a misspelt camera ----
+stop
+start --set camera.fishey.width=96
+check "a camera that no view names is said" until_true 20 says "$work/run.log" "camera fishey: no view"
+
+# ---- its basis file is copied over, cut short, taken away ----
+stop
+cp "$work/box.inlay" "$work/own.inlay"
+start --set "basis.file=$work/own.inlay"
+check "a kiosk with a file of its own" shows_frames
+cp "$work/box.obj" "$work/own.inlay"
+check "something else copied over it: it goes on" moves_on
+: >"$work/own.inlay"
+check "cut short: it goes on" moves_on
+rm "$work/own.inlay"
+check "taken away: it goes on" moves_on
 
 # ---- started twice ----
 stop

@@ -19,6 +19,7 @@ cat >"$work/expected" <<'END'
 644 etc/inlay/kiosk.conf
 755 usr/bin/inlay
 755 usr/bin/inlay-bake
+755 usr/bin/inlay-calibrate
 755 usr/lib/inlay/back-off.sh
 644 usr/lib/systemd/system/inlay.service
 644 usr/lib/sysusers.d/inlay.conf
@@ -26,12 +27,15 @@ cat >"$work/expected" <<'END'
 644 usr/lib/udev/rules.d/70-inlay.rules
 644 usr/share/bash-completion/completions/inlay
 644 usr/share/bash-completion/completions/inlay-bake
+644 usr/share/bash-completion/completions/inlay-calibrate
 644 usr/share/doc/inlay/examples/kiosk.conf
 644 usr/share/man/man1/inlay-bake.1
+644 usr/share/man/man1/inlay-calibrate.1
 644 usr/share/man/man1/inlay.1
 644 usr/share/man/man5/inlay.conf.5
 644 usr/share/zsh/site-functions/_inlay
 644 usr/share/zsh/site-functions/_inlay-bake
+644 usr/share/zsh/site-functions/_inlay-calibrate
 END
 listed "$dest" >"$work/listed"
 same "puts these files below DESTDIR, whose name holds a blank" "$work/expected" "$work/listed"
@@ -67,7 +71,7 @@ options_of() { # program, command
 commands_of() { # program
 	"$1" --help | sed -n 's/^  \([a-z][a-z-]*\)  .*/\1/p'
 }
-for program in inlay inlay-bake; do
+for program in inlay inlay-bake inlay-calibrate; do
 	page="$pages/man1/$program.1"
 	check "$program.1 shows without a warning" renders "$page"
 	missing=
@@ -120,7 +124,7 @@ equal "inlay run --set lights.threshold_s<TAB>" lights.threshold_step= \
 completed inlay control "" | grep '^[a-z]' | sort >"$work/offered"
 same "bash offers everything that a kiosk can be told" "$work/expected" "$work/offered"
 equal "inlay run --config <TAB> is left to file names" "" "$(completed inlay run --config "")"
-for program in inlay inlay-bake; do
+for program in inlay inlay-bake inlay-calibrate; do
 	commands_of "$dest/usr/bin/$program" | sort >"$work/expected"
 	completed "$program" "" | grep '^[a-z]' | sort >"$work/offered"
 	same "bash offers the commands of $program" "$work/expected" "$work/offered"
@@ -143,7 +147,7 @@ if [ -r $loader ]; then
 			". $loader; _completion_loader inlay; complete -p inlay" 2>&1)"
 fi
 if command -v zsh >/dev/null; then
-	for program in inlay inlay-bake; do
+	for program in inlay inlay-bake inlay-calibrate; do
 		equal "zsh finds _$program" "_$program" "$(zsh -f -c \
 			"fpath=('$dest/usr/share/zsh/site-functions' \$fpath)
 			autoload -U compinit && compinit -D -u && autoload +X _$program &&

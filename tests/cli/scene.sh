@@ -101,7 +101,8 @@ said() {
 inlay=
 start() {
 	rm -f "$work/live.jsonl"
-	"$INLAY" run --config "$work/studio.conf" --set screen.driver=null \
+	# nohup leaves hang-ups ignored
+	env --default-signal=HUP "$INLAY" run --config "$work/studio.conf" --set screen.driver=null \
 		--set camera.fisheye.sim.clock=real --set camera.background.sim.clock=real \
 		--stats "$work/live.jsonl" "$@" 2>"$work/run.log" &
 	inlay=$!

@@ -21,6 +21,11 @@ check "the next run" run "${keep[@]}" --frames 3
 equal "begins with it" 40 "$(number "$work/run.jsonl" threshold)"
 check "over what the configuration says" run "${keep[@]}" --frames 3 --set lights.threshold=7
 equal "which does not count" 40 "$(number "$work/run.jsonl" threshold)"
+printf '0.1 threshold-set 2.5%%\n0.3 quit\n' >"$work/presses"
+check "a percentage is chosen" run "${keep[@]}" "${press[@]}"
+check "and kept as one" grep -qx 'threshold = 2.5%' "$state"
+check "the next start" run "${keep[@]}" --frames 3
+check "begins with it" grep -q '"threshold":2.5,"threshold_unit":"percent"' "$work/run.jsonl"
 
 # ---- over a power cut, wherever it falls ----
 for i in $(seq 400); do echo "0.$(printf %03d "$i") threshold-set $((i % 256))"; done >"$work/presses"
@@ -50,6 +55,12 @@ equal "what else is kept counts" 41 "$(number "$work/run.jsonl" threshold)"
 printf '[chosen]\nview = scene\n' >"$state"
 check "nor a view that has no camera" run "${keep[@]}" --frames 2
 check "which is said too" says "$work/run.log" "view is scene, but no camera"
+
+rm "$state"
+mkfifo "$state"
+check "nor is a pipe, that nobody would write to" run "${keep[@]}" --frames 2
+check "it is named" says "$work/run.log" "$state: not a plain file"
+rm "$state"
 
 # ---- folders that are wrong ----
 rm -rf "$work/kept"

@@ -5,11 +5,12 @@ set -u
 . "$(dirname "$0")/scene.sh"
 compare=$(dirname "$INLAY")/tests/accuracy/compare
 
+# The lamps move, and a still picture knows no light before its own.
 run() { # NAME.png, options: the third frame
 	local out=$1
 	shift
-	"$INLAY" run --config "$work/studio.conf" --frames 3 --set "screen.device=$work/$out" "$@" \
-		2>"$work/run.log" || sed 's/^/# /' "$work/run.log"
+	"$INLAY" run --config "$work/studio.conf" --frames "${frames:-3}" --set "screen.device=$work/$out" "$@" \
+		--set lights.follow=0 2>"$work/run.log" || sed 's/^/# /' "$work/run.log"
 }
 still() { # NAME, options
 	local out=$1
@@ -35,6 +36,21 @@ check "a threshold" still still-100.png "${pictures[@]}" --threshold 100 \
 	--set lights.threshold_mode=drop
 same "leaves out the lights that run leaves out" "$work/after-100.png" "$work/still-100.png"
 differ "which shows" "$work/still.png" "$work/still-100.png"
+# The lights that fit a budget depend on those of the frame before: its first one.
+frames=1
+run background-1.png --set screen.show=before
+run fisheye-1.png --set screen.show=before "${sky[@]}"
+run after-percent.png --set lights.threshold=20%
+frames=3
+check "a budget of white" still still-percent.png --threshold 20% \
+	--background "$work/background-1.png" --fisheye "$work/fisheye-1.png"
+same "leaves out the lights that run leaves out" "$work/after-percent.png" "$work/still-percent.png"
+check "none of it is none" still still-zero.png "${pictures[@]}" --threshold 0%
+same "and all are used" "$work/still.png" "$work/still-zero.png"
+for wrong in 101% -1% 1%% % 1%2 "1 %" 0x1 nan 256; do
+	refused "a threshold of $wrong" 2 "expected a grey level 0..255 or a percentage 0%..100%" \
+		still no.png "${pictures[@]}" --threshold "$wrong"
+done
 
 check "lights are written" still with-lights.png "${pictures[@]}" --lights-out "$work/lights.txt"
 equal "one for each of 26" 26 "$(grep -c '^[0-9]' "$work/lights.txt")"

@@ -4,6 +4,7 @@
 """
 import os
 import pty
+import signal
 import sys
 import time
 
@@ -12,6 +13,7 @@ stderr = os.dup(2)
 child, terminal = pty.fork()
 if child == 0:
     os.dup2(stderr, 2)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup leaves it ignored
     os.execv(command[0], command)
 end = time.monotonic() + 20
 while not (os.path.exists(file) and os.path.getsize(file)) and time.monotonic() < end:

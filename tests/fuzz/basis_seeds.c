@@ -53,6 +53,19 @@ static const struct {
 	  .peak = 1,
 	  .bounce = 0.3,
 	  .seed = 3}},
+	{"glass",
+	 {.width = 19,
+	  .height = 5,
+	  .lights = 3,
+	  .grounds = 1,
+	  .columns = -1,
+	  .object_share = 0.5,
+	  .ground_share = 0.5,
+	  .glass_share = 0.4,
+	  .peak = 1,
+	  .bounce = 0.3,
+	  .exact = true,
+	  .seed = 5}},
 	{"nothing", {.width = 3, .height = 2, .lights = 2, .seed = 4}},
 };
 
@@ -79,9 +92,10 @@ static void pack_chunk(FILE *out, const struct basis_chunk_entry *chunk, uint32_
 static bool is_of_pose(uint32_t type)
 {
 	return type == BASIS_CHUNK_COVERAGE || type == BASIS_CHUNK_PEAK ||
-	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA;
+	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA || type == BASIS_CHUNK_GLASS;
 }
 
+/* poses: 0: as the file has them. */
 static void pack(const struct basis *basis, const char *path, int poses)
 {
 	const uint8_t *file = basis->map;
@@ -95,17 +109,66 @@ static void pack(const struct basis *basis, const char *path, int poses)
 		const void *data = file + chunk[i].offset;
 		struct basis_info_chunk info;
 
-		if (chunk[i].type == BASIS_CHUNK_INFO) {
+		if (chunk[i].type == BASIS_CHUNK_INFO && poses) {
 			memcpy(&info, data, sizeof(info));
 			info.poses = (uint32_t)poses;
 			data = &info;
 		}
-		pack_chunk(out, &chunk[i], 0, data);
+		pack_chunk(out, &chunk[i], chunk[i].pose, data);
 		if (poses > 1 && is_of_pose(chunk[i].type)) /* without an exact layer */
 			pack_chunk(out, &chunk[i], 1, data);
 	}
 	if (fclose(out) != 0)
 		abort();
+}
+
+static const void *data_of(const struct basis *basis, uint32_t type)
+{
+	const struct basis_file_header *header = basis->map;
+	const struct basis_chunk_entry *chunk = (const void *)(header + 1);
+
+	while (chunk->type != type)
+		chunk++;
+	return (const uint8_t *)basis->map + chunk->offset;
+}
+
+/* The same file's blocks as two poses, which the writer packs; one has none of the first tile. */
+static void pack_poses(const struct synthetic *s, const char *path)
+{
+	static const struct basis_pose_name names[2] = {{"one"}, {""}};
+	const struct basis *basis = &s->basis;
+	const struct basis_pose *pose = &basis->poses[0];
+	const struct basis_block_entry *entries = data_of(basis, BASIS_CHUNK_BLOCKS);
+	const uint8_t *data = data_of(basis, BASIS_CHUNK_DATA);
+	struct basis_info_chunk info = basis->info;
+	struct basis_writer *writer;
+	struct fault fault = {""};
+	struct basis joint;
+	char file[128];
+
+	info.poses = 2;
+	snprintf(file, sizeof(file), "%s/joint.inlay", s->folder);
+	synthetic_must(basis_writer_open(&writer, file, &info, basis->lights, basis->ground,
+					 basis->coarse, "", &fault),
+		       &fault);
+	for (int p = 0; p < 2; p++) {
+		for (int n = 0; n < pose->shown.block_count; n++) {
+			const struct basis_block_payload block = {entries[n],
+								  data + entries[n].offset};
+
+			if (p == 0 || entries[n].tile > 0)
+				synthetic_must(basis_writer_blocks(writer, &block, 1, &fault),
+					       &fault);
+		}
+		synthetic_must(basis_writer_pose_end(writer, pose->coverage, pose->peak, &fault),
+			       &fault);
+	}
+	synthetic_must(basis_writer_names(writer, names, &fault), &fault);
+	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	synthetic_must(basis_open(&joint, file, BASIS_SHOWN, &fault), &fault);
+	unlink(file);
+	pack(&joint, path, 0);
+	basis_close(&joint);
 }
 
 int main(int argc, char **argv)
@@ -123,6 +186,10 @@ int main(int argc, char **argv)
 		synthetic_open(&s, &seeds[i].options);
 		snprintf(path, sizeof(path), "%s/%s.chunks", argv[1], seeds[i].name);
 		pack(&s.basis, path, 1);
+		if (i == 0) {
+			snprintf(path, sizeof(path), "%s/poses_packed.chunks", argv[1]);
+			pack_poses(&s, path);
+		}
 		if (i == 1) {
 			snprintf(path, sizeof(path), "%s/poses.chunks", argv[1]);
 			pack(&s.basis, path, 2);

@@ -59,8 +59,11 @@ static void choose(struct scene *s, int pose, uint32_t step)
 static void run(struct scene *s, int pose, enum compositor_mode mode, enum compositor_reuse reuse,
 		uint8_t *out)
 {
-	const struct compositor_settings settings = {mode,	    reuse, TRANSFER_BT709,
-						     TRANSFER_SRGB, 2,	   true};
+	const struct compositor_settings settings = {.mode = mode,
+						     .reuse = reuse,
+						     .background = {.named = TRANSFER_BT709},
+						     .gain = 2,
+						     .object = true};
 
 	compositor_set(s->compositor, &settings);
 	if (compositor_run(s->compositor, pose, &s->lights, &s->backdrop, out,

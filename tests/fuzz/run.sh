@@ -5,6 +5,8 @@
 # A crash leaves its input in build/tests/crashes/ and prints how to repeat it.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
+# shellcheck source=tests/builds.sh
+. tests/builds.sh
 seconds=${FUZZ_SECONDS:-8}
 plain=${BUILD:?the folder of the plain build}
 fuzzing=build/fuzz
@@ -12,8 +14,7 @@ crashes=build/tests/crashes
 log=build/tests/logs/fuzz-build.log
 mkdir -p "$crashes" build/tests/logs
 
-make --no-print-directory -j"$(nproc)" CC=clang CXX=clang++ FUZZER=1 SANITIZE=address,undefined \
-	OPTIMIZE="-O1 -g" BUILD=$fuzzing programs-fuzz >"$log" 2>&1 || {
+built fuzz programs-fuzz >"$log" 2>&1 || {
 	tail -n 20 "$log"
 	echo "not ok 1 - fuzz targets build with clang"
 	exit 1
@@ -30,16 +31,15 @@ echo "1..$((2 * ${#targets[@]}))"
 count=0
 failed=0
 verdict() { # code, name
-	count=$((count + 1))
 	if [ "$1" = 0 ]; then
-		echo "ok $count - $2"
+		echo "ok - $2"
 	else
-		echo "not ok $count - $2"
-		failed=1
+		echo "not ok - $2"
 	fi
 }
-for target in "${targets[@]}"; do
-	corpus=tests/fuzz/corpus/$target
+# one TARGET: both of its tests, not numbered.
+one() {
+	local target=$1 corpus=tests/fuzz/corpus/$1 grown code
 	"$plain/tests/fuzz/fuzz_$target" "$corpus"/* 2>&1 | sed 's/^/# /'
 	verdict "${PIPESTATUS[0]}" "$target: corpus replayed"
 	grown=$(mktemp -d)
@@ -51,5 +51,24 @@ for target in "${targets[@]}"; do
 	grep -E 'number_of_executed_units' "build/tests/logs/fuzz-$target.log" | sed 's/^/# /'
 	verdict $code "$target: $seconds s of fuzzing"
 	rm -rf "$grown"
+}
+# As many at a time as there are processors; told in order at the end.
+for target in "${targets[@]}"; do
+	[ "$(jobs -rp | wc -l)" -lt "$(nproc)" ] || wait -n
+	one "$target" >"build/tests/logs/fuzz-$target.tap" &
+done
+wait
+for target in "${targets[@]}"; do
+	while IFS= read -r line; do
+		case $line in
+		"ok - "*) echo "ok $((++count)) ${line#ok }" ;;
+		"not ok - "*)
+			echo "not ok $((++count)) ${line#not ok }"
+			failed=1
+			;;
+		*) echo "$line" ;;
+		esac
+	done <"build/tests/logs/fuzz-$target.tap"
+	rm "build/tests/logs/fuzz-$target.tap"
 done
 exit $failed

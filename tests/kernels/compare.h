@@ -9,7 +9,7 @@
 
 #include "hal/compositor/kernels.h"
 
-enum kernel_function { SUMS16, SUMS8, PROJECT, FOLD, MIX, FUNCTIONS };
+enum kernel_function { SUMS16, SUMS8, SPLIT, PROJECT, FOLD, PLACE, MIX, FUNCTIONS };
 
 extern const char *const kernel_function_names[FUNCTIONS];
 

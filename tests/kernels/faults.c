@@ -4,15 +4,20 @@
 
 /* ---- sums ---- */
 
-static void digit_dropped16(const int16_t *lines, const struct kernel_weights *w, int64_t *sum)
+typedef int64_t *const sums_of[3];
+
+static void digit_dropped16(const int16_t *lines, const struct kernel_weights *w, sums_of sum)
 {
+	static int16_t digit[3 * KERNEL_DIGITS * 128];
 	struct kernel_weights less = *w;
 
-	less.digits = w->digits == KERNEL_DIGITS ? KERNEL_DIGITS - 1 : w->digits;
+	for (int i = 0; i < w->count * 3 * w->digits && w->count <= 128; i++)
+		digit[i] = i / 2 % w->digits == 3 ? 0 : w->digit[i];
+	less.digit = w->count <= 128 ? digit : w->digit;
 	kernels_c.sums16(lines, &less, sum);
 }
 
-static void pair_dropped16(const int16_t *lines, const struct kernel_weights *w, int64_t *sum)
+static void pair_dropped16(const int16_t *lines, const struct kernel_weights *w, sums_of sum)
 {
 	struct kernel_weights less = *w;
 
@@ -20,7 +25,7 @@ static void pair_dropped16(const int16_t *lines, const struct kernel_weights *w,
 	kernels_c.sums16(lines, &less, sum);
 }
 
-static void lines_in_order16(const int16_t *lines, const struct kernel_weights *w, int64_t *sum)
+static void lines_in_order16(const int16_t *lines, const struct kernel_weights *w, sums_of sum)
 {
 	struct kernel_weights other = *w;
 	static uint32_t line[1024];
@@ -32,69 +37,135 @@ static void lines_in_order16(const int16_t *lines, const struct kernel_weights *
 	kernels_c.sums16(lines, &other, sum);
 }
 
-static void not_added16(const int16_t *lines, const struct kernel_weights *w, int64_t *sum)
+static void not_added16(const int16_t *lines, const struct kernel_weights *w, sums_of sum)
 {
-	memset(sum, 0, KERNEL_LINE16 * sizeof(*sum));
-	kernels_c.sums16(lines, w, sum);
+	struct kernel_weights fresh = *w;
+
+	fresh.fresh = true;
+	kernels_c.sums16(lines, &fresh, sum);
+}
+
+static void always_added8(const int8_t *lines, const struct kernel_weights *w, sums_of sum)
+{
+	struct kernel_weights added = *w;
+
+	added.fresh = false;
+	kernels_c.sums8(lines, &added, sum);
+}
+
+static void channel_shared16(const int16_t *lines, const struct kernel_weights *w, sums_of sum)
+{
+	struct kernel_weights shared = *w;
+
+	shared.channel = 0;
+	kernels_c.sums16(lines, &shared, sum);
+}
+
+static void not_shifted8(const int8_t *lines, const struct kernel_weights *w, sums_of sum)
+{
+	struct kernel_weights low = *w;
+
+	low.shift = w->shift & 7;
+	kernels_c.sums8(lines, &low, sum);
+}
+
+static void stepped_close8(const int8_t *lines, const struct kernel_weights *w, sums_of sum)
+{
+	struct kernel_weights close = *w;
+
+	close.step = KERNEL_LINE_BYTES;
+	kernels_c.sums8(lines, &close, sum);
+}
+
+static void add(int64_t *sum, int64_t more, int shift)
+{
+	*sum = (int64_t)((uint64_t)*sum + ((uint64_t)more << shift));
 }
 
 /* Adds up lines in int32 for longer than their products fit. */
-static void widened_late16(const int16_t *lines, const struct kernel_weights *w, int64_t *sum)
+static void widened_late16(const int16_t *lines, const struct kernel_weights *w, sums_of sum)
 {
-	for (int d = 0; d < w->digits; d++) {
-		for (int p = 0; p < KERNEL_LINE16; p++) {
-			for (int from = 0; from < w->count; from += 34) {
-				uint32_t part = 0;
+	struct kernel_weights none = *w;
 
-				for (int k = from; k < w->count && k < from + 34; k++)
-					part += (uint32_t)(lines[w->line[k] * KERNEL_LINE16 +
-								 (uint32_t)p] *
-							   w->digit[d][k]);
-				sum[p] = (int64_t)((uint64_t)sum[p] +
-						   ((uint64_t)(int64_t)(int32_t)part
-						    << d * KERNEL_DIGIT_BITS));
-			}
+	none.count = 0;
+	kernels_c.sums16(lines, &none, sum);
+	for (int i = 0; i < 3 * w->digits * KERNEL_LINE16; i++) {
+		const int p = i % KERNEL_LINE16, d = i / KERNEL_LINE16 % w->digits;
+		const int c = i / KERNEL_LINE16 / w->digits;
+		const int16_t *from = lines + (size_t)c * w->channel / 2 + p;
+
+		for (int run = 0; run < w->count; run += 34) {
+			uint32_t part = 0;
+
+			for (int k = run; k < w->count && k < run + 34; k++)
+				part += (uint32_t)(from[w->line[k] * w->step / 2] *
+						   *kernel_digit(w, k, c, d));
+			add(&sum[c][p], (int32_t)part, d * KERNEL_DIGIT_BITS + w->shift);
 		}
 	}
 }
 
 /* The low byte of each digit by the instruction that adds two products of bytes in 16 bits. */
-static void saturated8(const int8_t *lines, const struct kernel_weights *w, int64_t *sum)
+static void saturated8(const int8_t *lines, const struct kernel_weights *w, sums_of sum)
 {
-	for (int d = 0; d < w->digits; d++) {
-		for (int p = 0; p < KERNEL_LINE8; p++) {
-			for (int k = 0; k < w->count; k += 2) {
-				int64_t pair = 0, rest = 0;
+	struct kernel_weights none = *w;
 
-				for (int i = 0; i < 2; i++) {
-					const int digit = w->digit[d][k + i], low = (int8_t)digit;
-					const int x =
-						lines[w->line[k + i] * KERNEL_LINE8 + (uint32_t)p];
+	none.count = 0;
+	kernels_c.sums8(lines, &none, sum);
+	for (int i = 0; i < 3 * w->digits * KERNEL_LINE8; i++) {
+		const int p = i % KERNEL_LINE8, d = i / KERNEL_LINE8 % w->digits;
+		const int c = i / KERNEL_LINE8 / w->digits;
+		const int8_t *from = lines + (size_t)c * w->channel + p;
 
-					pair += (x + 128) * low;
-					rest += x * (digit - low) - 128 * low;
-				}
-				pair = pair > 32767 ? 32767 : pair < -32768 ? -32768 : pair;
-				sum[p] = (int64_t)((uint64_t)sum[p] + ((uint64_t)(pair + rest)
-								       << d * KERNEL_DIGIT_BITS));
+		for (int k = 0; k < w->count; k += 2) {
+			int64_t pair = 0, rest = 0;
+
+			for (int n = k; n < k + 2; n++) {
+				const int digit = *kernel_digit(w, n, c, d), low = (int8_t)digit;
+				const int x = from[w->line[n] * w->step];
+
+				pair += (x + 128) * low;
+				rest += x * (digit - low) - 128 * low;
 			}
+			pair = pair > 32767 ? 32767 : pair < -32768 ? -32768 : pair;
+			add(&sum[c][p], pair + rest, d * KERNEL_DIGIT_BITS + w->shift);
 		}
 	}
 }
 
-static void last_pixel8(const int8_t *lines, const struct kernel_weights *w, int64_t *sum)
+static void last_pixel8(const int8_t *lines, const struct kernel_weights *w, sums_of sum)
 {
-	const int64_t last = sum[KERNEL_LINE8 - 1];
+	const int64_t last = sum[2][KERNEL_LINE8 - 1];
 
 	kernels_c.sums8(lines, w, sum);
 	if (w->count > 1000)
-		sum[KERNEL_LINE8 - 1] = last;
+		sum[2][KERNEL_LINE8 - 1] = last;
 }
 
-static void wrote_beyond8(const int8_t *lines, const struct kernel_weights *w, int64_t *sum)
+static void wrote_beyond8(const int8_t *lines, const struct kernel_weights *w, sums_of sum)
 {
 	kernels_c.sums8(lines, w, sum);
-	sum[-1]++;
+	sum[1][-1]++;
+}
+
+/* ---- split ---- */
+
+static int digit_of_half(const int64_t *const weight[3], int count, int16_t *digit)
+{
+	const int digits = kernels_c.split(weight, count, digit);
+
+	for (int i = 0; i < count * 3 * digits; i++) { /* 2048 and not -2048 with a carry */
+		if (digit[i] == -2048)
+			digit[i] = 2048;
+	}
+	return digits;
+}
+
+static int channel_left(const int64_t *const weight[3], int count, int16_t *digit)
+{
+	const int64_t *const two[3] = {weight[0], weight[1], weight[1]};
+
+	return kernels_c.split(two, count, digit);
 }
 
 /* ---- project ---- */
@@ -132,35 +203,54 @@ static void narrow(const int16_t *rows, int count, int stride, const struct kern
 /* ---- fold ---- */
 
 static void rounded_down(const int64_t *sum, int count, int shift, uint32_t factor,
-			 const uint16_t *tint, int32_t *to)
+			 const uint16_t *tint, const int32_t *from, int32_t *to)
 {
 	for (int p = 0; p < count; p++) {
 		const int64_t down = sum[p] & -(INT64_C(1) << shift);
 
-		kernels_c.fold(&down, 1, shift, factor, tint ? tint + p : NULL, to + p);
+		kernels_c.fold(&down, 1, shift, factor, tint ? tint + p : NULL, from + p, to + p);
 	}
 }
 
 static void tail_left(const int64_t *sum, int count, int shift, uint32_t factor,
-		      const uint16_t *tint, int32_t *to)
+		      const uint16_t *tint, const int32_t *from, int32_t *to)
 {
-	kernels_c.fold(sum, count > 8 ? count & ~1 : count, shift, factor, tint, to);
+	kernels_c.fold(sum, count > 8 ? count & ~1 : count, shift, factor, tint, from, to);
 }
 
 static void factor_signed(const int64_t *sum, int count, int shift, uint32_t factor,
-			  const uint16_t *tint, int32_t *to)
+			  const uint16_t *tint, const int32_t *from, int32_t *to)
 {
-	kernels_c.fold(sum, count, shift, factor >> 31 ? 0 : factor, tint, to);
+	kernels_c.fold(sum, count, shift, factor >> 31 ? 0 : factor, tint, from, to);
 }
 
 static void not_clamped(const int64_t *sum, int count, int shift, uint32_t factor,
-			const uint16_t *tint, int32_t *to)
+			const uint16_t *tint, const int32_t *from, int32_t *to)
 {
 	for (int p = 0; p < count; p++) {
 		int32_t x = 0;
 
-		kernels_c.fold(sum + p, 1, shift, factor, tint ? tint + p : NULL, &x);
-		to[p] = (int32_t)((uint32_t)to[p] + (uint32_t)x);
+		kernels_c.fold(sum + p, 1, shift, factor, tint ? tint + p : NULL, &x, &x);
+		to[p] = (int32_t)((uint32_t)from[p] + (uint32_t)x);
+	}
+}
+
+/* ---- place ---- */
+
+static void row_left(const int32_t *value, const uint16_t row[16], int32_t *to)
+{
+	uint16_t less[16];
+
+	memcpy(less, row, sizeof(less));
+	less[15] &= 0x7fff;
+	kernels_c.place(value, less, to);
+}
+
+static void wrapped(const int32_t *value, const uint16_t row[16], int32_t *to)
+{
+	for (int p = 0; p < 256; p++) {
+		if (row[p / 16] >> p % 16 & 1)
+			to[p] = (int32_t)((uint32_t)to[p] + (uint32_t)*value++);
 	}
 }
 
@@ -169,8 +259,9 @@ static void not_clamped(const int64_t *sum, int count, int shift, uint32_t facto
 static void one_too_many(const struct kernel_row *row)
 {
 	kernels_c.mix(row);
-	if (row->count % 4 == 3)
-		memset(row->out + (size_t)row->count * 4, 255, 4);
+	/* After the first row of several, never the last: a wall may stand behind that one. */
+	if (row->count % 4 == 3 && row->rows > 1)
+		memset(row->out + (ptrdiff_t)row->count * 4, 255, 4);
 }
 
 static void one_too_few(const struct kernel_row *row)
@@ -201,12 +292,21 @@ static void piece_rounded(const struct kernel_row *row)
 
 static void coverage_rounded(const struct kernel_row *row)
 {
-	uint16_t coverage[512];
+	static uint16_t coverage[2048];
 	struct kernel_row other = *row;
+	const int numbers = (row->rows - 1) * (int)row->coverage_step + row->count;
 
-	for (int x = 0; x < row->count; x++)
+	for (int x = 0; x < numbers; x++)
 		coverage[x] = row->coverage[x] == 65535 ? 65534 : row->coverage[x];
 	other.coverage = coverage;
+	kernels_c.mix(&other);
+}
+
+static void row_repeated(const struct kernel_row *row)
+{
+	struct kernel_row other = *row;
+
+	other.background_step = row->rows > 1 ? row->background_step - 4 : 0;
 	kernels_c.mix(&other);
 }
 
@@ -222,6 +322,20 @@ static void coverage_rounded(const struct kernel_row *row)
 #f, SUMS8,                                                                         \
 		{                                                                                  \
 			.sums8 = f                                                                 \
+		}                                                                                  \
+	}
+#define SPLIT_FAULT(f)                                                                             \
+	{                                                                                          \
+#f, SPLIT,                                                                         \
+		{                                                                                  \
+			.split = f                                                                 \
+		}                                                                                  \
+	}
+#define PLACE_FAULT(f)                                                                             \
+	{                                                                                          \
+#f, PLACE,                                                                         \
+		{                                                                                  \
+			.place = f                                                                 \
 		}                                                                                  \
 	}
 #define PROJECT_FAULT(f)                                                                           \
@@ -247,16 +361,16 @@ static void coverage_rounded(const struct kernel_row *row)
 	}
 
 static const struct faulty faults[] = {
-	SUMS16_FAULT(digit_dropped16),	SUMS16_FAULT(pair_dropped16),
-	SUMS16_FAULT(lines_in_order16), SUMS16_FAULT(not_added16),
-	SUMS16_FAULT(widened_late16),	SUMS8_FAULT(saturated8),
-	SUMS8_FAULT(last_pixel8),	SUMS8_FAULT(wrote_beyond8),
-	PROJECT_FAULT(run_dropped),	PROJECT_FAULT(digits_of_first),
-	PROJECT_FAULT(narrow),		FOLD_FAULT(rounded_down),
-	FOLD_FAULT(tail_left),		FOLD_FAULT(factor_signed),
-	FOLD_FAULT(not_clamped),	MIX_FAULT(one_too_many),
-	MIX_FAULT(one_too_few),		MIX_FAULT(not_opaque),
-	MIX_FAULT(piece_rounded),	MIX_FAULT(coverage_rounded),
+	SUMS16_FAULT(digit_dropped16), SUMS16_FAULT(pair_dropped16), SUMS16_FAULT(lines_in_order16),
+	SUMS16_FAULT(not_added16),     SUMS16_FAULT(widened_late16), SUMS16_FAULT(channel_shared16),
+	SUMS8_FAULT(always_added8),    SUMS8_FAULT(not_shifted8),    SUMS8_FAULT(stepped_close8),
+	SUMS8_FAULT(saturated8),       SUMS8_FAULT(last_pixel8),     SUMS8_FAULT(wrote_beyond8),
+	SPLIT_FAULT(digit_of_half),    SPLIT_FAULT(channel_left),    PLACE_FAULT(row_left),
+	PLACE_FAULT(wrapped),	       PROJECT_FAULT(run_dropped),   PROJECT_FAULT(digits_of_first),
+	PROJECT_FAULT(narrow),	       FOLD_FAULT(rounded_down),     FOLD_FAULT(tail_left),
+	FOLD_FAULT(factor_signed),     FOLD_FAULT(not_clamped),	     MIX_FAULT(one_too_many),
+	MIX_FAULT(one_too_few),	       MIX_FAULT(not_opaque),	     MIX_FAULT(piece_rounded),
+	MIX_FAULT(coverage_rounded),   MIX_FAULT(row_repeated),
 };
 
 const int faulty_count = (int)(sizeof(faults) / sizeof(faults[0]));
@@ -269,6 +383,8 @@ struct faulty faulty_table(int i)
 	table.name = f.fault;
 	table.sums16 = f.table.sums16 ? f.table.sums16 : table.sums16;
 	table.sums8 = f.table.sums8 ? f.table.sums8 : table.sums8;
+	table.split = f.table.split ? f.table.split : table.split;
+	table.place = f.table.place ? f.table.place : table.place;
 	table.project = f.table.project ? f.table.project : table.project;
 	table.fold = f.table.fold ? f.table.fold : table.fold;
 	table.mix = f.table.mix ? f.table.mix : table.mix;

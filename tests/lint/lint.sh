@@ -2,6 +2,8 @@
 # Everything that can be said about the sources without running them; one TAP line a check.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
+# shellcheck source=tests/builds.sh
+. tests/builds.sh
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 count=0
@@ -29,10 +31,6 @@ scripts() {
 formatted() {
 	sources | xargs clang-format --dry-run -Werror
 }
-compiled() { # compiler, C++ compiler
-	make --no-print-directory -j"$(nproc)" CC="$1" CXX="$2" BUILD="build/lint-$1" OPTIMIZE=-O1 \
-		CFLAGS=-Werror CXXFLAGS=-Werror objects
-}
 analysed() {
 	cppcheck --quiet --error-exitcode=1 --std=c11 --inline-suppr -j "$(nproc)" -I. \
 		--enable=warning,portability --suppress=missingIncludeSystem \
@@ -57,8 +55,8 @@ helped() { # every target with a comment is listed, and the ones that the README
 
 check "formatted as .clang-format says" formatted
 check "include rules" tests/lint/includes.sh
-check "gcc, warnings as errors" compiled gcc g++
-check "clang, warnings as errors" compiled clang clang++
+check "gcc, warnings as errors" built thread objects
+check "clang, warnings as errors" built fuzz objects
 check "cppcheck" analysed
 check "shellcheck" scripted
 check "make help lists what the README names" helped

@@ -5,7 +5,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-echo 1..4
+echo 1..7
 count=0
 check() { # name, expected exit code, actual
 	count=$((count + 1))
@@ -17,7 +17,7 @@ code=$?
 sed 's/^/# /' "$scratch/log"
 check "this tree keeps the arrows" 0 $code
 
-mkdir -p "$scratch"/{app,drivers,hal,config,bake,tests,board}
+mkdir -p "$scratch"/{app,drivers,hal,config,bake/calibrate,tests,board}
 touch "$scratch"/{app,drivers,hal,config,bake,tests,board}/README.md
 try() { # file, include, name
 	echo "#include \"$2\"" >"$scratch/$1"
@@ -28,3 +28,6 @@ try() { # file, include, name
 try hal/x.c app/x.h "hal/ including app/ is refused"
 try drivers/camera_x.c drivers/display_y.h "a driver including another is refused"
 try bake/x.c config/x.h "bake/ including config/ is refused"
+try bake/x.c bake/calibrate/x.h "bake/ including bake/calibrate/ is refused"
+try bake/calibrate/x.c drivers/camera_x.c "bake/calibrate/ including a driver is refused"
+try bake/calibrate/x.c app/x.h "bake/calibrate/ including app/ is refused"

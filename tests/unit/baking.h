@@ -93,8 +93,7 @@ static inline struct scene *baking_scene(const char *name)
 	return scene;
 }
 
-static inline struct render_report baking_render(const struct scene *scene, const char *out,
-						 int threads)
+static inline struct render_report baking_render(struct scene *scene, const char *out, int threads)
 {
 	struct render_settings settings = render_settings_of(scene);
 	struct fault fault = {.text = ""};
@@ -204,6 +203,17 @@ static inline double baking_ratio(const struct basis *basis, int x, int y, int c
 		all += u[i] * l;
 	}
 	return all > 0 ? 1 - taken / all : 1;
+}
+
+/* What arrives of the background through the object. */
+static inline double baking_through(const struct basis *basis, int x, int y, int c)
+{
+	const struct basis_pose *pose = &basis->poses[0];
+
+	for (size_t k = 0; k < pose->glass_count; k++)
+		if (pose->glass[k].x == x && pose->glass[k].y == y)
+			return pose->glass[k].transmission[c] / 65535.0;
+	return 0;
 }
 
 static inline double baking_coverage(const struct basis *basis, int x, int y)

@@ -32,6 +32,7 @@ static const struct synthetic_options copied_small = {
 	.object_share = 0.3,
 	.ground_share = 0.3,
 	.stand_in_share = 0.3,
+	.glass_share = 0.2,
 	.peak = 1,
 	.bounce = 0.3,
 	.seed = 7,

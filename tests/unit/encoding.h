@@ -251,11 +251,14 @@ static inline struct encoding_arrays encoding_arrays_of(const struct basis_block
 static inline double encoding_column(const struct basis_block_entry *e,
 				     const struct encoding_arrays *a, int p, int c, uint32_t n)
 {
-	const size_t wide = e->bits == 8 ? 64 : 32, place = (size_t)p;
-	const size_t at = ((place / wide * e->channels + (size_t)c) * e->columns + n) * wide +
-			  place % wide;
+	const size_t place = (size_t)p, channel = (size_t)c;
+	const size_t padded = (e->pixels + 63U) / 64 * 64;
 
-	return (double)a->column_scale[n] * (e->bits == 8 ? a->column8[at] : a->column16[at]);
+	return (double)a->column_scale[n] *
+	       (e->bits == 8
+			? a->column8[(n * e->channels + channel) * padded + place]
+			: a->column16[((place / 32 * e->channels + channel) * e->columns + n) * 32 +
+				      place % 32]);
 }
 
 static inline double encoding_pattern(const struct encoding *e, const int16_t *pattern, int light)

@@ -217,8 +217,15 @@ static void figures_do_not_make_it_jump(void **state)
 		for (int i = 0; i < 40; i++) {
 			/* The longest comes first. */
 			const struct words_figures f = {
-				i ? i * 10 : 406, 406,	       i ? i % 10 : 100, i ? 0.1 * i : 99.9,
-				i ? 7.5 : 29.9,	  i ? i : 100, i ? 1 : 99999,	 i ? 0 : 1};
+				.lights_used = i ? i * 10 : 406,
+				.lights = 406,
+				.threshold = i ? i % 10 : 100,
+				.error = i ? 0.1 * i : 99.9,
+				.frames_a_second = i ? 7.5 : 29.9,
+				.latency_ms = i ? i : 100,
+				.drops = i ? 1 : 99999,
+				.clipped = i ? 0 : 1,
+			};
 			struct drawn d;
 			int y = 0;
 

@@ -103,10 +103,12 @@ static int close_basis(void **state)
 static struct pipeline_settings plain(void)
 {
 	return (struct pipeline_settings){
-		.sampler = {.estimator = ESTIMATOR_CELL, .transfer = TRANSFER_SRGB, .gain = 1},
+		.sampler = {.estimator = ESTIMATOR_CELL,
+			    .curve = {.named = TRANSFER_SRGB},
+			    .gain = 1},
 		.lens = {.field_deg = 90},
 		.threshold_mode = THRESHOLD_DROP,
-		.background = TRANSFER_SRGB,
+		.background = {.named = TRANSFER_SRGB},
 		.gain = 1,
 		.threads = 1,
 	};
@@ -123,7 +125,7 @@ static struct pipeline made(const struct pipeline_settings *settings)
 
 static void choose(struct pipeline *pipeline, double threshold)
 {
-	struct pipeline_choice choice = {.threshold = threshold, .object = true};
+	struct pipeline_choice choice = {.threshold = {.value = threshold}, .object = true};
 
 	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
 }
@@ -233,7 +235,7 @@ static void threshold_is_a_level_of_the_picture(void **state)
 		struct picture picture = whole(&sky);
 		struct pipeline pipeline;
 
-		settings.sampler.black_level = cases[i].black;
+		settings.sampler.curve.black = cases[i].black;
 		settings.sampler.gain = cases[i].gain;
 		pipeline = made(&settings);
 		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
@@ -365,6 +367,66 @@ static void another_size_of_sky(void **state)
 	pipeline_destroy(&pipeline);
 }
 
+static double measure(struct pipeline *pipeline, int side, int code, int64_t at_ms)
+{
+	struct canvas sky = flat(side, side, code);
+	struct picture picture = whole(&sky);
+
+	assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
+	pipeline_follow(pipeline, at_ms * 1000000);
+	canvas_free(&sky);
+	return (double)pipeline->radiance[0][1];
+}
+
+/* Light follows the camera's; the first of a size, and of other settings, is what was measured. */
+static void light_is_followed(void **state)
+{
+	struct pipeline_settings settings = plain();
+	const double bright = transfer_decode(TRANSFER_SRGB, 200 / 255.0);
+	const double dark = transfer_decode(TRANSFER_SRGB, 50 / 255.0);
+	struct pipeline pipeline;
+	double first;
+
+	(void)state;
+	settings.follow_ns = 100000000;
+	pipeline = made(&settings);
+	first = measure(&pipeline, SKY, 200, 1000);
+	assert_true(fabs(first - bright) < 1e-3);
+	assert_true(measure(&pipeline, SKY, 200, 1033) == first);
+	assert_true(measure(&pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
+	assert_true(fabs(measure(&pipeline, SKY, 50, 1133) - dark) < 0.11 * (bright - dark));
+	assert_true(fabs(measure(&pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
+	settings.follow_ns = 0;
+	assert_int_equal(pipeline_change(&pipeline, &settings, NULL), 0);
+	assert_true(fabs(measure(&pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
+	pipeline_destroy(&pipeline);
+}
+
+/* Of two pixels of half a light each: what may go is what changes neither by more. */
+static void a_percentage_of_white_may_change(void **state)
+{
+	struct pipeline_settings settings = plain();
+	const float radiance[LIGHTS][3] = {[0] = {0.016f, 0.016f, 0.016f}, [3] = {1, 1, 1}};
+	struct pipeline_choice choice = {.object = true, .threshold = {.percent = true}};
+	struct pipeline pipeline = made(&settings);
+
+	(void)state;
+	pipeline_light_given(&pipeline, radiance);
+	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline.selection.used_count, LIGHTS); /* 0 %: all */
+	choice.threshold.value = 0.7;
+	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline.selection.used_count, 2); /* dark ones are no loss */
+	choice.threshold.value = 0.9;
+	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline.selection.used_count, 1);
+	assert_true(pipeline.selection.used[3]);
+	assert_true(fabs(pipeline.selection.dropped_error[0] - 0.008) < 1e-6);
+	choose(&pipeline, 0); /* and a grey level again */
+	assert_int_equal(pipeline.selection.used_count, LIGHTS);
+	pipeline_destroy(&pipeline);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -375,6 +437,8 @@ int main(void)
 		cmocka_unit_test(without_the_object_it_is_the_background),
 		cmocka_unit_test(what_does_not_fit_is_said),
 		cmocka_unit_test(another_size_of_sky),
+		cmocka_unit_test(light_is_followed),
+		cmocka_unit_test(a_percentage_of_white_may_change),
 	};
 
 	return cmocka_run_group_tests(tests, open_basis, close_basis);

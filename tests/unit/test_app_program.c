@@ -179,7 +179,7 @@ static void lines_say_what_was_counted(void **state)
 	char path[] = "/tmp/test_app_stats_XXXXXX", text[2000] = "";
 	int file = mkstemp(path);
 	struct pipeline pipeline = {.clipped = 0.25,
-				    .choice = {.threshold = 33.5},
+				    .choice = {.threshold = {.value = 33.5}},
 				    .selection = {.count = 406,
 						  .used_count = 32,
 						  .dropped_error = {0.001, 0.003, 0.002}}};
@@ -220,15 +220,19 @@ static void lines_say_what_was_counted(void **state)
 		"\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
 		"\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"composite\":7.000,\"show\":0."
 		"000},"
-		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,\"dropped_error\":0.003,"
-		"\"clipped\":0.250000,\"cameras\":[{\"name\":\"sky\",\"situation\":\"fine\","
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,\"cameras\":"
+		"[{\"name\":\"sky\",\"situation\":\"fine\","
 		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n"
 		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
 		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
 		"\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"composite\":0.000,\"show\":0."
 		"000},"
-		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,\"dropped_error\":0.003,"
-		"\"clipped\":0.250000,\"cameras\":[{\"name\":\"sky\",\"situation\":\"stalled\","
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,\"cameras\":"
+		"[{\"name\":\"sky\",\"situation\":\"stalled\","
 		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n");
 }
 

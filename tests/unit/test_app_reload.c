@@ -51,6 +51,7 @@ static void each_key_has_its_effect(void **state)
 		unsigned effects;
 	} cases[] = {
 		{"[lights]\nthreshold = 9\n", RELOAD_THRESHOLD | RELOAD_DRAWING},
+		{"[lights]\nfollow = 0\n", RELOAD_PIPELINE},
 		{"[lights]\nthreshold_step = 9\n", RELOAD_DRAWING},
 		{"[lights]\nthreshold_mode = drop\n", RELOAD_PIPELINE | RELOAD_DRAWING},
 		{"[fisheye]\ngain = 2\n", RELOAD_LIGHT | RELOAD_DRAWING},

@@ -101,10 +101,12 @@ static void look(struct eye *eye, struct source *source)
 static int set_up(void **state)
 {
 	const struct pipeline_settings settings = {
-		.sampler = {.estimator = ESTIMATOR_CELL, .transfer = TRANSFER_SRGB, .gain = 1},
+		.sampler = {.estimator = ESTIMATOR_CELL,
+			    .curve = {.named = TRANSFER_SRGB},
+			    .gain = 1},
 		.lens = {.field_deg = 90},
 		.threshold_mode = THRESHOLD_DROP,
-		.background = TRANSFER_SRGB,
+		.background = {.named = TRANSFER_SRGB},
 		.gain = 1,
 		.threads = 2,
 	};
@@ -136,7 +138,7 @@ static int tear_down(void **state)
 /* All cameras as they are; light measured; half of the lights in use. */
 static int begin(void **state)
 {
-	const struct pipeline_choice choice = {.threshold = 120, .object = true};
+	const struct pipeline_choice choice = {.threshold = {.value = 120}, .object = true};
 	struct fault fault = {.text = ""};
 	struct picture sky;
 

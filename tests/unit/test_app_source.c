@@ -22,6 +22,7 @@ static struct {
 	int open_err, grab_err;
 	enum camera_situation situation;
 	bool on_demand;
+	double rate_hz;
 	enum pixel_format format;
 	int width, height;
 	size_t bytes; /* readable; 0: all that are needed */
@@ -52,6 +53,7 @@ static int fake_open(struct camera *camera, struct fault *fault)
 	camera->width = fake.width;
 	camera->height = fake.height;
 	camera->on_demand = fake.on_demand;
+	camera->rate_hz = fake.rate_hz;
 	camera->state = &fake;
 	return 0;
 }
@@ -122,7 +124,7 @@ static struct source source;
 static int begin(void **state)
 {
 	struct source_settings settings = {
-		.name = "front", .ops = &fake_ops, .transfer = TRANSFER_SRGB};
+		.name = "front", .ops = &fake_ops, .curve = {.named = TRANSFER_SRGB}};
 
 	(void)state;
 	memset(&fake, 0, sizeof(fake));
@@ -289,6 +291,31 @@ static void silence_is_named_and_ended(void **state)
 	assert_true(source_decode(&source, 99));
 	source_watch(&source, start + 11 * NS_PER_S);
 	assert_false(source_is_open(&source));
+	assert_int_equal(source.situation, CAMERA_STALLED);
+}
+
+/* An exposure of seconds at night is no silence. */
+static void a_slow_camera_is_waited_for(void **state)
+{
+	(void)state;
+	fake.rate_hz = 0.2;
+	must_open();
+	take(NS_PER_S);
+	assert_true(source_decode(&source, NS_PER_S));
+	source_watch(&source, 15 * NS_PER_S);
+	assert_int_equal(source.situation, CAMERA_FINE);
+	source_watch(&source, 16 * NS_PER_S);
+	assert_int_equal(source.situation, CAMERA_STALLED);
+	source_watch(&source, 45 * NS_PER_S);
+	assert_true(source_is_open(&source));
+	source_watch(&source, 46 * NS_PER_S);
+	assert_false(source_is_open(&source));
+
+	fake.rate_hz = 1e-300;
+	must_open();
+	take(100 * NS_PER_S);
+	assert_true(source_decode(&source, 100 * NS_PER_S));
+	source_watch(&source, 160 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_STALLED);
 }
 
@@ -558,6 +585,7 @@ int main(void)
 		CASE(a_lost_camera_leaves_its_picture),
 		CASE(which_failures_waiting_can_mend),
 		CASE(silence_is_named_and_ended),
+		CASE(a_slow_camera_is_waited_for),
 		CASE(a_raw_frame_stays_until_the_next),
 		CASE(a_lost_camera_leaves_its_raw_frame),
 		CASE(a_raw_frame_that_is_short_is_passed_over),

@@ -18,7 +18,7 @@
 #include "hal/clock.h"
 #include "tests/unit/own_folder.h"
 
-static const struct state_values start = {0, SHOW_COMPOSITE, 0};
+static const struct state_values start = {{0, false}, SHOW_COMPOSITE, 0};
 
 static struct config_state settings_for(const char *name, double interval_s)
 {
@@ -35,7 +35,8 @@ static bool comes_to_hold(const char *name, double threshold)
 	struct state_values values = start;
 
 	while (clock_now_ns() < end) {
-		if (state_read(own_path(name), &values, NULL) == 0 && values.threshold == threshold)
+		if (state_read(own_path(name), &values, NULL) == 0 &&
+		    values.threshold.value == threshold)
 			return true;
 		usleep(2000);
 	}
@@ -45,7 +46,7 @@ static bool comes_to_hold(const char *name, double threshold)
 static void what_is_kept_reads_back(void **state)
 {
 	const struct config_state settings = settings_for("state", 0);
-	const struct state_values chosen = {40.5, SHOW_SPLIT, 3};
+	const struct state_values chosen = {{40.5, false}, SHOW_SPLIT, 3};
 	struct state_values values = start;
 	struct fault fault = {.text = ""};
 	struct state *keeper;
@@ -57,7 +58,7 @@ static void what_is_kept_reads_back(void **state)
 	assert_true(comes_to_hold("state", 40.5));
 	state_destroy(keeper);
 	assert_int_equal(state_read(settings.file, &values, &fault), 0);
-	assert_true(values.threshold == 40.5);
+	assert_true(values.threshold.value == 40.5);
 	assert_int_equal(values.view, SHOW_SPLIT);
 	assert_int_equal(values.pose, 3);
 	unlink(settings.file);
@@ -75,7 +76,7 @@ static void nothing_chosen_writes_nothing(void **state)
 	state_destroy(keeper);
 	assert_int_equal(access(settings.file, F_OK), -1);
 	assert_int_equal(state_create(&keeper, &none, &start), 0);
-	state_keep(keeper, &(struct state_values){1, 1, 1}); /* nowhere */
+	state_keep(keeper, &(struct state_values){{1, false}, 1, 1}); /* nowhere */
 	state_destroy(keeper);
 	state_destroy(NULL);
 	state_keep(NULL, &start);
@@ -93,17 +94,17 @@ static void the_interval_is_kept_and_the_end_writes_the_last(void **state)
 
 	(void)state;
 	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &(struct state_values){1, SHOW_COMPOSITE, 0});
+	state_keep(keeper, &(struct state_values){{1, false}, SHOW_COMPOSITE, 0});
 	assert_true(comes_to_hold("state", 1));
 	assert_int_equal(stat(settings.file, &before), 0);
 	for (int i = 2; i <= 50; i++)
-		state_keep(keeper, &(struct state_values){i, SHOW_COMPOSITE, 0});
+		state_keep(keeper, &(struct state_values){{i, false}, SHOW_COMPOSITE, 0});
 	usleep(50000);
 	assert_int_equal(stat(settings.file, &after), 0);
 	assert_int_equal(before.st_ino, after.st_ino);
 	state_destroy(keeper);
 	assert_int_equal(state_read(settings.file, &values, NULL), 0);
-	assert_true(values.threshold == 50);
+	assert_true(values.threshold.value == 50);
 	unlink(settings.file);
 }
 
@@ -117,7 +118,7 @@ static void a_missing_folder_is_tried_again(void **state)
 	snprintf(folder, sizeof(folder), "%s", settings.file);
 	strcat(settings.file, "/state");
 	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &(struct state_values){7, SHOW_COMPOSITE, 0});
+	state_keep(keeper, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
 	usleep(50000);
 	assert_int_equal(mkdir(folder, 0700), 0);
 	assert_true(comes_to_hold("gone/state", 7));
@@ -144,11 +145,11 @@ static void what_cannot_be_written_leaves_the_old_file(void **state)
 	full = (struct rlimit){20, before.rlim_max};
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &full), 0);
 	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &(struct state_values){7, SHOW_COMPOSITE, 0});
+	state_keep(keeper, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
 	state_destroy(keeper);
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 	assert_int_equal(state_read(settings.file, &values, NULL), 0);
-	assert_true(values.threshold == 12);
+	assert_true(values.threshold.value == 12);
 	unlink(settings.file);
 }
 
@@ -160,7 +161,7 @@ static void another_file_gets_all_of_it(void **state)
 
 	(void)state;
 	assert_int_equal(state_create(&keeper, &first, &start), 0);
-	state_keep(keeper, &(struct state_values){9, SHOW_COMPOSITE, 0});
+	state_keep(keeper, &(struct state_values){{9, false}, SHOW_COMPOSITE, 0});
 	assert_true(comes_to_hold("state", 9));
 	state_move(keeper, &second);
 	assert_true(comes_to_hold("other", 9)); /* though nothing was chosen since */
@@ -183,25 +184,26 @@ static void damage_is_named_and_leaves_all_alone(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
-		struct state_values values = {5, SHOW_QUAD, 6};
+		struct state_values values = {{5, false}, SHOW_QUAD, 6};
 		struct fault fault = {.text = ""};
 
 		assert_int_equal(state_read_memory(cases[i].text, strlen(cases[i].text), "x",
 						   &values, &fault),
 				 -EINVAL);
 		assert_memory_equal(fault.text, cases[i].said, strlen(cases[i].said));
-		assert_true(values.threshold == 5 && values.view == SHOW_QUAD && values.pose == 6);
+		assert_true(values.threshold.value == 5 && values.view == SHOW_QUAD &&
+			    values.pose == 6);
 	}
 }
 
 static void missing_keys_leave_their_value(void **state)
 {
-	struct state_values values = {5, SHOW_QUAD, 6};
+	struct state_values values = {{5, false}, SHOW_QUAD, 6};
 
 	(void)state;
 	assert_int_equal(state_read_memory("", 0, "x", &values, NULL), 0);
 	assert_int_equal(state_read_memory("[chosen]\npose = 2\n", 18, "x", &values, NULL), 0);
-	assert_true(values.threshold == 5 && values.view == SHOW_QUAD && values.pose == 2);
+	assert_true(values.threshold.value == 5 && values.view == SHOW_QUAD && values.pose == 2);
 }
 
 int main(void)

@@ -117,7 +117,8 @@ static void long_names_and_little_room(void **state)
 
 static void figures(void **state)
 {
-	struct words_figures f = {212, 406, 32, 0.0137, 29.94, 38.2, 12, 0.003};
+	struct words_figures f = {212,	406, 32,    false, 0.0137, 29.94,
+				  38.2, 12,  0.003, false, false};
 	char text[256];
 	int length = words_information(text, sizeof(text), &f);
 
@@ -130,11 +131,21 @@ static void figures(void **state)
 	f.error = 0;
 	words_information(text, sizeof(text), &f);
 	assert_non_null(strstr(text, "threshold 12.5 ·"));
+	f.threshold = 0.25;
+	f.percent = true;
+	words_information(text, sizeof(text), &f);
+	assert_non_null(strstr(text, "threshold 0.25 % ·"));
 	assert_non_null(strstr(text, "error ≤ 0.0 % of white"));
 	assert_non_null(strstr(text, "clipped 0.0 %"));
 	f.clipped = 0.0001; /* a little is not nothing */
 	words_information(text, sizeof(text), &f);
 	assert_non_null(strstr(text, "clipped < 0.1 %"));
+	f.recovered = true;
+	words_information(text, sizeof(text), &f);
+	assert_string_equal(strstr(text, "clipped"), "clipped < 0.1 %, recovered");
+	f.at_bound = true;
+	words_information(text, sizeof(text), &f);
+	assert_string_equal(strstr(text, "clipped"), "clipped < 0.1 %, recovered in part");
 }
 
 /* "at most" stays true when it is rounded. */

@@ -9,10 +9,14 @@
 #include "bake/random.h"
 #include "bake/tile.h"
 #include "tests/unit/baking.h"
+#include "tests/unit/watched.h"
 
 #define SEED 20
 #define SAMPLES 16
 #define REFERENCE (16 * SAMPLES)
+
+/* Pixels row by row, as many as there are. */
+static uint16_t every_pixel[TILE_PIXELS];
 
 /* ---- made matrices ---- */
 
@@ -83,6 +87,7 @@ static int filter(const struct made *m)
 {
 	const struct bounce_halves halves = {
 		.rows = m->rows,
+		.pixel = every_pixel,
 		.half = {m->half[0], m->half[1]},
 		.share = {m->share[0], m->share[1]},
 		.sky = m->even,
@@ -235,6 +240,92 @@ static void test_odd_values(void **state)
 	}
 }
 
+/* ---- tiles that meet ---- */
+
+#define WIDE (2 * BASIS_TILE) /* two tiles side by side */
+#define SEAM_LIGHTS 200
+
+/* Light that is smooth over both tiles: every light has a mean, a slope and a bend of its own. */
+static double smooth(const double *of_light, int x, int y)
+{
+	const double u = x / (double)WIDE - 0.5, v = y / (double)WIDE - 0.25;
+
+	return 1 + 0.2 * of_light[0] + (0.3 + 0.3 * of_light[1]) * u + 0.3 * of_light[2] * v +
+	       0.1 * of_light[3] * u * u;
+}
+
+/* How far apart the columns of pixels on both sides of x are, beyond what they rise or fall by
+ * there; of all lights, the mean over the edge's length, RMS. */
+static double step_at(const float *const tile[2], int x)
+{
+	static const double part[] = {0.25, 0, -1.25, 1.25, 0, -0.25};
+	double square = 0;
+
+	for (int i = 0; i < 3 * SEAM_LIGHTS; i++) {
+		double step = 0;
+
+		for (int y = 0; y < BASIS_TILE; y++)
+			for (int k = 0; k < 6; k++) {
+				const int at = x - 3 + k, p = y * BASIS_TILE + at % BASIS_TILE;
+
+				step += part[k] / BASIS_TILE *
+					(double)tile[at / BASIS_TILE][p * 3 * SEAM_LIGHTS + i];
+			}
+		square += step * step;
+	}
+	return sqrt(square / (3 * SEAM_LIGHTS));
+}
+
+/* Tiles are filtered apart. Their common edge shows no more than what noise leaves of means and
+ * slopes; where it is loudest, a filter that keeps means alone exceeds that. */
+static void test_seam(void **state)
+{
+	static const double noises[] = {0.02, 0.3, 0.5};
+
+	(void)state;
+	for (size_t k = 0; k < 3; k++) {
+		struct random random = {SEED + k};
+		struct made m[2];
+		double of_light[SEAM_LIGHTS][4], edge, inside, before;
+
+		for (int i = 0; i < SEAM_LIGHTS * 4; i++)
+			of_light[i / 4][i % 4] = deviate(&random);
+		for (int t = 0; t < 2; t++) {
+			m[t] = make(BOUNCE_ROWS_MAX, SEAM_LIGHTS, 0, 1, noises[k], 0.5);
+			for (int at = 0; at < BOUNCE_ROWS_MAX * SEAM_LIGHTS; at++) {
+				const int i = at % SEAM_LIGHTS, p = at / SEAM_LIGHTS / 3;
+				const float is = (float)smooth(of_light[i],
+							       t * BASIS_TILE + p % BASIS_TILE,
+							       p / BASIS_TILE);
+
+				m[t].light[at] = is;
+				m[t].mean[at] = is;
+				for (int h = 0; h < 2; h++) {
+					m[t].half[h][at] = is + (float)(noises[k] * M_SQRT2 *
+									deviate(&random));
+					m[t].mean[at] += (m[t].half[h][at] - is) / 2;
+				}
+			}
+		}
+		before = step_at((const float *const[]){m[0].mean, m[1].mean}, BASIS_TILE);
+		for (int t = 0; t < 2; t++)
+			filter(&m[t]);
+		edge = step_at((const float *const[]){m[0].half[0], m[1].half[0]}, BASIS_TILE);
+		inside = step_at((const float *const[]){m[0].half[0], m[1].half[0]},
+				 BASIS_TILE / 2);
+		print_message("# noise %g: errors %.3f and %.3f of the mean's; step %.4f at the "
+			      "edge, %.4f inside, %.4f unfiltered\n",
+			      noises[k], error_of(&m[0]), error_of(&m[1]), edge, inside, before);
+		/* a plane's noise at the edge is that of (1 + 3) / 256 of a pixel's square */
+		assert_true(edge < inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002);
+		assert_true(error_of(&m[0]) < 0.2 && error_of(&m[1]) < 0.2);
+		for (int t = 0; t < 2; t++) {
+			check_sums(&m[t]);
+			unmake(&m[t]);
+		}
+	}
+}
+
 /* ---- real tiles ---- */
 
 /* Tiles of one sample a pixel are not filtered: sums of them are what no filter has touched. */
@@ -317,6 +408,7 @@ static void check_tile(const struct scene *scene, const struct cells *cells, con
 	for (int kind = 0; kind < BASIS_KIND_COUNT; kind++) {
 		const struct bounce_halves in = {
 			.rows = BOUNCE_ROWS_MAX,
+			.pixel = every_pixel,
 			.half = {half[0].value[kind], half[1].value[kind]},
 			.share = {0.5, 0.5},
 			.sky = sky,
@@ -373,7 +465,7 @@ static void check_scene(const char *what, const char *material, const char *stan
 		     "colour = 0.6 0.5 0.4\n[material b]\n%s",
 		     standin, material);
 	scene = baking_scene("s.ini");
-	for (size_t k = 0; k < 3; k++) {
+	for (size_t k = 0; k < (WATCHED ? 2 : 3); k++) {
 		struct fault fault;
 		struct cells cells;
 		struct dome dome;
@@ -420,11 +512,14 @@ int main(void)
 		cmocka_unit_test(test_nothing_to_gain),
 		cmocka_unit_test(test_sums_that_cancel),
 		cmocka_unit_test(test_odd_values),
+		cmocka_unit_test(test_seam),
 		cmocka_unit_test(test_diffuse),
 		cmocka_unit_test(test_glossy),
 		cmocka_unit_test(test_standin),
 	};
 
+	for (int p = 0; p < TILE_PIXELS; p++)
+		every_pixel[p] = (uint16_t)p;
 	print_message("# seed %d\n", SEED);
 	return cmocka_run_group_tests(tests, baking_begin, baking_end);
 }

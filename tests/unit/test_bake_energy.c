@@ -110,12 +110,13 @@ static void check_furnace(const char *what, double rms_limit, double mean_limit)
 			for (int c = 0; c < 3; c++) {
 				const double object = baking_object(&basis, x, y, c, NULL);
 				const double ratio = baking_ratio(&basis, x, y, c, NULL);
-				const double off = object + (1 - a) * ratio - 1;
+				const double through = baking_through(&basis, x, y, c);
+				const double off = object + (1 - a + through) * ratio - 1;
 
 				worst = fmax(worst, fabs(off));
 				square += off * off / (3 * 48 * 48);
 				if (a == 1) {
-					sum[0] += object - 1;
+					sum[0] += off;
 					inside++;
 				} else if (a == 0) {
 					sum[1] += ratio - 1;
@@ -141,6 +142,11 @@ static void test_white_furnace(void **state)
 		     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
 		     "up = z\nmaterial = white\nstand = yes\n[material white]\ncolour = 1 1 1\n");
 	check_furnace("white", 0.005, 0.001);
+	baking_write("furnace.ini", VIEW
+		     "[dome]\nfrequency = 4\nlights = tents\n[render]\nsamples = 16\n"
+		     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+		     "up = z\nmaterial = white\nstand = yes\n[material white]\ncolour = 1 1 1\n");
+	check_furnace("white, tents", 0.005, 0.001);
 }
 
 static void test_glass_furnace(void **state)
@@ -360,9 +366,9 @@ static void test_standin_hides(void **state)
 
 /* ---- the whole against another code path ---- */
 
-/* A panorama that is even over each cell: then the cells approximate nothing, and bake and truth
- * must agree to their noise. */
-static void test_truth_agrees(void **state)
+/* A panorama that is made of the lights: then they approximate nothing, and bake and truth must
+ * agree to their noise. */
+static void check_truth_agrees(enum dome_shape shape)
 {
 	const int width = 1024, height = 512, side = 64;
 	const struct truth_settings settings = {
@@ -377,21 +383,21 @@ static void test_truth_agrees(void **state)
 	struct sky sky;
 	double light[64] = {0}, square = 0, worst = 0;
 
-	(void)state;
-	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create_shaped(&dome, 3, DOME_ANGLES, shape, &fault), 0);
 	for (int i = 0; i < dome.count; i++)
 		light[i] = 0.2 + (i * 7 % 11 == 3 ? 4 : 0) + 0.1 * (i % 3);
 	assert_int_equal(image_create_f32(&image, width, height), 0);
 	for (int y = 0; y < height; y++)
 		for (int x = 0; x < width; x++) {
-			double d[3];
-			int cell;
+			double d[3], weight[3], sum = 0;
+			int which[3], lights;
 
 			panorama_direction(&panorama, x + 0.5, y + 0.5, d);
-			cell = dome_cell_of(&dome, d);
+			lights = dome_weights(&dome, d, which, weight);
+			for (int k = 0; k < lights; k++)
+				sum += weight[k] * light[which[k]];
 			for (int c = 0; c < 3; c++)
-				image.f32[3 * (y * width + x) + c] =
-					cell < 0 ? 0 : (float)(light[cell] / panorama.scale);
+				image.f32[3 * (y * width + x) + c] = (float)(sum / panorama.scale);
 		}
 	/* the texels above the horizon must not take from the black below it */
 	for (int x = 0; x < 3 * width; x++)
@@ -407,13 +413,16 @@ static void test_truth_agrees(void **state)
 	baking_write(
 		"t.ini",
 		"[camera]\nposition = 2 -6 2.5\nlook_at = 0 0 0.7\nfield_deg = 40\nwidth = 64\n"
-		"height = 64\n[dome]\nfrequency = 3\n[render]\nsamples = 128\n[ground]\n"
+		"height = 64\n[dome]\nfrequency = 3\nlights = %s\n"
+		"[render]\nsamples = 128\n[ground]\n"
 		"[object ball]\nfile = ball.obj\nup = z\nposition = 0.4 0 0.8\nmaterial = shiny\n"
 		"[object cube]\nfile = cube.obj\nup = z\nscale = 0.4\nposition = -1 -0.6 0\n"
 		"material = red\n[material red]\ncolour = 0.8 0.2 0.1\n[material shiny]\n"
-		"kind = glossy\ncolour = 0.3 0.4 0.6\nspecular = 0.2 0.2 0.2\nroughness = 0.4\n");
+		"kind = glossy\ncolour = 0.3 0.4 0.6\nspecular = 0.2 0.2 0.2\nroughness = 0.4\n",
+		dome_shape_names[shape]);
 	scene = baking_scene("t.ini");
 	basis = baking_bake("t.ini");
+	assert_int_equal((int)basis.info.light_shape, (int)shape);
 	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
 	assert_int_equal(truth_run(scene, &sky, &grey, &settings, &out, &report, &fault), 0);
 	for (int y = 0; y < side; y++)
@@ -429,9 +438,9 @@ static void test_truth_agrees(void **state)
 				worst = fmax(worst, fabs(off));
 			}
 	square = sqrt(square / (3 * side * side));
-	print_message("# bake against truth: RMS %.5f, worst %.4f (linear), truth's noise %.2f "
-		      "levels\n",
-		      square, worst, report.noise_levels);
+	print_message("# bake against truth, %s: RMS %.5f, worst %.4f (linear), truth's noise "
+		      "%.2f levels\n",
+		      dome_shape_names[shape], square, worst, report.noise_levels);
 	assert_true(square < 0.006);
 	basis_close(&basis);
 	scene_close(scene);
@@ -440,6 +449,13 @@ static void test_truth_agrees(void **state)
 	image_free(&grey);
 	image_free(&out);
 	dome_free(&dome);
+}
+
+static void test_truth_agrees(void **state)
+{
+	(void)state;
+	check_truth_agrees(DOME_CELLS);
+	check_truth_agrees(DOME_TENTS);
 }
 
 /* A fisheye picture of the panorama holds the same light as the panorama's upper half. */

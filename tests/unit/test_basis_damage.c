@@ -175,6 +175,8 @@ static void refuses_broken_numbers(void **state)
 	REFUSED("0 coarse lights, expected 1 to 50", info->coarse = 0);
 	REFUSED("51 coarse lights, expected 1 to 50", info->coarse = 51);
 	REFUSED("COAR chunk of 600 bytes, expected 0", info->coarse = 50);
+	REFUSED("light shape 2 (and 0), expected", info->light_shape = 2);
+	REFUSED("light shape 0 (and 1), expected", info->reserved = 1);
 	for (int i = 0; i < 8; i++) {
 		char text[40];
 
@@ -260,6 +262,27 @@ static void refuses_broken_chunks(void **state)
 	REFUSED("after the last chunk", last->bytes = 0);
 	REFUSED("BLCK chunk", copied_chunk(&c, BASIS_CHUNK_BLOCKS)->bytes += 8);
 	REFUSED("BLCX chunk", copied_chunk(&c, BASIS_CHUNK_EXACT_BLOCKS)->bytes += 8);
+	copied_free(&whole);
+	copied_free(&c);
+}
+
+static void refuses_broken_glass(void **state)
+{
+	struct synthetic *s = *state;
+	struct copied whole = copied_file(s->path), c = copied_file(s->path);
+	struct basis_chunk_entry *chunk = copied_chunk(&c, BASIS_CHUNK_GLASS);
+	struct basis_glass *glass = copied_data(&c, BASIS_CHUNK_GLASS);
+	const size_t last = chunk->bytes / sizeof(*glass) - 1;
+
+	assert_true(last > 20);
+	REFUSED("GLAS chunk of", chunk->bytes--);
+	REFUSED("pixel 0 that is seen through is 37,", glass[0].x = 37);
+	REFUSED("expected one of 37x21", glass[last].y = 21);
+	REFUSED("pixel 4 that is seen through", glass[4] = glass[3]);
+	REFUSED("expected the order of tiles, rows and columns", glass[4] = glass[2]);
+	REFUSED("expected the order of tiles, rows and columns", glass[1] = glass[last]);
+	REFUSED("belongs to pose 1 of 1", chunk->pose = 1);
+	REFUSED("twice", copied_chunk(&c, BASIS_CHUNK_CAMERA)->type = BASIS_CHUNK_GLASS);
 	copied_free(&whole);
 	copied_free(&c);
 }
@@ -368,8 +391,7 @@ static void refuses_broken_arrays(void **state)
 	REFUSED("coefficients after the last",
 		t.coefficient[(t.at.panels16 - 1) * 9 * BASIS_LINE16 + after] = 1);
 	REFUSED("coefficients after the last", ((int16_t *)(t.payload + t.at.light))[-1] = 1);
-	REFUSED("columns after the last",
-		t.column8[(t.at.panels8 - 1) * 15 * BASIS_LINE8 + after8] = 1);
+	REFUSED("columns after the last", t.column8[(t.at.panels8 - 1) * BASIS_LINE8 + after8] = 1);
 	REFUSED("columns after the last", t.payload[t.at.bytes - 1] = 1);
 	REFUSED("columns after the last",
 		x.column16[(x.at.panels16 - 1) * 150 * BASIS_LINE16 + after_x] = 1);
@@ -450,6 +472,7 @@ int main(void)
 		cmocka_unit_test(refuses_broken_numbers),
 		cmocka_unit_test(refuses_broken_gathers),
 		cmocka_unit_test(refuses_broken_chunks),
+		cmocka_unit_test(refuses_broken_glass),
 		cmocka_unit_test(refuses_broken_entries),
 		cmocka_unit_test(refuses_what_does_not_add_up),
 		cmocka_unit_test(refuses_broken_arrays),

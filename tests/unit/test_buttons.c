@@ -15,6 +15,8 @@
 
 #include "drivers/drivers.h"
 #include "drivers/gpio/button.h"
+#include "drivers/gpio/edge_order.h"
+#include "drivers/gpio/quadrature.h"
 #include "hal/clock.h"
 
 static char folder[] = "/tmp/inlay-buttons-XXXXXX";
@@ -176,17 +178,138 @@ static void every_action(void **state)
 
 	(void)state;
 	for (int i = ACTION_NONE + 1; i < ACTION_COUNT; i++) {
-		const char *value = i == ACTION_THRESHOLD_SET ? "255" : NULL;
+		const bool level = i == ACTION_THRESHOLD_SET, pose = i == ACTION_POSE_SET;
+		const char *value = level || pose ? "255" : NULL;
 
 		assert_int_equal(button_press_parse(action_names[i], value, &press, &fault), 0);
 		assert_int_equal(press.action, i);
-		assert_true(press.value == (value ? 255 : 0));
+		assert_true(press.value == (level ? 255 : 0));
+		assert_string_equal(press.name, pose ? "255" : "");
 		repeating += action_repeats((enum action)i);
 	}
 	assert_int_equal(repeating, 4);
 	assert_int_equal(button_press_parse("none", NULL, &press, &fault), -EINVAL);
 	assert_int_equal(button_press_parse("threshold-set", "inf", &press, &fault), -EINVAL);
 	assert_int_equal(button_press_parse("threshold-set", "", &press, &fault), -EINVAL);
+	assert_false(press.percent);
+	assert_int_equal(button_press_parse("threshold-set", "0.5%", &press, &fault), 0);
+	assert_true(press.value == 0.5 && press.percent);
+	assert_int_equal(button_press_parse("threshold-set", "100.1%", &press, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "0..255 or a percentage 0%..100%"));
+}
+
+static void poses(void **state)
+{
+	struct button_press press;
+	struct fault fault;
+
+	(void)state;
+	assert_int_equal(button_press_parse("pose", "next", &press, &fault), 0);
+	assert_int_equal(press.action, ACTION_POSE_NEXT);
+	assert_int_equal(button_press_parse("pose", "prev", &press, &fault), 0);
+	assert_int_equal(press.action, ACTION_POSE_PREV);
+	assert_int_equal(button_press_parse("pose", "front", &press, &fault), 0);
+	assert_int_equal(press.action, ACTION_POSE_SET);
+	assert_string_equal(press.name, "front");
+	assert_int_equal(button_press_parse("pose", NULL, &press, &fault), -EINVAL);
+	assert_int_equal(button_press_parse("pose", "", &press, &fault), -EINVAL);
+	assert_int_equal(
+		button_press_parse("pose", "a-name-of-thirty-two-characters-x", &press, &fault),
+		-EINVAL);
+	assert_int_equal(button_press_parse("pose-next", "2", &press, &fault), -EINVAL);
+}
+
+/* ---- a rotary encoder ---- */
+
+/* Edges of one line at a time, "a" or "b" each; the sum of steps. */
+static int turn(struct quadrature *q, const char *edges)
+{
+	int sum = 0;
+
+	for (; *edges; edges++)
+		sum += quadrature_edge(q, *edges == 'a' ? !q->a : q->a,
+				       *edges == 'b' ? !q->b : q->b);
+	return sum;
+}
+
+/* Takes edges until none counts; appends "a" or "b" for each to text. Returns when the next will.
+ */
+static int64_t take_all(struct edge_order *order, int64_t now_ns, char *text)
+{
+	struct edge edge;
+	int64_t until_ns;
+	int line;
+
+	while ((line = edge_order_take(order, now_ns, &edge, &until_ns)) >= 0)
+		strcat(text, line ? "b" : "a");
+	assert_int_equal(line, -EAGAIN);
+	return until_ns;
+}
+
+/* However the kernel hands them over, edges come in the order of their times. */
+static void edges_in_order(void **state)
+{
+	static const int64_t ms = 1000000;
+	struct edge_order order = {0};
+	char text[2 * EDGE_ORDER_MAX + 1] = "";
+
+	(void)state;
+	assert_int_equal(take_all(&order, 5 * ms, text), INT64_MAX);
+	/* The second line's is handed over first, and what was before it in time only later. */
+	edge_order_add(&order, 1, (struct edge){.at_ns = 11 * ms});
+	edge_order_add(&order, 1, (struct edge){.at_ns = 13 * ms});
+	assert_int_equal(take_all(&order, 14 * ms, text), 11 * ms + EDGE_ORDER_NS);
+	assert_string_equal(text, "");
+	edge_order_add(&order, 0, (struct edge){.at_ns = 10 * ms});
+	edge_order_add(&order, 0, (struct edge){.at_ns = 12 * ms});
+	assert_int_equal(take_all(&order, 15 * ms, text), 13 * ms + EDGE_ORDER_NS);
+	assert_string_equal(text, "aba");
+	/* The last one waits for nobody after its time. */
+	assert_int_equal(take_all(&order, 13 * ms + EDGE_ORDER_NS, text), INT64_MAX);
+	assert_string_equal(text, "abab");
+	/* Another clock's time is not waited for, nor does a full line wait. */
+	edge_order_add(&order, 0, (struct edge){.at_ns = 1000 * ms});
+	take_all(&order, 30 * ms, text);
+	assert_string_equal(text, "ababa");
+	text[0] = '\0';
+	for (int i = 0; edge_order_has_room(&order, 1); i++)
+		edge_order_add(&order, 1, (struct edge){.at_ns = 40 * ms + i});
+	take_all(&order, 41 * ms, text);
+	assert_string_equal(text, "b");
+}
+
+static void encoder(void **state)
+{
+	struct quadrature q;
+
+	(void)state;
+	quadrature_start(&q, 4, false, false);
+	assert_int_equal(turn(&q, "aba"), 0); /* not there yet */
+	assert_int_equal(turn(&q, "b"), 1);
+	assert_int_equal(turn(&q, "abababab"), 2);
+	assert_int_equal(turn(&q, "babababa"), -2);
+	assert_int_equal(turn(&q, "babab"), -1); /* half of the next, and back: nothing */
+	assert_int_equal(turn(&q, "b"), 0);
+	/* Each contact bounces on its way. */
+	assert_int_equal(turn(&q, "aaabbbaaabbb"), 1);
+	assert_int_equal(turn(&q, "bbbbbaaaaabbbbbaaaaa"), -1);
+	assert_int_equal(turn(&q, "aaaaaaaa"), 0);
+	/* It may rest with both contacts closed, and at each period's half. */
+	quadrature_start(&q, 4, true, true);
+	assert_int_equal(turn(&q, "abab"), 1);
+	quadrature_start(&q, 2, false, false);
+	assert_int_equal(turn(&q, "abab"), 2);
+	quadrature_start(&q, 1, true, false);
+	assert_int_equal(turn(&q, "bab"), 3);
+	/* Both at once: one edge was lost. What comes then counts again. */
+	quadrature_start(&q, 1, false, false);
+	assert_int_equal(quadrature_edge(&q, true, true), 0);
+	assert_int_equal(turn(&q, "ab"), 2);
+	quadrature_start(&q, 4, false, false);
+	assert_int_equal(turn(&q, "a"), 0);
+	assert_int_equal(quadrature_edge(&q, false, true), 0);
+	assert_int_equal(turn(&q, "b"), 0);
+	assert_int_equal(turn(&q, "abab"), 1); /* at rest, not on the way there */
 }
 
 /* ---- lines: levels at times, in milliseconds ---- */
@@ -355,6 +478,9 @@ int main(void)
 		cmocka_unit_test(script_missing),
 		cmocka_unit_test(wrappers),
 		cmocka_unit_test(every_action),
+		cmocka_unit_test(poses),
+		cmocka_unit_test(edges_in_order),
+		cmocka_unit_test(encoder),
 		cmocka_unit_test(line_bounces),
 		cmocka_unit_test(line_seen_late),
 		cmocka_unit_test(line_repeats),

@@ -200,6 +200,45 @@ void test_refusals_are_told_apart(void **)
 	assert_true(holds(said.text(), "control AeEnable: the camera refused no"));
 }
 
+/* What is changed on the way goes with the next request, and what was written behind it once more.
+ */
+void test_changes(void **)
+{
+	const Said said;
+	Asked asked("ExposureTime=10000, AnalogueGain=2");
+	const auto change = [&](const char *name, const char *value) {
+		fault why;
+
+		return libcamera_wishes_change(&asked.wishes, asked.known.data(),
+					       (int)asked.known.size(), name, value, &why);
+	};
+	const auto carried = [&] {
+		lc::ControlList list(lc::controls::controls);
+
+		put_wishes(asked.wishes, list);
+		return list;
+	};
+
+	assert_int_equal(carried().size(), 2);
+	assert_int_equal(carried().size(), 0);
+	assert_int_equal(change("analoguegain", "4"), 0);
+	auto next = carried();
+	assert_int_equal(next.size(), 1);
+	assert_true(*next.get(lc::controls::AnalogueGain) == 4.0f);
+	assert_int_equal(change("ExposureTime", "500"), 0);
+	next = carried();
+	assert_true(*next.get(lc::controls::ExposureTime) == 500);
+	assert_true(*next.get(lc::controls::AnalogueGain) == 4.0f);
+	assert_int_equal(change("AeEnable", "no"), 0);
+	assert_int_equal(carried().size(), 1);
+	assert_int_equal(carried().size(), 0);
+	assert_int_equal(change("Sparkle", "1"), -EINVAL);
+	assert_int_equal(change("AnalogueGain", "much"), -EINVAL);
+	assert_int_equal(change("AnalogueGain", "17"), -ERANGE);
+	assert_int_equal(carried().size(), 0);
+	assert_int_equal(said.lines(), 0);
+}
+
 void test_reading_back(void **)
 {
 	lc::ControlList metadata(lc::controls::controls);
@@ -301,6 +340,7 @@ int main()
 		cmocka_unit_test(test_wishes),
 		cmocka_unit_test(test_arrays),
 		cmocka_unit_test(test_refusals_are_told_apart),
+		cmocka_unit_test(test_changes),
 		cmocka_unit_test(test_reading_back),
 		cmocka_unit_test(test_rates),
 		cmocka_unit_test(test_choice_of_format),

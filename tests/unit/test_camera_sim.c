@@ -297,6 +297,120 @@ static void the_sensor_encodes(void **state)
 	}
 }
 
+/* Linear light of 0.25: code 64 at an exposure of 1, 128 at 2, 0 at 0. */
+static void the_exposure_changes_after_its_delay(void **state)
+{
+	static const int delays[] = {0, 1, 5, 30};
+	char file[300], delay[64];
+
+	(void)state;
+	option(file, "file", flat_panorama(0.25f));
+	for (size_t i = 0; i < sizeof(delays) / sizeof(delays[0]); i++) {
+		struct frame frame;
+		struct rig rig;
+
+		snprintf(delay, sizeof(delay), "control_delay=%d", delays[i]);
+		prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file, delay,
+			NULL);
+		must_start(&rig);
+		/* 2 is asked for before frame 3, twice; 0 before frame 4. */
+		for (int n = 0; n < 40; n++) {
+			const int code = n < 3 + delays[i] ? 64 : n == 3 + delays[i] ? 128 : 0;
+
+			if (n == 3) {
+				assert_int_equal(
+					camera_control(&rig.camera, "exposure", "7", &rig.fault),
+					0);
+				assert_int_equal(
+					camera_control(&rig.camera, "exposure", "2", &rig.fault),
+					0);
+			}
+			if (n == 4)
+				assert_int_equal(
+					camera_control(&rig.camera, "exposure", "0", &rig.fault),
+					0);
+			grab(&rig, &frame);
+			assert_int_equal(frame.sequence, n);
+			assert_int_equal(middle_code(&frame), code);
+			camera_release(&rig.camera, &frame);
+		}
+		finish(&rig);
+	}
+}
+
+/* More changes than frames, for as long as one likes. */
+static void the_last_of_many_exposures_counts(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+	char file[300];
+
+	(void)state;
+	option(file, "file", flat_panorama(0.25f));
+	prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
+		"control_delay=30", NULL);
+	must_start(&rig);
+	for (int n = 0; n < 100; n++) {
+		for (int i = 0; i < 50; i++)
+			assert_int_equal(camera_control(&rig.camera, "exposure", i % 2 ? "2" : "1",
+							&rig.fault),
+					 0);
+		grab(&rig, &frame);
+		assert_int_equal(middle_code(&frame), n < 30 ? 64 : 128);
+		camera_release(&rig.camera, &frame);
+	}
+	finish(&rig);
+}
+
+static void wrong_controls_are_named(void **state)
+{
+	static const struct {
+		const char *name, *value;
+		int err;
+		const char *says;
+	} cases[] = {
+		{"gain", "1", -EINVAL, "expected exposure"},
+		{"exposure", "bright", -EINVAL, "expected a number"},
+		{"exposure", "", -EINVAL, "expected a number"},
+		{"exposure", "nan", -EINVAL, "expected a number"},
+		{"exposure", "1 2", -EINVAL, "expected a number"},
+		{"exposure", "-1", -ERANGE, "expected 0 to 1e+06"},
+		{"exposure", "inf", -ERANGE, "expected 0 to 1e+06"},
+	};
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	prepare(&rig, "clock=frames", NULL);
+	assert_int_equal(camera_control(&rig.camera, "exposure", "1", &rig.fault), -EBADF);
+	must_start(&rig);
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		assert_int_equal(
+			camera_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault),
+			cases[i].err);
+		assert_non_null(strstr(rig.fault.text, cases[i].says));
+	}
+	grab(&rig, &frame);
+	camera_release(&rig.camera, &frame);
+	finish(&rig);
+}
+
+static void a_driver_without_controls_says_so(void **state)
+{
+	struct camera_ops without = camera_sim;
+	struct rig rig;
+
+	(void)state;
+	without.control = NULL;
+	prepare(&rig, "clock=frames", NULL);
+	must_start(&rig);
+	rig.camera.ops = &without;
+	assert_int_equal(camera_control(&rig.camera, "exposure", "1", &rig.fault), -ENOTSUP);
+	assert_non_null(strstr(rig.fault.text, "sim: "));
+	rig.camera.ops = &camera_sim;
+	finish(&rig);
+}
+
 static void noise_is_as_strong_as_said(void **state)
 {
 	double sum = 0, squares = 0;
@@ -761,6 +875,10 @@ int main(void)
 		cmocka_unit_test(a_camera_stalls_and_vanishes),
 		cmocka_unit_test(corrupt_frames_are_skipped),
 		cmocka_unit_test(the_sensor_encodes),
+		cmocka_unit_test(the_exposure_changes_after_its_delay),
+		cmocka_unit_test(the_last_of_many_exposures_counts),
+		cmocka_unit_test(wrong_controls_are_named),
+		cmocka_unit_test(a_driver_without_controls_says_so),
 		cmocka_unit_test(noise_is_as_strong_as_said),
 		cmocka_unit_test(panoramas_show_what_is_there),
 		cmocka_unit_test(yuyv_holds_the_same_picture),

@@ -207,8 +207,8 @@ static void one_add(struct one *o, enum basis_kind kind, double first, double se
 static void one_expect(struct one *o, double first, double second, double ambient, double gain,
 		       double expected)
 {
-	const struct compositor_settings settings = {.background = TRANSFER_LINEAR,
-						     .output = TRANSFER_LINEAR,
+	const struct compositor_settings settings = {.background = {.named = TRANSFER_LINEAR},
+						     .output = {.named = TRANSFER_LINEAR},
 						     .gain = gain,
 						     .object = true};
 	const struct compositor_options options = {.kernel = "c"};
@@ -367,8 +367,8 @@ static void background_alone_is_copied(void **state)
 	frame_begin(&f, &s->basis, NULL, &chance);
 	for (int pair = 0; pair < TRANSFER_COUNT * TRANSFER_COUNT; pair++) {
 		const struct compositor_settings settings = {
-			.background = (enum transfer)(pair / TRANSFER_COUNT),
-			.output = (enum transfer)(pair % TRANSFER_COUNT),
+			.background = {.named = (enum transfer)(pair / TRANSFER_COUNT)},
+			.output = {.named = (enum transfer)(pair % TRANSFER_COUNT)},
 			.gain = 1,
 		};
 
@@ -383,15 +383,15 @@ static void background_alone_is_copied(void **state)
 				assert_int_equal(f.out[i], 0x5a);
 			else if (i % f.stride % 4 == 3)
 				assert_int_equal(f.out[i], 255);
-			else if (settings.background == settings.output)
+			else if (transfer_curve_same(&settings.background, &settings.output))
 				assert_int_equal(f.out[i], in);
 			else
-				assert_true(fabs(f.out[i] -
-						 255 * transfer_encode(
-							       settings.output,
-							       transfer_decode(settings.background,
-									       in / 255.0))) <
-					    0.53);
+				assert_true(
+					fabs(f.out[i] - 255 * transfer_curve_encode(
+								      &settings.output,
+								      transfer_curve_decode(
+									      &settings.background,
+									      in / 255.0))) < 0.53);
 		}
 	}
 	frame_end(&f);
@@ -447,8 +447,8 @@ static void flips_are_only_reading_order(void **state)
 	assert_true(flipped && expected);
 	for (int flip = 0; flip < 8; flip++) {
 		const bool h = flip & 1, v = flip & 2;
-		const struct compositor_settings settings = {.background = TRANSFER_SRGB,
-							     .output = TRANSFER_SRGB,
+		const struct compositor_settings settings = {.background = {.named = TRANSFER_SRGB},
+							     .output = {.named = TRANSFER_SRGB},
 							     .gain = 1,
 							     .object = !(flip & 4)};
 		const struct picture picture = {
@@ -630,11 +630,11 @@ static void a_made_background_gives_the_same_and_is_made_once(void **state)
 		const struct maker maker = {&f, made};
 		const struct backdrop backdrop = {
 			.width = 40, .height = 23, .make = make_part, .context = &maker};
-		const struct compositor_settings settings = {.mode = (enum compositor_mode)(k & 1),
-							     .output = k & 2 ? TRANSFER_LINEAR
-									     : TRANSFER_SRGB,
-							     .gain = 1,
-							     .object = k & 4};
+		const struct compositor_settings settings = {
+			.mode = (enum compositor_mode)(k & 1),
+			.output = {.named = k & 2 ? TRANSFER_LINEAR : TRANSFER_SRGB},
+			.gain = 1,
+			.object = k & 4};
 
 		memset((void *)made, 0, sizeof(made));
 		compositor_set(f.compositor, &settings);

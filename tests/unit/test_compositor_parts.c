@@ -8,6 +8,7 @@
 #include <cmocka.h>
 #include <float.h>
 
+#include "hal/compositor/column_choice.h"
 #include "hal/compositor/digits.h"
 #include "hal/compositor/division.h"
 #include "hal/compositor/fixed.h"
@@ -127,13 +128,15 @@ static void light_is_rounded_once(void **state)
 						   .seed = 2};
 	struct chance chance = chance_begin("light");
 	struct light_selection s;
+	struct light_terms terms;
 	struct light_vector v;
 	struct synthetic file;
 
 	(void)state;
 	synthetic_open(&file, &o);
 	assert_int_equal(light_selection_create(&s, &file.basis), 0);
-	assert_int_equal(light_vector_create(&v, &file.basis), 0);
+	assert_int_equal(light_terms_create(&terms, &file.basis), 0);
+	assert_int_equal(light_vector_create(&v, &terms), 0);
 	for (int k = 0; k < 400; k++) {
 		const double top = k % 8 == 7 ? (double)FLT_MAX
 					      : ldexp(1, chance_int(&chance, -149, 120));
@@ -145,12 +148,16 @@ static void light_is_rounded_once(void **state)
 						   : i == k ? top
 							    : ldexp(top, -20);
 		s.ambient[1] = k % 5 ? 0 : top;
-		if (kind == 0)
-			light_vector_object(&v, &file.basis, &s, k % 3 ? 1 : 64);
-		else if (kind == 1)
-			light_vector_receiver(&v, &file.basis, &s, k % 8 == 1);
-		else
-			light_vector_ground(&v, &file.basis, &s, kind - 2);
+		light_vector_make(&v,
+				  &(struct light_order){.kind = kind == 0    ? BASIS_KIND_T
+								: kind > 1   ? BASIS_KIND_V
+								: k % 8 == 1 ? BASIS_KIND_U
+									     : BASIS_KIND_D,
+							.ground = kind > 1 ? kind - 2 : 0,
+							.gain = k % 3 ? 1 : 64,
+							.patterns = true,
+							.cut = kind != 1},
+				  &s);
 		for (int c = 0; c < 3; c++) {
 			double sum = 0, gathered = 0, there = 0;
 
@@ -158,14 +165,14 @@ static void light_is_rounded_once(void **state)
 				const double l = s.radiance[i][c] + s.ambient[c];
 				const double u = basis_ground(&file.basis, kind > 1 ? kind - 2 : 0,
 							      c)[i];
-				const double x = v.amount[i][c] / v.unit[c];
+				const double x = v.sent[i].amount[c] / v.unit[c];
 
 				assert_true(x == floor(x));
 				assert_true(x >= 0);
 				sum += x;
 				there += u * (l + 0x1p-20);
 				if (kind == 0)
-					assert_true(fabs(v.amount[i][c] -
+					assert_true(fabs(v.sent[i].amount[c] -
 							 l * file.basis.lights[i].solid_angle_sr) <=
 						    0.5 * v.unit[c]);
 			}
@@ -176,7 +183,7 @@ static void light_is_rounded_once(void **state)
 				for (int i = 0; i < o.lights; i++)
 					for (int j = 0; j < 3; j++)
 						if (file.basis.coarse[i].index[j] == n)
-							exact += v.amount[i][c] / v.unit[c] *
+							exact += v.sent[i].amount[c] / v.unit[c] *
 								 file.basis.coarse[i].weight[j] /
 								 BASIS_COARSE_ONE;
 				assert_true(fabs((double)y_of(&v, c, n) - exact) <=
@@ -194,57 +201,124 @@ static void light_is_rounded_once(void **state)
 	}
 	light_vector_free(&v);
 	light_vector_free(&v);
+	light_terms_free(&terms);
 	light_selection_free(&s);
 	synthetic_close(&file);
 }
 
-/* A block that asks only for the lights of its class misses none that it needs. */
-static void no_light_that_counts_is_overlooked(void **state)
+/* ---- columns ---- */
+
+#define CHOICE_LIGHTS 130
+#define CHOICE_BLOCKS 40
+
+/* Blocks of two grounds and of none, with some of the lights' columns each. */
+struct choosing {
+	struct basis_block block[CHOICE_BLOCKS];
+	struct block_plan plan[CHOICE_BLOCKS];
+	uint16_t light[CHOICE_BLOCKS][CHOICE_LIGHTS];
+	float scale[CHOICE_BLOCKS][CHOICE_LIGHTS];
+	struct light_sent sent[CHOICE_LIGHTS];
+};
+
+/* Zeros of both signs, powers of two, and numbers that lie close together. */
+static double any_size(struct chance *chance, int least, int most)
 {
-	static const struct synthetic_options o = {.width = 1,
-						   .height = 1,
-						   .lights = 130,
-						   .patterns = 1,
-						   .object_share = 1,
-						   .column_cut = 0.001,
-						   .seed = 2};
-	struct chance chance = chance_begin("bright lights");
-	struct light_selection s;
-	struct light_vector v;
-	struct synthetic file;
-	int counted = 0, marked = 0;
+	const double power = ldexp(1, chance_int(chance, least, most));
+	const int way = chance_int(chance, 0, 9);
+
+	return way == 0	 ? 0.0 * chance_int(chance, -1, 1)
+	       : way < 3 ? power
+			 : power * chance_real(chance, 0.9, 1.1);
+}
+
+static void fill_choosing(struct choosing *c, struct chance *chance)
+{
+	for (int k = 0; k < CHOICE_BLOCKS; k++) {
+		struct basis_block *b = &c->block[k];
+		const int share = chance_int(chance, 0, 3);
+
+		*b = (struct basis_block){.kind = k % 5 ? BASIS_KIND_V : BASIS_KIND_T,
+					  .ground = k % 5 ? k % 2 : 0,
+					  .light = c->light[k],
+					  .column_scale = c->scale[k]};
+		for (int i = 0; i < CHOICE_LIGHTS; i++) {
+			if (chance_int(chance, 1, 3) > share)
+				continue;
+			c->light[k][b->columns] = (uint16_t)i;
+			/* every fourth reaches next to nothing, some less than a normal float */
+			c->scale[k][b->columns++] = (float)(i % 4 ? any_size(chance, -20, -10)
+								  : any_size(chance, -149, -120));
+		}
+		c->plan[k] = (struct block_plan){.block = b, .reach = k % 3 ? 127 : 1};
+	}
+}
+
+static void check_choice(const struct choosing *c, const struct column_choice *choice,
+			 enum basis_kind kind, int ground, long counted[2])
+{
+	for (int k = 0; k < CHOICE_BLOCKS; k++) {
+		const struct block_plan *plan = &c->plan[k];
+		const struct chosen_column *chosen;
+		int count, met = 0;
+
+		if (plan->block->kind != kind || plan->block->ground != ground ||
+		    !plan->block->columns) {
+			assert_true(plan->choice != choice);
+			continue;
+		}
+		assert_ptr_equal(plan->choice, choice);
+		chosen = columns_chosen(plan, &count);
+		for (int n = 0; n < plan->block->columns; n++) {
+			const int i = plan->block->light[n];
+			const float reach = plan->block->column_scale[n] * plan->reach;
+
+			counted[0]++;
+			if (c->sent[i].strength * (double)reach < 1)
+				continue;
+			assert_true(met < count);
+			assert_int_equal(chosen[met].column, n);
+			assert_int_equal(chosen[met].light, i);
+			assert_true(chosen[met++].scale == plan->block->column_scale[n]);
+			counted[1]++;
+		}
+		assert_int_equal(met, count);
+	}
+}
+
+/* A block gets the columns that count by the definition, each of them, and in their order. */
+static void columns_that_count_are_chosen(void **state)
+{
+	struct chance chance = chance_begin("columns");
+	struct choosing *c = calloc(1, sizeof(*c));
+	struct column_choice choice[3];
+	struct light_vector v = {.lights = CHOICE_LIGHTS, .sent = c->sent};
+	long counted[2] = {0};
 
 	(void)state;
-	synthetic_open(&file, &o);
-	assert_int_equal(light_selection_create(&s, &file.basis), 0);
-	assert_int_equal(light_vector_create(&v, &file.basis), 0);
-	for (int k = 0; k < 300; k++) {
-		for (int i = 0; i < o.lights; i++)
-			for (int c = 0; c < 3; c++)
-				s.radiance[i][c] = i % 9 == c ? 0
-							      : ldexp(chance_real(&chance, 0, 1),
-								      chance_int(&chance, -60, 60));
-		file.basis.info.column_cut = k % 10 ? 0.001 : 0;
-		light_vector_object(&v, &file.basis, &s, 1);
-		for (int n = 0; n < 100; n++) {
-			const float reach = (float)ldexp(chance_real(&chance, 0.5, 1),
-							 chance_int(&chance, -60, 40));
-			const uint64_t *bright = light_vector_bright(&v, bright_class(reach));
-
-			for (int i = 0; i < o.lights; i++) {
-				const bool counts = v.strength[i] * reach >= 1;
-				const bool is_marked = bright[i / 64] >> i % 64 & 1;
-
-				assert_true(is_marked || !counts);
-				counted += counts;
-				marked += is_marked;
+	for (int file = 0; file < 10; file++) {
+		fill_choosing(c, &chance);
+		for (int k = 0; k < 3; k++)
+			assert_int_equal(column_choice_create(&choice[k], c->plan, CHOICE_BLOCKS,
+							      k ? BASIS_KIND_V : BASIS_KIND_T,
+							      k == 2, CHOICE_LIGHTS),
+					 0);
+		for (int frame = 0; frame < 60; frame++) {
+			for (int i = 0; i < CHOICE_LIGHTS; i++)
+				c->sent[i].strength =
+					frame % 10 == 9 && i % 4 == 0 /* none may be left out */
+						? 0x1p900
+						: fabs(any_size(&chance, 0, 20));
+			for (int k = 0; k < 3; k++) {
+				column_choice_make(&choice[k], &v);
+				check_choice(c, &choice[k], k ? BASIS_KIND_V : BASIS_KIND_T, k == 2,
+					     counted);
 			}
 		}
+		for (int k = 0; k < 3; k++)
+			column_choice_free(&choice[k]);
 	}
-	assert_true(counted > 0 && marked < 1.2 * counted); /* nor many that it does not */
-	light_vector_free(&v);
-	light_selection_free(&s);
-	synthetic_close(&file);
+	assert_true(counted[1] > counted[0] / 20 && counted[1] < counted[0] / 2);
+	free(c);
 }
 
 /* ---- division ---- */
@@ -300,7 +374,7 @@ int main(void)
 		cmocka_unit_test(digits_hold_what_was_split),
 		cmocka_unit_test(exponents_are_the_least),
 		cmocka_unit_test(light_is_rounded_once),
-		cmocka_unit_test(no_light_that_counts_is_overlooked),
+		cmocka_unit_test(columns_that_count_are_chosen),
 		cmocka_unit_test(runs_are_divided_by_what_they_took),
 	};
 

@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "app/driver_list.h"
 #include "config/config.h"
@@ -91,7 +92,7 @@ static void defaults_are_those_of_the_keys(void **state)
 	assert_int_equal(c->fisheye.transfer, TRANSFER_SRGB);
 	assert_true(c->fisheye.gain == 1);
 	assert_int_equal(c->lights.threshold_mode, THRESHOLD_AMBIENT);
-	assert_true(c->lights.threshold == 0);
+	assert_true(c->lights.threshold.value == 0);
 	assert_true(c->composite.gain == 1);
 	assert_string_equal(c->screen->driver, "kms");
 	assert_int_equal(c->screen->show, SHOW_COMPOSITE);
@@ -218,7 +219,8 @@ static void printing_reads_back(void **state)
 		"[basis]\nfile = /a b.inlay\npose = 3\n[camera one]\nfake.noise = 0.1\n[camera "
 		"two]\n"
 		"rate = 29.97\n[fisheye]\nfocal = 74.8 66.845\nrotate180 = yes\n[lights]\n"
-		"threshold = 33.5\nthreshold_mode = drop\n[screen]\nscale = fit\nshow = quad\n");
+		"threshold = 33.5%\nfollow = 0.25\nthreshold_mode = drop\n[screen]\nscale = "
+		"fit\nshow = quad\n");
 	char *text = printed(c, config_print), *again;
 	struct config *other = read_text(text);
 
@@ -227,7 +229,8 @@ static void printing_reads_back(void **state)
 	assert_non_null(strstr(text, "rate = 29.97\n"));
 	assert_non_null(strstr(text, "focal = 74.8 66.845\n"));
 	assert_int_equal(other->camera_count, 2);
-	assert_true(other->lights.threshold == 33.5);
+	assert_true(other->lights.threshold.value == 33.5 && other->lights.threshold.percent);
+	assert_true(other->lights.follow_s == 0.25);
 	assert_int_equal(other->screen->show, SHOW_QUAD);
 	again = printed(other, config_print);
 	assert_string_equal(text, again);
@@ -250,6 +253,48 @@ static char *file_text(const char *path)
 	return text;
 }
 
+static void write_file(const char *path, const char *text)
+{
+	FILE *file = fopen(path, "w");
+
+	assert_non_null(file);
+	assert_true(fputs(text, file) >= 0);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* What a calibration found goes over what the configuration says of the lens. */
+static void a_lens_of_its_own_file(void **state)
+{
+	char path[] = "/tmp/inlay-lens-XXXXXX", text[256];
+	const int fd = mkstemp(path);
+	struct ini_report report = {.count = 0};
+	struct config *c;
+
+	(void)state;
+	assert_true(fd >= 0);
+	close(fd);
+	write_file(path, "[fisheye]\nfocal = 151 140\nmodel = equisolid\n");
+	snprintf(text, sizeof(text), "[fisheye]\nlens = %s\nfocal = 9 9\nfield = 80\n", path);
+	c = read_text(text);
+	assert_int_equal(config_read_files(c, &report), 0);
+	assert_true(c->fisheye.lens.focal_px[0] == 151 && c->fisheye.lens.focal_px[1] == 140);
+	assert_true(c->fisheye.lens.field_deg == 80);
+	assert_int_equal(c->fisheye.lens.model, FISHEYE_EQUISOLID);
+	write_file(path, "[fisheye]\nfocal = 151 140\nmodle = equisolid\n");
+	assert_int_equal(config_read_files(c, &report), -EINVAL);
+	assert_non_null(strstr(report.first.text, path));
+	assert_non_null(strstr(report.first.text, ":3: "));
+	report = (struct ini_report){.count = 0};
+	write_file(path, "; nothing\n");
+	assert_int_equal(config_read_files(c, &report), -EINVAL);
+	assert_non_null(strstr(report.first.text, "expected a [fisheye] section"));
+	unlink(path);
+	report = (struct ini_report){.count = 0};
+	assert_int_equal(config_read_files(c, &report), -ENOENT);
+	assert_non_null(strstr(report.first.text, "[fisheye] lens: cannot read"));
+	config_destroy(c);
+}
+
 /* The whole sample: every key is in it, at its default, with help and range as the tables say. */
 static void sample_file_is_what_the_tables_say(void **state)
 {
@@ -266,6 +311,29 @@ static void sample_file_is_what_the_tables_say(void **state)
 	free(file);
 	free(now);
 	config_destroy(c);
+}
+
+/* As many drivers as there is room for, and one more. */
+static void too_many_drivers_are_refused(void **state)
+{
+	static const struct camera_ops camera = {.name = "one"};
+	static const struct display_ops *const no_displays[] = {NULL};
+	static const struct buttons_ops *const no_buttons[] = {NULL};
+	const struct camera_ops *cameras[CONFIG_DRIVERS_MAX + 2] = {NULL};
+	struct config_driver_room room;
+	struct config_drivers drivers;
+	struct config *c;
+
+	(void)state;
+	for (int i = 0; i < CONFIG_DRIVERS_MAX; i++)
+		cameras[i] = &camera;
+	drivers = config_drivers_of(&room, cameras, no_displays, no_buttons);
+	assert_string_equal(drivers.list[CONFIG_CAMERA][CONFIG_DRIVERS_MAX - 1].name, "one");
+	assert_null(drivers.list[CONFIG_BUTTONS][0].name);
+	config_destroy(fresh(&drivers));
+	cameras[CONFIG_DRIVERS_MAX] = &camera;
+	drivers = config_drivers_of(&room, cameras, no_displays, no_buttons);
+	assert_int_equal(config_create(&c, &drivers), -E2BIG);
 }
 
 static void sample_equals_the_defaults(void **state)
@@ -300,8 +368,10 @@ int main(void)
 		cmocka_unit_test(views_turn),
 		cmocka_unit_test(what_no_key_tells_alone),
 		cmocka_unit_test(printing_reads_back),
+		cmocka_unit_test(a_lens_of_its_own_file),
 		cmocka_unit_test(sample_file_is_what_the_tables_say),
 		cmocka_unit_test(sample_equals_the_defaults),
+		cmocka_unit_test(too_many_drivers_are_refused),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

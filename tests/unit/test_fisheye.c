@@ -96,7 +96,7 @@ static void round_trip(void **state)
 
 	(void)state;
 	for (int k = 0; k < 100; k++) {
-		struct fisheye_settings settings;
+		struct fisheye_settings settings = {.model = FISHEYE_EQUIDISTANT};
 		struct fisheye lens;
 
 		for (int i = 0; i < 3; i++)
@@ -231,6 +231,175 @@ static void a_hemisphere_is_two_pi(void **state)
 	assert_true(fabs(sum / (parts * parts) - 2 * M_PI) < 1e-4 * 2 * M_PI);
 }
 
+/* A lens of each model, with the widest field that it has. */
+static const struct fisheye_settings of_models[] = {
+	{.focal_px = {210, 140}, .field_deg = 175, .model = FISHEYE_EQUIDISTANT},
+	{.focal_px = {210, 140}, .field_deg = 175, .model = FISHEYE_EQUISOLID},
+	{.focal_px = {210, 140}, .field_deg = 150, .model = FISHEYE_STEREOGRAPHIC},
+	{.focal_px = {410, 340}, .field_deg = 90, .model = FISHEYE_ORTHOGRAPHIC},
+	{.focal_px = {210, 140},
+	 .field_deg = 120,
+	 .model = FISHEYE_POLYNOMIAL,
+	 .polynomial = {0.12, -0.05, 0.012, -0.0009}},
+};
+#define MODELS (sizeof(of_models) / sizeof(*of_models))
+
+/* As the header prints them. */
+static double printed_radius(const struct fisheye_settings *s, double t)
+{
+	const double *k = s->polynomial;
+
+	switch (s->model) {
+	case FISHEYE_EQUISOLID:
+		return 2 * sin(t / 2);
+	case FISHEYE_STEREOGRAPHIC:
+		return 2 * tan(t / 2);
+	case FISHEYE_ORTHOGRAPHIC:
+		return sin(t);
+	case FISHEYE_POLYNOMIAL:
+		return t + k[0] * pow(t, 3) + k[1] * pow(t, 5) + k[2] * pow(t, 7) +
+		       k[3] * pow(t, 9);
+	default:
+		return t;
+	}
+}
+
+static void every_model_there_and_back(void **state)
+{
+	struct chance chance = chance_begin("fisheye");
+
+	(void)state;
+	for (unsigned m = 0; m < MODELS; m++) {
+		const struct fisheye_settings *s = &of_models[m];
+		const struct fisheye lens = lens_of(s, 1400, 1000);
+
+		for (int n = 0; n < 20000; n++) {
+			const double t = chance_real(&chance, 0, n % 2 ? lens.field_rad : 0.01);
+			const double phi = chance_real(&chance, 0, 2 * M_PI);
+			const double dir[3] = {sin(t) * cos(phi), sin(t) * sin(phi), cos(t)};
+			const double r = printed_radius(s, t);
+			double px[2], back[3];
+
+			assert_true(fisheye_project(&lens, dir, px));
+			assert_true(hypot(px[0] - (700 + s->focal_px[0] * r * cos(phi)),
+					  px[1] - (500 + s->focal_px[1] * r * sin(phi))) < 1e-9);
+			assert_true(fisheye_ray(&lens, px, back));
+			for (int i = 0; i < 3; i++)
+				back[i] -= dir[i];
+			/* near its rim sin(t) tells little about t */
+			assert_true(vec_length(back) < (s->model == FISHEYE_ORTHOGRAPHIC
+								? 1e-13 / fmax(cos(t), 1e-6)
+								: 1e-12));
+		}
+	}
+}
+
+static double quad_sr(const struct fisheye *lens, const double px[2], double side)
+{
+	double corner[4][3];
+
+	for (int k = 0; k < 4; k++)
+		assert_true(fisheye_ray(
+			lens,
+			(double[]){px[0] + side * ((k & 1) - 0.5), px[1] + side * ((k >> 1) - 0.5)},
+			corner[k]));
+	return (triangle_sr(corner[0], corner[1], corner[3]) +
+		triangle_sr(corner[0], corner[3], corner[2])) /
+	       (side * side);
+}
+
+static void every_model_has_its_solid_angles(void **state)
+{
+	struct chance chance = chance_begin("fisheye");
+
+	(void)state;
+	for (unsigned m = 0; m < MODELS; m++) {
+		const struct fisheye lens = lens_of(&of_models[m], 2400, 1800);
+		const double span = lens.rim * fmin(lens.focal_px[0], lens.focal_px[1]) * 0.95;
+
+		for (int n = 0; n < 3000; n++) {
+			const double r = span * sqrt(chance_real(&chance, 0, 1));
+			const double phi = chance_real(&chance, 0, 2 * M_PI);
+			const double px[2] = {1200 + r * cos(phi), 900 + r * sin(phi)};
+
+			assert_true(fabs(fisheye_pixel_sr(&lens, px) / quad_sr(&lens, px, 0.5) -
+					 1) < 2e-3);
+		}
+		assert_true(fabs(fisheye_pixel_sr(&lens, lens.centre_px) * lens.focal_px[0] *
+					 lens.focal_px[1] -
+				 1) < 1e-12);
+	}
+}
+
+static void every_model_sees_a_hemisphere(void **state)
+{
+	(void)state;
+	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
+		const struct fisheye_settings settings = {
+			.field_deg = 90, .model = model, .polynomial = {0.05, -0.01, 0.001, 0}};
+		const struct fisheye lens = lens_of(&settings, 480, 480);
+		const int parts = 4;
+		double sum = 0;
+
+		/* the field fills the picture */
+		assert_true(fabs(lens.focal_px[0] * lens.rim - 240) < 1e-9);
+		for (int y = 0; y < 480 * parts; y++)
+			for (int x = 0; x < 480 * parts; x++)
+				sum += fisheye_pixel_sr(
+					&lens, (double[]){(x + 0.5) / parts, (y + 0.5) / parts});
+		/* The orthographic rim has a whole degree and more in its last half pixel. */
+		assert_true(fabs(sum / (parts * parts) / (2 * M_PI) - 1) <
+			    (model == FISHEYE_ORTHOGRAPHIC ? 0.04 : 1e-4));
+		assert_true(isfinite(fisheye_pixel_sr(&lens, (double[]){480, 240})));
+	}
+}
+
+static void folds_are_named(void **state)
+{
+	/* 1 + 3 k1 u = 0 at u = 1: 57.3 degrees */
+	const struct fisheye_settings fold = {
+		.field_deg = 90, .model = FISHEYE_POLYNOMIAL, .polynomial = {-1 / 3.0, 0, 0, 0}};
+	struct fisheye_settings before = fold;
+	const struct fisheye_settings ortho = {.field_deg = 90.1, .model = FISHEYE_ORTHOGRAPHIC};
+	const struct fisheye_settings stereo = {.field_deg = 180, .model = FISHEYE_STEREOGRAPHIC};
+	/* rises at 90 degrees again, but not between */
+	const struct fisheye_settings between = {
+		.field_deg = 90, .model = FISHEYE_POLYNOMIAL, .polynomial = {-0.45, 0.08, 0, 0}};
+	const struct fisheye_settings dark = {.field_deg = 90, .falloff = {-1, 0, 0}};
+	struct fault fault = {""};
+	struct fisheye lens;
+
+	(void)state;
+	before.field_deg = 57.2;
+	assert_int_equal(fisheye_prepare(&lens, &before, 480, 480, &fault), 0);
+	assert_int_equal(fisheye_prepare(&lens, &fold, 480, 480, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "folds over at 57.3"));
+	assert_int_equal(fisheye_prepare(&lens, &between, 480, 480, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "folds over at"));
+	assert_int_equal(fisheye_prepare(&lens, &ortho, 480, 480, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "orthographic model folds over at 90"));
+	assert_int_equal(fisheye_prepare(&lens, &stereo, 480, 480, &fault), -EINVAL);
+	assert_int_equal(fisheye_prepare(&lens, &dark, 480, 480, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "no light 57.3 degrees"));
+}
+
+static void falloff_is_of_the_angle(void **state)
+{
+	const struct fisheye_settings settings = {.focal_px = {200, 100},
+						  .field_deg = 90,
+						  .model = FISHEYE_EQUISOLID,
+						  .falloff = {-0.2, 0.03, -0.004}};
+	const struct fisheye lens = lens_of(&settings, 640, 320);
+	const double t = 0.9, u = t * t, r = 2 * sin(t / 2);
+	const double px[2] = {320 + 200 * r * cos(0.4), 160 + 100 * r * sin(0.4)};
+
+	(void)state;
+	assert_true(fisheye_falloff(&lens, lens.centre_px) == 1);
+	assert_true(fabs(fisheye_falloff(&lens, px) -
+			 (1 - 0.2 * u + 0.03 * u * u - 0.004 * u * u * u)) < 1e-12);
+	assert_true(fisheye_falloff(&lens, (double[]){0, 0}) == 1);
+}
+
 static void refused(void **state)
 {
 	const struct fisheye_settings bad[] = {
@@ -242,6 +411,10 @@ static void refused(void **state)
 		{.field_deg = 90, .focal_px = {NAN, 1}},
 		{.field_deg = 90, .centre_px = {INFINITY, 1}},
 		{.field_deg = 90, .rotation_deg = {0, NAN, 0}},
+		{.field_deg = 90, .model = FISHEYE_MODEL_COUNT},
+		{.field_deg = 90, .model = -1},
+		{.field_deg = 90, .polynomial = {0, 0, NAN, 0}},
+		{.field_deg = 90, .falloff = {0, INFINITY, 0}},
 	};
 	struct fisheye lens;
 
@@ -265,22 +438,29 @@ static void *place(void *root, const char *instance)
 
 static void keys_fill_every_field(void **state)
 {
-	static const char text[] = "[fisheye]\nfocal = 150 75\ncentre = 161 99\n"
-				   "rotation = 1 -2 3\nfield = 92.5\n";
+	static const char text[] =
+		"[fisheye]\nfocal = 150 75\ncentre = 161 99\n"
+		"rotation = 1 -2 3\nfield = 92.5\nmodel = polynomial\n"
+		"polynomial = 0.1 -0.02 0.003 -0.0004\nfalloff = -0.1 0.01 0.001\n";
 	const struct ini_table tables[] = {
 		{.section = "fisheye", .keys = fisheye_keys, .place = place}, INI_TABLES_END};
-	const struct fisheye_settings want = {{150, 75}, {161, 99}, {1, -2, 3}, 92.5};
-	const struct fisheye_settings fallback = {.field_deg = 90};
 	struct ini_report report = {.count = 0};
-	struct fisheye_settings settings;
+	struct fisheye_settings settings = {.field_deg = 1};
 
 	(void)state;
 	ini_defaults(fisheye_keys, &settings);
-	assert_memory_equal(&settings, &fallback, sizeof(settings));
+	assert_true(settings.field_deg == 90);
+	assert_int_equal(settings.model, FISHEYE_EQUIDISTANT);
+	assert_true(settings.falloff[0] == 0 && settings.polynomial[3] == 0);
 	assert_int_equal(
 		ini_read_memory(text, strlen(text), "fisheye.ini", ".", tables, &settings, &report),
 		0);
-	assert_memory_equal(&settings, &want, sizeof(want));
+	assert_true(settings.focal_px[0] == 150 && settings.focal_px[1] == 75);
+	assert_true(settings.centre_px[0] == 161 && settings.centre_px[1] == 99);
+	assert_true(settings.rotation_deg[1] == -2 && settings.field_deg == 92.5);
+	assert_int_equal(settings.model, FISHEYE_POLYNOMIAL);
+	assert_true(settings.polynomial[0] == 0.1 && settings.polynomial[3] == -0.0004);
+	assert_true(settings.falloff[0] == -0.1 && settings.falloff[2] == 0.001);
 }
 
 int main(void)
@@ -294,6 +474,11 @@ int main(void)
 		cmocka_unit_test(the_horizon_is_in_the_field),
 		cmocka_unit_test(pixel_solid_angle),
 		cmocka_unit_test(a_hemisphere_is_two_pi),
+		cmocka_unit_test(every_model_there_and_back),
+		cmocka_unit_test(every_model_has_its_solid_angles),
+		cmocka_unit_test(every_model_sees_a_hemisphere),
+		cmocka_unit_test(folds_are_named),
+		cmocka_unit_test(falloff_is_of_the_angle),
 		cmocka_unit_test(refused),
 		cmocka_unit_test(keys_fill_every_field),
 	};

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "hal/ini/ini.h"
+#include "hal/ini/ini_value.h"
 
 static const char *const colours[] = {"red", "green", "blue", NULL};
 
@@ -325,6 +326,45 @@ static void values_are_checked(void **state)
 		NULL);
 }
 
+/* A list of at most so many numbers, on keys of its own. */
+static void lists_end_where_they_end(void **state)
+{
+	struct shutter {
+		double times[3];
+	} shutter = {{9, 9, 9}};
+	static const struct ini_key keys[] = {{"times", INI_LIST, offsetof(struct shutter, times),
+					       .count = 3, .min = 0.5, .max = 100, .fallback = "",
+					       .help = "In turn."},
+					      INI_KEYS_END};
+	static const struct {
+		const char *text, *again;
+		double times[3];
+	} good[] = {
+		{"", "", {0, 0, 0}},
+		{"4", "4", {4, 0, 0}},
+		{"4, 2", "4 2", {4, 2, 0}},
+		{"4 2 ,0.5", "4 2 0.5", {4, 2, 0.5}},
+	};
+	static const char *const bad[] = {"0", "4, 0", "4 2 1 0.5", "4,", ",4", "4;2", "x", "101"};
+	char why[INI_WHY_MAX], text[64];
+
+	(void)state;
+	ini_defaults(keys, &shutter);
+	assert_true(shutter.times[0] == 0 && shutter.times[2] == 0);
+	for (size_t k = 0; k < sizeof(good) / sizeof(*good); k++) {
+		assert_int_equal(ini_value_read(&keys[0], good[k].text, NULL, &shutter, why), 0);
+		for (int n = 0; n < 3; n++)
+			assert_true(shutter.times[n] == good[k].times[n]);
+		ini_value_text(&keys[0], &shutter, text, sizeof(text));
+		assert_string_equal(text, good[k].again);
+	}
+	for (size_t k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
+		assert_int_equal(ini_value_read(&keys[0], bad[k], NULL, &shutter, why), -EINVAL);
+		assert_non_null(strstr(why, "expected at most 3 numbers 0.5..100"));
+		assert_true(shutter.times[2] == 0.5); /* as it was */
+	}
+}
+
 static void long_values_are_refused(void **state)
 {
 	char text[4096];
@@ -624,6 +664,7 @@ int main(void)
 		cmocka_unit_test(paths_start_at_the_files_folder),
 		cmocka_unit_test(names_are_checked),
 		cmocka_unit_test(values_are_checked),
+		cmocka_unit_test(lists_end_where_they_end),
 		cmocka_unit_test(long_values_are_refused),
 		cmocka_unit_test(structure_is_checked),
 		cmocka_unit_test(everything_wrong_is_said),

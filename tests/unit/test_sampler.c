@@ -27,19 +27,24 @@ struct sky {
 	struct light_sampler *sampler;
 };
 
-static const struct light_sampler_settings by_cell = {ESTIMATOR_CELL, TRANSFER_SRGB, 0, 1};
-static const struct light_sampler_settings by_node = {ESTIMATOR_NODE, TRANSFER_SRGB, 0, 1};
+static const struct light_sampler_settings by_cell = {
+	.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
+static const struct light_sampler_settings by_node = {
+	.estimator = ESTIMATOR_NODE, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
 static const struct fisheye_settings upright = {.field_deg = 90};
 
 /* A code value is decoded to 1/65535, rounded; and a little for single precision. */
 static const double code_error = 0.5001 / 65535;
+
+/* What the tests are about that hold of any shape: they run once for each. */
+static enum dome_shape lights_are = DOME_CELLS;
 
 static struct sky sky_of(int f, const struct fisheye_settings *lens, int width, int height,
 			 const struct light_sampler_settings *settings)
 {
 	struct sky s = {.width = width, .height = height};
 
-	assert_int_equal(dome_create(&s.dome, f, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create_shaped(&s.dome, f, DOME_ANGLES, lights_are, NULL), 0);
 	assert_int_equal(fisheye_prepare(&s.lens, lens, width, height, NULL), 0);
 	s.pixels = calloc((size_t)width * height, 4);
 	s.radiance = calloc((size_t)s.dome.count, sizeof(*s.radiance));
@@ -126,7 +131,10 @@ static void constant_sky_is_exact(void **state)
 
 static void black_level_and_gain(void **state)
 {
-	const struct light_sampler_settings settings = {ESTIMATOR_CELL, TRANSFER_BT709, 19, 2.5};
+	const struct light_sampler_settings settings = {
+		.estimator = ESTIMATOR_CELL,
+		.curve = {.named = TRANSFER_BT709, .black = 19},
+		.gain = 2.5};
 	const uint8_t codes[][3] = {{19, 18, 0}, {255, 137, 20}};
 	struct sky s = sky_of(4, &upright, 120, 120, &settings);
 
@@ -141,6 +149,37 @@ static void black_level_and_gain(void **state)
 			assert_true(fabs(s.radiance[7][c] - want) <= 2.5 * code_error);
 		}
 	}
+	sky_free(&s);
+}
+
+/* A matrix of each light's colour; what comes out below 0 is 0. A measured curve decodes. */
+static void colours_and_a_measured_curve(void **state)
+{
+	struct light_sampler_settings settings = {
+		.curve = {.measured = true, .black = 8.5},
+		.gain = 1.5,
+		.colours = {0.8, 0.3, -0.1, 0, 1, 0, -2, 0.5, 0.5},
+	};
+	const uint8_t bgr[3] = {60, 120, 200};
+	double linear[3];
+	struct sky s;
+
+	(void)state;
+	for (int k = 0; k < TRANSFER_KNOTS; k++)
+		settings.curve.knot[k] = pow((double)k / (TRANSFER_KNOTS - 1), 1.8);
+	s = sky_of(4, &upright, 120, 120, &settings);
+	paint(&s, bgr);
+	read_sky(&s);
+	for (int c = 0; c < 3; c++)
+		linear[c] = pow((bgr[2 - c] - 8.5) / 246.5, 1.8);
+	for (int r = 0; r < 3; r++) {
+		double want = 0;
+
+		for (int c = 0; c < 3; c++)
+			want += 1.5 * settings.colours[3 * r + c] * linear[c];
+		assert_true(fabs(s.radiance[7][r] - fmax(want, 0)) < 2e-3);
+	}
+	assert_true(s.radiance[7][2] == 0);
 	sky_free(&s);
 }
 
@@ -179,6 +218,81 @@ static void conserves_energy(void **state)
 								       255.0);
 			}
 		assert_true(fabs(lights / pixels - 1) < 3e-4);
+		sky_free(&s);
+	}
+}
+
+/* A lens of each model that fills the picture with a hemisphere. */
+static struct fisheye_settings lens_of_model(int model)
+{
+	return (struct fisheye_settings){
+		.field_deg = 90, .model = model, .polynomial = {0.06, -0.02, 0.004, -0.0003}};
+}
+
+static void every_model_is_exact(void **state)
+{
+	struct chance chance = chance_begin("sampler");
+
+	(void)state;
+	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
+		const struct fisheye_settings lens = lens_of_model(k / 2);
+		const uint8_t bgr[3] = {200, 100, 7};
+		struct sky s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
+		double lights = 0, pixels = 0;
+
+		paint(&s, bgr);
+		assert_true(read_sky(&s) == 0);
+		assert_int_equal(light_sampler_unseen(s.sampler), 0);
+		for (int i = 0; i < s.dome.count; i++)
+			for (int c = 0; c < 3; c++)
+				assert_true(s.radiance[i][c] == s.radiance[0][c] &&
+					    fabs(s.radiance[i][c] -
+						 transfer_decode(TRANSFER_SRGB,
+								 bgr[2 - c] / 255.0)) < code_error);
+		fill_noise(&s, &chance);
+		read_sky(&s);
+		for (int i = 0; i < s.dome.count; i++)
+			lights += s.dome.solid_angle_sr[i] * s.radiance[i][1];
+		for (int p = 0; p < s.width * s.height; p++) {
+			double dir[3], sr;
+
+			if (shows_sky(&s, p % s.width, p / s.width, dir, &sr))
+				pixels += sr * transfer_decode(TRANSFER_SRGB,
+							       s.pixels[4 * p + 1] / 255.0);
+		}
+		/* Half-covered pixels are left out: many degrees of an orthographic rim. */
+		assert_true(k % 2 == 0 || fabs(lights / pixels - 1) <
+						  (k / 2 == FISHEYE_ORTHOGRAPHIC ? 0.05 : 2e-3));
+		sky_free(&s);
+	}
+}
+
+/* What a lens loses towards its rim is made up for: a sky of one colour is of one colour. */
+static void falloff_is_made_up_for(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
+		struct fisheye_settings lens = lens_of_model(k / 2);
+		struct image image;
+		struct sky s;
+
+		memcpy(lens.falloff, (double[]){-0.35, 0.08, -0.012}, sizeof(lens.falloff));
+		s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
+		image = (struct image){.width = 320, .height = 320};
+		image.f32 = calloc(320 * 320, 3 * sizeof(float));
+		assert_non_null(image.f32);
+		for (int p = 0; p < 320 * 320; p++) {
+			const double px[2] = {p % 320 + 0.5, p / 320 + 0.5};
+
+			for (int c = 0; c < 3; c++)
+				image.f32[3 * p + c] =
+					(float)((c + 1) * fisheye_falloff(&s.lens, px));
+		}
+		assert_int_equal(light_sampler_read_linear(s.sampler, &image, s.radiance), 0);
+		for (int i = 0; i < s.dome.count; i++)
+			for (int c = 0; c < 3; c++)
+				assert_true(fabs(s.radiance[i][c] / (c + 1) - 1) < 1e-4);
+		image_free(&image);
 		sky_free(&s);
 	}
 }
@@ -323,7 +437,8 @@ static void nodes_of_a_known_sky(void **state)
 
 static void linear_and_8_bit_agree(void **state)
 {
-	const struct light_sampler_settings settings = {ESTIMATOR_CELL, TRANSFER_LINEAR, 0, 1.7};
+	const struct light_sampler_settings settings = {
+		.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_LINEAR}, .gain = 1.7};
 	struct chance chance = chance_begin("sampler");
 	struct sky s = sky_of(9, &upright, 200, 160, &settings);
 	struct image image = {200, 160, NULL, calloc(200 * 160, 3 * sizeof(float))};
@@ -479,15 +594,18 @@ static void integrate_panorama(const struct panorama *p, const struct dome *dome
 			const float *pixel =
 				p->image->f32 +
 				3 * ((size_t)(y / parts) * p->image->width + x / parts);
-			double dir[3], sr;
-			int i;
+			double dir[3], weight[3];
+			int light[3], lights;
 
 			panorama_direction(p, (x + 0.5) / parts, (y + 0.5) / parts, dir);
-			sr = sqrt(dir[0] * dir[0] + dir[1] * dir[1]);
-			i = dome_cell_of(dome, dir);
-			sum_sr[i] += sr;
-			for (int c = 0; c < 3; c++)
-				mean[i][c] += sr * pixel[c];
+			lights = dome_weights(dome, dir, light, weight);
+			for (int k = 0; k < lights; k++) {
+				const double sr = weight[k] * hypot(dir[0], dir[1]);
+
+				sum_sr[light[k]] += sr;
+				for (int c = 0; c < 3; c++)
+					mean[light[k]][c] += sr * pixel[c];
+			}
 		}
 	for (int i = 0; i < dome->count; i++)
 		for (int c = 0; c < 3; c++)
@@ -576,13 +694,19 @@ static void real_skies(void **state)
 static void refused(void **state)
 {
 	static const struct light_sampler_settings bad[] = {
-		{ESTIMATOR_COUNT, TRANSFER_SRGB, 0, 1},
-		{ESTIMATOR_CELL, TRANSFER_COUNT, 0, 1},
-		{ESTIMATOR_CELL, TRANSFER_SRGB, -1, 1},
-		{ESTIMATOR_CELL, TRANSFER_SRGB, 255, 1},
-		{ESTIMATOR_CELL, TRANSFER_SRGB, 0, -1},
-		{ESTIMATOR_CELL, TRANSFER_SRGB, 0, NAN},
-		{ESTIMATOR_CELL, TRANSFER_SRGB, 0, INFINITY},
+		{.estimator = ESTIMATOR_COUNT, .curve = {.named = TRANSFER_SRGB}, .gain = 1},
+		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_COUNT}, .gain = 1},
+		{.estimator = ESTIMATOR_CELL,
+		 .curve = {.named = TRANSFER_SRGB, .black = -1},
+		 .gain = 1},
+		{.estimator = ESTIMATOR_CELL,
+		 .curve = {.named = TRANSFER_SRGB, .black = 255},
+		 .gain = 1},
+		{.curve = {.measured = true}, .gain = 1},
+		{.gain = 1, .colours = {[7] = INFINITY}},
+		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = -1},
+		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = NAN},
+		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = INFINITY},
 	};
 	struct sky s = sky_of(2, &upright, 64, 48, &by_cell);
 	struct picture picture = picture_of(&s);
@@ -611,7 +735,10 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(constant_sky_is_exact),
 		cmocka_unit_test(black_level_and_gain),
+		cmocka_unit_test(colours_and_a_measured_curve),
 		cmocka_unit_test(conserves_energy),
+		cmocka_unit_test(every_model_is_exact),
+		cmocka_unit_test(falloff_is_made_up_for),
 		cmocka_unit_test(never_misses_a_lamp),
 		cmocka_unit_test(means_of_a_known_sky),
 		cmocka_unit_test(nodes_of_a_known_sky),
@@ -624,5 +751,18 @@ int main(void)
 		cmocka_unit_test(refused),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	const struct CMUnitTest of_tents[] = {
+		cmocka_unit_test(constant_sky_is_exact),
+		cmocka_unit_test(conserves_energy),
+		cmocka_unit_test(falloff_is_made_up_for),
+		cmocka_unit_test(linear_and_8_bit_agree),
+		cmocka_unit_test(flips_are_free),
+		cmocka_unit_test(clipped_share),
+		cmocka_unit_test(real_skies),
+	};
+	int failed = cmocka_run_group_tests(tests, NULL, NULL);
+
+	lights_are = DOME_TENTS;
+	failed += cmocka_run_group_tests_name("tents", of_tents, NULL, NULL);
+	return failed;
 }

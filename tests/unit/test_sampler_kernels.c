@@ -175,7 +175,10 @@ static const struct fisheye_settings upright = {.field_deg = 90};
 static struct eye eye_of(int f, const struct fisheye_settings *lens, int width, int height,
 			 enum light_estimator estimator)
 {
-	const struct light_sampler_settings settings = {estimator, TRANSFER_SRGB, 11, 1.5};
+	const struct light_sampler_settings settings = {
+		.estimator = estimator,
+		.curve = {.named = TRANSFER_SRGB, .black = 11},
+		.gain = 1.5};
 	struct eye e = {.width = width, .height = height};
 
 	assert_int_equal(dome_create(&e.dome, f, DOME_ANGLES, NULL), 0);

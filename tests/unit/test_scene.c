@@ -70,9 +70,72 @@ static void test_refused_files(void **state)
 				"property list uchar int vertex_indices\nend_header\n"
 				"0 0 0\nnan 0 0\n0 0 1\n3 0 1 2\n");
 	refuse(VIEW "[object a]\nfile = nan.ply\n", "not finite");
+	/* what comes after the file is read would take it for the vertex beside it */
+	baking_write("nan.obj", "v 0 0 0\nv nan 1 0\nv 1 0 0\nf 1 2 3\n");
+	refuse(VIEW "[object a]\nfile = nan.obj\n", "not finite");
+	baking_write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nl 1 2\n");
+	refuse(VIEW "[object a]\nfile = points.obj\n", "points.obj: no faces");
+	baking_write("far.obj", "v 400000 0 0\nv 400001 0 0\nv 400000 0 1\nf 1 2 3\n");
+	refuse(VIEW "[object a]\nfile = far.obj\n", "far.obj: it is 1 across");
 	write_triangle();
 	refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = m\n[material m]\ntexture = no.png\n",
 	       "no.png");
+}
+
+/* Assimp reads beyond its arrays where nobody looks at indices first. */
+static void test_refused_indices(void **state)
+{
+	static const char head[] = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
+				   "property float x\nproperty float y\nproperty float z\n"
+				   "element face 2\nproperty list uchar int vertex_indices\n"
+				   "end_header\n";
+	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+	const uint8_t faces[26] = {3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0,
+				   3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0};
+
+	(void)state;
+	baking_write("strange.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+				    "property float y\nproperty float z\nelement face 1\n"
+				    "property list uchar int vertex_indices\nend_header\n"
+				    "0 0 0\n1 0 0\n0 0 1\n3 0 1 70000\n");
+	refuse(VIEW "[object a]\nfile = strange.ply\n", "face 1 names vertex 70000");
+	for (size_t bytes = 14; bytes < sizeof(faces); bytes++) {
+		FILE *stream = fopen(baking_path("cut.ply"), "wb");
+
+		assert_non_null(stream);
+		fputs(head, stream);
+		fwrite(corners, sizeof(corners), 1, stream);
+		fwrite(faces, bytes, 1, stream);
+		fclose(stream);
+		refuse(VIEW "[object a]\nfile = cut.ply\n", "cut.ply");
+	}
+}
+
+static void test_refused_mtl(void **state)
+{
+	(void)state;
+	baking_write("dyes.mtl", "newmtl red\nKd 1 0 0\nnewmtl light blue \r\nKd 0 0 1\n");
+	baking_write("lost.obj",
+		     "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
+	refuse(VIEW "[object a]\nfile = lost.obj\n", "lost.obj:1: mtllib gone.mtl: cannot");
+	baking_write("rad.obj", "# a\nmtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl rad\n"
+				"f 1 2 3\n");
+	refuse(VIEW "[object a]\nfile = rad.obj\n", "rad.obj:6: usemtl rad: its libraries");
+	/* what is replaced need not be there */
+	baking_write("own.ini", VIEW "[object a]\nfile = lost.obj\nmaterial = m\n[material m]\n");
+	scene_close(baking_scene("own.ini"));
+	baking_write("blue.obj", "mtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\n"
+				 "usemtl light blue\nf 1 2 3\n");
+	baking_write("blue.ini", VIEW "[object a]\nfile = blue.obj\n");
+	scene_close(baking_scene("blue.ini"));
+	/* nor what nothing is made of */
+	baking_write("bare.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+	baking_write("bare.ini", VIEW "[object a]\nfile = bare.obj\n");
+	scene_close(baking_scene("bare.ini"));
+	/* a mesh that speaks of no library has none */
+	baking_write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
+	baking_write("none.ini", VIEW "[object a]\nfile = none.obj\n");
+	scene_close(baking_scene("none.ini"));
 }
 
 /* ---- meshes ---- */
@@ -126,6 +189,129 @@ static void test_formats(void **state)
 		     "\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]},{\"bufferView\":1,"
 		     "\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}");
 	expect_triangle("tri.gltf");
+}
+
+/* Two squares that meet at an angle, of vertices that they share or that each has for itself. */
+static void expect_fold(const char *file, double crease_deg, bool smooth)
+{
+	const struct mesh_placement placement = {.scale = 1, .crease_deg = crease_deg};
+	const float half = sqrtf(0.5f);
+	struct fault fault = {.text = ""};
+	struct mesh mesh;
+	int met = 0;
+
+	if (mesh_read(&mesh, baking_path(file), &placement, &fault) < 0)
+		fail_msg("%s", fault.text);
+	for (int t = 0; t < mesh.parts[0].triangles; t++)
+		for (int k = 0; k < 3; k++) {
+			const uint32_t v = mesh.parts[0].index[t][k];
+			const float *p = mesh.parts[0].position[v];
+			const struct v3 n = mesh.parts[0].normal[v];
+			/* one square lies in z = 0, the other in y = 0 */
+			const bool fold = p[1] == 0 && p[2] == 0, lying = t < 2;
+			const float y = fold && smooth ? half : lying ? 0 : 1;
+			const float z = fold && smooth ? half : lying ? 1 : 0;
+
+			assert_true(fabsf(n.x) < 1e-5f && fabsf(n.y - y) < 1e-5f &&
+				    fabsf(n.z - z) < 1e-5f);
+			met += fold;
+		}
+	assert_int_equal(met, 6);
+	mesh_free(&mesh);
+}
+
+/* Where a file has no normals: crease_deg means the same in every format. */
+static void test_creases(void **state)
+{
+	(void)state;
+	baking_write("fold.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n"
+				 "f 1 2 3\nf 1 3 4\nf 1 5 2\nf 2 5 6\n");
+	baking_write("fold.ply", "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\n"
+				 "property float y\nproperty float z\nelement face 4\n"
+				 "property list uchar int vertex_indices\nend_header\n"
+				 "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n"
+				 "3 0 1 2\n3 0 2 3\n3 0 4 1\n3 1 4 5\n");
+	expect_fold("fold.obj", 60, false);
+	expect_fold("fold.ply", 60, false);
+	expect_fold("fold.ply", 89.9, false);
+	expect_fold("fold.obj", 0, false);
+	expect_fold("fold.obj", 120, true);
+	expect_fold("fold.ply", 120, true);
+}
+
+/* Of a smooth ball without normals, each is the ball's own, whether vertices are shared or not. */
+static void test_smooth_ball(void **state)
+{
+	const struct mesh_placement placement = {.scale = 1e-4, .crease_deg = 60};
+	const int rings = 12;
+	struct fault fault = {.text = ""};
+	struct mesh mesh;
+	FILE *stream;
+
+	(void)state;
+	stream = fopen(baking_path("ball.ply"), "w");
+	assert_non_null(stream);
+	fprintf(stream,
+		"ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
+		"property float z\nelement face %d\nproperty list uchar int vertex_indices\n"
+		"end_header\n",
+		(rings + 1) * 2 * rings, rings * 2 * rings);
+	for (int i = 0; i <= rings; i++)
+		for (int j = 0; j < 2 * rings; j++) {
+			const double theta = M_PI * i / rings, phi = M_PI * j / rings;
+
+			fprintf(stream, "%.6f %.6f %.6f\n", sin(theta) * cos(phi),
+				sin(theta) * sin(phi), cos(theta));
+		}
+	for (int i = 0; i < rings; i++)
+		for (int j = 0; j < 2 * rings; j++) {
+			const int a = i * 2 * rings + j, b = i * 2 * rings + (j + 1) % (2 * rings);
+
+			fprintf(stream, "4 %d %d %d %d\n", a, a + 2 * rings, b + 2 * rings, b);
+		}
+	fclose(stream);
+	if (mesh_read(&mesh, baking_path("ball.ply"), &placement, &fault) < 0)
+		fail_msg("%s", fault.text);
+	for (int t = 0; t < mesh.parts[0].triangles; t++)
+		for (int k = 0; k < 3; k++) {
+			const uint32_t v = mesh.parts[0].index[t][k];
+			const float *p = mesh.parts[0].position[v];
+			const struct v3 n = mesh.parts[0].normal[v];
+
+			/* those without area, at the poles, have none */
+			assert_true(v3_dot(n, n) == 0 ||
+				    v3_dot(n, v3_unit(v3_make(p[0], p[1], p[2]))) > 0.999f);
+		}
+	mesh_free(&mesh);
+}
+
+/* Where a file has no materials, every format is of the same grey. */
+static void test_plain_grey(void **state)
+{
+	static const char *const files[] = {"tri.obj", "tri.ply", "tri.stl"};
+	const struct mesh_placement placement = {
+		.scale = 1, .crease_deg = 60, .own_materials = true};
+
+	(void)state;
+	write_triangle();
+	baking_write("tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+				"property float y\nproperty float z\nelement face 1\n"
+				"property list uchar int vertex_indices\nend_header\n"
+				"0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n");
+	baking_write("tri.stl", "solid a\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\n"
+				"vertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid a\n");
+	for (size_t k = 0; k < sizeof(files) / sizeof(*files); k++) {
+		struct fault fault = {.text = ""};
+		struct mesh mesh;
+		const struct material *m;
+
+		assert_int_equal(mesh_read(&mesh, baking_path(files[k]), &placement, &fault), 0);
+		m = &mesh.materials[mesh.parts[0].material];
+		assert_int_equal(m->kind, MATERIAL_DIFFUSE);
+		for (int c = 0; c < 3; c++)
+			assert_true(fabsf(m->colour.c[c] - 0.8f) < 1e-6f);
+		mesh_free(&mesh);
+	}
 }
 
 /* y up to z up, turned, moved, stood on the ground: one vertex followed by hand. */
@@ -194,6 +380,47 @@ static void test_texture_upright(void **state)
 			assert_true(fabs(value - 0.5 * expect[k][c]) < 0.06);
 		}
 	basis_close(&basis);
+}
+
+/* A metal's texture is its reflectance; metal and roughness are what their own texture says. */
+static void test_gltf_materials(void **state)
+{
+	static const char gltf[] =
+		"{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+		"\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+		"{\"POSITION\":0},\"material\":0}]}],\"buffers\":[{\"uri\":\"corners.bin\","
+		"\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
+		"\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]}],\"images\":[{\"uri\":\"checker.png\"}],"
+		"\"textures\":[{\"source\":0}],\"materials\":[{\"pbrMetallicRoughness\":"
+		"{\"baseColorTexture\":{\"index\":0}%s}}]}";
+	const struct mesh_placement placement = {
+		.scale = 1, .crease_deg = 60, .own_materials = true};
+	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+	FILE *stream = fopen(baking_path("corners.bin"), "wb");
+
+	(void)state;
+	assert_non_null(stream);
+	fwrite(corners, sizeof(corners), 1, stream);
+	fclose(stream);
+	write_checker("checker.png");
+	for (int means = 0; means < 2; means++) {
+		struct fault fault = {.text = ""};
+		struct mesh mesh;
+		struct bsdf red;
+
+		baking_write("metal.gltf", gltf,
+			     means ? ",\"metallicRoughnessTexture\":{\"index\":0}" : "");
+		if (mesh_read(&mesh, baking_path("metal.gltf"), &placement, &fault) < 0)
+			fail_msg("%s", fault.text);
+		red = material_at(&mesh.materials[mesh.parts[0].material], 0.25f, 0.75f);
+		/* half of the checker's green and blue are 1 */
+		assert_true(fabsf(red.alpha - (means ? 0.25f : 1)) < 1e-5f);
+		assert_true(fabsf(red.colour.c[0] - (means ? 0.5f : 0)) < 1e-5f);
+		assert_true(fabsf(red.specular.c[0] - (means ? 0.52f : 1)) < 1e-5f);
+		assert_true(fabsf(red.specular.c[1] - (means ? 0.02f : 0)) < 1e-5f);
+		mesh_free(&mesh);
+	}
 }
 
 static void test_mtl_materials(void **state)
@@ -286,8 +513,11 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_refused_values),	cmocka_unit_test(test_refused_files),
-		cmocka_unit_test(test_formats),		cmocka_unit_test(test_placement),
-		cmocka_unit_test(test_texture_upright), cmocka_unit_test(test_mtl_materials),
+		cmocka_unit_test(test_refused_indices), cmocka_unit_test(test_refused_mtl),
+		cmocka_unit_test(test_creases),		cmocka_unit_test(test_smooth_ball),
+		cmocka_unit_test(test_plain_grey),	cmocka_unit_test(test_formats),
+		cmocka_unit_test(test_placement),	cmocka_unit_test(test_texture_upright),
+		cmocka_unit_test(test_mtl_materials),	cmocka_unit_test(test_gltf_materials),
 		cmocka_unit_test(test_camera_kinds),	cmocka_unit_test(test_hash),
 	};
 

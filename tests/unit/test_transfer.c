@@ -5,9 +5,12 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
 #include <math.h>
+#include <string.h>
 
 #include "hal/transfer.h"
+#include "tests/unit/chance.h"
 
 /* As printed in IEC 61966-2-1 and BT.709-6, knees rounded. */
 static double printed_decode(enum transfer t, double e)
@@ -99,7 +102,9 @@ static void tables(void **state)
 
 	(void)state;
 	for (int t = 0; t < TRANSFER_COUNT; t++) {
-		transfer_tables_fill(&tables, t);
+		const struct transfer_curve curve = {.named = (enum transfer)t};
+
+		transfer_tables_fill(&tables, &curve);
 		assert_int_equal(tables.decode[0], 0);
 		assert_int_equal(tables.decode[255], 65535);
 		for (int c = 0; c < 256; c++) {
@@ -115,6 +120,134 @@ static void tables(void **state)
 	}
 }
 
+/* ---- measured curves ---- */
+
+static double power(double x)
+{
+	return pow(x, 2.2);
+}
+
+static double srgb(double x)
+{
+	return transfer_decode(TRANSFER_SRGB, x);
+}
+
+static double linear(double x)
+{
+	return x;
+}
+
+static struct transfer_curve measured_of(double (*decode)(double), double black)
+{
+	struct transfer_curve curve = {.measured = true, .black = black};
+
+	for (int k = 0; k < TRANSFER_KNOTS; k++)
+		curve.knot[k] = decode((double)k / (TRANSFER_KNOTS - 1));
+	return curve;
+}
+
+/* Between its knots a smooth curve is kept to a thousandth, and its inverse is one. */
+static void measured_curves_keep_their_shape(void **state)
+{
+	double (*const shapes[])(double) = {power, srgb, linear};
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		const struct transfer_curve curve = measured_of(shapes[k], 0);
+		double before = -1;
+
+		assert_int_equal(transfer_curve_check(&curve, NULL), 0);
+		for (int i = 0; i <= 20000; i++) {
+			const double x = i / 20000.0, y = transfer_curve_decode(&curve, x);
+
+			assert_true(y > before);
+			assert_true(x < 0.1 || fabs(y / shapes[k](x) - 1) < 1.5e-3);
+			assert_true(fabs(transfer_curve_encode(&curve, y) - x) < 1e-9);
+			before = y;
+		}
+		assert_true(transfer_curve_decode(&curve, 1) == 1);
+		assert_true(transfer_curve_encode(&curve, 1) == 1);
+		assert_true(transfer_curve_decode(&curve, NAN) == 0);
+		assert_true(transfer_curve_encode(&curve, -1) == 0);
+	}
+}
+
+/* Any ascending knots, with jumps of every size between them. */
+static void measured_curves_ascend(void **state)
+{
+	struct chance chance = chance_begin("transfer");
+
+	(void)state;
+	for (int run = 0; run < 300; run++) {
+		struct transfer_curve curve = {.measured = true};
+		double before = -1;
+
+		for (int k = 1; k < TRANSFER_KNOTS; k++)
+			curve.knot[k] = curve.knot[k - 1] + pow(10, chance_real(&chance, -6, 0));
+		for (int k = 1; k < TRANSFER_KNOTS; k++)
+			curve.knot[k] /= curve.knot[TRANSFER_KNOTS - 1];
+		curve.knot[TRANSFER_KNOTS - 1] = 1;
+		for (int i = 0; i <= 3200; i++) {
+			const double y = transfer_curve_decode(&curve, i / 3200.0);
+
+			assert_true(y > before || (y == before && y > 1 - 1e-9));
+			assert_true(fabs(transfer_curve_decode(&curve,
+							       transfer_curve_encode(&curve, y)) -
+					 y) < 1e-9);
+			before = y;
+		}
+	}
+}
+
+static void tables_go_round(void **state)
+{
+	const struct transfer_curve curves[] = {
+		{.named = TRANSFER_BT709, .black = 16},
+		measured_of(srgb, 0),
+		measured_of(srgb, 16.5),
+		measured_of(power, 12),
+	};
+	static struct transfer_tables t;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(curves) / sizeof(*curves); k++) {
+		const int black = (int)ceil(curves[k].black);
+		int off = 0;
+
+		transfer_tables_fill(&t, &curves[k]);
+		assert_int_equal(t.decode[0], 0);
+		assert_int_equal(t.decode[255], 65535);
+		for (int c = black; c < 256; c++) {
+			const bool worth = c == black || t.decode[c] > t.decode[c - 1] + 1;
+
+			assert_true(!worth || t.encode[t.decode[c]] == c);
+			off += t.encode[t.decode[c]] != c;
+		}
+		print_message("# curve %zu: %d codes do not come back\n", k, off);
+		assert_true(off <= (k == 3 ? 6 : 0));
+	}
+}
+
+static void wrong_curves_are_told(void **state)
+{
+	struct transfer_curve curve = measured_of(srgb, 0);
+	struct fault fault;
+
+	(void)state;
+	curve.knot[7] = curve.knot[6];
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "from number 7"));
+	curve = measured_of(srgb, 0);
+	curve.knot[TRANSFER_KNOTS - 1] = 1.5;
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	curve.knot[TRANSFER_KNOTS - 1] = NAN;
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	curve = measured_of(srgb, 255);
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	curve = (struct transfer_curve){.named = TRANSFER_COUNT};
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -122,6 +255,10 @@ int main(void)
 		cmocka_unit_test(inverse_pair),
 		cmocka_unit_test(clamped_and_monotonic),
 		cmocka_unit_test(tables),
+		cmocka_unit_test(measured_curves_keep_their_shape),
+		cmocka_unit_test(measured_curves_ascend),
+		cmocka_unit_test(tables_go_round),
+		cmocka_unit_test(wrong_curves_are_told),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

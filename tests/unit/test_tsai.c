@@ -88,9 +88,10 @@ static void round_trip(void **state)
 	struct chance chance = chance_begin("tsai");
 
 	(void)state;
-	for (unsigned k = 0; k < sizeof(kappas) / sizeof(*kappas); k++) {
-		const struct tsai_camera c = example(kappas[k]);
+	for (unsigned k = 0; k < 2 * sizeof(kappas) / sizeof(*kappas); k++) {
+		struct tsai_camera c = example(kappas[k / 2]);
 
+		c.distortion = k & 1;
 		for (int n = 0; n < 5000; n++) {
 			const double px[2] = {chance_real(&chance, -50, 700),
 					      chance_real(&chance, -50, 530)};
@@ -102,10 +103,10 @@ static void round_trip(void **state)
 			for (int i = 0; i < 3; i++)
 				point[i] = origin[i] + far * dir[i];
 			assert_int_equal(tsai_project(&c, point, back), 0);
-			/* beside a camera 5 away from the origin, a point at 1e-2 keeps 13 digits
-			 */
+			/* beside a camera 5 away from the origin, a point at 1e-2 keeps 13 digits,
+			 * and fewer where the ray leaves nearly across the view */
 			assert_true(hypot(back[0] - px[0], back[1] - px[1]) <
-				    (far < 1 ? 1e-9 / far : 1e-9));
+				    1e-9 / fmin(far, 1) / vec_dot(dir, c.rotation + 6));
 		}
 	}
 }
@@ -151,6 +152,63 @@ static void has_no_image(void **state)
 	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
 }
 
+/* Tsai's own direction: the undistorted point is printed from the distorted one. */
+static void projects_as_tsai_printed(void **state)
+{
+	static const double kappas[] = {0, 2e-4, 0.1, -2e-4};
+	struct chance chance = chance_begin("tsai");
+
+	(void)state;
+	for (int k = 0; k < 4; k++)
+		for (int n = 0; n < 5000; n++) {
+			struct tsai_camera c = example(kappas[k]);
+			double w[3], px[2], x, y, back, seen[3];
+
+			c.distortion = TSAI_UNDISTORTS;
+			for (int i = 0; i < 3; i++)
+				w[i] = chance_real(&chance, -1, 1);
+			assert_int_equal(tsai_project(&c, w, px), 0);
+			x = (px[0] - c.centre_px[0]) * c.pixel[0] / c.aspect;
+			y = (px[1] - (c.height - c.centre_px[1])) * c.pixel[1];
+			back = 1 + kappas[k] * (x * x + y * y);
+			mat_apply(c.rotation, w, seen);
+			for (int i = 0; i < 3; i++)
+				seen[i] += c.translation[i];
+			assert_true(fabs(x * back - c.focal * seen[0] / seen[2]) < 1e-12);
+			assert_true(fabs(y * back - c.focal * seen[1] / seen[2]) < 1e-12);
+		}
+}
+
+/* A fold at radius 10 of the distorted picture: nothing is seen beyond it, and nothing that would
+ * have to be drawn beyond it has an image. */
+static void has_no_image_as_tsai_printed(void **state)
+{
+	struct tsai_camera c = example(-1 / (3 * 10.0 * 10.0));
+	double px[2], origin[3], dir[3], w[3];
+
+	(void)state;
+	c.distortion = TSAI_UNDISTORTS;
+	for (int k = 0; k < 200; k++) {
+		const double radius = k * 0.1;
+		double camera[3] = {radius, 0, c.focal};
+
+		px[0] = c.centre_px[0];
+		px[1] = c.height - c.centre_px[1] + radius / c.pixel[1];
+		if (fabs(radius - 10) > 1e-9)
+			assert_int_equal(tsai_ray(&c, px, origin, dir), radius < 10 ? 0 : -ERANGE);
+		for (int i = 0; i < 3; i++)
+			camera[i] -= c.translation[i];
+		mat_apply_transposed(c.rotation, camera, w);
+		if (fabs(radius - 20.0 / 3) > 1e-9)
+			assert_int_equal(tsai_project(&c, w, px), radius < 20.0 / 3 ? 0 : -ERANGE);
+	}
+	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
+	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
+	c.kappa1 = 1;
+	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
+	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
+}
+
 /* The smallest root by bisection in long double, on the rising branch. */
 static long double bisected(double kappa1, double distorted)
 {
@@ -184,7 +242,7 @@ static void undistorts_as_bisection_does(void **state)
 						    : fold * chance_real(&chance, 0, 0.6666);
 		double r;
 
-		assert_int_equal(tsai_undistort_radius(kappa1, distorted, &r), 0);
+		assert_int_equal(tsai_straight_radius(kappa1, distorted, &r), 0);
 		assert_true(fabsl(r - bisected(kappa1, distorted)) <=
 			    1e-12L * bisected(kappa1, distorted));
 	}
@@ -202,7 +260,7 @@ static void undistorts_extremes(void **state)
 			const double kappa1 = i < count ? values[i] : -values[i - count];
 			const double distorted = j < count ? values[j] : -values[j - count];
 			double r = -1;
-			const int ret = tsai_undistort_radius(kappa1, distorted, &r);
+			const int ret = tsai_straight_radius(kappa1, distorted, &r);
 
 			if (!isfinite(kappa1) || !isfinite(distorted) || distorted < 0) {
 				assert_int_equal(ret, -ERANGE);
@@ -227,9 +285,9 @@ static void at_the_fold(void **state)
 		const double kappa1 = -pow(10, e), fold = 1 / sqrt(-3 * kappa1);
 		double r;
 
-		assert_int_equal(tsai_undistort_radius(kappa1, fold * 2 / 3, &r), 0);
+		assert_int_equal(tsai_straight_radius(kappa1, fold * 2 / 3, &r), 0);
 		assert_true(fabs(r / fold - 1) < 1e-7 && r <= fold * (1 + 1e-15));
-		assert_int_equal(tsai_undistort_radius(kappa1, fold * 0.66667, &r), -ERANGE);
+		assert_int_equal(tsai_straight_radius(kappa1, fold * 0.66667, &r), -ERANGE);
 	}
 }
 
@@ -250,6 +308,8 @@ static void checks_its_fields(void **state)
 	} while (0)
 	REFUSES(width, 0);
 	REFUSES(height, TSAI_SIDE_MAX + 1);
+	REFUSES(distortion, 2);
+	REFUSES(distortion, -1);
 	REFUSES(focal, 0);
 	REFUSES(focal, NAN);
 	REFUSES(kappa1, INFINITY);
@@ -303,19 +363,28 @@ static void keys_fill_every_field(void **state)
 				   "width = 320\nheight = 200\n"
 				   "rotation = 0 -1 0  1 0 0  0 0 1\n"
 				   "translation = 1 2 3\nfocal = 8.5\nkappa1 = -0.001\n"
+				   "distortion = undistorts\n"
 				   "centre = 161 99\npixel = 0.01 0.02\naspect = 1.05\n";
 	const struct ini_table tables[] = {{.section = "camera", .keys = tsai_keys, .place = place},
 					   INI_TABLES_END};
-	const struct tsai_camera want = {320,	    200,	  {0, -1, 0, 1, 0, 0, 0, 0, 1},
-					 {1, 2, 3}, 8.5,	  -0.001,
-					 {161, 99}, {0.01, 0.02}, 1.05};
+	const struct tsai_camera want = {.width = 320,
+					 .height = 200,
+					 .rotation = {0, -1, 0, 1, 0, 0, 0, 0, 1},
+					 .translation = {1, 2, 3},
+					 .focal = 8.5,
+					 .kappa1 = -0.001,
+					 .distortion = TSAI_UNDISTORTS,
+					 .centre_px = {161, 99},
+					 .pixel = {0.01, 0.02},
+					 .aspect = 1.05};
 	struct ini_report report = {.count = 0};
 	struct tsai_camera c;
 
 	(void)state;
 	memset(&c, 0, sizeof(c));
 	ini_defaults(tsai_keys, &c);
-	assert_true(c.aspect == 1 && c.kappa1 == 0);
+	/* an older file says no distortion, and means the thesis's */
+	assert_true(c.aspect == 1 && c.kappa1 == 0 && c.distortion == TSAI_DISTORTS);
 	assert_int_equal(
 		ini_read_memory(text, strlen(text), "camera.ini", ".", tables, &c, &report), 0);
 	assert_int_equal(c.width, want.width);
@@ -324,6 +393,7 @@ static void keys_fill_every_field(void **state)
 	assert_memory_equal(c.translation, want.translation, sizeof(c.translation));
 	assert_memory_equal(c.centre_px, want.centre_px, sizeof(c.centre_px));
 	assert_memory_equal(c.pixel, want.pixel, sizeof(c.pixel));
+	assert_int_equal(c.distortion, want.distortion);
 	assert_true(c.focal == want.focal && c.kappa1 == want.kappa1 && c.aspect == want.aspect);
 	assert_int_equal(tsai_check(&c, NULL), 0);
 }
@@ -332,9 +402,11 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(projects_as_printed),
+		cmocka_unit_test(projects_as_tsai_printed),
 		cmocka_unit_test(looks_at_its_target),
 		cmocka_unit_test(round_trip),
 		cmocka_unit_test(has_no_image),
+		cmocka_unit_test(has_no_image_as_tsai_printed),
 		cmocka_unit_test(undistorts_as_bisection_does),
 		cmocka_unit_test(undistorts_extremes),
 		cmocka_unit_test(at_the_fold),

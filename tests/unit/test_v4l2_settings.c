@@ -178,6 +178,76 @@ static void names_are_those_of_v4l2_ctl(void **state)
 	}
 }
 
+/* ---- controls on the way ---- */
+
+static void controls_change_while_it_streams(void **state)
+{
+	static const struct {
+		const char *name, *value;
+		int which, taken;
+	} cases[] = {
+		{"gain", "17", GAIN, 17},
+		{"Gain", "-8", GAIN, -8},
+		{"gain", "255", GAIN, 255},
+		{"white_balance_automatic", "no", AUTOMATIC, 0},
+		{"power_line_frequency", "50_hz", LINE, 1},
+		{"power_line_frequency", "2", LINE, 2},
+	};
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "");
+	assert_int_equal(camera_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
+	assert_int_equal(start_and_listen(&rig), 0);
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		if (camera_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault))
+			fail_msg("%s", rig.fault.text);
+		assert_int_equal(device.controls[cases[i].which].value, cases[i].taken);
+		assert_true(device.streaming);
+	}
+	finish(&rig);
+	assert_int_equal(camera_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
+}
+
+static void what_cannot_be_changed_is_named(void **state)
+{
+	static char endless[2 * INI_TEXT_MAX];
+	const struct {
+		const char *name, *value;
+		int err;
+		const char *expected;
+	} cases[] = {
+		{"gain", "256", -ERANGE, "gain is 256, expected -8 to 255"},
+		{"gain", "-9", -ERANGE, "expected -8 to 255"},
+		{"power_line_frequency", "3", -ERANGE, "expected 0 to 2"},
+		{"gain", "much", -EINVAL, "expected a whole number from -8 to 255"},
+		{"gain", "", -EINVAL, "expected a whole number"},
+		{"gian", "3", -EINVAL, "perhaps \"gain\""},
+		{"", "3", -EINVAL, "no control \"\""},
+		{"gain", endless, -EINVAL, "so long"},
+		{endless, "3", -EINVAL, "so long"},
+		{"white_balance_automatic", "2", -EINVAL, "expected yes or no"},
+		{"white_balance_temperature", "5000", -EACCES, "automatic is on"},
+	};
+	struct rig rig;
+
+	(void)state;
+	memset(endless, '1', sizeof(endless) - 1);
+	prepare_controls(&rig, "");
+	device.controls[BALANCE].refuse = EACCES;
+	assert_int_equal(start_and_listen(&rig), 0);
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		assert_int_equal(
+			camera_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault),
+			cases[i].err);
+		if (!strstr(rig.fault.text, cases[i].expected))
+			fail_msg("\"%s\" is not in: %s", cases[i].expected, rig.fault.text);
+		assert_true(device.streaming);
+		assert_int_equal(device.controls[GAIN].sets, 0);
+	}
+	finish(&rig);
+}
+
 /* ---- what is given up; the played bus has `room` bits a second ---- */
 
 enum {
@@ -290,6 +360,8 @@ int main(void)
 		cmocka_unit_test(what_is_refused_is_named),
 		cmocka_unit_test(what_starting_undoes_is_set_again),
 		cmocka_unit_test(controls_that_cannot_be_read_are_errors),
+		cmocka_unit_test(controls_change_while_it_streams),
+		cmocka_unit_test(what_cannot_be_changed_is_named),
 		cmocka_unit_test(names_are_those_of_v4l2_ctl),
 		cmocka_unit_test(what_goes_goes_in_order),
 		cmocka_unit_test(unknown_words_are_errors),

@@ -28,7 +28,9 @@ mkdir -p "$out/live"
 [ -e "$out/live/cow.obj" ] || "$BUILD/make-cow" "$out/live"
 bake live
 mkdir -p "$out/thesis"
-ln -sfn ../live/cow.obj "$out/thesis/cow.obj"
+for file in cow.obj cow.mtl cow.png; do
+	ln -sfn "../live/$file" "$out/thesis/$file"
+done
 bake thesis
 
 if [ -r "$data/mesh/spot.obj" ]; then

@@ -6,11 +6,12 @@
  *
  *     capture DRIVER FRAMES OUT.png [device=/dev/video0] [format=YUYV] [width=W] [height=H]
  *             [rate=HZ] [matrix=bt601|bt709] [range=limited|full] [hold=MS] [controls=LIST]
- *             [give_up=WORDS] [deinterlace=weave|bob|blend] [OPTION=VALUE]...
+ *             [give_up=WORDS] [deinterlace=weave|bob|blend] [change=CONTROL=VALUE]
+ *             [OPTION=VALUE]...
  *
  * OPTION is the driver's own. hold keeps each frame that long before it is given back, as a busy
- * program would. Exit 1 when the camera does not open or ends; "situation", "code" and "error" then
- * say why.
+ * program would. change sets a control once the first frame has come. Exit 1 when the camera does
+ * not open or ends; "situation", "code" and "error" then say why.
  */
 #include <errno.h>
 #include <poll.h>
@@ -20,6 +21,7 @@
 
 #include "drivers/drivers.h"
 #include "hal/camera.h"
+#include "hal/camera_controls.h"
 #include "hal/clock.h"
 #include "hal/image/image.h"
 #include "tests/vm/driver_option.h"
@@ -28,6 +30,7 @@ struct request {
 	struct camera_settings settings;
 	int frames, hold_ms;
 	enum deinterlace deinterlace;
+	struct camera_control change; /* its name empty: none */
 	const char *out;
 };
 
@@ -47,6 +50,17 @@ static const struct camera_ops *find_driver(const char *name)
 			return camera_drivers[i];
 	fprintf(stderr, "capture: the driver %s is not in this build\n", name);
 	exit(1);
+}
+
+static struct camera_control read_control(const char *text)
+{
+	struct camera_control control;
+	struct fault fault = {""};
+
+	if (camera_controls_next(&text, &control, &fault) > 0)
+		return control;
+	fprintf(stderr, "capture: change: expected CONTROL=VALUE. %s\n", fault.text);
+	exit(2);
 }
 
 /* The value when text is "name=value", else NULL. */
@@ -84,6 +98,8 @@ static struct request parse(int argc, char **argv, const struct camera_ops *driv
 			snprintf(r.settings.give_up, sizeof(r.settings.give_up), "%s", value);
 		else if ((value = value_of(argv[i], "deinterlace")))
 			r.deinterlace = (enum deinterlace)name_index(deinterlace_names, value);
+		else if ((value = value_of(argv[i], "change")))
+			r.change = read_control(value);
 		else if ((value = value_of(argv[i], "hold")))
 			r.hold_ms = atoi(value);
 		else if (driver_option_set(driver->name, driver->keys, options, argv[i]))
@@ -200,6 +216,9 @@ static int take(struct camera *camera, const struct request *request, struct wat
 		if (request->hold_ms)
 			poll(NULL, 0, request->hold_ms);
 		camera_release(camera, &frame);
+		if (!err && watch->taken == 1 && *request->change.name)
+			err = camera_control(camera, request->change.name, request->change.value,
+					     fault);
 	}
 	for (int parity = 0; parity < 2 && !err; parity++)
 		say_lines(&canvas, parity);

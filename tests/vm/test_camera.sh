@@ -135,6 +135,24 @@ capture 2 format=BGRX
 check "a mirrored sensor gives a mirrored picture" bar 7 191 191 191
 control "$in" sensor_flipped_horizontally=0
 
+# ---- a control is changed while frames come, which calibrations do ----
+capture 12 format=BGRX
+check "the black bar is black" bar 7 0 0 0
+capture 12 format=BGRX change=brightness=200
+equal "a control that is changed on the way stops nothing" 12 "$(said taken)"
+equal "the device has its value" "brightness: 200" "$(v4l2-ctl -d "$in" --get-ctrl=brightness)"
+if bar 7 0 0 0 >/dev/null; then
+	not_ok "it shows in the picture" <"$VM_OUT/said"
+else
+	ok "it shows in the picture"
+fi
+capture 12 format=BGRX change=no_such_control=1
+equal "a control that the device has not ends nothing but the program" "fine" "$(said situation)"
+matches "and is named" no_such_control "$(said error)"
+capture 12 format=BGRX change=brightness=bright
+matches "so is a value that is none" brightness "$(said error)"
+control "$in" brightness=128
+
 for rate in 10 25; do
 	capture 12 format=YUYV rate=$rate
 	holds "rate $rate is set and read back" "$(said rate) == $rate"

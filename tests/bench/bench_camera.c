@@ -1,0 +1,114 @@
+/*
+ * How long a camera's calibration takes: a thousand points, and with photographs as arguments
+ * (first the board) finding the board in each and solving it alone.
+ *     bench_camera [9x6:25mm left01.jpg ...]
+ */
+#include <stdio.h>
+#include <time.h>
+
+#include "bake/calibrate/boards.h"
+#include "bake/calibrate/camera.h"
+#include "hal/image/image.h"
+#include "tests/unit/camera_scene.h"
+
+#define REPEATS 10
+
+/* Of the processor: what others do on the machine is not counted. */
+static double now_ms(void)
+{
+	struct timespec t;
+
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+	return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
+}
+
+static void time_points(const struct observations *seen, const struct camera_task *task,
+			const char *what)
+{
+	double least = INFINITY;
+
+	for (int k = 0; k < REPEATS; k++) {
+		const double begin = now_ms();
+		struct camera_solution solution;
+
+		if (camera_calibrate(seen, task, &solution, NULL))
+			abort();
+		least = fmin(least, now_ms() - begin);
+		camera_solution_free(&solution);
+	}
+	printf("%d points, %s: %.1f ms (the fastest of %d)\n", seen->count, what, least, REPEATS);
+}
+
+static void thousand_points(void)
+{
+	static const char *const what[] = {"of a plane", "of a plane, robustly", "in space",
+					   "in space, robustly"};
+	const double eye[3] = {0.15, -0.55, 0.6}, target[3] = {0.01, 0.005, 0};
+	struct chance chance = {1};
+
+	for (int distortion = 0; distortion < 2; distortion++) {
+		const struct tsai_camera truth = scene_camera(eye, target, -0.05, distortion);
+
+		printf("%s:\n", tsai_distortion_names[distortion]);
+		for (int k = 0; k < 4; k++) {
+			struct camera_task task = scene_task(&truth);
+			struct observations seen = {0};
+
+			task.robust = k & 1;
+			if (k < 2)
+				scene_board(&seen, &truth, 40, 25, 0.2, &chance);
+			else
+				scene_cloud(&seen, &truth, 1000, 0.2, &chance);
+			time_points(&seen, &task, what[k]);
+			observations_free(&seen);
+		}
+	}
+}
+
+static int photograph(const struct board *board, const char *path)
+{
+	struct camera_task task = camera_task_default();
+	struct camera_solution solution;
+	struct observations seen = {0};
+	struct fault fault = {""};
+	struct image picture;
+	double begin, found, solved;
+
+	if (image_read(path, &picture, &fault)) {
+		fprintf(stderr, "%s\n", fault.text);
+		return 1;
+	}
+	begin = now_ms();
+	if (board_find(board, &picture, path, &seen, &fault)) {
+		printf("%s: %s\n", path, fault.text);
+	} else {
+		found = now_ms();
+		task.width = seen.width;
+		task.height = seen.height;
+		if (camera_calibrate(&seen, &task, &solution, &fault))
+			abort();
+		solved = now_ms();
+		printf("%s, %.2f megapixels: found in %.1f ms, solved in %.1f ms\n", path,
+		       1e-6 * picture.width * picture.height, found - begin, solved - found);
+		camera_solution_free(&solution);
+	}
+	observations_free(&seen);
+	image_free(&picture);
+	return 0;
+}
+
+int main(int argc, char **argv)
+{
+	struct fault fault = {""};
+	struct board board;
+
+	thousand_points();
+	if (argc > 1 && board_parse(&board, argv[1], &fault)) {
+		fprintf(stderr, "%s\n", fault.text);
+		return 2;
+	}
+	for (int k = 2; k < argc; k++)
+		if (photograph(&board, argv[k]))
+			return 1;
+	return 0;
+}

@@ -1,0 +1,405 @@
+#!/bin/bash
+# inlay-calibrate: from points to a file that inlay-bake reads, reports, files of OpenCV and ROS, and
+# how it fails.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+: "${INLAY_CALIBRATE:?the program inlay-calibrate}"
+
+calibrate() {
+	"$INLAY_CALIBRATE" "$@"
+}
+commands=$(calibrate --help | sed -n 's/^  \([a-z][a-z-]*\)  .*/\1/p')
+has_command() {
+	grep -qx "$1" <<<"$commands"
+}
+# wrong NAME WORDS COMMAND...: exit 2, the words and the usage on stderr, nothing on stdout.
+wrong() {
+	local name=$1 words=$2 out is
+	shift 2
+	out=$(calibrate "$@" 2>"$work/stderr" </dev/null)
+	is=$?
+	if [ $is -eq 2 ] && [ -z "$out" ] && grep -qF -- "$words" "$work/stderr" &&
+		grep -q "^usage: inlay-calibrate" "$work/stderr"; then
+		pass "$name"
+	else
+		fail "$name" < <(echo "exit code $is, expected 2 and: $words" | cat - "$work/stderr")
+	fi
+}
+# failed_with NAME WORDS COMMAND...: exit 1, one line on stderr that holds the words.
+failed_with() {
+	local name=$1 words=$2 is
+	shift 2
+	calibrate "$@" >"$work/stdout" 2>"$work/stderr" </dev/null
+	is=$?
+	if [ $is -eq 1 ] && [ "$(grep -c '' "$work/stderr")" -eq 1 ] &&
+		[[ $(cat "$work/stderr") == "inlay-calibrate: "*"$words"* ]]; then
+		pass "$name"
+	else
+		fail "$name" < <(echo "exit code $is, expected 1 and one line: $words" |
+			cat - "$work/stderr")
+	fi
+}
+is_json() { # FILE
+	if command -v python3 >/dev/null; then
+		python3 -m json.tool "$1" >/dev/null
+	else
+		test -s "$1"
+	fi
+}
+
+# ---- the program and its commands ----
+check "--help" calibrate --help
+check "--version" calibrate --version
+wrong "no command" "COMMAND" 2>/dev/null
+wrong "an unknown command" 'there is no command "guess"' guess
+for command in $commands; do
+	check "$command --help" calibrate "$command" --help
+	equal "$command --version" "$(calibrate --version)" "$(calibrate "$command" --version)"
+	wrong "$command with an unknown option" "--no-such-thing" "$command" --no-such-thing
+done
+
+# ---- files of OpenCV and ROS ----
+cat >"$work/camera.ini" <<'END'
+[camera]
+width = 640
+height = 480
+rotation = 1 0 0 0 -1 0 0 0 -1
+translation = 0 0 3
+focal = 8.4
+kappa1 = -0.004
+distortion = distorts
+centre = 321.5 236.25
+pixel = 0.0132 0.0121
+aspect = 1.07
+END
+sed 's/= distorts/= undistorts/; s/-0.004/0.004/' "$work/camera.ini" >"$work/tsai.ini"
+cat >"$work/fisheye.ini" <<'END'
+[fisheye]
+focal = 230 221
+centre = 361 290
+model = equisolid
+END
+wrong "convert without files" "expected two files" convert
+wrong "an ending that says nothing" "expected .ini, .yml, .yaml or --as" convert "$work/camera.ini" \
+	"$work/out.txt"
+wrong "both ours" "files of the same kind" convert "$work/camera.ini" "$work/out.ini"
+wrong "a kind that is none" "opencv" convert "$work/camera.ini" "$work/out" --as matlab
+absent "and nothing was written" "$work/out"
+for ending in yml yaml; do
+	check "a camera to .$ending" calibrate convert "$work/camera.ini" "$work/camera.$ending"
+	check "and back" calibrate convert "$work/camera.$ending" "$work/back-$ending.ini"
+	check "a camera that undistorts to .$ending" calibrate convert "$work/tsai.ini" \
+		"$work/tsai.$ending"
+	check "and back" calibrate convert "$work/tsai.$ending" "$work/back-tsai-$ending.ini"
+	check "a fisheye to .$ending" calibrate convert "$work/fisheye.ini" \
+		"$work/fisheye.$ending" --size 720x576
+	check "and back" calibrate convert "$work/fisheye.$ending" "$work/back-eye-$ending.ini"
+done
+same "both ways a camera is the same" <(grep -v '^;' "$work/back-yml.ini") \
+	<(grep -v '^;' "$work/back-yaml.ini")
+check "OpenCV's says so" grep -q '^%YAML:1.0$' "$work/camera.yml"
+check "ROS's says so" grep -q '^distortion_model: plumb_bob$' "$work/camera.yaml"
+check "of a fisheye too" grep -q '^distortion_model: equidistant$' "$work/fisheye.yaml"
+check "the direction of the distortion comes back" grep -q '^distortion = undistorts$' \
+	"$work/back-tsai-yml.ini"
+check "what was fitted says so" grep -q '^# Fitted: .* at most [0-9.e-]* px' "$work/tsai.yml"
+failed_with "a fisheye without its size" "expected --size" convert "$work/fisheye.ini" \
+	"$work/none.yml"
+failed_with "more than may be off" "--tolerance" convert "$work/tsai.ini" "$work/none.yml" \
+	--tolerance 0
+failed_with "a file that is not there" "$work/nothing.yml: No such file" convert \
+	"$work/nothing.yml" "$work/none.ini"
+head -c 200 "$work/camera.yml" >"$work/cut.yml"
+failed_with "a file that ends too soon" "$work/cut.yml:" convert "$work/cut.yml" "$work/none.ini"
+absent "and nothing was written" "$work/none"
+
+# ---- inlay-bake reads what comes back ----
+bakes() { # CAMERA: bakes the box through it, small; what camera that was is in $work/baked
+	sed "s|^position = .*|file = $1|; /^look_at/d; /^field_deg/d; /^width/d; /^height/d" \
+		"$work/box.scene" >"$work/back.scene"
+	"$INLAY_BAKE" render --quiet --size 48x36 --frequency 1 --samples 2 -o "$work/back.inlay" \
+		"$work/back.scene" && "$INLAY_BAKE" info "$work/back.inlay" >"$work/baked"
+}
+for direction in distorts undistorts; do
+	file=back-yml.ini
+	[ $direction = distorts ] || file=back-tsai-yml.ini
+	# the lens comes back from these files, and nothing of where the camera is
+	sed -i '/^rotation/d; /^translation/d' "$work/$file"
+	grep -E '^(rotation|translation)' "$work/camera.ini" >>"$work/$file"
+	check "inlay-bake reads a camera that $direction and was converted" bakes "$file"
+	check "and bakes with its distortion" grep -q "^distortion = $direction$" "$work/baked"
+done
+
+# ---- a camera from points ----
+# points TILT LAYERS: a grid of 9 x 7 in each of the layers, 0.1 apart, seen from 1.4 away by f = 800 px
+# with noise of 0.06 px; tilted by so many degrees.
+points() {
+	awk -v tilt="$1" -v layers="$2" 'BEGIN {
+		s = sin(tilt * 3.14159265358979 / 180)
+		c = cos(tilt * 3.14159265358979 / 180)
+		seed = 7
+		for (k = 0; k < layers; k++)
+			for (j = -3; j <= 3; j++)
+				for (i = -4; i <= 4; i++) {
+					x = i / 10
+					y = j / 10
+					z = k / 10
+					away = s * y - c * z + 1.4
+					noise_x = (seed = seed * 16807 % 2147483647) / 2147483647 - 0.5
+					noise_y = (seed = seed * 16807 % 2147483647) / 2147483647 - 0.5
+					printf "%g %g %g %.4f %.4f\n", x, y, z,
+						320 + 800 * x / away + 0.2 * noise_x,
+						240 + 800 * (-c * y - s * z) / away + 0.2 * noise_y
+				}
+	}'
+}
+key() { # FILE KEY: its value
+	sed -n "s/^$2 = //p" "$1"
+}
+if has_command camera; then
+	points 45 3 >"$work/box.points"
+	points 0 1 >"$work/parallel.points"
+	points 35 1 >"$work/tilted.points"
+	wrong "camera without points" "expected --points, --images or --live" camera --size 640x480 \
+		-o "$work/none.ini"
+	failed_with "points that are not there" "$work/nothing: No such file" camera \
+		--points "$work/nothing" --size 640x480 -o "$work/none.ini"
+	sed '3s/.*/1 2 three 4 5/' "$work/box.points" >"$work/bad.points"
+	failed_with "a point that is none" "$work/bad.points:3: expected five finite numbers" camera \
+		--points "$work/bad.points" --size 640x480 -o "$work/none.ini"
+	absent "and nothing was written" "$work/none"
+
+	cp "$work/box.points" "$work/own.points"
+	wrong "points that would be written over" "expected another one" camera \
+		--points "$work/own.points" --size 640x480 -o "$work/own.points"
+	same "and are not" "$work/box.points" "$work/own.points"
+	mkdir "$work/folder"
+	failed_with "an output that is a folder" "it is a folder" camera --points "$work/box.points" \
+		--size 640x480 -o "$work/folder"
+	failed_with "a disk that is full" "cannot be written" camera --points "$work/box.points" \
+		--size 640x480 -o /dev/full
+	failed_with "photographs that are not there" "no such photograph" camera \
+		--images "$work/nothing*.jpg" --board 9x6:25mm -o "$work/none.ini"
+	wrong "a centre that the lens's file says" "--centre-deviation" camera \
+		--points "$work/box.points" --intrinsics "$work/camera.ini" --centre-deviation 3 \
+		-o "$work/none.ini"
+	failed_with "the same points twice" "own.points: shows just what" camera \
+		--points "$work/box.points" "$work/own.points" --size 640x480 -o "$work/none.ini"
+	check "a camera from points" calibrate camera --points "$work/box.points" --size 640x480 \
+		--report "$work/report" -o "$work/found.ini"
+	check "its focal length is the true one" awk -v f="$(key "$work/found.ini" focal)" \
+		'BEGIN { exit !(f > 797 && f < 803) }'
+	check "inlay-bake reads it" bakes found.ini
+	check "its report is a page" grep -q '</html>' "$work/report/report.html"
+	check "with pictures" test "$(find "$work/report" -name '*.png' | wc -l)" -ge 7
+	check "and JSON" is_json "$work/report/calibration.json"
+	check "which says that it is trusted" grep -q '"trusted": true' \
+		"$work/report/calibration.json"
+	check "a report takes the place of an earlier one" calibrate camera \
+		--points "$work/box.points" --size 640x480 --report "$work/report" -o "$work/found.ini"
+	equal "and nothing is left beside it" "" "$(find "$work" -maxdepth 1 -name 'report.*')"
+
+	failed_with "a board that is parallel to the picture" "tilt it by 30 degrees or more" camera \
+		--points "$work/parallel.points" --size 640x480 --report "$work/doubt" \
+		-o "$work/none.ini"
+	absent "is not written" "$work/none"
+	check "but reported" grep -q 'Not trusted.*tilt it by 30 degrees' \
+		<(tr -d '\n' <"$work/doubt/report.html")
+	check "in JSON too" is_json "$work/doubt/calibration.json"
+	failed_with "--force does not make it trusted" "tilt it by 30 degrees or more" camera \
+		--points "$work/parallel.points" --size 640x480 --force -o "$work/forced.ini"
+	check "but writes it" grep -q '^focal = ' "$work/forced.ini"
+
+	# A lens that comes from elsewhere, and where the camera is now.
+	check "the lens, by way of OpenCV's file" calibrate convert "$work/found.ini" "$work/lens.yml"
+	check "back" calibrate convert "$work/lens.yml" "$work/lens.ini"
+	check "where it is, that lens given" calibrate camera --points "$work/tilted.points" \
+		--intrinsics "$work/lens.ini" -o "$work/pose.ini"
+	check "is right" awk -v t="$(key "$work/pose.ini" translation)" \
+		'BEGIN { split(t, a, " "); exit !(a[3] > 1.39 && a[3] < 1.41) }'
+fi
+
+# ---- a fisheye from directions ----
+# What an equidistant lens of 180 x 176 px/rad sees every 10 degrees, with noise of 0.1 px.
+directions() {
+	awk 'BEGIN {
+		degree = 3.14159265358979 / 180
+		seed = 11
+		for (t = 5; t <= 85; t += 10)
+			for (p = 0; p < 360; p += 20) {
+				theta = t * degree
+				phi = p * degree
+				noise_x = (seed = seed * 16807 % 2147483647) / 2147483647 - 0.5
+				noise_y = (seed = seed * 16807 % 2147483647) / 2147483647 - 0.5
+				printf "%.9f %.9f %.9f %.4f %.4f\n", sin(theta) * cos(phi),
+					sin(theta) * sin(phi), cos(theta),
+					361 + 180 * theta * cos(phi) + 0.4 * noise_x,
+					290 + 176 * theta * sin(phi) + 0.4 * noise_y
+			}
+	}'
+}
+if has_command fisheye; then
+	directions >"$work/directions"
+	head -n 3 "$work/directions" >"$work/few"
+	check "a fisheye from directions" calibrate fisheye --directions "$work/directions" \
+		--size 720x576 --report "$work/eye-report" -o "$work/eye.ini"
+	check "is of the model that it is" grep -q '^model = equidistant$' "$work/eye.ini"
+	check "a page" grep -q '<title>Calibration of the fisheye</title>' "$work/eye-report/report.html"
+	check "and JSON" is_json "$work/eye-report/calibration.json"
+	calibrate fisheye --directions "$work/few" --size 720x576 -o "$work/none.ini" \
+		>"$work/stdout" 2>"$work/stderr"
+	equal "three directions are too few" 1 $?
+	absent "and nothing was written" "$work/none"
+	sed 's|^\[fisheye\]$|&\nlens = eye.ini|' "$work/studio.conf" >"$work/eye.conf"
+	check "the kiosk reads it" "$INLAY" check --config "$work/eye.conf"
+	check "by way of OpenCV's file, too" calibrate convert "$work/eye.ini" "$work/eye.yml" \
+		--size 720x576
+	check "and back" calibrate convert "$work/eye.yml" "$work/eye-again.ini"
+	same "it is the same lens" <(grep -E '^(focal|centre|model)' "$work/eye.ini") \
+		<(grep -E '^(focal|centre|model)' "$work/eye-again.ini")
+fi
+
+# ---- a fisheye from photographs, from a live camera, from lamps ----
+photographs=$(dirname "$INLAY")/tests/cli/photographs
+# near FILE KEY X Y MOST: both numbers of the key within so many pixels
+near() {
+	key "$1" "$2" | awk -v x="$3" -v y="$4" -v most="$5" \
+		'{ exit !($1 > x - most && $1 < x + most && $2 > y - most && $2 < y + most) }'
+}
+if has_command fisheye && [ -x "$photographs" ]; then
+	"$photographs" "$work" >"$work/stdout"
+	check "a fisheye from photographs of a board" calibrate fisheye --images "$work/eye?.png" \
+		--board 9x6:20mm --field 88 --report "$work/photo-report" -o "$work/photo.ini"
+	check "is of the model that it is" grep -q '^model = equidistant$' "$work/photo.ini"
+	check "of its focal lengths" near "$work/photo.ini" focal 220 211 0.1
+	check "and its centre" near "$work/photo.ini" centre 483.2 357.4 0.1
+	check "a page" grep -q '</html>' "$work/photo-report/report.html"
+	# each place for two pictures, half a second apart
+	for n in $(seq 18); do
+		ln -s "eye$(((n + 1) / 2)).png" "$work/$(printf 'held%03d.png' "$n")"
+	done
+	cat >"$work/held.conf" <<-END
+		[camera eye]
+		driver = sim
+		rate = 2
+		sim.source = files
+		sim.file = held%03d.png
+		sim.clock = frames
+		[fisheye]
+		camera = eye
+		[background]
+		camera = eye
+		[screen]
+		driver = file
+		device = held.png
+	END
+	check "a fisheye from a live camera" calibrate fisheye --live "$work/held.conf" \
+		--board 9x6:20mm --views 9 --field 88 --model equidistant -o "$work/held.ini"
+	check "is the same" near "$work/held.ini" focal 220 211 0.1
+	check "around the same centre" near "$work/held.ini" centre 483.2 357.4 0.1
+	calibrate fisheye --lamps "$work/lamps.txt" --picture "$work/lamps.png" \
+		--model equidistant --report "$work/lamps-report" -o "$work/lamps.ini" \
+		>"$work/stdout"
+	equal "a fisheye from lamps" 0 $?
+	check "says that it found them" grep -q '^20 of 20 lamps found$' "$work/stdout"
+	check "is the lens" near "$work/lamps.ini" focal 148 139 0.1
+	check "as it is turned" near "$work/lamps.ini" rotation 3 -4 0.1
+	sed 's/^\([^ ]*\) .*/\1 95/' "$work/lamps.txt" >"$work/bad-lamps.txt"
+	failed_with "lamps above the zenith" "bad-lamps.txt:1: expected azimuth and elevation" fisheye \
+		--lamps "$work/bad-lamps.txt" --picture "$work/lamps.png" -o "$work/none.ini"
+	failed_with "lamps in a picture of none" "fewer than 4" fisheye \
+		--lamps "$work/lamps.txt" --picture "$work/eye1.png" -o "$work/none.ini"
+	wrong "lamps without a picture" "--picture is missing" fisheye --lamps "$work/lamps.txt" \
+		-o "$work/none.ini"
+	absent "and nothing was written" "$work/none"
+fi
+
+# ---- light ----
+if has_command light; then
+	awk 'BEGIN {
+		for (i = 0; i < 12; i++) {
+			r = 0.1 + 0.07 * (i * 5 % 12)
+			g = 0.1 + 0.06 * (i * 7 % 11)
+			b = 0.1 + 0.08 * (i * 3 % 10)
+			print r, g, b, 0.9 * r + 0.05 * g, 0.02 * r + 1.1 * g, 0.1 * g + 0.8 * b
+		}
+	}' >"$work/patches"
+	# four changes, each seen after 80 ms; the first two alone are too few
+	awk 'BEGIN {
+		for (t = 0; t < 5000; t += 20)
+			print t, int((t + 920) / 1000) % 2 ? 60 : 120
+		for (t = 1000; t < 5000; t += 1000)
+			print "change", t
+	}' >"$work/record"
+	awk '$1 != "change" && $1 < 3000 || $2 < 3000 && $1 == "change"' "$work/record" >"$work/short"
+	wrong "light of nothing" "usage: inlay-calibrate light" light
+	failed_with "a file of patches that is not there" "$work/nothing" light colours "$work/nothing" \
+		-o "$work/none.ini"
+	absent "and nothing was written" "$work/none"
+	check "colours of two cameras" calibrate light colours "$work/patches" \
+		--report "$work/light-report" -o "$work/light.ini"
+	check "a page" grep -q '</html>' "$work/light-report/report.html"
+	check "and JSON" is_json "$work/light-report/light.json"
+	cp "$work/light.ini" "$work/colours.ini"
+	failed_with "too few changes of exposure" "three changes" light delay "$work/short" \
+		-o "$work/light.ini"
+	same "leave the file as it is" "$work/colours.ini" "$work/light.ini"
+	check "a delay" calibrate light delay "$work/record" -o "$work/light.ini"
+	check "joins the colours" grep -q '^colours = ' "$work/light.ini"
+	sed 's|^\[fisheye\]$|&\nlight = light.ini|' "$work/studio.conf" >"$work/lit.conf"
+	check "the kiosk reads it" "$INLAY" check --config "$work/lit.conf"
+fi
+
+# ---- boards ----
+# seen_live COMMAND: one place, and then the verdict that one is not enough.
+seen_live() {
+	! calibrate "$1" --live "$work/live.conf" --views 1 --board 9x6:25mm -o "$work/none.ini" \
+		2>"$work/stderr" >"$work/stdout" &&
+		[ "$(grep -c '' "$work/stderr")" -eq 2 ] &&
+		grep -q "place 1 of 1: 54 points" "$work/stderr" && [ ! -e "$work/none.ini" ]
+}
+if has_command board; then
+	check "a board to print" calibrate board -o "$work/board.pdf"
+	check "is a PDF" grep -aq '^%PDF-' "$work/board.pdf"
+	failed_with "a board that the page does not hold" "at most 25" board --board 9x6:60mm \
+		-o "$work/none.pdf"
+	wrong "a board that is none" "expected a board such as" board --board 9by6 -o "$work/none.pdf"
+	absent "and nothing was written" "$work/none"
+	if command -v pdftoppm >/dev/null; then
+		# What is printed is found again, square to the view: that alone is no camera.
+		calibrate board --board 9x6:25mm -o "$work/chess.pdf"
+		pdftoppm -r 80 -png -singlefile "$work/chess.pdf" "$work/chess"
+		failed_with "what is printed is found" "tilt it by 30 degrees or more" camera \
+			--images "$work/chess.png" --board 9x6:25mm -o "$work/none.ini"
+		failed_with "another board is not found in it" "$work/chess.png" camera \
+			--images "$work/chess.png" --board 5x4:25mm -o "$work/none.ini"
+		# Held before the cameras of a kiosk, whose screen shows that it was seen.
+		cat >"$work/live.conf" <<-END
+			[camera eye]
+			driver = sim
+			rate = 2
+			sim.source = files
+			sim.file = chess.png
+			sim.clock = frames
+			[fisheye]
+			camera = eye
+			[background]
+			camera = eye
+			[screen]
+			driver = file
+			device = live.png
+		END
+		for command in camera fisheye; do
+			rm -f "$work/live.png"
+			check "seen live by the $command" seen_live "$command"
+			check "and shown" test -s "$work/live.png"
+		done
+		wrong "live without a board" "--board is missing" fisheye --live "$work/live.conf" \
+			-o "$work/none.ini"
+		failed_with "a configuration that is not there" "$work/nothing.conf" fisheye \
+			--live "$work/nothing.conf" --board 9x6:25mm -o "$work/none.ini"
+	fi
+fi
+
+finish

@@ -1,0 +1,42 @@
+/* Any bytes as a file of points: refused in a sentence with nothing kept, or points that are
+ * finite. */
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "bake/calibrate/observations.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
+{
+	static const struct points_convention up = {.height = 480, .y_up = 1, .pixel_centre = 0};
+	static int file = -1;
+	struct observations all = {0};
+	struct fault fault = {.text = ""};
+	char path[64];
+
+	if (file < 0)
+		file = memfd_create("points", MFD_CLOEXEC);
+	if (file < 0 || ftruncate(file, 0) || pwrite(file, data, bytes, 0) != (ssize_t)bytes)
+		abort();
+	snprintf(path, sizeof(path), "/proc/self/fd/%d", file);
+	if (observations_read(&all, path, &up, &fault)) {
+		if (!*fault.text || all.count || all.views)
+			abort();
+	} else if (all.count < 1 || all.views != 1 || all.view[0].count != all.count) {
+		abort();
+	}
+	for (int i = 0; i < all.count; i++) {
+		const struct observation *point = &all.point[i];
+
+		for (int k = 0; k < 3; k++)
+			if (!isfinite(point->world[k]) || (k < 2 && !isfinite(point->px[k])))
+				abort();
+	}
+	observations_free(&all);
+	return 0;
+}

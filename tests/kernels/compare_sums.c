@@ -1,0 +1,182 @@
+/* What is done with lines: sums over them, weights split into digits, projections. */
+#include "tests/kernels/compare_parts.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LINES 40 /* weights name them again and again */
+#define STEP_MAX 12
+
+/* ---- sums16, sums8 ---- */
+
+static int weights_count(struct comparison *c)
+{
+	if (c->round == 0)
+		return WEIGHTS_LONG;
+	if (c->round < 40) /* every short one: the ends of runs */
+		return 2 * c->round - 2;
+	return 2 * compare_below(c, (c->round % 8 ? 100 : WEIGHTS) / 2 + 1);
+}
+
+/* Lines of one, two or three channels that lie one after the other, with gaps or without. */
+static struct kernel_weights make_weights(struct comparison *c)
+{
+	const bool ordered = compare_below(c, 2);
+	struct kernel_weights w = {
+		.count = weights_count(c),
+		.digits = compare_between(c, 1, KERNEL_DIGITS),
+		.shift = compare_below(c, KERNEL_SHIFT_MAX + 1),
+		.fresh = compare_below(c, 2),
+		.step = (size_t)compare_between(c, 1, STEP_MAX) * KERNEL_LINE_BYTES,
+		.channel = compare_below(c, 2)
+				   ? (size_t)compare_between(c, 1, LINES) * KERNEL_LINE_BYTES
+				   : 0,
+	};
+	uint32_t *line = guarded_take(&c->line, (size_t)w.count * sizeof(*line));
+	const int values = w.count * 3 * w.digits;
+	int16_t *digit = guarded_take(&c->weight, (size_t)values * sizeof(*digit));
+
+	for (int k = 0; k < w.count; k++)
+		line[k] = (uint32_t)(ordered ? k % LINES : compare_below(c, LINES));
+	compare_fill16(c, digit, values, -2048, 2047);
+	for (int i = 0; i < values && c->round == 0; i++) /* what overflows first */
+		digit[i] = i / 2 % 2 ? 2047 : -2048;
+	w.line = line;
+	w.digit = digit;
+	return w;
+}
+
+/* What the tables made of it, by what both began with. */
+static bool same_sums(struct comparison *c, const struct kernel_weights *w, int64_t *sum[2][3],
+		      int count, char *why)
+{
+	for (int i = 0; i < 3 * count; i++) {
+		const int64_t truth = sum[0][i / count][i % count];
+		const int64_t other = sum[1][i / count][i % count];
+
+		if (truth != other) {
+			snprintf(why, 256,
+				 "%d weights of %d digits, channel %d, pixel %d: %" PRId64
+				 ", expected %" PRId64,
+				 w->count, w->digits, i / count, i % count, other, truth);
+			return false;
+		}
+	}
+	for (int k = 0; k < 3; k++) {
+		if (!guarded_intact(&c->sum[1][k], (size_t)count * sizeof(int64_t)))
+			return false;
+	}
+	return true;
+}
+
+bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables[2], char *why)
+{
+	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
+	const int beyond =
+		compare_below(c, 8); /* numbers after the sums, so that these lie anywhere */
+	const struct kernel_weights w = make_weights(c);
+	const size_t last = (LINES - 1) * w.step + 2 * w.channel + KERNEL_LINE_BYTES;
+	const int values = (int)last * pixels / KERNEL_LINE_BYTES;
+	const enum filling filling = c->round == 0 ? HIGHEST
+						   : (enum filling)compare_below(c, FILLINGS);
+	void *lines = guarded_take(&c->lines, last);
+	int64_t *sum[2][3];
+
+	for (int i = 0; i < values; i++) {
+		if (bytes)
+			((int8_t *)lines)[i] = (int8_t)compare_value(c, filling, i, -127, 127);
+		else
+			((int16_t *)lines)[i] = (int16_t)compare_value(c, filling, i, -32767,
+								       32767);
+	}
+	for (int k = 0; k < 3; k++) {
+		for (int i = 0; i < 2; i++)
+			sum[i][k] = guarded_take(&c->sum[i][k],
+						 (size_t)(pixels + beyond) * sizeof(int64_t));
+		for (int p = 0; p < pixels + beyond; p++)
+			sum[0][k][p] = sum[1][k][p] = compare_spread(c, 61);
+	}
+	for (int i = 0; i < 2; i++) {
+		if (bytes)
+			tables[i]->sums8(lines, &w, sum[i]);
+		else
+			tables[i]->sums16(lines, &w, sum[i]);
+	}
+	return same_sums(c, &w, sum, pixels + beyond, why);
+}
+
+/* ---- split ---- */
+
+bool compare_split(struct comparison *c, const struct kernels *tables[2], char *why)
+{
+	const int count = weights_count(c) % WEIGHTS, bits = compare_below(c, 47);
+	const size_t size = (size_t)count * 3 * KERNEL_DIGITS * sizeof(int16_t);
+	const int64_t *weight[3];
+	int16_t *digit[2];
+	int digits[2];
+
+	for (int k = 0; k < 3; k++) {
+		int64_t *w = guarded_take(&c->object[k], (size_t)count * sizeof(*w));
+
+		for (int i = 0; i < count; i++)
+			w[i] = compare_below(c, 8) ? compare_spread(c, bits)
+						   : (INT64_C(1) << bits) - compare_below(c, 2);
+		weight[k] = w;
+	}
+	for (int i = 0; i < 2; i++) {
+		digit[i] = guarded_take(i ? &c->weight : &c->lines, size);
+		memset(digit[i], 0x5a, size);
+		digits[i] = tables[i]->split(weight, count, digit[i]);
+	}
+	for (int i = 0; i < count * 3 * KERNEL_DIGITS; i++) {
+		if (digits[0] != digits[1] || digit[0][i] != digit[1][i]) {
+			snprintf(why, 256,
+				 "%d digits, expected %d; of %d weights, %d: %d, expected %d",
+				 digits[1], digits[0], count, i, digit[1][i], digit[0][i]);
+			return false;
+		}
+	}
+	return guarded_intact(&c->weight, size);
+}
+
+/* ---- project ---- */
+
+bool compare_project(struct comparison *c, const struct kernels *tables[2], char *why)
+{
+	const int stride = 32 *
+			   (c->round < 40 ? c->round + 1 : compare_between(c, 1, STRIDE_MAX / 32));
+	const int count = compare_below(c, ROWS + 1);
+	const size_t size = (size_t)count * 3 * sizeof(int64_t);
+	const bool same = compare_below(c, 2);
+	const int digits = compare_below(c, KERNEL_DIGITS + 1);
+	struct kernel_vector vector[3];
+	int16_t *rows = guarded_take(&c->lines, (size_t)(count * stride) * sizeof(*rows));
+	int64_t(*y[2])[3];
+
+	compare_fill16(c, rows, count * stride, -32767, 32767);
+	for (int k = 0; k < 3; k++) {
+		vector[k].digits = same ? digits : compare_below(c, KERNEL_DIGITS + 1);
+		for (int d = 0; d < KERNEL_DIGITS; d++) {
+			void *plane = guarded_take(&c->digit[k][d], (size_t)stride * 2);
+
+			/* What is beyond its digits must not count. */
+			compare_fill16(c, plane, stride, -2048, 2047);
+			vector[k].digit[d] = d < vector[k].digits ? plane : NULL;
+		}
+	}
+	for (int i = 0; i < 2; i++) {
+		y[i] = guarded_take(&c->out[i], size);
+		memset(y[i], 0x5a, size);
+		tables[i]->project(rows, count, stride, vector, y[i]);
+	}
+	for (int j = 0; j < count * 3; j++) {
+		if (y[0][j / 3][j % 3] != y[1][j / 3][j % 3]) {
+			snprintf(why, 256,
+				 "row %d of %d values, channel %d: %" PRId64 ", expected %" PRId64,
+				 j / 3, stride, j % 3, y[1][j / 3][j % 3], y[0][j / 3][j % 3]);
+			return false;
+		}
+	}
+	return guarded_intact(&c->out[1], size);
+}

@@ -1,0 +1,184 @@
+/*
+ * Photographs of a board, those of Debian's opencv-doc: ours fits at least as well as OpenCV's own
+ * calibration with the same distortion (its k1 is our kappa1 f^2), found from the same corners.
+ */
+#include <cmath>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <vector>
+
+#include <opencv2/calib3d.hpp>
+#include <sys/stat.h>
+
+/* Its macros are words that C++'s own headers use. */
+extern "C" {
+#include <cmocka.h>
+
+#include "bake/calibrate/boards.h"
+#include "bake/calibrate/camera.h"
+#include "hal/image/image.h"
+}
+
+#define FOLDER "/usr/share/doc/opencv-doc/examples/data"
+
+/* Finds the board in all photographs of one camera; there is no tenth. */
+static void look(const char *side, struct observations *seen)
+{
+	struct fault fault = {""};
+	struct board board;
+	struct stat info;
+
+	if (stat(FOLDER "/left01.jpg", &info)) {
+		print_message(FOLDER "/left01.jpg is missing: opencv-doc\n");
+		skip();
+	}
+	assert_int_equal(board_parse(&board, "9x6:25mm", &fault), 0);
+	for (int k = 1; k <= 14; k++) {
+		struct image picture;
+		char path[256];
+		int err;
+
+		snprintf(path, sizeof(path), FOLDER "/%s%02d.jpg", side, k);
+		if (stat(path, &info))
+			continue;
+		assert_int_equal(image_read(path, &picture, &fault), 0);
+		err = board_find(&board, &picture, path, seen, &fault);
+		if (err)
+			print_message("%s\n", fault.text);
+		assert_int_equal(err, 0);
+		image_free(&picture);
+	}
+	assert_int_equal(seen->views, 13);
+	assert_int_equal(seen->count, 13 * 54);
+}
+
+static double opencv(const struct observations *seen, cv::Mat &matrix, cv::Mat &distortion)
+{
+	std::vector<std::vector<cv::Point3f>> world(13);
+	std::vector<std::vector<cv::Point2f>> px(13);
+	std::vector<cv::Mat> rotations, translations;
+
+	for (int i = 0; i < seen->count; i++) {
+		const struct observation *p = &seen->point[i];
+
+		world[p->view].emplace_back(p->world[0], p->world[1], p->world[2]);
+		px[p->view].emplace_back(p->px[0], p->px[1]);
+	}
+	return cv::calibrateCamera(
+		world, px, cv::Size(seen->width, seen->height), matrix, distortion, rotations,
+		translations, cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST,
+		cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 300, 1e-14));
+}
+
+static void no_worse_than_opencv(const char *side)
+{
+	struct observations seen = {};
+	struct camera_task task = camera_task_default();
+	struct camera_solution solution;
+	struct fault fault = {""};
+	cv::Mat matrix, distortion;
+	double theirs, fx, fy;
+
+	look(side, &seen);
+	task.width = seen.width;
+	task.height = seen.height;
+	assert_int_equal(camera_calibrate(&seen, &task, &solution, &fault), 0);
+	assert_true(solution.solved);
+	theirs = opencv(&seen, matrix, distortion);
+	print_message("%s: rms %.9f px, OpenCV's %.9f px\n", side, solution.finding.rms_px, theirs);
+	assert_true(solution.finding.rms_px <= theirs * (1 + 1e-6));
+	assert_true(solution.finding.rms_px > 0.9 * theirs);
+	/* the same minimum, then: OpenCV rounds points to float */
+	fx = solution.camera.focal * solution.camera.aspect;
+	fy = solution.camera.focal;
+	assert_true(std::fabs(fx / matrix.at<double>(0, 0) - 1) < 1e-3);
+	assert_true(std::fabs(fy / matrix.at<double>(1, 1) - 1) < 1e-3);
+	assert_true(std::fabs(solution.camera.kappa1 * fy * fy - distortion.at<double>(0)) < 3e-3);
+	assert_true(std::fabs(solution.camera.centre_px[0] - matrix.at<double>(0, 2)) < 1);
+	assert_true(solution.finding.verdict.trusted);
+	camera_solution_free(&solution);
+	observations_free(&seen);
+}
+
+static void left(void **)
+{
+	no_worse_than_opencv("left");
+}
+
+static void right(void **)
+{
+	no_worse_than_opencv("right");
+}
+
+/* Tsai's own direction is another model of the same lens: it fits about as well. */
+static void in_both_directions(void **)
+{
+	struct observations seen = {};
+	double rms[2];
+
+	look("left", &seen);
+	for (int way = 0; way < 2; way++) {
+		struct camera_task task = camera_task_default();
+		struct camera_solution solution;
+
+		task.width = seen.width;
+		task.height = seen.height;
+		task.distortion = way;
+		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+		rms[way] = solution.finding.rms_px;
+		assert_true((solution.camera.kappa1 < 0) == (way == TSAI_DISTORTS));
+		assert_true(solution.finding.verdict.trusted);
+		camera_solution_free(&solution);
+	}
+	print_message("distorts %.6f px, undistorts %.6f px\n", rms[0], rms[1]);
+	assert_true(std::fabs(rms[0] - rms[1]) < 0.1);
+	observations_free(&seen);
+}
+
+/* With the lens from all photographs, one of them alone says where its board is. */
+static void where_is_the_board_now(void **)
+{
+	struct observations seen = {}, one = {};
+	struct camera_task task = camera_task_default();
+	struct camera_solution all, pose;
+
+	look("left", &seen);
+	task.width = seen.width;
+	task.height = seen.height;
+	task.reference = 4;
+	assert_int_equal(camera_calibrate(&seen, &task, &all, NULL), 0);
+	assert_int_equal(observations_begin_view(&one, "alone"), 0);
+	one.width = seen.width;
+	one.height = seen.height;
+	for (int i = seen.view[4].first; i < seen.view[4].first + seen.view[4].count; i++)
+		assert_int_equal(observations_add(&one, seen.point[i].world, seen.point[i].px, "p"),
+				 0);
+	task = camera_task_default();
+	task.intrinsics = &all.camera;
+	assert_int_equal(camera_calibrate(&one, &task, &pose, NULL), 0);
+	assert_true(pose.finding.verdict.trusted);
+	for (int k = 0; k < 9; k++)
+		assert_true(std::fabs(pose.camera.rotation[k] - all.camera.rotation[k]) < 1e-4);
+	for (int k = 0; k < 3; k++) /* m */
+		assert_true(std::fabs(pose.camera.translation[k] - all.camera.translation[k]) <
+			    1e-4);
+	camera_solution_free(&pose);
+	camera_solution_free(&all);
+	observations_free(&one);
+	observations_free(&seen);
+}
+
+int main()
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(left),
+		cmocka_unit_test(right),
+		cmocka_unit_test(in_both_directions),
+		cmocka_unit_test(where_is_the_board_now),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

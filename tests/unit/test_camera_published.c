@@ -1,0 +1,122 @@
+/* R. Willson's coplanar data, with what he published of them: a hard case, f and Tz hardly apart.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/camera.h"
+
+/* What the data were made with. */
+static const struct {
+	const char *name;
+	double value;
+} truth[] = {
+	{"focal", 270},		{"kappa1", -6e-4},	{"centre x", 262},	 {"centre y", 212},
+	{"translation x", 150}, {"translation y", -75}, {"translation z", 6600},
+};
+
+static void calibrate(enum camera_method method, struct observations *seen,
+		      struct camera_solution *solution)
+{
+	const struct points_convention convention = {.pixel_centre = 0.5};
+	const char *shared = getenv("INLAY_SHARED_DATA");
+	struct camera_task task = camera_task_default();
+	struct fault fault = {""};
+	char path[512];
+	int err;
+
+	snprintf(path, sizeof(path), "%s/tsai/coplanar.dat", shared ? shared : "../shared/data");
+	err = observations_read(seen, path, &convention, &fault);
+	if (err == -ENOENT) {
+		print_message("%s is missing\n", path);
+		skip();
+	}
+	assert_int_equal(err, 0);
+	assert_int_equal(seen->count, 100);
+	task.width = 576;
+	task.height = 480;
+	task.pixel[0] = task.pixel[1] = 0.023;
+	task.centre_given = true;
+	task.centre_px[0] = 258;
+	task.centre_px[1] = 204;
+	task.distortion = TSAI_UNDISTORTS;
+	task.method = method;
+	task.unit_mm = 1;
+	task.z_down = true;
+	assert_int_equal(camera_calibrate(seen, &task, solution, &fault), 0);
+	assert_true(solution->solved);
+}
+
+static double figure(const struct finding *finding, const char *key)
+{
+	for (int k = 0; k < finding->figures; k++)
+		if (!strcmp(finding->figure[k].key, key))
+			return finding->figure[k].value;
+	fail_msg("there is no figure %s", key);
+	return NAN;
+}
+
+static void full(void **state)
+{
+	struct observations seen = {0};
+	struct camera_solution solution;
+	const struct estimate *estimate = &solution.finding.estimate;
+	const struct parameter *p;
+
+	(void)state;
+	calibrate(CAMERA_FULL, &seen, &solution);
+	assert_true(figure(&solution.finding, "normalised_calibration_error") <= 0.231899);
+	assert_true(figure(&solution.finding, "distorted_error_mean") <= 0.096750);
+	/* the data have noise of 0.1 px, and f and Tz are hardly apart */
+	assert_true(estimate->sigma > 0.07 && estimate->sigma < 0.11);
+	assert_true(figure(&solution.finding, "focal_depth_correlation") > 0.999);
+	for (unsigned k = 0; k < sizeof(truth) / sizeof(*truth); k++) {
+		const int at = estimate_find(estimate, truth[k].name);
+
+		assert_true(at >= 0);
+		p = &estimate->parameter[at];
+		assert_false(p->fixed);
+		assert_true(fabs(p->value - truth[k].value) < 3 * estimate_deviation(estimate, at));
+	}
+	/* f is known to some percent only, and says so; the picture all the same */
+	p = &estimate->parameter[estimate_find(estimate, "focal")];
+	assert_true(estimate_deviation(estimate, 0) > 0.02 * p->value);
+	assert_true(figure(&solution.finding, "object_error_px") < 0.5);
+	assert_true(solution.finding.verdict.trusted);
+	assert_true(estimate->parameter[estimate_find(estimate, "aspect")].fixed);
+	camera_solution_free(&solution);
+	observations_free(&seen);
+}
+
+static void three(void **state)
+{
+	struct observations seen = {0};
+	struct camera_solution solution;
+
+	(void)state;
+	calibrate(CAMERA_THREE, &seen, &solution);
+	assert_true(figure(&solution.finding, "normalised_calibration_error") <= 0.314343);
+	assert_true(figure(&solution.finding, "focal_depth_correlation") > 0.999);
+	assert_true(solution.camera.centre_px[0] == 258 &&
+		    solution.camera.centre_px[1] == 480 - 204);
+	camera_solution_free(&solution);
+	observations_free(&seen);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(full),
+		cmocka_unit_test(three),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

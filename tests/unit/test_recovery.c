@@ -1,0 +1,386 @@
+/* What clips in the sky, found again on the ground. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "hal/lights/recovery.h"
+
+enum { LIGHTS = 20 };
+
+/* Lights of which some are clipped at white = 1, and the ground under them as they are. */
+struct sky {
+	float radiance[LIGHTS][3], clipped[LIGHTS];
+	double lost[3]; /* above white, by clipped pixel of the light that is right overhead */
+	double u[3][LIGHTS], solid_sr[LIGHTS], piece_sr[LIGHTS];
+	struct light_ground ground;
+};
+
+/* What is clipped is one piece, and brighter the higher it is: as light_recover() expects. */
+static void fill(struct sky *sky, int clipped, double lost)
+{
+	double piece_sr = 0;
+
+	*sky = (struct sky){.lost = {lost, 0.9 * lost, 0.5 * lost}};
+	for (int i = 0; i < LIGHTS; i++) {
+		sky->clipped[i] = i < clipped ? 0.25f * (float)(i + 1) / (float)clipped : 0;
+		sky->solid_sr[i] = 2 * M_PI / LIGHTS * (i % 2 ? 1.2 : 0.8);
+		piece_sr += (double)sky->clipped[i] * sky->solid_sr[i];
+	}
+	for (int i = 0; i < LIGHTS; i++) {
+		const double cosine = (i + 1.0) / LIGHTS;
+
+		sky->piece_sr[i] = sky->clipped[i] > 0 ? piece_sr : 0;
+		for (int c = 0; c < 3; c++) {
+			sky->u[c][i] = 0.5 / M_PI * cosine * sky->solid_sr[i];
+			sky->radiance[i][c] = 0.3f + 0.02f * (float)i + 0.01f * (float)c;
+			sky->ground.radiance[c] +=
+				sky->u[c][i] * ((double)sky->radiance[i][c] +
+						(double)sky->clipped[i] * sky->lost[c] * cosine);
+		}
+	}
+}
+
+static struct light_recovery recover(struct sky *sky, double white)
+{
+	const struct light_clipping clipping = {
+		.lights = LIGHTS,
+		.term = {sky->u[0], sky->u[1], sky->u[2]},
+		.solid_angle_sr = sky->solid_sr,
+		.clipped = sky->clipped,
+		.piece_sr = sky->piece_sr,
+		.white = white,
+	};
+
+	return light_recover(&sky->ground, &clipping, sky->radiance);
+}
+
+static double ground_of(const struct sky *sky, int c)
+{
+	double sum = 0;
+
+	for (int i = 0; i < LIGHTS; i++)
+		sum += sky->u[c][i] * (double)sky->radiance[i][c];
+	return sum;
+}
+
+static void what_is_lost_is_found(void **state)
+{
+	static const double lost[] = {3, 10, 1000, 100000};
+	struct sky sky, before;
+
+	(void)state;
+	for (size_t n = 0; n < sizeof(lost) / sizeof(*lost); n++) {
+		struct light_recovery r;
+
+		fill(&sky, 3, lost[n]);
+		before = sky;
+		r = recover(&sky, 1);
+		assert_true(r.recovered && !r.at_bound);
+		for (int c = 0; c < 3; c++) {
+			const double share = 1 - ground_of(&before, c) / sky.ground.radiance[c];
+			const double unsure = LIGHT_RECOVERY_UNSURE * LIGHT_RECOVERY_UNSURE;
+			const double found = share * share / (share * share + unsure);
+
+			assert_true(fabs((r.factor[c] - 1) / (sky.lost[c] * 3 / LIGHTS) - found) <
+				    1e-4);
+			assert_true(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1) <
+				    share * (1 - found) + 1e-5);
+			for (int i = 0; i < LIGHTS; i++) {
+				const double more = (double)sky.radiance[i][c] -
+						    (double)before.radiance[i][c];
+				const double is = found * (double)sky.clipped[i] * sky.lost[c] *
+						  (i + 1) / LIGHTS;
+
+				assert_true(i < 3 ? more > 0 : more == 0);
+				assert_true(fabs(more - is) <= 1e-4 * is + 1e-6);
+			}
+		}
+	}
+}
+
+/* Two of very different size give the ground as much each. */
+static void pieces_have_like_powers(void **state)
+{
+	struct sky sky, before;
+	double small, large;
+
+	(void)state;
+	fill(&sky, 0, 0);
+	for (int i = 0; i < LIGHTS; i++) { /* lights 9 alone, and 10 to 19, all of one height */
+		sky.clipped[i] = i < 9 ? 0 : 1;
+		sky.piece_sr[i] = i < 9 ? 0 : i == 9 ? 0.3 : 3;
+		sky.solid_sr[i] = 0.3;
+		for (int c = 0; c < 3; c++) {
+			sky.u[c][i] = 0.02;
+			sky.radiance[i][c] = i < 9 ? 0.2f : 1;
+		}
+	}
+	before = sky;
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
+	recover(&sky, 1);
+	small = (double)sky.radiance[9][0] - 1;
+	large = 0;
+	for (int i = 10; i < LIGHTS; i++) {
+		assert_true(sky.radiance[i][0] == sky.radiance[10][0]);
+		large += (double)sky.radiance[i][0] - 1;
+	}
+	assert_true(fabs(small / large - 1) < 0.01);
+	/* But not a piece of a few pixels, which noise clips. */
+	sky = before;
+	sky.clipped[9] = 1e-4f;
+	sky.piece_sr[9] = 3e-5;
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
+	recover(&sky, 1);
+	small = (double)sky.radiance[9][0] - 1;
+	assert_true(small > 0 && small < 0.04 * large);
+}
+
+/* What lies lower gets less for each clipped pixel, on the horizon nothing. */
+static void what_lies_low_gets_less(void **state)
+{
+	struct sky sky;
+
+	(void)state;
+	fill(&sky, 0, 0);
+	for (int i = 0; i < 3; i++) {
+		sky.clipped[i] = 1;
+		sky.piece_sr[i] = sky.solid_sr[i] = 0.3;
+		for (int c = 0; c < 3; c++) {
+			sky.u[c][i] = i * 0.02;
+			sky.radiance[i][c] = 1;
+		}
+	}
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
+	recover(&sky, 1);
+	assert_true(sky.radiance[0][1] == 1);
+	assert_true(fabs((double)(sky.radiance[2][1] - 1) / (double)(sky.radiance[1][1] - 1) - 2) <
+		    1e-5);
+	/* Nothing else clips: the ground sees none of it, and what is missing stays missing. */
+	sky.clipped[1] = sky.clipped[2] = 0;
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
+	assert_false(recover(&sky, 1).recovered);
+	assert_true(sky.radiance[0][1] == 1);
+}
+
+/* A blue sky clips in blue: red goes to the lamp. */
+static void colours_clip_by_themselves(void **state)
+{
+	struct sky sky;
+
+	(void)state;
+	fill(&sky, 0, 0);
+	for (int i = 18; i < LIGHTS; i++) {
+		sky.clipped[i] = 1;
+		sky.piece_sr[i] = sky.solid_sr[i] = 0.3;
+		for (int c = 0; c < 3; c++) {
+			sky.u[c][i] = 0.02;
+			sky.radiance[i][c] = i == 18 && c == 0 ? 0.4f : 1;
+		}
+	}
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
+	recover(&sky, 1);
+	assert_true(sky.radiance[18][0] - 0.4f < 0.001f * (sky.radiance[19][0] - 1));
+	assert_true(fabs((double)(sky.radiance[18][2] / sky.radiance[19][2]) - 1) < 1e-5);
+}
+
+static void all_may_be_clipped(void **state)
+{
+	struct light_recovery r;
+	struct sky sky;
+
+	(void)state;
+	fill(&sky, 0, 0);
+	for (int i = 0; i < LIGHTS; i++) {
+		sky.clipped[i] = 1;
+		sky.piece_sr[i] = 2 * M_PI;
+		for (int c = 0; c < 3; c++)
+			sky.radiance[i][c] = 1;
+	}
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
+	r = recover(&sky, 1);
+	assert_true(r.recovered && !r.at_bound);
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1) < 1e-3);
+}
+
+/* A patch that is no number, or lights that are not, change nothing. */
+static void no_number_adds_nothing(void **state)
+{
+	struct sky sky, before;
+
+	(void)state;
+	fill(&sky, 3, 10);
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] = c == 0 ? (double)NAN : c == 1 ? -1 : 0;
+	before = sky;
+	assert_false(recover(&sky, 1).recovered);
+	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
+	fill(&sky, 3, 10);
+	sky.radiance[5][0] = NAN;
+	before = sky;
+	assert_true(recover(&sky, 1).factor[0] == 1);
+	for (int i = 0; i < LIGHTS; i++)
+		assert_memory_equal(&sky.radiance[i][0], &before.radiance[i][0], sizeof(float));
+	fill(&sky, 3, 10);
+	sky.clipped[2] = NAN;
+	before = sky;
+	assert_true(recover(&sky, 1).recovered);
+	assert_true(sky.radiance[2][0] == before.radiance[2][0]);
+	assert_true(isfinite(sky.radiance[1][0]));
+}
+
+/* One light and its equation: it is that which is missing. */
+static void one_light_is_exact(void **state)
+{
+	struct sky sky;
+
+	(void)state;
+	for (int which = 0; which < LIGHTS; which++) {
+		fill(&sky, 0, 0);
+		sky.clipped[which] = 0.3f;
+		sky.piece_sr[which] = 0.3 * sky.solid_sr[which];
+		for (int c = 0; c < 3; c++)
+			sky.ground.radiance[c] = ground_of(&sky, c) + 100 * sky.u[c][which];
+		recover(&sky, 1);
+		for (int c = 0; c < 3; c++)
+			assert_true(fabs((double)sky.radiance[which][c] / 100 - 1) < 0.01);
+	}
+}
+
+static void where_nothing_clips_nothing_is_done(void **state)
+{
+	struct light_recovery r;
+	struct sky sky, before;
+
+	(void)state;
+	fill(&sky, 0, 0);
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] *= 5;
+	before = sky;
+	r = recover(&sky, 1);
+	assert_false(r.recovered || r.at_bound);
+	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
+}
+
+/* Nothing is missing, or less than nothing: nothing is taken away. */
+static void light_is_not_taken_away(void **state)
+{
+	struct light_recovery r;
+	struct sky sky, before;
+
+	(void)state;
+	fill(&sky, 3, 0);
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] *= 0.7;
+	before = sky;
+	r = recover(&sky, 1);
+	assert_false(r.recovered || r.at_bound);
+	assert_true(r.factor[0] == 1 && r.factor[1] == 1 && r.factor[2] == 1);
+	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
+}
+
+/* A calibration that is a percent off makes no lamp of a pixel that clips, and there is no step. */
+static void small_differences_stay_small(void **state)
+{
+	double last = 0;
+
+	(void)state;
+	for (int n = 0; n <= 300; n++) {
+		const double off = n / 1000.0;
+		double more;
+		struct sky sky;
+
+		fill(&sky, 1, 0);
+		for (int c = 0; c < 3; c++)
+			sky.ground.radiance[c] = ground_of(&sky, c) * (1 + off);
+		recover(&sky, 1);
+		more = ground_of(&sky, 0) * (1 + off) / sky.ground.radiance[0] - 1;
+		assert_true(more >= last - 1e-9 && more - last < 0.0025);
+		assert_true(more <= off + 1e-6);
+		if (off <= 0.01)
+			assert_true(more < 0.21 * off + 1e-6);
+		if (off >= 0.2)
+			assert_true(more > 0.98 * off);
+		last = more;
+	}
+}
+
+static void bounds_are_said(void **state)
+{
+	struct light_recovery r;
+	struct sky sky;
+
+	(void)state;
+	fill(&sky, 2, 100);
+	for (int c = 0; c < 3; c++)
+		sky.ground.radiance[c] *= 1e7;
+	r = recover(&sky, 0.5);
+	assert_true(r.recovered && r.at_bound);
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(r.factor[c] / LIGHT_RECOVERY_MAX - 1) < 1e-9);
+	fill(&sky, 2, 100);
+	sky.ground.clipped = 0.1; /* there is more than the patch shows */
+	r = recover(&sky, 1);
+	assert_true(r.recovered && r.at_bound);
+}
+
+static void a_patch_is_its_mean(void **state)
+{
+	enum { WIDTH = 24, HEIGHT = 10 };
+	static uint8_t pixels[HEIGHT][WIDTH][4];
+	const struct view view = {.width = WIDTH, .height = HEIGHT, .squash = 1};
+	const struct picture picture = view_picture(&view, &pixels[0][0][0], sizeof(pixels[0]));
+	const struct frame_reader reader = frame_reader_of(&picture);
+	struct light_ground ground;
+	uint32_t row[WIDTH];
+	float decode[256];
+
+	(void)state;
+	for (int code = 0; code < 256; code++)
+		decode[code] = (float)code / 255;
+	memset(pixels, 77, sizeof(pixels));
+	for (int y = 2; y < 6; y++)
+		for (int x = 3; x < 11; x++) {
+			pixels[y][x][0] = 51;
+			pixels[y][x][1] = (uint8_t)(x % 2 ? 102 : 0);
+			pixels[y][x][2] = 255;
+		}
+	ground = light_ground_see(&reader, 3, 2, 8, 4, decode, row);
+	assert_true(fabs(ground.radiance[0] - 1) < 1e-6);
+	assert_true(fabs(ground.radiance[1] - 0.2) < 1e-6);
+	assert_true(fabs(ground.radiance[2] - 0.2) < 1e-6);
+	assert_true(ground.clipped == 1);
+	ground = light_ground_see(&reader, 3, 6, 8, 4, decode, row);
+	assert_true(ground.clipped == 0 && fabs(ground.radiance[0] - 77 / 255.0) < 1e-6);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_is_lost_is_found),
+		cmocka_unit_test(pieces_have_like_powers),
+		cmocka_unit_test(what_lies_low_gets_less),
+		cmocka_unit_test(colours_clip_by_themselves),
+		cmocka_unit_test(all_may_be_clipped),
+		cmocka_unit_test(no_number_adds_nothing),
+		cmocka_unit_test(one_light_is_exact),
+		cmocka_unit_test(where_nothing_clips_nothing_is_done),
+		cmocka_unit_test(light_is_not_taken_away),
+		cmocka_unit_test(small_differences_stay_small),
+		cmocka_unit_test(bounds_are_said),
+		cmocka_unit_test(a_patch_is_its_mean),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

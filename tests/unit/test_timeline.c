@@ -1,0 +1,110 @@
+/* Poses by the clock. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+
+#include "app/timeline.h"
+#include "hal/clock.h"
+
+static struct timeline begun(enum config_timeline kind, double rate, int count, int pose)
+{
+	const struct config_poses poses = {.timeline = kind, .rate = rate};
+	struct timeline t;
+
+	timeline_begin(&t, &poses, count, pose, 1000 * NS_PER_S);
+	return t;
+}
+
+static void check(const struct timeline *t, double after_s, int pose, int next, double share)
+{
+	const struct timeline_place at =
+		timeline_at(t, 1000 * NS_PER_S + (int64_t)llround(after_s * NS_PER_S));
+
+	if (at.pose != pose || at.next != next || fabs(at.share - share) > 1e-6)
+		fail_msg("after %g s: %d to %d by %.9f, expected %d to %d by %.9f", after_s,
+			 at.pose, at.next, at.share, pose, next, share);
+}
+
+static void loops(void **state)
+{
+	const struct timeline t = begun(TIMELINE_LOOP, 12, 36, 0);
+	const struct timeline from = begun(TIMELINE_LOOP, 2, 3, 2);
+
+	(void)state;
+	check(&t, 0, 0, 1, 0);
+	check(&t, 1 / 24.0, 0, 1, 0.5);
+	check(&t, 1, 12, 13, 0);
+	check(&t, 2.95, 35, 0, 0.4);
+	check(&t, 3, 0, 1, 0);
+	check(&from, 0.25, 2, 0, 0.5);
+	check(&from, 0.5, 0, 1, 0);
+}
+
+static void swings(void **state)
+{
+	static const int poses[] = {0, 1, 2, 3, 2, 1, 0, 1};
+	const struct timeline t = begun(TIMELINE_SWING, 1, 4, 0);
+	const struct timeline two = begun(TIMELINE_SWING, 10, 2, 1);
+
+	(void)state;
+	for (int k = 0; k < 7; k++)
+		check(&t, k + 0.25, poses[k], poses[k + 1], 0.25);
+	check(&two, 0.05, 1, 0, 0.5);
+	check(&two, 0.15, 0, 1, 0.5);
+}
+
+static void one_pose_stays(void **state)
+{
+	(void)state;
+	for (int kind = TIMELINE_NONE; kind < TIMELINE_COUNT; kind++) {
+		const struct timeline t = begun((enum config_timeline)kind, 12, 1, 0);
+
+		check(&t, 0.5, 0, 0, 0);
+		check(&t, 1e6, 0, 0, 0);
+	}
+}
+
+static void none_stays(void **state)
+{
+	const struct timeline t = begun(TIMELINE_NONE, 12, 36, 7);
+
+	(void)state;
+	check(&t, 100, 7, 7, 0);
+}
+
+/* Frames that come late leave poses out; nothing adds up, in years neither. */
+static void keeps_time(void **state)
+{
+	const double year = 365.25 * 24 * 3600;
+	const struct timeline t = begun(TIMELINE_LOOP, 12, 36, 0);
+	const struct timeline slow = begun(TIMELINE_SWING, 0.001, 5, 0);
+
+	(void)state;
+	check(&t, 10 * year, 0, 1, 0); /* whole seconds, of which three are a round */
+	check(&t, 10 * year + 1.125, 13, 14, 0.5);
+	check(&slow, 8e3 * 1e4 + 1500, 1, 2, 0.5);
+}
+
+static void time_that_goes_back_waits(void **state)
+{
+	const struct timeline t = begun(TIMELINE_LOOP, 12, 36, 5);
+
+	(void)state;
+	check(&t, -100, 5, 6, 0);
+	check(&t, 0.25, 8, 9, 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(loops),	  cmocka_unit_test(swings),
+		cmocka_unit_test(one_pose_stays), cmocka_unit_test(none_stays),
+		cmocka_unit_test(keeps_time),	  cmocka_unit_test(time_that_goes_back_waits),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
