@@ -253,6 +253,12 @@ test-fuzz: programs-fuzz
 test-sanitize:
 	$(Q)tests/sanitize/run.sh
 
+.PHONY: test-seeds
+## test-seeds: unit and kernel tests, each from TIMES=20 new seeds (an hour); make test keeps to one
+TIMES = 20
+test-seeds: all programs-unit $(BUILD)/tests/kernels/test_kernels
+	$(Q)tests/seeds.sh $(TIMES) $(UNIT_PROGRAMS) $(BUILD)/tests/kernels/test_kernels
+
 .PHONY: lint
 ## lint: format, include rules, warnings as errors (gcc, clang), cppcheck, shellcheck
 lint:

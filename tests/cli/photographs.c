@@ -80,7 +80,6 @@ int main(int argc, char **argv)
 
 	if (argc != 2)
 		return EXIT_FAILURE;
-	setenv("INLAY_SEED", "20261120", 1);
 	chance = chance_begin("photographs");
 	return photograph(argv[1], &chance) || light_lamps(argv[1], &chance) ? EXIT_FAILURE
 									     : EXIT_SUCCESS;

@@ -4,7 +4,6 @@
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:?the folder of the build}"
-seed=${SEED:-$(date +%s)}
 arm=build/kernels-aarch64
 count=0
 failed=0
@@ -61,7 +60,7 @@ aarch64)
 	lists asimddp && needed+=(--need neon-dotprod)
 	;;
 esac
-run native "$program" --seed "$seed" "${needed[@]}"
+run native "$program" "${needed[@]}"
 
 # Fewer rounds where an emulator does the work; still every width, every length of a run.
 rounds=300
@@ -69,11 +68,11 @@ if [ "$machine" = x86_64 ] && present "older processors" qemu-x86_64-static qemu
 	if readelf -lW "$program" | grep -q INTERP; then
 		echo "# this build is not static (a sanitizer's): older processors are left out"
 	else
-		run "AVX2 (Haswell)" qemu-x86_64-static -cpu Haswell "$program" --seed "$seed" \
+		run "AVX2 (Haswell)" qemu-x86_64-static -cpu Haswell "$program" \
 			--rounds $rounds --need avx2 --choose avx2
-		run "SSE4.1 (Penryn)" qemu-x86_64-static -cpu Penryn "$program" --seed "$seed" \
+		run "SSE4.1 (Penryn)" qemu-x86_64-static -cpu Penryn "$program" \
 			--rounds $rounds --need sse4.1 --choose sse4.1
-		run "no SSE4.1 (Conroe)" qemu-x86_64-static -cpu Conroe "$program" --seed "$seed" \
+		run "no SSE4.1 (Conroe)" qemu-x86_64-static -cpu Conroe "$program" \
 			--rounds $rounds --choose c
 	fi
 fi
@@ -83,10 +82,10 @@ if [ "$machine" = x86_64 ] && present "Arm" aarch64-linux-gnu-gcc gcc-aarch64-li
 		--no-print-directory CC=aarch64-linux-gnu-gcc BUILD=$arm \
 		$arm/tests/kernels/test_kernels 2>&1); then
 		run "NEON (Cortex-A72)" qemu-aarch64-static -cpu cortex-a72 \
-			$arm/tests/kernels/test_kernels --seed "$seed" --rounds $rounds \
+			$arm/tests/kernels/test_kernels --rounds $rounds \
 			--need neon --choose neon
 		run "NEON with dot products" qemu-aarch64-static -cpu max \
-			$arm/tests/kernels/test_kernels --seed "$seed" --rounds $rounds \
+			$arm/tests/kernels/test_kernels --rounds $rounds \
 			--need neon --need neon-dotprod --choose neon-dotprod
 	else
 		count=$((count + 1))

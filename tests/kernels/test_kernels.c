@@ -3,7 +3,7 @@
  * specification against wider integers and double precision; and the comparison itself against
  * tables that are wrong in one small thing each.
  *
- *     test_kernels [--seed S] [--rounds N] [--need NAME]... [--choose NAME]
+ *     test_kernels [--rounds N] [--need NAME]... [--choose NAME]
  *
  * --need: that table must be there and supported. --choose: it must be the one that is taken when
  * nobody asks for another.
@@ -13,10 +13,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "tests/kernels/compare.h"
 #include "tests/kernels/faults.h"
+#include "tests/unit/chance.h"
 
 #define NEEDED_MAX 8
 
@@ -269,15 +269,13 @@ static void test_choice(struct run *run)
 
 static int usage(void)
 {
-	fputs("usage: test_kernels [--seed S] [--rounds N] [--need NAME]... [--choose NAME]\n",
-	      stderr);
+	fputs("usage: test_kernels [--rounds N] [--need NAME]... [--choose NAME]\n", stderr);
 	return 2;
 }
 
 static int options(struct run *run, int argc, char **argv)
 {
-	static const struct option known[] = {{"seed", required_argument, NULL, 's'},
-					      {"rounds", required_argument, NULL, 'r'},
+	static const struct option known[] = {{"rounds", required_argument, NULL, 'r'},
 					      {"need", required_argument, NULL, 'n'},
 					      {"choose", required_argument, NULL, 'c'},
 					      {NULL, 0, NULL, 0}};
@@ -285,9 +283,6 @@ static int options(struct run *run, int argc, char **argv)
 
 	while ((o = getopt_long(argc, argv, "", known, NULL)) != -1) {
 		switch (o) {
-		case 's':
-			run->seed = strtoull(optarg, NULL, 0);
-			break;
 		case 'r':
 			run->rounds = atoi(optarg);
 			break;
@@ -308,11 +303,13 @@ static int options(struct run *run, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-	struct run run = {.seed = (uint64_t)time(NULL), .rounds = 2000};
+	struct run run = {.rounds = 2000};
+	struct chance chance;
 
 	if (options(&run, argc, argv) != 0)
 		return 2;
-	printf("# seed %llu, %d rounds\n", (unsigned long long)run.seed, run.rounds);
+	chance = chance_begin("kernels");
+	run.seed = chance_bits(&chance);
 	srandom((unsigned)run.seed);
 	test_needed(&run);
 	test_choice(&run);

@@ -16,13 +16,6 @@ enum light_shape { SHAPE_SRGB, SHAPE_BT709, SHAPE_POWER, SHAPE_FILM, SHAPE_LINEA
 
 static const char *const light_shape_names[] = {"srgb", "bt709", "power 2.2", "film", "linear"};
 
-/* The same numbers in every run, unless the environment names others. */
-static inline struct chance light_chance(void)
-{
-	setenv("INLAY_SEED", "5", 0);
-	return chance_begin("light");
-}
-
 struct light_camera {
 	enum light_shape shape;
 	double black;	   /* code value */

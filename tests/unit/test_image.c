@@ -15,11 +15,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <turbojpeg.h>
 #include <unistd.h>
 
 #include "hal/image/image.h"
+#include "tests/unit/chance.h"
 
 #define SAMPLES "tests/fuzz/corpus/image/"
 
@@ -240,11 +240,9 @@ static void hdr_refusals(void **state)
 static void hdr_round_trip(void **state)
 {
 	static const int widths[] = {1, 7, 8, 127, 128, 129, 300};
-	const unsigned seed = (unsigned)time(NULL);
+	struct chance chance = chance_begin("hdr");
 
 	(void)state;
-	print_message("seed %u\n", seed);
-	srand(seed);
 	for (size_t i = 0; i < sizeof(widths) / sizeof(widths[0]); i++) {
 		struct image out, in;
 		struct fault fault;
@@ -254,8 +252,8 @@ static void hdr_round_trip(void **state)
 		for (int p = 0; p < count * 3; p++)
 			out.f32[p] = p / 3 % 4 == 0   ? 0.75f
 				     : p / 3 % 4 == 1 ? 0
-						      : ldexpf((float)rand() / (float)RAND_MAX,
-							       rand() % 60 - 30);
+						      : ldexpf((float)chance_real(&chance, 0, 1),
+							       chance_int(&chance, -30, 29));
 		out.f32[0] = 3e38f;
 		out.f32[1] = 1e-37f;
 		out.f32[2] = 2e38f;

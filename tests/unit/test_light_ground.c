@@ -267,7 +267,7 @@ static double find_gain(const struct transfer_curve curves[2], const struct fish
 static void the_slab_is_the_ground(void **state)
 {
 	const struct fisheye_settings settings = {.field_deg = 90};
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct transfer_curve curves[2];
 	struct fisheye lens;
 	struct slab s;

@@ -71,7 +71,7 @@ static const struct light_camera cameras[SHAPE_COUNT] = {
 static void every_shape_is_found(void **state)
 {
 	const struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 
 	(void)state;
 	for (int k = 0; k < SHAPE_COUNT; k++) {
@@ -110,7 +110,7 @@ static void deviations_are_right(void **state)
 {
 	const struct light_camera camera = {SHAPE_SRGB, 0, 0.0005, 0.008};
 	const struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	const int runs = WATCHED ? 10 : 40;
 	double worst = 0;
 	int within[2] = {0}, all = 0;
@@ -143,7 +143,7 @@ static void deviations_are_right(void **state)
 static void times_are_refined(void **state)
 {
 	struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct series s = {.found = {.samples = 0}};
 
 	(void)state;
@@ -199,7 +199,7 @@ static void clipped_and_dark_are_doubted(void **state)
 		{3e3, 0.5, "only"},
 	};
 	const struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
@@ -216,7 +216,7 @@ static void clipped_and_dark_are_doubted(void **state)
 static void a_moved_scene_is_doubted(void **state)
 {
 	const struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct series s = series_of(4, 2e-3, &chance);
 
 	(void)state;
@@ -232,7 +232,7 @@ static void a_moved_scene_is_doubted(void **state)
 static void a_wrong_time_is_named(void **state)
 {
 	struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct series s = series_of(4, 2e-3, &chance);
 
 	(void)state;
@@ -245,7 +245,7 @@ static void a_wrong_time_is_named(void **state)
 static void channels_of_their_own_are_doubted(void **state)
 {
 	const struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct series s = series_of(4, 2e-3, &chance);
 
 	(void)state;
@@ -265,7 +265,7 @@ static void channels_of_their_own_are_doubted(void **state)
 static void wrong_use_is_refused(void **state)
 {
 	struct light_response_settings settings = exact_times();
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct series s = series_of(4, 2e-3, &chance);
 	const struct image *pictures[EXPOSURES];
 	struct image small;
