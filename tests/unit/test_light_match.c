@@ -46,7 +46,7 @@ static struct image dark(double level, double noise, struct chance *chance)
 
 static void black_is_found_with_its_deviation(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	int within[2] = {0};
 	const int runs = 200;
 
@@ -73,7 +73,7 @@ static void black_is_found_with_its_deviation(void **state)
 /* Noise that the camera cuts off at the level lifts the mean, and not the level. */
 static void cut_off_noise_is_seen(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct image picture = dark(16, 1.5, &chance);
 	struct light_black black;
 
@@ -88,7 +88,7 @@ static void cut_off_noise_is_seen(void **state)
 
 static void black_is_doubted(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct image picture = dark(90, 2, &chance), leak = dark(16, 1, &chance), small;
 	struct image longer = dark(60, 1, &chance);
 	struct light_black black;
@@ -182,7 +182,7 @@ static struct light_pair pair_of(double gain, double noise, struct chance *chanc
 
 static void gain_is_found_with_its_deviation(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	int within[2] = {0};
 	const int runs = 1000, pairs = 8;
 
@@ -206,7 +206,7 @@ static void gain_is_found_with_its_deviation(void **state)
 
 static void gain_is_doubted(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct light_pair pair[6];
 	struct light_gain found;
 
@@ -291,7 +291,7 @@ static void fill_patches(struct light_colour_pair *pairs, int count, double satu
 
 static void colours_are_found_with_deviations(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct light_colour_pair pairs[24];
 	int within[2] = {0}, all = 0;
 
@@ -321,7 +321,7 @@ static void colours_are_found_with_deviations(void **state)
 
 static void colours_are_doubted(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct light_colour_pair pairs[24];
 	struct light_colours found;
 
@@ -349,7 +349,7 @@ static void colours_are_doubted(void **state)
 
 static void white_may_be_kept(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct light_colour_pair pairs[12];
 	struct light_colours found;
 
@@ -387,7 +387,7 @@ static struct light_record record_of(int delay, int changes, double ramp, double
 
 static void delay_is_found(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 
 	(void)state;
 	for (int delay = 0; delay < 9; delay++) {
@@ -408,7 +408,7 @@ static void delay_is_found(void **state)
 
 static void delay_is_doubted(void **state)
 {
-	struct chance chance = light_chance();
+	struct chance chance = chance_begin("light");
 	struct light_record record = record_of(1000, 8, 1, 5, &chance);
 	struct light_delay found;
 
