@@ -7,7 +7,8 @@
 
 #include "bake/calibrate/least_squares.h"
 
-#define OUTLIER 0.1 /* weight below which a pair does not count */
+#define OUTLIER 0.1  /* weight below which a pair does not count */
+#define DIFFERS 0.05 /* of the gain: what is to be seen in the picture */
 
 void light_gain_predict(const struct dome *dome, const float (*radiance)[3],
 			const double reflectance[3], double predicted[3])
@@ -45,8 +46,9 @@ static bool evaluate(void *context, const double *x, double *residual)
 	return true;
 }
 
-/* The robust mean of the ratios' logarithms. */
-static int find_mean(struct light_gain *found, const struct light_pair *pairs, struct fault *fault)
+/* The mean of the ratios' logarithms. */
+static int fit_mean(struct light_gain *found, double loss_scale, double *variance,
+		    struct fault *fault)
 {
 	static const double scale[] = {0.1};
 	const struct least_squares problem = {.parameters = 1,
@@ -54,24 +56,53 @@ static int find_mean(struct light_gain *found, const struct light_pair *pairs, s
 					      .evaluate = evaluate,
 					      .context = found,
 					      .scale = scale,
-					      .loss_scale = found->pairs > 2 ? 3 : 0,
+					      .loss_scale = loss_scale,
 					      .group = 1};
 	struct least_squares_fit fit = {.covariance = NULL};
-	double x[1] = {log(found->ratio[0])}, own = 0;
-	int err = least_squares_solve(&problem, x, &fit, fault);
+	double x[1] = {log(found->ratio[0])};
+	const int err = least_squares_solve(&problem, x, &fit, fault);
 
-	if (err) {
-		least_squares_free(&fit);
-		return err;
+	if (!err) {
+		found->gain = exp(x[0]);
+		for (int k = 0; k < found->pairs; k++)
+			found->weight[k] = fit.weight[k];
+		*variance = fit.covariance[0];
 	}
-	found->gain = exp(x[0]);
-	for (int k = 0; k < found->pairs; k++) {
-		found->weight[k] = fit.weight[k];
-		own += pow(pair_deviation(&pairs[k]) / found->pairs, 2);
-	}
-	found->deviation = found->gain * sqrt(fmax(fit.covariance[0], own));
 	least_squares_free(&fit);
-	return 0;
+	return err;
+}
+
+/* Of three pairs two are now and then so near to each other that the third looks far off, wherever
+ * it is. */
+static bool is_outlier(const struct light_gain *found, int k)
+{
+	return found->weight[k] < OUTLIER && fabs(log(found->ratio[k] / found->gain)) > DIFFERS;
+}
+
+static int count_outliers(const struct light_gain *found, int *last)
+{
+	int count = 0;
+
+	for (int k = 0; k < found->pairs; k++)
+		if (is_outlier(found, k)) {
+			count++;
+			*last = k;
+		}
+	return count;
+}
+
+/* Robustly; but without an outlier all pairs count alike, and tell how they differ. */
+static int find_mean(struct light_gain *found, const struct light_pair *pairs, struct fault *fault)
+{
+	double variance = 0, own = 0;
+	int last, err = fit_mean(found, found->pairs > 2 ? 3 : 0, &variance, fault);
+
+	if (!err && found->pairs > 2 && !count_outliers(found, &last))
+		err = fit_mean(found, 0, &variance, fault);
+	for (int k = 0; k < found->pairs; k++)
+		own += pow(pair_deviation(&pairs[k]) / found->pairs, 2);
+	found->deviation = found->gain * sqrt(fmax(variance, own));
+	return err;
 }
 
 static void find_balance(struct light_gain *found, const struct light_pair *pairs)
@@ -115,23 +146,18 @@ static void doubt_pair(struct light_gain *found, const struct light_pair *pair, 
 
 static void doubt(struct light_gain *found, const struct light_pair *pairs)
 {
-	int outliers = 0, which = 0;
+	int which = 0;
 
-	for (int k = 0; k < found->pairs; k++) {
+	for (int k = 0; k < found->pairs; k++)
 		doubt_pair(found, &pairs[k], k);
-		if (found->weight[k] >= OUTLIER)
-			continue;
-		outliers++;
-		which = k;
-	}
-	if (outliers)
+	if (count_outliers(found, &which))
 		verdict_doubt(
 			&found->verdict,
 			"see whether something casts a shadow on its patch, or its pictures are "
 			"of different moments",
 			"pair %d gives %.3g, the others %.3g", which + 1, found->ratio[which],
 			found->gain);
-	if (found->deviation > 0.05 * found->gain)
+	if (found->deviation > DIFFERS * found->gain)
 		verdict_doubt(
 			&found->verdict,
 			"keep shadows, the object's too, off the patch, and take both pictures "
