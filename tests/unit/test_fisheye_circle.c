@@ -52,7 +52,7 @@ static double light_of(const struct scene *scene, const struct fisheye *lens, co
 	phi = atan2(px[1] - lens->centre_px[1], px[0] - lens->centre_px[0]) * (180 / M_PI) + 180;
 	light = 0.3 + 0.15 * dir[2] + 0.05 * sin(4 * dir[0]) * cos(5 * dir[1]);
 	if (phi > scene->dark_from_deg && phi < scene->dark_to_deg)
-		light = 0.0025;
+		light = 0.002;
 	if (scene->lamp && phi > 20 && phi < 26 && dir[2] < 0.2)
 		light = 30;
 	return scene->exposure * light;
