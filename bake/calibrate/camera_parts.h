@@ -24,10 +24,12 @@ struct camera_private {
 	struct least_squares_fit fit;
 	int guess_error, fit_error; /* 0, or why there is no solution */
 	struct fault why;
-	bool mirrored;	   /* points in space: their mirror image fits instead */
-	double other_tilt; /* rms of the lone plane tilted the other way, px; infinite: none */
-	double *half[2];   /* solutions of odd and even points, or NULL */
-	double depth;	   /* mean distance along the view of the reference view's points */
+	bool mirrored; /* points in space: their mirror image fits instead */
+	/* rms of what looks the same from afar, px; infinite: none. The lone plane tilted the other
+	 * way; of points in space their mirror image. */
+	double other_tilt;
+	double *half[2]; /* solutions of odd and even points, or NULL */
+	double depth;	 /* mean distance along the view of the reference view's points */
 	double object[3], radius;
 	/* [unknowns][unknowns]: what the held centre brings to it; that and the points' noise. */
 	double *held, *covariance;

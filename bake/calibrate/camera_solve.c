@@ -16,7 +16,8 @@
 #define BETTER_FIT 0.99
 #define FEW_POINTS 120
 #define ASPECT_LOST 0.05
-#define MISFIT 0.005 /* of the diagonal: rms that makes one look for a mirror image */
+#define MISFIT 0.005   /* of the diagonal: rms that makes one look for a mirror image */
+#define FAR_BETTER 0.2 /* of the rms */
 
 static int descend(struct camera_private *own, double *x, const bool *fixed, bool stay)
 {
@@ -313,59 +314,90 @@ static bool in_space(const struct camera_problem *problem)
 	return false;
 }
 
-/* Points in space that do not fit: whether they do, and far better, once their picture is
- * mirrored. */
-static int try_mirrored(struct camera_private *own, const struct camera_start *start)
+/* A camera of the mirrored picture, and how well it does; rms stays where there is none. */
+static int fit_mirrored(const struct camera_private *own, const struct camera_start *start,
+			const bool *fixed, double *x, double *rms)
 {
-	struct observation *turned = calloc((size_t)own->problem.count, sizeof(*turned));
 	struct camera_problem problem = own->problem;
-	const size_t n = (size_t)problem_unknowns(&problem);
-	double *x = calloc(n, sizeof(*x));
-	bool *fixed = calloc(n, sizeof(*fixed));
-	const double rms = own->guess_error ? INFINITY : problem_rms(&problem, own->x);
-	int err = -ENOMEM;
+	struct observation *turned = calloc((size_t)problem.count, sizeof(*turned));
+	int err;
 
-	if (turned && x && fixed) {
-		hold_shared(own, true, true, fixed);
-		memcpy(turned, problem.point, (size_t)problem.count * sizeof(*turned));
-		for (int i = 0; i < problem.count; i++)
-			turned[i].px[1] = 2 * own->centre[1] - turned[i].px[1];
-		problem.point = turned;
-		err = camera_guess(&problem, start, x);
-		if (!err)
-			err = problem_descend(&problem, x, fixed, 0, false, NULL, NULL);
-		own->mirrored = err != -ENOMEM &&
-				problem_rms(&problem, x) < fmin(0.2 * rms, MISFIT * own->diagonal);
+	if (!turned)
+		return -ENOMEM;
+	memcpy(turned, problem.point, (size_t)problem.count * sizeof(*turned));
+	for (int i = 0; i < problem.count; i++)
+		turned[i].px[1] = 2 * own->centre[1] - turned[i].px[1];
+	problem.point = turned;
+	err = camera_guess(&problem, start, x);
+	if (!err) {
+		err = problem_descend(&problem, x, fixed, 0, false, NULL, NULL);
+		*rms = problem_rms(&problem, x);
 	}
 	free(turned);
+	return err == -ENOMEM ? err : 0;
+}
+
+/* From cameras of the mirrored picture to those that from afar show the same in the picture as it
+ * is: with near and far exchanged. */
+static void exchange_depths(const struct camera_problem *problem, double *x)
+{
+	for (int v = 0; v < problem->views; v++) {
+		double *pose = x + model_of_view(v), rotation[9], slope[3][9];
+
+		rotation_from_vector(pose + MODEL_ROTATION, rotation, slope);
+		for (int k = 3; k < 9; k++)
+			rotation[k] = -rotation[k];
+		rotation_to_vector(rotation, pose + MODEL_ROTATION);
+		pose[MODEL_TRANSLATION + 1] = -pose[MODEL_TRANSLATION + 1];
+	}
+}
+
+/*
+ * Points in space that do not fit: whether they do, and far better, once their picture is
+ * mirrored. Where near and far exchanged do about as well as that, they are seen from afar, and
+ * noise alone said which way the first guess went: *elsewhere, then, and x is where to start from.
+ * Through a lens that is known they may fit so far that nothing else would tell.
+ */
+static int try_mirrored(struct camera_private *own, const struct camera_start *start,
+			bool *elsewhere)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+	const double rms = own->guess_error ? INFINITY : problem_rms(&own->problem, own->x);
+	double *x = calloc(n, sizeof(*x)), mirrored = INFINITY, exchanged;
+	bool *fixed = calloc(n, sizeof(*fixed));
+	int err = -ENOMEM;
+
+	if (x && fixed) {
+		hold_shared(own, true, true, fixed);
+		err = fit_mirrored(own, start, fixed, x, &mirrored);
+	}
+	if (!err && mirrored < MISFIT * own->diagonal) {
+		exchange_depths(&own->problem, x);
+		err = problem_descend(&own->problem, x, fixed, 0, false, NULL, NULL);
+		exchanged = problem_rms(&own->problem, x);
+		own->mirrored = mirrored < FAR_BETTER * fmin(rms, exchanged);
+		*elsewhere = !own->mirrored && exchanged < FAR_BETTER * rms;
+	}
+	if (*elsewhere) {
+		memcpy(own->x, x, n * sizeof(*x));
+		own->guess_error = 0;
+	}
+	if (!err && (*elsewhere || own->task.intrinsics))
+		own->other_tilt = mirrored;
 	free(x);
 	free(fixed);
 	return err == -ENOMEM ? err : 0;
 }
 
-int camera_solve(struct camera_private *own)
+/* From the first guess. */
+static int solve_guessed(struct camera_private *own)
 {
-	const struct tsai_camera *known = own->task.intrinsics;
-	const int n = problem_unknowns(&own->problem);
-	struct camera_start start = {.shared = {0, 0, own->centre[0], own->centre[1], 1},
-				     .known = known,
-				     .robust = own->task.robust};
-	double *tried;
+	double *tried = calloc((size_t)problem_unknowns(&own->problem), sizeof(*tried));
 	int err;
 
-	own->other_tilt = INFINITY;
-	start.shared[MODEL_FOCAL] = known ? known->focal : 1;
-	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
-	start.shared[MODEL_ASPECT] = known ? known->aspect : 1;
-	own->guess_error = camera_guess(&own->problem, &start, own->x);
-	if (own->guess_error == -ENOMEM)
-		return -ENOMEM;
-	if (own->guess_error)
-		return in_space(&own->problem) ? try_mirrored(own, &start) : 0;
-	tried = calloc((size_t)n, sizeof(*tried));
 	if (!tried)
 		return -ENOMEM;
-	if (own->task.method == CAMERA_THREE && !known)
+	if (own->task.method == CAMERA_THREE && !own->task.intrinsics)
 		own->fit_error = solve_three(own);
 	else
 		own->fit_error = solve_full(own, tried);
@@ -374,10 +406,34 @@ int camera_solve(struct camera_private *own)
 	    own->task.method == CAMERA_FULL && own->fit_error != -EDOM)
 		err = try_other_tilt(own, tried);
 	free(tried);
-	if (!err && !own->fit_error)
-		err = solve_halves(own);
+	return err;
+}
+
+int camera_solve(struct camera_private *own)
+{
+	const struct tsai_camera *known = own->task.intrinsics;
+	struct camera_start start = {.shared = {0, 0, own->centre[0], own->centre[1], 1},
+				     .known = known,
+				     .robust = own->task.robust};
+	bool elsewhere = false;
+	int err = 0;
+
+	own->other_tilt = INFINITY;
+	start.shared[MODEL_FOCAL] = known ? known->focal : 1;
+	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
+	start.shared[MODEL_ASPECT] = known ? known->aspect : 1;
+	own->guess_error = camera_guess(&own->problem, &start, own->x);
+	if (own->guess_error == -ENOMEM)
+		return -ENOMEM;
+	if (!own->guess_error)
+		err = solve_guessed(own);
 	if (!err && in_space(&own->problem) &&
-	    problem_rms(&own->problem, own->x) > MISFIT * own->diagonal)
-		err = try_mirrored(own, &start);
+	    (known || own->guess_error ||
+	     problem_rms(&own->problem, own->x) > MISFIT * own->diagonal))
+		err = try_mirrored(own, &start, &elsewhere);
+	if (!err && elsewhere)
+		err = solve_guessed(own);
+	if (!err && !own->guess_error && !own->fit_error)
+		err = solve_halves(own);
 	return err;
 }

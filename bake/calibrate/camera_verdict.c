@@ -72,6 +72,13 @@ static void doubt_focal(struct camera_solution *solution)
 			"orthographic: f and distance cannot be told apart");
 }
 
+static bool focal_lost(const struct camera_private *own, const double *variance)
+{
+	return !own->task.intrinsics &&
+	       !(sqrt(variance[MODEL_FOCAL]) < FOCAL_LOST * own->x[MODEL_FOCAL]);
+}
+
+/* A descent that does not end may only have been on its way to where f is infinite. */
 static void judge_fit(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
@@ -82,7 +89,8 @@ static void judge_fit(struct camera_solution *solution)
 	if (own->fit_error == -EDOM)
 		verdict_doubt(&solution->finding.verdict, "check which point is which",
 			      "no camera was found that sees every point");
-	else if (own->fit_error && isinf(variance[MODEL_FOCAL]))
+	else if ((own->fit_error && isinf(variance[MODEL_FOCAL])) ||
+		 (own->fit_error == -ETIMEDOUT && focal_lost(own, variance)))
 		doubt_focal(solution);
 	else if (own->fit_error == -ERANGE)
 		verdict_doubt(&solution->finding.verdict,
@@ -253,18 +261,24 @@ static void judge_fold(struct camera_solution *solution)
 static void judge_focal(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
-	const double deviation = sqrt(own->cautious[0]);
 	const double rms = solution->finding.rms_px;
 
-	if (!own->task.intrinsics && !(deviation < FOCAL_LOST * own->x[MODEL_FOCAL]))
+	if (focal_lost(own, own->cautious))
 		doubt_focal(solution);
-	if (own->other_tilt * own->other_tilt - rms * rms <
+	if (own->other_tilt * own->other_tilt - rms * rms >=
 	    9 * fmax(rms * rms, CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST) / own->problem.count)
+		return;
+	if (problem_flat(&own->problem, own->task.reference))
 		verdict_doubt(
 			&solution->finding.verdict,
 			"come closer, tilt the board by 30 degrees or more, or use points in space",
 			"the board looks the same tilted the other way: the picture is nearly "
 			"orthographic");
+	else
+		verdict_doubt(&solution->finding.verdict,
+			      "come closer, or use points farther apart in depth",
+			      "the mirror image of the points fits as well: the picture is nearly "
+			      "orthographic");
 }
 
 static void judge_object(struct camera_solution *solution)

@@ -285,6 +285,30 @@ static void mirrored(void **state)
 		}
 }
 
+/* From afar the mirrored picture fits a lens that is known, near and far exchanged: it is the
+ * mirror image, which fits better or as well, that says not to trust it. */
+static void mirrored_from_afar(void **state)
+{
+	struct chance chance = chance_begin("afar");
+
+	(void)state;
+	for (int far = 10; far <= 1000; far *= 10)
+		for (int n = 0; n < 3; n++) {
+			struct tsai_camera truth =
+				scene_camera((double[]){far * eye[0], far * eye[1], far * eye[2]},
+					     middle, 0, TSAI_DISTORTS);
+			struct camera_task task = camera_task_default();
+			struct observations seen = {0};
+
+			truth.focal *= far;
+			task.intrinsics = &truth;
+			scene_cloud(&seen, &truth, 40, 0.1 + 0.4 * n, &chance);
+			for (int i = 0; i < seen.count; i++)
+				seen.point[i].px[1] = SCENE_HEIGHT - seen.point[i].px[1];
+			expect(&seen, &task, "mirror");
+		}
+}
+
 static void listed_twice(void **state)
 {
 	struct chance chance = chance_begin("twice");
@@ -523,6 +547,7 @@ int main(void)
 		cmocka_unit_test(outliers),
 		cmocka_unit_test(points_in_another_order),
 		cmocka_unit_test(mirrored),
+		cmocka_unit_test(mirrored_from_afar),
 		cmocka_unit_test(listed_twice),
 		cmocka_unit_test(view_of_outliers),
 		cmocka_unit_test(noise_is_no_mirror),
