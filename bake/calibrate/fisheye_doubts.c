@@ -29,15 +29,20 @@ static const char *more(const struct lens_problem *problem)
 	return problem->directions ? LAMPS_EVERYWHERE : BOARDS_EVERYWHERE;
 }
 
-bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_problem *problem,
-			 const struct fisheye_wanted *wanted)
+int fisheye_fewest(const struct lens_problem *problem, const struct fisheye_wanted *wanted)
 {
 	const bool closed = wanted->model != FISHEYE_MODEL_AUTO &&
 			    wanted->model != FISHEYE_POLYNOMIAL;
 	const int parameters = OPTICS_COUNT - (closed ? FISHEYE_TERMS : 0) +
 			       lens_poses(problem) * lens_pose_size(problem);
-	/* One more than they could all be bent to. */
-	const int least = parameters / 2 + 1;
+
+	return parameters / 2 + 1;
+}
+
+bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_problem *problem,
+			 const struct fisheye_wanted *wanted)
+{
+	const int least = fisheye_fewest(problem, wanted);
 
 	for (int v = 0; !problem->directions && v < problem->seen->views; v++)
 		if (problem->seen->view[v].count < 4) {

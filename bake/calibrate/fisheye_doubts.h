@@ -5,6 +5,9 @@
 #include "bake/calibrate/fisheye_find.h"
 #include "bake/calibrate/fisheye_models.h"
 
+/* How many points tell a lens: one more than its numbers could all be bent to. */
+int fisheye_fewest(const struct lens_problem *problem, const struct fisheye_wanted *wanted);
+
 /* Whether there are too few points to begin with; the verdict then says so. */
 bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_problem *problem,
 			 const struct fisheye_wanted *wanted);

@@ -7,24 +7,84 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/calibrate/fisheye_doubts.h"
 #include "bake/calibrate/lamps_trace.h"
 
 /* So that a lamp which is missing is no surprise. */
 #define FOUND_SHARE 0.6
-/* Lamps beyond those that the numbers of a lens can be bent to. */
-#define SUPPORT 2.0
+/* How often chance may do as well as what is believed. */
+#define CHANCE_MOST 1e-3
+/* How far off spots are, in deviations; nearer than that they are not looked for. */
+#define NEAR 3.0
+#define NEAREST_PX 0.5
+/* Ways to see it that differ by less, of that number's logarithm, are as likely. */
+#define SURER 1e-6
 /* Another order of the lamps that fits about as well. */
 #define OTHERWISE_TIMES 2.0
 #define OTHERWISE_PX 0.3
 
 static const double squashes[] = {1, 0.5, 2};
 
+/* ---- whether it is chance ---- */
+
+/* Where spots may be: the image circle, as far as the picture goes. */
+static double area_px2(const struct lamp_scene *scene, const struct optics *optics)
+{
+	const struct fisheye_curve curve = optics_curve(optics);
+	const double rim = fisheye_curve_radius(&curve, M_PI / 2);
+
+	return fmin(M_PI * optics->number[OPTICS_FOCAL] * optics->number[OPTICS_FOCAL + 1] * rim *
+			    rim,
+		    (double)scene->width * scene->height);
+}
+
+/*
+ * Of many spots some are where some lens shows lamps, the more of them the farther off a spot may
+ * be. ln of how many lenses would be expected to find as many as near if spots were anywhere (the
+ * number of false alarms of Moisan and Stival 2004): as many lenses are tried as there are ways to
+ * take the lamps that its numbers can be bent to, those not counted about which a hint tells; the
+ * others are found by luck, as often as Chernoff's bound says.
+ */
+static double chance_log(const struct lamp_scene *scene, const struct lamp_trace *trace)
+{
+	const int parameters = 3 + (trace->lens.optics.model == FISHEYE_POLYNOMIAL ? OPTICS_COUNT
+										   : OPTICS_TERMS);
+	const double lamps = scene->lamps->count, spots = scene->spots->count;
+	double bent = parameters / 2.0, beyond, left, near, luck, log_luck = 0;
+
+	for (int n = 0; n < scene->lamps->count; n++)
+		bent -= trace->spot[n] >= 0 && scene->lamps->lamp[n].hinted;
+	bent = fmax(bent, 0);
+	beyond = fmax(trace->found - bent, 0);
+	left = fmax(fmin(lamps, spots) - bent, 0);
+	/* Lamps that the lens was bent to are nearer than it is right. */
+	near = fmax(NEAREST_PX, NEAR * trace->deviation_px * sqrt(trace->found / beyond));
+	near = fmin(near, trace->reach_px);
+	luck = fmin(1,
+		    fmax(lamps, spots) * M_PI * near * near / area_px2(scene, &trace->lens.optics));
+	if (beyond > luck * left)
+		log_luck = -beyond * log(beyond / (luck * left));
+	if (beyond > luck * left && beyond < left)
+		log_luck -= (left - beyond) * log((left - beyond) / ((1 - luck) * left));
+	return bent * log(lamps * spots) - lgamma(bent + 1) + log_luck;
+}
+
+/* All that there is found is no chance, however little there is. */
+static bool is_chance(const struct lamp_scene *scene, const struct lamp_trace *trace)
+{
+	return trace->found < scene->lamps->count && trace->found < scene->spots->count &&
+	       chance_log(scene, trace) > log(CHANCE_MOST);
+}
+
 /* ---- the best of all ways to see it ---- */
 
-static bool is_better(const struct lamp_trace *a, const struct lamp_trace *b)
+static bool is_better(const struct lamp_scene *scene, const struct lamp_trace *a,
+		      const struct lamp_trace *b)
 {
-	if (a->found != b->found)
-		return a->found > b->found;
+	const double more = chance_log(scene, b) - chance_log(scene, a);
+
+	if (fabs(more) > SURER)
+		return more > 0;
 	if (a->lens.mirrored != b->lens.mirrored)
 		return b->lens.mirrored;
 	return a->deviation_px < b->deviation_px;
@@ -48,7 +108,8 @@ static int follow(struct lamp_trace *best, bool *otherwise, const struct lamp_sc
 
 	for (int k = 0; k < guesses && !err; k++) {
 		err = lamps_trace(&trace[k], scene, &guess[k], wanted);
-		if (!err && trace[k].found && (which < 0 || is_better(&trace[k], &trace[which])))
+		if (!err && trace[k].found &&
+		    (which < 0 || is_better(scene, &trace[k], &trace[which])))
 			which = k;
 	}
 	for (int k = 0; k < guesses && !err && which >= 0; k++)
@@ -83,10 +144,10 @@ static int search(struct lamp_trace *best, bool *otherwise, const struct lamp_sc
 		struct lamp_trace trace = {.spot = NULL};
 		bool either = false;
 
-		if (k && explains(best, scene))
+		if (k && best->found && explains(best, scene) && !is_chance(scene, best))
 			break;
 		err = follow(&trace, &either, scene, squashes[k], wanted);
-		if (!err && trace.found && (!best->found || is_better(&trace, best))) {
+		if (!err && trace.found && (!best->found || is_better(scene, &trace, best))) {
 			lamps_trace_free(best);
 			*best = trace;
 			*otherwise = either;
@@ -159,13 +220,20 @@ static void tell(struct lamps_told *told, const struct lamp_scene *scene,
 			     scene->spots->spot[k].px[0], scene->spots->spot[k].px[1]);
 }
 
-static void doubt_none(struct verdict *verdict, const struct lamp_scene *scene, const char *name)
+static void doubt_none(struct verdict *verdict, const struct lamp_scene *scene, const char *name,
+		       const struct fisheye_wanted *wanted)
 {
+	const int fewest = fisheye_fewest(&(struct lens_problem){.directions = true}, wanted);
+
 	if (scene->spots->count < 4)
 		verdict_doubt(verdict,
 			      "expose so that lamps alone are white, in a darker room, and none of "
 			      "them cut by the picture's edge",
 			      "%s shows %d bright spots, fewer than 4", name, scene->spots->count);
+	if (scene->lamps->count < fewest)
+		verdict_doubt(verdict, "add lamps in other directions, out to the rim",
+			      "there are %d lamps, fewer than the %d that tell a lens",
+			      scene->lamps->count, fewest);
 	verdict_doubt(verdict,
 		      "check azimuth and elevation, and their axes; or say in the file about "
 		      "where lamps are seen: xf yf",
@@ -189,23 +257,6 @@ static void doubt_matches(struct verdict *verdict, const struct lamps_told *told
 			      told->expected, lamps_name);
 }
 
-/* Of many spots some are where some lens shows lamps: how many lamps are to be found beyond those
- * that its numbers can be bent to, if they are the right ones. */
-static bool is_chance(const struct lamp_scene *scene, const struct lamp_trace *trace)
-{
-	const int parameters = 3 + (trace->lens.optics.model == FISHEYE_POLYNOMIAL ? OPTICS_COUNT
-										   : OPTICS_TERMS);
-	const double rim_px = trace->lens.optics.number[OPTICS_FOCAL] * M_PI / 2;
-	const double share = 3 * trace->deviation_px / rim_px;
-	const double chance = scene->lamps->count * scene->spots->count * share * share;
-	double told = trace->found - parameters / 2.0;
-
-	for (int n = 0; n < scene->lamps->count; n++)
-		told += trace->spot[n] >= 0 && scene->lamps->lamp[n].hinted;
-	return trace->found < scene->lamps->count && trace->found < scene->spots->count &&
-	       told < SUPPORT + chance + 2 * sqrt(chance);
-}
-
 static int conclude(struct fisheye_result *result, struct observations *seen,
 		    struct lamps_told *told, const struct lamp_scene *scene,
 		    const struct lamp_trace *trace, const char *lamps_name, const char *name,
@@ -224,7 +275,7 @@ static int conclude(struct fisheye_result *result, struct observations *seen,
 		if (!err)
 			err = finding_create(&result->finding, "fisheye", seen);
 		if (!err)
-			doubt_none(&result->finding.verdict, scene, name);
+			doubt_none(&result->finding.verdict, scene, name, &own);
 		return err;
 	}
 	tell(told, scene, trace, wanted->field_deg);

@@ -83,7 +83,7 @@ static void part_merged(const struct lamp_scene *scene, struct lamp_trace *trace
 }
 
 /* Lamp and spot each the nearest to the other. 1: as before. */
-static int assign(const struct lamp_scene *scene, struct lamp_trace *trace, double reach_px)
+static int assign(const struct lamp_scene *scene, struct lamp_trace *trace)
 {
 	const int lamps = scene->lamps->count;
 	struct expected *expected = calloc((size_t)lamps, sizeof(*expected));
@@ -98,7 +98,7 @@ static int assign(const struct lamp_scene *scene, struct lamp_trace *trace, doub
 		int spot = SPOT_NONE;
 
 		if (expected[n].seen)
-			spot = nearest_spot(scene, trace, &expected[n], reach_px);
+			spot = nearest_spot(scene, trace, &expected[n], trace->reach_px);
 		if (spot >= 0 && nearest_lamp(scene, trace, expected, spot) != n)
 			spot = SPOT_NONE;
 		changed += trace->spot[n] != spot && trace->spot[n] != SPOT_MERGED;
@@ -198,9 +198,10 @@ int lamps_trace(struct lamp_trace *trace, const struct lamp_scene *scene,
 	if (!trace->spot)
 		return -ENOMEM;
 	for (int round = 0; round < ROUNDS; round++) {
-		const int same = assign(scene, trace, reach_px);
-		int err;
+		int same, err;
 
+		trace->reach_px = reach_px;
+		same = assign(scene, trace);
 		if (same < 0 || trace->found < FEWEST || (same && round > 3))
 			return same < 0 ? same : 0;
 		err = fit(trace, scene, wanted, round < 2);

@@ -13,6 +13,7 @@ struct lamp_trace {
 	struct lamp_guess lens; /* as far as it was found */
 	int *spot;		/* [lamps]: which it is; SPOT_NONE, SPOT_MERGED */
 	int found;
+	double reach_px;     /* a spot so near to where the lens shows a lamp is that one */
 	double deviation_px; /* of a spot, robustly */
 };
 
