@@ -39,7 +39,7 @@ while read -r folder allowed; do
 		done
 		[ $fine = 1 ] || complain "$file:$line: $folder/ may not include \"$target\" (only: $allowed)"
 	done < <(grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' "$folder" \
-		--include='*.c' --include='*.h' --include='*.cpp')
+		--include='*.c' --include='*.h' --include='*.cpp' --include='*.hpp')
 done <<<"$arrows"
 
 # Drivers never include each other: only their own private folder, named after the part behind the first
@@ -59,7 +59,7 @@ while IFS=: read -r file line text; do
 	*) complain "$file:$line: drivers may not include each other: \"$target\"" ;;
 	esac
 done < <(grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"drivers/' drivers \
-	--include='*.c' --include='*.h' --include='*.cpp')
+	--include='*.c' --include='*.h' --include='*.cpp' --include='*.hpp')
 
 # Each top folder says what belongs in it.
 for folder in app drivers hal config bake tests board; do

@@ -22,7 +22,7 @@ check() { # name, command...
 }
 
 sources() {
-	git ls-files -co --exclude-standard -- '*.c' '*.h' '*.cpp'
+	git ls-files -co --exclude-standard -- '*.c' '*.h' '*.cpp' '*.hpp'
 }
 scripts() {
 	git ls-files -co --exclude-standard -- '*.sh' .ci/run
