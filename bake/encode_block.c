@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
 
 void block_list_free(struct block_list *list)
 {
@@ -112,39 +113,72 @@ static void write_tint(const struct search *s, const struct split *split,
 				*to++ = split->tint[c][p];
 }
 
-/* value: [channels][part's pixels]. */
+/* Its light and its scale. */
+static void write_heading(const struct basis_block_payload *block, const struct basis_layout *at,
+			  int number, int light, float scale)
+{
+	uint8_t *payload = (uint8_t *)(uintptr_t)block->payload;
+	void *scales = payload + at->column_scale;
+
+	((uint16_t *)(payload + at->light))[number] = (uint16_t)light;
+	((float *)scales)[number] = scale;
+}
+
+/* Of 16 bits. value: [channels][part's pixels]. */
 static void write_column(const struct encode_settings *settings, const struct part *part, bool all,
 			 const struct basis_block_payload *block, int number, int light,
 			 float scale, const int16_t *value)
 {
 	const struct basis_block_entry *entry = &block->entry;
 	const struct basis_layout at = basis_layout(entry, settings->coarse);
-	const int line_pixels = entry->bits == 8 ? BASIS_LINE8 : BASIS_LINE16;
-	uint8_t *payload = (uint8_t *)(uintptr_t)block->payload;
-	void *scales = payload + at.column_scale;
+	int16_t *to = (int16_t *)((uint8_t *)(uintptr_t)block->payload + at.column);
 
-	((uint16_t *)(payload + at.light))[number] = (uint16_t)light;
-	((float *)scales)[number] = scale;
+	write_heading(block, &at, number, light, scale);
 	for (int c = 0; c < entry->channels; c++) {
 		int place = 0;
 
 		for (int p = 0; p < part->pixels; p++) {
-			const size_t line = basis_column_line(entry->bits, at.column_panels,
-							      entry->channels, (int)entry->columns,
-							      place / line_pixels, c, number);
-			const size_t to = line * (size_t)line_pixels +
-					  (size_t)(place % line_pixels);
-			const int16_t is = value[c * part->pixels + p];
+			const size_t line = basis_column_line(entry->channels, (int)entry->columns,
+							      place / BASIS_LINE16, c, number);
 
 			if (!all && !part->keep[p])
 				continue;
-			place++;
-			if (entry->bits == 8)
-				((int8_t *)(payload + at.column))[to] = (int8_t)is;
-			else
-				((int16_t *)(payload + at.column))[to] = is;
+			to[line * BASIS_LINE16 + (size_t)(place++ % BASIS_LINE16)] =
+				value[c * part->pixels + p];
 		}
 	}
+}
+
+/* Of 8 bits, those before it being written. */
+static void write_record(const struct encode_settings *settings, const struct part *part,
+			 const struct basis_block_payload *block, int number, int light,
+			 const struct split_column *column)
+{
+	const struct basis_block_entry *entry = &block->entry;
+	const struct basis_layout at = basis_layout(entry, settings->coarse);
+	const int panels = at.panels8, lines = panels * entry->channels;
+	uint8_t *payload = (uint8_t *)(uintptr_t)block->payload, *to;
+	uint32_t *place = (uint32_t *)(void *)(payload + at.column) + number;
+	int8_t value[BASIS_RECORD_LINES][BASIS_LINE8] = {{0}};
+
+	write_heading(block, &at, number, light, column->scale);
+	for (int c = 0; c < entry->channels; c++)
+		for (int p = 0, k = 0; p < part->pixels; p++) {
+			if (!part->keep[p])
+				continue;
+			value[k / BASIS_LINE8 * entry->channels + c][k % BASIS_LINE8] =
+				(int8_t)column->value[c * part->pixels + p];
+			k++;
+		}
+	*place = 0;
+	if (number)
+		*place = place[-1] +
+			 (uint32_t)basis_record_bytes(payload + at.record + place[-1], lines);
+	to = payload + at.record + *place;
+	memcpy(to, column->code, (size_t)lines);
+	to += basis_record_head(lines);
+	for (int k = 0; k < lines; k++)
+		to += basis_line_pack(column->code[k], value[k], to);
 }
 
 static void write_columns(struct block_list *list, int first, const struct search *s,
@@ -157,11 +191,17 @@ static void write_columns(struct block_list *list, int first, const struct searc
 		float left[PART_ROWS];
 
 		search_column(split, i, left, &column);
-		for (int k = 0; k < count && column.form != COLUMN_NONE; k++)
-			if (blocks[k].form == column.form)
+		for (int k = 0; k < count && column.form != COLUMN_NONE; k++) {
+			if (blocks[k].form != column.form)
+				continue;
+			if (blocks[k].bits == 8)
+				write_record(s->settings, split->part, &list->block[first + k],
+					     written[k]++, i, &column);
+			else
 				write_column(s->settings, split->part, false,
 					     &list->block[first + k], written[k]++, i, column.scale,
 					     column.value);
+		}
 	}
 }
 
@@ -181,6 +221,7 @@ int block_build(struct block_list *list, const struct search *s, const struct sp
 			.tinted = blocks[k].mono && split->tinted,
 			.patterns = (uint16_t)blocks[k].patterns,
 			.columns = (uint32_t)blocks[k].columns,
+			.record_bytes = plan_record_bytes(plan, &blocks[k]),
 		};
 		uint8_t *payload;
 		int err = add(list, s->settings, split->part, entry, false, &payload);
@@ -234,8 +275,11 @@ int block_build_exact(struct block_list *list, const struct encode_settings *set
 int block_build_zero(struct block_list *list, const struct encode_settings *settings,
 		     const struct part *part, int tile)
 {
-	const struct basis_block_entry entry = {
-		.tile = (uint32_t)tile, .channels = 1, .bits = 8, .columns = 1};
+	const struct basis_block_entry entry = {.tile = (uint32_t)tile,
+						.channels = 1,
+						.bits = 8,
+						.columns = 1,
+						.record_bytes = BASIS_RECORD_ALIGN};
 	uint8_t *payload;
 
 	return add(list, settings, part, entry, false, &payload);

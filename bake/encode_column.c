@@ -17,6 +17,8 @@
 #define COARSEST_BITS 7
 /* A channel that is tinted darker is as good as black. */
 #define DARKEST_TINT 1e-9F
+/* The largest value of a line of half bytes. */
+#define HALF_MOST 7.0F
 /* A scale is a float, and what the compositor multiplies it by as well. */
 #define REACH_ROUNDING 1e-6
 
@@ -62,9 +64,9 @@ struct between {
 	float needed; /* no column does that does not reach so far */
 };
 
-/* Of one channel: what does for all three, tinted. */
-static void find_between(const struct split *split, bool mono, int light, const float *wanted,
-			 struct between *b)
+/* spent: the share of what may be left. Of one channel: what does for all three, tinted. */
+static void find_between(const struct split *split, bool mono, int light, float spent,
+			 const float *wanted, struct between *b)
 {
 	const struct part *part = split->part;
 	const int pixels = part->pixels;
@@ -77,8 +79,10 @@ static void find_between(const struct split *split, bool mono, int light, const 
 			const int r = c * pixels + p, k = mono ? p : r;
 			const float share = mono ? split->tint_share[c][p] : 1;
 			const float per = share > DARKEST_TINT ? 1 / share : 1 / DARKEST_TINT;
-			const float low = per * (wanted[r] - part->most_left[first + (size_t)r]);
-			const float high = per * (wanted[r] - part->least_left[first + (size_t)r]);
+			const float low = per *
+					  (wanted[r] - spent * part->most_left[first + (size_t)r]);
+			const float high =
+				per * (wanted[r] - spent * part->least_left[first + (size_t)r]);
 			const bool fresh = !mono || !c;
 
 			b->least[k] = fresh || low > b->least[k] ? low : b->least[k];
@@ -123,7 +127,7 @@ static bool try_between(const struct split *split, bool mono, int light, double 
 	const int most = column_most(column->form);
 	struct between b;
 
-	find_between(split, mono, light, wanted, &b);
+	find_between(split, mono, light, 1, wanted, &b);
 	for (int k = 0; k < SCALES; k++) {
 		const double scale = fmax(reach, (double)b.needed) / most * (1 + SCALE_STEP * k);
 
@@ -134,6 +138,101 @@ static bool try_between(const struct split *split, bool mono, int light, double 
 			return true;
 	}
 	return false;
+}
+
+/* ---- how short a column of 8 bits may be ---- */
+
+/* Some of a column's values: those of one line. */
+struct shortened {
+	int count;
+	int place[BASIS_LINE8]; /* in struct between */
+};
+
+/* Multiples of the line's own unit that lie between, as near as may be; 0 where none does. */
+static bool shorten_by(const struct between *b, const struct shortened *line, const float *from,
+		       int factor, struct split_column *column)
+{
+	const float by = 1 / (column->scale * (float)factor);
+	int16_t value[BASIS_LINE8];
+
+	for (int n = 0; n < line->count; n++) {
+		const int k = line->place[n];
+		const float low = fmaxf(by * b->least[k], -HALF_MOST);
+		const float high = fminf(by * b->most[k], HALF_MOST);
+		float is = fminf(fmaxf(by * from[k], low), high) + ROUNDING - ROUNDING;
+
+		is += is < low ? 1 : is > high ? -1 : 0;
+		if (!(is >= low && is <= high))
+			return false;
+		value[n] = (int16_t)((int)is * factor);
+	}
+	for (int n = 0; n < line->count; n++)
+		column->value[line->place[n]] = value[n];
+	return true;
+}
+
+static uint8_t shorten_line(const struct between *b, const struct shortened *line,
+			    const float *from, struct split_column *column)
+{
+	float needed = 0;
+
+	for (int n = 0; n < line->count; n++) {
+		needed = fmaxf(needed, b->least[line->place[n]]);
+		needed = fmaxf(needed, -b->most[line->place[n]]);
+	}
+	if (!(needed > 0)) {
+		for (int n = 0; n < line->count; n++)
+			column->value[line->place[n]] = 0;
+		return 0;
+	}
+	for (int factor = 1; factor <= BASIS_LINE_FACTOR_MAX; factor++)
+		if (column->scale * (float)factor * HALF_MOST >= needed &&
+		    shorten_by(b, line, from, factor, column))
+			return (uint8_t)factor;
+	return BASIS_LINE_WHOLE;
+}
+
+/* Stores each line of a column that does as shortly as what it leaves may be. from: what it stands
+ * for, of one channel or three. */
+static void shorten(const struct split *split, bool mono, int light, const float *wanted,
+		    const float *from, float *left, struct split_column *column)
+{
+	const struct part *part = split->part;
+	const int channels = mono ? 1 : 3, panels = (part->kept + BASIS_LINE8 - 1) / BASIS_LINE8;
+	const struct split_column whole = *column;
+	struct between b;
+
+	memset(column->code, BASIS_LINE_WHOLE, sizeof(column->code));
+	/* Of light that may not be negative 0 is not always right where it is near enough. */
+	if (part->kind == BASIS_KIND_U || !(split->spent > 0) || !(column->scale > 0))
+		return;
+	find_between(split, mono, light, split->spent, wanted, &b);
+	for (int c = 0; c < channels; c++)
+		for (int p = 0, panel = 0; panel < panels; panel++) {
+			struct shortened line = {.count = 0};
+
+			for (; p < part->pixels && line.count < BASIS_LINE8; p++)
+				if (part->keep[p])
+					line.place[line.count++] = c * part->pixels + p;
+			column->code[panel * channels + c] = shorten_line(&b, &line, from, column);
+		}
+	leave_column(split, mono, wanted, column, left);
+	if (part_cell_holds(part, light, left))
+		return;
+	*column = whole;
+	memset(column->code, BASIS_LINE_WHOLE, sizeof(column->code));
+	leave_column(split, mono, wanted, column, left);
+}
+
+static size_t column_bytes(const struct part *part, const struct split_column *column)
+{
+	const bool mono = column->form == COLUMN_MONO8 || column->form == COLUMN_MONO16;
+	const int channels = mono ? 1 : 3;
+
+	if (column_most(column->form) == INT8_MAX)
+		return basis_record_bytes(column->code,
+					  (part->kept + BASIS_LINE8 - 1) / BASIS_LINE8 * channels);
+	return (size_t)((part->kept + BASIS_LINE16 - 1) / BASIS_LINE16 * channels) * BASIS_ALIGN;
 }
 
 /* Whether a column of this form that reaches so far does for wanted; left becomes what it leaves.
@@ -148,6 +247,7 @@ static bool try_form(const struct split *split, enum column_form form, int light
 	const float *from = wanted;
 	float one[PART_PIXELS];
 	double largest = reach;
+	bool found = false;
 
 	if (mono && split->colour) {
 		split_untint(split, wanted, one);
@@ -156,16 +256,19 @@ static bool try_form(const struct split *split, enum column_form form, int light
 	for (int k = 0; k < count; k++)
 		largest = fmax(largest, (double)fabsf(from[k]));
 	column->form = form;
-	for (int k = 0; k < (narrow ? SCALES : COARSEST_BITS + 1); k++) {
+	for (int k = 0; !found && k < (narrow ? SCALES : COARSEST_BITS + 1); k++) {
 		const int unit = narrow ? 1 : 1 << (COARSEST_BITS - k);
 		const double wider = narrow ? 1 + SCALE_STEP * k : 1;
 
 		quantise(from, count, largest / (most / unit * unit) * wider, most, unit, column);
 		leave_column(split, mono, wanted, column, left);
-		if (part_cell_holds(split->part, light, left))
-			return true;
+		found = part_cell_holds(split->part, light, left);
 	}
-	return narrow && try_between(split, mono, light, reach, wanted, from, left, column);
+	if (!found && narrow)
+		found = try_between(split, mono, light, reach, wanted, from, left, column);
+	if (found && narrow)
+		shorten(split, mono, light, wanted, from, left, column);
+	return found;
 }
 
 void split_find_column(const struct split *split, int light, float *left,
@@ -186,6 +289,7 @@ void split_find_column(const struct split *split, int light, float *left,
 		if (narrow && split->wide[mono ? 0 : 1])
 			continue;
 		if (try_form(split, order[k], light, reach, wanted, left, column))
-			return;
+			break;
 	}
+	column->bytes = column_bytes(split->part, column);
 }

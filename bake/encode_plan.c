@@ -35,6 +35,11 @@ int plan_blocks(const struct plan *plan, struct plan_block *blocks)
 	return count;
 }
 
+uint32_t plan_record_bytes(const struct plan *plan, const struct plan_block *block)
+{
+	return block->bits == 8 ? (uint32_t)plan->column_bytes[block->form] : 0;
+}
+
 static void count_bytes(const struct search *s, const struct split *split, struct plan *plan)
 {
 	struct plan_block blocks[PLAN_BLOCKS_MAX];
@@ -50,21 +55,13 @@ static void count_bytes(const struct search *s, const struct split *split, struc
 			.tinted = blocks[k].mono && split->tinted,
 			.patterns = (uint16_t)blocks[k].patterns,
 			.columns = (uint32_t)blocks[k].columns,
+			.record_bytes = plan_record_bytes(plan, &blocks[k]),
 		};
 		const struct basis_layout at = basis_layout(&entry, s->settings->coarse);
 
 		plan->bytes += at.bytes;
 		plan->pattern_bytes += at.light - at.pattern;
 	}
-}
-
-static size_t column_bytes(const struct part *part, enum column_form form)
-{
-	const bool mono = form == COLUMN_MONO8 || form == COLUMN_MONO16;
-	const bool narrow = form == COLUMN_MONO8 || form == COLUMN_COLOUR8;
-	const size_t line = narrow ? BASIS_LINE8 : BASIS_LINE16;
-
-	return ((size_t)part->kept + line - 1) / line * (mono ? 1 : 3) * BASIS_ALIGN;
 }
 
 /* The skies' light on what patterns leave goes, where the column is used, to what the column
@@ -126,6 +123,7 @@ static void choose_columns(struct search *s, const struct split *split, struct p
 
 	memcpy(s->sky_x, part->sky_x, rows * (size_t)n * sizeof(*s->sky_x));
 	memset(plan->columns, 0, sizeof(plan->columns));
+	memset(plan->column_bytes, 0, sizeof(plan->column_bytes));
 	plan->read = 0;
 	s->used_columns = 0;
 	for (int i = 0; i < n; i++) {
@@ -136,10 +134,10 @@ static void choose_columns(struct search *s, const struct split *split, struct p
 		plan->columns[column.form]++;
 		if (column.form == COLUMN_NONE)
 			continue;
+		plan->column_bytes[column.form] += column.bytes;
 		used = use_column(s, part, i, (double)column.scale * column_most(column.form),
 				  left);
-		plan->read += used * (double)column_bytes(part, column.form) /
-			      s->settings->ensemble->skies;
+		plan->read += used * (double)column.bytes / s->settings->ensemble->skies;
 	}
 }
 

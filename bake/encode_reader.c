@@ -6,6 +6,7 @@
 
 #include "bake/encode_block.h"
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
 
 void block_reader_free(struct block_reader *reader)
 {
@@ -87,31 +88,53 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 	return 0;
 }
 
+/* A column's values: [channels][pixels, to the end of a line]. */
+static void read_column(const struct basis_block_payload *block, const struct basis_layout *at,
+			int number, int16_t (*value)[PART_PIXELS])
+{
+	const struct basis_block_entry *e = &block->entry;
+	const uint8_t *payload = block->payload;
+	const void *columns = payload + at->column;
+	const uint8_t *code, *from;
+	const int lines = at->panels8 * e->channels;
+
+	if (e->bits == 16) {
+		for (int c = 0; c < e->channels; c++)
+			for (int p = 0; p < e->pixels; p++)
+				value[c][p] =
+					((const int16_t *)
+						 columns)[basis_column_line(
+								  e->channels, (int)e->columns,
+								  p / BASIS_LINE16, c, number) *
+								  BASIS_LINE16 +
+							  (size_t)(p % BASIS_LINE16)];
+		return;
+	}
+	code = payload + at->record + ((const uint32_t *)columns)[number];
+	from = code + basis_record_head(lines);
+	for (int k = 0; k < lines; from += basis_line_bytes(code[k++])) {
+		int8_t line[BASIS_LINE8];
+
+		basis_line_unpack(code[k], from, line);
+		for (int p = 0; p < BASIS_LINE8; p++)
+			value[k % e->channels][k / e->channels * BASIS_LINE8 + p] = line[p];
+	}
+}
+
 /* own [channels][PART_PIXELS] += factor * column. */
 static void add_column(const struct basis_block_payload *block, const struct basis_layout *at,
 		       int number, const double factor[3], double (*own)[PART_PIXELS])
 {
 	const struct basis_block_entry *e = &block->entry;
 	const uint8_t *payload = block->payload;
-	const int line_pixels = e->bits == 8 ? BASIS_LINE8 : BASIS_LINE16;
 	const void *scales = payload + at->column_scale;
 	const double scale = (double)((const float *)scales)[number];
+	int16_t value[3][PART_PIXELS];
 
-	for (int c = 0; c < 3; c++) {
-		const int stored = e->channels == 3 ? c : 0;
-
-		for (int p = 0; factor[c] != 0 && p < e->pixels; p++) {
-			const size_t line = basis_column_line(e->bits, at->column_panels,
-							      e->channels, (int)e->columns,
-							      p / line_pixels, stored, number);
-			const size_t from = line * (size_t)line_pixels + (size_t)(p % line_pixels);
-
-			own[c][p] += factor[c] * scale *
-				     (e->bits == 8
-					      ? ((const int8_t *)(payload + at->column))[from]
-					      : ((const int16_t *)(payload + at->column))[from]);
-		}
-	}
+	read_column(block, at, number, value);
+	for (int c = 0; c < 3; c++)
+		for (int p = 0; factor[c] != 0 && p < e->pixels; p++)
+			own[c][p] += factor[c] * scale * value[e->channels == 3 ? c : 0][p];
 }
 
 /* To the part's pixels, tinted. */

@@ -17,6 +17,8 @@ static const int ranks[] = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define ROUNDS 10
 /* Three channels without a tint are tried where one light in so many has a hue of its own. */
 #define HUE_SHARE 16
+/* Shares of what may be left that short lines are tried with. */
+#define SPENT_TRIED 3
 
 int search_create(struct search *s, const struct encode_settings *settings,
 		  const struct levels *levels)
@@ -276,6 +278,30 @@ static void widen(struct search *s, struct split *split, struct plan *best)
 	}
 }
 
+/* How much short lines may use up: the more, the shorter they are; less where that does not hold.
+ */
+static void spend(struct search *s, struct split *split, struct plan *best)
+{
+	static const float more[SPENT_TRIED] = {1, 0.8F, 0.65F},
+			   less[SPENT_TRIED] = {0.35F, 0.2F, 0};
+	const float *share = best->excess > 1 ? less : more;
+	float found = split->spent;
+	bool held = false;
+
+	for (int k = 0; k < SPENT_TRIED && !held; k++) {
+		struct plan plan = *best;
+
+		split->spent = share[k];
+		plan_evaluate(s, split, best->mono_rank, best->colour_rank, best, &plan);
+		if (!plan_better(&plan, best))
+			continue;
+		*best = plan;
+		found = share[k];
+		held = plan.excess <= 1;
+	}
+	split->spent = found;
+}
+
 int search_best(struct search *s, struct split *split, const struct part *part, struct plan *best)
 {
 	int err = reserve(s, part);
@@ -297,6 +323,7 @@ int search_best(struct search *s, struct split *split, const struct part *part, 
 	if (err)
 		return err;
 	widen(s, split, best);
+	spend(s, split, best);
 	plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, best);
 	return 0;
 }

@@ -11,6 +11,7 @@ struct plan {
 	bool wide[2];
 	int mono_rank, colour_rank;
 	int columns[COLUMN_FORMS];
+	size_t column_bytes[COLUMN_FORMS];
 	size_t bytes, pattern_bytes; /* of all; of patterns and their coefficients */
 	double read;		     /* of columns, in a frame: mean over the skies */
 	int blocks;
@@ -29,6 +30,9 @@ struct plan_block {
 
 /* Those that hold anything. */
 int plan_blocks(const struct plan *plan, struct plan_block *blocks);
+
+/* Of the block's columns of 8 bits, in a file. */
+uint32_t plan_record_bytes(const struct plan *plan, const struct plan_block *block);
 
 struct search {
 	const struct encode_settings *settings;

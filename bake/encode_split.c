@@ -8,6 +8,8 @@
 #include <string.h>
 
 #define TINT_ROUNDS 16
+/* Short lines that use up all that one light may be off by leave nothing to skies. */
+#define SPENT_FIRST 0.5F
 
 int split_create(struct split *split, const struct encode_settings *settings)
 {
@@ -181,6 +183,7 @@ int split_part(struct split *split, const struct encode_settings *settings, cons
 	split->way = way;
 	split->mono = split->colour = split->tinted = false;
 	split->wide[0] = split->wide[1] = false;
+	split->spent = SPENT_FIRST;
 	split->most = 0;
 	split->mono_patterns.count = split->colour_patterns.count = 0;
 	if (way != SPLIT_PLAIN) {

@@ -7,6 +7,7 @@
 #define INLAY_BAKE_ENCODE_SPLIT_H
 
 #include "bake/encode_rank.h"
+#include "hal/basis/basis_lines.h"
 
 enum split_way {
 	SPLIT_DIRECT, /* one channel, and a tint, for direct light; the rest is mostly what bounced
@@ -37,6 +38,8 @@ struct split {
 	enum split_way way;
 	bool mono, colour; /* which of the two there are */
 	bool tinted;
+	float spent;  /* of what may be left of a light, the share that short lines use up; 0: none
+			 is */
 	bool wide[2]; /* columns of one channel, of three: all in 16 bits */
 	uint16_t tint[3][PART_PIXELS];
 	float tint_share[3][PART_PIXELS]; /* tint / 2^15 */
@@ -57,7 +60,9 @@ struct split {
 struct split_column {
 	enum column_form form;
 	float scale;
-	int16_t value[PART_ROWS]; /* channel by channel */
+	int16_t value[PART_ROWS];	  /* channel by channel */
+	uint8_t code[BASIS_RECORD_LINES]; /* of 8 bits: how its lines are stored (basis_lines.h) */
+	size_t bytes;			  /* that it takes in a file */
 };
 
 int split_create(struct split *split, const struct encode_settings *settings);

@@ -13,6 +13,7 @@
 
 #include "hal/basis/basis.h"
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
 #include "hal/basis/basis_writer.h"
 #include "tests/unit/chance.h"
 
@@ -94,7 +95,6 @@ static inline void synthetic_add_values(const struct basis_block *b, int lights,
 			const double tint =
 				b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1;
 			const size_t line = (size_t)(p / BASIS_LINE16 * b->channels + channel);
-			const size_t panels8 = (size_t)(b->pixels - 1) / BASIS_LINE8 + 1;
 			double *to = value + ((size_t)p * 3 + (size_t)c) * (size_t)lights;
 
 			memset(row, 0, (size_t)b->stride * sizeof(*row));
@@ -116,14 +116,11 @@ static inline void synthetic_add_values(const struct basis_block *b, int lights,
 								   BASIS_COARSE_ONE;
 			for (int n = 0; n < b->columns; n++) {
 				const size_t columns = (size_t)b->columns;
-				const int v =
-					b->column16
-						? b->column16[(line * columns + (size_t)n) *
-								      BASIS_LINE16 +
-							      (size_t)(p % BASIS_LINE16)]
-						: b->column8[((size_t)(n * b->channels + channel) *
-								      panels8 * BASIS_LINE8 +
-							      (size_t)p)];
+				const int v = b->column16
+						      ? b->column16[(line * columns + (size_t)n) *
+									    BASIS_LINE16 +
+								    (size_t)(p % BASIS_LINE16)]
+						      : basis_column8_value(b, n, channel, p);
 
 				to[b->light[n]] += tint * (double)b->column_scale[n] * v;
 			}
@@ -172,7 +169,9 @@ static inline struct basis_block synthetic_view(const struct synthetic_block *b)
 		.column_scale = (const float *)(b->payload + b->at.column_scale),
 		.column16 = b->entry.bits == 16 ? (const int16_t *)(b->payload + b->at.column)
 						: NULL,
-		.column8 = b->entry.bits == 8 ? (const int8_t *)(b->payload + b->at.column) : NULL,
+		.record_at = b->entry.bits == 8 ? (const uint32_t *)(b->payload + b->at.column)
+						: NULL,
+		.record = b->entry.bits == 8 ? b->payload + b->at.record : NULL,
 		.bytes = b->at.bytes,
 	};
 }
@@ -230,6 +229,77 @@ static inline void synthetic_fill_patterns(struct synthetic_block *b, int coarse
 						   : chance_int(chance, 16000, 32767));
 }
 
+/* Codes for the lines of columns of 8 bits: [columns][lines]. Only where there are patterns may a
+ * line be nothing. */
+static inline uint8_t *synthetic_codes(struct basis_block_entry *shape, struct chance *chance)
+{
+	const int lines = (shape->pixels + BASIS_LINE8 - 1) / BASIS_LINE8 * shape->channels;
+	uint8_t *code = synthetic_zeros((size_t)lines * shape->columns, 1);
+
+	for (uint32_t n = 0; n < shape->columns && shape->bits == 8; n++) {
+		for (int k = 0; k < lines; k++) {
+			const int draw = chance_int(chance, shape->patterns ? 0 : 1, 4);
+
+			code[n * (uint32_t)lines + (uint32_t)k] =
+				draw == 0  ? 0
+				: draw < 3 ? (uint8_t)chance_int(chance, 1, BASIS_LINE_FACTOR_MAX)
+					   : BASIS_LINE_WHOLE;
+		}
+		shape->record_bytes += (uint32_t)basis_record_bytes(code + n * (uint32_t)lines,
+								    lines);
+	}
+	return code;
+}
+
+static inline void synthetic_place_codes(struct synthetic_block *b, const uint8_t *code)
+{
+	const int lines = b->at.panels8 * b->entry.channels;
+	uint32_t *place = (uint32_t *)(b->payload + b->at.column), end = 0;
+
+	for (uint32_t n = 0; n < b->entry.columns && b->entry.bits == 8; n++) {
+		place[n] = end;
+		memcpy(b->payload + b->at.record + end, code + n * (uint32_t)lines, (size_t)lines);
+		end += (uint32_t)basis_record_bytes(code + n * (uint32_t)lines, lines);
+	}
+}
+
+/* Each line of a block's columns of 8 bits: new values of least..127, or, where factor is not NULL,
+ * those that are there times their pixels' factors. */
+static inline void synthetic_change_lines(struct synthetic_block *b, int least,
+					  struct chance *chance, const double *factor)
+{
+	const int lines = b->at.panels8 * b->entry.channels;
+	const uint32_t *place = (const uint32_t *)(b->payload + b->at.column);
+
+	for (uint32_t n = 0; n < b->entry.columns; n++) {
+		const uint8_t *code = b->payload + b->at.record + place[n];
+		uint8_t *line = b->payload + b->at.record + place[n] + basis_record_head(lines);
+
+		for (int k = 0; k < lines; line += basis_line_bytes(code[k++])) {
+			const int first = k / b->entry.channels * BASIS_LINE8;
+			const int unit = code[k] == BASIS_LINE_WHOLE ? 1 : code[k];
+			const int top = code[k] == BASIS_LINE_WHOLE ? 127 : 7;
+			int8_t value[BASIS_LINE8];
+
+			basis_line_unpack(code[k], line, value);
+			for (int p = 0; p < BASIS_LINE8 && unit; p++) {
+				const bool there = first + p < b->entry.pixels;
+
+				if (!factor)
+					value[p] =
+						(int8_t)(unit *
+							 chance_int(chance, least ? -top : 0, top));
+				else
+					value[p] = (int8_t)(there ? unit * lrint(value[p] *
+										 factor[first + p] /
+										 unit)
+								  : 0);
+			}
+			basis_line_pack(code[k], value, line);
+		}
+	}
+}
+
 static inline void synthetic_fill_columns(struct synthetic_block *b, int lights, double most,
 					  struct chance *chance)
 {
@@ -237,8 +307,8 @@ static inline void synthetic_fill_columns(struct synthetic_block *b, int lights,
 	const int least = b->entry.patterns ? -top : 0;
 	uint16_t *light = (uint16_t *)(b->payload + b->at.light);
 	float *scale = (float *)(b->payload + b->at.column_scale);
-	const size_t values = (size_t)b->at.column_panels * b->entry.channels * (size_t)columns *
-			      (size_t)(BASIS_ALIGN * 8 / b->entry.bits);
+	const size_t values = (size_t)b->at.panels16 * b->entry.channels * (size_t)columns *
+			      BASIS_LINE16;
 
 	for (int i = 0, n = 0; i < lights && n < columns; i++)
 		if (chance_int(chance, 1, lights - i) <= columns - n)
@@ -246,25 +316,21 @@ static inline void synthetic_fill_columns(struct synthetic_block *b, int lights,
 	for (int n = 0; n < columns; n++)
 		scale[n] = (float)(most * (b->entry.patterns ? 0.08 : 1) *
 				   chance_real(chance, 0.25, 1) / top);
-	for (size_t i = 0; i < values; i++) {
-		if (b->entry.bits == 8)
-			((int8_t *)(b->payload + b->at.column))[i] = (int8_t)chance_int(chance,
-											least, top);
-		else
-			((int16_t *)(b->payload + b->at.column))[i] =
-				(int16_t)chance_int(chance, least, top);
-	}
+	if (b->entry.bits == 8)
+		synthetic_change_lines(b, least, chance, NULL);
+	for (size_t i = 0; i < values && b->entry.bits == 16; i++)
+		((int16_t *)(b->payload + b->at.column))[i] = (int16_t)chance_int(chance, least,
+										  top);
 }
 
 /* Each place of each line times its pixel's factor, in -1..1; 0 where there is no pixel. */
 static inline void synthetic_scale_pixels(struct synthetic_block *b, const double *factor)
 {
 	int16_t *coefficient = (int16_t *)(b->payload + b->at.coefficient);
-	uint8_t *column = b->payload + b->at.column;
+	int16_t *column = (int16_t *)(b->payload + b->at.column);
 	const size_t patterns = (size_t)b->entry.channels * b->entry.patterns;
 	const size_t columns = (size_t)b->entry.channels * b->entry.columns;
-	const size_t line = b->entry.bits == 8 ? BASIS_LINE8 : BASIS_LINE16;
-	const size_t values = (size_t)b->at.column_panels * columns * line;
+	const size_t values = (size_t)b->at.panels16 * columns * BASIS_LINE16;
 
 	for (size_t i = 0; i < (size_t)b->at.panels16 * patterns * BASIS_LINE16; i++) {
 		const size_t p = i / (patterns * BASIS_LINE16) * BASIS_LINE16 + i % BASIS_LINE16;
@@ -272,15 +338,14 @@ static inline void synthetic_scale_pixels(struct synthetic_block *b, const doubl
 		coefficient[i] = (int16_t)(p < b->entry.pixels ? lrint(coefficient[i] * factor[p])
 							       : 0);
 	}
+	if (b->entry.bits == 8) {
+		synthetic_change_lines(b, 0, NULL, factor);
+		return;
+	}
 	for (size_t i = 0; i < values; i++) {
-		const size_t p = b->entry.bits == 8 ? i % ((size_t)b->at.panels8 * line)
-						    : i / (columns * line) * line + i % line;
-		const double f = p < b->entry.pixels ? factor[p] : 0;
+		const size_t p = i / (columns * BASIS_LINE16) * BASIS_LINE16 + i % BASIS_LINE16;
 
-		if (b->entry.bits == 8)
-			((int8_t *)column)[i] = (int8_t)lrint(((int8_t *)column)[i] * f);
-		else
-			((int16_t *)column)[i] = (int16_t)lrint(((int16_t *)column)[i] * f);
+		column[i] = (int16_t)(p < b->entry.pixels ? lrint(column[i] * factor[p]) : 0);
 	}
 }
 
@@ -289,10 +354,17 @@ static inline struct synthetic_block synthetic_make(struct synthetic_maker *m, u
 						    const struct synthetic_group *group,
 						    double most)
 {
-	const struct basis_block_entry shape = synthetic_shape(m);
-	struct synthetic_block b = synthetic_begin(m, tile, group, shape);
-	uint16_t *tint = (uint16_t *)(b.payload + b.at.tint);
+	struct basis_block_entry shape = synthetic_shape(m);
+	struct synthetic_block b;
+	uint16_t *tint;
+	uint8_t *code;
 
+	shape.pixels = (uint16_t)group->pixels;
+	code = synthetic_codes(&shape, &m->chance);
+	b = synthetic_begin(m, tile, group, shape);
+	synthetic_place_codes(&b, code);
+	free(code);
+	tint = (uint16_t *)(b.payload + b.at.tint);
 	for (int i = 0; i < 3 * group->pixels && b.entry.tinted; i++)
 		tint[i] = (uint16_t)chance_int(&m->chance, 0, UINT16_MAX);
 	if (b.entry.tinted)

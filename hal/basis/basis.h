@@ -25,7 +25,8 @@ struct basis_block {
 	const uint16_t *light;	    /* [columns] */
 	const float *column_scale;  /* [columns] */
 	const int16_t *column16;    /* [panels16][channels][columns][32]; NULL unless bits is 16 */
-	const int8_t *column8;	    /* [columns][channels][panels8][64]; NULL unless bits is 8 */
+	const uint32_t *record_at;  /* [columns]; NULL unless bits is 8 */
+	const uint8_t *record;	    /* basis_lines.h; NULL unless bits is 8 */
 	size_t bytes;
 };
 

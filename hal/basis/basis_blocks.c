@@ -7,9 +7,11 @@
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
 #include "hal/basis/basis_reader.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
+#define RECORD_MOST (BASIS_RECORD_LINES * (BASIS_LINE8 + 1))
 
 static const char *const kind_names[] = {"T", "V", "D", "U"};
 
@@ -65,8 +67,11 @@ static int check_shape(const struct place *at, const struct basis_block_entry *e
 		return DAMAGED(at, "ground term %u, expected %s %u", e->ground,
 			       e->kind == BASIS_KIND_V ? "less than" : "0 in a file of",
 			       basis->info.grounds);
-	if (e->reserved)
-		return DAMAGED(at, "reserved field is %u, expected 0", e->reserved);
+	if (e->bits == 8 ? e->record_bytes > e->columns * RECORD_MOST : e->record_bytes != 0)
+		return DAMAGED(at, "%u bytes of records for %u columns of %u bits, expected %s %d",
+			       e->record_bytes, e->columns, e->bits,
+			       e->bits == 8 ? "for each at most" : "",
+			       e->bits == 8 ? RECORD_MOST : 0);
 	return 0;
 }
 
@@ -154,13 +159,15 @@ static void locate(struct basis_block *b, const struct basis_block_entry *e,
 		.light = light,
 		.column_scale = column_scale,
 		.column16 = e->bits == 16 ? column : NULL,
-		.column8 = e->bits == 8 ? column : NULL,
+		.record_at = e->bits == 8 ? column : NULL,
+		.record = e->bits == 8 ? payload + layout->record : NULL,
 		.bytes = layout->bytes,
 	};
 }
 
 static int check_padding(const struct place *at, const struct basis_block *b,
-			 const struct basis_layout *layout, const uint8_t *payload)
+			 const struct basis_layout *layout, size_t record_bytes,
+			 const uint8_t *payload)
 {
 	const uint8_t *after_tint = b->tint ? (const uint8_t *)(b->tint + 3 * b->pixels)
 					    : payload + layout->pattern_scale;
@@ -172,7 +179,10 @@ static int check_padding(const struct place *at, const struct basis_block *b,
 	    !basis_all_zero((const uint8_t *)(b->light + b->columns),
 			    payload + layout->column_scale) ||
 	    !basis_all_zero((const uint8_t *)(b->column_scale + b->columns),
-			    payload + layout->column))
+			    payload + layout->column) ||
+	    (b->record &&
+	     (!basis_all_zero((const uint8_t *)(b->record_at + b->columns), b->record) ||
+	      !basis_all_zero(b->record + record_bytes, payload + layout->bytes))))
 		return DAMAGED(at, "padding between arrays is not %d", 0);
 	return 0;
 }
@@ -314,24 +324,14 @@ static bool has_least16(const int16_t *v, size_t count)
 	return any != 0;
 }
 
-static bool has_least8(const int8_t *v, size_t count)
-{
-	unsigned char any = 0;
-
-	for (size_t i = 0; i < count; i++)
-		any |= v[i] == INT8_MIN;
-	return any != 0;
-}
-
-/* Lines of one cache line each, every `step`th: the last panel's hold 0 behind their `used` bytes.
- */
+/* Lines of one cache line each: the last panel's hold 0 behind their `used` bytes. */
 static int check_rest(const struct place *at, const char *what, const void *lines, size_t count,
-		      size_t step, size_t used)
+		      size_t used)
 {
 	const uint8_t *line = lines;
 	bool zero = true;
 
-	for (size_t i = 0; i < count && used; i++, line += step * BASIS_ALIGN)
+	for (size_t i = 0; i < count && used; i++, line += BASIS_ALIGN)
 		zero &= basis_all_zero(line + used, line + BASIS_ALIGN);
 	return zero ? 0 : DAMAGED(at, "%s after the last pixel are not 0", what);
 }
@@ -340,36 +340,100 @@ static int check_lines(const struct place *at, const struct basis_block *b,
 		       const struct basis_layout *layout)
 {
 	const size_t coefficients = (size_t)b->channels * (size_t)b->patterns; /* of a panel */
-	const size_t columns = (size_t)b->channels * (size_t)b->columns;
-	const size_t value_bytes = (size_t)b->bits / 8, line = BASIS_ALIGN / value_bytes;
-	const size_t panels16 = (size_t)layout->panels16, panels = (size_t)layout->column_panels;
-	const void *column = b->bits == 16 ? (const void *)b->column16 : b->column8;
+	const size_t columns = b->column16 ? (size_t)b->channels * (size_t)b->columns : 0;
+	const size_t panels16 = (size_t)layout->panels16;
+	const size_t used = (size_t)b->pixels % BASIS_LINE16 * sizeof(int16_t);
 	int ret;
 
 	if (has_least16(b->coefficient, panels16 * coefficients * BASIS_LINE16))
 		return DAMAGED(at, "value %d among coefficients, expected at least %d", INT16_MIN,
 			       -INT16_MAX);
-	if (b->bits == 16 ? has_least16(b->column16, panels * columns * line)
-			  : has_least8(b->column8, panels * columns * line))
-		return DAMAGED(at, "value %d among columns, expected at least %d",
-			       b->bits == 16 ? INT16_MIN : INT8_MIN,
-			       b->bits == 16 ? -INT16_MAX : -INT8_MAX);
+	if (has_least16(b->column16, panels16 * columns * BASIS_LINE16))
+		return DAMAGED(at, "value %d among columns, expected at least %d", INT16_MIN,
+			       -INT16_MAX);
 	ret = check_rest(at, "coefficients",
 			 b->coefficient + (panels16 - 1) * coefficients * BASIS_LINE16,
-			 coefficients, 1, (size_t)b->pixels % BASIS_LINE16 * sizeof(int16_t));
-	if (ret < 0)
+			 coefficients, used);
+	if (ret < 0 || !columns)
 		return ret;
-	return check_rest(at, "columns",
-			  (const uint8_t *)column +
-				  (panels - 1) * (b->bits == 16 ? columns : 1) * BASIS_ALIGN,
-			  columns, b->bits == 16 ? 1 : panels,
-			  (size_t)b->pixels % line * value_bytes);
+	return check_rest(at, "columns", b->column16 + (panels16 - 1) * columns * BASIS_LINE16,
+			  columns, used);
+}
+
+/* -128 and, in half a byte, 15. */
+static bool has_least8(uint8_t code, const uint8_t *line)
+{
+	unsigned any = 0;
+
+	for (int k = 0; k < BASIS_LINE8 && code == BASIS_LINE_WHOLE; k++)
+		any |= line[k] == 0x80;
+	for (int k = 0; k < BASIS_LINE_HALF && code && code != BASIS_LINE_WHOLE; k++)
+		any |= (line[k] & 15) == 15 || line[k] >> 4 == 15;
+	return any != 0;
+}
+
+/* One record, which is known to have room for its codes; *bytes: how long it is. */
+static int check_record(const struct place *at, const struct basis_block *b, int column,
+			size_t left, size_t *bytes)
+{
+	const uint8_t *code = b->record + b->record_at[column];
+	const int lines = basis_record_lines(b), panels = lines / b->channels;
+	const uint8_t *line = code + basis_record_head(lines);
+	const int used = b->pixels - (panels - 1) * BASIS_LINE8;
+
+	for (int k = 0; k < lines; k++)
+		if (code[k] > BASIS_LINE_FACTOR_MAX && code[k] != BASIS_LINE_WHOLE)
+			return DAMAGED(at, "code %u in column %d, expected at most %d, or %d",
+				       code[k], column, BASIS_LINE_FACTOR_MAX, BASIS_LINE_WHOLE);
+	*bytes = basis_record_bytes(code, lines);
+	if (*bytes > left)
+		return DAMAGED(at, "column %d takes %zu bytes, expected at most %zu", column,
+			       *bytes, left);
+	if (!basis_all_zero(code + lines, line))
+		return DAMAGED(at, "padding of column %d is not 0", column);
+	for (int k = 0; k < lines; line += basis_line_bytes(code[k++])) {
+		int8_t values[BASIS_LINE8];
+
+		if (has_least8(code[k], line))
+			return DAMAGED(at, "value %s in column %d, expected %s",
+				       code[k] == BASIS_LINE_WHOLE ? "-128" : "8", column,
+				       code[k] == BASIS_LINE_WHOLE ? "-127 to 127" : "-7 to 7");
+		if (k < lines - b->channels)
+			continue;
+		basis_line_unpack(code[k], line, values);
+		if (!basis_all_zero((const uint8_t *)values + used,
+				    (const uint8_t *)values + BASIS_LINE8))
+			return DAMAGED(at, "values of column %d after the last pixel are not 0",
+				       column);
+	}
+	return 0;
+}
+
+static int check_records(const struct place *at, const struct basis_block *b, size_t all)
+{
+	const size_t head = basis_record_head(basis_record_lines(b));
+	size_t place = 0;
+
+	for (int n = 0; n < b->columns; n++) {
+		size_t bytes = 0;
+		int ret;
+
+		if (b->record_at[n] != place || all - place < head)
+			return DAMAGED(at, "column %d lies at byte %u, expected %zu of %zu", n,
+				       b->record_at[n], place, all);
+		ret = check_record(at, b, n, all - place, &bytes);
+		if (ret < 0)
+			return ret;
+		place += bytes;
+	}
+	return place == all ? 0 : DAMAGED(at, "columns take %zu bytes, expected %zu", place, all);
 }
 
 static int check_block(const struct place *at, const struct basis_block *b,
 		       const struct basis_layout *layout, const uint8_t *payload)
 {
-	int ret = check_padding(at, b, layout, payload);
+	const size_t record_bytes = at->chunk->entries[at->index].record_bytes;
+	int ret = check_padding(at, b, layout, record_bytes, payload);
 
 	if (ret == 0)
 		ret = check_lights(at, b);
@@ -377,7 +441,9 @@ static int check_block(const struct place *at, const struct basis_block *b,
 		ret = check_column_scales(at, b);
 	if (ret == 0)
 		ret = check_patterns(at, b);
-	return ret < 0 ? ret : check_lines(at, b, layout);
+	if (ret == 0)
+		ret = check_lines(at, b, layout);
+	return ret < 0 || !b->record ? ret : check_records(at, b, record_bytes);
 }
 
 static int allocate(const struct basis *basis, struct basis_layer *layer, size_t blocks)

@@ -1,5 +1,5 @@
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 4.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 5.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -55,7 +55,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 4
+#define BASIS_VERSION 5
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* of every array inside a block */
 
@@ -222,13 +222,16 @@ enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_
  *     uint16 light[columns]              ascending, < N
  *     float  column_scale[columns]       finite, >= 0
  *     int16  column[panels16][channels][columns][32]      bits = 16
- *     int8   column[columns][channels][panels8][64]       bits = 8
+ *     uint32 record_at[columns]                           bits = 8: in bytes, from the first record
+ *     uint8  record[record_bytes]                         bits = 8: basis_lines.h
  *
  * A panel is as many pixels of the block, in the order of its list, as fill a cache line:
  * panels16 = ceil(pixels / 32), panels8 = ceil(pixels / 64); places after the last pixel hold 0. A
  * line, 64 bytes, is one pattern or column for one panel and channel: what is read, or left out, as
  * a whole. Of columns of 16 bits most are read, panel by panel; of those of 8 bits a few here and
- * there, so that what is read of one lies together. -32768 and -128 do not occur.
+ * there, so that what is read of one lies together: its record, in which each line is as short as
+ * it may be. Records follow each other in the order of columns without a gap. -32768, -128 and, in
+ * half a byte, 15 do not occur.
  *
  * Every pixel of a D block is in one of its tile's U blocks; of U no light
  * alone comes out negative by more than quantisation.
@@ -242,10 +245,10 @@ struct basis_block_entry {
 	uint8_t tinted;	  /* 1: has a tint; only where channels is 1 */
 	uint16_t pixels;  /* 1..BASIS_TILE^2 */
 	uint16_t patterns;
-	uint32_t columns; /* 0..N; patterns + columns >= 1 */
-	uint32_t ground;  /* of a V block: index of its shared ground term; else 0 */
-	uint32_t reserved;
-	uint64_t offset; /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */
+	uint32_t columns;      /* 0..N; patterns + columns >= 1 */
+	uint32_t ground;       /* of a V block: index of its shared ground term; else 0 */
+	uint32_t record_bytes; /* of all records; 0 where bits is 16 */
+	uint64_t offset;       /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */
 	uint64_t bytes;
 };
 
@@ -257,12 +260,13 @@ struct basis_block_entry {
  *     0  pixel, tint, pattern_scale, light and column_scale with their padding, as they are
  *     1  upper bytes of all 16-bit values: patterns, coefficients, columns
  *     2  their lower bytes
- *     3  columns of 8 bits
+ *     3  records of columns of 8 bits, which tell what record_at is
  *
  * A value v is there as 2v, or -2v - 1 where it is negative, modulo 2^8 or 2^16. Coefficients and
  * columns are differences first: those of 16 bits from the value before, 0 before a block's first;
- * those of 8 bits from the value before in the same row of BASIS_TILE, a row's first from that of
- * the row before, each channel of each column by itself.
+ * those of whole lines of 8 bits from the value before in the same row of BASIS_TILE places, a
+ * row's first from that of the row before, each line by itself. Codes and short lines are as they
+ * are.
  */
 #define BASIS_PACK_STREAMS 4
 

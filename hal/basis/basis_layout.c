@@ -14,7 +14,6 @@ struct basis_layout basis_layout(const struct basis_block_entry *entry, int coar
 	at.stride = (coarse + BASIS_LINE16 - 1) / BASIS_LINE16 * BASIS_LINE16;
 	at.panels16 = (entry->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
 	at.panels8 = (entry->pixels + BASIS_LINE8 - 1) / BASIS_LINE8;
-	at.column_panels = entry->bits == 8 ? at.panels8 : at.panels16;
 	at.pixel = 0;
 	at.tint = align(pixels * sizeof(uint16_t));
 	at.pattern_scale = at.tint + (entry->tinted ? align(3 * pixels * sizeof(uint16_t)) : 0);
@@ -23,6 +22,11 @@ struct basis_layout basis_layout(const struct basis_block_entry *entry, int coar
 	at.light = at.coefficient + (size_t)at.panels16 * channels * patterns * BASIS_ALIGN;
 	at.column_scale = at.light + align(columns * sizeof(uint16_t));
 	at.column = at.column_scale + align(columns * sizeof(float));
-	at.bytes = at.column + (size_t)at.column_panels * channels * columns * BASIS_ALIGN;
+	at.record = at.column;
+	if (entry->bits == 8)
+		at.record += align(columns * sizeof(uint32_t));
+	at.bytes = entry->bits == 8
+			   ? at.record + align(entry->record_bytes)
+			   : at.column + (size_t)at.panels16 * channels * columns * BASIS_ALIGN;
 	return at;
 }

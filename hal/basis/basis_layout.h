@@ -16,27 +16,27 @@
 
 struct basis_layout {
 	int stride;	       /* int16 values of one pattern */
-	int panels16, panels8; /* of coefficients; of 8-bit columns */
-	int column_panels;     /* panels16 or panels8, as the block's bits say */
+	int panels16, panels8; /* of coefficients and 16-bit columns; of 8-bit columns */
 	/* Offsets from the start of the payload, in bytes; each array ends where the padding to the
-	 * next one (to the end, for column) begins. An array that is absent has no bytes. */
-	size_t pixel, tint, pattern_scale, pattern, coefficient, light, column_scale, column;
+	 * next one (to the end, for the last) begins. An array that is absent has no bytes. */
+	size_t pixel, tint, pattern_scale, pattern, coefficient, light, column_scale;
+	size_t column; /* 16 bits: values; 8: record_at */
+	size_t record;
 	size_t bytes; /* of the payload; a multiple of BASIS_ALIGN */
 };
 
-/* Of an entry's pixels, channels, bits, tinted, patterns and columns, all in their ranges; coarse
- * is K. Nothing overflows. */
+/* Of an entry's pixels, channels, bits, tinted, patterns, columns and record_bytes, all in their
+ * ranges; coarse is K. Nothing overflows. */
 struct basis_layout basis_layout(const struct basis_block_entry *entry, int coarse);
 
 /* Whether poses may be called so. 0, -EINVAL, -ENOMEM. */
 int basis_names_check(const struct basis_pose_name *names, uint32_t count);
 
-/* Which of a block's lines of columns holds `column` for one panel and channel. */
-static inline size_t basis_column_line(int bits, int panels, int channels, int columns, int panel,
-				       int channel, int column)
+/* Which of a block's lines of columns of 16 bits holds `column` for one panel and channel. */
+static inline size_t basis_column_line(int channels, int columns, int panel, int channel,
+				       int column)
 {
-	return bits == 8 ? (size_t)(column * channels + channel) * (size_t)panels + (size_t)panel
-			 : (size_t)(panel * channels + channel) * (size_t)columns + (size_t)column;
+	return (size_t)(panel * channels + channel) * (size_t)columns + (size_t)column;
 }
 
 #endif

@@ -6,6 +6,7 @@
 #include <zstd.h>
 
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
 
 /* From here on zstd weighs each match against bytes by themselves, which noise asks for. Unpacking
  * does not get slower by it, and the bake spends its time elsewhere. */
@@ -19,7 +20,7 @@ enum stream {
 	STREAM_REST, /* lists and scales, as they are */
 	STREAM_HIGH, /* 16-bit values: upper and lower bytes */
 	STREAM_LOW,
-	STREAM_COLUMNS, /* of 8 bits */
+	STREAM_COLUMNS, /* of 8 bits, with their codes */
 };
 
 _Static_assert(STREAM_COLUMNS + 1 == BASIS_PACK_STREAMS, "streams of a part");
@@ -55,15 +56,15 @@ static int unfold16(uint16_t v)
 	return (v >> 1) ^ -(v & 1);
 }
 
-/* Of a column's pixels: from the one on the left, at the start of a row from the one above. */
-static void fold_column(const int8_t *from, size_t count, uint8_t *to)
+/* Of a line of a column: from the one on the left, at the start of a row from the one above. */
+static void fold_column(const uint8_t *from, size_t count, uint8_t *to)
 {
 	to[0] = fold8(from[0]);
 	for (size_t k = 1; k < count; k++)
 		to[k] = fold8(from[k] - from[k % ROW ? k - 1 : k - ROW]);
 }
 
-static void unfold_column(const uint8_t *from, size_t count, int8_t *to)
+static void unfold_column(const uint8_t *from, size_t count, uint8_t *to)
 {
 	int above = 0;
 
@@ -72,9 +73,9 @@ static void unfold_column(const uint8_t *from, size_t count, int8_t *to)
 
 		for (size_t k = row; k < row + ROW; k++) {
 			left += unfold8(from[k]);
-			to[k] = (int8_t)left;
+			to[k] = (uint8_t)left;
 		}
-		above = to[row];
+		above = (int8_t)to[row];
 	}
 }
 
@@ -111,7 +112,7 @@ static void unfold_words(struct streams *from, size_t count, bool differences, i
 static void count_payload(const struct basis_block_entry *e, int coarse, size_t *bytes)
 {
 	const struct basis_layout at = basis_layout(e, coarse);
-	const size_t columns = at.bytes - at.column;
+	const size_t columns = at.bytes - at.record;
 	const size_t words = at.light - at.pattern + (e->bits == 16 ? columns : 0);
 
 	bytes[STREAM_REST] += at.pattern + (at.column - at.light);
@@ -132,11 +133,41 @@ static void get_rest(struct streams *from, uint8_t *to, size_t bytes)
 	from->bytes[STREAM_REST] += bytes;
 }
 
+/* Records, one behind the other, either way: only lines of whole bytes are differences. False:
+ * their codes lead beyond the end. place, of unfolding: where each begins. */
+static bool turn_records(const struct basis_block_entry *e, const uint8_t *from, size_t bytes,
+			 uint32_t *place, uint8_t *to)
+{
+	const int lines = (e->pixels + BASIS_LINE8 - 1) / BASIS_LINE8 * e->channels;
+	const size_t head = basis_record_head(lines);
+	size_t at = 0;
+
+	for (uint32_t n = 0; n < e->columns; n++) {
+		const uint8_t *code = from + at;
+
+		if (place)
+			place[n] = (uint32_t)at;
+		if (bytes - at < head || basis_record_bytes(code, lines) > bytes - at)
+			return false;
+		memcpy(to + at, from + at, head);
+		at += head;
+		for (int k = 0; k < lines; at += basis_line_bytes(code[k++])) {
+			if (code[k] != BASIS_LINE_WHOLE)
+				memcpy(to + at, from + at, basis_line_bytes(code[k]));
+			else if (place)
+				unfold_column(from + at, BASIS_LINE8, to + at);
+			else
+				fold_column(from + at, BASIS_LINE8, to + at);
+		}
+	}
+	memcpy(to + at, from + at, bytes - at);
+	return true;
+}
+
 static void fold_payload(const struct basis_block_entry *e, int coarse, const uint8_t *payload,
 			 struct streams *to)
 {
 	const struct basis_layout at = basis_layout(e, coarse);
-	const size_t column = (size_t)at.panels8 * BASIS_LINE8;
 	const void *pattern = payload + at.pattern, *coefficient = payload + at.coefficient;
 	const void *columns = payload + at.column;
 
@@ -145,21 +176,19 @@ static void fold_payload(const struct basis_block_entry *e, int coarse, const ui
 	fold_words(coefficient, (at.light - at.coefficient) / 2, true, to);
 	put_rest(to, payload + at.light, at.column - at.light);
 	if (e->bits == 16) {
-		fold_words(columns, (at.bytes - at.column) / 2, true, to);
+		fold_words(columns, (at.bytes - at.record) / 2, true, to);
 		return;
 	}
-	for (size_t k = at.column; k < at.bytes; k += column) {
-		fold_column((const int8_t *)payload + k, column,
-			    to->at[STREAM_COLUMNS] + to->bytes[STREAM_COLUMNS]);
-		to->bytes[STREAM_COLUMNS] += column;
-	}
+	turn_records(e, payload + at.record, at.bytes - at.record, NULL,
+		     to->at[STREAM_COLUMNS] + to->bytes[STREAM_COLUMNS]);
+	to->bytes[STREAM_COLUMNS] += at.bytes - at.record;
 }
 
-static void unfold_payload(const struct basis_block_entry *e, int coarse, struct streams *from,
-			   uint8_t *payload)
+/* -EBADMSG. */
+static int unfold_payload(const struct basis_block_entry *e, int coarse, struct streams *from,
+			  uint8_t *payload)
 {
 	const struct basis_layout at = basis_layout(e, coarse);
-	const size_t column = (size_t)at.panels8 * BASIS_LINE8;
 	void *pattern = payload + at.pattern, *coefficient = payload + at.coefficient;
 	void *columns = payload + at.column;
 
@@ -167,15 +196,16 @@ static void unfold_payload(const struct basis_block_entry *e, int coarse, struct
 	unfold_words(from, (at.coefficient - at.pattern) / 2, false, pattern);
 	unfold_words(from, (at.light - at.coefficient) / 2, true, coefficient);
 	get_rest(from, payload + at.light, at.column - at.light);
+	memset(payload + at.column, 0, at.record - at.column);
 	if (e->bits == 16) {
-		unfold_words(from, (at.bytes - at.column) / 2, true, columns);
-		return;
+		unfold_words(from, (at.bytes - at.record) / 2, true, columns);
+		return 0;
 	}
-	for (size_t k = at.column; k < at.bytes; k += column) {
-		unfold_column(from->at[STREAM_COLUMNS] + from->bytes[STREAM_COLUMNS], column,
-			      (int8_t *)payload + k);
-		from->bytes[STREAM_COLUMNS] += column;
-	}
+	if (!turn_records(e, from->at[STREAM_COLUMNS] + from->bytes[STREAM_COLUMNS],
+			  at.bytes - at.record, columns, payload + at.record))
+		return -EBADMSG;
+	from->bytes[STREAM_COLUMNS] += at.bytes - at.record;
+	return 0;
 }
 
 /* ---- packing ---- */
@@ -440,7 +470,7 @@ int pack_unpack(const struct pack *pack, int part, uint8_t *data)
 		all += bytes[s];
 	}
 	for (uint32_t b = 0; ret == 0 && b < pack->part[part].blocks; b++)
-		unfold_payload(&e[b], pack->coarse, &raw, data + e[b].offset);
+		ret = unfold_payload(&e[b], pack->coarse, &raw, data + e[b].offset);
 	free(memory);
 	return ret;
 }

@@ -19,8 +19,8 @@ int block_work_create(struct block_work *work, const struct basis *basis)
 	bool fine;
 
 	work->y = calloc(BASIS_PATTERNS_MAX, sizeof(*work->y));
-	fine = work->y && line_set_create(&work->patterns, BASIS_PATTERNS_MAX) == 0 &&
-	       line_set_create(&work->columns, n) == 0;
+	fine = work->y && line_set_create(&work->patterns, BASIS_PATTERNS_MAX, false) == 0 &&
+	       line_set_create(&work->columns, n, true) == 0;
 	for (int c = 0; c < 3; c++) {
 		work->now[c] = calloc(most, sizeof(*work->now[c]));
 		fine = fine && work->now[c];
@@ -84,13 +84,14 @@ static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 	uint32_t *line = set->line;
 
 	set->count = count;
+	set->records = plan->block->bits == 8;
 	for (int k = 0; k < count; k++) {
 		const double *x = sent[chosen[k].light].amount;
 		const double weight = (double)chosen[k].scale * one;
 
 		for (int c = 0; c < 3; c++)
 			to[c][k] = round_double(x[c] * weight);
-		line[k] = chosen[k].column;
+		line[k] = chosen[k].place;
 	}
 }
 
@@ -107,6 +108,7 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 	uint32_t *line = set->line;
 	int count = 0;
 
+	set->records = false;
 	for (int n = 0; n < b->columns; n++) {
 		const double *x = sent[light[n]].amount;
 		const double weight = (double)scale[n] * one;

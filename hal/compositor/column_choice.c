@@ -7,11 +7,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/basis/basis_lines.h"
+
 /* Columns of a light lie in classes by what they reach, 16 for each power of two, and in a class as
  * they come. So none that follows one reaches farther by as much as 1 / CLASS_NEAR. */
 #define CLASS_SHIFT 19
 #define CLASSES (1 << (31 - CLASS_SHIFT))
 #define CLASS_NEAR 0.9
+
+static uint32_t place_of(const struct basis_block *b, int n)
+{
+	return b->bits == 8 ? b->record_at[n] : (uint32_t)n;
+}
+
+static uint32_t bytes_of(const struct basis_block *b, int n)
+{
+	if (b->bits != 8)
+		return 0;
+	return (uint32_t)basis_record_bytes(b->record + b->record_at[n], basis_record_lines(b));
+}
 
 static float reach_of(const struct block_plan *plan, int n)
 {
@@ -83,9 +97,10 @@ static void sort_by_class(const struct column_choice *choice, const struct block
 			continue;
 		choice->block[1 + plan[k].number].reach = plan[k].reach;
 		for (int n = 0; n < b->columns; n++)
-			to[place[class_of(reach_of(&plan[k], n))]++] = (struct loose_column){
-				{b->column_scale[n], (uint32_t)plan[k].number, (uint32_t)n},
-				b->light[n]};
+			to[place[class_of(reach_of(&plan[k], n))]++] =
+				(struct loose_column){{b->column_scale[n], (uint32_t)plan[k].number,
+						       place_of(b, n), bytes_of(b, n)},
+						      b->light[n]};
 	}
 }
 
@@ -175,8 +190,8 @@ static inline __attribute__((always_inline)) void meet(const struct column_choic
 			if (worth < CLASS_NEAR && reach >= FLT_MIN)
 				break;
 			if (placing && worth >= 1)
-				chosen[b->end] = (struct chosen_column){of.column, (uint32_t)i,
-									of.scale};
+				chosen[b->end] = (struct chosen_column){
+					of.place, (uint16_t)i, (uint16_t)of.bytes, of.scale};
 			b->end += worth >= 1;
 		}
 	}

@@ -18,8 +18,9 @@
 /* One column of a light. */
 struct light_column {
 	float scale;
-	uint32_t block;	 /* of those that choose: block_plan's number */
-	uint32_t column; /* of the block */
+	uint32_t block; /* of those that choose: block_plan's number */
+	uint32_t place; /* in the block: of 16 bits its number, of 8 where its record begins */
+	uint32_t bytes; /* of the record */
 };
 
 struct light_columns {
@@ -33,7 +34,8 @@ struct choosing_block {
 };
 
 struct chosen_column {
-	uint32_t column, light;
+	uint32_t place;
+	uint16_t light, bytes;
 	float scale;
 };
 

@@ -38,6 +38,8 @@ static void expect_weights(struct fetch *fetch, const struct block_plan *plan)
 	if (!plan->choice) {
 		expect(fetch, b->column_scale, (size_t)b->columns * sizeof(*b->column_scale));
 		expect(fetch, b->light, (size_t)b->columns * sizeof(*b->light));
+		if (b->record_at)
+			expect(fetch, b->record_at, (size_t)b->columns * sizeof(*b->record_at));
 	}
 	expect(fetch, plan + 1, sizeof(*plan));
 	expect(fetch, b + 1, sizeof(*b));
@@ -49,10 +51,10 @@ static void expect_columns(struct fetch *fetch, const struct block_plan *plan)
 
 	fetch->chosen = columns_chosen(plan, &fetch->column_count);
 	if (b->bits == 8) {
-		fetch->columns = (const char *)b->column8;
+		fetch->columns = (const char *)b->record;
 		fetch->line_bytes = KERNEL_LINE_BYTES;
-		fetch->column_lines = panels_of(b, KERNEL_LINE8) * b->channels;
-		fetch->column_bytes = (size_t)fetch->column_lines * KERNEL_LINE_BYTES;
+		fetch->column_lines = 0;
+		fetch->column_bytes = 1;
 	} else {
 		fetch->columns = (const char *)b->column16;
 		fetch->line_bytes = (size_t)b->columns * KERNEL_LINE_BYTES;

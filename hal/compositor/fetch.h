@@ -8,6 +8,7 @@
 #define INLAY_HAL_COMPOSITOR_FETCH_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "hal/compositor/column_choice.h"
 #include "hal/compositor/kernels.h"
@@ -31,9 +32,9 @@ struct fetch {
 	const struct chosen_column *chosen;
 	int column_count;
 	const char *columns;
-	size_t column_bytes; /* from a column to that of the next number */
-	size_t line_bytes;   /* from a line of a column to its next */
-	int column_lines;
+	size_t column_bytes;	 /* from a column to that of the next number */
+	size_t line_bytes;	 /* from a line of a column to its next */
+	int column_lines;	 /* of a column; 0: as its record has */
 	int column, column_step; /* the next one; how many at a time */
 };
 
@@ -54,9 +55,15 @@ static inline __attribute__((always_inline)) void fetch_some(struct fetch *f)
 	size_t lines = f->lines_step;
 
 	for (int k = f->column; k < end; k++) {
-		const char *from = f->columns + f->chosen[k].column * f->column_bytes;
+		const char *from = f->columns + f->chosen[k].place * f->column_bytes;
+		int line = f->column_lines;
 
-		for (int line = f->column_lines; line > 0; line--, from += f->line_bytes)
+		/* a record may begin and end anywhere in a line */
+		if (!line)
+			line = 1 + (int)(((uintptr_t)from % KERNEL_LINE_BYTES + f->chosen[k].bytes -
+					  1) /
+					 KERNEL_LINE_BYTES);
+		for (; line > 0; line--, from += f->line_bytes)
 			__builtin_prefetch(from);
 	}
 	f->column = end;

@@ -113,6 +113,7 @@ bool kept_sums_step(struct block_work *work, const struct block_plan *plan,
 		return false;
 	weights = kept_weights(plan, request, sum);
 	work->patterns.count = set->count = 0;
+	set->records = false;
 	for (int k = 0; k < light->changed_count; k++) {
 		const int i = light->changed[k];
 		const double weight = (double)b->column_scale[i] * one;

@@ -4,7 +4,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-int line_set_create(struct line_set *set, size_t most)
+#include "hal/basis/basis_lines.h"
+
+/* Places for the lines of one panel of all columns. */
+static int unpacked_create(struct line_set *set, size_t padded)
+{
+	void *unpacked;
+
+	set->number = calloc(padded, sizeof(*set->number));
+	set->at = calloc(padded, sizeof(*set->at));
+	if (!set->number || !set->at ||
+	    posix_memalign(&unpacked, KERNEL_LINE_BYTES, 3 * padded * KERNEL_LINE_BYTES) != 0)
+		return -ENOMEM;
+	set->unpacked = unpacked;
+	for (size_t k = 0; k < padded; k++)
+		set->number[k] = (uint32_t)k;
+	return 0;
+}
+
+int line_set_create(struct line_set *set, size_t most, bool columns)
 {
 	const size_t padded = (most + 2) / 2 * 2;
 	bool fine;
@@ -16,7 +34,7 @@ int line_set_create(struct line_set *set, size_t most)
 		fine = fine && set->weight[c];
 	}
 	set->digit = calloc(3 * KERNEL_DIGITS * padded, sizeof(*set->digit));
-	return fine && set->digit ? 0 : -ENOMEM;
+	return fine && set->digit && (!columns || unpacked_create(set, padded) == 0) ? 0 : -ENOMEM;
 }
 
 void line_set_free(struct line_set *set)
@@ -25,6 +43,9 @@ void line_set_free(struct line_set *set)
 	for (int c = 0; c < 3; c++)
 		free(set->weight[c]);
 	free(set->digit);
+	free(set->number);
+	free(set->at);
+	free(set->unpacked);
 }
 
 void line_set_split(struct line_set *set, const struct kernels *kernels)
@@ -47,10 +68,9 @@ static int panels_of(const struct basis_block *b, int pixels)
 	return (b->pixels + pixels - 1) / pixels;
 }
 
-/* Where the lines of one kind lie in a block, and from one panel to the next. */
+/* Where lines of 16 bits lie in a block, and from one panel to the next. */
 struct places {
 	const char *first;
-	int pixels; /* of a line */
 	size_t step, channel, panel;
 };
 
@@ -59,18 +79,10 @@ static struct places places_of16(const struct basis_block *b, const int16_t *lin
 	const size_t channel = (size_t)count * KERNEL_LINE_BYTES;
 
 	return (struct places){
-		(const char *)lines,	       KERNEL_LINE16, KERNEL_LINE_BYTES, channel,
-		channel * (size_t)b->channels,
-	};
-}
-
-static struct places places_of8(const struct basis_block *b)
-{
-	const size_t channel = (size_t)panels_of(b, KERNEL_LINE8) * KERNEL_LINE_BYTES;
-
-	return (struct places){
-		(const char *)b->column8, KERNEL_LINE8, channel * (size_t)b->channels, channel,
+		(const char *)lines,
 		KERNEL_LINE_BYTES,
+		channel,
+		channel * (size_t)b->channels,
 	};
 }
 
@@ -85,28 +97,85 @@ static void add_set(const struct line_set *set, const struct basis_block *b, str
 	w.fresh = fresh;
 	w.step = places.step;
 	w.channel = b->channels == 3 ? places.channel : 0;
-	for (int at = 0; at < b->pixels; at += places.pixels, places.first += places.panel) {
+	for (int at = 0; at < b->pixels; at += KERNEL_LINE16, places.first += places.panel) {
 		int64_t *const to[3] = {sum[0] + at, sum[1] + at, sum[2] + at};
 
-		if (places.pixels == KERNEL_LINE8)
-			kernels->sums8((const int8_t *)places.first, &w, to);
-		else
-			kernels->sums16((const int16_t *)places.first, &w, to);
+		kernels->sums16((const int16_t *)places.first, &w, to);
 		fetch_some(fetch);
 	}
 }
 
-size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
-		 const struct line_set *patterns, const struct line_set *columns, int shift,
-		 bool fresh, struct fetch *fetch, int64_t *sum[3])
+/* Where the records of the set begin. */
+static void find_records(struct line_set *set, const struct basis_block *b, int lines)
 {
-	const int pixels = b->bits == 8 ? KERNEL_LINE8 : KERNEL_LINE16;
-	const int panels16 = panels_of(b, KERNEL_LINE16), panels = panels_of(b, pixels);
+	for (int k = 0; k < set->count; k++) {
+		const uint32_t at = set->records ? set->line[k] : b->record_at[set->line[k]];
 
-	if (columns->kernel.digits) {
-		add_set(columns, b,
-			b->bits == 8 ? places_of8(b) : places_of16(b, b->column16, b->columns),
-			shift, fresh, kernels, fetch, sum);
+		set->at[k].code = b->record + at;
+		set->at[k].line = set->at[k].code + basis_record_head(lines);
+	}
+}
+
+/* Those of one panel, a channel behind the other. */
+static void unpack_panel(struct line_set *set, int panel, int channels)
+{
+	for (int k = 0; k < set->count; k++) {
+		const uint8_t *code = set->at[k].code + (size_t)(panel * channels);
+
+		for (int c = 0; c < channels; c++) {
+			const size_t to = (size_t)(c * set->kernel.count + k) * KERNEL_LINE_BYTES;
+
+			basis_line_unpack(code[c], set->at[k].line, set->unpacked + to);
+			set->at[k].line += basis_line_bytes(code[c]);
+		}
+	}
+	/* What fills them up to an even number weighs nothing. */
+	for (int c = 0; c < channels && set->count % 2; c++)
+		memset(set->unpacked +
+			       (size_t)((c + 1) * set->kernel.count - 1) * KERNEL_LINE_BYTES,
+		       0, KERNEL_LINE_BYTES);
+}
+
+/* The same of columns of 8 bits. Returns how many bytes were read. */
+static size_t add_records(struct line_set *set, const struct basis_block *b, int shift, bool fresh,
+			  const struct kernels *kernels, struct fetch *fetch, int64_t *sum[3])
+{
+	struct kernel_weights w = set->kernel;
+	size_t bytes = 0;
+
+	find_records(set, b, basis_record_lines(b));
+	w.line = set->number;
+	w.shift = shift;
+	w.fresh = fresh;
+	w.step = KERNEL_LINE_BYTES;
+	w.channel = b->channels == 3 ? (size_t)w.count * KERNEL_LINE_BYTES : 0;
+	for (int panel = 0; panel * KERNEL_LINE8 < b->pixels; panel++) {
+		const int at = panel * KERNEL_LINE8;
+		int64_t *const to[3] = {sum[0] + at, sum[1] + at, sum[2] + at};
+
+		unpack_panel(set, panel, b->channels);
+		kernels->sums8(set->unpacked, &w, to);
+		fetch_some(fetch);
+	}
+	for (int k = 0; k < set->count; k++)
+		bytes += (size_t)(set->at[k].line - set->at[k].code);
+	return bytes;
+}
+
+size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
+		 struct line_set *patterns, struct line_set *columns, int shift, bool fresh,
+		 struct fetch *fetch, int64_t *sum[3])
+{
+	const int panels = panels_of(b, KERNEL_LINE16);
+	size_t bytes = (size_t)(b->channels * panels * patterns->count) * KERNEL_LINE_BYTES;
+
+	if (columns->kernel.digits && b->bits == 8) {
+		bytes += add_records(columns, b, shift, fresh, kernels, fetch, sum);
+		fresh = false;
+	} else if (columns->kernel.digits) {
+		add_set(columns, b, places_of16(b, b->column16, b->columns), shift, fresh, kernels,
+			fetch, sum);
+		bytes += (size_t)(b->channels * panels * columns->count) * KERNEL_LINE_BYTES;
 		fresh = false;
 	}
 	if (patterns->kernel.digits) {
@@ -116,6 +185,5 @@ size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 	}
 	for (int c = 0; c < 3 && fresh; c++)
 		memset(sum[c], 0, (size_t)b->pixels * sizeof(*sum[c]));
-	return (size_t)(b->channels * (panels16 * patterns->count + panels * columns->count)) *
-	       KERNEL_LINE_BYTES;
+	return bytes;
 }

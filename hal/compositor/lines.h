@@ -14,13 +14,20 @@
 /* Lines to be read, and their weights split into digits. */
 struct line_set {
 	int count;
-	uint32_t *line;
+	uint32_t *line; /* of columns of 8 bits that were chosen, where their records begin */
+	bool records;	/* that is so */
 	int64_t *weight[3];
 	int16_t *digit;
 	struct kernel_weights kernel; /* digits is 0 where all weights are */
+	/* Of columns: their records, and lines of one panel as kernels read them. */
+	struct record_place {
+		const uint8_t *code, *line;
+	} * at;
+	int8_t *unpacked; /* [3][count] lines */
+	uint32_t *number; /* 0, 1, 2... */
 };
 
-int line_set_create(struct line_set *set, size_t most);
+int line_set_create(struct line_set *set, size_t most, bool columns);
 void line_set_free(struct line_set *set); /* zeroed is fine */
 
 /* Fills the digits from the weights, and the count up to an even one. */
@@ -30,7 +37,7 @@ void line_set_split(struct line_set *set, const struct kernels *kernels);
  * whatever stands there. columns have weights with `shift` bits less. Returns how many bytes were
  * read. While it adds it fetches. */
 size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
-		 const struct line_set *patterns, const struct line_set *columns, int shift,
-		 bool fresh, struct fetch *fetch, int64_t *sum[3]);
+		 struct line_set *patterns, struct line_set *columns, int shift, bool fresh,
+		 struct fetch *fetch, int64_t *sum[3]);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
 #include "hal/compositor/compositor.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
@@ -66,12 +67,8 @@ static size_t place(const struct basis_block *b, int p, int c, int lines, int li
 
 static double column_value(const struct basis_block *b, int p, int c, int n)
 {
-	const int channel = b->channels == 3 ? c : 0, panels = (b->pixels - 1) / BASIS_LINE8 + 1;
-	const size_t line8 = ((size_t)n * (size_t)b->channels + (size_t)channel) * (size_t)panels +
-			     (size_t)(p / BASIS_LINE8);
-
 	return (double)b->column_scale[n] *
-	       (b->bits == 8 ? b->column8[line8 * BASIS_LINE8 + (size_t)(p % BASIS_LINE8)]
+	       (b->bits == 8 ? basis_column8_value(b, n, b->channels == 3 ? c : 0, p)
 			     : b->column16[place(b, p, c, b->columns, n)]);
 }
 

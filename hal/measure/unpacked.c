@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
 
 static size_t rows_of(const struct unpacked *t)
 {
@@ -43,12 +44,9 @@ struct line {
 static void add_column8(struct line *l, int column)
 {
 	const struct basis_block *b = l->block;
-	const int panels = (b->pixels + BASIS_LINE8 - 1) / BASIS_LINE8;
-	const int8_t *v = b->column8 + basis_column_line(8, panels, b->channels, b->columns,
-							 l->first / BASIS_LINE8, l->channel,
-							 column) *
-					       BASIS_LINE8;
+	int8_t v[BASIS_LINE8];
 
+	basis_column8_line(b, column, l->channel, l->first / BASIS_LINE8, v);
 	for (int p = 0; p < l->count; p++)
 		l->value[p] += b->column_scale[column] * v[p];
 }

@@ -214,7 +214,8 @@ struct encoding_arrays {
 	const uint16_t *pixel, *tint, *light;
 	const float *pattern_scale, *column_scale;
 	const int16_t *pattern, *coefficient, *column16;
-	const int8_t *column8;
+	const uint32_t *record_at;
+	const uint8_t *record;
 	int stride;
 	size_t bytes;
 };
@@ -224,7 +225,7 @@ static inline struct encoding_arrays encoding_arrays_of(const struct basis_block
 {
 	const struct basis_block_entry *e = &block->entry;
 	const uint8_t *at = block->payload;
-	const size_t panels16 = (e->pixels + 31U) / 32, panels8 = (e->pixels + 63U) / 64;
+	const size_t panels16 = (e->pixels + 31U) / 32;
 	struct encoding_arrays a = {.stride = (coarse + 31) / 32 * 32};
 
 	a.pixel = (const uint16_t *)at;
@@ -242,21 +243,40 @@ static inline struct encoding_arrays encoding_arrays_of(const struct basis_block
 	a.column_scale = (const float *)at;
 	at += encoding_align(e->columns * 4U);
 	a.column16 = (const int16_t *)at;
-	a.column8 = (const int8_t *)at;
-	at += (e->bits == 8 ? panels8 : panels16) * e->channels * e->columns * 64;
+	a.record_at = (const uint32_t *)at;
+	a.record = at + encoding_align(e->columns * 4U);
+	at += e->bits == 16 ? panels16 * e->channels * e->columns * 64
+			    : encoding_align(e->columns * 4U) + encoding_align(e->record_bytes);
 	a.bytes = (size_t)(at - (const uint8_t *)block->payload);
 	return a;
+}
+
+/* One value of a column of 8 bits: its lines stand behind their codes, which are filled up to a
+ * multiple of 4. */
+static inline int encoding_byte(const struct basis_block_entry *e, const struct encoding_arrays *a,
+				size_t place, size_t channel, uint32_t n)
+{
+	const size_t lines = (e->pixels + 63U) / 64 * e->channels;
+	const size_t line = place / 64 * e->channels + channel;
+	const uint8_t *code = a->record + a->record_at[n], *at = code + (lines + 3) / 4 * 4;
+	int half;
+
+	for (size_t k = 0; k < line; k++)
+		at += code[k] == 255 ? 64 : code[k] ? 32 : 0;
+	if (code[line] == 0 || code[line] == 255)
+		return code[line] ? (int8_t)at[place % 64] : 0;
+	half = place % 64 < 32 ? at[place % 64] % 16 : at[place % 64 - 32] / 16;
+	return (half - 7) * code[line];
 }
 
 static inline double encoding_column(const struct basis_block_entry *e,
 				     const struct encoding_arrays *a, int p, int c, uint32_t n)
 {
 	const size_t place = (size_t)p, channel = (size_t)c;
-	const size_t padded = (e->pixels + 63U) / 64 * 64;
 
 	return (double)a->column_scale[n] *
 	       (e->bits == 8
-			? a->column8[(n * e->channels + channel) * padded + place]
+			? encoding_byte(e, a, place, channel, n)
 			: a->column16[((place / 32 * e->channels + channel) * e->columns + n) * 32 +
 				      place % 32]);
 }

@@ -187,9 +187,9 @@ static inline void holding_format(const struct encoding *e, const struct encode_
 				    (double)a.column_scale[n] * (b->bits == 8 ? 127 : 32767) <=
 					    BASIS_VALUE_MAX);
 			for (int p = 0; p < (b->pixels + 63) / 64 * 64 && b->bits == 8; p++)
-				assert_true(a.column8[(size_t)n * b->channels *
-							      (size_t)((b->pixels + 63) / 64 * 64) +
-						      (size_t)p] >= -127 * (p < b->pixels));
+				for (size_t c = 0; c < b->channels; c++)
+					assert_true(abs(encoding_byte(b, &a, (size_t)p, c, n)) <=
+						    127 * (p < b->pixels));
 		}
 		for (int j = 0; j < b->patterns; j++) {
 			double sum = 0;

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include "hal/basis/basis_lines.h"
 #include "tests/unit/copied_basis.h"
 
 enum { LIGHTS = 3, POSES = 2, PAYLOAD = 8192 };
@@ -23,7 +24,8 @@ static struct basis_block_payload shown_block(uint8_t *payload, uint32_t tile)
 						      .tinted = 1,
 						      .pixels = 2,
 						      .patterns = 1,
-						      .columns = 2},
+						      .columns = 2,
+						      .record_bytes = 36 + 68},
 					    .payload = payload};
 	const struct basis_layout at = basis_layout(&block.entry, 2);
 
@@ -37,7 +39,13 @@ static struct basis_block_payload shown_block(uint8_t *payload, uint32_t tile)
 	((uint16_t *)(payload + at.light))[0] = 1;
 	((uint16_t *)(payload + at.light))[1] = 2;
 	((float *)(payload + at.column_scale))[1] = 0.25F;
-	((int8_t *)(payload + at.column))[64] = -127;
+	((uint32_t *)(payload + at.column))[1] = 36;
+	payload[at.record] = 5; /* times 7 and -7 */
+	memset(payload + at.record + 4, 0x77, 32);
+	payload[at.record + 4] = 0x7e;
+	payload[at.record + 5] = 0x70;
+	payload[at.record + 36] = 255;
+	payload[at.record + 40] = 0x81;
 	block.entry.bytes = at.bytes;
 	return block;
 }
@@ -127,8 +135,11 @@ static void check_shown(const struct basis_layer *layer, int blocks)
 	assert_int_equal(b->coefficient[1], 3);
 	assert_int_equal(b->light[1], 2);
 	assert_null(b->column16);
-	assert_int_equal(b->column8[64], -127);
-	assert_int_equal((uintptr_t)b->column8 % BASIS_ALIGN, 0);
+	assert_int_equal(basis_column8_value(b, 0, 0, 0), 35);
+	assert_int_equal(basis_column8_value(b, 0, 0, 1), -35);
+	assert_int_equal(basis_column8_value(b, 1, 0, 0), -127);
+	assert_int_equal(basis_column8_value(b, 1, 0, 1), 0);
+	assert_int_equal((uintptr_t)b->record % BASIS_ALIGN, 0);
 }
 
 static void check_exact(const struct basis_layer *layer)
@@ -140,7 +151,7 @@ static void check_exact(const struct basis_layer *layer)
 		assert_int_equal(layer->tiles[t].block_count, 1);
 		assert_true(b->columns == LIGHTS && b->patterns == 0 && b->bits == 16);
 		assert_null(b->tint);
-		assert_null(b->column8);
+		assert_null(b->record);
 		assert_true(b->column_scale[2] == 0.125F);
 		assert_int_equal(b->column16[32], -32767 + t);
 	}
@@ -478,7 +489,7 @@ static void names_what_is_not_a_basis(void **state)
 	assert_non_null(strstr(fault.text, "not a basis file"));
 	write_file(path, BASIS_MAGIC "\1\0\0\0abcdefghijklmnopqrstuvwxyz", 36);
 	assert_int_equal(basis_open(&basis, path, BASIS_SHOWN, &fault), -ENOTSUP);
-	assert_non_null(strstr(fault.text, "version 1, expected version 4"));
+	assert_non_null(strstr(fault.text, "version 1, expected version 5"));
 	basis_close(&basis); /* after a failure there is nothing to close, and no harm in it */
 	unlink(path);
 }
@@ -512,9 +523,37 @@ static void unknown_chunks_are_passed_over(void **state)
 	copied_free(&copy);
 }
 
+/* Lines of every code come back, and take the bytes that the format says. */
+static void lines_come_back(void **state)
+{
+	struct chance chance = chance_begin("lines");
+
+	(void)state;
+	for (int code = 0; code <= UINT8_MAX; code++) {
+		const bool whole = code == BASIS_LINE_WHOLE;
+		const int unit = whole ? 1 : code, top = whole ? 127 : code ? 7 : 0;
+		int8_t value[BASIS_LINE8], back[BASIS_LINE8];
+		uint8_t packed[BASIS_LINE8 + 1];
+		size_t bytes;
+
+		if (code > BASIS_LINE_FACTOR_MAX && !whole)
+			continue;
+		for (int k = 0; k < BASIS_LINE8; k++)
+			value[k] = (int8_t)(unit * (k < 2 ? top * (2 * k - 1)
+							  : chance_int(&chance, -top, top)));
+		memset(packed, 0xa5, sizeof(packed));
+		bytes = basis_line_pack((uint8_t)code, value, packed);
+		assert_int_equal(bytes, whole ? 64 : code ? 32 : 0);
+		assert_int_equal(packed[bytes], 0xa5);
+		basis_line_unpack((uint8_t)code, packed, back);
+		assert_memory_equal(back, value, sizeof(value));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(lines_come_back),
 		cmocka_unit_test(writes_and_reads_back),
 		cmocka_unit_test(each_pose_has_its_own_exact_layer),
 		cmocka_unit_test(accepts_what_may_be),

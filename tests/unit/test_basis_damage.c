@@ -91,7 +91,8 @@ struct parts {
 	uint16_t *pixel, *tint, *light;
 	float *pattern_scale, *column_scale;
 	int16_t *pattern, *coefficient, *column16;
-	int8_t *column8;
+	uint32_t *record_at;
+	uint8_t *record;
 };
 
 /* The nth block of a kind in a layer. */
@@ -120,7 +121,8 @@ static struct parts find_block(const struct copied *c, bool exact, enum basis_ki
 	b.light = (uint16_t *)(b.payload + b.at.light);
 	b.column_scale = (float *)(b.payload + b.at.column_scale);
 	b.column16 = (int16_t *)(b.payload + b.at.column);
-	b.column8 = (int8_t *)(b.payload + b.at.column);
+	b.record_at = (uint32_t *)(b.payload + b.at.column);
+	b.record = b.payload + b.at.record;
 	return b;
 }
 
@@ -311,9 +313,10 @@ static void refuses_broken_entries(void **state)
 	REFUSED("8 bits, expected 16, or 8 where", t.entry->columns = 0);
 	REFUSED("ground term 2, expected less", v.entry->ground = 2);
 	REFUSED("ground term 1, expected 0", t.entry->ground = 1);
-	REFUSED("reserved", t.entry->reserved = 1);
+	REFUSED("bytes of records for 50 columns of 16 bits, expected", x.entry->record_bytes = 1);
+	REFUSED("bytes of records for", t.entry->record_bytes = UINT32_MAX);
 	REFUSED("bytes, expected", t.entry->bytes -= 64);
-	REFUSED("bytes, expected", t.entry->columns++);
+	REFUSED("bytes, expected", t.entry->columns += 32);
 	REFUSED("lies at byte", t.entry->offset = UINT64_MAX - 63);
 	REFUSED("lies at byte", v.entry->offset = 0);
 	REFUSED("lies at byte", v.entry->offset += 32);
@@ -364,35 +367,81 @@ static void refuses_what_does_not_add_up(void **state)
 	copied_free(&c);
 }
 
+/* The first line of a column of 8 bits, or the first of the last panel, that is stored whole or by
+ * halves. */
+static uint8_t *find_line(const struct parts *b, bool whole, bool last)
+{
+	const int lines = b->at.panels8 * b->entry->channels;
+
+	for (uint32_t n = 0; n < b->entry->columns; n++) {
+		const uint8_t *code = b->record + b->record_at[n];
+		uint8_t *line = b->record + b->record_at[n] + basis_record_head(lines);
+
+		for (int k = 0; k < lines; line += basis_line_bytes(code[k++]))
+			if (code[k] && (code[k] == BASIS_LINE_WHOLE) == whole &&
+			    (!last || k >= lines - b->entry->channels))
+				return line;
+	}
+	fail_msg("no column has such a line");
+	return NULL;
+}
+
+static void refuses_broken_records(void **state)
+{
+	struct synthetic *s = *state;
+	struct copied whole = copied_file(s->path), c = copied_file(s->path);
+	const struct parts t = find_block(&c, false, BASIS_KIND_T, 0);
+	const int lines = t.at.panels8 * t.entry->channels, after = t.entry->pixels % BASIS_LINE8;
+	const uint32_t last = t.entry->columns - 1;
+	uint8_t *code = t.record + t.record_at[last];
+
+	assert_true(lines % BASIS_RECORD_ALIGN && after && after < BASIS_LINE_HALF);
+	REFUSED("code 19 in column 0, expected at most 18, or 255", t.record[0] = 19);
+	REFUSED("code 254 in column", code[lines - 1] = 254);
+	REFUSED("column 0 lies at byte 4, expected 0", t.record_at[0] = 4);
+	REFUSED("column 1 lies at byte", t.record_at[1] = UINT32_MAX);
+	REFUSED("column 1 lies at byte", memset(t.record, 0, (size_t)lines));
+	REFUSED("bytes, expected at most", memset(code, BASIS_LINE_WHOLE, (size_t)lines));
+	REFUSED("columns take", memset(code, 0, (size_t)lines));
+	REFUSED("padding of column 0", t.record[lines] = 1);
+	REFUSED("value -128 in column", find_line(&t, true, false)[0] = 0x80);
+	REFUSED("value 8 in column", find_line(&t, false, false)[31] |= 0x0f);
+	REFUSED("value 8 in column", find_line(&t, false, false)[31] |= 0xf0);
+	REFUSED("after the last pixel", find_line(&t, true, true)[after] = 1);
+	REFUSED("after the last pixel", find_line(&t, false, true)[after] ^= 1);
+	REFUSED("after the last pixel", find_line(&t, false, true)[0] ^= 0x10);
+	copied_free(&whole);
+	copied_free(&c);
+}
+
 static void refuses_broken_arrays(void **state)
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
 	const struct parts t = find_block(&c, false, BASIS_KIND_T, 0);
 	const struct parts x = find_block(&c, true, BASIS_KIND_U, 0);
-	const int after = t.entry->pixels % BASIS_LINE16, after8 = t.entry->pixels % BASIS_LINE8;
+	const int after = t.entry->pixels % BASIS_LINE16;
 	const int after_x = x.entry->pixels % BASIS_LINE16;
 
-	assert_true(after && after8 && after_x);
+	assert_true(after && after_x);
 	REFUSED("light 50, expected", t.light[4] = 50);
 	REFUSED("light 65535, expected", t.light[4] = UINT16_MAX);
 	REFUSED("ascending numbers below 50", t.light[1] = t.light[0]);
 	REFUSED("padding between", ((uint8_t *)t.pattern_scale)[-1] = 1);
 	REFUSED("padding between", ((uint8_t *)t.pattern)[-1] = 1);
 	REFUSED("padding between", ((uint8_t *)t.column_scale)[-1] = 1);
-	REFUSED("padding between", ((uint8_t *)t.column8)[-1] = 1);
+	REFUSED("padding between", ((uint8_t *)t.record_at)[-1] = 1);
+	REFUSED("padding between", t.record[-1] = 1);
+	REFUSED("padding between", t.payload[t.at.bytes - 1] = 1);
 	REFUSED("padding between", t.light[5] = 1);
 	REFUSED("padding of pattern 2", t.pattern[2 * 32 + 20] = 1);
 	REFUSED("padding of pattern 0", t.pattern[31] = 1);
 	REFUSED("value -32768 in pattern 1", t.pattern[32 + 19] = INT16_MIN);
 	REFUSED("value -32768 among coefficients", t.coefficient[0] = INT16_MIN);
-	REFUSED("value -128 among columns, expected at least -127", t.column8[0] = INT8_MIN);
 	REFUSED("value -32768 among columns", x.column16[0] = INT16_MIN);
 	REFUSED("coefficients after the last",
 		t.coefficient[(t.at.panels16 - 1) * 9 * BASIS_LINE16 + after] = 1);
 	REFUSED("coefficients after the last", ((int16_t *)(t.payload + t.at.light))[-1] = 1);
-	REFUSED("columns after the last", t.column8[(t.at.panels8 - 1) * BASIS_LINE8 + after8] = 1);
-	REFUSED("columns after the last", t.payload[t.at.bytes - 1] = 1);
 	REFUSED("columns after the last",
 		x.column16[(x.at.panels16 - 1) * 150 * BASIS_LINE16 + after_x] = 1);
 	REFUSED("columns after the last", x.payload[x.at.bytes - 1] = 1);
@@ -475,6 +524,7 @@ int main(void)
 		cmocka_unit_test(refuses_broken_glass),
 		cmocka_unit_test(refuses_broken_entries),
 		cmocka_unit_test(refuses_what_does_not_add_up),
+		cmocka_unit_test(refuses_broken_records),
 		cmocka_unit_test(refuses_broken_arrays),
 		cmocka_unit_test(refuses_broken_tints),
 		cmocka_unit_test(bounds_values),

@@ -276,7 +276,7 @@ static void check_choice(const struct choosing *c, const struct column_choice *c
 			if (c->sent[i].strength * (double)reach < 1)
 				continue;
 			assert_true(met < count);
-			assert_int_equal(chosen[met].column, n);
+			assert_int_equal(chosen[met].place, n);
 			assert_int_equal(chosen[met].light, i);
 			assert_true(chosen[met++].scale == plan->block->column_scale[n]);
 			counted[1]++;
