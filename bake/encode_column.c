@@ -230,8 +230,7 @@ static size_t column_bytes(const struct part *part, const struct split_column *c
 	const int channels = mono ? 1 : 3;
 
 	if (column_most(column->form) == INT8_MAX)
-		return basis_record_bytes(column->code,
-					  (part->kept + BASIS_LINE8 - 1) / BASIS_LINE8 * channels);
+		return basis_record_bytes(column->code, basis_record_lines(part->kept, channels));
 	return (size_t)((part->kept + BASIS_LINE16 - 1) / BASIS_LINE16 * channels) * BASIS_ALIGN;
 }
 

@@ -233,7 +233,7 @@ static inline void synthetic_fill_patterns(struct synthetic_block *b, int coarse
  * line be nothing. */
 static inline uint8_t *synthetic_codes(struct basis_block_entry *shape, struct chance *chance)
 {
-	const int lines = (shape->pixels + BASIS_LINE8 - 1) / BASIS_LINE8 * shape->channels;
+	const int lines = basis_record_lines(shape->pixels, shape->channels);
 	uint8_t *code = synthetic_zeros((size_t)lines * shape->columns, 1);
 
 	for (uint32_t n = 0; n < shape->columns && shape->bits == 8; n++) {

@@ -11,7 +11,6 @@
 #include "hal/basis/basis_reader.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
-#define RECORD_MOST (BASIS_RECORD_LINES * (BASIS_LINE8 + 1))
 
 static const char *const kind_names[] = {"T", "V", "D", "U"};
 
@@ -32,6 +31,19 @@ struct place {
 #define DAMAGED(place, format, ...)                                                                \
 	basis_damaged((place)->reader, "pose %d, %sblock %zu: " format, (place)->chunk->pose,      \
 		      (place)->chunk->exact ? "exact " : "", (place)->index, __VA_ARGS__)
+
+static int check_record_bytes(const struct place *at, const struct basis_block_entry *e)
+{
+	const int lines = basis_record_lines(e->pixels, e->channels);
+	const size_t columns = e->bits == 8 ? e->columns : 0, head = basis_record_head(lines);
+	const size_t least = columns * head;
+	const size_t most = columns * (head + (size_t)lines * BASIS_LINE8);
+
+	if (e->record_bytes >= least && e->record_bytes <= most)
+		return 0;
+	return DAMAGED(at, "%u bytes of records for %u columns of %u bits, expected %zu to %zu",
+		       e->record_bytes, e->columns, e->bits, least, most);
+}
 
 static int check_shape(const struct place *at, const struct basis_block_entry *e)
 {
@@ -67,12 +79,7 @@ static int check_shape(const struct place *at, const struct basis_block_entry *e
 		return DAMAGED(at, "ground term %u, expected %s %u", e->ground,
 			       e->kind == BASIS_KIND_V ? "less than" : "0 in a file of",
 			       basis->info.grounds);
-	if (e->bits == 8 ? e->record_bytes > e->columns * RECORD_MOST : e->record_bytes != 0)
-		return DAMAGED(at, "%u bytes of records for %u columns of %u bits, expected %s %d",
-			       e->record_bytes, e->columns, e->bits,
-			       e->bits == 8 ? "for each at most" : "",
-			       e->bits == 8 ? RECORD_MOST : 0);
-	return 0;
+	return check_record_bytes(at, e);
 }
 
 static int check_lies(const struct place *at, const struct basis_block_entry *e, uint64_t free_from)
@@ -377,7 +384,7 @@ static int check_record(const struct place *at, const struct basis_block *b, int
 			size_t left, size_t *bytes)
 {
 	const uint8_t *code = b->record + b->record_at[column];
-	const int lines = basis_record_lines(b), panels = lines / b->channels;
+	const int lines = basis_record_lines(b->pixels, b->channels), panels = lines / b->channels;
 	const uint8_t *line = code + basis_record_head(lines);
 	const int used = b->pixels - (panels - 1) * BASIS_LINE8;
 
@@ -411,7 +418,7 @@ static int check_record(const struct place *at, const struct basis_block *b, int
 
 static int check_records(const struct place *at, const struct basis_block *b, size_t all)
 {
-	const size_t head = basis_record_head(basis_record_lines(b));
+	const size_t head = basis_record_head(basis_record_lines(b->pixels, b->channels));
 	size_t place = 0;
 
 	for (int n = 0; n < b->columns; n++) {

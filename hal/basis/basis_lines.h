@@ -51,9 +51,9 @@ static inline size_t basis_record_bytes(const uint8_t *code, int lines)
 	return bytes;
 }
 
-static inline int basis_record_lines(const struct basis_block *b)
+static inline int basis_record_lines(int pixels, int channels)
 {
-	return (b->pixels + BASIS_LINE8 - 1) / BASIS_LINE8 * b->channels;
+	return (pixels + BASIS_LINE8 - 1) / BASIS_LINE8 * channels;
 }
 
 typedef uint16_t basis_words __attribute__((vector_size(16)));
@@ -105,7 +105,7 @@ static inline void basis_column8_line(const struct basis_block *b, int column, i
 {
 	const uint8_t *code = b->record + b->record_at[column];
 	const int line = panel * b->channels + channel;
-	const uint8_t *from = code + basis_record_head(basis_record_lines(b));
+	const uint8_t *from = code + basis_record_head(basis_record_lines(b->pixels, b->channels));
 
 	for (int k = 0; k < line; k++)
 		from += basis_line_bytes(code[k]);
@@ -117,7 +117,7 @@ static inline int basis_column8_value(const struct basis_block *b, int column, i
 {
 	const uint8_t *code = b->record + b->record_at[column];
 	const int line = p / BASIS_LINE8 * b->channels + channel, k = p % BASIS_LINE8;
-	const uint8_t *from = code + basis_record_head(basis_record_lines(b));
+	const uint8_t *from = code + basis_record_head(basis_record_lines(b->pixels, b->channels));
 
 	for (int n = 0; n < line; n++)
 		from += basis_line_bytes(code[n]);

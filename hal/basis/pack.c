@@ -138,7 +138,7 @@ static void get_rest(struct streams *from, uint8_t *to, size_t bytes)
 static bool turn_records(const struct basis_block_entry *e, const uint8_t *from, size_t bytes,
 			 uint32_t *place, uint8_t *to)
 {
-	const int lines = (e->pixels + BASIS_LINE8 - 1) / BASIS_LINE8 * e->channels;
+	const int lines = basis_record_lines(e->pixels, e->channels);
 	const size_t head = basis_record_head(lines);
 	size_t at = 0;
 

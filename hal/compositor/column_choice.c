@@ -24,7 +24,8 @@ static uint32_t bytes_of(const struct basis_block *b, int n)
 {
 	if (b->bits != 8)
 		return 0;
-	return (uint32_t)basis_record_bytes(b->record + b->record_at[n], basis_record_lines(b));
+	return (uint32_t)basis_record_bytes(b->record + b->record_at[n],
+					    basis_record_lines(b->pixels, b->channels));
 }
 
 static float reach_of(const struct block_plan *plan, int n)

@@ -143,7 +143,7 @@ static size_t add_records(struct line_set *set, const struct basis_block *b, int
 	struct kernel_weights w = set->kernel;
 	size_t bytes = 0;
 
-	find_records(set, b, basis_record_lines(b));
+	find_records(set, b, basis_record_lines(b->pixels, b->channels));
 	w.line = set->number;
 	w.shift = shift;
 	w.fresh = fresh;

@@ -315,6 +315,7 @@ static void refuses_broken_entries(void **state)
 	REFUSED("ground term 1, expected 0", t.entry->ground = 1);
 	REFUSED("bytes of records for 50 columns of 16 bits, expected", x.entry->record_bytes = 1);
 	REFUSED("bytes of records for", t.entry->record_bytes = UINT32_MAX);
+	REFUSED("0 bytes of records for", t.entry->record_bytes = 0);
 	REFUSED("bytes, expected", t.entry->bytes -= 64);
 	REFUSED("bytes, expected", t.entry->columns += 32);
 	REFUSED("lies at byte", t.entry->offset = UINT64_MAX - 63);
