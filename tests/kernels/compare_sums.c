@@ -7,6 +7,7 @@
 
 #define LINES 40 /* weights name them again and again */
 #define STEP_MAX 12
+#define FULL_ROUND 40 /* in which sums are as large as they may become */
 
 /* ---- sums16, sums8 ---- */
 
@@ -14,9 +15,21 @@ static int weights_count(struct comparison *c)
 {
 	if (c->round == 0)
 		return WEIGHTS_LONG;
-	if (c->round < 40) /* every short one: the ends of runs */
+	if (c->round < FULL_ROUND) /* every short one: the ends of runs */
 		return 2 * c->round - 2;
+	if (c->round == FULL_ROUND)
+		return 96;
 	return 2 * compare_below(c, (c->round % 8 ? 100 : WEIGHTS) / 2 + 1);
+}
+
+/*
+ * Of line k, for values of -32767. The sum of the first 32 products is one less than a multiple of
+ * 65536, and as large as any sum of 32 may be are the next: whoever sets aside all but the lowest
+ * 16 bits of the first ones, and adds the next to these, comes to 2^31 - 1.
+ */
+static int16_t full_digit(int k)
+{
+	return (int16_t)(k < 16 || k >= 32 ? -2048 : k == 16 ? -1 : 0);
 }
 
 /* Lines of one, two or three channels that lie one after the other, with gaps or without. */
@@ -42,6 +55,8 @@ static struct kernel_weights make_weights(struct comparison *c)
 	compare_fill16(c, digit, values, -2048, 2047);
 	for (int i = 0; i < values && c->round == 0; i++) /* what overflows first */
 		digit[i] = i / 2 % 2 ? 2047 : -2048;
+	for (int i = 0; i < values && c->round == FULL_ROUND; i++)
+		digit[i] = full_digit(i / (2 * 3 * w.digits) * 2 + i % 2);
 	w.line = line;
 	w.digit = digit;
 	return w;
@@ -79,7 +94,9 @@ bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables
 	const size_t last = (LINES - 1) * w.step + 2 * w.channel + KERNEL_LINE_BYTES;
 	const int values = (int)last * pixels / KERNEL_LINE_BYTES;
 	const enum filling filling = c->round == 0 ? HIGHEST
-						   : (enum filling)compare_below(c, FILLINGS);
+				     : c->round == FULL_ROUND
+					     ? LOWEST
+					     : (enum filling)compare_below(c, FILLINGS);
 	void *lines = guarded_take(&c->lines, last);
 	int64_t *sum[2][3];
 
