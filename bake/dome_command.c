@@ -53,46 +53,51 @@ static void print_json(const struct dome *dome)
 	printf("]}\n");
 }
 
+struct choices {
+	int frequency, division, shape;
+	int form; /* ANGLES, JSON; 0: a summary */
+};
+
+static int take(void *choices, int option, struct fault *fault)
+{
+	struct choices *c = choices;
+
+	switch (option) {
+	case FREQUENCY:
+		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &c->frequency,
+				  fault);
+	case DIVISION:
+		return option_choice("--division", optarg, dome_division_names, &c->division,
+				     fault);
+	case LIGHTS:
+		return option_choice("--lights", optarg, dome_shape_names, &c->shape, fault);
+	default:
+		c->form = option;
+		return 0;
+	}
+}
+
 static int run(const struct command *command, int argc, char **argv)
 {
+	struct choices c = {.division = DOME_ANGLES, .shape = DOME_CELLS};
 	struct fault fault = {.text = ""};
-	int frequency = 0, division = DOME_ANGLES, shape = DOME_CELLS, form = 0, option, err = 0;
 	struct dome dome;
+	const int status = command_options(command, argc, argv, options, take, &c);
 
-	while (!err && (option = getopt_long(argc, argv, "", options, NULL)) != -1)
-		switch (option) {
-		case FREQUENCY:
-			err = option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &frequency,
-					 &fault);
-			break;
-		case DIVISION:
-			err = option_choice("--division", optarg, dome_division_names, &division,
-					    &fault);
-			break;
-		case LIGHTS:
-			err = option_choice("--lights", optarg, dome_shape_names, &shape, &fault);
-			break;
-		case ANGLES:
-		case JSON:
-			form = option;
-			break;
-		default:
-			return command_answer(command, option);
-		}
-	if (err)
-		return command_wrong(command, "%s", fault.text);
-	if (!frequency)
+	if (status != COMMAND_GOES_ON)
+		return status;
+	if (!c.frequency)
 		return command_wrong(command, "--frequency is missing");
 	if (optind < argc)
 		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
-	if (dome_create_shaped(&dome, frequency, (enum dome_division)division,
-			       (enum dome_shape)shape, &fault) < 0) {
+	if (dome_create_shaped(&dome, c.frequency, (enum dome_division)c.division,
+			       (enum dome_shape)c.shape, &fault) < 0) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	if (form == ANGLES)
+	if (c.form == ANGLES)
 		angles_write(stdout, &dome);
-	else if (form == JSON)
+	else if (c.form == JSON)
 		print_json(&dome);
 	else
 		print_table(&dome);

@@ -98,8 +98,10 @@ static int take_scene(struct choices *c, int option, struct fault *fault)
 	}
 }
 
-static int take(struct choices *c, int option, struct fault *fault)
+static int take(void *choices, int option, struct fault *fault)
 {
+	struct choices *c = choices;
+
 	switch (option) {
 	case MSI:
 	case RADIANCE:
@@ -187,23 +189,17 @@ static int run(const struct command *command, int argc, char **argv)
 	struct choices c = {
 		.long_bytes = 8, .lights = {-1, -1, -1}, .radiance = EXPORT_RADIANCE_DEFAULTS};
 	struct fault fault = {.text = ""};
-	int option, err = 0;
+	const int status = command_options(command, argc, argv, options, take, &c);
 
-	while (!err && (option = getopt_long(argc, argv, "", options, NULL)) != -1) {
-		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
-			return command_answer(command, option);
-		err = take(&c, option, &fault);
-	}
-	if (err)
-		return command_wrong(command, "%s", fault.text);
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (wrong_usage(&c))
 		return command_wrong(command, "%s", wrong_usage(&c));
 	if (optind + 1 != argc)
 		return command_wrong(command, c.what == MSI ? "expected one basis file"
 							    : "expected one scene file");
-	err = c.what == MSI ? export_msi(argv[optind], &c, &fault)
-			    : export_scene(argv[optind], &c, &fault);
-	if (err) {
+	if (c.what == MSI ? export_msi(argv[optind], &c, &fault)
+			  : export_scene(argv[optind], &c, &fault)) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}

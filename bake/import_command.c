@@ -60,8 +60,10 @@ struct choices {
 	struct import_settings import;
 };
 
-static int take(struct choices *c, int option, struct fault *fault)
+static int take(void *choices, int option, struct fault *fault)
 {
+	struct choices *c = choices;
+
 	switch (option) {
 	case 'o':
 		c->output = optarg;
@@ -222,15 +224,10 @@ static int run(const struct command *command, int argc, char **argv)
 {
 	struct choices c = {.pictures = {.scale = 1}, .rate = 1, .encoding = ENCODING_UNSAID};
 	struct fault fault = {.text = ""};
-	int option, err = 0;
+	const int status = command_options(command, argc, argv, options, take, &c);
 
-	while (!err && (option = getopt_long(argc, argv, "o:", options, NULL)) != -1) {
-		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
-			return command_answer(command, option);
-		err = take(&c, option, &fault);
-	}
-	if (err)
-		return command_wrong(command, "%s", fault.text);
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (optind != argc)
 		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
 	if (wrong_usage(&c))

@@ -293,30 +293,39 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	printf("}\n");
 }
 
+struct choices {
+	const char *map;
+	bool json;
+};
+
+static int take(void *choices, int option, struct fault *fault)
+{
+	struct choices *c = choices;
+
+	(void)fault;
+	if (option == MAP)
+		c->map = optarg;
+	else
+		c->json = true;
+	return 0;
+}
+
 static int run(const struct command *command, int argc, char **argv)
 {
+	struct choices c = {.map = NULL};
 	struct fault fault = {.text = ""};
-	const char *map = NULL;
 	struct summary summary;
 	struct basis basis;
-	int option, json = 0, err;
+	const int status = command_options(command, argc, argv, options, take, &c);
+	int err;
 
-	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1)
-		switch (option) {
-		case JSON:
-			json = 1;
-			break;
-		case MAP:
-			map = optarg;
-			break;
-		default:
-			return command_answer(command, option);
-		}
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (optind + 1 != argc)
 		return command_wrong(command, "expected one basis file");
 	err = basis_open(&basis, argv[optind], BASIS_ALL, &fault);
-	if (!err && map)
-		err = info_map_write(&basis, map, &fault);
+	if (!err && c.map)
+		err = info_map_write(&basis, c.map, &fault);
 	if (!err)
 		err = summarise(&basis, &summary, &fault);
 	if (err) {
@@ -324,7 +333,7 @@ static int run(const struct command *command, int argc, char **argv)
 		basis_close(&basis);
 		return EXIT_FAILURE;
 	}
-	if (json)
+	if (c.json)
 		print_json(&basis, &summary);
 	else
 		print_text(&basis, &summary, argv[optind]);

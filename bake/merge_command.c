@@ -146,17 +146,22 @@ static int run_merge(const char *output, char **paths, int count, struct fault *
 	return err;
 }
 
+static int take(void *output, int option, struct fault *fault)
+{
+	(void)option;
+	(void)fault;
+	*(const char **)output = optarg;
+	return 0;
+}
+
 static int run(const struct command *command, int argc, char **argv)
 {
 	struct fault fault = {.text = ""};
 	const char *output = NULL;
-	int option;
+	const int status = command_options(command, argc, argv, options, take, &output);
 
-	while ((option = getopt_long(argc, argv, "o:", options, NULL)) != -1) {
-		if (option != 'o')
-			return command_answer(command, option);
-		output = optarg;
-	}
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (!output)
 		return command_wrong(command, "-o OUT.inlay is missing");
 	if (optind == argc || argc - optind > SHARDS_MAX)

@@ -1,8 +1,10 @@
 #include "bake/options.h"
 
 #include <errno.h>
+#include <getopt.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,7 +58,15 @@ int program_run(const char *name, const struct command *const *commands, int arg
 	return EXIT_USAGE;
 }
 
-int command_answer(const struct command *command, int option)
+static bool has_output(const struct option *options)
+{
+	while (options->name && options->val != 'o')
+		options++;
+	return options->name;
+}
+
+/* Answers --help, --version and anything unknown; returns the exit status. */
+static int answer(const struct command *command, int option)
 {
 	if (option == OPTION_VERSION) {
 		printf("%s %s\n", program, INLAY_VERSION);
@@ -71,6 +81,23 @@ int command_answer(const struct command *command, int option)
 	return EXIT_USAGE;
 }
 
+int command_options(const struct command *command, int argc, char **argv,
+		    const struct option *options,
+		    int (*take)(void *choices, int option, struct fault *fault), void *choices)
+{
+	const char *letters = has_output(options) ? "o:" : "";
+	struct fault fault = {.text = ""};
+	int option;
+
+	while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
+		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
+			return answer(command, option);
+		if (take(choices, option, &fault))
+			return command_wrong(command, "%s", fault.text);
+	}
+	return COMMAND_GOES_ON;
+}
+
 int command_wrong(const struct command *command, const char *format, ...)
 {
 	va_list args;
@@ -80,7 +107,7 @@ int command_wrong(const struct command *command, const char *format, ...)
 	vfprintf(stderr, format, args);
 	va_end(args);
 	fputc('\n', stderr);
-	return command_answer(command, '?');
+	return answer(command, '?');
 }
 
 int option_int(const char *option, const char *text, int min, int max, int *value,

@@ -28,8 +28,20 @@ int program_run(const char *name, const struct command *const *commands, int arg
 		"version", no_argument, NULL, OPTION_VERSION                                       \
 	}
 
-/* Answers --help, --version and anything unknown; returns the exit status. */
-int command_answer(const struct command *command, int option);
+struct option;
+
+/*
+ * Goes through the options of argv: take() gets each, what belongs to it being optarg, and says in
+ * `fault` what is wrong with it. optind is then at the first word. 'o' among them is -o, too.
+ * Returns COMMAND_GOES_ON; or the exit status, where --help or --version was asked for or something
+ * is wrong, which it has answered.
+ */
+#define COMMAND_GOES_ON (-1)
+int command_options(const struct command *command, int argc, char **argv,
+		    const struct option *options,
+		    int (*take)(void *choices, int option, struct fault *fault), void *choices);
+
+/* Says what is wrong with the usage; returns the exit status. */
 int command_wrong(const struct command *command, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 

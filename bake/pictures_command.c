@@ -53,8 +53,10 @@ struct choices {
 	struct truth_settings truth;
 };
 
-static int take(struct choices *c, int option, struct fault *fault)
+static int take(void *choices, int option, struct fault *fault)
 {
+	struct choices *c = choices;
+
 	switch (option) {
 	case OBJECT:
 		c->object = optarg;
@@ -186,15 +188,10 @@ static int run(const struct command *command, int argc, char **argv)
 {
 	struct choices c = {.lights = {-1, -1, -1}, .truth = {.samples = 64, .seed = 1}};
 	struct fault fault = {.text = ""};
-	int option, err = 0;
+	const int status = command_options(command, argc, argv, options, take, &c);
 
-	while (!err && (option = getopt_long(argc, argv, "", options, NULL)) != -1) {
-		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
-			return command_answer(command, option);
-		err = take(&c, option, &fault);
-	}
-	if (err)
-		return command_wrong(command, "%s", fault.text);
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (optind + 1 != argc)
 		return command_wrong(command, "expected one scene file");
 	if (!c.object || !c.ground || !c.coverage)

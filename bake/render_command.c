@@ -21,7 +21,7 @@ enum {
 	SEED,
 	THREADS,
 	QUIET,
-	SAMPLE_FILE,
+	PRINT_SCENE,
 	SHARD,
 	POSE
 };
@@ -40,7 +40,7 @@ static const struct option options[] = {
 	{"shard", required_argument, NULL, SHARD},
 	{"threads", required_argument, NULL, THREADS},
 	{"quiet", no_argument, NULL, QUIET},
-	{"print-scene", no_argument, NULL, SAMPLE_FILE},
+	{"print-scene", no_argument, NULL, PRINT_SCENE},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
 };
@@ -53,7 +53,7 @@ struct choices {
 	struct encoding_said encoding;
 	struct shard_place shard;
 	const char *pose;
-	bool quiet;
+	bool quiet, print_scene;
 };
 
 /* i/n, from 1 */
@@ -72,8 +72,10 @@ static int take_shard(struct choices *c, const char *text, struct fault *fault)
 	return 0;
 }
 
-static int take(struct choices *c, int option, struct fault *fault)
+static int take(void *choices, int option, struct fault *fault)
 {
+	struct choices *c = choices;
+
 	switch (option) {
 	case 'o':
 		c->output = optarg;
@@ -103,6 +105,9 @@ static int take(struct choices *c, int option, struct fault *fault)
 		return 0;
 	case QUIET:
 		c->quiet = true;
+		return 0;
+	case PRINT_SCENE:
+		c->print_scene = true;
 		return 0;
 	default:
 		return encoding_option_take(&c->encoding, option, optarg, fault);
@@ -187,20 +192,14 @@ static int run(const struct command *command, int argc, char **argv)
 			    .seed = -1,
 			    .noise = -1,
 			    .encoding = ENCODING_UNSAID};
-	struct fault fault = {.text = ""};
-	int option, err = 0;
+	const int status = command_options(command, argc, argv, options, take, &c);
 
-	while (!err && (option = getopt_long(argc, argv, "o:", options, NULL)) != -1) {
-		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
-			return command_answer(command, option);
-		if (option == SAMPLE_FILE) {
-			scene_file_write_sample(stdout);
-			return EXIT_SUCCESS;
-		}
-		err = take(&c, option, &fault);
+	if (status != COMMAND_GOES_ON)
+		return status;
+	if (c.print_scene) {
+		scene_file_write_sample(stdout);
+		return EXIT_SUCCESS;
 	}
-	if (err)
-		return command_wrong(command, "%s", fault.text);
 	if (c.samples >= 0 && c.noise >= 0)
 		return command_wrong(command, "--samples and --noise exclude each other");
 	if (optind + 1 != argc)

@@ -49,8 +49,10 @@ static int take_panorama(struct report_settings *s, struct fault *fault)
 	return 0;
 }
 
-static int take(struct report_settings *s, int option, struct fault *fault)
+static int take(void *choices, int option, struct fault *fault)
 {
+	struct report_settings *s = choices;
+
 	switch (option) {
 	case 'o':
 		s->folder = optarg;
@@ -89,15 +91,10 @@ static int run(const struct command *command, int argc, char **argv)
 {
 	struct report_settings s = {.folder = NULL};
 	struct fault fault = {.text = ""};
-	int option, err = 0;
+	const int status = command_options(command, argc, argv, options, take, &s);
 
-	while (!err && (option = getopt_long(argc, argv, "o:", options, NULL)) != -1) {
-		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
-			return command_answer(command, option);
-		err = take(&s, option, &fault);
-	}
-	if (err)
-		return command_wrong(command, "%s", fault.text);
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (optind + 1 != argc)
 		return command_wrong(command, "expected one scene file or basis file");
 	if (!s.folder)

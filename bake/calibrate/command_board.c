@@ -20,31 +20,41 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
+struct choices {
+	const char *board, *page, *output;
+};
+
+static int take(void *choices, int option, struct fault *fault)
+{
+	struct choices *c = choices;
+
+	(void)fault;
+	if (option == BOARD)
+		c->board = optarg;
+	else if (option == PAGE)
+		c->page = optarg;
+	else
+		c->output = optarg;
+	return 0;
+}
+
 static int run(const struct command *command, int argc, char **argv)
 {
-	const char *spec = DEFAULT_BOARD, *page = DEFAULT_PAGE, *path = NULL;
+	struct choices c = {.board = DEFAULT_BOARD, .page = DEFAULT_PAGE};
 	struct fault fault = {.text = ""};
 	struct board board;
-	int option;
+	const int status = command_options(command, argc, argv, options, take, &c);
 
-	while ((option = getopt_long(argc, argv, "o:", options, NULL)) != -1) {
-		if (option == BOARD)
-			spec = optarg;
-		else if (option == PAGE)
-			page = optarg;
-		else if (option == 'o')
-			path = optarg;
-		else
-			return command_answer(command, option);
-	}
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (optind != argc)
 		return command_wrong(command, "expected no more than options, not \"%s\"",
 				     argv[optind]);
-	if (!path)
+	if (!c.output)
 		return command_wrong(command, "expected -o FILE.pdf");
-	if (board_parse(&board, spec, &fault))
+	if (board_parse(&board, c.board, &fault))
 		return command_wrong(command, "--board %s", fault.text);
-	if (board_print(&board, page, path, &fault)) {
+	if (board_print(&board, c.page, c.output, &fault)) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}

@@ -137,8 +137,10 @@ static int write_out(const struct job *job, const struct lens *lens, const struc
 
 /* ---- the command ---- */
 
-static int read_option(struct job *job, int option, struct fault *fault)
+static int take(void *into, int option, struct fault *fault)
 {
+	struct job *job = into;
+
 	switch (option) {
 	case AS:
 		return option_choice("--as", optarg, lens_file_names, &job->as, fault);
@@ -158,14 +160,11 @@ static int run(const struct command *command, int argc, char **argv)
 	struct fault fault = {.text = ""};
 	struct lens_ini ini = {.camera_given = false};
 	struct lens lens;
-	int option, err;
+	const int status = command_options(command, argc, argv, options, take, &job);
+	int err;
 
-	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
-		if (option < AS || option > TOLERANCE)
-			return command_answer(command, option);
-		if (read_option(&job, option, &fault))
-			return command_wrong(command, "%s", fault.text);
-	}
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (optind + 2 != argc)
 		return command_wrong(command, "expected two files");
 	job.in = argv[optind];

@@ -171,6 +171,12 @@ static void read_name(struct light_job *job, int option)
 	}
 }
 
+static int take(void *job, int option, struct fault *fault)
+{
+	read_name(job, option);
+	return read_value(job, option, fault);
+}
+
 int light_conclude(const struct light_job *job, const struct verdict *verdict, const char *key,
 		   const char *text, const char *comment, struct fault *fault)
 {
@@ -214,8 +220,7 @@ static int work(struct light_job *job, int which)
 static int run(const struct command *command, int argc, char **argv)
 {
 	struct light_job job = {.frequency = 24, .reflectance = {0.5, 0.5, 0.5}};
-	struct fault fault = {.text = ""};
-	int which = 0, option;
+	int which = 0, status;
 
 	while (argc > 1 && which < COMMANDS && strcmp(commands[which].name, argv[1]) != 0)
 		which++;
@@ -225,13 +230,9 @@ static int run(const struct command *command, int argc, char **argv)
 	} else {
 		which = -1;
 	}
-	while ((option = getopt_long(argc, argv, "o:", options, NULL)) != -1) {
-		if (option == '?' || option == OPTION_HELP || option == OPTION_VERSION)
-			return command_answer(command, option);
-		read_name(&job, option);
-		if (read_value(&job, option, &fault) < 0)
-			return command_wrong(command, "%s", fault.text);
-	}
+	status = command_options(command, argc, argv, options, take, &job);
+	if (status != COMMAND_GOES_ON)
+		return status;
 	if (which < 0)
 		return command_wrong(command,
 				     "expected one of black, response, gain, colours, delay");

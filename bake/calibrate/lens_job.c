@@ -8,21 +8,29 @@
 #include "bake/calibrate/report.h"
 #include "hal/log.h"
 
-static int take(struct lens_job *lens, const struct lens_calls *calls, void *job, int option,
-		struct fault *fault)
+/* Where options go. */
+struct choices {
+	struct lens_job *lens;
+	const struct lens_calls *calls;
+	void *job;
+};
+
+static int take(void *choices, int option, struct fault *fault)
 {
+	const struct choices *c = choices;
+
 	switch (option) {
 	case LENS_REPORT:
-		lens->report = optarg;
+		c->lens->report = optarg;
 		return 0;
 	case LENS_FORCE:
-		lens->force = true;
+		c->lens->force = true;
 		return 0;
 	case 'o':
-		lens->output = optarg;
+		c->lens->output = optarg;
 		return 0;
 	default:
-		return calls->take(job, option, fault);
+		return c->calls->take(c->job, option, fault);
 	}
 }
 
@@ -56,15 +64,13 @@ static int run(const struct command *command, int argc, char **argv, const struc
 	       struct lens_job *lens, void *job)
 {
 	struct fault fault = {.text = ""};
-	int option, err = 0;
+	const int status = command_options(command, argc, argv, calls->options, take,
+					   &(struct choices){lens, calls, job});
+	int err;
 
-	while (!err && (option = getopt_long(argc, argv, "o:", calls->options, NULL)) != -1) {
-		if (option == '?' || option == OPTION_HELP || option == OPTION_VERSION)
-			return command_answer(command, option);
-		err = take(lens, calls, job, option, &fault);
-	}
-	if (!err)
-		err = take_words(lens, argc, argv, &fault);
+	if (status != COMMAND_GOES_ON)
+		return status;
+	err = take_words(lens, argc, argv, &fault);
 	if (!err)
 		err = calls->check(job, &fault);
 	if (!err)
