@@ -262,7 +262,7 @@ int source_control(struct source *source, const char *name, const char *value, s
 {
 	if (!source_is_open(source))
 		return fault_say(fault, -EBADF, "a camera that is not open");
-	return camera_control(&source->camera, name, value, fault);
+	return camera_set_control(&source->camera, name, value, fault);
 }
 
 void source_encode_as(struct source *source, const struct transfer_curve *curve)

@@ -112,7 +112,7 @@ void source_make_whole(struct source *source);
 /* Gives back what is held, whether it was the picture or not. */
 void source_drop(struct source *source);
 
-/* As camera_control(); -EBADF while it is not open. */
+/* As camera_set_control(); -EBADF while it is not open. */
 int source_control(struct source *source, const char *name, const char *value, struct fault *fault);
 
 /* How linear radiance becomes code values from now on. */

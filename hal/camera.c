@@ -60,7 +60,8 @@ void camera_release(struct camera *camera, struct frame *frame)
 	memset(frame, 0, sizeof(*frame));
 }
 
-int camera_control(struct camera *camera, const char *name, const char *value, struct fault *fault)
+int camera_set_control(struct camera *camera, const char *name, const char *value,
+		       struct fault *fault)
 {
 	if (!camera->state)
 		return fault_say(fault, -EBADF, "a camera that is not open");

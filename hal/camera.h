@@ -128,7 +128,8 @@ int camera_descriptor(struct camera *camera);
 int camera_grab(struct camera *camera, struct frame *frame, struct fault *fault);
 void camera_release(struct camera *camera, struct frame *frame);
 /* -ENOTSUP also where the driver has no such op. */
-int camera_control(struct camera *camera, const char *name, const char *value, struct fault *fault);
+int camera_set_control(struct camera *camera, const char *name, const char *value,
+		       struct fault *fault);
 void camera_close(struct camera *camera); /* zeroed is fine */
 
 #endif

@@ -197,16 +197,16 @@ static void controls_change_while_it_streams(void **state)
 
 	(void)state;
 	prepare_controls(&rig, "");
-	assert_int_equal(camera_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
 	assert_int_equal(start_and_listen(&rig), 0);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		if (camera_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault))
+		if (camera_set_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault))
 			fail_msg("%s", rig.fault.text);
 		assert_int_equal(device.controls[cases[i].which].value, cases[i].taken);
 		assert_true(device.streaming);
 	}
 	finish(&rig);
-	assert_int_equal(camera_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
 }
 
 static void what_cannot_be_changed_is_named(void **state)
@@ -238,7 +238,7 @@ static void what_cannot_be_changed_is_named(void **state)
 	assert_int_equal(start_and_listen(&rig), 0);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		assert_int_equal(
-			camera_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault),
+			camera_set_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault),
 			cases[i].err);
 		if (!strstr(rig.fault.text, cases[i].expected))
 			fail_msg("\"%s\" is not in: %s", cases[i].expected, rig.fault.text);
