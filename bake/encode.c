@@ -19,6 +19,9 @@
 /* How often a tile is encoded until the errors hold, and how far inside them the next goes. */
 #define ATTEMPTS 4
 #define TIGHTER 0.97
+/* How much finer single lights are encoded each time that no plan holds, and how often. */
+#define FINER 0.7F
+#define FINER_MOST 4
 
 struct encoder {
 	struct encode_settings settings; /* its ensemble is shade's */
@@ -133,23 +136,42 @@ static int load(struct encoder *e, const struct encode_samples *samples, int cou
 	return err;
 }
 
-/* Blocks first[k]..first[k + 1] - 1 are the part's. *held: as far as the search knows. */
-static int build(struct encoder *e, int tile, int count, int *first, bool *held)
+static void limit(struct encoder *e, struct part *part)
+{
+	const struct encode_target *target = &e->settings.target;
+
+	part_limit(part, &e->settings, &e->levels, PIXEL_SHARE * fmin(target->rms, target->cell));
+}
+
+/* Where no plan holds, columns of single lights are what is too coarse, or left out too soon: many
+ * of them add up. */
+static int search_until_held(struct encoder *e, struct part *part, struct plan *plan)
+{
+	int err = search_best(&e->search, &e->split, part, plan);
+
+	for (int k = 0; k < FINER_MOST && !err && plan->excess > 1; k++) {
+		part->fine *= FINER;
+		limit(e, part);
+		err = search_best(&e->search, &e->split, part, plan);
+	}
+	return err;
+}
+
+/* Blocks first[k]..first[k + 1] - 1 are the part's. */
+static int build(struct encoder *e, int tile, int count, int *first)
 {
 	int err = 0;
 
 	e->shown.count = 0;
-	*held = true;
 	for (int k = 0; k < count && !err; k++) {
-		const struct part *part = &e->part[k];
+		struct part *part = &e->part[k];
 		const bool alone = part->kind == BASIS_KIND_U && first[k - 1] == e->shown.count;
 		struct plan plan;
 
 		first[k] = e->shown.count;
 		if (!part->kept || alone)
 			continue;
-		err = search_best(&e->search, &e->split, part, &plan);
-		*held &= plan.excess <= 1;
+		err = search_until_held(e, part, &plan);
 		if (!err)
 			err = block_build(&e->shown, &e->search, &e->split, &plan, tile);
 		if (!err && part->kind == BASIS_KIND_U && first[k] == e->shown.count)
@@ -182,17 +204,8 @@ static int measure(struct encoder *e, const uint16_t *coverage, int count, const
 	return err;
 }
 
-static void limit(struct encoder *e, int count)
-{
-	const struct encode_target *target = &e->settings.target;
-
-	for (int k = 0; k < count; k++)
-		part_limit(&e->part[k], &e->settings, &e->levels,
-			   PIXEL_SHARE * fmin(target->rms, target->cell));
-}
-
 /* The largest error of all places, as a share of that asked for; listed: by how many parts each. */
-static double worst_of(const struct encoder *e, int count, int *listed)
+static double worst_of(const struct encoder *e, int count, const double *over, int *listed)
 {
 	double worst = 0;
 
@@ -202,9 +215,30 @@ static double worst_of(const struct encoder *e, int count, int *listed)
 			const int at = e->part[k].pixel[p];
 
 			listed[at]++;
-			worst = fmax(worst, e->measure.over[at]);
+			worst = fmax(worst, over[at]);
 		}
 	return worst;
+}
+
+/* Of skies, or of cells. False: the error is not larger. */
+static bool share_out(struct encoder *e, int count, bool skies, bool last)
+{
+	const double *over = skies ? e->measure.sky_over : e->measure.cell_over;
+	int listed[PART_PIXELS];
+	const double worst = worst_of(e, count, over, listed);
+
+	for (int k = 0; k < count; k++)
+		for (int p = 0; p < e->part[k].pixels; p++) {
+			struct part *part = &e->part[k];
+			float *share = skies ? &part->sky_share[p] : &part->cell_share[p];
+			const int at = part->pixel[p];
+
+			if (worst > 1 && (over[at] > 1 || listed[at] > 1))
+				*share *= (float)(TIGHTER / worst);
+			if (last)
+				*share = fminf(*share, 1 / (float)listed[at]);
+		}
+	return worst > 1;
 }
 
 /* Where the measured error is larger than asked for, parts have to do with less: mostly along an
@@ -213,22 +247,11 @@ static double worst_of(const struct encoder *e, int count, int *listed)
 static bool tighten(struct encoder *e, int count, const struct ensemble_error *error, bool last)
 {
 	const double rms = ensemble_sky_rms(error) / e->settings.target.rms;
-	int listed[PART_PIXELS];
-	const double worst = worst_of(e, count, listed);
+	const bool skies = share_out(e, count, true, last);
+	const bool cells = share_out(e, count, false, last);
 
 	e->search.target.rms *= rms > 1 ? TIGHTER / rms : 1;
-	for (int k = 0; k < count && worst > 1; k++)
-		for (int p = 0; p < e->part[k].pixels; p++) {
-			const int at = e->part[k].pixel[p];
-
-			float *share = &e->part[k].share[p];
-
-			if (e->measure.over[at] > 1 || listed[at] > 1)
-				*share *= (float)(TIGHTER / worst);
-			if (last)
-				*share = fminf(*share, 1 / (float)listed[at]);
-		}
-	return worst > 1 || rms > 1;
+	return skies || cells || rms > 1;
 }
 
 /* The truth decides, and the search does it again. */
@@ -236,15 +259,16 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 			    struct encode_result *result)
 {
 	int *first = calloc((size_t)count + 1, sizeof(*first)), err = first ? 0 : -ENOMEM;
-	bool held = true, over = true;
+	bool over = true;
 
 	e->search.target = e->settings.target;
 	shade_set(&e->shade, &e->settings, e->part, count);
 	for (int k = 0; k < count; k++)
 		part_expose(&e->part[k], &e->settings);
-	for (int k = 0; k < ATTEMPTS && !err && held && over; k++) {
-		limit(e, count);
-		err = build(e, tile, count, first, &held);
+	for (int k = 0; k < ATTEMPTS && !err && over; k++) {
+		for (int part = 0; part < count; part++)
+			limit(e, &e->part[part]);
+		err = build(e, tile, count, first);
 		if (!err)
 			err = measure(e, coverage, count, first, result);
 		over = !err && tighten(e, count, &result->error, k == ATTEMPTS - 2);

@@ -177,7 +177,8 @@ static void limit_row(const struct levels *levels, const struct part *part, floa
 	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : WIDEST;
 
 	for (int p = 0; p < part->pixels; p++) {
-		const float is = offset + slope * base[p], to = part->share[p] * per;
+		const float to = part->fine * part->cell_share[p] * per;
+		const float is = offset + slope * base[p];
 		const float rise = fminf(levels_read(levels->rise, is) * to, WIDEST);
 		const float fall = fminf(levels_read(levels->fall, is) * to, WIDEST);
 		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
@@ -269,7 +270,8 @@ static bool holds_at(const struct part *part, int light, float x, const float *l
 	const float least = fminf(levels->rise[0], levels->fall[0]);
 
 	for (int r = 0; r < part->rows; r++) {
-		const float share = part->share[r % part->pixels], by = x * left[r];
+		const float share = part->fine * part->cell_share[r % part->pixels];
+		const float by = x * left[r];
 
 		if (fabsf(by) <= least * share)
 			continue;
@@ -287,17 +289,18 @@ double part_column_reach(const struct part *part, int light, const float *left)
 
 	if (!(cut > 0))
 		return 0;
-	/* Shares of the ground's light do not fade with it. */
-	if (part->kind == BASIS_KIND_V)
-		return cut;
 	for (int r = 0; r < part->rows; r++)
 		largest = fmax(largest, (double)fabsf(left[r]));
+	/* Shares of the ground's light do not fade with it. */
+	if (part->kind == BASIS_KIND_V)
+		return part->fine < 1 ? fmin(fmax(cut, largest / (double)part->fine), REACH_LIMIT)
+				      : cut;
 	if (!(largest > 0 && part->cell_slope[light] > 0))
 		return 0;
 	x = fmin((double)part->cell_slope[light], cut / largest);
 	while (x * largest * REACH_MOST > cut && !holds_at(part, light, (float)x, left))
 		x *= FADE;
-	return fmin(cut / x, fmin(REACH_MOST * largest, REACH_LIMIT));
+	return fmin(cut / x / (double)part->fine, fmin(REACH_MOST * largest, REACH_LIMIT));
 }
 
 float part_cell_share(const struct part *part, int light, const float *left)
@@ -322,7 +325,7 @@ static void choose_pixels(struct part *part, const struct encode_settings *setti
 
 	part->kept = 0;
 	for (int p = 0; p < part->pixels; p++) {
-		const float most = tolerance * part->share[p];
+		const float most = tolerance * part->cell_share[p];
 		bool keep = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
 
 		for (int k = 0; k < part->channels * n && !keep; k++) {
@@ -357,7 +360,8 @@ void part_expose(struct part *part, const struct encode_settings *settings)
 		expose_light(part, settings);
 	sum_skies(part, settings);
 	for (int p = 0; p < part->pixels; p++)
-		part->share[p] = 1;
+		part->sky_share[p] = part->cell_share[p] = 1;
+	part->fine = 1;
 }
 
 void part_limit(struct part *part, const struct encode_settings *settings,

@@ -91,10 +91,10 @@ static double seen(const struct measure *m, double object, double ratio, double 
 	return (double)level_of(m->levels, (float)shown);
 }
 
-/* Sum of squared differences over the listed places; *most grows, and what is over the error asked
- * for. */
+/* Sum of squared differences over the listed places; *most grows, and over, as shares of the error
+ * asked for. */
 static double compare(struct measure *m, const bool *listed, const uint16_t *coverage, double asked,
-		      double *most)
+		      double *over, double *most)
 {
 	double square = 0;
 
@@ -111,7 +111,7 @@ static double compare(struct measure *m, const bool *listed, const uint16_t *cov
 			square += by * by;
 			worst = fmax(worst, fabs(by));
 		}
-		m->over[at] = fmax(m->over[at], worst / asked);
+		over[at] = fmax(over[at], worst / asked);
 		*most = fmax(*most, worst);
 	}
 	return square;
@@ -189,7 +189,7 @@ static double sky_error(struct measure *m, const struct part *parts,
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
 	}
-	return compare(m, listed, coverage, m->settings->target.max, most);
+	return compare(m, listed, coverage, m->settings->target.max, m->sky_over, most);
 }
 
 static double cell_error(struct measure *m, const struct part *parts,
@@ -216,7 +216,7 @@ static double cell_error(struct measure *m, const struct part *parts,
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], 1 / white);
 	}
-	return compare(m, listed, coverage, m->settings->target.cell, most);
+	return compare(m, listed, coverage, m->settings->target.cell, m->cell_over, most);
 }
 
 int measure_tile(struct measure *m, const struct part *parts, const struct block_reader *readers,
@@ -227,7 +227,8 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 	int err = reserve(m, count);
 
 	*error = (struct ensemble_error){.sky_count = 0};
-	memset(m->over, 0, sizeof(m->over));
+	memset(m->sky_over, 0, sizeof(m->sky_over));
+	memset(m->cell_over, 0, sizeof(m->cell_over));
 	if (err)
 		return err;
 	for (int k = 0; k < count; k++) {

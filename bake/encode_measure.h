@@ -23,7 +23,8 @@ struct measure {
 	struct measure_sums *sums; /* [parts] */
 	double *bound;		   /* [parts]: largest |what is - what blocks say| of any light */
 	int room;
-	double over[PART_PIXELS]; /* largest error of each place as a share of that asked for */
+	/* Largest error of each place as a share of that asked for. */
+	double sky_over[PART_PIXELS], cell_over[PART_PIXELS];
 	struct measure_pixel pixel[PART_PIXELS];
 };
 

@@ -51,11 +51,13 @@ struct part {
 	int channels; /* of value: 3, or 1 where all three are alike */
 	int rows;     /* channels * pixels; row = channel * pixels + place in pixel */
 	int direct_channels;
-	float share[PART_PIXELS]; /* of the error asked for, what this part may use up: 1 until
-				     the measured one is too large */
-	float largest;		  /* of all |value| */
-	float rounded;		  /* of all |direct| + |bounce|: what roundings are a share of */
-	float *value;		  /* [lights][rows], per unit of X */
+	/* Of the error asked for, what this part may use up: 1 until the measured one is too
+	 * large. */
+	float sky_share[PART_PIXELS], cell_share[PART_PIXELS];
+	float fine;	   /* of the latter, what a light by itself may: 1 until no plan holds */
+	float largest;	   /* of all |value| */
+	float rounded;	   /* of all |direct| + |bounce|: what roundings are a share of */
+	float *value;	   /* [lights][rows], per unit of X */
 	float *direct;	   /* [lights][direct_channels * pixels]; NULL where there is no bounce */
 	const float *base; /* [lights][rows]: what an error in value is seen on: value itself, or
 			      u - d */
@@ -98,7 +100,7 @@ int part_pair(struct part *difference, struct part *whole, int lights);
 /* After loading (and pairing): exposures. */
 void part_expose(struct part *part, const struct encode_settings *settings);
 
-/* After that, and again when share has changed: what may be left of each value, which pixels are
+/* After that, and again when shares have changed: what may be left of each value, which pixels are
  * worth keeping, and how lights and pixels count. tolerance in levels. */
 void part_limit(struct part *part, const struct encode_settings *settings,
 		const struct levels *levels, double tolerance);
@@ -111,7 +113,7 @@ bool part_cell_holds(const struct part *part, int light, const float *left);
  * How far a column that makes up for left [rows] has to reach at least (scale times the largest
  * value that is stored): frames leave it out where X times that is below the cut, and as their
  * light fades, no pixel may be off by more than the error asked for at the moment when that
- * happens. 0: however far.
+ * happens. Farther, where lights by themselves may do with less. 0: however far.
  */
 double part_column_reach(const struct part *part, int light, const float *left);
 

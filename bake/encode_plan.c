@@ -195,8 +195,8 @@ static double excess_of(struct search *s, const struct split *split)
 				fabsf(level_of(s->levels, is) - level_of(s->levels, is - by));
 
 			square += (double)(levels * levels);
-			if (levels > worst * part->share[p])
-				worst = levels / part->share[p];
+			if (levels > worst * part->sky_share[p])
+				worst = levels / part->sky_share[p];
 		}
 		worst_square = fmax(worst_square, square);
 	}

@@ -35,6 +35,32 @@ static void over_noise(void **state)
 	}
 }
 
+/* Of many lights nearly every column is too dim to be used alone, and what all of them come to is
+ * no longer little. */
+static void over_many_lights(void **state)
+{
+	struct chance chance = chance_begin("many lights");
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct encoding e = encoding_dome(12, 3);
+		struct encoding_part *part = encoding_part_new(&e, k ? BASIS_KIND_T : BASIS_KIND_V,
+							       64, k ? 3 : 1, false);
+		const int n = e.settings.lights;
+
+		encoding_start(&e);
+		for (int r = 0; r < 64 * part->samples.channels; r++)
+			for (int i = 0; i < n; i++)
+				part->direct[r * n + i] =
+					chance_real(&chance, 0, 1) < 0.3
+						? (float)(k ? 0.3 * e.light[i].solid_angle_sr : 1)
+						: 0;
+		holding_all(&e, part, NULL);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
 static void over_sizes(void **state)
 {
 	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
@@ -138,9 +164,8 @@ static void refuses(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(over_noise),
-		cmocka_unit_test(over_sizes),
-		cmocka_unit_test(over_values),
+		cmocka_unit_test(over_noise), cmocka_unit_test(over_many_lights),
+		cmocka_unit_test(over_sizes), cmocka_unit_test(over_values),
 		cmocka_unit_test(refuses),
 	};
 
