@@ -203,7 +203,7 @@ static int set_plan(struct job *job, const struct import_settings *settings, str
 		 source->dome->frequency, dome_division_names[source->dome->division],
 		 source->dome->count, source->dome->shape == DOME_TENTS ? ", tents" : "",
 		 settings->target.rms, settings->target.max, settings->target.cell,
-		 settings->column_cut, plan->info.coarse, settings->exact ? "yes" : "no");
+		 plan->info.column_cut, plan->info.coarse, settings->exact ? "yes" : "no");
 	return 0;
 }
 
@@ -218,7 +218,7 @@ static int start_workers(struct job *job, const struct import_settings *settings
 		.gather = job->plan.gather,
 		.ensemble = &job->ensemble,
 		.target = settings->target,
-		.column_cut = settings->column_cut,
+		.column_cut = job->plan.info.column_cut,
 		.exact = settings->exact,
 	};
 	int err = ensemble_create(&job->ensemble, job->plan.light, encode.lights);

@@ -1,10 +1,15 @@
 #include "bake/plan.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/coarse.h"
+
+/* What a column may change and be left out of a frame of up to so many lights. */
+#define CUT 0.001
+#define CUT_LIGHTS 406
 
 _Static_assert((int)BASIS_LIGHT_CELL == (int)DOME_CELLS && (int)BASIS_LIGHT_TENT == (int)DOME_TENTS,
 	       "files name shapes as the dome does");
@@ -31,6 +36,13 @@ static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
 	return err;
 }
 
+/* Each column that a frame leaves out is worth up to the cut; as their signs fall by chance, all of
+ * them come to that times the root of their number. */
+static double fitting_cut(size_t lights)
+{
+	return CUT * sqrt(fmin(1, (double)CUT_LIGHTS / (double)lights));
+}
+
 int plan_set_lights(struct plan *plan, const struct dome *dome, int coarse, struct fault *fault)
 {
 	const size_t n = (size_t)dome->count;
@@ -44,6 +56,8 @@ int plan_set_lights(struct plan *plan, const struct dome *dome, int coarse, stru
 	}
 	plan->light = light;
 	plan->info.lights = (uint32_t)n;
+	if (plan->info.column_cut < 0)
+		plan->info.column_cut = fitting_cut(n);
 	plan->info.dome_frequency = (uint32_t)dome->frequency;
 	plan->info.dome_division = (uint32_t)dome->division;
 	plan->info.light_shape = (uint32_t)dome->shape;

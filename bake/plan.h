@@ -20,7 +20,8 @@ struct plan {
 };
 
 /* The lights, and the coarse ones that they are gathered in: those of a dome of frequency coarse;
- * 0: as is best. Sets what info says of them. -ENOMEM. */
+ * 0: as is best. Sets what info says of them, and column_cut, where that is negative, to what fits
+ * their number. -ENOMEM. */
 int plan_set_lights(struct plan *plan, const struct dome *dome, int coarse, struct fault *fault);
 
 void plan_free(struct plan *plan); /* idempotent; zeroed is fine */

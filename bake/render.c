@@ -245,7 +245,7 @@ static int start_workers(struct job *job)
 		.gather = job->plan.gather,
 		.ensemble = &job->ensemble,
 		.target = job->settings.target,
-		.column_cut = job->settings.column_cut,
+		.column_cut = job->plan.info.column_cut,
 		.exact = job->settings.exact,
 	};
 	int err = pool_create(&job->pool, job->settings.threads);
@@ -290,7 +290,7 @@ static void write_provenance(struct job *job)
 		 s->frequency, dome_division_names[s->division], info->lights,
 		 s->shape == DOME_TENTS ? ", tents" : "", s->noise_levels > 0 ? 0 : s->samples,
 		 s->noise_levels, s->bounces, s->seed, s->target.rms, s->target.max, s->target.cell,
-		 s->column_cut, info->coarse, s->exact ? "yes" : "no");
+		 info->column_cut, info->coarse, s->exact ? "yes" : "no");
 	if (job->scene->file->poses.count > 1) {
 		const size_t used = strlen(job->plan.provenance);
 

@@ -15,7 +15,7 @@ struct render_settings {
 	double noise_levels; /* above 0: instead of samples */
 	int bounces, seed;
 	struct encode_target target; /* max 0: RENDER_MAX_OF_RMS times rms */
-	double column_cut;	     /* of struct basis_info_chunk */
+	double column_cut;	     /* of struct basis_info_chunk; below 0: as fits */
 	int coarse;		  /* frequency of the coarse dome, at most frequency; 0: chosen */
 	bool exact;		  /* store the exact layer too */
 	struct shard_place shard; /* count 0: all of the bake */

@@ -79,6 +79,11 @@ equal "the file says how it was encoded" "target_levels = rms 1, max 3, cell 4
 column_cut = 0.002
 coarse_lights = 6
 exact = yes" "$("$bake" info "$work/exact.inlay" | grep -E '^(target_|column_|coarse_|exact = )')"
+check "many lights" "$bake" render --size 8x8 --samples 1 --frequency 18 "$work/box.scene" \
+	-o "$work/many.inlay"
+equal "a cut that fits their number" "0.0010 0.0005" "$(for file in out many; do
+	"$bake" info "$work/$file.inlay" | sed -n 's/^column_cut = //p'
+done | awk '{ printf "%s%.4f", (NR > 1 ? " " : ""), $1 }')"
 equal "most is twice RMS where nobody says" "target_levels = rms 0.25, max 0.5, cell 1.5" \
 	"$("$bake" render --quiet --error 0.25 "$work/box.scene" -o "$work/fine.inlay" &&
 		"$bake" info "$work/fine.inlay" | grep '^target_levels')"
