@@ -217,8 +217,8 @@ static int take(struct camera *camera, const struct request *request, struct wat
 			poll(NULL, 0, request->hold_ms);
 		camera_release(camera, &frame);
 		if (!err && watch->taken == 1 && *request->change.name)
-			err = camera_set_control(camera, request->change.name, request->change.value,
-					     fault);
+			err = camera_set_control(camera, request->change.name,
+						 request->change.value, fault);
 	}
 	for (int parity = 0; parity < 2 && !err; parity++)
 		say_lines(&canvas, parity);
