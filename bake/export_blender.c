@@ -89,9 +89,8 @@ static void write_materials(FILE *to, const struct export_job *job)
 		fprintf(to, "%s\n {\"kind\": \"%s\", ", k ? "," : "", material_kind_names[m->kind]);
 		write_colour(to, "colour", &m->colour);
 		write_colour(to, "specular", &m->specular);
-		fprintf(to,
-			"\"roughness\": %.9g, \"ior\": %.9g, \"texture\": ", (double)m->roughness,
-			(double)m->ior);
+		fprintf(to, "\"roughness\": %.9g, \"ior\": %.9g, \"thin\": %s, \"texture\": ",
+			(double)m->roughness, (double)m->ior, m->thin ? "true" : "false");
 		if (m->texture)
 			fprintf(to, "\"texture%d.hdr\"}", k);
 		else

@@ -12,15 +12,21 @@ import json
 import math
 import os
 import sys
+import traceback
 
 import bpy
-import numpy
 from mathutils import Matrix
+
+try:
+    import numpy
+except ImportError:
+    sys.exit("render.py: no numpy, which Blender's Python needs here: apt-get install python3-numpy")
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 MAP_HEIGHT = 512  # of the pictures of the sky that hold a cell
 MAP_HEIGHT_MANY = 1024  # the same of small cells
 MANY_LIGHTS = 1000
+GLASS_MOST = 32  # surfaces of glass in a row
 EDGE = 4  # a texel of them is cut into so many, a side
 
 
@@ -78,49 +84,89 @@ def metal(values, nodes, _links):
     return shader
 
 
-def schlick(reflectance, nodes, links):
-    """Fresnel's share towards the viewer: r + (1 - r) (1 - cos)^5."""
-    facing = nodes.new("ShaderNodeLayerWeight")
-    power, share = nodes.new("ShaderNodeMath"), nodes.new("ShaderNodeMath")
-    facing.inputs["Blend"].default_value = 0.5  # then Facing is 1 - cos
-    power.operation, share.operation = "POWER", "MULTIPLY_ADD"
-    power.inputs[1].default_value = 5
-    share.inputs[1].default_value = 1 - reflectance
-    share.inputs[2].default_value = reflectance
-    links.new(facing.outputs["Facing"], power.inputs[0])
-    links.new(power.outputs[0], share.inputs[0])
-    return share.outputs[0]
+def calculate(operation, inputs, nodes, links):
+    """Of numbers and of what other nodes say."""
+    node = nodes.new("ShaderNodeMath")
+    node.operation = operation
+    for socket, value in zip(node.inputs, inputs):
+        if isinstance(value, bpy.types.NodeSocket):
+            links.new(value, socket)
+        else:
+            socket.default_value = value
+    return node.outputs[0]
 
 
 def glossy(values, nodes, links):
-    """A base under a coat of GGX, which takes from the base what it mirrors."""
+    """A base under a coat, which takes from the base what it mirrors of a sky that is even: Schlick's
+    share towards the viewer, r + (1 - r) (1 - cos)^5. That both are summed is what mixing the base
+    with nothing is for."""
+    coat = metal(values, nodes, links)
     if max(values["colour"]) == 0:
-        return metal(values, nodes, links)
+        return coat
+    left = 1 - max(values["specular"])
+    facing = nodes.new("ShaderNodeLayerWeight")
+    facing.inputs["Blend"].default_value = 0.5  # then Facing is 1 - cos
+    power = calculate("POWER", (facing.outputs["Facing"], 5), nodes, links)
+    base = nodes.new("ShaderNodeMixShader")
+    links.new(calculate("MULTIPLY_ADD", (power, -left, left), nodes, links), base.inputs[0])
+    links.new(diffuse(values, nodes, links).outputs[0], base.inputs[2])
+    both = nodes.new("ShaderNodeAddShader")
+    links.new(base.outputs[0], both.inputs[0])
+    links.new(coat.outputs[0], both.inputs[1])
+    return both
+
+
+def thin_reflectance(ior, nodes, links):
+    """Of both surfaces of a pane and what goes to and fro between them: 2 r / (1 + r)."""
+    fresnel = nodes.new("ShaderNodeFresnel")
+    # It takes a surface's back for its inside, and the reciprocal there.
+    back = nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"]
+    power = calculate("MULTIPLY_ADD", (back, -2, 1), nodes, links)
+    links.new(calculate("POWER", (ior, power), nodes, links), fresnel.inputs["IOR"])
+    twice = calculate("MULTIPLY", (fresnel.outputs[0], 2), nodes, links)
+    return calculate("DIVIDE", (twice, calculate("ADD", (fresnel.outputs[0], 1), nodes, links)), nodes, links)
+
+
+def solid_reflectance(ior, nodes):
+    fresnel = nodes.new("ShaderNodeFresnel")
+    fresnel.inputs["IOR"].default_value = ior
+    return fresnel.outputs[0]
+
+
+def refraction(ior, values, nodes, links):
+    through = nodes.new("ShaderNodeBsdfRefraction")
+    through.inputs["IOR"].default_value = ior
+    through.inputs["Roughness"].default_value = 0
+    set_colour(through.inputs["Color"], values, nodes, links)
+    return through.outputs[0]
+
+
+def straight(values, nodes, links):
+    """Lets light through from a cell to a surface. Real things that the camera sees are cut out of the
+    picture behind a transparent surface, and seen through one that refracts."""
     mix = nodes.new("ShaderNodeMixShader")
-    coat = nodes.new("ShaderNodeBsdfGlossy")
-    coat.distribution = "GGX"
-    coat.inputs["Roughness"].default_value = values["roughness"]
-    coat.inputs["Color"].default_value = (1, 1, 1, 1)
-    links.new(schlick(sum(values["specular"]) / 3, nodes, links), mix.inputs[0])
-    links.new(diffuse(values, nodes, links).outputs[0], mix.inputs[1])
-    links.new(coat.outputs[0], mix.inputs[2])
-    return mix
+    through = nodes.new("ShaderNodeBsdfTransparent")
+    set_colour(through.inputs["Color"], values, nodes, links)
+    links.new(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], mix.inputs[0])
+    links.new(through.outputs[0], mix.inputs[1])
+    links.new(refraction(1, values, nodes, links), mix.inputs[2])
+    return mix.outputs[0]
 
 
 def glass(values, nodes, links):
-    """Tinted by what passes through a surface, and not by what it mirrors."""
+    """Tinted by what passes through a surface, or a pane, and not by what it mirrors."""
     mix = nodes.new("ShaderNodeMixShader")
-    fresnel = nodes.new("ShaderNodeFresnel")
-    through = nodes.new("ShaderNodeBsdfRefraction")
     mirror = nodes.new("ShaderNodeBsdfGlossy")
-    fresnel.inputs["IOR"].default_value = values["ior"]
-    through.inputs["IOR"].default_value = values["ior"]
-    through.inputs["Roughness"].default_value = 0
     mirror.inputs["Roughness"].default_value = 0
     mirror.inputs["Color"].default_value = (1, 1, 1, 1)
-    set_colour(through.inputs["Color"], values, nodes, links)
-    links.new(fresnel.outputs[0], mix.inputs[0])
-    links.new(through.outputs[0], mix.inputs[1])
+    if values["thin"]:
+        share = thin_reflectance(values["ior"], nodes, links)
+        through = straight(values, nodes, links)
+    else:
+        share = solid_reflectance(values["ior"], nodes)
+        through = refraction(values["ior"], values, nodes, links)
+    links.new(share, mix.inputs[0])
+    links.new(through, mix.inputs[1])
     links.new(mirror.outputs[0], mix.inputs[2])
     return mix
 
@@ -301,7 +347,7 @@ class Sky:
 # ---- pictures ----
 
 
-def set_cycles(scene, samples, bounces):
+def set_cycles(scene, samples, bounces, has_glass):
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device = "CPU"
@@ -313,8 +359,10 @@ def set_cycles(scene, samples, bounces):
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.blur_glossy = 0
     cycles.caustics_reflective = cycles.caustics_refractive = True
-    cycles.max_bounces = cycles.diffuse_bounces = bounces
-    cycles.glossy_bounces = cycles.transmission_bounces = bounces
+    cycles.diffuse_bounces = cycles.glossy_bounces = bounces
+    # what passes glass is no bounce of the scene's
+    cycles.max_bounces = cycles.transmission_bounces = bounces + (GLASS_MOST if has_glass else 0)
+    cycles.transparent_max_bounces = GLASS_MOST
     scene.render.film_transparent = True
     scene.render.use_persistent_data = True
     scene.view_settings.view_transform = "Raw"
@@ -346,7 +394,8 @@ def main():
         job = json.load(text)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    set_cycles(scene, said.samples, job["bounces"])
+    has_glass = any(values["kind"] == "glass" for values in job["materials"])
+    set_cycles(scene, said.samples, job["bounces"], has_glass)
     set_format(scene, said.format)
     set_camera(scene, job["camera"], said.size)
     materials = [make_material(f"m{k}", values) for k, values in enumerate(job["materials"])]
@@ -386,4 +435,11 @@ def main():
     print("    " + job["import"].replace(".exr", "." + said.format))
 
 
-main()
+# Blender itself takes a script that failed for one that is done.
+try:
+    main()
+except OSError as fault:
+    sys.exit(f"render.py: {fault}")
+except Exception:
+    traceback.print_exc()
+    sys.exit(1)

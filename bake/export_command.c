@@ -22,6 +22,7 @@ enum {
 	DIVISION,
 	LIGHTS,
 	SIZE,
+	POSE,
 	RAYS,
 	SUNS,
 	THREADS
@@ -39,6 +40,7 @@ static const struct option options[] = {
 	{"division", required_argument, NULL, DIVISION},
 	{"lights", required_argument, NULL, LIGHTS},
 	{"size", required_argument, NULL, SIZE},
+	{"pose", required_argument, NULL, POSE},
 	{"rays", required_argument, NULL, RAYS},
 	{"suns", required_argument, NULL, SUNS},
 	{"threads", required_argument, NULL, THREADS},
@@ -52,6 +54,7 @@ struct choices {
 	bool of_msi, of_scene, of_radiance; /* whether options were said that only it has */
 	int endian, long_bytes, threads;
 	struct scene_lights lights;
+	const char *pose; /* NULL: the first */
 	int width, height;
 	struct export_radiance_settings radiance;
 };
@@ -93,6 +96,9 @@ static int take_scene(struct choices *c, int option, struct fault *fault)
 	case DIVISION:
 		return option_choice("--division", optarg, dome_division_names, &c->lights.division,
 				     fault);
+	case POSE:
+		c->pose = optarg;
+		return 0;
 	default:
 		return option_size("--size", optarg, &c->width, &c->height, fault);
 	}
@@ -117,6 +123,7 @@ static int take(void *choices, int option, struct fault *fault)
 	case DIVISION:
 	case LIGHTS:
 	case SIZE:
+	case POSE:
 		return take_scene(c, option, fault);
 	default:
 		return take_msi(c, option, fault);
@@ -159,7 +166,9 @@ static int export_scene(const char *path, const struct choices *c, struct fault 
 
 	if (err)
 		return err;
-	err = scene_dome(scene, &c->lights, &dome, fault);
+	err = scene_find_pose(scene, c->pose, fault);
+	if (!err)
+		err = scene_dome(scene, &c->lights, &dome, fault);
 	if (!err) {
 		err = c->what == BLENDER
 			      ? export_blender(scene, &dome, c->to, fault)
@@ -178,7 +187,8 @@ static const char *wrong_usage(const struct choices *c)
 	if (c->of_msi && c->what != MSI)
 		return "--endian, --long and --threads are of --msi";
 	if (c->of_scene && c->what == MSI)
-		return "--frequency, --division, --lights and --size are of a scene, not of --msi";
+		return "--frequency, --division, --lights, --size and --pose are of a scene, not "
+		       "of --msi";
 	if (c->of_radiance && c->what != RADIANCE)
 		return "--rays and --suns are of --radiance";
 	return NULL;
@@ -211,8 +221,9 @@ const struct command export_command = {
 	.usage = "BASIS.inlay --msi OUT.msi [--endian little|big] [--long 4|8] [--threads T]\n"
 		 "           SCENE --radiance DIR [--rays K] [--suns S] [--frequency F] "
 		 "[--division D] [--lights L]\n"
-		 "           [--size WxH]\n"
-		 "           SCENE --blender DIR [--frequency F] [--division D] [--size WxH]",
+		 "           [--size WxH] [--pose P]\n"
+		 "           SCENE --blender DIR [--frequency F] [--division D] [--size WxH] "
+		 "[--pose P]",
 	.summary = "write a basis as the thesis's program reads it, or a job for a renderer",
 	.help = "\n"
 		"  --msi FILE      a byte for each light and channel of each pixel of object or "
@@ -233,6 +244,7 @@ const struct command export_command = {
 		"  --division D    angles or chords\n"
 		"  --lights L      cells or tents; Blender's are cells\n"
 		"  --size WxH      of the pictures\n"
+		"  --pose P        of the scene: number, from 0, or name; 0\n"
 		"\n"
 		"Both jobs keep pictures that are there, and say at last how inlay-bake import "
 		"takes them.\n",

@@ -8,6 +8,7 @@
 
 #include "bake/angles.h"
 #include "bake/export_mesh.h"
+#include "hal/log.h"
 
 int export_job_open(const struct export_job *job, const char *name, struct output *out,
 		    struct fault *fault)
@@ -132,6 +133,25 @@ static void look_around(struct export_job *job)
 	job->digits = job->digits < 3 ? 3 : job->digits;
 }
 
+/* What such pictures cannot hold, or no job tells its renderer. */
+static void say_what_is_lost(const struct export_job *job)
+{
+	bool glass = false, metal = false;
+
+	for (int k = 0; k < job->material_count; k++) {
+		const struct material *m = job->material[k];
+
+		glass |= m->kind == MATERIAL_GLASS;
+		metal |= m->kind == MATERIAL_GLOSSY && m->texture && rgb_peak(m->metal) > 0;
+	}
+	if (glass)
+		log_warning("%s: what is seen through glass will be the scene's own surfaces, as "
+			    "they are in the pictures; render shows the background's picture there",
+			    job->scene->path);
+	if (metal)
+		log_warning("%s: the texture of a metal is left out", job->scene->path);
+}
+
 int export_job_begin(struct export_job *job, const struct scene *scene, const struct dome *dome,
 		     const char *folder, struct fault *fault)
 {
@@ -147,6 +167,8 @@ int export_job_begin(struct export_job *job, const struct scene *scene, const st
 	err = make_folder(folder, fault);
 	if (!err)
 		err = export_materials(job, fault);
+	if (!err)
+		say_what_is_lost(job);
 	if (!err)
 		err = write_angles(job, fault);
 	if (!err)
