@@ -31,7 +31,11 @@ static int measure(struct basis_file *file, const char *path, struct fault *faul
 	return 0;
 }
 
-/* Pages of 2 MiB where the system has them: each frame walks through all of what is shown. */
+/* Pages of 2 MiB, where the system has them. Chunks that are shorter keep to small ones: the list
+ * of blocks of each packed pose would otherwise hold such a page, of which a few kilobytes are
+ * read. */
+#define LARGE_PAGE ((uint64_t)2 << 20)
+
 static int provide_memory(struct basis_file *file, bool mapped, const char *path,
 			  struct fault *fault)
 {
@@ -45,7 +49,7 @@ static int provide_memory(struct basis_file *file, bool mapped, const char *path
 		return fault_say(fault, err, "%s: no memory for its %zu bytes: %s", path,
 				 file->bytes, strerror(-err));
 	}
-	(void)madvise(memory, file->bytes, MADV_HUGEPAGE);
+	(void)madvise(memory, file->bytes, mapped ? MADV_HUGEPAGE : MADV_NOHUGEPAGE);
 	file->memory = memory;
 	return 0;
 }
@@ -110,8 +114,12 @@ int basis_file_fetch(const struct basis_reader *r, uint64_t offset, uint64_t byt
 {
 	if (!r->file)
 		return 0;
-	if (r->file->fd >= 0)
+	if (r->file->fd >= 0) {
+		/* each frame walks through all of what is shown */
+		if (bytes >= LARGE_PAGE)
+			(void)madvise(r->file->memory + offset, bytes, MADV_HUGEPAGE);
 		return read_at(r, offset, bytes, r->file->memory + offset);
+	}
 	/* Offsets are those of pages but for the header's, which are there already. */
 	(void)madvise(r->file->memory + offset, bytes, MADV_WILLNEED);
 	return 0;
