@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -125,8 +126,7 @@ class Manager
 
 		if (--users > 0)
 			return;
-		only->stop();
-		delete only;
+		delete only; /* which stops it */
 	}
 
 	Manager(const Manager &) = delete;
@@ -511,7 +511,7 @@ class Session
 
 	void open(camera *camera)
 	{
-		device = find(manager, camera->settings.device);
+		device = find(*manager, camera->settings.device);
 		id = device->id();
 		const std::string model = model_of(*device);
 
@@ -599,13 +599,18 @@ class Session
 	}
 
 	/* False: the camera went away in a way that libcamera cannot clean up after: this session
-	 * is to be left as it is. */
+	 * is to be left as it is, but for its hold on the manager. Where nobody else has one,
+	 * libcamera then begins anew, which saves it from itself: of a device that was there it
+	 * keeps pointers to what it has freed, and follows them when the device comes back and
+	 * the node of its pictures is told before its media node
+	 * (DeviceEnumeratorUdev::addV4L2Device(), still so in 0.4). */
 	bool can_be_deleted()
 	{
 		if (!libcamera_events_deleted(&events) || libcamera_events_end_soon(&events))
 			return true;
 		unmap();
-		manager.forget(device);
+		manager->forget(device);
+		manager.reset();
 		return false;
 	}
 
@@ -617,7 +622,7 @@ class Session
 		const auto own = [](const void *session, dev_t number) {
 			const auto *const self = static_cast<const Session *>(session);
 
-			return self->manager.made_of(self->device, number);
+			return self->manager->made_of(self->device, number);
 		};
 		fault why;
 
@@ -745,7 +750,7 @@ class Session
 		libcamera_wishes_compare(&wishes, used_value, &metadata);
 	}
 
-	Manager manager; /* goes last */
+	std::optional<Manager> manager = std::make_optional<Manager>(); /* goes last */
 	libcamera_events events;
 	std::shared_ptr<lc::Camera> device;
 	bool acquired = false;
@@ -920,9 +925,9 @@ void libcamera_release(camera *camera, frame *frame)
 /*
  * libcamera aborts the program when it is asked to stop a camera that is gone, unless it knows so
  * by itself, as it does of webcams; and it does not survive that a running camera is destroyed.
- * What it holds for such a camera is left to it. That costs memory, some twenty descriptors and a
- * thread of libcamera's that is woken all the time, whenever a board's sensor is taken from under a
- * running program: a driver that is unbound.
+ * What it holds for such a camera is left to it. That costs memory and some twenty descriptors
+ * (and, while another camera is open, a thread of libcamera's that is woken all the time), whenever
+ * a board's sensor is taken from under a running program: a driver that is unbound.
  */
 void libcamera_close(camera *camera)
 {
