@@ -89,14 +89,12 @@ static void write_patterns(const struct search *s, const struct split *split, bo
 			int place = 0;
 
 			for (int p = 0; p < part->pixels; p++) {
-				const int panel = place / BASIS_LINE16;
-				const int line = (panel * entry->channels + c) * entry->patterns +
-						 j;
+				const size_t line = basis_line16(at.panels16, entry->patterns, c,
+								 place / BASIS_LINE16, j);
 
 				if (!part->keep[p])
 					continue;
-				to[(size_t)line * BASIS_LINE16 + (size_t)(place++ % BASIS_LINE16)] =
-					row[p];
+				to[line * BASIS_LINE16 + (size_t)(place++ % BASIS_LINE16)] = row[p];
 			}
 		}
 }
@@ -138,8 +136,8 @@ static void write_column(const struct encode_settings *settings, const struct pa
 		int place = 0;
 
 		for (int p = 0; p < part->pixels; p++) {
-			const size_t line = basis_column_line(entry->channels, (int)entry->columns,
-							      place / BASIS_LINE16, c, number);
+			const size_t line = basis_line16(at.panels16, (int)entry->columns, c,
+							 place / BASIS_LINE16, number);
 
 			if (!all && !part->keep[p])
 				continue;

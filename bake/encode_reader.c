@@ -56,11 +56,11 @@ static void read_patterns(struct block_reader *reader, const struct basis_block_
 		to = reader->coefficient + (size_t)(first + j) * PART_ROWS;
 		for (int c = 0; c < e->channels; c++)
 			for (int p = 0; p < e->pixels; p++) {
-				const int line =
-					(p / BASIS_LINE16 * e->channels + c) * e->patterns + j;
+				const size_t line = basis_line16(at.panels16, e->patterns, c,
+								 p / BASIS_LINE16, j);
 
 				to[c * PART_PIXELS + p] = (double)scale[j] *
-							  coefficient[(size_t)line * BASIS_LINE16 +
+							  coefficient[line * BASIS_LINE16 +
 								      (size_t)(p % BASIS_LINE16)];
 			}
 	}
@@ -95,22 +95,23 @@ static void read_column(const struct basis_block_payload *block, const struct ba
 	const struct basis_block_entry *e = &block->entry;
 	const uint8_t *payload = block->payload;
 	const void *columns = payload + at->column;
+	const int16_t *column16 = columns;
+	const uint32_t *record_at = columns;
 	const uint8_t *code, *from;
 	const int lines = at->panels8 * e->channels;
 
 	if (e->bits == 16) {
 		for (int c = 0; c < e->channels; c++)
-			for (int p = 0; p < e->pixels; p++)
+			for (int p = 0; p < e->pixels; p++) {
+				const size_t line = basis_line16(at->panels16, (int)e->columns, c,
+								 p / BASIS_LINE16, number);
+
 				value[c][p] =
-					((const int16_t *)
-						 columns)[basis_column_line(
-								  e->channels, (int)e->columns,
-								  p / BASIS_LINE16, c, number) *
-								  BASIS_LINE16 +
-							  (size_t)(p % BASIS_LINE16)];
+					column16[line * BASIS_LINE16 + (size_t)(p % BASIS_LINE16)];
+			}
 		return;
 	}
-	code = payload + at->record + ((const uint32_t *)columns)[number];
+	code = payload + at->record + record_at[number];
 	from = code + basis_record_head(lines);
 	for (int k = 0; k < lines; from += basis_line_bytes(code[k++])) {
 		int8_t line[BASIS_LINE8];

@@ -46,9 +46,10 @@ static inline struct basis_block_payload hand_object(uint32_t tile, int pixels,
 			most = fmaxf(most, fabsf(value[k * lights + i]));
 		scale[i] = (float)((double)most / light[i].solid_angle_sr / 32767);
 		for (int k = 0; k < pixels * 3 && most > 0; k++) {
-			const int line = (k / 3 / BASIS_LINE16 * 3 + k % 3) * lights + i;
+			const int p = k / 3, c = k % 3;
+			const int line = (c * at.panels16 + p / BASIS_LINE16) * lights + i;
 
-			column[line * BASIS_LINE16 + k / 3 % BASIS_LINE16] =
+			column[line * BASIS_LINE16 + p % BASIS_LINE16] =
 				(int16_t)lrintf(value[k * lights + i] / most * 32767);
 		}
 	}

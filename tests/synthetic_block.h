@@ -88,13 +88,14 @@ static inline void synthetic_add_values(const struct basis_block *b, int lights,
 					const struct basis_coarse *gather, double *value)
 {
 	double *row = synthetic_zeros((size_t)b->stride + 1, sizeof(*row));
+	const int panels = (b->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
 
 	for (int p = 0; p < b->pixels; p++) {
 		for (int c = 0; c < 3; c++) {
 			const int channel = b->channels == 3 ? c : 0;
 			const double tint =
 				b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1;
-			const size_t line = (size_t)(p / BASIS_LINE16 * b->channels + channel);
+			const size_t line = (size_t)(channel * panels + p / BASIS_LINE16);
 			double *to = value + ((size_t)p * 3 + (size_t)c) * (size_t)lights;
 
 			memset(row, 0, (size_t)b->stride * sizeof(*row));
@@ -328,12 +329,12 @@ static inline void synthetic_scale_pixels(struct synthetic_block *b, const doubl
 {
 	int16_t *coefficient = (int16_t *)(b->payload + b->at.coefficient);
 	int16_t *column = (int16_t *)(b->payload + b->at.column);
-	const size_t patterns = (size_t)b->entry.channels * b->entry.patterns;
-	const size_t columns = (size_t)b->entry.channels * b->entry.columns;
-	const size_t values = (size_t)b->at.panels16 * columns * BASIS_LINE16;
+	const size_t panels = (size_t)b->at.panels16, each = panels * b->entry.channels;
+	const size_t patterns = b->entry.patterns, columns = b->entry.columns;
 
-	for (size_t i = 0; i < (size_t)b->at.panels16 * patterns * BASIS_LINE16; i++) {
-		const size_t p = i / (patterns * BASIS_LINE16) * BASIS_LINE16 + i % BASIS_LINE16;
+	for (size_t i = 0; i < each * patterns * BASIS_LINE16; i++) {
+		const size_t p = i / (patterns * BASIS_LINE16) % panels * BASIS_LINE16 +
+				 i % BASIS_LINE16;
 
 		coefficient[i] = (int16_t)(p < b->entry.pixels ? lrint(coefficient[i] * factor[p])
 							       : 0);
@@ -342,8 +343,9 @@ static inline void synthetic_scale_pixels(struct synthetic_block *b, const doubl
 		synthetic_change_lines(b, 0, NULL, factor);
 		return;
 	}
-	for (size_t i = 0; i < values; i++) {
-		const size_t p = i / (columns * BASIS_LINE16) * BASIS_LINE16 + i % BASIS_LINE16;
+	for (size_t i = 0; i < each * columns * BASIS_LINE16; i++) {
+		const size_t p = i / (columns * BASIS_LINE16) % panels * BASIS_LINE16 +
+				 i % BASIS_LINE16;
 
 		column[i] = (int16_t)(p < b->entry.pixels ? lrint(column[i] * factor[p]) : 0);
 	}
@@ -440,10 +442,11 @@ static inline struct synthetic_block synthetic_exact(const struct synthetic_make
 			const double v = value[(size_t)k * (size_t)n + (size_t)i];
 			const double step = (double)scale[i];
 			const int q = step > 0 ? (int)lrint(v / step) : 0;
-			const size_t line = (size_t)(k / 3 / BASIS_LINE16 * 3 + k % 3) * (size_t)n +
+			const int p = k / 3, panel = p / BASIS_LINE16;
+			const size_t line = (size_t)(k % 3 * b.at.panels16 + panel) * (size_t)n +
 					    (size_t)i;
 
-			column[line * BASIS_LINE16 + (size_t)(k / 3 % BASIS_LINE16)] = (int16_t)q;
+			column[line * BASIS_LINE16 + (size_t)(p % BASIS_LINE16)] = (int16_t)q;
 			*error = fmax(*error, fabs(q * step - v));
 		}
 	}

@@ -21,10 +21,10 @@ struct basis_block {
 	const uint16_t *tint;	    /* [3][pixels]; NULL: 1 */
 	const float *pattern_scale; /* [patterns] */
 	const int16_t *pattern;	    /* [patterns][stride] */
-	const int16_t *coefficient; /* [panels16][channels][patterns][32] */
+	const int16_t *coefficient; /* [channels][panels16][patterns][32] */
 	const uint16_t *light;	    /* [columns] */
 	const float *column_scale;  /* [columns] */
-	const int16_t *column16;    /* [panels16][channels][columns][32]; NULL unless bits is 16 */
+	const int16_t *column16;    /* [channels][panels16][columns][32]; NULL unless bits is 16 */
 	const uint32_t *record_at;  /* [columns]; NULL unless bits is 8 */
 	const uint8_t *record;	    /* basis_lines.h; NULL unless bits is 8 */
 	size_t bytes;

@@ -331,40 +331,40 @@ static bool has_least16(const int16_t *v, size_t count)
 	return any != 0;
 }
 
-/* Lines of one cache line each: the last panel's hold 0 behind their `used` bytes. */
-static int check_rest(const struct place *at, const char *what, const void *lines, size_t count,
-		      size_t used)
+/* Of the `count` lines of each channel's last panel what is behind the last pixel is 0. */
+static int check_rest(const struct place *at, const char *what, const struct basis_block *b,
+		      const int16_t *lines, int count)
 {
-	const uint8_t *line = lines;
+	const int panels = (b->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+	const int used = b->pixels % BASIS_LINE16;
 	bool zero = true;
 
-	for (size_t i = 0; i < count && used; i++, line += BASIS_ALIGN)
-		zero &= basis_all_zero(line + used, line + BASIS_ALIGN);
+	for (int c = 0; c < b->channels && used; c++) {
+		const int16_t *line = lines +
+				      basis_line16(panels, count, c, panels - 1, 0) * BASIS_LINE16;
+
+		for (int k = 0; k < count; k++, line += BASIS_LINE16)
+			zero &= basis_all_zero((const uint8_t *)(line + used),
+					       (const uint8_t *)(line + BASIS_LINE16));
+	}
 	return zero ? 0 : DAMAGED(at, "%s after the last pixel are not 0", what);
 }
 
 static int check_lines(const struct place *at, const struct basis_block *b,
 		       const struct basis_layout *layout)
 {
-	const size_t coefficients = (size_t)b->channels * (size_t)b->patterns; /* of a panel */
-	const size_t columns = b->column16 ? (size_t)b->channels * (size_t)b->columns : 0;
-	const size_t panels16 = (size_t)layout->panels16;
-	const size_t used = (size_t)b->pixels % BASIS_LINE16 * sizeof(int16_t);
+	const int columns = b->column16 ? b->columns : 0;
+	const size_t each = (size_t)(layout->panels16 * b->channels) * BASIS_LINE16;
 	int ret;
 
-	if (has_least16(b->coefficient, panels16 * coefficients * BASIS_LINE16))
+	if (has_least16(b->coefficient, each * (size_t)b->patterns))
 		return DAMAGED(at, "value %d among coefficients, expected at least %d", INT16_MIN,
 			       -INT16_MAX);
-	if (has_least16(b->column16, panels16 * columns * BASIS_LINE16))
+	if (has_least16(b->column16, each * (size_t)columns))
 		return DAMAGED(at, "value %d among columns, expected at least %d", INT16_MIN,
 			       -INT16_MAX);
-	ret = check_rest(at, "coefficients",
-			 b->coefficient + (panels16 - 1) * coefficients * BASIS_LINE16,
-			 coefficients, used);
-	if (ret < 0 || !columns)
-		return ret;
-	return check_rest(at, "columns", b->column16 + (panels16 - 1) * columns * BASIS_LINE16,
-			  columns, used);
+	ret = check_rest(at, "coefficients", b, b->coefficient, b->patterns);
+	return ret < 0 ? ret : check_rest(at, "columns", b, b->column16, columns);
 }
 
 /* -128 and, in half a byte, 15. */

@@ -1,5 +1,5 @@
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 5.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 6.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -55,7 +55,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 5
+#define BASIS_VERSION 6
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* of every array inside a block */
 
@@ -218,20 +218,21 @@ enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_
  *     uint16 tint[3][pixels]             only when tinted; BASIS_TINT_ONE is 1
  *     float  pattern_scale[patterns]     finite, >= 0
  *     int16  pattern[patterns][stride]   stride = K rounded up to 32
- *     int16  coefficient[panels16][channels][patterns][32]
+ *     int16  coefficient[channels][panels16][patterns][32]
  *     uint16 light[columns]              ascending, < N
  *     float  column_scale[columns]       finite, >= 0
- *     int16  column[panels16][channels][columns][32]      bits = 16
+ *     int16  column[channels][panels16][columns][32]      bits = 16
  *     uint32 record_at[columns]                           bits = 8: in bytes, from the first record
  *     uint8  record[record_bytes]                         bits = 8: basis_lines.h
  *
  * A panel is as many pixels of the block, in the order of its list, as fill a cache line:
  * panels16 = ceil(pixels / 32), panels8 = ceil(pixels / 64); places after the last pixel hold 0. A
  * line, 64 bytes, is one pattern or column for one panel and channel: what is read, or left out, as
- * a whole. Of columns of 16 bits most are read, panel by panel; of those of 8 bits a few here and
- * there, so that what is read of one lies together: its record, in which each line is as short as
- * it may be. Records follow each other in the order of columns without a gap. -32768, -128 and, in
- * half a byte, 15 do not occur.
+ * a whole. Of columns of 16 bits most are read, panel by panel, all channels at once: three streams
+ * from one end to the other, which a processor fetches ahead of. Of those of 8 bits a few are, here
+ * and there, so that what is read of one lies together: its record, in which each line is as short
+ * as it may be. Records follow each other in the order of columns without a gap. -32768, -128 and,
+ * in half a byte, 15 do not occur.
  *
  * Every pixel of a D block is in one of its tile's U blocks; of U no light
  * alone comes out negative by more than quantisation.

@@ -32,11 +32,10 @@ struct basis_layout basis_layout(const struct basis_block_entry *entry, int coar
 /* Whether poses may be called so. 0, -EINVAL, -ENOMEM. */
 int basis_names_check(const struct basis_pose_name *names, uint32_t count);
 
-/* Which of a block's lines of columns of 16 bits holds `column` for one panel and channel. */
-static inline size_t basis_column_line(int channels, int columns, int panel, int channel,
-				       int column)
+/* Which line of 16 bits holds pattern or column `which`, of `count`, for one channel and panel. */
+static inline size_t basis_line16(int panels16, int count, int channel, int panel, int which)
 {
-	return (size_t)(panel * channels + channel) * (size_t)columns + (size_t)column;
+	return (size_t)(channel * panels16 + panel) * (size_t)count + (size_t)which;
 }
 
 #endif

@@ -9,9 +9,9 @@
 #include "hal/compositor/fixed.h"
 #include "hal/compositor/kept_sums.h"
 
-/* Lines of a block that are there when it begins: as it follows the one before it in memory, they
- * were asked for with the last ones of that. */
-#define STREAM_AHEAD 128
+/* Lines of a channel that are asked for before they are streamed: by then the processor fetches
+ * ahead by itself. */
+#define STREAM_AHEAD 64
 
 int block_work_create(struct block_work *work, const struct basis *basis)
 {
@@ -69,9 +69,13 @@ static void weigh_patterns(struct block_work *work, const struct basis_block *b,
 }
 
 /* Lines of 16 bits that will be streamed begin to come while their weights are made. */
-static inline __attribute__((always_inline)) void fetch_stream(const struct basis_block *b, int k)
+static inline __attribute__((always_inline)) void fetch_stream(const struct basis_block *b,
+							       size_t channel, int k)
 {
-	__builtin_prefetch(b->column16 + (size_t)(k + STREAM_AHEAD) * BASIS_LINE16, 0, 0);
+	const int16_t *line = b->column16 + (size_t)k * BASIS_LINE16;
+
+	for (int c = 0; c < b->channels && k < STREAM_AHEAD; c++, line += channel)
+		__builtin_prefetch(line);
 }
 
 /* Of the columns that were chosen for this light. */
@@ -104,6 +108,9 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 	const bool stream = b->bits == 16 && b->columns > FETCH_COLUMNS;
 	const uint16_t *light = b->light;
 	const float *scale = b->column_scale;
+	const size_t channel = basis_line16((b->pixels + BASIS_LINE16 - 1) / BASIS_LINE16,
+					    b->columns, 1, 0, 0) *
+			       BASIS_LINE16;
 	int64_t *const to[3] = {set->weight[0], set->weight[1], set->weight[2]};
 	uint32_t *line = set->line;
 	int count = 0;
@@ -114,7 +121,7 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 		const double weight = (double)scale[n] * one;
 
 		if (stream)
-			fetch_stream(b, n);
+			fetch_stream(b, channel, n);
 		for (int c = 0; c < 3; c++)
 			to[c][count] = round_double(x[c] * weight);
 		line[count] = (uint32_t)n;

@@ -76,13 +76,13 @@ struct places {
 
 static struct places places_of16(const struct basis_block *b, const int16_t *lines, int count)
 {
-	const size_t channel = (size_t)count * KERNEL_LINE_BYTES;
+	const size_t panel = (size_t)count * KERNEL_LINE_BYTES;
 
 	return (struct places){
 		(const char *)lines,
 		KERNEL_LINE_BYTES,
-		channel,
-		channel * (size_t)b->channels,
+		panel * (size_t)panels_of(b, KERNEL_LINE16),
+		panel,
 	};
 }
 

@@ -53,13 +53,12 @@ static void add_column8(struct line *l, int column)
 
 static void add_line16(struct line *l, const int16_t *lines, int count, int which, float factor)
 {
+	const int panels = (l->block->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+
 	for (int first = 0; first < l->count; first += BASIS_LINE16) {
-		const size_t panel = (size_t)((l->first + first) / BASIS_LINE16);
-		const int16_t *v = lines +
-				   (((panel * (size_t)l->block->channels + (size_t)l->channel) *
-					     (size_t)count +
-				     (size_t)which) *
-				    BASIS_LINE16);
+		const int panel = (l->first + first) / BASIS_LINE16;
+		const int16_t *v = lines + basis_line16(panels, count, l->channel, panel, which) *
+						   BASIS_LINE16;
 		const int left = l->count - first;
 
 		for (int p = 0; p < left && p < BASIS_LINE16; p++)

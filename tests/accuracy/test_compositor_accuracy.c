@@ -496,7 +496,7 @@ static void duplicate_and_constant_lines(void **state)
 		for (int j = 1; j < k->patterns && n % 3 == 0; j++)
 			memcpy(pattern + j * k->stride, pattern,
 			       sizeof(*pattern) * (size_t)k->stride);
-		for (int i = 0; i < k->channels * k->patterns && n % 3 == 1; i++)
+		for (int i = 0; i < k->patterns && n % 3 == 1; i++)
 			for (int p = 0; p < BASIS_LINE16 && p < k->pixels; p++)
 				lines[i * BASIS_LINE16 + p] = 32767;
 		for (int i = 0; i < k->columns && n % 3 == 2; i++)

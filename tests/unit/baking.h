@@ -133,10 +133,10 @@ static inline void baking_add(const struct basis *basis, const struct basis_bloc
 	assert_int_equal(block->patterns, 0);
 	assert_int_equal(block->bits, 16);
 	for (int n = 0; n < block->columns; n++) {
-		const size_t line =
-			((size_t)(p / BASIS_LINE16) * (size_t)block->channels + (size_t)channel) *
-				(size_t)block->columns +
-			(size_t)n;
+		const size_t panels = ((size_t)block->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+		const size_t line = ((size_t)channel * panels + (size_t)(p / BASIS_LINE16)) *
+					    (size_t)block->columns +
+				    (size_t)n;
 		const int i = block->light[n];
 
 		out[i] += tint * (double)block->column_scale[n] *

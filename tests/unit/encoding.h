@@ -272,13 +272,12 @@ static inline int encoding_byte(const struct basis_block_entry *e, const struct 
 static inline double encoding_column(const struct basis_block_entry *e,
 				     const struct encoding_arrays *a, int p, int c, uint32_t n)
 {
-	const size_t place = (size_t)p, channel = (size_t)c;
+	const size_t place = (size_t)p, channel = (size_t)c, panels = (e->pixels + 31U) / 32;
 
 	return (double)a->column_scale[n] *
-	       (e->bits == 8
-			? encoding_byte(e, a, place, channel, n)
-			: a->column16[((place / 32 * e->channels + channel) * e->columns + n) * 32 +
-				      place % 32]);
+	       (e->bits == 8 ? encoding_byte(e, a, place, channel, n)
+			     : a->column16[((channel * panels + place / 32) * e->columns + n) * 32 +
+					   place % 32]);
 }
 
 static inline double encoding_pattern(const struct encoding *e, const int16_t *pattern, int light)
@@ -321,7 +320,8 @@ static inline void encoding_decode(const struct encoding *e, struct encoding_par
 			double *to = part->decoded + ((size_t)own * 3 + (size_t)c) * n;
 
 			for (int j = 0; j < b->patterns; j++) {
-				const size_t line = ((size_t)(q / 32) * b->channels + (size_t)row) *
+				const size_t panels = (b->pixels + 31U) / 32;
+				const size_t line = ((size_t)row * panels + (size_t)(q / 32)) *
 							    b->patterns +
 						    (size_t)j;
 				const double k = (double)a.pattern_scale[j] *

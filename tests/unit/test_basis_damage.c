@@ -441,10 +441,10 @@ static void refuses_broken_arrays(void **state)
 	REFUSED("value -32768 among coefficients", t.coefficient[0] = INT16_MIN);
 	REFUSED("value -32768 among columns", x.column16[0] = INT16_MIN);
 	REFUSED("coefficients after the last",
-		t.coefficient[(t.at.panels16 - 1) * 9 * BASIS_LINE16 + after] = 1);
+		t.coefficient[(t.at.panels16 - 1) * 3 * BASIS_LINE16 + after] = 1);
 	REFUSED("coefficients after the last", ((int16_t *)(t.payload + t.at.light))[-1] = 1);
 	REFUSED("columns after the last",
-		x.column16[(x.at.panels16 - 1) * 150 * BASIS_LINE16 + after_x] = 1);
+		x.column16[(x.at.panels16 - 1) * 50 * BASIS_LINE16 + after_x] = 1);
 	REFUSED("columns after the last", x.payload[x.at.bytes - 1] = 1);
 	copied_free(&whole);
 	copied_free(&c);
