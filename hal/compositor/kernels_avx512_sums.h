@@ -26,8 +26,8 @@ KERNEL_INLINE void begin(__m512i acc[3][KERNEL_DIGITS][2], const int digits)
  *
  * All channels at once, be they the same lines or three streams: then the processor fetches ahead
  * of three places, and a loop of this many instructions waits less. One stream after the other
- * took a fifth longer over memory, however it was asked for. Each stream is one from panel to panel of a
- * block, too: begun anew for each, 406 lines at a time took an eighth longer.
+ * took a fifth longer over memory, however it was asked for. A stream goes on from panel to panel
+ * of a block: begun anew for each, 406 lines long, it took an eighth longer.
  *
  * Bytes go the same way, once they are int16. The dot product of four bytes takes more: digits must
  * be split in two for it, so there are twice the products and twice the sums in registers;
