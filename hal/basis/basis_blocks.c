@@ -339,7 +339,7 @@ static int check_rest(const struct place *at, const char *what, const struct bas
 	const int used = b->pixels % BASIS_LINE16;
 	bool zero = true;
 
-	for (int c = 0; c < b->channels && used; c++) {
+	for (int c = 0; c < b->channels && used && count; c++) {
 		const int16_t *line = lines +
 				      basis_line16(panels, count, c, panels - 1, 0) * BASIS_LINE16;
 
