@@ -602,8 +602,8 @@ class Session
 	 * is to be left as it is, but for its hold on the manager. Where nobody else has one,
 	 * libcamera then begins anew, which saves it from itself: of a device that was there it
 	 * keeps pointers to what it has freed, and follows them when the device comes back and
-	 * the node of its pictures is told before its media node
-	 * (DeviceEnumeratorUdev::addV4L2Device(), still so in 0.4). */
+	 * the node of its pictures is told before its media node (version 0.0.3, devMap_ of
+	 * DeviceEnumeratorUdev). */
 	bool can_be_deleted()
 	{
 		if (!libcamera_events_deleted(&events) || libcamera_events_end_soon(&events))
