@@ -183,9 +183,6 @@ shows "the screen shows what inlay still makes of the picture" vkms "$VM_OUT/exp
 named() { # TIMES TEXT
 	[ "$(grep -c "$2" "$VM_OUT/run.log")" = "$1" ]
 }
-# One at a time, nodes are told in the kernel's order, those of pictures before the media node. Else
-# the latter, for which udev has less to do, overtakes them but on a busy machine.
-udevadm control --children-max=1
 for time in 1 2; do
 	unbind
 	check "$time: a camera that is taken away is named" \
