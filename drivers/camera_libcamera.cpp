@@ -30,6 +30,7 @@ extern "C" {
 #include "drivers/libcamera/controls.h"
 #include "drivers/libcamera/events.h"
 #include "drivers/libcamera/find.h"
+#include "drivers/libcamera/hotplug.h"
 #include "drivers/libcamera/messages.h"
 #include "drivers/libcamera/picture.h"
 #include "hal/camera_choice.h"
@@ -101,7 +102,8 @@ void redirect_messages()
 }
 
 /* ---- the manager ----
- * A process may have only one at a time: it lives as long as somebody holds one of these. */
+ * A process may have only one at a time: it lives as long as somebody holds one of these. It knows
+ * the devices that there were when it began; for another, all who hold it let go of it. */
 class Manager
 {
       public:
@@ -109,8 +111,12 @@ class Manager
 	{
 		const std::lock_guard<std::mutex> guard(lock);
 
+		if (users > 0 && outdated)
+			throw Failure(-ENODEV, "it is about to begin anew");
 		if (users == 0) {
 			redirect_messages();
+			outdated = false;
+			kept = libcamera_hotplug_kept();
 			only = new lc::CameraManager;
 			if (const int err = only->start(); err) {
 				delete only;
@@ -135,6 +141,24 @@ class Manager
 	std::vector<std::shared_ptr<lc::Camera>> cameras() const
 	{
 		return only->cameras();
+	}
+
+	/* What is looked for may be among the devices that came since it began. */
+	void want_others() const
+	{
+		const std::lock_guard<std::mutex> guard(lock);
+
+		if (outdated || users == 1 || kept == libcamera_hotplug_kept())
+			return;
+		outdated = true;
+		log_info("libcamera: it begins anew, as devices were plugged in");
+	}
+
+	bool is_outdated() const
+	{
+		const std::lock_guard<std::mutex> guard(lock);
+
+		return outdated;
 	}
 
 	/* So that the camera may come back under its name: two of one name are fatal. libcamera
@@ -176,11 +200,15 @@ class Manager
 	static std::mutex lock;
 	static lc::CameraManager *only; /* no destructor: see libcamera_close() */
 	static int users;
+	static unsigned kept; /* libcamera_hotplug_kept() when it began */
+	static bool outdated;
 };
 
 std::mutex Manager::lock;
 lc::CameraManager *Manager::only;
 int Manager::users;
+unsigned Manager::kept;
+bool Manager::outdated;
 
 std::string model_of(const lc::Camera &device)
 {
@@ -201,8 +229,10 @@ std::shared_ptr<lc::Camera> find(const Manager &manager, const char *wanted)
 			{device->id().c_str(), models.emplace_back(model_of(*device)).c_str()});
 	const int index = libcamera_find(names.data(), (int)names.size(), wanted, &why);
 
-	if (index < 0)
+	if (index < 0) {
+		manager.want_others();
 		throw Failure(index, why.text);
+	}
 	return cameras[(size_t)index];
 }
 
@@ -560,6 +590,8 @@ class Session
 
 		if (libcamera_events_deleted(&events))
 			throw Failure(-ENODEV, "the camera has gone");
+		if (manager->is_outdated())
+			throw Failure(-ESTALE, "libcamera begins anew", CAMERA_FINE);
 		/* Never more than there are, however fast the camera is. */
 		for (size_t i = 0; i < slots.size(); i++) {
 			index = libcamera_events_take(&events);
@@ -599,11 +631,7 @@ class Session
 	}
 
 	/* False: the camera went away in a way that libcamera cannot clean up after: this session
-	 * is to be left as it is, but for its hold on the manager. Where nobody else has one,
-	 * libcamera then begins anew, which saves it from itself: of a device that was there it
-	 * keeps pointers to what it has freed, and follows them when the device comes back and
-	 * the node of its pictures is told before its media node (version 0.0.3, devMap_ of
-	 * DeviceEnumeratorUdev). */
+	 * is to be left as it is, but for its hold on the manager. */
 	bool can_be_deleted()
 	{
 		if (!libcamera_events_deleted(&events) || libcamera_events_end_soon(&events))

@@ -43,4 +43,4 @@ DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/b
 	drivers/gpio/lines.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_LIBCAMERA)),drivers/camera_libcamera.cpp \
 	drivers/libcamera/controls.c drivers/libcamera/events.c drivers/libcamera/find.c \
-	drivers/libcamera/messages.c drivers/libcamera/picture.c)
+	drivers/libcamera/hotplug.c drivers/libcamera/messages.c drivers/libcamera/picture.c)

@@ -97,8 +97,8 @@ struct camera_ops {
 	/* Mandatory, never blocks. Takes the newest frame; older ones that wait are given back to
 	 * the driver and counted lost; unfit ones are counted broken. frame's memory is the
 	 * driver's until release(). At most one frame is out at a time. 0; -EAGAIN: none yet;
-	 * -ENODEV: gone; -ESTALE: the source sends another size or standard now: close it and open
-	 * it at once; other -errno: broken, close it. */
+	 * -ENODEV: gone; -ESTALE: close it and open it at once, as the source sends another size or
+	 * standard now, or the driver wants to begin anew; other -errno: broken, close it. */
 	int (*grab)(struct camera *camera, struct frame *frame, struct fault *fault);
 
 	/* Mandatory. Gives the frame back. Its memory stays readable until a grab() that gives
