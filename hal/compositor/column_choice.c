@@ -165,6 +165,19 @@ void column_choice_free(struct column_choice *choice)
 
 /* ---- in each frame ---- */
 
+/* Lists are long, and begin anew for each light before the processor has found out that it reads
+ * one: of a light that comes so much later so many cache lines are asked for. */
+#define LISTS_AHEAD 4
+#define LIST_LINES 3
+
+static inline void fetch_list(const struct column_choice *choice, int light)
+{
+	const char *list = (const char *)&choice->column[choice->light[light].first];
+
+	for (int k = 0; k < LIST_LINES; k++)
+		__builtin_prefetch(list + k * KERNEL_LINE_BYTES);
+}
+
 /*
  * Meets each column that counts, light by light, so that those of a block come in their order: each
  * adds to its block's end, and is put there, if `placing`. What lies below the normal floats is in
@@ -180,6 +193,8 @@ static inline __attribute__((always_inline)) void meet(const struct column_choic
 		const struct light_columns *light = &choice->light[i];
 		const double strength = sent[i].strength;
 
+		if (!placing && i + LISTS_AHEAD < choice->lights)
+			fetch_list(choice, i + LISTS_AHEAD);
 		if (strength * (double)light->most < 1)
 			continue;
 		for (uint32_t k = light->first; k < light[1].first; k++) {

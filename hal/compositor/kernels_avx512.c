@@ -87,9 +87,12 @@ KERNEL_INLINE void row_run(const int16_t *row, const struct kernel_planes *p, in
 		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++) {
 			KERNEL_UNROLL
-			for (int d = 0; d < digits; d++)
+			for (int d = 0; d < digits; d++) {
 				part[c][d] = _mm512_dpwssd_epi32(
 					part[c][d], x, _mm512_load_si512(p->plane[c][d] + k));
+				/* Else gcc 12 keeps, and moves, two sets of sums. */
+				__asm__("" : "+v"(part[c][d]));
+			}
 		}
 	}
 	KERNEL_UNROLL
