@@ -198,7 +198,7 @@ static void shorten(const struct split *split, bool mono, int light, const float
 		    const float *from, float *left, struct split_column *column)
 {
 	const struct part *part = split->part;
-	const int channels = mono ? 1 : 3, panels = (part->kept + BASIS_LINE8 - 1) / BASIS_LINE8;
+	const int channels = mono ? 1 : 3, panels = basis_panels8(part->kept);
 	const struct split_column whole = *column;
 	struct between b;
 
@@ -231,7 +231,7 @@ static size_t column_bytes(const struct part *part, const struct split_column *c
 
 	if (column_most(column->form) == INT8_MAX)
 		return basis_record_bytes(column->code, basis_record_lines(part->kept, channels));
-	return (size_t)((part->kept + BASIS_LINE16 - 1) / BASIS_LINE16 * channels) * BASIS_ALIGN;
+	return (size_t)(basis_panels16(part->kept) * channels) * BASIS_ALIGN;
 }
 
 /* Whether a column of this form that reaches so far does for wanted; left becomes what it leaves.

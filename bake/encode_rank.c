@@ -22,7 +22,7 @@
 
 static int coarse_stride(int coarse)
 {
-	return (coarse + BASIS_LINE16 - 1) / BASIS_LINE16 * BASIS_LINE16;
+	return basis_panels16(coarse) * BASIS_LINE16;
 }
 
 /* ---- the metric ---- */

@@ -88,7 +88,7 @@ static inline void synthetic_add_values(const struct basis_block *b, int lights,
 					const struct basis_coarse *gather, double *value)
 {
 	double *row = synthetic_zeros((size_t)b->stride + 1, sizeof(*row));
-	const int panels = (b->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+	const int panels = basis_panels16(b->pixels);
 
 	for (int p = 0; p < b->pixels; p++) {
 		for (int c = 0; c < 3; c++) {

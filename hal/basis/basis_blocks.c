@@ -335,7 +335,7 @@ static bool has_least16(const int16_t *v, size_t count)
 static int check_rest(const struct place *at, const char *what, const struct basis_block *b,
 		      const int16_t *lines, int count)
 {
-	const int panels = (b->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+	const int panels = basis_panels16(b->pixels);
 	const int used = b->pixels % BASIS_LINE16;
 	bool zero = true;
 

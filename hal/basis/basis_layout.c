@@ -11,9 +11,9 @@ struct basis_layout basis_layout(const struct basis_block_entry *entry, int coar
 	const size_t patterns = entry->patterns, columns = entry->columns;
 	struct basis_layout at;
 
-	at.stride = (coarse + BASIS_LINE16 - 1) / BASIS_LINE16 * BASIS_LINE16;
-	at.panels16 = (entry->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
-	at.panels8 = (entry->pixels + BASIS_LINE8 - 1) / BASIS_LINE8;
+	at.stride = basis_panels16(coarse) * BASIS_LINE16;
+	at.panels16 = basis_panels16(entry->pixels);
+	at.panels8 = basis_panels8(entry->pixels);
 	at.pixel = 0;
 	at.tint = align(pixels * sizeof(uint16_t));
 	at.pattern_scale = at.tint + (entry->tinted ? align(3 * pixels * sizeof(uint16_t)) : 0);

@@ -32,6 +32,17 @@ struct basis_layout basis_layout(const struct basis_block_entry *entry, int coar
 /* Whether poses may be called so. 0, -EINVAL, -ENOMEM. */
 int basis_names_check(const struct basis_pose_name *names, uint32_t count);
 
+/* Lines that so many pixels, or coarse lights, take. */
+static inline int basis_panels16(int pixels)
+{
+	return (pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+}
+
+static inline int basis_panels8(int pixels)
+{
+	return (pixels + BASIS_LINE8 - 1) / BASIS_LINE8;
+}
+
 /* Which line of 16 bits holds pattern or column `which`, of `count`, for one channel and panel. */
 static inline size_t basis_line16(int panels16, int count, int channel, int panel, int which)
 {

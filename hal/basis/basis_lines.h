@@ -53,7 +53,7 @@ static inline size_t basis_record_bytes(const uint8_t *code, int lines)
 
 static inline int basis_record_lines(int pixels, int channels)
 {
-	return (pixels + BASIS_LINE8 - 1) / BASIS_LINE8 * channels;
+	return basis_panels8(pixels) * channels;
 }
 
 typedef uint16_t basis_words __attribute__((vector_size(16)));

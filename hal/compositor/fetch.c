@@ -1,12 +1,9 @@
 #include "hal/compositor/fetch.h"
 
+#include "hal/basis/basis_layout.h"
+
 /* Of each array: well inside a first cache. */
 #define RANGE_LINES 128
-
-static int panels_of(const struct basis_block *b, int pixels)
-{
-	return (b->pixels + pixels - 1) / pixels;
-}
 
 /* What is not there may have no address. */
 static void expect(struct fetch *fetch, const void *from, size_t bytes)
@@ -22,7 +19,7 @@ static void expect(struct fetch *fetch, const void *from, size_t bytes)
 
 static void expect_lines(struct fetch *fetch, const struct basis_block *b)
 {
-	const size_t panels = (size_t)panels_of(b, KERNEL_LINE16);
+	const size_t panels = (size_t)basis_panels16(b->pixels);
 
 	expect(fetch, b->pattern, (size_t)b->patterns * (size_t)b->stride * sizeof(*b->pattern));
 	expect(fetch, b->coefficient,
@@ -58,7 +55,7 @@ static void expect_columns(struct fetch *fetch, const struct block_plan *plan)
 	} else {
 		fetch->columns = (const char *)b->column16;
 		fetch->line_bytes = (size_t)b->columns * KERNEL_LINE_BYTES;
-		fetch->column_lines = panels_of(b, KERNEL_LINE16) * b->channels;
+		fetch->column_lines = basis_panels16(b->pixels) * b->channels;
 		fetch->column_bytes = KERNEL_LINE_BYTES;
 		if (fetch->column_count > FETCH_COLUMNS)
 			fetch->column_count = 0;
@@ -69,8 +66,8 @@ void fetch_expect(struct fetch *fetch, const struct block_plan *plan, const stru
 		  const struct block_plan *after)
 {
 	const struct basis_block *b = plan->block;
-	const int calls = 2 + (b->columns ? panels_of(b, KERNEL_LINE8) : 0) +
-			  (b->patterns ? panels_of(b, KERNEL_LINE16) : 0);
+	const int calls = 2 + (b->columns ? basis_panels8(b->pixels) : 0) +
+			  (b->patterns ? basis_panels16(b->pixels) : 0);
 
 	fetch->ranges = fetch->next = fetch->column = 0;
 	fetch->lines = 0;

@@ -63,11 +63,6 @@ void line_set_split(struct line_set *set, const struct kernels *kernels)
 	};
 }
 
-static int panels_of(const struct basis_block *b, int pixels)
-{
-	return (b->pixels + pixels - 1) / pixels;
-}
-
 /* Where lines of 16 bits lie in a block, and from one panel to the next. */
 struct places {
 	const char *first;
@@ -81,7 +76,7 @@ static struct places places_of16(const struct basis_block *b, const int16_t *lin
 	return (struct places){
 		(const char *)lines,
 		KERNEL_LINE_BYTES,
-		panel * (size_t)panels_of(b, KERNEL_LINE16),
+		panel * (size_t)basis_panels16(b->pixels),
 		panel,
 	};
 }
@@ -166,7 +161,7 @@ size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 		 struct line_set *patterns, struct line_set *columns, int shift, bool fresh,
 		 struct fetch *fetch, int64_t *sum[3])
 {
-	const int panels = panels_of(b, KERNEL_LINE16);
+	const int panels = basis_panels16(b->pixels);
 	size_t bytes = (size_t)(b->channels * panels * patterns->count) * KERNEL_LINE_BYTES;
 
 	if (columns->kernel.digits && b->bits == 8) {

@@ -59,7 +59,7 @@ static void fill_y(const struct scene *s)
 static size_t place(const struct basis_block *b, int p, int c, int lines, int line)
 {
 	const int channel = b->channels == 3 ? c : 0;
-	const int panels = (b->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+	const int panels = basis_panels16(b->pixels);
 
 	return ((size_t)(channel * panels + p / BASIS_LINE16) * (size_t)lines + (size_t)line) *
 		       BASIS_LINE16 +

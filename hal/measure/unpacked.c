@@ -53,7 +53,7 @@ static void add_column8(struct line *l, int column)
 
 static void add_line16(struct line *l, const int16_t *lines, int count, int which, float factor)
 {
-	const int panels = (l->block->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+	const int panels = basis_panels16(l->block->pixels);
 
 	for (int first = 0; first < l->count; first += BASIS_LINE16) {
 		const int panel = (l->first + first) / BASIS_LINE16;

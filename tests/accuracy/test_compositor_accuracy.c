@@ -468,6 +468,19 @@ static void deficits_may_nearly_cancel(void **state)
 	bench_close(&b);
 }
 
+/* All coefficients of all patterns, in all channels. */
+static void make_constant(const struct basis_block *b, int16_t *lines)
+{
+	const int panels = basis_panels16(b->pixels);
+
+	for (int c = 0; c < b->channels; c++)
+		for (int p = 0; p < b->pixels; p++)
+			for (int j = 0; j < b->patterns; j++)
+				lines[basis_line16(panels, b->patterns, c, p / BASIS_LINE16, j) *
+					      BASIS_LINE16 +
+				      (size_t)(p % BASIS_LINE16)] = 32767;
+}
+
 /* Patterns that are copies of each other, lines that are the same for all pixels, scales of 0 and
  * below the smallest normal float: each is a valid file. */
 static void duplicate_and_constant_lines(void **state)
@@ -496,9 +509,8 @@ static void duplicate_and_constant_lines(void **state)
 		for (int j = 1; j < k->patterns && n % 3 == 0; j++)
 			memcpy(pattern + j * k->stride, pattern,
 			       sizeof(*pattern) * (size_t)k->stride);
-		for (int i = 0; i < k->patterns && n % 3 == 1; i++)
-			for (int p = 0; p < BASIS_LINE16 && p < k->pixels; p++)
-				lines[i * BASIS_LINE16 + p] = 32767;
+		if (n % 3 == 1)
+			make_constant(k, lines);
 		for (int i = 0; i < k->columns && n % 3 == 2; i++)
 			scale[i] = i % 2 ? 0 : 1e-40F;
 	}

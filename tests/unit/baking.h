@@ -133,7 +133,7 @@ static inline void baking_add(const struct basis *basis, const struct basis_bloc
 	assert_int_equal(block->patterns, 0);
 	assert_int_equal(block->bits, 16);
 	for (int n = 0; n < block->columns; n++) {
-		const size_t panels = ((size_t)block->pixels + BASIS_LINE16 - 1) / BASIS_LINE16;
+		const size_t panels = (size_t)basis_panels16(block->pixels);
 		const size_t line = ((size_t)channel * panels + (size_t)(p / BASIS_LINE16)) *
 					    (size_t)block->columns +
 				    (size_t)n;
