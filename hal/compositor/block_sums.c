@@ -108,8 +108,8 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 	const bool stream = b->bits == 16 && b->columns > FETCH_COLUMNS;
 	const uint16_t *light = b->light;
 	const float *scale = b->column_scale;
-	const size_t channel =
-		basis_line16(basis_panels16(b->pixels), b->columns, 1, 0, 0) * BASIS_LINE16;
+	const size_t channel = basis_line16(basis_panels16(b->pixels), b->columns, 1, 0, 0) *
+			       BASIS_LINE16;
 	int64_t *const to[3] = {set->weight[0], set->weight[1], set->weight[2]};
 	uint32_t *line = set->line;
 	int count = 0;
