@@ -11,7 +11,7 @@
 
 /* Lines of a channel that are asked for before they are streamed: by then the processor fetches
  * ahead by itself. */
-#define STREAM_AHEAD 64
+#define STREAM_AHEAD 128
 
 int block_work_create(struct block_work *work, const struct basis *basis)
 {
@@ -75,7 +75,7 @@ static inline __attribute__((always_inline)) void fetch_stream(const struct basi
 	const int16_t *line = b->column16 + (size_t)k * BASIS_LINE16;
 
 	for (int c = 0; c < b->channels && k < STREAM_AHEAD; c++, line += channel)
-		__builtin_prefetch(line);
+		fetch_line(line);
 }
 
 /* Of the columns that were chosen for this light. */

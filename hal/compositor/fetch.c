@@ -2,8 +2,8 @@
 
 #include "hal/basis/basis_layout.h"
 
-/* Of each array: well inside a first cache. */
-#define RANGE_LINES 128
+/* Of each array: well inside a second cache. */
+#define RANGE_LINES 1024
 
 /* What is not there may have no address. */
 static void expect(struct fetch *fetch, const void *from, size_t bytes)
@@ -24,6 +24,7 @@ static void expect_lines(struct fetch *fetch, const struct basis_block *b)
 	expect(fetch, b->pattern, (size_t)b->patterns * (size_t)b->stride * sizeof(*b->pattern));
 	expect(fetch, b->coefficient,
 	       panels * (size_t)(b->channels * b->patterns) * KERNEL_LINE_BYTES);
+	expect(fetch, b->tint, b->tint ? 3 * (size_t)b->pixels * sizeof(*b->tint) : 0);
 	expect(fetch, b->pattern_scale, (size_t)b->patterns * sizeof(*b->pattern_scale));
 }
 

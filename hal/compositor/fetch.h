@@ -13,7 +13,7 @@
 #include "hal/compositor/column_choice.h"
 #include "hal/compositor/kernels.h"
 
-#define FETCH_RANGES 8
+#define FETCH_RANGES 9
 /* More columns of 16 bits than these are a stream, which their sums ask for by themselves. */
 #define FETCH_COLUMNS 128
 
@@ -43,6 +43,13 @@ struct fetch {
 void fetch_expect(struct fetch *fetch, const struct block_plan *plan, const struct block_plan *next,
 		  const struct block_plan *after);
 
+/* To the second cache: the few lines that the first one can wait for at a time are those that are
+ * read now. Asked for there, a frame of 1,626 lights took a tenth to a fifth longer. */
+static inline __attribute__((always_inline)) void fetch_line(const void *line)
+{
+	__builtin_prefetch(line, 0, 2);
+}
+
 /*
  * Asks for some of it: once for each panel of a block's columns and coefficients, and twice more.
  * Asked for all at once it would have to wait for itself. Inline by force: gcc 12 sees no effect in
@@ -64,7 +71,7 @@ static inline __attribute__((always_inline)) void fetch_some(struct fetch *f)
 					  1) /
 					 KERNEL_LINE_BYTES);
 		for (; line > 0; line--, from += f->line_bytes)
-			__builtin_prefetch(from);
+			fetch_line(from);
 	}
 	f->column = end;
 	while (lines && f->next < f->ranges) {
@@ -73,7 +80,7 @@ static inline __attribute__((always_inline)) void fetch_some(struct fetch *f)
 		const char *const stop = range->from + now * KERNEL_LINE_BYTES;
 
 		for (const char *from = range->from; from < stop; from += KERNEL_LINE_BYTES)
-			__builtin_prefetch(from);
+			fetch_line(from);
 		range->from = stop;
 		range->lines -= now;
 		lines -= now;
