@@ -170,7 +170,8 @@ void column_choice_free(struct column_choice *choice)
 #define LISTS_AHEAD 4
 #define LIST_LINES 3
 
-static inline void fetch_list(const struct column_choice *choice, int light)
+static inline __attribute__((always_inline)) void fetch_list(const struct column_choice *choice,
+							     int light)
 {
 	const char *list = (const char *)&choice->column[choice->light[light].first];
 
