@@ -2,21 +2,30 @@
  * What the libcamera driver decides by itself: values of controls, what becomes of refusals, choice
  * of format, colours. Its parts in C have test_libcamera_parts.c; everything that needs a camera is
  * tests/vm/test_libcamera.sh's.
- *
- * The driver's parts are its own, so the file is included.
  */
-#include "drivers/camera_libcamera.cpp"
-
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
+#include <ostream>
+#include <string>
+#include <vector>
 
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "drivers/libcamera/configuration.hpp"
+#include "drivers/libcamera/formats.hpp"
+#include "drivers/libcamera/library_controls.hpp"
+#include "drivers/libcamera/log_stream.hpp"
+
 extern "C" {
 #include <cmocka.h> /* after C++'s own: it defines a macro fail */
 }
+
+using namespace libcamera_driver;
 
 namespace
 {
@@ -77,19 +86,26 @@ lc::ControlInfoMap some_controls()
 	return lc::ControlInfoMap(std::move(map), lc::controls::controls);
 }
 
-std::string parsed(const lc::ControlId &id, const char *text)
+/* What goes with a request once a control was set to a text, as a text. */
+std::string sent(const lc::ControlId &id, const char *text)
 {
-	fault why;
-
 	for (const libcamera_control &control : controls_of(some_controls())) {
-		libcamera_wish wish = {};
+		lc::ControlList list(lc::controls::controls);
+		libcamera_wishes wishes = {};
+		char as_text[LIBCAMERA_VALUE_TEXT_MAX];
+		fault why;
 
-		wish.control = &control;
 		if (control.theirs != &id)
 			continue;
-		if (libcamera_value_read(&control, text, &wish.value, &why))
+		if (libcamera_value_read(&control, text, &wishes.list[0].value, &why))
 			return std::string("refused: ") + why.text;
-		return value_text(value_of(wish));
+		wishes.list[0].control = &control;
+		wishes.count = 1;
+		put_wishes(wishes, list);
+		const libcamera_value value = numbers_of(list.get(id.id()));
+
+		libcamera_value_text(&value, as_text);
+		return as_text;
 	}
 	return "not known";
 }
@@ -109,37 +125,37 @@ struct Asked {
 
 void test_values(void **)
 {
-	assert_string_equal(parsed(lc::controls::AeEnable, "no").c_str(), "no");
-	assert_string_equal(parsed(lc::controls::AeEnable, " ON ").c_str(), "yes");
-	assert_string_equal(parsed(lc::controls::AeEnable, "1").c_str(), "yes");
-	assert_string_equal(parsed(lc::controls::ExposureTime, "10000").c_str(), "10000");
-	assert_string_equal(parsed(lc::controls::AnalogueGain, "2.5").c_str(), "2.5");
-	assert_string_equal(parsed(lc::controls::ColourGains, "1.5 2").c_str(), "1.5 2");
-	assert_string_equal(parsed(lc::controls::FrameDurationLimits, "33333 33333").c_str(),
+	assert_string_equal(sent(lc::controls::AeEnable, "no").c_str(), "no");
+	assert_string_equal(sent(lc::controls::AeEnable, " ON ").c_str(), "yes");
+	assert_string_equal(sent(lc::controls::AeEnable, "1").c_str(), "yes");
+	assert_string_equal(sent(lc::controls::ExposureTime, "10000").c_str(), "10000");
+	assert_string_equal(sent(lc::controls::AnalogueGain, "2.5").c_str(), "2.5");
+	assert_string_equal(sent(lc::controls::ColourGains, "1.5 2").c_str(), "1.5 2");
+	assert_string_equal(sent(lc::controls::FrameDurationLimits, "33333 33333").c_str(),
 			    "33333 33333");
 }
 
 void test_values_that_cannot_be(void **)
 {
-	assert_string_equal(parsed(lc::controls::ExposureTime, "99").c_str(),
+	assert_string_equal(sent(lc::controls::ExposureTime, "99").c_str(),
 			    "refused: 99 is out of its range 100..66666");
-	assert_string_equal(parsed(lc::controls::ExposureTime, "1e30").c_str(),
+	assert_string_equal(sent(lc::controls::ExposureTime, "1e30").c_str(),
 			    "refused: 1e30 is out of its range 100..66666");
-	assert_string_equal(parsed(lc::controls::ExposureTime, "100.5").c_str(),
+	assert_string_equal(sent(lc::controls::ExposureTime, "100.5").c_str(),
 			    "refused: it takes whole numbers, not 100.5");
-	assert_string_equal(parsed(lc::controls::ExposureTime, "long").c_str(),
+	assert_string_equal(sent(lc::controls::ExposureTime, "long").c_str(),
 			    "refused: \"long\" is no value for it");
-	assert_string_equal(parsed(lc::controls::AnalogueGain, "nan").c_str(),
+	assert_string_equal(sent(lc::controls::AnalogueGain, "nan").c_str(),
 			    "refused: \"nan\" is no value for it");
-	assert_string_equal(parsed(lc::controls::AeEnable, "2").c_str(),
+	assert_string_equal(sent(lc::controls::AeEnable, "2").c_str(),
 			    "refused: 2 is out of its range no..yes");
-	assert_string_equal(parsed(lc::controls::ExposureTime, "").c_str(),
+	assert_string_equal(sent(lc::controls::ExposureTime, "").c_str(),
 			    "refused: expected 1 value, not 0");
-	assert_string_equal(parsed(lc::controls::ExposureTime, "100 200").c_str(),
+	assert_string_equal(sent(lc::controls::ExposureTime, "100 200").c_str(),
 			    "refused: expected 1 value, not 2");
-	assert_string_equal(parsed(lc::controls::ColourGains, "1.5").c_str(),
+	assert_string_equal(sent(lc::controls::ColourGains, "1.5").c_str(),
 			    "refused: expected 2 values with blanks between, not 1");
-	assert_string_equal(parsed(lc::controls::ScalerCrop, "0 0 64 64").c_str(),
+	assert_string_equal(sent(lc::controls::ScalerCrop, "0 0 64 64").c_str(),
 			    "refused: its kind cannot be set from a configuration");
 }
 
@@ -288,33 +304,70 @@ void test_choice_of_format(void **)
 		    big[2].theirs == lc::formats::YUYV);
 	assert_int_equal(candidates(formats, PIXEL_MJPEG, small).size(), 1);
 	assert_int_equal(candidates(formats, PIXEL_GREY, small).size(), 0);
-	/* Of a camera that does not tell, ours are tried one after another. */
-	assert_int_equal(candidates(lc::StreamFormats(), PIXEL_NONE, small).size(),
-			 sizeof(layouts) / sizeof(layouts[0]));
+}
+
+/* Of a camera that does not tell its formats, all of ours are tried. */
+void test_untold_formats(void **)
+{
+	const auto all = candidates(lc::StreamFormats(), PIXEL_NONE, lc::Size(640, 480));
+	const auto ways = [&](pixel_format format) {
+		return std::count_if(all.begin(), all.end(),
+				     [&](const Layout &layout) { return layout.ours == format; });
+	};
+
+	for (const Layout &layout : all)
+		assert_int_equal(format_of(layout.theirs), layout.ours);
+	assert_int_equal(ways(PIXEL_BGRX), 2);
+	for (const pixel_format format : {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12, PIXEL_RGB24,
+					  PIXEL_BGR24, PIXEL_GREY, PIXEL_MJPEG})
+		assert_int_equal(ways(format), 1);
+	assert_int_equal(all.size(), 9);
+	assert_int_equal(format_of(lc::formats::SRGGB10), PIXEL_NONE);
 }
 
 void test_colours(void **)
 {
 	lc::StreamConfiguration stream;
+	camera_settings settings = {};
+	const auto matrix = [&] { return blank_frame(stream, settings).matrix; };
+	const auto range = [&] { return blank_frame(stream, settings).range; };
 
 	stream.pixelFormat = lc::formats::NV12;
 	stream.size = lc::Size(640, 480);
-	assert_int_equal(matrix_of(stream, 0), MATRIX_BT601);
-	assert_int_equal(range_of(stream, 0), RANGE_LIMITED);
+	assert_int_equal(matrix(), MATRIX_BT601);
+	assert_int_equal(range(), RANGE_LIMITED);
 	stream.size = lc::Size(1280, 720);
-	assert_int_equal(matrix_of(stream, 0), MATRIX_BT709);
+	assert_int_equal(matrix(), MATRIX_BT709);
 	stream.colorSpace = lc::ColorSpace::Smpte170m;
-	assert_int_equal(matrix_of(stream, 0), MATRIX_BT601);
+	assert_int_equal(matrix(), MATRIX_BT601);
 	stream.colorSpace = lc::ColorSpace::Rec709;
 	stream.colorSpace->range = lc::ColorSpace::Range::Full;
-	assert_int_equal(matrix_of(stream, 0), MATRIX_BT709);
-	assert_int_equal(range_of(stream, 0), RANGE_FULL);
+	assert_int_equal(matrix(), MATRIX_BT709);
+	assert_int_equal(range(), RANGE_FULL);
 	/* Settings overrule it. */
-	assert_int_equal(matrix_of(stream, MATRIX_BT601 + 1), MATRIX_BT601);
-	assert_int_equal(range_of(stream, RANGE_LIMITED + 1), RANGE_LIMITED);
+	settings.matrix = MATRIX_BT601 + 1;
+	settings.range = RANGE_LIMITED + 1;
+	assert_int_equal(matrix(), MATRIX_BT601);
+	assert_int_equal(range(), RANGE_LIMITED);
+	settings.range = 0;
 	stream.pixelFormat = lc::formats::RGB888;
 	stream.colorSpace.reset();
-	assert_int_equal(range_of(stream, 0), RANGE_FULL);
+	assert_int_equal(range(), RANGE_FULL);
+}
+
+/* What a stream is like is what all its frames are like. */
+void test_blank_frame(void **)
+{
+	lc::StreamConfiguration stream;
+
+	stream.pixelFormat = lc::formats::RGB888;
+	stream.size = lc::Size(636, 480);
+	const frame blank = blank_frame(stream, {});
+
+	assert_int_equal(blank.format, PIXEL_BGR24);
+	assert_int_equal(blank.width, 636);
+	assert_int_equal(blank.height, 480);
+	assert_null(blank.planes[0].data);
 }
 
 /* libcamera's stream writes a message in one piece. */
@@ -344,7 +397,9 @@ int main()
 		cmocka_unit_test(test_reading_back),
 		cmocka_unit_test(test_rates),
 		cmocka_unit_test(test_choice_of_format),
+		cmocka_unit_test(test_untold_formats),
 		cmocka_unit_test(test_colours),
+		cmocka_unit_test(test_blank_frame),
 		cmocka_unit_test(test_messages),
 	};
 

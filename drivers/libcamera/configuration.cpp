@@ -1,0 +1,125 @@
+/* libcamera adjusts what it is asked for: each format is tried until one stays as it is. */
+#include "drivers/libcamera/configuration.hpp"
+
+#include <cerrno>
+#include <string>
+
+#include "drivers/libcamera/failure.hpp"
+#include "drivers/libcamera/formats.hpp"
+
+extern "C" {
+#include "hal/log.h"
+}
+
+namespace libcamera_driver
+{
+
+namespace
+{
+
+std::string offered_text(const lc::StreamFormats &formats)
+{
+	std::string text;
+
+	for (const lc::PixelFormat &format : formats.pixelformats())
+		text += (text.empty() ? "" : " ") + format.toString();
+	return text.empty() ? "none" : text;
+}
+
+/* False: the camera cannot have this format. */
+bool takes(lc::CameraConfiguration &configuration, const lc::PixelFormat &format, lc::Size size,
+	   int buffers)
+{
+	lc::StreamConfiguration &stream = configuration.at(0);
+
+	stream.pixelFormat = format;
+	stream.size = size;
+	stream.stride = 0;
+	stream.bufferCount = (unsigned)buffers;
+	return configuration.validate() != lc::CameraConfiguration::Invalid &&
+	       stream.pixelFormat == format;
+}
+
+colour_matrix matrix_of(const lc::StreamConfiguration &stream, int wanted)
+{
+	if (wanted)
+		return (colour_matrix)(wanted - 1);
+	if (!stream.colorSpace ||
+	    stream.colorSpace->ycbcrEncoding == lc::ColorSpace::YcbcrEncoding::None)
+		return stream.size.height >= 720 ? MATRIX_BT709 : MATRIX_BT601;
+	/* BT.2020, which we do not have, is nearest to BT.709. */
+	return stream.colorSpace->ycbcrEncoding == lc::ColorSpace::YcbcrEncoding::Rec601
+		       ? MATRIX_BT601
+		       : MATRIX_BT709;
+}
+
+colour_range range_of(const lc::StreamConfiguration &stream, int wanted)
+{
+	if (wanted)
+		return (colour_range)(wanted - 1);
+	switch (format_of(stream.pixelFormat)) {
+	case PIXEL_YUYV:
+	case PIXEL_UYVY:
+	case PIXEL_NV12:
+		return stream.colorSpace && stream.colorSpace->range == lc::ColorSpace::Range::Full
+			       ? RANGE_FULL
+			       : RANGE_LIMITED;
+	default: /* R'G'B' and grey fill it; libcamera knows no other R'G'B' */
+		return RANGE_FULL;
+	}
+}
+
+} // namespace
+
+std::unique_ptr<lc::CameraConfiguration> proposal(lc::Camera &device)
+{
+	auto configuration = device.generateConfiguration({lc::StreamRole::Viewfinder});
+
+	if (!configuration || configuration->empty())
+		return nullptr;
+	return configuration;
+}
+
+std::unique_ptr<lc::CameraConfiguration> configure(lc::Camera &device,
+						   const camera_settings &settings)
+{
+	auto configuration = proposal(device);
+
+	if (!configuration)
+		throw Failure(-ENOTSUP, "it offers no stream", CAMERA_UNSUPPORTED_FORMAT);
+	const lc::StreamConfiguration &stream = configuration->at(0);
+	const lc::StreamFormats formats = stream.formats();
+	const lc::Size size(settings.width ? (unsigned)settings.width : stream.size.width,
+			    settings.height ? (unsigned)settings.height : stream.size.height);
+
+	for (const Layout &layout : candidates(formats, settings.format, size)) {
+		if (!takes(*configuration, layout.theirs, size, settings.buffers))
+			continue;
+		if (settings.width && settings.height && stream.size != size)
+			log_info("libcamera: %s: asked for %dx%d, it gives %ux%u",
+				 device.id().c_str(), settings.width, settings.height,
+				 stream.size.width, stream.size.height);
+		if (const int err = device.configure(configuration.get()); err)
+			throw refusal(err, "cannot set " + stream.toString());
+		return configuration;
+	}
+	throw Failure(-ENOTSUP,
+		      "it offers " + offered_text(formats) + ", expected " +
+			      (settings.format ? pixel_format_names[settings.format]
+					       : "a format that inlay decodes"),
+		      CAMERA_UNSUPPORTED_FORMAT);
+}
+
+frame blank_frame(const lc::StreamConfiguration &stream, const camera_settings &settings)
+{
+	frame blank = {};
+
+	blank.format = format_of(stream.pixelFormat);
+	blank.width = (int)stream.size.width;
+	blank.height = (int)stream.size.height;
+	blank.matrix = matrix_of(stream, settings.matrix);
+	blank.range = range_of(stream, settings.range);
+	return blank;
+}
+
+} // namespace libcamera_driver

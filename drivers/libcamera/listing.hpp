@@ -1,0 +1,17 @@
+/* What the cameras offer, as lines for people. */
+#ifndef INLAY_DRIVERS_LIBCAMERA_LISTING_HPP
+#define INLAY_DRIVERS_LIBCAMERA_LISTING_HPP
+
+extern "C" {
+#include "hal/camera.h"
+}
+
+namespace libcamera_driver
+{
+
+/* camera_ops.list of libcamera; a Failure where no manager starts. */
+int list(void (*found)(void *context, const camera_listing *listing), void *context);
+
+} // namespace libcamera_driver
+
+#endif

@@ -1,0 +1,42 @@
+/* libcamera may write for as long as the process lives, from any of its threads. */
+#include "drivers/libcamera/log_stream.hpp"
+
+#include <cstdlib>
+#include <mutex>
+#include <ostream>
+
+#include "drivers/libcamera/library.hpp"
+
+extern "C" {
+#include "drivers/libcamera/messages.h"
+}
+
+namespace libcamera_driver
+{
+
+/* One call is one whole message, as libcamera writes them. */
+std::streamsize Messages::xsputn(const char *text, std::streamsize length)
+{
+	libcamera_message(text, (size_t)length);
+	return length;
+}
+
+int Messages::overflow(int c)
+{
+	return c == EOF ? 0 : c;
+}
+
+void redirect_messages()
+{
+	static std::once_flag once;
+
+	std::call_once(once, [] {
+		/* Never destroyed: libcamera's threads and its own end may still write. */
+		static std::ostream *const stream = new std::ostream(new Messages);
+
+		if (!getenv("LIBCAMERA_LOG_FILE"))
+			lc::logSetStream(stream);
+	});
+}
+
+} // namespace libcamera_driver

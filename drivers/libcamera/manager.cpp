@@ -1,0 +1,141 @@
+/* Versions of libcamera differ in what its manager can be asked and told. */
+#include "drivers/libcamera/manager.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+
+#include "drivers/libcamera/failure.hpp"
+#include "drivers/libcamera/log_stream.hpp"
+
+extern "C" {
+#include "drivers/libcamera/find.h"
+#include "drivers/libcamera/hotplug.h"
+#include "hal/log.h"
+}
+
+namespace libcamera_driver
+{
+
+namespace
+{
+
+std::mutex lock;
+lc::CameraManager *only; /* no destructor: see Session::end() */
+int users;
+unsigned kept; /* libcamera_hotplug_kept() when it began */
+bool outdated;
+
+} // namespace
+
+Manager::Manager()
+{
+	const std::lock_guard<std::mutex> guard(lock);
+
+	if (users > 0 && outdated)
+		throw Failure(-ENODEV, "it is about to begin anew");
+	if (users == 0) {
+		redirect_messages();
+		outdated = false;
+		kept = libcamera_hotplug_kept();
+		only = new lc::CameraManager;
+		if (const int err = only->start(); err) {
+			delete only;
+			throw Failure(err, "it finds no devices at all", CAMERA_NO_DEVICE);
+		}
+	}
+	users++;
+}
+
+Manager::~Manager()
+{
+	const std::lock_guard<std::mutex> guard(lock);
+
+	if (--users > 0)
+		return;
+	delete only; /* which stops it */
+}
+
+std::vector<std::shared_ptr<lc::Camera>> Manager::cameras() const
+{
+	return only->cameras();
+}
+
+std::shared_ptr<lc::Camera> Manager::find(const char *wanted) const
+{
+	const auto all = cameras();
+	std::deque<std::string> models;
+	std::vector<libcamera_name> names;
+	fault why;
+
+	for (const auto &device : all)
+		names.push_back(
+			{device->id().c_str(), models.emplace_back(model_of(*device)).c_str()});
+	const int index = libcamera_find(names.data(), (int)names.size(), wanted, &why);
+
+	if (index < 0) {
+		want_others();
+		throw Failure(index, why.text);
+	}
+	return all[(size_t)index];
+}
+
+/* What is looked for may be among the devices that came since it began. */
+void Manager::want_others() const
+{
+	const std::lock_guard<std::mutex> guard(lock);
+
+	if (outdated || users == 1 || kept == libcamera_hotplug_kept())
+		return;
+	outdated = true;
+	log_info("libcamera: it begins anew, as devices were plugged in");
+}
+
+bool Manager::is_outdated() const
+{
+	const std::lock_guard<std::mutex> guard(lock);
+
+	return outdated;
+}
+
+/* libcamera wants to be told by its own thread; later versions have no way to be told. */
+void Manager::forget(const std::shared_ptr<lc::Camera> &camera) const
+{
+#if LIBCAMERA_AT_LEAST(0, 4)
+	(void)camera;
+#else
+	class Errand : public lc::Object
+	{
+	      public:
+		void run(std::shared_ptr<lc::Camera> what)
+		{
+			only->removeCamera(what);
+		}
+	};
+	Errand errand;
+
+	errand.moveToThread(camera->thread());
+	errand.invokeMethod(&Errand::run, lc::ConnectionTypeBlocking, camera);
+#endif
+}
+
+bool Manager::made_of(const std::shared_ptr<lc::Camera> &camera, dev_t number) const
+{
+#if LIBCAMERA_AT_LEAST(0, 4)
+	const auto numbers = camera->properties().get(lc::properties::SystemDevices);
+
+	return numbers &&
+	       std::find(numbers->begin(), numbers->end(), (int64_t)number) != numbers->end();
+#else
+	return only->get(number) == camera;
+#endif
+}
+
+std::string model_of(const lc::Camera &device)
+{
+	const auto model = device.properties().get(lc::properties::Model);
+
+	return model ? std::string(*model) : std::string();
+}
+
+} // namespace libcamera_driver

@@ -1,0 +1,73 @@
+/* A camera while it is open: its requests go around, the newest frame is handed out. */
+#ifndef INLAY_DRIVERS_LIBCAMERA_SESSION_HPP
+#define INLAY_DRIVERS_LIBCAMERA_SESSION_HPP
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/libcamera/failure.hpp"
+#include "drivers/libcamera/library.hpp"
+#include "drivers/libcamera/manager.hpp"
+#include "drivers/libcamera/slots.hpp"
+
+extern "C" {
+#include "drivers/libcamera/controls.h"
+#include "drivers/libcamera/events.h"
+#include "hal/camera.h"
+}
+
+namespace libcamera_driver
+{
+
+/* open() to control() are the ops of camera_ops; all but descriptor() may throw. From open() to the
+ * destructor, which cleans up however far open() came. */
+class Session
+{
+      public:
+	Session();
+	~Session();
+	Session(const Session &) = delete;
+	Session &operator=(const Session &) = delete;
+
+	void open(camera *camera);
+	int descriptor() const;
+	int grab(camera *camera, frame *frame);
+	void release(size_t index); /* frame.buffer */
+	int control(const char *name, const char *value, fault *fault);
+
+	/* Deletes it, unless the camera went away in a way that libcamera cannot clean up after:
+	 * then it is left as it is, but for its hold on the manager. */
+	static void end(std::unique_ptr<Session> session);
+
+	std::string id; /* of the camera, once that is known */
+
+      private:
+	void take(camera *camera);
+	void watch();
+	void start();
+	void queue(Slot &slot);
+	void requeue(Slot &slot);
+	void accept(Slot &slot, camera *camera, frame *newest);
+	Failure why_over() const;
+	uint32_t missed(uint32_t number);
+	void read_metadata(camera *camera, const lc::ControlList &metadata);
+	bool can_be_deleted();
+
+	std::optional<Manager> manager = std::make_optional<Manager>(); /* goes last */
+	libcamera_events events;
+	std::shared_ptr<lc::Camera> device;
+	bool acquired = false;
+	std::unique_ptr<lc::CameraConfiguration> configuration;
+	Slots slots;
+	std::vector<libcamera_control> controls;
+	libcamera_wishes wishes = {};
+	int trouble = 0;      /* why a request was not taken */
+	bool counted = false; /* last_number holds one */
+	uint32_t last_number = 0;
+};
+
+} // namespace libcamera_driver
+
+#endif
