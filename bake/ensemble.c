@@ -7,18 +7,20 @@
 
 #include "bake/random.h"
 
-enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, SOFT = 4, RANDOM = 4 };
+enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, WINDOWS = 36, RANDOM = 4 };
 enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
 #define BRIGHT                                                                                     \
-	(EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + SOFT + RANDOM + STRONG_SUNS + DUSKS + ROOMS)
+	(EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + WINDOWS + RANDOM + STRONG_SUNS + DUSKS + ROOMS)
 /* Every so many of them again, with so much of the light. */
-#define DIM_STEP 5
+#define DIM_STEP 7
 #define DIM_EXPOSURE 0.125F
 #define SKIES (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
 #define ROOM_LIGHTS 5
 
 /* Their heights and azimuths are spread by the golden ratio, so that no two are alike. */
 #define GOLDEN 0.6180339887498949
+/* The same in two dimensions: the inverse of the plastic number, and its square. */
+#define PLASTIC 0.7548776662466927
 
 double ensemble_projected_sr(const struct basis_light *light)
 {
@@ -119,17 +121,23 @@ static void lamps(struct ensemble *e, const struct basis_light *lights, int sky)
 	}
 }
 
-/* A window: a lobe of light on a dim sky. */
-static void soft(struct ensemble *e, const struct basis_light *lights, int sky, int sharpness)
+/*
+ * A window: a lobe that sends several times as much light as the dim sky around it. What neighbours
+ * send by way of the object to the ground is alike, and too little for a column of each of them to
+ * count; under so many of them at once it adds up, and nowhere else. So there are windows of
+ * several sizes all around.
+ */
+static void window(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
+	const int sharpness = 2 << 2 * (number % 3);
 	double dir[3];
 
-	direction_of(M_PI / 2 * fmod(sky * GOLDEN, 1), sky * GOLDEN * GOLDEN, dir);
+	direction_of(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
 	for (int i = 0; i < e->lights; i++) {
-		const double lobe = pow(fmax(towards(&lights[i], dir), 0), sharpness);
+		const double lobe = sharpness * pow(fmax(towards(&lights[i], dir), 0), sharpness);
 
 		for (int c = 0; c < 3; c++)
-			sky_channel(e, sky, c)[i] = (float)(0.2 + lobe * (1 + 0.3 * (c - 1)));
+			sky_channel(e, sky, c)[i] = (float)(0.2 + lobe * (0.5 + 0.15 * (c - 1)));
 	}
 }
 
@@ -210,8 +218,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 		sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS], k < SUN_HEIGHTS ? 1 : 4);
 	for (int k = 0; k < LAMPS; k++, sky++)
 		lamps(ensemble, lights, sky);
-	for (int k = 0; k < SOFT; k++, sky++)
-		soft(ensemble, lights, sky, 2 << 2 * k);
+	for (int k = 0; k < WINDOWS; k++, sky++)
+		window(ensemble, lights, sky, k);
 	for (int k = 0; k < RANDOM; k++, sky++)
 		unlike(ensemble, sky);
 	for (int k = 0; k < STRONG_SUNS; k++, sky++)

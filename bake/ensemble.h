@@ -18,7 +18,7 @@
 
 #include "hal/basis/basis_format.h"
 
-#define ENSEMBLE_SKIES_MAX 64
+#define ENSEMBLE_SKIES_MAX 96
 
 /* The sine of the least height that a cell counts as having, where its light on level ground sets
  * the exposure: a lamp on the horizon is looked at with something upright in view. */
