@@ -17,8 +17,10 @@
 #define PIXEL_SHARE 0.5
 
 /* How often a tile is encoded until the errors hold, and how far inside them the next goes. */
-#define ATTEMPTS 4
+#define ATTEMPTS 5
 #define TIGHTER 0.97
+/* Of the skies that are watched, so many that show an error are tried each time. */
+#define TRIED_AT_ONCE 4
 /* How much finer single lights are encoded each time that no plan holds, and how often. */
 #define FINER 0.7F
 #define FINER_MOST 4
@@ -192,7 +194,7 @@ static int measure(struct encoder *e, const uint16_t *coverage, int count, const
 					e->shown.block + first[k], first[k + 1] - first[k]);
 	if (!err)
 		err = measure_tile(&e->measure, e->part, e->reader, count, coverage,
-				   &result->error);
+				   e->shade.number, &result->error);
 	for (int k = 0; k < count && !err; k++) {
 		const double bound = e->measure.bound[k] + FLOAT_ERROR * (double)e->part[k].rounded;
 
@@ -244,14 +246,51 @@ static bool share_out(struct encoder *e, int count, bool skies, bool last)
 /* Where the measured error is larger than asked for, parts have to do with less: mostly along an
  * object's edge, where the shadow behind it is off as well, and wherever else that is so. At last
  * what they may use up together is what was asked for. False: the error is not larger. */
-static bool tighten(struct encoder *e, int count, const struct ensemble_error *error, bool last)
+static bool tighten(struct encoder *e, int count, bool last)
 {
-	const double rms = ensemble_sky_rms(error) / e->settings.target.rms;
 	const bool skies = share_out(e, count, true, last);
 	const bool cells = share_out(e, count, false, last);
+	double rms = 0;
 
+	for (int s = 0; s < e->shade.skies.tried; s++)
+		rms = fmax(rms, e->measure.sky_rms[s]);
 	e->search.target.rms *= rms > 1 ? TIGHTER / rms : 1;
 	return skies || cells || rms > 1;
+}
+
+/* The watched sky that the tile is worst off under, if by more than was asked for; else -1. */
+static int worst_watched(const struct encoder *e)
+{
+	double worst = 1;
+	int found = -1;
+
+	for (int s = e->shade.skies.tried; s < e->shade.skies.skies; s++) {
+		const double over = fmax(e->measure.sky_rms[s], e->measure.sky_most[s]);
+
+		if (over > worst) {
+			worst = over;
+			found = s;
+		}
+	}
+	return found;
+}
+
+/* The worst of the watched are tried from now on, a few at a time: their neighbours are mostly off
+ * for the same reason. False: there are none. */
+static bool try_watched(struct encoder *e, int count)
+{
+	struct measure *m = &e->measure;
+	int sky, tried = 0;
+
+	for (; tried < TRIED_AT_ONCE && (sky = worst_watched(e)) >= 0; tried++) {
+		/* the places change, and what was measured with them */
+		m->sky_rms[sky] = m->sky_rms[e->shade.skies.tried];
+		m->sky_most[sky] = m->sky_most[e->shade.skies.tried];
+		shade_try(&e->shade, sky);
+	}
+	for (int k = 0; k < count && tried; k++)
+		part_expose(&e->part[k], &e->settings);
+	return tried > 0;
 }
 
 /* The truth decides, and the search does it again. */
@@ -271,7 +310,11 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 		err = build(e, tile, count, first);
 		if (!err)
 			err = measure(e, coverage, count, first, result);
-		over = !err && tighten(e, count, &result->error, k == ATTEMPTS - 2);
+		if (!err && k < ATTEMPTS - 1) {
+			const bool held = !tighten(e, count, k == ATTEMPTS - 2);
+
+			over = try_watched(e, count) || !held;
+		}
 	}
 	free(first);
 	return err;

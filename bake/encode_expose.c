@@ -359,9 +359,6 @@ void part_expose(struct part *part, const struct encode_settings *settings)
 	else
 		expose_light(part, settings);
 	sum_skies(part, settings);
-	for (int p = 0; p < part->pixels; p++)
-		part->sky_share[p] = part->cell_share[p] = 1;
-	part->fine = 1;
 }
 
 void part_limit(struct part *part, const struct encode_settings *settings,

@@ -92,7 +92,7 @@ static double seen(const struct measure *m, double object, double ratio, double 
 }
 
 /* Sum of squared differences over the listed places; *most grows, and over, as shares of the error
- * asked for. */
+ * asked for, unless it is NULL. */
 static double compare(struct measure *m, const bool *listed, const uint16_t *coverage, double asked,
 		      double *over, double *most)
 {
@@ -111,7 +111,8 @@ static double compare(struct measure *m, const bool *listed, const uint16_t *cov
 			square += by * by;
 			worst = fmax(worst, fabs(by));
 		}
-		over[at] = fmax(over[at], worst / asked);
+		if (over)
+			over[at] = fmax(over[at], worst / asked);
 		*most = fmax(*most, worst);
 	}
 	return square;
@@ -189,7 +190,8 @@ static double sky_error(struct measure *m, const struct part *parts,
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
 	}
-	return compare(m, listed, coverage, m->settings->target.max, m->sky_over, most);
+	return compare(m, listed, coverage, m->settings->target.max,
+		       sky < m->settings->ensemble->tried ? m->sky_over : NULL, most);
 }
 
 static double cell_error(struct measure *m, const struct part *parts,
@@ -219,8 +221,27 @@ static double cell_error(struct measure *m, const struct part *parts,
 	return compare(m, listed, coverage, m->settings->target.cell, m->cell_over, most);
 }
 
+static void measure_skies(struct measure *m, const struct part *parts,
+			  const struct block_reader *readers, int count, const bool *listed,
+			  const uint16_t *coverage, const int *number, struct ensemble_error *error)
+{
+	const struct encode_target *target = &m->settings->target;
+
+	for (int s = 0; s < m->settings->ensemble->skies; s++) {
+		double most = 0;
+		const double square = sky_error(m, parts, readers, count, s, listed, coverage,
+						&most);
+
+		error->sky_square[number[s]] = square;
+		error->sky_max = fmax(error->sky_max, most);
+		m->sky_rms[s] = sqrt(square / fmax(error->sky_count, 1)) / target->rms;
+		m->sky_most[s] = most / target->max;
+	}
+}
+
 int measure_tile(struct measure *m, const struct part *parts, const struct block_reader *readers,
-		 int count, const uint16_t *coverage, struct ensemble_error *error)
+		 int count, const uint16_t *coverage, const int *number,
+		 struct ensemble_error *error)
 {
 	bool listed[PART_PIXELS] = {false};
 	int pixels = 0;
@@ -238,13 +259,11 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 	}
 	for (int at = 0; at < PART_PIXELS; at++)
 		pixels += listed[at];
-	for (int s = 0; s < m->settings->ensemble->skies; s++)
-		error->sky_square[s] = sky_error(m, parts, readers, count, s, listed, coverage,
-						 &error->sky_max);
+	error->sky_count = 3.0 * pixels;
+	error->cell_count = 3.0 * pixels * m->settings->lights;
+	measure_skies(m, parts, readers, count, listed, coverage, number, error);
 	for (int i = 0; i < m->settings->lights; i++)
 		error->cell_square += cell_error(m, parts, readers, count, i, listed, coverage,
 						 &error->cell_max);
-	error->sky_count = 3.0 * pixels;
-	error->cell_count = 3.0 * pixels * m->settings->lights;
 	return 0;
 }

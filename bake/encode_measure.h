@@ -23,16 +23,19 @@ struct measure {
 	struct measure_sums *sums; /* [parts] */
 	double *bound;		   /* [parts]: largest |what is - what blocks say| of any light */
 	int room;
-	/* Largest error of each place as a share of that asked for. */
+	/* Largest error of each place as a share of that asked for; skies: those that are tried. */
 	double sky_over[PART_PIXELS], cell_over[PART_PIXELS];
+	/* Of each sky, by its place, as shares of what is asked for. */
+	double sky_rms[ENSEMBLE_SKIES_MAX], sky_most[ENSEMBLE_SKIES_MAX];
 	struct measure_pixel pixel[PART_PIXELS];
 };
 
 void measure_free(struct measure *measure); /* zeroed is fine */
 
-/* Parts of a tile, each with its reader: errors, and each part's bound. -ENOMEM. */
+/* Parts of a tile, each with its reader: errors, and each part's bound. number: which sky is in
+ * each place. -ENOMEM. */
 int measure_tile(struct measure *measure, const struct part *parts,
 		 const struct block_reader *readers, int count, const uint16_t *coverage,
-		 struct ensemble_error *error);
+		 const int *number, struct ensemble_error *error);
 
 #endif

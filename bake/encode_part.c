@@ -173,6 +173,9 @@ int part_load(struct part *part, const struct encode_settings *settings,
 	if (!measure(part, settings->lights))
 		return -EDOM;
 	part->base = part->value;
+	for (int p = 0; p < part->pixels; p++)
+		part->sky_share[p] = part->cell_share[p] = 1;
+	part->fine = 1;
 	return 0;
 }
 

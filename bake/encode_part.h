@@ -97,7 +97,7 @@ int part_load(struct part *part, const struct encode_settings *settings,
 /* For a pair: errors of both are seen on u - d. */
 int part_pair(struct part *difference, struct part *whole, int lights);
 
-/* After loading (and pairing): exposures. */
+/* After loading (and pairing), and again when the ensemble has changed: exposures. */
 void part_expose(struct part *part, const struct encode_settings *settings);
 
 /* After that, and again when shares have changed: what may be left of each value, which pixels are

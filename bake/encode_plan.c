@@ -75,7 +75,7 @@ static int use_column(struct search *s, const struct part *part, int light, doub
 
 	memcpy(s->column_left + number * (size_t)part->rows, left,
 	       (size_t)part->rows * sizeof(*left));
-	for (size_t k = 0; k < (size_t)s->settings->ensemble->skies; k++) {
+	for (size_t k = 0; k < (size_t)s->settings->ensemble->tried; k++) {
 		const float *x = part->sky_x + k * 3 * n + (size_t)light;
 		const double most = (double)fmaxf(fmaxf(x[0], x[n]), x[2 * n]);
 
@@ -118,7 +118,7 @@ static void choose_columns(struct search *s, const struct split *split, struct p
 {
 	const struct part *part = split->part;
 	const int n = s->settings->lights;
-	const size_t rows = (size_t)s->settings->ensemble->skies * 3;
+	const size_t rows = (size_t)s->settings->ensemble->tried * 3;
 	float left[PART_ROWS];
 
 	memcpy(s->sky_x, part->sky_x, rows * (size_t)n * sizeof(*s->sky_x));
@@ -137,7 +137,7 @@ static void choose_columns(struct search *s, const struct split *split, struct p
 		plan->column_bytes[column.form] += column.bytes;
 		used = use_column(s, part, i, (double)column.scale * column_most(column.form),
 				  left);
-		plan->read += used * (double)column.bytes / s->settings->ensemble->skies;
+		plan->read += used * (double)column.bytes / s->settings->ensemble->tried;
 	}
 }
 
@@ -145,7 +145,7 @@ static void choose_columns(struct search *s, const struct split *split, struct p
 static void sum_left(struct search *s, const struct split *split)
 {
 	const struct part *part = split->part;
-	const int n = s->settings->lights, skies = s->settings->ensemble->skies;
+	const int n = s->settings->lights, skies = s->settings->ensemble->tried;
 	const int pixels = part->pixels;
 
 	for (int c = 0; c < 3; c++) {
@@ -182,7 +182,7 @@ static double excess_of(struct search *s, const struct split *split)
 	float worst = 0;
 
 	sum_left(s, split);
-	for (int k = 0; k < s->settings->ensemble->skies; k++) {
+	for (int k = 0; k < s->settings->ensemble->tried; k++) {
 		double square = 0;
 
 		for (int r = 0; r < 3 * part->pixels; r++) {

@@ -9,27 +9,24 @@
 static const double sizes[] = {3, 10};
 #define SIZES ((int)(sizeof(sizes) / sizeof(*sizes)))
 #define OWN (2 * SIZES)
+_Static_assert(OWN <= ENSEMBLE_OWN_MAX, "there is room for them");
 
 int shade_create(struct shade *shade, const struct encode_settings *settings)
 {
 	const struct ensemble *common = settings->ensemble;
 	const size_t sky = 3 * (size_t)common->lights;
 
-	*shade = (struct shade){.skies = *common, .common = common->skies};
+	*shade = (struct shade){.common = common, .skies = *common};
 	shade->skies.skies += OWN;
 	shade->skies.radiance = calloc((size_t)shade->skies.skies * sky,
 				       sizeof(*shade->skies.radiance));
-	if (!shade->skies.radiance)
-		return -ENOMEM;
-	memcpy(shade->skies.radiance, common->radiance,
-	       (size_t)common->skies * sky * sizeof(*common->radiance));
-	return 0;
+	return shade->skies.radiance ? 0 : -ENOMEM;
 }
 
 void shade_free(struct shade *shade)
 {
 	ensemble_free(&shade->skies);
-	*shade = (struct shade){.common = 0};
+	*shade = (struct shade){.common = NULL};
 }
 
 /* The light whose values come to least (of an object), or to most (of what a shadow takes). */
@@ -53,13 +50,29 @@ static int darkest(const struct part *part, int lights)
 	return best;
 }
 
+/* As they were before a tile tried some of those that are watched. */
+static void begin_anew(struct shade *shade)
+{
+	const struct ensemble *const common = shade->common;
+	const size_t sky = 3 * (size_t)common->lights, tried = (size_t)common->tried;
+	float *const to = shade->skies.radiance;
+
+	memcpy(to, common->radiance, tried * sky * sizeof(*to));
+	memcpy(to + (tried + OWN) * sky, common->radiance + tried * sky,
+	       ((size_t)common->skies - tried) * sky * sizeof(*to));
+	shade->skies.tried = common->tried + OWN;
+	for (int s = 0; s < shade->skies.skies; s++)
+		shade->number[s] = s;
+}
+
 void shade_set(struct shade *shade, const struct encode_settings *settings,
 	       const struct part *parts, int count)
 {
 	const size_t sky = 3 * (size_t)settings->lights;
-	float *to = shade->skies.radiance + (size_t)shade->common * sky;
+	float *to = shade->skies.radiance + (size_t)shade->common->tried * sky;
 	int object = -1, shadow = -1;
 
+	begin_anew(shade);
 	for (int k = 0; k < count; k++)
 		if (parts[k].kind == BASIS_KIND_T)
 			object = darkest(&parts[k], settings->lights);
@@ -70,4 +83,21 @@ void shade_set(struct shade *shade, const struct encode_settings *settings,
 	for (int k = 0; k < OWN && object >= 0; k++)
 		ensemble_sun(settings->light, settings->lights, k % 2 ? shadow : object,
 			     sizes[k / 2], to + (size_t)k * sky);
+}
+
+void shade_try(struct shade *shade, int sky)
+{
+	const size_t each = 3 * (size_t)shade->skies.lights;
+	const int to = shade->skies.tried++, number = shade->number[sky];
+	float *const one = shade->skies.radiance + (size_t)sky * each;
+	float *const other = shade->skies.radiance + (size_t)to * each;
+
+	for (size_t k = 0; k < each; k++) {
+		const float was = other[k];
+
+		other[k] = one[k];
+		one[k] = was;
+	}
+	shade->number[sky] = shade->number[to];
+	shade->number[to] = number;
 }

@@ -7,14 +7,16 @@
 
 #include "bake/random.h"
 
-enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, WINDOWS = 36, RANDOM = 4 };
+enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, WINDOWS = 12, RANDOM = 4 };
 enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
 #define BRIGHT                                                                                     \
 	(EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + WINDOWS + RANDOM + STRONG_SUNS + DUSKS + ROOMS)
 /* Every so many of them again, with so much of the light. */
-#define DIM_STEP 7
+#define DIM_STEP 5
 #define DIM_EXPOSURE 0.125F
-#define SKIES (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
+#define TRIED (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
+enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24 };
+#define SKIES (TRIED + WATCHED_WINDOWS + WATCHED_DUSKS)
 #define ROOM_LIGHTS 5
 
 /* Their heights and azimuths are spread by the golden ratio, so that no two are alike. */
@@ -125,7 +127,7 @@ static void lamps(struct ensemble *e, const struct basis_light *lights, int sky)
  * A window: a lobe that sends several times as much light as the dim sky around it. What neighbours
  * send by way of the object to the ground is alike, and too little for a column of each of them to
  * count; under so many of them at once it adds up, and nowhere else. So there are windows of
- * several sizes all around.
+ * several sizes all around, by a sequence that fills the hemisphere evenly wherever it ends.
  */
 static void window(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
@@ -141,12 +143,13 @@ static void window(struct ensemble *e, const struct basis_light *lights, int sky
 	}
 }
 
-/* Bright along the horizon, thick as the sine of its height, most of all in one direction. */
-static void dusk(struct ensemble *e, const struct basis_light *lights, int sky, double thick)
+/* Bright along the horizon, as high as `thick`, the sine of it, most of all in one direction. */
+static void dusk(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
+	const double thick = 0.1 * (1 << number % 3);
 	double dir[3];
 
-	direction_of(0, sky * GOLDEN, dir);
+	direction_of(0, number * GOLDEN, dir);
 	for (int i = 0; i < e->lights; i++) {
 		const double low = exp(-fmax(lights[i].direction[2], 0) / thick);
 		const double lobe = pow((1 + towards(&lights[i], dir)) / 2, 3);
@@ -196,8 +199,8 @@ static void dim(struct ensemble *e)
 	const size_t each = 3 * (size_t)e->lights;
 
 	for (int s = 0; s < ENSEMBLE_SKIES_MAX; s++)
-		e->exposure[s] = s < BRIGHT || s >= SKIES ? 1 : DIM_EXPOSURE;
-	for (int s = BRIGHT; s < SKIES; s++)
+		e->exposure[s] = s < BRIGHT || s >= TRIED ? 1 : DIM_EXPOSURE;
+	for (int s = BRIGHT; s < TRIED; s++)
 		memcpy(e->radiance + (size_t)s * each,
 		       e->radiance + (size_t)((s - BRIGHT) * DIM_STEP) * each,
 		       each * sizeof(*e->radiance));
@@ -208,8 +211,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 	static const double height_deg[SUN_HEIGHTS] = {75, 45, 25, 10};
 	int sky = EVEN;
 
-	_Static_assert(SKIES <= ENSEMBLE_SKIES_MAX, "struct ensemble_error has room for them");
-	*ensemble = (struct ensemble){.lights = count, .skies = SKIES};
+	_Static_assert(SKIES + ENSEMBLE_OWN_MAX <= ENSEMBLE_SKIES_MAX, "there is room for all");
+	*ensemble = (struct ensemble){.lights = count, .skies = SKIES, .tried = TRIED};
 	ensemble->radiance = calloc((size_t)SKIES * 3 * (size_t)count, sizeof(*ensemble->radiance));
 	if (!ensemble->radiance)
 		return -ENOMEM;
@@ -225,10 +228,15 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 	for (int k = 0; k < STRONG_SUNS; k++, sky++)
 		sun(ensemble, lights, sky, height_deg[k], 16);
 	for (int k = 0; k < DUSKS; k++, sky++)
-		dusk(ensemble, lights, sky, 0.1 * (1 << k % 3));
+		dusk(ensemble, lights, sky, k);
 	for (int k = 0; k < ROOMS; k++, sky++)
 		room(ensemble, lights, sky);
 	dim(ensemble);
+	sky = TRIED;
+	for (int k = 0; k < WATCHED_WINDOWS; k++, sky++)
+		window(ensemble, lights, sky, WINDOWS + k);
+	for (int k = 0; k < WATCHED_DUSKS; k++, sky++)
+		dusk(ensemble, lights, sky, DUSKS + k);
 	return 0;
 }
 

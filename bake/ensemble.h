@@ -9,6 +9,10 @@
  * the object, comes out as 1. Some skies are seen a second time by an object in much less
  * light: there frames leave out most columns, and levels are closest.
  *
+ * Most windows and dusks are only watched: blocks that are made without them are measured under
+ * them too, and where one shows an error the tile tries it from then on. What a few lights too many
+ * left out look like from one side shows under one of so many, and few tiles need any.
+ *
  * Errors are in 8-bit sRGB levels of the composite, against the transport before any cut, over the
  * pixels of the blocks: the object's own light, over a background that is the ground's under skies
  * and white under a cell alone.
@@ -18,7 +22,8 @@
 
 #include "hal/basis/basis_format.h"
 
-#define ENSEMBLE_SKIES_MAX 96
+#define ENSEMBLE_SKIES_MAX 240
+#define ENSEMBLE_OWN_MAX 8 /* of them, those that a tile adds */
 
 /* The sine of the least height that a cell counts as having, where its light on level ground sets
  * the exposure: a lamp on the horizon is looked at with something upright in view. */
@@ -26,6 +31,7 @@
 
 struct ensemble {
 	int lights, skies;
+	int tried;	 /* the first of them, which plans are made for; the others are watched */
 	float *radiance; /* [skies][3][lights]: L_i */
 	/* What the object's brightest spot, or white ground, comes out as. */
 	float exposure[ENSEMBLE_SKIES_MAX];
@@ -33,7 +39,7 @@ struct ensemble {
 
 /* Sums that can be added up over tiles. */
 struct ensemble_error {
-	double sky_square[ENSEMBLE_SKIES_MAX]; /* sum over pixels and channels */
+	double sky_square[ENSEMBLE_SKIES_MAX]; /* of each sky: sum over pixels and channels */
 	double sky_count;
 	double sky_max; /* of all */
 	double cell_square, cell_count, cell_max;
