@@ -107,8 +107,9 @@ static void over_values(void **state)
 			}
 		result = holding_all(&e, part, NULL);
 		assert_true(k != 0 || !result.shown_count);
-		/* 6,000 is the largest value of the fourth. */
-		assert_true(result.object_error < (k == 3 ? 6000 / 250.0 : 1e-2));
+		/* 6,000 is the largest value of the fourth. Alone in its light it is white, of
+		 * which the two levels that are asked for are 1.8 %. */
+		assert_true(result.object_error < (k == 3 ? 6000 * 0.018 : 1e-2));
 		assert_true(result.ratio_error < 1e-2);
 		encoding_part_free(part);
 		encoding_end(&e);
