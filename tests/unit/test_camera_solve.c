@@ -110,6 +110,20 @@ static void assert_camera(const struct tsai_camera *found, const struct tsai_cam
 			    accuracy * distance);
 }
 
+/* What is seen without noise is the true camera, and is trusted. */
+static void assert_solved(struct observations *seen, const struct camera_task *task,
+			  const struct tsai_camera *truth)
+{
+	struct camera_solution solution;
+
+	assert_int_equal(camera_calibrate(seen, task, &solution, NULL), 0);
+	assert_true(solution.solved);
+	assert_camera(&solution.camera, truth, 1e-6);
+	assert_true(scene_trusted(&solution));
+	camera_solution_free(&solution);
+	observations_free(seen);
+}
+
 /* Bend at the picture's corner; in the thesis's direction the fold is at -1/3. */
 static const double bends[] = {0, 0.02, -0.02, 0.15, -0.12, 0.6, -0.2};
 
@@ -124,7 +138,6 @@ static void one_plane(void **state)
 				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
 									distortion);
 				struct observations seen = {0};
-				struct camera_solution solution;
 				struct camera_task task;
 
 				if (bends[b] != 0) { /* else no picture tells the axis */
@@ -135,13 +148,7 @@ static void one_plane(void **state)
 				if (bends[b] == 0)
 					task.centre_deviation_px = 0;
 				scene_board(&seen, &truth, 12, 9, 0, &chance);
-				assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL),
-						 0);
-				assert_true(solution.solved);
-				assert_camera(&solution.camera, &truth, 1e-6);
-				assert_true(scene_trusted(&solution));
-				camera_solution_free(&solution);
-				observations_free(&seen);
+				assert_solved(&seen, &task, &truth);
 			}
 }
 
@@ -156,7 +163,6 @@ static void points_in_space(void **state)
 				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
 									distortion);
 				struct observations seen = {0};
-				struct camera_solution solution;
 				struct camera_task task;
 
 				truth.aspect = 1.04;
@@ -164,12 +170,7 @@ static void points_in_space(void **state)
 				truth.centre_px[1] -= 6;
 				task = scene_task(&truth);
 				scene_cloud(&seen, &truth, 60, 0, &chance);
-				assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL),
-						 0);
-				assert_camera(&solution.camera, &truth, 1e-6);
-				assert_true(scene_trusted(&solution));
-				camera_solution_free(&solution);
-				observations_free(&seen);
+				assert_solved(&seen, &task, &truth);
 			}
 }
 
@@ -221,18 +222,12 @@ static void pose_alone(void **state)
 									      bends[b], distortion);
 				struct tsai_camera lens = truth;
 				struct observations seen = {0};
-				struct camera_solution solution;
 				struct camera_task task = camera_task_default();
 
 				lens.translation[2] = 1; /* of no account */
 				task.intrinsics = &lens;
 				scene_board(&seen, &truth, 5, 4, 0, &chance);
-				assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL),
-						 0);
-				assert_camera(&solution.camera, &truth, 1e-6);
-				assert_true(scene_trusted(&solution));
-				camera_solution_free(&solution);
-				observations_free(&seen);
+				assert_solved(&seen, &task, &truth);
 			}
 }
 
