@@ -30,11 +30,11 @@ prepare() {
 	ln -sfn "$(realpath "$data/mesh/spot.obj")" "$work/spot.obj"
 }
 
-# bake FREQUENCY [OPTION...]
+# bake NAME [OPTION...]: fNAME.inlay, NAME being its frequency, or beginning with that and a colon
 bake() {
 	local f=$1
 	shift
-	"$build/inlay-bake" render --frequency "$f" --lights "${LIGHTS:-cells}" "$@" \
+	"$build/inlay-bake" render --frequency "${f%%:*}" --lights "${LIGHTS:-cells}" "$@" \
 		-o "$work/f$f.inlay" "$work/spot.scene" \
 		>>"$log" 2>&1 || fail "inlay-bake render --frequency $f failed"
 }
@@ -50,7 +50,7 @@ trace() {
 		>>"$log" 2>&1 || fail "inlay-bake truth in $file failed"
 }
 
-# composite NAME FREQUENCY ESTIMATOR OUT [OPTION...]
+# composite NAME BAKE ESTIMATOR OUT [OPTION...]
 composite() {
 	local name=$1 f=$2 estimator=$3 out=$4
 	shift 4

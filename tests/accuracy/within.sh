@@ -3,31 +3,36 @@
 # milliseconds of one core: two YUYV cameras, conversion, light and composite, as `inlay bench` times it.
 #     BUILD=build/x tests/accuracy/within.sh [MS [SIZE]]     the table, in Markdown; 2 ms of 640x480
 #     BUILD=build/x tests/accuracy/within.sh --quick         a small one as a test, in TAP
-# FREQUENCIES, SAMPLES and TRUTH_SAMPLES in the environment: of the bakes, a pixel's of these, and of the
-# truth. READY=FOLDER: where fF.inlay or what `inlay-bake truth` makes are already, from a run of that
-# size. All is left in build/accuracy/within/.
+# BAKES, SAMPLES and TRUTH_SAMPLES in the environment: dome frequencies, 9:1,2:4 being f = 9 with
+# --error 1,2 --cell-error 4; a pixel's samples of these, and of the truth. READY=FOLDER: where
+# f9.inlay, f9:1,2:4.inlay or what `inlay-bake truth` makes are already, from a run of that size. All is
+# left in build/accuracy/within/.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 # shellcheck source=tests/accuracy/method.sh
 . tests/accuracy/method.sh
 work=build/accuracy/within
-frequencies=${FREQUENCIES:-4 9 18}
+bakes=${BAKES:-4 9:1.5,3:4 9 18}
 samples_baked=${SAMPLES:-64}
 samples_true=${TRUTH_SAMPLES:-1024}
 thresholds="0 0.5% 1% 2%"
 estimators="cell node"
 
-# basis FREQUENCY SIZE: one that is there, or a bake.
+# basis BAKE SIZE: one that is there, or a bake.
 basis() {
+	local f error cell
+
 	if [ -e "${READY:-}/f$1.inlay" ]; then
 		ln -sfn "$(realpath "$READY/f$1.inlay")" "$work/f$1.inlay"
 	else
 		echo "baking f=$1" >&2
-		bake "$1" --size "$2" --samples "$samples_baked"
+		IFS=: read -r f error cell <<<"$1"
+		bake "$1" --size "$2" --samples "$samples_baked" ${error:+--error "$error"} \
+			${cell:+--cell-error "$cell"}
 	fi
 }
 
-# times FREQUENCY THRESHOLD: "FILE ms", a panorama each.
+# times BAKE THRESHOLD: "FILE ms", a panorama each.
 times() {
 	local name file exposure sky=()
 	while read -r name file exposure; do
@@ -40,10 +45,10 @@ times() {
 		"$work/bench.json"
 }
 
-# rows: "panorama f estimator threshold ms psnr rms max", all of them.
+# rows: "panorama bake estimator threshold ms psnr rms max", all of them.
 rows() {
 	local f threshold estimator name file exposure out ms psnr rms max
-	for f in $frequencies; do
+	for f in $bakes; do
 		for threshold in $thresholds; do
 			times "$f" "$threshold" >"$work/times.txt"
 			for estimator in $estimators; do
@@ -59,7 +64,7 @@ rows() {
 	done
 }
 
-# chosen MS <ROWS: "f estimator threshold ms psnr" of the setting whose lowest PSNR under any panorama is
+# chosen MS <ROWS: "bake estimator threshold ms psnr" of the setting whose lowest PSNR under any panorama is
 # the highest, of those with which no panorama takes longer than MS; nothing where none is so fast.
 chosen() {
 	awk -v limit="$1" '
@@ -79,7 +84,7 @@ chosen() {
 table() {
 	local ms=$1 all
 	all=$(cat)
-	echo "| f | estimator | threshold | ms | least PSNR dB |$(sed 's/^\([^ ]*\).*/ \1 |/' <<<"$panoramas" | tr -d '\n')"
+	echo "| f : error : cell error | estimator | threshold | ms | least PSNR dB |$(sed 's/^\([^ ]*\).*/ \1 |/' <<<"$panoramas" | tr -d '\n')"
 	echo "|---|---|---|---|---|$(sed 's/.*/---|/' <<<"$panoramas" | tr -d '\n')"
 	awk -v best="$(chosen "$ms" <<<"$all" | cut -d' ' -f1-3)" '
 		{
@@ -114,7 +119,7 @@ traces() {
 
 whole() { # MS SIZE
 	local f
-	for f in $frequencies; do
+	for f in $bakes; do
 		basis "$f" "$2"
 	done
 	traces "$2"
@@ -154,11 +159,11 @@ studio 9 cell 1% 1.8 45 1 9"
 		return
 	fi
 	panoramas=$(grep sunset <<<"$panoramas")
-	frequencies="1 4" thresholds="0 2%" estimators=cell samples_baked=16 samples_true=64
+	bakes="1 4:2,4:8" thresholds="0 2%" estimators=cell samples_baked=16 samples_true=64
 	whole 1000 64x48 >"$work/out" 2>&1
 	equal "a table of four rows is made" 6 "$(wc -l <"$work/table.md")"
-	equal "more lights are nearer, and chosen" "4" "$(chosen 1000 <"$work/rows.txt" | cut -d' ' -f1)"
-	equal "and marked" 1 "$(grep -c '^| \*\*4\*\*' "$work/table.md")"
+	equal "more lights are nearer, and chosen" "4:2,4:8" "$(chosen 1000 <"$work/rows.txt" | cut -d' ' -f1)"
+	equal "and marked" 1 "$(grep -c '^| \*\*4:2,4:8\*\*' "$work/table.md")"
 	equal "every row has its time" 0 "$(awk '!($5 > 0)' "$work/rows.txt" | wc -l)"
 	echo "1..$count"
 }
