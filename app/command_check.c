@@ -37,45 +37,27 @@ static void say(void *context, const char *text)
 	log_error("%s", text);
 }
 
-/* Also what the file says: a pose that it does not hold. */
-static int check_basis(const struct config *config)
+/* NULL: it cannot be opened, or none is named, which config_check() has said. */
+static const struct basis *open_basis(struct basis *basis, const struct config *config, int *err)
 {
 	struct fault fault = {.text = ""};
-	struct basis basis = {.map = NULL};
-	int err;
 
 	if (!*config->basis.file)
-		return 0; /* config_check() has said so */
-	err = pipeline_open_basis(&basis, config->basis.file, pipeline_part_of(config), &fault);
-	if (err) {
+		return NULL;
+	*err = pipeline_open_basis(basis, config->basis.file, pipeline_part_of(config), &fault);
+	if (*err)
 		log_error("%s: [basis] file: %s", config->name, fault.text);
-		return err;
-	}
-	if ((uint32_t)config->basis.pose >= basis.info.poses) {
-		log_error("%s: [basis] pose: is %d, expected 0..%u, the poses that the file holds",
-			  config->name, config->basis.pose, basis.info.poses - 1);
-		err = -EINVAL;
-	}
-	basis_close(&basis);
-	return err;
-}
-
-static int check_kernel(const struct config *config)
-{
-	if (compositor_has_kernel(config->composite.kernel))
-		return 0;
-	log_error("%s: [composite] kernel: this processor has none called \"%s\", expected auto "
-		  "or one that inlay bench lists",
-		  config->name, config->composite.kernel);
-	return -ENOTSUP;
+	return *err ? NULL : basis;
 }
 
 static int check(const struct config *config, struct ini_report *report)
 {
-	int err = config_check(config, report);
-	int basis_err = check_basis(config), kernel_err = check_kernel(config);
+	struct basis basis = {.map = NULL};
+	int err = config_check(config, report), basis_err = 0, more_err;
 
-	return err ? err : basis_err ? basis_err : kernel_err;
+	more_err = pipeline_config_check(config, open_basis(&basis, config, &basis_err));
+	basis_close(&basis);
+	return err ? err : basis_err ? basis_err : more_err;
 }
 
 static int print_sample(void)

@@ -67,8 +67,9 @@ struct kiosk {
 	bool information;
 	bool frozen;
 	/* where we are */
-	bool settled; /* the cameras have been tried, and the screen */
-	bool redraw;  /* something other than a frame changed the picture */
+	bool settled;  /* the cameras have been tried, and the screen */
+	unsigned owed; /* effects of a reload that there was no memory or thread for */
+	bool redraw;   /* something other than a frame changed the picture */
 	bool stop;
 	int64_t start_ns; /* of the loop */
 	int64_t heard_ns; /* when the loop last came round */

@@ -7,22 +7,24 @@
 #include "hal/clock.h"
 #include "hal/log.h"
 
-/* What only the running kiosk can tell of a configuration. */
-static int check(const struct kiosk *k, const struct config *fresh, struct fault *fault)
+/* What only the running kiosk can tell of a configuration. Logs each fault. */
+static int check(const struct kiosk *k, const struct config *fresh)
 {
+	struct fault fault = {.text = ""};
 	struct fisheye lens;
+	int err = pipeline_config_check(fresh, &k->basis);
 
-	if ((uint32_t)fresh->basis.pose >= k->basis.info.poses)
-		return fault_say(fault, -EINVAL, "%s: [basis] pose: is %d, expected 0..%u",
-				 fresh->name, fresh->basis.pose, k->basis.info.poses - 1);
-	if (fresh->screen->show == SHOW_SCENE && !k->eyes.scene.source)
-		return fault_say(fault, -EINVAL,
-				 "%s: [screen] show: is scene, whose camera is not open",
-				 fresh->name);
-	if (!k->pipeline.lens_width)
-		return 0;
-	return fisheye_prepare(&lens, &fresh->fisheye.lens, k->pipeline.lens_width,
-			       k->pipeline.lens_height, fault);
+	if (fresh->screen->show == SHOW_SCENE && !k->eyes.scene.source) {
+		log_error("%s: [screen] show: is scene, whose camera is not open", fresh->name);
+		err = -EINVAL;
+	}
+	if (k->pipeline.lens_width &&
+	    fisheye_prepare(&lens, &fresh->fisheye.lens, k->pipeline.lens_width,
+			    k->pipeline.lens_height, &fault)) {
+		log_error("%s: %s", fresh->name, fault.text);
+		err = -EINVAL;
+	}
+	return err;
 }
 
 /* A camera's radiance is encoded as its views expect it. */
@@ -47,28 +49,28 @@ static int apply_light(struct kiosk *k, struct fault *fault)
 static int apply_pipeline(struct kiosk *k, struct fault *fault)
 {
 	struct pipeline_settings settings = pipeline_settings_of(k->config);
-	bool other_threads = settings.threads != k->pipeline.settings.threads;
 	int err = pipeline_change(&k->pipeline, &settings, fault);
 
-	if (err)
-		return err;
-	if (other_threads) {
-		show_free(&k->show); /* its scalers have room for so many threads */
-		k->show = (struct show){.after = {.width = 0}};
-	}
-	encode(k);
-	return 0;
+	if (!err)
+		encode(k);
+	return err;
 }
 
-static void apply(struct kiosk *k, unsigned effects)
+/* Returns what could not be done, for want of memory or threads, and is still owed. */
+static unsigned apply(struct kiosk *k, unsigned effects)
 {
 	const struct config *config = k->config;
 	struct fault fault = {.text = ""};
+	unsigned owed = 0;
 
-	if (effects & RELOAD_PIPELINE && apply_pipeline(k, &fault))
+	if (effects & RELOAD_PIPELINE && apply_pipeline(k, &fault)) {
 		log_error("reload: %s", fault.text);
-	if (effects & RELOAD_LIGHT && apply_light(k, &fault))
+		owed |= RELOAD_PIPELINE | RELOAD_DRAWING;
+	}
+	if (effects & RELOAD_LIGHT && apply_light(k, &fault)) {
 		log_error("reload: %s", fault.text);
+		owed |= RELOAD_LIGHT | RELOAD_DRAWING;
+	}
 	if (effects & RELOAD_THRESHOLD)
 		k->choice.threshold = config->lights.threshold;
 	if (effects & RELOAD_POSE)
@@ -90,26 +92,25 @@ static void apply(struct kiosk *k, unsigned effects)
 	(void)kiosk_buttons_open(k, false, NULL);
 	kiosk_text(k);
 	k->redraw |= (effects & RELOAD_DRAWING) != 0;
+	return owed;
 }
 
 static int reload(struct kiosk *k)
 {
 	const struct kiosk_settings *settings = k->settings;
 	struct ini_report report = {.count = 0};
-	struct fault fault = {.text = ""};
 	struct config *fresh;
 	unsigned effects;
 	int err = settings->reread(settings->context, &fresh, &report);
 
 	if (err)
 		return err; /* every fault is said */
-	err = check(k, fresh, &fault);
+	err = check(k, fresh);
 	if (err) {
-		log_error("%s", fault.text);
 		config_destroy(fresh);
 		return err;
 	}
-	effects = reload_compare(k->config, fresh);
+	effects = reload_compare(k->config, fresh) | k->owed;
 	/* What drivers have borrowed must not change under them. */
 	if (effects & RELOAD_BUTTONS)
 		kiosk_buttons_close(k);
@@ -117,7 +118,7 @@ static int reload(struct kiosk *k)
 		kiosk_control_close(k);
 	reload_adopt(k->config, fresh);
 	config_destroy(fresh);
-	apply(k, effects);
+	k->owed = apply(k, effects);
 	return 0;
 }
 
@@ -126,6 +127,9 @@ void kiosk_reload(struct kiosk *k)
 	service_reloading(&k->service, clock_now_ns());
 	if (reload(k))
 		log_error("the configuration is wrong; the old one stays");
+	else if (k->owed)
+		log_error("the configuration has been read again, but not all of it is in force: "
+			  "reload it once more");
 	else
 		log_info("the configuration has been read again");
 	service_reloaded(&k->service);

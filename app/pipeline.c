@@ -116,24 +116,26 @@ void pipeline_destroy(struct pipeline *p)
 int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings,
 		    struct fault *fault)
 {
+	const bool others = settings->threads != p->settings.threads ||
+			    strcmp(settings->kernel, p->settings.kernel) != 0;
 	struct pipeline_settings before;
-	struct compositor *compositor;
-	struct pool *pool;
-	int err;
+	struct compositor *compositor = NULL;
+	struct pool *pool = NULL;
+	int err = others ? start_threads(p->basis, settings, &pool, &compositor, fault) : 0;
 
-	if (settings->threads != p->settings.threads ||
-	    strcmp(settings->kernel, p->settings.kernel) != 0) {
-		err = start_threads(p->basis, settings, &pool, &compositor, fault);
-		if (err)
-			return err;
+	if (!err)
+		err = pipeline_ground_prepare(p, settings, fault);
+	if (err) {
+		compositor_destroy(compositor);
+		pool_destroy(pool);
+		return err;
+	}
+	if (others) {
 		compositor_destroy(p->compositor);
 		pool_destroy(p->pool);
 		p->compositor = compositor;
 		p->pool = pool;
 	}
-	err = pipeline_ground_prepare(p, settings, fault);
-	if (err)
-		return err;
 	/* What the light is measured with is pipeline_relight()'s. */
 	before = p->settings;
 	p->settings = *settings;

@@ -126,6 +126,11 @@ int pipeline_change(struct pipeline *pipeline, const struct pipeline_settings *s
 int pipeline_relight(struct pipeline *pipeline, const struct pipeline_settings *settings,
 		     struct fault *fault);
 
+/* Whether the patch lies in the basis's picture and has a reflectance; none is fine. 0 or -EINVAL.
+ */
+int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis *basis,
+			 struct fault *fault);
+
 /* Whether a background of this size is the basis's. 0 or -EINVAL. */
 int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);
 

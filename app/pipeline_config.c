@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "hal/clock.h"
+#include "hal/log.h"
 
 struct pipeline_settings pipeline_settings_of(const struct config *config)
 {
@@ -53,4 +54,43 @@ int pipeline_open_basis(struct basis *basis, const char *path, enum basis_part p
 	if (err == -ENODATA)
 		return fault_say(fault, err, "%s: inlay-bake render --exact", reason.text);
 	return err ? fault_say(fault, err, "%s", reason.text) : 0;
+}
+
+static int check_pose(const struct config *config, const struct basis *basis)
+{
+	if ((uint32_t)config->basis.pose < basis->info.poses)
+		return 0;
+	log_error("%s: [basis] pose: is %d, expected 0..%u, the poses that the file holds",
+		  config->name, config->basis.pose, basis->info.poses - 1);
+	return -EINVAL;
+}
+
+static int check_patch(const struct config *config, const struct basis *basis)
+{
+	const struct pipeline_settings settings = pipeline_settings_of(config);
+	struct fault fault = {.text = ""};
+	const int err = pipeline_check_patch(&settings.patch, basis, &fault);
+
+	if (err)
+		log_error("%s: %s", config->name, fault.text);
+	return err;
+}
+
+static int check_kernel(const struct config *config)
+{
+	if (compositor_has_kernel(config->composite.kernel))
+		return 0;
+	log_error("%s: [composite] kernel: this processor has none called \"%s\", expected auto "
+		  "or one that inlay bench lists",
+		  config->name, config->composite.kernel);
+	return -ENOTSUP;
+}
+
+int pipeline_config_check(const struct config *config, const struct basis *basis)
+{
+	const int pose = basis ? check_pose(config, basis) : 0;
+	const int patch = basis ? check_patch(config, basis) : 0;
+	const int kernel = check_kernel(config);
+
+	return pose ? pose : patch ? patch : kernel;
 }

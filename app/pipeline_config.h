@@ -14,4 +14,9 @@ enum basis_part pipeline_part_of(const struct config *config);
 int pipeline_open_basis(struct basis *basis, const char *path, enum basis_part part,
 			struct fault *fault);
 
+/* What only the basis and the processor can tell of a configuration; without a basis (NULL), the
+ * processor alone. Logs each fault. 0; -EINVAL: the basis has no such pose or place; -ENOTSUP: the
+ * processor has no such kernel. */
+int pipeline_config_check(const struct config *config, const struct basis *basis);
+
 #endif

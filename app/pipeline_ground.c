@@ -31,9 +31,15 @@ void pipeline_ground_free(struct pipeline *p)
 	p->ground = NULL;
 }
 
-/* u of each light: the basis's own, or by the patch's reflectance. */
-static void fill_terms(struct ground *g, const struct pipeline *p, bool known)
+static bool is_known(const struct pipeline_patch *patch)
 {
+	return patch->reflectance[0] > 0 || patch->reflectance[1] > 0 || patch->reflectance[2] > 0;
+}
+
+/* u of each light: the basis's own, or by the patch's reflectance. */
+static void fill_terms(struct ground *g, const struct pipeline *p)
+{
+	const bool known = is_known(&g->patch);
 	const int lights = p->dome.count;
 
 	for (int c = 0; c < 3; c++) {
@@ -45,11 +51,13 @@ static void fill_terms(struct ground *g, const struct pipeline *p, bool known)
 	}
 }
 
-static int check(const struct pipeline *p, const struct pipeline_patch *patch, bool known,
-		 struct fault *fault)
+int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis *basis,
+			 struct fault *fault)
 {
-	const struct basis_info_chunk *info = &p->basis->info;
+	const struct basis_info_chunk *info = &basis->info;
 
+	if (!patch->width)
+		return 0;
 	if (patch->x + patch->width > (int)info->width ||
 	    patch->y + patch->height > (int)info->height)
 		return fault_say(fault, -EINVAL,
@@ -57,7 +65,7 @@ static int check(const struct pipeline *p, const struct pipeline_patch *patch, b
 				 "%u, %u as the basis was baked",
 				 patch->x + patch->width, patch->y + patch->height, info->width,
 				 info->height);
-	if (!known && !info->grounds)
+	if (!is_known(patch) && !info->grounds)
 		return fault_say(fault, -EINVAL,
 				 "[background] ground_reflectance: the basis was baked without a "
 				 "ground, expected the patch's reflectance");
@@ -68,18 +76,15 @@ int pipeline_ground_prepare(struct pipeline *p, const struct pipeline_settings *
 			    struct fault *fault)
 {
 	const struct pipeline_patch *patch = &settings->patch;
-	const bool known = patch->reflectance[0] > 0 || patch->reflectance[1] > 0 ||
-			   patch->reflectance[2] > 0;
 	struct ground *g;
-	int err;
+	int err = pipeline_check_patch(patch, p->basis, fault);
 
+	if (err)
+		return err;
 	if (patch->width == 0) {
 		pipeline_ground_free(p);
 		return 0;
 	}
-	err = check(p, patch, known, fault);
-	if (err)
-		return err;
 	g = calloc(1, sizeof(*g));
 	if (g) {
 		g->patch = *patch;
@@ -90,7 +95,7 @@ int pipeline_ground_prepare(struct pipeline *p, const struct pipeline_settings *
 		destroy(g);
 		return fault_say(fault, -ENOMEM, "not enough memory for a patch of ground");
 	}
-	fill_terms(g, p, known);
+	fill_terms(g, p);
 	for (int code = 0; code < 256; code++)
 		g->decode[code] = (float)transfer_curve_decode(&settings->background, code / 255.0);
 	pipeline_ground_free(p);

@@ -7,8 +7,8 @@
 /* What the sampler turns light into: gain, and what colours make of grey in the mean. */
 double pipeline_gain_of_grey(const struct light_sampler_settings *settings);
 
-/* What the settings' patch needs, in place of what there was; that stays on failure. -EINVAL: it is
- * not in the basis's picture, or has no reflectance; -ENOMEM. */
+/* What the settings' patch needs, in place of what there was; that stays on failure. What
+ * pipeline_check_patch() returns, -ENOMEM. */
 int pipeline_ground_prepare(struct pipeline *pipeline, const struct pipeline_settings *settings,
 			    struct fault *fault);
 void pipeline_ground_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */

@@ -74,10 +74,12 @@ static size_t row_bytes(const struct scaler *scaler)
 int scaler_fit(struct scaler *scaler, int from_width, int from_height, int to_width, int to_height,
 	       const struct pool *pool)
 {
+	const int workers = pool ? pool_threads(pool) : 1;
 	int err;
 
-	if (scaler->scratch && scaler->across.from == from_width && scaler->across.to == to_width &&
-	    scaler->down.from == from_height && scaler->down.to == to_height)
+	if (scaler->scratch && scaler->workers >= workers && scaler->across.from == from_width &&
+	    scaler->across.to == to_width && scaler->down.from == from_height &&
+	    scaler->down.to == to_height)
 		return 0;
 	scaler_free(scaler);
 	err = axis_fit(&scaler->across, from_width, to_width);
@@ -86,7 +88,7 @@ int scaler_fit(struct scaler *scaler, int from_width, int from_height, int to_wi
 	err = axis_fit(&scaler->down, from_height, to_height);
 	if (err)
 		goto free_scaler;
-	scaler->workers = pool ? pool_threads(pool) : 1;
+	scaler->workers = workers;
 	/* One sum a byte, as many rows as the filter is high, and which row each of those holds. */
 	scaler->scratch_bytes = 4 * row_bytes(scaler) +
 				(size_t)scaler->down.taps * (row_bytes(scaler) + sizeof(int));

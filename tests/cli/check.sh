@@ -52,6 +52,8 @@ refused "a damaged basis" 1 "short.inlay" \
 	"$INLAY" check --config "$work/studio.conf" --set "basis.file=$work/short.inlay"
 refused "a kernel that there is not" 1 '[composite] kernel: this processor has none called "abacus"' \
 	"$INLAY" check --config "$work/studio.conf" --set composite.kernel=abacus
+refused "a patch of ground outside" 1 "[background] ground_patch: reaches to 60, 12, expected at most 48, 32" \
+	"$INLAY" check --config "$work/studio.conf" --set "background.ground_patch=40 2 20 10"
 refused "exact without the lights' own pictures" 1 "no exact layer" \
 	"$INLAY" check --config "$work/studio.conf" --set composite.mode=exact
 refused "no such configuration" 1 "none.conf: No such file or directory" \

@@ -79,6 +79,19 @@ focal = 5 0"
 check "a pose that is none" reload "[basis]
 pose = 8"
 check "is named" says "$work/run.log" "[basis] pose: is 8"
+check "a kernel that is none, and more beside it" reload "[composite]
+kernel = abacus
+threads = 4
+[lights]
+threshold = 125"
+check "is named" says "$work/run.log" 'none called "abacus"'
+check "a patch of ground outside, and more threads" reload "[background]
+ground_patch = 40 2 4000 10
+[composite]
+threads = 4"
+check "is named" says "$work/run.log" "ground_patch: reaches to 4040, 12"
+equal "none of them is said to be in force" 5 "$(said "$work/run.log" "the old one stays")"
+check "it draws on, scaled, by as many threads as before" until_true 20 shows_frames
 equal "the threshold is what it was" 120 "$(number "$work/live.jsonl" threshold)"
 mv "$conf" "$conf.away"
 hang_up

@@ -402,6 +402,31 @@ static void light_is_followed(void **state)
 	pipeline_destroy(&pipeline);
 }
 
+/* Threads, kernel and patch of ground: all of the new ones or none. */
+static void a_change_that_fails_changes_nothing(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct pipeline pipeline = made(&settings);
+	const struct compositor *const compositor = pipeline.compositor;
+	const struct pool *const pool = pipeline.pool;
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	settings.threads = 3;
+	settings.gain = 2;
+	settings.patch = (struct pipeline_patch){.x = 4000, .width = 8, .height = 8};
+	assert_int_equal(pipeline_change(&pipeline, &settings, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "ground_patch: reaches to 4008, 8"));
+	assert_ptr_equal(pipeline.compositor, compositor);
+	assert_ptr_equal(pipeline.pool, pool);
+	assert_true(pipeline.settings.gain == plain().gain);
+	settings.patch.width = 0;
+	assert_int_equal(pipeline_change(&pipeline, &settings, &fault), 0);
+	assert_int_equal(pool_threads(pipeline.pool), 3);
+	assert_true(pipeline.settings.gain == 2);
+	pipeline_destroy(&pipeline);
+}
+
 /* Of two pixels of half a light each: what may go is what changes neither by more. */
 static void a_percentage_of_white_may_change(void **state)
 {
@@ -438,6 +463,7 @@ int main(void)
 		cmocka_unit_test(what_does_not_fit_is_said),
 		cmocka_unit_test(another_size_of_sky),
 		cmocka_unit_test(light_is_followed),
+		cmocka_unit_test(a_change_that_fails_changes_nothing),
 		cmocka_unit_test(a_percentage_of_white_may_change),
 	};
 

@@ -237,6 +237,28 @@ static void writes_no_further(void **state)
 	canvas_free(&from);
 }
 
+/* A pool with more threads than the one it was made ready for: each has its own scratch. */
+static void has_room_for_more_threads(void **state)
+{
+	struct chance chance = chance_begin("has_room_for_more_threads");
+	struct canvas from = noise(&chance, 40, 300), to = noise(&chance, 50, 290);
+	struct picture picture = whole(&from, false, false);
+	struct scaler scaler = {.scratch = NULL};
+	struct pool *pool;
+
+	(void)state;
+	assert_int_equal(pool_create(&pool, 5), 0);
+	assert_int_equal(scaler_fit(&scaler, 40, 300, 50, 290, NULL), 0);
+	assert_int_equal(scaler.workers, 1);
+	assert_int_equal(scaler_fit(&scaler, 40, 300, 50, 290, pool), 0);
+	assert_int_equal(scaler.workers, 5);
+	scaler_run(&scaler, pool, &picture, 0, 50, to.pixels, to.stride);
+	scaler_free(&scaler);
+	pool_destroy(pool);
+	canvas_free(&from);
+	canvas_free(&to);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -246,6 +268,7 @@ int main(void)
 		cmocka_unit_test(threads_change_nothing),
 		cmocka_unit_test(columns_are_those_of_the_whole),
 		cmocka_unit_test(writes_no_further),
+		cmocka_unit_test(has_room_for_more_threads),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
