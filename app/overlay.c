@@ -40,7 +40,6 @@ void overlay_information(struct overlay *overlay, const char *text)
 	if (!say(&overlay->information, text ? text : ""))
 		return;
 	overlay->information_drawn = false;
-	overlay->changed = true;
 }
 
 void overlay_troubles(struct overlay *overlay, const char (*texts)[OVERLAY_TEXT_MAX], int count)
@@ -56,7 +55,6 @@ void overlay_troubles(struct overlay *overlay, const char (*texts)[OVERLAY_TEXT_
 		return;
 	overlay->trouble_count = count;
 	overlay->troubles_drawn = false;
-	overlay->changed = true;
 }
 
 /* ---- drawing ---- */
@@ -110,7 +108,6 @@ static int draw_panels(struct overlay *overlay, int width, int height)
 	if (err)
 		return err;
 	overlay->troubles_drawn = true;
-	overlay->changed = false;
 	return 0;
 }
 
@@ -131,19 +128,15 @@ int overlay_draw(struct overlay *overlay, const struct display_buffer *screen)
 	int err;
 
 	if (!overlay->drawn) {
-		if (!*overlay->information && !overlay->trouble_count) {
-			overlay->changed = false;
+		if (!*overlay->information && !overlay->trouble_count)
 			return 0;
-		}
 		err = create_drawn(overlay);
 		if (err)
 			return err;
 	}
 	drawn = overlay->drawn;
-	if (!drawn->troubles) {
-		overlay->changed = false;
+	if (!drawn->troubles)
 		return 0;
-	}
 	if (drawn->width != screen->width || drawn->height != screen->height)
 		overlay->information_drawn = overlay->troubles_drawn = false;
 	drawn->width = screen->width;

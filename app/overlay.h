@@ -21,7 +21,6 @@ struct overlay {
 	char information[OVERLAY_TEXT_MAX]; /* empty: not shown */
 	char trouble[OVERLAY_TROUBLES_MAX][OVERLAY_TEXT_MAX];
 	int trouble_count;
-	bool changed; /* since it was drawn last */
 	/* Private: */
 	bool information_drawn, troubles_drawn; /* as they are */
 	struct overlay_drawn *drawn;		/* and for which size of screen */
