@@ -157,7 +157,7 @@ static void is_drawn_only_when_it_changes(void **state)
 	for (int i = 0; i < 50; i++) {
 		overlay_information(&overlay, figures);
 		give_troubles(&overlay, 3);
-			assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
+		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	}
 	assert_int_equal(lines_drawn, before);
 	overlay_information(&overlay, "lights 1 of 2"); /* the other panel stands */
