@@ -187,8 +187,10 @@ static struct onward choose(struct transport *t, int depth, struct v3 other, flo
  */
 static struct v3 direction_below(struct v3 n, float u, float v)
 {
-	const struct v3 down = v3_unit(v3_sub(v3_scale(n, n.z), v3_make(0, 0, 1)));
-	const struct v3 across = v3_cross(n, down);
+	/* Of a surface that looks straight down every way is down the slope. */
+	const float level = hypotf(n.x, n.y);
+	const float x = level > 0 ? n.x / level : 1, y = level > 0 ? n.y / level : 0;
+	const struct v3 down = v3_make(x * n.z, y * n.z, -level), across = v3_cross(n, down);
 	float a, b, chord;
 
 	disc_from_square(u, v, &a, &b);

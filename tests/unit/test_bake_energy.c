@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include "bake/random.h"
 #include "bake/truth.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
@@ -236,6 +237,65 @@ static void test_form_factor(void **state)
 	assert_true(fabs(v[0] - 1) < 1e-4); /* the zenith's cell lies behind it */
 	assert_true(fabs(v[405]) < 1e-4);   /* the horizon's does not */
 	basis_close(&basis);
+}
+
+/* Where light of everywhere that leaves the middle of the ground ends, by paths of its own: ground
+ * of albedo 1/2, over it a square plate that looks straight down. */
+static double below_a_plate(double half_side, double height, double albedo)
+{
+	struct random random = {5};
+	const int paths = 400000;
+	double sum = 0;
+
+	for (int k = 0; k < paths; k++) {
+		double at[2] = {0, 0}, weight = 1;
+
+		for (int bounce = 0; weight > 1e-6; bounce++) {
+			const double r = sqrt((double)random_next(&random));
+			const double phi = 2 * M_PI * (double)random_next(&random);
+
+			at[0] += height * r * cos(phi) / sqrt(fmax(1 - r * r, 1e-12));
+			at[1] += height * r * sin(phi) / sqrt(fmax(1 - r * r, 1e-12));
+			if (bounce % 2 == 0 && fmax(fabs(at[0]), fabs(at[1])) > half_side) {
+				sum += weight;
+				break;
+			}
+			weight *= bounce % 2 ? 0.5 : albedo;
+		}
+	}
+	return sum / paths;
+}
+
+/* What looks straight down knows no way that is down its slope. Tilted by next to nothing it is the
+ * same plate. */
+static void test_looks_straight_down(void **state)
+{
+	static const char *const tilts[] = {"0 0 0", "0.01 0 0", "0 0.00001 0"};
+	const double want = below_a_plate(0.8, 0.5, 0.8);
+
+	(void)state;
+	baking_write("plate.obj", "v -0.8 -0.8 0\nv 0.8 -0.8 0\nv 0.8 0.8 0\nv -0.8 0.8 0\n"
+				  "f 4 3 2 1\n");
+	for (int k = 0; k < 3; k++) {
+		struct basis basis;
+		double got = 0;
+
+		baking_write("plate.ini",
+			     "[camera]\nposition = 0 -0.9 0.25\nlook_at = 0 0 0\nfield_deg = 2\n"
+			     "width = 4\nheight = 4\n[dome]\nfrequency = 4\n[render]\n"
+			     "samples = 256\nbounces = 32\n[ground]\nmaterial = half\n"
+			     "[object plate]\nfile = plate.obj\nup = z\nposition = 0 0 0.5\n"
+			     "rotate = %s\nmaterial = bright\n[material bright]\n"
+			     "colour = 0.8 0.8 0.8\n[material half]\ncolour = 0.5 0.5 0.5\n",
+			     tilts[k]);
+		basis = baking_bake("plate.ini");
+		for (int p = 0; p < 16; p++)
+			got += baking_ratio(&basis, p % 4, p / 4, 1, NULL) / 16;
+		basis_close(&basis);
+		print_message("# below a plate turned by %s: %.4f, expected %.4f\n", tilts[k], got,
+			      want);
+		assert_true(fabs(got - want) < 0.006);
+	}
 }
 
 /* ---- directions ---- */
@@ -504,12 +564,13 @@ static void test_fisheye_energy(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_glossy_conserves),  cmocka_unit_test(test_glossy_samples),
-		cmocka_unit_test(test_white_furnace),	  cmocka_unit_test(test_glass_furnace),
-		cmocka_unit_test(test_half_sky),	  cmocka_unit_test(test_ground_term),
-		cmocka_unit_test(test_form_factor),	  cmocka_unit_test(test_mirror),
-		cmocka_unit_test(test_standin_is_ground), cmocka_unit_test(test_standin_hides),
-		cmocka_unit_test(test_truth_agrees),	  cmocka_unit_test(test_fisheye_energy),
+		cmocka_unit_test(test_glossy_conserves), cmocka_unit_test(test_glossy_samples),
+		cmocka_unit_test(test_white_furnace),	 cmocka_unit_test(test_glass_furnace),
+		cmocka_unit_test(test_half_sky),	 cmocka_unit_test(test_ground_term),
+		cmocka_unit_test(test_form_factor),	 cmocka_unit_test(test_looks_straight_down),
+		cmocka_unit_test(test_mirror),		 cmocka_unit_test(test_standin_is_ground),
+		cmocka_unit_test(test_standin_hides),	 cmocka_unit_test(test_truth_agrees),
+		cmocka_unit_test(test_fisheye_energy),
 	};
 
 	return cmocka_run_group_tests(tests, baking_begin, baking_end);
