@@ -11,6 +11,7 @@
 #include "hal/frame.h"
 #include "hal/image/image.h"
 #include "hal/lights/lights_file.h"
+#include "hal/output.h"
 
 const char *const still_mode_names[] = {"fast", "exact", "reference", NULL};
 
@@ -227,8 +228,13 @@ static int work(struct still *s, struct fault *fault)
 {
 	const struct still_settings *settings = s->settings;
 	struct pipeline_settings pipeline = pipeline_settings_of(settings->config);
-	int err = open_basis(s, fault);
+	const char *const outputs[] = {settings->out, settings->lights_out};
+	const char *const read[] = {settings->basis, settings->background, settings->fisheye,
+				    settings->lights};
+	int err = output_check(outputs, 2, read, 4, fault);
 
+	if (!err)
+		err = open_basis(s, fault);
 	if (err)
 		return err;
 	pipeline.mode = settings->mode == STILL_EXACT ? COMPOSITOR_EXACT : COMPOSITOR_FAST;

@@ -11,6 +11,7 @@
 #include "bake/export_radiance.h"
 #include "bake/msi.h"
 #include "hal/log.h"
+#include "hal/output.h"
 
 enum {
 	MSI = 1,
@@ -137,8 +138,10 @@ static int export_msi(const char *path, const struct choices *c, struct fault *f
 	struct thesis *thesis = NULL;
 	struct pool *pool = NULL;
 	struct basis basis;
-	int err = basis_open(&basis, path, BASIS_ALL, fault);
+	int err = output_check(&c->to, 1, &path, 1, fault);
 
+	if (!err)
+		err = basis_open(&basis, path, BASIS_ALL, fault);
 	if (err)
 		return err;
 	layer = basis.poses[0].exact.tiles ? &basis.poses[0].exact : &basis.poses[0].shown;

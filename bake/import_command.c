@@ -14,6 +14,7 @@
 #include "bake/pictures.h"
 #include "bake/scene_file.h"
 #include "hal/log.h"
+#include "hal/output.h"
 
 enum {
 	OBJECT = 1,
@@ -192,8 +193,11 @@ static int run_import(const struct choices *c, struct fault *fault)
 {
 	struct dome dome;
 	int *place;
-	int err = angles_read(c->angles, &dome, &place, fault);
+	const char *const read[] = {c->angles, c->msi, c->pictures.mask};
+	int err = output_check(&c->output, 1, read, 3, fault);
 
+	if (!err)
+		err = angles_read(c->angles, &dome, &place, fault);
 	if (err)
 		return err;
 	err = c->msi ? import_msi(c, &dome, place, fault) : import_pictures(c, &dome, place, fault);

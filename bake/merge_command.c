@@ -10,6 +10,7 @@
 #include "bake/peaks.h"
 #include "bake/shard.h"
 #include "hal/log.h"
+#include "hal/output.h"
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},
@@ -131,8 +132,10 @@ static int run_merge(const char *output, char **paths, int count, struct fault *
 	struct shards all = {.count = 0};
 	struct assembly *assembly = NULL;
 	struct assembly_report report;
-	int err = open_all(&all, paths, count, fault);
+	int err = output_check(&output, 1, (const char *const *)paths, count, fault);
 
+	if (!err)
+		err = open_all(&all, paths, count, fault);
 	if (!err)
 		err = assembly_open(&assembly, &all.shard[0].plan, output, fault);
 	if (!err)

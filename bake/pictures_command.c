@@ -11,6 +11,7 @@
 #include "bake/progress.h"
 #include "bake/truth.h"
 #include "hal/log.h"
+#include "hal/output.h"
 
 enum {
 	OBJECT = 1,
@@ -145,11 +146,13 @@ static int render_lights(const struct choices *c, const struct scene *scene,
 }
 
 /* Before the first of many is rendered. */
-static int check_names(const struct choices *c, struct fault *fault)
+static int check_names(const char *path, const struct choices *c, struct fault *fault)
 {
 	const char *const names[] = {c->object, c->ground, c->alone, c->coverage};
+	char first[3][PATH_MAX];
+	const char *outputs[4] = {NULL, NULL, NULL, c->coverage};
 
-	for (size_t i = 0; i < sizeof(names) / sizeof(*names); i++) {
+	for (int i = 0; i < 4; i++) {
 		const int kind = names[i] ? image_name_linear(names[i], fault) : 1;
 
 		if (kind < 0)
@@ -160,14 +163,20 @@ static int check_names(const struct choices *c, struct fault *fault)
 					 "of .pfm or .hdr",
 					 names[i]);
 	}
-	return 0;
+	for (int i = 0; i < 3; i++) {
+		if (names[i] && picture_name(names[i], 0, first[i], sizeof(first[i])))
+			return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long",
+					 names[i]);
+		outputs[i] = names[i] ? first[i] : NULL;
+	}
+	return output_check(outputs, 4, &path, 1, fault);
 }
 
 static int run_pictures(const char *path, const struct choices *c, struct fault *fault)
 {
 	struct scene *scene;
 	struct dome dome;
-	int err = check_names(c, fault);
+	int err = check_names(path, c, fault);
 
 	if (!err)
 		err = scene_open(&scene, path, c->width, c->height, fault);

@@ -10,6 +10,7 @@
 #include "bake/render.h"
 #include "hal/log.h"
 #include "hal/optics/dome.h"
+#include "hal/output.h"
 
 enum {
 	FREQUENCY = 1,
@@ -156,6 +157,24 @@ static void print_report(const struct choices *c, const struct render_report *re
 	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max);
 }
 
+/* The basis file is none of those that it is made of. */
+static int check_output(const struct scene_file *file, const char *path, const char *output,
+			struct fault *fault)
+{
+	const char *read[2 + SCENE_MESHES_MAX + SCENE_KEYFRAMES_MAX + SCENE_MATERIALS_MAX];
+	int count = 0;
+
+	read[count++] = path;
+	read[count++] = file->camera.file;
+	for (int k = 0; k < file->mesh_count; k++)
+		read[count++] = file->mesh[k].file;
+	for (int k = 0; k < file->keyframe_count; k++)
+		read[count++] = file->keyframe[k].file;
+	for (int k = 0; k < file->material_count; k++)
+		read[count++] = file->material[k].texture;
+	return output_check(&output, 1, read, count, fault);
+}
+
 static int bake(const char *path, const struct choices *c)
 {
 	struct fault fault = {.text = ""};
@@ -167,7 +186,9 @@ static int bake(const char *path, const struct choices *c)
 	if (!err) {
 		settings = render_settings_of(scene);
 		override(&settings, c);
-		err = render_run(scene, &settings, c->output, &report, &fault);
+		err = check_output(scene->file, path, c->output, &fault);
+		if (!err)
+			err = render_run(scene, &settings, c->output, &report, &fault);
 		scene_close(scene);
 	}
 	if (err) {

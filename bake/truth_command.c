@@ -9,6 +9,7 @@
 #include "bake/commands.h"
 #include "bake/truth.h"
 #include "hal/log.h"
+#include "hal/output.h"
 #include "hal/transfer.h"
 
 #define FISHEYE_SIDE 1024
@@ -245,17 +246,18 @@ static int trace(const struct choices *c, const struct scene *scene,
 }
 
 /* Before minutes are spent on what cannot be written. */
-static int check_names(const struct choices *c, struct fault *fault)
+static int check_names(const char *path, const struct choices *c, struct fault *fault)
 {
 	const char *const names[] = {c->output, c->background_out, c->fisheye_out};
+	const char *const read[] = {path, c->panorama, c->background};
 
-	for (size_t i = 0; i < sizeof(names) / sizeof(*names); i++) {
+	for (int i = 0; i < 3; i++) {
 		const int kind = names[i] ? image_name_linear(names[i], fault) : 0;
 
 		if (kind < 0)
 			return kind;
 	}
-	return 0;
+	return output_check(names, 3, read, 3, fault);
 }
 
 static int run_truth(const char *path, struct choices *c, struct fault *fault)
@@ -263,7 +265,7 @@ static int run_truth(const char *path, struct choices *c, struct fault *fault)
 	struct image picture = {.width = 0};
 	struct panorama panorama = {.image = &picture};
 	struct scene *scene;
-	int err = check_names(c, fault);
+	int err = check_names(path, c, fault);
 
 	if (!err)
 		err = scene_open(&scene, path, c->width, c->height, fault);

@@ -2,6 +2,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -114,6 +116,56 @@ int output_open(struct output *out, const char *path, struct fault *fault)
 		if (*out->temporary)
 			unlink(out->temporary);
 		return fault_say(fault, ret, "%s: cannot be written: %s", path, strerror(-ret));
+	}
+	return 0;
+}
+
+/* One that is there: the same file. One that is not yet: the same name in the same folder. */
+static bool same_file(const char *a, const char *b)
+{
+	char folder[2][PATH_MAX];
+	struct stat s[2];
+	const int there = stat(a, &s[0]) == 0;
+
+	if (there != (stat(b, &s[1]) == 0) || strlen(a) >= PATH_MAX || strlen(b) >= PATH_MAX)
+		return false;
+	if (there)
+		return s[0].st_dev == s[1].st_dev && s[0].st_ino == s[1].st_ino;
+	folder_of(a, folder[0]);
+	folder_of(b, folder[1]);
+	return !strcmp(basename(a), basename(b)) && stat(folder[0], &s[0]) == 0 &&
+	       stat(folder[1], &s[1]) == 0 && s[0].st_dev == s[1].st_dev &&
+	       s[0].st_ino == s[1].st_ino;
+}
+
+/* Opens it as if to write it, and lets it go. */
+static int try_output(const char *path, struct fault *fault)
+{
+	struct output out;
+	const int ret = output_open(&out, path, fault);
+
+	output_abandon(&out);
+	return ret;
+}
+
+int output_check(const char *const *outputs, int count, const char *const *inputs, int input_count,
+		 struct fault *fault)
+{
+	for (int i = 0; i < count; i++) {
+		int ret = outputs[i] ? try_output(outputs[i], fault) : 0;
+
+		for (int k = 0; outputs[i] && !ret && k < input_count; k++)
+			if (inputs[k] && same_file(outputs[i], inputs[k]))
+				ret = fault_say(fault, -EINVAL,
+						"%s: is read, expected another name to write",
+						outputs[i]);
+		for (int k = 0; outputs[i] && !ret && k < i; k++)
+			if (outputs[k] && same_file(outputs[i], outputs[k]))
+				ret = fault_say(fault, -EINVAL,
+						"%s: is to be written twice, expected two names",
+						outputs[i]);
+		if (ret)
+			return ret;
 	}
 	return 0;
 }

@@ -17,6 +17,14 @@ struct output {
 	char temporary[PATH_MAX]; /* empty while the file has no name */
 };
 
+/*
+ * Before a command spends time on them: that each output can be written where it is to go, and is
+ * neither another output nor one of the files that are read. NULLs are passed over. -errno with a
+ * fault naming the path.
+ */
+int output_check(const char *const *outputs, int count, const char *const *inputs, int input_count,
+		 struct fault *fault);
+
 /* -errno with a fault naming the path when the folder is missing or cannot be written. */
 int output_open(struct output *out, const char *path, struct fault *fault);
 

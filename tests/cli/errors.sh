@@ -119,4 +119,31 @@ refused "a screen's file in no folder" 1 "nowhere" "$INLAY" run --config "$work/
 run "a camera's picture of the wrong size" "the background is 64x32 pixels, expected 48x32" \
 	--set camera.background.width=64
 
+# ---- what is read is not written over ----
+kept() { # NAME FILE COMMAND...: refused, and FILE is what it was
+	local name=$1 file=$2
+	shift 2
+	cp "$file" "$work/before"
+	refused "$name" 1 "is read, expected another name to write" "$@"
+	same "$name: it is what it was" "$work/before" "$file"
+}
+mesh=$(sed -n 's/^file *= *//p' "$work/box.scene" | head -n 1)
+pfm "$work/sky.pfm" '\0\0\200\077'
+kept "a still over its background" "$work/background.png" \
+	"$INLAY" still --config "$work/studio.conf" "${pictures[@]}" -o "$work/background.png"
+kept "an export over its basis" "$work/box.inlay" \
+	"$INLAY_BAKE" export "$work/box.inlay" --msi "$work/box.inlay"
+kept "a bake over its scene" "$work/box.scene" \
+	"$INLAY_BAKE" render "$work/box.scene" -o "$work/box.scene"
+kept "a bake over its mesh" "$work/$mesh" "$INLAY_BAKE" render "$work/box.scene" -o "$work/$mesh"
+kept "a truth over its panorama" "$work/sky.pfm" \
+	"$INLAY_BAKE" truth "$work/box.scene" --panorama "$work/sky.pfm" -o "$work/sky.pfm"
+refused "two outputs of one name" 1 "is to be written twice" "$INLAY_BAKE" truth "$work/box.scene" \
+	--panorama "$work/sky.pfm" -o "$work/one.pfm" --fisheye-out "$work/./one.pfm"
+absent "two outputs of one name: neither is written" "$work/one.pfm"
+refused "no folder for the last of two outputs" 1 "nowhere/out.png" \
+	"$INLAY" still --config "$work/studio.conf" "${pictures[@]}" -o "$work/nowhere/out.png" \
+	--lights-out "$work/lights.txt"
+absent "the first is not written either" "$work/lights.txt"
+
 finish

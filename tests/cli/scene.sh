@@ -50,8 +50,8 @@ differ() {
 		pass "$1"
 	fi
 }
-# refused NAME CODE WORDS COMMAND...: exits with CODE, says one line that begins with "inlay: " and
-# holds WORDS, on stderr and nothing on stdout.
+# refused NAME CODE WORDS COMMAND...: exits with CODE, says one line that begins with the name of one of
+# our programs and holds WORDS, on stderr and nothing on stdout.
 refused() {
 	local name=$1 code=$2 words=$3 out err is
 	shift 3
@@ -61,8 +61,8 @@ refused() {
 	if [ $is -ne "$code" ]; then
 		fail "$name" < <(printf '%s\n' "exit code $is, expected $code, of: $*" "$err")
 	elif [ -n "$out" ] || [ "$(grep -c '' "$work/stderr")" -ne 1 ] ||
-		[[ $err != "inlay: "*"$words"* ]]; then
-		fail "$name" < <(printf '%s\n' "expected one line: inlay: ... $words" \
+		[[ ! $err =~ ^inlay(-bake|-calibrate)?:\  || $err != *"$words"* ]]; then
+		fail "$name" < <(printf '%s\n' "expected one line: inlay...: ... $words" \
 			"stderr: $err" "stdout: $out")
 	else
 		pass "$name"

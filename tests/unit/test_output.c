@@ -288,6 +288,42 @@ static void killed_without_trace(void **state)
 	assert_int_equal(files_in_folder(), 0);
 }
 
+/* Before anything is done: no output takes an input's place, nor another output's. */
+static void checked_before(void **state)
+{
+	char input[PATH_MAX], hard[PATH_MAX], soft[PATH_MAX], fresh[PATH_MAX], again[PATH_MAX];
+	struct fault fault = {.text = ""};
+	const char *const read[] = {NULL, input};
+	FILE *stream;
+
+	(void)state;
+	strcpy(input, own_path("in"));
+	strcpy(hard, own_path("hard"));
+	strcpy(soft, own_path("soft"));
+	strcpy(fresh, own_path("out"));
+	strcpy(again, own_path("./out"));
+	stream = fopen(input, "w");
+	assert_non_null(stream);
+	assert_int_equal(fclose(stream), 0);
+	assert_int_equal(link(input, hard), 0);
+	assert_int_equal(symlink(input, soft), 0);
+	assert_int_equal(output_check((const char *[]){fresh, NULL, hard}, 2, read, 2, &fault), 0);
+	for (int k = 0; k < 3; k++) {
+		const char *const out[] = {fresh, k == 0 ? input : k == 1 ? hard : soft};
+
+		assert_int_equal(output_check(out, 2, read, 2, &fault), -EINVAL);
+		assert_non_null(strstr(fault.text, "is read, expected another name"));
+	}
+	assert_int_equal(output_check((const char *[]){fresh, again}, 2, read, 2, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "written twice"));
+	assert_int_equal(output_check((const char *[]){own_path("no/out")}, 1, read, 2, &fault),
+			 -ENOENT);
+	assert_int_equal(files_in_folder(), 3);
+	unlink(input);
+	unlink(hard);
+	unlink(soft);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -298,6 +334,7 @@ int main(void)
 		cmocka_unit_test(killed_without_trace),
 		cmocka_unit_test(links_are_followed),
 		cmocka_unit_test(refused),
+		cmocka_unit_test(checked_before),
 		cmocka_unit_test(lines_stay_whole),
 		cmocka_unit_test(levels_and_long_lines),
 	};
