@@ -4,6 +4,13 @@
 
 #include "app/kiosk_parts.h"
 
+/* What waiting does not mend: another kiosk there, no such group, a name that is too long or
+ * another file's. */
+static bool is_mistake(int err)
+{
+	return err == -EADDRINUSE || err == -EINVAL || err == -ENAMETOOLONG || err == -EEXIST;
+}
+
 int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault)
 {
 	const struct config_control *control = &k->config->control;
@@ -13,7 +20,7 @@ int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault)
 	if (k->control || !*control->socket)
 		return 0;
 	err = control_open(&k->control, control->socket, control->group, &reason);
-	if (first && (err == -EADDRINUSE || err == -EINVAL))
+	if (first && is_mistake(err))
 		return fault_say(fault, err, "%s", reason.text);
 	kiosk_complain(&k->control_said, "control", err ? &reason : NULL);
 	return 0;

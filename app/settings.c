@@ -51,6 +51,7 @@ int settings_read(const struct settings *settings, struct config **config,
 		if (err && !first)
 			first = err;
 	}
-	err = config_read_files(*config, report);
+	/* One that is not there is a fault like others: what else is wrong can still be told. */
+	err = config_read_files(*config, report) ? -EINVAL : 0;
 	return first ? first : err;
 }

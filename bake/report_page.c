@@ -3,15 +3,20 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "hal/log.h"
 #include "hal/output.h"
+
+#define TEMPORARY ".part-XXXXXX"
+#define LEFTOVERS ".part-??????"
 
 /* ---- folders ---- */
 
@@ -40,6 +45,43 @@ static void remove_folder(const char *folder)
 	closedir(dir);
 	if (rmdir(folder))
 		log_warning("%s is left: it holds files that are no report's", folder);
+}
+
+/* Before a folder's writer ends, nobody else gets this lock. -1: somebody has it. */
+static int lock_folder(const char *folder)
+{
+	const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+
+	if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB)) {
+		close(fd);
+		return -1;
+	}
+	return fd;
+}
+
+/* What runs that were interrupted have left of this folder. */
+static void remove_leftovers(const char *folder)
+{
+	char pattern[PATH_MAX + sizeof(TEMPORARY)], *to = pattern;
+	glob_t found;
+
+	for (const char *c = folder; *c && to < pattern + PATH_MAX - 2; c++) {
+		if (strchr("*?[\\", *c))
+			*to++ = '\\';
+		*to++ = *c;
+	}
+	strcpy(to, LEFTOVERS);
+	if (glob(pattern, 0, NULL, &found))
+		return;
+	for (size_t k = 0; k < found.gl_pathc; k++) {
+		const int fd = lock_folder(found.gl_pathv[k]);
+
+		if (fd < 0)
+			continue;
+		remove_folder(found.gl_pathv[k]);
+		close(fd);
+	}
+	globfree(&found);
 }
 
 /* Empty or an earlier report. */
@@ -73,14 +115,15 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 	size_t length = strlen(folder);
 	int err;
 
-	*page = (struct report_page){.head = NULL};
+	*page = (struct report_page){.lock = -1};
 	while (length > 1 && folder[length - 1] == '/')
 		length--;
 	snprintf(page->folder, sizeof(page->folder), "%.*s", (int)length, folder);
 	err = check_folder(page->folder, fault);
 	if (err)
 		return err;
-	if (snprintf(page->temporary, sizeof(page->temporary), "%s.part-XXXXXX", page->folder) >=
+	remove_leftovers(page->folder);
+	if (snprintf(page->temporary, sizeof(page->temporary), "%s" TEMPORARY, page->folder) >=
 	    (int)sizeof(page->temporary)) {
 		page->temporary[0] = '\0';
 		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", folder);
@@ -91,6 +134,7 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 		return fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
 	}
 	chmod(page->temporary, 0755);
+	page->lock = lock_folder(page->temporary);
 	page->head = open_memstream(&page->head_text, &page->head_bytes);
 	page->body = open_memstream(&page->body_text, &page->body_bytes);
 	if (!page->head || !page->body) {
@@ -118,6 +162,9 @@ void report_page_abandon(struct report_page *page)
 	if (page->temporary[0])
 		remove_folder(page->temporary);
 	page->temporary[0] = '\0';
+	if (page->lock > 0)
+		close(page->lock);
+	page->lock = 0;
 }
 
 /* ---- parts ---- */

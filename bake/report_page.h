@@ -20,6 +20,7 @@ struct report_page {
 	char temporary[PATH_MAX]; /* where everything goes until then; empty: nothing is open */
 	FILE *head;		  /* what comes first, but is known last: title and summary */
 	FILE *body;
+	int lock; /* of that folder, held while it is written; 0, -1: none */
 	char *head_text, *body_text;
 	size_t head_bytes, body_bytes;
 };

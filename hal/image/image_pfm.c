@@ -58,7 +58,8 @@ static bool take_header(const struct image_source *source, struct pfm_header *he
 	header->height = strtoll(height, &stop[1], 10);
 	factor = strtod(scale, &stop[2]);
 	header->little = factor < 0;
-	header->samples = at;
+	/* Some programs end lines with two characters. */
+	header->samples = at + (at[-1] == '\r' && at < end && *at == '\n');
 	return !*stop[0] && !*stop[1] && !*stop[2] && (factor < 0 || factor > 0);
 }
 

@@ -54,6 +54,11 @@ refused "a kernel that there is not" 1 '[composite] kernel: this processor has n
 	"$INLAY" check --config "$work/studio.conf" --set composite.kernel=abacus
 refused "a patch of ground outside" 1 "[background] ground_patch: reaches to 60, 12, expected at most 48, 32" \
 	"$INLAY" check --config "$work/studio.conf" --set "background.ground_patch=40 2 20 10"
+printf '[fisheye]\nlens = %s\n[basis]\nfile = %s\n' "$work/none.ini" "$work/none.inlay" >"$work/both.conf"
+"$INLAY" check --config "$work/both.conf" 2>"$work/said"
+equal "a lens file that is not there is exit code 1" 1 $?
+check "and is named" grep -qF "none.ini" "$work/said"
+check "with what else is missing" grep -qF "none.inlay" "$work/said"
 refused "exact without the lights' own pictures" 1 "no exact layer" \
 	"$INLAY" check --config "$work/studio.conf" --set composite.mode=exact
 refused "no such configuration" 1 "none.conf: No such file or directory" \

@@ -48,6 +48,11 @@ refused "a value too many" 1 "view-next takes no value" tell view-next 3
 refused "a level that is none" 1 "expected one number 0..255" tell threshold-set 300
 refused "a second kiosk there" 1 "another kiosk listens" "$INLAY" run --config "$work/studio.conf" \
 	--set screen.driver=null --set "control.socket=$work/socket"
+refused "another file there" 1 "is there and no socket" "$INLAY" run --config "$work/studio.conf" \
+	--set screen.driver=null --frames 1 --set "control.socket=$work/studio.conf"
+refused "a name that no socket can have" 1 "is too long for a socket" "$INLAY" run \
+	--config "$work/studio.conf" --set screen.driver=null --frames 1 \
+	--set "control.socket=$work/$(printf '%0200d' 0)"
 equal "quit is answered" ok "$(tell quit)"
 wait $kiosk
 equal "and done" 0 $?

@@ -14,6 +14,11 @@ check "--version" "$INLAY_BAKE" report --version
 
 # ---- of a scene ----
 out=$work/report
+# What an interrupted run has left goes, what another that lives is writing does not.
+mkdir "$out.part-gone00" "$out.part-alive0"
+: >"$out.part-gone00/cut.csv"
+exec 7<"$out.part-alive0"
+flock 7
 check "report of a scene" report "$work/box.scene" -o "$out"
 for name in settings lights threshold input declared-error column-cut incremental kernels threads \
 	thesis-table thesis-threshold surroundings; do
@@ -24,6 +29,8 @@ for name in pareto lights-error lights-time threshold-error input-error error-me
 	check "plot $name" grep -q '</svg>' "$out/$name.svg"
 done
 equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
+check "what another writes is" rmdir "$out.part-alive0"
+exec 7<&-
 equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' ! -name '*.svg' \
 	! -name '*.png' ! -name report.html; find "$work" -maxdepth 1 -name 'report.part*')"
 

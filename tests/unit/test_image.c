@@ -340,6 +340,7 @@ static void pfm_by_hand(void **state)
 				  "\x3f\x80\0\0\x40\0\0\0\x3f\0\0\0"
 				  "\0\0\0\0\x3f\0\0\0\x3f\x80\0\0";
 	static const char grey[] = "Pf\n2 1\n-0.5\n\0\0\x80\x3f\0\0\0\x40";
+	static const char returns[] = "Pf\r\n2 1\r\n-0.5\r\n\0\0\x80\x3f\0\0\0\x40";
 	struct image image;
 
 	(void)state;
@@ -353,6 +354,10 @@ static void pfm_by_hand(void **state)
 	image_free(&image);
 	read_fine(grey, sizeof(grey) - 1, &image);
 	assert_int_equal(image.width, 2);
+	assert_pixel(&image, 0, 0, 1, 1, 1);
+	assert_pixel(&image, 1, 0, 2, 2, 2);
+	image_free(&image);
+	read_fine(returns, sizeof(returns) - 1, &image);
 	assert_pixel(&image, 0, 0, 1, 1, 1);
 	assert_pixel(&image, 1, 0, 2, 2, 2);
 	image_free(&image);
