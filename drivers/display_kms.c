@@ -7,6 +7,7 @@
  */
 #include <errno.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -194,12 +195,21 @@ static int light_up(struct display *display, struct fault *fault)
 	return 0;
 }
 
+/* Screens that stalled and that a thread still gives back. Until it has, it is this very program
+ * that holds the card, and nobody else is to be blamed for it. */
+static atomic_int releasing;
+
 static int kms_open(struct display *display, struct fault *fault)
 {
-	struct kms_screen *screen = calloc(1, sizeof(*screen));
+	struct kms_screen *screen;
 	const drmModeModeInfo *mode;
 	int err;
 
+	if (atomic_load(&releasing))
+		return fault_say(fault, -ETIMEDOUT,
+				 "kms display: the card still waits for the frame that was not "
+				 "shown, and shows nothing before it gives up");
+	screen = calloc(1, sizeof(*screen));
 	if (!screen)
 		return fault_say(fault, -ENOMEM, "kms display: not enough memory");
 	display->state = screen;
@@ -440,6 +450,7 @@ static int kms_dispatch(struct display *display, struct display_event *event, st
 static void *let_go_in_time(void *screen)
 {
 	kms_screen_release(screen);
+	atomic_fetch_sub(&releasing, 1);
 	return NULL;
 }
 
@@ -454,9 +465,13 @@ static int kms_close(struct display *display, struct fault *fault)
 	display->state = NULL;
 	/* The kernel waits ten seconds and more for a flip that never comes, whatever it is asked
 	 * to do with that card. The program does not wait with it. */
-	if (screen->stalled && !pthread_create(&thread, NULL, let_go_in_time, screen)) {
-		pthread_detach(thread);
-		return 0;
+	if (screen->stalled) {
+		atomic_fetch_add(&releasing, 1);
+		if (!pthread_create(&thread, NULL, let_go_in_time, screen)) {
+			pthread_detach(thread);
+			return 0;
+		}
+		atomic_fetch_sub(&releasing, 1);
 	}
 	err = kms_screen_release(screen);
 	return err ? fault_say(fault, err, "kms display: cannot give the screen back: %s",
