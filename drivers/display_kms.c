@@ -345,7 +345,7 @@ static int take_flips(struct kms_screen *screen)
 	return 0;
 }
 
-/* Whether the screen is there, and would be given the same mode again. */
+/* Whether the screen is there, gets its picture, and would be given the same mode again. */
 static int look(struct kms_screen *screen, const struct display *display, bool probe,
 		struct fault *fault)
 {
@@ -373,6 +373,13 @@ static int look(struct kms_screen *screen, const struct display *display, bool p
 		return fault_say(fault, -ESTALE,
 				 "kms display: the screen at %s has other modes now",
 				 screen->path.connector_name);
+	/* Flips go on as if nothing had happened, and nobody sees them. */
+	if (connector->link_failed)
+		return fault_say(
+			fault, -ESTALE,
+			"kms display: the link to the screen at %s has failed and is to be "
+			"set up anew",
+			screen->path.connector_name);
 	return 0;
 }
 

@@ -2,10 +2,23 @@
 
 #include "drivers/kms/kms.h"
 
+#define PROPERTIES_MAX 64 /* the kernel gives no object more */
+
+static bool has_failed(const struct kms_connector *connector, const uint32_t *ids,
+		       const uint64_t *values, uint32_t count)
+{
+	for (uint32_t i = 0; i < count && i < PROPERTIES_MAX && connector->link_property; i++)
+		if (ids[i] == connector->link_property)
+			return values[i] == DRM_MODE_LINK_STATUS_BAD;
+	return false;
+}
+
 /* Not with libdrm's drmModeGetConnector(), which allocates: this is asked while pictures flow. */
 int kms_connector_read(int card, uint32_t id, bool probe, struct kms_connector *connector)
 {
 	struct drm_mode_get_connector get = {.connector_id = id};
+	uint32_t ids[PROPERTIES_MAX];
+	uint64_t values[PROPERTIES_MAX];
 
 	connector->id = id;
 	/* To the kernel, no room for modes is the wish to probe. */
@@ -15,10 +28,14 @@ int kms_connector_read(int card, uint32_t id, bool probe, struct kms_connector *
 		.connector_id = id,
 		.count_modes = KMS_MODES_MAX,
 		.modes_ptr = (uintptr_t)connector->modes,
+		.count_props = PROPERTIES_MAX,
+		.props_ptr = (uintptr_t)ids,
+		.prop_values_ptr = (uintptr_t)values,
 	};
 	if (drmIoctl(card, DRM_IOCTL_MODE_GETCONNECTOR, &get))
 		return -errno;
 	connector->connection = get.connection;
+	connector->link_failed = has_failed(connector, ids, values, get.count_props);
 	/* More than there is room for are not given at all. */
 	if (get.count_modes > KMS_MODES_MAX)
 		return -E2BIG;

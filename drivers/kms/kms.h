@@ -126,7 +126,9 @@ enum { KMS_MODES_MAX = 256 };
 /* A connector's state, without allocating. */
 struct kms_connector {
 	uint32_t id;
-	unsigned connection; /* DRM_MODE_CONNECTED ... */
+	uint32_t link_property; /* to be set before: its property link-status; 0: it has none */
+	unsigned connection;	/* DRM_MODE_CONNECTED ... */
+	bool link_failed;	/* the screen gets no picture any more until its mode is set anew */
 	int count;
 	drmModeModeInfo modes[KMS_MODES_MAX];
 };
@@ -185,15 +187,15 @@ void kms_console_close(struct kms_console *console);	       /* text again; idemp
 
 /* ---- state.c ---- */
 
-/* The properties that set a picture up, by id. */
+/* The properties that set a picture up, by id; 0: the card has none such and need not. */
 struct kms_properties {
-	uint32_t connector_crtc, crtc_active, crtc_mode;
+	uint32_t connector_crtc, connector_link, crtc_active, crtc_mode;
 	uint32_t plane_fb, plane_crtc, plane_source[4], plane_target[4]; /* x, y, width, height */
 };
 
 /* Their values. What was there and what we set are both one of these. */
 struct kms_state {
-	uint64_t connector_crtc, crtc_active, crtc_mode;
+	uint64_t connector_crtc, connector_link, crtc_active, crtc_mode;
 	uint64_t plane_fb, plane_crtc, plane_source[4], plane_target[4];
 };
 

@@ -140,6 +140,7 @@ static int describe_mode(struct kms_screen *screen, struct fault *fault)
 		return kms_screen_refused(screen, err, "describe the mode", fault);
 	screen->ours = (struct kms_state){
 		.connector_crtc = screen->path.crtc,
+		.connector_link = DRM_MODE_LINK_STATUS_GOOD,
 		.crtc_active = 1,
 		.crtc_mode = blob,
 		.plane_crtc = screen->path.crtc,
@@ -195,6 +196,7 @@ int kms_screen_open(struct kms_screen *screen, const struct display_settings *se
 	if (err)
 		return err;
 	screen->kept = true;
+	screen->connector.link_property = screen->properties.connector_link;
 	err = create_buffers(screen, options->buffers, fault);
 	if (!err)
 		err = describe_mode(screen, fault);

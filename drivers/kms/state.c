@@ -4,27 +4,37 @@
 
 #include "drivers/kms/kms.h"
 
+enum need { NEEDED, OPTIONAL };
+
 /* Where a property belongs, its name, and where its id and value go. */
 struct property_row {
 	uint32_t kind; /* DRM_MODE_OBJECT_... */
 	const char *name;
 	size_t id, value;
+	enum need need;
 };
 
-#define ROW(kind, name, field)                                                                     \
+#define ROW(kind, name, field, need)                                                               \
 	{                                                                                          \
 		DRM_MODE_OBJECT_##kind, name, offsetof(struct kms_properties, field),              \
-			offsetof(struct kms_state, field)                                          \
+			offsetof(struct kms_state, field), need                                    \
 	}
 
 static const struct property_row rows[] = {
-	ROW(CONNECTOR, "CRTC_ID", connector_crtc), ROW(CRTC, "ACTIVE", crtc_active),
-	ROW(CRTC, "MODE_ID", crtc_mode),	   ROW(PLANE, "FB_ID", plane_fb),
-	ROW(PLANE, "CRTC_ID", plane_crtc),	   ROW(PLANE, "SRC_X", plane_source[0]),
-	ROW(PLANE, "SRC_Y", plane_source[1]),	   ROW(PLANE, "SRC_W", plane_source[2]),
-	ROW(PLANE, "SRC_H", plane_source[3]),	   ROW(PLANE, "CRTC_X", plane_target[0]),
-	ROW(PLANE, "CRTC_Y", plane_target[1]),	   ROW(PLANE, "CRTC_W", plane_target[2]),
-	ROW(PLANE, "CRTC_H", plane_target[3]),
+	ROW(CONNECTOR, "CRTC_ID", connector_crtc, NEEDED),
+	ROW(CONNECTOR, "link-status", connector_link, OPTIONAL),
+	ROW(CRTC, "ACTIVE", crtc_active, NEEDED),
+	ROW(CRTC, "MODE_ID", crtc_mode, NEEDED),
+	ROW(PLANE, "FB_ID", plane_fb, NEEDED),
+	ROW(PLANE, "CRTC_ID", plane_crtc, NEEDED),
+	ROW(PLANE, "SRC_X", plane_source[0], NEEDED),
+	ROW(PLANE, "SRC_Y", plane_source[1], NEEDED),
+	ROW(PLANE, "SRC_W", plane_source[2], NEEDED),
+	ROW(PLANE, "SRC_H", plane_source[3], NEEDED),
+	ROW(PLANE, "CRTC_X", plane_target[0], NEEDED),
+	ROW(PLANE, "CRTC_Y", plane_target[1], NEEDED),
+	ROW(PLANE, "CRTC_W", plane_target[2], NEEDED),
+	ROW(PLANE, "CRTC_H", plane_target[3], NEEDED),
 };
 
 #define ROWS (sizeof(rows) / sizeof(rows[0]))
@@ -45,8 +55,10 @@ static bool find_property(int card, const drmModeObjectProperties *list, const c
 		drmModePropertyRes *property = drmModeGetProperty(card, list->props[i]);
 
 		found = property && !strcmp(property->name, name);
-		*id = list->props[i];
-		*value = list->prop_values[i];
+		if (found) {
+			*id = list->props[i];
+			*value = list->prop_values[i];
+		}
 		drmModeFreeProperty(property);
 	}
 	return found;
@@ -78,11 +90,13 @@ int kms_state_read(const struct kms_path *path, struct kms_properties *propertie
 		const bool found = list && find_property(path->card, list, rows[i].name, id, value);
 
 		drmModeFreeObjectProperties(list);
-		if (!found)
+		if (!found && rows[i].need == NEEDED)
 			return fault_say(fault, -ENOTSUP,
 					 "kms display: %s: the card has no property %s",
 					 path->connector_name, rows[i].name);
 	}
+	/* To have failed is not a state that can be asked for. */
+	state->connector_link = DRM_MODE_LINK_STATUS_GOOD;
 	err = copy_mode(path->card, &state->crtc_mode);
 	return err ? fault_say(fault, err, "kms display: cannot keep the present mode: %s",
 			       strerror(-err))
@@ -99,9 +113,11 @@ int kms_state_commit(const struct kms_path *path, const struct kms_properties *p
 	for (size_t i = 0; i < ROWS && !err; i++) {
 		const uint32_t id = *(const uint32_t *)((const char *)properties + rows[i].id);
 		const uint64_t value = *(const uint64_t *)((const char *)state + rows[i].value);
-		const int added = drmModeAtomicAddProperty(request, object_of(path, rows[i].kind),
-							   id, value);
+		int added = 0;
 
+		if (id)
+			added = drmModeAtomicAddProperty(request, object_of(path, rows[i].kind), id,
+							 value);
 		err = added < 0 ? added : 0;
 	}
 	if (!err)

@@ -2,7 +2,8 @@
  * The KMS display against a graphics card that is played by this program: a FIFO is opened as the
  * card, ioctl() and mmap() are answered here instead of by a kernel. What a real kernel answers is
  * tests/vm's business; this is about cards that the simulated machine does not have: one that
- * scales, one that is busy, one whose flips never come, one whose screen changes its modes.
+ * scales, one that is busy, one whose flips never come, one whose screen changes its modes, one
+ * whose link to it fails.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,11 +32,15 @@
 enum { CONNECTOR = 10, ENCODER, CRTC, PLANE, FIRST_PROPERTY = 100, BUFFER_BYTES = 1 << 22 };
 
 static const char *const properties[] = {
-	"CRTC_ID", "ACTIVE", "MODE_ID", "FB_ID",  "SRC_X",  "SRC_Y", "SRC_W",
-	"SRC_H",   "CRTC_X", "CRTC_Y",	"CRTC_W", "CRTC_H", "type",
+	"CRTC_ID", "ACTIVE", "MODE_ID", "FB_ID",  "SRC_X",  "SRC_Y",	   "SRC_W",
+	"SRC_H",   "CRTC_X", "CRTC_Y",	"CRTC_W", "CRTC_H", "link-status", "type",
 };
 
-enum { PROPERTIES = sizeof(properties) / sizeof(properties[0]) };
+enum {
+	PROPERTIES = sizeof(properties) / sizeof(properties[0]),
+	LINK = PROPERTIES - 2,
+	TYPE = PROPERTIES - 1
+};
 
 static struct {
 	ino_t node;
@@ -43,7 +48,8 @@ static struct {
 	unsigned connection;
 	drmModeModeInfo modes[2];
 	int mode_count;
-	bool held, no_atomic, scales, silent;
+	bool held, no_atomic, scales, silent, has_link;
+	uint64_t link;	    /* its status */
 	int busy;	    /* so many flips are refused */
 	atomic_int commits; /* that block */
 	atomic_bool blocks; /* until it no longer does */
@@ -70,6 +76,19 @@ static void answer(uint64_t to, uint32_t *count, const uint32_t *ids, uint32_t l
 	*count = length;
 }
 
+/* Every object has all of them: whose is whose does not matter here. */
+static void answer_properties(uint64_t ids, uint64_t values, uint32_t *count)
+{
+	if (ids && *count >= PROPERTIES)
+		for (uint32_t i = 0; i < PROPERTIES; i++) {
+			((uint32_t *)(uintptr_t)ids)[i] = FIRST_PROPERTY + i;
+			((uint64_t *)(uintptr_t)values)[i] = i == TYPE	 ? DRM_PLANE_TYPE_PRIMARY
+							     : i == LINK ? card.link
+									 : 0;
+		}
+	*count = PROPERTIES;
+}
+
 static int get_connector(struct drm_mode_get_connector *c)
 {
 	if (c->connector_id != CONNECTOR)
@@ -80,7 +99,7 @@ static int get_connector(struct drm_mode_get_connector *c)
 		       (size_t)card.mode_count * sizeof(card.modes[0]));
 	c->count_modes = (uint32_t)card.mode_count;
 	answer(c->encoders_ptr, &c->count_encoders, (uint32_t[]){ENCODER}, 1);
-	c->count_props = 0;
+	answer_properties(c->props_ptr, c->prop_values_ptr, &c->count_props);
 	c->connection = card.connection;
 	c->connector_type = DRM_MODE_CONNECTOR_HDMIA;
 	c->connector_type_id = 1;
@@ -104,22 +123,17 @@ static int get_plane(struct drm_mode_get_plane *p)
 	return 0;
 }
 
-/* Every object has all of them: whose is whose does not matter here. */
 static int get_properties(struct drm_mode_obj_get_properties *p)
 {
-	if (p->props_ptr && p->count_props >= PROPERTIES)
-		for (uint32_t i = 0; i < PROPERTIES; i++) {
-			((uint32_t *)(uintptr_t)p->props_ptr)[i] = FIRST_PROPERTY + i;
-			((uint64_t *)(uintptr_t)p->prop_values_ptr)[i] =
-				i == PROPERTIES - 1 ? DRM_PLANE_TYPE_PRIMARY : 0;
-		}
-	p->count_props = PROPERTIES;
+	answer_properties(p->props_ptr, p->prop_values_ptr, &p->count_props);
 	return 0;
 }
 
 static int get_property(struct drm_mode_get_property *p)
 {
-	strcpy(p->name, properties[p->prop_id - FIRST_PROPERTY]);
+	const uint32_t i = p->prop_id - FIRST_PROPERTY;
+
+	strcpy(p->name, i == LINK && !card.has_link ? "other" : properties[i]);
 	p->count_values = p->count_enum_blobs = 0;
 	return 0;
 }
@@ -154,13 +168,16 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	const uint32_t *ids = (uint32_t *)(uintptr_t)a->props_ptr;
 	const uint64_t *values = (uint64_t *)(uintptr_t)a->prop_values_ptr;
 	const bool trial = a->flags & DRM_MODE_ATOMIC_TEST_ONLY;
-	uint64_t plane[PROPERTIES];
+	uint64_t plane[PROPERTIES], link = card.link;
 
 	memcpy(plane, card.plane, sizeof(plane));
 	for (uint32_t o = 0, at = 0; o < a->count_objs; o++)
-		for (uint32_t i = 0; i < counts[o]; i++, at++)
+		for (uint32_t i = 0; i < counts[o]; i++, at++) {
 			if (objects[o] == PLANE)
 				plane[ids[at] - FIRST_PROPERTY] = values[at];
+			else if (ids[at] - FIRST_PROPERTY == LINK)
+				link = values[at];
+		}
 	if (!card.scales && (property(plane, "SRC_W") >> 16 != property(plane, "CRTC_W") ||
 			     property(plane, "SRC_H") >> 16 != property(plane, "CRTC_H")))
 		return refuse(ERANGE);
@@ -177,6 +194,7 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 		return refuse(EBUSY);
 	}
 	memcpy(card.plane, plane, sizeof(plane));
+	card.link = link;
 	if (a->flags & DRM_MODE_PAGE_FLIP_EVENT) {
 		card.flips++;
 		if (!card.silent)
@@ -571,6 +589,32 @@ static void a_changed_screen_is_noticed(void **state)
 	assert_int_equal(display.situation, DISPLAY_NO_SCREEN);
 }
 
+/* A screen whose link failed stays black until its mode is set with the link asked for again. */
+static void a_failed_link_is_set_up_again(void **state)
+{
+	struct display_event event;
+
+	(void)state;
+	card.has_link = true;
+	card.link = DRM_MODE_LINK_STATUS_BAD; /* by whoever was before */
+	open_fine();
+	assert_int_equal(card.link, DRM_MODE_LINK_STATUS_GOOD);
+	submit(1, 1280, 720);
+	assert_shown(1);
+	assert_int_equal(wait_for(&event, 5 * NS_PER_S / 2), 0);
+	card.link = DRM_MODE_LINK_STATUS_BAD;
+	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ESTALE);
+	assert_non_null(strstr(fault.text, "link"));
+	assert_true(display_may_return(display.situation));
+	display_close(&display, NULL);
+	assert_int_equal(card.link, DRM_MODE_LINK_STATUS_GOOD); /* for whoever comes after */
+	card.link = DRM_MODE_LINK_STATUS_BAD;
+	open_fine();
+	assert_int_equal(card.link, DRM_MODE_LINK_STATUS_GOOD);
+	submit(2, 1280, 720);
+	assert_shown(2);
+}
+
 static void what_cannot_be_opened(void **state)
 {
 	(void)state;
@@ -616,6 +660,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(a_card_that_does_not_scale_is_believed, plug_in,
 						take_out),
 		cmocka_unit_test_setup_teardown(a_changed_screen_is_noticed, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(a_failed_link_is_set_up_again, plug_in, take_out),
 		cmocka_unit_test_setup_teardown(what_cannot_be_opened, plug_in, take_out),
 	};
 
