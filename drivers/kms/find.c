@@ -195,6 +195,14 @@ static int say_no_screen(const char *wanted, bool named, const char *device, str
 			 device);
 }
 
+/* In the first round the screen itself is asked, which takes some ten milliseconds; what it said
+ * the kernel still knows in the others. */
+static drmModeConnector *ask_connector(int card, uint32_t connector, int rank)
+{
+	return rank == KMS_RANK_BEST ? drmModeGetConnector(card, connector)
+				     : drmModeGetConnectorCurrent(card, connector);
+}
+
 /* The wanted connector of an open card, or its first of the best rank, if it is of this one. */
 static int search_card(const struct display_settings *settings, const struct kms_options *options,
 		       int rank, struct kms_path *path, struct fault *fault)
@@ -207,8 +215,8 @@ static int search_card(const struct display_settings *settings, const struct kms
 	if (!resources)
 		return fault_say(fault, -ENODEV, "kms display: %s drives no screens", path->device);
 	for (int i = 0; i < resources->count_connectors && err == -ENOLINK; i++) {
-		drmModeConnector *connector = drmModeGetConnector(path->card,
-								  resources->connectors[i]);
+		drmModeConnector *connector = ask_connector(path->card, resources->connectors[i],
+							    rank);
 
 		if (!connector)
 			continue;
