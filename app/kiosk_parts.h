@@ -74,7 +74,8 @@ struct kiosk {
 	int64_t start_ns; /* of the loop */
 	int64_t heard_ns; /* when the loop last came round */
 	int64_t made_ns;  /* when a picture was last made */
-	uint64_t submitted;
+	bool begun;	  /* a picture has been made: the configuration and the first cameras fit */
+	uint64_t submitted; /* pictures that are on a screen or on their way to one */
 	char status[STATS_TEXT_MAX + 512]; /* what the control socket is told */
 };
 

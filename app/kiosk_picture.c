@@ -88,7 +88,7 @@ static int fit_eye(struct kiosk *k, struct eye *eye, struct fault *said, struct 
 	}
 	/* At the start the configuration is wrong; later the camera sends something else, and may
 	 * come to its senses. */
-	if (err && !k->submitted)
+	if (err && !k->begun)
 		return fault_say(fault, err, "%s", reason.text);
 	kiosk_complain(said, eye->section, err ? &reason : NULL);
 	return 0;
@@ -153,7 +153,7 @@ static int measure_light(struct kiosk *k, struct fault *fault)
 		recover(k);
 		pipeline_follow(&k->pipeline, k->eyes.fisheye.source->stamp_ns);
 	}
-	if (err && !k->submitted)
+	if (err && !k->begun)
 		return fault_say(fault, err, "%s", reason.text);
 	kiosk_complain(&k->light_said, "light", err ? &reason : NULL);
 	return 0;
@@ -267,7 +267,9 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	stage_ns[STAGE_SHOW] = k->made_ns - sampled - k->pipeline.composite_ns;
 	stats_made(&k->stats, taken.captured_ns, stage_ns);
 	k->redraw = false;
-	if (!k->submitted++)
+	k->submitted++;
+	if (!k->begun)
 		announce(k);
+	k->begun = true;
 	return 0;
 }

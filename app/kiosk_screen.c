@@ -84,6 +84,7 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 			k->stop = true;
 			break;
 		case DISPLAY_EXPOSED:
+			k->submitted = kiosk_shown(k); /* what was under way never arrives */
 			k->redraw = true;
 			break;
 		case DISPLAY_ACTION:

@@ -15,10 +15,11 @@
 
 #define NONE (-1)
 #define STALL_NS NS_PER_S /* so late that nothing more is expected */
+#define HIDDEN_NS (NS_PER_S / 2)
 
 struct null_options {
 	double rate_hz;
-	int vanish_after, stall_after;
+	int vanish_after, stall_after, hide_after;
 };
 
 struct null_screen {
@@ -30,6 +31,7 @@ struct null_screen {
 	int64_t due_ns;
 	int submitted;		     /* frames */
 	int failure;		     /* -errno of the refresh that is due; 0: it will be one */
+	bool overtaken;		     /* by somebody who switches to another console */
 	int64_t start_ns, period_ns; /* of the refresh; period 0: at once */
 };
 
@@ -54,6 +56,13 @@ static const struct ini_key null_keys[] = {
 	 .fallback = "0",
 	 .help = "Frames after which a refresh never comes, each time that it is opened; 0: "
 		 "never."},
+	{.name = "hide_after",
+	 .type = INI_INT,
+	 .offset = offsetof(struct null_options, hide_after),
+	 .max = 2147483647,
+	 .fallback = "0",
+	 .help = "Frames after which another console is switched to for half a second, each time "
+		 "that it is opened; 0: never. The frame under way is lost."},
 	INI_KEYS_END,
 };
 
@@ -101,7 +110,7 @@ static int null_acquire(struct display *display, struct display_buffer *buffer)
 	const int index = screen->on_screen == 0 ? 1 : 0;
 	const struct canvas *canvas = &screen->buffers[index];
 
-	if (screen->queued != NONE)
+	if (screen->queued != NONE || display->hidden)
 		return -EAGAIN;
 	*buffer = (struct display_buffer){
 		.pixels = canvas->pixels,
@@ -121,12 +130,27 @@ static int64_t next_refresh_ns(const struct null_screen *screen, int64_t now_ns)
 	return now_ns + screen->period_ns - (now_ns - screen->start_ns) % screen->period_ns;
 }
 
+/* Wakes dispatch(). */
+static int set_timer(const struct null_screen *screen, int64_t due_ns, struct fault *fault)
+{
+	const struct itimerspec when = {
+		.it_value.tv_sec = (time_t)(due_ns / NS_PER_S),
+		.it_value.tv_nsec = (long)(due_ns % NS_PER_S),
+	};
+	int err;
+
+	if (!timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &when, NULL))
+		return 0;
+	err = -errno;
+	return fault_say(fault, err, "null display: timer: %s", strerror(-err));
+}
+
 static int null_submit(struct display *display, struct display_buffer *buffer, int64_t token,
 		       struct fault *fault)
 {
 	const struct null_options *options = display->options;
 	struct null_screen *screen = display->state;
-	struct itimerspec when = {0};
+	int err;
 
 	screen->due_ns = next_refresh_ns(screen, clock_now_ns());
 	screen->submitted++;
@@ -136,16 +160,24 @@ static int null_submit(struct display *display, struct display_buffer *buffer, i
 		screen->failure = -ETIMEDOUT;
 		screen->due_ns += STALL_NS;
 	}
-	when.it_value.tv_sec = (time_t)(screen->due_ns / NS_PER_S);
-	when.it_value.tv_nsec = (long)(screen->due_ns % NS_PER_S);
-	if (timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &when, NULL) < 0) {
-		const int err = -errno;
-
-		return fault_say(fault, err, "null display: timer: %s", strerror(-err));
-	}
+	screen->overtaken = options->hide_after && screen->submitted == options->hide_after + 1;
+	err = set_timer(screen, screen->due_ns, fault);
+	if (err)
+		return err;
 	screen->queued = buffer->index;
 	screen->token = token;
 	return 0;
+}
+
+/* The frame that was queued is never shown. */
+static int hide(struct display *display, struct fault *fault)
+{
+	struct null_screen *screen = display->state;
+
+	screen->overtaken = false;
+	screen->queued = NONE;
+	display->hidden = true;
+	return set_timer(screen, clock_now_ns() + HIDDEN_NS, fault);
 }
 
 static int null_dispatch(struct display *display, struct display_event *event, struct fault *fault)
@@ -163,6 +195,14 @@ static int null_dispatch(struct display *display, struct display_event *event, s
 				 screen->failure == -ENOLINK
 					 ? "pulled out, as null.vanish_after says"
 					 : "stalled, as null.stall_after says");
+	if (screen->overtaken)
+		return hide(display, fault);
+	if (display->hidden) {
+		display->hidden = false;
+		event->kind = DISPLAY_EXPOSED;
+		event->time_ns = clock_now_ns();
+		return 0;
+	}
 	if (screen->queued == NONE)
 		return 0;
 	event->kind = DISPLAY_SHOWN;

@@ -67,7 +67,8 @@ enum display_event_kind {
 	DISPLAY_NOTHING,
 	DISPLAY_SHOWN,	 /* a submitted frame is on the screen since time_ns */
 	DISPLAY_CLOSED,	 /* the person closed the window: stop */
-	DISPLAY_EXPOSED, /* what was on the screen is lost (the console is ours again): draw anew */
+	DISPLAY_EXPOSED, /* what was on the screen is lost (the console is ours again), and so is
+			    what was submitted and is not told of yet: draw anew */
 	DISPLAY_ACTION,	 /* a key pressed in the window: action holds enum action (hal/buttons.h) */
 };
 

@@ -111,6 +111,10 @@ for fault in stall vanish; do
 	equal "it ends well then" 0 $?
 done
 
+# ---- the console is switched away under the last frame of a run that counts them ----
+check "a frame that nobody saw is shown again" timeout 60 "$INLAY" run --config "$work/studio.conf" \
+	--set screen.driver=null --set screen.null.hide_after=4 --frames 5
+
 # ---- a camera that takes its time: a pipe that nobody writes to ----
 mkfifo "$work/live.y4m"
 pipe=(--set camera.fisheye.sim.source=files --set "camera.fisheye.sim.file=$work/live.y4m")

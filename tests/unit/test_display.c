@@ -274,7 +274,7 @@ static void show(struct display *display, int number)
 /* The driver's own options. */
 struct null_choice {
 	double rate_hz;
-	int vanish_after, stall_after;
+	int vanish_after, stall_after, hide_after;
 };
 
 static void null_flips_on_time(void **state)
@@ -364,8 +364,8 @@ static void null_fails_when_told(void **state)
 		enum display_situation situation;
 		int64_t least_ns;
 	} cases[] = {
-		{{0, 3, 0}, -ENOLINK, DISPLAY_NO_SCREEN, 0},
-		{{0, 0, 3}, -ETIMEDOUT, DISPLAY_STALLED, NS_PER_S},
+		{{.vanish_after = 3}, -ENOLINK, DISPLAY_NO_SCREEN, 0},
+		{{.stall_after = 3}, -ETIMEDOUT, DISPLAY_STALLED, NS_PER_S},
 	};
 	const struct display_settings settings = {.width = 8, .height = 8};
 
@@ -393,6 +393,40 @@ static void null_fails_when_told(void **state)
 		assert_true(clock_now_ns() - start_ns >= cases[i / 2].least_ns);
 		close_fine(&display);
 	}
+}
+
+/* The console is switched away under a frame, and back. */
+static void null_hides_when_told(void **state)
+{
+	const struct display_settings settings = {.width = 8, .height = 8};
+	struct null_choice choice = {.hide_after = 3};
+	struct pollfd ready = {.events = POLLIN};
+	struct display display;
+	struct display_buffer buffer;
+	struct display_event event;
+	struct fault fault;
+
+	(void)state;
+	open_fine(&display, &display_null, &settings, &choice);
+	for (int n = 0; n < 3; n++)
+		show(&display, n);
+	assert_int_equal(display_acquire(&display, &buffer), 0);
+	assert_int_equal(display_submit(&display, &buffer, 3, &fault), 0);
+	ready.fd = display_descriptor(&display);
+	assert_int_equal(poll(&ready, 1, 5000), 1);
+	assert_int_equal(display_dispatch(&display, &event, &fault), 0);
+	assert_int_equal(event.kind, DISPLAY_NOTHING);
+	assert_true(display.hidden);
+	assert_int_equal(display_acquire(&display, &buffer), -EAGAIN);
+	assert_int_equal(poll(&ready, 1, 5000), 1);
+	assert_int_equal(display_dispatch(&display, &event, &fault), 0);
+	assert_int_equal(event.kind, DISPLAY_EXPOSED);
+	assert_false(display.hidden);
+	assert_int_equal(display.shown, 3);
+	for (int n = 4; n < 7; n++)
+		show(&display, n);
+	assert_int_equal(display.shown, 6);
+	close_fine(&display);
 }
 
 /* ---- file ---- */
@@ -786,6 +820,7 @@ int main(void)
 		cmocka_unit_test(null_without_rate),
 		cmocka_unit_test(null_without_size),
 		cmocka_unit_test(null_fails_when_told),
+		cmocka_unit_test(null_hides_when_told),
 		cmocka_unit_test(file_video),
 		cmocka_unit_test(file_video_fraction),
 		cmocka_unit_test(file_pictures),
