@@ -18,7 +18,7 @@
 #include "hal/log.h"
 
 #define FLIP_WITHIN_NS NS_PER_S
-#define LOOK_EVERY_NS (2 * NS_PER_S) /* at the connector; many drivers send hotplug messages */
+#define LOOK_EVERY_NS (2 * NS_PER_S) /* at what the kernel knows, should a message be missed */
 
 static const char *const scaling_choices[] = {"auto", "never", NULL};
 

@@ -1,6 +1,6 @@
 /*
  * What happens to a screen while it is used: the card's events, the kernel's hotplug messages and a
- * slow tick for drivers that send none, behind one descriptor.
+ * slow tick for messages that do not arrive, behind one descriptor.
  */
 #include <errno.h>
 #include <linux/netlink.h>
