@@ -190,20 +190,37 @@ void kms_console_close(struct kms_console *console);	       /* text again; idemp
 /* The properties that set a picture up, by id; 0: the card has none such and need not. */
 struct kms_properties {
 	uint32_t connector_crtc, connector_link, crtc_active, crtc_mode;
+	uint32_t crtc_degamma, crtc_matrix, crtc_gamma;
 	uint32_t plane_fb, plane_crtc, plane_source[4], plane_target[4]; /* x, y, width, height */
+};
+
+enum { KMS_COVERS_MAX = 32 };
+
+/* Another plane of the CRTC, a cursor or an overlay that somebody left there. Off it keeps its size
+ * and place. */
+struct kms_cover {
+	uint32_t plane;
+	uint64_t fb; /* 0: it is off */
 };
 
 /* Their values. What was there and what we set are both one of these. */
 struct kms_state {
 	uint64_t connector_crtc, connector_link, crtc_active, crtc_mode;
+	uint64_t crtc_degamma, crtc_matrix, crtc_gamma; /* 0: colours are shown as they are */
 	uint64_t plane_fb, plane_crtc, plane_source[4], plane_target[4];
+	struct kms_cover covers[KMS_COVERS_MAX];
+	int cover_count;
 };
 
-/* Ids and present values. The mode is kept as a blob of our own, because whoever made the present
- * one may be gone when it is needed again: destroy state->crtc_mode with
- * drmModeDestroyPropertyBlob(). */
+/* Ids and present values. The mode and the colours are kept as blobs of our own, because whoever
+ * made the present ones may be gone when they are needed again: kms_state_forget() destroys them.
+ */
 int kms_state_read(const struct kms_path *path, struct kms_properties *properties,
 		   struct kms_state *state, struct fault *fault);
+void kms_state_forget(int card, const struct kms_state *state);
+
+/* Makes it part of *state that all other planes which are on the CRTC at present are off. */
+void kms_state_uncover(const struct kms_path *path, struct kms_state *state);
 
 /* All of it in one atomic commit; flags as drmModeAtomicCommit(). 0 or -errno. */
 int kms_state_commit(const struct kms_path *path, const struct kms_properties *properties,

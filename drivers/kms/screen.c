@@ -117,6 +117,7 @@ int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *faul
 
 	ours->plane_fb = screen->buffers[index].framebuffer;
 	kms_screen_set_fit(ours, &screen->buffers[index].fit);
+	kms_state_uncover(&screen->path, ours);
 	err = kms_state_commit(&screen->path, &screen->properties, ours,
 			       DRM_MODE_ATOMIC_TEST_ONLY | DRM_MODE_ATOMIC_ALLOW_MODESET);
 	if (!err)
@@ -207,14 +208,19 @@ int kms_screen_open(struct kms_screen *screen, const struct display_settings *se
 	return kms_watch_open(&screen->watch, screen->path.card, screen->console.told, fault);
 }
 
-/* As it was; and where what was shown no longer exists, dark. A commit that may block waits for the
- * last flip. */
+/* As it was; where what was shown no longer exists, as a cursor's picture once it is off, without
+ * what lay over it, or dark. A commit that may block waits for the last flip. */
 static int restore(struct kms_screen *screen)
 {
 	const struct kms_state dark = {0};
 	int err = kms_state_commit(&screen->path, &screen->properties, &screen->before,
 				   DRM_MODE_ATOMIC_ALLOW_MODESET);
 
+	if (err && screen->before.cover_count) {
+		screen->before.cover_count = 0;
+		err = kms_state_commit(&screen->path, &screen->properties, &screen->before,
+				       DRM_MODE_ATOMIC_ALLOW_MODESET);
+	}
 	if (err)
 		err = kms_state_commit(&screen->path, &screen->properties, &dark,
 				       DRM_MODE_ATOMIC_ALLOW_MODESET);
@@ -232,10 +238,9 @@ int kms_screen_release(struct kms_screen *screen)
 	kms_watch_close(&screen->watch);
 	for (int i = 0; i < BUFFERS_MAX; i++)
 		destroy_buffer(screen, &screen->buffers[i]);
-	if (screen->ours.crtc_mode)
-		drmModeDestroyPropertyBlob(screen->path.card, (uint32_t)screen->ours.crtc_mode);
-	if (screen->kept && screen->before.crtc_mode)
-		drmModeDestroyPropertyBlob(screen->path.card, (uint32_t)screen->before.crtc_mode);
+	kms_state_forget(screen->path.card, &screen->ours);
+	if (screen->kept)
+		kms_state_forget(screen->path.card, &screen->before);
 	if (screen->master)
 		drmDropMaster(screen->path.card);
 	if (screen->path.card >= 0)

@@ -4,37 +4,41 @@
 
 #include "drivers/kms/kms.h"
 
-enum need { NEEDED, OPTIONAL };
+/* Of a property: the card need not have it; its value is the id of a blob. */
+enum { OPTIONAL = 1, BLOB = 2 };
 
 /* Where a property belongs, its name, and where its id and value go. */
 struct property_row {
 	uint32_t kind; /* DRM_MODE_OBJECT_... */
 	const char *name;
 	size_t id, value;
-	enum need need;
+	unsigned traits;
 };
 
-#define ROW(kind, name, field, need)                                                               \
+#define ROW(kind, name, field, traits)                                                             \
 	{                                                                                          \
 		DRM_MODE_OBJECT_##kind, name, offsetof(struct kms_properties, field),              \
-			offsetof(struct kms_state, field), need                                    \
+			offsetof(struct kms_state, field), traits                                  \
 	}
 
 static const struct property_row rows[] = {
-	ROW(CONNECTOR, "CRTC_ID", connector_crtc, NEEDED),
+	ROW(CONNECTOR, "CRTC_ID", connector_crtc, 0),
 	ROW(CONNECTOR, "link-status", connector_link, OPTIONAL),
-	ROW(CRTC, "ACTIVE", crtc_active, NEEDED),
-	ROW(CRTC, "MODE_ID", crtc_mode, NEEDED),
-	ROW(PLANE, "FB_ID", plane_fb, NEEDED),
-	ROW(PLANE, "CRTC_ID", plane_crtc, NEEDED),
-	ROW(PLANE, "SRC_X", plane_source[0], NEEDED),
-	ROW(PLANE, "SRC_Y", plane_source[1], NEEDED),
-	ROW(PLANE, "SRC_W", plane_source[2], NEEDED),
-	ROW(PLANE, "SRC_H", plane_source[3], NEEDED),
-	ROW(PLANE, "CRTC_X", plane_target[0], NEEDED),
-	ROW(PLANE, "CRTC_Y", plane_target[1], NEEDED),
-	ROW(PLANE, "CRTC_W", plane_target[2], NEEDED),
-	ROW(PLANE, "CRTC_H", plane_target[3], NEEDED),
+	ROW(CRTC, "ACTIVE", crtc_active, 0),
+	ROW(CRTC, "MODE_ID", crtc_mode, BLOB),
+	ROW(CRTC, "DEGAMMA_LUT", crtc_degamma, OPTIONAL | BLOB),
+	ROW(CRTC, "CTM", crtc_matrix, OPTIONAL | BLOB),
+	ROW(CRTC, "GAMMA_LUT", crtc_gamma, OPTIONAL | BLOB),
+	ROW(PLANE, "FB_ID", plane_fb, 0),
+	ROW(PLANE, "CRTC_ID", plane_crtc, 0),
+	ROW(PLANE, "SRC_X", plane_source[0], 0),
+	ROW(PLANE, "SRC_Y", plane_source[1], 0),
+	ROW(PLANE, "SRC_W", plane_source[2], 0),
+	ROW(PLANE, "SRC_H", plane_source[3], 0),
+	ROW(PLANE, "CRTC_X", plane_target[0], 0),
+	ROW(PLANE, "CRTC_Y", plane_target[1], 0),
+	ROW(PLANE, "CRTC_W", plane_target[2], 0),
+	ROW(PLANE, "CRTC_H", plane_target[3], 0),
 };
 
 #define ROWS (sizeof(rows) / sizeof(rows[0]))
@@ -64,7 +68,7 @@ static bool find_property(int card, const drmModeObjectProperties *list, const c
 	return found;
 }
 
-static int copy_mode(int card, uint64_t *blob)
+static int copy_blob(int card, uint64_t *blob)
 {
 	drmModePropertyBlobRes *old = *blob ? drmModeGetPropertyBlob(card, (uint32_t)*blob) : NULL;
 	uint32_t copy = 0;
@@ -77,30 +81,78 @@ static int copy_mode(int card, uint64_t *blob)
 	return err;
 }
 
+static void find_covers(const struct kms_path *path, struct kms_state *state)
+{
+	drmModePlaneRes *planes = drmModeGetPlaneResources(path->card);
+
+	state->cover_count = 0;
+	for (uint32_t i = 0; planes && i < planes->count_planes; i++) {
+		drmModePlane *plane = drmModeGetPlane(path->card, planes->planes[i]);
+
+		if (plane && plane->plane_id != path->plane && plane->crtc_id == path->crtc &&
+		    state->cover_count < KMS_COVERS_MAX)
+			state->covers[state->cover_count++] = (struct kms_cover){plane->plane_id,
+										 plane->fb_id};
+		drmModeFreePlane(plane);
+	}
+	drmModeFreePlaneResources(planes);
+}
+
+void kms_state_uncover(const struct kms_path *path, struct kms_state *state)
+{
+	find_covers(path, state);
+	for (int i = 0; i < state->cover_count; i++)
+		state->covers[i].fb = 0;
+}
+
+static int read_row(const struct kms_path *path, const struct property_row *row,
+		    struct kms_properties *properties, struct kms_state *state, struct fault *fault)
+{
+	uint32_t *id = (uint32_t *)((char *)properties + row->id);
+	uint64_t *value = (uint64_t *)((char *)state + row->value);
+	drmModeObjectProperties *list =
+		drmModeObjectGetProperties(path->card, object_of(path, row->kind), row->kind);
+	const bool found = list && find_property(path->card, list, row->name, id, value);
+	int err;
+
+	drmModeFreeObjectProperties(list);
+	if (!found && !(row->traits & OPTIONAL))
+		return fault_say(fault, -ENOTSUP, "kms display: %s: the card has no property %s",
+				 path->connector_name, row->name);
+	err = row->traits & BLOB ? copy_blob(path->card, value) : 0;
+	return err ? fault_say(fault, err, "kms display: cannot keep the present %s: %s", row->name,
+			       strerror(-err))
+		   : 0;
+}
+
 int kms_state_read(const struct kms_path *path, struct kms_properties *properties,
 		   struct kms_state *state, struct fault *fault)
 {
-	int err;
+	int err = 0;
 
-	for (size_t i = 0; i < ROWS; i++) {
-		uint32_t *id = (uint32_t *)((char *)properties + rows[i].id);
-		uint64_t *value = (uint64_t *)((char *)state + rows[i].value);
-		drmModeObjectProperties *list = drmModeObjectGetProperties(
-			path->card, object_of(path, rows[i].kind), rows[i].kind);
-		const bool found = list && find_property(path->card, list, rows[i].name, id, value);
-
-		drmModeFreeObjectProperties(list);
-		if (!found && rows[i].need == NEEDED)
-			return fault_say(fault, -ENOTSUP,
-					 "kms display: %s: the card has no property %s",
-					 path->connector_name, rows[i].name);
-	}
+	for (size_t i = 0; i < ROWS && !err; i++)
+		err = read_row(path, &rows[i], properties, state, fault);
 	/* To have failed is not a state that can be asked for. */
 	state->connector_link = DRM_MODE_LINK_STATUS_GOOD;
-	err = copy_mode(path->card, &state->crtc_mode);
-	return err ? fault_say(fault, err, "kms display: cannot keep the present mode: %s",
-			       strerror(-err))
-		   : 0;
+	find_covers(path, state);
+	return err;
+}
+
+void kms_state_forget(int card, const struct kms_state *state)
+{
+	for (size_t i = 0; i < ROWS; i++) {
+		const uint64_t value = *(const uint64_t *)((const char *)state + rows[i].value);
+
+		if (rows[i].traits & BLOB && value)
+			drmModeDestroyPropertyBlob(card, (uint32_t)value);
+	}
+}
+
+static int add(drmModeAtomicReq *request, uint32_t object, uint32_t id, uint64_t value)
+{
+	const int added = drmModeAtomicAddProperty(request, object, id, value);
+
+	return added < 0 ? added : 0;
 }
 
 int kms_state_commit(const struct kms_path *path, const struct kms_properties *properties,
@@ -113,12 +165,17 @@ int kms_state_commit(const struct kms_path *path, const struct kms_properties *p
 	for (size_t i = 0; i < ROWS && !err; i++) {
 		const uint32_t id = *(const uint32_t *)((const char *)properties + rows[i].id);
 		const uint64_t value = *(const uint64_t *)((const char *)state + rows[i].value);
-		int added = 0;
-
 		if (id)
-			added = drmModeAtomicAddProperty(request, object_of(path, rows[i].kind), id,
-							 value);
-		err = added < 0 ? added : 0;
+			err = add(request, object_of(path, rows[i].kind), id, value);
+	}
+	/* These two properties are the same ones for every plane. */
+	for (int i = 0; i < state->cover_count && !err; i++) {
+		const struct kms_cover *cover = &state->covers[i];
+
+		err = add(request, cover->plane, properties->plane_fb, cover->fb);
+		if (!err)
+			err = add(request, cover->plane, properties->plane_crtc,
+				  cover->fb ? path->crtc : 0);
 	}
 	if (!err)
 		err = drmModeAtomicCommit(path->card, request, flags, NULL);

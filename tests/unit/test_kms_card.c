@@ -3,7 +3,7 @@
  * card, ioctl() and mmap() are answered here instead of by a kernel. What a real kernel answers is
  * tests/vm's business; this is about cards that the simulated machine does not have: one that
  * scales, one that is busy, one whose flips never come, one whose screen changes its modes, one
- * whose link to it fails.
+ * whose link to it fails, one on which somebody left a cursor.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,18 +29,24 @@
 #include "hal/clock.h"
 #include "tests/unit/own_folder.h"
 
-enum { CONNECTOR = 10, ENCODER, CRTC, PLANE, FIRST_PROPERTY = 100, BUFFER_BYTES = 1 << 22 };
+enum {
+	CONNECTOR = 10,
+	ENCODER,
+	CRTC,
+	PLANE,
+	CURSOR,
+	OBJECTS = CURSOR + 1 - CONNECTOR,
+	FIRST_PROPERTY = 100,
+	BUFFER_BYTES = 1 << 22
+};
 
 static const char *const properties[] = {
-	"CRTC_ID", "ACTIVE", "MODE_ID", "FB_ID",  "SRC_X",  "SRC_Y",	   "SRC_W",
-	"SRC_H",   "CRTC_X", "CRTC_Y",	"CRTC_W", "CRTC_H", "link-status", "type",
+	"CRTC_ID", "ACTIVE",	  "MODE_ID",   "FB_ID",	      "SRC_X",	"SRC_Y",
+	"SRC_W",   "SRC_H",	  "CRTC_X",    "CRTC_Y",      "CRTC_W", "CRTC_H",
+	"CTM",	   "DEGAMMA_LUT", "GAMMA_LUT", "link-status", "type",
 };
 
-enum {
-	PROPERTIES = sizeof(properties) / sizeof(properties[0]),
-	LINK = PROPERTIES - 2,
-	TYPE = PROPERTIES - 1
-};
+enum { PROPERTIES = sizeof(properties) / sizeof(properties[0]), LINK = PROPERTIES - 2 };
 
 static struct {
 	ino_t node;
@@ -49,17 +55,18 @@ static struct {
 	drmModeModeInfo modes[2];
 	int mode_count;
 	bool held, no_atomic, scales, silent, has_link;
-	uint64_t link;	    /* its status */
-	int busy;	    /* so many flips are refused */
-	atomic_int commits; /* that block */
-	atomic_bool blocks; /* until it no longer does */
-	int trials, flips;  /* TEST_ONLY; accepted */
-	int probes;	    /* of the connector */
-	atomic_int buffers; /* that exist */
-	atomic_int master;  /* the descriptor that is; 0: none */
+	bool cursor_is_gone; /* once it is off: nobody else holds its picture */
+	int busy;	     /* so many flips are refused */
+	atomic_int commits;  /* that block */
+	atomic_bool blocks;  /* until it no longer does */
+	int trials, flips;   /* TEST_ONLY; accepted */
+	int probes;	     /* of the connector */
+	atomic_int buffers;  /* that exist */
+	atomic_int master;   /* the descriptor that is; 0: none */
 	int created;
-	uint64_t plane[PROPERTIES]; /* what was set last on the plane */
-	int64_t flip_ns;	    /* its time, as the event says */
+	int blobs;			      /* that exist */
+	uint64_t values[OBJECTS][PROPERTIES]; /* of the objects' properties, as set last */
+	int64_t flip_ns;		      /* its time, as the event says */
 } card;
 
 static int refuse(int err)
@@ -76,15 +83,27 @@ static void answer(uint64_t to, uint32_t *count, const uint32_t *ids, uint32_t l
 	*count = length;
 }
 
+static uint64_t *property(uint64_t values[OBJECTS][PROPERTIES], uint32_t object, const char *name)
+{
+	for (int i = 0; i < PROPERTIES; i++)
+		if (!strcmp(properties[i], name))
+			return &values[object - CONNECTOR][i];
+	fail_msg("no property %s", name);
+	return NULL;
+}
+
+static uint64_t *value_of(uint32_t object, const char *name)
+{
+	return property(card.values, object, name);
+}
+
 /* Every object has all of them: whose is whose does not matter here. */
-static void answer_properties(uint64_t ids, uint64_t values, uint32_t *count)
+static void answer_properties(uint32_t object, uint64_t ids, uint64_t values, uint32_t *count)
 {
 	if (ids && *count >= PROPERTIES)
 		for (uint32_t i = 0; i < PROPERTIES; i++) {
 			((uint32_t *)(uintptr_t)ids)[i] = FIRST_PROPERTY + i;
-			((uint64_t *)(uintptr_t)values)[i] = i == TYPE	 ? DRM_PLANE_TYPE_PRIMARY
-							     : i == LINK ? card.link
-									 : 0;
+			((uint64_t *)(uintptr_t)values)[i] = card.values[object - CONNECTOR][i];
 		}
 	*count = PROPERTIES;
 }
@@ -99,7 +118,7 @@ static int get_connector(struct drm_mode_get_connector *c)
 		       (size_t)card.mode_count * sizeof(card.modes[0]));
 	c->count_modes = (uint32_t)card.mode_count;
 	answer(c->encoders_ptr, &c->count_encoders, (uint32_t[]){ENCODER}, 1);
-	answer_properties(c->props_ptr, c->prop_values_ptr, &c->count_props);
+	answer_properties(CONNECTOR, c->props_ptr, c->prop_values_ptr, &c->count_props);
 	c->connection = card.connection;
 	c->connector_type = DRM_MODE_CONNECTOR_HDMIA;
 	c->connector_type_id = 1;
@@ -120,12 +139,14 @@ static int get_plane(struct drm_mode_get_plane *p)
 {
 	answer(p->format_type_ptr, &p->count_format_types, (uint32_t[]){DRM_FORMAT_XRGB8888}, 1);
 	p->possible_crtcs = 1;
+	p->crtc_id = (uint32_t)*value_of(p->plane_id, "CRTC_ID");
+	p->fb_id = (uint32_t)*value_of(p->plane_id, "FB_ID");
 	return 0;
 }
 
 static int get_properties(struct drm_mode_obj_get_properties *p)
 {
-	answer_properties(p->props_ptr, p->prop_values_ptr, &p->count_props);
+	answer_properties(p->obj_id, p->props_ptr, p->prop_values_ptr, &p->count_props);
 	return 0;
 }
 
@@ -152,15 +173,6 @@ static void report_flip(int fd, uint64_t user)
 	assert_int_equal(write(fd, &event, sizeof(event)), sizeof(event));
 }
 
-static uint64_t property(const uint64_t *values, const char *name)
-{
-	for (int i = 0; i < PROPERTIES; i++)
-		if (!strcmp(properties[i], name))
-			return values[i];
-	fail_msg("no property %s", name);
-	return 0;
-}
-
 static int commit(int fd, const struct drm_mode_atomic *a)
 {
 	const uint32_t *objects = (uint32_t *)(uintptr_t)a->objs_ptr;
@@ -168,19 +180,19 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	const uint32_t *ids = (uint32_t *)(uintptr_t)a->props_ptr;
 	const uint64_t *values = (uint64_t *)(uintptr_t)a->prop_values_ptr;
 	const bool trial = a->flags & DRM_MODE_ATOMIC_TEST_ONLY;
-	uint64_t plane[PROPERTIES], link = card.link;
+	uint64_t wanted[OBJECTS][PROPERTIES];
 
-	memcpy(plane, card.plane, sizeof(plane));
+	memcpy(wanted, card.values, sizeof(wanted));
 	for (uint32_t o = 0, at = 0; o < a->count_objs; o++)
-		for (uint32_t i = 0; i < counts[o]; i++, at++) {
-			if (objects[o] == PLANE)
-				plane[ids[at] - FIRST_PROPERTY] = values[at];
-			else if (ids[at] - FIRST_PROPERTY == LINK)
-				link = values[at];
-		}
-	if (!card.scales && (property(plane, "SRC_W") >> 16 != property(plane, "CRTC_W") ||
-			     property(plane, "SRC_H") >> 16 != property(plane, "CRTC_H")))
+		for (uint32_t i = 0; i < counts[o]; i++, at++)
+			wanted[objects[o] - CONNECTOR][ids[at] - FIRST_PROPERTY] = values[at];
+	if (!card.scales &&
+	    (*property(wanted, PLANE, "SRC_W") >> 16 != *property(wanted, PLANE, "CRTC_W") ||
+	     *property(wanted, PLANE, "SRC_H") >> 16 != *property(wanted, PLANE, "CRTC_H")))
 		return refuse(ERANGE);
+	if (card.cursor_is_gone && *property(wanted, CURSOR, "FB_ID") &&
+	    !*value_of(CURSOR, "FB_ID"))
+		return refuse(ENOENT);
 	if (trial) {
 		card.trials++;
 		return 0;
@@ -193,8 +205,7 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 		card.busy--;
 		return refuse(EBUSY);
 	}
-	memcpy(card.plane, plane, sizeof(plane));
-	card.link = link;
+	memcpy(card.values, wanted, sizeof(wanted));
 	if (a->flags & DRM_MODE_PAGE_FLIP_EVENT) {
 		card.flips++;
 		if (!card.silent)
@@ -248,7 +259,7 @@ static int play(int fd, unsigned long request, void *argument)
 	case DRM_IOCTL_MODE_GETPLANERESOURCES: {
 		struct drm_mode_get_plane_res *r = argument;
 
-		answer(r->plane_id_ptr, &r->count_planes, (uint32_t[]){PLANE}, 1);
+		answer(r->plane_id_ptr, &r->count_planes, (uint32_t[]){PLANE, CURSOR}, 2);
 		return 0;
 	}
 	case DRM_IOCTL_MODE_GETPLANE:
@@ -258,7 +269,11 @@ static int play(int fd, unsigned long request, void *argument)
 	case DRM_IOCTL_MODE_GETPROPERTY:
 		return get_property(argument);
 	case DRM_IOCTL_MODE_CREATEPROPBLOB:
-		((struct drm_mode_create_blob *)argument)->blob_id = 1;
+		((struct drm_mode_create_blob *)argument)->blob_id = (uint32_t)++card.created;
+		card.blobs++;
+		return 0;
+	case DRM_IOCTL_MODE_DESTROYPROPBLOB:
+		card.blobs--;
 		return 0;
 	case DRM_IOCTL_MODE_CREATE_DUMB:
 		return create_dumb(argument);
@@ -332,6 +347,8 @@ static int plug_in(void **state)
 	card.mode_count = 2;
 	kms_timing(1280, 720, 60, &card.modes[0]);
 	kms_timing(640, 480, 60, &card.modes[1]);
+	*value_of(PLANE, "type") = DRM_PLANE_TYPE_PRIMARY;
+	*value_of(CURSOR, "type") = DRM_PLANE_TYPE_CURSOR;
 	card.flip_ns = 5 * NS_PER_S + 7000;
 	options = (struct kms_options){.buffers = 2};
 	return ftruncate(card.memory, 64L * BUFFER_BYTES);
@@ -413,12 +430,12 @@ static void assert_shown(int64_t token)
 
 static void assert_plane(int source_width, int source_height, struct kms_box box)
 {
-	assert_int_equal(property(card.plane, "SRC_W"), (uint64_t)source_width << 16);
-	assert_int_equal(property(card.plane, "SRC_H"), (uint64_t)source_height << 16);
-	assert_int_equal(property(card.plane, "CRTC_X"), box.x);
-	assert_int_equal(property(card.plane, "CRTC_Y"), box.y);
-	assert_int_equal(property(card.plane, "CRTC_W"), box.width);
-	assert_int_equal(property(card.plane, "CRTC_H"), box.height);
+	assert_int_equal(*value_of(PLANE, "SRC_W"), (uint64_t)source_width << 16);
+	assert_int_equal(*value_of(PLANE, "SRC_H"), (uint64_t)source_height << 16);
+	assert_int_equal(*value_of(PLANE, "CRTC_X"), box.x);
+	assert_int_equal(*value_of(PLANE, "CRTC_Y"), box.y);
+	assert_int_equal(*value_of(PLANE, "CRTC_W"), box.width);
+	assert_int_equal(*value_of(PLANE, "CRTC_H"), box.height);
 }
 
 static void frames_are_shown_at_the_flips_time(void **state)
@@ -596,23 +613,59 @@ static void a_failed_link_is_set_up_again(void **state)
 
 	(void)state;
 	card.has_link = true;
-	card.link = DRM_MODE_LINK_STATUS_BAD; /* by whoever was before */
+	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD; /* by whoever was before */
 	open_fine();
-	assert_int_equal(card.link, DRM_MODE_LINK_STATUS_GOOD);
+	assert_int_equal(*value_of(CONNECTOR, "link-status"), DRM_MODE_LINK_STATUS_GOOD);
 	submit(1, 1280, 720);
 	assert_shown(1);
 	assert_int_equal(wait_for(&event, 5 * NS_PER_S / 2), 0);
-	card.link = DRM_MODE_LINK_STATUS_BAD;
+	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD;
 	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ESTALE);
 	assert_non_null(strstr(fault.text, "link"));
 	assert_true(display_may_return(display.situation));
 	display_close(&display, NULL);
-	assert_int_equal(card.link, DRM_MODE_LINK_STATUS_GOOD); /* for whoever comes after */
-	card.link = DRM_MODE_LINK_STATUS_BAD;
+	assert_int_equal(*value_of(CONNECTOR, "link-status"),
+			 DRM_MODE_LINK_STATUS_GOOD); /* for whoever comes after */
+	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD;
 	open_fine();
-	assert_int_equal(card.link, DRM_MODE_LINK_STATUS_GOOD);
+	assert_int_equal(*value_of(CONNECTOR, "link-status"), DRM_MODE_LINK_STATUS_GOOD);
 	submit(2, 1280, 720);
 	assert_shown(2);
+}
+
+/* Whoever had the screen before may have left more on it than a picture. */
+static void what_was_left_is_put_away_and_back(void **state)
+{
+	static const char *const colours[] = {"CTM", "DEGAMMA_LUT", "GAMMA_LUT"};
+
+	(void)state;
+	for (int gone = 0; gone < 2; gone++) {
+		card.cursor_is_gone = gone;
+		*value_of(PLANE, "FB_ID") = 500;
+		*value_of(CURSOR, "FB_ID") = 501;
+		*value_of(CURSOR, "CRTC_ID") = CRTC;
+		*value_of(CURSOR, "CRTC_X") = 320;
+		for (int i = 0; i < 3; i++)
+			*value_of(CRTC, colours[i]) = 502;
+		open_fine();
+		assert_int_equal(*value_of(CURSOR, "FB_ID"), 0);
+		assert_int_equal(*value_of(CURSOR, "CRTC_ID"), 0);
+		for (int i = 0; i < 3; i++)
+			assert_int_equal(*value_of(CRTC, colours[i]), 0);
+		submit(1, 1280, 720);
+		assert_shown(1);
+		assert_int_equal(display_close(&display, &fault), 0);
+		assert_int_equal(*value_of(PLANE, "FB_ID"), 500);
+		assert_int_equal(*value_of(CURSOR, "FB_ID"), gone ? 0 : 501);
+		assert_int_equal(*value_of(CURSOR, "CRTC_ID"), gone ? 0 : CRTC);
+		assert_int_equal(*value_of(CURSOR, "CRTC_X"), 320);
+		/* A copy: the one that was there may be gone by then. */
+		for (int i = 0; i < 3; i++) {
+			assert_int_not_equal(*value_of(CRTC, colours[i]), 0);
+			assert_int_not_equal(*value_of(CRTC, colours[i]), 502);
+		}
+		assert_int_equal(card.blobs, 0);
+	}
 }
 
 static void what_cannot_be_opened(void **state)
@@ -666,6 +719,8 @@ int main(void)
 						take_out),
 		cmocka_unit_test_setup_teardown(a_changed_screen_is_noticed, plug_in, take_out),
 		cmocka_unit_test_setup_teardown(a_failed_link_is_set_up_again, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(what_was_left_is_put_away_and_back, plug_in,
+						take_out),
 		cmocka_unit_test_setup_teardown(what_cannot_be_opened, plug_in, take_out),
 	};
 

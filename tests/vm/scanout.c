@@ -6,9 +6,13 @@
  *                                  prints its id, size and what drives it
  *     scanout checksum CARD        vkms only: the checksum of that framebuffer computed here, and
  *                                  the one that the device computed of a frame that it put out
+ *     scanout leave CARD           shows black with a white cursor on it, lets another program
+ *                                  drive the screen, says "left", and waits to be ended
  *
- * Needs root, not the screen's master: it works while another program drives the screen.
+ * Needs root. All but leave need not be the screen's master: they work while another program drives
+ * the screen.
  */
+#include <drm_fourcc.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -193,6 +197,66 @@ static uint32_t device_checksum(const struct scanout *s)
 	return crc;
 }
 
+/* Shown to the kernel as a framebuffer, every byte of it the same. */
+static uint32_t make_framebuffer(int fd, uint32_t width, uint32_t height, uint32_t format, int fill)
+{
+	struct drm_mode_create_dumb create = {.width = width, .height = height, .bpp = 32};
+	struct drm_mode_map_dumb map = {0};
+	uint32_t framebuffer = 0;
+
+	if (drmIoctl(fd, DRM_IOCTL_MODE_CREATE_DUMB, &create))
+		die("cannot make a buffer");
+	map.handle = create.handle;
+	if (drmIoctl(fd, DRM_IOCTL_MODE_MAP_DUMB, &map))
+		die("cannot map a buffer");
+	void *pixels = mmap(NULL, create.size, PROT_WRITE, MAP_SHARED, fd, (off_t)map.offset);
+	if (pixels == MAP_FAILED)
+		die("cannot map a buffer");
+	memset(pixels, fill, create.size);
+	if (drmModeAddFB2(fd, width, height, format, (uint32_t[4]){create.handle},
+			  (uint32_t[4]){create.pitch}, (uint32_t[4]){0}, &framebuffer, 0))
+		die("cannot make a framebuffer");
+	return framebuffer;
+}
+
+/* The last plane, which is the cursor's where there is one: 64 pixels square. */
+static void put_cursor(int fd, uint32_t crtc)
+{
+	const uint32_t framebuffer = make_framebuffer(fd, 64, 64, DRM_FORMAT_ARGB8888, 255);
+	drmModePlaneRes *planes = drmModeGetPlaneResources(fd);
+
+	if (!planes || planes->count_planes < 2 ||
+	    drmModeSetPlane(fd, planes->planes[planes->count_planes - 1], crtc, framebuffer, 0, 300,
+			    200, 64, 64, 0, 0, 64 << 16, 64 << 16))
+		die("cannot put a cursor");
+	drmModeFreePlaneResources(planes);
+}
+
+static int leave(int card)
+{
+	char path[64];
+
+	snprintf(path, sizeof(path), "/dev/dri/card%d", card);
+	int fd = open(path, O_RDWR | O_CLOEXEC);
+	drmModeRes *resources = fd < 0 ? NULL : drmModeGetResources(fd);
+	drmModeConnector *c = resources ? drmModeGetConnector(fd, resources->connectors[0]) : NULL;
+
+	if (!c || !c->count_modes || drmSetClientCap(fd, DRM_CLIENT_CAP_UNIVERSAL_PLANES, 1))
+		die("not a screen");
+	if (drmModeSetCrtc(fd, resources->crtcs[0],
+			   make_framebuffer(fd, c->modes[0].hdisplay, c->modes[0].vdisplay,
+					    DRM_FORMAT_XRGB8888, 0),
+			   0, 0, &c->connector_id, 1, &c->modes[0]))
+		die("cannot set the mode");
+	put_cursor(fd, resources->crtcs[0]);
+	if (drmDropMaster(fd))
+		die("cannot let go");
+	puts("left");
+	fflush(stdout);
+	pause();
+	return 0;
+}
+
 int main(int argc, char **argv)
 {
 	if (argc == 2 && !strcmp(argv[1], "list")) {
@@ -216,6 +280,9 @@ int main(int argc, char **argv)
 		unmap_scanout(&s);
 		return expected == device ? 0 : 1;
 	}
-	fprintf(stderr, "usage: scanout list | picture CARD OUT.png | checksum CARD\n");
+	if (argc == 3 && !strcmp(argv[1], "leave"))
+		return leave(atoi(argv[2]));
+	fprintf(stderr,
+		"usage: scanout list | picture CARD OUT.png | checksum CARD | leave CARD\n");
 	return 2;
 }

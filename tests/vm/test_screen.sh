@@ -49,6 +49,22 @@ equal "vkms: closes well after another mode" 0 $?
 show 1 "device=/dev/dri/card$vkms" width=1234 height=777
 matches "vkms: a mode that there is not is an error that names it" 1234 "$(said error)"
 
+# ---- vkms: whoever had it before has left a cursor ----
+planes() { # what they show
+	awk '/^plane/ { name = $2 } /^\t(crtc|fb)=/ { print name, $1 }' \
+		"/sys/kernel/debug/dri/$vkms/state"
+}
+"$tools/scanout" leave "$vkms" >"$VM_OUT/left" 2>&1 &
+leaving=$!
+check "vkms: a program leaves a cursor" within_seconds 10 grep -q '^left' "$VM_OUT/left"
+left=$(planes)
+show 3 "device=/dev/dri/card$vkms"
+check "vkms: it does not lie on the picture (checksum)" "$tools/scanout" checksum "$vkms"
+hide
+equal "vkms: and is back after that" "$left" "$(planes)"
+kill $leaving
+wait $leaving 2>/dev/null
+
 # ---- virtio-gpu: photographed from outside; it holds the text console ----
 echo 0 >/sys/class/graphics/fbcon/cursor_blink
 printf '\033[2J\033[Hthe console before\n' >/dev/tty1
