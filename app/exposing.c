@@ -13,6 +13,10 @@
 void exposing_start(struct exposing *e, const struct config_fisheye *config)
 {
 	*e = (struct exposing){.config = config, .count = config_exposures(config)};
+	for (int k = 0; k < e->count; k++) {
+		e->taken[k] = config->exposures[k];
+		e->ratio[k] = config->exposures[k] / config->exposures[0];
+	}
 }
 
 static void begin(struct exposing *e, int delay)
@@ -21,13 +25,33 @@ static void begin(struct exposing *e, int delay)
 	e->judged = e->unfit = 0;
 }
 
-static int control(const struct exposing *e, struct source *source, int exposure,
-		   struct fault *fault)
+static int control(struct exposing *e, struct source *source, int exposure, struct fault *fault)
 {
+	double taken = e->config->exposures[exposure];
 	char value[40];
+	int err;
 
-	snprintf(value, sizeof(value), "%.10g", e->config->exposures[exposure]);
-	return source_control(source, e->config->exposure_control, value, fault);
+	snprintf(value, sizeof(value), "%.10g", taken);
+	err = source_control(source, e->config->exposure_control, value, &taken, fault);
+	if (!err)
+		e->taken[exposure] = taken;
+	return err;
+}
+
+/* Steps of a camera can be so wide that two exposures are one. */
+static int compare(struct exposing *e, struct fault *fault)
+{
+	const double *wanted = e->config->exposures, *taken = e->taken;
+
+	for (int k = 1; k < e->count; k++) {
+		if (!(taken[k] > 0 && taken[k] < taken[k - 1]))
+			return fault_say(fault, -ERANGE,
+					 "it makes %g of an exposure of %g, and %g of %g",
+					 taken[k - 1], wanted[k - 1], taken[k], wanted[k]);
+	}
+	for (int k = 1; k < e->count; k++)
+		e->ratio[k] = taken[k] / taken[0];
+	return 0;
 }
 
 /* Once for each trouble, or every opening would repeat it. */
@@ -65,14 +89,18 @@ static void ask(struct exposing *e, struct source *source, int64_t now_ns)
 	const int next = exposure_schedule_next(&e->schedule);
 	const int ahead = frames_ahead(e, source, now_ns);
 	struct fault fault = {.text = ""};
+	int err;
 
 	if (next < 0)
 		return;
-	if (control(e, source, next, &fault)) {
+	err = control(e, source, next, &fault);
+	e->asked |= !err;
+	if (!err)
+		err = compare(e, &fault);
+	if (err) {
 		give_up(e, source, fault.text);
 		return;
 	}
-	e->asked = true;
 	exposure_schedule_asked(&e->schedule, next, ahead);
 }
 

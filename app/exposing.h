@@ -6,7 +6,8 @@
  * passed over costs no exposure its turn. Frames that the camera has captured meanwhile are
  * reckoned from the picture's time. A camera that refuses, or does not show what it was told within
  * EXPOSURE_DELAY_MAX frames, stays at the longest exposure until it is opened again, and a warning
- * says so once.
+ * says so once. One that rounds lets in other shares of the light than were asked for, which ratio
+ * has.
  */
 #ifndef INLAY_APP_EXPOSING_H
 #define INLAY_APP_EXPOSING_H
@@ -22,11 +23,13 @@ struct exposing {
 	const struct config_fisheye *config; /* borrowed; NULL: the camera keeps its exposure */
 	int count;
 	struct exposure_schedule schedule;
-	unsigned opening; /* of the source, that the schedule is of; 0: none yet */
-	int exposure;	  /* of the last picture */
-	bool asked;	  /* the camera has obeyed since it was opened */
-	bool single;	  /* it stays at one */
-	int64_t least_ns; /* that a picture has waited for us */
+	unsigned opening;	     /* of the source, that the schedule is of; 0: none yet */
+	int exposure;		     /* of the last picture */
+	double taken[EXPOSURES_MAX]; /* what the camera makes of each; at first what is asked for */
+	double ratio[EXPOSURES_MAX]; /* of it to that of the first: the light that each lets in */
+	bool asked;		     /* the camera has obeyed since it was opened */
+	bool single;		     /* it stays at one */
+	int64_t least_ns;	     /* that a picture has waited for us */
 	int judged, unfit;
 	struct fault said; /* the trouble that was logged last */
 };

@@ -65,7 +65,9 @@ static void decode_sources(struct kiosk *k, bool frames, struct taken *taken)
 			continue;
 		if (source == k->eyes.fisheye.source) {
 			taken->lit = true;
-			k->pipeline.exposure = exposing_take(&k->exposing, source, clock_now_ns());
+			pipeline_expose(&k->pipeline,
+					exposing_take(&k->exposing, source, clock_now_ns()),
+					k->exposing.ratio);
 		}
 		if (source == first)
 			taken->captured_ns = source->picture_ns;

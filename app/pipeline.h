@@ -134,6 +134,10 @@ int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis 
 /* Whether a background of this size is the basis's. 0 or -EINVAL. */
 int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);
 
+/* The fisheye's next picture has this exposure, -1: nobody knows; ratio[settings.exposures]: what
+ * each lets in of the first one's light. Not looked at where pictures are all alike. */
+void pipeline_expose(struct pipeline *pipeline, int exposure, const double *ratio);
+
 /* Measures the light, of the exposure that is set: in 8-bit code values, of a frame as the camera
  * sent it or of a picture; in linear radiance, of which view is the sky; or as somebody measured
  * it: radiance[basis lights]. -ESTALE: nobody knows the picture's exposure, or it is not the one

@@ -176,6 +176,16 @@ static double level_of(const struct pipeline *p)
 	return white > 0 ? sum / white : 0;
 }
 
+void pipeline_expose(struct pipeline *p, int exposure, const double *ratio)
+{
+	p->exposure = exposure;
+	if (p->settings.exposures < 2)
+		return;
+	memcpy(p->settings.exposure, ratio, sizeof(*ratio) * (size_t)p->settings.exposures);
+	if (p->sampler) /* else they count with it */
+		light_exposures_ratios(p->exposures, ratio);
+}
+
 /* What the sampler has just read becomes the light. */
 static int take_light(struct pipeline *p)
 {

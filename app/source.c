@@ -258,11 +258,12 @@ void source_make_whole(struct source *source)
 		convert(source, &source->held);
 }
 
-int source_control(struct source *source, const char *name, const char *value, struct fault *fault)
+int source_control(struct source *source, const char *name, const char *value, double *taken,
+		   struct fault *fault)
 {
 	if (!source_is_open(source))
 		return fault_say(fault, -EBADF, "a camera that is not open");
-	return camera_set_control(&source->camera, name, value, fault);
+	return camera_set_control(&source->camera, name, value, taken, fault);
 }
 
 void source_encode_as(struct source *source, const struct transfer_curve *curve)

@@ -113,7 +113,8 @@ void source_make_whole(struct source *source);
 void source_drop(struct source *source);
 
 /* As camera_set_control(); -EBADF while it is not open. */
-int source_control(struct source *source, const char *name, const char *value, struct fault *fault);
+int source_control(struct source *source, const char *name, const char *value, double *taken,
+		   struct fault *fault);
 
 /* How linear radiance becomes code values from now on. */
 void source_encode_as(struct source *source, const struct transfer_curve *curve);

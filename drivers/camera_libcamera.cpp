@@ -102,7 +102,9 @@ void libcamera_close(camera *camera)
 	});
 }
 
-int libcamera_control_change(camera *camera, const char *name, const char *value, fault *fault)
+/* What the camera makes of it shows in its frames, not here. */
+int libcamera_control_change(camera *camera, const char *name, const char *value, double *,
+			     fault *fault)
 {
 	return guarded(nullptr, fault,
 		       [&] { return session_of(camera)->control(name, value, fault); });

@@ -471,7 +471,7 @@ static uint64_t to_come(const struct camera *camera, const struct sim *sim)
 	return captured > sim->next ? captured : sim->next;
 }
 
-static int sim_control(struct camera *camera, const char *name, const char *value,
+static int sim_control(struct camera *camera, const char *name, const char *value, double *taken,
 		       struct fault *fault)
 {
 	const struct sim_options *options = camera->options;
@@ -480,6 +480,7 @@ static int sim_control(struct camera *camera, const char *name, const char *valu
 	char *end;
 	const double exposure = strtod(value, &end);
 
+	(void)taken; /* any number is taken as it is */
 	if (!has_exposure(sim))
 		return fault_say(fault, -ENOTSUP, "sim: %s: 8-bit pictures have no exposure",
 				 options->file);

@@ -303,12 +303,12 @@ static void v4l2_release(struct camera *camera, struct frame *frame)
 	(void)v4l2_give_back(v, &v->out);
 }
 
-static int v4l2_control(struct camera *camera, const char *name, const char *value,
+static int v4l2_control(struct camera *camera, const char *name, const char *value, double *taken,
 			struct fault *fault)
 {
 	const struct v4l2_capture *v = camera->state;
 
-	return v4l2_control_change(v->fd, v->path, name, value, fault);
+	return v4l2_control_change(v->fd, v->path, name, value, taken, fault);
 }
 
 const struct camera_ops camera_v4l2 = {

@@ -60,9 +60,11 @@ void camera_release(struct camera *camera, struct frame *frame)
 	memset(frame, 0, sizeof(*frame));
 }
 
-int camera_set_control(struct camera *camera, const char *name, const char *value,
+int camera_set_control(struct camera *camera, const char *name, const char *value, double *taken,
 		       struct fault *fault)
 {
+	double unwanted;
+
 	if (!camera->state)
 		return fault_say(fault, -EBADF, "a camera that is not open");
 	if (!camera->ops->control)
@@ -70,7 +72,7 @@ int camera_set_control(struct camera *camera, const char *name, const char *valu
 				 "%s: cameras of this driver have no control that could be changed "
 				 "while they stream",
 				 camera->ops->name);
-	return camera->ops->control(camera, name, value, fault);
+	return camera->ops->control(camera, name, value, taken ? taken : &unwanted, fault);
 }
 
 void camera_close(struct camera *camera)

@@ -111,11 +111,12 @@ struct camera_ops {
 	/* Optional. Changes a control while the camera streams; name and value as in
 	 * camera_settings.controls. Takes as long as the device takes to answer, some milliseconds
 	 * mostly. Frames that were captured before, and some after it, still show the old value:
-	 * how many is the device's affair. 0; -EINVAL: no control of that name, or no value of
-	 * its; -ERANGE: out of its range, which the fault names; -ENOTSUP: this camera has none
-	 * that can be changed now; other -errno: the device refuses it. The camera goes on
-	 * streaming, whatever is returned. */
-	int (*control)(struct camera *camera, const char *name, const char *value,
+	 * how many is the device's affair. Where the device says at once that it made another
+	 * number of value, as cameras with steps do, taken gets that; else it stays. 0; -EINVAL: no
+	 * control of that name, or no value of its; -ERANGE: out of its range, which the fault
+	 * names; -ENOTSUP: this camera has none that can be changed now; other -errno: the device
+	 * refuses it. The camera goes on streaming, whatever is returned. */
+	int (*control)(struct camera *camera, const char *name, const char *value, double *taken,
 		       struct fault *fault);
 };
 
@@ -127,8 +128,8 @@ int camera_open(struct camera *camera, const struct camera_ops *ops,
 int camera_descriptor(struct camera *camera);
 int camera_grab(struct camera *camera, struct frame *frame, struct fault *fault);
 void camera_release(struct camera *camera, struct frame *frame);
-/* -ENOTSUP also where the driver has no such op. */
-int camera_set_control(struct camera *camera, const char *name, const char *value,
+/* -ENOTSUP also where the driver has no such op. taken: NULL where nobody wants to know. */
+int camera_set_control(struct camera *camera, const char *name, const char *value, double *taken,
 		       struct fault *fault);
 void camera_close(struct camera *camera); /* zeroed is fine */
 

@@ -1,12 +1,16 @@
 #include "hal/log.h"
 
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+enum { TEXT_MAX = 2048, SAID_MAX = 256 };
 
 /* As in syslog(3). */
 static const char *const journal_prefixes[] = {
@@ -42,22 +46,15 @@ void log_setup(const char *program, enum log_level most)
 }
 
 /* One write() for a line, so that lines of several threads (and processes) do not mix. */
-void log_say(enum log_level level, const char *format, ...)
+static void say(enum log_level level, const char *text)
 {
-	char line[2048];
+	char line[TEXT_MAX];
 	size_t length, done = 0;
-	va_list args;
 
-	if (level > setup.most)
-		return;
 	if (setup.journal)
-		snprintf(line, sizeof(line) - 1, "%s", journal_prefixes[level]);
+		snprintf(line, sizeof(line) - 1, "%s%s", journal_prefixes[level], text);
 	else
-		snprintf(line, sizeof(line) - 1, "%s: ", setup.program);
-	length = strlen(line);
-	va_start(args, format);
-	vsnprintf(line + length, sizeof(line) - 1 - length, format, args);
-	va_end(args);
+		snprintf(line, sizeof(line) - 1, "%s: %s", setup.program, text);
 	length = strlen(line);
 	line[length++] = '\n';
 	while (done < length) {
@@ -67,4 +64,58 @@ void log_say(enum log_level level, const char *format, ...)
 			return; /* nobody left to tell */
 		done += (size_t)n;
 	}
+}
+
+void log_say(enum log_level level, const char *format, ...)
+{
+	char text[TEXT_MAX];
+	va_list args;
+
+	if (level > setup.most)
+		return;
+	va_start(args, format);
+	vsnprintf(text, sizeof(text), format, args);
+	va_end(args);
+	say(level, text);
+}
+
+/* FNV-1a. */
+static uint64_t hash(const char *text)
+{
+	uint64_t h = 0xcbf29ce484222325;
+
+	for (; *text; text++)
+		h = (h ^ (unsigned char)*text) * 0x100000001b3;
+	return h;
+}
+
+static bool is_new(const char *text)
+{
+	static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+	static uint64_t said[SAID_MAX];
+	static unsigned count;
+	const uint64_t this = hash(text);
+	bool found = false;
+
+	pthread_mutex_lock(&lock);
+	for (unsigned i = 0; i < SAID_MAX && i < count && !found; i++)
+		found = said[i] == this;
+	if (!found)
+		said[count++ % SAID_MAX] = this;
+	pthread_mutex_unlock(&lock);
+	return !found;
+}
+
+void log_say_once(enum log_level level, const char *format, ...)
+{
+	char text[TEXT_MAX];
+	va_list args;
+
+	if (level > setup.most)
+		return;
+	va_start(args, format);
+	vsnprintf(text, sizeof(text), format, args);
+	va_end(args);
+	if (is_new(text))
+		say(level, text);
 }

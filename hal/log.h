@@ -16,8 +16,14 @@ void log_setup(const char *program, enum log_level most);
 
 void log_say(enum log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* The same, but once for each text while the program runs: for what a device gets wrong time after
+ * time, whoever opens it again or asks it again. Of many texts the oldest are forgotten. */
+void log_say_once(enum log_level level, const char *format, ...)
+	__attribute__((format(printf, 2, 3)));
+
 #define log_error(...) log_say(LOG_LEVEL_ERROR, __VA_ARGS__)
 #define log_warning(...) log_say(LOG_LEVEL_WARNING, __VA_ARGS__)
+#define log_warning_once(...) log_say_once(LOG_LEVEL_WARNING, __VA_ARGS__)
 #define log_info(...) log_say(LOG_LEVEL_INFO, __VA_ARGS__)
 #define log_debug(...) log_say(LOG_LEVEL_DEBUG, __VA_ARGS__)
 

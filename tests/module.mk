@@ -45,6 +45,7 @@ UNIT_TESTS := \
 	tests/unit/test_light_return.c \
 	tests/unit/test_exposures.c \
 	tests/unit/test_exposure_schedule.c \
+	tests/unit/test_exposing.c \
 	tests/unit/test_recovery.c \
 	tests/unit/test_recovery_pieces.c \
 	tests/unit/test_light_filter.c \

@@ -284,6 +284,6 @@ int live_control(struct live *live, const char *assignment, struct fault *fault)
 	if (got <= 0)
 		return fault_say(fault, -EINVAL, "\"%s\": expected name=value of a control",
 				 assignment);
-	err = camera_set_control(&live->camera, control.name, control.value, &why);
+	err = camera_set_control(&live->camera, control.name, control.value, NULL, &why);
 	return err ? fault_say(fault, err, "camera %s: %s", live->name, why.text) : 0;
 }

@@ -235,6 +235,19 @@ static const char *reason(const struct v4l2_query_ext_ctrl *control, int err)
 	}
 }
 
+/* Once for each: exposures that are taken in turn ask for the same values all the time. What has no
+ * effect reads as whatever its automatic makes of it. */
+static void say_other(const char *path, const struct v4l2_setting *s)
+{
+	if (s->control.flags & V4L2_CTRL_FLAG_INACTIVE)
+		log_warning_once("%s: controls: %s=%s was set, but it has no effect now: is its "
+				 "automatic on?",
+				 path, s->said.name, s->said.value);
+	else
+		log_warning_once("%s: controls: %s=%s was set, but the camera says %lld", path,
+				 s->said.name, s->said.value, (long long)s->taken);
+}
+
 static int set_and_read_back(int fd, const char *path, struct v4l2_setting *s, struct fault *fault)
 {
 	int err = set_control(fd, &s->control, s->wanted);
@@ -249,11 +262,7 @@ static int set_and_read_back(int fd, const char *path, struct v4l2_setting *s, s
 	    v4l2_get_control(fd, &s->control, &s->taken))
 		return 0;
 	if (s->taken != s->wanted)
-		log_warning("%s: controls: %s=%s was set, but the camera says %lld%s", path,
-			    s->said.name, s->said.value, (long long)s->taken,
-			    s->control.flags & V4L2_CTRL_FLAG_INACTIVE
-				    ? "; it has no effect now: is its automatic on?"
-				    : "");
+		say_other(path, s);
 	return 0;
 }
 
@@ -303,8 +312,16 @@ static int check_range(const struct v4l2_setting *s, struct fault *fault)
 			 s->said.value, (long long)c->minimum, (long long)c->maximum);
 }
 
+/* Another number, and not that of a menu's entry. */
+static bool is_rounded(const struct v4l2_setting *s)
+{
+	return s->taken != s->wanted && !(s->control.flags & V4L2_CTRL_FLAG_INACTIVE) &&
+	       (s->control.type == V4L2_CTRL_TYPE_INTEGER ||
+		s->control.type == V4L2_CTRL_TYPE_INTEGER64);
+}
+
 int v4l2_control_change(int fd, const char *path, const char *name, const char *value,
-			struct fault *fault)
+			double *taken, struct fault *fault)
 {
 	struct v4l2_setting s = {.control = {.id = 0}};
 	struct fault why;
@@ -322,5 +339,9 @@ int v4l2_control_change(int fd, const char *path, const char *name, const char *
 		err = check_range(&s, &why);
 	if (!err)
 		err = set_and_read_back(fd, path, &s, &why);
-	return err ? fault_say(fault, err, "%s: %s", path, why.text) : 0;
+	if (err)
+		return fault_say(fault, err, "%s: %s", path, why.text);
+	if (is_rounded(&s))
+		*taken = (double)s.taken;
+	return 0;
 }

@@ -35,9 +35,9 @@ void v4l2_controls_apply(int fd, const char *path, struct v4l2_settings *setting
 void v4l2_controls_confirm(int fd, const char *path, struct v4l2_settings *settings);
 
 /* Changes one on the way. 0; -EINVAL: unknown, or no value of its; -ERANGE; or what the device
- * says, with a fault. A value that it makes another of is logged. */
+ * says, with a fault. Of a number that it makes another of, taken gets that, and it is logged. */
 int v4l2_control_change(int fd, const char *path, const char *name, const char *value,
-			struct fault *fault);
+			double *taken, struct fault *fault);
 
 /* A control's name as it is written in the configuration (and as v4l2-ctl writes it):
  * "White Balance, Automatic" is white_balance_automatic. */

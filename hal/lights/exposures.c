@@ -76,14 +76,19 @@ void light_exposures_begin(struct light_exposures *e)
 	e->begun = false;
 }
 
+void light_exposures_ratios(struct light_exposures *e, const double *ratio)
+{
+	for (int k = 0; k < e->count; k++)
+		e->ratio[k] = (float)ratio[k];
+}
+
 void light_exposures_measured(struct light_exposures *e, const double *ratio, int count,
 			      const struct transfer_curve *curve, double gain, const float *pixels)
 {
 	const struct pixel_noise noise = pixel_noise_of(curve);
 
 	e->count = count;
-	for (int k = 0; k < count; k++)
-		e->ratio[k] = (float)ratio[k];
+	light_exposures_ratios(e, ratio);
 	e->gain = (float)gain;
 	e->floor = fmaxf((float)(noise.floor * gain * gain), FLT_MIN); /* a gain of 0 */
 	e->slope = (float)(noise.slope * gain);

@@ -70,6 +70,9 @@ int light_exposures_create(struct light_exposures **exposures, int lights);
 void light_exposures_measured(struct light_exposures *exposures, const double *ratio, int count,
 			      const struct transfer_curve *curve, double gain, const float *pixels);
 
+/* Other ratios of as many exposures from the next frame on; what is kept of frames before stays. */
+void light_exposures_ratios(struct light_exposures *exposures, const double *ratio);
+
 /* Nothing is kept any longer. */
 void light_exposures_begin(struct light_exposures *exposures);
 

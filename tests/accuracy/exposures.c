@@ -155,7 +155,8 @@ static void look(struct rig *rig)
 	}
 	if (!source_decode(source, clock_now_ns()))
 		die("a frame does not decode");
-	rig->pipeline.exposure = exposing_take(&rig->exposing, source, clock_now_ns());
+	pipeline_expose(&rig->pipeline, exposing_take(&rig->exposing, source, clock_now_ns()),
+			rig->exposing.ratio);
 	must(eye_fit(&rig->eye, &fault), &fault);
 	if (source->is_linear) {
 		err = pipeline_light_linear(&rig->pipeline, &source->linear, &rig->eye.view,

@@ -39,6 +39,7 @@ struct played_control {
 	uint32_t type, flags;
 	int minimum, maximum, value;
 	int most;   /* what it makes of more; 0: it takes all */
+	int step;   /* it rounds to multiples of it; 0: it takes all */
 	int refuse; /* errno */
 	int sets;   /* how often it was set */
 };
@@ -326,6 +327,8 @@ static int set_control(const struct v4l2_ext_control *one)
 	if (one->value < c->minimum || one->value > c->maximum)
 		return refuse(ERANGE);
 	c->value = c->most && one->value > c->most ? c->most : one->value;
+	if (c->step)
+		c->value = (c->value + c->step / 2) / c->step * c->step;
 	c->sets++;
 	return 0;
 }

@@ -319,15 +319,15 @@ static void the_exposure_changes_after_its_delay(void **state)
 
 			if (n == 3) {
 				assert_int_equal(camera_set_control(&rig.camera, "exposure", "7",
-								    &rig.fault),
+								    NULL, &rig.fault),
 						 0);
 				assert_int_equal(camera_set_control(&rig.camera, "exposure", "2",
-								    &rig.fault),
+								    NULL, &rig.fault),
 						 0);
 			}
 			if (n == 4)
 				assert_int_equal(camera_set_control(&rig.camera, "exposure", "0",
-								    &rig.fault),
+								    NULL, &rig.fault),
 						 0);
 			grab(&rig, &frame);
 			assert_int_equal(frame.sequence, n);
@@ -353,7 +353,7 @@ static void the_last_of_many_exposures_counts(void **state)
 	for (int n = 0; n < 100; n++) {
 		for (int i = 0; i < 50; i++)
 			assert_int_equal(camera_set_control(&rig.camera, "exposure",
-							    i % 2 ? "2" : "1", &rig.fault),
+							    i % 2 ? "2" : "1", NULL, &rig.fault),
 					 0);
 		grab(&rig, &frame);
 		assert_int_equal(middle_code(&frame), n < 30 ? 64 : 128);
@@ -382,12 +382,13 @@ static void wrong_controls_are_named(void **state)
 
 	(void)state;
 	prepare(&rig, "clock=frames", NULL);
-	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", &rig.fault), -EBADF);
+	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", NULL, &rig.fault),
+			 -EBADF);
 	must_start(&rig);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		assert_int_equal(
-			camera_set_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault),
-			cases[i].err);
+		assert_int_equal(camera_set_control(&rig.camera, cases[i].name, cases[i].value,
+						    NULL, &rig.fault),
+				 cases[i].err);
 		assert_non_null(strstr(rig.fault.text, cases[i].says));
 	}
 	grab(&rig, &frame);
@@ -405,7 +406,8 @@ static void a_driver_without_controls_says_so(void **state)
 	prepare(&rig, "clock=frames", NULL);
 	must_start(&rig);
 	rig.camera.ops = &without;
-	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", &rig.fault), -ENOTSUP);
+	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", NULL, &rig.fault),
+			 -ENOTSUP);
 	assert_non_null(strstr(rig.fault.text, "sim: "));
 	rig.camera.ops = &camera_sim;
 	finish(&rig);

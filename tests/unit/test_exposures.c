@@ -129,6 +129,25 @@ static void a_constant_sky_is_exact(void **state)
 	}
 }
 
+/* A camera that makes other exposures of what it was asked for says so with its first pictures. */
+static void other_ratios_count_from_the_next_frame(void **state)
+{
+	static const double wanted[COUNT] = {1, 0.3, 0.03};
+	struct light_exposures *e = create(1);
+	struct cell cell[LIGHTS];
+	struct merged m;
+
+	(void)state;
+	fill(cell, 2, 0, 0); /* the first is clipped */
+	light_exposures_ratios(e, wanted);
+	show(e, 1, cell, &m);
+	assert_true(m.radiance[0][0] != 2);
+	light_exposures_ratios(e, ratio);
+	show(e, 1, cell, &m);
+	assert_true(m.radiance[0][0] == 2);
+	light_exposures_destroy(e);
+}
+
 /* One exposure is passed on as it is, bit by bit. */
 static void one_exposure_is_untouched(void **state)
 {
@@ -475,6 +494,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_constant_sky_is_exact),
+		cmocka_unit_test(other_ratios_count_from_the_next_frame),
 		cmocka_unit_test(one_exposure_is_untouched),
 		cmocka_unit_test(a_lamp_is_found_in_the_shortest),
 		cmocka_unit_test(weights_follow_the_noise),

@@ -14,7 +14,7 @@
 
 static char said[8192];
 
-static int start_and_listen(struct rig *rig)
+static int listen_to(int (*act)(struct rig *rig), struct rig *rig)
 {
 	FILE *log = tmpfile();
 	const int stderr_was = dup(STDERR_FILENO);
@@ -24,7 +24,7 @@ static int start_and_listen(struct rig *rig)
 	assert_non_null(log);
 	fflush(stderr);
 	dup2(fileno(log), STDERR_FILENO);
-	err = start(rig);
+	err = act(rig);
 	fflush(stderr);
 	dup2(stderr_was, STDERR_FILENO);
 	close(stderr_was);
@@ -33,6 +33,11 @@ static int start_and_listen(struct rig *rig)
 	said[length] = '\0';
 	fclose(log);
 	return err;
+}
+
+static int start_and_listen(struct rig *rig)
+{
+	return listen_to(start, rig);
 }
 
 static void is_said(const char *text)
@@ -197,16 +202,78 @@ static void controls_change_while_it_streams(void **state)
 
 	(void)state;
 	prepare_controls(&rig, "");
-	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", NULL, &rig.fault), -EBADF);
 	assert_int_equal(start_and_listen(&rig), 0);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		if (camera_set_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault))
+		if (camera_set_control(&rig.camera, cases[i].name, cases[i].value, NULL,
+				       &rig.fault))
 			fail_msg("%s", rig.fault.text);
 		assert_int_equal(device.controls[cases[i].which].value, cases[i].taken);
 		assert_true(device.streaming);
 	}
 	finish(&rig);
-	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", &rig.fault), -EBADF);
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", NULL, &rig.fault), -EBADF);
+}
+
+/* Exposures in turn, for as long as one likes. */
+static int change_many_times(struct rig *rig)
+{
+	for (int n = 0; n < 100; n++) {
+		double taken = n % 2 ? 30 : 7;
+
+		if (camera_set_control(&rig->camera, "gain", n % 2 ? "30" : "7", &taken,
+				       &rig->fault))
+			return -EIO;
+		assert_true(taken == (n % 2 ? 30 : 5));
+	}
+	return 0;
+}
+
+static void what_is_rounded_is_told_and_said_once(void **state)
+{
+	const char *first;
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "");
+	device.controls[GAIN].step = 5;
+	must_start(&rig);
+	assert_int_equal(listen_to(change_many_times, &rig), 0);
+	is_said("gain=7 was set, but the camera says 5");
+	first = strstr(said, "was set");
+	assert_null(strstr(first + 1, "was set"));
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "8", NULL, &rig.fault), 0);
+	finish(&rig);
+}
+
+/* What an automatic makes of it is nothing that was taken. */
+static int change_in_vain(struct rig *rig)
+{
+	for (int n = 0; n < 10; n++) {
+		double taken = 200;
+
+		device.controls[GAIN].most = 20 + n;
+		if (camera_set_control(&rig->camera, "gain", "200", &taken, &rig->fault))
+			return -EIO;
+		assert_true(taken == 200);
+	}
+	return 0;
+}
+
+static void what_has_no_effect_is_said_once(void **state)
+{
+	const char *first;
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "");
+	device.controls[GAIN].flags = V4L2_CTRL_FLAG_INACTIVE;
+	must_start(&rig);
+	assert_int_equal(listen_to(change_in_vain, &rig), 0);
+	is_said("gain=200 was set, but it has no effect now: is its automatic on?");
+	first = strstr(said, "was set");
+	assert_null(strstr(first + 1, "was set"));
+	finish(&rig);
 }
 
 static void what_cannot_be_changed_is_named(void **state)
@@ -237,9 +304,9 @@ static void what_cannot_be_changed_is_named(void **state)
 	device.controls[BALANCE].refuse = EACCES;
 	assert_int_equal(start_and_listen(&rig), 0);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		assert_int_equal(
-			camera_set_control(&rig.camera, cases[i].name, cases[i].value, &rig.fault),
-			cases[i].err);
+		assert_int_equal(camera_set_control(&rig.camera, cases[i].name, cases[i].value,
+						    NULL, &rig.fault),
+				 cases[i].err);
 		if (!strstr(rig.fault.text, cases[i].expected))
 			fail_msg("\"%s\" is not in: %s", cases[i].expected, rig.fault.text);
 		assert_true(device.streaming);
@@ -361,6 +428,8 @@ int main(void)
 		cmocka_unit_test(what_starting_undoes_is_set_again),
 		cmocka_unit_test(controls_that_cannot_be_read_are_errors),
 		cmocka_unit_test(controls_change_while_it_streams),
+		cmocka_unit_test(what_is_rounded_is_told_and_said_once),
+		cmocka_unit_test(what_has_no_effect_is_said_once),
 		cmocka_unit_test(what_cannot_be_changed_is_named),
 		cmocka_unit_test(names_are_those_of_v4l2_ctl),
 		cmocka_unit_test(what_goes_goes_in_order),

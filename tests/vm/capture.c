@@ -218,7 +218,7 @@ static int take(struct camera *camera, const struct request *request, struct wat
 		camera_release(camera, &frame);
 		if (!err && watch->taken == 1 && *request->change.name)
 			err = camera_set_control(camera, request->change.name,
-						 request->change.value, fault);
+						 request->change.value, NULL, fault);
 	}
 	for (int parity = 0; parity < 2 && !err; parity++)
 		say_lines(&canvas, parity);
