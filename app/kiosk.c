@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "app/kiosk_parts.h"
+#include "hal/camera_situation.h"
 #include "hal/clock.h"
 
 /* A camera may take 2 s to open (hal/camera.h), and more on a busy machine. One that takes much
@@ -49,7 +50,7 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 	source->kept = k->frozen;
 	err = source_take(source, now, &reason);
 
-	if (err && first && source_is_hopeless(source))
+	if (err && first && camera_is_hopeless(source->situation, err))
 		return fault_say(fault, err, "camera %s: %s", source->settings.name, reason.text);
 	if (err)
 		source_complain(source, &reason);

@@ -91,11 +91,6 @@ bool source_is_open(const struct source *source)
 	return !source->opening && source->camera.state != NULL;
 }
 
-bool source_is_hopeless(const struct source *source)
-{
-	return source->situation == CAMERA_UNSUPPORTED_FORMAT || source->situation == CAMERA_BROKEN;
-}
-
 const char *source_device_name(const struct source *source)
 {
 	return *source->device_name ? source->device_name : source->settings.name;

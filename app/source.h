@@ -68,10 +68,6 @@ void source_destroy(struct source *source);
  * source_take() takes it in. Nothing happens when it is open or being opened. */
 void source_open(struct source *source);
 
-/* Of a source that has been tried: whether waiting cannot mend it, a camera that is not one, a
- * format that it does not have. Only the caller knows whether that is the end. */
-bool source_is_hopeless(const struct source *source);
-
 bool source_is_open(const struct source *source);
 
 /* What the device calls itself, or else what the configuration does. */

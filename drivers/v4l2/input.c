@@ -125,6 +125,8 @@ static int take_timings(int fd, struct fault *fault)
 	if (!device_ioctl(fd, VIDIOC_G_DV_TIMINGS, &set) && is_the_same(&set.bt, &timings.bt))
 		return 0;
 	err = device_ioctl(fd, VIDIOC_S_DV_TIMINGS, &timings);
+	if (err == -EINVAL) /* the source's fault, which may send others later */
+		err = -ERANGE;
 	if (err)
 		return fault_say(fault, err, "the source's timings are not taken: %s",
 				 err == -EBUSY ? "another program uses the camera"

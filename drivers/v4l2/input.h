@@ -23,8 +23,8 @@ struct v4l2_source {
 };
 
 /* Selects the input, sets or takes over the television standard or HDMI timings that it receives,
- * and asks for events when those change. -EINVAL: no such input or standard; -ENOLINK, -ENOLCK:
- * there is no signal, or it is not stable. */
+ * and asks for events when those change. -EINVAL: no such input or standard; -ENOLINK, -ENOLCK,
+ * -ERANGE: there is no signal, it is not stable, or none that can be received. */
 int v4l2_setup_input(int fd, const struct v4l2_options *options, struct v4l2_source *source,
 		     struct fault *fault);
 

@@ -52,7 +52,7 @@ static struct {
 	bool sizes_known;    /* 64x48 and 32x24; fast only in MJPEG */
 	double room;	     /* bits a second that the bus has left; 0: enough */
 	bool room_at_format; /* S_FMT already minds, not STREAMON */
-	int streamon_error, dequeue_error, signal_error, interrupts;
+	int streamon_error, dequeue_error, signal_error, timings_error, interrupts;
 	bool dv_timings, television, tells;
 	uint32_t status; /* of the input */
 	v4l2_std_id detected, standard;
@@ -349,7 +349,7 @@ static int answer_source(unsigned long request, void *argument)
 	case VIDIOC_QUERY_DV_TIMINGS:
 		return device.signal_error ? refuse(device.signal_error) : 0;
 	case VIDIOC_S_DV_TIMINGS:
-		return 0;
+		return device.timings_error ? refuse(device.timings_error) : 0;
 	case VIDIOC_QUERYSTD:
 		*(v4l2_std_id *)argument = device.detected;
 		return 0;

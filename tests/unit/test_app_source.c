@@ -15,6 +15,7 @@
 
 #include "app/eye.h"
 #include "app/source.h"
+#include "hal/camera_situation.h"
 #include "hal/clock.h"
 
 /* What the camera will do next, and what was done to it. */
@@ -239,7 +240,6 @@ static void a_lost_camera_leaves_its_picture(void **state)
 	assert_false(source_is_open(&source));
 	assert_int_equal(source_descriptor(&source), -1);
 	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
-	assert_false(source_is_hopeless(&source));
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 100);
 	fake.grab_err = 0;
@@ -251,24 +251,44 @@ static void a_lost_camera_leaves_its_picture(void **state)
 	assert_int_equal(source_counts(&source).frames, 2); /* of both openings */
 }
 
+/* A camera whose driver names no situation is broken, and its error tells for how long. */
 static void which_failures_waiting_can_mend(void **state)
 {
 	static const struct {
+		int err;
 		enum camera_situation situation;
 		bool hopeless;
-	} cases[] = {{CAMERA_NO_DEVICE, false},	    {CAMERA_NO_SIGNAL, false},
-		     {CAMERA_BUSY, false},	    {CAMERA_NO_BANDWIDTH, false},
-		     {CAMERA_STALLED, false},	    {CAMERA_UNSUPPORTED_FORMAT, true},
-		     {CAMERA_NO_PERMISSION, false}, {CAMERA_BROKEN, true}};
+	} cases[] = {{-ENODEV, CAMERA_NO_DEVICE, false},
+		     {-EINVAL, CAMERA_NO_DEVICE, false},
+		     {-ENOLINK, CAMERA_NO_SIGNAL, false},
+		     {-EBUSY, CAMERA_BUSY, false},
+		     {-ENOSPC, CAMERA_NO_BANDWIDTH, false},
+		     {-EIO, CAMERA_STALLED, false},
+		     {-EACCES, CAMERA_NO_PERMISSION, false},
+		     {-ENOTSUP, CAMERA_UNSUPPORTED_FORMAT, true},
+		     {-EIO, CAMERA_UNSUPPORTED_FORMAT, true},
+		     {-ENOTTY, CAMERA_BROKEN, true},
+		     {-EINVAL, CAMERA_BROKEN, true},
+		     {-ENOTSUP, CAMERA_BROKEN, true},
+		     {-EOPNOTSUPP, CAMERA_BROKEN, true},
+		     {-EBADMSG, CAMERA_FINE, true},
+		     {-EIO, CAMERA_BROKEN, false},
+		     {-EPROTO, CAMERA_FINE, false},
+		     {-EPIPE, CAMERA_BROKEN, false},
+		     {-ETIMEDOUT, CAMERA_BROKEN, false},
+		     {-EREMOTEIO, CAMERA_BROKEN, false},
+		     {-ENOMEM, CAMERA_BROKEN, false}};
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
-		fake.open_err = -EIO;
+		fake.open_err = cases[i].err;
 		fake.situation = cases[i].situation;
-		assert_int_equal(opened(), -EIO);
+		assert_int_equal(opened(), cases[i].err);
 		assert_true(source.tried);
 		assert_string_equal(told.text, "fake: it is broken");
-		assert_int_equal(source_is_hopeless(&source), cases[i].hopeless);
+		if (camera_is_hopeless(source.situation, cases[i].err) != cases[i].hopeless)
+			fail_msg("%s, %s", strerror(-cases[i].err),
+				 camera_situation_names[cases[i].situation]);
 	}
 }
 

@@ -264,6 +264,7 @@ static void errors_are_situations(void **state)
 	static const struct {
 		int err, situation;
 	} cases[] = {{EBUSY, CAMERA_BUSY}, {ENOSPC, CAMERA_NO_BANDWIDTH}, {EIO, CAMERA_BROKEN}};
+	static const int signals[] = {ENOLINK, ENOLCK, ERANGE};
 	struct frame frame;
 	struct rig rig;
 
@@ -284,11 +285,20 @@ static void errors_are_situations(void **state)
 	assert_int_equal(rig.camera.situation, CAMERA_NO_DEVICE);
 	finish(&rig);
 
+	for (size_t i = 0; i < sizeof(signals) / sizeof(signals[0]); i++) {
+		prepare(&rig, usual_formats);
+		device.dv_timings = true;
+		device.signal_error = signals[i];
+		assert_int_equal(start(&rig), -signals[i]);
+		assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
+		finish(&rig);
+	}
 	prepare(&rig, usual_formats);
 	device.dv_timings = true;
-	device.signal_error = ENOLINK;
-	assert_int_equal(start(&rig), -ENOLINK);
+	device.timings_error = EINVAL;
+	assert_int_equal(start(&rig), -ERANGE);
 	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
+	assert_non_null(strstr(rig.fault.text, "timings are not taken"));
 	finish(&rig);
 
 	prepare(&rig, usual_formats);
