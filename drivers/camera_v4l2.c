@@ -137,6 +137,9 @@ static int start(struct camera *camera, struct v4l2_capture *v, struct v4l2_fall
 	return 0;
 }
 
+/* Whose the device is comes first: inputs and controls can be changed below another program that
+ * streams, and waiting for it would do so each second. Controls go before the format all the same,
+ * as some change it and are locked once there is memory. */
 static int set_up(struct camera *camera, struct v4l2_capture *v, struct fault *fault)
 {
 	struct v4l2_fallback fallback;
@@ -145,6 +148,8 @@ static int set_up(struct camera *camera, struct v4l2_capture *v, struct fault *f
 	err = v4l2_controls_read(&v->controls, camera->settings.controls, fault);
 	if (!err)
 		err = v4l2_fallback_read(&fallback, camera->settings.give_up, fault);
+	if (!err)
+		err = v4l2_buffers_try(&v->buffers, fault);
 	if (!err)
 		err = v4l2_setup_input(v->fd, camera->options, &v->source, fault);
 	if (err)

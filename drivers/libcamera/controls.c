@@ -234,10 +234,10 @@ double libcamera_wishes_read(struct libcamera_wishes *w, const char *camera,
 	*w = (struct libcamera_wishes){.camera = camera, .settling = FRAMES_TO_SETTLE};
 	while ((got = camera_controls_next(&text, &said, &fault)) != 0) {
 		if (got < 0)
-			log_warning("libcamera: %s: %s", camera, fault.text);
+			log_warning_once("libcamera: %s: %s", camera, fault.text);
 		else if (read_wish(w, find(known, count, said.name), said.value, &fault))
-			log_warning("libcamera: %s: control %s is not set: %s", camera, said.name,
-				    fault.text);
+			log_warning_once("libcamera: %s: control %s is not set: %s", camera,
+					 said.name, fault.text);
 	}
 	return want_rate(w, find(known, count, "FrameDurationLimits"), rate_hz);
 }

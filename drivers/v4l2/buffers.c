@@ -74,6 +74,17 @@ static int map_buffer(struct v4l2_buffers *b, int index)
 	return err;
 }
 
+/* To ask for none takes nothing from whoever has some, and drivers refuse it as they would more.
+ * Old ones know no such number, and say nothing of others by it. */
+int v4l2_buffers_try(const struct v4l2_buffers *b, struct fault *fault)
+{
+	struct v4l2_requestbuffers none = {.type = b->type, .memory = V4L2_MEMORY_MMAP};
+
+	if (device_ioctl(b->fd, VIDIOC_REQBUFS, &none) == -EBUSY)
+		return fault_say(fault, -EBUSY, "another program takes pictures from the camera");
+	return 0;
+}
+
 static int request(struct v4l2_buffers *b, int wanted, struct fault *fault)
 {
 	struct v4l2_requestbuffers r = {

@@ -27,6 +27,10 @@ struct v4l2_buffers {
 
 bool v4l2_multiplanar(const struct v4l2_buffers *buffers);
 
+/* fd and type are set, and nothing is started. -EBUSY: another program has memory of the device, so
+ * that nothing of it is to be changed; else 0. */
+int v4l2_buffers_try(const struct v4l2_buffers *buffers, struct fault *fault);
+
 /* fd, type and memory_planes are set. Asks for memory, maps it, gives all of it to the device and
  * starts it. On failure nothing is left that keeps the format from being set again. */
 int v4l2_buffers_start(struct v4l2_buffers *buffers, int wanted, struct fault *fault);

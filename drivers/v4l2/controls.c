@@ -266,10 +266,10 @@ static int set_and_read_back(int fd, const char *path, struct v4l2_setting *s, s
 	return 0;
 }
 
-/* What is refused is not tried again. */
+/* What is refused is not tried again until the next opening, which says no more of it. */
 static void give_up(const char *path, struct v4l2_setting *s, const struct fault *fault)
 {
-	log_warning("%s: controls: %s", path, fault->text);
+	log_warning_once("%s: controls: %s", path, fault->text);
 	s->control.id = 0;
 }
 

@@ -28,7 +28,7 @@ int v4l2_controls_read(struct v4l2_settings *settings, const char *text, struct 
 
 /* Sets them in the order in which they are written: a driver refuses a manual value while the
  * automatic is on. Reads each back; what is refused or comes back as another value is logged, path
- * first, and keeps nobody from going on. */
+ * first, once however often the camera is opened, and keeps nobody from going on. */
 void v4l2_controls_apply(int fd, const char *path, struct v4l2_settings *settings);
 
 /* Once the device streams: sets those again that it has put back meanwhile. */

@@ -67,16 +67,16 @@ static int find_input(int fd, const char *wanted, struct fault *fault)
 
 static int select_input(int fd, const char *wanted, struct v4l2_source *source, struct fault *fault)
 {
-	int err;
+	int err, selected;
 
-	if (!wanted[0] || strcmp(wanted, "-1") == 0) {
-		if (device_ioctl(fd, VIDIOC_G_INPUT, &source->input))
-			source->input = -1;
+	if (device_ioctl(fd, VIDIOC_G_INPUT, &selected))
+		selected = -1;
+	source->input = selected;
+	if (!wanted[0] || strcmp(wanted, "-1") == 0)
 		return 0;
-	}
 	source->input = find_input(fd, wanted, fault);
-	if (source->input < 0)
-		return source->input;
+	if (source->input < 0 || source->input == selected)
+		return source->input < 0 ? source->input : 0;
 	err = device_ioctl(fd, VIDIOC_S_INPUT, &source->input);
 	if (err)
 		return fault_say(fault, err, "v4l2.input: cannot select input \"%s\": %s", wanted,
@@ -163,9 +163,19 @@ static int standard_called(int fd, const char *name, v4l2_std_id offered, v4l2_s
 			 name, names[0] ? names : "none");
 }
 
+/* What is set already stays untouched: devices begin anew, and settle. */
+static int change_standard(int fd, v4l2_std_id standard)
+{
+	v4l2_std_id set = 0;
+
+	if (device_ioctl(fd, VIDIOC_G_STD, &set) == 0 && set == standard)
+		return 0;
+	return device_ioctl(fd, VIDIOC_S_STD, &standard);
+}
+
 static int set_standard(int fd, const char *name, v4l2_std_id standard, struct fault *fault)
 {
-	int err = device_ioctl(fd, VIDIOC_S_STD, &standard);
+	int err = change_standard(fd, standard);
 
 	if (err)
 		return fault_say(fault, err, "v4l2.standard: cannot set \"%s\": %s", name,
@@ -181,7 +191,7 @@ static void take_standard(int fd)
 
 	if (device_ioctl(fd, VIDIOC_QUERYSTD, &standard) == 0 && standard != 0 &&
 	    standard != V4L2_STD_ALL)
-		(void)device_ioctl(fd, VIDIOC_S_STD, &standard);
+		(void)change_standard(fd, standard);
 }
 
 static int setup_television(int fd, const char *wanted, v4l2_std_id offered,

@@ -59,8 +59,9 @@ static struct {
 	int input, events;
 	struct played_control controls[CONTROLS_MAX];
 	bool resets; /* the first control goes back to its minimum when the device starts */
+	bool held;   /* by another program, which streams */
 	bool streaming;
-	int buffers;
+	int buffers, changes; /* changes: of input and standard */
 	bool queued[BUFFERS_MAX];
 	struct ready ready[QUEUE];
 	int ready_count;
@@ -183,6 +184,8 @@ static int query_buffer(struct v4l2_buffer *b)
 static int request_buffers(struct v4l2_requestbuffers *r)
 {
 	assert_false(device.streaming);
+	if (device.held)
+		return refuse(EBUSY);
 	if (r->count > BUFFERS_MAX)
 		r->count = BUFFERS_MAX;
 	device.buffers = (int)r->count;
@@ -342,6 +345,7 @@ static int answer_source(unsigned long request, void *argument)
 		*(int *)argument = device.input;
 		return 0;
 	case VIDIOC_S_INPUT:
+		device.changes++;
 		device.input = *(int *)argument;
 		return device.input < 2 ? 0 : refuse(EINVAL);
 	case VIDIOC_ENUMINPUT:
@@ -357,6 +361,7 @@ static int answer_source(unsigned long request, void *argument)
 		*(v4l2_std_id *)argument = device.standard;
 		return 0;
 	case VIDIOC_S_STD:
+		device.changes++;
 		device.standard = *(v4l2_std_id *)argument;
 		return 0;
 	case VIDIOC_ENUMSTD:

@@ -150,6 +150,57 @@ static void what_starting_undoes_is_set_again(void **state)
 	finish(&rig);
 }
 
+/* Tried each second, as long as the other one likes. */
+static int wait_for_it(struct rig *rig)
+{
+	int err = -EIO;
+
+	for (int n = 0; n < 5; n++) {
+		err = start(rig);
+		camera_close(&rig->camera);
+	}
+	return err;
+}
+
+static void what_another_program_uses_is_left_as_it_is(void **state)
+{
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "gain=99, power_line_frequency=1, nonsense=1");
+	device.television = device.held = true;
+	device.input = 1;
+	strcpy(rig.options.input, "0");
+	strcpy(rig.options.standard, "PAL");
+	assert_int_equal(listen_to(wait_for_it, &rig), -EBUSY);
+	assert_int_equal(rig.camera.situation, CAMERA_BUSY);
+	assert_non_null(strstr(rig.fault.text, "another program"));
+	assert_int_equal(device.changes, 0);
+	assert_int_equal(device.controls[GAIN].sets, 0);
+	assert_int_equal(device.controls[LINE].sets, 0);
+	assert_string_equal(said, "");
+	device.held = false;
+	assert_int_equal(listen_to(wait_for_it, &rig), 0);
+	assert_int_equal(device.changes, 2); /* once each */
+	assert_int_equal(device.controls[GAIN].value, 99);
+	finish(&rig);
+}
+
+static void what_is_refused_is_said_once(void **state)
+{
+	const char *first;
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "gainn=99");
+	device.streamon_error = EPROTO;
+	assert_int_equal(listen_to(wait_for_it, &rig), -EPROTO);
+	is_said("no control \"gainn\"");
+	first = strstr(said, "no control");
+	assert_null(strstr(first + 1, "no control"));
+	finish(&rig);
+}
+
 static void controls_that_cannot_be_read_are_errors(void **state)
 {
 	static const char *const cases[] = {"gain", "gain=", "=3", "gain 3, brightness=2"};
@@ -426,6 +477,8 @@ int main(void)
 		cmocka_unit_test(controls_are_set_by_name),
 		cmocka_unit_test(what_is_refused_is_named),
 		cmocka_unit_test(what_starting_undoes_is_set_again),
+		cmocka_unit_test(what_another_program_uses_is_left_as_it_is),
+		cmocka_unit_test(what_is_refused_is_said_once),
 		cmocka_unit_test(controls_that_cannot_be_read_are_errors),
 		cmocka_unit_test(controls_change_while_it_streams),
 		cmocka_unit_test(what_is_rounded_is_told_and_said_once),

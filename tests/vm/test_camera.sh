@@ -202,8 +202,10 @@ fi
 v4l2-ctl -d "$in" --stream-mmap=3 --stream-count=1000 --stream-to=/dev/null >/dev/null 2>&1 &
 other=$!
 within_seconds 5 sh -c "! v4l2-ctl -d $in --set-fmt-video=width=320,height=180"
-capture 2 format=YUYV
+v4l2-ctl -d "$in" -c brightness=111
+capture 2 format=YUYV controls=brightness=77
 equal "a camera that another program uses is named so" busy "$(said situation)"
+equal "and left as it is" "brightness: 111" "$(v4l2-ctl -d "$in" --get-ctrl=brightness)"
 kill $other
 wait $other 2>/dev/null
 
