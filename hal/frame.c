@@ -46,6 +46,15 @@ void canvas_free(struct canvas *canvas)
 	memset(canvas, 0, sizeof(*canvas));
 }
 
+uint32_t frame_count_gap(struct frame_count *count, uint32_t sequence)
+{
+	const uint32_t step = sequence - count->last;
+	const bool gap = count->begun && step > 1 && step < UINT32_MAX / 2;
+
+	*count = (struct frame_count){true, sequence};
+	return gap ? step - 1 : 0;
+}
+
 size_t frame_plane_stride(enum pixel_format format, int plane, int width)
 {
 	const size_t w = width > 0 ? (size_t)width : 0;

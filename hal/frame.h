@@ -78,6 +78,16 @@ struct frame {
 	int buffer;	      /* the driver's own handle; others leave it alone */
 };
 
+/* Frames of one source, counted by their sequence; zeroed, none has come. */
+struct frame_count {
+	bool begun;
+	uint32_t last;
+};
+
+/* How many went missing before this one. Numbers wrap; a step back means that the source counts
+ * anew. */
+uint32_t frame_count_gap(struct frame_count *count, uint32_t sequence);
+
 /* An owned BGRX picture (X is 255). */
 struct canvas {
 	int width, height;

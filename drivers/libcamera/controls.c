@@ -110,14 +110,13 @@ static bool allows(const struct libcamera_control *control, int element, double 
 static int read_number(const struct libcamera_control *control, const char *word, double *number,
 		       struct fault *fault)
 {
-	static const char *const truths[] = {"no", "yes", "false", "true", "off", "on"};
+	bool truth;
 	char *end;
 
-	for (int i = 0; i < 6; i++)
-		if (control->kind == LIBCAMERA_BOOL && strcasecmp(word, truths[i]) == 0) {
-			*number = i % 2;
-			return 0;
-		}
+	if (control->kind == LIBCAMERA_BOOL && ini_truth_read(word, &truth)) {
+		*number = truth;
+		return 0;
+	}
 	if (control->number_of && control->number_of(control->theirs, word, number))
 		return 0;
 	*number = strtod(word, &end);

@@ -167,7 +167,7 @@ void Session::accept(Slot &slot, camera *camera, frame *newest)
 		requeue(slot);
 		return;
 	}
-	camera->lost += missed(next.sequence);
+	camera->lost += frame_count_gap(&count, next.sequence);
 	read_metadata(camera, slot.request->metadata());
 	if (newest->format != PIXEL_NONE) {
 		camera->lost++;
@@ -180,17 +180,6 @@ Failure Session::why_over() const
 {
 	return trouble && trouble != -ENODEV ? refusal(trouble, "it takes no request")
 					     : Failure(-ENODEV, "the camera has gone");
-}
-
-/* Numbers wrap; a step back means that the source counts anew. */
-uint32_t Session::missed(uint32_t number)
-{
-	const uint32_t step = number - last_number;
-	const bool gap = counted && step > 1 && step < UINT32_MAX / 2;
-
-	counted = true;
-	last_number = number;
-	return gap ? step - 1 : 0;
 }
 
 void Session::read_metadata(camera *camera, const lc::ControlList &metadata)

@@ -51,7 +51,6 @@ class Session
 	void requeue(Slot &slot);
 	void accept(Slot &slot, camera *camera, frame *newest);
 	Failure why_over() const;
-	uint32_t missed(uint32_t number);
 	void read_metadata(camera *camera, const lc::ControlList &metadata);
 	bool can_be_deleted();
 
@@ -63,9 +62,8 @@ class Session
 	Slots slots;
 	std::vector<libcamera_control> controls;
 	libcamera_wishes wishes = {};
-	int trouble = 0;      /* why a request was not taken */
-	bool counted = false; /* last_number holds one */
-	uint32_t last_number = 0;
+	int trouble = 0; /* why a request was not taken */
+	frame_count count = {};
 };
 
 } // namespace libcamera_driver

@@ -25,17 +25,6 @@ static int64_t timestamp_ns(const struct v4l2_buffer *buffer)
 	return ns < now_ns - TIME_PAST_NS || ns > now_ns ? now_ns : ns;
 }
 
-/* Sequence numbers wrap; a step back means that the driver started to count anew. */
-static uint32_t missed(struct v4l2_capture *v, uint32_t sequence)
-{
-	const uint32_t step = sequence - v->last_sequence;
-	const bool gap = v->counted && step > 1 && step < UINT32_MAX / 2;
-
-	v->counted = true;
-	v->last_sequence = sequence;
-	return gap ? step - 1 : 0;
-}
-
 static struct v4l2_span span(const struct v4l2_mapping *mapping, size_t offset, size_t used)
 {
 	const size_t end = used < mapping->length ? used : mapping->length;
@@ -158,7 +147,8 @@ int v4l2_take(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *
 	err = v4l2_buffers_take(&v->buffers, &buffer, planes);
 	if (err)
 		return err;
-	camera->lost += missed(v, v->pairing.counts_fields ? buffer.sequence / 2 : buffer.sequence);
+	camera->lost += frame_count_gap(&v->count, v->pairing.counts_fields ? buffer.sequence / 2
+									    : buffer.sequence);
 	fit = read_buffer(v, &buffer, &t->frame) && (!pairs || is_field(buffer.field));
 	t->buffers[0] = (int)buffer.index;
 	if (!fit)

@@ -30,8 +30,7 @@ struct v4l2_capture {
 	struct v4l2_pairing pairing;
 	struct v4l2_taken waiting; /* the first field of a pair */
 	struct v4l2_taken out;	   /* handed out */
-	bool counted;		   /* last_sequence holds one */
-	uint32_t last_sequence;
+	struct frame_count count;
 	int64_t signal_checked_ns;
 };
 

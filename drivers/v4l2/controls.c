@@ -162,19 +162,6 @@ static bool read_number(const char *text, int64_t *value)
 	return end != text && !*end && errno == 0;
 }
 
-static bool read_truth(const char *text, int64_t *value)
-{
-	static const char *const yes[] = {"yes", "true", "on", "1"};
-	static const char *const no[] = {"no", "false", "off", "0"};
-
-	for (int i = 0; i < 4; i++) {
-		*value = strcasecmp(text, yes[i]) == 0;
-		if (*value || strcasecmp(text, no[i]) == 0)
-			return true;
-	}
-	return false;
-}
-
 /* By name, or by the number of the entry; entries of an integer menu have numbers for names. */
 static bool read_entry(int fd, const struct v4l2_query_ext_ctrl *control, const char *text,
 		       int64_t *value)
@@ -192,14 +179,17 @@ static bool read_entry(int fd, const struct v4l2_query_ext_ctrl *control, const 
 static int read_value(int fd, struct v4l2_setting *s, struct fault *fault)
 {
 	const struct v4l2_query_ext_ctrl *c = &s->control;
+	bool truth;
 
 	switch (c->type) {
 	case V4L2_CTRL_TYPE_BUTTON:
 		s->wanted = 1;
 		return 0;
 	case V4L2_CTRL_TYPE_BOOLEAN:
-		if (read_truth(s->said.value, &s->wanted))
+		if (ini_truth_read(s->said.value, &truth)) {
+			s->wanted = truth;
 			return 0;
+		}
 		return fault_say(fault, -EINVAL, "%s is \"%s\", expected yes or no", s->said.name,
 				 s->said.value);
 	case V4L2_CTRL_TYPE_MENU:

@@ -12,6 +12,7 @@
 #include "drivers/v4l2/device.h"
 #include "drivers/v4l2/find.h"
 #include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/offers.h"
 #include "hal/camera_situation.h"
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };
@@ -35,11 +36,6 @@ __attribute__((format(printf, 2, 3))) static void add_line(struct camera_listing
 	listing->line_count++;
 }
 
-static double rate_of(const struct v4l2_fract *interval)
-{
-	return interval->numerator ? (double)interval->denominator / interval->numerator : 0;
-}
-
 /* " 30 15 7.5" or " 1 to 60", what the device offers at one size. */
 static void rates_text(int fd, uint32_t fourcc, unsigned width, unsigned height, char *text,
 		       size_t room)
@@ -54,12 +50,12 @@ static void rates_text(int fd, uint32_t fourcc, unsigned width, unsigned height,
 		if (device_ioctl(fd, VIDIOC_ENUM_FRAMEINTERVALS, &rate))
 			return;
 		if (rate.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
-			snprintf(text, room, " %.4g to %.4g", rate_of(&rate.stepwise.max),
-				 rate_of(&rate.stepwise.min));
+			snprintf(text, room, " %.4g to %.4g", v4l2_rate_of(&rate.stepwise.max),
+				 v4l2_rate_of(&rate.stepwise.min));
 			return;
 		}
 		used += (size_t)snprintf(text + used, room - used, " %.4g",
-					 rate_of(&rate.discrete));
+					 v4l2_rate_of(&rate.discrete));
 	}
 }
 

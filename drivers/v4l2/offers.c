@@ -1,8 +1,11 @@
 #include "drivers/v4l2/offers.h"
 
-#include <linux/videodev2.h>
-
 #include "drivers/v4l2/device.h"
+
+double v4l2_rate_of(const struct v4l2_fract *interval)
+{
+	return interval->numerator ? (double)interval->denominator / interval->numerator : 0;
+}
 
 bool v4l2_offers_size(int fd, uint32_t fourcc, int width, int height)
 {
@@ -83,11 +86,6 @@ bool v4l2_smaller_size(int fd, uint32_t fourcc, int *width, int *height)
 	}
 }
 
-static double rate_of(const struct v4l2_fract *interval)
-{
-	return interval->numerator ? (double)interval->denominator / interval->numerator : 0;
-}
-
 bool v4l2_slower_rate(int fd, uint32_t fourcc, int width, int height, double *rate_hz)
 {
 	double best = 0;
@@ -103,10 +101,10 @@ bool v4l2_slower_rate(int fd, uint32_t fourcc, int width, int height, double *ra
 			break;
 		if (rate.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
 			hz = *rate_hz / 2;
-			best = hz >= rate_of(&rate.stepwise.max) ? hz : 0;
+			best = hz >= v4l2_rate_of(&rate.stepwise.max) ? hz : 0;
 			break;
 		}
-		hz = rate_of(&rate.discrete);
+		hz = v4l2_rate_of(&rate.discrete);
 		if (hz < *rate_hz * 0.99 && hz > best)
 			best = hz;
 	}

@@ -142,7 +142,7 @@ static double set_rate(int fd, unsigned type, double wanted_hz)
 		if (device_ioctl(fd, VIDIOC_S_PARM, &parameters))
 			return 0;
 	}
-	return interval->numerator ? (double)interval->denominator / interval->numerator : 0;
+	return v4l2_rate_of(interval);
 }
 
 int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *settings,

@@ -113,6 +113,9 @@ int ini_set(const char *assignment, const struct ini_table *tables, void *root,
 /* A key's value as the file would write it. Returns text's length, as snprintf. */
 int ini_value_text(const struct ini_key *key, const void *values, char *text, size_t room);
 
+/* yes, no and their like, as INI_BOOL takes them; false: it is neither. */
+bool ini_truth_read(const char *text, bool *value);
+
 /* A level of at least 0: a number of at most max, or "1%". -EINVAL, and level is left alone. */
 int ini_level_read(const char *text, double max, struct ini_level *level);
 

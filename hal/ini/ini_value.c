@@ -105,7 +105,7 @@ static int refuse(const struct ini_key *key, const char *text, char why[INI_WHY_
 	return -EINVAL;
 }
 
-static int read_bool(const char *text, bool *value)
+bool ini_truth_read(const char *text, bool *value)
 {
 	static const char *const yes[] = {"yes", "true", "on", "1"};
 	static const char *const no[] = {"no", "false", "off", "0"};
@@ -113,10 +113,10 @@ static int read_bool(const char *text, bool *value)
 	for (size_t i = 0; i < sizeof(yes) / sizeof(*yes); i++) {
 		if (!strcasecmp(text, yes[i]) || !strcasecmp(text, no[i])) {
 			*value = !strcasecmp(text, yes[i]);
-			return 0;
+			return true;
 		}
 	}
-	return -EINVAL;
+	return false;
 }
 
 static bool within(const struct ini_key *key, double value)
@@ -275,7 +275,7 @@ int ini_value_read(const struct ini_key *key, const char *text, const char *fold
 
 	switch (key->type) {
 	case INI_BOOL:
-		err = read_bool(text, field);
+		err = ini_truth_read(text, field) ? 0 : -EINVAL;
 		break;
 	case INI_INT:
 		err = read_int(key, text, field);
