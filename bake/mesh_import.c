@@ -13,6 +13,7 @@
 
 #include "bake/mesh_mtl.h"
 #include "bake/mesh_normals.h"
+#include "bake/mesh_ply.h"
 #include "hal/optics/vec.h"
 
 #define TRIANGLES_MAX (64 << 20)
@@ -277,7 +278,11 @@ static int check_mesh(const struct aiMesh *mesh, const char *path, struct fault 
 					 "%s: vertex %u is not finite, expected numbers", path,
 					 v + 1);
 	}
-	for (unsigned f = 0; f < mesh->mNumFaces; f++)
+	for (unsigned f = 0; f < mesh->mNumFaces; f++) {
+		if (mesh->mFaces[f].mNumIndices == 0)
+			return fault_say(fault, -EBADMSG,
+					 "%s: face %u has no vertices, expected 3 or more", path,
+					 f + 1);
 		for (unsigned i = 0; i < mesh->mFaces[f].mNumIndices; i++)
 			if (mesh->mFaces[f].mIndices[i] >= mesh->mNumVertices)
 				return fault_say(fault, -EBADMSG,
@@ -285,10 +290,12 @@ static int check_mesh(const struct aiMesh *mesh, const char *path, struct fault 
 						 "than %u: damaged or cut short",
 						 path, f + 1, mesh->mFaces[f].mIndices[i],
 						 mesh->mNumVertices);
+	}
 	return 0;
 }
 
-/* As it came: assimp's own steps trust indices, and take what is no number for any number. */
+/* As it came: assimp's own steps trust indices, take what is no number for any number, and abort
+ * over a face of nothing among others. */
 static int check(const struct aiScene *scene, const char *path, struct fault *fault)
 {
 	unsigned faces = 0;
@@ -327,6 +334,8 @@ int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool mat
 	const struct aiScene *scene;
 	int err = materials ? mesh_mtl_check(path, fault) : 0;
 
+	if (!err)
+		err = mesh_ply_check(path, fault);
 	if (!err)
 		err = open_file(&scene, path, 0, fault);
 	if (err)

@@ -39,6 +39,7 @@ BAKE_SOURCES := \
 	bake/mesh_import.c \
 	bake/mesh_mtl.c \
 	bake/mesh_normals.c \
+	bake/mesh_ply.c \
 	bake/msi.c \
 	bake/options.c \
 	bake/peaks.c \

@@ -114,6 +114,22 @@ rejected "a mesh without faces" 1 "points.obj" "$bake" render "$work/faceless.sc
 scene untextured <<<$'[object a]\nfile = box.obj\nmaterial = m\n[material m]\ntexture = no.png'
 rejected "a texture that is not there" 1 "no.png" "$bake" render "$work/untextured.scene" \
 	-o "$work/none.inlay"
+
+# cut_ply NAME WORDS, a PLY on stdin: refused in one line, and soon.
+cut_ply() {
+	cat >"$work/cut.ply"
+	rejected "$1" 1 "$2" timeout 20 "$bake" render "$work/cut.scene" -o "$work/none.inlay"
+	equal "$1: one line" 1 "$(grep -c '' "$work/stderr")"
+}
+scene cut <<<$'[object a]\nfile = cut.ply'
+ply=$'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n'
+ply+=$'element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n'
+cut_ply "a PLY without its last face" "cut.ply: it ends in face 2" <<<"$ply"
+cut_ply "a PLY with a face of nothing" "cut.ply:14: face 2" <<<"${ply}0"
+cut_ply "a PLY with a face cut short" "cut.ply:14: face 2" <<<"${ply}3 0 1"
+cut_ply "a PLY cut in its header" "cut.ply: no line end_header" <<<"${ply%end_header*}"
+cut_ply "a PLY of billions" "cut.ply:3: element vertex 2000000000, but a file of" \
+	<<<"${ply/vertex 3/vertex 2000000000}"
 absent "failures leave no file" "$work/none.inlay"
 
 scene behind <<<$'[object a]\nfile = box.obj\nposition = 0 -500 0'

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <endian.h>
 #include <errno.h>
 
 #include "tests/unit/baking.h"
@@ -111,6 +112,86 @@ static void test_refused_indices(void **state)
 	}
 }
 
+#define PLY_VERTICES "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+#define PLY_FACES(n) "element face " #n "\nproperty list uchar int vertex_indices\n"
+#define PLY(n) "ply\nformat ascii 1.0\n" PLY_VERTICES PLY_FACES(n) "end_header\n"
+#define PLY_CORNERS "0 0 0\n1 0 0\n0 0 1\n"
+
+static void refuse_ply(const char *text, const char *words)
+{
+	baking_write("bad.ply", "%s", text);
+	refuse(VIEW "[object a]\nfile = bad.ply\n", words);
+}
+
+/* Assimp aborts over a face of nothing, and makes up what a line does not have. */
+static void test_refused_ply_faces(void **state)
+{
+	static const struct {
+		const char *line, *words;
+	} cases[] = {
+		{"", "bad.ply: it ends in face 2, expected 2 of them"},
+		{"\n\n", "bad.ply: it ends in face 2"},
+		{" \n", "bad.ply:14: face 2 ends here, expected how many"},
+		{"0\n", "bad.ply:14: face 2 has \"0\", expected how many"},
+		{"-1 0 1 2\n", "bad.ply:14: face 2 has \"-1\", expected how many"},
+		{"x\n", "bad.ply:14: face 2 has \"x\", expected how many"},
+		{"3 0 1\n", "bad.ply:14: face 2 ends here, expected a number"},
+		{"3 0 1", "bad.ply:14: face 2 ends here, expected a number"},
+		{"200 0 1 2\n", "bad.ply:14: face 2 ends here, expected a number"},
+		{"2 0 1 2\n", "bad.ply:14: face 2 has \"2\" after its vertices"},
+		{"3 0 1 x\n", "bad.ply:14: face 2 has \"x\", expected a number"},
+		{"3 0 1 1e9\n", "bad.ply:14: face 2 names vertex 1e9, expected less than 3"},
+		{"3 0 1 3\n", "bad.ply:14: face 2 names vertex 3, expected less than 3"},
+		{"3 0 1 -1\n", "bad.ply:14: face 2 names vertex -1, expected less than 3"},
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		char text[512];
+
+		snprintf(text, sizeof(text), PLY(2) PLY_CORNERS "3 0 1 2\n%s", cases[k].line);
+		refuse_ply(text, cases[k].words);
+	}
+	refuse_ply(PLY(1) "0 0 0\n1 0\n0 0 1\n3 0 1 2\n", "bad.ply:11: vertex 2 ends here");
+	refuse_ply(PLY(1) "0 0 0\n1 zero 0\n0 0 1\n3 0 1 2\n", "vertex 2 has \"zero\"");
+}
+
+/* It reads a header without end for ever, and takes memory for whatever is announced. */
+static void test_refused_ply_headers(void **state)
+{
+	static const char whole[] = PLY(1) PLY_CORNERS "3 0 1 2\n";
+	const size_t header = sizeof(PLY(1)) - 1;
+	char text[512];
+
+	(void)state;
+	for (size_t bytes = 4; bytes < header - 1; bytes++) {
+		snprintf(text, sizeof(text), "%.*s", (int)bytes, whole);
+		refuse_ply(text, bytes < strlen("ply\nformat ascii") ? "expected format ascii"
+								     : "no line end_header");
+	}
+	refuse_ply("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n",
+		   "no line end_header");
+	refuse_ply(PLY(2000000000) PLY_CORNERS "3 0 1 2\n",
+		   "bad.ply:7: element face 2000000000, but a file of 189 bytes cannot hold them");
+	refuse_ply("ply\nformat binary_big_endian 1.0\nelement vertex 2000000000\n"
+		   "property float x\n" PLY_FACES(1) "end_header\n",
+		   "bad.ply:3: element vertex 2000000000, but a file of 141 bytes cannot");
+	refuse_ply(PLY(3000000000), "bad.ply:7: element face \"3000000000\", expected a number");
+	refuse_ply(PLY(-1), "bad.ply:7: element face \"-1\", expected a number");
+	refuse_ply("ply\nformat ascii 1.0\nproperty float x\n" PLY_VERTICES "end_header\n",
+		   "bad.ply:3: a property by itself");
+	refuse_ply("ply\nformat ascii 1.0\nelement vertex 3\nproperty flaot x\nend_header\n",
+		   "bad.ply:4: property of type \"flaot\"");
+	refuse_ply("ply\nformat ascii 1.0\nelement vertex 3\nend_header\n",
+		   "bad.ply:3: element vertex has no property");
+	refuse_ply("ply\nformat ascii 1.0\n" PLY_VERTICES
+		   "element face 1\nproperty list float int vertex_indices\nend_header\n",
+		   "bad.ply:8: a list counted in float");
+	/* bytes of 0, as a power cut leaves them */
+	baking_write("zeros.ply", "%s%c%c", whole, 0, 0);
+	refuse(VIEW "[object a]\nfile = zeros.ply\n", "bytes that are no text");
+}
+
 static void test_refused_mtl(void **state)
 {
 	(void)state;
@@ -189,6 +270,60 @@ static void test_formats(void **state)
 		     "\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]},{\"bufferView\":1,"
 		     "\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}");
 	expect_triangle("tri.gltf");
+}
+
+/* What PLYs have besides: other types, other elements, other ends of lines, other bytes' order. */
+static void test_ply_variants(void **state)
+{
+	static const char *const texts[] = {
+		"ply\r\nformat ascii 1.0\r\ncomment by hand\r\nobj_info a 1\r\n"
+		"element vertex 3\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\n"
+		"element face 1\r\nproperty list uchar int vertex_indices\r\nend_header\r\n"
+		"0 0 0\r\n1 0 0\r\n0 0 1\r\n3 0 1 2\r\n",
+		"ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty float64 y\n"
+		"property float32 z\nproperty uchar red\ncomment of vertices\nelement face 1\n"
+		"property list int32 uint32 vertex_index\nproperty int8 flag\nelement edge 1\n"
+		"property int vertex1\nproperty int vertex2\nend_header\n"
+		"0 0 0 9\n1 0 0 9\n0 0 1e0 9\n3 0 1 2 -5\n0 1\n",
+		PLY(1) "0  0\t0 \n 1 0 0\n\n0 0 1\n\n3 0 1 2\n\n   \n",
+		PLY(1) PLY_CORNERS "3 0 1 2",
+	};
+	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+	const uint8_t colour = 7;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
+		baking_write("other.ply", "%s", texts[k]);
+		expect_triangle("other.ply");
+	}
+	for (int big = 0; big < 2; big++) {
+		FILE *stream = fopen(baking_path("other.ply"), "wb");
+
+		assert_non_null(stream);
+		fprintf(stream,
+			"ply\nformat binary_%s_endian 1.0\n" PLY_VERTICES
+			"property uchar red\nelement face 1\n"
+			"property list ushort uint vertex_indices\nend_header\n",
+			big ? "big" : "little");
+		for (int v = 0; v < 3; v++) {
+			for (int axis = 0; axis < 3; axis++) {
+				uint32_t word;
+
+				memcpy(&word, &corners[3 * v + axis], sizeof(word));
+				word = big ? htobe32(word) : htole32(word);
+				fwrite(&word, sizeof(word), 1, stream);
+			}
+			fwrite(&colour, sizeof(colour), 1, stream);
+		}
+		fwrite(big ? "\0\3" : "\3\0", 2, 1, stream);
+		for (uint32_t v = 0; v < 3; v++) {
+			const uint32_t word = big ? htobe32(v) : htole32(v);
+
+			fwrite(&word, sizeof(word), 1, stream);
+		}
+		fclose(stream);
+		expect_triangle("other.ply");
+	}
 }
 
 /* Two squares that meet at an angle, of vertices that they share or that each has for itself. */
@@ -512,13 +647,23 @@ static void test_hash(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_refused_values),	cmocka_unit_test(test_refused_files),
-		cmocka_unit_test(test_refused_indices), cmocka_unit_test(test_refused_mtl),
-		cmocka_unit_test(test_creases),		cmocka_unit_test(test_smooth_ball),
-		cmocka_unit_test(test_plain_grey),	cmocka_unit_test(test_formats),
-		cmocka_unit_test(test_placement),	cmocka_unit_test(test_texture_upright),
-		cmocka_unit_test(test_mtl_materials),	cmocka_unit_test(test_gltf_materials),
-		cmocka_unit_test(test_camera_kinds),	cmocka_unit_test(test_hash),
+		cmocka_unit_test(test_refused_values),
+		cmocka_unit_test(test_refused_files),
+		cmocka_unit_test(test_refused_indices),
+		cmocka_unit_test(test_refused_mtl),
+		cmocka_unit_test(test_refused_ply_faces),
+		cmocka_unit_test(test_refused_ply_headers),
+		cmocka_unit_test(test_ply_variants),
+		cmocka_unit_test(test_creases),
+		cmocka_unit_test(test_smooth_ball),
+		cmocka_unit_test(test_plain_grey),
+		cmocka_unit_test(test_formats),
+		cmocka_unit_test(test_placement),
+		cmocka_unit_test(test_texture_upright),
+		cmocka_unit_test(test_mtl_materials),
+		cmocka_unit_test(test_gltf_materials),
+		cmocka_unit_test(test_camera_kinds),
+		cmocka_unit_test(test_hash),
 	};
 
 	return cmocka_run_group_tests(tests, baking_begin, baking_end);
