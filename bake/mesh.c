@@ -9,9 +9,12 @@
 #include <xxhash.h>
 
 #include "bake/mesh_import.h"
+#include "hal/optics/vec.h"
 
 /* Times a mesh's size: there its vertices are rounded to 1/100 of it. */
 #define FAR_MOST (0.01 * (1 << 24))
+#define REACH_MOST 1e9 /* world units: a thousand times what a scene file may say */
+#define FLAT_MOST 1e-6 /* sine of a triangle's angle: no more than rounding makes of none */
 
 /* ---- placement ---- */
 
@@ -118,9 +121,35 @@ static int check_precision(const struct mesh *mesh, const char *path, struct fau
 			 path, size, far, FAR_MOST * size);
 }
 
+static bool has_area(const struct mesh_part *part, const uint32_t corner[3])
+{
+	const float *p[3];
+	double a[3], b[3], across[3];
+
+	for (int k = 0; k < 3; k++)
+		p[k] = part->position[corner[k]];
+	for (int axis = 0; axis < 3; axis++) {
+		a[axis] = (double)p[1][axis] - (double)p[0][axis];
+		b[axis] = (double)p[2][axis] - (double)p[0][axis];
+	}
+	vec_cross(a, b, across);
+	return vec_length(across) > FLAT_MOST * vec_length(a) * vec_length(b);
+}
+
+static int check_area(const struct mesh *mesh, const char *path, struct fault *fault)
+{
+	for (int k = 0; k < mesh->part_count; k++)
+		for (int i = 0; i < mesh->parts[k].triangles; i++)
+			if (has_area(&mesh->parts[k], mesh->parts[k].index[i]))
+				return 0;
+	return fault_say(fault, -ENODATA,
+			 "%s: its faces all have no area, expected some that can be seen", path);
+}
+
 static int check(const struct mesh *mesh, const char *path, struct fault *fault)
 {
 	long triangles = 0;
+	int err;
 
 	for (int k = 0; k < mesh->part_count; k++) {
 		const struct mesh_part *part = &mesh->parts[k];
@@ -147,7 +176,25 @@ static int check(const struct mesh *mesh, const char *path, struct fault *fault)
 				 "%s: no faces, expected a mesh of triangles or "
 				 "polygons",
 				 path);
-	return check_precision(mesh, path, fault);
+	err = check_area(mesh, path, fault);
+	return err ? err : check_precision(mesh, path, fault);
+}
+
+/* A huge scale, of the file's own too, or what is no place at all. */
+static int check_reach(const struct mesh *mesh, const char *path, struct fault *fault)
+{
+	double far = 0;
+
+	for (int k = 0; k < mesh->part_count; k++)
+		for (int i = 0; i < mesh->parts[k].vertices; i++)
+			for (int axis = 0; axis < 3; axis++)
+				far = fmax(far, fabs((double)mesh->parts[k].position[i][axis]));
+	if (far <= REACH_MOST)
+		return 0;
+	return fault_say(fault, -ERANGE,
+			 "%s: it reaches %.3g world units from the origin, expected at most %g: "
+			 "look at its vertices and its scale",
+			 path, far, REACH_MOST);
 }
 
 int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *placement,
@@ -168,7 +215,8 @@ int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *
 		return err;
 	}
 	place(mesh, placement);
-	return check(mesh, path, fault); /* a huge scale may have left the range of float */
+	err = check(mesh, path, fault); /* a huge scale may have left the range of float */
+	return err ? err : check_reach(mesh, path, fault);
 }
 
 uint64_t mesh_hash(const struct mesh *mesh)

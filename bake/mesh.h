@@ -40,9 +40,10 @@ struct mesh_placement {
 	int own_materials; /* read the file's materials and their textures */
 };
 
-/* -ENOENT..., -EBADMSG: not a mesh; -ENODATA: no triangle; -EDOM: a vertex that is not finite;
- * -ERANGE: so small and far from the origin, in the file or in the world, that its vertices are
- * rounded visibly. The fault names the file. */
+/* -ENOENT..., -EBADMSG: not a mesh; -ENODATA: no triangle, or none that has an area; -EDOM: a
+ * vertex that is not finite; -ERANGE: so small and far from the origin, in the file or in the
+ * world, that its vertices are rounded visibly, or beyond 1e9 world units. The fault names the
+ * file. */
 int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *placement,
 	      struct fault *fault);
 

@@ -130,6 +130,10 @@ cut_ply "a PLY with a face cut short" "cut.ply:14: face 2" <<<"${ply}3 0 1"
 cut_ply "a PLY cut in its header" "cut.ply: no line end_header" <<<"${ply%end_header*}"
 cut_ply "a PLY of billions" "cut.ply:3: element vertex 2000000000, but a file of" \
 	<<<"${ply/vertex 3/vertex 2000000000}"
+printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\n' >"$work/flat.obj"
+scene flat <<<$'[object a]\nfile = flat.obj'
+rejected "a mesh without area" 1 "flat.obj: its faces all have no area" "$bake" render \
+	"$work/flat.scene" -o "$work/none.inlay"
 absent "failures leave no file" "$work/none.inlay"
 
 scene behind <<<$'[object a]\nfile = box.obj\nposition = 0 -500 0'

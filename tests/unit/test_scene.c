@@ -83,6 +83,49 @@ static void test_refused_files(void **state)
 	       "no.png");
 }
 
+/* A triangle of glTF, whose node is scaled. */
+static void write_scaled(const char *name, const char *scale)
+{
+	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+	FILE *stream = fopen(baking_path("scaled.bin"), "wb");
+
+	assert_non_null(stream);
+	fwrite(corners, sizeof(corners), 1, stream);
+	fclose(stream);
+	baking_write(name,
+		     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+		     "\"nodes\":[{\"mesh\":0,\"scale\":[%s,%s,%s]}],\"meshes\":[{\"primitives\":"
+		     "[{\"attributes\":{\"POSITION\":0}}]}],\"buffers\":[{\"uri\":\"scaled.bin\","
+		     "\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+		     "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
+		     "\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]}]}",
+		     scale, scale, scale);
+}
+
+/* What no camera can see, and what is no place. */
+static void test_refused_shapes(void **state)
+{
+	(void)state;
+	baking_write("line.obj",
+		     "v 0 0 0\nv 0.1 0.1 0.1\nv 0.3 0.3 0.3\nv 1 1 1\nf 1 2 3\nf 2 3 4\n"
+		     "f 1 1 4\n");
+	refuse(VIEW "[object a]\nfile = line.obj\n", "line.obj: its faces all have no area");
+	write_scaled("point.gltf", "0");
+	refuse(VIEW "[object a]\nfile = point.gltf\n", "point.gltf: its faces all have no area");
+	write_scaled("vast.gltf", "1e38");
+	refuse(VIEW "[object a]\nfile = vast.gltf\n", "vast.gltf: it reaches 1e+38 world units");
+	baking_write("away.obj", "v 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 2 3\n");
+	refuse(VIEW "[object a]\nfile = away.obj\n", "away.obj: it reaches 1e+30 world units");
+	/* one face that has an area is enough, and so is a scale that brings it back */
+	baking_write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\nf 1 2 3\n");
+	baking_write("part.ini", VIEW "[object a]\nfile = part.obj\n");
+	scene_close(baking_scene("part.ini"));
+	baking_write("wide.obj", "v 0 0 0\nv 1e10 0 0\nv 0 0 1e10\nf 1 2 3\n");
+	refuse(VIEW "[object a]\nfile = wide.obj\n", "wide.obj: it reaches 1e+10 world units");
+	baking_write("wide.ini", VIEW "[object a]\nfile = wide.obj\nscale = 1e-3\n");
+	scene_close(baking_scene("wide.ini"));
+}
+
 /* Assimp reads beyond its arrays where nobody looks at indices first. */
 static void test_refused_indices(void **state)
 {
@@ -653,6 +696,7 @@ int main(void)
 		cmocka_unit_test(test_refused_mtl),
 		cmocka_unit_test(test_refused_ply_faces),
 		cmocka_unit_test(test_refused_ply_headers),
+		cmocka_unit_test(test_refused_shapes),
 		cmocka_unit_test(test_ply_variants),
 		cmocka_unit_test(test_creases),
 		cmocka_unit_test(test_smooth_ball),
