@@ -213,15 +213,26 @@ static void set_attribute(const struct scene_file *file, int mesh, int pose,
 	}
 }
 
+const struct scene_keyframe_values *keyframe_of_file(const struct scene_file *file, int mesh,
+						     int pose)
+{
+	const struct scene_keyframe_values *last = NULL;
+
+	for (int k = 0; k < file->keyframe_count && file->keyframe[k].pose <= pose; k++)
+		if (file->keyframe[k].mesh == mesh && file->keyframe[k].file[0])
+			last = &file->keyframe[k];
+	return last;
+}
+
 struct scene_mesh_values keyframe_mesh(const struct scene_file *file, int mesh, int pose)
 {
+	const struct scene_keyframe_values *named = keyframe_of_file(file, mesh, pose);
 	struct scene_mesh_values values = file->mesh[mesh];
 
 	for (size_t a = 0; a < sizeof(attributes) / sizeof(*attributes); a++)
 		set_attribute(file, mesh, pose, &attributes[a], &values);
-	for (int k = 0; k < file->keyframe_count && file->keyframe[k].pose <= pose; k++)
-		if (file->keyframe[k].mesh == mesh && file->keyframe[k].file[0])
-			strcpy(values.file, file->keyframe[k].file);
+	if (named)
+		strcpy(values.file, named->file);
 	return values;
 }
 

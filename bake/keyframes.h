@@ -21,6 +21,10 @@ int keyframes_settle(struct scene_file *file, const char *path, struct fault *fa
  */
 struct scene_mesh_values keyframe_mesh(const struct scene_file *file, int mesh, int pose);
 
+/* The keyframe that a mesh's file is from in a pose; NULL: its own section. */
+const struct scene_keyframe_values *keyframe_of_file(const struct scene_file *file, int mesh,
+						     int pose);
+
 /* The name of a pose: that of the first keyframe that stands there; "": none has one. */
 const char *keyframe_pose_name(const struct scene_file *file, int pose);
 

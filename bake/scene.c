@@ -128,6 +128,8 @@ static int load_mesh(struct scene *scene, int k, struct fault *fault)
 {
 	const struct scene_mesh_values values = keyframe_mesh(scene->file, k, scene->pose);
 	const struct scene_mesh_values *from = &values;
+	const struct scene_keyframe_values *frame = keyframe_of_file(scene->file, k, scene->pose);
+	const char *section = frame ? "keyframe" : from->standin ? "standin" : "object";
 	const struct scene_material_values *named =
 		from->material[0] ? scene_file_material(scene->file, from->material) : NULL;
 	const struct material *material = named ? &scene->materials[named - scene->file->material]
@@ -149,8 +151,8 @@ static int load_mesh(struct scene *scene, int k, struct fault *fault)
 		err = world_add(scene->world, &scene->meshes[k], material,
 				from->standin ? SURFACE_STANDIN : SURFACE_OBJECT, &what);
 	if (err)
-		return fault_say(fault, err, "%s: [%s %s] file: %s", scene->path,
-				 from->standin ? "standin" : "object", from->name, what.text);
+		return fault_say(fault, err, "%s: [%s %s] file: %s", scene->path, section,
+				 frame ? frame->name : from->name, what.text);
 	return 0;
 }
 

@@ -134,6 +134,9 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\n' >"$work/flat.obj"
 scene flat <<<$'[object a]\nfile = flat.obj'
 rejected "a mesh without area" 1 "flat.obj: its faces all have no area" "$bake" render \
 	"$work/flat.scene" -o "$work/none.inlay"
+scene frames <<<$'[object a]\nfile = box.obj\n[poses]\ncount = 3\n[keyframe b]\nobject = a\npose = 1\nfile = no.obj'
+rejected "a keyframe's mesh that is not there" 1 '[keyframe b] file: cannot open' "$bake" render \
+	--quiet "$work/frames.scene" -o "$work/none.inlay"
 absent "failures leave no file" "$work/none.inlay"
 
 scene behind <<<$'[object a]\nfile = box.obj\nposition = 0 -500 0'

@@ -81,6 +81,13 @@ static void test_refused_files(void **state)
 	write_triangle();
 	refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = m\n[material m]\ntexture = no.png\n",
 	       "no.png");
+	/* the section that names the file, not the one whose mesh it replaces */
+	refuse(VIEW "[object a]\nfile = tri.obj\n[poses]\ncount = 3\n[keyframe first]\n"
+		    "object = a\nfile = none.obj\n",
+	       "[keyframe first] file: cannot open");
+	refuse(VIEW "[object a]\nfile = none.obj\n[poses]\ncount = 3\n[keyframe next]\n"
+		    "object = a\npose = 1\nfile = tri.obj\n",
+	       "[object a] file: cannot open");
 }
 
 /* A triangle of glTF, whose node is scaled. */
