@@ -8,6 +8,7 @@
 
 #define PARTS 8
 #define BLOCK 8
+#define DARK_MOST 64 /* code: no camera has its black level so high */
 
 static int check(const struct image *picture, struct fault *fault)
 {
@@ -15,7 +16,8 @@ static int check(const struct image *picture, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "the picture holds linear light, expected an 8-bit picture");
 	if (picture->width < 64 || picture->height < 64)
-		return fault_say(fault, -EINVAL, "the picture is %dx%d pixels, expected 64x64",
+		return fault_say(fault, -EINVAL,
+				 "the picture is %dx%d pixels, expected at least 64x64",
 				 picture->width, picture->height);
 	return 0;
 }
@@ -96,7 +98,7 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 	for (int c = 0; c < 3; c++)
 		b->channel[c] = mean_of(p, 0, 0, p->width, p->height, c, &square);
 	measure_parts(b, p);
-	if (b->level > 64)
+	if (b->level > DARK_MOST)
 		verdict_doubt(&b->verdict, "cover the lens",
 			      "the picture's mean is code %.0f: it is not dark", b->level);
 	if (b->lightest - b->level > 1.5)
@@ -119,8 +121,17 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 
 /* ---- the darkest of a series ---- */
 
+#define ALIKE 16 /* codes: what rises by less may as well be noise, or light that flickers */
+#define SURE 1	 /* code: how well the level is to be known */
+
 struct spot {
 	double shorter, longer;
+};
+
+/* How the blocks of the longer exposure differ from those of the shorter one, codes. */
+struct rise {
+	double mean, most, least;
+	double darkest; /* mean of the darkest hundredth */
 };
 
 static int by_brightness(const void *a, const void *b)
@@ -130,13 +141,75 @@ static int by_brightness(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
+static void compare_spots(const struct spot *spot, int count, int darkest, struct rise *rise)
+{
+	*rise = (struct rise){.mean = 0};
+	for (int k = 0; k < count; k++) {
+		const double by = spot[k].longer - spot[k].shorter;
+
+		rise->mean += by / count;
+		rise->most = fmax(rise->most, by);
+		rise->least = fmin(rise->least, by);
+		if (k < darkest)
+			rise->darkest += by / darkest;
+	}
+}
+
+static void measure_darkest(struct light_black *b, const struct spot *spot, int darkest,
+			    const struct rise *rise)
+{
+	double squares = 0;
+
+	for (int k = 0; k < darkest; k++) {
+		b->level += spot[k].shorter / darkest;
+		squares += spot[k].shorter * spot[k].shorter / darkest;
+	}
+	b->noise = sqrt(fmax(squares - b->level * b->level, 0)) * BLOCK * sqrt(3);
+	/* What the longer time adds is light; about as much may be in the shorter one. */
+	b->deviation = hypot(b->noise / (BLOCK * sqrt(3.0 * darkest)), fabs(rise->darkest));
+	b->lightest = b->level;
+	for (int c = 0; c < 3; c++)
+		b->channel[c] = b->level;
+}
+
+/* The level is what does not change while the light does: it tells nothing where the light did not
+ * change, or became less. */
+static void doubt_darkest(struct light_black *b, const struct rise *rise)
+{
+	const char *cover = "take a picture with the lens covered";
+
+	if (rise->mean < 0 && -rise->least >= ALIKE)
+		verdict_doubt(&b->verdict, "give the shorter exposure first",
+			      "the second picture is darker than the first one, by %.1f codes",
+			      -rise->mean);
+	if (b->level > DARK_MOST)
+		verdict_doubt(&b->verdict, cover,
+			      "the darkest places have code %.0f: they are not dark", b->level);
+	if (fmax(rise->most, -rise->least) < ALIKE)
+		verdict_doubt(&b->verdict, "let the second picture have at least twice the time",
+			      "the exposures are alike: no place differs by %d codes or more",
+			      ALIKE);
+	if (rise->darkest > SURE)
+		verdict_doubt(&b->verdict, cover,
+			      "the darkest places still become lighter with a longer exposure");
+	if (rise->darkest < -SURE)
+		verdict_doubt(&b->verdict, "let nothing move between the exposures",
+			      "the darkest places become darker with a longer exposure");
+	if (b->deviation > SURE)
+		verdict_doubt(&b->verdict, cover,
+			      "the darkest places differ among themselves: the level is known to "
+			      "%.1f codes only",
+			      b->deviation);
+}
+
 int light_black_darkest(struct light_black *b, const struct image *shorter,
 			const struct image *longer, struct fault *fault)
 {
 	const int across = shorter->width / BLOCK, count = across * (shorter->height / BLOCK);
 	const int darkest = count / 100 > 4 ? count / 100 : 4;
-	double squares = 0, rise = 0, unused;
+	struct rise rise;
 	struct spot *spot;
+	double unused;
 	int err = check(shorter, fault);
 
 	if (!err)
@@ -157,20 +230,9 @@ int light_black_darkest(struct light_black *b, const struct image *shorter,
 	qsort(spot, (size_t)count, sizeof(*spot), by_brightness);
 	*b = (struct light_black){.level = 0};
 	verdict_begin(&b->verdict);
-	for (int k = 0; k < darkest; k++) {
-		b->level += spot[k].shorter / darkest;
-		squares += spot[k].shorter * spot[k].shorter / darkest;
-		rise += (spot[k].longer - spot[k].shorter) / darkest;
-	}
+	compare_spots(spot, count, darkest, &rise);
+	measure_darkest(b, spot, darkest, &rise);
 	free(spot);
-	b->noise = sqrt(fmax(squares - b->level * b->level, 0)) * BLOCK * sqrt(3);
-	/* What the longer time adds is light; about as much may be in the shorter one. */
-	b->deviation = hypot(b->noise / (BLOCK * sqrt(3.0 * darkest)), fabs(rise));
-	b->lightest = b->level;
-	for (int c = 0; c < 3; c++)
-		b->channel[c] = b->level;
-	if (rise > 1)
-		verdict_doubt(&b->verdict, "take a picture with the lens covered",
-			      "the darkest places still become lighter with a longer exposure");
+	doubt_darkest(b, &rise);
 	return 0;
 }

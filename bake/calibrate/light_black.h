@@ -23,7 +23,9 @@ int light_black_covered(struct light_black *black, const struct image *picture,
 
 /*
  * From the darkest hundredth of the two shortest exposures of a scene: the level that does not
- * change with the time. -EINVAL: sizes that differ, not 8-bit; -ENOMEM.
+ * change with the time. Doubted where the pictures are alike or the longer one is darker, where the
+ * darkest places change with the time or are not dark, and where the deviation is above one code.
+ * -EINVAL: sizes that differ, not 8-bit, less than 64 x 64; -ENOMEM.
  */
 int light_black_darkest(struct light_black *black, const struct image *shorter,
 			const struct image *longer, struct fault *fault);

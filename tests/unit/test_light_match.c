@@ -103,15 +103,90 @@ static void black_is_doubted(void **state)
 	doubted(&black.verdict, "light falls in");
 	assert_int_equal(light_black_darkest(&black, &leak, &longer, NULL), 0);
 	doubted(&black.verdict, "become lighter");
-	assert_int_equal(light_black_darkest(&black, &leak, &leak, NULL), 0);
-	trusted(&black.verdict);
-	assert_true(fabs(black.level - 16) < 0.7);
 	assert_int_equal(image_create_u8(&small, 32, 32), 0);
 	assert_int_equal(light_black_covered(&black, &small, NULL), -EINVAL);
 	image_free(&picture);
 	image_free(&leak);
 	image_free(&longer);
 	image_free(&small);
+}
+
+/* Dark on the left, and light that grows to the right with the time. */
+static struct image ramp(double level, double time, struct chance *chance)
+{
+	struct image picture = dark(level, 1, chance);
+
+	for (int k = 0; k < 160 * 128 * 3; k++) {
+		const int x = k / 3 % 160;
+
+		if (x >= 20)
+			picture.u8[k] = (uint8_t)fmin(picture.u8[k] + time * (x - 20), 255);
+	}
+	return picture;
+}
+
+/* Each block lighter than the one before, the longer exposure lighter where it is not darkest. */
+static struct image steps(double more)
+{
+	struct image picture;
+
+	assert_int_equal(image_create_u8(&picture, 160, 128), 0);
+	for (int k = 0; k < 160 * 128 * 3; k++) {
+		const int block = k / 3 / 160 / 8 * 20 + k / 3 % 160 / 8;
+
+		picture.u8[k] = (uint8_t)fmin(16 + 6 * block + (block < 4 ? 0 : more), 255);
+	}
+	return picture;
+}
+
+static void darkest_places_are_black(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct image shorter = ramp(16, 0.5, &chance), longer = ramp(16, 1, &chance);
+	struct image again = ramp(16, 0.5, &chance), fading = ramp(12, 1, &chance);
+	struct image grey = dark(120, 1, &chance), lighter = dark(180, 1, &chance);
+	struct image white = dark(255, 0, &chance), uneven = steps(0);
+	struct image uneven_longer = steps(20);
+	const struct {
+		const struct image *shorter, *longer;
+		const char *words;
+	} wrong[] = {
+		{&longer, &shorter, "darker than the first"},
+		{&white, &grey, "darker than the first"},
+		{&shorter, &shorter, "alike"},
+		{&shorter, &again, "alike"},
+		{&again, &shorter, "alike"},
+		{&white, &white, "not dark"},
+		{&grey, &grey, "not dark"},
+		{&grey, &lighter, "not dark"},
+		{&shorter, &lighter, "become lighter"},
+		{&shorter, &fading, "become darker"},
+		{&uneven, &uneven_longer, "differ among themselves"},
+	};
+	struct light_black black;
+	struct fault fault = {""};
+
+	(void)state;
+	assert_int_equal(light_black_darkest(&black, &shorter, &longer, NULL), 0);
+	trusted(&black.verdict);
+	assert_true(fabs(black.level - 16) < 0.7 && black.deviation < 1);
+	for (unsigned k = 0; k < sizeof(wrong) / sizeof(*wrong); k++) {
+		assert_int_equal(
+			light_black_darkest(&black, wrong[k].shorter, wrong[k].longer, NULL), 0);
+		doubted(&black.verdict, wrong[k].words);
+	}
+	shorter.width = 63;
+	assert_int_equal(light_black_darkest(&black, &shorter, &longer, &fault), -EINVAL);
+	assert_string_equal(fault.text, "the picture is 63x128 pixels, expected at least 64x64");
+	image_free(&shorter);
+	image_free(&longer);
+	image_free(&again);
+	image_free(&fading);
+	image_free(&grey);
+	image_free(&lighter);
+	image_free(&white);
+	image_free(&uneven);
+	image_free(&uneven_longer);
 }
 
 /* ---- patches ---- */
@@ -536,6 +611,7 @@ int main(void)
 		cmocka_unit_test(black_is_found_with_its_deviation),
 		cmocka_unit_test(cut_off_noise_is_seen),
 		cmocka_unit_test(black_is_doubted),
+		cmocka_unit_test(darkest_places_are_black),
 		cmocka_unit_test(areas_are_parsed),
 		cmocka_unit_test(patches_are_measured),
 		cmocka_unit_test(gain_is_found_with_its_deviation),
