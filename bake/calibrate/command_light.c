@@ -62,11 +62,14 @@ static const char *const view_names[] = {"background", "fisheye", NULL}; /* enum
 
 static const struct {
 	const char *name;
+	int (*check)(const struct light_job *job, struct fault *fault);
 	int (*run)(const struct light_job *job, struct fault *fault);
 } commands[] = {
-	{"black", light_command_black}, {"response", light_command_response},
-	{"gain", light_command_gain},	{"colours", light_command_colours},
-	{"delay", light_command_delay},
+	{"black", light_check_black, light_command_black},
+	{"response", light_check_response, light_command_response},
+	{"gain", light_check_gain, light_command_gain},
+	{"colours", light_check_colours, light_command_colours},
+	{"delay", light_check_delay, light_command_delay},
 };
 #define COMMANDS (int)(sizeof(commands) / sizeof(commands[0]))
 
@@ -220,6 +223,7 @@ static int work(struct light_job *job, int which)
 static int run(const struct command *command, int argc, char **argv)
 {
 	struct light_job job = {.frequency = 24, .reflectance = {0.5, 0.5, 0.5}};
+	struct fault fault = {.text = ""};
 	int which = 0, status;
 
 	while (argc > 1 && which < COMMANDS && strcmp(commands[which].name, argv[1]) != 0)
@@ -238,6 +242,8 @@ static int run(const struct command *command, int argc, char **argv)
 				     "expected one of black, response, gain, colours, delay");
 	job.files = argv + optind;
 	job.file_count = argc - optind;
+	if (commands[which].check(&job, &fault))
+		return command_wrong(command, "%s", fault.text);
 	return work(&job, which);
 }
 

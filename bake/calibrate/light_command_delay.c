@@ -74,6 +74,15 @@ static int record_live(const struct light_job *job, struct light_record *record,
 	return err;
 }
 
+int light_check_delay(const struct light_job *job, struct fault *fault)
+{
+	if (job->config ? !job->file_count && job->controls == 2
+			: job->file_count == 1 && !job->controls)
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 "expected a record of frames and changes, or --config and two --control");
+}
+
 int light_command_delay(const struct light_job *job, struct fault *fault)
 {
 	struct light_record record = {.frames = 0};
@@ -81,10 +90,6 @@ int light_command_delay(const struct light_job *job, struct fault *fault)
 	char text[16], comment[256];
 	int err;
 
-	if (job->config ? job->file_count || job->controls != 2 : job->file_count != 1)
-		return fault_say(fault, -EINVAL,
-				 "expected a record of frames and changes, or --config and two "
-				 "--control");
 	err = job->config ? record_live(job, &record, fault)
 			  : light_record_read(&record, job->files[0], fault);
 	if (!err)

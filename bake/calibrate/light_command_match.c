@@ -88,21 +88,25 @@ static int sky_measure(struct sky *sky, const char *path, double *clipped, struc
 {
 	struct light_sampler *sampler = NULL;
 	struct image image = {.width = 0};
+	struct fault why = {.text = ""};
 	struct fisheye lens;
 	int err = image_read(path, &image, fault);
 
 	*clipped = 0;
-	if (!err)
-		err = fisheye_prepare(&lens, &sky->lens, image.width, image.height, fault);
+	if (err)
+		return err;
+	err = fisheye_prepare(&lens, &sky->lens, image.width, image.height, &why);
 	if (!err)
 		err = light_sampler_create(&sampler, &sky->dome, &lens, image.width, image.height,
-					   &sky->sampler, fault);
+					   &sky->sampler, &why);
 	if (!err) {
 		err = image.u8 ? read_codes(sampler, &image, sky, clipped)
 			       : light_sampler_read_linear(sampler, &image, sky->radiance);
 		if (err)
-			fault_say(fault, err, "%s: cannot be measured: %s", path, strerror(-err));
+			fault_say(&why, err, "cannot be measured: %s", strerror(-err));
 	}
+	if (err)
+		fault_say(fault, err, "%s: %s", path, why.text);
 	light_sampler_destroy(sampler);
 	image_free(&image);
 	return err;
@@ -160,6 +164,18 @@ static int set_balance(const struct light_job *job, const struct light_gain *fou
 			      "Colours: white balance, found with the gain.", fault);
 }
 
+int light_check_gain(const struct light_job *job, struct fault *fault)
+{
+	if (job->file_count >= 2 && job->file_count % 2 == 0 &&
+	    job->file_count <= 2 * LIGHT_PAIRS_MAX && job->areas >= 1 &&
+	    job->areas <= job->file_count / 2)
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 "there are %d pictures and %d --patch, expected pairs of pictures, "
+			 "fisheye and background, and one patch for all or one for each",
+			 job->file_count, job->areas);
+}
+
 int light_command_gain(const struct light_job *job, struct fault *fault)
 {
 	struct light_pair pairs[LIGHT_PAIRS_MAX];
@@ -167,13 +183,6 @@ int light_command_gain(const struct light_job *job, struct fault *fault)
 	char text[64], comment[256];
 	int err;
 
-	if (job->file_count < 2 || job->file_count % 2 || job->file_count > 2 * LIGHT_PAIRS_MAX ||
-	    job->areas < 1 || job->areas > job->file_count / 2)
-		return fault_say(
-			fault, -EINVAL,
-			"there are %d pictures and %d --patch, expected pairs of pictures, "
-			"fisheye and background, and one patch for all or one for each",
-			job->file_count, job->areas);
 	err = measure_pairs(job, pairs, fault);
 	if (!err)
 		err = light_gain_find(&found, pairs, job->file_count / 2, fault);
@@ -204,11 +213,6 @@ static int measure_colours(const struct light_job *job, struct light_colour_pair
 	struct light_patch patch;
 	int err;
 
-	if (!job->fisheye || !job->background || job->areas < 1 ||
-	    job->areas != job->background_areas)
-		return fault_say(fault, -EINVAL,
-				 "expected a file of patches, or --fisheye, --background and as "
-				 "many --patch as --background-patch");
 	here = response_curve(&job->measured, (enum transfer)job->transfer, 0);
 	err = light_curve_of(job->background_light, job->background_transfer, &there, fault);
 	for (int k = 0; !err && k < job->areas; k++) {
@@ -234,6 +238,18 @@ static void say_colours(const struct light_colours *found)
 	printf("scale %.4g; %d patches differ by %.2f %%, before by %.2f %%; condition %.3g\n",
 	       found->scale, found->patches, 100 * found->after, 100 * found->before,
 	       found->condition);
+}
+
+int light_check_colours(const struct light_job *job, struct fault *fault)
+{
+	if (job->file_count == 1)
+		return 0;
+	if (!job->file_count && job->fisheye && job->background && job->areas >= 1 &&
+	    job->areas == job->background_areas)
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 "expected a file of patches, or --fisheye, --background and as many "
+			 "--patch as --background-patch");
 }
 
 int light_command_colours(const struct light_job *job, struct fault *fault)

@@ -9,15 +9,35 @@
 #include "bake/calibrate/light_response.h"
 #include "hal/log.h"
 
+/* Here, where the file's name is known. */
+static int check_picture(const struct light_job *job, const struct image *pictures, int k,
+			 struct fault *fault)
+{
+	const struct image *first = &pictures[0], *p = &pictures[k];
+
+	if (!p->u8)
+		return fault_say(fault, -EINVAL,
+				 "%s: the picture holds linear light, expected an 8-bit picture",
+				 job->files[k]);
+	if (p->width != first->width || p->height != first->height)
+		return fault_say(
+			fault, -EINVAL,
+			"%s: the picture is %dx%d pixels, that of %s %dx%d; expected one size",
+			job->files[k], p->width, p->height, job->files[0], first->width,
+			first->height);
+	return 0;
+}
+
 static int read_pictures(const struct light_job *job, struct image *pictures, struct fault *fault)
 {
-	for (int k = 0; k < job->file_count; k++) {
-		const int err = image_read(job->files[k], &pictures[k], fault);
+	int err = 0;
 
-		if (err)
-			return err;
+	for (int k = 0; k < job->file_count && !err; k++) {
+		err = image_read(job->files[k], &pictures[k], fault);
+		if (!err)
+			err = check_picture(job, pictures, k, fault);
 	}
-	return 0;
+	return err;
 }
 
 static void free_pictures(struct image *pictures, int count)
@@ -29,13 +49,26 @@ static void free_pictures(struct image *pictures, int count)
 static int find_black(const struct light_job *job, struct light_black *black, struct fault *fault)
 {
 	struct image pictures[2] = {{.width = 0}};
+	struct fault why = {.text = ""};
 	int err = read_pictures(job, pictures, fault);
 
-	if (!err)
-		err = job->exposures ? light_black_darkest(black, &pictures[0], &pictures[1], fault)
-				     : light_black_covered(black, &pictures[0], fault);
+	if (!err) {
+		err = job->exposures ? light_black_darkest(black, &pictures[0], &pictures[1], &why)
+				     : light_black_covered(black, &pictures[0], &why);
+		if (err)
+			fault_say(fault, err, "%s: %s", job->files[0], why.text);
+	}
 	free_pictures(pictures, 2);
 	return err;
+}
+
+int light_check_black(const struct light_job *job, struct fault *fault)
+{
+	if (job->file_count == (job->exposures ? 2 : 1))
+		return 0;
+	return fault_say(fault, -EINVAL, "expected %s",
+			 job->exposures ? "two pictures, the shorter exposure first"
+					: "one picture, taken with the lens covered");
 }
 
 int light_command_black(const struct light_job *job, struct fault *fault)
@@ -44,10 +77,6 @@ int light_command_black(const struct light_job *job, struct fault *fault)
 	char text[64], comment[256];
 	int err;
 
-	if (job->file_count != (job->exposures ? 2 : 1))
-		return fault_say(fault, -EINVAL, "expected %s",
-				 job->exposures ? "two pictures, the shorter exposure first"
-						: "one picture, taken with the lens covered");
 	err = find_black(job, &black, fault);
 	if (err)
 		return err;
@@ -135,19 +164,22 @@ static void say_response(const struct light_response *found)
 		       100 * found -> channel_off[c], 100 * found -> channel_deviation[c]);
 }
 
+int light_check_response(const struct light_job *job, struct fault *fault)
+{
+	if (job->file_count >= 2 && job->file_count <= LIGHT_EXPOSURES_MAX &&
+	    job->times == job->file_count)
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 "there are %d pictures and %d --times, expected as many of each, 2 to %d",
+			 job->file_count, job->times, LIGHT_EXPOSURES_MAX);
+}
+
 int light_command_response(const struct light_job *job, struct fault *fault)
 {
 	struct light_response found = {.samples = 0};
 	char text[1024], comment[512];
 	int err;
 
-	if (job->file_count < 2 || job->file_count > LIGHT_EXPOSURES_MAX ||
-	    job->times != job->file_count)
-		return fault_say(
-			fault, -EINVAL,
-			"there are %d pictures and %d --times, expected as many of each, 2 "
-			"to %d",
-			job->file_count, job->times, LIGHT_EXPOSURES_MAX);
 	err = find_response(job, &found, fault);
 	if (err)
 		return err;

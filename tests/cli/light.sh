@@ -32,6 +32,19 @@ doubted() {
 	fi
 }
 
+# wrong NAME WORDS COMMAND...: exit code 2, the words and the usage.
+wrong() {
+	local name=$1 words=$2 is
+	shift 2
+	light "$@" >"$work/out" 2>"$work/said"
+	is=$?
+	if [ $is = 2 ] && grep -qF -- "$words" "$work/said" && grep -q '^usage: ' "$work/said"; then
+		pass "$name"
+	else
+		fail "$name" < <(echo "exit code $is" | cat - "$work/said")
+	fi
+}
+
 # A wide picture has even places enough.
 sed -e 's/^width = 48/width = 480/; s/^height = 32/height = 320/' "$work/box.scene" >"$work/wide.scene"
 check "a wide scene" "$INLAY_BAKE" render "$work/wide.scene" -o "$work/wide.inlay" --quiet
@@ -52,6 +65,10 @@ check "black level" light black "$work/covered.png" -o "$bg"
 level=$(sed -n 's/^black_level = //p' "$bg")
 check "is that of the camera ($level)" awk "BEGIN { exit !($level > 15.8 && $level < 16.4) }"
 doubted "an open lens is no covered one" "not dark" light black "${pictures[0]}" -o "$bg"
+doubted "one exposure twice" "alike" light black --exposures "${pictures[4]}" "${pictures[4]}" -o "$bg"
+doubted "the longer exposure first" "give the shorter exposure first" light black --exposures \
+	"${pictures[0]}" "${pictures[1]}" -o "$bg"
+equal "what is doubted is not written" "$level" "$(sed -n 's/^black_level = //p' "$bg")"
 check "response" light response --times 16,8,4,2,1 "${pictures[@]}" -o "$bg" --report "$work/page"
 sed -n 's/^; //p' "$bg" | sed 's/^/# /'
 check "the file keeps the black level" grep -q '^black_level' "$bg"
@@ -128,10 +145,22 @@ sed -n 's/^; delay/# delay/p' "$work/eye.ini"
 check "is that of the camera" grep -qE '^; delay: [34] frames' "$work/eye.ini"
 doubted "a control that it does not have" "expected exposure" light delay --config "$work/live.conf" \
 	--view fisheye --control shutter=1 --control shutter=2
-"$INLAY_CALIBRATE" light white 2>"$work/said"
-equal "wrong usage is exit code 2" 2 $?
+wrong "a command that there is not" "expected one of black" white
+wrong "black without a picture" "expected one picture" black
+wrong "black of two pictures" "expected one picture" black "$work/covered.png" "$work/covered.png"
+wrong "one exposure" "expected two pictures" black --exposures "$work/covered.png"
+wrong "a response without times" "1 pictures and 0 --times" response "$work/at-0.8.png"
+wrong "pairs that are none" "pairs of pictures" gain "$work/sky.png" --patch 0,0,9,9
+wrong "pairs without a patch" "pairs of pictures" gain "$work/sky.png" "$work/at-0.8.png"
+wrong "colours without a background" "expected a file of patches" colours --fisheye "$work/sky.png" \
+	--patch 0,0,9,9
+wrong "a delay of one control" "two --control" delay --config "$work/live.conf" --control exposure=1
+wrong "a delay of nothing" "expected a record" delay
 doubted "a picture that is not there" "none.png" light black "$work/none.png"
-doubted "pairs that are none" "pairs of pictures" light gain "$work/sky.png" --patch 0,0,9,9
+doubted "pictures of two sizes" "$work/sky.png: the picture is 96x96 pixels, that of $work/at-0.8" \
+	light response --times 2,1 "$work/at-0.8.png" "$work/sky.png"
+doubted "a picture of linear light" "$work/linear.pfm: the picture holds linear light" light black \
+	"$work/linear.pfm" < <(printf 'PF\n1 1\n-1.0\n\0\0\0\0\0\0\0\0\0\0\0\0' >"$work/linear.pfm")
 
 # ---- gain, from the studio's own rug ----
 take g-sky.png 0.8 --set background.camera=fisheye --set camera.fisheye.sim.exposure=0.1 \
