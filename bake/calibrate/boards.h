@@ -81,10 +81,12 @@ bool board_ink(const struct board *board, double x_mm, double y_mm);
 int board_find(const struct board *board, const struct image *picture, const char *name,
 	       struct observations *all, struct fault *fault);
 
+/* Whether there is such a page: "a4", "a3", "letter". -EINVAL. */
+int board_page_check(const char *page, struct fault *fault);
+
 /* A PDF of one page, the board at its true size, with its name and a ruler to check the printer.
- * page: "a4", "a3", "letter". -E2BIG: it does not fit on the page, the
- * fault says what would; -EINVAL: no such page; -EIO, -ENOMEM, or what keeps the file from being
- * written. */
+ * -E2BIG: it does not fit on the page, the fault says what would; -EINVAL: no such page; -ENOMEM,
+ * or what keeps the file from being written. */
 int board_print(const struct board *board, const char *page, const char *path, struct fault *fault);
 
 #endif

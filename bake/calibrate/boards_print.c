@@ -28,6 +28,21 @@ static const struct sheet sheets[] = {
 	{"letter", 215.9, 279.4},
 };
 
+static const struct sheet *sheet_of(const char *page)
+{
+	for (size_t i = 0; i < sizeof(sheets) / sizeof(sheets[0]); i++)
+		if (!strcmp(sheets[i].name, page))
+			return &sheets[i];
+	return NULL;
+}
+
+int board_page_check(const char *page, struct fault *fault)
+{
+	if (sheet_of(page))
+		return 0;
+	return fault_say(fault, -EINVAL, "page \"%s\": expected a4, a3 or letter", page);
+}
+
 /* In steps: from the board's origin to the ink's upper left corner, and how large the ink is. */
 struct extent {
 	double left, top, width, height;
@@ -57,20 +72,18 @@ static int choose_sheet(const struct board *board, const char *page, struct shee
 			struct fault *fault)
 {
 	const struct extent extent = extent_of(board);
+	const struct sheet *named = sheet_of(page);
 	double upright, turned;
 	char name[BOARD_NAME_MAX];
-	size_t i = 0;
 
-	while (i < sizeof(sheets) / sizeof(sheets[0]) && strcmp(sheets[i].name, page))
-		i++;
-	if (i == sizeof(sheets) / sizeof(sheets[0]))
-		return fault_say(fault, -EINVAL, "page \"%s\": expected a4, a3 or letter", page);
-	*sheet = sheets[i];
+	if (!named)
+		return board_page_check(page, fault);
+	*sheet = *named;
 	upright = room_for(&extent, sheet->width_mm, sheet->height_mm);
 	turned = room_for(&extent, sheet->height_mm, sheet->width_mm);
 	if (turned > upright) {
-		sheet->width_mm = sheets[i].height_mm;
-		sheet->height_mm = sheets[i].width_mm;
+		sheet->width_mm = named->height_mm;
+		sheet->height_mm = named->width_mm;
 	}
 	if (board->step_mm <= fmax(upright, turned))
 		return 0;
@@ -163,16 +176,29 @@ static void draw_footer(cairo_t *cr, const struct board *board, const struct she
 	cairo_show_text(cr, name);
 }
 
-static cairo_status_t write_bytes(void *stream, const unsigned char *bytes, unsigned int count)
+/* Cairo's status tells that a write failed, not why. */
+struct pen {
+	FILE *stream;
+	int err;
+};
+
+static cairo_status_t write_bytes(void *context, const unsigned char *bytes, unsigned int count)
 {
-	return fwrite(bytes, 1, count, stream) == count ? CAIRO_STATUS_SUCCESS
-							: CAIRO_STATUS_WRITE_ERROR;
+	struct pen *pen = context;
+
+	errno = 0;
+	if (fwrite(bytes, 1, count, pen->stream) == count)
+		return CAIRO_STATUS_SUCCESS;
+	if (!pen->err)
+		pen->err = errno ? -errno : -EIO;
+	return CAIRO_STATUS_WRITE_ERROR;
 }
 
 static int draw_page(const struct board *board, const struct sheet *sheet, FILE *stream)
 {
+	struct pen pen = {.stream = stream};
 	cairo_surface_t *surface = cairo_pdf_surface_create_for_stream(
-		write_bytes, stream, sheet->width_mm * POINTS_PER_MM,
+		write_bytes, &pen, sheet->width_mm * POINTS_PER_MM,
 		sheet->height_mm * POINTS_PER_MM);
 	cairo_t *cr = cairo_create(surface);
 	cairo_status_t status;
@@ -186,6 +212,8 @@ static int draw_page(const struct board *board, const struct sheet *sheet, FILE 
 	if (!status)
 		status = cairo_surface_status(surface);
 	cairo_surface_destroy(surface);
+	if (pen.err)
+		return pen.err;
 	return status == CAIRO_STATUS_NO_MEMORY ? -ENOMEM : status ? -EIO : 0;
 }
 
@@ -202,7 +230,7 @@ int board_print(const struct board *board, const char *page, const char *path, s
 		return err;
 	err = draw_page(board, &sheet, out.stream);
 	if (err)
-		fault_say(fault, err, "%s: %s", path, strerror(-err));
+		fault_say(fault, err, "%s: cannot be written: %s", path, strerror(-err));
 	else
 		err = output_commit(&out, fault);
 	output_abandon(&out);

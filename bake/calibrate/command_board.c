@@ -54,6 +54,8 @@ static int run(const struct command *command, int argc, char **argv)
 		return command_wrong(command, "expected -o FILE.pdf");
 	if (board_parse(&board, c.board, &fault))
 		return command_wrong(command, "--board %s", fault.text);
+	if (board_page_check(c.page, &fault))
+		return command_wrong(command, "--%s", fault.text);
 	if (board_print(&board, c.page, c.output, &fault)) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;

@@ -365,6 +365,15 @@ if has_command board; then
 	failed_with "a board that the page does not hold" "at most 25" board --board 9x6:60mm \
 		-o "$work/none.pdf"
 	wrong "a board that is none" "expected a board such as" board --board 9by6 -o "$work/none.pdf"
+	wrong "a page that is none" "expected a4, a3 or letter" board --page a5 -o "$work/none.pdf"
+	# a disk that is full, played by a limit on the size of files
+	cramped() (
+		trap '' XFSZ
+		ulimit -f 1
+		calibrate board -o "$work/none.pdf" 2>&1
+	)
+	equal "a disk that is full is said" "inlay-calibrate: $work/none.pdf: cannot be written: File too large" \
+		"$(cramped)"
 	absent "and nothing was written" "$work/none"
 	if command -v pdftoppm >/dev/null; then
 		# What is printed is found again, square to the view: that alone is no camera.
