@@ -1,39 +1,12 @@
 /* What was given: whether the points are enough, each of them once, and lie so that they tell a
  * camera. */
 #include <math.h>
-#include <string.h>
 
 #include "bake/calibrate/camera_parts.h"
 
 #define COVERED_LEAST 0.02 /* of the picture */
 
 /* ---- what was given ---- */
-
-static bool same(const double *a, const double *b, int count)
-{
-	return !memcmp(a, b, (size_t)count * sizeof(*a));
-}
-
-static void judge_duplicates(struct camera_solution *solution)
-{
-	const struct camera_problem *problem = &solution->own->problem;
-
-	for (int v = 0; v < problem->views; v++)
-		for (int i = problem->first[v]; i < problem->first[v + 1]; i++)
-			for (int j = problem->first[v]; j < i; j++) {
-				const struct observation *a = &problem->point[j];
-				const struct observation *b = &problem->point[i];
-
-				if (!same(a->world, b->world, 3) || !same(a->px, b->px, 2))
-					continue;
-				verdict_doubt(
-					&solution->finding.verdict, "list every point once",
-					"%s and %s are one point listed twice, which makes the "
-					"result look surer than it is",
-					a->name, b->name);
-				return;
-			}
-}
 
 static void judge_count(struct camera_solution *solution)
 {
@@ -78,7 +51,7 @@ void camera_judge_points(struct camera_solution *solution)
 {
 	judge_count(solution);
 	judge_shape(solution);
-	judge_duplicates(solution);
+	finding_doubt_twins(&solution->finding);
 }
 
 /* ---- how points lie in the picture ---- */

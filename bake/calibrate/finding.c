@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 int finding_create(struct finding *finding, const char *what, const struct observations *seen)
 {
@@ -63,4 +64,31 @@ void finding_add(struct finding *finding, const char *key, const char *label, co
 	snprintf(figure->unit, sizeof(figure->unit), "%s", unit);
 	figure->value = value;
 	finding->figures++;
+}
+
+static bool same(const struct observation *a, const struct observation *b)
+{
+	return !memcmp(a->world, b->world, sizeof(a->world)) &&
+	       !memcmp(a->px, b->px, sizeof(a->px));
+}
+
+void finding_doubt_twins(struct finding *finding)
+{
+	const struct observations *seen = finding->seen;
+
+	for (int v = 0; v < seen->views; v++) {
+		const struct observation *point = seen->point + seen->view[v].first;
+
+		for (int i = 0; i < seen->view[v].count; i++)
+			for (int j = 0; j < i; j++) {
+				if (!same(&point[j], &point[i]))
+					continue;
+				verdict_doubt(
+					&finding->verdict, "list every point once",
+					"%s and %s are one point listed twice, which makes the "
+					"result look surer than it is",
+					point[j].name, point[i].name);
+				return;
+			}
+	}
 }

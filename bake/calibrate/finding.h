@@ -51,6 +51,9 @@ struct finding {
 int finding_create(struct finding *finding, const char *what, const struct observations *seen);
 void finding_free(struct finding *finding); /* idempotent; zeroed is fine */
 
+/* Doubts the same point at the same place twice in a view. */
+void finding_doubt_twins(struct finding *finding);
+
 /* The verdict and, if a lens was found, how well it fits and the figures: lines, each after this.
  */
 void finding_print(FILE *to, const char *before, const struct finding *finding);

@@ -209,6 +209,7 @@ void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *pro
 		   const struct model_trials *trials, const struct fisheye_wanted *wanted,
 		   enum fisheye_model model)
 {
+	finding_doubt_twins(&result->finding);
 	if (problem->directions && flatness(problem->seen) < FLAT)
 		verdict_doubt(
 			&result->finding.verdict, LAMPS_EVERYWHERE,

@@ -251,6 +251,10 @@ if has_command fisheye; then
 		>"$work/stdout" 2>"$work/stderr"
 	equal "three directions are too few" 1 $?
 	absent "and nothing was written" "$work/none"
+	cat "$work/directions" "$work/directions" >"$work/twice"
+	failed_with "directions that are listed twice" "twice:1 and twice:163 are one point listed twice" \
+		fisheye --directions "$work/twice" --size 720x576 -o "$work/none.ini"
+	absent "and nothing was written" "$work/none"
 	sed 's|^\[fisheye\]$|&\nlens = eye.ini|' "$work/studio.conf" >"$work/eye.conf"
 	check "the kiosk reads it" "$INLAY" check --config "$work/eye.conf"
 	check "by way of OpenCV's file, too" calibrate convert "$work/eye.ini" "$work/eye.yml" \
