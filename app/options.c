@@ -1,7 +1,6 @@
 #include "app/options.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +8,7 @@
 
 #include "hal/ini/ini.h"
 #include "hal/log.h"
+#include "hal/number.h"
 
 #define ROWS_MAX 32
 
@@ -27,10 +27,9 @@ int option_integer(const char *argument, long low, long high, long *value)
 
 int option_number(const char *argument, double low, double high, double *value)
 {
-	char *end;
-	double v = strtod(argument, &end);
+	double v;
 
-	if (end == argument || *end || !isfinite(v) || v < low || v > high)
+	if (number_read(&argument, &v) || *argument || v < low || v > high)
 		return -EINVAL;
 	*value = v;
 	return 0;

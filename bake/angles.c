@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "hal/basis/basis_format.h"
+#include "hal/number.h"
+#include "hal/text_file.h"
 
 struct line {
 	double direction[3];
@@ -33,53 +35,54 @@ static bool is_shape(const char *text, enum dome_shape *shape)
 	return false;
 }
 
-static int read_line(struct lines *all, const char *text, const char *path, int number,
-		     struct fault *fault)
+/* Two numbers and nothing else. */
+static bool read_angles(const char *text, double *theta, double *phi)
 {
+	text += strspn(text, " \t");
+	if (number_read(&text, theta) || !strchr(" \t", *text) || !*text)
+		return false;
+	text += strspn(text, " \t");
+	return !number_read(&text, phi) && !text[strspn(text, " \t\r")];
+}
+
+static int read_line(struct lines *all, const struct text_file *file, struct fault *fault)
+{
+	const char *text = file->line;
 	struct line *grown;
 	double theta, phi;
-	char rest;
 
-	if (text[strspn(text, " \t\r\n")] == '\0' || *text == '#')
+	if (text[strspn(text, " \t\r")] == '\0' || *text == '#')
 		return 0;
 	if (!all->count && is_shape(text, &all->shape))
 		return 0;
-	if (sscanf(text, "%lf %lf %c", &theta, &phi, &rest) != 2 || !isfinite(theta) ||
-	    !isfinite(phi) || theta < 0 || theta > M_PI / 2 + 1e-6)
+	if (!read_angles(text, &theta, &phi) || theta < 0 || theta > M_PI / 2 + 1e-6)
 		return fault_say(
 			fault, -EINVAL,
 			"%s:%d: expected theta and phi in radians, theta from 0 (zenith) to "
 			"1.571 (horizon)",
-			path, number);
+			file->path, file->number);
 	if (all->count == BASIS_LIGHTS_MAX)
 		return fault_say(fault, -EINVAL, "%s:%d: one light too many, expected at most %d",
-				 path, number, BASIS_LIGHTS_MAX);
+				 file->path, file->number, BASIS_LIGHTS_MAX);
 	grown = realloc(all->line, (size_t)(all->count + 1) * sizeof(*grown));
 	if (!grown)
-		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+		return fault_say(fault, -ENOMEM, "%s: out of memory", file->path);
 	all->line = grown;
 	grown[all->count++] = (struct line){
 		.direction = {sin(theta) * cos(phi), sin(theta) * sin(phi), fmax(cos(theta), 0)},
-		.number = number,
+		.number = file->number,
 	};
 	return 0;
 }
 
 static int read_lines(struct lines *all, const char *path, struct fault *fault)
 {
-	FILE *file = fopen(path, "r");
-	char *text = NULL;
-	size_t room = 0;
-	int err = 0, number = 0;
+	struct text_file file;
+	int err = text_file_open(&file, path, fault);
 
-	if (!file)
-		return fault_say(fault, -errno, "%s: cannot be opened: %s", path, strerror(errno));
-	while (!err && getline(&text, &room, file) >= 0)
-		err = read_line(all, text, path, ++number, fault);
-	if (!err && ferror(file))
-		err = fault_say(fault, -EIO, "%s: cannot be read", path);
-	free(text);
-	fclose(file);
+	while (!err && (err = text_file_next(&file, fault)) > 0)
+		err = read_line(all, &file, fault);
+	text_file_close(&file);
 	return err;
 }
 

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <getopt.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -11,6 +10,7 @@
 
 #include "hal/basis/basis_format.h"
 #include "hal/log.h"
+#include "hal/number.h"
 
 static const char *program = "inlay-bake";
 
@@ -129,11 +129,10 @@ int option_int(const char *option, const char *text, int min, int max, int *valu
 int option_real(const char *option, const char *text, double min, double max, double *value,
 		struct fault *fault)
 {
-	char *end;
+	const char *at = text;
 	double x;
 
-	x = strtod(text, &end);
-	if (end == text || *end || !isfinite(x) || x < min || x > max)
+	if (number_read(&at, &x) || *at || x < min || x > max)
 		return fault_say(fault, -EINVAL, "%s: \"%s\", expected a number from %g to %g",
 				 option, text, min, max);
 	*value = x;
@@ -145,17 +144,17 @@ int option_reals(const char *option, const char *text, int least, int most, doub
 {
 	const char *at = text;
 	int count = 0;
-	char *end;
 
-	for (; count < most; at = end + 1) {
-		const double x = strtod(at, &end);
+	for (; count < most; at++) {
+		double x;
 
-		if (end == at || !(x >= min && x <= max) || (*end && *end != ','))
+		at += strspn(at, " ");
+		if (number_read(&at, &x) || !(x >= min && x <= max) || (*at && *at != ','))
 			break;
 		value[count++] = x;
-		if (!*end && count >= least)
+		if (!*at && count >= least)
 			return count;
-		if (!*end)
+		if (!*at)
 			break;
 	}
 	return fault_say(fault, -EINVAL,

@@ -16,10 +16,12 @@ HAL_SOURCES := \
 	hal/frame_rows.c \
 	hal/frame_ycbcr.c \
 	hal/log.c \
+	hal/number.c \
 	hal/output.c \
 	hal/pool.c \
 	hal/processor.c \
 	hal/response.c \
+	hal/text_file.c \
 	hal/transfer.c \
 	hal/view.c \
 	hal/ini/ini.c \

@@ -50,6 +50,7 @@ UNIT_TESTS := \
 	tests/unit/test_recovery_pieces.c \
 	tests/unit/test_light_filter.c \
 	tests/unit/test_lights_file.c \
+	tests/unit/test_text_file.c \
 	tests/unit/test_basis.c \
 	tests/unit/test_basis_damage.c \
 	tests/unit/test_encode.c \

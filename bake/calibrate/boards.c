@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "bake/calibrate/boards_parts.h"
+#include "hal/number.h"
 
 #define SIDE_MIN 3
 #define STEP_MIN_MM 0.1
@@ -57,11 +58,10 @@ static bool take_side(const char **text, char follows, int *side)
 /* ":25mm" without its colon; the text goes on with another colon or ends. */
 static bool take_length(const char **text, double *mm)
 {
-	char *end;
+	const char *end = *text;
 
-	if (**text < '0' || **text > '9')
+	if (*end < '0' || *end > '9' || number_read(&end, mm))
 		return false;
-	*mm = strtod(*text, &end);
 	if (strncmp(end, "mm", 2) || (end[2] && end[2] != ':') || !(*mm >= STEP_MIN_MM) ||
 	    !(*mm <= STEP_MAX_MM))
 		return false;

@@ -4,11 +4,12 @@
  * has to be whole.
  */
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/calibrate/convert.h"
+#include "hal/number.h"
+#include "hal/text_file.h"
 
 #define DATA_MAX 16 /* numbers of the largest matrix that is read */
 
@@ -19,12 +20,9 @@ struct matrix {
 };
 
 struct reader {
-	const char *path;
-	FILE *file;
-	char *text; /* the line */
-	size_t room;
-	int line;  /* its number */
-	bool held; /* it is given again */
+	struct text_file file;
+	bool held; /* its line is given again */
+	int err;   /* why there is no next line, other than the file's end; it is said */
 	struct fault *fault;
 };
 
@@ -45,16 +43,16 @@ static bool next_line(struct reader *r)
 		r->held = false;
 		return true;
 	}
-	while (getline(&r->text, &r->room, r->file) >= 0) {
-		size_t length;
+	while ((r->err = text_file_next(&r->file, r->fault)) > 0) {
+		char *text = r->file.line;
+		size_t length = strlen(text);
 
-		r->line++;
-		length = strcspn(r->text, "\r\n");
-		while (length && strchr(" \t", r->text[length - 1]))
+		r->err = 0;
+		while (length && strchr(" \t\r", text[length - 1]))
 			length--;
-		r->text[length] = '\0';
-		if (length && r->text[strspn(r->text, " \t")] != '#' && r->text[0] != '%' &&
-		    strcmp(r->text, "---") && strcmp(r->text, "..."))
+		text[length] = '\0';
+		if (length && text[strspn(text, " \t")] != '#' && text[0] != '%' &&
+		    strcmp(text, "---") && strcmp(text, "..."))
 			return true;
 	}
 	return false;
@@ -62,7 +60,7 @@ static bool next_line(struct reader *r)
 
 static bool is_indented(const struct reader *r)
 {
-	return r->text[0] == ' ' || r->text[0] == '\t';
+	return r->file.line[0] == ' ' || r->file.line[0] == '\t';
 }
 
 /* Cuts "  key: rest" in two; false: it is none. */
@@ -81,8 +79,8 @@ static bool split(char *line, char **key, char **rest)
 
 static int wrong(const struct reader *r, const char *key, const char *expected)
 {
-	return fault_say(r->fault, -EINVAL, "%s:%d: %s: expected %s", r->path, r->line, key,
-			 expected);
+	return fault_say(r->fault, -EINVAL, "%s:%d: %s: expected %s", r->file.path, r->file.number,
+			 key, expected);
 }
 
 /* ---- values ---- */
@@ -104,11 +102,10 @@ static int read_int(const struct reader *r, const char *key, const char *text, i
 }
 
 /* Numbers of one line up to its end or the closing bracket, which *whole says. */
-static int read_numbers(const struct reader *r, const char *key, char *text, struct matrix *m,
+static int read_numbers(const struct reader *r, const char *key, const char *text, struct matrix *m,
 			bool *whole)
 {
 	for (;;) {
-		char *end;
 		double value;
 
 		text += strspn(text, " \t,");
@@ -118,13 +115,11 @@ static int read_numbers(const struct reader *r, const char *key, char *text, str
 			*whole = true;
 			return 0;
 		}
-		value = strtod(text, &end);
-		if (end == text || (*end && !strchr(" \t,]", *end)) || !isfinite(value))
+		if (number_read(&text, &value) || (*text && !strchr(" \t,]", *text)))
 			return wrong(r, key, "finite numbers between [ and ]");
 		if (m->count == DATA_MAX)
 			return wrong(r, key, "fewer numbers");
 		m->data[m->count++] = value;
-		text = end;
 	}
 }
 
@@ -138,8 +133,9 @@ static int read_data(struct reader *r, const char *key, char *text, struct matri
 	err = read_numbers(r, key, text + 1, m, &whole);
 	while (!err && !whole) {
 		if (!next_line(r))
-			return wrong(r, key, "] after its numbers, not the file's end");
-		err = read_numbers(r, key, r->text, m, &whole);
+			return r->err ? r->err
+				      : wrong(r, key, "] after its numbers, not the file's end");
+		err = read_numbers(r, key, r->file.line, m, &whole);
 	}
 	return err;
 }
@@ -151,7 +147,7 @@ static int read_matrix(struct reader *r, const char *key, const char *after, str
 
 	if (m->line)
 		return wrong(r, key, "to be there once");
-	*m = (struct matrix){.line = r->line};
+	*m = (struct matrix){.line = r->file.number};
 	if (*after && *after != '!' && *after != '#')
 		return wrong(r, key, "rows, cols and data on lines of their own below it");
 	while (!err && next_line(r)) {
@@ -161,7 +157,7 @@ static int read_matrix(struct reader *r, const char *key, const char *after, str
 			r->held = true;
 			break;
 		}
-		if (!split(r->text, &name, &rest))
+		if (!split(r->file.line, &name, &rest))
 			return wrong(r, key, "rows, cols and data");
 		if (!strcmp(name, "rows"))
 			err = read_int(r, key, rest, 1, DATA_MAX, &m->rows);
@@ -170,11 +166,13 @@ static int read_matrix(struct reader *r, const char *key, const char *after, str
 		else if (!strcmp(name, "data"))
 			err = read_data(r, key, rest, m);
 	}
+	if (!err)
+		err = r->err;
 	if (!err && (!m->count || m->count != m->rows * m->columns))
 		return fault_say(r->fault, -EINVAL,
 				 "%s:%d: %s: has %d rows, %d columns and %d numbers, expected as "
 				 "many as rows times columns",
-				 r->path, m->line, key, m->rows, m->columns, m->count);
+				 r->file.path, m->line, key, m->rows, m->columns, m->count);
 	return err;
 }
 
@@ -205,7 +203,7 @@ static int read_key(struct reader *r, const char *key, const char *rest, struct 
 		return read_int(r, key, rest, 0, 1, &s->fisheye);
 	if (!strcmp(key, "distortion_model")) {
 		read_text(rest, s->model, sizeof(s->model));
-		s->model_line = r->line;
+		s->model_line = r->file.number;
 	}
 	return 0;
 }
@@ -218,15 +216,13 @@ static int read_all(struct reader *r, struct spoken *s)
 		char *key, *rest;
 
 		/* of a key that is passed over */
-		if (is_indented(r) || r->text[0] == '-' || r->text[0] == ']')
+		if (is_indented(r) || r->file.line[0] == '-' || r->file.line[0] == ']')
 			continue;
-		if (!split(r->text, &key, &rest))
-			return wrong(r, r->text, "KEY: VALUE, as OpenCV and ROS write lenses");
+		if (!split(r->file.line, &key, &rest))
+			return wrong(r, r->file.line, "KEY: VALUE, as OpenCV and ROS write lenses");
 		err = read_key(r, key, rest, s);
 	}
-	if (!err && ferror(r->file))
-		return fault_say(r->fault, -EIO, "%s: cannot be read", r->path);
-	return err;
+	return err ? err : r->err;
 }
 
 /* ---- what they mean ---- */
@@ -236,18 +232,18 @@ static int take_camera(struct lens *lens, const struct reader *r, const struct m
 	const double *k = m->data;
 
 	if (!m->line)
-		return fault_say(r->fault, -EINVAL, "%s: has no camera_matrix", r->path);
+		return fault_say(r->fault, -EINVAL, "%s: has no camera_matrix", r->file.path);
 	if (m->rows != 3 || m->columns != 3 || !(k[0] > 0) || !(k[4] > 0) || k[3] != 0 ||
 	    k[6] != 0 || k[7] != 0 || k[8] != 1)
 		return fault_say(r->fault, -EINVAL,
 				 "%s:%d: camera_matrix: expected fx 0 cx, 0 fy cy, 0 0 1 with fx "
 				 "and fy above 0",
-				 r->path, m->line);
+				 r->file.path, m->line);
 	if (k[1] != 0)
 		return fault_say(r->fault, -EINVAL,
 				 "%s:%d: camera_matrix: a skew of %g, expected 0: rows and columns "
 				 "of pixels are at right angles here",
-				 r->path, m->line, k[1]);
+				 r->file.path, m->line, k[1]);
 	lens->focal_px[0] = k[0];
 	lens->focal_px[1] = k[4];
 	lens->centre_px[0] = k[2] + 0.5;
@@ -268,7 +264,7 @@ static int take_model(struct lens *lens, const struct reader *r, const struct sp
 	return fault_say(r->fault, -EINVAL,
 			 "%s:%d: distortion_model: %s, expected plumb_bob, rational_polynomial or "
 			 "equidistant",
-			 r->path, s->model_line, s->model);
+			 r->file.path, s->model_line, s->model);
 }
 
 static int take_distortion(struct lens *lens, const struct reader *r, const struct matrix *m)
@@ -276,12 +272,13 @@ static int take_distortion(struct lens *lens, const struct reader *r, const stru
 	const int most = lens->fisheye ? FISHEYE_TERMS : LENS_TERMS;
 
 	if (!m->line)
-		return fault_say(r->fault, -EINVAL, "%s: has no distortion_coefficients", r->path);
+		return fault_say(r->fault, -EINVAL, "%s: has no distortion_coefficients",
+				 r->file.path);
 	if ((m->rows != 1 && m->columns != 1) || (lens->fisheye && m->count != FISHEYE_TERMS))
 		return fault_say(r->fault, -EINVAL,
 				 "%s:%d: distortion_coefficients: %d x %d of them, expected one "
 				 "row%s",
-				 r->path, m->line, m->rows, m->columns,
+				 r->file.path, m->line, m->rows, m->columns,
 				 lens->fisheye ? " of 4" : "");
 	for (int k = 0; k < m->count; k++) {
 		if (k < most)
@@ -291,7 +288,7 @@ static int take_distortion(struct lens *lens, const struct reader *r, const stru
 				r->fault, -EINVAL,
 				"%s:%d: distortion_coefficients: number %d is %g, expected "
 				"0: neither thin prisms nor tilted sensors are known here",
-				r->path, m->line, k + 1, m->data[k]);
+				r->file.path, m->line, k + 1, m->data[k]);
 	}
 	return 0;
 }
@@ -304,17 +301,17 @@ static int take_size(struct lens *lens, const struct reader *r, const struct spo
 		return 0;
 	return fault_say(r->fault, -EINVAL,
 			 "%s: has no image_width and image_height, expected them here or by --size",
-			 r->path);
+			 r->file.path);
 }
 
 int lens_read_yaml(struct lens *lens, const char *path, struct fault *fault)
 {
-	struct reader r = {.path = path, .file = fopen(path, "r"), .fault = fault};
+	struct reader r = {.fault = fault};
 	struct spoken s = {.width = -1, .height = -1, .fisheye = -1};
-	int err;
+	int err = text_file_open(&r.file, path, fault);
 
-	if (!r.file)
-		return fault_say(fault, -errno, "%s: %s", path, strerror(errno));
+	if (err)
+		return err;
 	err = read_all(&r, &s);
 	if (!err)
 		err = take_size(lens, &r, &s);
@@ -324,7 +321,6 @@ int lens_read_yaml(struct lens *lens, const char *path, struct fault *fault)
 		err = take_model(lens, &r, &s);
 	if (!err)
 		err = take_distortion(lens, &r, &s.distortion);
-	free(r.text);
-	fclose(r.file);
+	text_file_close(&r.file);
 	return err;
 }

@@ -8,6 +8,7 @@
 
 #include "bake/calibrate/observations.h"
 #include "hal/optics/vec.h"
+#include "hal/text_file.h"
 
 #define NUMBERS_MAX 5
 #define SAME 1e-4 /* rad: nearer lamps are one */
@@ -62,12 +63,11 @@ static int check_others(const struct lamps *lamps, const char *path, struct faul
 	return 0;
 }
 
-static int read_line(struct lamps *lamps, const char *path, int at, char *line, size_t length,
-		     struct fault *fault)
+static int read_line(struct lamps *lamps, const struct text_file *file, struct fault *fault)
 {
 	double number[NUMBERS_MAX];
-	const int count = observations_numbers(line, length, number, NUMBERS_MAX);
-	struct lamp lamp = {.line = at}, *grown;
+	const int count = observations_numbers(file->line, number, NUMBERS_MAX);
+	struct lamp lamp = {.line = file->number}, *grown;
 
 	if (!count)
 		return 0;
@@ -75,40 +75,34 @@ static int read_line(struct lamps *lamps, const char *path, int at, char *line, 
 		return fault_say(fault, -EINVAL,
 				 "%s:%d: expected azimuth and elevation in degrees or a direction "
 				 "dx dy dz, and where it is known roughly xf yf",
-				 path, at);
+				 file->path, file->number);
 	if (lamps->count == LAMPS_MAX)
-		return fault_say(fault, -EINVAL, "%s:%d: expected at most %d lamps", path, at,
-				 LAMPS_MAX);
+		return fault_say(fault, -EINVAL, "%s:%d: expected at most %d lamps", file->path,
+				 file->number, LAMPS_MAX);
 	grown = realloc(lamps->lamp, ((size_t)lamps->count + 1) * sizeof(*grown));
 	if (!grown)
-		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+		return fault_say(fault, -ENOMEM, "%s: out of memory", file->path);
 	lamps->lamp = grown;
 	lamps->lamp[lamps->count++] = lamp;
-	return check_others(lamps, path, fault);
+	return check_others(lamps, file->path, fault);
 }
 
 int lamps_read(struct lamps *lamps, const char *path, struct fault *fault)
 {
-	size_t room = 0;
-	char *line = NULL;
-	ssize_t length;
-	int err = 0, at = 0;
-	FILE *file = fopen(path, "r");
+	struct text_file file;
+	int err = text_file_open(&file, path, fault);
 
 	*lamps = (struct lamps){.lamp = NULL};
-	if (!file)
-		return fault_say(fault, -errno, "%s: %s", path, strerror(errno));
-	while (!err && (length = getline(&line, &room, file)) >= 0)
-		err = read_line(lamps, path, ++at, line, (size_t)length, fault);
-	if (!err && ferror(file))
-		err = fault_say(fault, -EIO, "%s: cannot be read", path);
+	if (err)
+		return err;
+	while (!err && (err = text_file_next(&file, fault)) > 0)
+		err = read_line(lamps, &file, fault);
 	if (!err && !lamps->count)
 		err = fault_say(fault, -EINVAL,
 				"%s: holds no lamps, expected lines of azimuth and elevation, or "
 				"dx dy dz",
 				path);
-	free(line);
-	fclose(file);
+	text_file_close(&file);
 	if (err)
 		lamps_free(lamps);
 	return err;

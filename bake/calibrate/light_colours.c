@@ -3,10 +3,11 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "bake/calibrate/least_squares.h"
+#include "hal/number.h"
+#include "hal/text_file.h"
 
 #define ELEMENTS 9
 
@@ -226,51 +227,52 @@ void light_colours_free(struct light_colours *found)
 static int read_line(const char *line, double number[6])
 {
 	int count = 0;
-	char *end;
 
 	for (;;) {
-		line += strspn(line, " \t\r\n,");
+		line += strspn(line, " \t\r,");
 		if (!*line || *line == '#')
 			return count == 0 || count == 6 ? count : -1;
-		if (count == 6)
-			return -1;
-		number[count] = strtod(line, &end);
-		if (end == line || !(number[count] >= 0) || !isfinite(number[count]))
+		if (count == 6 || number_read(&line, &number[count]) || !(number[count] >= 0))
 			return -1;
 		count++;
-		line = end;
 	}
+}
+
+static int read_pairs(struct text_file *file, struct light_colour_pair *pairs, struct fault *fault)
+{
+	int count = 0, ret;
+
+	while ((ret = text_file_next(file, fault)) > 0) {
+		double number[6];
+		const int got = read_line(file->line, number);
+
+		if (got < 0)
+			return fault_say(
+				fault, -EINVAL,
+				"%s:%d: expected six numbers of at least 0: r g b of the fisheye, "
+				"r g b of the background, linear",
+				file->path, file->number);
+		if (!got)
+			continue;
+		if (count == LIGHT_PATCHES_MAX)
+			return fault_say(fault, -EINVAL,
+					 "%s:%d: one patch too many, expected at most %d",
+					 file->path, file->number, LIGHT_PATCHES_MAX);
+		memcpy(pairs[count].fisheye, number, 3 * sizeof(*number));
+		memcpy(pairs[count++].background, number + 3, 3 * sizeof(*number));
+	}
+	return ret < 0 ? ret : count;
 }
 
 int light_colours_read(const char *path, struct light_colour_pair pairs[LIGHT_PATCHES_MAX],
 		       struct fault *fault)
 {
-	FILE *file = fopen(path, "r");
-	char line[512];
-	int count = 0, at = 0, got = 0;
+	struct text_file file;
+	int ret = text_file_open(&file, path, fault);
 
-	if (!file) {
-		const int err = -errno;
-
-		return fault_say(fault, err, "%s: %s", path, strerror(-err));
-	}
-	while (count < LIGHT_PATCHES_MAX && fgets(line, sizeof(line), file)) {
-		double number[6];
-
-		at++;
-		got = read_line(line, number);
-		if (got < 0)
-			break;
-		if (!got)
-			continue;
-		memcpy(pairs[count].fisheye, number, 3 * sizeof(*number));
-		memcpy(pairs[count++].background, number + 3, 3 * sizeof(*number));
-	}
-	fclose(file);
-	if (got < 0)
-		return fault_say(fault, -EINVAL,
-				 "%s:%d: expected six numbers of at least 0: r g b of the fisheye, "
-				 "r g b of the background, linear",
-				 path, at);
-	return count;
+	if (ret < 0)
+		return ret;
+	ret = read_pairs(&file, pairs, fault);
+	text_file_close(&file);
+	return ret;
 }

@@ -3,9 +3,11 @@
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "hal/number.h"
+#include "hal/text_file.h"
 
 /* ---- records ---- */
 
@@ -57,30 +59,31 @@ void light_record_free(struct light_record *r)
 
 static bool blank(const char *text)
 {
-	text += strspn(text, " \t\r\n");
+	text += strspn(text, " \t\r");
 	return !*text || *text == '#';
+}
+
+/* Blanks and a number. */
+static bool read_number(const char **text, double *number)
+{
+	*text += strspn(*text, " \t");
+	return !number_read(text, number);
 }
 
 /* 0; 1: it does not say what it should. */
 static int read_line(struct light_record *r, const char *line)
 {
-	char *end;
 	double a, b;
 
 	line += strspn(line, " \t");
 	if (!strncmp(line, "change", 6)) {
-		a = strtod(line + 6, &end);
-		if (end == line + 6 || !isfinite(a) || !blank(end) ||
+		line += 6;
+		if (!read_number(&line, &a) || !blank(line) ||
 		    (r->changes && a <= r->change_ms[r->changes - 1]))
 			return 1;
 		return light_record_change(r, a);
 	}
-	a = strtod(line, &end);
-	if (end == line || !isfinite(a))
-		return 1;
-	line = end;
-	b = strtod(line, &end);
-	if (end == line || !isfinite(b) || !blank(end) ||
+	if (!read_number(&line, &a) || !read_number(&line, &b) || !blank(line) ||
 	    (r->frames && a <= r->time_ms[r->frames - 1]))
 		return 1;
 	return light_record_frame(r, a, b);
@@ -88,26 +91,21 @@ static int read_line(struct light_record *r, const char *line)
 
 int light_record_read(struct light_record *r, const char *path, struct fault *fault)
 {
-	FILE *file = fopen(path, "r");
-	char line[256];
-	int at = 0, err = 0;
+	struct text_file file;
+	int err = text_file_open(&file, path, fault);
 
-	if (!file) {
-		err = -errno;
-		return fault_say(fault, err, "%s: %s", path, strerror(-err));
+	while (!err && (err = text_file_next(&file, fault)) > 0) {
+		err = blank(file.line) ? 0 : read_line(r, file.line);
+		if (err == 1)
+			err = fault_say(fault, -EINVAL,
+					"%s:%d: expected \"time_ms level\" of a frame or \"change "
+					"time_ms\", later than those before it",
+					path, file.number);
+		else if (err)
+			fault_say(fault, err, "%s: not enough memory", path);
 	}
-	while (!err && fgets(line, sizeof(line), file)) {
-		at++;
-		if (!blank(line))
-			err = read_line(r, line);
-	}
-	fclose(file);
-	if (err == 1)
-		return fault_say(fault, -EINVAL,
-				 "%s:%d: expected \"time_ms level\" of a frame or \"change "
-				 "time_ms\", later than those before it",
-				 path, at);
-	return err ? fault_say(fault, err, "%s: not enough memory", path) : 0;
+	text_file_close(&file);
+	return err;
 }
 
 /* ---- delay ---- */

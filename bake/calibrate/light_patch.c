@@ -3,7 +3,9 @@
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stdlib.h>
+#include <string.h>
+
+#include "hal/number.h"
 
 int light_area_parse(struct light_area *area, const char *text, struct fault *fault)
 {
@@ -13,16 +15,14 @@ int light_area_parse(struct light_area *area, const char *text, struct fault *fa
 	int count = 0;
 
 	while (count < 2 * LIGHT_CORNERS_MAX) {
-		char *end;
-
-		number[count] = strtod(at, &end);
-		if (end == at || !isfinite(number[count]))
+		at += strspn(at, " ");
+		if (number_read(&at, &number[count]))
 			break;
 		count++;
-		corners |= *end == ' ';
-		at = *end == ',' || *end == ' ' ? end + 1 : end;
-		if (!*end)
+		corners |= *at == ' ';
+		if (!*at)
 			break;
+		at += *at == ',' || *at == ' ';
 	}
 	if (*at || count < 4 || count % 2 || (corners ? count < 6 : count != 4) ||
 	    (!corners && !(number[2] > 0 && number[3] > 0)))

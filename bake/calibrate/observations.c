@@ -1,14 +1,15 @@
 #include "bake/calibrate/observations.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define NUMBERS 5		       /* a line: xw yw zw xf yf */
-#define BYTE_ORDER_MARK "\xef\xbb\xbf" /* that some editors put before the first line */
+#include "hal/number.h"
+#include "hal/text_file.h"
+
+#define NUMBERS 5 /* a line: xw yw zw xf yf */
 
 void observations_free(struct observations *all)
 {
@@ -91,30 +92,23 @@ bool observations_twin(const struct observations *all, int twin[2])
 
 /* ---- files of points ---- */
 
-int observations_numbers(char *line, size_t length, double *number, int most)
+int observations_numbers(char *line, double *number, int most)
 {
+	const char *at = line;
 	int count = 0;
-	char *end;
 
-	/* What follows a zero byte would go unseen. */
-	if (strlen(line) != length)
-		return -EINVAL;
-	if (!strncmp(line, BYTE_ORDER_MARK, strlen(BYTE_ORDER_MARK)))
-		line += strlen(BYTE_ORDER_MARK);
-	line[strcspn(line, "#\r\n")] = 0;
+	line[strcspn(line, "#\r")] = 0;
 	for (;;) {
 		double value;
 
-		line += strspn(line, " \t,;");
-		if (!*line)
+		at += strspn(at, " \t,;");
+		if (!*at)
 			return count;
-		value = strtod(line, &end);
-		if (end == line || (*end && !strchr(" \t,;", *end)) || !isfinite(value))
+		if (number_read(&at, &value) || (*at && !strchr(" \t,;", *at)))
 			return -EINVAL;
 		if (count == most)
 			return count + 1;
 		number[count++] = value;
-		line = end;
 	}
 }
 
@@ -123,42 +117,38 @@ static const char *line_of(const struct points_convention *convention)
 	return convention->directions ? "dx dy dz xf yf" : "xw yw zw xf yf";
 }
 
-static int read_line(struct observations *all, const char *path, int at, char *line, size_t length,
+static int read_line(struct observations *all, const struct text_file *file,
 		     const struct points_convention *convention, struct fault *fault)
 {
-	const char *slash = strrchr(path, '/');
+	const char *slash = strrchr(file->path, '/');
 	double number[NUMBERS], px[2];
-	const int count = observations_numbers(line, length, number, NUMBERS);
+	const int count = observations_numbers(file->line, number, NUMBERS);
 
 	if (!count)
 		return 0;
 	if (count != NUMBERS)
-		return fault_say(fault, -EINVAL, "%s:%d: expected five finite numbers: %s", path,
-				 at, line_of(convention));
+		return fault_say(fault, -EINVAL, "%s:%d: expected five finite numbers: %s",
+				 file->path, file->number, line_of(convention));
 	px[0] = number[3] + 0.5 - convention->pixel_centre;
 	px[1] = number[4] + 0.5 - convention->pixel_centre;
 	if (convention->y_up)
 		px[1] = convention->height - px[1];
-	return observations_add(all, number, px, "%s:%d", slash ? slash + 1 : path, at);
+	return observations_add(all, number, px, "%s:%d", slash ? slash + 1 : file->path,
+				file->number);
 }
 
 int observations_read(struct observations *all, const char *path,
 		      const struct points_convention *convention, struct fault *fault)
 {
 	const int before = all->count, views = all->views;
-	size_t room = 0;
-	char *line = NULL;
-	ssize_t length;
-	int err, at = 0;
-	FILE *file = fopen(path, "r");
+	struct text_file file;
+	int err = text_file_open(&file, path, fault);
 
-	if (!file)
-		return fault_say(fault, -errno, "%s: %s", path, strerror(errno));
+	if (err)
+		return err;
 	err = observations_begin_view(all, path);
-	while (!err && (length = getline(&line, &room, file)) >= 0)
-		err = read_line(all, path, ++at, line, (size_t)length, convention, fault);
-	if (!err && ferror(file))
-		err = fault_say(fault, -EIO, "%s: cannot be read", path);
+	while (!err && (err = text_file_next(&file, fault)) > 0)
+		err = read_line(all, &file, convention, fault);
 	if (!err && all->count == before)
 		err = fault_say(fault, -EINVAL, "%s: holds no points, expected lines %s", path,
 				line_of(convention));
@@ -168,7 +158,6 @@ int observations_read(struct observations *all, const char *path,
 		all->count = before;
 		all->views = views;
 	}
-	free(line);
-	fclose(file);
+	text_file_close(&file);
 	return err;
 }

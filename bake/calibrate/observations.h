@@ -51,11 +51,11 @@ int observations_add(struct observations *all, const double world[3], const doub
 		     const char *format, ...) __attribute__((format(printf, 4, 5)));
 
 /*
- * The numbers of a line of so many bytes, which may be parted by blanks, commas and semicolons;
- * what follows # is passed over, as is a byte order mark in front. Returns how many there are, most
- * + 1 for any more; -EINVAL: something else stands in it. The line is cut where its numbers end.
+ * The numbers of a line, which may be parted by blanks, commas and semicolons; what follows # is
+ * passed over. Returns how many there are, most + 1 for any more; -EINVAL: something else stands in
+ * it. The line is cut where its numbers end.
  */
-int observations_numbers(char *line, size_t length, double *number, int most);
+int observations_numbers(char *line, double *number, int most);
 
 /* How files of points have their pictures. */
 struct points_convention {

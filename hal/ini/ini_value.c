@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/number.h"
+
 #define ECHO_MAX 60 /* of a wrong value that is repeated in a fault */
 
 /* Text that grows by pieces and is cut, never overrun; length counts what was cut too. */
@@ -137,18 +139,16 @@ static int read_int(const struct ini_key *key, const char *text, int *value)
 	return 0;
 }
 
-/* One number at *text, which moves past it. Decimal only: strtod alone would also take hexadecimal,
- * "nan" and "infinity". */
+/* One number at *text, which moves past it. */
 static int read_number(const struct ini_key *key, const char **text, double *value)
 {
-	size_t length = strspn(*text, "+-.0123456789eE");
-	char *end;
-	double v = strtod(*text, &end);
+	const char *at = *text;
+	double v;
 
-	if (!length || end != *text + length || !within(key, v))
+	if (number_read(&at, &v) || !within(key, v))
 		return -EINVAL;
 	*value = v;
-	*text = end;
+	*text = at;
 	return 0;
 }
 

@@ -4,26 +4,28 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "hal/number.h"
 #include "hal/output.h"
+#include "hal/text_file.h"
 
 /* Three numbers and nothing else, or -1. */
 static int parse_colour(const char *text, float rgb[3])
 {
 	for (int c = 0; c < 3; c++) {
-		char *end;
+		double value;
 
-		rgb[c] = strtof(text, &end);
-		if (end == text || !(rgb[c] >= 0) || !isfinite(rgb[c]))
+		if (number_read(&text, &value))
 			return -1;
-		if (*end && !isspace((unsigned char)*end))
+		rgb[c] = (float)value;
+		if (!(rgb[c] >= 0) || !isfinite(rgb[c]))
 			return -1;
-		text = end;
+		if (*text && !isspace((unsigned char)*text))
+			return -1;
+		while (isspace((unsigned char)*text))
+			text++;
 	}
-	while (isspace((unsigned char)*text))
-		text++;
 	return *text ? -1 : 0;
 }
 
@@ -41,61 +43,44 @@ static char *strip(char *line)
 	return line;
 }
 
-static int read_stream(FILE *stream, const char *path, float (*radiance)[3], int count,
-		       struct fault *fault)
+static int read_lines(struct text_file *file, float (*radiance)[3], int count, struct fault *fault)
 {
-	char *line = NULL;
-	size_t room = 0;
-	ssize_t length;
-	int found = 0, number = 0, ret = 0;
+	int found = 0, ret;
 
-	while (ret == 0 && (errno = 0, length = getline(&line, &room, stream)) >= 0) {
-		const char *text;
+	while ((ret = text_file_next(file, fault)) > 0) {
+		const char *text = strip(file->line);
 
-		number++;
-		if (strlen(line) != (size_t)length) {
-			ret = fault_say(fault, -EINVAL, "%s:%d: holds a zero byte, expected text",
-					path, number);
-			break;
-		}
-		text = strip(line);
 		if (!*text)
 			continue;
 		if (found == count)
-			ret = fault_say(fault, -EINVAL,
-					"%s:%d: more than the %d lights of the dome", path, number,
-					count);
-		else if (parse_colour(text, radiance[found]) < 0)
-			ret = fault_say(fault, -EINVAL,
-					"%s:%d: \"%.60s\" is not a colour, expected three finite "
-					"numbers of at least 0: r g b",
-					path, number, text);
-		else
-			found++;
+			return fault_say(fault, -EINVAL,
+					 "%s:%d: more than the %d lights of the dome", file->path,
+					 file->number, count);
+		if (parse_colour(text, radiance[found]) < 0)
+			return fault_say(fault, -EINVAL,
+					 "%s:%d: \"%.60s\" is not a colour, expected three finite "
+					 "numbers of at least 0: r g b",
+					 file->path, file->number, text);
+		found++;
 	}
-	if (ret == 0 && ferror(stream)) {
-		ret = errno ? -errno : -EIO;
-		fault_say(fault, ret, "%s: cannot be read: %s", path, strerror(-ret));
-	} else if (ret == 0 && found < count) {
-		ret = fault_say(fault, -EINVAL,
-				"%s:%d: ends after %d lights, expected %d lines of r g b", path,
-				number, found, count);
-	}
-	free(line);
-	return ret;
+	if (ret < 0 || found == count)
+		return ret;
+	if (!found)
+		return fault_say(fault, -EINVAL, "%s: holds no lights, expected %d lines of r g b",
+				 file->path, count);
+	return fault_say(fault, -EINVAL, "%s:%d: ends after %d lights, expected %d lines of r g b",
+			 file->path, file->number, found, count);
 }
 
 int lights_file_read(const char *path, float (*radiance)[3], int count, struct fault *fault)
 {
-	FILE *stream = fopen(path, "re");
-	int ret;
+	struct text_file file;
+	int ret = text_file_open(&file, path, fault);
 
-	if (!stream) {
-		ret = -errno;
-		return fault_say(fault, ret, "%s: cannot open: %s", path, strerror(-ret));
-	}
-	ret = read_stream(stream, path, radiance, count, fault);
-	fclose(stream);
+	if (ret < 0)
+		return ret;
+	ret = read_lines(&file, radiance, count, fault);
+	text_file_close(&file);
 	return ret;
 }
 

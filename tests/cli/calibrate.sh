@@ -110,6 +110,14 @@ failed_with "more than may be off" "--tolerance" convert "$work/tsai.ini" "$work
 	--tolerance 0
 failed_with "a file that is not there" "$work/nothing.yml: No such file" convert \
 	"$work/nothing.yml" "$work/none.ini"
+failed_with "a file without end" "/dev/zero:1: holds a zero byte, expected a text file" convert \
+	/dev/zero "$work/none.ini"
+{
+	printf '\xef\xbb\xbf'
+	cat "$work/camera.yml"
+} >"$work/marked.yml"
+check "a byte order mark does not matter" calibrate convert "$work/marked.yml" "$work/marked.ini"
+same "it is the same camera" <(grep -v '^;' "$work/back-yml.ini") <(grep -v '^;' "$work/marked.ini")
 head -c 200 "$work/camera.yml" >"$work/cut.yml"
 failed_with "a file that ends too soon" "$work/cut.yml:" convert "$work/cut.yml" "$work/none.ini"
 absent "and nothing was written" "$work/none"

@@ -69,6 +69,13 @@ still "too few lights" "few.txt" --background "$work/background.png" --lights "$
 printf '1 1 x\n' >"$work/odd.txt"
 still "a light that is none" "odd.txt:1" --background "$work/background.png" \
 	--lights "$work/odd.txt"
+printf '0x10 1 1\n' >"$work/hex.txt"
+still "a light that is no decimal number" "hex.txt:1" --background "$work/background.png" \
+	--lights "$work/hex.txt"
+still "lights without end" "/dev/zero:1: holds a zero byte" --background "$work/background.png" \
+	--lights /dev/zero
+still "an empty file of lights" "empty.inlay: holds no lights, expected 26 lines" \
+	--background "$work/background.png" --lights "$work/empty.inlay"
 still "a pose that there is not" "pose 3" "${pictures[@]}" --pose 3
 still "an unknown key" "unknown key, did you mean \"threshold\"?" "${pictures[@]}" \
 	--set lights.treshold=1

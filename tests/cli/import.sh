@@ -44,6 +44,11 @@ sed -e 's/^width.*/width = 32/' -e 's/^height.*/height = 24/' -e 's/^frequency.*
 check "pictures, light by light" "$bake" pictures small.scene "${pictures[@]}" --alone 'x%03d.pfm' \
 	--coverage c.pfm --samples 8000 --quiet
 check "our own bake" "$bake" render small.scene --samples 8000 --exact --quiet -o own.inlay
+{ # a byte order mark does not matter
+	printf '\xef\xbb\xbf'
+	cat six.txt
+} >marked.txt
+mv marked.txt six.txt
 check "import" "$bake" import --angles six.txt "${pictures[@]}" --alone 'x%03d.pfm' --coverage c.pfm \
 	--exact --quiet -o in.inlay
 ffmpeg -y -loglevel error -f lavfi -i "testsrc2=s=32x24" -frames:v 1 b.png </dev/null

@@ -57,6 +57,13 @@ equal "one for each of 26" 26 "$(grep -c '^[0-9]' "$work/lights.txt")"
 check "and read instead of a fisheye" still from-lights.png --background "$work/background.png" \
 	--lights "$work/lights.txt"
 same "with the same picture" "$work/still.png" "$work/from-lights.png"
+{
+	printf '\xef\xbb\xbf'
+	cat "$work/lights.txt"
+} >"$work/marked.txt"
+check "a byte order mark does not matter" still from-marked.png --background "$work/background.png" \
+	--lights "$work/marked.txt"
+same "it is the same picture" "$work/still.png" "$work/from-marked.png"
 awk '/^[0-9]/ { print 0, 0, 0; next } { print }' "$work/lights.txt" >"$work/night.txt"
 check "no light at all" still night.png --background "$work/background.png" \
 	--lights "$work/night.txt"

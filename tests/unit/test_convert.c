@@ -302,6 +302,8 @@ static void test_damaged(void **state)
 		 ":6: camera_matrix: expected ] after its numbers, not the file's end"},
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, two ]\n",
 		 ":6: camera_matrix: expected finite numbers between [ and ]"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 0x10 ]\n",
+		 ":6: camera_matrix: expected finite numbers between [ and ]"},
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, nan ]\n",
 		 ":6: camera_matrix: expected finite numbers between [ and ]"},
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 2 ]\n",

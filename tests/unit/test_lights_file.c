@@ -47,7 +47,8 @@ static void to_the_bit_and_back(void **state)
 
 static void comments_and_blanks(void **state)
 {
-	static const char text[] = "# lights\n\n  1 2 3  # the sun\r\n\t\n0.5\t.25 1e-3\n7 8 9";
+	static const char text[] =
+		"\xef\xbb\xbf# lights\n\n  1 2 3  # the sun\r\n\t\n0.5\t.25 1e-3\n7 8 9";
 	const char *path = own_path("lights.txt");
 	const float want[3][3] = {{1, 2, 3}, {0.5f, 0.25f, 1e-3f}, {7, 8, 9}};
 	float lights[3][3];
@@ -56,6 +57,8 @@ static void comments_and_blanks(void **state)
 	write_text(path, text, strlen(text));
 	assert_int_equal(lights_file_read(path, lights, 3, NULL), 0);
 	assert_memory_equal(lights, want, sizeof(want));
+	/* more than there is is never read */
+	assert_int_equal(lights_file_read("/dev/zero", lights, 3, NULL), -EINVAL);
 	unlink(path);
 }
 
@@ -75,7 +78,10 @@ static void refused(void **state)
 		{"1 1e40 1\n", ":1: ", "not a colour"},
 		{"1,1,1\n", ":1: ", "not a colour"},
 		{"1 1 1\n", ":1: ", "after 1 lights, expected 2"},
-		{"", ":0: ", "after 0 lights, expected 2"},
+		{"", ": ", "holds no lights, expected 2 lines"},
+		{"# none\n\n", ": ", "holds no lights, expected 2 lines"},
+		{"0x10 1 1\n", ":1: ", "not a colour"},
+		{"1 1 0x1p3\n", ":1: ", "not a colour"},
 		{"1 1 1\n2 2 2\n3 3 3\n", ":3: ", "more than the 2 lights"},
 	};
 	const char *path = own_path("lights.txt");

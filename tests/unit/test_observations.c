@@ -88,7 +88,7 @@ static void test_files(void **state)
 				   "1 2 3 40.5 50\n"
 				   "  \t\n"
 				   "-1e-3,+2; .5\t100 200 # said afterwards\r\n"
-				   "0x10 0 0 1 2";
+				   "16 0 0 1 2";
 	struct observations all = {0};
 	struct fault fault = {{0}};
 
@@ -143,6 +143,7 @@ static void test_wrong_files(void **state)
 		{"1 2 3 4 5 6\n", "points.dat:1: expected five"},
 		{"1 2 3 4 5 6 7 8 9\n", "points.dat:1: expected five"},
 		{"1 2 3 4 five\n", "points.dat:1: expected five"},
+		{"1 2 3 4 0x10\n", "points.dat:1: expected five"},
 		{"1 2 3 4 5x\n", "points.dat:1: expected five"},
 		{"1 2 3 4 nan\n", "points.dat:1: expected five"},
 		{"1 2 3 -inf 5\n", "points.dat:1: expected five"},
@@ -173,7 +174,7 @@ static void test_wrong_files(void **state)
 	assert_int_equal(observations_read(&all, own_path("points.dat"), &ours, &fault), -EINVAL);
 	unlink(own_path("points.dat"));
 	assert_int_equal(observations_read(&all, own_path("none.dat"), &ours, &fault), -ENOENT);
-	assert_int_equal(observations_read(&all, own_folder, &ours, &fault), -EIO);
+	assert_int_equal(observations_read(&all, own_folder, &ours, &fault), -EISDIR);
 	observations_free(&all);
 }
 
