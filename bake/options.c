@@ -53,7 +53,7 @@ int program_run(const char *name, const struct command *const *commands, int arg
 	for (const struct command *const *c = commands; *c; c++)
 		if (!strcmp(argv[1], (*c)->name))
 			return run_command(*c, argc - 1, argv + 1);
-	fprintf(stderr, "%s: there is no command \"%s\"\n", program, argv[1]);
+	log_error("there is no command \"%s\"", argv[1]);
 	print_usage(stderr, commands);
 	return EXIT_USAGE;
 }
@@ -89,6 +89,7 @@ int command_options(const struct command *command, int argc, char **argv,
 	struct fault fault = {.text = ""};
 	int option;
 
+	argv[0] = (char *)program; /* whose name getopt puts before what it says */
 	while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
 		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
 			return answer(command, option);
@@ -100,13 +101,13 @@ int command_options(const struct command *command, int argc, char **argv,
 
 int command_wrong(const struct command *command, const char *format, ...)
 {
+	char text[FAULT_TEXT_MAX];
 	va_list args;
 
-	fprintf(stderr, "%s: ", program);
 	va_start(args, format);
-	vfprintf(stderr, format, args);
+	vsnprintf(text, sizeof(text), format, args);
 	va_end(args);
-	fputc('\n', stderr);
+	log_error("%s", text);
 	return answer(command, '?');
 }
 

@@ -45,6 +45,30 @@ void log_setup(const char *program, enum log_level most)
 	setup.most = most;
 }
 
+/* C0 and C1, the latter as UTF-8 has it, and DEL; a tab does no harm. */
+static size_t control_bytes(const char *at)
+{
+	const unsigned char c = (unsigned char)at[0], next = (unsigned char)at[1];
+
+	if ((c < 0x20 && c != '\t') || c == 0x7f)
+		return 1;
+	return c == 0xc2 && next >= 0x80 && next < 0xa0 ? 2 : 0;
+}
+
+/* Names of files, and what stands in them, may hold line breaks, or escape sequences for the
+ * reader's terminal. */
+static void make_plain(char *text)
+{
+	while (*text) {
+		size_t bytes = control_bytes(text);
+
+		if (!bytes)
+			text++;
+		while (bytes--)
+			*text++ = '?';
+	}
+}
+
 /* One write() for a line, so that lines of several threads (and processes) do not mix. */
 static void say(enum log_level level, const char *text)
 {
@@ -52,9 +76,12 @@ static void say(enum log_level level, const char *text)
 	size_t length, done = 0;
 
 	if (setup.journal)
-		snprintf(line, sizeof(line) - 1, "%s%s", journal_prefixes[level], text);
+		snprintf(line, sizeof(line) - 1, "%s", journal_prefixes[level]);
 	else
-		snprintf(line, sizeof(line) - 1, "%s: %s", setup.program, text);
+		snprintf(line, sizeof(line) - 1, "%s: ", setup.program);
+	length = strlen(line);
+	snprintf(line + length, sizeof(line) - 1 - length, "%s", text);
+	make_plain(line + length);
 	length = strlen(line);
 	line[length++] = '\n';
 	while (done < length) {

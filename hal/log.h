@@ -14,6 +14,7 @@ enum log_level { LOG_LEVEL_ERROR, LOG_LEVEL_WARNING, LOG_LEVEL_INFO, LOG_LEVEL_D
  * before other threads start; without it: "inlay", LOG_LEVEL_INFO, and no journal. */
 void log_setup(const char *program, enum log_level most);
 
+/* Control characters become "?": one message is one line, whatever it repeats of a file. */
 void log_say(enum log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The same, but once for each text while the program runs: for what a device gets wrong time after

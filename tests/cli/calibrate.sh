@@ -59,6 +59,10 @@ for command in $commands; do
 	wrong "$command with an unknown option" "--no-such-thing" "$command" --no-such-thing
 done
 
+equal "an option without its value is said by the program" \
+	"inlay-calibrate: option '--board' requires an argument" \
+	"$(calibrate board --board 2>&1 | head -n 1)"
+
 # ---- files of OpenCV and ROS ----
 cat >"$work/camera.ini" <<'END'
 [camera]

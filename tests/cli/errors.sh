@@ -72,6 +72,12 @@ still "a light that is none" "odd.txt:1" --background "$work/background.png" \
 printf '0x10 1 1\n' >"$work/hex.txt"
 still "a light that is no decimal number" "hex.txt:1" --background "$work/background.png" \
 	--lights "$work/hex.txt"
+printf '1 \033[31m\r1\n' >"$work/escape.txt"
+still "an escape sequence is not sent to the terminal" 'escape.txt:1: "1 ?[31m?1" is not' \
+	--background "$work/background.png" --lights "$work/escape.txt"
+still "a name of two lines is said in one" "two?lines.txt" --background "$work/background.png" \
+	--lights "$work/two
+lines.txt"
 still "lights without end" "/dev/zero:1: holds a zero byte" --background "$work/background.png" \
 	--lights /dev/zero
 still "an empty file of lights" "empty.inlay: holds no lights, expected 26 lines" \

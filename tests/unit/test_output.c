@@ -266,6 +266,30 @@ static void levels_and_long_lines(void **state)
 	fclose(stream);
 }
 
+static void speak_in_controls(void)
+{
+	log_error("%s", "a\nb\rc\x1b[31md\x7f\te\xc3\xa4\xe2\x82\xac\xc2\x9b"
+			"f\xc2\xa0");
+	log_error("%s", "");
+}
+
+/* One message is one line, and tells the terminal nothing. UTF-8 stays as it is. */
+static void controls_are_replaced(void **state)
+{
+	FILE *stream;
+	char line[256];
+
+	(void)state;
+	log_setup("p", LOG_LEVEL_INFO);
+	stream = captured(speak_in_controls);
+	assert_non_null(fgets(line, sizeof(line), stream));
+	assert_string_equal(line, "p: a?b?c?[31md?\te\xc3\xa4\xe2\x82\xac??f\xc2\xa0\n");
+	assert_non_null(fgets(line, sizeof(line), stream));
+	assert_string_equal(line, "p: \n");
+	assert_null(fgets(line, sizeof(line), stream));
+	fclose(stream);
+}
+
 /* Whatever ends the program, it leaves nothing. */
 static void killed_without_trace(void **state)
 {
@@ -337,6 +361,7 @@ int main(void)
 		cmocka_unit_test(checked_before),
 		cmocka_unit_test(lines_stay_whole),
 		cmocka_unit_test(levels_and_long_lines),
+		cmocka_unit_test(controls_are_replaced),
 	};
 
 	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
