@@ -206,7 +206,7 @@ static void every_pixel_and_no_other(void **state)
 	(void)state;
 	for (int run = 0; run < 40 * SHOW_COUNT; run++) {
 		const int *size = sizes[run % (int)(sizeof(sizes) / sizeof(*sizes))];
-		struct overlay overlay = {.changed = false};
+		struct overlay overlay = {.trouble_count = 0};
 		struct show_request request = plain((enum config_show)(run % SHOW_COUNT));
 		struct show show = {.after = {.width = 0}};
 		struct guarded_screen one, other;
@@ -327,7 +327,7 @@ static void off_and_blank_keep_the_text(void **state)
 {
 	(void)state;
 	for (int run = 0; run < SHOW_COUNT; run++) {
-		struct overlay overlay = {.changed = false};
+		struct overlay overlay = {.trouble_count = 0};
 		struct show_request request = plain((enum config_show)run);
 		struct guarded_screen screen, black = guarded_create(320, 240, 0);
 
@@ -355,7 +355,7 @@ static void off_and_blank_keep_the_text(void **state)
 /* Outside its boxes nothing changes. */
 static void text_lies_over_the_picture(void **state)
 {
-	struct overlay overlay = {.changed = false};
+	struct overlay overlay = {.trouble_count = 0};
 	struct show_request request = plain(SHOW_COMPOSITE);
 	struct guarded_screen without = shown(&request, 320, 240), with;
 	struct guarded_screen ink = guarded_create(320, 240, 0x11);
