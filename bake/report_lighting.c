@@ -33,12 +33,7 @@ static int read_panorama(struct report_lighting *l, const struct report_lighting
 		return err ? fault_say(fault, err, "%s: %s", l->name, strerror(-err)) : 0;
 	}
 	name_of(s->path, l->name, sizeof(l->name));
-	err = image_read(s->path, &l->image, fault);
-	if (!err && !l->image.f32)
-		err = fault_say(fault, -EINVAL,
-				"%s: holds code values, expected linear light (.hdr, .pfm, .exr)",
-				s->path);
-	return err;
+	return panorama_read(&l->image, s->path, fault);
 }
 
 /* How unevenly the sky shines. */

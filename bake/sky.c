@@ -3,9 +3,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#define SUBSAMPLES 4	  /* a texel and side, for the ground's irradiance */
-#define FINE_WIDTH 4096	  /* texels across that are fine enough without */
-#define ASPECT_SLACK 0.05 /* of width over height: pictures that were scaled by hand */
+#define SUBSAMPLES 4	/* a texel and side, for the ground's irradiance */
+#define FINE_WIDTH 4096 /* texels across that are fine enough without */
 
 static double brightness(const struct image *image, int x, int y)
 {
@@ -80,14 +79,7 @@ static void integrate_ground(struct sky *sky)
 int sky_create(struct sky *sky, const struct panorama *panorama, const char *name,
 	       struct fault *fault)
 {
-	const struct image *image = panorama->image;
-
-	*sky = (struct sky){.panorama = *panorama, .width = image->width};
-	if (fabs((double)image->width / image->height - 2) > ASPECT_SLACK)
-		return fault_say(fault, -EINVAL,
-				 "%s: %d x %d pixels, expected twice as wide as high: the whole "
-				 "sphere, equirectangular",
-				 name, image->width, image->height);
+	*sky = (struct sky){.panorama = *panorama, .width = panorama->image->width};
 	sky->rows = (panorama->image->height + 1) / 2;
 	sky->row_sum = malloc((size_t)sky->rows * sizeof(*sky->row_sum));
 	sky->sum = malloc((size_t)sky->rows * (size_t)sky->width * sizeof(*sky->sum));

@@ -20,7 +20,8 @@ struct sky {
 	struct rgb ground; /* what flat, unshadowed, white ground sends back: irradiance / pi */
 };
 
-/* The image of the panorama must outlive the sky. -EDOM: the upper half is black. */
+/* The image of the panorama, as panorama_read() takes them, must outlive the sky. -EDOM: the upper
+ * half is black. */
 int sky_create(struct sky *sky, const struct panorama *panorama, const char *name,
 	       struct fault *fault);
 

@@ -274,12 +274,7 @@ static int run_truth(const char *path, struct choices *c, struct fault *fault)
 	c->truth.bounces = scene->file->render.bounces;
 	err = scene_find_pose(scene, c->pose, fault);
 	if (!err)
-		err = image_read(c->panorama, &picture, fault);
-	if (!err && !picture.f32)
-		err = fault_say(fault, -EINVAL,
-				"%s: 8-bit code values, expected a picture of linear light "
-				"(.hdr, .pfm, .exr)",
-				c->panorama);
+		err = panorama_read(&picture, c->panorama, fault);
 	panorama.turn_rad = c->turn_deg * (M_PI / 180);
 	panorama.scale = c->exposure;
 	if (!err)

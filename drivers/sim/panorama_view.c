@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/image/image.h"
+#include "hal/optics/panorama.h"
 
 enum { SIDE_MAX = 4, RIM_SIDE = 8 };
 
@@ -96,17 +96,9 @@ int panorama_view_create(struct panorama_view **view, const char *path, const st
 		return fault_say(fault, -ENOMEM, "%s: no memory for the panorama", path);
 	v->width = eye->width;
 	v->height = eye->height;
-	err = image_read(path, &v->image, fault);
+	err = panorama_read(&v->image, path, fault);
 	if (err)
 		goto fail;
-	if (!v->image.f32 || v->image.width != 2 * v->image.height) {
-		err = fault_say(fault, -EINVAL,
-				"%s: %s picture of %dx%d, expected a panorama: linear light (.hdr, "
-				".pfm, .exr) and twice as wide as high",
-				path, v->image.f32 ? "a linear" : "an 8-bit", v->image.width,
-				v->image.height);
-		goto fail;
-	}
 	v->side = samples_per_side(eye, &v->image);
 	v->places = malloc((size_t)v->width * (size_t)v->height * (size_t)(v->side * v->side) * 2 *
 			   sizeof(float));

@@ -296,10 +296,6 @@ static int gather_image(const struct image *image, const struct basis *basis, co
 	struct dome dome;
 	int err;
 
-	if (!image->f32)
-		return fault_say(fault, -EINVAL,
-				 "%s: holds code values, expected linear light (.hdr, .pfm, .exr)",
-				 path);
 	err = lightings_dome(&dome, basis, fault);
 	if (err)
 		return err;
@@ -317,7 +313,7 @@ int lightings_add_panorama(struct lightings *l, const struct basis *basis, const
 	struct lighting *item;
 	struct image image;
 	char name[64];
-	int err = image_read(path, &image, fault);
+	int err = panorama_read(&image, path, fault);
 
 	if (err)
 		return err;

@@ -1,6 +1,30 @@
 #include "hal/optics/panorama.h"
 
+#include <errno.h>
 #include <math.h>
+
+#define ASPECT_SLACK 0.05 /* of width over height: pictures that were scaled by hand */
+
+int panorama_read(struct image *image, const char *path, struct fault *fault)
+{
+	int err = image_read(path, image, fault);
+
+	if (err)
+		return err;
+	if (!image->f32)
+		err = fault_say(fault, -EINVAL,
+				"%s: 8-bit code values, expected linear light: a panorama in .hdr, "
+				".pfm or .exr",
+				path);
+	else if (fabs((double)image->width / image->height - 2) > ASPECT_SLACK)
+		err = fault_say(fault, -EINVAL,
+				"%s: %d x %d pixels, expected twice as wide as high: the whole "
+				"sphere, equirectangular",
+				path, image->width, image->height);
+	if (err)
+		image_free(image);
+	return err;
+}
 
 static int wrap(int x, int width)
 {

@@ -16,6 +16,10 @@ struct panorama {
 	double scale;	 /* radiance of 1.0 in the file */
 };
 
+/* The picture of a panorama: linear light, twice as wide as high to within a fortieth. What
+ * image_read() returns; -EINVAL: it is none. */
+int panorama_read(struct image *image, const char *path, struct fault *fault);
+
 /* Bilinear, wrapped in azimuth, clamped at the poles. dir need not be unit. */
 void panorama_radiance(const struct panorama *panorama, const double dir[3], double rgb[3]);
 

@@ -5,12 +5,17 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "hal/optics/panorama.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/chance.h"
+#include "tests/unit/own_folder.h"
 
 #define WIDTH 64
 #define HEIGHT 32
@@ -150,6 +155,40 @@ static void no_direction_is_dark(void **state)
 	assert_true(rgb[0] == 0);
 }
 
+/* What is no panorama is named. */
+static void read_from_files(void **state)
+{
+	static const struct {
+		int width, height;
+		bool linear;
+		const char *expected; /* NULL: fine */
+	} cases[] = {
+		{64, 32, true, NULL},
+		{65, 32, true, NULL}, /* scaled by hand */
+		{16, 16, true, "16 x 16 pixels, expected twice as wide as high"},
+		{64, 32, false, "expected linear light"},
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		const char *path = own_path(cases[k].linear ? "p.pfm" : "p.png");
+		struct fault fault = {.text = ""};
+		struct image picture;
+		int err = cases[k].linear
+				  ? image_create_f32(&picture, cases[k].width, cases[k].height)
+				  : image_create_u8(&picture, cases[k].width, cases[k].height);
+
+		assert_int_equal(err, 0);
+		assert_int_equal(image_write(path, &picture, &fault), 0);
+		image_free(&picture);
+		err = panorama_read(&picture, path, &fault);
+		assert_int_equal(err, cases[k].expected ? -EINVAL : 0);
+		assert_non_null(strstr(fault.text, cases[k].expected ? cases[k].expected : ""));
+		image_free(&picture);
+		assert_int_equal(unlink(path), 0);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -159,7 +198,8 @@ int main(void)
 		cmocka_unit_test(poles_are_clamped),
 		cmocka_unit_test(rows_sum_to_the_sphere),
 		cmocka_unit_test(no_direction_is_dark),
+		cmocka_unit_test(read_from_files),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
 }
