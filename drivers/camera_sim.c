@@ -173,9 +173,13 @@ static int start_clock(const struct camera *camera, struct sim *sim, struct faul
 static int sim_open(struct camera *camera, struct fault *fault)
 {
 	const struct sim_options *options = camera->options;
-	struct sim *sim = calloc(1, sizeof(*sim));
+	struct sim *sim;
 	int err;
 
+	if (options->source != SIM_SOURCE_STUDIO && !*options->file)
+		return fault_say(fault, -EINVAL, "sim.file: is empty, expected the %s to be seen",
+				 options->source == SIM_SOURCE_FILES ? "pictures" : "panorama");
+	sim = calloc(1, sizeof(*sim));
 	if (!sim)
 		return fault_say(fault, -ENOMEM, "sim: no memory");
 	sim->descriptor = -1;

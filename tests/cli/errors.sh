@@ -117,6 +117,8 @@ run "a camera that is none" "/dev/null" --set camera.background.driver=v4l2 \
 	--set camera.background.device=/dev/null
 run "a camera's file that is none" "text.png" --set camera.background.sim.source=files \
 	--set "camera.background.sim.file=$work/text.png"
+run "a camera's panorama that is not named" "sim.file: is empty, expected the panorama" \
+	--set camera.background.sim.source=panorama --set camera.background.sim.file=
 run "a format that a camera has not" "format" --set camera.fisheye.format=NV12
 run "an unknown camera driver" "[camera fisheye] driver" --set camera.fisheye.driver=webcam
 run "an unknown screen" "[screen] driver" --set screen.driver=oled
