@@ -13,6 +13,8 @@ struct camera_task camera_task_default(void)
 {
 	return (struct camera_task){.pixel = {1, 1},
 				    .centre_deviation_px = -1,
+				    .aspect = 1,
+				    .aspect_deviation = -1,
 				    .distortion = TSAI_DISTORTS,
 				    .method = CAMERA_FULL,
 				    .tolerance_px = 1,
@@ -93,6 +95,17 @@ static void place_deviation(struct camera_private *own)
 		own->centre_deviation[k] = task->intrinsics ? 0 : across / task->pixel[k];
 }
 
+static void place_aspect(struct camera_private *own)
+{
+	const struct camera_task *task = &own->task;
+	const bool known = task->intrinsics || (task->aspect_given && task->aspect_deviation < 0);
+
+	own->aspect = task->intrinsics ? task->intrinsics->aspect : task->aspect;
+	own->aspect_deviation = known			     ? 0
+				: task->aspect_deviation < 0 ? CAMERA_ASPECT_DEVIATION
+							     : task->aspect_deviation;
+}
+
 /* Known intrinsics bring their own picture, pixels and direction. */
 static void take_intrinsics(struct camera_task *task)
 {
@@ -116,6 +129,7 @@ static int prepare(struct camera_private *own, const struct observations *seen,
 	take_intrinsics(&own->task);
 	place_centre(own);
 	place_deviation(own);
+	place_aspect(own);
 	place_object(own);
 	model = (struct camera_model){.distortion = own->task.distortion};
 	memcpy(model.pixel, own->task.pixel, sizeof(model.pixel));
@@ -126,9 +140,13 @@ static int prepare(struct camera_private *own, const struct observations *seen,
 	own->x = calloc(n, sizeof(*own->x));
 	own->fixed = calloc(n, sizeof(*own->fixed));
 	own->held = calloc(n * n, sizeof(*own->held));
+	own->held_aspect = calloc(n * n, sizeof(*own->held_aspect));
 	own->covariance = calloc(n * n, sizeof(*own->covariance));
 	own->cautious = calloc(n * n, sizeof(*own->cautious));
-	return own->x && own->fixed && own->held && own->covariance && own->cautious ? 0 : -ENOMEM;
+	if (!own->x || !own->fixed || !own->held || !own->held_aspect || !own->covariance ||
+	    !own->cautious)
+		return -ENOMEM;
+	return 0;
 }
 
 /* ---- after solving ---- */
@@ -228,9 +246,9 @@ static int report_estimate(const struct camera_private *own, struct camera_solut
 	return 0;
 }
 
-/* Estimates have the noise of their points, and what a held centre brings. Verdicts: no better than
- * corners can be found, and wider where few residuals had to tell their own size (Student's t for
- * one deviation, to 2 %). */
+/* Estimates have the noise of their points, and what a held centre and a held s bring. Verdicts: no
+ * better than corners can be found, and wider where few residuals had to tell their own size
+ * (Student's t for one deviation, to 2 %). */
 static void spread_errors(struct camera_private *own)
 {
 	const int n = problem_unknowns(&own->problem), freedom = own->fit.freedom;
@@ -239,7 +257,7 @@ static void spread_errors(struct camera_private *own)
 	const double least = CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST;
 
 	for (int k = 0; k < n * n; k++) {
-		own->covariance[k] = own->fit.covariance[k] + own->held[k];
+		own->covariance[k] = own->fit.covariance[k] + own->held[k] + own->held_aspect[k];
 		own->cautious[k] = few * few *
 				   (own->fit.sigma > CAMERA_NOISE_LEAST
 					    ? own->fit.covariance[k]
@@ -247,7 +265,7 @@ static void spread_errors(struct camera_private *own)
 	}
 	own->noise_error = camera_object_error(own, own->cautious);
 	for (int k = 0; k < n * n; k++)
-		own->cautious[k] += own->held[k];
+		own->cautious[k] += own->held[k] + own->held_aspect[k];
 	own->object_error = camera_object_error(own, own->cautious);
 }
 
@@ -356,6 +374,7 @@ void camera_solution_free(struct camera_solution *solution)
 		free(own->x);
 		free(own->fixed);
 		free(own->held);
+		free(own->held_aspect);
 		free(own->covariance);
 		free(own->cautious);
 		free(own->half[0]);

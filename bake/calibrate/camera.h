@@ -20,6 +20,10 @@ enum camera_method {
  * are within two or three of these. */
 #define CAMERA_CENTRE_DEVIATION 0.025
 
+/* How far s is from 1. Pixels of most cameras are square to a thousandth; but digitizers and
+ * drivers squash by 2 to 10 %, and nothing in a lone plane's picture tells which it was. */
+#define CAMERA_ASPECT_DEVIATION 0.05
+
 struct camera_task {
 	int width, height;   /* of the picture, px; 0: not known, its middle then is the points' */
 	double pixel[2];     /* D; 1 1 where it is not known: f is then in pixels */
@@ -28,6 +32,11 @@ struct camera_task {
 	/* One deviation of that, px across (and as far up and down on the sensor); 0: exact;
 	 * negative: CAMERA_CENTRE_DEVIATION of the picture's diagonal. */
 	double centre_deviation_px;
+	bool aspect_given; /* s is known */
+	double aspect;	   /* where it is first taken to be, and held where it does not show */
+	/* One deviation of that; 0: exact; negative: 0 where it is given, otherwise
+	 * CAMERA_ASPECT_DEVIATION. */
+	double aspect_deviation;
 	int distortion; /* enum tsai_distortion */
 	enum camera_method method;
 	bool robust;

@@ -1,6 +1,6 @@
 /*
- * A centre that is held is not exact: how far off it may be moves everything that was found with
- * it, the translation along the picture above all.
+ * A centre or an s that is held is not exact: how far off it may be moves everything that was found
+ * with it, the translation along the picture above all; with s the tilt, and with that f.
  *
  * To first order the least squares solution y answers a step of the held c with
  * d y / d c = -(Jy^T W Jy)^-1 Jy^T W Jc, and its covariance grows by (d y / d c) var(c) (d y / d
@@ -32,6 +32,20 @@ static void answer(const struct camera_private *own, const double *jacobian, int
 	}
 }
 
+/* Adds what an unknown brings that is held, and off by sigma; by is room for the answer. */
+static void hold(const struct camera_private *own, const double *jacobian, int unknown,
+		 double sigma, double *by, double *held)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+
+	if (!own->fixed[unknown] || !(sigma > 0))
+		return;
+	answer(own, jacobian, unknown, by);
+	for (size_t a = 0; a < n; a++)
+		for (size_t b = 0; b < n; b++)
+			held[a * n + b] += sigma * sigma * by[a] * by[b];
+}
+
 int camera_hold(struct camera_private *own)
 {
 	const size_t n = (size_t)problem_unknowns(&own->problem);
@@ -42,17 +56,12 @@ int camera_hold(struct camera_private *own)
 		return 0;
 	jacobian = calloc(2 * (size_t)own->problem.count * n, sizeof(*jacobian));
 	by = calloc(n, sizeof(*by));
-	if (jacobian && by)
+	if (jacobian && by) {
 		problem_slopes(&own->problem, own->x, jacobian);
-	for (int k = 0; jacobian && by && k < 2; k++) {
-		const double sigma = own->centre_deviation[k];
-
-		if (!own->fixed[MODEL_CENTRE_X + k] || !(sigma > 0))
-			continue;
-		answer(own, jacobian, MODEL_CENTRE_X + k, by);
-		for (size_t a = 0; a < n; a++)
-			for (size_t b = 0; b < n; b++)
-				own->held[a * n + b] += sigma * sigma * by[a] * by[b];
+		for (int k = 0; k < 2; k++)
+			hold(own, jacobian, MODEL_CENTRE_X + k, own->centre_deviation[k], by,
+			     own->held);
+		hold(own, jacobian, MODEL_ASPECT, own->aspect_deviation, by, own->held_aspect);
 	}
 	free(jacobian);
 	free(by);

@@ -18,6 +18,8 @@ struct camera_private {
 	struct camera_problem problem;
 	double centre[2];	    /* where the axis was first taken to be, px, down */
 	double centre_deviation[2]; /* one deviation of that, px: of a centre that is held */
+	double aspect;		    /* where s was first taken to be */
+	double aspect_deviation;    /* one deviation of that, of an s that is held */
 	double diagonal;	    /* of the picture, or of what the points cover, px */
 	double *x;		    /* [problem_unknowns()]: the solution */
 	bool *fixed;		    /* [problem_unknowns()]: held in it */
@@ -31,18 +33,19 @@ struct camera_private {
 	double *half[2]; /* solutions of odd and even points, or NULL */
 	double depth;	 /* mean distance along the view of the reference view's points */
 	double object[3], radius;
-	/* [unknowns][unknowns]: what the held centre brings to it; that and the points' noise. */
-	double *held, *covariance;
+	/* [unknowns][unknowns]: what the held centre brings to it; a held s; both and the points'
+	 * noise. */
+	double *held, *held_aspect, *covariance;
 	/* Covariance with at least CAMERA_NOISE_LEAST of noise, and widened for few points. */
 	double *cautious;
 	double object_error; /* by it, px: what --tolerance is of */
-	double noise_error;  /* the same were a held centre exact */
+	double noise_error;  /* the same were all that is held exact */
 };
 
 /* Guess and descents; fills x, fixed, fit, errors, halves. 0 whatever is found; -ENOMEM. */
 int camera_solve(struct camera_private *own);
 
-/* Fills held. -ENOMEM. */
+/* Fills held and held_aspect. -ENOMEM. */
 int camera_hold(struct camera_private *own);
 
 /* 2 x 2 covariance in the picture, px^2, of where a point of the reference view's world is seen.

@@ -9,7 +9,7 @@
 
 #define FEWEST_FULL 11 /* points that free the centre */
 /* Of the diagonal. A centre less certain than this, or farther off, is not found but lost; as is
- * one that the points tell worse than where it was first taken to be. */
+ * one that the points tell worse than where it was first taken to be. So with s. */
 #define CENTRE_LOST 0.15
 #define CENTRE_FAR 0.3
 #define OTHER_CENTRE 0.05 /* of the diagonal: where it is looked for, too */
@@ -50,11 +50,14 @@ static bool enough(const struct camera_private *own)
 	return 2 * own->problem.count >= wanted;
 }
 
-/* One plane says nothing about s: any stretch of the picture is a tilt. */
+/* One plane says nothing about s: any stretch of the picture is a tilt. Two say as much as f, the
+ * centre and s are, if they are tilted well. */
 static bool aspect_shows(const struct camera_private *own)
 {
 	int planes = 0;
 
+	if (!(own->aspect_deviation > 0))
+		return false;
 	for (int v = 0; v < own->problem.views; v++) {
 		if (own->problem.first[v + 1] == own->problem.first[v])
 			continue;
@@ -62,12 +65,17 @@ static bool aspect_shows(const struct camera_private *own)
 			return true;
 		planes++;
 	}
-	return planes > 2;
+	return planes > 1;
 }
 
 static double deviation(const struct camera_private *own, int unknown)
 {
 	return sqrt(own->fit.covariance[unknown * (problem_unknowns(&own->problem) + 1)]);
+}
+
+static bool aspect_lost(const struct camera_private *own)
+{
+	return !(deviation(own, MODEL_ASPECT) < fmin(own->aspect_deviation, ASPECT_LOST));
 }
 
 static bool centre_lost(const struct camera_private *own, const double *x)
@@ -164,14 +172,18 @@ static int try_other_centres(struct camera_private *own, double *x)
 
 /*
  * First f, kappa1 and the poses; then the centre, and s where it shows. What turns out not to be
- * known well enough to be of use is held at what was given, and the rest found again.
+ * known well enough to be of use is held at what was given, and the rest found again; the centre,
+ * too, that was lost only because s was.
  */
 static int solve_full(struct camera_private *own, double *tried)
 {
 	const size_t bytes = (size_t)problem_unknowns(&own->problem) * sizeof(*tried);
-	bool centre = own->problem.count < FEWEST_FULL, aspect = !aspect_shows(own);
+	const bool few = own->problem.count < FEWEST_FULL;
+	bool centre = few, aspect = !aspect_shows(own);
 	int err;
 
+	if (aspect) /* points in space have one in closed form */
+		own->x[MODEL_ASPECT] = own->aspect;
 	hold_shared(own, true, true, own->fixed);
 	err = descend(own, own->x, own->fixed, false);
 	if (err == -ENOMEM || own->task.intrinsics || (centre && aspect))
@@ -183,28 +195,43 @@ static int solve_full(struct camera_private *own, double *tried)
 			hold_shared(own, true, true, own->fixed);
 			centre = aspect = true;
 		}
+		if (aspect)
+			tried[MODEL_ASPECT] = own->aspect;
 		err = descend(own, tried, own->fixed, false);
 		if (!err && !centre && own->problem.views == 1)
 			err = try_other_centres(own, tried);
 		if (err == -ENOMEM || (centre && aspect))
 			break;
-		if (!centre && (err == -ERANGE || centre_lost(own, tried)))
+		if (!centre && (err == -ERANGE || centre_lost(own, tried))) {
 			centre = true;
-		else if (!aspect && !(deviation(own, MODEL_ASPECT) < ASPECT_LOST))
+		} else if (!aspect && (err || aspect_lost(own))) {
 			aspect = true;
-		else
+			centre = few;
+		} else {
 			break;
+		}
 	}
 	memcpy(own->x, tried, bytes);
 	return err;
 }
 
-/* Tsai's second stage: R, Tx and Ty are the closed form's. How well they are known is said as if
- * they had been found together. */
+static bool in_space(const struct camera_problem *problem)
+{
+	for (int v = 0; v < problem->views; v++)
+		if (problem->first[v + 1] > problem->first[v] && !problem_flat(problem, v))
+			return true;
+	return false;
+}
+
+/* Tsai's second stage: R, Tx and Ty are the closed form's, of points in space s, too. How well they
+ * are known is said as if they had been found together. */
 static int solve_three(struct camera_private *own)
 {
+	const bool aspect = !in_space(&own->problem) || !(own->aspect_deviation > 0);
 	int err;
 
+	if (aspect)
+		own->x[MODEL_ASPECT] = own->aspect;
 	hold_shared(own, true, true, own->fixed);
 	for (int v = 0; v < own->problem.views; v++)
 		for (int k = 0; k < MODEL_TRANSLATION + 2; k++)
@@ -212,7 +239,7 @@ static int solve_three(struct camera_private *own)
 	err = descend(own, own->x, own->fixed, false);
 	if (err == -ENOMEM)
 		return err;
-	hold_shared(own, true, true, own->fixed);
+	hold_shared(own, true, aspect, own->fixed);
 	return descend(own, own->x, own->fixed, true);
 }
 
@@ -305,14 +332,6 @@ static int solve_halves(struct camera_private *own)
 }
 
 /* ---- all of it ---- */
-
-static bool in_space(const struct camera_problem *problem)
-{
-	for (int v = 0; v < problem->views; v++)
-		if (problem->first[v + 1] > problem->first[v] && !problem_flat(problem, v))
-			return true;
-	return false;
-}
 
 /* A camera of the mirrored picture, and how well it does; rms stays where there is none. */
 static int fit_mirrored(const struct camera_private *own, const struct camera_start *start,
@@ -421,7 +440,7 @@ int camera_solve(struct camera_private *own)
 	own->other_tilt = INFINITY;
 	start.shared[MODEL_FOCAL] = known ? known->focal : 1;
 	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
-	start.shared[MODEL_ASPECT] = known ? known->aspect : 1;
+	start.shared[MODEL_ASPECT] = own->aspect;
 	own->guess_error = camera_guess(&own->problem, &start, own->x);
 	if (own->guess_error == -ENOMEM)
 		return -ENOMEM;

@@ -72,10 +72,9 @@ static void doubt_focal(struct camera_solution *solution)
 			"orthographic: f and distance cannot be told apart");
 }
 
-static bool focal_lost(const struct camera_private *own, const double *variance)
+static bool focal_lost(const struct camera_private *own, double variance)
 {
-	return !own->task.intrinsics &&
-	       !(sqrt(variance[MODEL_FOCAL]) < FOCAL_LOST * own->x[MODEL_FOCAL]);
+	return !own->task.intrinsics && !(sqrt(variance) < FOCAL_LOST * own->x[MODEL_FOCAL]);
 }
 
 /* A descent that does not end may only have been on its way to where f is infinite. */
@@ -90,7 +89,7 @@ static void judge_fit(struct camera_solution *solution)
 		verdict_doubt(&solution->finding.verdict, "check which point is which",
 			      "no camera was found that sees every point");
 	else if ((own->fit_error && isinf(variance[MODEL_FOCAL])) ||
-		 (own->fit_error == -ETIMEDOUT && focal_lost(own, variance)))
+		 (own->fit_error == -ETIMEDOUT && focal_lost(own, variance[MODEL_FOCAL])))
 		doubt_focal(solution);
 	else if (own->fit_error == -ERANGE)
 		verdict_doubt(&solution->finding.verdict,
@@ -263,7 +262,8 @@ static void judge_focal(struct camera_solution *solution)
 	const struct camera_private *own = solution->own;
 	const double rms = solution->finding.rms_px;
 
-	if (focal_lost(own, own->cautious))
+	/* What a wrong s does to f has nothing to do with the distance. */
+	if (focal_lost(own, own->cautious[MODEL_FOCAL] - own->held_aspect[MODEL_FOCAL]))
 		doubt_focal(solution);
 	if (own->other_tilt * own->other_tilt - rms * rms >=
 	    9 * fmax(rms * rms, CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST) / own->problem.count)
@@ -281,6 +281,31 @@ static void judge_focal(struct camera_solution *solution)
 			      "orthographic");
 }
 
+/* Whether what is held leaves the object uncertain, more than noise does; of both the worse one. */
+static void judge_held(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+	const double axis = camera_object_error(own, own->held);
+	const double aspect = camera_object_error(own, own->held_aspect);
+
+	if (own->noise_error > own->task.tolerance_px && !(fmax(axis, aspect) > own->noise_error))
+		return;
+	if (aspect > axis)
+		verdict_doubt(&solution->finding.verdict,
+			      "give --aspect 1 if they are, or add points in depth or views of the "
+			      "board, tilted otherwise, or give --intrinsics",
+			      "the points do not tell whether the pixels are square: were s %.3g "
+			      "from the %g where it is held, the object's picture would be off by "
+			      "%.3g px",
+			      own->aspect_deviation, own->aspect, own->object_error);
+	verdict_doubt(&solution->finding.verdict,
+		      "add points in depth or views of the board, tilted otherwise, or give "
+		      "--intrinsics, or --centre and --centre-deviation",
+		      "the points do not tell where the lens's axis is: were it %.3g px from where "
+		      "it is held, the object's picture would be off by %.3g px",
+		      own->centre_deviation[0], own->object_error);
+}
+
 static void judge_object(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
@@ -293,15 +318,7 @@ static void judge_object(struct camera_solution *solution)
 		return;
 	if (!own->task.intrinsics && all_parallel(own))
 		doubt_focal(solution);
-	if (own->noise_error <= own->task.tolerance_px)
-		verdict_doubt(
-			&solution->finding.verdict,
-			"add points in depth or views of the board, tilted otherwise, or give "
-			"--intrinsics, or --centre and --centre-deviation",
-			"the points do not tell where the lens's axis is: were it %.3g px from "
-			"where it is "
-			"held, the object's picture would be off by %.3g px",
-			own->centre_deviation[0], own->object_error);
+	judge_held(solution);
 	verdict_doubt(&solution->finding.verdict,
 		      "add points around that place, in depth too, or more views of the board",
 		      "the " CAMERA_OBJECT_ERROR " is %.6g px, more than the %g px of --tolerance",

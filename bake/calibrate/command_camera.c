@@ -26,6 +26,8 @@ enum {
 	SIZE,
 	CENTRE,
 	CENTRE_DEVIATION,
+	ASPECT,
+	ASPECT_DEVIATION,
 	PIXEL,
 	Y_UP,
 	PIXEL_CENTRE,
@@ -49,6 +51,8 @@ static const struct option options[] = {
 	{"size", required_argument, NULL, SIZE},
 	{"centre", required_argument, NULL, CENTRE},
 	{"centre-deviation", required_argument, NULL, CENTRE_DEVIATION},
+	{"aspect", required_argument, NULL, ASPECT},
+	{"aspect-deviation", required_argument, NULL, ASPECT_DEVIATION},
 	{"pixel", required_argument, NULL, PIXEL},
 	{"y-up", no_argument, NULL, Y_UP},
 	{"pixel-centre", required_argument, NULL, PIXEL_CENTRE},
@@ -134,6 +138,12 @@ static int read_lens_option(struct job *job, int option, struct fault *fault)
 	case CENTRE_DEVIATION:
 		return option_real("--centre-deviation", optarg, 0, FARTHEST,
 				   &task->centre_deviation_px, fault);
+	case ASPECT:
+		task->aspect_given = true;
+		return option_real("--aspect", optarg, 0.01, 100, &task->aspect, fault);
+	case ASPECT_DEVIATION:
+		return option_real("--aspect-deviation", optarg, 0, 1, &task->aspect_deviation,
+				   fault);
 	case PIXEL:
 		return read_pixel(job, fault);
 	case Y_UP:
@@ -214,6 +224,10 @@ static int check_options(const void *context, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "--pixel, --centre and --centre-deviation: the file of "
 				 "--intrinsics says them");
+	if (job->intrinsics && (job->task.aspect_given || job->task.aspect_deviation >= 0))
+		return fault_say(fault, -EINVAL,
+				 "--aspect and --aspect-deviation: the file of --intrinsics says "
+				 "them");
 	return 0;
 }
 
@@ -363,6 +377,11 @@ const struct command camera_command = {
 		"  --centre-deviation PX  of that, one standard deviation; 0: it is exact (2.5 % "
 		"of\n"
 		"                     the picture's diagonal)\n"
+		"  --aspect S         s is known: 1 where pixels are square, or as --pixel says; "
+		"else\n"
+		"                     found, or held at 1 where the points do not tell it\n"
+		"  --aspect-deviation D  of an s that is held, one standard deviation (0.05; with\n"
+		"                     --aspect 0: it is exact)\n"
 		"  --pixel DX,DY      size of a pixel in mm; without it f is in pixels\n"
 		"  --distortion D     distorts (the thesis's, default) or undistorts (Tsai's)\n"
 		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"

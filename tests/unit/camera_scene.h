@@ -112,6 +112,16 @@ static inline struct camera_task scene_task(const struct tsai_camera *camera)
 	return task;
 }
 
+/* The same of one who knows, too, that the pixels are as scene_camera() makes them: a lone plane
+ * does not tell. */
+static inline struct camera_task scene_task_of_plane(const struct tsai_camera *camera)
+{
+	struct camera_task task = scene_task(camera);
+
+	task.aspect_given = true;
+	return task;
+}
+
 /* Says why not. */
 static inline bool scene_trusted(const struct camera_solution *solution)
 {

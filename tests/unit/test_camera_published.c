@@ -47,6 +47,7 @@ static void calibrate(enum camera_method method, struct observations *seen,
 	task.centre_given = true;
 	task.centre_px[0] = 258;
 	task.centre_px[1] = 204;
+	task.aspect_given = true; /* as his own program has it of one plane */
 	task.distortion = TSAI_UNDISTORTS;
 	task.method = method;
 	task.unit_mm = 1;

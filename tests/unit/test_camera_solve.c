@@ -144,7 +144,7 @@ static void one_plane(void **state)
 					truth.centre_px[0] += 9;
 					truth.centre_px[1] -= 6;
 				}
-				task = scene_task(&truth);
+				task = scene_task_of_plane(&truth);
 				if (bends[b] == 0)
 					task.centre_deviation_px = 0;
 				scene_board(&seen, &truth, 12, 9, 0, &chance);
@@ -242,7 +242,7 @@ static void units_and_places_do_not_matter(void **state)
 	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
 	struct observations seen = {0};
 	struct camera_solution first;
-	struct camera_task task = scene_task(&truth);
+	struct camera_task task = scene_task_of_plane(&truth);
 
 	(void)state;
 	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
@@ -290,7 +290,7 @@ static void y_up_is_the_same_picture(void **state)
 		.height = SCENE_HEIGHT, .y_up = 1, .pixel_centre = 0};
 	struct chance chance = chance_begin("camera y up");
 	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct camera_task task = scene_task_of_plane(&truth);
 	struct observations seen = {0};
 	struct camera_solution solution[2];
 
@@ -581,7 +581,7 @@ static void deviations_of_a_held_centre(void **state)
 
 			if (way == 3)
 				truth.pixel[1] *= 2;
-			task = scene_task(&truth);
+			task = scene_task_of_plane(&truth);
 			task.method = way == 2 ? CAMERA_THREE : CAMERA_FULL;
 			off = 0.025 * hypot(SCENE_WIDTH, SCENE_HEIGHT * (way == 3 ? 2 : 1));
 			if (way == 1)
@@ -617,6 +617,153 @@ static void deviations_of_a_held_centre(void **state)
 	}
 }
 
+/* One plane does not tell s, which is as far off as it is said to be: by default, by an option. */
+static void deviations_of_a_held_aspect(void **state)
+{
+	struct chance chance = chance_begin("camera held aspect");
+	const int runs = 2 * runs_of_test();
+
+	(void)state;
+	for (int way = 0; way < 2; way++) {
+		struct tally tally[TALLIES] = {{0}};
+
+		for (int run = 0; run < runs; run++) {
+			struct tsai_camera truth = scene_camera(eyes[1], middle, 0, run & 1);
+			struct observations seen = {0};
+			struct camera_solution solution;
+			struct camera_task task = scene_task(&truth);
+
+			task.centre_deviation_px = 0;
+			if (way)
+				task.aspect_deviation = 0.01;
+			truth.aspect += (way ? 0.01 : CAMERA_ASPECT_DEVIATION) *
+					chance_normal(&chance);
+			scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+			assert_true(solution.camera.aspect == 1);
+			/* held, it is uncertain all the same */
+			solution.finding.estimate.parameter[MODEL_ASPECT].fixed = false;
+			count_all(tally, &solution, &truth, "");
+			camera_solution_free(&solution);
+			observations_free(&seen);
+		}
+		for (int k = 0; k < TALLIES; k++) {
+			if (getenv("INLAY_RUNS"))
+				printf("# way %d, parameter %d: %d %d %d of %d\n", way, k,
+				       tally[k].one, tally[k].two, tally[k].three, tally[k].runs);
+			if (tally[k].runs)
+				assert_nearly_honest(&tally[k], 0.05);
+		}
+	}
+}
+
+/* What is known is not looked for, neither in space nor from many boards. */
+static void known_aspect(void **state)
+{
+	struct chance chance = chance_begin("camera known aspect");
+
+	(void)state;
+	for (int way = 0; way < 4; way++) {
+		struct tsai_camera truth[5];
+		struct observations seen = {0};
+		struct camera_solution solution;
+		struct camera_task task;
+
+		for (int e = 0; e < 5; e++) {
+			truth[e] = scene_roll(scene_camera(eyes[e], middle, -0.08, way & 1),
+					      0.6 * e);
+			truth[e].aspect = 1.07;
+			if (way / 2)
+				scene_board(&seen, &truth[e], 9, 6, 0.2, &chance);
+		}
+		if (way / 2 == 0)
+			scene_cloud(&seen, &truth[0], 60, 0.2, &chance);
+		task = scene_task(&truth[0]);
+		task.aspect_given = true;
+		task.aspect = 1.07;
+		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+		assert_true(solution.camera.aspect == 1.07);
+		assert_true(solution.finding.estimate.parameter[MODEL_ASPECT].fixed);
+		assert_true(fabs(solution.camera.focal / truth[0].focal - 1) < 0.02);
+		assert_true(scene_trusted(&solution));
+		camera_solution_free(&solution);
+		observations_free(&seen);
+	}
+}
+
+/* How far an object is drawn from where it is seen, at most, over what is said of that. */
+static double off_by(const struct camera_solution *solution, const struct camera_task *task,
+		     const struct tsai_camera *truth)
+{
+	double most = 0;
+
+	for (int k = 0; k < 7; k++) {
+		double world[3], want[2], got[2];
+
+		memcpy(world, task->object, sizeof(world));
+		if (k)
+			world[(k - 1) / 2] += k % 2 ? task->object_radius : -task->object_radius;
+		if (tsai_project(truth, world, want))
+			continue;
+		assert_int_equal(tsai_project(&solution->camera, world, got), 0);
+		most = fmax(most, hypot(want[0] - got[0], want[1] - got[1]));
+	}
+	assert_string_equal(solution->finding.figure[0].key, "object_error_px");
+	return most / solution->finding.figure[0].value;
+}
+
+/* Few boards, seen by cameras whose pixels may or may not be square: what is trusted is right, and
+ * enough is, once that is known. */
+static void few_boards_of_squashed_pixels(void **state)
+{
+	static const double aspects[] = {1, 1.005, 1.02, 0.95, 0.9};
+	struct chance chance = chance_begin("camera squashed");
+	const int runs = 2 * runs_of_test();
+	int trusted[2][4] = {{0}};
+
+	(void)state;
+	for (int run = 0; run < runs; run++)
+		for (int views = 1; views <= 3; views++) {
+			struct tsai_camera truth[3];
+			struct observations seen = {0};
+			struct camera_task task;
+
+			for (int v = 0; v < views; v++) {
+				double at[3];
+
+				chance_direction(&chance, 0.4, at);
+				for (int k = 0; k < 3; k++)
+					at[k] *= 0.6;
+				truth[v] = scene_roll(scene_camera(at, middle, -0.1, run & 1),
+						      chance_real(&chance, -3, 3));
+				truth[v].aspect = aspects[run % 5];
+				scene_board(&seen, &truth[v], 9, 6, run % 2 ? 0.05 : 0.2, &chance);
+			}
+			task = scene_task(&truth[0]);
+			task.object_given = true;
+			task.object_radius = task.object[2] = 0.06;
+			for (int known = 0; known < 2; known++) {
+				struct camera_solution solution;
+
+				task.aspect_given = known;
+				task.aspect = known ? truth[0].aspect : 1;
+				assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL),
+						 0);
+				if (solution.finding.verdict.trusted) {
+					trusted[known][views]++;
+					assert_true(off_by(&solution, &task, &truth[0]) < 5);
+				}
+				camera_solution_free(&solution);
+			}
+			observations_free(&seen);
+		}
+	printf("# trusted of %d of one, two, three boards: %d %d %d, s known: %d %d %d\n", runs,
+	       trusted[0][1], trusted[0][2], trusted[0][3], trusted[1][1], trusted[1][2],
+	       trusted[1][3]);
+	assert_true(trusted[0][2] && trusted[0][3] && trusted[1][1]);
+	assert_true(trusted[1][3] > runs / 2);
+}
+
 /* Each point's error, and the uncertainty that is reported for its place. */
 static void uncertainty_is_honest(void **state)
 {
@@ -630,7 +777,7 @@ static void uncertainty_is_honest(void **state)
 		const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.08, run & 1);
 		struct observations seen = {0};
 		struct camera_solution solution;
-		struct camera_task task = scene_task(&truth);
+		struct camera_task task = scene_task_of_plane(&truth);
 		double want[2], got[2];
 		int figure = 0;
 
@@ -672,6 +819,9 @@ int main(void)
 		cmocka_unit_test(deviations_of_space_and_pose),
 		cmocka_unit_test(no_wrong_minimum),
 		cmocka_unit_test(deviations_of_a_held_centre),
+		cmocka_unit_test(deviations_of_a_held_aspect),
+		cmocka_unit_test(known_aspect),
+		cmocka_unit_test(few_boards_of_squashed_pixels),
 		cmocka_unit_test(uncertainty_is_honest),
 	};
 
