@@ -20,9 +20,9 @@ enum camera_method {
  * are within two or three of these. */
 #define CAMERA_CENTRE_DEVIATION 0.025
 
-/* How far s is from 1. Pixels of most cameras are square to a thousandth; but digitizers and
- * drivers squash by 2 to 10 %, and nothing in a lone plane's picture tells which it was. */
-#define CAMERA_ASPECT_DEVIATION 0.05
+/* How far s is from 1. Pixels of sensors are square to a thousandth or two; digitizers squash by 2
+ * to 10 %, which nothing in a lone plane's picture tells: whoever has one says so. */
+#define CAMERA_ASPECT_DEVIATION 0.002
 
 struct camera_task {
 	int width, height;   /* of the picture, px; 0: not known, its middle then is the points' */

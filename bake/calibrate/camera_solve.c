@@ -73,9 +73,14 @@ static double deviation(const struct camera_private *own, int unknown)
 	return sqrt(own->fit.covariance[unknown * (problem_unknowns(&own->problem) + 1)]);
 }
 
-static bool aspect_lost(const struct camera_private *own)
+/* Told worse than it is known beforehand, which it does not contradict either. */
+static bool aspect_lost(const struct camera_private *own, const double *x)
 {
-	return !(deviation(own, MODEL_ASPECT) < fmin(own->aspect_deviation, ASPECT_LOST));
+	const double told = deviation(own, MODEL_ASPECT), known = own->aspect_deviation;
+
+	if (!(told < ASPECT_LOST))
+		return true;
+	return told > known && fabs(x[MODEL_ASPECT] - own->aspect) < 3 * hypot(told, known);
 }
 
 static bool centre_lost(const struct camera_private *own, const double *x)
@@ -204,7 +209,7 @@ static int solve_full(struct camera_private *own, double *tried)
 			break;
 		if (!centre && (err == -ERANGE || centre_lost(own, tried))) {
 			centre = true;
-		} else if (!aspect && (err || aspect_lost(own))) {
+		} else if (!aspect && (err || aspect_lost(own, tried))) {
 			aspect = true;
 			centre = few;
 		} else {
