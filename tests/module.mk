@@ -114,6 +114,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_basis.c \
 	tests/fuzz/fuzz_lens.c \
 	tests/fuzz/fuzz_lights.c \
+	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_config.c \
 	tests/fuzz/fuzz_state.c \
