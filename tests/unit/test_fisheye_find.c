@@ -245,8 +245,8 @@ static void doubted(void **state)
 	for (int n = 0; n < 60; n++) {
 		const struct observation point = seen.point[n]; /* adding moves them */
 
-		assert_int_equal(
-			observations_add(&seen, point.world, point.px, "again %d", n + 1), 0);
+		assert_int_equal(observations_add(&seen, point.world, point.px, "again %d", n + 1),
+				 0);
 	}
 	expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
 	begin_views(&seen);
