@@ -69,43 +69,6 @@ static void make_plain(char *text)
 	}
 }
 
-/* One write() for a line, so that lines of several threads (and processes) do not mix. */
-static void say(enum log_level level, const char *text)
-{
-	char line[TEXT_MAX];
-	size_t length, done = 0;
-
-	if (setup.journal)
-		snprintf(line, sizeof(line) - 1, "%s", journal_prefixes[level]);
-	else
-		snprintf(line, sizeof(line) - 1, "%s: ", setup.program);
-	length = strlen(line);
-	snprintf(line + length, sizeof(line) - 1 - length, "%s", text);
-	make_plain(line + length);
-	length = strlen(line);
-	line[length++] = '\n';
-	while (done < length) {
-		const ssize_t n = write(STDERR_FILENO, line + done, length - done);
-
-		if (n <= 0)
-			return; /* nobody left to tell */
-		done += (size_t)n;
-	}
-}
-
-void log_say(enum log_level level, const char *format, ...)
-{
-	char text[TEXT_MAX];
-	va_list args;
-
-	if (level > setup.most)
-		return;
-	va_start(args, format);
-	vsnprintf(text, sizeof(text), format, args);
-	va_end(args);
-	say(level, text);
-}
-
 /* FNV-1a. */
 static uint64_t hash(const char *text)
 {
@@ -133,16 +96,49 @@ static bool is_new(const char *text)
 	return !found;
 }
 
-void log_say_once(enum log_level level, const char *format, ...)
+/* One write() for a line, so that lines of several threads (and processes) do not mix. */
+static void __attribute__((format(printf, 3, 0)))
+say(enum log_level level, bool once, const char *format, va_list args)
 {
-	char text[TEXT_MAX];
-	va_list args;
+	char line[TEXT_MAX], *text;
+	size_t length, done = 0;
 
 	if (level > setup.most)
 		return;
+	if (setup.journal)
+		snprintf(line, sizeof(line) - 1, "%s", journal_prefixes[level]);
+	else
+		snprintf(line, sizeof(line) - 1, "%s: ", setup.program);
+	text = line + strlen(line);
+	vsnprintf(text, sizeof(line) - 1 - (size_t)(text - line), format, args);
+	if (once && !is_new(text))
+		return;
+	make_plain(text);
+	length = strlen(line);
+	line[length++] = '\n';
+	while (done < length) {
+		const ssize_t n = write(STDERR_FILENO, line + done, length - done);
+
+		if (n <= 0)
+			return; /* nobody left to tell */
+		done += (size_t)n;
+	}
+}
+
+void log_say(enum log_level level, const char *format, ...)
+{
+	va_list args;
+
 	va_start(args, format);
-	vsnprintf(text, sizeof(text), format, args);
+	say(level, false, format, args);
 	va_end(args);
-	if (is_new(text))
-		say(level, text);
+}
+
+void log_say_once(enum log_level level, const char *format, ...)
+{
+	va_list args;
+
+	va_start(args, format);
+	say(level, true, format, args);
+	va_end(args);
 }
