@@ -144,7 +144,7 @@ static void one_plane(void **state)
 					truth.centre_px[0] += 9;
 					truth.centre_px[1] -= 6;
 				}
-				task = scene_task_of_plane(&truth);
+				task = scene_task(&truth);
 				if (bends[b] == 0)
 					task.centre_deviation_px = 0;
 				scene_board(&seen, &truth, 12, 9, 0, &chance);
@@ -242,7 +242,7 @@ static void units_and_places_do_not_matter(void **state)
 	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
 	struct observations seen = {0};
 	struct camera_solution first;
-	struct camera_task task = scene_task_of_plane(&truth);
+	struct camera_task task = scene_task(&truth);
 
 	(void)state;
 	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
@@ -290,7 +290,7 @@ static void y_up_is_the_same_picture(void **state)
 		.height = SCENE_HEIGHT, .y_up = 1, .pixel_centre = 0};
 	struct chance chance = chance_begin("camera y up");
 	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
-	const struct camera_task task = scene_task_of_plane(&truth);
+	const struct camera_task task = scene_task(&truth);
 	struct observations seen = {0};
 	struct camera_solution solution[2];
 
@@ -582,7 +582,7 @@ static void deviations_of_a_held_centre(void **state)
 
 			if (way == 3)
 				truth.pixel[1] *= 2;
-			task = scene_task_of_plane(&truth);
+			task = scene_task(&truth);
 			task.method = way == 2 ? CAMERA_THREE : CAMERA_FULL;
 			off = 0.025 * hypot(SCENE_WIDTH, SCENE_HEIGHT * (way == 3 ? 2 : 1));
 			if (way == 1)

@@ -39,7 +39,7 @@ static void fewest_points(void **state)
 {
 	struct chance chance = chance_begin("fewest");
 	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	struct camera_task task = scene_task_of_plane(&truth);
+	struct camera_task task = scene_task(&truth);
 	const double wide[6][2] = {{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}, {0, 0.02}};
 
 	(void)state;
@@ -222,7 +222,7 @@ static void outliers(void **state)
 {
 	struct chance chance = chance_begin("outliers");
 	const struct tsai_camera truth = scene_camera(eye, middle, -0.1, TSAI_DISTORTS);
-	struct camera_task task = scene_task_of_plane(&truth);
+	struct camera_task task = scene_task(&truth);
 	struct observations seen;
 
 	(void)state;
