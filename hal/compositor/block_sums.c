@@ -61,8 +61,8 @@ static void weigh_patterns(struct block_work *work, const struct basis_block *b,
 		const double one = request->light->unit[c] * power_of_two(fraction);
 
 		for (int j = 0; j < b->patterns; j++)
-			set->weight[c][j] = round_double((double)work->y[j][c] *
-							 ((double)b->pattern_scale[j] * one));
+			set->weight[j][c] = round_whole((double)work->y[j][c] *
+							((double)b->pattern_scale[j] * one));
 	}
 	for (int j = 0; j < b->patterns; j++)
 		set->line[j] = (uint32_t)j;
@@ -78,23 +78,25 @@ static inline __attribute__((always_inline)) void fetch_stream(const struct basi
 		fetch_line(line);
 }
 
+static inline void weigh(int64_t to[KERNEL_WEIGHT], const struct light_sent *sent, double scale)
+{
+	for (int c = 0; c < 3; c++)
+		to[c] = round_whole(sent->amount[c] * scale);
+}
+
 /* Of the columns that were chosen for this light. */
 static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 			 const struct light_sent *sent, double one)
 {
 	int count;
 	const struct chosen_column *chosen = columns_chosen(plan, &count);
-	int64_t *const to[3] = {set->weight[0], set->weight[1], set->weight[2]};
+	int64_t(*const to)[KERNEL_WEIGHT] = set->weight;
 	uint32_t *line = set->line;
 
 	set->count = count;
 	set->records = plan->block->bits == 8;
 	for (int k = 0; k < count; k++) {
-		const double *x = sent[chosen[k].light].amount;
-		const double weight = (double)chosen[k].scale * one;
-
-		for (int c = 0; c < 3; c++)
-			to[c][k] = round_double(x[c] * weight);
+		weigh(to[k], &sent[chosen[k].light], (double)chosen[k].scale * one);
 		line[k] = chosen[k].place;
 	}
 }
@@ -110,21 +112,19 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 	const float *scale = b->column_scale;
 	const size_t channel = basis_line16(basis_panels16(b->pixels), b->columns, 1, 0, 0) *
 			       BASIS_LINE16;
-	int64_t *const to[3] = {set->weight[0], set->weight[1], set->weight[2]};
+	int64_t(*const to)[KERNEL_WEIGHT] = set->weight;
 	uint32_t *line = set->line;
 	int count = 0;
 
 	set->records = false;
 	for (int n = 0; n < b->columns; n++) {
 		const double *x = sent[light[n]].amount;
-		const double weight = (double)scale[n] * one;
 
 		if (stream)
 			fetch_stream(b, channel, n);
-		for (int c = 0; c < 3; c++)
-			to[c][count] = round_double(x[c] * weight);
+		weigh(to[count], &sent[light[n]], (double)scale[n] * one);
 		line[count] = (uint32_t)n;
-		count += x[0] > 0 || x[1] > 0 || x[2] > 0;
+		count += x[0] + x[1] + x[2] > 0;
 	}
 	set->count = count;
 }

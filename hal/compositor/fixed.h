@@ -39,6 +39,17 @@ static inline double round_narrow(double x)
 	return (x + 0x1.8p52) - 0x1.8p52;
 }
 
+/* The nearest integer, halves to even, |x| < 2^51: its last places are those of the sum's mantissa,
+ * which needs no conversion, so that compilers make vectors of it, too. */
+static inline int64_t round_whole(double x)
+{
+	const double sum = x + 0x1.8p52;
+	int64_t bits;
+
+	memcpy(&bits, &sum, sizeof(bits));
+	return bits - INT64_C(0x4338000000000000);
+}
+
 /* 2^e, e in -1022..1023. */
 static inline double power_of_two(int e)
 {

@@ -15,10 +15,10 @@ static void spread(struct block_work *work, const struct block_plan *plan)
 	for (int c = 0; c < 3; c++) {
 		memset(work->now[c], 0, sizeof(**work->now) * (size_t)plan_lines(plan));
 		for (int k = 0; k < work->patterns.count; k++)
-			work->now[c][k] = work->patterns.weight[c][k];
+			work->now[c][k] = work->patterns.weight[k][c];
 		for (int k = 0; k < work->columns.count; k++)
 			work->now[c][patterns + (int)work->columns.line[k]] =
-				work->columns.weight[c][k];
+				work->columns.weight[k][c];
 	}
 }
 
@@ -48,7 +48,7 @@ static void take_gains(struct line_set *set, const struct block_work *work, cons
 		if (!any)
 			continue;
 		for (int c = 0; c < 3; c++)
-			set->weight[c][set->count] = gain[c];
+			set->weight[set->count][c] = gain[c];
 		set->line[set->count++] = (uint32_t)(k - first);
 	}
 }
@@ -120,9 +120,9 @@ bool kept_sums_step(struct block_work *work, const struct block_plan *plan,
 
 		for (int c = 0; c < 3; c++) {
 			int64_t *before = &weights[c * b->columns + i];
-			const int64_t now = round_double(light->sent[i].amount[c] * weight);
+			const int64_t now = round_whole(light->sent[i].amount[c] * weight);
 
-			set->weight[c][set->count] = now - *before;
+			set->weight[set->count][c] = now - *before;
 			*before = now;
 		}
 		set->line[set->count++] = (uint32_t)i;

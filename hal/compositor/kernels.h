@@ -28,6 +28,7 @@
 #define KERNEL_DIGITS 4
 #define KERNEL_DIGIT_BITS 12
 #define KERNEL_SHIFT_MAX 16
+#define KERNEL_WEIGHT 4 /* three channels, and one that nobody reads: a vector */
 #define KERNEL_PLACE_BEYOND 16
 
 /* Some lines of a panel, and what each weighs in the three channels. */
@@ -113,11 +114,11 @@ struct kernels {
 	void (*sums8)(const int8_t *lines, const struct kernel_weights *weights,
 		      int64_t *const sum[3]);
 
-	/* Digit d of weight[c][k] to where kernel_digit() finds it, for count weights of each
+	/* Digit d of weight[k][c] to where kernel_digit() finds it, for count weights of each
 	 * channel, an even number; as many digits as any of them needs, which it returns, 0 where
 	 * all are 0. |weight| <= 2^46. digit has room for KERNEL_DIGITS, 64-byte aligned; count is
 	 * below 2^16. */
-	int (*split)(const int64_t *const weight[3], int count, int16_t *digit);
+	int (*split)(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit);
 
 	/* y[j][c] = sum over k of rows[j][k] * vector_c[k], below 2^63 in magnitude. rows is
 	 * 64-byte aligned, stride a multiple of 32, 32..KERNEL_STRIDE_MAX; no value is -32768. */

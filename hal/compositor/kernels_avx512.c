@@ -8,59 +8,52 @@
 
 /* ---- split ---- */
 
-static int digits_needed(const int64_t *const weight[3], int count)
+/* Two weights, a channel in each place of int64. */
+static inline __m512i two_of(int64_t (*weight)[KERNEL_WEIGHT])
+{
+	return _mm512_maskz_loadu_epi64(0x77, weight);
+}
+
+static int digits_needed(int64_t (*weight)[KERNEL_WEIGHT], int count)
 {
 	__m512i most = _mm512_setzero_si512();
 
-	for (int c = 0; c < 3; c++) {
-		for (int k = 0; k < count; k += 8) {
-			const __mmask8 mask = (__mmask8)(count - k < 8 ? (1 << (count - k)) - 1
-								       : 0xff);
-
-			most = _mm512_max_epi64(most, _mm512_abs_epi64(_mm512_maskz_loadu_epi64(
-							      mask, weight[c] + k)));
-		}
-	}
+	for (int k = 0; k < count; k += 2)
+		most = _mm512_max_epi64(most, _mm512_abs_epi64(two_of(weight + k)));
 	return digits_of(_mm512_reduce_max_epi64(most));
 }
 
-/* Four pairs, each of which lies `step` int16 behind the one before it. */
-static inline void store_pairs(int16_t *to, __m128i pairs, int step, int left)
+/* All four digits of each int64, one in each of its places of int16. */
+static inline __m512i digits_apart(__m512i x)
 {
-	if (left >= 8) {
-		_mm_storeu_si32(to, pairs);
-		_mm_storeu_si32(to + step, _mm_shuffle_epi32(pairs, 1));
-		_mm_storeu_si32(to + 2 * step, _mm_shuffle_epi32(pairs, 2));
-		_mm_storeu_si32(to + 3 * step, _mm_shuffle_epi32(pairs, 3));
-		return;
+	const __m512i biased = _mm512_add_epi64(x, _mm512_set1_epi64(DIGITS_BIAS));
+	__m512i y = _mm512_and_si512(biased, _mm512_set1_epi64(4095));
+
+	KERNEL_UNROLL
+	for (int d = 1; d < KERNEL_DIGITS; d++) {
+		const __m512i there = _mm512_slli_epi64(biased, (16 - KERNEL_DIGIT_BITS) * d);
+
+		y = _mm512_or_si512(
+			y, _mm512_and_si512(there, _mm512_set1_epi64(INT64_C(4095) << 16 * d)));
 	}
-	for (; left > 0; left -= 2, to += step, pairs = _mm_srli_si128(pairs, 4))
-		_mm_storeu_si32(to, pairs);
+	return _mm512_sub_epi16(y, _mm512_set1_epi16(DIGIT_HALF));
 }
 
-static int split(const int64_t *const weight[3], int count, int16_t *digit)
+static int split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 {
-	const __m512i bias = _mm512_set1_epi64(DIGITS_BIAS);
 	const int digits = digits_needed(weight, count), step = 2 * 3 * digits;
+	const __mmask32 stored = (__mmask32)((UINT64_C(1) << step) - 1);
+	_Alignas(64) int16_t from[32] = {0};
+	__m512i order;
 
-	for (int c = 0; c < 3 && digits; c++) {
-		for (int k = 0; k < count; k += 8) {
-			const int left = count - k;
-			const __mmask8 mask = (__mmask8)(left < 8 ? (1 << left) - 1 : 0xff);
-			__m512i x = _mm512_add_epi64(_mm512_maskz_loadu_epi64(mask, weight[c] + k),
-						     bias);
-
-			for (int d = 0; d < digits; d++) {
-				const __m512i low = _mm512_and_si512(x, _mm512_set1_epi64(4095));
-				const __m512i one = _mm512_sub_epi64(low,
-								     _mm512_set1_epi64(DIGIT_HALF));
-
-				store_pairs(digit + k / 2 * step + 2 * (c * digits + d),
-					    _mm512_cvtepi64_epi16(one), step, left);
-				x = _mm512_srli_epi64(x, KERNEL_DIGIT_BITS);
-			}
-		}
-	}
+	for (int n = 0; n < step; n++) /* [channel][digit][weight] of [weight][channel][digit] */
+		from[n] = (int16_t)((n % 2 * KERNEL_WEIGHT + n / 2 / digits) * KERNEL_DIGITS +
+				    n / 2 % digits);
+	order = _mm512_load_si512(from);
+	for (int k = 0; k < count && digits; k += 2, digit += step)
+		_mm512_mask_storeu_epi16(
+			digit, stored,
+			_mm512_permutexvar_epi16(order, digits_apart(two_of(weight + k))));
 	return digits;
 }
 

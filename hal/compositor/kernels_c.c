@@ -56,14 +56,14 @@ static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *
 	}
 }
 
-int kernel_c_split(const int64_t *const weight[3], int count, int16_t *digit)
+int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 {
 	int64_t most = 0;
 	int digits;
 
-	for (int c = 0; c < 3; c++) {
-		for (int k = 0; k < count; k++) {
-			const int64_t w = weight[c][k] < 0 ? -weight[c][k] : weight[c][k];
+	for (int k = 0; k < count; k++) {
+		for (int c = 0; c < 3; c++) {
+			const int64_t w = weight[k][c] < 0 ? -weight[k][c] : weight[k][c];
 
 			most = w > most ? w : most;
 		}
@@ -73,8 +73,8 @@ int kernel_c_split(const int64_t *const weight[3], int count, int16_t *digit)
 		int16_t *to = digit + 2 * c * digits;
 
 		for (int k = 0; k < count; k += 2, to += 2 * 3 * digits) {
-			const uint64_t one = (uint64_t)(weight[c][k] + DIGITS_BIAS);
-			const uint64_t next = (uint64_t)(weight[c][k + 1] + DIGITS_BIAS);
+			const uint64_t one = (uint64_t)(weight[k][c] + DIGITS_BIAS);
+			const uint64_t next = (uint64_t)(weight[k + 1][c] + DIGITS_BIAS);
 
 			for (int d = 0; d < digits; d++) {
 				const int shift = d * KERNEL_DIGIT_BITS;

@@ -35,7 +35,7 @@ extern const struct kernels kernels_neon;
 extern const struct kernels kernels_neon_dotprod;
 
 /* The specification, for those that have nothing better. */
-int kernel_c_split(const int64_t *const weight[3], int count, int16_t *digit);
+int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit);
 void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to);
 
 /* In kernels.c, which every processor can run. */

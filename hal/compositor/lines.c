@@ -28,20 +28,16 @@ int line_set_create(struct line_set *set, size_t most, bool columns)
 	bool fine;
 
 	set->line = calloc(padded, sizeof(*set->line));
-	fine = set->line != NULL;
-	for (int c = 0; c < 3; c++) {
-		set->weight[c] = calloc(padded, sizeof(*set->weight[c]));
-		fine = fine && set->weight[c];
-	}
+	set->weight = calloc(padded, sizeof(*set->weight));
 	set->digit = calloc(3 * KERNEL_DIGITS * padded, sizeof(*set->digit));
-	return fine && set->digit && (!columns || unpacked_create(set, padded) == 0) ? 0 : -ENOMEM;
+	fine = set->line && set->weight && set->digit;
+	return fine && (!columns || unpacked_create(set, padded) == 0) ? 0 : -ENOMEM;
 }
 
 void line_set_free(struct line_set *set)
 {
 	free(set->line);
-	for (int c = 0; c < 3; c++)
-		free(set->weight[c]);
+	free(set->weight);
 	free(set->digit);
 	free(set->number);
 	free(set->at);
@@ -53,11 +49,10 @@ void line_set_split(struct line_set *set, const struct kernels *kernels)
 	const int even = set->count + set->count % 2;
 
 	set->line[set->count] = 0;
-	for (int c = 0; c < 3; c++)
-		set->weight[c][set->count] = 0;
+	memset(set->weight[set->count], 0, sizeof(*set->weight));
 	set->kernel = (struct kernel_weights){
 		.count = even,
-		.digits = kernels->split((const int64_t *const *)set->weight, even, set->digit),
+		.digits = kernels->split(set->weight, even, set->digit),
 		.line = set->line,
 		.digit = set->digit,
 	};

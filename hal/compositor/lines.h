@@ -16,7 +16,7 @@ struct line_set {
 	int count;
 	uint32_t *line; /* of columns of 8 bits that were chosen, where their records begin */
 	bool records;	/* that is so */
-	int64_t *weight[3];
+	int64_t (*weight)[KERNEL_WEIGHT];
 	int16_t *digit;
 	struct kernel_weights kernel; /* digits is 0 where all weights are */
 	/* Of columns: their records, and lines of one panel as kernels read them. */

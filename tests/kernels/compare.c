@@ -75,7 +75,7 @@ struct comparison *comparison_create(uint64_t seed)
 			guarded_create(&c->digit[k][d], STRIDE_MAX * sizeof(int16_t));
 		for (int i = 0; i < 2; i++)
 			guarded_create(&c->sum[i][k], (KERNEL_LINE8 + 8) * sizeof(int64_t));
-		guarded_create(&c->object[k], WEIGHTS * sizeof(int64_t));
+		guarded_create(&c->object[k], WEIGHTS * KERNEL_WEIGHT * sizeof(int64_t));
 		guarded_create(&c->taken[k], MIXED * sizeof(int32_t));
 	}
 	for (int i = 0; i < 2; i++)

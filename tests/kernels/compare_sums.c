@@ -129,17 +129,18 @@ bool compare_split(struct comparison *c, const struct kernels *tables[2], char *
 {
 	const int count = weights_count(c) % WEIGHTS, bits = compare_below(c, 47);
 	const size_t size = (size_t)count * 3 * KERNEL_DIGITS * sizeof(int16_t);
-	const int64_t *weight[3];
+	int64_t(*weight)[KERNEL_WEIGHT] = guarded_take(&c->object[0],
+						       (size_t)count * sizeof(*weight));
 	int16_t *digit[2];
 	int digits[2];
 
-	for (int k = 0; k < 3; k++) {
-		int64_t *w = guarded_take(&c->object[k], (size_t)count * sizeof(*w));
-
-		for (int i = 0; i < count; i++)
-			w[i] = compare_below(c, 8) ? compare_spread(c, bits)
-						   : (INT64_C(1) << bits) - compare_below(c, 2);
-		weight[k] = w;
+	for (int i = 0; i < count; i++) {
+		for (int k = 0; k < 3; k++)
+			weight[i][k] = compare_below(c, 8)
+					       ? compare_spread(c, bits)
+					       : (INT64_C(1) << bits) - compare_below(c, 2);
+		/* what nobody reads */
+		weight[i][3] = compare_below(c, 2) ? INT64_MIN : INT64_MAX;
 	}
 	for (int i = 0; i < 2; i++) {
 		digit[i] = guarded_take(i ? &c->weight : &c->lines, size);

@@ -1,5 +1,6 @@
 #include "tests/kernels/faults.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- sums ---- */
@@ -150,7 +151,7 @@ static void wrote_beyond8(const int8_t *lines, const struct kernel_weights *w, s
 
 /* ---- split ---- */
 
-static int digit_of_half(const int64_t *const weight[3], int count, int16_t *digit)
+static int digit_of_half(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 {
 	const int digits = kernels_c.split(weight, count, digit);
 
@@ -161,11 +162,18 @@ static int digit_of_half(const int64_t *const weight[3], int count, int16_t *dig
 	return digits;
 }
 
-static int channel_left(const int64_t *const weight[3], int count, int16_t *digit)
+static int channel_left(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 {
-	const int64_t *const two[3] = {weight[0], weight[1], weight[1]};
+	int64_t(*two)[KERNEL_WEIGHT] = malloc(sizeof(*two) * (size_t)(count + 1));
+	int digits;
 
-	return kernels_c.split(two, count, digit);
+	for (int k = 0; k < count; k++) {
+		memcpy(two[k], weight[k], sizeof(*two));
+		two[k][2] = two[k][1];
+	}
+	digits = kernels_c.split(two, count, digit);
+	free(two);
+	return digits;
 }
 
 /* ---- project ---- */
