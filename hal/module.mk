@@ -33,6 +33,7 @@ HAL_SOURCES := \
 	hal/basis/basis_chunks.c \
 	hal/basis/basis_file.c \
 	hal/basis/basis_glass.c \
+	hal/basis/basis_groups.c \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_names.c \
 	hal/basis/basis_store.c \

@@ -52,6 +52,7 @@ UNIT_TESTS := \
 	tests/unit/test_lights_file.c \
 	tests/unit/test_text_file.c \
 	tests/unit/test_basis.c \
+	tests/unit/test_basis_groups.c \
 	tests/unit/test_basis_damage.c \
 	tests/unit/test_encode.c \
 	tests/unit/test_encode_hard.c \

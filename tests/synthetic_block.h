@@ -40,6 +40,7 @@ struct synthetic_options {
 	double peak;	       /* of a pixel's object radiance under L_i = 1, at most */
 	double bounce;	       /* v and d / u lie in -bounce..1 */
 	double column_cut;     /* to be declared */
+	int groups; /* of T's and V's columns, the last are of groups, and say anything */
 	uint64_t seed;
 };
 
@@ -115,7 +116,7 @@ static inline void synthetic_add_values(const struct basis_block *b, int lights,
 							 : tint * row[gather[i].index[k]] *
 								   gather[i].weight[k] /
 								   BASIS_COARSE_ONE;
-			for (int n = 0; n < b->columns; n++) {
+			for (int n = 0; n < b->columns && b->light[n] < lights; n++) {
 				const size_t columns = (size_t)b->columns;
 				const int v = b->column16
 						      ? b->column16[(line * columns + (size_t)n) *
@@ -301,8 +302,8 @@ static inline void synthetic_change_lines(struct synthetic_block *b, int least,
 	}
 }
 
-static inline void synthetic_fill_columns(struct synthetic_block *b, int lights, double most,
-					  struct chance *chance)
+static inline void synthetic_fill_columns(struct synthetic_block *b, int lights, int groups,
+					  double most, struct chance *chance)
 {
 	const int columns = (int)b->entry.columns, top = b->entry.bits == 8 ? 127 : 32767;
 	const int least = b->entry.patterns ? -top : 0;
@@ -314,6 +315,8 @@ static inline void synthetic_fill_columns(struct synthetic_block *b, int lights,
 	for (int i = 0, n = 0; i < lights && n < columns; i++)
 		if (chance_int(chance, 1, lights - i) <= columns - n)
 			light[n++] = (uint16_t)i;
+	for (int k = 0; k < groups && k < columns; k++)
+		light[columns - 1 - k] = (uint16_t)(lights + groups - 1 - k);
 	for (int n = 0; n < columns; n++)
 		scale[n] = (float)(most * (b->entry.patterns ? 0.08 : 1) *
 				   chance_real(chance, 0.25, 1) / top);
@@ -372,7 +375,10 @@ static inline struct synthetic_block synthetic_make(struct synthetic_maker *m, u
 	if (b.entry.tinted)
 		most *= BASIS_TINT_ONE / (double)UINT16_MAX;
 	synthetic_fill_patterns(&b, (int)m->info.coarse, most, &m->chance);
-	synthetic_fill_columns(&b, m->options->lights, most, &m->chance);
+	synthetic_fill_columns(
+		&b, m->options->lights,
+		group->kind == BASIS_KIND_T || group->kind == BASIS_KIND_V ? m->options->groups : 0,
+		most, &m->chance);
 	return b;
 }
 

@@ -45,6 +45,16 @@ static int check_record_bytes(const struct place *at, const struct basis_block_e
 		       e->record_bytes, e->columns, e->bits, least, most);
 }
 
+/* Lights, and groups of them where some columns may be left out. */
+static uint32_t light_numbers(const struct place *at, int kind)
+{
+	const struct basis *basis = at->reader->basis;
+	const bool groups = basis->coarse && basis->info.column_cut > 0 && !at->chunk->exact &&
+			    (kind == BASIS_KIND_T || kind == BASIS_KIND_V);
+
+	return basis->info.lights + (groups ? basis->info.coarse : 0);
+}
+
 static int check_shape(const struct place *at, const struct basis_block_entry *e)
 {
 	const struct basis *basis = at->reader->basis;
@@ -61,9 +71,9 @@ static int check_shape(const struct place *at, const struct basis_block_entry *e
 	if (e->patterns > BASIS_PATTERNS_MAX)
 		return DAMAGED(at, "%u patterns, expected at most %d", e->patterns,
 			       BASIS_PATTERNS_MAX);
-	if (e->columns > basis->info.lights)
+	if (e->columns > light_numbers(at, e->kind))
 		return DAMAGED(at, "%u columns, expected at most %u", e->columns,
-			       basis->info.lights);
+			       light_numbers(at, e->kind));
 	if (!e->patterns && !e->columns)
 		return DAMAGED(at, "%d patterns and columns, expected some", 0);
 	if (e->bits != 16 && (e->bits != 8 || !e->columns))
@@ -252,7 +262,7 @@ static int check_pairs(const struct place *at, const struct tile_use *use, uint3
 
 static int check_lights(const struct place *at, const struct basis_block *b)
 {
-	const int lights = (int)at->reader->basis->info.lights;
+	const int lights = (int)light_numbers(at, b->kind);
 	int wrong = b->columns && b->light[b->columns - 1] >= lights;
 
 	for (int i = 1; i < b->columns; i++)

@@ -1,5 +1,5 @@
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 6.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 7.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -37,6 +37,21 @@
  * of the coarse lights. A column is of one light by itself: all that this light does where there
  * are no patterns, else what the patterns leave wrong about it.
  *
+ * Neighbouring lights mostly send alike, and their columns are then read for what they have in
+ * common. So a column may also be a group's, of number N + k: group k are the lights that give more
+ * to coarse light k than to any other (the first of equals), and its column is the sum over the
+ * block's columns of these lights, each times q_i,
+ *
+ *     q_i = w_i / sum of w over the group       w of T: the solid angle; of V: u_i, summed over the
+ *                                               channels
+ *
+ * to within half of its own scale. With any S_k,c the sum over the block's columns of the group is
+ *
+ *     scale * column * S_k,c + sum over the group's of scale_n * column_n * (X_n,c - q_n S_k,c)
+ *
+ * where S = 0 is the sum above, and another S (basis_groups.h) leaves little to the single lights.
+ * Groups are there so that more columns may be left out: a file whose column_cut is 0 has none.
+ *
  * Blocks add up: the shadow (one channel) and the light that the object throws (three) may be two V
  * blocks over the same pixels.
  *
@@ -55,7 +70,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 6
+#define BASIS_VERSION 7
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* of every array inside a block */
 
@@ -219,7 +234,7 @@ enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_
  *     float  pattern_scale[patterns]     finite, >= 0
  *     int16  pattern[patterns][stride]   stride = K rounded up to 32
  *     int16  coefficient[channels][panels16][patterns][32]
- *     uint16 light[columns]              ascending, < N
+ *     uint16 light[columns]              ascending, < N; of groups N + k, k < K
  *     float  column_scale[columns]       finite, >= 0
  *     int16  column[channels][panels16][columns][32]      bits = 16
  *     uint32 record_at[columns]                           bits = 8: in bytes, from the first record
@@ -246,7 +261,7 @@ struct basis_block_entry {
 	uint8_t tinted;	  /* 1: has a tint; only where channels is 1 */
 	uint16_t pixels;  /* 1..BASIS_TILE^2 */
 	uint16_t patterns;
-	uint32_t columns;      /* 0..N; patterns + columns >= 1 */
+	uint32_t columns;      /* 0..N + K; patterns + columns >= 1 */
 	uint32_t ground;       /* of a V block: index of its shared ground term; else 0 */
 	uint32_t record_bytes; /* of all records; 0 where bits is 16 */
 	uint64_t offset;       /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */

@@ -63,6 +63,14 @@ static size_t number_blocks(struct column_choice *choice, struct block_plan *pla
 	return columns;
 }
 
+static bool has_groups(const struct column_choice *choice, const struct block_plan *plan, int count)
+{
+	for (int n = 0; n < count; n++)
+		if (plan[n].choice == choice && plan[n].grouped)
+			return true;
+	return false;
+}
+
 /* Counts become places. */
 static void add_up(uint32_t *counts, size_t count)
 {
@@ -82,10 +90,59 @@ struct loose_column {
 	uint32_t light;
 };
 
-/* All columns by classes. place: [CLASSES]. */
-static void sort_by_class(const struct column_choice *choice, const struct block_plan *plan,
-			  int count, uint32_t *place, struct loose_column *to)
+/* Where the block's columns find what they are weighed by: that of a light whose group has a column
+ * too is weighed by what the light sends beside it. grouped: [groups], all false. */
+static void find_sources(const struct basis_block *b, const struct basis_groups *groups,
+			 bool *grouped, uint32_t *source)
 {
+	const int lights = groups->lights;
+	int all = b->columns;
+
+	while (all && b->light[all - 1] >= lights)
+		grouped[b->light[--all] - lights] = true;
+	for (int n = 0; n < b->columns; n++) {
+		const int number = b->light[n];
+		const bool beside = n >= all || (all < b->columns && grouped[groups->of[number]]);
+
+		source[n] = (uint32_t)(beside ? light_beside(lights, number) : number);
+	}
+	for (int n = all; n < b->columns; n++)
+		grouped[b->light[n] - lights] = false;
+}
+
+/* Memory for sorting. */
+struct sorting {
+	struct loose_column *loose;
+	uint32_t *place;  /* [CLASSES], [lights + 1] */
+	uint32_t *source; /* [lights + groups]: of a block's columns */
+	bool *grouped;	  /* [groups] */
+};
+
+static int sorting_create(struct sorting *s, size_t columns, size_t lights,
+			  const struct basis_groups *groups)
+{
+	s->loose = malloc((columns + 1) * sizeof(*s->loose));
+	s->place = malloc((lights > CLASSES ? lights : CLASSES) * sizeof(*s->place));
+	s->source = malloc((lights + 1) * sizeof(*s->source));
+	s->grouped = calloc((size_t)groups->count + 1, sizeof(*s->grouped));
+	return s->loose && s->place && s->source && s->grouped ? 0 : -ENOMEM;
+}
+
+static void sorting_free(struct sorting *s)
+{
+	free(s->loose);
+	free(s->place);
+	free(s->source);
+	free(s->grouped);
+}
+
+/* All columns by classes. */
+static void sort_by_class(const struct column_choice *choice, const struct block_plan *plan,
+			  int count, const struct basis_groups *groups, struct sorting *s)
+{
+	struct loose_column *to = s->loose;
+	uint32_t *place = s->place;
+
 	memset(place, 0, sizeof(*place) * CLASSES);
 	for (int k = 0; k < count; k++)
 		for (int n = 0; plan[k].choice == choice && n < plan[k].block->columns; n++)
@@ -97,18 +154,22 @@ static void sort_by_class(const struct column_choice *choice, const struct block
 		if (plan[k].choice != choice)
 			continue;
 		choice->block[1 + plan[k].number].reach = plan[k].reach;
+		find_sources(b, groups, s->grouped, s->source);
 		for (int n = 0; n < b->columns; n++)
 			to[place[class_of(reach_of(&plan[k], n))]++] =
 				(struct loose_column){{b->column_scale[n], (uint32_t)plan[k].number,
 						       place_of(b, n), bytes_of(b, n)},
-						      b->light[n]};
+						      s->source[n]};
 	}
 }
 
-/* And these by lights. place: [lights + 1]. */
-static void sort_by_light(const struct column_choice *choice, const struct loose_column *from,
-			  size_t columns, uint32_t *place)
+/* And these by lights. */
+static void sort_by_light(const struct column_choice *choice, const struct sorting *s,
+			  size_t columns)
 {
+	const struct loose_column *from = s->loose;
+	uint32_t *place = s->place;
+
 	memset(place, 0, sizeof(*place) * ((size_t)choice->lights + 1));
 	for (size_t k = 0; k < columns; k++) {
 		const float reach = from[k].column.scale *
@@ -126,31 +187,29 @@ static void sort_by_light(const struct column_choice *choice, const struct loose
 }
 
 int column_choice_create(struct column_choice *choice, struct block_plan *plan, int count,
-			 enum basis_kind kind, int ground, int lights)
+			 enum basis_kind kind, int ground, const struct basis_groups *groups)
 {
-	const size_t n = (size_t)lights + 1;
-	struct loose_column *loose;
-	uint32_t *place;
-	size_t columns;
+	struct sorting sorting;
+	size_t columns, n;
 	int ret = -ENOMEM;
 
-	*choice = (struct column_choice){.lights = lights};
+	*choice = (struct column_choice){.lights = groups->lights};
 	columns = number_blocks(choice, plan, count, kind, ground);
-	loose = malloc((columns + 1) * sizeof(*loose));
-	place = malloc((n > CLASSES ? n : CLASSES) * sizeof(*place));
+	if (has_groups(choice, plan, count))
+		choice->lights = light_beside(groups->lights, groups->lights + groups->count);
+	n = (size_t)choice->lights + 1;
 	choice->light = calloc(n, sizeof(*choice->light));
 	choice->block = calloc((size_t)choice->blocks + 1, sizeof(*choice->block));
 	choice->column = malloc((columns + 1) * sizeof(*choice->column));
 	/* As large as it can be needed; only what is used takes memory. */
 	choice->chosen = malloc((columns + 1) * sizeof(*choice->chosen));
-	if (loose && place && choice->light && choice->block && choice->column && choice->chosen &&
-	    columns <= UINT32_MAX) {
-		sort_by_class(choice, plan, count, place, loose);
-		sort_by_light(choice, loose, columns, place);
+	if (sorting_create(&sorting, columns, n, groups) == 0 && choice->light && choice->block &&
+	    choice->column && choice->chosen && columns <= UINT32_MAX) {
+		sort_by_class(choice, plan, count, groups, &sorting);
+		sort_by_light(choice, &sorting, columns);
 		ret = 0;
 	}
-	free(loose);
-	free(place);
+	sorting_free(&sorting);
 	return ret;
 }
 
@@ -207,8 +266,8 @@ static inline __attribute__((always_inline)) void meet(const struct column_choic
 			if (worth < CLASS_NEAR && reach >= FLT_MIN)
 				break;
 			if (placing && worth >= 1)
-				chosen[b->end] = (struct chosen_column){
-					of.place, (uint16_t)i, (uint16_t)of.bytes, of.scale};
+				chosen[b->end] = (struct chosen_column){of.place, (uint32_t)i,
+									of.bytes, of.scale};
 			b->end += worth >= 1;
 		}
 	}

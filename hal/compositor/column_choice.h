@@ -35,7 +35,8 @@ struct choosing_block {
 
 struct chosen_column {
 	uint32_t place;
-	uint16_t light, bytes;
+	/* Its place among what the light vector sends; of a record. */
+	uint32_t light : 20, bytes : 12;
 	float scale;
 };
 
@@ -43,16 +44,16 @@ struct column_choice {
 	struct chosen_column *chosen; /* by blocks, ascending in each */
 	int left_out;		      /* columns that were not chosen */
 	/* private */
-	struct light_columns *light;  /* [lights + 1] */
+	struct light_columns *light;  /* [lights + 1]; lights: places that a vector sends from */
 	struct light_column *column;  /* by lights */
 	struct choosing_block *block; /* [1 + blocks]; the first is none */
 	int lights, blocks;
 };
 
 /* Of the layer's blocks of this kind and ground that have columns: from then on these choose
- * (block_plan's choice), and the choice must stay where it is. lights: N. -ENOMEM. */
+ * (block_plan's choice), and the choice must stay where it is. -ENOMEM. */
 int column_choice_create(struct column_choice *choice, struct block_plan *plan, int count,
-			 enum basis_kind kind, int ground, int lights);
+			 enum basis_kind kind, int ground, const struct basis_groups *groups);
 void column_choice_free(struct column_choice *choice); /* zeroed is fine */
 
 /* Chooses what may change what can be seen under this light, which was made with `cut`. */

@@ -51,6 +51,8 @@ static int need_light(struct compositor *c, struct layer *layer, const struct ba
 	}
 	order->patterns |= b->patterns > 0;
 	order->cut |= cut && b->columns > 0 && (b->kind == BASIS_KIND_T || b->kind == BASIS_KIND_V);
+	order->groups |= order->cut && b->columns &&
+			 b->light[b->columns - 1] >= c->basis->info.lights;
 	return 0;
 }
 
@@ -59,8 +61,7 @@ static int need_choice(struct compositor *c, struct layer *layer, struct layer_l
 	if (!light->order.cut)
 		return 0;
 	return column_choice_create(&light->choice, layer->plan.blocks, layer->basis->block_count,
-				    light->order.kind, light->order.ground,
-				    (int)c->basis->info.lights);
+				    light->order.kind, light->order.ground, &c->terms.groups);
 }
 
 static int create_layer(struct compositor *c, struct layer *layer, const struct basis_pose *pose,

@@ -52,6 +52,31 @@ static int create_gather(struct light_terms *t)
 	return 0;
 }
 
+/* Of the groups of lights, by ground, and at last of T. */
+static int create_shares(struct light_terms *t)
+{
+	const size_t n = (size_t)t->lights, grounds = t->basis->info.grounds;
+	double *weight;
+
+	if (basis_groups_create(&t->groups, t->basis->coarse, t->lights, t->coarse) < 0)
+		return -ENOMEM;
+	if (!t->groups.count)
+		return 0;
+	t->share = calloc((grounds + 1) * n, sizeof(*t->share));
+	weight = calloc(n, sizeof(*weight));
+	for (size_t g = 0; t->share && weight && g < grounds; g++) {
+		for (size_t i = 0; i < n; i++)
+			weight[i] = basis_ground(t->basis, (int)g, 0)[i] +
+				    basis_ground(t->basis, (int)g, 1)[i] +
+				    basis_ground(t->basis, (int)g, 2)[i];
+		basis_groups_share(&t->groups, weight, t->share + g * n);
+	}
+	if (t->share && weight)
+		basis_groups_share(&t->groups, t->solid_angle, t->share + grounds * n);
+	free(weight);
+	return t->share && weight ? 0 : -ENOMEM;
+}
+
 int light_terms_create(struct light_terms *t, const struct basis *basis)
 {
 	const int n = (int)basis->info.lights, grounds = (int)basis->info.grounds;
@@ -65,6 +90,10 @@ int light_terms_create(struct light_terms *t, const struct basis *basis)
 	}
 	for (int i = 0; i < n; i++)
 		t->solid_angle[i] = basis->lights[i].solid_angle_sr;
+	if (create_shares(t) < 0) {
+		light_terms_free(t);
+		return -ENOMEM;
+	}
 	for (int g = 0; g < grounds; g++) {
 		for (int c = 0; c < 3; c++)
 			t->ground_sum[g][c] = sum_of(basis_ground(basis, g, c), n);
@@ -76,6 +105,8 @@ void light_terms_free(struct light_terms *t)
 {
 	free(t->solid_angle);
 	free(t->ground_sum);
+	basis_groups_free(&t->groups);
+	free(t->share);
 	free(t->first);
 	free(t->light);
 	free(t->weight);

@@ -6,6 +6,7 @@
 #define INLAY_HAL_COMPOSITOR_LIGHT_TERMS_H
 
 #include "hal/basis/basis.h"
+#include "hal/basis/basis_groups.h"
 
 /*
  * Sums over lights: part j is the sum of lights j, j + 4, j + 8 ... in this order, as long as there
@@ -25,6 +26,9 @@ struct light_terms {
 	int lights, coarse;
 	double *solid_angle;	 /* [lights] */
 	double (*ground_sum)[3]; /* [grounds]: sum of u */
+	struct basis_groups groups;
+	/* [grounds + 1][lights], those of T last: q (basis_format.h). */
+	double *share;
 	/* Those that coarse light k gathers of: from first[k] on, up to first[k + 1]. All NULL
 	 * where each light is its own. */
 	uint32_t *first; /* [coarse + 1] */

@@ -43,7 +43,7 @@ int light_vector_create(struct light_vector *v, const struct light_terms *terms)
 
 	*v = (struct light_vector){
 		.lights = (int)n, .coarse = (int)k, .stride = stride, .terms = terms};
-	v->sent = lines_of(n, sizeof(*v->sent));
+	v->sent = lines_of(terms->groups.count ? 2 * n + k : n, sizeof(*v->sent));
 	v->changed = calloc(n, sizeof(*v->changed));
 	v->before = calloc(n, sizeof(*v->before));
 	v->digits = lines_of(3 * KERNEL_DIGITS * (size_t)stride, sizeof(*v->digits));
@@ -151,7 +151,8 @@ static void round_lights(struct light_sent *restrict sent, int count, const doub
 
 static inline double strength_of(const double amount[3], const double worth[3])
 {
-	const double r = amount[0] * worth[0], g = amount[1] * worth[1], b = amount[2] * worth[2];
+	const double r = fabs(amount[0]) * worth[0], g = fabs(amount[1]) * worth[1],
+		     b = fabs(amount[2]) * worth[2];
 	const double most = r > g ? r : g;
 
 	return most > b ? most : b;
@@ -160,20 +161,58 @@ static inline double strength_of(const double amount[3], const double worth[3])
 /* The most that a light may be worth: no file's cut is so small, and no product overflows. */
 #define WORTH_MOST 0x1p900
 
-static void round_all(struct light_vector *v, const struct rounding *how, bool cut)
+/* What an amount of 1 is worth in each channel. */
+static void worth_of(const struct light_vector *v, const struct rounding *how, double worth[3])
 {
 	const double least = v->terms->basis->info.column_cut;
 	const double per_cut = least * WORTH_MOST > 1 ? 1 / least : WORTH_MOST;
+
+	for (int c = 0; c < 3; c++)
+		worth[c] = how->share[c] * per_cut;
+}
+
+static void round_all(struct light_vector *v, const struct rounding *how, bool cut)
+{
 	double factor[4] = {0}, unit[4] = {0}, worth[3];
 
 	for (int c = 0; c < 3; c++) {
 		v->unit[c] = unit[c] = power_of_two(-how->bits[c]);
 		factor[c] = power_of_two(how->bits[c] + how->up[c]);
-		worth[c] = how->share[c] * per_cut;
 	}
+	worth_of(v, how, worth);
 	round_lights(v->sent, v->lights, factor, unit);
 	for (int i = 0; i < v->lights && cut; i++)
 		v->sent[i].strength = strength_of(v->sent[i].amount, worth);
+}
+
+/* ---- groups ---- */
+
+/* What each group's lights have in common, and what each of them sends beside it. No integers, but
+ * the same on every machine. */
+static void part_groups(struct light_vector *v, const struct light_order *order,
+			const struct rounding *how)
+{
+	const struct basis_groups *groups = &v->terms->groups;
+	const size_t grounds = v->terms->basis->info.grounds;
+	const size_t row = order->kind == BASIS_KIND_V ? (size_t)order->ground : grounds;
+	const double *share = v->terms->share + row * (size_t)v->lights;
+	struct light_sent *beside = v->sent + v->lights, *even = beside + v->lights;
+	double worth[3], most[3];
+
+	worth_of(v, how, worth);
+	for (int c = 0; c < 3; c++)
+		most[c] = worth[c] > 0 ? BASIS_GROUP_MOST / worth[c] : 0;
+	for (int k = 0; k < groups->count; k++) {
+		basis_group_even(groups, k, share, (const double(*)[4])v->sent, most,
+				 even[k].amount);
+		even[k].strength = strength_of(even[k].amount, worth);
+	}
+	for (int i = 0; i < v->lights; i++) {
+		for (int c = 0; c < 3; c++)
+			beside[i].amount[c] = v->sent[i].amount[c] -
+					      share[i] * even[groups->of[i]].amount[c];
+		beside[i].strength = strength_of(beside[i].amount, worth);
+	}
 }
 
 /* ---- Y ---- */
@@ -332,6 +371,8 @@ void light_vector_make(struct light_vector *v, const struct light_order *order,
 		break;
 	}
 	round_all(v, &how, order->cut);
+	if (order->groups)
+		part_groups(v, order, &how);
 	if (order->patterns)
 		make_planes(v, x_bits + 1); /* N roundings of 1/2 add less than that */
 }

@@ -23,6 +23,7 @@ struct light_order {
 	bool patterns; /* its blocks have some: they need planes, which otherwise stay as they are
 			*/
 	bool cut;      /* columns may be left out: strength, of T and V */
+	bool groups;   /* with that: its blocks have columns of groups */
 };
 
 /* What one light sends; beside each other, as that is how columns ask for it. */
@@ -37,9 +38,17 @@ struct light_sent {
 	double strength;
 };
 
+/* Behind the lights a vector has what each sends beside its group, X - q S, and then S of each
+ * group. So this is the place of a light whose group has a column too, and of a group, whose number
+ * in a file comes after those of the lights. */
+static inline int light_beside(int lights, int number)
+{
+	return lights + number;
+}
+
 struct light_vector {
 	int lights, coarse, stride; /* stride: coarse rounded up to a line */
-	struct light_sent *sent;    /* [lights] */
+	struct light_sent *sent;    /* [lights], and with groups [lights + coarse] more */
 	double unit[3];		    /* a power of two: 1 of X and of Y */
 	int reach;		    /* the sum of all amounts of a channel is below 2^reach */
 	uint32_t factor[3]; /* Q30: turns a sum over amounts into O (less gain_bits) or 1 - ratio */

@@ -11,6 +11,9 @@
 #define FRACTION_BITS 31
 /* A byte column counts 127 where others count 32767. */
 #define BYTE_SHIFT 8
+/* What lights send beside their groups, and the groups, come to no more than so many times what all
+ * lights send: X + q S, and S. */
+#define GROUPED 3
 /* Reading and writing the kept sums costs as much as reading so many lines. */
 #define KEPT_LINES 64
 
@@ -36,8 +39,9 @@ static float farthest_scale(const struct basis_block *b)
 
 /* The largest value per unit of light that the sum of all lines can come to: the coarse lights add
  * up to no more than the light that they gather. */
-static double block_bound(const struct basis_block *b)
+static double block_bound(const struct block_plan *plan)
 {
+	const struct basis_block *b = plan->block;
 	const double most = b->bits == 8 ? 127 : 32767;
 	double patterns = 0;
 
@@ -49,7 +53,7 @@ static double block_bound(const struct basis_block *b)
 			highest = abs(row[k]) > highest ? abs(row[k]) : highest;
 		patterns += (double)b->pattern_scale[j] * 32767 * highest;
 	}
-	return patterns + (double)farthest_scale(b) * most;
+	return patterns + (double)farthest_scale(b) * most * (plan->grouped ? GROUPED : 1);
 }
 
 static int exponent_of_bound(double bound)
@@ -57,13 +61,20 @@ static int exponent_of_bound(double bound)
 	return bound > 0 ? exponent_above(bound) : -200;
 }
 
-static struct block_plan plan_block(const struct basis_block *b, bool cut)
+static bool is_grouped(const struct basis *basis, const struct basis_block *b)
+{
+	return b->columns && b->light[b->columns - 1] >= basis->info.lights;
+}
+
+static struct block_plan plan_block(const struct basis *basis, const struct basis_block *b,
+				    bool cut)
 {
 	struct block_plan plan = {
 		.block = b,
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
 		.kept = !cut && b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
+		.grouped = is_grouped(basis, b),
 		.reach = value_of_one(b),
 	};
 
@@ -107,7 +118,7 @@ static void plan_group(struct block_plan *plan, int count)
 	for (int n = 0; n < count; n++) {
 		const struct basis_block *b = plan[n].block;
 
-		bound += block_bound(b) * (b->tint ? 2 : 1);
+		bound += block_bound(&plan[n]) * (b->tint ? 2 : 1);
 		lines += b->patterns + b->columns;
 		plan[n].joins = n > 0 && !plan[n].kept && !plan[n - 1].kept && !b->tint &&
 				!plan[n - 1].block->tint && same_pixels(b, plan[n - 1].block);
@@ -157,7 +168,7 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		return -ENOMEM;
 	}
 	for (int n = 0; n < layer->block_count; n++) {
-		plan->blocks[n] = plan_block(&layer->blocks[n], cut);
+		plan->blocks[n] = plan_block(basis, &layer->blocks[n], cut);
 		place_kept(plan, &plan->blocks[n]);
 	}
 	for (int t = 0; t < tiles; t++) {

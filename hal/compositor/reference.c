@@ -92,7 +92,8 @@ static void add_block(const struct scene *s, const struct basis_block *b, double
 					    b->coefficient[place(b, p, c, b->patterns, j)];
 		}
 	}
-	for (int n = 0; n < b->columns; n++) {
+	/* With S = 0, groups have no light. */
+	for (int n = 0; n < b->columns && b->light[n] < s->basis->info.lights; n++) {
 		for (int p = 0; p < b->pixels; p++) {
 			for (int c = 0; c < 3; c++)
 				to[p][c] += column_value(b, p, c, n) * s->x[b->light[n]][c];

@@ -415,6 +415,33 @@ static void refuses_broken_records(void **state)
 	copied_free(&c);
 }
 
+/* Columns of groups are there where columns may be left out: in what is shown, of T and V. */
+static void refuses_groups_elsewhere(void **state)
+{
+	struct synthetic *s = *state;
+	struct copied whole = copied_file(s->path), c = copied_file(s->path);
+	const struct parts t = find_block(&c, false, BASIS_KIND_T, 0);
+	const struct parts v = find_block(&c, false, BASIS_KIND_V, 0);
+	const struct parts d = find_block(&c, false, BASIS_KIND_D, 0);
+	const struct parts x = find_block(&c, true, BASIS_KIND_T, 0);
+	struct basis_info_chunk *info = copied_data(&c, BASIS_CHUNK_INFO);
+	struct fault fault;
+
+	info->column_cut = 0.001;
+	t.light[4] = 69;
+	v.light[4] = 69;
+	synthetic_reseal(c.data, c.bytes);
+	assert_int_equal(copied_open(&c, &fault), 0);
+	memcpy(whole.data, c.data, c.bytes);
+	REFUSED("light 70, expected ascending numbers below 70", t.light[4] = 70);
+	REFUSED("light 50, expected ascending numbers below 50", d.light[4] = 50);
+	REFUSED("light 50, expected ascending numbers below 50", x.light[49] = 50);
+	REFUSED("light 69, expected ascending numbers below 50", info->column_cut = 0);
+	REFUSED("71 columns, expected at most 70", t.entry->columns = 71);
+	copied_free(&whole);
+	copied_free(&c);
+}
+
 static void refuses_broken_arrays(void **state)
 {
 	struct synthetic *s = *state;
@@ -526,6 +553,7 @@ int main(void)
 		cmocka_unit_test(refuses_broken_entries),
 		cmocka_unit_test(refuses_what_does_not_add_up),
 		cmocka_unit_test(refuses_broken_records),
+		cmocka_unit_test(refuses_groups_elsewhere),
 		cmocka_unit_test(refuses_broken_arrays),
 		cmocka_unit_test(refuses_broken_tints),
 		cmocka_unit_test(bounds_values),

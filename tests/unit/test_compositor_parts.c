@@ -292,6 +292,7 @@ static void columns_that_count_are_chosen(void **state)
 	struct choosing *c = calloc(1, sizeof(*c));
 	struct column_choice choice[3];
 	struct light_vector v = {.lights = CHOICE_LIGHTS, .sent = c->sent};
+	const struct basis_groups groups = {.lights = CHOICE_LIGHTS};
 	long counted[2] = {0};
 
 	(void)state;
@@ -300,7 +301,7 @@ static void columns_that_count_are_chosen(void **state)
 		for (int k = 0; k < 3; k++)
 			assert_int_equal(column_choice_create(&choice[k], c->plan, CHOICE_BLOCKS,
 							      k ? BASIS_KIND_V : BASIS_KIND_T,
-							      k == 2, CHOICE_LIGHTS),
+							      k == 2, &groups),
 					 0);
 		for (int frame = 0; frame < 60; frame++) {
 			for (int i = 0; i < CHOICE_LIGHTS; i++)
