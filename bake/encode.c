@@ -27,6 +27,7 @@
 
 struct encoder {
 	struct encode_settings settings; /* its ensemble is shade's */
+	struct basis_groups groups;
 	struct shade shade;
 	struct levels levels;
 	struct part *part;
@@ -52,7 +53,10 @@ int encoder_create(struct encoder **encoder, const struct encode_settings *setti
 	levels_fill(&e->levels, settings->target.cell);
 	e->measure.settings = &e->settings;
 	e->measure.levels = &e->levels;
-	err = shade_create(&e->shade, settings);
+	e->settings.groups = &e->groups;
+	err = basis_groups_create(&e->groups, settings->gather, settings->lights, settings->coarse);
+	if (!err)
+		err = shade_create(&e->shade, settings);
 	e->settings.ensemble = &e->shade.skies;
 	if (!err)
 		err = split_create(&e->split, &e->settings);
@@ -75,6 +79,7 @@ void encoder_destroy(struct encoder *e)
 	}
 	free(e->part);
 	free(e->reader);
+	basis_groups_free(&e->groups);
 	shade_free(&e->shade);
 	split_free(&e->split);
 	search_free(&e->search);

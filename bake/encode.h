@@ -12,6 +12,7 @@
 #include <stdbool.h>
 
 #include "bake/ensemble.h"
+#include "hal/basis/basis_groups.h"
 #include "hal/basis/basis_writer.h"
 
 /* Transport of one kind for some pixels of a tile: t, v, d or u as basis_format.h defines them,
@@ -39,6 +40,7 @@ struct encode_settings {
 	const double *ground;		   /* [grounds][3][lights] */
 	int coarse;			   /* K */
 	const struct basis_coarse *gather; /* [lights]; NULL where coarse is lights */
+	const struct basis_groups *groups; /* the encoder's own, of gather */
 	const struct ensemble *ensemble;
 	struct encode_target target;
 	double column_cut; /* of struct basis_info_chunk */

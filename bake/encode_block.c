@@ -179,28 +179,44 @@ static void write_record(const struct encode_settings *settings, const struct pa
 		to += basis_line_pack(column->code[k], value[k], to);
 }
 
+/* The next column of a block, in the order of their numbers. */
+static void write_next(const struct search *s, const struct split *split,
+		       const struct basis_block_payload *block, int number, int light,
+		       const struct split_column *column)
+{
+	if (block->entry.bits == 8)
+		write_record(s->settings, split->part, block, number, light, column);
+	else
+		write_column(s->settings, split->part, false, block, number, light, column->scale,
+			     column->value);
+}
+
 static void write_columns(struct block_list *list, int first, const struct search *s,
 			  const struct split *split, const struct plan_block *blocks, int count)
 {
+	const int lights = s->settings->lights;
 	int written[PLAN_BLOCKS_MAX] = {0};
+	struct split_column column;
 
-	for (int i = 0; i < s->settings->lights; i++) {
-		struct split_column column;
+	for (int i = 0; i < lights; i++) {
 		float left[PART_ROWS];
 
-		search_column(split, i, left, &column);
-		for (int k = 0; k < count && column.form != COLUMN_NONE; k++) {
-			if (blocks[k].form != column.form)
-				continue;
-			if (blocks[k].bits == 8)
-				write_record(s->settings, split->part, &list->block[first + k],
-					     written[k]++, i, &column);
-			else
-				write_column(s->settings, split->part, false,
-					     &list->block[first + k], written[k]++, i, column.scale,
-					     column.value);
-		}
+		search_light(split, i, left, &column);
+		for (int k = 0; k < count && column.form != COLUMN_NONE; k++)
+			if (blocks[k].form == column.form)
+				write_next(s, split, &list->block[first + k], written[k]++, i,
+					   &column);
 	}
+	for (int k = 0; k < count && split->part->share; k++)
+		for (int g = 0; g < s->settings->groups->count; g++) {
+			const struct found_group *group = &s->group[blocks[k].form][g];
+
+			if (!group->columns || group->number < 0)
+				continue;
+			search_group(s, split, blocks[k].form, g, &column);
+			write_next(s, split, &list->block[first + k], written[k]++, lights + g,
+				   &column);
+		}
 }
 
 int block_build(struct block_list *list, const struct search *s, const struct split *split,

@@ -37,7 +37,8 @@ struct block_reader {
 	int count;
 	double *at_light;    /* [patterns of all blocks][lights] */
 	double *coefficient; /* [patterns of all blocks][PART_ROWS] */
-	int patterns_room;
+	bool *grouped;	     /* [blocks][groups]: of what groups a block has columns */
+	int patterns_room, blocks_room;
 };
 
 void block_reader_free(struct block_reader *reader); /* zeroed is fine */
@@ -49,8 +50,10 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 /* A light's values, every column used: [3][part's pixels]. */
 void block_reader_light(const struct block_reader *reader, int light, double (*value)[PART_PIXELS]);
 
-/* Sums over a sky's X [3][lights], columns below the cut left out: [3][part's pixels]. */
-void block_reader_sky(const struct block_reader *reader, const float *x, double cut,
-		      double (*sum)[PART_PIXELS]);
+/* Sums over a sky's X, columns below the part's cut left out: [3][part's pixels]. */
+void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[PART_PIXELS]);
+
+/* What the columns of groups are rounded by, at most, per unit of light. */
+double block_reader_rounding(const struct block_reader *reader);
 
 #endif

@@ -2,6 +2,7 @@
  */
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "bake/encode_split.h"
@@ -226,8 +227,7 @@ static void shorten(const struct split *split, bool mono, int light, const float
 
 static size_t column_bytes(const struct part *part, const struct split_column *column)
 {
-	const bool mono = column->form == COLUMN_MONO8 || column->form == COLUMN_MONO16;
-	const int channels = mono ? 1 : 3;
+	const int channels = column_channels(column->form);
 
 	if (column_most(column->form) == INT8_MAX)
 		return basis_record_bytes(column->code, basis_record_lines(part->kept, channels));
@@ -290,5 +290,45 @@ void split_find_column(const struct split *split, int light, float *left,
 		if (try_form(split, order[k], light, reach, wanted, left, column))
 			break;
 	}
+	column->bytes = column_bytes(split->part, column);
+}
+
+/* As short as it can be without a loss. */
+static void shorten_exactly(const struct split *split, struct split_column *column)
+{
+	const struct part *part = split->part;
+	const int channels = column_channels(column->form), panels = basis_panels8(part->kept);
+
+	for (int c = 0; c < channels; c++)
+		for (int p = 0, panel = 0; panel < panels; panel++) {
+			int most = 0;
+
+			for (int k = 0; p < part->pixels && k < BASIS_LINE8; p++) {
+				const int value = column->value[c * part->pixels + p];
+
+				if (!part->keep[p])
+					continue;
+				most = abs(value) > most ? abs(value) : most;
+				k++;
+			}
+			column->code[panel * channels + c] = !most ? 0
+							     : most <= (int)HALF_MOST
+								     ? 1
+								     : BASIS_LINE_WHOLE;
+		}
+}
+
+void split_take_column(const struct split *split, const float *from, double reach,
+		       struct split_column *column)
+{
+	const int count = column_channels(column->form) * split->part->pixels;
+	const int most = column_most(column->form);
+	double largest = reach;
+
+	for (int k = 0; k < count; k++)
+		largest = fmax(largest, (double)fabsf(from[k]));
+	quantise(from, count, largest / most, most, 1, column);
+	if (most == INT8_MAX)
+		shorten_exactly(split, column);
 	column->bytes = column_bytes(split->part, column);
 }

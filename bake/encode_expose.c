@@ -350,6 +350,47 @@ static void choose_pixels(struct part *part, const struct encode_settings *setti
 	}
 }
 
+static void share_groups(struct part *part, const struct encode_settings *settings)
+{
+	const int n = settings->lights;
+	double *of = part->own_share;
+
+	for (int i = 0; i < n; i++)
+		of[i] = part->kind == BASIS_KIND_V ? ground_of(settings, part, 0)[i] +
+							     ground_of(settings, part, 1)[i] +
+							     ground_of(settings, part, 2)[i]
+						   : settings->light[i].solid_angle_sr;
+	basis_groups_share(settings->groups, of, of);
+}
+
+/* What lights of a group have in common, in units in which the cut is settings->column_cut. */
+static void even_skies(struct part *part, const struct encode_settings *settings)
+{
+	const size_t n = (size_t)settings->lights, groups = (size_t)settings->groups->count;
+	const double cut = BASIS_GROUP_MOST * settings->column_cut, most[3] = {cut, cut, cut};
+	const bool used = (part->kind == BASIS_KIND_T || part->kind == BASIS_KIND_V) && groups &&
+			  settings->column_cut > 0;
+
+	part->sky_even = used ? part->own_even : NULL;
+	part->share = used ? part->own_share : NULL;
+	if (!used)
+		return;
+	share_groups(part, settings);
+	for (size_t s = 0; s < (size_t)settings->ensemble->skies; s++) {
+		for (size_t c = 0; c < 3; c++)
+			for (size_t i = 0; i < n; i++)
+				part->beside[i][c] = (double)part->sky_x[(s * 3 + c) * n + i];
+		for (size_t k = 0; k < groups; k++) {
+			double even[3];
+
+			basis_group_even(settings->groups, (int)k, part->own_share,
+					 (const double(*)[4])part->beside, most, even);
+			for (size_t c = 0; c < 3; c++)
+				part->own_even[(s * 3 + c) * groups + k] = (float)even[c];
+		}
+	}
+}
+
 void part_expose(struct part *part, const struct encode_settings *settings)
 {
 	expose_cells(part, settings);
@@ -359,6 +400,7 @@ void part_expose(struct part *part, const struct encode_settings *settings)
 	else
 		expose_light(part, settings);
 	sum_skies(part, settings);
+	even_skies(part, settings);
 }
 
 void part_limit(struct part *part, const struct encode_settings *settings,

@@ -126,7 +126,7 @@ static void sum_sky(struct measure *m, const struct part *part, const struct blo
 	const size_t n = (size_t)m->settings->lights;
 	const float *x = part->sky_x + (size_t)sky * 3 * n;
 
-	block_reader_sky(reader, x, part->column_cut, sums->got);
+	block_reader_sky(reader, sky, sums->got);
 	if (part->base == part->value) {
 		for (int c = 0; c < 3; c++)
 			for (int p = 0; p < part->pixels; p++)
@@ -265,5 +265,7 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 	for (int i = 0; i < m->settings->lights; i++)
 		error->cell_square += cell_error(m, parts, readers, count, i, listed, coverage,
 						 &error->cell_max);
+	for (int k = 0; k < count; k++)
+		m->bound[k] += block_reader_rounding(&readers[k]);
 	return 0;
 }

@@ -20,7 +20,11 @@ int part_create(struct part *part, const struct encode_settings *settings)
 	part->cell_white = calloc(n, sizeof(*part->cell_white));
 	part->weight = calloc(n, sizeof(*part->weight));
 	part->sky_base = calloc(skies * PART_ROWS, sizeof(*part->sky_base));
-	return part->cell_slope && part->cell_white && part->weight && part->sky_x && part->sky_base
+	part->own_even = calloc(skies * 3 * (size_t)settings->coarse, sizeof(*part->own_even));
+	part->own_share = calloc(n, sizeof(*part->own_share));
+	part->beside = calloc(n, sizeof(*part->beside));
+	return part->own_even && part->own_share && part->beside && part->cell_slope &&
+			       part->cell_white && part->weight && part->sky_x && part->sky_base
 		       ? 0
 		       : -ENOMEM;
 }
@@ -37,6 +41,9 @@ void part_free(struct part *part)
 	free(part->cell_slope);
 	free(part->sky_x);
 	free(part->sky_base);
+	free(part->own_even);
+	free(part->own_share);
+	free(part->beside);
 	*part = (struct part){.kept = 0};
 }
 

@@ -75,6 +75,11 @@ struct part {
 	float *weight; /* [lights] */
 	float pixel_weight[PART_PIXELS];
 	float *sky_x; /* [skies][3][lights] */
+	/* Of T and V where columns may be left out, else NULL: what the lights of a group have in
+	 * common under each sky, [skies][3][coarse], and each light's share of its group, [lights]
+	 * (hal/basis/basis_groups.h). */
+	const float *sky_even;
+	const double *share;
 	float sky_offset[ENSEMBLE_SKIES_MAX][3], sky_slope[ENSEMBLE_SKIES_MAX][3];
 	float *sky_base; /* [skies][3 * pixels]: sum of X base */
 	/* The radiance that comes out as 1, where L is 1 in the cell, and as the sky has it. */
@@ -82,6 +87,8 @@ struct part {
 	double sky_white[ENSEMBLE_SKIES_MAX];
 	size_t value_room, direct_room, base_room, least_room, most_room;
 	float *own_base; /* where base is not value */
+	float *own_even;
+	double *own_share, (*beside)[4]; /* [lights]; a sky's X, as groups are asked for it */
 };
 
 /* Makes an array at least so long; what it held may be lost. -ENOMEM: it stays as it was. */

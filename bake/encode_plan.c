@@ -64,33 +64,6 @@ static void count_bytes(const struct search *s, const struct split *split, struc
 	}
 }
 
-/* The skies' light on what patterns leave goes, where the column is used, to what the column
- * leaves; size: of what it changes by at most, per unit of X. Under how many skies it is used. */
-static int use_column(struct search *s, const struct part *part, int light, double size,
-		      const float *left)
-{
-	const size_t n = (size_t)s->settings->lights, number = (size_t)s->used_columns++;
-	const double cut = part->column_cut;
-	int used = 0;
-
-	memcpy(s->column_left + number * (size_t)part->rows, left,
-	       (size_t)part->rows * sizeof(*left));
-	for (size_t k = 0; k < (size_t)s->settings->ensemble->tried; k++) {
-		const float *x = part->sky_x + k * 3 * n + (size_t)light;
-		const double most = (double)fmaxf(fmaxf(x[0], x[n]), x[2 * n]);
-
-		used += most * size >= cut;
-		for (size_t c = 0; c < 3; c++) {
-			s->column_x[(k * 3 + c) * n + number] = 0;
-			if (most * size < cut)
-				continue;
-			s->column_x[(k * 3 + c) * n + number] = x[c * n];
-			s->sky_x[(k * 3 + c) * n + (size_t)light] = 0;
-		}
-	}
-	return used;
-}
-
 /* U may come out as 0, not less: the quotient's sign is that of a shadow. */
 static bool negative(const struct part *part, int light, const float *left)
 {
@@ -106,7 +79,7 @@ static bool negative(const struct part *part, int light, const float *left)
 	return least < -most / 254;
 }
 
-void search_column(const struct split *split, int light, float *left, struct split_column *column)
+void search_light(const struct split *split, int light, float *left, struct split_column *column)
 {
 	column->form = COLUMN_NONE;
 	split_left(split, light, left);
@@ -114,31 +87,164 @@ void search_column(const struct split *split, int light, float *left, struct spl
 		split_find_column(split, light, left, column);
 }
 
-static void choose_columns(struct search *s, const struct split *split, struct plan *plan)
+/* A column goes to its group. */
+static void join_group(struct search *s, const struct part *part, int light,
+		       const struct split_column *column)
+{
+	const int count = column_channels(column->form) * part->pixels;
+	struct found_group *group;
+	float *value, share;
+
+	if (!part->share)
+		return;
+	group = &s->group[column->form][s->settings->groups->of[light]];
+	if (!group->columns) {
+		*group = (struct found_group){
+			.value = (size_t)s->found_groups++ * (size_t)part->rows, .number = -1};
+		memset(s->group_value + group->value, 0, (size_t)count * sizeof(*value));
+	}
+	share = (float)part->share[light];
+	value = s->group_value + group->value;
+	group->columns++;
+	group->reach += (double)(share * column->scale) * column_most(column->form);
+	for (int k = 0; k < count; k++)
+		value[k] += share * column->scale * (float)column->value[k];
+}
+
+static void find_columns(struct search *s, const struct split *split)
 {
 	const struct part *part = split->part;
-	const int n = s->settings->lights;
-	const size_t rows = (size_t)s->settings->ensemble->tried * 3;
-	float left[PART_ROWS];
 
-	memcpy(s->sky_x, part->sky_x, rows * (size_t)n * sizeof(*s->sky_x));
-	memset(plan->columns, 0, sizeof(plan->columns));
-	memset(plan->column_bytes, 0, sizeof(plan->column_bytes));
-	plan->read = 0;
-	s->used_columns = 0;
-	for (int i = 0; i < n; i++) {
+	s->used_columns = s->found_groups = 0;
+	for (int form = 0; form < COLUMN_FORMS; form++)
+		memset(s->group[form], 0,
+		       (size_t)s->settings->groups->count * sizeof(*s->group[form]));
+	for (int i = 0; i < s->settings->lights; i++) {
+		float *left = s->column_left + (size_t)s->used_columns * (size_t)part->rows;
 		struct split_column column;
-		int used;
 
-		search_column(split, i, left, &column);
-		plan->columns[column.form]++;
+		search_light(split, i, left, &column);
 		if (column.form == COLUMN_NONE)
 			continue;
-		plan->column_bytes[column.form] += column.bytes;
-		used = use_column(s, part, i, (double)column.scale * column_most(column.form),
-				  left);
-		plan->read += used * (double)column.bytes / s->settings->ensemble->tried;
+		s->found[s->used_columns++] = (struct found_column){
+			i, column.form, (double)column.scale * column_most(column.form),
+			column.bytes};
+		join_group(s, part, i, &column);
 	}
+}
+
+void search_group(const struct search *s, const struct split *split, enum column_form form, int k,
+		  struct split_column *column)
+{
+	const struct found_group *group = &s->group[form][k];
+
+	column->form = form;
+	split_take_column(split, s->group_value + group->value, group->reach, column);
+}
+
+/* Those of groups follow the lights'. Returns how many there are of both. */
+static int find_groups(struct search *s, const struct split *split)
+{
+	const int groups = split->part->share ? s->settings->groups->count : 0;
+	int count = s->used_columns;
+
+	for (int form = 0; form < COLUMN_FORMS; form++)
+		for (int k = 0; k < groups; k++) {
+			struct found_group *group = &s->group[form][k];
+			struct split_column column;
+
+			if (group->columns < FOUND_GROUP_COLUMNS ||
+			    group->reach < FOUND_GROUP_REACH)
+				continue;
+			search_group(s, split, (enum column_form)form, k, &column);
+			group->number = count;
+			s->found[count++] = (struct found_column){
+				s->settings->lights + k, column.form,
+				(double)column.scale * column_most(column.form), column.bytes};
+		}
+	return count;
+}
+
+static bool is_used(const struct part *part, const float x[3], const struct found_column *column)
+{
+	const float most = fmaxf(fmaxf(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
+
+	return (double)most * column->reach >= part->column_cut;
+}
+
+/* How much of a light under a sky its column, and that of its group, put right: read gains what is
+ * read for it. */
+static void use_column(const struct search *s, const struct part *part, size_t sky,
+		       const struct found_column *column, float used[3], double *read)
+{
+	const struct basis_groups *groups = s->settings->groups;
+	const size_t n = (size_t)s->settings->lights, light = (size_t)column->number;
+	const struct found_group *group = NULL;
+	float x[3];
+
+	for (size_t c = 0; c < 3; c++) {
+		x[c] = part->sky_x[(sky * 3 + c) * n + light];
+		used[c] = 0;
+	}
+	if (part->share)
+		group = &s->group[column->form][groups->of[light]];
+	if (group && group->number >= 0) {
+		const float *row = part->sky_even + sky * 3 * (size_t)groups->count +
+				   groups->of[light];
+		const float even[3] = {row[0], row[groups->count], row[2 * groups->count]};
+		const struct found_column *all = &s->found[group->number];
+		const bool in = is_used(part, even, all);
+
+		for (int c = 0; c < 3; c++) {
+			const float common = (float)part->share[light] * even[c];
+
+			x[c] -= common;
+			used[c] = in ? common : 0;
+		}
+		*read += in ? (double)all->bytes / group->columns : 0;
+	}
+	if (!is_used(part, x, column))
+		return;
+	for (int c = 0; c < 3; c++)
+		used[c] += x[c];
+	*read += (double)column->bytes;
+}
+
+/* The skies' light on what patterns leave goes, as far as columns are used, to what these leave. */
+static double use_columns(struct search *s, const struct part *part)
+{
+	const size_t n = (size_t)s->settings->lights;
+	const size_t skies = (size_t)s->settings->ensemble->tried;
+	double read = 0;
+
+	memcpy(s->sky_x, part->sky_x, skies * 3 * n * sizeof(*s->sky_x));
+	for (size_t k = 0; k < skies; k++)
+		for (size_t number = 0; number < (size_t)s->used_columns; number++) {
+			const struct found_column *column = &s->found[number];
+			float used[3];
+
+			use_column(s, part, k, column, used, &read);
+			for (size_t c = 0; c < 3; c++) {
+				s->column_x[(k * 3 + c) * n + number] = used[c];
+				s->sky_x[(k * 3 + c) * n + (size_t)column->number] -= used[c];
+			}
+		}
+	return read / (double)skies;
+}
+
+static void choose_columns(struct search *s, const struct split *split, struct plan *plan)
+{
+	int count;
+
+	find_columns(s, split);
+	count = find_groups(s, split);
+	memset(plan->columns, 0, sizeof(plan->columns));
+	memset(plan->column_bytes, 0, sizeof(plan->column_bytes));
+	for (int k = 0; k < count; k++) {
+		plan->columns[s->found[k].form]++;
+		plan->column_bytes[s->found[k].form] += s->found[k].bytes;
+	}
+	plan->read = use_columns(s, split->part);
 }
 
 /* What the skies' light makes of what is left. */

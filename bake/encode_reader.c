@@ -1,5 +1,6 @@
 /* What blocks say, decoded from their payloads alone. */
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@ void block_reader_free(struct block_reader *reader)
 {
 	free(reader->at_light);
 	free(reader->coefficient);
+	free(reader->grouped);
 	*reader = (struct block_reader){.count = 0};
 }
 
@@ -29,6 +31,32 @@ static int reserve(struct block_reader *reader, int patterns)
 		return -ENOMEM;
 	reader->patterns_room = patterns;
 	return 0;
+}
+
+static int reserve_groups(struct block_reader *reader, int blocks)
+{
+	if (blocks <= reader->blocks_room)
+		return 0;
+	free(reader->grouped);
+	reader->blocks_room = 0;
+	reader->grouped = malloc((size_t)blocks * ((size_t)reader->settings->groups->count + 1));
+	if (!reader->grouped)
+		return -ENOMEM;
+	reader->blocks_room = blocks;
+	return 0;
+}
+
+static void read_groups(struct block_reader *reader, int k)
+{
+	const struct basis_groups *groups = reader->settings->groups;
+	const struct basis_block_payload *block = &reader->block[k];
+	const struct basis_layout at = basis_layout(&block->entry, reader->settings->coarse);
+	const uint16_t *number = (const uint16_t *)((const uint8_t *)block->payload + at.light);
+	bool *grouped = reader->grouped + (size_t)k * (size_t)groups->count;
+
+	memset(grouped, 0, (size_t)groups->count * sizeof(*grouped));
+	for (uint32_t n = block->entry.columns; n && number[n - 1] >= groups->lights; n--)
+		grouped[number[n - 1] - groups->lights] = true;
 }
 
 static void read_patterns(struct block_reader *reader, const struct basis_block_payload *block,
@@ -78,11 +106,14 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 	for (int k = 0; k < count; k++)
 		patterns += block[k].entry.patterns;
 	err = reserve(reader, patterns);
+	if (!err)
+		err = reserve_groups(reader, count);
 	if (err)
 		return err;
 	patterns = 0;
 	for (int k = 0; k < count; k++) {
 		read_patterns(reader, &block[k], patterns);
+		read_groups(reader, k);
 		patterns += block[k].entry.patterns;
 	}
 	return 0;
@@ -219,10 +250,38 @@ void block_reader_light(const struct block_reader *reader, int light, double (*v
 	}
 }
 
-void block_reader_sky(const struct block_reader *reader, const float *x, double cut,
-		      double (*sum)[PART_PIXELS])
+/* What a column of a block is weighed by under a sky: as the compositor does it. */
+static void weigh(const struct block_reader *reader, int block, int sky, int number,
+		  double factor[3])
 {
+	const struct basis_groups *groups = reader->settings->groups;
+	const struct part *part = reader->part;
+	const bool *grouped = reader->grouped + (size_t)block * (size_t)groups->count;
+	const bool single = number < groups->lights;
+	const int group = !groups->count ? 0
+			  : single	 ? groups->of[number]
+					 : number - groups->lights;
+
+	for (int c = 0; c < 3; c++) {
+		const size_t row = (size_t)(sky * 3 + c);
+		const double x =
+			single ? (double)part->sky_x[row * (size_t)groups->lights + (size_t)number]
+			       : 0;
+
+		factor[c] = x;
+		if (groups->count && grouped[group])
+			factor[c] = (single ? -part->share[number] : 1) *
+					    (double)part->sky_even[row * (size_t)groups->count +
+								   (size_t)group] +
+				    x;
+	}
+}
+
+void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[PART_PIXELS])
+{
+	const struct part *part = reader->part;
 	const size_t n = (size_t)reader->settings->lights;
+	const float *x = part->sky_x + (size_t)sky * 3 * n;
 	int first = 0;
 
 	memset(sum, 0, 3 * sizeof(*sum));
@@ -245,16 +304,34 @@ void block_reader_sky(const struct block_reader *reader, const float *x, double 
 			}
 		add_patterns(reader, e, first, (const double(*)[3])y, own);
 		for (uint32_t i = 0; i < e->columns; i++) {
-			const uint16_t light = ((const uint16_t *)(payload + at.light))[i];
 			const double most = (double)((const float *)scales)[i] *
 					    (e->bits == 8 ? 127 : 32767);
-			const double factor[3] = {(double)x[light], (double)x[n + light],
-						  (double)x[2 * n + light]};
+			double factor[3];
 
-			if (most * fmax(fmax(factor[0], factor[1]), factor[2]) >= cut)
+			weigh(reader, k, sky, ((const uint16_t *)(payload + at.light))[i], factor);
+			if (most * fmax(fmax(fabs(factor[0]), fabs(factor[1])), fabs(factor[2])) >=
+			    part->column_cut)
 				add_column(block, &at, (int)i, factor, own);
 		}
 		add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, sum);
 		first += e->patterns;
 	}
+}
+
+double block_reader_rounding(const struct block_reader *reader)
+{
+	double most = 0;
+
+	for (int k = 0; k < reader->count; k++) {
+		const struct basis_block_entry *e = &reader->block[k].entry;
+		const struct basis_layout at = basis_layout(e, reader->settings->coarse);
+		const uint8_t *payload = reader->block[k].payload;
+		const uint16_t *light = (const uint16_t *)(payload + at.light);
+		const void *scales = payload + at.column_scale;
+
+		for (uint32_t n = e->columns; n && light[n - 1] >= reader->settings->lights; n--)
+			most = fmax(most,
+				    (double)((const float *)scales)[n - 1] * (e->tinted ? 1 : 0.5));
+	}
+	return most * (1 + FLT_EPSILON);
 }

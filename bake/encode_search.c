@@ -27,13 +27,21 @@ int search_create(struct search *s, const struct encode_settings *settings,
 
 	*s = (struct search){.settings = settings, .levels = levels, .target = settings->target};
 	s->column_x = calloc(skies * 3 * (size_t)settings->lights, sizeof(*s->column_x));
+	s->found = calloc((size_t)(settings->lights + COLUMN_FORMS * settings->groups->count),
+			  sizeof(*s->found));
+	for (int form = 0; form < COLUMN_FORMS; form++)
+		s->group[form] = calloc((size_t)settings->groups->count + 1,
+					sizeof(*s->group[form]));
 	s->sky_x = calloc(skies * 3 * (size_t)settings->lights, sizeof(*s->sky_x));
 	s->sky_sum = calloc(skies * PART_ROWS, sizeof(*s->sky_sum));
 	s->sky_mono = calloc(skies * PART_PIXELS, sizeof(*s->sky_mono));
 	s->weight = calloc((size_t)settings->lights, sizeof(*s->weight));
 	s->next_weight = calloc((size_t)settings->lights, sizeof(*s->next_weight));
 	s->miss = calloc((size_t)settings->lights, sizeof(*s->miss));
-	return s->column_x && s->sky_x && s->sky_sum && s->sky_mono && s->weight &&
+	for (int form = 0; form < COLUMN_FORMS; form++)
+		if (!s->group[form])
+			return -ENOMEM;
+	return s->found && s->column_x && s->sky_x && s->sky_sum && s->sky_mono && s->weight &&
 			       s->next_weight && s->miss
 		       ? 0
 		       : -ENOMEM;
@@ -44,6 +52,10 @@ void search_free(struct search *s)
 	free(s->sky_x);
 	free(s->column_x);
 	free(s->column_left);
+	free(s->group_value);
+	free(s->found);
+	for (int form = 0; form < COLUMN_FORMS; form++)
+		free(s->group[form]);
 	free(s->sky_sum);
 	free(s->sky_mono);
 	free(s->weight);
@@ -59,9 +71,11 @@ static int reserve(struct search *s, const struct part *part)
 	if (wanted <= s->left_room)
 		return 0;
 	free(s->column_left);
+	free(s->group_value);
 	s->left_room = 0;
 	s->column_left = malloc(wanted * sizeof(*s->column_left));
-	if (!s->column_left)
+	s->group_value = malloc(wanted * sizeof(*s->group_value));
+	if (!s->column_left || !s->group_value)
 		return -ENOMEM;
 	s->left_room = wanted;
 	return 0;

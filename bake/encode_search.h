@@ -26,6 +26,26 @@ struct plan_block {
 	int columns;
 };
 
+/* A light's column, or a group's, among those of a plan. */
+struct found_column {
+	int number; /* as the file has it: of a light, or after these of a group */
+	enum column_form form;
+	double reach; /* what it changes by at most, per unit of X */
+	size_t bytes;
+};
+
+/* Columns of one form whose lights are of one group. */
+struct found_group {
+	int columns;  /* 0: none yet, and the rest means nothing */
+	double reach; /* as far as its lights' together, each by its share */
+	size_t value; /* [channels * pixels] of group_value: the sum of them, by shares */
+	int number;   /* of its column among those found; -1: too few to have one */
+};
+
+/* Fewer have nothing in common; and what reaches less far hardly ever counts, as S is small. */
+#define FOUND_GROUP_COLUMNS 2
+#define FOUND_GROUP_REACH (1.0 / BASIS_GROUP_MOST)
+
 #define PLAN_BLOCKS_MAX 4
 
 /* Those that hold anything. */
@@ -42,6 +62,11 @@ struct search {
 	float *column_x;    /* [skies][3][lights], by number of column: of what it leaves */
 	float *column_left; /* [used_columns][rows] */
 	int used_columns;
+	/* Those of the plan that was evaluated last; of groups after those of lights. */
+	struct found_column *found; /* [lights + groups * forms] */
+	int found_groups;
+	struct found_group *group[COLUMN_FORMS]; /* [groups] */
+	float *group_value;			 /* [used_columns][rows] */
 	size_t left_room;
 	float *sky_sum; /* [skies][3 * pixels] */
 	float *sky_mono;
@@ -70,6 +95,10 @@ bool plan_better(const struct plan *a, const struct plan *b);
 
 /* The light's column at the ranks that are set; its form is COLUMN_NONE where it needs none. left
  * [rows]: what it and the patterns leave. */
-void search_column(const struct split *split, int light, float *left, struct split_column *column);
+void search_light(const struct split *split, int light, float *left, struct split_column *column);
+
+/* The column of a group of those found, as it is stored. */
+void search_group(const struct search *search, const struct split *split, enum column_form form,
+		  int group, struct split_column *column);
 
 #endif

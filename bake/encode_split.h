@@ -33,6 +33,11 @@ static inline int column_most(enum column_form form)
 	return form == COLUMN_MONO8 || form == COLUMN_COLOUR8 ? 127 : 32767;
 }
 
+static inline int column_channels(enum column_form form)
+{
+	return form == COLUMN_MONO8 || form == COLUMN_MONO16 ? 1 : 3;
+}
+
 struct split {
 	const struct part *part;
 	enum split_way way;
@@ -93,6 +98,11 @@ void split_untint(const struct split *split, const float *three, float *one);
 /* The cheapest column that keeps the light within the error asked for (16 bits of three channels,
  * whatever they leave, when nothing else does); left becomes what that leaves. */
 void split_find_column(const struct split *split, int light, float *left,
+		       struct split_column *column);
+
+/* A column of column->form that says `from` [channels * pixels], rounded to nearest, and reaches at
+ * least so far. */
+void split_take_column(const struct split *split, const float *from, double reach,
 		       struct split_column *column);
 
 #endif

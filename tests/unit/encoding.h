@@ -333,7 +333,8 @@ static inline void encoding_decode(const struct encoding *e, struct encoding_par
 								  (int)i) *
 						 encoding_unit(e, b->kind, (int)i);
 			}
-			for (uint32_t k = 0; k < b->columns; k++)
+			/* What groups have in common is there a second time. */
+			for (uint32_t k = 0; k < b->columns && a.light[k] < n; k++)
 				to[a.light[k]] += tint * encoding_column(b, &a, q, row, k) *
 						  encoding_unit(e, b->kind, a.light[k]);
 		}

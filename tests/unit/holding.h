@@ -181,7 +181,8 @@ static inline void holding_format(const struct encoding *e, const struct encode_
 		for (int p = 1; p < b->pixels; p++)
 			assert_true(a.pixel[p] > a.pixel[p - 1]);
 		for (uint32_t n = 0; n < b->columns; n++) {
-			assert_true(a.light[n] < e->settings.lights);
+			assert_true(a.light[n] <
+				    e->settings.lights + (e->gather ? e->settings.coarse : 0));
 			assert_true(!n || a.light[n] > a.light[n - 1]);
 			assert_true(a.column_scale[n] >= 0 &&
 				    (double)a.column_scale[n] * (b->bits == 8 ? 127 : 32767) <=
@@ -203,6 +204,71 @@ static inline void holding_format(const struct encoding *e, const struct encode_
 			assert_true((double)a.pattern_scale[j] * 32767 * sum <= BASIS_VALUE_MAX);
 		}
 	}
+}
+
+/* The group of a light, and its part of it, as basis_format.h has them. */
+static inline int holding_group(const struct encoding *e, int light)
+{
+	const struct basis_coarse *to = &e->gather[light];
+	int most = 0;
+
+	for (int k = 1; k < 3; k++)
+		most = to->weight[k] > to->weight[most] ? k : most;
+	return to->index[most];
+}
+
+static inline double holding_weight(const struct encoding *e, enum basis_kind kind, int light)
+{
+	const int n = e->settings.lights;
+
+	return kind == BASIS_KIND_V
+		       ? e->ground[light] + e->ground[n + light] + e->ground[2 * n + light]
+		       : e->light[light].solid_angle_sr;
+}
+
+/* A group's column is what the block's columns of its lights have by their shares, to half of its
+ * scale. Returns what the largest is rounded by, tinted. */
+static inline double holding_groups(const struct encoding *e, const struct encode_result *result)
+{
+	double most = 0;
+
+	for (int k = 0; k < result->shown_count; k++) {
+		const struct basis_block_entry *b = &result->shown[k].entry;
+		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
+								    e->settings.coarse);
+		const enum basis_kind kind = b->kind;
+
+		for (uint32_t n = 0; n < b->columns; n++) {
+			const int group = a.light[n] - e->settings.lights;
+			double all = 0;
+			int members = 0;
+
+			for (int i = 0; i < e->settings.lights && group >= 0; i++)
+				if (holding_group(e, i) == group)
+					all += holding_weight(e, kind, i);
+			for (uint32_t m = 0; m < n && group >= 0; m++)
+				members += a.light[m] < e->settings.lights &&
+					   holding_group(e, a.light[m]) == group;
+			assert_true(group < 0 || members >= 2);
+			for (int r = 0; r < b->pixels * b->channels && group >= 0; r++) {
+				const int p = r / b->channels, c = r % b->channels;
+				double is = encoding_column(b, &a, p, c, n);
+
+				for (uint32_t m = 0; m < n; m++)
+					if (a.light[m] < e->settings.lights &&
+					    holding_group(e, a.light[m]) == group)
+						is -= holding_weight(e, kind, a.light[m]) / all *
+						      encoding_column(b, &a, p, c, m);
+				if (fabs(is) > 0.501 * (double)a.column_scale[n] + 1e-9)
+					fail_msg("group %d is off by %g of its scale", group,
+						 is / (double)a.column_scale[n]);
+			}
+			if (group >= 0)
+				most = fmax(most,
+					    (double)a.column_scale[n] * (b->tinted ? 1 : 0.5));
+		}
+	}
+	return most;
 }
 
 /* A column's values of a light are taken away from what blocks say of it; returns how far it
@@ -278,7 +344,8 @@ static inline struct encode_result holding_all(struct encoding *e, struct encodi
 	const struct encode_result result = encoding_run(e, &part, 1, false);
 	const double bound = part->samples.kind == BASIS_KIND_T ? result.object_error
 								: result.ratio_error;
-	const double is = holding_difference(e, part);
+	const double rounded = e->gather ? holding_groups(e, &result) : 0;
+	const double is = holding_difference(e, part) + rounded;
 
 	holding_format(e, &result);
 	if (is > bound || is < 0.99 * bound - 1e-5)
