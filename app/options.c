@@ -29,7 +29,7 @@ int option_number(const char *argument, double low, double high, double *value)
 {
 	double v;
 
-	if (number_read(&argument, &v) || *argument || v < low || v > high)
+	if (number_of(argument, &v) < 0 || v < low || v > high)
 		return -EINVAL;
 	*value = v;
 	return 0;

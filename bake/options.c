@@ -130,10 +130,9 @@ int option_int(const char *option, const char *text, int min, int max, int *valu
 int option_real(const char *option, const char *text, double min, double max, double *value,
 		struct fault *fault)
 {
-	const char *at = text;
 	double x;
 
-	if (number_read(&at, &x) || *at || x < min || x > max)
+	if (number_of(text, &x) < 0 || x < min || x > max)
 		return fault_say(fault, -EINVAL, "%s: \"%s\", expected a number from %g to %g",
 				 option, text, min, max);
 	*value = x;

@@ -16,6 +16,7 @@
 
 #include "drivers/drivers.h"
 #include "hal/clock.h"
+#include "hal/number.h"
 
 /* A day: later than anybody waits, and far from overflow. */
 #define SECONDS_MAX 86400.0
@@ -45,14 +46,6 @@ static const struct ini_key script_keys[] = {
 	INI_KEYS_END,
 };
 
-static bool parse_number(const char *word, double *value)
-{
-	char *end;
-
-	*value = strtod(word, &end);
-	return end != word && !*end && isfinite(*value);
-}
-
 /* 1: a press; 0: a blank line; -EINVAL. */
 static int parse_line(char *text, const char *path, int number, struct script_line *line,
 		      struct fault *fault)
@@ -69,7 +62,7 @@ static int parse_line(char *text, const char *path, int number, struct script_li
 		word[words++] = w;
 	if (!words)
 		return 0;
-	if (!parse_number(word[0], &seconds) || seconds < 0 || seconds > SECONDS_MAX)
+	if (number_of(word[0], &seconds) < 0 || seconds < 0 || seconds > SECONDS_MAX)
 		return fault_say(fault, -EINVAL,
 				 "%s:%d: \"%s\" is not a time, expected seconds from 0 to %.0f",
 				 path, number, word[0], SECONDS_MAX);

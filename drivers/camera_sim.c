@@ -22,6 +22,7 @@
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/studio_view.h"
 #include "hal/clock.h"
+#include "hal/number.h"
 
 /* An exposure that was asked for. */
 struct change {
@@ -481,8 +482,7 @@ static int sim_control(struct camera *camera, const char *name, const char *valu
 	const struct sim_options *options = camera->options;
 	struct sim *sim = camera->state;
 	const uint64_t from = to_come(camera, sim) + (uint64_t)options->control_delay;
-	char *end;
-	const double exposure = strtod(value, &end);
+	double exposure;
 
 	(void)taken; /* any number is taken as it is */
 	if (!has_exposure(sim))
@@ -491,7 +491,7 @@ static int sim_control(struct camera *camera, const char *name, const char *valu
 	if (strcmp(name, "exposure") != 0)
 		return fault_say(fault, -EINVAL,
 				 "sim: the camera has no control \"%s\", expected exposure", name);
-	if (end == value || *end || isnan(exposure))
+	if (number_of(value, &exposure) < 0)
 		return fault_say(fault, -EINVAL, "sim: exposure is \"%s\", expected a number",
 				 value);
 	if (exposure < 0 || exposure > SIM_EXPOSURE_MAX)

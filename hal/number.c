@@ -21,3 +21,13 @@ int number_read(const char **text, double *value)
 	*text = end;
 	return 0;
 }
+
+int number_of(const char *text, double *value)
+{
+	double v;
+
+	if (number_read(&text, &v) < 0 || *text)
+		return -EINVAL;
+	*value = v;
+	return 0;
+}

@@ -6,4 +6,7 @@
  * there is none, or it is not finite; text and value then stay as they are. */
 int number_read(const char **text, double *value);
 
+/* The same of text that is a number and nothing else. */
+int number_of(const char *text, double *value);
+
 #endif

@@ -2,11 +2,11 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "drivers/kms/kms.h"
+#include "hal/number.h"
 
 #define PP (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)
 #define NN (DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC)
@@ -103,13 +103,9 @@ static int parse_size(const char *text, drmModeModeInfo *mode)
 	if (sscanf(text, "%5dx%5d%n", &width, &height, &used) != 2)
 		return -EINVAL;
 	text += used;
-	if (*text == '@') {
-		char *end;
-
-		rate_hz = strtod(text + 1, &end);
-		text = end;
-	}
-	if (*text || width < 64 || width > 16384 || height < 64 || height > 16384 ||
+	if (*text == '@' ? number_of(text + 1, &rate_hz) < 0 : *text)
+		return -EINVAL;
+	if (width < 64 || width > 16384 || height < 64 || height > 16384 ||
 	    !(rate_hz >= 10 && rate_hz <= 500))
 		return -EINVAL;
 	kms_timing(width, height, rate_hz, mode);

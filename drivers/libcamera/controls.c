@@ -4,10 +4,10 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "hal/log.h"
+#include "hal/number.h"
 
 /* Controls take effect some frames after the request that carries them. */
 enum { FRAMES_TO_SETTLE = 12 };
@@ -111,7 +111,6 @@ static int read_number(const struct libcamera_control *control, const char *word
 		       struct fault *fault)
 {
 	bool truth;
-	char *end;
 
 	if (control->kind == LIBCAMERA_BOOL && ini_truth_read(word, &truth)) {
 		*number = truth;
@@ -119,8 +118,7 @@ static int read_number(const struct libcamera_control *control, const char *word
 	}
 	if (control->number_of && control->number_of(control->theirs, word, number))
 		return 0;
-	*number = strtod(word, &end);
-	if (*end || !isfinite(*number))
+	if (number_of(word, number) < 0)
 		return fault_say(fault, -EINVAL, "\"%s\" is no value for it", word);
 	if (control->kind != LIBCAMERA_FLOAT && *number != floor(*number))
 		return fault_say(fault, -EINVAL, "it takes whole numbers, not %s", word);

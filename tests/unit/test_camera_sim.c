@@ -375,7 +375,9 @@ static void wrong_controls_are_named(void **state)
 		{"exposure", "nan", -EINVAL, "expected a number"},
 		{"exposure", "1 2", -EINVAL, "expected a number"},
 		{"exposure", "-1", -ERANGE, "expected 0 to 1e+06"},
-		{"exposure", "inf", -ERANGE, "expected 0 to 1e+06"},
+		{"exposure", "inf", -EINVAL, "expected a number"},
+		{"exposure", "0x10", -EINVAL, "expected a number"},
+		{"exposure", "1e7", -ERANGE, "expected 0 to 1e+06"},
 	};
 	struct frame frame;
 	struct rig rig;

@@ -138,11 +138,15 @@ static void numbers(void **state)
 		assert_int_equal(number_read(&at, &value), 0);
 		assert_true(value == right[k].value);
 		assert_string_equal(at, right[k].rest);
+		value = 42;
+		assert_int_equal(number_of(right[k].text, &value), *at ? -EINVAL : 0);
+		assert_true(value == (*at ? 42 : right[k].value));
 	}
 	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++) {
 		at = wrong[k];
 		value = 42;
 		assert_int_equal(number_read(&at, &value), -EINVAL);
+		assert_int_equal(number_of(at, &value), -EINVAL);
 		assert_true(at == wrong[k] && value == 42);
 	}
 }
