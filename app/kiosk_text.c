@@ -56,13 +56,6 @@ static int list_troubles(const struct kiosk *k, char (*texts)[OVERLAY_TEXT_MAX])
 	return count;
 }
 
-static double largest(const double v[3])
-{
-	double m = v[0] > v[1] ? v[0] : v[1];
-
-	return m > v[2] ? m : v[2];
-}
-
 static void write_information(struct kiosk *k)
 {
 	const struct words_figures figures = {
@@ -70,7 +63,7 @@ static void write_information(struct kiosk *k)
 		.lights = k->pipeline.selection.count,
 		.threshold = k->choice.threshold.value,
 		.percent = k->choice.threshold.percent,
-		.error = largest(k->pipeline.selection.dropped_error),
+		.error = stats_dropped_error(&k->pipeline),
 		.frames_a_second = k->stats.last.fps,
 		.latency_ms = k->stats.last.latency_mean_ms,
 		.drops = stats_drops(k->sources, k->source_count),

@@ -1,6 +1,7 @@
 #include "app/stats.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -87,13 +88,6 @@ static double mean_ms(int64_t sum_ns, uint64_t count)
 	return count ? ms(sum_ns) / (double)count : 0;
 }
 
-static double largest(const double v[3])
-{
-	double m = v[0] > v[1] ? v[0] : v[1];
-
-	return m > v[2] ? m : v[2];
-}
-
 /* Text that grows to the end of its room and no further. */
 struct writing {
 	char *text;
@@ -138,6 +132,13 @@ uint64_t stats_drops(const struct source *sources, int source_count)
 	return sum;
 }
 
+double stats_dropped_error(const struct pipeline *pipeline)
+{
+	const double *error = pipeline->selection.dropped_error;
+
+	return fmax(fmax(error[0], error[1]), error[2]);
+}
+
 void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 		const struct ini_level *threshold, const struct source *sources, int source_count,
 		char text[STATS_TEXT_MAX])
@@ -158,7 +159,7 @@ void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu",
 	       pipeline->selection.used_count, pipeline->selection.count, threshold->value,
 	       threshold->percent ? "percent" : "grey level",
-	       largest(pipeline->selection.dropped_error), pipeline->clipped,
+	       stats_dropped_error(pipeline), pipeline->clipped,
 	       !pipeline->recovery.recovered ? "no"
 	       : pipeline->recovery.at_bound ? "in part"
 					     : "yes",

@@ -69,4 +69,7 @@ void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 /* Frames of all cameras that were not used. */
 uint64_t stats_drops(const struct source *sources, int source_count);
 
+/* By how much dropped lights change the object's radiance at most, in any channel. */
+double stats_dropped_error(const struct pipeline *pipeline);
+
 #endif
