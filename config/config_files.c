@@ -1,6 +1,7 @@
 /* The files that calibrations wrote and the configuration names. */
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "config/config_keys.h"
@@ -9,11 +10,13 @@
 static int check_readable(const struct config *config, const char *key, const char *path,
 			  struct ini_report *report)
 {
-	int err;
+	struct stat about;
+	int err = access(path, R_OK) == 0 && stat(path, &about) == 0 ? 0 : -errno;
 
-	if (access(path, R_OK) == 0)
+	if (!err && S_ISDIR(about.st_mode))
+		err = -EISDIR;
+	if (!err)
 		return 0;
-	err = -errno;
 	config_complain(config, report, "%s: cannot read \"%s\": %s", key, path, strerror(-err));
 	return err;
 }

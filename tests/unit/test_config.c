@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "app/driver_list.h"
@@ -292,6 +293,11 @@ static void a_lens_of_its_own_file(void **state)
 	report = (struct ini_report){.count = 0};
 	assert_int_equal(config_read_files(c, &report), -ENOENT);
 	assert_non_null(strstr(report.first.text, "[fisheye] lens: cannot read"));
+	report = (struct ini_report){.count = 0};
+	assert_int_equal(mkdir(path, 0700), 0);
+	assert_int_equal(config_read_files(c, &report), -EISDIR);
+	assert_non_null(strstr(report.first.text, "[fisheye] lens: cannot read"));
+	rmdir(path);
 	config_destroy(c);
 }
 
