@@ -36,6 +36,13 @@ static int block_begin(struct block *b)
 	return b->stream ? 0 : -ENOMEM;
 }
 
+static void block_write(struct block *b, FILE *to)
+{
+	fflush(b->stream);
+	if (b->bytes)
+		fprintf(to, "\n%s", b->text);
+}
+
 static void block_end(struct block *b)
 {
 	if (b->stream)
@@ -65,28 +72,26 @@ static bool is_skipped(const char *line)
 	return line[strspn(line, " \t\r\n")] == 0 || *line == '[' || !strcmp(line, head);
 }
 
-/* Copies all of the old file but what belongs to the key. */
-static int copy_others(FILE *from, FILE *to, const char *key)
+/* Copies all of the old file but what belongs to the key, and comments at its end, which go into
+ * rest: behind what is written next they do not become its own. */
+static int copy_others(FILE *from, FILE *to, const char *key, struct block *rest)
 {
-	struct block block;
 	char *line = NULL;
 	size_t room = 0;
-	int err = block_begin(&block);
+	int err = block_begin(rest);
 
 	while (!err && getline(&line, &room, from) >= 0) {
 		if (is_skipped(line))
 			continue;
-		fputs(line, block.stream);
+		fputs(line, rest->stream);
 		if (!ends_block(line))
 			continue;
-		fflush(block.stream);
 		if (!is_of(line, key))
-			fprintf(to, "\n%s", block.text);
-		block_end(&block);
-		err = block_begin(&block);
+			block_write(rest, to);
+		block_end(rest);
+		err = block_begin(rest);
 	}
 	free(line);
-	block_end(&block);
 	return err;
 }
 
@@ -107,6 +112,7 @@ int light_file_set(const char *path, const char *key, const char *text, const ch
 		   struct fault *fault)
 {
 	struct output out = {.stream = NULL};
+	struct block rest = {.stream = NULL};
 	struct response before;
 	FILE *old;
 	int err = light_file_read(path, &before, fault);
@@ -119,11 +125,14 @@ int light_file_set(const char *path, const char *key, const char *text, const ch
 	fprintf(out.stream, "%s[light]\n", head);
 	old = fopen(path, "r");
 	if (old) {
-		err = copy_others(old, out.stream, key);
+		err = copy_others(old, out.stream, key, &rest);
 		fclose(old);
 	}
 	if (text || comment)
 		write_own(out.stream, key, text, comment);
+	if (rest.stream)
+		block_write(&rest, out.stream);
+	block_end(&rest);
 	if (err) {
 		output_abandon(&out);
 		return fault_say(fault, err, "%s: not enough memory", path);

@@ -13,9 +13,8 @@ int light_file_read(const char *path, struct response *response, struct fault *f
 
 /*
  * Writes the file with this key's line in place of the one it had, and what was said about it:
- * comment, lines without their semicolons. Other keys and their comments stay. text is the value;
- * NULL: the key goes. Errors of reading
- * what is there and of writing.
+ * comment, lines without their semicolons. Other keys and their comments stay, and comments at the
+ * end. text is the value; NULL: the key goes. Errors of reading what is there and of writing.
  */
 int light_file_set(const char *path, const char *key, const char *text, const char *comment,
 		   struct fault *fault);

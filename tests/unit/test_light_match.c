@@ -546,6 +546,26 @@ static void files_keep_other_keys(void **state)
 	unlink(path);
 }
 
+/* What somebody wrote at the end stays there, whatever is measured again. */
+static void files_keep_their_end(void **state)
+{
+	static const char expected[] =
+		"; What a camera's code values mean: inlay-calibrate light.\n"
+		"[light]\n\n; Gain.\ngain = 3.5\n\n; Of the left camera.\n";
+	char all[2048] = "";
+	FILE *file;
+
+	(void)state;
+	write_text("[light]\n; Of the left camera.\n");
+	assert_int_equal(light_file_set(path, "gain", "2.5", "Gain.", NULL), 0);
+	assert_int_equal(light_file_set(path, "gain", "3.5", "Gain.", NULL), 0);
+	file = fopen(path, "r");
+	assert_true(fread(all, 1, sizeof(all) - 1, file) > 0);
+	fclose(file);
+	assert_string_equal(all, expected);
+	unlink(path);
+}
+
 static void damaged_files_are_refused(void **state)
 {
 	static const struct {
@@ -623,6 +643,7 @@ int main(void)
 		cmocka_unit_test(delay_is_found),
 		cmocka_unit_test(delay_is_doubted),
 		cmocka_unit_test(files_keep_other_keys),
+		cmocka_unit_test(files_keep_their_end),
 		cmocka_unit_test(damaged_files_are_refused),
 		cmocka_unit_test(records_and_patches_are_read),
 	};
