@@ -1,4 +1,5 @@
 /* inlay-bake dome: the lights of a dome. */
+#include <errno.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>
@@ -72,6 +73,8 @@ static int take(void *choices, int option, struct fault *fault)
 	case LIGHTS:
 		return option_choice("--lights", optarg, dome_shape_names, &c->shape, fault);
 	default:
+		if (c->form && c->form != option)
+			return fault_say(fault, -EINVAL, "expected one of --angles and --json");
 		c->form = option;
 		return 0;
 	}

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <getopt.h>
 #include <libgen.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,19 +57,16 @@ struct choices {
 	const char *output, *msi, *angles;
 	struct import_pictures_settings pictures;
 	int transfer, receivers;
-	double rate;
+	bool of_pictures; /* whether options were said that only they have */
+	double rate;	  /* 0: not said */
 	struct encoding_said encoding;
 	struct import_settings import;
 };
 
-static int take(void *choices, int option, struct fault *fault)
+static int take_pictures(struct choices *c, int option, struct fault *fault)
 {
-	struct choices *c = choices;
-
+	c->of_pictures = true;
 	switch (option) {
-	case 'o':
-		c->output = optarg;
-		return 0;
 	case OBJECT:
 		c->pictures.object = optarg;
 		return picture_pattern_check(optarg, "--object", fault);
@@ -84,6 +82,33 @@ static int take(void *choices, int option, struct fault *fault)
 	case MASK:
 		c->pictures.mask = optarg;
 		return 0;
+	case TRANSFER:
+		return option_choice("--transfer", optarg, transfer_names, &c->transfer, fault);
+	case SCALE:
+		return option_real("--scale", optarg, 1e-12, 1e12, &c->pictures.scale, fault);
+	default:
+		return option_choice("--receivers", optarg, import_receivers_names, &c->receivers,
+				     fault);
+	}
+}
+
+static int take(void *choices, int option, struct fault *fault)
+{
+	struct choices *c = choices;
+
+	switch (option) {
+	case 'o':
+		c->output = optarg;
+		return 0;
+	case OBJECT:
+	case GROUND:
+	case ALONE:
+	case COVERAGE:
+	case MASK:
+	case TRANSFER:
+	case SCALE:
+	case RECEIVERS:
+		return take_pictures(c, option, fault);
 	case MSI:
 		c->msi = optarg;
 		return 0;
@@ -92,13 +117,6 @@ static int take(void *choices, int option, struct fault *fault)
 	case ANGLES:
 		c->angles = optarg;
 		return 0;
-	case TRANSFER:
-		return option_choice("--transfer", optarg, transfer_names, &c->transfer, fault);
-	case SCALE:
-		return option_real("--scale", optarg, 1e-12, 1e12, &c->pictures.scale, fault);
-	case RECEIVERS:
-		return option_choice("--receivers", optarg, import_receivers_names, &c->receivers,
-				     fault);
 	case THREADS:
 		return option_int("--threads", optarg, 1, 1024, &c->import.threads, fault);
 	case QUIET:
@@ -154,7 +172,7 @@ static int import_msi(const struct choices *c, const struct dome *dome, const in
 	if (msi.lights != dome->count)
 		err = fault_say(fault, -EINVAL, "%s: %d lights, expected %d as in %s", c->msi,
 				msi.lights, dome->count, c->angles);
-	else if (msi_source_create(&from, &msi, dome, place, c->rate))
+	else if (msi_source_create(&from, &msi, dome, place, c->rate > 0 ? c->rate : 1))
 		err = fault_say(fault, -ENOMEM, "%s: out of memory", c->msi);
 	if (!err) {
 		const struct import_source source = {
@@ -215,8 +233,10 @@ static const char *wrong_usage(const struct choices *c)
 		return "-o OUT.inlay is missing";
 	if (!c->angles)
 		return "--angles FILE is missing";
-	if (c->msi && (p->object || p->ground || p->alone || p->coverage || p->mask))
-		return "--msi and pictures exclude each other";
+	if (c->msi && c->of_pictures)
+		return "--msi and options of pictures exclude each other";
+	if (c->rate > 0 && !c->msi)
+		return "--rate is of --msi";
 	if (!c->msi && (!p->object || !p->ground))
 		return "expected --object and --ground, or --msi";
 	if (!c->msi && !p->coverage == !p->mask)
@@ -226,7 +246,7 @@ static const char *wrong_usage(const struct choices *c)
 
 static int run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.pictures = {.scale = 1}, .rate = 1, .encoding = ENCODING_UNSAID};
+	struct choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNSAID};
 	struct fault fault = {.text = ""};
 	const int status = command_options(command, argc, argv, options, take, &c);
 

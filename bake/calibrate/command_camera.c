@@ -78,7 +78,7 @@ struct job {
 	struct points_convention convention;
 	int source; /* POINTS, IMAGES or LIVE */
 	const char *board, *intrinsics, *reference;
-	int views;
+	int views; /* 0: not said */
 	bool pixel_given;
 	struct lens_ini known;
 };
@@ -213,6 +213,8 @@ static int check_options(const void *context, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 job->board ? "--board goes with --images or --live"
 					    : "--board is missing");
+	if (job->views && job->source != LIVE)
+		return fault_say(fault, -EINVAL, "--views goes with --live");
 	if (job->source == POINTS && !job->task.width && !job->intrinsics)
 		return fault_say(fault, -EINVAL, "--size is missing");
 	if (job->task.width && (job->source != POINTS || job->intrinsics))
@@ -271,8 +273,8 @@ static int gather(struct job *job, struct gathering *all, struct fault *fault)
 	if (job->source == IMAGES)
 		err = gather_images(all, job->lens.file, job->lens.files, &board, fault);
 	else
-		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &board, job->views,
-				  fault);
+		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &board,
+				  job->views ? job->views : 1, fault);
 	if (err)
 		return err;
 	if (job->intrinsics &&
@@ -352,8 +354,7 @@ static int work(void *context, struct fault *fault)
 static int run(const struct command *command, int argc, char **argv)
 {
 	static const struct lens_calls calls = {options, read_option, check_options, work};
-	struct job job = {
-		.task = camera_task_default(), .convention = {.pixel_centre = 0.5}, .views = 1};
+	struct job job = {.task = camera_task_default(), .convention = {.pixel_centre = 0.5}};
 
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }

@@ -50,6 +50,7 @@ equal "solid angles sum to 2 pi" 6.283185307 "$("$bake" dome --frequency 5 |
 	awk '!/^#/ { s += $4 } END { printf "%.9f", s }')"
 equal "dome as JSON" 26 "$("$bake" dome --frequency 2 --json | grep -c theta_rad)"
 rejected "dome without a frequency" 2 "--frequency is missing" "$bake" dome
+rejected "dome in two forms" 2 "one of --angles and --json" "$bake" dome --frequency 2 --angles --json
 rejected "dome frequency out of range" 2 "from 1 to 64" "$bake" dome --frequency 65
 rejected "dome division unknown" 2 "angles, chords" "$bake" dome --frequency 2 --division arcs
 equal "tents sum to 2 pi" 6.283185307 "$("$bake" dome --frequency 5 --lights tents |

@@ -183,6 +183,8 @@ if has_command camera; then
 	absent "and nothing was written" "$work/none"
 
 	cp "$work/box.points" "$work/own.points"
+	wrong "views of points" "--views goes with --live" camera --points "$work/box.points" --size 640x480 \
+		--views 3 -o "$work/none.ini"
 	wrong "points that would be written over" "expected another one" camera \
 		--points "$work/own.points" --size 640x480 -o "$work/own.points"
 	same "and are not" "$work/box.points" "$work/own.points"

@@ -112,6 +112,8 @@ wrong "no angles" "--angles FILE is missing" "${pictures[@]}" --coverage c.pfm -
 wrong "no output" "-o OUT.inlay is missing" "${all[@]}"
 wrong "mask and coverage" "one of --coverage and --mask" "${all[@]}" --mask c.pfm -o no.inlay
 wrong "pictures and .msi" "exclude each other" "${all[@]}" --msi x.msi -o no.inlay
+wrong "transfer of an .msi" "exclude each other" --angles a.txt --msi x.msi --transfer srgb -o no.inlay
+wrong "a light rate of pictures" "--rate is of --msi" "${all[@]}" --rate 2 -o no.inlay
 wrong "a name without a number" "one number" --angles a.txt --object o.pfm --ground 'g%03d.pfm' --mask c.pfm -o no.inlay
 wrong "a name with two" "one number" --angles a.txt --object 'o%d%d.pfm' --ground 'g%03d.pfm' --mask c.pfm -o no.inlay
 
