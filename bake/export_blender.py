@@ -3,8 +3,8 @@
     blender -b -P render.py -- [--samples S] [--size WxH] [--format exr|hdr] [--share I/N]
 
 Reads scene.json, the meshes and angles.txt beside it and writes its pictures there. A picture that is
-there already is kept, and one appears when it is whole: run it again after an interruption, and several
-times at once with --share. blender -t T limits the threads.
+there already is kept, unless it is older than the job, and one appears when it is whole: run it again after
+an interruption, and several times at once with --share. blender -t T limits the threads.
 """
 
 import argparse
@@ -23,6 +23,7 @@ except ImportError:
     sys.exit("render.py: no numpy, which Blender's Python needs here: apt-get install python3-numpy")
 
 HERE = os.path.dirname(os.path.realpath(__file__))
+JOB = os.path.join(HERE, "scene.json")
 MAP_HEIGHT = 512  # of the pictures of the sky that hold a cell
 MAP_HEIGHT_MANY = 1024  # the same of small cells
 MANY_LIGHTS = 1000
@@ -390,7 +391,7 @@ def render(scene, path):
 
 def main():
     said = options()
-    with open(os.path.join(HERE, "scene.json"), encoding="ascii") as text:
+    with open(JOB, encoding="ascii") as text:
         job = json.load(text)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
@@ -416,17 +417,20 @@ def main():
         name = name if number is None else name % number
         return os.path.join(HERE, f"{name}.{said.format}")
 
+    def is_there(path):  # and was rendered from this job, not from the one before in this folder
+        return os.path.exists(path) and os.path.getmtime(path) >= os.path.getmtime(JOB)
+
     passes = {"object": (True, True), "ground": (False, True), "alone": (True, False)}
     index, count = said.share
     for what, shown in passes.items():
         show(*shown)
         for light in range(index, sky.lights, count):
-            if os.path.exists(picture(what, light)):
+            if is_there(picture(what, light)):
                 continue
             sky.show(light)
             scene.cycles.seed = light  # the same of all passes: what is seen twice has the same noise
             render(scene, picture(what, light))
-    if index == 0 and not os.path.exists(picture("coverage")):
+    if index == 0 and not is_there(picture("coverage")):
         show(True, False)
         scene.view_layers[0].material_override = make_white()
         scene.world = None

@@ -1,7 +1,9 @@
 #include "bake/export_job.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -39,24 +41,45 @@ void export_job_import(const struct export_job *job, const char *ending, char *t
 		 d, ending, d, ending, d, ending, ending);
 }
 
+/* Every job has one: by it a folder is known to be one. */
+#define ANGLES "angles.txt"
+
+/* What is there: a job, of which this one takes the place, or nothing that could be lost. */
+static int check_folder(const char *folder, struct fault *fault)
+{
+	DIR *const open = opendir(folder);
+	bool empty = true, job = false;
+	const struct dirent *entry;
+
+	if (!open)
+		return fault_say(fault, -errno, "%s: cannot be opened: %s, expected a folder",
+				 folder, strerror(errno));
+	while ((entry = readdir(open)) != NULL) {
+		empty &= !strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..");
+		job |= !strcmp(entry->d_name, ANGLES);
+	}
+	closedir(open);
+	if (empty || job)
+		return 0;
+	return fault_say(fault, -ENOTEMPTY,
+			 "%s: has other files in it, expected a new folder, an empty one, or one "
+			 "with the " ANGLES " of an earlier export, which is written over",
+			 folder);
+}
+
 static int make_folder(const char *folder, struct fault *fault)
 {
-	struct stat about;
-
 	if (mkdir(folder, 0777) == 0)
 		return 0;
 	if (errno != EEXIST)
 		return fault_say(fault, -errno, "%s: cannot be made: %s", folder, strerror(errno));
-	if (stat(folder, &about) || !S_ISDIR(about.st_mode))
-		return fault_say(fault, -ENOTDIR, "%s: is no folder, expected one or nothing",
-				 folder);
-	return 0;
+	return check_folder(folder, fault);
 }
 
 static int write_angles(const struct export_job *job, struct fault *fault)
 {
 	struct output out;
-	int err = export_job_open(job, "angles.txt", &out, fault);
+	int err = export_job_open(job, ANGLES, &out, fault);
 
 	if (err)
 		return err;

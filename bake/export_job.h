@@ -33,7 +33,8 @@ struct export_job {
 };
 
 /* Makes the folder, unless it is there, and writes into it what is listed above. -EINVAL: a scene
- * without ground or stand-ins, which no pictures of import can stand for; -errno of the folder. */
+ * without ground or stand-ins, which no pictures of import can stand for; -ENOTEMPTY: a folder that
+ * has files in it and none of an earlier export; -errno of the folder. */
 int export_job_begin(struct export_job *job, const struct scene *scene, const struct dome *dome,
 		     const char *folder, struct fault *fault);
 void export_job_end(struct export_job *job); /* idempotent; zeroed is fine */

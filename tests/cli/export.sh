@@ -165,7 +165,14 @@ exits "no scene" 2 "expected one scene file" --blender no
 exits "rays out of range" 2 "--rays" bent.scene --radiance no --rays 0
 exits "a scene that is not there" 1 "none.scene" none.scene --blender no
 exits "nothing real in it" 1 "expected something real" floating.scene --blender no
-exits "a file in place of the folder" 1 "is no folder" bent.scene --radiance box.obj
+exits "a file in place of the folder" 1 "expected a folder" bent.scene --radiance box.obj
+mkdir -p empty own
+echo "somebody's" >own/render.py
+exits "a folder of something else" 1 "has other files in it" bent.scene --blender own
+equal "which stays as it is" "render.py:somebody's" "$(cd own && grep -H '' -- *)"
+check "an empty folder" "$bake" export bent.scene --blender empty
+check "an earlier job" "$bake" export disc.scene --blender empty
+holds "is written over" empty/scene.json '"reach": 4'
 exits "a folder that cannot be made" 1 "cannot be made" bent.scene --radiance none/there
 
 # ---- rendered for real ----
@@ -226,6 +233,10 @@ else
 	touch before
 	check "Blender keeps what is there" blender -b -t 2 -P blender/render.py -- --samples 512
 	equal "none of it is made again" "" "$(find blender -name '*.exr' -newer before)"
+	touch -d 2001-01-01 blender/o003.exr blender/coverage.exr
+	check "Blender makes anew" blender -b -t 2 -P blender/render.py -- --samples 512
+	equal "what is older than the job" "coverage.exr o003.exr" \
+		"$(find blender -name '*.exr' -newer before -printf '%f\n' | sort | xargs)"
 	check "import from Blender" import blender exr
 	compared Blender own blender even mixed lamp
 	"$bake" render pane.scene --samples 4000 --exact --quiet -o own-pane.inlay || exit 1
