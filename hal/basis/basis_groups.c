@@ -1,6 +1,8 @@
 #include "hal/basis/basis_groups.h"
 
 #include <errno.h>
+#include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 /* How often what stands out is left out: of what is left, more may. */
@@ -66,53 +68,69 @@ void basis_groups_share(const struct basis_groups *g, const double *weight, doub
 	}
 }
 
-/* Lights of a channel that do not stand out yet. */
+/* Lights that do not stand out yet, by channels: four, as x has, are two vectors. */
 struct even {
-	double sum; /* of x / q */
-	int count;
+	double sum[4]; /* of x / q */
+	double count[4];
 };
 
-/* x / q > 3 (sum - x / q) / (count - 1), without a division by what may be 0. */
-static double limit_of(const struct even *e)
+/* x / q > 3 (sum - x / q) / (count - 1), without a division by what may be 0. One that is left
+ * alone stands out from nothing: its limit stays. */
+static void lower_limits(const struct even *e, double limit[4])
 {
-	return 3 * e->sum / (e->count + 2);
+	for (int c = 0; c < 4; c++)
+		limit[c] = e->count[c] > 1 ? 3 * e->sum[c] / (e->count[c] + 2) : limit[c];
+}
+
+static inline void add_light(struct even *e, const double x[4], double per_share,
+			     const double limit[4])
+{
+	for (int c = 0; c < 4; c++) {
+		const double value = x[c] * per_share;
+		const bool keep = value <= limit[c];
+
+		e->sum[c] += keep ? value : 0;
+		e->count[c] += keep;
+	}
+}
+
+static bool same_lights(const struct even *a, const struct even *b)
+{
+	return a->count[0] == b->count[0] && a->count[1] == b->count[1] &&
+	       a->count[2] == b->count[2];
 }
 
 void basis_group_even(const struct basis_groups *g, int group, const double *share,
 		      const double (*x)[4], const double most[3], double even[3])
 {
-	const uint16_t *light = g->light + g->first[group];
-	const int count = (int)(g->first[group + 1] - g->first[group]);
-	struct even is[3] = {{0}};
-	double all[3] = {0};
+	const uint32_t first = g->first[group], end = g->first[group + 1];
+	struct even is = {.sum = {0}};
+	double limit[4] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL}, all[3] = {0};
 
-	for (int n = 0; n < count; n++) {
-		const double q = share[light[n]];
+	for (uint32_t n = first; n < end; n++) {
+		const int i = g->light[n];
 
-		for (int c = 0; c < 3 && q > 0; c++) {
-			is[c].sum += x[light[n]][c] / q;
-			is[c].count++;
-			all[c] += x[light[n]][c];
-		}
+		if (share[i] <= 0)
+			continue;
+		add_light(&is, x[i], 1 / share[i], limit);
+		for (int c = 0; c < 3; c++)
+			all[c] += x[i][c];
+	}
+	for (int pass = 0; pass < PASSES; pass++) {
+		struct even next = {.sum = {0}};
+		bool same;
+
+		lower_limits(&is, limit);
+		for (uint32_t n = first; n < end; n++)
+			if (share[g->light[n]] > 0)
+				add_light(&next, x[g->light[n]], 1 / share[g->light[n]], limit);
+		same = same_lights(&is, &next);
+		is = next;
+		if (same)
+			break;
 	}
 	for (int c = 0; c < 3; c++) {
-		for (int pass = 0; pass < PASSES && is[c].count > 1; pass++) {
-			const double limit = limit_of(&is[c]);
-			struct even next = {0};
-
-			for (int n = 0; n < count; n++) {
-				const double q = share[light[n]], own = x[light[n]][c];
-
-				if (q > 0 && own <= limit * q) {
-					next.sum += own / q;
-					next.count++;
-				}
-			}
-			if (next.count == is[c].count)
-				break;
-			is[c] = next;
-		}
-		even[c] = is[c].count ? is[c].sum / is[c].count : 0;
+		even[c] = is.count[c] > 0 ? is.sum[c] / is.count[c] : 0;
 		even[c] = even[c] < all[c] ? even[c] : all[c];
 		even[c] = even[c] < most[c] ? even[c] : most[c];
 	}

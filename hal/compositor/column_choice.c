@@ -163,25 +163,28 @@ static void sort_by_class(const struct column_choice *choice, const struct block
 	}
 }
 
-/* And these by lights. */
-static void sort_by_light(const struct column_choice *choice, const struct sorting *s,
+/* And these by lights, of which those that have none are passed over. */
+static void sort_by_light(struct column_choice *choice, const struct sorting *s, uint32_t lights,
 			  size_t columns)
 {
 	const struct loose_column *from = s->loose;
+	struct light_columns *to = choice->light;
 	uint32_t *place = s->place;
 
-	memset(place, 0, sizeof(*place) * ((size_t)choice->lights + 1));
+	memset(place, 0, sizeof(*place) * ((size_t)lights + 1));
 	for (size_t k = 0; k < columns; k++) {
 		const float reach = from[k].column.scale *
 				    choice->block[1 + from[k].column.block].reach;
-		struct light_columns *light = &choice->light[from[k].light];
+		float *most = &to[from[k].light].most;
 
-		light->most = reach > light->most ? reach : light->most;
+		*most = reach > *most ? reach : *most;
 		place[from[k].light]++;
 	}
-	add_up(place, (size_t)choice->lights + 1);
-	for (int i = 0; i <= choice->lights; i++)
-		choice->light[i].first = place[i];
+	add_up(place, (size_t)lights + 1);
+	for (uint32_t i = 0; i < lights; i++)
+		if (place[i] < place[i + 1])
+			to[choice->lights++] = (struct light_columns){i, place[i], to[i].most};
+	to[choice->lights].first = place[lights];
 	for (size_t k = 0; k < columns; k++)
 		choice->column[place[from[k].light]++] = from[k].column;
 }
@@ -190,14 +193,14 @@ int column_choice_create(struct column_choice *choice, struct block_plan *plan, 
 			 enum basis_kind kind, int ground, const struct basis_groups *groups)
 {
 	struct sorting sorting;
+	int lights = groups->lights, ret = -ENOMEM;
 	size_t columns, n;
-	int ret = -ENOMEM;
 
-	*choice = (struct column_choice){.lights = groups->lights};
+	*choice = (struct column_choice){.lights = 0};
 	columns = number_blocks(choice, plan, count, kind, ground);
 	if (has_groups(choice, plan, count))
-		choice->lights = light_beside(groups->lights, groups->lights + groups->count);
-	n = (size_t)choice->lights + 1;
+		lights = light_beside(groups->lights, groups->lights + groups->count);
+	n = (size_t)lights + 1;
 	choice->light = calloc(n, sizeof(*choice->light));
 	choice->block = calloc((size_t)choice->blocks + 1, sizeof(*choice->block));
 	choice->column = malloc((columns + 1) * sizeof(*choice->column));
@@ -206,7 +209,7 @@ int column_choice_create(struct column_choice *choice, struct block_plan *plan, 
 	if (sorting_create(&sorting, columns, n, groups) == 0 && choice->light && choice->block &&
 	    choice->column && choice->chosen && columns <= UINT32_MAX) {
 		sort_by_class(choice, plan, count, groups, &sorting);
-		sort_by_light(choice, &sorting, columns);
+		sort_by_light(choice, &sorting, (uint32_t)lights, columns);
 		ret = 0;
 	}
 	sorting_free(&sorting);
@@ -230,9 +233,9 @@ void column_choice_free(struct column_choice *choice)
 #define LIST_LINES 3
 
 static inline __attribute__((always_inline)) void fetch_list(const struct column_choice *choice,
-							     int light)
+							     int n)
 {
-	const char *list = (const char *)&choice->column[choice->light[light].first];
+	const char *list = (const char *)&choice->column[choice->light[n].first];
 
 	for (int k = 0; k < LIST_LINES; k++)
 		__builtin_prefetch(list + k * KERNEL_LINE_BYTES);
@@ -249,12 +252,12 @@ static inline __attribute__((always_inline)) void meet(const struct column_choic
 	struct chosen_column *const chosen = choice->chosen;
 	struct choosing_block *const block = choice->block + 1;
 
-	for (int i = 0; i < choice->lights; i++) {
-		const struct light_columns *light = &choice->light[i];
-		const double strength = sent[i].strength;
+	for (int n = 0; n < choice->lights; n++) {
+		const struct light_columns *light = &choice->light[n];
+		const double strength = sent[light->light].strength;
 
-		if (!placing && i + LISTS_AHEAD < choice->lights)
-			fetch_list(choice, i + LISTS_AHEAD);
+		if (!placing && n + LISTS_AHEAD < choice->lights)
+			fetch_list(choice, n + LISTS_AHEAD);
 		if (strength * (double)light->most < 1)
 			continue;
 		for (uint32_t k = light->first; k < light[1].first; k++) {
@@ -266,7 +269,7 @@ static inline __attribute__((always_inline)) void meet(const struct column_choic
 			if (worth < CLASS_NEAR && reach >= FLT_MIN)
 				break;
 			if (placing && worth >= 1)
-				chosen[b->end] = (struct chosen_column){of.place, (uint32_t)i,
+				chosen[b->end] = (struct chosen_column){of.place, light->light,
 									of.bytes, of.scale};
 			b->end += worth >= 1;
 		}

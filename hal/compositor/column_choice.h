@@ -24,6 +24,7 @@ struct light_column {
 };
 
 struct light_columns {
+	uint32_t light; /* its place among what the light vector sends */
 	uint32_t first; /* where they begin */
 	float most;	/* no column of this light reaches farther */
 };
@@ -35,7 +36,7 @@ struct choosing_block {
 
 struct chosen_column {
 	uint32_t place;
-	/* Its place among what the light vector sends; of a record. */
+	/* light_columns'; of the record */
 	uint32_t light : 20, bytes : 12;
 	float scale;
 };
@@ -44,7 +45,7 @@ struct column_choice {
 	struct chosen_column *chosen; /* by blocks, ascending in each */
 	int left_out;		      /* columns that were not chosen */
 	/* private */
-	struct light_columns *light;  /* [lights + 1]; lights: places that a vector sends from */
+	struct light_columns *light;  /* [lights + 1]; lights: those that have columns */
 	struct light_column *column;  /* by lights */
 	struct choosing_block *block; /* [1 + blocks]; the first is none */
 	int lights, blocks;

@@ -208,10 +208,12 @@ static void part_groups(struct light_vector *v, const struct light_order *order,
 		even[k].strength = strength_of(even[k].amount, worth);
 	}
 	for (int i = 0; i < v->lights; i++) {
+		const double *own = v->sent[i].amount, *common = even[groups->of[i]].amount;
+		double x[3];
+
 		for (int c = 0; c < 3; c++)
-			beside[i].amount[c] = v->sent[i].amount[c] -
-					      share[i] * even[groups->of[i]].amount[c];
-		beside[i].strength = strength_of(beside[i].amount, worth);
+			x[c] = own[c] - share[i] * common[c];
+		beside[i] = (struct light_sent){{x[0], x[1], x[2]}, strength_of(x, worth)};
 	}
 }
 
