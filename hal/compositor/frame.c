@@ -45,7 +45,10 @@ static inline __attribute__((always_inline)) void
 fetch_ahead(const struct compositor *c, const struct basis_tile *tile, struct backdrop_rows rows)
 {
 	for (int y = 0; y < tile->height; y++) {
-		__builtin_prefetch(rows.pixels + y * rows.stride);
+		const uint8_t *row = rows.pixels + y * rows.stride;
+
+		__builtin_prefetch(row);
+		__builtin_prefetch(row + tile->width * 4 - 1); /* it may lie across two lines */
 		__builtin_prefetch(c->coverage + (size_t)(tile->y + y) * c->basis->info.width +
 				   tile->x);
 	}
