@@ -158,8 +158,8 @@ void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 	       "\"dropped_error\":%.6g,"
 	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu",
 	       pipeline->selection.used_count, pipeline->selection.count, threshold->value,
-	       threshold->percent ? "percent" : "grey level",
-	       stats_dropped_error(pipeline), pipeline->clipped,
+	       threshold->percent ? "percent" : "grey level", stats_dropped_error(pipeline),
+	       pipeline->clipped,
 	       !pipeline->recovery.recovered ? "no"
 	       : pipeline->recovery.at_bound ? "in part"
 					     : "yes",
