@@ -209,13 +209,14 @@ static void write_columns(struct block_list *list, int first, const struct searc
 	}
 	for (int k = 0; k < count && split->part->share; k++)
 		for (int g = 0; g < s->settings->groups->count; g++) {
-			const struct found_group *group = &s->group[blocks[k].form][g];
+			const struct found_group *group = &s->group[!blocks[k].mono][g];
 
 			if (!group->columns || group->number < 0)
 				continue;
-			search_group(s, split, blocks[k].form, g, &column);
-			write_next(s, split, &list->block[first + k], written[k]++, lights + g,
-				   &column);
+			search_group(s, split, !blocks[k].mono, g, &column);
+			if (blocks[k].form == column.form)
+				write_next(s, split, &list->block[first + k], written[k]++,
+					   lights + g, &column);
 		}
 }
 

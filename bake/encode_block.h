@@ -37,8 +37,8 @@ struct block_reader {
 	int count;
 	double *at_light;    /* [patterns of all blocks][lights] */
 	double *coefficient; /* [patterns of all blocks][PART_ROWS] */
-	bool *grouped;	     /* [blocks][groups]: of what groups a block has columns */
-	int patterns_room, blocks_room;
+	bool *grouped;	     /* [2][groups]: of which there are columns of one channel, of three */
+	int patterns_room;
 };
 
 void block_reader_free(struct block_reader *reader); /* zeroed is fine */

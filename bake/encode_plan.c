@@ -97,7 +97,7 @@ static void join_group(struct search *s, const struct part *part, int light,
 
 	if (!part->share)
 		return;
-	group = &s->group[column->form][s->settings->groups->of[light]];
+	group = &s->group[column_channels(column->form) == 3][s->settings->groups->of[light]];
 	if (!group->columns) {
 		*group = (struct found_group){
 			.value = (size_t)s->found_groups++ * (size_t)part->rows, .number = -1};
@@ -116,9 +116,8 @@ static void find_columns(struct search *s, const struct split *split)
 	const struct part *part = split->part;
 
 	s->used_columns = s->found_groups = 0;
-	for (int form = 0; form < COLUMN_FORMS; form++)
-		memset(s->group[form], 0,
-		       (size_t)s->settings->groups->count * sizeof(*s->group[form]));
+	for (int k = 0; k < 2; k++)
+		memset(s->group[k], 0, (size_t)s->settings->groups->count * sizeof(*s->group[k]));
 	for (int i = 0; i < s->settings->lights; i++) {
 		float *left = s->column_left + (size_t)s->used_columns * (size_t)part->rows;
 		struct split_column column;
@@ -133,12 +132,15 @@ static void find_columns(struct search *s, const struct split *split)
 	}
 }
 
-void search_group(const struct search *s, const struct split *split, enum column_form form, int k,
+void search_group(const struct search *s, const struct split *split, bool colour, int k,
 		  struct split_column *column)
 {
-	const struct found_group *group = &s->group[form][k];
+	const struct found_group *group = &s->group[colour][k];
 
-	column->form = form;
+	if (colour)
+		column->form = split->wide[1] ? COLUMN_COLOUR16 : COLUMN_COLOUR8;
+	else
+		column->form = split->wide[0] ? COLUMN_MONO16 : COLUMN_MONO8;
 	split_take_column(split, s->group_value + group->value, group->reach, column);
 }
 
@@ -148,15 +150,15 @@ static int find_groups(struct search *s, const struct split *split)
 	const int groups = split->part->share ? s->settings->groups->count : 0;
 	int count = s->used_columns;
 
-	for (int form = 0; form < COLUMN_FORMS; form++)
+	for (int colour = 0; colour < 2; colour++)
 		for (int k = 0; k < groups; k++) {
-			struct found_group *group = &s->group[form][k];
+			struct found_group *group = &s->group[colour][k];
 			struct split_column column;
 
 			if (group->columns < FOUND_GROUP_COLUMNS ||
 			    group->reach < FOUND_GROUP_REACH)
 				continue;
-			search_group(s, split, (enum column_form)form, k, &column);
+			search_group(s, split, colour, k, &column);
 			group->number = count;
 			s->found[count++] = (struct found_column){
 				s->settings->lights + k, column.form,
@@ -187,7 +189,7 @@ static void use_column(const struct search *s, const struct part *part, size_t s
 		used[c] = 0;
 	}
 	if (part->share)
-		group = &s->group[column->form][groups->of[light]];
+		group = &s->group[column_channels(column->form) == 3][groups->of[light]];
 	if (group && group->number >= 0) {
 		const float *row = part->sky_even + sky * 3 * (size_t)groups->count +
 				   groups->of[light];

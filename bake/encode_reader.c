@@ -33,30 +33,20 @@ static int reserve(struct block_reader *reader, int patterns)
 	return 0;
 }
 
-static int reserve_groups(struct block_reader *reader, int blocks)
+static bool *grouped_of(const struct block_reader *reader, const struct basis_block_payload *block)
 {
-	if (blocks <= reader->blocks_room)
-		return 0;
-	free(reader->grouped);
-	reader->blocks_room = 0;
-	reader->grouped = malloc((size_t)blocks * ((size_t)reader->settings->groups->count + 1));
-	if (!reader->grouped)
-		return -ENOMEM;
-	reader->blocks_room = blocks;
-	return 0;
+	return reader->grouped +
+	       (block->entry.channels == 3 ? (size_t)reader->settings->groups->count : 0);
 }
 
-static void read_groups(struct block_reader *reader, int k)
+static void read_groups(struct block_reader *reader, const struct basis_block_payload *block)
 {
-	const struct basis_groups *groups = reader->settings->groups;
-	const struct basis_block_payload *block = &reader->block[k];
+	const int lights = reader->settings->lights;
 	const struct basis_layout at = basis_layout(&block->entry, reader->settings->coarse);
 	const uint16_t *number = (const uint16_t *)((const uint8_t *)block->payload + at.light);
-	bool *grouped = reader->grouped + (size_t)k * (size_t)groups->count;
 
-	memset(grouped, 0, (size_t)groups->count * sizeof(*grouped));
-	for (uint32_t n = block->entry.columns; n && number[n - 1] >= groups->lights; n--)
-		grouped[number[n - 1] - groups->lights] = true;
+	for (uint32_t n = block->entry.columns; n && number[n - 1] >= lights; n--)
+		grouped_of(reader, block)[number[n - 1] - lights] = true;
 }
 
 static void read_patterns(struct block_reader *reader, const struct basis_block_payload *block,
@@ -106,14 +96,14 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 	for (int k = 0; k < count; k++)
 		patterns += block[k].entry.patterns;
 	err = reserve(reader, patterns);
-	if (!err)
-		err = reserve_groups(reader, count);
-	if (err)
-		return err;
+	free(reader->grouped);
+	reader->grouped = calloc(2 * (size_t)settings->groups->count + 1, sizeof(*reader->grouped));
+	if (err || !reader->grouped)
+		return -ENOMEM;
 	patterns = 0;
 	for (int k = 0; k < count; k++) {
 		read_patterns(reader, &block[k], patterns);
-		read_groups(reader, k);
+		read_groups(reader, &block[k]);
 		patterns += block[k].entry.patterns;
 	}
 	return 0;
@@ -250,13 +240,14 @@ void block_reader_light(const struct block_reader *reader, int light, double (*v
 	}
 }
 
-/* What a column of a block is weighed by under a sky: as the compositor does it. */
-static void weigh(const struct block_reader *reader, int block, int sky, int number,
-		  double factor[3])
+/* What a column of a block is weighed by under a sky: as the compositor does it. The part's blocks
+ * have all the same pixels, and follow each other. */
+static void weigh(const struct block_reader *reader, const struct basis_block_payload *block,
+		  int sky, int number, double factor[3])
 {
 	const struct basis_groups *groups = reader->settings->groups;
 	const struct part *part = reader->part;
-	const bool *grouped = reader->grouped + (size_t)block * (size_t)groups->count;
+	const bool *grouped = grouped_of(reader, block);
 	const bool single = number < groups->lights;
 	const int group = !groups->count ? 0
 			  : single	 ? groups->of[number]
@@ -308,7 +299,8 @@ void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[
 					    (e->bits == 8 ? 127 : 32767);
 			double factor[3];
 
-			weigh(reader, k, sky, ((const uint16_t *)(payload + at.light))[i], factor);
+			weigh(reader, block, sky, ((const uint16_t *)(payload + at.light))[i],
+			      factor);
 			if (most * fmax(fmax(fabs(factor[0]), fabs(factor[1])), fabs(factor[2])) >=
 			    part->column_cut)
 				add_column(block, &at, (int)i, factor, own);
@@ -322,16 +314,21 @@ double block_reader_rounding(const struct block_reader *reader)
 {
 	double most = 0;
 
-	for (int k = 0; k < reader->count; k++) {
-		const struct basis_block_entry *e = &reader->block[k].entry;
-		const struct basis_layout at = basis_layout(e, reader->settings->coarse);
-		const uint8_t *payload = reader->block[k].payload;
-		const uint16_t *light = (const uint16_t *)(payload + at.light);
-		const void *scales = payload + at.column_scale;
+	for (int group = 0; group < reader->settings->groups->count; group++) {
+		double own = 0;
 
-		for (uint32_t n = e->columns; n && light[n - 1] >= reader->settings->lights; n--)
-			most = fmax(most,
-				    (double)((const float *)scales)[n - 1] * (e->tinted ? 1 : 0.5));
+		for (int k = 0; k < reader->count; k++) {
+			const struct basis_block_payload *block = &reader->block[k];
+			const struct basis_layout at = basis_layout(&block->entry,
+								    reader->settings->coarse);
+			const void *scales = (const uint8_t *)block->payload + at.column_scale;
+			const int n = find(block, &at, reader->settings->lights + group);
+
+			if (n >= 0)
+				own += (double)((const float *)scales)[n] *
+				       (block->entry.tinted ? 1 : 0.5);
+		}
+		most = fmax(most, own);
 	}
 	return most * (1 + FLT_EPSILON);
 }

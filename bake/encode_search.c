@@ -27,22 +27,18 @@ int search_create(struct search *s, const struct encode_settings *settings,
 
 	*s = (struct search){.settings = settings, .levels = levels, .target = settings->target};
 	s->column_x = calloc(skies * 3 * (size_t)settings->lights, sizeof(*s->column_x));
-	s->found = calloc((size_t)(settings->lights + COLUMN_FORMS * settings->groups->count),
+	s->found = calloc((size_t)(settings->lights + 2 * settings->groups->count),
 			  sizeof(*s->found));
-	for (int form = 0; form < COLUMN_FORMS; form++)
-		s->group[form] = calloc((size_t)settings->groups->count + 1,
-					sizeof(*s->group[form]));
+	for (int k = 0; k < 2; k++)
+		s->group[k] = calloc((size_t)settings->groups->count + 1, sizeof(*s->group[k]));
 	s->sky_x = calloc(skies * 3 * (size_t)settings->lights, sizeof(*s->sky_x));
 	s->sky_sum = calloc(skies * PART_ROWS, sizeof(*s->sky_sum));
 	s->sky_mono = calloc(skies * PART_PIXELS, sizeof(*s->sky_mono));
 	s->weight = calloc((size_t)settings->lights, sizeof(*s->weight));
 	s->next_weight = calloc((size_t)settings->lights, sizeof(*s->next_weight));
 	s->miss = calloc((size_t)settings->lights, sizeof(*s->miss));
-	for (int form = 0; form < COLUMN_FORMS; form++)
-		if (!s->group[form])
-			return -ENOMEM;
-	return s->found && s->column_x && s->sky_x && s->sky_sum && s->sky_mono && s->weight &&
-			       s->next_weight && s->miss
+	return s->found && s->group[0] && s->group[1] && s->column_x && s->sky_x && s->sky_sum &&
+			       s->sky_mono && s->weight && s->next_weight && s->miss
 		       ? 0
 		       : -ENOMEM;
 }
@@ -54,8 +50,8 @@ void search_free(struct search *s)
 	free(s->column_left);
 	free(s->group_value);
 	free(s->found);
-	for (int form = 0; form < COLUMN_FORMS; form++)
-		free(s->group[form]);
+	free(s->group[0]);
+	free(s->group[1]);
 	free(s->sky_sum);
 	free(s->sky_mono);
 	free(s->weight);

@@ -34,7 +34,7 @@ struct found_column {
 	size_t bytes;
 };
 
-/* Columns of one form whose lights are of one group. */
+/* Columns of one channel, or of three, whose lights are of one group. */
 struct found_group {
 	int columns;  /* 0: none yet, and the rest means nothing */
 	double reach; /* as far as its lights' together, each by its share */
@@ -63,10 +63,10 @@ struct search {
 	float *column_left; /* [used_columns][rows] */
 	int used_columns;
 	/* Those of the plan that was evaluated last; of groups after those of lights. */
-	struct found_column *found; /* [lights + groups * forms] */
+	struct found_column *found; /* [lights + 2 groups] */
 	int found_groups;
-	struct found_group *group[COLUMN_FORMS]; /* [groups] */
-	float *group_value;			 /* [used_columns][rows] */
+	struct found_group *group[2]; /* of one channel, of three: [groups] */
+	float *group_value;	      /* [used_columns][rows] */
 	size_t left_room;
 	float *sky_sum; /* [skies][3 * pixels] */
 	float *sky_mono;
@@ -97,8 +97,9 @@ bool plan_better(const struct plan *a, const struct plan *b);
  * [rows]: what it and the patterns leave. */
 void search_light(const struct split *split, int light, float *left, struct split_column *column);
 
-/* The column of a group of those found, as it is stored. */
-void search_group(const struct search *search, const struct split *split, enum column_form form,
-		  int group, struct split_column *column);
+/* The column of a group of those found, as it is stored: in 8 bits, whatever its lights need,
+ * unless all columns are wide, as its light is never large (BASIS_GROUP_MOST). */
+void search_group(const struct search *search, const struct split *split, bool colour, int group,
+		  struct split_column *column);
 
 #endif

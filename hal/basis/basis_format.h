@@ -1,5 +1,5 @@
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 7.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 8.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -40,12 +40,15 @@
  * Neighbouring lights mostly send alike, and their columns are then read for what they have in
  * common. So a column may also be a group's, of number N + k: group k are the lights that give more
  * to coarse light k than to any other (the first of equals), and its column is the sum over the
- * block's columns of these lights, each times q_i,
+ * columns of these lights, each times q_i,
  *
  *     q_i = w_i / sum of w over the group       w of T: the solid angle; of V: u_i, summed over the
  *                                               channels
  *
- * to within half of its own scale. With any S_k,c the sum over the block's columns of the group is
+ * to within half of its own scale. These are the columns of its block, and of those that follow it
+ * or that it follows, one behind the other in their tile, with the same kind, ground, channels and
+ * pixels: a group's column may have 8 bits where lights of it need 16, as its own light is never
+ * far above what may be left out. With any S_k,c the sum over the columns of the group is
  *
  *     scale * column * S_k,c + sum over the group's of scale_n * column_n * (X_n,c - q_n S_k,c)
  *
@@ -70,7 +73,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 7
+#define BASIS_VERSION 8
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* of every array inside a block */
 

@@ -90,32 +90,21 @@ struct loose_column {
 	uint32_t light;
 };
 
-/* Where the block's columns find what they are weighed by: that of a light whose group has a column
- * too is weighed by what the light sends beside it. grouped: [groups], all false. */
-static void find_sources(const struct basis_block *b, const struct basis_groups *groups,
-			 bool *grouped, uint32_t *source)
+/* Where a block's column finds what it is weighed by: that of a light whose group has a column too
+ * is weighed by what the light sends beside it. grouped: [groups]. */
+static uint32_t source_of(const struct basis_groups *groups, const bool *grouped, int number)
 {
 	const int lights = groups->lights;
-	int all = b->columns;
+	const bool beside = number >= lights || (groups->count && grouped[groups->of[number]]);
 
-	while (all && b->light[all - 1] >= lights)
-		grouped[b->light[--all] - lights] = true;
-	for (int n = 0; n < b->columns; n++) {
-		const int number = b->light[n];
-		const bool beside = n >= all || (all < b->columns && grouped[groups->of[number]]);
-
-		source[n] = (uint32_t)(beside ? light_beside(lights, number) : number);
-	}
-	for (int n = all; n < b->columns; n++)
-		grouped[b->light[n] - lights] = false;
+	return (uint32_t)(beside ? light_beside(lights, number) : number);
 }
 
 /* Memory for sorting. */
 struct sorting {
 	struct loose_column *loose;
-	uint32_t *place;  /* [CLASSES], [lights + 1] */
-	uint32_t *source; /* [lights + groups]: of a block's columns */
-	bool *grouped;	  /* [groups] */
+	uint32_t *place; /* [CLASSES], [lights + 1] */
+	bool *grouped;	 /* [groups]: those of which the blocks in hand have columns */
 };
 
 static int sorting_create(struct sorting *s, size_t columns, size_t lights,
@@ -123,24 +112,46 @@ static int sorting_create(struct sorting *s, size_t columns, size_t lights,
 {
 	s->loose = malloc((columns + 1) * sizeof(*s->loose));
 	s->place = malloc((lights > CLASSES ? lights : CLASSES) * sizeof(*s->place));
-	s->source = malloc((lights + 1) * sizeof(*s->source));
 	s->grouped = calloc((size_t)groups->count + 1, sizeof(*s->grouped));
-	return s->loose && s->place && s->source && s->grouped ? 0 : -ENOMEM;
+	return s->loose && s->place && s->grouped ? 0 : -ENOMEM;
 }
 
 static void sorting_free(struct sorting *s)
 {
 	free(s->loose);
 	free(s->place);
-	free(s->source);
 	free(s->grouped);
+}
+
+/* The columns of groups come last in their block. */
+static void mark_groups(const struct block_plan *plan, int count, int lights, bool mark,
+			bool *grouped)
+{
+	for (int k = 0; k < count; k++) {
+		const struct basis_block *b = plan[k].block;
+
+		for (int n = b->columns; n && b->light[n - 1] >= lights; n--)
+			grouped[b->light[n - 1] - lights] = mark;
+	}
+}
+
+static void sort_block(const struct column_choice *choice, const struct block_plan *plan,
+		       const struct basis_groups *groups, struct sorting *s)
+{
+	const struct basis_block *b = plan->block;
+
+	choice->block[1 + plan->number].reach = plan->reach;
+	for (int n = 0; n < b->columns; n++)
+		s->loose[s->place[class_of(reach_of(plan, n))]++] =
+			(struct loose_column){{b->column_scale[n], (uint32_t)plan->number,
+					       place_of(b, n), bytes_of(b, n)},
+					      source_of(groups, s->grouped, b->light[n])};
 }
 
 /* All columns by classes. */
 static void sort_by_class(const struct column_choice *choice, const struct block_plan *plan,
 			  int count, const struct basis_groups *groups, struct sorting *s)
 {
-	struct loose_column *to = s->loose;
 	uint32_t *place = s->place;
 
 	memset(place, 0, sizeof(*place) * CLASSES);
@@ -148,18 +159,14 @@ static void sort_by_class(const struct column_choice *choice, const struct block
 		for (int n = 0; plan[k].choice == choice && n < plan[k].block->columns; n++)
 			place[class_of(reach_of(&plan[k], n))]++;
 	add_up(place, CLASSES);
-	for (int k = 0; k < count; k++) {
-		const struct basis_block *b = plan[k].block;
-
-		if (plan[k].choice != choice)
-			continue;
-		choice->block[1 + plan[k].number].reach = plan[k].reach;
-		find_sources(b, groups, s->grouped, s->source);
-		for (int n = 0; n < b->columns; n++)
-			to[place[class_of(reach_of(&plan[k], n))]++] =
-				(struct loose_column){{b->column_scale[n], (uint32_t)plan[k].number,
-						       place_of(b, n), bytes_of(b, n)},
-						      s->source[n]};
+	for (int k = 0, next; k < count; k = next) {
+		for (next = k + 1; next < count && plan[next].follows;)
+			next++;
+		mark_groups(plan + k, next - k, groups->lights, true, s->grouped);
+		for (int n = k; n < next; n++)
+			if (plan[n].choice == choice)
+				sort_block(choice, &plan[n], groups, s);
+		mark_groups(plan + k, next - k, groups->lights, false, s->grouped);
 	}
 }
 

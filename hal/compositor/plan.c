@@ -61,7 +61,7 @@ static int exponent_of_bound(double bound)
 	return bound > 0 ? exponent_above(bound) : -200;
 }
 
-static bool is_grouped(const struct basis *basis, const struct basis_block *b)
+static bool has_groups(const struct basis *basis, const struct basis_block *b)
 {
 	return b->columns && b->light[b->columns - 1] >= basis->info.lights;
 }
@@ -74,7 +74,7 @@ static struct block_plan plan_block(const struct basis *basis, const struct basi
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
 		.kept = !cut && b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
-		.grouped = is_grouped(basis, b),
+		.grouped = has_groups(basis, b),
 		.reach = value_of_one(b),
 	};
 
@@ -110,11 +110,26 @@ static bool same_pixels(const struct basis_block *a, const struct basis_block *b
 	       memcmp(a->pixel, b->pixel, sizeof(*a->pixel) * (size_t)a->pixels) == 0;
 }
 
+/* Blocks of the same pixels and channels, as columns of 8 and of 16 bits are two, have columns of
+ * groups in common. */
+static void share_groups(struct block_plan *plan, int count)
+{
+	for (int n = 1; n < count; n++) {
+		const struct basis_block *b = plan[n].block, *before = plan[n - 1].block;
+
+		plan[n].follows = b->channels == before->channels && same_pixels(b, before);
+		plan[n].grouped |= plan[n].follows && plan[n - 1].grouped;
+	}
+	for (int n = count - 1; n > 0; n--)
+		plan[n - 1].grouped |= plan[n].follows && plan[n].grouped;
+}
+
 static void plan_group(struct block_plan *plan, int count)
 {
 	double bound = 0;
 	int lines = 0, shares = 1;
 
+	share_groups(plan, count);
 	for (int n = 0; n < count; n++) {
 		const struct basis_block *b = plan[n].block;
 

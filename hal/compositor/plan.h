@@ -29,7 +29,8 @@ struct block_plan {
 	uint16_t row[BASIS_TILE]; /* bit x of row y: that pixel is listed */
 	bool kept;		  /* its sums are worth keeping from frame to frame */
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
-	bool grouped;	  /* some columns are of groups of lights */
+	bool follows;	  /* has columns of groups in common with the block before it */
+	bool grouped;	  /* there are columns of groups in it, or in one that has them in common */
 	float reach;	  /* a column's values reach column_scale times this, tint included */
 	/* Of T and V blocks that need not use all their columns: what chooses among them, and their
 	 * number there (column_choice.h). NULL: each column counts whose light is not 0. */

@@ -226,48 +226,86 @@ static inline double holding_weight(const struct encoding *e, enum basis_kind ki
 		       : e->light[light].solid_angle_sr;
 }
 
-/* A group's column is what the block's columns of its lights have by their shares, to half of its
- * scale. Returns what the largest is rounded by, tinted. */
-static inline double holding_groups(const struct encoding *e, const struct encode_result *result)
+/* Whether a block has columns of groups in common with the one before it, as basis_format.h has it.
+ */
+static inline bool holding_follows(const struct encoding *e, const struct encode_result *result,
+				   int k)
 {
-	double most = 0;
+	const struct basis_block_payload *now = &result->shown[k], *before = now - (k > 0);
+	const struct basis_block_entry *b = &now->entry, *a = &before->entry;
 
-	for (int k = 0; k < result->shown_count; k++) {
+	return k && a->kind == b->kind && a->ground == b->ground && a->channels == b->channels &&
+	       a->pixels == b->pixels &&
+	       memcmp(encoding_arrays_of(before, e->settings.coarse).pixel,
+		      encoding_arrays_of(now, e->settings.coarse).pixel,
+		      b->pixels * sizeof(uint16_t)) == 0;
+}
+
+/* What the columns of a group's lights come to, by their shares, in blocks first to last: to_sum
+ * [pixels][channels]. Returns how many there are. */
+static inline int holding_members(const struct encoding *e, const struct encode_result *result,
+				  int first, int last, int group, double *to_sum)
+{
+	double all = 0;
+	int members = 0;
+
+	for (int i = 0; i < e->settings.lights; i++)
+		if (holding_group(e, i) == group)
+			all += holding_weight(e, result->shown[first].entry.kind, i);
+	for (int k = first; k <= last; k++) {
 		const struct basis_block_entry *b = &result->shown[k].entry;
 		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
 								    e->settings.coarse);
-		const enum basis_kind kind = b->kind;
 
 		for (uint32_t n = 0; n < b->columns; n++) {
-			const int group = a.light[n] - e->settings.lights;
-			double all = 0;
-			int members = 0;
-
-			for (int i = 0; i < e->settings.lights && group >= 0; i++)
-				if (holding_group(e, i) == group)
-					all += holding_weight(e, kind, i);
-			for (uint32_t m = 0; m < n && group >= 0; m++)
-				members += a.light[m] < e->settings.lights &&
-					   holding_group(e, a.light[m]) == group;
-			assert_true(group < 0 || members >= 2);
-			for (int r = 0; r < b->pixels * b->channels && group >= 0; r++) {
-				const int p = r / b->channels, c = r % b->channels;
-				double is = encoding_column(b, &a, p, c, n);
-
-				for (uint32_t m = 0; m < n; m++)
-					if (a.light[m] < e->settings.lights &&
-					    holding_group(e, a.light[m]) == group)
-						is -= holding_weight(e, kind, a.light[m]) / all *
-						      encoding_column(b, &a, p, c, m);
-				if (fabs(is) > 0.501 * (double)a.column_scale[n] + 1e-9)
-					fail_msg("group %d is off by %g of its scale", group,
-						 is / (double)a.column_scale[n]);
-			}
-			if (group >= 0)
-				most = fmax(most,
-					    (double)a.column_scale[n] * (b->tinted ? 1 : 0.5));
+			if (a.light[n] >= e->settings.lights ||
+			    holding_group(e, a.light[n]) != group)
+				continue;
+			members++;
+			for (int r = 0; r < b->pixels * b->channels; r++)
+				to_sum[r] += holding_weight(e, b->kind, a.light[n]) / all *
+					     encoding_column(b, &a, r / b->channels,
+							     r % b->channels, n);
 		}
 	}
+	return members;
+}
+
+/* A group's column is what its lights' columns come to, to half of its scale. Returns what those of
+ * a group are rounded by at most, tinted. */
+static inline double holding_groups(const struct encoding *e, const struct encode_result *result)
+{
+	double *rounded = calloc((size_t)e->settings.coarse, sizeof(*rounded)), most = 0;
+
+	assert_non_null(rounded);
+	for (int k = 0, first = 0; k < result->shown_count; k++) {
+		const struct basis_block_entry *b = &result->shown[k].entry;
+		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
+								    e->settings.coarse);
+		int last = k;
+
+		first = holding_follows(e, result, k) ? first : k;
+		while (last + 1 < result->shown_count && holding_follows(e, result, last + 1))
+			last++;
+		for (uint32_t n = 0; n < b->columns; n++) {
+			const int group = a.light[n] - e->settings.lights;
+			double is[3 * PIXELS_MOST] = {0};
+
+			if (group < 0)
+				continue;
+			assert_true(holding_members(e, result, first, last, group, is) >= 2);
+			for (int r = 0; r < b->pixels * b->channels; r++) {
+				is[r] -= encoding_column(b, &a, r / b->channels, r % b->channels,
+							 n);
+				if (fabs(is[r]) > 0.501 * (double)a.column_scale[n] + 1e-9)
+					fail_msg("group %d is off by %g of its scale", group,
+						 is[r] / (double)a.column_scale[n]);
+			}
+			rounded[group] += (double)a.column_scale[n] * (b->tinted ? 1 : 0.5);
+			most = fmax(most, rounded[group]);
+		}
+	}
+	free(rounded);
 	return most;
 }
 
