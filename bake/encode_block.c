@@ -196,16 +196,17 @@ static void write_columns(struct block_list *list, int first, const struct searc
 {
 	const int lights = s->settings->lights;
 	int written[PLAN_BLOCKS_MAX] = {0};
-	struct split_column column;
+	struct split_column column[LIGHT_COLUMNS_MAX];
 
 	for (int i = 0; i < lights; i++) {
-		float left[PART_ROWS];
+		float left[LIGHT_COLUMNS_MAX * PART_ROWS];
+		const int columns = search_light(split, i, left, column);
 
-		search_light(split, i, left, &column);
-		for (int k = 0; k < count && column.form != COLUMN_NONE; k++)
-			if (blocks[k].form == column.form)
-				write_next(s, split, &list->block[first + k], written[k]++, i,
-					   &column);
+		for (int k = 0; k < count; k++)
+			for (int n = 0; n < columns; n++)
+				if (blocks[k].form == column[n].form)
+					write_next(s, split, &list->block[first + k], written[k]++,
+						   i, &column[n]);
 	}
 	for (int k = 0; k < count && split->part->share; k++)
 		for (int g = 0; g < s->settings->groups->count; g++) {
@@ -213,10 +214,10 @@ static void write_columns(struct block_list *list, int first, const struct searc
 
 			if (!group->columns || group->number < 0)
 				continue;
-			search_group(s, split, !blocks[k].mono, g, &column);
-			if (blocks[k].form == column.form)
+			search_group(s, split, !blocks[k].mono, g, column);
+			if (blocks[k].form == column->form)
 				write_next(s, split, &list->block[first + k], written[k]++,
-					   lights + g, &column);
+					   lights + g, column);
 		}
 }
 

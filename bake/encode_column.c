@@ -1,4 +1,4 @@
-/* A light's own column: the cheapest that brings what patterns leave of it inside what may be left.
+/* A light's own columns: the cheapest that bring what patterns leave of it inside what may be left.
  */
 #include <float.h>
 #include <math.h>
@@ -234,24 +234,29 @@ static size_t column_bytes(const struct part *part, const struct split_column *c
 	return (size_t)(basis_panels16(part->kept) * channels) * BASIS_ALIGN;
 }
 
+/* wanted, in as many channels as a column has. */
+static const float *in_channels(const struct split *split, bool mono, const float *wanted,
+				float *one)
+{
+	if (!mono || !split->colour)
+		return wanted;
+	split_untint(split, wanted, one);
+	return one;
+}
+
 /* Whether a column of this form that reaches so far does for wanted; left becomes what it leaves.
  */
 static bool try_form(const struct split *split, enum column_form form, int light, double reach,
 		     const float *wanted, float *left, struct split_column *column)
 {
 	const int pixels = split->part->pixels, most = column_most(form);
-	const bool mono = form == COLUMN_MONO8 || form == COLUMN_MONO16;
-	const bool narrow = form == COLUMN_MONO8 || form == COLUMN_COLOUR8;
+	const bool mono = column_channels(form) == 1, narrow = most == INT8_MAX;
 	const int count = mono ? pixels : split->part->rows;
-	const float *from = wanted;
 	float one[PART_PIXELS];
+	const float *from = in_channels(split, mono, wanted, one);
 	double largest = reach;
 	bool found = false;
 
-	if (mono && split->colour) {
-		split_untint(split, wanted, one);
-		from = one;
-	}
 	for (int k = 0; k < count; k++)
 		largest = fmax(largest, (double)fabsf(from[k]));
 	column->form = form;
@@ -267,30 +272,8 @@ static bool try_form(const struct split *split, enum column_form form, int light
 		found = try_between(split, mono, light, reach, wanted, from, left, column);
 	if (found && narrow)
 		shorten(split, mono, light, wanted, from, left, column);
-	return found;
-}
-
-void split_find_column(const struct split *split, int light, float *left,
-		       struct split_column *column)
-{
-	/* By what they cost. */
-	static const enum column_form order[] = {COLUMN_MONO8, COLUMN_MONO16, COLUMN_COLOUR8,
-						 COLUMN_COLOUR16};
-	const double reach = part_column_reach(split->part, light, left) * (1 + REACH_ROUNDING);
-	float wanted[PART_ROWS];
-
-	memcpy(wanted, left, (size_t)split->part->rows * sizeof(*left));
-	for (int k = 0; k < 4; k++) {
-		const bool mono = k < 2, narrow = k % 2 == 0;
-
-		if (mono ? !split->mono : !split->colour)
-			continue;
-		if (narrow && split->wide[mono ? 0 : 1])
-			continue;
-		if (try_form(split, order[k], light, reach, wanted, left, column))
-			break;
-	}
 	column->bytes = column_bytes(split->part, column);
+	return found;
 }
 
 /* As short as it can be without a loss. */
@@ -331,4 +314,66 @@ void split_take_column(const struct split *split, const float *from, double reac
 	if (most == INT8_MAX)
 		shorten_exactly(split, column);
 	column->bytes = column_bytes(split->part, column);
+}
+
+/* ---- all that a light needs ---- */
+
+static double reach_for(const struct split *split, int light, const float *left)
+{
+	return part_column_reach(split->part, light, left) * (1 + REACH_ROUNDING);
+}
+
+/* To nearest. */
+static void take_nearest(const struct split *split, enum column_form form, double reach,
+			 const float *wanted, float *left, struct split_column *column)
+{
+	const bool mono = column_channels(form) == 1;
+	float one[PART_PIXELS];
+
+	column->form = form;
+	split_take_column(split, in_channels(split, mono, wanted, one), reach, column);
+	leave_column(split, mono, wanted, column, left);
+}
+
+static bool try_two(const struct split *split, bool mono, int light, double reach,
+		    const float *wanted, float *left, struct split_column *column)
+{
+	const enum column_form first = mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
+	const enum column_form second = mono ? COLUMN_MONO_REST : COLUMN_COLOUR_REST;
+	float *rest = left + split->part->rows;
+	double farther;
+
+	take_nearest(split, first, reach, wanted, left, &column[0]);
+	farther = reach_for(split, light, left);
+	if (try_form(split, second, light, farther, left, rest, &column[1]))
+		return true;
+	take_nearest(split, second, farther, left, rest, &column[1]);
+	return false;
+}
+
+int split_find_columns(const struct split *split, int light, float *left,
+		       struct split_column column[LIGHT_COLUMNS_MAX])
+{
+	const double reach = reach_for(split, light, left);
+	float wanted[PART_ROWS];
+	int count = 0;
+
+	memcpy(wanted, left, (size_t)split->part->rows * sizeof(*left));
+	/* By what they cost. */
+	for (int channels = 1; channels <= 3; channels += 2) {
+		const bool mono = channels == 1;
+		const enum column_form narrow = mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
+		const enum column_form wide = mono ? COLUMN_MONO16 : COLUMN_COLOUR16;
+
+		if (mono ? !split->mono : !split->colour)
+			continue;
+		if (!split->wide[!mono] &&
+		    try_form(split, narrow, light, reach, wanted, left, column))
+			return 1;
+		count = split->whole[!mono] ? 1 : 2;
+		if (count == 1 ? try_form(split, wide, light, reach, wanted, left, column)
+			       : try_two(split, mono, light, reach, wanted, left, column))
+			break;
+	}
+	return count;
 }

@@ -14,23 +14,25 @@ int plan_blocks(const struct plan *plan, struct plan_block *blocks)
 	int count = 0;
 
 	for (int colour = 0; colour < 2; colour++) {
-		const enum column_form narrow = colour ? COLUMN_COLOUR8 : COLUMN_MONO8;
-		const enum column_form wide = colour ? COLUMN_COLOUR16 : COLUMN_MONO16;
-		struct plan_block first = {.mono = !colour, .bits = 16, .form = COLUMN_NONE};
+		const int first = colour ? COLUMN_COLOUR8 : COLUMN_MONO8;
+		const int end = colour ? COLUMN_FORMS : COLUMN_COLOUR8;
+		int patterns = colour ? plan->colour_rank : plan->mono_rank;
 
-		first.patterns = colour ? plan->colour_rank : plan->mono_rank;
-		first.columns = plan->columns[narrow] ? plan->columns[narrow] : plan->columns[wide];
-		if (first.columns)
-			first.form = plan->columns[narrow] ? narrow : wide;
-		if (first.form == narrow)
-			first.bits = 8;
-		if (first.patterns || first.columns)
-			blocks[count++] = first;
-		if (plan->columns[narrow] && plan->columns[wide])
-			blocks[count++] = (struct plan_block){.mono = !colour,
-							      .bits = 16,
-							      .form = wide,
-							      .columns = plan->columns[wide]};
+		for (int form = first; form < end; form++) {
+			if (!plan->columns[form])
+				continue;
+			blocks[count++] = (struct plan_block){
+				.mono = !colour,
+				.patterns = patterns,
+				.bits = column_most((enum column_form)form) == INT8_MAX ? 8 : 16,
+				.form = (enum column_form)form,
+				.columns = plan->columns[form],
+			};
+			patterns = 0;
+		}
+		if (patterns)
+			blocks[count++] = (struct plan_block){
+				.mono = !colour, .patterns = patterns, .bits = 16};
 	}
 	return count;
 }
@@ -79,17 +81,18 @@ static bool negative(const struct part *part, int light, const float *left)
 	return least < -most / 254;
 }
 
-void search_light(const struct split *split, int light, float *left, struct split_column *column)
+int search_light(const struct split *split, int light, float *left,
+		 struct split_column column[LIGHT_COLUMNS_MAX])
 {
-	column->form = COLUMN_NONE;
 	split_left(split, light, left);
-	if (!part_cell_holds(split->part, light, left) || negative(split->part, light, left))
-		split_find_column(split, light, left, column);
+	if (part_cell_holds(split->part, light, left) && !negative(split->part, light, left))
+		return 0;
+	return split_find_columns(split, light, left, column);
 }
 
-/* A column goes to its group. */
+/* A light's columns go to its group. */
 static void join_group(struct search *s, const struct part *part, int light,
-		       const struct split_column *column)
+		       const struct split_column *column, int columns)
 {
 	const int count = column_channels(column->form) * part->pixels;
 	struct found_group *group;
@@ -107,8 +110,9 @@ static void join_group(struct search *s, const struct part *part, int light,
 	value = s->group_value + group->value;
 	group->columns++;
 	group->reach += (double)(share * column->scale) * column_most(column->form);
-	for (int k = 0; k < count; k++)
-		value[k] += share * column->scale * (float)column->value[k];
+	for (int n = 0; n < columns; n++)
+		for (int k = 0; k < count; k++)
+			value[k] += share * column[n].scale * (float)column[n].value[k];
 }
 
 static void find_columns(struct search *s, const struct split *split)
@@ -120,15 +124,16 @@ static void find_columns(struct search *s, const struct split *split)
 		memset(s->group[k], 0, (size_t)s->settings->groups->count * sizeof(*s->group[k]));
 	for (int i = 0; i < s->settings->lights; i++) {
 		float *left = s->column_left + (size_t)s->used_columns * (size_t)part->rows;
-		struct split_column column;
+		struct split_column column[LIGHT_COLUMNS_MAX];
+		const int columns = search_light(split, i, left, column);
 
-		search_light(split, i, left, &column);
-		if (column.form == COLUMN_NONE)
-			continue;
-		s->found[s->used_columns++] = (struct found_column){
-			i, column.form, (double)column.scale * column_most(column.form),
-			column.bytes};
-		join_group(s, part, i, &column);
+		for (int n = 0; n < columns; n++)
+			s->found[s->used_columns++] = (struct found_column){
+				i, column[n].form,
+				(double)column[n].scale * column_most(column[n].form),
+				column[n].bytes, n > 0};
+		if (columns)
+			join_group(s, part, i, column, columns);
 	}
 }
 
@@ -136,12 +141,14 @@ void search_group(const struct search *s, const struct split *split, bool colour
 		  struct split_column *column)
 {
 	const struct found_group *group = &s->group[colour][k];
+	/* What nearly all lights of a tile are off by together its groups have to put right. */
+	const double reach = split->part->fine < 1 ? group->reach : 0;
 
 	if (colour)
 		column->form = split->wide[1] ? COLUMN_COLOUR16 : COLUMN_COLOUR8;
 	else
 		column->form = split->wide[0] ? COLUMN_MONO16 : COLUMN_MONO8;
-	split_take_column(split, s->group_value + group->value, group->reach, column);
+	split_take_column(split, s->group_value + group->value, reach, column);
 }
 
 /* Those of groups follow the lights'. Returns how many there are of both. */
@@ -162,7 +169,8 @@ static int find_groups(struct search *s, const struct split *split)
 			group->number = count;
 			s->found[count++] = (struct found_column){
 				s->settings->lights + k, column.form,
-				(double)column.scale * column_most(column.form), column.bytes};
+				(double)column.scale * column_most(column.form), column.bytes,
+				false};
 		}
 	return count;
 }
@@ -203,7 +211,7 @@ static void use_column(const struct search *s, const struct part *part, size_t s
 			x[c] -= common;
 			used[c] = in ? common : 0;
 		}
-		*read += in ? (double)all->bytes / group->columns : 0;
+		*read += in && !column->second ? (double)all->bytes / group->columns : 0;
 	}
 	if (!is_used(part, x, column))
 		return;
@@ -212,10 +220,11 @@ static void use_column(const struct search *s, const struct part *part, size_t s
 	*read += (double)column->bytes;
 }
 
-/* The skies' light on what patterns leave goes, as far as columns are used, to what these leave. */
+/* The skies' light on what patterns leave goes, as far as columns are used, to what these leave;
+ * and from there, where there is a second one, to what that leaves. */
 static double use_columns(struct search *s, const struct part *part)
 {
-	const size_t n = (size_t)s->settings->lights;
+	const size_t n = (size_t)s->settings->lights, most = (size_t)s->most_columns;
 	const size_t skies = (size_t)s->settings->ensemble->tried;
 	double read = 0;
 
@@ -227,8 +236,13 @@ static double use_columns(struct search *s, const struct part *part)
 
 			use_column(s, part, k, column, used, &read);
 			for (size_t c = 0; c < 3; c++) {
-				s->column_x[(k * 3 + c) * n + number] = used[c];
-				s->sky_x[(k * 3 + c) * n + (size_t)column->number] -= used[c];
+				float *x = s->column_x + (k * 3 + c) * most + number;
+
+				x[0] = used[c];
+				x = column->second
+					    ? x - 1
+					    : s->sky_x + (k * 3 + c) * n + (size_t)column->number;
+				*x -= used[c];
 			}
 		}
 	return read / (double)skies;
@@ -254,7 +268,7 @@ static void sum_left(struct search *s, const struct split *split)
 {
 	const struct part *part = split->part;
 	const int n = s->settings->lights, skies = s->settings->ensemble->tried;
-	const int pixels = part->pixels;
+	const int pixels = part->pixels, most = s->most_columns;
 
 	for (int c = 0; c < 3; c++) {
 		float *to = s->sky_sum + c * pixels;
@@ -277,7 +291,8 @@ static void sum_left(struct search *s, const struct split *split)
 			}
 		if (s->used_columns)
 			cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, pixels,
-				    s->used_columns, 1, s->column_x + (size_t)c * (size_t)n, 3 * n,
+				    s->used_columns, 1, s->column_x + (size_t)c * (size_t)most,
+				    3 * most,
 				    s->column_left + (part->channels == 3 ? c * pixels : 0),
 				    part->rows, 1, to, 3 * pixels);
 	}
@@ -330,8 +345,6 @@ void plan_evaluate(struct search *s, struct split *split, int mono_rank, int col
 {
 	split_set_ranks(split, s->settings->lights, mono_rank, colour_rank);
 	plan->way = split->way;
-	plan->wide[0] = split->wide[0];
-	plan->wide[1] = split->wide[1];
 	plan->mono_rank = split->mono ? split->mono_rank : 0;
 	plan->colour_rank = split->colour ? split->colour_rank : 0;
 	choose_columns(s, split, plan);

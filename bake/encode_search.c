@@ -26,8 +26,9 @@ int search_create(struct search *s, const struct encode_settings *settings,
 	const size_t skies = (size_t)settings->ensemble->skies;
 
 	*s = (struct search){.settings = settings, .levels = levels, .target = settings->target};
-	s->column_x = calloc(skies * 3 * (size_t)settings->lights, sizeof(*s->column_x));
-	s->found = calloc((size_t)(settings->lights + 2 * settings->groups->count),
+	s->most_columns = LIGHT_COLUMNS_MAX * settings->lights;
+	s->column_x = calloc(skies * 3 * (size_t)s->most_columns, sizeof(*s->column_x));
+	s->found = calloc((size_t)(s->most_columns + 2 * settings->groups->count),
 			  sizeof(*s->found));
 	for (int k = 0; k < 2; k++)
 		s->group[k] = calloc((size_t)settings->groups->count + 1, sizeof(*s->group[k]));
@@ -62,7 +63,7 @@ void search_free(struct search *s)
 
 static int reserve(struct search *s, const struct part *part)
 {
-	const size_t wanted = (size_t)s->settings->lights * (size_t)part->rows;
+	const size_t wanted = (size_t)s->most_columns * (size_t)part->rows;
 
 	if (wanted <= s->left_room)
 		return 0;
@@ -271,20 +272,32 @@ static int refine(struct search *s, struct split *split, struct plan *best)
 	return err || !stale ? err : split_find(split, s->settings, s->weight, best->most);
 }
 
-/* A few columns of 8 bits are not worth a block apart from those of 16. */
+/* One flag of the split, if the plan is better with it. */
+static void try_flag(struct search *s, struct split *split, bool *flag, struct plan *best)
+{
+	struct plan plan = *best;
+
+	*flag = true;
+	plan_evaluate(s, split, best->mono_rank, best->colour_rank, best, &plan);
+	*flag = plan_better(&plan, best);
+	if (*flag)
+		*best = plan;
+}
+
+/* In weak light the first of two columns of 8 bits is all that is used: where lights are alike and
+ * many, what these are off by adds up, and 16 bits may hold. And a few columns of 8 bits are not
+ * worth a block apart from those of 16. */
 static void widen(struct search *s, struct split *split, struct plan *best)
 {
 	for (int k = 0; k < 2; k++) {
-		struct plan plan = *best;
+		const enum column_form narrow = k ? COLUMN_COLOUR8 : COLUMN_MONO8;
+		const enum column_form rest = k ? COLUMN_COLOUR_REST : COLUMN_MONO_REST;
+		const enum column_form wide = k ? COLUMN_COLOUR16 : COLUMN_MONO16;
 
-		if (!best->columns[k ? COLUMN_COLOUR8 : COLUMN_MONO8] ||
-		    !best->columns[k ? COLUMN_COLOUR16 : COLUMN_MONO16])
-			continue;
-		split->wide[k] = true;
-		plan_evaluate(s, split, best->mono_rank, best->colour_rank, best, &plan);
-		split->wide[k] = plan_better(&plan, best);
-		if (split->wide[k])
-			*best = plan;
+		if (best->excess > 1 && best->columns[rest])
+			try_flag(s, split, &split->whole[k], best);
+		if (best->columns[narrow] && best->columns[wide])
+			try_flag(s, split, &split->wide[k], best);
 	}
 }
 

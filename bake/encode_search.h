@@ -8,7 +8,6 @@
 struct plan {
 	enum split_way way;
 	int most; /* patterns that were looked for */
-	bool wide[2];
 	int mono_rank, colour_rank;
 	int columns[COLUMN_FORMS];
 	size_t column_bytes[COLUMN_FORMS];
@@ -32,6 +31,7 @@ struct found_column {
 	enum column_form form;
 	double reach; /* what it changes by at most, per unit of X */
 	size_t bytes;
+	bool second; /* of the light that the one before it is of */
 };
 
 /* Columns of one channel, or of three, whose lights are of one group. */
@@ -46,7 +46,7 @@ struct found_group {
 #define FOUND_GROUP_COLUMNS 2
 #define FOUND_GROUP_REACH (1.0 / BASIS_GROUP_MOST)
 
-#define PLAN_BLOCKS_MAX 4
+#define PLAN_BLOCKS_MAX (COLUMN_FORMS - 1)
 
 /* Those that hold anything. */
 int plan_blocks(const struct plan *plan, struct plan_block *blocks);
@@ -59,11 +59,12 @@ struct search {
 	const struct levels *levels;
 	struct encode_target target;
 	float *sky_x;	    /* [skies][3][lights]: of what no column puts right */
-	float *column_x;    /* [skies][3][lights], by number of column: of what it leaves */
+	float *column_x;    /* [skies][3][most_columns], by number: of what it leaves */
 	float *column_left; /* [used_columns][rows] */
+	int most_columns;   /* that lights may have */
 	int used_columns;
 	/* Those of the plan that was evaluated last; of groups after those of lights. */
-	struct found_column *found; /* [lights + 2 groups] */
+	struct found_column *found; /* [most_columns + 2 groups] */
 	int found_groups;
 	struct found_group *group[2]; /* of one channel, of three: [groups] */
 	float *group_value;	      /* [used_columns][rows] */
@@ -93,9 +94,10 @@ double plan_cost(const struct plan *plan);
 /* The cheaper of those that hold, else the nearer. */
 bool plan_better(const struct plan *a, const struct plan *b);
 
-/* The light's column at the ranks that are set; its form is COLUMN_NONE where it needs none. left
- * [rows]: what it and the patterns leave. */
-void search_light(const struct split *split, int light, float *left, struct split_column *column);
+/* The light's columns at the ranks that are set: returns how many. left [LIGHT_COLUMNS_MAX][rows]:
+ * what each and those before it leave; the first, where there is none, what the patterns leave. */
+int search_light(const struct split *split, int light, float *left,
+		 struct split_column column[LIGHT_COLUMNS_MAX]);
 
 /* The column of a group of those found, as it is stored: in 8 bits, whatever its lights need,
  * unless all columns are wide, as its light is never large (BASIS_GROUP_MOST). */

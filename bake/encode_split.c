@@ -182,7 +182,10 @@ int split_part(struct split *split, const struct encode_settings *settings, cons
 	split->part = part;
 	split->way = way;
 	split->mono = split->colour = split->tinted = false;
-	split->wide[0] = split->wide[1] = false;
+	for (int k = 0; k < 2; k++) {
+		split->whole[k] = !(part->column_cut > 0);
+		split->wide[k] = false;
+	}
 	split->spent = SPENT_FIRST;
 	split->most = 0;
 	split->mono_patterns.count = split->colour_patterns.count = 0;

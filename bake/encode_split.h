@@ -17,25 +17,31 @@ enum split_way {
 	SPLIT_WAYS
 };
 
-/* How a light's own column is stored, if it has one. */
+/* How a light's own column is stored, if it has one. Where 8 bits are not enough it is one of 16;
+ * or, where frames may leave columns out, two of 8, the second of what the first leaves, which only
+ * strong light needs. */
 enum column_form {
 	COLUMN_NONE,
 	COLUMN_MONO8,
+	COLUMN_MONO_REST, /* of 8 bits, too */
 	COLUMN_MONO16,
 	COLUMN_COLOUR8,
+	COLUMN_COLOUR_REST,
 	COLUMN_COLOUR16,
 	COLUMN_FORMS
 };
 
+#define LIGHT_COLUMNS_MAX 2
+
 /* The largest value that is stored. */
 static inline int column_most(enum column_form form)
 {
-	return form == COLUMN_MONO8 || form == COLUMN_COLOUR8 ? 127 : 32767;
+	return form == COLUMN_MONO16 || form == COLUMN_COLOUR16 ? 32767 : 127;
 }
 
 static inline int column_channels(enum column_form form)
 {
-	return form == COLUMN_MONO8 || form == COLUMN_MONO16 ? 1 : 3;
+	return form < COLUMN_COLOUR8 ? 1 : 3;
 }
 
 struct split {
@@ -43,9 +49,11 @@ struct split {
 	enum split_way way;
 	bool mono, colour; /* which of the two there are */
 	bool tinted;
-	float spent;  /* of what may be left of a light, the share that short lines use up; 0: none
-			 is */
-	bool wide[2]; /* columns of one channel, of three: all in 16 bits */
+	float spent; /* of what may be left of a light, the share that short lines use up; 0: none
+			is */
+	/* Columns of one channel, of three: */
+	bool whole[2]; /* 16 bits where 8 are not enough, not two of 8 */
+	bool wide[2];  /* all in 16 bits */
 	uint16_t tint[3][PART_PIXELS];
 	float tint_share[3][PART_PIXELS]; /* tint / 2^15 */
 	const float *mono_value;	  /* [lights][pixels] */
@@ -61,7 +69,7 @@ struct split {
 	struct rank_scratch scratch;
 };
 
-/* One light's column, as stored. */
+/* One column, as stored. */
 struct split_column {
 	enum column_form form;
 	float scale;
@@ -95,10 +103,11 @@ void split_left(const struct split *split, int light, float *left);
 /* The one channel [pixels] that, tinted, comes nearest to three. */
 void split_untint(const struct split *split, const float *three, float *one);
 
-/* The cheapest column that keeps the light within the error asked for (16 bits of three channels,
- * whatever they leave, when nothing else does); left becomes what that leaves. */
-void split_find_column(const struct split *split, int light, float *left,
-		       struct split_column *column);
+/* The cheapest columns that keep the light within the error asked for (the finest, whatever they
+ * leave, when nothing else does). Returns how many: 1, or 2. left [LIGHT_COLUMNS_MAX][rows]: what
+ * patterns leave; becomes what the first column leaves, and the second. */
+int split_find_columns(const struct split *split, int light, float *left,
+		       struct split_column column[LIGHT_COLUMNS_MAX]);
 
 /* A column of column->form that says `from` [channels * pixels], rounded to nearest, and reaches at
  * least so far. */

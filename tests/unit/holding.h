@@ -309,69 +309,94 @@ static inline double holding_groups(const struct encoding *e, const struct encod
 	return most;
 }
 
+/* Where a light has its columns: block by block, as they are in the file. */
+#define HOLDING_COLUMNS_MAX 2
+struct holding_column {
+	int block;
+	uint32_t number;
+};
+
+static inline int holding_columns(const struct encoding *e, const struct encode_result *result,
+				  int light, struct holding_column *column)
+{
+	int count = 0;
+
+	for (int k = 0; k < result->shown_count; k++) {
+		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
+								    e->settings.coarse);
+
+		for (uint32_t n = 0; n < result->shown[k].entry.columns; n++)
+			if (a.light[n] == light) {
+				assert_true(count < HOLDING_COLUMNS_MAX);
+				column[count++] = (struct holding_column){k, n};
+			}
+	}
+	return count;
+}
+
 /* A column's values of a light are taken away from what blocks say of it; returns how far it
- * reaches, per unit of X; 0: there is none. */
+ * reaches, per unit of X. */
 static inline double holding_take_column(const struct encoding *e, struct encoding_part *part,
-					 const struct encode_result *result, int light)
+					 const struct encode_result *result, int light,
+					 const struct holding_column *column)
 {
 	const double unit = encoding_unit(e, part->samples.kind, light);
 	const size_t n = (size_t)e->settings.lights;
+	const struct basis_block_entry *b = &result->shown[column->block].entry;
+	const struct encoding_arrays a = encoding_arrays_of(&result->shown[column->block],
+							    e->settings.coarse);
 
-	for (int k = 0; k < result->shown_count; k++) {
-		const struct basis_block_entry *b = &result->shown[k].entry;
-		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
-								    e->settings.coarse);
-		uint32_t column = 0;
-
-		while (column < b->columns && a.light[column] != light)
-			column++;
-		if (column == b->columns)
-			continue;
-		for (int q = 0, own = 0; q < b->pixels; q++) {
-			while (part->pixel[own] != a.pixel[q])
-				own++;
-			for (int c = 0; c < 3; c++)
-				part->decoded[((size_t)own * 3 + (size_t)c) * n + (size_t)light] -=
-					encoding_column(b, &a, q, b->channels == 3 ? c : 0,
-							column) *
-					(b->tinted ? a.tint[c * b->pixels + q] /
-							     (double)BASIS_TINT_ONE
-						   : 1) *
-					unit;
-		}
-		return (double)a.column_scale[column] * (b->bits == 8 ? 127 : 32767);
+	for (int q = 0, own = 0; q < b->pixels; q++) {
+		while (part->pixel[own] != a.pixel[q])
+			own++;
+		for (int c = 0; c < 3; c++)
+			part->decoded[((size_t)own * 3 + (size_t)c) * n + (size_t)light] -=
+				encoding_column(b, &a, q, b->channels == 3 ? c : 0,
+						column->number) *
+				(b->tinted ? a.tint[c * b->pixels + q] / (double)BASIS_TINT_ONE
+					   : 1) *
+				unit;
 	}
-	return 0;
+	return (double)a.column_scale[column->number] * (b->bits == 8 ? 127 : 32767);
 }
 
-/* An object's cells alone, each so dim that a frame just leaves its column out. Changes what was
- * decoded. */
+/* A cell of an object alone, so dim that a frame just leaves out a column that reaches so far. */
+static inline void holding_faded(const struct encoding *e, const struct encoding_part *part,
+				 int light, double reach)
+{
+	const int n = e->settings.lights, rows = part->samples.pixels * 3;
+	double white = ensemble_projected_sr(&e->light[light]) / M_PI, radiance, worst = 0;
+
+	for (int r = 0; r < rows; r++)
+		white = fmax(white, part->is[(size_t)r * (size_t)n + (size_t)light]);
+	radiance = fmin(e->settings.column_cut / reach / e->light[light].solid_angle_sr, 1 / white);
+	if (radiance * reach * e->light[light].solid_angle_sr > e->settings.column_cut * 1.001)
+		return;
+	for (int r = 0; r < rows; r++) {
+		const size_t at = (size_t)r * (size_t)n + (size_t)light;
+
+		worst = fmax(worst, fabs(encoding_level(radiance * part->is[at]) -
+					 encoding_level(radiance * part->decoded[at])));
+	}
+	if (worst > e->settings.target.cell)
+		fail_msg("cell %d of %d, faded until a column is left out: %g levels", light, n,
+			 worst);
+}
+
+/* Each cell's columns, the last first: of two, that is the one that strong light alone needs.
+ * Changes what was decoded. */
 static inline void holding_fading(const struct encoding *e, struct encoding_part *part,
 				  const struct encode_result *result)
 {
-	const int n = e->settings.lights, rows = part->samples.pixels * 3;
+	for (int i = 0; i < e->settings.lights; i++) {
+		struct holding_column column[HOLDING_COLUMNS_MAX];
 
-	for (int i = 0; i < n; i++) {
-		const double reach = holding_take_column(e, part, result, i);
-		double white = ensemble_projected_sr(&e->light[i]) / M_PI, radiance, worst = 0;
+		for (int k = holding_columns(e, result, i, column) - 1; k >= 0; k--) {
+			const double reach = holding_take_column(e, part, result, i, &column[k]);
 
-		if (!(reach > 0))
-			continue;
-		for (int r = 0; r < rows; r++)
-			white = fmax(white, part->is[(size_t)r * (size_t)n + (size_t)i]);
-		radiance = fmin(e->settings.column_cut / reach / e->light[i].solid_angle_sr,
-				1 / white);
-		if (radiance * reach * e->light[i].solid_angle_sr > e->settings.column_cut * 1.001)
-			continue;
-		for (int r = 0; r < rows; r++) {
-			const size_t at = (size_t)r * (size_t)n + (size_t)i;
-
-			worst = fmax(worst, fabs(encoding_level(radiance * part->is[at]) -
-						 encoding_level(radiance * part->decoded[at])));
+			if (reach > 0)
+				holding_faded(e, part, i, reach);
 		}
-		if (worst > e->settings.target.cell)
-			fail_msg("cell %d of %d, faded until its column is left out: %g levels", i,
-				 n, worst);
 	}
 }
 

@@ -28,7 +28,7 @@ static void write_ball(void)
 struct column_counts {
 	int groups; /* columns of groups */
 	int beside; /* of lights, in a block that has any of these */
-	int across; /* of lights in 16 bits, where those of groups lie in another block of 8 */
+	int across; /* of lights, where those of their groups lie in another block */
 };
 
 static bool has_groups(const struct basis *basis, const struct basis_block *b)
@@ -57,7 +57,7 @@ static struct column_counts count_columns(const struct basis *basis)
 				own += b->light[n] >= basis->info.lights;
 			counts.groups += own;
 			counts.beside += own ? b->columns - own : 0;
-			if (k && b->bits == 16 && !own && has_groups(basis, &b[-1]) &&
+			if (k && !own && has_groups(basis, &b[-1]) &&
 			    have_groups_in_common(&b[-1], b))
 				counts.across += b->columns;
 		}
