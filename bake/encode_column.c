@@ -272,7 +272,8 @@ static bool try_form(const struct split *split, enum column_form form, int light
 		found = try_between(split, mono, light, reach, wanted, from, left, column);
 	if (found && narrow)
 		shorten(split, mono, light, wanted, from, left, column);
-	column->bytes = column_bytes(split->part, column);
+	if (found || !narrow)
+		column->bytes = column_bytes(split->part, column);
 	return found;
 }
 
