@@ -16,6 +16,7 @@
 struct shard_header {
 	char magic[8];
 	char program[PROGRAM_MAX];
+	uint32_t basis_version; /* a shard holds blocks as basis files do */
 	uint32_t account_bytes; /* sizeof(struct tile_account): of the same build, then */
 	uint32_t index, count;
 	uint32_t has_gather, has_names;
@@ -112,6 +113,7 @@ static int write_plan(struct shard_writer *w, const struct plan *plan,
 	memset(&header, 0, sizeof(header));
 	memcpy(header.magic, MAGIC, sizeof(header.magic));
 	snprintf(header.program, sizeof(header.program), "%s", INLAY_VERSION);
+	header.basis_version = BASIS_VERSION;
 	header.account_bytes = sizeof(struct tile_account);
 	header.index = (uint32_t)place->index;
 	header.count = (uint32_t)place->count;
@@ -246,12 +248,13 @@ static int check_header(const struct shard_stream *s, const struct shard_header 
 	if (memcmp(h->magic, MAGIC, sizeof(h->magic)) != 0)
 		return say_damaged(s, "is no shard of a bake", fault);
 	if (strncmp(h->program, INLAY_VERSION, sizeof(h->program)) != 0 ||
-	    h->account_bytes != sizeof(struct tile_account))
+	    h->basis_version != BASIS_VERSION || h->account_bytes != sizeof(struct tile_account))
 		return fault_say(
 			fault, -ENOTSUP,
-			"%s: was made by inlay-bake %.*s, expected one made by this program, "
-			"inlay-bake %s",
-			s->path, PROGRAM_MAX - 1, h->program, INLAY_VERSION);
+			"%s: was made by inlay-bake %.*s for basis files of version %u, expected "
+			"one made by this program, inlay-bake %s for version %d",
+			s->path, PROGRAM_MAX - 1, h->program, h->basis_version, INLAY_VERSION,
+			BASIS_VERSION);
 	if (h->count < 1 || h->count > SHARDS_MAX || h->index >= h->count || info->width < 1 ||
 	    info->width > BASIS_SIDE_MAX || info->height < 1 || info->height > BASIS_SIDE_MAX ||
 	    info->lights < 1 || info->lights > BASIS_LIGHTS_MAX ||

@@ -2,7 +2,8 @@
  * A share of a bake: every count-th tile of all poses', finished, in a file of its own. All shards
  * together make the basis file that one run would make, bit for bit.
  *
- * A shard is read by the program version that wrote it, on a machine of the same byte order.
+ * A shard is read by the program version that wrote it, for the same version of basis files, on a
+ * machine of the same byte order.
  */
 #ifndef INLAY_BAKE_SHARD_H
 #define INLAY_BAKE_SHARD_H

@@ -54,10 +54,13 @@ head -c $(($(stat -c %s "$work/3.shard") - 100)) "$work/3.shard" >"$work/cut.sha
 cp "$work/3.shard" "$work/flipped.shard"
 printf 'X' | dd of="$work/flipped.shard" bs=1 seek=$(($(stat -c %s "$work/3.shard") / 2)) \
 	conv=notrunc status=none
+cp "$work/3.shard" "$work/older.shard"
+printf '\7' | dd of="$work/older.shard" bs=1 seek=40 conv=notrunc status=none
 merge=("$bake" merge -o "$work/no.inlay" "$work/1.shard" "$work/2.shard")
 unmerged "one is missing" "one of 3 shards, expected one of the 2 given" "${merge[@]}"
 unmerged "one is there twice" "expected each once" "${merge[@]}" "$work/2.shard"
 unmerged "one of another seed" "of another bake" "${merge[@]}" "$work/seed.shard"
+unmerged "one of an older basis format" "for basis files of version 7" "${merge[@]}" "$work/older.shard"
 unmerged "a basis file" "is no shard" "${merge[@]}" "$work/other.shard"
 unmerged "one cut off" "ends too early" "${merge[@]}" "$work/cut.shard"
 unmerged "one with a wrong byte" "is damaged" "${merge[@]}" "$work/flipped.shard"
