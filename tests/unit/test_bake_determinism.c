@@ -9,6 +9,9 @@
 #include "tests/unit/baking.h"
 #include "tests/unit/watched.h"
 
+#define WIDTH (WATCHED ? 40 : 70)
+#define HEIGHT (WATCHED ? 32 : 50)
+
 static char *read_all(const char *name, size_t *bytes)
 {
 	FILE *stream = fopen(baking_path(name), "rb");
@@ -38,12 +41,12 @@ static void write_scene(const char *name, const char *how, int seed)
 	baking_write_sphere("ball.obj", 0.5, 12);
 	baking_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 2\nv -2 1 2\nf 1 2 3 4\n");
 	baking_write(name,
-		     "[camera]\nposition = 1 -4 2\nlook_at = 0 0 0.4\nwidth = 70\nheight = 50\n"
+		     "[camera]\nposition = 1 -4 2\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
 		     "[dome]\nfrequency = 3\n[render]\n%s\nseed = %d\n[ground]\n[standin wall]\n"
 		     "file = wall.obj\nup = z\n[object a]\nfile = ball.obj\nup = z\nmaterial = g\n"
 		     "stand = yes\n[object b]\nfile = ball.obj\nposition = 1 0 0.5\nmaterial = c\n"
 		     "scale = 0.6\n[material g]\nkind = glossy\n[material c]\nkind = glass\n",
-		     how, seed);
+		     WIDTH, HEIGHT, how, seed);
 }
 
 static void bake(const char *scene_name, const char *out, int threads)
@@ -102,8 +105,8 @@ static void test_noise_is_true(void **state)
 				 0);
 		declared += basis[k].info.noise_levels / 2;
 	}
-	for (int y = 0; y < 50; y++)
-		for (int x = 0; x < 70; x++) {
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
 			double levels[2];
 			bool changed = false;
 

@@ -11,6 +11,7 @@
 
 #include "tests/unit/baking.h"
 #include "tests/unit/compositing.h"
+#include "tests/unit/watched.h"
 
 #define COLUMN_CUT 0.002
 
@@ -19,10 +20,10 @@ static void write_ball(void)
 	baking_write_sphere("ball.obj", 0.5, 16);
 	baking_write("ball.ini",
 		     "[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
-		     "width = 48\nheight = 40\n[dome]\nfrequency = 8\n"
+		     "width = %d\nheight = %d\n[dome]\nfrequency = %d\n"
 		     "[render]\nsamples = 4\nbounces = 2\ncoarse = 3\ncolumn_cut = %g\n[ground]\n"
 		     "[object ball]\nfile = ball.obj\nstand = yes\n",
-		     COLUMN_CUT);
+		     WATCHED ? 28 : 48, WATCHED ? 24 : 40, WATCHED ? 7 : 8, COLUMN_CUT);
 }
 
 struct column_counts {
