@@ -11,6 +11,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "bake/mesh_files.h"
 #include "bake/mesh_mtl.h"
 #include "bake/mesh_normals.h"
 #include "bake/mesh_ply.h"
@@ -314,7 +315,9 @@ static int check(const struct aiScene *scene, const char *path, struct fault *fa
 static int open_file(const struct aiScene **scene, const char *path, unsigned steps,
 		     struct fault *fault)
 {
-	*scene = aiImportFile(path, steps);
+	struct aiFileIO files = mesh_files();
+
+	*scene = aiImportFileEx(path, steps, &files);
 	return *scene ? 0
 		      : fault_say(fault, -EBADMSG,
 				  "%s: no mesh that can be read (%s), expected OBJ, PLY or glTF",

@@ -36,6 +36,7 @@ BAKE_SOURCES := \
 	bake/keyframes.c \
 	bake/material.c \
 	bake/mesh.c \
+	bake/mesh_files.c \
 	bake/mesh_import.c \
 	bake/mesh_mtl.c \
 	bake/mesh_normals.c \

@@ -322,6 +322,26 @@ static void test_formats(void **state)
 	expect_triangle("tri.gltf");
 }
 
+/* Numbers as other programs write them: no digit before the point, blanks and ends of lines of all
+ * kinds, comments. What is no vertex keeps its points. */
+static void test_obj_variants(void **state)
+{
+	static const char *const texts[] = {
+		"v .0 .0 .0\nv 1. .0 .0\nv .0 0. 1.\nf 1 2 3\n",
+		"# .5 .5\r\n\r\nv\t.0\t.0 .0\r\n  v 1 .0 .0e0\r\nv -.0 +.0 1\r\nf 1 2 3\r\n",
+		"g .5 .v\nv 0 0 0 .1 .2 .3\nv 1 0 0 .1 .2 .3\nv 0 0 1 .1 .2 .3\nvt .5 .5\n"
+		"vn .0 -1 .0\nf -3/1/1 -2/1/1 -1/1/1",
+		"v .0\\\n .0 .0\nv 1 .0\\\r\n 0\nv 0 0 1\nf 1 2\\\n 3\n",
+		".v .1\nv 0 0 .0\nv 1 0 0\nv 0 0 1\nusemtl .1\nf 1 2 3\n",
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
+		baking_write("variant.obj", "%s", texts[k]);
+		expect_triangle("variant.obj");
+	}
+}
+
 /* What PLYs have besides: other types, other elements, other ends of lines, other bytes' order. */
 static void test_ply_variants(void **state)
 {
@@ -704,6 +724,7 @@ int main(void)
 		cmocka_unit_test(test_refused_ply_faces),
 		cmocka_unit_test(test_refused_ply_headers),
 		cmocka_unit_test(test_refused_shapes),
+		cmocka_unit_test(test_obj_variants),
 		cmocka_unit_test(test_ply_variants),
 		cmocka_unit_test(test_creases),
 		cmocka_unit_test(test_smooth_ball),
