@@ -85,7 +85,7 @@ check "many lights" "$bake" render --size 8x8 --samples 1 --frequency 18 "$work/
 equal "a cut that fits their number" "0.0010 0.0005" "$(for file in out many; do
 	"$bake" info "$work/$file.inlay" | sed -n 's/^column_cut = //p'
 done | awk '{ printf "%s%.4f", (NR > 1 ? " " : ""), $1 }')"
-equal "most is twice RMS where nobody says" "target_levels = rms 0.25, max 0.5, cell 1.5" \
+equal "most is twice RMS where nobody says" "target_levels = rms 0.25, max 0.5, cell 1.4" \
 	"$("$bake" render --quiet --error 0.25 "$work/box.scene" -o "$work/fine.inlay" &&
 		"$bake" info "$work/fine.inlay" | grep '^target_levels')"
 rejected "an error that is none" 2 "--error" "$bake" render --error 0.5,no "$work/box.scene" \
