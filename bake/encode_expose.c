@@ -261,6 +261,10 @@ bool part_cell_holds(const struct part *part, int light, const float *left)
 	return true;
 }
 
+/* A light alone is nearly all of the ground's, less what e of compositor.h adds: of light that is
+ * dim, but not a thousand times dimmer than white, not so much. */
+#define ALONE 1.01
+
 /* Whether left may be left out of the light's values where its X is so much, alone. */
 static bool holds_at(const struct part *part, int light, float x, const float *left)
 {
@@ -294,7 +298,7 @@ double part_column_reach(const struct part *part, int light, const float *left)
 	/* Shares of the ground's light do not fade with it. */
 	if (part->kind == BASIS_KIND_V)
 		return part->fine < 1 ? fmin(fmax(cut, largest / (double)part->fine), REACH_LIMIT)
-				      : cut;
+				      : cut * ALONE;
 	if (!(largest > 0 && part->cell_slope[light] > 0))
 		return 0;
 	x = fmin((double)part->cell_slope[light], cut / largest);
