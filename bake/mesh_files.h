@@ -1,6 +1,6 @@
-/* The files of a mesh as assimp is given them: an OBJ's lines begin without blanks, which assimp does
- * not know, and its numbers have a digit before their point, as it takes .5 for the end of its line.
- * Any other file is as it is. */
+/* The files of a mesh as assimp is given them: an OBJ's lines begin without blanks, which assimp
+ * does not know, and its numbers have a digit before their point, as it takes .5 for the end of its
+ * line. Any other file is as it is. */
 #ifndef INLAY_BAKE_MESH_FILES_H
 #define INLAY_BAKE_MESH_FILES_H
 

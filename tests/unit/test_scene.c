@@ -329,8 +329,8 @@ static void test_obj_variants(void **state)
 	static const char *const texts[] = {
 		"v .0 .0 .0\nv 1. .0 .0\nv .0 0. 1.\nf 1 2 3\n",
 		"# .5 .5\r\n\r\nv\t.0\t.0 .0\r\n  v 1 .0 .0e0\r\nv -.0 +.0 1\r\nf 1 2 3\r\n",
-		"g .5 .v\nv 0 0 0 .1 .2 .3\nv 1 0 0 .1 .2 .3\nv 0 0 1 .1 .2 .3\nvt .5 .5\n"
-		"vn .0 -1 .0\nf -3/1/1 -2/1/1 -1/1/1",
+		"g .5 .v\nv 0 0 0 .1 .2 .3\nv 1 0 0 .1 .2 .3\nv 0 0 1 .1 .2 .3\nf -3 -2 -1",
+		"v 0 0 0\nv 1 0 0\nv 0 0 1\nvt .5 .5\nvn .0 -1 .0\nf -3/1/1 -2/1/1 -1/1/1",
 		"v .0\\\n .0 .0\nv 1 .0\\\r\n 0\nv 0 0 1\nf 1 2\\\n 3\n",
 		".v .1\nv 0 0 .0\nv 1 0 0\nv 0 0 1\nusemtl .1\nf 1 2 3\n",
 	};
