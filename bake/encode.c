@@ -16,8 +16,10 @@
 /* A pixel is left out where that is worth less than this share of the error asked for. */
 #define PIXEL_SHARE 0.5
 
-/* How often a tile is encoded until the errors hold, and how far inside them the next goes. */
-#define ATTEMPTS 5
+/* How often a tile is encoded until the errors hold, after how many its parts share what was asked
+ * for whatever was measured, and how far inside it the next goes. */
+#define ATTEMPTS 10
+#define ATTEMPTS_ALONE 3
 #define TIGHTER 0.97
 /* Of the skies that are watched, so many that show an error are tried each time. */
 #define TRIED_AT_ONCE 4
@@ -316,7 +318,7 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 		if (!err)
 			err = measure(e, coverage, count, first, result);
 		if (!err && k < ATTEMPTS - 1) {
-			const bool held = !tighten(e, count, k == ATTEMPTS - 2);
+			const bool held = !tighten(e, count, k >= ATTEMPTS_ALONE);
 
 			over = try_watched(e, count) || !held;
 		}
