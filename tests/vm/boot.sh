@@ -48,6 +48,7 @@ trap 'exit 143' TERM
 	echo "export VM_KERNEL=$(printf %q "$kernel")"
 	echo "export VM_SOURCE=$(printf %q "$source_dir")"
 	echo "export VM_JOB_OUTSIDE=$(printf %q "$job")"
+	echo "export VM_WINDOW=$scratch/window"
 	for name in BUILD INLAY INLAY_BAKE INLAY_SHARED_DATA; do
 		[ -z "${!name:-}" ] || echo "export $name=$(printf %q "${!name}")"
 	done
@@ -77,9 +78,9 @@ ln -s "$job/monitor.log" "$scratch/monitor.out"
 echo >"$job/monitor.log"
 
 # no_timer_check: on a busy host the kernel would find its timer too slow to be one, and stop.
-# The guest's fourth serial port is connected to QEMU's own VNC server: a test asks it for a window of
-# another size, which to virtio-gpu is another screen, or for none. (The third would share its
-# interrupt with the first, which is always open; this one does with the second.)
+# The guest's fourth serial port is for QEMU's own VNC server, to which a test connects it: it asks for
+# a window of another size, which to virtio-gpu is another screen, or for none. (The third would share
+# its interrupt with the first, which is always open; this one does with the second.)
 options=(
 	-accel "tcg,thread=multi" -cpu max -smp 2 -m 1024
 	-nodefaults -no-reboot -display none -vga none -device virtio-gpu-pci
@@ -89,8 +90,7 @@ options=(
 	-virtfs "local,path=$(comma "$job"),mount_tag=job,security_model=none"
 	-chardev "pipe,id=monitor,path=$scratch/monitor" -mon "chardev=monitor,mode=control"
 	-chardev "file,id=guest,path=$scratch/monitor.in"
-	-chardev "socket,id=window,path=$scratch/window,server=on,wait=off"
-	-vnc "unix:$scratch/window,reverse=on"
+	-chardev null,id=window -vnc "unix:$scratch/window"
 )
 
 if [ "$shell" = 1 ]; then

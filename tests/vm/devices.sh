@@ -87,28 +87,20 @@ monitor() {
 
 # Makes the screen of QEMU's own device another one: virtio-gpu names this size as the preferred mode
 # from now on, and the kernel tells whoever listens. 0 0: it is pulled out. (What a VNC client says
-# who has resized the window; version and an anonymous greeting once.)
+# who has resized the window; version and an anonymous greeting once. The port is connected only when
+# its terminal no longer echoes: the server would take its own greeting for its client's.)
 #     resize_window WIDTH HEIGHT
 resize_window() {
 	local size
 	size=$(printf '\\x%02x' $(($1 >> 8)) $(($1 & 255)) $(($2 >> 8)) $(($2 & 255)))
 	if [ ! -e /run/window-ready ]; then
 		stty -F /dev/ttyS3 raw -echo
+		monitor chardev-change "\"id\": \"window\", \"backend\": {\"type\": \"socket\", \"data\": {
+			\"server\": false, \"addr\": {\"type\": \"unix\", \"data\": {\"path\": \"$VM_WINDOW\"}}}}"
 		printf 'RFB 003.008\n\x01\x01' >/dev/ttyS3
 	fi
 	: >/run/window-ready
 	printf '\xfb\0%b\x01\0\0\0\0\0\0\0\0\0%b\0\0\0\0' "$size" "$size" >/dev/ttyS3
-}
-
-# Whether that works: what the terminal echoes before it is told not to can spoil the greeting. While
-# nobody holds the screen the kernel itself asks for its modes.
-window_can_be_resized() {
-	local modes
-	modes=$(echo /sys/class/drm/card"$(card_of virtio)"-Virtual-*/modes)
-	resize_window 1024 768
-	within_seconds 5 sh -c "head -n 1 $modes | grep -q 1024x768" || return
-	resize_window 1280 800
-	within_seconds 5 sh -c "head -n 1 $modes | grep -q 1280x800"
 }
 
 # The card that this driver drives: card_of vkms prints 1
