@@ -90,7 +90,7 @@ options=(
 	-virtfs "local,path=$(comma "$job"),mount_tag=job,security_model=none"
 	-chardev "pipe,id=monitor,path=$scratch/monitor" -mon "chardev=monitor,mode=control"
 	-chardev "file,id=guest,path=$scratch/monitor.in"
-	-chardev null,id=window -vnc "unix:$scratch/window"
+	-chardev "null,id=window" -vnc "unix:$scratch/window"
 )
 
 if [ "$shell" = 1 ]; then
