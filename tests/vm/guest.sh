@@ -13,8 +13,22 @@ result() { # ok|not ok, description
 	echo "$1 - $name: $2" >>"$results"
 }
 
+# The programs, each of their threads, and where in the kernel it waits. Without one more program:
+# what hangs may be the machine.
+running() {
+	local task words frames
+	for task in /proc/[0-9]*/task/[0-9]*; do
+		mapfile -d '' words <"${task%/task/*}/cmdline"
+		[ ${#words[@]} -gt 0 ] || continue # the kernel's own
+		mapfile -t -n 4 frames <"$task/stack"
+		echo "${task#/proc/} ${words[*]:0:3}: ${frames[*]#* }"
+	done
+}
+
 dmesg -n 4 2>/dev/null
 mkdir -p "$VM_OUT"
+# A test that hangs is looked at before its end takes away what it hung on.
+(sleep $((limit - 10)) && running) >"$VM_OUT/running" 2>/dev/null &
 timeout $limit bash "tests/vm/test_$name.sh" >"$VM_OUT/output" 2>&1 </dev/null
 code=$?
 while IFS= read -r line; do
@@ -26,6 +40,7 @@ while IFS= read -r line; do
 done <"$VM_OUT/output"
 if [ $code -eq 124 ]; then
 	result "not ok" "took more than $limit s"
+	tail -n 3 "$VM_OUT/output" | cat - "$VM_OUT/running" | sed 's/^/# /' >>"$results"
 elif [ $code -ne 0 ]; then
 	result "not ok" "exit code $code"
 	tail -n 15 "$VM_OUT/output" | sed 's/^/# /' >>"$results"
