@@ -16,11 +16,12 @@
 int block_work_create(struct block_work *work, const struct basis *basis)
 {
 	const size_t n = basis->info.lights, most = n + BASIS_PATTERNS_MAX;
+	const size_t columns = n + basis->info.coarse; /* of lights, and of groups */
 	bool fine;
 
 	work->y = calloc(BASIS_PATTERNS_MAX, sizeof(*work->y));
 	fine = work->y && line_set_create(&work->patterns, BASIS_PATTERNS_MAX, false) == 0 &&
-	       line_set_create(&work->columns, n, true) == 0;
+	       line_set_create(&work->columns, columns, true) == 0;
 	for (int c = 0; c < 3; c++) {
 		work->now[c] = calloc(most, sizeof(*work->now[c]));
 		fine = fine && work->now[c];

@@ -708,6 +708,35 @@ static void wrong_sizes_are_refused(void **state)
 	compositor_destroy(NULL);
 }
 
+/* A block may have a column of every light and every group, and a frame use all of them. */
+static void every_column_may_be_used(void **state)
+{
+	(void)state;
+	for (int bits = 8; bits <= 16; bits += 8) {
+		struct synthetic_options o = plain;
+		struct chance chance = {6};
+		struct synthetic s;
+		struct frame_of f;
+
+		o.vary = o.exact = false;
+		o.stand_in_share = 0;
+		o.bits = bits;
+		o.groups = o.coarse;
+		o.columns = o.lights + o.groups;
+		o.column_cut = 1e-12;
+		synthetic_open(&s, &o);
+		frame_begin(&f, &s.basis, NULL, &chance);
+		assert_int_equal(
+			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
+			0);
+		/* A group that is one light has no more to send beside it. */
+		assert_true(compositor_last(f.compositor).columns >
+			    s.basis.poses[0].shown.block_count * o.lights);
+		frame_end(&f);
+		synthetic_close(&s);
+	}
+}
+
 static int setup(void **state)
 {
 	struct synthetic *s = calloc(1, sizeof(*s));
@@ -736,6 +765,7 @@ int main(void)
 		cmocka_unit_test(untouched_pixels_are_copied),
 		cmocka_unit_test(flips_are_only_reading_order),
 		cmocka_unit_test(a_file_without_receivers_is_composited),
+		cmocka_unit_test(every_column_may_be_used),
 		cmocka_unit_test(threads_do_not_change_a_byte),
 		cmocka_unit_test(kernels_do_not_change_a_byte),
 		cmocka_unit_test(a_made_background_gives_the_same_and_is_made_once),
