@@ -80,7 +80,7 @@ done
 # ---- the recipes of bake/README.md ----
 cd "$work" || exit 1
 if command -v parallel >/dev/null; then
-	PARALLEL_HOME=$work/parallel parallel --will-cite --jobs 2 "$bake" render --exact --frequency 4 \
+	PARALLEL_HOME=$work/parallel parallel --will-cite --quote --jobs 2 "$bake" render --exact --frequency 4 \
 		box.scene --quiet --shard {}/4 -o part.{}.shard ::: 1 2 3 4
 	check "merge of what GNU parallel made" "$bake" merge part.?.shard -o parallel.inlay
 	same "GNU parallel: as one run" "$whole" parallel.inlay
