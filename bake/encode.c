@@ -38,7 +38,7 @@ struct encoder {
 	struct split split;
 	struct search search;
 	struct measure measure;
-	struct block_list shown, exact;
+	struct block_list shown, nearest, exact; /* of an attempt, of the nearest one */
 };
 
 int encoder_create(struct encoder **encoder, const struct encode_settings *settings)
@@ -87,6 +87,7 @@ void encoder_destroy(struct encoder *e)
 	search_free(&e->search);
 	measure_free(&e->measure);
 	block_list_free(&e->shown);
+	block_list_free(&e->nearest);
 	block_list_free(&e->exact);
 	free(e);
 }
@@ -229,6 +230,17 @@ static double worst_of(const struct encoder *e, int count, const double *over, i
 	return worst;
 }
 
+/* The largest error of any sky or cell, as a share of that asked for. */
+static double worst_of_all(const struct encoder *e, int count)
+{
+	int listed[PART_PIXELS];
+	double worst = worst_of(e, count, e->measure.cell_over, listed);
+
+	for (int s = 0; s < e->shade.skies.skies; s++)
+		worst = fmax(worst, fmax(e->measure.sky_rms[s], e->measure.sky_most[s]));
+	return worst;
+}
+
 /* Of skies, or of cells. False: the error is not larger. */
 static bool share_out(struct encoder *e, int count, bool skies, bool last)
 {
@@ -300,11 +312,13 @@ static bool try_watched(struct encoder *e, int count)
 	return tried > 0;
 }
 
-/* The truth decides, and the search does it again. */
+/* The truth decides, and the search does it again. Where no attempt holds what is asked for, one
+ * that asks for too much may be far worse than those before it: the nearest is taken. */
 static int build_until_held(struct encoder *e, int tile, const uint16_t *coverage, int count,
 			    struct encode_result *result)
 {
 	int *first = calloc((size_t)count + 1, sizeof(*first)), err = first ? 0 : -ENOMEM;
+	double nearest = INFINITY;
 	bool over = true;
 
 	e->search.target = e->settings.target;
@@ -314,9 +328,21 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 	for (int k = 0; k < ATTEMPTS && !err && over; k++) {
 		for (int part = 0; part < count; part++)
 			limit(e, &e->part[part]);
+		struct encode_result own = *result;
+		double worst;
+
 		err = build(e, tile, count, first);
 		if (!err)
-			err = measure(e, coverage, count, first, result);
+			err = measure(e, coverage, count, first, &own);
+		worst = err ? INFINITY : worst_of_all(e, count);
+		if (worst < nearest) {
+			const struct block_list spare = e->nearest;
+
+			nearest = worst;
+			*result = own;
+			e->nearest = e->shown;
+			e->shown = spare;
+		}
 		if (!err && k < ATTEMPTS - 1) {
 			const bool held = !tighten(e, count, k >= ATTEMPTS_ALONE);
 
@@ -361,8 +387,8 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 		err = build_exact(e, tile, count);
 	if (err)
 		return err;
-	result->shown = e->shown.block;
-	result->shown_count = e->shown.count;
+	result->shown = e->nearest.block;
+	result->shown_count = e->nearest.count;
 	result->exact = e->exact.block;
 	result->exact_count = e->exact.count;
 	return 0;

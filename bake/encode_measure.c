@@ -7,6 +7,9 @@
 
 /* As the compositor has it: beyond this a ratio is not shown. */
 #define RATIO_MAX 16.0
+/* Of two levels, each read from the table: what is held counts it, so that it holds of exact ones.
+ */
+#define DIFFERENCE_ERROR (2 * LEVELS_ERROR)
 
 void measure_free(struct measure *m)
 {
@@ -112,7 +115,7 @@ static double compare(struct measure *m, const bool *listed, const uint16_t *cov
 			worst = fmax(worst, fabs(by));
 		}
 		if (over)
-			over[at] = fmax(over[at], worst / asked);
+			over[at] = fmax(over[at], (worst + DIFFERENCE_ERROR) / asked);
 		*most = fmax(*most, worst);
 	}
 	return square;
@@ -234,8 +237,9 @@ static void measure_skies(struct measure *m, const struct part *parts,
 
 		error->sky_square[number[s]] = square;
 		error->sky_max = fmax(error->sky_max, most);
-		m->sky_rms[s] = sqrt(square / fmax(error->sky_count, 1)) / target->rms;
-		m->sky_most[s] = most / target->max;
+		m->sky_rms[s] = (sqrt(square / fmax(error->sky_count, 1)) + DIFFERENCE_ERROR) /
+				target->rms;
+		m->sky_most[s] = (most + DIFFERENCE_ERROR) / target->max;
 	}
 }
 

@@ -13,9 +13,10 @@
 #define PART_ROWS (3 * PART_PIXELS)
 
 /* The 8-bit level, not rounded, of linear light 0..1, by linear interpolation: off by less than
- * 0.001. And how far light may rise or fall until it is off by the error asked for under a
+ * LEVELS_ERROR. And how far light may rise or fall until it is off by the error asked for under a
  * cell, as if nothing were clipped: what is clipped alone is not when lights add up. */
 #define LEVELS_STEPS 16384
+#define LEVELS_ERROR 0.001
 struct levels {
 	float at[LEVELS_STEPS + 2];
 	float rise[LEVELS_STEPS + 2], fall[LEVELS_STEPS + 2];
@@ -63,6 +64,7 @@ struct part {
 			      u - d */
 	const struct levels *levels;
 	double column_cut; /* below which columns are left out of a frame; 0: never */
+	double group_cut;  /* the same of groups' columns */
 	/*
 	 * Shown light is offset + slope * base * (light's X); an error of e in value is seen as
 	 * slope * e. Cells: X is in slope. Skies: X is sky_x.
