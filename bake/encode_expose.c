@@ -367,11 +367,13 @@ static void share_groups(struct part *part, const struct encode_settings *settin
 	basis_groups_share(settings->groups, of, of);
 }
 
-/* What lights of a group have in common, in units in which the cut is settings->column_cut. */
+/* What lights of a group have in common, in units in which cuts are as in settings. */
 static void even_skies(struct part *part, const struct encode_settings *settings)
 {
 	const size_t n = (size_t)settings->lights, groups = (size_t)settings->groups->count;
-	const double cut = BASIS_GROUP_MOST * settings->column_cut, most[3] = {cut, cut, cut};
+	const double cut = BASIS_GROUP_MOST *
+			   basis_group_cut(settings->groups, settings->column_cut);
+	const double most[3] = {cut, cut, cut};
 	const bool used = (part->kind == BASIS_KIND_T || part->kind == BASIS_KIND_V) && groups &&
 			  settings->column_cut > 0;
 
@@ -414,6 +416,7 @@ void part_limit(struct part *part, const struct encode_settings *settings,
 
 	part->levels = levels;
 	part->column_cut = used ? 0 : settings->column_cut;
+	part->group_cut = basis_group_cut(settings->groups, part->column_cut);
 	limit_cells(part, levels, settings->lights);
 	choose_pixels(part, settings, levels, (float)tolerance);
 	weigh(part, settings->lights);

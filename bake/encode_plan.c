@@ -175,11 +175,11 @@ static int find_groups(struct search *s, const struct split *split)
 	return count;
 }
 
-static bool is_used(const struct part *part, const float x[3], const struct found_column *column)
+static bool is_used(double cut, const float x[3], const struct found_column *column)
 {
 	const float most = fmaxf(fmaxf(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
 
-	return (double)most * column->reach >= part->column_cut;
+	return (double)most * column->reach >= cut;
 }
 
 /* How much of a light under a sky its column, and that of its group, put right: read gains what is
@@ -203,7 +203,7 @@ static void use_column(const struct search *s, const struct part *part, size_t s
 				   groups->of[light];
 		const float even[3] = {row[0], row[groups->count], row[2 * groups->count]};
 		const struct found_column *all = &s->found[group->number];
-		const bool in = is_used(part, even, all);
+		const bool in = is_used(part->group_cut, even, all);
 
 		for (int c = 0; c < 3; c++) {
 			const float common = (float)part->share[light] * even[c];
@@ -213,7 +213,7 @@ static void use_column(const struct search *s, const struct part *part, size_t s
 		}
 		*read += in && !column->second ? (double)all->bytes / group->columns : 0;
 	}
-	if (!is_used(part, x, column))
+	if (!is_used(part->column_cut, x, column))
 		return;
 	for (int c = 0; c < 3; c++)
 		used[c] += x[c];

@@ -35,7 +35,62 @@ int rank_metric_create(struct rank_metric *metric, const struct encode_settings 
 	if (settings->coarse == settings->lights)
 		return 0;
 	metric->factor = calloc(k * k, sizeof(*metric->factor));
-	return metric->factor ? 0 : -ENOMEM;
+	metric->mean_weight = calloc(k, sizeof(*metric->mean_weight));
+	metric->mean_share = calloc((size_t)settings->lights, sizeof(*metric->mean_share));
+	return metric->factor && metric->mean_weight && metric->mean_share ? 0 : -ENOMEM;
+}
+
+/*
+ * Lights that patterns miss have columns, so patterns need not try to reach each of them. But what
+ * they come to together is what soft light is made of, and few columns are read where patterns have
+ * that: so the weight that lights of a group have lost goes to their mean, by the shares by which a
+ * group's column is made (hal/basis/basis_groups.h).
+ */
+static void find_means(struct rank_metric *metric, const struct encode_settings *settings,
+		       const struct part *part)
+{
+	const struct basis_groups *groups = settings->groups;
+
+	for (int g = 0; g < groups->count; g++) {
+		const uint16_t *light = groups->light + groups->first[g];
+		const int count = (int)(groups->first[g + 1] - groups->first[g]);
+		double lost = 0, shares = 0;
+
+		for (int n = 0; n < count; n++) {
+			const int i = light[n];
+			const double less = (double)part->weight[i] - (double)metric->weight[i];
+			const double share = part->share && less > 0 ? part->share[i] : 0;
+
+			metric->mean_share[i] = (float)share;
+			lost += share > 0 ? less : 0;
+			shares += share;
+		}
+		for (int n = 0; n < count && shares > 0; n++)
+			metric->mean_share[light[n]] /= (float)shares;
+		metric->mean_weight[g] = shares > 0 ? RANK_MEAN_WEIGHT * (float)lost : 0;
+	}
+}
+
+/* P W P^T gains what the mean of a group's lights does in it. */
+static void add_mean(struct rank_metric *metric, const struct encode_settings *settings, int g)
+{
+	const struct basis_groups *groups = settings->groups;
+	const uint16_t *first = groups->light + groups->first[g];
+	const uint16_t *end = groups->light + groups->first[g + 1];
+
+	for (const uint16_t *i = first; i < end; i++)
+		for (const uint16_t *j = first; j < end; j++) {
+			const struct basis_coarse *x = &settings->gather[*i],
+						  *y = &settings->gather[*j];
+			const float by = metric->mean_weight[g] * metric->mean_share[*i] *
+					 metric->mean_share[*j] * 0x1p-30F;
+
+			for (int a = 0; a < 3 && by > 0; a++)
+				for (int b = 0; b < 3; b++)
+					metric->factor[x->index[a] * (size_t)settings->coarse +
+						       y->index[b]] += by * (float)x->weight[a] *
+								       (float)y->weight[b];
+		}
 }
 
 int rank_metric_set(struct rank_metric *metric, const struct encode_settings *settings,
@@ -60,6 +115,10 @@ int rank_metric_set(struct rank_metric *metric, const struct encode_settings *se
 					weight[i] * (float)g->weight[a] * (float)g->weight[b] *
 					0x1p-30F;
 	}
+	find_means(metric, settings, part);
+	for (int g = 0; g < settings->groups->count; g++)
+		if (metric->mean_weight[g] > 0)
+			add_mean(metric, settings, g);
 	for (size_t a = 0; a < k; a++)
 		trace += (double)metric->factor[a * k + a];
 	for (size_t a = 0; a < k; a++)
@@ -71,6 +130,8 @@ int rank_metric_set(struct rank_metric *metric, const struct encode_settings *se
 void rank_metric_free(struct rank_metric *metric)
 {
 	free(metric->factor);
+	free(metric->mean_weight);
+	free(metric->mean_share);
 	*metric = (struct rank_metric){0};
 }
 
@@ -132,6 +193,31 @@ static void take_rows(const struct rank_metric *metric, float by, const float *f
 		}
 }
 
+static void project_mean(const struct encode_settings *settings, const struct rank_metric *metric,
+			 int g, const float *value, float *coarse, int rows)
+{
+	const struct basis_groups *groups = settings->groups;
+	float mean[PART_ROWS] = {0};
+
+	for (uint32_t n = groups->first[g]; n < groups->first[g + 1]; n++) {
+		const float *from = value + (size_t)groups->light[n] * (size_t)rows;
+		const float share = metric->mean_share[groups->light[n]];
+
+		for (int r = 0; r < rows && share > 0; r++)
+			mean[r] += share * from[r];
+	}
+	for (uint32_t n = groups->first[g]; n < groups->first[g + 1]; n++) {
+		const struct basis_coarse *gather = &settings->gather[groups->light[n]];
+		const float by = metric->mean_weight[g] * metric->mean_share[groups->light[n]];
+
+		for (int a = 0; a < 3; a++)
+			if (by * (float)gather->weight[a] > 0)
+				take_rows(metric, by * (float)gather->weight[a] * 0x1p-15F, mean,
+					  coarse + (size_t)gather->index[a] * (size_t)rows, rows,
+					  true);
+	}
+}
+
 /* Columns over the coarse lights in which a sum of squares is the weighted sum of squared errors.
  */
 static void project(const struct encode_settings *settings, const struct rank_metric *metric,
@@ -154,6 +240,9 @@ static void project(const struct encode_settings *settings, const struct rank_me
 					  coarse + (size_t)g->index[a] * (size_t)rows, rows, true);
 		}
 	}
+	for (int g = 0; metric->factor && g < settings->groups->count; g++)
+		if (metric->mean_weight[g] > 0)
+			project_mean(settings, metric, g, value, coarse, rows);
 	if (metric->factor)
 		cblas_strsm(CblasRowMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit,
 			    settings->coarse, rows, 1, metric->factor, settings->coarse, coarse,

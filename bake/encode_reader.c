@@ -297,12 +297,13 @@ void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[
 		for (uint32_t i = 0; i < e->columns; i++) {
 			const double most = (double)((const float *)scales)[i] *
 					    (e->bits == 8 ? 127 : 32767);
+			const uint16_t number = ((const uint16_t *)(payload + at.light))[i];
+			const double cut = number < n ? part->column_cut : part->group_cut;
 			double factor[3];
 
-			weigh(reader, block, sky, ((const uint16_t *)(payload + at.light))[i],
-			      factor);
+			weigh(reader, block, sky, number, factor);
 			if (most * fmax(fmax(fabs(factor[0]), fabs(factor[1])), fabs(factor[2])) >=
-			    part->column_cut)
+			    cut)
 				add_column(block, &at, (int)i, factor, own);
 		}
 		add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, sum);

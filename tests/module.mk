@@ -56,6 +56,7 @@ UNIT_TESTS := \
 	tests/unit/test_basis_damage.c \
 	tests/unit/test_encode.c \
 	tests/unit/test_encode_hard.c \
+	tests/unit/test_encode_rank.c \
 	tests/unit/test_coarse.c \
 	tests/unit/test_compositor.c \
 	tests/unit/test_compositor_glass.c \

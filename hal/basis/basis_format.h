@@ -1,5 +1,5 @@
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 8.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 9.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -73,7 +73,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 8
+#define BASIS_VERSION 9
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* of every array inside a block */
 
@@ -163,7 +163,8 @@ struct basis_info_chunk {
 	 * Declared errors; that of the light cells themselves is in none of them.
 	 *
 	 * column_cut: a column that changes no pixel by more than this, as linear light (T, white
-	 * is 1) or in the ratio (V), may be left out of a frame. The measured errors count that in.
+	 * is 1) or in the ratio (V), may be left out of a frame; a group's, if by no more than
+	 * basis_group_cut(). The measured errors count that in.
 	 *
 	 * Bounds for any lighting, quantisation and cuts together, if every column is used:
 	 *   object_error  |error of O| <= this * sum over i of X_i

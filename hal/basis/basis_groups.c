@@ -100,6 +100,13 @@ static bool same_lights(const struct even *a, const struct even *b)
 	       a->count[2] == b->count[2];
 }
 
+double basis_group_cut(const struct basis_groups *groups, double column_cut)
+{
+	const double more = groups->count ? sqrt((double)groups->lights / groups->count) : 1;
+
+	return fmax(column_cut, fmin(more * column_cut, BASIS_GROUP_CUT));
+}
+
 void basis_group_even(const struct basis_groups *g, int group, const double *share,
 		      const double (*x)[4], const double most[3], double even[3])
 {

@@ -9,8 +9,8 @@
 
 #include "hal/basis/basis_format.h"
 
-/* Under a column cut a group's even light is no more than this times the cut: what its column is
- * rounded by, half of 1 / 127 of its largest value, is then a quarter of the cut. */
+/* A group's even light is no more than this times the cut of groups: what its column is rounded by,
+ * half of 1 / 127 of its largest value, is then a quarter of the cut. */
 #define BASIS_GROUP_MOST 64
 
 struct basis_groups {
@@ -24,6 +24,14 @@ struct basis_groups {
 int basis_groups_create(struct basis_groups *groups, const struct basis_coarse *gather, int lights,
 			int coarse);
 void basis_groups_free(struct basis_groups *groups); /* idempotent; zeroed is fine */
+
+/* A group's column by itself is never left out if it changes more, unless a light's may be. */
+#define BASIS_GROUP_CUT 0.001
+
+/* Below which columns of groups may be left out, where those of lights may be below column_cut:
+ * sqrt(N / K) times that, up to BASIS_GROUP_CUT, but no less than that. What is left out adds up
+ * like the root of its number, so K groups may be left out of as if there were K lights. */
+double basis_group_cut(const struct basis_groups *groups, double column_cut);
 
 /* q of each light: its part of the group's sum of weight [lights], >= 0; 0 where that is 0. share
  * may be weight. */

@@ -161,11 +161,10 @@ static inline double strength_of(const double amount[3], const double worth[3])
 /* The most that a light may be worth: no file's cut is so small, and no product overflows. */
 #define WORTH_MOST 0x1p900
 
-/* What an amount of 1 is worth in each channel. */
-static void worth_of(const struct light_vector *v, const struct rounding *how, double worth[3])
+/* What an amount of 1 is worth in each channel, where less than `cut` may be left out. */
+static void worth_of(double cut, const struct rounding *how, double worth[3])
 {
-	const double least = v->terms->basis->info.column_cut;
-	const double per_cut = least * WORTH_MOST > 1 ? 1 / least : WORTH_MOST;
+	const double per_cut = cut * WORTH_MOST > 1 ? 1 / cut : WORTH_MOST;
 
 	for (int c = 0; c < 3; c++)
 		worth[c] = how->share[c] * per_cut;
@@ -179,7 +178,7 @@ static void round_all(struct light_vector *v, const struct rounding *how, bool c
 		v->unit[c] = unit[c] = power_of_two(-how->bits[c]);
 		factor[c] = power_of_two(how->bits[c] + how->up[c]);
 	}
-	worth_of(v, how, worth);
+	worth_of(v->terms->basis->info.column_cut, how, worth);
 	round_lights(v->sent, v->lights, factor, unit);
 	for (int i = 0; i < v->lights && cut; i++)
 		v->sent[i].strength = strength_of(v->sent[i].amount, worth);
@@ -197,15 +196,17 @@ static void part_groups(struct light_vector *v, const struct light_order *order,
 	const size_t row = order->kind == BASIS_KIND_V ? (size_t)order->ground : grounds;
 	const double *share = v->terms->share + row * (size_t)v->lights;
 	struct light_sent *beside = v->sent + v->lights, *even = beside + v->lights;
-	double worth[3], most[3];
+	const double cut = v->terms->basis->info.column_cut;
+	double worth[3], worth_even[3], most[3];
 
-	worth_of(v, how, worth);
+	worth_of(cut, how, worth);
+	worth_of(basis_group_cut(groups, cut), how, worth_even);
 	for (int c = 0; c < 3; c++)
-		most[c] = worth[c] > 0 ? BASIS_GROUP_MOST / worth[c] : 0;
+		most[c] = worth_even[c] > 0 ? BASIS_GROUP_MOST / worth_even[c] : 0;
 	for (int k = 0; k < groups->count; k++) {
 		basis_group_even(groups, k, share, (const double(*)[4])v->sent, most,
 				 even[k].amount);
-		even[k].strength = strength_of(even[k].amount, worth);
+		even[k].strength = strength_of(even[k].amount, worth_even);
 	}
 	for (int i = 0; i < v->lights; i++) {
 		const double *own = v->sent[i].amount, *common = even[groups->of[i]].amount;

@@ -31,7 +31,8 @@ struct light_sent {
 	/* X in linear light, or of a ground in units of 2^ilogb(U + e): an integer times `unit` */
 	double amount[3];
 	/*
-	 * How much of what may be left out (basis column_cut) a column of value 1 would change:
+	 * How much of what may be left out (basis column_cut; of a group, basis_group_cut()) a
+	 * column of value 1 would change:
 	 * a column whose values reach r is left out where strength * r < 1. Beyond any 1 / r where
 	 * nothing may be left out, 0 where there is no light.
 	 */

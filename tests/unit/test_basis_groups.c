@@ -183,6 +183,19 @@ static void groups_without_weight(void **state)
 	assert_true(even[0] == 0 && even[1] == 0 && even[2] == 0);
 }
 
+/* As of K lights; a cut that is asked to be larger is everybody's. */
+static void cuts_of_groups(void **state)
+{
+	const struct basis_groups many = {.lights = 6400, .count = 400}, none = {.lights = 400};
+
+	(void)state;
+	assert_true(fabs(basis_group_cut(&many, 0.0001) - 0.0004) < 1e-15);
+	assert_true(basis_group_cut(&many, 0.0005) == BASIS_GROUP_CUT);
+	assert_true(basis_group_cut(&many, 0.003) == 0.003);
+	assert_true(basis_group_cut(&many, 0) == 0);
+	assert_true(basis_group_cut(&none, 0.0005) == 0.0005);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -191,6 +204,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(a_lamp_is_not_common, begin, end),
 		cmocka_unit_test_setup_teardown(even_light_is_bounded, begin, end),
 		cmocka_unit_test_setup_teardown(groups_without_weight, begin, end),
+		cmocka_unit_test(cuts_of_groups),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -13,7 +13,7 @@
 #include "tests/unit/compositing.h"
 #include "tests/unit/watched.h"
 
-#define COLUMN_CUT 0.002
+#define COLUMN_CUT 0.0004
 
 static void write_ball(void)
 {
