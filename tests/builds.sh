@@ -4,23 +4,23 @@
 # and the thread sanitizer run.
 
 # built thread|address-undefined|fuzz TARGET...: in build/sanitize-thread, build/sanitize-address-undefined
-# and build/fuzz.
+# and build/fuzz. -g1 is for the lines that a report names; nobody debugs these.
 built() {
 	local kind=$1 folder flags=()
 	shift
 	case $kind in
 	thread) # what a program cannot come to is left out of it: see sanitize/run.sh
 		folder=build/sanitize-thread
-		flags=(CC=gcc CXX=g++ SANITIZE=thread OPTIMIZE="-O1 -g -ffunction-sections"
+		flags=(CC=gcc CXX=g++ SANITIZE=thread OPTIMIZE="-O1 -g1 -ffunction-sections"
 			CFLAGS=-Werror CXXFLAGS=-Werror "LDFLAGS=-Wl,--gc-sections")
 		;;
 	address-undefined)
 		folder=build/sanitize-address-undefined
-		flags=("SANITIZE=address,undefined" OPTIMIZE="-O1 -g")
+		flags=("SANITIZE=address,undefined" OPTIMIZE="-O1 -g1")
 		;;
 	fuzz)
 		folder=build/fuzz
-		flags=(CC=clang CXX=clang++ FUZZER=1 "SANITIZE=address,undefined" OPTIMIZE="-O1 -g"
+		flags=(CC=clang CXX=clang++ FUZZER=1 "SANITIZE=address,undefined" OPTIMIZE="-O1 -g1"
 			CFLAGS=-Werror CXXFLAGS=-Werror)
 		;;
 	*)

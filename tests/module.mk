@@ -125,6 +125,13 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_image.c \
 	tests/fuzz/fuzz_video.c \
 	tests/fuzz/fuzz_mjpeg.c
+# What they reach of app/ and bake/, beside the whole of hal/, drivers/ and config/: a part that is not
+# named does not link.
+FUZZ_PARTS := $(addprefix app/,control.c control_socket.c driver_list.c state.c) \
+	$(addprefix bake/,angles.c coarse.c finished_tile.c keyframes.c material.c mesh_ply.c msi.c plan.c \
+		scene_file.c shard.c) \
+	$(addprefix bake/calibrate/,camera_model.c convert_lens.c convert_tsai.c convert_yaml.c covariance.c \
+		least_squares.c linear.c observations.c)
 CLI_TESTS := \
 	tests/cli/bake.sh \
 	tests/cli/bench.sh \

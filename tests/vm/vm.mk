@@ -39,7 +39,7 @@ soak:
 	$(Q)board/deps.sh test
 	$(AGAIN) soak-installed
 soak-installed: all $(VM_PROGRAMS) kernel
-	$(Q)$(MAKE) --no-print-directory SANITIZE=address,undefined OPTIMIZE="-O1 -g" \
+	$(Q)$(MAKE) --no-print-directory SANITIZE=address,undefined OPTIMIZE="-O1 -g1" \
 		BUILD=$(SOAK_SANITIZED) $(SOAK_SANITIZED)/inlay
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)BUILD="$(BUILD)" SANITIZED="$(SOAK_SANITIZED)" tests/vm/run_soak.sh $(MINUTES) $(SEED)
