@@ -8,13 +8,28 @@ arm=build/kernels-aarch64
 count=0
 failed=0
 
-# run NAME COMMAND...: its tests are counted on as ours. One that ends early is a failure.
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+# run NAME COMMAND...: as many at a time as there are processors; told in order at the end.
+names=()
+commands=()
 run() {
-	local name=$1 output code
+	local output=$scratch/${#names[@]}
+	names+=("$1")
 	shift
-	echo "# $name: $*"
-	output=$("$@" 2>&1)
-	code=$?
+	commands+=("$*")
+	[ "$(jobs -rp | wc -l)" -lt "$(nproc)" ] || wait -n
+	{
+		"$@" >"$output" 2>&1
+		echo $? >"$output.code"
+	} &
+}
+# tell NUMBER: its tests are counted on as ours. One that ends early is a failure.
+tell() {
+	local name=${names[$1]} output=$scratch/$1 code
+	code=$(cat "$output.code")
+	echo "# $name: ${commands[$1]}"
 	while IFS= read -r line; do
 		case "$line" in
 		"ok "* | "not ok "*)
@@ -24,12 +39,12 @@ run() {
 		1..*) ;;
 		*) echo "# ${line#\# }" ;;
 		esac
-	done <<<"$output"
-	if ! grep -q '^1\.\.' <<<"$output"; then
+	done <"$output"
+	if ! grep -q '^1\.\.' "$output"; then
 		count=$((count + 1))
 		echo "not ok $count - $name: ended early, exit code $code"
 	fi
-	[ $code -eq 0 ] || failed=1
+	[ "$code" -eq 0 ] || failed=1
 }
 # present NAME PROGRAM PACKAGE: a machine that runs the tests has it.
 present() {
@@ -94,5 +109,9 @@ if [ "$machine" = x86_64 ] && present "Arm" aarch64-linux-gnu-gcc gcc-aarch64-li
 		echo "not ok $count - Arm: the test builds"
 	fi
 fi
+wait
+for number in "${!names[@]}"; do
+	tell "$number"
+done
 echo "1..$count"
 exit $failed
