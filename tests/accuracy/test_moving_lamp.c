@@ -17,8 +17,18 @@
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/baking.h"
+#include "tests/unit/watched.h"
 
-enum { FRAMES = 25, WIDTH = 64, HEIGHT = 48, VALUES = 3 * WIDTH * HEIGHT, SIDE = 200 };
+/* For a sanitizer the same way with less of each: it sees every step of it, and how large the steps
+ * are is measured where the programs are as they are delivered. */
+enum {
+	FRAMES = WATCHED ? 10 : 25,
+	WIDTH = WATCHED ? 32 : 64,
+	HEIGHT = WATCHED ? 24 : 48,
+	VALUES = 3 * WIDTH * HEIGHT,
+	FREQUENCY = WATCHED ? 4 : 9,
+	SIDE = 200
+};
 
 #define STEP_DEG (10.0 / 30) /* 10 degrees a second at 30 frames a second */
 #define LAMP_DEG 1.5	     /* across */
@@ -301,10 +311,11 @@ static void a_lamp_moves_without_steps(void **state)
 	baking_write(
 		"t.ini",
 		"[camera]\nposition = 1 -5 3\nlook_at = 0 0 0.3\nfield_deg = 34\nwidth = %d\n"
-		"height = %d\n[render]\nsamples = 32\nbounces = 2\n[ground]\n"
+		"height = %d\n[dome]\nfrequency = %d\n"
+		"[render]\nsamples = 32\nbounces = 2\n[ground]\n"
 		"[object ball]\nfile = ball.obj\nup = z\nposition = 0.5 0 0.3\n"
 		"[object cube]\nfile = cube.obj\nup = z\nscale = 0.3\nposition = -0.5 -0.2 0\n",
-		WIDTH, HEIGHT);
+		WIDTH, HEIGHT, FREQUENCY);
 	scene = baking_scene("t.ini");
 	trace(&path, scene);
 	truth = change_of_truth(path.truth);
@@ -324,8 +335,8 @@ static void a_lamp_moves_without_steps(void **state)
 	}
 	for (int filtered = 0; filtered < 2; filtered++)
 		assert_true(shown[DOME_TENTS][filtered].most <= 1.5 * truth.most + 1);
-	/* the check can fail: cells do */
-	assert_true(shown[DOME_CELLS][0].most > 1.5 * truth.most + 1);
+	/* the check can fail: cells do, those of a fine dome */
+	assert_true(WATCHED || shown[DOME_CELLS][0].most > 1.5 * truth.most + 1);
 	for (int f = 0; f < FRAMES; f++)
 		image_free(&path.fisheye[f]);
 	free(path.truth);
