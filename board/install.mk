@@ -77,7 +77,7 @@ DEB_ARCH ?= $(shell dpkg --print-architecture)
 DEB_BUILD ?= build/deb
 DEB_RUNNER ?= $(if $(filter-out $(shell dpkg --print-architecture),$(DEB_ARCH)),qemu-$(shell \
 	dpkg-architecture -a$(DEB_ARCH) -qDEB_HOST_GNU_CPU 2>/dev/null))
-# Debian's hardening, at our own level of optimisation.
+# Debian's hardening, at our own level of optimisation; what a debugger reads would be stripped anyway.
 deb_flags = $(shell DEB_HOST_ARCH=$(DEB_ARCH) DEB_BUILD_MAINT_OPTIONS=hardening=+bindnow \
 	DEB_CFLAGS_MAINT_STRIP="-g -O2" DEB_CXXFLAGS_MAINT_STRIP="-g -O2" dpkg-buildflags --get $(1))
 
@@ -92,6 +92,7 @@ deb:
 	$(AGAIN) deb-built
 deb-built:
 	$(Q)$(MAKE) --no-print-directory BUILD=$(DEB_BUILD)/$(DEB_ARCH) RUNNER="$(DEB_RUNNER)" WITH_SDL=0 \
+		OPTIMIZE="$(filter-out -g,$(OPTIMIZE))" \
 		CFLAGS="$(call deb_flags,CPPFLAGS) $(call deb_flags,CFLAGS)" \
 		CXXFLAGS="$(call deb_flags,CPPFLAGS) $(call deb_flags,CXXFLAGS)" \
 		LDFLAGS="$(call deb_flags,LDFLAGS)" deb-packed
