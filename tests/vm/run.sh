@@ -52,9 +52,12 @@ report() {
 	done
 }
 
-# The longest first, so that none is left alone at the end.
+# The longest first, so that none is left alone at the end: two that last more than a minute however
+# short they are to read, then by length.
+names=$(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p')
+lasting='soak faults_late'
 running=0
-for name in $(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p'); do
+for name in $lasting $(grep -vxF "${lasting// /$'\n'}" <<<"$names"); do
 	case $name in *"$filter"*) ;; *) continue ;; esac
 	while [ $running -ge "${VM_MACHINES:-$(nproc)}" ]; do
 		wait -n
