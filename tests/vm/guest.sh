@@ -16,12 +16,13 @@ result() { # ok|not ok, description
 # The programs, each of their threads, and where in the kernel it waits. Without one more program:
 # what hangs may be the machine.
 running() {
-	local task words frames
+	local task words where
 	for task in /proc/[0-9]*/task/[0-9]*; do
 		mapfile -d '' words <"${task%/task/*}/cmdline"
 		[ ${#words[@]} -gt 0 ] || continue # the kernel's own
-		mapfile -t -n 4 frames <"$task/stack"
-		echo "${task#/proc/} ${words[*]:0:3}: ${frames[*]#* }"
+		where=
+		read -r where <"$task/wchan" # it has no end of line
+		echo "${task#/proc/} ${words[*]:0:3}: $where"
 	done
 }
 
