@@ -28,9 +28,9 @@ void basis_groups_free(struct basis_groups *groups); /* idempotent; zeroed is fi
 /* A group's column by itself is never left out if it changes more, unless a light's may be. */
 #define BASIS_GROUP_CUT 0.001
 
-/* Below which columns of groups may be left out, where those of lights may be below column_cut:
- * sqrt(N / K) times that, up to BASIS_GROUP_CUT, but no less than that. What is left out adds up
- * like the root of its number, so K groups may be left out of as if there were K lights. */
+/* Below this groups' columns may be left out, where those of lights may be below column_cut: that
+ * times sqrt(N / K), up to BASIS_GROUP_CUT, but no less than it. What is left out adds up like the
+ * root of its number, and there are K groups however many lights. */
 double basis_group_cut(const struct basis_groups *groups, double column_cut);
 
 /* q of each light: its part of the group's sum of weight [lights], >= 0; 0 where that is 0. share
