@@ -61,6 +61,7 @@ UNIT_TESTS := \
 	tests/unit/test_compositor.c \
 	tests/unit/test_compositor_glass.c \
 	tests/unit/test_compositor_groups.c \
+	tests/unit/test_compositor_lines.c \
 	tests/unit/test_compositor_parts.c \
 	tests/unit/test_compositor_reuse.c \
 	tests/unit/test_light_vector.c \

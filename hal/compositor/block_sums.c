@@ -49,7 +49,7 @@ void block_work_begin(struct block_work *work)
 /* ---- weights ---- */
 
 static void weigh_patterns(struct block_work *work, const struct basis_block *b,
-			   const struct block_request *request, int fraction)
+			   const struct block_request *request, const double one[3])
 {
 	struct line_set *set = &work->patterns;
 
@@ -59,11 +59,11 @@ static void weigh_patterns(struct block_work *work, const struct basis_block *b,
 	request->kernels->project(b->pattern, b->patterns, b->stride, request->light->planes,
 				  work->y);
 	for (int c = 0; c < 3; c++) {
-		const double one = request->light->unit[c] * power_of_two(fraction);
+		const double unit = request->light->unit[c] * one[c];
 
 		for (int j = 0; j < b->patterns; j++)
 			set->weight[j][c] = round_whole((double)work->y[j][c] *
-							((double)b->pattern_scale[j] * one));
+							((double)b->pattern_scale[j] * unit));
 	}
 	for (int j = 0; j < b->patterns; j++)
 		set->line[j] = (uint32_t)j;
@@ -79,15 +79,16 @@ static inline __attribute__((always_inline)) void fetch_stream(const struct basi
 		fetch_line(line);
 }
 
-static inline void weigh(int64_t to[KERNEL_WEIGHT], const struct light_sent *sent, double scale)
+static inline void weigh(int64_t to[KERNEL_WEIGHT], const struct light_sent *sent, double scale,
+			 const double one[3])
 {
 	for (int c = 0; c < 3; c++)
-		to[c] = round_whole(sent->amount[c] * scale);
+		to[c] = round_whole(sent->amount[c] * (scale * one[c]));
 }
 
 /* Of the columns that were chosen for this light. */
 static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
-			 const struct light_sent *sent, double one)
+			 const struct light_sent *sent, const double one[3])
 {
 	int count;
 	const struct chosen_column *chosen = columns_chosen(plan, &count);
@@ -97,7 +98,7 @@ static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 	set->count = count;
 	set->records = plan->block->bits == 8;
 	for (int k = 0; k < count; k++) {
-		weigh(to[k], &sent[chosen[k].light], (double)chosen[k].scale * one);
+		weigh(to[k], &sent[chosen[k].light], (double)chosen[k].scale, one);
 		line[k] = chosen[k].place;
 	}
 }
@@ -105,7 +106,7 @@ static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 /* Of all columns that have any light. Whatever a branch would depend on nobody could foretell: one
  * that is dark is written too, and the next one over it. */
 static void weigh_lit(struct line_set *set, const struct block_plan *plan,
-		      const struct light_sent *sent, double one)
+		      const struct light_sent *sent, const double one[3])
 {
 	const struct basis_block *b = plan->block;
 	const bool stream = b->bits == 16 && b->columns > FETCH_COLUMNS;
@@ -123,7 +124,7 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 
 		if (stream)
 			fetch_stream(b, channel, n);
-		weigh(to[count], &sent[light[n]], (double)scale[n] * one);
+		weigh(to[count], &sent[light[n]], (double)scale[n], one);
 		line[count] = (uint32_t)n;
 		count += x[0] + x[1] + x[2] > 0;
 	}
@@ -131,50 +132,69 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 }
 
 static void weigh_columns(struct block_work *work, const struct block_plan *plan,
-			  const struct block_request *request, int fraction)
+			  const struct block_request *request, const double one[3])
 {
-	const double one = power_of_two(fraction - plan->column_shift);
+	const double less = power_of_two(-plan->column_shift);
+	const double column_one[3] = {one[0] * less, one[1] * less, one[2] * less};
 	struct line_set *set = &work->columns;
 
 	if (plan->choice)
-		weigh_chosen(set, plan, request->light->sent, one);
+		weigh_chosen(set, plan, request->light->sent, column_one);
 	else
-		weigh_lit(set, plan, request->light->sent, one);
+		weigh_lit(set, plan, request->light->sent, column_one);
 	work->counts.columns += set->count;
 }
 
-static void fresh_block_sums(struct block_work *work, const struct block_plan *plan,
-			     const struct block_request *request, int64_t *sum[3])
+/* one: what a weight of 1 becomes, channel by channel. */
+static void weigh_lines(struct block_work *work, const struct block_plan *plan,
+			const struct block_request *request, const double one[3])
 {
-	for (int c = 0; c < 3; c++)
-		sum[c] = work->sum[c];
+	const struct basis_block *b = plan->block;
+
+	fetch_expect(&work->next, plan, request->next, request->after);
+	weigh_columns(work, plan, request, one);
+	fetch_some(&work->next);
+	weigh_patterns(work, b, request, one);
+	fetch_some(&work->next);
+	work->counts.basis_bytes += (size_t)b->patterns * (size_t)b->stride * sizeof(int16_t);
+}
+
+static void add_lines(struct block_work *work, const struct block_plan *plan,
+		      const struct block_request *request, const struct line_target *to)
+{
 	line_set_split(&work->patterns, request->kernels);
 	line_set_split(&work->columns, request->kernels);
 	work->counts.basis_bytes += lines_add(request->kernels, plan->block, &work->patterns,
 					      &work->columns, plan->column_shift, request->fresh,
-					      &work->next, sum);
+					      &work->next, to);
 }
 
 void block_sums(struct block_work *work, const struct block_plan *plan,
 		const struct block_request *request, int fraction, const int64_t *sum[3])
 {
-	const struct basis_block *b = plan->block;
 	const bool kept = plan->kept && request->kept->values;
-	int64_t *to[3];
+	const double unit = power_of_two(fraction), one[3] = {unit, unit, unit};
+	struct line_target to = {.sum = {work->sum[0], work->sum[1], work->sum[2]}};
 
-	if (!kept || !kept_sums_step(work, plan, request, fraction, to)) {
-		fetch_expect(&work->next, plan, request->next, request->after);
-		weigh_columns(work, plan, request, fraction);
-		fetch_some(&work->next);
-		weigh_patterns(work, b, request, fraction);
-		fetch_some(&work->next);
-		work->counts.basis_bytes += (size_t)b->patterns * (size_t)b->stride *
-					    sizeof(int16_t);
+	if (!kept || !kept_sums_step(work, plan, request, fraction, to.sum)) {
+		weigh_lines(work, plan, request, one);
 		if (kept)
-			kept_sums_take(work, plan, request, fraction, to);
+			kept_sums_take(work, plan, request, fraction, to.sum);
 		else
-			fresh_block_sums(work, plan, request, to);
+			add_lines(work, plan, request, &to);
 	}
 	for (int c = 0; c < 3; c++)
-		sum[c] = to[c];
+		sum[c] = to.sum[c];
+}
+
+void block_values(struct block_work *work, const struct block_plan *plan,
+		  const struct block_request *request, int fraction, int32_t *const value[3])
+{
+	const struct line_target to = {.value = {value[0], value[1], value[2]}};
+	double one[3];
+
+	for (int c = 0; c < 3; c++)
+		one[c] = (double)request->light->factor[c] * power_of_two(fraction - 30);
+	weigh_lines(work, plan, request, one);
+	add_lines(work, plan, request, &to);
 }

@@ -49,7 +49,7 @@ struct block_request {
 	/* What will be summed next, and what after that; NULL: not known. */
 	const struct block_plan *next, *after;
 	int kept_index; /* of this block in kept->blocks */
-	bool fresh;	/* the sums are 0, whatever the block before left there */
+	bool fresh;	/* sums or values are 0, whatever the block before left there */
 };
 
 /*
@@ -59,5 +59,13 @@ struct block_request {
  */
 void block_sums(struct block_work *work, const struct block_plan *plan,
 		const struct block_request *request, int fraction, const int64_t *sum[3]);
+
+/*
+ * Of a block of which at most KERNEL_RUN lines count: the same times the light's factor, rounded to
+ * KERNEL_VALUE_SHIFT16 bits less than `fraction`, added to the values of the pixels that it lists.
+ * What they come to is below 2^31 in magnitude. Nothing is kept.
+ */
+void block_values(struct block_work *work, const struct block_plan *plan,
+		  const struct block_request *request, int fraction, int32_t *const value[3]);
 
 #endif

@@ -65,13 +65,15 @@ static int64_t *kept_weights(const struct block_plan *plan, const struct block_r
 }
 
 static void add_sets(struct block_work *work, const struct block_plan *plan,
-		     const struct block_request *request, int64_t *sum[3])
+		     const struct block_request *request, int64_t *const sum[3])
 {
+	const struct line_target to = {.sum = {sum[0], sum[1], sum[2]}};
+
 	line_set_split(&work->patterns, request->kernels);
 	line_set_split(&work->columns, request->kernels);
 	work->counts.basis_bytes += lines_add(request->kernels, plan->block, &work->patterns,
 					      &work->columns, plan->column_shift, false,
-					      &work->next, sum);
+					      &work->next, &to);
 }
 
 void kept_sums_take(struct block_work *work, const struct block_plan *plan,

@@ -28,6 +28,10 @@
 #define KERNEL_DIGITS 4
 #define KERNEL_DIGIT_BITS 12
 #define KERNEL_SHIFT_MAX 16
+#define KERNEL_RUN 32 /* lines whose products with a digit add up in int32 */
+/* By so much the sum of a run is shifted down to become a value: of lines of int16, of int8. */
+#define KERNEL_VALUE_SHIFT16 12
+#define KERNEL_VALUE_SHIFT8 4
 #define KERNEL_WEIGHT 4 /* three channels, and one that nobody reads: a vector */
 #define KERNEL_PLACE_BEYOND 16
 
@@ -35,8 +39,8 @@
 struct kernel_weights {
 	int count;	      /* even; an odd number of lines is filled up with a weight of 0 */
 	int digits;	      /* 1..KERNEL_DIGITS; digit d counts 4096^d */
-	int shift;	      /* what is added counts 2^shift; 0..KERNEL_SHIFT_MAX */
-	bool fresh;	      /* the sums are 0, whatever stands there */
+	int shift;	      /* what is added to sums counts 2^shift; 0..KERNEL_SHIFT_MAX */
+	bool fresh;	      /* what is added to is 0, whatever stands there */
 	const uint32_t *line; /* [count]: their numbers; need not ascend */
 	size_t step;	      /* bytes from a line to that of the next number, whole lines */
 	size_t channel;	      /* to that of the next channel; 0: all three read the same */
@@ -114,6 +118,14 @@ struct kernels {
 	void (*sums8)(const int8_t *lines, const struct kernel_weights *weights,
 		      int64_t *const sum[3]);
 
+	/* value[c][p] += round_shift(sum over k of line[k][c][p] * weight[k][c],
+	 * KERNEL_VALUE_SHIFT16), modulo 2^32, of at most KERNEL_RUN lines. */
+	void (*values16)(const int16_t *lines, const struct kernel_weights *weights,
+			 int32_t *const value[3]);
+	/* The same for bytes, KERNEL_VALUE_SHIFT8. */
+	void (*values8)(const int8_t *lines, const struct kernel_weights *weights,
+			int32_t *const value[3]);
+
 	/* Digit d of weight[k][c] to where kernel_digit() finds it, for count weights of each
 	 * channel, an even number; as many digits as any of them needs, which it returns, 0 where
 	 * all are 0. |weight| <= 2^46. digit has room for KERNEL_DIGITS, 64-byte aligned; count is
@@ -134,6 +146,10 @@ struct kernels {
 	 */
 	void (*fold)(const int64_t *sum, int count, int shift, uint32_t factor,
 		     const uint16_t *tint, const int32_t *from, int32_t *to);
+
+	/* value[n] = round_shift(value[n] * tint[n], 15), which is below 2^31 in magnitude. count
+	 * 1..256. */
+	void (*tint)(int32_t *value, const uint16_t *tint, int count);
 
 	/* to[p] += value[n], clamped to +-KERNEL_LIMIT, where p is the place of the n-th bit that
 	 * is set among 16 rows of 16, the lowest first. value has KERNEL_PLACE_BEYOND more than

@@ -38,9 +38,12 @@ const struct kernels kernels_avx2 = {
 	.supported = kernels_supported_avx2,
 	.sums16 = sums16,
 	.sums8 = sums8,
+	.values16 = values16,
+	.values8 = values8,
 	.split = kernel_c_split,
 	.project = project,
 	.fold = fold,
+	.tint = tint,
 	.place = kernel_c_place,
 	.mix = mix,
 };

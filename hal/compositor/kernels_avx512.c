@@ -214,7 +214,27 @@ static void fold(const int64_t *sum, int count, int shift, uint32_t factor, cons
 	}
 }
 
-/* ---- place ---- */
+/* ---- tint, place ---- */
+
+static void tint(int32_t *value, const uint16_t *by, int count)
+{
+	const __m512i half = _mm512_set1_epi32(1 << 14), low = _mm512_set1_epi32((1 << 15) - 1);
+
+	for (int n = 0; n < count; n += 16) {
+		const __mmask16 mask = (__mmask16)(count - n >= 16 ? 0xffff
+								   : (1 << (count - n)) - 1);
+		const __m512i x = _mm512_maskz_loadu_epi32(mask, value + n);
+		const __m512i m = _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(mask, by + n));
+		/* x = 2^15 h + l, as mul_q15() has it */
+		const __m512i of_h = _mm512_mullo_epi32(_mm512_srai_epi32(x, 15), m);
+		const __m512i of_l = _mm512_mullo_epi32(_mm512_and_si512(x, low), m);
+
+		_mm512_mask_storeu_epi32(
+			value + n, mask,
+			_mm512_add_epi32(of_h,
+					 _mm512_srli_epi32(_mm512_add_epi32(of_l, half), 15)));
+	}
+}
 
 static void place(const int32_t *value, const uint16_t row[16], int32_t *to)
 {
@@ -239,9 +259,12 @@ const struct kernels kernels_avx512 = {
 	.supported = kernels_supported_avx512,
 	.sums16 = sums16,
 	.sums8 = sums8,
+	.values16 = values16,
+	.values8 = values8,
 	.split = split,
 	.project = project,
 	.fold = fold,
+	.tint = tint,
 	.place = place,
 	.mix = mix,
 };

@@ -1,4 +1,4 @@
-/* sums16 and sums8 for AVX-512; part of kernels_avx512.c. */
+/* Sums and values of lines for AVX-512; part of kernels_avx512.c. */
 
 /* 32 pixels of a line as int16: all of it, or a half of a line of bytes. */
 KERNEL_INLINE __m512i line_of(const void *lines, size_t at, int half, const bool bytes)
@@ -213,4 +213,91 @@ static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *
 		sums_of(lines, w, sum, true, false);
 	else
 		sums_of(lines, w, sum, true, true);
+}
+
+/* ---- values ---- */
+
+/* acc_d * 4096^d over the digits, rounded and shifted down, modulo 2^32. acc_0 has room for the
+ * half: 32 * 32767 * 2048 + 2048 < 2^31. */
+KERNEL_INLINE __m512i value_of(__m512i acc[KERNEL_DIGITS][2], int which, const bool bytes,
+			       const int digits)
+{
+	const int down = bytes ? KERNEL_VALUE_SHIFT8 : KERNEL_VALUE_SHIFT16;
+	__m512i x = _mm512_srai_epi32(
+		_mm512_add_epi32(acc[0][which], _mm512_set1_epi32(1 << (down - 1))),
+		(unsigned)down);
+
+	KERNEL_UNROLL
+	for (int d = 1; d < digits; d++)
+		x = _mm512_add_epi32(
+			x,
+			_mm512_slli_epi32(acc[d][which], (unsigned)(d * KERNEL_DIGIT_BITS - down)));
+	return x;
+}
+
+KERNEL_INLINE void add_values(int32_t *value, __m512i more, __mmask16 old)
+{
+	const __m512i before = _mm512_maskz_loadu_epi32(old, value);
+
+	_mm512_storeu_si512(value, _mm512_add_epi32(before, more));
+}
+
+KERNEL_INLINE void values_of(const void *lines, const struct kernel_weights *w,
+			     int32_t *const *value, const bool bytes, const bool shared,
+			     const int digits)
+{
+	/* Fours of pixels, as unpacking leaves them, into order. */
+	const __m512i lower = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0);
+	const __m512i upper = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
+	const __mmask16 old = w->fresh ? 0 : 0xffff;
+	__m512i acc[3][KERNEL_DIGITS][2];
+
+	for (int half = 0; half < 1 + bytes; half++) {
+		begin(acc, digits);
+		run_of(lines, w, 0, w->count, half, bytes, shared, digits, acc);
+		KERNEL_UNROLL
+		for (int c = 0; c < 3; c++) {
+			const __m512i a = value_of(acc[c], 0, bytes, digits);
+			const __m512i b = value_of(acc[c], 1, bytes, digits);
+			int32_t *to = value[c] + 32 * half;
+
+			add_values(to, _mm512_permutex2var_epi64(a, lower, b), old);
+			add_values(to + 16, _mm512_permutex2var_epi64(a, upper, b), old);
+		}
+	}
+}
+
+KERNEL_INLINE void values(const void *lines, const struct kernel_weights *w, int32_t *const *value,
+			  const bool bytes, const bool shared)
+{
+	switch (w->digits) {
+	case 1:
+		values_of(lines, w, value, bytes, shared, 1);
+		break;
+	case 2:
+		values_of(lines, w, value, bytes, shared, 2);
+		break;
+	case 3:
+		values_of(lines, w, value, bytes, shared, 3);
+		break;
+	default:
+		values_of(lines, w, value, bytes, shared, 4);
+		break;
+	}
+}
+
+static void values16(const int16_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+{
+	if (w->channel)
+		values(lines, w, value, false, false);
+	else
+		values(lines, w, value, false, true);
+}
+
+static void values8(const int8_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+{
+	if (w->channel)
+		values(lines, w, value, true, false);
+	else
+		values(lines, w, value, true, true);
 }

@@ -56,6 +56,40 @@ static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *
 	}
 }
 
+/* Sums, rounded. */
+static void add_values(int32_t *value, const int64_t *sum, int count, int shift, bool fresh)
+{
+	for (int p = 0; p < count; p++) {
+		const uint32_t before = fresh ? 0 : (uint32_t)value[p];
+
+		value[p] = (int32_t)(before + (uint32_t)round_shift(sum[p], shift));
+	}
+}
+
+static void values16(const int16_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+{
+	struct kernel_weights exact = *w;
+	int64_t sum[3][KERNEL_LINE16];
+
+	exact.shift = 0;
+	exact.fresh = true;
+	sums16(lines, &exact, (int64_t *const[3]){sum[0], sum[1], sum[2]});
+	for (int c = 0; c < 3; c++)
+		add_values(value[c], sum[c], KERNEL_LINE16, KERNEL_VALUE_SHIFT16, w->fresh);
+}
+
+static void values8(const int8_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+{
+	struct kernel_weights exact = *w;
+	int64_t sum[3][KERNEL_LINE8];
+
+	exact.shift = 0;
+	exact.fresh = true;
+	sums8(lines, &exact, (int64_t *const[3]){sum[0], sum[1], sum[2]});
+	for (int c = 0; c < 3; c++)
+		add_values(value[c], sum[c], KERNEL_LINE8, KERNEL_VALUE_SHIFT8, w->fresh);
+}
+
 int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 {
 	int64_t most = 0;
@@ -134,6 +168,12 @@ static void fold(const int64_t *sum, int count, int shift, uint32_t factor, cons
 	}
 }
 
+void kernel_c_tint(int32_t *value, const uint16_t *by, int count)
+{
+	for (int n = 0; n < count; n++)
+		value[n] = (int32_t)round_shift((int64_t)value[n] * by[n], 15);
+}
+
 void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to)
 {
 	for (int y = 0; y < 16; y++, to += 16) {
@@ -198,9 +238,12 @@ const struct kernels kernels_c = {
 	.supported = always,
 	.sums16 = sums16,
 	.sums8 = sums8,
+	.values16 = values16,
+	.values8 = values8,
 	.split = kernel_c_split,
 	.project = project,
 	.fold = fold,
+	.tint = kernel_c_tint,
 	.place = kernel_c_place,
 	.mix = mix,
 };

@@ -17,9 +17,6 @@
 /* Loops over what must stay in registers: gcc would else decide too late. */
 #define KERNEL_UNROLL _Pragma("GCC unroll 8")
 
-/* Lines, or runs of values, whose products with a digit add up in int32: kernels.h has the proof.
- */
-#define KERNEL_RUN 32
 /* Of bytes there may be many more: 4096 * 127 * 2048 < 2^31. */
 #define KERNEL_RUN8 4096
 
@@ -36,6 +33,7 @@ extern const struct kernels kernels_neon_dotprod;
 
 /* The specification, for those that have nothing better. */
 int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit);
+void kernel_c_tint(int32_t *value, const uint16_t *tint, int count);
 void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to);
 
 /* In kernels.c, which every processor can run. */

@@ -37,11 +37,10 @@ KERNEL_INLINE void add_to(int64_t *sum, const int32x4_t part[2], int64x2_t shift
 }
 
 /* A run of lines, 32 pixels of a channel, one or two digits: 8 or 16 sums of four. */
-KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int c, int first,
-			  int from, int to, int p, int64_t *sum, const bool bytes, const int digits)
+KERNEL_INLINE void add_run(const void *lines, const struct kernel_weights *w, int c, int first,
+			   int from, int to, int p, const bool bytes, const int digits,
+			   int32x4_t part[8][2])
 {
-	const int64x2_t shift = vdupq_n_s64(w->shift + first * KERNEL_DIGIT_BITS);
-	int32x4_t part[8][2];
 	int16x8_t x[4];
 
 	KERNEL_UNROLL
@@ -62,6 +61,15 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 			}
 		}
 	}
+}
+
+KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int c, int first,
+			  int from, int to, int p, int64_t *sum, const bool bytes, const int digits)
+{
+	const int64x2_t shift = vdupq_n_s64(w->shift + first * KERNEL_DIGIT_BITS);
+	int32x4_t part[8][2];
+
+	add_run(lines, w, c, first, from, to, p, bytes, digits, part);
 	KERNEL_UNROLL
 	for (int i = 0; i < 8; i++)
 		add_to(sum + p + 4 * i, part[i], shift, digits);
@@ -103,6 +111,70 @@ void kernel_neon_sums16(const int16_t *lines, const struct kernel_weights *w, in
 static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
 	sums(lines, w, sum, true);
+}
+
+/* ---- values16, values8 ---- */
+
+/* (part[0] + 4096 part[1]) * 4096^first, rounded and shifted down, modulo 2^32: a shift by a
+ * negative number rounds, without overflow; one by 32 or more leaves nothing. */
+KERNEL_INLINE int32x4_t value_of(const int32x4_t part[2], const bool bytes, const int first,
+				 const int digits)
+{
+	const int down = bytes ? KERNEL_VALUE_SHIFT8 : KERNEL_VALUE_SHIFT16;
+	const int up = first * KERNEL_DIGIT_BITS - down;
+	const int32x4_t x = vrshlq_s32(part[0], vdupq_n_s32(up));
+
+	return digits == 2 ? vaddq_s32(x, vshlq_s32(part[1], vdupq_n_s32(up + KERNEL_DIGIT_BITS)))
+			   : x;
+}
+
+KERNEL_INLINE void value_run(const void *lines, const struct kernel_weights *w, int c, int p,
+			     int32_t *value, const bool bytes, const int first, const int digits)
+{
+	const bool old = first || !w->fresh;
+	int32x4_t part[8][2];
+
+	add_run(lines, w, c, first, 0, w->count, p, bytes, digits, part);
+	KERNEL_UNROLL
+	for (int i = 0; i < 8; i++) {
+		int32_t *to = value + p + 4 * i;
+		const int32x4_t more = value_of(part[i], bytes, first, digits);
+
+		vst1q_s32(to, old ? vaddq_s32(vld1q_s32(to), more) : more);
+	}
+}
+
+KERNEL_INLINE void values(const void *lines, const struct kernel_weights *w,
+			  int32_t *const value[3], const bool bytes)
+{
+	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
+
+	for (int c = 0; c < 3; c++) {
+		const char *from = (const char *)lines + (size_t)c * w->channel;
+
+		for (int p = 0; p < pixels; p += 32) {
+			if (w->digits >= 2)
+				value_run(from, w, c, p, value[c], bytes, 0, 2);
+			else
+				value_run(from, w, c, p, value[c], bytes, 0, 1);
+			if (w->digits == 4)
+				value_run(from, w, c, p, value[c], bytes, 2, 2);
+			else if (w->digits == 3)
+				value_run(from, w, c, p, value[c], bytes, 2, 1);
+		}
+	}
+}
+
+void kernel_neon_values16(const int16_t *lines, const struct kernel_weights *w,
+			  int32_t *const value[3])
+{
+	values(lines, w, value, false);
+}
+
+void kernel_neon_values8(const int8_t *lines, const struct kernel_weights *w,
+			 int32_t *const value[3])
+{
+	values(lines, w, value, true);
 }
 
 /* ---- project ---- */
@@ -234,6 +306,22 @@ void kernel_neon_fold(const int64_t *sum, int count, int shift, uint32_t factor,
 	memcpy(to + whole, last_to, rest * sizeof(*to));
 }
 
+/* ---- tint ---- */
+
+void kernel_neon_tint(int32_t *value, const uint16_t *by, int count)
+{
+	const int whole = count / 4 * 4;
+
+	for (int n = 0; n < whole; n += 4) {
+		const int32x4_t x = vld1q_s32(value + n);
+		const int32x4_t m = vreinterpretq_s32_u32(vmovl_u16(vld1_u16(by + n)));
+		const int32x2_t low = vrshrn_n_s64(vmull_s32(vget_low_s32(x), vget_low_s32(m)), 15);
+
+		vst1q_s32(value + n, vrshrn_high_n_s64(low, vmull_high_s32(x, m), 15));
+	}
+	kernel_c_tint(value + whole, by + whole, count - whole);
+}
+
 /* ---- mix ---- */
 
 /* The low and high bytes of a, b, c: 32 bytes can be looked up at once. */
@@ -356,9 +444,12 @@ const struct kernels kernels_neon = {
 	.supported = kernels_supported_neon,
 	.sums16 = kernel_neon_sums16,
 	.sums8 = sums8,
+	.values16 = kernel_neon_values16,
+	.values8 = kernel_neon_values8,
 	.split = kernel_c_split,
 	.project = kernel_neon_project,
 	.fold = kernel_neon_fold,
+	.tint = kernel_neon_tint,
 	.place = kernel_c_place,
 	.mix = kernel_neon_mix,
 };

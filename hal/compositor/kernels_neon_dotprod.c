@@ -122,9 +122,12 @@ const struct kernels kernels_neon_dotprod = {
 	.supported = kernels_supported_neon_dotprod,
 	.sums16 = kernel_neon_sums16,
 	.sums8 = sums8,
+	.values16 = kernel_neon_values16,
+	.values8 = kernel_neon_values8,
 	.split = kernel_c_split,
 	.project = kernel_neon_project,
 	.fold = kernel_neon_fold,
+	.tint = kernel_neon_tint,
 	.place = kernel_c_place,
 	.mix = kernel_neon_mix,
 };

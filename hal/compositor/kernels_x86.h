@@ -39,13 +39,13 @@ KERNEL_INLINE void line_of(const void *lines, size_t at, int p, const bool bytes
 }
 
 /* One run of lines for 2 * WORDS pixels of a channel and one or two digits: two lines side by side,
- * so that one instruction multiplies both and adds. sum += the result * 4096^first * 2^shift. */
-KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int c, int first,
-			  int from, int to, int p, int64_t *sum, const bool bytes, const int digits)
+ * so that one instruction multiplies both and adds. Fours of pixels come in the order in which
+ * unpacking leaves them. */
+KERNEL_INLINE void add_run(const void *lines, const struct kernel_weights *w, int c, int first,
+			   int from, int to, int p, const bool bytes, const int digits,
+			   vector acc[2][4])
 {
-	_Alignas(32) int32_t part[2][2 * WORDS];
-	vector acc[2][4], one[2], next[2], both[4];
-	const int shift = w->shift + first * KERNEL_DIGIT_BITS;
+	vector one[2], next[2], both[4];
 	const int16_t *digit = kernel_digit(w, from, c, first);
 
 	KERNEL_UNROLL
@@ -69,6 +69,17 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 		}
 		digit += 2 * 3 * w->digits;
 	}
+}
+
+/* sum += a run's result * 4096^first * 2^shift. */
+KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int c, int first,
+			  int from, int to, int p, int64_t *sum, const bool bytes, const int digits)
+{
+	_Alignas(32) int32_t part[2][2 * WORDS];
+	const int shift = w->shift + first * KERNEL_DIGIT_BITS;
+	vector acc[2][4];
+
+	add_run(lines, w, c, first, from, to, p, bytes, digits, acc);
 	KERNEL_UNROLL
 	for (int d = 0; d < digits; d++) {
 		KERNEL_UNROLL
@@ -122,6 +133,79 @@ static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t
 static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
 	sums(lines, w, sum, true);
+}
+
+/* ---- values16, values8 ---- */
+
+/* (acc_0 + 4096 acc_1) * 4096^first of one vector, rounded and shifted down, modulo 2^32. acc_0 has
+ * room for the half: 32 * 32767 * 2048 + 2048 < 2^31. */
+KERNEL_INLINE vector value_of(vector acc[2][4], int i, const bool bytes, const int first,
+			      const int digits)
+{
+	const int down = bytes ? KERNEL_VALUE_SHIFT8 : KERNEL_VALUE_SHIFT16;
+	const int up = first * KERNEL_DIGIT_BITS - down;
+	vector x = acc[0][i];
+
+	if (first)
+		x = I(slli_epi32)(x, up);
+	else
+		x = I(srai_epi32)(I(add_epi32)(x, I(set1_epi32)(1 << (down - 1))), down);
+	if (digits == 2)
+		x = I(add_epi32)(x, I(slli_epi32)(acc[1][i], up + KERNEL_DIGIT_BITS));
+	return x;
+}
+
+KERNEL_INLINE void add_values(int32_t *value, vector more, const bool old)
+{
+	STORE(value, old ? I(add_epi32)(LOAD(value), more) : more);
+}
+
+KERNEL_INLINE void value_run(const void *lines, const struct kernel_weights *w, int c, int p,
+			     int32_t *value, const bool bytes, const int first, const int digits)
+{
+	const bool old = first || !w->fresh;
+	vector acc[2][4];
+
+	add_run(lines, w, c, first, 0, w->count, p, bytes, digits, acc);
+	KERNEL_UNROLL
+	for (int i = 0; i < 4; i += 2) {
+		const vector a = value_of(acc, i, bytes, first, digits);
+		const vector b = value_of(acc, i + 1, bytes, first, digits);
+
+		add_values(value + p + i * DWORDS, IN_ORDER_LOW(a, b), old);
+		add_values(value + p + (i + 1) * DWORDS, IN_ORDER_HIGH(a, b), old);
+	}
+}
+
+KERNEL_INLINE void values(const void *lines, const struct kernel_weights *w,
+			  int32_t *const value[3], const bool bytes)
+{
+	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
+
+	for (int c = 0; c < 3; c++) {
+		const char *from = (const char *)lines + (size_t)c * w->channel;
+
+		for (int p = 0; p < pixels; p += 2 * WORDS) {
+			if (w->digits >= 2)
+				value_run(from, w, c, p, value[c], bytes, 0, 2);
+			else
+				value_run(from, w, c, p, value[c], bytes, 0, 1);
+			if (w->digits == 4)
+				value_run(from, w, c, p, value[c], bytes, 2, 2);
+			else if (w->digits == 3)
+				value_run(from, w, c, p, value[c], bytes, 2, 1);
+		}
+	}
+}
+
+static void values16(const int16_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+{
+	values(lines, w, value, false);
+}
+
+static void values8(const int8_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+{
+	values(lines, w, value, true);
 }
 
 /* ---- project ---- */
@@ -325,4 +409,23 @@ static void fold(const int64_t *sum, int count, int shift, uint32_t factor, cons
 		memcpy(last_tint, tint + whole, (size_t)rest * sizeof(*tint));
 	fold_vectors(last_sum, DWORDS, shift, factor, tint ? last_tint : NULL, last_to, last_to);
 	memcpy(to + whole, last_to, (size_t)rest * sizeof(*to));
+}
+
+/* ---- tint ---- */
+
+static void tint(int32_t *value, const uint16_t *by, int count)
+{
+	const int whole = count / DWORDS * DWORDS;
+
+	for (int n = 0; n < whole; n += DWORDS) {
+		const vector x = LOAD(value + n), m = LOAD_WIDE16(by + n);
+		/* x = 2^15 h + l, as mul_q15() has it */
+		const vector of_h = I(mullo_epi32)(I(srai_epi32)(x, 15), m);
+		const vector of_l = I(mullo_epi32)(SI(and)(x, I(set1_epi32)((1 << 15) - 1)), m);
+
+		STORE(value + n,
+		      I(add_epi32)(of_h,
+				   I(srli_epi32)(I(add_epi32)(of_l, I(set1_epi32)(1 << 14)), 15)));
+	}
+	kernel_c_tint(value + whole, by + whole, count - whole);
 }

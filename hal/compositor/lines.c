@@ -76,10 +76,24 @@ static struct places places_of16(const struct basis_block *b, const int16_t *lin
 	};
 }
 
-/* What is added counts 2^shift. */
+/* The same from pixel `at` on. */
+static struct line_target target_from(const struct line_target *to, int at)
+{
+	struct line_target there = *to;
+
+	for (int c = 0; c < 3; c++) {
+		if (to->value[c])
+			there.value[c] += at;
+		else
+			there.sum[c] += at;
+	}
+	return there;
+}
+
+/* What is added to sums counts 2^shift. */
 static void add_set(const struct line_set *set, const struct basis_block *b, struct places places,
 		    int shift, bool fresh, const struct kernels *kernels, struct fetch *fetch,
-		    int64_t *sum[3])
+		    const struct line_target *target)
 {
 	struct kernel_weights w = set->kernel;
 
@@ -88,9 +102,12 @@ static void add_set(const struct line_set *set, const struct basis_block *b, str
 	w.step = places.step;
 	w.channel = b->channels == 3 ? places.channel : 0;
 	for (int at = 0; at < b->pixels; at += KERNEL_LINE16, places.first += places.panel) {
-		int64_t *const to[3] = {sum[0] + at, sum[1] + at, sum[2] + at};
+		const struct line_target to = target_from(target, at);
 
-		kernels->sums16((const int16_t *)places.first, &w, to);
+		if (to.value[0])
+			kernels->values16((const int16_t *)places.first, &w, to.value);
+		else
+			kernels->sums16((const int16_t *)places.first, &w, to.sum);
 		fetch_some(fetch);
 	}
 }
@@ -128,7 +145,8 @@ static void unpack_panel(struct line_set *set, int panel, int channels)
 
 /* The same of columns of 8 bits. Returns how many bytes were read. */
 static size_t add_records(struct line_set *set, const struct basis_block *b, int shift, bool fresh,
-			  const struct kernels *kernels, struct fetch *fetch, int64_t *sum[3])
+			  const struct kernels *kernels, struct fetch *fetch,
+			  const struct line_target *target)
 {
 	struct kernel_weights w = set->kernel;
 	size_t bytes = 0;
@@ -140,11 +158,13 @@ static size_t add_records(struct line_set *set, const struct basis_block *b, int
 	w.step = KERNEL_LINE_BYTES;
 	w.channel = b->channels == 3 ? (size_t)w.count * KERNEL_LINE_BYTES : 0;
 	for (int panel = 0; panel * KERNEL_LINE8 < b->pixels; panel++) {
-		const int at = panel * KERNEL_LINE8;
-		int64_t *const to[3] = {sum[0] + at, sum[1] + at, sum[2] + at};
+		const struct line_target to = target_from(target, panel * KERNEL_LINE8);
 
 		unpack_panel(set, panel, b->channels);
-		kernels->sums8(set->unpacked, &w, to);
+		if (to.value[0])
+			kernels->values8(set->unpacked, &w, to.value);
+		else
+			kernels->sums8(set->unpacked, &w, to.sum);
 		fetch_some(fetch);
 	}
 	for (int k = 0; k < set->count; k++)
@@ -154,26 +174,30 @@ static size_t add_records(struct line_set *set, const struct basis_block *b, int
 
 size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 		 struct line_set *patterns, struct line_set *columns, int shift, bool fresh,
-		 struct fetch *fetch, int64_t *sum[3])
+		 struct fetch *fetch, const struct line_target *to)
 {
 	const int panels = basis_panels16(b->pixels);
 	size_t bytes = (size_t)(b->channels * panels * patterns->count) * KERNEL_LINE_BYTES;
 
 	if (columns->kernel.digits && b->bits == 8) {
-		bytes += add_records(columns, b, shift, fresh, kernels, fetch, sum);
+		bytes += add_records(columns, b, shift, fresh, kernels, fetch, to);
 		fresh = false;
 	} else if (columns->kernel.digits) {
 		add_set(columns, b, places_of16(b, b->column16, b->columns), shift, fresh, kernels,
-			fetch, sum);
+			fetch, to);
 		bytes += (size_t)(b->channels * panels * columns->count) * KERNEL_LINE_BYTES;
 		fresh = false;
 	}
 	if (patterns->kernel.digits) {
 		add_set(patterns, b, places_of16(b, b->coefficient, b->patterns), 0, fresh, kernels,
-			fetch, sum);
+			fetch, to);
 		fresh = false;
 	}
-	for (int c = 0; c < 3 && fresh; c++)
-		memset(sum[c], 0, (size_t)b->pixels * sizeof(*sum[c]));
+	for (int c = 0; c < 3 && fresh; c++) {
+		if (to->value[c])
+			memset(to->value[c], 0, (size_t)b->pixels * sizeof(*to->value[c]));
+		else
+			memset(to->sum[c], 0, (size_t)b->pixels * sizeof(*to->sum[c]));
+	}
 	return bytes;
 }

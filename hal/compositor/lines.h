@@ -33,11 +33,18 @@ void line_set_free(struct line_set *set); /* zeroed is fine */
 /* Fills the digits from the weights, and the count up to an even one. */
 void line_set_split(struct line_set *set, const struct kernels *kernels);
 
-/* Adds patterns and columns of a block to the sums of its pixels, which are all 0 if fresh,
- * whatever stands there. columns have weights with `shift` bits less. Returns how many bytes were
- * read. While it adds it fetches. */
+/* What lines are added to, pixel by pixel of a block: exact sums, or rounded values. */
+struct line_target {
+	int64_t *sum[3];
+	int32_t *value[3]; /* NULL: sums */
+};
+
+/* Adds patterns and columns of a block to its pixels, all of which are 0 if fresh, whatever stands
+ * there. columns have weights with `shift` bits less. To values: at most KERNEL_RUN of either, and
+ * `shift` is what kernels.h has for them. Returns how many bytes were read. While it adds it
+ * fetches. */
 size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 		 struct line_set *patterns, struct line_set *columns, int shift, bool fresh,
-		 struct fetch *fetch, int64_t *sum[3]);
+		 struct fetch *fetch, const struct line_target *to);
 
 #endif

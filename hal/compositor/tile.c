@@ -39,11 +39,12 @@ static const struct block_plan *next_of(const struct frame_light *f, const struc
 	return plan < f->end ? plan : NULL;
 }
 
-static void sums_of(const struct frame_light *f, const struct block_plan *plan, bool fresh,
-		    int fraction, struct block_work *work, const int64_t *sum[3])
+static struct block_request request_for(const struct frame_light *f, const struct block_plan *plan,
+					bool fresh)
 {
 	const struct block_plan *next = next_of(f, plan);
-	const struct block_request request = {
+
+	return (struct block_request){
 		.kernels = f->kernels,
 		.light = light_of(f, plan->block),
 		.kept = &f->kept,
@@ -52,6 +53,12 @@ static void sums_of(const struct frame_light *f, const struct block_plan *plan, 
 		.next = next,
 		.after = next ? next_of(f, next) : NULL,
 	};
+}
+
+static void sums_of(const struct frame_light *f, const struct block_plan *plan, bool fresh,
+		    int fraction, struct block_work *work, const int64_t *sum[3])
+{
+	const struct block_request request = request_for(f, plan, fresh);
 
 	block_sums(work, plan, &request, fraction, sum);
 }
@@ -121,6 +128,75 @@ static int room(const struct block_plan *group, const struct light_vector *light
 	return PLAN_SUM_BITS - group->bound - light->reach;
 }
 
+/* ---- few lines in light of ordinary strength, which most groups are ---- */
+
+/* How many lines of a group count. Blocks whose sums are kept have more of them than KERNEL_RUN. */
+static int lines_of(const struct block_plan *group)
+{
+	int lines = 0;
+
+	for (int n = 0; n < group->group; n++) {
+		int columns = group[n].block->columns;
+
+		if (group[n].choice)
+			columns_chosen(&group[n], &columns);
+		lines += group[n].block->patterns + columns;
+	}
+	return lines;
+}
+
+/* Values of the pixels that a block lists, to where they belong. */
+static void place_values(const struct frame_light *f, const struct block_plan *plan, bool fresh,
+			 int32_t *const listed[3], int32_t (*values)[BLOCK_PIXELS])
+{
+	const struct basis_block *b = plan->block;
+
+	for (int c = 0; c < 3; c++) {
+		if (b->tint)
+			f->kernels->tint(listed[c], b->tint + c * b->pixels, b->pixels);
+		if (fresh)
+			memset(values[c], 0, sizeof(values[c]));
+		f->kernels->place(listed[c], plan->row, values[c]);
+	}
+}
+
+/* What add_group() does, where no sum is needed exactly. Values of a whole tile are made where they
+ * belong. */
+static bool add_values(const struct frame_light *f, const struct block_plan *group, int fraction,
+		       bool fresh, struct tile_work *work, int32_t (*values)[BLOCK_PIXELS])
+{
+	int32_t *const whole[3] = {values[0], values[1], values[2]};
+	int32_t *const listed[3] = {work->listed, work->listed + BLOCK_PIXELS,
+				    work->listed + 2 * BLOCK_PIXELS};
+	const bool first = fresh; /* else what stands there may be near the limit */
+	bool begun = false;	  /* one of those that list the same pixels */
+
+	for (int n = 0; n < group->group; n++) {
+		const struct block_plan *plan = &group[n];
+		const bool direct = first && plan->whole && !plan->block->tint;
+
+		if (block_counts(plan)) {
+			const struct block_request request = request_for(f, plan,
+									 direct ? fresh : !begun);
+
+			block_values(&work->block, plan, &request, fraction,
+				     direct ? whole : listed);
+			begun = true;
+			fresh = fresh && !direct;
+		}
+		if (!begun || (n + 1 < group->group && group[n + 1].joins))
+			continue;
+		begun = false;
+		if (!direct) {
+			place_values(f, plan, fresh, listed, values);
+			fresh = false;
+		}
+	}
+	return fresh;
+}
+
+/* ---- groups ---- */
+
 /*
  * Adds a group of T or V blocks to the values, which are 0 if fresh, whatever stands there. Returns
  * whether they still are: where none of the blocks counts, nothing is done. Where light is so
@@ -138,6 +214,9 @@ static bool add_group(const struct frame_light *f, const struct block_plan *grou
 	const int64_t *sum[3];
 	bool summed = false; /* of those that share their sums */
 
+	if (group->bound + light->reach + more <= SAFE_BITS && lines_of(group) <= KERNEL_RUN)
+		return add_values(f, group, VALUE_BITS + KERNEL_VALUE_SHIFT16 + more, fresh, work,
+				  values);
 	if (!apart)
 		memset(work->d, 0, sizeof(work->d));
 	for (int n = 0; n < group->group; n++) {

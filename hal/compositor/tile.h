@@ -31,7 +31,8 @@ extern const int32_t tile_nothing[BLOCK_PIXELS]; /* zeros */
 struct tile_work {
 	struct block_work block;
 	int64_t d[3][BLOCK_PIXELS], u[3][BLOCK_PIXELS];
-	int32_t listed[BLOCK_PIXELS + KERNEL_PLACE_BEYOND] __attribute__((aligned(64)));
+	/* Values of the pixels that a block lists, channel by channel. */
+	int32_t listed[3 * BLOCK_PIXELS + KERNEL_PLACE_BEYOND] __attribute__((aligned(64)));
 };
 
 void tile_compute(const struct frame_light *light, const struct tile_plan *tile,

@@ -3,8 +3,9 @@
 
 #include "tests/kernels/compare_parts.h"
 
-const char *const kernel_function_names[FUNCTIONS] = {"sums16", "sums8", "split", "project",
-						      "fold",	"place", "mix"};
+const char *const kernel_function_names[FUNCTIONS] = {"sums16", "sums8",   "values16", "values8",
+						      "split",	"project", "fold",     "tint",
+						      "place",	"mix"};
 
 uint64_t compare_next(struct comparison *c) /* splitmix64 */
 {
@@ -119,12 +120,18 @@ static bool one_round(struct comparison *c, enum kernel_function function,
 		return compare_sums(c, false, tables, why);
 	case SUMS8:
 		return compare_sums(c, true, tables, why);
+	case VALUES16:
+		return compare_values(c, false, tables, why);
+	case VALUES8:
+		return compare_values(c, true, tables, why);
 	case SPLIT:
 		return compare_split(c, tables, why);
 	case PROJECT:
 		return compare_project(c, tables, why);
 	case FOLD:
 		return compare_fold(c, tables, why);
+	case TINT:
+		return compare_tint(c, tables, why);
 	case PLACE:
 		return compare_place(c, tables, why);
 	default:

@@ -9,7 +9,19 @@
 
 #include "hal/compositor/kernels.h"
 
-enum kernel_function { SUMS16, SUMS8, SPLIT, PROJECT, FOLD, PLACE, MIX, FUNCTIONS };
+enum kernel_function {
+	SUMS16,
+	SUMS8,
+	VALUES16,
+	VALUES8,
+	SPLIT,
+	PROJECT,
+	FOLD,
+	TINT,
+	PLACE,
+	MIX,
+	FUNCTIONS
+};
 
 extern const char *const kernel_function_names[FUNCTIONS];
 

@@ -39,9 +39,11 @@ void compare_fill16(struct comparison *c, void *to, int count, int low, int high
 
 /* One round each: false where the two tables differ, and why. */
 bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables[2], char *why);
+bool compare_values(struct comparison *c, bool bytes, const struct kernels *tables[2], char *why);
 bool compare_split(struct comparison *c, const struct kernels *tables[2], char *why);
 bool compare_project(struct comparison *c, const struct kernels *tables[2], char *why);
 bool compare_fold(struct comparison *c, const struct kernels *tables[2], char *why);
+bool compare_tint(struct comparison *c, const struct kernels *tables[2], char *why);
 bool compare_place(struct comparison *c, const struct kernels *tables[2], char *why);
 bool compare_mix(struct comparison *c, const struct kernels *tables[2], char *why);
 

@@ -91,6 +91,36 @@ bool compare_fold(struct comparison *c, const struct kernels *tables[2], char *w
 	return guarded_intact(&c->out[1], size);
 }
 
+/* ---- tint ---- */
+
+bool compare_tint(struct comparison *c, const struct kernels *tables[2], char *why)
+{
+	const int count = c->round < 256 ? c->round + 1 : compare_between(c, 1, 256);
+	const size_t size = (size_t)count * sizeof(int32_t);
+	uint16_t *tint = guarded_take(&c->coverage, (size_t)count * sizeof(*tint));
+	int32_t *from = guarded_take(&c->object[0], size), *value[2];
+
+	for (int i = 0; i < 2; i++)
+		value[i] = guarded_take(&c->out[i], size);
+	for (int n = 0; n < count; n++) {
+		tint[n] = (uint16_t)(compare_below(c, 4)   ? compare_next(c) % 65536
+				     : compare_below(c, 2) ? 32768
+							   : 65535);
+		from[n] = (int32_t)compare_spread(c, 30);
+		value[0][n] = value[1][n] = from[n];
+	}
+	for (int i = 0; i < 2; i++)
+		tables[i]->tint(value[i], tint, count);
+	for (int n = 0; n < count; n++) {
+		if (value[0][n] != value[1][n]) {
+			snprintf(why, 256, "%d of %d: %d, tint %d: %d, expected %d", n, count,
+				 from[n], tint[n], value[1][n], value[0][n]);
+			return false;
+		}
+	}
+	return guarded_intact(&c->out[1], size);
+}
+
 /* ---- place ---- */
 
 static int32_t placed(struct comparison *c)

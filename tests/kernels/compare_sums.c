@@ -33,11 +33,11 @@ static int16_t full_digit(int k)
 }
 
 /* Lines of one, two or three channels that lie one after the other, with gaps or without. */
-static struct kernel_weights make_weights(struct comparison *c)
+static struct kernel_weights make_weights(struct comparison *c, int count)
 {
 	const bool ordered = compare_below(c, 2);
 	struct kernel_weights w = {
-		.count = weights_count(c),
+		.count = count,
 		.digits = compare_between(c, 1, KERNEL_DIGITS),
 		.shift = compare_below(c, KERNEL_SHIFT_MAX + 1),
 		.fresh = compare_below(c, 2),
@@ -60,6 +60,24 @@ static struct kernel_weights make_weights(struct comparison *c)
 	w.line = line;
 	w.digit = digit;
 	return w;
+}
+
+/* The lines that weights may name. */
+static void *make_lines(struct comparison *c, const struct kernel_weights *w, bool bytes,
+			enum filling filling)
+{
+	const size_t last = (LINES - 1) * w->step + 2 * w->channel + KERNEL_LINE_BYTES;
+	const int values = (int)(bytes ? last : last / sizeof(int16_t));
+	void *lines = guarded_take(&c->lines, last);
+
+	for (int i = 0; i < values; i++) {
+		if (bytes)
+			((int8_t *)lines)[i] = (int8_t)compare_value(c, filling, i, -127, 127);
+		else
+			((int16_t *)lines)[i] = (int16_t)compare_value(c, filling, i, -32767,
+								       32767);
+	}
+	return lines;
 }
 
 /* What the tables made of it, by what both began with. */
@@ -90,23 +108,14 @@ bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables
 	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
 	const int beyond =
 		compare_below(c, 8); /* numbers after the sums, so that these lie anywhere */
-	const struct kernel_weights w = make_weights(c);
-	const size_t last = (LINES - 1) * w.step + 2 * w.channel + KERNEL_LINE_BYTES;
-	const int values = (int)last * pixels / KERNEL_LINE_BYTES;
+	const struct kernel_weights w = make_weights(c, weights_count(c));
 	const enum filling filling = c->round == 0 ? HIGHEST
 				     : c->round == FULL_ROUND
 					     ? LOWEST
 					     : (enum filling)compare_below(c, FILLINGS);
-	void *lines = guarded_take(&c->lines, last);
+	const void *lines = make_lines(c, &w, bytes, filling);
 	int64_t *sum[2][3];
 
-	for (int i = 0; i < values; i++) {
-		if (bytes)
-			((int8_t *)lines)[i] = (int8_t)compare_value(c, filling, i, -127, 127);
-		else
-			((int16_t *)lines)[i] = (int16_t)compare_value(c, filling, i, -32767,
-								       32767);
-	}
 	for (int k = 0; k < 3; k++) {
 		for (int i = 0; i < 2; i++)
 			sum[i][k] = guarded_take(&c->sum[i][k],
@@ -121,6 +130,56 @@ bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables
 			tables[i]->sums16(lines, &w, sum[i]);
 	}
 	return same_sums(c, &w, sum, pixels + beyond, why);
+}
+
+/* ---- values16, values8 ---- */
+
+/* As large as a run may become, on either side. */
+#define VALUES_HIGHEST 20
+#define VALUES_LOWEST 21
+
+bool compare_values(struct comparison *c, bool bytes, const struct kernels *tables[2], char *why)
+{
+	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16, beyond = compare_below(c, 8);
+	const size_t size = (size_t)(pixels + beyond) * sizeof(int32_t);
+	const bool full = c->round == VALUES_HIGHEST || c->round == VALUES_LOWEST;
+	const int count = full			       ? KERNEL_RUN
+			  : c->round <= KERNEL_RUN / 2 ? 2 * c->round
+						       : 2 * compare_below(c, KERNEL_RUN / 2 + 1);
+	const struct kernel_weights w = make_weights(c, count);
+	const enum filling filling = c->round == VALUES_HIGHEST ? LOWEST
+				     : c->round == VALUES_LOWEST
+					     ? HIGHEST
+					     : (enum filling)compare_below(c, FILLINGS);
+	const void *lines = make_lines(c, &w, bytes, filling);
+	int32_t *value[2][3];
+
+	for (int i = 0; full && i < w.count * 3 * w.digits; i++)
+		((int16_t *)w.digit)[i] = -2048;
+	for (int k = 0; k < 3; k++) {
+		for (int i = 0; i < 2; i++)
+			value[i][k] = guarded_take(&c->sum[i][k], size);
+		for (int p = 0; p < pixels + beyond; p++)
+			value[0][k][p] = value[1][k][p] = (int32_t)compare_next(c);
+	}
+	for (int i = 0; i < 2; i++) {
+		if (bytes)
+			tables[i]->values8(lines, &w, value[i]);
+		else
+			tables[i]->values16(lines, &w, value[i]);
+	}
+	for (int i = 0; i < 3 * (pixels + beyond); i++) {
+		const int k = i / (pixels + beyond), p = i % (pixels + beyond);
+
+		if (value[0][k][p] != value[1][k][p]) {
+			snprintf(why, 256,
+				 "%d weights of %d digits, channel %d, pixel %d: %d, expected %d",
+				 w.count, w.digits, k, p, value[1][k][p], value[0][k][p]);
+			return false;
+		}
+	}
+	return guarded_intact(&c->sum[1][0], size) && guarded_intact(&c->sum[1][1], size) &&
+	       guarded_intact(&c->sum[1][2], size);
 }
 
 /* ---- split ---- */

@@ -243,6 +243,74 @@ static void not_clamped(const int64_t *sum, int count, int shift, uint32_t facto
 	}
 }
 
+/* ---- values, tint ---- */
+
+typedef int32_t *const values_of[3];
+
+static void digit_dropped_values16(const int16_t *lines, const struct kernel_weights *w,
+				   values_of value)
+{
+	struct kernel_weights less = *w;
+	int16_t digit[3 * KERNEL_DIGITS * KERNEL_RUN];
+
+	for (int i = 0; i < w->count * 3 * w->digits; i++)
+		digit[i] = i / 2 % w->digits == 3 ? 0 : w->digit[i];
+	less.digit = digit;
+	kernels_c.values16(lines, &less, value);
+}
+
+/* Cut, not rounded. */
+static void cut16(const int16_t *lines, const struct kernel_weights *w, values_of value)
+{
+	int64_t sum[3][KERNEL_LINE16];
+	struct kernel_weights exact = *w;
+
+	exact.shift = 0;
+	exact.fresh = true;
+	kernels_c.sums16(lines, &exact, (int64_t *const[3]){sum[0], sum[1], sum[2]});
+	for (int i = 0; i < 3 * KERNEL_LINE16; i++) {
+		const int c = i / KERNEL_LINE16, p = i % KERNEL_LINE16;
+		const uint32_t more = (uint32_t)(sum[c][p] >> KERNEL_VALUE_SHIFT16);
+
+		value[c][p] = (int32_t)((w->fresh ? 0 : (uint32_t)value[c][p]) + more);
+	}
+}
+
+static void always_fresh8(const int8_t *lines, const struct kernel_weights *w, values_of value)
+{
+	struct kernel_weights fresh = *w;
+
+	fresh.fresh = true;
+	kernels_c.values8(lines, &fresh, value);
+}
+
+/* The digit that is shifted away whole comes back at the other end, as x86 shifts numbers. */
+static void shift_wrapped8(const int8_t *lines, const struct kernel_weights *w, values_of value)
+{
+	kernels_c.values8(lines, w, value);
+	for (int c = 0; c < 3 && w->digits == KERNEL_DIGITS; c++)
+		for (int p = 0; p < KERNEL_LINE8; p++) {
+			uint32_t top = 0;
+
+			for (int k = 0; k < w->count; k++)
+				top += (uint32_t)(lines[w->line[k] * w->step +
+							(size_t)c * w->channel + (size_t)p] *
+						  *kernel_digit(w, k, c, KERNEL_DIGITS - 1));
+			value[c][p] = (int32_t)((uint32_t)value[c][p] + top);
+		}
+}
+
+static void tinted_narrow(int32_t *value, const uint16_t *tint, int count)
+{
+	for (int n = 0; n < count; n++)
+		value[n] = (int32_t)(((int64_t)value[n] * (int16_t)tint[n] + (1 << 14)) >> 15);
+}
+
+static void tint_left(int32_t *value, const uint16_t *tint, int count)
+{
+	kernels_c.tint(value, tint, count / 4 * 4);
+}
+
 /* ---- place ---- */
 
 static void row_left(const int32_t *value, const uint16_t row[16], int32_t *to)
@@ -346,6 +414,27 @@ static void row_repeated(const struct kernel_row *row)
 			.place = f                                                                 \
 		}                                                                                  \
 	}
+#define VALUES16_FAULT(f)                                                                          \
+	{                                                                                          \
+#f, VALUES16,                                                                      \
+		{                                                                                  \
+			.values16 = f                                                              \
+		}                                                                                  \
+	}
+#define VALUES8_FAULT(f)                                                                           \
+	{                                                                                          \
+#f, VALUES8,                                                                       \
+		{                                                                                  \
+			.values8 = f                                                               \
+		}                                                                                  \
+	}
+#define TINT_FAULT(f)                                                                              \
+	{                                                                                          \
+#f, TINT,                                                                          \
+		{                                                                                  \
+			.tint = f                                                                  \
+		}                                                                                  \
+	}
 #define PROJECT_FAULT(f)                                                                           \
 	{                                                                                          \
 #f, PROJECT,                                                                       \
@@ -369,16 +458,41 @@ static void row_repeated(const struct kernel_row *row)
 	}
 
 static const struct faulty faults[] = {
-	SUMS16_FAULT(digit_dropped16), SUMS16_FAULT(pair_dropped16), SUMS16_FAULT(lines_in_order16),
-	SUMS16_FAULT(not_added16),     SUMS16_FAULT(widened_late16), SUMS16_FAULT(channel_shared16),
-	SUMS8_FAULT(always_added8),    SUMS8_FAULT(not_shifted8),    SUMS8_FAULT(stepped_close8),
-	SUMS8_FAULT(saturated8),       SUMS8_FAULT(last_pixel8),     SUMS8_FAULT(wrote_beyond8),
-	SPLIT_FAULT(digit_of_half),    SPLIT_FAULT(channel_left),    PLACE_FAULT(row_left),
-	PLACE_FAULT(wrapped),	       PROJECT_FAULT(run_dropped),   PROJECT_FAULT(digits_of_first),
-	PROJECT_FAULT(narrow),	       FOLD_FAULT(rounded_down),     FOLD_FAULT(tail_left),
-	FOLD_FAULT(factor_signed),     FOLD_FAULT(not_clamped),	     MIX_FAULT(one_too_many),
-	MIX_FAULT(one_too_few),	       MIX_FAULT(not_opaque),	     MIX_FAULT(piece_rounded),
-	MIX_FAULT(coverage_rounded),   MIX_FAULT(row_repeated),
+	SUMS16_FAULT(digit_dropped16),
+	SUMS16_FAULT(pair_dropped16),
+	SUMS16_FAULT(lines_in_order16),
+	SUMS16_FAULT(not_added16),
+	SUMS16_FAULT(widened_late16),
+	SUMS16_FAULT(channel_shared16),
+	SUMS8_FAULT(always_added8),
+	SUMS8_FAULT(not_shifted8),
+	SUMS8_FAULT(stepped_close8),
+	SUMS8_FAULT(saturated8),
+	SUMS8_FAULT(last_pixel8),
+	SUMS8_FAULT(wrote_beyond8),
+	VALUES16_FAULT(digit_dropped_values16),
+	VALUES16_FAULT(cut16),
+	VALUES8_FAULT(always_fresh8),
+	VALUES8_FAULT(shift_wrapped8),
+	TINT_FAULT(tinted_narrow),
+	TINT_FAULT(tint_left),
+	SPLIT_FAULT(digit_of_half),
+	SPLIT_FAULT(channel_left),
+	PLACE_FAULT(row_left),
+	PLACE_FAULT(wrapped),
+	PROJECT_FAULT(run_dropped),
+	PROJECT_FAULT(digits_of_first),
+	PROJECT_FAULT(narrow),
+	FOLD_FAULT(rounded_down),
+	FOLD_FAULT(tail_left),
+	FOLD_FAULT(factor_signed),
+	FOLD_FAULT(not_clamped),
+	MIX_FAULT(one_too_many),
+	MIX_FAULT(one_too_few),
+	MIX_FAULT(not_opaque),
+	MIX_FAULT(piece_rounded),
+	MIX_FAULT(coverage_rounded),
+	MIX_FAULT(row_repeated),
 };
 
 const int faulty_count = (int)(sizeof(faults) / sizeof(faults[0]));
@@ -391,6 +505,9 @@ struct faulty faulty_table(int i)
 	table.name = f.fault;
 	table.sums16 = f.table.sums16 ? f.table.sums16 : table.sums16;
 	table.sums8 = f.table.sums8 ? f.table.sums8 : table.sums8;
+	table.values16 = f.table.values16 ? f.table.values16 : table.values16;
+	table.values8 = f.table.values8 ? f.table.values8 : table.values8;
+	table.tint = f.table.tint ? f.table.tint : table.tint;
 	table.split = f.table.split ? f.table.split : table.split;
 	table.place = f.table.place ? f.table.place : table.place;
 	table.project = f.table.project ? f.table.project : table.project;
