@@ -147,6 +147,22 @@ static void round_lights(struct light_sent *restrict sent, int count, const doub
 	}
 }
 
+/* Roundings of all X, and of all Y, come to less than as many units as there are lights; sums of
+ * doubles are off by far less than a millionth. */
+static double strongest_of(const struct light_vector *v, const double sum[3],
+			   const struct rounding *how)
+{
+	double strongest = 0;
+
+	for (int c = 0; c < 3; c++) {
+		const double all = sum[c] * power_of_two(how->up[c]) +
+				   v->lights * power_of_two(-how->bits[c]);
+
+		strongest = fmax(strongest, how->share[c] * all * (1 + 1e-6));
+	}
+	return strongest;
+}
+
 /* ---- what columns may be left out ---- */
 
 static inline double strength_of(const double amount[3], const double worth[3])
@@ -373,6 +389,7 @@ void light_vector_make(struct light_vector *v, const struct light_order *order,
 		x_bits = plan_weighted(v, sum, RECEIVER_BITS - DARK, RECEIVER_BITS, &how);
 		break;
 	}
+	v->strongest = strongest_of(v, sum, &how);
 	round_all(v, &how, order->cut);
 	if (order->groups)
 		part_groups(v, order, &how);

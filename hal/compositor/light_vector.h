@@ -53,6 +53,9 @@ struct light_vector {
 	double unit[3];		    /* a power of two: 1 of X and of Y */
 	int reach;		    /* the sum of all amounts of a channel is below 2^reach */
 	uint32_t factor[3]; /* Q30: turns a sum over amounts into O (less gain_bits) or 1 - ratio */
+	/* Of T and V: lines of which no value exceeds 1 make no more than this of O, or of
+	 * 1 - ratio. */
+	double strongest;
 	struct kernel_vector planes[3]; /* Y */
 	/* Of light_vector_track(): lights whose X is another than at its last call. */
 	int *changed;

@@ -143,6 +143,7 @@ static void plan_group(struct block_plan *plan, int count)
 		plan[n].group = n ? 0 : count;
 		plan[n].single = shares == count && !plan[0].block->tint;
 		plan[n].fraction = FRACTION_BITS + exponent_above(lines);
+		plan[n].most = bound;
 		plan[n].bound = exponent_of_bound(bound);
 	}
 }

@@ -24,7 +24,8 @@ struct block_plan {
 	bool joins;   /* its sums go on top of those of the block before it */
 	bool single;  /* the whole group shares its sums, without a tint */
 	int fraction; /* of the group: bits that the roundings of so many weights need */
-	int bound;    /* of the group: no value per unit of light exceeds 2^bound */
+	double most;  /* of the group: no value per unit of light exceeds it ... */
+	int bound;    /* ... nor this power of two */
 	bool whole;   /* lists every pixel of a whole tile */
 	uint16_t row[BASIS_TILE]; /* bit x of row y: that pixel is listed */
 	bool kept;		  /* its sums are worth keeping from frame to frame */

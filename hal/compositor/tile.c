@@ -7,8 +7,9 @@
 
 /* Fraction bits of O and 1 - ratio. */
 #define VALUE_BITS 24
-/* No sum of parts below 2^SAFE_BITS reaches KERNEL_LIMIT. */
-#define SAFE_BITS 6
+/* What parts of a value may come to together, so that no sum of some of them, and of their
+ * roundings, leaves int32, or reaches KERNEL_LIMIT. */
+#define ORDINARY 63.0
 
 /* How the sums of a group become values. */
 struct folding {
@@ -123,6 +124,11 @@ static void spread(const struct basis_block *b, const int64_t *const sum[3],
 	}
 }
 
+static bool is_ordinary(const struct block_plan *group, const struct light_vector *light)
+{
+	return group->most * light->strongest <= ORDINARY;
+}
+
 static int room(const struct block_plan *group, const struct light_vector *light)
 {
 	return PLAN_SUM_BITS - group->bound - light->reach;
@@ -210,11 +216,11 @@ static bool add_group(const struct frame_light *f, const struct block_plan *grou
 	const int wanted = group->fraction + more, most = room(group, light);
 	const int fraction = wanted < most ? wanted : most;
 	const struct folding how = {fraction, fraction - VALUE_BITS - more, light->factor};
-	const bool apart = group->single || group->bound + light->reach + more <= SAFE_BITS;
+	const bool ordinary = is_ordinary(group, light), apart = group->single || ordinary;
 	const int64_t *sum[3];
 	bool summed = false; /* of those that share their sums */
 
-	if (group->bound + light->reach + more <= SAFE_BITS && lines_of(group) <= KERNEL_RUN)
+	if (ordinary && lines_of(group) <= KERNEL_RUN)
 		return add_values(f, group, VALUE_BITS + KERNEL_VALUE_SHIFT16 + more, fresh, work,
 				  values);
 	if (!apart)

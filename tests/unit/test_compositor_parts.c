@@ -192,6 +192,13 @@ static void light_is_rounded_once(void **state)
 			}
 			assert_true(gathered * v.unit[c] < ldexp(1, v.reach));
 			assert_true(sum * v.unit[c] < ldexp(1, v.reach));
+			if (kind != 1) {
+				const double per_x = kind == 0 ? (k % 3 ? 1 : 64)
+							       : ldexp(v.factor[c], -30);
+
+				assert_true(fmax(sum, gathered) * v.unit[c] * per_x <= v.strongest);
+				assert_true(kind == 0 || v.strongest < 1.0001);
+			}
 			for (int n = o.coarse; n < v.stride; n++)
 				assert_int_equal(y_of(&v, c, n), 0);
 			/* All shares of the ground's light, however little, and e are 1. */
