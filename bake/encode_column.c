@@ -20,42 +20,100 @@
 #define DARKEST_TINT 1e-9F
 /* The largest value of a line of half bytes. */
 #define HALF_MOST 7.0F
+/* So many pixels are tried at a time. */
+#define TRIED_PIXELS 32
 /* A scale is a float, and what the compositor multiplies it by as well. */
 #define REACH_ROUNDING 1e-6
 
-/* What column->value, of one channel or three, leaves of wanted. */
-static void leave_column(const struct split *split, bool mono, const float *wanted,
-			 const struct split_column *column, float *left)
+/* What column->value, of one channel or three, leaves of some pixels of one channel of wanted. */
+static void leave_channel(const struct split *split, bool mono, int channel, int from, int to,
+			  const float *wanted, const struct split_column *column, float *left)
 {
-	const int pixels = split->part->pixels;
+	const size_t first = (size_t)(channel * split->part->pixels);
+	const int16_t *value = column->value + (mono ? 0 : first);
+	const float *share = split->tint_share[channel];
 
-	for (int c = 0; c < split->part->channels; c++) {
-		const int16_t *value = column->value + (mono ? 0 : c * pixels);
-		const float *share = split->tint_share[c];
+	for (int p = from; p < to; p++) {
+		const float is = column->scale * (float)value[p];
 
-		for (int p = 0; p < pixels; p++) {
-			const float is = column->scale * (float)value[p];
-
-			left[c * pixels + p] = wanted[c * pixels + p] - (mono ? share[p] * is : is);
-		}
+		left[first + p] = wanted[first + p] - (mono ? share[p] * is : is);
 	}
 }
 
-/* Multiples of unit, at most most. Where the scale is too small to be stored, it is 0, and so are
- * they. */
-static void quantise(const float *from, int count, double scale, int most, int unit,
-		     struct split_column *column)
+static void leave_column(const struct split *split, bool mono, const float *wanted,
+			 const struct split_column *column, float *left)
+{
+	for (int c = 0; c < split->part->channels; c++)
+		leave_channel(split, mono, c, 0, split->part->pixels, wanted, column, left);
+}
+
+/* How values become integers: multiples of unit, at most most. Where the scale is too small to be
+ * stored, it is 0, and so are they. */
+struct steps {
+	float scale, by, limit;
+	int unit;
+};
+
+static struct steps steps_of(double scale, int most, int unit)
 {
 	const bool nothing = !(scale >= (double)FLT_MIN);
-	const float by = nothing ? 0 : (float)(1 / scale / unit), limit = (float)(most / unit);
 
-	column->scale = nothing ? 0 : (float)scale;
+	return (struct steps){
+		.scale = nothing ? 0 : (float)scale,
+		.by = nothing ? 0 : (float)(1 / scale / unit),
+		.limit = (float)(most / unit),
+		.unit = unit,
+	};
+}
+
+static void quantise(const struct steps *steps, const float *from, int count, int16_t *value)
+{
+	const float by = steps->by, limit = steps->limit;
+
 	for (int k = 0; k < count; k++) {
 		const float is = by * from[k];
 		const float inside = is > limit ? limit : is < -limit ? -limit : is;
 
-		column->value[k] = (int16_t)((int)(inside + ROUNDING - ROUNDING) * unit);
+		value[k] = (int16_t)((int)(inside + ROUNDING - ROUNDING) * steps->unit);
 	}
+}
+
+/* To nearest; left becomes what that leaves. */
+static void take_steps(const struct split *split, bool mono, const struct steps *steps,
+		       const float *wanted, const float *from, float *left,
+		       struct split_column *column)
+{
+	const int pixels = split->part->pixels;
+
+	column->scale = steps->scale;
+	quantise(steps, from, mono ? pixels : split->part->rows, column->value);
+	leave_column(split, mono, wanted, column, left);
+}
+
+/* The same, a few pixels at a time, as long as what it leaves may be left: steps that do not do are
+ * mostly found out by the first. */
+static bool try_steps(const struct split *split, bool mono, int light, const struct steps *steps,
+		      const float *wanted, const float *from, float *left,
+		      struct split_column *column)
+{
+	const struct part *part = split->part;
+	const int pixels = part->pixels;
+
+	column->scale = steps->scale;
+	for (int p = 0; p < pixels; p += TRIED_PIXELS) {
+		const int end = p + TRIED_PIXELS < pixels ? p + TRIED_PIXELS : pixels;
+
+		for (int c = 0; c < part->channels; c++) {
+			const int at = mono ? p : c * pixels + p;
+
+			if (!mono || !c)
+				quantise(steps, from + at, end - p, column->value + at);
+			leave_channel(split, mono, c, p, end, wanted, column, left);
+			if (!part_pixels_hold(part, light, c, p, end, left))
+				return false;
+		}
+	}
+	return true;
 }
 
 /* Between what each value of a column has to be, so that what it leaves may be left. */
@@ -71,52 +129,68 @@ static void find_between(const struct split *split, bool mono, int light, float 
 {
 	const struct part *part = split->part;
 	const int pixels = part->pixels;
-	const size_t first = (size_t)light * (size_t)part->rows;
 
 	b->count = mono ? pixels : part->rows;
-	b->needed = 0;
-	for (int c = 0; c < part->channels; c++)
-		for (int p = 0; p < pixels; p++) {
-			const int r = c * pixels + p, k = mono ? p : r;
-			const float share = mono ? split->tint_share[c][p] : 1;
-			const float per = share > DARKEST_TINT ? 1 / share : 1 / DARKEST_TINT;
-			const float low = per *
-					  (wanted[r] - spent * part->most_left[first + (size_t)r]);
-			const float high =
-				per * (wanted[r] - spent * part->least_left[first + (size_t)r]);
-			const bool fresh = !mono || !c;
+	for (int c = 0; c < part->channels; c++) {
+		const size_t row = (size_t)(c * pixels);
+		const size_t first = (size_t)light * (size_t)part->rows + row;
+		const float *least_left = part->least_left + first;
+		const float *most_left = part->most_left + first;
+		const float *own = wanted + row, *tint = split->tint_share[c];
+		float *least = b->least + (mono ? 0 : row), *most = b->most + (mono ? 0 : row);
+		const bool again = mono && c;
 
-			b->least[k] = fresh || low > b->least[k] ? low : b->least[k];
-			b->most[k] = fresh || high < b->most[k] ? high : b->most[k];
+		for (int p = 0; p < pixels; p++) {
+			const float share = mono ? tint[p] : 1;
+			const float per = 1 / larger(share, DARKEST_TINT);
+			const float low = per * (own[p] - spent * most_left[p]);
+			const float high = per * (own[p] - spent * least_left[p]);
+
+			least[p] = again ? larger(low, least[p]) : low;
+			most[p] = again ? smaller(high, most[p]) : high;
 		}
-	for (int k = 0; k < b->count; k++) {
-		b->needed = b->least[k] > b->needed ? b->least[k] : b->needed;
-		b->needed = -b->most[k] > b->needed ? -b->most[k] : b->needed;
 	}
+	b->needed = larger(part_largest(b->least, b->count, 1),
+			   part_largest(b->most, b->count, -1));
 }
 
-/* The nearest integers that lie between. False: somewhere there is none. */
+/* The nearest integers that lie between, none beyond limit. False: somewhere there is none. No
+ * branch depends on a value, so that compilers make vectors of it. */
+static bool round_between(const float *restrict least, const float *restrict most,
+			  const float *restrict from, int count, float by, float limit,
+			  int16_t *restrict value)
+{
+	int beyond = 0;
+
+	for (int k = 0; k < count; k++) {
+		const float low = larger(by * least[k], -limit);
+		const float high = smaller(by * most[k], limit);
+		const float inside = larger(smaller(larger(by * from[k], low), high), -limit);
+		const float near = inside + ROUNDING - ROUNDING;
+		const float up = near < low ? 1.0F : 0.0F, down = near > high ? 1.0F : 0.0F;
+		const float is = near + (up - down);
+		const int below = is >= low ? 0 : 1, above = is <= high ? 0 : 1;
+
+		beyond |= below | above;
+		value[k] = (int16_t)(int)is;
+	}
+	return !beyond;
+}
+
 static bool quantise_between(const struct between *b, const float *from, double scale, int most,
 			     struct split_column *column)
 {
-	const float by = (float)(1 / scale), limit = (float)most;
+	const float by = (float)(1 / scale);
+	bool fine = scale >= (double)FLT_MIN;
 
-	if (!(scale >= (double)FLT_MIN))
-		return false;
 	column->scale = (float)scale;
-	for (int k = 0; k < b->count; k++) {
-		const float low = by * b->least[k] > -limit ? by * b->least[k] : -limit;
-		const float high = by * b->most[k] < limit ? by * b->most[k] : limit;
-		const float best = by * from[k];
-		const float inside = best < low ? low : best > high ? high : best;
-		float is = (inside > limit ? limit : inside) + ROUNDING - ROUNDING;
+	for (int k = 0; fine && k < b->count; k += TRIED_PIXELS) {
+		const int count = k + TRIED_PIXELS < b->count ? TRIED_PIXELS : b->count - k;
 
-		is += is < low ? 1 : is > high ? -1 : 0;
-		if (!(is >= low && is <= high))
-			return false;
-		column->value[k] = (int16_t)is;
+		fine = round_between(b->least + k, b->most + k, from + k, count, by, (float)most,
+				     column->value + k);
 	}
-	return true;
+	return fine;
 }
 
 /* Rounded to what is nearest, some values may be off by more than they may, although others that
@@ -143,44 +217,42 @@ static bool try_between(const struct split *split, bool mono, int light, double 
 
 /* ---- how short a column of 8 bits may be ---- */
 
-/* Some of a column's values: those of one line. */
+/* Some of a column's values, those of one line: where they are, and what they may be. */
 struct shortened {
 	int count;
-	int place[BASIS_LINE8]; /* in struct between */
+	int place[BASIS_LINE8];
+	float least[BASIS_LINE8], most[BASIS_LINE8], from[BASIS_LINE8];
 };
 
-/* Multiples of the line's own unit that lie between, as near as may be; 0 where none does. */
-static bool shorten_by(const struct between *b, const struct shortened *line, const float *from,
-		       int factor, struct split_column *column)
+static void add_value(struct shortened *line, const struct between *b, const float *from, int place)
+{
+	const int n = line->count++;
+
+	line->place[n] = place;
+	line->least[n] = b->least[place];
+	line->most[n] = b->most[place];
+	line->from[n] = from[place];
+}
+
+/* Multiples of the line's own unit that lie between, as near as may be. False: somewhere there is
+ * none. */
+static bool shorten_by(const struct shortened *line, int factor, struct split_column *column)
 {
 	const float by = 1 / (column->scale * (float)factor);
 	int16_t value[BASIS_LINE8];
 
-	for (int n = 0; n < line->count; n++) {
-		const int k = line->place[n];
-		const float low = fmaxf(by * b->least[k], -HALF_MOST);
-		const float high = fminf(by * b->most[k], HALF_MOST);
-		float is = fminf(fmaxf(by * from[k], low), high) + ROUNDING - ROUNDING;
-
-		is += is < low ? 1 : is > high ? -1 : 0;
-		if (!(is >= low && is <= high))
-			return false;
-		value[n] = (int16_t)((int)is * factor);
-	}
+	if (!round_between(line->least, line->most, line->from, line->count, by, HALF_MOST, value))
+		return false;
 	for (int n = 0; n < line->count; n++)
-		column->value[line->place[n]] = value[n];
+		column->value[line->place[n]] = (int16_t)(value[n] * factor);
 	return true;
 }
 
-static uint8_t shorten_line(const struct between *b, const struct shortened *line,
-			    const float *from, struct split_column *column)
+static uint8_t shorten_line(const struct shortened *line, struct split_column *column)
 {
-	float needed = 0;
+	const float needed = larger(part_largest(line->least, line->count, 1),
+				    part_largest(line->most, line->count, -1));
 
-	for (int n = 0; n < line->count; n++) {
-		needed = fmaxf(needed, b->least[line->place[n]]);
-		needed = fmaxf(needed, -b->most[line->place[n]]);
-	}
 	if (!(needed > 0)) {
 		for (int n = 0; n < line->count; n++)
 			column->value[line->place[n]] = 0;
@@ -188,7 +260,7 @@ static uint8_t shorten_line(const struct between *b, const struct shortened *lin
 	}
 	for (int factor = 1; factor <= BASIS_LINE_FACTOR_MAX; factor++)
 		if (column->scale * (float)factor * HALF_MOST >= needed &&
-		    shorten_by(b, line, from, factor, column))
+		    shorten_by(line, factor, column))
 			return (uint8_t)factor;
 	return BASIS_LINE_WHOLE;
 }
@@ -210,12 +282,12 @@ static void shorten(const struct split *split, bool mono, int light, const float
 	find_between(split, mono, light, split->spent, wanted, &b);
 	for (int c = 0; c < channels; c++)
 		for (int p = 0, panel = 0; panel < panels; panel++) {
-			struct shortened line = {.count = 0};
+			struct shortened line;
 
-			for (; p < part->pixels && line.count < BASIS_LINE8; p++)
+			for (line.count = 0; p < part->pixels && line.count < BASIS_LINE8; p++)
 				if (part->keep[p])
-					line.place[line.count++] = c * part->pixels + p;
-			column->code[panel * channels + c] = shorten_line(&b, &line, from, column);
+					add_value(&line, &b, from, c * part->pixels + p);
+			column->code[panel * channels + c] = shorten_line(&line, column);
 		}
 	leave_column(split, mono, wanted, column, left);
 	if (part_cell_holds(part, light, left))
@@ -244,8 +316,16 @@ static const float *in_channels(const struct split *split, bool mono, const floa
 	return one;
 }
 
-/* Whether a column of this form that reaches so far does for wanted; left becomes what it leaves.
- */
+/* The largest magnitude, or reach if that is more. */
+static double farthest(const float *from, int count, double reach)
+{
+	const float most = larger(part_largest(from, count, 1), part_largest(from, count, -1));
+
+	return fmax(reach, (double)most);
+}
+
+/* Whether a column of this form that reaches so far does for wanted; left becomes what it leaves,
+ * or, of 16 bits, what the finest leaves if none does. */
 static bool try_form(const struct split *split, enum column_form form, int light, double reach,
 		     const float *wanted, float *left, struct split_column *column)
 {
@@ -254,22 +334,22 @@ static bool try_form(const struct split *split, enum column_form form, int light
 	const int count = mono ? pixels : split->part->rows;
 	float one[PART_PIXELS];
 	const float *from = in_channels(split, mono, wanted, one);
-	double largest = reach;
+	const double largest = farthest(from, count, reach);
+	struct steps steps;
 	bool found = false;
 
-	for (int k = 0; k < count; k++)
-		largest = fmax(largest, (double)fabsf(from[k]));
 	column->form = form;
 	for (int k = 0; !found && k < (narrow ? SCALES : COARSEST_BITS + 1); k++) {
 		const int unit = narrow ? 1 : 1 << (COARSEST_BITS - k);
 		const double wider = narrow ? 1 + SCALE_STEP * k : 1;
 
-		quantise(from, count, largest / (most / unit * unit) * wider, most, unit, column);
-		leave_column(split, mono, wanted, column, left);
-		found = part_cell_holds(split->part, light, left);
+		steps = steps_of(largest / (most / unit * unit) * wider, most, unit);
+		found = try_steps(split, mono, light, &steps, wanted, from, left, column);
 	}
 	if (!found && narrow)
 		found = try_between(split, mono, light, reach, wanted, from, left, column);
+	else if (!found)
+		take_steps(split, mono, &steps, wanted, from, left, column);
 	if (found && narrow)
 		shorten(split, mono, light, wanted, from, left, column);
 	if (found || !narrow)
@@ -307,11 +387,10 @@ void split_take_column(const struct split *split, const float *from, double reac
 {
 	const int count = column_channels(column->form) * split->part->pixels;
 	const int most = column_most(column->form);
-	double largest = reach;
+	const struct steps steps = steps_of(farthest(from, count, reach) / most, most, 1);
 
-	for (int k = 0; k < count; k++)
-		largest = fmax(largest, (double)fabsf(from[k]));
-	quantise(from, count, largest / most, most, 1, column);
+	column->scale = steps.scale;
+	quantise(&steps, from, count, column->value);
 	if (most == INT8_MAX)
 		shorten_exactly(split, column);
 	column->bytes = column_bytes(split->part, column);

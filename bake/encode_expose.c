@@ -52,12 +52,21 @@ void levels_fill(struct levels *levels, double cell_error)
 
 /* ---- exposures ---- */
 
-static float largest_of(const float *value, int count)
-{
-	float most = 0;
+/* Values side by side, as compilers do not take a maximum apart. */
+#define LANES 8
 
-	for (int k = 0; k < count; k++)
-		most = value[k] > most ? value[k] : most;
+float part_largest(const float *value, int count, float sign)
+{
+	const int whole = count / LANES * LANES;
+	float lane[LANES] = {0}, most = 0;
+
+	for (int k = 0; k < whole; k += LANES)
+		for (int n = 0; n < LANES; n++)
+			lane[n] = larger(lane[n], sign * value[k + n]);
+	for (int k = whole; k < count; k++)
+		most = larger(most, sign * value[k]);
+	for (int n = 0; n < LANES; n++)
+		most = larger(most, lane[n]);
 	return most;
 }
 
@@ -81,7 +90,7 @@ static void expose_cells(struct part *part, const struct encode_settings *settin
 		double white = ensemble_projected_sr(&settings->light[i]) / M_PI;
 
 		if (part->kind != BASIS_KIND_V)
-			white = fmax(white, w * (double)largest_of(base, part->rows));
+			white = fmax(white, w * (double)part_largest(base, part->rows, 1));
 		part->cell_white[i] = (float)white;
 		for (int c = 0; c < 3; c++)
 			part->cell_slope[(size_t)c * (size_t)n + (size_t)i] =
@@ -146,8 +155,8 @@ static void expose_light(struct part *part, const struct encode_settings *settin
 					settings->light[i].solid_angle_sr);
 	sum_skies(part, settings);
 	for (int s = 0; s < skies; s++) {
-		double white = largest_of(part->sky_base + (size_t)s * 3 * (size_t)part->pixels,
-					  3 * part->pixels);
+		const float *base = part->sky_base + (size_t)s * 3 * (size_t)part->pixels;
+		double white = part_largest(base, 3 * part->pixels, 1);
 
 		for (int c = 0; c < 3; c++) {
 			const float *x = part->sky_x + (size_t)(s * 3 + c) * (size_t)n;
@@ -179,12 +188,12 @@ static void limit_row(const struct levels *levels, const struct part *part, floa
 	for (int p = 0; p < part->pixels; p++) {
 		const float to = part->fine * part->cell_share[p] * per;
 		const float is = offset + slope * base[p];
-		const float rise = fminf(levels_read(levels->rise, is) * to, WIDEST);
-		const float fall = fminf(levels_read(levels->fall, is) * to, WIDEST);
+		const float rise = smaller(levels_read(levels->rise, is) * to, WIDEST);
+		const float fall = smaller(levels_read(levels->fall, is) * to, WIDEST);
 		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
 
-		least[p] = again ? fmaxf(least[p], low) : low;
-		most[p] = again ? fminf(most[p], high) : high;
+		least[p] = again ? larger(least[p], low) : low;
+		most[p] = again ? smaller(most[p], high) : high;
 	}
 }
 
@@ -243,21 +252,24 @@ static void weigh(struct part *part, int lights)
 	}
 }
 
+bool part_pixels_hold(const struct part *part, int light, int channel, int from, int to,
+		      const float *left)
+{
+	const size_t row = (size_t)(channel * part->pixels);
+	const size_t first = (size_t)light * (size_t)part->rows + row;
+	const float *least = part->least_left + first, *most = part->most_left + first;
+	int beyond = 0;
+
+	for (int p = from; p < to; p++)
+		beyond |= (left[row + p] < least[p]) | (left[row + p] > most[p]);
+	return !beyond;
+}
+
 bool part_cell_holds(const struct part *part, int light, const float *left)
 {
-	const size_t first = (size_t)light * (size_t)part->rows;
-
-	for (int c = 0; c < part->channels; c++) {
-		const int from = c * part->pixels;
-		const float *least = part->least_left + first + from;
-		const float *most = part->most_left + first + from;
-		int beyond = 0;
-
-		for (int p = 0; p < part->pixels; p++)
-			beyond |= (left[from + p] < least[p]) | (left[from + p] > most[p]);
-		if (beyond)
+	for (int c = 0; c < part->channels; c++)
+		if (!part_pixels_hold(part, light, c, 0, part->pixels, left))
 			return false;
-	}
 	return true;
 }
 
@@ -289,12 +301,12 @@ static bool holds_at(const struct part *part, int light, float x, const float *l
 double part_column_reach(const struct part *part, int light, const float *left)
 {
 	const double cut = part->column_cut;
-	double x, largest = 0;
+	double x, largest;
 
 	if (!(cut > 0))
 		return 0;
-	for (int r = 0; r < part->rows; r++)
-		largest = fmax(largest, (double)fabsf(left[r]));
+	largest = (double)larger(part_largest(left, part->rows, 1),
+				 part_largest(left, part->rows, -1));
 	/* Shares of the ground's light do not fade with it. */
 	if (part->kind == BASIS_KIND_V)
 		return part->fine < 1 ? fmin(fmax(cut, largest / (double)part->fine), REACH_LIMIT)

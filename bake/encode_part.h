@@ -12,6 +12,17 @@
 #define PART_PIXELS (BASIS_TILE * BASIS_TILE)
 #define PART_ROWS (3 * PART_PIXELS)
 
+/* Of numbers. fmaxf() minds those that are none, too, for which it has to be called. */
+static inline float larger(float a, float b)
+{
+	return a > b ? a : b;
+}
+
+static inline float smaller(float a, float b)
+{
+	return a < b ? a : b;
+}
+
 /* The 8-bit level, not rounded, of linear light 0..1, by linear interpolation: off by less than
  * LEVELS_ERROR. And how far light may rise or fall until it is off by the error asked for under a
  * cell, as if nothing were clipped: what is clipped alone is not when lights add up. */
@@ -93,6 +104,9 @@ struct part {
 	double *own_share, (*beside)[4]; /* [lights]; a sky's X, as groups are asked for it */
 };
 
+/* The largest of values times sign, 1 or -1; 0 where none is above 0. */
+float part_largest(const float *value, int count, float sign);
+
 /* Makes an array at least so long; what it held may be lost. -ENOMEM: it stays as it was. */
 int part_room_for(float **array, size_t *room, size_t count);
 
@@ -117,6 +131,10 @@ void part_limit(struct part *part, const struct encode_settings *settings,
 /* Whether this may be left [rows] out of a light's values: no pixel is off by more than the error
  * asked for under this cell alone. */
 bool part_cell_holds(const struct part *part, int light, const float *left);
+
+/* The same of a channel's pixels from..to - 1. */
+bool part_pixels_hold(const struct part *part, int light, int channel, int from, int to,
+		      const float *left);
 
 /*
  * How far a column that makes up for left [rows] has to reach at least (scale times the largest

@@ -75,8 +75,8 @@ static bool negative(const struct part *part, int light, const float *left)
 	if (part->kind != BASIS_KIND_U)
 		return false;
 	for (int r = 0; r < part->rows; r++) {
-		least = fminf(least, value[r] - left[r]);
-		most = fmaxf(most, value[r]);
+		least = smaller(least, value[r] - left[r]);
+		most = larger(most, value[r]);
 	}
 	return least < -most / 254;
 }
@@ -177,7 +177,7 @@ static int find_groups(struct search *s, const struct split *split)
 
 static bool is_used(double cut, const float x[3], const struct found_column *column)
 {
-	const float most = fmaxf(fmaxf(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
+	const float most = larger(larger(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
 
 	return (double)most * column->reach >= cut;
 }
