@@ -13,7 +13,7 @@
 
 /* How the sums of a group become values. */
 struct folding {
-	int fraction, shift;
+	int shift;
 	const uint32_t *factor; /* [3] */
 };
 
@@ -215,7 +215,7 @@ static bool add_group(const struct frame_light *f, const struct block_plan *grou
 {
 	const int wanted = group->fraction + more, most = room(group, light);
 	const int fraction = wanted < most ? wanted : most;
-	const struct folding how = {fraction, fraction - VALUE_BITS - more, light->factor};
+	const struct folding how = {fraction - VALUE_BITS - more, light->factor};
 	const bool ordinary = is_ordinary(group, light), apart = group->single || ordinary;
 	const int64_t *sum[3];
 	bool summed = false; /* of those that share their sums */

@@ -66,7 +66,7 @@ def main():
     dome = ["--frequency", str(info["dome_frequency"]), "--division", info["dome_division"], "--lights", info["light_shape"]]
     lights = json.loads(run("inlay-bake", "dome", *dome, "--json"))["lights"]
     kinds = {f"cos^{power}, {height} degrees high": [lobe(height, power, k) for k in range(AZIMUTHS)] for height, power in LOBES}
-    kinds |= {f"dusk, {thick} thick": [dusk(thick, k) for k in range(AZIMUTHS)] for thick in DUSKS}
+    kinds |= {f"dusk, {thick:.0%} thick": [dusk(thick, k) for k in range(AZIMUTHS)] for thick in DUSKS}
     every = []
     print("| light | PSNR dB | max, levels | read MB |\n|---|---|---|---|")
     for kind, skies in kinds.items():

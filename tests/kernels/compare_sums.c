@@ -32,8 +32,9 @@ static int16_t full_digit(int k)
 	return (int16_t)(k < 16 || k >= 32 ? -2048 : k == 16 ? -1 : 0);
 }
 
-/* Lines of one, two or three channels that lie one after the other, with gaps or without. */
-static struct kernel_weights make_weights(struct comparison *c, int count)
+/* Lines of one, two or three channels that lie one after the other, with gaps or without; full:
+ * their digits make the largest sums that there are. */
+static struct kernel_weights make_weights(struct comparison *c, int count, bool full)
 {
 	const bool ordered = compare_below(c, 2);
 	struct kernel_weights w = {
@@ -57,6 +58,8 @@ static struct kernel_weights make_weights(struct comparison *c, int count)
 		digit[i] = i / 2 % 2 ? 2047 : -2048;
 	for (int i = 0; i < values && c->round == FULL_ROUND; i++)
 		digit[i] = full_digit(i / (2 * 3 * w.digits) * 2 + i % 2);
+	for (int i = 0; i < values && full; i++)
+		digit[i] = -2048;
 	w.line = line;
 	w.digit = digit;
 	return w;
@@ -108,7 +111,7 @@ bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables
 	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
 	const int beyond =
 		compare_below(c, 8); /* numbers after the sums, so that these lie anywhere */
-	const struct kernel_weights w = make_weights(c, weights_count(c));
+	const struct kernel_weights w = make_weights(c, weights_count(c), false);
 	const enum filling filling = c->round == 0 ? HIGHEST
 				     : c->round == FULL_ROUND
 					     ? LOWEST
@@ -146,7 +149,7 @@ bool compare_values(struct comparison *c, bool bytes, const struct kernels *tabl
 	const int count = full			       ? KERNEL_RUN
 			  : c->round <= KERNEL_RUN / 2 ? 2 * c->round
 						       : 2 * compare_below(c, KERNEL_RUN / 2 + 1);
-	const struct kernel_weights w = make_weights(c, count);
+	const struct kernel_weights w = make_weights(c, count, full);
 	const enum filling filling = c->round == VALUES_HIGHEST ? LOWEST
 				     : c->round == VALUES_LOWEST
 					     ? HIGHEST
@@ -154,8 +157,6 @@ bool compare_values(struct comparison *c, bool bytes, const struct kernels *tabl
 	const void *lines = make_lines(c, &w, bytes, filling);
 	int32_t *value[2][3];
 
-	for (int i = 0; full && i < w.count * 3 * w.digits; i++)
-		((int16_t *)w.digit)[i] = -2048;
 	for (int k = 0; k < 3; k++) {
 		for (int i = 0; i < 2; i++)
 			value[i][k] = guarded_take(&c->sum[i][k], size);
