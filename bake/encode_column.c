@@ -415,20 +415,25 @@ static void take_nearest(const struct split *split, enum column_form form, doubl
 	leave_column(split, mono, wanted, column, left);
 }
 
+/* The second column, of what the first leaves: left [2][rows]. */
+static bool try_rest(const struct split *split, bool mono, int light, float *left,
+		     struct split_column *column)
+{
+	const enum column_form form = mono ? COLUMN_MONO_REST : COLUMN_COLOUR_REST;
+	const double reach = reach_for(split, light, left);
+	float *rest = left + split->part->rows;
+
+	if (try_form(split, form, light, reach, left, rest, column))
+		return true;
+	take_nearest(split, form, reach, left, rest, column);
+	return false;
+}
+
 static bool try_two(const struct split *split, bool mono, int light, double reach,
 		    const float *wanted, float *left, struct split_column *column)
 {
-	const enum column_form first = mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
-	const enum column_form second = mono ? COLUMN_MONO_REST : COLUMN_COLOUR_REST;
-	float *rest = left + split->part->rows;
-	double farther;
-
-	take_nearest(split, first, reach, wanted, left, &column[0]);
-	farther = reach_for(split, light, left);
-	if (try_form(split, second, light, farther, left, rest, &column[1]))
-		return true;
-	take_nearest(split, second, farther, left, rest, &column[1]);
-	return false;
+	take_nearest(split, mono ? COLUMN_MONO8 : COLUMN_COLOUR8, reach, wanted, left, column);
+	return try_rest(split, mono, light, left, column + 1);
 }
 
 int split_find_columns(const struct split *split, int light, float *left,
@@ -436,7 +441,6 @@ int split_find_columns(const struct split *split, int light, float *left,
 {
 	const double reach = reach_for(split, light, left);
 	float wanted[PART_ROWS];
-	int count = 0;
 
 	memcpy(wanted, left, (size_t)split->part->rows * sizeof(*left));
 	/* By what they cost. */
@@ -444,16 +448,22 @@ int split_find_columns(const struct split *split, int light, float *left,
 		const bool mono = channels == 1;
 		const enum column_form narrow = mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
 		const enum column_form wide = mono ? COLUMN_MONO16 : COLUMN_COLOUR16;
+		const bool last = !mono || !split->colour;
 
 		if (mono ? !split->mono : !split->colour)
 			continue;
 		if (!split->wide[!mono] &&
 		    try_form(split, narrow, light, reach, wanted, left, column))
 			return 1;
-		count = split->whole[!mono] ? 1 : 2;
-		if (count == 1 ? try_form(split, wide, light, reach, wanted, left, column)
-			       : try_two(split, mono, light, reach, wanted, left, column))
-			break;
+		if (!split->whole[!mono] && try_two(split, mono, light, reach, wanted, left, column))
+			return 2;
+		if ((split->whole[!mono] || last) &&
+		    try_form(split, wide, light, reach, wanted, left, column))
+			return 1;
+		/* Lights that shine along the ground: what the object sends there is many times
+		 * what they do, and its shadow is as dark as any. */
+		if (last)
+			try_rest(split, mono, light, left, column + 1);
 	}
-	return count;
+	return 2;
 }

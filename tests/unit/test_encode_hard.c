@@ -61,6 +61,32 @@ static void over_many_lights(void **state)
 	}
 }
 
+/* Lights that shine along the ground: an object that faces them sends there many times what they
+ * do, and beside that lies a shadow as dark as any. */
+static void over_low_lights(void **state)
+{
+	struct chance chance = chance_begin("low lights");
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct encoding e = encoding_dome(12, 3);
+		struct encoding_part *part =
+			encoding_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1, false);
+		const int rows = 100 * part->samples.channels, n = e.settings.lights;
+
+		encoding_start(&e);
+		for (int r = 0; r < rows; r++)
+			for (int i = 0; i < n; i++)
+				part->direct[r * n + i] =
+					i % 50		 ? (float)chance_real(&chance, 0, 0.1)
+					: r % 100 < 50 ? (float)chance_real(&chance, -57, -10)
+						       : (float)chance_real(&chance, 0.98, 1);
+		holding_all(&e, part, NULL);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
 static void over_sizes(void **state)
 {
 	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
@@ -166,6 +192,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(over_noise), cmocka_unit_test(over_many_lights),
+		cmocka_unit_test(over_low_lights),
 		cmocka_unit_test(over_sizes), cmocka_unit_test(over_values),
 		cmocka_unit_test(refuses),
 	};
