@@ -455,7 +455,8 @@ int split_find_columns(const struct split *split, int light, float *left,
 		if (!split->wide[!mono] &&
 		    try_form(split, narrow, light, reach, wanted, left, column))
 			return 1;
-		if (!split->whole[!mono] && try_two(split, mono, light, reach, wanted, left, column))
+		if (!split->whole[!mono] &&
+		    try_two(split, mono, light, reach, wanted, left, column))
 			return 2;
 		if ((split->whole[!mono] || last) &&
 		    try_form(split, wide, light, reach, wanted, left, column))

@@ -19,7 +19,7 @@ enum split_way {
 
 /* How a light's own column is stored, if it has one. Where 8 bits are not enough it is one of 16;
  * or, where frames may leave columns out, two of 8, the second of what the first leaves, which only
- * strong light needs. */
+ * strong light needs. Where neither is enough, one of 16 and a second. */
 enum column_form {
 	COLUMN_NONE,
 	COLUMN_MONO8,

@@ -70,15 +70,15 @@ static void over_low_lights(void **state)
 	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct encoding e = encoding_dome(12, 3);
-		struct encoding_part *part =
-			encoding_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1, false);
+		struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1,
+							       false);
 		const int rows = 100 * part->samples.channels, n = e.settings.lights;
 
 		encoding_start(&e);
 		for (int r = 0; r < rows; r++)
 			for (int i = 0; i < n; i++)
 				part->direct[r * n + i] =
-					i % 50		 ? (float)chance_real(&chance, 0, 0.1)
+					i % 50	       ? (float)chance_real(&chance, 0, 0.1)
 					: r % 100 < 50 ? (float)chance_real(&chance, -57, -10)
 						       : (float)chance_real(&chance, 0.98, 1);
 		holding_all(&e, part, NULL);
@@ -191,10 +191,9 @@ static void refuses(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(over_noise), cmocka_unit_test(over_many_lights),
-		cmocka_unit_test(over_low_lights),
-		cmocka_unit_test(over_sizes), cmocka_unit_test(over_values),
-		cmocka_unit_test(refuses),
+		cmocka_unit_test(over_noise),	   cmocka_unit_test(over_many_lights),
+		cmocka_unit_test(over_low_lights), cmocka_unit_test(over_sizes),
+		cmocka_unit_test(over_values),	   cmocka_unit_test(refuses),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
