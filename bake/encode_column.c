@@ -436,6 +436,20 @@ static bool try_two(const struct split *split, bool mono, int light, double reac
 	return try_rest(split, mono, light, left, column + 1);
 }
 
+/* Lights that shine along the ground: what the object sends there is many times what they do, and
+ * its shadow is as dark as any; or they hardly reach a tile whose patterns are made for others. */
+static int take_widest(const struct split *split, bool mono, int light, double reach,
+		       const float *wanted, float *left, struct split_column *column)
+{
+	if (try_form(split, mono ? COLUMN_MONO16 : COLUMN_COLOUR16, light, reach, wanted, left,
+		     column))
+		return 1;
+	if (!try_rest(split, mono, light, left, column + 1))
+		try_form(split, mono ? COLUMN_MONO_REST16 : COLUMN_COLOUR_REST16, light,
+			 reach_for(split, light, left), left, left + split->part->rows, column + 1);
+	return 2;
+}
+
 int split_find_columns(const struct split *split, int light, float *left,
 		       struct split_column column[LIGHT_COLUMNS_MAX])
 {
@@ -448,23 +462,15 @@ int split_find_columns(const struct split *split, int light, float *left,
 		const bool mono = channels == 1;
 		const enum column_form narrow = mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
 		const enum column_form wide = mono ? COLUMN_MONO16 : COLUMN_COLOUR16;
-		const bool last = !mono || !split->colour;
 
 		if (mono ? !split->mono : !split->colour)
 			continue;
 		if (!split->wide[!mono] &&
 		    try_form(split, narrow, light, reach, wanted, left, column))
 			return 1;
-		if (!split->whole[!mono] &&
-		    try_two(split, mono, light, reach, wanted, left, column))
-			return 2;
-		if ((split->whole[!mono] || last) &&
-		    try_form(split, wide, light, reach, wanted, left, column))
-			return 1;
-		/* Lights that shine along the ground: what the object sends there is many times
-		 * what they do, and its shadow is as dark as any. */
-		if (last)
-			try_rest(split, mono, light, left, column + 1);
+		if (split->whole[!mono] ? try_form(split, wide, light, reach, wanted, left, column)
+					: try_two(split, mono, light, reach, wanted, left, column))
+			return split->whole[!mono] ? 1 : 2;
 	}
-	return 2;
+	return take_widest(split, !split->colour, light, reach, wanted, left, column);
 }

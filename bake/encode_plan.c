@@ -143,12 +143,17 @@ void search_group(const struct search *s, const struct split *split, bool colour
 	const struct found_group *group = &s->group[colour][k];
 	/* What nearly all lights of a tile are off by together its groups have to put right. */
 	const double reach = split->part->fine < 1 ? group->reach : 0;
+	bool wide = split->wide[colour];
 
-	if (colour)
-		column->form = split->wide[1] ? COLUMN_COLOUR16 : COLUMN_COLOUR8;
-	else
-		column->form = split->wide[0] ? COLUMN_MONO16 : COLUMN_MONO8;
-	split_take_column(split, s->group_value + group->value, reach, column);
+	for (bool again = true; again;) {
+		if (colour)
+			column->form = wide ? COLUMN_COLOUR16 : COLUMN_COLOUR8;
+		else
+			column->form = wide ? COLUMN_MONO16 : COLUMN_MONO8;
+		split_take_column(split, s->group_value + group->value, reach, column);
+		again = !wide && (double)column->scale * INT8_MAX > FOUND_GROUP_NARROW;
+		wide = true;
+	}
 }
 
 /* Those of groups follow the lights'. Returns how many there are of both. */

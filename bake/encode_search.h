@@ -45,6 +45,8 @@ struct found_group {
 /* Fewer have nothing in common; and what reaches less far hardly ever counts, as S is small. */
 #define FOUND_GROUP_COLUMNS 2
 #define FOUND_GROUP_REACH (1.0 / BASIS_GROUP_MOST)
+/* What reaches farther has 16 bits: 8 would be rounded by more than a quarter of the cut. */
+#define FOUND_GROUP_NARROW 1.0
 
 #define PLAN_BLOCKS_MAX (COLUMN_FORMS - 1)
 
@@ -99,8 +101,9 @@ bool plan_better(const struct plan *a, const struct plan *b);
 int search_light(const struct split *split, int light, float *left,
 		 struct split_column column[LIGHT_COLUMNS_MAX]);
 
-/* The column of a group of those found, as it is stored: in 8 bits, whatever its lights need,
- * unless all columns are wide, as its light is never large (BASIS_GROUP_MOST). */
+/* The column of a group of those found, as it is stored: in 8 bits, whatever its lights need, as
+ * its light is never large (BASIS_GROUP_MOST); in 16 where it reaches beyond FOUND_GROUP_NARROW, as
+ * that of a mirror does, or where all columns are wide. */
 void search_group(const struct search *search, const struct split *split, bool colour, int group,
 		  struct split_column *column);
 

@@ -19,15 +19,17 @@ enum split_way {
 
 /* How a light's own column is stored, if it has one. Where 8 bits are not enough it is one of 16;
  * or, where frames may leave columns out, two of 8, the second of what the first leaves, which only
- * strong light needs. Where neither is enough, one of 16 and a second. */
+ * strong light needs. Where neither is enough, one of 16 and a second, of 8 or of 16. */
 enum column_form {
 	COLUMN_NONE,
 	COLUMN_MONO8,
 	COLUMN_MONO_REST, /* of 8 bits, too */
 	COLUMN_MONO16,
+	COLUMN_MONO_REST16,
 	COLUMN_COLOUR8,
 	COLUMN_COLOUR_REST,
 	COLUMN_COLOUR16,
+	COLUMN_COLOUR_REST16,
 	COLUMN_FORMS
 };
 
@@ -36,7 +38,10 @@ enum column_form {
 /* The largest value that is stored. */
 static inline int column_most(enum column_form form)
 {
-	return form == COLUMN_MONO16 || form == COLUMN_COLOUR16 ? 32767 : 127;
+	return form == COLUMN_MONO16 || form == COLUMN_MONO_REST16 || form == COLUMN_COLOUR16 ||
+			       form == COLUMN_COLOUR_REST16
+		       ? 32767
+		       : 127;
 }
 
 static inline int column_channels(enum column_form form)

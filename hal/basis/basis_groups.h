@@ -10,7 +10,7 @@
 #include "hal/basis/basis_format.h"
 
 /* A group's even light is no more than this times the cut of groups: what its column is rounded by,
- * half of 1 / 127 of its largest value, is then a quarter of the cut. */
+ * half of 1 / 127 of its largest value, is then a quarter of the cut where that value is 1. */
 #define BASIS_GROUP_MOST 64
 
 struct basis_groups {

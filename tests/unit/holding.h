@@ -297,7 +297,8 @@ static inline double holding_groups(const struct encoding *e, const struct encod
 			for (int r = 0; r < b->pixels * b->channels; r++) {
 				is[r] -= encoding_column(b, &a, r / b->channels, r % b->channels,
 							 n);
-				if (fabs(is[r]) > 0.501 * (double)a.column_scale[n] + 1e-9)
+				/* and of 16 bits what it is summed up by in single precision */
+				if (fabs(is[r]) > 0.51 * (double)a.column_scale[n] + 1e-9)
 					fail_msg("group %d is off by %g of its scale", group,
 						 is[r] / (double)a.column_scale[n]);
 			}
@@ -309,13 +310,15 @@ static inline double holding_groups(const struct encoding *e, const struct encod
 	return most;
 }
 
-/* Where a light has its columns: block by block, as they are in the file. */
+/* Where a light has a column, and how far that reaches, per unit of X. */
 #define HOLDING_COLUMNS_MAX 2
 struct holding_column {
 	int block;
 	uint32_t number;
+	double reach;
 };
 
+/* The farthest first. */
 static inline int holding_columns(const struct encoding *e, const struct encode_result *result,
 				  int light, struct holding_column *column)
 {
@@ -327,18 +330,27 @@ static inline int holding_columns(const struct encoding *e, const struct encode_
 
 		for (uint32_t n = 0; n < result->shown[k].entry.columns; n++)
 			if (a.light[n] == light) {
+				const double reach = (double)a.column_scale[n] *
+						     (result->shown[k].entry.bits == 8 ? 127
+										       : 32767);
+
 				assert_true(count < HOLDING_COLUMNS_MAX);
-				column[count++] = (struct holding_column){k, n};
+				column[count++] = (struct holding_column){k, n, reach};
 			}
+	}
+	if (count == 2 && column[0].reach < column[1].reach) {
+		const struct holding_column first = column[1];
+
+		column[1] = column[0];
+		column[0] = first;
 	}
 	return count;
 }
 
-/* A column's values of a light are taken away from what blocks say of it; returns how far it
- * reaches, per unit of X. */
-static inline double holding_take_column(const struct encoding *e, struct encoding_part *part,
-					 const struct encode_result *result, int light,
-					 const struct holding_column *column)
+/* A column's values of a light are taken away from what blocks say of it. */
+static inline void holding_take_column(const struct encoding *e, struct encoding_part *part,
+				       const struct encode_result *result, int light,
+				       const struct holding_column *column)
 {
 	const double unit = encoding_unit(e, part->samples.kind, light);
 	const size_t n = (size_t)e->settings.lights;
@@ -357,7 +369,6 @@ static inline double holding_take_column(const struct encoding *e, struct encodi
 					   : 1) *
 				unit;
 	}
-	return (double)a.column_scale[column->number] * (b->bits == 8 ? 127 : 32767);
 }
 
 /* A cell of an object alone, so dim that a frame just leaves out a column that reaches so far. */
@@ -383,8 +394,8 @@ static inline void holding_faded(const struct encoding *e, const struct encoding
 			 worst);
 }
 
-/* Each cell's columns, the last first: of two, that is the one that strong light alone needs.
- * Changes what was decoded. */
+/* Each cell's columns, that which reaches least first: of two, that is the one that strong light
+ * alone needs. Changes what was decoded. */
 static inline void holding_fading(const struct encoding *e, struct encoding_part *part,
 				  const struct encode_result *result)
 {
@@ -392,10 +403,9 @@ static inline void holding_fading(const struct encoding *e, struct encoding_part
 		struct holding_column column[HOLDING_COLUMNS_MAX];
 
 		for (int k = holding_columns(e, result, i, column) - 1; k >= 0; k--) {
-			const double reach = holding_take_column(e, part, result, i, &column[k]);
-
-			if (reach > 0)
-				holding_faded(e, part, i, reach);
+			holding_take_column(e, part, result, i, &column[k]);
+			if (column[k].reach > 0)
+				holding_faded(e, part, i, column[k].reach);
 		}
 	}
 }

@@ -87,6 +87,33 @@ static void over_low_lights(void **state)
 	}
 }
 
+/* What mirrors nearly: each pixel sees a few lights, many times as bright as what is diffuse, and
+ * of all others next to nothing. Groups of lights have columns that reach as far. */
+static void over_mirrors(void **state)
+{
+	struct encoding e = encoding_dome(12, 6);
+	struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_T, 256, 3, false);
+	const int n = e.settings.lights;
+
+	(void)state;
+	encoding_start(&e);
+	for (int p = 0; p < 256; p++) {
+		const double x = (p % 16 - 7.5) / 16, y = (p / 16 - 7.5) / 16;
+		const double to[3] = {x, y, sqrt(1 - x * x - y * y)};
+
+		for (int k = 0; k < 3 * n; k++) {
+			const struct basis_light *light = &e.light[k % n];
+			const double near = fmax(encoding_dot(light->direction, to), 0);
+
+			part->direct[(k / n * 256 + p) * n + k % n] =
+				(float)((1e-5 + 60 * pow(near, 400)) * light->solid_angle_sr);
+		}
+	}
+	holding_all(&e, part, NULL);
+	encoding_part_free(part);
+	encoding_end(&e);
+}
+
 static void over_sizes(void **state)
 {
 	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
@@ -192,8 +219,9 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(over_noise),	   cmocka_unit_test(over_many_lights),
-		cmocka_unit_test(over_low_lights), cmocka_unit_test(over_sizes),
-		cmocka_unit_test(over_values),	   cmocka_unit_test(refuses),
+		cmocka_unit_test(over_low_lights), cmocka_unit_test(over_mirrors),
+		cmocka_unit_test(over_sizes),	   cmocka_unit_test(over_values),
+		cmocka_unit_test(refuses),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
