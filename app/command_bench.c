@@ -134,7 +134,8 @@ static const struct option_row rows[] = {
 	 .take = take_kernel},
 	{.name = "lights",
 	 .argument = "FILE",
-	 .help = "a lighting: r g b a line, in dome order; may be given again",
+	 .help = "a lighting: a line of \"r g b\" for each light, in dome order; may be given "
+		 "again",
 	 .take = take_lights},
 	{.name = "panorama",
 	 .argument = "FILE",

@@ -80,7 +80,8 @@ static const struct option_row rows[] = {
 	 .take = take_fisheye},
 	{.name = "lights",
 	 .argument = "FILE",
-	 .help = "light colours instead of a fisheye: r g b a line, in dome order",
+	 .help = "light colours instead of a fisheye: a line of \"r g b\" for each light, in dome "
+		 "order",
 	 .take = take_lights},
 	{.name = "lights-out",
 	 .argument = "FILE",
