@@ -140,19 +140,18 @@ static void find_columns(struct search *s, const struct split *split)
 void search_group(const struct search *s, const struct split *split, bool colour, int k,
 		  struct split_column *column)
 {
+	const enum column_form narrow = colour ? COLUMN_COLOUR8 : COLUMN_MONO8;
+	const enum column_form wide = colour ? COLUMN_COLOUR16 : COLUMN_MONO16;
 	const struct found_group *group = &s->group[colour][k];
 	/* What nearly all lights of a tile are off by together its groups have to put right. */
 	const double reach = split->part->fine < 1 ? group->reach : 0;
-	bool wide = split->wide[colour];
+	const float *value = s->group_value + group->value;
 
-	for (bool again = true; again;) {
-		if (colour)
-			column->form = wide ? COLUMN_COLOUR16 : COLUMN_COLOUR8;
-		else
-			column->form = wide ? COLUMN_MONO16 : COLUMN_MONO8;
-		split_take_column(split, s->group_value + group->value, reach, column);
-		again = !wide && (double)column->scale * INT8_MAX > FOUND_GROUP_NARROW;
-		wide = true;
+	column->form = split->wide[colour] ? wide : narrow;
+	split_take_column(split, value, reach, column);
+	if (column->form == narrow && (double)column->scale * INT8_MAX > FOUND_GROUP_NARROW) {
+		column->form = wide;
+		split_take_column(split, value, reach, column);
 	}
 }
 

@@ -72,15 +72,15 @@ static void over_low_lights(void **state)
 		struct encoding e = encoding_dome(12, 3);
 		struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1,
 							       false);
-		const int rows = 100 * part->samples.channels, n = e.settings.lights;
+		const int channels = part->samples.channels, n = e.settings.lights;
 
 		encoding_start(&e);
-		for (int r = 0; r < rows; r++)
+		for (int r = 0; r < 100 * channels; r++)
 			for (int i = 0; i < n; i++)
 				part->direct[r * n + i] =
-					i % 50	       ? (float)chance_real(&chance, 0, 0.1)
-					: r % 100 < 50 ? (float)chance_real(&chance, -57, -10)
-						       : (float)chance_real(&chance, 0.98, 1);
+					i % 50		    ? (float)chance_real(&chance, 0, 0.1)
+					: r / channels < 50 ? (float)chance_real(&chance, -57, -10)
+							    : (float)chance_real(&chance, 0.98, 1);
 		holding_all(&e, part, NULL);
 		encoding_part_free(part);
 		encoding_end(&e);
@@ -105,7 +105,7 @@ static void over_mirrors(void **state)
 			const struct basis_light *light = &e.light[k % n];
 			const double near = fmax(encoding_dot(light->direction, to), 0);
 
-			part->direct[(k / n * 256 + p) * n + k % n] =
+			part->direct[(p * 3 + k / n) * n + k % n] =
 				(float)((1e-5 + 60 * pow(near, 400)) * light->solid_angle_sr);
 		}
 	}
