@@ -48,7 +48,7 @@ endif
 
 # Of what the compiler builds for. A module.mk sets OWN_FLAGS for single objects: of an instruction set
 # that not every such processor has (who calls them asks the processor first), or of a library of theirs.
-MACHINE := $(firstword $(subst -, ,$(shell $(CC) -dumpmachine)))
+MACHINE := $(firstword $(subst -, ,$(shell $(CC) -dumpmachine 2>/dev/null)))
 
 OPTIMIZE ?= -O3 -g
 WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes \
@@ -190,9 +190,9 @@ objects: $(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/
 # ---- what a person calls ----
 # deps.sh may install what the WITH_ choices above looked for, so the work is done by a second make.
 .PHONY: deps
-## deps: install the Debian packages that building, the demo and the tests need
+## deps: install the Debian packages that building, the demo and make test need
 deps:
-	$(Q)board/deps.sh build demo test
+	$(Q)board/deps.sh demo test
 
 AGAIN = $(Q)$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 
@@ -212,52 +212,84 @@ picture:
 picture-installed: all
 	$(Q)BUILD="$(BUILD)" board/picture.sh board/kiosk.png
 
-.PHONY: test
-## test: install, build, run every test, simulated hardware in QEMU included
+.PHONY: test test-installed
+## test: install, build, test in ten minutes: everything quick, the whole way on simulated hardware
 test:
 	$(Q)board/deps.sh test
-	$(AGAIN) test-all
+	$(AGAIN) test-installed
 
 RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
 	INLAY_CALIBRATE="$(abspath $(BUILD))/inlay-calibrate" BUILD="$(BUILD)" tests/run.sh
 
-TEST_GROUPS := test-lint test-unit test-kernels test-cli test-accuracy test-fuzz test-sanitize test-vm test-boot
-
-.PHONY: test-all
-test-all:
+# One queue for all: machines that wait run beside programs that compute. What lasts longest begins.
+UNIT_QUICK := $(filter-out $(addprefix $(BUILD)/,$(basename $(DEEP_ONLY_TESTS))),$(UNIT_PROGRAMS))
+test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) \
+		$(BUILD)/tests/kernels/test_kernels kernel
 	$(Q)tests/run.sh --begin
-	+$(Q)MAKE="$(MAKE)" tests/run.sh --make $(TEST_GROUPS)
+	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
+	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
+	-+$(Q)MAKE="$(MAKE)" VM_MACHINES=1 $(RUN_TESTS) vm "tests/vm/run.sh --quick" \
+		-- boot "tests/boot/run.sh --picture" \
+		-- accuracy tests/accuracy/quick.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
+		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
+		-- lint "tests/lint/lint.sh --quick" tests/lint/test_includes.sh
+	$(Q)tests/run.sh --end
+
+.PHONY: test-deep test-deep-installed
+## test-deep: what make test leaves out: sanitizers, fuzzing, other processors, every fault (an hour)
+test-deep:
+	$(Q)board/deps.sh deep
+	$(AGAIN) test-deep-installed
+
+DEEP_GROUPS := test-lint test-thorough test-emulated test-cli-deep test-registration test-fuzz test-sanitize \
+	test-vm-rest test-power
+test-deep-installed:
+	$(Q)tests/run.sh --begin
+	+$(Q)MAKE="$(MAKE)" tests/run.sh --make $(DEEP_GROUPS)
 	$(Q)tests/run.sh --end
 
 .PHONY: release-check
-## release-check: test, the images of the other boards, ten minutes of soak (an hour and a half)
+## release-check: test, test-deep, the images of the other boards, ten minutes of soak (two hours)
 release-check:
 	$(Q)$(MAKE) --no-print-directory test
+	$(Q)$(MAKE) --no-print-directory test-deep
 	$(Q)$(MAKE) --no-print-directory test-boards
 	$(Q)$(MAKE) --no-print-directory soak MINUTES=10
 
-# One group of tests each; what it counts is added to the results of this run.
-.PHONY: test-lint test-unit test-kernels test-cli test-accuracy test-fuzz test-sanitize
+# Groups of tests alone; what each counts is added to the results of this run.
+.PHONY: test-lint test-unit test-thorough test-kernels test-emulated test-cli test-cli-deep \
+	test-accuracy test-registration test-fuzz test-sanitize
 ## test-lint: the same as lint, counted as tests
 test-lint:
-	$(Q)$(RUN_TESTS) lint tests/lint/lint.sh tests/lint/test_includes.sh
-## test-unit: unit tests alone
-test-unit: all $(TEST_PROGRAMS) programs-unit
-	$(Q)$(RUN_TESTS) unit $(UNIT_PROGRAMS)
-## test-kernels: every SIMD kernel against the C one, natively and under emulation
+	$(Q)$(RUN_TESTS) lint tests/lint/lint.sh
+## test-unit: unit tests alone (TEST=dome: those whose name contains dome)
+test-unit: all $(TEST_PROGRAMS) $(foreach t,$(UNIT_PROGRAMS),$(if $(findstring $(TEST),$(notdir $t)),$t))
+	$(Q)$(RUN_TESTS) unit $(or $(foreach t,$(UNIT_PROGRAMS),$(if $(findstring $(TEST),$(notdir $t)),$t)),\
+		$(error no unit test has "$(TEST)" in its name))
+## test-thorough: the unit tests that draw statistics, with their whole samples
+test-thorough: $(addprefix $(BUILD)/,$(basename $(THOROUGH_TESTS)))
+	$(Q)INLAY_THOROUGH=1 $(RUN_TESTS) thorough $^
+## test-kernels: the kernels of this processor against the C ones
 test-kernels: $(BUILD)/tests/kernels/test_kernels
 	$(Q)$(RUN_TESTS) kernels tests/kernels/kernels.sh
-## test-cli: the programs as a person calls them
+## test-emulated: the kernels of other processors, Arm's included, under emulation
+test-emulated: $(BUILD)/tests/kernels/test_kernels
+	$(Q)$(RUN_TESTS) kernels "tests/kernels/kernels.sh --emulated"
+## test-cli: the programs as a person calls them (TEST=still: one script)
 test-cli: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) cli $(CLI_TESTS)
+	$(Q)$(RUN_TESTS) cli $(if $(TEST),tests/cli/$(TEST).sh,$(CLI_TESTS))
+test-cli-deep: all $(TEST_PROGRAMS)
+	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
 test-accuracy: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) accuracy $(ACCURACY_TESTS)
-## test-fuzz: replay the corpora and fuzz each reader for some seconds (clang)
+	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh
+test-registration: all $(TEST_PROGRAMS)
+	$(Q)$(RUN_TESTS) accuracy tests/accuracy/registration.sh
+## test-fuzz: fuzz each reader for some seconds (clang)
 test-fuzz: programs-fuzz
 	$(Q)$(RUN_TESTS) fuzz tests/fuzz/run.sh
 ## test-sanitize: unit tests and a real run under address, undefined, thread sanitizers and valgrind
-test-sanitize:
+test-sanitize: all
 	$(Q)tests/sanitize/run.sh
 
 .PHONY: test-seeds

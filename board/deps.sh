@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs the Debian packages that a purpose needs, and nothing when all of them are there.
-#     board/deps.sh build|demo|package|image|test ...
+#     board/deps.sh build|demo|package|image|test|deep ...
 # Debian 12 has all of them; Debian 13 those for build, demo and package.
 # Root is asked for only when something is missing.
 set -eu
@@ -11,17 +11,19 @@ build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev li
 	liblapacke-dev libopenblas-dev libcminpack-dev libopencv-calib3d-dev
 	libopencv-contrib-dev"
 demo="ffmpeg fonts-dejavu-core"
-test="libcmocka-dev clang clang-format clang-tidy cppcheck shellcheck libclang-rt-dev valgrind
-	git python3-minimal opencv-doc poppler-utils parallel slurmctld slurmd slurm-client
-	qemu-system-x86 linux-source-6.1 busybox-static flex bison bc libelf-dev libssl-dev cpio kmod
-	xz-utils v4l-utils libcamera-ipa udev
-	man-db mandoc lintian mmdebstrap bash-completion zsh systemd"
 package="dpkg-dev xz-utils"
-# QEMU and firmware are for booting what was built; the Arm compiler for the Arm boards.
-image="mmdebstrap uidmap fakeroot e2fsprogs dosfstools mtools fdisk systemd fontconfig binutils
+# What builds an image for this machine's own architecture; QEMU boots it.
+image_host="mmdebstrap uidmap fakeroot e2fsprogs dosfstools mtools fdisk systemd fontconfig binutils
 	dpkg-dev linux-source-6.1 flex bison bc libelf-dev libssl-dev cpio kmod xz-utils
-	qemu-system-x86 qemu-system-arm ovmf
-	qemu-user-static arch-test gcc-aarch64-linux-gnu g++-aarch64-linux-gnu"
+	qemu-system-x86"
+# Firmware of other machines, their emulators, and the Arm compiler.
+image="$image_host qemu-system-arm ovmf qemu-user-static arch-test
+	gcc-aarch64-linux-gnu g++-aarch64-linux-gnu"
+test="libcmocka-dev clang-format shellcheck git python3-minimal busybox-static v4l-utils
+	libcamera-ipa udev"
+# For the deep tests alone.
+deep="clang clang-tidy libclang-rt-dev cppcheck valgrind opencv-doc poppler-utils parallel slurmctld
+	slurmd slurm-client man-db mandoc lintian bash-completion zsh"
 
 wanted=""
 for purpose in "$@"; do
@@ -30,9 +32,10 @@ for purpose in "$@"; do
 	demo) wanted="$wanted $build $demo" ;;
 	package) wanted="$wanted $build $package" ;;
 	image) wanted="$wanted $build $image" ;;
-	test) wanted="$wanted $build $demo $package $image $test" ;;
+	test) wanted="$wanted $build $demo $image_host $test" ;;
+	deep) wanted="$wanted $build $demo $package $image $test $deep" ;;
 	*)
-		echo "deps: unknown purpose \"$purpose\", expected build, demo, package, image or test" >&2
+		echo "deps: unknown purpose \"$purpose\", expected build, demo, package, image, test or deep" >&2
 		exit 2
 		;;
 	esac

@@ -103,6 +103,10 @@ UNIT_TESTS := \
 	tests/unit/test_camera_wants.c \
 	tests/unit/test_camera_sim.c \
 	tests/unit/test_camera_v4l2.c
+# Those that try more when INLAY_THOROUGH is set, and one that takes long however little it tries.
+THOROUGH_TESTS := tests/unit/test_bake_bounce.c tests/unit/test_bake_determinism.c \
+	tests/unit/test_camera_solve.c tests/unit/test_light_response.c tests/accuracy/test_moving_lamp.c
+DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/test_kms_mode.c \
 	tests/unit/test_kms_card.c)
 # Its graphics card is played: see there.
@@ -133,31 +137,13 @@ FUZZ_PARTS := $(addprefix app/,control.c control_socket.c driver_list.c state.c)
 		scene_file.c shard.c) \
 	$(addprefix bake/calibrate/,camera_model.c convert_lens.c convert_tsai.c convert_yaml.c covariance.c \
 		least_squares.c linear.c observations.c)
-CLI_TESTS := \
-	tests/cli/bake.sh \
-	tests/cli/bench.sh \
-	tests/cli/calibrate.sh \
-	tests/cli/import.sh \
-	tests/cli/export.sh \
-	tests/cli/report.sh \
-	tests/cli/shards.sh \
-	tests/cli/poses.sh \
-	tests/cli/still.sh \
-	tests/cli/run.sh \
-	tests/cli/faults.sh \
-	tests/cli/state.sh \
-	tests/cli/reload.sh \
-	tests/cli/light.sh \
-	tests/cli/exposures.sh \
-	tests/cli/service.sh \
-	tests/cli/check.sh \
-	tests/cli/devices.sh \
-	tests/cli/control.sh \
-	tests/cli/errors.sh \
-	tests/cli/demo.sh \
-	tests/cli/install.sh \
-	tests/cli/deb.sh
-ACCURACY_TESTS := tests/accuracy/quick.sh tests/accuracy/registration.sh
+# The longest first, so that none is left alone at the end.
+CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh poses.sh import.sh state.sh light.sh calibrate.sh \
+	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
+	control.sh bench.sh)
+# What takes a minute or needs packages that building and using inlay does not: parts of install.sh and
+# calibrate.sh, which do without them in the quick tests.
+CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)
 include tests/vm/vm.mk
 
 # How far two pictures are apart, for the accuracy table.

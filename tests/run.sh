@@ -1,21 +1,34 @@
 #!/bin/bash
 # Runs test programs that speak TAP, keeps their full output, and counts.
-#     tests/run.sh GROUP PROGRAM...      runs, adds to build/tests/results
+#     tests/run.sh GROUP PROGRAM... [-- GROUP PROGRAM...]...      runs, adds to build/tests/results
+#                                        ("PROGRAM OPTION" is one word)
 #     tests/run.sh --begin               forgets earlier results
-#     tests/run.sh --make TARGET...      makes each, which runs a group; one that fails keeps no other from it
-#     tests/run.sh --end                 prints "N passed, M failed" and fails unless M is 0
-# As many programs run at a time as there are processors (TEST_JOBS=n: another number), and what they
-# found is told in the order in which they are given. Those named below need the machine for themselves.
+#     tests/run.sh --make TARGET...      makes each, which runs groups; one that fails keeps no other from it
+#     tests/run.sh --end                 prints what took longest and "N passed, M failed"; fails unless M is 0
+# All groups share one queue. One program more runs at a time than there are processors, because many of
+# them wait for a clock or a machine (TEST_JOBS=n: another number). What they found is told in the order
+# in which they are given. The programs named in "alone" run by themselves.
 # A program that dies, or exits non-zero without a "not ok", or prints no test at all, is a failure.
 # A test that skips itself must say why ("ok N - name # SKIP reason"); skips are listed at the end.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 results=build/tests/results
+times=build/tests/times # a line for each program: seconds by the clock, of processors, name
 logs=build/tests/logs
+
+# slowest: the ten programs that took longest, by processor and by clock.
+slowest() {
+	[ -s "$times" ] || return
+	awk '{ clock += $1; processor += $2 }
+		END { printf "all programs: %d s of processors, %d s by their clocks\n", processor, clock }' "$times"
+	echo "the ten slowest, by processor and by clock, in seconds:"
+	paste <(sort -k2,2nr "$times" | awk 'NR <= 10 { printf "  %5d  %-32s\n", $2, $3 }') \
+		<(sort -k1,1nr "$times" | awk 'NR <= 10 { printf "%5d  %s\n", $1, $3 }')
+}
 
 case "${1:-}" in
 --begin)
-	rm -rf build/tests/results build/tests/logs
+	rm -rf build/tests/results build/tests/times build/tests/logs
 	mkdir -p "$logs"
 	: >"$results"
 	exit 0
@@ -36,6 +49,7 @@ case "${1:-}" in
 		echo "no test ran" >&2
 		exit 1
 	}
+	slowest
 	grep '^skip' "$results" | sed 's/^skip /skipped: /'
 	grep '^fail' "$results" | sed 's/^fail /FAILED:  /'
 	passed=$(grep -c '^pass' "$results")
@@ -54,24 +68,40 @@ esac
 # What holds times against each other, or builds what others run, is not run beside others.
 alone=" unit/test_bench unit/test_measure cli/bench cli/report cli/deb "
 
-group=$1
-shift
 mkdir -p "$logs"
 
-# name_of PROGRAM, log_of NAME
+# The queue: programs[i] of the group groups[i].
+programs=()
+groups=()
+group=
+for word in "$@"; do
+	if [ "$word" = -- ]; then
+		group=
+	elif [ -z "$group" ]; then
+		group=$word
+	else
+		programs+=("$word")
+		groups+=("$group")
+	fi
+done
+
+# name_of NUMBER, log_of NAME
 name_of() {
-	echo "$group/$(basename "$1" .sh)"
+	local path option
+	read -r path option <<<"${programs[$1]}"
+	echo "${groups[$1]}/$(basename "$path" .sh)$option"
 }
 log_of() {
 	echo "$logs/${1//\//-}.log"
 }
 
-# one PROGRAM: runs it; leaves its log, and beside that what it counts and how long it took.
+# one NUMBER: runs it; leaves its log, and beside that what it counts and how long it took.
 one() {
-	local name log code planned ran TIMEFORMAT='%0R %0U %0S'
+	local name log code planned ran command TIMEFORMAT='%0R %0U %0S'
 	name=$(name_of "$1")
+	read -ra command <<<"${programs[$1]}"
 	log=$(log_of "$name")
-	{ time CMOCKA_MESSAGE_OUTPUT=TAP "$1" >"$log" 2>&1 </dev/null; } 2>"$log.seconds"
+	{ time CMOCKA_MESSAGE_OUTPUT=TAP "${command[@]}" >"$log" 2>&1 </dev/null; } 2>"$log.seconds"
 	code=$?
 	# Both cmocka and the shell tests mark skips with "# SKIP"; Debian 12's cmocka calls them "not ok".
 	awk -v name="$name" '
@@ -93,7 +123,7 @@ one() {
 	mv "$log.counts" "$log.done"
 }
 
-# tell PROGRAM: what it found; true if nothing failed.
+# tell NUMBER: what it found; true if nothing failed.
 tell() {
 	local name log failed passed wall user system
 	name=$(name_of "$1")
@@ -102,6 +132,7 @@ tell() {
 	failed=$(grep -c '^fail' "$log.done")
 	passed=$(grep -c '^pass' "$log.done")
 	read -r wall user system <"$log.seconds"
+	echo "$wall $((user + system)) $name" >>"$times"
 	printf '%-44s %3d passed, %d failed (%d s, %d s of processors)\n' "$name" "$passed" "$failed" \
 		"$wall" $((user + system))
 	rm -f "$log.done" "$log.seconds"
@@ -116,13 +147,12 @@ tell() {
 }
 
 all_well=0
-programs=("$@")
 told=0
 running=0
 # Tells of those that have ended, up to the first that has not.
 tell_ended() {
-	while [ $told -lt ${#programs[@]} ] && [ -e "$(log_of "$(name_of "${programs[told]}")").done" ]; do
-		tell "${programs[told]}" || all_well=1
+	while [ $told -lt ${#programs[@]} ] && [ -e "$(log_of "$(name_of $told)").done" ]; do
+		tell $told || all_well=1
 		told=$((told + 1))
 	done
 }
@@ -135,14 +165,14 @@ wait_until_below() {
 	done
 }
 
-for program in "${programs[@]}"; do
-	rm -f "$(log_of "$(name_of "$program")").done"
+for number in "${!programs[@]}"; do
+	rm -f "$(log_of "$(name_of "$number")").done"
 done
-for program in "${programs[@]}"; do
-	most=${TEST_JOBS:-$(nproc)}
-	[[ $alone != *" $(name_of "$program") "* ]] || most=1
+for number in "${!programs[@]}"; do
+	most=${TEST_JOBS:-$(($(nproc) + 1))}
+	[[ $alone != *" $(name_of "$number") "* ]] || most=1
 	wait_until_below "$most"
-	one "$program" &
+	one "$number" &
 	running=$((running + 1))
 	[ "$most" -gt 1 ] || wait_until_below 1
 done

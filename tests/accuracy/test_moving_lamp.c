@@ -17,7 +17,7 @@
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/baking.h"
-#include "tests/unit/watched.h"
+#include "tests/unit/thorough.h"
 
 /* For a sanitizer the same way with less of each: it sees every step of it, and how large the steps
  * are is measured where the programs are as they are delivered. */

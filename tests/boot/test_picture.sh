@@ -7,7 +7,7 @@
 . tests/boot/scene.sh
 board=$1
 case $board in
-qemu-x86_64) tty=ttyS1 patience=120 ;;
+qemu-x86_64) tty=ttyS1 patience=300 ;;
 pc-x86_64) tty=ttyS1 patience=900 ;;
 qemu-arm64) tty=ttyS0 patience=900 ;;
 esac

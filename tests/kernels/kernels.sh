@@ -1,6 +1,7 @@
 #!/bin/bash
-# Every table of kernels against the specification: those of this processor natively, those that it
-# has not, and the choice among them, on emulated ones.
+# Every table of kernels against the specification.
+#     tests/kernels/kernels.sh             the tables of this processor
+#     tests/kernels/kernels.sh --emulated  those that it has not, and the choice among them, on emulated ones
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:?the folder of the build}"
@@ -51,7 +52,7 @@ present() {
 	command -v "$2" >/dev/null && return
 	count=$((count + 1))
 	failed=1
-	echo "# there is no $2, expected Debian's package $3 (board/deps.sh test installs it)"
+	echo "# there is no $2, expected Debian's package $3 (board/deps.sh deep installs it)"
 	echo "not ok $count - $1"
 	return 1
 }
@@ -61,6 +62,7 @@ lists() {
 }
 
 machine=$(uname -m)
+emulated=${1:-}
 program=$BUILD/tests/kernels/test_kernels
 needed=()
 case "$machine" in
@@ -75,11 +77,11 @@ aarch64)
 	lists asimddp && needed+=(--need neon-dotprod)
 	;;
 esac
-run native "$program" "${needed[@]}"
+[ -n "$emulated" ] || run native "$program" "${needed[@]}"
 
 # Fewer rounds where an emulator does the work; still every width, every length of a run.
 rounds=300
-if [ "$machine" = x86_64 ] && present "older processors" qemu-x86_64-static qemu-user-static; then
+if [ -n "$emulated" ] && [ "$machine" = x86_64 ] && present "older processors" qemu-x86_64-static qemu-user-static; then
 	if readelf -lW "$program" | grep -q INTERP; then
 		echo "# this build is not static (a sanitizer's): older processors are left out"
 	else
@@ -91,7 +93,7 @@ if [ "$machine" = x86_64 ] && present "older processors" qemu-x86_64-static qemu
 			--rounds $rounds --choose c
 	fi
 fi
-if [ "$machine" = x86_64 ] && present "Arm" aarch64-linux-gnu-gcc gcc-aarch64-linux-gnu &&
+if [ -n "$emulated" ] && [ "$machine" = x86_64 ] && present "Arm" aarch64-linux-gnu-gcc gcc-aarch64-linux-gnu &&
 	present "Arm" qemu-aarch64-static qemu-user-static; then
 	if output=$(env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u SANITIZE -u CFLAGS make \
 		--no-print-directory CC=aarch64-linux-gnu-gcc BUILD=$arm \

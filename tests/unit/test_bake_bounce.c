@@ -9,7 +9,7 @@
 #include "bake/random.h"
 #include "bake/tile.h"
 #include "tests/unit/baking.h"
-#include "tests/unit/watched.h"
+#include "tests/unit/thorough.h"
 
 #define SEED 20
 #define SAMPLES 16
@@ -465,7 +465,7 @@ static void check_scene(const char *what, const char *material, const char *stan
 		     "colour = 0.6 0.5 0.4\n[material b]\n%s",
 		     standin, material);
 	scene = baking_scene("s.ini");
-	for (size_t k = 0; k < (WATCHED ? 2 : 3); k++) {
+	for (size_t k = 0; k < (thorough() ? 3 : 2); k++) {
 		struct fault fault;
 		struct cells cells;
 		struct dome dome;

@@ -7,10 +7,10 @@
 #include <cmocka.h>
 
 #include "tests/unit/baking.h"
-#include "tests/unit/watched.h"
+#include "tests/unit/thorough.h"
 
-#define WIDTH (WATCHED ? 40 : 70)
-#define HEIGHT (WATCHED ? 32 : 50)
+#define WIDTH (thorough() ? 70 : 40)
+#define HEIGHT (thorough() ? 50 : 32)
 
 static char *read_all(const char *name, size_t *bytes)
 {
@@ -98,7 +98,7 @@ static void test_noise_is_true(void **state)
 	for (int k = 0; k < 2; k++) {
 		struct fault fault;
 
-		write_scene("n.ini", WATCHED ? "noise = 4" : "noise = 2", 11 + k);
+		write_scene("n.ini", thorough() ? "noise = 2" : "noise = 4", 11 + k);
 		bake("n.ini", k ? "k1.inlay" : "k0.inlay", 2);
 		assert_int_equal(basis_open(&basis[k], baking_path(k ? "k1.inlay" : "k0.inlay"),
 					    BASIS_WITH_EXACT, &fault),
@@ -126,7 +126,7 @@ static void test_noise_is_true(void **state)
 		}
 	square = sqrt(square / (double)count);
 	print_message("# declared %.2f levels, found %.2f\n", declared, square);
-	assert_true(declared > 0 && declared <= (WATCHED ? 4 : 2));
+	assert_true(declared > 0 && declared <= (thorough() ? 2 : 4));
 	assert_true(square < 1.3 * declared && square > 0.3 * declared);
 	basis_close(&basis[0]);
 	basis_close(&basis[1]);

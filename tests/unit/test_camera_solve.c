@@ -11,7 +11,7 @@
 #include "bake/calibrate/camera_model.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/camera_scene.h"
-#include "tests/unit/watched.h"
+#include "tests/unit/thorough.h"
 
 static const double eyes[5][3] = {{0.12, -0.38, 0.42},
 				  {-0.3, -0.2, 0.5},
@@ -445,13 +445,12 @@ static void count_all(struct tally tally[TALLIES], const struct camera_solution 
 	}
 }
 
-/* INLAY_RUNS makes it 1,000 a noise; what tests do every time is less, and its bounds wider. A
- * sanitizer sees in a quarter of them all that it sees in more of the same. */
+/* INLAY_RUNS=1000 draws as many for each noise. The bounds widen with fewer. */
 static int runs_of_test(void)
 {
 	const char *text = getenv("INLAY_RUNS");
 
-	return text ? atoi(text) : WATCHED ? 20 : 80;
+	return text ? atoi(text) : thorough() ? 80 : 20;
 }
 
 static void deviations_are_honest(void **state)

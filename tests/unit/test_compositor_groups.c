@@ -11,7 +11,7 @@
 
 #include "tests/unit/baking.h"
 #include "tests/unit/compositing.h"
-#include "tests/unit/watched.h"
+#include "tests/unit/thorough.h"
 
 #define COLUMN_CUT 0.0004
 /* The most that compositing adds to what a file declares: hal/compositor/README.md. */

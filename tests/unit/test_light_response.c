@@ -11,7 +11,7 @@
 
 #include "bake/calibrate/light_response.h"
 #include "tests/unit/light_scene.h"
-#include "tests/unit/watched.h"
+#include "tests/unit/thorough.h"
 
 #define EXPOSURES 5
 
@@ -111,7 +111,7 @@ static void deviations_are_right(void **state)
 	const struct light_camera camera = {SHAPE_SRGB, 0, 0.0005, 0.008};
 	const struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
-	const int runs = WATCHED ? 10 : 40;
+	const int runs = thorough() ? 40 : 10;
 	double worst = 0;
 	int within[2] = {0}, all = 0;
 

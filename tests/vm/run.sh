@@ -1,9 +1,12 @@
 #!/bin/bash
-# Runs tests/vm/test_*.sh (those whose name contains FILTER), each in a simulated machine of its own,
-# as many at a time as there are processors, and prints their results as TAP when each ends.
+# Runs tests/vm/test_*.sh, each in a simulated machine of its own, as many at a time as there are
+# processors, and prints their results as TAP when each ends.
 # Everything they leave is kept in $BUILD/tests/vm/job/NAME.
 #
-#     tests/vm/run.sh [FILTER]        (or FILTER in the environment; VM_MACHINES=n at a time)
+#     tests/vm/run.sh [FILTER]   those whose name contains FILTER (or FILTER in the environment)
+#     tests/vm/run.sh --quick    the few that show the whole way
+#     tests/vm/run.sh --rest     the others
+# VM_MACHINES=n: so many at a time.
 set -uo pipefail
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -12,7 +15,8 @@ export BUILD=${BUILD:-build}
 export INLAY=${INLAY:-$PWD/$BUILD/inlay} INLAY_BAKE=${INLAY_BAKE:-$PWD/$BUILD/inlay-bake}
 INLAY_SHARED_DATA=$(realpath "${INLAY_SHARED_DATA:-../shared/data}" 2>/dev/null)
 export INLAY_SHARED_DATA
-filter=${1:-${FILTER:-}}
+which=${1:-${FILTER:-}}
+quick=' live thesis libcamera '
 jobs=$BUILD/tests/vm/job
 rm -rf "$jobs"
 mkdir -p "$jobs"
@@ -57,8 +61,16 @@ report() {
 names=$(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p')
 lasting='soak faults_late'
 running=0
+# chosen NAME
+chosen() {
+	case $which in
+	--quick) [[ $quick == *" $1 "* ]] ;;
+	--rest) [[ $quick != *" $1 "* ]] ;;
+	*) [[ $1 == *"$which"* ]] ;;
+	esac
+}
 for name in $lasting $(grep -vxF "${lasting// /$'\n'}" <<<"$names"); do
-	case $name in *"$filter"*) ;; *) continue ;; esac
+	chosen "$name" || continue
 	while [ $running -ge "${VM_MACHINES:-$(nproc)}" ]; do
 		wait -n
 		running=$((running - 1))

@@ -13,7 +13,7 @@ $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 
 -include $(addsuffix .d,$(VM_PROGRAMS))
 
-.PHONY: kernel test-vm test-vm-installed vm-shell
+.PHONY: kernel test-vm test-vm-installed test-vm-rest vm-shell
 ## kernel: build the simulated machine's kernel, once; it is kept in ~/.cache/inlay (some minutes)
 kernel:
 	$(Q)board/qemu-x86_64/build-kernel.sh
@@ -24,6 +24,9 @@ test-vm:
 test-vm-installed: all $(VM_PROGRAMS) $(BUILD)/tests/cli/allocations.so kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)FILTER="$(FILTER)" $(RUN_TESTS) vm tests/vm/run.sh
+test-vm-rest: all $(VM_PROGRAMS) $(BUILD)/tests/cli/allocations.so kernel
+	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
+	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh --rest"
 ## vm-shell: a shell in the simulated machine (leave it with exit)
 vm-shell: all $(VM_PROGRAMS) kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
