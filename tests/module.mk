@@ -114,6 +114,8 @@ $(BUILD)/tests/unit/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
 $(BUILD)/tests/unit/test_camera_photographs.o $(BUILD)/tests/unit/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
 UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/test_camera_libcamera.cpp \
 	tests/unit/test_libcamera_parts.c)
+# Its libudev is played: see there.
+$(BUILD)/tests/unit/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_angles.c \
 	tests/fuzz/fuzz_msi.c \

@@ -1,5 +1,6 @@
 /* The libcamera driver's parts in C: choice by name, events between threads, pictures in buffers,
- * elements of values, messages. */
+ * elements of values, what udev says, messages. */
+#include <dlfcn.h>
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
@@ -17,6 +18,7 @@
 #include "drivers/libcamera/controls.h"
 #include "drivers/libcamera/events.h"
 #include "drivers/libcamera/find.h"
+#include "drivers/libcamera/hotplug.h"
 #include "drivers/libcamera/messages.h"
 #include "drivers/libcamera/picture.h"
 #include "hal/clock.h"
@@ -401,6 +403,78 @@ static void messages_lose_their_head_and_are_said_once(void **state)
 				  "inlay: libcamera: FATAL without a head\n");
 }
 
+/* ---- what udev says (libudev is played: dlsym() finds these functions) ---- */
+
+struct udev_device {
+	const char *action, *node;
+};
+
+const char *udev_device_get_action(struct udev_device *device);
+const char *udev_device_get_devnode(struct udev_device *device);
+void *__wrap_dlsym(void *handle, const char *name);
+
+static const char *played_action(struct udev_device *device)
+{
+	return device->action;
+}
+
+static const char *played_node(struct udev_device *device)
+{
+	return device->node;
+}
+
+void *__wrap_dlsym(void *handle, const char *name)
+{
+	const char *(*const found)(struct udev_device *) = strcmp(name, "udev_device_get_action")
+								   ? played_node
+								   : played_action;
+
+	assert_ptr_equal(handle, RTLD_NEXT);
+	return *(void *const *)&found;
+}
+
+static void a_remove_that_is_late_is_none(void **state)
+{
+	struct udev_device back = {"remove", "/dev/null"};
+	struct udev_device gone = {"remove", "/dev/there-is-no-such-node"};
+	const unsigned kept = libcamera_hotplug_kept();
+
+	(void)state;
+	assert_string_equal(udev_device_get_action(&back), "change");
+	assert_string_equal(udev_device_get_devnode(&back), "/dev/null");
+	assert_string_equal(udev_device_get_action(&gone), "remove");
+	assert_string_equal(udev_device_get_devnode(&gone), gone.node);
+	assert_int_equal(libcamera_hotplug_kept(), kept);
+}
+
+static void what_is_new_is_kept(void **state)
+{
+	struct udev_device fresh = {"add", "/dev/null"};
+	struct udev_device other = {"bind", "/dev/null"};
+	const unsigned kept = libcamera_hotplug_kept();
+
+	(void)state;
+	assert_string_equal(udev_device_get_action(&other), "bind");
+	assert_int_equal(libcamera_hotplug_kept(), kept);
+	assert_string_equal(udev_device_get_action(&fresh), "change");
+	assert_int_equal(libcamera_hotplug_kept(), kept + 1);
+}
+
+/* As when udev has said more than the socket holds. */
+static void no_device_is_no_string_of_null(void **state)
+{
+	struct udev_device nameless = {NULL, NULL};
+	const unsigned kept = libcamera_hotplug_kept();
+
+	(void)state;
+	assert_string_equal(udev_device_get_action(&nameless), "");
+	assert_string_equal(udev_device_get_devnode(&nameless), "");
+	assert_int_equal(libcamera_hotplug_kept(), kept);
+	assert_string_equal(udev_device_get_action(NULL), "change");
+	assert_string_equal(udev_device_get_devnode(NULL), "");
+	assert_int_equal(libcamera_hotplug_kept(), kept + 1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -416,6 +490,9 @@ int main(void)
 		cmocka_unit_test(memory_that_is_too_small_is_refused),
 		cmocka_unit_test(a_part_of_a_picture_is_none),
 		cmocka_unit_test(times_are_monotonic),
+		cmocka_unit_test(a_remove_that_is_late_is_none),
+		cmocka_unit_test(what_is_new_is_kept),
+		cmocka_unit_test(no_device_is_no_string_of_null),
 		cmocka_unit_test(messages_lose_their_head_and_are_said_once),
 	};
 
