@@ -276,6 +276,32 @@ static int read_pose(const struct basis_reader *r, const struct basis_pose_chunk
 	return ret < 0 ? ret : basis_read_glass(r, chunks->glass, pose);
 }
 
+/* Of zeros zstd makes next to nothing, and lists of tiles are not in the file at all: what the size
+ * of the picture asks for is held against the whole file. Payloads: pack_open(). */
+static int check_made(const struct basis_reader *r, const struct basis_chunk_map *map)
+{
+	const struct basis_info_chunk *info = &r->basis->info;
+	const uint64_t tiles = (uint64_t)r->basis->tiles_across * (uint64_t)r->basis->tiles_down;
+	uint64_t layers = 0, made = 0;
+
+	for (uint32_t p = 0; p < info->poses; p++) {
+		const struct basis_pose_chunks *pose = &map->poses[p];
+
+		layers += !pose->pack + (pose->exact_blocks && r->part != BASIS_SHOWN);
+		if (pose->pack) /* these are in memory by turns */
+			made = tiles * sizeof(struct basis_tile) +
+			       (uint64_t)info->width * info->height * sizeof(uint16_t);
+	}
+	made += layers * tiles * sizeof(struct basis_tile);
+	return basis_is_bomb(made, r->bytes)
+		       ? basis_damaged(r,
+				       "%u poses of %ux%u pixels take %llu bytes of memory, "
+				       "expected at most %d times the file's %zu",
+				       info->poses, info->width, info->height,
+				       (unsigned long long)made, BASIS_MADE_TIMES, r->bytes)
+		       : 0;
+}
+
 static int read_poses(const struct basis_reader *r, struct basis_chunk_map *map)
 {
 	const uint32_t poses = r->basis->info.poses;
@@ -285,6 +311,8 @@ static int read_poses(const struct basis_reader *r, struct basis_chunk_map *map)
 	if (!r->basis->poses)
 		return fault_say(r->fault, -ENOMEM, "%s: out of memory", r->name);
 	ret = basis_find_pose_chunks(r, map);
+	if (ret == 0)
+		ret = check_made(r, map);
 	for (uint32_t p = 0; ret == 0 && p < poses; p++)
 		ret = read_pose(r, &map->poses[p], (int)p);
 	free(map->poses);

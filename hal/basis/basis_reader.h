@@ -25,6 +25,17 @@ int basis_damaged(const struct basis_reader *reader, const char *format, ...)
 /* Padding is checked so that no byte of a file is beyond its checks. */
 bool basis_all_zero(const uint8_t *from, const uint8_t *to);
 
+/* A small file may not take much memory: whatever is made of `held` bytes of a file, beyond what a
+ * picture of 3840x2160 pixels needs, is at most so many times as long. Files of a bake stay below
+ * a tenth of that. */
+#define BASIS_MADE_FREE ((uint64_t)16 << 20)
+#define BASIS_MADE_TIMES 64
+
+static inline bool basis_is_bomb(uint64_t made, uint64_t held)
+{
+	return made > BASIS_MADE_FREE && (made - BASIS_MADE_FREE) / BASIS_MADE_TIMES >= held;
+}
+
 /* Where the chunks lie; NULL for those that the file does not have. */
 struct basis_pose_chunks {
 	const struct basis_chunk_entry *coverage, *peak, *blocks, *data, *exact_blocks, *exact_data,

@@ -413,6 +413,11 @@ int pack_open(struct pack *pack, const struct basis_reader *reader, const void *
 				     "PACK chunk of pose %d, expected a table, and payloads "
 				     "of %zu bytes",
 				     blocks->pose, blocks->data_bytes);
+	if (basis_is_bomb(head->data_bytes, bytes))
+		return basis_damaged(reader,
+				     "PACK chunk of pose %d, %zu bytes, unpacks to %zu, expected "
+				     "at most %d times as many",
+				     blocks->pose, bytes, blocks->data_bytes, BASIS_MADE_TIMES);
 	pack->parts = (int)head->parts;
 	pack->part = (const void *)(at + sizeof(*head));
 	pack->data_bytes = head->data_bytes;

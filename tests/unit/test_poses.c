@@ -307,6 +307,87 @@ static void refuses_a_broken_pack(void **state)
 	unlink(path_of(s, "joint.inlay"));
 }
 
+/* ---- small files that ask for much memory ---- */
+
+/* Poses of nothing but `blocks` blocks of zeros each, in either layer. */
+struct bomb {
+	uint32_t width, height, lights, poses;
+	int blocks;
+	bool exact;
+};
+
+static void write_bomb(const struct synthetic *s, const struct bomb *b)
+{
+	struct chance chance = {1};
+	const struct basis_info_chunk info = {.width = b->width,
+					      .height = b->height,
+					      .lights = b->lights,
+					      .coarse = b->lights,
+					      .poses = b->poses};
+	struct basis_block_payload block = {
+		.entry = {.channels = 3, .bits = 16, .pixels = 256, .columns = b->lights}};
+	uint8_t *payload;
+	struct basis_light *light = synthetic_zeros(b->lights, sizeof(*light));
+	float(*peak)[3] = synthetic_zeros(b->lights + 1, sizeof(*peak));
+	uint16_t *coverage = synthetic_zeros((size_t)b->width * b->height, sizeof(*coverage));
+	struct basis_writer *writer;
+	struct fault fault = {""};
+
+	block.entry.bytes = basis_layout(&block.entry, (int)b->lights).bytes;
+	payload = synthetic_zeros(block.entry.bytes, 1);
+	for (size_t k = 0; k < block.entry.bytes; k += 512) /* unlike zeros, 1/64 to 1/4096 */
+		payload[k] = (uint8_t)chance_int(&chance, 0, 255);
+	block.payload = payload;
+	synthetic_lights(light, (int)b->lights, &chance);
+	synthetic_must(basis_writer_open(&writer, path_of(s, "bomb.inlay"), &info, light, NULL,
+					 NULL, "", &fault),
+		       &fault);
+	for (uint32_t p = 0; p < b->poses; p++) {
+		for (int k = 0; k < b->blocks; k++)
+			synthetic_must((b->exact ? basis_writer_exact_blocks
+						 : basis_writer_blocks)(writer, &block, 1, &fault),
+				       &fault);
+		synthetic_must(
+			basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault),
+			&fault);
+	}
+	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	free(payload);
+	free(light);
+	free(peak);
+	free(coverage);
+}
+
+/* words NULL: it opens. */
+static void open_bomb(const struct synthetic *s, enum basis_part part, const char *words)
+{
+	struct fault fault = {""};
+	struct basis basis;
+	const int ret = basis_open(&basis, path_of(s, "bomb.inlay"), part, &fault);
+
+	basis_close(&basis);
+	if (words ? ret != -EBADMSG || !strstr(fault.text, words) : ret != 0)
+		fail_msg("%d, \"%s\", expected \"%s\"", ret, fault.text, words ? words : "");
+}
+
+static void refuses_bombs(void **state)
+{
+	const struct synthetic *s = *state;
+
+	/* poses without an object, of the largest screens */
+	write_bomb(s, &(struct bomb){3840, 2160, .lights = 1, .poses = 2});
+	open_bomb(s, BASIS_ALL, NULL);
+	write_bomb(s, &(struct bomb){4096, 4096, .lights = 1, .poses = 2});
+	open_bomb(s, BASIS_SHOWN, "2 poses of 4096x4096 pixels take 3");
+	/* lists of tiles, which the exact layer of each pose has for itself */
+	write_bomb(s, &(struct bomb){3000, 2800, 1, .poses = 24, .blocks = 1, .exact = true});
+	open_bomb(s, BASIS_SHOWN, NULL);
+	open_bomb(s, BASIS_ALL, "24 poses of 3000x2800 pixels take");
+	write_bomb(s, &(struct bomb){16, 16, .lights = 1000, .poses = 2, .blocks = 20});
+	open_bomb(s, BASIS_SHOWN, "expected at most 64 times as many");
+	unlink(path_of(s, "bomb.inlay"));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -315,6 +396,7 @@ int main(void)
 		cmocka_unit_test(outlives_its_file),
 		cmocka_unit_test(names),
 		cmocka_unit_test(refuses_a_broken_pack),
+		cmocka_unit_test(refuses_bombs),
 	};
 
 	return cmocka_run_group_tests(tests, copied_setup, copied_teardown);
