@@ -49,8 +49,8 @@ static int check_record_bytes(const struct place *at, const struct basis_block_e
 static uint32_t light_numbers(const struct place *at, int kind)
 {
 	const struct basis *basis = at->reader->basis;
-	const bool groups = basis->coarse && basis->info.column_cut > 0 && !at->chunk->exact &&
-			    (kind == BASIS_KIND_T || kind == BASIS_KIND_V);
+	const bool groups = basis->info.coarse < basis->info.lights && basis->info.column_cut > 0 &&
+			    !at->chunk->exact && (kind == BASIS_KIND_T || kind == BASIS_KIND_V);
 
 	return basis->info.lights + (groups ? basis->info.coarse : 0);
 }

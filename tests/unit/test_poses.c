@@ -307,6 +307,36 @@ static void refuses_a_broken_pack(void **state)
 	unlink(path_of(s, "joint.inlay"));
 }
 
+/* What is checked of a packed pose knows how many columns there may be. */
+static void may_have_groups(void **state)
+{
+	const struct synthetic_options options = {.width = 9,
+						  .height = 7,
+						  .lights = 20,
+						  .grounds = 1,
+						  .coarse = 4,
+						  .patterns = 1,
+						  .columns = 12,
+						  .bits = 8,
+						  .object_share = 0.5,
+						  .ground_share = 0.5,
+						  .column_cut = 0.01,
+						  .groups = 4,
+						  .peak = 1,
+						  .seed = 6};
+	struct synthetic s;
+	struct basis basis;
+
+	(void)state;
+	synthetic_open(&s, &options);
+	write_poses(&s, path_of(&s, "joint.inlay"), 1, 2, NULL);
+	open_basis(&basis, path_of(&s, "joint.inlay"));
+	same_pose(&basis, 0, &s.basis);
+	basis_close(&basis);
+	unlink(path_of(&s, "joint.inlay"));
+	synthetic_close(&s);
+}
+
 /* ---- small files that ask for much memory ---- */
 
 /* Poses of nothing but `blocks` blocks of zeros each, in either layer. */
@@ -396,6 +426,7 @@ int main(void)
 		cmocka_unit_test(outlives_its_file),
 		cmocka_unit_test(names),
 		cmocka_unit_test(refuses_a_broken_pack),
+		cmocka_unit_test(may_have_groups),
 		cmocka_unit_test(refuses_bombs),
 	};
 
