@@ -1,39 +1,15 @@
 #include "bake/shard.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <xxhash.h>
 
+#include "bake/shard_format.h"
+#include "hal/basis/basis_blocks.h"
 #include "hal/output.h"
-
-#define MAGIC "INLAYSHD"
-#define PROGRAM_MAX 32
-#define NO_TILE UINT32_MAX /* of a pose's last record, which holds its peaks */
-
-/* The file: this, the plan's arrays and texts, and for each pose one record a tile and one more. */
-struct shard_header {
-	char magic[8];
-	char program[PROGRAM_MAX];
-	uint32_t basis_version; /* a shard holds blocks as basis files do */
-	uint32_t account_bytes; /* sizeof(struct tile_account): of the same build, then */
-	uint32_t index, count;
-	uint32_t has_gather, has_names;
-	struct basis_info_chunk info;
-	uint64_t checksum; /* XXH3-64 of this (the field 0) and the plan */
-};
-
-/* Followed by the tile's account, what is seen through it, its blocks' entries, their payloads. */
-struct shard_record {
-	uint32_t tile;
-	uint32_t shown, exact;
-	uint32_t pose;
-	uint32_t glass; /* pixels */
-	uint32_t reserved;
-	uint64_t bytes;	   /* of all that follows */
-	uint64_t checksum; /* XXH3-64 of this (the field 0) and what follows */
-};
 
 /* One array of a plan. */
 struct piece {
@@ -111,7 +87,7 @@ static int write_plan(struct shard_writer *w, const struct plan *plan,
 	int err;
 
 	memset(&header, 0, sizeof(header));
-	memcpy(header.magic, MAGIC, sizeof(header.magic));
+	memcpy(header.magic, SHARD_MAGIC, sizeof(header.magic));
 	snprintf(header.program, sizeof(header.program), "%s", INLAY_VERSION);
 	header.basis_version = BASIS_VERSION;
 	header.account_bytes = sizeof(struct tile_account);
@@ -201,7 +177,7 @@ int shard_writer_add(struct shard_writer *w, const struct finished_tile *tile, s
 
 int shard_writer_pose_end(struct shard_writer *w, const float (*peak)[3], struct fault *fault)
 {
-	struct shard_record record = {.tile = NO_TILE,
+	struct shard_record record = {.tile = SHARD_NO_TILE,
 				      .pose = (uint32_t)w->pose++,
 				      .bytes = (w->lights + 1) * sizeof(*peak)};
 
@@ -245,7 +221,7 @@ static int check_header(const struct shard_stream *s, const struct shard_header 
 {
 	const struct basis_info_chunk *info = &h->info;
 
-	if (memcmp(h->magic, MAGIC, sizeof(h->magic)) != 0)
+	if (memcmp(h->magic, SHARD_MAGIC, sizeof(h->magic)) != 0)
 		return say_damaged(s, "is no shard of a bake", fault);
 	if (strncmp(h->program, INLAY_VERSION, sizeof(h->program)) != 0 ||
 	    h->basis_version != BASIS_VERSION || h->account_bytes != sizeof(struct tile_account))
@@ -253,7 +229,7 @@ static int check_header(const struct shard_stream *s, const struct shard_header 
 			fault, -ENOTSUP,
 			"%s: was made by inlay-bake %.*s for basis files of version %u, expected "
 			"one made by this program, inlay-bake %s for version %d",
-			s->path, PROGRAM_MAX - 1, h->program, h->basis_version, INLAY_VERSION,
+			s->path, SHARD_PROGRAM_MAX - 1, h->program, h->basis_version, INLAY_VERSION,
 			BASIS_VERSION);
 	if (h->count < 1 || h->count > SHARDS_MAX || h->index >= h->count || info->width < 1 ||
 	    info->width > BASIS_SIDE_MAX || info->height < 1 || info->height > BASIS_SIDE_MAX ||
@@ -263,6 +239,18 @@ static int check_header(const struct shard_stream *s, const struct shard_header 
 	    (h->has_gather != 0) != (info->coarse != info->lights))
 		return say_damaged(s, "is damaged", fault);
 	return 0;
+}
+
+/* What list_pieces() will come to. */
+static uint64_t plan_bytes(const struct shard_header *h)
+{
+	const struct plan *plan = NULL; /* for sizes alone */
+	const uint64_t n = h->info.lights;
+
+	return n * sizeof(*plan->light) + h->info.grounds * 3 * n * sizeof(*plan->ground) +
+	       (h->has_gather ? n * sizeof(*plan->gather) : 0) +
+	       (h->has_names ? h->info.poses * sizeof(*plan->names) : 0) + sizeof(plan->camera) +
+	       sizeof(plan->provenance);
 }
 
 static int create_plan(struct plan *plan, const struct shard_header *h)
@@ -294,6 +282,8 @@ static int read_plan(struct shard *shard, struct fault *fault)
 		err = check_header(s, &header, fault);
 	if (err)
 		return err;
+	if (plan_bytes(&header) > s->left)
+		return say_damaged(s, "ends too early", fault);
 	if (create_plan(plan, &header))
 		return fault_say(fault, -ENOMEM, "%s: out of memory", s->path);
 	list_pieces(plan, piece);
@@ -385,46 +375,66 @@ static int take_peaks(struct shard *shard, const struct shard_record *record, ui
 	return 0;
 }
 
+/* Takes apart the entries and payloads of a body, into blocks that point into it. */
+static int list_blocks(const struct shard_record *record, const uint8_t *entries,
+		       const uint8_t *end, struct basis_block_payload *blocks)
+{
+	const int count = (int)(record->shown + record->exact);
+	const uint8_t *payload = entries + (size_t)count * sizeof(blocks->entry);
+
+	for (int k = 0; k < count; k++) {
+		struct basis_block_entry *entry = &blocks[k].entry;
+
+		memcpy(entry, entries + (size_t)k * sizeof(*entry), sizeof(*entry));
+		if (entry->tile != record->tile || entry->bytes > (uint64_t)(end - payload))
+			return -EBADMSG;
+		blocks[k].payload = payload;
+		payload += entry->bytes;
+	}
+	return payload == end ? 0 : -EBADMSG;
+}
+
+/* Whoever takes the tile trusts its blocks, as they are a bake's own. */
+static int check_tile(const struct basis_info_chunk *info, const struct finished_tile *tile)
+{
+	const int err = basis_check_tile(info, tile->tile, false, tile->blocks, tile->shown);
+
+	if (tile->account.noise_count < 0 || tile->account.noise_count > UINT32_MAX)
+		return -EBADMSG;
+	return err ? err
+		   : basis_check_tile(info, tile->tile, true, tile->blocks + tile->shown,
+				      tile->exact);
+}
+
 /* Takes a body apart, whose checksum is right. */
-static int take_tile(const struct shard_record *record, const uint8_t *body,
-		     struct finished_tile *tile)
+static int take_tile(const struct basis_info_chunk *info, const struct shard_record *record,
+		     const uint8_t *body, struct finished_tile *tile)
 {
 	const uint64_t count = (uint64_t)record->shown + record->exact;
 	const uint64_t glass = (uint64_t)record->glass * sizeof(*tile->glass);
-	const uint64_t fixed = sizeof(tile->account) + glass +
-			       count * sizeof(struct basis_block_entry);
+	const uint64_t fixed = sizeof(tile->account) + glass;
 	struct basis_block_payload *blocks;
-	const uint8_t *entries = body + sizeof(tile->account) + glass, *payload = body + fixed;
-	uint64_t left;
-	int err = -EBADMSG;
+	int err;
 
-	if (record->bytes < fixed || record->glass > BASIS_TILE * BASIS_TILE)
+	if (record->bytes < fixed || record->glass > BASIS_TILE * BASIS_TILE || count > INT_MAX ||
+	    count > (record->bytes - fixed) / sizeof(blocks->entry))
 		return -EBADMSG;
-	left = record->bytes - fixed;
 	blocks = calloc(count + 1, sizeof(*blocks));
 	if (!blocks)
 		return -ENOMEM;
-	for (uint64_t k = 0; k < count; k++) {
-		struct basis_block_entry *entry = &blocks[k].entry;
-
-		memcpy(entry, entries + k * sizeof(*entry), sizeof(*entry));
-		if (entry->tile != record->tile || entry->bytes > left)
-			goto out;
-		blocks[k].payload = payload;
-		payload += entry->bytes;
-		left -= entry->bytes;
-	}
 	*tile = (struct finished_tile){.pose = (int)record->pose, .tile = (int)record->tile};
 	memcpy(&tile->account, body, sizeof(tile->account));
-	err = left ? -EBADMSG
-		   : finished_tile_keep(tile, blocks, (int)record->shown, blocks + record->shown,
-					(int)record->exact);
+	err = list_blocks(record, body + fixed, body + record->bytes, blocks);
+	if (!err)
+		err = finished_tile_keep(tile, blocks, (int)record->shown, blocks + record->shown,
+					 (int)record->exact);
+	if (!err)
+		err = check_tile(info, tile);
 	if (!err)
 		err = finished_tile_keep_glass(tile, (const void *)(body + sizeof(tile->account)),
 					       (int)record->glass);
 	if (err)
 		finished_tile_free(tile);
-out:
 	free(blocks);
 	return err;
 }
@@ -441,12 +451,12 @@ int shard_next(struct shard *shard, struct finished_tile *tile, struct fault *fa
 	body = read_body(s, &record, fault);
 	if (!body)
 		return -EBADMSG;
-	if (record.tile == NO_TILE)
+	if (record.tile == SHARD_NO_TILE)
 		return take_peaks(shard, &record, body, fault);
 	err = record.tile == (uint32_t)s->next && s->next < plan_tiles(&shard->plan) &&
 			      record.pose == (uint32_t)s->pose &&
 			      record.pose < shard->plan.info.poses
-		      ? take_tile(&record, body, tile)
+		      ? take_tile(&shard->plan.info, &record, body, tile)
 		      : -EBADMSG;
 	free(body);
 	s->next += shard->place.count;

@@ -22,6 +22,7 @@ UNIT_TESTS := \
 	tests/unit/test_export.c \
 	tests/unit/test_msi.c \
 	tests/unit/test_scene.c \
+	tests/unit/test_shard.c \
 	tests/unit/test_app_layout.c \
 	tests/unit/test_app_scaler.c \
 	tests/unit/test_app_source.c \

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/basis/basis_blocks.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 #include "hal/basis/basis_reader.h"
@@ -537,4 +538,45 @@ int basis_read_blocks(const struct basis_reader *reader, const struct basis_bloc
 	if (!basis_all_zero(chunk->data + end, chunk->data + chunk->data_bytes))
 		return DAMAGED(&at, "bytes after the last block are not %d", 0);
 	return chunk->count ? check_pairs(&at, &use, chunk->entries[chunk->count - 1].tile) : 0;
+}
+
+/* The tile is a picture of its own: so big is the list of tiles that is made for it. */
+static struct basis shell_of_tile(const struct basis_info_chunk *info, int tile)
+{
+	const int across = ((int)info->width + BASIS_TILE - 1) / BASIS_TILE;
+	const int right = (int)info->width - tile % across * BASIS_TILE;
+	const int below = (int)info->height - tile / across * BASIS_TILE;
+	struct basis shell = {.info = *info, .tiles_across = 1, .tiles_down = 1};
+
+	shell.info.width = (uint32_t)(right < BASIS_TILE ? right : BASIS_TILE);
+	shell.info.height = (uint32_t)(below < BASIS_TILE ? below : BASIS_TILE);
+	return shell;
+}
+
+int basis_check_tile(const struct basis_info_chunk *info, int tile, bool exact,
+		     const struct basis_block_payload *blocks, int count)
+{
+	struct basis shell = shell_of_tile(info, tile);
+	const struct basis_reader reader = {.basis = &shell, .name = ""};
+	struct basis_block_entry *entries = calloc((size_t)count + 1, sizeof(*entries));
+	struct basis_blocks_chunk chunk = {.entries = entries,
+					   .count = (size_t)count,
+					   .data = count ? blocks[0].payload : NULL,
+					   .exact = exact};
+	struct basis_layer layer = {.tiles = NULL};
+	int ret = -ENOMEM;
+
+	if (!entries)
+		return ret;
+	for (int k = 0; k < count; k++) {
+		entries[k] = blocks[k].entry;
+		entries[k].tile = 0;
+		entries[k].offset = chunk.data_bytes;
+		chunk.data_bytes += entries[k].bytes;
+	}
+	ret = basis_read_blocks(&reader, &chunk, &layer);
+	free(layer.tiles);
+	free(layer.blocks);
+	free(entries);
+	return ret;
 }
