@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "hal/clock.h"
 #include "hal/log.h"
@@ -54,14 +53,8 @@ int state_read(const char *path, struct state_values *values, struct fault *faul
 {
 	struct ini_report report = {.count = 0};
 	struct state_values read = *values;
-	struct stat file;
-	int err;
+	int err = ini_read(path, tables, &read, &report);
 
-	/* A pipe would be waited for, for ever. */
-	if (stat(path, &file) == 0 && !S_ISREG(file.st_mode))
-		return fault_say(fault, -EINVAL, "%s: not a plain file, expected one to write",
-				 path);
-	err = ini_read(path, tables, &read, &report);
 	return adopt(err, &report, &read, values, fault);
 }
 

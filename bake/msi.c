@@ -1,7 +1,6 @@
 #include "bake/msi.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "hal/input.h"
 #include "hal/output.h"
 
 #define INTS 3
@@ -126,9 +126,11 @@ static int map_file(struct msi *msi, const char *path, struct fault *fault)
 {
 	struct stat about;
 	void *map;
-	int err = 0, fd = open(path, O_RDONLY | O_CLOEXEC);
+	int err = 0, fd = input_open(path, fault);
 
-	if (fd < 0 || fstat(fd, &about)) {
+	if (fd < 0)
+		return fd;
+	if (fstat(fd, &about)) {
 		err = -errno;
 	} else if (!S_ISREG(about.st_mode) || !about.st_size) {
 		close(fd);
@@ -142,8 +144,7 @@ static int map_file(struct msi *msi, const char *path, struct fault *fault)
 			msi->bytes = (size_t)about.st_size;
 		}
 	}
-	if (fd >= 0)
-		close(fd);
+	close(fd);
 	return err ? fault_say(fault, err, "%s: cannot be opened: %s", path, strerror(-err)) : 0;
 }
 

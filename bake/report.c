@@ -10,6 +10,7 @@
 #include "bake/report_parts.h"
 #include "bake/report_sky.h"
 #include "hal/compositor/kernels.h"
+#include "hal/input.h"
 #include "hal/log.h"
 
 /* What is chosen where nobody has: minutes on two cores. */
@@ -250,8 +251,9 @@ static int open_basis(struct report *r)
 static bool is_basis(const char *path)
 {
 	char magic[sizeof(BASIS_MAGIC) - 1];
-	FILE *file = fopen(path, "rb");
-	const bool is = file && fread(magic, sizeof(magic), 1, file) == 1 &&
+	FILE *file;
+	const bool is = !input_stream(path, &file, NULL) &&
+			fread(magic, sizeof(magic), 1, file) == 1 &&
 			!memcmp(magic, BASIS_MAGIC, sizeof(magic));
 
 	if (file)

@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include "bake/keyframes.h"
+#include "hal/input.h"
 #include "hal/optics/vec.h"
 
 #define WIDTH 640
@@ -173,10 +174,11 @@ static void set_ground(struct scene *scene)
 /* What a file holds; one that cannot be read is said when its pose is loaded. */
 static void hash_file(const char *path, XXH3_state_t *state)
 {
-	FILE *stream = fopen(path, "rb");
+	FILE *stream;
 	char part[1 << 14];
 	size_t bytes;
 
+	(void)input_stream(path, &stream, NULL);
 	while (stream && (bytes = fread(part, 1, sizeof(part), stream)) > 0)
 		XXH3_64bits_update(state, part, bytes);
 	if (stream)

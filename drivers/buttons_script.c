@@ -16,6 +16,7 @@
 
 #include "drivers/drivers.h"
 #include "hal/clock.h"
+#include "hal/input.h"
 #include "hal/number.h"
 
 /* A day: later than anybody waits, and far from overflow. */
@@ -101,16 +102,13 @@ static int append(struct script *script, const struct script_line *line)
 
 static int read_script(struct script *script, const char *path, struct fault *fault)
 {
-	FILE *stream = fopen(path, "re");
+	FILE *stream;
 	char text[256];
 	int number = 0;
-	int err = 0;
+	int err = input_stream(path, &stream, fault);
 
-	if (!stream) {
-		err = -errno;
-		return fault_say(fault, err, "%s: cannot read the button script: %s", path,
-				 strerror(-err));
-	}
+	if (err)
+		return err;
 	while (!err && fgets(text, sizeof(text), stream)) {
 		struct script_line line;
 		int found;

@@ -15,6 +15,7 @@ HAL_SOURCES := \
 	hal/frame_reader.c \
 	hal/frame_rows.c \
 	hal/frame_ycbcr.c \
+	hal/input.c \
 	hal/log.c \
 	hal/number.c \
 	hal/output.c \

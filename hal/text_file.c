@@ -4,21 +4,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/input.h"
+
 #define BYTE_ORDER_MARK "\xef\xbb\xbf"
 
 int text_file_open(struct text_file *file, const char *path, struct fault *fault)
 {
-	int err = 0;
+	int err;
 
-	*file = (struct text_file){.path = path, .stream = fopen(path, "re")};
-	if (!file->stream)
-		err = -errno;
-	else if (!(file->line = malloc(TEXT_LINE_BYTES_MAX + 1)))
-		err = -ENOMEM;
-	if (!err)
+	*file = (struct text_file){.path = path};
+	err = input_stream(path, &file->stream, fault);
+	if (err)
+		return err;
+	file->line = malloc(TEXT_LINE_BYTES_MAX + 1);
+	if (file->line)
 		return 0;
 	text_file_close(file);
-	return fault_say(fault, err, "%s: %s", path, strerror(-err));
+	return fault_say(fault, -ENOMEM, "%s: %s", path, strerror(ENOMEM));
 }
 
 /* Not getline(), which would take a line of any length into memory. */

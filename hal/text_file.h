@@ -1,6 +1,7 @@
 /*
  * Text files, line by line. A byte order mark in front, which some editors put there, is passed
- * over; what is no text file at all is refused soon: a zero byte, a line or a file without end.
+ * over; what is no text file at all is refused soon: what is no regular file (input.h), a zero
+ * byte, a line or a file without end.
  */
 #ifndef INLAY_HAL_TEXT_FILE_H
 #define INLAY_HAL_TEXT_FILE_H

@@ -1,7 +1,6 @@
 #include "hal/image/image.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include "hal/image/codec.h"
+#include "hal/input.h"
 #include "hal/output.h"
 
 /* Larger files are no pictures; /dev/zero is none either. */
@@ -149,16 +149,15 @@ int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struc
 }
 
 /* The whole file. Not mapped: a file cut short by somebody else would then be a SIGBUS. */
-static int slurp(const char *path, uint8_t **data, size_t *bytes)
+static int slurp(int fd, uint8_t **data, size_t *bytes)
 {
 	size_t used = 0, room = 1 << 16;
 	uint8_t *buffer = malloc(room);
-	const int fd = buffer ? open(path, O_RDONLY | O_CLOEXEC) : -1;
 	ssize_t got = -1;
-	int err = buffer ? -errno : -ENOMEM;
+	int err = 0;
 
-	if (fd < 0)
-		goto free_buffer;
+	if (!buffer)
+		return -ENOMEM;
 	for (;;) {
 		got = read(fd, buffer + used, room - used);
 		err = got < 0 ? -errno : 0;
@@ -178,26 +177,27 @@ static int slurp(const char *path, uint8_t **data, size_t *bytes)
 			room *= 2;
 		}
 	}
-	close(fd);
-	if (err)
-		goto free_buffer;
+	if (err) {
+		free(buffer);
+		return err;
+	}
 	*data = buffer;
 	*bytes = used;
 	return 0;
-
-free_buffer:
-	free(buffer);
-	return err;
 }
 
 int image_read(const char *path, struct image *image, struct fault *fault)
 {
 	uint8_t *data = NULL;
 	size_t bytes = 0;
-	int err;
+	int fd, err;
 
 	*image = (struct image){0};
-	err = slurp(path, &data, &bytes);
+	fd = input_open(path, fault);
+	if (fd < 0)
+		return fd;
+	err = slurp(fd, &data, &bytes);
+	close(fd);
 	if (err)
 		return fault_say(fault, err, "%s: cannot read the picture: %s", path,
 				 strerror(-err));

@@ -10,6 +10,7 @@
 
 #include "hal/ini/ini_names.h"
 #include "hal/ini/ini_value.h"
+#include "hal/input.h"
 
 #define FILE_BYTES_MAX (1 << 20)
 #define LINE_BYTES_MAX 2048 /* with its line break and the NUL */
@@ -457,12 +458,13 @@ int ini_read(const char *path, const struct ini_table *tables, void *root,
 {
 	char folder[INI_PATH_MAX], *text = NULL;
 	size_t bytes;
-	FILE *file = fopen(path, "re");
-	int err = 0;
+	struct fault fault = {.text = ""};
+	FILE *file;
+	int err = input_stream(path, &file, &fault);
 
-	if (!file) {
-		err = -errno;
-		return fail_file(report, err, path, strerror(-err));
+	if (err) {
+		report_fault(report, &fault);
+		return err;
 	}
 	text = malloc(FILE_BYTES_MAX + 1);
 	if (!text) {

@@ -114,7 +114,7 @@ failed_with "more than may be off" "--tolerance" convert "$work/tsai.ini" "$work
 	--tolerance 0
 failed_with "a file that is not there" "$work/nothing.yml: No such file" convert \
 	"$work/nothing.yml" "$work/none.ini"
-failed_with "a file without end" "/dev/zero:1: holds a zero byte, expected a text file" convert \
+failed_with "a file without end" "/dev/zero: not a regular file but a device, expected one to read" convert \
 	/dev/zero "$work/none.ini"
 {
 	printf '\xef\xbb\xbf'

@@ -78,7 +78,7 @@ still "an escape sequence is not sent to the terminal" 'escape.txt:1: "1 ?[31m?1
 still "a name of two lines is said in one" "two?lines.txt" --background "$work/background.png" \
 	--lights "$work/two
 lines.txt"
-still "lights without end" "/dev/zero:1: holds a zero byte" --background "$work/background.png" \
+still "lights without end" "/dev/zero: not a regular file but a device" --background "$work/background.png" \
 	--lights /dev/zero
 still "an empty file of lights" "empty.inlay: holds no lights, expected 26 lines" \
 	--background "$work/background.png" --lights "$work/empty.inlay"
@@ -133,6 +133,30 @@ refused "a screen's file in no folder" 1 "nowhere" "$INLAY" run --config "$work/
 
 run "a camera's picture of the wrong size" "the background is 64x32 pixels, expected 48x32" \
 	--set camera.background.width=64
+
+# ---- a pipe that nobody writes to, where a file should be: nothing waits for it ----
+mkfifo "$work/pipe"
+unfit() { # NAME COMMAND...
+	refused "a pipe as $1" 1 "pipe: not a regular file but a named pipe" timeout 5 "${@:2}"
+}
+unfit "the configuration" "$INLAY" run --config "$work/pipe"
+unfit "the lens" "$INLAY" run --config "$work/studio.conf" --set "fisheye.lens=$work/pipe"
+unfit "what was measured" "$INLAY" check --config "$work/studio.conf" --set "fisheye.light=$work/pipe"
+unfit "a script of buttons" "$INLAY" run --config "$work/studio.conf" --set buttons.driver=script \
+	--set "buttons.script.file=$work/pipe"
+for light in fisheye lights; do
+	unfit "the $light" "$INLAY" still --config "$work/studio.conf" \
+		--background "$work/background.png" "--$light" "$work/pipe" -o "$out"
+done
+unfit "the background" "$INLAY" still --config "$work/studio.conf" --background "$work/pipe" \
+	--fisheye "$work/fisheye.png" -o "$out"
+unfit "a scene" "$INLAY_BAKE" render "$work/pipe" -o "$work/none.inlay"
+sed "1a file = pipe" "$work/box.scene" >"$work/camera.scene"
+unfit "a scene's camera" "$INLAY_BAKE" render "$work/camera.scene" -o "$work/none.inlay"
+absent "pipes: nothing is left" "$out" "$work/none.inlay"
+check "what a command writes is read all the same" "$INLAY" still \
+	--config <(sed "s|^file = |file = $work/|" "$work/studio.conf") "${pictures[@]}" -o "$out"
+rm "$out"
 
 # ---- what is read is not written over ----
 kept() { # NAME FILE COMMAND...: refused, and FILE is what it was

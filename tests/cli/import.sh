@@ -131,5 +131,7 @@ head -c 5000 t.msi >cut.msi
 unfit "an .msi cut off" "as it says itself" --msi cut.msi --angles a.txt
 unfit "an .msi of other lights" "26 lights, expected 6" --msi t.msi --angles six.txt
 unfit "no .msi" "or damaged" --msi b.png --angles a.txt
-unfit "an empty .msi" "is empty" --msi /dev/null --angles a.txt
+: >empty.msi
+unfit "an empty .msi" "is empty" --msi empty.msi --angles a.txt
+unfit "a device" "not a regular file but a device" --msi /dev/zero --angles a.txt
 finish

@@ -59,7 +59,7 @@ check "which is said too" says "$work/run.log" "view is scene, but no camera"
 rm "$state"
 mkfifo "$state"
 check "nor is a pipe, that nobody would write to" run "${keep[@]}" --frames 2
-check "it is named" says "$work/run.log" "$state: not a plain file"
+check "it is named" says "$work/run.log" "$state: not a regular file but a named pipe"
 rm "$state"
 
 # ---- folders that are wrong ----

@@ -153,7 +153,7 @@ static void script_missing(void **state)
 	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "script.file"));
 	strcpy(option, folder);
-	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -EIO);
+	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -EISDIR);
 }
 
 static void wrappers(void **state)

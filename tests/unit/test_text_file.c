@@ -7,6 +7,10 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
 
 #include "hal/number.h"
 #include "hal/text_file.h"
@@ -70,8 +74,6 @@ static void no_text(void **state)
 	struct text_file file;
 
 	(void)state;
-	expect("/dev/zero", 1, -EINVAL, ":1: holds a zero byte, expected a text file");
-	expect(own_folder, 1, -EISDIR, ": cannot be read: Is a directory");
 	write_text("one\nt\0o\n", 8);
 	expect(own_path("text"), 2, -EINVAL, ":2: holds a zero byte, expected a text file");
 	memset(wide, 'x', sizeof(wide));
@@ -87,6 +89,67 @@ static void no_text(void **state)
 	assert_int_equal(text_file_open(&file, own_path("none"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "/none: No such file or directory"));
 	text_file_close(&file);
+}
+
+static void refuse(const char *path, int err, const char *what)
+{
+	struct fault fault = {""};
+	struct text_file file;
+	char says[PATH_MAX + 80];
+
+	assert_int_equal(text_file_open(&file, path, &fault), err);
+	snprintf(says, sizeof(says), "%s: not a regular file but a %s, expected one to read", path,
+		 what);
+	assert_string_equal(fault.text, says);
+}
+
+/* What would be waited for, or read, for ever. */
+static void no_files(void **state)
+{
+	struct sockaddr_un address = {.sun_family = AF_UNIX};
+	const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
+
+	(void)state;
+	alarm(20);
+	refuse(own_folder, -EISDIR, "folder");
+	refuse("/dev/zero", -EINVAL, "device");
+	assert_int_equal(mkfifo(own_path("pipe"), 0600), 0);
+	refuse(own_path("pipe"), -EINVAL, "named pipe");
+	unlink(own_path("pipe"));
+	assert_true(snprintf(address.sun_path, sizeof(address.sun_path), "%s", own_path("socket")) >
+		    0);
+	assert_int_equal(bind(listener, (struct sockaddr *)&address, sizeof(address)), 0);
+	refuse(own_path("socket"), -EINVAL, "socket");
+	close(listener);
+	unlink(own_path("socket"));
+	alarm(0);
+}
+
+/* As a shell's <(command) gives it, whose command may take its time. */
+static void the_pipe_of_a_command(void **state)
+{
+	char path[40];
+	struct text_file file;
+	int ends[2];
+	pid_t command;
+
+	(void)state;
+	assert_int_equal(pipe(ends), 0);
+	command = fork();
+	if (!command) {
+		usleep(100000);
+		_exit(write(ends[1], "late\n", 5) != 5);
+	}
+	assert_true(command > 0);
+	close(ends[1]);
+	snprintf(path, sizeof(path), "/dev/fd/%d", ends[0]);
+	assert_int_equal(text_file_open(&file, path, NULL), 0);
+	assert_int_equal(text_file_next(&file, NULL), 1);
+	assert_string_equal(file.line, "late");
+	assert_int_equal(text_file_next(&file, NULL), 0);
+	text_file_close(&file);
+	close(ends[0]);
+	assert_int_equal(waitpid(command, NULL, 0), command);
 }
 
 /* Blank lines without end: what no line's bound stops. */
@@ -156,6 +219,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(lines_without_their_breaks),
 		cmocka_unit_test(no_text),
+		cmocka_unit_test(no_files),
+		cmocka_unit_test(the_pipe_of_a_command),
 		cmocka_unit_test(large_files),
 		cmocka_unit_test(numbers),
 	};
