@@ -137,7 +137,7 @@ run "a camera's picture of the wrong size" "the background is 64x32 pixels, expe
 # ---- a pipe that nobody writes to, where a file should be: nothing waits for it ----
 mkfifo "$work/pipe"
 unfit() { # NAME COMMAND...
-	refused "a pipe as $1" 1 "pipe: not a regular file but a named pipe" timeout 5 "${@:2}"
+	refused "a pipe as $1" 1 "pipe: not a regular file but a named pipe" timeout -k 1 5 "${@:2}"
 }
 unfit "the configuration" "$INLAY" run --config "$work/pipe"
 unfit "the lens" "$INLAY" run --config "$work/studio.conf" --set "fisheye.lens=$work/pipe"
