@@ -93,7 +93,8 @@ fill() {
 	local owner
 	owner=$(awk -F: '$1 == "inlay" { print $3 ":" $4 }' "$root/etc/passwd")
 	[ -n "$owner" ] || fail "the programs brought no user inlay (sysusers)"
-	mkfs.ext4 -q -F -m 0 -L inlay-data -E "root_owner=$owner" "$staging/data.ext4" 64M
+	# Its block size says where the copy of its superblock is that usr/lib/inlay/mend looks at.
+	mkfs.ext4 -q -F -b 1024 -m 0 -L inlay-data -E "root_owner=$owner" "$staging/data.ext4" 64M
 	# No journal: nothing is ever written. Room for nothing more, either.
 	mkfs.ext4 -q -F -m 0 -L inlay-root -O ^has_journal,^metadata_csum_seed -d "$root" \
 		"$staging/root.ext4" $(($(du -s --apparent-size -m "$root" | cut -f1) * 23 / 20 + 16))M
