@@ -3,7 +3,8 @@
 #
 #     debian.sh [--for ARCH] [--unconfigured] [--components "main ..."] [--before FOLDER] PACKAGE...
 #
-# The release is the host's own, and its packages come from where the host's apt gets them.
+# The release is the host's own, and its packages come from where the host's apt gets them; the root's own
+# sources.list says the same. A host whose apt names no archive of its release leaves it to mmdebstrap.
 # --before FOLDER    copied over the root before the packages are configured (initramfs settings)
 # --unconfigured     packages are only unpacked: for headers and libraries to link with
 #
@@ -34,8 +35,18 @@ fail() {
 suite=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
 [ -n "$suite" ] || fail "/etc/os-release names no Debian release: expected Debian 12 or later"
 
+# Where the host's apt would look for this release now, with the components that are wanted here. Others
+# name their archives after the release too; those have other components, or more in their names.
+sources() {
+	apt-get update --print-uris |
+		sed -nE "s#^'(.*)/dists/($suite(|-updates|-security))/main/binary-.*#deb \1 \2 $components#p" |
+		sort -u
+}
+sources=$(sources)
+
 key=$( (
 	cat "$0"
+	echo "$sources"
 	echo "$suite $architecture $components $variant $*"
 	[ -z "$before" ] || (cd "$before" && find . -type f | sort | xargs cat)
 ) | sha256sum | cut -c1-16)
@@ -58,15 +69,6 @@ if [ "$variant" != extract ] && [ "$architecture" != "$(dpkg --print-architectur
 	"$(dirname "$0")/foreign.sh" "$architecture"
 fi
 
-# Where the host's apt gets this release from, with the components that are wanted here.
-sources() {
-	apt-get indextargets --format "\$(REPO_URI) \$(RELEASE)" "Identifier: Packages" |
-		awk -v suite="$suite" '$2 == suite || index($2, suite "-") == 1' | sort -u |
-		sed "s/.*/deb & $components/"
-}
-sources=$(sources)
-[ -n "$sources" ] || sources="deb http://deb.debian.org/debian $suite $components"
-
 staging=$(mktemp -d "$cache/.debian-$key.XXXXXX")
 trap 'rm -rf "$staging"' EXIT
 trap 'exit 130' INT
@@ -75,8 +77,6 @@ log=$cache/debian-$architecture-$key.log
 
 # The host's proxy serves the download and is not kept.
 apt-config dump | grep -E '^Acquire::(https?|ftp)::Proxy|^Acquire::Check' >"$staging/apt.conf" || true
-printf 'deb http://deb.debian.org/debian %s %s\ndeb http://deb.debian.org/debian-security %s-security %s\n' \
-	"$suite" "$components" "$suite" "$components" >"$staging/sources.list"
 
 mode=unshare # an ordinary user's own namespace
 [ "$(id -u)" != 0 ] || mode=root
@@ -90,13 +90,11 @@ options=(
 )
 if [ "$variant" != extract ]; then
 	[ -z "$before" ] || options+=(--essential-hook="copy-in '$before'/. /")
-	options+=(
-		--customize-hook="upload '$staging/sources.list' /etc/apt/sources.list"
-		--customize-hook='rm -rf "$1"/etc/apt/apt.conf.d/99mmdebstrap "$1"/etc/apt/sources.list.d/*'
-	)
+	options+=(--customize-hook='rm -f "$1"/etc/apt/apt.conf.d/99mmdebstrap')
 fi
 echo "  DEBIAN  $suite $architecture (once; log: $log)" >&2
-if ! mmdebstrap "${options[@]}" "$suite" "$staging/root.tar" - <<<"$sources" >"$log" 2>&1; then
+if ! mmdebstrap "${options[@]}" "$suite" "$staging/root.tar" ${sources:+-} <<<"$sources" \
+	>"$log" 2>&1; then
 	tail -n 20 "$log" >&2
 	if [ "$mode" = unshare ] && grep -q -i -E 'subuid|newuidmap|unshare' "$log"; then
 		fail "an ordinary user needs unprivileged user namespaces, newuidmap (package uidmap) and" \

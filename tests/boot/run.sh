@@ -17,7 +17,8 @@ esac
 for board in "$@"; do
 	case $board in
 	raspberrypi) tests/boot/test_contents.sh "$board" ;;
-	qemu-x86_64) tests/boot/test_mend.sh && tests/boot/test_picture.sh "$board" && tests/boot/test_power.sh "$board" ;;
+	qemu-x86_64) tests/boot/test_archive.sh && tests/boot/test_mend.sh &&
+		tests/boot/test_picture.sh "$board" && tests/boot/test_power.sh "$board" ;;
 	*) tests/boot/test_picture.sh "$board" ;;
 	esac || failed=1
 done

@@ -4,7 +4,7 @@
 #     test_mend.sh
 . tests/vm/tap.sh
 PATH=$PATH:/usr/sbin:/sbin
-folder=$BUILD/tests/boot/mend
+folder=${BUILD:?is not set: expected a folder to write in}/tests/boot/mend
 rm -rf "$folder"
 mkdir -p "$folder/bin"
 partition=$folder/partition
