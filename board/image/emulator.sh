@@ -10,7 +10,9 @@
 emulator_of() {
 	local board=$1 image=$2 folder=$3
 	shift 3
-	local line="quiet panic=-1 root=PARTLABEL=inlay-root ro rootfstype=ext4 rootwait $*"
+	local root line
+	root=$(PATH=$PATH:/usr/sbin sfdisk --part-uuid "$image" 2) || return
+	line="quiet panic=-1 root=PARTUUID=${root,,} ro rootfstype=ext4 rootwait $*"
 	local firmware=/usr/share/OVMF disk="file=$image,format=raw,if=none,id=disk"
 
 	case $board in

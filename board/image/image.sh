@@ -34,11 +34,19 @@ components=main
 before=        # folder copied over the root before the packages are configured
 config_mib=64  # of the partition INLAY
 table=gpt      # or dos, for firmware that reads no other
-# board_files ROOT BOOT OUT: adds to the root, fills the partition INLAY (a folder), and leaves
-# beside the image what its emulator needs.
+# board_files ROOT BOOT OUT ROOT_ID: adds to the root, fills the partition INLAY (a folder), and leaves
+# beside the image what its emulator needs. The kernel finds its root by PARTUUID=ROOT_ID.
 board_files() { :; }
 # shellcheck source=/dev/null
 . "board/$board/board.sh"
+
+# Every image has its own: a label may be on any stick that is plugged in.
+if [ "$table" = gpt ]; then
+	root_id=$(cat /proc/sys/kernel/random/uuid)
+else
+	disk_id=$(od -An -N4 -tx4 /dev/urandom | tr -d ' ')
+	root_id=$disk_id-02
+fi
 
 mapfile -t shared < <(grep -v '^#' $here/packages)
 base=$($here/debian.sh --for "$architecture" --components "$components" \
@@ -88,7 +96,7 @@ fill() {
 	cp $here/demo.conf "$root/etc/inlay/kiosk.conf"
 	cp $here/demo.conf "$boot/kiosk.conf"
 	cp $here/INLAY.txt "$boot/README.txt"
-	board_files "$root" "$boot" "$staging"
+	board_files "$root" "$boot" "$staging" "$root_id"
 
 	local owner
 	owner=$(awk -F: '$1 == "inlay" { print $3 ":" $4 }' "$root/etc/passwd")
@@ -117,13 +125,14 @@ linked() {
 assemble() {
 	local image=$staging/inlay.img at=1 part size types=(U L L)
 	local names=(INLAY inlay-root inlay-data) script="label: $table"
-	[ "$table" = gpt ] || types=(c L L)
+	[ "$table" = gpt ] || { types=(c L L) && script+=$'\n'"label-id: 0x$disk_id"; }
 	local parts=(boot.fat root.ext4 data.ext4) i
 	for i in 0 1 2; do
 		part=$staging/${parts[i]}
 		size=$((($(stat -c %s "$part") + 1048575) / 1048576))
 		script+=$'\n'"start=${at}MiB, size=${size}MiB, type=${types[i]}"
 		[ "$table" != gpt ] || script+=", name=${names[i]}"
+		[ "$table.$i" != gpt.1 ] || script+=", uuid=$root_id"
 		dd if="$part" of="$image" bs=1M seek=$at conv=sparse,notrunc status=none
 		at=$((at + size))
 	done
@@ -132,7 +141,7 @@ assemble() {
 }
 
 echo "  IMAGE   $out/inlay.img"
-export board build here staging base config_mib
+export board build here staging base config_mib root_id
 fakeroot bash -euo pipefail -c "$(declare -f fail fill board_files); fill"
 linked
 assemble

@@ -7,7 +7,7 @@ packages=(linux-image-amd64 initramfs-tools systemd-boot-efi firmware-amd-graphi
 before=board/image/initramfs
 config_mib=512 # of which a basis file takes most
 
-board_files() { # root, boot, out
+board_files() { # root, boot, out, root_id
 	mkdir -p "$2/EFI/BOOT" "$2/loader/entries"
 	cp "$1/usr/lib/systemd/boot/efi/systemd-bootx64.efi" "$2/EFI/BOOT/BOOTX64.EFI"
 	cp "$1"/boot/vmlinuz-* "$2/vmlinuz"
@@ -19,6 +19,6 @@ board_files() { # root, boot, out
 		title inlay
 		linux /vmlinuz
 		initrd /initrd
-		options root=PARTLABEL=inlay-root ro rootfstype=ext4 quiet loglevel=3 vt.global_cursor_default=0 panic=10
+		options root=PARTUUID=$4 ro rootfstype=ext4 quiet loglevel=3 vt.global_cursor_default=0 panic=10
 	END
 }

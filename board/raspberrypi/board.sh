@@ -8,7 +8,7 @@ before=board/image/initramfs
 config_mib=512
 table=dos # which every model reads
 
-board_files() { # root, boot, out
+board_files() { # root, boot, out, root_id
 	cp "$1"/usr/lib/raspi-firmware/{start4.elf,fixup4.dat} "$2/"
 	cp "$1"/usr/lib/linux-image-*/broadcom/bcm27*-rpi-*.dtb "$2/"
 	[ -e "$2/bcm2711-rpi-4-b.dtb" ] || fail "the kernel has no device tree of a Raspberry Pi 4"
@@ -25,6 +25,6 @@ board_files() { # root, boot, out
 		disable_splash=1
 		disable_overscan=1
 	END
-	echo "root=LABEL=inlay-root ro rootfstype=ext4 rootwait quiet loglevel=3" \
+	echo "root=PARTUUID=$4 ro rootfstype=ext4 rootwait quiet loglevel=3" \
 		"vt.global_cursor_default=0 console=tty1 panic=10" >"$2/cmdline.txt"
 }

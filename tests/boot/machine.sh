@@ -4,6 +4,7 @@
 . board/image/emulator.sh
 
 machine= # process id of QEMU
+beside=() # QEMU's words for what else is plugged in, found before the disk
 
 # machine_start BOARD IMAGE OUT [KERNEL WORD...]: what it says is left in OUT.
 machine_start() {
@@ -23,7 +24,7 @@ machine_start() {
 	emulator_of "$board" "$image" "build/image/$board" "$@" || return 1
 	local second=(-serial chardev:shell)
 	[ "$board" != qemu-arm64 ] || second=(-device "pci-serial,chardev=shell") # it has only one
-	"${emulator[@]}" -display none -vga none -device virtio-gpu-pci \
+	"${emulator[0]}" "${beside[@]}" "${emulator[@]:1}" -display none -vga none -device virtio-gpu-pci \
 		-serial "file:$out/console.log" \
 		-chardev "pipe,id=shell,path=$out/shell" "${second[@]}" \
 		-chardev "pipe,id=monitor,path=$out/monitor" -mon chardev=monitor,mode=control \

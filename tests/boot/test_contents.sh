@@ -20,9 +20,10 @@ for file in config.txt cmdline.txt start4.elf fixup4.dat bcm2711-rpi-4-b.dtb vml
 done
 matches "it starts the kernel that is there" '^kernel=vmlinuz' \
 	"$(mtype -i "$image@@1M" ::/config.txt)"
-matches "and that finds its root" 'root=LABEL=inlay-root ro' \
-	"$(mtype -i "$image@@1M" ::/cmdline.txt)"
 table=$(sfdisk -d "$image")
+matches "and that finds its root on this image, not on one of the same label" \
+	"root=PARTUUID=$(sed -n 's/^label-id: 0x//p' <<<"$table")-02 ro" \
+	"$(mtype -i "$image@@1M" ::/cmdline.txt)"
 matches "a partition table that every model reads" '^label: dos' "$table"
 
 read -r start size < <(sed -n 's/.*img2 : start= *\([0-9]*\), size= *\([0-9]*\),.*/\1 \2/p' <<<"$table")

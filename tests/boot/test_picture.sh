@@ -27,6 +27,18 @@ root_of() { # checksum of the root partition
 }
 before=$(root_of "$image")
 [ "$board" != pc-x86_64 ] || shell_on_disk "$image" # its command line is on the disk
+# Somebody's disk with the same names on it, which the kernel finds first.
+decoy() { # file
+	truncate -s 8M "$1"
+	PATH=$PATH:/usr/sbin sfdisk -q "$1" <<-END
+		label: gpt
+		size=1MiB, name=INLAY
+		size=1MiB, name=inlay-root
+		size=1MiB, name=inlay-data
+	END
+}
+decoy "$folder/decoy.img"
+beside=(-drive "file=$folder/decoy.img,format=raw,if=none,id=decoy" -device "virtio-blk-pci,drive=decoy")
 machine_start "$board" "$image" "$folder" "systemd.wants=inlay-shell@$tty.service"
 
 up() { # READY=1 comes with the first picture that is on the screen
