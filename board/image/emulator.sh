@@ -20,18 +20,20 @@ emulator_of() {
 		emulator=(qemu-system-x86_64 -accel "${ACCEL:-tcg,thread=multi}" -cpu max
 			-kernel "$folder/kernel"
 			-append "console=ttyS0 mitigations=off init=/usr/lib/systemd/systemd $line"
-			-device virtio-blk-pci,drive=disk)
+			-device virtio-blk-pci,drive=disk -device i6300esb)
 		;;
 	pc-x86_64) # a stick in a PC with UEFI
 		emulator=(qemu-system-x86_64 -accel "${ACCEL:-tcg,thread=multi}" -cpu max -machine q35
 			-drive "if=pflash,format=raw,readonly=on,file=$firmware/OVMF_CODE_4M.fd"
 			-drive "if=pflash,format=raw,snapshot=on,file=$firmware/OVMF_VARS_4M.fd"
-			-device qemu-xhci -device usb-storage,drive=disk)
+			-device qemu-xhci -device usb-storage,drive=disk
+			-global ICH9-LPC.noreboot=off) # its watchdog may start it anew
 		;;
 	qemu-arm64)
 		emulator=(qemu-system-aarch64 -accel "${ACCEL:-tcg,thread=multi}" -machine virt
 			-cpu cortex-a72 -kernel "$folder/kernel" -initrd "$folder/initrd"
-			-append "console=ttyAMA0 $line" -device virtio-blk-pci,drive=disk)
+			-append "console=ttyAMA0 $line" -device virtio-blk-pci,drive=disk
+			-device i6300esb)
 		;;
 	*)
 		echo "emulator: QEMU cannot be a $board: expected qemu-x86_64, pc-x86_64 or qemu-arm64" >&2

@@ -19,13 +19,16 @@ trap machine_end EXIT
 
 # ---- as it is delivered: its own configuration, the demo ----
 cp --sparse=always "build/image/$board/inlay.img" "$image"
-root_of() { # checksum of the root partition
-	local start size
-	read -r start size < <(PATH=$PATH:/usr/sbin sfdisk -d "$1" |
-		sed -n 's/.*img2 : start= *\([0-9]*\), size= *\([0-9]*\),.*/\1 \2/p')
-	dd if="$1" bs=512 skip="$start" count="$size" status=none | sha256sum
+place_of() { # number of a partition: its first sector and how many it has
+	PATH=$PATH:/usr/sbin sfdisk -d "$image" |
+		sed -n "s/.*img$1 : start= *\([0-9]*\), size= *\([0-9]*\),.*/\1 \2/p"
 }
-before=$(root_of "$image")
+sum_of() { # number of a partition
+	local start size
+	read -r start size < <(place_of "$1")
+	dd if="$image" bs=512 skip="$start" count="$size" status=none | sha256sum
+}
+before=$(sum_of 2)
 [ "$board" != pc-x86_64 ] || shell_on_disk "$image" # its command line is on the disk
 # Somebody's disk with the same names on it, which the kernel finds first.
 decoy() { # file
@@ -80,4 +83,17 @@ check "and shows a picture again" up
 # ---- switched off in order ----
 shell 5 'systemctl poweroff' >/dev/null
 check "it switches itself off in order" switched_off "$patience"
-equal "the root is as it was delivered, bit for bit" "$before" "$(root_of "$image")"
+equal "the root is as it was delivered, bit for bit" "$before" "$(sum_of 2)"
+
+# ---- on the partition of the state lies something else, and later systemd itself stands still ----
+yes garbage | dd of="$image" bs=512 seek="$(place_of 3 | cut -d' ' -f1)" count=128 iflag=fullblock \
+	conv=notrunc status=none
+before=$(sum_of 3)
+machine_start "$board" "$image" "$folder" "systemd.wants=inlay-shell@$tty.service"
+check "it comes to the picture without a place for its state" up
+matches "and says why" "holds no file system of the kiosk's" \
+	"$(shell 60 'journalctl --no-pager -p err -u inlay-prepare')"
+shell 60 'kill -SEGV 1' >/dev/null
+check "the machine's own watchdog starts it anew" switched_off "$patience"
+matches "and nothing else does" '"event": "WATCHDOG"' "$(cat "$folder/monitor.log")"
+equal "what lay there is untouched" "$before" "$(sum_of 3)"
