@@ -13,8 +13,9 @@ board_files() { # root, boot, out, root_id
 	cp "$1"/boot/vmlinuz-* "$2/vmlinuz"
 	cp "$1"/boot/initrd.img-* "$2/initrd"
 	rm -rf "${1:?}"/boot/* "$1"/vmlinuz* "$1"/initrd.img*
-	printf 'timeout 0\neditor yes\n' >"$2/loader/loader.conf"
-	# A space held down while it starts opens the menu, e on an entry its command line.
+	# A space held down while it starts opens the menu. The command line is not for whoever has a
+	# keyboard: it can open a root's shell.
+	printf 'timeout 0\neditor no\n' >"$2/loader/loader.conf"
 	cat >"$2/loader/entries/inlay.conf" <<-END
 		title inlay
 		linux /vmlinuz

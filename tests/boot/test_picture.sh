@@ -69,6 +69,12 @@ if shell 60 'touch /probe /etc/inlay/probe' >/dev/null; then
 else
 	ok "neither it nor the configuration can be written"
 fi
+equal "a keyboard gives the kernel no orders" 0 "$(shell 60 'cat /proc/sys/kernel/sysrq')"
+# What the kernel makes of ctrl-alt-del, as often as would start the machine anew at once.
+equal "nor does it start the machine anew" active \
+	"$(shell 60 'for press in 1 2 3 4 5 6 7 8 9; do kill -INT 1; done; sleep 1; systemctl is-active inlay')"
+[ "$board" != pc-x86_64 ] || matches "nor changes its command line" '^editor no$' \
+	"$(mtype -i "$image@@1M" ::/loader/loader.conf)"
 [ "$board" = qemu-x86_64 ] || {
 	screendump "$folder/screen.ppm"
 	check "its screen shows the demo" test "$("$BUILD/tests/vm/picture" colour "$folder/screen.ppm" \
