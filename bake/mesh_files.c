@@ -7,6 +7,8 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "bake/plain_file.h"
+
 /* A whole file, as it is read here. */
 struct held {
 	struct aiFile file;
@@ -136,17 +138,18 @@ static void flush(struct aiFile *file)
 
 static bool read_whole(struct held *h, const char *path)
 {
-	FILE *stream = fopen(path, "rb");
 	struct stat is;
+	FILE *stream;
 	bool fine = false;
 
-	if (stream && fstat(fileno(stream), &is) == 0 && S_ISREG(is.st_mode)) {
+	if (plain_file_open(&stream, path, PLAIN_FILE_MAX, NULL) < 0)
+		return false;
+	if (fstat(fileno(stream), &is) == 0) {
 		h->size = (size_t)is.st_size;
 		h->bytes = malloc(h->size + 1);
 		fine = h->bytes && fread(h->bytes, 1, h->size, stream) == h->size;
 	}
-	if (stream)
-		fclose(stream);
+	fclose(stream);
 	return fine;
 }
 

@@ -12,9 +12,11 @@
 #include <assimp/scene.h>
 
 #include "bake/mesh_files.h"
+#include "bake/mesh_gltf.h"
 #include "bake/mesh_mtl.h"
 #include "bake/mesh_normals.h"
 #include "bake/mesh_ply.h"
+#include "bake/plain_file.h"
 #include "hal/optics/vec.h"
 
 #define TRIANGLES_MAX (64 << 20)
@@ -92,6 +94,7 @@ static int import_image(struct image *image, const struct aiScene *scene, const 
 {
 	const struct aiTexture *inside = NULL;
 	char path[PATH_MAX];
+	FILE *file;
 	int err;
 
 	if (name[0] == '*') {
@@ -110,6 +113,10 @@ static int import_image(struct image *image, const struct aiScene *scene, const 
 	err = texture_path(mesh_path, name, path);
 	if (err)
 		return fault_say(fault, err, "%s: the texture's path is too long", mesh_path);
+	err = plain_file_open(&file, path, PLAIN_FILE_MAX, fault);
+	if (err)
+		return err;
+	fclose(file);
 	return image_read(path, image, fault);
 }
 
@@ -337,6 +344,8 @@ int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool mat
 	const struct aiScene *scene;
 	int err = materials ? mesh_mtl_check(path, fault) : 0;
 
+	if (!err)
+		err = mesh_gltf_check(path, fault);
 	if (!err)
 		err = mesh_ply_check(path, fault);
 	if (!err)

@@ -8,6 +8,9 @@
 #include <string.h>
 #include <strings.h>
 
+#include "bake/plain_file.h"
+
+#define LIBRARY_MAX ((uint64_t)64 << 20) /* bytes */
 #define BLANKS " \t\r\n"
 
 /* What an OBJ's libraries define: names, one after the other, each with its 0. */
@@ -57,20 +60,31 @@ static int add_name(struct names *names, const char *name)
 	return 0;
 }
 
-/* The library of a line, or, as assimp has it, the one that is named as the mesh. */
-static FILE *open_library(const char *path, const char *library)
+/* But nothing that may be read to its end. */
+static bool is_there(int err)
+{
+	return err == -EINVAL || err == -EFBIG;
+}
+
+/* The library of a line, or, as assimp has it, the one that is named as the mesh. -ENOENT ...:
+ * there is none, which is said where it is missed; a fault of any other is that of what is there.
+ */
+static int open_library(FILE **file, const char *path, const char *library, struct fault *fault)
 {
 	const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
 	char name[PATH_MAX];
-	FILE *file = NULL;
+	int err = -ENAMETOOLONG, other;
 
+	*file = NULL;
 	if (snprintf(name, sizeof(name), "%.*s%s", slash ? (int)(slash - path) + 1 : 0, path,
 		     library) < (int)sizeof(name))
-		file = fopen(name, "r");
-	if (!file &&
-	    snprintf(name, sizeof(name), "%.*s.mtl", (int)(dot - path), path) < (int)sizeof(name))
-		file = fopen(name, "r");
-	return file;
+		err = plain_file_open(file, name, LIBRARY_MAX, fault);
+	if (!err || is_there(err))
+		return err;
+	if (snprintf(name, sizeof(name), "%.*s.mtl", (int)(dot - path), path) >= (int)sizeof(name))
+		return err;
+	other = plain_file_open(file, name, LIBRARY_MAX, fault);
+	return !other || is_there(other) ? other : err;
 }
 
 static int read_library(struct names *names, FILE *file)
@@ -88,10 +102,8 @@ static int read_library(struct names *names, FILE *file)
 	return err;
 }
 
-static int miss_library(struct names *names, const char *library, int number)
+static int miss_library(struct names *names, const char *library, int number, int err)
 {
-	const int err = -errno;
-
 	if (names->missing)
 		return 0;
 	names->missing = strdup(library);
@@ -129,12 +141,14 @@ static int check_line(struct names *names, char *line, const char *path, int num
 	if (!library)
 		return 0;
 	names->any_library = true;
-	file = open_library(path, library);
+	err = open_library(&file, path, library, fault);
+	if (is_there(err))
+		return err;
 	if (file) {
 		err = read_library(names, file);
 		fclose(file);
 	} else {
-		err = miss_library(names, library, number);
+		err = miss_library(names, library, number, err);
 	}
 	return err ? fault_say(fault, err, "%s: out of memory", path) : 0;
 }
@@ -142,13 +156,14 @@ static int check_line(struct names *names, char *line, const char *path, int num
 int mesh_mtl_check(const char *path, struct fault *fault)
 {
 	const char *dot = strrchr(path, '.');
-	FILE *file = dot && strcasecmp(dot, ".obj") == 0 ? fopen(path, "r") : NULL;
 	struct names names = {.text = NULL};
+	FILE *file = NULL;
 	char *line = NULL;
 	size_t room = 0;
 	int err = 0, number = 0;
 
-	/* one that cannot be opened is said by whoever reads it */
+	if (dot && strcasecmp(dot, ".obj") == 0)
+		err = plain_file_open(&file, path, PLAIN_FILE_MAX, fault);
 	while (file && !err && getline(&line, &room, file) >= 0)
 		err = check_line(&names, line, path, ++number, fault);
 	if (file)

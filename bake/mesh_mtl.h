@@ -5,7 +5,8 @@
 #include "hal/fault.h"
 
 /* 0 for any other file. -ENOENT: an mtllib that cannot be opened, where a usemtl may have meant it;
- * -EINVAL: a usemtl that none of them has. The fault names file and line. */
+ * -EINVAL: a usemtl that none of them has, a library that is
+ * no plain file; -EFBIG. The fault names file and line. */
 int mesh_mtl_check(const char *path, struct fault *fault);
 
 #endif

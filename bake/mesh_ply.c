@@ -1,16 +1,14 @@
 #include "bake/mesh_ply.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
+
+#include "bake/plain_file.h"
 
 #define HEADER_BYTES_MAX (1 << 20)
 #define ELEMENTS_MAX 32
@@ -516,19 +514,12 @@ static int check(const char *text, size_t bytes, const char *path, struct fault 
 
 int mesh_ply_check(const char *path, struct fault *fault)
 {
-	const int fd = open(path, O_RDONLY | O_CLOEXEC);
-	void *map = MAP_FAILED;
-	struct stat about;
-	int err;
+	struct plain_map file;
+	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
 
-	/* one that cannot be opened is said by whoever reads it */
-	if (fd >= 0 && fstat(fd, &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0)
-		map = mmap(NULL, (size_t)about.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
-	if (fd >= 0)
-		close(fd);
-	if (map == MAP_FAILED)
-		return 0;
-	err = check(map, (size_t)about.st_size, path, fault);
-	munmap(map, (size_t)about.st_size);
+	if (err)
+		return err;
+	err = check(file.at, file.bytes, path, fault);
+	plain_file_unmap(&file);
 	return err;
 }

@@ -5,9 +5,10 @@
 
 #include "hal/fault.h"
 
-/* 0 for any other file. -EBADMSG: a header without end or meaning, more rows than the file can hold
- * or has, a face that is none; -E2BIG: more elements or properties than are read. The fault names
- * the file and, of text, the line. Indices of binary files are not looked at. */
+/* 0 for any other file. -ENOENT ...: not a plain file that can be opened; -EBADMSG: a header
+ * without end or meaning, more rows than the file can hold or has, a face that is none; -E2BIG:
+ * more elements or properties than are read. The fault names the file and, of text, the line.
+ * Indices of binary files are not looked at. */
 int mesh_ply_check(const char *path, struct fault *fault);
 
 #endif

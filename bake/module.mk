@@ -37,6 +37,7 @@ BAKE_SOURCES := \
 	bake/material.c \
 	bake/mesh.c \
 	bake/mesh_files.c \
+	bake/mesh_gltf.c \
 	bake/mesh_import.c \
 	bake/mesh_mtl.c \
 	bake/mesh_normals.c \
@@ -46,6 +47,7 @@ BAKE_SOURCES := \
 	bake/peaks.c \
 	bake/picture_stack.c \
 	bake/pictures.c \
+	bake/plain_file.c \
 	bake/plan.c \
 	bake/progress.c \
 	bake/render.c \

@@ -136,14 +136,14 @@ FUZZ_TARGETS := \
 # What they reach of app/ and bake/, beside the whole of hal/, drivers/ and config/: a part that is not
 # named does not link.
 FUZZ_PARTS := $(addprefix app/,control.c control_socket.c driver_list.c state.c) \
-	$(addprefix bake/,angles.c coarse.c finished_tile.c keyframes.c material.c mesh_ply.c msi.c plan.c \
-		scene_file.c shard.c) \
+	$(addprefix bake/,angles.c coarse.c finished_tile.c keyframes.c material.c mesh_gltf.c mesh_mtl.c mesh_ply.c \
+		msi.c plain_file.c plan.c scene_file.c shard.c) \
 	$(addprefix bake/calibrate/,camera_model.c convert_lens.c convert_tsai.c convert_yaml.c covariance.c \
 		least_squares.c linear.c observations.c)
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
-	control.sh bench.sh)
+	control.sh bombs.sh bench.sh)
 # What takes a minute or needs packages that building and using inlay does not: parts of install.sh and
 # calibrate.sh, which do without them in the quick tests.
 CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)

@@ -1,0 +1,103 @@
+#!/bin/bash
+# Meshes that have no end, or ask for far more than they hold: each is refused in one sentence that names the
+# file, in little time and memory.
+set -u
+# shellcheck source=tests/cli/scene.sh
+. "$(dirname "$0")/scene.sh"
+
+# mesh FILE: a scene of it, in its own materials.
+mesh() {
+	sed -e "s|^file = .*|file = $1|" -e '/^\[material/,$d' "$work/box.scene" >"$work/$1.scene"
+}
+# bomb FILE WORDS [NAME]: is refused with WORDS, by the name of FILE or NAME.
+bomb() {
+	mesh "$1"
+	refused "$1" 1 "${3:-$1}: $2" timeout 10 bash -c 'ulimit -v 4000000; exec "$@"' bash \
+		"$INLAY_BAKE" render "$work/$1.scene" -o "$work/none.inlay"
+}
+# repeat COUNT TEXT
+repeat() {
+	printf "$2%.0s" $(seq "$1")
+}
+# number32 N...: each as four bytes, the least first.
+number32() {
+	local n
+	for n in "$@"; do
+		printf '%b' "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x' $((n & 255)) $((n >> 8 & 255)) \
+			$((n >> 16 & 255)) $((n >> 24 & 255)))"
+	done
+}
+cd "$work" || exit 1
+
+# ---- no plain files ----
+mkfifo pipe.obj pipe.ply pipe.mtl pipe.png
+ln -s /dev/zero zero.obj
+ln -s /dev/zero zero.mtl
+for file in pipe.obj pipe.ply zero.obj; do
+	bomb $file "not a plain file"
+done
+for kind in pipe zero; do
+	{
+		echo "mtllib $kind.mtl"
+		cat box.obj
+	} >$kind-library.obj
+	bomb $kind-library.obj "not a plain file" $kind.mtl
+done
+printf 'newmtl paint\nKd 1 1 1\nmap_Kd pipe.png\n' >paint.mtl
+{
+	printf 'mtllib paint.mtl\nusemtl paint\nvt 0 0\n'
+	sed 's|\([0-9]\)\( \|$\)|\1/1\2|g; /^v/s|/1||g' box.obj
+} >texture.obj
+bomb texture.obj "not a plain file" pipe.png
+
+# ---- longer than any ----
+truncate -s 5G long.obj
+bomb long.obj "5368709120 bytes long, expected at most"
+truncate -s 5G long.mtl
+{
+	echo "mtllib long.mtl"
+	cat box.obj
+} >long-library.obj
+bomb long-library.obj "5368709120 bytes long, expected at most" long.mtl
+
+# ---- numbers and depths that are not meant ----
+deep=$(repeat 200000 '[')
+echo "{\"asset\":{\"version\":\"2.0\"},\"extras\":$deep" >deep.gltf
+bomb deep.gltf "JSON nested more than"
+echo "$deep" >brackets.gltf
+bomb brackets.gltf "JSON nested more than"
+cp deep.gltf deep.mesh
+bomb deep.mesh "JSON nested more than"
+{
+	printf 'glTF'
+	number32 2 $((20 + $(stat -c %s deep.gltf))) "$(stat -c %s deep.gltf)"
+	printf 'JSON'
+	cat deep.gltf
+} >deep.glb
+bomb deep.glb "JSON nested more than"
+{
+	printf 'glTF'
+	number32 2 0xffffffff 0xfffffff0
+	printf 'JSON{}'
+} >header.glb
+bomb header.glb "its header says that it has 4294967295 bytes, but there are 22"
+{
+	printf 'glTF'
+	number32 2 22 0xfffffff0
+	printf 'JSON{}'
+} >chunk.glb
+bomb chunk.glb "its chunk says that it has 4294967280 bytes, but there are 2"
+{
+	printf 'glTF'
+	number32 1 22 0xfffffff0 0
+	printf '{}'
+} >older.glb
+bomb older.glb "its JSON says that it has 4294967280 bytes, but there are 2"
+for vertices in 1099511627776 2147483647; do
+	printf 'ply\nformat ascii 1.0\nelement vertex %s\nproperty float x\nend_header\n0\n' $vertices \
+		>$vertices.ply
+done
+bomb 1099511627776.ply "element vertex \"1099511627776\", expected a number" 1099511627776.ply:3
+bomb 2147483647.ply "element vertex 2147483647, but a file of" 2147483647.ply:3
+absent "nothing is left" none.inlay
+finish
