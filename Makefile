@@ -223,7 +223,7 @@ RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/in
 
 # One queue for all: machines that wait run beside programs that compute. What lasts longest begins.
 UNIT_QUICK := $(filter-out $(addprefix $(BUILD)/,$(basename $(DEEP_ONLY_TESTS))),$(UNIT_PROGRAMS))
-test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) \
+test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) $(VM_LIBRARIES) \
 		$(BUILD)/tests/kernels/test_kernels kernel
 	$(Q)tests/run.sh --begin
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh

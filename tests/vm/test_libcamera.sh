@@ -53,10 +53,13 @@ driver=/sys/bus/platform/drivers/vimc
 unbind() {
 	echo vimc.0 >$driver/unbind
 }
-bind() {
+bind_untold() {
 	echo vimc.0 >$driver/bind
-	settle
 	v4l2-ctl -d "$(sensor_node)" -c show_information=2 # no running clock in the picture
+}
+bind() {
+	bind_untold
+	settle
 }
 
 # ---- why there is none ----
@@ -175,10 +178,11 @@ check "and opens again when it is back" capture 2 width=48 height=48
 
 # ---- a whole run: both views of one camera, onto vkms ----
 load vkms
+as=() # the command that starts the program
 run_libcamera() { # NAME option...
 	local name=$1
 	shift
-	"$INLAY" run --config $config --set basis.file="$basis" \
+	"${as[@]}" "$INLAY" run --config $config --set basis.file="$basis" \
 		--set "screen.device=/dev/dri/card$(card_of vkms)" \
 		--stats "$VM_OUT/$name.jsonl" "$@" >"$VM_OUT/$name.log" 2>&1 &
 	running=$!
@@ -232,6 +236,50 @@ bind
 check "and comes back" within_seconds 30 said_by_two "camera board: fine again"
 stop_run
 equal "that run ends well" 0 $?
+
+# ---- udev is behind, and tells more than the program's socket holds ----
+# The device has been taken away and is back under the same numbers: libcamera finds it, as udev,
+# which has yet to tell that it went, knows those. (The run before had the numbers of its camera in
+# use to its end; the first time gives them up.) The program's socket has little room, and the
+# program no right to more.
+unbind
+bind
+udevd=$(pgrep -o -x systemd-udevd)
+kill -STOP "$udevd"
+unbind
+bind_untold
+echo 8192 >/proc/sys/net/core/rmem_max
+as=(setpriv --bounding-set=-net_admin --inh-caps=-net_admin
+	env "LD_LIBRARY_PATH=$tools" LD_PRELOAD=webcam.so)
+run_libcamera late
+as=()
+lines() {
+	wc -l <"$VM_OUT/late.jsonl"
+}
+more_lines() {
+	[ "$(lines)" -gt "$1" ]
+}
+goes_on() {
+	within_seconds 10 more_lines $(($(lines) + 1))
+}
+lost_messages() {
+	awk '$2 == 15 && $4 == "00000002" && $9 > 0 { lost = 1 } END { exit !lost }' /proc/net/netlink
+}
+shows "a camera that has just come back is shown" vkms "$VM_OUT/expected.png" within=0
+check "and libcamera treats it as a webcam" grep -q "^webcam: a device" "$VM_OUT/late.log"
+kill -CONT "$udevd"
+udevadm settle --timeout=30
+check "udev tells now that it went, and the run goes on" goes_on
+kill -STOP $running
+tell_again
+tell_again
+check "what udev tells while the program is stopped is lost in part" lost_messages
+kill -CONT $running
+check "and the run goes on" goes_on
+shows "the picture is right" vkms "$VM_OUT/expected.png" within=0
+equal "and the camera was never lost" 0 "$(grep -c "no device" "$VM_OUT/late.log")"
+stop_run
+equal "that run ends well, too" 0 $?
 
 # ---- controls: set after every opening, refusals named ----
 brightness_is 128 || echo "it is not" | not_ok "the sensor's brightness is at its default"

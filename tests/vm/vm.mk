@@ -13,6 +13,13 @@ $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 
 -include $(addsuffix .d,$(VM_PROGRAMS))
 
+# Has libcamera treat vimc as a webcam.
+VM_LIBRARIES := $(if $(filter 1,$(WITH_LIBCAMERA)),$(BUILD)/tests/vm/webcam.so)
+$(VM_LIBRARIES): tests/vm/webcam.c
+	@mkdir -p $(@D)
+	$(say) LINK $@
+	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
+
 .PHONY: kernel test-vm test-vm-installed test-vm-rest vm-shell
 ## kernel: build the simulated machine's kernel, once; it is kept in ~/.cache/inlay (some minutes)
 kernel:
@@ -21,14 +28,14 @@ kernel:
 test-vm:
 	$(Q)board/deps.sh test
 	$(AGAIN) test-vm-installed
-test-vm-installed: all $(VM_PROGRAMS) $(BUILD)/tests/cli/allocations.so kernel
+test-vm-installed: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/allocations.so kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)FILTER="$(FILTER)" $(RUN_TESTS) vm tests/vm/run.sh
-test-vm-rest: all $(VM_PROGRAMS) $(BUILD)/tests/cli/allocations.so kernel
+test-vm-rest: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/allocations.so kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh --rest"
 ## vm-shell: a shell in the simulated machine (leave it with exit)
-vm-shell: all $(VM_PROGRAMS) kernel
+vm-shell: all $(VM_PROGRAMS) $(VM_LIBRARIES) kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/boot.sh --shell "$(BUILD)/tests/vm/shell" setsid --ctty --wait bash -i
 
