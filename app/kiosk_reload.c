@@ -1,4 +1,4 @@
-/* SIGHUP: another configuration while the pictures go on. */
+/* SIGHUP: another configuration, and another file of statistics, while the pictures go on. */
 #include <errno.h>
 
 #include "app/kiosk_parts.h"
@@ -125,6 +125,7 @@ static int reload(struct kiosk *k)
 void kiosk_reload(struct kiosk *k)
 {
 	service_reloading(&k->service, clock_now_ns());
+	stats_reopen(&k->stats);
 	if (reload(k))
 		log_error("the configuration is wrong; the old one stays");
 	else if (k->owed)

@@ -1,3 +1,4 @@
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -54,6 +55,7 @@ static int finish(int code)
 int main(int argc, char **argv)
 {
 	log_setup("inlay", LOG_LEVEL_INFO);
+	signal(SIGXFSZ, SIG_IGN); /* a file that is too large is an error that is said */
 	if (argc < 2) {
 		print_help(stderr);
 		return EXIT_USAGE;

@@ -1,31 +1,57 @@
 #include "app/stats.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "hal/clock.h"
 #include "hal/log.h"
 
 static const char *const stage_names[] = {"decode", "sample", "composite", "show"};
 
+_Static_assert(STATS_TEXT_MAX + 8 <= PIPE_BUF, "a pipe takes a line whole");
 _Static_assert(sizeof(stage_names) / sizeof(*stage_names) == STAGE_COUNT, "a name for each stage");
+
+/* Non-blocking: the reader of a pipe may be absent, or slow, or stop. Appending: others may cut the
+ * file short while it is written. */
+static int open_file(struct stats *stats, int flags)
+{
+	stats->file = open(
+		stats->path,
+		O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | flags, 0666);
+	return stats->file < 0 ? -errno : 0;
+}
+
+static bool is_pipe(const char *path)
+{
+	struct stat is;
+
+	return stat(path, &is) == 0 && S_ISFIFO(is.st_mode);
+}
 
 int stats_open(struct stats *stats, const char *path, struct fault *fault)
 {
 	int err;
 
-	*stats = (struct stats){.path = path};
-	if (!path)
+	*stats = (struct stats){.path = path, .file = -1};
+	err = path ? open_file(stats, O_TRUNC) : 0;
+	if (err == -ENXIO && is_pipe(path))
+		err = 0; /* nobody reads it yet */
+	if (!err)
 		return 0;
-	stats->stream = fopen(path, "we");
-	if (stats->stream) {
-		setvbuf(stats->stream, stats->buffer, _IOFBF, sizeof(stats->buffer));
-		return 0;
-	}
-	err = -errno;
 	return fault_say(fault, err, "%s: cannot write statistics: %s", path, strerror(-err));
+}
+
+void stats_reopen(struct stats *stats)
+{
+	stats_close(stats);
 }
 
 void stats_start(struct stats *stats, int64_t now_ns)
@@ -35,9 +61,9 @@ void stats_start(struct stats *stats, int64_t now_ns)
 
 void stats_close(struct stats *stats)
 {
-	if (stats->stream)
-		fclose(stats->stream);
-	stats->stream = NULL;
+	if (stats->path && stats->file >= 0)
+		close(stats->file);
+	stats->file = -1;
 }
 
 void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT])
@@ -156,7 +182,8 @@ void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 	append(&w,
 	       "},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"threshold_unit\":\"%s\","
 	       "\"dropped_error\":%.6g,"
-	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu",
+	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu,"
+	       "\"lines_lost\":%llu",
 	       pipeline->selection.used_count, pipeline->selection.count, threshold->value,
 	       threshold->percent ? "percent" : "grey level", stats_dropped_error(pipeline),
 	       pipeline->clipped,
@@ -164,7 +191,7 @@ void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 	       : pipeline->recovery.at_bound ? "in part"
 					     : "yes",
 	       pipeline->settings.exposures ? pipeline->settings.exposures : 1,
-	       (unsigned long long)pipeline->unfit);
+	       (unsigned long long)pipeline->unfit, (unsigned long long)stats->lines_lost);
 	append_cameras(&w, sources, source_count);
 }
 
@@ -184,24 +211,49 @@ static struct stats_figures figures(const struct stats *s, int64_t now_ns)
 	return f;
 }
 
+/* What a disk took of a line before it was full is taken away again. A pipe takes a line whole or
+ * not at all. */
+static int write_whole(int file, const char *text, size_t length)
+{
+	size_t done = 0;
+
+	while (done < length) {
+		const ssize_t written = write(file, text + done, length - done);
+		const int err = -errno;
+		const off_t end = written < 0 ? lseek(file, 0, SEEK_CUR) : 0;
+
+		if (written < 0 && done && end >= (off_t)done)
+			(void)!ftruncate(file, end - (off_t)done);
+		if (written < 0)
+			return err;
+		done += (size_t)written;
+	}
+	return 0;
+}
+
 static void write_line(struct stats *stats, const struct pipeline *pipeline,
 		       const struct source *sources, int source_count)
 {
-	char text[STATS_TEXT_MAX];
+	char text[STATS_TEXT_MAX], line[STATS_TEXT_MAX + 8];
+	int err = stats->file < 0 ? open_file(stats, 0) : 0;
 
 	stats_text(stats, pipeline, &pipeline->choice.threshold, sources, source_count, text);
-	fprintf(stats->stream, "{%s}\n", text);
-	if (!fflush(stats->stream) && !ferror(stats->stream))
+	if (!err)
+		err = write_whole(stats->file, line,
+				  (size_t)snprintf(line, sizeof(line), "{%s}\n", text));
+	if (!err)
 		return;
-	log_error("%s: cannot write statistics: %s", stats->path, strerror(errno));
-	stats_close(stats);
+	stats->lines_lost++;
+	log_warning_once("%s: statistics cannot be written: %s; lines are left out", stats->path,
+			 err == -EAGAIN || err == -ENXIO || err == -EPIPE ? "nobody reads them"
+									  : strerror(-err));
 }
 
 void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline *pipeline,
 		const struct source *sources, int source_count)
 {
 	stats->last = figures(stats, now_ns);
-	if (stats->stream)
+	if (stats->path)
 		write_line(stats, pipeline, sources, source_count);
 	stats->line_ns = now_ns;
 	stats->line_frames = stats->made = stats->timed = stats->late = 0;

@@ -6,7 +6,6 @@
 #define INLAY_APP_STATS_H
 
 #include <stdint.h>
-#include <stdio.h>
 
 #include "app/pipeline.h"
 #include "app/source.h"
@@ -26,9 +25,9 @@ struct stats_figures {
 };
 
 struct stats {
-	FILE *stream;	   /* NULL: nobody reads them */
-	char buffer[4096]; /* of the stream, which would else allocate its own at the first line */
-	const char *path;
+	const char *path;	   /* NULL: no lines are written */
+	int file;		   /* -1: not open at present */
+	uint64_t lines_lost;	   /* could not be written, since the start */
 	int64_t start_ns, line_ns; /* of the run; of the last line */
 	uint64_t frames;	   /* shown since the start */
 	struct stats_figures last; /* what the last line said */
@@ -43,8 +42,12 @@ struct stats {
 	unsigned next_flying;
 };
 
-/* path NULL: count, but write nothing. */
+/* Begins the file anew. path NULL: count, but write nothing. A named pipe may have its reader
+ * later.
+ */
 int stats_open(struct stats *stats, const char *path, struct fault *fault);
+/* The next line goes to what has that name by then: the old file may have been moved away. */
+void stats_reopen(struct stats *stats);
 void stats_start(struct stats *stats, int64_t now_ns); /* the run's time 0 */
 void stats_close(struct stats *stats);		       /* idempotent */
 
@@ -56,7 +59,8 @@ void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns
  * period_ns, and what making it took. A picture of no new frame has no latency. */
 void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int64_t period_ns);
 
-/* Writes a line and begins the next. A disk that is full is said once, and ends the file. */
+/* Writes a line and begins the next. Never waits: what cannot be written whole, because the disk is
+ * full or a pipe's reader slow or absent, is left out and counted, which is said once. */
 void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline *pipeline,
 		const struct source *sources, int source_count);
 

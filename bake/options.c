@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <getopt.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -38,6 +39,7 @@ int program_run(const char *name, const struct command *const *commands, int arg
 {
 	program = name;
 	log_setup(name, LOG_LEVEL_INFO);
+	signal(SIGXFSZ, SIG_IGN); /* a file that is too large is an error that is said */
 	if (argc < 2) {
 		print_usage(stderr, commands);
 		return EXIT_USAGE;

@@ -6,16 +6,20 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "app/loop.h"
 #include "app/options.h"
 #include "app/stats.h"
 #include "hal/clock.h"
+#include "tests/unit/own_folder.h"
 
 /* ---- options ---- */
 
@@ -222,7 +226,8 @@ static void lines_say_what_was_counted(void **state)
 		"000},"
 		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
 		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
-		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,\"cameras\":"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+		"\"lines_lost\":0,\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"fine\","
 		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n"
 		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
@@ -231,25 +236,147 @@ static void lines_say_what_was_counted(void **state)
 		"000},"
 		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
 		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
-		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,\"cameras\":"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+		"\"lines_lost\":0,\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"stalled\","
 		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n");
 }
 
-static void a_full_disk_ends_statistics_only(void **state)
+static void line(struct stats *stats, int second)
 {
-	struct pipeline pipeline = {.clipped = 0};
+	static const struct pipeline pipeline = {.clipped = 0};
+
+	stats_line(stats, second * NS_PER_S, &pipeline, NULL, 0);
+}
+
+static int open_stats(struct stats *stats, const char *path)
+{
+	struct fault fault;
+
+	alarm(20); /* it never waits */
+	signal(SIGPIPE, SIG_IGN);
+	signal(SIGXFSZ, SIG_IGN);
+	return stats_open(stats, path, &fault);
+}
+
+static void a_full_disk_takes_lines_only(void **state)
+{
 	struct stats stats;
 
 	(void)state;
 	if (access("/dev/full", W_OK))
 		skip();
-	assert_int_equal(stats_open(&stats, "/dev/full", NULL), 0);
+	assert_int_equal(open_stats(&stats, "/dev/full"), 0);
 	stats_start(&stats, 0);
-	stats_line(&stats, NS_PER_S, &pipeline, NULL, 0);
-	assert_null(stats.stream);
-	stats_line(&stats, 2 * NS_PER_S, &pipeline, NULL, 0);
+	line(&stats, 1);
+	line(&stats, 2);
+	assert_int_equal(stats.lines_lost, 2);
 	stats_close(&stats);
+}
+
+/* How many lines are there, each whole, the first saying that so many were lost before it? */
+static int count_lines(int file, int lost)
+{
+	static char text[1 << 17];
+	const ssize_t bytes = read(file, text, sizeof(text) - 1);
+	char said[40], *rest = NULL;
+	int lines = 0;
+
+	assert_true(bytes >= 0 && bytes < (ssize_t)sizeof(text) - 1);
+	assert_true(!bytes || text[bytes - 1] == '\n');
+	text[bytes] = '\0';
+	snprintf(said, sizeof(said), "\"lines_lost\":%d,", lost);
+	for (char *at = strtok_r(text, "\n", &rest); at; at = strtok_r(NULL, "\n", &rest)) {
+		assert_int_equal(strncmp(at, "{\"t\":", 5), 0);
+		assert_string_equal(at + strlen(at) - 2, "]}");
+		assert_true(lines++ || strstr(at, said));
+	}
+	return lines;
+}
+
+static void a_pipe_is_not_waited_for(void **state)
+{
+	const char *path = own_path("pipe");
+	struct stats stats;
+	int reader, lines;
+
+	(void)state;
+	assert_int_equal(mkfifo(path, 0600), 0);
+	assert_int_equal(open_stats(&stats, path), 0);
+	stats_start(&stats, 0);
+	line(&stats, 1);
+	reader = open(path, O_RDONLY | O_NONBLOCK);
+	line(&stats, 2);
+	assert_int_equal(count_lines(reader, 1), 1);
+	for (int k = 0; k < 1000; k++) /* more than it holds: 64 KiB */
+		line(&stats, 3);
+	assert_true(stats.lines_lost > 100 && stats.lines_lost < 999);
+	lines = count_lines(reader, 1);
+	assert_int_equal(lines + stats.lines_lost, 1001);
+	line(&stats, 4);
+	assert_int_equal(count_lines(reader, 1001 - lines), 1);
+	close(reader);
+	line(&stats, 5);
+	assert_int_equal(stats.lines_lost, 1002 - lines);
+	reader = open(path, O_RDONLY | O_NONBLOCK);
+	line(&stats, 6);
+	assert_int_equal(count_lines(reader, 1002 - lines), 1);
+	close(reader);
+	stats_close(&stats);
+	unlink(path);
+}
+
+static void files_are_cut_short_and_moved_away(void **state)
+{
+	char path[PATH_MAX], old[PATH_MAX];
+	struct stats stats;
+	int reader;
+
+	(void)state;
+	snprintf(path, sizeof(path), "%s", own_path("stats"));
+	snprintf(old, sizeof(old), "%s", own_path("stats.1"));
+	assert_int_equal(open_stats(&stats, path), 0);
+	stats_start(&stats, 0);
+	line(&stats, 1);
+	assert_int_equal(truncate(path, 0), 0);
+	line(&stats, 2);
+	assert_int_equal(rename(path, old), 0);
+	line(&stats, 3);
+	stats_reopen(&stats);
+	line(&stats, 4);
+	stats_reopen(&stats); /* which keeps what is there */
+	line(&stats, 5);
+	stats_close(&stats);
+	for (int k = 0; k < 2; k++) {
+		reader = open(k ? path : old, O_RDONLY);
+		assert_int_equal(count_lines(reader, 0), 2);
+		close(reader);
+		unlink(k ? path : old);
+	}
+}
+
+static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
+{
+	const char *path = own_path("stats");
+	const struct rlimit small = {1000, RLIM_INFINITY};
+	struct rlimit before;
+	struct stats stats;
+	int reader;
+
+	(void)state;
+	assert_int_equal(open_stats(&stats, path), 0);
+	stats_start(&stats, 0);
+	getrlimit(RLIMIT_FSIZE, &before);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+	for (int k = 0; k < 6; k++)
+		line(&stats, k);
+	setrlimit(RLIMIT_FSIZE, &before);
+	reader = open(path, O_RDONLY);
+	assert_int_equal(count_lines(reader, 0) + stats.lines_lost, 6);
+	assert_true(stats.lines_lost > 0 && stats.lines_lost < 6);
+	close(reader);
+	stats_close(&stats);
+	unlink(path);
 }
 
 int main(void)
@@ -261,8 +388,11 @@ int main(void)
 		cmocka_unit_test(slots_are_polled),
 		cmocka_unit_test(signals_end_it_and_seconds_tick),
 		cmocka_unit_test(lines_say_what_was_counted),
-		cmocka_unit_test(a_full_disk_ends_statistics_only),
+		cmocka_unit_test(a_full_disk_takes_lines_only),
+		cmocka_unit_test(a_pipe_is_not_waited_for),
+		cmocka_unit_test(files_are_cut_short_and_moved_away),
+		cmocka_unit_test(a_file_as_large_as_it_may_be_has_whole_lines),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
 }
