@@ -115,6 +115,22 @@ done
 check "a frame that nobody saw is shown again" timeout 60 "$INLAY" run --config "$work/studio.conf" \
 	--set screen.driver=null --set screen.null.hide_after=4 --frames 5
 
+# ---- statistics that nobody reads, files that may not be larger ----
+mkfifo "$work/unread"
+check "statistics that nobody reads hold up nothing" timeout -k 1 20 "$INLAY" run \
+	--config "$work/studio.conf" --set screen.driver=null --frames 3 --stats "$work/unread"
+limited() { # COMMAND...: no file of more than 1024 bytes
+	(ulimit -f 1 && exec timeout -k 1 20 "$@")
+}
+check "statistics that may not grow end nothing" limited "$INLAY" run --config "$work/studio.conf" \
+	--set screen.driver=null --set screen.rate=10 --frames 30 --stats "$work/small.jsonl"
+equal "they end with a line" "}" "$(tail -c 2 "$work/small.jsonl")"
+refused "a video that may not grow ends it in one line" 1 "File too large" limited "$INLAY" run \
+	--config "$work/studio.conf" --frames 3 --set "screen.device=$work/small.y4m"
+refused "a basis that may not grow is one line" 1 "File too large" limited "$INLAY_BAKE" render \
+	"$work/box.scene" --quiet -o "$work/small.inlay"
+absent "and nothing is left of either" "$work/small.y4m" "$work/small.inlay"
+
 # ---- a camera that takes its time: a pipe that nobody writes to ----
 mkfifo "$work/live.y4m"
 pipe=(--set camera.fisheye.sim.source=files --set "camera.fisheye.sim.file=$work/live.y4m")
