@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>
-#include <libgen.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/file.h>
@@ -13,6 +12,7 @@
 #include <unistd.h>
 
 #define TEMPORARY ".new"
+#define LOCK ".lock"
 #define WAITING 16 /* clients that the kernel keeps for us */
 
 int control_socket_group(const char *name, gid_t *group, struct fault *fault)
@@ -110,6 +110,30 @@ static int listen_at(struct control_socket *out, const char *temporary, const gi
 	return 0;
 }
 
+/* A file of our own, which nobody else may open: whoever may read the folder can lock that. A
+ * descriptor, or -errno; release() takes it away again. */
+static int acquire(const char *lock)
+{
+	const int fd = open(lock, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
+	struct stat ours, there;
+	int err = fd < 0 ? -errno : 0;
+
+	if (!err && flock(fd, LOCK_EX | LOCK_NB))
+		err = errno == EWOULDBLOCK ? -EADDRINUSE : -errno;
+	/* Whoever had it may have removed it since we opened it. */
+	if (!err && (fstat(fd, &ours) || stat(lock, &there) || ours.st_ino != there.st_ino))
+		err = -EADDRINUSE;
+	if (err && fd >= 0)
+		close(fd);
+	return err ? err : fd;
+}
+
+static void release(const char *lock, int fd)
+{
+	unlink(lock);
+	close(fd); /* and so unlocked */
+}
+
 static int open_locked(struct control_socket *out, const char *path, const gid_t *group,
 		       struct fault *fault)
 {
@@ -136,29 +160,24 @@ static int open_locked(struct control_socket *out, const char *path, const gid_t
 int control_socket_open(struct control_socket *out, const char *path, const gid_t *group,
 			struct fault *fault)
 {
-	char copy[sizeof(out->path)];
-	int folder, err;
+	char lock[sizeof(out->path) + sizeof(LOCK)];
+	int fd, err;
 
 	*out = (struct control_socket){.fd = -1};
 	if (strlen(path) + sizeof(TEMPORARY) > sizeof(((struct sockaddr_un *)0)->sun_path))
 		return fault_say(fault, -ENAMETOOLONG,
 				 "[control] socket: \"%s\" is too long for a socket", path);
-	strcpy(copy, path);
-	folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-	if (folder < 0) {
-		err = -errno;
-		return fault_say(fault, err,
-				 "[control] socket: cannot use the folder of \"%s\": %s", path,
-				 strerror(-err));
-	}
+	snprintf(lock, sizeof(lock), "%s" LOCK, path);
 	/* Two that start at once must not both find a dead socket and both replace it. */
-	if (flock(folder, LOCK_EX | LOCK_NB)) {
-		err = errno == EWOULDBLOCK ? -EADDRINUSE : -errno;
-		fault_say(fault, err, "[control] socket: another kiosk is opening \"%s\"", path);
-	} else {
-		err = open_locked(out, path, group, fault);
-	}
-	close(folder); /* and so unlocked */
+	fd = acquire(lock);
+	if (fd == -EADDRINUSE)
+		return fault_say(fault, fd, "[control] socket: another kiosk is opening \"%s\"",
+				 path);
+	if (fd < 0)
+		return fault_say(fault, fd, "[control] socket: cannot use the folder of \"%s\": %s",
+				 path, strerror(-fd));
+	err = open_locked(out, path, group, fault);
+	release(lock, fd);
 	return err;
 }
 

@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -376,6 +377,32 @@ static void place(void **state)
 	assert_int_equal(refusal("/nowhere/at/all", "", "folder of"), -ENOENT);
 }
 
+/* Whoever may read the folder can lock it, and may not keep a kiosk from starting by that. */
+static void locks(void **state)
+{
+	const int reader = open(folder, O_RDONLY | O_DIRECTORY);
+	struct control *control;
+	char lock[sizeof(path) + 8];
+	struct stat file;
+	int other;
+
+	(void)state;
+	assert_int_equal(flock(reader, LOCK_EX | LOCK_NB), 0);
+	control = open_control("");
+	control_close(control);
+	close(reader);
+	/* Another kiosk that is at it does. */
+	snprintf(lock, sizeof(lock), "%s.lock", path);
+	other = open(lock, O_RDWR | O_CREAT, 0644);
+	assert_int_equal(flock(other, LOCK_EX | LOCK_NB), 0);
+	assert_int_equal(refusal(path, "", "another kiosk is opening"), -EADDRINUSE);
+	assert_int_equal(stat(lock, &file), 0); /* it is the other's */
+	/* What is left of one that ended meanwhile is in nobody's way. */
+	close(other);
+	control = open_control("");
+	control_close(control);
+}
+
 static int make_folder(void **state)
 {
 	(void)state;
@@ -403,6 +430,7 @@ int main(void)
 		cmocka_unit_test(one_client_more),
 		cmocka_unit_test(out_of_descriptors),
 		cmocka_unit_test(place),
+		cmocka_unit_test(locks),
 	};
 
 	return cmocka_run_group_tests(tests, make_folder, remove_folder);
