@@ -364,6 +364,8 @@ static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
 	int reader;
 
 	(void)state;
+	assert_int_equal(mknod(path, S_IFREG | 0600, 0), 0);
+	assert_int_equal(truncate(path, 100), 0); /* of another run */
 	assert_int_equal(open_stats(&stats, path), 0);
 	stats_start(&stats, 0);
 	getrlimit(RLIMIT_FSIZE, &before);
