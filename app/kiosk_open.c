@@ -139,7 +139,7 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	const struct config *config = k->config;
 	int err;
 
-	k->loop.epoll = k->loop.signals = k->loop.timer = -1;
+	k->loop.epoll = k->loop.signals = k->loop.timer = k->loop.terminal = -1;
 	k->choice = (struct pipeline_choice){
 		.threshold = config->lights.threshold, .pose = config->basis.pose, .object = true};
 	k->what = (enum config_show)config->screen->show;

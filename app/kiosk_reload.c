@@ -124,10 +124,14 @@ static int reload(struct kiosk *k)
 
 void kiosk_reload(struct kiosk *k)
 {
+	int err;
+
 	service_reloading(&k->service, clock_now_ns());
 	stats_reopen(&k->stats);
-	if (reload(k))
-		log_error("the configuration is wrong; the old one stays");
+	err = reload(k);
+	if (err)
+		log_error("the configuration %s; the old one stays",
+			  err == -EINVAL ? "is wrong" : "cannot be read");
 	else if (k->owed)
 		log_error("the configuration has been read again, but not all of it is in force: "
 			  "reload it once more");

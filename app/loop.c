@@ -27,15 +27,11 @@ static bool is_ignored(int signal)
 	return sigaction(signal, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-/* Only a process that has a controlling terminal can open it by this name. */
-static bool has_terminal(void)
+/* Asked by a descriptor that is kept: to open one can fail for other reasons than that the terminal
+ * has gone. */
+static bool terminal_has_gone(const struct loop *loop)
 {
-	int terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-
-	if (terminal < 0)
-		return false;
-	close(terminal);
-	return true;
+	return loop->terminal >= 0 && tcgetpgrp(loop->terminal) < 0;
 }
 
 static int open_all(struct loop *loop)
@@ -69,9 +65,10 @@ int loop_open(struct loop *loop, struct fault *fault)
 	int err;
 
 	*loop = (struct loop){.epoll = -1, .signals = -1, .timer = -1};
+	/* Only a process that has a controlling terminal can open it by this name. */
+	loop->terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
 	for (int i = 0; i < LOOP_SLOTS; i++)
 		loop->watched[i] = -1;
-	loop->has_terminal = has_terminal();
 	err = open_all(loop);
 	if (err) {
 		loop_close(loop);
@@ -89,6 +86,7 @@ static void close_one(int *descriptor)
 
 void loop_close(struct loop *loop)
 {
+	close_one(&loop->terminal);
 	close_one(&loop->timer);
 	close_one(&loop->signals);
 	close_one(&loop->epoll);
@@ -126,7 +124,7 @@ static void take_signals(struct loop *loop)
 	struct signalfd_siginfo signal;
 
 	while (read(loop->signals, &signal, sizeof(signal)) == sizeof(signal)) {
-		if (signal.ssi_signo == SIGHUP && (!loop->has_terminal || has_terminal()))
+		if (signal.ssi_signo == SIGHUP && !terminal_has_gone(loop))
 			loop->reload = true;
 		else
 			loop->stop = true;

@@ -17,7 +17,7 @@
 struct loop {
 	int epoll, signals, timer; /* -1: not there */
 	int watched[LOOP_SLOTS];   /* -1: nothing */
-	bool has_terminal;	   /* it was started from one */
+	int terminal;		   /* it was started from; -1: none */
 	/* What the last wait found: */
 	uint32_t ready; /* bit i: slot i */
 	bool tick, stop, reload;

@@ -13,6 +13,7 @@
 #include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "app/loop.h"
@@ -174,6 +175,41 @@ static void signals_end_it_and_seconds_tick(void **state)
 	assert_int_equal(loop_wait(&loop, &fault), 0);
 	assert_true(loop.stop);
 	loop_close(&loop);
+}
+
+/* In a session of its own, with a terminal of its own. */
+static int hang_up(void)
+{
+	const struct rlimit none = {0, 0};
+	const int master = posix_openpt(O_RDWR | O_NOCTTY);
+	struct fault fault = {.text = ""};
+	struct loop loop;
+
+	alarm(20);
+	(void)signal(SIGHUP, SIG_DFL);
+	if (setsid() < 0 || master < 0 || grantpt(master) || unlockpt(master) ||
+	    open(ptsname(master), O_RDWR) < 0 || loop_open(&loop, &fault))
+		return 1;
+	if (setrlimit(RLIMIT_NOFILE, &none) || raise(SIGHUP) || loop_wait(&loop, &fault) ||
+	    !loop.reload || loop.stop)
+		return 2;
+	close(master);
+	if (loop_wait(&loop, &fault) || loop.reload || !loop.stop)
+		return 3;
+	return 0;
+}
+
+/* A reload when no descriptor is left is no hang-up. */
+static void only_a_terminal_that_goes_ends_it(void **state)
+{
+	const pid_t child = fork();
+	int status;
+
+	(void)state;
+	if (!child)
+		_exit(hang_up());
+	assert_int_equal(waitpid(child, &status, 0), child);
+	assert_int_equal(status, 0);
 }
 
 /* ---- statistics ---- */
@@ -389,6 +425,7 @@ int main(void)
 		cmocka_unit_test(numbers_are_whole_and_finite),
 		cmocka_unit_test(slots_are_polled),
 		cmocka_unit_test(signals_end_it_and_seconds_tick),
+		cmocka_unit_test(only_a_terminal_that_goes_ends_it),
 		cmocka_unit_test(lines_say_what_was_counted),
 		cmocka_unit_test(a_full_disk_takes_lines_only),
 		cmocka_unit_test(a_pipe_is_not_waited_for),
