@@ -55,7 +55,7 @@ struct keyboards {
 		.help = "Keys, as in \"up kpplus\"; empty: none.",                                 \
 	}
 
-/* The window driver's keys are the same. */
+/* The window driver's keys are the same, but for quit. */
 static const struct ini_key keyboard_keys[] = {
 	{.name = "device",
 	 .type = INI_TEXT,
@@ -78,7 +78,8 @@ static const struct ini_key keyboard_keys[] = {
 	KEYS_OF("split_left", ACTION_SPLIT_LEFT, "left"),
 	KEYS_OF("split_right", ACTION_SPLIT_RIGHT, "right"),
 	KEYS_OF("freeze", ACTION_FREEZE, "f"),
-	KEYS_OF("quit", ACTION_QUIT, "q"),
+	/* Nobody who types at an installed kiosk, nor a bar code scanner, may end it. */
+	KEYS_OF("quit", ACTION_QUIT, ""),
 	INI_KEYS_END,
 };
 

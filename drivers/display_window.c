@@ -3,8 +3,8 @@
  * own refresh, at most one. SDL has no descriptor, so a timer asks it for events.
  *
  * Keys, as the keyboard driver's: up or + and down or - threshold, t the next threshold, v view,
- * p next pose, b the one before, o object, i information, left and right split, f freeze, q or
- * Escape quit.
+ * p next pose, b the one before, o object, i information, left and right split, f freeze; and q or
+ * Escape end it, as they do in any program on a desktop.
  */
 #include <SDL.h>
 #include <errno.h>
