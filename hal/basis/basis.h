@@ -53,7 +53,7 @@ struct basis_pose {
 	size_t glass_count;		 /* 0: nothing is seen through the object */
 	struct basis_layer shown;
 	struct basis_layer exact; /* tiles is NULL where the file has none or was opened without */
-	unsigned turn;		  /* how often its blocks have come to lie somewhere else */
+	unsigned turn;		  /* how often its blocks have come into memory, or left it */
 };
 
 struct basis {

@@ -305,6 +305,7 @@ static void take_back(struct basis_store *store, int pose)
 	if (slot->given) {
 		from->shown = (struct basis_layer){.tiles = NULL};
 		from->coverage = NULL;
+		from->turn++;
 		slot->given = false;
 	}
 	release(&slot->unpacked);

@@ -264,9 +264,37 @@ static void a_restless_choice_is_followed(void **state)
 	assert_int_equal(pipeline.choice.pose, 5);
 }
 
+/* A view that composites nothing: poses are chosen, and no picture is made of them. */
+static void choose_unseen(int pose)
+{
+	const struct pipeline_choice choice = {.pose = pose, .object = true, .hold = true};
+	const int64_t start = clock_now_ns();
+	struct fault fault = {.text = ""};
+
+	do {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+		must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+	} while (pipeline.choice.pose != pose);
+}
+
+/* The pose of the last picture has left memory and come back since, to somewhere else. */
+static void a_pose_comes_back_unseen(void **state)
+{
+	static const int unseen[] = {1, 2, 3, 4, 3, 2, 1, 0};
+
+	(void)state;
+	frame((struct pipeline_choice){.pose = 0});
+	for (size_t k = 0; k < sizeof(unseen) / sizeof(*unseen); k++)
+		choose_unseen(unseen[k]);
+	frame((struct pipeline_choice){.pose = 0, .hold = true});
+	assert_int_equal(pipeline.choice.pose, 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(a_pose_comes_back_unseen, begin, end),
 		cmocka_unit_test_setup_teardown(no_frame_waits_for_a_jump, begin, end),
 		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, begin, end),
 		cmocka_unit_test_setup_teardown(others_wait, begin, end),

@@ -149,8 +149,12 @@ static void only_those_in_use_are_there(void **state)
 		assert_true(in_memory(&basis) <= 2);
 		assert_non_null(basis.poses[pose].coverage);
 	}
+	/* Whoever remembers where a pose lay can tell that it has gone. */
+	turn = basis.poses[POSES - 1].turn;
 	basis_poses_expect(&basis, NULL, 0);
 	assert_int_equal(in_memory(&basis), 0);
+	assert_true(basis.poses[POSES - 1].turn != turn);
+	turn = basis.poses[0].turn;
 	assert_int_equal(basis_pose_load(&basis, 0, &fault), 0);
 	assert_true(basis.poses[0].turn != turn);
 	basis_close(&basis);
