@@ -78,8 +78,8 @@ enum basis_part {
 	BASIS_ALL,	  /* the exact layer where there is one */
 };
 
-/* BASIS_SHOWN reads what is shown into memory, and whatever becomes of the file changes nothing;
- * for the others it is mapped, and has to stay as it is. -ENOENT..., -EBADMSG for a file that is
+/* The file is read into memory, and whatever becomes of it changes nothing; but for BASIS_ALL it is
+ * mapped, and has to stay as it is. -ENOENT..., -EBADMSG for a file that is
  * damaged, truncated, inconsistent or not one of ours (the fault says what and where), -ENOTSUP for
  * another version, -ENODATA as above. Nothing is left open on failure. */
 int basis_open(struct basis *basis, const char *path, enum basis_part part, struct fault *fault);
@@ -102,13 +102,14 @@ int basis_find_pose(const struct basis *basis, const char *text, struct fault *f
  * One thread at a time uses the poses: loads them, expects others, reads blocks.
  *
  * Load: the pose is in memory from here on, until another set is expected without it. It may have
- * been unpacked ahead; else all processors do it now. -ENOMEM; -EBADMSG if the file was changed
- * since it was checked.
+ * been unpacked ahead; else all processors do it now. -ENOMEM; -EIO..., -EBADMSG if the file was
+ * changed since it was checked. What has failed fails again at once, until poses are expected anew.
  */
 int basis_pose_load(const struct basis *basis, int pose, struct fault *fault);
 
 /* Expect: these poses, some of which may be in use, will be needed in this order: a thread unpacks
- * what is not there yet, and all others are dropped. At most BASIS_EXPECT_MAX count. */
+ * what is not there yet, what could not be loaded before too, and all others are dropped. At most
+ * BASIS_EXPECT_MAX count. */
 #define BASIS_EXPECT_MAX 8
 void basis_poses_expect(const struct basis *basis, const int *poses, int count);
 

@@ -57,7 +57,7 @@ static int provide_memory(struct basis_file *file, bool mapped, const char *path
 int basis_file_open(struct basis_file *file, const char *path, enum basis_part part,
 		    struct fault *fault)
 {
-	const bool mapped = part != BASIS_SHOWN;
+	const bool mapped = part == BASIS_ALL;
 	int ret;
 
 	*file = (struct basis_file){.fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};

@@ -1,8 +1,8 @@
 /*
- * The bytes of a basis file. Where only what is shown is wanted they are read into memory: a file
- * that is written over or cut short, or a stick that is pulled out, then changes nothing for
- * whoever shows it, where a mapping would be a SIGBUS or blocks that nobody has checked. With the
- * exact layer, which may be more than memory holds, the file is mapped. Private to hal/basis.
+ * The bytes of a basis file. What a part needs is read into memory: a file that is written over or
+ * cut short, or a stick that is pulled out, then changes nothing for whoever shows it, where a
+ * mapping would be a SIGBUS or blocks that nobody has checked. Programs that want all there is,
+ * which may be more than memory holds, and end soon, map the file. Private to hal/basis.
  */
 #ifndef INLAY_HAL_BASIS_BASIS_FILE_H
 #define INLAY_HAL_BASIS_BASIS_FILE_H

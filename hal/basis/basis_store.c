@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include "hal/basis/basis_file.h"
 #include "hal/basis/pack.h"
@@ -30,10 +31,12 @@ enum slot_state { SLOT_PLAIN, SLOT_ABSENT, SLOT_LOADING, SLOT_READY };
 struct slot {
 	enum slot_state state;
 	bool given;			  /* basis->poses has it */
-	bool failed;			  /* not tried again ahead */
+	int failed;			  /* -errno: not tried again until it is expected anew */
+	char *why;			  /* it failed; NULL: no memory to say so */
 	struct basis_blocks_chunk blocks; /* data is NULL */
 	uint64_t pack_at;		  /* in the file */
 	size_t pack_bytes;
+	uint64_t checksum;
 	struct unpacked unpacked;
 };
 
@@ -120,6 +123,48 @@ static int unpack_all(const struct basis_store *store, const struct pack *pack, 
 	return job.err;
 }
 
+/* The pose's chunk, if it still is what was checked when the file was opened. */
+static int borrow_from(const struct basis_reader *reader, const struct slot *slot, int pose,
+		       const uint8_t **chunk, void **owned)
+{
+	const int ret = basis_file_borrow(reader, slot->pack_at, slot->pack_bytes, chunk, owned);
+
+	if (ret < 0 || XXH3_64bits(*chunk, slot->pack_bytes) == slot->checksum)
+		return ret;
+	free(*owned);
+	return basis_damaged(reader, "pose %d does not have its checksum any more", pose);
+}
+
+/* The file that has that name now, which stays open if it serves: it was put back, or the stick
+ * that it is on was plugged in again. */
+static int borrow_anew(struct basis_store *store, const struct basis_reader *reader, int pose,
+		       const uint8_t **chunk, void **owned)
+{
+	const struct basis_file file = {.fd = open(store->name, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+	struct basis_reader anew = *reader;
+	int ret;
+
+	if (file.fd < 0)
+		return -errno;
+	anew.file = &file;
+	anew.fault = NULL;
+	ret = borrow_from(&anew, &store->slots[pose], pose, chunk, owned);
+	if (ret == 0)
+		(void)dup3(file.fd, store->file.fd, O_CLOEXEC);
+	close(file.fd);
+	return ret;
+}
+
+static int borrow_pack(struct basis_store *store, const struct basis_reader *reader, int pose,
+		       const uint8_t **chunk, void **owned)
+{
+	const int ret = borrow_from(reader, &store->slots[pose], pose, chunk, owned);
+
+	if (ret == 0 || ret == -ENOMEM || store->file.fd < 0)
+		return ret;
+	return borrow_anew(store, reader, pose, chunk, owned) == 0 ? 0 : ret;
+}
+
 static int load(struct basis_store *store, int pose, struct pool *pool, struct unpacked *u,
 		struct fault *fault)
 {
@@ -135,7 +180,7 @@ static int load(struct basis_store *store, int pose, struct pool *pool, struct u
 	struct pack pack = {.parts = 0};
 	const uint8_t *chunk;
 	void *owned;
-	int ret = basis_file_borrow(&reader, slot->pack_at, slot->pack_bytes, &chunk, &owned);
+	int ret = borrow_pack(store, &reader, pose, &chunk, &owned);
 
 	*u = (struct unpacked){.memory = NULL};
 	if (ret < 0)
@@ -232,6 +277,7 @@ int basis_store_add(struct basis_store *store, const struct basis_reader *reader
 	};
 	slot->pack_at = pack->offset;
 	slot->pack_bytes = pack->bytes;
+	slot->checksum = pack->checksum;
 	return basis_check_shapes(reader, &slot->blocks);
 }
 
@@ -312,11 +358,27 @@ static void take_back(struct basis_store *store, int pose)
 	slot->state = SLOT_ABSENT;
 }
 
+/* The lock is held, but for the loading. */
+static void load_slot(struct basis_store *store, int pose, struct pool *pool)
+{
+	struct slot *slot = &store->slots[pose];
+	struct fault fault = {.text = ""};
+
+	slot->state = SLOT_LOADING;
+	pthread_mutex_unlock(&store->lock);
+	slot->failed = load(store, pose, pool, &slot->unpacked, &fault);
+	pthread_mutex_lock(&store->lock);
+	slot->state = slot->failed ? SLOT_ABSENT : SLOT_READY;
+	free(slot->why);
+	slot->why = slot->failed ? strdup(fault.text) : NULL;
+	pthread_cond_broadcast(&store->turned);
+}
+
 int basis_pose_load(const struct basis *basis, int pose, struct fault *fault)
 {
 	struct basis_store *store = basis->store;
 	struct slot *slot;
-	int ret = 0;
+	int ret;
 
 	if (!store)
 		return 0;
@@ -324,14 +386,12 @@ int basis_pose_load(const struct basis *basis, int pose, struct fault *fault)
 	pthread_mutex_lock(&store->lock);
 	while (slot->state == SLOT_LOADING)
 		pthread_cond_wait(&store->turned, &store->lock);
-	if (slot->state == SLOT_ABSENT) {
-		slot->state = SLOT_LOADING;
-		pthread_mutex_unlock(&store->lock);
-		ret = load(store, pose, store->pool, &slot->unpacked, fault);
-		pthread_mutex_lock(&store->lock);
-		slot->state = ret < 0 ? SLOT_ABSENT : SLOT_READY;
-	}
-	if (ret == 0 && slot->state == SLOT_READY)
+	if (slot->state == SLOT_ABSENT && !slot->failed)
+		load_slot(store, pose, store->pool);
+	ret = slot->failed;
+	if (ret < 0)
+		fault_say(fault, ret, "%s", slot->why ? slot->why : "out of memory");
+	else if (slot->state == SLOT_READY)
 		give(store, pose);
 	pthread_mutex_unlock(&store->lock);
 	return ret;
@@ -371,22 +431,14 @@ static void *look_ahead(void *context)
 	pthread_mutex_lock(&store->lock);
 	while (!store->leave) {
 		const int pose = next_wanted(store);
-		struct slot *slot = pose < 0 ? NULL : &store->slots[pose];
-		int err;
 
-		if (!slot) {
+		if (pose < 0) {
 			pthread_cond_wait(&store->turned, &store->lock);
 			continue;
 		}
-		slot->state = SLOT_LOADING;
-		pthread_mutex_unlock(&store->lock);
-		err = load(store, pose, NULL, &slot->unpacked, NULL);
-		pthread_mutex_lock(&store->lock);
-		slot->failed = err != 0;
-		slot->state = err ? SLOT_ABSENT : SLOT_READY;
-		if (!is_wanted(store, pose) && !err)
+		load_slot(store, pose, NULL);
+		if (!is_wanted(store, pose) && store->slots[pose].state == SLOT_READY)
 			take_back(store, pose); /* nobody has it yet */
-		pthread_cond_broadcast(&store->turned);
 	}
 	pthread_mutex_unlock(&store->lock);
 	return NULL;
@@ -415,7 +467,8 @@ void basis_poses_expect(const struct basis *basis, const int *poses, int count)
 		if (!is_wanted(store, poses[k]))
 			store->wanted[store->wanted_count++] = poses[k];
 	for (int p = 0; p < store->count; p++) {
-		store->slots[p].failed = false;
+		if (store->slots[p].state == SLOT_ABSENT)
+			store->slots[p].failed = 0;
 		if (store->slots[p].state == SLOT_READY && !is_wanted(store, p))
 			take_back(store, p);
 	}
@@ -435,9 +488,11 @@ void basis_store_destroy(struct basis_store *store)
 	pthread_mutex_unlock(&store->lock);
 	if (store->thread_runs)
 		pthread_join(store->thread, NULL);
-	for (int p = 0; store->slots && p < store->count; p++)
+	for (int p = 0; store->slots && p < store->count; p++) {
 		if (store->slots[p].state == SLOT_READY)
 			take_back(store, p);
+		free(store->slots[p].why);
+	}
 	pool_destroy(store->pool);
 	pthread_cond_destroy(&store->turned);
 	pthread_mutex_destroy(&store->lock);

@@ -269,14 +269,14 @@ static void forget_others(struct compositor *c)
 	}
 }
 
-int compositor_take_pose(struct compositor *c, int pose)
+int compositor_take_pose(struct compositor *c, int pose, struct fault *fault)
 {
 	int ret;
 
 	if (pose == c->pose && c->poses[pose].made &&
 	    c->poses[pose].turn == c->basis->poses[pose].turn)
 		return 0;
-	ret = basis_pose_load(c->basis, pose, NULL);
+	ret = basis_pose_load(c->basis, pose, fault);
 	if (ret < 0)
 		return ret;
 	forget_others(c);
@@ -285,7 +285,7 @@ int compositor_take_pose(struct compositor *c, int pose)
 	if (ret == 0 && c->keeps)
 		make_room(c);
 	c->pose = ret < 0 ? -1 : pose;
-	return ret;
+	return ret < 0 ? fault_say(fault, ret, "the compositor is out of memory") : 0;
 }
 
 struct compositor_frame compositor_last(const struct compositor *c)

@@ -192,11 +192,16 @@ struct backdrop {
 
 struct backdrop backdrop_of(const struct picture *picture);
 
+/* Sees to it that a pose is in memory, with what is found out about its blocks; forgets that of
+ * poses which are not any more. As long as the pose stays in memory, compositor_run() of it cannot
+ * fail for want of it. What basis_pose_load() returns, -ENOMEM. */
+int compositor_take_pose(struct compositor *compositor, int pose, struct fault *fault);
+
 /*
  * Writes a BGRX picture of the basis's size. background has that size. out must not overlap it; it
  * is written once, in whole cache lines where it can be, and never read. Nothing is allocated, but
- * for a pose that was not in memory in the frame before (basis_pose_load()). Work is divided among
- * the pool's threads by what its parts took before. -EINVAL: another size, pose out of range;
+ * for a pose that was not in memory in the frame before (compositor_take_pose()). Work is divided
+ * among the pool's threads by what its parts took before. -EINVAL: another size, pose out of range;
  * -ENODATA: exact mode without an exact layer; -ENOMEM, -EBADMSG: of a pose to be loaded.
  */
 int compositor_run(struct compositor *compositor, int pose, const struct light_selection *lights,

@@ -76,8 +76,4 @@ struct compositor {
 	size_t out_stride;
 };
 
-/* Sees to it that a pose is in memory, and what is found out about its blocks; forgets that of
- * poses which are not any more. -ENOMEM, -EBADMSG. */
-int compositor_take_pose(struct compositor *compositor, int pose);
-
 #endif

@@ -271,7 +271,7 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 	    background->height != (int)info->height || lights->count != (int)info->lights ||
 	    out_stride < (size_t)info->width * 4)
 		return -EINVAL;
-	ret = compositor_take_pose(c, pose);
+	ret = compositor_take_pose(c, pose, NULL);
 	if (ret < 0)
 		return ret;
 	c->layer = &c->poses[pose].layer[c->settings.mode];

@@ -246,6 +246,34 @@ static void each_pose_has_its_own_exact_layer(void **state)
 	unlink(path);
 }
 
+/* A kiosk in mode exact shows what it has checked, whatever becomes of its file. */
+static void the_exact_layer_outlives_its_file(void **state)
+{
+	const struct synthetic *s = *state;
+	const struct basis_layer *expected = &s->basis.poses[0].exact, *layer;
+	struct copied copy = copied_file(s->path);
+	struct fault fault = {""};
+	struct basis basis;
+	char path[100];
+	FILE *stream;
+
+	snprintf(path, sizeof(path), "%s/cut.inlay", s->folder);
+	stream = fopen(path, "wb");
+	assert_non_null(stream);
+	assert_int_equal(fwrite(copy.data, 1, copy.bytes, stream), copy.bytes);
+	fclose(stream);
+	assert_int_equal(basis_open(&basis, path, BASIS_WITH_EXACT, &fault), 0);
+	assert_int_equal(truncate(path, 0), 0);
+	layer = &basis.poses[0].exact;
+	assert_int_equal(layer->block_count, expected->block_count);
+	for (int n = 0; n < layer->block_count; n++)
+		assert_memory_equal(layer->blocks[n].pixel, expected->blocks[n].pixel,
+				    layer->blocks[n].bytes);
+	basis_close(&basis);
+	copied_free(&copy);
+	unlink(path);
+}
+
 /* Files of every shape that may be are accepted, and both layers say the same. */
 static void accepts_what_may_be(void **state)
 {
@@ -556,6 +584,7 @@ int main(void)
 		cmocka_unit_test(lines_come_back),
 		cmocka_unit_test(writes_and_reads_back),
 		cmocka_unit_test(each_pose_has_its_own_exact_layer),
+		cmocka_unit_test(the_exact_layer_outlives_its_file),
 		cmocka_unit_test(accepts_what_may_be),
 		cmocka_unit_test(both_layers_say_the_same),
 		cmocka_unit_test(a_failed_writer_leaves_nothing),

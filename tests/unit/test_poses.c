@@ -1,5 +1,6 @@
 /* A file of several poses: each is what it is in a file of its own, whichever is in memory. */
 #include <errno.h>
+#include <sched.h>
 
 #include "tests/unit/copied_basis.h"
 
@@ -190,6 +191,99 @@ static void outlives_its_file(void **state)
 	unlink(path_of(s, "joint.inlay"));
 	unlink(path_of(s, "alone.inlay"));
 	unlink(path_of(s, "before.inlay"));
+}
+
+static void write_file(const char *path, const struct copied *copy, size_t bytes)
+{
+	FILE *stream = fopen(path, "wb");
+
+	assert_non_null(stream);
+	assert_int_equal(fwrite(copy->data, 1, bytes, stream), bytes);
+	assert_int_equal(fclose(stream), 0);
+}
+
+static void cannot_be_loaded(const struct basis *basis, int pose, const char *words)
+{
+	struct fault fault = {""};
+
+	basis_poses_expect(basis, NULL, 0); /* what has failed before is tried again */
+	assert_int_equal(basis_pose_load(basis, pose, &fault), -EBADMSG);
+	if (!strstr(fault.text, words))
+		fail_msg("\"%s\", expected \"%s\"", fault.text, words);
+}
+
+static void can_be_loaded(const struct basis *basis, int pose)
+{
+	struct fault fault = {""};
+
+	basis_poses_expect(basis, NULL, 0);
+	if (basis_pose_load(basis, pose, &fault))
+		fail_msg("%s", fault.text);
+}
+
+/* A pose whose bytes are not those that were checked is refused, and loaded when they are there
+ * again, whichever way the file has come back. */
+static void is_loaded_when_its_file_is_back(void **state)
+{
+	const struct synthetic *s = *state;
+	struct fault fault = {""};
+	struct copied whole, other;
+	struct basis basis;
+	char path[100];
+
+	snprintf(path, sizeof(path), "%s", path_of(s, "joint.inlay"));
+	write_poses(s, path, 0, POSES, NULL);
+	whole = copied_file(path);
+	other = copied_file(path);
+	for (size_t k = 0; k < copied_chunk(&other, BASIS_CHUNK_PACK)[0].bytes; k++)
+		((uint8_t *)copied_data(&other, BASIS_CHUNK_PACK))[k] ^= 1;
+	open_basis(&basis, path);
+
+	write_file(path, &whole, 100);
+	cannot_be_loaded(&basis, 0, "cut short");
+	write_file(path, &whole, whole.bytes);
+	assert_int_equal(basis_pose_load(&basis, 0, &fault), -EBADMSG); /* not tried */
+	assert_true(basis_pose_ready(&basis, 0));
+	can_be_loaded(&basis, 0);
+
+	write_file(path, &other, other.bytes);
+	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
+	can_be_loaded(&basis, 1);
+
+	/* Another file of that name. */
+	unlink(path);
+	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
+	write_file(path, &other, 100);
+	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
+	unlink(path);
+	write_file(path, &whole, whole.bytes);
+	can_be_loaded(&basis, 0);
+	unlink(path);
+	can_be_loaded(&basis, 2);
+
+	basis_close(&basis);
+	copied_free(&whole);
+	copied_free(&other);
+}
+
+/* The thread that looks ahead says why, too. */
+static void tells_why_it_was_not_there_ahead(void **state)
+{
+	const struct synthetic *s = *state;
+	struct fault fault = {""};
+	struct basis basis;
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	open_basis(&basis, path_of(s, "joint.inlay"));
+	assert_int_equal(truncate(path_of(s, "joint.inlay"), 100), 0);
+	basis_poses_expect(&basis, (int[]){0, 4}, 2);
+	while (!basis_pose_ready(&basis, 4))
+		sched_yield();
+	assert_int_equal(basis_pose_load(&basis, 4, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "cut short"));
+	assert_int_equal(basis_pose_load(&basis, 0, &fault), 0);
+	basis_close(&basis);
+	unlink(path_of(s, "joint.inlay"));
 }
 
 static void names(void **state)
@@ -428,6 +522,8 @@ int main(void)
 		cmocka_unit_test(each_is_as_alone),
 		cmocka_unit_test(only_those_in_use_are_there),
 		cmocka_unit_test(outlives_its_file),
+		cmocka_unit_test(is_loaded_when_its_file_is_back),
+		cmocka_unit_test(tells_why_it_was_not_there_ahead),
 		cmocka_unit_test(names),
 		cmocka_unit_test(refuses_a_broken_pack),
 		cmocka_unit_test(may_have_groups),
