@@ -95,6 +95,7 @@ static int tick(struct kiosk *k, struct fault *fault)
 		return err;
 	stats_line(&k->stats, now, &k->pipeline, k->sources, k->source_count);
 	kiosk_text(k);
+	pipeline_try_again(&k->pipeline);
 	k->redraw |= stands_still(k, now);
 	if (k->settled && kiosk_screen_is_excused(k)) {
 		service_ready(&k->service);

@@ -36,16 +36,17 @@ void kiosk_control_close(struct kiosk *k)
 /* What buttons change, and the statistics of the last second. */
 static const char *status(struct kiosk *k)
 {
-	char figures[STATS_TEXT_MAX];
+	char figures[STATS_TEXT_MAX], trouble[OVERLAY_TEXT_MAX];
 
 	stats_text(&k->stats, &k->pipeline, &k->choice.threshold, k->sources, k->source_count,
 		   figures);
+	kiosk_pose_trouble(k, trouble);
 	snprintf(k->status, sizeof(k->status),
 		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
-		 "\"pose_shown\":%d,\"object\":%s,\"frozen\":%s,"
+		 "\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
 		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",%s}",
 		 INLAY_VERSION, config_show_names[k->what], k->choice.pose,
-		 basis_pose_name(&k->basis, k->choice.pose), k->pipeline.choice.pose,
+		 basis_pose_name(&k->basis, k->choice.pose), k->pipeline.choice.pose, trouble,
 		 k->choice.object ? "true" : "false", k->frozen ? "true" : "false", k->split,
 		 k->information ? "true" : "false", display_situation_names[k->display.situation],
 		 figures);

@@ -43,7 +43,8 @@ struct kiosk {
 	struct exposing exposing; /* the fisheye's camera */
 	struct fault unfit[3];	  /* of fisheye, background, scene: why the picture is of no use */
 	struct fault light_said;
-	struct display display; /* state NULL: there is no screen at present */
+	bool pose_said[BASIS_POSES_MAX]; /* that it could not be shown */
+	struct display display;		 /* state NULL: there is no screen at present */
 	struct fault display_said;
 	struct show_fit fit;   /* what display_fit() was asked for */
 	bool fitted;	       /* and does */
@@ -151,6 +152,9 @@ void kiosk_control_close(struct kiosk *k);
 
 /* Once a second: what is wrong, and the figures. */
 void kiosk_text(struct kiosk *k);
+
+/* What is said of a chosen pose that cannot be shown. Returns the length; 0: it is. */
+int kiosk_pose_trouble(const struct kiosk *k, char text[OVERLAY_TEXT_MAX]);
 
 /* ---- kiosk_reload.c ---- */
 

@@ -193,6 +193,23 @@ static void follow_timeline(struct kiosk *k)
 	k->choice.share = k->config->poses.fade && at.next != at.pose ? at.share : 0;
 }
 
+/* Each pose once, and once more when it is there: a timeline comes by all of them again and again.
+ */
+static void complain_of_pose(struct kiosk *k)
+{
+	const struct pipeline *p = &k->pipeline;
+
+	if (p->missing >= 0 && !k->pose_said[p->missing]) {
+		log_warning("pose %d: %s; what was shown before stays", p->missing,
+			    p->trouble.text);
+		k->pose_said[p->missing] = true;
+	}
+	if (k->pose_said[p->choice.pose]) {
+		log_info("pose %d: fine again", p->choice.pose);
+		k->pose_said[p->choice.pose] = false;
+	}
+}
+
 static int draw(struct kiosk *k, const struct display_buffer *screen, int64_t now,
 		struct fault *fault)
 {
@@ -216,6 +233,7 @@ static int draw(struct kiosk *k, const struct display_buffer *screen, int64_t no
 	err = pipeline_choose(&k->pipeline, &choice, fault);
 	if (err)
 		return err;
+	complain_of_pose(k);
 	return show_draw(&k->show, &request, &k->pipeline, &k->eyes, screen, fault);
 }
 

@@ -53,7 +53,19 @@ static int list_troubles(const struct kiosk *k, char (*texts)[OVERLAY_TEXT_MAX])
 				 situation_of(k, source)) > 0)
 			count++;
 	}
+	if (kiosk_pose_trouble(k, texts[count]) > 0)
+		count++;
 	return count;
+}
+
+int kiosk_pose_trouble(const struct kiosk *k, char text[OVERLAY_TEXT_MAX])
+{
+	const int pose = k->pipeline.missing;
+
+	*text = '\0';
+	return pose < 0
+		       ? 0
+		       : words_pose(text, OVERLAY_TEXT_MAX, pose, basis_pose_name(&k->basis, pose));
 }
 
 static void write_information(struct kiosk *k)
@@ -82,7 +94,8 @@ void kiosk_text(struct kiosk *k)
 	char texts[OVERLAY_TROUBLES_MAX][OVERLAY_TEXT_MAX];
 	int count = list_troubles(k, texts);
 
-	_Static_assert(CONFIG_CAMERAS_MAX <= OVERLAY_TROUBLES_MAX, "a line for each camera");
+	_Static_assert(CONFIG_CAMERAS_MAX + 1 <= OVERLAY_TROUBLES_MAX,
+		       "a line for each camera and for the pose");
 	overlay_troubles(&k->overlay, (const char(*)[OVERLAY_TEXT_MAX])texts,
 			 k->config->screen->trouble ? count : 0);
 	if (k->information)

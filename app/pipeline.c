@@ -86,8 +86,11 @@ int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
 {
 	int err;
 
-	*pipeline = (struct pipeline){
-		.settings = *settings, .basis = basis, .shown = {.pose = -1}, .expected = {-1}};
+	*pipeline = (struct pipeline){.settings = *settings,
+				      .basis = basis,
+				      .shown = {.pose = -1},
+				      .expected = {-1},
+				      .missing = -1};
 	err = fill(pipeline, fault);
 	if (err)
 		pipeline_destroy(pipeline);
@@ -190,7 +193,9 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	if (err)
 		return err;
 	p->choice = *choice;
-	pipeline_take_poses(p, choice);
+	err = pipeline_take_poses(p, choice);
+	if (err)
+		return fault_say(fault, err, "%s", p->trouble.text);
 	p->selection.band = band_below(&p->settings.sampler, level);
 	p->selection.budget = threshold->percent ? threshold->value / 100 : 0;
 	light_selection_choose(&p->selection, p->basis,

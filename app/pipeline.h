@@ -71,7 +71,7 @@ struct pipeline_choice {
 	bool hold;
 };
 
-/* Of which a picture is made; share 0: of one. */
+/* What a picture is made of: two poses, or one where share is 0. */
 struct pipeline_poses {
 	int pose, next;
 	double share;
@@ -103,11 +103,14 @@ struct pipeline {
 	double clipped;	      /* share of the sky that is at its limit in every exposure, 0..1 */
 	struct light_selection selection;
 	struct compositor *compositor;
-	struct pipeline_fade *fade;	 /* private: between two poses; NULL: not yet */
-	struct pipeline_poses shown;	 /* private: pose -1: none yet */
-	struct pipeline_poses coming;	 /* private: shown when they are in memory */
-	int expected[4];		 /* private: poses that others were expected from */
-	bool back;			 /* private: the last step was one back */
+	struct pipeline_fade *fade;   /* private: between two poses; NULL: not yet */
+	struct pipeline_poses shown;  /* private: pose -1: none yet */
+	struct pipeline_poses coming; /* private: shown when they are in memory */
+	int expected[4];	      /* private: poses that others were expected from */
+	bool back;		      /* private: the last step was one back */
+	bool again;		      /* private: they are to be expected anew */
+	int missing;	      /* pose that was chosen and cannot be had: those before it stay; -1 */
+	struct fault trouble; /* why */
 	int64_t sample_ns, composite_ns; /* what the last calls took */
 };
 
@@ -159,9 +162,13 @@ void pipeline_recover(struct pipeline *pipeline, const struct frame_reader *back
  * size or other settings of the sampler, stays as it is. */
 void pipeline_follow(struct pipeline *pipeline, int64_t captured_ns);
 
-/* -EINVAL: no such pose. */
+/* -EINVAL: no such pose. A pose that cannot be had, as its file has been damaged or memory is
+ * short, is an error only where there is none to be shown in its place: missing. */
 int pipeline_choose(struct pipeline *pipeline, const struct pipeline_choice *choice,
 		    struct fault *fault);
+
+/* If a pose is missing, it is tried once more with the next choice. */
+void pipeline_try_again(struct pipeline *pipeline);
 
 /* Writes a BGRX picture of the basis's size, which the background must have: -EINVAL. */
 int pipeline_composite(struct pipeline *pipeline, const struct backdrop *background, uint8_t *out,

@@ -20,12 +20,14 @@ struct pipeline_fade {
 	size_t out_stride;
 };
 
-static int create(struct pipeline *p)
+int pipeline_fade_begin(struct pipeline *p)
 {
 	const size_t width = p->basis->info.width, height = p->basis->info.height;
-	struct pipeline_fade *f = calloc(1, sizeof(*f));
+	struct pipeline_fade *f = p->fade;
 
-	p->fade = f;
+	if (f)
+		return 0;
+	f = p->fade = calloc(1, sizeof(*f));
 	if (!f)
 		return -ENOMEM;
 	f->stride = (4 * width + 63) / 64 * 64;
@@ -34,8 +36,10 @@ static int create(struct pipeline *p)
 	f->share = -1;
 	for (int k = 0; k < 2; k++) {
 		f->pose[k] = aligned_alloc(64, f->stride * height);
-		if (!f->pose[k])
+		if (!f->pose[k]) {
+			pipeline_fade_end(p);
 			return -ENOMEM;
+		}
 	}
 	return 0;
 }
@@ -100,10 +104,9 @@ int pipeline_fade_run(struct pipeline *p, const struct backdrop *background, uin
 		      size_t out_stride)
 {
 	const int poses[2] = {p->choice.pose, p->choice.next};
-	struct pipeline_fade *f;
-	int err = p->fade ? 0 : create(p);
+	struct pipeline_fade *f = p->fade;
+	int err = 0;
 
-	f = p->fade;
 	for (int k = 0; k < 2 && !err; k++)
 		err = compositor_run(p->compositor, poses[k], &p->selection, background, f->pose[k],
 				     f->stride);

@@ -13,10 +13,13 @@ int pipeline_ground_prepare(struct pipeline *pipeline, const struct pipeline_set
 			    struct fault *fault);
 void pipeline_ground_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
 
-/* Which poses are shown, in p->choice: those of choice, or those before them. */
-void pipeline_take_poses(struct pipeline *pipeline, const struct pipeline_choice *choice);
+/* Which poses are shown, in p->choice: those of choice, or those before them. An error, which
+ * p->trouble tells, where there are none. */
+int pipeline_take_poses(struct pipeline *pipeline, const struct pipeline_choice *choice);
 
-/* The two poses of p->choice, mixed by its share. What compositor_run() returns, -ENOMEM. */
+/* Room for the pictures of two poses. Idempotent. -ENOMEM. */
+int pipeline_fade_begin(struct pipeline *pipeline);
+/* The two poses of p->choice, mixed by its share. What compositor_run() returns. */
 int pipeline_fade_run(struct pipeline *pipeline, const struct backdrop *background, uint8_t *out,
 		      size_t out_stride);
 void pipeline_fade_end(struct pipeline *pipeline);

@@ -47,6 +47,17 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 	return give(text, room, whole);
 }
 
+int words_pose(char *text, size_t room, int pose, const char *name)
+{
+	char whole[128], called[64] = "";
+
+	if (*name)
+		snprintf(called, sizeof(called), " '%.40s'", name);
+	snprintf(whole, sizeof(whole), "Pose %d%s cannot be loaded: waiting, the log says why",
+		 pose, called);
+	return give(text, room, whole);
+}
+
 /* A bound stays one when it is rounded. */
 static const char *say_bound(char *text, size_t room, double value)
 {

@@ -16,6 +16,10 @@
 int words_camera(char *text, size_t room, const char *role, const char *name,
 		 enum camera_situation situation);
 
+/* "Pose 3 'left' cannot be loaded: waiting, the log says why"; name: "" where it has none. The
+ * length as above. */
+int words_pose(char *text, size_t room, int pose, const char *name);
+
 struct words_figures {
 	int lights_used, lights;
 	double threshold; /* grey level */

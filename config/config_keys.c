@@ -29,19 +29,23 @@ _Static_assert(sizeof(matrix_names) / sizeof(*matrix_names) == MATRIX_COUNT + 2,
 _Static_assert(sizeof(range_names) / sizeof(*range_names) == RANGE_COUNT + 2,
 	       "a name for each range");
 
-static const struct ini_key basis_keys[] = {{.name = "file",
-					     .type = INI_PATH,
-					     .offset = offsetof(struct config_basis, file),
-					     .fallback = "",
-					     .help = "The basis file that inlay-bake made."},
-					    {.name = "pose",
-					     .type = INI_INT,
-					     .offset = offsetof(struct config_basis, pose),
-					     .min = 0,
-					     .max = 65535,
-					     .fallback = "0",
-					     .help = "Which of the file's poses is shown first."},
-					    INI_KEYS_END};
+static const struct ini_key basis_keys[] = {
+	{.name = "file",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_basis, file),
+	 .fallback = "",
+	 .help = "The basis file that inlay-bake made. Put another in "
+		 "its place with install or mv, never with cp over the "
+		 "file of a running kiosk; it counts from the next "
+		 "start."},
+	{.name = "pose",
+	 .type = INI_INT,
+	 .offset = offsetof(struct config_basis, pose),
+	 .min = 0,
+	 .max = 65535,
+	 .fallback = "0",
+	 .help = "Which of the file's poses is shown first."},
+	INI_KEYS_END};
 
 static const struct ini_key poses_keys[] = {
 	{.name = "timeline",
@@ -388,7 +392,7 @@ static const struct ini_key composite_keys[] = {
 	 .choices = compositor_mode_names,
 	 .fallback = "fast",
 	 .help = "fast: within the errors that the basis declares; exact: every light's own "
-		 "picture, where the basis holds them."},
+		 "picture, where the basis holds them, with all of the file in memory."},
 	{.name = "reuse",
 	 .type = INI_CHOICE,
 	 .offset = offsetof(struct config_composite, reuse),

@@ -41,6 +41,19 @@ static void each_situation_has_a_sentence(void **state)
 	}
 }
 
+static void names_a_pose(void **state)
+{
+	char text[256];
+	int length;
+
+	(void)state;
+	length = words_pose(text, sizeof(text), 3, "left");
+	assert_int_equal(length, strlen(text));
+	assert_string_equal(text, "Pose 3 'left' cannot be loaded: waiting, the log says why");
+	words_pose(text, sizeof(text), 12, "");
+	assert_string_equal(text, "Pose 12 cannot be loaded: waiting, the log says why");
+}
+
 static void says_what_is_wrong(void **state)
 {
 	static const struct {
@@ -191,6 +204,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_situation_has_a_sentence),
+		cmocka_unit_test(names_a_pose),
 		cmocka_unit_test(says_what_is_wrong),
 		cmocka_unit_test(nothing_to_say),
 		cmocka_unit_test(long_names_and_little_room),

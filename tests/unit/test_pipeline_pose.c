@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
 #include <math.h>
 #include <sched.h>
 #include <stdlib.h>
@@ -24,6 +25,7 @@ enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT
 /* Unpacking a pose takes milliseconds. */
 #define LONGEST_NS (60 * NS_PER_S)
 
+static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis */
 static struct basis basis;
 static struct pipeline pipeline;
 static uint8_t out[HEIGHT][WIDTH][4];
@@ -63,7 +65,7 @@ static void write_pose(struct basis_writer *writer, const struct basis_light *li
 	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
 }
 
-static void write_basis(const char *path)
+static void write_basis(void)
 {
 	const struct basis_info_chunk info = {.width = WIDTH,
 					      .height = HEIGHT,
@@ -91,7 +93,6 @@ static void write_basis(const char *path)
 
 static int open_basis(void **state)
 {
-	char path[] = "/tmp/test_pipeline_pose_XXXXXX";
 	struct fault fault = {.text = ""};
 	const int file = mkstemp(path);
 
@@ -99,16 +100,16 @@ static int open_basis(void **state)
 	if (file < 0)
 		return -1;
 	close(file);
-	write_basis(path);
+	write_basis();
 	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
-	return unlink(path);
+	return 0;
 }
 
 static int close_basis(void **state)
 {
 	(void)state;
 	basis_close(&basis);
-	return 0;
+	return unlink(path);
 }
 
 static int begin(void **state)
@@ -291,6 +292,85 @@ static void a_pose_comes_back_unseen(void **state)
 	assert_int_equal(pipeline.choice.pose, 0);
 }
 
+/* ---- poses that cannot be had ---- */
+
+static void stays(struct pipeline_choice choice, int shown, int missing)
+{
+	frame(choice);
+	assert_int_equal(pipeline.choice.pose, shown);
+	assert_true(pipeline.choice.share == 0);
+	assert_int_equal(pipeline.missing, missing);
+	assert_non_null(strstr(pipeline.trouble.text, "cut short"));
+}
+
+/* Held frames, until the pose has been tried. */
+static void try_in_vain(int pose, int shown)
+{
+	const int64_t start = clock_now_ns();
+
+	do {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		assert_int_equal(pipeline.choice.pose, shown);
+	} while (pipeline.missing < 0);
+	stays((struct pipeline_choice){.pose = pose, .hold = true}, shown, pose);
+}
+
+static void come(int pose)
+{
+	const int64_t start = clock_now_ns();
+
+	pipeline_try_again(&pipeline);
+	while (pipeline.choice.pose != pose) {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+		frame((struct pipeline_choice){.pose = pose, .hold = true});
+	}
+	assert_int_equal(pipeline.missing, -1);
+}
+
+/* The file is cut short, and is whole again at the end. */
+static void what_is_shown_stays(void **state)
+{
+	struct pipeline_choice fade = {.pose = 0, .next = 6, .share = 0.5};
+
+	(void)state;
+	frame((struct pipeline_choice){.pose = 0});
+	assert_int_equal(pipeline.missing, -1);
+	assert_int_equal(truncate(path, 0), 0);
+	try_in_vain(5, 0);
+	stays((struct pipeline_choice){.pose = 6}, 0, 6);
+	stays(fade, 0, 6);
+	pipeline_try_again(&pipeline);
+	stays((struct pipeline_choice){.pose = 6}, 0, 6);
+	try_in_vain(5, 0);
+	frame((struct pipeline_choice){.pose = 0, .hold = true});
+	assert_int_equal(pipeline.missing, -1); /* nothing that is wanted */
+	try_in_vain(5, 0);
+	write_basis();
+	stays((struct pipeline_choice){.pose = 5, .hold = true}, 0, 5);
+	come(5);
+	frame(fade);
+	assert_true(pipeline.choice.share > 0);
+}
+
+/* Where nothing has been shown yet it is an error, and the next choice begins anew. */
+static void without_a_picture_it_is_an_error(void **state)
+{
+	struct fault fault = {.text = ""};
+	const struct pipeline_choice choice = {.pose = 5, .object = true};
+
+	(void)state;
+	basis_poses_expect(&basis, NULL, 0);
+	assert_int_equal(truncate(path, 0), 0);
+	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "cut short"));
+	write_basis();
+	basis_poses_expect(&basis, NULL, 0);
+	frame(choice);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -299,6 +379,8 @@ int main(void)
 		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, begin, end),
 		cmocka_unit_test_setup_teardown(others_wait, begin, end),
 		cmocka_unit_test_setup_teardown(a_restless_choice_is_followed, begin, end),
+		cmocka_unit_test_setup_teardown(what_is_shown_stays, begin, end),
+		cmocka_unit_test_setup_teardown(without_a_picture_it_is_an_error, begin, end),
 	};
 
 	return cmocka_run_group_tests(tests, open_basis, close_basis);
