@@ -34,6 +34,12 @@ mkdir "$root"
 fakeroot debugfs -R "rdump / $root" "$folder/root.ext4" >"$folder/rdump" 2>&1
 equal "its systemd starts the kiosk" inlay.target \
 	"$(readlink "$root/etc/systemd/system/default.target")"
+check "its kernel has the driver of the machine's watchdog" \
+	grep -q '/bcm2835_wdt\.ko' "$root"/usr/lib/modules/*/modules.dep
+check "which its systemd feeds" grep -q '^RuntimeWatchdogSec=' "$root/etc/systemd/system.conf.d/inlay.conf"
+equal "a keyboard cannot start it anew" /dev/null \
+	"$(readlink "$root/etc/systemd/system/ctrl-alt-del.target")"
+check "nor give its kernel orders" grep -q '^kernel.sysrq = 0$' "$root/etc/sysctl.d/inlay.conf"
 
 arm() {
 	qemu-aarch64-static -cpu cortex-a72 -L "$root" "$root/usr/bin/inlay" "$@"
