@@ -7,9 +7,17 @@
 set -eu
 memory=$RUNTIME_DIRECTORY/back-off # kept while systemd restarts, gone after a stop
 last=0 delay=0
-if [ -r "$memory" ]; then
+if [ -f "$memory" ]; then
 	read -r last delay <"$memory" || :
 fi
+# What is not of our writing counts as nothing.
+case $last in
+'' | 0* | *[!0-9]* | ???????????*) last=0 ;;
+esac
+case $delay in
+[0-9] | [1-3][0-9]) ;;
+*) last=0 delay=0 ;;
+esac
 now=$(date +%s)
 
 # Ran for a minute, or first of all, or the clock was set back.
@@ -25,4 +33,9 @@ if [ "$delay" -gt 1 ]; then
 	sleep "$delay"
 	now=$((now + delay))
 fi
-echo "$now $delay" >"$memory"
+# In place and always as long, so that a full /run still takes it. Where it cannot be kept, each start
+# is put off a little.
+if ! printf '%d %2d\n' "$now" "$delay" 2>/dev/null 1<>"$memory"; then
+	echo "<4>cannot write $memory: waiting 5 s" >&2
+	sleep 5
+fi

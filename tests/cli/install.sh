@@ -192,7 +192,7 @@ put_off() { # how long the kiosk ran before each start: by how much each was put
 		echo $(($(cat "$work/now") + ran)) >"$work/now"
 		echo 0 >"$work/now.slept"
 		NOW="$work/now" RUNTIME_DIRECTORY="$work/memory" PATH="$work/fake:$PATH" \
-			"$dest/usr/lib/inlay/back-off.sh" 2>/dev/null || echo failed
+			timeout 20 "$dest/usr/lib/inlay/back-off.sh" 2>/dev/null || echo failed
 		printf '%d ' "$(cat "$work/now.slept")"
 	done
 }
@@ -200,6 +200,20 @@ equal "starts in a row are put off longer and longer" "0 0 2 4 8 16 30 30 " \
 	"$(put_off 0 1 1 1 1 1 1 1)"
 equal "and not after a minute that went well" "0 0 2 " "$(put_off 60 1 1)"
 equal "nor when the clock is set back" "0 " "$(put_off -500)"
+put_off 60 1 1 >/dev/null
+for nonsense in "" " " x "1 2 3" "08 08" "$(cat "$work/now") x" "$(cat "$work/now") 08" \
+	"99999999999999999999 1" "-1 -1" "a[0] b"; do
+	echo "$nonsense" >"$work/memory/back-off"
+	equal "what it remembers is \"$nonsense\": it begins anew" "0 0 2 " "$(put_off 1 1 1)"
+done
+printf '1 \0\377' >"$work/memory/back-off"
+equal "or bytes: it begins anew" "0 0 2 " "$(put_off 1 1 1)"
+ln -sf /dev/full "$work/memory/back-off"
+equal "where it cannot remember each start is put off a little" "5 5 5 " "$(put_off 1 1 1)"
+rm "$work/memory/back-off"
+mkdir "$work/memory/back-off"
+equal "nor into a folder" "5 5 " "$(put_off 1 1)"
+rmdir "$work/memory/back-off"
 
 # ---- again, and away ----
 make_here install DESTDIR="$dest" PREFIX=/usr
