@@ -187,6 +187,8 @@ echo "$1" >"$NOW.slept"
 echo $(($(cat "$NOW") + $1)) >"$NOW"
 END
 chmod +x "$work/fake/date" "$work/fake/sleep"
+check "a leak ends the kiosk and not the machine" grep -q '^MemoryMax=[1-8][0-9]%$' \
+	"$dest/usr/lib/systemd/system/inlay.service"
 put_off() { # how long the kiosk ran before each start: by how much each was put off
 	for ran in "$@"; do
 		echo $(($(cat "$work/now") + ran)) >"$work/now"
