@@ -141,7 +141,7 @@ FUZZ_PARTS := $(addprefix app/,control.c control_socket.c driver_list.c state.c)
 	$(addprefix bake/calibrate/,camera_model.c convert_lens.c convert_tsai.c convert_yaml.c covariance.c \
 		least_squares.c linear.c observations.c)
 # The longest first, so that none is left alone at the end.
-CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh poses.sh import.sh state.sh light.sh calibrate.sh \
+CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh bombs.sh bench.sh)
 # What takes a minute or needs packages that building and using inlay does not: parts of install.sh and

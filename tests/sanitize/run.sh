@@ -41,10 +41,12 @@ for label in address-undefined thread; do
 		2>/dev/null | sort)
 	# shellcheck disable=SC2086 # a list of paths below the project's root, which hold no blanks
 	[ $label != thread ] || programs=$(threaded $programs)
-	# The long ones first, so that none is left alone at the end: real_run.sh, then tests/accuracy.
+	# The long ones first, so that none is left alone at the end: real_run.sh and what a person may do, then
+	# tests/accuracy.
 	# shellcheck disable=SC2086
 	INLAY=$PWD/$flavour/inlay INLAY_BAKE=$PWD/$flavour/inlay-bake BUILD=$flavour \
-		tests/run.sh "$label" tests/sanitize/real_run.sh $programs || all_well=1
+		INLAY_ACTIONS_SECONDS=20 \
+		tests/run.sh "$label" tests/sanitize/real_run.sh tests/cli/actions.sh $programs || all_well=1
 done
 
 INLAY="$PWD/${BUILD:-build}/inlay" INLAY_BAKE="$PWD/${BUILD:-build}/inlay-bake" \

@@ -1,6 +1,7 @@
 #!/bin/bash
 # Boots the simulated machine twice and soaks the kiosk in it: as it is, and built with the address
 # and undefined behaviour sanitizers. Prints both tables; their files stay in $BUILD/tests/vm/soak-*.
+# Meanwhile the sanitized one is given actions, reloads and damaged files at random on this machine.
 #
 #     run_soak.sh MINUTES [SEED]      (half of the time each)
 #     run_soak.sh --check MINUTES [SEED]      only says whether these are such
@@ -45,6 +46,12 @@ soak() {
 	grep -q '^ok' "$job/results.tap" && ! grep -q '^not ok' "$job/results.tap" || code=1
 }
 
+actions=$BUILD/tests/vm/soak-actions.tap
+INLAY=$PWD/$SANITIZED/inlay INLAY_BAKE=$PWD/$BUILD/inlay-bake INLAY_SEED=$seed \
+	INLAY_ACTIONS_SECONDS=$(awk "BEGIN { print int($minutes * 120) }") tests/cli/actions.sh >"$actions" 2>&1 &
+random=$!
 soak plain "$PWD/$BUILD/inlay" 1024
 soak sanitized "$PWD/$SANITIZED/inlay" 8192
+wait $random || code=1
+cat "$actions"
 exit $code
