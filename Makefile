@@ -222,7 +222,8 @@ RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/in
 	INLAY_CALIBRATE="$(abspath $(BUILD))/inlay-calibrate" BUILD="$(BUILD)" tests/run.sh
 
 # One queue for all: machines that wait run beside programs that compute. What lasts longest begins.
-UNIT_QUICK := $(filter-out $(addprefix $(BUILD)/,$(basename $(DEEP_ONLY_TESTS))),$(UNIT_PROGRAMS))
+TIMED_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(TIMED_UNIT_TESTS)))
+UNIT_QUICK := $(filter-out $(TIMED_PROGRAMS) $(addprefix $(BUILD)/,$(basename $(DEEP_ONLY_TESTS))),$(UNIT_PROGRAMS))
 test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) $(VM_LIBRARIES) \
 		$(BUILD)/tests/kernels/test_kernels kernel
 	$(Q)tests/run.sh --begin
@@ -232,7 +233,8 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 		-- boot "tests/boot/run.sh --picture" \
 		-- accuracy tests/accuracy/quick.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
 		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
-		-- lint "tests/lint/lint.sh --quick" tests/lint/test_includes.sh
+		-- lint "tests/lint/lint.sh --quick" tests/lint/test_includes.sh \
+		-- cli $(TIMED_TESTS) -- unit $(TIMED_PROGRAMS)
 	$(Q)tests/run.sh --end
 
 .PHONY: test-deep test-deep-installed
@@ -277,7 +279,7 @@ test-emulated: $(BUILD)/tests/kernels/test_kernels
 	$(Q)$(RUN_TESTS) kernels "tests/kernels/kernels.sh --emulated"
 ## test-cli: the programs as a person calls them (TEST=still: one script)
 test-cli: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) cli $(if $(TEST),tests/cli/$(TEST).sh,$(CLI_TESTS))
+	$(Q)$(RUN_TESTS) cli $(if $(TEST),tests/cli/$(TEST).sh,$(CLI_TESTS) $(TIMED_TESTS))
 test-cli-deep: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form

@@ -143,7 +143,10 @@ FUZZ_PARTS := $(addprefix app/,control.c control_socket.c driver_list.c state.c)
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
-	control.sh bombs.sh bench.sh)
+	control.sh bombs.sh)
+# By themselves: they hold times against each other.
+TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
+TIMED_UNIT_TESTS := tests/unit/test_bench.c tests/unit/test_measure.c
 # What takes a minute or needs packages that building and using inlay does not: parts of install.sh and
 # calibrate.sh, which do without them in the quick tests.
 CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)

@@ -138,11 +138,7 @@ check "delay" light delay "$work/record.txt" -o "$work/eye.ini"
 check "is in the file" grep -q '^delay = 2$' "$work/eye.ini"
 check "that inlay passes over" "$INLAY" check --config "$work/studio.conf" \
 	--set "fisheye.light=$work/eye.ini"
-sed 's/^sim.clock = frames/sim.clock = real\nrate = 30\nsim.control_delay = 3/' "$work/studio.conf" >"$work/live.conf"
-check "delay of the camera itself" light delay --config "$work/live.conf" --view fisheye \
-	--control exposure=0.05 --control exposure=0.2 -o "$work/eye.ini" --report "$work/delay"
-sed -n 's/^; delay/# delay/p' "$work/eye.ini"
-check "is that of the camera" grep -qE '^; delay: [34] frames' "$work/eye.ini"
+sed 's/^sim.clock = frames/sim.clock = real\nrate = 30/' "$work/studio.conf" >"$work/live.conf"
 doubted "a control that it does not have" "expected exposure" light delay --config "$work/live.conf" \
 	--view fisheye --control shutter=1 --control shutter=2
 wrong "a command that there is not" "expected one of black" white
