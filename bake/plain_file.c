@@ -1,40 +1,30 @@
 #include "bake/plain_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-static int check_file(const struct stat *about, const char *path, uint64_t most,
-		      struct fault *fault)
-{
-	if (!S_ISREG(about->st_mode))
-		return fault_say(fault, -EINVAL, "%s: not a plain file, expected one", path);
-	if ((uint64_t)about->st_size > most)
-		return fault_say(fault, -EFBIG, "%s: %lld bytes long, expected at most %llu", path,
-				 (long long)about->st_size, (unsigned long long)most);
-	return 0;
-}
+#include "hal/input.h"
 
-/* Without O_NONBLOCK a pipe that nobody writes to is waited for. */
 static int open_plain(const char *path, uint64_t most, struct stat *about, struct fault *fault)
 {
-	const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-	int err;
+	const int fd = input_open(path, fault);
+	int err = fd < 0 ? fd : 0;
 
-	if (fd < 0 || fstat(fd, about)) {
+	if (!err && fstat(fd, about)) {
 		err = -errno;
-		fault_say(fault, err, "%s: cannot be opened: %s", path, strerror(-err));
-	} else {
-		err = check_file(about, path, most, fault);
+		fault_say(fault, err, "%s: %s", path, strerror(-err));
+	} else if (!err && !S_ISREG(about->st_mode)) {
+		err = fault_say(fault, -EINVAL, "%s: a pipe, expected a file", path);
+	} else if (!err && (uint64_t)about->st_size > most) {
+		err = fault_say(fault, -EFBIG, "%s: %lld bytes long, expected at most %llu", path,
+				(long long)about->st_size, (unsigned long long)most);
 	}
-	if (!err)
-		return fd;
-	if (fd >= 0)
+	if (err && fd >= 0)
 		close(fd);
-	return err;
+	return err ? err : fd;
 }
 
 int plain_file_open(FILE **file, const char *path, uint64_t most, struct fault *fault)

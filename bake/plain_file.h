@@ -1,4 +1,4 @@
-/* Plain files alone: a pipe or a device may have no end, and may keep whoever opens it waiting. */
+/* What hal/input.h opens, of bounded length: meshes and their libraries are read whole. */
 #ifndef INLAY_BAKE_PLAIN_FILE_H
 #define INLAY_BAKE_PLAIN_FILE_H
 
@@ -8,11 +8,11 @@
 
 #include "hal/fault.h"
 
-#define PLAIN_FILE_MAX                                                                             \
-	((uint64_t)4 << 30) /* bytes; a mesh's text takes as many of memory, twice                 \
-			     */
+/* Bytes. The text of a mesh takes twice as many of memory. */
+#define PLAIN_FILE_MAX ((uint64_t)4 << 30)
 
-/* -ENOENT ...; -EINVAL: no plain file; -EFBIG: longer than most. The fault names the file. */
+/* What input_open() returns; -EINVAL: a pipe; -EFBIG: longer than most. The fault names the file.
+ */
 int plain_file_open(FILE **file, const char *path, uint64_t most, struct fault *fault);
 
 /* The same, mapped. An empty file has no bytes and may be unmapped, too. */

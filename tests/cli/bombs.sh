@@ -34,21 +34,21 @@ mkfifo pipe.obj pipe.ply pipe.mtl pipe.png
 ln -s /dev/zero zero.obj
 ln -s /dev/zero zero.mtl
 for file in pipe.obj pipe.ply zero.obj; do
-	bomb $file "not a plain file"
+	bomb $file "not a regular file"
 done
 for kind in pipe zero; do
 	{
 		echo "mtllib $kind.mtl"
 		cat box.obj
 	} >$kind-library.obj
-	bomb $kind-library.obj "not a plain file" $kind.mtl
+	bomb $kind-library.obj "not a regular file" $kind.mtl
 done
 printf 'newmtl paint\nKd 1 1 1\nmap_Kd pipe.png\n' >paint.mtl
 {
 	printf 'mtllib paint.mtl\nusemtl paint\nvt 0 0\n'
 	sed 's|\([0-9]\)\( \|$\)|\1/1\2|g; /^v/s|/1||g' box.obj
 } >texture.obj
-bomb texture.obj "not a plain file" pipe.png
+bomb texture.obj "not a regular file" pipe.png
 
 # ---- longer than any ----
 truncate -s 5G long.obj
