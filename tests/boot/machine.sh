@@ -56,14 +56,15 @@ shell() {
 	}
 	local asked=$(($(cat "$out/asked") + 1)) # in a file: shell is called in subshells too
 	echo $asked >"$out/asked"
-	# The terminal echoes the command: its marks must not look like those that are printed.
+	# The terminal echoes the command: its marks must not look like those that are printed. What was typed
+	# ahead has its prompt before the first of them.
 	printf 'echo "<""begun %d>"; { %s\n} 2>&1; echo "<""ended %d $?>"\n' $asked "$2" $asked >&7
 	within "$1" grep -q "^<ended $asked [0-9]*>" "$out/shell.log" || {
 		echo "no answer within $1 s to: $2"
 		return 124
 	}
 	tr -d '\r' <"$out/shell.log" |
-		sed -e "1,/^<begun $asked>/d" -e "/^<ended $asked /,\$d"
+		sed -e "1,/<begun $asked>/d" -e "/^<ended $asked /,\$d"
 	return "$(sed -n "s/^<ended $asked \([0-9]*\)>.*/\1/p" "$out/shell.log")"
 }
 
