@@ -227,7 +227,7 @@ UNIT_QUICK := $(filter-out $(TIMED_PROGRAMS) $(addprefix $(BUILD)/,$(basename $(
 test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) $(VM_LIBRARIES) \
 		$(BUILD)/tests/kernels/test_kernels kernel
 	$(Q)tests/run.sh --begin
-	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
+	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh --quick
 	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
 	-+$(Q)MAKE="$(MAKE)" VM_MACHINES=1 $(RUN_TESTS) vm "tests/vm/run.sh --quick" \
 		-- boot "tests/boot/run.sh --picture" \

@@ -94,7 +94,7 @@ check() {
 # The bounds lie 4 to 10 dB below what comes out, much of which is noise of few samples. Light from
 # a wrong side has to fail them, or they would prove nothing: the last two see to that.
 quick() {
-	local size=96x72 cell2 cell9 node9 live9 double shown shown_most mirrored turned rest
+	local size=64x48 cell2 cell9 node9 live9 double shown shown_most mirrored turned rest
 
 	if [ ! -e "$data/mesh/spot.obj" ] || [ ! -e "$data/hdri/venice_sunset_1k.hdr" ]; then
 		echo "ok 1 - composite against truth # SKIP no data in $data"
@@ -119,7 +119,7 @@ quick() {
 	composite sunset 9 cell "$work/exact.png" --mode exact
 	read -r rest rest double < <(compare "$work/exact.png" "$work/double.pfm")
 	read -r shown rest shown_most < <(compare "$work/quick.png" "$work/double.pfm")
-	live sunset venice_sunset_1k 0.856 9 96 72 "$work/live.png"
+	live sunset venice_sunset_1k 0.856 9 64 48 "$work/live.png"
 	read -r live9 rest < <(compare "$work/live.png" "$work/sunset-truth.pfm")
 	composite sunset 9 cell "$work/mirrored.png" --set fisheye.hflip=yes
 	read -r mirrored rest < <(compare "$work/mirrored.png" "$work/sunset-truth.pfm")

@@ -2,7 +2,8 @@
 # Makes what the guest's tests show: bakes the small basis files, and takes pictures of a real
 # panorama where there is one. On the host, because the guest's processors are emulated.
 #
-#     bake.sh     into $BUILD/tests/vm/live and, when $INLAY_SHARED_DATA is there, .../spot
+#     bake.sh          into $BUILD/tests/vm/live, .../thesis and, when $INLAY_SHARED_DATA is there, .../spot
+#     bake.sh --quick  without the last, for `run.sh --quick`
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
@@ -33,7 +34,7 @@ for file in cow.obj cow.mtl cow.png; do
 done
 bake thesis
 
-if [ -r "$data/mesh/spot.obj" ]; then
+if [ "${1:-}" != --quick ] && [ -r "$data/mesh/spot.obj" ]; then
 	mkdir -p "$out/spot"
 	ln -sfn "$(realpath "$data/mesh/spot.obj")" "$out/spot/spot.obj"
 	bake spot
