@@ -559,15 +559,15 @@ int basis_check_tile(const struct basis_info_chunk *info, int tile, bool exact,
 	struct basis shell = shell_of_tile(info, tile);
 	const struct basis_reader reader = {.basis = &shell, .name = ""};
 	struct basis_block_entry *entries = calloc((size_t)count + 1, sizeof(*entries));
-	struct basis_blocks_chunk chunk = {.entries = entries,
-					   .count = (size_t)count,
-					   .data = count ? blocks[0].payload : NULL,
-					   .exact = exact};
+	struct basis_blocks_chunk chunk = {
+		.entries = entries, .count = (size_t)count, .exact = exact};
 	struct basis_layer layer = {.tiles = NULL};
 	int ret = -ENOMEM;
 
 	if (!entries)
 		return ret;
+	/* nothing may be added to NULL: without blocks, their data is as empty here */
+	chunk.data = count ? blocks[0].payload : (const uint8_t *)entries;
 	for (int k = 0; k < count; k++) {
 		entries[k] = blocks[k].entry;
 		entries[k].tile = 0;
