@@ -1,15 +1,15 @@
 /* Any bytes as a lens of OpenCV or ROS: refused in a sentence, or a lens of finite numbers, which
- * ours is made of or refused in a sentence again. */
+ * ours is made of or refused in a sentence again.
+ *
+ * reaches: convert_yaml.c:take_camera convert_yaml.c:take_distortion convert_yaml.c:take_size
+ * convert_tsai.c:only_k1 convert_tsai.c:fit_camera convert_lens.c:lens_to_fisheye
+ */
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "bake/calibrate/convert.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+#include "tests/fuzz/as_file.h"
 
 static int make_ours(const struct lens *lens, struct fault *fault)
 {
@@ -24,17 +24,10 @@ static int make_ours(const struct lens *lens, struct fault *fault)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
-	static int file = -1;
 	struct fault fault = {.text = ""};
 	struct lens lens = {.width = 0};
-	char path[64];
 
-	if (file < 0)
-		file = memfd_create("lens", MFD_CLOEXEC);
-	if (file < 0 || ftruncate(file, 0) || pwrite(file, data, bytes, 0) != (ssize_t)bytes)
-		abort();
-	snprintf(path, sizeof(path), "/proc/self/fd/%d", file);
-	if (!lens_read_yaml(&lens, path, &fault)) {
+	if (!lens_read_yaml(&lens, as_file(data, bytes), &fault)) {
 		for (int k = 0; k < LENS_TERMS; k++)
 			if (!isfinite(lens.term[k]))
 				abort();

@@ -1,15 +1,14 @@
 /* Any bytes as the thesis's file: refused in a sentence with nothing kept, or every pixel inside
- * it, and every value that import takes of it finite. */
+ * it, and every value that import takes of it finite.
+ *
+ * reaches: msi.c:walk msi.c:try_variant msi.c:is_flat msi.c:fill_shadow msi.c:fill_object
+ */
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "bake/msi.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+#include "tests/fuzz/as_file.h"
 
 #define LIGHTS 6 /* of the dome of frequency 1 */
 
@@ -54,17 +53,10 @@ static void check(const struct msi *msi)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
-	static int file = -1;
 	struct fault fault = {.text = ""};
 	struct msi msi;
-	char path[64];
 
-	if (file < 0)
-		file = memfd_create("msi", MFD_CLOEXEC);
-	if (file < 0 || ftruncate(file, 0) || pwrite(file, data, bytes, 0) != (ssize_t)bytes)
-		abort();
-	snprintf(path, sizeof(path), "/proc/self/fd/%d", file);
-	if (msi_open(&msi, path, &fault) == 0)
+	if (msi_open(&msi, as_file(data, bytes), &fault) == 0)
 		check(&msi);
 	else if (!fault.text[0] || msi.data || msi.start)
 		abort();

@@ -1,14 +1,14 @@
-/* Any bytes as Y4M video: each picture whole and converted, or a clear refusal. */
+/* Any bytes as Y4M video: each picture whole and converted, or a clear refusal.
+ *
+ * reaches: y4m.c:read_chroma y4m.c:read_rate y4m.c:y4m_next y4m.c:y4m_decode
+ * frame_ycbcr.c:ycbcr_row_full frame_ycbcr.c:ycbcr_row_halved frame_ycbcr.c:ycbcr_row_grey
+ */
 #include <errno.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "drivers/sim/y4m.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+#include "tests/fuzz/as_file.h"
 
 static void play(struct y4m *video)
 {
@@ -29,19 +29,13 @@ static void play(struct y4m *video)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
-	const int file = memfd_create("video", MFD_CLOEXEC);
 	struct fault fault = {""};
 	struct y4m video;
-	char path[64];
 
-	if (file < 0 || write(file, data, bytes) != (ssize_t)bytes)
-		abort();
-	snprintf(path, sizeof(path), "/proc/self/fd/%d", file);
-	if (y4m_open(&video, path, &fault) == 0)
+	if (y4m_open(&video, as_file(data, bytes), &fault) == 0)
 		play(&video);
 	else if (!fault.text[0] || video.fd != -1)
 		abort();
 	y4m_close(&video);
-	close(file);
 	return 0;
 }
