@@ -181,7 +181,7 @@ static void pack_poses(const struct synthetic *s, const char *path)
 	}
 	synthetic_must(basis_writer_names(writer, names, &fault), &fault);
 	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	synthetic_must(basis_open(&joint, file, BASIS_SHOWN, &fault), &fault);
+	synthetic_must(basis_open(&joint, file, BASIS_ALL, &fault), &fault);
 	unlink(file);
 	pack(&joint, path, 0);
 	basis_close(&joint);

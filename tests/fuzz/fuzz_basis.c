@@ -3,19 +3,26 @@
  *     uint32 type, uint32 pose, uint32 bytes, data
  * that is laid out into a file with a right header, right checksums and right padding, so that what
  * the reader checks behind them is reached. A file that it accepts is composited: nothing behind
- * the reader checks anything again.
+ * the reader checks anything again. The second is also opened by its path, with poses unpacked
+ * ahead.
+ *
+ * reaches: basis.c:check_coarse basis.c:check_peaks basis.c:add_packed basis_blocks.c:check_block
+ * basis_blocks.c:check_patterns basis_blocks.c:check_record basis_blocks.c:check_pairs
+ * basis_blocks.c:check_padding basis_glass.c:basis_read_glass basis_names.c:basis_names_check
+ * basis_file.c:read_at pack.c:place_parts pack.c:unfold_words pack.c:unfold_column
+ * basis_store.c:look_ahead basis_store.c:take_back basis_groups.c:basis_groups_create
+ * glass.c:glass_add
  */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "hal/compositor/compositor.h"
+#include "tests/fuzz/as_file.h"
 #include "tests/synthetic_basis.h"
 
 #define CHUNKS_MOST 32
 #define WORK_MOST 2000000 /* pixels times lights */
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 
 struct packed {
 	uint32_t type, pose, bytes;
@@ -148,6 +155,34 @@ static void open_file(const void *data, size_t bytes)
 	basis_close(&basis);
 }
 
+/* A kiosk's way: from a file, poses unpacked ahead by a thread. Whatever memory gave this has to
+ * give. */
+static void open_ahead(const void *data, size_t bytes)
+{
+	static const int order[] = {3, 0, 1, 2, 0};
+	const int count = sizeof(order) / sizeof(*order);
+	struct fault fault = {""};
+	struct basis memory, file;
+	const int expected = open_part(data, bytes, BASIS_SHOWN, &memory);
+	int poses;
+
+	if (basis_open(&file, as_file(data, bytes), BASIS_SHOWN, &fault) != expected)
+		abort();
+	poses = expected ? 0 : (int)file.info.poses;
+	for (int k = 0; poses && k < count; k++) {
+		const int pose = order[k] % poses,
+			  ahead[2] = {pose, order[(k + 1) % count] % poses};
+
+		basis_poses_expect(&file, ahead, 2);
+		if (basis_pose_load(&memory, pose, &fault) ||
+		    basis_pose_load(&file, pose, &fault) || !basis_pose_ready(&file, pose) ||
+		    file.poses[pose].shown.block_count != memory.poses[pose].shown.block_count)
+			abort();
+	}
+	basis_close(&file);
+	basis_close(&memory);
+}
+
 static size_t page_up(size_t bytes)
 {
 	return (bytes + BASIS_PAGE - 1) / BASIS_PAGE * BASIS_PAGE;
@@ -201,8 +236,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	open_file(copy, bytes);
 	free(copy);
 	file = unpack(data, bytes, &file_bytes);
-	if (file)
+	if (file) {
 		open_file(file, file_bytes);
+		open_ahead(file, file_bytes);
+	}
 	free(file);
 	return 0;
 }
