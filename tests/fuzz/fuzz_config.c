@@ -1,4 +1,8 @@
-/* Any bytes as a configuration: read, check, print; what was read without fault reads back. */
+/* Any bytes as a configuration: read, also as a file, check, print; what was read without fault
+ * reads back.
+ *
+ * reaches: config.c:config_read config_check.c:config_check config.c:config_print ini.c:ini_read
+ */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,8 +10,18 @@
 
 #include "app/driver_list.h"
 #include "config/config.h"
+#include "tests/fuzz/as_file.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+/* A file says what memory says, but for its name. */
+static void read_file(const uint8_t *data, size_t bytes, int expected)
+{
+	struct config *config;
+
+	if (config_create(&config, driver_list()) ||
+	    config_read(config, as_file(data, bytes), NULL) != expected)
+		abort();
+	config_destroy(config);
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
@@ -16,10 +30,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	char *text = NULL;
 	size_t text_bytes;
 	FILE *stream;
+	int err;
 
 	if (config_create(&config, driver_list()))
 		return 0;
-	if (config_read_memory(config, (const char *)data, bytes, "fuzz", &report) == 0) {
+	err = config_read_memory(config, (const char *)data, bytes, "fuzz", &report);
+	read_file(data, bytes, err);
+	if (err == 0) {
 		(void)config_check(config, &report);
 		stream = open_memstream(&text, &text_bytes);
 		if (!stream || config_create(&again, driver_list()))
