@@ -125,6 +125,12 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_basis.c \
 	tests/fuzz/fuzz_lens.c \
 	tests/fuzz/fuzz_lights.c \
+	tests/fuzz/fuzz_frame.c \
+	tests/fuzz/fuzz_gltf.c \
+	tests/fuzz/fuzz_mtl.c \
+	tests/fuzz/fuzz_response.c \
+	tests/fuzz/fuzz_script.c \
+	tests/fuzz/fuzz_timing.c \
 	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_config.c \
