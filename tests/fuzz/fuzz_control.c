@@ -1,5 +1,8 @@
 /* Any bytes as a line of the control socket: what is taken is an action with its range, what is not
- * is refused in plain text. */
+ * is refused in plain text.
+ *
+ * reaches: control.c:control_parse buttons.c:parse_level buttons.c:unknown_action
+ */
 #include <errno.h>
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,4 +1,7 @@
-/* Any bytes as a state file: refused in a sentence that leaves everything alone, or in range. */
+/* Any bytes as a state file: refused in a sentence that leaves everything alone, or in range.
+ *
+ * reaches: state.c:adopt state.c:place
+ */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
