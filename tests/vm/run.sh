@@ -1,10 +1,10 @@
 #!/bin/bash
 # Runs tests/vm/test_*.sh, each in a simulated machine of its own, as many at a time as there are
 # processors, and prints their results as TAP when each ends.
-# Everything they leave is kept in $BUILD/tests/vm/job/NAME.
+# Everything they leave is kept in $BUILD/tests/vm/job/NAME/NAME.
 #
 #     tests/vm/run.sh [FILTER]   those whose name contains FILTER (or FILTER in the environment)
-#     tests/vm/run.sh --quick    the few that show the whole way
+#     tests/vm/run.sh --quick    the few that show the whole way, one after the other in one machine
 #     tests/vm/run.sh --rest     the others
 # VM_MACHINES=n: so many at a time.
 set -uo pipefail
@@ -16,22 +16,23 @@ export INLAY=${INLAY:-$PWD/$BUILD/inlay} INLAY_BAKE=${INLAY_BAKE:-$PWD/$BUILD/in
 INLAY_SHARED_DATA=$(realpath "${INLAY_SHARED_DATA:-../shared/data}" 2>/dev/null)
 export INLAY_SHARED_DATA
 which=${1:-${FILTER:-}}
-quick=' live thesis libcamera '
+quick=' live thesis libcamera ' # the last starts udevd
 jobs=$BUILD/tests/vm/job
 rm -rf "$jobs"
 mkdir -p "$jobs"
 
-# one NAME: boots a machine for it.
+# one NAME...: boots a machine for them, in this order.
 one() {
-	local job=$jobs/$1 begun=$SECONDS code=0
+	local job begun=$SECONDS code=0
+	job=$jobs/$(IFS=-; echo "$*")
 	mkdir -p "$job"
 	: >"$job/results.tap"
-	tests/vm/boot.sh "$job" tests/vm/guest.sh "$1" || code=$?
+	tests/vm/boot.sh --seconds $((1200 * $#)) "$job" tests/vm/guest.sh "$@" || code=$?
 	if [ $code -ne 0 ]; then
-		echo "not ok - $1: the machine stopped with exit code $code" >>"$job/results.tap"
+		echo "not ok - $*: the machine stopped with exit code $code" >>"$job/results.tap"
 		tail -n 20 "$job/console.log" 2>/dev/null | sed 's/^/# /' >>"$job/results.tap"
 	fi
-	echo "# $1 took $((SECONDS - begun)) s" >>"$job/results.tap"
+	echo "# $* took $((SECONDS - begun)) s" >>"$job/results.tap"
 	mv "$job/results.tap" "$job/done.tap"
 }
 
@@ -56,27 +57,35 @@ report() {
 	done
 }
 
-# The longest first, so that none is left alone at the end: two that last more than a minute however
-# short they are to read, then by length.
-names=$(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p')
-lasting='soak faults_late'
-running=0
 # chosen NAME
 chosen() {
 	case $which in
-	--quick) [[ $quick == *" $1 "* ]] ;;
 	--rest) [[ $quick != *" $1 "* ]] ;;
 	*) [[ $1 == *"$which"* ]] ;;
 	esac
 }
-for name in $lasting $(grep -vxF "${lasting// /$'\n'}" <<<"$names"); do
-	chosen "$name" || continue
+
+# The longest first, so that none is left alone at the end: two that last more than a minute however
+# short they are to read, then by length.
+names=$(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p')
+lasting='soak faults_late'
+machines=() # a line of names each
+if [ "$which" = --quick ]; then
+	machines=("$quick")
+else
+	for name in $lasting $(grep -vxF "${lasting// /$'\n'}" <<<"$names"); do
+		! chosen "$name" || machines+=("$name")
+	done
+fi
+running=0
+for machine in "${machines[@]}"; do
 	while [ $running -ge "${VM_MACHINES:-$(nproc)}" ]; do
 		wait -n
 		running=$((running - 1))
 		report
 	done
-	one "$name" &
+	# shellcheck disable=SC2086 # a list of names
+	one $machine &
 	running=$((running + 1))
 done
 while [ $running -gt 0 ]; do
