@@ -7,7 +7,7 @@
 
 #include "app/bench_truth.h"
 #include "app/bench_ways.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 #include "hal/measure/background.h"
 #include "hal/measure/turns.h"
 

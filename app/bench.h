@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/measure/error.h"
 
 #define BENCH_FILES_MAX 16

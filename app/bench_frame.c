@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame_reader.h"
+#include "hal/frame/frame_reader.h"
 #include "hal/lights/sampler.h"
 #include "hal/measure/lightings.h"
 #include "hal/optics/fisheye.h"

@@ -5,10 +5,10 @@
 #ifndef INLAY_APP_BENCH_FRAME_H
 #define INLAY_APP_BENCH_FRAME_H
 
+#include "hal/base/fault.h"
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"
-#include "hal/fault.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 #define BENCH_CAMERA_BUFFERS 4
 #define BENCH_SCREEN_BUFFERS 3

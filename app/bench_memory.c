@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-#include "hal/processor.h"
+#include "hal/base/processor.h"
 
 #define HUGE_PAGE ((size_t)2 << 20)
 #define STEP 512 /* bytes in a round of the reader */

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "hal/pool.h"
+#include "hal/base/pool.h"
 
 /* Memory to read, none of it shared. */
 struct reading {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/kernels.h"
 
 /* ---- the list ---- */
 

@@ -6,12 +6,12 @@
 #include "app/bench.h"
 #include "app/bench_print.h"
 #include "app/commands.h"
-#include "hal/compositor/kernels.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+#include "hal/base/pool.h"
+#include "hal/colour/transfer.h"
+#include "hal/compositor/kernels/kernels.h"
 #include "hal/ini/ini.h"
-#include "hal/log.h"
-#include "hal/output.h"
-#include "hal/pool.h"
-#include "hal/transfer.h"
 
 struct bench_options {
 	struct bench_settings settings;

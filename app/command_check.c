@@ -5,8 +5,8 @@
 #include "app/driver_list.h"
 #include "app/pipeline_config.h"
 #include "app/settings.h"
+#include "hal/base/log.h"
 #include "hal/basis/basis.h"
-#include "hal/log.h"
 
 struct check_options {
 	struct settings settings; /* first: SETTINGS_ROWS */

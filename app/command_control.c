@@ -10,8 +10,8 @@
 #include "app/control_socket.h"
 #include "app/driver_list.h"
 #include "app/settings.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 /* Of the installed service (board/appliance.conf). */
 #define SOCKET_DEFAULT "/run/inlay/control"

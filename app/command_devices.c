@@ -5,7 +5,7 @@
 #include "app/commands.h"
 #include "app/devices_sample.h"
 #include "drivers/drivers.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 struct devices_options {
 	bool json, sample;

@@ -4,7 +4,7 @@
 #include "app/commands.h"
 #include "app/kiosk.h"
 #include "app/settings.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 struct run_options {
 	struct settings settings; /* first: SETTINGS_ROWS */

@@ -5,9 +5,9 @@
 #include "app/commands.h"
 #include "app/settings.h"
 #include "app/still.h"
+#include "hal/base/log.h"
 #include "hal/compositor/compositor.h"
 #include "hal/image/image.h"
-#include "hal/log.h"
 
 struct still_options {
 	struct settings settings; /* first: SETTINGS_ROWS */

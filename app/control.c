@@ -13,8 +13,8 @@
 #include <unistd.h>
 
 #include "app/control_socket.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 #define LISTENER CONTROL_CLIENTS_MAX /* beside the clients in epoll's data */
 #define STEPS_AT_ONCE 16

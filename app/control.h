@@ -16,8 +16,8 @@
 
 #include <stddef.h>
 
-#include "hal/buttons.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
+#include "hal/device/buttons.h"
 
 #define CONTROL_CLIENTS_MAX 8
 #define CONTROL_LINE_MAX 256 /* with its newline */

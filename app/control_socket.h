@@ -7,7 +7,7 @@
 
 #include <sys/types.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct control_socket {
 	int fd;		/* -1: closed */

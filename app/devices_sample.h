@@ -13,8 +13,8 @@
 
 #include <stdio.h>
 
-#include "hal/camera.h"
-#include "hal/display.h"
+#include "hal/device/camera.h"
+#include "hal/device/display.h"
 
 struct sample;
 

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 /* When so many turns of all exposures have been judged. */
 #define TURNS_JUDGED 8

@@ -5,9 +5,9 @@
 #include <stdbool.h>
 
 #include "app/source.h"
-#include "hal/fault.h"
-#include "hal/frame_reader.h"
-#include "hal/view.h"
+#include "hal/base/fault.h"
+#include "hal/frame/frame_reader.h"
+#include "hal/frame/view.h"
 
 struct eye {
 	const char *section;   /* "fisheye", ...: for faults; borrowed */

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 
 #include "app/kiosk_parts.h"
-#include "hal/camera_situation.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
+#include "hal/device/camera_situation.h"
 
-/* A camera may take 2 s to open (hal/camera.h), and more on a busy machine. One that takes much
+/* A camera may take 2 s to open (hal/device/camera.h), and more on a busy machine. One that takes much
  * longer is not waited for. */
 #define SETTLE_NS (10 * NS_PER_S)
 /* The loop comes round every second. If it did not, silence until now was ours. */

@@ -18,7 +18,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct kiosk_settings {
 	struct config *config; /* checked; a reload changes it */

@@ -5,7 +5,7 @@
 
 #include "app/kiosk_parts.h"
 #include "drivers/drivers.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 #define LEVEL_MAX 255.0
 #define PERCENT_MAX 100.0

@@ -4,8 +4,8 @@
 #include "app/kiosk_parts.h"
 #include "app/pipeline_config.h"
 #include "drivers/drivers.h"
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 static struct source *source_named(struct kiosk *k, const char *name)
 {

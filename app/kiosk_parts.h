@@ -15,8 +15,8 @@
 #include "app/state.h"
 #include "app/stats.h"
 #include "app/timeline.h"
-#include "hal/buttons.h"
-#include "hal/display.h"
+#include "hal/device/buttons.h"
+#include "hal/device/display.h"
 
 /* Slots of the loop: cameras come first, drivers of buttons last. */
 enum { SLOT_DISPLAY = CONFIG_CAMERAS_MAX, SLOT_CONTROL, SLOT_BUTTONS };

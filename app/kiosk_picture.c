@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "app/kiosk_parts.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 struct source *kiosk_leader(struct kiosk *k)
 {

@@ -4,8 +4,8 @@
 #include "app/kiosk_parts.h"
 #include "app/pipeline_config.h"
 #include "app/reload.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 /* What only the running kiosk can tell of a configuration. Logs each fault. */
 static int check(const struct kiosk *k, const struct config *fresh)

@@ -3,7 +3,7 @@
 
 #include "app/kiosk_parts.h"
 #include "drivers/drivers.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 int kiosk_screen_open(struct kiosk *k, bool first, struct fault *fault)
 {

@@ -9,9 +9,9 @@
 
 #include "app/scaler.h"
 #include "config/config.h"
-#include "hal/display.h"
-#include "hal/pool.h"
-#include "hal/view.h"
+#include "hal/base/pool.h"
+#include "hal/device/display.h"
+#include "hal/frame/view.h"
 
 struct box {
 	int x, y, width, height;

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define LOOP_SLOTS 24
 

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "app/commands.h"
+#include "hal/base/log.h"
 #include "hal/ini/ini.h"
-#include "hal/log.h"
 
 static const struct command *const commands[] = {&command_run,	 &command_control,
 						 &command_still, &command_devices,

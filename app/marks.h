@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 

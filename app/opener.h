@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 
 struct opener;
 

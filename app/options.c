@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/base/log.h"
+#include "hal/base/number.h"
 #include "hal/ini/ini.h"
-#include "hal/log.h"
-#include "hal/number.h"
 
 #define ROWS_MAX 32
 

@@ -7,7 +7,7 @@
 #include "app/panel.h"
 #include "app/scaler.h"
 #include "app/utf8.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 /* Letters can be read from two metres at this share of the height, if they are not tiny. */
 #define HEIGHT_PER_SIZE 30

@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-#include "hal/display.h"
+#include "hal/device/display.h"
 
 #define OVERLAY_TEXT_MAX 256 /* bytes, with the end; longer ones are cut between characters */
 #define OVERLAY_TROUBLES_MAX 6

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "app/typeset.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 #define FONT "DejaVu Sans"
 

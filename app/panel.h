@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "hal/view.h"
+#include "hal/frame/view.h"
 
 #define PANEL_TEXTS_MAX 8
 #define PANEL_TEXT_MAX 256 /* bytes of each, with its end */

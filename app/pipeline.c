@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "app/pipeline_parts.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 /* The light files and the sampler are in the dome's order, so the basis must be of that dome. */
 static int check_dome(const struct dome *dome, const struct basis *basis, struct fault *fault)

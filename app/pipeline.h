@@ -12,9 +12,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "hal/base/fault.h"
+#include "hal/base/pool.h"
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"
-#include "hal/fault.h"
+#include "hal/frame/view.h"
 #include "hal/image/image.h"
 #include "hal/lights/exposures.h"
 #include "hal/lights/light_filter.h"
@@ -22,8 +24,6 @@
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
-#include "hal/pool.h"
-#include "hal/view.h"
 
 #define PIPELINE_KERNEL_MAX 256
 

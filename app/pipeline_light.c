@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline_parts.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 /* A sampler takes longer to make than a frame lasts, so a running pipeline has the next one made by
  * a thread, and measures with the present one until then. */

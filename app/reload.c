@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 #define NEXT_START 0
 

@@ -10,8 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "hal/pool.h"
-#include "hal/view.h"
+#include "hal/base/pool.h"
+#include "hal/frame/view.h"
 
 struct scaler_axis {
 	int from, to;

@@ -7,7 +7,7 @@
 #include <systemd/sd-daemon.h>
 #endif
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 /* Whether anybody listens makes no difference to the kiosk. */
 static void tell(const char *text)

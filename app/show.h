@@ -18,8 +18,8 @@
 #include "app/pipeline.h"
 #include "app/scaler.h"
 #include "config/config.h"
-#include "hal/display.h"
-#include "hal/frame.h"
+#include "hal/device/display.h"
+#include "hal/frame/frame.h"
 
 struct eyes {
 	struct eye fisheye, background, scene;

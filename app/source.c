@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/clock.h"
-#include "hal/frame_reader.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+#include "hal/frame/frame_reader.h"
 
 #define SILENT_NS (2 * NS_PER_S)       /* then a camera is called stalled, */
 #define SILENT_FRAMES 3		       /* or when a slow one misses so many */

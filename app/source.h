@@ -2,7 +2,7 @@
  * A camera as the program uses it: opened on a thread of its own, again when it was lost, its
  * newest frame held until a picture is made.
  *
- * A raw frame then is the picture, read where the camera left it (hal/frame_reader.h), and given
+ * A raw frame then is the picture, read where the camera left it (hal/frame/frame_reader.h), and given
  * back only when the next one is to be had; whoever wants it whole has it converted then. Others
  * are decoded whole and given back. Either way the last picture stays when the camera is lost.
  */
@@ -13,10 +13,10 @@
 #include <stdint.h>
 
 #include "app/opener.h"
-#include "hal/camera.h"
-#include "hal/frame.h"
+#include "hal/colour/transfer.h"
+#include "hal/device/camera.h"
+#include "hal/frame/frame.h"
 #include "hal/image/image.h"
-#include "hal/transfer.h"
 
 struct source_settings {
 	const char *name; /* as the configuration calls it; borrowed */

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/clock.h"
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 static const struct ini_key keys[] = {{.name = "threshold",
 				       .type = INI_LEVEL,

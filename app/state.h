@@ -1,13 +1,13 @@
 /*
  * What was chosen with the buttons, kept over a power cut: threshold, view and pose in a small INI
- * file that is replaced whole (hal/output.h), at most once an interval and at the end, by a thread
+ * file that is replaced whole (hal/base/output.h), at most once an interval and at the end, by a thread
  * of its own, because a disk may take its time.
  */
 #ifndef INLAY_APP_STATE_H
 #define INLAY_APP_STATE_H
 
 #include "config/config.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct state_values {
 	struct ini_level threshold; /* 0..255 or 0..100 % */

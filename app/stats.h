@@ -9,7 +9,7 @@
 
 #include "app/pipeline.h"
 #include "app/source.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 enum stage { STAGE_DECODE, STAGE_SAMPLE, STAGE_COMPOSITE, STAGE_SHOW, STAGE_COUNT };
 

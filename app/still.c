@@ -8,10 +8,10 @@
 
 #include "app/pipeline.h"
 #include "app/pipeline_config.h"
-#include "hal/frame.h"
+#include "hal/base/output.h"
+#include "hal/frame/frame.h"
 #include "hal/image/image.h"
 #include "hal/lights/lights_file.h"
-#include "hal/output.h"
 
 const char *const still_mode_names[] = {"fast", "exact", "reference", NULL};
 

@@ -3,7 +3,7 @@
 #define INLAY_APP_STILL_H
 
 #include "config/config.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* As compositor.h has them, but reference: double precision, of the exact layer where there is one.
  */

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 /* Poses of a whole round. */
 static double round_of(const struct timeline *t)

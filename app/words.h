@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 
 /*
  * "Fisheye camera 'C920' is not connected: waiting". role: "Fisheye", "Background", "Scene" or

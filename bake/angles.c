@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/base/number.h"
+#include "hal/base/text_file.h"
 #include "hal/basis/basis_format.h"
-#include "hal/number.h"
-#include "hal/text_file.h"
 
 struct line {
 	double direction[3];

@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/optics/dome.h"
 
 /* How far a light of the file may be from the dome's, as a share of the mean distance of

@@ -6,7 +6,7 @@
 
 #include "bake/finished_tile.h"
 #include "bake/plan.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct assembly_report {
 	uint64_t rays;

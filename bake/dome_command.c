@@ -7,7 +7,7 @@
 
 #include "bake/angles.h"
 #include "bake/commands.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
 enum { FREQUENCY = 1, DIVISION, LIGHTS, ANGLES, JSON };

@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "bake/encode_part.h"
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 /* What tables and single precision may cost of the error asked for. */
 #define MARGIN 0.99

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 #include "bake/encode.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 enum encoding_option {
 	ENCODING_ERROR = 200, /* above the commands' own */

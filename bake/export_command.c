@@ -10,8 +10,8 @@
 #include "bake/export_blender.h"
 #include "bake/export_radiance.h"
 #include "bake/msi.h"
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 enum {
 	MSI = 1,

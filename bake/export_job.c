@@ -10,7 +10,7 @@
 
 #include "bake/angles.h"
 #include "bake/export_mesh.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 int export_job_open(const struct export_job *job, const char *name, struct output *out,
 		    struct fault *fault)

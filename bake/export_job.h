@@ -15,8 +15,8 @@
 #include <stdbool.h>
 
 #include "bake/scene.h"
+#include "hal/base/output.h"
 #include "hal/optics/dome.h"
-#include "hal/output.h"
 
 /* How far the ground reaches that has no end: of the largest distance in the scene. */
 #define EXPORT_REACH 1000.0

@@ -9,7 +9,7 @@
 #include "bake/assembly.h"
 #include "bake/in_order.h"
 #include "bake/peaks.h"
-#include "hal/pool.h"
+#include "hal/base/pool.h"
 
 #define MAX_OF_RMS 2 /* error asked for, where nobody says */
 

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 
 #include "bake/encode.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/optics/dome.h"
 
 #define IMPORT_PIXELS (BASIS_TILE * BASIS_TILE)

@@ -14,8 +14,8 @@
 #include "bake/msi.h"
 #include "bake/pictures.h"
 #include "bake/scene_file.h"
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 enum {
 	OBJECT = 1,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 /* A ground is flat if parts of the picture differ by less than this from all of it. */
 #define FLAT_PARTS 4 /* a side */

@@ -4,8 +4,8 @@
 
 #include "bake/finished_tile.h"
 #include "bake/progress.h"
-#include "hal/fault.h"
-#include "hal/pool.h"
+#include "hal/base/fault.h"
+#include "hal/base/pool.h"
 
 struct in_order {
 	int tiles;

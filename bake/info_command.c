@@ -7,8 +7,8 @@
 
 #include "bake/commands.h"
 #include "bake/info_map.h"
+#include "hal/base/log.h"
 #include "hal/basis/basis.h"
-#include "hal/log.h"
 #include "hal/optics/dome.h"
 
 enum { JSON = 1, MAP };

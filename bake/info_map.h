@@ -2,8 +2,8 @@
 #ifndef INLAY_BAKE_INFO_MAP_H
 #define INLAY_BAKE_INFO_MAP_H
 
+#include "hal/base/fault.h"
 #include "hal/basis/basis.h"
-#include "hal/fault.h"
 
 /*
  * Of the first pose's shown layer, three panels side by side, each of the basis's size (or a whole

@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 #define ALPHA_MIN 1e-3f /* a mirror, as far as single precision goes */
 

@@ -9,8 +9,8 @@
 #include "bake/commands.h"
 #include "bake/peaks.h"
 #include "bake/shard.h"
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},

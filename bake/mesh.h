@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 #include "bake/material.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* Triangles that share a material. */
 struct mesh_part {

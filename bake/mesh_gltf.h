@@ -3,7 +3,7 @@
 #ifndef INLAY_BAKE_MESH_GLTF_H
 #define INLAY_BAKE_MESH_GLTF_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* 0 for any other file. -ENOENT ...: not a plain file that can be opened; -EBADMSG: a GLB whose
  * lengths are not those of the file; -E2BIG: JSON that is nested deeper than any mesh's. The fault

@@ -2,7 +2,7 @@
 #ifndef INLAY_BAKE_MESH_MTL_H
 #define INLAY_BAKE_MESH_MTL_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* 0 for any other file. -ENOENT: an mtllib that cannot be opened, where a usemtl may have meant it;
  * -EINVAL: a usemtl that none of them has, a library that is

@@ -3,7 +3,7 @@
 #ifndef INLAY_BAKE_MESH_PLY_H
 #define INLAY_BAKE_MESH_PLY_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* 0 for any other file. -ENOENT ...: not a plain file that can be opened; -EBADMSG: a header
  * without end or meaning, more rows than the file can hold or has, a face that is none; -E2BIG:

@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "hal/input.h"
-#include "hal/output.h"
+#include "hal/base/input.h"
+#include "hal/base/output.h"
 
 #define INTS 3
 #define ALBEDO 0.5   /* of ground whose own brightness the file does not tell */

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/base/log.h"
+#include "hal/base/number.h"
 #include "hal/basis/basis_format.h"
-#include "hal/log.h"
-#include "hal/number.h"
 
 static const char *program = "inlay-bake";
 

@@ -2,7 +2,7 @@
 #ifndef INLAY_BAKE_OPTIONS_H
 #define INLAY_BAKE_OPTIONS_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define EXIT_USAGE 2
 

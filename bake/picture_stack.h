@@ -8,8 +8,8 @@
 #include <stddef.h>
 
 #include "bake/progress.h"
-#include "hal/fault.h"
-#include "hal/transfer.h"
+#include "hal/base/fault.h"
+#include "hal/colour/transfer.h"
 
 struct picture_stack {
 	int width, height, count;

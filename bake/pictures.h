@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* -EINVAL: the pattern has not exactly one %d, perhaps with a width (%03d, %4d). option is what the
  * fault calls it. */

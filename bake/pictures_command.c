@@ -10,8 +10,8 @@
 #include "bake/pictures.h"
 #include "bake/progress.h"
 #include "bake/truth.h"
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 enum {
 	OBJECT = 1,

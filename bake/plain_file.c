@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "hal/input.h"
+#include "hal/base/input.h"
 
 static int open_plain(const char *path, uint64_t most, struct stat *about, struct fault *fault)
 {

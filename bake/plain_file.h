@@ -1,4 +1,4 @@
-/* What hal/input.h opens, of bounded length: meshes and their libraries are read whole. */
+/* What hal/base/input.h opens, of bounded length: meshes and their libraries are read whole. */
 #ifndef INLAY_BAKE_PLAIN_FILE_H
 #define INLAY_BAKE_PLAIN_FILE_H
 
@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* Bytes. The text of a mesh takes twice as many of memory. */
 #define PLAIN_FILE_MAX ((uint64_t)4 << 30)

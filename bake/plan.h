@@ -2,8 +2,8 @@
 #ifndef INLAY_BAKE_PLAN_H
 #define INLAY_BAKE_PLAN_H
 
+#include "hal/base/fault.h"
 #include "hal/basis/basis_format.h"
-#include "hal/fault.h"
 #include "hal/optics/dome.h"
 
 #define PLAN_TEXT_MAX 4096

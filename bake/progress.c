@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 #define BAR 30
 

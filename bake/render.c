@@ -10,7 +10,7 @@
 #include "bake/peaks.h"
 #include "bake/progress.h"
 #include "bake/tile.h"
-#include "hal/pool.h"
+#include "hal/base/pool.h"
 
 /* Of a real surface with a u of its own: a pixel whose ratio never changes by more than this share
  * of the error asked for is not stored. Near white, a ratio's change is at most so many levels. */

@@ -8,9 +8,9 @@
 #include "bake/commands.h"
 #include "bake/encoding_options.h"
 #include "bake/render.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 #include "hal/optics/dome.h"
-#include "hal/output.h"
 
 enum {
 	FREQUENCY = 1,

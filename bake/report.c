@@ -9,9 +9,9 @@
 
 #include "bake/report_parts.h"
 #include "bake/report_sky.h"
-#include "hal/compositor/kernels.h"
-#include "hal/input.h"
-#include "hal/log.h"
+#include "hal/base/input.h"
+#include "hal/base/log.h"
+#include "hal/compositor/kernels/kernels.h"
 
 /* What is chosen where nobody has: minutes on two cores. */
 #define WIDTH 128

@@ -6,7 +6,7 @@
 #define INLAY_BAKE_REPORT_H
 
 #include "bake/report_bake.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct report_settings {
 	const char *input;  /* a scene file, or a basis file: then only what can be asked of it */

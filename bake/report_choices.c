@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "bake/report_parts.h"
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/kernels.h"
 
 #define TRIALS_MAX 64
 

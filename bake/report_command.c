@@ -5,9 +5,9 @@
 
 #include "bake/commands.h"
 #include "bake/report.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
+#include "hal/base/pool.h"
 #include "hal/optics/dome.h"
-#include "hal/pool.h"
 
 enum {
 	BASIS = 1,

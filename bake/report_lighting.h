@@ -4,9 +4,9 @@
 #define INLAY_BAKE_REPORT_LIGHTING_H
 
 #include "bake/scene.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
+#include "hal/frame/view.h"
 #include "hal/optics/panorama.h"
-#include "hal/view.h"
 
 /* Radiance of white ground, in its brightest channel: as a camera would be set. */
 #define REPORT_WHITE 0.6

@@ -12,8 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 #define TEMPORARY ".part-XXXXXX"
 #define LEFTOVERS ".part-??????"

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define REPORT_SERIES_MAX 12
 #define REPORT_POINTS_MAX 256

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/output.h"
+#include "hal/base/output.h"
 
 void report_table_begin(struct report_table *t, const char *name)
 {

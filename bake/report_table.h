@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define REPORT_COLUMNS_MAX 64
 

@@ -7,7 +7,7 @@
 #include <xxhash.h>
 
 #include "bake/keyframes.h"
-#include "hal/input.h"
+#include "hal/base/input.h"
 #include "hal/optics/vec.h"
 
 #define WIDTH 640

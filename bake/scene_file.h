@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/ini/ini.h"
 #include "hal/optics/tsai.h"
 

@@ -8,8 +8,8 @@
 #include <xxhash.h>
 
 #include "bake/shard_format.h"
+#include "hal/base/output.h"
 #include "hal/basis/basis_blocks.h"
-#include "hal/output.h"
 
 /* One array of a plan. */
 struct piece {

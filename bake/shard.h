@@ -12,7 +12,7 @@
 
 #include "bake/finished_tile.h"
 #include "bake/plan.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define SHARDS_MAX 4096
 

@@ -1,6 +1,6 @@
 #include "bake/tile_noise.h"
 
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 #define BACKGROUND 0.5 /* behind the object */
 

@@ -6,9 +6,9 @@
 
 #include "bake/progress.h"
 #include "bake/truth_paths.h"
+#include "hal/base/pool.h"
+#include "hal/colour/transfer.h"
 #include "hal/compositor/compositor.h"
-#include "hal/pool.h"
-#include "hal/transfer.h"
 
 #define BATCHES 8
 

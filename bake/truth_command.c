@@ -8,9 +8,9 @@
 
 #include "bake/commands.h"
 #include "bake/truth.h"
-#include "hal/log.h"
-#include "hal/output.h"
-#include "hal/transfer.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+#include "hal/colour/transfer.h"
 
 #define FISHEYE_SIDE 1024
 #define SAMPLES 256

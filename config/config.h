@@ -10,14 +10,14 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "hal/buttons.h"
-#include "hal/camera.h"
-#include "hal/display.h"
+#include "hal/colour/response.h"
+#include "hal/device/buttons.h"
+#include "hal/device/camera.h"
+#include "hal/device/display.h"
+#include "hal/frame/view.h"
 #include "hal/ini/ini.h"
 #include "hal/lights/exposures.h"
 #include "hal/optics/fisheye.h"
-#include "hal/response.h"
-#include "hal/view.h"
 
 #define CONFIG_CAMERAS_MAX 4
 #define CONFIG_DRIVERS_MAX 16 /* of one class */

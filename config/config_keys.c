@@ -2,11 +2,11 @@
 #include "config/config_keys.h"
 
 #include "hal/basis/basis_format.h"
+#include "hal/colour/transfer.h"
 #include "hal/compositor/compositor.h"
 #include "hal/lights/exposure_schedule.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
-#include "hal/transfer.h"
 
 const char *const config_show_names[] = {"composite", "before", "fisheye", "scene",
 					 "quad",      "split",	"off",	   NULL};

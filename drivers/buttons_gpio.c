@@ -14,7 +14,7 @@
 #include "drivers/drivers.h"
 #include "drivers/gpio/button.h"
 #include "drivers/gpio/lines.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 #define LINES 10
 #define TIMER LINES /* beside the lines in epoll's data */

@@ -14,7 +14,7 @@
 #include "drivers/gpio/edge_order.h"
 #include "drivers/gpio/lines.h"
 #include "drivers/gpio/quadrature.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 #define OFFSET_MAX 1023
 /* Lines that never rest must not hold up the program: so many edges at one call. */

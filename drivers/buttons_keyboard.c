@@ -22,7 +22,7 @@
 #include "drivers/drivers.h"
 #include "drivers/keyboard/keymap.h"
 #include "drivers/keyboard/keys.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 #define FOLDER "/dev/input"
 #define KEYBOARDS_MAX 16

@@ -15,9 +15,9 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "hal/clock.h"
-#include "hal/input.h"
-#include "hal/number.h"
+#include "hal/base/clock.h"
+#include "hal/base/input.h"
+#include "hal/base/number.h"
 
 /* A day: later than anybody waits, and far from overflow. */
 #define SECONDS_MAX 86400.0

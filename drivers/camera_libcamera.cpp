@@ -17,7 +17,7 @@
 
 extern "C" {
 #include "drivers/drivers.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 }
 
 namespace

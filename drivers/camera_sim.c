@@ -21,8 +21,8 @@
 #include "drivers/sim/player.h"
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/studio_view.h"
-#include "hal/clock.h"
-#include "hal/number.h"
+#include "hal/base/clock.h"
+#include "hal/base/number.h"
 
 /* An exposure that was asked for. */
 struct change {

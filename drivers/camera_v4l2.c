@@ -22,9 +22,9 @@
 #include "drivers/v4l2/formats.h"
 #include "drivers/v4l2/listing.h"
 #include "drivers/v4l2/setup.h"
-#include "hal/camera_situation.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+#include "hal/device/camera_situation.h"
 
 #define SIGNAL_CHECK_NS NS_PER_S
 

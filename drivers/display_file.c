@@ -19,10 +19,10 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "hal/clock.h"
-#include "hal/frame.h"
+#include "hal/base/clock.h"
+#include "hal/base/output.h"
+#include "hal/frame/frame.h"
 #include "hal/image/image.h"
-#include "hal/output.h"
 
 #define RATE_FALLBACK_HZ 30.0
 

@@ -14,8 +14,8 @@
 
 #include "drivers/drivers.h"
 #include "drivers/kms/screen.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 #define FLIP_WITHIN_NS NS_PER_S
 #define LOOK_EVERY_NS (2 * NS_PER_S) /* at what the kernel knows, should a message be missed */

@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "hal/clock.h"
-#include "hal/frame.h"
+#include "hal/base/clock.h"
+#include "hal/frame/frame.h"
 
 #define NONE (-1)
 #define STALL_NS NS_PER_S /* so late that nothing more is expected */

@@ -14,8 +14,8 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "hal/clock.h"
-#include "hal/frame.h"
+#include "hal/base/clock.h"
+#include "hal/frame/frame.h"
 
 #define POLL_NS (10 * NS_PER_MS)
 

@@ -5,9 +5,9 @@
 #ifndef INLAY_DRIVERS_DRIVERS_H
 #define INLAY_DRIVERS_DRIVERS_H
 
-#include "hal/buttons.h"
-#include "hal/camera.h"
-#include "hal/display.h"
+#include "hal/device/buttons.h"
+#include "hal/device/camera.h"
+#include "hal/device/display.h"
 
 extern const struct camera_ops *const camera_drivers[];
 extern const struct display_ops *const display_drivers[];

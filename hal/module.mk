@@ -1,30 +1,30 @@
 hal_PACKAGES := libturbojpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
-	hal/buttons.c \
-	hal/camera.c \
-	hal/camera_choice.c \
-	hal/camera_controls.c \
-	hal/camera_situation.c \
-	hal/display.c \
-	hal/fault.c \
-	hal/frame.c \
-	hal/frame_decode.c \
-	hal/frame_fields.c \
-	hal/frame_jpeg.c \
-	hal/frame_reader.c \
-	hal/frame_rows.c \
-	hal/frame_ycbcr.c \
-	hal/input.c \
-	hal/log.c \
-	hal/number.c \
-	hal/output.c \
-	hal/pool.c \
-	hal/processor.c \
-	hal/response.c \
-	hal/text_file.c \
-	hal/transfer.c \
-	hal/view.c \
+	hal/device/buttons.c \
+	hal/device/camera.c \
+	hal/device/camera_choice.c \
+	hal/device/camera_controls.c \
+	hal/device/camera_situation.c \
+	hal/device/display.c \
+	hal/base/fault.c \
+	hal/frame/frame.c \
+	hal/frame/frame_decode.c \
+	hal/frame/frame_fields.c \
+	hal/frame/frame_jpeg.c \
+	hal/frame/frame_reader.c \
+	hal/frame/frame_rows.c \
+	hal/frame/frame_ycbcr.c \
+	hal/base/input.c \
+	hal/base/log.c \
+	hal/base/number.c \
+	hal/base/output.c \
+	hal/base/pool.c \
+	hal/base/processor.c \
+	hal/colour/response.c \
+	hal/base/text_file.c \
+	hal/colour/transfer.c \
+	hal/frame/view.c \
 	hal/ini/ini.c \
 	hal/ini/ini_names.c \
 	hal/ini/ini_sample.c \
@@ -49,17 +49,17 @@ HAL_SOURCES := \
 	hal/compositor/frame.c \
 	hal/compositor/glass.c \
 	hal/compositor/kept_sums.c \
-	hal/compositor/kernel_curves.c \
-	hal/compositor/kernels.c \
-	hal/compositor/kernels_c.c \
-	hal/compositor/light_budget.c \
-	hal/compositor/light_return.c \
-	hal/compositor/light_terms.c \
-	hal/compositor/light_vector.c \
+	hal/compositor/kernels/kernel_curves.c \
+	hal/compositor/kernels/kernels.c \
+	hal/compositor/kernels/kernels_c.c \
+	hal/compositor/light/light_budget.c \
+	hal/compositor/light/light_return.c \
+	hal/compositor/light/light_terms.c \
+	hal/compositor/light/light_vector.c \
 	hal/compositor/lines.c \
 	hal/compositor/plan.c \
 	hal/compositor/reference.c \
-	hal/compositor/selection.c \
+	hal/compositor/light/selection.c \
 	hal/compositor/tile.c \
 	hal/image/image.c \
 	hal/image/image_png.c \
@@ -95,24 +95,24 @@ HAL_SOURCES := \
 	hal/optics/panorama.c \
 	hal/optics/tsai.c
 # The compositor's inner loops: only these files are built for more than every processor has.
-HAL_SOURCES += $(addprefix hal/compositor/kernels_,$(if $(filter x86_64,$(MACHINE)),\
+HAL_SOURCES += $(addprefix hal/compositor/kernels/kernels_,$(if $(filter x86_64,$(MACHINE)),\
 	sse41.c avx2.c avx512.c)$(if $(filter aarch64,$(MACHINE)),neon.c neon_dotprod.c))
-$(BUILD)/hal/compositor/kernels_sse41.o: OWN_FLAGS := -msse4.1
-$(BUILD)/hal/compositor/kernels_avx2.o: OWN_FLAGS := -mavx2
-$(BUILD)/hal/compositor/kernels_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
+$(BUILD)/hal/compositor/kernels/kernels_sse41.o: OWN_FLAGS := -msse4.1
+$(BUILD)/hal/compositor/kernels/kernels_avx2.o: OWN_FLAGS := -mavx2
+$(BUILD)/hal/compositor/kernels/kernels_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
 	-mavx512vnni
-$(BUILD)/hal/compositor/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv8.2-a+dotprod
+$(BUILD)/hal/compositor/kernels/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv8.2-a+dotprod
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)
-HAL_SOURCES += hal/frame_rows_avx2.c hal/frame_rows_avx512.c hal/lights/sampler_avx2.c \
+HAL_SOURCES += hal/frame/frame_rows_avx2.c hal/frame/frame_rows_avx512.c hal/lights/sampler_avx2.c \
 	hal/lights/sampler_avx512.c
 $(BUILD)/hal/lights/sampler_avx2.o: OWN_FLAGS := -mavx2
 $(BUILD)/hal/lights/sampler_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
 	-mavx512vbmi -mavx512vnni -mbmi2
-$(BUILD)/hal/frame_rows_avx2.o: OWN_FLAGS := -mavx2
-$(BUILD)/hal/frame_rows_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl
+$(BUILD)/hal/frame/frame_rows_avx2.o: OWN_FLAGS := -mavx2
+$(BUILD)/hal/frame/frame_rows_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl
 else ifeq ($(MACHINE),aarch64)
-HAL_SOURCES += hal/frame_rows_neon.c hal/lights/sampler_neon.c
+HAL_SOURCES += hal/frame/frame_rows_neon.c hal/lights/sampler_neon.c
 endif

@@ -209,8 +209,8 @@ $(BUILD)/tests/cli/photographs: $(BUILD)/tests/cli/photographs.o \
 # and run by an emulator.
 KERNELS_TEST := $(addprefix $(BUILD)/,tests/kernels/test_kernels.o tests/kernels/compare.o \
 	tests/kernels/compare_sums.o tests/kernels/compare_pixels.o \
-	tests/kernels/faults.o tests/kernels/guarded.o hal/fault.o hal/processor.o hal/transfer.o) \
-	$(addsuffix .o,$(addprefix $(BUILD)/,$(basename $(filter hal/compositor/kernel%,$(HAL_SOURCES)))))
+	tests/kernels/faults.o tests/kernels/guarded.o hal/base/fault.o hal/base/processor.o hal/colour/transfer.o) \
+	$(addsuffix .o,$(addprefix $(BUILD)/,$(basename $(filter hal/compositor/kernels/kernel%,$(HAL_SOURCES)))))
 $(BUILD)/tests/kernels/test_kernels: $(KERNELS_TEST)
 	$(say) LINK $@
 	$(Q)$(CC) $(SHARED_LINK) $(if $(SANITIZE),,-static) $(LDFLAGS) -o $@ $^ -lm

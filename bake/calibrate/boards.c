@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "bake/calibrate/boards_parts.h"
-#include "hal/number.h"
+#include "hal/base/number.h"
 
 #define SIDE_MIN 3
 #define STEP_MIN_MM 0.1

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 
 #include "bake/calibrate/observations.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/image/image.h"
 
 enum board_kind {

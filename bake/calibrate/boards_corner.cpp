@@ -11,7 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 extern "C" {
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 }
 
 namespace

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "bake/calibrate/boards_parts.h"
-#include "hal/output.h"
+#include "hal/base/output.h"
 
 #define POINTS_PER_MM (72 / 25.4)
 #define MARGIN_MM 8.0  /* most printers leave so much white */

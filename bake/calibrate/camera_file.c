@@ -2,7 +2,7 @@
 
 #include "bake/calibrate/camera_parts.h"
 #include "bake/calibrate/convert.h"
-#include "hal/output.h"
+#include "hal/base/output.h"
 
 void camera_print(FILE *to, const char *before, const struct camera_solution *solution)
 {

@@ -4,7 +4,7 @@
 
 #include "bake/calibrate/boards.h"
 #include "bake/calibrate/commands.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 /* Fills a4 and letter, and may be seen in part. */
 #define DEFAULT_BOARD "charuco:7x9:26mm:19mm"

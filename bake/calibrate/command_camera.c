@@ -9,7 +9,7 @@
 #include "bake/calibrate/commands.h"
 #include "bake/calibrate/convert.h"
 #include "bake/calibrate/lens_job.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 #include "hal/optics/vec.h"
 
 /* What a kiosk's camera is from what it looks at, generously. */

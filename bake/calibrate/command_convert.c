@@ -6,8 +6,8 @@
 
 #include "bake/calibrate/commands.h"
 #include "bake/calibrate/convert.h"
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 
 #define TOLERANCE_PX 0.1
 

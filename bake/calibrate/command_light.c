@@ -8,7 +8,7 @@
 #include "bake/calibrate/commands.h"
 #include "bake/calibrate/light_file.h"
 #include "bake/calibrate/light_job.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
 enum {

@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
 

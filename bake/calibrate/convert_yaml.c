@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "bake/calibrate/convert.h"
-#include "hal/number.h"
-#include "hal/text_file.h"
+#include "hal/base/number.h"
+#include "hal/base/text_file.h"
 
 #define DATA_MAX 16 /* numbers of the largest matrix that is read */
 

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "bake/calibrate/least_squares.h"
+#include "hal/colour/transfer.h"
 #include "hal/optics/vec.h"
-#include "hal/transfer.h"
 
 enum { RINGS = 40, SECTORS = 24, BINS = RINGS * SECTORS };
 enum { LEVEL, TERMS, NUMBERS = TERMS + FISHEYE_FALLOFF_TERMS };

@@ -4,7 +4,7 @@
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FALLOFF_H
 
 #include "bake/calibrate/verdict.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/image/image.h"
 #include "hal/optics/fisheye.h"
 

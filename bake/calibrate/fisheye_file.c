@@ -1,7 +1,7 @@
 #include "bake/calibrate/fisheye_file.h"
 
 #include "bake/calibrate/convert.h"
-#include "hal/output.h"
+#include "hal/base/output.h"
 
 void fisheye_print(FILE *to, const char *before, const struct fisheye_result *result)
 {

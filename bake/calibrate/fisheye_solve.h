@@ -8,7 +8,7 @@
 #include "bake/calibrate/fisheye_optics.h"
 #include "bake/calibrate/least_squares.h"
 #include "bake/calibrate/observations.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct lens_pose {
 	double rotation[9]; /* world to camera: camera = rotation world + translation */

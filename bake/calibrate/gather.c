@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "bake/calibrate/live_collect.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 #define PATIENCE_S 60
 

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "bake/calibrate/observations.h"
+#include "hal/base/text_file.h"
 #include "hal/optics/vec.h"
-#include "hal/text_file.h"
 
 #define NUMBERS_MAX 5
 #define SAME 1e-4 /* rad: nearer lamps are one */

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define LAMPS_MAX 1000
 

@@ -4,7 +4,7 @@
 
 #include "bake/calibrate/lamps_match.h"
 #include "bake/calibrate/observations.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define SPOT_NONE (-1)
 #define SPOT_MERGED (-2) /* one that several lamps are in */

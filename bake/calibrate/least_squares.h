@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct least_squares {
 	int parameters; /* length of x */

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "bake/calibrate/report.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 /* Where options go. */
 struct choices {

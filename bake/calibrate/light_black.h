@@ -3,7 +3,7 @@
 #define INLAY_BAKE_CALIBRATE_LIGHT_BLACK_H
 
 #include "bake/calibrate/verdict.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/image/image.h"
 
 struct light_black {

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "bake/calibrate/least_squares.h"
-#include "hal/number.h"
-#include "hal/text_file.h"
+#include "hal/base/number.h"
+#include "hal/base/text_file.h"
 
 #define ELEMENTS 9
 

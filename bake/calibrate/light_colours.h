@@ -10,7 +10,7 @@
 
 #include "bake/calibrate/estimate.h"
 #include "bake/calibrate/verdict.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define LIGHT_PATCHES_MAX 256
 

@@ -6,7 +6,7 @@
 #include "bake/calibrate/light_job.h"
 #include "bake/calibrate/light_report.h"
 #include "bake/calibrate/live.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 #define CHANGES 8
 #define FRAMES_EACH 24	/* after each change, and before the first */

@@ -10,7 +10,7 @@
 #include "bake/calibrate/light_gain.h"
 #include "bake/calibrate/light_job.h"
 #include "bake/calibrate/light_report.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 /* ---- the sky ---- */
 

@@ -7,7 +7,7 @@
 #include "bake/calibrate/light_job.h"
 #include "bake/calibrate/light_report.h"
 #include "bake/calibrate/light_response.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 /* Here, where the file's name is known. */
 static int check_picture(const struct light_job *job, const struct image *pictures, int k,

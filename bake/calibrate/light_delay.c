@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/number.h"
-#include "hal/text_file.h"
+#include "hal/base/number.h"
+#include "hal/base/text_file.h"
 
 /* ---- records ---- */
 

@@ -8,7 +8,7 @@
 #define INLAY_BAKE_CALIBRATE_LIGHT_DELAY_H
 
 #include "bake/calibrate/verdict.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define LIGHT_DELAY_FRAMES_MAX 30 /* the longest that is looked for */
 

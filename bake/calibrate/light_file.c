@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "hal/output.h"
+#include "hal/base/output.h"
 
 static const char head[] = "; What a camera's code values mean: inlay-calibrate light.\n";
 

@@ -1,11 +1,11 @@
-/* The file that `inlay-calibrate light` writes: a section [light] (hal/response.h), key by key. */
+/* The file that `inlay-calibrate light` writes: a section [light] (hal/colour/response.h), key by key. */
 #ifndef INLAY_BAKE_CALIBRATE_LIGHT_FILE_H
 #define INLAY_BAKE_CALIBRATE_LIGHT_FILE_H
 
 #include <stdbool.h>
 
-#include "hal/fault.h"
-#include "hal/response.h"
+#include "hal/base/fault.h"
+#include "hal/colour/response.h"
 
 /* What a file says; nothing measured where there is no such file. -EINVAL and other errnos: with
  * its name and line. */

@@ -7,8 +7,8 @@
 #include "bake/calibrate/light_patch.h"
 #include "bake/calibrate/light_samples.h"
 #include "bake/calibrate/verdict.h"
-#include "hal/fault.h"
-#include "hal/response.h"
+#include "hal/base/fault.h"
+#include "hal/colour/response.h"
 
 #define LIGHT_AREAS_MAX 64
 

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "hal/number.h"
+#include "hal/base/number.h"
 
 int light_area_parse(struct light_area *area, const char *text, struct fault *fault)
 {

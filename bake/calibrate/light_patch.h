@@ -2,9 +2,9 @@
 #ifndef INLAY_BAKE_CALIBRATE_LIGHT_PATCH_H
 #define INLAY_BAKE_CALIBRATE_LIGHT_PATCH_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
+#include "hal/colour/transfer.h"
 #include "hal/image/image.h"
-#include "hal/transfer.h"
 
 #define LIGHT_CORNERS_MAX 16
 

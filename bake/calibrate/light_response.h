@@ -15,7 +15,7 @@
 #include "bake/calibrate/light_samples.h"
 #include "bake/calibrate/light_spline.h"
 #include "bake/calibrate/verdict.h"
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 #define LIGHT_LEVELS 20
 

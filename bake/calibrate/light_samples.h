@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/image/image.h"
 
 #define LIGHT_EXPOSURES_MAX 16

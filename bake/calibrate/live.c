@@ -7,10 +7,10 @@
 
 #include "bake/calibrate/live_parts.h"
 #include "drivers/drivers.h"
-#include "hal/camera_controls.h"
-#include "hal/clock.h"
-#include "hal/frame.h"
-#include "hal/transfer.h"
+#include "hal/base/clock.h"
+#include "hal/colour/transfer.h"
+#include "hal/device/camera_controls.h"
+#include "hal/frame/frame.h"
 
 struct live {
 	struct config_driver_room room; /* of the configuration's drivers */

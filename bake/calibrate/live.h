@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/image/image.h"
 
 enum live_view { LIVE_BACKGROUND, LIVE_FISHEYE };

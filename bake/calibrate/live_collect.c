@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "bake/calibrate/live_screen.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 #define FRAME_MS 2000
 #define STILL_NS (NS_PER_S / 2)

@@ -6,7 +6,7 @@
 
 #include "bake/calibrate/live.h"
 #include "bake/calibrate/observations.h"
-#include "hal/display.h"
+#include "hal/device/display.h"
 
 #define COVER_COLUMNS 4
 #define COVER_ROWS 3

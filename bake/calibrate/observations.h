@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define OBSERVATION_NAME_MAX 48
 

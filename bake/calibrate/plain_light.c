@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 float *plain_light(const struct image *picture)
 {

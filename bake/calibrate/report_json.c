@@ -5,7 +5,7 @@
 
 #include "bake/calibrate/json.h"
 #include "bake/calibrate/report_parts.h"
-#include "hal/output.h"
+#include "hal/base/output.h"
 
 static void write_estimate(struct json *json, const struct estimate *e)
 {

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "bake/calibrate/json.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 void verdict_begin(struct verdict *verdict)
 {

@@ -8,7 +8,7 @@
 
 #include "bake/demo/atlas.h"
 #include "bake/demo/cow.h"
-#include "hal/output.h"
+#include "hal/base/output.h"
 
 #define TEXTURE_SIDE 1024
 

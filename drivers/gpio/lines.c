@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 #define CONSUMER "inlay"
 

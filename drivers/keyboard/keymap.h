@@ -6,8 +6,8 @@
 #ifndef INLAY_DRIVERS_KEYBOARD_KEYMAP_H
 #define INLAY_DRIVERS_KEYBOARD_KEYMAP_H
 
-#include "hal/buttons.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
+#include "hal/device/buttons.h"
 
 #define KEYMAP_CODES 0x300 /* as many codes as there are: KEY_CNT */
 

@@ -10,8 +10,8 @@
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
-#include "hal/display.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
+#include "hal/device/display.h"
 
 enum kms_scaling { KMS_SCALING_AUTO, KMS_SCALING_NEVER };
 

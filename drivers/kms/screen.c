@@ -7,7 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
 		       struct fault *fault)

@@ -6,7 +6,7 @@
 #include <strings.h>
 
 #include "drivers/kms/kms.h"
-#include "hal/number.h"
+#include "hal/base/number.h"
 
 #define PP (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)
 #define NN (DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC)

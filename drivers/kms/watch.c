@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include "drivers/kms/kms.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 
 #define TICK_NS (250 * NS_PER_MS)
 #define SOON_NS (4 * NS_PER_MS)

@@ -8,7 +8,7 @@
 #include "drivers/libcamera/formats.hpp"
 
 extern "C" {
-#include "hal/log.h"
+#include "hal/base/log.h"
 }
 
 namespace libcamera_driver

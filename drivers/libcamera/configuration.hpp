@@ -7,7 +7,7 @@
 #include "drivers/libcamera/library.hpp"
 
 extern "C" {
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 }
 
 namespace libcamera_driver

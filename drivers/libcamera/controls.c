@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/log.h"
-#include "hal/number.h"
+#include "hal/base/log.h"
+#include "hal/base/number.h"
 
 /* Controls take effect some frames after the request that carries them. */
 enum { FRAMES_TO_SETTLE = 12 };

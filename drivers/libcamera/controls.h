@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/camera_controls.h"
+#include "hal/device/camera_controls.h"
 
 enum { LIBCAMERA_NUMBERS_MAX = 16, LIBCAMERA_WISHES_MAX = 33, LIBCAMERA_VALUE_TEXT_MAX = 256 };
 

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 enum { OVER = UINT8_MAX, END_SOON_MS = 300 };
 

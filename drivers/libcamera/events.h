@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <sys/types.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 enum { LIBCAMERA_REQUESTS_MAX = 64, LIBCAMERA_NODES_MAX = 256 };
 

@@ -5,7 +5,7 @@
 #include <cstring>
 
 extern "C" {
-#include "hal/camera_situation.h"
+#include "hal/device/camera_situation.h"
 }
 
 namespace libcamera_driver

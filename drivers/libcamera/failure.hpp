@@ -6,7 +6,7 @@
 #include <string>
 
 extern "C" {
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 }
 
 namespace libcamera_driver

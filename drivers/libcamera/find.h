@@ -2,7 +2,7 @@
 #ifndef INLAY_DRIVERS_LIBCAMERA_FIND_H
 #define INLAY_DRIVERS_LIBCAMERA_FIND_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct libcamera_name {
 	const char *id, *model;

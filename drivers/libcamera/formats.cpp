@@ -5,7 +5,7 @@
 #include <algorithm>
 
 extern "C" {
-#include "hal/camera_choice.h"
+#include "hal/device/camera_choice.h"
 }
 
 namespace libcamera_driver

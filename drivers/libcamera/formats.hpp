@@ -7,7 +7,7 @@
 #include "drivers/libcamera/library.hpp"
 
 extern "C" {
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 }
 
 namespace libcamera_driver

@@ -3,7 +3,7 @@
 #define INLAY_DRIVERS_LIBCAMERA_LISTING_HPP
 
 extern "C" {
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 }
 
 namespace libcamera_driver

@@ -11,7 +11,7 @@
 extern "C" {
 #include "drivers/libcamera/find.h"
 #include "drivers/libcamera/hotplug.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
 }
 
 namespace libcamera_driver

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/log.h"
+#include "hal/base/log.h"
 
 static const char *after_head(const char *line)
 {

@@ -7,7 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 static int map_one(struct libcamera_picture *p, int fd)
 {

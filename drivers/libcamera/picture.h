@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 /* A plane as libcamera tells of it: bytes of a descriptor; several may share one. */
 struct libcamera_span {

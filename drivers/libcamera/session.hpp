@@ -15,7 +15,7 @@
 extern "C" {
 #include "drivers/libcamera/controls.h"
 #include "drivers/libcamera/events.h"
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 }
 
 namespace libcamera_driver

@@ -11,7 +11,7 @@
 extern "C" {
 #include "drivers/libcamera/controls.h"
 #include "drivers/libcamera/picture.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 }
 
 namespace libcamera_driver

@@ -3,8 +3,8 @@
 #define INLAY_DRIVERS_SIM_OPTIONS_H
 
 #include "drivers/sim/eye.h"
-#include "hal/camera.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
+#include "hal/device/camera.h"
 #include "hal/ini/ini.h"
 #include "hal/optics/fisheye.h"
 

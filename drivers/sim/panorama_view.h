@@ -6,7 +6,7 @@
 #define INLAY_DRIVERS_SIM_PANORAMA_VIEW_H
 
 #include "drivers/sim/eye.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 struct panorama_view;
 

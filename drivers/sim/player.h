@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 
 struct player;
 

@@ -10,7 +10,7 @@
 #ifndef INLAY_DRIVERS_SIM_SENSOR_H
 #define INLAY_DRIVERS_SIM_SENSOR_H
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 struct sensor_settings {
 	double exposure;

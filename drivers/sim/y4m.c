@@ -9,8 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "hal/clock.h"
-#include "hal/frame_ycbcr.h"
+#include "hal/base/clock.h"
+#include "hal/frame/frame_ycbcr.h"
 
 enum { SIDE_MAX = 16384, HEADER_WAIT_MS = 2000 };
 

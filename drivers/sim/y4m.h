@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 #include "hal/ini/ini.h"
 
 enum y4m_chroma { Y4M_420, Y4M_422, Y4M_444, Y4M_GREY };

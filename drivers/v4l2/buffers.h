@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 enum { V4L2_BUFFERS_MAX = 16, V4L2_PLANES_MAX = 2 };
 

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 /* An older time is of another clock, or of one that wrapped around; so is one that is yet to come.
  */

@@ -12,7 +12,7 @@
 #include "drivers/v4l2/fields.h"
 #include "drivers/v4l2/formats.h"
 #include "drivers/v4l2/setup.h"
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 
 /* A picture that came: one buffer, or two that hold a field each. */
 struct v4l2_taken {

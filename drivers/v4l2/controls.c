@@ -8,8 +8,8 @@
 
 #include "drivers/v4l2/device.h"
 #include "drivers/v4l2/input.h"
+#include "hal/base/log.h"
 #include "hal/ini/ini.h"
-#include "hal/log.h"
 
 enum { KNOWN_MAX = 256 };
 

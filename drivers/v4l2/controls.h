@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "hal/camera_controls.h"
-#include "hal/fault.h"
+#include "hal/base/fault.h"
+#include "hal/device/camera_controls.h"
 
 enum { V4L2_CONTROLS_MAX = 32, V4L2_CONTROL_NAME_MAX = 64 };
 

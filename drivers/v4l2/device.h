@@ -5,7 +5,7 @@
 #include <linux/videodev2.h>
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* 0 or -errno; interrupted calls are made again. */
 int device_ioctl(int fd, unsigned long request, void *argument);

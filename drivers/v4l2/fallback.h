@@ -4,7 +4,7 @@
 #define INLAY_DRIVERS_V4L2_FALLBACK_H
 
 #include "drivers/v4l2/formats.h"
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 
 enum v4l2_sacrifice { V4L2_GIVE_FORMAT, V4L2_GIVE_SIZE, V4L2_GIVE_RATE, V4L2_GIVE_COUNT };
 

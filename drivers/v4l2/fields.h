@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 /* v4l2.field: what the device is asked for. */
 enum v4l2_field_wish {

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "drivers/v4l2/device.h"
-#include "hal/camera_situation.h"
-#include "hal/log.h"
+#include "hal/base/log.h"
+#include "hal/device/camera_situation.h"
 
 bool v4l2_usb_port(const char *interface, char port[V4L2_PORT_MAX])
 {

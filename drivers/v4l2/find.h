@@ -5,7 +5,7 @@
 #include <linux/videodev2.h>
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/ini/ini.h"
 
 enum { V4L2_DEVICES_MAX = 256, V4L2_PORT_MAX = 32 };

@@ -2,8 +2,8 @@
 
 #include <errno.h>
 
-#include "hal/camera_choice.h"
-#include "hal/frame_fields.h"
+#include "hal/device/camera_choice.h"
+#include "hal/frame/frame_fields.h"
 
 /* Of two for one format the first is taken. */
 static const struct v4l2_layout layouts[] = {

@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 #include "drivers/v4l2/fields.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 struct v4l2_layout {
 	uint32_t fourcc;

@@ -6,7 +6,7 @@
 #include <linux/videodev2.h>
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/ini/ini.h"
 
 /* The driver's own keys. */

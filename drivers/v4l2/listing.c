@@ -13,7 +13,7 @@
 #include "drivers/v4l2/find.h"
 #include "drivers/v4l2/formats.h"
 #include "drivers/v4l2/offers.h"
-#include "hal/camera_situation.h"
+#include "hal/device/camera_situation.h"
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };
 

@@ -4,7 +4,7 @@
 
 #include "drivers/v4l2/formats.h"
 #include "drivers/v4l2/input.h"
-#include "hal/camera.h"
+#include "hal/device/camera.h"
 
 /* Chooses and sets format, size, fields and rate as near to the settings as the device can, and
  * reads back what it really does; rate_hz is 0 when the device does not say. type is

@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "hal/base/fault.h"
 #include "hal/basis/basis_format.h"
-#include "hal/fault.h"
 
 /* One block, its arrays located (basis_format.h). */
 struct basis_block {

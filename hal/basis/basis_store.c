@@ -11,9 +11,9 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "hal/base/pool.h"
 #include "hal/basis/basis_file.h"
 #include "hal/basis/pack.h"
-#include "hal/pool.h"
 
 /* A pose that unpacks to more than this many times its bytes holds nothing that a bake has made. */
 #define EXPANDS_MOST 4096

@@ -8,9 +8,9 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "hal/base/output.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/pack.h"
-#include "hal/output.h"
 
 /* INFO, DOME, GROUND, COARSE and CAMERA first, POSES and PROVENANCE last; each pose has DATA,
  * BLOCKS, EXACT_DATA, EXACT_BLOCKS, COVERAGE, PEAK and GLASS. At most: some may be absent. */

@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
+#include "hal/base/fault.h"
 #include "hal/basis/basis_format.h"
-#include "hal/fault.h"
 
 struct basis_writer;
 

@@ -6,8 +6,8 @@
 
 #include "hal/basis/basis_layout.h"
 #include "hal/compositor/column_choice.h"
-#include "hal/compositor/fixed.h"
 #include "hal/compositor/kept_sums.h"
+#include "hal/compositor/kernels/fixed.h"
 
 /* Lines of a channel that are asked for before they are streamed: by then the processor fetches
  * ahead by itself. */

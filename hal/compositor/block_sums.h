@@ -7,8 +7,8 @@
 #include <stdbool.h>
 
 #include "hal/compositor/compositor.h"
-#include "hal/compositor/kernels.h"
-#include "hal/compositor/light_vector.h"
+#include "hal/compositor/kernels/kernels.h"
+#include "hal/compositor/light/light_vector.h"
 #include "hal/compositor/lines.h"
 #include "hal/compositor/plan.h"
 

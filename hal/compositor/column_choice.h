@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/compositor/light_vector.h"
+#include "hal/compositor/light/light_vector.h"
 #include "hal/compositor/plan.h"
 
 /* One column of a light. */

@@ -22,11 +22,11 @@
 
 #include <stdbool.h>
 
+#include "hal/base/fault.h"
+#include "hal/base/pool.h"
 #include "hal/basis/basis.h"
-#include "hal/fault.h"
-#include "hal/pool.h"
-#include "hal/transfer.h"
-#include "hal/view.h"
+#include "hal/colour/transfer.h"
+#include "hal/frame/view.h"
 
 #define COMPOSITOR_RATIO_MAX 16.0
 #define COMPOSITOR_GAIN_MAX 64.0

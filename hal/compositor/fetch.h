@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "hal/compositor/column_choice.h"
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/kernels.h"
 
 #define FETCH_RANGES 9
 /* More columns of 16 bits than these are a stream, which their sums ask for by themselves. */

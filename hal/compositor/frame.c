@@ -2,7 +2,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "hal/compositor/backdrop.h"
 #include "hal/compositor/compositor_parts.h"
 

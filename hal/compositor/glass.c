@@ -3,8 +3,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#include "hal/compositor/fixed.h"
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/fixed.h"
+#include "hal/compositor/kernels/kernels.h"
 
 #define RATIO_MAX ((int64_t)COMPOSITOR_RATIO_MAX << 24)
 

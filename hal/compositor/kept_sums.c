@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "hal/compositor/fixed.h"
+#include "hal/compositor/kernels/fixed.h"
 
 /* What starting from kept sums costs, in lines: they are read and written. */
 #define KEPT_COST 8

@@ -9,7 +9,7 @@
 
 #include "hal/basis/basis.h"
 #include "hal/compositor/fetch.h"
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/kernels.h"
 
 /* Lines to be read, and their weights split into digits. */
 struct line_set {

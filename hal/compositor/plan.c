@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
-#include "hal/compositor/fixed.h"
+#include "hal/compositor/kernels/fixed.h"
 
 /* So that the roundings of all weights of a block together are below 2^-17. */
 #define FRACTION_BITS 31

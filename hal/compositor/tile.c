@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "hal/compositor/column_choice.h"
-#include "hal/compositor/fixed.h"
+#include "hal/compositor/kernels/fixed.h"
 
 /* Fraction bits of O and 1 - ratio. */
 #define VALUE_BITS 24

@@ -7,9 +7,9 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "hal/base/input.h"
+#include "hal/base/output.h"
 #include "hal/image/codec.h"
-#include "hal/input.h"
-#include "hal/output.h"
 
 /* Larger files are no pictures; /dev/zero is none either. */
 #define FILE_BYTES_MAX ((size_t)1 << 32)

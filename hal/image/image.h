@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define IMAGE_SIDE_MAX 32768
 

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/base/input.h"
 #include "hal/ini/ini_names.h"
 #include "hal/ini/ini_value.h"
-#include "hal/input.h"
 
 #define FILE_BYTES_MAX (1 << 20)
 #define LINE_BYTES_MAX 2048 /* with its line break and the NUL */

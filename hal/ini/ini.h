@@ -16,7 +16,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define INI_TEXT_MAX 256  /* char[INI_TEXT_MAX] holds an INI_TEXT */
 #define INI_PATH_MAX 1024 /* char[INI_PATH_MAX] holds an INI_PATH */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/number.h"
+#include "hal/base/number.h"
 
 #define ECHO_MAX 60 /* of a wrong value that is repeated in a fault */
 

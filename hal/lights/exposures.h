@@ -55,7 +55,7 @@
 
 #include <stdbool.h>
 
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 #define EXPOSURES_MAX 5
 

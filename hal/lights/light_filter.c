@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "hal/lights/pixel_noise.h"
 
 #define DEVIATIONS 4 /* of noise that a change must exceed */

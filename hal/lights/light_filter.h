@@ -50,7 +50,7 @@
 
 #include <stdint.h>
 
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 #define LIGHT_FILTER_SLOW 16
 #define LIGHT_FILTER_GROUP 16

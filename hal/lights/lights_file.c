@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/number.h"
-#include "hal/output.h"
-#include "hal/text_file.h"
+#include "hal/base/number.h"
+#include "hal/base/output.h"
+#include "hal/base/text_file.h"
 
 /* Three numbers and nothing else, or -1. */
 static int parse_colour(const char *text, float rgb[3])

@@ -3,7 +3,7 @@
 #ifndef INLAY_HAL_LIGHTS_LIGHTS_FILE_H
 #define INLAY_HAL_LIGHTS_LIGHTS_FILE_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 /* Exactly count lines of colours are expected; a fault names the line otherwise. */
 int lights_file_read(const char *path, float (*radiance)[3], int count, struct fault *fault);

@@ -2,7 +2,7 @@
 #ifndef INLAY_HAL_LIGHTS_PIXEL_NOISE_H
 #define INLAY_HAL_LIGHTS_PIXEL_NOISE_H
 
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 
 /* Standard deviation of a pixel, 8-bit code values: read noise, photons, quantisation. About the
  * same at all codes, as a camera's curve is near the root that evens out photons. */

@@ -46,8 +46,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/frame_reader.h"
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
+#include "hal/frame/frame_reader.h"
 
 #define LIGHT_RECOVERY_MAX 1e6
 #define LIGHT_RECOVERY_UNSURE 0.02

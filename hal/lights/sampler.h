@@ -18,14 +18,14 @@
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_H
 #define INLAY_HAL_LIGHTS_SAMPLER_H
 
-#include "hal/fault.h"
-#include "hal/frame.h"
-#include "hal/frame_reader.h"
+#include "hal/base/fault.h"
+#include "hal/base/pool.h"
+#include "hal/frame/frame.h"
+#include "hal/frame/frame_reader.h"
+#include "hal/frame/view.h"
 #include "hal/image/image.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
-#include "hal/pool.h"
-#include "hal/view.h"
 
 enum light_estimator { ESTIMATOR_CELL, ESTIMATOR_NODE, ESTIMATOR_COUNT };
 

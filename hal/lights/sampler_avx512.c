@@ -3,8 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "hal/base/processor.h"
 #include "hal/lights/sampler_kernels.h"
-#include "hal/processor.h"
 
 enum { PIXELS = 64, VALUES = 32 };
 

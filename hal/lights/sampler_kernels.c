@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-#include "hal/processor.h"
+#include "hal/base/processor.h"
 
 bool sampler_decode_c(const struct sampler_decode *table, const uint32_t *bgrx, int count,
 		      int16_t *planes, size_t plane_stride)

@@ -2,8 +2,8 @@
 #include <arm_neon.h>
 #include <stddef.h>
 
+#include "hal/base/processor.h"
 #include "hal/lights/sampler_kernels.h"
-#include "hal/processor.h"
 
 /* Products of 2^30 are added in pairs to 64 bits: no sum can overflow. */
 static inline int64x2_t add8(int64x2_t sum, int16x8_t value, int16x8_t weight)

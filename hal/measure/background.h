@@ -3,7 +3,7 @@
 #ifndef INLAY_HAL_MEASURE_BACKGROUND_H
 #define INLAY_HAL_MEASURE_BACKGROUND_H
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 void background_fill(struct canvas *canvas);
 

@@ -9,9 +9,9 @@
 #include <stdint.h>
 
 #include "hal/basis/basis.h"
-#include "hal/frame.h"
-#include "hal/transfer.h"
-#include "hal/view.h"
+#include "hal/colour/transfer.h"
+#include "hal/frame/frame.h"
+#include "hal/frame/view.h"
 
 /* Which pixels count. */
 enum scope_pixel {

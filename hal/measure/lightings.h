@@ -5,8 +5,8 @@
 #ifndef INLAY_HAL_MEASURE_LIGHTINGS_H
 #define INLAY_HAL_MEASURE_LIGHTINGS_H
 
+#include "hal/base/fault.h"
 #include "hal/basis/basis.h"
-#include "hal/fault.h"
 #include "hal/optics/dome.h"
 
 /* One or, of a kind, several, whose worst counts. */

@@ -11,11 +11,11 @@
 #ifndef INLAY_HAL_MEASURE_THESIS_H
 #define INLAY_HAL_MEASURE_THESIS_H
 
+#include "hal/base/fault.h"
+#include "hal/base/pool.h"
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"
-#include "hal/fault.h"
-#include "hal/frame.h"
-#include "hal/pool.h"
+#include "hal/frame/frame.h"
 
 struct thesis;
 

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 /* Before a run is timed, in each turn: as many as make a short way feel at home. */
 #define WARM_RUNS 8

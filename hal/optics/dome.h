@@ -27,7 +27,7 @@
 #ifndef INLAY_HAL_OPTICS_DOME_H
 #define INLAY_HAL_OPTICS_DOME_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 
 #define DOME_FREQUENCY_MAX 64
 

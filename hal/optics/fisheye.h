@@ -20,7 +20,7 @@
 
 #include <stdbool.h>
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/ini/ini.h"
 #include "hal/optics/fisheye_curve.h"
 

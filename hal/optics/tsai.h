@@ -21,7 +21,7 @@
 #ifndef INLAY_HAL_OPTICS_TSAI_H
 #define INLAY_HAL_OPTICS_TSAI_H
 
-#include "hal/fault.h"
+#include "hal/base/fault.h"
 #include "hal/ini/ini.h"
 
 #define TSAI_SIDE_MAX 32768

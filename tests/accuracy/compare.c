@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/colour/transfer.h"
 #include "hal/image/image.h"
-#include "hal/transfer.h"
 
 #define MAGNIFIED 4
 

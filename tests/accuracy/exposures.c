@@ -28,8 +28,8 @@
 #include "app/eye.h"
 #include "app/pipeline_config.h"
 #include "drivers/drivers.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 #include "tests/accuracy/exposures_random.h"
 
 #define DELAYS 7 /* 0..6 frames */

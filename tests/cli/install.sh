@@ -119,7 +119,7 @@ equal "inlay run --set lights.threshold_s<TAB>" lights.threshold_step= \
 	"$(completed inlay run --set lights.threshold_s)"
 {
 	echo status
-	sed -n '/action_names\[\] = {/,/^}/p' hal/buttons.c | grep -oE '"[a-z-]+"' | tr -d '"'
+	sed -n '/action_names\[\] = {/,/^}/p' hal/device/buttons.c | grep -oE '"[a-z-]+"' | tr -d '"'
 } | grep -vx none | sort >"$work/expected"
 completed inlay control "" | grep '^[a-z]' | sort >"$work/offered"
 same "bash offers everything that a kiosk can be told" "$work/expected" "$work/offered"

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame_reader.h"
+#include "hal/frame/frame_reader.h"
 
 enum { HEAD = 11, PLANES = 2 };
 

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 enum { WIDTH = 32, HEIGHT = 32 };
 

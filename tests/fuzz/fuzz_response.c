@@ -5,7 +5,7 @@
  */
 #include <math.h>
 
-#include "hal/response.h"
+#include "hal/colour/response.h"
 #include "tests/fuzz/as_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)

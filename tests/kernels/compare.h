@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/kernels.h"
 
 enum kernel_function {
 	SUMS16,

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 
 #include "bake/calibrate/boards.h"
+#include "hal/colour/transfer.h"
 #include "hal/image/image.h"
 #include "hal/optics/tsai.h"
-#include "hal/transfer.h"
 #include "tests/unit/chance.h"
 
 struct drawn_board {

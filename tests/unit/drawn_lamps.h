@@ -8,8 +8,8 @@
 #include <stdlib.h>
 
 #include "bake/calibrate/lamps_file.h"
+#include "hal/colour/transfer.h"
 #include "hal/image/image.h"
-#include "hal/transfer.h"
 #include "tests/unit/fisheye_views.h"
 
 enum { LAMPS_WIDTH = 640, LAMPS_HEIGHT = 480, DRAWN_LAMPS_MAX = 100 };

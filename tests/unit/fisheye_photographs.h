@@ -6,9 +6,9 @@
 #include <stdint.h>
 
 #include "bake/calibrate/boards.h"
+#include "hal/colour/transfer.h"
 #include "hal/image/image.h"
 #include "hal/optics/vec.h"
-#include "hal/transfer.h"
 #include "tests/unit/fisheye_views.h"
 
 #define PHOTOGRAPH_WIDTH 960

@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "hal/display.h"
+#include "hal/device/display.h"
 
 #define GUARD_PADDING 12
 #define GUARD_CANARY 0xa5

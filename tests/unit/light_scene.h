@@ -8,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "hal/colour/transfer.h"
 #include "hal/image/image.h"
-#include "hal/transfer.h"
 #include "tests/unit/chance.h"
 
 enum light_shape { SHAPE_SRGB, SHAPE_BT709, SHAPE_POWER, SHAPE_FILM, SHAPE_LINEAR, SHAPE_COUNT };

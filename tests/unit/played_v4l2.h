@@ -22,7 +22,7 @@
 #include "drivers/v4l2/device.h"
 #include "drivers/v4l2/formats.h"
 #include "drivers/v4l2/input.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 enum { BUFFERS_MAX = 16, BUFFER_BYTES = 65536, QUEUE = 16, CONTROLS_MAX = 8 };
 enum { YUYV_BYTES = 64 * 48 * 2 };

@@ -16,7 +16,7 @@
 
 #include "app/pipeline.h"
 #include "hal/basis/basis_writer.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 #include "tests/hand_basis.h"
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };

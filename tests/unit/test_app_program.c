@@ -19,7 +19,7 @@
 #include "app/loop.h"
 #include "app/options.h"
 #include "app/stats.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "tests/unit/own_folder.h"
 
 /* ---- options ---- */

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "app/scaler.h"
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 #include "tests/unit/chance.h"
 
 static struct canvas noise(struct chance *chance, int width, int height)

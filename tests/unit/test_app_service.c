@@ -14,8 +14,8 @@
 #include <unistd.h>
 
 #include "app/service.h"
-#include "hal/clock.h"
-#include "hal/log.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
 #include "tests/unit/own_folder.h"
 
 static int manager = -1;

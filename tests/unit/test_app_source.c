@@ -15,8 +15,8 @@
 
 #include "app/eye.h"
 #include "app/source.h"
-#include "hal/camera_situation.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
+#include "hal/device/camera_situation.h"
 
 /* What the camera will do next, and what was done to it. */
 static struct {

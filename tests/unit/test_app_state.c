@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "app/state.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "tests/unit/own_folder.h"
 
 static const struct state_values start = {{0, false}, SHOW_COMPOSITE, 0};

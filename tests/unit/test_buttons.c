@@ -17,7 +17,7 @@
 #include "drivers/gpio/button.h"
 #include "drivers/gpio/edge_order.h"
 #include "drivers/gpio/quadrature.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 static char folder[] = "/tmp/inlay-buttons-XXXXXX";
 static char script[64];

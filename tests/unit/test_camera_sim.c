@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "hal/image/image.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/panorama.h"

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "hal/camera_situation.h"
+#include "hal/device/camera_situation.h"
 #include "tests/unit/played_v4l2.h"
 
 enum { BUFFERS = 4 };

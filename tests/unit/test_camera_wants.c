@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "hal/camera_choice.h"
-#include "hal/camera_controls.h"
+#include "hal/device/camera_choice.h"
+#include "hal/device/camera_controls.h"
 
 static void assignments_are_taken_one_by_one(void **state)
 {

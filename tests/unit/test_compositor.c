@@ -8,7 +8,7 @@
 #include <cmocka.h>
 #include <errno.h>
 
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/kernels.h"
 #include "tests/unit/compositing.h"
 
 static struct light_selection selection_of(int count)

@@ -17,7 +17,7 @@
 
 #include "hal/basis/basis_writer.h"
 #include "hal/compositor/compositor.h"
-#include "hal/compositor/kernels.h"
+#include "hal/compositor/kernels/kernels.h"
 #include "hal/optics/dome.h"
 #include "tests/hand_basis.h"
 

@@ -9,11 +9,11 @@
 #include <float.h>
 
 #include "hal/compositor/column_choice.h"
-#include "hal/compositor/digits.h"
 #include "hal/compositor/division.h"
-#include "hal/compositor/fixed.h"
-#include "hal/compositor/kernels.h"
-#include "hal/compositor/light_vector.h"
+#include "hal/compositor/kernels/digits.h"
+#include "hal/compositor/kernels/fixed.h"
+#include "hal/compositor/kernels/kernels.h"
+#include "hal/compositor/light/light_vector.h"
 #include "tests/synthetic_basis.h"
 
 typedef __int128 wide;

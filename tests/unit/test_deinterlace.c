@@ -14,7 +14,7 @@
 #include <string.h>
 #include <turbojpeg.h>
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 #include "tests/unit/chance.h"
 
 enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "hal/image/image.h"
 #include "tests/unit/own_folder.h"
 

@@ -12,8 +12,8 @@
 
 #include "bake/calibrate/fisheye_circle.h"
 #include "drivers/sim/studio.h"
+#include "hal/colour/transfer.h"
 #include "hal/optics/panorama.h"
-#include "hal/transfer.h"
 #include "tests/unit/fisheye_views.h"
 
 /* A scene through a lens, as an 8-bit camera takes it. */

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 #include "bake/calibrate/fisheye_falloff.h"
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 #include "tests/unit/fisheye_views.h"
 
 static const double truth[FISHEYE_FALLOFF_TERMS] = {-0.22, 0.05, -0.012};

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 #include "bake/calibrate/fisheye_find.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "tests/unit/fisheye_views.h"
 
 static struct fisheye_wanted wanted_of(bool directions, int model)

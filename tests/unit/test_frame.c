@@ -12,7 +12,7 @@
 #include <string.h>
 #include <turbojpeg.h>
 
-#include "hal/frame.h"
+#include "hal/frame/frame.h"
 
 static uint32_t random_state = 20261120;
 

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame_reader.h"
-#include "hal/processor.h"
+#include "hal/base/processor.h"
+#include "hal/frame/frame_reader.h"
 #include "tests/unit/chance.h"
 
 enum { WIDTH_MAX = 131, GUARD = 16 };

@@ -26,7 +26,7 @@
 
 #include "drivers/drivers.h"
 #include "drivers/kms/kms.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "tests/unit/own_folder.h"
 
 enum {

@@ -21,7 +21,7 @@
 #include "drivers/libcamera/hotplug.h"
 #include "drivers/libcamera/messages.h"
 #include "drivers/libcamera/picture.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 /* ---- names ---- */
 

@@ -13,9 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "hal/compositor/compositor.h"
-#include "hal/compositor/light_budget.h"
+#include "hal/compositor/light/light_budget.h"
 #include "tests/unit/chance.h"
 
 enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2, MANY = 6486 };

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/pixel_noise.h"
 #include "tests/unit/chance.h"

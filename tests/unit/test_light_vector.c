@@ -10,8 +10,8 @@
 #include <cmocka.h>
 #include <float.h>
 
-#include "hal/compositor/fixed.h"
-#include "hal/compositor/light_vector.h"
+#include "hal/compositor/kernels/fixed.h"
+#include "hal/compositor/light/light_vector.h"
 #include "tests/unit/compositing.h"
 
 static const struct synthetic_options many = {

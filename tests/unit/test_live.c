@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "bake/calibrate/live.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "tests/unit/own_folder.h"
 
 static void write_config(const char *text)

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "bake/report_table.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 #include "hal/measure/lightings.h"
 #include "hal/measure/turns.h"
 

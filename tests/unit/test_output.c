@@ -18,8 +18,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "hal/log.h"
-#include "hal/output.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
 #include "tests/unit/own_folder.h"
 
 static int files_in_folder(void)

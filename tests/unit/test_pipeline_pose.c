@@ -16,8 +16,8 @@
 #include <unistd.h>
 
 #include "app/pipeline.h"
+#include "hal/base/clock.h"
 #include "hal/basis/basis_writer.h"
-#include "hal/clock.h"
 #include "tests/hand_basis.h"
 
 enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };

@@ -12,8 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "hal/clock.h"
-#include "hal/pool.h"
+#include "hal/base/clock.h"
+#include "hal/base/pool.h"
 
 #define ITEMS 5000
 

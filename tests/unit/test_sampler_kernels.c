@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/base/processor.h"
 #include "hal/lights/sampler_kernels.h"
 #include "hal/lights/sampler_shares.h"
-#include "hal/processor.h"
 #include "tests/unit/chance.h"
 
 /* The i-th table; NULL: this processor does not have it. */

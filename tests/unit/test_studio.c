@@ -11,9 +11,9 @@
 
 #include "drivers/sim/studio.h"
 #include "drivers/sim/studio_view.h"
+#include "hal/colour/transfer.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
-#include "hal/transfer.h"
 
 static const double origin[3] = {0, 0, 0};
 

@@ -12,8 +12,8 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 
-#include "hal/number.h"
-#include "hal/text_file.h"
+#include "hal/base/number.h"
+#include "hal/base/text_file.h"
 #include "tests/unit/own_folder.h"
 
 static void write_text(const char *text, size_t bytes)

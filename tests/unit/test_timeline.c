@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "app/timeline.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
 
 static struct timeline begun(enum config_timeline kind, double rate, int count, int pose)
 {

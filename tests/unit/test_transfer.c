@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "hal/transfer.h"
+#include "hal/colour/transfer.h"
 #include "tests/unit/chance.h"
 
 /* As printed in IEC 61966-2-1 and BT.709-6, knees rounded. */

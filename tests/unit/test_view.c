@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "hal/view.h"
+#include "hal/frame/view.h"
 #include "tests/unit/chance.h"
 
 #define WIDTH 37

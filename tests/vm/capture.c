@@ -20,9 +20,9 @@
 #include <string.h>
 
 #include "drivers/drivers.h"
-#include "hal/camera.h"
-#include "hal/camera_controls.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
+#include "hal/device/camera.h"
+#include "hal/device/camera_controls.h"
 #include "hal/image/image.h"
 #include "tests/vm/driver_option.h"
 

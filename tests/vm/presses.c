@@ -12,8 +12,8 @@
 #include <string.h>
 
 #include "drivers/drivers.h"
-#include "hal/buttons.h"
-#include "hal/clock.h"
+#include "hal/base/clock.h"
+#include "hal/device/buttons.h"
 #include "tests/vm/driver_option.h"
 
 static const struct buttons_ops *find_driver(const char *name)

@@ -18,7 +18,7 @@
 #include <string.h>
 
 #include "drivers/drivers.h"
-#include "hal/display.h"
+#include "hal/device/display.h"
 #include "hal/image/image.h"
 #include "tests/vm/driver_option.h"
 

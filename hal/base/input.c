@@ -1,0 +1,71 @@
+#include "hal/base/input.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <stdbool.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+/* Such pipes have no name in any folder: they are reached by that of a descriptor. */
+static bool is_unnamed_pipe(int fd)
+{
+	struct statfs is;
+
+	return fstatfs(fd, &is) == 0 && is.f_type == PIPEFS_MAGIC;
+}
+
+static int refuse(mode_t mode, const char *path, struct fault *fault)
+{
+	return fault_say(fault, S_ISDIR(mode) ? -EISDIR : -EINVAL,
+			 "%s: not a regular file but a %s, expected one to read", path,
+			 S_ISDIR(mode)	  ? "folder"
+			 : S_ISFIFO(mode) ? "named pipe"
+			 : S_ISSOCK(mode) ? "socket"
+					  : "device");
+}
+
+/* And has it wait from now on, for what a pipe's writer is still at. */
+static int check_file(int fd, const char *path, struct fault *fault)
+{
+	struct stat is;
+	int err = fstat(fd, &is) ? -errno : 0;
+
+	if (!err && !S_ISREG(is.st_mode) && !is_unnamed_pipe(fd))
+		return refuse(is.st_mode, path, fault);
+	if (!err && fcntl(fd, F_SETFL, 0))
+		err = -errno;
+	return err ? fault_say(fault, err, "%s: %s", path, strerror(-err)) : 0;
+}
+
+int input_open(const char *path, struct fault *fault)
+{
+	/* Not waiting for the writer of a named pipe. */
+	const int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+	struct stat is;
+	int err = fd < 0 ? -errno : 0;
+
+	if (err == -ENXIO && stat(path, &is) == 0)
+		return refuse(is.st_mode, path, fault); /* a socket, or a device that is absent */
+	if (err)
+		return fault_say(fault, err, "%s: %s", path, strerror(-err));
+	err = check_file(fd, path, fault);
+	if (err)
+		close(fd);
+	return err ? err : fd;
+}
+
+int input_stream(const char *path, FILE **stream, struct fault *fault)
+{
+	const int fd = input_open(path, fault);
+	int err;
+
+	*stream = fd < 0 ? NULL : fdopen(fd, "r");
+	if (fd < 0 || *stream)
+		return fd < 0 ? fd : 0;
+	err = -errno;
+	close(fd);
+	return fault_say(fault, err, "%s: %s", path, strerror(-err));
+}

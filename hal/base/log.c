@@ -1,0 +1,144 @@
+#include "hal/base/log.h"
+
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { TEXT_MAX = 2048, SAID_MAX = 256 };
+
+/* As in syslog(3). */
+static const char *const journal_prefixes[] = {
+	[LOG_LEVEL_ERROR] = "<3>",
+	[LOG_LEVEL_WARNING] = "<4>",
+	[LOG_LEVEL_INFO] = "<6>",
+	[LOG_LEVEL_DEBUG] = "<7>",
+};
+
+static struct {
+	char program[64];
+	enum log_level most;
+	bool journal; /* reads our stderr */
+} setup = {.program = "inlay", .most = LOG_LEVEL_INFO};
+
+/* The journal names the pipe that it reads, systemd.exec(5): it may be another one than our stderr
+ * by now. */
+static bool is_journal(int descriptor)
+{
+	const char *name = getenv("JOURNAL_STREAM");
+	unsigned long long device, inode;
+	struct stat s;
+
+	return name && sscanf(name, "%llu:%llu", &device, &inode) == 2 &&
+	       fstat(descriptor, &s) == 0 && s.st_dev == device && s.st_ino == inode;
+}
+
+void log_setup(const char *program, enum log_level most)
+{
+	setup.journal = is_journal(STDERR_FILENO);
+	snprintf(setup.program, sizeof(setup.program), "%s", program);
+	setup.most = most;
+}
+
+/* C0 and C1, the latter as UTF-8 has it, and DEL; a tab does no harm. */
+static size_t control_bytes(const char *at)
+{
+	const unsigned char c = (unsigned char)at[0], next = (unsigned char)at[1];
+
+	if ((c < 0x20 && c != '\t') || c == 0x7f)
+		return 1;
+	return c == 0xc2 && next >= 0x80 && next < 0xa0 ? 2 : 0;
+}
+
+/* Names of files, and what stands in them, may hold line breaks, or escape sequences for the
+ * reader's terminal. */
+static void make_plain(char *text)
+{
+	while (*text) {
+		size_t bytes = control_bytes(text);
+
+		if (!bytes)
+			text++;
+		while (bytes--)
+			*text++ = '?';
+	}
+}
+
+/* FNV-1a. */
+static uint64_t hash(const char *text)
+{
+	uint64_t h = 0xcbf29ce484222325;
+
+	for (; *text; text++)
+		h = (h ^ (unsigned char)*text) * 0x100000001b3;
+	return h;
+}
+
+static bool is_new(const char *text)
+{
+	static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+	static uint64_t said[SAID_MAX];
+	static unsigned count;
+	const uint64_t this = hash(text);
+	bool found = false;
+
+	pthread_mutex_lock(&lock);
+	for (unsigned i = 0; i < SAID_MAX && i < count && !found; i++)
+		found = said[i] == this;
+	if (!found)
+		said[count++ % SAID_MAX] = this;
+	pthread_mutex_unlock(&lock);
+	return !found;
+}
+
+/* One write() for a line, so that lines of several threads (and processes) do not mix. */
+static void __attribute__((format(printf, 3, 0)))
+say(enum log_level level, bool once, const char *format, va_list args)
+{
+	char line[TEXT_MAX], *text;
+	size_t length, done = 0;
+
+	if (level > setup.most)
+		return;
+	if (setup.journal)
+		snprintf(line, sizeof(line) - 1, "%s", journal_prefixes[level]);
+	else
+		snprintf(line, sizeof(line) - 1, "%s: ", setup.program);
+	text = line + strlen(line);
+	vsnprintf(text, sizeof(line) - 1 - (size_t)(text - line), format, args);
+	if (once && !is_new(text))
+		return;
+	make_plain(text);
+	length = strlen(line);
+	line[length++] = '\n';
+	while (done < length) {
+		const ssize_t n = write(STDERR_FILENO, line + done, length - done);
+
+		if (n <= 0)
+			return; /* nobody left to tell */
+		done += (size_t)n;
+	}
+}
+
+void log_say(enum log_level level, const char *format, ...)
+{
+	va_list args;
+
+	va_start(args, format);
+	say(level, false, format, args);
+	va_end(args);
+}
+
+void log_say_once(enum log_level level, const char *format, ...)
+{
+	va_list args;
+
+	va_start(args, format);
+	say(level, true, format, args);
+	va_end(args);
+}

@@ -1,0 +1,270 @@
+#include "hal/compositor/kernels/digits.h"
+#include "hal/compositor/kernels/kernels_isa.h"
+
+#include <immintrin.h>
+
+#include "hal/compositor/kernels/kernels_avx512_mix.h"
+#include "hal/compositor/kernels/kernels_avx512_sums.h"
+
+/* ---- split ---- */
+
+/* Two weights, a channel in each place of int64. */
+static inline __m512i two_of(int64_t (*weight)[KERNEL_WEIGHT])
+{
+	return _mm512_maskz_loadu_epi64(0x77, weight);
+}
+
+static int digits_needed(int64_t (*weight)[KERNEL_WEIGHT], int count)
+{
+	__m512i most = _mm512_setzero_si512();
+
+	for (int k = 0; k < count; k += 2)
+		most = _mm512_max_epi64(most, _mm512_abs_epi64(two_of(weight + k)));
+	return digits_of(_mm512_reduce_max_epi64(most));
+}
+
+/* All four digits of each int64, one in each of its places of int16. */
+static inline __m512i digits_apart(__m512i x)
+{
+	const __m512i biased = _mm512_add_epi64(x, _mm512_set1_epi64(DIGITS_BIAS));
+	__m512i y = _mm512_and_si512(biased, _mm512_set1_epi64(4095));
+
+	KERNEL_UNROLL
+	for (int d = 1; d < KERNEL_DIGITS; d++) {
+		const __m512i there = _mm512_slli_epi64(biased, (16 - KERNEL_DIGIT_BITS) * d);
+
+		y = _mm512_or_si512(
+			y, _mm512_and_si512(there, _mm512_set1_epi64(INT64_C(4095) << 16 * d)));
+	}
+	return _mm512_sub_epi16(y, _mm512_set1_epi16(DIGIT_HALF));
+}
+
+static int split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
+{
+	const int digits = digits_needed(weight, count), step = 2 * 3 * digits;
+	const __mmask32 stored = (__mmask32)((UINT64_C(1) << step) - 1);
+	_Alignas(64) int16_t from[32] = {0};
+	__m512i order;
+
+	for (int n = 0; n < step; n++) /* [channel][digit][weight] of [weight][channel][digit] */
+		from[n] = (int16_t)((n % 2 * KERNEL_WEIGHT + n / 2 / digits) * KERNEL_DIGITS +
+				    n / 2 % digits);
+	order = _mm512_load_si512(from);
+	for (int k = 0; k < count && digits; k += 2, digit += step)
+		_mm512_mask_storeu_epi16(
+			digit, stored,
+			_mm512_permutexvar_epi16(order, digits_apart(two_of(weight + k))));
+	return digits;
+}
+
+/* ---- project ---- */
+
+/* Values of a row until a lane of int32 has had its 32 products. */
+#define ROW_RUN (16 * KERNEL_LANE_PRODUCTS)
+
+/* The sums of a run of one row with all planes, channel by channel, added as int64. */
+KERNEL_INLINE void row_run(const int16_t *row, const struct kernel_planes *p, int from, int to,
+			   const int digits, __m512i total[3])
+{
+	__m512i part[3][KERNEL_DIGITS];
+
+	KERNEL_UNROLL
+	for (int c = 0; c < 3; c++) {
+		KERNEL_UNROLL
+		for (int d = 0; d < digits; d++)
+			part[c][d] = _mm512_setzero_si512();
+	}
+	for (int k = from; k < to; k += 32) {
+		const __m512i x = _mm512_load_si512(row + k);
+
+		KERNEL_UNROLL
+		for (int c = 0; c < 3; c++) {
+			KERNEL_UNROLL
+			for (int d = 0; d < digits; d++) {
+				part[c][d] = _mm512_dpwssd_epi32(
+					part[c][d], x, _mm512_load_si512(p->plane[c][d] + k));
+				/* Else gcc 12 keeps, and moves, two sets of sums. */
+				__asm__("" : "+v"(part[c][d]));
+			}
+		}
+	}
+	KERNEL_UNROLL
+	for (int c = 0; c < 3; c++) {
+		__m512i sum = _mm512_setzero_si512();
+
+		KERNEL_UNROLL
+		for (int d = digits - 1; d >= 0; d--) {
+			/* Even and odd places. */
+			const __m512i even = _mm512_mul_epi32(part[c][d], _mm512_set1_epi64(1));
+			const __m512i odd = _mm512_srai_epi64(part[c][d], 32);
+
+			sum = _mm512_add_epi64(_mm512_slli_epi64(sum, KERNEL_DIGIT_BITS),
+					       _mm512_add_epi64(odd, even));
+		}
+		total[c] = _mm512_add_epi64(total[c], sum);
+	}
+}
+
+/* y = the sums over the lanes of each channel. */
+static inline void store_lanes(int64_t *y, const __m512i total[3])
+{
+	__m256i half[3], pair, last;
+	__m128i two;
+
+	KERNEL_UNROLL
+	for (int c = 0; c < 3; c++)
+		half[c] = _mm256_add_epi64(_mm512_castsi512_si256(total[c]),
+					   _mm512_extracti64x4_epi64(total[c], 1));
+	pair = _mm256_add_epi64(_mm256_unpacklo_epi64(half[0], half[1]),
+				_mm256_unpackhi_epi64(half[0], half[1]));
+	last = _mm256_add_epi64(half[2], _mm256_unpackhi_epi64(half[2], half[2]));
+	two = _mm_add_epi64(_mm256_castsi256_si128(pair), _mm256_extracti128_si256(pair, 1));
+	_mm_storeu_si128((__m128i *)y, two);
+	two = _mm_add_epi64(_mm256_castsi256_si128(last), _mm256_extracti128_si256(last, 1));
+	y[2] = _mm_cvtsi128_si64(two);
+}
+
+KERNEL_INLINE void project_of(const int16_t *rows, int count, int stride,
+			      const struct kernel_planes *planes, int64_t (*y)[3], const int digits)
+{
+	for (int j = 0; j < count; j++, rows += stride) {
+		__m512i total[3];
+
+		total[0] = total[1] = total[2] = _mm512_setzero_si512();
+		for (int k = 0; k < stride; k += ROW_RUN) {
+			const int end = stride - k > ROW_RUN ? k + ROW_RUN : stride;
+
+			row_run(rows, planes, k, end, digits, total);
+		}
+		store_lanes(y[j], total);
+	}
+}
+
+static void project(const int16_t *rows, int count, int stride,
+		    const struct kernel_vector vector[3], int64_t (*y)[3])
+{
+	struct kernel_planes planes;
+
+	kernel_planes_fill(&planes, vector);
+	switch (planes.digits) {
+	case 0:
+		memset(y, 0, (size_t)count * sizeof(*y));
+		break;
+	case 1:
+		project_of(rows, count, stride, &planes, y, 1);
+		break;
+	case 2:
+		project_of(rows, count, stride, &planes, y, 2);
+		break;
+	case 3:
+		project_of(rows, count, stride, &planes, y, 3);
+		break;
+	default:
+		project_of(rows, count, stride, &planes, y, 4);
+		break;
+	}
+}
+
+/* ---- fold ---- */
+
+KERNEL_INLINE __m512i limit64(__m512i x)
+{
+	return _mm512_max_epi64(_mm512_min_epi64(x, _mm512_set1_epi64(KERNEL_LIMIT)),
+				_mm512_set1_epi64(-(int64_t)KERNEL_LIMIT));
+}
+
+KERNEL_INLINE __m512i rounded(__m512i x, __m512i half, __m128i bits)
+{
+	return _mm512_sra_epi64(_mm512_add_epi64(x, half), bits);
+}
+
+/* Factors and tints up to 1, which most are, need no limit: their result is no larger. */
+KERNEL_INLINE __m512i tinted(__m512i x, const uint16_t *tint, __mmask8 mask)
+{
+	const __m512i t = _mm512_cvtepu16_epi64(_mm_maskz_loadu_epi16(mask, tint));
+
+	x = rounded(_mm512_mul_epi32(x, t), _mm512_set1_epi64(1 << 14), _mm_cvtsi32_si128(15));
+	return _mm512_cmpgt_epi64_mask(t, _mm512_set1_epi64(1 << 15)) ? limit64(x) : x;
+}
+
+static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
+		 const int32_t *from, int32_t *to)
+{
+	/* The multiplication has signs, and 2^31 none: half of it, one bit less, is the same. */
+	const int whole = factor >> 31 ? 29 : 30;
+	const __m512i f = _mm512_set1_epi64(factor >> (30 - whole));
+	const __m512i half1 = _mm512_set1_epi64(INT64_C(1) << (shift - 1));
+	const __m512i half2 = _mm512_set1_epi64(INT64_C(1) << (whole - 1));
+	const __m128i bits1 = _mm_cvtsi32_si128(shift), bits2 = _mm_cvtsi32_si128(whole);
+
+	for (int p = 0; p < count; p += 8) {
+		const __mmask8 mask = (__mmask8)(count - p >= 8 ? 0xff : (1 << (count - p)) - 1);
+		const __m512i all = _mm512_maskz_loadu_epi64(mask, sum + p);
+		__m512i x = limit64(rounded(all, half1, bits1));
+
+		if (factor != 1U << 30)
+			x = rounded(_mm512_mul_epi32(x, f), half2, bits2);
+		if (factor > 1U << 30)
+			x = limit64(x);
+		if (tint)
+			x = tinted(x, tint + p, mask);
+		x = _mm512_add_epi64(
+			x, _mm512_cvtepi32_epi64(_mm256_maskz_loadu_epi32(mask, from + p)));
+		_mm256_mask_storeu_epi32(to + p, mask, _mm512_cvtepi64_epi32(limit64(x)));
+	}
+}
+
+/* ---- tint, place ---- */
+
+static void tint(int32_t *value, const uint16_t *by, int count)
+{
+	const __m512i half = _mm512_set1_epi32(1 << 14), low = _mm512_set1_epi32((1 << 15) - 1);
+
+	for (int n = 0; n < count; n += 16) {
+		const __mmask16 mask = (__mmask16)(count - n >= 16 ? 0xffff
+								   : (1 << (count - n)) - 1);
+		const __m512i x = _mm512_maskz_loadu_epi32(mask, value + n);
+		const __m512i m = _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(mask, by + n));
+		/* x = 2^15 h + l, as mul_q15() has it */
+		const __m512i of_h = _mm512_mullo_epi32(_mm512_srai_epi32(x, 15), m);
+		const __m512i of_l = _mm512_mullo_epi32(_mm512_and_si512(x, low), m);
+
+		_mm512_mask_storeu_epi32(
+			value + n, mask,
+			_mm512_add_epi32(of_h,
+					 _mm512_srli_epi32(_mm512_add_epi32(of_l, half), 15)));
+	}
+}
+
+static void place(const int32_t *value, const uint16_t row[16], int32_t *to)
+{
+	const __m512i zero = _mm512_setzero_si512(), limit = _mm512_set1_epi32(KERNEL_LIMIT);
+
+	for (int y = 0; y < 16; y++, to += 16) {
+		const __m512i spread = _mm512_maskz_expand_epi32(row[y], _mm512_loadu_si512(value));
+		const __m512i x = _mm512_loadu_si512(to);
+		/* What there is room for above and below, so that no sum wraps. */
+		const __m512i above = _mm512_sub_epi32(limit, _mm512_max_epi32(x, zero));
+		const __m512i below = _mm512_sub_epi32(_mm512_sub_epi32(zero, limit),
+						       _mm512_min_epi32(x, zero));
+		const __m512i more = _mm512_max_epi32(_mm512_min_epi32(spread, above), below);
+
+		_mm512_mask_storeu_epi32(to, row[y], _mm512_add_epi32(x, more));
+		value += __builtin_popcount(row[y]);
+	}
+}
+
+const struct kernels kernels_avx512 = {
+	.name = "avx512-vnni",
+	.supported = kernels_supported_avx512,
+	.sums16 = sums16,
+	.sums8 = sums8,
+	.values16 = values16,
+	.values8 = values8,
+	.split = split,
+	.project = project,
+	.fold = fold,
+	.tint = tint,
+	.place = place,
+	.mix = mix,
+};

@@ -1,0 +1,202 @@
+#include <errno.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/compositor/compositor.h"
+#include "hal/compositor/light/light_budget.h"
+#include "hal/compositor/light/light_return.h"
+
+const char *const threshold_mode_names[] = {"ambient", "drop", "harmonics", NULL};
+
+int light_selection_create(struct light_selection *selection, const struct basis *basis)
+{
+	const size_t n = basis->info.lights;
+
+	*selection = (struct light_selection){.count = (int)n};
+	selection->radiance = calloc(n, sizeof(*selection->radiance));
+	selection->used = calloc(n, sizeof(*selection->used));
+	selection->bound = calloc(n, sizeof(*selection->bound));
+	selection->ground = calloc((size_t)basis->info.grounds + 1, sizeof(*selection->ground));
+	selection->term = light_return_terms(basis);
+	selection->returned = calloc(n, sizeof(*selection->returned));
+	if (!selection->radiance || !selection->used || !selection->bound || !selection->ground ||
+	    !selection->term || !selection->returned) {
+		light_selection_free(selection);
+		return -ENOMEM;
+	}
+	light_budget_grounds(basis, selection->ground);
+	return 0;
+}
+
+void light_selection_free(struct light_selection *selection)
+{
+	free(selection->radiance);
+	free(selection->used);
+	free(selection->bound);
+	free(selection->ground);
+	free(selection->term);
+	free(selection->returned);
+	*selection = (struct light_selection){0};
+}
+
+/* The bits of infinity: below them, as a number without sign, are those of what is neither negative
+ * nor infinite nor NaN. */
+#define INFINITE UINT32_C(0x7f800000)
+
+static void clean(double *restrict to, const float *restrict from, int count)
+{
+	for (int i = 0; i < count; i++) {
+		uint32_t bits;
+		float radiance;
+
+		memcpy(&bits, &from[i], sizeof(bits));
+		bits &= -(uint32_t)(bits < INFINITE);
+		memcpy(&radiance, &bits, sizeof(radiance));
+		to[i] = (double)radiance;
+	}
+}
+
+static bool any(const double *radiance, int count)
+{
+	int k = 0;
+
+	while (k < count && !(radiance[k] > 0))
+		k++;
+	return k < count;
+}
+
+static bool reaches(const double rgb[3], double least)
+{
+	const double warm = rgb[0] > rgb[1] ? rgb[0] : rgb[1];
+
+	return (warm > rgb[2] ? warm : rgb[2]) >= least;
+}
+
+/* What the dropped lights would have sent, by channels. */
+struct dropped {
+	double power[3]; /* w_i L_i */
+	double lost[3];	 /* L_i peak_i */
+};
+
+static void use_bright(struct light_selection *selection, double threshold, double stays)
+{
+	for (int i = 0; i < selection->count; i++)
+		selection->used[i] = reaches(selection->radiance[i],
+					     selection->used[i] ? stays : threshold);
+}
+
+/* Of those that are not used, what their bounds come to. */
+static uint64_t sum_dropped(const struct light_selection *selection)
+{
+	uint64_t sum = 0;
+
+	for (int i = 0; i < selection->count; i++)
+		sum += selection->used[i] ? 0 : selection->bound[i];
+	return sum;
+}
+
+static int count_dropped(const struct light_selection *selection)
+{
+	int count = 0;
+
+	for (int i = 0; i < selection->count; i++)
+		count += !selection->used[i];
+	return count;
+}
+
+static void use_above(struct light_selection *selection, struct light_cut cut)
+{
+	for (int i = 0; i < selection->count; i++) {
+		const bool at = selection->bound[i] == cut.bound;
+
+		selection->used[i] = at ? cut.equal <= 0 : selection->bound[i] > cut.bound;
+		cut.equal -= at;
+	}
+}
+
+static void use_within_budget(struct light_selection *selection, bool again)
+{
+	const uint64_t room = (uint64_t)(fmin(selection->budget, 1) * (double)LIGHT_BUDGET_WHITE);
+	struct light_cut cut;
+
+	if (!again) {
+		use_above(selection, light_budget_cut(selection->bound, selection->count, room));
+		return;
+	}
+	cut = light_budget_cut(selection->bound, selection->count, room - room / 8);
+	if (sum_dropped(selection) <= room && cut.count <= count_dropped(selection))
+		return;
+	use_above(selection,
+		  light_budget_cut(selection->bound, selection->count, room - room / 16));
+}
+
+static struct dropped drop_unused(struct light_selection *selection, const struct basis *basis,
+				  const float (*peak)[3])
+{
+	struct dropped all = {{0}, {0}};
+
+	for (int i = 0; i < selection->count; i++) {
+		double *rgb = selection->radiance[i];
+
+		selection->used_count += selection->used[i];
+		for (int c = 0; c < 3 && !selection->used[i]; c++) {
+			all.power[c] += basis->lights[i].solid_angle_sr * rgb[c];
+			all.lost[c] += rgb[c] * (double)peak[i][c];
+			rgb[c] = 0;
+		}
+	}
+	return all;
+}
+
+static void add_returned(struct light_selection *selection)
+{
+	for (int i = 0; i < selection->count; i++) {
+		for (int c = 0; c < 3; c++)
+			selection->radiance[i][c] += selection->returned[i][c];
+	}
+	for (int c = 0; c < 3; c++)
+		selection->ambient[c] = 0;
+}
+
+void light_selection_choose(struct light_selection *selection, const struct basis *basis, int pose,
+			    const float (*radiance)[3], double threshold, enum threshold_mode mode,
+			    double gain)
+{
+	const bool again = selection->lit && threshold == selection->threshold &&
+			   mode == selection->mode && selection->budget == selection->last_budget;
+	const double stays = again ? threshold - selection->band : threshold;
+	const float(*peak)[3] = basis->poses[pose].peak;
+	struct dropped dropped;
+
+	selection->threshold = threshold;
+	selection->mode = mode;
+	selection->last_budget = selection->budget;
+	selection->used_count = 0;
+	clean(selection->radiance[0], radiance[0], 3 * selection->count);
+	selection->lit = any(selection->radiance[0], 3 * selection->count);
+	if (selection->budget > 0) {
+		light_budget_bounds(basis, pose, (const double(*)[3])selection->ground,
+				    (const double(*)[3])selection->radiance, mode, gain,
+				    selection->bound);
+		use_within_budget(selection, again);
+	} else {
+		use_bright(selection, threshold, stays);
+	}
+	if (mode == THRESHOLD_HARMONICS)
+		light_return(selection, basis, peak, gain);
+	dropped = drop_unused(selection, basis, peak);
+	if (mode == THRESHOLD_HARMONICS) {
+		add_returned(selection);
+		return;
+	}
+	for (int c = 0; c < 3; c++) {
+		const double ambient = mode == THRESHOLD_AMBIENT ? dropped.power[c] / (2 * M_PI)
+								 : 0;
+		const double added = ambient * (double)peak[selection->count][c];
+
+		selection->ambient[c] = ambient;
+		selection->dropped_error[c] = fmax(dropped.lost[c], added) * gain;
+	}
+}

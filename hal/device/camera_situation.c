@@ -1,0 +1,44 @@
+#include "hal/device/camera_situation.h"
+
+#include <errno.h>
+
+enum camera_situation camera_situation_of(int err)
+{
+	switch (-err) {
+	case ENOENT:
+	case ENODEV:
+	case ENXIO:
+		return CAMERA_NO_DEVICE;
+	case EACCES:
+	case EPERM:
+		return CAMERA_NO_PERMISSION;
+	case EBUSY:
+		return CAMERA_BUSY;
+	case ENOSPC: /* the bus has no bandwidth left */
+		return CAMERA_NO_BANDWIDTH;
+	case ENOLINK: /* nothing is plugged into the input */
+	case ENOLCK:  /* something is, but it is not stable */
+	case ERANGE:  /* or nothing that the input can receive, as while its source starts */
+		return CAMERA_NO_SIGNAL;
+	default:
+		return CAMERA_BROKEN;
+	}
+}
+
+bool camera_is_hopeless(enum camera_situation situation, int err)
+{
+	if (situation != CAMERA_BROKEN)
+		return situation == CAMERA_UNSUPPORTED_FORMAT;
+	switch (-err) {
+	case ENOTTY: /* not a camera */
+	case EINVAL: /* it knows no such input, standard or size */
+	case ENOTSUP:
+	case EISDIR: /* the rest is of files that a simulated camera plays */
+	case EBADMSG:
+	case EFBIG:
+	case EDOM:
+		return true;
+	default:
+		return false;
+	}
+}

@@ -1,0 +1,177 @@
+#include "hal/frame/frame_reader.h"
+
+#include <errno.h>
+#include <libyuv.h>
+#include <stddef.h>
+#include <string.h>
+
+bool frame_is_raw(const struct frame *frame)
+{
+	return frame->fields == FIELDS_NONE && frame->format > PIXEL_NONE &&
+	       frame->format < PIXEL_MJPEG;
+}
+
+int frame_reader_open(struct frame_reader *reader, const struct frame *frame,
+		      const struct view *view, struct fault *fault)
+{
+	int err;
+
+	if (!frame_is_raw(frame))
+		return fault_say(fault, -ENOTSUP, "frame: not rows that can be read one by one");
+	err = frame_check(frame, fault);
+	if (err)
+		return err;
+	if (view->x < 0 || view->y < 0 || view->width < 1 || view->height < 1 ||
+	    view->x > frame->width - view->width || view->y > frame->height - view->height)
+		return fault_say(fault, -EINVAL, "frame: a view that is not inside of %dx%d",
+				 frame->width, frame->height);
+	reader->frame = *frame;
+	reader->view = *view;
+	reader->rows = frame_rows_choose();
+	ycbcr_prepare(&reader->ycbcr, frame->matrix, frame->range);
+	return 0;
+}
+
+struct frame_reader frame_reader_of(const struct picture *picture)
+{
+	struct frame_reader reader = {
+		.frame = {.format = PIXEL_BGRX,
+			  .width = picture->width,
+			  .height = picture->height,
+			  .range = RANGE_FULL},
+		.view = {.width = picture->width,
+			 .height = picture->height,
+			 .hflip = picture->x_step < 0,
+			 .vflip = picture->y_step < 0,
+			 .squash = 1},
+		.rows = frame_rows_choose(),
+	};
+	struct frame_plane *plane = &reader.frame.planes[0];
+	const uint8_t *corner = picture->origin;
+
+	if (reader.view.hflip)
+		corner += picture->x_step * (picture->width - 1);
+	if (reader.view.vflip)
+		corner += picture->y_step * (picture->height - 1);
+	plane->data = corner;
+	plane->stride = (size_t)(reader.view.vflip ? -picture->y_step : picture->y_step);
+	plane->bytes = plane->stride * (size_t)(picture->height - 1) + 4 * (size_t)picture->width;
+	return reader;
+}
+
+static const uint8_t *row_at(const struct frame *frame, int plane, int y)
+{
+	return frame->planes[plane].data + (size_t)y * frame->planes[plane].stride;
+}
+
+/* Of formats whose pixels share chroma; x is even. */
+static void read_pairs(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
+{
+	const struct frame *frame = &r->frame;
+	const uint8_t *row = row_at(frame, 0, y);
+
+	if (frame->format == PIXEL_YUYV)
+		r->rows->yuyv(&r->ycbcr, row + 2 * (size_t)x, count, out);
+	else if (frame->format == PIXEL_UYVY)
+		r->rows->uyvy(&r->ycbcr, row + 2 * (size_t)x, count, out);
+	else
+		r->rows->nv12(&r->ycbcr, row + x, row_at(frame, 1, y / 2) + x, count, out);
+}
+
+/* A part that begins in the middle of a pair begins with half of what that pair gives. */
+static void read_halved(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
+{
+	if (x % 2) {
+		uint32_t pair[2];
+
+		read_pairs(r, x - 1, y, 2, pair);
+		*out++ = pair[1];
+		x++;
+		count--;
+	}
+	if (count)
+		read_pairs(r, x, y, count, out);
+}
+
+static void copy_bgrx(const uint8_t *from, int count, uint32_t *out)
+{
+	memcpy(out, from, 4 * (size_t)count);
+	/* The fourth byte of a camera's pixel is whatever the driver left there. */
+	for (int i = 0; i < count; i++)
+		out[i] |= UINT32_C(255) << 24;
+}
+
+static void read_rgb(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
+{
+	const uint8_t *row = row_at(&r->frame, 0, y);
+
+	if (r->frame.format == PIXEL_RGB24) /* libyuv's "RAW" */
+		RAWToARGB(row + 3 * (size_t)x, 0, (uint8_t *)out, 0, count, 1);
+	else if (r->frame.format == PIXEL_BGR24) /* libyuv's "RGB24" */
+		RGB24ToARGB(row + 3 * (size_t)x, 0, (uint8_t *)out, 0, count, 1);
+	else
+		copy_bgrx(row + 4 * (size_t)x, count, out);
+	if (r->frame.range == RANGE_LIMITED)
+		ycbcr_row_expand(&r->ycbcr, count, out);
+}
+
+/* x and y count from the upright view's corner. */
+static void read_row(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
+{
+	const struct view *v = &r->view;
+	const int left = v->x + (v->hflip ? v->width - x - count : x);
+	const int row = v->y + (v->vflip ? v->height - 1 - y : y);
+
+	switch (r->frame.format) {
+	case PIXEL_YUYV:
+	case PIXEL_UYVY:
+	case PIXEL_NV12:
+		read_halved(r, left, row, count, out);
+		break;
+	case PIXEL_GREY:
+		r->rows->grey(&r->ycbcr, row_at(&r->frame, 0, row) + left, count, out);
+		break;
+	default:
+		read_rgb(r, left, row, count, out);
+		break;
+	}
+	if (v->hflip)
+		r->rows->reverse(out, count);
+}
+
+void frame_reader_make(const void *context, int x, int y, int width, int height, uint8_t *out,
+		       size_t out_stride)
+{
+	for (int row = 0; row < height; row++)
+		read_row(context, x, y + row, width,
+			 (uint32_t *)(void *)(out + (size_t)row * out_stride));
+}
+
+const uint32_t *frame_reader_row(const struct frame_reader *r, int x, int y, int count,
+				 uint32_t *scratch)
+{
+	const struct view *v = &r->view;
+	const uint8_t *pixels;
+
+	if (r->frame.format == PIXEL_BGRX && r->frame.range == RANGE_FULL && !v->hflip) {
+		pixels = row_at(&r->frame, 0, v->y + (v->vflip ? v->height - 1 - y : y)) +
+			 4 * (size_t)(v->x + x);
+		if ((uintptr_t)pixels % 4 == 0)
+			return (const uint32_t *)(const void *)pixels;
+	}
+	read_row(r, x, y, count, scratch);
+	return scratch;
+}
+
+void frame_reader_prefetch(const struct frame_reader *r, int x, int y, int count)
+{
+	const struct view *v = &r->view;
+	const int left = v->x + (v->hflip ? v->width - x - count : x);
+	const int row = v->y + (v->vflip ? v->height - 1 - y : y);
+	const uint8_t *from = row_at(&r->frame, 0, row);
+	const size_t first = frame_plane_stride(r->frame.format, 0, left);
+	const size_t end = frame_plane_stride(r->frame.format, 0, left + count);
+
+	for (size_t i = first; i < end; i += 64)
+		__builtin_prefetch(from + i);
+}
