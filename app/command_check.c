@@ -3,7 +3,7 @@
 
 #include "app/commands.h"
 #include "app/driver_list.h"
-#include "app/pipeline_config.h"
+#include "app/pipeline/pipeline_config.h"
 #include "app/settings.h"
 #include "hal/base/log.h"
 #include "hal/basis/basis.h"

@@ -2,7 +2,7 @@
 #include <stdio.h>
 
 #include "app/commands.h"
-#include "app/kiosk.h"
+#include "app/kiosk/kiosk.h"
 #include "app/settings.h"
 #include "hal/base/log.h"
 

@@ -1,54 +1,54 @@
 app_PACKAGES := $(if $(filter 1,$(WITH_CAIRO)),cairo) $(if $(filter 1,$(WITH_SYSTEMD)),libsystemd)
 APP_SOURCES := \
-	app/bench.c \
-	app/bench_frame.c \
-	app/bench_memory.c \
-	app/bench_print.c \
-	app/bench_truth.c \
-	app/bench_ways.c \
-	app/command_bench.c \
+	app/bench/bench.c \
+	app/bench/bench_frame.c \
+	app/bench/bench_memory.c \
+	app/bench/bench_print.c \
+	app/bench/bench_truth.c \
+	app/bench/bench_ways.c \
+	app/bench/command_bench.c \
 	app/command_check.c \
 	app/command_control.c \
 	app/command_devices.c \
 	app/command_run.c \
 	app/command_still.c \
-	app/control.c \
-	app/control_socket.c \
+	app/kiosk/control.c \
+	app/kiosk/control_socket.c \
 	app/devices_sample.c \
 	app/options.c \
 	app/settings.c \
 	app/driver_list.c \
-	app/kiosk.c \
-	app/kiosk_actions.c \
-	app/kiosk_control.c \
-	app/kiosk_open.c \
-	app/kiosk_picture.c \
-	app/kiosk_reload.c \
-	app/kiosk_screen.c \
-	app/kiosk_text.c \
-	app/loop.c \
-	app/opener.c \
-	app/reload.c \
-	app/service.c \
-	app/state.c \
-	app/stats.c \
+	app/kiosk/kiosk.c \
+	app/kiosk/kiosk_actions.c \
+	app/kiosk/kiosk_control.c \
+	app/kiosk/kiosk_open.c \
+	app/kiosk/kiosk_picture.c \
+	app/kiosk/kiosk_reload.c \
+	app/kiosk/kiosk_screen.c \
+	app/kiosk/kiosk_text.c \
+	app/kiosk/loop.c \
+	app/camera/opener.c \
+	app/kiosk/reload.c \
+	app/kiosk/service.c \
+	app/kiosk/state.c \
+	app/kiosk/stats.c \
 	app/still.c \
-	app/timeline.c \
-	app/source.c \
-	app/exposing.c \
-	app/eye.c \
-	app/pipeline.c \
-	app/pipeline_config.c \
-	app/pipeline_fade.c \
-	app/pipeline_ground.c \
-	app/pipeline_light.c \
-	app/pipeline_pose.c \
-	app/show.c \
-	app/layout.c \
-	app/scaler.c \
-	app/marks.c \
-	app/overlay.c \
-	app/utf8.c \
-	app/words.c
-APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/panel.c app/typeset.c,app/panel_none.c)
+	app/kiosk/timeline.c \
+	app/camera/source.c \
+	app/camera/exposing.c \
+	app/camera/eye.c \
+	app/pipeline/pipeline.c \
+	app/pipeline/pipeline_config.c \
+	app/pipeline/pipeline_fade.c \
+	app/pipeline/pipeline_ground.c \
+	app/pipeline/pipeline_light.c \
+	app/pipeline/pipeline_pose.c \
+	app/view/show.c \
+	app/view/layout.c \
+	app/view/scaler.c \
+	app/view/marks.c \
+	app/view/overlay.c \
+	app/view/utf8.c \
+	app/view/words.c
+APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/typeset.c,app/view/panel_none.c)
 APP_MAIN := app/main.c

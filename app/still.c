@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/pipeline.h"
-#include "app/pipeline_config.h"
+#include "app/pipeline/pipeline.h"
+#include "app/pipeline/pipeline_config.h"
 #include "hal/base/output.h"
 #include "hal/frame/frame.h"
 #include "hal/image/image.h"

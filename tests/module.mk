@@ -141,7 +141,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_mjpeg.c
 # What they reach of app/ and bake/, beside the whole of hal/, drivers/ and config/: a part that is not
 # named does not link.
-FUZZ_PARTS := $(addprefix app/,control.c control_socket.c driver_list.c state.c) \
+FUZZ_PARTS := $(addprefix app/,driver_list.c kiosk/control.c kiosk/control_socket.c kiosk/state.c) \
 	$(addprefix bake/,angles.c coarse.c finished_tile.c keyframes.c material.c mesh_gltf.c mesh_mtl.c mesh_ply.c \
 		msi.c plain_file.c plan.c scene_file.c shard.c) \
 	$(addprefix bake/calibrate/,camera_model.c convert_lens.c convert_tsai.c convert_yaml.c covariance.c \

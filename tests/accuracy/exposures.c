@@ -23,10 +23,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/camera/exposing.h"
+#include "app/camera/eye.h"
 #include "app/driver_list.h"
-#include "app/exposing.h"
-#include "app/eye.h"
-#include "app/pipeline_config.h"
+#include "app/pipeline/pipeline_config.h"
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"

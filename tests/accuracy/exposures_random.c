@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "app/driver_list.h"
-#include "app/pipeline_config.h"
+#include "app/pipeline/pipeline_config.h"
 #include "drivers/sim/sensor.h"
 #include "tests/unit/chance.h"
 

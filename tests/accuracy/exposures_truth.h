@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "app/pipeline.h"
+#include "app/pipeline/pipeline.h"
 #include "bake/truth.h"
 #include "hal/measure/error.h"
 

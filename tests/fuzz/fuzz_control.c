@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/control.h"
+#include "app/kiosk/control.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 

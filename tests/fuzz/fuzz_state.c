@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/state.h"
+#include "app/kiosk/state.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 

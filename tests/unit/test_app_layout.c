@@ -7,8 +7,8 @@
 #include <cmocka.h>
 #include <string.h>
 
-#include "app/layout.h"
-#include "app/marks.h"
+#include "app/view/layout.h"
+#include "app/view/marks.h"
 #include "tests/unit/chance.h"
 
 #define UNTOUCHED 77

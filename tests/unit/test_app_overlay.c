@@ -10,9 +10,9 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "app/overlay.h"
-#include "app/utf8.h"
-#include "app/words.h"
+#include "app/view/overlay.h"
+#include "app/view/utf8.h"
+#include "app/view/words.h"
 #include "tests/unit/chance.h"
 #include "tests/unit/guarded_screen.h"
 

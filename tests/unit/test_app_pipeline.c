@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/pipeline.h"
+#include "app/pipeline/pipeline.h"
 #include "hal/basis/basis_writer.h"
 #include "hal/frame/frame.h"
 #include "tests/hand_basis.h"

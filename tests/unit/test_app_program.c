@@ -16,9 +16,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "app/loop.h"
+#include "app/kiosk/loop.h"
+#include "app/kiosk/stats.h"
 #include "app/options.h"
-#include "app/stats.h"
 #include "hal/base/clock.h"
 #include "tests/unit/own_folder.h"
 

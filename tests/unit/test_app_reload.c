@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "app/driver_list.h"
-#include "app/reload.h"
+#include "app/kiosk/reload.h"
 
 static struct config *running, *fresh;
 

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 #include <string.h>
 
-#include "app/scaler.h"
+#include "app/view/scaler.h"
 #include "hal/frame/frame.h"
 #include "tests/unit/chance.h"
 

@@ -13,7 +13,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "app/service.h"
+#include "app/kiosk/service.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 #include "tests/unit/own_folder.h"

@@ -12,8 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/layout.h"
-#include "app/show.h"
+#include "app/view/layout.h"
+#include "app/view/show.h"
 #include "hal/basis/basis_writer.h"
 #include "tests/hand_basis.h"
 #include "tests/unit/chance.h"

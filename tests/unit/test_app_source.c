@@ -13,8 +13,8 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include "app/eye.h"
-#include "app/source.h"
+#include "app/camera/eye.h"
+#include "app/camera/source.h"
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
 

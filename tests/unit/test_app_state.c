@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/state.h"
+#include "app/kiosk/state.h"
 #include "hal/base/clock.h"
 #include "tests/unit/own_folder.h"
 

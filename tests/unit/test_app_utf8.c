@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "app/utf8.h"
+#include "app/view/utf8.h"
 #include "tests/unit/chance.h"
 
 /* The bytes of a code point, by RFC 3629's table. */

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "app/words.h"
+#include "app/view/words.h"
 
 #define NAME "C920"
 

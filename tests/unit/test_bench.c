@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/bench_memory.h"
+#include "app/bench/bench_memory.h"
 #include "hal/image/image.h"
 #include "hal/measure/background.h"
 #include "hal/measure/error.h"

@@ -20,8 +20,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "app/control.h"
-#include "app/control_socket.h"
+#include "app/kiosk/control.h"
+#include "app/kiosk/control_socket.h"
 
 static char folder[] = "/tmp/inlay-control-XXXXXX";
 static char path[64];

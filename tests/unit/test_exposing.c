@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/exposing.h"
+#include "app/camera/exposing.h"
 
 static struct {
 	double step; /* 0: it takes any number */

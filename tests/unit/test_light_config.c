@@ -11,8 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/pipeline_config.h"
-#include "app/reload.h"
+#include "app/kiosk/reload.h"
+#include "app/pipeline/pipeline_config.h"
 
 static const struct config_driver none[] = {{NULL, NULL, 0}};
 static const struct config_drivers drivers = {{none, none, none}};

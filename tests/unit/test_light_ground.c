@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/pipeline.h"
+#include "app/pipeline/pipeline.h"
 #include "bake/calibrate/light_gain.h"
 #include "bake/calibrate/light_response.h"
 #include "tests/unit/baking.h"

@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/pipeline.h"
+#include "app/pipeline/pipeline.h"
 #include "hal/base/clock.h"
 #include "hal/basis/basis_writer.h"
 #include "tests/hand_basis.h"

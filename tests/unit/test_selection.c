@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "app/pipeline.h"
+#include "app/pipeline/pipeline.h"
 #include "tests/hand_basis.h"
 #include "tests/unit/compositing.h"
 

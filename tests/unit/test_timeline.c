@@ -7,7 +7,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "app/timeline.h"
+#include "app/kiosk/timeline.h"
 #include "hal/base/clock.h"
 
 static struct timeline begun(enum config_timeline kind, double rate, int count, int pose)

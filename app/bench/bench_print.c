@@ -1,0 +1,212 @@
+#include "app/bench/bench_print.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+/* Share of the time that somebody else had, from where figures cannot be trusted. */
+#define WAITED_MUCH 0.03
+
+/* A column of the table, in JSON and CSV under its key. */
+struct column {
+	const char *key;
+	const char *title; /* NULL: not for people */
+	int width;
+	int digits; /* behind the point, for people */
+	enum { OF_TEXT, OF_COUNT, OF_NUMBER, OF_ERROR } kind;
+	size_t at; /* in struct bench_row */
+};
+
+#define AT(field) offsetof(struct bench_row, field)
+
+static const struct column columns[] = {
+	{"lighting", NULL, 0, 0, OF_TEXT, AT(lighting)},
+	{"what", "what", -36, 0, OF_TEXT, AT(what)},
+	{"kernel", "kernel", -12, 0, OF_TEXT, AT(kernel)},
+	{"lights", "lights", 6, 0, OF_COUNT, AT(lights)},
+	{"median_ms", "median ms", 10, 3, OF_NUMBER, AT(median_ms)},
+	{"least_ms", "least ms", 10, 3, OF_NUMBER, AT(least_ms)},
+	{"speedup", "x thesis", 9, 1, OF_NUMBER, AT(speedup)},
+	{"basis_mb", "read MB", 9, 2, OF_NUMBER, AT(basis_mb)},
+	{"read_ms", NULL, 0, 0, OF_NUMBER, AT(read_ms)},
+	{"read_ratio", "x bound", 8, 2, OF_NUMBER, AT(read_ratio)},
+	{"copies", "x copy", 7, 1, OF_NUMBER, AT(copies)},
+	{"psnr_db", "PSNR dB", 8, 1, OF_ERROR, AT(error.psnr_db)},
+	{"rms", "RMS", 6, 2, OF_ERROR, AT(error.rms)},
+	{"max", "max", 6, 1, OF_ERROR, AT(error.max)},
+	{"frame_psnr_db", NULL, 0, 0, OF_ERROR, AT(error.frame_psnr_db)},
+	{"contrast", "contrast", 9, 4, OF_ERROR, AT(error.contrast)},
+};
+
+#define COLUMN_COUNT (sizeof(columns) / sizeof(*columns))
+
+/* NaN: does not apply. */
+static double number_of(const struct bench_row *row, const struct column *column)
+{
+	const char *at = (const char *)row + column->at;
+	double value;
+
+	if (column->kind == OF_COUNT) {
+		int count;
+
+		memcpy(&count, at, sizeof(count));
+		return count < 0 ? NAN : count;
+	}
+	memcpy(&value, at, sizeof(value));
+	if (column->kind == OF_ERROR)
+		return row->has_error ? value : NAN;
+	return value > 0 ? value : NAN;
+}
+
+static const char *text_of(const struct bench_row *row, const struct column *column)
+{
+	return (const char *)row + column->at;
+}
+
+/* ---- for people ---- */
+
+static void print_titles(FILE *to)
+{
+	for (size_t k = 0; k < COLUMN_COUNT; k++) {
+		if (columns[k].title)
+			fprintf(to, "%s%*s", k > 1 ? " " : "", columns[k].width, columns[k].title);
+	}
+	fputc('\n', to);
+}
+
+static void print_row(const struct bench_row *row, FILE *to)
+{
+	for (size_t k = 0; k < COLUMN_COUNT; k++) {
+		const struct column *c = &columns[k];
+
+		if (!c->title)
+			continue;
+		if (k > 1)
+			fputc(' ', to);
+		if (c->kind == OF_TEXT)
+			fprintf(to, "%*s", c->width, text_of(row, c));
+		else if (isnan(number_of(row, c)))
+			fprintf(to, "%*s", c->width, "-");
+		else
+			fprintf(to, "%*.*f", c->width, c->digits, number_of(row, c));
+	}
+	fputc('\n', to);
+}
+
+void bench_print_table(const struct bench_report *r, FILE *to)
+{
+	fprintf(to,
+		"%s: %dx%d, %d lights; %ld pixels of the object, %ld of its shadow\n"
+		"fast layer %.2f MB, exact layer %.2f MB; a byte for each value would be %.2f MB\n"
+		"threads: %d; repeated: %d times; read bound: %s vectors\n"
+		"errors: against the %s layer in double precision, 8-bit levels, of the pixels "
+		"that "
+		"the object changes\n",
+		r->basis, r->width, r->height, r->lights, r->object_pixels, r->shadow_pixels,
+		r->shown_mb, r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth);
+	if (r->threads == 1 && r->waited > WAITED_MUCH)
+		fprintf(to,
+			"the machine was busy: others had the processor in %.0f %% of the time; "
+			"that is not "
+			"counted, but they\nuse caches and memory too, so that times are longer "
+			"than on an idle "
+			"machine\n",
+			100 * r->waited);
+	for (int k = 0; k < r->count; k++) {
+		if (!k || strcmp(r->row[k].lighting, r->row[k - 1].lighting) != 0) {
+			fprintf(to, "\n%s\n", r->row[k].lighting);
+			print_titles(to);
+		}
+		print_row(&r->row[k], to);
+	}
+}
+
+/* ---- for programs ---- */
+
+static void print_json_text(const char *text, FILE *to)
+{
+	fputc('"', to);
+	for (; *text; text++) {
+		const unsigned char c = (unsigned char)*text;
+
+		if (c == '"' || c == '\\')
+			fprintf(to, "\\%c", c);
+		else if (c < 0x20)
+			fprintf(to, "\\u%04x", c);
+		else
+			fputc(c, to);
+	}
+	fputc('"', to);
+}
+
+static void print_json_row(const struct bench_row *row, FILE *to)
+{
+	for (size_t k = 0; k < COLUMN_COUNT; k++) {
+		const struct column *c = &columns[k];
+
+		fprintf(to, "%s\"%s\": ", k ? ", " : "{", c->key);
+		if (c->kind == OF_TEXT)
+			print_json_text(text_of(row, c), to);
+		else if (isnan(number_of(row, c)))
+			fputs("null", to);
+		else
+			fprintf(to, "%.6g", number_of(row, c));
+	}
+	fputc('}', to);
+}
+
+void bench_print_json(const struct bench_report *r, FILE *to)
+{
+	fputs("{\"basis\": ", to);
+	print_json_text(r->basis, to);
+	fprintf(to,
+		", \"width\": %d, \"height\": %d, \"lights\": %d,\n"
+		" \"object_pixels\": %ld, \"shadow_pixels\": %ld,\n"
+		" \"shown_mb\": %.6g, \"exact_mb\": %.6g, \"dense_mb\": %.6g,\n"
+		" \"threads\": %d, \"repeat\": %d, \"vectors\": \"%s\", \"truth\": \"%s\",\n"
+		" \"waited\": %.6g,\n"
+		" \"rows\": [",
+		r->width, r->height, r->lights, r->object_pixels, r->shadow_pixels, r->shown_mb,
+		r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth, r->waited);
+	for (int k = 0; k < r->count; k++) {
+		fputs(k ? ",\n  " : "\n  ", to);
+		print_json_row(&r->row[k], to);
+	}
+	fputs("\n]}\n", to);
+}
+
+/* Quoted where a comma or a quote would be read as something else. */
+static void print_csv_text(const char *text, FILE *to)
+{
+	if (!strpbrk(text, ",\"\n\r")) {
+		fputs(text, to);
+		return;
+	}
+	fputc('"', to);
+	for (; *text; text++) {
+		if (*text == '"')
+			fputc('"', to);
+		fputc(*text, to);
+	}
+	fputc('"', to);
+}
+
+void bench_print_csv(const struct bench_report *r, FILE *to)
+{
+	for (size_t k = 0; k < COLUMN_COUNT; k++)
+		fprintf(to, "%s%s", k ? "," : "", columns[k].key);
+	fputc('\n', to);
+	for (int n = 0; n < r->count; n++) {
+		for (size_t k = 0; k < COLUMN_COUNT; k++) {
+			const struct column *c = &columns[k];
+
+			if (k)
+				fputc(',', to);
+			if (c->kind == OF_TEXT)
+				print_csv_text(text_of(&r->row[n], c), to);
+			else if (!isnan(number_of(&r->row[n], c)))
+				fprintf(to, "%.6g", number_of(&r->row[n], c));
+		}
+		fputc('\n', to);
+	}
+}

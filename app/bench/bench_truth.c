@@ -1,0 +1,219 @@
+#include "app/bench/bench_truth.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The same frame in double precision, in the ways that ours are to be compared with. */
+enum truth_of {
+	TRUTH_OURS,
+	TRUTH_THESIS, /* code values are light, here and there */
+	TRUTH_FRAME,  /* background and light as the cameras had them */
+	TRUTH_COUNT
+};
+
+struct truth {
+	const struct bench_stage *stage;
+	double *picture[TRUTH_COUNT]; /* [height][width][3]; NULL where nothing needs it */
+	int err[TRUTH_COUNT];
+};
+
+static size_t values_of(const struct bench_stage *stage)
+{
+	return 3 * (size_t)stage->basis->info.width * stage->basis->info.height;
+}
+
+/* Double precision takes one thread for one picture, so the pictures are shared out. */
+static void make_truth(void *context, int item, int worker)
+{
+	struct truth *t = context;
+	const struct bench_stage *stage = t->stage;
+	struct compositor_settings settings = {
+		.mode = stage->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
+		.background = {.named = TRANSFER_SRGB},
+		.output = {.named = TRANSFER_SRGB},
+		.gain = 1,
+		.object = true,
+	};
+	const struct light_selection *lights = &stage->lights;
+	struct picture background = stage->background_picture;
+
+	(void)worker;
+	if (!t->picture[item])
+		return;
+	if (item == TRUTH_THESIS)
+		settings.background.named = settings.output.named = TRANSFER_LINEAR;
+	if (item == TRUTH_FRAME) {
+		background = bench_frame_background(stage->cameras);
+		lights = bench_frame_lights(stage->cameras);
+	}
+	t->err[item] = compositor_reference(stage->basis, 0, &settings, lights, &background,
+					    t->picture[item]);
+}
+
+static int truth_create(struct truth *t, const struct bench_stage *stage)
+{
+	const bool needed[TRUTH_COUNT] = {true, stage->thesis, stage->cameras};
+
+	*t = (struct truth){.stage = stage};
+	for (int k = 0; k < TRUTH_COUNT; k++) {
+		if (!needed[k])
+			continue;
+		t->picture[k] = malloc(values_of(stage) * sizeof(*t->picture[k]));
+		if (!t->picture[k])
+			return -ENOMEM;
+	}
+	return 0;
+}
+
+static void truth_free(struct truth *t)
+{
+	for (int k = 0; k < TRUTH_COUNT; k++)
+		free(t->picture[k]);
+}
+
+static struct composite_error error_of(const struct bench_way *way, const struct truth *t,
+				       const struct scope *scope)
+{
+	const struct bench_stage *stage = t->stage;
+	struct picture background = stage->background_picture;
+	enum truth_of of = TRUTH_OURS;
+
+	if (way->kind == BENCH_THESIS)
+		of = TRUTH_THESIS;
+	if (way->kind == BENCH_FRAME) {
+		of = TRUTH_FRAME;
+		background = bench_frame_background(stage->cameras);
+	}
+	return error_measure(scope, t->picture[of], &stage->out, &background,
+			     of == TRUTH_THESIS ? TRANSFER_LINEAR : TRANSFER_SRGB);
+}
+
+/* Ways whose pictures are the same, whatever the kernel and the frame before. */
+static bool are_alike(const struct bench_way *a, const struct bench_way *b)
+{
+	return a->kind == b->kind && a->kind != BENCH_THESIS &&
+	       a->composite.mode == b->composite.mode;
+}
+
+/* Pictures of each kind, of the first way that makes them. */
+struct firsts {
+	const struct bench_way *way[4];
+	struct composite_error error[4];
+	struct canvas picture[4];
+	int count;
+};
+
+static int compare(const struct bench_way *way, const struct bench_stage *stage,
+		   const struct firsts *firsts, int which, struct fault *fault)
+{
+	const struct canvas *picture = &firsts->picture[which];
+
+	if (!memcmp(picture->pixels, stage->out.pixels, picture->stride * (size_t)picture->height))
+		return 0;
+	return fault_say(fault, -EIO,
+			 "the picture of \"%s\" by kernel %s is not the same as that of \"%s\" by "
+			 "%s under %s: this is a fault in inlay",
+			 way->row.what, way->row.kernel, firsts->way[which]->row.what,
+			 firsts->way[which]->row.kernel, stage->lighting->name);
+}
+
+static int keep(struct firsts *firsts, const struct bench_way *way, const struct bench_stage *stage,
+		const struct composite_error *error)
+{
+	struct canvas *picture = &firsts->picture[firsts->count];
+	const int err = canvas_create(picture, stage->out.width, stage->out.height);
+
+	if (err)
+		return err;
+	memcpy(picture->pixels, stage->out.pixels, picture->stride * (size_t)picture->height);
+	firsts->way[firsts->count] = way;
+	firsts->error[firsts->count++] = *error;
+	return 0;
+}
+
+/* One way's picture against the truth, or against another that has been. */
+static int judge(struct bench_way *way, const struct truth *t, const struct scope *scope,
+		 struct firsts *firsts, struct fault *fault)
+{
+	struct composite_error error;
+	int which = 0;
+
+	while (which < firsts->count && !are_alike(way, firsts->way[which]))
+		which++;
+	if (which < firsts->count) {
+		const int err = compare(way, t->stage, firsts, which, fault);
+
+		if (err)
+			return err;
+	} else {
+		error = error_of(way, t, scope);
+		if (keep(firsts, way, t->stage, &error))
+			return fault_say(fault, -ENOMEM, "not enough memory for pictures");
+	}
+	if (way->row.has_error)
+		error_worse(&way->row.error, &firsts->error[which]);
+	else
+		way->row.error = firsts->error[which];
+	way->row.has_error = true;
+	return 0;
+}
+
+static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int member,
+		     const struct truth *t, const struct scope *scope, struct fault *fault)
+{
+	struct firsts firsts = {.count = 0};
+	int err = 0;
+
+	for (int k = 0; !err && k < ways->count; k++) {
+		struct bench_way *way = &ways->way[k];
+
+		if (!bench_way_shows(way))
+			continue;
+		err = bench_way_prepare(way, stage, member, fault);
+		if (!err)
+			err = bench_way_run(way, stage, fault);
+		if (!err)
+			err = judge(way, t, scope, &firsts, fault);
+	}
+	for (int k = 0; k < firsts.count; k++)
+		canvas_free(&firsts.picture[k]);
+	return err;
+}
+
+/* The cameras have to have seen the light before double precision can take it from them. */
+static int see_light(const struct bench_stage *stage, struct fault *fault)
+{
+	return stage->cameras
+		       ? bench_frame_measure(stage->cameras, stage->settings->threshold, fault)
+		       : 0;
+}
+
+int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct scope *scope,
+		struct pool *all, struct fault *fault)
+{
+	struct truth t;
+	int err = truth_create(&t, stage);
+
+	if (err)
+		fault_say(fault, err, "not enough memory for pictures in double precision");
+	for (int k = 0; k < ways->count; k++)
+		ways->way[k].row.has_error = false;
+	for (int m = 0; !err && m < stage->lighting->members; m++) {
+		err = bench_stage_light(stage, m, fault);
+		if (!err)
+			err = see_light(stage, fault);
+		if (err)
+			break;
+		pool_run(all, TRUTH_COUNT, make_truth, &t);
+		for (int k = 0; k < TRUTH_COUNT; k++) {
+			if (t.err[k])
+				err = fault_say(fault, t.err[k], "double precision fails: %s",
+						strerror(-t.err[k]));
+		}
+		if (!err)
+			err = judge_all(ways, stage, m, &t, scope, fault);
+	}
+	truth_free(&t);
+	return err;
+}

@@ -1,0 +1,147 @@
+#include "app/camera/exposing.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+
+/* When so many turns of all exposures have been judged. */
+#define TURNS_JUDGED 8
+
+void exposing_start(struct exposing *e, const struct config_fisheye *config)
+{
+	*e = (struct exposing){.config = config, .count = config_exposures(config)};
+	for (int k = 0; k < e->count; k++) {
+		e->taken[k] = config->exposures[k];
+		e->ratio[k] = config->exposures[k] / config->exposures[0];
+	}
+}
+
+static void begin(struct exposing *e, int delay)
+{
+	exposure_schedule_begin(&e->schedule, e->count, delay);
+	e->judged = e->unfit = 0;
+}
+
+static int control(struct exposing *e, struct source *source, int exposure, struct fault *fault)
+{
+	double taken = e->config->exposures[exposure];
+	char value[40];
+	int err;
+
+	snprintf(value, sizeof(value), "%.10g", taken);
+	err = source_control(source, e->config->exposure_control, value, &taken, fault);
+	if (!err)
+		e->taken[exposure] = taken;
+	return err;
+}
+
+/* Steps of a camera can be so wide that two exposures are one. */
+static int compare(struct exposing *e, struct fault *fault)
+{
+	const double *wanted = e->config->exposures, *taken = e->taken;
+
+	for (int k = 1; k < e->count; k++) {
+		if (!(taken[k] > 0 && taken[k] < taken[k - 1]))
+			return fault_say(fault, -ERANGE,
+					 "it makes %g of an exposure of %g, and %g of %g",
+					 taken[k - 1], wanted[k - 1], taken[k], wanted[k]);
+	}
+	for (int k = 1; k < e->count; k++)
+		e->ratio[k] = taken[k] / taken[0];
+	return 0;
+}
+
+/* Once for each trouble, or every opening would repeat it. */
+static void give_up(struct exposing *e, struct source *source, const char *why)
+{
+	struct fault fault = {.text = ""}, ignored = {.text = ""};
+
+	fault_say(&fault, -EIO, "%s: it stays at one exposure", why);
+	if (strcmp(fault.text, e->said.text) != 0)
+		log_warning("camera %s: %s", source->settings.name, fault.text);
+	e->said = fault;
+	e->single = true;
+	/* What it has not obeyed, it shows all the time. */
+	exposure_schedule_begin(&e->schedule, 1, e->asked ? EXPOSURE_DELAY_MAX : 0);
+	if (e->asked)
+		(void)control(e, source, 0, &ignored);
+	exposure_schedule_asked(&e->schedule, 0, -1);
+}
+
+/* Frames that are on their way: the camera has captured them, we have not seen them. */
+static int frames_ahead(struct exposing *e, const struct source *source, int64_t now_ns)
+{
+	const double rate_hz = source->camera.rate_hz;
+	const int64_t waited_ns = now_ns - source->picture_ns;
+
+	if (source->camera.on_demand || rate_hz <= 0 || waited_ns < 0)
+		return 0;
+	if (!e->least_ns || waited_ns < e->least_ns)
+		e->least_ns = waited_ns;
+	return (int)((double)(waited_ns - e->least_ns) * rate_hz / (double)NS_PER_S);
+}
+
+static void ask(struct exposing *e, struct source *source, int64_t now_ns)
+{
+	const int next = exposure_schedule_next(&e->schedule);
+	const int ahead = frames_ahead(e, source, now_ns);
+	struct fault fault = {.text = ""};
+	int err;
+
+	if (next < 0)
+		return;
+	err = control(e, source, next, &fault);
+	e->asked |= !err;
+	if (!err)
+		err = compare(e, &fault);
+	if (err) {
+		give_up(e, source, fault.text);
+		return;
+	}
+	exposure_schedule_asked(&e->schedule, next, ahead);
+}
+
+int exposing_take(struct exposing *e, struct source *source, int64_t now_ns)
+{
+	if (e->count < 2)
+		return 0;
+	if (e->opening != source->openings) {
+		e->opening = source->openings;
+		e->asked = e->single = false;
+		e->least_ns = 0;
+		begin(e, config_exposure_delay(e->config));
+	}
+	e->exposure = exposure_schedule_take(&e->schedule, source->sequence);
+	if (source_is_open(source) && !e->single)
+		ask(e, source, now_ns);
+	if (e->single && !e->asked)
+		e->exposure = 0;
+	return e->exposure;
+}
+
+void exposing_judge(struct exposing *e, struct source *source, double level, bool fits)
+{
+	const bool measuring = e->count > 1 && !e->single && e->schedule.delay < 0;
+
+	if (measuring && exposure_schedule_measure(&e->schedule, level))
+		give_up(e, source, "its exposures are not seen in its pictures");
+	else if (measuring && e->schedule.delay >= 0)
+		log_info("camera %s: another exposure is seen after %d frames",
+			 source->settings.name, e->schedule.delay);
+	if (measuring || e->count < 2 || e->single || e->exposure < 0)
+		return;
+	e->judged++;
+	e->unfit += !fits;
+	if (e->judged < TURNS_JUDGED * e->count)
+		return;
+	if (e->unfit * 3 >= e->judged) {
+		log_info("camera %s: %d of %d pictures have another exposure than they should; how "
+			 "long it takes is measured",
+			 source->settings.name, e->unfit, e->judged);
+		begin(e, -1);
+	}
+	e->judged = e->unfit = 0;
+}

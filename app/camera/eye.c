@@ -1,0 +1,38 @@
+#include "app/camera/eye.h"
+
+bool eye_has_picture(const struct eye *eye)
+{
+	return eye->source && source_has_picture(eye->source) && !eye->unfit;
+}
+
+int eye_fit(struct eye *eye, struct fault *fault)
+{
+	struct fault reason = {.text = ""};
+	int err;
+
+	if (!eye->source || !source_has_picture(eye->source))
+		return 0;
+	if (!eye->unfit && eye->camera_width == eye->source->canvas.width &&
+	    eye->camera_height == eye->source->canvas.height)
+		return 0;
+	eye->camera_width = eye->source->canvas.width;
+	eye->camera_height = eye->source->canvas.height;
+	eye->view = eye->wanted;
+	err = view_resolve(&eye->view, eye->camera_width, eye->camera_height, &reason);
+	eye->unfit = err != 0;
+	return err ? fault_say(fault, err, "[%s] %s", eye->section, reason.text) : 0;
+}
+
+bool eye_read(const struct eye *eye, struct frame_reader *reader)
+{
+	const struct source *source = eye->source;
+
+	return source->shown && !source->whole &&
+	       frame_reader_open(reader, &source->held, &eye->view, NULL) == 0;
+}
+
+struct picture eye_picture(const struct eye *eye)
+{
+	source_make_whole(eye->source);
+	return view_picture(&eye->view, eye->source->canvas.pixels, eye->source->canvas.stride);
+}

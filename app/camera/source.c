@@ -1,0 +1,390 @@
+#include "app/camera/source.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+#include "hal/frame/frame_reader.h"
+
+#define SILENT_NS (2 * NS_PER_S)       /* then a camera is called stalled, */
+#define SILENT_FRAMES 3		       /* or when a slow one misses so many */
+#define SILENT_MOST_NS (60 * NS_PER_S) /* whatever it says of its rate */
+#define GIVE_UP 3		       /* silences; then it is closed and opened anew */
+
+/* Of fewer buffers none is held for the length of a frame: drivers want one to fill and one to go
+ * on with. */
+#define BUFFERS_TO_HOLD 3
+
+int source_create(struct source *source, const struct source_settings *settings)
+{
+	int err;
+
+	*source = (struct source){.settings = *settings};
+	err = frame_decoder_create(&source->decoder, settings->deinterlace);
+	if (err)
+		return err;
+	err = opener_create(&source->opener);
+	source->tables = malloc(sizeof(*source->tables));
+	if (!err && !source->tables)
+		err = -ENOMEM;
+	if (err) {
+		source_destroy(source);
+		return err;
+	}
+	transfer_tables_fill(source->tables, &settings->curve);
+	return 0;
+}
+
+/* The camera keeps its frames readable until it is closed. */
+static void close_camera(struct source *source)
+{
+	source_make_whole(source);
+	source_drop(source);
+	camera_close(&source->camera);
+	source->earlier_frames += source->camera.frames;
+	source->earlier_lost += source->camera.lost;
+	source->earlier_broken += source->camera.broken;
+	source->camera.frames = source->camera.lost = source->camera.broken = 0;
+}
+
+void source_destroy(struct source *source)
+{
+	opener_destroy(source->opener); /* then the camera is ours */
+	source->opening = false;
+	close_camera(source);
+	frame_decoder_destroy(source->decoder);
+	free(source->tables);
+	canvas_free(&source->canvas);
+	image_free(&source->linear);
+	*source = (struct source){.decoder = NULL};
+}
+
+void source_complain(struct source *source, const struct fault *fault)
+{
+	if (source->situation == source->said)
+		return;
+	source->said = source->situation;
+	if (source->said == CAMERA_FINE)
+		log_info("camera %s: fine again, %dx%d %s", source->settings.name,
+			 source->camera.width, source->camera.height,
+			 pixel_format_names[source->camera.format]);
+	else
+		log_warning("camera %s: %s%s%s", source->settings.name,
+			    camera_situation_names[source->said], *fault->text ? ": " : "",
+			    fault->text);
+}
+
+void source_open(struct source *source)
+{
+	if (source->opening || source_is_open(source))
+		return;
+	source->opening = true;
+	opener_start(source->opener, &source->camera, source->settings.ops,
+		     &source->settings.camera, source->settings.options);
+}
+
+bool source_is_open(const struct source *source)
+{
+	return !source->opening && source->camera.state != NULL;
+}
+
+const char *source_device_name(const struct source *source)
+{
+	return *source->device_name ? source->device_name : source->settings.name;
+}
+
+int source_descriptor(struct source *source)
+{
+	if (source->opening)
+		return opener_descriptor(source->opener);
+	if (!source_is_open(source) || (source->camera.on_demand && source_has_news(source)))
+		return -1;
+	return camera_descriptor(&source->camera);
+}
+
+void source_drop(struct source *source)
+{
+	if (source->held.format != PIXEL_NONE)
+		camera_release(&source->camera, &source->held);
+	source->shown = false;
+}
+
+/* An open camera stays what it was called last until a frame proves it fine. */
+static int take_opening(struct source *source, int64_t now_ns, struct fault *fault)
+{
+	int err;
+
+	if (!opener_take(source->opener, &err, fault))
+		return 0;
+	source->opening = false;
+	source->tried = true;
+	source->heard_ns = now_ns;
+	if (err)
+		source->situation = source->camera.situation;
+	else
+		snprintf(source->device_name, sizeof(source->device_name), "%s",
+			 source->camera.name);
+	source->openings += !err;
+	return err;
+}
+
+/* A frame that its rows can be read from. */
+static bool is_readable(const struct frame *frame)
+{
+	return frame_is_raw(frame) && frame_check(frame, NULL) == 0;
+}
+
+static void convert(struct source *source, const struct frame *frame)
+{
+	source->whole = frame_decode(source->decoder, frame, &source->canvas, NULL) == 0;
+}
+
+/*
+ * At most one frame may be out, so the one we hold goes back before we know of another: readable,
+ * there is one. What we then have no picture without is returned; nothing else is converted, since
+ * the next frame is most likely to take its place. A camera that is stepped waits for others, and
+ * may have to show its last picture once more; a frozen one has to.
+ */
+static struct frame give_back(struct source *source)
+{
+	struct frame last = {.format = PIXEL_NONE};
+
+	if (source_has_news(source))
+		source->superseded++;
+	else if (source->camera.on_demand || source->kept)
+		source_make_whole(source);
+	if (!source->whole && source->canvas.width > 0) {
+		last = source->held;
+		if (source_has_news(source))
+			source->picture_ns = source->held_ns;
+	}
+	source_drop(source);
+	return last;
+}
+
+static void take_frame(struct source *source, int64_t now_ns)
+{
+	struct fault fault = {.text = ""};
+	struct frame frame, last = give_back(source);
+	bool changed;
+	int err;
+
+	err = camera_grab(&source->camera, &frame, &fault);
+	/* A frame stays readable until another is grabbed, and no camera fills the one that it got
+	 * back last while it has others. */
+	if (last.format != PIXEL_NONE && (err || !is_readable(&frame)))
+		convert(source, &last);
+	/* "Not yet" does not make a camera that was lost fine. */
+	if (err != -EAGAIN || source->camera.situation != CAMERA_FINE)
+		source->situation = source->camera.situation;
+	if (err)
+		source_complain(source, &fault);
+	changed = err == -ESTALE && source->camera.frames > 0;
+	if (err && err != -EAGAIN)
+		close_camera(source);
+	if (changed) /* else in a second, or we would do nothing else */
+		source_open(source);
+	if (err)
+		return;
+	source->held = frame;
+	/* A camera without a clock of its own stamps frames with a time that is not ours. */
+	source->held_ns = source->camera.on_demand ? now_ns : frame.timestamp_ns;
+	source->heard_ns = now_ns;
+	source_complain(source, &fault);
+}
+
+int source_take(struct source *source, int64_t now_ns, struct fault *fault)
+{
+	if (!source->opening) {
+		take_frame(source, now_ns);
+		return 0;
+	}
+	return take_opening(source, now_ns, fault);
+}
+
+static int64_t silence_of(const struct camera *camera)
+{
+	const double frames_s = camera->rate_hz > 0 ? SILENT_FRAMES / camera->rate_hz : 0;
+
+	if (!(frames_s * NS_PER_S > SILENT_NS))
+		return SILENT_NS;
+	return frames_s * NS_PER_S < SILENT_MOST_NS ? (int64_t)(frames_s * NS_PER_S)
+						    : SILENT_MOST_NS;
+}
+
+void source_watch(struct source *source, int64_t now_ns)
+{
+	static const struct fault nothing = {.text = ""};
+	int64_t silence_ns;
+
+	if (!source_is_open(source) || source_has_news(source))
+		return;
+	silence_ns = silence_of(&source->camera);
+	if (now_ns - source->heard_ns < silence_ns)
+		return;
+	if (source->situation == CAMERA_FINE)
+		source->situation = CAMERA_STALLED;
+	source_complain(source, &nothing);
+	if (now_ns - source->heard_ns >= GIVE_UP * silence_ns)
+		close_camera(source);
+}
+
+void source_excuse(struct source *source, int64_t now_ns)
+{
+	source->heard_ns = now_ns;
+}
+
+bool source_has_news(const struct source *source)
+{
+	return source->held.format != PIXEL_NONE && !source->shown;
+}
+
+bool source_has_picture(const struct source *source)
+{
+	return source->canvas.width > 0 && (source->whole || source->shown);
+}
+
+void source_make_whole(struct source *source)
+{
+	if (source->shown && !source->whole)
+		convert(source, &source->held);
+}
+
+int source_control(struct source *source, const char *name, const char *value, double *taken,
+		   struct fault *fault)
+{
+	if (!source_is_open(source))
+		return fault_say(fault, -EBADF, "a camera that is not open");
+	return camera_set_control(&source->camera, name, value, taken, fault);
+}
+
+void source_encode_as(struct source *source, const struct transfer_curve *curve)
+{
+	if (transfer_curve_same(&source->settings.curve, curve))
+		return;
+	source->settings.curve = *curve;
+	transfer_tables_fill(source->tables, curve);
+}
+
+static int fit_pictures(struct source *source, const struct frame *frame)
+{
+	int err;
+
+	source->is_linear = frame->format == PIXEL_RGBF;
+	if (source->canvas.width != frame->width || source->canvas.height != frame->height) {
+		canvas_free(&source->canvas);
+		err = canvas_create(&source->canvas, frame->width, frame->height);
+		if (err)
+			return err;
+		source->whole = true; /* black, if nothing comes of it */
+	}
+	if (!source->is_linear ||
+	    (source->linear.width == frame->width && source->linear.height == frame->height))
+		return 0;
+	image_free(&source->linear);
+	return image_create_f32(&source->linear, frame->width, frame->height);
+}
+
+static uint8_t code_of(const struct transfer_tables *tables, float linear)
+{
+	/* Written so that a NaN is black. */
+	if (!(linear > 0))
+		return tables->encode[0];
+	return tables->encode[linear < 1 ? (int)(linear * 65535 + 0.5f) : 65535];
+}
+
+static void encode_linear(const struct source *source)
+{
+	const struct image *linear = &source->linear;
+	const struct canvas *canvas = &source->canvas;
+
+	for (int y = 0; y < linear->height; y++) {
+		const float *from = linear->f32 + (size_t)y * (size_t)linear->width * 3;
+		uint8_t *to = canvas->pixels + (size_t)y * canvas->stride;
+
+		for (int x = 0; x < linear->width; x++, from += 3, to += 4) {
+			to[0] = code_of(source->tables, from[2]);
+			to[1] = code_of(source->tables, from[1]);
+			to[2] = code_of(source->tables, from[0]);
+			to[3] = 255;
+		}
+	}
+}
+
+static int copy_linear(struct source *source, const struct frame *frame)
+{
+	const struct frame_plane *plane = &frame->planes[0];
+	size_t row = (size_t)frame->width * 3 * sizeof(float);
+
+	if (plane->stride < row || plane->bytes < plane->stride * (size_t)(frame->height - 1) + row)
+		return -EINVAL;
+	for (int y = 0; y < frame->height; y++)
+		memcpy((char *)source->linear.f32 + (size_t)y * row,
+		       plane->data + (size_t)y * plane->stride, row);
+	return 0;
+}
+
+static int decode(struct source *source, struct fault *fault)
+{
+	int err;
+
+	if (frame_is_raw(&source->held)) {
+		err = frame_check(&source->held, fault);
+		if (err)
+			return err;
+	}
+	err = fit_pictures(source, &source->held);
+	if (err)
+		return fault_say(fault, err, "not enough memory for a picture of %dx%d",
+				 source->held.width, source->held.height);
+	if (frame_is_raw(&source->held)) {
+		source->shown = true;
+		source->whole = false;
+		if (source->settings.camera.buffers < BUFFERS_TO_HOLD)
+			source_make_whole(source);
+		return 0;
+	}
+	source->whole = true; /* and what does not decode leaves what was there */
+	if (!source->is_linear)
+		return frame_decode(source->decoder, &source->held, &source->canvas, fault);
+	err = copy_linear(source, &source->held);
+	if (err)
+		return fault_say(fault, err, "a short frame");
+	encode_linear(source);
+	return 0;
+}
+
+bool source_decode(struct source *source, int64_t now_ns)
+{
+	struct fault fault = {.text = ""};
+	int err = decode(source, &fault);
+
+	if (err && !source->undecodable++)
+		log_warning("camera %s: a frame does not decode and is passed over: %s",
+			    source->settings.name, fault.text);
+	if (!err) {
+		source->picture_ns = source->held_ns;
+		source->stamp_ns = source->held.timestamp_ns;
+		source->sequence = source->held.sequence;
+		source->fresh_ns = now_ns;
+	}
+	if (err || source->whole)
+		source_drop(source);
+	return !err;
+}
+
+struct source_counts source_counts(const struct source *source)
+{
+	/* While it is being opened the camera is not ours to look at, and has given nothing. */
+	static const struct camera none;
+	const struct camera *camera = source->opening ? &none : &source->camera;
+
+	return (struct source_counts){
+		.frames = source->earlier_frames + camera->frames,
+		.lost = source->earlier_lost + camera->lost + source->superseded,
+		.broken = source->earlier_broken + camera->broken + source->undecodable,
+	};
+}

@@ -1,0 +1,213 @@
+#include "app/kiosk/kiosk.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include "app/kiosk/kiosk_parts.h"
+#include "hal/base/clock.h"
+#include "hal/device/camera_situation.h"
+
+/* A camera may take 2 s to open (hal/device/camera.h), and more on a busy machine. One that takes much
+ * longer is not waited for. */
+#define SETTLE_NS (10 * NS_PER_S)
+/* The loop comes round every second. If it did not, silence until now was ours. */
+#define ABSENT_NS (2 * NS_PER_S)
+/* Then a picture is drawn again at the next tick. */
+#define STILL_NS (NS_PER_S / 2)
+
+static int watch_all(struct kiosk *k, struct fault *fault)
+{
+	int err = 0;
+
+	for (int i = 0; i < k->source_count && !err; i++)
+		err = loop_watch(&k->loop, i, source_descriptor(&k->sources[i]), fault);
+	if (!err && k->display.state)
+		err = loop_watch(&k->loop, SLOT_DISPLAY, display_descriptor(&k->display), fault);
+	if (!err && k->control)
+		err = loop_watch(&k->loop, SLOT_CONTROL, control_descriptor(k->control), fault);
+	for (int i = 0; i < k->keypad_count && !err; i++) {
+		if (k->keypads[i].buttons.state)
+			err = loop_watch(&k->loop, SLOT_BUTTONS + i,
+					 buttons_descriptor(&k->keypads[i].buttons), fault);
+	}
+	return err;
+}
+
+/* A descriptor that was closed leaves its slot before its number can come back. */
+static int forget_if_closed(struct kiosk *k, int i, struct fault *fault)
+{
+	return source_is_open(&k->sources[i]) ? 0 : loop_watch(&k->loop, i, -1, fault);
+}
+
+static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
+{
+	struct source *source = &k->sources[i];
+	struct fault reason = {.text = ""};
+	bool first = !source->tried;
+	int err;
+
+	source->kept = k->frozen;
+	err = source_take(source, now, &reason);
+
+	if (err && first && camera_is_hopeless(source->situation, err))
+		return fault_say(fault, err, "camera %s: %s", source->settings.name, reason.text);
+	if (err)
+		source_complain(source, &reason);
+	return forget_if_closed(k, i, fault);
+}
+
+static int tick_sources(struct kiosk *k, int64_t now, struct fault *fault)
+{
+	for (int i = 0; i < k->source_count; i++) {
+		int err;
+
+		source_watch(&k->sources[i], now);
+		err = forget_if_closed(k, i, fault);
+		if (err)
+			return err;
+		source_open(&k->sources[i]);
+	}
+	return 0;
+}
+
+/* Frames on demand come by themselves: what is drawn in between would make runs differ. */
+static bool stands_still(struct kiosk *k, int64_t now)
+{
+	const struct source *first = kiosk_leader(k);
+
+	return now - k->made_ns >= STILL_NS && !(first && first->camera.on_demand);
+}
+
+/* Once a second. */
+static int tick(struct kiosk *k, struct fault *fault)
+{
+	int64_t now = clock_now_ns();
+	int err = tick_sources(k, now, fault);
+
+	if (!err)
+		err = kiosk_control_open(k, false, fault);
+	if (!err)
+		err = kiosk_buttons_open(k, false, fault);
+	if (!err && k->settled && !k->display.state)
+		err = kiosk_screen_open(k, false, fault);
+	if (err)
+		return err;
+	stats_line(&k->stats, now, &k->pipeline, k->sources, k->source_count);
+	kiosk_text(k);
+	pipeline_try_again(&k->pipeline);
+	k->redraw |= stands_still(k, now);
+	if (k->settled && kiosk_screen_is_excused(k)) {
+		service_ready(&k->service);
+		service_alive(&k->service, now);
+	}
+	return 0;
+}
+
+static int handle_events(struct kiosk *k, struct fault *fault)
+{
+	int64_t now = clock_now_ns();
+	int err = 0;
+
+	for (int i = 0; i < k->source_count; i++) {
+		if (now - k->heard_ns >= ABSENT_NS)
+			source_excuse(&k->sources[i], now);
+	}
+	k->heard_ns = now;
+	for (int i = 0; i < k->source_count && !err; i++) {
+		if (loop_ready(&k->loop, i))
+			err = take_source(k, i, now, fault);
+	}
+	for (int i = 0; i < k->keypad_count; i++) {
+		if (loop_ready(&k->loop, SLOT_BUTTONS + i))
+			kiosk_buttons_read(k, &k->keypads[i]);
+	}
+	if (loop_ready(&k->loop, SLOT_CONTROL))
+		kiosk_control_read(k);
+	if (!err && loop_ready(&k->loop, SLOT_DISPLAY))
+		err = kiosk_screen_events(k, fault);
+	if (!err && k->loop.reload)
+		kiosk_reload(k);
+	if (!err && k->loop.tick)
+		err = tick(k, fault);
+	return err;
+}
+
+/* Once: when each camera has been tried, so that the first picture is of all of them and a screen
+ * that is free in size knows theirs. Until then the screen shows what it did. */
+static int settle(struct kiosk *k, struct fault *fault)
+{
+	for (int i = 0; i < k->source_count; i++) {
+		if (!k->sources[i].tried && clock_now_ns() - k->start_ns < SETTLE_NS)
+			return 0;
+	}
+	k->settled = true;
+	k->redraw = !kiosk_leader(k);
+	kiosk_text(k);
+	return kiosk_screen_open(k, true, fault);
+}
+
+static bool all_submitted(const struct kiosk *k)
+{
+	return k->settings->frames && k->submitted >= k->settings->frames;
+}
+
+static bool is_over(const struct kiosk *k)
+{
+	return k->stop || k->loop.stop ||
+	       (k->settings->frames && kiosk_shown(k) >= k->settings->frames);
+}
+
+static int go_round(struct kiosk *k, struct fault *fault)
+{
+	bool frames;
+	int err = watch_all(k, fault);
+
+	if (!err)
+		err = loop_wait(&k->loop, fault);
+	if (!err)
+		err = handle_events(k, fault);
+	if (!err && !k->settled)
+		err = settle(k, fault);
+	if (err || is_over(k) || all_submitted(k) || !k->display.state)
+		return err;
+	frames = kiosk_frames_are_due(k);
+	return frames || k->redraw ? kiosk_make_picture(k, frames, fault) : 0;
+}
+
+static int turn(struct kiosk *k, struct fault *fault)
+{
+	int err = 0;
+
+	loop_start(&k->loop);
+	k->start_ns = k->heard_ns = k->made_ns = clock_now_ns();
+	stats_start(&k->stats, k->start_ns);
+	while (!err && !is_over(k))
+		err = go_round(k, fault);
+	if (!err && k->stats.line_frames)
+		stats_line(&k->stats, clock_now_ns(), &k->pipeline, k->sources, k->source_count);
+	return err;
+}
+
+int kiosk_run(const struct kiosk_settings *settings, struct fault *fault)
+{
+	struct kiosk *k = calloc(1, sizeof(*k));
+	int err, close_err;
+
+	if (!k)
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	k->settings = settings;
+	k->config = settings->config;
+	/* Neither statistics into a pipe that was closed nor a signal that means nothing to it may
+	 * end the kiosk. */
+	signal(SIGPIPE, SIG_IGN);
+	signal(SIGUSR1, SIG_IGN);
+	signal(SIGUSR2, SIG_IGN);
+	err = kiosk_open(k, fault);
+	if (!err)
+		err = turn(k, fault);
+	service_stopping(&k->service);
+	close_err = kiosk_close(k, err ? NULL : fault);
+	free(k);
+	return err ? err : close_err;
+}

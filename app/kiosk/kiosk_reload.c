@@ -1,0 +1,141 @@
+/* SIGHUP: another configuration, and another file of statistics, while the pictures go on. */
+#include <errno.h>
+
+#include "app/kiosk/kiosk_parts.h"
+#include "app/kiosk/reload.h"
+#include "app/pipeline/pipeline_config.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+
+/* What only the running kiosk can tell of a configuration. Logs each fault. */
+static int check(const struct kiosk *k, const struct config *fresh)
+{
+	struct fault fault = {.text = ""};
+	struct fisheye lens;
+	int err = pipeline_config_check(fresh, &k->basis);
+
+	if (fresh->screen->show == SHOW_SCENE && !k->eyes.scene.source) {
+		log_error("%s: [screen] show: is scene, whose camera is not open", fresh->name);
+		err = -EINVAL;
+	}
+	if (k->pipeline.lens_width &&
+	    fisheye_prepare(&lens, &fresh->fisheye.lens, k->pipeline.lens_width,
+			    k->pipeline.lens_height, &fault)) {
+		log_error("%s: %s", fresh->name, fault.text);
+		err = -EINVAL;
+	}
+	return err;
+}
+
+/* A camera's radiance is encoded as its views expect it. */
+static void encode(struct kiosk *k)
+{
+	for (int i = 0; i < k->source_count; i++) {
+		const struct transfer_curve curve = kiosk_curve_for(k->config,
+								    k->sources[i].settings.name);
+
+		source_encode_as(&k->sources[i], &curve);
+	}
+}
+
+static int apply_light(struct kiosk *k, struct fault *fault)
+{
+	struct pipeline_settings settings = pipeline_settings_of(k->config);
+
+	encode(k);
+	return pipeline_relight(&k->pipeline, &settings, fault);
+}
+
+static int apply_pipeline(struct kiosk *k, struct fault *fault)
+{
+	struct pipeline_settings settings = pipeline_settings_of(k->config);
+	int err = pipeline_change(&k->pipeline, &settings, fault);
+
+	if (!err)
+		encode(k);
+	return err;
+}
+
+/* Returns what could not be done, for want of memory or threads, and is still owed. */
+static unsigned apply(struct kiosk *k, unsigned effects)
+{
+	const struct config *config = k->config;
+	struct fault fault = {.text = ""};
+	unsigned owed = 0;
+
+	if (effects & RELOAD_PIPELINE && apply_pipeline(k, &fault)) {
+		log_error("reload: %s", fault.text);
+		owed |= RELOAD_PIPELINE | RELOAD_DRAWING;
+	}
+	if (effects & RELOAD_LIGHT && apply_light(k, &fault)) {
+		log_error("reload: %s", fault.text);
+		owed |= RELOAD_LIGHT | RELOAD_DRAWING;
+	}
+	if (effects & RELOAD_THRESHOLD)
+		k->choice.threshold = config->lights.threshold;
+	if (effects & RELOAD_POSE)
+		kiosk_take_pose(k, config->basis.pose);
+	if (effects & RELOAD_POSES)
+		kiosk_take_pose(k, k->choice.pose);
+	if (effects & RELOAD_VIEW)
+		k->what = (enum config_show)config->screen->show;
+	if (effects & RELOAD_SPLIT)
+		k->split = config->screen->split;
+	if (effects & RELOAD_INFORMATION)
+		k->information = config->screen->information;
+	if (effects & RELOAD_STATE)
+		state_move(k->state, &config->state);
+	if (effects & (RELOAD_THRESHOLD | RELOAD_POSE | RELOAD_VIEW))
+		kiosk_keep_state(k);
+	/* First: no. From here on everything is waited for. */
+	(void)kiosk_control_open(k, false, NULL);
+	(void)kiosk_buttons_open(k, false, NULL);
+	kiosk_text(k);
+	k->redraw |= (effects & RELOAD_DRAWING) != 0;
+	return owed;
+}
+
+static int reload(struct kiosk *k)
+{
+	const struct kiosk_settings *settings = k->settings;
+	struct ini_report report = {.count = 0};
+	struct config *fresh;
+	unsigned effects;
+	int err = settings->reread(settings->context, &fresh, &report);
+
+	if (err)
+		return err; /* every fault is said */
+	err = check(k, fresh);
+	if (err) {
+		config_destroy(fresh);
+		return err;
+	}
+	effects = reload_compare(k->config, fresh) | k->owed;
+	/* What drivers have borrowed must not change under them. */
+	if (effects & RELOAD_BUTTONS)
+		kiosk_buttons_close(k);
+	if (effects & RELOAD_CONTROL)
+		kiosk_control_close(k);
+	reload_adopt(k->config, fresh);
+	config_destroy(fresh);
+	k->owed = apply(k, effects);
+	return 0;
+}
+
+void kiosk_reload(struct kiosk *k)
+{
+	int err;
+
+	service_reloading(&k->service, clock_now_ns());
+	stats_reopen(&k->stats);
+	err = reload(k);
+	if (err)
+		log_error("the configuration %s; the old one stays",
+			  err == -EINVAL ? "is wrong" : "cannot be read");
+	else if (k->owed)
+		log_error("the configuration has been read again, but not all of it is in force: "
+			  "reload it once more");
+	else
+		log_info("the configuration has been read again");
+	service_reloaded(&k->service);
+}

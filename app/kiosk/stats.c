@@ -1,0 +1,262 @@
+#include "app/kiosk/stats.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+
+static const char *const stage_names[] = {"decode", "sample", "composite", "show"};
+
+_Static_assert(STATS_TEXT_MAX + 8 <= PIPE_BUF, "a pipe takes a line whole");
+_Static_assert(sizeof(stage_names) / sizeof(*stage_names) == STAGE_COUNT, "a name for each stage");
+
+/* Non-blocking: the reader of a pipe may be absent, or slow, or stop. Appending: others may cut the
+ * file short while it is written. */
+static int open_file(struct stats *stats, int flags)
+{
+	stats->file = open(
+		stats->path,
+		O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | flags, 0666);
+	return stats->file < 0 ? -errno : 0;
+}
+
+static bool is_pipe(const char *path)
+{
+	struct stat is;
+
+	return stat(path, &is) == 0 && S_ISFIFO(is.st_mode);
+}
+
+int stats_open(struct stats *stats, const char *path, struct fault *fault)
+{
+	int err;
+
+	*stats = (struct stats){.path = path, .file = -1};
+	err = path ? open_file(stats, O_TRUNC) : 0;
+	if (err == -ENXIO && is_pipe(path))
+		err = 0; /* nobody reads it yet */
+	if (!err)
+		return 0;
+	return fault_say(fault, err, "%s: cannot write statistics: %s", path, strerror(-err));
+}
+
+void stats_reopen(struct stats *stats)
+{
+	stats_close(stats);
+}
+
+void stats_start(struct stats *stats, int64_t now_ns)
+{
+	stats->start_ns = stats->line_ns = now_ns;
+}
+
+void stats_close(struct stats *stats)
+{
+	if (stats->path && stats->file >= 0)
+		close(stats->file);
+	stats->file = -1;
+}
+
+void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT])
+{
+	int64_t work_ns = 0;
+
+	stats->made++;
+	for (int i = 0; i < STAGE_COUNT; i++) {
+		stats->stage_ns[i] += stage_ns[i];
+		work_ns += stage_ns[i];
+	}
+	stats->flying[stats->next_flying].captured_ns = captured_ns;
+	stats->flying[stats->next_flying].work_ns = work_ns;
+	stats->next_flying = (stats->next_flying + 1) % STATS_IN_FLIGHT;
+}
+
+static int64_t work_on(const struct stats *stats, int64_t captured_ns)
+{
+	for (int i = 0; i < STATS_IN_FLIGHT; i++) {
+		if (stats->flying[i].captured_ns == captured_ns)
+			return stats->flying[i].work_ns;
+	}
+	return 0;
+}
+
+void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int64_t period_ns)
+{
+	int64_t latency_ns = shown_ns - captured_ns;
+
+	stats->frames++;
+	stats->line_frames++;
+	if (!captured_ns)
+		return;
+	stats->timed++;
+	stats->late += latency_ns > period_ns + work_on(stats, captured_ns);
+	stats->latency_sum_ns += latency_ns;
+	if (latency_ns > stats->latency_max_ns)
+		stats->latency_max_ns = latency_ns;
+}
+
+static double ms(int64_t ns)
+{
+	return (double)ns / NS_PER_MS;
+}
+
+static double mean_ms(int64_t sum_ns, uint64_t count)
+{
+	return count ? ms(sum_ns) / (double)count : 0;
+}
+
+/* Text that grows to the end of its room and no further. */
+struct writing {
+	char *text;
+	size_t length;
+};
+
+__attribute__((format(printf, 2, 3))) static void append(struct writing *w, const char *format, ...)
+{
+	size_t room = STATS_TEXT_MAX - w->length;
+	va_list args;
+	int length;
+
+	va_start(args, format);
+	length = vsnprintf(w->text + w->length, room, format, args);
+	va_end(args);
+	w->length += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
+}
+
+static void append_cameras(struct writing *w, const struct source *sources, int count)
+{
+	append(w, ",\"cameras\":[");
+	for (int i = 0; i < count; i++) {
+		struct source_counts counts = source_counts(&sources[i]);
+
+		append(w,
+		       "%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,"
+		       "\"broken\":%llu}",
+		       i ? "," : "", sources[i].settings.name,
+		       camera_situation_names[sources[i].situation],
+		       (unsigned long long)counts.frames, (unsigned long long)counts.lost,
+		       (unsigned long long)counts.broken);
+	}
+	append(w, "]");
+}
+
+uint64_t stats_drops(const struct source *sources, int source_count)
+{
+	uint64_t sum = 0;
+
+	for (int i = 0; i < source_count; i++)
+		sum += source_counts(&sources[i]).lost;
+	return sum;
+}
+
+double stats_dropped_error(const struct pipeline *pipeline)
+{
+	const double *error = pipeline->selection.dropped_error;
+
+	return fmax(fmax(error[0], error[1]), error[2]);
+}
+
+void stats_text(const struct stats *stats, const struct pipeline *pipeline,
+		const struct ini_level *threshold, const struct source *sources, int source_count,
+		char text[STATS_TEXT_MAX])
+{
+	const struct stats_figures *last = &stats->last;
+	struct writing w = {.text = text};
+
+	append(&w, "\"t\":%.3f,\"frames\":%llu,\"fps\":%.2f,\"drops\":%llu", last->t_s,
+	       (unsigned long long)stats->frames, last->fps,
+	       (unsigned long long)stats_drops(sources, source_count));
+	append(&w, ",\"latency_ms\":{\"mean\":%.3f,\"max\":%.3f},\"late\":%llu,\"stage_ms\":{",
+	       last->latency_mean_ms, last->latency_max_ms, (unsigned long long)last->late);
+	for (int i = 0; i < STAGE_COUNT; i++)
+		append(&w, "%s\"%s\":%.3f", i ? "," : "", stage_names[i], last->stage_ms[i]);
+	append(&w,
+	       "},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"threshold_unit\":\"%s\","
+	       "\"dropped_error\":%.6g,"
+	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu,"
+	       "\"lines_lost\":%llu",
+	       pipeline->selection.used_count, pipeline->selection.count, threshold->value,
+	       threshold->percent ? "percent" : "grey level", stats_dropped_error(pipeline),
+	       pipeline->clipped,
+	       !pipeline->recovery.recovered ? "no"
+	       : pipeline->recovery.at_bound ? "in part"
+					     : "yes",
+	       pipeline->settings.exposures ? pipeline->settings.exposures : 1,
+	       (unsigned long long)pipeline->unfit, (unsigned long long)stats->lines_lost);
+	append_cameras(&w, sources, source_count);
+}
+
+static struct stats_figures figures(const struct stats *s, int64_t now_ns)
+{
+	double seconds = (double)(now_ns - s->line_ns) / NS_PER_S;
+	struct stats_figures f = {
+		.t_s = (double)(now_ns - s->start_ns) / NS_PER_S,
+		.fps = seconds > 0 ? (double)s->line_frames / seconds : 0,
+		.latency_mean_ms = mean_ms(s->latency_sum_ns, s->timed),
+		.latency_max_ms = ms(s->latency_max_ns),
+		.late = s->late,
+	};
+
+	for (int i = 0; i < STAGE_COUNT; i++)
+		f.stage_ms[i] = mean_ms(s->stage_ns[i], s->made);
+	return f;
+}
+
+/* What a disk took of a line before it was full is taken away again. A pipe takes a line whole or
+ * not at all. */
+static int write_whole(int file, const char *text, size_t length)
+{
+	size_t done = 0;
+
+	while (done < length) {
+		const ssize_t written = write(file, text + done, length - done);
+		const int err = -errno;
+		const off_t end = written < 0 ? lseek(file, 0, SEEK_CUR) : 0;
+
+		if (written < 0 && done && end >= (off_t)done)
+			(void)!ftruncate(file, end - (off_t)done);
+		if (written < 0)
+			return err;
+		done += (size_t)written;
+	}
+	return 0;
+}
+
+static void write_line(struct stats *stats, const struct pipeline *pipeline,
+		       const struct source *sources, int source_count)
+{
+	char text[STATS_TEXT_MAX], line[STATS_TEXT_MAX + 8];
+	int err = stats->file < 0 ? open_file(stats, 0) : 0;
+
+	stats_text(stats, pipeline, &pipeline->choice.threshold, sources, source_count, text);
+	if (!err)
+		err = write_whole(stats->file, line,
+				  (size_t)snprintf(line, sizeof(line), "{%s}\n", text));
+	if (!err)
+		return;
+	stats->lines_lost++;
+	log_warning_once("%s: statistics cannot be written: %s; lines are left out", stats->path,
+			 err == -EAGAIN || err == -ENXIO || err == -EPIPE ? "nobody reads them"
+									  : strerror(-err));
+}
+
+void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline *pipeline,
+		const struct source *sources, int source_count)
+{
+	stats->last = figures(stats, now_ns);
+	if (stats->path)
+		write_line(stats, pipeline, sources, source_count);
+	stats->line_ns = now_ns;
+	stats->line_frames = stats->made = stats->timed = stats->late = 0;
+	stats->latency_sum_ns = stats->latency_max_ns = 0;
+	memset(stats->stage_ns, 0, sizeof(stats->stage_ns));
+}

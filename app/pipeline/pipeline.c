@@ -1,0 +1,267 @@
+#include "app/pipeline/pipeline.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/pipeline/pipeline_parts.h"
+#include "hal/base/clock.h"
+
+/* The light files and the sampler are in the dome's order, so the basis must be of that dome. */
+static int check_dome(const struct dome *dome, const struct basis *basis, struct fault *fault)
+{
+	if ((uint32_t)dome->count != basis->info.lights)
+		return fault_say(fault, -EINVAL,
+				 "the basis holds %u lights, expected %d of a dome of frequency %d "
+				 "divided by %s",
+				 basis->info.lights, dome->count, dome->frequency,
+				 dome_division_names[dome->division]);
+	for (int i = 0; i < dome->count; i++) {
+		for (int c = 0; c < 3; c++) {
+			double apart = dome->direction[i][c] - basis->lights[i].direction[c];
+
+			if (!(fabs(apart) < 1e-6))
+				return fault_say(fault, -EINVAL,
+						 "light %d of the basis is not where the dome of "
+						 "frequency %d has it",
+						 i, dome->frequency);
+		}
+	}
+	return 0;
+}
+
+/* Threads and the compositor that they run in. */
+static int start_threads(const struct basis *basis, const struct pipeline_settings *settings,
+			 struct pool **pool, struct compositor **compositor, struct fault *fault)
+{
+	struct compositor_options options = {.kernel = *settings->kernel ? settings->kernel : NULL};
+	int err = pool_create(pool, settings->threads);
+
+	if (err)
+		return fault_say(fault, err, "cannot start %d threads: %s", settings->threads,
+				 strerror(-err));
+	options.pool = *pool;
+	err = compositor_create(compositor, basis, &options, fault);
+	if (err) {
+		pool_destroy(*pool);
+		*pool = NULL;
+	}
+	return err;
+}
+
+static int fill(struct pipeline *p, struct fault *fault)
+{
+	const struct basis_info_chunk *info = &p->basis->info;
+	int err;
+
+	err = dome_create_shaped(&p->dome, (int)info->dome_frequency,
+				 (enum dome_division)info->dome_division,
+				 (enum dome_shape)info->light_shape, fault);
+	if (err)
+		return err;
+	err = check_dome(&p->dome, p->basis, fault);
+	if (err)
+		return err;
+	p->radiance = calloc(info->lights, sizeof(*p->radiance));
+	p->sampled = calloc(info->lights, sizeof(*p->sampled));
+	p->left = calloc(info->lights, sizeof(*p->left));
+	if (!p->radiance || !p->sampled || !p->left)
+		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
+	err = light_selection_create(&p->selection, p->basis);
+	if (!err)
+		err = light_filter_create(&p->filter, (int)info->lights);
+	if (!err)
+		err = light_exposures_create(&p->exposures, (int)info->lights);
+	if (err)
+		return fault_say(fault, err, "not enough memory for %u lights", info->lights);
+	err = pipeline_ground_prepare(p, &p->settings, fault);
+	if (err)
+		return err;
+	return start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
+}
+
+int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
+		    const struct pipeline_settings *settings, struct fault *fault)
+{
+	int err;
+
+	*pipeline = (struct pipeline){.settings = *settings,
+				      .basis = basis,
+				      .shown = {.pose = -1},
+				      .expected = {-1},
+				      .missing = -1};
+	err = fill(pipeline, fault);
+	if (err)
+		pipeline_destroy(pipeline);
+	return err;
+}
+
+void pipeline_destroy(struct pipeline *p)
+{
+	pipeline_relight_end(p);
+	pipeline_fade_end(p);
+	compositor_destroy(p->compositor);
+	pool_destroy(p->pool);
+	light_selection_free(&p->selection);
+	light_sampler_destroy(p->sampler);
+	light_filter_destroy(p->filter);
+	light_exposures_destroy(p->exposures);
+	pipeline_ground_free(p);
+	image_free(&p->upright);
+	free(p->radiance);
+	free(p->sampled);
+	free(p->left);
+	dome_free(&p->dome);
+	*p = (struct pipeline){.basis = NULL};
+}
+
+int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings,
+		    struct fault *fault)
+{
+	const bool others = settings->threads != p->settings.threads ||
+			    strcmp(settings->kernel, p->settings.kernel) != 0;
+	struct pipeline_settings before;
+	struct compositor *compositor = NULL;
+	struct pool *pool = NULL;
+	int err = others ? start_threads(p->basis, settings, &pool, &compositor, fault) : 0;
+
+	if (!err)
+		err = pipeline_ground_prepare(p, settings, fault);
+	if (err) {
+		compositor_destroy(compositor);
+		pool_destroy(pool);
+		return err;
+	}
+	if (others) {
+		compositor_destroy(p->compositor);
+		pool_destroy(p->pool);
+		p->compositor = compositor;
+		p->pool = pool;
+	}
+	/* What the light is measured with is pipeline_relight()'s. */
+	before = p->settings;
+	p->settings = *settings;
+	p->settings.sampler = before.sampler;
+	p->settings.lens = before.lens;
+	p->settings.exposures = before.exposures;
+	memcpy(p->settings.exposure, before.exposure, sizeof(before.exposure));
+	return 0;
+}
+
+double pipeline_gain_of_grey(const struct light_sampler_settings *s)
+{
+	double sum = 0;
+
+	for (int k = 0; k < 9; k++)
+		sum += s->colours[k];
+	return sum > 0 ? s->gain * sum / 3 : s->gain;
+}
+
+/* A grey level of the fisheye's picture as the sampler would read it. */
+static double linear_level(const struct light_sampler_settings *s, double level)
+{
+	return transfer_curve_decode(&s->curve, level / 255) * pipeline_gain_of_grey(s);
+}
+
+/* One grey level below the threshold, and twice what the sampler may round: a light at that level
+ * is not below it. */
+static double band_below(const struct light_sampler_settings *s, double threshold)
+{
+	const double below = linear_level(s, threshold - 1);
+	const double rounding = below * 0x1p-13 + pipeline_gain_of_grey(s) * 0x1p-15;
+
+	return linear_level(s, threshold) - below + rounding;
+}
+
+static int check_pose(const struct pipeline *p, int pose, struct fault *fault)
+{
+	if (pose >= 0 && (uint32_t)pose < p->basis->info.poses)
+		return 0;
+	return fault_say(fault, -EINVAL, "pose %d is not in the basis, expected 0..%u", pose,
+			 p->basis->info.poses - 1);
+}
+
+int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, struct fault *fault)
+{
+	const struct ini_level *threshold = &choice->threshold;
+	const double level = threshold->percent ? 0 : threshold->value;
+	int err = check_pose(p, choice->pose, fault);
+
+	if (!err)
+		err = check_pose(p, choice->next, fault);
+	if (err)
+		return err;
+	p->choice = *choice;
+	err = pipeline_take_poses(p, choice);
+	if (err)
+		return fault_say(fault, err, "%s", p->trouble.text);
+	p->selection.band = band_below(&p->settings.sampler, level);
+	p->selection.budget = threshold->percent ? threshold->value / 100 : 0;
+	light_selection_choose(&p->selection, p->basis,
+			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
+			       linear_level(&p->settings.sampler, level),
+			       p->settings.threshold_mode, p->settings.gain);
+	return 0;
+}
+
+static struct compositor_settings compositor_settings_of(const struct pipeline *p)
+{
+	return (struct compositor_settings){
+		.mode = p->settings.mode,
+		.reuse = p->settings.reuse,
+		.background = p->settings.background,
+		.output = p->settings.background,
+		.gain = p->settings.gain,
+		.object = p->choice.object,
+	};
+}
+
+int pipeline_fits(const struct pipeline *p, int width, int height, struct fault *fault)
+{
+	const struct basis_info_chunk *info = &p->basis->info;
+
+	if ((uint32_t)width == info->width && (uint32_t)height == info->height)
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 "the background is %dx%d pixels, expected %ux%u as the basis was baked",
+			 width, height, info->width, info->height);
+}
+
+int pipeline_composite(struct pipeline *p, const struct backdrop *background, uint8_t *out,
+		       size_t out_stride, struct fault *fault)
+{
+	struct compositor_settings settings = compositor_settings_of(p);
+	int64_t start = clock_now_ns();
+	int err = pipeline_fits(p, background->width, background->height, fault);
+
+	if (err)
+		return err;
+	compositor_set(p->compositor, &settings);
+	if (p->choice.share > 0)
+		err = pipeline_fade_run(p, background, out, out_stride);
+	else
+		err = compositor_run(p->compositor, p->choice.pose, &p->selection, background, out,
+				     out_stride);
+	if (err)
+		return fault_say(fault, err, "cannot composite pose %d", p->choice.pose);
+	p->composite_ns = clock_now_ns() - start;
+	return 0;
+}
+
+int pipeline_reference(struct pipeline *p, const struct picture *background, double *out,
+		       struct fault *fault)
+{
+	struct compositor_settings settings = compositor_settings_of(p);
+	int err = pipeline_fits(p, background->width, background->height, fault);
+
+	if (err)
+		return err;
+	if (p->basis->poses[p->choice.pose].exact.tiles)
+		settings.mode = COMPOSITOR_EXACT;
+	err = compositor_reference(p->basis, p->choice.pose, &settings, &p->selection, background,
+				   out);
+	if (err)
+		return fault_say(fault, err, "cannot composite pose %d", p->choice.pose);
+	return 0;
+}

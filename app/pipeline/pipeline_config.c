@@ -1,0 +1,96 @@
+#include "app/pipeline/pipeline_config.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+
+struct pipeline_settings pipeline_settings_of(const struct config *config)
+{
+	struct pipeline_settings settings = {
+		.sampler = {.estimator = (enum light_estimator)config->fisheye.estimator,
+			    .curve = config_fisheye_curve(&config->fisheye),
+			    .gain = response_gain(&config->fisheye.measured, config->fisheye.gain)},
+		.lens = config->fisheye.lens,
+		.follow_ns = (int64_t)(config->lights.follow_s * (double)NS_PER_S),
+		.threshold_mode = (enum threshold_mode)config->lights.threshold_mode,
+		.background = config_background_curve(&config->background),
+		.gain = config->composite.gain,
+		.threads = config->composite.threads,
+		.mode = (enum compositor_mode)config->composite.mode,
+		.reuse = (enum compositor_reuse)config->composite.reuse,
+	};
+
+	settings.exposures = config_exposures(&config->fisheye);
+	for (int k = 0; k < settings.exposures; k++)
+		settings.exposure[k] = config->fisheye.exposures[k] / config->fisheye.exposures[0];
+	settings.patch = (struct pipeline_patch){
+		.x = (int)config->background.patch[0],
+		.y = (int)config->background.patch[1],
+		.width = (int)config->background.patch[2],
+		.height = (int)config->background.patch[3],
+	};
+	memcpy(settings.patch.reflectance, config->background.reflectance,
+	       sizeof(settings.patch.reflectance));
+	memcpy(settings.sampler.colours, config->fisheye.measured.colours,
+	       sizeof(settings.sampler.colours));
+	snprintf(settings.kernel, sizeof(settings.kernel), "%s", config->composite.kernel);
+	return settings;
+}
+
+enum basis_part pipeline_part_of(const struct config *config)
+{
+	return config->composite.mode == COMPOSITOR_EXACT ? BASIS_WITH_EXACT : BASIS_SHOWN;
+}
+
+int pipeline_open_basis(struct basis *basis, const char *path, enum basis_part part,
+			struct fault *fault)
+{
+	struct fault reason = {.text = ""};
+	const int err = basis_open(basis, path, part, &reason);
+
+	if (err == -ENODATA)
+		return fault_say(fault, err, "%s: inlay-bake render --exact", reason.text);
+	return err ? fault_say(fault, err, "%s", reason.text) : 0;
+}
+
+static int check_pose(const struct config *config, const struct basis *basis)
+{
+	if ((uint32_t)config->basis.pose < basis->info.poses)
+		return 0;
+	log_error("%s: [basis] pose: is %d, expected 0..%u, the poses that the file holds",
+		  config->name, config->basis.pose, basis->info.poses - 1);
+	return -EINVAL;
+}
+
+static int check_patch(const struct config *config, const struct basis *basis)
+{
+	const struct pipeline_settings settings = pipeline_settings_of(config);
+	struct fault fault = {.text = ""};
+	const int err = pipeline_check_patch(&settings.patch, basis, &fault);
+
+	if (err)
+		log_error("%s: %s", config->name, fault.text);
+	return err;
+}
+
+static int check_kernel(const struct config *config)
+{
+	if (compositor_has_kernel(config->composite.kernel))
+		return 0;
+	log_error("%s: [composite] kernel: this processor has none called \"%s\", expected auto "
+		  "or one that inlay bench lists",
+		  config->name, config->composite.kernel);
+	return -ENOTSUP;
+}
+
+int pipeline_config_check(const struct config *config, const struct basis *basis)
+{
+	const int pose = basis ? check_pose(config, basis) : 0;
+	const int patch = basis ? check_patch(config, basis) : 0;
+	const int kernel = check_kernel(config);
+
+	return pose ? pose : patch ? patch : kernel;
+}

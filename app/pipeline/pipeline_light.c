@@ -1,0 +1,295 @@
+/* Measuring the light, and what it is measured with. */
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/pipeline/pipeline_parts.h"
+#include "hal/base/clock.h"
+
+/* A sampler takes longer to make than a frame lasts, so a running pipeline has the next one made by
+ * a thread, and measures with the present one until then. */
+struct relight {
+	pthread_t thread;
+	atomic_bool done;
+	/* The thread's until done: */
+	const struct dome *dome;
+	struct light_sampler_settings settings;
+	struct fisheye_settings lens_settings;
+	int width, height;
+	struct fisheye lens;
+	struct light_sampler *sampler;
+	int err;
+	struct fault fault;
+};
+
+static void *make_sampler(void *context)
+{
+	struct relight *r = context;
+
+	r->err = fisheye_prepare(&r->lens, &r->lens_settings, r->width, r->height, &r->fault);
+	if (!r->err)
+		r->err = light_sampler_create(&r->sampler, r->dome, &r->lens, r->width, r->height,
+					      &r->settings, &r->fault);
+	atomic_store(&r->done, true);
+	return NULL;
+}
+
+void pipeline_relight_end(struct pipeline *p)
+{
+	if (!p->relight)
+		return;
+	pthread_join(p->relight->thread, NULL);
+	light_sampler_destroy(p->relight->sampler);
+	free(p->relight);
+	p->relight = NULL;
+}
+
+int pipeline_relight(struct pipeline *p, const struct pipeline_settings *settings,
+		     struct fault *fault)
+{
+	struct relight *r;
+	int err;
+
+	pipeline_relight_end(p); /* the later one counts */
+	if (!p->sampler) {	 /* the first measurement makes it */
+		p->settings.sampler = settings->sampler;
+		p->settings.lens = settings->lens;
+		return 0;
+	}
+	r = calloc(1, sizeof(*r));
+	if (!r)
+		return fault_say(fault, -ENOMEM, "not enough memory to measure the light anew");
+	r->dome = &p->dome;
+	r->settings = settings->sampler;
+	r->lens_settings = settings->lens;
+	r->width = p->lens_width;
+	r->height = p->lens_height;
+	err = -pthread_create(&r->thread, NULL, make_sampler, r);
+	if (err) {
+		free(r);
+		return fault_say(fault, err, "no thread to measure the light anew: %s",
+				 strerror(-err));
+	}
+	p->relight = r;
+	return 0;
+}
+
+/* ---- what noise the filter has to expect ---- */
+
+/* How many pixels see a light: its cell's, or the few around its node. */
+static float pixels_of(const struct pipeline *p, int light)
+{
+	double px[2], pixel_sr;
+
+	if (p->settings.sampler.estimator == ESTIMATOR_NODE ||
+	    !fisheye_project(&p->lens, p->dome.direction[light], px))
+		return 1;
+	pixel_sr = fisheye_pixel_sr(&p->lens, px);
+	return pixel_sr > 0 ? (float)fmax(1, p->dome.solid_angle_sr[light] / pixel_sr) : 1;
+}
+
+/* Light is measured in another way from now on. */
+static int expect_noise(struct pipeline *p, struct fault *fault)
+{
+	static const double one[] = {1};
+	const int count = p->dome.count;
+	float *pixels = malloc(sizeof(*pixels) * (size_t)count);
+
+	if (!pixels)
+		return fault_say(fault, -ENOMEM, "not enough memory for %d lights", count);
+	for (int i = 0; i < count; i++)
+		pixels[i] = pixels_of(p, i);
+	light_filter_measured(p->filter, &p->settings.sampler.curve,
+			      pipeline_gain_of_grey(&p->settings.sampler), pixels);
+	light_exposures_measured(p->exposures, p->settings.exposures ? p->settings.exposure : one,
+				 p->settings.exposures ? p->settings.exposures : 1,
+				 &p->settings.sampler.curve,
+				 pipeline_gain_of_grey(&p->settings.sampler), pixels);
+	free(pixels);
+	return 0;
+}
+
+/* ---- the lens and the sampler ---- */
+
+/* Goes over to the sampler that was made, if it is. */
+static int take_over(struct pipeline *p, struct fault *fault)
+{
+	struct relight *r = p->relight;
+	int err;
+
+	if (!r || !atomic_load(&r->done))
+		return 0;
+	err = r->err;
+	if (err) {
+		fault_say(fault, err, "%s", r->fault.text);
+	} else {
+		light_sampler_destroy(p->sampler);
+		p->sampler = r->sampler;
+		p->lens = r->lens;
+		p->lens_width = r->width;
+		p->lens_height = r->height;
+		p->settings.sampler = r->settings;
+		p->settings.lens = r->lens_settings;
+		r->sampler = NULL;
+		err = expect_noise(p, fault);
+	}
+	pipeline_relight_end(p);
+	return err;
+}
+
+/* The lens and the sampler's table are of one size of picture; a camera may come back with another.
+ */
+static int fit_lens(struct pipeline *p, int width, int height, struct fault *fault)
+{
+	int err;
+
+	err = take_over(p, fault);
+	if (err)
+		return err;
+	if (p->sampler && width == p->lens_width && height == p->lens_height)
+		return 0;
+	light_sampler_destroy(p->sampler);
+	p->sampler = NULL;
+	err = fisheye_prepare(&p->lens, &p->settings.lens, width, height, fault);
+	if (err)
+		return err;
+	p->lens_width = width;
+	p->lens_height = height;
+	err = light_sampler_create(&p->sampler, &p->dome, &p->lens, width, height,
+				   &p->settings.sampler, fault);
+	return err ? err : expect_noise(p, fault);
+}
+
+/* ---- a picture ---- */
+
+static double level_of(const struct pipeline *p)
+{
+	const double white = 3 * pipeline_gain_of_grey(&p->settings.sampler) * p->dome.count;
+	double sum = 0;
+
+	for (int i = 0; i < p->dome.count; i++)
+		for (int c = 0; c < 3; c++)
+			sum += (double)p->sampled[i][c];
+	return white > 0 ? sum / white : 0;
+}
+
+void pipeline_expose(struct pipeline *p, int exposure, const double *ratio)
+{
+	p->exposure = exposure;
+	if (p->settings.exposures < 2)
+		return;
+	memcpy(p->settings.exposure, ratio, sizeof(*ratio) * (size_t)p->settings.exposures);
+	if (p->sampler) /* else they count with it */
+		light_exposures_ratios(p->exposures, ratio);
+}
+
+/* What the sampler has just read becomes the light. */
+static int take_light(struct pipeline *p)
+{
+	p->level = level_of(p);
+	if (p->exposure < 0)
+		return -ESTALE;
+	if (!light_exposures_fit(p->exposures, p->exposure, (const float(*)[3])p->sampled,
+				 light_sampler_clipped(p->sampler))) {
+		p->unfit++;
+		return -ESTALE;
+	}
+	light_exposures_take(p->exposures, p->exposure, (const float(*)[3])p->sampled,
+			     light_sampler_excess(p->sampler), light_sampler_clipped(p->sampler),
+			     p->radiance, p->left);
+	p->clipped = 0;
+	for (int i = 0; i < p->dome.count; i++)
+		p->clipped += (double)p->left[i] * p->dome.solid_angle_sr[i] / (2 * M_PI);
+	p->recovery = (struct light_recovery){.recovered = false};
+	p->lit = true;
+	return 0;
+}
+
+int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
+			 struct fault *fault)
+{
+	const int width = fisheye->view.width, height = fisheye->view.height;
+	int64_t start = clock_now_ns();
+	int err = fit_lens(p, width, height, fault);
+
+	if (err)
+		return err;
+	light_sampler_above(p->sampler, light_exposures_above(p->exposures, p->exposure));
+	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, p->sampled, NULL);
+	if (err)
+		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
+				 width, height);
+	err = take_light(p);
+	p->sample_ns = clock_now_ns() - start;
+	return err;
+}
+
+int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
+{
+	const struct frame_reader reader = frame_reader_of(fisheye);
+
+	return pipeline_light_frame(p, &reader, fault);
+}
+
+/* Radiance has no struct picture to be read through: turned and cut by copying. */
+static int turn_upright(struct pipeline *p, const struct image *camera, const struct view *view)
+{
+	struct image *to = &p->upright;
+	int err;
+
+	if (to->width != view->width || to->height != view->height) {
+		image_free(to);
+		err = image_create_f32(to, view->width, view->height);
+		if (err)
+			return err;
+	}
+	for (int y = 0; y < view->height; y++) {
+		int row = view->y + (view->vflip ? view->height - 1 - y : y);
+		const float *from = camera->f32 +
+				    3 * ((size_t)row * (size_t)camera->width + (size_t)view->x);
+		float *out = to->f32 + 3 * (size_t)y * (size_t)view->width;
+
+		if (!view->hflip) {
+			memcpy(out, from, 3 * sizeof(float) * (size_t)view->width);
+			continue;
+		}
+		for (int x = 0; x < view->width; x++)
+			memcpy(out + 3 * x, from + 3 * (view->width - 1 - x), 3 * sizeof(float));
+	}
+	return 0;
+}
+
+int pipeline_light_linear(struct pipeline *p, const struct image *camera, const struct view *view,
+			  struct fault *fault)
+{
+	int64_t start = clock_now_ns();
+	int err = fit_lens(p, view->width, view->height, fault);
+
+	if (err)
+		return err;
+	err = turn_upright(p, camera, view);
+	if (!err)
+		err = light_sampler_read_linear(p->sampler, &p->upright, p->sampled);
+	if (err)
+		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
+				 view->width, view->height, strerror(-err));
+	err = take_light(p);
+	p->sample_ns = clock_now_ns() - start;
+	return err;
+}
+
+void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
+{
+	memcpy(p->radiance, radiance, p->basis->info.lights * sizeof(*radiance));
+	p->clipped = 0;
+	p->recovery = (struct light_recovery){.recovered = false};
+	p->lit = true;
+}
+
+void pipeline_follow(struct pipeline *p, int64_t captured_ns)
+{
+	light_filter_run(p->filter, captured_ns, p->settings.follow_ns, p->radiance);
+}

@@ -1,0 +1,99 @@
+/* Which poses are in the picture, which are coming, and which are to be in memory. */
+#include <errno.h>
+#include <string.h>
+
+#include "app/pipeline/pipeline_parts.h"
+
+static bool is_ready(const struct pipeline *p, const struct pipeline_poses *poses)
+{
+	return poses->pose >= 0 && basis_pose_ready(p->basis, poses->pose) &&
+	       basis_pose_ready(p->basis, poses->next);
+}
+
+/* All that pictures of them need is there before they are shown: no picture fails for want of it.
+ * What cannot be had changes nothing but p->missing. */
+static int adopt(struct pipeline *p, const struct pipeline_poses *poses)
+{
+	const int both[] = {poses->pose, poses->next};
+	int err = 0;
+
+	for (int k = 0; k < 2 && !err; k++) {
+		err = compositor_take_pose(p->compositor, both[k], &p->trouble);
+		if (err)
+			p->missing = both[k];
+	}
+	if (err)
+		return err;
+	if (poses->share > 0 && pipeline_fade_begin(p)) {
+		p->missing = poses->next;
+		return fault_say(&p->trouble, -ENOMEM, "not enough memory to fade poses");
+	}
+	p->missing = -1;
+	p->shown = *poses;
+	return 0;
+}
+
+/* Those that are coming stay so until they have been shown: if the choice changes faster than
+ * poses are unpacked, some of them are seen and none is waited for in vain. */
+static int take(struct pipeline *p, const struct pipeline_poses *wanted, bool hold)
+{
+	const bool wait = !hold || p->shown.pose < 0;
+	int err;
+
+	if (wait || is_ready(p, wanted))
+		p->coming = *wanted;
+	if (!wait && !is_ready(p, &p->coming))
+		return 0;
+	err = adopt(p, &p->coming);
+	p->coming = *wanted;
+	return p->shown.pose < 0 ? err : 0;
+}
+
+/* What comes is unpacked first; what is shown stays in memory; then neighbours, one more in the
+ * direction of the last step. */
+static void expect(struct pipeline *p)
+{
+	const int count = (int)p->basis->info.poses;
+	const int now[] = {p->coming.pose, p->coming.next, p->shown.pose, p->shown.next};
+	const bool back = now[0] == p->expected[0] ? p->back
+						   : (now[0] + 1) % count == p->expected[0];
+	const int forth = back ? count - 1 : 1;
+	const int poses[] = {now[0],
+			     now[1],
+			     now[2],
+			     now[3],
+			     (now[1] + forth) % count,
+			     (now[1] + 2 * forth) % count,
+			     (now[0] + count - forth) % count};
+
+	_Static_assert(sizeof(poses) / sizeof(*poses) <= BASIS_EXPECT_MAX, "all are expected");
+	if (count == 1 || (!p->again && memcmp(p->expected, now, sizeof(now)) == 0))
+		return;
+	p->again = false;
+	memcpy(p->expected, now, sizeof(now));
+	p->back = back;
+	basis_poses_expect(p->basis, poses, (int)(sizeof(poses) / sizeof(*poses)));
+}
+
+void pipeline_try_again(struct pipeline *p)
+{
+	p->again = p->missing >= 0;
+}
+
+int pipeline_take_poses(struct pipeline *p, const struct pipeline_choice *choice)
+{
+	const struct pipeline_poses wanted = {
+		.pose = choice->pose,
+		.next = choice->share > 0 ? choice->next : choice->pose,
+		.share = choice->share,
+	};
+	const int err = take(p, &wanted, choice->hold);
+
+	if (err)
+		return err;
+	expect(p);
+	p->choice.pose = p->shown.pose;
+	p->choice.next = p->shown.next;
+	p->choice.share = p->shown.share;
+	return 0;
+}

@@ -1,0 +1,171 @@
+#include "app/view/layout.h"
+
+#include <math.h>
+#include <string.h>
+
+#define LINE_HEIGHTS 480 /* heights of the picture to a third of the line's width */
+
+struct box layout_whole(const struct display_buffer *screen)
+{
+	return (struct box){0, 0, screen->width, screen->height};
+}
+
+/* The middle line of an odd size belongs to the later quarter. */
+struct box layout_quarter(const struct display_buffer *screen, int quarter)
+{
+	int half_width = screen->width / 2, half_height = screen->height / 2;
+	bool right = quarter % 2, down = quarter / 2;
+
+	return (struct box){
+		.x = right ? half_width : 0,
+		.y = down ? half_height : 0,
+		.width = right ? screen->width - half_width : half_width,
+		.height = down ? screen->height - half_height : half_height,
+	};
+}
+
+static int at_least_one(double length)
+{
+	return length < 1 ? 1 : (int)lrint(length);
+}
+
+struct box layout_box(const struct box *cell, int width, int height, double squash,
+		      enum config_scale scale)
+{
+	double tall = height * squash, factor = 1;
+	double fitting = fmin(cell->width / (double)width, cell->height / tall);
+	struct box box;
+
+	/* Pixels that are not square cannot be shown one by one: too large, they are fitted. */
+	if (scale == SCALE_FIT || (squash != 1 && fitting < 1))
+		factor = fitting;
+	box.width = at_least_one(width * factor);
+	box.height = at_least_one(tall * factor);
+	box.x = cell->x + (cell->width - box.width) / 2;
+	box.y = cell->y + (cell->height - box.height) / 2;
+	return box;
+}
+
+bool layout_in_place(const struct box *cell, const struct box *box, int width, int height)
+{
+	return box->width == width && box->height == height && width <= cell->width &&
+	       height <= cell->height;
+}
+
+static uint8_t *pixel_at(const struct display_buffer *screen, int x, int y)
+{
+	return screen->pixels + (size_t)y * screen->stride + (size_t)x * 4;
+}
+
+void layout_black(const struct display_buffer *screen, const struct box *box)
+{
+	for (int y = 0; y < box->height; y++)
+		memset(pixel_at(screen, box->x, box->y + y), 0, (size_t)box->width * 4);
+}
+
+static int clamp(int value, int low, int high)
+{
+	return value < low ? low : value > high ? high : value;
+}
+
+/* What of the box is in the cell. */
+static struct box seen(const struct box *cell, const struct box *box)
+{
+	int right = cell->x + cell->width, bottom = cell->y + cell->height;
+	int x0 = clamp(box->x, cell->x, right), x1 = clamp(box->x + box->width, cell->x, right);
+	int y0 = clamp(box->y, cell->y, bottom), y1 = clamp(box->y + box->height, cell->y, bottom);
+
+	return (struct box){x0, y0, x1 - x0, y1 - y0};
+}
+
+void layout_border(const struct display_buffer *screen, const struct box *cell,
+		   const struct box *box)
+{
+	const struct box in = seen(cell, box);
+	int right = in.x + in.width, bottom = in.y + in.height;
+
+	layout_black(screen, &(struct box){cell->x, cell->y, cell->width, in.y - cell->y});
+	layout_black(screen, &(struct box){cell->x, in.y, in.x - cell->x, in.height});
+	layout_black(screen, &(struct box){right, in.y, cell->x + cell->width - right, in.height});
+	layout_black(screen,
+		     &(struct box){cell->x, bottom, cell->width, cell->y + cell->height - bottom});
+}
+
+int layout_fill(const struct display_buffer *screen, const struct box *cell, const struct box *box,
+		const struct span *columns, const struct picture *picture, struct scaler *scaler,
+		struct pool *pool)
+{
+	struct box in = seen(cell, box);
+	int from = clamp(columns->from, in.x, in.x + in.width);
+	int to = clamp(columns->to, from, in.x + in.width), err;
+	uint8_t *out = pixel_at(screen, from, in.y);
+
+	if (from == to || in.height == 0)
+		return 0;
+	if (box->width == picture->width && box->height == picture->height) {
+		struct picture part = *picture;
+
+		/* The middle of one that is larger than its cell. */
+		part.origin += (from - box->x) * part.x_step + (in.y - box->y) * part.y_step;
+		part.width = to - from;
+		part.height = in.height;
+		picture_copy(&part, out, screen->stride);
+		return 0;
+	}
+	err = scaler_fit(scaler, picture->width, picture->height, box->width, box->height, pool);
+	if (err)
+		return err;
+	scaler_run(scaler, pool, picture, from - box->x, to - box->x, out, screen->stride);
+	return 0;
+}
+
+int layout_place(const struct display_buffer *screen, const struct box *cell,
+		 const struct picture *picture, double squash, enum config_scale scale,
+		 struct scaler *scaler, struct pool *pool)
+{
+	const struct span all = {cell->x, cell->x + cell->width};
+	struct box box;
+
+	if (cell->width < 1 || cell->height < 1)
+		return 0;
+	box = layout_box(cell, picture->width, picture->height, squash, scale);
+	layout_border(screen, cell, &box);
+	return layout_fill(screen, cell, &box, &all, picture, scaler, pool);
+}
+
+/* ---- the line of a split picture ---- */
+
+/* A third of it is each edge. */
+static int line_width_px(int height)
+{
+	int third = (height + LINE_HEIGHTS / 2) / LINE_HEIGHTS;
+
+	return 3 * (third < 1 ? 1 : third);
+}
+
+struct span layout_line(const struct box *cell, const struct box *box, double split)
+{
+	const struct box in = seen(cell, box);
+	int width = line_width_px(in.height), from;
+
+	if (width > in.width)
+		width = in.width;
+	from = in.x + (int)lrint(split * in.width) - width / 2;
+	from = clamp(from, in.x, in.x + in.width - width);
+	return (struct span){from, from + width};
+}
+
+void layout_draw_line(const struct display_buffer *screen, const struct box *cell,
+		      const struct box *box, const struct span *line)
+{
+	const struct box in = seen(cell, box);
+	int width = line->to - line->from, edge = width / 3;
+
+	for (int y = in.y; y < in.y + in.height; y++) {
+		uint8_t *row = pixel_at(screen, line->from, y);
+
+		memset(row, 0, (size_t)edge * 4);
+		memset(row + (size_t)edge * 4, 255, (size_t)(width - 2 * edge) * 4);
+		memset(row + (size_t)(width - edge) * 4, 0, (size_t)edge * 4);
+	}
+}

@@ -1,0 +1,96 @@
+#include "app/view/words.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "app/view/utf8.h"
+
+#define NAME_MAX_BYTES 40 /* a name that is longer may not push out what is wrong */
+#define ELLIPSIS "\u2026"
+
+/* After "Fisheye camera 'C920' ". "waiting": it goes on by itself. */
+static const char *const wrong[CAMERA_SITUATION_COUNT] = {
+	[CAMERA_NO_DEVICE] = "is not connected: waiting",
+	[CAMERA_NO_SIGNAL] = "gets no video signal: waiting",
+	[CAMERA_STALLED] = "sends no picture: waiting",
+	[CAMERA_UNSUPPORTED_FORMAT] =
+		"has no picture format that can be used: see \"inlay devices\"",
+	[CAMERA_BUSY] = "is used by another program: waiting",
+	[CAMERA_NO_BANDWIDTH] = "has no room on its USB bus: plug it into another port, or choose "
+				"MJPEG, a smaller picture or a lower rate",
+	[CAMERA_NO_PERMISSION] = "may not be opened by this user: add the user to the group video",
+	[CAMERA_BROKEN] = "does not work: the log says why",
+};
+
+static int give(char *text, size_t room, const char *whole)
+{
+	utf8_copy(text, room, whole);
+	return (int)strlen(whole);
+}
+
+int words_camera(char *text, size_t room, const char *role, const char *name,
+		 enum camera_situation situation)
+{
+	char whole[512], shown[NAME_MAX_BYTES + sizeof(ELLIPSIS)];
+	size_t length = utf8_copy(shown, NAME_MAX_BYTES, name);
+
+	if ((int)situation <= CAMERA_FINE || situation >= CAMERA_SITUATION_COUNT)
+		return give(text, room, "");
+	if (strlen(name) >= NAME_MAX_BYTES)
+		memcpy(shown + length, ELLIPSIS, sizeof(ELLIPSIS));
+	if (*shown)
+		snprintf(whole, sizeof(whole), "%.64s camera '%s' %s", role, shown,
+			 wrong[situation]);
+	else
+		snprintf(whole, sizeof(whole), "%.64s camera %s", role, wrong[situation]);
+	return give(text, room, whole);
+}
+
+int words_pose(char *text, size_t room, int pose, const char *name)
+{
+	char whole[128], called[64] = "";
+
+	if (*name)
+		snprintf(called, sizeof(called), " '%.40s'", name);
+	snprintf(whole, sizeof(whole), "Pose %d%s cannot be loaded: waiting, the log says why",
+		 pose, called);
+	return give(text, room, whole);
+}
+
+/* A bound stays one when it is rounded. */
+static const char *say_bound(char *text, size_t room, double value)
+{
+	if (value < 10)
+		snprintf(text, room, "%.1f", value > 0 ? ceil(value * 10 - 1e-9) / 10 : 0);
+	else
+		snprintf(text, room, "%.0f", ceil(value - 1e-9));
+	return text;
+}
+
+static const char *say_share(char *text, size_t room, double share)
+{
+	if (share > 0 && share < 0.0005)
+		snprintf(text, room, "< 0.1 %%");
+	else
+		snprintf(text, room, "%.1f %%", 100 * share);
+	return text;
+}
+
+int words_information(char *text, size_t room, const struct words_figures *f)
+{
+	const double rounded = f->percent ? 100 : 10;
+	char whole[512], error[32], clipped[32];
+
+	snprintf(whole, sizeof(whole),
+		 "lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · "
+		 "latency %.0f ms · %llu dropped · sky clipped %s%s",
+		 f->lights_used, f->lights, round(f->threshold * rounded) / rounded,
+		 f->percent ? " %" : "", say_bound(error, sizeof(error), 100 * f->error),
+		 f->frames_a_second, f->latency_ms, (unsigned long long)f->drops,
+		 say_share(clipped, sizeof(clipped), f->clipped),
+		 !f->recovered ? ""
+		 : f->at_bound ? ", recovered in part"
+			       : ", recovered");
+	return give(text, room, whole);
+}
