@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bake/angles.h"
-#include "bake/commands.h"
+#include "bake/base/angles.h"
+#include "bake/base/commands.h"
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/commands.h"
+#include "bake/base/commands.h"
 #include "bake/info_map.h"
 #include "hal/base/log.h"
 #include "hal/basis/basis.h"

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/surface.h"
+#include "bake/base/surface.h"
 #include "hal/image/image.h"
 
 #define PANELS 3

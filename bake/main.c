@@ -1,7 +1,7 @@
 /* inlay-bake: the offline side of inlay. */
 #include <stddef.h>
 
-#include "bake/commands.h"
+#include "bake/base/commands.h"
 
 int main(int argc, char **argv)
 {

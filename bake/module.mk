@@ -1,99 +1,99 @@
 # LAPACK for the encoder; OpenBLAS is what makes it fast.
 bake_PACKAGES := assimp lapacke openblas cairo
-# Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/world.c does the same.
+# Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/trace/world.c does the same.
 bake_LIBS := -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so)),4,3)
 BAKE_SOURCES := \
-	bake/angles.c \
-	bake/assembly.c \
-	bake/coarse.c \
-	bake/encode.c \
-	bake/encode_block.c \
-	bake/encode_expose.c \
-	bake/encode_measure.c \
-	bake/encode_part.c \
-	bake/encode_plan.c \
-	bake/encode_rank.c \
-	bake/encode_reader.c \
-	bake/encode_search.c \
-	bake/encode_shade.c \
-	bake/encode_split.c \
-	bake/encode_column.c \
-	bake/encoding_options.c \
-	bake/ensemble.c \
-	bake/export_blender.c \
-	bake/export_job.c \
-	bake/export_mesh.c \
-	bake/export_radiance.c \
-	bake/export_rays.c \
-	bake/bounce.c \
-	bake/bounce_aside.c \
-	bake/cells.c \
-	bake/finished_tile.c \
-	bake/import.c \
-	bake/import_judge.c \
-	bake/import_pictures.c \
-	bake/in_order.c \
-	bake/keyframes.c \
-	bake/material.c \
-	bake/mesh.c \
-	bake/mesh_files.c \
-	bake/mesh_gltf.c \
-	bake/mesh_import.c \
-	bake/mesh_mtl.c \
-	bake/mesh_normals.c \
-	bake/mesh_ply.c \
-	bake/msi.c \
-	bake/options.c \
-	bake/peaks.c \
-	bake/picture_stack.c \
-	bake/pictures.c \
-	bake/plain_file.c \
-	bake/plan.c \
-	bake/progress.c \
-	bake/render.c \
-	bake/report.c \
-	bake/report_bake.c \
-	bake/report_choices.c \
-	bake/report_error.c \
-	bake/report_given.c \
-	bake/report_lighting.c \
-	bake/report_lights.c \
-	bake/report_page.c \
-	bake/report_pictures.c \
-	bake/report_plot.c \
-	bake/report_sky.c \
-	bake/report_summary.c \
-	bake/report_table.c \
-	bake/report_thesis.c \
-	bake/report_trial.c \
-	bake/scene.c \
-	bake/scene_file.c \
-	bake/shard.c \
-	bake/sight.c \
-	bake/sky.c \
-	bake/surface.c \
-	bake/tile.c \
-	bake/tile_glass.c \
-	bake/tile_noise.c \
-	bake/transport.c \
-	bake/truth.c \
-	bake/truth_paths.c \
-	bake/truth_views.c \
-	bake/world.c \
+	bake/base/angles.c \
+	bake/tiles/assembly.c \
+	bake/encode/coarse.c \
+	bake/encode/encode.c \
+	bake/encode/encode_block.c \
+	bake/encode/encode_expose.c \
+	bake/encode/encode_measure.c \
+	bake/encode/encode_part.c \
+	bake/encode/encode_plan.c \
+	bake/encode/encode_rank.c \
+	bake/encode/encode_reader.c \
+	bake/encode/encode_search.c \
+	bake/encode/encode_shade.c \
+	bake/encode/encode_split.c \
+	bake/encode/encode_column.c \
+	bake/encode/encoding_options.c \
+	bake/encode/ensemble.c \
+	bake/exchange/export_blender.c \
+	bake/exchange/export_job.c \
+	bake/exchange/export_mesh.c \
+	bake/exchange/export_radiance.c \
+	bake/exchange/export_rays.c \
+	bake/trace/bounce.c \
+	bake/trace/bounce_aside.c \
+	bake/trace/cells.c \
+	bake/tiles/finished_tile.c \
+	bake/exchange/import.c \
+	bake/exchange/import_judge.c \
+	bake/exchange/import_pictures.c \
+	bake/base/in_order.c \
+	bake/scene/keyframes.c \
+	bake/mesh/material.c \
+	bake/mesh/mesh.c \
+	bake/mesh/mesh_files.c \
+	bake/mesh/mesh_gltf.c \
+	bake/mesh/mesh_import.c \
+	bake/mesh/mesh_mtl.c \
+	bake/mesh/mesh_normals.c \
+	bake/mesh/mesh_ply.c \
+	bake/exchange/msi.c \
+	bake/base/options.c \
+	bake/tiles/peaks.c \
+	bake/exchange/picture_stack.c \
+	bake/exchange/pictures.c \
+	bake/mesh/plain_file.c \
+	bake/tiles/plan.c \
+	bake/base/progress.c \
+	bake/tiles/render.c \
+	bake/report/report.c \
+	bake/report/report_bake.c \
+	bake/report/report_choices.c \
+	bake/report/report_error.c \
+	bake/report/report_given.c \
+	bake/report/report_lighting.c \
+	bake/report/report_lights.c \
+	bake/report/report_page.c \
+	bake/report/report_pictures.c \
+	bake/report/report_plot.c \
+	bake/report/report_sky.c \
+	bake/report/report_summary.c \
+	bake/report/report_table.c \
+	bake/report/report_thesis.c \
+	bake/report/report_trial.c \
+	bake/scene/scene.c \
+	bake/scene/scene_file.c \
+	bake/tiles/shard.c \
+	bake/tiles/sight.c \
+	bake/truth/sky.c \
+	bake/base/surface.c \
+	bake/tiles/tile.c \
+	bake/tiles/tile_glass.c \
+	bake/tiles/tile_noise.c \
+	bake/trace/transport.c \
+	bake/truth/truth.c \
+	bake/truth/truth_paths.c \
+	bake/truth/truth_views.c \
+	bake/trace/world.c \
 	bake/dome_command.c \
-	bake/export_command.c \
-	bake/import_command.c \
+	bake/exchange/export_command.c \
+	bake/exchange/import_command.c \
 	bake/info_command.c \
 	bake/info_map.c \
-	bake/merge_command.c \
-	bake/pictures_command.c \
-	bake/render_command.c \
-	bake/report_command.c \
-	bake/truth_command.c
+	bake/tiles/merge_command.c \
+	bake/exchange/pictures_command.c \
+	bake/tiles/render_command.c \
+	bake/report/report_command.c \
+	bake/truth/truth_command.c
 BAKE_MAIN := bake/main.c
 # What goes out with a job as it is.
-$(BUILD)/bake/export_blender.o: bake/export_blender.py
-$(BUILD)/bake/export_radiance.o: bake/export_radiance.mk
+$(BUILD)/bake/exchange/export_blender.o: bake/exchange/export_blender.py
+$(BUILD)/bake/exchange/export_radiance.o: bake/exchange/export_radiance.mk
 
 # The demo's own object. make-cow is a program apart: it needs no ray tracer.
 COW_SOURCES := \

@@ -141,11 +141,32 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_mjpeg.c
 # What they reach of app/ and bake/, beside the whole of hal/, drivers/ and config/: a part that is not
 # named does not link.
-FUZZ_PARTS := $(addprefix app/,driver_list.c kiosk/control.c kiosk/control_socket.c kiosk/state.c) \
-	$(addprefix bake/,angles.c coarse.c finished_tile.c keyframes.c material.c mesh_gltf.c mesh_mtl.c mesh_ply.c \
-		msi.c plain_file.c plan.c scene_file.c shard.c) \
-	$(addprefix bake/calibrate/,camera_model.c convert_lens.c convert_tsai.c convert_yaml.c covariance.c \
-		least_squares.c linear.c observations.c)
+FUZZ_PARTS := \
+	app/driver_list.c \
+	app/kiosk/control.c \
+	app/kiosk/control_socket.c \
+	app/kiosk/state.c \
+	bake/base/angles.c \
+	bake/calibrate/camera/camera_model.c \
+	bake/calibrate/convert/convert_lens.c \
+	bake/calibrate/convert/convert_tsai.c \
+	bake/calibrate/convert/convert_yaml.c \
+	bake/calibrate/estimate/covariance.c \
+	bake/calibrate/estimate/least_squares.c \
+	bake/calibrate/estimate/linear.c \
+	bake/calibrate/observe/observations.c \
+	bake/encode/coarse.c \
+	bake/exchange/msi.c \
+	bake/mesh/material.c \
+	bake/mesh/mesh_gltf.c \
+	bake/mesh/mesh_mtl.c \
+	bake/mesh/mesh_ply.c \
+	bake/mesh/plain_file.c \
+	bake/scene/keyframes.c \
+	bake/scene/scene_file.c \
+	bake/tiles/finished_tile.c \
+	bake/tiles/plan.c \
+	bake/tiles/shard.c
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \

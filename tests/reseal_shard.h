@@ -7,7 +7,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-#include "bake/shard_format.h"
+#include "bake/tiles/shard_format.h"
 
 /* Of the plan's six arrays and texts. */
 #define RESEAL_PIECES 6

@@ -2,8 +2,8 @@
 #include <getopt.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/boards.h"
 #include "bake/calibrate/commands.h"
+#include "bake/calibrate/observe/boards.h"
 #include "hal/base/log.h"
 
 /* Fills a4 and letter, and may be seen in part. */

@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/camera.h"
-#include "bake/calibrate/camera_file.h"
+#include "bake/calibrate/camera/camera.h"
+#include "bake/calibrate/camera/camera_file.h"
 #include "bake/calibrate/commands.h"
-#include "bake/calibrate/convert.h"
-#include "bake/calibrate/lens_job.h"
+#include "bake/calibrate/convert/convert.h"
+#include "bake/calibrate/fisheye/lens_job.h"
 #include "hal/base/log.h"
 #include "hal/optics/vec.h"
 

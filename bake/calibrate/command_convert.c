@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "bake/calibrate/commands.h"
-#include "bake/calibrate/convert.h"
+#include "bake/calibrate/convert/convert.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "bake/calibrate/commands.h"
-#include "bake/calibrate/light_file.h"
 #include "bake/calibrate/light_job.h"
+#include "bake/calibrate/response/light_file.h"
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 

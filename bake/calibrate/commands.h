@@ -2,7 +2,7 @@
 #ifndef INLAY_BAKE_CALIBRATE_COMMANDS_H
 #define INLAY_BAKE_CALIBRATE_COMMANDS_H
 
-#include "bake/options.h"
+#include "bake/base/options.h"
 
 extern const struct command board_command, camera_command, fisheye_command, light_command,
 	convert_command;

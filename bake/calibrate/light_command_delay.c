@@ -2,10 +2,10 @@
 #include <errno.h>
 #include <stdio.h>
 
-#include "bake/calibrate/light_delay.h"
 #include "bake/calibrate/light_job.h"
-#include "bake/calibrate/light_report.h"
-#include "bake/calibrate/live.h"
+#include "bake/calibrate/observe/live.h"
+#include "bake/calibrate/response/light_delay.h"
+#include "bake/calibrate/response/light_report.h"
 #include "hal/base/clock.h"
 
 #define CHANGES 8

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/light_colours.h"
-#include "bake/calibrate/light_gain.h"
 #include "bake/calibrate/light_job.h"
-#include "bake/calibrate/light_report.h"
+#include "bake/calibrate/response/light_colours.h"
+#include "bake/calibrate/response/light_gain.h"
+#include "bake/calibrate/response/light_report.h"
 #include "hal/frame/frame.h"
 
 /* ---- the sky ---- */

@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/light_black.h"
 #include "bake/calibrate/light_job.h"
-#include "bake/calibrate/light_report.h"
-#include "bake/calibrate/light_response.h"
+#include "bake/calibrate/response/light_black.h"
+#include "bake/calibrate/response/light_report.h"
+#include "bake/calibrate/response/light_response.h"
 #include "hal/base/log.h"
 
 /* Here, where the file's name is known. */

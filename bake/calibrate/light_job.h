@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-#include "bake/calibrate/light_patch.h"
-#include "bake/calibrate/light_samples.h"
-#include "bake/calibrate/verdict.h"
+#include "bake/calibrate/estimate/verdict.h"
+#include "bake/calibrate/response/light_patch.h"
+#include "bake/calibrate/response/light_samples.h"
 #include "hal/base/fault.h"
 #include "hal/colour/response.h"
 

@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 #include "app/pipeline/pipeline.h"
-#include "bake/truth.h"
+#include "bake/truth/truth.h"
 #include "hal/measure/error.h"
 
 #define PICTURES 72 /* the delay takes up to 48 to measure; then some turns */

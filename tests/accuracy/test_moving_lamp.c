@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "bake/sky.h"
-#include "bake/truth.h"
+#include "bake/truth/sky.h"
+#include "bake/truth/truth.h"
 #include "hal/compositor/compositor.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <time.h>
 
-#include "bake/calibrate/boards.h"
-#include "bake/calibrate/camera.h"
+#include "bake/calibrate/camera/camera.h"
+#include "bake/calibrate/observe/boards.h"
 #include "hal/image/image.h"
 #include "tests/unit/camera_scene.h"
 

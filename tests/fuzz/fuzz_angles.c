@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "bake/angles.h"
+#include "bake/base/angles.h"
 #include "tests/fuzz/as_file.h"
 
 static void check(const struct dome *dome, const int *light)

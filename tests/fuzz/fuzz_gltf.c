@@ -3,7 +3,7 @@
  * reaches: mesh_gltf.c:check_glb mesh_gltf.c:check_chunks mesh_gltf.c:check_depth
  * plain_file.c:plain_file_map
  */
-#include "bake/mesh_gltf.h"
+#include "bake/mesh/mesh_gltf.h"
 #include "tests/fuzz/as_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/convert.h"
+#include "bake/calibrate/convert/convert.h"
 #include "tests/fuzz/as_file.h"
 
 static int make_ours(const struct lens *lens, struct fault *fault)

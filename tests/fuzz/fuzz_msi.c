@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "bake/msi.h"
+#include "bake/exchange/msi.h"
 #include "tests/fuzz/as_file.h"
 
 #define LIGHTS 6 /* of the dome of frequency 1 */

@@ -6,7 +6,7 @@
  */
 #include <string.h>
 
-#include "bake/mesh_mtl.h"
+#include "bake/mesh/mesh_mtl.h"
 #include "tests/fuzz/as_file.h"
 
 static char folder[] = "/tmp/inlay-fuzz-XXXXXX";

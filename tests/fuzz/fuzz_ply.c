@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "bake/mesh_ply.h"
+#include "bake/mesh/mesh_ply.h"
 #include "tests/fuzz/as_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/shard.h"
+#include "bake/tiles/shard.h"
 #include "tests/fuzz/as_file.h"
 #include "tests/reseal_shard.h"
 

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "bake/render.h"
+#include "bake/tiles/render.h"
 #include "hal/basis/basis.h"
 #include "hal/basis/basis_layout.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "bake/calibrate/camera.h"
+#include "bake/calibrate/camera/camera.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/chance.h"
 

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/boards.h"
+#include "bake/calibrate/observe/boards.h"
 #include "hal/colour/transfer.h"
 #include "hal/image/image.h"
 #include "hal/optics/tsai.h"

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/lamps_file.h"
+#include "bake/calibrate/fisheye/lamps/lamps_file.h"
 #include "hal/colour/transfer.h"
 #include "hal/image/image.h"
 #include "tests/unit/fisheye_views.h"

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/coarse.h"
-#include "bake/encode.h"
+#include "bake/encode/coarse.h"
+#include "bake/encode/encode.h"
 #include "tests/unit/chance.h"
 
 #define PIXELS_MOST (BASIS_TILE * BASIS_TILE)

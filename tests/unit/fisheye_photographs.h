@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "bake/calibrate/boards.h"
+#include "bake/calibrate/observe/boards.h"
 #include "hal/colour/transfer.h"
 #include "hal/image/image.h"
 #include "hal/optics/vec.h"

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "bake/calibrate/observations.h"
+#include "bake/calibrate/observe/observations.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/chance.h"

@@ -6,8 +6,8 @@
 
 #include <cmocka.h>
 
-#include "bake/random.h"
-#include "bake/tile.h"
+#include "bake/base/random.h"
+#include "bake/tiles/tile.h"
 #include "tests/unit/baking.h"
 #include "tests/unit/thorough.h"
 

@@ -6,8 +6,8 @@
 
 #include <cmocka.h>
 
-#include "bake/random.h"
-#include "bake/truth.h"
+#include "bake/base/random.h"
+#include "bake/truth/truth.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 #include "tests/unit/baking.h"

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "bake/sight.h"
-#include "bake/truth.h"
+#include "bake/tiles/sight.h"
+#include "bake/truth/truth.h"
 #include "hal/compositor/compositor.h"
 #include "tests/unit/baking.h"
 

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "bake/coarse.h"
+#include "bake/encode/coarse.h"
 #include "hal/basis/basis_groups.h"
 #include "tests/unit/chance.h"
 

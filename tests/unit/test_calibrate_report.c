@@ -14,8 +14,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "bake/calibrate/json.h"
-#include "bake/calibrate/report.h"
+#include "bake/calibrate/estimate/json.h"
+#include "bake/calibrate/report/report.h"
 #include "tests/unit/chance.h"
 #include "tests/unit/own_folder.h"
 

@@ -17,8 +17,8 @@
 extern "C" {
 #include <cmocka.h>
 
-#include "bake/calibrate/boards.h"
-#include "bake/calibrate/camera.h"
+#include "bake/calibrate/camera/camera.h"
+#include "bake/calibrate/observe/boards.h"
 #include "hal/image/image.h"
 }
 

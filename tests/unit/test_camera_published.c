@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/camera.h"
+#include "bake/calibrate/camera/camera.h"
 
 /* What the data were made with. */
 static const struct {

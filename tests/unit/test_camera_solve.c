@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "bake/calibrate/camera_model.h"
+#include "bake/calibrate/camera/camera_model.h"
 #include "hal/optics/vec.h"
 #include "tests/unit/camera_scene.h"
 #include "tests/unit/thorough.h"

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "bake/calibrate/convert.h"
+#include "bake/calibrate/convert/convert.h"
 #include "tests/unit/own_folder.h"
 
 #define TOLERANCE_PX 0.1

@@ -16,7 +16,7 @@
 extern "C" {
 #include <cmocka.h>
 
-#include "bake/calibrate/convert.h"
+#include "bake/calibrate/convert/convert.h"
 #include "tests/unit/own_folder.h"
 }
 

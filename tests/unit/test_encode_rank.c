@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "bake/encode_rank.h"
+#include "bake/encode/encode_rank.h"
 #include "tests/unit/encoding.h"
 
 #define PIXELS 40 /* more than there are coarse lights: nothing is cut off */

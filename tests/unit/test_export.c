@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
-#include "bake/angles.h"
-#include "bake/export_blender.h"
-#include "bake/export_radiance.h"
+#include "bake/base/angles.h"
+#include "bake/exchange/export_blender.h"
+#include "bake/exchange/export_radiance.h"
 #include "tests/unit/baking.h"
 
 #define WIDTH 24

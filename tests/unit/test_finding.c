@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "bake/calibrate/finding.h"
+#include "bake/calibrate/estimate/finding.h"
 
 /* f and Tz, 0.9 alike; a held one; one that cannot be told. */
 static struct estimate some_estimate(void)

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/boards.h"
-#include "bake/calibrate/fisheye_find.h"
+#include "bake/calibrate/fisheye/fisheye_find.h"
+#include "bake/calibrate/observe/boards.h"
 #include "tests/unit/fisheye_photographs.h"
 
 /* The farthest from the axis that a corner was seen, rad. */

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/fisheye_circle.h"
+#include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/sim/studio.h"
 #include "hal/colour/transfer.h"
 #include "hal/optics/panorama.h"

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/fisheye_falloff.h"
+#include "bake/calibrate/fisheye/fisheye_falloff.h"
 #include "hal/colour/transfer.h"
 #include "tests/unit/fisheye_views.h"
 

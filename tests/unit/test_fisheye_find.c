@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/fisheye_find.h"
+#include "bake/calibrate/fisheye/fisheye_find.h"
 #include "hal/base/clock.h"
 #include "tests/unit/fisheye_views.h"
 

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "bake/calibrate/fisheye_lamps.h"
-#include "bake/calibrate/lamps_spots.h"
+#include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
+#include "bake/calibrate/fisheye/lamps/lamps_spots.h"
 #include "tests/unit/drawn_lamps.h"
 
 static double error_of(const struct fisheye_settings *truth, const struct fisheye_settings *found)

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "bake/calibrate/fisheye_circle.h"
+#include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/drivers.h"
 
 static void *place(void *root, const char *instance)

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/keyframes.h"
+#include "bake/scene/keyframes.h"
 
 #define SCENE                                                                                      \
 	"[camera]\nposition = 1 2 3\n[object cow]\nfile = a.obj\nscale = 2\nrotate = 0 0 9\n"      \

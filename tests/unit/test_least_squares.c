@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "bake/calibrate/least_squares.h"
+#include "bake/calibrate/estimate/least_squares.h"
 #include "tests/unit/chance.h"
 
 #define POINTS_MAX 400

@@ -13,8 +13,8 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline.h"
-#include "bake/calibrate/light_gain.h"
-#include "bake/calibrate/light_response.h"
+#include "bake/calibrate/response/light_gain.h"
+#include "bake/calibrate/response/light_response.h"
 #include "tests/unit/baking.h"
 #include "tests/unit/light_scene.h"
 

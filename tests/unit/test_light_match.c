@@ -11,11 +11,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "bake/calibrate/light_black.h"
-#include "bake/calibrate/light_colours.h"
-#include "bake/calibrate/light_delay.h"
-#include "bake/calibrate/light_file.h"
-#include "bake/calibrate/light_gain.h"
+#include "bake/calibrate/response/light_black.h"
+#include "bake/calibrate/response/light_colours.h"
+#include "bake/calibrate/response/light_delay.h"
+#include "bake/calibrate/response/light_file.h"
+#include "bake/calibrate/response/light_gain.h"
 #include "tests/unit/light_scene.h"
 
 static void doubted(const struct verdict *verdict, const char *words)

@@ -9,7 +9,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "bake/calibrate/light_response.h"
+#include "bake/calibrate/response/light_response.h"
 #include "tests/unit/light_scene.h"
 #include "tests/unit/thorough.h"
 

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "bake/calibrate/live.h"
+#include "bake/calibrate/observe/live.h"
 #include "hal/base/clock.h"
 #include "tests/unit/own_folder.h"
 

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "bake/calibrate/live_collect.h"
+#include "bake/calibrate/observe/live_collect.h"
 #include "tests/unit/drawn_board.h"
 #include "tests/unit/own_folder.h"
 

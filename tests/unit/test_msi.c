@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "bake/msi.h"
-#include "bake/random.h"
+#include "bake/base/random.h"
+#include "bake/exchange/msi.h"
 #include "tests/unit/baking.h"
 
 #define WIDTH 40

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "bake/calibrate/observations.h"
+#include "bake/calibrate/observe/observations.h"
 #include "tests/unit/own_folder.h"
 
 static const struct points_convention ours = {.pixel_centre = 0.5};

@@ -4,7 +4,7 @@
 
 #include "tests/unit/copied_basis.h"
 
-#include "bake/shard.h"
+#include "bake/tiles/shard.h"
 #include "tests/reseal_shard.h"
 
 struct sample {

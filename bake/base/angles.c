@@ -1,0 +1,192 @@
+#include "bake/base/angles.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/base/number.h"
+#include "hal/base/text_file.h"
+#include "hal/basis/basis_format.h"
+
+struct line {
+	double direction[3];
+	int number; /* in the file */
+};
+
+struct lines {
+	struct line *line;
+	int count;
+	enum dome_shape shape;
+};
+
+/* Whether a line is the name of a shape. */
+static bool is_shape(const char *text, enum dome_shape *shape)
+{
+	const size_t length = strcspn(text, " \t\r\n");
+
+	for (int k = 0; dome_shape_names[k]; k++)
+		if (length == strlen(dome_shape_names[k]) &&
+		    strncmp(text, dome_shape_names[k], length) == 0) {
+			*shape = (enum dome_shape)k;
+			return true;
+		}
+	return false;
+}
+
+/* Two numbers and nothing else. */
+static bool read_angles(const char *text, double *theta, double *phi)
+{
+	text += strspn(text, " \t");
+	if (number_read(&text, theta) || !strchr(" \t", *text) || !*text)
+		return false;
+	text += strspn(text, " \t");
+	return !number_read(&text, phi) && !text[strspn(text, " \t\r")];
+}
+
+static int read_line(struct lines *all, const struct text_file *file, struct fault *fault)
+{
+	const char *text = file->line;
+	struct line *grown;
+	double theta, phi;
+
+	if (text[strspn(text, " \t\r")] == '\0' || *text == '#')
+		return 0;
+	if (!all->count && is_shape(text, &all->shape))
+		return 0;
+	if (!read_angles(text, &theta, &phi) || theta < 0 || theta > M_PI / 2 + 1e-6)
+		return fault_say(
+			fault, -EINVAL,
+			"%s:%d: expected theta and phi in radians, theta from 0 (zenith) to "
+			"1.571 (horizon)",
+			file->path, file->number);
+	if (all->count == BASIS_LIGHTS_MAX)
+		return fault_say(fault, -EINVAL, "%s:%d: one light too many, expected at most %d",
+				 file->path, file->number, BASIS_LIGHTS_MAX);
+	grown = realloc(all->line, (size_t)(all->count + 1) * sizeof(*grown));
+	if (!grown)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", file->path);
+	all->line = grown;
+	grown[all->count++] = (struct line){
+		.direction = {sin(theta) * cos(phi), sin(theta) * sin(phi), fmax(cos(theta), 0)},
+		.number = file->number,
+	};
+	return 0;
+}
+
+static int read_lines(struct lines *all, const char *path, struct fault *fault)
+{
+	struct text_file file;
+	int err = text_file_open(&file, path, fault);
+
+	while (!err && (err = text_file_next(&file, fault)) > 0)
+		err = read_line(all, &file, fault);
+	text_file_close(&file);
+	return err;
+}
+
+/* The dome of as many lights, divided so; -ENOENT: there is none. */
+static int create_of_count(struct dome *dome, const struct lines *all, enum dome_division division,
+			   struct fault *fault)
+{
+	for (int f = 1; f <= DOME_FREQUENCY_MAX && 5 * f * f <= all->count; f++) {
+		const int err = dome_create_shaped(dome, f, division, all->shape, fault);
+
+		if (err || dome->count == all->count)
+			return err;
+		dome_free(dome);
+	}
+	return -ENOENT;
+}
+
+/* Lines to lights. 0, or the number of a line that fits nowhere. */
+static int match(const struct lines *all, const struct dome *dome, int *light)
+{
+	const double spacing = sqrt(2 * M_PI / dome->count);
+	const double least = cos(ANGLES_TOLERANCE * spacing);
+	char *taken = calloc((size_t)dome->count, 1);
+	int stray = 0;
+
+	if (!taken)
+		return -ENOMEM;
+	for (int k = 0; k < all->count && !stray; k++) {
+		const double *d = all->line[k].direction;
+		const int i = dome_cell_of(dome, d);
+		const double *there = dome->direction[i < 0 ? 0 : i];
+
+		if (i < 0 || taken[i] ||
+		    d[0] * there[0] + d[1] * there[1] + d[2] * there[2] < least)
+			stray = all->line[k].number;
+		else
+			taken[i] = 1;
+		light[k] = i;
+	}
+	free(taken);
+	return stray;
+}
+
+static int find_dome(const struct lines *all, const char *path, struct dome *dome, int *light,
+		     struct fault *fault)
+{
+	int stray = 0;
+
+	for (int d = 0; d < DOME_DIVISION_COUNT; d++) {
+		int err = create_of_count(dome, all, (enum dome_division)d, fault);
+
+		if (err == -ENOENT)
+			continue;
+		if (err)
+			return err;
+		err = match(all, dome, light);
+		if (!err)
+			return 0;
+		dome_free(dome);
+		if (err < 0)
+			return fault_say(fault, err, "%s: out of memory", path);
+		stray = stray > err ? stray : err; /* the division that fits longest */
+	}
+	if (stray)
+		return fault_say(
+			fault, -EINVAL,
+			"%s:%d: is no light of a dome of %d lights, or is there twice, expected "
+			"those that inlay-bake dome --angles prints, in any order",
+			path, stray, all->count);
+	return fault_say(
+		fault, -EINVAL,
+		"%s: %d lights, expected as many as a dome has: 6, 26, 46, 86, 186, 406 ... "
+		"(inlay-bake dome)",
+		path, all->count);
+}
+
+int angles_read(const char *path, struct dome *dome, int **light, struct fault *fault)
+{
+	struct lines all = {.count = 0};
+	int err = read_lines(&all, path, fault);
+
+	*dome = (struct dome){.count = 0};
+	*light = NULL;
+	if (!err) {
+		*light = calloc((size_t)all.count + 1, sizeof(**light));
+		err = *light ? find_dome(&all, path, dome, *light, fault)
+			     : fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	}
+	if (err) {
+		free(*light);
+		*light = NULL;
+	}
+	free(all.line);
+	return err;
+}
+
+void angles_write(FILE *stream, const struct dome *dome)
+{
+	if (dome->shape != DOME_CELLS)
+		fprintf(stream, "%s\n", dome_shape_names[dome->shape]);
+	for (int i = 0; i < dome->count; i++) {
+		double theta, phi;
+
+		dome_angles(dome, i, &theta, &phi);
+		fprintf(stream, "%.17g %.17g\n", theta, phi);
+	}
+}

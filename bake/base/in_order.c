@@ -1,0 +1,100 @@
+#include "bake/base/in_order.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+
+/* Tiles that may be done before the one whose turn it is. */
+#define WINDOW 64
+
+struct queue {
+	const struct in_order *work;
+	/* under the lock: */
+	pthread_mutex_t lock;
+	pthread_cond_t turned; /* next has moved, or something has failed */
+	struct {
+		struct finished_tile tile;
+		bool ready;
+	} waiting[WINDOW];
+	int next, err;
+	uint64_t rays; /* of all that are ready */
+	struct fault *fault;
+};
+
+static void fail(struct queue *q, int err)
+{
+	if (!q->err)
+		q->err = err;
+	pthread_cond_broadcast(&q->turned);
+}
+
+/* Hands on every tile whose turn has come. The lock is held. */
+static void hand_on(struct queue *q)
+{
+	while (!q->err && q->waiting[q->next % WINDOW].ready) {
+		struct finished_tile *tile = &q->waiting[q->next % WINDOW].tile;
+		const int err = q->work->take(q->work->context, tile, q->fault);
+
+		finished_tile_free(tile);
+		q->waiting[q->next % WINDOW].ready = false;
+		q->next++;
+		if (err)
+			fail(q, err);
+	}
+	pthread_cond_broadcast(&q->turned);
+}
+
+/* False when something has failed. Tiles are begun in order, so the one whose turn it is is always
+ * in some thread's hands, and waiting ends. */
+static bool wait_for_room(struct queue *q, int index)
+{
+	bool go_on;
+
+	pthread_mutex_lock(&q->lock);
+	while (!q->err && index >= q->next + WINDOW)
+		pthread_cond_wait(&q->turned, &q->lock);
+	go_on = !q->err;
+	pthread_mutex_unlock(&q->lock);
+	return go_on;
+}
+
+static void make_one(void *context, int index, int worker)
+{
+	struct queue *q = context;
+	struct finished_tile tile = {.blocks = NULL};
+	struct fault fault = {.text = ""};
+	int err;
+
+	if (!wait_for_room(q, index))
+		return;
+	err = q->work->make(q->work->context, index, worker, &tile, &fault);
+	pthread_mutex_lock(&q->lock);
+	if (err || q->err) {
+		finished_tile_free(&tile);
+		if (!q->err)
+			*q->fault = fault;
+		fail(q, err);
+	} else {
+		q->rays += tile.account.rays;
+		q->waiting[index % WINDOW].tile = tile;
+		q->waiting[index % WINDOW].ready = true;
+		hand_on(q);
+		progress_show(q->work->progress, q->work->tiles_before + q->next, q->rays);
+	}
+	pthread_mutex_unlock(&q->lock);
+}
+
+int in_order_run(const struct in_order *work, struct pool *pool, struct fault *fault)
+{
+	struct fault reason = {.text = ""};
+	struct queue q = {
+		.work = work, .rays = work->rays_before, .fault = fault ? fault : &reason};
+
+	pthread_mutex_init(&q.lock, NULL);
+	pthread_cond_init(&q.turned, NULL);
+	pool_run(pool, work->tiles, make_one, &q);
+	for (int k = 0; k < WINDOW; k++)
+		finished_tile_free(&q.waiting[k].tile);
+	pthread_cond_destroy(&q.turned);
+	pthread_mutex_destroy(&q.lock);
+	return q.err;
+}

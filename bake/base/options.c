@@ -1,0 +1,197 @@
+#include "bake/base/options.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/base/log.h"
+#include "hal/base/number.h"
+#include "hal/basis/basis_format.h"
+
+static const char *program = "inlay-bake";
+
+static void print_usage(FILE *stream, const struct command *const *commands)
+{
+	fprintf(stream, "usage: %s COMMAND ...\n\n", program);
+	for (; *commands; commands++)
+		fprintf(stream, "  %-8s %s\n", (*commands)->name, (*commands)->summary);
+	fprintf(stream, "\n%s COMMAND --help says more; %s --version.\n", program, program);
+}
+
+static int run_command(const struct command *command, int argc, char **argv)
+{
+	const int status = command->run(command, argc, argv);
+
+	/* a full disk under stdout shows only now */
+	if (fflush(stdout) || ferror(stdout)) {
+		log_error("standard output cannot be written");
+		return EXIT_FAILURE;
+	}
+	return status;
+}
+
+int program_run(const char *name, const struct command *const *commands, int argc, char **argv)
+{
+	program = name;
+	log_setup(name, LOG_LEVEL_INFO);
+	signal(SIGXFSZ, SIG_IGN); /* a file that is too large is an error that is said */
+	if (argc < 2) {
+		print_usage(stderr, commands);
+		return EXIT_USAGE;
+	}
+	if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
+		print_usage(stdout, commands);
+		return EXIT_SUCCESS;
+	}
+	if (!strcmp(argv[1], "--version")) {
+		printf("%s %s\n", program, INLAY_VERSION);
+		return EXIT_SUCCESS;
+	}
+	for (const struct command *const *c = commands; *c; c++)
+		if (!strcmp(argv[1], (*c)->name))
+			return run_command(*c, argc - 1, argv + 1);
+	log_error("there is no command \"%s\"", argv[1]);
+	print_usage(stderr, commands);
+	return EXIT_USAGE;
+}
+
+static bool has_output(const struct option *options)
+{
+	while (options->name && options->val != 'o')
+		options++;
+	return options->name;
+}
+
+/* Answers --help, --version and anything unknown; returns the exit status. */
+static int answer(const struct command *command, int option)
+{
+	if (option == OPTION_VERSION) {
+		printf("%s %s\n", program, INLAY_VERSION);
+		return EXIT_SUCCESS;
+	}
+	if (option == OPTION_HELP) {
+		printf("usage: %s %s %s\n\n%s\n%s", program, command->name, command->usage,
+		       command->summary, command->help);
+		return EXIT_SUCCESS;
+	}
+	fprintf(stderr, "usage: %s %s %s\n", program, command->name, command->usage);
+	return EXIT_USAGE;
+}
+
+int command_options(const struct command *command, int argc, char **argv,
+		    const struct option *options,
+		    int (*take)(void *choices, int option, struct fault *fault), void *choices)
+{
+	const char *letters = has_output(options) ? "o:" : "";
+	struct fault fault = {.text = ""};
+	int option;
+
+	argv[0] = (char *)program; /* whose name getopt puts before what it says */
+	while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
+		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
+			return answer(command, option);
+		if (take(choices, option, &fault))
+			return command_wrong(command, "%s", fault.text);
+	}
+	return COMMAND_GOES_ON;
+}
+
+int command_wrong(const struct command *command, const char *format, ...)
+{
+	char text[FAULT_TEXT_MAX];
+	va_list args;
+
+	va_start(args, format);
+	vsnprintf(text, sizeof(text), format, args);
+	va_end(args);
+	log_error("%s", text);
+	return answer(command, '?');
+}
+
+int option_int(const char *option, const char *text, int min, int max, int *value,
+	       struct fault *fault)
+{
+	char *end;
+	long n;
+
+	errno = 0;
+	n = strtol(text, &end, 10);
+	if (errno || end == text || *end || n < min || n > max)
+		return fault_say(fault, -EINVAL,
+				 "%s: \"%s\", expected a whole number from %d to %d", option, text,
+				 min, max);
+	*value = (int)n;
+	return 0;
+}
+
+int option_real(const char *option, const char *text, double min, double max, double *value,
+		struct fault *fault)
+{
+	double x;
+
+	if (number_of(text, &x) < 0 || x < min || x > max)
+		return fault_say(fault, -EINVAL, "%s: \"%s\", expected a number from %g to %g",
+				 option, text, min, max);
+	*value = x;
+	return 0;
+}
+
+int option_reals(const char *option, const char *text, int least, int most, double min, double max,
+		 double *value, struct fault *fault)
+{
+	const char *at = text;
+	int count = 0;
+
+	for (; count < most; at++) {
+		double x;
+
+		at += strspn(at, " ");
+		if (number_read(&at, &x) || !(x >= min && x <= max) || (*at && *at != ','))
+			break;
+		value[count++] = x;
+		if (!*at && count >= least)
+			return count;
+		if (!*at)
+			break;
+	}
+	return fault_say(fault, -EINVAL,
+			 "%s: \"%s\", expected %d to %d numbers from %g to %g with commas between",
+			 option, text, least, most, min, max);
+}
+
+int option_size(const char *option, const char *text, int *width, int *height, struct fault *fault)
+{
+	int w, h;
+	char rest;
+
+	if (strlen(text) > 16 || sscanf(text, "%dx%d%c", &w, &h, &rest) != 2 || w < 1 || h < 1 ||
+	    w > BASIS_SIDE_MAX || h > BASIS_SIDE_MAX)
+		return fault_say(fault, -EINVAL,
+				 "%s: \"%s\", expected a size such as 640x480, sides up to %d",
+				 option, text, BASIS_SIDE_MAX);
+	*width = w;
+	*height = h;
+	return 0;
+}
+
+int option_choice(const char *option, const char *text, const char *const *choices, int *value,
+		  struct fault *fault)
+{
+	char list[256] = "";
+
+	for (int k = 0; choices[k]; k++) {
+		const size_t used = strlen(list);
+
+		if (!strcmp(choices[k], text)) {
+			*value = k;
+			return 0;
+		}
+		snprintf(list + used, sizeof(list) - used, "%s%s", k ? ", " : "", choices[k]);
+	}
+	return fault_say(fault, -EINVAL, "%s: \"%s\", expected one of %s", option, text, list);
+}

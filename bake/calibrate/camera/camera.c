@@ -1,0 +1,387 @@
+#include "bake/calibrate/camera/camera.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/camera/camera_parts.h"
+#include "hal/optics/vec.h"
+
+struct camera_task camera_task_default(void)
+{
+	return (struct camera_task){.pixel = {1, 1},
+				    .centre_deviation_px = -1,
+				    .aspect = 1,
+				    .aspect_deviation = -1,
+				    .distortion = TSAI_DISTORTS,
+				    .method = CAMERA_FULL,
+				    .tolerance_px = 1,
+				    .unit_mm = 1000};
+}
+
+/* ---- before solving ---- */
+
+/* Half the longest side of a box, and its middle. */
+static double half_of(const double *low, const double *high, int sides, double *middle)
+{
+	double longest = 0;
+
+	for (int k = 0; k < sides; k++) {
+		middle[k] = (low[k] + high[k]) / 2;
+		longest = fmax(longest, (high[k] - low[k]) / 2);
+	}
+	return longest;
+}
+
+static void widen(const double *point, int sides, double *low, double *high)
+{
+	for (int k = 0; k < sides; k++) {
+		low[k] = fmin(low[k], point[k]);
+		high[k] = fmax(high[k], point[k]);
+	}
+}
+
+static void place_object(struct camera_private *own)
+{
+	const struct observed_view *view = &own->seen->view[own->task.reference];
+	double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+
+	if (own->task.object_given) {
+		memcpy(own->object, own->task.object, sizeof(own->object));
+		own->radius = own->task.object_radius;
+		return;
+	}
+	for (int i = view->first; i < view->first + view->count; i++)
+		widen(own->seen->point[i].world, 3, low, high);
+	if (view->count)
+		own->radius = half_of(low, high, 3, own->object);
+}
+
+static void place_centre(struct camera_private *own)
+{
+	const struct camera_task *task = &own->task;
+	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+
+	for (int i = 0; i < own->seen->count; i++)
+		widen(own->seen->point[i].px, 2, low, high);
+	own->diagonal = 2 * M_SQRT2 * half_of(low, high, 2, own->centre);
+	if (task->width && task->height) {
+		own->diagonal = hypot(task->width, task->height);
+		own->centre[0] = task->width / 2.0;
+		own->centre[1] = task->height / 2.0;
+	}
+	if (task->centre_given)
+		memcpy(own->centre, task->centre_px, sizeof(own->centre));
+	if (task->intrinsics) {
+		own->centre[0] = task->intrinsics->centre_px[0];
+		own->centre[1] = task->intrinsics->height - task->intrinsics->centre_px[1];
+	}
+}
+
+/* A lens that is known is taken to be exact. */
+static void place_deviation(struct camera_private *own)
+{
+	const struct camera_task *task = &own->task;
+	double across = task->centre_deviation_px * task->pixel[0];
+
+	if (across < 0 && task->width && task->height)
+		across = CAMERA_CENTRE_DEVIATION *
+			 hypot(task->width * task->pixel[0], task->height * task->pixel[1]);
+	else if (across < 0)
+		across = CAMERA_CENTRE_DEVIATION * own->diagonal * task->pixel[0];
+	for (int k = 0; k < 2; k++)
+		own->centre_deviation[k] = task->intrinsics ? 0 : across / task->pixel[k];
+}
+
+static void place_aspect(struct camera_private *own)
+{
+	const struct camera_task *task = &own->task;
+	const bool known = task->intrinsics || (task->aspect_given && task->aspect_deviation < 0);
+
+	own->aspect = task->intrinsics ? task->intrinsics->aspect : task->aspect;
+	own->aspect_deviation = known			     ? 0
+				: task->aspect_deviation < 0 ? CAMERA_ASPECT_DEVIATION
+							     : task->aspect_deviation;
+}
+
+/* Known intrinsics bring their own picture, pixels and direction. */
+static void take_intrinsics(struct camera_task *task)
+{
+	if (!task->intrinsics)
+		return;
+	task->width = task->intrinsics->width;
+	task->height = task->intrinsics->height;
+	memcpy(task->pixel, task->intrinsics->pixel, sizeof(task->pixel));
+	task->distortion = task->intrinsics->distortion;
+}
+
+static int prepare(struct camera_private *own, const struct observations *seen,
+		   const struct camera_task *task)
+{
+	struct camera_model model;
+	size_t n;
+	int err;
+
+	own->seen = seen;
+	own->task = *task;
+	take_intrinsics(&own->task);
+	place_centre(own);
+	place_deviation(own);
+	place_aspect(own);
+	place_object(own);
+	model = (struct camera_model){.distortion = own->task.distortion};
+	memcpy(model.pixel, own->task.pixel, sizeof(model.pixel));
+	err = problem_create(&own->problem, seen, &model, own->centre);
+	if (err)
+		return err;
+	n = (size_t)problem_unknowns(&own->problem);
+	own->x = calloc(n, sizeof(*own->x));
+	own->fixed = calloc(n, sizeof(*own->fixed));
+	own->held = calloc(n * n, sizeof(*own->held));
+	own->held_aspect = calloc(n * n, sizeof(*own->held_aspect));
+	own->covariance = calloc(n * n, sizeof(*own->covariance));
+	own->cautious = calloc(n * n, sizeof(*own->cautious));
+	if (!own->x || !own->fixed || !own->held || !own->held_aspect || !own->covariance ||
+	    !own->cautious)
+		return -ENOMEM;
+	return 0;
+}
+
+/* ---- after solving ---- */
+
+static void make_camera(const struct camera_private *own, int view, struct tsai_camera *camera)
+{
+	const double *x = own->x, *pose = x + model_of_view(view);
+	double slope[3][9], moved[3];
+
+	*camera = (struct tsai_camera){
+		.width = own->task.width,
+		.height = own->task.height,
+		.focal = x[MODEL_FOCAL],
+		.kappa1 = x[MODEL_KAPPA1],
+		.distortion = own->task.distortion,
+		.centre_px = {x[MODEL_CENTRE_X], own->task.height - x[MODEL_CENTRE_Y]},
+		.pixel = {own->task.pixel[0], own->task.pixel[1]},
+		.aspect = x[MODEL_ASPECT],
+	};
+	rotation_from_vector(pose + MODEL_ROTATION, camera->rotation, slope);
+	mat_apply(camera->rotation, own->problem.shape[view].middle, moved);
+	for (int k = 0; k < 3; k++)
+		camera->translation[k] = pose[MODEL_TRANSLATION + k] - moved[k];
+}
+
+/* d T / d rotation vector of a view: T = T' - R middle. */
+static void translation_by_rotation(const struct camera_private *own, int view, double by[3][3])
+{
+	double rotation[9], slope[3][9];
+
+	rotation_from_vector(own->x + model_of_view(view) + MODEL_ROTATION, rotation, slope);
+	for (int d = 0; d < 3; d++) {
+		double moved[3];
+
+		mat_apply(slope[d], own->problem.shape[view].middle, moved);
+		for (int k = 0; k < 3; k++)
+			by[k][d] = -moved[k];
+	}
+}
+
+/* Adds what rotation brings to the rows of T of one view, in a matrix of n columns whose rows (or
+ * columns, by the strides) are parameters. */
+static void carry(double *matrix, int n, size_t row, size_t column, int at, double by[3][3])
+{
+	for (int j = 0; j < n; j++)
+		for (int k = 0; k < 3; k++)
+			for (int d = 0; d < 3; d++) {
+				const double c = matrix[(size_t)(at + MODEL_ROTATION + d) * row +
+							(size_t)j * column];
+
+				if (by[k][d] != 0)
+					matrix[(size_t)(at + MODEL_TRANSLATION + k) * row +
+					       (size_t)j * column] += by[k][d] * c;
+			}
+}
+
+/* The unknowns as parameters of the world: T for T'. */
+static int report_estimate(const struct camera_private *own, struct camera_solution *solution)
+{
+	static const char *const unit[] = {"", "", "px", "px", ""};
+	struct estimate *estimate = &solution->finding.estimate;
+	const int n = problem_unknowns(&own->problem);
+	const int err = estimate_create(estimate, n);
+
+	if (err)
+		return err;
+	memcpy(estimate->covariance, own->covariance,
+	       (size_t)n * (size_t)n * sizeof(*estimate->covariance));
+	for (int v = 0; v < own->problem.views; v++) {
+		double by[3][3];
+
+		translation_by_rotation(own, v, by);
+		carry(estimate->covariance, n, (size_t)n, 1, model_of_view(v), by);
+		carry(estimate->covariance, n, 1, (size_t)n, model_of_view(v), by);
+	}
+	for (int k = 0; k < n * n; k++) /* what is not known at all has no correlations */
+		if (!isfinite(estimate->covariance[k]))
+			estimate->covariance[k] = k % (n + 1) ? 0 : INFINITY;
+	for (int k = 0; k < n; k++) {
+		struct parameter *p = &estimate->parameter[k];
+		const int part = (k - MODEL_SHARED) % MODEL_OF_VIEW;
+		const int view = (k - MODEL_SHARED) / MODEL_OF_VIEW;
+
+		problem_name(&own->problem, k, p->name, sizeof(p->name));
+		snprintf(p->unit, sizeof(p->unit), "%s",
+			 k < MODEL_SHARED	    ? unit[k]
+			 : part < MODEL_TRANSLATION ? "rad"
+						    : "");
+		p->value = own->x[k];
+		p->fixed = own->fixed[k];
+		if (k >= MODEL_SHARED && part >= MODEL_TRANSLATION)
+			p->value = solution->view[view].translation[part - MODEL_TRANSLATION];
+	}
+	estimate->residuals = 2 * own->problem.count;
+	estimate->freedom = own->fit.freedom;
+	estimate->sigma = own->fit.sigma;
+	return 0;
+}
+
+/* Estimates have the noise of their points, and what a held centre and a held s bring. Verdicts: no
+ * better than corners can be found, and wider where few residuals had to tell their own size
+ * (Student's t for one deviation, to 2 %). */
+static void spread_errors(struct camera_private *own)
+{
+	const int n = problem_unknowns(&own->problem), freedom = own->fit.freedom;
+	const double few = freedom > 0 ? 1 + 0.55 / freedom + 0.28 / (freedom * (double)freedom)
+				       : 10;
+	const double least = CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST;
+
+	for (int k = 0; k < n * n; k++) {
+		own->covariance[k] = own->fit.covariance[k] + own->held[k] + own->held_aspect[k];
+		own->cautious[k] = few * few *
+				   (own->fit.sigma > CAMERA_NOISE_LEAST
+					    ? own->fit.covariance[k]
+					    : least * own->fit.inverse[k]);
+	}
+	own->noise_error = camera_object_error(own, own->cautious);
+	for (int k = 0; k < n * n; k++)
+		own->cautious[k] += own->held[k] + own->held_aspect[k];
+	own->object_error = camera_object_error(own, own->cautious);
+}
+
+static void mean_depth(struct camera_private *own)
+{
+	const int v = own->task.reference;
+	struct model_view turned;
+
+	model_turn(&turned, own->x + model_of_view(v));
+	own->depth = turned.translation[2]; /* places are from their middle */
+}
+
+static int finish(struct camera_solution *solution)
+{
+	struct camera_private *own = solution->own;
+	struct finding *finding = &solution->finding;
+	int err;
+
+	for (int v = 0; v < own->problem.views; v++)
+		make_camera(own, v, &solution->view[v]);
+	solution->camera = solution->view[own->task.reference];
+	problem_expect(&own->problem, own->x, finding->expected);
+	memcpy(finding->weight, own->fit.weight,
+	       (size_t)own->problem.count * sizeof(*finding->weight));
+	err = camera_hold(own);
+	if (err)
+		return err;
+	spread_errors(own);
+	err = report_estimate(own, solution);
+	if (err)
+		return err;
+	mean_depth(own);
+	camera_figures(solution);
+	finding->uncertainty = camera_uncertainty;
+	finding->disagreement = own->half[0] && own->half[1] ? camera_disagreement : NULL;
+	finding->context = own;
+	return 0;
+}
+
+static int calibrate(struct camera_solution *solution)
+{
+	struct camera_private *own = solution->own;
+	int err;
+
+	err = camera_solve(own);
+	if (err)
+		return err;
+	solution->solved = !own->guess_error && own->fit_error != -EDOM &&
+			   own->fit_error != -EINVAL &&
+			   isfinite(problem_rms(&own->problem, own->x));
+	if (solution->solved)
+		err = finish(solution);
+	if (!err)
+		camera_judge(solution);
+	return err;
+}
+
+int camera_calibrate(const struct observations *seen, const struct camera_task *task,
+		     struct camera_solution *solution, struct fault *fault)
+{
+	struct finding *finding = &solution->finding;
+	int err;
+
+	*solution = (struct camera_solution){0};
+	if (seen->views < 1 || task->reference < 0 || task->reference >= seen->views)
+		return fault_say(fault, -EINVAL, "view %d is the reference, but there are %d",
+				 task->reference + 1, seen->views);
+	err = finding_create(finding, "camera", seen);
+	solution->own = calloc(1, sizeof(*solution->own));
+	solution->view = calloc((size_t)seen->views, sizeof(*solution->view));
+	if (!err && (!solution->own || !solution->view))
+		err = -ENOMEM;
+	if (!err && !seen->count) {
+		verdict_doubt(&finding->verdict, "give points, or photographs of a board",
+			      "there are no points");
+		return 0;
+	}
+	if (!err)
+		err = prepare(solution->own, seen, task);
+	if (!err) {
+		finding->width = solution->own->task.width;
+		finding->height = solution->own->task.height;
+		snprintf(finding->model, sizeof(finding->model), "Tsai, %s%s",
+			 solution->own->task.distortion == TSAI_DISTORTS
+				 ? "distorted from undistorted"
+				 : "undistorted from distorted",
+			 task->intrinsics ? ", pose alone" : "");
+		for (int i = 0; i < seen->count; i++)
+			finding->expected[i][0] = finding->expected[i][1] = NAN;
+		err = calibrate(solution);
+	}
+	if (err) {
+		camera_solution_free(solution);
+		return fault_say(fault, err, "out of memory");
+	}
+	return 0;
+}
+
+void camera_solution_free(struct camera_solution *solution)
+{
+	struct camera_private *own = solution->own;
+
+	if (own) {
+		problem_free(&own->problem);
+		least_squares_free(&own->fit);
+		free(own->x);
+		free(own->fixed);
+		free(own->held);
+		free(own->held_aspect);
+		free(own->covariance);
+		free(own->cautious);
+		free(own->half[0]);
+		free(own->half[1]);
+		free(own);
+	}
+	free(solution->view);
+	finding_free(&solution->finding);
+	*solution = (struct camera_solution){0};
+}

@@ -1,0 +1,322 @@
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/camera/camera_parts.h"
+#include "hal/optics/vec.h"
+
+static void place_of(const struct camera_private *own, const double world[3], double place[3])
+{
+	for (int k = 0; k < 3; k++)
+		place[k] = world[k] - own->problem.shape[own->task.reference].middle[k];
+}
+
+static void turn_reference(const struct camera_private *own, const double *x,
+			   struct model_view *view)
+{
+	model_turn(view, x + model_of_view(own->task.reference));
+}
+
+/* Index among all unknowns of a gradient's. */
+static int unknown_of(const struct camera_private *own, int k)
+{
+	return k < MODEL_SHARED ? k : model_of_view(own->task.reference) + k - MODEL_SHARED;
+}
+
+/* G C G^T of a gradient by the shared unknowns and the reference view's. */
+static bool propagate(const struct camera_private *own, const double *covariance,
+		      double gradient[2][MODEL_GRADIENT], double spread[3])
+{
+	const int n = problem_unknowns(&own->problem);
+
+	spread[0] = spread[1] = spread[2] = 0;
+	for (int a = 0; a < MODEL_GRADIENT; a++)
+		for (int b = 0; b < MODEL_GRADIENT; b++) {
+			const double c = covariance[unknown_of(own, a) * n + unknown_of(own, b)];
+
+			if (isinf(c)) /* unknown: this point does not care, or all is lost */
+				if (gradient[0][a] == 0 && gradient[1][a] == 0)
+					continue;
+			spread[0] += gradient[0][a] * c * gradient[0][b];
+			spread[1] += gradient[0][a] * c * gradient[1][b];
+			spread[2] += gradient[1][a] * c * gradient[1][b];
+		}
+	return isfinite(spread[0]) && isfinite(spread[1]) && isfinite(spread[2]);
+}
+
+bool camera_spread(const struct camera_private *own, const double *covariance,
+		   const double world[3], double spread[3])
+{
+	double place[3], px[2], gradient[2][MODEL_GRADIENT];
+	struct model_view view;
+
+	place_of(own, world, place);
+	turn_reference(own, own->x, &view);
+	return model_see(&own->problem.model, own->x, &view, place, px, gradient) &&
+	       propagate(own, covariance, gradient, spread);
+}
+
+bool camera_sees(const struct camera_private *own, const double world[3], double px[2])
+{
+	double place[3];
+	struct model_view view;
+
+	place_of(own, world, place);
+	turn_reference(own, own->x, &view);
+	return model_see(&own->problem.model, own->x, &view, place, px, NULL);
+}
+
+double camera_spread_length(const double spread[3])
+{
+	const double half = (spread[0] - spread[2]) / 2;
+
+	return sqrt(fmax(0, (spread[0] + spread[2]) / 2 + hypot(half, spread[1])));
+}
+
+/* Nobody sees what lies beside the picture. */
+static bool in_picture(const struct camera_private *own, const double px[2])
+{
+	return !own->task.width ||
+	       (px[0] >= 0 && px[0] <= own->task.width && px[1] >= 0 && px[1] <= own->task.height);
+}
+
+double camera_object_error(const struct camera_private *own, const double *covariance)
+{
+	double worst = 0;
+
+	for (int k = 0; k < 7; k++) {
+		double world[3], spread[3], px[2];
+
+		memcpy(world, own->object, sizeof(world));
+		if (k)
+			world[(k - 1) / 2] += k % 2 ? own->radius : -own->radius;
+		if (k && (!camera_sees(own, world, px) || !in_picture(own, px)))
+			continue;
+		if (!camera_spread(own, covariance, world, spread))
+			return INFINITY;
+		worst = fmax(worst, camera_spread_length(spread));
+	}
+	return worst;
+}
+
+double camera_uncertainty(const void *context, const double px[2])
+{
+	const struct camera_private *own = context;
+	double place[3], again[2], gradient[2][MODEL_GRADIENT], spread[3];
+	struct model_view view;
+
+	turn_reference(own, own->x, &view);
+	if (!model_place(&own->problem.model, own->x, &view, px, own->depth, place) ||
+	    !model_see(&own->problem.model, own->x, &view, place, again, gradient))
+		return -1;
+	return propagate(own, own->covariance, gradient, spread) ? camera_spread_length(spread)
+								 : INFINITY;
+}
+
+double camera_disagreement(const void *context, const double px[2])
+{
+	const struct camera_private *own = context;
+	double place[3], seen[2][2];
+	struct model_view view;
+
+	turn_reference(own, own->x, &view);
+	if (!model_place(&own->problem.model, own->x, &view, px, own->depth, place))
+		return -1;
+	for (int h = 0; h < 2; h++) {
+		turn_reference(own, own->half[h], &view);
+		if (!model_see(&own->problem.model, own->half[h], &view, place, seen[h], NULL))
+			return -1;
+	}
+	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
+}
+
+/* ---- errors of the points ---- */
+
+/* Sums over the good points. */
+struct errors {
+	int count;
+	double distorted, distorted_most;     /* px */
+	double undistorted, undistorted_most; /* px */
+	double object, object_most;	      /* world units */
+	double normalised;
+};
+
+static void add(double value, double *sum, double *most)
+{
+	*sum += value;
+	*most = fmax(*most, value);
+}
+
+/*
+ * One point's share. Object space: the distance of the ray seen from the point. Normalised (Weng,
+ * Cohen and Herniou 1992, 24): in the plane of the point's depth, over what a pixel's rounding
+ * alone would make there, depth sqrt((fu^-2 + fv^-2) / 12).
+ */
+static void add_point(const struct camera_private *own, int i, const struct model_view *view,
+		      const double px[2], struct errors *sum)
+{
+	const double *x = own->x, *pixel = own->problem.model.pixel;
+	const struct observation *point = &own->problem.point[i];
+	double p[3], sensor[2], ray[3], off[3], at[2], normal = 0;
+
+	mat_apply(view->rotation, own->problem.place[i], p);
+	for (int k = 0; k < 3; k++)
+		p[k] += view->translation[k];
+	add(hypot(px[0] - point->px[0], px[1] - point->px[1]), &sum->distorted,
+	    &sum->distorted_most);
+	sum->count++;
+	if (!model_straighten(&own->problem.model, x, point->px, sensor))
+		return;
+	for (int k = 0; k < 2; k++)
+		at[k] = sensor[k] - x[MODEL_FOCAL] * p[k] / p[2];
+	add(hypot(at[0] * x[MODEL_ASPECT] / pixel[0], at[1] / pixel[1]), &sum->undistorted,
+	    &sum->undistorted_most);
+	for (int k = 0; k < 2; k++) {
+		const double in_plane = at[k] * p[2] / x[MODEL_FOCAL];
+		const double unit = pixel[k] / x[MODEL_FOCAL] / (k ? 1 : x[MODEL_ASPECT]);
+
+		normal += unit * unit;
+		off[k] = in_plane;
+	}
+	sum->normalised += hypot(off[0], off[1]) / (p[2] * sqrt(normal / 12));
+	ray[0] = sensor[0];
+	ray[1] = sensor[1];
+	ray[2] = x[MODEL_FOCAL];
+	vec_normalize(ray);
+	vec_cross(ray, p, off);
+	add(vec_length(off), &sum->object, &sum->object_most);
+}
+
+static void measure(struct camera_solution *solution, struct errors *sum)
+{
+	const struct camera_private *own = solution->own;
+	struct finding *finding = &solution->finding;
+	struct model_view turned;
+	double squares = 0;
+
+	*sum = (struct errors){0};
+	for (int v = 0; v < own->problem.views; v++) {
+		model_turn(&turned, own->x + model_of_view(v));
+		for (int i = own->problem.first[v]; i < own->problem.first[v + 1]; i++) {
+			if (isnan(finding->expected[i][0]) || finding->weight[i] < 0.1)
+				continue;
+			add_point(own, i, &turned, finding->expected[i], sum);
+		}
+	}
+	for (int i = 0; i < own->problem.count; i++)
+		if (finding->weight[i] >= 0.1 && !isnan(finding->expected[i][0])) {
+			const double dx = finding->expected[i][0] - own->problem.point[i].px[0];
+			const double dy = finding->expected[i][1] - own->problem.point[i].px[1];
+
+			squares += dx * dx + dy * dy;
+		}
+	finding->rms_px = sum->count ? sqrt(squares / sum->count) : 0;
+	finding->worst_px = sum->distorted_most;
+}
+
+/* How uncertain it is, in mm, where on the ground (Z = 0) under the object the picture
+ * shows a thing: the spread in the picture through the inverse of d px / d (X, Y). Negative: the
+ * ground there is not seen, or seen from its edge. */
+static double ground_error(const struct camera_private *own)
+{
+	const double world[3] = {own->object[0], own->object[1], 0};
+	double place[3], px[2], gradient[2][MODEL_GRADIENT], spread[3], by[2][2], determinant;
+	double on_ground[3];
+	struct model_view view;
+
+	place_of(own, world, place);
+	turn_reference(own, own->x, &view);
+	if (!model_see(&own->problem.model, own->x, &view, place, px, gradient) ||
+	    !propagate(own, own->cautious, gradient, spread))
+		return -1;
+	for (int i = 0; i < 2; i++)
+		for (int k = 0; k < 2; k++) /* a step of the world is one of T, turned */
+			by[i][k] = gradient[i][MODEL_SHARED + MODEL_TRANSLATION] *
+					   view.rotation[k] +
+				   gradient[i][MODEL_SHARED + MODEL_TRANSLATION + 1] *
+					   view.rotation[3 + k] +
+				   gradient[i][MODEL_SHARED + MODEL_TRANSLATION + 2] *
+					   view.rotation[6 + k];
+	determinant = by[0][0] * by[1][1] - by[0][1] * by[1][0];
+	if (!(fabs(determinant) > 0))
+		return -1;
+	on_ground[0] = (by[1][1] * by[1][1] * spread[0] - 2 * by[1][1] * by[0][1] * spread[1] +
+			by[0][1] * by[0][1] * spread[2]) /
+		       (determinant * determinant);
+	on_ground[2] = (by[1][0] * by[1][0] * spread[0] - 2 * by[1][0] * by[0][0] * spread[1] +
+			by[0][0] * by[0][0] * spread[2]) /
+		       (determinant * determinant);
+	on_ground[1] = (-by[1][1] * by[1][0] * spread[0] +
+			(by[1][1] * by[0][0] + by[0][1] * by[1][0]) * spread[1] -
+			by[0][1] * by[0][0] * spread[2]) /
+		       (determinant * determinant);
+	return camera_spread_length(on_ground) * own->task.unit_mm;
+}
+
+static double object_disagreement(const struct camera_private *own)
+{
+	double place[3], seen[2][2];
+	struct model_view view;
+
+	place_of(own, own->object, place);
+	for (int h = 0; h < 2; h++) {
+		turn_reference(own, own->half[h], &view);
+		if (!model_see(&own->problem.model, own->half[h], &view, place, seen[h], NULL))
+			return -1;
+	}
+	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
+}
+
+static void figures_of_points(struct finding *finding, const struct errors *sum, double unit_mm)
+{
+	const double n = sum->count ? sum->count : 1;
+
+	finding_add(finding, "normalised_calibration_error",
+		    "normalised calibration error: 1 is what rounding to pixels would make", "",
+		    sum->normalised / n);
+	finding_add(finding, "distorted_error_mean", "distorted image error, mean", "px",
+		    sum->distorted / n);
+	finding_add(finding, "distorted_error_max", "distorted image error, largest", "px",
+		    sum->distorted_most);
+	finding_add(finding, "undistorted_error_mean", "undistorted image error, mean", "px",
+		    sum->undistorted / n);
+	finding_add(finding, "undistorted_error_max", "undistorted image error, largest", "px",
+		    sum->undistorted_most);
+	finding_add(finding, "object_space_error_mean", "distance of rays from their points, mean",
+		    "mm", sum->object / n * unit_mm);
+	finding_add(finding, "object_space_error_max",
+		    "distance of rays from their points, largest", "mm",
+		    sum->object_most * unit_mm);
+}
+
+void camera_figures(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+	struct finding *finding = &solution->finding;
+	const int focal = estimate_find(&finding->estimate, "focal");
+	const int depth = model_of_view(own->task.reference) + MODEL_TRANSLATION + 2;
+	struct errors sum;
+	double ground;
+	int outliers = 0;
+
+	measure(solution, &sum);
+	finding_add(finding, "object_error_px", CAMERA_OBJECT_ERROR, "px", own->object_error);
+	finding_add(finding, "object_deviation_px",
+		    "standard deviation of this estimate at the object's place", "px",
+		    camera_object_error(own, own->covariance));
+	ground = ground_error(own);
+	if (ground >= 0)
+		finding_add(finding, "ground_error_mm",
+			    "uncertainty on the ground under the object", "mm", ground);
+	if (own->half[0] && own->half[1] && object_disagreement(own) >= 0)
+		finding_add(finding, "object_disagreement_px",
+			    "odd and even points disagree at the object's place", "px",
+			    object_disagreement(own));
+	figures_of_points(finding, &sum, own->task.unit_mm);
+	finding_add(finding, "focal_depth_correlation", "correlation of f and Tz", "",
+		    estimate_correlation(&finding->estimate, focal, depth));
+	finding_add(finding, "condition", "condition of the unknowns", "", own->fit.condition);
+	for (int i = 0; i < own->problem.count; i++)
+		outliers += finding->weight[i] < 0.1;
+	finding_add(finding, "outliers", "points left out", "", outliers);
+}

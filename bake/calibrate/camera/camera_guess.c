@@ -1,0 +1,292 @@
+#include "bake/calibrate/camera/camera_guess.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/camera/camera_guess_parts.h"
+#include "hal/optics/vec.h"
+
+#define TRIAL_KAPPAS 10
+#define SAMPLES 100	/* of a robust guess */
+#define SAMPLE_POINTS 9 /* of a view in each */
+
+static void guesser_free(struct guesser *g)
+{
+	free(g->chosen);
+	free(g->chosen_first);
+	free(g->points.place);
+	free(g->points.plane);
+	free(g->points.sensor);
+	free(g->h);
+	free(g->has_h);
+	free(g->error);
+	free(g->best);
+}
+
+static int guesser_create(struct guesser *g, const struct camera_problem *problem,
+			  const struct camera_start *start)
+{
+	const size_t n = (size_t)problem->count, views = (size_t)problem->views;
+
+	*g = (struct guesser){.problem = problem, .start = start};
+	memcpy(g->shared, start->shared, sizeof(g->shared));
+	g->chosen = calloc(n, sizeof(*g->chosen));
+	g->chosen_first = calloc(views + 1, sizeof(*g->chosen_first));
+	g->points.place = calloc(n, sizeof(*g->points.place));
+	g->points.plane = calloc(n, sizeof(*g->points.plane));
+	g->points.sensor = calloc(n, sizeof(*g->points.sensor));
+	g->h = calloc(views, sizeof(*g->h));
+	g->has_h = calloc(views, sizeof(*g->has_h));
+	g->error = calloc(n, sizeof(*g->error));
+	g->best = calloc((size_t)problem_unknowns(problem), sizeof(*g->best));
+	if (g->chosen && g->chosen_first && g->points.place && g->points.plane &&
+	    g->points.sensor && g->h && g->has_h && g->error && g->best)
+		return 0;
+	guesser_free(g);
+	return -ENOMEM;
+}
+
+void camera_tilt(const struct camera_problem *problem, int view, const double *x, double *tilted)
+{
+	const double *pose = x + model_of_view(view);
+	double rotation[9], slope[3][9], back[9], normal[3], axis[3], sight[3], turned[9];
+	double angle;
+
+	rotation_from_vector(pose + MODEL_ROTATION, rotation, slope);
+	memcpy(sight, pose + MODEL_TRANSLATION, sizeof(sight));
+	vec_normalize(sight);
+	mat_apply(rotation, problem->shape[view].axes + 6, normal);
+	vec_cross(normal, sight, axis);
+	angle = 2 * atan2(vec_normalize(axis), fabs(vec_dot(normal, sight)));
+	if (vec_dot(normal, sight) < 0)
+		angle = -angle;
+	for (int k = 0; k < 3; k++)
+		axis[k] *= angle;
+	rotation_from_vector(axis, back, slope);
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			turned[3 * i + j] = back[3 * i] * rotation[j] +
+					    back[3 * i + 1] * rotation[3 + j] +
+					    back[3 * i + 2] * rotation[6 + j];
+	rotation_to_vector(turned, tilted);
+	memcpy(tilted + MODEL_TRANSLATION, pose + MODEL_TRANSLATION, 3 * sizeof(*tilted));
+}
+
+/* Of both tilts, each descended from with all else held, the better one. */
+static void choose_tilt(struct guesser *g, int view, double *x)
+{
+	static const bool shared_fixed[MODEL_GRADIENT] = {true, true, true, true, true};
+	const struct camera_problem one = problem_of_view(g->problem, view);
+	double best = INFINITY, kept[MODEL_OF_VIEW] = {0};
+
+	for (int way = 0; way < 2; way++) {
+		double own[MODEL_GRADIENT], rms;
+
+		memcpy(own, x, MODEL_SHARED * sizeof(*own));
+		memcpy(own + MODEL_SHARED, x + model_of_view(view), MODEL_OF_VIEW * sizeof(*own));
+		if (way)
+			camera_tilt(g->problem, view, x, own + MODEL_SHARED);
+		if (problem_descend(&one, own, shared_fixed, g->start->robust ? CAMERA_LOSS : 0,
+				    false, NULL, NULL) == -EDOM)
+			continue;
+		rms = problem_rms(&one, own);
+		if (rms < best) {
+			best = rms;
+			memcpy(kept, own + MODEL_SHARED, sizeof(kept));
+		}
+	}
+	if (isfinite(best))
+		memcpy(x + model_of_view(view), kept, sizeof(kept));
+}
+
+/* Every stride-th point of each view. */
+static void choose_every(struct guesser *g, int stride)
+{
+	const struct camera_problem *problem = g->problem;
+	int count = 0;
+
+	for (int v = 0; v < problem->views; v++) {
+		g->chosen_first[v] = count;
+		for (int i = problem->first[v]; i < problem->first[v + 1]; i += stride)
+			if (!problem->unused || !problem->unused[i])
+				g->chosen[count++] = i;
+	}
+	g->chosen_first[problem->views] = count;
+}
+
+/* splitmix64: the same samples every time. */
+static unsigned long long next_random(unsigned long long *state)
+{
+	unsigned long long z = *state += 0x9e3779b97f4a7c15;
+
+	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+	z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+	return z ^ (z >> 31);
+}
+
+/* A few points of each view. */
+static void choose_some(struct guesser *g, unsigned long long *random)
+{
+	int count = 0;
+
+	choose_every(g, 1);
+	for (int v = 0; v < g->problem->views; v++) {
+		const int first = g->chosen_first[v], all = g->chosen_first[v + 1] - first;
+		const int take = all < SAMPLE_POINTS ? all : SAMPLE_POINTS;
+
+		for (int k = 0; k < take; k++) {
+			const int other =
+				k + (int)(next_random(random) % (unsigned long long)(all - k));
+			const int swap = g->chosen[first + k];
+
+			g->chosen[first + k] = g->chosen[first + other];
+			g->chosen[first + other] = swap;
+		}
+		g->chosen_first[v] = count;
+		memmove(g->chosen + count, g->chosen + first, (size_t)take * sizeof(*g->chosen));
+		count += take;
+	}
+	g->chosen_first[g->problem->views] = count;
+}
+
+static int compare(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+/* Median distance from where points are expected, those without an image infinitely far; of some
+ * hundred points. */
+static double median_error(struct guesser *g, const double *x)
+{
+	const struct camera_problem *problem = g->problem;
+	const int stride = 1 + problem->count / GUESS_POINTS;
+	struct model_view turned;
+	int count = 0, view = -1;
+
+	for (int i = 0; i < problem->count; i += stride) {
+		const struct observation *point = &problem->point[i];
+		double px[2];
+
+		if (problem->unused && problem->unused[i])
+			continue;
+		if (point->view != view) {
+			view = point->view;
+			model_turn(&turned, x + model_of_view(view - problem->first_view));
+		}
+		g->error[count++] = model_see(&problem->model, x, &turned, problem->place[i], px,
+					      NULL)
+					    ? hypot(px[0] - point->px[0], px[1] - point->px[1])
+					    : INFINITY;
+	}
+	qsort(g->error, (size_t)count, sizeof(*g->error), compare);
+	return count ? g->error[count / 2] : INFINITY;
+}
+
+/* kappa1 that bends the outermost point by this part; below -4/27 the thesis's direction, which is
+ * cubic in the undistorted radius, has no picture there. */
+static double trial_kappa(const struct camera_problem *problem, int step)
+{
+	static const double of_reach[TRIAL_KAPPAS] = {0,     -0.05, 0.05,  -0.1, 0.12,
+						      -0.14, 0.3,   -0.25, 0.8,	 2};
+
+	return of_reach[step] / (problem->reach * problem->reach);
+}
+
+/* Tries steps of kappa1 with the chosen points until one is good enough; *best is the rms of the
+ * best, infinite while there is none, and *kappa what it had. */
+static int try_steps(struct guesser *g, int from, int to, double *best, double *kappa, double *x)
+{
+	int err = -ERANGE;
+
+	for (int step = from; step < to && !(*best < guess_good_enough(g)); step++) {
+		const double trial = g->start->known ? g->start->shared[MODEL_KAPPA1]
+						     : trial_kappa(g->problem, step);
+		double rms;
+
+		err = guess_from_chosen(g, trial, g->best);
+		if (err == -ENOMEM)
+			return err;
+		if (err)
+			continue;
+		rms = problem_rms(g->problem, g->best);
+		if (isinf(*best) || rms < *best) {
+			*best = isfinite(rms) ? rms : 1e300;
+			*kappa = trial;
+			memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
+		}
+	}
+	return isfinite(*best) ? 0 : err;
+}
+
+/* kappa1 0 (or what is known) from all points, then the others from some of them, and the best of
+ * these from all again. */
+static int try_kappas(struct guesser *g, double *x)
+{
+	double best = INFINITY, first, kappa = 0;
+	int err, more;
+
+	choose_every(g, 1);
+	err = try_steps(g, 0, 1, &best, &kappa, x);
+	if (err == -ENOMEM || g->start->known || best < guess_good_enough(g))
+		return err;
+	first = best;
+	choose_every(g, 1 + g->problem->count / g->problem->views / GUESS_POINTS);
+	more = try_steps(g, 1, TRIAL_KAPPAS, &best, &kappa, x);
+	if (more == -ENOMEM || !(best < first))
+		return more == -ENOMEM ? more : err;
+	choose_every(g, 1);
+	more = guess_from_chosen(g, kappa, g->best);
+	if (!more && problem_rms(g->problem, g->best) < best)
+		memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
+	return more == -ENOMEM ? more : 0;
+}
+
+static int try_samples(struct guesser *g, double *x)
+{
+	unsigned long long random = 1;
+	double best = INFINITY;
+	int err = try_kappas(g, x);
+
+	if (err == -ENOMEM)
+		return err;
+	if (!err)
+		best = median_error(g, x);
+	for (int k = 0; k < SAMPLES; k++) {
+		double median;
+		int bad;
+
+		choose_some(g, &random);
+		bad = guess_from_chosen(g, g->start->shared[MODEL_KAPPA1], g->best);
+		if (bad == -ENOMEM)
+			return bad;
+		if (bad)
+			continue;
+		median = median_error(g, g->best);
+		if (median < best) {
+			best = median;
+			err = 0;
+			memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
+		}
+	}
+	return err;
+}
+
+int camera_guess(const struct camera_problem *problem, const struct camera_start *start, double *x)
+{
+	struct guesser g;
+	int err = guesser_create(&g, problem, start);
+
+	if (err)
+		return err;
+	err = start->robust ? try_samples(&g, x) : try_kappas(&g, x);
+	for (int v = 0; v < problem->views && !err; v++)
+		if (problem_flat(problem, v) && (problem->views > 1 || start->known) &&
+		    problem->first[v + 1] > problem->first[v])
+			choose_tilt(&g, v, x);
+	guesser_free(&g);
+	return err;
+}

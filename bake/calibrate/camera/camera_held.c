@@ -1,0 +1,69 @@
+/*
+ * A centre or an s that is held is not exact: how far off it may be moves everything that was found
+ * with it, the translation along the picture above all; with s the tilt, and with that f.
+ *
+ * To first order the least squares solution y answers a step of the held c with
+ * d y / d c = -(Jy^T W Jy)^-1 Jy^T W Jc, and its covariance grows by (d y / d c) var(c) (d y / d
+ * c)^T.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "bake/calibrate/camera/camera_parts.h"
+
+/* d x / d x[held] of all unknowns; 1 for itself, 0 for what else is held. */
+static void answer(const struct camera_private *own, const double *jacobian, int held, double *by)
+{
+	const int n = problem_unknowns(&own->problem);
+
+	for (int a = 0; a < n; a++)
+		by[a] = a == held;
+	for (int b = 0; b < n; b++) {
+		double together = 0;
+
+		if (own->fixed[b])
+			continue;
+		for (int i = 0; i < 2 * own->problem.count; i++)
+			together += own->fit.weight[i / 2] * jacobian[i * n + b] *
+				    jacobian[i * n + held];
+		for (int a = 0; a < n; a++)
+			by[a] -= own->fixed[a] ? 0 : own->fit.inverse[a * n + b] * together;
+	}
+}
+
+/* Adds what an unknown brings that is held, and off by sigma; by is room for the answer. */
+static void hold(const struct camera_private *own, const double *jacobian, int unknown,
+		 double sigma, double *by, double *held)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+
+	if (!own->fixed[unknown] || !(sigma > 0))
+		return;
+	answer(own, jacobian, unknown, by);
+	for (size_t a = 0; a < n; a++)
+		for (size_t b = 0; b < n; b++)
+			held[a * n + b] += sigma * sigma * by[a] * by[b];
+}
+
+int camera_hold(struct camera_private *own)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+	double *jacobian, *by;
+
+	/* Where the points leave more open than that, all is unknown already. */
+	if (own->fit_error == -ERANGE)
+		return 0;
+	jacobian = calloc(2 * (size_t)own->problem.count * n, sizeof(*jacobian));
+	by = calloc(n, sizeof(*by));
+	if (jacobian && by) {
+		problem_slopes(&own->problem, own->x, jacobian);
+		for (int k = 0; k < 2; k++)
+			hold(own, jacobian, MODEL_CENTRE_X + k, own->centre_deviation[k], by,
+			     own->held);
+		hold(own, jacobian, MODEL_ASPECT, own->aspect_deviation, by, own->held_aspect);
+	}
+	free(jacobian);
+	free(by);
+	return jacobian && by ? 0 : -ENOMEM;
+}

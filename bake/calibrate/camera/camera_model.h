@@ -1,0 +1,76 @@
+/*
+ * Tsai's camera as a vector of unknowns: what the descent turns, with its slopes.
+ *
+ * The world is moved to the middle of each view's points, so that rotation and translation do not
+ * pull at each other over the length of a lever: T' = R middle + T. The picture's y counts down.
+ */
+#ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_MODEL_H
+#define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_MODEL_H
+
+#include <stdbool.h>
+
+#include "hal/optics/tsai.h"
+
+/* The first unknowns are shared by all views; then six a view. */
+enum {
+	MODEL_FOCAL,
+	MODEL_KAPPA1,
+	MODEL_CENTRE_X, /* px */
+	MODEL_CENTRE_Y, /* px, down */
+	MODEL_ASPECT,
+	MODEL_SHARED,
+	MODEL_ROTATION = 0,    /* of a view: rotation vector, radians */
+	MODEL_TRANSLATION = 3, /* T', world units */
+	MODEL_OF_VIEW = 6,
+	MODEL_GRADIENT = MODEL_SHARED + MODEL_OF_VIEW
+};
+
+struct camera_model {
+	double pixel[2]; /* D */
+	int distortion;	 /* enum tsai_distortion */
+};
+
+/* One view: where it begins among the unknowns, and turned once for all its points. */
+struct model_view {
+	double rotation[9];
+	double slope[3][9]; /* of rotation by each of the rotation vector's numbers */
+	double translation[3];
+};
+
+static inline int model_unknowns(int views)
+{
+	return MODEL_SHARED + views * MODEL_OF_VIEW;
+}
+
+static inline int model_of_view(int view)
+{
+	return MODEL_SHARED + view * MODEL_OF_VIEW;
+}
+
+void model_turn(struct model_view *view, const double *of_view);
+
+/*
+ * Where a point is seen, from its place relative to the view's middle. gradient: px by the shared
+ * unknowns, then by the view's; NULL: not wanted. False: nowhere (behind, folded over).
+ */
+bool model_see(const struct camera_model *model, const double *shared,
+	       const struct model_view *view, const double place[3], double px[2],
+	       double gradient[2][MODEL_GRADIENT]);
+
+/* The point at this depth (along the view) that is seen at px, relative to the view's middle.
+ * False: px is beyond the fold. */
+bool model_place(const struct camera_model *model, const double *shared,
+		 const struct model_view *view, const double px[2], double depth, double place[3]);
+
+/* Sensor coordinates without distortion, f and s undone: |out| = tan of the angle to the axis times
+ * f. False: beyond the fold. */
+bool model_straighten(const struct camera_model *model, const double *shared, const double px[2],
+		      double sensor[2]);
+
+/* R = exp([vector]), and its derivatives by the vector's numbers. */
+void rotation_from_vector(const double vector[3], double rotation[9], double slope[3][9]);
+
+/* The vector of a rotation, of length 0..pi. */
+void rotation_to_vector(const double rotation[9], double vector[3]);
+
+#endif

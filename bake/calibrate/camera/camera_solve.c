@@ -1,0 +1,463 @@
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/camera/camera_guess.h"
+#include "bake/calibrate/camera/camera_parts.h"
+#include "hal/optics/vec.h"
+
+#define FEWEST_FULL 11 /* points that free the centre */
+/* Of the diagonal. A centre less certain than this, or farther off, is not found but lost; as is
+ * one that the points tell worse than where it was first taken to be. So with s. */
+#define CENTRE_LOST 0.15
+#define CENTRE_FAR 0.3
+#define OTHER_CENTRE 0.05 /* of the diagonal: where it is looked for, too */
+#define BETTER_FIT 0.99
+#define FEW_POINTS 120
+#define ASPECT_LOST 0.05
+#define MISFIT 0.005   /* of the diagonal: rms that makes one look for a mirror image */
+#define FAR_BETTER 0.2 /* of the rms */
+
+static int descend(struct camera_private *own, double *x, const bool *fixed, bool stay)
+{
+	least_squares_free(&own->fit);
+	return problem_descend(&own->problem, x, fixed, own->task.robust ? CAMERA_LOSS : 0, stay,
+			       &own->fit, &own->why);
+}
+
+static void hold_shared(const struct camera_private *own, bool centre, bool aspect, bool *fixed)
+{
+	const bool known = own->task.intrinsics;
+
+	memset(fixed, 0, (size_t)problem_unknowns(&own->problem) * sizeof(*fixed));
+	fixed[MODEL_FOCAL] = fixed[MODEL_KAPPA1] = known;
+	fixed[MODEL_CENTRE_X] = fixed[MODEL_CENTRE_Y] = known || centre;
+	fixed[MODEL_ASPECT] = known || aspect;
+	for (int v = 0; v < own->problem.views; v++)
+		for (int k = 0; k < MODEL_OF_VIEW; k++)
+			fixed[model_of_view(v) + k] = own->problem.first[v + 1] ==
+						      own->problem.first[v];
+}
+
+/* Free unknowns against single numbers, two degrees of freedom left over. */
+static bool enough(const struct camera_private *own)
+{
+	int wanted = 2;
+
+	for (int k = 0; k < problem_unknowns(&own->problem); k++)
+		wanted += !own->fixed[k];
+	return 2 * own->problem.count >= wanted;
+}
+
+/* One plane says nothing about s: any stretch of the picture is a tilt. Two say as much as f, the
+ * centre and s are, if they are tilted well. */
+static bool aspect_shows(const struct camera_private *own)
+{
+	int planes = 0;
+
+	if (!(own->aspect_deviation > 0))
+		return false;
+	for (int v = 0; v < own->problem.views; v++) {
+		if (own->problem.first[v + 1] == own->problem.first[v])
+			continue;
+		if (!problem_flat(&own->problem, v))
+			return true;
+		planes++;
+	}
+	return planes > 1;
+}
+
+static double deviation(const struct camera_private *own, int unknown)
+{
+	return sqrt(own->fit.covariance[unknown * (problem_unknowns(&own->problem) + 1)]);
+}
+
+/* Told worse than it is known beforehand, which it does not contradict either. */
+static bool aspect_lost(const struct camera_private *own, const double *x)
+{
+	const double told = deviation(own, MODEL_ASPECT), known = own->aspect_deviation;
+
+	if (!(told < ASPECT_LOST))
+		return true;
+	return told > known && fabs(x[MODEL_ASPECT] - own->aspect) < 3 * hypot(told, known);
+}
+
+static bool centre_lost(const struct camera_private *own, const double *x)
+{
+	for (int k = 0; k < 2; k++)
+		if (!(deviation(own, MODEL_CENTRE_X + k) <
+		      fmin(own->centre_deviation[k], CENTRE_LOST * own->diagonal)) ||
+		    !(fabs(x[MODEL_CENTRE_X + k] - own->centre[k]) < CENTRE_FAR * own->diagonal))
+			return true;
+	return false;
+}
+
+/* Descends from the held solution with its centre moved, by the points of few alone; x becomes what
+ * fits them best, false: nothing fits them better than x does. */
+static bool look_around(const struct camera_private *own, const struct camera_problem *few,
+			const bool *held, double *other, double *x)
+{
+	const size_t bytes = (size_t)problem_unknowns(few) * sizeof(*x);
+	double least = BETTER_FIT * problem_rms(few, x);
+	bool found = false;
+
+	for (int way = 0; way < 4; way++) {
+		memcpy(other, own->x, bytes);
+		other[MODEL_CENTRE_X + way / 2] += (way % 2 ? OTHER_CENTRE : -OTHER_CENTRE) *
+						   own->diagonal;
+		if (problem_descend(few, other, held, 0, false, NULL, NULL) ||
+		    problem_descend(few, other, own->fixed, 0, false, NULL, NULL) ||
+		    !(problem_rms(few, other) < least))
+			continue;
+		least = problem_rms(few, other);
+		memcpy(x, other, bytes);
+		found = true;
+	}
+	return found;
+}
+
+/* The good points of a lone view, or every so many-th of them. -ENOMEM. */
+static int choose_few(const struct camera_private *own, struct camera_problem *few, int first[2])
+{
+	const struct camera_problem *all = &own->problem;
+	struct observation *point = calloc((size_t)all->count, sizeof(*point));
+	int count = 0;
+
+	*few = *all;
+	few->place = calloc((size_t)all->count, sizeof(*few->place));
+	for (int i = 0; point && few->place && i < all->count; i += 1 + all->count / FEW_POINTS)
+		if (own->fit.weight[i] >= 0.1) {
+			point[count] = all->point[i];
+			memcpy(few->place[count++], all->place[i], sizeof(*few->place));
+		}
+	first[0] = 0;
+	first[1] = few->count = count;
+	few->first = first;
+	few->point = point;
+	return point && few->place ? 0 : -ENOMEM;
+}
+
+/* Seen once only, a free centre has wrong minima beside the right one: some hundred points are
+ * solved from other starts, and where one fits them better, all from there. */
+static int try_other_centres(struct camera_private *own, double *x)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+	struct camera_problem few;
+	struct least_squares_fit found = own->fit;
+	bool *held = calloc(n, sizeof(*held));
+	double *other = calloc(n, sizeof(*other)), *best = calloc(n, sizeof(*best));
+	int first[2], err = choose_few(own, &few, first);
+
+	if (!held || !other || !best)
+		err = -ENOMEM;
+	if (!err) {
+		hold_shared(own, true, true, held);
+		memcpy(best, x, n * sizeof(*x));
+	}
+	if (!err && look_around(own, &few, held, other, best)) {
+		own->fit = (struct least_squares_fit){0};
+		err = descend(own, best, own->fixed, false);
+		if (!err && own->fit.sigma < found.sigma) {
+			memcpy(x, best, n * sizeof(*x));
+		} else {
+			least_squares_free(&own->fit);
+			own->fit = found;
+			found = (struct least_squares_fit){0};
+		}
+		least_squares_free(&found);
+	}
+	free((void *)few.point);
+	free(few.place);
+	free(held);
+	free(other);
+	free(best);
+	return err == -ENOMEM ? err : 0;
+}
+
+/*
+ * First f, kappa1 and the poses; then the centre, and s where it shows. What turns out not to be
+ * known well enough to be of use is held at what was given, and the rest found again; the centre,
+ * too, that was lost only because s was.
+ */
+static int solve_full(struct camera_private *own, double *tried)
+{
+	const size_t bytes = (size_t)problem_unknowns(&own->problem) * sizeof(*tried);
+	const bool few = own->problem.count < FEWEST_FULL;
+	bool centre = few, aspect = !aspect_shows(own);
+	int err;
+
+	if (aspect) /* points in space have one in closed form */
+		own->x[MODEL_ASPECT] = own->aspect;
+	hold_shared(own, true, true, own->fixed);
+	err = descend(own, own->x, own->fixed, false);
+	if (err == -ENOMEM || own->task.intrinsics || (centre && aspect))
+		return err;
+	for (;;) {
+		memcpy(tried, own->x, bytes);
+		hold_shared(own, centre, aspect, own->fixed);
+		if (!enough(own)) {
+			hold_shared(own, true, true, own->fixed);
+			centre = aspect = true;
+		}
+		if (aspect)
+			tried[MODEL_ASPECT] = own->aspect;
+		err = descend(own, tried, own->fixed, false);
+		if (!err && !centre && own->problem.views == 1)
+			err = try_other_centres(own, tried);
+		if (err == -ENOMEM || (centre && aspect))
+			break;
+		if (!centre && (err == -ERANGE || centre_lost(own, tried))) {
+			centre = true;
+		} else if (!aspect && (err || aspect_lost(own, tried))) {
+			aspect = true;
+			centre = few;
+		} else {
+			break;
+		}
+	}
+	memcpy(own->x, tried, bytes);
+	return err;
+}
+
+static bool in_space(const struct camera_problem *problem)
+{
+	for (int v = 0; v < problem->views; v++)
+		if (problem->first[v + 1] > problem->first[v] && !problem_flat(problem, v))
+			return true;
+	return false;
+}
+
+/* Tsai's second stage: R, Tx and Ty are the closed form's, of points in space s, too. How well they
+ * are known is said as if they had been found together. */
+static int solve_three(struct camera_private *own)
+{
+	const bool aspect = !in_space(&own->problem) || !(own->aspect_deviation > 0);
+	int err;
+
+	if (aspect)
+		own->x[MODEL_ASPECT] = own->aspect;
+	hold_shared(own, true, true, own->fixed);
+	for (int v = 0; v < own->problem.views; v++)
+		for (int k = 0; k < MODEL_TRANSLATION + 2; k++)
+			own->fixed[model_of_view(v) + k] = true;
+	err = descend(own, own->x, own->fixed, false);
+	if (err == -ENOMEM)
+		return err;
+	hold_shared(own, true, aspect, own->fixed);
+	return descend(own, own->x, own->fixed, true);
+}
+
+/* Whether two solutions of a lone plane are one: their normals are within a degree. */
+static bool same_tilt(const struct camera_private *own, const double *a, const double *b)
+{
+	const double *axis = own->problem.shape[0].axes + 6;
+	struct model_view view[2];
+	double normal[2][3], across[3];
+
+	model_turn(&view[0], a + MODEL_SHARED);
+	model_turn(&view[1], b + MODEL_SHARED);
+	for (int k = 0; k < 2; k++)
+		mat_apply(view[k].rotation, axis, normal[k]);
+	vec_cross(normal[0], normal[1], across);
+	return vec_dot(normal[0], normal[1]) > 0 && vec_length(across) < 0.0175;
+}
+
+/* A lone plane is tried tilted the other way, too: from afar both look the same. */
+static int try_other_tilt(struct camera_private *own, double *other)
+{
+	const int n = problem_unknowns(&own->problem);
+	const double rms = problem_rms(&own->problem, own->x);
+	bool *pose_only = calloc((size_t)n, sizeof(*pose_only));
+	int err;
+
+	if (!pose_only)
+		return -ENOMEM;
+	for (int k = 0; k < MODEL_SHARED; k++)
+		pose_only[k] = true;
+	memcpy(other, own->x, (size_t)n * sizeof(*other));
+	camera_tilt(&own->problem, 0, own->x, other + MODEL_SHARED);
+	err = problem_descend(&own->problem, other, pose_only, own->task.robust ? CAMERA_LOSS : 0,
+			      false, NULL, NULL);
+	free(pose_only);
+	if (err == -ENOMEM)
+		return err;
+	if (err == -EDOM || same_tilt(own, own->x, other))
+		return 0;
+	own->other_tilt = problem_rms(&own->problem, other);
+	if (own->other_tilt < rms) {
+		own->fit_error = descend(own, other, own->fixed, false);
+		own->other_tilt = rms;
+		memcpy(own->x, other, (size_t)n * sizeof(*other));
+		return own->fit_error == -ENOMEM ? -ENOMEM : 0;
+	}
+	return 0;
+}
+
+/* ---- halves ---- */
+
+/* Solves again with every second good point of each view. */
+static int solve_half(struct camera_private *own, int parity, bool *unused)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+	struct camera_problem half = own->problem;
+	double *x = calloc(n, sizeof(*x));
+	int used = 0, wanted = 0, err;
+
+	if (!x)
+		return -ENOMEM;
+	for (int v = 0; v < half.views; v++)
+		for (int i = half.first[v]; i < half.first[v + 1]; i++) {
+			unused[i] = (i - half.first[v]) % 2 != parity || own->fit.weight[i] < 0.1;
+			used += !unused[i];
+		}
+	for (size_t k = 0; k < n; k++)
+		wanted += !own->fixed[k];
+	half.unused = unused;
+	memcpy(x, own->x, n * sizeof(*x));
+	err = 2 * used < wanted + 2 ? -ERANGE
+				    : problem_descend(&half, x, own->fixed, 0, false, NULL, NULL);
+	if (err) {
+		free(x);
+		return err == -ENOMEM ? err : 0;
+	}
+	own->half[parity] = x;
+	return 0;
+}
+
+static int solve_halves(struct camera_private *own)
+{
+	bool *unused = calloc((size_t)own->problem.count, sizeof(*unused));
+	int err = unused ? 0 : -ENOMEM;
+
+	for (int parity = 0; parity < 2 && !err; parity++)
+		err = solve_half(own, parity, unused);
+	free(unused);
+	return err;
+}
+
+/* ---- all of it ---- */
+
+/* A camera of the mirrored picture, and how well it does; rms stays where there is none. */
+static int fit_mirrored(const struct camera_private *own, const struct camera_start *start,
+			const bool *fixed, double *x, double *rms)
+{
+	struct camera_problem problem = own->problem;
+	struct observation *turned = calloc((size_t)problem.count, sizeof(*turned));
+	int err;
+
+	if (!turned)
+		return -ENOMEM;
+	memcpy(turned, problem.point, (size_t)problem.count * sizeof(*turned));
+	for (int i = 0; i < problem.count; i++)
+		turned[i].px[1] = 2 * own->centre[1] - turned[i].px[1];
+	problem.point = turned;
+	err = camera_guess(&problem, start, x);
+	if (!err) {
+		err = problem_descend(&problem, x, fixed, 0, false, NULL, NULL);
+		*rms = problem_rms(&problem, x);
+	}
+	free(turned);
+	return err == -ENOMEM ? err : 0;
+}
+
+/* From cameras of the mirrored picture to those that from afar show the same in the picture as it
+ * is: with near and far exchanged. */
+static void exchange_depths(const struct camera_problem *problem, double *x)
+{
+	for (int v = 0; v < problem->views; v++) {
+		double *pose = x + model_of_view(v), rotation[9], slope[3][9];
+
+		rotation_from_vector(pose + MODEL_ROTATION, rotation, slope);
+		for (int k = 3; k < 9; k++)
+			rotation[k] = -rotation[k];
+		rotation_to_vector(rotation, pose + MODEL_ROTATION);
+		pose[MODEL_TRANSLATION + 1] = -pose[MODEL_TRANSLATION + 1];
+	}
+}
+
+/*
+ * Points in space that do not fit: whether they do, and far better, once their picture is
+ * mirrored. Where near and far exchanged do about as well as that, they are seen from afar, and
+ * noise alone said which way the first guess went: *elsewhere, then, and x is where to start from.
+ * Through a lens that is known they may fit so far that nothing else would tell.
+ */
+static int try_mirrored(struct camera_private *own, const struct camera_start *start,
+			bool *elsewhere)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+	const double rms = own->guess_error ? INFINITY : problem_rms(&own->problem, own->x);
+	double *x = calloc(n, sizeof(*x)), mirrored = INFINITY, exchanged;
+	bool *fixed = calloc(n, sizeof(*fixed));
+	int err = -ENOMEM;
+
+	if (x && fixed) {
+		hold_shared(own, true, true, fixed);
+		err = fit_mirrored(own, start, fixed, x, &mirrored);
+	}
+	if (!err && mirrored < MISFIT * own->diagonal) {
+		exchange_depths(&own->problem, x);
+		err = problem_descend(&own->problem, x, fixed, 0, false, NULL, NULL);
+		exchanged = problem_rms(&own->problem, x);
+		own->mirrored = mirrored < FAR_BETTER * fmin(rms, exchanged);
+		*elsewhere = !own->mirrored && exchanged < FAR_BETTER * rms;
+	}
+	if (*elsewhere) {
+		memcpy(own->x, x, n * sizeof(*x));
+		own->guess_error = 0;
+	}
+	if (!err && (*elsewhere || own->task.intrinsics))
+		own->other_tilt = mirrored;
+	free(x);
+	free(fixed);
+	return err == -ENOMEM ? err : 0;
+}
+
+/* From the first guess. */
+static int solve_guessed(struct camera_private *own)
+{
+	double *tried = calloc((size_t)problem_unknowns(&own->problem), sizeof(*tried));
+	int err;
+
+	if (!tried)
+		return -ENOMEM;
+	if (own->task.method == CAMERA_THREE && !own->task.intrinsics)
+		own->fit_error = solve_three(own);
+	else
+		own->fit_error = solve_full(own, tried);
+	err = own->fit_error == -ENOMEM ? -ENOMEM : 0;
+	if (!err && own->problem.views == 1 && problem_flat(&own->problem, 0) &&
+	    own->task.method == CAMERA_FULL && own->fit_error != -EDOM)
+		err = try_other_tilt(own, tried);
+	free(tried);
+	return err;
+}
+
+int camera_solve(struct camera_private *own)
+{
+	const struct tsai_camera *known = own->task.intrinsics;
+	struct camera_start start = {.shared = {0, 0, own->centre[0], own->centre[1], 1},
+				     .known = known,
+				     .robust = own->task.robust};
+	bool elsewhere = false;
+	int err = 0;
+
+	own->other_tilt = INFINITY;
+	start.shared[MODEL_FOCAL] = known ? known->focal : 1;
+	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
+	start.shared[MODEL_ASPECT] = own->aspect;
+	own->guess_error = camera_guess(&own->problem, &start, own->x);
+	if (own->guess_error == -ENOMEM)
+		return -ENOMEM;
+	if (!own->guess_error)
+		err = solve_guessed(own);
+	if (!err && in_space(&own->problem) &&
+	    (known || own->guess_error ||
+	     problem_rms(&own->problem, own->x) > MISFIT * own->diagonal))
+		err = try_mirrored(own, &start, &elsewhere);
+	if (!err && elsewhere)
+		err = solve_guessed(own);
+	if (!err && !own->guess_error && !own->fit_error)
+		err = solve_halves(own);
+	return err;
+}

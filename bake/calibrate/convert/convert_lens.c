@@ -1,0 +1,237 @@
+/* Lenses of OpenCV and ROS from ours, and fisheyes of ours from theirs. */
+#include <errno.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/convert/convert.h"
+#include "bake/calibrate/estimate/linear.h"
+
+#define ACROSS 41 /* of the grid over the picture on which radii are compared */
+#define RADII (ACROSS * ACROSS)
+#define FINE_PX 0.01 /* what is worth three terms more */
+
+/* ---- their pinhole ---- */
+
+void lens_bend(const struct lens *lens, const double straight[2], double bent[2])
+{
+	const double *k = lens->term, x = straight[0], y = straight[1], r2 = x * x + y * y;
+	const double radial = (1 + r2 * (k[LENS_K1] + r2 * (k[LENS_K2] + r2 * k[LENS_K3]))) /
+			      (1 + r2 * (k[LENS_K4] + r2 * (k[LENS_K5] + r2 * k[LENS_K6])));
+
+	bent[0] = x * radial + 2 * k[LENS_P1] * x * y + k[LENS_P2] * (r2 + 2 * x * x);
+	bent[1] = y * radial + k[LENS_P1] * (r2 + 2 * y * y) + 2 * k[LENS_P2] * x * y;
+}
+
+/* ---- from Tsai's camera ---- */
+
+/* Radii before and after distortion over the picture of Tsai's camera, in units of the focal
+ * length. Returns how many. */
+static int sample_radii(const struct lens *lens, const struct tsai_camera *camera,
+			double radius[RADII][2])
+{
+	struct tsai_camera plain = *camera;
+	int count = 0;
+
+	memcpy(plain.rotation, (const double[9]){1, 0, 0, 0, 1, 0, 0, 0, 1},
+	       sizeof(plain.rotation));
+	for (int n = 0; n < RADII; n++) {
+		const double px[2] = {lens->width * (n % ACROSS) / (ACROSS - 1.0),
+				      lens->height * (n / ACROSS) / (ACROSS - 1.0)};
+		double origin[3], dir[3];
+
+		if (tsai_ray(&plain, px, origin, dir) || !(dir[2] > 0))
+			continue;
+		radius[count][0] = hypot(dir[0], dir[1]) / dir[2];
+		radius[count][1] = hypot((px[0] - lens->centre_px[0]) / lens->focal_px[0],
+					 (px[1] - lens->centre_px[1]) / lens->focal_px[1]);
+		count++;
+	}
+	return count;
+}
+
+static double worst_of_radii(const struct lens *lens, double radius[RADII][2], int count)
+{
+	double worst = 0;
+
+	for (int n = 0; n < count; n++) {
+		const double straight[2] = {radius[n][0], 0};
+		double bent[2];
+
+		lens_bend(lens, straight, bent);
+		worst = fmax(worst, fabs(bent[0] - radius[n][1]) *
+					    fmax(lens->focal_px[0], lens->focal_px[1]));
+	}
+	return worst;
+}
+
+/*
+ * k1, k2, k3, and with terms 6 the denominator's too, that bring theirs to these radii: with R
+ * after and r before, R (1 + k4 r^2 + ...) = r (1 + k1 r^2 + ...) is linear in all of them.
+ */
+static void fit_radial(struct lens *lens, double radius[RADII][2], int count, int terms,
+		       double room[])
+{
+	static const int place[] = {LENS_K1, LENS_K2, LENS_K3, LENS_K4, LENS_K5, LENS_K6};
+	double k[LENS_TERMS];
+
+	memset(room, 0, (size_t)(terms + 1) * RADII * sizeof(*room));
+	for (int n = 0; n < count; n++) {
+		const double r = radius[n][0], bent = radius[n][1];
+
+		for (int t = 0; t < terms; t++)
+			room[t * RADII + n] = t < 3 ? pow(r, 3 + 2 * t)
+						    : -bent * pow(r, 2 * (t - 2));
+		room[terms * RADII + n] = bent - r;
+	}
+	linear_solve(room, RADII, terms, k);
+	for (int t = 0; t < terms; t++)
+		lens->term[place[t]] = k[t];
+}
+
+/* Three terms where they do, six where they do not. */
+static int bend_as(struct lens *lens, const struct tsai_camera *camera, double tolerance_px,
+		   double *error_px)
+{
+	double(*radius)[2] = malloc(RADII * sizeof(*radius));
+	double *room = malloc((LENS_TERMS + 1) * RADII * sizeof(*room));
+	int count, err = -ENOMEM;
+
+	if (radius && room) {
+		err = 0;
+		count = sample_radii(lens, camera, radius);
+		for (int terms = 3; terms <= 6; terms += 3) {
+			fit_radial(lens, radius, count, terms, room);
+			*error_px = worst_of_radii(lens, radius, count);
+			if (*error_px <= fmin(tolerance_px, FINE_PX))
+				break;
+		}
+	}
+	free(radius);
+	free(room);
+	return err;
+}
+
+int lens_of_tsai(struct lens *lens, const struct tsai_camera *camera, double tolerance_px,
+		 double *error_px, struct fault *fault)
+{
+	struct tsai_camera checked = *camera;
+	int err = tsai_check(&checked, fault);
+
+	if (err)
+		return err;
+	*lens = (struct lens){
+		.width = checked.width,
+		.height = checked.height,
+		.focal_px = {checked.aspect * checked.focal / checked.pixel[0],
+			     checked.focal / checked.pixel[1]},
+		.centre_px = {checked.centre_px[0], checked.height - checked.centre_px[1]},
+	};
+	*error_px = 0;
+	if (checked.distortion == TSAI_DISTORTS || checked.kappa1 == 0)
+		lens->term[LENS_K1] = checked.kappa1 * checked.focal * checked.focal;
+	else
+		err = bend_as(lens, &checked, tolerance_px, error_px);
+	if (err)
+		return fault_say(fault, err, "not enough memory");
+	if (!(*error_px <= tolerance_px))
+		return fault_say(fault, -ERANGE,
+				 "kappa1 undistorts, which k1 to k6 meet to %.3g px only, "
+				 "expected at most %.3g; calibrate with --distortion distorts, or "
+				 "allow more by --tolerance",
+				 *error_px, tolerance_px);
+	return 0;
+}
+
+/* ---- fisheyes ---- */
+
+/* k1..k4 that bring the polynomial to another curve up to the rim. */
+static void fit_polynomial(struct lens *lens, const struct fisheye *ours, double *error_px)
+{
+	enum { ROWS = 512 };
+	static const struct fisheye_curve none = {.model = FISHEYE_EQUIDISTANT};
+	struct fisheye_curve curve = {.model = FISHEYE_POLYNOMIAL};
+	double a[(FISHEYE_TERMS + 1) * ROWS];
+
+	for (int n = 0; n < ROWS; n++) {
+		const double theta = ours->field_rad * (n + 1) / ROWS;
+
+		for (int t = 0; t < FISHEYE_TERMS; t++)
+			a[t * ROWS + n] = pow(theta, 3 + 2 * t);
+		a[FISHEYE_TERMS * ROWS + n] = fisheye_curve_radius(&ours->curve, theta) -
+					      fisheye_curve_radius(&none, theta);
+	}
+	linear_solve(a, ROWS, FISHEYE_TERMS, curve.k);
+	memcpy(lens->term, curve.k, sizeof(curve.k));
+	*error_px = 0;
+	for (int n = 0; n < ROWS; n++) {
+		const double theta = ours->field_rad * (n + 1) / ROWS;
+		const double off = fisheye_curve_radius(&ours->curve, theta) -
+				   fisheye_curve_radius(&curve, theta);
+
+		*error_px = fmax(*error_px, fabs(off) * fmax(ours->focal_px[0], ours->focal_px[1]));
+	}
+}
+
+int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, int width,
+		    int height, double tolerance_px, double *error_px, struct fault *fault)
+{
+	struct fisheye ours;
+	const int err = fisheye_prepare(&ours, settings, width, height, fault);
+
+	if (err)
+		return err;
+	*lens = (struct lens){.fisheye = true, .width = width, .height = height};
+	memcpy(lens->focal_px, ours.focal_px, sizeof(lens->focal_px));
+	memcpy(lens->centre_px, ours.centre_px, sizeof(lens->centre_px));
+	*error_px = 0;
+	if (ours.curve.model == FISHEYE_POLYNOMIAL)
+		memcpy(lens->term, ours.curve.k, sizeof(ours.curve.k));
+	else if (ours.curve.model != FISHEYE_EQUIDISTANT)
+		fit_polynomial(lens, &ours, error_px);
+	if (!(*error_px <= tolerance_px))
+		return fault_say(fault, -ERANGE,
+				 "the polynomial meets this %s lens to %.3g px only, expected at "
+				 "most %.3g; allow more by --tolerance, or take a smaller field",
+				 fisheye_model_names[ours.curve.model], *error_px, tolerance_px);
+	return 0;
+}
+
+/* The angle of the farthest corner, or where the polynomial folds over. */
+static double widest_rad(const struct lens *lens, const struct fisheye_curve *curve)
+{
+	const double most = fmin(M_PI / 2, (1 - 1e-6) * fisheye_curve_fold(curve, M_PI / 2));
+	double corner = 0;
+
+	for (int k = 0; k < 4; k++)
+		corner = fmax(
+			corner,
+			hypot(((k & 1) * lens->width - lens->centre_px[0]) / lens->focal_px[0],
+			      ((k >> 1) * lens->height - lens->centre_px[1]) / lens->focal_px[1]));
+	return fisheye_curve_angle(curve, corner, most);
+}
+
+int lens_to_fisheye(const struct lens *lens, struct fisheye_settings *settings, struct fault *fault)
+{
+	struct fisheye_curve curve = {.model = FISHEYE_POLYNOMIAL};
+	struct fisheye prepared;
+	bool plain = true;
+
+	if (!lens->fisheye)
+		return fault_say(fault, -EINVAL, "a pinhole camera, expected a fisheye");
+	memcpy(curve.k, lens->term, sizeof(curve.k));
+	for (int k = 0; k < FISHEYE_TERMS; k++)
+		plain &= curve.k[k] == 0;
+	if (plain)
+		curve.model = FISHEYE_EQUIDISTANT;
+	*settings = (struct fisheye_settings){.model = (int)curve.model};
+	memcpy(settings->focal_px, lens->focal_px, sizeof(settings->focal_px));
+	memcpy(settings->centre_px, lens->centre_px, sizeof(settings->centre_px));
+	memcpy(settings->polynomial, curve.k, sizeof(settings->polynomial));
+	/* rounding must not lose the horizon; below a degree is no fisheye, and refused */
+	settings->field_deg = fmax(widest_rad(lens, &curve) * (180 / M_PI), 1);
+	if (settings->field_deg > 90 - 1e-9)
+		settings->field_deg = 90;
+	return fisheye_prepare(&prepared, settings, lens->width, lens->height, fault);
+}

@@ -1,0 +1,218 @@
+/* Tsai's camera from the pinhole of OpenCV and ROS. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/camera/camera_model.h"
+#include "bake/calibrate/convert/convert.h"
+#include "bake/calibrate/estimate/least_squares.h"
+#include "hal/optics/vec.h"
+
+#define SENSOR_MM 36.0 /* as tsai_look_at() has it */
+#define SPOKES 32      /* along which a lens is sampled, from its centre outwards */
+#define STEPS 120
+#define FAR 20.0 /* tangent of the widest angle that is looked at */
+
+/* A direction, in focal lengths from the axis, and where it is seen. */
+struct sample {
+	double straight[2], px[2];
+};
+
+static bool in_picture(const struct lens *lens, const double px[2])
+{
+	return px[0] >= 0 && px[1] >= 0 && px[0] <= lens->width && px[1] <= lens->height;
+}
+
+/* Outwards from the centre along each spoke, as far as the picture goes and the lens does not fold
+ * over. Returns how many. */
+static int take_samples(const struct lens *lens, struct sample *sample)
+{
+	const double reach = 2 * hypot(lens->width, lens->height) /
+			     fmin(lens->focal_px[0], lens->focal_px[1]);
+	int count = 0;
+
+	for (int a = 0; a < SPOKES; a++) {
+		const double angle = 2 * M_PI * a / SPOKES;
+		double before = 0;
+
+		for (int k = 1; k <= STEPS; k++) {
+			const double r = fmin(reach, FAR) * k / STEPS;
+			struct sample *s = &sample[count];
+			double bent[2], length;
+
+			s->straight[0] = r * cos(angle);
+			s->straight[1] = r * sin(angle);
+			lens_bend(lens, s->straight, bent);
+			for (int i = 0; i < 2; i++)
+				s->px[i] = lens->centre_px[i] + lens->focal_px[i] * bent[i];
+			length = hypot(bent[0], bent[1]);
+			if (!(length > before) || !in_picture(lens, s->px))
+				break;
+			before = length;
+			count++;
+		}
+	}
+	return count;
+}
+
+/* ---- the fit ---- */
+
+enum {
+	FIT_FOCAL_X, /* px */
+	FIT_FOCAL_Y,
+	FIT_CENTRE_X,
+	FIT_CENTRE_Y,
+	FIT_KAPPA, /* in focal lengths */
+	FIT_TURN,
+	FIT_UNKNOWNS = FIT_TURN + 3
+};
+
+struct fit {
+	const struct lens *lens;
+	const struct sample *sample;
+	int count;
+	enum tsai_distortion direction;
+};
+
+static void put_camera(const struct fit *fit, const double *x, struct tsai_camera *camera)
+{
+	const struct lens *lens = fit->lens;
+	double slope[3][9];
+
+	*camera = (struct tsai_camera){
+		.width = lens->width,
+		.height = lens->height,
+		.distortion = (int)fit->direction,
+		.centre_px = {x[FIT_CENTRE_X], lens->height - x[FIT_CENTRE_Y]},
+		.aspect = x[FIT_FOCAL_X] / x[FIT_FOCAL_Y],
+	};
+	camera->pixel[0] = camera->pixel[1] = SENSOR_MM / lens->width;
+	camera->focal = x[FIT_FOCAL_Y] * camera->pixel[1];
+	camera->kappa1 = x[FIT_KAPPA] / (camera->focal * camera->focal);
+	rotation_from_vector(x + FIT_TURN, camera->rotation, slope);
+}
+
+static bool evaluate(void *context, const double *x, double *residual)
+{
+	const struct fit *fit = context;
+	struct tsai_camera camera;
+
+	if (!(x[FIT_FOCAL_X] > 0) || !(x[FIT_FOCAL_Y] > 0))
+		return false;
+	put_camera(fit, x, &camera);
+	for (int k = 0; k < fit->count; k++) {
+		const struct sample *s = &fit->sample[k];
+		const double world[3] = {s->straight[0], s->straight[1], 1};
+		double px[2];
+
+		if (tsai_project(&camera, world, px))
+			return false;
+		residual[2 * k] = px[0] - s->px[0];
+		residual[2 * k + 1] = px[1] - s->px[1];
+	}
+	return true;
+}
+
+/* Theirs without distortion to begin with: that is seen everywhere. */
+static void first_guess(const struct lens *lens, double *x)
+{
+	memset(x, 0, FIT_UNKNOWNS * sizeof(*x));
+	x[FIT_FOCAL_X] = lens->focal_px[0];
+	x[FIT_FOCAL_Y] = lens->focal_px[1];
+	x[FIT_CENTRE_X] = lens->centre_px[0];
+	x[FIT_CENTRE_Y] = lens->centre_px[1];
+}
+
+/* Infinite when nothing comes near. */
+static double worst(const struct least_squares_fit *found, int count)
+{
+	double most = 0;
+
+	for (int k = 0; k < count; k++)
+		most = fmax(most, hypot(found->residual[2 * k], found->residual[2 * k + 1]));
+	return most;
+}
+
+static int fit_direction(const struct fit *fit, double *x, double *error_px)
+{
+	static const double scale[FIT_UNKNOWNS] = {1, 1, 1, 1, 0.01, 1e-3, 1e-3, 1e-3};
+	const struct least_squares problem = {.parameters = FIT_UNKNOWNS,
+					      .residuals = 2 * fit->count,
+					      .evaluate = evaluate,
+					      .context = (void *)fit,
+					      .scale = scale,
+					      .group = 2};
+	struct least_squares_fit found = {.freedom = 0};
+	int err;
+
+	first_guess(fit->lens, x);
+	err = least_squares_solve(&problem, x, &found, NULL);
+	*error_px = err && err != -ETIMEDOUT ? INFINITY : worst(&found, fit->count);
+	least_squares_free(&found);
+	return err == -ENOMEM ? err : 0;
+}
+
+static int fit_camera(const struct lens *lens, struct tsai_camera *camera, double *error_px,
+		      double *turn_deg)
+{
+	struct sample *sample = malloc((size_t)SPOKES * STEPS * sizeof(*sample));
+	struct fit fit = {.lens = lens, .sample = sample};
+	int err = sample ? 0 : -ENOMEM;
+
+	*error_px = INFINITY;
+	if (sample)
+		fit.count = take_samples(lens, sample);
+	for (int direction = TSAI_DISTORTS; direction <= TSAI_UNDISTORTS && !err; direction++) {
+		double x[FIT_UNKNOWNS], error;
+
+		fit.direction = (enum tsai_distortion)direction;
+		err = fit_direction(&fit, x, &error);
+		if (err || !(error < *error_px))
+			continue;
+		*error_px = error;
+		*turn_deg = vec_length(x + FIT_TURN) * (180 / M_PI);
+		memset(x + FIT_TURN, 0, 3 * sizeof(*x));
+		put_camera(&fit, x, camera);
+	}
+	free(sample);
+	return err;
+}
+
+/* ---- cameras ---- */
+
+static bool only_k1(const struct lens *lens)
+{
+	for (int k = 0; k < LENS_TERMS; k++)
+		if (k != LENS_K1 && lens->term[k] != 0)
+			return false;
+	return true;
+}
+
+int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
+		 double *error_px, double *turn_deg, struct fault *fault)
+{
+	const struct fit same = {.lens = lens, .direction = TSAI_DISTORTS};
+	double x[FIT_UNKNOWNS];
+	int err = 0;
+
+	*error_px = *turn_deg = 0;
+	if (lens->fisheye)
+		return fault_say(fault, -EINVAL, "a fisheye, expected a pinhole camera");
+	if (only_k1(lens)) {
+		first_guess(lens, x);
+		x[FIT_KAPPA] = lens->term[LENS_K1];
+		put_camera(&same, x, camera);
+	} else {
+		err = fit_camera(lens, camera, error_px, turn_deg);
+	}
+	if (err)
+		return fault_say(fault, err, "not enough memory");
+	if (!(*error_px <= tolerance_px))
+		return fault_say(fault, -ERANGE,
+				 "its distortion is more than one kappa1 can say, which would be "
+				 "off by %.3g px, expected at most %.3g; allow more by "
+				 "--tolerance, or calibrate anew",
+				 *error_px, tolerance_px);
+	return tsai_check(camera, fault);
+}

@@ -1,0 +1,402 @@
+#include "bake/calibrate/estimate/least_squares.h"
+
+#include <cminpack.h>
+#include <errno.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/estimate/covariance.h"
+
+#define EVALUATIONS_MAX 500
+#define WEIGHTINGS_MAX 50
+#define WEIGHTS_SETTLED 1e-4 /* of a weight: less moves nothing by 1e-3 of its deviation */
+#define WEIGHTS_MOVE 0.03    /* more: what is found with them is soon found again */
+#define OUTLIER_WEIGHT 0.1
+/* Of the sum of squares. Parameters are then right to 1e-6 of their deviations; a problem without
+ * noise gains ten decades a step until rounding ends it. */
+#define TOLERANCE 1e-14
+#define ROUGHLY 1e-4
+/* Residuals of a step that must not be taken: any finite ones are smaller. */
+#define NO_RESIDUAL 1e100
+
+/* What lmder's callbacks need; its unknowns are the free parameters' distances from base in units
+ * of their scales. */
+struct work {
+	const struct least_squares *problem;
+	int columns;		     /* free parameters */
+	int *parameter;		     /* [columns] */
+	double *base, *x;	     /* [parameters] */
+	double *root;		     /* [groups]: square roots of the weights */
+	double *dense;		     /* [residuals][parameters] */
+	double *ahead, *behind;	     /* [residuals] */
+	double *jacobian;	     /* [columns][residuals], as lmder has it */
+	double *residual;	     /* [residuals], weighted */
+	double *lengths;	     /* [groups] */
+	double *unknown, *for_lmder; /* [columns], [5 columns + residuals] */
+	int *pivot;
+};
+
+static void work_free(struct work *work)
+{
+	free(work->parameter);
+	free(work->base);
+	free(work->x);
+	free(work->root);
+	free(work->dense);
+	free(work->ahead);
+	free(work->behind);
+	free(work->jacobian);
+	free(work->residual);
+	free(work->lengths);
+	free(work->unknown);
+	free(work->for_lmder);
+	free(work->pivot);
+}
+
+static int work_create(struct work *work, const struct least_squares *problem)
+{
+	const size_t n = (size_t)problem->parameters, m = (size_t)problem->residuals;
+	const size_t groups = m / (size_t)problem->group;
+
+	*work = (struct work){.problem = problem};
+	work->parameter = calloc(n, sizeof(*work->parameter));
+	work->base = calloc(n, sizeof(double));
+	work->x = calloc(n, sizeof(double));
+	work->root = calloc(groups, sizeof(double));
+	work->dense = calloc(n * m, sizeof(double));
+	work->ahead = calloc(m, sizeof(double));
+	work->behind = calloc(m, sizeof(double));
+	work->jacobian = calloc(n * m, sizeof(double));
+	work->residual = calloc(m, sizeof(double));
+	work->lengths = calloc(groups, sizeof(double));
+	work->unknown = calloc(n, sizeof(double));
+	work->for_lmder = calloc(5 * n + m, sizeof(double));
+	work->pivot = calloc(n, sizeof(*work->pivot));
+	if (!work->parameter || !work->base || !work->x || !work->root || !work->dense ||
+	    !work->ahead || !work->behind || !work->jacobian || !work->residual || !work->lengths ||
+	    !work->unknown || !work->for_lmder || !work->pivot) {
+		work_free(work);
+		return -ENOMEM;
+	}
+	for (int k = 0; k < problem->parameters; k++)
+		if (!problem->fixed || !problem->fixed[k])
+			work->parameter[work->columns++] = k;
+	return 0;
+}
+
+static bool evaluate(const struct work *work, const double *x, double *residual)
+{
+	const struct least_squares *problem = work->problem;
+
+	if (!problem->evaluate(problem->context, x, residual))
+		return false;
+	for (int i = 0; i < problem->residuals; i++)
+		if (!(fabs(residual[i]) < NO_RESIDUAL))
+			return false;
+	return true;
+}
+
+static void difference(struct work *work, double *x)
+{
+	const struct least_squares *problem = work->problem;
+	const int n = problem->parameters;
+
+	for (int j = 0; j < work->columns; j++) {
+		const int k = work->parameter[j];
+		const double here = x[k], step = problem->scale[k] * cbrt(DBL_EPSILON);
+		/* What was really stepped: a large x rounds. */
+		volatile double above = here + step, below = here - step;
+		bool ahead, behind;
+
+		x[k] = above;
+		ahead = evaluate(work, x, work->ahead);
+		x[k] = below;
+		behind = evaluate(work, x, work->behind);
+		x[k] = here;
+		if (!ahead && !behind)
+			continue;
+		if (!ahead) {
+			evaluate(work, x, work->ahead);
+			above = here;
+		} else if (!behind) {
+			evaluate(work, x, work->behind);
+			below = here;
+		}
+		for (int i = 0; i < problem->residuals; i++)
+			work->dense[i * n + k] = (work->ahead[i] - work->behind[i]) /
+						 (above - below);
+	}
+}
+
+/* Weighted, free columns only, in units of the scales. */
+static void differentiate(struct work *work, double *x, double *jacobian)
+{
+	const struct least_squares *problem = work->problem;
+	const int n = problem->parameters, m = problem->residuals;
+
+	memset(work->dense, 0, (size_t)n * (size_t)m * sizeof(*work->dense));
+	if (problem->differentiate)
+		problem->differentiate(problem->context, x, work->dense);
+	else
+		difference(work, x);
+	for (int j = 0; j < work->columns; j++) {
+		const int k = work->parameter[j];
+
+		for (int i = 0; i < m; i++)
+			jacobian[(size_t)j * (size_t)m + (size_t)i] =
+				work->dense[i * n + k] * problem->scale[k] *
+				work->root[i / problem->group];
+	}
+}
+
+static int called_back(void *context, int m, int n, const double *unknown, double *residual,
+		       double *jacobian, int stride, int what)
+{
+	struct work *work = context;
+	const struct least_squares *problem = work->problem;
+
+	(void)stride; /* m */
+	for (int j = 0; j < n; j++) {
+		const int k = work->parameter[j];
+
+		work->x[k] = work->base[k] + problem->scale[k] * unknown[j];
+	}
+	if (what == 2) {
+		differentiate(work, work->x, jacobian);
+		return 0;
+	}
+	if (evaluate(work, work->x, residual))
+		for (int i = 0; i < m; i++)
+			residual[i] *= work->root[i / problem->group];
+	else
+		for (int i = 0; i < m; i++)
+			residual[i] = NO_RESIDUAL;
+	return 0;
+}
+
+/* From base, with the weights as they are; base becomes the solution. */
+static int descend(struct work *work, double tolerance, int *iterations)
+{
+	const struct least_squares *problem = work->problem;
+	const int n = work->columns, m = problem->residuals;
+	double *wa = work->for_lmder;
+	double *unknown = work->unknown;
+	int evaluations = 0, derivatives = 0, info;
+
+	memcpy(work->x, work->base, (size_t)problem->parameters * sizeof(*work->x));
+	memset(unknown, 0, (size_t)n * sizeof(*unknown));
+	info = lmder(called_back, work, m, n, unknown, work->residual, work->jacobian, m, tolerance,
+		     tolerance, 0, EVALUATIONS_MAX, wa, 1, 100, 0, &evaluations, &derivatives,
+		     work->pivot, wa + n, wa + 2 * n, wa + 3 * n, wa + 4 * n, wa + 5 * n);
+	*iterations += derivatives;
+	for (int j = 0; j < n; j++)
+		work->base[work->parameter[j]] += problem->scale[work->parameter[j]] * unknown[j];
+	return info == 5 ? -ETIMEDOUT : 0;
+}
+
+static int compare(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+static double group_length(const struct work *work, const double *residual, int g)
+{
+	double squares = 0;
+
+	for (int i = 0; i < work->problem->group; i++) {
+		const double r = residual[g * work->problem->group + i];
+
+		squares += r * r;
+	}
+	return sqrt(squares);
+}
+
+/* The loss's c: loss_scale times sigma from the median length, which is that of a chi
+ * distribution of as many degrees of freedom as a group has (Wilson and Hilferty), widened for the
+ * freedom that the fit took. */
+static double loss_width(const struct work *work, const double *residual)
+{
+	const struct least_squares *problem = work->problem;
+	const int groups = problem->residuals / problem->group;
+	const double size = problem->group, median_of_one = sqrt(size * pow(1 - 2 / (9 * size), 3));
+	const int freedom = problem->residuals - work->columns;
+	double sigma;
+
+	for (int g = 0; g < groups; g++)
+		work->lengths[g] = group_length(work, residual, g);
+	qsort(work->lengths, (size_t)groups, sizeof(*work->lengths), compare);
+	sigma = work->lengths[groups / 2] / median_of_one *
+		sqrt((double)problem->residuals / (freedom > 0 ? freedom : 1));
+	/* Where most points fit to rounding, rounding is not what tells them apart. */
+	return problem->loss_scale * fmax(sigma, 1e-9 * work->lengths[groups - 1]);
+}
+
+/* New weights; returns the largest change of one. */
+static double reweight(struct work *work, const double *residual, double *width)
+{
+	const int groups = work->problem->residuals / work->problem->group;
+	double most = 0;
+
+	*width = loss_width(work, residual);
+	for (int g = 0; g < groups; g++) {
+		const double r = group_length(work, residual, g);
+		const double weight = *width > 0 ? 1 / (1 + r * r / (*width * *width)) : 1;
+		const double was = work->root[g] * work->root[g];
+
+		most = fmax(most, fabs(weight - was));
+		work->root[g] = sqrt(weight);
+	}
+	return most;
+}
+
+/* Fills squares, sigma and freedom; returns what the covariance is multiplied with. */
+static double spread(const struct work *work, double width, struct least_squares_fit *fit)
+{
+	const struct least_squares *problem = work->problem;
+	const int groups = problem->residuals / problem->group;
+	double squares = 0, weights = 0, psi_squares = 0, slope = 0;
+	int inliers = 0;
+
+	for (int g = 0; g < groups; g++) {
+		const double r = group_length(work, fit->residual, g), w = fit->weight[g];
+
+		fit->squares += w * r * r;
+		if (w < OUTLIER_WEIGHT)
+			continue;
+		inliers++;
+		squares += r * r;
+		weights += w;
+		psi_squares += w * w * r * r;
+		slope += w - (width > 0 ? 2 * w * w * r * r / (problem->group * width * width) : 0);
+	}
+	fit->freedom = inliers * problem->group - work->columns;
+	if (fit->freedom <= 0)
+		return 0;
+	fit->sigma = sqrt(squares / fit->freedom);
+	if (problem->loss_scale > 0 &&
+	    squares > 0) /* psi^2 / sigma^2, both as the data have them */
+		return fit->sigma * fit->sigma * (weights / inliers) * (psi_squares / squares) /
+		       ((slope / inliers) * (slope / inliers));
+	return fit->sigma * fit->sigma;
+}
+
+static int fill(struct work *work, double width, struct least_squares_fit *fit, struct fault *fault)
+{
+	const struct least_squares *problem = work->problem;
+	const int n = problem->parameters;
+	const struct covariance_task task = {
+		.rows = problem->residuals,
+		.columns = work->columns,
+		.jacobian = work->jacobian,
+		/* Differences are right to this. */
+		.rounding = problem->differentiate ? 1e-13 : 1e-10,
+	};
+	double *small = work->dense;
+	double variance;
+	int err, worst[2];
+
+	memcpy(work->x, work->base, (size_t)n * sizeof(*work->x));
+	evaluate(work, work->x, fit->residual);
+	for (int g = 0; g < problem->residuals / problem->group; g++)
+		fit->weight[g] = work->root[g] * work->root[g];
+	variance = spread(work, width, fit);
+	differentiate(work, work->x, work->jacobian);
+	err = covariance_find(&task, small, &fit->condition, worst);
+	if (err && err != -ERANGE)
+		return err;
+	for (int a = 0; a < work->columns; a++)
+		for (int b = 0; b < work->columns; b++) {
+			const int i = work->parameter[a], j = work->parameter[b];
+			const double c = small[a * work->columns + b];
+
+			fit->inverse[i * n + j] = c * problem->scale[i] * problem->scale[j];
+			fit->covariance[i * n + j] = isinf(c) ? c
+							      : variance * fit->inverse[i * n + j];
+		}
+	if (err && problem->name)
+		fault_say(fault, err, "what was observed does not tell %s from %s",
+			  problem->name[work->parameter[worst[0]]],
+			  problem->name[work->parameter[worst[1]]]);
+	else if (err)
+		fault_say(fault, err,
+			  "what was observed does not tell parameter %d from parameter %d",
+			  work->parameter[worst[0]] + 1, work->parameter[worst[1]] + 1);
+	return err;
+}
+
+static int solve(struct work *work, double *x, struct least_squares_fit *fit, struct fault *fault)
+{
+	const struct least_squares *problem = work->problem;
+	const size_t bytes = (size_t)problem->parameters * sizeof(*x);
+	double width = 0;
+	int err, late = 0;
+
+	memcpy(work->base, x, bytes);
+	for (int g = 0; g < problem->residuals / problem->group; g++)
+		work->root[g] = 1;
+	if (!evaluate(work, x, fit->residual))
+		return fault_say(fault, -EDOM, "the first guess does not see every point");
+	/* A robust descent has its weights from the first guess on: plain squares would follow the
+	 * outliers away from a good one. */
+	if (!problem->stay && !(problem->loss_scale > 0))
+		late = descend(work, TOLERANCE, &fit->iterations);
+	for (int k = 0; problem->loss_scale > 0 && k < WEIGHTINGS_MAX; k++) {
+		double change;
+
+		evaluate(work, work->base, fit->residual);
+		change = reweight(work, fit->residual, &width);
+		if (change < WEIGHTS_SETTLED)
+			break;
+		if (!problem->stay)
+			late = descend(work, change < WEIGHTS_MOVE ? TOLERANCE : ROUGHLY,
+				       &fit->iterations);
+	}
+	err = fill(work, width, fit, fault);
+	memcpy(x, work->base, bytes);
+	if (!err && late)
+		err = fault_say(fault, late, "no solution after %d iterations", fit->iterations);
+	return err;
+}
+
+int least_squares_solve(const struct least_squares *problem, double *x,
+			struct least_squares_fit *fit, struct fault *fault)
+{
+	const size_t n = (size_t)problem->parameters, m = (size_t)problem->residuals;
+	struct work work;
+	int err;
+
+	*fit = (struct least_squares_fit){0};
+	if (problem->group < 1 || problem->residuals % problem->group || problem->parameters < 1 ||
+	    problem->residuals < 1)
+		return fault_say(fault, -EINVAL, "%d numbers in groups of %d, %d parameters",
+				 problem->residuals, problem->group, problem->parameters);
+	err = work_create(&work, problem);
+	if (err)
+		return fault_say(fault, err, "out of memory");
+	fit->covariance = calloc(n * n, sizeof(*fit->covariance));
+	fit->inverse = calloc(n * n, sizeof(*fit->inverse));
+	fit->weight = calloc(m / (size_t)problem->group, sizeof(*fit->weight));
+	fit->residual = calloc(m, sizeof(*fit->residual));
+	if (!fit->covariance || !fit->inverse || !fit->weight || !fit->residual)
+		err = fault_say(fault, -ENOMEM, "out of memory");
+	else if (work.columns < 1 || work.columns > problem->residuals)
+		err = fault_say(fault, -EINVAL, "%d numbers observed, %d parameters to find",
+				problem->residuals, work.columns);
+	else
+		err = solve(&work, x, fit, fault);
+	work_free(&work);
+	return err;
+}
+
+void least_squares_free(struct least_squares_fit *fit)
+{
+	free(fit->covariance);
+	free(fit->inverse);
+	free(fit->weight);
+	free(fit->residual);
+	*fit = (struct least_squares_fit){0};
+}

@@ -1,0 +1,150 @@
+#include "bake/calibrate/estimate/linear.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#define SWEEPS_MAX 60
+
+static double dot(const double *a, const double *b, int count)
+{
+	double sum = 0;
+
+	for (int i = 0; i < count; i++)
+		sum += a[i] * b[i];
+	return sum;
+}
+
+void linear_scale(double *a, int rows, int columns, double *length)
+{
+	for (int j = 0; j < columns; j++) {
+		double *column = a + (size_t)j * (size_t)rows;
+		double largest = 0, size;
+
+		for (int i = 0; i < rows; i++)
+			largest = fmax(largest, fabs(column[i]));
+		for (int i = 0; i < rows && largest > 0; i++)
+			column[i] /= largest;
+		size = sqrt(dot(column, column, rows));
+		for (int i = 0; i < rows && largest > 0; i++)
+			column[i] /= size;
+		length[j] = largest > 0 ? largest * size : 1;
+	}
+}
+
+void linear_triangulate(double *a, int rows, int columns, int kept, double *r)
+{
+	for (int j = 0; j < kept; j++) {
+		double *v = a + (size_t)j * (size_t)rows;
+		const double size = sqrt(dot(v + j, v + j, rows - j));
+		const double head = v[j] > 0 ? -size : size;
+		double reach;
+
+		for (int i = 0; i < kept; i++)
+			r[j * kept + i] = i < j ? v[i] : 0;
+		r[j * kept + j] = head;
+		v[j] -= head;
+		reach = dot(v + j, v + j, rows - j);
+		for (int k = j + 1; k < columns && reach > 0; k++) {
+			double *other = a + (size_t)k * (size_t)rows;
+			const double part = 2 * dot(v + j, other + j, rows - j) / reach;
+
+			for (int i = j; i < rows; i++)
+				other[i] -= part * v[i];
+		}
+	}
+	for (int j = kept; j < columns; j++)
+		memcpy(r + (size_t)j * (size_t)kept, a + (size_t)j * (size_t)rows,
+		       (size_t)kept * sizeof(*r));
+}
+
+static void rotate(double *a, double *b, int count, double c, double s)
+{
+	for (int i = 0; i < count; i++) {
+		const double x = a[i], y = b[i];
+
+		a[i] = c * x - s * y;
+		b[i] = s * x + c * y;
+	}
+}
+
+/* Makes columns p and q of r orthogonal. False: they are. */
+static bool turn(double *r, double *v, int n, int p, int q)
+{
+	double *a = r + (size_t)p * (size_t)n, *b = r + (size_t)q * (size_t)n;
+	const double aa = dot(a, a, n), bb = dot(b, b, n), ab = dot(a, b, n);
+	double zeta, t, c;
+
+	if (fabs(ab) <= DBL_EPSILON * sqrt(aa * bb) || ab == 0)
+		return false;
+	zeta = (bb - aa) / (2 * ab);
+	t = copysign(1, zeta) / (fabs(zeta) + hypot(1, zeta));
+	c = 1 / hypot(1, t);
+	rotate(a, b, n, c, c * t);
+	rotate(v + (size_t)p * (size_t)n, v + (size_t)q * (size_t)n, n, c, c * t);
+	return true;
+}
+
+void linear_diagonalize(double *r, double *v, int n)
+{
+	bool turned = true;
+
+	memset(v, 0, (size_t)n * (size_t)n * sizeof(*v));
+	for (int k = 0; k < n; k++)
+		v[k * n + k] = 1;
+	for (int sweep = 0; sweep < SWEEPS_MAX && turned; sweep++) {
+		turned = false;
+		for (int p = 0; p < n; p++)
+			for (int q = p + 1; q < n; q++)
+				turned |= turn(r, v, n, p, q);
+	}
+}
+
+double linear_solve(double *a, int rows, int columns, double *x)
+{
+	double r[(LINEAR_SMALL_MAX + 1) * LINEAR_SMALL_MAX], v[LINEAR_SMALL_MAX * LINEAR_SMALL_MAX];
+	double length[LINEAR_SMALL_MAX], least = INFINITY, most = 0;
+	const double *b = r + columns * columns;
+
+	linear_scale(a, rows, columns, length);
+	linear_triangulate(a, rows, columns + 1, columns, r);
+	linear_diagonalize(r, v, columns);
+	memset(x, 0, (size_t)columns * sizeof(*x));
+	for (int k = 0; k < columns; k++) {
+		const double *w = r + k * columns;
+		const double square = dot(w, w, columns);
+		const double part = square > 0 ? dot(w, b, columns) / square : 0;
+
+		least = fmin(least, square);
+		most = fmax(most, square);
+		for (int i = 0; i < columns; i++)
+			x[i] += part * v[k * columns + i] / length[i];
+	}
+	return most > 0 ? sqrt(least / most) : 0;
+}
+
+double linear_null(double *a, int rows, int columns, double *x)
+{
+	double r[LINEAR_SMALL_MAX * LINEAR_SMALL_MAX], v[LINEAR_SMALL_MAX * LINEAR_SMALL_MAX];
+	double least = INFINITY, second = INFINITY, most = 0;
+	int at = 0;
+
+	linear_triangulate(a, rows, columns, columns, r);
+	linear_diagonalize(r, v, columns);
+	for (int k = 0; k < columns; k++) {
+		const double square = dot(r + k * columns, r + k * columns, columns);
+
+		most = fmax(most, square);
+		if (square < least) {
+			second = least;
+			least = square;
+			at = k;
+		} else {
+			second = fmin(second, square);
+		}
+	}
+	memcpy(x, v + at * columns, (size_t)columns * sizeof(*x));
+	return most > 0 ? sqrt(second / most) : 0;
+}

@@ -1,0 +1,233 @@
+#include "bake/calibrate/fisheye/fisheye_doubts.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/estimate/linear.h"
+
+/* Focal length and model cannot be told apart from what lies nearer to the axis. */
+#define NEAR_AXIS_DEG 30.0
+/* Of the field: how far out there must be points. A model that was not chosen by them may be
+ * trusted farther. */
+#define SEEN_SHARE 0.75
+#define SEEN_SHARE_OF_KNOWN 0.5
+/* Directions nearer to one plane than that (root mean square of the sine). */
+#define FLAT 0.05
+#define OUTLIERS_SHARE 0.2
+#define OUTLIER_WEIGHT 0.1
+/* A model that was asked for is refused if another is so much nearer to the points. */
+#define NEARER 1.5
+
+#define BOARDS_EVERYWHERE "show the board in several places, tilted, out to the rim"
+#define LAMPS_EVERYWHERE "add lamps in other directions, out to the rim"
+
+static const char *more(const struct lens_problem *problem)
+{
+	return problem->directions ? LAMPS_EVERYWHERE : BOARDS_EVERYWHERE;
+}
+
+int fisheye_fewest(const struct lens_problem *problem, const struct fisheye_wanted *wanted)
+{
+	const bool closed = wanted->model != FISHEYE_MODEL_AUTO &&
+			    wanted->model != FISHEYE_POLYNOMIAL;
+	const int parameters = OPTICS_COUNT - (closed ? FISHEYE_TERMS : 0) +
+			       lens_poses(problem) * lens_pose_size(problem);
+
+	return parameters / 2 + 1;
+}
+
+bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_problem *problem,
+			 const struct fisheye_wanted *wanted)
+{
+	const int least = fisheye_fewest(problem, wanted);
+
+	for (int v = 0; !problem->directions && v < problem->seen->views; v++)
+		if (problem->seen->view[v].count < 4) {
+			verdict_doubt(&result->finding.verdict,
+				      "leave the picture out, or show more of the board",
+				      "%s shows %d points of the board, fewer than 4",
+				      problem->seen->view[v].name, problem->seen->view[v].count);
+			return true;
+		}
+	if (problem->seen->count >= least)
+		return false;
+	verdict_doubt(&result->finding.verdict, more(problem),
+		      "there are %d points, fewer than the %d that tell a lens",
+		      problem->seen->count, least);
+	return true;
+}
+
+/* The farthest from the axis that a point was seen, a few outliers aside. */
+static int descending(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return x < y ? 1 : x > y ? -1 : 0;
+}
+
+static double seen_to_deg(const struct fisheye_result *result)
+{
+	const struct finding *f = &result->finding;
+	double *angle = calloc((size_t)f->seen->count + 1, sizeof(*angle)), farthest = 0;
+	int count = 0;
+
+	for (int n = 0; angle && n < f->seen->count; n++) {
+		const double deg = knowledge_angle_deg(&result->knowledge, f->seen->point[n].px);
+
+		if (f->weight[n] >= OUTLIER_WEIGHT && isfinite(deg))
+			angle[count++] = deg;
+	}
+	if (count) {
+		qsort(angle, (size_t)count, sizeof(*angle), descending);
+		farthest = angle[count / 50];
+	}
+	free(angle);
+	return farthest;
+}
+
+/* Root mean square of the directions' distances from the plane nearest to them. */
+static double flatness(const struct observations *seen)
+{
+	double a[9] = {0}, v[9], least = INFINITY;
+
+	for (int n = 0; n < seen->count; n++) {
+		const double *w = seen->point[n].world;
+		const double length2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+
+		for (int i = 0; i < 9; i++)
+			a[i] += w[i / 3] * w[i % 3] / length2;
+	}
+	linear_diagonalize(a, v, 3);
+	for (int k = 0; k < 3; k++)
+		least = fmin(least, sqrt(a[3 * k] * a[3 * k] + a[3 * k + 1] * a[3 * k + 1] +
+					 a[3 * k + 2] * a[3 * k + 2]));
+	return sqrt(least / seen->count);
+}
+
+static void doubt_unsolved(struct fisheye_result *result, const struct lens_problem *problem,
+			   const struct model_trials *trials, enum fisheye_model model)
+{
+	const char *name = fisheye_model_names[model];
+
+	if (!problem->directions && problem->seen->views == 1)
+		verdict_doubt(&result->finding.verdict,
+			      "show it in three places or more, tilted, out to the rim",
+			      "the board was seen in one place only");
+	else if (trials->err[model] == -EDOM)
+		verdict_doubt(&result->finding.verdict, "choose another model, or none",
+			      "a lens of the %s model cannot show all of the points", name);
+	else
+		verdict_doubt(&result->finding.verdict, more(problem),
+			      "the points do not tell a lens of the %s model: %s", name,
+			      trials->fault[model].text);
+}
+
+static void doubt_model(struct fisheye_result *result, const struct model_trials *trials,
+			enum fisheye_model model)
+{
+	const enum fisheye_model best = trials->best;
+
+	if (best == model || trials->aic[model] - trials->aic[best] < 10 ||
+	    trials->rms_px[model] < NEARER * trials->rms_px[best])
+		return;
+	verdict_doubt(
+		&result->finding.verdict, "let the model be chosen, or look for wrong points",
+		"the points are not where a lens of the %s model shows them (%.2f px); one of the "
+		"%s model is nearer (%.2f px)",
+		fisheye_model_names[model], trials->rms_px[model], fisheye_model_names[best],
+		trials->rms_px[best]);
+}
+
+static void doubt_outliers(struct fisheye_result *result)
+{
+	const struct finding *f = &result->finding;
+	int count = 0, first = -1;
+
+	for (int n = 0; n < f->seen->count; n++)
+		if (f->weight[n] < OUTLIER_WEIGHT) {
+			first = first < 0 ? n : first;
+			count++;
+		}
+	if (count > OUTLIERS_SHARE * f->seen->count)
+		verdict_doubt(&result->finding.verdict, "look at those that the report marks",
+			      "%d of %d points lie elsewhere than all others say, %s among them",
+			      count, f->seen->count, f->seen->point[first].name);
+}
+
+static void doubt_reach(struct fisheye_result *result, const struct lens_problem *problem,
+			const struct fisheye_wanted *wanted)
+{
+	const bool known = wanted->model != FISHEYE_MODEL_AUTO &&
+			   wanted->model != FISHEYE_POLYNOMIAL;
+	const double share = known ? SEEN_SHARE_OF_KNOWN : SEEN_SHARE;
+	const double seen = seen_to_deg(result);
+
+	finding_add(&result->finding, "seen_to_deg", "points were seen as far from the axis", "deg",
+		    seen);
+	if (seen < NEAR_AXIS_DEG && !known)
+		verdict_doubt(
+			&result->finding.verdict, more(problem),
+			"all points lie within %.0f degrees of the axis: focal length and model "
+			"cannot be told apart",
+			seen);
+	if (seen < share * wanted->field_deg)
+		verdict_doubt(
+			&result->finding.verdict, more(problem),
+			"nothing was seen beyond %.0f degrees from the axis: the lens is a guess "
+			"from there to the rim at %.0f",
+			seen, wanted->field_deg);
+}
+
+void fisheye_doubt_circle(struct fisheye_result *result, double tolerance_px, const char *remedy)
+{
+	const struct circle_errors errors = knowledge_errors(&result->knowledge);
+	const struct finding *f = &result->finding;
+	const int width = f->width ? f->width : 1, height = f->height ? f->height : 1;
+	struct fault why = {.text = ""};
+	struct fisheye lens;
+
+	if (fisheye_prepare(&lens, &result->lens, width, height, &why))
+		verdict_doubt(&result->finding.verdict, remedy, "%s", why.text);
+	if (!(errors.most_px <= tolerance_px))
+		verdict_doubt(&result->finding.verdict, remedy,
+			      "the lens is known to %.2g px only (one standard deviation, at its "
+			      "worst in "
+			      "the image circle), not to %.2g",
+			      errors.most_px, tolerance_px);
+	if (result->knowledge.halved && errors.halves_px > 6 * errors.most_px + tolerance_px)
+		verdict_doubt(&result->finding.verdict, remedy,
+			      "lenses from odd and from even points differ by %.2g px, far more "
+			      "than their "
+			      "residuals explain",
+			      errors.halves_px);
+}
+
+void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *problem,
+		   const struct model_trials *trials, const struct fisheye_wanted *wanted,
+		   enum fisheye_model model)
+{
+	finding_doubt_twins(&result->finding);
+	if (problem->directions && flatness(problem->seen) < FLAT)
+		verdict_doubt(
+			&result->finding.verdict, LAMPS_EVERYWHERE,
+			"the directions all lie in one plane: what is across it cannot be told");
+	if (trials->mirrored)
+		verdict_doubt(&result->finding.verdict,
+			      "check the order of the points and the view's flips",
+			      "the picture is mirrored: it fits better the other way round");
+	if (!trials->solved[model]) {
+		doubt_unsolved(result, problem, trials, model);
+		return;
+	}
+	if (!problem->directions && problem->seen->views == 1)
+		verdict_doubt(&result->finding.verdict,
+			      "show it in three places or more, tilted, out to the rim",
+			      "the board was seen in one place only");
+	doubt_model(result, trials, model);
+	doubt_outliers(result);
+	doubt_reach(result, problem, wanted);
+	fisheye_doubt_circle(result, wanted->tolerance_px, more(problem));
+}

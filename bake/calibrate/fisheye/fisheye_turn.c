@@ -1,0 +1,111 @@
+#include "bake/calibrate/fisheye/fisheye_turn.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "bake/calibrate/estimate/linear.h"
+#include "hal/optics/vec.h"
+
+/* a I + b [w]x + c w w^T */
+static void combine(const double w[3], double a, double b, double c, double m[9])
+{
+	const double cross[9] = {0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0};
+
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			m[3 * i + k] = (i == k ? a : 0) + b * cross[3 * i + k] + c * w[i] * w[k];
+}
+
+void turn_matrix(const double w[3], double rotation[9])
+{
+	const double angle = vec_length(w), u = angle * angle;
+	const bool small = angle < 1e-4;
+	const double half = sin(angle / 2);
+
+	combine(w, cos(angle), small ? 1 - u / 6 : sin(angle) / angle,
+		small ? 0.5 - u / 24 : 2 * half * half / u, rotation);
+}
+
+void turn_jacobian(const double w[3], double jacobian[9])
+{
+	const double angle = vec_length(w), u = angle * angle;
+	const bool small = angle < 1e-3;
+	const double half = sin(angle / 2);
+	const double s = small ? 1 - u / 6 : sin(angle) / angle;
+
+	combine(w, s, small ? 0.5 - u / 24 : 2 * half * half / u,
+		small ? 1.0 / 6 - u / 120 : (1 - s) / u, jacobian);
+}
+
+void turn_multiply(const double a[9], const double b[9], double product[9])
+{
+	double m[9];
+
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			m[3 * i + k] = a[3 * i] * b[k] + a[3 * i + 1] * b[3 + k] +
+				       a[3 * i + 2] * b[6 + k];
+	memcpy(product, m, sizeof(m));
+}
+
+void turn_degrees(const double r[9], double deg[3])
+{
+	const double across = hypot(r[0], r[3]);
+
+	deg[1] = atan2(-r[6], across) * (180 / M_PI);
+	if (across > 1e-12) {
+		deg[0] = atan2(r[7], r[8]) * (180 / M_PI);
+		deg[2] = atan2(r[3], r[0]) * (180 / M_PI);
+	} else {
+		deg[0] = 0;
+		deg[2] = atan2(-r[1], r[4]) * (180 / M_PI);
+	}
+}
+
+static void column(const double *m, int k, double v[3])
+{
+	memcpy(v, m + 3 * k, 3 * sizeof(*v));
+}
+
+/* Two singular directions tell the third, whose value may be 0. */
+double turn_between(const double (*world)[3], const double (*camera)[3], int count,
+		    double rotation[9], double *mirrored)
+{
+	double b[9] = {0}, v[9], from[3][3], to[3][3], length[3], third[2][3];
+	int order[3] = {0, 1, 2};
+
+	for (int n = 0; n < count; n++)
+		for (int i = 0; i < 3; i++)
+			for (int k = 0; k < 3; k++)
+				b[3 * k + i] += camera[n][i] * world[n][k];
+	linear_diagonalize(b, v, 3);
+	for (int k = 0; k < 3; k++)
+		length[k] = vec_length(b + 3 * k);
+	for (int k = 0; k < 2; k++)
+		for (int i = 0; i < 2; i++)
+			if (length[order[i]] < length[order[i + 1]]) {
+				const int swap = order[i];
+
+				order[i] = order[i + 1];
+				order[i + 1] = swap;
+			}
+	for (int k = 0; k < 2; k++) {
+		column(v, order[k], from[k]);
+		column(b, order[k], to[k]);
+		vec_normalize(to[k]);
+	}
+	vec_cross(from[0], from[1], from[2]);
+	vec_cross(to[0], to[1], to[2]);
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			rotation[3 * i + k] = to[0][i] * from[0][k] + to[1][i] * from[1][k] +
+					      to[2][i] * from[2][k];
+	/* What the third pair adds: its length, of the sign that a rotation leaves it. */
+	column(b, order[2], third[0]);
+	column(v, order[2], third[1]);
+	length[order[2]] = vec_dot(third[0], to[2]) * vec_dot(third[1], from[2]);
+	if (mirrored)
+		*mirrored = 2 * (count - length[order[0]] - length[order[1]] + length[order[2]]);
+	return 2 * (count - length[order[0]] - length[order[1]] - length[order[2]]);
+}

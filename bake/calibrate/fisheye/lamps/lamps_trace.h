@@ -1,0 +1,31 @@
+/* From a guess to the lens that shows lamps where bright spots are. */
+#ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_TRACE_H
+#define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_TRACE_H
+
+#include "bake/calibrate/fisheye/lamps/lamps_match.h"
+#include "bake/calibrate/observe/observations.h"
+#include "hal/base/fault.h"
+
+#define SPOT_NONE (-1)
+#define SPOT_MERGED (-2) /* one that several lamps are in */
+
+struct lamp_trace {
+	struct lamp_guess lens; /* as far as it was found */
+	int *spot;		/* [lamps]: which it is; SPOT_NONE, SPOT_MERGED */
+	int found;
+	double reach_px;     /* a spot so near to where the lens shows a lamp is that one */
+	double deviation_px; /* of a spot, robustly */
+};
+
+/* Fits a lens to what is near, looks for what is near then, and so on. wanted: enum fisheye_model,
+ * FISHEYE_MODEL_COUNT for any. found is below 4 where it leads nowhere. -ENOMEM. */
+int lamps_trace(struct lamp_trace *trace, const struct lamp_scene *scene,
+		const struct lamp_guess *guess, int wanted);
+void lamps_trace_free(struct lamp_trace *trace); /* idempotent; zeroed is fine */
+
+/* The spots of the lamps found, as one view; names are "lamps.txt:7". -ENOMEM. */
+int lamps_observe(struct observations *seen, const struct lamp_scene *scene,
+		  const struct lamp_trace *trace, bool mirrored, const char *lamps_name,
+		  const char *picture_name);
+
+#endif

@@ -1,0 +1,48 @@
+/* What the commands that find a lens have in common: the command line, the report, the end. */
+#ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LENS_JOB_H
+#define INLAY_BAKE_CALIBRATE_FISHEYE_LENS_JOB_H
+
+#include <stdbool.h>
+
+#include "bake/base/options.h"
+#include "bake/calibrate/estimate/finding.h"
+#include "bake/calibrate/observe/gather.h"
+
+/* The end of their tables of options. */
+#define LENS_REPORT 900
+#define LENS_FORCE 901
+#define OPTIONS_OF_LENS                                                                            \
+	{"report", required_argument, NULL, LENS_REPORT},                                          \
+		{"force", no_argument, NULL, LENS_FORCE},                                          \
+		{"output", required_argument, NULL, 'o'}, OPTIONS_OF_ALL,                          \
+	{                                                                                          \
+		NULL, 0, NULL, 0                                                                   \
+	}
+
+struct lens_job {
+	char **file; /* what the source's option and the words that follow name */
+	int files;
+	bool anew;	    /* they are what is written again: a lens that something is added to */
+	bool more;	    /* such words may follow */
+	const char *report; /* NULL: none */
+	const char *output;
+	bool force;
+};
+
+/* Of one command; job is the struct that its lens_job is in. */
+struct lens_calls {
+	const struct option *options;
+	int (*take)(void *job, int option, struct fault *fault); /* one of its own; optarg */
+	int (*check)(const void *job, struct fault *fault);	 /* whether they go together */
+	int (*work)(void *job, struct fault *fault); /* 0; 1: not to be trusted; -errno */
+};
+
+/* Returns the exit status. */
+int lens_job_run(const struct command *command, int argc, char **argv,
+		 const struct lens_calls *calls, struct lens_job *lens, void *job);
+
+/* Writes the report, if one is wanted. As calibration_report_write(). */
+int lens_job_report(const struct lens_job *lens, const struct gathering *all,
+		    const struct finding *finding, struct fault *fault);
+
+#endif

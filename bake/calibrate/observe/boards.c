@@ -1,0 +1,261 @@
+#include "bake/calibrate/observe/boards.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/observe/boards_parts.h"
+#include "hal/base/number.h"
+
+#define SIDE_MIN 3
+#define STEP_MIN_MM 0.1
+#define STEP_MAX_MM 1000.0
+#define EXPECTED                                                                                   \
+	"expected a board such as 9x6:25mm, chess:9x6:25mm, circles:4x11:20mm or "                 \
+	"charuco:8x6:30mm:22mm"
+
+const char *const board_kind_names[] = {"chess", "circles", "charuco", NULL};
+
+_Static_assert(sizeof(board_kind_names) / sizeof(board_kind_names[0]) == BOARD_KIND_COUNT + 1,
+	       "a name for each kind");
+
+/* ---- in words ---- */
+
+static bool take_kind(const char **text, enum board_kind *kind)
+{
+	*kind = BOARD_CHESS;
+	if (**text >= '0' && **text <= '9')
+		return true;
+	for (int i = 0; board_kind_names[i]; i++) {
+		const size_t length = strlen(board_kind_names[i]);
+
+		if (strncmp(*text, board_kind_names[i], length) || (*text)[length] != ':')
+			continue;
+		*kind = (enum board_kind)i;
+		*text += length + 1;
+		return true;
+	}
+	return false;
+}
+
+static bool take_side(const char **text, char follows, int *side)
+{
+	char *end;
+	long number;
+
+	if (**text < '0' || **text > '9')
+		return false;
+	number = strtol(*text, &end, 10);
+	if (*end != follows || number < SIDE_MIN || number > BOARD_SIDE_MAX)
+		return false;
+	*side = (int)number;
+	*text = end + 1;
+	return true;
+}
+
+/* ":25mm" without its colon; the text goes on with another colon or ends. */
+static bool take_length(const char **text, double *mm)
+{
+	const char *end = *text;
+
+	if (*end < '0' || *end > '9' || number_read(&end, mm))
+		return false;
+	if (strncmp(end, "mm", 2) || (end[2] && end[2] != ':') || !(*mm >= STEP_MIN_MM) ||
+	    !(*mm <= STEP_MAX_MM))
+		return false;
+	*text = end + 2 + (end[2] == ':');
+	return true;
+}
+
+int board_parse(struct board *board, const char *text, struct fault *fault)
+{
+	const char *at = text;
+	bool right;
+
+	*board = (struct board){.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1}, .unit = 0.001};
+	right = take_kind(&at, &board->kind) && take_side(&at, 'x', &board->columns) &&
+		take_side(&at, ':', &board->rows) && take_length(&at, &board->step_mm);
+	if (right && board->kind == BOARD_CHARUCO)
+		right = take_length(&at, &board->marker_mm);
+	if (!right || *at || at[-1] == ':')
+		return fault_say(fault, -EINVAL,
+				 "\"%s\": " EXPECTED " (sides %d to %d, lengths %g to %g mm)", text,
+				 SIDE_MIN, BOARD_SIDE_MAX, STEP_MIN_MM, STEP_MAX_MM);
+	if (board->kind == BOARD_CIRCLES && board->rows % 2 == 0)
+		return fault_say(
+			fault, -EINVAL,
+			"\"%s\": expected an odd number of rows of circles, which do not look "
+			"the same upside down",
+			text);
+	if (board->kind == BOARD_CHARUCO && board->marker_mm >= board->step_mm)
+		return fault_say(fault, -EINVAL,
+				 "\"%s\": expected markers smaller than the squares of %g mm", text,
+				 board->step_mm);
+	return 0;
+}
+
+void board_name(const struct board *board, char text[BOARD_NAME_MAX])
+{
+	const int length = snprintf(text, BOARD_NAME_MAX, "%s:%dx%d:%.10gmm",
+				    board_kind_names[board->kind], board->columns, board->rows,
+				    board->step_mm);
+
+	if (board->kind == BOARD_CHARUCO)
+		snprintf(text + length, (size_t)(BOARD_NAME_MAX - length), ":%.10gmm",
+			 board->marker_mm);
+}
+
+/* ---- points ---- */
+
+static int points_a_row(const struct board *board)
+{
+	return board->kind == BOARD_CHARUCO ? board->columns - 1 : board->columns;
+}
+
+int board_points(const struct board *board)
+{
+	const int rows = board->kind == BOARD_CHARUCO ? board->rows - 1 : board->rows;
+
+	return points_a_row(board) * rows;
+}
+
+void board_place(const struct board *board, int k, double mm[2])
+{
+	const int column = k % points_a_row(board), row = k / points_a_row(board);
+
+	mm[0] = board->step_mm * (board->kind == BOARD_CIRCLES ? 2 * column + row % 2 : column);
+	mm[1] = board->step_mm * row;
+}
+
+void board_point(const struct board *board, int k, double world[3])
+{
+	double mm[2];
+
+	board_place(board, k, mm);
+	for (int i = 0; i < 3; i++)
+		world[i] = board->unit * (board->rotation[3 * i] * mm[0] +
+					  board->rotation[3 * i + 1] * mm[1]) +
+			   board->position[i];
+}
+
+bool board_ambiguous(const struct board *board)
+{
+	return board->kind == BOARD_CHESS && (board->columns + board->rows) % 2 == 0;
+}
+
+/* ---- what is printed ---- */
+
+int board_marker_at(const struct board *board, int column, int row)
+{
+	const int before = row * board->columns + column;
+
+	/* Rows begin with black and white in turn. */
+	if ((column + row) % 2 == 0)
+		return -1;
+	return board->columns % 2 ? before / 2 : row * (board->columns / 2) + column / 2;
+}
+
+static bool circle_ink(const struct board *board, double x, double y)
+{
+	const double radius = BOARD_CIRCLE_RADIUS * board->step_mm;
+	const int row = (int)lround(y / board->step_mm);
+	const int column = (int)lround((x / board->step_mm - abs(row % 2)) / 2);
+	double mm[2];
+
+	if (row < 0 || row >= board->rows || column < 0 || column >= board->columns)
+		return false;
+	board_place(board, row * board->columns + column, mm);
+	return hypot(x - mm[0], y - mm[1]) < radius;
+}
+
+/* x, y from the upper left corner of the marker's square, 0..1. */
+static bool marker_ink(const struct board *board, int marker, double x, double y)
+{
+	const double side = board->marker_mm / board->step_mm;
+	const double bits = BOARD_MARKER_BITS + 2;
+	const int column = (int)floor((x - (1 - side) / 2) / side * bits) - 1;
+	const int row = (int)floor((y - (1 - side) / 2) / side * bits) - 1;
+
+	if (column < -1 || row < -1 || column > BOARD_MARKER_BITS || row > BOARD_MARKER_BITS)
+		return false;
+	if (column < 0 || row < 0 || column == BOARD_MARKER_BITS || row == BOARD_MARKER_BITS)
+		return true;
+	return !board_marker_bit(marker, column, row);
+}
+
+bool board_ink(const struct board *board, double x_mm, double y_mm)
+{
+	const double x = x_mm / board->step_mm + 1, y = y_mm / board->step_mm + 1;
+	const int more = board->kind == BOARD_CHESS; /* squares than there are corners */
+	const int column = (int)floor(x), row = (int)floor(y);
+
+	if (board->kind == BOARD_CIRCLES)
+		return circle_ink(board, x_mm, y_mm);
+	if (column < 0 || row < 0 || column >= board->columns + more || row >= board->rows + more)
+		return false;
+	if ((column + row) % 2 == 0)
+		return true;
+	return board->kind == BOARD_CHARUCO &&
+	       marker_ink(board, board_marker_at(board, column, row), x - column, y - row);
+}
+
+/* ---- found ---- */
+
+static int add_points(const struct board *board, const char *name, const double (*px)[2],
+		      const bool *seen, struct observations *all)
+{
+	const char *slash = strrchr(name, '/');
+	const int columns = points_a_row(board);
+	int err = observations_begin_view(all, name);
+
+	for (int k = 0; !err && k < board_points(board); k++) {
+		double world[3];
+
+		if (!seen[k])
+			continue;
+		board_point(board, k, world);
+		err = observations_add(all, world, px[k], "%s %d,%d", slash ? slash + 1 : name,
+				       k % columns + 1, k / columns + 1);
+	}
+	return err;
+}
+
+static int check_size(const struct image *picture, const char *name, const struct observations *all,
+		      struct fault *fault)
+{
+	if (!all->width || (all->width == picture->width && all->height == picture->height))
+		return 0;
+	return fault_say(fault, -EINVAL, "%s: is %dx%d, expected %dx%d as the pictures before it",
+			 name, picture->width, picture->height, all->width, all->height);
+}
+
+int board_find(const struct board *board, const struct image *picture, const char *name,
+	       struct observations *all, struct fault *fault)
+{
+	const int points = board_points(board), count = all->count, views = all->views;
+	struct fault why = {{0}};
+	double(*px)[2];
+	bool *seen;
+	int err = check_size(picture, name, all, fault);
+
+	if (err)
+		return err;
+	px = calloc((size_t)points, sizeof(*px));
+	seen = calloc((size_t)points, sizeof(*seen));
+	err = px && seen ? board_look(board, picture, px, seen, &why) : -ENOMEM;
+	if (!err)
+		err = add_points(board, name, (const double(*)[2])px, seen, all);
+	if (!err) {
+		all->width = picture->width;
+		all->height = picture->height;
+	} else {
+		all->count = count;
+		all->views = views;
+		fault_say(fault, err, "%s: %s", name, err == -ENOMEM ? "out of memory" : why.text);
+	}
+	free(px);
+	free(seen);
+	return err;
+}

@@ -1,0 +1,178 @@
+/*
+ * ChArUco: chessboards whose white squares hold numbered markers, so that a part is enough.
+ *
+ * OpenCV finds the markers; the corners between them are placed here, each by the markers next to
+ * it, in one way for all of OpenCV's versions (the class for it has changed from one to the next).
+ */
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/version.hpp>
+#include <opencv2/imgproc.hpp>
+
+/* ArUco moved from contrib to objdetect with 4.7. */
+#define ARUCO_IN_OBJDETECT (CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR >= 407)
+#if ARUCO_IN_OBJDETECT
+#include <opencv2/objdetect/aruco_detector.hpp>
+#else
+#include <opencv2/aruco.hpp>
+#endif
+
+#include "bake/calibrate/observe/boards_corner.hpp"
+#include "bake/calibrate/observe/boards_opencv.hpp"
+
+namespace
+{
+
+constexpr int enough_corners = 6;
+
+struct Marker {
+	int column, row;       /* of its square */
+	boards::Points corner; /* from its upper left, clockwise */
+};
+
+/* The dictionaries of 5x5 bits are the beginnings of one; shorter ones tell markers apart more
+ * safely. */
+int dictionary_for(int markers)
+{
+	if (markers <= 50)
+		return cv::aruco::DICT_5X5_50;
+	if (markers <= 100)
+		return cv::aruco::DICT_5X5_100;
+	return markers <= 250 ? cv::aruco::DICT_5X5_250 : cv::aruco::DICT_5X5_1000;
+}
+
+cv::Mat all_codes()
+{
+#if ARUCO_IN_OBJDETECT
+	return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_1000).bytesList;
+#else
+	return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_1000)->bytesList;
+#endif
+}
+
+void detect(const cv::Mat &grey, int dictionary, std::vector<boards::Points> &corners,
+	    std::vector<int> &numbers)
+{
+#if ARUCO_IN_OBJDETECT
+	const cv::aruco::ArucoDetector detector(cv::aruco::getPredefinedDictionary(dictionary));
+
+	detector.detectMarkers(grey, corners, numbers);
+#else
+	cv::aruco::detectMarkers(grey, cv::aruco::getPredefinedDictionary(dictionary), corners,
+				 numbers);
+#endif
+}
+
+std::vector<Marker> markers_seen(const board &wanted, const cv::Mat &grey)
+{
+	std::vector<boards::Points> corners;
+	std::vector<int> numbers;
+	std::vector<Marker> markers;
+
+	detect(grey, dictionary_for(wanted.columns * wanted.rows / 2), corners, numbers);
+	for (int r = 0; r < wanted.rows; r++)
+		for (int c = 0; c < wanted.columns; c++) {
+			const int number = board_marker_at(&wanted, c, r);
+			const auto at = std::find(numbers.begin(), numbers.end(), number);
+
+			if (number >= 0 && at != numbers.end())
+				markers.push_back({c, r, corners[(size_t)(at - numbers.begin())]});
+		}
+	return markers;
+}
+
+/* A marker's corners in the board's axes, mm. */
+boards::Points flat(const board &wanted, const Marker &marker)
+{
+	const float x = (float)((marker.column - 0.5) * wanted.step_mm);
+	const float y = (float)((marker.row - 0.5) * wanted.step_mm);
+	const float half = (float)wanted.marker_mm / 2;
+
+	return {{x - half, y - half},
+		{x + half, y - half},
+		{x + half, y + half},
+		{x - half, y + half}};
+}
+
+/*
+ * Where corner (column, row) must be, by the plane through the markers that touch it or come next,
+ * so that the lens's bend does no harm; room becomes no larger than the way to the nearest black of
+ * theirs.
+ */
+bool expect(const board &wanted, const std::vector<Marker> &markers, int column, int row,
+	    cv::Point2f &place, double &room)
+{
+	const boards::Points corner = {
+		{(float)(column * wanted.step_mm), (float)(row * wanted.step_mm)}};
+	boards::Points mm, px, out;
+	int touching = 0;
+
+	for (const Marker &marker : markers) {
+		/* Squares column..column+1, row..row+1 touch it. */
+		const int dx = std::max(column - marker.column, marker.column - column - 1);
+		const int dy = std::max(row - marker.row, marker.row - row - 1);
+		const boards::Points four = flat(wanted, marker);
+
+		if (std::max(dx, dy) > 1)
+			continue;
+		touching += std::max(dx, dy) == 0;
+		mm.insert(mm.end(), four.begin(), four.end());
+		px.insert(px.end(), marker.corner.begin(), marker.corner.end());
+	}
+	if (!touching)
+		return false;
+	const cv::Mat plane = cv::findHomography(mm, px);
+
+	if (plane.empty() || cv::determinant(plane) <= 0)
+		return false;
+	cv::perspectiveTransform(corner, out, plane);
+	place = out[0];
+	for (const cv::Point2f &black : px)
+		room = std::min(room, std::max(std::abs((double)(black.x - place.x)),
+					       std::abs((double)(black.y - place.y))));
+	return true;
+}
+
+} // namespace
+
+bool boards::find_charuco(const board &wanted, const cv::Mat &grey, Points &points,
+			  std::vector<bool> &seen, std::string &why)
+{
+	const std::vector<Marker> markers = markers_seen(wanted, grey);
+	double room = INFINITY;
+	int count = 0;
+
+	for (int r = 0; r + 1 < wanted.rows; r++)
+		for (int c = 0; c + 1 < wanted.columns; c++) {
+			cv::Point2f corner;
+
+			seen.push_back(expect(wanted, markers, c, r, corner, room));
+			points.push_back(corner);
+		}
+	if (!markers.empty()) {
+		const Corners corners(grey, room);
+
+		for (size_t k = 0; k < points.size(); k++) {
+			seen[k] = seen[k] && corners.place(points[k]);
+			count += seen[k];
+		}
+	}
+	why = markers.empty()
+		      ? "no marker of the board is to be seen"
+		      : "only " + std::to_string(markers.size()) + " markers and " +
+				std::to_string(count) + " corners of the board are to be seen";
+	return count >= enough_corners;
+}
+
+extern "C" bool board_marker_bit(int marker, int column, int row)
+{
+	static const cv::Mat codes = all_codes();
+	const int bit = row * BOARD_MARKER_BITS + column;
+	const int byte = bit / 8;
+	/* The last byte holds fewer bits, and has them at its lower end. */
+	const int bits = std::min(8, BOARD_MARKER_BITS * BOARD_MARKER_BITS - 8 * byte);
+
+	return codes.ptr(marker)[byte] >> (bits - 1 - bit % 8) & 1;
+}

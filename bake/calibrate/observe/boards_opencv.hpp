@@ -1,0 +1,29 @@
+/* The finders, one a kind of board. They may throw what OpenCV throws; board_look() catches. */
+#ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_OPENCV_HPP
+#define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_OPENCV_HPP
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+extern "C" {
+#include "bake/calibrate/observe/boards_parts.h"
+}
+
+namespace boards
+{
+
+/* In OpenCV's pixels, the centre of the first at 0. */
+using Points = std::vector<cv::Point2f>;
+
+/* Each returns whether it found the board. points: all of them, counted as board_point() counts;
+ * seen: which of them were found (empty: all); why: what was found instead. */
+bool find_chess(const board &wanted, const cv::Mat &grey, Points &points, std::string &why);
+bool find_circles(const board &wanted, const cv::Mat &grey, Points &points, std::string &why);
+bool find_charuco(const board &wanted, const cv::Mat &grey, Points &points, std::vector<bool> &seen,
+		  std::string &why);
+
+} // namespace boards
+
+#endif

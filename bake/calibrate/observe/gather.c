@@ -1,0 +1,143 @@
+#include "bake/calibrate/observe/gather.h"
+
+#include <errno.h>
+#include <glob.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/observe/live_collect.h"
+#include "hal/base/log.h"
+
+#define PATIENCE_S 60
+
+void gather_free(struct gathering *all)
+{
+	for (int k = 0; k < all->pictures; k++)
+		image_free(&all->picture[k]);
+	free(all->picture);
+	observations_free(&all->seen);
+	*all = (struct gathering){.picture = NULL};
+}
+
+/* The same picture twice would say that everything is known better than it is. */
+static int refuse_twins(const struct gathering *all, struct fault *fault)
+{
+	int twin[2];
+
+	if (!observations_twin(&all->seen, twin))
+		return 0;
+	return fault_say(fault, -EINVAL, "%s: shows just what %s does, expected different pictures",
+			 all->seen.view[twin[0]].name, all->seen.view[twin[1]].name);
+}
+
+int gather_points(struct gathering *all, char *const *paths, int count,
+		  const struct points_convention *convention, struct fault *fault)
+{
+	int err = 0;
+
+	for (int k = 0; k < count && !err; k++)
+		err = observations_read(&all->seen, paths[k], convention, fault);
+	return err ? err : refuse_twins(all, fault);
+}
+
+int gather_keep(struct gathering *all, struct image *picture)
+{
+	struct image *grown = realloc(all->picture, ((size_t)all->pictures + 1) * sizeof(*grown));
+
+	if (!grown)
+		return -ENOMEM;
+	all->picture = grown;
+	all->picture[all->pictures++] = *picture;
+	*picture = (struct image){.width = 0};
+	return 0;
+}
+
+static int gather_image(struct gathering *all, const char *path, const struct board *board,
+			struct fault *fault)
+{
+	struct image picture;
+	int err = image_read(path, &picture, fault);
+
+	if (!err && !picture.u8)
+		err = fault_say(fault, -EINVAL, "%s: expected an 8-bit picture, PNG or JPEG", path);
+	if (!err)
+		err = board_find(board, &picture, path, &all->seen, fault);
+	if (!err && gather_keep(all, &picture))
+		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	image_free(&picture);
+	return err;
+}
+
+/* Of each photograph without a board *none says why, after the log was told of the one before. */
+static int gather_pattern(struct gathering *all, const char *pattern, const struct board *board,
+			  struct fault *none, struct fault *fault)
+{
+	glob_t found;
+	int err = glob(pattern, 0, NULL, &found);
+
+	if (err)
+		return fault_say(fault, err == GLOB_NOSPACE ? -ENOMEM : -ENOENT, "%s: %s", pattern,
+				 err == GLOB_NOSPACE ? "out of memory" : "no such photograph");
+	for (size_t k = 0; k < found.gl_pathc && !err; k++) {
+		struct fault why = {.text = ""};
+
+		err = gather_image(all, found.gl_pathv[k], board, &why);
+		if (err == -ENOENT) {
+			if (none->text[0])
+				log_warning("%s", none->text);
+			*none = why;
+			err = 0;
+		} else if (err && fault) {
+			*fault = why;
+		}
+	}
+	globfree(&found);
+	return err;
+}
+
+int gather_images(struct gathering *all, char *const *patterns, int count,
+		  const struct board *board, struct fault *fault)
+{
+	struct fault none = {.text = ""};
+	int err = 0;
+
+	for (int k = 0; k < count && !err; k++)
+		err = gather_pattern(all, patterns[k], board, &none, fault);
+	if (!err && !all->seen.count)
+		return fault_say(fault, -ENOENT, "%s", none.text);
+	if (none.text[0])
+		log_warning("%s", none.text);
+	return err ? err : refuse_twins(all, fault);
+}
+
+int gather_live(struct gathering *all, const char *config, enum live_view view,
+		const struct board *board, int views, struct fault *fault)
+{
+	const struct collect_settings settings = {
+		.views = views, .patience_s = PATIENCE_S, .round = view == LIVE_FISHEYE};
+	struct live *live;
+	int err = live_open(&live, config, view, fault);
+
+	if (err)
+		return err;
+	err = live_collect(live, board, &settings, &all->seen, &all->picture, &all->pictures,
+			   fault);
+	live_close(live);
+	return err;
+}
+
+int gather_view(const struct gathering *all, const char *text)
+{
+	char *end;
+	const long number = strtol(text, &end, 10);
+
+	if (end != text && !*end)
+		return number >= 1 && number <= all->seen.views ? (int)number - 1 : -1;
+	for (int v = 0; v < all->seen.views; v++) {
+		const char *name = all->seen.view[v].name, *slash = strrchr(name, '/');
+
+		if (!strcmp(name, text) || (slash && !strcmp(slash + 1, text)))
+			return v;
+	}
+	return -1;
+}

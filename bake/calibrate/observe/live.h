@@ -1,0 +1,39 @@
+/*
+ * Live pictures for calibration: one of the kiosk's views, opened as its configuration says.
+ */
+#ifndef INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_H
+#define INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_H
+
+#include <stdint.h>
+
+#include "hal/base/fault.h"
+#include "hal/image/image.h"
+
+enum live_view { LIVE_BACKGROUND, LIVE_FISHEYE };
+
+struct live;
+
+/* Reads the kiosk's configuration, opens and starts the camera that the view names. Faults name the
+ * file, or the camera and its situation. -ENOENT, -EINVAL, -ENODEV, ...; -ENOMEM. */
+int live_open(struct live **live, const char *config, enum live_view view, struct fault *fault);
+void live_close(struct live *live); /* NULL is harmless */
+
+/* Of the upright picture: flips undone, squash not, as the lens calibration means it. */
+int live_width(const struct live *live);
+int live_height(const struct live *live);
+
+/*
+ * Waits for the next frame, at most timeout_ms, and gives it as an upright 8-bit picture; picture
+ * is made at the first call and used again. captured_ns: CLOCK_MONOTONIC, as the camera says.
+ * -ETIMEDOUT; -ENODEV: the camera is gone; -ENOMEM.
+ */
+int live_next(struct live *live, int timeout_ms, struct image *picture, int64_t *captured_ns,
+	      struct fault *fault);
+
+/* Drops what is queued, so that the next frame is newer than this call. */
+int live_flush(struct live *live, struct fault *fault);
+
+/* "name=value" of a camera's control, as [camera] controls has it. -ENOTSUP: it has none such. */
+int live_control(struct live *live, const char *assignment, struct fault *fault);
+
+#endif

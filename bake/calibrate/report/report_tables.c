@@ -1,0 +1,194 @@
+/* Tables of a calibration's report: figures, parameters, points that fit worst. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/calibrate/report/report_parts.h"
+
+#define POINTS_SHOWN 20
+
+static int put(const struct shown *s, FILE *to, struct report_table *table, struct fault *fault)
+{
+	const int err = report_page_table(s->page, to, table, fault);
+
+	report_table_free(table);
+	return err;
+}
+
+/* ---- figures ---- */
+
+int report_figures(const struct shown *s, struct fault *fault)
+{
+	const struct finding *f = s->finding;
+	struct report_table table;
+
+	report_table_begin(&table, "figures");
+	report_table_column(&table, "key", NULL, NULL);
+	report_table_column(&table, "figure", "what it means for the scene", NULL);
+	report_table_column(&table, "value", "value", NULL);
+	report_table_column(&table, "unit", "unit", NULL);
+	report_text(&table, "rms_px");
+	report_text(&table, "distance of points from where they are expected, RMS without "
+			    "outliers");
+	report_number(&table, f->rms_px);
+	report_text(&table, "px");
+	report_text(&table, "worst_px");
+	report_text(&table, "the largest such distance");
+	report_number(&table, f->worst_px);
+	report_text(&table, "px");
+	for (int k = 0; k < f->figures; k++) {
+		report_text(&table, "%s", f->figure[k].key);
+		report_text(&table, "%s", f->figure[k].label);
+		report_number(&table, f->figure[k].value);
+		report_text(&table, "%s", f->figure[k].unit);
+	}
+	return put(s, s->page->head, &table, fault);
+}
+
+/* ---- parameters ---- */
+
+/* With as many digits as its deviation leaves sense in. */
+static void write_value(char *text, size_t room, double value, double deviation)
+{
+	const int digits = deviation > 0 && isfinite(deviation)
+				   ? (int)fmin(fmax(1 - floor(log10(deviation)), 0), 12)
+				   : -1;
+
+	if (!isfinite(value))
+		snprintf(text, room, "not known");
+	else if (digits < 0 || fabs(value) >= 1e9)
+		snprintf(text, room, "%.9g", value);
+	else
+		snprintf(text, room, "%.*f", digits, value);
+}
+
+static void add_parameter(struct report_table *table, const struct estimate *e, int k)
+{
+	const struct parameter *p = &e->parameter[k];
+	const bool exact = p->fixed && !(estimate_deviation(e, k) > 0);
+	const double deviation = exact ? NAN : estimate_deviation(e, k);
+	char text[64];
+
+	write_value(text, sizeof(text), p->value, deviation);
+	report_text(table, "%s", p->name);
+	report_text(table, "%s", text);
+	report_number(table, p->value);
+	report_number(table, deviation);
+	report_text(table, "%s", p->unit);
+	report_number(table, p->value != 0 ? 100 * deviation / fabs(p->value) : NAN);
+	report_text(table, exact		 ? "held"
+			   : p->fixed		 ? "held; its deviation is assumed"
+			   : isfinite(deviation) ? ""
+						 : "cannot be told from the others");
+}
+
+static void begin_parameters(struct report_table *table, const char *name)
+{
+	report_table_begin(table, name);
+	report_table_column(table, "name", "parameter", NULL);
+	report_table_column(table, "value_rounded", "value", NULL);
+	report_table_column(table, "value", NULL, NULL);
+	report_table_column(table, "deviation", "deviation", NULL);
+	report_table_column(table, "unit", "unit", NULL);
+	report_table_column(table, "deviation_percent", "deviation", "%");
+	report_table_column(table, "note", "note", NULL);
+}
+
+/* The view of a parameter of one: 1.., or 0. */
+static int view_of(const struct parameter *p)
+{
+	int view = 0;
+
+	return sscanf(p->name, "view %d ", &view) == 1 ? view : 0;
+}
+
+int report_parameters(const struct shown *s, struct fault *fault)
+{
+	const struct estimate *e = &s->finding->estimate;
+	struct report_table lens, poses;
+	int err;
+
+	begin_parameters(&lens, "parameters");
+	begin_parameters(&poses, "poses");
+	for (int k = 0; k < e->count; k++) {
+		const int view = view_of(&e->parameter[k]);
+
+		if (view < 1)
+			add_parameter(&lens, e, k);
+		else if (view > s->finding->seen->views || s->view[view - 1].drawn)
+			add_parameter(&poses, e, k);
+	}
+	report_heading(s->page->body, "What was found");
+	report_paragraph(s->page->body,
+			 "%d numbers were observed, %d are left to judge by: one of them deviates "
+			 "by %.3g px. Deviations are standard deviations, to first order.",
+			 e->residuals, e->freedom, e->sigma);
+	err = put(s, s->page->body, &lens, fault);
+	if (!err && report_table_rows(&poses)) {
+		report_paragraph(s->page->body, "Where the camera was in the views that are drawn "
+						"(calibration.json has all):");
+		return put(s, s->page->body, &poses, fault);
+	}
+	report_table_free(&poses);
+	return err;
+}
+
+/* ---- points ---- */
+
+struct ranked {
+	int point;
+	double length;
+};
+
+static int worst_first(const void *a, const void *b)
+{
+	const struct ranked *x = a, *y = b;
+
+	if (x->length != y->length)
+		return x->length < y->length ? 1 : -1;
+	return (x->point > y->point) - (x->point < y->point);
+}
+
+int report_points(const struct shown *s, struct fault *fault)
+{
+	const struct observations *seen = s->finding->seen;
+	struct ranked *rank = malloc(((size_t)seen->count + 1) * sizeof(*rank));
+	struct report_table table;
+
+	if (!rank)
+		return fault_say(fault, -ENOMEM, "not enough memory for the points");
+	for (int k = 0; k < seen->count; k++) {
+		const double *r = s->residual[k];
+
+		rank[k] = (struct ranked){k, isnan(r[0]) ? INFINITY : hypot(r[0], r[1])};
+	}
+	qsort(rank, (size_t)seen->count, sizeof(*rank), worst_first);
+	report_table_begin(&table, "points");
+	report_table_column(&table, "name", "point", NULL);
+	report_table_column(&table, "view", "view", NULL);
+	report_table_column(&table, "x_px", "x", "px");
+	report_table_column(&table, "y_px", "y", "px");
+	report_table_column(&table, "off_x_px", "off in x", "px");
+	report_table_column(&table, "off_y_px", "off in y", "px");
+	report_table_column(&table, "weight", "weight", NULL);
+	report_table_column(&table, "note", "note", NULL);
+	for (int k = 0; k < seen->count && k < POINTS_SHOWN; k++) {
+		const int n = rank[k].point;
+
+		report_text(&table, "%s", seen->point[n].name);
+		report_number(&table, seen->point[n].view + 1);
+		report_number(&table, seen->point[n].px[0]);
+		report_number(&table, seen->point[n].px[1]);
+		report_number(&table, s->residual[n][0]);
+		report_number(&table, s->residual[n][1]);
+		report_number(&table, s->finding->weight[n]);
+		report_text(&table, isnan(s->residual[n][0]) ? "the model does not see it"
+				    : s->outlier[n]	     ? "outlier"
+							     : "");
+	}
+	free(rank);
+	report_heading(s->page->body, "Points that fit worst");
+	return put(s, s->page->body, &table, fault);
+}

@@ -1,0 +1,290 @@
+/* Points over the photographs, residuals as arrows, and where in the picture points were seen. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/surface.h"
+#include "bake/calibrate/report/report_parts.h"
+
+#define NAMED_MOST 12	   /* outliers named in one picture */
+#define OUTLIER_ARROW 60.0 /* longest on the sheet */
+#define COVERAGE_CELLS 12  /* along the picture's longer side */
+
+/* ---- points and arrows ---- */
+
+/* From where it was seen; an outlier's is cut, so that it does not cross the picture. */
+static void draw_residual(struct report_sheet *sheet, const struct sheet_area *area,
+			  const struct shown *s, int k, double enlargement)
+{
+	const double *r = s->residual[k];
+	const double length = hypot(r[0], r[1]) * enlargement * area->scale;
+	const double cut = s->outlier[k] && length > OUTLIER_ARROW ? OUTLIER_ARROW / length : 1;
+	const double along[2] = {cut * r[0] * enlargement * area->scale,
+				 cut * r[1] * enlargement * area->scale};
+	double at[2];
+
+	if (sheet_place(area, s->finding->seen->point[k].px, at))
+		sheet_arrow(sheet, at, along, s->outlier[k] ? INK_OUTLIER : INK_RESIDUAL);
+}
+
+static void draw_point(struct report_sheet *sheet, const struct sheet_area *area,
+		       const struct shown *s, int k)
+{
+	double at[2];
+
+	if (sheet_place(area, s->finding->seen->point[k].px, at)) {
+		if (s->outlier[k])
+			sheet_square(sheet, at, 5, INK_OUTLIER);
+		else
+			sheet_ring(sheet, at, 4.5, INK_SEEN);
+	}
+	if (s->modelled && sheet_place(area, s->finding->expected[k], at))
+		sheet_cross(sheet, at, 3, INK_EXPECTED);
+}
+
+/* Beside it, and inside the picture. */
+static void name_point(struct report_sheet *sheet, const struct sheet_area *area,
+		       const struct observation *point)
+{
+	const double width = sheet_text_width(sheet, point->name);
+	double at[2];
+
+	if (!sheet_place(area, point->px, at))
+		return;
+	if (at[0] + 10 + width > area->left + area->scale * area->width)
+		at[0] -= 20 + width;
+	sheet_label(sheet, at[0] + 10, at[1] - 6, INK_OUTLIER, point->name);
+}
+
+static void name_outliers(struct report_sheet *sheet, const struct sheet_area *area,
+			  const struct shown *s, int view)
+{
+	const struct observed_view *seen = &s->finding->seen->view[view];
+	int named = 0;
+
+	for (int k = seen->first; k < seen->first + seen->count && named < NAMED_MOST; k++)
+		if (s->outlier[k]) {
+			name_point(sheet, area, &s->finding->seen->point[k]);
+			named++;
+		}
+}
+
+/* What the marks mean, and how long an arrow of one pixel is. */
+static void draw_legend(struct report_sheet *sheet, const struct sheet_area *area,
+			double enlargement, bool marks)
+{
+	const double y = sheet_below(area, 0), middle = y - 5;
+	double at[2] = {SHEET_MARGIN + 8, middle};
+	const double tip[2] = {30, 0};
+
+	if (marks) {
+		sheet_ring(sheet, at, 4.5, INK_SEEN);
+		sheet_ink(sheet, INK_BLACK, 1);
+		sheet_text(sheet, at[0] + 14, y, 0, "seen");
+		at[0] += 75;
+		sheet_cross(sheet, at, 3, INK_EXPECTED);
+		sheet_ink(sheet, INK_BLACK, 1);
+		sheet_text(sheet, at[0] + 14, y, 0, "expected");
+		at[0] += 100;
+		sheet_square(sheet, at, 5, INK_OUTLIER);
+		sheet_ink(sheet, INK_BLACK, 1);
+		sheet_text(sheet, at[0] + 14, y, 0, "outlier, not used");
+		at[0] += 150;
+	}
+	sheet_arrow(sheet, at, tip, INK_RESIDUAL);
+	sheet_ink(sheet, INK_BLACK, 1);
+	sheet_text(sheet, at[0] + 40, y, 0,
+		   "from expected to seen, %g times as long as it is: this one is %.3g px",
+		   enlargement, 30 / (enlargement * area->scale));
+}
+
+static int draw_view(const struct shown *s, int v, struct fault *fault)
+{
+	const struct observed_view *seen = &s->finding->seen->view[v];
+	const struct shown_view *view = &s->view[v];
+	struct report_sheet sheet;
+	struct sheet_area area;
+	char name[32], caption[512];
+	double enlargement;
+	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 1);
+
+	if (!err)
+		err = sheet_photograph(&sheet, &area, shown_picture(s, v));
+	if (err) {
+		sheet_free(&sheet);
+		return fault_say(fault, err, "%s: cannot be drawn: %s", seen->name, strerror(-err));
+	}
+	enlargement = shown_enlargement(s, v, area.scale);
+	sheet_clip(&sheet, &area);
+	for (int k = seen->first; k < seen->first + seen->count; k++)
+		draw_point(&sheet, &area, s, k);
+	for (int k = seen->first; k < seen->first + seen->count; k++)
+		draw_residual(&sheet, &area, s, k, enlargement);
+	name_outliers(&sheet, &area, s, v);
+	sheet_unclip(&sheet);
+	sheet_frame(&sheet, &area);
+	if (s->modelled)
+		draw_legend(&sheet, &area, enlargement, true);
+	snprintf(name, sizeof(name), "view-%03d", v + 1);
+	if (s->modelled)
+		snprintf(caption, sizeof(caption),
+			 "View %d, %s: %d points, %.3g px RMS, %.3g px at most, %d outlier%s.",
+			 v + 1, seen->name, seen->count, view->rms, view->worst, view->outliers,
+			 view->outliers == 1 ? "" : "s");
+	else
+		snprintf(caption, sizeof(caption), "View %d, %s: %d points.", v + 1, seen->name,
+			 seen->count);
+	return sheet_show(&sheet, s->page, name, caption, fault);
+}
+
+static int write_table(const struct shown *s, struct fault *fault)
+{
+	const struct observations *seen = s->finding->seen;
+	struct report_table table;
+	int err;
+
+	report_table_begin(&table, "views");
+	report_table_column(&table, "view", "view", NULL);
+	report_table_column(&table, "file", "file", NULL);
+	report_table_column(&table, "points", "points", NULL);
+	report_table_column(&table, "rms_px", "RMS", "px");
+	report_table_column(&table, "worst_px", "at most", "px");
+	report_table_column(&table, "outliers", "outliers", NULL);
+	for (int v = 0; v < seen->views; v++) {
+		report_number(&table, v + 1);
+		report_text(&table, "%s", seen->view[v].name);
+		report_number(&table, seen->view[v].count);
+		report_number(&table, s->view[v].rms);
+		report_number(&table, s->view[v].worst);
+		report_number(&table, s->view[v].outliers);
+	}
+	err = report_page_table(s->page, s->page->body, &table, fault);
+	report_table_free(&table);
+	return err;
+}
+
+int report_views(const struct shown *s, struct fault *fault)
+{
+	const int views = s->finding->seen->views;
+	int err, drawn = 0;
+
+	for (int v = 0; v < views; v++)
+		drawn += s->view[v].drawn;
+	report_heading(s->page->body, s->modelled ? "What was seen, and where the model expects it"
+						  : "What was seen");
+	if (drawn < views)
+		report_paragraph(s->page->body,
+				 "%d of %d views are drawn: the worst, and some of the others.",
+				 drawn, views);
+	err = write_table(s, fault);
+	for (int v = 0; v < views && !err; v++)
+		if (s->view[v].drawn)
+			err = draw_view(s, v, fault);
+	return err;
+}
+
+/* ---- all residuals over the picture ---- */
+
+int report_residuals(const struct shown *s, struct fault *fault)
+{
+	struct report_sheet sheet;
+	struct sheet_area area;
+	double enlargement;
+	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 1);
+
+	if (err)
+		return fault_say(fault, err, "residuals cannot be drawn: %s", strerror(-err));
+	sheet_photograph(&sheet, &area, NULL);
+	enlargement = shown_enlargement(s, -1, area.scale);
+	sheet_clip(&sheet, &area);
+	for (int k = 0; k < s->finding->seen->count; k++)
+		draw_residual(&sheet, &area, s, k, enlargement);
+	sheet_unclip(&sheet);
+	sheet_frame(&sheet, &area);
+	draw_legend(&sheet, &area, enlargement, false);
+	report_heading(s->page->body, "What is left over");
+	report_paragraph(s->page->body,
+			 "Residuals of a model that fits point every way. Arrows that agree with "
+			 "their neighbours show what the model cannot do, or a board that is not "
+			 "flat.");
+	return sheet_show(&sheet, s->page, "residuals",
+			  "Residuals of all views over the picture; outliers in orange, their "
+			  "arrows cut.",
+			  fault);
+}
+
+/* ---- coverage ---- */
+
+struct cells {
+	int across, down;
+	int count[COVERAGE_CELLS * COVERAGE_CELLS];
+	int most, filled;
+};
+
+static void count_cells(const struct shown *s, struct cells *cells)
+{
+	const double side = fmax(s->width, s->height) / (double)COVERAGE_CELLS;
+
+	*cells = (struct cells){.across = (int)fmax(rint(s->width / side), 1),
+				.down = (int)fmax(rint(s->height / side), 1)};
+	for (int k = 0; k < s->finding->seen->count; k++) {
+		const double *px = s->finding->seen->point[k].px;
+		const double x = floor(px[0] / s->width * cells->across);
+		const double y = floor(px[1] / s->height * cells->down);
+		int *count;
+
+		if (s->outlier[k] || !(x >= 0 && x < cells->across && y >= 0 && y < cells->down))
+			continue;
+		count = &cells->count[(int)y * cells->across + (int)x];
+		cells->filled += !*count;
+		++*count;
+		cells->most = *count > cells->most ? *count : cells->most;
+	}
+}
+
+static void draw_cell(struct report_sheet *sheet, const struct sheet_area *area,
+		      const struct cells *cells, int x, int y)
+{
+	const int count = cells->count[y * cells->across + x];
+	const double wide = area->scale * area->width / cells->across;
+	const double high = area->scale * area->height / cells->down;
+	const double left = area->left + x * wide, top = area->top + y * high;
+	const double share = cells->most > 1 ? (count - 1) / (double)(cells->most - 1) : 1;
+	double rgb[3];
+
+	cairo_rectangle(sheet->c, left + 0.5, top + 0.5, wide - 1, high - 1);
+	surface_ramp(0.15 + 0.85 * share, rgb);
+	if (count)
+		cairo_set_source_rgb(sheet->c, rgb[0], rgb[1], rgb[2]);
+	else
+		sheet_ink(sheet, INK_FAINT, 1);
+	cairo_fill(sheet->c);
+	sheet_ink(sheet, count && share < 0.45 ? INK_WHITE : INK_BLACK, 1);
+	sheet_text(sheet, left + wide / 2, top + high / 2 + 5, 0.5, "%d", count);
+}
+
+int report_coverage(const struct shown *s, struct fault *fault)
+{
+	struct report_sheet sheet;
+	struct sheet_area area;
+	struct cells cells;
+	char caption[160];
+	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 0);
+
+	if (err)
+		return fault_say(fault, err, "coverage cannot be drawn: %s", strerror(-err));
+	count_cells(s, &cells);
+	for (int y = 0; y < cells.down; y++)
+		for (int x = 0; x < cells.across; x++)
+			draw_cell(&sheet, &area, &cells, x, y);
+	sheet_frame(&sheet, &area);
+	report_heading(s->page->body, "Where in the picture points were seen");
+	report_paragraph(s->page->body,
+			 "What lies outside of all points is extrapolated: hold the board where "
+			 "it was not yet, into the corners above all.");
+	snprintf(caption, sizeof(caption),
+		 "Points seen in each part of the picture: %d of %d parts hold some.", cells.filled,
+		 cells.across * cells.down);
+	return sheet_show(&sheet, s->page, "coverage", caption, fault);
+}

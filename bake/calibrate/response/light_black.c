@@ -1,0 +1,238 @@
+#include "bake/calibrate/response/light_black.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define PARTS 8
+#define BLOCK 8
+#define DARK_MOST 64 /* code: no camera has its black level so high */
+
+static int check(const struct image *picture, struct fault *fault)
+{
+	if (!picture->u8)
+		return fault_say(fault, -EINVAL,
+				 "the picture holds linear light, expected an 8-bit picture");
+	if (picture->width < 64 || picture->height < 64)
+		return fault_say(fault, -EINVAL,
+				 "the picture is %dx%d pixels, expected at least 64x64",
+				 picture->width, picture->height);
+	return 0;
+}
+
+/* Mean over a rectangle, of one channel, or of all where channel is -1; and the mean square. */
+static double mean_of(const struct image *p, int x0, int y0, int width, int height, int channel,
+		      double *square)
+{
+	double sum = 0, squares = 0;
+	int count = 0;
+
+	for (int y = y0; y < y0 + height; y++)
+		for (int x = x0; x < x0 + width; x++)
+			for (int c = 0; c < 3; c++) {
+				const double code =
+					p->u8[3 * ((size_t)y * (size_t)p->width + (size_t)x) +
+					      (size_t)c];
+
+				if (channel >= 0 && c != channel)
+					continue;
+				sum += code;
+				squares += code * code;
+				count++;
+			}
+	*square = squares / count;
+	return sum / count;
+}
+
+/* How the parts of the picture differ tells how well their mean is known, whatever noise is like.
+ */
+static void measure_parts(struct light_black *b, const struct image *p)
+{
+	const int width = p->width / PARTS, height = p->height / PARTS;
+	double sum = 0, squares = 0, unused;
+
+	b->lightest = 0;
+	for (int k = 0; k < PARTS * PARTS; k++) {
+		const double mean = mean_of(p, k % PARTS * width, k / PARTS * height, width, height,
+					    -1, &unused);
+
+		sum += mean;
+		squares += mean * mean;
+		b->lightest = fmax(b->lightest, mean);
+	}
+	sum /= PARTS * PARTS;
+	b->deviation = sqrt(fmax(squares / (PARTS * PARTS) - sum * sum, 0) / (PARTS * PARTS - 1));
+}
+
+/* A camera that cuts noise off at the black level shows that code and some above it: the level is
+ * the lowest code where so many pixels have it. */
+#define CUT_OFF 0.4
+
+static bool is_cut_off(const struct image *p, int *lowest)
+{
+	const int count = 3 * p->width * p->height;
+	int codes[256] = {0};
+
+	for (int k = 0; k < count; k++)
+		codes[p->u8[k]]++;
+	*lowest = 0;
+	while (!codes[*lowest])
+		++*lowest;
+	return codes[*lowest] > CUT_OFF * count;
+}
+
+int light_black_covered(struct light_black *b, const struct image *p, struct fault *fault)
+{
+	const int err = check(p, fault);
+	double square;
+	int lowest;
+
+	if (err)
+		return err;
+	*b = (struct light_black){.level = 0};
+	verdict_begin(&b->verdict);
+	b->level = mean_of(p, 0, 0, p->width, p->height, -1, &square);
+	b->noise = sqrt(fmax(square - b->level * b->level, 0));
+	for (int c = 0; c < 3; c++)
+		b->channel[c] = mean_of(p, 0, 0, p->width, p->height, c, &square);
+	measure_parts(b, p);
+	if (b->level > DARK_MOST)
+		verdict_doubt(&b->verdict, "cover the lens",
+			      "the picture's mean is code %.0f: it is not dark", b->level);
+	if (b->lightest - b->level > 1.5)
+		verdict_doubt(
+			&b->verdict, "cover the lens tightly",
+			"a part of the picture is %.1f codes lighter than the rest: light falls in",
+			b->lightest - b->level);
+	if (is_cut_off(p, &lowest)) {
+		b->level = lowest;
+		b->deviation = sqrt(1.0 / 12); /* what rounding leaves */
+	}
+	for (int c = 0; c < 3; c++)
+		if (fabs(b->channel[c] - b->level) > 2)
+			verdict_doubt(&b->verdict,
+				      "cover the lens tightly, or switch off the camera's white "
+				      "balance",
+				      "the channels have different black levels");
+	return 0;
+}
+
+/* ---- the darkest of a series ---- */
+
+#define ALIKE 16 /* codes: what rises by less may as well be noise, or light that flickers */
+#define SURE 1	 /* code: how well the level is to be known */
+
+struct spot {
+	double shorter, longer;
+};
+
+/* How the blocks of the longer exposure differ from those of the shorter one, codes. */
+struct rise {
+	double mean, most, least;
+	double darkest; /* mean of the darkest hundredth */
+};
+
+static int by_brightness(const void *a, const void *b)
+{
+	const double x = ((const struct spot *)a)->longer, y = ((const struct spot *)b)->longer;
+
+	return (x > y) - (x < y);
+}
+
+static void compare_spots(const struct spot *spot, int count, int darkest, struct rise *rise)
+{
+	*rise = (struct rise){.mean = 0};
+	for (int k = 0; k < count; k++) {
+		const double by = spot[k].longer - spot[k].shorter;
+
+		rise->mean += by / count;
+		rise->most = fmax(rise->most, by);
+		rise->least = fmin(rise->least, by);
+		if (k < darkest)
+			rise->darkest += by / darkest;
+	}
+}
+
+static void measure_darkest(struct light_black *b, const struct spot *spot, int darkest,
+			    const struct rise *rise)
+{
+	double squares = 0;
+
+	for (int k = 0; k < darkest; k++) {
+		b->level += spot[k].shorter / darkest;
+		squares += spot[k].shorter * spot[k].shorter / darkest;
+	}
+	b->noise = sqrt(fmax(squares - b->level * b->level, 0)) * BLOCK * sqrt(3);
+	/* What the longer time adds is light; about as much may be in the shorter one. */
+	b->deviation = hypot(b->noise / (BLOCK * sqrt(3.0 * darkest)), fabs(rise->darkest));
+	b->lightest = b->level;
+	for (int c = 0; c < 3; c++)
+		b->channel[c] = b->level;
+}
+
+/* The level is what does not change while the light does: it tells nothing where the light did not
+ * change, or became less. */
+static void doubt_darkest(struct light_black *b, const struct rise *rise)
+{
+	const char *cover = "take a picture with the lens covered";
+
+	if (rise->mean < 0 && -rise->least >= ALIKE)
+		verdict_doubt(&b->verdict, "give the shorter exposure first",
+			      "the second picture is darker than the first one, by %.1f codes",
+			      -rise->mean);
+	if (b->level > DARK_MOST)
+		verdict_doubt(&b->verdict, cover,
+			      "the darkest places have code %.0f: they are not dark", b->level);
+	if (fmax(rise->most, -rise->least) < ALIKE)
+		verdict_doubt(&b->verdict, "let the second picture have at least twice the time",
+			      "the exposures are alike: no place differs by %d codes or more",
+			      ALIKE);
+	if (rise->darkest > SURE)
+		verdict_doubt(&b->verdict, cover,
+			      "the darkest places still become lighter with a longer exposure");
+	if (rise->darkest < -SURE)
+		verdict_doubt(&b->verdict, "let nothing move between the exposures",
+			      "the darkest places become darker with a longer exposure");
+	if (b->deviation > SURE)
+		verdict_doubt(&b->verdict, cover,
+			      "the darkest places differ among themselves: the level is known to "
+			      "%.1f codes only",
+			      b->deviation);
+}
+
+int light_black_darkest(struct light_black *b, const struct image *shorter,
+			const struct image *longer, struct fault *fault)
+{
+	const int across = shorter->width / BLOCK, count = across * (shorter->height / BLOCK);
+	const int darkest = count / 100 > 4 ? count / 100 : 4;
+	struct rise rise;
+	struct spot *spot;
+	double unused;
+	int err = check(shorter, fault);
+
+	if (!err)
+		err = check(longer, fault);
+	if (err)
+		return err;
+	if (shorter->width != longer->width || shorter->height != longer->height)
+		return fault_say(fault, -EINVAL, "the pictures differ in size, expected one size");
+	spot = calloc((size_t)count, sizeof(*spot));
+	if (!spot)
+		return fault_say(fault, -ENOMEM, "not enough memory for %d blocks", count);
+	for (int k = 0; k < count; k++) {
+		const int x = k % across * BLOCK, y = k / across * BLOCK;
+
+		spot[k].shorter = mean_of(shorter, x, y, BLOCK, BLOCK, -1, &unused);
+		spot[k].longer = mean_of(longer, x, y, BLOCK, BLOCK, -1, &unused);
+	}
+	qsort(spot, (size_t)count, sizeof(*spot), by_brightness);
+	*b = (struct light_black){.level = 0};
+	verdict_begin(&b->verdict);
+	compare_spots(spot, count, darkest, &rise);
+	measure_darkest(b, spot, darkest, &rise);
+	free(spot);
+	doubt_darkest(b, &rise);
+	return 0;
+}

@@ -1,0 +1,333 @@
+#include "bake/calibrate/response/light_report.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "bake/calibrate/estimate/json.h"
+#include "bake/report/report_page.h"
+
+struct report {
+	struct report_page page;
+	FILE *file; /* light.json */
+	struct json json;
+	struct fault *fault;
+	int err; /* the first that failed; the rest does nothing */
+};
+
+static void begin(struct report *r, const char *folder, const char *what,
+		  const struct verdict *verdict, struct fault *fault)
+{
+	char path[PATH_MAX + 16], sentence[VERDICT_SENTENCE_MAX];
+
+	*r = (struct report){.fault = fault};
+	r->err = report_page_open(&r->page, folder, fault);
+	if (r->err)
+		return;
+	snprintf(path, sizeof(path), "%s/light.json", r->page.temporary);
+	r->file = fopen(path, "w");
+	if (!r->file) {
+		r->err = -errno;
+		fault_say(fault, r->err, "%s: %s", path, strerror(-r->err));
+		return;
+	}
+	json_begin(&r->json, r->file);
+	json_text(&r->json, "what", what);
+	verdict_write_json(&r->json, verdict);
+	verdict_sentence(verdict, sentence, sizeof(sentence));
+	report_heading(r->page.body, "%s", what);
+	report_paragraph(r->page.body, "Verdict: %s.", sentence);
+}
+
+/* In the page and in JSON. */
+static void figure(struct report *r, const char *key, const char *label, double value,
+		   const char *unit)
+{
+	if (r->err)
+		return;
+	json_number(&r->json, key, value);
+	report_paragraph(r->page.body, "%s: %.4g%s%s", label, value, *unit ? " " : "", unit);
+}
+
+static void numbers(struct report *r, const char *key, const double *value, int count)
+{
+	if (!r->err)
+		json_numbers(&r->json, key, value, count);
+}
+
+static void show_plot(struct report *r, struct report_plot *plot, const char *caption)
+{
+	if (r->err)
+		report_plot_free(plot);
+	else
+		r->err = report_page_plot(&r->page, r->page.body, plot, caption, r->fault);
+}
+
+static void show_table(struct report *r, struct report_table *table)
+{
+	if (!r->err)
+		r->err = report_page_table(&r->page, r->page.body, table, r->fault);
+	report_table_free(table);
+}
+
+static int finish(struct report *r, const char *title)
+{
+	if (r->file) {
+		if (!r->err)
+			json_end(&r->json);
+		if (!r->err && ferror(r->file))
+			r->err = fault_say(r->fault, -EIO, "light.json cannot be written");
+		if (fclose(r->file) != 0 && !r->err)
+			r->err = fault_say(r->fault, -EIO, "light.json cannot be written");
+	}
+	if (!r->err)
+		r->err = report_page_commit(&r->page, title, r->fault);
+	report_page_abandon(&r->page);
+	return r->err;
+}
+
+int light_report_black(const char *folder, const struct light_black *black, struct fault *fault)
+{
+	struct report r;
+
+	begin(&r, folder, "Black level", &black->verdict, fault);
+	figure(&r, "black_level", "Code value that is no light", black->level, "");
+	figure(&r, "deviation", "One standard deviation of it", black->deviation, "");
+	figure(&r, "noise", "Noise of a pixel, one standard deviation", black->noise, "codes");
+	figure(&r, "lightest", "Mean of the lightest part of the picture", black->lightest, "");
+	numbers(&r, "channels", black->channel, 3);
+	return finish(&r, "Black level");
+}
+
+/* ---- response ---- */
+
+#define LAST (TRANSFER_KNOTS - 1)
+
+static void plot_curve(struct report *r, const struct light_response *found)
+{
+	struct report_plot plot;
+
+	report_plot_begin(&plot, "response", "code value, from the black level to 255, %",
+			  "linear light, %");
+	for (int t = 0; t < TRANSFER_LINEAR; t++) {
+		report_plot_series(&plot, transfer_names[t], STYLE_DASHED, t ? 3 : 2);
+		for (int k = 0; k <= 100; k += 5)
+			report_plot_point(&plot, k,
+					  100 * transfer_decode((enum transfer)t, k / 100.0));
+	}
+	report_plot_series(&plot, "measured", STYLE_LINE, 1);
+	for (int k = 0; k <= LAST; k++)
+		report_plot_point(&plot, 100.0 * k / LAST, 100 * found->curve.knot[k]);
+	show_plot(r, &plot, "The response, and the standards' curves.");
+}
+
+/* A standard's curve against the measured one, and how well that is known. */
+static void plot_difference(struct report *r, const struct light_response *found)
+{
+	const double *knot = found->curve.knot;
+	struct report_plot plot;
+
+	report_plot_begin(&plot, "difference", "code value, from the black level to 255, %",
+			  "difference from the measured curve, % of linear light");
+	for (int sign = -1; sign <= 1; sign += 2) {
+		report_plot_series(&plot, sign > 0 ? "two deviations" : NULL, STYLE_LINE, 0);
+		for (int k = 2; k <= LAST; k++)
+			report_plot_point(&plot, 100.0 * k / LAST,
+					  sign * 200 * found->deviation[k] / knot[k]);
+	}
+	for (int t = 0; t < TRANSFER_LINEAR; t++) {
+		report_plot_series(&plot, transfer_names[t], STYLE_DASHED, t ? 3 : 2);
+		for (int k = 2; k <= LAST; k++) {
+			const double named = transfer_decode((enum transfer)t, (double)k / LAST);
+			const double off = 100 * (named / knot[k] - 1);
+
+			if (fabs(off) < 60)
+				report_plot_point(&plot, 100.0 * k / LAST, off);
+		}
+	}
+	show_plot(
+		r, &plot,
+		"How far the standards' curves are from the measured one, where that is less than "
+		"60 %; grey: two standard deviations of the measurement.");
+}
+
+static void plot_residuals(struct report *r, const struct light_response *found)
+{
+	struct report_plot plot;
+
+	report_plot_begin(&plot, "residuals", "code value, from the black level to 255, %",
+			  "left over, % of linear light");
+	report_plot_series(&plot, "scatter", STYLE_POINTS, 0);
+	for (int k = 0; k < LIGHT_LEVELS; k++)
+		if (!isnan(found->level_scatter[k]))
+			report_plot_point(&plot, 100 * (k + 0.5) / LIGHT_LEVELS,
+					  100 * found->level_scatter[k]);
+	report_plot_series(&plot, "mean", STYLE_LINE, 1);
+	for (int k = 0; k < LIGHT_LEVELS; k++)
+		if (!isnan(found->level_offset[k]))
+			report_plot_point(&plot, 100 * (k + 0.5) / LIGHT_LEVELS,
+					  100 * found->level_offset[k]);
+	show_plot(r, &plot,
+		  "What linear light differs by from what all exposures of a place say, by code "
+		  "value: "
+		  "a mean that leaves 0 is what the curve does not follow.");
+}
+
+static void tabulate_exposures(struct report *r, const struct light_response *found)
+{
+	struct report_table table;
+
+	report_table_begin(&table, "exposures");
+	report_table_column(&table, "exposure", "exposure", NULL);
+	report_table_column(&table, "time", "time", NULL);
+	report_table_column(&table, "time_deviation_percent", "its deviation", "%");
+	report_table_column(&table, "offset_percent", "off from all by", "%");
+	report_table_column(&table, "scatter_percent", "scatter", "%");
+	for (int j = 0; j < found->exposures; j++) {
+		report_number(&table, j + 1);
+		report_number(&table, found->time[j]);
+		report_number(&table, 100 * found->time_deviation[j]);
+		report_number(&table, 100 * found->offset[j]);
+		report_number(&table, 100 * found->scatter[j]);
+	}
+	show_table(r, &table);
+}
+
+int light_report_response(const char *folder, const struct light_response *found,
+			  struct fault *fault)
+{
+	struct report r;
+
+	begin(&r, folder, "Response", &found->verdict, fault);
+	figure(&r, "samples", "Places of the scene", found->samples, "");
+	figure(&r, "from_percent", "Lowest code value seen", 100 * found->from, "%");
+	figure(&r, "to_percent", "Highest code value seen", 100 * found->to, "%");
+	figure(&r, "sigma", "What is left over, in what noise explains", found->sigma, "");
+	figure(&r, "held_out", "The same of exposures that were held out", found->held_out, "");
+	figure(&r, "pieces", "Pieces of the curve", found->spline.pieces, "");
+	plot_curve(&r, found);
+	plot_difference(&r, found);
+	plot_residuals(&r, found);
+	tabulate_exposures(&r, found);
+	numbers(&r, "response", found->curve.knot, TRANSFER_KNOTS);
+	numbers(&r, "response_deviation", found->deviation, TRANSFER_KNOTS);
+	numbers(&r, "times", found->time, found->exposures);
+	numbers(&r, "level_offset", found->level_offset, LIGHT_LEVELS);
+	numbers(&r, "level_scatter", found->level_scatter, LIGHT_LEVELS);
+	numbers(&r, "channel_off", found->channel_off, 3);
+	numbers(&r, "channel_deviation", found->channel_deviation, 3);
+	return finish(&r, "Response");
+}
+
+/* ---- gain, colours, delay ---- */
+
+int light_report_gain(const char *folder, const struct light_gain *found,
+		      const struct light_pair *pairs, struct fault *fault)
+{
+	struct report_table table;
+	struct report r;
+
+	begin(&r, folder, "Gain", &found->verdict, fault);
+	figure(&r, "gain", "Gain: the fisheye's units to the background camera's", found->gain, "");
+	figure(&r, "deviation", "One standard deviation of it", found->deviation, "");
+	numbers(&r, "balance", found->balance, 3);
+	report_table_begin(&table, "pairs");
+	report_table_column(&table, "pair", "pair", NULL);
+	report_table_column(&table, "gain", "its own gain", NULL);
+	report_table_column(&table, "weight", "weight", NULL);
+	report_table_column(&table, "uneven_percent", "patch uneven by", "%");
+	report_table_column(&table, "clipped_sky_percent", "of the sky clipped", "%");
+	for (int k = 0; k < found->pairs; k++) {
+		report_number(&table, k + 1);
+		report_number(&table, found->ratio[k]);
+		report_number(&table, found->weight[k]);
+		report_number(&table, 100 * pairs[k].patch.uneven);
+		report_number(&table, 100 * pairs[k].clipped_sky);
+	}
+	show_table(&r, &table);
+	numbers(&r, "ratios", found->ratio, found->pairs);
+	return finish(&r, "Gain");
+}
+
+static void plot_patches(struct report *r, const struct light_colours *found,
+			 const struct light_colour_pair *pairs)
+{
+	static const char *const names[] = {"red", "green", "blue"};
+	static const int colours[] = {2, 3, 1};
+	struct report_plot plot;
+
+	report_plot_begin(&plot, "patches", "background camera, linear",
+			  "fisheye after colours, linear");
+	report_plot_series(&plot, "the same", STYLE_DASHED, 0);
+	report_plot_point(&plot, 0, 0);
+	report_plot_point(&plot, 1, 1);
+	for (int c = 0; c < 3; c++) {
+		report_plot_series(&plot, names[c], STYLE_POINTS, colours[c]);
+		for (int k = 0; k < found->patches; k++) {
+			double made = 0;
+
+			for (int i = 0; i < 3; i++)
+				made += found->scale * found->matrix[3 * c + i] *
+					pairs[k].fisheye[i];
+			report_plot_point(&plot, pairs[k].background[c], made);
+		}
+	}
+	show_plot(r, &plot, "Each channel of each patch.");
+}
+
+int light_report_colours(const char *folder, const struct light_colours *found,
+			 const struct light_colour_pair *pairs, struct fault *fault)
+{
+	struct report_table table;
+	struct report r;
+
+	begin(&r, folder, "Colours", &found->verdict, fault);
+	figure(&r, "before_percent", "Patches differ, before", 100 * found->before, "%");
+	figure(&r, "after_percent", "Patches differ, after", 100 * found->after, "%");
+	figure(&r, "scale", "Background over fisheye, of grey", found->scale, "");
+	figure(&r, "condition", "Condition of the equations", found->condition, "");
+	plot_patches(&r, found, pairs);
+	report_table_begin(&table, "colours");
+	report_table_column(&table, "element", "element", NULL);
+	report_table_column(&table, "value", "value", NULL);
+	report_table_column(&table, "deviation", "deviation", NULL);
+	for (int e = 0; e < 9; e++) {
+		report_text(&table, "%s", found->estimate.parameter[e].name);
+		report_number(&table, found->matrix[e]);
+		report_number(&table, estimate_deviation(&found->estimate, e));
+	}
+	show_table(&r, &table);
+	numbers(&r, "colours", found->matrix, 9);
+	numbers(&r, "residuals", found->residual, found->patches);
+	return finish(&r, "Colours");
+}
+
+int light_report_delay(const char *folder, const struct light_delay *found,
+		       const struct light_record *record, struct fault *fault)
+{
+	struct report_plot plot;
+	struct report r;
+
+	begin(&r, folder, "Delay", &found->verdict, fault);
+	figure(&r, "frames", "Delay in frames", found->frames, "");
+	figure(&r, "time_ms", "Delay", found->time_ms, "ms");
+	figure(&r, "deviation_ms", "How it spreads, one standard deviation", found->deviation_ms,
+	       "ms");
+	figure(&r, "shortest_ms", "Shortest", found->shortest_ms, "ms");
+	figure(&r, "longest_ms", "Longest", found->longest_ms, "ms");
+	figure(&r, "seen", "Changes seen", found->seen, "");
+	figure(&r, "correlation", "Correlation", found->correlation, "");
+	report_plot_begin(&plot, "delay", "time, ms", "brightness of the frame");
+	report_plot_series(&plot, "frames", STYLE_LINE, 1);
+	for (int k = 0; k < record->frames && k < REPORT_POINTS_MAX; k++)
+		report_plot_point(&plot, record->time_ms[k] - record->time_ms[0], record->level[k]);
+	report_plot_series(&plot, "changes", STYLE_POINTS, 2);
+	for (int k = 0; k < record->changes && k < REPORT_POINTS_MAX; k++)
+		if (record->change_ms[k] <=
+		    record->time_ms[record->frames < REPORT_POINTS_MAX ? record->frames - 1
+								       : REPORT_POINTS_MAX - 1])
+			report_plot_point(&plot, record->change_ms[k] - record->time_ms[0],
+					  record->level[0]);
+	show_plot(&r, &plot, "Brightness of the first frames, and when the control was changed.");
+	return finish(&r, "Delay");
+}

@@ -1,0 +1,355 @@
+#include "bake/calibrate/response/light_response.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bake/calibrate/response/light_response_doubts.h"
+
+#define LAST (TRANSFER_KNOTS - 1)
+#define ABOUT_BEST 1.003
+#define PIECES_ALONE 3 /* where no exposure can be held out */
+
+static const int pieces_to_try[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
+
+#define TRIALS ((int)(sizeof(pieces_to_try) / sizeof(*pieces_to_try)))
+
+static int check(const struct light_samples *samples, const struct light_response_settings *s,
+		 struct fault *fault)
+{
+	for (int j = 0; j < samples->exposures; j++)
+		if (!(s->time[j] > 0) || !isfinite(s->time[j]))
+			return fault_say(fault, -EINVAL,
+					 "time %d is %g, expected a positive number", j + 1,
+					 s->time[j]);
+	if (!(s->time_deviation >= 0 && s->time_deviation < 1))
+		return fault_say(fault, -EINVAL,
+				 "the times' deviation is %g, expected 0 to 1, relative",
+				 s->time_deviation);
+	return 0;
+}
+
+static void find_range(struct light_response *found, const struct light_samples *samples)
+{
+	found->from = 1;
+	found->to = 0;
+	for (int i = 0; i < samples->count; i++) {
+		const struct light_sample *s = &samples->sample[i];
+
+		for (int j = 0; j < samples->exposures; j++) {
+			if (!s->good[j])
+				continue;
+			found->from = fmin(found->from, s->mean[j]);
+			found->to = fmax(found->to, s->mean[j]);
+		}
+	}
+}
+
+/* ---- fitting ---- */
+
+static struct light_spline spline_of(const struct light_response *found, int pieces)
+{
+	return (struct light_spline){.pieces = pieces, .from = found->from, .to = found->to};
+}
+
+/* Mean square over the exposures, each held out in turn. Negative: cannot be told. */
+static double score(const struct light_response *found, const struct light_fit_task *task,
+		    int pieces)
+{
+	const struct light_spline spline = spline_of(found, pieces);
+	double squares = 0;
+	int count = 0;
+
+	for (int j = 0; j < task->samples->exposures; j++) {
+		struct light_fit_task without = *task;
+		struct light_fit fit;
+		double rms;
+
+		without.held_out = j;
+		if (light_fit_find(&fit, &without, &spline, NULL) < 0)
+			continue;
+		rms = light_fit_foretell(&fit, &without);
+		if (rms < 0)
+			continue;
+		squares += rms * rms;
+		count++;
+	}
+	return count ? squares / count : -1;
+}
+
+/* The fewest that foretell about as well as the best: more would follow noise. */
+static void choose_pieces(struct light_response *found, const struct light_fit_task *task)
+{
+	double squares[TRIALS], best = INFINITY;
+	int tried = 0, best_at = 0;
+
+	found->spline = spline_of(found, PIECES_ALONE);
+	if (task->samples->exposures < 3)
+		return;
+	for (; tried < TRIALS && tried <= best_at + 2; tried++) {
+		squares[tried] = score(found, task, pieces_to_try[tried]);
+		if (squares[tried] > 0 && squares[tried] < best) {
+			best = squares[tried];
+			best_at = tried;
+		}
+	}
+	for (int k = 0; k < tried; k++) {
+		if (!(squares[k] > 0) || squares[k] > best * ABOUT_BEST)
+			continue;
+		found->spline.pieces = pieces_to_try[k];
+		found->held_out = sqrt(squares[k]);
+		return;
+	}
+}
+
+/* Gradients of ln f at the knots, f being 1 at the upper end. */
+static void knot_gradient(const struct light_fit *fit, int knot, double *gradient)
+{
+	double end[LIGHT_SPLINE_MAX];
+
+	light_spline_at(&fit->spline, (double)knot / LAST, gradient, NULL);
+	light_spline_at(&fit->spline, 1, end, NULL);
+	for (int k = 0; k < light_spline_count(&fit->spline); k++)
+		gradient[k] -= end[k];
+}
+
+static double knot_covariance(const struct light_fit *fit, int a, int b)
+{
+	const int n = light_spline_count(&fit->spline);
+	double ga[LIGHT_SPLINE_MAX], gb[LIGHT_SPLINE_MAX], sum = 0;
+
+	knot_gradient(fit, a, ga);
+	knot_gradient(fit, b, gb);
+	for (int i = 0; i < n; i++)
+		for (int j = 0; j < n; j++)
+			sum += ga[i] * fit->covariance[i][j] * gb[j];
+	return sum;
+}
+
+static double knot_value(const struct light_fit *fit, int knot)
+{
+	const double one = light_fit_log(fit, 1, NULL, NULL);
+
+	return knot ? exp(light_fit_log(fit, (double)knot / LAST, NULL, NULL) - one) : 0;
+}
+
+static int take_knots(struct light_response *found, const struct light_fit *fit)
+{
+	struct estimate *e = &found->estimate;
+	double *knot = found->curve.knot;
+
+	if (estimate_create(e, LAST - 1) < 0)
+		return -ENOMEM;
+	for (int k = 0; k <= LAST; k++)
+		knot[k] = k == LAST ? 1 : knot_value(fit, k);
+	for (int a = 1; a < LAST; a++) {
+		struct parameter *p = &e->parameter[a - 1];
+
+		snprintf(p->name, sizeof(p->name), "knot %d", a);
+		p->value = knot[a];
+		for (int b = 1; b < LAST; b++)
+			e->covariance[(a - 1) * e->count + b - 1] = knot[a] * knot[b] *
+								    knot_covariance(fit, a, b);
+		found->deviation[a] = estimate_deviation(e, a - 1);
+	}
+	e->residuals = fit->equations;
+	e->freedom = fit->freedom;
+	e->sigma = fit->sigma;
+	found->sigma = fit->sigma;
+	return 0;
+}
+
+/* A power of all times goes with a power of the response: of that, the given times alone tell. */
+static void take_times(struct light_response *found, const struct light_fit *fit,
+		       const struct light_fit_task *task)
+{
+	const int first = light_spline_count(&fit->spline);
+	double squares = 0;
+
+	for (int j = 1; j < found->exposures; j++)
+		squares += pow(log(task->time[j] / task->time[0]), 2);
+	for (int j = 0; j < found->exposures; j++) {
+		const double own = fit->covariance[first + j][first + j];
+		const double apart = log(task->time[j] / task->time[0]);
+
+		found->time[j] = task->time[j] * exp(fit->a[first + j]);
+		found->time_deviation[j] =
+			squares > 0 ? sqrt(own + pow(task->time_deviation * apart, 2) / squares)
+				    : 0;
+	}
+}
+
+/* Sums of what samples differ by. */
+struct tally {
+	double sum, squares;
+	int count;
+};
+
+static void tally_add(struct tally *t, double off)
+{
+	t->sum += off;
+	t->squares += off * off;
+	t->count++;
+}
+
+/* One sample's exposures against what all of them say together. */
+static void compare_sample(const struct light_fit *fit, const struct light_fit_task *task,
+			   const struct light_sample *s, struct tally *exposure,
+			   struct tally *level)
+{
+	double log_l[LIGHT_EXPOSURES_MAX], middle = 0, total = 0, variance;
+
+	for (int j = 0; j < task->samples->exposures; j++) {
+		if (!s->good[j])
+			continue;
+		log_l[j] = light_fit_radiance(fit, task, s, j, &variance);
+		middle += log_l[j] / variance;
+		total += 1 / variance;
+	}
+	for (int j = 0; j < task->samples->exposures; j++) {
+		if (!s->good[j])
+			continue;
+		tally_add(&exposure[j], log_l[j] - middle / total);
+		tally_add(&level[(int)(s->mean[j] * LIGHT_LEVELS)], log_l[j] - middle / total);
+	}
+}
+
+static void compare_exposures(struct light_response *found, const struct light_fit *fit,
+			      const struct light_fit_task *task)
+{
+	struct tally exposure[LIGHT_EXPOSURES_MAX] = {{0}}, level[LIGHT_LEVELS] = {{0}};
+
+	for (int i = 0; i < task->samples->count; i++)
+		compare_sample(fit, task, &task->samples->sample[i], exposure, level);
+	for (int j = 0; j < found->exposures; j++) {
+		const struct tally *t = &exposure[j];
+
+		found->offset[j] = t->count ? t->sum / t->count : 0;
+		found->scatter[j] = t->count ? sqrt(t->squares / t->count) : 0;
+	}
+	for (int k = 0; k < LIGHT_LEVELS; k++) {
+		const struct tally *t = &level[k];
+
+		found->level_offset[k] = t->count ? t->sum / t->count : NAN;
+		found->level_scatter[k] = t->count ? sqrt(t->squares / t->count) : NAN;
+	}
+}
+
+/* ln of f at one knot over f at another, and unless NULL its deviation. */
+static double log_ratio(const struct light_fit *fit, int knot, int other, double *deviation)
+{
+	const int n = light_spline_count(&fit->spline);
+	const double u = (double)knot / LAST, v = (double)other / LAST;
+	double g[LIGHT_SPLINE_MAX], h[LIGHT_SPLINE_MAX], sum = 0;
+
+	light_spline_at(&fit->spline, u, g, NULL);
+	light_spline_at(&fit->spline, v, h, NULL);
+	for (int i = 0; i < n; i++)
+		for (int j = 0; j < n; j++)
+			sum += (g[i] - h[i]) * fit->covariance[i][j] * (g[j] - h[j]);
+	if (deviation)
+		*deviation = sqrt(fmax(sum, 0));
+	return light_fit_log(fit, u, NULL, NULL) - light_fit_log(fit, v, NULL, NULL);
+}
+
+/* The knots that samples of the channel cover, of those between 10 % and 90 %. */
+static void channel_range(const struct light_samples *samples, int channel, int *first, int *last)
+{
+	double from = 1, to = 0;
+
+	for (int i = 0; i < samples->count; i++) {
+		const struct light_sample *s = &samples->sample[i];
+
+		for (int j = 0; j < samples->exposures; j++) {
+			if (!s->good[j] || s->channel != channel)
+				continue;
+			from = fmin(from, s->mean[j]);
+			to = fmax(to, s->mean[j]);
+		}
+	}
+	*first = (int)ceil(fmax(from, 0.1) * LAST);
+	*last = (int)floor(fmin(to, 0.9) * LAST);
+}
+
+/* Each channel's own curve against the common one, both 1 in the middle of what it covers. */
+static void compare_channels(struct light_response *found, const struct light_fit *fit,
+			     const struct light_fit_task *task)
+{
+	for (int c = 0; c < 3; c++) {
+		struct light_fit_task one = *task;
+		struct light_fit own;
+		int first, last;
+
+		one.channel = c;
+		channel_range(task->samples, c, &first, &last);
+		if (light_fit_find(&own, &one, &fit->spline, NULL) < 0)
+			continue;
+		found->channel_sigma[c] = own.sigma;
+		for (int k = first; k <= last; k++) {
+			const int middle = (first + last) / 2;
+			double deviation;
+			const double off = fabs(expm1(log_ratio(&own, k, middle, &deviation) -
+						      log_ratio(fit, k, middle, NULL)));
+
+			if (off <= found->channel_off[c])
+				continue;
+			found->channel_off[c] = off;
+			found->channel_deviation[c] = deviation;
+		}
+	}
+}
+
+static void make_straight(struct light_response *found)
+{
+	for (int k = 0; k <= LAST; k++)
+		found->curve.knot[k] = (double)k / LAST;
+	verdict_doubt(&found->verdict, "change the times by less from one exposure to the next",
+		      "too few places are seen in two exposures");
+}
+
+int light_response_find(struct light_response *found, const struct light_samples *samples,
+			const struct light_response_settings *settings, struct fault *fault)
+{
+	const struct light_fit_task task = {.samples = samples,
+					    .time = settings->time,
+					    .time_deviation = settings->time_deviation,
+					    .channel = -1,
+					    .held_out = -1};
+	struct light_fit fit;
+	int ret = check(samples, settings, fault);
+
+	*found = (struct light_response){.exposures = samples->exposures,
+					 .samples = samples->count,
+					 .curve = {.black = samples->black, .measured = true}};
+	if (ret < 0)
+		return ret;
+	verdict_begin(&found->verdict);
+	memcpy(found->time, settings->time, sizeof(found->time));
+	find_range(found, samples);
+	light_doubt_pictures(found, samples, settings->time);
+	if (!(found->to > found->from)) {
+		make_straight(found);
+		return 0;
+	}
+	choose_pieces(found, &task);
+	ret = light_fit_find(&fit, &task, &found->spline, fault);
+	if (ret == -ENODATA) {
+		make_straight(found);
+		return 0;
+	}
+	if (ret == 0)
+		ret = take_knots(found, &fit);
+	if (ret < 0)
+		return fault_say(fault, ret, "not enough memory for the response");
+	take_times(found, &fit, &task);
+	compare_exposures(found, &fit, &task);
+	compare_channels(found, &fit, &task);
+	light_doubt_fit(found, &task);
+	return 0;
+}
+
+void light_response_free(struct light_response *found)
+{
+	estimate_free(&found->estimate);
+}

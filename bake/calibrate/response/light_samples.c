@@ -1,0 +1,231 @@
+#include "bake/calibrate/response/light_samples.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CLIPPED 255
+#define LEVELS 24   /* of mean code values, of each of which ... */
+#define PER_LEVEL 8 /* ... so many blocks are kept, of each channel and exposure */
+#define PIXELS (LIGHT_BLOCK * LIGHT_BLOCK)
+
+static int check(const struct image *const *pictures, int exposures, double black,
+		 struct fault *fault)
+{
+	if (exposures < 1 || exposures > LIGHT_EXPOSURES_MAX)
+		return fault_say(fault, -EINVAL, "there are %d pictures, expected 1 to %d",
+				 exposures, LIGHT_EXPOSURES_MAX);
+	if (!(black >= 0 && black <= 254))
+		return fault_say(fault, -EINVAL, "the black level is %g, expected 0 to 254", black);
+	for (int j = 0; j < exposures; j++) {
+		if (!pictures[j]->u8)
+			return fault_say(fault, -EINVAL,
+					 "picture %d holds linear light, expected an 8-bit picture",
+					 j + 1);
+		if (pictures[j]->width != pictures[0]->width ||
+		    pictures[j]->height != pictures[0]->height)
+			return fault_say(
+				fault, -EINVAL,
+				"picture %d is %dx%d pixels, the first one %dx%d; expected "
+				"one size",
+				j + 1, pictures[j]->width, pictures[j]->height, pictures[0]->width,
+				pictures[0]->height);
+	}
+	return 0;
+}
+
+/*
+ * What rounding leaves of a mean's variance: the first term of the error's Fourier series,
+ * (1 / pi) sin(2 pi code), faded by noise of the variance s2 (Widrow).
+ */
+static double rounding_variance(double s2)
+{
+	return exp(-4 * M_PI * M_PI * s2) / (2 * M_PI * M_PI);
+}
+
+/* Whether the block is any good in exposure j. */
+static void measure(struct light_samples *all, struct light_sample *s, const struct image *picture,
+		    int j)
+{
+	const double unit = 1 / (255 - all->black);
+	double sum = 0, squares = 0, mean, spread, noise;
+	int top = 0;
+
+	for (int y = 0; y < LIGHT_BLOCK; y++) {
+		const uint8_t *row =
+			picture->u8 +
+			3 * ((size_t)(s->y + y) * (size_t)picture->width + (size_t)s->x) +
+			s->channel;
+
+		for (int x = 0; x < LIGHT_BLOCK; x++) {
+			const int code = row[3 * x];
+
+			sum += code;
+			squares += code * code;
+			top = code > top ? code : top;
+		}
+	}
+	mean = sum / PIXELS;
+	spread = fmax(squares / PIXELS - mean * mean, 0) * PIXELS / (PIXELS - 1);
+	noise = fmax(spread - 1.0 / 12, 0);
+	s->mean[j] = (mean - all->black) * unit;
+	s->noise[j] = noise * unit * unit;
+	s->variance[j] = (spread / PIXELS + rounding_variance(noise)) * unit * unit;
+	s->good[j] = false;
+	if (top >= CLIPPED)
+		all->clipped[j]++;
+	else if (mean - all->black < 3 * sqrt(spread) + 0.5)
+		all->dark[j]++;
+	else
+		s->good[j] = true;
+}
+
+static int add(struct light_samples *all, const struct light_sample *sample)
+{
+	if (all->count == all->room) {
+		const int room = all->room ? 2 * all->room : 1024;
+		struct light_sample *more = realloc(all->sample, (size_t)room * sizeof(*more));
+
+		if (!more)
+			return -ENOMEM;
+		all->sample = more;
+		all->room = room;
+	}
+	all->sample[all->count++] = *sample;
+	return 0;
+}
+
+static int measure_all(struct light_samples *all, const struct image *const *pictures)
+{
+	const int across = pictures[0]->width / LIGHT_BLOCK;
+	const int down = pictures[0]->height / LIGHT_BLOCK;
+	const double share = 1 / fmax(3.0 * across * down, 1);
+
+	for (int k = 0; k < across * down * 3; k++) {
+		struct light_sample s = {.channel = k % 3,
+					 .x = k / 3 % across * LIGHT_BLOCK,
+					 .y = k / 3 / across * LIGHT_BLOCK};
+		int good = 0;
+
+		for (int j = 0; j < all->exposures; j++) {
+			measure(all, &s, pictures[j], j);
+			good += s.good[j];
+		}
+		if (good >= 2 && add(all, &s) < 0)
+			return -ENOMEM;
+	}
+	for (int j = 0; j < all->exposures; j++) {
+		all->clipped[j] *= share;
+		all->dark[j] *= share;
+	}
+	return 0;
+}
+
+/* ---- choosing ---- */
+
+struct candidate {
+	int sample;
+	double spread;
+};
+
+static int by_spread(const void *a, const void *b)
+{
+	const struct candidate *p = a, *q = b;
+
+	if (p->spread != q->spread)
+		return p->spread < q->spread ? -1 : 1;
+	return p->sample - q->sample;
+}
+
+/* Marks the most uniform of one channel whose mean in exposure j is at one level. */
+static void mark(const struct light_samples *all, int channel, int j, int level,
+		 struct candidate *room, bool *kept)
+{
+	int count = 0;
+
+	for (int i = 0; i < all->count; i++) {
+		const struct light_sample *s = &all->sample[i];
+
+		if (s->channel == channel && s->good[j] && (int)(s->mean[j] * LEVELS) == level)
+			room[count++] = (struct candidate){i, s->variance[j]};
+	}
+	qsort(room, (size_t)count, sizeof(*room), by_spread);
+	for (int k = 0; k < count && k < PER_LEVEL; k++)
+		kept[room[k].sample] = true;
+}
+
+static int choose(struct light_samples *all)
+{
+	struct candidate *room = calloc((size_t)all->count + 1, sizeof(*room));
+	bool *kept = calloc((size_t)all->count + 1, sizeof(*kept));
+	int count = 0;
+
+	if (room && kept) {
+		for (int k = 0; k < 3 * all->exposures * LEVELS; k++)
+			mark(all, k % 3, k / 3 % all->exposures, k / 3 / all->exposures, room,
+			     kept);
+		for (int i = 0; i < all->count; i++)
+			if (kept[i])
+				all->sample[count++] = all->sample[i];
+		all->count = count;
+	}
+	free(room);
+	free(kept);
+	return room && kept ? 0 : -ENOMEM;
+}
+
+/* One block's own spread tells its noise to a tenth; blocks of like brightness together tell it
+ * better, and do not favour those that happen to look calm. */
+static void pool_noise(struct light_samples *all, int j)
+{
+	double noise[LEVELS] = {0}, variance[LEVELS] = {0};
+	int count[LEVELS] = {0};
+
+	for (int i = 0; i < all->count; i++) {
+		const struct light_sample *s = &all->sample[i];
+		const int level = (int)(s->mean[j] * LEVELS);
+
+		if (!s->good[j])
+			continue;
+		noise[level] += s->noise[j];
+		variance[level] += s->variance[j];
+		count[level]++;
+	}
+	for (int i = 0; i < all->count; i++) {
+		struct light_sample *s = &all->sample[i];
+		const int level = (int)(s->mean[j] * LEVELS);
+
+		if (!s->good[j])
+			continue;
+		s->noise[j] = noise[level] / count[level];
+		s->variance[j] = variance[level] / count[level];
+	}
+}
+
+int light_samples_create(struct light_samples *all, const struct image *const *pictures,
+			 int exposures, double black, struct fault *fault)
+{
+	int ret;
+
+	*all = (struct light_samples){.exposures = exposures, .black = black};
+	ret = check(pictures, exposures, black, fault);
+	if (ret < 0)
+		return ret;
+	ret = measure_all(all, pictures);
+	if (ret == 0)
+		ret = choose(all);
+	if (ret < 0) {
+		light_samples_free(all);
+		return fault_say(fault, ret, "not enough memory for the pictures' blocks");
+	}
+	for (int j = 0; j < exposures; j++)
+		pool_noise(all, j);
+	return 0;
+}
+
+void light_samples_free(struct light_samples *all)
+{
+	free(all->sample);
+	memset(all, 0, sizeof(*all));
+}

@@ -1,0 +1,275 @@
+#include "bake/encode/encode_measure.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As the compositor has it: beyond this a ratio is not shown. */
+#define RATIO_MAX 16.0
+/* Of two levels, each read from the table: what is held counts it, so that it holds of exact ones.
+ */
+#define DIFFERENCE_ERROR (2 * LEVELS_ERROR)
+
+void measure_free(struct measure *m)
+{
+	free(m->sums);
+	free(m->bound);
+	*m = (struct measure){.room = 0};
+}
+
+static int reserve(struct measure *m, int count)
+{
+	if (count <= m->room)
+		return 0;
+	free(m->sums);
+	free(m->bound);
+	m->room = 0;
+	m->sums = calloc((size_t)count, sizeof(*m->sums));
+	m->bound = calloc((size_t)count, sizeof(*m->bound));
+	if (!m->sums || !m->bound)
+		return -ENOMEM;
+	m->room = count;
+	return 0;
+}
+
+/* ---- a picture from sums ---- */
+
+static void clear(struct measure *m)
+{
+	for (int at = 0; at < PART_PIXELS; at++)
+		for (int c = 0; c < 3; c++) {
+			struct measure_pixel *q = &m->pixel[at];
+
+			q->object_is[c] = q->object_got[c] = q->back[c] = 0;
+			q->ratio_is[c] = q->ratio_got[c] = 1;
+		}
+}
+
+static void place_object(struct measure *m, const struct part *part,
+			 const struct measure_sums *sums, double factor)
+{
+	for (int p = 0; p < part->pixels; p++)
+		for (int c = 0; c < 3; c++) {
+			struct measure_pixel *q = &m->pixel[part->pixel[p]];
+
+			q->object_is[c] = factor * sums->is[c][p];
+			q->object_got[c] = factor * sums->got[c][p];
+		}
+}
+
+/* sums of shares of the ground's light; back: that light. */
+static void place_shadow(struct measure *m, const struct part *part,
+			 const struct measure_sums *sums, const double back[3])
+{
+	for (int p = 0; p < part->pixels; p++)
+		for (int c = 0; c < 3; c++) {
+			struct measure_pixel *q = &m->pixel[part->pixel[p]];
+
+			q->ratio_is[c] = 1 - sums->is[c][p];
+			q->ratio_got[c] = 1 - sums->got[c][p];
+			q->back[c] = back[c];
+		}
+}
+
+static void place_pair(struct measure *m, const struct part *part, const struct measure_sums *d,
+		       const struct measure_sums *u, double factor)
+{
+	for (int p = 0; p < part->pixels; p++)
+		for (int c = 0; c < 3; c++) {
+			struct measure_pixel *q = &m->pixel[part->pixel[p]];
+
+			if (u->is[c][p] > 0)
+				q->ratio_is[c] = 1 - d->is[c][p] / u->is[c][p];
+			if (u->got[c][p] > 0)
+				q->ratio_got[c] = 1 - d->got[c][p] / u->got[c][p];
+			q->back[c] = factor * fmax(u->is[c][p], 0);
+		}
+}
+
+static double seen(const struct measure *m, double object, double ratio, double back)
+{
+	const double shown = object + fmin(fmax(ratio, 0), RATIO_MAX) * back;
+
+	return (double)level_of(m->levels, (float)shown);
+}
+
+/* Sum of squared differences over the listed places; *most grows, and over, as shares of the error
+ * asked for, unless it is NULL. */
+static double compare(struct measure *m, const bool *listed, const uint16_t *coverage, double asked,
+		      double *over, double *most)
+{
+	double square = 0;
+
+	for (int at = 0; at < PART_PIXELS; at++) {
+		const double open = 1 - coverage[at] / 65535.0;
+		double worst = 0;
+
+		for (int c = 0; c < 3 && listed[at]; c++) {
+			const struct measure_pixel *q = &m->pixel[at];
+			const double back = q->back[c] * open;
+			const double by = seen(m, q->object_got[c], q->ratio_got[c], back) -
+					  seen(m, q->object_is[c], q->ratio_is[c], back);
+
+			square += by * by;
+			worst = fmax(worst, fabs(by));
+		}
+		if (over)
+			over[at] = fmax(over[at], (worst + DIFFERENCE_ERROR) / asked);
+		*most = fmax(*most, worst);
+	}
+	return square;
+}
+
+/* ---- lightings ---- */
+
+static void sum_sky(struct measure *m, const struct part *part, const struct block_reader *reader,
+		    int sky, struct measure_sums *sums)
+{
+	const size_t n = (size_t)m->settings->lights;
+	const float *x = part->sky_x + (size_t)sky * 3 * n;
+
+	block_reader_sky(reader, sky, sums->got);
+	if (part->base == part->value) {
+		for (int c = 0; c < 3; c++)
+			for (int p = 0; p < part->pixels; p++)
+				sums->is[c][p] =
+					(double)part->sky_base[((size_t)sky * 3 + (size_t)c) *
+								       (size_t)part->pixels +
+							       (size_t)p];
+		return;
+	}
+	memset(sums->is, 0, sizeof(sums->is));
+	for (size_t i = 0; i < n; i++)
+		for (int c = 0; c < 3; c++) {
+			const float *value = part->value + i * (size_t)part->rows +
+					     (part->channels == 3 ? c * part->pixels : 0);
+
+			for (int p = 0; p < part->pixels; p++)
+				sums->is[c][p] += (double)(x[(size_t)c * n + i] * value[p]);
+		}
+}
+
+/* A sum of every light alone, in units of L = 1 (of its shares, for V). */
+static void sum_cell(struct measure *m, const struct part *part, const struct block_reader *reader,
+		     int light, struct measure_sums *sums, double *bound)
+{
+	const double w = part->kind == BASIS_KIND_V ? 1 : m->settings->light[light].solid_angle_sr;
+
+	block_reader_light(reader, light, sums->got);
+	for (int c = 0; c < 3; c++) {
+		const float *value = part->value + (size_t)light * (size_t)part->rows +
+				     (part->channels == 3 ? c * part->pixels : 0);
+
+		for (int p = 0; p < part->pixels; p++) {
+			*bound = fmax(*bound, fabs((double)value[p] - sums->got[c][p]));
+			sums->is[c][p] = w * (double)value[p];
+			sums->got[c][p] *= w;
+		}
+	}
+}
+
+static double sky_error(struct measure *m, const struct part *parts,
+			const struct block_reader *readers, int count, int sky, const bool *listed,
+			const uint16_t *coverage, double *most)
+{
+	double white = 0;
+
+	for (int k = 0; k < count; k++) {
+		white = fmax(white, parts[k].sky_white[sky]);
+		sum_sky(m, &parts[k], &readers[k], sky, &m->sums[k]);
+	}
+	clear(m);
+	for (int k = 0; k < count && white > 0; k++) {
+		const double factor = parts[k].sky_white[sky] / white;
+		double back[3];
+
+		for (int c = 0; c < 3; c++)
+			back[c] = factor * (double)parts[k].sky_offset[sky][c];
+		if (parts[k].kind == BASIS_KIND_T)
+			place_object(m, &parts[k], &m->sums[k], factor);
+		else if (parts[k].kind == BASIS_KIND_V)
+			place_shadow(m, &parts[k], &m->sums[k], back);
+		else if (parts[k].kind == BASIS_KIND_U && k)
+			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
+	}
+	return compare(m, listed, coverage, m->settings->target.max,
+		       sky < m->settings->ensemble->tried ? m->sky_over : NULL, most);
+}
+
+static double cell_error(struct measure *m, const struct part *parts,
+			 const struct block_reader *readers, int count, int light,
+			 const bool *listed, const uint16_t *coverage, double *most)
+{
+	double white = 0;
+
+	for (int k = 0; k < count; k++) {
+		white = fmax(white, (double)parts[k].cell_white[light]);
+		sum_cell(m, &parts[k], &readers[k], light, &m->sums[k], &m->bound[k]);
+	}
+	clear(m);
+	for (int k = 0; k < count && white > 0; k++) {
+		double back[3];
+
+		for (int c = 0; c < 3; c++)
+			back[c] = (double)(parts[k].cell_offset[c] * parts[k].cell_white[light]) /
+				  white;
+		if (parts[k].kind == BASIS_KIND_T)
+			place_object(m, &parts[k], &m->sums[k], 1 / white);
+		else if (parts[k].kind == BASIS_KIND_V)
+			place_shadow(m, &parts[k], &m->sums[k], back);
+		else if (parts[k].kind == BASIS_KIND_U && k)
+			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], 1 / white);
+	}
+	return compare(m, listed, coverage, m->settings->target.cell, m->cell_over, most);
+}
+
+static void measure_skies(struct measure *m, const struct part *parts,
+			  const struct block_reader *readers, int count, const bool *listed,
+			  const uint16_t *coverage, const int *number, struct ensemble_error *error)
+{
+	const struct encode_target *target = &m->settings->target;
+
+	for (int s = 0; s < m->settings->ensemble->skies; s++) {
+		double most = 0;
+		const double square = sky_error(m, parts, readers, count, s, listed, coverage,
+						&most);
+
+		error->sky_square[number[s]] = square;
+		error->sky_max = fmax(error->sky_max, most);
+		m->sky_rms[s] = (sqrt(square / fmax(error->sky_count, 1)) + DIFFERENCE_ERROR) /
+				target->rms;
+		m->sky_most[s] = (most + DIFFERENCE_ERROR) / target->max;
+	}
+}
+
+int measure_tile(struct measure *m, const struct part *parts, const struct block_reader *readers,
+		 int count, const uint16_t *coverage, const int *number,
+		 struct ensemble_error *error)
+{
+	bool listed[PART_PIXELS] = {false};
+	int pixels = 0;
+	int err = reserve(m, count);
+
+	*error = (struct ensemble_error){.sky_count = 0};
+	memset(m->sky_over, 0, sizeof(m->sky_over));
+	memset(m->cell_over, 0, sizeof(m->cell_over));
+	if (err)
+		return err;
+	for (int k = 0; k < count; k++) {
+		m->bound[k] = 0;
+		for (int p = 0; p < parts[k].pixels; p++)
+			listed[parts[k].pixel[p]] = true;
+	}
+	for (int at = 0; at < PART_PIXELS; at++)
+		pixels += listed[at];
+	error->sky_count = 3.0 * pixels;
+	error->cell_count = 3.0 * pixels * m->settings->lights;
+	measure_skies(m, parts, readers, count, listed, coverage, number, error);
+	for (int i = 0; i < m->settings->lights; i++)
+		error->cell_square += cell_error(m, parts, readers, count, i, listed, coverage,
+						 &error->cell_max);
+	for (int k = 0; k < count; k++)
+		m->bound[k] += block_reader_rounding(&readers[k]);
+	return 0;
+}

@@ -1,0 +1,204 @@
+#include "bake/encode/encode_part.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAMPLE_MAX 1e30F /* so that no sum of a few overflows */
+/* Below BASIS_VALUE_MAX by more than any rounding in the encoder. */
+#define VALUE_MAX (0.999F * (float)BASIS_VALUE_MAX)
+#define BLOCK 64 /* lights that are transposed at once */
+
+int part_create(struct part *part, const struct encode_settings *settings)
+{
+	const size_t n = (size_t)settings->lights, skies = (size_t)settings->ensemble->skies;
+
+	*part = (struct part){.kept = 0};
+	part->cell_slope = calloc(3 * n, sizeof(*part->cell_slope));
+	part->sky_x = calloc(skies * 3 * n, sizeof(*part->sky_x));
+	part->cell_white = calloc(n, sizeof(*part->cell_white));
+	part->weight = calloc(n, sizeof(*part->weight));
+	part->sky_base = calloc(skies * PART_ROWS, sizeof(*part->sky_base));
+	part->own_even = calloc(skies * 3 * (size_t)settings->coarse, sizeof(*part->own_even));
+	part->own_share = calloc(n, sizeof(*part->own_share));
+	part->beside = calloc(n, sizeof(*part->beside));
+	return part->own_even && part->own_share && part->beside && part->cell_slope &&
+			       part->cell_white && part->weight && part->sky_x && part->sky_base
+		       ? 0
+		       : -ENOMEM;
+}
+
+void part_free(struct part *part)
+{
+	free(part->value);
+	free(part->direct);
+	free(part->own_base);
+	free(part->least_left);
+	free(part->most_left);
+	free(part->cell_white);
+	free(part->weight);
+	free(part->cell_slope);
+	free(part->sky_x);
+	free(part->sky_base);
+	free(part->own_even);
+	free(part->own_share);
+	free(part->beside);
+	*part = (struct part){.kept = 0};
+}
+
+int part_room_for(float **array, size_t *room, size_t count)
+{
+	float *grown;
+
+	if (count <= *room)
+		return 0;
+	grown = realloc(*array, count * sizeof(**array));
+	if (!grown)
+		return -ENOMEM;
+	*array = grown;
+	*room = count;
+	return 0;
+}
+
+/* ---- values per unit of X ---- */
+
+static bool sane(const struct encode_samples *s, const float *row, int count, bool direct)
+{
+	bool good = true;
+
+	for (int i = 0; i < count; i++)
+		good &= fabsf(row[i]) <= SAMPLE_MAX; /* false for NaN */
+	for (int i = 0; direct && s->kind == BASIS_KIND_U && i < count; i++)
+		good &= row[i] >= 0;
+	return good;
+}
+
+/* to[light][row] = from[light] / X's factor, or += it. */
+static void scatter(const struct encode_settings *settings, enum basis_kind kind, const float *from,
+		    float *to, int rows, bool add)
+{
+	for (int first = 0; first < settings->lights; first += BLOCK)
+		for (int i = first; i < settings->lights && i < first + BLOCK; i++) {
+			const double w = settings->light[i].solid_angle_sr;
+			const float value = kind == BASIS_KIND_V ? from[i]
+					    : w > 0		 ? (float)((double)from[i] / w)
+					    : from[i] == 0	 ? 0
+								 : INFINITY;
+			float *at = to + (size_t)i * (size_t)rows;
+
+			*at = add ? *at + value : value;
+		}
+}
+
+static bool scatter_all(const struct encode_settings *settings, const struct encode_samples *s,
+			struct part *part)
+{
+	const size_t n = (size_t)settings->lights;
+
+	for (int p = 0; p < s->pixels; p++)
+		for (int c = 0; c < part->channels; c++) {
+			const int own = s->channels == 3 ? c : 0;
+			const float *direct = s->direct +
+					      ((size_t)p * (size_t)s->channels + (size_t)own) * n;
+			float *to = part->value + c * s->pixels + p;
+
+			if (!sane(s, direct, settings->lights, true))
+				return false;
+			scatter(settings, s->kind, direct, to, part->rows, false);
+			if (!s->bounce)
+				continue;
+			if (c < s->channels)
+				scatter(settings, s->kind, direct, part->direct + c * s->pixels + p,
+					s->channels * s->pixels, false);
+			direct = s->bounce + ((size_t)p * 3 + (size_t)c) * n;
+			if (!sane(s, direct, settings->lights, false))
+				return false;
+			scatter(settings, s->kind, direct, to, part->rows, true);
+		}
+	return true;
+}
+
+/* False where a value is larger than the file may hold. */
+static bool measure(struct part *part, int lights)
+{
+	bool fits = true;
+
+	part->largest = part->rounded = 0;
+	for (int i = 0; i < lights; i++) {
+		const float *value = part->value + (size_t)i * (size_t)part->rows;
+		const float *direct =
+			part->direct ? part->direct + (size_t)i * (size_t)(part->direct_channels *
+									   part->pixels)
+				     : value;
+
+		for (int r = 0; r < part->rows; r++) {
+			const int own = part->direct && part->direct_channels == 1
+						? r % part->pixels
+						: r;
+			const float size = fabsf(value[r]);
+			const float both = fabsf(direct[own]) + fabsf(value[r] - direct[own]);
+
+			fits &= size <= VALUE_MAX; /* false for NaN */
+			part->largest = size > part->largest ? size : part->largest;
+			part->rounded = both > part->rounded ? both : part->rounded;
+		}
+	}
+	return fits;
+}
+
+int part_load(struct part *part, const struct encode_settings *settings,
+	      const struct encode_samples *s)
+{
+	const size_t n = (size_t)settings->lights;
+	int err;
+
+	part->kind = s->kind;
+	part->ground = s->ground;
+	part->pixels = s->pixels;
+	memcpy(part->pixel, s->pixel, (size_t)s->pixels * sizeof(*s->pixel));
+	part->direct_channels = s->channels;
+	part->channels = s->bounce ? 3 : s->channels;
+	part->rows = part->channels * s->pixels;
+	err = part_room_for(&part->value, &part->value_room, n * (size_t)part->rows);
+	if (!err)
+		err = part_room_for(&part->least_left, &part->least_room, n * (size_t)part->rows);
+	if (!err)
+		err = part_room_for(&part->most_left, &part->most_room, n * (size_t)part->rows);
+	if (!err && s->bounce)
+		err = part_room_for(&part->direct, &part->direct_room,
+				    n * (size_t)(s->channels * s->pixels));
+	if (err)
+		return err;
+	if (!s->bounce) {
+		free(part->direct);
+		part->direct = NULL;
+		part->direct_room = 0;
+	}
+	if (!scatter_all(settings, s, part))
+		return -EDOM;
+	if (!measure(part, settings->lights))
+		return -EDOM;
+	part->base = part->value;
+	for (int p = 0; p < part->pixels; p++)
+		part->sky_share[p] = part->cell_share[p] = 1;
+	part->fine = 1;
+	return 0;
+}
+
+int part_pair(struct part *difference, struct part *whole, int lights)
+{
+	const int channels = difference->channels > whole->channels ? 3 : whole->channels;
+	const size_t count = (size_t)lights * (size_t)whole->rows;
+	int err;
+
+	if (difference->channels != channels || whole->channels != channels)
+		return -EINVAL;
+	err = part_room_for(&whole->own_base, &whole->base_room, count);
+	if (err)
+		return err;
+	for (size_t k = 0; k < count; k++)
+		whole->own_base[k] = whole->value[k] - difference->value[k];
+	difference->base = whole->base = whole->own_base;
+	return 0;
+}

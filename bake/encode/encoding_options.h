@@ -1,0 +1,60 @@
+/* Options of an encoding, the same for all commands that make a basis file. */
+#ifndef INLAY_BAKE_ENCODE_ENCODING_OPTIONS_H
+#define INLAY_BAKE_ENCODE_ENCODING_OPTIONS_H
+
+#include <stdbool.h>
+
+#include "bake/encode/encode.h"
+#include "hal/base/fault.h"
+
+enum encoding_option {
+	ENCODING_ERROR = 200, /* above the commands' own */
+	ENCODING_CELL_ERROR,
+	ENCODING_COLUMN_CUT,
+	ENCODING_COARSE,
+	ENCODING_EXACT
+};
+
+/* For getopt_long(). */
+#define ENCODING_OPTIONS                                                                           \
+	{"error", required_argument, NULL, ENCODING_ERROR},                                        \
+		{"cell-error", required_argument, NULL, ENCODING_CELL_ERROR},                      \
+		{"column-cut", required_argument, NULL, ENCODING_COLUMN_CUT},                      \
+		{"coarse", required_argument, NULL, ENCODING_COARSE},                              \
+	{                                                                                          \
+		"exact", no_argument, NULL, ENCODING_EXACT                                         \
+	}
+
+#define ENCODING_USAGE                                                                             \
+	"[--error RMS[,MAX]] [--cell-error LEVELS] [--column-cut X] [--coarse F] [--exact]"
+
+#define ENCODING_HELP                                                                              \
+	"  --error R[,M]   what the encoding may be off by under a sky, in each tile:\n"           \
+	"                  RMS and any pixel, in 8-bit levels; M: twice R\n"                       \
+	"  --cell-error L  what any pixel may be off by where one cell gives all light\n"          \
+	"  --column-cut X  what a light's own correction may change, as linear light,\n"           \
+	"                  and yet be left out of a frame\n"                                       \
+	"  --coarse F      frequency of the dome over which smooth light is gathered\n"            \
+	"  --exact         store every light in 16 bits as well, for the exact mode\n"
+
+/* What a command line says; negative where it says nothing. */
+struct encoding_said {
+	double rms, max, cell, column_cut;
+	int coarse;
+	bool exact;
+};
+
+#define ENCODING_UNSAID                                                                            \
+	{                                                                                          \
+		.rms = -1, .max = -1, .cell = -1, .column_cut = -1, .coarse = -1                   \
+	}
+
+/* Takes an option with its argument, which is changed. -EINVAL. */
+int encoding_option_take(struct encoding_said *said, int option, char *text, struct fault *fault);
+
+/* What was said goes in place of what is there. An RMS without a maximum leaves that to be chosen
+ * (0). */
+void encoding_said_apply(const struct encoding_said *said, struct encode_target *target,
+			 double *column_cut, int *coarse, bool *exact);
+
+#endif

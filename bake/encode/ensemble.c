@@ -1,0 +1,272 @@
+#include "bake/encode/ensemble.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/random.h"
+
+enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, WINDOWS = 12, RANDOM = 4 };
+enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
+#define BRIGHT                                                                                     \
+	(EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + WINDOWS + RANDOM + STRONG_SUNS + DUSKS + ROOMS)
+/* Every so many of them again, with so much of the light. */
+#define DIM_STEP 5
+#define DIM_EXPOSURE 0.125F
+#define TRIED (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
+enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24 };
+#define SKIES (TRIED + WATCHED_WINDOWS + WATCHED_DUSKS)
+#define ROOM_LIGHTS 5
+
+/* Their heights and azimuths are spread by the golden ratio, so that no two are alike. */
+#define GOLDEN 0.6180339887498949
+/* The same in two dimensions: the inverse of the plastic number, and its square. */
+#define PLASTIC 0.7548776662466927
+
+double ensemble_projected_sr(const struct basis_light *light)
+{
+	return light->solid_angle_sr * fmax(light->direction[2], ENSEMBLE_LOWEST);
+}
+
+static void direction_of(double height_rad, double azimuth_turns, double out[3])
+{
+	out[0] = cos(height_rad) * cos(2 * M_PI * azimuth_turns);
+	out[1] = cos(height_rad) * sin(2 * M_PI * azimuth_turns);
+	out[2] = sin(height_rad);
+}
+
+static double towards(const struct basis_light *light, const double dir[3])
+{
+	return light->direction[0] * dir[0] + light->direction[1] * dir[1] +
+	       light->direction[2] * dir[2];
+}
+
+static int nearest(const struct basis_light *lights, int count, const double dir[3])
+{
+	int best = 0;
+
+	for (int i = 1; i < count; i++)
+		if (towards(&lights[i], dir) > towards(&lights[best], dir))
+			best = i;
+	return best;
+}
+
+/* All light of an even sky, on level ground. */
+static double level_light(const struct basis_light *lights, int count)
+{
+	double sum = 0;
+
+	for (int i = 0; i < count; i++)
+		sum += ensemble_projected_sr(&lights[i]);
+	return sum;
+}
+
+static float *sky_channel(struct ensemble *e, int sky, int channel)
+{
+	return e->radiance + ((size_t)sky * 3 + (size_t)channel) * (size_t)e->lights;
+}
+
+static void even_skies(struct ensemble *e, const struct basis_light *lights, int sky)
+{
+	for (int c = 0; c < 3; c++)
+		for (int i = 0; i < e->lights; i++) {
+			const double height = fmax(lights[i].direction[2], 0);
+
+			sky_channel(e, sky, c)[i] = 1;
+			sky_channel(e, sky + 1, c)[i] = (float)((1 + 2 * height) / 3);
+		}
+}
+
+void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
+		  float *radiance)
+{
+	static const double blue[3] = {0.8, 1, 1.25};
+	const double sun = size * level_light(lights, count) / ensemble_projected_sr(&lights[cell]);
+
+	for (int c = 0; c < 3; c++) {
+		float *to = radiance + (size_t)c * (size_t)count;
+
+		for (int i = 0; i < count; i++)
+			to[i] = (float)blue[c];
+		to[cell] += (float)sun;
+	}
+}
+
+static void sun(struct ensemble *e, const struct basis_light *lights, int sky, double height_deg,
+		double size)
+{
+	double dir[3];
+
+	direction_of(height_deg * M_PI / 180, sky * GOLDEN, dir);
+	ensemble_sun(lights, e->lights, nearest(lights, e->lights, dir), size,
+		     sky_channel(e, sky, 0));
+}
+
+/* Three small lamps of red, green and blue in a dim room. */
+static void lamps(struct ensemble *e, const struct basis_light *lights, int sky)
+{
+	for (int c = 0; c < 3; c++) {
+		double dir[3];
+		int cell;
+
+		direction_of(M_PI / 2 * fmod((sky + 1) * GOLDEN + c / 3.0, 1),
+			     (sky * 3 + c) * GOLDEN, dir);
+		cell = nearest(lights, e->lights, dir);
+		for (int k = 0; k < 3; k++) {
+			for (int i = 0; !c && i < e->lights; i++)
+				sky_channel(e, sky, k)[i] = 0.1F;
+			sky_channel(e, sky, k)[cell] +=
+				(float)((k == c ? 1 : 0.2) * level_light(lights, e->lights) /
+					ensemble_projected_sr(&lights[cell]));
+		}
+	}
+}
+
+/*
+ * A window: a lobe that sends several times as much light as the dim sky around it. What neighbours
+ * send by way of the object to the ground is alike, and too little for a column of each of them to
+ * count; under so many of them at once it adds up, and nowhere else. So there are windows of
+ * several sizes all around, by a sequence that fills the hemisphere evenly wherever it ends.
+ */
+static void window(struct ensemble *e, const struct basis_light *lights, int sky, int number)
+{
+	const int sharpness = 2 << 2 * (number % 3);
+	double dir[3];
+
+	direction_of(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
+	for (int i = 0; i < e->lights; i++) {
+		const double lobe = sharpness * pow(fmax(towards(&lights[i], dir), 0), sharpness);
+
+		for (int c = 0; c < 3; c++)
+			sky_channel(e, sky, c)[i] = (float)(0.2 + lobe * (0.5 + 0.15 * (c - 1)));
+	}
+}
+
+/* Bright along the horizon, as high as `thick`, the sine of it, most of all in one direction. */
+static void dusk(struct ensemble *e, const struct basis_light *lights, int sky, int number)
+{
+	const double thick = 0.1 * (1 << number % 3);
+	double dir[3];
+
+	direction_of(0, number * GOLDEN, dir);
+	for (int i = 0; i < e->lights; i++) {
+		const double low = exp(-fmax(lights[i].direction[2], 0) / thick);
+		const double lobe = pow((1 + towards(&lights[i], dir)) / 2, 3);
+
+		for (int c = 0; c < 3; c++)
+			sky_channel(e, sky, c)[i] = (float)(0.1 * (1 + 0.25 * (c - 1)) +
+							    low * lobe * (1 - 0.3 * (c - 1)));
+	}
+}
+
+/* Some windows and lamps of any size. */
+static void room(struct ensemble *e, const struct basis_light *lights, int sky)
+{
+	struct random random = {random_hash(0x6669656c64, (uint64_t)sky, 0)};
+
+	for (int k = 0; k < 3 * e->lights; k++)
+		sky_channel(e, sky, 0)[k] = 0.05F;
+	for (int k = 0; k < ROOM_LIGHTS; k++) {
+		const double sharpness = pow(2, 1 + 5 * (double)random_next(&random));
+		const double height_rad = M_PI / 2 * (double)random_next(&random);
+		double dir[3];
+
+		direction_of(height_rad, (double)random_next(&random), dir);
+		for (int i = 0; i < e->lights; i++) {
+			const double lobe = pow(fmax(towards(&lights[i], dir), 0), sharpness);
+
+			for (int c = 0; c < 3; c++)
+				sky_channel(e, sky, c)[i] += (float)lobe;
+		}
+	}
+}
+
+/* Every cell and channel by itself: most are dim, few are bright. */
+static void unlike(struct ensemble *e, int sky)
+{
+	struct random random = {random_hash(0x656e73656d626c65, (uint64_t)sky, 0)};
+	const double power = sky % 2 ? 1 : 4;
+
+	for (int c = 0; c < 3; c++)
+		for (int i = 0; i < e->lights; i++)
+			sky_channel(e, sky, c)[i] =
+				(float)pow(-log1p(-(double)random_next(&random)), power);
+}
+
+static void dim(struct ensemble *e)
+{
+	const size_t each = 3 * (size_t)e->lights;
+
+	for (int s = 0; s < ENSEMBLE_SKIES_MAX; s++)
+		e->exposure[s] = s < BRIGHT || s >= TRIED ? 1 : DIM_EXPOSURE;
+	for (int s = BRIGHT; s < TRIED; s++)
+		memcpy(e->radiance + (size_t)s * each,
+		       e->radiance + (size_t)((s - BRIGHT) * DIM_STEP) * each,
+		       each * sizeof(*e->radiance));
+}
+
+int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights, int count)
+{
+	static const double height_deg[SUN_HEIGHTS] = {75, 45, 25, 10};
+	int sky = EVEN;
+
+	_Static_assert(SKIES + ENSEMBLE_OWN_MAX <= ENSEMBLE_SKIES_MAX, "there is room for all");
+	*ensemble = (struct ensemble){.lights = count, .skies = SKIES, .tried = TRIED};
+	ensemble->radiance = calloc((size_t)SKIES * 3 * (size_t)count, sizeof(*ensemble->radiance));
+	if (!ensemble->radiance)
+		return -ENOMEM;
+	even_skies(ensemble, lights, 0);
+	for (int k = 0; k < SUN_HEIGHTS * SUN_SIZES; k++, sky++)
+		sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS], k < SUN_HEIGHTS ? 1 : 4);
+	for (int k = 0; k < LAMPS; k++, sky++)
+		lamps(ensemble, lights, sky);
+	for (int k = 0; k < WINDOWS; k++, sky++)
+		window(ensemble, lights, sky, k);
+	for (int k = 0; k < RANDOM; k++, sky++)
+		unlike(ensemble, sky);
+	for (int k = 0; k < STRONG_SUNS; k++, sky++)
+		sun(ensemble, lights, sky, height_deg[k], 16);
+	for (int k = 0; k < DUSKS; k++, sky++)
+		dusk(ensemble, lights, sky, k);
+	for (int k = 0; k < ROOMS; k++, sky++)
+		room(ensemble, lights, sky);
+	dim(ensemble);
+	sky = TRIED;
+	for (int k = 0; k < WATCHED_WINDOWS; k++, sky++)
+		window(ensemble, lights, sky, WINDOWS + k);
+	for (int k = 0; k < WATCHED_DUSKS; k++, sky++)
+		dusk(ensemble, lights, sky, DUSKS + k);
+	return 0;
+}
+
+void ensemble_free(struct ensemble *ensemble)
+{
+	free(ensemble->radiance);
+	*ensemble = (struct ensemble){0};
+}
+
+void ensemble_error_add(struct ensemble_error *to, const struct ensemble_error *more)
+{
+	for (int s = 0; s < ENSEMBLE_SKIES_MAX; s++)
+		to->sky_square[s] += more->sky_square[s];
+	to->sky_count += more->sky_count;
+	to->sky_max = fmax(to->sky_max, more->sky_max);
+	to->cell_square += more->cell_square;
+	to->cell_count += more->cell_count;
+	to->cell_max = fmax(to->cell_max, more->cell_max);
+}
+
+double ensemble_sky_rms(const struct ensemble_error *error)
+{
+	double worst = 0;
+
+	for (int s = 0; s < ENSEMBLE_SKIES_MAX; s++)
+		worst = fmax(worst, error->sky_square[s]);
+	return error->sky_count > 0 ? sqrt(worst / error->sky_count) : 0;
+}
+
+double ensemble_cell_rms(const struct ensemble_error *error)
+{
+	return error->cell_count > 0 ? sqrt(error->cell_square / error->cell_count) : 0;
+}

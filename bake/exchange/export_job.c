@@ -1,0 +1,212 @@
+#include "bake/exchange/export_job.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "bake/base/angles.h"
+#include "bake/exchange/export_mesh.h"
+#include "hal/base/log.h"
+
+int export_job_open(const struct export_job *job, const char *name, struct output *out,
+		    struct fault *fault)
+{
+	char path[PATH_MAX];
+
+	if (snprintf(path, sizeof(path), "%s/%s", job->folder, name) >= (int)sizeof(path))
+		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", job->folder);
+	return output_open(out, path, fault);
+}
+
+double export_job_reach(const struct export_job *job)
+{
+	const struct scene_ground_values *ground = &job->scene->file->ground;
+
+	if (!ground->given)
+		return job->span;
+	return ground->extent > 0 ? ground->extent : job->span * EXPORT_REACH;
+}
+
+void export_job_import(const struct export_job *job, const char *ending, char *text, size_t room)
+{
+	const int d = job->digits;
+
+	snprintf(text, room,
+		 "inlay-bake import --angles angles.txt --object 'o%%0%dd.%s' "
+		 "--ground 'g%%0%dd.%s' --alone 'a%%0%dd.%s' --coverage coverage.%s -o out.inlay",
+		 d, ending, d, ending, d, ending, ending);
+}
+
+/* Every job has one: by it a folder is known to be one. */
+#define ANGLES "angles.txt"
+
+/* What is there: a job, of which this one takes the place, or nothing that could be lost. */
+static int check_folder(const char *folder, struct fault *fault)
+{
+	DIR *const open = opendir(folder);
+	bool empty = true, job = false;
+	const struct dirent *entry;
+
+	if (!open)
+		return fault_say(fault, -errno, "%s: cannot be opened: %s, expected a folder",
+				 folder, strerror(errno));
+	while ((entry = readdir(open)) != NULL) {
+		empty &= !strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..");
+		job |= !strcmp(entry->d_name, ANGLES);
+	}
+	closedir(open);
+	if (empty || job)
+		return 0;
+	return fault_say(fault, -ENOTEMPTY,
+			 "%s: has other files in it, expected a new folder, an empty one, or one "
+			 "with the " ANGLES " of an earlier export, which is written over",
+			 folder);
+}
+
+static int make_folder(const char *folder, struct fault *fault)
+{
+	if (mkdir(folder, 0777) == 0)
+		return 0;
+	if (errno != EEXIST)
+		return fault_say(fault, -errno, "%s: cannot be made: %s", folder, strerror(errno));
+	return check_folder(folder, fault);
+}
+
+static int write_angles(const struct export_job *job, struct fault *fault)
+{
+	struct output out;
+	int err = export_job_open(job, ANGLES, &out, fault);
+
+	if (err)
+		return err;
+	angles_write(out.stream, job->dome);
+	return output_commit(&out, fault);
+}
+
+/* ---- materials ---- */
+
+static int write_texture(const struct export_job *job, int number, struct fault *fault)
+{
+	const struct material *material = job->material[number];
+	const struct image *from = &material->texture->image;
+	const size_t pixels = (size_t)from->width * (size_t)from->height;
+	char path[PATH_MAX];
+	struct image to;
+	int err = image_create_f32(&to, from->width, from->height);
+
+	if (err)
+		return fault_say(fault, err, "%s: out of memory", job->folder);
+	for (size_t k = 0; k < 3 * pixels; k++) {
+		const float value = from->f32 ? from->f32[k]
+					      : material->texture->decode[from->u8[k]];
+
+		to.f32[k] = fminf(value * material->colour.c[k % 3], 1);
+	}
+	if (snprintf(path, sizeof(path), "%s/texture%d.hdr", job->folder, number) >=
+	    (int)sizeof(path))
+		err = fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", job->folder);
+	else
+		err = image_write(path, &to, fault);
+	image_free(&to);
+	return err;
+}
+
+static int write_textures(const struct export_job *job, struct fault *fault)
+{
+	int err = 0;
+
+	for (int k = 0; !err && k < job->material_count; k++)
+		if (job->material[k]->texture)
+			err = write_texture(job, k, fault);
+	return err;
+}
+
+/* ---- what is there ---- */
+
+static double longest(const struct mesh *mesh)
+{
+	double most = 0;
+
+	for (int k = 0; k < mesh->part_count; k++) {
+		const struct mesh_part *part = &mesh->parts[k];
+
+		for (int v = 0; v < part->vertices; v++) {
+			const float *p = part->position[v];
+
+			most = fmax(most, sqrt((double)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])));
+		}
+	}
+	return most;
+}
+
+static void look_around(struct export_job *job)
+{
+	const struct scene *scene = job->scene;
+
+	job->span = (double)v3_length(scene->eye);
+	for (int k = 0; k < scene->file->mesh_count; k++) {
+		job->span = fmax(job->span, longest(&scene->meshes[k]));
+		*(scene->file->mesh[k].standin ? &job->has_standins : &job->has_objects) = true;
+	}
+	job->digits = snprintf(NULL, 0, "%d", job->dome->count - 1);
+	job->digits = job->digits < 3 ? 3 : job->digits;
+}
+
+/* What such pictures cannot hold, or no job tells its renderer. */
+static void say_what_is_lost(const struct export_job *job)
+{
+	bool glass = false, metal = false;
+
+	for (int k = 0; k < job->material_count; k++) {
+		const struct material *m = job->material[k];
+
+		glass |= m->kind == MATERIAL_GLASS;
+		metal |= m->kind == MATERIAL_GLOSSY && m->texture && rgb_peak(m->metal) > 0;
+	}
+	if (glass)
+		log_warning("%s: what is seen through glass will be the scene's own surfaces, as "
+			    "they are in the pictures; render shows the background's picture there",
+			    job->scene->path);
+	if (metal)
+		log_warning("%s: the texture of a metal is left out", job->scene->path);
+}
+
+int export_job_begin(struct export_job *job, const struct scene *scene, const struct dome *dome,
+		     const char *folder, struct fault *fault)
+{
+	int err;
+
+	*job = (struct export_job){.scene = scene, .dome = dome, .folder = folder};
+	look_around(job);
+	if (!scene->file->ground.given && !job->has_standins)
+		return fault_say(fault, -EINVAL,
+				 "%s: no [ground] and no [standin], expected something real that "
+				 "pictures can show",
+				 scene->path);
+	err = make_folder(folder, fault);
+	if (!err)
+		err = export_materials(job, fault);
+	if (!err)
+		say_what_is_lost(job);
+	if (!err)
+		err = write_angles(job, fault);
+	if (!err)
+		err = write_textures(job, fault);
+	if (!err && job->has_objects)
+		err = export_meshes(job, false, "objects.obj", fault);
+	if (!err && job->has_standins)
+		err = export_meshes(job, true, "standins.obj", fault);
+	if (err)
+		export_job_end(job);
+	return err;
+}
+
+void export_job_end(struct export_job *job)
+{
+	free(job->material);
+	*job = (struct export_job){.material = NULL};
+}

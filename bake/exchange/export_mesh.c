@@ -1,0 +1,97 @@
+#include "bake/exchange/export_mesh.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The scene's material in place of a mesh's own, or NULL. */
+static const struct material *named_material(const struct scene *scene, int mesh)
+{
+	const char *name = scene->file->mesh[mesh].material;
+
+	return name[0] ? &scene->materials[scene_file_material(scene->file, name) -
+					   scene->file->material]
+		       : NULL;
+}
+
+int export_materials(struct export_job *job, struct fault *fault)
+{
+	const struct scene *scene = job->scene;
+	size_t room = (size_t)scene->file->material_count + 1;
+	int count = 0;
+
+	for (int k = 0; k < scene->file->mesh_count; k++)
+		room += (size_t)scene->meshes[k].material_count;
+	job->material = calloc(room, sizeof(*job->material));
+	if (!job->material)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", job->folder);
+	for (int k = 0; k < scene->file->material_count; k++)
+		job->material[count++] = &scene->materials[k];
+	for (int k = 0; k < scene->file->mesh_count; k++)
+		if (!named_material(scene, k))
+			for (int m = 0; m < scene->meshes[k].material_count; m++)
+				job->material[count++] = &scene->meshes[k].materials[m];
+	job->material_count = count;
+	return 0;
+}
+
+static int number_of(const struct export_job *job, const struct material *material)
+{
+	int k = 0;
+
+	while (job->material[k] != material)
+		k++;
+	return k;
+}
+
+/* first: vertices written before; returns how many there are then. */
+static long write_part(FILE *to, const struct mesh_part *part, int material, long first)
+{
+	fprintf(to, "usemtl m%d\n", material);
+	for (int v = 0; v < part->vertices; v++) {
+		const float *p = part->position[v];
+		const struct v3 n = part->normal[v];
+
+		fprintf(to, "v %.9g %.9g %.9g\nvn %.6g %.6g %.6g\nvt %.9g %.9g\n", (double)p[0],
+			(double)p[1], (double)p[2], (double)n.x, (double)n.y, (double)n.z,
+			part->uv ? (double)part->uv[v][0] : 0,
+			part->uv ? (double)part->uv[v][1] : 0);
+	}
+	for (int t = 0; t < part->triangles; t++) {
+		fputs("f", to);
+		for (int k = 0; k < 3; k++) {
+			const long at = first + 1 + (long)part->index[t][k];
+
+			fprintf(to, " %ld/%ld/%ld", at, at, at);
+		}
+		fputs("\n", to);
+	}
+	return first + part->vertices;
+}
+
+int export_meshes(const struct export_job *job, bool standins, const char *name,
+		  struct fault *fault)
+{
+	const struct scene *scene = job->scene;
+	struct output out;
+	long vertices = 0;
+	int err = export_job_open(job, name, &out, fault);
+
+	if (err)
+		return err;
+	for (int k = 0; k < scene->file->mesh_count; k++) {
+		const struct material *named = named_material(scene, k);
+		const struct mesh *mesh = &scene->meshes[k];
+
+		if (scene->file->mesh[k].standin != standins)
+			continue;
+		for (int p = 0; p < mesh->part_count; p++) {
+			const struct mesh_part *part = &mesh->parts[p];
+			const struct material *own = &mesh->materials[part->material];
+
+			vertices = write_part(out.stream, part, number_of(job, named ? named : own),
+					      vertices);
+		}
+	}
+	return output_commit(&out, fault);
+}

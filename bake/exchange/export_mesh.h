@@ -1,0 +1,14 @@
+/* A scene's meshes as Wavefront OBJ, and the materials that they are made of. */
+#ifndef INLAY_BAKE_EXCHANGE_EXPORT_MESH_H
+#define INLAY_BAKE_EXCHANGE_EXPORT_MESH_H
+
+#include "bake/exchange/export_job.h"
+
+/* Fills the job's list: the scene's own materials, then those of the meshes' files. -ENOMEM. */
+int export_materials(struct export_job *job, struct fault *fault);
+
+/* All objects, or all stand-ins. */
+int export_meshes(const struct export_job *job, bool standins, const char *name,
+		  struct fault *fault);
+
+#endif

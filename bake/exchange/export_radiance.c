@@ -1,0 +1,243 @@
+#include "bake/exchange/export_radiance.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "bake/exchange/export_rays.h"
+
+/* The rules as they are in the tree; what they are about stands before them. */
+__asm__(".section .rodata\n"
+	".globl export_radiance_rules\n"
+	"export_radiance_rules:\n"
+	".incbin \"bake/exchange/export_radiance.mk\"\n"
+	".byte 0\n"
+	".previous\n");
+extern const char export_radiance_rules[]; /* a string */
+
+/* Each of Radiance's bounces costs as many rays as the one before; later ones change next to
+ * nothing. */
+#define BOUNCES_MAX 5
+
+/* Light between surfaces is looked at no closer than in so many parts of what stands in the scene:
+ * Radiance counts parts of the ground's whole extent. */
+#define AMBIENT_PARTS 128
+
+/* ---- lights ---- */
+
+/* The k-th of base 2's radical inverses. */
+static double radical_inverse(unsigned k)
+{
+	double value = 0, digit = 0.5;
+
+	for (; k; k >>= 1, digit /= 2)
+		value += k & 1 ? digit : 0;
+	return value;
+}
+
+/*
+ * A light as suns spread over it (Hammersley's points), each with its share of the solid angle: in
+ * a cell evenly, in a tent as densely as it is bright. Radiance asks every sun by itself, so that
+ * they may overlap; of a polygon in place of them it would ask a square of the same area, and lose
+ * what misses the polygon.
+ */
+static int write_light(const struct export_job *job, int light, int suns, struct fault *fault)
+{
+	struct output out;
+	char name[64];
+	int err;
+
+	snprintf(name, sizeof(name), "light%0*d.rad", job->digits, light);
+	err = export_job_open(job, name, &out, fault);
+	if (err)
+		return err;
+	fputs("void light cell 0 0 3 1 1 1\n", out.stream);
+	for (int k = 0; k < suns; k++) {
+		double d[3], share;
+
+		dome_light_sample(job->dome, light, (k + 0.5) / suns, radical_inverse((unsigned)k),
+				  d);
+		share = job->dome->shape == DOME_CELLS
+				? job->dome->solid_angle_sr[light] / suns
+				: dome_weight(job->dome, light, d) /
+					  (dome_light_density(job->dome, light, d) * suns);
+		fprintf(out.stream, "cell source sun%d 0 0 4 %.9g %.9g %.9g %.9g\n", k, d[0], d[1],
+			d[2], 2 * acos(1 - share / (2 * M_PI)) * (180 / M_PI));
+	}
+	return output_commit(&out, fault);
+}
+
+/* ---- materials and meshes ---- */
+
+static bool is_black(const struct rgb *colour)
+{
+	return rgb_peak(*colour) <= 0;
+}
+
+static float mean_of(const struct rgb *colour)
+{
+	return (colour->c[0] + colour->c[1] + colour->c[2]) / 3;
+}
+
+/* The picture is as high as 1 or as wide, whichever is the shorter side. */
+static void write_texture(FILE *to, const struct image *image, int number)
+{
+	const double across = image->width > image->height ? (double)image->width / image->height
+							   : 1;
+	const double up = image->height > image->width ? (double)image->height / image->width : 1;
+
+	fprintf(to,
+		"void colorpict t%d 7 red green blue ./texture%d.hdr . %.9g*frac(Lu) "
+		"%.9g*frac(Lv) 0 0\n",
+		number, number, across, up);
+}
+
+static void write_material(FILE *to, const struct material *m, int number)
+{
+	const struct rgb white = {{1, 1, 1}};
+	const bool metal = m->kind == MATERIAL_GLOSSY && is_black(&m->colour);
+	const struct rgb *colour = metal ? &m->specular : m->texture ? &white : &m->colour;
+	const double specular = m->kind != MATERIAL_GLOSSY ? 0
+				: metal			   ? 1
+							   : (double)mean_of(&m->specular);
+	const double roughness = m->kind == MATERIAL_GLOSSY ? (double)(m->roughness * m->roughness)
+							    : 0;
+	char modifier[32] = "void";
+
+	if (m->kind == MATERIAL_GLASS && m->thin) {
+		fprintf(to, "void glass m%d 0 0 4 %.9g %.9g %.9g %.9g\n", number,
+			(double)m->colour.c[0], (double)m->colour.c[1], (double)m->colour.c[2],
+			(double)m->ior);
+		return;
+	}
+	if (m->kind == MATERIAL_GLASS) {
+		fprintf(to, "void dielectric m%d 0 0 5 1 1 1 %.9g 0\n", number, (double)m->ior);
+		return;
+	}
+	if (m->texture && !metal) {
+		write_texture(to, &m->texture->image, number);
+		snprintf(modifier, sizeof(modifier), "t%d", number);
+	}
+	fprintf(to, "%s %s m%d 0 0 5 %.9g %.9g %.9g %.9g %.9g\n", modifier,
+		metal ? "metal" : "plastic", number, (double)colour->c[0], (double)colour->c[1],
+		(double)colour->c[2], specular, roughness);
+}
+
+static int write_materials(const struct export_job *job, struct fault *fault)
+{
+	struct output out;
+	int err = export_job_open(job, "materials.rad", &out, fault);
+
+	if (err)
+		return err;
+	for (int k = 0; k < job->material_count; k++)
+		write_material(out.stream, job->material[k], k);
+	return output_commit(&out, fault);
+}
+
+static int write_world(const struct export_job *job, const char *name, bool objects,
+		       struct fault *fault)
+{
+	const struct scene_ground_values *ground = &job->scene->file->ground;
+	const double *a = job->scene->ground_albedo;
+	struct output out;
+	int err = export_job_open(job, name, &out, fault);
+
+	if (err)
+		return err;
+	if (objects && job->has_objects)
+		fputs("void mesh objects 1 ./objects.rtm 0 0\n", out.stream);
+	if (job->has_standins)
+		fputs("void mesh standins 1 ./standins.rtm 0 0\n", out.stream);
+	if (ground->given)
+		fprintf(out.stream,
+			"void plastic ground 0 0 5 %.9g %.9g %.9g 0 0\n"
+			"ground ring floor 0 0 8 0 0 0 0 0 1 0 %.9g\n",
+			a[0], a[1], a[2], export_job_reach(job));
+	return output_commit(&out, fault);
+}
+
+/* ---- what it cannot say ---- */
+
+static void note_material(FILE *to, const struct material *m, int number)
+{
+	if (m->kind == MATERIAL_GLASS && !m->thin)
+		fprintf(to,
+			"m%d: glass is a dielectric without tint, and light does not reach "
+			"through it straight from a cell\n",
+			number);
+	else if (m->kind == MATERIAL_GLOSSY)
+		fprintf(to,
+			"m%d: the coat is Ward's, not GGX, with one reflectance for all channels "
+			"unless it is a metal%s\n",
+			number, m->roughness < 0.1F ? "; a smooth one mirrors single suns" : "");
+}
+
+static int write_notes(const struct export_job *job, struct fault *fault)
+{
+	struct output out;
+	int err = export_job_open(job, "notes.txt", &out, fault);
+
+	if (err)
+		return err;
+	fputs("What Radiance does not take as the scene has it (m0, m1 ... as in materials.rad). "
+	      "Diffuse materials, textures and the camera's distortion are the same.\n",
+	      out.stream);
+	for (int k = 0; k < job->material_count; k++)
+		note_material(out.stream, job->material[k], k);
+	return output_commit(&out, fault);
+}
+
+/* ---- how to render it ---- */
+
+static int write_makefile(const struct export_job *job, int rays, struct fault *fault)
+{
+	const struct tsai_camera *camera = &job->scene->camera;
+	const char *standins = job->has_standins ? "standins.rtm" : "";
+	const int bounces = job->scene->file->render.bounces;
+	char command[512];
+	struct output out;
+	int err = export_job_open(job, "Makefile", &out, fault);
+
+	if (err)
+		return err;
+	export_job_import(job, "hdr", command, sizeof(command));
+	fprintf(out.stream, "WIDTH = %d\nHEIGHT = %d\nACROSS = %d\nDOWN = %d\n", camera->width,
+		camera->height, rays * camera->width, rays * camera->height);
+	fprintf(out.stream, "RESOLUTION = %.0f\n",
+		ceil(AMBIENT_PARTS * fmax(export_job_reach(job) / job->span, 1)));
+	fprintf(out.stream, "BOUNCES = %d\n", bounces < BOUNCES_MAX ? bounces : BOUNCES_MAX);
+	fprintf(out.stream, "SCENE_MESHES = %s%s%s\nGROUND_MESHES = %s\n",
+		job->has_objects ? "objects.rtm" : "",
+		job->has_objects && job->has_standins ? " " : "", standins, standins);
+	fputs("LIGHTS =", out.stream);
+	for (int k = 0; k < job->dome->count; k++)
+		fprintf(out.stream, " %0*d", job->digits, k);
+	fprintf(out.stream, "\nIMPORT = %s\n", command);
+	fputs(export_radiance_rules, out.stream);
+	return output_commit(&out, fault);
+}
+
+int export_radiance(const struct scene *scene, const struct dome *dome, const char *folder,
+		    const struct export_radiance_settings *settings, struct fault *fault)
+{
+	struct export_job job;
+	int err = export_job_begin(&job, scene, dome, folder, fault);
+
+	if (err)
+		return err;
+	err = write_materials(&job, fault);
+	if (!err)
+		err = write_world(&job, "scene.rad", true, fault);
+	if (!err)
+		err = write_world(&job, "ground.rad", false, fault);
+	if (!err)
+		err = write_notes(&job, fault);
+	for (int i = 0; !err && i < dome->count; i++)
+		err = write_light(&job, i, settings->suns, fault);
+	if (!err)
+		err = export_rays(&job, settings->rays, fault);
+	if (!err)
+		err = write_makefile(&job, settings->rays, fault);
+	export_job_end(&job);
+	return err;
+}

@@ -1,0 +1,243 @@
+/* inlay-bake pictures: what every light does alone, as any renderer would picture it. */
+#include <errno.h>
+#include <getopt.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/commands.h"
+#include "bake/base/progress.h"
+#include "bake/exchange/pictures.h"
+#include "bake/truth/truth.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+
+enum {
+	OBJECT = 1,
+	GROUND,
+	ALONE,
+	COVERAGE,
+	FREQUENCY,
+	DIVISION,
+	LIGHTS,
+	SAMPLES,
+	SIZE,
+	POSE,
+	SEED,
+	THREADS,
+	QUIET
+};
+
+static const struct option options[] = {
+	{"object", required_argument, NULL, OBJECT},
+	{"ground", required_argument, NULL, GROUND},
+	{"alone", required_argument, NULL, ALONE},
+	{"coverage", required_argument, NULL, COVERAGE},
+	{"frequency", required_argument, NULL, FREQUENCY},
+	{"division", required_argument, NULL, DIVISION},
+	{"lights", required_argument, NULL, LIGHTS},
+	{"samples", required_argument, NULL, SAMPLES},
+	{"size", required_argument, NULL, SIZE},
+	{"pose", required_argument, NULL, POSE},
+	{"seed", required_argument, NULL, SEED},
+	{"threads", required_argument, NULL, THREADS},
+	{"quiet", no_argument, NULL, QUIET},
+	OPTIONS_OF_ALL,
+	{NULL, 0, NULL, 0},
+};
+
+struct choices {
+	const char *object, *ground, *alone, *coverage, *pose;
+	struct scene_lights lights;
+	int width, height;
+	struct truth_settings truth;
+};
+
+static int take(void *choices, int option, struct fault *fault)
+{
+	struct choices *c = choices;
+
+	switch (option) {
+	case OBJECT:
+		c->object = optarg;
+		return picture_pattern_check(optarg, "--object", fault);
+	case GROUND:
+		c->ground = optarg;
+		return picture_pattern_check(optarg, "--ground", fault);
+	case ALONE:
+		c->alone = optarg;
+		return picture_pattern_check(optarg, "--alone", fault);
+	case COVERAGE:
+		c->coverage = optarg;
+		return 0;
+	case FREQUENCY:
+		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX,
+				  &c->lights.frequency, fault);
+	case DIVISION:
+		return option_choice("--division", optarg, dome_division_names, &c->lights.division,
+				     fault);
+	case LIGHTS:
+		return option_choice("--lights", optarg, dome_shape_names, &c->lights.shape, fault);
+	case SAMPLES:
+		return option_int("--samples", optarg, 1, 1 << 20, &c->truth.samples, fault);
+	case SIZE:
+		return option_size("--size", optarg, &c->width, &c->height, fault);
+	case POSE:
+		c->pose = optarg;
+		return 0;
+	case SEED:
+		return option_int("--seed", optarg, 0, 2147483647, &c->truth.seed, fault);
+	case THREADS:
+		return option_int("--threads", optarg, 1, 1024, &c->truth.threads, fault);
+	default:
+		c->truth.quiet = true;
+		return 0;
+	}
+}
+
+static int write_numbered(const char *pattern, int number, const struct image *picture,
+			  struct fault *fault)
+{
+	char name[PATH_MAX];
+	const int err = picture_name(pattern, number, name, sizeof(name));
+
+	return err ? fault_say(fault, err, "%s: the name is too long", pattern)
+		   : image_write(name, picture, fault);
+}
+
+static int write_light(const struct choices *c, int light, const struct truth_pictures *pictures,
+		       struct fault *fault)
+{
+	int err = write_numbered(c->object, light, &pictures->with, fault);
+
+	if (!err)
+		err = write_numbered(c->ground, light, &pictures->without, fault);
+	if (!err && c->alone)
+		err = write_numbered(c->alone, light, &pictures->alone, fault);
+	if (!err && !light)
+		err = image_write(c->coverage, &pictures->coverage, fault);
+	return err;
+}
+
+static int render_lights(const struct choices *c, const struct scene *scene,
+			 const struct dome *dome, struct fault *fault)
+{
+	struct truth_settings settings = c->truth;
+	struct progress progress;
+	int err = 0;
+
+	settings.bounces = scene->file->render.bounces;
+	settings.quiet = true;
+	progress_begin(&progress, "lights", dome->count, c->truth.quiet);
+	for (int i = 0; !err && i < dome->count; i++) {
+		struct truth_pictures pictures;
+		struct sky sky;
+
+		sky_of_light(&sky, dome, i);
+		err = truth_pictures(scene, &sky, &settings, &pictures, fault);
+		if (!err)
+			err = write_light(c, i, &pictures, fault);
+		truth_pictures_free(&pictures);
+		progress_show(&progress, i + 1, 0);
+	}
+	progress_end(&progress);
+	return err;
+}
+
+/* Before the first of many is rendered. */
+static int check_names(const char *path, const struct choices *c, struct fault *fault)
+{
+	const char *const names[] = {c->object, c->ground, c->alone, c->coverage};
+	char first[3][PATH_MAX];
+	const char *outputs[4] = {NULL, NULL, NULL, c->coverage};
+
+	for (int i = 0; i < 4; i++) {
+		const int kind = names[i] ? image_name_linear(names[i], fault) : 1;
+
+		if (kind < 0)
+			return kind;
+		if (!kind)
+			return fault_say(fault, -ENOTSUP,
+					 "%s: would round what lights do alone, expected an ending "
+					 "of .pfm or .hdr",
+					 names[i]);
+	}
+	for (int i = 0; i < 3; i++) {
+		if (names[i] && picture_name(names[i], 0, first[i], sizeof(first[i])))
+			return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long",
+					 names[i]);
+		outputs[i] = names[i] ? first[i] : NULL;
+	}
+	return output_check(outputs, 4, &path, 1, fault);
+}
+
+static int run_pictures(const char *path, const struct choices *c, struct fault *fault)
+{
+	struct scene *scene;
+	struct dome dome;
+	int err = check_names(path, c, fault);
+
+	if (!err)
+		err = scene_open(&scene, path, c->width, c->height, fault);
+	if (err)
+		return err;
+	err = scene_find_pose(scene, c->pose, fault);
+	if (!err)
+		err = scene_dome(scene, &c->lights, &dome, fault);
+	if (!err) {
+		err = render_lights(c, scene, &dome, fault);
+		dome_free(&dome);
+	}
+	scene_close(scene);
+	return err;
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	struct choices c = {.lights = {-1, -1, -1}, .truth = {.samples = 64, .seed = 1}};
+	struct fault fault = {.text = ""};
+	const int status = command_options(command, argc, argv, options, take, &c);
+
+	if (status != COMMAND_GOES_ON)
+		return status;
+	if (optind + 1 != argc)
+		return command_wrong(command, "expected one scene file");
+	if (!c.object || !c.ground || !c.coverage)
+		return command_wrong(command, "--object, --ground and --coverage are all needed");
+	if (run_pictures(argv[optind], &c, &fault) < 0) {
+		log_error("%s", fault.text);
+		return EXIT_FAILURE;
+	}
+	return EXIT_SUCCESS;
+}
+
+const struct command pictures_command = {
+	.name = "pictures",
+	.usage = "SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"
+		 "           [--alone 'a%03d.pfm'] [--frequency F] [--division D] [--lights L] "
+		 "[--samples S] "
+		 "[--size WxH] [--pose P]\n"
+		 "           [--seed K] [--threads T] [--quiet]",
+	.summary = "path trace the scene under each light alone, for import",
+	.help = "\n"
+		"  --object PATTERN    objects and ground, one picture a light, from 0\n"
+		"  --ground PATTERN    ground alone\n"
+		"  --alone PATTERN     what is seen of the objects, over black\n"
+		"  --coverage FILE     the objects' share of each pixel\n"
+		"  --frequency F       of the dome; default: as the scene says\n"
+		"  --division D        angles or chords\n"
+		"  --lights L          cells or tents\n"
+		"  --samples S         a pixel; 64\n"
+		"  --size WxH          of the pictures\n"
+		"  --pose P            of the scene: number, from 0, or name; 0\n"
+		"  --seed K            of all random numbers\n"
+		"  --threads T         default: one for each processor\n"
+		"  --quiet             print nothing but errors\n"
+		"\n"
+		"Linear light (.pfm, .hdr) of lights of radiance 1. Shares nothing with render but "
+		"meshes,\n"
+		"materials and camera: what inlay-bake import makes of the pictures is held "
+		"against it.\n",
+	.run = run,
+};

@@ -1,0 +1,187 @@
+#include "bake/mesh/mesh_files.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "bake/mesh/plain_file.h"
+
+/* A whole file, as it is read here. */
+struct held {
+	struct aiFile file;
+	char *bytes;
+	size_t size, at;
+};
+
+static struct held *held_of(struct aiFile *file)
+{
+	return (struct held *)(void *)file->UserData;
+}
+
+/* ---- the text of an OBJ ---- */
+
+static bool is_blank(char c)
+{
+	return c == ' ' || c == '\t';
+}
+
+static bool ends_line(char c)
+{
+	return c == '\n' || c == '\r';
+}
+
+/*
+ * v .5 .5 1 becomes v 0.5 0.5 1, so do vt and vn, and lines begin without blanks. to: room for what
+ * comes out, or NULL to learn how much that is.
+ */
+static size_t plain_text(const char *from, size_t size, char *to)
+{
+	bool begins = true, vertex = false; /* a line does; it has begun with a v */
+	size_t out = 0;
+	char last = '\n'; /* that ends no line */
+
+	for (size_t k = 0; k < size; k++) {
+		const char c = from[k];
+
+		if (begins && is_blank(c))
+			continue;
+		if (ends_line(c)) {
+			begins = begins || last != '\\'; /* else the line goes on in the next */
+		} else {
+			vertex = begins ? c == 'v' : vertex;
+			begins = false;
+			if (vertex && c == '.' && is_blank(last)) {
+				if (to)
+					to[out] = '0';
+				out++;
+			}
+			last = c;
+		}
+		if (to)
+			to[out] = c;
+		out++;
+	}
+	return out;
+}
+
+static bool is_obj(const char *path)
+{
+	const char *dot = strrchr(path, '.');
+
+	return dot && strcasecmp(dot, ".obj") == 0;
+}
+
+static bool make_plain(struct held *h)
+{
+	const size_t size = plain_text(h->bytes, h->size, NULL);
+	char *bytes = malloc(size + 1);
+
+	if (!bytes)
+		return false;
+	plain_text(h->bytes, h->size, bytes);
+	free(h->bytes);
+	h->bytes = bytes;
+	h->size = size;
+	return true;
+}
+
+/* ---- what assimp calls ---- */
+
+static size_t read_from(struct aiFile *file, char *to, size_t size, size_t count)
+{
+	struct held *h = held_of(file);
+	const size_t left = size ? (h->size - h->at) / size : 0;
+
+	count = count < left ? count : left;
+	if (count)
+		memcpy(to, h->bytes + h->at, size * count);
+	h->at += size * count;
+	return count;
+}
+
+static size_t write_to(struct aiFile *file, const char *from, size_t size, size_t count)
+{
+	(void)file, (void)from, (void)size, (void)count;
+	return 0;
+}
+
+static size_t tell(struct aiFile *file)
+{
+	return held_of(file)->at;
+}
+
+static size_t size_of(struct aiFile *file)
+{
+	return held_of(file)->size;
+}
+
+/* Assimp hands a distance backwards over as if it had no sign. */
+static aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
+{
+	struct held *h = held_of(file);
+	const size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? h->at : h->size;
+	const size_t at = base + offset;
+
+	if (at > h->size)
+		return aiReturn_FAILURE;
+	h->at = at;
+	return aiReturn_SUCCESS;
+}
+
+static void flush(struct aiFile *file)
+{
+	(void)file;
+}
+
+static bool read_whole(struct held *h, const char *path)
+{
+	struct stat is;
+	FILE *stream;
+	bool fine = false;
+
+	if (plain_file_open(&stream, path, PLAIN_FILE_MAX, NULL) < 0)
+		return false;
+	if (fstat(fileno(stream), &is) == 0) {
+		h->size = (size_t)is.st_size;
+		h->bytes = malloc(h->size + 1);
+		fine = h->bytes && fread(h->bytes, 1, h->size, stream) == h->size;
+	}
+	fclose(stream);
+	return fine;
+}
+
+static void close_file(struct aiFileIO *files, struct aiFile *file)
+{
+	struct held *h = held_of(file);
+
+	(void)files;
+	free(h->bytes);
+	free(h);
+}
+
+static struct aiFile *open_file(struct aiFileIO *files, const char *path, const char *mode)
+{
+	struct held *h = calloc(1, sizeof(*h));
+
+	if (!h)
+		return NULL;
+	h->file = (struct aiFile){.ReadProc = read_from,
+				  .WriteProc = write_to,
+				  .TellProc = tell,
+				  .FileSizeProc = size_of,
+				  .SeekProc = seek,
+				  .FlushProc = flush,
+				  .UserData = (char *)h};
+	if (mode[0] == 'r' && read_whole(h, path) && (!is_obj(path) || make_plain(h)))
+		return &h->file;
+	close_file(files, &h->file);
+	return NULL;
+}
+
+struct aiFileIO mesh_files(void)
+{
+	return (struct aiFileIO){.OpenProc = open_file, .CloseProc = close_file};
+}

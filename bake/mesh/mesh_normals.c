@@ -1,0 +1,237 @@
+#include "bake/mesh/mesh_normals.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NONE UINT32_MAX
+#define CREASE_SLACK 1e-5f /* rounding, of triangles in one plane */
+
+struct place {
+	float p[3];
+	uint32_t vertex;
+};
+
+/* Corners of triangles are numbered: the k-th of triangle t is 3 t + k. */
+struct smoother {
+	struct mesh_part *part;
+	size_t corners;
+	float cos_crease;
+	struct v3 *face;  /* unit normal of each triangle */
+	float *angle;	  /* of each corner */
+	uint32_t *at;	  /* place of each vertex */
+	uint32_t *first;  /* of each place, in list; one more at the end */
+	uint32_t *list;	  /* corners by place */
+	uint32_t *head;	  /* of each vertex: the first that it became */
+	uint32_t *next;	  /* of each that one became: another of the same */
+	uint32_t *source; /* of each that one became: the vertex */
+	struct v3 *normal;
+	uint32_t made;
+};
+
+static struct v3 corner_at(const struct mesh_part *part, size_t corner)
+{
+	const float *p = part->position[part->index[corner / 3][corner % 3]];
+
+	return v3_make(p[0], p[1], p[2]);
+}
+
+/* Edges are made unit first: those of tiny meshes would vanish in their product. */
+static void measure_triangles(struct smoother *s)
+{
+	for (size_t t = 0; t < s->corners / 3; t++) {
+		for (size_t k = 0; k < 3; k++) {
+			const struct v3 here = corner_at(s->part, 3 * t + k);
+			const struct v3 a =
+				v3_unit(v3_sub(corner_at(s->part, 3 * t + (k + 1) % 3), here));
+			const struct v3 b =
+				v3_unit(v3_sub(corner_at(s->part, 3 * t + (k + 2) % 3), here));
+			const struct v3 across = v3_cross(a, b);
+
+			s->angle[3 * t + k] = atan2f(v3_length(across), v3_dot(a, b));
+			if (k == 0)
+				s->face[t] = v3_unit(across);
+		}
+	}
+}
+
+static int compare_places(const void *a, const void *b)
+{
+	const struct place *p = a, *q = b;
+
+	for (int axis = 0; axis < 3; axis++)
+		if (p->p[axis] != q->p[axis])
+			return p->p[axis] < q->p[axis] ? -1 : 1;
+	return (p->vertex > q->vertex) - (p->vertex < q->vertex);
+}
+
+/* Vertices at one place differ in their texture coordinates, or the file has them twice. */
+static int find_places(struct smoother *s, uint32_t *count)
+{
+	const size_t vertices = (size_t)s->part->vertices;
+	struct place *all = malloc((vertices + 1) * sizeof(*all));
+
+	if (!all)
+		return -ENOMEM;
+	for (size_t v = 0; v < vertices; v++) {
+		memcpy(all[v].p, s->part->position[v], sizeof(all[v].p));
+		all[v].vertex = (uint32_t)v;
+	}
+	qsort(all, vertices, sizeof(*all), compare_places);
+	*count = 0;
+	for (size_t v = 0; v < vertices; v++) {
+		*count += v > 0 &&
+			  (all[v].p[0] != all[v - 1].p[0] || all[v].p[1] != all[v - 1].p[1] ||
+			   all[v].p[2] != all[v - 1].p[2]);
+		s->at[all[v].vertex] = *count;
+	}
+	++*count;
+	free(all);
+	return 0;
+}
+
+static uint32_t place_of(const struct smoother *s, size_t corner)
+{
+	return s->at[s->part->index[corner / 3][corner % 3]];
+}
+
+static int list_corners(struct smoother *s)
+{
+	uint32_t places;
+	int err = find_places(s, &places);
+
+	if (err)
+		return err;
+	s->first = calloc((size_t)places + 2, sizeof(*s->first));
+	if (!s->first)
+		return -ENOMEM;
+	/* counted two places on, so that filling in moves each to where its list begins */
+	for (size_t c = 0; c < s->corners; c++)
+		s->first[place_of(s, c) + 2]++;
+	for (uint32_t p = 2; p < places + 2; p++)
+		s->first[p] += s->first[p - 1];
+	for (size_t c = 0; c < s->corners; c++)
+		s->list[s->first[place_of(s, c) + 1]++] = (uint32_t)c;
+	return 0;
+}
+
+static struct v3 corner_normal(const struct smoother *s, size_t corner)
+{
+	const struct v3 own = s->face[corner / 3];
+	const uint32_t place = place_of(s, corner);
+	struct v3 sum = {0, 0, 0};
+
+	for (uint32_t k = s->first[place]; k < s->first[place + 1]; k++) {
+		const struct v3 other = s->face[s->list[k] / 3];
+
+		if (v3_dot(own, other) >= s->cos_crease - CREASE_SLACK)
+			sum = v3_mad(sum, s->angle[s->list[k]], other);
+	}
+	/* opposite sides of a sheet, where everything is to be smooth */
+	return v3_length(sum) > CREASE_SLACK ? v3_unit(sum) : own;
+}
+
+/* The vertex that a corner's own one becomes with this normal. */
+static uint32_t vertex_with(struct smoother *s, uint32_t vertex, struct v3 normal)
+{
+	uint32_t v = s->head[vertex];
+
+	while (v != NONE && memcmp(&s->normal[v], &normal, sizeof(normal)) != 0)
+		v = s->next[v];
+	if (v != NONE)
+		return v;
+	v = s->made++;
+	s->source[v] = vertex;
+	s->normal[v] = normal;
+	s->next[v] = s->head[vertex];
+	s->head[vertex] = v;
+	return v;
+}
+
+/* The part's arrays, with the vertices that were made. */
+static int replace_vertices(struct smoother *s)
+{
+	struct mesh_part *part = s->part;
+	float(*position)[4] = calloc((size_t)s->made + 1, sizeof(*position));
+	float(*uv)[2] = part->uv ? calloc((size_t)s->made + 1, sizeof(*uv)) : NULL;
+
+	if (!position || (part->uv && !uv)) {
+		free(position);
+		free(uv);
+		return -ENOMEM;
+	}
+	for (size_t v = 0; v < s->made; v++) {
+		memcpy(position[v], part->position[s->source[v]], sizeof(*position));
+		if (uv)
+			memcpy(uv[v], part->uv[s->source[v]], sizeof(*uv));
+	}
+	free(part->position);
+	free(part->uv);
+	free(part->normal);
+	part->position = position;
+	part->uv = uv;
+	part->normal = s->normal;
+	part->vertices = (int)s->made;
+	s->normal = NULL;
+	return 0;
+}
+
+static int split_vertices(struct smoother *s)
+{
+	uint32_t *became = malloc((s->corners + 1) * sizeof(*became));
+	int err;
+
+	if (!became)
+		return -ENOMEM;
+	memset(s->head, 0xff, (size_t)s->part->vertices * sizeof(*s->head));
+	for (size_t c = 0; c < s->corners; c++)
+		became[c] = vertex_with(s, s->part->index[c / 3][c % 3], corner_normal(s, c));
+	err = replace_vertices(s);
+	for (size_t c = 0; c < s->corners && !err; c++)
+		s->part->index[c / 3][c % 3] = became[c];
+	free(became);
+	return err;
+}
+
+static void *room_for(size_t count, size_t size)
+{
+	return malloc((count + 1) * size);
+}
+
+int mesh_smooth(struct mesh_part *part, double crease_deg)
+{
+	const size_t triangles = (size_t)part->triangles, vertices = (size_t)part->vertices;
+	struct smoother s = {
+		.part = part,
+		.corners = 3 * triangles,
+		.cos_crease = (float)cos(crease_deg * (M_PI / 180)),
+		.face = room_for(triangles, sizeof(*s.face)),
+		.angle = room_for(3 * triangles, sizeof(*s.angle)),
+		.at = room_for(vertices, sizeof(*s.at)),
+		.list = room_for(3 * triangles, sizeof(*s.list)),
+		.head = room_for(vertices, sizeof(*s.head)),
+		.next = room_for(3 * triangles, sizeof(*s.next)),
+		.source = room_for(3 * triangles, sizeof(*s.source)),
+		.normal = room_for(3 * triangles, sizeof(*s.normal)),
+	};
+	int err = s.face && s.angle && s.at && s.list && s.head && s.next && s.source && s.normal
+			  ? 0
+			  : -ENOMEM;
+
+	if (!err) {
+		measure_triangles(&s);
+		err = list_corners(&s);
+	}
+	if (!err)
+		err = split_vertices(&s);
+	free(s.face);
+	free(s.angle);
+	free(s.at);
+	free(s.first);
+	free(s.list);
+	free(s.head);
+	free(s.next);
+	free(s.source);
+	free(s.normal);
+	return err;
+}

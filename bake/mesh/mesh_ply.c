@@ -1,0 +1,525 @@
+#include "bake/mesh/mesh_ply.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "bake/mesh/plain_file.h"
+
+#define HEADER_BYTES_MAX (1 << 20)
+#define ELEMENTS_MAX 32
+#define PROPERTIES_MAX 512
+#define SHOWN_MAX 32 /* of a word, in a fault */
+
+/* ---- words ---- */
+
+struct span {
+	const char *at, *end;
+};
+
+static bool is_line_end(char c)
+{
+	return c == '\n' || c == '\r';
+}
+
+static bool is_blank(char c)
+{
+	return c == ' ' || c == '\t';
+}
+
+static struct span take_word(struct span *line)
+{
+	struct span word;
+
+	while (line->at < line->end && is_blank(*line->at))
+		line->at++;
+	word.at = line->at;
+	while (line->at < line->end && !is_blank(*line->at))
+		line->at++;
+	word.end = line->at;
+	return word;
+}
+
+static int shown(struct span word)
+{
+	return word.end - word.at < SHOWN_MAX ? (int)(word.end - word.at) : SHOWN_MAX;
+}
+
+static bool is(struct span word, const char *text)
+{
+	const size_t length = (size_t)(word.end - word.at);
+
+	return length == strlen(text) && memcmp(word.at, text, length) == 0;
+}
+
+/* Whole, 0..INT_MAX; -1: another word. */
+static long whole_of(struct span word)
+{
+	long value = 0;
+
+	if (word.at == word.end)
+		return -1;
+	for (const char *c = word.at; c < word.end; c++) {
+		if (*c < '0' || *c > '9')
+			return -1;
+		value = 10 * value + (*c - '0');
+		if (value > INT_MAX)
+			return -1;
+	}
+	return value;
+}
+
+static bool is_number(struct span word)
+{
+	const size_t length = (size_t)(word.end - word.at);
+	char text[64], *stop;
+
+	if (!length || length >= sizeof(text))
+		return false;
+	memcpy(text, word.at, length);
+	text[length] = '\0';
+	strtod(text, &stop);
+	return stop == text + length;
+}
+
+/* ---- the header ---- */
+
+struct type {
+	const char *name, *other_name;
+	int bytes;
+	bool whole, sign;
+};
+
+static const struct type types[] = {
+	{"char", "int8", 1, true, true},	  {"uchar", "uint8", 1, true, false},
+	{"short", "int16", 2, true, true},	  {"ushort", "uint16", 2, true, false},
+	{"int", "int32", 4, true, true},	  {"uint", "uint32", 4, true, false},
+	{"float", "float32", 4, false, true},	  {"double", "float64", 8, false, true},
+	{"double64", "double64", 8, false, true},
+};
+
+struct property {
+	const struct type *type, *count; /* count NULL: no list */
+	bool corners;			 /* vertices of a face */
+};
+
+struct element {
+	struct span name;
+	int line, properties;
+	size_t count;
+	struct property *property;
+};
+
+struct ply {
+	const char *path;
+	size_t bytes;
+	struct span rest; /* of the file */
+	int line;	  /* number of the one taken last */
+	bool ascii, big_endian;
+	size_t vertices;
+	int elements, properties;
+	struct element element[ELEMENTS_MAX];
+	struct property property[PROPERTIES_MAX];
+};
+
+/* Lines without anything in them are passed over, as assimp does. */
+static bool take_line(struct ply *ply, struct span *line)
+{
+	struct span *rest = &ply->rest;
+
+	do {
+		line->at = rest->at;
+		while (rest->at < rest->end && !is_line_end(*rest->at))
+			rest->at++;
+		line->end = rest->at;
+		if (line->at == rest->end)
+			return false;
+		ply->line++;
+		if (rest->at < rest->end)
+			rest->at += rest->end - rest->at > 1 && !memcmp(rest->at, "\r\n", 2) ? 2
+											     : 1;
+	} while (line->at == line->end);
+	return true;
+}
+
+/* Assimp looks for the end of a line that ends in one of these beyond the end of the file. */
+static int check_text(const struct ply *ply, const char *at, const char *end, struct fault *fault)
+{
+	const size_t bytes = (size_t)(end - at);
+
+	if (!memchr(at, '\0', bytes) && !memchr(at, '\f', bytes))
+		return 0;
+	return fault_say(fault, -EBADMSG,
+			 "%s: bytes that are no text among it, expected none: damaged or cut short",
+			 ply->path);
+}
+
+static int read_type(const struct ply *ply, struct span *line, const struct type **type,
+		     struct fault *fault)
+{
+	const struct span word = take_word(line);
+
+	for (size_t k = 0; k < sizeof(types) / sizeof(*types); k++)
+		if (is(word, types[k].name) || is(word, types[k].other_name)) {
+			*type = &types[k];
+			return 0;
+		}
+	return fault_say(fault, -EBADMSG,
+			 "%s:%d: property of type \"%.*s\", expected char, uchar, short, ushort, "
+			 "int, uint, float or double",
+			 ply->path, ply->line, shown(word), word.at);
+}
+
+/* Assimp forgets those of an element's that come after a line of another kind. */
+static int read_property(struct ply *ply, struct span line, bool in_element, struct fault *fault)
+{
+	struct property *property = &ply->property[ply->properties];
+	struct element *element;
+	struct span list = line, name;
+	int err = 0;
+
+	if (!in_element)
+		return fault_say(fault, -EBADMSG,
+				 "%s:%d: a property by itself, expected an element, or another "
+				 "property of its, in the line before",
+				 ply->path, ply->line);
+	if (ply->properties == PROPERTIES_MAX)
+		return fault_say(fault, -E2BIG, "%s:%d: expected at most %d properties", ply->path,
+				 ply->line, PROPERTIES_MAX);
+	*property = (struct property){.type = NULL};
+	element = &ply->element[ply->elements - 1];
+	if (is(take_word(&list), "list")) {
+		line = list;
+		err = read_type(ply, &line, &property->count, fault);
+		if (!err && !property->count->whole)
+			err = fault_say(fault, -EBADMSG,
+					"%s:%d: a list counted in %s, expected whole numbers",
+					ply->path, ply->line, property->count->name);
+	}
+	if (!err)
+		err = read_type(ply, &line, &property->type, fault);
+	if (err)
+		return err;
+	name = take_word(&line);
+	property->corners = property->count && is(element->name, "face") &&
+			    (is(name, "vertex_indices") || is(name, "vertex_index"));
+	ply->properties++;
+	element->properties++;
+	return 0;
+}
+
+static int read_element(struct ply *ply, struct span line, struct fault *fault)
+{
+	const struct span name = take_word(&line), word = take_word(&line);
+	const long count = whole_of(word);
+
+	if (count < 0)
+		return fault_say(fault, -EBADMSG,
+				 "%s:%d: element %.*s \"%.*s\", expected a number 0..%d", ply->path,
+				 ply->line, shown(name), name.at, shown(word), word.at, INT_MAX);
+	if (ply->elements == ELEMENTS_MAX)
+		return fault_say(fault, -E2BIG, "%s:%d: expected at most %d elements", ply->path,
+				 ply->line, ELEMENTS_MAX);
+	ply->element[ply->elements++] = (struct element){
+		.name = name,
+		.line = ply->line,
+		.count = (size_t)count,
+		.property = &ply->property[ply->properties],
+	};
+	if (is(name, "vertex"))
+		ply->vertices = (size_t)count;
+	return 0;
+}
+
+static int read_format(struct ply *ply, struct fault *fault)
+{
+	struct span line = {NULL, NULL}, format, kind;
+
+	take_line(ply, &line);
+	format = take_word(&line);
+	kind = take_word(&line);
+	ply->ascii = is(kind, "ascii");
+	ply->big_endian = is(kind, "binary_big_endian");
+	if (is(format, "format") &&
+	    (ply->ascii || ply->big_endian || is(kind, "binary_little_endian")))
+		return 0;
+	return fault_say(fault, -EBADMSG,
+			 "%s:%d: expected format ascii, binary_little_endian or binary_big_endian "
+			 "after ply",
+			 ply->path, ply->line);
+}
+
+/* Assimp passes over what ends lines, and does so in binary data, too. */
+static int check_start(const struct ply *ply, struct fault *fault)
+{
+	const char *at = ply->rest.at;
+
+	if (ply->ascii || at == ply->rest.end || !is_line_end(*at))
+		return 0;
+	return fault_say(
+		fault, -ENOTSUP,
+		"%s: its data begin with a byte of %d, which would be taken for the end of "
+		"a line, expected another vertex first, or format ascii",
+		ply->path, *at);
+}
+
+/* What it has no use for is passed over. */
+static int read_lines(struct ply *ply, struct fault *fault)
+{
+	struct span line, word;
+	bool in_element = false;
+	int err = 0;
+
+	while (!err) {
+		word = take_line(ply, &line) ? take_word(&line) : line;
+		if (is(word, "end_header"))
+			return 0;
+		if (ply->rest.at == ply->rest.end)
+			return fault_say(fault, -EBADMSG,
+					 "%s: no line end_header, expected one at the end of the "
+					 "header: damaged or cut short",
+					 ply->path);
+		if (is(word, "property")) {
+			err = read_property(ply, line, in_element, fault);
+			continue;
+		}
+		in_element = is(word, "element");
+		if (in_element)
+			err = read_element(ply, line, fault);
+	}
+	return err;
+}
+
+static int read_header(struct ply *ply, struct fault *fault)
+{
+	const struct span all = ply->rest;
+	struct span line;
+	int err;
+
+	if (all.end - all.at > HEADER_BYTES_MAX)
+		ply->rest.end = all.at + HEADER_BYTES_MAX;
+	take_line(ply, &line); /* the word by which it was known */
+	err = read_format(ply, fault);
+	if (!err)
+		err = read_lines(ply, fault);
+	ply->rest.end = all.end;
+	if (!err)
+		err = check_text(ply, all.at, ply->ascii ? all.end : ply->rest.at, fault);
+	return err ? err : check_start(ply, fault);
+}
+
+/* ---- rows ---- */
+
+/* In text a value is a digit and what parts it from the next. */
+static size_t least_bytes(const struct ply *ply, const struct element *element)
+{
+	size_t bytes = 0;
+
+	for (int k = 0; k < element->properties; k++) {
+		const struct property *p = &element->property[k];
+
+		bytes += ply->ascii ? 2 : (size_t)(p->count ? p->count->bytes : p->type->bytes);
+	}
+	return bytes;
+}
+
+static int check_counts(const struct ply *ply, struct fault *fault)
+{
+	/* the last value needs nothing behind it */
+	const size_t room = (size_t)(ply->rest.end - ply->rest.at) + ply->ascii;
+	size_t used = 0;
+
+	for (int k = 0; k < ply->elements; k++) {
+		const struct element *e = &ply->element[k];
+
+		if (e->count && !e->properties)
+			return fault_say(fault, -EBADMSG,
+					 "%s:%d: element %.*s has no property, expected at least "
+					 "one",
+					 ply->path, e->line, shown(e->name), e->name.at);
+		used += e->count * least_bytes(ply, e);
+		if (used > room)
+			return fault_say(fault, -EBADMSG,
+					 "%s:%d: element %.*s %zu, but a file of %zu bytes cannot "
+					 "hold them",
+					 ply->path, e->line, shown(e->name), e->name.at, e->count,
+					 ply->bytes);
+	}
+	return 0;
+}
+
+static int say_cut(const struct ply *ply, const struct element *element, size_t row,
+		   struct fault *fault)
+{
+	return fault_say(fault, -EBADMSG,
+			 "%s: it ends in %.*s %zu, expected %zu of them: damaged or cut short",
+			 ply->path, shown(element->name), element->name.at, row + 1,
+			 element->count);
+}
+
+static int check_corner(const struct ply *ply, struct span word, size_t row, struct fault *fault)
+{
+	const long corner = whole_of(word);
+
+	if (corner >= 0 && (size_t)corner < ply->vertices)
+		return 0;
+	return fault_say(fault, -EBADMSG,
+			 "%s:%d: face %zu names vertex %.*s, expected less than %zu: damaged or "
+			 "cut short",
+			 ply->path, ply->line, row + 1, shown(word), word.at, ply->vertices);
+}
+
+static int say_value(const struct ply *ply, const struct element *element, size_t row,
+		     struct span word, const char *expected, struct fault *fault)
+{
+	if (word.at == word.end)
+		return fault_say(fault, -EBADMSG,
+				 "%s:%d: %.*s %zu ends here, expected %s: damaged or cut short",
+				 ply->path, ply->line, shown(element->name), element->name.at,
+				 row + 1, expected);
+	return fault_say(fault, -EBADMSG,
+			 "%s:%d: %.*s %zu has \"%.*s\", expected %s: damaged or cut short",
+			 ply->path, ply->line, shown(element->name), element->name.at, row + 1,
+			 shown(word), word.at, expected);
+}
+
+static int check_values(const struct ply *ply, const struct element *element,
+			const struct property *property, struct span *line, size_t row,
+			struct fault *fault)
+{
+	struct span word;
+	long count = 1;
+
+	if (property->count) {
+		word = take_word(line);
+		count = whole_of(word);
+		if (count < property->corners)
+			return say_value(ply, element, row, word, "how many numbers follow", fault);
+	}
+	for (long k = 0; k < count; k++) {
+		word = take_word(line);
+		if (!is_number(word))
+			return say_value(ply, element, row, word, "a number", fault);
+		if (property->corners && check_corner(ply, word, row, fault) < 0)
+			return -EBADMSG;
+	}
+	return 0;
+}
+
+static int check_text_row(struct ply *ply, const struct element *element, size_t row,
+			  struct fault *fault)
+{
+	struct span line, word;
+	bool corners = false;
+	int err = 0;
+
+	if (!take_line(ply, &line))
+		return say_cut(ply, element, row, fault);
+	for (int k = 0; k < element->properties && !err; k++) {
+		corners |= element->property[k].corners;
+		err = check_values(ply, element, &element->property[k], &line, row, fault);
+	}
+	if (err || !corners)
+		return err;
+	word = take_word(&line);
+	if (word.at == word.end)
+		return 0;
+	return fault_say(fault, -EBADMSG,
+			 "%s:%d: face %zu has \"%.*s\" after its vertices, expected as many as it "
+			 "counts",
+			 ply->path, ply->line, row + 1, shown(word), word.at);
+}
+
+/* How many are in a list; -1: fewer than none. */
+static int64_t count_of(const char *at, const struct type *type, bool big_endian)
+{
+	const int bits = 8 * type->bytes;
+	uint64_t value = 0;
+
+	for (int k = 0; k < type->bytes; k++)
+		value |= (uint64_t)(uint8_t)at[k] << 8 * (big_endian ? type->bytes - 1 - k : k);
+	return type->sign && value >> (bits - 1) ? -1 : (int64_t)value;
+}
+
+static int check_binary_row(struct ply *ply, const struct element *element, size_t row,
+			    struct fault *fault)
+{
+	for (int k = 0; k < element->properties; k++) {
+		const struct property *p = &element->property[k];
+		int64_t count = 1;
+
+		if (p->count) {
+			if (ply->rest.end - ply->rest.at < p->count->bytes)
+				return say_cut(ply, element, row, fault);
+			count = count_of(ply->rest.at, p->count, ply->big_endian);
+			ply->rest.at += p->count->bytes;
+			if (count < p->corners)
+				return fault_say(fault, -EBADMSG,
+						 "%s: %.*s %zu has a list of %lld, expected more",
+						 ply->path, shown(element->name), element->name.at,
+						 row + 1, (long long)count);
+		}
+		if (ply->rest.end - ply->rest.at < count * p->type->bytes)
+			return say_cut(ply, element, row, fault);
+		ply->rest.at += count * p->type->bytes;
+	}
+	return 0;
+}
+
+static int check_rows(struct ply *ply, struct fault *fault)
+{
+	int err = 0;
+
+	for (int k = 0; k < ply->elements && !err; k++) {
+		const struct element *e = &ply->element[k];
+
+		for (size_t row = 0; row < e->count && !err; row++)
+			err = ply->ascii ? check_text_row(ply, e, row, fault)
+					 : check_binary_row(ply, e, row, fault);
+	}
+	return err;
+}
+
+/* ---- the file ---- */
+
+static int check(const char *text, size_t bytes, const char *path, struct fault *fault)
+{
+	const char *magic = text, *const end = text + bytes;
+	struct ply *ply;
+	int err;
+
+	/* assimp reads one that begins with empty lines, too */
+	while (magic < end && is_line_end(*magic))
+		magic++;
+	if (end - magic < 3 || strncasecmp(magic, "ply", 3) != 0)
+		return 0;
+	ply = calloc(1, sizeof(*ply));
+	if (!ply)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	ply->path = path;
+	ply->bytes = bytes;
+	ply->rest = (struct span){text, end};
+	err = read_header(ply, fault);
+	if (!err)
+		err = check_counts(ply, fault);
+	if (!err)
+		err = check_rows(ply, fault);
+	free(ply);
+	return err;
+}
+
+int mesh_ply_check(const char *path, struct fault *fault)
+{
+	struct plain_map file;
+	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
+
+	if (err)
+		return err;
+	err = check(file.at, file.bytes, path, fault);
+	plain_file_unmap(&file);
+	return err;
+}

@@ -1,0 +1,31 @@
+/*
+ * The report of a scene: what each choice costs in time and memory, and how wrong the picture gets,
+ * against double precision and against path-traced truth. One page, and every figure as CSV.
+ */
+#ifndef INLAY_BAKE_REPORT_REPORT_H
+#define INLAY_BAKE_REPORT_REPORT_H
+
+#include "bake/report/report_bake.h"
+#include "hal/base/fault.h"
+
+struct report_settings {
+	const char *input;  /* a scene file, or a basis file: then only what can be asked of it */
+	const char *basis;  /* of the same scene: the one in use; NULL: what the scene file says */
+	const char *pose;   /* of the scene, by name or number; NULL: its first */
+	const char *folder; /* appears when it is whole */
+	const char *panorama[REPORT_LIGHTINGS_MAX]; /* none: surroundings of the project's own */
+	int panoramas;
+	int width, height;  /* of pictures that are baked and traced; 0: chosen */
+	int samples;	    /* a pixel, of bakes; 0: chosen */
+	int truth_samples;  /* 0: chosen */
+	int most_frequency; /* of the domes that are tried; 0: chosen */
+	int repeat;	    /* of each timing; 0: chosen */
+	int threads;	    /* that bake, trace, and are tried at most; 0: one a processor */
+	bool quick;	    /* everything small: to see that it works */
+	bool quiet;
+};
+
+/* -errno with a fault; then nothing of it is left in the folder, and what was there is. */
+int report_run(const struct report_settings *settings, struct fault *fault);
+
+#endif

@@ -1,0 +1,289 @@
+#include "bake/report/report_bake.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "hal/compositor/compositor.h"
+#include "hal/measure/lightings.h"
+
+static const struct {
+	enum light_estimator estimator;
+	bool coded; /* in 8 bits */
+	int stops;  /* that the camera is exposed less */
+} inputs[INPUT_COUNT] = {
+	[INPUT_CELL] = {ESTIMATOR_CELL, false, 0},
+	[INPUT_NODE] = {ESTIMATOR_NODE, false, 0},
+	[INPUT_CELL_8] = {ESTIMATOR_CELL, true, 0},
+	[INPUT_NODE_8] = {ESTIMATOR_NODE, true, 0},
+	[INPUT_CELL_8_DARK] = {ESTIMATOR_CELL, true, 3},
+	[INPUT_CELL_8_DARKER] = {ESTIMATOR_CELL, true, 6},
+};
+
+const char *const report_input_names[] = {"cell, float",
+					  "node, float",
+					  "cell, 8 bits",
+					  "node, 8 bits",
+					  "cell, 8 bits, 3 stops darker",
+					  "cell, 8 bits, 6 stops darker",
+					  NULL};
+
+/* ---- open ---- */
+
+static double layer_mb(const struct basis *basis, const struct basis_layer *layer)
+{
+	size_t bytes = 0;
+
+	for (int t = 0; layer->tiles && t < basis->tiles_across * basis->tiles_down; t++)
+		bytes += layer->tiles[t].bytes;
+	return (double)bytes / 1e6;
+}
+
+static void count_encodings(struct report_bake *bake)
+{
+	const struct basis_layer *layer = &bake->basis.poses[0].shown;
+	double patterns = 0, columns = 0, pixels = 0;
+
+	for (int k = 0; k < layer->block_count; k++) {
+		const struct basis_block *block = &layer->blocks[k];
+
+		patterns += (double)block->patterns * block->pixels;
+		columns += (double)block->columns * block->pixels;
+		pixels += block->pixels;
+	}
+	bake->patterns = pixels > 0 ? patterns / pixels : 0;
+	bake->columns = pixels > 0 ? columns / pixels : 0;
+}
+
+int report_bake_open(struct report_bake *bake, const char *path, struct fault *fault)
+{
+	int err;
+
+	*bake = (struct report_bake){.exact = false};
+	err = basis_open(&bake->basis, path, BASIS_ALL, fault);
+	if (err)
+		return err;
+	bake->exact = bake->basis.poses[0].exact.tiles;
+	bake->shown_mb = layer_mb(&bake->basis, &bake->basis.poses[0].shown);
+	bake->exact_mb = layer_mb(&bake->basis, &bake->basis.poses[0].exact);
+	count_encodings(bake);
+	return 0;
+}
+
+int report_bake_make(struct report_bake *bake, struct scene *scene,
+		     const struct render_settings *settings, const char *folder,
+		     struct fault *fault)
+{
+	struct render_settings one = *settings;
+	struct render_report report;
+	char path[PATH_MAX];
+	int err;
+
+	*bake = (struct report_bake){.exact = false};
+	snprintf(path, sizeof(path), "%s/report.inlay", folder);
+	if (!one.pose)
+		one.pose = "0"; /* as the scene is opened */
+	err = render_run(scene, &one, path, &report, fault);
+	if (err)
+		return err;
+	err = report_bake_open(bake, path, fault);
+	/* its pages stay until it is closed */
+	unlink(path);
+	bake->settings = *settings;
+	bake->report = report;
+	return err;
+}
+
+void report_bake_close(struct report_bake *bake)
+{
+	for (int k = 0; k < INPUT_COUNT; k++) {
+		free(bake->radiance[k]);
+		for (int l = 0; l < REPORT_LIGHTINGS_MAX; l++)
+			free(bake->precise[k][l]);
+	}
+	thesis_destroy(bake->thesis);
+	dome_free(&bake->dome);
+	basis_close(&bake->basis);
+	*bake = (struct report_bake){.exact = false};
+}
+
+const struct basis_layer *report_bake_layer(const struct report_bake *bake)
+{
+	return bake->exact ? &bake->basis.poses[0].exact : &bake->basis.poses[0].shown;
+}
+
+/* ---- light ---- */
+
+/* The fisheye picture as a camera of 8 bits takes it. */
+static int encode_fisheye(const struct image *linear, double scale, struct canvas *out)
+{
+	const int err = canvas_create(out, linear->width, linear->height);
+
+	if (err)
+		return err;
+	for (int y = 0; y < linear->height; y++) {
+		for (int x = 0; x < linear->width; x++) {
+			const float *v = linear->f32 +
+					 3 * ((size_t)y * (size_t)linear->width + (size_t)x);
+			uint8_t *to = out->pixels + (size_t)y * out->stride + (size_t)x * 4;
+
+			for (int c = 0; c < 3; c++)
+				to[2 - c] = (uint8_t)lround(
+					255 * transfer_encode(TRANSFER_SRGB, scale * (double)v[c]));
+			to[3] = 255;
+		}
+	}
+	return 0;
+}
+
+static int read_coded(struct light_sampler *sampler, const struct image *fisheye, double scale,
+		      float (*radiance)[3], double *clipped)
+{
+	const struct view whole = {.width = fisheye->width, .height = fisheye->height, .squash = 1};
+	struct picture picture;
+	struct canvas coded;
+	int err = encode_fisheye(fisheye, scale, &coded);
+
+	if (err)
+		return err;
+	picture = view_picture(&whole, coded.pixels, coded.stride);
+	err = light_sampler_read(sampler, &picture, radiance, clipped);
+	canvas_free(&coded);
+	return err;
+}
+
+static int read_lights(struct report_bake *bake, const struct report_stage *stage,
+		       enum report_input input, struct light_sampler *sampler)
+{
+	const double stops = pow(2, inputs[input].stops);
+	const size_t lights = bake->basis.info.lights;
+	int err = 0;
+
+	for (int k = 0; !err && k < stage->lightings; k++) {
+		const struct image *fisheye = &stage->lighting[k].fisheye;
+		float(*radiance)[3] = bake->radiance[input] + (size_t)k * lights;
+
+		if (inputs[input].coded)
+			err = read_coded(sampler, fisheye, 1 / stops, radiance,
+					 &bake->clipped[input][k]);
+		else
+			err = light_sampler_read_linear(sampler, fisheye, radiance);
+	}
+	return err;
+}
+
+static int make_radiance(struct report_bake *bake, const struct report_stage *stage,
+			 enum report_input input, struct fault *fault)
+{
+	const struct light_sampler_settings settings = {
+		.estimator = inputs[input].estimator,
+		.curve = {.named = TRANSFER_SRGB},
+		.gain = pow(2, inputs[input].stops),
+	};
+	const struct fisheye_settings lens_settings = {.field_deg = 90};
+	const int side = stage->lighting[0].fisheye.width;
+	struct light_sampler *sampler = NULL;
+	struct fisheye lens;
+	int err = fisheye_prepare(&lens, &lens_settings, side, side, fault);
+
+	if (!err && !bake->dome.count)
+		err = lightings_dome(&bake->dome, &bake->basis, fault);
+	if (!err)
+		err = light_sampler_create(&sampler, &bake->dome, &lens, side, side, &settings,
+					   fault);
+	if (err)
+		return err;
+	bake->radiance[input] = calloc((size_t)stage->lightings * bake->basis.info.lights,
+				       sizeof(*bake->radiance[input]));
+	err = bake->radiance[input] ? read_lights(bake, stage, input, sampler) : -ENOMEM;
+	light_sampler_destroy(sampler);
+	if (!err)
+		return 0;
+	free(bake->radiance[input]);
+	bake->radiance[input] = NULL;
+	return fault_say(fault, err, "the lights cannot be read: %s", strerror(-err));
+}
+
+const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
+				   enum report_input input, int lighting, struct fault *fault))[3]
+{
+	if (!bake->radiance[input] && make_radiance(bake, stage, input, fault))
+		return NULL;
+	return (const float(*)[3])(bake->radiance[input] +
+				   (size_t)lighting * bake->basis.info.lights);
+}
+
+/* ---- double precision ---- */
+
+/* One picture a thread. */
+struct precision {
+	struct report_bake *bake;
+	const struct report_stage *stage;
+	enum report_input input;
+	int err[REPORT_LIGHTINGS_MAX];
+};
+
+static void make_precise(void *context, int k, int worker)
+{
+	struct precision *p = context;
+	const struct compositor_settings settings = {
+		.mode = p->bake->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
+		.background = {.named = TRANSFER_SRGB},
+		.output = {.named = TRANSFER_SRGB},
+		.gain = 1,
+		.object = true,
+	};
+	const size_t values = 3 * (size_t)p->stage->width * (size_t)p->stage->height;
+	struct light_selection lights;
+	double *out = malloc(values * sizeof(*out));
+
+	(void)worker;
+	p->err[k] = out ? light_selection_create(&lights, &p->bake->basis) : -ENOMEM;
+	if (!p->err[k]) {
+		light_selection_choose(&lights, &p->bake->basis, 0,
+				       (const float(*)[3])(p->bake->radiance[p->input] +
+							   (size_t)k * p->bake->basis.info.lights),
+				       0, THRESHOLD_DROP, 1);
+		p->err[k] = compositor_reference(&p->bake->basis, 0, &settings, &lights,
+						 &p->stage->lighting[k].background_picture, out);
+		light_selection_free(&lights);
+	}
+	if (p->err[k])
+		free(out);
+	else
+		p->bake->precise[p->input][k] = out;
+}
+
+const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
+				  enum report_input input, int lighting, struct fault *fault)
+{
+	struct precision p = {.bake = bake, .stage = stage, .input = input};
+
+	if (bake->reference)
+		return report_bake_precise(bake->reference, stage, input, lighting, fault);
+	if (bake->precise[input][lighting])
+		return bake->precise[input][lighting];
+	if (!report_bake_radiance(bake, stage, input, 0, fault))
+		return NULL;
+	pool_run(stage->all, stage->lightings, make_precise, &p);
+	for (int k = 0; k < stage->lightings; k++) {
+		if (!p.err[k])
+			continue;
+		fault_say(fault, p.err[k], "double precision: %s", strerror(-p.err[k]));
+		return NULL;
+	}
+	return bake->precise[input][lighting];
+}
+
+struct thesis *report_bake_thesis(struct report_bake *bake, const struct report_stage *stage,
+				  struct fault *fault)
+{
+	if (!bake->thesis &&
+	    thesis_create(&bake->thesis, &bake->basis, report_bake_layer(bake), stage->all, fault))
+		bake->thesis = NULL;
+	return bake->thesis;
+}

@@ -1,0 +1,431 @@
+/* Choices that need no other bake: threshold, bits of the input, column cut, what is kept from
+ * frame to frame, kernel, threads. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bake/report/report_parts.h"
+#include "hal/compositor/kernels/kernels.h"
+
+#define TRIALS_MAX 64
+
+/* A sweep: its trials, and the table that begins with what distinguishes them. */
+struct sweep {
+	struct report *report;
+	struct report_trial trial[TRIALS_MAX];
+	int count;
+	struct report_table table;
+};
+
+static void sweep_begin(struct sweep *s, struct report *r, const char *name)
+{
+	s->report = r;
+	s->count = 0;
+	report_table_begin(&s->table, name);
+}
+
+/* The setting in use, to be changed. */
+static struct report_way *sweep_add(struct sweep *s, const char *name)
+{
+	struct report_trial *trial = &s->trial[s->count++];
+
+	memset(trial, 0, sizeof(*trial));
+	trial->way = report_way_plain(s->report->used);
+	snprintf(trial->name, sizeof(trial->name), "%s", name);
+	return &trial->way;
+}
+
+static int sweep_run(struct sweep *s, bool errors)
+{
+	return report_trials_run(s->trial, s->count, &s->report->stage,
+				 errors ? &s->report->scope : NULL, s->report->fault);
+}
+
+static int sweep_end(struct sweep *s, int err)
+{
+	struct report *r = s->report;
+
+	if (!err)
+		err = report_page_table(&r->page, r->page.body, &s->table, r->fault);
+	report_table_free(&s->table);
+	return err;
+}
+
+static double used_share(const struct report *r, const struct report_trial *trial)
+{
+	double sum = 0;
+
+	for (int l = 0; l < r->stage.lightings; l++)
+		sum += trial->lights[l] / r->stage.lightings;
+	return 100 * sum / trial->way.bake->basis.info.lights;
+}
+
+/* ---- threshold ---- */
+
+static const double levels[] = {0, 4, 16, 48, 96, 128, 160, 192, 208, 224, 240};
+
+#define LEVELS ((int)(sizeof(levels) / sizeof(*levels)))
+
+static int plot_threshold(struct sweep *s)
+{
+	static const char *const names[] = {"given back as ambient", "dropped",
+					    "given back as nine terms"};
+	struct report *r = s->report;
+	struct report_plot plot;
+
+	report_plot_begin(&plot, "threshold-error", "lights used, % (mean over the surroundings)",
+			  "RMS error against double precision, levels");
+	plot.y_log = true;
+	for (int mode = 0; mode < THRESHOLD_MODE_COUNT; mode++) {
+		report_plot_series(&plot, names[mode], STYLE_LINE, mode + 1);
+		for (int k = LEVELS - 1; k >= 0; k--) {
+			const struct report_trial *trial = &s->trial[mode * LEVELS + k];
+			struct report_point *point = report_plot_point(&plot, used_share(r, trial),
+								       trial->precise.all.rms);
+
+			if (mode == THRESHOLD_DROP && point->x < 99)
+				snprintf(point->label, sizeof(point->label), "%.0f", levels[k]);
+			point->ringed = k == 0 && mode == THRESHOLD_AMBIENT;
+		}
+	}
+	return report_page_plot(&r->page, r->page.body, &plot,
+				"Error by share of lights that reach the threshold (its grey level "
+				"beside each point). Ring: the setting in use, no threshold.",
+				r->fault);
+}
+
+int report_threshold(struct report *r)
+{
+	static struct sweep s;
+	int err;
+
+	report_step(r, "threshold");
+	sweep_begin(&s, r, "threshold");
+	for (int mode = 0; mode < THRESHOLD_MODE_COUNT; mode++) {
+		for (int k = 0; k < LEVELS; k++) {
+			char name[96];
+			struct report_way *way;
+
+			snprintf(name, sizeof(name), "%u lights, threshold %.0f, %s",
+				 r->used->basis.info.lights, levels[k], threshold_mode_names[mode]);
+			way = sweep_add(&s, name);
+			way->threshold = transfer_decode(TRANSFER_SRGB, levels[k] / 255);
+			way->threshold_mode = (enum threshold_mode)mode;
+		}
+	}
+	err = sweep_run(&s, true);
+	report_table_column(&s.table, "mode", "mode", NULL);
+	report_table_column(&s.table, "threshold_level", "threshold", "grey level");
+	report_table_column(&s.table, "lights_used_percent", "lights", "% used");
+	report_result_columns(r, &s.table);
+	for (int k = 0; k < s.count; k++) {
+		report_text(&s.table, "%s", threshold_mode_names[k / LEVELS]);
+		report_number(&s.table, levels[k % LEVELS]);
+		report_number(&s.table, used_share(r, &s.trial[k]));
+		report_result_cells(r, &s.table, &s.trial[k]);
+		if (!k)
+			report_table_mark(&s.table);
+		else if (!err && used_share(r, &s.trial[k]) < 99.9)
+			report_candidate_add(r, &s.trial[k], false);
+	}
+	report_heading(r->page.body, "What does the threshold bring?");
+	report_paragraph(
+		r->page.body,
+		"A light none of whose channels reaches the threshold is left out. "
+		"\"drop\" is the thesis's way; \"ambient\" gives what was left out back as "
+		"even light, \"harmonics\" as nine terms over the sky. Errors are against double "
+		"precision with every light; white "
+		"ground has radiance %.2g, 1 is grey level 255 of sRGB.",
+		REPORT_WHITE);
+	if (!err)
+		err = plot_threshold(&s);
+	return sweep_end(&s, err);
+}
+
+/* ---- bits of the input ---- */
+
+static int plot_input(struct sweep *s)
+{
+	struct report *r = s->report;
+	struct report_plot plot;
+
+	report_plot_begin(&plot, "input-error", "", "RMS error against truth, 8-bit levels");
+	plot.y_log = true;
+	for (int l = 0; l < r->stage.lightings; l++) {
+		plot.x_tick[plot.x_ticks] = l;
+		plot.x_name[plot.x_ticks++] = r->stage.lighting[l].name;
+	}
+	for (int k = 0; k < INPUT_COUNT; k++) {
+		report_plot_series(&plot, report_input_names[k],
+				   k == INPUT_NODE || k == INPUT_NODE_8 ? STYLE_DASHED : STYLE_LINE,
+				   k + 1);
+		for (int l = 0; l < r->stage.lightings; l++)
+			report_plot_point(&plot, l, s->trial[k].truth.each[l].rms)->ringed =
+				k == INPUT_CELL;
+	}
+	return report_page_plot(&r->page, r->page.body, &plot,
+				"Error by what the fisheye camera can tell, in each surrounding. "
+				"Rings: what all other sections take.",
+				r->fault);
+}
+
+int report_input_bits(struct report *r)
+{
+	static struct sweep s;
+	int err;
+
+	if (!r->truth)
+		return 0;
+	report_step(r, "bits of the input");
+	sweep_begin(&s, r, "input");
+	for (int k = 0; k < INPUT_COUNT; k++)
+		sweep_add(&s, report_input_names[k])->input = (enum report_input)k;
+	err = sweep_run(&s, true);
+	report_table_column(&s.table, "input", "lights from", NULL);
+	report_table_column(&s.table, "clipped_percent", "sky clipped", "%");
+	report_result_columns(r, &s.table);
+	for (int k = 0; k < s.count; k++) {
+		double clipped = 0;
+
+		for (int l = 0; l < r->stage.lightings; l++)
+			clipped += 100 * r->used->clipped[k][l] / r->stage.lightings;
+		report_text(&s.table, "%s", report_input_names[k]);
+		report_number(&s.table, clipped);
+		report_result_cells(r, &s.table, &s.trial[k]);
+		if (k == INPUT_CELL)
+			report_table_mark(&s.table);
+	}
+	report_heading(r->page.body, "How many bits must the fisheye camera have?");
+	report_paragraph(
+		r->page.body,
+		"A camera of 8 bits, sRGB, exposed like the other one clips whatever is "
+		"brighter than radiance 1; exposed less, it clips less and tells dim light "
+		"less finely. Floating point stands for a camera that measures all of it. "
+		"Errors against double precision are those of the same input.");
+	if (!err)
+		err = plot_input(&s);
+	return sweep_end(&s, err);
+}
+
+/* ---- column cut ---- */
+
+int report_column_cut(struct report *r)
+{
+	static const double factors[] = {0, 0.25, 0.5, 1, 2, 4, 8, 16};
+	static struct sweep s;
+	struct report_plot plot;
+	const double own = r->used->basis.info.column_cut;
+	int err;
+
+	report_step(r, "column cut");
+	sweep_begin(&s, r, "column-cut");
+	for (size_t k = 0; k < sizeof(factors) / sizeof(*factors); k++) {
+		const double cut = (own > 0 ? own : 1e-3) * factors[k];
+		char name[96];
+
+		snprintf(name, sizeof(name), "%u lights, cut %.2g", r->used->basis.info.lights,
+			 cut);
+		sweep_add(&s, name)->column_cut = cut;
+	}
+	err = sweep_run(&s, true);
+	report_table_column(&s.table, "column_cut", "cut", "of white");
+	report_result_columns(r, &s.table);
+	report_plot_begin(&plot, "column-cut", "RMS error against double precision, levels",
+			  "time of a frame, ms");
+	report_plot_series(&plot, NULL, STYLE_LINE, 1);
+	for (int k = 0; k < s.count; k++) {
+		const double cut = s.trial[k].way.column_cut;
+		struct report_point *point = report_plot_point(&plot, s.trial[k].precise.all.rms,
+							       s.trial[k].median_ms);
+
+		snprintf(point->label, sizeof(point->label), "%.2g", cut);
+		point->ringed = cut == own;
+		report_number(&s.table, cut);
+		report_result_cells(r, &s.table, &s.trial[k]);
+		if (cut == own)
+			report_table_mark(&s.table);
+		else if (!err)
+			report_candidate_add(r, &s.trial[k], false);
+	}
+	report_heading(r->page.body, "What does leaving out small columns bring?");
+	report_paragraph(
+		r->page.body,
+		"A column of a single light that changes no pixel by more than the cut, as "
+		"linear light or in the shadow's ratio, is left out of that frame.");
+	if (err)
+		report_plot_free(&plot);
+	else
+		err = report_page_plot(
+			&r->page, r->page.body, &plot,
+			"Time against error, the cut beside each point. Ring: the file's "
+			"own.",
+			r->fault);
+	return sweep_end(&s, err);
+}
+
+/* ---- full or incremental ---- */
+
+static int plot_incremental(struct sweep *s, const double *shares, int count)
+{
+	static const char *const names[] = {"auto", "full", "incremental"};
+	struct report *r = s->report;
+	struct report_plot plot;
+
+	report_plot_begin(&plot, "incremental", "lights that change from frame to frame, %",
+			  "time of a frame, ms");
+	plot.x_log = true;
+	for (int reuse = 0; reuse < REUSE_COUNT; reuse++) {
+		report_plot_series(&plot, names[reuse],
+				   reuse == REUSE_AUTO ? STYLE_DASHED : STYLE_LINE, reuse + 1);
+		for (int k = 0; k < count; k++)
+			report_plot_point(&plot, shares[k], s->trial[reuse * count + k].median_ms);
+	}
+	return report_page_plot(&r->page, r->page.body, &plot,
+				"Time by how much of the light changes, exact mode.", r->fault);
+}
+
+int report_incremental(struct report *r)
+{
+	static const char *const modes[] = {"auto", "full", "incremental"};
+	const int lights = (int)r->used->basis.info.lights;
+	const int changes[] = {1, lights / 50 + 1, lights / 10 + 1, lights / 3 + 1,
+			       REPORT_CHANGE_ALL};
+	double shares[5];
+	static struct sweep s;
+	int err;
+
+	report_heading(r->page.body, "All lights anew, or only those that have changed?");
+	if (!r->used->exact) {
+		report_paragraph(r->page.body, "Sums are kept from frame to frame in exact mode "
+					       "alone, and this basis has no exact layer.");
+		return 0;
+	}
+	report_step(r, "full or incremental");
+	sweep_begin(&s, r, "incremental");
+	for (int n = 0; n < REUSE_COUNT * 5; n++) {
+		struct report_way *way = sweep_add(&s, "");
+
+		way->mode = COMPOSITOR_EXACT;
+		way->reuse = (enum compositor_reuse)(n / 5);
+		way->changed = changes[n % 5];
+		shares[n % 5] = 100.0 * (changes[n % 5] < 0 ? lights : changes[n % 5]) / lights;
+	}
+	err = sweep_run(&s, false);
+	report_table_column(&s.table, "reuse", "way", NULL);
+	report_table_column(&s.table, "lights_changed_percent", "lights change", "%");
+	report_table_column(&s.table, "median_ms", "time", "ms");
+	report_table_column(&s.table, "read_mb", "read", "MB");
+	for (int n = 0; n < s.count; n++) {
+		report_text(&s.table, "%s", modes[s.trial[n].way.reuse]);
+		report_number(&s.table, shares[n % 5]);
+		report_number(&s.table, s.trial[n].median_ms);
+		report_number(&s.table, s.trial[n].read_mb);
+	}
+	report_paragraph(
+		r->page.body,
+		"Exact mode. The frame before had some lights brighter, spread over the sky. Both "
+		"ways give the same bits; \"auto\" takes what has less to read.");
+	if (!err)
+		err = plot_incremental(&s, shares, 5);
+	return sweep_end(&s, err);
+}
+
+/* ---- kernels and threads ---- */
+
+/* Fast, and exact where there is an exact layer; name: of both. */
+static void add_both(struct sweep *s, const char *name, const char *kernel, int threads)
+{
+	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
+		struct report_way *way = sweep_add(s, name);
+
+		way->kernel = kernel;
+		way->threads = threads;
+		way->mode = s->report->used->exact ? (enum compositor_mode)mode : COMPOSITOR_FAST;
+	}
+}
+
+static int show_both(struct sweep *s, struct report_plot *plot, const char *key,
+		     const char *caption, const char *used, int err)
+{
+	struct report *r = s->report;
+
+	report_table_column(&s->table, key, key, NULL);
+	report_table_column(&s->table, "mode", "mode", NULL);
+	report_table_column(&s->table, "median_ms", "time", "ms");
+	report_table_column(&s->table, "read_mb", "read", "MB");
+	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
+		if (mode && !r->used->exact)
+			break;
+		report_plot_series(plot, compositor_mode_names[mode], STYLE_LINE, mode ? 3 : 1);
+		for (int k = mode; k < s->count; k += 2) {
+			const struct report_trial *trial = &s->trial[k];
+
+			report_plot_point(plot, plot->x_tick[k / 2], trial->median_ms)->ringed =
+				!mode && !strcmp(trial->name, used);
+			report_text(&s->table, "%s", trial->name);
+			report_text(&s->table, "%s", compositor_mode_names[mode]);
+			report_number(&s->table, trial->median_ms);
+			report_number(&s->table, trial->read_mb);
+			if (!mode && !strcmp(trial->name, used))
+				report_table_mark(&s->table);
+		}
+	}
+	if (err)
+		report_plot_free(plot);
+	else
+		err = report_page_plot(&r->page, r->page.body, plot, caption, r->fault);
+	return sweep_end(s, err);
+}
+
+int report_kernels(struct report *r)
+{
+	static struct sweep s;
+	struct report_plot plot;
+	int err;
+
+	report_step(r, "kernels");
+	sweep_begin(&s, r, "kernels");
+	report_plot_begin(&plot, "kernels", "instruction set", "time of a frame, ms");
+	plot.y_log = true;
+	for (int k = 0; kernels_all[k]; k++) {
+		if (!kernels_all[k]->supported())
+			continue;
+		plot.x_tick[plot.x_ticks] = plot.x_ticks;
+		plot.x_name[plot.x_ticks++] = kernels_all[k]->name;
+		add_both(&s, kernels_all[k]->name, kernels_all[k]->name, 1);
+	}
+	err = sweep_run(&s, false);
+	report_heading(r->page.body, "What do the processor's wider instructions bring?");
+	report_paragraph(r->page.body,
+			 "Every kernel gives the same bits, so only time differs. One thread.");
+	return show_both(&s, &plot, "kernel", "Time by kernel. Ring: the one in use.",
+			 kernels_choose(NULL)->name, err);
+}
+
+int report_thread_counts(struct report *r)
+{
+	static char names[REPORT_TICKS_MAX][24];
+	static struct sweep s;
+	struct report_plot plot;
+	int err;
+
+	report_step(r, "threads");
+	sweep_begin(&s, r, "threads");
+	report_plot_begin(&plot, "threads", "threads", "time of a frame, ms");
+	for (int n = 1; plot.x_ticks < REPORT_TICKS_MAX; n = n < 4 ? n + 1 : 2 * n) {
+		n = n > r->threads ? r->threads : n;
+		snprintf(names[plot.x_ticks], sizeof(names[0]), "%d", n);
+		plot.x_name[plot.x_ticks] = names[plot.x_ticks];
+		add_both(&s, names[plot.x_ticks], NULL, n);
+		plot.x_tick[plot.x_ticks++] = n;
+		if (n == r->threads)
+			break;
+	}
+	err = sweep_run(&s, false);
+	report_heading(r->page.body, "What do more threads bring?");
+	report_paragraph(r->page.body,
+			 "Tiles are divided among a pool's threads by what they took before; the "
+			 "picture is the same. What is bound by memory gains least.");
+	return show_both(&s, &plot, "threads", "Time by number of threads. Ring: one thread.", "1",
+			 err);
+}

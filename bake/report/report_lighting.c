@@ -1,0 +1,191 @@
+#include "bake/report/report_lighting.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/report/report_sky.h"
+#include "bake/truth/truth.h"
+#include "hal/measure/background.h"
+
+#define MADE_WIDTH 1024 /* of skies by formula */
+
+/* The file's own name, without folders and ending. */
+static void name_of(const char *path, char *name, size_t room)
+{
+	const char *slash = strrchr(path, '/'), *dot;
+
+	path = slash ? slash + 1 : path;
+	dot = strrchr(path, '.');
+	snprintf(name, room, "%.*s", dot && dot > path ? (int)(dot - path) : (int)strlen(path),
+		 path);
+}
+
+static int read_panorama(struct report_lighting *l, const struct report_lighting_settings *s,
+			 struct fault *fault)
+{
+	int err;
+
+	if (!s->path) {
+		snprintf(l->name, sizeof(l->name), "%s", report_sky_names[s->made]);
+		err = report_sky_make(&l->image, s->made, MADE_WIDTH);
+		return err ? fault_say(fault, err, "%s: %s", l->name, strerror(-err)) : 0;
+	}
+	name_of(s->path, l->name, sizeof(l->name));
+	return panorama_read(&l->image, s->path, fault);
+}
+
+/* How unevenly the sky shines. */
+static double peak_ratio(const struct panorama *panorama)
+{
+	const struct image *image = panorama->image;
+	double peak = 0, sum = 0, weight = 0;
+
+	for (int y = 0; y < image->height / 2; y++) {
+		const double sr = panorama_row_sr(panorama, y);
+
+		for (int x = 0; x < image->width; x++) {
+			const float *v = image->f32 +
+					 3 * ((size_t)y * (size_t)image->width + (size_t)x);
+			const double grey = ((double)v[0] + (double)v[1] + (double)v[2]) / 3;
+
+			peak = fmax(peak, grey);
+			sum += sr * grey;
+			weight += sr;
+		}
+	}
+	return sum > 0 ? peak * weight / sum : 0;
+}
+
+static int expose(struct report_lighting *l, struct sky *sky, struct fault *fault)
+{
+	int err;
+
+	l->panorama = (struct panorama){.image = &l->image, .scale = 1};
+	err = sky_create(sky, &l->panorama, l->name, fault);
+	if (err)
+		return err;
+	l->panorama.scale = REPORT_WHITE / (double)rgb_peak(sky->ground);
+	l->peak_ratio = peak_ratio(&l->panorama);
+	sky_free(sky);
+	return sky_create(sky, &l->panorama, l->name, fault);
+}
+
+/* As a camera delivers it: 8 bits. */
+static int photograph(struct report_lighting *l, const struct scene *scene)
+{
+	struct image seen = {.width = 0};
+	const int err = truth_background(scene, &l->panorama, &seen);
+
+	if (err)
+		return err;
+	for (int y = 0; y < seen.height; y++) {
+		for (int x = 0; x < seen.width; x++) {
+			uint8_t *to = l->background.pixels + (size_t)y * l->background.stride +
+				      (size_t)x * 4;
+			const float *v = seen.f32 +
+					 3 * ((size_t)y * (size_t)seen.width + (size_t)x);
+
+			for (int c = 0; c < 3; c++)
+				to[2 - c] = (uint8_t)lround(
+					255 * transfer_encode(TRANSFER_SRGB, (double)v[c]));
+			to[3] = 255;
+		}
+	}
+	image_free(&seen);
+	return 0;
+}
+
+/* The same picture as truth takes it. */
+static int background_light(const struct report_lighting *l, struct image *linear)
+{
+	const int err = image_create_f32(linear, l->background.width, l->background.height);
+
+	if (err)
+		return err;
+	for (int y = 0; y < linear->height; y++) {
+		for (int x = 0; x < linear->width; x++) {
+			const uint8_t *from = l->background.pixels +
+					      (size_t)y * l->background.stride + (size_t)x * 4;
+			float *to = linear->f32 +
+				    3 * ((size_t)y * (size_t)linear->width + (size_t)x);
+
+			for (int c = 0; c < 3; c++)
+				to[c] = (float)transfer_decode(TRANSFER_SRGB, from[2 - c] / 255.0);
+		}
+	}
+	return 0;
+}
+
+static int trace(struct report_lighting *l, const struct scene *scene, const struct sky *sky,
+		 const struct report_lighting_settings *s, struct fault *fault)
+{
+	const struct truth_settings settings = {.samples = s->truth_samples,
+						.bounces = scene->file->render.bounces,
+						.seed = s->seed,
+						.threads = s->threads,
+						.quiet = s->quiet};
+	const size_t values = 3 * (size_t)scene->camera.width * (size_t)scene->camera.height;
+	struct image background = {.width = 0}, out = {.width = 0};
+	struct truth_report report;
+	int err;
+
+	l->truth = malloc(values * sizeof(*l->truth));
+	if (!l->truth || background_light(l, &background)) {
+		err = fault_say(fault, -ENOMEM, "not enough memory for a picture");
+		goto release;
+	}
+	err = truth_run(scene, sky, &background, &settings, &out, &report, fault);
+	if (err)
+		goto release;
+	for (size_t k = 0; k < values; k++)
+		l->truth[k] = 255 * transfer_encode(TRANSFER_SRGB, (double)out.f32[k]);
+	l->noise_levels = report.noise_levels;
+	l->seconds = report.seconds;
+release:
+	image_free(&out);
+	image_free(&background);
+	return err;
+}
+
+int report_lighting_open(struct report_lighting *l, const struct scene *scene, int width,
+			 int height, const struct report_lighting_settings *s, struct fault *fault)
+{
+	const struct view whole = {.width = width, .height = height, .squash = 1};
+	struct sky sky = {.width = 0};
+	int err;
+
+	*l = (struct report_lighting){.truth = NULL};
+	err = read_panorama(l, s, fault);
+	if (!err)
+		err = expose(l, &sky, fault);
+	if (err)
+		goto release;
+	err = truth_fisheye(&l->panorama, s->fisheye_side, &l->fisheye);
+	if (!err)
+		err = canvas_create(&l->background, width, height);
+	if (!err && scene)
+		err = photograph(l, scene);
+	if (err) {
+		fault_say(fault, err, "%s: %s", l->name, strerror(-err));
+		goto release;
+	}
+	if (!scene)
+		background_fill(&l->background);
+	l->background_picture = view_picture(&whole, l->background.pixels, l->background.stride);
+	if (scene && s->truth_samples)
+		err = trace(l, scene, &sky, s, fault);
+release:
+	sky_free(&sky);
+	return err;
+}
+
+void report_lighting_close(struct report_lighting *l)
+{
+	free(l->truth);
+	canvas_free(&l->background);
+	image_free(&l->fisheye);
+	image_free(&l->image);
+	*l = (struct report_lighting){.truth = NULL};
+}

@@ -1,0 +1,351 @@
+#include "bake/report/report_page.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <glob.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+
+#define TEMPORARY ".part-XXXXXX"
+#define LEFTOVERS ".part-??????"
+
+/* ---- folders ---- */
+
+/* What reports are made of, and nothing else is ever taken away. */
+static bool is_ours(const char *name)
+{
+	static const char *const endings[] = {".html", ".csv", ".json", ".svg", ".png", ".inlay"};
+	const char *dot = strrchr(name, '.');
+
+	for (size_t k = 0; dot && k < sizeof(endings) / sizeof(*endings); k++)
+		if (!strcmp(dot, endings[k]))
+			return true;
+	return false;
+}
+
+static void remove_folder(const char *folder)
+{
+	DIR *dir = opendir(folder);
+	const struct dirent *entry;
+
+	if (!dir)
+		return;
+	while ((entry = readdir(dir)))
+		if (is_ours(entry->d_name))
+			unlinkat(dirfd(dir), entry->d_name, 0);
+	closedir(dir);
+	if (rmdir(folder))
+		log_warning("%s is left: it holds files that are no report's", folder);
+}
+
+/* Before a folder's writer ends, nobody else gets this lock. -1: somebody has it. */
+static int lock_folder(const char *folder)
+{
+	const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+
+	if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB)) {
+		close(fd);
+		return -1;
+	}
+	return fd;
+}
+
+/* What runs that were interrupted have left of this folder. */
+static void remove_leftovers(const char *folder)
+{
+	char pattern[PATH_MAX + sizeof(TEMPORARY)], *to = pattern;
+	glob_t found;
+
+	for (const char *c = folder; *c && to < pattern + PATH_MAX - 2; c++) {
+		if (strchr("*?[\\", *c))
+			*to++ = '\\';
+		*to++ = *c;
+	}
+	strcpy(to, LEFTOVERS);
+	if (glob(pattern, 0, NULL, &found))
+		return;
+	for (size_t k = 0; k < found.gl_pathc; k++) {
+		const int fd = lock_folder(found.gl_pathv[k]);
+
+		if (fd < 0)
+			continue;
+		remove_folder(found.gl_pathv[k]);
+		close(fd);
+	}
+	globfree(&found);
+}
+
+/* Empty or an earlier report. */
+static int check_folder(const char *folder, struct fault *fault)
+{
+	bool empty = true, report = false;
+	DIR *dir = opendir(folder);
+	const struct dirent *entry;
+
+	if (!dir)
+		return errno == ENOENT
+			       ? 0
+			       : fault_say(fault, -errno, "%s: %s", folder, strerror(errno));
+	while ((entry = readdir(dir))) {
+		if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, ".."))
+			continue;
+		empty = false;
+		report |= !strcmp(entry->d_name, REPORT_PAGE_NAME);
+	}
+	closedir(dir);
+	if (empty || report)
+		return 0;
+	return fault_say(fault, -EEXIST,
+			 "%s: holds files and no " REPORT_PAGE_NAME
+			 ", expected a new folder, an empty one or an earlier report",
+			 folder);
+}
+
+int report_page_open(struct report_page *page, const char *folder, struct fault *fault)
+{
+	size_t length = strlen(folder);
+	int err;
+
+	*page = (struct report_page){.lock = -1};
+	while (length > 1 && folder[length - 1] == '/')
+		length--;
+	snprintf(page->folder, sizeof(page->folder), "%.*s", (int)length, folder);
+	err = check_folder(page->folder, fault);
+	if (err)
+		return err;
+	remove_leftovers(page->folder);
+	if (snprintf(page->temporary, sizeof(page->temporary), "%s" TEMPORARY, page->folder) >=
+	    (int)sizeof(page->temporary)) {
+		page->temporary[0] = '\0';
+		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", folder);
+	}
+	if (!mkdtemp(page->temporary)) {
+		err = -errno;
+		page->temporary[0] = '\0';
+		return fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
+	}
+	chmod(page->temporary, 0755);
+	page->lock = lock_folder(page->temporary);
+	page->head = open_memstream(&page->head_text, &page->head_bytes);
+	page->body = open_memstream(&page->body_text, &page->body_bytes);
+	if (!page->head || !page->body) {
+		report_page_abandon(page);
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	}
+	return 0;
+}
+
+static void close_texts(struct report_page *page)
+{
+	if (page->head)
+		fclose(page->head);
+	if (page->body)
+		fclose(page->body);
+	page->head = page->body = NULL;
+	free(page->head_text);
+	free(page->body_text);
+	page->head_text = page->body_text = NULL;
+}
+
+void report_page_abandon(struct report_page *page)
+{
+	close_texts(page);
+	if (page->temporary[0])
+		remove_folder(page->temporary);
+	page->temporary[0] = '\0';
+	if (page->lock > 0)
+		close(page->lock);
+	page->lock = 0;
+}
+
+/* ---- parts ---- */
+
+static void __attribute__((format(printf, 2, 0)))
+write_formatted(FILE *to, const char *format, va_list list)
+{
+	char *text;
+
+	if (vasprintf(&text, format, list) < 0)
+		return;
+	report_write_escaped(to, text);
+	free(text);
+}
+
+void report_heading(FILE *to, const char *format, ...)
+{
+	va_list list;
+
+	va_start(list, format);
+	fputs("<h2>", to);
+	write_formatted(to, format, list);
+	fputs("</h2>\n", to);
+	va_end(list);
+}
+
+void report_paragraph(FILE *to, const char *format, ...)
+{
+	va_list list;
+
+	va_start(list, format);
+	fputs("<p>", to);
+	write_formatted(to, format, list);
+	fputs("</p>\n", to);
+	va_end(list);
+}
+
+int report_page_table(struct report_page *page, FILE *to, const struct report_table *table,
+		      struct fault *fault)
+{
+	const int err = report_table_write_csv(table, page->temporary, fault);
+
+	if (!err)
+		report_table_write_html(table, to);
+	return err;
+}
+
+static void write_base64(FILE *to, FILE *from)
+{
+	static const char digit[] =
+		"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+	unsigned char in[3];
+	size_t got;
+
+	while ((got = fread(in, 1, 3, from)) > 0) {
+		const unsigned b = got > 1 ? in[1] : 0, c = got > 2 ? in[2] : 0;
+		const unsigned all = (unsigned)in[0] << 16 | b << 8 | c;
+
+		fputc(digit[all >> 18], to);
+		fputc(digit[all >> 12 & 63], to);
+		fputc(got > 1 ? digit[all >> 6 & 63] : '=', to);
+		fputc(got > 2 ? digit[all & 63] : '=', to);
+	}
+}
+
+/* Into the page itself, so that it can be sent alone. */
+static int write_figure(struct report_page *page, FILE *to, const char *file, const char *type,
+			const char *caption, struct fault *fault)
+{
+	char path[2 * PATH_MAX];
+	FILE *from;
+
+	snprintf(path, sizeof(path), "%s/%s", page->temporary, file);
+	from = fopen(path, "rb");
+	if (!from)
+		return fault_say(fault, -errno, "%s: %s", path, strerror(errno));
+	fprintf(to, "<figure><img class=\"%s\" alt=\"", type);
+	report_write_escaped(to, caption);
+	fprintf(to, "\" src=\"data:image/%s;base64,", type);
+	write_base64(to, from);
+	fclose(from);
+	fputs("\"><figcaption>", to);
+	report_write_escaped(to, caption);
+	fprintf(to, " <a href=\"%s\">%s</a></figcaption></figure>\n", file, file);
+	return 0;
+}
+
+int report_page_plot(struct report_page *page, FILE *to, struct report_plot *plot,
+		     const char *caption, struct fault *fault)
+{
+	char file[128];
+	int err = report_plot_write(plot, page->temporary, fault);
+
+	snprintf(file, sizeof(file), "%s.svg", plot->name);
+	if (!err)
+		err = write_figure(page, to, file, "svg+xml", caption, fault);
+	report_plot_free(plot);
+	return err;
+}
+
+int report_page_picture(struct report_page *page, FILE *to, const char *name,
+			const struct image *picture, const char *caption, struct fault *fault)
+{
+	char path[2 * PATH_MAX], file[128];
+	int err;
+
+	snprintf(file, sizeof(file), "%s.png", name);
+	snprintf(path, sizeof(path), "%s/%s", page->temporary, file);
+	err = image_write(path, picture, fault);
+	return err ? err : write_figure(page, to, file, "png", caption, fault);
+}
+
+/* ---- the whole ---- */
+
+static const char style[] =
+	"body{font:16px/1.45 sans-serif;color:#1a1a1a;background:#fff;max-width:62em;"
+	"margin:2em auto;padding:0 1em}\n"
+	"h1{font-size:1.7em;margin:0 0 .4em}h2{font-size:1.25em;margin:2.2em 0 .4em;"
+	"border-top:1px solid #bbb;padding-top:.8em}\n"
+	"p{max-width:46em;margin:.5em 0}.source,figcaption{font-size:.85em;color:#555}\n"
+	"table{border-collapse:collapse;font-size:.85em;margin:.8em 0 .2em}\n"
+	"th{text-align:right;vertical-align:bottom;border-bottom:2px solid #888;padding:.2em .6em}"
+	"th:first-child{text-align:left}.unit{font-weight:normal;color:#555}\n"
+	"td{padding:.15em .6em;border-bottom:1px solid #ddd;vertical-align:top}"
+	"td.n{text-align:right;font-variant-numeric:tabular-nums}\n"
+	"tr.used td{background:#dcebf7;font-weight:bold}\n"
+	"figure{margin:.8em 0}img{max-width:100%;display:block}"
+	"img.png{width:100%;image-rendering:pixelated}\n"
+	"@media print{body{max-width:none;margin:0;font-size:11px}h2{page-break-after:avoid}"
+	"figure,table{page-break-inside:avoid}}\n";
+
+static int write_page(struct report_page *page, const char *title, struct fault *fault)
+{
+	struct output out = {.stream = NULL};
+	char path[2 * PATH_MAX];
+	int err;
+
+	/* a memory stream that has failed has no text */
+	if (fflush(page->head) || fflush(page->body) || ferror(page->head) || ferror(page->body))
+		return fault_say(fault, -ENOMEM, "not enough memory for the page");
+	snprintf(path, sizeof(path), "%s/" REPORT_PAGE_NAME, page->temporary);
+	err = output_open(&out, path, fault);
+	if (err)
+		return err;
+	fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>",
+	      out.stream);
+	report_write_escaped(out.stream, title);
+	fprintf(out.stream, "</title>\n<style>\n%s</style>\n</head>\n<body>\n<h1>", style);
+	report_write_escaped(out.stream, title);
+	fputs("</h1>\n", out.stream);
+	fwrite(page->head_text, 1, page->head_bytes, out.stream);
+	fwrite(page->body_text, 1, page->body_bytes, out.stream);
+	fputs("</body>\n</html>\n", out.stream);
+	err = output_commit(&out, fault);
+	output_abandon(&out);
+	return err;
+}
+
+/* The new folder takes the place of the old one at once; the old one's files go then. */
+static int take_place(struct report_page *page)
+{
+	if (!rename(page->temporary, page->folder)) {
+		page->temporary[0] = '\0';
+		return 0;
+	}
+	if (errno != ENOTEMPTY && errno != EEXIST)
+		return -errno;
+	if (renameat2(AT_FDCWD, page->temporary, AT_FDCWD, page->folder, RENAME_EXCHANGE))
+		return -errno;
+	return 0;
+}
+
+int report_page_commit(struct report_page *page, const char *title, struct fault *fault)
+{
+	int err = write_page(page, title, fault);
+
+	if (!err) {
+		err = take_place(page);
+		if (err)
+			fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
+	}
+	report_page_abandon(page);
+	return err;
+}

@@ -1,0 +1,348 @@
+#include "bake/report/report_trial.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/measure/lightings.h"
+#include "hal/measure/turns.h"
+
+/* A trial that is set up. */
+struct runner {
+	struct report_trial *trial;
+	struct basis basis; /* the bake's, with the trial's cut; owns nothing */
+	struct pool *pool;
+	struct compositor *compositor;
+	struct thesis *thesis;
+	struct light_selection lights[REPORT_LIGHTINGS_MAX];
+	struct light_selection before;
+	float (*scratch)[3];
+};
+
+struct runners {
+	struct runner *runner;
+	int count;
+	struct report_stage *stage;
+	struct canvas out;
+	int lighting; /* whose turn it is */
+	struct fault *fault;
+};
+
+struct report_way report_way_plain(struct report_bake *bake)
+{
+	return (struct report_way){.bake = bake,
+				   .input = INPUT_CELL,
+				   .threshold_mode = THRESHOLD_AMBIENT,
+				   .mode = COMPOSITOR_FAST,
+				   .reuse = REUSE_NEVER,
+				   .column_cut = -1,
+				   .threads = 1};
+}
+
+/* ---- setting up ---- */
+
+static int choose_lights(struct runner *r, struct report_stage *stage, struct fault *fault)
+{
+	const struct report_way *way = &r->trial->way;
+
+	for (int k = 0; k < stage->lightings; k++) {
+		const float(*radiance)[3] = report_bake_radiance(way->bake, stage, way->input, k,
+								 fault);
+
+		if (!radiance)
+			return -EIO;
+		if (light_selection_create(&r->lights[k], &r->basis))
+			return fault_say(fault, -ENOMEM, "not enough memory for lights");
+		light_selection_choose(&r->lights[k], &r->basis, 0, radiance, way->threshold,
+				       way->threshold_mode, 1);
+		r->trial->lights[k] = r->lights[k].used_count;
+	}
+	return 0;
+}
+
+static int runner_create(struct runner *r, struct report_trial *trial, struct report_stage *stage,
+			 struct fault *fault)
+{
+	const struct report_way *way = &trial->way;
+	const struct compositor_settings settings = {.mode = way->mode,
+						     .reuse = way->reuse,
+						     .background = {.named = TRANSFER_SRGB},
+						     .output = {.named = TRANSFER_SRGB},
+						     .gain = 1,
+						     .object = true};
+	struct compositor_options options = {.kernel = way->kernel};
+	int err;
+
+	*r = (struct runner){.trial = trial, .basis = way->bake->basis};
+	if (way->column_cut >= 0)
+		r->basis.info.column_cut = way->column_cut;
+	err = pool_create(&r->pool, way->threads);
+	if (err)
+		return fault_say(fault, err, "%d threads: %s", way->threads, strerror(-err));
+	err = choose_lights(r, stage, fault);
+	if (err)
+		return err;
+	if (way->thesis) {
+		r->thesis = report_bake_thesis(way->bake, stage, fault);
+		return r->thesis ? 0 : -ENOMEM;
+	}
+	options.pool = r->pool;
+	err = compositor_create(&r->compositor, &r->basis, &options, fault);
+	if (err)
+		return err;
+	compositor_set(r->compositor, &settings);
+	if (!way->changed)
+		return 0;
+	r->scratch = calloc(r->basis.info.lights, sizeof(*r->scratch));
+	if (!r->scratch || light_selection_create(&r->before, &r->basis))
+		return fault_say(fault, -ENOMEM, "not enough memory for lights");
+	return 0;
+}
+
+static void runner_destroy(struct runner *r)
+{
+	compositor_destroy(r->compositor);
+	for (int k = 0; k < REPORT_LIGHTINGS_MAX; k++)
+		light_selection_free(&r->lights[k]);
+	light_selection_free(&r->before);
+	free(r->scratch);
+	pool_destroy(r->pool);
+}
+
+/* ---- frames ---- */
+
+static int composite(struct runner *r, const struct report_stage *stage, int lighting,
+		     const struct light_selection *lights, struct canvas *out, struct fault *fault)
+{
+	const struct report_lighting *l = &stage->lighting[lighting];
+	const struct backdrop backdrop = backdrop_of(&l->background_picture);
+	int err;
+
+	if (r->thesis) {
+		thesis_run(r->thesis, &l->background, out);
+		return 0;
+	}
+	err = compositor_run(r->compositor, 0, lights, &backdrop, out->pixels, out->stride);
+	return err ? fault_say(fault, err, "the compositor fails: %s", strerror(-err)) : 0;
+}
+
+static void light_before(struct runner *r, int lighting, int turn)
+{
+	const struct light_selection *lights = &r->lights[lighting];
+	int changed = r->trial->way.changed;
+
+	if (changed == REPORT_CHANGE_ALL || changed > lights->count)
+		changed = lights->count;
+	for (int i = 0; i < lights->count; i++)
+		for (int c = 0; c < 3; c++)
+			r->scratch[i][c] = (float)lights->radiance[i][c];
+	lighting_change(r->scratch, lights->count, changed, turn);
+	light_selection_choose(&r->before, &r->basis, 0, (const float(*)[3])r->scratch, 0,
+			       THRESHOLD_DROP, 1);
+}
+
+/* Untimed: a frame of its own, so that it finds memory as it leaves it. */
+static int prepare(void *context, int which, int turn)
+{
+	struct runners *all = context;
+	struct runner *r = &all->runner[which];
+	const struct light_selection *lights = &r->lights[all->lighting];
+
+	if (r->thesis) {
+		if (thesis_share(r->thesis, r->pool))
+			return fault_say(all->fault, -ENOMEM, "not enough memory");
+		thesis_light(r->thesis, lights);
+	}
+	if (r->trial->way.changed) {
+		light_before(r, all->lighting, turn);
+		lights = &r->before;
+	}
+	return composite(r, all->stage, all->lighting, lights, &all->out, all->fault);
+}
+
+static int run(void *context, int which)
+{
+	struct runners *all = context;
+	struct runner *r = &all->runner[which];
+
+	return composite(r, all->stage, all->lighting, &r->lights[all->lighting], &all->out,
+			 all->fault);
+}
+
+static double read_mb(const struct runner *r, int lighting)
+{
+	if (r->thesis)
+		return (double)thesis_bytes(r->thesis, r->lights[lighting].used_count) / 1e6;
+	return (double)compositor_last(r->compositor).basis_bytes / 1e6;
+}
+
+static bool is_alone(void *context, int which)
+{
+	const struct runners *all = context;
+
+	return all->runner[which].trial->way.threads == 1;
+}
+
+static int time_all(struct runners *all)
+{
+	const int repeat = all->stage->repeat, lightings = all->stage->lightings;
+	struct turns turns = {.context = all,
+			      .ways = all->count,
+			      .repeat = repeat,
+			      .prepare = prepare,
+			      .run = run,
+			      .is_alone = is_alone};
+	double *ms = calloc((size_t)all->count * (size_t)repeat, sizeof(*ms));
+	int err = ms ? 0 : fault_say(all->fault, -ENOMEM, "not enough memory");
+
+	for (all->lighting = 0; !err && all->lighting < lightings; all->lighting++) {
+		err = turns_time(&turns, ms);
+		for (int k = 0; !err && k < all->count; k++) {
+			struct report_trial *trial = all->runner[k].trial;
+
+			trial->median_ms += turns_median(ms + (size_t)k * (size_t)repeat, repeat) /
+					    lightings;
+			trial->read_mb += read_mb(&all->runner[k], all->lighting) / lightings;
+		}
+	}
+	all->stage->timed_ns += turns.timed_ns;
+	all->stage->ran_ns += turns.ran_ns;
+	free(ms);
+	return err;
+}
+
+/* ---- errors ---- */
+
+/* The thesis has no transfer function: its truth is the same sum of code values as they are. */
+static int linear_truth(const struct runner *r, const struct report_stage *stage, int lighting,
+			double *out)
+{
+	const struct compositor_settings settings = {
+		.mode = r->trial->way.bake->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
+		.background = {.named = TRANSFER_LINEAR},
+		.output = {.named = TRANSFER_LINEAR},
+		.gain = 1,
+		.object = true};
+
+	return compositor_reference(&r->basis, 0, &settings, &r->lights[lighting],
+				    &stage->lighting[lighting].background_picture, out);
+}
+
+static int measure_thesis(struct runner *r, struct runners *all, int lighting,
+			  const struct scope *scope)
+{
+	const struct report_stage *stage = all->stage;
+	double *truth = malloc(3 * (size_t)stage->width * (size_t)stage->height * sizeof(*truth));
+	int err = truth ? linear_truth(r, stage, lighting, truth) : -ENOMEM;
+
+	if (!err)
+		r->trial->precise.each[lighting] = error_measure(
+			scope, truth, &all->out, &stage->lighting[lighting].background_picture,
+			TRANSFER_LINEAR);
+	free(truth);
+	return err ? fault_say(all->fault, err, "double precision: %s", strerror(-err)) : 0;
+}
+
+static int measure_one(struct runner *r, struct runners *all, int lighting,
+		       const struct scope *scope)
+{
+	const struct report_lighting *l = &all->stage->lighting[lighting];
+	const struct report_way *way = &r->trial->way;
+	const double *precise;
+
+	if (way->thesis)
+		return measure_thesis(r, all, lighting, scope);
+	precise = report_bake_precise(way->bake, all->stage, way->input, lighting, all->fault);
+	if (!precise)
+		return -ENOMEM;
+	r->trial->precise.each[lighting] = error_measure(scope, precise, &all->out,
+							 &l->background_picture, TRANSFER_SRGB);
+	if (l->truth)
+		r->trial->truth.each[lighting] = error_measure(
+			scope, l->truth, &all->out, &l->background_picture, TRANSFER_SRGB);
+	return 0;
+}
+
+static void sum_up(struct report_errors *errors, int lightings)
+{
+	struct composite_error *all = &errors->all;
+	double square = 0, frame = 0;
+
+	*all = (struct composite_error){.rms = 0};
+	for (int k = 0; k < lightings; k++) {
+		const struct composite_error *one = &errors->each[k];
+
+		square += one->rms * one->rms / lightings;
+		frame += pow(10, -one->frame_psnr_db / 10) / lightings;
+		all->max = fmax(all->max, one->max);
+		all->contrast += one->contrast / lightings;
+	}
+	all->rms = sqrt(square);
+	all->psnr_db = all->rms > 0 ? fmin(20 * log10(255 / all->rms), 120) : 120;
+	all->frame_psnr_db = frame > 0 ? -10 * log10(frame) : 120;
+}
+
+static int measure_all(struct runners *all, const struct scope *scope)
+{
+	int err = 0;
+
+	for (int k = 0; !err && k < all->count; k++) {
+		struct runner *r = &all->runner[k];
+
+		for (int l = 0; !err && l < all->stage->lightings; l++) {
+			all->lighting = l;
+			err = prepare(all, k, 0);
+			if (!err)
+				err = run(all, k);
+			if (!err)
+				err = measure_one(r, all, l, scope);
+		}
+		sum_up(&r->trial->truth, all->stage->lightings);
+		sum_up(&r->trial->precise, all->stage->lightings);
+		r->trial->has_errors = true;
+	}
+	return err;
+}
+
+int report_trials_run(struct report_trial *trials, int count, struct report_stage *stage,
+		      const struct scope *scope, struct fault *fault)
+{
+	struct runners all = {.stage = stage, .fault = fault};
+	int err;
+
+	all.runner = calloc((size_t)count, sizeof(*all.runner));
+	if (!all.runner || canvas_create(&all.out, stage->width, stage->height)) {
+		err = fault_say(fault, -ENOMEM, "not enough memory for a picture");
+		goto release;
+	}
+	err = 0;
+	while (!err && all.count < count) {
+		trials[all.count].median_ms = trials[all.count].read_mb = 0;
+		err = runner_create(&all.runner[all.count], &trials[all.count], stage, fault);
+		all.count++;
+	}
+	if (!err)
+		err = time_all(&all);
+	if (!err && scope)
+		err = measure_all(&all, scope);
+release:
+	for (int k = 0; k < all.count; k++)
+		runner_destroy(&all.runner[k]);
+	free(all.runner);
+	canvas_free(&all.out);
+	return err;
+}
+
+int report_trial_picture(const struct report_way *way, struct report_stage *stage, int lighting,
+			 struct canvas *out, struct fault *fault)
+{
+	struct report_trial trial = {.way = *way};
+	struct runner runner;
+	int err = runner_create(&runner, &trial, stage, fault);
+
+	if (!err)
+		err = composite(&runner, stage, lighting, &runner.lights[lighting], out, fault);
+	runner_destroy(&runner);
+	return err;
+}

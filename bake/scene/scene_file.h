@@ -1,0 +1,110 @@
+/* The scene file as it is written: values in range, names that exist; nothing opened. The format is
+ * described in README.md. */
+#ifndef INLAY_BAKE_SCENE_SCENE_FILE_H
+#define INLAY_BAKE_SCENE_SCENE_FILE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/base/fault.h"
+#include "hal/ini/ini.h"
+#include "hal/optics/tsai.h"
+
+#define SCENE_MESHES_MAX 256 /* objects and stand-ins together */
+#define SCENE_MATERIALS_MAX 256
+#define SCENE_NAME_MAX 64
+#define SCENE_POSES_MAX 4096
+#define SCENE_KEYFRAMES_MAX 1024
+
+struct scene_camera_values {
+	char file[INI_PATH_MAX];
+	double position[3], look_at[3], field_deg;
+	int width, height; /* 0: not given */
+};
+
+struct scene_dome_values {
+	int frequency, division, shape; /* enum dome_division, dome_shape */
+};
+
+struct scene_render_values {
+	int samples;	     /* a pixel */
+	double noise_levels; /* 0: samples says how many */
+	int bounces, seed;
+	/* of the encoding, 8-bit levels; error_max 0: twice error_rms */
+	double error_rms, error_max, error_cell;
+	double column_cut;
+	int coarse; /* frequency of the coarse dome; 0: as the program chooses */
+	bool exact;
+};
+
+struct scene_ground_values {
+	bool given;
+	char material[INI_TEXT_MAX];
+	double extent;
+};
+
+struct scene_mesh_values {
+	char name[SCENE_NAME_MAX];
+	bool standin;
+	char file[INI_PATH_MAX];
+	char material[INI_TEXT_MAX];
+	double scale, rotate_deg[3], position[3], crease_deg;
+	bool stand;
+	int up; /* 0: y, 1: z */
+};
+
+struct scene_poses_values {
+	int count; /* >= 1 */
+};
+
+/* What a mesh is like at one pose (keyframes.h). NAN: not given. */
+struct scene_keyframe_values {
+	char name[SCENE_NAME_MAX];
+	char object[INI_TEXT_MAX];
+	char file[INI_PATH_MAX]; /* empty: not given */
+	double pose;
+	double scale, rotate_deg[3], position[3];
+	int mesh, order; /* whose; place in the file */
+};
+
+struct scene_material_values {
+	char name[SCENE_NAME_MAX];
+	int kind; /* enum material_kind */
+	double colour[3], specular[3], roughness, ior;
+	bool thin;
+	char texture[INI_PATH_MAX];
+};
+
+struct scene_file {
+	bool tsai_given;
+	struct tsai_camera tsai;
+	struct scene_camera_values camera;
+	struct scene_dome_values dome;
+	struct scene_render_values render;
+	struct scene_ground_values ground;
+	struct scene_mesh_values mesh[SCENE_MESHES_MAX];
+	int mesh_count;
+	struct scene_poses_values poses;
+	struct scene_keyframe_values keyframe[SCENE_KEYFRAMES_MAX]; /* in the order of poses */
+	int keyframe_count;
+	struct scene_material_values material[SCENE_MATERIALS_MAX];
+	int material_count;
+};
+
+/* Faults name the file, and where the parser found them line, section and key. It is large:
+ * allocate it. -ENOENT..., -EINVAL. */
+int scene_file_read(struct scene_file *file, const char *path, struct fault *fault);
+int scene_file_read_memory(struct scene_file *file, const char *text, size_t bytes,
+			   const char *name, struct fault *fault);
+
+/* The material of this name, or NULL. */
+const struct scene_material_values *scene_file_material(const struct scene_file *file,
+							const char *name);
+
+/* [render] of a file that does not have it. */
+void scene_render_defaults(struct scene_render_values *values);
+
+/* Every key with its default, range and meaning. */
+void scene_file_write_sample(FILE *stream);
+
+#endif

@@ -1,0 +1,159 @@
+#include "bake/tiles/assembly.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct assembly {
+	const struct plan *plan;
+	struct basis_writer *writer;
+	uint16_t *coverage;	   /* [height][width] */
+	struct basis_glass *glass; /* of the open pose */
+	size_t glass_count, glass_room;
+	struct ensemble_error error;
+	double noise_square;
+	int64_t noise_count;
+	struct assembly_report report;
+};
+
+int assembly_open(struct assembly **assembly, const struct plan *plan, const char *path,
+		  struct fault *fault)
+{
+	struct assembly *a = calloc(1, sizeof(*a));
+	int err = -ENOMEM;
+
+	if (a) {
+		a->plan = plan;
+		a->report.info = plan->info;
+		a->coverage = calloc((size_t)plan->info.width * plan->info.height,
+				     sizeof(*a->coverage));
+	}
+	if (!a || !a->coverage)
+		fault_say(fault, err, "%s: out of memory", path);
+	else
+		err = basis_writer_open(&a->writer, path, &plan->info, plan->light, plan->ground,
+					plan->gather, plan->camera, fault);
+	if (err)
+		assembly_abandon(a);
+	else
+		*assembly = a;
+	return err;
+}
+
+void assembly_abandon(struct assembly *a)
+{
+	if (!a)
+		return;
+	basis_writer_abandon(a->writer);
+	free(a->coverage);
+	free(a->glass);
+	free(a);
+}
+
+static void add_coverage(struct assembly *a, const struct finished_tile *tile)
+{
+	const int width = (int)a->plan->info.width, height = (int)a->plan->info.height;
+	const int across = (width + BASIS_TILE - 1) / BASIS_TILE;
+	const int left = tile->tile % across * BASIS_TILE, top = tile->tile / across * BASIS_TILE;
+	const int columns = width - left < BASIS_TILE ? width - left : BASIS_TILE;
+	const uint16_t *from = tile->account.coverage;
+
+	for (int y = top; y < top + BASIS_TILE && y < height; y++, from += BASIS_TILE) {
+		memcpy(a->coverage + (size_t)y * (size_t)width + left, from,
+		       (size_t)columns * sizeof(*from));
+		for (int x = 0; x < columns; x++)
+			a->report.object_seen |= from[x] > 0;
+	}
+}
+
+static int add_glass(struct assembly *a, const struct finished_tile *tile, struct fault *fault)
+{
+	const size_t count = (size_t)tile->glass_count;
+
+	if (!count)
+		return 0;
+	if (a->glass_count + count > a->glass_room) {
+		const size_t room = 2 * (a->glass_count + count);
+		struct basis_glass *glass = realloc(a->glass, room * sizeof(*glass));
+
+		if (!glass)
+			return fault_say(fault, -ENOMEM, "out of memory");
+		a->glass = glass;
+		a->glass_room = room;
+	}
+	memcpy(a->glass + a->glass_count, tile->glass, count * sizeof(*tile->glass));
+	a->glass_count += count;
+	return 0;
+}
+
+static uint64_t payload_bytes(const struct basis_block_payload *blocks, int count)
+{
+	uint64_t bytes = 0;
+
+	for (int k = 0; k < count; k++)
+		bytes += blocks[k].entry.bytes;
+	return bytes;
+}
+
+int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fault *fault)
+{
+	const struct basis_block_payload *exact = tile->blocks + tile->shown;
+	const struct tile_account *account = &tile->account;
+	struct assembly_report *report = &a->report;
+	int err = 0;
+
+	if (tile->shown)
+		err = basis_writer_blocks(a->writer, tile->blocks, tile->shown, fault);
+	if (!err && tile->exact)
+		err = basis_writer_exact_blocks(a->writer, exact, tile->exact, fault);
+	if (!err)
+		err = add_glass(a, tile, fault);
+	add_coverage(a, tile);
+	ensemble_error_add(&a->error, &account->error);
+	a->noise_square += account->noise_square;
+	a->noise_count += account->noise_count;
+	report->rays += account->rays;
+	report->shown_bytes += payload_bytes(tile->blocks, tile->shown);
+	report->exact_bytes += payload_bytes(exact, tile->exact);
+	report->info.object_error = fmax(report->info.object_error, account->object_error);
+	report->info.ratio_error = fmax(report->info.ratio_error, account->ratio_error);
+	return err;
+}
+
+int assembly_pose_end(struct assembly *a, const float (*peak)[3], struct fault *fault)
+{
+	int err = basis_writer_pose_end(a->writer, a->coverage, peak, fault);
+
+	if (!err && a->glass_count)
+		err = basis_writer_glass(a->writer, a->glass, a->glass_count, fault);
+	a->glass_count = 0;
+	return err;
+}
+
+int assembly_finish(struct assembly *a, struct assembly_report *report, struct fault *fault)
+{
+	struct basis_writer *writer = a->writer;
+	char provenance[PLAN_TEXT_MAX + 128];
+	struct basis_info_chunk *info = &a->report.info;
+	int err = 0;
+
+	if (a->noise_count)
+		info->noise_levels = sqrt(a->noise_square / (double)a->noise_count);
+	info->sky_rms = ensemble_sky_rms(&a->error);
+	info->sky_max = a->error.sky_max;
+	info->cell_rms = ensemble_cell_rms(&a->error);
+	info->cell_max = a->error.cell_max;
+	snprintf(provenance, sizeof(provenance), "%snoise_levels = %.4f\nrays = %llu\n",
+		 a->plan->provenance, info->noise_levels, (unsigned long long)a->report.rays);
+	if (a->plan->names)
+		err = basis_writer_names(writer, a->plan->names, fault);
+	if (!err) {
+		a->writer = NULL; /* finishing frees it */
+		err = basis_writer_finish(writer, info, provenance, fault);
+	}
+	*report = a->report;
+	assembly_abandon(a);
+	return err;
+}

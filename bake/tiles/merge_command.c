@@ -1,0 +1,191 @@
+/* inlay-bake merge: the shards of a bake to its basis file. */
+#include <errno.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/commands.h"
+#include "bake/tiles/assembly.h"
+#include "bake/tiles/peaks.h"
+#include "bake/tiles/shard.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+
+static const struct option options[] = {
+	{"output", required_argument, NULL, 'o'},
+	OPTIONS_OF_ALL,
+	{NULL, 0, NULL, 0},
+};
+
+/* The shards, each at its own place. */
+struct shards {
+	struct shard *shard;
+	char **path;
+	int count;
+};
+
+static void close_all(struct shards *all)
+{
+	for (int k = 0; k < all->count; k++)
+		shard_close(&all->shard[k]);
+	free(all->shard);
+	free(all->path);
+}
+
+/* Puts a shard where it belongs. */
+static int place(struct shards *all, struct shard *shard, char *path, struct fault *fault)
+{
+	const struct shard *first = NULL;
+	const int at = shard->place.index;
+
+	for (int k = 0; k < all->count && !first; k++)
+		first = all->path[k] ? &all->shard[k] : NULL;
+	if (shard->place.count != all->count)
+		return fault_say(fault, -EINVAL,
+				 "%s: is one of %d shards, expected one of the %d given", path,
+				 shard->place.count, all->count);
+	if (all->path[at])
+		return fault_say(fault, -EINVAL,
+				 "%s: is shard %d of %d, as %s is; expected each once", path,
+				 at + 1, all->count, all->path[at]);
+	if (first && !shard_same_bake(first, shard))
+		return fault_say(
+			fault, -EINVAL,
+			"%s: is of another bake than %s; expected the same scene and options", path,
+			all->path[first - all->shard]);
+	all->shard[at] = *shard;
+	all->path[at] = path;
+	return 0;
+}
+
+static int open_all(struct shards *all, char **paths, int count, struct fault *fault)
+{
+	int err = 0;
+
+	all->shard = calloc((size_t)count, sizeof(*all->shard));
+	all->path = calloc((size_t)count, sizeof(*all->path));
+	if (!all->shard || !all->path)
+		return fault_say(fault, -ENOMEM, "out of memory");
+	all->count = count;
+	for (int k = 0; !err && k < count; k++) {
+		struct shard shard;
+
+		err = shard_open(&shard, paths[k], fault);
+		if (err)
+			return err;
+		err = place(all, &shard, paths[k], fault);
+		if (err)
+			shard_close(&shard);
+	}
+	return err;
+}
+
+/* The next tile of the shard whose turn it is, into the file. 1, or 0: its pose has no more. */
+static int pass_on(struct shard *shard, struct assembly *assembly, struct fault *fault)
+{
+	struct finished_tile tile = {.blocks = NULL};
+	int err = shard_next(shard, &tile, fault);
+
+	if (err == 1) {
+		const int failed = assembly_add(assembly, &tile, fault);
+
+		err = failed ? failed : 1;
+	}
+	finished_tile_free(&tile);
+	return err;
+}
+
+static int merge_pose(struct shards *all, int pose, struct assembly *assembly, struct fault *fault)
+{
+	const int tiles = plan_tiles(&all->shard[0].plan);
+	float(*peak)[3];
+	int more = 1;
+
+	for (int t = 0; t < tiles && more == 1; t++)
+		more = pass_on(&all->shard[((int64_t)pose * tiles + t) % all->count], assembly,
+			       fault);
+	/* once more each: their peaks come last */
+	for (int k = 0; k < all->count && more >= 0; k++)
+		more = pass_on(&all->shard[k], assembly, fault);
+	if (more < 0)
+		return more;
+	peak = all->shard[0].peak;
+	for (int k = 1; k < all->count; k++)
+		peaks_join(peak, (const float(*)[3])all->shard[k].peak,
+			   (int)all->shard[0].plan.info.lights);
+	return assembly_pose_end(assembly, (const float(*)[3])peak, fault);
+}
+
+static int merge(struct shards *all, struct assembly *assembly, struct fault *fault)
+{
+	const int poses = (int)all->shard[0].plan.info.poses;
+	int err = 0;
+
+	for (int pose = 0; pose < poses && !err; pose++)
+		err = merge_pose(all, pose, assembly, fault);
+	return err;
+}
+
+static int run_merge(const char *output, char **paths, int count, struct fault *fault)
+{
+	struct shards all = {.count = 0};
+	struct assembly *assembly = NULL;
+	struct assembly_report report;
+	int err = output_check(&output, 1, (const char *const *)paths, count, fault);
+
+	if (!err)
+		err = open_all(&all, paths, count, fault);
+	if (!err)
+		err = assembly_open(&assembly, &all.shard[0].plan, output, fault);
+	if (!err)
+		err = merge(&all, assembly, fault);
+	if (!err) {
+		err = assembly_finish(assembly, &report, fault);
+		assembly = NULL;
+	}
+	assembly_abandon(assembly);
+	close_all(&all);
+	return err;
+}
+
+static int take(void *output, int option, struct fault *fault)
+{
+	(void)option;
+	(void)fault;
+	*(const char **)output = optarg;
+	return 0;
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	struct fault fault = {.text = ""};
+	const char *output = NULL;
+	const int status = command_options(command, argc, argv, options, take, &output);
+
+	if (status != COMMAND_GOES_ON)
+		return status;
+	if (!output)
+		return command_wrong(command, "-o OUT.inlay is missing");
+	if (optind == argc || argc - optind > SHARDS_MAX)
+		return command_wrong(command, "expected the shards of one bake, 1 to %d",
+				     SHARDS_MAX);
+	if (run_merge(output, argv + optind, argc - optind, &fault)) {
+		log_error("%s", fault.text);
+		return EXIT_FAILURE;
+	}
+	return EXIT_SUCCESS;
+}
+
+const struct command merge_command = {
+	.name = "merge",
+	.usage = "SHARD... -o OUT.inlay",
+	.summary = "put the shards of a bake together",
+	.help = "\n"
+		"  -o FILE         the basis file; appears when it is whole\n"
+		"\n"
+		"All shards of one bake (inlay-bake render --shard 1/n ... n/n), in any order. The "
+		"file is\n"
+		"the same, bit for bit, as one run without shards makes.\n",
+	.run = run,
+};

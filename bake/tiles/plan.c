@@ -1,0 +1,81 @@
+#include "bake/tiles/plan.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/encode/coarse.h"
+
+/* What a column may change and be left out of a frame of up to so many lights. */
+#define CUT 0.001
+#define CUT_LIGHTS 406
+
+_Static_assert((int)BASIS_LIGHT_CELL == (int)DOME_CELLS && (int)BASIS_LIGHT_TENT == (int)DOME_TENTS,
+	       "files name shapes as the dome does");
+
+static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
+		      struct fault *fault)
+{
+	struct dome coarse;
+	int err;
+
+	plan->info.coarse = plan->info.lights;
+	if (frequency >= dome->frequency)
+		return 0;
+	err = dome_create(&coarse, frequency, dome->division, fault);
+	if (err)
+		return err;
+	plan->info.coarse = (uint32_t)coarse.count;
+	plan->gather = calloc(plan->info.lights, sizeof(*plan->gather));
+	if (plan->gather)
+		coarse_fill(dome, &coarse, plan->gather);
+	else
+		err = fault_say(fault, -ENOMEM, "out of memory");
+	dome_free(&coarse);
+	return err;
+}
+
+/* Each column that a frame leaves out is worth up to the cut; as their signs fall by chance, all of
+ * them come to that times the root of their number. */
+static double fitting_cut(size_t lights)
+{
+	return CUT * sqrt(fmin(1, (double)CUT_LIGHTS / (double)lights));
+}
+
+int plan_set_lights(struct plan *plan, const struct dome *dome, int coarse, struct fault *fault)
+{
+	const size_t n = (size_t)dome->count;
+	struct basis_light *light = calloc(n, sizeof(*light));
+
+	if (!light)
+		return fault_say(fault, -ENOMEM, "out of memory");
+	for (size_t i = 0; i < n; i++) {
+		memcpy(light[i].direction, dome->direction[i], sizeof(light[i].direction));
+		light[i].solid_angle_sr = dome->solid_angle_sr[i];
+	}
+	plan->light = light;
+	plan->info.lights = (uint32_t)n;
+	if (plan->info.column_cut < 0)
+		plan->info.column_cut = fitting_cut(n);
+	plan->info.dome_frequency = (uint32_t)dome->frequency;
+	plan->info.dome_division = (uint32_t)dome->division;
+	plan->info.light_shape = (uint32_t)dome->shape;
+	return set_coarse(plan, dome, coarse ? coarse : COARSE_FREQUENCY, fault);
+}
+
+void plan_free(struct plan *plan)
+{
+	free(plan->light);
+	free(plan->ground);
+	free(plan->gather);
+	free(plan->names);
+	*plan = (struct plan){.light = NULL};
+}
+
+int plan_tiles(const struct plan *plan)
+{
+	const int width = (int)plan->info.width, height = (int)plan->info.height;
+
+	return (width + BASIS_TILE - 1) / BASIS_TILE * ((height + BASIS_TILE - 1) / BASIS_TILE);
+}

@@ -1,0 +1,430 @@
+#include "bake/tiles/render.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/in_order.h"
+#include "bake/base/progress.h"
+#include "bake/scene/keyframes.h"
+#include "bake/tiles/assembly.h"
+#include "bake/tiles/peaks.h"
+#include "bake/tiles/tile.h"
+#include "hal/base/pool.h"
+
+/* Of a real surface with a u of its own: a pixel whose ratio never changes by more than this share
+ * of the error asked for is not stored. Near white, a ratio's change is at most so many levels. */
+#define RATIO_SHARE 0.5
+#define LEVELS_OF_RATIO 112
+
+struct worker {
+	struct tile tile;
+	struct encoder *encoder;
+	float (*peak)[3];
+};
+
+/* One bake. */
+struct job {
+	struct scene *scene;
+	struct render_settings settings;
+	struct dome dome;
+	struct cells cells;
+	struct plan plan;
+	struct ensemble ensemble;
+	struct pool *pool;
+	struct worker *workers;
+	int worker_count;
+	/* where finished tiles go: one of the two */
+	struct assembly *assembly;
+	struct shard_writer *shard;
+	struct progress progress;
+	int first_pose, pose; /* of the scene: the file's first, the one in the making */
+	/* Which of the picture's tiles: the k-th is first + k * step. */
+	int tiles, first, step;
+	int done; /* tiles of the poses before */
+	uint64_t rays;
+	bool object_seen;
+};
+
+struct render_settings render_settings_of(const struct scene *scene)
+{
+	const struct scene_render_values *r = &scene->file->render;
+
+	return (struct render_settings){
+		.frequency = scene->file->dome.frequency,
+		.division = scene->file->dome.division,
+		.shape = scene->file->dome.shape,
+		.samples = r->samples,
+		.noise_levels = r->noise_levels,
+		.bounces = r->bounces,
+		.seed = r->seed,
+		.target = {.rms = r->error_rms, .max = r->error_max, .cell = r->error_cell},
+		.column_cut = r->column_cut,
+		.coarse = r->coarse,
+		.exact = r->exact,
+	};
+}
+
+/* ---- tiles ---- */
+
+/* Of the pose that the scene is in: they hold its world. */
+static int create_tiles(struct job *job)
+{
+	const struct tile_settings tile = {
+		.samples = job->settings.samples,
+		.noise_levels = job->settings.noise_levels,
+		.ratio_cut = RATIO_SHARE / LEVELS_OF_RATIO *
+			     fmin(job->settings.target.rms, job->settings.target.cell),
+		.seed = (uint64_t)job->settings.seed,
+	};
+	int err = 0;
+
+	for (int k = 0; k < job->worker_count && !err; k++) {
+		tile_free(&job->workers[k].tile);
+		err = tile_create(&job->workers[k].tile, job->scene, &job->cells, &tile,
+				  job->settings.bounces);
+	}
+	return err;
+}
+
+/* What a tile has come to, but for its blocks. */
+static void account_for(const struct tile *tile, const struct encode_result *result,
+			struct tile_account *account)
+{
+	*account = (struct tile_account){
+		.error = result->error,
+		.object_error = result->object_error,
+		.ratio_error = fmax(result->ratio_error, tile->ratio_error),
+		.noise_square = tile->noise_square,
+		.noise_count = tile->noise_count,
+		.rays = tile->transport.ray_count,
+	};
+	memcpy(account->coverage, tile->coverage, sizeof(account->coverage));
+}
+
+/* The encoder's blocks live until its next tile, so they are copied. */
+static int make_tile(void *context, int index, int number, struct finished_tile *finished,
+		     struct fault *fault)
+{
+	struct job *job = context;
+	struct worker *worker = &job->workers[number];
+	struct tile *tile = &worker->tile;
+	struct encode_result result = {.shown = NULL};
+	const int place = job->first + index * job->step;
+	int err;
+
+	tile->transport.ray_count = 0;
+	tile_render(tile, place);
+	for (int k = 0; k < tile->part_count; k++)
+		peaks_grow(worker->peak, &tile->part[k], job->dome.count);
+	err = encode_tile(worker->encoder, place, tile->opaque, tile->part, tile->part_count,
+			  &result);
+	if (!err)
+		err = finished_tile_keep(finished, result.shown, result.shown_count, result.exact,
+					 result.exact_count);
+	if (!err)
+		err = finished_tile_keep_glass(finished, tile->glass, tile->glass_count);
+	if (err)
+		return fault_say(fault, err, "a tile cannot be encoded: %s",
+				 err == -EDOM ? "its light transport is not finite, or a cell's "
+						"light comes back more than 65,000 times as strong"
+					      : strerror(-err));
+	finished->tile = place;
+	finished->pose = job->pose - job->first_pose;
+	account_for(tile, &result, &finished->account);
+	return 0;
+}
+
+static int take_tile(void *context, const struct finished_tile *tile, struct fault *fault)
+{
+	struct job *job = context;
+
+	job->rays += tile->account.rays;
+	for (int k = 0; k < TILE_PIXELS; k++)
+		job->object_seen |= tile->account.coverage[k] > 0;
+	return job->shard ? shard_writer_add(job->shard, tile, fault)
+			  : assembly_add(job->assembly, tile, fault);
+}
+
+/* Which of the pose's tiles this job makes. */
+static void set_tiles(struct job *job)
+{
+	const struct shard_place *shard = &job->settings.shard;
+	const int all = plan_tiles(&job->plan);
+
+	job->first = shard->count ? shard_first(shard, all, job->pose - job->first_pose) : 0;
+	job->step = shard->count ? shard->count : 1;
+	job->tiles = job->first < all ? (all - job->first - 1) / job->step + 1 : 0;
+}
+
+static int end_pose(struct job *job, struct fault *fault)
+{
+	const size_t bytes = ((size_t)job->dome.count + 1) * sizeof(*job->workers->peak);
+	float(*peak)[3] = job->workers[0].peak;
+	int err;
+
+	for (int k = 1; k < job->worker_count; k++) {
+		peaks_join(peak, (const float(*)[3])job->workers[k].peak, job->dome.count);
+		memset(job->workers[k].peak, 0, bytes);
+	}
+	err = job->shard ? shard_writer_pose_end(job->shard, (const float(*)[3])peak, fault)
+			 : assembly_pose_end(job->assembly, (const float(*)[3])peak, fault);
+	memset(peak, 0, bytes);
+	return err;
+}
+
+static int make_pose(struct job *job, struct fault *fault)
+{
+	const struct in_order work = {
+		.tiles = job->tiles,
+		.tiles_before = job->done,
+		.rays_before = job->rays,
+		.context = job,
+		.make = make_tile,
+		.take = take_tile,
+		.progress = &job->progress,
+	};
+	int err = scene_take_pose(job->scene, job->pose, fault);
+
+	if (err)
+		return err;
+	err = create_tiles(job);
+	if (err)
+		return fault_say(fault, err, "the bake cannot go on: %s", strerror(-err));
+	err = in_order_run(&work, job->pool, fault);
+	job->done += job->tiles;
+	return err ? err : end_pose(job, fault);
+}
+
+static int make_all(struct job *job, struct render_report *report, struct fault *fault)
+{
+	const int poses = (int)job->plan.info.poses;
+	int tiles = 0, err = 0;
+
+	for (int p = 0; p < poses; p++) {
+		job->pose = job->first_pose + p;
+		set_tiles(job);
+		tiles += job->tiles;
+	}
+	progress_begin(&job->progress, "bake", tiles, job->settings.quiet);
+	for (int p = 0; p < poses && !err; p++) {
+		job->pose = job->first_pose + p;
+		set_tiles(job);
+		err = make_pose(job, fault);
+	}
+	report->seconds = progress_end(&job->progress);
+	report->rays = job->rays;
+	report->object_seen = job->object_seen;
+	return err;
+}
+
+/* ---- setting up ---- */
+
+static int set_ground(struct job *job)
+{
+	const size_t n = (size_t)job->dome.count;
+
+	job->plan.ground = calloc(3 * n, sizeof(*job->plan.ground));
+	if (!job->plan.ground)
+		return -ENOMEM;
+	for (size_t c = 0; c < 3; c++)
+		for (size_t i = 0; i < n; i++)
+			job->plan.ground[c * n + i] = job->scene->ground_albedo[c] / M_PI *
+						      job->dome.projected_sr[i];
+	return 0;
+}
+
+static int start_workers(struct job *job)
+{
+	const struct encode_settings encode = {
+		.lights = job->dome.count,
+		.grounds = (int)job->plan.info.grounds,
+		.light = job->plan.light,
+		.ground = job->plan.ground,
+		.coarse = (int)job->plan.info.coarse,
+		.gather = job->plan.gather,
+		.ensemble = &job->ensemble,
+		.target = job->settings.target,
+		.column_cut = job->plan.info.column_cut,
+		.exact = job->settings.exact,
+	};
+	int err = pool_create(&job->pool, job->settings.threads);
+
+	if (err)
+		return err;
+	job->worker_count = pool_threads(job->pool);
+	job->workers = calloc((size_t)job->worker_count, sizeof(*job->workers));
+	if (!job->workers)
+		return -ENOMEM;
+	for (int k = 0; k < job->worker_count && !err; k++) {
+		struct worker *w = &job->workers[k];
+
+		w->peak = calloc((size_t)job->dome.count + 1, sizeof(*w->peak));
+		if (!w->peak)
+			return -ENOMEM;
+		err = encoder_create(&w->encoder, &encode);
+	}
+	return err;
+}
+
+/* What makes the file, in words. */
+static void write_provenance(struct job *job)
+{
+	const struct render_settings *s = &job->settings;
+	const struct basis_info_chunk *info = &job->plan.info;
+
+	snprintf(job->plan.provenance, sizeof(job->plan.provenance),
+		 "program = inlay-bake %s\n"
+		 "scene_xxh3 = %016llx\n"
+		 "size = %u x %u\n"
+		 "dome = frequency %d, division %s, %u lights%s\n"
+		 "samples = %d\n"
+		 "noise_target_levels = %g\n"
+		 "bounces = %d\n"
+		 "seed = %d\n"
+		 "target_levels = rms %g, max %g, cell %g\n"
+		 "column_cut = %.9g\n"
+		 "coarse_lights = %u\n"
+		 "exact = %s\n",
+		 INLAY_VERSION, (unsigned long long)job->scene->hash, info->width, info->height,
+		 s->frequency, dome_division_names[s->division], info->lights,
+		 s->shape == DOME_TENTS ? ", tents" : "", s->noise_levels > 0 ? 0 : s->samples,
+		 s->noise_levels, s->bounces, s->seed, s->target.rms, s->target.max, s->target.cell,
+		 info->column_cut, info->coarse, s->exact ? "yes" : "no");
+	if (job->scene->file->poses.count > 1) {
+		const size_t used = strlen(job->plan.provenance);
+
+		snprintf(job->plan.provenance + used, sizeof(job->plan.provenance) - used,
+			 "poses = %u of %d, from %d\n", info->poses, job->scene->file->poses.count,
+			 job->first_pose);
+	}
+}
+
+static int open_file(struct job *job, const char *path, struct fault *fault)
+{
+	const int err = scene_camera_text(job->scene, job->plan.camera, sizeof(job->plan.camera));
+
+	if (err)
+		return fault_say(fault, err, "%s: the camera cannot be written", path);
+	write_provenance(job);
+	if (job->settings.shard.count)
+		return shard_writer_open(&job->shard, &job->plan, &job->settings.shard, path,
+					 fault);
+	return assembly_open(&job->assembly, &job->plan, path, fault);
+}
+
+/* Which poses, and what they are called. */
+static int set_poses(struct job *job, struct fault *fault)
+{
+	const struct scene_file *file = job->scene->file;
+	const int poses = job->settings.pose ? 1 : file->poses.count;
+	struct fault what = {.text = ""};
+
+	if (job->settings.pose) {
+		job->first_pose = keyframe_find_pose(file, job->settings.pose, &what);
+		if (job->first_pose < 0)
+			return fault_say(fault, job->first_pose, "%s: %s", job->scene->path,
+					 what.text);
+	}
+	job->plan.info.poses = (uint32_t)poses;
+	if (file->poses.count == 1)
+		return 0;
+	job->plan.names = calloc((size_t)poses, sizeof(*job->plan.names));
+	if (!job->plan.names)
+		return fault_say(fault, -ENOMEM, "out of memory");
+	for (int p = 0; p < poses; p++)
+		strcpy(job->plan.names[p].text, keyframe_pose_name(file, job->first_pose + p));
+	return 0;
+}
+
+static int set_up(struct job *job, const char *path, struct fault *fault)
+{
+	const struct tsai_camera *camera = &job->scene->camera;
+	int err = dome_create_shaped(&job->dome, job->settings.frequency,
+				     (enum dome_division)job->settings.division,
+				     (enum dome_shape)job->settings.shape, fault);
+
+	if (err)
+		return err;
+	job->plan.info = (struct basis_info_chunk){
+		.width = (uint32_t)camera->width,
+		.height = (uint32_t)camera->height,
+		.grounds = world_has_ground(job->scene->world) ? 1 : 0,
+		.column_cut = job->settings.column_cut,
+	};
+	err = plan_set_lights(&job->plan, &job->dome, job->settings.coarse, fault);
+	if (!err)
+		err = set_poses(job, fault);
+	if (err)
+		return err;
+	err = cells_create(&job->cells, &job->dome);
+	if (!err)
+		err = set_ground(job);
+	if (!err)
+		err = ensemble_create(&job->ensemble, job->plan.light, job->dome.count);
+	if (!err)
+		err = start_workers(job);
+	if (err)
+		return fault_say(fault, err, "%s: the bake cannot start: %s", path, strerror(-err));
+	return open_file(job, path, fault);
+}
+
+static void tear_down(struct job *job)
+{
+	assembly_abandon(job->assembly);
+	shard_writer_abandon(job->shard);
+	pool_destroy(job->pool);
+	for (int k = 0; k < job->worker_count && job->workers; k++) {
+		tile_free(&job->workers[k].tile);
+		encoder_destroy(job->workers[k].encoder);
+		free(job->workers[k].peak);
+	}
+	free(job->workers);
+	plan_free(&job->plan);
+	ensemble_free(&job->ensemble);
+	cells_free(&job->cells);
+	dome_free(&job->dome);
+}
+
+/* ---- finishing ---- */
+
+static int finish(struct job *job, struct render_report *report, struct fault *fault)
+{
+	struct assembly_report all = {.info = job->plan.info};
+	struct assembly *assembly = job->assembly;
+	struct shard_writer *shard = job->shard;
+	int err;
+
+	job->assembly = NULL; /* finishing frees them */
+	job->shard = NULL;
+	if (shard)
+		err = shard_writer_finish(shard, fault);
+	else
+		err = assembly_finish(assembly, &all, fault);
+	report->info = all.info;
+	report->shown_bytes = all.shown_bytes;
+	report->exact_bytes = all.exact_bytes;
+	return err;
+}
+
+int render_run(struct scene *scene, const struct render_settings *settings, const char *path,
+	       struct render_report *report, struct fault *fault)
+{
+	struct job *job = calloc(1, sizeof(*job));
+	int err;
+
+	if (!job)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	job->scene = scene;
+	job->settings = *settings;
+	if (!(settings->target.max > 0))
+		job->settings.target.max = RENDER_MAX_OF_RMS * settings->target.rms;
+	err = set_up(job, path, fault);
+	if (!err)
+		err = make_all(job, report, fault);
+	if (!err)
+		err = finish(job, report, fault);
+	tear_down(job);
+	free(job);
+	return err;
+}

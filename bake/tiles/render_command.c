@@ -1,0 +1,262 @@
+/* inlay-bake render: a scene file to a basis file. */
+#include <errno.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/commands.h"
+#include "bake/encode/encoding_options.h"
+#include "bake/tiles/render.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+#include "hal/optics/dome.h"
+
+enum {
+	FREQUENCY = 1,
+	DIVISION,
+	LIGHTS,
+	SIZE,
+	SAMPLES,
+	NOISE,
+	SEED,
+	THREADS,
+	QUIET,
+	PRINT_SCENE,
+	SHARD,
+	POSE
+};
+
+static const struct option options[] = {
+	{"output", required_argument, NULL, 'o'},
+	{"frequency", required_argument, NULL, FREQUENCY},
+	{"division", required_argument, NULL, DIVISION},
+	{"lights", required_argument, NULL, LIGHTS},
+	{"size", required_argument, NULL, SIZE},
+	{"samples", required_argument, NULL, SAMPLES},
+	{"noise", required_argument, NULL, NOISE},
+	{"seed", required_argument, NULL, SEED},
+	ENCODING_OPTIONS,
+	{"pose", required_argument, NULL, POSE},
+	{"shard", required_argument, NULL, SHARD},
+	{"threads", required_argument, NULL, THREADS},
+	{"quiet", no_argument, NULL, QUIET},
+	{"print-scene", no_argument, NULL, PRINT_SCENE},
+	OPTIONS_OF_ALL,
+	{NULL, 0, NULL, 0},
+};
+
+/* What the command line says; -1 where it says nothing. */
+struct choices {
+	const char *output;
+	int frequency, division, shape, width, height, samples, seed, threads;
+	double noise;
+	struct encoding_said encoding;
+	struct shard_place shard;
+	const char *pose;
+	bool quiet, print_scene;
+};
+
+/* i/n, from 1 */
+static int take_shard(struct choices *c, const char *text, struct fault *fault)
+{
+	int index, count;
+	char rest;
+
+	if (strlen(text) > 16 || sscanf(text, "%d/%d%c", &index, &count, &rest) != 2 || index < 1 ||
+	    count > SHARDS_MAX || index > count)
+		return fault_say(
+			fault, -EINVAL,
+			"--shard: \"%s\", expected which of how many, such as 2/8; up to %d", text,
+			SHARDS_MAX);
+	c->shard = (struct shard_place){.index = index - 1, .count = count};
+	return 0;
+}
+
+static int take(void *choices, int option, struct fault *fault)
+{
+	struct choices *c = choices;
+
+	switch (option) {
+	case 'o':
+		c->output = optarg;
+		return 0;
+	case FREQUENCY:
+		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &c->frequency,
+				  fault);
+	case DIVISION:
+		return option_choice("--division", optarg, dome_division_names, &c->division,
+				     fault);
+	case LIGHTS:
+		return option_choice("--lights", optarg, dome_shape_names, &c->shape, fault);
+	case SIZE:
+		return option_size("--size", optarg, &c->width, &c->height, fault);
+	case SAMPLES:
+		return option_int("--samples", optarg, 1, 65536, &c->samples, fault);
+	case NOISE:
+		return option_real("--noise", optarg, 1e-3, 255, &c->noise, fault);
+	case SEED:
+		return option_int("--seed", optarg, 0, 2147483647, &c->seed, fault);
+	case THREADS:
+		return option_int("--threads", optarg, 1, 1024, &c->threads, fault);
+	case SHARD:
+		return take_shard(c, optarg, fault);
+	case POSE:
+		c->pose = optarg;
+		return 0;
+	case QUIET:
+		c->quiet = true;
+		return 0;
+	case PRINT_SCENE:
+		c->print_scene = true;
+		return 0;
+	default:
+		return encoding_option_take(&c->encoding, option, optarg, fault);
+	}
+}
+
+static void override(struct render_settings *s, const struct choices *c)
+{
+	if (c->frequency >= 0)
+		s->frequency = c->frequency;
+	if (c->division >= 0)
+		s->division = c->division;
+	if (c->shape >= 0)
+		s->shape = c->shape;
+	if (c->samples >= 0) {
+		s->samples = c->samples;
+		s->noise_levels = 0;
+	}
+	if (c->noise >= 0)
+		s->noise_levels = c->noise;
+	if (c->seed >= 0)
+		s->seed = c->seed;
+	encoding_said_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
+	s->shard = c->shard;
+	s->pose = c->pose;
+	s->threads = c->threads;
+	s->quiet = c->quiet;
+}
+
+static void print_report(const struct choices *c, const struct render_report *report)
+{
+	const struct basis_info_chunk *info = &report->info;
+
+	printf("%s: rays %llu (%.2f million/s), time %.1f s, ", c->output,
+	       (unsigned long long)report->rays, (double)report->rays / report->seconds * 1e-6,
+	       report->seconds);
+	if (c->shard.count) {
+		printf("shard %d of %d\n", c->shard.index + 1, c->shard.count);
+		return;
+	}
+	printf("noise %.2f levels, encoded in %.2f MB", info->noise_levels,
+	       (double)report->shown_bytes * 1e-6);
+	if (report->exact_bytes)
+		printf(" (exact layer %.2f MB)", (double)report->exact_bytes * 1e-6);
+	printf(", error in levels RMS / most: skies %.2f / %.1f, cells %.2f / %.1f\n",
+	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max);
+}
+
+/* The basis file is none of those that it is made of. */
+static int check_output(const struct scene_file *file, const char *path, const char *output,
+			struct fault *fault)
+{
+	const char *read[2 + SCENE_MESHES_MAX + SCENE_KEYFRAMES_MAX + SCENE_MATERIALS_MAX];
+	int count = 0;
+
+	read[count++] = path;
+	read[count++] = file->camera.file;
+	for (int k = 0; k < file->mesh_count; k++)
+		read[count++] = file->mesh[k].file;
+	for (int k = 0; k < file->keyframe_count; k++)
+		read[count++] = file->keyframe[k].file;
+	for (int k = 0; k < file->material_count; k++)
+		read[count++] = file->material[k].texture;
+	return output_check(&output, 1, read, count, fault);
+}
+
+static int bake(const char *path, const struct choices *c)
+{
+	struct fault fault = {.text = ""};
+	struct render_report report = {.rays = 0};
+	struct render_settings settings;
+	struct scene *scene;
+	int err = scene_open(&scene, path, c->width, c->height, &fault);
+
+	if (!err) {
+		settings = render_settings_of(scene);
+		override(&settings, c);
+		err = check_output(scene->file, path, c->output, &fault);
+		if (!err)
+			err = render_run(scene, &settings, c->output, &report, &fault);
+		scene_close(scene);
+	}
+	if (err) {
+		log_error("%s", fault.text);
+		return EXIT_FAILURE;
+	}
+	if (!report.object_seen && !c->shard.count)
+		log_warning("%s: the camera sees no object; expected one in the picture: look at "
+			    "[camera], and at position, scale and up of [object]",
+			    path);
+	if (!c->quiet)
+		print_report(c, &report);
+	return EXIT_SUCCESS;
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	struct choices c = {.frequency = -1,
+			    .division = -1,
+			    .shape = -1,
+			    .samples = -1,
+			    .seed = -1,
+			    .noise = -1,
+			    .encoding = ENCODING_UNSAID};
+	const int status = command_options(command, argc, argv, options, take, &c);
+
+	if (status != COMMAND_GOES_ON)
+		return status;
+	if (c.print_scene) {
+		scene_file_write_sample(stdout);
+		return EXIT_SUCCESS;
+	}
+	if (c.samples >= 0 && c.noise >= 0)
+		return command_wrong(command, "--samples and --noise exclude each other");
+	if (optind + 1 != argc)
+		return command_wrong(command, "expected one scene file");
+	if (!c.output)
+		return command_wrong(command, "-o OUT.inlay is missing");
+	return bake(argv[optind], &c);
+}
+
+const struct command render_command = {
+	.name = "render",
+	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
+		 "           [--size WxH]\n"
+		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
+		 "           [--pose P] [--seed K] [--shard I/N] [--threads T] [--quiet]",
+	.summary = "bake a scene: all its light transport, to a basis file",
+	.help = "\n"
+		"  -o FILE         the basis file; appears when it is whole\n"
+		"  --frequency F   of the dome, 1 to 64; 9 makes 406 lights\n"
+		"  --division D    angles or chords\n"
+		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps "
+		"move\n"
+		"                  without steps\n"
+		"  --size WxH      of the picture\n"
+		"  --samples S     camera rays a pixel\n"
+		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"
+		"                  in 8-bit levels under a uniform sky\n" ENCODING_HELP
+		"  --seed K        of all random numbers; the same file whatever the threads\n"
+		"  --pose P        only this one of the scene's poses: its number, from 0, or "
+		"name\n"
+		"  --shard I/N     only every N-th tile, from the I-th on: inlay-bake merge puts "
+		"all N together\n"
+		"  --threads T     default: one for each processor\n"
+		"  --quiet         print nothing but errors\n"
+		"  --print-scene   a scene file with every key, its default and its meaning\n"
+		"\n"
+		"Options go before the scene file. bake/README.md describes the format.\n",
+	.run = run,
+};

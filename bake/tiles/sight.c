@@ -1,0 +1,89 @@
+#include "bake/tiles/sight.h"
+
+#define GLASS_MAX 32	 /* glass surfaces in a row */
+#define SAME_PLACE 1e-3f /* of the distance from the camera */
+#define FAR_AWAY 1e6f
+
+static bool is_glass(const struct surface *s)
+{
+	return s->kind == SURFACE_OBJECT && s->bsdf.kind == MATERIAL_GLASS;
+}
+
+/* Where what is mirrored leaves to; each surface on the way offers its share. */
+struct chosen {
+	struct surface at;
+	struct v3 direction;
+	struct rgb weight; /* of the surface that was chosen */
+	float share, sum;  /* its, and that of all */
+};
+
+static void offer(struct chosen *chosen, struct random *random, const struct surface *at,
+		  struct v3 direction, struct rgb weight)
+{
+	const float share = rgb_peak(weight);
+
+	chosen->sum += share;
+	if (share <= 0 || random_next(random) * chosen->sum >= share)
+		return;
+	chosen->at = *at;
+	chosen->direction = direction;
+	chosen->weight = weight;
+	chosen->share = share;
+}
+
+void sight_through_glass(const struct world *world, struct random *random,
+			 const struct surface *surface, struct v3 direction, struct sight *passed,
+			 struct sight *mirrored)
+{
+	struct chosen chosen = {.sum = 0};
+	int surfaces = 0;
+
+	*passed = (struct sight){{{1, 1, 1}}, true, *surface, direction};
+	*mirrored = (struct sight){.met = false};
+	while (passed->met && is_glass(&passed->surface)) {
+		const struct surface s = passed->surface;
+		const struct glass_ways ways = bsdf_glass_ways(&s.bsdf, s.normal, s.outer,
+							       v3_scale(passed->direction, -1));
+
+		offer(&chosen, random, &s, ways.mirrored,
+		      rgb_scale(passed->weight, ways.reflectance));
+		if (ways.reflectance >= 1 || ++surfaces > GLASS_MAX) {
+			passed->weight = rgb_make(0, 0, 0);
+			break;
+		}
+		passed->weight = rgb_mul(rgb_scale(passed->weight, 1 - ways.reflectance),
+					 s.bsdf.colour);
+		passed->direction = ways.passed;
+		passed->met = world_nearest(world, WITH_OBJECTS, surface_leave(&s, ways.passed),
+					    ways.passed, &passed->surface);
+	}
+	if (chosen.sum <= 0)
+		return;
+	mirrored->weight = rgb_scale(chosen.weight, chosen.sum / chosen.share);
+	mirrored->direction = chosen.direction;
+	mirrored->met = world_nearest(world, WITH_OBJECTS,
+				      surface_leave(&chosen.at, chosen.direction), chosen.direction,
+				      &mirrored->surface);
+}
+
+bool sight_place(const struct scene *scene, const struct sight *sight, double place[2])
+{
+	const struct tsai_camera *camera = &scene->camera;
+	const struct v3 to = sight->met ? v3_sub(sight->surface.position, scene->eye)
+					: v3_scale(sight->direction, FAR_AWAY);
+	const float distance = v3_length(to);
+	const double point[3] = {(double)scene->eye.x + (double)to.x,
+				 (double)scene->eye.y + (double)to.y,
+				 (double)scene->eye.z + (double)to.z};
+	struct surface seen;
+	bool met;
+
+	if (distance <= 0 || tsai_project(camera, point, place) < 0 || !(place[0] >= 0) ||
+	    !(place[1] >= 0) || place[0] >= camera->width || place[1] >= camera->height)
+		return false;
+	met = world_nearest(scene->world, WITHOUT_OBJECTS, scene->eye, v3_scale(to, 1 / distance),
+			    &seen);
+	if (!met || !sight->met)
+		return !met && !sight->met;
+	return v3_length(v3_sub(seen.position, sight->surface.position)) <= SAME_PLACE * distance;
+}

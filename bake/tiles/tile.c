@@ -1,0 +1,427 @@
+#include "bake/tiles/tile.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/tiles/tile_glass.h"
+#include "bake/tiles/tile_noise.h"
+
+#define BATCH_FEWEST 4	   /* a spread of fewer batches says nothing */
+#define BATCH_SAMPLES 4	   /* a pixel and batch, when noise says how many batches */
+#define SAMPLES_MOST 16384 /* where noise gives up */
+
+/* ---- memory ---- */
+
+static int create_rows(struct tile *tile, enum tile_kind kind, int channels)
+{
+	struct tile_rows *rows = &tile->rows[kind];
+
+	rows->channels = channels;
+	rows->direct = malloc(TILE_PIXELS * tile_direct_size(tile, kind) * sizeof(float));
+	for (int half = 0; half < 2; half++) {
+		rows->bounce[half] = malloc(TILE_PIXELS * tile_bounce_size(tile) * sizeof(float));
+		if (!rows->bounce[half])
+			return -ENOMEM;
+	}
+	return rows->direct ? 0 : -ENOMEM;
+}
+
+int tile_create(struct tile *tile, const struct scene *scene, const struct cells *cells,
+		const struct tile_settings *settings, int bounces)
+{
+	const bool standins = world_has_standins(scene->world);
+	int err;
+
+	memset(tile, 0, sizeof(*tile));
+	tile->scene = scene;
+	tile->cells = cells;
+	tile->settings = *settings;
+	err = transport_create(&tile->transport, scene->world, cells, bounces);
+	if (!err)
+		err = bounce_create(&tile->bounce, cells->count);
+	if (!err)
+		err = create_rows(tile, TILE_OBJECT, 3);
+	if (!err)
+		err = create_rows(tile, TILE_CHANGE, standins ? 3 : 1);
+	if (!err && standins)
+		err = create_rows(tile, TILE_WITHOUT, 3);
+	tile->even_sky = malloc(3 * (size_t)cells->count * sizeof(float));
+	if (err || !tile->even_sky) {
+		tile_free(tile);
+		return err ? err : -ENOMEM;
+	}
+	tile->radiance_scale = tile->even_sky + cells->count;
+	tile->ratio_scale = tile->radiance_scale + cells->count;
+	for (int i = 0; i < cells->count; i++) {
+		tile->even_sky[i] = 1;
+		tile->radiance_scale[i] = 1 / sqrtf(cells->sr[i]);
+		tile->ratio_scale[i] = sqrtf(cells->share[i]);
+	}
+	return 0;
+}
+
+void tile_free(struct tile *tile)
+{
+	transport_free(&tile->transport);
+	bounce_free(&tile->bounce);
+	for (int kind = 0; kind < TILE_KINDS; kind++) {
+		free(tile->rows[kind].direct);
+		free(tile->rows[kind].bounce[0]);
+		free(tile->rows[kind].bounce[1]);
+		tile->rows[kind] = (struct tile_rows){.channels = 0};
+	}
+	free(tile->even_sky);
+	tile->even_sky = NULL;
+}
+
+/* ---- samples ---- */
+
+static int half_of_batch(const struct tile *tile)
+{
+	return (tile->batches - 1) & 1;
+}
+
+/* Most tiles leave most rows alone: they are cleared when first used. */
+struct transport_rows tile_rows_for(struct tile *tile, enum tile_kind kind, int at, bool first)
+{
+	const struct tile_rows *rows = &tile->rows[kind];
+	const size_t direct = tile_direct_size(tile, kind), bounce = tile_bounce_size(tile);
+	const size_t at_direct = (size_t)at * direct, at_bounce = (size_t)at * bounce;
+
+	if (first) {
+		memset(rows->direct + at_direct, 0, direct * sizeof(float));
+		memset(rows->bounce[0] + at_bounce, 0, bounce * sizeof(float));
+		memset(rows->bounce[1] + at_bounce, 0, bounce * sizeof(float));
+	}
+	return (struct transport_rows){
+		.direct = rows->direct + at_direct,
+		.bounce = rows->bounce[half_of_batch(tile)] + at_bounce,
+	};
+}
+
+void tile_add_receiver(struct tile *tile, const struct tile_sample *sample,
+		       const struct surface *surface, struct v3 direction, float weight)
+{
+	const struct v3 wo = v3_scale(direction, -1);
+	const struct rgb weights = {{weight, weight, weight}};
+	const uint64_t seed = tile->settings.seed;
+	struct transport *t = &tile->transport;
+	struct tile_pixel *p = &tile->pixels[sample->at];
+	const bool first = p->receiver++ == 0;
+	struct transport_rows rows = tile_rows_for(tile, TILE_CHANGE, sample->at, first);
+
+	p->receiver_weight += (double)weight;
+	if (!tile_has_standins(tile)) {
+		p->changed |= transport_add_shadow(t, surface->position, weight, &rows);
+		return;
+	}
+	transport_begin(t, seed, sample->pixel, sample->sample);
+	transport_add(t, WITH_OBJECTS, surface, wo, weights, &rows);
+	rows = tile_rows_for(tile, TILE_WITHOUT, sample->at, first);
+	transport_begin(t, seed, sample->pixel, sample->sample);
+	transport_add(t, WITHOUT_OBJECTS, surface, wo, weights, &rows);
+}
+
+static void add_object(struct tile *tile, const struct tile_sample *s)
+{
+	struct tile_pixel *p = &tile->pixels[s->at];
+	const struct transport_rows rows = tile_rows_for(tile, TILE_OBJECT, s->at,
+							 p->object++ == 0);
+
+	p->changed = true;
+	if (s->surface.bsdf.kind == MATERIAL_GLASS)
+		tile_glass_add(tile, s, &rows);
+	else
+		transport_add(&tile->transport, WITH_OBJECTS, &s->surface,
+			      v3_scale(s->direction, -1), rgb_make(1, 1, 1), &rows);
+}
+
+static void add_sample(struct tile *tile, int at, uint32_t sample)
+{
+	const int x = tile->x + at % BASIS_TILE, y = tile->y + at / BASIS_TILE;
+	const uint32_t pixel = (uint32_t)y * (uint32_t)tile->scene->camera.width + (uint32_t)x;
+	const uint64_t scramble = random_hash(tile->settings.seed, pixel, 0xca3e5a);
+	const uint32_t place = sobol_shuffle(sample, (uint32_t)random_mix(scramble));
+	struct tile_sample s = {.at = at, .pixel = pixel, .sample = sample};
+	bool met;
+
+	sobol_point(place, scramble, s.place);
+	s.place[0] += x;
+	s.place[1] += y;
+	tile->transport.ray_count++;
+	transport_begin(&tile->transport, tile->settings.seed, pixel, sample);
+	met = scene_look(tile->scene, WITH_OBJECTS, s.place[0], s.place[1], &s.surface,
+			 &s.direction);
+	if (met && s.surface.kind == SURFACE_OBJECT) {
+		add_object(tile, &s);
+		return;
+	}
+	tile->pixels[at].other_weight++;
+	if (met)
+		tile_add_receiver(tile, &s, &s.surface, s.direction, 1);
+}
+
+/* ---- batches ---- */
+
+static bool same_rows(const float *a, const float *b, size_t floats)
+{
+	return !memcmp(a, b, floats * sizeof(float));
+}
+
+static void find_changes(struct tile *tile)
+{
+	const struct tile_rows *with = &tile->rows[TILE_CHANGE];
+	const struct tile_rows *without = &tile->rows[TILE_WITHOUT];
+	const size_t size = tile_bounce_size(tile);
+
+	if (!tile_has_standins(tile))
+		return;
+	for (size_t at = 0; at < TILE_PIXELS; at++) {
+		struct tile_pixel *p = &tile->pixels[at];
+
+		if (!p->receiver || p->changed)
+			continue;
+		p->changed = !same_rows(with->direct + at * size, without->direct + at * size,
+					size);
+		for (int half = 0; half < 2; half++)
+			p->changed |= !same_rows(with->bounce[half] + at * size,
+						 without->bounce[half] + at * size, size);
+	}
+}
+
+static void run_batch(struct tile *tile, int samples)
+{
+	tile->batches++;
+	for (int y = 0; y < tile->height; y++)
+		for (int x = 0; x < tile->width; x++) {
+			const int at = y * BASIS_TILE + x;
+
+			for (int k = 0; k < samples; k++)
+				add_sample(tile, at, (uint32_t)(tile->samples + k));
+			tile_noise_add(tile, at, samples);
+		}
+	tile->samples += samples;
+	tile->half_samples[half_of_batch(tile)] += samples;
+	find_changes(tile);
+}
+
+static void run_batches(struct tile *tile)
+{
+	const struct tile_settings *s = &tile->settings;
+
+	if (s->noise_levels > 0) {
+		do
+			run_batch(tile, BATCH_SAMPLES);
+		while (tile->batches < BATCH_FEWEST ||
+		       (tile_noise_judge(tile) > s->noise_levels && tile->samples < SAMPLES_MOST));
+	} else {
+		const int batches = s->samples < 8 ? s->samples : 8;
+
+		for (int k = 0; k < batches; k++)
+			run_batch(tile, s->samples * (k + 1) / batches - s->samples * k / batches);
+	}
+	tile_noise_judge(tile);
+}
+
+/* ---- finishing ---- */
+
+/*
+ * Sums become means, kept pixels move together in place: rows from pixel at to place kept, divided
+ * by samples, and where share is given by the share of each light. A half is scaled as if all
+ * samples had been like its own, so that the mean of both is that of all samples.
+ */
+static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, double samples,
+		      const float *share)
+{
+	const struct tile_rows *rows = &tile->rows[kind];
+	const size_t count = (size_t)tile->cells->count;
+	const size_t direct = tile_direct_size(tile, kind), bounce = tile_bounce_size(tile);
+	const float *from = rows->direct + (size_t)at * direct;
+	float *to = rows->direct + (size_t)kept * direct;
+
+	for (size_t i = 0; i < direct; i++)
+		to[i] = from[i] / (float)samples;
+	for (int half = 0; half < 2; half++) {
+		const double scale = (double)tile->samples /
+				     ((double)tile->half_samples[half] * samples);
+
+		from = rows->bounce[half] + (size_t)at * bounce;
+		to = rows->bounce[half] + (size_t)kept * bounce;
+		if (!tile->half_samples[half])
+			continue;
+		for (size_t i = 0; i < bounce; i++)
+			to[i] = from[i] * (float)scale / (share ? share[i % count] : 1);
+	}
+}
+
+/* The mean of all samples: of both halves where there are two. */
+static void finish_bounce(struct tile *tile, enum tile_kind kind, const uint16_t *pixel, int pixels)
+{
+	const struct tile_rows *rows = &tile->rows[kind];
+	const bool ratio = kind == TILE_CHANGE && !tile_has_standins(tile);
+	const struct bounce_halves halves = {
+		.rows = 3 * pixels,
+		.pixel = pixel,
+		.half = {rows->bounce[0], rows->bounce[1]},
+		.share = {(double)tile->half_samples[0] / tile->samples,
+			  (double)tile->half_samples[1] / tile->samples},
+		.sky = ratio ? tile->cells->share : tile->even_sky,
+		.scale = ratio ? tile->ratio_scale : tile->radiance_scale,
+	};
+
+	if (tile->half_samples[1])
+		bounce_filter(&tile->bounce, &halves);
+}
+
+static void add_part(struct tile *tile, enum tile_kind kind, enum basis_kind basis_kind,
+		     const uint16_t *pixel, int pixels)
+{
+	const struct tile_rows *rows = &tile->rows[kind];
+	const bool bounces = tile->transport.bounces > 0;
+
+	if (!pixels)
+		return;
+	if (bounces)
+		finish_bounce(tile, kind, pixel, pixels);
+	tile->part[tile->part_count++] = (struct encode_samples){
+		.kind = basis_kind,
+		.pixels = pixels,
+		.pixel = pixel,
+		.channels = rows->channels,
+		.direct = rows->direct,
+		.bounce = bounces ? rows->bounce[0] : NULL,
+	};
+}
+
+static void finish_object(struct tile *tile)
+{
+	int kept = 0;
+
+	for (int at = 0; at < TILE_PIXELS; at++) {
+		if (!tile->pixels[at].object)
+			continue;
+		move_rows(tile, TILE_OBJECT, at, kept, tile->samples, NULL);
+		tile->object_pixel[kept++] = (uint16_t)at;
+	}
+	add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->object_pixel, kept);
+}
+
+/* Samples that see neither object nor real surface are unchanged, and count so. */
+static void finish_shadow(struct tile *tile)
+{
+	int kept = 0;
+
+	for (int at = 0; at < TILE_PIXELS; at++) {
+		const struct tile_pixel *p = &tile->pixels[at];
+
+		if (!p->receiver || !p->changed)
+			continue;
+		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, tile->cells->share);
+		tile->change_pixel[kept++] = (uint16_t)at;
+	}
+	add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->change_pixel, kept);
+}
+
+/* with becomes without - with, as a share of the samples that count for the ratio. */
+static void subtract(const float *without, float *with, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		with[i] = without[i] - with[i];
+}
+
+/* The largest |d / u| of a pixel's sums: no lighting changes its ratio by more. */
+static double largest_change(const struct tile *tile, int at)
+{
+	const struct tile_rows *rows[2] = {&tile->rows[TILE_CHANGE], &tile->rows[TILE_WITHOUT]};
+	const size_t size = tile_bounce_size(tile), first = (size_t)at * size;
+	const struct tile_pixel *p = &tile->pixels[at];
+	double most = 0;
+
+	for (size_t i = first; i < first + size; i++) {
+		double sum[2];
+
+		for (int k = 0; k < 2; k++)
+			sum[k] = (double)rows[k]->direct[i] + (double)rows[k]->bounce[0][i] +
+				 (double)rows[k]->bounce[1][i];
+		if (sum[1] > 0)
+			most = fmax(most,
+				    fabs(sum[0] / sum[1]) * p->receiver_weight / p->other_weight);
+		else if (sum[0] != 0)
+			return INFINITY;
+	}
+	return most;
+}
+
+/* The filter may leave a little less than nothing of a u. */
+static void keep_positive(const struct encode_samples *u, float *bounce, size_t count)
+{
+	for (size_t i = 0; u->bounce && i < count; i++)
+		bounce[i] = fmaxf(bounce[i], -u->direct[i]);
+}
+
+static void finish_difference(struct tile *tile)
+{
+	const struct tile_rows *with = &tile->rows[TILE_CHANGE];
+	const struct tile_rows *without = &tile->rows[TILE_WITHOUT];
+	const size_t size = tile_bounce_size(tile);
+	int kept = 0;
+
+	for (int at = 0; at < TILE_PIXELS; at++) {
+		struct tile_pixel *p = &tile->pixels[at];
+		const size_t row = (size_t)at * size;
+		double change;
+
+		if (!p->receiver || !p->changed)
+			continue;
+		subtract(without->direct + row, with->direct + row, size);
+		for (int half = 0; half < 2; half++) {
+			subtract(without->bounce[half] + row, with->bounce[half] + row, size);
+		}
+		change = largest_change(tile, at);
+		if (change <= tile->settings.ratio_cut) {
+			tile->ratio_error = fmax(tile->ratio_error, change);
+			p->changed = p->object > 0;
+			continue;
+		}
+		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, NULL);
+		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver_weight, NULL);
+		tile->change_pixel[kept++] = (uint16_t)at;
+	}
+	add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->change_pixel, kept);
+	add_part(tile, TILE_WITHOUT, BASIS_KIND_U, tile->change_pixel, kept);
+	if (kept)
+		keep_positive(&tile->part[tile->part_count - 1], without->bounce[0],
+			      (size_t)kept * size);
+}
+
+static void clear(struct tile *tile)
+{
+	memset(tile->pixels, 0, sizeof(tile->pixels));
+	tile->batches = tile->samples = tile->part_count = 0;
+	tile->half_samples[0] = tile->half_samples[1] = 0;
+	tile->ratio_error = 0;
+}
+
+void tile_render(struct tile *tile, int index)
+{
+	const struct tsai_camera *camera = &tile->scene->camera;
+	const int across = (camera->width + BASIS_TILE - 1) / BASIS_TILE;
+
+	tile->x = index % across * BASIS_TILE;
+	tile->y = index / across * BASIS_TILE;
+	tile->width = camera->width - tile->x < BASIS_TILE ? camera->width - tile->x : BASIS_TILE;
+	tile->height = camera->height - tile->y < BASIS_TILE ? camera->height - tile->y
+							     : BASIS_TILE;
+	clear(tile);
+	run_batches(tile);
+	for (int at = 0; at < TILE_PIXELS; at++)
+		tile->coverage[at] =
+			(uint16_t)lround(65535.0 * tile->pixels[at].object / tile->samples);
+	tile_glass_finish(tile);
+	finish_object(tile);
+	if (tile_has_standins(tile))
+		finish_difference(tile);
+	else
+		finish_shadow(tile);
+}

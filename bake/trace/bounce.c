@@ -1,0 +1,299 @@
+#include "bake/trace/bounce.h"
+
+#include <cblas.h>
+#include <errno.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/random.h"
+#include "bake/trace/bounce_aside.h"
+
+#define RANK_FEW 16 /* tried first: more are seldom needed */
+#define RANK_SPARE 4
+#define ITERATIONS 2
+/* A vector of which the other half knows less than this is noise. With R rows and C columns the
+ * cosine of pure noise is about 1 / (sqrt(R) + sqrt(C)). */
+#define WEIGHT_LEAST 0.05
+
+/* X is about sum over k of value[k] left[k] right[k]^T. */
+struct factors {
+	float *left;  /* [rank][rows] */
+	float *right; /* [rank][lights] */
+	float *value; /* [rank] */
+};
+
+/* The memory of struct bounce, dealt out. */
+struct scratch {
+	int rows, lights, rank;
+	float *start; /* [rank][lights]: random */
+	struct factors of[2];
+	float *left, *right;	   /* like those of factors */
+	float *tau;		   /* [rank] */
+	float *core, *turn, *back; /* [rank][rank] */
+	struct bounce_aside aside;
+};
+
+static size_t floats_needed(size_t lights)
+{
+	const size_t k = BOUNCE_RANK_MAX;
+
+	return 4 * k * lights + 3 * k * BOUNCE_ROWS_MAX + 3 * k + 3 * k * k +
+	       bounce_aside_floats(lights);
+}
+
+static struct scratch deal(const struct bounce *bounce)
+{
+	const size_t k = BOUNCE_RANK_MAX, lights = (size_t)bounce->lights;
+	struct scratch s = {.lights = bounce->lights};
+	float *next = bounce->memory;
+
+	s.start = next;
+	next += k * lights;
+	for (int half = 0; half < 2; half++) {
+		s.of[half].left = next;
+		next += k * BOUNCE_ROWS_MAX;
+		s.of[half].right = next;
+		next += k * lights;
+		s.of[half].value = next;
+		next += k;
+	}
+	s.left = next;
+	next += k * BOUNCE_ROWS_MAX;
+	s.right = next;
+	next += k * lights;
+	s.tau = next;
+	next += k;
+	s.core = next;
+	s.turn = s.core + k * k;
+	s.back = s.turn + k * k;
+	bounce_aside_open(&s.aside, lights, s.back + k * k);
+	return s;
+}
+
+int bounce_create(struct bounce *bounce, int lights)
+{
+	const size_t floats = (size_t)BOUNCE_RANK_MAX * (size_t)lights;
+
+	bounce->lights = lights;
+	bounce->memory = malloc(floats_needed((size_t)lights) * sizeof(float));
+	if (!bounce->memory)
+		return -ENOMEM;
+	for (size_t i = 0; i < floats; i++)
+		bounce->memory[i] = random_unit((uint32_t)random_hash(i, 0xb0ce, 0)) - 0.5f;
+	/* the bake has a thread for each processor already */
+	openblas_set_num_threads(1);
+	return 0;
+}
+
+void bounce_free(struct bounce *bounce)
+{
+	free(bounce->memory);
+	bounce->memory = NULL;
+}
+
+/* ---- leading singular vectors ---- */
+
+/* The columns of a column-major matrix become orthonormal. upper: the triangle, or NULL. */
+static int orthonormal(struct scratch *s, float *columns, int length, float *upper)
+{
+	const int k = s->rank;
+	int info = LAPACKE_sgeqrf(LAPACK_COL_MAJOR, length, k, columns, length, s->tau);
+
+	if (info)
+		return info;
+	for (int column = 0; upper && column < k; column++)
+		for (int row = 0; row < k; row++)
+			upper[column * k + row] =
+				row <= column
+					? columns[(size_t)column * (size_t)length + (size_t)row]
+					: 0;
+	return LAPACKE_sorgqr(LAPACK_COL_MAJOR, length, k, k, columns, length, s->tau);
+}
+
+static void times_rows(const struct scratch *s, const float *x, const float *right, float *left)
+{
+	cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, s->rank, s->rows, s->lights, 1, right,
+		    s->lights, x, s->lights, 0, left, s->rows);
+}
+
+static void times_columns(const struct scratch *s, const float *x, const float *left, float *right)
+{
+	cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, s->rank, s->lights, s->rows, 1, left,
+		    s->rows, x, s->lights, 0, right, s->lights);
+}
+
+/* By subspace iteration from random vectors (Halko, Martinsson and Tropp 2011). 0, or LAPACK's
+ * complaint. */
+static int factorise(struct scratch *s, const float *x, struct factors *out)
+{
+	const int k = s->rank;
+	int info;
+
+	times_rows(s, x, s->start, s->left);
+	info = orthonormal(s, s->left, s->rows, NULL);
+	for (int pass = 0; pass < ITERATIONS && !info; pass++) {
+		times_columns(s, x, s->left, s->right);
+		times_rows(s, x, s->right, s->left);
+		info = orthonormal(s, s->left, s->rows, NULL);
+	}
+	if (info)
+		return info;
+	times_columns(s, x, s->left, s->right);
+	info = orthonormal(s, s->right, s->lights, s->core);
+	if (!info)
+		info = LAPACKE_sgesdd(LAPACK_COL_MAJOR, 'A', k, k, s->core, k, out->value, s->turn,
+				      k, s->back, k);
+	if (info)
+		return info;
+	cblas_sgemm(CblasColMajor, CblasNoTrans, CblasTrans, s->rows, k, k, 1, s->left, s->rows,
+		    s->back, k, 0, out->left, s->rows);
+	cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, s->lights, k, k, 1, s->right,
+		    s->lights, s->turn, k, 0, out->right, s->lights);
+	return 0;
+}
+
+/* ---- what the other half knows ---- */
+
+/* How the halves are filtered, and what is known of the result. */
+struct verdict {
+	int kept;
+	double weight[BOUNCE_RANK_MAX];	  /* of half a bake's singular vectors; falling */
+	double found[2][BOUNCE_RANK_MAX]; /* left^T X right, X the other half */
+};
+
+static void find_weights(struct scratch *s, float *const half[2], struct verdict *v)
+{
+	const size_t lights = (size_t)s->lights;
+	double limit = 1;
+
+	for (int h = 0; h < 2; h++) {
+		times_columns(s, half[!h], s->of[h].left, s->right);
+		for (size_t k = 0; k < (size_t)s->rank; k++)
+			v->found[h][k] = bounce_dot(s->right + k * lights,
+						    s->of[h].right + k * lights, lights);
+	}
+	v->kept = 0;
+	for (int k = 0; k < s->rank; k++) {
+		const double own = (double)s->of[0].value[k] + (double)s->of[1].value[k];
+
+		limit = own > 0 ? fmin(limit, (v->found[0][k] + v->found[1][k]) / own) : 0;
+		if (limit < WEIGHT_LEAST)
+			break;
+		v->weight[v->kept++] = limit;
+	}
+}
+
+/* <A', B'> of the filtered halves. */
+static double filtered_dot(const struct scratch *s, const struct verdict *v)
+{
+	const size_t lights = (size_t)s->lights, rows = (size_t)s->rows;
+	double sum = 0;
+
+	for (size_t j = 0; j < (size_t)v->kept; j++)
+		for (size_t k = 0; k < (size_t)v->kept; k++)
+			sum += v->weight[j] * (double)s->of[0].value[j] * v->weight[k] *
+			       (double)s->of[1].value[k] *
+			       bounce_dot(s->of[0].left + j * rows, s->of[1].left + k * rows,
+					  rows) *
+			       bounce_dot(s->of[0].right + j * lights, s->of[1].right + k * lights,
+					  lights);
+	return sum;
+}
+
+/*
+ * The square of the error of the filtered mean, as far as the halves tell; aside: of what was set
+ * aside. Of the light that the filter takes away, what both halves show is <A - A', B - B'>, for
+ * their noise is independent. The noise of a mean is a quarter of |A - B|^2, A' and B' being what
+ * is left of them.
+ */
+static double filtered_error(const struct scratch *s, float *const half[2], const struct verdict *v,
+			     double aside)
+{
+	const size_t count = (size_t)s->rows * (size_t)s->lights;
+	const double together = filtered_dot(s, v);
+	double lost = bounce_dot(half[0], half[1], count) + together, apart = -2 * together;
+
+	for (int k = 0; k < v->kept; k++)
+		for (int h = 0; h < 2; h++) {
+			const double value = v->weight[k] * (double)s->of[h].value[k];
+
+			lost -= value * v->found[h][k];
+			apart += value * value;
+		}
+	return fmax(lost, 0) + apart / 4 + aside;
+}
+
+/* 0 when the verdict stands. */
+static int judge(struct scratch *s, float *const half[2], struct verdict *v)
+{
+	const int most = s->rows < s->lights ? s->rows : s->lights;
+	static const int ranks[] = {RANK_FEW, BOUNCE_RANK_MAX};
+
+	for (int k = 0; k < 2; k++) {
+		s->rank = ranks[k] < most ? ranks[k] : most;
+		for (int h = 0; h < 2; h++) {
+			const int info = factorise(s, half[h], &s->of[h]);
+
+			if (info)
+				return info;
+		}
+		find_weights(s, half, v);
+		if (s->rank == most || v->kept <= s->rank - RANK_SPARE)
+			break;
+	}
+	return 0;
+}
+
+/* ---- the filter ---- */
+
+static void take_mean(const struct bounce_halves *in, size_t lights)
+{
+	const float a = (float)in->share[0], b = (float)in->share[1];
+
+	for (size_t i = 0; i < (size_t)in->rows * lights; i++)
+		in->half[0][i] = a * in->half[0][i] + b * in->half[1][i];
+}
+
+/* The mean becomes its leading part. Weights are those of half a bake: if r of what is seen there
+ * is light, then 2 r / (1 + r) of what all of it shows (Spearman 1910, Brown 1910). */
+static int filter_mean(struct scratch *s, float *mean, const struct verdict *v)
+{
+	struct factors *f = &s->of[0];
+	const int info = factorise(s, mean, f);
+
+	if (info)
+		return info;
+	for (int k = 0; k < v->kept; k++)
+		cblas_sscal(s->rows, (float)(2 * v->weight[k] / (1 + v->weight[k])) * f->value[k],
+			    f->left + (size_t)k * (size_t)s->rows, 1);
+	cblas_sgemm(CblasRowMajor, CblasTrans, CblasNoTrans, s->rows, s->lights, v->kept, 1,
+		    f->left, s->rows, f->right, s->lights, 0, mean, s->lights);
+	return 0;
+}
+
+int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
+{
+	struct scratch s = deal(bounce);
+	const size_t lights = (size_t)bounce->lights;
+	struct verdict v = {.kept = 0};
+	double noise, aside;
+	int kept = -1;
+
+	s.rows = in->rows;
+	if (!bounce_set_aside(&s.aside, in, &noise, &aside)) {
+		take_mean(in, lights);
+		return -1;
+	}
+	if (!judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < noise)
+		kept = v.kept;
+	take_mean(in, lights);
+	if (kept == 0)
+		memset(in->half[0], 0, (size_t)in->rows * lights * sizeof(float));
+	else if (kept > 0 && filter_mean(&s, in->half[0], &v))
+		kept = -1;
+	bounce_put_back(&s.aside, in, kept >= 0);
+	return kept;
+}

@@ -1,0 +1,213 @@
+#include "bake/trace/cells.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "bake/base/random.h"
+
+/* Directions in a table: it should stay in the cache. */
+#define TABLE_MAX (1 << 18)
+/* Directions of a cell. All pixels share them, so that of a cell that is hidden in part about 1 /
+ * depth is seen wrongly, in every pixel alike. */
+#define DEPTH_MIN 32
+#define DEPTH_MAX (1 << 15)
+
+static struct v3 narrow(const double d[3])
+{
+	return v3_make((float)d[0], (float)d[1], (float)d[2]);
+}
+
+static float reach_of(const struct dome *dome, int light)
+{
+	const double reach = dome_light_reach_rad(dome, light);
+
+	return reach < M_PI / 2 ? (float)sin(reach) * 1.001f + 1e-6f : 1;
+}
+
+/* ---- directions ---- */
+
+/* Squares a side on which densities are taken as even: a cell hardly bends. */
+#define SQUARES 16
+
+/* How to turn the unit square so that dome_light_sample() yields directions by another density:
+ * along u by all[], then along v by the strip's own part[]. Sums from 0 to the total. */
+struct warp {
+	double all[SQUARES + 1];
+	double part[SQUARES][SQUARES + 1];
+};
+
+/* By the light's weight over solid angles, or, projected, over what flat ground sees of them. */
+static void make_warp(const struct dome *dome, int light, bool projected, struct warp *warp)
+{
+	warp->all[0] = 0;
+	for (int j = 0; j < SQUARES; j++) {
+		warp->part[j][0] = 0;
+		for (int k = 0; k < SQUARES; k++) {
+			double d[3], share;
+
+			dome_light_sample(dome, light, (j + 0.5) / SQUARES, (k + 0.5) / SQUARES, d);
+			share = projected ? d[2] : 1;
+			if (dome->shape == DOME_TENTS)
+				share *= dome_weight(dome, light, d) /
+					 dome_light_density(dome, light, d);
+			warp->part[j][k + 1] = warp->part[j][k] + share;
+		}
+		warp->all[j + 1] = warp->all[j] + warp->part[j][SQUARES];
+	}
+}
+
+/* Where in 0..1 the sums reach the share x of their total; *square: between which two. */
+static double reach_share(const double sum[SQUARES + 1], double x, int *square)
+{
+	const double want = x * sum[SQUARES];
+	int k = 0;
+
+	while (k < SQUARES - 1 && sum[k + 1] <= want)
+		k++;
+	*square = k;
+	return fmin((k + (want - sum[k]) / (sum[k + 1] - sum[k])) / SQUARES, 0x1.fffffep-1);
+}
+
+static void take_warped(const struct dome *dome, int light, const struct warp *warp,
+			const double point[2], double d[3])
+{
+	int strip, square;
+	const double u = reach_share(warp->all, point[0], &strip);
+
+	dome_light_sample(dome, light, u, reach_share(warp->part[strip], point[1], &square), d);
+}
+
+static void fill_directions(struct cells *cells, int place)
+{
+	const int cell = cells->order[place];
+	const uint64_t scramble = random_hash((uint64_t)cell, 0xce11, 0);
+	struct warp even, ground;
+
+	make_warp(cells->dome, cell, false, &even);
+	make_warp(cells->dome, cell, true, &ground);
+	for (int k = 0; k < cells->depth; k++) {
+		const size_t at = (size_t)k * (size_t)cells->count + (size_t)place;
+		double point[2], d[3];
+
+		sobol_point((uint32_t)k, scramble, point);
+		if (cells->dome->shape == DOME_CELLS) /* even already */
+			dome_light_sample(cells->dome, cell, point[0], point[1], d);
+		else
+			take_warped(cells->dome, cell, &even, point, d);
+		cells->uniform[at] = narrow(d);
+		take_warped(cells->dome, cell, &ground, point, d);
+		cells->ground[at] = narrow(d);
+	}
+}
+
+/* ---- order ---- */
+
+struct place {
+	uint32_t key;
+	int cell;
+};
+
+static int compare_places(const void *a, const void *b)
+{
+	const struct place *left = a, *right = b;
+
+	if (left->key != right->key)
+		return left->key < right->key ? -1 : 1;
+	return left->cell < right->cell ? -1 : 1;
+}
+
+/* How far along Hilbert's curve a point of a square of 2^15 a side lies. */
+static uint32_t hilbert(uint32_t x, uint32_t y)
+{
+	const uint32_t last = (UINT32_C(1) << 15) - 1;
+	uint32_t along = 0;
+
+	for (uint32_t s = UINT32_C(1) << 14; s; s >>= 1) {
+		const uint32_t right = (x & s) != 0, up = (y & s) != 0;
+
+		along += s * s * ((3 * right) ^ up);
+		if (!up) {
+			const uint32_t swap = x;
+
+			x = right ? last - y : y;
+			y = right ? last - swap : swap;
+		}
+	}
+	return along;
+}
+
+/* Along Hilbert's curve over the equal-area picture of the sky. */
+static int set_order(struct cells *cells)
+{
+	const size_t count = (size_t)cells->count;
+	struct place *places = malloc(count * sizeof(*places));
+
+	if (!places)
+		return -ENOMEM;
+	for (int i = 0; i < cells->count; i++) {
+		const struct v3 d = cells->node[i];
+		const float scale = 1 / sqrtf(1 + d.z);
+
+		places[i].cell = i;
+		places[i].key = hilbert((uint32_t)((d.x * scale + 1) * 16383.5f),
+					(uint32_t)((d.y * scale + 1) * 16383.5f));
+	}
+	qsort(places, count, sizeof(*places), compare_places);
+	for (size_t i = 0; i < count; i++)
+		cells->order[i] = places[i].cell;
+	free(places);
+	return 0;
+}
+
+/* ---- all of it ---- */
+
+int cells_create(struct cells *cells, const struct dome *dome)
+{
+	const size_t count = (size_t)dome->count;
+	size_t all;
+	int err;
+
+	*cells = (struct cells){.dome = dome, .count = dome->count, .depth = DEPTH_MAX};
+	while ((int64_t)cells->depth * cells->count > TABLE_MAX && cells->depth > DEPTH_MIN)
+		cells->depth /= 2;
+	all = count * (size_t)cells->depth;
+	cells->order = malloc(count * sizeof(*cells->order));
+	cells->node = malloc(count * sizeof(*cells->node));
+	cells->sr = malloc(count * sizeof(*cells->sr));
+	cells->share = malloc(count * sizeof(*cells->share));
+	cells->reach = malloc(count * sizeof(*cells->reach));
+	cells->uniform = malloc(all * sizeof(*cells->uniform));
+	cells->ground = malloc(all * sizeof(*cells->ground));
+	if (!cells->order || !cells->node || !cells->sr || !cells->share || !cells->reach ||
+	    !cells->uniform || !cells->ground) {
+		cells_free(cells);
+		return -ENOMEM;
+	}
+	for (int i = 0; i < cells->count; i++) {
+		cells->node[i] = narrow(dome->direction[i]);
+		cells->sr[i] = (float)dome->solid_angle_sr[i];
+		cells->share[i] = (float)(dome->projected_sr[i] / M_PI);
+		cells->reach[i] = reach_of(dome, i);
+	}
+	err = set_order(cells);
+	if (err) {
+		cells_free(cells);
+		return err;
+	}
+	for (int place = 0; place < cells->count; place++)
+		fill_directions(cells, place);
+	return 0;
+}
+
+void cells_free(struct cells *cells)
+{
+	free(cells->order);
+	free(cells->node);
+	free(cells->sr);
+	free(cells->share);
+	free(cells->reach);
+	free(cells->uniform);
+	free(cells->ground);
+	*cells = (struct cells){.count = 0};
+}

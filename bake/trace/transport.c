@@ -1,0 +1,552 @@
+#include "bake/trace/transport.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PIXEL_STEP UINT32_C(0x632be5ab) /* between the keys of one path's surfaces */
+#define DIRECTIONS_MIN 32
+#define DIRECTIONS_MAX 256
+/* Surfaces up to this one look at every cell; a fan of fewer rays misses most small lamps. */
+#define ALL_CELLS_DEPTH 1
+#define GLASS_MAX 32 /* glass surfaces in a row */
+/* A path of less weight than this lives on with a chance in proportion (Russian roulette). */
+#define WEIGHT_SURE 0.02f
+
+/* A direction in which a path goes on, and the weight it carries. */
+struct onward {
+	struct v3 direction;
+	float weight;
+};
+
+/* Directions outside it cannot meet a mesh. */
+struct cone {
+	struct v3 axis;
+	float cosine;
+};
+
+static void add_path(struct transport *t, enum presence presence, const struct surface *s,
+		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows);
+
+/* ---- setting up ---- */
+
+static void fill_fans(struct transport *t)
+{
+	for (uint32_t fan = 0; fan < TRANSPORT_FANS; fan++) {
+		const uint64_t scramble = random_hash(fan, 0xfa2, 0);
+
+		for (uint32_t k = 0; k < (uint32_t)t->directions; k++) {
+			const uint32_t a = sobol_first(k) ^ (uint32_t)scramble;
+			const uint32_t b = sobol_second(k) ^ (uint32_t)(scramble >> 32);
+
+			t->fan[fan * (uint32_t)t->directions + k] =
+				hemisphere_cosine(v3_make(0, 0, 1), random_unit(a), random_unit(b));
+		}
+	}
+}
+
+int transport_create(struct transport *t, const struct world *world, const struct cells *cells,
+		     int bounces)
+{
+	int err;
+
+	*t = (struct transport){.world = world, .cells = cells, .bounces = bounces};
+	t->directions = DIRECTIONS_MIN;
+	while (t->directions < cells->count / 8 && t->directions < DIRECTIONS_MAX)
+		t->directions *= 2;
+	err = ray_batch_create(&t->rays);
+	if (err)
+		return err;
+	t->cell = malloc(WORLD_RAYS_MAX * sizeof(*t->cell));
+	t->value = malloc((size_t)cells->count * sizeof(*t->value));
+	t->fan = malloc((size_t)TRANSPORT_FANS * (size_t)t->directions * sizeof(*t->fan));
+	if (!t->cell || !t->value || !t->fan) {
+		transport_free(t);
+		return -ENOMEM;
+	}
+	fill_fans(t);
+	return 0;
+}
+
+void transport_free(struct transport *t)
+{
+	ray_batch_free(&t->rays);
+	free(t->cell);
+	free(t->value);
+	free(t->fan);
+	*t = (struct transport){.bounces = 0};
+}
+
+void transport_begin(struct transport *t, uint64_t seed, uint32_t pixel, uint32_t sample)
+{
+	const uint64_t choice = random_hash(seed, pixel, 0xc401ce);
+	const uint64_t below = random_hash(seed, pixel, 0xbe10);
+
+	t->random.state = random_hash(seed, pixel, sample);
+	t->pixel = (uint32_t)random_hash(seed, pixel, 0x5eed);
+	t->sample = sample;
+	t->choice = random_unit(sobol_first(sobol_shuffle(sample, (uint32_t)choice)) ^
+				(uint32_t)(choice >> 32));
+	sobol_point(sobol_shuffle(sample, (uint32_t)random_mix(below)), below, t->below);
+}
+
+/* ---- parts ---- */
+
+static struct cone cone_of(const struct bounds *bounds, struct v3 from)
+{
+	const struct v3 to = v3_sub(bounds->centre, from);
+	const float distance = v3_length(to);
+	struct cone cone = {{0, 0, 1}, -2};
+
+	if (bounds->radius < 0) {
+		cone.cosine = 2;
+	} else if (distance > bounds->radius) {
+		const float sine = bounds->radius / distance;
+
+		cone.axis = v3_scale(to, 1 / distance);
+		cone.cosine = sqrtf(1 - sine * sine) - 1e-5f;
+	}
+	return cone;
+}
+
+static void push_ray(struct transport *t, struct v3 d, int id)
+{
+	const int at = t->rays.count++;
+
+	t->rays.x[at] = d.x;
+	t->rays.y[at] = d.y;
+	t->rays.z[at] = d.z;
+	t->cell[at] = id;
+}
+
+static struct v3 pushed_ray(const struct transport *t, int at)
+{
+	return v3_make(t->rays.x[at], t->rays.y[at], t->rays.z[at]);
+}
+
+static void trace_rays(struct transport *t, enum presence presence, struct v3 origin)
+{
+	world_occluded(t->world, presence, origin, &t->rays);
+	t->ray_count += (uint64_t)t->rays.count;
+}
+
+/*
+ * One of a stream of candidates, with a chance in proportion to its weight; the choice carries the
+ * sum. The chance of each hangs on its own id, so that two streams that differ in few candidates
+ * mostly choose the same.
+ */
+static void offer(struct onward *onward, struct v3 direction, float weight, uint32_t key,
+		  uint32_t id)
+{
+	onward->weight += weight;
+	if (random_unit(random_hash32(key ^ (id * UINT32_C(0x9e3779b1)))) * onward->weight < weight)
+		onward->direction = direction;
+}
+
+/*
+ * The same among the blocked rays of the batch, whose weights are in value[], and one more
+ * candidate. At the first surface the choices of a pixel's samples are spread evenly over all of
+ * them: they lie in the order of the sky, so that the second surfaces are well spread too. Not so
+ * where two streams are compared: there neighbours that take each other's place would be noise.
+ */
+static struct onward choose(struct transport *t, int depth, struct v3 other, float other_weight)
+{
+	const bool spread = depth == 0 && !t->compared;
+	const uint32_t key = (uint32_t)random_bits(&t->random);
+	struct onward onward = {.weight = 0};
+	float total = other_weight, sum = 0;
+
+	for (int k = 0; k < t->rays.count; k++)
+		if (t->rays.blocked[k])
+			total += t->value[t->cell[k]];
+	for (int k = 0; k < t->rays.count; k++) {
+		const int cell = t->cell[k];
+
+		if (!t->rays.blocked[k])
+			continue;
+		if (!spread) {
+			offer(&onward, pushed_ray(t, k), t->value[cell], key, (uint32_t)cell);
+			continue;
+		}
+		if (sum <= t->choice * total)
+			onward.direction = pushed_ray(t, k);
+		sum += t->value[cell];
+	}
+	if (!spread)
+		offer(&onward, other, other_weight, key, UINT32_MAX);
+	else if (other_weight > 0 && sum <= t->choice * total)
+		onward.direction = other;
+	onward.weight = total;
+	return onward;
+}
+
+/*
+ * Cosine-weighted direction around n that points below the horizon: of the unit disc onto which
+ * the hemisphere projects, the part beyond the ellipse of the horizon. Across the slope the disc
+ * is as it was; down the slope what remains of each chord is stretched over all of it.
+ */
+static struct v3 direction_below(struct v3 n, float u, float v)
+{
+	/* Of a surface that looks straight down every way is down the slope. */
+	const float level = hypotf(n.x, n.y);
+	const float x = level > 0 ? n.x / level : 1, y = level > 0 ? n.y / level : 0;
+	const struct v3 down = v3_make(x * n.z, y * n.z, -level), across = v3_cross(n, down);
+	float a, b, chord;
+
+	disc_from_square(u, v, &a, &b);
+	chord = sqrtf(fmaxf(1 - b * b, 1e-12f));
+	a = chord * (n.z + (1 - n.z) * 0.5f * (fminf(fmaxf(a / chord, -1), 1) + 1));
+	return v3_from_frame(v3_make(a, b, sqrtf(fmaxf(1 - a * a - b * b, 0))), down, across, n);
+}
+
+/* The share of a cosine-weighted hemisphere around n that lies below the horizon. */
+static float share_below(struct v3 n)
+{
+	return n.z < 1 - 1e-6f ? 0.5f * (1 - n.z) : 0;
+}
+
+static void deposit_values(const struct transport *t, struct rgb weight, float *row)
+{
+	const int count = t->cells->count;
+	const float *restrict value = t->value;
+
+	for (int c = 0; c < 3; c++) {
+		float *restrict out = row + (size_t)c * (size_t)count;
+		const float w = weight.c[c];
+
+		if (w != 0)
+			for (int i = 0; i < count; i++)
+				out[i] += w * value[i];
+	}
+}
+
+static void deposit(const struct transport *t, int cell, struct rgb weight, float *row)
+{
+	for (int c = 0; c < 3; c++)
+		row[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight.c[c];
+}
+
+/* What comes from a direction of the sky, to the lights that share it. */
+static void deposit_sky(const struct transport *t, struct v3 direction, struct rgb weight,
+			float *row)
+{
+	float share[3];
+	int light[3];
+	const int count = cells_weights(t->cells, direction, light, share);
+
+	for (int k = 0; k < count; k++)
+		deposit(t, light[k], rgb_scale(weight, share[k]), row);
+}
+
+/* Rays to the cells help a coat whose lobe is wider than a cell; a narrower one they hardly ever
+ * meet, and it is left to its own rays. */
+static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
+{
+	return bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
+}
+
+/* ---- the first surfaces: a ray to every cell ---- */
+
+/* One direction in each cell above the surface: value[] gets what a Lambertian white surface would
+ * make of it, and rays[] those that may be blocked. */
+static void aim_at_cells(struct transport *t, const struct surface *s, float cos_o,
+			 const struct cone *cone, int depth)
+{
+	const struct cells *cells = t->cells;
+	const uint32_t pixel = t->pixel + (uint32_t)depth * PIXEL_STEP;
+	const bool flat = s->kind == SURFACE_GROUND;
+	/* Later surfaces take the samples in another order: their directions are not to know which
+	 * direction led there. */
+	const uint32_t sample = depth ? sobol_shuffle(t->sample, pixel) : t->sample;
+	const struct v3 *row = cells_pick(cells, flat ? cells->ground : cells->uniform, pixel,
+					  sample);
+
+	t->rays.count = 0;
+	for (int k = 0; k < cells->count; k++) {
+		const struct v3 d = row[k];
+		const int i = cells->order[k];
+		float cos_i;
+
+		t->value[i] = 0;
+		if (v3_dot(s->normal, cells->node[i]) < -cells->reach[i])
+			continue;
+		cos_i = v3_dot(s->normal, d);
+		if (cos_i <= 0 || v3_dot(s->geometric, d) <= 0)
+			continue;
+		t->value[i] = flat ? cells->share[i]
+				   : cells->sr[i] * cos_i * (1 / PI_F) *
+					      bsdf_base(&s->bsdf, cos_o, cos_i);
+		if (v3_dot(cone->axis, d) >= cone->cosine)
+			push_ray(t, d, i);
+	}
+}
+
+/* The coat's share of the rays that got through: the balance heuristic between one ray a cell
+ * (of density weight/sr) and rays drawn from the coat itself. */
+static void add_coat_by_cells(struct transport *t, const struct surface *s, struct v3 wo,
+			      struct rgb weight, float *row)
+{
+	for (int k = 0; k < t->rays.count; k++) {
+		const int cell = t->cell[k];
+		float density, share;
+		struct rgb f;
+
+		if (t->rays.blocked[k])
+			continue;
+		f = bsdf_coat(&s->bsdf, s->normal, wo, pushed_ray(t, k), &density);
+		share = rgb_peak(f) > 0 ? cells_weight(t->cells, cell, pushed_ray(t, k)) : 0;
+		if (share > 0)
+			deposit(t, cell,
+				rgb_scale(rgb_mul(weight, f),
+					  share / (share / t->cells->sr[cell] + density)),
+				row);
+	}
+}
+
+static struct onward spread_to_cells(struct transport *t, enum presence presence,
+				     const struct surface *s, struct v3 wo, struct rgb weight,
+				     int depth, float *row)
+{
+	const struct bounds bounds = world_bounds(t->world, presence);
+	const bool glossy = s->bsdf.kind == MATERIAL_GLOSSY;
+	const struct cone everywhere = {{0, 0, 1}, -2};
+	const struct cone cone = glossy ? everywhere : cone_of(&bounds, s->position);
+	const float cos_o = v3_dot(s->normal, wo), below = share_below(s->normal);
+	struct v3 down = {0, 0, 0};
+	float weight_down = 0;
+	struct onward onward;
+
+	aim_at_cells(t, s, cos_o, &cone, depth);
+	trace_rays(t, presence, surface_leave(s, s->geometric));
+	if (below > 0) {
+		const float u = depth ? random_next(&t->random) : (float)t->below[0];
+		const float v = depth ? random_next(&t->random) : (float)t->below[1];
+
+		down = direction_below(s->normal, u, v);
+		weight_down = below * bsdf_base(&s->bsdf, cos_o, fmaxf(v3_dot(s->normal, down), 0));
+	}
+	onward = choose(t, depth, down, weight_down);
+	for (int k = 0; k < t->rays.count; k++)
+		if (t->rays.blocked[k])
+			t->value[t->cell[k]] = 0;
+	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
+	if (glossy && coat_is_wide(t, &s->bsdf))
+		add_coat_by_cells(t, s, wo, weight, row);
+	return onward;
+}
+
+/* ---- further surfaces: a few rays ---- */
+
+static struct onward spread_fan(struct transport *t, enum presence presence,
+				const struct surface *s, struct v3 wo, struct rgb weight,
+				float *row)
+{
+	const struct bounds bounds = world_bounds(t->world, presence);
+	const struct cone cone = cone_of(&bounds, s->position);
+	const float cos_o = v3_dot(s->normal, wo), each = 1.0f / (float)t->directions;
+	const struct rgb colour = rgb_mul(weight, s->bsdf.colour);
+	const uint64_t bits = random_bits(&t->random);
+	const struct v3 *fan = t->fan + (bits & (TRANSPORT_FANS - 1)) * (uint64_t)t->directions;
+	const float turn = 2 * PI_F * random_unit((uint32_t)(bits >> 32));
+	const float turn_cos = cosf(turn), turn_sin = sinf(turn);
+	const uint32_t key = (uint32_t)(bits >> 16);
+	struct onward onward = {.weight = 0};
+	struct v3 a, b, x, y;
+
+	v3_frame(s->normal, &a, &b);
+	x = v3_mad(v3_scale(a, turn_cos), turn_sin, b);
+	y = v3_mad(v3_scale(b, turn_cos), -turn_sin, a);
+	t->rays.count = 0;
+	for (int k = 0; k < t->directions; k++) {
+		const struct v3 d = v3_from_frame(fan[k], x, y, s->normal);
+		const float value = each * bsdf_base(&s->bsdf, cos_o, fan[k].z);
+
+		if (v3_dot(s->geometric, d) <= 0)
+			continue;
+		if (d.z < 0)
+			offer(&onward, d, value, key, (uint32_t)k);
+		else if (v3_dot(cone.axis, d) < cone.cosine)
+			deposit_sky(t, d, rgb_scale(colour, value), row);
+		else
+			push_ray(t, d, k);
+	}
+	trace_rays(t, presence, surface_leave(s, s->geometric));
+	for (int k = 0; k < t->rays.count; k++) {
+		const struct v3 d = pushed_ray(t, k);
+		const float value = each * bsdf_base(&s->bsdf, cos_o, fan[t->cell[k]].z);
+
+		if (t->rays.blocked[k])
+			offer(&onward, d, value, key, (uint32_t)t->cell[k]);
+		else
+			deposit_sky(t, d, rgb_scale(colour, value), row);
+	}
+	return onward;
+}
+
+/* ---- going on ---- */
+
+/* A path carries on from s: into the sky, or to the next surface. */
+static void follow(struct transport *t, enum presence presence, const struct surface *s,
+		   struct v3 direction, struct rgb weight, int depth,
+		   const struct transport_rows *rows)
+{
+	const float peak = rgb_peak(weight);
+	struct surface next;
+
+	if (depth > t->bounces || peak == 0)
+		return;
+	if (peak < WEIGHT_SURE) {
+		if (random_next(&t->random) * WEIGHT_SURE >= peak)
+			return;
+		weight = rgb_scale(weight, WEIGHT_SURE / peak);
+	}
+	t->ray_count++;
+	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next))
+		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, rows);
+}
+
+/* The coat's own ray. False when it ended in the sky or below the surface; else the weight with
+ * which it goes on. shared: the cells had their share (see above). */
+static bool sample_coat(struct transport *t, enum presence presence, const struct surface *s,
+			struct v3 wo, struct rgb weight, bool shared, struct surface *next,
+			struct v3 *wi, struct rgb *onward, float *row)
+{
+	float density, share[3];
+	int light[3], count;
+	struct rgb f;
+
+	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, &t->random, wi) ||
+	    v3_dot(s->geometric, *wi) <= 0)
+		return false;
+	f = bsdf_coat(&s->bsdf, s->normal, wo, *wi, &density);
+	if (density <= 0)
+		return false;
+	f = rgb_mul(weight, f);
+	t->ray_count++;
+	if (world_nearest(t->world, presence, surface_leave(s, *wi), *wi, next)) {
+		*onward = rgb_scale(f, 1 / density);
+		return true;
+	}
+	count = cells_weights(t->cells, *wi, light, share);
+	for (int k = 0; k < count; k++)
+		deposit(t, light[k],
+			rgb_scale(f, share[k] / (density +
+						 (shared ? share[k] / t->cells->sr[light[k]] : 0))),
+			row);
+	return false;
+}
+
+/* Through glass until something else is met. False when the path has ended. */
+static bool pass_glass(struct transport *t, enum presence presence, struct surface *s,
+		       struct v3 *wo, struct rgb *weight, float *row)
+{
+	for (int k = 0; s->bsdf.kind == MATERIAL_GLASS; k++) {
+		struct rgb tint;
+		const struct v3 d = bsdf_glass_sample(&s->bsdf, s->normal, s->outer, *wo,
+						      &t->random, &tint);
+		struct surface next;
+
+		if (k == GLASS_MAX)
+			return false;
+		*weight = rgb_mul(*weight, tint);
+		t->ray_count++;
+		if (!world_nearest(t->world, presence, surface_leave(s, d), d, &next)) {
+			deposit_sky(t, d, *weight, row);
+			return false;
+		}
+		*s = next;
+		*wo = v3_scale(d, -1);
+	}
+	return true;
+}
+
+static void add_path(struct transport *t, enum presence presence, const struct surface *at,
+		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows)
+{
+	float *const row = depth == 0 ? rows->direct : rows->bounce;
+	struct surface s = *at, mirrored;
+	struct rgb base, coat = {{0, 0, 0}};
+	struct onward onward;
+	struct v3 wi;
+	bool all, shared;
+
+	if (!pass_glass(t, presence, &s, &wo, &weight, row))
+		return;
+	all = depth <= ALL_CELLS_DEPTH;
+	onward = all ? spread_to_cells(t, presence, &s, wo, weight, depth, row)
+		     : spread_fan(t, presence, &s, wo, weight, row);
+	base = rgb_scale(rgb_mul(weight, s.bsdf.colour), onward.weight);
+	shared = all && coat_is_wide(t, &s.bsdf);
+	if (s.bsdf.kind != MATERIAL_GLOSSY ||
+	    !sample_coat(t, presence, &s, wo, weight, shared, &mirrored, &wi, &coat, row)) {
+		follow(t, presence, &s, onward.direction, base, depth + 1, rows);
+		return;
+	}
+	/* two ways on: both from the first surface, later one of them by chance */
+	if (depth > 0) {
+		const float share = rgb_peak(coat) / fmaxf(rgb_peak(coat) + rgb_peak(base), 1e-30f);
+
+		if (random_next(&t->random) < share) {
+			coat = rgb_scale(coat, 1 / share);
+			base = rgb_make(0, 0, 0);
+		} else {
+			base = rgb_scale(base, 1 / (1 - share));
+			coat = rgb_make(0, 0, 0);
+		}
+	}
+	if (depth < t->bounces && rgb_peak(coat) > 0)
+		add_path(t, presence, &mirrored, v3_scale(wi, -1), coat, depth + 1, rows);
+	follow(t, presence, &s, onward.direction, base, depth + 1, rows);
+}
+
+void transport_add(struct transport *t, enum presence presence, const struct surface *surface,
+		   struct v3 wo, struct rgb weight, const struct transport_rows *rows)
+{
+	t->compared = surface->kind != SURFACE_OBJECT;
+	add_path(t, presence, surface, wo, weight, 0, rows);
+}
+
+void transport_add_sky(struct transport *t, struct v3 direction, struct rgb weight,
+		       const struct transport_rows *rows)
+{
+	deposit_sky(t, direction, weight, rows->direct);
+}
+
+/* ---- shadow on flat ground ---- */
+
+bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
+			  const struct transport_rows *rows)
+{
+	const struct cells *cells = t->cells;
+	const struct bounds bounds = world_bounds(t->world, WITH_OBJECTS);
+	const struct cone cone = cone_of(&bounds, position);
+	const struct surface ground = {
+		.kind = SURFACE_GROUND,
+		.position = position,
+		.normal = {0, 0, 1},
+		.geometric = {0, 0, 1},
+	};
+	const struct v3 *row = cells_pick(cells, cells->ground, t->pixel, t->sample);
+	struct onward onward;
+
+	t->compared = false;
+	t->rays.count = 0;
+	for (int k = 0; k < cells->count; k++)
+		if (v3_dot(cone.axis, row[k]) >= cone.cosine)
+			push_ray(t, row[k], cells->order[k]);
+	trace_rays(t, WITH_OBJECTS, position);
+	for (int k = 0; k < t->rays.count; k++) {
+		const int cell = t->cell[k];
+
+		t->value[cell] = cells->share[cell];
+		if (t->rays.blocked[k])
+			rows->direct[cell] += weight;
+	}
+	onward = choose(t, 0, v3_make(0, 0, 0), 0);
+	if (onward.weight == 0)
+		return false;
+	weight *= -onward.weight;
+	follow(t, WITH_OBJECTS, &ground, onward.direction, rgb_make(weight, weight, weight), 1,
+	       rows);
+	return true;
+}

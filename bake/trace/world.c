@@ -1,0 +1,398 @@
+#include "bake/trace/world.h"
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PACKET 16
+/* A few units in the last place of the largest coordinate around. */
+#define OFFSET_SCALE 4e-6f
+
+struct instance {
+	const struct mesh_part *part;
+	const struct material *material;
+	enum surface_kind kind;
+};
+
+struct world {
+	RTCDevice device;
+	RTCScene scene[PRESENCE_COUNT];
+	struct bounds bounds[PRESENCE_COUNT];
+	struct instance *instances; /* by geometry number, the same in both scenes */
+	unsigned instance_count;
+	float size; /* largest coordinate of any mesh */
+	bool ground, standins;
+	struct rgb albedo;
+	float extent2; /* squared radius of the ground; infinite without end */
+};
+
+/*
+ * The three questions asked of Embree, whose arguments 4.0 changed. By default both take rays as
+ * incoherent; called coherent they take half as long again: a whole sky of directions is not.
+ */
+#if RTC_VERSION_MAJOR >= 4
+static void intersect(RTCScene scene, struct RTCRayHit *r)
+{
+	rtcIntersect1(scene, r, NULL);
+}
+
+static void occlude(RTCScene scene, struct RTCRay *r)
+{
+	rtcOccluded1(scene, r, NULL);
+}
+
+static void occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
+{
+	rtcOccluded16(valid, scene, r, NULL);
+}
+#else
+static void intersect(RTCScene scene, struct RTCRayHit *r)
+{
+	struct RTCIntersectContext context;
+
+	rtcInitIntersectContext(&context);
+	rtcIntersect1(scene, &context, r);
+}
+
+static void occlude(RTCScene scene, struct RTCRay *r)
+{
+	struct RTCIntersectContext context;
+
+	rtcInitIntersectContext(&context);
+	rtcOccluded1(scene, &context, r);
+}
+
+static void occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
+{
+	struct RTCIntersectContext context;
+
+	rtcInitIntersectContext(&context);
+	rtcOccluded16(valid, scene, &context, r);
+}
+#endif
+
+static const struct material plain = {
+	.kind = MATERIAL_DIFFUSE,
+	.colour = {{0.8f, 0.8f, 0.8f}},
+	.ior = 1.5f,
+};
+
+int world_create(struct world **out, struct fault *fault)
+{
+	struct world *world = calloc(1, sizeof(*world));
+
+	if (!world)
+		return fault_say(fault, -ENOMEM, "out of memory for the scene");
+	/* one thread builds, so that the same meshes make the same tree */
+	world->device = rtcNewDevice("threads=1");
+	if (!world->device) {
+		free(world);
+		return fault_say(fault, -ENODEV, "the ray tracer does not start (error %d)",
+				 (int)rtcGetDeviceError(NULL));
+	}
+	for (int k = 0; k < PRESENCE_COUNT; k++) {
+		world->scene[k] = rtcNewScene(world->device);
+		rtcSetSceneFlags(world->scene[k], RTC_SCENE_FLAG_ROBUST);
+		rtcSetSceneBuildQuality(world->scene[k], RTC_BUILD_QUALITY_HIGH);
+		world->bounds[k].radius = -1;
+	}
+	*out = world;
+	return 0;
+}
+
+static int add_part(struct world *world, const struct mesh_part *part, struct fault *fault)
+{
+	RTCGeometry g = rtcNewGeometry(world->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+	const enum surface_kind kind = world->instances[world->instance_count].kind;
+
+	if (!g)
+		return fault_say(fault, -ENOMEM, "out of memory for the scene");
+	rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, part->position,
+				   0, sizeof(*part->position), (size_t)part->vertices);
+	rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, part->index, 0,
+				   sizeof(*part->index), (size_t)part->triangles);
+	rtcCommitGeometry(g);
+	rtcAttachGeometryByID(world->scene[WITH_OBJECTS], g, world->instance_count);
+	if (kind == SURFACE_STANDIN)
+		rtcAttachGeometryByID(world->scene[WITHOUT_OBJECTS], g, world->instance_count);
+	rtcReleaseGeometry(g);
+	for (int i = 0; i < part->vertices; i++)
+		for (int axis = 0; axis < 3; axis++)
+			world->size = fmaxf(world->size, fabsf(part->position[i][axis]));
+	world->instance_count++;
+	return 0;
+}
+
+int world_add(struct world *world, const struct mesh *mesh, const struct material *material,
+	      enum surface_kind kind, struct fault *fault)
+{
+	const size_t count = world->instance_count + (size_t)mesh->part_count;
+	struct instance *grown = realloc(world->instances, (count + 1) * sizeof(*grown));
+
+	if (!grown)
+		return fault_say(fault, -ENOMEM, "out of memory for the scene");
+	world->instances = grown;
+	for (int k = 0; k < mesh->part_count; k++) {
+		const struct mesh_part *part = &mesh->parts[k];
+		struct instance *instance = &world->instances[world->instance_count];
+		int err;
+
+		instance->part = part;
+		instance->kind = kind;
+		instance->material = material;
+		if (!material)
+			instance->material = part->material < mesh->material_count
+						     ? &mesh->materials[part->material]
+						     : &plain;
+		err = add_part(world, part, fault);
+		if (err)
+			return err;
+	}
+	world->standins |= kind == SURFACE_STANDIN;
+	return 0;
+}
+
+void world_ground(struct world *world, struct rgb albedo, double extent)
+{
+	world->ground = true;
+	world->albedo = albedo;
+	world->extent2 = extent > 0 ? (float)(extent * extent) : INFINITY;
+}
+
+static struct bounds bounds_of(RTCScene scene)
+{
+	struct RTCBounds box;
+	struct bounds b;
+	struct v3 half;
+
+	rtcGetSceneBounds(scene, &box);
+	half = v3_scale(v3_make(box.upper_x - box.lower_x, box.upper_y - box.lower_y,
+				box.upper_z - box.lower_z),
+			0.5f);
+	b.centre = v3_add(v3_make(box.lower_x, box.lower_y, box.lower_z), half);
+	b.radius = v3_length(half) * 1.0001f + 1e-6f;
+	return b;
+}
+
+int world_commit(struct world *world, struct fault *fault)
+{
+	enum RTCError err;
+
+	for (int k = 0; k < PRESENCE_COUNT; k++) {
+		rtcCommitScene(world->scene[k]);
+		if (k == WITH_OBJECTS ? world->instance_count > 0 : world->standins)
+			world->bounds[k] = bounds_of(world->scene[k]);
+	}
+	err = rtcGetDeviceError(world->device);
+	if (err != RTC_ERROR_NONE)
+		return fault_say(fault, err == RTC_ERROR_OUT_OF_MEMORY ? -ENOMEM : -EIO,
+				 "the ray tracer cannot build the scene (error %d)", (int)err);
+	return 0;
+}
+
+bool world_has_ground(const struct world *world)
+{
+	return world->ground;
+}
+
+bool world_has_standins(const struct world *world)
+{
+	return world->standins;
+}
+
+struct rgb world_ground_albedo(const struct world *world)
+{
+	return world->albedo;
+}
+
+struct bounds world_bounds(const struct world *world, enum presence presence)
+{
+	return world->bounds[presence];
+}
+
+/* ---- one ray ---- */
+
+/* Distance to the ground, or infinity. What leaves the underside of a mesh that stands on the
+ * ground starts a little below it, and is there. */
+static float ground_distance(const struct world *world, struct v3 origin, struct v3 direction)
+{
+	float t, x, y;
+
+	if (!world->ground || direction.z >= 0 || origin.z < -2 * OFFSET_SCALE * world->size)
+		return INFINITY;
+	t = fmaxf(-origin.z / direction.z, 0);
+	x = origin.x + t * direction.x;
+	y = origin.y + t * direction.y;
+	return x * x + y * y <= world->extent2 ? t : INFINITY;
+}
+
+static void ground_surface(const struct world *world, struct v3 origin, struct v3 direction,
+			   float t, struct surface *s)
+{
+	*s = (struct surface){
+		.kind = SURFACE_GROUND,
+		.position = v3_mad(origin, t, direction),
+		.normal = {0, 0, 1},
+		.geometric = {0, 0, 1},
+		.outer = true,
+		.bsdf = {.kind = MATERIAL_DIFFUSE, .colour = world->albedo},
+	};
+	s->position.z = 0;
+}
+
+/* The hit point is taken from the triangle, not the ray: its error does not grow with distance. */
+static void mesh_surface(const struct world *world, struct v3 direction, const struct RTCRayHit *r,
+			 struct surface *s)
+{
+	const struct instance *instance = &world->instances[r->hit.geomID];
+	const struct mesh_part *part = instance->part;
+	const uint32_t *corner = part->index[r->hit.primID];
+	const float weight[3] = {1 - r->hit.u - r->hit.v, r->hit.u, r->hit.v};
+	struct v3 position = {0, 0, 0}, normal = {0, 0, 0};
+	float u = 0, v = 0;
+
+	for (int k = 0; k < 3; k++) {
+		const float *p = part->position[corner[k]];
+
+		position = v3_mad(position, weight[k], v3_make(p[0], p[1], p[2]));
+		normal = v3_mad(normal, weight[k], part->normal[corner[k]]);
+		if (part->uv) {
+			u += weight[k] * part->uv[corner[k]][0];
+			v += weight[k] * part->uv[corner[k]][1];
+		}
+	}
+	s->kind = instance->kind;
+	s->position = position;
+	s->geometric = v3_unit(v3_make(r->hit.Ng_x, r->hit.Ng_y, r->hit.Ng_z));
+	s->outer = v3_dot(s->geometric, direction) < 0;
+	if (!s->outer)
+		s->geometric = v3_scale(s->geometric, -1);
+	if (v3_dot(normal, s->geometric) < 0)
+		normal = v3_scale(normal, -1);
+	s->normal = v3_unit(normal);
+	/* a smoothed normal that leans away from the viewer has no light to send there */
+	if (v3_dot(s->normal, direction) >= -1e-4f || v3_dot(normal, normal) == 0)
+		s->normal = s->geometric;
+	s->offset = OFFSET_SCALE * world->size;
+	s->bsdf = material_at(instance->material, u, v);
+}
+
+bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,
+		   struct v3 direction, struct surface *surface)
+{
+	struct RTCRayHit r;
+	const float ground = ground_distance(world, origin, direction);
+
+	memset(&r, 0, sizeof(r));
+	r.ray.org_x = origin.x;
+	r.ray.org_y = origin.y;
+	r.ray.org_z = origin.z;
+	r.ray.dir_x = direction.x;
+	r.ray.dir_y = direction.y;
+	r.ray.dir_z = direction.z;
+	r.ray.tfar = ground;
+	r.ray.mask = ~0u;
+	r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+	r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+	intersect(world->scene[presence], &r);
+	if (r.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
+		mesh_surface(world, direction, &r, surface);
+		return true;
+	}
+	if (ground < INFINITY) {
+		ground_surface(world, origin, direction, ground, surface);
+		return true;
+	}
+	return false;
+}
+
+bool world_blocked(const struct world *world, enum presence presence, struct v3 origin,
+		   struct v3 direction)
+{
+	struct RTCRay r = {
+		.org_x = origin.x,
+		.org_y = origin.y,
+		.org_z = origin.z,
+		.dir_x = direction.x,
+		.dir_y = direction.y,
+		.dir_z = direction.z,
+		.tfar = INFINITY,
+		.mask = ~0u,
+	};
+
+	occlude(world->scene[presence], &r);
+	return r.tfar < 0;
+}
+
+/* ---- many rays ---- */
+
+void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
+		    struct ray_batch *batch)
+{
+	struct RTCRay16 r __attribute__((aligned(64)));
+	int valid[PACKET] __attribute__((aligned(64)));
+
+	memset(batch->blocked, 0, (size_t)batch->count);
+	if (world->bounds[presence].radius < 0)
+		return;
+	memset(&r, 0, sizeof(r));
+	for (int k = 0; k < PACKET; k++) {
+		r.org_x[k] = origin.x;
+		r.org_y[k] = origin.y;
+		r.org_z[k] = origin.z;
+		r.mask[k] = ~0u;
+	}
+	for (int first = 0; first < batch->count; first += PACKET) {
+		const int n = batch->count - first < PACKET ? batch->count - first : PACKET;
+
+		for (int k = 0; k < PACKET; k++) {
+			valid[k] = k < n ? -1 : 0;
+			r.tfar[k] = INFINITY;
+		}
+		memcpy(r.dir_x, batch->x + first, (size_t)n * sizeof(float));
+		memcpy(r.dir_y, batch->y + first, (size_t)n * sizeof(float));
+		memcpy(r.dir_z, batch->z + first, (size_t)n * sizeof(float));
+		occlude_packet(valid, world->scene[presence], &r);
+		for (int k = 0; k < n; k++)
+			batch->blocked[first + k] = r.tfar[k] < 0;
+	}
+}
+
+int ray_batch_create(struct ray_batch *batch)
+{
+	*batch = (struct ray_batch){
+		.x = malloc(WORLD_RAYS_MAX * sizeof(float)),
+		.y = malloc(WORLD_RAYS_MAX * sizeof(float)),
+		.z = malloc(WORLD_RAYS_MAX * sizeof(float)),
+		.blocked = malloc(WORLD_RAYS_MAX),
+	};
+	if (batch->x && batch->y && batch->z && batch->blocked)
+		return 0;
+	ray_batch_free(batch);
+	return -ENOMEM;
+}
+
+void ray_batch_free(struct ray_batch *batch)
+{
+	free(batch->x);
+	free(batch->y);
+	free(batch->z);
+	free(batch->blocked);
+	*batch = (struct ray_batch){.count = 0};
+}
+
+void world_destroy(struct world *world)
+{
+	if (!world)
+		return;
+	for (int k = 0; k < PRESENCE_COUNT; k++)
+		rtcReleaseScene(world->scene[k]);
+	rtcReleaseDevice(world->device);
+	free(world->instances);
+	free(world);
+}

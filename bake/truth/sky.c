@@ -1,0 +1,216 @@
+#include "bake/truth/sky.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+#define SUBSAMPLES 4	/* a texel and side, for the ground's irradiance */
+#define FINE_WIDTH 4096 /* texels across that are fine enough without */
+
+static double brightness(const struct image *image, int x, int y)
+{
+	const int w = image->width, h = image->height;
+	const float *p;
+
+	x = (x + w) % w;
+	y = y < 0 ? 0 : y >= h ? h - 1 : y;
+	p = image->f32 + 3 * ((size_t)y * (size_t)w + (size_t)x);
+	return (double)p[0] + (double)p[1] + (double)p[2];
+}
+
+/* Radiance is bilinear between texels, so a bright texel shines from its neighbours as well: the
+ * density must not be smaller there than the light is. */
+static double weight_of(const struct image *image, int x, int y)
+{
+	static const double tent[3] = {0.25, 0.5, 0.25};
+	double sum = 0;
+
+	for (int j = -1; j <= 1; j++)
+		for (int i = -1; i <= 1; i++)
+			sum += tent[j + 1] * tent[i + 1] * brightness(image, x + i, y + j);
+	return sum;
+}
+
+static void fill_sums(struct sky *sky)
+{
+	const struct image *image = sky->panorama.image;
+
+	for (int y = 0; y < sky->rows; y++) {
+		double *row = sky->sum + (size_t)y * (size_t)sky->width;
+		const double sr = panorama_row_sr(&sky->panorama, y);
+		double sum = 0;
+
+		for (int x = 0; x < sky->width; x++) {
+			sum += weight_of(image, x, y) * sr;
+			row[x] = sum;
+		}
+		sky->total += row[sky->width - 1];
+		sky->row_sum[y] = sky->total;
+	}
+}
+
+static void integrate_ground(struct sky *sky)
+{
+	const int parts = sky->width < FINE_WIDTH ? SUBSAMPLES : 1;
+	double sum[3] = {0, 0, 0};
+
+	for (int y = 0; y < sky->rows * parts; y++) {
+		double row[3] = {0, 0, 0}, d[3] = {0, 0, 0};
+		const double at = (y + 0.5) / parts, height = sky->panorama.image->height;
+		const double band = cos(M_PI * y / (parts * height)) -
+				    cos(M_PI * (y + 1) / (parts * height));
+
+		for (int x = 0; x < sky->width * parts; x++) {
+			double rgb[3];
+
+			panorama_direction(&sky->panorama, (x + 0.5) / parts, at, d);
+			panorama_radiance(&sky->panorama, d, rgb);
+			for (int c = 0; c < 3; c++)
+				row[c] += rgb[c];
+		}
+		if (d[2] <= 0)
+			continue;
+		for (int c = 0; c < 3; c++)
+			sum[c] += row[c] * d[2] * band * 2 * M_PI / (sky->width * parts);
+	}
+	for (int c = 0; c < 3; c++)
+		sky->ground.c[c] = (float)(sum[c] / M_PI);
+}
+
+int sky_create(struct sky *sky, const struct panorama *panorama, const char *name,
+	       struct fault *fault)
+{
+	*sky = (struct sky){.panorama = *panorama, .width = panorama->image->width};
+	sky->rows = (panorama->image->height + 1) / 2;
+	sky->row_sum = malloc((size_t)sky->rows * sizeof(*sky->row_sum));
+	sky->sum = malloc((size_t)sky->rows * (size_t)sky->width * sizeof(*sky->sum));
+	if (!sky->row_sum || !sky->sum) {
+		sky_free(sky);
+		return fault_say(fault, -ENOMEM, "%s: out of memory", name);
+	}
+	fill_sums(sky);
+	if (!(sky->total > 0)) {
+		sky_free(sky);
+		return fault_say(fault, -EDOM, "%s: the upper half is black, expected some light",
+				 name);
+	}
+	integrate_ground(sky);
+	return 0;
+}
+
+void sky_of_light(struct sky *sky, const struct dome *dome, int light)
+{
+	*sky = (struct sky){.dome = dome, .light = light};
+	for (int c = 0; c < 3; c++)
+		sky->ground.c[c] = (float)(dome->projected_sr[light] / M_PI);
+}
+
+void sky_free(struct sky *sky)
+{
+	free(sky->row_sum);
+	free(sky->sum);
+	sky->row_sum = NULL;
+	sky->sum = NULL;
+}
+
+struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
+{
+	const double d[3] = {direction.x, direction.y, direction.z};
+	double rgb[3];
+
+	if (direction.z < 0)
+		return rgb_make(0, 0, 0);
+	if (sky->dome) {
+		const float lit = (float)dome_weight(sky->dome, sky->light, d);
+
+		return rgb_make(lit, lit, lit);
+	}
+	panorama_radiance(&sky->panorama, d, rgb);
+	return rgb_make((float)rgb[0], (float)rgb[1], (float)rgb[2]);
+}
+
+/* The first of count running sums that is above x. */
+static int find(const double *sum, int count, double x)
+{
+	int low = 0, high = count - 1;
+
+	while (low < high) {
+		const int middle = (low + high) / 2;
+
+		if (sum[middle] > x)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	return low;
+}
+
+static float texel_density(const struct sky *sky, int x, int y)
+{
+	const double *row = sky->sum + (size_t)y * (size_t)sky->width;
+	const double share = (row[x] - (x ? row[x - 1] : 0)) / sky->total;
+
+	return (float)(share * sky->width / panorama_row_sr(&sky->panorama, y));
+}
+
+static struct v3 sample_light(const struct sky *sky, float u, float v, float *density)
+{
+	double d[3];
+
+	dome_light_sample(sky->dome, sky->light, (double)u, (double)v, d);
+	*density = (float)dome_light_density(sky->dome, sky->light, d);
+	return v3_make((float)d[0], (float)d[1], (float)d[2]);
+}
+
+static struct v3 sample_panorama(const struct sky *sky, float u, float v, float *density)
+{
+	const double height = sky->panorama.image->height;
+	const double want = v * sky->total;
+	const int y = find(sky->row_sum, sky->rows, want);
+	const double *row = sky->sum + (size_t)y * (size_t)sky->width;
+	const double before_row = y ? sky->row_sum[y - 1] : 0;
+	const double in_row = fmin((want - before_row) / (sky->row_sum[y] - before_row), 1);
+	const double across = u * row[sky->width - 1];
+	const int x = find(row, sky->width, across);
+	const double before = x ? row[x - 1] : 0;
+	const double in_texel = fmin((across - before) / (row[x] - before), 1);
+	/* even in solid angle within the row: even in the cosine of the polar angle */
+	const double top = cos(M_PI * y / height), low = cos(M_PI * (y + 1) / height);
+	const double angle = acos(fmax(fmin(top + (low - top) * in_row, 1), -1));
+	double d[3];
+
+	panorama_direction(&sky->panorama, x + in_texel, angle / M_PI * height, d);
+	*density = texel_density(sky, x, y);
+	return v3_make((float)d[0], (float)d[1], (float)d[2]);
+}
+
+struct v3 sky_sample(const struct sky *sky, float u, float v, float *density)
+{
+	return sky->dome ? sample_light(sky, u, v, density) : sample_panorama(sky, u, v, density);
+}
+
+static float light_density(const struct sky *sky, struct v3 d)
+{
+	const double direction[3] = {d.x, d.y, d.z};
+
+	return (float)dome_light_density(sky->dome, sky->light, direction);
+}
+
+static float panorama_density(const struct sky *sky, struct v3 d)
+{
+	const struct image *image = sky->panorama.image;
+	/* azimuth runs from +X towards +Y, columns the other way, the middle one at +X */
+	const double azimuth = atan2(d.y, d.x) - sky->panorama.turn_rad;
+	double column = 0.5 - azimuth / (2 * M_PI);
+	int x, y = (int)(acos(fmax(fmin((double)d.z, 1), -1)) / M_PI * image->height);
+
+	column -= floor(column);
+	x = (int)(column * image->width);
+	if (x >= image->width)
+		x = image->width - 1;
+	return y < sky->rows ? texel_density(sky, x, y) : 0;
+}
+
+float sky_density(const struct sky *sky, struct v3 direction)
+{
+	return sky->dome ? light_density(sky, direction) : panorama_density(sky, direction);
+}

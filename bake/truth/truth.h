@@ -1,0 +1,58 @@
+/*
+ * The finished composite under a panorama, path traced: no cells, no basis, no compositor. What the
+ * whole method is held against.
+ *
+ *     out = O + (1 - coverage) * s / u * B      linear light
+ *
+ * O, s and u come from ordinary paths: next-event estimation by the panorama's texels and sampling
+ * of the BSDF, joined by the balance heuristic. u - s is estimated as such, from the same random
+ * numbers, so that it is exactly 0 where the object is not involved.
+ */
+#ifndef INLAY_BAKE_TRUTH_TRUTH_H
+#define INLAY_BAKE_TRUTH_TRUTH_H
+
+#include <stdint.h>
+
+#include "bake/scene/scene.h"
+#include "bake/truth/sky.h"
+
+struct truth_settings {
+	int samples; /* a pixel */
+	int bounces, seed;
+	int threads; /* 0: one for each processor */
+	bool quiet;
+};
+
+struct truth_report {
+	double noise_levels; /* standard error, 8-bit levels, RMS over what the object changes */
+	uint64_t rays;
+	double seconds;
+};
+
+/* out: float picture of the camera's size, linear; background: the same size, linear. */
+int truth_run(const struct scene *scene, const struct sky *sky, const struct image *background,
+	      const struct truth_settings *settings, struct image *out, struct truth_report *report,
+	      struct fault *fault);
+
+/* What a renderer of pictures makes of a scene under one sky: linear, black where nothing is seen.
+ */
+struct truth_pictures {
+	struct image with;     /* objects and real surfaces */
+	struct image without;  /* real surfaces alone */
+	struct image alone;    /* what is seen of the objects, over black */
+	struct image coverage; /* the objects' share of each pixel, the same in all channels */
+};
+
+int truth_pictures(const struct scene *scene, const struct sky *sky,
+		   const struct truth_settings *settings, struct truth_pictures *out,
+		   struct fault *fault);
+void truth_pictures_free(struct truth_pictures *pictures); /* idempotent; zeroed is fine */
+
+/* The panorama through the scene's camera, linear, averaged over each pixel. */
+int truth_background(const struct scene *scene, const struct panorama *panorama, struct image *out);
+
+/* What a perfect fisheye camera at the origin, lying on its back, sees of the panorama's upper
+ * half: equidistant, side x side pixels, each the mean radiance over its solid angle. */
+int truth_fisheye(const struct panorama *panorama, int side, struct image *out);
+
+#endif

@@ -1,0 +1,339 @@
+/* inlay-bake truth: the finished composite under a panorama, path traced. */
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/commands.h"
+#include "bake/truth/truth.h"
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+#include "hal/colour/transfer.h"
+
+#define FISHEYE_SIDE 1024
+#define SAMPLES 256
+
+enum {
+	PANORAMA = 1,
+	TURN,
+	EXPOSURE,
+	BACKGROUND,
+	SAMPLES_OPTION,
+	SIZE,
+	BACKGROUND_OUT,
+	FISHEYE_OUT,
+	FISHEYE_SIZE,
+	POSE,
+	SEED,
+	THREADS,
+	QUIET
+};
+
+static const struct option options[] = {
+	{"output", required_argument, NULL, 'o'},
+	{"panorama", required_argument, NULL, PANORAMA},
+	{"turn", required_argument, NULL, TURN},
+	{"exposure", required_argument, NULL, EXPOSURE},
+	{"background", required_argument, NULL, BACKGROUND},
+	{"samples", required_argument, NULL, SAMPLES_OPTION},
+	{"size", required_argument, NULL, SIZE},
+	{"background-out", required_argument, NULL, BACKGROUND_OUT},
+	{"fisheye-out", required_argument, NULL, FISHEYE_OUT},
+	{"fisheye-size", required_argument, NULL, FISHEYE_SIZE},
+	{"pose", required_argument, NULL, POSE},
+	{"seed", required_argument, NULL, SEED},
+	{"threads", required_argument, NULL, THREADS},
+	{"quiet", no_argument, NULL, QUIET},
+	OPTIONS_OF_ALL,
+	{NULL, 0, NULL, 0},
+};
+
+struct choices {
+	const char *pose;
+	const char *output, *panorama, *background, *background_out, *fisheye_out;
+	double turn_deg, exposure;
+	int width, height, fisheye_side;
+	struct truth_settings truth;
+};
+
+static int take(void *choices, int option, struct fault *fault)
+{
+	struct choices *c = choices;
+
+	switch (option) {
+	case 'o':
+		c->output = optarg;
+		return 0;
+	case PANORAMA:
+		c->panorama = optarg;
+		return 0;
+	case TURN:
+		return option_real("--turn", optarg, -360, 360, &c->turn_deg, fault);
+	case EXPOSURE:
+		return option_real("--exposure", optarg, 1e-9, 1e9, &c->exposure, fault);
+	case BACKGROUND:
+		c->background = optarg;
+		return 0;
+	case SAMPLES_OPTION:
+		return option_int("--samples", optarg, 1, 1 << 20, &c->truth.samples, fault);
+	case SIZE:
+		return option_size("--size", optarg, &c->width, &c->height, fault);
+	case BACKGROUND_OUT:
+		c->background_out = optarg;
+		return 0;
+	case FISHEYE_OUT:
+		c->fisheye_out = optarg;
+		return 0;
+	case FISHEYE_SIZE:
+		return option_int("--fisheye-size", optarg, 8, 8192, &c->fisheye_side, fault);
+	case POSE:
+		c->pose = optarg;
+		return 0;
+	case SEED:
+		return option_int("--seed", optarg, 0, 2147483647, &c->truth.seed, fault);
+	case THREADS:
+		return option_int("--threads", optarg, 1, 1024, &c->truth.threads, fault);
+	default:
+		c->truth.quiet = true;
+		return 0;
+	}
+}
+
+/* ---- pictures ---- */
+
+/* Linear light as 8-bit sRGB. */
+static int encode(const struct image *linear, struct image *out)
+{
+	const size_t values = 3 * (size_t)linear->width * (size_t)linear->height;
+	const int err = image_create_u8(out, linear->width, linear->height);
+
+	if (err)
+		return err;
+	for (size_t i = 0; i < values; i++)
+		out->u8[i] = (uint8_t)lround(
+			255 * transfer_encode(TRANSFER_SRGB, (double)linear->f32[i]));
+	return 0;
+}
+
+static int decode(const struct image *coded, struct image *out)
+{
+	const size_t values = 3 * (size_t)coded->width * (size_t)coded->height;
+	const int err = image_create_f32(out, coded->width, coded->height);
+
+	if (err)
+		return err;
+	for (size_t i = 0; i < values; i++)
+		out->f32[i] = (float)transfer_decode(TRANSFER_SRGB, coded->u8[i] / 255.0);
+	return 0;
+}
+
+/* 8-bit for .png, linear for the others. */
+static int write_linear(const char *path, const struct image *linear, struct fault *fault)
+{
+	struct image coded;
+	int err = image_name_linear(path, fault);
+
+	if (err < 0)
+		return err;
+	if (err)
+		return image_write(path, linear, fault);
+	err = encode(linear, &coded);
+	if (err)
+		return fault_say(fault, err, "%s: %s", path, strerror(-err));
+	err = image_write(path, &coded, fault);
+	image_free(&coded);
+	return err;
+}
+
+/* As a camera delivers it: the panorama through the lens, in 8-bit code values. */
+static int photograph(const struct scene *scene, const struct panorama *panorama,
+		      struct image *coded)
+{
+	struct image linear;
+	int err = truth_background(scene, panorama, &linear);
+
+	if (err)
+		return err;
+	err = encode(&linear, coded);
+	image_free(&linear);
+	return err;
+}
+
+static int get_background(const struct choices *c, const struct scene *scene,
+			  const struct panorama *panorama, struct image *linear,
+			  struct fault *fault)
+{
+	struct image picture = {.width = 0};
+	int err;
+
+	if (c->background) {
+		err = image_read(c->background, &picture, fault);
+		if (err)
+			return err;
+		if (picture.width != scene->camera.width ||
+		    picture.height != scene->camera.height) {
+			err = fault_say(fault, -EINVAL, "%s: %d x %d pixels, expected %d x %d",
+					c->background, picture.width, picture.height,
+					scene->camera.width, scene->camera.height);
+			goto free_picture;
+		}
+	} else {
+		err = photograph(scene, panorama, &picture);
+		if (err)
+			return fault_say(fault, err, "%s: %s", c->output, strerror(-err));
+	}
+	if (c->background_out && picture.u8)
+		err = image_write(c->background_out, &picture, fault);
+	else if (c->background_out)
+		err = write_linear(c->background_out, &picture, fault);
+	if (err)
+		goto free_picture;
+	if (picture.f32) {
+		*linear = picture;
+		return 0;
+	}
+	err = decode(&picture, linear);
+	if (err)
+		fault_say(fault, err, "%s: %s", c->output, strerror(-err));
+free_picture:
+	image_free(&picture);
+	return err;
+}
+
+static int write_fisheye(const struct choices *c, const struct panorama *panorama,
+			 struct fault *fault)
+{
+	struct image picture = {.width = 0};
+	int err = truth_fisheye(panorama, c->fisheye_side, &picture);
+
+	if (err)
+		return fault_say(fault, err, "%s: %s", c->fisheye_out, strerror(-err));
+	err = write_linear(c->fisheye_out, &picture, fault);
+	image_free(&picture);
+	return err;
+}
+
+/* ---- the command ---- */
+
+static int trace(const struct choices *c, const struct scene *scene,
+		 const struct panorama *panorama, struct fault *fault)
+{
+	struct image background = {.width = 0}, out = {.width = 0};
+	struct truth_report report = {.rays = 0};
+	struct sky sky = {.width = 0};
+	/* first of all, as it says whether the panorama is one: nothing is written before */
+	int err = sky_create(&sky, panorama, c->panorama, fault);
+
+	if (!err)
+		err = get_background(c, scene, panorama, &background, fault);
+	if (!err && c->fisheye_out)
+		err = write_fisheye(c, panorama, fault);
+	if (!err)
+		err = truth_run(scene, &sky, &background, &c->truth, &out, &report, fault);
+	if (!err)
+		err = write_linear(c->output, &out, fault);
+	if (!err && !c->truth.quiet)
+		printf("%s: rays %llu (%.2f million/s), time %.1f s, noise %.2f levels\n",
+		       c->output, (unsigned long long)report.rays,
+		       (double)report.rays / report.seconds * 1e-6, report.seconds,
+		       report.noise_levels);
+	sky_free(&sky);
+	image_free(&out);
+	image_free(&background);
+	return err;
+}
+
+/* Before minutes are spent on what cannot be written. */
+static int check_names(const char *path, const struct choices *c, struct fault *fault)
+{
+	const char *const names[] = {c->output, c->background_out, c->fisheye_out};
+	const char *const read[] = {path, c->panorama, c->background};
+
+	for (int i = 0; i < 3; i++) {
+		const int kind = names[i] ? image_name_linear(names[i], fault) : 0;
+
+		if (kind < 0)
+			return kind;
+	}
+	return output_check(names, 3, read, 3, fault);
+}
+
+static int run_truth(const char *path, struct choices *c, struct fault *fault)
+{
+	struct image picture = {.width = 0};
+	struct panorama panorama = {.image = &picture};
+	struct scene *scene;
+	int err = check_names(path, c, fault);
+
+	if (!err)
+		err = scene_open(&scene, path, c->width, c->height, fault);
+	if (err)
+		return err;
+	c->truth.bounces = scene->file->render.bounces;
+	err = scene_find_pose(scene, c->pose, fault);
+	if (!err)
+		err = panorama_read(&picture, c->panorama, fault);
+	panorama.turn_rad = c->turn_deg * (M_PI / 180);
+	panorama.scale = c->exposure;
+	if (!err)
+		err = trace(c, scene, &panorama, fault);
+	image_free(&picture);
+	scene_close(scene);
+	return err;
+}
+
+static int run(const struct command *command, int argc, char **argv)
+{
+	struct choices c = {
+		.exposure = 1,
+		.fisheye_side = FISHEYE_SIDE,
+		.truth = {.samples = SAMPLES, .seed = 1},
+	};
+	struct fault fault = {.text = ""};
+	const int status = command_options(command, argc, argv, options, take, &c);
+
+	if (status != COMMAND_GOES_ON)
+		return status;
+	if (optind + 1 != argc)
+		return command_wrong(command, "expected one scene file");
+	if (!c.panorama)
+		return command_wrong(command, "--panorama is missing");
+	if (!c.output)
+		return command_wrong(command, "-o OUT is missing");
+	if (run_truth(argv[optind], &c, &fault) < 0) {
+		log_error("%s", fault.text);
+		return EXIT_FAILURE;
+	}
+	return EXIT_SUCCESS;
+}
+
+const struct command truth_command = {
+	.name = "truth",
+	.usage = "SCENE --panorama P.hdr -o OUT.png|.pfm [--turn DEG] [--exposure E]\n"
+		 "           [--background IMG] [--samples S] [--size WxH] [--background-out "
+		 "B.png]\n"
+		 "           [--fisheye-out F.pfm] [--fisheye-size N] [--pose P] [--seed K] "
+		 "[--threads T] "
+		 "[--quiet]",
+	.summary = "path trace the finished composite under a panorama",
+	.help = "\n"
+		"  --panorama P        equirectangular, linear light; its upper half shines\n"
+		"  -o FILE             .png: 8-bit sRGB; .pfm, .hdr: linear light\n"
+		"  --turn DEG          turn the panorama about the vertical, counter-clockwise\n"
+		"  --exposure E        radiance of 1 in the panorama; 1\n"
+		"  --background IMG    the real picture; default: the panorama through the "
+		"camera,\n"
+		"                      in 8-bit code values\n"
+		"  --samples S         a pixel; 256\n"
+		"  --size WxH          of the picture\n"
+		"  --background-out F  write the background that was used\n"
+		"  --fisheye-out F     what a perfect fisheye camera at the origin sees\n"
+		"  --fisheye-size N    its side in pixels; 1024\n"
+		"  --pose P            of the scene: number, from 0, or name\n"
+		"  --seed K            of all random numbers\n"
+		"  --threads T         default: one for each processor\n"
+		"  --quiet             print nothing but errors\n",
+	.run = run,
+};

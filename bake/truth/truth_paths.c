@@ -1,0 +1,210 @@
+#include "bake/truth/truth_paths.h"
+
+#define GLASS_MAX 32
+#define WEIGHT_SURE 0.1f
+#define COAT_CHANCE 0.5f /* of sampling a glossy surface by its coat */
+
+/* ---- scattering ---- */
+
+/* f cos and the density of sample_bsdf(). */
+static struct rgb eval_bsdf(const struct surface *s, struct v3 wo, struct v3 wi, float *density)
+{
+	const float cos_o = v3_dot(s->normal, wo), cos_i = v3_dot(s->normal, wi);
+	struct rgb f, coat;
+	float coat_density;
+
+	*density = 0;
+	if (cos_i <= 0 || v3_dot(s->geometric, wi) <= 0)
+		return rgb_make(0, 0, 0);
+	f = rgb_scale(s->bsdf.colour, bsdf_base(&s->bsdf, cos_o, cos_i) * cos_i / PI_F);
+	*density = cos_i / PI_F;
+	if (s->bsdf.kind != MATERIAL_GLOSSY)
+		return f;
+	coat = bsdf_coat(&s->bsdf, s->normal, wo, wi, &coat_density);
+	*density = (1 - COAT_CHANCE) * *density + COAT_CHANCE * coat_density;
+	return rgb_add(f, coat);
+}
+
+static bool sample_bsdf(const struct surface *s, struct v3 wo, struct random *random, struct v3 *wi)
+{
+	if (s->bsdf.kind == MATERIAL_GLOSSY && random_next(random) < COAT_CHANCE) {
+		if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, random, wi))
+			return false;
+	} else {
+		const float u = random_next(random), v = random_next(random);
+
+		*wi = hemisphere_cosine(s->normal, u, v);
+	}
+	return v3_dot(s->geometric, *wi) > 0;
+}
+
+/* Light straight from a sampled point of the sky. */
+static struct rgb light_from_sky(struct tracer *t, enum presence presence, const struct surface *s,
+				 struct v3 wo, const float point[2])
+{
+	float density, other;
+	const struct v3 wi = sky_sample(t->sky, point[0], point[1], &density);
+	const struct rgb f = eval_bsdf(s, wo, wi, &other);
+
+	if (density <= 0 || other <= 0 || wi.z < 0)
+		return rgb_make(0, 0, 0);
+	t->rays++;
+	if (world_blocked(t->scene->world, presence, surface_leave(s, wi), wi))
+		return rgb_make(0, 0, 0);
+	return rgb_scale(rgb_mul(f, sky_radiance(t->sky, wi)), 1 / (density + other));
+}
+
+/* ---- paths ---- */
+
+/* Through glass until something else is met; false when the path has ended, with its light. */
+static bool pass_glass(struct tracer *t, enum presence presence, struct surface *s, struct v3 *wo,
+		       struct rgb *weight, struct rgb *light)
+{
+	for (int k = 0; s->bsdf.kind == MATERIAL_GLASS; k++) {
+		struct rgb tint;
+		const struct v3 d = bsdf_glass_sample(&s->bsdf, s->normal, s->outer, *wo,
+						      &t->random, &tint);
+		struct surface next;
+
+		if (k == GLASS_MAX)
+			return false;
+		*weight = rgb_mul(*weight, tint);
+		t->rays++;
+		if (!world_nearest(t->scene->world, presence, surface_leave(s, d), d, &next)) {
+			*light = rgb_add(*light, rgb_mul(*weight, sky_radiance(t->sky, d)));
+			return false;
+		}
+		*s = next;
+		*wo = v3_scale(d, -1);
+	}
+	return true;
+}
+
+static bool survives(struct tracer *t, struct rgb *weight)
+{
+	const float peak = rgb_peak(*weight);
+
+	if (peak >= WEIGHT_SURE)
+		return true;
+	if (random_next(&t->random) * WEIGHT_SURE >= peak)
+		return false;
+	*weight = rgb_scale(*weight, WEIGHT_SURE / peak);
+	return true;
+}
+
+/* Radiance that leaves a surface towards wo. */
+struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct surface *at,
+			  struct v3 wo, int depth, const float *point)
+{
+	struct rgb light = {{0, 0, 0}}, weight = {{1, 1, 1}};
+	struct surface s = *at;
+
+	for (;; depth++) {
+		float fresh[2], density, other;
+		struct surface next;
+		struct rgb f;
+		struct v3 wi;
+
+		if (!pass_glass(t, presence, &s, &wo, &weight, &light))
+			return light;
+		fresh[0] = random_next(&t->random);
+		fresh[1] = random_next(&t->random);
+		light = rgb_add(light, rgb_mul(weight, light_from_sky(t, presence, &s, wo,
+								      point ? point : fresh)));
+		point = NULL;
+		if (!sample_bsdf(&s, wo, &t->random, &wi))
+			return light;
+		f = eval_bsdf(&s, wo, wi, &density);
+		if (density <= 0)
+			return light;
+		t->rays++;
+		if (!world_nearest(t->scene->world, presence, surface_leave(&s, wi), wi, &next)) {
+			if (wi.z < 0)
+				return light;
+			other = sky_density(t->sky, wi);
+			f = rgb_scale(rgb_mul(f, sky_radiance(t->sky, wi)), 1 / (density + other));
+			return rgb_add(light, rgb_mul(weight, f));
+		}
+		weight = rgb_mul(weight, rgb_scale(f, 1 / density));
+		if (depth == t->bounces || !survives(t, &weight))
+			return light;
+		s = next;
+		wo = v3_scale(wi, -1);
+	}
+}
+
+/* What objects take from flat ground, as irradiance / pi: the light they block less the light they
+ * send. */
+static struct rgb taken_from_ground(struct tracer *t, const struct surface *s)
+{
+	const struct world *world = t->scene->world;
+	struct rgb taken = {{0, 0, 0}};
+	struct surface next;
+	float density;
+	struct v3 wi = sky_sample(t->sky, t->first[0], t->first[1], &density);
+	const float u = random_next(&t->random), v = random_next(&t->random);
+
+	t->rays += 2;
+	if (wi.z > 0 && density > 0 && world_blocked(world, WITH_OBJECTS, s->position, wi))
+		taken = rgb_scale(sky_radiance(t->sky, wi), wi.z / PI_F / (density + wi.z / PI_F));
+	wi = hemisphere_cosine(s->normal, u, v);
+	if (world_nearest(world, WITH_OBJECTS, s->position, wi, &next)) {
+		const float other = sky_density(t->sky, wi), own = wi.z / PI_F;
+
+		taken = rgb_add(taken, rgb_scale(sky_radiance(t->sky, wi), own / (own + other)));
+		if (t->bounces > 0)
+			taken = rgb_add(taken, rgb_scale(truth_radiance(t, WITH_OBJECTS, &next,
+									v3_scale(wi, -1), 1, NULL),
+							 -1));
+	}
+	return taken;
+}
+
+bool truth_add_receiver(struct tracer *t, struct truth_receiver *to, const struct surface *s,
+			struct v3 wo, double weight)
+{
+	const struct tracer before = *t;
+	struct rgb with, without, taken;
+
+	if (world_has_standins(t->scene->world)) {
+		with = truth_radiance(t, WITH_OBJECTS, s, wo, 0, t->first);
+		t->random = before.random;
+		without = truth_radiance(t, WITHOUT_OBJECTS, s, wo, 0, t->first);
+		taken = rgb_add(without, rgb_scale(with, -1));
+	} else {
+		const struct rgb albedo = world_ground_albedo(t->scene->world);
+
+		taken = rgb_mul(albedo, taken_from_ground(t, s));
+		without = rgb_mul(albedo, t->sky->ground);
+	}
+	to->weight += weight;
+	to->taken = rgb_add(to->taken, rgb_scale(taken, (float)weight));
+	to->without = rgb_add(to->without, rgb_scale(without, (float)weight));
+	return rgb_peak(taken) > 0;
+}
+
+bool truth_through_glass(struct tracer *t, const struct surface *surface, struct v3 direction,
+			 struct truth_sight *sight)
+{
+	struct sight *end = &sight->end;
+
+	*sight = (struct truth_sight){{{{1, 1, 1}}, true, *surface, direction}, false};
+	for (int k = 0; end->met && end->surface.kind == SURFACE_OBJECT &&
+			end->surface.bsdf.kind == MATERIAL_GLASS;
+	     k++) {
+		const struct surface s = end->surface;
+		struct rgb tint;
+
+		if (k == GLASS_MAX)
+			return false;
+		end->direction = bsdf_glass_sample(&s.bsdf, s.normal, s.outer,
+						   v3_scale(end->direction, -1), &t->random, &tint);
+		end->weight = rgb_mul(end->weight, tint);
+		sight->mirrored |= v3_dot(end->direction, s.normal) > 0;
+		t->rays++;
+		end->met = world_nearest(t->scene->world, WITH_OBJECTS,
+					 surface_leave(&s, end->direction), end->direction,
+					 &end->surface);
+	}
+	return true;
+}
