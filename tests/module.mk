@@ -1,122 +1,122 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
-	tests/unit/test_boards.c \
-	tests/unit/test_bench.c \
-	tests/unit/test_live.c \
-	tests/unit/test_live_collect.c \
-	tests/unit/test_observations.c \
-	tests/unit/test_measure.c \
-	tests/unit/test_camera_photographs.cpp \
-	tests/unit/test_camera_published.c \
-	tests/unit/test_camera_solve.c \
-	tests/unit/test_camera_verdict.c \
-	tests/unit/test_least_squares.c \
-	tests/unit/test_bake_bounce.c \
-	tests/unit/test_calibrate_report.c \
-	tests/unit/test_convert.c \
-	tests/unit/test_finding.c \
-	tests/unit/test_convert_opencv.cpp \
-	tests/unit/test_bake_determinism.c \
-	tests/unit/test_bake_energy.c \
-	tests/unit/test_bake_glass.c \
-	tests/unit/test_export.c \
-	tests/unit/test_msi.c \
-	tests/unit/test_scene.c \
-	tests/unit/test_shard.c \
-	tests/unit/test_app_layout.c \
-	tests/unit/test_app_scaler.c \
-	tests/unit/test_app_source.c \
-	tests/unit/test_app_state.c \
-	tests/unit/test_timeline.c \
-	tests/unit/test_keyframes.c \
-	tests/unit/test_poses.c \
-	tests/unit/test_app_reload.c \
-	tests/unit/test_app_service.c \
-	tests/unit/test_app_pipeline.c \
-	tests/unit/test_pipeline_pose.c \
-	tests/unit/test_app_program.c \
-	tests/unit/test_app_words.c \
-	tests/unit/test_app_utf8.c \
-	tests/unit/test_app_show.c \
-	tests/unit/test_app_overlay.c \
-	tests/unit/test_sampler.c \
-	tests/unit/test_sampler_kernels.c \
-	tests/unit/test_output.c \
-	tests/unit/test_light_budget.c \
-	tests/unit/test_light_return.c \
-	tests/unit/test_exposures.c \
-	tests/unit/test_exposure_schedule.c \
-	tests/unit/test_exposing.c \
-	tests/unit/test_recovery.c \
-	tests/unit/test_recovery_pieces.c \
-	tests/unit/test_light_filter.c \
-	tests/unit/test_lights_file.c \
-	tests/unit/test_text_file.c \
-	tests/unit/test_basis.c \
-	tests/unit/test_basis_groups.c \
-	tests/unit/test_basis_damage.c \
-	tests/unit/test_encode.c \
-	tests/unit/test_encode_hard.c \
-	tests/unit/test_encode_rank.c \
-	tests/unit/test_coarse.c \
-	tests/unit/test_compositor.c \
-	tests/unit/test_compositor_glass.c \
-	tests/unit/test_compositor_groups.c \
-	tests/unit/test_compositor_lines.c \
-	tests/unit/test_compositor_parts.c \
-	tests/unit/test_compositor_reuse.c \
-	tests/unit/test_light_vector.c \
-	tests/unit/test_selection.c \
+	tests/unit/bake/calibrate/observe/test_boards.c \
+	tests/unit/app/bench/test_bench.c \
+	tests/unit/bake/calibrate/observe/test_live.c \
+	tests/unit/bake/calibrate/observe/test_live_collect.c \
+	tests/unit/bake/calibrate/observe/test_observations.c \
+	tests/unit/bake/report/test_measure.c \
+	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
+	tests/unit/bake/calibrate/camera/test_camera_published.c \
+	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/camera/test_camera_verdict.c \
+	tests/unit/bake/calibrate/estimate/test_least_squares.c \
+	tests/unit/bake/trace/test_bake_bounce.c \
+	tests/unit/bake/calibrate/report/test_calibrate_report.c \
+	tests/unit/bake/calibrate/convert/test_convert.c \
+	tests/unit/bake/calibrate/estimate/test_finding.c \
+	tests/unit/bake/calibrate/convert/test_convert_opencv.cpp \
+	tests/unit/bake/tiles/test_bake_determinism.c \
+	tests/unit/bake/truth/test_bake_energy.c \
+	tests/unit/bake/truth/test_bake_glass.c \
+	tests/unit/bake/exchange/test_export.c \
+	tests/unit/bake/exchange/test_msi.c \
+	tests/unit/bake/scene/test_scene.c \
+	tests/unit/bake/tiles/test_shard.c \
+	tests/unit/app/view/test_layout.c \
+	tests/unit/app/view/test_scaler.c \
+	tests/unit/app/camera/test_source.c \
+	tests/unit/app/kiosk/test_state.c \
+	tests/unit/app/kiosk/test_timeline.c \
+	tests/unit/bake/scene/test_keyframes.c \
+	tests/unit/hal/basis/test_poses.c \
+	tests/unit/app/kiosk/test_reload.c \
+	tests/unit/app/kiosk/test_service.c \
+	tests/unit/app/pipeline/test_pipeline.c \
+	tests/unit/app/pipeline/test_pipeline_pose.c \
+	tests/unit/app/kiosk/test_program.c \
+	tests/unit/app/view/test_words.c \
+	tests/unit/app/view/test_utf8.c \
+	tests/unit/app/view/test_show.c \
+	tests/unit/app/view/test_overlay.c \
+	tests/unit/hal/lights/test_sampler.c \
+	tests/unit/hal/lights/test_sampler_kernels.c \
+	tests/unit/hal/base/test_output.c \
+	tests/unit/hal/compositor/test_light_budget.c \
+	tests/unit/hal/compositor/test_light_return.c \
+	tests/unit/hal/lights/test_exposures.c \
+	tests/unit/hal/lights/test_exposure_schedule.c \
+	tests/unit/app/camera/test_exposing.c \
+	tests/unit/hal/lights/test_recovery.c \
+	tests/unit/hal/lights/test_recovery_pieces.c \
+	tests/unit/hal/lights/test_light_filter.c \
+	tests/unit/hal/lights/test_lights_file.c \
+	tests/unit/hal/base/test_text_file.c \
+	tests/unit/hal/basis/test_basis.c \
+	tests/unit/bake/encode/test_basis_groups.c \
+	tests/unit/hal/basis/test_basis_damage.c \
+	tests/unit/bake/encode/test_encode.c \
+	tests/unit/bake/encode/test_encode_hard.c \
+	tests/unit/bake/encode/test_encode_rank.c \
+	tests/unit/bake/encode/test_coarse.c \
+	tests/unit/hal/compositor/test_compositor.c \
+	tests/unit/hal/compositor/test_compositor_glass.c \
+	tests/unit/bake/encode/test_compositor_groups.c \
+	tests/unit/hal/compositor/test_compositor_lines.c \
+	tests/unit/hal/compositor/test_compositor_parts.c \
+	tests/unit/hal/compositor/test_compositor_reuse.c \
+	tests/unit/hal/compositor/test_light_vector.c \
+	tests/unit/app/pipeline/test_selection.c \
 	tests/accuracy/test_compositor_accuracy.c \
 	tests/accuracy/test_moving_lamp.c \
-	tests/unit/test_panorama.c \
-	tests/unit/test_fisheye.c \
-	tests/unit/test_fisheye_boards.c \
-	tests/unit/test_fisheye_circle.c \
-	tests/unit/test_fisheye_falloff.c \
-	tests/unit/test_fisheye_find.c \
-	tests/unit/test_fisheye_lamps.c \
-	tests/unit/test_fisheye_sim.c \
-	tests/unit/test_dome.c \
-	tests/unit/test_dome_tents.c \
-	tests/unit/test_view.c \
-	tests/unit/test_tsai.c \
-	tests/unit/test_transfer.c \
-	tests/unit/test_light_response.c \
-	tests/unit/test_light_match.c \
-	tests/unit/test_light_config.c \
-	tests/unit/test_light_ground.c \
-	tests/unit/test_pool.c \
-	tests/unit/test_cow.c \
-	tests/unit/test_config.c \
-	tests/unit/test_buttons.c \
-	tests/unit/test_keyboard.c \
-	tests/unit/test_control.c \
-	tests/unit/test_display.c \
-	tests/unit/test_image.c \
-	tests/unit/test_ini.c \
-	tests/unit/test_frame.c \
-	tests/unit/test_frame_rows.c \
-	tests/unit/test_deinterlace.c \
-	tests/unit/test_v4l2_digitizer.c \
-	tests/unit/test_v4l2_settings.c \
-	tests/unit/test_studio.c \
-	tests/unit/test_camera_wants.c \
-	tests/unit/test_camera_sim.c \
-	tests/unit/test_camera_v4l2.c
+	tests/unit/hal/optics/test_panorama.c \
+	tests/unit/hal/optics/test_fisheye.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_boards.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_circle.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_falloff.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_find.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_lamps.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_sim.c \
+	tests/unit/hal/optics/test_dome.c \
+	tests/unit/hal/optics/test_dome_tents.c \
+	tests/unit/hal/frame/test_view.c \
+	tests/unit/hal/optics/test_tsai.c \
+	tests/unit/hal/colour/test_transfer.c \
+	tests/unit/bake/calibrate/response/test_light_response.c \
+	tests/unit/bake/calibrate/response/test_light_match.c \
+	tests/unit/app/pipeline/test_light_config.c \
+	tests/accuracy/test_light_ground.c \
+	tests/unit/hal/base/test_pool.c \
+	tests/unit/bake/demo/test_cow.c \
+	tests/unit/config/test_config.c \
+	tests/unit/drivers/test_buttons.c \
+	tests/unit/drivers/test_keyboard.c \
+	tests/unit/app/kiosk/test_control.c \
+	tests/unit/drivers/test_display.c \
+	tests/unit/hal/image/test_image.c \
+	tests/unit/hal/ini/test_ini.c \
+	tests/unit/hal/frame/test_frame.c \
+	tests/unit/hal/frame/test_frame_rows.c \
+	tests/unit/hal/frame/test_deinterlace.c \
+	tests/unit/drivers/test_v4l2_digitizer.c \
+	tests/unit/drivers/test_v4l2_settings.c \
+	tests/unit/drivers/test_studio.c \
+	tests/unit/hal/device/test_camera_wants.c \
+	tests/unit/drivers/test_camera_sim.c \
+	tests/unit/drivers/test_camera_v4l2.c
 # Those that try more when INLAY_THOROUGH is set, and one that takes long however little it tries.
-THOROUGH_TESTS := tests/unit/test_bake_bounce.c tests/unit/test_bake_determinism.c \
-	tests/unit/test_camera_solve.c tests/unit/test_light_response.c tests/accuracy/test_moving_lamp.c
+THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
+	tests/unit/bake/calibrate/camera/test_camera_solve.c tests/unit/bake/calibrate/response/test_light_response.c tests/accuracy/test_moving_lamp.c
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
-UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/test_kms_mode.c \
-	tests/unit/test_kms_card.c)
+UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/drivers/test_kms_mode.c \
+	tests/unit/drivers/test_kms_card.c)
 # Its graphics card is played: see there.
-$(BUILD)/tests/unit/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
-$(BUILD)/tests/unit/test_camera_photographs.o $(BUILD)/tests/unit/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
-UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/test_camera_libcamera.cpp \
-	tests/unit/test_libcamera_parts.c)
+$(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
+$(BUILD)/tests/unit/bake/calibrate/camera/test_camera_photographs.o $(BUILD)/tests/unit/bake/calibrate/convert/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
+UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/drivers/test_camera_libcamera.cpp \
+	tests/unit/drivers/test_libcamera_parts.c)
 # Its libudev is played: see there.
-$(BUILD)/tests/unit/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
+$(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_angles.c \
 	tests/fuzz/fuzz_msi.c \
@@ -173,7 +173,7 @@ CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh imp
 	control.sh bombs.sh)
 # By themselves: they hold times against each other.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
-TIMED_UNIT_TESTS := tests/unit/test_bench.c tests/unit/test_measure.c
+TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/test_measure.c
 # What takes a minute or needs packages that building and using inlay does not: parts of install.sh and
 # calibrate.sh, which do without them in the quick tests.
 CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)
@@ -212,19 +212,19 @@ $(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(BUILD)/hal.
 -include $(BUILD)/tests/fuzz/basis_seeds.d
 
 # Counts the heap allocations of a program that it is loaded into.
-TEST_PROGRAMS += $(BUILD)/tests/cli/allocations.so
-$(BUILD)/tests/cli/allocations.so: tests/cli/allocations.c
+TEST_PROGRAMS += $(BUILD)/tests/cli/tools/allocations.so
+$(BUILD)/tests/cli/tools/allocations.so: tests/cli/tools/allocations.c
 	@mkdir -p $(@D)
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
 # Draws what is photographed for the calibration of a fisheye.
-TEST_PROGRAMS += $(BUILD)/tests/cli/photographs
-$(BUILD)/tests/cli/photographs: $(BUILD)/tests/cli/photographs.o \
+TEST_PROGRAMS += $(BUILD)/tests/cli/tools/photographs
+$(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
--include $(BUILD)/tests/cli/photographs.d
+-include $(BUILD)/tests/cli/tools/photographs.d
 
 # The kernels' test stands alone, without libraries, so that it can be built for another processor
 # and run by an emulator.

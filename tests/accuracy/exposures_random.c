@@ -8,7 +8,7 @@
 #include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
 #include "drivers/sim/sensor.h"
-#include "tests/unit/chance.h"
+#include "tests/support/chance.h"
 
 #define SEED 1
 #define PLACES 300

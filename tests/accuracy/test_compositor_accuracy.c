@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "hal/compositor/compositor.h"
-#include "tests/synthetic_basis.h"
+#include "tests/support/synthetic_basis.h"
 
 #define LEVELS_MOST 1.0
 /* Where light thrown on the ground is a hundred times what is there: parts of a hundred times the

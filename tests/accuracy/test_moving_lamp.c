@@ -16,8 +16,8 @@
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
-#include "tests/unit/baking.h"
-#include "tests/unit/thorough.h"
+#include "tests/support/baking.h"
+#include "tests/support/thorough.h"
 
 /* For a sanitizer the same way with less of each: it sees every step of it, and how large the steps
  * are is measured where the programs are as they are delivered. */

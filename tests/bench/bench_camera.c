@@ -9,7 +9,7 @@
 #include "bake/calibrate/camera/camera.h"
 #include "bake/calibrate/observe/boards.h"
 #include "hal/image/image.h"
-#include "tests/unit/camera_scene.h"
+#include "tests/support/camera_scene.h"
 
 #define REPEATS 10
 

@@ -36,6 +36,6 @@ expected() {
 # shown FOLDER THRESHOLD: the machine's screen shows it now, in its middle (1280x800, 400x300).
 shown() {
 	screendump "$1/screen.ppm" &&
-		"$BUILD/tests/vm/picture" compare "$(expected "$1" "$2")" "$1/screen.ppm" x=440 y=250 \
+		"$BUILD/tests/vm/tools/picture" compare "$(expected "$1" "$2")" "$1/screen.ppm" x=440 y=250 \
 			within=0 >"$1/compared" 2>&1
 }

@@ -2,7 +2,7 @@
 # Where the packages of an image come from: from where this machine's apt gets them, and from nowhere
 # else. mmdebstrap is played by a script that keeps what it was told.
 #     test_archive.sh
-. tests/vm/tap.sh
+. tests/vm/guest/tap.sh
 folder=$(realpath -m "${BUILD:?is not set: expected a folder to write in}/tests/boot/archive")
 rm -rf "$folder"
 mkdir -p "$folder"/{bin,lists,cache}

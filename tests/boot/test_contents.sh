@@ -2,7 +2,7 @@
 # An image that QEMU cannot start: what is on its partitions, and its own program at work under
 # qemu-user, which must make the same picture as this machine's, bit for bit.
 #     test_contents.sh BOARD
-. tests/vm/tap.sh
+. tests/vm/guest/tap.sh
 . tests/boot/scene.sh
 board=$1
 PATH=$PATH:/usr/sbin:/sbin

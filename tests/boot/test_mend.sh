@@ -2,7 +2,7 @@
 # What an image does with a partition of the state that cannot be mounted, on files that stand for
 # partitions: what is the kiosk's own is mended, and nothing else is written to.
 #     test_mend.sh
-. tests/vm/tap.sh
+. tests/vm/guest/tap.sh
 PATH=$PATH:/usr/sbin:/sbin
 folder=${BUILD:?is not set: expected a folder to write in}/tests/boot/mend
 rm -rf "$folder"

@@ -2,7 +2,7 @@
 # An image comes to the picture by itself: how long that takes, what is on the screen, and that the
 # kiosk is there for good: restarted when it hangs, stopped in order, the root never written.
 #     test_picture.sh BOARD
-. tests/vm/tap.sh
+. tests/vm/guest/tap.sh
 . tests/boot/machine.sh
 . tests/boot/scene.sh
 board=$1
@@ -77,7 +77,7 @@ equal "nor does it start the machine anew" active \
 	"$(mtype -i "$image@@1M" ::/loader/loader.conf)"
 [ "$board" = qemu-x86_64 ] || {
 	screendump "$folder/screen.ppm"
-	check "its screen shows the demo" test "$("$BUILD/tests/vm/picture" colour "$folder/screen.ppm" \
+	check "its screen shows the demo" test "$("$BUILD/tests/vm/tools/picture" colour "$folder/screen.ppm" \
 		600 300 80 80 | head -n 1)" != "0 0 0 0 0 0"
 }
 

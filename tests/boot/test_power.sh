@@ -2,7 +2,7 @@
 # The power is cut again and again while the state is being written: each time the machine comes up
 # again with one of the values that were chosen, its disk sound, its root untouched.
 #     test_power.sh BOARD
-. tests/vm/tap.sh
+. tests/vm/guest/tap.sh
 . tests/boot/machine.sh
 . tests/boot/scene.sh
 board=$1

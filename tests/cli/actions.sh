@@ -29,7 +29,7 @@ round() { # MODE
 	start --set "basis.file=$work/own.inlay" --set "control.socket=$work/socket" --set composite.mode="$1" \
 		--set camera.background.rate=60
 	check "$1: frames are shown" shows_frames
-	check "$1: it answers whatever happens, and shows a pose at the end" python3 "$(dirname "$0")/actions.py" \
+	check "$1: it answers whatever happens, and shows a pose at the end" python3 "$(dirname "$0")/tools/actions.py" \
 		"$work/socket" "$inlay" "$(awk "BEGIN { print $seconds / 2 }")" "$seed" "$work/studio.conf" \
 		"$work/own.inlay"
 	check "$1: it still runs" alive

@@ -288,7 +288,7 @@ if has_command fisheye; then
 fi
 
 # ---- a fisheye from photographs, from a live camera, from lamps ----
-photographs=$(dirname "$INLAY")/tests/cli/photographs
+photographs=$(dirname "$INLAY")/tests/cli/tools/photographs
 # near FILE KEY X Y MOST: both numbers of the key within so many pixels
 near() {
 	key "$1" "$2" | awk -v x="$3" -v y="$4" -v most="$5" \

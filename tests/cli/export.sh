@@ -194,7 +194,7 @@ compared() { # WHAT BASIS BASIS LIGHTS...
 	for light in "$@"; do
 		rm -f "$own.rgb" "$other.rgb" apart
 		still "$own" "$light" && still "$other" "$light" &&
-			python3 "$here/export.py" 30 20 "$own.rgb" "$other.rgb" >apart
+			python3 "$here/tools/export.py" 30 20 "$own.rgb" "$other.rgb" >apart
 		check "$what, $light light: a picture" test -s apart
 		read -r shift_px brighter <apart || return
 		echo "# $what, $light light: shifted by $shift_px px, brightness off by $brighter %"
@@ -214,11 +214,11 @@ fi
 still own even
 cp own.rgb first.rgb
 { head -c 3 first.rgb && head -c -3 first.rgb; } >moved.rgb
-read -r shift_px _ < <(python3 "$here/export.py" 30 20 first.rgb moved.rgb)
+read -r shift_px _ < <(python3 "$here/tools/export.py" 30 20 first.rgb moved.rgb)
 check "a pixel aside is seen" awk "BEGIN { exit !($shift_px > 0.5) }"
 sed 's/0.7/0.6/g' even.txt >dim.txt
 still own dim
-read -r _ brighter < <(python3 "$here/export.py" 30 20 first.rgb own.rgb)
+read -r _ brighter < <(python3 "$here/tools/export.py" 30 20 first.rgb own.rgb)
 check "less light is seen" awk "BEGIN { exit !($brighter > 5) }"
 
 if ! command -v blender >/dev/null; then

@@ -4,7 +4,7 @@
 set -u
 # shellcheck source=tests/cli/scene.sh
 . "$(dirname "$0")/scene.sh"
-counter=$(dirname "$INLAY")/tests/cli/allocations.so
+counter=$(dirname "$INLAY")/tests/cli/tools/allocations.so
 
 # A fisheye that clips the lamps.
 sed -e 's/^gain = 5/gain = 1/; s/^sim.exposure = 0.2/sim.exposure = 1/' "$work/studio.conf" >"$work/new.conf"

@@ -158,7 +158,7 @@ check "of $taken that a camera gave, $shown are shown, and at most two on their 
 # ---- the terminal it was started from goes: that is the end, and no reload ----
 printf '%s\n' "$plain" >"$conf"
 rm "$work/live.jsonl"
-python3 "$(dirname "$0")/terminal.py" "$work/live.jsonl" "$INLAY" run --config "$conf" \
+python3 "$(dirname "$0")/tools/terminal.py" "$work/live.jsonl" "$INLAY" run --config "$conf" \
 	--set screen.driver=null --stats "$work/live.jsonl" 2>"$work/run.log"
 equal "without its terminal it ends in order" 0 $?
 check "having shown frames" test "$(number "$work/live.jsonl" frames)" -gt 0

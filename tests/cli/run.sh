@@ -3,7 +3,7 @@
 set -u
 # shellcheck source=tests/cli/scene.sh
 . "$(dirname "$0")/scene.sh"
-counter=$(dirname "$INLAY")/tests/cli/allocations.so
+counter=$(dirname "$INLAY")/tests/cli/tools/allocations.so
 
 run() {
 	timeout 60 "$INLAY" run --config "$work/studio.conf" "$@" 2>"$work/run.log"

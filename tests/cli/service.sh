@@ -9,7 +9,7 @@ if ! ldd "$INLAY" | grep -q libsystemd; then
 	echo "1..0 # SKIP built without libsystemd"
 	exit 77
 fi
-python3 "$(dirname "$0")/manager.py" "$work/notify" >"$heard" &
+python3 "$(dirname "$0")/tools/manager.py" "$work/notify" >"$heard" &
 manager=$!
 trap 'kill $manager; rm -rf "$work"' EXIT
 until_true 20 test -S "$work/notify"

@@ -2,7 +2,7 @@
  * Writes the seeds of fuzz_basis into a folder: small files of random content, each as the list of
  * its chunks that fuzz_basis.c unpacks. The same at every run.
  */
-#include "tests/synthetic_basis.h"
+#include "tests/support/synthetic_basis.h"
 
 static const struct {
 	const char *name;

@@ -19,7 +19,7 @@
 
 #include "hal/compositor/compositor.h"
 #include "tests/fuzz/as_file.h"
-#include "tests/synthetic_basis.h"
+#include "tests/support/synthetic_basis.h"
 
 #define CHUNKS_MOST 32
 #define WORK_MOST 2000000 /* pixels times lights */

@@ -1,5 +1,5 @@
 /* Any bytes as a PLY: refused in a sentence, or passed on to the library that reads meshes. That is
- * not called: it is not ours, and what it does with what we let pass is tests/unit/test_scene.c's.
+ * not called: it is not ours, and what it does with what we let pass is tests/unit/bake/scene/test_scene.c's.
  *
  * reaches: mesh_ply.c:check_counts mesh_ply.c:check_corner mesh_ply.c:check_values
  * mesh_ply.c:check_text_row mesh_ply.c:check_binary_row

@@ -11,7 +11,7 @@
 
 #include "bake/tiles/shard.h"
 #include "tests/fuzz/as_file.h"
-#include "tests/reseal_shard.h"
+#include "tests/support/reseal_shard.h"
 
 static void read_tiles(struct shard *shard)
 {

@@ -16,7 +16,7 @@
 
 #include "tests/kernels/compare.h"
 #include "tests/kernels/faults.h"
-#include "tests/unit/chance.h"
+#include "tests/support/chance.h"
 
 #define NEEDED_MAX 8
 

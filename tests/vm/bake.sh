@@ -14,11 +14,11 @@ data=${INLAY_SHARED_DATA:-../shared/data}
 bake() {
 	local folder=$out/$1
 	if [ "$folder/$1.inlay" -nt "$BUILD/inlay-bake" ] &&
-		[ "$folder/$1.inlay" -nt "tests/vm/$1.scene" ]; then
+		[ "$folder/$1.inlay" -nt "tests/vm/scenes/$1.scene" ]; then
 		return
 	fi
 	echo "  BAKE    $folder/$1.inlay"
-	cp "tests/vm/$1.scene" "$folder/"
+	cp "tests/vm/scenes/$1.scene" "$folder/"
 	"$BUILD/inlay-bake" render "$folder/$1.scene" -o "$folder/$1.inlay" >"$folder/bake.log" 2>&1 || {
 		cat "$folder/bake.log" >&2
 		exit 1

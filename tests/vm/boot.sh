@@ -64,7 +64,7 @@ rm -f "$job/exit-code"
 # The initramfs: busybox and the script beside this one.
 mkdir -p "$scratch/root/bin"
 cp /bin/busybox "$scratch/root/bin/busybox"
-install -m 755 "$here/init" "$scratch/root/init"
+install -m 755 "$here/guest/init" "$scratch/root/init"
 (cd "$scratch/root" && find . | cpio -o -H newc -R 0:0 --quiet | gzip -1) >"$scratch/initramfs"
 
 comma() { # QEMU's options write a comma in a value as two

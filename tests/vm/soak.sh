@@ -6,10 +6,10 @@
 #     soak.sh MINUTES SEED [RSS_SLACK_KB]      (or longer, until there have been nine faults)
 #
 # Writes a table to $VM_OUT/soak.txt and TAP to stdout. INLAY is the program.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
-. tests/vm/faults.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
+. tests/vm/guest/faults.sh
 
 seconds=$(awk "BEGIN { print int($1 * 60) }")
 seed=$2

@@ -1,7 +1,7 @@
 #!/bin/bash
 # The GPIO buttons on gpio-sim: a press is an action, a bounce is not.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 # A chip of its own: two buttons to ground on lines 2 and 3 of 8.
 bank=/sys/kernel/config/gpio-sim/inlay/bank

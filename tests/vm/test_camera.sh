@@ -1,8 +1,8 @@
 #!/bin/bash
 # The V4L2 driver on vivid's webcam: every format, single- and multi-planar, colours against what
 # the test pattern is defined to be, strides, rates, timestamps, faults.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 # What the last capture said about NAME.
 said() {

@@ -1,8 +1,8 @@
 #!/bin/bash
 # The screen and the text consoles on it (virtio-gpu, photographed from outside): what a person sees
 # who switches away and back, and after the program has ended in whatever way.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 card=/dev/dri/card$(card_of virtio)
 said=$VM_OUT/said

@@ -1,8 +1,8 @@
 #!/bin/bash
 # The control socket of a real kiosk that is not root: who may command it, and that no client can
 # harm it.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 # The kiosk is daemon, of the group games besides; the visitor is nobody.
 place=/run/control-test

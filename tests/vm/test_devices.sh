@@ -1,7 +1,7 @@
 #!/bin/bash
 # `inlay devices` names what is there.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 "$INLAY" devices >"$VM_OUT/none" 2>&1
 equal "with no camera there is nothing wrong" 0 $?

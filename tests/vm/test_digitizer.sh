@@ -2,8 +2,8 @@
 # The V4L2 driver on vivid as a television digitizer: inputs and standards, every order of fields
 # through every way to deinterlace, pairs that lose a field, signal that goes and changes, cameras
 # found again, controls.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 # What the last capture said about NAME.
 said() {

@@ -1,10 +1,10 @@
 #!/bin/bash
 # What goes wrong with cameras, one fault after another, in one run of the kiosk that is never
 # restarted.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
-. tests/vm/faults.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
+. tests/vm/guest/faults.sh
 
 faults_load
 

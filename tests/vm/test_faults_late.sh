@@ -1,9 +1,9 @@
 #!/bin/bash
 # Cameras that refuse a control, and cameras that come long after the kiosk.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
-. tests/vm/faults.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
+. tests/vm/guest/faults.sh
 
 faults_load
 # ---- controls: what is refused is named, what is taken is read back, at every opening ----

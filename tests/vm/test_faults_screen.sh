@@ -1,10 +1,10 @@
 #!/bin/bash
 # What goes wrong with the screen, in one run of the kiosk that is never restarted. A flip that
 # never comes cannot be had from vkms or virtio-gpu: the simulated screen does that (tests/cli).
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
-. tests/vm/faults.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
+. tests/vm/guest/faults.sh
 
 faults_load
 no_screen() { [ "$(of_status screen)" = "no screen" ]; }

@@ -1,10 +1,10 @@
 #!/bin/bash
 # What goes wrong around the kiosk: buttons, disk, configuration, descriptors, time. One run, never
 # restarted.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
-. tests/vm/faults.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
+. tests/vm/guest/faults.sh
 
 faults_load
 threshold_is() { [ "$(of_status threshold)" = "$1" ]; }

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Keyboards, made by uinput: plugged in late, held, grabbed, unplugged, chosen by name and path.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 # plug NAME: a keyboard that types what type_at tells it. unplug NAME takes it away.
 declare -A typing feeder

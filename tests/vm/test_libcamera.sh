@@ -1,10 +1,10 @@
 #!/bin/bash
 # The libcamera driver on vimc, the kernel's simulated sensor with a processing pipeline: what is
 # listed, choice by name, formats and sizes, controls, a device that goes away, a whole run.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
-config=tests/vm/libcamera.conf
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
+config=tests/vm/scenes/libcamera.conf
 # shellcheck disable=SC2154 # tools and basis are set there
 
 # What the last capture said about NAME.

@@ -2,9 +2,9 @@
 # The whole program on devices: pictures of ours are played into two cameras (vivid's HDMI inputs),
 # `inlay run` puts the object in, and what the screen really shows is compared, pixel by pixel, with
 # `inlay still` on the same pictures.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
 
 load vivid n_devs=2 num_inputs=1,1 input_types=3,3 num_outputs=1,1 output_types=1,1
 load vkms

@@ -1,7 +1,7 @@
 #!/bin/bash
 # The simulated hardware itself, by Debian's own tools: if this fails, look here first.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 check "vivid loads" load vivid n_devs=2
 in=$(video_node vivid-000-vid-cap)

@@ -1,8 +1,8 @@
 #!/bin/bash
 # A real mesh in a real panorama, through devices: photographs of it are played into the cameras.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
 
 if [ ! -r "$tools/spot/spot.inlay" ]; then
 	echo "ok a real panorama # SKIP the panoramas are not there (INLAY_SHARED_DATA)"

@@ -1,8 +1,8 @@
 #!/bin/bash
 # `inlay devices --sample` for what is plugged in, and a run with the configuration that it wrote.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
 # shellcheck disable=SC2154 # basis, width and height are set there
 
 load vivid n_devs=2 input_types=0xe4,0xe4

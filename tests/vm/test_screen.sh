@@ -1,8 +1,8 @@
 #!/bin/bash
 # The KMS driver on vkms and virtio-gpu: modes, flips, what is really scanned out, busy and missing
 # screens, and the console's picture given back as it was.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
 
 said() {
 	awk -v name="$1" '$1 == name { sub(/^[^ ]* /, ""); print; exit }' "$VM_OUT/said"

@@ -3,9 +3,9 @@
 # 720x486, the fisheye upside down. What is expected is made from the four pictures as they were
 # before they were composed. vivid takes only the common sizes and fails in the kernel when it is told
 # to crop what it loops, so the composed picture lies in a corner of one of 800x600; the views stay.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
 
 config=config/thesis.conf basis=$tools/thesis/thesis.inlay
 width=360 height=243

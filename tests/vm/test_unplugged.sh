@@ -1,8 +1,8 @@
 #!/bin/bash
 # Cameras that go and come back while `inlay run` runs.
-. tests/vm/tap.sh
-. tests/vm/devices.sh
-. tests/vm/runs.sh
+. tests/vm/guest/tap.sh
+. tests/vm/guest/devices.sh
+. tests/vm/guest/runs.sh
 
 load vivid n_devs=2 input_types=0xe4,0xe4
 load vkms

@@ -2,10 +2,10 @@
 # linux-source-6.1 busybox-static cpio kmod xz-utils flex bison bc libelf-dev v4l-utils libdrm-dev,
 # and what building needs anyway (gcc, make).
 
-VM_PROGRAMS := $(addprefix $(BUILD)/tests/vm/,capture keys picture presses show) \
-	$(if $(filter 1,$(WITH_KMS)),$(BUILD)/tests/vm/scanout)
+VM_PROGRAMS := $(addprefix $(BUILD)/tests/vm/tools/,capture keys picture presses show) \
+	$(if $(filter 1,$(WITH_KMS)),$(BUILD)/tests/vm/tools/scanout)
 
-$(addprefix $(BUILD)/tests/vm/,capture keys presses show): $(BUILD)/drivers.a
+$(addprefix $(BUILD)/tests/vm/tools/,capture keys presses show): $(BUILD)/drivers.a
 $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $< \
@@ -14,8 +14,8 @@ $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 -include $(addsuffix .d,$(VM_PROGRAMS))
 
 # Has libcamera treat vimc as a webcam.
-VM_LIBRARIES := $(if $(filter 1,$(WITH_LIBCAMERA)),$(BUILD)/tests/vm/webcam.so)
-$(VM_LIBRARIES): tests/vm/webcam.c
+VM_LIBRARIES := $(if $(filter 1,$(WITH_LIBCAMERA)),$(BUILD)/tests/vm/tools/webcam.so)
+$(VM_LIBRARIES): tests/vm/tools/webcam.c
 	@mkdir -p $(@D)
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
@@ -28,10 +28,10 @@ kernel:
 test-vm:
 	$(Q)board/deps.sh test
 	$(AGAIN) test-vm-installed
-test-vm-installed: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/allocations.so kernel
+test-vm-installed: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/tools/allocations.so kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)FILTER="$(FILTER)" $(RUN_TESTS) vm tests/vm/run.sh
-test-vm-rest: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/allocations.so kernel
+test-vm-rest: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/tools/allocations.so kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh --rest"
 ## vm-shell: a shell in the simulated machine (leave it with exit)

@@ -1,0 +1,59 @@
+/*
+ * A block of a basis file from values set down by hand: every light's column, in 16 bits.
+ *
+ * Header only, because each test is one program of one file.
+ */
+#ifndef INLAY_TESTS_SUPPORT_HAND_BASIS_H
+#define INLAY_TESTS_SUPPORT_HAND_BASIS_H
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_writer.h"
+
+/* An object's pixels: value[pixels][3][lights] is what each gives off per unit of a light's
+ * radiance. light is the file's. The payload is to be freed. */
+static inline struct basis_block_payload hand_object(uint32_t tile, int pixels,
+						     const uint16_t *pixel, int lights,
+						     const struct basis_light *light,
+						     const float *value)
+{
+	struct basis_block_entry entry = {.tile = tile,
+					  .kind = BASIS_KIND_T,
+					  .channels = 3,
+					  .bits = 16,
+					  .pixels = (uint16_t)pixels,
+					  .columns = (uint32_t)lights};
+	const struct basis_layout at = basis_layout(&entry, lights);
+	uint8_t *payload = calloc(1, at.bytes);
+	int16_t *column;
+	float *scale;
+
+	if (!payload)
+		abort();
+	entry.bytes = at.bytes;
+	memcpy(payload + at.pixel, pixel, sizeof(*pixel) * (size_t)pixels);
+	scale = (float *)(payload + at.column_scale);
+	column = (int16_t *)(payload + at.column);
+	for (int i = 0; i < lights; i++) {
+		float most = 0;
+
+		((uint16_t *)(payload + at.light))[i] = (uint16_t)i;
+		for (int k = 0; k < pixels * 3; k++)
+			most = fmaxf(most, fabsf(value[k * lights + i]));
+		scale[i] = (float)((double)most / light[i].solid_angle_sr / 32767);
+		for (int k = 0; k < pixels * 3 && most > 0; k++) {
+			const int p = k / 3, c = k % 3;
+			const int line = (c * at.panels16 + p / BASIS_LINE16) * lights + i;
+
+			column[line * BASIS_LINE16 + p % BASIS_LINE16] =
+				(int16_t)lrintf(value[k * lights + i] / most * 32767);
+		}
+	}
+	return (struct basis_block_payload){entry, payload};
+}
+
+#endif

@@ -1,0 +1,437 @@
+/* Options, event loop and statistics. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "app/kiosk/loop.h"
+#include "app/kiosk/stats.h"
+#include "app/options.h"
+#include "hal/base/clock.h"
+#include "tests/support/own_folder.h"
+
+/* ---- options ---- */
+
+struct taken {
+	char words[8][32];
+	int count;
+	long number;
+};
+
+static int take_word(void *context, const char *argument, const char **expected)
+{
+	struct taken *taken = context;
+
+	(void)expected;
+	snprintf(taken->words[taken->count++], 32, "%s", argument ? argument : "(none)");
+	return 0;
+}
+
+static int take_number(void *context, const char *argument, const char **expected)
+{
+	*expected = "1..9";
+	return option_integer(argument, 1, 9, &((struct taken *)context)->number);
+}
+
+static const struct option_row rows[] = {
+	{.name = "word", .letter = 'w', .argument = "WORD", .help = "h", .take = take_word},
+	{.name = "flag", .help = "h", .take = take_word},
+	{.name = "number", .argument = "N", .help = "h", .take = take_number},
+	{.name = NULL}};
+
+static const struct command command = {.name = "try", .usage = "", .purpose = "", .options = rows};
+
+static int read_words(struct taken *taken, const char *first, ...)
+{
+	char *argv[12] = {(char *)"try"};
+	va_list args;
+	int argc = 1;
+
+	*taken = (struct taken){.count = 0};
+	va_start(args, first);
+	for (const char *word = first; word; word = va_arg(args, const char *))
+		argv[argc++] = (char *)word;
+	va_end(args);
+	return options_read(&command, argc, argv, taken);
+}
+
+static void options_are_read(void **state)
+{
+	struct taken taken;
+
+	(void)state;
+	assert_int_equal(read_words(&taken, NULL), OPTIONS_GO_ON);
+	assert_int_equal(read_words(&taken, "--word", "a b", "--word=c=d", "-w", "--x", "-we",
+				    "--word=", "--flag", "--number", "9", NULL),
+			 OPTIONS_GO_ON);
+	assert_int_equal(taken.count, 6);
+	assert_string_equal(taken.words[0], "a b");
+	assert_string_equal(taken.words[1], "c=d");
+	assert_string_equal(taken.words[2], "--x");
+	assert_string_equal(taken.words[3], "e");
+	assert_string_equal(taken.words[4], "");
+	assert_string_equal(taken.words[5], "(none)");
+	assert_int_equal(taken.number, 9);
+}
+
+static void wrong_options_are_wrong_usage(void **state)
+{
+	struct taken taken;
+
+	(void)state;
+	assert_int_equal(read_words(&taken, "--wrod", "a", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--wor", "a", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--word", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--flag=1", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--number", "10", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--number", "5x", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--number", "", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "word", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "-", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "--", NULL), EXIT_USAGE);
+	assert_int_equal(read_words(&taken, "-q", NULL), EXIT_USAGE);
+}
+
+static void numbers_are_whole_and_finite(void **state)
+{
+	double v;
+
+	(void)state;
+	assert_int_equal(option_number("12.5", 0, 255, &v), 0);
+	assert_true(v == 12.5);
+	assert_int_equal(option_number("nan", 0, 255, &v), -EINVAL);
+	assert_int_equal(option_number("inf", 0, 1e300, &v), -EINVAL);
+	assert_int_equal(option_number("256", 0, 255, &v), -EINVAL);
+	assert_int_equal(option_number("1 ", 0, 255, &v), -EINVAL);
+}
+
+/* ---- loop ---- */
+
+static void slots_are_polled(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct loop loop;
+	int a = eventfd(0, EFD_NONBLOCK), b = eventfd(1, EFD_NONBLOCK);
+
+	(void)state;
+	assert_int_equal(loop_open(&loop, &fault), 0);
+	assert_int_equal(loop_watch(&loop, 0, a, &fault), 0);
+	assert_int_equal(loop_watch(&loop, 3, b, &fault), 0);
+	assert_int_equal(loop_watch(&loop, 3, b, &fault), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_false(loop_ready(&loop, 0));
+	assert_true(loop_ready(&loop, 3));
+	assert_int_equal(loop_watch(&loop, 3, -1, &fault), 0);
+	assert_int_equal(eventfd_write(a, 1), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop_ready(&loop, 0));
+	assert_false(loop_ready(&loop, 3));
+	/* Closed, and the same number again: out of its slot first. */
+	close(a);
+	assert_int_equal(loop_watch(&loop, 0, -1, &fault), 0);
+	assert_int_equal(dup2(b, a), a);
+	assert_int_equal(loop_watch(&loop, 0, a, &fault), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop_ready(&loop, 0));
+	assert_int_equal(loop_watch(&loop, 1, 999, &fault), -EBADF);
+	loop_close(&loop);
+	loop_close(&loop);
+	close(a);
+	close(b);
+}
+
+static void signals_end_it_and_seconds_tick(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct loop loop;
+	int64_t start;
+
+	(void)state;
+	(void)signal(SIGHUP, SIG_DFL); /* nohup leaves it ignored */
+	assert_int_equal(loop_open(&loop, &fault), 0);
+	start = clock_now_ns();
+	loop_start(&loop);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop.tick);
+	assert_true(clock_now_ns() - start >= 99 * NS_PER_S / 100);
+	assert_false(loop.stop);
+	assert_int_equal(raise(SIGHUP), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop.reload); /* nobody took our terminal away */
+	assert_false(loop.stop);
+	assert_int_equal(raise(SIGTERM), 0);
+	assert_int_equal(loop_wait(&loop, &fault), 0);
+	assert_true(loop.stop);
+	loop_close(&loop);
+}
+
+/* In a session of its own, with a terminal of its own. */
+static int hang_up(void)
+{
+	const struct rlimit none = {0, 0};
+	const int master = posix_openpt(O_RDWR | O_NOCTTY);
+	struct fault fault = {.text = ""};
+	struct loop loop;
+
+	alarm(20);
+	(void)signal(SIGHUP, SIG_DFL);
+	if (setsid() < 0 || master < 0 || grantpt(master) || unlockpt(master) ||
+	    open(ptsname(master), O_RDWR) < 0 || loop_open(&loop, &fault))
+		return 1;
+	if (setrlimit(RLIMIT_NOFILE, &none) || raise(SIGHUP) || loop_wait(&loop, &fault) ||
+	    !loop.reload || loop.stop)
+		return 2;
+	close(master);
+	if (loop_wait(&loop, &fault) || loop.reload || !loop.stop)
+		return 3;
+	return 0;
+}
+
+/* A reload when no descriptor is left is no hang-up. */
+static void only_a_terminal_that_goes_ends_it(void **state)
+{
+	const pid_t child = fork();
+	int status;
+
+	(void)state;
+	if (!child)
+		_exit(hang_up());
+	assert_int_equal(waitpid(child, &status, 0), child);
+	assert_int_equal(status, 0);
+}
+
+/* ---- statistics ---- */
+
+static void lines_say_what_was_counted(void **state)
+{
+	char path[] = "/tmp/test_app_stats_XXXXXX", text[2000] = "";
+	int file = mkstemp(path);
+	struct pipeline pipeline = {.clipped = 0.25,
+				    .choice = {.threshold = {.value = 33.5}},
+				    .selection = {.count = 406,
+						  .used_count = 32,
+						  .dropped_error = {0.001, 0.003, 0.002}}};
+	struct source source = {.settings = {.name = "sky"},
+				.superseded = 2,
+				.undecodable = 1,
+				.camera = {.frames = 10, .lost = 3, .broken = 4}};
+	struct stats stats;
+	FILE *stream;
+
+	(void)state;
+	assert_true(file >= 0);
+	assert_int_equal(stats_open(&stats, path, NULL), 0);
+	stats_start(&stats, 5 * NS_PER_S);
+	for (int i = 1; i <= 3; i++) {
+		const int64_t stage[STAGE_COUNT] = {i * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS, 0};
+
+		stats_made(&stats, i * NS_PER_S, stage);
+		stats_shown(&stats, i * NS_PER_S, i * NS_PER_S + i * 10 * NS_PER_MS,
+			    15 * NS_PER_MS);
+	}
+	stats_made(&stats, 0,
+		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS});
+	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* of no new frame: it has no latency */
+	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &pipeline, &source, 1);
+	source.situation = CAMERA_STALLED;
+	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &pipeline, &source, 1);
+	stats_close(&stats);
+	stats_close(&stats);
+	stream = fdopen(file, "r");
+	assert_non_null(stream);
+	assert_true(fread(text, 1, sizeof(text) - 1, stream) > 0);
+	fclose(stream);
+	unlink(path);
+	assert_string_equal(
+		text,
+		"{\"t\":2.000,\"frames\":4,\"fps\":2.00,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
+		"\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"composite\":7.000,\"show\":0."
+		"000},"
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+		"\"lines_lost\":0,\"cameras\":"
+		"[{\"name\":\"sky\",\"situation\":\"fine\","
+		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n"
+		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
+		"\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"composite\":0.000,\"show\":0."
+		"000},"
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+		"\"lines_lost\":0,\"cameras\":"
+		"[{\"name\":\"sky\",\"situation\":\"stalled\","
+		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n");
+}
+
+static void line(struct stats *stats, int second)
+{
+	static const struct pipeline pipeline = {.clipped = 0};
+
+	stats_line(stats, second * NS_PER_S, &pipeline, NULL, 0);
+}
+
+static int open_stats(struct stats *stats, const char *path)
+{
+	struct fault fault;
+
+	alarm(20); /* it never waits */
+	signal(SIGPIPE, SIG_IGN);
+	signal(SIGXFSZ, SIG_IGN);
+	return stats_open(stats, path, &fault);
+}
+
+static void a_full_disk_takes_lines_only(void **state)
+{
+	struct stats stats;
+
+	(void)state;
+	if (access("/dev/full", W_OK))
+		skip();
+	assert_int_equal(open_stats(&stats, "/dev/full"), 0);
+	stats_start(&stats, 0);
+	line(&stats, 1);
+	line(&stats, 2);
+	assert_int_equal(stats.lines_lost, 2);
+	stats_close(&stats);
+}
+
+/* How many lines are there, each whole, the first saying that so many were lost before it? */
+static int count_lines(int file, int lost)
+{
+	static char text[1 << 17];
+	const ssize_t bytes = read(file, text, sizeof(text) - 1);
+	char said[40], *rest = NULL;
+	int lines = 0;
+
+	assert_true(bytes >= 0 && bytes < (ssize_t)sizeof(text) - 1);
+	assert_true(!bytes || text[bytes - 1] == '\n');
+	text[bytes] = '\0';
+	snprintf(said, sizeof(said), "\"lines_lost\":%d,", lost);
+	for (char *at = strtok_r(text, "\n", &rest); at; at = strtok_r(NULL, "\n", &rest)) {
+		assert_int_equal(strncmp(at, "{\"t\":", 5), 0);
+		assert_string_equal(at + strlen(at) - 2, "]}");
+		assert_true(lines++ || strstr(at, said));
+	}
+	return lines;
+}
+
+static void a_pipe_is_not_waited_for(void **state)
+{
+	const char *path = own_path("pipe");
+	struct stats stats;
+	int reader, lines;
+
+	(void)state;
+	assert_int_equal(mkfifo(path, 0600), 0);
+	assert_int_equal(open_stats(&stats, path), 0);
+	stats_start(&stats, 0);
+	line(&stats, 1);
+	reader = open(path, O_RDONLY | O_NONBLOCK);
+	line(&stats, 2);
+	assert_int_equal(count_lines(reader, 1), 1);
+	for (int k = 0; k < 1000; k++) /* more than it holds: 64 KiB */
+		line(&stats, 3);
+	assert_true(stats.lines_lost > 100 && stats.lines_lost < 999);
+	lines = count_lines(reader, 1);
+	assert_int_equal(lines + stats.lines_lost, 1001);
+	line(&stats, 4);
+	assert_int_equal(count_lines(reader, 1001 - lines), 1);
+	close(reader);
+	line(&stats, 5);
+	assert_int_equal(stats.lines_lost, 1002 - lines);
+	reader = open(path, O_RDONLY | O_NONBLOCK);
+	line(&stats, 6);
+	assert_int_equal(count_lines(reader, 1002 - lines), 1);
+	close(reader);
+	stats_close(&stats);
+	unlink(path);
+}
+
+static void files_are_cut_short_and_moved_away(void **state)
+{
+	char path[PATH_MAX], old[PATH_MAX];
+	struct stats stats;
+	int reader;
+
+	(void)state;
+	snprintf(path, sizeof(path), "%s", own_path("stats"));
+	snprintf(old, sizeof(old), "%s", own_path("stats.1"));
+	assert_int_equal(open_stats(&stats, path), 0);
+	stats_start(&stats, 0);
+	line(&stats, 1);
+	assert_int_equal(truncate(path, 0), 0);
+	line(&stats, 2);
+	assert_int_equal(rename(path, old), 0);
+	line(&stats, 3);
+	stats_reopen(&stats);
+	line(&stats, 4);
+	stats_reopen(&stats); /* which keeps what is there */
+	line(&stats, 5);
+	stats_close(&stats);
+	for (int k = 0; k < 2; k++) {
+		reader = open(k ? path : old, O_RDONLY);
+		assert_int_equal(count_lines(reader, 0), 2);
+		close(reader);
+		unlink(k ? path : old);
+	}
+}
+
+static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
+{
+	const char *path = own_path("stats");
+	const struct rlimit small = {1000, RLIM_INFINITY};
+	struct rlimit before;
+	struct stats stats;
+	int reader;
+
+	(void)state;
+	assert_int_equal(mknod(path, S_IFREG | 0600, 0), 0);
+	assert_int_equal(truncate(path, 100), 0); /* of another run */
+	assert_int_equal(open_stats(&stats, path), 0);
+	stats_start(&stats, 0);
+	getrlimit(RLIMIT_FSIZE, &before);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+	for (int k = 0; k < 6; k++)
+		line(&stats, k);
+	setrlimit(RLIMIT_FSIZE, &before);
+	reader = open(path, O_RDONLY);
+	assert_int_equal(count_lines(reader, 0) + stats.lines_lost, 6);
+	assert_true(stats.lines_lost > 0 && stats.lines_lost < 6);
+	close(reader);
+	stats_close(&stats);
+	unlink(path);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(options_are_read),
+		cmocka_unit_test(wrong_options_are_wrong_usage),
+		cmocka_unit_test(numbers_are_whole_and_finite),
+		cmocka_unit_test(slots_are_polled),
+		cmocka_unit_test(signals_end_it_and_seconds_tick),
+		cmocka_unit_test(only_a_terminal_that_goes_ends_it),
+		cmocka_unit_test(lines_say_what_was_counted),
+		cmocka_unit_test(a_full_disk_takes_lines_only),
+		cmocka_unit_test(a_pipe_is_not_waited_for),
+		cmocka_unit_test(files_are_cut_short_and_moved_away),
+		cmocka_unit_test(a_file_as_large_as_it_may_be_has_whole_lines),
+	};
+
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
+}

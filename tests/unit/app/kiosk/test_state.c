@@ -1,0 +1,223 @@
+/* What was chosen, kept in a file. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "app/kiosk/state.h"
+#include "hal/base/clock.h"
+#include "tests/support/own_folder.h"
+
+static const struct state_values start = {{0, false}, SHOW_COMPOSITE, 0};
+
+static struct config_state settings_for(const char *name, double interval_s)
+{
+	struct config_state settings = {.interval_s = interval_s};
+
+	snprintf(settings.file, sizeof(settings.file), "%.1000s", own_path(name));
+	return settings;
+}
+
+/* Waits for an event: the file holds that threshold. */
+static bool comes_to_hold(const char *name, double threshold)
+{
+	int64_t end = clock_now_ns() + 20 * NS_PER_S;
+	struct state_values values = start;
+
+	while (clock_now_ns() < end) {
+		if (state_read(own_path(name), &values, NULL) == 0 &&
+		    values.threshold.value == threshold)
+			return true;
+		usleep(2000);
+	}
+	return false;
+}
+
+static void what_is_kept_reads_back(void **state)
+{
+	const struct config_state settings = settings_for("state", 0);
+	const struct state_values chosen = {{40.5, false}, SHOW_SPLIT, 3};
+	struct state_values values = start;
+	struct fault fault = {.text = ""};
+	struct state *keeper;
+
+	(void)state;
+	assert_int_equal(state_read(settings.file, &values, &fault), -ENOENT);
+	assert_int_equal(state_create(&keeper, &settings, &start), 0);
+	state_keep(keeper, &chosen);
+	assert_true(comes_to_hold("state", 40.5));
+	state_destroy(keeper);
+	assert_int_equal(state_read(settings.file, &values, &fault), 0);
+	assert_true(values.threshold.value == 40.5);
+	assert_int_equal(values.view, SHOW_SPLIT);
+	assert_int_equal(values.pose, 3);
+	unlink(settings.file);
+}
+
+static void nothing_chosen_writes_nothing(void **state)
+{
+	const struct config_state settings = settings_for("state", 0);
+	const struct config_state none = {.interval_s = 0};
+	struct state *keeper;
+
+	(void)state;
+	assert_int_equal(state_create(&keeper, &settings, &start), 0);
+	state_keep(keeper, &start);
+	state_destroy(keeper);
+	assert_int_equal(access(settings.file, F_OK), -1);
+	assert_int_equal(state_create(&keeper, &none, &start), 0);
+	state_keep(keeper, &(struct state_values){{1, false}, 1, 1}); /* nowhere */
+	state_destroy(keeper);
+	state_destroy(NULL);
+	state_keep(NULL, &start);
+	state_move(NULL, &settings);
+}
+
+/* The first choice is written at once, the next after an interval that never passes here, and the
+ * last at the end. */
+static void the_interval_is_kept_and_the_end_writes_the_last(void **state)
+{
+	const struct config_state settings = settings_for("state", 86400);
+	struct state_values values = start;
+	struct state *keeper;
+	struct stat before, after;
+
+	(void)state;
+	assert_int_equal(state_create(&keeper, &settings, &start), 0);
+	state_keep(keeper, &(struct state_values){{1, false}, SHOW_COMPOSITE, 0});
+	assert_true(comes_to_hold("state", 1));
+	assert_int_equal(stat(settings.file, &before), 0);
+	for (int i = 2; i <= 50; i++)
+		state_keep(keeper, &(struct state_values){{i, false}, SHOW_COMPOSITE, 0});
+	usleep(50000);
+	assert_int_equal(stat(settings.file, &after), 0);
+	assert_int_equal(before.st_ino, after.st_ino);
+	state_destroy(keeper);
+	assert_int_equal(state_read(settings.file, &values, NULL), 0);
+	assert_true(values.threshold.value == 50);
+	unlink(settings.file);
+}
+
+static void a_missing_folder_is_tried_again(void **state)
+{
+	struct config_state settings = settings_for("gone", 0);
+	struct state *keeper;
+	char folder[PATH_MAX];
+
+	(void)state;
+	snprintf(folder, sizeof(folder), "%s", settings.file);
+	strcat(settings.file, "/state");
+	assert_int_equal(state_create(&keeper, &settings, &start), 0);
+	state_keep(keeper, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
+	usleep(50000);
+	assert_int_equal(mkdir(folder, 0700), 0);
+	assert_true(comes_to_hold("gone/state", 7));
+	state_destroy(keeper);
+	unlink(settings.file);
+	rmdir(folder);
+}
+
+/* A file that must not grow stands for a full disk. */
+static void what_cannot_be_written_leaves_the_old_file(void **state)
+{
+	const struct config_state settings = settings_for("state", 0);
+	struct state_values values = start;
+	struct rlimit before, full;
+	struct state *keeper;
+	FILE *stream = fopen(settings.file, "w");
+
+	(void)state;
+	assert_non_null(stream);
+	fputs("[chosen]\nthreshold = 12\n", stream);
+	fclose(stream);
+	signal(SIGXFSZ, SIG_IGN);
+	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+	full = (struct rlimit){20, before.rlim_max};
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &full), 0);
+	assert_int_equal(state_create(&keeper, &settings, &start), 0);
+	state_keep(keeper, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
+	state_destroy(keeper);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+	assert_int_equal(state_read(settings.file, &values, NULL), 0);
+	assert_true(values.threshold.value == 12);
+	unlink(settings.file);
+}
+
+static void another_file_gets_all_of_it(void **state)
+{
+	const struct config_state first = settings_for("state", 0);
+	const struct config_state second = settings_for("other", 0);
+	struct state *keeper;
+
+	(void)state;
+	assert_int_equal(state_create(&keeper, &first, &start), 0);
+	state_keep(keeper, &(struct state_values){{9, false}, SHOW_COMPOSITE, 0});
+	assert_true(comes_to_hold("state", 9));
+	state_move(keeper, &second);
+	assert_true(comes_to_hold("other", 9)); /* though nothing was chosen since */
+	state_destroy(keeper);
+	unlink(first.file);
+	unlink(second.file);
+}
+
+static void damage_is_named_and_leaves_all_alone(void **state)
+{
+	static const struct {
+		const char *text, *said;
+	} cases[] = {
+		{"[chosen]\npose = 1\nthreshold = 256\n", "x:3: [chosen] threshold"},
+		{"[chosen]\nview = upside-down\n", "x:2: [chosen] view"},
+		{"[chosen]\nthreshold = nan\n", "x:2: [chosen] threshold"},
+		{"\1\2\3", "x:1:"},
+		{"[other]\na = 1\n", "x:1:"},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		struct state_values values = {{5, false}, SHOW_QUAD, 6};
+		struct fault fault = {.text = ""};
+
+		assert_int_equal(state_read_memory(cases[i].text, strlen(cases[i].text), "x",
+						   &values, &fault),
+				 -EINVAL);
+		assert_memory_equal(fault.text, cases[i].said, strlen(cases[i].said));
+		assert_true(values.threshold.value == 5 && values.view == SHOW_QUAD &&
+			    values.pose == 6);
+	}
+}
+
+static void missing_keys_leave_their_value(void **state)
+{
+	struct state_values values = {{5, false}, SHOW_QUAD, 6};
+
+	(void)state;
+	assert_int_equal(state_read_memory("", 0, "x", &values, NULL), 0);
+	assert_int_equal(state_read_memory("[chosen]\npose = 2\n", 18, "x", &values, NULL), 0);
+	assert_true(values.threshold.value == 5 && values.view == SHOW_QUAD && values.pose == 2);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_is_kept_reads_back),
+		cmocka_unit_test(nothing_chosen_writes_nothing),
+		cmocka_unit_test(the_interval_is_kept_and_the_end_writes_the_last),
+		cmocka_unit_test(a_missing_folder_is_tried_again),
+		cmocka_unit_test(what_cannot_be_written_leaves_the_old_file),
+		cmocka_unit_test(another_file_gets_all_of_it),
+		cmocka_unit_test(damage_is_named_and_leaves_all_alone),
+		cmocka_unit_test(missing_keys_leave_their_value),
+	};
+
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
+}

@@ -1,0 +1,471 @@
+/*
+ * The pipeline on a basis made by hand: six lights, one pixel of object that sees the zenith's
+ * light alone, one that sees another's; the rest is background.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "app/pipeline/pipeline.h"
+#include "hal/basis/basis_writer.h"
+#include "hal/frame/frame.h"
+#include "tests/support/hand_basis.h"
+
+enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
+
+#define SHARE 0.5 /* t of the object's pixels: half of their light's radiance */
+
+static char folder[] = "/tmp/test_app_pipeline_XXXXXX";
+static char path[80];
+static struct basis basis;
+
+static void must(int err, const struct fault *fault)
+{
+	if (err)
+		fail_msg("%s", fault->text);
+}
+
+/* Pixel (3, 2) and (4, 2) of the first tile, covered whole. */
+static void write_basis(const char *to, bool swapped)
+{
+	struct basis_info_chunk info = {.width = WIDTH,
+					.height = HEIGHT,
+					.lights = LIGHTS,
+					.dome_frequency = 1,
+					.dome_division = DOME_ANGLES,
+					.poses = 1,
+					.coarse = LIGHTS};
+	static struct basis_light lights[LIGHTS];
+	static uint16_t coverage[WIDTH * HEIGHT];
+	static float peak[LIGHTS + 1][3], value[2][3][LIGHTS];
+	const uint16_t pixel[2] = {2 * BASIS_TILE + 3, 2 * BASIS_TILE + 4};
+	struct fault fault = {.text = ""};
+	struct basis_block_payload block;
+	struct basis_writer *writer;
+	struct dome dome;
+
+	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome.count, LIGHTS);
+	for (int i = 0; i < LIGHTS; i++) {
+		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
+		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
+	}
+	if (swapped) {
+		const struct basis_light first = lights[1];
+
+		lights[1] = lights[2];
+		lights[2] = first;
+	}
+	dome_free(&dome);
+	for (int c = 0; c < 3; c++) {
+		value[0][c][0] = SHARE;
+		value[1][c][3] = SHARE;
+		peak[0][c] = peak[3][c] = peak[LIGHTS][c] = SHARE;
+	}
+	coverage[2 * WIDTH + 3] = coverage[2 * WIDTH + 4] = 65535;
+	block = hand_object(0, 2, pixel, LIGHTS, lights, &value[0][0][0]);
+	must(basis_writer_open(&writer, to, &info, lights, NULL, NULL, "", &fault), &fault);
+	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
+	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
+	must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	free((void *)block.payload);
+}
+
+static int open_basis(void **state)
+{
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	if (!mkdtemp(folder))
+		return -1;
+	snprintf(path, sizeof(path), "%s/hand.inlay", folder);
+	write_basis(path, false);
+	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	return 0;
+}
+
+static int close_basis(void **state)
+{
+	(void)state;
+	basis_close(&basis);
+	unlink(path);
+	return rmdir(folder);
+}
+
+static struct pipeline_settings plain(void)
+{
+	return (struct pipeline_settings){
+		.sampler = {.estimator = ESTIMATOR_CELL,
+			    .curve = {.named = TRANSFER_SRGB},
+			    .gain = 1},
+		.lens = {.field_deg = 90},
+		.threshold_mode = THRESHOLD_DROP,
+		.background = {.named = TRANSFER_SRGB},
+		.gain = 1,
+		.threads = 1,
+	};
+}
+
+static struct pipeline made(const struct pipeline_settings *settings)
+{
+	struct pipeline pipeline;
+	struct fault fault = {.text = ""};
+
+	must(pipeline_create(&pipeline, &basis, settings, &fault), &fault);
+	return pipeline;
+}
+
+static void choose(struct pipeline *pipeline, double threshold)
+{
+	struct pipeline_choice choice = {.threshold = {.value = threshold}, .object = true};
+
+	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
+}
+
+static struct canvas flat(int width, int height, int code)
+{
+	struct canvas canvas;
+
+	assert_int_equal(canvas_create(&canvas, width, height), 0);
+	memset(canvas.pixels, code, canvas.stride * (size_t)height);
+	return canvas;
+}
+
+static struct picture whole(const struct canvas *canvas)
+{
+	struct view view = {.width = canvas->width, .height = canvas->height, .squash = 1};
+
+	return view_picture(&view, canvas->pixels, canvas->stride);
+}
+
+/* The composite over a flat background of code 90. */
+static void composite(struct pipeline *pipeline, uint8_t out[HEIGHT][WIDTH][4])
+{
+	struct canvas background = flat(WIDTH, HEIGHT, 90);
+	struct picture picture = whole(&background);
+	struct backdrop backdrop = backdrop_of(&picture);
+
+	assert_int_equal(pipeline_composite(pipeline, &backdrop, &out[0][0][0], WIDTH * 4, NULL),
+			 0);
+	canvas_free(&background);
+}
+
+static void is_light(const uint8_t bgr[4], double red, double green, double blue)
+{
+	const double rgb[3] = {red, green, blue};
+
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(bgr[2 - c] - 255 * transfer_encode(TRANSFER_SRGB, rgb[c])) <= 1);
+}
+
+/* An even sky of code 150: each light has its radiance, and the object half of that. */
+static void an_even_sky(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct pipeline pipeline = made(&settings);
+	struct canvas sky = flat(SKY, SKY, 150);
+	struct picture picture = whole(&sky);
+	double radiance = transfer_decode(TRANSFER_SRGB, 150 / 255.0);
+	static uint8_t out[HEIGHT][WIDTH][4];
+
+	(void)state;
+	assert_false(pipeline.lit);
+	assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
+	assert_true(pipeline.lit);
+	for (int i = 0; i < LIGHTS; i++)
+		assert_true(fabs(pipeline.radiance[i][1] - radiance) < 1e-3);
+	choose(&pipeline, 0);
+	composite(&pipeline, out);
+	is_light(out[2][3], SHARE * radiance, SHARE * radiance, SHARE * radiance);
+	is_light(out[2][4], SHARE * radiance, SHARE * radiance, SHARE * radiance);
+	for (int i = 0; i < WIDTH * HEIGHT; i++) {
+		if (i != 2 * WIDTH + 3 && i != 2 * WIDTH + 4)
+			assert_int_equal(out[i / WIDTH][i % WIDTH][0], 90);
+	}
+	canvas_free(&sky);
+	pipeline_destroy(&pipeline);
+	pipeline_destroy(&pipeline);
+}
+
+static void given_lights_reach_their_pixels(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct pipeline pipeline = made(&settings);
+	const float radiance[LIGHTS][3] = {[0] = {0.2f, 0.4f, 0.6f}, [5] = {9, 9, 9}};
+	static uint8_t out[HEIGHT][WIDTH][4];
+	static double exact[HEIGHT][WIDTH][3];
+	struct canvas background = flat(WIDTH, HEIGHT, 90);
+	struct picture picture = whole(&background);
+
+	(void)state;
+	pipeline_light_given(&pipeline, radiance);
+	choose(&pipeline, 0);
+	composite(&pipeline, out);
+	is_light(out[2][3], 0.1, 0.2, 0.3);
+	is_light(out[2][4], 0, 0, 0);
+	assert_int_equal(pipeline_reference(&pipeline, &picture, &exact[0][0][0], NULL), 0);
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(exact[2][3][c] -
+				 255 * transfer_encode(TRANSFER_SRGB, 0.1 * (c + 1))) < 0.1);
+	canvas_free(&background);
+	pipeline_destroy(&pipeline);
+}
+
+/* A light that reaches the level is used; the level is one of the camera's picture, whatever its
+ * black level and gain. */
+static void threshold_is_a_level_of_the_picture(void **state)
+{
+	static const struct {
+		int black;
+		double gain;
+	} cases[] = {{0, 1}, {19, 1}, {0, 10}, {19, 0.25}};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		struct pipeline_settings settings = plain();
+		struct canvas sky = flat(SKY, SKY, 100);
+		struct picture picture = whole(&sky);
+		struct pipeline pipeline;
+
+		settings.sampler.curve.black = cases[i].black;
+		settings.sampler.gain = cases[i].gain;
+		pipeline = made(&settings);
+		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
+		choose(&pipeline, 99);
+		assert_int_equal(pipeline.selection.used_count, LIGHTS);
+		choose(&pipeline, 101);
+		assert_int_equal(pipeline.selection.used_count, 0);
+		choose(&pipeline, 0);
+		assert_int_equal(pipeline.selection.used_count, LIGHTS);
+		canvas_free(&sky);
+		pipeline_destroy(&pipeline);
+	}
+}
+
+/* A view inside a camera's picture of linear light, turned by 180 degrees. Upright, its left half
+ * is lit; around it is light that must not be read. */
+static void linear_light_is_read_through_its_view(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct view view = {.x = 10,
+			    .y = 6,
+			    .width = SKY,
+			    .height = SKY,
+			    .hflip = true,
+			    .vflip = true,
+			    .squash = 1};
+	struct pipeline pipeline;
+	struct image camera;
+
+	(void)state;
+	settings.sampler.estimator = ESTIMATOR_NODE;
+	pipeline = made(&settings);
+	assert_int_equal(image_create_f32(&camera, SKY + 15, SKY + 9), 0);
+	for (int y = 0; y < camera.height; y++) {
+		for (int x = 0; x < camera.width; x++) {
+			float *p = camera.f32 + 3 * (y * camera.width + x);
+			int upright = SKY - 1 - (x - view.x);
+			bool inside = x >= view.x && x < view.x + SKY && y >= view.y &&
+				      y < view.y + SKY;
+
+			p[0] = inside ? (upright < SKY / 2 ? 2 : 0) : 1000;
+			p[1] = p[2] = p[0];
+		}
+	}
+	assert_int_equal(pipeline_light_linear(&pipeline, &camera, &view, NULL), 0);
+	for (int i = 1; i < LIGHTS; i++) { /* light 0 is the zenith, on the border */
+		double x = pipeline.dome.direction[i][0];
+
+		assert_true(fabs(x) > 0.2);
+		assert_true(fabs(pipeline.radiance[i][0] - (x < 0 ? 2 : 0)) < 1e-3);
+	}
+	image_free(&camera);
+	pipeline_destroy(&pipeline);
+}
+
+static void without_the_object_it_is_the_background(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct pipeline pipeline = made(&settings);
+	struct pipeline_choice choice = {.object = false};
+	static uint8_t out[HEIGHT][WIDTH][4];
+
+	(void)state;
+	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
+	composite(&pipeline, out);
+	for (int i = 0; i < WIDTH * HEIGHT; i++) {
+		for (int c = 0; c < 3; c++)
+			assert_int_equal(out[i / WIDTH][i % WIDTH][c], 90);
+	}
+	pipeline_destroy(&pipeline);
+}
+
+static void what_does_not_fit_is_said(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct pipeline pipeline = made(&settings);
+	struct pipeline_choice choice = {.pose = 1};
+	struct canvas narrow = flat(WIDTH - 1, HEIGHT, 0);
+	struct picture picture = whole(&narrow);
+	struct backdrop backdrop = backdrop_of(&picture);
+	struct fault fault = {.text = ""};
+	struct basis other;
+	char swapped[96];
+	static uint8_t out[HEIGHT][WIDTH][4];
+	static double exact[HEIGHT][WIDTH][3];
+
+	(void)state;
+	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EINVAL);
+	assert_string_equal(fault.text, "pose 1 is not in the basis, expected 0..0");
+	choice.pose = -1;
+	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EINVAL);
+	assert_int_equal(pipeline_composite(&pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault),
+			 -EINVAL);
+	assert_string_equal(
+		fault.text,
+		"the background is 19x18 pixels, expected 20x18 as the basis was baked");
+	assert_int_equal(pipeline_reference(&pipeline, &picture, &exact[0][0][0], &fault), -EINVAL);
+	canvas_free(&narrow);
+	pipeline_destroy(&pipeline);
+
+	snprintf(swapped, sizeof(swapped), "%s/swapped.inlay", folder);
+	write_basis(swapped, true);
+	must(basis_open(&other, swapped, BASIS_SHOWN, &fault), &fault);
+	assert_int_equal(pipeline_create(&pipeline, &other, &settings, &fault), -EINVAL);
+	assert_string_equal(fault.text,
+			    "light 1 of the basis is not where the dome of frequency 1 has it");
+	basis_close(&other);
+	unlink(swapped);
+}
+
+/* A camera may come back with another size; the light stays right. */
+static void another_size_of_sky(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct pipeline pipeline = made(&settings);
+
+	(void)state;
+	for (int side = 40; side <= 60; side += 10) {
+		struct canvas sky = flat(side, side, side + 100);
+		struct picture picture = whole(&sky);
+		double radiance = transfer_decode(TRANSFER_SRGB, (side + 100) / 255.0);
+
+		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
+		assert_int_equal(pipeline.lens_width, side);
+		for (int i = 0; i < LIGHTS; i++)
+			assert_true(fabs(pipeline.radiance[i][2] - radiance) < 1e-3);
+		canvas_free(&sky);
+	}
+	pipeline_destroy(&pipeline);
+}
+
+static double measure(struct pipeline *pipeline, int side, int code, int64_t at_ms)
+{
+	struct canvas sky = flat(side, side, code);
+	struct picture picture = whole(&sky);
+
+	assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
+	pipeline_follow(pipeline, at_ms * 1000000);
+	canvas_free(&sky);
+	return (double)pipeline->radiance[0][1];
+}
+
+/* Light follows the camera's; the first of a size, and of other settings, is what was measured. */
+static void light_is_followed(void **state)
+{
+	struct pipeline_settings settings = plain();
+	const double bright = transfer_decode(TRANSFER_SRGB, 200 / 255.0);
+	const double dark = transfer_decode(TRANSFER_SRGB, 50 / 255.0);
+	struct pipeline pipeline;
+	double first;
+
+	(void)state;
+	settings.follow_ns = 100000000;
+	pipeline = made(&settings);
+	first = measure(&pipeline, SKY, 200, 1000);
+	assert_true(fabs(first - bright) < 1e-3);
+	assert_true(measure(&pipeline, SKY, 200, 1033) == first);
+	assert_true(measure(&pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
+	assert_true(fabs(measure(&pipeline, SKY, 50, 1133) - dark) < 0.11 * (bright - dark));
+	assert_true(fabs(measure(&pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
+	settings.follow_ns = 0;
+	assert_int_equal(pipeline_change(&pipeline, &settings, NULL), 0);
+	assert_true(fabs(measure(&pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
+	pipeline_destroy(&pipeline);
+}
+
+/* Threads, kernel and patch of ground: all of the new ones or none. */
+static void a_change_that_fails_changes_nothing(void **state)
+{
+	struct pipeline_settings settings = plain();
+	struct pipeline pipeline = made(&settings);
+	const struct compositor *const compositor = pipeline.compositor;
+	const struct pool *const pool = pipeline.pool;
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	settings.threads = 3;
+	settings.gain = 2;
+	settings.patch = (struct pipeline_patch){.x = 4000, .width = 8, .height = 8};
+	assert_int_equal(pipeline_change(&pipeline, &settings, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "ground_patch: reaches to 4008, 8"));
+	assert_ptr_equal(pipeline.compositor, compositor);
+	assert_ptr_equal(pipeline.pool, pool);
+	assert_true(pipeline.settings.gain == plain().gain);
+	settings.patch.width = 0;
+	assert_int_equal(pipeline_change(&pipeline, &settings, &fault), 0);
+	assert_int_equal(pool_threads(pipeline.pool), 3);
+	assert_true(pipeline.settings.gain == 2);
+	pipeline_destroy(&pipeline);
+}
+
+/* Of two pixels of half a light each: what may go is what changes neither by more. */
+static void a_percentage_of_white_may_change(void **state)
+{
+	struct pipeline_settings settings = plain();
+	const float radiance[LIGHTS][3] = {[0] = {0.016f, 0.016f, 0.016f}, [3] = {1, 1, 1}};
+	struct pipeline_choice choice = {.object = true, .threshold = {.percent = true}};
+	struct pipeline pipeline = made(&settings);
+
+	(void)state;
+	pipeline_light_given(&pipeline, radiance);
+	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline.selection.used_count, LIGHTS); /* 0 %: all */
+	choice.threshold.value = 0.7;
+	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline.selection.used_count, 2); /* dark ones are no loss */
+	choice.threshold.value = 0.9;
+	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline.selection.used_count, 1);
+	assert_true(pipeline.selection.used[3]);
+	assert_true(fabs(pipeline.selection.dropped_error[0] - 0.008) < 1e-6);
+	choose(&pipeline, 0); /* and a grey level again */
+	assert_int_equal(pipeline.selection.used_count, LIGHTS);
+	pipeline_destroy(&pipeline);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(an_even_sky),
+		cmocka_unit_test(given_lights_reach_their_pixels),
+		cmocka_unit_test(threshold_is_a_level_of_the_picture),
+		cmocka_unit_test(linear_light_is_read_through_its_view),
+		cmocka_unit_test(without_the_object_it_is_the_background),
+		cmocka_unit_test(what_does_not_fit_is_said),
+		cmocka_unit_test(another_size_of_sky),
+		cmocka_unit_test(light_is_followed),
+		cmocka_unit_test(a_change_that_fails_changes_nothing),
+		cmocka_unit_test(a_percentage_of_white_may_change),
+	};
+
+	return cmocka_run_group_tests(tests, open_basis, close_basis);
+}

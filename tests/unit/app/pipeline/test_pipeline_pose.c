@@ -1,0 +1,387 @@
+/*
+ * Which pose is shown while others are unpacked: a basis made by hand of which each pose is a plane
+ * of one grey. Nothing here depends on how long unpacking takes.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <sched.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "app/pipeline/pipeline.h"
+#include "hal/base/clock.h"
+#include "hal/basis/basis_writer.h"
+#include "tests/support/hand_basis.h"
+
+enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };
+
+/* Unpacking a pose takes milliseconds. */
+#define LONGEST_NS (60 * NS_PER_S)
+
+static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis */
+static struct basis basis;
+static struct pipeline pipeline;
+static uint8_t out[HEIGHT][WIDTH][4];
+
+static void must(int err, const struct fault *fault)
+{
+	if (err)
+		fail_msg("%s", fault->text);
+}
+
+static double grey_of(int pose)
+{
+	return (pose + 1) / (POSES + 1.0);
+}
+
+static void write_pose(struct basis_writer *writer, const struct basis_light *lights, int pose)
+{
+	static uint16_t coverage[WIDTH * HEIGHT], pixel[256];
+	static float peak[LIGHTS + 1][3], value[256][3][LIGHTS];
+	struct fault fault = {.text = ""};
+	struct basis_block_payload block;
+
+	memset(coverage, 0xff, sizeof(coverage));
+	for (int p = 0; p < 256; p++) {
+		pixel[p] = (uint16_t)p;
+		for (int c = 0; c < 3; c++)
+			value[p][c][0] = (float)grey_of(pose);
+	}
+	for (int c = 0; c < 3; c++)
+		peak[0][c] = peak[LIGHTS][c] = 1;
+	block = hand_object(0, 256, pixel, LIGHTS, lights, &value[0][0][0]);
+	for (uint32_t t = 0; t < TILES; t++) {
+		block.entry.tile = t;
+		must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
+	}
+	free((void *)block.payload);
+	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
+}
+
+static void write_basis(void)
+{
+	const struct basis_info_chunk info = {.width = WIDTH,
+					      .height = HEIGHT,
+					      .lights = LIGHTS,
+					      .dome_frequency = 1,
+					      .dome_division = DOME_ANGLES,
+					      .poses = POSES,
+					      .coarse = LIGHTS};
+	struct basis_light lights[LIGHTS];
+	struct fault fault = {.text = ""};
+	struct basis_writer *writer;
+	struct dome dome;
+
+	must(dome_create(&dome, 1, DOME_ANGLES, &fault), &fault);
+	for (int i = 0; i < LIGHTS; i++) {
+		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
+		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
+	}
+	dome_free(&dome);
+	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
+	for (int pose = 0; pose < POSES; pose++)
+		write_pose(writer, lights, pose);
+	must(basis_writer_finish(writer, &info, "", &fault), &fault);
+}
+
+static int open_basis(void **state)
+{
+	struct fault fault = {.text = ""};
+	const int file = mkstemp(path);
+
+	(void)state;
+	if (file < 0)
+		return -1;
+	close(file);
+	write_basis();
+	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	return 0;
+}
+
+static int close_basis(void **state)
+{
+	(void)state;
+	basis_close(&basis);
+	return unlink(path);
+}
+
+static int begin(void **state)
+{
+	const struct pipeline_settings settings = {
+		.sampler = {.estimator = ESTIMATOR_CELL,
+			    .curve = {.named = TRANSFER_SRGB},
+			    .gain = 1},
+		.lens = {.field_deg = 90},
+		.threshold_mode = THRESHOLD_DROP,
+		.background = {.named = TRANSFER_SRGB},
+		.gain = 1,
+		.threads = 2,
+	};
+	static const float light[LIGHTS][3] = {{1, 1, 1}};
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
+	pipeline_light_given(&pipeline, light);
+	return 0;
+}
+
+static int end(void **state)
+{
+	(void)state;
+	pipeline_destroy(&pipeline);
+	return 0;
+}
+
+static void shows(double grey)
+{
+	for (int at = 0; at < WIDTH * HEIGHT; at += WIDTH * HEIGHT - 1) {
+		const uint8_t *pixel = out[at / WIDTH][at % WIDTH];
+
+		for (int c = 0; c < 3; c++)
+			assert_true(fabs(pixel[c] - 255 * transfer_encode(TRANSFER_SRGB, grey)) <=
+				    1);
+	}
+}
+
+/* One frame, which is of the poses that it says it is of. Where it holds, all that it is made of
+ * is in memory before it is composited. */
+static void frame(struct pipeline_choice choice)
+{
+	static const uint8_t row[WIDTH * 4];
+	const struct picture black = {.origin = row, .x_step = 4, .width = WIDTH, .height = HEIGHT};
+	const struct backdrop backdrop = backdrop_of(&black);
+	const struct pipeline_choice *shown = &pipeline.choice;
+	struct fault fault = {.text = ""};
+
+	choice.object = true;
+	must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+	if (choice.hold) {
+		assert_true(basis_pose_ready(&basis, shown->pose));
+		assert_true(shown->share == 0 || basis_pose_ready(&basis, shown->next));
+	}
+	must(pipeline_composite(&pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault), &fault);
+	shows((1 - shown->share) * grey_of(shown->pose) + shown->share * grey_of(shown->next));
+}
+
+/* Held frames until these poses are shown; the first, at a jump, is of what was shown before. */
+static void jump(struct pipeline_choice choice)
+{
+	const struct pipeline_choice before = pipeline.choice;
+	const int64_t start = clock_now_ns();
+
+	choice.hold = true;
+	frame(choice);
+	assert_int_equal(pipeline.choice.pose, before.pose);
+	assert_int_equal(pipeline.choice.next, before.next);
+	while (pipeline.choice.pose != choice.pose || pipeline.choice.share != choice.share) {
+		assert_int_equal(pipeline.choice.pose, before.pose);
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+		frame(choice);
+	}
+	assert_true(choice.share == 0 || pipeline.choice.next == choice.next);
+}
+
+static void no_frame_waits_for_a_jump(void **state)
+{
+	static const int order[] = {4, 8, 2, 6, 0, 5};
+
+	(void)state;
+	frame((struct pipeline_choice){.pose = 0});
+	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++)
+		jump((struct pipeline_choice){.pose = order[k]});
+	/* To two, that are faded. */
+	jump((struct pipeline_choice){.pose = 8, .next = 2, .share = 0.25});
+	jump((struct pipeline_choice){.pose = 5});
+}
+
+static void wait_for(int pose)
+{
+	const int64_t start = clock_now_ns();
+
+	while (!basis_pose_ready(&basis, pose)) {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+	}
+}
+
+/* Round in steps either way, each with the time to unpack the next: each is there at once. */
+static void a_neighbour_is_there_at_once(void **state)
+{
+	int pose = 3;
+
+	(void)state;
+	frame((struct pipeline_choice){.pose = pose});
+	for (int k = 0; k < 3 * POSES; k++) {
+		pose = (pose + (k < 2 * POSES ? 1 : POSES - 1)) % POSES;
+		wait_for(pose);
+		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		assert_int_equal(pipeline.choice.pose, pose);
+	}
+}
+
+/* What holds without a pose to show, and what does not hold, waits. */
+static void others_wait(void **state)
+{
+	(void)state;
+	frame((struct pipeline_choice){.pose = 7});
+	assert_int_equal(pipeline.choice.pose, 7);
+	frame((struct pipeline_choice){.pose = 3});
+	assert_int_equal(pipeline.choice.pose, 3);
+	end(NULL);
+	begin(NULL);
+	frame((struct pipeline_choice){.pose = 9});
+	assert_int_equal(pipeline.choice.pose, 9);
+}
+
+/* A choice that is another one before it can be shown: some are seen all the same. */
+static void a_restless_choice_is_followed(void **state)
+{
+	const int64_t start = clock_now_ns();
+	int seen = 0, last = 0;
+
+	(void)state;
+	frame((struct pipeline_choice){.pose = 0});
+	for (int k = 1; seen < 10; k++) {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		frame((struct pipeline_choice){.pose = 3 * k % POSES, .hold = true});
+		seen += pipeline.choice.pose != last;
+		last = pipeline.choice.pose;
+	}
+	/* The choice of before is not gone back to. */
+	while (pipeline.choice.pose != 5) {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		frame((struct pipeline_choice){.pose = 5, .hold = true});
+	}
+	frame((struct pipeline_choice){.pose = 5, .hold = true});
+	assert_int_equal(pipeline.choice.pose, 5);
+}
+
+/* A view that composites nothing: poses are chosen, and no picture is made of them. */
+static void choose_unseen(int pose)
+{
+	const struct pipeline_choice choice = {.pose = pose, .object = true, .hold = true};
+	const int64_t start = clock_now_ns();
+	struct fault fault = {.text = ""};
+
+	do {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+		must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+	} while (pipeline.choice.pose != pose);
+}
+
+/* The pose of the last picture has left memory and come back since, to somewhere else. */
+static void a_pose_comes_back_unseen(void **state)
+{
+	static const int unseen[] = {1, 2, 3, 4, 3, 2, 1, 0};
+
+	(void)state;
+	frame((struct pipeline_choice){.pose = 0});
+	for (size_t k = 0; k < sizeof(unseen) / sizeof(*unseen); k++)
+		choose_unseen(unseen[k]);
+	frame((struct pipeline_choice){.pose = 0, .hold = true});
+	assert_int_equal(pipeline.choice.pose, 0);
+}
+
+/* ---- poses that cannot be had ---- */
+
+static void stays(struct pipeline_choice choice, int shown, int missing)
+{
+	frame(choice);
+	assert_int_equal(pipeline.choice.pose, shown);
+	assert_true(pipeline.choice.share == 0);
+	assert_int_equal(pipeline.missing, missing);
+	assert_non_null(strstr(pipeline.trouble.text, "cut short"));
+}
+
+/* Held frames, until the pose has been tried. */
+static void try_in_vain(int pose, int shown)
+{
+	const int64_t start = clock_now_ns();
+
+	do {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		assert_int_equal(pipeline.choice.pose, shown);
+	} while (pipeline.missing < 0);
+	stays((struct pipeline_choice){.pose = pose, .hold = true}, shown, pose);
+}
+
+static void come(int pose)
+{
+	const int64_t start = clock_now_ns();
+
+	pipeline_try_again(&pipeline);
+	while (pipeline.choice.pose != pose) {
+		assert_true(clock_now_ns() - start < LONGEST_NS);
+		sched_yield();
+		frame((struct pipeline_choice){.pose = pose, .hold = true});
+	}
+	assert_int_equal(pipeline.missing, -1);
+}
+
+/* The file is cut short, and is whole again at the end. */
+static void what_is_shown_stays(void **state)
+{
+	struct pipeline_choice fade = {.pose = 0, .next = 6, .share = 0.5};
+
+	(void)state;
+	frame((struct pipeline_choice){.pose = 0});
+	assert_int_equal(pipeline.missing, -1);
+	assert_int_equal(truncate(path, 0), 0);
+	try_in_vain(5, 0);
+	stays((struct pipeline_choice){.pose = 6}, 0, 6);
+	stays(fade, 0, 6);
+	pipeline_try_again(&pipeline);
+	stays((struct pipeline_choice){.pose = 6}, 0, 6);
+	try_in_vain(5, 0);
+	frame((struct pipeline_choice){.pose = 0, .hold = true});
+	assert_int_equal(pipeline.missing, -1); /* nothing that is wanted */
+	try_in_vain(5, 0);
+	write_basis();
+	stays((struct pipeline_choice){.pose = 5, .hold = true}, 0, 5);
+	come(5);
+	frame(fade);
+	assert_true(pipeline.choice.share > 0);
+}
+
+/* Where nothing has been shown yet it is an error, and the next choice begins anew. */
+static void without_a_picture_it_is_an_error(void **state)
+{
+	struct fault fault = {.text = ""};
+	const struct pipeline_choice choice = {.pose = 5, .object = true};
+
+	(void)state;
+	basis_poses_expect(&basis, NULL, 0);
+	assert_int_equal(truncate(path, 0), 0);
+	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "cut short"));
+	write_basis();
+	basis_poses_expect(&basis, NULL, 0);
+	frame(choice);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(a_pose_comes_back_unseen, begin, end),
+		cmocka_unit_test_setup_teardown(no_frame_waits_for_a_jump, begin, end),
+		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, begin, end),
+		cmocka_unit_test_setup_teardown(others_wait, begin, end),
+		cmocka_unit_test_setup_teardown(a_restless_choice_is_followed, begin, end),
+		cmocka_unit_test_setup_teardown(what_is_shown_stays, begin, end),
+		cmocka_unit_test_setup_teardown(without_a_picture_it_is_an_error, begin, end),
+	};
+
+	return cmocka_run_group_tests(tests, open_basis, close_basis);
+}

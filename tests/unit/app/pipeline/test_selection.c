@@ -1,0 +1,378 @@
+/*
+ * Which lights a frame uses, from frame to frame: a light at the threshold must not come and go
+ * with a camera's noise, one that falls must go, and a picture without a frame before it is chosen
+ * by the threshold alone.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "app/pipeline/pipeline.h"
+#include "tests/support/compositing.h"
+#include "tests/support/hand_basis.h"
+
+enum { COUNT = 1500, FRAMES = 1000 };
+
+static const struct synthetic_options options = {
+	.width = 20,
+	.height = 17,
+	.lights = COUNT,
+	.coarse = 20,
+	.patterns = 4,
+	.columns = 30,
+	.layers = 1,
+	.grounds = 1,
+	.column_cut = 0.001,
+	.object_share = 0.5,
+	.ground_share = 0.4,
+	.peak = 1,
+	.bounce = 0.3,
+	.seed = 8,
+};
+
+static float level(double grey)
+{
+	return (float)transfer_decode(TRANSFER_SRGB, grey / 255);
+}
+
+/* ---- the choice ---- */
+
+struct choice {
+	struct synthetic file;
+	struct frame_of f;
+	float radiance[COUNT][3];
+	double threshold;
+	enum threshold_mode mode;
+};
+
+/* A sky of grey level 120 under a threshold of 40, with one grey level of band. */
+static void choice_begin(struct choice *c, double band)
+{
+	struct chance chance = {5}; /* always the same picture */
+
+	*c = (struct choice){.threshold = (double)level(40), .mode = THRESHOLD_DROP};
+	synthetic_open(&c->file, &options);
+	frame_begin(&c->f, &c->file.basis, NULL, &chance);
+	c->f.lights.band = band;
+	for (int i = 0; i < COUNT; i++)
+		for (int k = 0; k < 3; k++)
+			c->radiance[i][k] = level(120);
+}
+
+static void choice_end(struct choice *c)
+{
+	frame_end(&c->f);
+	synthetic_close(&c->file);
+}
+
+static void choose(struct choice *c)
+{
+	light_selection_choose(&c->f.lights, &c->file.basis, 0, (const float(*)[3])c->radiance,
+			       c->threshold, c->mode, 1);
+}
+
+static void set(struct choice *c, int light, double grey)
+{
+	for (int k = 0; k < 3; k++)
+		c->radiance[light][k] = level(grey);
+}
+
+static bool uses(struct choice *c, int light, double grey)
+{
+	set(c, light, grey);
+	choose(c);
+	return c->f.lights.used[light];
+}
+
+static double one_level(void)
+{
+	return (double)(level(40) - level(39)) + 1e-6; /* floats are rounded */
+}
+
+struct crossing {
+	int switches; /* of the light: used, or not used any more */
+	int changes;  /* of the picture */
+	int largest;  /* of a code value */
+};
+
+/* `lights` of them flicker between 39 and 40. */
+static struct crossing flicker(struct choice *c, int lights)
+{
+	uint8_t *before = malloc(c->f.bytes);
+	struct crossing found = {0};
+	bool used = false;
+
+	assert_non_null(before);
+	for (int k = 0; k < FRAMES; k++) {
+		bool changed = false;
+
+		for (int i = 0; i < lights; i++)
+			set(c, 7 + i, 39 + k % 2);
+		choose(c);
+		assert_int_equal(compositor_run(c->f.compositor, 0, &c->f.lights, &c->f.backdrop,
+						c->f.out, c->f.stride),
+				 0);
+		found.switches += c->f.lights.used[7] != used;
+		used = c->f.lights.used[7];
+		for (size_t b = 0; k > 1 && b < c->f.bytes; b++) {
+			const int off = abs(c->f.out[b] - before[b]);
+
+			changed |= off > 0;
+			found.largest = off > found.largest ? off : found.largest;
+		}
+		found.changes += changed;
+		memcpy(before, c->f.out, c->f.bytes);
+	}
+	free(before);
+	return found;
+}
+
+static void a_light_at_the_threshold_does_not_flicker(void **state)
+{
+	struct choice c;
+
+	(void)state;
+	for (int mode = 0; mode < THRESHOLD_MODE_COUNT; mode++) {
+		struct crossing found;
+
+		choice_begin(&c, one_level());
+		c.mode = (enum threshold_mode)mode;
+		found = flicker(&c, 1);
+		assert_int_equal(found.switches, 1);
+		assert_int_equal(found.changes, 0);
+		choice_end(&c);
+
+		choice_begin(&c, one_level()); /* most of the sky: one level of light, no more */
+		c.mode = (enum threshold_mode)mode;
+		found = flicker(&c, COUNT - 10);
+		assert_int_equal(found.switches, 1);
+		assert_true(found.largest <= 2);
+		choice_end(&c);
+
+		choice_begin(&c, 0); /* and without a band this test would have seen it */
+		c.mode = (enum threshold_mode)mode;
+		found = flicker(&c, COUNT - 10);
+		assert_int_equal(found.switches, FRAMES - 1);
+		assert_true(mode != THRESHOLD_DROP ? found.changes > FRAMES / 2
+						   : found.largest > 10);
+		choice_end(&c);
+	}
+}
+
+static void a_light_that_falls_goes_out(void **state)
+{
+	struct choice c;
+
+	(void)state;
+	choice_begin(&c, one_level());
+	assert_false(uses(&c, 7, 39.5)); /* not used before: the threshold counts */
+	assert_true(uses(&c, 7, 40));
+	assert_true(uses(&c, 7, 39));
+	assert_false(uses(&c, 7, 38.9));
+	assert_false(uses(&c, 7, 39.9)); /* and is back at the threshold, no sooner */
+	assert_true(uses(&c, 7, 40.1));
+	assert_true(uses(&c, 7, 39.5));
+	for (double grey = 39.5; grey > 38; grey -= 0.01) /* a slow fade goes out once */
+		assert_int_equal(uses(&c, 7, grey), grey > 38.995);
+	assert_false(uses(&c, 7, 0));
+	set(&c, 7, 0);
+	c.radiance[7][1] = level(40); /* any channel */
+	choose(&c);
+	assert_true(c.f.lights.used[7]);
+	c.radiance[7][1] = NAN;
+	choose(&c);
+	assert_false(c.f.lights.used[7]);
+	choice_end(&c);
+}
+
+/* Another threshold or mode begins anew; a threshold of 0 takes all. */
+static void another_threshold_begins_anew(void **state)
+{
+	struct choice c;
+
+	(void)state;
+	choice_begin(&c, one_level());
+	assert_true(uses(&c, 7, 40));
+	assert_true(uses(&c, 7, 39.5));
+	c.mode = THRESHOLD_AMBIENT;
+	assert_false(uses(&c, 7, 39.5));
+	assert_true(uses(&c, 7, 40));
+	c.threshold = (double)level(40.2);
+	assert_false(uses(&c, 7, 40.1));
+	c.threshold = (double)level(39.9);
+	assert_true(uses(&c, 7, 40));
+	c.threshold = 0;
+	assert_true(uses(&c, 7, 0));
+	c.threshold = (double)level(40);
+	assert_false(uses(&c, 7, 39.9));
+	choice_end(&c);
+}
+
+/* A picture that is shown before any light was measured chooses nothing for those after it. */
+static void darkness_is_no_state(void **state)
+{
+	bool fresh[COUNT];
+	struct choice c;
+
+	(void)state;
+	for (int dark = 0; dark < 2; dark++) {
+		choice_begin(&c, 0);
+		c.f.lights.budget = 0.5;
+		c.threshold = 0;
+		if (dark) {
+			memset(c.radiance, 0, sizeof(c.radiance));
+			choose(&c);
+		}
+		for (int i = 0; i < COUNT; i++)
+			set(&c, i, 20 + i);
+		choose(&c);
+		assert_in_range(c.f.lights.used_count, 1, COUNT - 1);
+		if (dark)
+			assert_memory_equal(fresh, c.f.lights.used, sizeof(fresh));
+		memcpy(fresh, c.f.lights.used, sizeof(fresh));
+		choice_end(&c);
+	}
+}
+
+/* What is said of the dropped light is said of those that were dropped. */
+static void what_is_said_is_of_what_was_chosen(void **state)
+{
+	struct choice c;
+
+	(void)state;
+	choice_begin(&c, one_level());
+	c.mode = THRESHOLD_AMBIENT;
+	assert_true(uses(&c, 7, 40));
+	for (int k = 0; k < 2; k++) { /* inside the band, then below it */
+		const double grey = k ? 38.5 : 39.5, w = c.file.basis.lights[7].solid_angle_sr;
+		const double l = k ? (double)level(grey) : 0;
+
+		assert_int_equal(uses(&c, 7, grey), !k);
+		assert_int_equal(c.f.lights.used_count, COUNT - k);
+		assert_true(c.f.lights.radiance[7][0] == (k ? 0 : (double)level(grey)));
+		assert_true(fabs(c.f.lights.ambient[0] - w * l / (2 * M_PI)) < 1e-12);
+		for (int n = 0; n < 3; n++) {
+			const float(*peak)[3] = c.file.basis.poses[0].peak;
+			const double lost = fmax(l * (double)peak[7][n],
+						 c.f.lights.ambient[n] * (double)peak[COUNT][n]);
+
+			assert_true(fabs(c.f.lights.dropped_error[n] - lost) <= 1e-12);
+		}
+	}
+	choice_end(&c);
+}
+
+/* ---- the band of a fisheye ---- */
+
+enum { SIDE = 32, LIGHTS = 6 };
+
+static void write_dome(const char *path)
+{
+	struct basis_info_chunk info = {.width = 1,
+					.height = 1,
+					.lights = LIGHTS,
+					.dome_frequency = 1,
+					.dome_division = DOME_ANGLES,
+					.poses = 1,
+					.coarse = LIGHTS};
+	static const float value[3 * LIGHTS] = {1}, peak[LIGHTS + 1][3] = {{1}, [LIGHTS] = {1}};
+	static const uint16_t coverage = 65535, pixel = 0;
+	struct basis_light lights[LIGHTS];
+	struct basis_block_payload block;
+	struct basis_writer *writer;
+	struct fault fault = {""};
+	struct dome dome;
+
+	synthetic_must(dome_create(&dome, 1, DOME_ANGLES, &fault), &fault);
+	for (int i = 0; i < LIGHTS; i++) {
+		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
+		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
+	}
+	dome_free(&dome);
+	block = hand_object(0, 1, &pixel, LIGHTS, lights, value);
+	synthetic_must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault),
+		       &fault);
+	synthetic_must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
+	synthetic_must(basis_writer_pose_end(writer, &coverage, peak, &fault), &fault);
+	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	free((void *)block.payload);
+}
+
+/* How many lights are used under an even sky of this code. */
+static int used_under(struct pipeline *p, int code, double threshold)
+{
+	static uint8_t pixels[SIDE * SIDE * 4];
+	const struct picture picture = {pixels, 4, SIDE * 4, SIDE, SIDE};
+	const struct pipeline_choice choice = {.threshold = {.value = threshold}, .object = true};
+	struct fault fault = {""};
+
+	memset(pixels, code, sizeof(pixels));
+	synthetic_must(pipeline_light_picture(p, &picture, &fault), &fault);
+	synthetic_must(pipeline_choose(p, &choice, &fault), &fault);
+	return p->selection.used_count;
+}
+
+static void check_levels(struct pipeline *p, int black)
+{
+	for (int t = black + 4; t < 255; t += t < 40 ? 1 : 9) {
+		assert_int_equal(used_under(p, t - 1, t), 0); /* the first: the threshold alone */
+		assert_int_equal(used_under(p, t + 1, t), LIGHTS);
+		for (int k = 0; k < 4; k++)
+			assert_int_equal(used_under(p, t - k % 2, t), LIGHTS);
+		assert_int_equal(used_under(p, t - 1, t), LIGHTS);
+		assert_int_equal(used_under(p, t - 2, t), 0);
+		assert_int_equal(used_under(p, t - 1, t), 0);
+	}
+}
+
+/* Whatever the camera's curve, black level and gain: one level of its picture, measured. */
+static void the_band_is_a_level_of_the_picture(void **state)
+{
+	static const double gains[] = {0.02, 1, 9};
+	char folder[] = "/tmp/inlay-selection-XXXXXX", path[64];
+	struct fault fault = {""};
+	struct basis basis;
+
+	(void)state;
+	assert_non_null(mkdtemp(folder));
+	snprintf(path, sizeof(path), "%s/dome.inlay", folder);
+	write_dome(path);
+	synthetic_must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	for (int n = 0; n < TRANSFER_COUNT * 2 * 3; n++) {
+		const int black = n / TRANSFER_COUNT % 2 ? 16 : 0;
+		const struct pipeline_settings settings = {
+			.sampler = {.estimator = ESTIMATOR_CELL,
+				    .curve = {.named = (enum transfer)(n % TRANSFER_COUNT),
+					      .black = black},
+				    .gain = gains[n / TRANSFER_COUNT / 2]},
+			.lens = {.field_deg = 90},
+			.gain = 1,
+			.threads = 1,
+		};
+		struct pipeline pipeline;
+
+		synthetic_must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
+		check_levels(&pipeline, black);
+		pipeline_destroy(&pipeline);
+	}
+	basis_close(&basis);
+	unlink(path);
+	rmdir(folder);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_light_at_the_threshold_does_not_flicker),
+		cmocka_unit_test(a_light_that_falls_goes_out),
+		cmocka_unit_test(another_threshold_begins_anew),
+		cmocka_unit_test(darkness_is_no_state),
+		cmocka_unit_test(what_is_said_is_of_what_was_chosen),
+		cmocka_unit_test(the_band_is_a_level_of_the_picture),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,319 @@
+/* Where pictures and marks go: every pixel of a cell is written, none outside it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+
+#include "app/view/layout.h"
+#include "app/view/marks.h"
+#include "tests/support/chance.h"
+
+#define UNTOUCHED 77
+
+static void quarters_tile_the_screen(void **state)
+{
+	static const int sizes[][2] = {{640, 480}, {641, 481}, {1, 1}, {2, 1}, {1280, 801}};
+
+	(void)state;
+	for (size_t s = 0; s < sizeof(sizes) / sizeof(*sizes); s++) {
+		struct display_buffer screen = {.width = sizes[s][0], .height = sizes[s][1]};
+		int area = 0;
+
+		for (int q = 0; q < 4; q++) {
+			struct box box = layout_quarter(&screen, q);
+
+			area += box.width * box.height;
+			assert_int_equal(box.x, q % 2 ? screen.width / 2 : 0);
+			assert_int_equal(box.y, q / 2 ? screen.height / 2 : 0);
+			assert_true(box.x + box.width <= screen.width);
+			assert_true(box.y + box.height <= screen.height);
+		}
+		assert_int_equal(area, screen.width * screen.height);
+	}
+}
+
+static void boxes_keep_the_shape(void **state)
+{
+	static const struct box cell = {100, 50, 800, 600};
+	struct box box = layout_box(&cell, 640, 480, 1, SCALE_NONE);
+
+	(void)state;
+	assert_int_equal(box.x, 180);
+	assert_int_equal(box.y, 110);
+	assert_int_equal(box.width, 640);
+	assert_int_equal(box.height, 480);
+	assert_true(layout_in_place(&cell, &box, 640, 480));
+	box = layout_box(&cell, 640, 480, 1, SCALE_FIT);
+	assert_int_equal(box.width, 800);
+	assert_int_equal(box.height, 600);
+	assert_false(layout_in_place(&cell, &box, 640, 480));
+	box = layout_box(&cell, 400, 100, 1, SCALE_FIT); /* wide: black above and below */
+	assert_int_equal(box.width, 800);
+	assert_int_equal(box.height, 200);
+	assert_int_equal(box.y, 250);
+	box = layout_box(&cell, 360, 243, 2, SCALE_NONE); /* every other line was lost */
+	assert_int_equal(box.width, 360);
+	assert_int_equal(box.height, 486);
+	box = layout_box(&cell, 720, 486, 2, SCALE_NONE); /* too tall: fitted, not cut */
+	assert_int_equal(box.height, 600);
+	assert_int_equal(box.width, 444);
+	box = layout_box(&cell, 1000, 700, 1, SCALE_NONE); /* larger: cut on both sides */
+	assert_int_equal(box.x, 0);
+	assert_int_equal(box.y, 0);
+	assert_int_equal(box.width, 1000);
+	assert_false(layout_in_place(&cell, &box, 1000, 700));
+}
+
+/* A picture whose pixel (x, y) holds x, y, 1, 255. */
+static struct canvas coordinates(int width, int height)
+{
+	struct canvas canvas;
+
+	assert_int_equal(canvas_create(&canvas, width, height), 0);
+	for (int y = 0; y < height; y++) {
+		for (int x = 0; x < width; x++) {
+			uint8_t *p = canvas.pixels + (size_t)y * canvas.stride + 4 * (size_t)x;
+
+			p[0] = (uint8_t)x;
+			p[1] = (uint8_t)y;
+			p[2] = 1;
+			p[3] = 255;
+		}
+	}
+	return canvas;
+}
+
+static void each_pixel_of_a_cell_is_written(void **state)
+{
+	struct chance chance = chance_begin("each_pixel_of_a_cell_is_written");
+	enum { WIDTH = 90, HEIGHT = 70 };
+	static uint8_t pixels[HEIGHT][WIDTH][4];
+	const struct display_buffer screen = {&pixels[0][0][0], sizeof(pixels[0]), WIDTH, HEIGHT,
+					      0};
+
+	(void)state;
+	for (int run = 0; run < 300; run++) {
+		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+				   chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
+		struct canvas canvas = coordinates(chance_int(&chance, 1, 100),
+						   chance_int(&chance, 1, 100));
+		struct view view = {.width = canvas.width, .height = canvas.height, .squash = 1};
+		struct picture picture = view_picture(&view, canvas.pixels, canvas.stride);
+		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
+		double squash = run % 5 == 4 ? 2 : 1;
+		struct box box = layout_box(&cell, canvas.width, canvas.height, squash, how);
+		struct scaler scaler = {.scratch = NULL};
+
+		memset(pixels, UNTOUCHED, sizeof(pixels));
+		assert_int_equal(layout_place(&screen, &cell, &picture, squash, how, &scaler, NULL),
+				 0);
+		for (int y = 0; y < HEIGHT; y++) {
+			for (int x = 0; x < WIDTH; x++) {
+				const uint8_t *p = pixels[y][x];
+				bool in_cell = x >= cell.x && x < cell.x + cell.width &&
+					       y >= cell.y && y < cell.y + cell.height;
+				bool in_box = in_cell && x >= box.x && x < box.x + box.width &&
+					      y >= box.y && y < box.y + box.height;
+
+				assert_int_equal(p[2], !in_cell ? UNTOUCHED : in_box ? 1 : 0);
+				if (in_box && box.width == canvas.width &&
+				    box.height == canvas.height) {
+					assert_int_equal(p[0], x - box.x);
+					assert_int_equal(p[1], y - box.y);
+				}
+			}
+		}
+		scaler_free(&scaler);
+		canvas_free(&canvas);
+	}
+}
+
+/* ---- the line of a split picture ---- */
+
+static void a_line_is_always_seen(void **state)
+{
+	struct chance chance = chance_begin("a_line_is_always_seen");
+
+	(void)state;
+	for (int run = 0; run < 1000; run++) {
+		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+				   chance_int(&chance, 1, 2000), chance_int(&chance, 1, 2000)};
+		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
+		struct box box = layout_box(&cell, chance_int(&chance, 1, 3000),
+					    chance_int(&chance, 1, 3000), 1, how);
+		double split = run % 3 ? chance_real(&chance, 0, 1) : run % 2;
+		struct span line = layout_line(&cell, &box, split);
+		int left = box.x > cell.x ? box.x : cell.x;
+		int width = box.width < cell.width ? box.width : cell.width;
+
+		assert_true(line.from >= left);
+		assert_true(line.to <= left + width);
+		assert_true(line.to - line.from >= (width < 3 ? width : 3));
+		if (split == 0)
+			assert_int_equal(line.from, left);
+		if (split == 1)
+			assert_int_equal(line.to, left + width);
+	}
+}
+
+/* Two fillings and the line between them write what one filling writes, but for the line. */
+static void two_halves_are_the_whole(void **state)
+{
+	struct chance chance = chance_begin("two_halves_are_the_whole");
+	enum { WIDTH = 90, HEIGHT = 70 };
+	static uint8_t all[HEIGHT][WIDTH][4], halves[HEIGHT][WIDTH][4];
+	const struct display_buffer one = {&all[0][0][0], sizeof(all[0]), WIDTH, HEIGHT, 0};
+	const struct display_buffer two = {&halves[0][0][0], sizeof(all[0]), WIDTH, HEIGHT, 0};
+
+	(void)state;
+	for (int run = 0; run < 300; run++) {
+		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+				   chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
+		struct canvas canvas = coordinates(chance_int(&chance, 1, 100),
+						   chance_int(&chance, 1, 100));
+		struct view view = {.width = canvas.width,
+				    .height = canvas.height,
+				    .hflip = run % 4 / 2,
+				    .squash = 1};
+		struct picture picture = view_picture(&view, canvas.pixels, canvas.stride);
+		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
+		struct box box = layout_box(&cell, canvas.width, canvas.height, 1, how);
+		struct span line = layout_line(&cell, &box, chance_real(&chance, 0, 1));
+		struct scaler scaler = {.scratch = NULL};
+
+		memset(all, UNTOUCHED, sizeof(all));
+		memset(halves, UNTOUCHED, sizeof(halves));
+		assert_int_equal(layout_place(&one, &cell, &picture, 1, how, &scaler, NULL), 0);
+		layout_border(&two, &cell, &box);
+		assert_int_equal(layout_fill(&two, &cell, &box, &(struct span){-100, line.from},
+					     &picture, &scaler, NULL),
+				 0);
+		assert_int_equal(layout_fill(&two, &cell, &box, &(struct span){line.to, 1000},
+					     &picture, &scaler, NULL),
+				 0);
+		for (int y = 0; y < HEIGHT; y++) {
+			bool in_rows = y >= cell.y && y >= box.y && y < cell.y + cell.height &&
+				       y < box.y + box.height;
+
+			for (int x = line.from; in_rows && x < line.to; x++) {
+				assert_int_equal(halves[y][x][2], UNTOUCHED);
+				memcpy(halves[y][x], all[y][x], 4);
+			}
+		}
+		assert_memory_equal(halves, all, sizeof(all));
+		layout_draw_line(&two, &cell, &box, &line);
+		for (int y = 0; y < HEIGHT; y++) {
+			for (int x = 0; x < WIDTH; x++) {
+				bool in_line = x >= line.from && x < line.to && y >= cell.y &&
+					       y >= box.y && y < cell.y + cell.height &&
+					       y < box.y + box.height;
+
+				if (!in_line)
+					assert_memory_equal(halves[y][x], all[y][x], 4);
+			}
+		}
+		scaler_free(&scaler);
+		canvas_free(&canvas);
+	}
+}
+
+/* ---- marks ---- */
+
+static struct fisheye lens_of(int width, int height)
+{
+	struct fisheye_settings settings = {.field_deg = 90};
+	struct fisheye lens;
+
+	assert_int_equal(fisheye_prepare(&lens, &settings, width, height, NULL), 0);
+	return lens;
+}
+
+static bool is_colour(const struct canvas *canvas, int x, int y, const uint8_t bgr[3])
+{
+	return !memcmp(canvas->pixels + (size_t)y * canvas->stride + 4 * (size_t)x, bgr, 3);
+}
+
+/* r = f theta, worked out here once more: a dot lies on each light. */
+static void marks_lie_on_the_lights(void **state)
+{
+	static const uint8_t used_bgr[3] = MARK_USED_BGR, unused_bgr[3] = MARK_UNUSED_BGR;
+	enum { SIDE = 480 };
+	struct canvas canvas;
+	struct dome dome;
+	struct fisheye lens = lens_of(SIDE, SIDE);
+	bool used[46];
+	double focal = SIDE / 2 / (M_PI / 2);
+
+	(void)state;
+	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome.count, 46);
+	for (int i = 0; i < 46; i++)
+		used[i] = i % 3 == 0;
+	assert_int_equal(canvas_create(&canvas, SIDE, SIDE), 0);
+	memset(canvas.pixels, UNTOUCHED, canvas.stride * SIDE);
+	marks_draw(&canvas, &dome, &lens, used, 4);
+	for (int i = 0; i < 46; i++) {
+		const double *d = dome.direction[i];
+		double theta = acos(d[2]), phi = atan2(d[1], d[0]);
+		double x = SIDE / 2.0 + focal * theta * cos(phi);
+		double y = SIDE / 2.0 + focal * theta * sin(phi);
+
+		if (theta > 1.5) /* on the horizon half a mark lies outside */
+			continue;
+		assert_true(is_colour(&canvas, (int)x, (int)y, used[i] ? used_bgr : unused_bgr));
+	}
+	canvas_free(&canvas);
+	dome_free(&dome);
+}
+
+static void marks_are_squares_of_their_size(void **state)
+{
+	static const uint8_t used_bgr[3] = MARK_USED_BGR;
+	static const int sides[] = {40, 243, 480, 1080};
+
+	(void)state;
+	assert_int_equal(mark_side_px(243, 1000), 2);
+	assert_int_equal(mark_side_px(480, 480), 4);
+	assert_int_equal(mark_side_px(480, 120), 12); /* 3 of the screen's pixels */
+	assert_int_equal(mark_side_px(120, 120), 3);
+	for (size_t s = 0; s < sizeof(sides) / sizeof(*sides); s++) {
+		struct fisheye lens = lens_of(sides[s], sides[s]);
+		const bool used[6] = {true, true, true, true, true, true};
+		struct canvas canvas;
+		struct dome dome;
+		int coloured = 0, side = mark_side_px(sides[s], sides[s]);
+
+		assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+		assert_int_equal(dome.count, 6);
+		dome.count = 1; /* the zenith alone: in the middle */
+		assert_int_equal(canvas_create(&canvas, sides[s], sides[s]), 0);
+		memset(canvas.pixels, UNTOUCHED, canvas.stride * (size_t)sides[s]);
+		marks_draw(&canvas, &dome, &lens, used, side);
+		for (int y = 0; y < canvas.height; y++) {
+			for (int x = 0; x < canvas.width; x++)
+				coloured += is_colour(&canvas, x, y, used_bgr);
+		}
+		assert_int_equal(coloured, side * side);
+		canvas_free(&canvas);
+		dome.count = 6;
+		dome_free(&dome);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(quarters_tile_the_screen),
+		cmocka_unit_test(boxes_keep_the_shape),
+		cmocka_unit_test(each_pixel_of_a_cell_is_written),
+		cmocka_unit_test(a_line_is_always_seen),
+		cmocka_unit_test(two_halves_are_the_whole),
+		cmocka_unit_test(marks_lie_on_the_lights),
+		cmocka_unit_test(marks_are_squares_of_their_size),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,534 @@
+/*
+ * What is on the screen, for each way of showing: a basis made by hand, pictures that were never in
+ * a camera, screens with guard pages.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "app/view/layout.h"
+#include "app/view/show.h"
+#include "hal/basis/basis_writer.h"
+#include "tests/support/chance.h"
+#include "tests/support/guarded_screen.h"
+#include "tests/support/hand_basis.h"
+#include "tests/support/own_folder.h"
+
+enum { WIDTH = 50, HEIGHT = 38, LIGHTS = 46, SKY = 61, SCENE_WIDTH = 33, SCENE_HEIGHT = 47 };
+
+static struct basis basis;
+static struct pipeline pipeline;
+static struct source sources[3]; /* fisheye, background, scene */
+static struct eyes eyes;
+
+/* ---- what there is to see ---- */
+
+static void must(int err, const struct fault *fault)
+{
+	if (err)
+		fail_msg("%s", fault->text);
+}
+
+/* The first tile is object, which reflects a quarter of the zenith's light. */
+static void write_basis(const char *path)
+{
+	enum { PIXELS = BASIS_TILE * BASIS_TILE };
+	const struct basis_info_chunk info = {.width = WIDTH,
+					      .height = HEIGHT,
+					      .lights = LIGHTS,
+					      .dome_frequency = 3,
+					      .dome_division = DOME_ANGLES,
+					      .poses = 1,
+					      .coarse = LIGHTS};
+	static struct basis_light lights[LIGHTS];
+	static uint16_t coverage[WIDTH * HEIGHT], pixel[PIXELS];
+	static float peak[LIGHTS + 1][3], value[PIXELS][3][LIGHTS];
+	struct fault fault = {.text = ""};
+	struct basis_block_payload block;
+	struct basis_writer *writer;
+	struct dome dome;
+
+	must(dome_create(&dome, 3, DOME_ANGLES, &fault), &fault);
+	assert_int_equal(dome.count, LIGHTS);
+	for (int i = 0; i < LIGHTS; i++) {
+		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
+		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
+	}
+	dome_free(&dome);
+	for (int p = 0; p < PIXELS; p++) {
+		pixel[p] = (uint16_t)p;
+		coverage[p / BASIS_TILE * WIDTH + p % BASIS_TILE] = 65535;
+		for (int c = 0; c < 3; c++)
+			value[p][c][0] = peak[0][c] = peak[LIGHTS][c] = 0.25f;
+	}
+	block = hand_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0][0]);
+	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
+	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
+	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
+	must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	free((void *)block.payload);
+}
+
+/* No two cameras alike, and no pixel of what lay in the screens' memory. */
+static void fill(struct canvas *canvas, int width, int height, int red)
+{
+	assert_int_equal(canvas_create(canvas, width, height), 0);
+	for (int y = 0; y < height; y++) {
+		for (int x = 0; x < width; x++) {
+			uint8_t *p = canvas->pixels + (size_t)y * canvas->stride + 4 * (size_t)x;
+
+			p[0] = (uint8_t)(40 + 3 * x);
+			p[1] = (uint8_t)(40 + 3 * y);
+			p[2] = (uint8_t)red;
+		}
+	}
+}
+
+static void look(struct eye *eye, struct source *source)
+{
+	struct fault fault = {.text = ""};
+
+	*eye = (struct eye){.section = "test", .source = source, .wanted = {.squash = 1}};
+	must(eye_fit(eye, &fault), &fault);
+}
+
+static int set_up(void **state)
+{
+	const struct pipeline_settings settings = {
+		.sampler = {.estimator = ESTIMATOR_CELL,
+			    .curve = {.named = TRANSFER_SRGB},
+			    .gain = 1},
+		.lens = {.field_deg = 90},
+		.threshold_mode = THRESHOLD_DROP,
+		.background = {.named = TRANSFER_SRGB},
+		.gain = 1,
+		.threads = 2,
+	};
+	struct fault fault = {.text = ""};
+
+	if (own_folder_make(state))
+		return -1;
+	write_basis(own_path("show.inlay"));
+	must(basis_open(&basis, own_path("show.inlay"), BASIS_SHOWN, &fault), &fault);
+	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
+	fill(&sources[0].canvas, SKY, SKY, 60);
+	fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
+	fill(&sources[2].canvas, SCENE_WIDTH, SCENE_HEIGHT, 140);
+	for (int i = 0; i < 3; i++)
+		sources[i].whole = true;
+	return 0;
+}
+
+static int tear_down(void **state)
+{
+	pipeline_destroy(&pipeline);
+	basis_close(&basis);
+	for (int i = 0; i < 3; i++)
+		canvas_free(&sources[i].canvas);
+	unlink(own_path("show.inlay"));
+	return own_folder_remove(state);
+}
+
+/* All cameras as they are; light measured; half of the lights in use. */
+static int begin(void **state)
+{
+	const struct pipeline_choice choice = {.threshold = {.value = 120}, .object = true};
+	struct fault fault = {.text = ""};
+	struct picture sky;
+
+	(void)state;
+	look(&eyes.fisheye, &sources[0]);
+	look(&eyes.background, &sources[1]);
+	look(&eyes.scene, &sources[2]);
+	sky = eye_picture(&eyes.fisheye);
+	must(pipeline_light_picture(&pipeline, &sky, &fault), &fault);
+	must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+	assert_true(pipeline.selection.used_count > 5);
+	assert_true(pipeline.selection.used_count < LIGHTS - 5);
+	return 0;
+}
+
+static struct show_request plain(enum config_show what)
+{
+	return (struct show_request){.what = what, .scale = SCALE_FIT, .split = 0.5, .squash = 1};
+}
+
+static struct guarded_screen shown_by(struct show *show, const struct show_request *request,
+				      int width, int height, int fill)
+{
+	struct guarded_screen screen = guarded_create(width, height, fill);
+	struct fault fault = {.text = ""};
+
+	must(show_draw(show, request, &pipeline, &eyes, &screen.buffer, &fault), &fault);
+	return screen;
+}
+
+static struct guarded_screen shown(const struct show_request *request, int width, int height)
+{
+	struct show show = {.after = {.width = 0}};
+	struct guarded_screen screen = shown_by(&show, request, width, height, 0);
+
+	show_free(&show);
+	show_free(&show);
+	return screen;
+}
+
+static bool same_pixel(const struct guarded_screen *a, int ax, int ay,
+		       const struct guarded_screen *b, int bx, int by)
+{
+	return !memcmp(guarded_pixel(a, ax, ay), guarded_pixel(b, bx, by), 3);
+}
+
+static bool is_code(const struct guarded_screen *s, int x, int y, int blue, int green, int red)
+{
+	const uint8_t *p = guarded_pixel(s, x, y);
+
+	return p[0] == blue && p[1] == green && p[2] == red;
+}
+
+/* ---- tests ---- */
+
+/* Whatever lay in the memory before, the picture is the same: each pixel is written; and the guards
+ * stand: none besides. Squashed, cut, fitted, on screens down to one pixel. */
+static void every_pixel_and_no_other(void **state)
+{
+	struct chance chance = chance_begin("every_pixel_and_no_other");
+	static const int sizes[][2] = {{1, 1},	 {2, 1},   {1, 7},  {31, 23}, {50, 38},	 {100, 76},
+				       {51, 39}, {160, 9}, {9, 91}, {97, 61}, {161, 119}};
+	static const double squashes[] = {1, 2, 0.5, 1.37};
+
+	(void)state;
+	for (int run = 0; run < 40 * SHOW_COUNT; run++) {
+		const int *size = sizes[run % (int)(sizeof(sizes) / sizeof(*sizes))];
+		struct overlay overlay = {.trouble_count = 0};
+		struct show_request request = plain((enum config_show)(run % SHOW_COUNT));
+		struct show show = {.after = {.width = 0}};
+		struct guarded_screen one, other;
+
+		request.scale = chance_int(&chance, 0, 1) ? SCALE_FIT : SCALE_NONE;
+		request.split = chance_real(&chance, 0, 1);
+		request.squash = squashes[chance_int(&chance, 0, 3)];
+		request.blank = chance_int(&chance, 0, 9) == 0;
+		request.overlay = chance_int(&chance, 0, 1) ? &overlay : NULL;
+		overlay_information(&overlay, "lights 1 of 2");
+		eyes.background.view.squash = squashes[chance_int(&chance, 0, 3)];
+		eyes.fisheye.view.squash = squashes[chance_int(&chance, 0, 3)];
+		one = shown_by(&show, &request, size[0], size[1], 0x11);
+		other = shown_by(&show, &request, size[0], size[1], 0xee);
+		for (int y = 0; y < size[1]; y++) {
+			for (int x = 0; x < size[0]; x++)
+				assert_true(same_pixel(&one, x, y, &other, x, y));
+		}
+		guarded_free(&one);
+		guarded_free(&other);
+		show_free(&show);
+		overlay_free(&overlay);
+	}
+}
+
+/* Pixel by pixel it is what the pipeline makes, to the last bit. */
+static void composite_is_the_composite(void **state)
+{
+	struct show_request request = plain(SHOW_COMPOSITE);
+	struct guarded_screen exact = shown(&request, WIDTH, HEIGHT);
+	struct guarded_screen framed;
+	static uint8_t made[HEIGHT][WIDTH][4];
+	struct picture background = eye_picture(&eyes.background);
+	struct backdrop backdrop = backdrop_of(&background);
+	int changed = 0;
+
+	(void)state;
+	request.scale = SCALE_NONE;
+	framed = shown(&request, WIDTH + 31, HEIGHT + 7);
+	assert_int_equal(pipeline_composite(&pipeline, &backdrop, &made[0][0][0], WIDTH * 4, NULL),
+			 0);
+	for (int y = 0; y < HEIGHT; y++) {
+		for (int x = 0; x < WIDTH; x++) {
+			assert_memory_equal(guarded_pixel(&exact, x, y), made[y][x], 3);
+			assert_memory_equal(guarded_pixel(&framed, x + 15, y + 3), made[y][x], 3);
+			changed += made[y][x][2] != 100;
+		}
+	}
+	assert_int_equal(changed, BASIS_TILE * BASIS_TILE); /* there is an object */
+	for (int x = 0; x < WIDTH + 31; x++)
+		assert_true(is_code(&framed, x, 0, 0, 0, 0));
+	guarded_free(&exact);
+	guarded_free(&framed);
+}
+
+/* Left of the line it is the view before, right of it the view after, at any scale. */
+static void split_is_before_and_after(void **state)
+{
+	struct chance chance = chance_begin("split_is_before_and_after");
+	static const int sizes[][2] = {
+		{WIDTH, HEIGHT}, {211, 101}, {40, 90}, {31, 23}, {3 * WIDTH, 3 * HEIGHT}};
+
+	(void)state;
+	for (int run = 0; run < 60; run++) {
+		const int *size = sizes[run % 5];
+		struct show_request request = plain(SHOW_BEFORE);
+		struct guarded_screen before, after, split;
+		struct box whole, box;
+		struct span line;
+
+		request.scale = run % 2 ? SCALE_FIT : SCALE_NONE;
+		request.split = run < 4 ? run % 2 : chance_real(&chance, 0, 1);
+		before = shown(&request, size[0], size[1]);
+		request.what = SHOW_COMPOSITE;
+		after = shown(&request, size[0], size[1]);
+		request.what = SHOW_SPLIT;
+		split = shown(&request, size[0], size[1]);
+		whole = layout_whole(&split.buffer);
+		box = layout_box(&whole, WIDTH, HEIGHT, 1, request.scale);
+		line = layout_line(&whole, &box, request.split);
+		for (int y = 0; y < size[1]; y++) {
+			bool in_box = y >= box.y && y < box.y + box.height;
+
+			for (int x = 0; x < size[0]; x++) {
+				if (!in_box || x < line.from)
+					assert_true(same_pixel(&split, x, y, &before, x, y));
+				else if (x >= line.to)
+					assert_true(same_pixel(&split, x, y, &after, x, y));
+			}
+		}
+		guarded_free(&before);
+		guarded_free(&after);
+		guarded_free(&split);
+	}
+}
+
+/* White between black, as high as the picture, at its share of the picture's width. */
+static void a_line_parts_them(void **state)
+{
+	struct show_request request = plain(SHOW_SPLIT);
+	struct guarded_screen screen;
+
+	(void)state;
+	request.split = 0.25;
+	screen = shown(&request, 3 * WIDTH, HEIGHT); /* the picture stands from 50 to 99 */
+	for (int y = 0; y < HEIGHT; y++) {
+		assert_true(is_code(&screen, 61, y, 0, 0, 0));
+		assert_true(is_code(&screen, 62, y, 255, 255, 255));
+		assert_true(is_code(&screen, 63, y, 0, 0, 0));
+		assert_false(is_code(&screen, 64, y, 0, 0, 0));
+		assert_false(is_code(&screen, 60, y, 0, 0, 0));
+	}
+	guarded_free(&screen);
+}
+
+/* A screen without pictures still says what is wrong. */
+static void off_and_blank_keep_the_text(void **state)
+{
+	(void)state;
+	for (int run = 0; run < SHOW_COUNT; run++) {
+		struct overlay overlay = {.trouble_count = 0};
+		struct show_request request = plain((enum config_show)run);
+		struct guarded_screen screen, black = guarded_create(320, 240, 0);
+
+		request.blank = run != SHOW_OFF;
+		screen = shown(&request, 320, 240);
+		for (int y = 0; y < 240; y++) {
+			for (int x = 0; x < 320; x++)
+				assert_true(is_code(&screen, x, y, 0, 0, 0));
+		}
+		guarded_free(&screen);
+		overlay_information(&overlay, "lights 1 of 2");
+		request.overlay = &overlay;
+		screen = shown(&request, 320, 240);
+		assert_int_equal(overlay_draw(&overlay, &black.buffer), 0);
+		for (int y = 0; y < 240; y++) {
+			for (int x = 0; x < 320; x++)
+				assert_true(same_pixel(&screen, x, y, &black, x, y));
+		}
+		guarded_free(&screen);
+		guarded_free(&black);
+		overlay_free(&overlay);
+	}
+}
+
+/* Outside its boxes nothing changes. */
+static void text_lies_over_the_picture(void **state)
+{
+	struct overlay overlay = {.trouble_count = 0};
+	struct show_request request = plain(SHOW_COMPOSITE);
+	struct guarded_screen without = shown(&request, 320, 240), with;
+	struct guarded_screen ink = guarded_create(320, 240, 0x11);
+	int covered = 0;
+
+	(void)state;
+	overlay_information(&overlay, "lights 1 of 2");
+	request.overlay = &overlay;
+	with = shown(&request, 320, 240);
+	assert_int_equal(overlay_draw(&overlay, &ink.buffer), 0);
+	for (int y = 0; y < 240; y++) {
+		for (int x = 0; x < 320; x++) {
+			bool text = !is_code(&ink, x, y, 0x11, 0x11, 0x11);
+
+			covered += text;
+			assert_true(same_pixel(&with, x, y, text ? &ink : &without, x, y));
+		}
+	}
+	assert_int_equal(covered > 0, WITH_CAIRO);
+	guarded_free(&with);
+	guarded_free(&without);
+	guarded_free(&ink);
+	overlay_free(&overlay);
+}
+
+/* Each quarter is what that view shows on a screen of the quarter's size. */
+static void quad_is_its_four_views(void **state)
+{
+	static const enum config_show views[4] = {SHOW_SCENE, SHOW_FISHEYE, SHOW_BEFORE,
+						  SHOW_COMPOSITE};
+	static const int sizes[][2] = {{100, 76}, {321, 243}, {160, 121}, {60, 40}};
+
+	(void)state;
+	for (int s = 0; s < 4; s++) {
+		struct show_request request = plain(SHOW_QUAD);
+		struct guarded_screen quad = shown(&request, sizes[s][0], sizes[s][1]);
+
+		for (int q = 0; q < 4; q++) {
+			struct box box = layout_quarter(&quad.buffer, q);
+			struct guarded_screen one;
+
+			request.what = views[q];
+			one = shown(&request, box.width, box.height);
+			for (int y = 0; y < box.height; y++) {
+				for (int x = 0; x < box.width; x++)
+					assert_true(same_pixel(&quad, box.x + x, box.y + y, &one, x,
+							       y));
+			}
+			guarded_free(&one);
+		}
+		guarded_free(&quad);
+	}
+}
+
+/* Used lights are red and the others blue where r = f theta says that they are, on a small quarter
+ * of the screen too. */
+static void lights_are_marked(void **state)
+{
+	static const int sides[] = {120, 240, 480, 960};
+
+	(void)state;
+	for (int s = 0; s < 4; s++) {
+		struct show_request request = plain(SHOW_QUAD);
+		struct guarded_screen quad = shown(&request, sides[s] * 4 / 3, sides[s]);
+		double radius = sides[s] / 4.0, width = sides[s] * 2 / 3;
+		double middle[2] = {width * 1.5, sides[s] / 4.0};
+		int seen[2] = {0, 0};
+
+		for (int i = 0; i < LIGHTS; i++) {
+			const double *d = pipeline.dome.direction[i];
+			double r = radius * acos(d[2]) / (M_PI / 2), phi = atan2(d[1], d[0]);
+			const uint8_t *p;
+
+			if (acos(d[2]) > 1.4) /* at the edge it may be cut */
+				continue;
+			p = guarded_pixel(&quad, (int)(middle[0] + r * cos(phi)),
+					  (int)(middle[1] + r * sin(phi)));
+			if (pipeline.selection.used[i])
+				assert_true(p[2] > 150 && p[2] > p[0] + 60 && p[2] > p[1] + 60);
+			else
+				assert_true(p[0] > 150 && p[0] > p[2] + 60 && p[0] > p[1] + 40);
+			seen[pipeline.selection.used[i]]++;
+		}
+		assert_true(seen[0] > 3 && seen[1] > 3);
+		guarded_free(&quad);
+	}
+}
+
+/* Where the screen's hardware scales, nothing else does: pixels go there one by one. */
+static void hardware_that_scales_gets_the_plain_pixels(void **state)
+{
+	struct show_request request = plain(SHOW_COMPOSITE);
+	struct guarded_screen straight = shown(&request, WIDTH, HEIGHT), fitted;
+	struct show_fit fit;
+	struct box after = {WIDTH, HEIGHT, WIDTH, HEIGHT};
+
+	(void)state;
+	eyes.background.wanted.squash = eyes.background.view.squash = 2;
+	fit = show_fit(SHOW_COMPOSITE, &eyes, &basis);
+	assert_int_equal(fit.width, WIDTH);
+	assert_int_equal(fit.height, HEIGHT);
+	assert_true(fit.squash == 2);
+	request.squash = fit.squash;
+	fitted = shown(&request, fit.width, fit.height);
+	for (int y = 0; y < HEIGHT; y++) {
+		for (int x = 0; x < WIDTH; x++)
+			assert_true(same_pixel(&fitted, x, y, &straight, x, y));
+	}
+	guarded_free(&fitted);
+	fit = show_fit(SHOW_QUAD, &eyes, &basis);
+	assert_int_equal(fit.width, 2 * WIDTH);
+	assert_int_equal(fit.height, 2 * HEIGHT);
+	request.what = SHOW_QUAD;
+	fitted = shown(&request, fit.width, fit.height);
+	for (int y = 0; y < HEIGHT; y++) {
+		for (int x = 0; x < WIDTH; x++)
+			assert_true(same_pixel(&fitted, after.x + x, after.y + y, &straight, x, y));
+	}
+	guarded_free(&fitted);
+	guarded_free(&straight);
+}
+
+static void sizes_are_those_of_what_is_shown(void **state)
+{
+	int width, height;
+
+	(void)state;
+	eyes.background.wanted.squash = 2;
+	show_size(SHOW_SPLIT, &eyes, &basis, &width, &height);
+	assert_int_equal(width, WIDTH);
+	assert_int_equal(height, 2 * HEIGHT);
+	show_size(SHOW_QUAD, &eyes, &basis, &width, &height);
+	assert_int_equal(width, 2 * WIDTH);
+	assert_int_equal(height, 4 * HEIGHT);
+}
+
+/* Cameras that have given nothing are black, and nothing fails. */
+static void no_pictures(void **state)
+{
+	struct source none = {.canvas = {.width = 0}};
+
+	(void)state;
+	eyes.fisheye.source = eyes.background.source = &none;
+	eyes.scene.source = NULL;
+	for (int what = 0; what < SHOW_COUNT; what++) {
+		struct show_request request = plain((enum config_show)what);
+		struct guarded_screen screen = shown(&request, 61, 43);
+
+		for (int y = 0; y < 43; y++) {
+			for (int x = 0; x < 61; x++)
+				assert_true(is_code(&screen, x, y, 0, 0, 0));
+		}
+		guarded_free(&screen);
+	}
+}
+
+#define SHOW_TEST(test) cmocka_unit_test_setup(test, begin)
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		SHOW_TEST(every_pixel_and_no_other),
+		SHOW_TEST(composite_is_the_composite),
+		SHOW_TEST(split_is_before_and_after),
+		SHOW_TEST(a_line_parts_them),
+		SHOW_TEST(off_and_blank_keep_the_text),
+		SHOW_TEST(text_lies_over_the_picture),
+		SHOW_TEST(quad_is_its_four_views),
+		SHOW_TEST(lights_are_marked),
+		SHOW_TEST(hardware_that_scales_gets_the_plain_pixels),
+		SHOW_TEST(sizes_are_those_of_what_is_shown),
+		SHOW_TEST(no_pictures),
+	};
+
+	return cmocka_run_group_tests(tests, set_up, tear_down);
+}

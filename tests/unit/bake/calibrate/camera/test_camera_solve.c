@@ -1,0 +1,832 @@
+/* Calibration of Tsai's camera: what is known comes back, and the deviations are true. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "bake/calibrate/camera/camera_model.h"
+#include "hal/optics/vec.h"
+#include "tests/support/camera_scene.h"
+#include "tests/support/thorough.h"
+
+static const double eyes[5][3] = {{0.12, -0.38, 0.42},
+				  {-0.3, -0.2, 0.5},
+				  {0.35, 0.05, 0.45},
+				  {0.05, 0.4, 0.4},
+				  {-0.15, 0.3, 0.55}};
+static const double middle[3] = {0.01, 0.005, 0};
+
+/* ---- the model's slopes ---- */
+
+static void slopes_are_differences(void **state)
+{
+	struct chance chance = chance_begin("camera slopes");
+
+	(void)state;
+	for (int n = 0; n < 400; n++) {
+		const struct camera_model model = {{0.01, 0.012}, n & 1};
+		double x[MODEL_GRADIENT] = {8, (n & 2 ? -1 : 1) * 2e-3, 320, 240, 1.02};
+		double place[3], px[2], gradient[2][MODEL_GRADIENT];
+		const double size = n % 7 ? chance_real(&chance, 0, 3) : 1e-5;
+		struct model_view view;
+
+		chance_direction(&chance, -1, x + MODEL_SHARED);
+		for (int k = 0; k < 3; k++) {
+			x[MODEL_SHARED + k] *= size;
+			x[MODEL_SHARED + MODEL_TRANSLATION + k] = chance_real(&chance, -0.2, 0.2) +
+								  (k == 2) * 3;
+			place[k] = chance_real(&chance, -0.7, 0.7);
+		}
+		model_turn(&view, x + MODEL_SHARED);
+		assert_true(model_see(&model, x, &view, place, px, gradient));
+		for (int k = 0; k < MODEL_GRADIENT; k++) {
+			const double was = x[k], step = 1e-6 * fmax(fabs(x[k]), 1e-2);
+			double ahead[2], behind[2];
+
+			x[k] = was + step;
+			model_turn(&view, x + MODEL_SHARED);
+			assert_true(model_see(&model, x, &view, place, ahead, NULL));
+			x[k] = was - step;
+			model_turn(&view, x + MODEL_SHARED);
+			assert_true(model_see(&model, x, &view, place, behind, NULL));
+			x[k] = was;
+			for (int i = 0; i < 2; i++) {
+				const double slope = (ahead[i] - behind[i]) / (2 * step);
+
+				assert_true(fabs(slope - gradient[i][k]) <
+					    1e-5 * (fabs(slope) + 1) + 1e-9 / step);
+			}
+		}
+	}
+}
+
+static void vectors_of_rotations(void **state)
+{
+	struct chance chance = chance_begin("camera rotations");
+
+	(void)state;
+	for (int n = 0; n < 3000; n++) {
+		static const double sizes[] = {0, 1e-12, 1e-6, 0.009, 0.011, 1, 3.1415, M_PI};
+		double vector[3], rotation[9], slope[3][9], back[3], again[9];
+		const double size = n % 9 < 8 ? sizes[n % 9] : chance_real(&chance, 0, M_PI);
+
+		chance_direction(&chance, -1, vector);
+		for (int k = 0; k < 3; k++)
+			vector[k] *= size;
+		rotation_from_vector(vector, rotation, slope);
+		for (int i = 0; i < 3; i++)
+			for (int j = 0; j < 3; j++)
+				assert_true(fabs(vec_dot(rotation + 3 * i, rotation + 3 * j) -
+						 (i == j)) < 1e-14);
+		rotation_to_vector(rotation, back);
+		assert_true(vec_length(back) < M_PI + 1e-9);
+		rotation_from_vector(back, again, slope);
+		for (int k = 0; k < 9; k++)
+			assert_true(fabs(again[k] - rotation[k]) < 1e-14);
+	}
+}
+
+/* ---- without noise ---- */
+
+static void assert_camera(const struct tsai_camera *found, const struct tsai_camera *truth,
+			  double accuracy)
+{
+	const double distance = vec_length(truth->translation);
+
+	assert_true(fabs(found->focal / truth->focal - 1) < accuracy);
+	assert_true(fabs(found->kappa1 - truth->kappa1) <=
+		    accuracy * fmax(fabs(truth->kappa1), 1e-5));
+	assert_true(fabs(found->aspect / truth->aspect - 1) < accuracy);
+	for (int k = 0; k < 2; k++)
+		assert_true(fabs(found->centre_px[k] - truth->centre_px[k]) <
+			    accuracy * SCENE_WIDTH);
+	for (int k = 0; k < 9; k++)
+		assert_true(fabs(found->rotation[k] - truth->rotation[k]) < accuracy);
+	for (int k = 0; k < 3; k++)
+		assert_true(fabs(found->translation[k] - truth->translation[k]) <
+			    accuracy * distance);
+}
+
+/* What is seen without noise is the true camera, and is trusted. */
+static void assert_solved(struct observations *seen, const struct camera_task *task,
+			  const struct tsai_camera *truth)
+{
+	struct camera_solution solution;
+
+	assert_int_equal(camera_calibrate(seen, task, &solution, NULL), 0);
+	assert_true(solution.solved);
+	assert_camera(&solution.camera, truth, 1e-6);
+	assert_true(scene_trusted(&solution));
+	camera_solution_free(&solution);
+	observations_free(seen);
+}
+
+/* Bend at the picture's corner; in the thesis's direction the fold is at -1/3. */
+static const double bends[] = {0, 0.02, -0.02, 0.15, -0.12, 0.6, -0.2};
+
+static void one_plane(void **state)
+{
+	struct chance chance = chance_begin("camera plane");
+
+	(void)state;
+	for (int distortion = 0; distortion < 2; distortion++)
+		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
+			for (int e = 0; e < 5; e++) {
+				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
+									distortion);
+				struct observations seen = {0};
+				struct camera_task task;
+
+				if (bends[b] != 0) { /* else no picture tells the axis */
+					truth.centre_px[0] += 9;
+					truth.centre_px[1] -= 6;
+				}
+				task = scene_task(&truth);
+				if (bends[b] == 0)
+					task.centre_deviation_px = 0;
+				scene_board(&seen, &truth, 12, 9, 0, &chance);
+				assert_solved(&seen, &task, &truth);
+			}
+}
+
+static void points_in_space(void **state)
+{
+	struct chance chance = chance_begin("camera space");
+
+	(void)state;
+	for (int distortion = 0; distortion < 2; distortion++)
+		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
+			for (int e = 0; e < 5; e++) {
+				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
+									distortion);
+				struct observations seen = {0};
+				struct camera_task task;
+
+				truth.aspect = 1.04;
+				truth.centre_px[0] += 9;
+				truth.centre_px[1] -= 6;
+				task = scene_task(&truth);
+				scene_cloud(&seen, &truth, 60, 0, &chance);
+				assert_solved(&seen, &task, &truth);
+			}
+}
+
+static void several_boards(void **state)
+{
+	struct chance chance = chance_begin("camera boards");
+
+	(void)state;
+	for (int distortion = 0; distortion < 2; distortion++)
+		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++) {
+			struct tsai_camera truth[5];
+			struct observations seen = {0};
+			struct camera_solution solution;
+			struct camera_task task;
+
+			for (int e = 0; e < 5; e++) {
+				/* no plane's horizon along the picture's rows in all of them: s
+				 * would not show without distortion */
+				truth[e] = scene_roll(
+					scene_camera(eyes[e], middle, bends[b], distortion),
+					0.6 * e);
+				truth[e].aspect = 0.97;
+				truth[e].centre_px[0] += 9;
+				truth[e].centre_px[1] -= 6;
+				scene_board(&seen, &truth[e], 9, 6, 0, &chance);
+			}
+			task = scene_task(&truth[0]);
+			task.reference = 3;
+			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+			for (int e = 0; e < 5; e++)
+				assert_camera(&solution.view[e], &truth[e], 1e-6);
+			assert_camera(&solution.camera, &truth[3], 1e-6);
+			assert_true(scene_trusted(&solution));
+			camera_solution_free(&solution);
+			observations_free(&seen);
+		}
+}
+
+/* With the lens known, one board says where it is; the smallest, too. */
+static void pose_alone(void **state)
+{
+	struct chance chance = chance_begin("camera pose");
+
+	(void)state;
+	for (int distortion = 0; distortion < 2; distortion++)
+		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
+			for (int e = 0; e < 5; e++) {
+				const struct tsai_camera truth = scene_camera(eyes[e], middle,
+									      bends[b], distortion);
+				struct tsai_camera lens = truth;
+				struct observations seen = {0};
+				struct camera_task task = camera_task_default();
+
+				lens.translation[2] = 1; /* of no account */
+				task.intrinsics = &lens;
+				scene_board(&seen, &truth, 5, 4, 0, &chance);
+				assert_solved(&seen, &task, &truth);
+			}
+}
+
+/* ---- the world's units and axes ---- */
+
+/* The same picture from a world that is scaled and moved. */
+static void units_and_places_do_not_matter(void **state)
+{
+	static const double scales[] = {1e-9, 1e-3, 1, 1000, 1e6};
+	const double offset[3] = {1e6, -2e6, 5e5};
+	struct chance chance = chance_begin("camera units");
+	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
+	struct observations seen = {0};
+	struct camera_solution first;
+	struct camera_task task = scene_task(&truth);
+
+	(void)state;
+	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+	assert_int_equal(camera_calibrate(&seen, &task, &first, NULL), 0);
+	for (unsigned s = 0; s < 5; s++)
+		for (int moved = 0; moved < 2; moved++) {
+			struct observations other = {0};
+			struct camera_solution solution;
+			const double *px_now;
+
+			assert_int_equal(observations_begin_view(&other, "other"), 0);
+			for (int i = 0; i < seen.count; i++) {
+				double world[3];
+
+				for (int k = 0; k < 3; k++)
+					world[k] = scales[s] * (seen.point[i].world[k] +
+								(moved ? offset[k] : 0));
+				assert_int_equal(
+					observations_add(&other, world, seen.point[i].px, "p"), 0);
+			}
+			assert_int_equal(camera_calibrate(&other, &task, &solution, NULL), 0);
+			assert_true(scene_trusted(&solution));
+			/* 1e6 m keep 1e-10 m: of a board seen from 0.5 m 1e-9 */
+			assert_true(fabs(solution.camera.focal / first.camera.focal - 1) <
+				    (moved ? 1e-5 : 1e-7));
+			for (int i = 0; i < seen.count; i++) {
+				px_now = solution.finding.expected[i];
+				assert_true(hypot(px_now[0] - first.finding.expected[i][0],
+						  px_now[1] - first.finding.expected[i][1]) <
+					    (moved ? 1e-4 : 1e-6));
+			}
+			camera_solution_free(&solution);
+			observations_free(&other);
+		}
+	camera_solution_free(&first);
+	observations_free(&seen);
+}
+
+/* A file whose y counts upwards and whose pixel centres are at whole numbers is the same picture.
+ */
+static void y_up_is_the_same_picture(void **state)
+{
+	static const struct points_convention down = {.pixel_centre = 0.5};
+	static const struct points_convention up = {
+		.height = SCENE_HEIGHT, .y_up = 1, .pixel_centre = 0};
+	struct chance chance = chance_begin("camera y up");
+	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
+	const struct camera_task task = scene_task(&truth);
+	struct observations seen = {0};
+	struct camera_solution solution[2];
+
+	(void)state;
+	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+	for (int way = 0; way < 2; way++) {
+		char path[] = "/tmp/inlay-points-XXXXXX";
+		FILE *file = fdopen(mkstemp(path), "w");
+		struct observations read = {0};
+
+		assert_non_null(file);
+		for (int i = 0; i < seen.count; i++) {
+			const double *w = seen.point[i].world, *px = seen.point[i].px;
+
+			fprintf(file, "%.17g %.17g %.17g %.17g %.17g\n", w[0], w[1], w[2],
+				way ? px[0] - 0.5 : px[0],
+				way ? SCENE_HEIGHT - px[1] - 0.5 : px[1]);
+		}
+		assert_int_equal(fclose(file), 0);
+		assert_int_equal(observations_read(&read, path, way ? &up : &down, NULL), 0);
+		assert_int_equal(unlink(path), 0);
+		assert_int_equal(camera_calibrate(&read, &task, &solution[way], NULL), 0);
+		assert_true(scene_trusted(&solution[way]));
+		observations_free(&read);
+	}
+	assert_camera(&solution[1].camera, &solution[0].camera, 1e-6);
+	for (int way = 0; way < 2; way++)
+		camera_solution_free(&solution[way]);
+	observations_free(&seen);
+}
+
+/* Any plane in space, the origin anywhere: on the axis, where Ty is 0, far away. */
+static void any_plane_any_origin(void **state)
+{
+	struct chance chance = chance_begin("camera planes");
+
+	(void)state;
+	for (int n = 0; n < 200; n++) {
+		struct tsai_camera truth = scene_camera(
+			eyes[n % 5], n % 4 ? middle : (double[]){0, 0, 0}, -0.06, n & 1);
+		struct observations seen = {0}, other = {0};
+		struct camera_solution solution;
+		struct camera_task task;
+		double vector[3], turn[9], slope[3][9], shift[3], moved[3];
+
+		if (n % 4 == 0) { /* the world's origin is seen on the axis: Tx = Ty = 0 */
+			assert_true(fabs(truth.translation[1]) < 1e-12);
+		} else {
+			truth.centre_px[0] += 4;
+		}
+		task = scene_task(&truth);
+		scene_board(&seen, &truth, 12, 9, 0, &chance);
+		chance_direction(&chance, -1, vector);
+		for (int k = 0; k < 3; k++) {
+			vector[k] *= n % 3 ? chance_real(&chance, 0, 3) : 0;
+			shift[k] = n % 5 && n % 4 ? chance_real(&chance, -10, 10) : 0;
+		}
+		rotation_from_vector(vector, turn, slope);
+		assert_int_equal(observations_begin_view(&other, "turned"), 0);
+		for (int i = 0; i < seen.count; i++) {
+			double world[3];
+
+			mat_apply(turn, seen.point[i].world, world);
+			for (int k = 0; k < 3; k++)
+				world[k] += shift[k];
+			assert_int_equal(observations_add(&other, world, seen.point[i].px, "p"), 0);
+		}
+		/* the true camera in the turned world: R turn^T, T - R turn^T shift */
+		for (int i = 0; i < 3; i++) {
+			double row[3];
+
+			mat_apply(turn, truth.rotation + 3 * i, row);
+			memcpy(truth.rotation + 3 * i, row, sizeof(row));
+		}
+		mat_apply(truth.rotation, shift, moved);
+		for (int k = 0; k < 3; k++)
+			truth.translation[k] -= moved[k];
+		assert_int_equal(camera_calibrate(&other, &task, &solution, NULL), 0);
+		assert_camera(&solution.camera, &truth, 1e-6);
+		camera_solution_free(&solution);
+		observations_free(&seen);
+		observations_free(&other);
+	}
+}
+
+/* ---- noise ---- */
+
+struct tally {
+	int runs, one, two, three;
+};
+
+static void count_parameter(struct tally *tally, const struct estimate *estimate, const char *name,
+			    double truth)
+{
+	const int k = estimate_find(estimate, name);
+	double off;
+
+	assert_true(k >= 0);
+	if (estimate->parameter[k].fixed)
+		return;
+	off = fabs(estimate->parameter[k].value - truth) / estimate_deviation(estimate, k);
+	tally->runs++;
+	tally->one += off < 1;
+	tally->two += off < 1.959964;
+	tally->three += off < 3;
+}
+
+/* Of so many runs as many are within one and two deviations as there should be, within five
+ * binomial deviations; and 99 of 100 within three, or as near to it as chance lets few runs be.
+ * Each of 11 numbers is asked about at each of four noises: one of them is beyond four deviations
+ * in up to 3 % of all seeds, beyond five in 0.2 %.
+ * slack: share of the runs by which what answers to second order may be off. */
+static void assert_nearly_honest(const struct tally *tally, double slack)
+{
+	const double n = tally->runs;
+
+	assert_true(n > 0);
+	assert_true(fabs(tally->one - 0.6827 * n) < 5 * sqrt(n * 0.6827 * 0.3173) + slack * n);
+	assert_true(fabs(tally->two - 0.95 * n) < 5 * sqrt(n * 0.95 * 0.05) + slack * n);
+	assert_true(tally->three >= 0.99 * n - (n < 1000 ? 4 * sqrt(n * 0.99 * 0.01) : 0));
+}
+
+static void assert_honest(const struct tally *tally)
+{
+	assert_nearly_honest(tally, 0);
+}
+
+enum { OF_FOCAL, OF_KAPPA, OF_CENTRE_X, OF_CENTRE_Y, OF_ASPECT, OF_POSE, TALLIES = OF_POSE + 6 };
+
+static void count_all(struct tally tally[TALLIES], const struct camera_solution *solution,
+		      const struct tsai_camera *truth, const char *view)
+{
+	static const char *const pose[] = {"rotation x",    "rotation y",    "rotation z",
+					   "translation x", "translation y", "translation z"};
+	const struct estimate *estimate = &solution->finding.estimate;
+	double vector[3];
+
+	rotation_to_vector(truth->rotation, vector);
+	count_parameter(&tally[OF_FOCAL], estimate, "focal", truth->focal);
+	count_parameter(&tally[OF_KAPPA], estimate, "kappa1", truth->kappa1);
+	count_parameter(&tally[OF_CENTRE_X], estimate, "centre x", truth->centre_px[0]);
+	count_parameter(&tally[OF_CENTRE_Y], estimate, "centre y",
+			truth->height - truth->centre_px[1]);
+	count_parameter(&tally[OF_ASPECT], estimate, "aspect", truth->aspect);
+	for (int k = 0; k < 6; k++) {
+		char name[64];
+
+		snprintf(name, sizeof(name), "%s%s", view, pose[k]);
+		count_parameter(&tally[OF_POSE + k], estimate, name,
+				k < 3 ? vector[k] : truth->translation[k - 3]);
+	}
+}
+
+/* INLAY_RUNS=1000 draws as many for each noise. The bounds widen with fewer. */
+static int runs_of_test(void)
+{
+	const char *text = getenv("INLAY_RUNS");
+
+	return text ? atoi(text) : thorough() ? 80 : 20;
+}
+
+static void deviations_are_honest(void **state)
+{
+	static const double noises[] = {0.02, 0.3, 1, 2};
+	struct chance chance = chance_begin("camera noise");
+	const int runs = runs_of_test();
+
+	(void)state;
+	for (int n = 0; n < 4; n++) {
+		struct tally tally[TALLIES] = {{0}};
+
+		for (int run = 0; run < runs; run++) {
+			struct tsai_camera truth[3];
+			struct observations seen = {0};
+			struct camera_solution solution;
+			struct camera_task task;
+
+			for (int e = 0; e < 3; e++) {
+				truth[e] = scene_roll(scene_camera(eyes[e], middle, -0.08, run & 1),
+						      0.6 * e);
+				truth[e].centre_px[0] += 7;
+				scene_board(&seen, &truth[e], 12, 9, noises[n], &chance);
+			}
+			task = scene_task(&truth[0]);
+			task.aspect_deviation = 0.05; /* nothing that holds it */
+			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+			assert_true(solution.solved);
+			count_all(tally, &solution, &truth[0], "view 1 ");
+			camera_solution_free(&solution);
+			observations_free(&seen);
+		}
+		for (int k = 0; k < TALLIES; k++) {
+			if (getenv("INLAY_RUNS"))
+				printf("# noise %g, parameter %d: %d %d %d of %d\n", noises[n], k,
+				       tally[k].one, tally[k].two, tally[k].three, tally[k].runs);
+			assert_honest(&tally[k]);
+		}
+	}
+}
+
+/* The same of points in space, and of a pose alone. */
+static void deviations_of_space_and_pose(void **state)
+{
+	struct chance chance = chance_begin("camera noise");
+	const int runs = runs_of_test();
+
+	(void)state;
+	for (int known = 0; known < 2; known++) {
+		struct tally tally[TALLIES] = {{0}};
+
+		for (int run = 0; run < runs; run++) {
+			struct tsai_camera truth = scene_camera(eyes[run % 5], middle, -0.08,
+								run & 1);
+			struct observations seen = {0};
+			struct camera_solution solution;
+			struct camera_task task;
+
+			truth.aspect = 1.04;
+			task = known ? camera_task_default() : scene_task(&truth);
+			task.intrinsics = known ? &truth : NULL;
+			if (known)
+				scene_board(&seen, &truth, 9, 6, 0.3, &chance);
+			else
+				scene_cloud(&seen, &truth, 150, 0.3, &chance);
+			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+			assert_true(scene_trusted(&solution));
+			count_all(tally, &solution, &truth, "");
+			camera_solution_free(&solution);
+			observations_free(&seen);
+		}
+		for (int k = known ? OF_POSE : 0; k < TALLIES; k++)
+			assert_honest(&tally[k]);
+	}
+}
+
+/* From afar, with outliers: what is found fits as well as the truth does, in spite of wrong minima
+ * on the way. */
+static void no_wrong_minimum(void **state)
+{
+	struct chance chance = chance_begin("camera minima");
+
+	(void)state;
+	for (int run = 0; run < 12; run++) {
+		struct tsai_camera truth = scene_camera((double[]){3, -5, 6}, (double[]){0, 0, 0},
+							0, TSAI_UNDISTORTS);
+		struct observations seen = {0};
+		struct camera_solution solution;
+		struct camera_task task;
+		double half;
+
+		truth.focal *= 25;
+		half = hypot(SCENE_WIDTH, SCENE_HEIGHT) / 2 * truth.pixel[0];
+		truth.kappa1 = -0.015 / (half * half);
+		task = scene_task(&truth);
+		task.robust = true;
+		scene_cloud(&seen, &truth, 1000, 0.05, &chance);
+		for (int i = 0; i < seen.count; i += 20)
+			for (int k = 0; k < 2; k++)
+				seen.point[i].px[k] += chance_real(&chance, -60, 60);
+		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+		assert_true(solution.finding.rms_px < 1.1 * M_SQRT2 * 0.05);
+		assert_true(scene_trusted(&solution));
+		camera_solution_free(&solution);
+		observations_free(&seen);
+	}
+}
+
+/* One plane of a lens without distortion does not tell its axis, which is as far off as it is said
+ * to be: by default, by an option, and where pixels are not square. All of the pose has to know. */
+static void deviations_of_a_held_centre(void **state)
+{
+	static const char *const name[] = {"focal",	    "centre x",	     "centre y",
+					   "rotation x",    "rotation y",    "rotation z",
+					   "translation x", "translation y", "translation z"};
+	struct chance chance = chance_begin("camera held");
+	const int runs = 2 * runs_of_test();
+
+	(void)state;
+	for (int way = 0; way < 4; way++) {
+		struct tally tally[9] = {{0}};
+
+		for (int run = 0; run < runs; run++) {
+			struct tsai_camera truth = scene_camera(eyes[0], middle, 0, way & 1);
+			struct observations seen = {0};
+			struct camera_solution solution;
+			const struct estimate *estimate = &solution.finding.estimate;
+			struct camera_task task;
+			double off, vector[3], want[9];
+
+			if (way == 3)
+				truth.pixel[1] *= 2;
+			task = scene_task(&truth);
+			task.method = way == 2 ? CAMERA_THREE : CAMERA_FULL;
+			off = 0.025 * hypot(SCENE_WIDTH, SCENE_HEIGHT * (way == 3 ? 2 : 1));
+			if (way == 1)
+				task.centre_deviation_px = off = 8;
+			truth.centre_px[0] += off * chance_normal(&chance);
+			truth.centre_px[1] += off / (way == 3 ? 2 : 1) * chance_normal(&chance);
+			scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+			rotation_to_vector(truth.rotation, vector);
+			want[0] = truth.focal;
+			want[1] = truth.centre_px[0];
+			want[2] = truth.height - truth.centre_px[1];
+			for (int k = 0; k < 3; k++) {
+				want[3 + k] = vector[k];
+				want[6 + k] = truth.translation[k];
+			}
+			for (int k = 0; k < 9; k++) {
+				const int at = estimate_find(estimate, name[k]);
+				const double sigmas =
+					fabs(estimate->parameter[at].value - want[k]) /
+					estimate_deviation(estimate, at);
+
+				tally[k].runs++;
+				tally[k].one += sigmas < 1;
+				tally[k].two += sigmas < 1.959964;
+				tally[k].three += sigmas < 3;
+			}
+			camera_solution_free(&solution);
+			observations_free(&seen);
+		}
+		for (int k = 0; k < 9; k++)
+			assert_nearly_honest(&tally[k], 0.05);
+	}
+}
+
+/* One plane does not tell s, which is as far off as it is said to be: by default, by an option. */
+static void deviations_of_a_held_aspect(void **state)
+{
+	struct chance chance = chance_begin("camera held aspect");
+	const int runs = 2 * runs_of_test();
+
+	(void)state;
+	for (int way = 0; way < 2; way++) {
+		struct tally tally[TALLIES] = {{0}};
+
+		for (int run = 0; run < runs; run++) {
+			struct tsai_camera truth = scene_camera(eyes[1], middle, 0, run & 1);
+			struct observations seen = {0};
+			struct camera_solution solution;
+			struct camera_task task = scene_task(&truth);
+
+			task.centre_deviation_px = 0;
+			if (way)
+				task.aspect_deviation = 0.01;
+			truth.aspect += (way ? 0.01 : CAMERA_ASPECT_DEVIATION) *
+					chance_normal(&chance);
+			scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+			assert_true(solution.camera.aspect == 1);
+			/* held, it is uncertain all the same */
+			solution.finding.estimate.parameter[MODEL_ASPECT].fixed = false;
+			count_all(tally, &solution, &truth, "");
+			camera_solution_free(&solution);
+			observations_free(&seen);
+		}
+		for (int k = 0; k < TALLIES; k++) {
+			if (getenv("INLAY_RUNS"))
+				printf("# way %d, parameter %d: %d %d %d of %d\n", way, k,
+				       tally[k].one, tally[k].two, tally[k].three, tally[k].runs);
+			if (tally[k].runs)
+				assert_nearly_honest(&tally[k], 0.05);
+		}
+	}
+}
+
+/* What is known is not looked for, neither in space nor from many boards. */
+static void known_aspect(void **state)
+{
+	struct chance chance = chance_begin("camera known aspect");
+
+	(void)state;
+	for (int way = 0; way < 4; way++) {
+		struct tsai_camera truth[5];
+		struct observations seen = {0};
+		struct camera_solution solution;
+		struct camera_task task;
+
+		for (int e = 0; e < 5; e++) {
+			truth[e] = scene_roll(scene_camera(eyes[e], middle, -0.08, way & 1),
+					      0.6 * e);
+			truth[e].aspect = 1.07;
+			if (way / 2)
+				scene_board(&seen, &truth[e], 9, 6, 0.2, &chance);
+		}
+		if (way / 2 == 0)
+			scene_cloud(&seen, &truth[0], 60, 0.2, &chance);
+		task = scene_task(&truth[0]);
+		task.aspect_given = true;
+		task.aspect = 1.07;
+		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+		assert_true(solution.camera.aspect == 1.07);
+		assert_true(solution.finding.estimate.parameter[MODEL_ASPECT].fixed);
+		assert_true(fabs(solution.camera.focal / truth[0].focal - 1) < 0.02);
+		assert_true(scene_trusted(&solution));
+		camera_solution_free(&solution);
+		observations_free(&seen);
+	}
+}
+
+/* How far an object is drawn from where it is seen, at most, over what is said of that. */
+static double off_by(const struct camera_solution *solution, const struct camera_task *task,
+		     const struct tsai_camera *truth)
+{
+	double most = 0;
+
+	for (int k = 0; k < 7; k++) {
+		double world[3], want[2], got[2];
+
+		memcpy(world, task->object, sizeof(world));
+		if (k)
+			world[(k - 1) / 2] += k % 2 ? task->object_radius : -task->object_radius;
+		if (tsai_project(truth, world, want))
+			continue;
+		assert_int_equal(tsai_project(&solution->camera, world, got), 0);
+		most = fmax(most, hypot(want[0] - got[0], want[1] - got[1]));
+	}
+	assert_string_equal(solution->finding.figure[0].key, "object_error_px");
+	return most / solution->finding.figure[0].value;
+}
+
+/* Few boards, seen by cameras whose pixels may or may not be square: what is trusted is right, and
+ * enough is, once that is known. */
+static void few_boards_of_squashed_pixels(void **state)
+{
+	static const double aspects[] = {1, 1.005, 1.02, 0.95, 0.9};
+	struct chance chance = chance_begin("camera squashed");
+	const int runs = 2 * runs_of_test();
+	int trusted[2][4] = {{0}};
+
+	(void)state;
+	for (int run = 0; run < runs; run++)
+		for (int views = 1; views <= 3; views++) {
+			struct tsai_camera truth[3];
+			struct observations seen = {0};
+			struct camera_task task;
+
+			for (int v = 0; v < views; v++) {
+				double at[3];
+
+				chance_direction(&chance, 0.4, at);
+				for (int k = 0; k < 3; k++)
+					at[k] *= 0.6;
+				truth[v] = scene_roll(scene_camera(at, middle, -0.1, run & 1),
+						      chance_real(&chance, -3, 3));
+				truth[v].aspect = aspects[run % 5];
+				scene_board(&seen, &truth[v], 9, 6, run % 2 ? 0.05 : 0.2, &chance);
+			}
+			task = scene_task(&truth[0]);
+			task.object_given = true;
+			task.object_radius = task.object[2] = 0.06;
+			for (int known = 0; known < 2; known++) {
+				struct camera_solution solution;
+
+				task.aspect_given = known;
+				task.aspect = known ? truth[0].aspect : 1;
+				task.aspect_deviation = known ? 0 : 0.05;
+				assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL),
+						 0);
+				if (solution.finding.verdict.trusted) {
+					trusted[known][views]++;
+					assert_true(off_by(&solution, &task, &truth[0]) < 5);
+				}
+				camera_solution_free(&solution);
+			}
+			observations_free(&seen);
+		}
+	printf("# trusted of %d of one, two, three boards: %d %d %d, s known: %d %d %d\n", runs,
+	       trusted[0][1], trusted[0][2], trusted[0][3], trusted[1][1], trusted[1][2],
+	       trusted[1][3]);
+	assert_true(trusted[0][2] && trusted[0][3] && trusted[1][1]);
+	assert_true(trusted[1][3] > runs / 2);
+}
+
+/* Each point's error, and the uncertainty that is reported for its place. */
+static void uncertainty_is_honest(void **state)
+{
+	const double px[2] = {250, 300}, place[3] = {0.03, -0.02, 0.04};
+	struct chance chance = chance_begin("camera uncertainty");
+	const int runs = 4 * runs_of_test();
+	double squares = 0, expected = 0, at_px = 0, halves = 0;
+
+	(void)state;
+	for (int run = 0; run < runs; run++) {
+		const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.08, run & 1);
+		struct observations seen = {0};
+		struct camera_solution solution;
+		struct camera_task task = scene_task_of_plane(&truth);
+		double want[2], got[2];
+		int figure = 0;
+
+		memcpy(task.object, place, sizeof(place));
+		task.object_given = true;
+		scene_board(&seen, &truth, 12, 9, 0.3, &chance);
+		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+		assert_int_equal(tsai_project(&truth, place, want), 0);
+		assert_int_equal(tsai_project(&solution.camera, place, got), 0);
+		while (strcmp(solution.finding.figure[figure].key, "object_error_px"))
+			figure++;
+		squares += pow(want[0] - got[0], 2) + pow(want[1] - got[1], 2);
+		expected += pow(solution.finding.figure[figure].value, 2);
+		at_px += solution.finding.uncertainty(solution.finding.context, px);
+		assert_non_null(solution.finding.disagreement);
+		halves += solution.finding.disagreement(solution.finding.context, px);
+		camera_solution_free(&solution);
+		observations_free(&seen);
+	}
+	/* the longest axis alone is expected: both have between it and sqrt 2 of it */
+	assert_true(squares > 0.85 * expected && squares < 2.2 * expected);
+	/* each half is known sqrt 2 worse, and two of them differ by sqrt 2 of that */
+	assert_true(halves > at_px && halves < 4 * at_px);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(slopes_are_differences),
+		cmocka_unit_test(vectors_of_rotations),
+		cmocka_unit_test(one_plane),
+		cmocka_unit_test(points_in_space),
+		cmocka_unit_test(several_boards),
+		cmocka_unit_test(pose_alone),
+		cmocka_unit_test(units_and_places_do_not_matter),
+		cmocka_unit_test(y_up_is_the_same_picture),
+		cmocka_unit_test(any_plane_any_origin),
+		cmocka_unit_test(deviations_are_honest),
+		cmocka_unit_test(deviations_of_space_and_pose),
+		cmocka_unit_test(no_wrong_minimum),
+		cmocka_unit_test(deviations_of_a_held_centre),
+		cmocka_unit_test(deviations_of_a_held_aspect),
+		cmocka_unit_test(known_aspect),
+		cmocka_unit_test(few_boards_of_squashed_pixels),
+		cmocka_unit_test(uncertainty_is_honest),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,401 @@
+/* Lenses to and from the files of OpenCV and ROS: exact where they can be, and otherwise how far
+ * off they are; whole files, and damaged ones. What OpenCV itself makes of them:
+ * test_convert_opencv. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "bake/calibrate/convert/convert.h"
+#include "tests/support/own_folder.h"
+
+#define TOLERANCE_PX 0.1
+
+/* ---- cameras ---- */
+
+static struct tsai_camera some_camera(double kappa1, enum tsai_distortion distortion)
+{
+	return (struct tsai_camera){.width = 720,
+				    .height = 576,
+				    .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+				    .focal = 8.4,
+				    .kappa1 = kappa1,
+				    .distortion = distortion,
+				    .centre_px = {371.25, 270.5},
+				    .pixel = {0.0132, 0.0121},
+				    .aspect = 1.07};
+}
+
+/* Largest distance between what two cameras at the same place see of the first one's picture. */
+static double farthest(const struct tsai_camera *a, const struct tsai_camera *b)
+{
+	double worst = 0;
+
+	for (int k = 0; k < 21 * 17; k++) {
+		const double px[2] = {k % 21 * 36.0, k / 21 * 36.0};
+		double origin[3], dir[3], again[2];
+
+		if (tsai_ray(a, px, origin, dir))
+			continue;
+		assert_int_equal(tsai_project(b, dir, again), 0);
+		worst = fmax(worst, hypot(px[0] - again[0], px[1] - again[1]));
+	}
+	return worst;
+}
+
+static void write_file(const char *name, const char *text)
+{
+	FILE *file = fopen(own_path(name), "w");
+
+	assert_non_null(file);
+	fputs(text, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* Through a file of either kind. */
+static struct lens again(const struct lens *lens, bool ros, double error_px)
+{
+	struct fault fault = {.text = ""};
+	struct lens read = {.width = 0};
+	FILE *file = fopen(own_path("lens.yaml"), "w");
+
+	assert_non_null(file);
+	if (ros)
+		lens_write_ros(file, lens, "kiosk", error_px);
+	else
+		lens_write_opencv(file, lens, error_px);
+	assert_int_equal(fclose(file), 0);
+	if (lens_read_yaml(&read, own_path("lens.yaml"), &fault))
+		fail_msg("%s", fault.text);
+	assert_int_equal(remove(own_path("lens.yaml")), 0);
+	return read;
+}
+
+static void test_distorts(void **state)
+{
+	static const double kappa1[] = {0, -0.004, 0.002};
+
+	(void)state;
+	for (int k = 0; k < 6; k++) {
+		const struct tsai_camera camera = some_camera(kappa1[k % 3], TSAI_DISTORTS);
+		struct tsai_camera back;
+		struct lens lens, read;
+		double error_px = -1, turn_deg;
+
+		assert_int_equal(lens_of_tsai(&lens, &camera, 0, &error_px, NULL), 0);
+		assert_true(error_px == 0);
+		read = again(&lens, k >= 3, error_px);
+		assert_memory_equal(&read, &lens, sizeof(lens));
+		assert_int_equal(lens_to_tsai(&read, &back, 0, &error_px, &turn_deg, NULL), 0);
+		assert_true(error_px == 0);
+		assert_true(farthest(&camera, &back) < 1e-9);
+	}
+}
+
+static void test_undistorts(void **state)
+{
+	static const double kappa1[] = {0.004, -0.002, 0.012};
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		const struct tsai_camera camera = some_camera(kappa1[k], TSAI_UNDISTORTS);
+		struct tsai_camera back;
+		struct fault fault = {.text = ""};
+		struct lens lens, read;
+		double out_px, in_px, turn_deg;
+
+		if (lens_of_tsai(&lens, &camera, TOLERANCE_PX, &out_px, &fault))
+			fail_msg("%s", fault.text);
+		read = again(&lens, false, out_px);
+		assert_int_equal(lens_to_tsai(&read, &back, TOLERANCE_PX, &in_px, &turn_deg, NULL),
+				 0);
+		print_message("kappa1 %g that undistorts: %.2g px out, %.2g px in\n", kappa1[k],
+			      out_px, in_px);
+		assert_int_equal(back.distortion, TSAI_UNDISTORTS);
+		/* what is said is what it is */
+		assert_true(farthest(&camera, &back) < out_px + in_px + 1e-9);
+		assert_int_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault),
+				 -ERANGE);
+		assert_non_null(strstr(fault.text, "expected at most"));
+	}
+}
+
+/* Terms that Tsai's camera lacks: the error is that of the camera that comes out. */
+static void test_terms(void **state)
+{
+	static const struct {
+		double term[LENS_TERMS];
+		double least, most; /* px */
+	} cases[] = {
+		{{-0.2, 0, 0, 0, 0, 0, 0, 0}, 0, 0},
+		{{-0.2, 0.001, 0, 0, 0, 0, 0, 0}, 1e-2, 0.3},
+		{{-0.28, 0.05, 0.001, -0.0006, 0.04, 0, 0, 0}, 0.3, 30},
+		{{0, 0, 0.01, 0, 0, 0, 0, 0}, 1, 30},
+		{{0.1, 0, 0, 0, 0, 0.2, 0, 0}, 1e-4, 3},
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		struct lens lens = {.width = 640,
+				    .height = 480,
+				    .focal_px = {536, 534},
+				    .centre_px = {342.7, 235.9}};
+		struct tsai_camera camera;
+		double error_px, turn_deg;
+
+		memcpy(lens.term, cases[k].term, sizeof(lens.term));
+		assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &turn_deg, NULL), 0);
+		print_message("case %zu: %.3g px, %.3g degrees\n", k, error_px, turn_deg);
+		assert_true(error_px >= cases[k].least && error_px <= cases[k].most);
+		if (error_px > 0)
+			assert_int_equal(lens_to_tsai(&lens, &camera, 0.9 * error_px, &error_px,
+						      &turn_deg, NULL),
+					 -ERANGE);
+	}
+}
+
+/* ---- fisheyes ---- */
+
+static void test_fisheyes(void **state)
+{
+	(void)state;
+	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
+		const struct fisheye_settings settings = {
+			.focal_px = {230, 228},
+			.centre_px = {361, 290},
+			.field_deg = 85,
+			.model = model,
+			.polynomial = {0.02, -0.01, 0.001, 0},
+		};
+		const bool exact = model == FISHEYE_EQUIDISTANT || model == FISHEYE_POLYNOMIAL;
+		struct fisheye_settings back;
+		struct fisheye ours, theirs;
+		struct lens lens, read;
+		double error_px, worst = 0;
+
+		assert_int_equal(lens_of_fisheye(&lens, &settings, 720, 576, 0.5, &error_px, NULL),
+				 0);
+		assert_true(exact == (error_px == 0));
+		read = again(&lens, model % 2, error_px);
+		assert_memory_equal(&read, &lens, sizeof(lens));
+		assert_int_equal(lens_to_fisheye(&read, &back, NULL), 0);
+		assert_int_equal(fisheye_prepare(&ours, &settings, 720, 576, NULL), 0);
+		assert_int_equal(fisheye_prepare(&theirs, &back, 720, 576, NULL), 0);
+		for (int k = 0; k <= 85; k++) {
+			const double dir[3] = {sin(k * M_PI / 180) * cos(k),
+					       sin(k * M_PI / 180) * sin(k), cos(k * M_PI / 180)};
+			double a[2], b[2];
+
+			if (!fisheye_project(&ours, dir, a) || !fisheye_project(&theirs, dir, b))
+				continue;
+			worst = fmax(worst, hypot(a[0] - b[0], a[1] - b[1]));
+		}
+		print_message("%s: %.2g px\n", fisheye_model_names[model], error_px);
+		assert_true(worst <= error_px + 1e-9);
+		if (!exact)
+			assert_int_equal(lens_of_fisheye(&lens, &settings, 720, 576, error_px / 2,
+							 &error_px, NULL),
+					 -ERANGE);
+	}
+}
+
+static void test_fields(void **state)
+{
+	struct lens lens = {.fisheye = true,
+			    .width = 640,
+			    .height = 480,
+			    .focal_px = {600, 600},
+			    .centre_px = {320, 240}};
+	struct fisheye_settings settings;
+	struct tsai_camera camera;
+	double error_px, turn_deg;
+
+	(void)state;
+	/* the picture's corner at 400 / 600 rad */
+	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), 0);
+	assert_true(fabs(settings.field_deg - 400 / 600.0 * 180 / M_PI) < 1e-9);
+	assert_int_equal(settings.model, FISHEYE_EQUIDISTANT);
+	/* t - 2/3 t^3 turns back at 1 / sqrt(2) rad */
+	lens.term[0] = -2.0 / 3;
+	lens.focal_px[0] = lens.focal_px[1] = 150;
+	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), 0);
+	assert_true(settings.field_deg < sqrt(0.5) * 180 / M_PI && settings.field_deg > 40);
+	assert_int_equal(lens_to_tsai(&lens, &camera, 1, &error_px, &turn_deg, NULL), -EINVAL);
+	lens.fisheye = false;
+	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), -EINVAL);
+}
+
+/* ---- files ---- */
+
+#define OPENCV_HEAD "%YAML:1.0\n---\n"
+#define OPENCV_CAMERA                                                                              \
+	"camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 536.07, "    \
+	"0.,\n"                                                                                    \
+	"       342.37, 0., 536.02, 235.54, 0., 0., 1. ]\n"
+#define OPENCV_DISTORTION                                                                          \
+	"distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n"             \
+	"   data: [ -2.6637260909660682e-01, -3.8588898922304653e-02,\n"                           \
+	"       1.7831947042852964e-03, -2.8122100441115472e-04,\n       2.3839153080878486e-01 "  \
+	"]\n"
+#define SIZE "image_width: 640\nimage_height: 480\n"
+
+static void test_files(void **state)
+{
+	/* as OpenCV's calibration program leaves it, and as ROS's does */
+	static const char opencv[] = OPENCV_HEAD
+		"calibration_time: \"Fri 20 Nov 2026 18:00:00\"\n" SIZE
+		"board_width: 9\nflags: 0\n# flags: none\n" OPENCV_CAMERA OPENCV_DISTORTION
+		"avg_reprojection_error: 1.9e-01\nper_view_reprojection_errors: !!opencv-matrix\n"
+		"   rows: 2\n   cols: 1\n   dt: f\n   data: [ 1.5e-01,\n       1.4e-01 ]\n"
+		"image_points: []\nlist:\n- 1\n-\n   a: 2\n...\n";
+	static const char ros[] =
+		"image_width: 640\r\nimage_height: 480\r\ncamera_name: narrow_stereo\r\n"
+		"camera_matrix:\r\n  rows: 3\r\n  cols: 3\r\n"
+		"  data: [536.07, 0, 342.37, 0, 536.02, 235.54, 0, 0, 1]\r\n"
+		"distortion_model: plumb_bob  # five of them\r\n"
+		"distortion_coefficients:\r\n  rows: 1\r\n  cols: 5\r\n  data: "
+		"[-2.6637260909660682e-01, -3.8588898922304653e-02, 1.7831947042852964e-03, "
+		"-2.8122100441115472e-04, 2.3839153080878486e-01]\r\n"
+		"rectification_matrix:\r\n  rows: 3\r\n  cols: 3\r\n  data: [1, 0, 0, 0, 1, 0, 0, "
+		"0, 1]\r\nprojection_matrix:\r\n  rows: 3\r\n  cols: 4\r\n  data: [1, 0, 0, 0, 0, "
+		"1, 0, 0, 0, 0, 1, 0]\r\n";
+	struct lens a = {.width = 0}, b = {.width = 0};
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	write_file("opencv.yml", opencv);
+	write_file("ros.yaml", ros);
+	if (lens_read_yaml(&a, own_path("opencv.yml"), &fault) ||
+	    lens_read_yaml(&b, own_path("ros.yaml"), &fault))
+		fail_msg("%s", fault.text);
+	assert_memory_equal(&a, &b, sizeof(a));
+	assert_true(a.focal_px[0] == 536.07 && a.focal_px[1] == 536.02);
+	assert_true(a.centre_px[0] == 342.37 + 0.5 && a.centre_px[1] == 235.54 + 0.5);
+	assert_true(a.term[LENS_K3] == 2.3839153080878486e-01 && a.term[LENS_K4] == 0);
+	assert_int_equal(remove(own_path("opencv.yml")), 0);
+	assert_int_equal(remove(own_path("ros.yaml")), 0);
+}
+
+static void test_damaged(void **state)
+{
+	static const struct {
+		const char *text, *fault; /* what follows the file's name */
+	} cases[] = {
+		{"", ": has no image_width and image_height, expected them here or by --size"},
+		{SIZE, ": has no camera_matrix"},
+		{SIZE OPENCV_CAMERA, ": has no distortion_coefficients"},
+		{"\x89PNG\r\n", ":1: \x89PNG: expected KEY: VALUE, as OpenCV and ROS write lenses"},
+		{"image_width: wide\n", ":1: image_width: expected a whole number from 1 to 32768"},
+		{"image_width: 0\n", ":1: image_width: expected a whole number from 1 to 32768"},
+		{SIZE "distortion_model: omni\n" OPENCV_CAMERA OPENCV_DISTORTION,
+		 ":3: distortion_model: omni, expected plumb_bob, rational_polynomial or "
+		 "equidistant"},
+		{SIZE "distortion_model: equidistant\n" OPENCV_CAMERA OPENCV_DISTORTION,
+		 ":10: distortion_coefficients: 5 x 1 of them, expected one row of 4"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 2,\n",
+		 ":6: camera_matrix: expected ] after its numbers, not the file's end"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, two ]\n",
+		 ":6: camera_matrix: expected finite numbers between [ and ]"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 0x10 ]\n",
+		 ":6: camera_matrix: expected finite numbers between [ and ]"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, nan ]\n",
+		 ":6: camera_matrix: expected finite numbers between [ and ]"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 2 ]\n",
+		 ":3: camera_matrix: has 3 rows, 3 columns and 2 numbers, expected as many as rows "
+		 "times columns"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data:\n  - 1\n",
+		 ":6: camera_matrix: expected data: [ numbers ]"},
+		{SIZE "camera_matrix: {rows: 3}\n",
+		 ":3: camera_matrix: expected rows, cols and data on lines of their own below it"},
+		{SIZE "camera_matrix:\n  rows: 1\n  cols: 1\n  data: [ 0, 0, 0, 0, 0, 0, 0, 0, 0, "
+		      "0, 0, 0, 0, 0, 0, 0, 0, 0 ]\n",
+		 ":6: camera_matrix: expected fewer numbers"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 5, 1, 3, 0, 5, 3, 0, 0, 1 "
+		      "]\n",
+		 ":3: camera_matrix: a skew of 1, expected 0: rows and columns of pixels are at "
+		 "right angles here"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ -5, 0, 3, 0, 5, 3, 0, 0, 1 "
+		      "]\n",
+		 ":3: camera_matrix: expected fx 0 cx, 0 fy cy, 0 0 1 with fx and fy above 0"},
+		{SIZE OPENCV_CAMERA OPENCV_CAMERA, ":9: camera_matrix: expected to be there once"},
+		{SIZE OPENCV_CAMERA "distortion_coefficients:\n  rows: 9\n  cols: 1\n  data: [ 1, "
+				    "0, 0, 0, 0, 0, 0, 0, 0.5 ]\n",
+		 ":9: distortion_coefficients: number 9 is 0.5, expected 0: neither thin prisms "
+		 "nor "
+		 "tilted sensors are known here"},
+	};
+	struct fault fault;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		char expected[PATH_MAX + FAULT_TEXT_MAX];
+		struct lens lens = {.width = 0};
+
+		write_file("bad.yml", cases[k].text);
+		snprintf(expected, sizeof(expected), "%s%s", own_path("bad.yml"), cases[k].fault);
+		assert_int_equal(lens_read_yaml(&lens, own_path("bad.yml"), &fault), -EINVAL);
+		assert_string_equal(fault.text, expected);
+	}
+	assert_int_equal(remove(own_path("bad.yml")), 0);
+	assert_int_equal(lens_read_yaml(&(struct lens){.width = 0}, own_path("bad.yml"), &fault),
+			 -ENOENT);
+}
+
+/* Cut anywhere, a file is refused or, behind its last number, read. */
+static void test_truncated(void **state)
+{
+	static const char whole[] = OPENCV_HEAD SIZE OPENCV_CAMERA OPENCV_DISTORTION;
+
+	(void)state;
+	for (size_t bytes = 0; bytes < sizeof(whole) - 3; bytes++) {
+		struct lens lens = {.width = 0};
+		char part[sizeof(whole)];
+
+		memcpy(part, whole, bytes);
+		part[bytes] = '\0';
+		write_file("cut.yml", part);
+		assert_int_equal(lens_read_yaml(&lens, own_path("cut.yml"), NULL), -EINVAL);
+	}
+	assert_int_equal(remove(own_path("cut.yml")), 0);
+}
+
+static void test_ini(void **state)
+{
+	struct lens_ini ini = {.camera_given = true,
+			       .camera = some_camera(-0.004, TSAI_UNDISTORTS)};
+	struct lens_ini read;
+	struct fault fault = {.text = ""};
+	FILE *file = fopen(own_path("camera.ini"), "w");
+
+	(void)state;
+	assert_non_null(file);
+	lens_write_ini(file, &ini, "a test", 0.01, 0.2);
+	assert_int_equal(fclose(file), 0);
+	if (lens_read_ini(&read, own_path("camera.ini"), &fault))
+		fail_msg("%s", fault.text);
+	assert_memory_equal(&read.camera, &ini.camera, sizeof(ini.camera));
+	write_file("camera.ini", "[fisheye]\n[camera]\nwidth = 1\n");
+	assert_int_equal(lens_read_ini(&read, own_path("camera.ini"), &fault), -EINVAL);
+	write_file("camera.ini", "");
+	assert_int_equal(lens_read_ini(&read, own_path("camera.ini"), &fault), -EINVAL);
+	assert_int_equal(remove(own_path("camera.ini")), 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_distorts), cmocka_unit_test(test_undistorts),
+		cmocka_unit_test(test_terms),	 cmocka_unit_test(test_fisheyes),
+		cmocka_unit_test(test_fields),	 cmocka_unit_test(test_files),
+		cmocka_unit_test(test_damaged),	 cmocka_unit_test(test_truncated),
+		cmocka_unit_test(test_ini),
+	};
+
+	return cmocka_run_group_tests_name("convert", tests, own_folder_make, own_folder_remove);
+}

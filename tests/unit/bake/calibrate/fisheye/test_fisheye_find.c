@@ -1,0 +1,274 @@
+/* Fisheye lenses from boards and from lamps: right without noise, honest with it, and doubted where
+ * they should be. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "bake/calibrate/fisheye/fisheye_find.h"
+#include "hal/base/clock.h"
+#include "tests/support/fisheye_views.h"
+
+static struct fisheye_wanted wanted_of(bool directions, int model)
+{
+	return (struct fisheye_wanted){.model = model,
+				       .field_deg = 88,
+				       .tolerance_px = 0.5,
+				       .directions = directions,
+				       .world_view = -1};
+}
+
+static struct fisheye lens_of(const struct fisheye_settings *settings)
+{
+	struct fisheye lens;
+
+	assert_int_equal(fisheye_prepare(&lens, settings, 640, 480, NULL), 0);
+	return lens;
+}
+
+static void see(struct observations *seen, const struct fisheye_settings *truth, bool lamps,
+		double sigma, struct chance *chance)
+{
+	const struct fisheye lens = lens_of(truth);
+
+	begin_views(seen);
+	if (lamps)
+		see_lamps(seen, &lens, 60, 86, sigma, chance);
+	else
+		see_boards(seen, &lens, 5, 1.15, sigma, chance);
+}
+
+/* The parameters in the order of an estimate. */
+static int truths(const struct fisheye_settings *s, bool lamps, double number[11])
+{
+	for (int i = 0; i < 2; i++) {
+		number[i] = s->focal_px[i];
+		number[2 + i] = s->centre_px[i];
+	}
+	memcpy(number + 4, s->polynomial, 4 * sizeof(double));
+	memcpy(number + 8, s->rotation_deg, 3 * sizeof(double));
+	return lamps ? 11 : 8;
+}
+
+static void right_without_noise(void **state)
+{
+	struct chance chance = chance_begin("fisheye_find");
+
+	(void)state;
+	for (int k = 0; k < 4 * FISHEYE_MODEL_COUNT; k++) {
+		const bool lamps = k & 1;
+		const int model = k / 4;
+		const struct fisheye_wanted wanted = wanted_of(lamps,
+							       k & 2 ? FISHEYE_MODEL_AUTO : model);
+		struct fisheye_result result;
+		struct observations seen;
+		struct fault fault = {""};
+		double truth[11];
+		char said[600];
+
+		see(&seen, &fisheye_truths[model], lamps, 0, &chance);
+		assert_int_equal(fisheye_find(&result, &seen, &wanted, &fault), 0);
+		verdict_sentence(&result.finding.verdict, said, sizeof(said));
+		print_message("# %s %s: %s, rms %.2g\n", lamps ? "lamps" : "boards",
+			      fisheye_model_names[model], said, result.finding.rms_px);
+		assert_true(result.finding.verdict.trusted);
+		assert_int_equal(result.lens.model, model);
+		for (int n = truths(&fisheye_truths[model], lamps, truth) - 1; n >= 0; n--)
+			assert_true(fabs(result.finding.estimate.parameter[n].value - truth[n]) <
+				    1e-6 * fmax(fabs(truth[n]), n < 4 ? 1 : 1e-2));
+		fisheye_result_free(&result);
+		observations_free(&seen);
+	}
+}
+
+/* How often the truth lies within 1, 2 and 3 deviations. */
+struct coverage {
+	int runs, within[3];
+};
+
+static void count(struct coverage *c, double deviations)
+{
+	c->runs++;
+	c->within[0] += deviations < 1;
+	c->within[1] += deviations < 1.959964;
+	c->within[2] += deviations < 3;
+}
+
+/* As often as chance wants it; numbers of one run depend on each other, so that runs count. */
+static void check_coverage(const struct coverage *all, int runs)
+{
+	static const double want[2] = {0.682689, 0.95};
+
+	for (int k = 0; k < 2; k++)
+		assert_true(fabs((double)all->within[k] / all->runs - want[k]) <
+			    4 * sqrt(want[k] * (1 - want[k]) / runs));
+	assert_true(all->within[2] >= 0.99 * all->runs);
+}
+
+/* INLAY_RUNS=1000 makes it so many of each; what tests do every time is less, and its bounds wider.
+ */
+static int runs_of(int usual)
+{
+	const char *text = getenv("INLAY_RUNS");
+
+	return text ? (int)strtol(text, NULL, 10) : usual;
+}
+
+static void honest_with_noise(void **state)
+{
+	enum { LAMP_RUNS = 178, BOARD_RUNS = 15, ORTHOGRAPHIC_RUNS = 50 };
+	const double sigma = 0.3;
+	struct chance chance = chance_begin("fisheye_find");
+	int64_t start = clock_now_ns();
+	struct coverage total = {.runs = 0};
+	int runs = 0;
+
+	(void)state;
+	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
+		const bool lamps = k & 1;
+		const int model = k / 2;
+		struct fisheye_wanted wanted = wanted_of(lamps, model);
+		struct coverage all = {.runs = 0};
+		double truth[11];
+		const int numbers = truths(&fisheye_truths[model], lamps, truth);
+		/* Boards at the rim are hardest for it. */
+		const int own = runs_of(lamps				? LAMP_RUNS
+					: model == FISHEYE_ORTHOGRAPHIC ? ORTHOGRAPHIC_RUNS
+									: BOARD_RUNS);
+
+		wanted.tolerance_px = 50;
+		for (int run = 0; run < own; run++) {
+			struct fisheye_result result;
+			struct observations seen;
+			const struct estimate *e;
+
+			see(&seen, &fisheye_truths[model], lamps, sigma, &chance);
+			assert_int_equal(fisheye_find(&result, &seen, &wanted, NULL), 0);
+			e = &result.finding.estimate;
+			assert_true(e->count > 0);
+			/* It was not stuck on its way. */
+			assert_true(result.finding.rms_px < 1.25 * M_SQRT2 * sigma);
+			for (int n = 0; n < numbers; n++) {
+				if (e->parameter[n].fixed)
+					continue;
+				count(&all, fabs(e->parameter[n].value - truth[n]) /
+						    estimate_deviation(e, n));
+			}
+			fisheye_result_free(&result);
+			observations_free(&seen);
+		}
+		assert_true(all.within[2] >= (0.99 - 4 * sqrt(0.0099 / own)) * all.runs);
+		total.runs += all.runs;
+		for (int i = 0; i < 3; i++)
+			total.within[i] += all.within[i];
+		runs += own;
+		print_message("# %s %s: %.1f %% within 1, %.1f %% within 1.96, %.2f %% within 3\n",
+			      lamps ? "lamps" : "boards", fisheye_model_names[model],
+			      100.0 * all.within[0] / all.runs, 100.0 * all.within[1] / all.runs,
+			      100.0 * all.within[2] / all.runs);
+	}
+	check_coverage(&total, runs);
+	print_message("# %d runs: %.1f %%, %.1f %%, %.2f %%\n", runs,
+		      100.0 * total.within[0] / total.runs, 100.0 * total.within[1] / total.runs,
+		      100.0 * total.within[2] / total.runs);
+	print_message("# %.1f s\n", (double)(clock_now_ns() - start) / 1e9);
+}
+
+static void expect(struct observations *seen, const struct fisheye_wanted *wanted,
+		   const char *expected)
+{
+	struct fisheye_result result;
+	struct fault fault = {""};
+	char said[600];
+
+	assert_int_equal(fisheye_find(&result, seen, wanted, &fault), 0);
+	verdict_sentence(&result.finding.verdict, said, sizeof(said));
+	print_message("# %s\n", said);
+	assert_non_null(strstr(said, expected));
+	assert_true(result.finding.verdict.trusted == !strcmp(expected, "trusted"));
+	fisheye_result_free(&result);
+	observations_free(seen);
+}
+
+static void doubted(void **state)
+{
+	struct chance chance = chance_begin("fisheye_find");
+	const struct fisheye lens = lens_of(&fisheye_truths[FISHEYE_EQUIDISTANT]);
+	const struct fisheye_wanted lamps = wanted_of(true, FISHEYE_MODEL_AUTO);
+	const struct fisheye_wanted boards = wanted_of(false, FISHEYE_MODEL_AUTO);
+	const struct fisheye_wanted wrong = wanted_of(true, FISHEYE_STEREOGRAPHIC);
+	struct fisheye_result result;
+	struct observations seen;
+	struct fault fault = {""};
+
+	(void)state;
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
+	expect(&seen, &lamps, "there are 4 points, fewer than");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 200, 25, 0.02, &chance);
+	expect(&seen, &lamps, "cannot be told apart");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 200, 55, 0.02, &chance);
+	expect(&seen, &lamps, "nothing was seen beyond");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 60, 86, 0.3, &chance);
+	expect(&seen, &wrong, "not where a lens of the stereographic model");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 60, 86, 6, &chance);
+	expect(&seen, &lamps, "the lens is known to");
+	begin_views(&seen);
+	see_board(&seen, &lens, 0.5, 1, 0.2, &chance);
+	expect(&seen, &boards, "one place only");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	for (int n = 0; n < seen.count; n++)
+		seen.point[n].px[0] = 640 - seen.point[n].px[0];
+	expect(&seen, &lamps, "mirrored");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	for (int n = 0; n < seen.count; n++) {
+		struct observation *point = &seen.point[n];
+		const double t = (n - 30) * 0.045;
+
+		memcpy(point->world, (double[]){sin(t), 0, cos(t)}, sizeof(point->world));
+		assert_true(fisheye_project(&lens, point->world, point->px));
+	}
+	expect(&seen, &lamps, "lie in one plane");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	for (int n = 0; n < 60; n++) {
+		const struct observation point = seen.point[n]; /* adding moves them */
+
+		assert_int_equal(observations_add(&seen, point.world, point.px, "again %d", n + 1),
+				 0);
+	}
+	expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	for (int n = 0; n < 5; n++)
+		seen.point[7 * n].px[1] += 40; /* outliers do not matter */
+	expect(&seen, &lamps, "trusted");
+	begin_views(&seen);
+	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	seen.point[3].px[0] = NAN;
+	assert_int_equal(fisheye_find(&result, &seen, &lamps, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "lamp 4: is not finite"));
+	observations_free(&seen);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(right_without_noise),
+		cmocka_unit_test(honest_with_noise),
+		cmocka_unit_test(doubted),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

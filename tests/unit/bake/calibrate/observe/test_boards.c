@@ -1,0 +1,474 @@
+/* Boards: drawn through known cameras and found again; Debian's own photographs. */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "tests/support/drawn_board.h"
+#include "tests/support/own_folder.h"
+
+#define PHOTOGRAPHS "/usr/share/doc/opencv-doc/examples/data/"
+
+static struct board parsed(const char *text)
+{
+	struct board board;
+	struct fault fault = {{0}};
+
+	if (board_parse(&board, text, &fault))
+		fail_msg("%s", fault.text);
+	return board;
+}
+
+/* ---- words and points ---- */
+
+static void test_parse(void **state)
+{
+	static const char *const right[][2] = {
+		{"9x6:25mm", "chess:9x6:25mm"},
+		{"chess:3x40:0.5mm", "chess:3x40:0.5mm"},
+		{"circles:4x11:20mm", "circles:4x11:20mm"},
+		{"charuco:8x6:30mm:22.5mm", "charuco:8x6:30mm:22.5mm"},
+	};
+	static const char *const wrong[] = {
+		"",
+		"9x6",
+		"9x6:25",
+		"9x6:25cm",
+		"9x6:25mm:",
+		"9x6:25mm:20mm",
+		"9x6:-25mm",
+		"9x6: 25mm",
+		"9x6:nanmm",
+		"9x6:1e9mm",
+		"9x6:0mm",
+		"2x6:25mm",
+		"9x41:25mm",
+		"9x99999999999999999999:25mm",
+		"-9x6:25mm",
+		"squares:9x6:25mm",
+		"chess",
+		"charuco:8x6:30mm",
+		"charuco:8x6:30mm:30mm",
+		"charuco:8x6:30mm:22mm:1mm",
+		"circles:4x11:20mm:3mm",
+		"circles:4x10:20mm",
+	};
+	char name[BOARD_NAME_MAX];
+	struct fault fault;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(right) / sizeof(right[0]); i++) {
+		const struct board board = parsed(right[i][0]);
+
+		board_name(&board, name);
+		assert_string_equal(name, right[i][1]);
+	}
+	for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+		struct board board;
+
+		fault.text[0] = 0;
+		assert_int_equal(board_parse(&board, wrong[i], &fault), -EINVAL);
+		assert_non_null(strstr(fault.text, "expected"));
+	}
+}
+
+static void assert_place(const char *spec, int k, double x, double y)
+{
+	const struct board board = parsed(spec);
+	double world[3];
+
+	board_point(&board, k, world);
+	assert_float_equal(world[0], x, 1e-12);
+	assert_float_equal(world[1], y, 1e-12);
+	assert_float_equal(world[2], 0, 1e-12);
+}
+
+/* On the ground, face up: rows along X, columns against Y. */
+static void test_points(void **state)
+{
+	struct board board;
+
+	(void)state;
+	assert_place("9x6:25mm", 0, 0, 0);
+	assert_place("9x6:25mm", 8, 0.2, 0);
+	assert_place("9x6:25mm", 53, 0.2, -0.125);
+	assert_place("circles:4x11:20mm", 1, 0.04, 0);
+	assert_place("circles:4x11:20mm", 4, 0.02, -0.02);
+	assert_place("circles:4x11:20mm", 43, 0.12, -0.2);
+	assert_place("charuco:8x6:30mm:22mm", 7, 0, -0.03);
+	board = parsed("charuco:8x6:30mm:22mm");
+	assert_int_equal(board_points(&board), 35);
+	assert_false(board_ambiguous(&board));
+	board = parsed("9x6:25mm");
+	assert_int_equal(board_points(&board), 54);
+	assert_false(board_ambiguous(&board));
+	board = parsed("9x7:25mm");
+	assert_true(board_ambiguous(&board));
+	board = parsed("circles:4x11:20mm");
+	assert_false(board_ambiguous(&board));
+}
+
+/* ---- drawn ---- */
+
+struct trial {
+	const char *board;
+	int width, height;
+	double blur_px, noise;
+	double kappa;			 /* kappa1 f^2 */
+	double tilt_deg, turn_deg, away; /* of the eye; in half diagonals of the board */
+	double rms_px, worst_px;	 /* allowed */
+	int least;			 /* points; 0: all of them */
+};
+
+static struct tsai_camera camera_of(const struct trial *trial, const struct board *board)
+{
+	const double tilt = trial->tilt_deg * M_PI / 180, turn = trial->turn_deg * M_PI / 180;
+	struct fault fault = {{0}};
+	struct tsai_camera camera;
+	double first[3], last[3], target[3], eye[3], away;
+
+	board_point(board, 0, first);
+	board_point(board, board_points(board) - 1, last);
+	for (int i = 0; i < 3; i++)
+		target[i] = (first[i] + last[i]) / 2;
+	away = trial->away * hypot(last[0] - first[0], last[1] - first[1]) / 2;
+	eye[0] = target[0] + away * sin(tilt) * cos(turn);
+	eye[1] = target[1] + away * sin(tilt) * sin(turn);
+	eye[2] = target[2] + away * cos(tilt);
+	if (tsai_look_at(&camera, trial->width, trial->height, eye, target, 50, &fault))
+		fail_msg("%s", fault.text);
+	camera.kappa1 = trial->kappa / (camera.focal * camera.focal);
+	return camera;
+}
+
+/* Every point found is the one that it is said to be, and where the camera sees it. */
+static void find_drawn(const struct trial *trial)
+{
+	const struct board board = parsed(trial->board);
+	const struct tsai_camera camera = camera_of(trial, &board);
+	const struct drawn_board drawn = {.board = &board,
+					  .camera = &camera,
+					  .blur_px = trial->blur_px,
+					  .noise = trial->noise,
+					  .seed = 1};
+	struct observations all = {0};
+	struct fault fault = {{0}};
+	struct image picture;
+	double squares = 0, worst = 0;
+
+	assert_int_equal(drawn_board_draw(&drawn, &picture), 0);
+	if (board_find(&board, &picture, "drawn/board", &all, &fault))
+		fail_msg("%s tilt %g turn %g: %s", trial->board, trial->tilt_deg, trial->turn_deg,
+			 fault.text);
+	assert_int_equal(all.views, 1);
+	assert_int_equal(all.width, trial->width);
+	if (trial->least)
+		assert_in_range(all.count, trial->least, board_points(&board));
+	else
+		assert_int_equal(all.count, board_points(&board));
+	assert_int_equal(all.view[0].count, all.count);
+	assert_memory_equal(all.point[0].name, "board ", 6);
+	for (int k = 0; k < all.count; k++) {
+		double px[2], away;
+
+		assert_int_equal(tsai_project(&camera, all.point[k].world, px), 0);
+		away = hypot(all.point[k].px[0] - px[0], all.point[k].px[1] - px[1]);
+		squares += away * away;
+		worst = fmax(worst, away);
+	}
+	print_message("# %s %dx%d blur %g noise %g kappa %g tilt %g turn %g: RMS %.4f px, worst "
+		      "%.3f px, %d points\n",
+		      trial->board, trial->width, trial->height, trial->blur_px, trial->noise,
+		      trial->kappa, trial->tilt_deg, trial->turn_deg, sqrt(squares / all.count),
+		      worst, all.count);
+	assert_true(sqrt(squares / all.count) < trial->rms_px);
+	assert_true(worst < trial->worst_px);
+	observations_free(&all);
+	image_free(&picture);
+}
+
+static void test_drawn_chess(void **state)
+{
+	(void)state;
+	for (int turn = -180; turn < 180; turn += 60)
+		find_drawn(
+			&(struct trial){"9x6:25mm", 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
+	find_drawn(&(struct trial){"9x6:25mm", 640, 480, 0, 0, -0.3, 20, 250, 4.5, 0.05, 0.2, 0});
+	find_drawn(&(struct trial){"9x6:25mm", 640, 480, 1, 2, 0.2, 40, 290, 4.5, 0.05, 0.2, 0});
+	find_drawn(&(struct trial){"9x6:25mm", 640, 480, 2, 5, 0, 10, 270, 4.5, 0.1, 0.4, 0});
+	find_drawn(&(struct trial){"9x6:25mm", 320, 240, 0, 0, 0, 30, 270, 4.5, 0.05, 0.2, 0});
+	find_drawn(&(struct trial){"6x9:25mm", 640, 480, 0, 0, 0, 30, 300, 5, 0.05, 0.2, 0});
+}
+
+/* The same upside down: seen from where it is upright, and a quarter turn to either side. */
+static void test_drawn_ambiguous(void **state)
+{
+	(void)state;
+	for (int turn = 200; turn <= 340; turn += 70) {
+		find_drawn(
+			&(struct trial){"9x7:25mm", 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
+		find_drawn(
+			&(struct trial){"8x6:25mm", 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
+	}
+	find_drawn(&(struct trial){"7x7:25mm", 640, 480, 0, 0, 0, 30, 290, 5, 0.05, 0.2, 0});
+	find_drawn(&(struct trial){"6x6:25mm", 640, 480, 0, 0, 0, 30, 250, 5, 0.05, 0.2, 0});
+}
+
+/* What is left of the error is perspective's (boards.h), in one direction. */
+static void test_drawn_circles(void **state)
+{
+	(void)state;
+	for (int turn = -180; turn < 180; turn += 60)
+		find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 0, 0, 0, 25, turn, 5,
+					   0.08, 0.3, 0});
+	find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 1, 2, -0.2, 20, 240, 5, 0.08, 0.3,
+				   0});
+	/* a soft picture with noise */
+	find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 2, 6, -0.1, 25, 30, 4, 0.08, 0.2,
+				   0});
+}
+
+static void test_drawn_charuco(void **state)
+{
+	static const char board[] = "charuco:8x6:30mm:22mm";
+
+	(void)state;
+	for (int turn = -180; turn < 180; turn += 60)
+		find_drawn(&(struct trial){board, 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
+	find_drawn(&(struct trial){board, 640, 480, 1, 2, -0.3, 30, 250, 4.5, 0.05, 0.2, 0});
+	find_drawn(&(struct trial){"charuco:7x5:30mm:20mm", 640, 480, 0, 0, 0, 30, 200, 5, 0.05,
+				   0.2, 0});
+	/* So near that only a part is in the picture. */
+	find_drawn(&(struct trial){board, 640, 480, 0.7, 1, 0, 20, 270, 1.6, 0.05, 0.2, 6});
+}
+
+/* ---- what is none ---- */
+
+static void assert_none(const char *spec, const struct image *picture, const char *says)
+{
+	const struct board board = parsed(spec);
+	struct observations all = {0};
+	struct fault fault = {{0}};
+
+	assert_int_equal(board_find(&board, picture, "some.png", &all, &fault), -ENOENT);
+	if (!strstr(fault.text, says) || strncmp(fault.text, "some.png: ", 10) ||
+	    !strstr(fault.text, spec))
+		fail_msg("\"%s\" does not say \"%s\"", fault.text, says);
+	assert_int_equal(all.count, 0);
+	assert_int_equal(all.views, 0);
+	observations_free(&all);
+}
+
+static void draw(const struct trial *trial, struct image *picture)
+{
+	const struct board board = parsed(trial->board);
+	const struct tsai_camera camera = camera_of(trial, &board);
+	const struct drawn_board drawn = {
+		.board = &board, .camera = &camera, .blur_px = trial->blur_px};
+
+	assert_int_equal(drawn_board_draw(&drawn, picture), 0);
+}
+
+static void test_other_size(void **state)
+{
+	static const char *const wanted[] = {"chess:8x5:25mm", "chess:10x7:25mm", "chess:9x5:25mm",
+					     "chess:8x6:25mm", "chess:10x6:25mm", "chess:5x4:25mm"};
+	struct image picture;
+
+	(void)state;
+	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20, .turn_deg = 260,
+			     .away = 5},
+	     &picture);
+	for (size_t i = 0; i < sizeof(wanted) / sizeof(wanted[0]); i++)
+		assert_none(wanted[i], &picture, "holds a chessboard of 9x6 inner corners");
+	assert_none("circles:4x11:20mm", &picture, "no such grid of circles");
+	assert_none("charuco:8x6:30mm:22mm", &picture, "no marker");
+	image_free(&picture);
+}
+
+static void test_no_board(void **state)
+{
+	struct image picture;
+
+	(void)state;
+	assert_int_equal(image_create_u8(&picture, 640, 480), 0);
+	for (int level = 0; level < 256; level += 255) {
+		memset(picture.u8, level, (size_t)640 * 480 * 3);
+		assert_none("chess:9x6:25mm", &picture, "no chessboard");
+		assert_none("circles:4x11:20mm", &picture, "no such grid");
+		assert_none("charuco:8x6:30mm:22mm", &picture, "no marker");
+	}
+	image_free(&picture);
+	/* Pictures too small for anything. */
+	for (int side = 1; side < 20; side += 6) {
+		assert_int_equal(image_create_u8(&picture, side, side), 0);
+		memset(picture.u8, 99, (size_t)side * (size_t)side * 3);
+		assert_none("chess:9x6:25mm", &picture, "expected");
+		assert_none("circles:4x11:20mm", &picture, "expected");
+		assert_none("charuco:8x6:30mm:22mm", &picture, "expected");
+		image_free(&picture);
+	}
+	/* Blurred beyond recognition, and tiny. */
+	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 25, .tilt_deg = 20, .turn_deg = 260,
+			     .away = 5},
+	     &picture);
+	assert_none("chess:9x6:25mm", &picture, "expected");
+	image_free(&picture);
+	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20, .turn_deg = 260,
+			     .away = 120},
+	     &picture);
+	assert_none("chess:9x6:25mm", &picture, "expected");
+	image_free(&picture);
+}
+
+/* A picture of another size is no picture of the same camera. */
+static void test_other_picture(void **state)
+{
+	const struct board board = parsed("9x6:25mm");
+	struct observations all = {.width = 640, .height = 480};
+	struct fault fault = {{0}};
+	struct image picture;
+
+	(void)state;
+	assert_int_equal(image_create_u8(&picture, 320, 240), 0);
+	assert_int_equal(board_find(&board, &picture, "b.png", &all, &fault), -EINVAL);
+	assert_string_equal(fault.text,
+			    "b.png: is 320x240, expected 640x480 as the pictures before it");
+	image_free(&picture);
+}
+
+/* ---- printed ---- */
+
+#define DPI 300
+
+/* What a board's own axes are in px of the page: px = origin + mm * scale, by least squares. */
+static double scale_of(const struct board *board, const struct observations *all, int axis)
+{
+	double n = 0, mm1 = 0, mm2 = 0, px1 = 0, cross = 0;
+
+	for (int k = 0; k < all->count; k++) {
+		/* The board lies on the ground: y of its own is -Y of the world. */
+		const double mm = (axis ? -1 : 1) * all->point[k].world[axis] / board->unit;
+
+		n++;
+		mm1 += mm;
+		mm2 += mm * mm;
+		px1 += all->point[k].px[axis];
+		cross += mm * all->point[k].px[axis];
+	}
+	return (n * cross - mm1 * px1) / (n * mm2 - mm1 * mm1);
+}
+
+/* A page of the right size, and on it the board with its points in place, not mirrored. */
+static void print_and_find(const char *spec, const char *page, double width_mm, double height_mm)
+{
+	const struct board board = parsed(spec);
+	struct observations all = {0};
+	struct fault fault = {{0}};
+	struct image picture;
+	char command[2 * PATH_MAX + 64], pdf[PATH_MAX], png[PATH_MAX];
+
+	snprintf(pdf, sizeof(pdf), "%s", own_path("board.pdf"));
+	snprintf(png, sizeof(png), "%s", own_path("board.png"));
+	if (board_print(&board, page, pdf, &fault))
+		fail_msg("%s", fault.text);
+	snprintf(command, sizeof(command), "pdftoppm -singlefile -r %d -png '%s' '%.*s'", DPI, pdf,
+		 (int)strlen(png) - 4, png);
+	assert_int_equal(system(command), 0);
+	assert_int_equal(image_read(png, &picture, &fault), 0);
+	assert_float_equal(picture.width, width_mm / 25.4 * DPI, 1.5);
+	assert_float_equal(picture.height, height_mm / 25.4 * DPI, 1.5);
+	if (board_find(&board, &picture, png, &all, &fault))
+		fail_msg("%s", fault.text);
+	assert_int_equal(all.count, board_points(&board));
+	for (int axis = 0; axis < 2; axis++) {
+		const double step_mm = scale_of(&board, &all, axis) * board.step_mm / DPI * 25.4;
+
+		print_message("# %s on %s: step %.4f mm\n", spec, page, step_mm);
+		assert_float_equal(step_mm, board.step_mm, 0.01);
+	}
+	observations_free(&all);
+	image_free(&picture);
+	unlink(pdf);
+	unlink(png);
+}
+
+static void test_printed(void **state)
+{
+	(void)state;
+	print_and_find("charuco:7x9:26mm:19mm", "a4", 210, 297);
+	print_and_find("9x6:25mm", "a4", 297, 210);
+	print_and_find("6x9:24mm", "letter", 215.9, 279.4);
+	print_and_find("circles:4x11:20mm", "a4", 210, 297);
+	print_and_find("charuco:8x6:40mm:30mm", "a3", 420, 297);
+}
+
+static void test_not_printed(void **state)
+{
+	const struct board board = parsed("9x6:30mm");
+	struct fault fault;
+
+	(void)state;
+	assert_int_equal(board_print(&board, "a4", own_path("b.pdf"), &fault), -E2BIG);
+	assert_string_equal(fault.text, "chess:9x6:30mm does not fit on a4: expected a step of at "
+					"most 25.7 mm");
+	print_and_find("9x6:25.7mm", "a4", 297, 210);
+	assert_int_equal(board_print(&board, "a5", own_path("b.pdf"), &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "expected a4, a3 or letter"));
+	assert_int_equal(board_print(&board, "a3", own_path("none/b.pdf"), &fault), -ENOENT);
+}
+
+/* ---- photographs ---- */
+
+static void test_photographs(void **state)
+{
+	static const char *const sides[] = {"left", "right"};
+	const struct board board = parsed("9x6:25mm");
+	struct observations all = {0};
+	struct fault fault = {{0}};
+	struct image picture;
+
+	(void)state;
+	for (int i = 0; i < 28; i++) {
+		char path[128];
+
+		snprintf(path, sizeof(path), PHOTOGRAPHS "%s%02d.jpg", sides[i / 14], i % 14 + 1);
+		if (access(path, R_OK)) {
+			assert_int_equal(i % 14 + 1, 10); /* there is no tenth */
+			continue;
+		}
+		assert_int_equal(image_read(path, &picture, &fault), 0);
+		if (board_find(&board, &picture, path, &all, &fault))
+			fail_msg("%s", fault.text);
+		image_free(&picture);
+	}
+	assert_int_equal(all.views, 26);
+	assert_int_equal(all.count, 26 * 54);
+	assert_string_equal(all.point[1].name, "left01.jpg 2,1");
+	observations_free(&all);
+	assert_int_equal(image_read(PHOTOGRAPHS "left01.jpg", &picture, &fault), 0);
+	assert_none("chess:8x5:25mm", &picture, "holds a chessboard of 9x6 inner corners");
+	image_free(&picture);
+	assert_int_equal(image_read(PHOTOGRAPHS "fruits.jpg", &picture, &fault), 0);
+	assert_none("chess:9x6:25mm", &picture, "no chessboard");
+	image_free(&picture);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_parse),	      cmocka_unit_test(test_points),
+		cmocka_unit_test(test_drawn_chess),   cmocka_unit_test(test_drawn_ambiguous),
+		cmocka_unit_test(test_drawn_circles), cmocka_unit_test(test_drawn_charuco),
+		cmocka_unit_test(test_other_size),    cmocka_unit_test(test_no_board),
+		cmocka_unit_test(test_other_picture), cmocka_unit_test(test_printed),
+		cmocka_unit_test(test_not_printed),   cmocka_unit_test(test_photographs),
+	};
+
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
+}

@@ -1,0 +1,652 @@
+/* Black level, patches, gain, colours, delay, and the file that holds them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "bake/calibrate/response/light_black.h"
+#include "bake/calibrate/response/light_colours.h"
+#include "bake/calibrate/response/light_delay.h"
+#include "bake/calibrate/response/light_file.h"
+#include "bake/calibrate/response/light_gain.h"
+#include "tests/support/light_scene.h"
+
+static void doubted(const struct verdict *verdict, const char *words)
+{
+	if (verdict->trusted || !strstr(verdict->reason, words))
+		fail_msg("expected a doubt with \"%s\", got \"%s\"", words,
+			 verdict->trusted ? "trusted" : verdict->reason);
+	assert_true(strlen(verdict->remedy) > 0);
+}
+
+static void trusted(const struct verdict *verdict)
+{
+	if (!verdict->trusted)
+		fail_msg("not trusted: %s", verdict->reason);
+}
+
+/* ---- black level ---- */
+
+static struct image dark(double level, double noise, struct chance *chance)
+{
+	struct image picture;
+
+	assert_int_equal(image_create_u8(&picture, 160, 128), 0);
+	for (int k = 0; k < 160 * 128 * 3; k++)
+		picture.u8[k] = (uint8_t)fmax(lrint(level + noise * light_noise(chance)), 0);
+	return picture;
+}
+
+static void black_is_found_with_its_deviation(void **state)
+{
+	struct chance chance = chance_begin("light");
+	int within[2] = {0};
+	const int runs = 200;
+
+	(void)state;
+	for (int k = 0; k < runs; k++) {
+		const double level = chance_real(&chance, 8, 40);
+		struct image picture = dark(level, 1.5, &chance);
+		struct light_black black;
+
+		assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
+		trusted(&black.verdict);
+		assert_true(fabs(black.level - level) < 0.05);
+		within[0] += fabs(black.level - level) <= black.deviation;
+		within[1] += fabs(black.level - level) <= 2 * black.deviation;
+		image_free(&picture);
+	}
+	print_message("# black level: %d and %d of %d within 1 and 2 deviations\n", within[0],
+		      within[1], runs);
+	/* 68 % and 95 %, within four deviations of the binomial: beyond three is 1 seed in 200. */
+	assert_true(fabs(within[0] - 0.683 * runs) < 4 * sqrt(0.683 * 0.317 * runs));
+	assert_true(within[1] > 0.954 * runs - 4 * sqrt(0.954 * 0.046 * runs));
+}
+
+/* Noise that the camera cuts off at the level lifts the mean, and not the level. */
+static void cut_off_noise_is_seen(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct image picture = dark(16, 1.5, &chance);
+	struct light_black black;
+
+	(void)state;
+	for (int k = 0; k < 160 * 128 * 3; k++)
+		picture.u8[k] = picture.u8[k] < 16 ? 16 : picture.u8[k];
+	assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
+	trusted(&black.verdict);
+	assert_true(black.level == 16);
+	image_free(&picture);
+}
+
+static void black_is_doubted(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct image picture = dark(90, 2, &chance), leak = dark(16, 1, &chance), small;
+	struct image longer = dark(60, 1, &chance);
+	struct light_black black;
+
+	(void)state;
+	assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
+	doubted(&black.verdict, "not dark");
+	for (int y = 0; y < 16; y++)
+		for (int x = 0; x < 3 * 20; x++)
+			leak.u8[3 * 160 * y + x] = (uint8_t)(leak.u8[3 * 160 * y + x] + 9);
+	assert_int_equal(light_black_covered(&black, &leak, NULL), 0);
+	doubted(&black.verdict, "light falls in");
+	assert_int_equal(light_black_darkest(&black, &leak, &longer, NULL), 0);
+	doubted(&black.verdict, "become lighter");
+	assert_int_equal(image_create_u8(&small, 32, 32), 0);
+	assert_int_equal(light_black_covered(&black, &small, NULL), -EINVAL);
+	image_free(&picture);
+	image_free(&leak);
+	image_free(&longer);
+	image_free(&small);
+}
+
+/* Dark on the left, and light that grows to the right with the time. */
+static struct image ramp(double level, double time, struct chance *chance)
+{
+	struct image picture = dark(level, 1, chance);
+
+	for (int k = 0; k < 160 * 128 * 3; k++) {
+		const int x = k / 3 % 160;
+
+		if (x >= 20)
+			picture.u8[k] = (uint8_t)fmin(picture.u8[k] + time * (x - 20), 255);
+	}
+	return picture;
+}
+
+/* Each block lighter than the one before, the longer exposure lighter where it is not darkest. */
+static struct image steps(double more)
+{
+	struct image picture;
+
+	assert_int_equal(image_create_u8(&picture, 160, 128), 0);
+	for (int k = 0; k < 160 * 128 * 3; k++) {
+		const int block = k / 3 / 160 / 8 * 20 + k / 3 % 160 / 8;
+
+		picture.u8[k] = (uint8_t)fmin(16 + 6 * block + (block < 4 ? 0 : more), 255);
+	}
+	return picture;
+}
+
+static void darkest_places_are_black(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct image shorter = ramp(16, 0.5, &chance), longer = ramp(16, 1, &chance);
+	struct image again = ramp(16, 0.5, &chance), fading = ramp(12, 1, &chance);
+	struct image grey = dark(120, 1, &chance), lighter = dark(180, 1, &chance);
+	struct image white = dark(255, 0, &chance), uneven = steps(0);
+	struct image uneven_longer = steps(20);
+	const struct {
+		const struct image *shorter, *longer;
+		const char *words;
+	} wrong[] = {
+		{&longer, &shorter, "darker than the first"},
+		{&white, &grey, "darker than the first"},
+		{&shorter, &shorter, "alike"},
+		{&shorter, &again, "alike"},
+		{&again, &shorter, "alike"},
+		{&white, &white, "not dark"},
+		{&grey, &grey, "not dark"},
+		{&grey, &lighter, "not dark"},
+		{&shorter, &lighter, "become lighter"},
+		{&shorter, &fading, "become darker"},
+		{&uneven, &uneven_longer, "differ among themselves"},
+	};
+	struct light_black black;
+	struct fault fault = {""};
+
+	(void)state;
+	assert_int_equal(light_black_darkest(&black, &shorter, &longer, NULL), 0);
+	trusted(&black.verdict);
+	assert_true(fabs(black.level - 16) < 0.7 && black.deviation < 1);
+	for (unsigned k = 0; k < sizeof(wrong) / sizeof(*wrong); k++) {
+		assert_int_equal(
+			light_black_darkest(&black, wrong[k].shorter, wrong[k].longer, NULL), 0);
+		doubted(&black.verdict, wrong[k].words);
+	}
+	shorter.width = 63;
+	assert_int_equal(light_black_darkest(&black, &shorter, &longer, &fault), -EINVAL);
+	assert_string_equal(fault.text, "the picture is 63x128 pixels, expected at least 64x64");
+	image_free(&shorter);
+	image_free(&longer);
+	image_free(&again);
+	image_free(&fading);
+	image_free(&grey);
+	image_free(&lighter);
+	image_free(&white);
+	image_free(&uneven);
+	image_free(&uneven_longer);
+}
+
+/* ---- patches ---- */
+
+static void areas_are_parsed(void **state)
+{
+	static const char *const wrong[] = {"",	       "1,2,3",	    "1,2,3,4,5",   "1,2,0,4",
+					    "1,2 3,4", "1,2,3,nan", "1,2 3,4 5,x", "a"};
+	struct light_area area;
+
+	(void)state;
+	assert_int_equal(light_area_parse(&area, "10,20,30,40", NULL), 0);
+	assert_int_equal(area.corners, 4);
+	assert_true(area.corner[2][0] == 40 && area.corner[2][1] == 60);
+	assert_int_equal(light_area_parse(&area, "1,2 3,4 5,6", NULL), 0);
+	assert_int_equal(area.corners, 3);
+	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++)
+		assert_int_equal(light_area_parse(&area, wrong[k], NULL), -EINVAL);
+}
+
+static void patches_are_measured(void **state)
+{
+	const struct transfer_curve curve = {.named = TRANSFER_BT709, .black = 16};
+	struct light_area area;
+	struct light_patch patch;
+	struct image picture;
+
+	(void)state;
+	assert_int_equal(image_create_u8(&picture, 64, 48), 0);
+	memset(picture.u8, 255, (size_t)64 * 48 * 3);
+	for (int y = 8; y < 40; y++)
+		for (int x = 8; x < 40; x++)
+			for (int c = 0; c < 3; c++)
+				picture.u8[3 * (64 * y + x) + c] = (uint8_t)(100 + 20 * c);
+	light_area_parse(&area, "8,8,32,32", NULL);
+	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), 0);
+	assert_int_equal(patch.pixels, 32 * 32);
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(patch.mean[c] -
+				 transfer_decode(TRANSFER_BT709, (84 + 20 * c) / 239.0)) < 1e-12);
+	assert_true(patch.uneven < 1e-9 && patch.clipped == 0);
+	light_area_parse(&area, "24,8 40,8 40,40 24,40", NULL);
+	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), 0);
+	assert_int_equal(patch.pixels, 16 * 32);
+	light_area_parse(&area, "30,8,32,32", NULL);
+	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), 0);
+	assert_true(patch.clipped > 0.5 && patch.uneven > 0.1);
+	light_area_parse(&area, "60,46,100,100", NULL);
+	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), -EINVAL);
+	image_free(&picture);
+}
+
+/* ---- gain ---- */
+
+static struct light_pair pair_of(double gain, double noise, struct chance *chance)
+{
+	struct light_pair pair = {.clipped_sky = 0};
+
+	for (int c = 0; c < 3; c++) {
+		pair.predicted[c] = chance_real(chance, 0.05, 0.3);
+		pair.patch.mean[c] = gain * pair.predicted[c];
+	}
+	for (int c = 0; c < 3; c++)
+		pair.patch.mean[c] *= 1 + noise;
+	pair.patch.pixels = 1000;
+	return pair;
+}
+
+static void gain_is_found_with_its_deviation(void **state)
+{
+	struct chance chance = chance_begin("light");
+	int within[2] = {0};
+	const int runs = 1000, pairs = 8;
+
+	(void)state;
+	for (int k = 0; k < runs; k++) {
+		struct light_pair pair[8];
+		struct light_gain found;
+
+		for (int i = 0; i < pairs; i++)
+			pair[i] = pair_of(1.7, 0.03 * light_noise(&chance), &chance);
+		assert_int_equal(light_gain_find(&found, pair, pairs, NULL), 0);
+		within[0] += fabs(found.gain - 1.7) <= found.deviation;
+		within[1] += fabs(found.gain - 1.7) <= 2.365 * found.deviation; /* Student's, 7 */
+	}
+	print_message("# gain: %d and %d of %d within 1 and 2.365 deviations\n", within[0],
+		      within[1], runs);
+	/* Student's t of 7 degrees of freedom: 65 % and 95 %. */
+	assert_true(fabs(within[0] - 0.649 * runs) < 4 * sqrt(0.649 * 0.351 * runs));
+	assert_true(fabs(within[1] - 0.95 * runs) < 5 * sqrt(0.95 * 0.05 * runs));
+}
+
+static void gain_is_doubted(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct light_pair pair[6];
+	struct light_gain found;
+
+	(void)state;
+	for (int i = 0; i < 6; i++)
+		pair[i] = pair_of(0.8, 0.002 * light_noise(&chance), &chance);
+	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
+	trusted(&found.verdict);
+	assert_true(fabs(found.gain - 0.8) < 0.01);
+	for (int c = 0; c < 3; c++)
+		pair[2].patch.mean[c] *= 0.4; /* the object's shadow */
+	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
+	doubted(&found.verdict, "pair 3 gives");
+	assert_true(fabs(found.gain - 0.8) < 0.01);
+	pair[2] = pair[1];
+	pair[4].patch.uneven = 0.2;
+	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
+	doubted(&found.verdict, "patch of pair 5 is not of one brightness");
+	pair[4].patch.uneven = 0;
+	pair[1].patch.clipped = 0.1;
+	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
+	doubted(&found.verdict, "patch of pair 2 is clipped");
+	pair[1].patch.clipped = 0;
+	pair[0].clipped_sky = 0.01;
+	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
+	doubted(&found.verdict, "sky of pair 1 is clipped");
+	for (int i = 0; i < 6; i++)
+		pair[i] = pair_of(i % 2 ? 1 : 1.5, 0, &chance);
+	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
+	doubted(&found.verdict, "the pairs differ");
+	memset(pair[3].predicted, 0, sizeof(pair[3].predicted));
+	assert_int_equal(light_gain_find(&found, pair, 6, NULL), -EINVAL);
+	assert_int_equal(light_gain_find(&found, pair, 0, NULL), -EINVAL);
+}
+
+/* A level patch under an even sky gives off its reflectance of it. */
+static void an_even_sky_is_predicted(void **state)
+{
+	static const double reflectance[3] = {0.5, 0.25, 1};
+	float radiance[406][3];
+	double predicted[3];
+	struct dome dome;
+
+	(void)state;
+	assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+	for (int i = 0; i < dome.count; i++)
+		for (int c = 0; c < 3; c++)
+			radiance[i][c] = 0.5F;
+	light_gain_predict(&dome, (const float(*)[3])radiance, reflectance, predicted);
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(predicted[c] - 0.5 * reflectance[c]) < 1e-9);
+	dome_free(&dome);
+}
+
+/* ---- colours ---- */
+
+static const double truth[9] = {0.9, 0.2, -0.1, 0.05, 1.05, -0.1, -0.05, -0.15, 1.2};
+
+static void fill_patches(struct light_colour_pair *pairs, int count, double saturation,
+			 double noise, struct chance *chance)
+{
+	for (int k = 0; k < count; k++) {
+		const double grey = chance_real(chance, 0.1, 0.6);
+		double mean = 0;
+
+		for (int c = 0; c < 3; c++)
+			pairs[k].fisheye[c] = grey *
+					      (1 + saturation * chance_real(chance, -0.8, 0.8));
+		for (int r = 0; r < 3; r++) {
+			double sum = 0;
+
+			for (int c = 0; c < 3; c++)
+				sum += truth[3 * r + c] * pairs[k].fisheye[c];
+			pairs[k].background[r] = 2.5 * sum;
+			mean += 2.5 * sum / 3;
+		}
+		for (int r = 0; r < 3; r++)
+			pairs[k].background[r] = fmax(
+				pairs[k].background[r] + mean * noise * light_noise(chance), 0);
+	}
+}
+
+static void colours_are_found_with_deviations(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct light_colour_pair pairs[24];
+	int within[2] = {0}, all = 0;
+
+	(void)state;
+	for (int run = 0; run < 200; run++) {
+		struct light_colours found;
+
+		fill_patches(pairs, 24, 1, 0.01, &chance);
+		assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+		trusted(&found.verdict);
+		assert_true(found.after < found.before / 3 && found.after < 0.03);
+		for (int e = 0; e < 9; e++) {
+			const double off = fabs(found.matrix[e] * found.scale / 2.5 - truth[e]);
+			const double d = estimate_deviation(&found.estimate, e);
+
+			within[0] += off <= d;
+			within[1] += off <= 2 * d;
+			all++;
+		}
+		light_colours_free(&found);
+	}
+	print_message("# colours: %.3f and %.3f within 1 and 2 deviations\n",
+		      (double)within[0] / all, (double)within[1] / all);
+	assert_true(fabs((double)within[0] / all - 0.683) < 0.05);
+	assert_true(fabs((double)within[1] / all - 0.954) < 0.03);
+}
+
+static void colours_are_doubted(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct light_colour_pair pairs[24];
+	struct light_colours found;
+
+	(void)state;
+	fill_patches(pairs, 24, 0, 0, &chance);
+	assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+	doubted(&found.verdict, "all grey");
+	light_colours_free(&found);
+	fill_patches(pairs, 24, 0.003, 0.01, &chance);
+	assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+	assert_false(found.verdict.trusted);
+	light_colours_free(&found);
+	fill_patches(pairs, 24, 1, 0.6, &chance);
+	assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+	assert_false(found.verdict.trusted);
+	light_colours_free(&found);
+	fill_patches(pairs, 3, 1, 0, &chance);
+	assert_int_equal(light_colours_find(&found, pairs, 3, false, NULL), 0);
+	doubted(&found.verdict, "so few patches");
+	light_colours_free(&found);
+	assert_int_equal(light_colours_find(&found, pairs, 2, false, NULL), -EINVAL);
+	memset(&pairs[1], 0, sizeof(pairs[1]));
+	assert_int_equal(light_colours_find(&found, pairs, 3, false, NULL), -EINVAL);
+}
+
+static void white_may_be_kept(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct light_colour_pair pairs[12];
+	struct light_colours found;
+
+	(void)state;
+	fill_patches(pairs, 12, 1, 0.001, &chance);
+	assert_int_equal(light_colours_find(&found, pairs, 12, true, NULL), 0);
+	for (int r = 0; r < 3; r++)
+		assert_true(fabs(found.matrix[3 * r] + found.matrix[3 * r + 1] +
+				 found.matrix[3 * r + 2] - 1) < 1e-9);
+	light_colours_free(&found);
+}
+
+/* ---- delay ---- */
+
+static struct light_record record_of(int delay, int changes, double ramp, double noise,
+				     struct chance *chance)
+{
+	struct light_record record = {.frames = 0};
+	const double period = 1000 / 30.0;
+	double level = 60;
+
+	for (int k = 0; k < changes; k++)
+		light_record_change(&record, 500 + 700 * k + chance_real(chance, 0, 30));
+	for (int k = 0; k < 60 + 21 * changes; k++) {
+		const double t = k * period;
+		int past = 0;
+
+		for (int c = 0; c < changes; c++)
+			past += t >= record.change_ms[c] + delay * period;
+		level += (past % 2 ? 140 - level : 60 - level) * ramp;
+		light_record_frame(&record, t, level + noise * light_noise(chance));
+	}
+	return record;
+}
+
+static void delay_is_found(void **state)
+{
+	struct chance chance = chance_begin("light");
+
+	(void)state;
+	for (int delay = 0; delay < 9; delay++) {
+		struct light_record record = record_of(delay, 8, 1, 5, &chance);
+		struct light_delay found;
+
+		assert_int_equal(light_delay_find(&found, &record, NULL), 0);
+		trusted(&found.verdict);
+		assert_int_equal(found.frames, delay);
+		assert_int_equal(found.seen, 8);
+		assert_true(found.time_ms >= delay * 1000 / 30.0 &&
+			    found.time_ms <= (delay + 1) * 1000 / 30.0);
+		assert_true(found.shortest_ms <= found.time_ms &&
+			    found.longest_ms >= found.time_ms && found.deviation_ms < 20);
+		light_record_free(&record);
+	}
+}
+
+static void delay_is_doubted(void **state)
+{
+	struct chance chance = chance_begin("light");
+	struct light_record record = record_of(1000, 8, 1, 5, &chance);
+	struct light_delay found;
+
+	(void)state;
+	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
+	doubted(&found.verdict, "no change is seen within 30 frames");
+	light_record_free(&record);
+	record = record_of(2, 2, 1, 1, &chance);
+	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
+	doubted(&found.verdict, "fewer than three");
+	light_record_free(&record);
+	record = record_of(2, 1, 1, 1, &chance);
+	assert_int_equal(light_delay_find(&found, &record, NULL), -EINVAL);
+	light_record_free(&record);
+	/* A black picture. */
+	record = record_of(2, 5, 0, 0, &chance);
+	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
+	doubted(&found.verdict, "no change is seen");
+	light_record_free(&record);
+}
+
+/* ---- files ---- */
+
+static const char path[] = "/tmp/inlay-test-light.ini";
+
+static void write_text(const char *text)
+{
+	FILE *file = fopen(path, "w");
+
+	assert_non_null(file);
+	fputs(text, file);
+	fclose(file);
+}
+
+static void files_keep_other_keys(void **state)
+{
+	struct response response;
+	char all[2048] = "";
+	FILE *file;
+
+	(void)state;
+	unlink(path);
+	assert_int_equal(light_file_set(path, "gain", "1.5", "Gain: once.", NULL), 0);
+	assert_int_equal(light_file_set(path, "black_level", "16.25", "Black.\nTwo lines.", NULL),
+			 0);
+	assert_int_equal(light_file_set(path, "delay", NULL, "delay: 2 frames", NULL), 0);
+	assert_int_equal(light_file_set(path, "gain", "2.5", "Gain: again.", NULL), 0);
+	assert_int_equal(light_file_set(path, "delay", NULL, "delay: 3 frames", NULL), 0);
+	assert_int_equal(light_file_read(path, &response, NULL), 0);
+	assert_true(response.gain == 2.5 && response.black_level == 16.25);
+	assert_true(response.knot[TRANSFER_KNOTS - 1] == 0 && response.colours[0] == 0);
+	file = fopen(path, "r");
+	assert_true(fread(all, 1, sizeof(all) - 1, file) > 0);
+	fclose(file);
+	assert_non_null(strstr(all, "; Two lines.\nblack_level = 16.25\n"));
+	assert_non_null(strstr(all, "; Gain: again.\ngain = 2.5\n"));
+	assert_null(strstr(all, "once"));
+	assert_non_null(strstr(all, "delay: 3"));
+	assert_null(strstr(all, "delay: 2"));
+	unlink(path);
+}
+
+/* What somebody wrote at the end stays there, whatever is measured again. */
+static void files_keep_their_end(void **state)
+{
+	static const char expected[] =
+		"; What a camera's code values mean: inlay-calibrate light.\n"
+		"[light]\n\n; Gain.\ngain = 3.5\n\n; Of the left camera.\n";
+	char all[2048] = "";
+	FILE *file;
+
+	(void)state;
+	write_text("[light]\n; Of the left camera.\n");
+	assert_int_equal(light_file_set(path, "gain", "2.5", "Gain.", NULL), 0);
+	assert_int_equal(light_file_set(path, "gain", "3.5", "Gain.", NULL), 0);
+	file = fopen(path, "r");
+	assert_true(fread(all, 1, sizeof(all) - 1, file) > 0);
+	fclose(file);
+	assert_string_equal(all, expected);
+	unlink(path);
+}
+
+static void damaged_files_are_refused(void **state)
+{
+	static const struct {
+		const char *text, *words;
+	} cases[] = {
+		{"", ":1: has no section [light]"},
+		{"[light]\ngain = 1\n\ngain = 2\n", ":4: [light] gain: is given twice"},
+		{"[light]\nblack_level = 300\n", ":2: [light] black_level: is \"300\""},
+		{"[light]\nresponse = 0 1\n", ":2: [light] response: is \"0 1\", expected 33"},
+		{"[light]\n\nresponse = 0 .1 .1 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 "
+		 ".2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 1\n",
+		 ":3: [light] response: response does not rise from number 2 (0.1)"},
+		{"[light]\ngian = 1\n", "did you mean \"gain\"?"},
+		{"[light]\ncolours = 1 0 0 0 1 0 0 0 nan\n", ":2: [light] colours"},
+	};
+	struct response response;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		struct fault fault = {.text = ""};
+
+		write_text(cases[k].text);
+		assert_int_equal(light_file_read(path, &response, &fault), -EINVAL);
+		if (!strstr(fault.text, path) || !strstr(fault.text, cases[k].words))
+			fail_msg("expected \"%s\" in: %s", cases[k].words, fault.text);
+		assert_int_equal(light_file_set(path, "gain", "1", NULL, &fault), -EINVAL);
+	}
+	unlink(path);
+	assert_int_equal(light_file_read(path, &response, NULL), 0);
+	assert_true(response.black_level == -1 && response.gain == 0);
+}
+
+static void records_and_patches_are_read(void **state)
+{
+	struct light_colour_pair pairs[LIGHT_PATCHES_MAX];
+	struct light_record record = {.frames = 0};
+	struct fault fault;
+
+	(void)state;
+	write_text("# colours\n.1 .2 .3  .4 .5 .6 # one\n\n1,1,1,2,2,2\n");
+	assert_int_equal(light_colours_read(path, pairs, NULL), 2);
+	assert_true(pairs[0].background[1] == 0.5 && pairs[1].fisheye[2] == 1);
+	write_text("1 2 3 4 5 6\n1 2 3 4 5\n");
+	assert_int_equal(light_colours_read(path, pairs, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, ".ini:2: expected six numbers"));
+	write_text("# t level\n0 10\nchange 5.5\n33 10.5 # late\n");
+	assert_int_equal(light_record_read(&record, path, NULL), 0);
+	assert_int_equal(record.frames, 2);
+	assert_int_equal(record.changes, 1);
+	light_record_free(&record);
+	write_text("0 10\n5 11\n5 12\n");
+	assert_int_equal(light_record_read(&record, path, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, ".ini:3: expected"));
+	light_record_free(&record);
+	unlink(path);
+	assert_int_equal(light_record_read(&record, path, &fault), -ENOENT);
+	assert_int_equal(light_colours_read(path, pairs, &fault), -ENOENT);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(black_is_found_with_its_deviation),
+		cmocka_unit_test(cut_off_noise_is_seen),
+		cmocka_unit_test(black_is_doubted),
+		cmocka_unit_test(darkest_places_are_black),
+		cmocka_unit_test(areas_are_parsed),
+		cmocka_unit_test(patches_are_measured),
+		cmocka_unit_test(gain_is_found_with_its_deviation),
+		cmocka_unit_test(gain_is_doubted),
+		cmocka_unit_test(an_even_sky_is_predicted),
+		cmocka_unit_test(colours_are_found_with_deviations),
+		cmocka_unit_test(colours_are_doubted),
+		cmocka_unit_test(white_may_be_kept),
+		cmocka_unit_test(delay_is_found),
+		cmocka_unit_test(delay_is_doubted),
+		cmocka_unit_test(files_keep_other_keys),
+		cmocka_unit_test(files_keep_their_end),
+		cmocka_unit_test(damaged_files_are_refused),
+		cmocka_unit_test(records_and_patches_are_read),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

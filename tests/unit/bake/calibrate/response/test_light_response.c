@@ -1,0 +1,310 @@
+/* A camera's response, found from simulated exposures. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <string.h>
+
+#include "bake/calibrate/response/light_response.h"
+#include "tests/support/light_scene.h"
+#include "tests/support/thorough.h"
+
+#define EXPOSURES 5
+
+static const double times[EXPOSURES] = {1, 0.5, 0.25, 0.125, 0.0625};
+
+struct series {
+	struct image picture[EXPOSURES];
+	struct light_samples samples;
+	struct light_response found;
+};
+
+static void series_take(struct series *s, const struct light_camera *camera, int width, int height,
+			struct chance *chance)
+{
+	for (int j = 0; j < EXPOSURES; j++) {
+		assert_int_equal(image_create_u8(&s->picture[j], width, height), 0);
+		light_scene_take(camera, 4 * times[j], 2e-3, chance, &s->picture[j]);
+	}
+}
+
+static void series_find(struct series *s, double black,
+			const struct light_response_settings *settings)
+{
+	const struct image *pictures[EXPOSURES];
+	struct fault fault = {""};
+
+	for (int j = 0; j < EXPOSURES; j++)
+		pictures[j] = &s->picture[j];
+	if (light_samples_create(&s->samples, pictures, EXPOSURES, black, &fault) < 0 ||
+	    light_response_find(&s->found, &s->samples, settings, &fault) < 0)
+		fail_msg("%s", fault.text);
+}
+
+static void series_free(struct series *s)
+{
+	for (int j = 0; j < EXPOSURES; j++)
+		image_free(&s->picture[j]);
+	light_samples_free(&s->samples);
+	light_response_free(&s->found);
+}
+
+static struct light_response_settings exact_times(void)
+{
+	struct light_response_settings settings = {.time_deviation = 0};
+
+	memcpy(settings.time, times, sizeof(times));
+	return settings;
+}
+
+static const struct light_camera cameras[SHAPE_COUNT] = {
+	{SHAPE_SRGB, 0, 0.001, 0.012},	  {SHAPE_BT709, 16, 0.001, 0.012},
+	{SHAPE_POWER, 16, 0.001, 0.012},  {SHAPE_FILM, 8, 0.001, 0.012},
+	{SHAPE_LINEAR, 12, 0.001, 0.012},
+};
+
+/* Within 1 % over 80 % of the code values, from 5 exposures with noise and clipping. */
+static void every_shape_is_found(void **state)
+{
+	const struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+
+	(void)state;
+	for (int k = 0; k < SHAPE_COUNT; k++) {
+		struct series s = {.found = {.samples = 0}};
+		double worst = 0, wide = 0;
+
+		series_take(&s, &cameras[k], 320, 240, &chance);
+		series_find(&s, cameras[k].black, &settings);
+		for (int code = 1; code < 255; code++) {
+			const double u = (code - cameras[k].black) / (255 - cameras[k].black);
+			const double truth = light_shape_decode(cameras[k].shape, u);
+			const double off = fabs(
+				transfer_curve_decode(&s.found.curve, code / 255.0) / truth - 1);
+
+			if (u >= 0.1 && u <= 0.9)
+				worst = fmax(worst, off);
+			if (u >= 0.05)
+				wide = fmax(wide, off);
+		}
+		print_message(
+			"# %s: %d samples, %d pieces, held out %.2f, sigma %.2f, seen %.3f to "
+			"%.3f; off by %.2f %% (from 5 %% on %.2f %%); %s\n",
+			light_shape_names[k], s.found.samples, s.found.spline.pieces,
+			s.found.held_out, s.found.sigma, s.found.from, s.found.to, 100 * worst,
+			100 * wide, s.found.verdict.trusted ? "trusted" : s.found.verdict.reason);
+		assert_true(s.found.verdict.trusted);
+		assert_true(worst < 0.01);
+		series_free(&s);
+	}
+}
+
+/* ---- how sure it is ---- */
+
+/* Knots between 10 % and 90 %, of small scenes: how often the truth lies within the deviations. */
+static void deviations_are_right(void **state)
+{
+	const struct light_camera camera = {SHAPE_SRGB, 0, 0.0005, 0.008};
+	const struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+	const int runs = thorough() ? 40 : 10;
+	double worst = 0;
+	int within[2] = {0}, all = 0;
+
+	(void)state;
+	for (int run = 0; run < runs; run++) {
+		struct series s = {.found = {.samples = 0}};
+
+		series_take(&s, &camera, 160, 128, &chance);
+		series_find(&s, camera.black, &settings);
+		for (int k = 4; k <= 28; k += 4) {
+			const double truth = light_shape_decode(camera.shape, k / 32.0);
+			const double off = fabs(s.found.curve.knot[k] - truth);
+
+			within[0] += off <= s.found.deviation[k];
+			within[1] += off <= 2 * s.found.deviation[k];
+			worst = fmax(worst, off / s.found.deviation[k]);
+			all++;
+		}
+		series_free(&s);
+	}
+	print_message("# knots: %.3f and %.3f within 1 and 2 deviations, the worst %.1f\n",
+		      (double)within[0] / all, (double)within[1] / all, worst);
+	/* Knots of one run go together: the binomial of as many runs as there are, 3 deviations. */
+	assert_true(fabs((double)within[0] / all - 0.683) < 3 * sqrt(0.683 * 0.317 / runs));
+	assert_true((double)within[1] / all > 0.954 - 3 * sqrt(0.954 * 0.046 / runs));
+}
+
+/* Times off by up to 3 % are found again. */
+static void times_are_refined(void **state)
+{
+	struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+	struct series s = {.found = {.samples = 0}};
+
+	(void)state;
+	series_take(&s, &cameras[SHAPE_LINEAR], 320, 240, &chance);
+	settings.time[1] *= 1.03;
+	settings.time[3] *= 0.98;
+	settings.time_deviation = 0.03;
+	series_find(&s, cameras[SHAPE_LINEAR].black, &settings);
+	assert_true(s.found.verdict.trusted);
+	for (int j = 1; j < EXPOSURES; j++) {
+		const double ratio = s.found.time[j] / s.found.time[j - 1] / 0.5;
+
+		print_message("# time %d: ratio off by %.3f %%, deviation %.3f %%\n", j + 1,
+			      100 * (ratio - 1), 100 * s.found.time_deviation[j]);
+		assert_true(fabs(s.found.time[j] / times[j] / s.found.time[0] - 1) <
+			    3 * s.found.time_deviation[j] + 1e-3);
+	}
+	series_free(&s);
+}
+
+/* ---- hard cases ---- */
+
+static void doubted(const struct series *s, const char *words)
+{
+	if (s->found.verdict.trusted || !strstr(s->found.verdict.reason, words))
+		fail_msg("expected a doubt with \"%s\", got \"%s\"", words,
+			 s->found.verdict.trusted ? "trusted" : s->found.verdict.reason);
+	assert_true(strlen(s->found.verdict.remedy) > 0);
+}
+
+/* Every exposure at `factor` times the light, of a scene down to `range`. */
+static struct series series_of(double factor, double range, struct chance *chance)
+{
+	struct series s = {.found = {.samples = 0}};
+
+	for (int j = 0; j < EXPOSURES; j++) {
+		assert_int_equal(image_create_u8(&s.picture[j], 160, 128), 0);
+		light_scene_take(&cameras[SHAPE_BT709], factor * times[j], range, chance,
+				 &s.picture[j]);
+	}
+	return s;
+}
+
+static void clipped_and_dark_are_doubted(void **state)
+{
+	static const struct {
+		double factor, range;
+		const char *words;
+	} cases[] = {
+		{1e5, 0.5, "clipped in all"},
+		{1e-5, 0.5, "black in all"},
+		{0.2, 0.9, "of the code values were seen"},
+		{3e3, 0.5, "only"},
+	};
+	const struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		struct series s = series_of(cases[k].factor, cases[k].range, &chance);
+
+		series_find(&s, 16, &settings);
+		if (k < 3)
+			doubted(&s, cases[k].words);
+		assert_false(s.found.verdict.trusted);
+		series_free(&s);
+	}
+}
+
+static void a_moved_scene_is_doubted(void **state)
+{
+	const struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+	struct series s = series_of(4, 2e-3, &chance);
+
+	(void)state;
+	/* Picture 3 is shifted by half a patch. */
+	memmove(s.picture[2].u8, s.picture[2].u8 + 24, 160 * 128 * 3 - 24);
+	for (int j = 3; j < EXPOSURES; j++)
+		memmove(s.picture[j].u8, s.picture[j].u8 + 48, 160 * 128 * 3 - 48);
+	series_find(&s, 16, &settings);
+	doubted(&s, "do not agree");
+	series_free(&s);
+}
+
+static void a_wrong_time_is_named(void **state)
+{
+	struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+	struct series s = series_of(4, 2e-3, &chance);
+
+	(void)state;
+	settings.time[2] *= 1.5;
+	series_find(&s, 16, &settings);
+	doubted(&s, "picture 3 looks as if");
+	series_free(&s);
+}
+
+static void channels_of_their_own_are_doubted(void **state)
+{
+	const struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+	struct series s = series_of(4, 2e-3, &chance);
+
+	(void)state;
+	/* Blue through a contrast of its own, the same in every exposure. */
+	for (int j = 0; j < EXPOSURES; j++)
+		for (int k = 2; k < 160 * 128 * 3; k += 3) {
+			const double u = fmax(s.picture[j].u8[k] - 16, 0) / 239.0;
+
+			s.picture[j].u8[k] = (uint8_t)lrint(16 + 239 * pow(u, 0.8));
+		}
+	series_find(&s, 16, &settings);
+	doubted(&s, "channel B has another response");
+	print_message("# %s\n", s.found.verdict.reason);
+	series_free(&s);
+}
+
+static void wrong_use_is_refused(void **state)
+{
+	struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+	struct series s = series_of(4, 2e-3, &chance);
+	const struct image *pictures[EXPOSURES];
+	struct image small;
+
+	(void)state;
+	for (int j = 0; j < EXPOSURES; j++)
+		pictures[j] = &s.picture[j];
+	assert_int_equal(light_samples_create(&s.samples, pictures, 1, 16, NULL), 0);
+	assert_int_equal(light_response_find(&s.found, &s.samples, &settings, NULL), 0);
+	doubted(&s, "fewer than three");
+	light_samples_free(&s.samples);
+	assert_int_equal(light_samples_create(&s.samples, pictures, 2, 16, NULL), 0);
+	light_response_free(&s.found);
+	assert_int_equal(light_response_find(&s.found, &s.samples, &settings, NULL), 0);
+	doubted(&s, "fewer than three");
+	settings.time[1] = 0;
+	light_response_free(&s.found);
+	assert_int_equal(light_response_find(&s.found, &s.samples, &settings, NULL), -EINVAL);
+	light_samples_free(&s.samples);
+	assert_int_equal(light_samples_create(&s.samples, pictures, 2, 255, NULL), -EINVAL);
+	assert_int_equal(image_create_u8(&small, 8, 8), 0);
+	pictures[1] = &small;
+	assert_int_equal(light_samples_create(&s.samples, pictures, 2, 16, NULL), -EINVAL);
+	image_free(&small);
+	series_free(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_shape_is_found),
+		cmocka_unit_test(deviations_are_right),
+		cmocka_unit_test(times_are_refined),
+		cmocka_unit_test(clipped_and_dark_are_doubted),
+		cmocka_unit_test(a_moved_scene_is_doubted),
+		cmocka_unit_test(a_wrong_time_is_named),
+		cmocka_unit_test(channels_of_their_own_are_doubted),
+		cmocka_unit_test(wrong_use_is_refused),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

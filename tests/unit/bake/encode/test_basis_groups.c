@@ -1,0 +1,211 @@
+/* Groups of lights: who is in one, and what is taken to be common to its lights. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "bake/encode/coarse.h"
+#include "hal/basis/basis_groups.h"
+#include "tests/support/chance.h"
+
+#define FINE 8
+#define COARSE 3
+
+struct domes {
+	struct dome fine, few;
+	struct basis_coarse *gather;
+	struct basis_groups groups;
+	double *weight, *share;
+	double (*x)[4];
+};
+
+static int begin(void **state)
+{
+	struct domes *d = calloc(1, sizeof(*d));
+	struct fault fault;
+	size_t n;
+
+	assert_int_equal(dome_create(&d->fine, FINE, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(&d->few, COARSE, DOME_ANGLES, &fault), 0);
+	n = (size_t)d->fine.count;
+	d->gather = calloc(n, sizeof(*d->gather));
+	d->weight = calloc(n, sizeof(*d->weight));
+	d->share = calloc(n, sizeof(*d->share));
+	d->x = calloc(n, sizeof(*d->x));
+	coarse_fill(&d->fine, &d->few, d->gather);
+	assert_int_equal(basis_groups_create(&d->groups, d->gather, d->fine.count, d->few.count),
+			 0);
+	for (size_t i = 0; i < n; i++)
+		d->weight[i] = d->fine.solid_angle_sr[i];
+	basis_groups_share(&d->groups, d->weight, d->share);
+	*state = d;
+	return 0;
+}
+
+static int end(void **state)
+{
+	struct domes *d = *state;
+
+	basis_groups_free(&d->groups);
+	dome_free(&d->fine);
+	dome_free(&d->few);
+	free(d->gather);
+	free(d->weight);
+	free(d->share);
+	free(d->x);
+	free(d);
+	return 0;
+}
+
+/* Each light is in the group of the coarse light that it gives most to, once. */
+static void all_lights_are_in_groups(void **state)
+{
+	const struct domes *d = *state;
+	const struct basis_groups *g = &d->groups;
+	int met = 0;
+
+	assert_int_equal(g->count, d->few.count);
+	assert_int_equal(g->first[0], 0);
+	assert_int_equal(g->first[g->count], d->fine.count);
+	for (int k = 0; k < g->count; k++) {
+		double sum = 0;
+
+		for (uint32_t n = g->first[k]; n < g->first[k + 1]; n++, met++) {
+			const struct basis_coarse *to = &d->gather[g->light[n]];
+			int most = 0, of_k = 0;
+
+			for (int j = 0; j < 3; j++) {
+				most = to->weight[j] > most ? to->weight[j] : most;
+				of_k = to->weight[j] && to->index[j] == k ? to->weight[j] : of_k;
+			}
+			assert_int_equal(of_k, most);
+			assert_int_equal(g->of[g->light[n]], k);
+			assert_true(n == g->first[k] || g->light[n] > g->light[n - 1]);
+			sum += d->share[g->light[n]];
+		}
+		if (g->first[k] < g->first[k + 1])
+			assert_true(fabs(sum - 1) < 1e-12);
+	}
+	assert_int_equal(met, d->fine.count);
+}
+
+static void own_lights_have_no_groups(void **state)
+{
+	struct basis_groups none;
+
+	(void)state;
+	assert_int_equal(basis_groups_create(&none, NULL, 6, 6), 0);
+	assert_int_equal(none.count, 0);
+	basis_groups_free(&none);
+	basis_groups_free(&none);
+}
+
+static const double any[3] = {1e9, 1e9, 1e9};
+
+static int size_of(const struct domes *d, int k)
+{
+	return (int)(d->groups.first[k + 1] - d->groups.first[k]);
+}
+
+/* An even sky is common to all lights; a lamp, or two among three lights and more, changes
+ * nothing; neither does one light alone have anything in common with dark ones. */
+static void a_lamp_is_not_common(void **state)
+{
+	struct domes *d = *state;
+	double even[3];
+
+	for (int k = 0; k < d->groups.count; k++) {
+		const uint16_t *light = d->groups.light + d->groups.first[k];
+		const int size = size_of(d, k);
+
+		for (int lamps = 0; lamps < (size > 3 ? 3 : size); lamps++) {
+			for (int n = 0; n < size; n++)
+				for (int c = 0; c < 3; c++)
+					d->x[light[n]][c] = d->share[light[n]] * (c + 1) *
+							    (n < lamps ? 1000 * (n + 1) : 1);
+			basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, any,
+					 even);
+			for (int c = 0; c < 3; c++)
+				assert_true(fabs(even[c] - (c + 1)) < 1e-9);
+		}
+		for (int n = 0; n < size; n++)
+			for (int c = 0; c < 3; c++)
+				d->x[light[n]][c] = n ? 0 : 1;
+		basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, any, even);
+		assert_true(even[0] == (size > 1 ? 0 : 1));
+	}
+}
+
+/* Whatever light: S is not negative, no more than all that the group sends, and within its limit.
+ */
+static void even_light_is_bounded(void **state)
+{
+	struct chance chance = chance_begin("groups");
+	struct domes *d = *state;
+
+	for (int run = 0; run < 3000; run++) {
+		const int k = chance_int(&chance, 0, d->groups.count - 1), size = size_of(d, k);
+		const uint16_t *light = d->groups.light + d->groups.first[k];
+		const double most[3] = {chance_real(&chance, 0, 1), 0, 1e9};
+		double all[3] = {0}, even[3];
+
+		for (int n = 0; n < size; n++)
+			for (int c = 0; c < 3; c++) {
+				const double size_of_it = ldexp(1, chance_int(&chance, -60, 20));
+
+				d->x[light[n]][c] = chance_int(&chance, 0, 3) * size_of_it;
+				all[c] += d->x[light[n]][c];
+			}
+		basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, most, even);
+		for (int c = 0; c < 3; c++)
+			assert_true(even[c] >= 0 && even[c] <= all[c] && even[c] <= most[c]);
+	}
+}
+
+/* Where no light of a group can arrive, none has a share, and nothing is divided by it. */
+static void groups_without_weight(void **state)
+{
+	struct domes *d = *state;
+	double even[3];
+
+	memset(d->weight, 0, (size_t)d->fine.count * sizeof(*d->weight));
+	basis_groups_share(&d->groups, d->weight, d->share);
+	for (int i = 0; i < d->fine.count; i++) {
+		assert_true(d->share[i] == 0);
+		d->x[i][0] = d->x[i][1] = d->x[i][2] = 0;
+	}
+	basis_group_even(&d->groups, 0, d->share, (const double(*)[4])d->x, any, even);
+	assert_true(even[0] == 0 && even[1] == 0 && even[2] == 0);
+}
+
+/* As of K lights; a cut that is asked to be larger is everybody's. */
+static void cuts_of_groups(void **state)
+{
+	const struct basis_groups many = {.lights = 6400, .count = 400}, none = {.lights = 400};
+
+	(void)state;
+	assert_true(fabs(basis_group_cut(&many, 0.0001) - 0.0004) < 1e-15);
+	assert_true(basis_group_cut(&many, 0.0005) == BASIS_GROUP_CUT);
+	assert_true(basis_group_cut(&many, 0.003) == 0.003);
+	assert_true(basis_group_cut(&many, 0) == 0);
+	assert_true(basis_group_cut(&none, 0.0005) == 0.0005);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(all_lights_are_in_groups, begin, end),
+		cmocka_unit_test(own_lights_have_no_groups),
+		cmocka_unit_test_setup_teardown(a_lamp_is_not_common, begin, end),
+		cmocka_unit_test_setup_teardown(even_light_is_bounded, begin, end),
+		cmocka_unit_test_setup_teardown(groups_without_weight, begin, end),
+		cmocka_unit_test(cuts_of_groups),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

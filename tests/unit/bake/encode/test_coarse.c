@@ -1,0 +1,58 @@
+/* The lights of a dome gathered over those of a coarser one. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "tests/support/encoding.h"
+
+static void over_coarse(void **state)
+{
+	static const int fine[] = {2, 5, 9, 12, 20, 36}, coarse[] = {1, 2, 3, 4, 9};
+
+	(void)state;
+	for (size_t a = 0; a < 6; a++)
+		for (size_t b = 0; b < 5; b++) {
+			struct encoding e, few;
+
+			if (coarse[b] >= fine[a])
+				continue;
+			e = encoding_dome(fine[a], coarse[b]);
+			few = encoding_dome(coarse[b], coarse[b]);
+			for (int i = 0; i < e.settings.lights; i++) {
+				const struct basis_coarse *g = &e.gather[i];
+				double mean[3] = {0, 0, 0};
+				int sum = 0;
+
+				for (int k = 0; k < 3; k++) {
+					assert_true(g->index[k] < e.settings.coarse);
+					assert_true(!k || !g->weight[k] ||
+						    (g->weight[k - 1] &&
+						     g->index[k] > g->index[k - 1]));
+					assert_true(g->weight[k] || !g->index[k]);
+					sum += g->weight[k];
+					for (int x = 0; x < 3; x++)
+						mean[x] += g->weight[k] *
+							   few.light[g->index[k]].direction[x];
+				}
+				assert_int_equal(sum, BASIS_COARSE_ONE);
+				/* Inside the triangles: the mean lies in the light's direction. */
+				if (e.light[i].direction[2] > 1.0 / coarse[b])
+					assert_true(encoding_dot(mean, e.light[i].direction) >
+						    (1 - 1e-7) * sqrt(encoding_dot(mean, mean)));
+			}
+			encoding_end(&e);
+			encoding_end(&few);
+		}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(over_coarse),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

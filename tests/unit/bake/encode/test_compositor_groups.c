@@ -1,0 +1,215 @@
+/* A bake under many lights, whose columns come in groups, composited: in fast mode it stays as near
+ * to double precision as the file declares. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "tests/support/baking.h"
+#include "tests/support/compositing.h"
+#include "tests/support/thorough.h"
+
+#define COLUMN_CUT 0.0004
+/* The most that compositing adds to what a file declares: hal/compositor/README.md. */
+#define COMPOSITING 0.78
+
+static void write_ball(void)
+{
+	baking_write_sphere("ball.obj", 0.5, 16);
+	baking_write("ball.ini",
+		     "[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
+		     "width = %d\nheight = %d\n[dome]\nfrequency = %d\n"
+		     "[render]\nsamples = 4\nbounces = 2\ncoarse = 3\ncolumn_cut = %g\n[ground]\n"
+		     "[object ball]\nfile = ball.obj\nstand = yes\n",
+		     WATCHED ? 28 : 48, WATCHED ? 24 : 40, WATCHED ? 7 : 8, COLUMN_CUT);
+}
+
+struct column_counts {
+	int groups; /* columns of groups */
+	int beside; /* of lights, in a block that has any of these */
+	int across; /* of lights, where those of their groups lie in another block */
+};
+
+static bool has_groups(const struct basis *basis, const struct basis_block *b)
+{
+	return b->columns && b->light[b->columns - 1] >= basis->info.lights;
+}
+
+static bool have_groups_in_common(const struct basis_block *a, const struct basis_block *b)
+{
+	return a->kind == b->kind && a->ground == b->ground && a->channels == b->channels &&
+	       a->pixels == b->pixels &&
+	       memcmp(a->pixel, b->pixel, (size_t)a->pixels * sizeof(*a->pixel)) == 0;
+}
+
+static struct column_counts count_columns(const struct basis *basis)
+{
+	const struct basis_layer *shown = &basis->poses[0].shown;
+	struct column_counts counts = {0};
+
+	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++)
+		for (int k = 0; k < shown->tiles[t].block_count; k++) {
+			const struct basis_block *b = &shown->tiles[t].blocks[k];
+			int own = 0;
+
+			for (int n = 0; n < b->columns; n++)
+				own += b->light[n] >= basis->info.lights;
+			counts.groups += own;
+			counts.beside += own ? b->columns - own : 0;
+			if (k && !own && has_groups(basis, &b[-1]) &&
+			    have_groups_in_common(&b[-1], b))
+				counts.across += b->columns;
+		}
+	return counts;
+}
+
+/* Light from a direction of chance, soft or a lamp, over a sky of some hue. */
+static void light_up(const struct basis *basis, struct chance *chance, float (*radiance)[3])
+{
+	const double power = ldexp(1, chance_int(chance, 0, 9));
+	double to[3], level = 0;
+
+	chance_direction(chance, 0.1, to);
+	for (uint32_t i = 0; i < basis->info.lights; i++) {
+		const double *d = basis->lights[i].direction;
+		const double near = to[0] * d[0] + to[1] * d[1] + to[2] * d[2];
+		const double lobe = power * pow(near > 0 ? near : 0, power);
+
+		for (int c = 0; c < 3; c++)
+			radiance[i][c] = (float)(0.2 + 0.1 * c + lobe * (1 - 0.1 * c));
+		level += (double)radiance[i][1] * d[2] * basis->lights[i].solid_angle_sr / M_PI;
+	}
+	for (uint32_t i = 0; i < basis->info.lights; i++)
+		for (int c = 0; c < 3; c++)
+			radiance[i][c] /= (float)level;
+}
+
+/* One light alone: white ground or the object's brightest spot is 1, or darker by some amount. */
+static void light_up_one(const struct basis *basis, struct chance *chance, float (*radiance)[3])
+{
+	const uint32_t cell = (uint32_t)chance_int(chance, 0, (int)basis->info.lights - 1);
+	double brightest = 1e-9;
+
+	for (int c = 0; c < 3; c++) {
+		brightest = fmax(brightest, basis_ground(basis, 0, c)[cell]);
+		brightest = fmax(brightest, (double)basis->poses[0].peak[cell][c]);
+	}
+	memset(radiance, 0, basis->info.lights * sizeof(*radiance));
+	for (int c = 0; c < 3; c++)
+		radiance[cell][c] = (float)ldexp(1 / brightest, -chance_int(chance, 0, 3));
+}
+
+/* The largest difference in 8-bit levels. */
+static double farthest(const struct frame_of *f, const double *truth, int width, int height)
+{
+	double most = 0;
+
+	for (int y = 0; y < height; y++)
+		for (int x = 0; x < width; x++)
+			for (int c = 0; c < 3; c++) {
+				const double is =
+					truth[((size_t)y * (size_t)width + (size_t)x) * 3 +
+					      (size_t)c];
+
+				most = fmax(most, fabs(is - f->out[(size_t)y * f->stride +
+								   (size_t)x * 4 + 2 - (size_t)c]));
+			}
+	return most;
+}
+
+static void fast_is_near_exact(void **state)
+{
+	struct chance chance = chance_begin("groups in use");
+	struct compositor_settings settings = {.background = {.named = TRANSFER_SRGB},
+					       .output = {.named = TRANSFER_SRGB},
+					       .gain = 1,
+					       .object = true};
+	struct basis basis;
+	struct frame_of f;
+	float(*radiance)[3];
+	double *truth, worst[2] = {0}; /* of skies, of lights alone */
+	struct column_counts counts;
+	int most_columns = 0;
+
+	(void)state;
+	write_ball();
+	basis = baking_bake("ball.ini");
+	counts = count_columns(&basis);
+	assert_true(counts.groups > 50 && counts.beside >= 2 * counts.groups);
+	assert_true(counts.across > 50);
+	radiance = calloc(basis.info.lights, sizeof(*radiance));
+	truth = calloc((size_t)basis.info.width * basis.info.height * 3, sizeof(*truth));
+	assert_true(radiance && truth);
+	frame_begin(&f, &basis, NULL, &chance);
+	for (int run = 0; run < 48; run++) {
+		const bool alone = run >= 24;
+		double off;
+
+		if (alone)
+			light_up_one(&basis, &chance, radiance);
+		else
+			light_up(&basis, &chance, radiance);
+		light_selection_choose(&f.lights, &basis, 0, (const float(*)[3])radiance, 0,
+				       THRESHOLD_AMBIENT, 1);
+		settings.mode = COMPOSITOR_EXACT;
+		assert_int_equal(
+			compositor_reference(&basis, 0, &settings, &f.lights, &f.picture, truth),
+			0);
+		settings.mode = COMPOSITOR_FAST;
+		compositor_set(f.compositor, &settings);
+		assert_int_equal(
+			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
+			0);
+		off = farthest(&f, truth, (int)basis.info.width, (int)basis.info.height);
+		worst[alone] = fmax(worst[alone], off);
+		most_columns = compositor_last(f.compositor).columns > most_columns
+				       ? compositor_last(f.compositor).columns
+				       : most_columns;
+	}
+	print_message("# %d columns of groups, %d beside, %d across; %d used at most; %.2f levels "
+		      "off, %.2f by one light\n",
+		      counts.groups, counts.beside, counts.across, most_columns, worst[0],
+		      worst[1]);
+	/* What it declares of skies, the picture's own rounding, and that these are others. */
+	if (worst[0] > 1.5 * basis.info.sky_max + COMPOSITING)
+		fail_msg("%.2f levels off, declared %.2f", worst[0], basis.info.sky_max);
+	if (worst[1] > basis.info.cell_max + COMPOSITING)
+		fail_msg("%.2f levels off by one light, declared %.2f", worst[1],
+			 basis.info.cell_max);
+	assert_true(most_columns > 0);
+	frame_end(&f);
+	basis_close(&basis);
+	free(radiance);
+	free(truth);
+}
+
+/* Without a cut nothing may be left out, and nothing is grouped. */
+static void without_a_cut(void **state)
+{
+	struct basis basis;
+
+	(void)state;
+	write_ball();
+	baking_write("whole.ini",
+		     "[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
+		     "width = 16\nheight = 16\n[dome]\nfrequency = 6\n"
+		     "[render]\nsamples = 2\nbounces = 2\ncoarse = 3\ncolumn_cut = 0\n[ground]\n"
+		     "[object ball]\nfile = ball.obj\nstand = yes\n");
+	basis = baking_bake("whole.ini");
+	assert_int_equal(count_columns(&basis).groups, 0);
+	basis_close(&basis);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(fast_is_near_exact, baking_begin, baking_end),
+		cmocka_unit_test_setup_teardown(without_a_cut, baking_begin, baking_end),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,228 @@
+/* The encoder: values that no pattern fits, sizes that fill no line, what it refuses. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+
+#include "tests/support/holding.h"
+
+/* Full rank: no pattern does. */
+static void over_noise(void **state)
+{
+	struct chance chance = chance_begin("noise");
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct encoding e = encoding_dome(4, 4);
+		struct encoding_part *part = encoding_part_new(&e, k ? BASIS_KIND_T : BASIS_KIND_V,
+							       100, k ? 3 : 1, false);
+		const int n = e.settings.lights;
+		struct encode_result result;
+
+		encoding_start(&e);
+		for (int r = 0; r < 100 * part->samples.channels; r++)
+			for (int i = 0; i < n; i++)
+				part->direct[r * n + i] =
+					(float)(chance_real(&chance, 0, 0.3) *
+						(k ? e.light[i].solid_angle_sr : 1));
+		result = holding_all(&e, part, NULL);
+		assert_true(result.shown_count > 0);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
+/* Of many lights nearly every column is too dim to be used alone, and what all of them come to is
+ * no longer little. */
+static void over_many_lights(void **state)
+{
+	struct chance chance = chance_begin("many lights");
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct encoding e = encoding_dome(12, 3);
+		struct encoding_part *part = encoding_part_new(&e, k ? BASIS_KIND_T : BASIS_KIND_V,
+							       64, k ? 3 : 1, false);
+		const int n = e.settings.lights;
+
+		encoding_start(&e);
+		for (int r = 0; r < 64 * part->samples.channels; r++)
+			for (int i = 0; i < n; i++)
+				part->direct[r * n + i] =
+					chance_real(&chance, 0, 1) < 0.3
+						? (float)(k ? 0.3 * e.light[i].solid_angle_sr : 1)
+						: 0;
+		holding_all(&e, part, NULL);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
+/* Lights that shine along the ground: an object that faces them sends there many times what they
+ * do, and beside that lies a shadow as dark as any. */
+static void over_low_lights(void **state)
+{
+	struct chance chance = chance_begin("low lights");
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct encoding e = encoding_dome(12, 3);
+		struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1,
+							       false);
+		const int channels = part->samples.channels, n = e.settings.lights;
+
+		encoding_start(&e);
+		for (int r = 0; r < 100 * channels; r++)
+			for (int i = 0; i < n; i++)
+				part->direct[r * n + i] =
+					i % 50		    ? (float)chance_real(&chance, 0, 0.1)
+					: r / channels < 50 ? (float)chance_real(&chance, -57, -10)
+							    : (float)chance_real(&chance, 0.98, 1);
+		holding_all(&e, part, NULL);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
+/* What mirrors nearly: each pixel sees a few lights, many times as bright as what is diffuse, and
+ * of all others next to nothing. Groups of lights have columns that reach as far. */
+static void over_mirrors(void **state)
+{
+	struct encoding e = encoding_dome(12, 6);
+	struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_T, 256, 3, false);
+	const int n = e.settings.lights;
+
+	(void)state;
+	encoding_start(&e);
+	for (int p = 0; p < 256; p++) {
+		const double x = (p % 16 - 7.5) / 16, y = (p / 16 - 7.5) / 16;
+		const double to[3] = {x, y, sqrt(1 - x * x - y * y)};
+
+		for (int k = 0; k < 3 * n; k++) {
+			const struct basis_light *light = &e.light[k % n];
+			const double near = fmax(encoding_dot(light->direction, to), 0);
+
+			part->direct[(p * 3 + k / n) * n + k % n] =
+				(float)((1e-5 + 60 * pow(near, 400)) * light->solid_angle_sr);
+		}
+	}
+	holding_all(&e, part, NULL);
+	encoding_part_free(part);
+	encoding_end(&e);
+}
+
+static void over_sizes(void **state)
+{
+	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
+
+	(void)state;
+	for (int lights = 0; lights < 2; lights++)
+		for (size_t k = 0; k < sizeof(pixels) / sizeof(*pixels); k++)
+			for (int kind = BASIS_KIND_T; kind <= BASIS_KIND_V; kind++) {
+				struct encoding e = lights ? encoding_dome(1, 1) : encoding_lamp();
+				struct encoding_part *part = encoding_part_new(
+					&e, (enum basis_kind)kind, pixels[k], 3, k % 2);
+
+				encoding_start(&e);
+				encoding_fill(&e, part);
+				holding_all(&e, part, NULL);
+				encoding_part_free(part);
+				encoding_end(&e);
+			}
+}
+
+/* Nothing, all alike, one light a million times the rest, values that hardly are. */
+static void over_values(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 6; k++) {
+		struct encoding e = encoding_dome(4, 4);
+		struct encoding_part *part =
+			encoding_part_new(&e, k == 1 ? BASIS_KIND_V : BASIS_KIND_T, 70, 3, false);
+		const int n = e.settings.lights;
+		struct encode_result result;
+
+		encoding_start(&e);
+		for (int r = 0; r < 210; r++)
+			for (int i = 0; i < n; i++) {
+				const double w = e.light[i].solid_angle_sr;
+
+				part->direct[r * n + i] =
+					(float)(k == 0	 ? 0
+						: k == 1 ? 1
+						: k == 2 ? 0.2 * w
+						: k == 3 ? w * 1e-3 * (i == 7 ? 1e6 : 1) * (r % 7)
+						: k == 4 ? 1e-44 * (r % 5)
+							 : 1e-30 * (i % 5) * (r % 3));
+			}
+		result = holding_all(&e, part, NULL);
+		assert_true(k != 0 || !result.shown_count);
+		/* 6,000 is the largest value of the fourth. Alone in its light it is white, of
+		 * which the two levels that are asked for are 1.8 %. */
+		assert_true(result.object_error < (k == 3 ? 6000 * 0.018 : 1e-2));
+		assert_true(result.ratio_error < 1e-2);
+		encoding_part_free(part);
+		encoding_end(&e);
+	}
+}
+
+static int encode_one(struct encoding *e, struct encoding_part *part, float value)
+{
+	struct encode_result result;
+
+	part->direct[3] = value;
+	return encode_tile(e->encoder, 0, e->coverage, &part->samples, 1, &result);
+}
+
+static void refuses(void **state)
+{
+	struct encoding e = encoding_dome(2, 2);
+	struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_T, 5, 3, true);
+	struct encoding_part *pair[2];
+	struct encode_samples samples[2];
+	struct encode_result result;
+
+	(void)state;
+	encoding_start(&e);
+	encoding_fill(&e, part);
+	assert_int_equal(encode_one(&e, part, NAN), -EDOM);
+	assert_int_equal(encode_one(&e, part, INFINITY), -EDOM);
+	assert_int_equal(encode_one(&e, part, -1e31F), -EDOM);
+	assert_int_equal(encode_one(&e, part, 70000 * (float)e.light[3].solid_angle_sr), -EDOM);
+	assert_int_equal(encode_one(&e, part, 60000 * (float)e.light[3].solid_angle_sr), 0);
+	part->bounce[1] = NAN;
+	assert_int_equal(encode_one(&e, part, 0), -EDOM);
+	for (int k = 0; k < 2; k++) {
+		pair[k] = encoding_part_new(&e, k ? BASIS_KIND_U : BASIS_KIND_D, 5, 3, false);
+		encoding_fill(&e, pair[k]);
+		samples[k] = pair[k]->samples;
+	}
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 1, &result), -EINVAL);
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples + 1, 1, &result), -EINVAL);
+	samples[1].pixels = 4;
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 2, &result), -EINVAL);
+	samples[1].pixels = 5;
+	pair[1]->direct[0] = -1e-6F;
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 2, &result), -EDOM);
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, NULL, 0, &result), 0);
+	assert_int_equal(result.shown_count, 0);
+	encoding_part_free(part);
+	for (int k = 0; k < 2; k++)
+		encoding_part_free(pair[k]);
+	encoding_end(&e);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(over_noise),	   cmocka_unit_test(over_many_lights),
+		cmocka_unit_test(over_low_lights), cmocka_unit_test(over_mirrors),
+		cmocka_unit_test(over_sizes),	   cmocka_unit_test(over_values),
+		cmocka_unit_test(refuses),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

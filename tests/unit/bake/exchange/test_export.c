@@ -1,0 +1,282 @@
+/* Jobs for other renderers: the meshes read back, the rays that are the camera's, and who covers
+ * what. */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "bake/base/angles.h"
+#include "bake/exchange/export_blender.h"
+#include "bake/exchange/export_radiance.h"
+#include "tests/support/baking.h"
+
+#define WIDTH 24
+#define HEIGHT 18
+#define RAYS 2
+#define FLOATS 6
+
+static const char *const camera = "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = 24\n"
+				  "height = 18\n";
+/* Barrel, off its centre. */
+static const char *const lens =
+	"[tsai]\nwidth = 24\nheight = 18\n"
+	"rotation = 1 0 0 0 -0.397607437634 -0.917555625310 0 0.917555625310 -0.397607437634\n"
+	"translation = 0 0.183511125062 3.349078032381\nfocal = 8\nkappa1 = -0.004\n"
+	"distortion = distorts\ncentre = 13 8\npixel = 0.25 0.25\naspect = 1\n";
+
+static struct scene *open_scene(const char *view)
+{
+	struct fault fault = {.text = ""};
+	struct scene *scene;
+
+	baking_write_sphere("ball.obj", 0.5, 12);
+	baking_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 1\nv -2 1 1\nf 1 2 3 4\n");
+	baking_write(
+		"job.scene",
+		"%s[dome]\nfrequency = 1\n[ground]\nextent = 6\n[object ball]\nfile = ball.obj\n"
+		"up = z\nstand = yes\nmaterial = m\n[standin wall]\nfile = wall.obj\nup = z\n"
+		"[material m]\ncolour = 0.8 0.5 0.3\n",
+		view);
+	if (scene_open(&scene, baking_path("job.scene"), 0, 0, &fault))
+		fail_msg("%s", fault.text);
+	return scene;
+}
+
+static void export_to(const struct scene *scene, const char *folder)
+{
+	const struct export_radiance_settings settings = {.rays = RAYS, .suns = 8};
+	struct fault fault = {.text = ""};
+	struct dome dome;
+
+	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+	if (export_radiance(scene, &dome, baking_path(folder), &settings, &fault))
+		fail_msg("%s", fault.text);
+	dome_free(&dome);
+}
+
+static float *read_rays(const char *name)
+{
+	const size_t count = (size_t)FLOATS * RAYS * RAYS * WIDTH * HEIGHT;
+	FILE *stream = fopen(baking_path(name), "rb");
+	float *rays = malloc(count * sizeof(*rays));
+
+	assert_non_null(stream);
+	assert_non_null(rays);
+	assert_int_equal(fread(rays, sizeof(*rays), count, stream), count);
+	assert_int_equal(fgetc(stream), EOF);
+	fclose(stream);
+	return rays;
+}
+
+/* Every ray is the camera's, through its lens, or nothing; no ray meets two things, and each that
+ * looks below the horizon meets one. */
+static void test_rays(void **state)
+{
+	struct scene *scene = open_scene(lens);
+	float *object, *seen, *ground;
+	long met = 0;
+
+	(void)state;
+	export_to(scene, "rays");
+	object = read_rays("rays/object.rays");
+	seen = read_rays("rays/seen.rays");
+	ground = read_rays("rays/ground.rays");
+	for (int y = 0; y < RAYS * HEIGHT; y++)
+		for (int x = 0; x < RAYS * WIDTH; x++) {
+			const size_t at = (size_t)FLOATS * (size_t)(y * RAYS * WIDTH + x);
+			const double px[2] = {(x + 0.5) / RAYS, (y + 0.5) / RAYS};
+			double origin[3], dir[3], there[2], point[3];
+
+			assert_int_equal(tsai_ray(&scene->camera, px, origin, dir), 0);
+			assert_false(object[at + 4] != 0 && seen[at + 4] != 0);
+			for (int k = 0; k < 3; k++) {
+				const float sum = object[at + 3 + (size_t)k] +
+						  seen[at + 3 + (size_t)k];
+
+				if (object[at + 4] != 0 || seen[at + 4] != 0)
+					assert_float_equal(sum, dir[k], 1e-6);
+				point[k] = (double)ground[at + (size_t)k] +
+					   2 * (double)ground[at + 3 + (size_t)k];
+			}
+			if (ground[at + 4] == 0)
+				continue;
+			met++;
+			assert_int_equal(tsai_project(&scene->camera, point, there), 0);
+			assert_float_equal(there[0], px[0], 1e-3);
+			assert_float_equal(there[1], px[1], 1e-3);
+		}
+	assert_in_range(met, RAYS * RAYS * WIDTH * HEIGHT / 4, RAYS * RAYS * WIDTH * HEIGHT);
+	free(object);
+	free(seen);
+	free(ground);
+	scene_close(scene);
+}
+
+/* Coverage is the share of the rays that meet an object, pixel by pixel. */
+static void test_coverage(void **state)
+{
+	struct scene *scene = open_scene(camera);
+	struct fault fault = {.text = ""};
+	struct image coverage;
+	float *object;
+
+	(void)state;
+	export_to(scene, "cover");
+	object = read_rays("cover/object.rays");
+	if (image_read(baking_path("cover/coverage.hdr"), &coverage, &fault))
+		fail_msg("%s", fault.text);
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			int hits = 0;
+
+			for (int k = 0; k < RAYS * RAYS; k++)
+				hits += object[FLOATS * ((y * RAYS + k / RAYS) * RAYS * WIDTH +
+							 x * RAYS + k % RAYS) +
+					       4] != 0;
+			assert_float_equal(coverage.f32[3 * (y * WIDTH + x)],
+					   hits / (double)(RAYS * RAYS), 0.01);
+		}
+	image_free(&coverage);
+	free(object);
+	scene_close(scene);
+}
+
+/* The meshes that go out are the ones of the scene, where they stand. */
+static void test_meshes(void **state)
+{
+	const struct mesh_placement as_it_is = {.scale = 1, .crease_deg = 180};
+	struct scene *scene = open_scene(camera);
+	struct fault fault = {.text = ""};
+	struct mesh mesh;
+
+	(void)state;
+	export_to(scene, "mesh");
+	for (int k = 0; k < 2; k++) {
+		const struct mesh_part *own = &scene->meshes[k].parts[0];
+		float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+
+		if (mesh_read(&mesh, baking_path(k ? "mesh/standins.obj" : "mesh/objects.obj"),
+			      &as_it_is, &fault))
+			fail_msg("%s", fault.text);
+		assert_int_equal(mesh.part_count, 1);
+		assert_int_equal(mesh.parts[0].triangles, own->triangles);
+		for (int v = 0; v < own->vertices; v++) {
+			low[0] = fminf(low[0], own->position[v][2]);
+			high[0] = fmaxf(high[0], own->position[v][0]);
+		}
+		for (int v = 0; v < mesh.parts[0].vertices; v++) {
+			low[1] = fminf(low[1], mesh.parts[0].position[v][2]);
+			high[1] = fmaxf(high[1], mesh.parts[0].position[v][0]);
+		}
+		assert_float_equal(low[0], low[1], 1e-6);
+		assert_float_equal(high[0], high[1], 1e-6);
+		mesh_free(&mesh);
+	}
+	scene_close(scene);
+}
+
+/* The angles are read back as the dome that they are. */
+static void test_angles(void **state)
+{
+	struct scene *scene = open_scene(camera);
+	struct fault fault = {.text = ""};
+	struct dome dome;
+	int *light;
+
+	(void)state;
+	export_to(scene, "angles");
+	if (angles_read(baking_path("angles/angles.txt"), &dome, &light, &fault))
+		fail_msg("%s", fault.text);
+	assert_int_equal(dome.count, 6);
+	for (int k = 0; k < dome.count; k++)
+		assert_int_equal(light[k], k);
+	free(light);
+	dome_free(&dome);
+	scene_close(scene);
+}
+
+/* The solid angle of all suns of a light's file. */
+static double suns_sr(const char *path)
+{
+	FILE *stream = fopen(path, "r");
+	char line[256];
+	double sum = 0, x, y, z, angle_deg;
+
+	assert_non_null(stream);
+	while (fgets(line, sizeof(line), stream))
+		if (sscanf(line, "cell source %*s 0 0 4 %lf %lf %lf %lf", &x, &y, &z, &angle_deg) ==
+		    4)
+			sum += 2 * M_PI * (1 - cos(angle_deg / 2 * M_PI / 180));
+	fclose(stream);
+	return sum;
+}
+
+/* Tents are told by their file of angles, and by as many suns as dense as they are bright. */
+static void test_tents(void **state)
+{
+	const struct export_radiance_settings settings = {.rays = 1, .suns = 256};
+	struct scene *scene = open_scene(camera);
+	struct fault fault = {.text = ""};
+	struct dome dome, found;
+	int *light;
+
+	(void)state;
+	assert_int_equal(dome_create_shaped(&dome, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
+	assert_int_equal(export_radiance(scene, &dome, baking_path("tents"), &settings, &fault), 0);
+	for (int i = 0; i < dome.count; i++) {
+		char name[64];
+
+		snprintf(name, sizeof(name), "tents/light%03d.rad", i);
+		assert_true(fabs(suns_sr(baking_path(name)) / dome.solid_angle_sr[i] - 1) < 0.02);
+	}
+	if (angles_read(baking_path("tents/angles.txt"), &found, &light, &fault))
+		fail_msg("%s", fault.text);
+	assert_int_equal(found.count, dome.count);
+	assert_int_equal((int)found.shape, (int)DOME_TENTS);
+	free(light);
+	dome_free(&found);
+	assert_int_equal(export_blender(scene, &dome, baking_path("no"), &fault), -ENOTSUP);
+	assert_non_null(strstr(fault.text, "expected cells"));
+	dome_free(&dome);
+	scene_close(scene);
+}
+
+/* A lens that is straight, one that bends by a known amount, and one that Blender has not. */
+static void test_shift(void **state)
+{
+	struct scene *scene = open_scene(lens);
+	struct tsai_camera straight = scene->camera;
+	struct fault fault = {.text = ""};
+	/* the upper left pixel is the furthest: 12.5 by 9.5 px of 0.25 units */
+	const double radius = 0.25 * hypot(12.5, 9.5);
+	double undistorted, expected;
+	struct dome dome;
+
+	(void)state;
+	straight.kappa1 = 0;
+	assert_float_equal(export_camera_shift(&straight), 0, 1e-9);
+	assert_int_equal(tsai_straight_radius(scene->camera.kappa1, radius, &undistorted), 0);
+	expected = (undistorted - radius) / 0.25;
+	assert_float_equal(export_camera_shift(&scene->camera), expected, 1e-6);
+	assert_true(expected > EXPORT_BLENDER_SHIFT_PX);
+	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+	assert_int_equal(export_blender(scene, &dome, baking_path("no"), &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "moves pixels by up to"));
+	assert_int_equal(access(baking_path("no"), F_OK), -1);
+	dome_free(&dome);
+	scene_close(scene);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_rays),   cmocka_unit_test(test_coverage),
+		cmocka_unit_test(test_meshes), cmocka_unit_test(test_angles),
+		cmocka_unit_test(test_shift),  cmocka_unit_test(test_tents),
+	};
+
+	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+}

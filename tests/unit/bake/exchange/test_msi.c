@@ -1,0 +1,280 @@
+/* The thesis's own files: written, read back in every variant, damaged; its own loop on both sides.
+ */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "bake/base/random.h"
+#include "bake/exchange/msi.h"
+#include "tests/support/baking.h"
+
+#define WIDTH 40
+#define HEIGHT 30
+
+static const struct msi_variant variants[] = {{false, 8}, {false, 4}, {true, 4}, {true, 8}};
+
+/* A bake, and what the thesis's program holds of it. */
+static struct world_of_thesis {
+	struct basis basis;
+	struct dome dome;
+	struct pool *pool;
+	struct thesis *thesis;
+} own;
+
+static struct thesis *thesis_of(const struct basis *basis, struct pool *pool)
+{
+	struct fault fault = {.text = ""};
+	struct thesis *thesis;
+
+	if (thesis_create(&thesis, basis, &basis->poses[0].exact, pool, &fault))
+		fail_msg("%s", fault.text);
+	assert_int_equal(thesis_share(thesis, pool), 0);
+	return thesis;
+}
+
+static int begin(void **state)
+{
+	if (baking_begin(state))
+		return -1;
+	baking_write_sphere("ball.obj", 0.5, 12);
+	baking_write("ball.ini",
+		     "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
+		     "[dome]\nfrequency = 2\n[render]\nsamples = 16\n[ground]\n[object ball]\n"
+		     "file = ball.obj\nup = z\nstand = yes\nmaterial = m\n[material m]\n"
+		     "colour = 0.8 0.5 0.3\n",
+		     WIDTH, HEIGHT);
+	own.basis = baking_bake("ball.ini");
+	assert_int_equal(dome_create(&own.dome, 2, DOME_ANGLES, NULL), 0);
+	assert_int_equal(pool_create(&own.pool, 2), 0);
+	own.thesis = thesis_of(&own.basis, own.pool);
+	return 0;
+}
+
+static int end(void **state)
+{
+	thesis_destroy(own.thesis);
+	pool_destroy(own.pool);
+	dome_free(&own.dome);
+	basis_close(&own.basis);
+	return baking_end(state);
+}
+
+static void write_msi(const char *name, const struct msi_variant *variant)
+{
+	struct fault fault = {.text = ""};
+
+	if (msi_write(baking_path(name), own.thesis, WIDTH, HEIGHT, own.dome.count, variant,
+		      &fault))
+		fail_msg("%s", fault.text);
+}
+
+static void check_same(const struct msi *msi)
+{
+	for (int p = 0; p < WIDTH * HEIGHT; p++) {
+		const uint8_t *row, *read = msi->data + msi->start[p];
+		const enum thesis_role role = thesis_pixel(own.thesis, p % WIDTH, p / WIDTH, &row);
+
+		assert_int_equal(*read, role);
+		if (role)
+			assert_memory_equal(read + 1, row,
+					    3 * (size_t)role * (size_t)own.dome.count);
+	}
+}
+
+static void test_variants(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct msi msi;
+
+	(void)state;
+	for (size_t k = 0; k < 4; k++) {
+		write_msi("a.msi", &variants[k]);
+		assert_int_equal(msi_open(&msi, baking_path("a.msi"), &fault), 0);
+		assert_int_equal(msi.variant.big_endian, variants[k].big_endian);
+		assert_int_equal(msi.variant.long_bytes, variants[k].long_bytes);
+		assert_int_equal(msi.width, WIDTH);
+		assert_int_equal(msi.height, HEIGHT);
+		assert_int_equal(msi.lights, own.dome.count);
+		check_same(&msi);
+		msi_close(&msi);
+		msi_close(&msi);
+	}
+}
+
+/* ---- the thesis's loop ---- */
+
+static struct basis import(const char *name)
+{
+	const struct import_settings settings = {.target = {.rms = 0.5, .max = 1, .cell = 1},
+						 .exact = true,
+						 .threads = 2,
+						 .quiet = true};
+	struct fault fault = {.text = ""};
+	struct msi_source from;
+	struct basis basis;
+	struct msi msi;
+	int *place = calloc((size_t)own.dome.count, sizeof(*place));
+
+	assert_non_null(place);
+	for (int i = 0; i < own.dome.count; i++)
+		place[i] = i;
+	assert_int_equal(msi_open(&msi, baking_path(name), &fault), 0);
+	assert_int_equal(msi_source_create(&from, &msi, &own.dome, place, thesis_rate(own.thesis)),
+			 0);
+	assert_non_null(from.ground); /* it is flat, and shows it */
+	{
+		const struct import_source source = {
+			.width = msi.width,
+			.height = msi.height,
+			.dome = &own.dome,
+			.ground = from.ground,
+			.provenance = "",
+			.fill = msi_fill,
+			.context = &from,
+		};
+
+		if (import_run(&source, &settings, baking_path("in.inlay"), &fault))
+			fail_msg("%s", fault.text);
+	}
+	msi_source_free(&from);
+	msi_close(&msi);
+	free(place);
+	if (basis_open(&basis, baking_path("in.inlay"), BASIS_WITH_EXACT, &fault) < 0)
+		fail_msg("%s", fault.text);
+	return basis;
+}
+
+static void light_up(struct light_selection *lights, const struct basis *basis, int kind)
+{
+	struct random random = {7};
+	float radiance[64][3];
+
+	for (int i = 0; i < own.dome.count; i++)
+		for (int c = 0; c < 3; c++)
+			radiance[i][c] = kind == 0   ? 0.6f
+					 : kind == 1 ? (float)(i == 4) * 8
+						     : random_next(&random);
+	light_selection_choose(lights, basis, 0, (const float(*)[3])radiance, 0, THRESHOLD_DROP, 1);
+}
+
+/* Most levels that the thesis's pictures of both differ by. */
+static int loop_difference(struct thesis *other, const struct basis *basis, int kind)
+{
+	struct canvas background, a, b;
+	struct light_selection lights;
+	int most = 0;
+
+	assert_int_equal(canvas_create(&background, WIDTH, HEIGHT), 0);
+	assert_int_equal(canvas_create(&a, WIDTH, HEIGHT), 0);
+	assert_int_equal(canvas_create(&b, WIDTH, HEIGHT), 0);
+	memset(background.pixels, 180, background.stride * HEIGHT);
+	assert_int_equal(light_selection_create(&lights, basis), 0);
+	light_up(&lights, basis, kind);
+	thesis_light(own.thesis, &lights);
+	thesis_light(other, &lights);
+	thesis_run(own.thesis, &background, &a);
+	thesis_run(other, &background, &b);
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < 4 * WIDTH; x++) {
+			const size_t at = (size_t)y * a.stride + (size_t)x;
+			const int off = abs(a.pixels[at] - b.pixels[at]);
+
+			if (x % 4 != 3 && off > most)
+				most = off;
+		}
+	light_selection_free(&lights);
+	canvas_free(&background);
+	canvas_free(&a);
+	canvas_free(&b);
+	return most;
+}
+
+static void test_loop(void **state)
+{
+	struct thesis *other;
+	struct basis basis;
+
+	(void)state;
+	write_msi("a.msi", &variants[2]);
+	basis = import("a.msi");
+	other = thesis_of(&basis, own.pool);
+	for (int kind = 0; kind < 3; kind++) {
+		const int most = loop_difference(other, &basis, kind);
+
+		print_message("light %d: at most %d levels\n", kind, most);
+		assert_true(most <= 1);
+	}
+	thesis_destroy(other);
+	basis_close(&basis);
+}
+
+/* ---- damage ---- */
+
+static void refused(const uint8_t *data, size_t bytes, const char *words)
+{
+	struct fault fault = {.text = ""};
+	struct msi msi;
+	FILE *file = fopen(baking_path("bad.msi"), "wb");
+
+	assert_non_null(file);
+	assert_int_equal(fwrite(data, 1, bytes, file), bytes);
+	assert_int_equal(fclose(file), 0);
+	assert_int_equal(msi_open(&msi, baking_path("bad.msi"), &fault), -EBADMSG);
+	if (!strstr(fault.text, words))
+		fail_msg("expected \"%s\": %s", words, fault.text);
+	assert_null(msi.data);
+}
+
+static void test_damage(void **state)
+{
+	static const uint8_t tiny[] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 24, 0, 0, 0, 1, 9, 9, 9};
+	uint8_t *data = malloc(4 << 20);
+	size_t bytes, first;
+	FILE *file;
+
+	(void)state;
+	assert_non_null(data);
+	for (size_t k = 0; k < 4; k++) {
+		const bool big = variants[k].big_endian;
+
+		write_msi("a.msi", &variants[k]);
+		file = fopen(baking_path("a.msi"), "rb");
+		assert_non_null(file);
+		bytes = fread(data, 1, 4 << 20, file);
+		fclose(file);
+		first = 12 + (size_t)variants[k].long_bytes;
+		refused(data, bytes - 1, "as it says itself");
+		refused(data, bytes / 2, "as it says itself");
+		refused(data, first, "as it says itself");
+		refused(data, 7, "ends in its header");
+		data[bytes] = 0;
+		refused(data, bytes + 1, "as it says itself");
+		data[first] = 3;
+		refused(data, bytes, "expected 0, 1 or 2");
+		data[first] = 0;
+		data[big ? 3 : 0]++; /* a column more */
+		refused(data, bytes, "no .msi, or damaged");
+		memset(data, 0, 12);
+		refused(data, bytes, "no size and count of lights");
+		memset(data, 255, 12);
+		refused(data, bytes, "no size and count of lights");
+	}
+	/* says 24 bytes, has 20 */
+	refused(tiny, sizeof(tiny), "expected 24");
+	free(data);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_variants),
+		cmocka_unit_test(test_loop),
+		cmocka_unit_test(test_damage),
+	};
+
+	return cmocka_run_group_tests(tests, begin, end);
+}

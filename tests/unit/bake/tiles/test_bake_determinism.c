@@ -1,0 +1,164 @@
+/* The same scene and seed give the same file, byte by byte, whatever the number of threads. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "tests/support/baking.h"
+#include "tests/support/thorough.h"
+
+#define WIDTH (thorough() ? 70 : 40)
+#define HEIGHT (thorough() ? 50 : 32)
+
+static char *read_all(const char *name, size_t *bytes)
+{
+	FILE *stream = fopen(baking_path(name), "rb");
+	char *data = malloc(8 << 20);
+
+	assert_non_null(stream);
+	assert_non_null(data);
+	*bytes = fread(data, 1, 8 << 20, stream);
+	assert_true(*bytes > 4096 && *bytes < 8 << 20);
+	fclose(stream);
+	return data;
+}
+
+static bool same(const char *a, const char *b)
+{
+	size_t bytes_a, bytes_b;
+	char *data_a = read_all(a, &bytes_a), *data_b = read_all(b, &bytes_b);
+	const bool equal = bytes_a == bytes_b && !memcmp(data_a, data_b, bytes_a);
+
+	free(data_a);
+	free(data_b);
+	return equal;
+}
+
+static void write_scene(const char *name, const char *how, int seed)
+{
+	baking_write_sphere("ball.obj", 0.5, 12);
+	baking_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 2\nv -2 1 2\nf 1 2 3 4\n");
+	baking_write(name,
+		     "[camera]\nposition = 1 -4 2\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
+		     "[dome]\nfrequency = 3\n[render]\n%s\nseed = %d\n[ground]\n[standin wall]\n"
+		     "file = wall.obj\nup = z\n[object a]\nfile = ball.obj\nup = z\nmaterial = g\n"
+		     "stand = yes\n[object b]\nfile = ball.obj\nposition = 1 0 0.5\nmaterial = c\n"
+		     "scale = 0.6\n[material g]\nkind = glossy\n[material c]\nkind = glass\n",
+		     WIDTH, HEIGHT, how, seed);
+}
+
+static void bake(const char *scene_name, const char *out, int threads)
+{
+	struct scene *scene = baking_scene(scene_name);
+
+	baking_render(scene, out, threads);
+	scene_close(scene);
+}
+
+static void test_threads(void **state)
+{
+	(void)state;
+	write_scene("a.ini", "samples = 3", 5);
+	bake("a.ini", "1.inlay", 1);
+	bake("a.ini", "3.inlay", 3);
+	bake("a.ini", "7.inlay", 7);
+	assert_true(same("1.inlay", "3.inlay"));
+	assert_true(same("1.inlay", "7.inlay"));
+}
+
+static void test_noise_mode(void **state)
+{
+	(void)state;
+	write_scene("n.ini", "noise = 5", 5);
+	bake("n.ini", "n1.inlay", 1);
+	bake("n.ini", "n4.inlay", 4);
+	assert_true(same("n1.inlay", "n4.inlay"));
+}
+
+static void test_seed(void **state)
+{
+	(void)state;
+	write_scene("a.ini", "samples = 2", 5);
+	write_scene("b.ini", "samples = 2", 6);
+	bake("a.ini", "a.inlay", 2);
+	bake("b.ini", "b.inlay", 2);
+	assert_false(same("a.inlay", "b.inlay"));
+}
+
+/* The noise that is declared is the noise that is there: two seeds differ by sqrt(2) of it. */
+static void test_noise_is_true(void **state)
+{
+	struct basis basis[2];
+	double square = 0, declared = 0;
+	long count = 0;
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct fault fault;
+
+		write_scene("n.ini", thorough() ? "noise = 2" : "noise = 4", 11 + k);
+		bake("n.ini", k ? "k1.inlay" : "k0.inlay", 2);
+		assert_int_equal(basis_open(&basis[k], baking_path(k ? "k1.inlay" : "k0.inlay"),
+					    BASIS_WITH_EXACT, &fault),
+				 0);
+		declared += basis[k].info.noise_levels / 2;
+	}
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			double levels[2];
+			bool changed = false;
+
+			for (int k = 0; k < 2; k++) {
+				const double a = baking_coverage(&basis[k], x, y);
+				const double ratio = baking_ratio(&basis[k], x, y, 1, NULL);
+				const double v = baking_object(&basis[k], x, y, 1, NULL) +
+						 (1 - a) * ratio * 0.5;
+
+				changed |= a > 0 || ratio != 1;
+				levels[k] = 255 * pow(fmin(v, 1), 1 / 2.2);
+			}
+			if (changed) {
+				square += (levels[0] - levels[1]) * (levels[0] - levels[1]) / 2;
+				count++;
+			}
+		}
+	square = sqrt(square / (double)count);
+	print_message("# declared %.2f levels, found %.2f\n", declared, square);
+	assert_true(declared > 0 && declared <= (thorough() ? 2 : 4));
+	assert_true(square < 1.3 * declared && square > 0.3 * declared);
+	basis_close(&basis[0]);
+	basis_close(&basis[1]);
+}
+
+static void test_failure_leaves_nothing(void **state)
+{
+	struct scene *scene;
+	struct render_settings settings;
+	struct render_report report;
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	write_scene("a.ini", "samples = 1", 1);
+	scene = baking_scene("a.ini");
+	settings = render_settings_of(scene);
+	settings.quiet = true;
+	assert_true(render_run(scene, &settings, baking_path("no/such/folder.inlay"), &report,
+			       &fault) < 0);
+	assert_non_null(strstr(fault.text, "folder.inlay"));
+	scene_close(scene);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_threads),
+		cmocka_unit_test(test_noise_mode),
+		cmocka_unit_test(test_seed),
+		cmocka_unit_test(test_noise_is_true),
+		cmocka_unit_test(test_failure_leaves_nothing),
+	};
+
+	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+}

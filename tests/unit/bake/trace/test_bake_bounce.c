@@ -1,0 +1,525 @@
+/* The filter of bounced light: it takes noise away, never light. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "bake/base/random.h"
+#include "bake/tiles/tile.h"
+#include "tests/support/baking.h"
+#include "tests/support/thorough.h"
+
+#define SEED 20
+#define SAMPLES 16
+#define REFERENCE (16 * SAMPLES)
+
+/* Pixels row by row, as many as there are. */
+static uint16_t every_pixel[TILE_PIXELS];
+
+/* ---- made matrices ---- */
+
+struct made {
+	int rows, lights;
+	float *light, *half[2], *mean, *even;
+	double share[2];
+};
+
+/* Near enough to a normal deviate. */
+static double deviate(struct random *random)
+{
+	double sum = -6;
+
+	for (int k = 0; k < 12; k++)
+		sum += (double)random_next(random);
+	return sum;
+}
+
+/* Light of some rank, its parts falling off by fall each, with a noise in either half. */
+static struct made make(int rows, int lights, int rank, double fall, double noise, double share)
+{
+	struct random random = {SEED};
+	const size_t count = (size_t)rows * (size_t)lights;
+	struct made m = {.rows = rows, .lights = lights, .share = {share, 1 - share}};
+	double *left = malloc((size_t)rows * sizeof(*left));
+	double *right = malloc((size_t)lights * sizeof(*right));
+
+	m.light = calloc(count, sizeof(float));
+	m.half[0] = malloc(count * sizeof(float));
+	m.half[1] = malloc(count * sizeof(float));
+	m.mean = malloc(count * sizeof(float));
+	m.even = malloc((size_t)lights * sizeof(float));
+	for (int k = 0; k < rank; k++) {
+		for (int i = 0; i < rows; i++)
+			left[i] = k ? deviate(&random) : 1 + 0.2 * deviate(&random);
+		for (int i = 0; i < lights; i++)
+			right[i] = (k ? deviate(&random) : 1 + 0.2 * deviate(&random)) *
+				   pow(fall, k);
+		for (size_t at = 0; at < count; at++)
+			m.light[at] +=
+				(float)(left[at / (size_t)lights] * right[at % (size_t)lights]);
+	}
+	for (size_t at = 0; at < count; at++) {
+		for (int h = 0; h < 2; h++)
+			m.half[h][at] = m.light[at] +
+					(float)(noise / sqrt(2 * m.share[h]) * deviate(&random));
+		m.mean[at] = (float)(m.share[0] * (double)m.half[0][at] +
+				     m.share[1] * (double)m.half[1][at]);
+	}
+	for (int i = 0; i < lights; i++)
+		m.even[i] = 1;
+	free(left);
+	free(right);
+	return m;
+}
+
+static void unmake(struct made *m)
+{
+	free(m->light);
+	free(m->half[0]);
+	free(m->half[1]);
+	free(m->mean);
+	free(m->even);
+}
+
+static int filter(const struct made *m)
+{
+	const struct bounce_halves halves = {
+		.rows = m->rows,
+		.pixel = every_pixel,
+		.half = {m->half[0], m->half[1]},
+		.share = {m->share[0], m->share[1]},
+		.sky = m->even,
+		.scale = m->even,
+	};
+	struct bounce bounce;
+	int kept;
+
+	assert_int_equal(bounce_create(&bounce, m->lights), 0);
+	kept = bounce_filter(&bounce, &halves);
+	bounce_free(&bounce);
+	bounce_free(&bounce);
+	return kept;
+}
+
+static double distance(const float *a, const float *b, size_t count)
+{
+	double square = 0;
+
+	for (size_t i = 0; i < count; i++)
+		square += ((double)a[i] - (double)b[i]) * ((double)a[i] - (double)b[i]);
+	return sqrt(square / (double)count);
+}
+
+/* The filtered error as a share of the unfiltered one. */
+static double error_of(const struct made *m)
+{
+	const size_t count = (size_t)m->rows * (size_t)m->lights;
+
+	return distance(m->half[0], m->light, count) / distance(m->mean, m->light, count);
+}
+
+/* What the filter leaves alone: each row's sum, each channel's mean of every column. */
+static void check_sums(const struct made *m)
+{
+	for (int row = 0; row < m->rows; row++) {
+		double change = 0, size = 0;
+
+		for (int i = 0; i < m->lights; i++) {
+			const size_t at = (size_t)row * (size_t)m->lights + (size_t)i;
+
+			change += (double)m->half[0][at] - (double)m->mean[at];
+			size += fabs((double)m->mean[at]);
+		}
+		assert_true(fabs(change) <= 2e-5 * size + 1e-30);
+	}
+	for (int i = 0; i < m->lights; i++)
+		for (int c = 0; c < 3; c++) {
+			double change = 0, size = 0;
+
+			for (int row = c; row < m->rows; row += 3) {
+				const size_t at = (size_t)row * (size_t)m->lights + (size_t)i;
+
+				change += (double)m->half[0][at] - (double)m->mean[at];
+				size += fabs((double)m->mean[at]);
+			}
+			assert_true(fabs(change) <= 2e-5 * size + 1e-30);
+		}
+}
+
+/* Few lights and many, low rank and more of it, little noise and much, halves of one size and not.
+ */
+static void test_made(void **state)
+{
+	static const struct {
+		int rows, lights, rank;
+		double fall, noise, share, most;
+	} cases[] = {
+		{768, 406, 1, 1, 1, 0.5, 0.15},	   {768, 406, 4, 0.5, 0.5, 0.5, 0.25},
+		{768, 406, 4, 0.5, 20, 0.5, 0.5},  {768, 406, 30, 0.9, 0.3, 0.5, 0.7},
+		{768, 6, 1, 1, 1, 0.5, 0.6},	   {768, 6, 6, 0.7, 1, 0.5, 1.01},
+		{9, 406, 1, 1, 1, 0.5, 0.7},	   {768, 46, 3, 0.5, 1, 2.0 / 3, 0.5},
+		{768, 6486, 3, 0.5, 1, 0.5, 0.15}, {3, 1, 1, 1, 1, 0.5, 1.01},
+		{768, 406, 0, 1, 1, 0.5, 0.2},
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+		struct made m = make(cases[k].rows, cases[k].lights, cases[k].rank, cases[k].fall,
+				     cases[k].noise, cases[k].share);
+		const int kept = filter(&m);
+		const double error = error_of(&m);
+
+		print_message("# %d x %d, rank %d, noise %g: kept %d, error %.3f of the mean's\n",
+			      m.rows, m.lights, cases[k].rank, cases[k].noise, kept, error);
+		assert_true(error <= cases[k].most);
+		check_sums(&m);
+		unmake(&m);
+	}
+}
+
+/* What has no noise, or is light of full rank, stays bit by bit but for rounding. */
+static void test_nothing_to_gain(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct made m = make(300, 200, 200, 1, k ? 1.0 : 0.0, 0.5);
+		const size_t count = (size_t)m.rows * (size_t)m.lights;
+
+		assert_int_equal(filter(&m), -1);
+		assert_true(distance(m.half[0], m.mean, count) < 1e-4);
+		unmake(&m);
+	}
+}
+
+/* Differences have both signs: rows whose sums are nothing but noise must not be blown up. */
+static void test_sums_that_cancel(void **state)
+{
+	struct made m = make(300, 200, 3, 0.7, 1, 0.5);
+
+	(void)state;
+	for (int row = 0; row < m.rows; row++) {
+		double sum = 0;
+
+		for (int i = 0; i < m.lights; i++)
+			sum += (double)m.light[row * m.lights + i] / m.lights;
+		for (int i = 0; i < m.lights; i++) {
+			const int at = row * m.lights + i;
+
+			m.light[at] -= (float)sum;
+			m.mean[at] -= (float)sum;
+			m.half[0][at] -= (float)sum;
+			m.half[1][at] -= (float)sum;
+		}
+	}
+	filter(&m);
+	print_message("# sums that cancel: error %.3f of the mean's\n", error_of(&m));
+	assert_true(error_of(&m) < 1.001);
+	unmake(&m);
+}
+
+static void test_odd_values(void **state)
+{
+	static const float odd[] = {NAN, INFINITY, 1e30F, 1e-40F};
+	struct made m;
+
+	(void)state;
+	m = make(30, 20, 0, 1, 0, 0.5);
+	assert_int_equal(filter(&m), -1);
+	for (int k = 0; k < 600; k++)
+		assert_true(m.half[0][k] == 0);
+	unmake(&m);
+	for (size_t k = 0; k < sizeof(odd) / sizeof(odd[0]); k++) {
+		m = make(30, 20, 1, 1, 1, 0.5);
+		m.half[0][77] = odd[k];
+		filter(&m);
+		/* what the encoder refuses must reach it */
+		assert_true(isfinite(odd[k]) == isfinite(m.half[0][77]));
+		unmake(&m);
+	}
+}
+
+/* ---- tiles that meet ---- */
+
+#define WIDE (2 * BASIS_TILE) /* two tiles side by side */
+#define SEAM_LIGHTS 200
+
+/* Light that is smooth over both tiles: every light has a mean, a slope and a bend of its own. */
+static double smooth(const double *of_light, int x, int y)
+{
+	const double u = x / (double)WIDE - 0.5, v = y / (double)WIDE - 0.25;
+
+	return 1 + 0.2 * of_light[0] + (0.3 + 0.3 * of_light[1]) * u + 0.3 * of_light[2] * v +
+	       0.1 * of_light[3] * u * u;
+}
+
+/* How far apart the columns of pixels on both sides of x are, beyond what they rise or fall by
+ * there; of all lights, the mean over the edge's length, RMS. */
+static double step_at(const float *const tile[2], int x)
+{
+	static const double part[] = {0.25, 0, -1.25, 1.25, 0, -0.25};
+	double square = 0;
+
+	for (int i = 0; i < 3 * SEAM_LIGHTS; i++) {
+		double step = 0;
+
+		for (int y = 0; y < BASIS_TILE; y++)
+			for (int k = 0; k < 6; k++) {
+				const int at = x - 3 + k, p = y * BASIS_TILE + at % BASIS_TILE;
+
+				step += part[k] / BASIS_TILE *
+					(double)tile[at / BASIS_TILE][p * 3 * SEAM_LIGHTS + i];
+			}
+		square += step * step;
+	}
+	return sqrt(square / (3 * SEAM_LIGHTS));
+}
+
+/* Tiles are filtered apart. Their common edge shows no more than what noise leaves of means and
+ * slopes; where it is loudest, a filter that keeps means alone exceeds that. */
+static void test_seam(void **state)
+{
+	static const double noises[] = {0.02, 0.3, 0.5};
+
+	(void)state;
+	for (size_t k = 0; k < 3; k++) {
+		struct random random = {SEED + k};
+		struct made m[2];
+		double of_light[SEAM_LIGHTS][4], edge, inside, before;
+
+		for (int i = 0; i < SEAM_LIGHTS * 4; i++)
+			of_light[i / 4][i % 4] = deviate(&random);
+		for (int t = 0; t < 2; t++) {
+			m[t] = make(BOUNCE_ROWS_MAX, SEAM_LIGHTS, 0, 1, noises[k], 0.5);
+			for (int at = 0; at < BOUNCE_ROWS_MAX * SEAM_LIGHTS; at++) {
+				const int i = at % SEAM_LIGHTS, p = at / SEAM_LIGHTS / 3;
+				const float is = (float)smooth(of_light[i],
+							       t * BASIS_TILE + p % BASIS_TILE,
+							       p / BASIS_TILE);
+
+				m[t].light[at] = is;
+				m[t].mean[at] = is;
+				for (int h = 0; h < 2; h++) {
+					m[t].half[h][at] = is + (float)(noises[k] * M_SQRT2 *
+									deviate(&random));
+					m[t].mean[at] += (m[t].half[h][at] - is) / 2;
+				}
+			}
+		}
+		before = step_at((const float *const[]){m[0].mean, m[1].mean}, BASIS_TILE);
+		for (int t = 0; t < 2; t++)
+			filter(&m[t]);
+		edge = step_at((const float *const[]){m[0].half[0], m[1].half[0]}, BASIS_TILE);
+		inside = step_at((const float *const[]){m[0].half[0], m[1].half[0]},
+				 BASIS_TILE / 2);
+		print_message("# noise %g: errors %.3f and %.3f of the mean's; step %.4f at the "
+			      "edge, %.4f inside, %.4f unfiltered\n",
+			      noises[k], error_of(&m[0]), error_of(&m[1]), edge, inside, before);
+		/* a plane's noise at the edge is that of (1 + 3) / 256 of a pixel's square */
+		assert_true(edge < inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002);
+		assert_true(error_of(&m[0]) < 0.2 && error_of(&m[1]) < 0.2);
+		for (int t = 0; t < 2; t++) {
+			check_sums(&m[t]);
+			unmake(&m[t]);
+		}
+	}
+}
+
+/* ---- real tiles ---- */
+
+/* Tiles of one sample a pixel are not filtered: sums of them are what no filter has touched. */
+struct sums {
+	float *value[BASIS_KIND_COUNT]; /* [TILE_PIXELS][3][lights] */
+	bool seen[BASIS_KIND_COUNT];
+};
+
+static void add_tiles(const struct scene *scene, const struct cells *cells, int index, int seed,
+		      int samples, struct sums *sums)
+{
+	const size_t row = 3 * (size_t)cells->count;
+	struct tile *tile = malloc(sizeof(*tile));
+	const struct tile_settings settings = {.samples = 1};
+
+	assert_non_null(tile);
+	assert_int_equal(tile_create(tile, scene, cells, &settings, 32), 0);
+	for (int kind = 0; kind < BASIS_KIND_COUNT; kind++)
+		sums->value[kind] = calloc(TILE_PIXELS * row, sizeof(float));
+	for (int s = 0; s < samples; s++) {
+		tile->settings.seed = (uint64_t)(seed + s);
+		tile_render(tile, index);
+		for (int k = 0; k < tile->part_count; k++) {
+			const struct encode_samples *part = &tile->part[k];
+
+			sums->seen[part->kind] = true;
+			for (size_t p = 0; p < (size_t)part->pixels; p++)
+				for (size_t i = 0; i < row; i++)
+					sums->value[part->kind][part->pixel[p] * row + i] +=
+						part->bounce[p * row + i] / (float)samples;
+		}
+	}
+	tile_free(tile);
+	free(tile);
+}
+
+static void free_sums(struct sums *sums)
+{
+	for (int kind = 0; kind < BASIS_KIND_COUNT; kind++)
+		free(sums->value[kind]);
+}
+
+/* What a sun at one cell and a sky of a tenth of its light come to: the error of the tile's mean is
+ * what would show as a step to its neighbours. */
+static double step_of(const float *value, const float *reference, int lights, const float *weight)
+{
+	double worst = 0;
+
+	for (int sun = 0; sun < lights; sun += 1 + lights / 7) {
+		double error = 0, all = 1e-12;
+
+		for (int row = 0; row < 3 * TILE_PIXELS; row++)
+			for (int i = 0; i < lights; i++) {
+				const size_t at = (size_t)row * (size_t)lights + (size_t)i;
+				const double l = (i == sun ? 1 / (double)weight[i] : 0.1) *
+						 (double)weight[i];
+
+				error += l * ((double)value[at] - (double)reference[at]);
+				all += l * fabs((double)reference[at]);
+			}
+		worst = fmax(worst, fabs(error) / all);
+	}
+	return worst;
+}
+
+static void check_tile(const struct scene *scene, const struct cells *cells, const char *what,
+		       int index, double *log_sum, int *log_count)
+{
+	static const char *const names[] = {"T", "V", "D", "U"};
+	const size_t row = 3 * (size_t)cells->count, count = TILE_PIXELS * row;
+	struct sums half[2] = {0}, reference = {0};
+	struct bounce bounce;
+	float *sky = malloc(row * sizeof(float)), *scale = malloc(row * sizeof(float));
+	float *mean = malloc(count * sizeof(float));
+
+	assert_int_equal(bounce_create(&bounce, cells->count), 0);
+	for (int h = 0; h < 2; h++)
+		add_tiles(scene, cells, index, 1000 + h * SAMPLES, SAMPLES / 2, &half[h]);
+	add_tiles(scene, cells, index, 5000, REFERENCE, &reference);
+	for (int kind = 0; kind < BASIS_KIND_COUNT; kind++) {
+		const struct bounce_halves in = {
+			.rows = BOUNCE_ROWS_MAX,
+			.pixel = every_pixel,
+			.half = {half[0].value[kind], half[1].value[kind]},
+			.share = {0.5, 0.5},
+			.sky = sky,
+			.scale = scale,
+		};
+		const bool ratio = kind == BASIS_KIND_V;
+		double before, after, step;
+		int kept;
+
+		if (!half[0].seen[kind])
+			continue;
+		for (int i = 0; i < cells->count; i++) {
+			sky[i] = ratio ? cells->share[i] : 1;
+			scale[i] = ratio ? sqrtf(cells->share[i]) : 1 / sqrtf(cells->sr[i]);
+		}
+		for (size_t i = 0; i < count; i++)
+			mean[i] = 0.5F * (in.half[0][i] + in.half[1][i]);
+		before = distance(mean, reference.value[kind], count);
+		step = step_of(mean, reference.value[kind], cells->count, sky);
+		kept = bounce_filter(&bounce, &in);
+		after = distance(in.half[0], reference.value[kind], count);
+		print_message("# %s, %d lights, %s: kept %d, error %.3f of the mean's; step %.4f "
+			      "of it, before %.4f\n",
+			      what, cells->count, names[kind], kept, after / before,
+			      step_of(in.half[0], reference.value[kind], cells->count, sky), step);
+		assert_true(step_of(in.half[0], reference.value[kind], cells->count, sky) <
+			    step + 1e-4);
+		assert_true(after <= before * 1.005);
+		*log_sum += log(after / before);
+		++*log_count;
+	}
+	for (int h = 0; h < 2; h++)
+		free_sums(&half[h]);
+	free_sums(&reference);
+	bounce_free(&bounce);
+	free(sky);
+	free(scale);
+	free(mean);
+}
+
+static void check_scene(const char *what, const char *material, const char *standin)
+{
+	static const int frequencies[] = {1, 3, 9};
+	struct scene *scene;
+	double log_sum = 0;
+	int log_count = 0;
+
+	baking_write_sphere("ball.obj", 0.8, 24);
+	baking_write("plane.obj", "v -9 1 0\nv 9 1 0\nv 9 1 9\nv -9 1 9\nf 1 2 3 4\n");
+	baking_write("s.ini",
+		     "[camera]\nposition = 0 -6 4\nlook_at = 0 0 0.4\nfield_deg = 40\nwidth = 64\n"
+		     "height = 64\n[render]\n[ground]\nmaterial = m\n%s[object ball]\n"
+		     "file = ball.obj\nup = z\nmaterial = b\nstand = yes\n[material m]\n"
+		     "colour = 0.6 0.5 0.4\n[material b]\n%s",
+		     standin, material);
+	scene = baking_scene("s.ini");
+	for (size_t k = 0; k < (thorough() ? 3 : 2); k++) {
+		struct fault fault;
+		struct cells cells;
+		struct dome dome;
+
+		assert_int_equal(dome_create(&dome, frequencies[k], DOME_ANGLES, &fault), 0);
+		assert_int_equal(cells_create(&cells, &dome), 0);
+		/* the ball's middle, its edge with the ground below */
+		check_tile(scene, &cells, what, 5, &log_sum, &log_count);
+		check_tile(scene, &cells, what, 10, &log_sum, &log_count);
+		cells_free(&cells);
+		dome_free(&dome);
+	}
+	print_message("# %s: error %.3f of the mean's in all\n", what, exp(log_sum / log_count));
+	assert_true(exp(log_sum / log_count) < 0.92);
+	scene_close(scene);
+}
+
+static void test_diffuse(void **state)
+{
+	(void)state;
+	check_scene("diffuse", "colour = 0.8 0.6 0.3\n", "");
+}
+
+static void test_glossy(void **state)
+{
+	(void)state;
+	check_scene("glossy",
+		    "kind = glossy\ncolour = 0.3 0.4 0.6\nspecular = 0.3 0.3 0.3\n"
+		    "roughness = 0.3\n",
+		    "");
+}
+
+static void test_standin(void **state)
+{
+	(void)state;
+	check_scene("stand-in", "colour = 0.8 0.6 0.3\n",
+		    "[standin wall]\nfile = plane.obj\nup = z\nmaterial = m\n");
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_made),
+		cmocka_unit_test(test_nothing_to_gain),
+		cmocka_unit_test(test_sums_that_cancel),
+		cmocka_unit_test(test_odd_values),
+		cmocka_unit_test(test_seam),
+		cmocka_unit_test(test_diffuse),
+		cmocka_unit_test(test_glossy),
+		cmocka_unit_test(test_standin),
+	};
+
+	for (int p = 0; p < TILE_PIXELS; p++)
+		every_pixel[p] = (uint16_t)p;
+	print_message("# seed %d\n", SEED);
+	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+}

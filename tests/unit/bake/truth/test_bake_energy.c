@@ -1,0 +1,581 @@
+/* The baked transport against closed forms, and against path-traced truth. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "bake/base/random.h"
+#include "bake/truth/truth.h"
+#include "hal/optics/dome.h"
+#include "hal/optics/fisheye.h"
+#include "tests/support/baking.h"
+
+#define VIEW                                                                                       \
+	"[camera]\nposition = 0 -6 2\nlook_at = 0 0 0.8\nfield_deg = 30\nwidth = 48\nheight = "    \
+	"48\n"
+
+/* ---- materials by themselves ---- */
+
+/* Over a fine grid of directions: the coat's density is one (less what is drawn below the surface),
+ * coat and base together never send back more than arrives. */
+static void test_glossy_conserves(void **state)
+{
+	const struct bsdf bsdf = {.kind = MATERIAL_GLOSSY,
+				  .colour = {{1, 1, 1}},
+				  .specular = {{0.04f, 0.5f, 1}},
+				  .alpha = 0.2f};
+	const struct v3 n = {0, 0, 1};
+	const int steps = 1500;
+
+	(void)state;
+	for (int k = 0; k < 5; k++) {
+		const float angle = 0.02f + 0.36f * (float)k;
+		const struct v3 wo = {sinf(angle), 0, cosf(angle)};
+		double density = 0, coat[3] = {0}, base = 0;
+
+		for (int j = 0; j < steps; j++)
+			for (int i = 0; i < 2 * steps; i++) {
+				const double z = (j + 0.5) / steps, phi = M_PI * (i + 0.5) / steps;
+				const double r = sqrt(1 - z * z), sr = M_PI / steps / steps;
+				const struct v3 wi = v3_make((float)(r * cos(phi)),
+							     (float)(r * sin(phi)), (float)z);
+				float d;
+				const struct rgb f = bsdf_coat(&bsdf, n, wo, wi, &d);
+
+				density += d * sr;
+				base += bsdf_base(&bsdf, wo.z, (float)z) * z / M_PI * sr;
+				for (int c = 0; c < 3; c++)
+					coat[c] += f.c[c] * sr;
+			}
+		assert_true(density < 1.002 && density > 0.85);
+		for (int c = 0; c < 3; c++)
+			assert_true(coat[c] + base < 1.002);
+		assert_true(coat[2] > 0.85); /* a white metal loses only what bounces twice */
+	}
+}
+
+/* Sampled directions follow the density: the mean of f / density is the integral of f. */
+static void test_glossy_samples(void **state)
+{
+	const struct bsdf bsdf = {.kind = MATERIAL_GLOSSY, .specular = {{1, 1, 1}}, .alpha = 0.3f};
+	const struct v3 n = v3_unit(v3_make(0.3f, -0.5f, 0.7f));
+	const struct v3 wo = v3_unit(v3_make(0.8f, -0.1f, 0.5f));
+	struct random random = {7};
+	const int count = 200000, steps = 800;
+	double mean = 0, exact = 0;
+	struct v3 s, t;
+
+	(void)state;
+	v3_frame(n, &s, &t);
+	for (int k = 0; k < count; k++) {
+		struct v3 wi;
+		float d;
+
+		if (bsdf_coat_sample(&bsdf, n, wo, &random, &wi)) {
+			const struct rgb f = bsdf_coat(&bsdf, n, wo, wi, &d);
+
+			/* weighted by something uneven, so that a wrong lobe cannot hide */
+			mean += f.c[0] / d * (1 + wi.x) / count;
+		}
+	}
+	for (int j = 0; j < steps; j++)
+		for (int i = 0; i < 2 * steps; i++) {
+			const double z = (j + 0.5) / steps, phi = M_PI * (i + 0.5) / steps;
+			const double r = sqrt(1 - z * z);
+			const struct v3 wi = v3_from_frame(
+				v3_make((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z), s,
+				t, n);
+			float d;
+
+			exact += bsdf_coat(&bsdf, n, wo, wi, &d).c[0] * (1 + wi.x) * M_PI / steps /
+				 steps;
+		}
+	assert_true(fabs(mean - exact) < 0.005 * exact);
+}
+
+/* ---- furnaces ---- */
+
+static void check_furnace(const char *what, double rms_limit, double mean_limit)
+{
+	struct basis basis = baking_bake("furnace.ini");
+	double worst = 0, square = 0, sum[2] = {0, 0};
+	int inside = 0, outside = 0;
+
+	for (int y = 0; y < 48; y++)
+		for (int x = 0; x < 48; x++) {
+			const double a = baking_coverage(&basis, x, y);
+
+			/* object and ground together: 1 wherever the edge runs */
+			for (int c = 0; c < 3; c++) {
+				const double object = baking_object(&basis, x, y, c, NULL);
+				const double ratio = baking_ratio(&basis, x, y, c, NULL);
+				const double through = baking_through(&basis, x, y, c);
+				const double off = object + (1 - a + through) * ratio - 1;
+
+				worst = fmax(worst, fabs(off));
+				square += off * off / (3 * 48 * 48);
+				if (a == 1) {
+					sum[0] += off;
+					inside++;
+				} else if (a == 0) {
+					sum[1] += ratio - 1;
+					outside++;
+				}
+			}
+		}
+	basis_close(&basis);
+	print_message("# %s: object %+.5f, ground %+.5f, RMS %.5f, worst pixel %.4f\n", what,
+		      sum[0] / inside, sum[1] / outside, sqrt(square), worst);
+	assert_true(inside > 300 && outside > 300);
+	assert_true(fabs(sum[0] / inside) < mean_limit);
+	assert_true(fabs(sum[1] / outside) < mean_limit);
+	assert_true(sqrt(square) < rms_limit);
+}
+
+static void test_white_furnace(void **state)
+{
+	(void)state;
+	baking_write_sphere("ball.obj", 0.8, 32);
+	baking_write("furnace.ini", VIEW
+		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
+		     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+		     "up = z\nmaterial = white\nstand = yes\n[material white]\ncolour = 1 1 1\n");
+	check_furnace("white", 0.005, 0.001);
+	baking_write("furnace.ini", VIEW
+		     "[dome]\nfrequency = 4\nlights = tents\n[render]\nsamples = 16\n"
+		     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+		     "up = z\nmaterial = white\nstand = yes\n[material white]\ncolour = 1 1 1\n");
+	check_furnace("white, tents", 0.005, 0.001);
+}
+
+static void test_glass_furnace(void **state)
+{
+	(void)state;
+	baking_write_sphere("ball.obj", 0.8, 32);
+	baking_write("furnace.ini", VIEW
+		     "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
+		     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+		     "up = z\nmaterial = glass\nstand = yes\n[material white]\ncolour = 1 1 1\n"
+		     "[material glass]\nkind = glass\ncolour = 1 1 1\n");
+	check_furnace("glass", 0.01, 0.001);
+}
+
+/* A convex object over nothing: radiance is albedo * (1 + n_z) / 2, n_z taken from geometry. */
+static void test_half_sky(void **state)
+{
+	struct basis basis;
+
+	(void)state;
+	baking_write_sphere("ball.obj", 1, 64);
+	baking_write("half.ini",
+		     "[camera]\nposition = 0 -50 0\nlook_at = 0 0 0\nfield_deg = 2.4\nwidth = 24\n"
+		     "height = 24\n[dome]\nfrequency = 6\n[render]\nsamples = 64\n[object ball]\n"
+		     "file = ball.obj\nup = z\nmaterial = m\n[material m]\ncolour = 0.2 0.5 0.8\n");
+	basis = baking_bake("half.ini");
+	assert_int_equal(basis.info.grounds, 0);
+	for (int y = 4; y < 20; y++) {
+		/* the middle column: n = (0, -cos, z), z the height of the pixel on the ball */
+		const double half = 50 * tan(1.2 * M_PI / 180);
+		const double z = half * (1 - (y + 0.5) / 12);
+		static const double albedo[3] = {0.2, 0.5, 0.8};
+
+		for (int c = 0; c < 3; c++) {
+			const double want = albedo[c] * (1 + z) / 2;
+			const double got = baking_object(&basis, 12, y, c, NULL);
+
+			if (fabs(got - want) > 0.01 * albedo[c])
+				fail_msg("row %d channel %d: %.4f, expected %.4f", y, c, got, want);
+		}
+	}
+	basis_close(&basis);
+}
+
+/* ---- ground ---- */
+
+static void test_ground_term(void **state)
+{
+	struct basis basis;
+
+	(void)state;
+	baking_write_sphere("ball.obj", 0.5, 8);
+	/* The ground's share of each light is of no pixel: as few as a picture can have, of the
+	 * finest dome. */
+	baking_write(
+		"g.ini",
+		"[camera]\nposition = 0 -6 2\nlook_at = 0 0 0.8\nfield_deg = 30\nwidth = 8\n"
+		"height = 8\n[dome]\nfrequency = 9\n[render]\nsamples = 1\n[ground]\nmaterial = m\n"
+		"[object ball]\nfile = ball.obj\nup = z\n[material m]\ncolour = 0.1 0.35 1\n");
+	basis = baking_bake("g.ini");
+	for (int c = 0; c < 3; c++) {
+		static const double albedo[3] = {0.1, 0.35, 1};
+		double sum = 0;
+
+		for (uint32_t i = 0; i < basis.info.lights; i++)
+			sum += basis_ground(&basis, 0, c)[i];
+		assert_true(fabs(sum - albedo[c]) < 1e-9);
+	}
+	basis_close(&basis);
+}
+
+/* Ground right below a black sphere sees it with the form factor (R / h)^2. */
+static void test_form_factor(void **state)
+{
+	const double radius = 0.5, height = 1.25;
+	struct basis basis;
+	double v[512];
+
+	(void)state;
+	baking_write_sphere("ball.obj", radius, 64);
+	baking_write("f.ini",
+		     "[camera]\nposition = 0 -10 1\nlook_at = 0 0 0\nfield_deg = 0.05\nwidth = 3\n"
+		     "height = 3\n[dome]\nfrequency = 9\n[render]\nsamples = 256\n"
+		     "[ground]\n[object ball]\nfile = ball.obj\nup = z\nposition = 0 0 %g\n"
+		     "material = black\n[material black]\ncolour = 0 0 0\n",
+		     height);
+	basis = baking_bake("f.ini");
+	assert_true(fabs(1 - baking_ratio(&basis, 1, 1, 0, NULL) -
+			 radius * radius / height / height) < 0.001);
+	assert_true(baking_row(&basis, 1, 1, BASIS_KIND_V, 0, v));
+	assert_true(fabs(v[0] - 1) < 1e-4); /* the zenith's cell lies behind it */
+	assert_true(fabs(v[405]) < 1e-4);   /* the horizon's does not */
+	basis_close(&basis);
+}
+
+/* Where light of everywhere that leaves the middle of the ground ends, by paths of its own: ground
+ * of albedo 1/2, over it a square plate that looks straight down. */
+static double below_a_plate(double half_side, double height, double albedo)
+{
+	struct random random = {5};
+	const int paths = 400000;
+	double sum = 0;
+
+	for (int k = 0; k < paths; k++) {
+		double at[2] = {0, 0}, weight = 1;
+
+		for (int bounce = 0; weight > 1e-6; bounce++) {
+			const double r = sqrt((double)random_next(&random));
+			const double phi = 2 * M_PI * (double)random_next(&random);
+
+			at[0] += height * r * cos(phi) / sqrt(fmax(1 - r * r, 1e-12));
+			at[1] += height * r * sin(phi) / sqrt(fmax(1 - r * r, 1e-12));
+			if (bounce % 2 == 0 && fmax(fabs(at[0]), fabs(at[1])) > half_side) {
+				sum += weight;
+				break;
+			}
+			weight *= bounce % 2 ? 0.5 : albedo;
+		}
+	}
+	return sum / paths;
+}
+
+/* What looks straight down knows no way that is down its slope. Tilted by next to nothing it is the
+ * same plate. */
+static void test_looks_straight_down(void **state)
+{
+	static const char *const tilts[] = {"0 0 0", "0.01 0 0", "0 0.00001 0"};
+	const double want = below_a_plate(0.8, 0.5, 0.8);
+
+	(void)state;
+	baking_write("plate.obj", "v -0.8 -0.8 0\nv 0.8 -0.8 0\nv 0.8 0.8 0\nv -0.8 0.8 0\n"
+				  "f 4 3 2 1\n");
+	for (int k = 0; k < 3; k++) {
+		struct basis basis;
+		double got = 0;
+
+		baking_write("plate.ini",
+			     "[camera]\nposition = 0 -0.9 0.25\nlook_at = 0 0 0\nfield_deg = 2\n"
+			     "width = 4\nheight = 4\n[dome]\nfrequency = 4\n[render]\n"
+			     "samples = 256\nbounces = 32\n[ground]\nmaterial = half\n"
+			     "[object plate]\nfile = plate.obj\nup = z\nposition = 0 0 0.5\n"
+			     "rotate = %s\nmaterial = bright\n[material bright]\n"
+			     "colour = 0.8 0.8 0.8\n[material half]\ncolour = 0.5 0.5 0.5\n",
+			     tilts[k]);
+		basis = baking_bake("plate.ini");
+		for (int p = 0; p < 16; p++)
+			got += baking_ratio(&basis, p % 4, p / 4, 1, NULL) / 16;
+		basis_close(&basis);
+		print_message("# below a plate turned by %s: %.4f, expected %.4f\n", tilts[k], got,
+			      want);
+		assert_true(fabs(got - want) < 0.006);
+	}
+}
+
+/* ---- directions ---- */
+
+/* A mirroring sphere shows in each pixel the cell that the law of reflection says. */
+static void test_mirror(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct basis basis;
+	struct dome dome;
+	double all = 0;
+	int checked = 0, strays = 0;
+
+	(void)state;
+	assert_int_equal(dome_create(&dome, 6, DOME_ANGLES, &fault), 0);
+	baking_write_sphere("ball.obj", 1, 128);
+	baking_write(
+		"m.ini",
+		"[camera]\nposition = 0 -40 0\nlook_at = 0 0 0\nfield_deg = 3\nwidth = 40\n"
+		"height = 40\n[dome]\nfrequency = 6\n[render]\nsamples = 16\n[object ball]\n"
+		"file = ball.obj\nup = z\nmaterial = mirror\n[material mirror]\nkind = glossy\n"
+		"colour = 0 0 0\nspecular = 1 1 1\nroughness = 0\n");
+	basis = baking_bake("m.ini");
+	for (int y = 4; y < 36; y++)
+		for (int x = 4; x < 36; x++) {
+			const double half = 40 * tan(1.5 * M_PI / 180);
+			/* seen from -Y: world +X is right, +Z is up */
+			const double px = half * ((x + 0.5) / 20 - 1),
+				     pz = half * (1 - (y + 0.5) / 20);
+			const double r2 = px * px + pz * pz;
+			double n[3] = {px, 0, pz}, mirrored[3], t[512], view[3], dot;
+			double sum = 0, near = 0;
+
+			if (r2 > 0.6)
+				continue;
+			n[1] = -sqrt(1 - r2);
+			for (int k = 0; k < 3; k++)
+				view[k] = n[k] - (k == 1 ? -40 : 0);
+			dot = sqrt(view[0] * view[0] + view[1] * view[1] + view[2] * view[2]);
+			for (int k = 0; k < 3; k++)
+				view[k] /= dot;
+			dot = view[0] * n[0] + view[1] * n[1] + view[2] * n[2];
+			for (int k = 0; k < 3; k++)
+				mirrored[k] = view[k] - 2 * dot * n[k];
+			if (mirrored[2] < 0.3)
+				continue;
+			baking_row(&basis, x, y, BASIS_KIND_T, 1, t);
+			for (int i = 0; i < dome.count; i++) {
+				const double *d = dome.direction[i];
+				const double c = d[0] * mirrored[0] + d[1] * mirrored[1] +
+						 d[2] * mirrored[2];
+
+				sum += t[i];
+				near += c > cos(0.45) ? t[i] : 0;
+			}
+			assert_true(fabs(sum - 1) < 0.02);
+			all += sum - 1;
+			strays += near < 0.97 * sum; /* a sample in the lobe's far tail */
+			checked++;
+		}
+	assert_true(checked > 200 && strays < 4 && fabs(all / checked) < 0.002);
+	basis_close(&basis);
+	dome_free(&dome);
+}
+
+/* ---- stand-ins ---- */
+
+/* A stand-in where the ground would be catches the same shadow, through D and U instead of V. */
+static void test_standin_is_ground(void **state)
+{
+	static double of_ground[32][32];
+	struct basis basis;
+	double worst = 0, sum = 0;
+	int count = 0;
+
+	(void)state;
+	baking_write_sphere("ball.obj", 0.8, 24);
+	baking_write("plane.obj", "v -40 -40 0\nv 40 -40 0\nv 40 40 0\nv -40 40 0\nf 1 2 3 4\n");
+	for (int k = 0; k < 2; k++) {
+		baking_write(
+			"s.ini",
+			"[camera]\nposition = 0 -6 4\nlook_at = 0 0 0\nfield_deg = 40\nwidth = "
+			"32\nheight = 32\n[dome]\nfrequency = 4\n[render]\nsamples = 64\n"
+			"%s[object ball]\nfile = ball.obj\nup = z\nmaterial = m\n"
+			"position = 0 0 1.2\n[material m]\ncolour = 0.5 0.5 0.5\n",
+			k ? "[standin floor]\nfile = plane.obj\nup = z\nmaterial = m\n"
+			  : "[ground]\nmaterial = m\n");
+		basis = baking_bake("s.ini");
+		for (int y = 0; y < 32; y++)
+			for (int x = 0; x < 32; x++) {
+				const double ratio = baking_ratio(&basis, x, y, 0, NULL);
+
+				if (k && baking_coverage(&basis, x, y) < 0.5) {
+					worst = fmax(worst, fabs(ratio - of_ground[y][x]));
+					sum += ratio - of_ground[y][x];
+					count++;
+				}
+				of_ground[y][x] = ratio;
+			}
+		basis_close(&basis);
+	}
+	print_message("# stand-in against ground: mean %+.5f, worst %.4f\n", sum / count, worst);
+	assert_true(count > 500 && fabs(sum / count) < 0.002 && worst < 0.03);
+}
+
+static void test_standin_hides(void **state)
+{
+	struct basis basis;
+	int seen = 0;
+
+	(void)state;
+	baking_write_sphere("ball.obj", 0.8, 12);
+	/* a wall before the right half */
+	baking_write("wall.obj", "v 0 -3 0\nv 9 -3 0\nv 9 -3 9\nv 0 -3 9\nf 1 2 3 4\n");
+	baking_write("h.ini", VIEW "[dome]\nfrequency = 1\n[render]\nsamples = 4\n[ground]\n"
+				   "[standin wall]\nfile = wall.obj\nup = z\n[object ball]\n"
+				   "file = ball.obj\nup = z\nstand = yes\n");
+	basis = baking_bake("h.ini");
+	for (int y = 0; y < 48; y++)
+		for (int x = 0; x < 48; x++) {
+			seen += baking_coverage(&basis, x, y) > 0;
+			if (x >= 24)
+				assert_true(baking_coverage(&basis, x, y) == 0);
+		}
+	assert_true(seen > 100);
+	basis_close(&basis);
+}
+
+/* ---- the whole against another code path ---- */
+
+/* A panorama that is made of the lights: then they approximate nothing, and bake and truth must
+ * agree to their noise. */
+static void check_truth_agrees(enum dome_shape shape)
+{
+	const int width = 1024, height = 512, side = 64;
+	const struct truth_settings settings = {
+		.samples = 256, .bounces = 32, .seed = 3, .threads = 2, .quiet = true};
+	struct image image, grey, out;
+	const struct panorama panorama = {.image = &image, .turn_rad = 0.7, .scale = 0.5};
+	struct fault fault = {.text = ""};
+	struct truth_report report;
+	struct scene *scene;
+	struct basis basis;
+	struct dome dome;
+	struct sky sky;
+	double light[64] = {0}, square = 0, worst = 0;
+
+	assert_int_equal(dome_create_shaped(&dome, 3, DOME_ANGLES, shape, &fault), 0);
+	for (int i = 0; i < dome.count; i++)
+		light[i] = 0.2 + (i * 7 % 11 == 3 ? 4 : 0) + 0.1 * (i % 3);
+	assert_int_equal(image_create_f32(&image, width, height), 0);
+	for (int y = 0; y < height; y++)
+		for (int x = 0; x < width; x++) {
+			double d[3], weight[3], sum = 0;
+			int which[3], lights;
+
+			panorama_direction(&panorama, x + 0.5, y + 0.5, d);
+			lights = dome_weights(&dome, d, which, weight);
+			for (int k = 0; k < lights; k++)
+				sum += weight[k] * light[which[k]];
+			for (int c = 0; c < 3; c++)
+				image.f32[3 * (y * width + x) + c] = (float)(sum / panorama.scale);
+		}
+	/* the texels above the horizon must not take from the black below it */
+	for (int x = 0; x < 3 * width; x++)
+		image.f32[3 * width * (height / 2) + x] =
+			image.f32[3 * width * (height / 2 - 1) + x];
+	assert_int_equal(image_create_f32(&grey, side, side), 0);
+	for (int k = 0; k < 3 * side * side; k++)
+		grey.f32[k] = 0.3f;
+	baking_write_sphere("ball.obj", 0.8, 32);
+	baking_write("cube.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 1\nv 1 -1 1\n"
+				 "v 1 1 1\nv -1 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
+				 "f 3 4 8 7\nf 4 1 5 8\n");
+	baking_write(
+		"t.ini",
+		"[camera]\nposition = 2 -6 2.5\nlook_at = 0 0 0.7\nfield_deg = 40\nwidth = 64\n"
+		"height = 64\n[dome]\nfrequency = 3\nlights = %s\n"
+		"[render]\nsamples = 128\n[ground]\n"
+		"[object ball]\nfile = ball.obj\nup = z\nposition = 0.4 0 0.8\nmaterial = shiny\n"
+		"[object cube]\nfile = cube.obj\nup = z\nscale = 0.4\nposition = -1 -0.6 0\n"
+		"material = red\n[material red]\ncolour = 0.8 0.2 0.1\n[material shiny]\n"
+		"kind = glossy\ncolour = 0.3 0.4 0.6\nspecular = 0.2 0.2 0.2\nroughness = 0.4\n",
+		dome_shape_names[shape]);
+	scene = baking_scene("t.ini");
+	basis = baking_bake("t.ini");
+	assert_int_equal((int)basis.info.light_shape, (int)shape);
+	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
+	assert_int_equal(truth_run(scene, &sky, &grey, &settings, &out, &report, &fault), 0);
+	for (int y = 0; y < side; y++)
+		for (int x = 0; x < side; x++)
+			for (int c = 0; c < 3; c++) {
+				const double baked = baking_object(&basis, x, y, c, light) +
+						     (1 - baking_coverage(&basis, x, y)) *
+							     baking_ratio(&basis, x, y, c, light) *
+							     0.3;
+				const double off = baked - out.f32[3 * (y * side + x) + c];
+
+				square += off * off;
+				worst = fmax(worst, fabs(off));
+			}
+	square = sqrt(square / (3 * side * side));
+	print_message("# bake against truth, %s: RMS %.5f, worst %.4f (linear), truth's noise "
+		      "%.2f levels\n",
+		      dome_shape_names[shape], square, worst, report.noise_levels);
+	assert_true(square < 0.006);
+	basis_close(&basis);
+	scene_close(scene);
+	sky_free(&sky);
+	image_free(&image);
+	image_free(&grey);
+	image_free(&out);
+	dome_free(&dome);
+}
+
+static void test_truth_agrees(void **state)
+{
+	(void)state;
+	check_truth_agrees(DOME_CELLS);
+	check_truth_agrees(DOME_TENTS);
+}
+
+/* A fisheye picture of the panorama holds the same light as the panorama's upper half. */
+static void test_fisheye_energy(void **state)
+{
+	const int width = 256, height = 128, side = 100;
+	const struct fisheye_settings lens_settings = {.field_deg = 90};
+	struct image image, out;
+	const struct panorama panorama = {.image = &image, .scale = 1};
+	struct fault fault = {.text = ""};
+	double seen = 0, exact;
+	struct fisheye lens;
+	struct sky sky;
+
+	(void)state;
+	assert_int_equal(image_create_f32(&image, width, height), 0);
+	for (int y = 0; y < height; y++)
+		for (int x = 0; x < width; x++)
+			for (int c = 0; c < 3; c++)
+				image.f32[3 * (y * width + x) + c] =
+					(float)(1 + 0.5 * sin(2 * M_PI * x / width));
+	image.f32[3 * (30 * width + 77)] = 5000; /* a sun of one texel */
+	assert_int_equal(truth_fisheye(&panorama, side, &out), 0);
+	assert_int_equal(fisheye_prepare(&lens, &lens_settings, side, side, &fault), 0);
+	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
+	exact = sky.ground.c[0] * M_PI;
+	for (int y = 0; y < side; y++)
+		for (int x = 0; x < side; x++) {
+			/* the cosine-weighted solid angle of the pixel, finely */
+			for (int k = 0; k < 64; k++) {
+				const double px[2] = {x + (k % 8 + 0.5) / 8, y + (k / 8 + 0.5) / 8};
+				double d[3];
+
+				if (fisheye_ray(&lens, px, d))
+					seen += out.f32[3 * (y * side + x)] * d[2] *
+						fisheye_pixel_sr(&lens, px) / 64;
+			}
+		}
+	print_message("# fisheye: irradiance %.4f of %.4f\n", seen, exact);
+	assert_true(fabs(seen - exact) < 0.001 * exact);
+	image_free(&image);
+	image_free(&out);
+	sky_free(&sky);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_glossy_conserves), cmocka_unit_test(test_glossy_samples),
+		cmocka_unit_test(test_white_furnace),	 cmocka_unit_test(test_glass_furnace),
+		cmocka_unit_test(test_half_sky),	 cmocka_unit_test(test_ground_term),
+		cmocka_unit_test(test_form_factor),	 cmocka_unit_test(test_looks_straight_down),
+		cmocka_unit_test(test_mirror),		 cmocka_unit_test(test_standin_is_ground),
+		cmocka_unit_test(test_standin_hides),	 cmocka_unit_test(test_truth_agrees),
+		cmocka_unit_test(test_fisheye_energy),
+	};
+
+	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+}

@@ -1,0 +1,316 @@
+/* Glass of the object and stand-ins for real things: what is baked, composited, against path-traced
+ * truth, on a background that shows where light comes from. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "bake/tiles/sight.h"
+#include "bake/truth/truth.h"
+#include "hal/compositor/compositor.h"
+#include "tests/support/baking.h"
+
+#define WIDTH 40
+#define HEIGHT 30
+#define PIXELS (WIDTH * HEIGHT)
+#define SQUARE 5 /* of the background's board */
+
+/* The picture is the same wherever the camera stands. */
+#define SCENE(camera)                                                                              \
+	"[camera]\n" camera "field_deg = 36\nwidth = 40\nheight = 30\n[dome]\nfrequency = 1\n"     \
+	"[render]\nsamples = 64\n[ground]\n"
+
+struct comparison {
+	struct basis basis;
+	struct image truth;	 /* linear */
+	uint8_t out[PIXELS * 4]; /* BGRX */
+	double rms, most, psnr;
+	int x, y; /* of most */
+};
+
+static int board_code(int x, int y, int c)
+{
+	return (x / SQUARE + y / SQUARE) % 2 ? 225 - 12 * c : 50 + 25 * ((x / SQUARE + c) % 3);
+}
+
+/* Even over each cell, so that cells approximate nothing; a strong lamp in one of them. */
+static double light_of(int cell, int c)
+{
+	return 0.3 + (cell == 3 ? 2 + 0.3 * c : 0);
+}
+
+static void make_panorama(struct image *image)
+{
+	const int width = 256, height = 128;
+	const struct panorama panorama = {.image = image, .scale = 1};
+	struct fault fault = {.text = ""};
+	struct dome dome;
+
+	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, &fault), 0);
+	assert_int_equal(image_create_f32(image, width, height), 0);
+	for (int y = 0; y <= height / 2; y++)
+		for (int x = 0; x < width; x++) {
+			double d[3];
+
+			/* the row below the horizon is as the one above */
+			panorama_direction(&panorama, x + 0.5, fmin(y, height / 2 - 1) + 0.5, d);
+			for (int c = 0; c < 3; c++)
+				image->f32[3 * (y * width + x) + c] =
+					(float)light_of(dome_cell_of(&dome, d), c);
+		}
+	dome_free(&dome);
+}
+
+static void composite(struct comparison *to)
+{
+	static uint8_t board[PIXELS * 4];
+	const struct picture picture = {board, 4, WIDTH * 4, WIDTH, HEIGHT};
+	const struct backdrop backdrop = backdrop_of(&picture);
+	const struct compositor_settings settings = {.background = {.named = TRANSFER_SRGB},
+						     .output = {.named = TRANSFER_SRGB},
+						     .gain = 1,
+						     .object = true};
+	const struct compositor_options options = {.pool = NULL};
+	const int count = (int)to->basis.info.lights;
+	float(*radiance)[3] = calloc((size_t)count, sizeof(*radiance));
+	struct light_selection lights;
+	struct compositor *compositor;
+
+	assert_non_null(radiance);
+	for (int i = 0; i < count; i++)
+		for (int c = 0; c < 3; c++)
+			radiance[i][c] = (float)light_of(i, c);
+	for (int i = 0; i < PIXELS; i++)
+		for (int c = 0; c < 3; c++)
+			board[i * 4 + 2 - c] = (uint8_t)board_code(i % WIDTH, i / WIDTH, c);
+	assert_int_equal(light_selection_create(&lights, &to->basis), 0);
+	light_selection_choose(&lights, &to->basis, 0, (const float(*)[3])radiance, 0,
+			       THRESHOLD_AMBIENT, 1);
+	assert_int_equal(compositor_create(&compositor, &to->basis, &options, NULL), 0);
+	compositor_set(compositor, &settings);
+	assert_int_equal(compositor_run(compositor, 0, &lights, &backdrop, to->out, WIDTH * 4), 0);
+	compositor_destroy(compositor);
+	light_selection_free(&lights);
+	free(radiance);
+}
+
+static double true_level(const struct comparison *c, int x, int y, int channel)
+{
+	return 255 *
+	       transfer_encode(TRANSFER_SRGB, (double)c->truth.f32[3 * (y * WIDTH + x) + channel]);
+}
+
+static int level(const struct comparison *c, int x, int y, int channel)
+{
+	return c->out[(y * WIDTH + x) * 4 + 2 - channel];
+}
+
+/* Bakes NAME, composites it, and traces the same. */
+static void compare(struct comparison *to, const char *name)
+{
+	const struct truth_settings settings = {
+		.samples = 384, .bounces = 8, .seed = 3, .threads = 2, .quiet = true};
+	struct image image, board;
+	const struct panorama panorama = {.image = &image, .scale = 1};
+	struct scene *scene = baking_scene(name);
+	struct fault fault = {.text = ""};
+	struct truth_report report;
+	double square = 0;
+	struct sky sky;
+
+	make_panorama(&image);
+	assert_int_equal(image_create_f32(&board, WIDTH, HEIGHT), 0);
+	for (int i = 0; i < PIXELS; i++)
+		for (int c = 0; c < 3; c++)
+			board.f32[3 * i + c] = (float)transfer_decode(
+				TRANSFER_SRGB, board_code(i % WIDTH, i / WIDTH, c) / 255.0);
+	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
+	assert_int_equal(truth_run(scene, &sky, &board, &settings, &to->truth, &report, &fault), 0);
+	to->basis = baking_bake(name);
+	composite(to);
+	to->most = 0;
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++)
+			for (int c = 0; c < 3; c++) {
+				const double off = level(to, x, y, c) - true_level(to, x, y, c);
+
+				square += off * off / (3 * PIXELS);
+				if (fabs(off) > to->most) {
+					to->most = fabs(off);
+					to->x = x;
+					to->y = y;
+				}
+			}
+	to->rms = sqrt(square);
+	to->psnr = 20 * log10(255 / to->rms);
+	print_message("# %s: %.1f dB, RMS %.2f levels, %.1f at most (%d, %d); truth's noise %.2f\n",
+		      name, to->psnr, to->rms, to->most, to->x, to->y, report.noise_levels);
+	sky_free(&sky);
+	image_free(&image);
+	image_free(&board);
+	scene_close(scene);
+}
+
+static void compared(struct comparison *c)
+{
+	basis_close(&c->basis);
+	image_free(&c->truth);
+}
+
+static void write_box(const char *name, double x, double y, double z)
+{
+	baking_write(name,
+		     "v %1$g %2$g 0\nv %4$g %2$g 0\nv %4$g %5$g 0\nv %1$g %5$g 0\n"
+		     "v %1$g %2$g %3$g\nv %4$g %2$g %3$g\nv %4$g %5$g %3$g\nv %1$g %5$g %3$g\n"
+		     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n",
+		     -x, -y, z, x, y);
+}
+
+/* ---- glass ---- */
+
+/* Straight glass shows each pixel its own background, times colour for each of two surfaces. */
+static void a_tinted_pane_lets_its_own_background_through(void **state)
+{
+	const double tint[3] = {0.95, 0.7, 0.4};
+	struct comparison c;
+	int whole = 0, foot = 0;
+
+	(void)state;
+	write_box("pane.obj", 0.55, 0.04, 1.1);
+	baking_write(
+		"pane.ini",
+		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object pane]\nfile = "
+								       "pane.obj\nup = z\nmaterial "
+								       "= tint\n[material tint]\n"
+								       "kind = glass\nior = "
+								       "1\ncolour = 0.95 0.7 "
+								       "0.4\n");
+	compare(&c, "pane.ini");
+	for (size_t k = 0; k < c.basis.poses[0].glass_count; k++) {
+		const struct basis_glass *g = &c.basis.poses[0].glass[k];
+		double off = 0;
+
+		assert_int_equal(g->dx, 0);
+		assert_int_equal(g->dy, 0);
+		if (baking_coverage(&c.basis, g->x, g->y) < 1)
+			continue;
+		for (int channel = 0; channel < 3; channel++)
+			off = fmax(off, fabs(g->transmission[channel] / 65535.0 -
+					     tint[channel] * tint[channel]));
+		(off < 1e-4 ? &whole : &foot)[0]++;
+	}
+	/* at its foot rays meet the ground before they leave */
+	assert_true(foot < 30);
+	assert_true(whole > 100);
+	assert_true(c.rms < 1.5);
+	compared(&c);
+}
+
+/* One surface for a whole pane: it mirrors 2 F / (1 + F), and its mesh is open. */
+static void a_thin_pane_mirrors_on_both_sides(void **state)
+{
+	const double once = 0.04, both = 2 * once / (1 + once);
+	struct comparison c;
+
+	(void)state;
+	baking_write("sheet.obj", "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
+	baking_write(
+		"thin.ini",
+		SCENE("position = 0 -3.5 0.5\nlook_at = 0 0 0.5\n") "[object pane]\nfile = "
+								    "sheet.obj\nup = z\nmaterial = "
+								    "g\n[material g]\n"
+								    "kind = glass\nthin = "
+								    "yes\ncolour = 0.9 0.9 0.9\n");
+	compare(&c, "thin.ini");
+	for (int channel = 0; channel < 3; channel++)
+		assert_true(fabs(baking_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
+				 0.9 * (1 - both)) < 2e-3);
+	assert_true(c.rms < 1.5);
+	compared(&c);
+}
+
+/* A ball of glass stands the background on its head. */
+static void a_ball_bends_the_background(void **state)
+{
+	struct comparison c;
+	int below = 0;
+
+	(void)state;
+	baking_write_sphere("ball.obj", 0.5, 32);
+	baking_write(
+		"ball.ini",
+		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object ball]\nfile = "
+								       "ball.obj\nup = z\nposition "
+								       "= 0 0 0.5\nmaterial = g\n"
+								       "[material g]\nkind = "
+								       "glass\ncolour = 0.98 0.98 "
+								       "0.98\n");
+	compare(&c, "ball.ini");
+	for (size_t k = 0; k < c.basis.poses[0].glass_count; k++)
+		below += c.basis.poses[0].glass[k].dy > 2 * BASIS_GLASS_STEP;
+	assert_true(c.basis.poses[0].glass_count > 100);
+	assert_true(below > 20);
+	assert_true(c.psnr > 28);
+	compared(&c);
+}
+
+/* ---- real things ---- */
+
+/* A real box before the object hides it, where nothing of the picture changes then; a real step
+ * receives its shadow. */
+static void real_things_hide_and_receive(void **state)
+{
+	struct comparison c;
+	int hidden = 0, shown = 0, dark = 0, wrong = 0;
+
+	(void)state;
+	write_box("box.obj", 0.3, 0.2, 0.45);
+	write_box("step.obj", 1.2, 0.5, 0.25);
+	baking_write_sphere("ball.obj", 0.45, 24);
+	baking_write(
+		"real.ini",
+		SCENE("position = 0.6 -3.6 1.6\nlook_at = 0 0 0.4\n") "[object ball]\nfile = "
+								      "ball.obj\nup = z\nposition "
+								      "= 0 0 0.45\n"
+								      "material = red\n[material "
+								      "red]\ncolour = 0.8 0.2 0.1\n"
+								      "[standin box]\nfile = "
+								      "box.obj\nup = z\nposition = "
+								      "-0.3 -0.9 0\n"
+								      "material = grey\n[standin "
+								      "step]\nfile = step.obj\nup "
+								      "= z\n"
+								      "position = 0.2 1.1 "
+								      "0\nmaterial = "
+								      "grey\n[material grey]\n"
+								      "colour = 0.6 0.6 0.6\n");
+	compare(&c, "real.ini");
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			const double ratio = baking_ratio(&c.basis, x, y, 1, NULL);
+			const double a = baking_coverage(&c.basis, x, y);
+
+			shown += a == 1;
+			dark += a == 0 && ratio < 0.85;
+			hidden += a == 0 && ratio > 0.98;
+			wrong += fabs(level(&c, x, y, 1) - true_level(&c, x, y, 1)) > 12;
+		}
+	assert_true(shown > 40 && dark > 20 && hidden > 300);
+	assert_int_equal(wrong, 0);
+	assert_true(c.rms < 2);
+	compared(&c);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_tinted_pane_lets_its_own_background_through),
+		cmocka_unit_test(a_thin_pane_mirrors_on_both_sides),
+		cmocka_unit_test(a_ball_bends_the_background),
+		cmocka_unit_test(real_things_hide_and_receive),
+	};
+
+	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+}

@@ -1,0 +1,728 @@
+/*
+ * The KMS display against a graphics card that is played by this program: a FIFO is opened as the
+ * card, ioctl() and mmap() are answered here instead of by a kernel. What a real kernel answers is
+ * tests/vm's business; this is about cards that the simulated machine does not have: one that
+ * scales, one that is busy, one whose flips never come, one whose screen changes its modes, one
+ * whose link to it fails, one on which somebody left a cursor.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <drm_fourcc.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "drivers/drivers.h"
+#include "drivers/kms/kms.h"
+#include "hal/base/clock.h"
+#include "tests/support/own_folder.h"
+
+enum {
+	CONNECTOR = 10,
+	ENCODER,
+	CRTC,
+	PLANE,
+	CURSOR,
+	OBJECTS = CURSOR + 1 - CONNECTOR,
+	FIRST_PROPERTY = 100,
+	BUFFER_BYTES = 1 << 22
+};
+
+static const char *const properties[] = {
+	"CRTC_ID", "ACTIVE",	  "MODE_ID",   "FB_ID",	      "SRC_X",	"SRC_Y",
+	"SRC_W",   "SRC_H",	  "CRTC_X",    "CRTC_Y",      "CRTC_W", "CRTC_H",
+	"CTM",	   "DEGAMMA_LUT", "GAMMA_LUT", "link-status", "type",
+};
+
+enum { PROPERTIES = sizeof(properties) / sizeof(properties[0]), LINK = PROPERTIES - 2 };
+
+static struct {
+	ino_t node;
+	int memory; /* what the buffers lie in */
+	unsigned connection;
+	drmModeModeInfo modes[2];
+	int mode_count;
+	bool held, no_atomic, scales, silent, has_link;
+	bool cursor_is_gone; /* once it is off: nobody else holds its picture */
+	int busy;	     /* so many flips are refused */
+	atomic_int commits;  /* that block */
+	atomic_bool blocks;  /* until it no longer does */
+	int trials, flips;   /* TEST_ONLY; accepted */
+	int probes;	     /* of the connector */
+	atomic_int buffers;  /* that exist */
+	atomic_int master;   /* the descriptor that is; 0: none */
+	int created;
+	int blobs;			      /* that exist */
+	uint64_t values[OBJECTS][PROPERTIES]; /* of the objects' properties, as set last */
+	int64_t flip_ns;		      /* its time, as the event says */
+} card;
+
+static int refuse(int err)
+{
+	errno = err;
+	return -1;
+}
+
+/* Fills an array that the caller has room for, and says how long it is. */
+static void answer(uint64_t to, uint32_t *count, const uint32_t *ids, uint32_t length)
+{
+	if (to && *count >= length)
+		memcpy((void *)(uintptr_t)to, ids, length * sizeof(*ids));
+	*count = length;
+}
+
+static uint64_t *property(uint64_t values[OBJECTS][PROPERTIES], uint32_t object, const char *name)
+{
+	for (int i = 0; i < PROPERTIES; i++)
+		if (!strcmp(properties[i], name))
+			return &values[object - CONNECTOR][i];
+	fail_msg("no property %s", name);
+	return NULL;
+}
+
+static uint64_t *value_of(uint32_t object, const char *name)
+{
+	return property(card.values, object, name);
+}
+
+/* Every object has all of them: whose is whose does not matter here. */
+static void answer_properties(uint32_t object, uint64_t ids, uint64_t values, uint32_t *count)
+{
+	if (ids && *count >= PROPERTIES)
+		for (uint32_t i = 0; i < PROPERTIES; i++) {
+			((uint32_t *)(uintptr_t)ids)[i] = FIRST_PROPERTY + i;
+			((uint64_t *)(uintptr_t)values)[i] = card.values[object - CONNECTOR][i];
+		}
+	*count = PROPERTIES;
+}
+
+static int get_connector(struct drm_mode_get_connector *c)
+{
+	if (c->connector_id != CONNECTOR)
+		return refuse(ENOENT);
+	card.probes += !c->count_modes;
+	if (c->modes_ptr && c->count_modes >= (uint32_t)card.mode_count)
+		memcpy((void *)(uintptr_t)c->modes_ptr, card.modes,
+		       (size_t)card.mode_count * sizeof(card.modes[0]));
+	c->count_modes = (uint32_t)card.mode_count;
+	answer(c->encoders_ptr, &c->count_encoders, (uint32_t[]){ENCODER}, 1);
+	answer_properties(CONNECTOR, c->props_ptr, c->prop_values_ptr, &c->count_props);
+	c->connection = card.connection;
+	c->connector_type = DRM_MODE_CONNECTOR_HDMIA;
+	c->connector_type_id = 1;
+	c->encoder_id = 0;
+	return 0;
+}
+
+static int get_resources(struct drm_mode_card_res *r)
+{
+	answer(r->connector_id_ptr, &r->count_connectors, (uint32_t[]){CONNECTOR}, 1);
+	answer(r->crtc_id_ptr, &r->count_crtcs, (uint32_t[]){CRTC}, 1);
+	answer(r->encoder_id_ptr, &r->count_encoders, (uint32_t[]){ENCODER}, 1);
+	r->count_fbs = 0;
+	return 0;
+}
+
+static int get_plane(struct drm_mode_get_plane *p)
+{
+	answer(p->format_type_ptr, &p->count_format_types, (uint32_t[]){DRM_FORMAT_XRGB8888}, 1);
+	p->possible_crtcs = 1;
+	p->crtc_id = (uint32_t)*value_of(p->plane_id, "CRTC_ID");
+	p->fb_id = (uint32_t)*value_of(p->plane_id, "FB_ID");
+	return 0;
+}
+
+static int get_properties(struct drm_mode_obj_get_properties *p)
+{
+	answer_properties(p->obj_id, p->props_ptr, p->prop_values_ptr, &p->count_props);
+	return 0;
+}
+
+static int get_property(struct drm_mode_get_property *p)
+{
+	const uint32_t i = p->prop_id - FIRST_PROPERTY;
+
+	strcpy(p->name, i == LINK && !card.has_link ? "other" : properties[i]);
+	p->count_values = p->count_enum_blobs = 0;
+	return 0;
+}
+
+/* Reported as the kernel does, but for who waits for it. */
+static void report_flip(int fd, uint64_t user)
+{
+	const struct drm_event_vblank event = {
+		.base = {DRM_EVENT_FLIP_COMPLETE, sizeof(event)},
+		.user_data = user,
+		.tv_sec = (uint32_t)(card.flip_ns / NS_PER_S),
+		.tv_usec = (uint32_t)(card.flip_ns % NS_PER_S / 1000),
+		.crtc_id = CRTC,
+	};
+
+	assert_int_equal(write(fd, &event, sizeof(event)), sizeof(event));
+}
+
+static int commit(int fd, const struct drm_mode_atomic *a)
+{
+	const uint32_t *objects = (uint32_t *)(uintptr_t)a->objs_ptr;
+	const uint32_t *counts = (uint32_t *)(uintptr_t)a->count_props_ptr;
+	const uint32_t *ids = (uint32_t *)(uintptr_t)a->props_ptr;
+	const uint64_t *values = (uint64_t *)(uintptr_t)a->prop_values_ptr;
+	const bool trial = a->flags & DRM_MODE_ATOMIC_TEST_ONLY;
+	uint64_t wanted[OBJECTS][PROPERTIES];
+
+	memcpy(wanted, card.values, sizeof(wanted));
+	for (uint32_t o = 0, at = 0; o < a->count_objs; o++)
+		for (uint32_t i = 0; i < counts[o]; i++, at++)
+			wanted[objects[o] - CONNECTOR][ids[at] - FIRST_PROPERTY] = values[at];
+	if (!card.scales &&
+	    (*property(wanted, PLANE, "SRC_W") >> 16 != *property(wanted, PLANE, "CRTC_W") ||
+	     *property(wanted, PLANE, "SRC_H") >> 16 != *property(wanted, PLANE, "CRTC_H")))
+		return refuse(ERANGE);
+	if (card.cursor_is_gone && *property(wanted, CURSOR, "FB_ID") &&
+	    !*value_of(CURSOR, "FB_ID"))
+		return refuse(ENOENT);
+	if (trial) {
+		card.trials++;
+		return 0;
+	}
+	if (!(a->flags & DRM_MODE_ATOMIC_NONBLOCK)) {
+		card.commits++;
+		while (card.blocks)
+			poll(NULL, 0, 10);
+	} else if (card.busy) {
+		card.busy--;
+		return refuse(EBUSY);
+	}
+	memcpy(card.values, wanted, sizeof(wanted));
+	if (a->flags & DRM_MODE_PAGE_FLIP_EVENT) {
+		card.flips++;
+		if (!card.silent)
+			report_flip(fd, a->user_data);
+	}
+	return 0;
+}
+
+static int create_dumb(struct drm_mode_create_dumb *d)
+{
+	d->pitch = d->width * 4 + 64;
+	d->size = (uint64_t)d->pitch * d->height;
+	d->handle = (uint32_t)++card.created;
+	card.buffers++;
+	assert_true(d->size <= BUFFER_BYTES);
+	return 0;
+}
+
+/* Of several descriptors of a card one is master, until it lets go: the first that asks, here. */
+static bool is_master(int fd)
+{
+	int none = 0;
+
+	return !card.held &&
+	       (atomic_compare_exchange_strong(&card.master, &none, fd) || none == fd);
+}
+
+static int play(int fd, unsigned long request, void *argument)
+{
+	switch (request) {
+	case DRM_IOCTL_GET_CAP:
+		((struct drm_get_cap *)argument)->value = 1;
+		return 0;
+	case DRM_IOCTL_SET_CLIENT_CAP:
+		return card.no_atomic ? refuse(EOPNOTSUPP) : 0;
+	case DRM_IOCTL_AUTH_MAGIC: /* how libdrm asks whether it is master */
+		return refuse(is_master(fd) ? EINVAL : EACCES);
+	case DRM_IOCTL_SET_MASTER:
+		return is_master(fd) ? 0 : refuse(EACCES);
+	case DRM_IOCTL_DROP_MASTER:
+		card.master = 0;
+		return 0;
+	case DRM_IOCTL_MODE_GETRESOURCES:
+		return get_resources(argument);
+	case DRM_IOCTL_MODE_GETCONNECTOR:
+		return get_connector(argument);
+	case DRM_IOCTL_MODE_GETENCODER:
+		((struct drm_mode_get_encoder *)argument)->crtc_id = 0;
+		((struct drm_mode_get_encoder *)argument)->possible_crtcs = 1;
+		return 0;
+	case DRM_IOCTL_MODE_GETPLANERESOURCES: {
+		struct drm_mode_get_plane_res *r = argument;
+
+		answer(r->plane_id_ptr, &r->count_planes, (uint32_t[]){PLANE, CURSOR}, 2);
+		return 0;
+	}
+	case DRM_IOCTL_MODE_GETPLANE:
+		return get_plane(argument);
+	case DRM_IOCTL_MODE_OBJ_GETPROPERTIES:
+		return get_properties(argument);
+	case DRM_IOCTL_MODE_GETPROPERTY:
+		return get_property(argument);
+	case DRM_IOCTL_MODE_CREATEPROPBLOB:
+		((struct drm_mode_create_blob *)argument)->blob_id = (uint32_t)++card.created;
+		card.blobs++;
+		return 0;
+	case DRM_IOCTL_MODE_DESTROYPROPBLOB:
+		card.blobs--;
+		return 0;
+	case DRM_IOCTL_MODE_CREATE_DUMB:
+		return create_dumb(argument);
+	case DRM_IOCTL_MODE_MAP_DUMB: {
+		struct drm_mode_map_dumb *m = argument;
+
+		m->offset = (uint64_t)m->handle * BUFFER_BYTES;
+		return 0;
+	}
+	case DRM_IOCTL_MODE_ADDFB2:
+		((struct drm_mode_fb_cmd2 *)argument)->fb_id =
+			1000 + ((struct drm_mode_fb_cmd2 *)argument)->handles[0];
+		return 0;
+	case DRM_IOCTL_MODE_DESTROY_DUMB:
+		card.buffers--;
+		return 0;
+	case DRM_IOCTL_MODE_ATOMIC:
+		return commit(fd, argument);
+	default: /* of which nothing is expected */
+		return 0;
+	}
+}
+
+static bool is_card(int fd)
+{
+	struct stat of;
+
+	return card.node && !fstat(fd, &of) && of.st_ino == card.node && S_ISFIFO(of.st_mode);
+}
+
+int ioctl(int fd, unsigned long request, ...)
+{
+	va_list arguments;
+	void *argument;
+
+	va_start(arguments, request);
+	argument = va_arg(arguments, void *);
+	va_end(arguments);
+	return is_card(fd) ? play(fd, request, argument)
+			   : (int)syscall(SYS_ioctl, fd, request, argument);
+}
+
+/* The linker puts this in mmap()'s place, here and in the drivers alone (tests/module.mk): in a
+ * whole program's place it would come before a sanitizer's own. */
+void *__real_mmap(void *address, size_t length, int protection, int flags, int fd, off_t offset);
+void *__wrap_mmap(void *address, size_t length, int protection, int flags, int fd, off_t offset);
+
+void *__wrap_mmap(void *address, size_t length, int protection, int flags, int fd, off_t offset)
+{
+	return __real_mmap(address, length, protection, flags, is_card(fd) ? card.memory : fd,
+			   offset);
+}
+
+/* ---- a screen on it ---- */
+
+static struct kms_options options;
+static struct display display;
+static struct fault fault;
+
+static int plug_in(void **state)
+{
+	struct stat of;
+
+	(void)state;
+	memset(&card, 0, sizeof(card));
+	if (mkfifo(own_path("card"), 0600) || stat(own_path("card"), &of))
+		return -1;
+	card.node = of.st_ino;
+	card.memory = memfd_create("buffers", MFD_CLOEXEC);
+	card.connection = DRM_MODE_CONNECTED;
+	card.mode_count = 2;
+	kms_timing(1280, 720, 60, &card.modes[0]);
+	kms_timing(640, 480, 60, &card.modes[1]);
+	*value_of(PLANE, "type") = DRM_PLANE_TYPE_PRIMARY;
+	*value_of(CURSOR, "type") = DRM_PLANE_TYPE_CURSOR;
+	card.flip_ns = 5 * NS_PER_S + 7000;
+	options = (struct kms_options){.buffers = 2};
+	return ftruncate(card.memory, 64L * BUFFER_BYTES);
+}
+
+static int open_it(void)
+{
+	struct display_settings settings = {0};
+
+	strcpy(settings.device, own_path("card"));
+	return display_open(&display, &display_kms, &settings, &options, &fault);
+}
+
+/* One that stalled is given back in its own time, and nothing opens before. */
+static int open_after_a_stall(void)
+{
+	const int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+	int err;
+
+	while ((err = open_it()) == -ETIMEDOUT && clock_now_ns() < until_ns)
+		poll(NULL, 0, 10);
+	return err;
+}
+
+static int take_out(void **state)
+{
+	(void)state;
+	card.blocks = false;
+	display_close(&display, NULL);
+	open_after_a_stall();
+	display_close(&display, NULL);
+	close(card.memory);
+	card.node = 0;
+	return unlink(own_path("card"));
+}
+
+static void open_fine(void)
+{
+	if (open_it())
+		fail_msg("%s", fault.text);
+}
+
+/* What dispatch() says first, within a time; 0: nothing. */
+static int wait_for(struct display_event *event, int64_t within_ns)
+{
+	const int64_t until_ns = clock_now_ns() + within_ns;
+	struct pollfd ready = {.fd = display_descriptor(&display), .events = POLLIN};
+	int err = 0;
+
+	*event = (struct display_event){0};
+	while (!err && event->kind == DISPLAY_NOTHING && clock_now_ns() < until_ns) {
+		poll(&ready, 1, 20);
+		err = display_dispatch(&display, event, &fault);
+	}
+	return err;
+}
+
+static void submit(int64_t token, int width, int height)
+{
+	struct display_buffer buffer;
+
+	assert_int_equal(display_acquire(&display, &buffer), 0);
+	assert_int_equal(buffer.width, width);
+	assert_int_equal(buffer.height, height);
+	memset(buffer.pixels, 77, buffer.stride * (size_t)height);
+	if (display_submit(&display, &buffer, token, &fault))
+		fail_msg("%s", fault.text);
+}
+
+static void assert_shown(int64_t token)
+{
+	struct display_event event;
+
+	assert_int_equal(wait_for(&event, 2 * NS_PER_S), 0);
+	assert_int_equal(event.kind, DISPLAY_SHOWN);
+	assert_int_equal(event.token, token);
+	assert_int_equal(event.time_ns, card.flip_ns);
+}
+
+static void assert_plane(int source_width, int source_height, struct kms_box box)
+{
+	assert_int_equal(*value_of(PLANE, "SRC_W"), (uint64_t)source_width << 16);
+	assert_int_equal(*value_of(PLANE, "SRC_H"), (uint64_t)source_height << 16);
+	assert_int_equal(*value_of(PLANE, "CRTC_X"), box.x);
+	assert_int_equal(*value_of(PLANE, "CRTC_Y"), box.y);
+	assert_int_equal(*value_of(PLANE, "CRTC_W"), box.width);
+	assert_int_equal(*value_of(PLANE, "CRTC_H"), box.height);
+}
+
+static void frames_are_shown_at_the_flips_time(void **state)
+{
+	(void)state;
+	for (int buffers = 2; buffers <= 3; buffers++) {
+		options.buffers = buffers;
+		open_fine();
+		assert_int_equal(display.width, 1280);
+		for (int i = 1; i <= 20; i++) {
+			card.flip_ns += 16667000;
+			submit(i, 1280, 720);
+			assert_shown(i);
+		}
+		assert_int_equal(display.shown, 20);
+		assert_int_equal(display_close(&display, &fault), 0);
+		assert_int_equal(card.buffers, 0);
+	}
+}
+
+static void busy_flips_are_tried_again(void **state)
+{
+	struct display_buffer buffer;
+
+	(void)state;
+	options.buffers = 3;
+	open_fine();
+	card.busy = 5;
+	submit(1, 1280, 720);
+	assert_int_equal(card.flips, 0);
+	/* It is the next to be shown: nothing may overtake it. */
+	assert_int_equal(display_acquire(&display, &buffer), -EAGAIN);
+	assert_shown(1);
+	assert_int_equal(card.busy, 0);
+	submit(2, 1280, 720);
+	assert_shown(2);
+}
+
+static void busy_for_ever_is_a_stall(void **state)
+{
+	struct display_event event;
+	const int64_t start_ns = clock_now_ns();
+
+	(void)state;
+	open_fine();
+	card.busy = 1 << 30;
+	submit(1, 1280, 720);
+	assert_int_equal(wait_for(&event, 5 * NS_PER_S), -ETIMEDOUT);
+	assert_int_equal(display.situation, DISPLAY_STALLED);
+	assert_true(clock_now_ns() - start_ns >= NS_PER_S);
+}
+
+/* The kernel lets nobody go while it waits for a flip: the program is not to wait with it. */
+static void lost_flips_are_a_stall(void **state)
+{
+	struct display_event event;
+
+	(void)state;
+	open_fine();
+	submit(1, 1280, 720);
+	assert_shown(1);
+	card.silent = true;
+	submit(2, 1280, 720);
+	assert_int_equal(wait_for(&event, 5 * NS_PER_S), -ETIMEDOUT);
+	assert_int_equal(display.situation, DISPLAY_STALLED);
+	assert_true(display_may_return(display.situation));
+	card.blocks = true;
+	assert_int_equal(display_close(&display, &fault), 0);
+	/* Until then it stays a stall, however often it is tried: nobody else holds the screen. */
+	for (int i = 0; i < 3; i++) {
+		assert_int_equal(open_it(), -ETIMEDOUT);
+		assert_int_equal(display.situation, DISPLAY_STALLED);
+		assert_non_null(strstr(fault.text, "still waits"));
+	}
+	/* It is given back all the same, in its own time. */
+	card.blocks = false;
+	card.silent = false;
+	assert_int_equal(open_after_a_stall(), 0);
+	assert_int_equal(card.buffers, options.buffers);
+	assert_true(card.commits >= 3);
+	submit(3, 1280, 720);
+	assert_shown(3);
+}
+
+static void a_card_that_scales_scales(void **state)
+{
+	int trials;
+
+	(void)state;
+	card.scales = true;
+	open_fine();
+	submit(1, 1280, 720);
+	assert_shown(1);
+	trials = card.trials;
+	assert_int_equal(display_fit(&display, 640, 480, 1), 0);
+	assert_int_equal(card.trials, trials + 1);
+	/* The trial has changed nothing. */
+	assert_plane(1280, 720, (struct kms_box){0, 0, 1280, 720});
+	submit(2, 640, 480);
+	assert_shown(2);
+	assert_plane(640, 480, (struct kms_box){160, 0, 960, 720});
+	/* Pixels that are not square, and back; a verdict is asked for once. */
+	for (int i = 0; i < 3; i++) {
+		assert_int_equal(display_fit(&display, 720, 486, 540.0 / 486), 0);
+		submit(3, 720, 486);
+		assert_shown(3);
+		assert_plane(720, 486, (struct kms_box){160, 0, 960, 720});
+		assert_int_equal(display_fit(&display, 640, 480, 1), 0);
+	}
+	assert_int_equal(card.trials, trials + 2);
+	/* A picture of the screen's own size needs no scaling; one that is larger has no room. */
+	assert_int_equal(display_fit(&display, 1280, 720, 1), 0);
+	submit(4, 1280, 720);
+	assert_shown(4);
+	assert_plane(1280, 720, (struct kms_box){0, 0, 1280, 720});
+	assert_int_equal(display_fit(&display, 1920, 1080, 1), -ENOTSUP);
+	submit(5, 1280, 720);
+	assert_shown(5);
+	assert_int_equal(card.trials, trials + 2);
+	display_close(&display, NULL);
+	options.scaling = KMS_SCALING_NEVER;
+	open_fine();
+	assert_int_equal(display_fit(&display, 640, 480, 1), -ENOTSUP);
+	submit(1, 1280, 720);
+	assert_shown(1);
+}
+
+static void a_card_that_does_not_scale_is_believed(void **state)
+{
+	int commits;
+
+	(void)state;
+	open_fine();
+	commits = card.commits;
+	for (int i = 1; i < 4; i++) {
+		assert_int_equal(display_fit(&display, 640, 480, 1), -ENOTSUP);
+		submit(i, 1280, 720);
+		assert_shown(i);
+		assert_plane(1280, 720, (struct kms_box){0, 0, 1280, 720});
+	}
+	assert_int_equal(card.commits, commits);
+}
+
+static void a_changed_screen_is_noticed(void **state)
+{
+	struct display_event event;
+
+	(void)state;
+	open_fine();
+	/* Another name and one mode more: nothing that would be chosen now. */
+	card.probes = 0;
+	strcpy(card.modes[0].name, "other");
+	card.mode_count = 1;
+	assert_int_equal(wait_for(&event, 5 * NS_PER_S / 2), 0);
+	assert_int_equal(card.probes, 0);
+	kms_timing(1024, 768, 60, &card.modes[0]);
+	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ESTALE);
+	assert_true(display_may_return(display.situation));
+	display_close(&display, NULL);
+	open_fine();
+	assert_int_equal(display.width, 1024);
+	card.connection = DRM_MODE_DISCONNECTED;
+	card.mode_count = 0;
+	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ENOLINK);
+	assert_int_equal(display.situation, DISPLAY_NO_SCREEN);
+	display_close(&display, NULL);
+	assert_int_equal(open_it(), -ENOLINK);
+	assert_int_equal(display.situation, DISPLAY_NO_SCREEN);
+}
+
+/* A screen whose link failed stays black until its mode is set with the link asked for again. */
+static void a_failed_link_is_set_up_again(void **state)
+{
+	struct display_event event;
+
+	(void)state;
+	card.has_link = true;
+	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD; /* by whoever was before */
+	open_fine();
+	assert_int_equal(*value_of(CONNECTOR, "link-status"), DRM_MODE_LINK_STATUS_GOOD);
+	submit(1, 1280, 720);
+	assert_shown(1);
+	assert_int_equal(wait_for(&event, 5 * NS_PER_S / 2), 0);
+	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD;
+	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ESTALE);
+	assert_non_null(strstr(fault.text, "link"));
+	assert_true(display_may_return(display.situation));
+	display_close(&display, NULL);
+	assert_int_equal(*value_of(CONNECTOR, "link-status"),
+			 DRM_MODE_LINK_STATUS_GOOD); /* for whoever comes after */
+	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD;
+	open_fine();
+	assert_int_equal(*value_of(CONNECTOR, "link-status"), DRM_MODE_LINK_STATUS_GOOD);
+	submit(2, 1280, 720);
+	assert_shown(2);
+}
+
+/* Whoever had the screen before may have left more on it than a picture. */
+static void what_was_left_is_put_away_and_back(void **state)
+{
+	static const char *const colours[] = {"CTM", "DEGAMMA_LUT", "GAMMA_LUT"};
+
+	(void)state;
+	for (int gone = 0; gone < 2; gone++) {
+		card.cursor_is_gone = gone;
+		*value_of(PLANE, "FB_ID") = 500;
+		*value_of(CURSOR, "FB_ID") = 501;
+		*value_of(CURSOR, "CRTC_ID") = CRTC;
+		*value_of(CURSOR, "CRTC_X") = 320;
+		for (int i = 0; i < 3; i++)
+			*value_of(CRTC, colours[i]) = 502;
+		open_fine();
+		assert_int_equal(*value_of(CURSOR, "FB_ID"), 0);
+		assert_int_equal(*value_of(CURSOR, "CRTC_ID"), 0);
+		for (int i = 0; i < 3; i++)
+			assert_int_equal(*value_of(CRTC, colours[i]), 0);
+		submit(1, 1280, 720);
+		assert_shown(1);
+		assert_int_equal(display_close(&display, &fault), 0);
+		assert_int_equal(*value_of(PLANE, "FB_ID"), 500);
+		assert_int_equal(*value_of(CURSOR, "FB_ID"), gone ? 0 : 501);
+		assert_int_equal(*value_of(CURSOR, "CRTC_ID"), gone ? 0 : CRTC);
+		assert_int_equal(*value_of(CURSOR, "CRTC_X"), 320);
+		/* A copy: the one that was there may be gone by then. */
+		for (int i = 0; i < 3; i++) {
+			assert_int_not_equal(*value_of(CRTC, colours[i]), 0);
+			assert_int_not_equal(*value_of(CRTC, colours[i]), 502);
+		}
+		assert_int_equal(card.blobs, 0);
+	}
+}
+
+static void what_cannot_be_opened(void **state)
+{
+	(void)state;
+	card.held = true;
+	assert_int_equal(open_it(), -EBUSY);
+	assert_int_equal(display.situation, DISPLAY_BUSY);
+	card.held = false;
+	card.no_atomic = true;
+	assert_int_equal(open_it(), -ENOTSUP);
+	assert_int_equal(display.situation, DISPLAY_BROKEN);
+	assert_non_null(strstr(fault.text, "atomic"));
+	card.no_atomic = false;
+	strcpy(options.mode, "huge");
+	assert_int_equal(open_it(), -EINVAL);
+	assert_int_equal(display.situation, DISPLAY_NO_MODE);
+	assert_false(display_may_return(display.situation));
+	options.mode[0] = 0;
+	strcpy(options.connector, "HDMI-A-7");
+	assert_int_equal(open_it(), -ENODEV);
+	assert_non_null(strstr(fault.text, "HDMI-A-7"));
+	options.connector[0] = 0;
+	card.connection = DRM_MODE_UNKNOWNCONNECTION;
+	open_fine(); /* perhaps there is a screen */
+	display_close(&display, NULL);
+	card.mode_count = 0;
+	/* Asking a screen takes time: once is enough, however little will do. */
+	card.probes = 0;
+	assert_int_equal(open_it(), -ENOLINK);
+	assert_int_equal(card.probes, 1);
+	options.force = true;
+	card.connection = DRM_MODE_DISCONNECTED;
+	open_fine();
+	assert_int_equal(card.probes, 2);
+	assert_int_equal(display.width, 1024);
+	display_close(&display, NULL);
+	assert_int_equal(card.buffers, 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(frames_are_shown_at_the_flips_time, plug_in,
+						take_out),
+		cmocka_unit_test_setup_teardown(busy_flips_are_tried_again, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(busy_for_ever_is_a_stall, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(lost_flips_are_a_stall, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(a_card_that_scales_scales, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(a_card_that_does_not_scale_is_believed, plug_in,
+						take_out),
+		cmocka_unit_test_setup_teardown(a_changed_screen_is_noticed, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(a_failed_link_is_set_up_again, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(what_was_left_is_put_away_and_back, plug_in,
+						take_out),
+		cmocka_unit_test_setup_teardown(what_cannot_be_opened, plug_in, take_out),
+	};
+
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
+}

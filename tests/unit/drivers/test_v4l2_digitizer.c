@@ -1,0 +1,509 @@
+/* The V4L2 driver against a played digitizer: inputs, standards, fields, signal. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "tests/support/played_v4l2.h"
+
+enum { FIELD_BYTES = YUYV_BYTES / 2 };
+
+static const uint32_t yuyv[] = {V4L2_PIX_FMT_YUYV, 0};
+
+static void prepare_television(struct rig *rig, v4l2_std_id detected)
+{
+	prepare(rig, yuyv);
+	device.television = true;
+	device.detected = detected;
+	device.standard = V4L2_STD_NTSC_M;
+}
+
+static void grab(struct rig *rig, struct frame *frame)
+{
+	if (camera_grab(&rig->camera, frame, &rig->fault))
+		fail_msg("no frame: %s", rig->fault.text);
+}
+
+static void nothing_comes(struct rig *rig)
+{
+	struct frame frame;
+
+	assert_int_equal(camera_grab(&rig->camera, &frame, &rig->fault), -EAGAIN);
+}
+
+/* ---- inputs and standards ---- */
+
+static void inputs_by_number_and_name(void **state)
+{
+	static const struct {
+		const char *text;
+		int input; /* -1: refused */
+	} cases[] = {{"", 1},	     {"-1", 1},	    {"0", 0},	  {"1", 1},  {"Composite 0", 0},
+		     {"s-video", 1}, {"SVIDEO", 1}, {"HDMI", -1}, {"2", -1}, {"1x", -1}};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		int err;
+
+		prepare(&rig, yuyv);
+		device.input = 1;
+		strcpy(rig.options.input, cases[i].text);
+		err = start(&rig);
+		assert_int_equal(err, cases[i].input < 0 ? -EINVAL : 0);
+		if (err) {
+			assert_non_null(strstr(rig.fault.text, "v4l2.input"));
+			assert_non_null(strstr(rig.fault.text, "S-Video"));
+		} else {
+			assert_int_equal(device.input, cases[i].input);
+		}
+		finish(&rig);
+	}
+}
+
+static void standards_by_name(void **state)
+{
+	static const struct {
+		const char *text;
+		v4l2_std_id detected, set; /* set 0: refused */
+	} cases[] = {
+		{"", V4L2_STD_PAL_BG, V4L2_STD_PAL_BG},
+		{"", V4L2_STD_ALL, V4L2_STD_NTSC_M}, /* no signal: what was set stays */
+		{"", 0, V4L2_STD_NTSC_M},
+		{"PAL", V4L2_STD_NTSC_M, V4L2_STD_PAL_BG}, /* of PAL what the input knows */
+		{"ntsc", V4L2_STD_PAL_BG, V4L2_STD_NTSC_M},
+		{"PAL-BG", 0, V4L2_STD_PAL_BG},
+		{"pal bg", 0, V4L2_STD_PAL_BG},
+		{"SECAM", 0, 0},
+		{"PAL-Z", 0, 0},
+	};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		int err;
+
+		prepare_television(&rig, cases[i].detected);
+		strcpy(rig.options.standard, cases[i].text);
+		err = start(&rig);
+		assert_int_equal(err, cases[i].set ? 0 : -EINVAL);
+		if (err) {
+			assert_non_null(strstr(rig.fault.text, "v4l2.standard"));
+			assert_non_null(strstr(rig.fault.text, "NTSC-M"));
+		} else {
+			assert_true(device.standard == cases[i].set);
+		}
+		finish(&rig);
+	}
+	prepare(&rig, yuyv);
+	strcpy(rig.options.standard, "PAL");
+	assert_int_equal(start(&rig), -EINVAL);
+	assert_non_null(strstr(rig.fault.text, "not a television"));
+	finish(&rig);
+}
+
+/* ---- fields ---- */
+
+static void fields_of_formats(void **state)
+{
+	static const struct {
+		uint32_t field;
+		v4l2_std_id standard;
+		enum frame_fields fields;
+		bool bottom_first, one_field;
+	} cases[] = {
+		{V4L2_FIELD_NONE, V4L2_STD_PAL, FIELDS_NONE, false, false},
+		{V4L2_FIELD_ANY, 0, FIELDS_NONE, false, false},
+		{V4L2_FIELD_ANY, V4L2_STD_PAL, FIELDS_INTERLACED, false, false},
+		{V4L2_FIELD_ANY, V4L2_STD_NTSC, FIELDS_INTERLACED, true, false},
+		{V4L2_FIELD_INTERLACED, V4L2_STD_PAL, FIELDS_INTERLACED, false, false},
+		{V4L2_FIELD_INTERLACED, V4L2_STD_NTSC, FIELDS_INTERLACED, true, false},
+		{V4L2_FIELD_INTERLACED, V4L2_STD_PAL_60, FIELDS_INTERLACED, true, false},
+		{V4L2_FIELD_INTERLACED, 0, FIELDS_INTERLACED, false, false},
+		{V4L2_FIELD_INTERLACED_TB, V4L2_STD_NTSC, FIELDS_INTERLACED, false, false},
+		{V4L2_FIELD_INTERLACED_BT, V4L2_STD_PAL, FIELDS_INTERLACED, true, false},
+		{V4L2_FIELD_SEQ_TB, V4L2_STD_NTSC, FIELDS_TOP_BOTTOM, false, false},
+		{V4L2_FIELD_SEQ_BT, V4L2_STD_PAL, FIELDS_BOTTOM_TOP, true, false},
+		{V4L2_FIELD_ALTERNATE, V4L2_STD_PAL, FIELDS_PAIR, false, true},
+		{V4L2_FIELD_ALTERNATE, V4L2_STD_NTSC, FIELDS_PAIR, true, true},
+		{V4L2_FIELD_TOP, V4L2_STD_PAL, FIELDS_TOP, false, true},
+		{V4L2_FIELD_BOTTOM, V4L2_STD_PAL, FIELDS_BOTTOM, true, true},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		const struct v4l2_lines lines = v4l2_lines_of(cases[i].field, cases[i].standard);
+
+		assert_int_equal(lines.fields, cases[i].fields);
+		assert_int_equal(lines.bottom_first, cases[i].bottom_first);
+		assert_int_equal(lines.one_field, cases[i].one_field);
+		assert_true(strlen(v4l2_lines_text(&lines)) > 5);
+	}
+}
+
+static void fields_are_asked_for(void **state)
+{
+	static const struct {
+		enum v4l2_field_wish wish;
+		v4l2_std_id detected;
+		enum frame_fields fields;
+		unsigned rows; /* of a buffer */
+	} cases[] = {
+		{V4L2_WISH_DRIVER, V4L2_STD_PAL_BG, FIELDS_INTERLACED, 48},
+		{V4L2_WISH_NONE, V4L2_STD_PAL_BG, FIELDS_NONE, 48},
+		{V4L2_WISH_INTERLACED, V4L2_STD_PAL_BG, FIELDS_INTERLACED, 48},
+		{V4L2_WISH_SEQUENTIAL, V4L2_STD_PAL_BG, FIELDS_TOP_BOTTOM, 48},
+		{V4L2_WISH_SEQUENTIAL, V4L2_STD_NTSC_M, FIELDS_BOTTOM_TOP, 48},
+		{V4L2_WISH_ALTERNATE, V4L2_STD_PAL_BG, FIELDS_PAIR, 24},
+		{V4L2_WISH_TOP, V4L2_STD_PAL_BG, FIELDS_TOP, 24},
+		{V4L2_WISH_BOTTOM, V4L2_STD_PAL_BG, FIELDS_BOTTOM, 24},
+	};
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]) * 2; i++) {
+		const size_t c = i / 2;
+
+		prepare_television(&rig, cases[c].detected);
+		rig.options.field = cases[c].wish;
+		rig.settings.height = i % 2 ? 48 : 0; /* of the whole picture, or as it is */
+		must_start(&rig);
+		assert_int_equal(rig.camera.height, 48);
+		assert_int_equal(device.height, cases[c].rows);
+		if (cases[c].fields != FIELDS_PAIR) {
+			deliver(0, 0, 64 * 2 * cases[c].rows, 0);
+			grab(&rig, &frame);
+			assert_int_equal(frame.fields, cases[c].fields);
+			assert_int_equal(frame.height, 48);
+			camera_release(&rig.camera, &frame);
+			deliver(0, 1, 64 * 2 * cases[c].rows - 1, 0); /* short */
+			nothing_comes(&rig);
+		}
+		finish(&rig);
+	}
+}
+
+static void a_buffer_may_say_more(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	prepare_television(&rig, V4L2_STD_PAL_BG);
+	must_start(&rig);
+	deliver(0, 0, YUYV_BYTES, 0)->field = V4L2_FIELD_INTERLACED_BT;
+	grab(&rig, &frame);
+	assert_int_equal(frame.fields, FIELDS_INTERLACED);
+	assert_true(frame.bottom_first);
+	camera_release(&rig.camera, &frame);
+	deliver(0, 1, YUYV_BYTES, 0)->field = V4L2_FIELD_ANY; /* as the format */
+	grab(&rig, &frame);
+	assert_int_equal(frame.fields, FIELDS_INTERLACED);
+	assert_false(frame.bottom_first);
+	camera_release(&rig.camera, &frame);
+	deliver(0, 2, YUYV_BYTES, 0)->field = V4L2_FIELD_NONE; /* a film, say */
+	grab(&rig, &frame);
+	assert_int_equal(frame.fields, FIELDS_NONE);
+	camera_release(&rig.camera, &frame);
+	finish(&rig);
+}
+
+static void heights_without_halves_are_refused(void **state)
+{
+	struct rig rig;
+
+	(void)state;
+	prepare_television(&rig, V4L2_STD_PAL_BG);
+	device.height = 47;
+	assert_int_equal(start(&rig), -EINVAL);
+	assert_non_null(strstr(rig.fault.text, "47"));
+	finish(&rig);
+}
+
+/* A squeezed picture made of one field is as high as it was asked to be. */
+static void a_field_of_the_wanted_height_is_a_picture(void **state)
+{
+	struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
+	struct v4l2_picture picture;
+
+	(void)state;
+	format.fmt.pix = (struct v4l2_pix_format){.width = 64,
+						  .height = 24,
+						  .pixelformat = V4L2_PIX_FMT_YUYV,
+						  .bytesperline = 128,
+						  .field = V4L2_FIELD_BOTTOM};
+	assert_int_equal(v4l2_picture_of(&format, V4L2_STD_PAL, 24, &picture, NULL), 0);
+	assert_int_equal(picture.height, 24);
+	assert_int_equal(picture.lines.fields, FIELDS_NONE);
+	assert_int_equal(v4l2_picture_of(&format, V4L2_STD_PAL, 48, &picture, NULL), 0);
+	assert_int_equal(picture.height, 48);
+	assert_int_equal(picture.rows, 24);
+	assert_int_equal(picture.lines.fields, FIELDS_BOTTOM);
+}
+
+/* ---- pairs ---- */
+
+static void start_pairs(struct rig *rig, v4l2_std_id standard)
+{
+	prepare_television(rig, standard);
+	rig->options.field = V4L2_WISH_ALTERNATE;
+	must_start(rig);
+	assert_int_equal(queued(), 8); /* four pictures */
+}
+
+static void field_comes(int buffer, uint32_t sequence, bool bottom, uint32_t flags)
+{
+	deliver(buffer, sequence, FIELD_BYTES, flags)->field = bottom ? V4L2_FIELD_BOTTOM
+								      : V4L2_FIELD_TOP;
+}
+
+static void two_fields_are_a_picture(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	for (int bottom_first = 0; bottom_first < 2; bottom_first++) {
+		start_pairs(&rig, bottom_first ? V4L2_STD_NTSC_M : V4L2_STD_PAL_BG);
+		field_comes(2, 7, bottom_first, 0);
+		nothing_comes(&rig);
+		assert_int_equal(queued(), 7);
+		field_comes(5, 7, !bottom_first, 0);
+		grab(&rig, &frame);
+		assert_int_equal(frame.fields, FIELDS_PAIR);
+		assert_int_equal(frame.bottom_first, bottom_first);
+		assert_int_equal(frame.height, 48);
+		assert_int_equal(frame.planes[0].data[0], (bottom_first ? 5 : 2) * 2 + 1);
+		assert_int_equal(frame.bottom_planes[0].data[0], (bottom_first ? 2 : 5) * 2 + 1);
+		assert_int_equal(frame.bottom_planes[0].bytes, FIELD_BYTES);
+		assert_int_equal(queued(), 6);
+		camera_release(&rig.camera, &frame);
+		assert_int_equal(queued(), 8);
+		assert_int_equal(rig.camera.broken, 0);
+		assert_int_equal(rig.camera.lost, 0);
+		finish(&rig);
+	}
+}
+
+static void the_newest_pair_wins(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	start_pairs(&rig, V4L2_STD_PAL_BG);
+	for (int i = 0; i < 7; i++) /* three pairs and a half */
+		field_comes(i, (uint32_t)i / 2, i % 2, 0);
+	grab(&rig, &frame);
+	assert_int_equal(frame.sequence, 2);
+	assert_int_equal(rig.camera.lost, 2);
+	assert_int_equal(queued(), 5); /* a pair is out, a field waits */
+	camera_release(&rig.camera, &frame);
+	field_comes(7, 3, true, 0);
+	grab(&rig, &frame);
+	assert_int_equal(frame.sequence, 3);
+	assert_int_equal(frame.planes[0].data[0], 6 * 2 + 1);
+	assert_int_equal(rig.camera.lost, 2);
+	camera_release(&rig.camera, &frame);
+	assert_int_equal(queued(), 8);
+	finish(&rig);
+}
+
+static void an_orphan_is_broken(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	start_pairs(&rig, V4L2_STD_PAL_BG);
+	field_comes(0, 0, false, 0); /* its other field is lost */
+	field_comes(1, 1, false, 0);
+	nothing_comes(&rig);
+	assert_int_equal(rig.camera.broken, 1);
+	assert_int_equal(queued(), 7);
+	field_comes(2, 1, true, 0);
+	grab(&rig, &frame);
+	assert_int_equal(frame.sequence, 1);
+	camera_release(&rig.camera, &frame);
+	field_comes(0, 2, false, 0); /* bottom of 2 and top of 3 are lost */
+	field_comes(1, 3, true, 0);
+	nothing_comes(&rig);
+	assert_int_equal(rig.camera.broken, 2);
+	field_comes(2, 4, false, 0);
+	field_comes(3, 4, true, 0);
+	grab(&rig, &frame);
+	assert_int_equal(frame.sequence, 4);
+	assert_int_equal(rig.camera.broken, 3);
+	assert_int_equal(rig.camera.lost, 0);
+	camera_release(&rig.camera, &frame);
+	assert_int_equal(queued(), 8);
+	finish(&rig);
+}
+
+static void a_picture_with_an_unfit_field_is_broken_once(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	for (int unfit = 0; unfit < 2; unfit++) {
+		start_pairs(&rig, V4L2_STD_PAL_BG);
+		field_comes(0, 0, false, unfit == 0 ? V4L2_BUF_FLAG_ERROR : 0);
+		field_comes(1, 0, true, unfit == 1 ? V4L2_BUF_FLAG_ERROR : 0);
+		nothing_comes(&rig);
+		assert_int_equal(rig.camera.broken, 1);
+		assert_int_equal(queued(), 8);
+		field_comes(2, 1, false, 0);
+		field_comes(3, 1, true, 0);
+		grab(&rig, &frame);
+		assert_int_equal(rig.camera.broken, 1);
+		camera_release(&rig.camera, &frame);
+		finish(&rig);
+	}
+	start_pairs(&rig, V4L2_STD_PAL_BG); /* one that does not say which field it is */
+	deliver(0, 0, FIELD_BYTES, 0)->field = V4L2_FIELD_NONE;
+	nothing_comes(&rig);
+	assert_int_equal(rig.camera.broken, 1);
+	assert_int_equal(queued(), 8);
+	finish(&rig);
+}
+
+static void sequence_numbers_of_pairs_wrap(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	start_pairs(&rig, V4L2_STD_PAL_BG);
+	for (uint32_t i = 0; i < 6; i++) {
+		const uint32_t sequence = UINT32_MAX - 1 + i / 2;
+
+		field_comes((int)i, sequence, i % 2, 0);
+		if (i % 2 == 0)
+			continue;
+		grab(&rig, &frame);
+		assert_int_equal(frame.sequence, sequence);
+		camera_release(&rig.camera, &frame);
+	}
+	assert_int_equal(rig.camera.lost, 0);
+	assert_int_equal(rig.camera.broken, 0);
+	finish(&rig);
+}
+
+/* Such drivers exist; V4L2 says that both fields of a frame have its number. */
+static void a_driver_that_counts_fields_is_understood(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+	uint32_t pictures = 0;
+
+	(void)state;
+	start_pairs(&rig, V4L2_STD_NTSC_M);
+	for (uint32_t i = 0; i < 20; i++) {
+		field_comes((int)i % 8, i, i % 2 == 1, 0); /* bottom fields have odd numbers */
+		if (camera_grab(&rig.camera, &frame, &rig.fault))
+			continue;
+		assert_true(frame.bottom_first);
+		camera_release(&rig.camera, &frame);
+		pictures++;
+	}
+	assert_in_range(pictures, 6, 8);
+	assert_in_range(rig.camera.broken, 1, 5); /* until it was understood */
+	finish(&rig);
+}
+
+/* ---- signal and changes ---- */
+
+static void no_signal_is_a_situation(void **state)
+{
+	static const struct {
+		uint32_t status;
+		int err;
+	} cases[] = {{V4L2_IN_ST_NO_SIGNAL, -ENOLINK},
+		     {V4L2_IN_ST_NO_SYNC, -ENOLCK},
+		     {V4L2_IN_ST_NO_H_LOCK, -ENOLCK}};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_television(&rig, 0);
+		device.status = cases[i].status;
+		assert_int_equal(start(&rig), cases[i].err);
+		assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
+		assert_non_null(strstr(rig.fault.text, "Composite 0"));
+		finish(&rig);
+	}
+	prepare(&rig, yuyv);
+	device.dv_timings = true;
+	device.signal_error = ENOLCK;
+	assert_int_equal(start(&rig), -ENOLCK);
+	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
+	finish(&rig);
+}
+
+/* A device that tells of changes is believed; any other is asked each second. */
+static void a_signal_that_is_lost_is_noticed(void **state)
+{
+	const int64_t limit_ns = clock_now_ns() + 5 * NS_PER_S;
+	struct frame frame;
+	struct rig rig;
+	int err;
+
+	(void)state;
+	prepare_television(&rig, V4L2_STD_PAL_BG);
+	must_start(&rig);
+	device.status = V4L2_IN_ST_NO_SIGNAL;
+	do
+		err = camera_grab(&rig.camera, &frame, &rig.fault);
+	while (err == -EAGAIN && clock_now_ns() < limit_ns);
+	assert_int_equal(err, -ENOLINK);
+	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
+	assert_non_null(strstr(rig.fault.text, "no signal"));
+	finish(&rig);
+}
+
+static void a_changed_source_is_stale(void **state)
+{
+	struct frame frame;
+	struct rig rig;
+
+	(void)state;
+	prepare_television(&rig, V4L2_STD_PAL_BG);
+	device.tells = true;
+	must_start(&rig);
+	assert_true(camera_descriptor(&rig.camera) >= 0);
+	nothing_comes(&rig);
+	device.events = 3;
+	deliver(0, 0, YUYV_BYTES, 0);
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ESTALE);
+	assert_int_equal(device.events, 0);
+	assert_int_equal(rig.camera.situation, CAMERA_FINE);
+	finish(&rig);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(inputs_by_number_and_name),
+		cmocka_unit_test(standards_by_name),
+		cmocka_unit_test(fields_of_formats),
+		cmocka_unit_test(fields_are_asked_for),
+		cmocka_unit_test(a_buffer_may_say_more),
+		cmocka_unit_test(heights_without_halves_are_refused),
+		cmocka_unit_test(a_field_of_the_wanted_height_is_a_picture),
+		cmocka_unit_test(two_fields_are_a_picture),
+		cmocka_unit_test(the_newest_pair_wins),
+		cmocka_unit_test(an_orphan_is_broken),
+		cmocka_unit_test(a_picture_with_an_unfit_field_is_broken_once),
+		cmocka_unit_test(sequence_numbers_of_pairs_wrap),
+		cmocka_unit_test(a_driver_that_counts_fields_is_understood),
+		cmocka_unit_test(no_signal_is_a_situation),
+		cmocka_unit_test(a_signal_that_is_lost_is_noticed),
+		cmocka_unit_test(a_changed_source_is_stale),
+	};
+
+	return cmocka_run_group_tests_name("v4l2_digitizer", tests, make_file, remove_file);
+}

@@ -1,0 +1,494 @@
+/* The V4L2 driver against a played device: controls, and what is given up for want of room. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "drivers/v4l2/controls.h"
+#include "drivers/v4l2/find.h"
+#include "tests/support/played_v4l2.h"
+
+/* ---- controls; what is logged goes to a file ---- */
+
+static char said[8192];
+
+static int listen_to(int (*act)(struct rig *rig), struct rig *rig)
+{
+	FILE *log = tmpfile();
+	const int stderr_was = dup(STDERR_FILENO);
+	size_t length;
+	int err;
+
+	assert_non_null(log);
+	fflush(stderr);
+	dup2(fileno(log), STDERR_FILENO);
+	err = act(rig);
+	fflush(stderr);
+	dup2(stderr_was, STDERR_FILENO);
+	close(stderr_was);
+	rewind(log);
+	length = fread(said, 1, sizeof(said) - 1, log);
+	said[length] = '\0';
+	fclose(log);
+	return err;
+}
+
+static int start_and_listen(struct rig *rig)
+{
+	return listen_to(start, rig);
+}
+
+static void is_said(const char *text)
+{
+	if (!strstr(said, text))
+		fail_msg("\"%s\" is not in: %s", text, said);
+}
+
+enum { GAIN, AUTOMATIC, LINE, BALANCE };
+
+static void prepare_controls(struct rig *rig, const char *controls)
+{
+	static const struct played_control played[] = {
+		{.name = "Gain", .type = V4L2_CTRL_TYPE_INTEGER, .minimum = -8, .maximum = 255},
+		{.name = "White Balance, Automatic",
+		 .type = V4L2_CTRL_TYPE_BOOLEAN,
+		 .maximum = 1,
+		 .value = 1},
+		{.name = "Power Line Frequency", .type = V4L2_CTRL_TYPE_MENU, .maximum = 2},
+		{.name = "White Balance Temperature",
+		 .type = V4L2_CTRL_TYPE_INTEGER,
+		 .minimum = 2800,
+		 .maximum = 6500,
+		 .value = 4000},
+	};
+
+	prepare(rig, usual_formats);
+	memcpy(device.controls, played, sizeof(played));
+	strcpy(rig->settings.controls, controls);
+}
+
+static void controls_are_set_by_name(void **state)
+{
+	static const struct {
+		const char *text;
+		int which, value;
+	} cases[] = {
+		{"gain=17", GAIN, 17},
+		{" Gain = -3 ", GAIN, -3},
+		{"gain=0x10,", GAIN, 16},
+		{"white_balance_automatic=no", AUTOMATIC, 0},
+		{"white_balance_automatic = off", AUTOMATIC, 0},
+		{"power_line_frequency=50_hz", LINE, 1},
+		{"power_line_frequency=60 Hz", LINE, 2},
+		{"power_line_frequency=2", LINE, 2},
+		{"white_balance_automatic=0, white_balance_temperature=5000", BALANCE, 5000},
+	};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_controls(&rig, cases[i].text);
+		assert_int_equal(start_and_listen(&rig), 0);
+		assert_int_equal(device.controls[cases[i].which].value, cases[i].value);
+		assert_int_equal(device.controls[cases[i].which].sets, 1);
+		assert_null(strstr(said, "controls"));
+		finish(&rig);
+	}
+}
+
+static void what_is_refused_is_named(void **state)
+{
+	static const struct {
+		const char *text, *expected;
+	} cases[] = {
+		{"gain=256", "out of its range"},
+		{"gian=3", "perhaps \"gain\""},
+		{"gain=much", "expected a whole number from -8 to 255"},
+		{"white_balance_automatic=2", "expected yes or no"},
+		{"power_line_frequency=70_hz", "has no entry \"70_hz\""},
+		{"white_balance_temperature=5000", "automatic is on"},
+	};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_controls(&rig, cases[i].text);
+		device.controls[BALANCE].refuse = EACCES;
+		assert_int_equal(start_and_listen(&rig), 0); /* the camera opens all the same */
+		is_said("controls");
+		is_said(cases[i].expected);
+		finish(&rig);
+	}
+	prepare_controls(&rig, "gain=200");
+	device.controls[GAIN].most = 100;
+	assert_int_equal(start_and_listen(&rig), 0);
+	is_said("gain=200 was set, but the camera says 100");
+	finish(&rig);
+	prepare_controls(&rig, "gain=2");
+	device.controls[GAIN].flags = V4L2_CTRL_FLAG_READ_ONLY;
+	device.controls[GAIN].refuse = EACCES;
+	assert_int_equal(start_and_listen(&rig), 0);
+	is_said("only be read");
+	finish(&rig);
+}
+
+/* Some webcams begin anew when they start to stream. */
+static void what_starting_undoes_is_set_again(void **state)
+{
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "gain=99, power_line_frequency=1");
+	device.resets = true;
+	assert_int_equal(start_and_listen(&rig), 0);
+	assert_int_equal(device.controls[GAIN].value, 99);
+	assert_int_equal(device.controls[GAIN].sets, 2);
+	assert_int_equal(device.controls[LINE].sets, 1);
+	assert_null(strstr(said, "controls"));
+	finish(&rig);
+}
+
+/* Tried each second, as long as the other one likes. */
+static int wait_for_it(struct rig *rig)
+{
+	int err = -EIO;
+
+	for (int n = 0; n < 5; n++) {
+		err = start(rig);
+		camera_close(&rig->camera);
+	}
+	return err;
+}
+
+static void what_another_program_uses_is_left_as_it_is(void **state)
+{
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "gain=99, power_line_frequency=1, nonsense=1");
+	device.television = device.held = true;
+	device.input = 1;
+	strcpy(rig.options.input, "0");
+	strcpy(rig.options.standard, "PAL");
+	assert_int_equal(listen_to(wait_for_it, &rig), -EBUSY);
+	assert_int_equal(rig.camera.situation, CAMERA_BUSY);
+	assert_non_null(strstr(rig.fault.text, "another program"));
+	assert_int_equal(device.changes, 0);
+	assert_int_equal(device.controls[GAIN].sets, 0);
+	assert_int_equal(device.controls[LINE].sets, 0);
+	assert_string_equal(said, "");
+	device.held = false;
+	assert_int_equal(listen_to(wait_for_it, &rig), 0);
+	assert_int_equal(device.changes, 2); /* once each */
+	assert_int_equal(device.controls[GAIN].value, 99);
+	finish(&rig);
+}
+
+static void what_is_refused_is_said_once(void **state)
+{
+	const char *first;
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "gainn=99");
+	device.streamon_error = EPROTO;
+	assert_int_equal(listen_to(wait_for_it, &rig), -EPROTO);
+	is_said("no control \"gainn\"");
+	first = strstr(said, "no control");
+	assert_null(strstr(first + 1, "no control"));
+	finish(&rig);
+}
+
+static void controls_that_cannot_be_read_are_errors(void **state)
+{
+	static const char *const cases[] = {"gain", "gain=", "=3", "gain 3, brightness=2"};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_controls(&rig, cases[i]);
+		assert_int_equal(start_and_listen(&rig), -EINVAL);
+		assert_non_null(strstr(rig.fault.text, "controls"));
+		assert_non_null(strstr(rig.fault.text, "name=value"));
+		finish(&rig);
+	}
+}
+
+static void names_are_those_of_v4l2_ctl(void **state)
+{
+	static const char *const cases[][2] = {
+		{"Exposure Time, Absolute", "exposure_time_absolute"},
+		{"Limited RGB Range (16-235)", "limited_rgb_range_16_235"},
+		{"Y'CbCr Encoding", "y_cbcr_encoding"},
+		{"Gain", "gain"},
+		{"", ""},
+	};
+	char name[V4L2_CONTROL_NAME_MAX];
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		v4l2_control_name(cases[i][0], name);
+		assert_string_equal(name, cases[i][1]);
+	}
+}
+
+/* ---- controls on the way ---- */
+
+static void controls_change_while_it_streams(void **state)
+{
+	static const struct {
+		const char *name, *value;
+		int which, taken;
+	} cases[] = {
+		{"gain", "17", GAIN, 17},
+		{"Gain", "-8", GAIN, -8},
+		{"gain", "255", GAIN, 255},
+		{"white_balance_automatic", "no", AUTOMATIC, 0},
+		{"power_line_frequency", "50_hz", LINE, 1},
+		{"power_line_frequency", "2", LINE, 2},
+	};
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "");
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", NULL, &rig.fault), -EBADF);
+	assert_int_equal(start_and_listen(&rig), 0);
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		if (camera_set_control(&rig.camera, cases[i].name, cases[i].value, NULL,
+				       &rig.fault))
+			fail_msg("%s", rig.fault.text);
+		assert_int_equal(device.controls[cases[i].which].value, cases[i].taken);
+		assert_true(device.streaming);
+	}
+	finish(&rig);
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", NULL, &rig.fault), -EBADF);
+}
+
+/* Exposures in turn, for as long as one likes. */
+static int change_many_times(struct rig *rig)
+{
+	for (int n = 0; n < 100; n++) {
+		double taken = n % 2 ? 30 : 7;
+
+		if (camera_set_control(&rig->camera, "gain", n % 2 ? "30" : "7", &taken,
+				       &rig->fault))
+			return -EIO;
+		assert_true(taken == (n % 2 ? 30 : 5));
+	}
+	return 0;
+}
+
+static void what_is_rounded_is_told_and_said_once(void **state)
+{
+	const char *first;
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "");
+	device.controls[GAIN].step = 5;
+	must_start(&rig);
+	assert_int_equal(listen_to(change_many_times, &rig), 0);
+	is_said("gain=7 was set, but the camera says 5");
+	first = strstr(said, "was set");
+	assert_null(strstr(first + 1, "was set"));
+	assert_int_equal(camera_set_control(&rig.camera, "gain", "8", NULL, &rig.fault), 0);
+	finish(&rig);
+}
+
+/* What an automatic makes of it is nothing that was taken. */
+static int change_in_vain(struct rig *rig)
+{
+	for (int n = 0; n < 10; n++) {
+		double taken = 200;
+
+		device.controls[GAIN].most = 20 + n;
+		if (camera_set_control(&rig->camera, "gain", "200", &taken, &rig->fault))
+			return -EIO;
+		assert_true(taken == 200);
+	}
+	return 0;
+}
+
+static void what_has_no_effect_is_said_once(void **state)
+{
+	const char *first;
+	struct rig rig;
+
+	(void)state;
+	prepare_controls(&rig, "");
+	device.controls[GAIN].flags = V4L2_CTRL_FLAG_INACTIVE;
+	must_start(&rig);
+	assert_int_equal(listen_to(change_in_vain, &rig), 0);
+	is_said("gain=200 was set, but it has no effect now: is its automatic on?");
+	first = strstr(said, "was set");
+	assert_null(strstr(first + 1, "was set"));
+	finish(&rig);
+}
+
+static void what_cannot_be_changed_is_named(void **state)
+{
+	static char endless[2 * INI_TEXT_MAX];
+	const struct {
+		const char *name, *value;
+		int err;
+		const char *expected;
+	} cases[] = {
+		{"gain", "256", -ERANGE, "gain is 256, expected -8 to 255"},
+		{"gain", "-9", -ERANGE, "expected -8 to 255"},
+		{"power_line_frequency", "3", -ERANGE, "expected 0 to 2"},
+		{"gain", "much", -EINVAL, "expected a whole number from -8 to 255"},
+		{"gain", "", -EINVAL, "expected a whole number"},
+		{"gian", "3", -EINVAL, "perhaps \"gain\""},
+		{"", "3", -EINVAL, "no control \"\""},
+		{"gain", endless, -EINVAL, "so long"},
+		{endless, "3", -EINVAL, "so long"},
+		{"white_balance_automatic", "2", -EINVAL, "expected yes or no"},
+		{"white_balance_temperature", "5000", -EACCES, "automatic is on"},
+	};
+	struct rig rig;
+
+	(void)state;
+	memset(endless, '1', sizeof(endless) - 1);
+	prepare_controls(&rig, "");
+	device.controls[BALANCE].refuse = EACCES;
+	assert_int_equal(start_and_listen(&rig), 0);
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		assert_int_equal(camera_set_control(&rig.camera, cases[i].name, cases[i].value,
+						    NULL, &rig.fault),
+				 cases[i].err);
+		if (!strstr(rig.fault.text, cases[i].expected))
+			fail_msg("\"%s\" is not in: %s", cases[i].expected, rig.fault.text);
+		assert_true(device.streaming);
+		assert_int_equal(device.controls[GAIN].sets, 0);
+	}
+	finish(&rig);
+}
+
+/* ---- what is given up; the played bus has `room` bits a second ---- */
+
+enum {
+	YUYV_5 = 64 * 48 * 16 * 5,
+	MJPEG_30 = 64 * 48 * 4 * 30,
+	MJPEG_15 = MJPEG_30 / 2,
+	MJPEG_5 = MJPEG_30 / 6,
+	SMALL_YUYV_5 = YUYV_5 / 4,
+};
+
+static void prepare_room(struct rig *rig, double room, const char *give_up)
+{
+	prepare(rig, usual_formats);
+	device.sizes_known = true;
+	device.room = room;
+	strcpy(rig->settings.give_up, give_up);
+}
+
+static void what_goes_goes_in_order(void **state)
+{
+	static const struct {
+		int format, rate; /* wanted */
+		double room;
+		const char *give_up;
+		int taken_format, width, taken_rate; /* 0: no room */
+	} cases[] = {
+		{PIXEL_YUYV, 5, YUYV_5, "format size rate", PIXEL_YUYV, 64, 5},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "format", PIXEL_MJPEG, 64, 5},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "size,rate", PIXEL_YUYV, 32, 5},
+		{PIXEL_MJPEG, 30, MJPEG_30 - 1, "format rate", PIXEL_MJPEG, 64, 15},
+		{PIXEL_MJPEG, 30, MJPEG_15 - 1, "format rate", PIXEL_MJPEG, 64, 5},
+		{PIXEL_MJPEG, 30, MJPEG_5 - 1, "rate size", PIXEL_MJPEG, 32, 5},
+		{PIXEL_MJPEG, 30, MJPEG_5 - 1, "format rate", 0, 0, 0},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "rate", 0, 0, 0},
+		{PIXEL_YUYV, 5, YUYV_5 - 1, "", 0, 0, 0},
+		{PIXEL_YUYV, 5, SMALL_YUYV_5 - 1, "size format", PIXEL_MJPEG, 32, 5},
+	};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < 2 * sizeof(cases) / sizeof(cases[0]); i++) {
+		const size_t c = i / 2;
+		int err;
+
+		prepare_room(&rig, cases[c].room, cases[c].give_up);
+		device.room_at_format = i % 2;
+		device.rate = (unsigned)cases[c].rate;
+		rig.settings.format = cases[c].format;
+		rig.settings.rate_hz = cases[c].rate;
+		rig.settings.width = 64;
+		rig.settings.height = 48;
+		if (device.room_at_format && cases[c].rate != 5)
+			continue; /* the rate is set after the format */
+		err = start_and_listen(&rig);
+		if (cases[c].width == 0) {
+			assert_int_equal(err, -ENOSPC);
+			assert_int_equal(rig.camera.situation, CAMERA_NO_BANDWIDTH);
+			assert_non_null(strstr(rig.fault.text, "share its bandwidth"));
+			assert_non_null(strstr(rig.fault.text, "give_up"));
+			finish(&rig);
+			continue;
+		}
+		if (err)
+			fail_msg("case %zu: %s", c, rig.fault.text);
+		assert_int_equal(rig.camera.format, cases[c].taken_format);
+		assert_int_equal(rig.camera.width, cases[c].width);
+		assert_true(rig.camera.rate_hz == cases[c].taken_rate);
+		if (c > 0) {
+			is_said("share its bandwidth");
+			is_said("Taken instead");
+			is_said(cases[c].give_up);
+		}
+		finish(&rig);
+	}
+}
+
+static void unknown_words_are_errors(void **state)
+{
+	static const char *const cases[] = {"colour", "format, frames", "rate rate"};
+	struct rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		prepare_room(&rig, 0, cases[i]);
+		assert_int_equal(start(&rig), -EINVAL);
+		assert_non_null(strstr(rig.fault.text, "give_up"));
+		finish(&rig);
+	}
+}
+
+static void usb_ports(void **state)
+{
+	char port[V4L2_PORT_MAX];
+
+	(void)state;
+	assert_true(v4l2_usb_port("1-2:1.0", port));
+	assert_string_equal(port, "1-2");
+	assert_true(v4l2_usb_port("3-1.4.2:1.1", port));
+	assert_string_equal(port, "3-1.4.2");
+	assert_false(v4l2_usb_port("vivid.0", port));
+	assert_false(v4l2_usb_port("0000:00:02.0", port));
+	assert_false(v4l2_usb_port("1-2", port));
+	assert_false(v4l2_usb_port("", port));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(controls_are_set_by_name),
+		cmocka_unit_test(what_is_refused_is_named),
+		cmocka_unit_test(what_starting_undoes_is_set_again),
+		cmocka_unit_test(what_another_program_uses_is_left_as_it_is),
+		cmocka_unit_test(what_is_refused_is_said_once),
+		cmocka_unit_test(controls_that_cannot_be_read_are_errors),
+		cmocka_unit_test(controls_change_while_it_streams),
+		cmocka_unit_test(what_is_rounded_is_told_and_said_once),
+		cmocka_unit_test(what_has_no_effect_is_said_once),
+		cmocka_unit_test(what_cannot_be_changed_is_named),
+		cmocka_unit_test(names_are_those_of_v4l2_ctl),
+		cmocka_unit_test(what_goes_goes_in_order),
+		cmocka_unit_test(unknown_words_are_errors),
+		cmocka_unit_test(usb_ports),
+	};
+
+	return cmocka_run_group_tests_name("v4l2_settings", tests, make_file, remove_file);
+}

@@ -1,0 +1,368 @@
+/* Output files: whole or not at all, and messages: whole lines. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "hal/base/log.h"
+#include "hal/base/output.h"
+#include "tests/support/own_folder.h"
+
+static int files_in_folder(void)
+{
+	DIR *dir = opendir(own_folder);
+	int count = 0;
+
+	assert_non_null(dir);
+	for (struct dirent *entry; (entry = readdir(dir));)
+		count += entry->d_name[0] != '.';
+	closedir(dir);
+	return count;
+}
+
+static void check_content(const char *path, const char *want)
+{
+	char text[64] = "";
+	FILE *stream = fopen(path, "rb");
+
+	assert_non_null(stream);
+	text[fread(text, 1, sizeof(text) - 1, stream)] = '\0';
+	fclose(stream);
+	assert_string_equal(text, want);
+}
+
+static void appears_by_rename(void **state)
+{
+	const char *path = own_path("a");
+	struct output out;
+	struct stat s;
+	mode_t before;
+
+	(void)state;
+	assert_int_equal(output_open(&out, path, NULL), 0);
+	fputs("one", out.stream);
+	fflush(out.stream);
+	assert_int_not_equal(access(path, F_OK), 0);
+	assert_int_equal(output_commit(&out, NULL), 0);
+	check_content(path, "one");
+
+	before = umask(027);
+	assert_int_equal(output_open(&out, path, NULL), 0);
+	umask(before);
+	fputs("two", out.stream);
+	fflush(out.stream);
+	check_content(path, "one");
+	assert_int_equal(output_commit(&out, NULL), 0);
+	check_content(path, "two");
+	assert_int_equal(stat(path, &s), 0);
+	assert_int_equal(s.st_mode & 0777, 0640); /* as the umask says, not mkstemp()'s 0600 */
+
+	assert_int_equal(output_commit(&out, NULL), -EBADF);
+	output_abandon(&out);
+	assert_int_equal(files_in_folder(), 1);
+	unlink(path);
+}
+
+static void abandoned_without_trace(void **state)
+{
+	struct output zeroed = {.stream = NULL}, out;
+
+	(void)state;
+	output_abandon(&zeroed);
+	assert_int_equal(output_open(&out, own_path("a"), NULL), 0);
+	fputs("one", out.stream);
+	output_abandon(&out);
+	output_abandon(&out);
+	assert_int_equal(files_in_folder(), 0);
+}
+
+static void two_at_once(void **state)
+{
+	struct output a, b;
+
+	(void)state;
+	assert_int_equal(output_open(&a, own_path("a"), NULL), 0);
+	assert_int_equal(output_open(&b, own_path("a"), NULL), 0);
+	fputs("first", a.stream);
+	fputs("second", b.stream);
+	assert_int_equal(output_commit(&b, NULL), 0);
+	assert_int_equal(output_commit(&a, NULL), 0);
+	check_content(own_path("a"), "first");
+	assert_int_equal(files_in_folder(), 1);
+	unlink(own_path("a"));
+}
+
+/* A full disk, played by a limit on the size of files. */
+static void full_disk_leaves_the_old_file(void **state)
+{
+	static char block[65536];
+	const char *path = own_path("a");
+	struct fault fault = {""};
+	struct rlimit before, tight;
+	struct output out;
+
+	(void)state;
+	assert_int_equal(output_open(&out, path, NULL), 0);
+	fputs("old", out.stream);
+	assert_int_equal(output_commit(&out, NULL), 0);
+
+	signal(SIGXFSZ, SIG_IGN);
+	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+	tight = before;
+	tight.rlim_cur = 100000;
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+	assert_int_equal(output_open(&out, path, NULL), 0);
+	for (int k = 0; k < 4; k++)
+		(void)!fwrite(block, 1, sizeof(block), out.stream);
+	assert_true(output_commit(&out, &fault) < 0);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+
+	assert_non_null(strstr(fault.text, path));
+	check_content(path, "old");
+	assert_int_equal(files_in_folder(), 1);
+	unlink(path);
+}
+
+static void links_are_followed(void **state)
+{
+	char target[PATH_MAX], name[PATH_MAX];
+	struct output out;
+	struct stat s;
+
+	(void)state;
+	strcpy(target, own_path("target"));
+	strcpy(name, own_path("link"));
+	assert_int_equal(symlink("target", name), 0);
+	fclose(fopen(target, "wb"));
+	assert_int_equal(output_open(&out, name, NULL), 0);
+	fputs("new", out.stream);
+	assert_int_equal(output_commit(&out, NULL), 0);
+	check_content(target, "new");
+	assert_int_equal(lstat(name, &s), 0);
+	assert_true(S_ISLNK(s.st_mode));
+	unlink(name);
+	unlink(target);
+}
+
+static void refused(void **state)
+{
+	char path[2 * PATH_MAX];
+	struct fault fault = {""};
+	struct output out;
+
+	(void)state;
+	assert_int_equal(output_open(&out, own_path("no/such"), &fault), -ENOENT);
+	assert_non_null(strstr(fault.text, "no/such"));
+	assert_int_equal(output_open(&out, own_folder, &fault), -EISDIR);
+	assert_int_equal(output_open(&out, "/dev/null", &fault), -EINVAL); /* not replaced */
+	assert_int_equal(output_open(&out, "", &fault), -EINVAL);
+	memset(path, 'x', sizeof(path));
+	path[sizeof(path) - 1] = '\0';
+	assert_int_equal(output_open(&out, path, &fault), -ENAMETOOLONG);
+	assert_null(out.stream);
+	output_abandon(&out);
+	assert_int_equal(files_in_folder(), 0);
+}
+
+/* ---- messages ---- */
+
+#define LINES 200
+
+static void *say_many(void *argument)
+{
+	for (int k = 0; k < LINES; k++)
+		log_warning("thread %s says %d %*s", (const char *)argument, k, k, "");
+	return NULL;
+}
+
+/* What reached stderr during work(). */
+static FILE *captured(void (*work)(void))
+{
+	FILE *stream = tmpfile();
+	const int before = dup(STDERR_FILENO);
+
+	assert_non_null(stream);
+	assert_true(before >= 0);
+	assert_true(dup2(fileno(stream), STDERR_FILENO) >= 0);
+	work();
+	assert_true(dup2(before, STDERR_FILENO) >= 0);
+	close(before);
+	rewind(stream);
+	return stream;
+}
+
+static void two_threads_say(void)
+{
+	char a[] = "a", b[] = "b";
+	pthread_t other;
+
+	assert_int_equal(pthread_create(&other, NULL, say_many, a), 0);
+	say_many(b);
+	pthread_join(other, NULL);
+}
+
+static void lines_stay_whole(void **state)
+{
+	FILE *stream;
+	char line[512], want[512], name;
+	int count = 0, number;
+
+	(void)state;
+	log_setup("inlay-test", LOG_LEVEL_WARNING);
+	stream = captured(two_threads_say);
+	for (; fgets(line, sizeof(line), stream); count++) {
+		assert_int_equal(sscanf(line, "inlay-test: thread %c says %d", &name, &number), 2);
+		/* the padding is as long as the number says */
+		snprintf(want, sizeof(want), "inlay-test: thread %c says %d %*s\n", name, number,
+			 number, "");
+		assert_string_equal(line, want);
+	}
+	assert_int_equal(count, 2 * LINES);
+	fclose(stream);
+}
+
+static void speak_at_all_levels(void)
+{
+	static char endless[5000];
+
+	memset(endless, 'z', sizeof(endless) - 1);
+	log_error("error");
+	log_warning("warning");
+	log_info("info");
+	log_debug("debug");
+	log_error("%s", endless);
+}
+
+static void levels_and_long_lines(void **state)
+{
+	FILE *stream;
+	char line[8192];
+
+	(void)state;
+	log_setup("p", LOG_LEVEL_INFO);
+	stream = captured(speak_at_all_levels);
+	assert_non_null(fgets(line, sizeof(line), stream));
+	assert_string_equal(line, "p: error\n");
+	assert_non_null(fgets(line, sizeof(line), stream));
+	assert_non_null(fgets(line, sizeof(line), stream));
+	assert_string_equal(line, "p: info\n");
+	assert_non_null(fgets(line, sizeof(line), stream)); /* cut, but a line */
+	assert_true(strlen(line) > 1000 && line[strlen(line) - 1] == '\n');
+	assert_null(fgets(line, sizeof(line), stream));
+	fclose(stream);
+}
+
+static void speak_in_controls(void)
+{
+	log_error("%s", "a\nb\rc\x1b[31md\x7f\te\xc3\xa4\xe2\x82\xac\xc2\x9b"
+			"f\xc2\xa0");
+	log_error("%s", "");
+}
+
+/* One message is one line, and tells the terminal nothing. UTF-8 stays as it is. */
+static void controls_are_replaced(void **state)
+{
+	FILE *stream;
+	char line[256];
+
+	(void)state;
+	log_setup("p", LOG_LEVEL_INFO);
+	stream = captured(speak_in_controls);
+	assert_non_null(fgets(line, sizeof(line), stream));
+	assert_string_equal(line, "p: a?b?c?[31md?\te\xc3\xa4\xe2\x82\xac??f\xc2\xa0\n");
+	assert_non_null(fgets(line, sizeof(line), stream));
+	assert_string_equal(line, "p: \n");
+	assert_null(fgets(line, sizeof(line), stream));
+	fclose(stream);
+}
+
+/* Whatever ends the program, it leaves nothing. */
+static void killed_without_trace(void **state)
+{
+	const pid_t child = fork();
+	int status;
+
+	(void)state;
+	assert_true(child >= 0);
+	if (child == 0) {
+		struct output out;
+
+		if (output_open(&out, own_path("killed"), NULL) == 0) {
+			fputs("half of it", out.stream);
+			fflush(out.stream);
+		}
+		kill(getpid(), SIGKILL);
+	}
+	assert_int_equal(waitpid(child, &status, 0), child);
+	assert_true(WIFSIGNALED(status));
+	assert_int_equal(files_in_folder(), 0);
+}
+
+/* Before anything is done: no output takes an input's place, nor another output's. */
+static void checked_before(void **state)
+{
+	char input[PATH_MAX], hard[PATH_MAX], soft[PATH_MAX], fresh[PATH_MAX], again[PATH_MAX];
+	struct fault fault = {.text = ""};
+	const char *const read[] = {NULL, input};
+	FILE *stream;
+
+	(void)state;
+	strcpy(input, own_path("in"));
+	strcpy(hard, own_path("hard"));
+	strcpy(soft, own_path("soft"));
+	strcpy(fresh, own_path("out"));
+	strcpy(again, own_path("./out"));
+	stream = fopen(input, "w");
+	assert_non_null(stream);
+	assert_int_equal(fclose(stream), 0);
+	assert_int_equal(link(input, hard), 0);
+	assert_int_equal(symlink(input, soft), 0);
+	assert_int_equal(output_check((const char *[]){fresh, NULL, hard}, 2, read, 2, &fault), 0);
+	for (int k = 0; k < 3; k++) {
+		const char *const out[] = {fresh, k == 0 ? input : k == 1 ? hard : soft};
+
+		assert_int_equal(output_check(out, 2, read, 2, &fault), -EINVAL);
+		assert_non_null(strstr(fault.text, "is read, expected another name"));
+	}
+	assert_int_equal(output_check((const char *[]){fresh, again}, 2, read, 2, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "written twice"));
+	assert_int_equal(output_check((const char *[]){own_path("no/out")}, 1, read, 2, &fault),
+			 -ENOENT);
+	assert_int_equal(files_in_folder(), 3);
+	unlink(input);
+	unlink(hard);
+	unlink(soft);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(appears_by_rename),
+		cmocka_unit_test(abandoned_without_trace),
+		cmocka_unit_test(two_at_once),
+		cmocka_unit_test(full_disk_leaves_the_old_file),
+		cmocka_unit_test(killed_without_trace),
+		cmocka_unit_test(links_are_followed),
+		cmocka_unit_test(refused),
+		cmocka_unit_test(checked_before),
+		cmocka_unit_test(lines_stay_whole),
+		cmocka_unit_test(levels_and_long_lines),
+		cmocka_unit_test(controls_are_replaced),
+	};
+
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
+}

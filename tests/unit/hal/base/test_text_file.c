@@ -1,0 +1,229 @@
+/* Text files line by line, and the numbers in them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+
+#include "hal/base/number.h"
+#include "hal/base/text_file.h"
+#include "tests/support/own_folder.h"
+
+static void write_text(const char *text, size_t bytes)
+{
+	FILE *stream = fopen(own_path("text"), "wb");
+
+	assert_non_null(stream);
+	assert_int_equal(fwrite(text, 1, bytes, stream), bytes);
+	assert_int_equal(fclose(stream), 0);
+}
+
+static void lines_without_their_breaks(void **state)
+{
+	static const char text[] = "\xef\xbb\xbfone\r\n\n\xef\xbb\xbfthree \r\r\nfour";
+	static const char *const want[] = {"one", "", "\xef\xbb\xbfthree \r", "four"};
+	struct text_file file;
+
+	(void)state;
+	write_text(text, sizeof(text) - 1);
+	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(file.number, 0);
+	for (int k = 0; k < 4; k++) {
+		assert_int_equal(text_file_next(&file, NULL), 1);
+		assert_string_equal(file.line, want[k]);
+		assert_int_equal(file.number, k + 1);
+	}
+	assert_int_equal(text_file_next(&file, NULL), 0);
+	assert_int_equal(text_file_next(&file, NULL), 0);
+	assert_int_equal(file.number, 4);
+	text_file_close(&file);
+	text_file_close(&file);
+	write_text("", 0);
+	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_next(&file, NULL), 0);
+	text_file_close(&file);
+	unlink(own_path("text"));
+}
+
+/* The line that is refused is the last of so many. */
+static void expect(const char *path, int lines, int err, const char *says)
+{
+	struct fault fault = {""};
+	struct text_file file;
+
+	assert_int_equal(text_file_open(&file, path, &fault), 0);
+	for (int k = 1; k < lines; k++)
+		assert_int_equal(text_file_next(&file, &fault), 1);
+	assert_int_equal(text_file_next(&file, &fault), err);
+	assert_memory_equal(fault.text, path, strlen(path));
+	assert_string_equal(fault.text + strlen(path), says);
+	text_file_close(&file);
+}
+
+static void no_text(void **state)
+{
+	static char wide[TEXT_LINE_BYTES_MAX + 2];
+	struct fault fault = {""};
+	struct text_file file;
+
+	(void)state;
+	write_text("one\nt\0o\n", 8);
+	expect(own_path("text"), 2, -EINVAL, ":2: holds a zero byte, expected a text file");
+	memset(wide, 'x', sizeof(wide));
+	write_text(wide, TEXT_LINE_BYTES_MAX);
+	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_next(&file, NULL), 1);
+	assert_int_equal(strlen(file.line), TEXT_LINE_BYTES_MAX);
+	text_file_close(&file);
+	write_text(wide, TEXT_LINE_BYTES_MAX + 1);
+	expect(own_path("text"), 1, -EINVAL,
+	       ":1: the line is too long, expected at most 65536 bytes");
+	unlink(own_path("text"));
+	assert_int_equal(text_file_open(&file, own_path("none"), &fault), -ENOENT);
+	assert_non_null(strstr(fault.text, "/none: No such file or directory"));
+	text_file_close(&file);
+}
+
+static void refuse(const char *path, int err, const char *what)
+{
+	struct fault fault = {""};
+	struct text_file file;
+	char says[PATH_MAX + 80];
+
+	assert_int_equal(text_file_open(&file, path, &fault), err);
+	snprintf(says, sizeof(says), "%s: not a regular file but a %s, expected one to read", path,
+		 what);
+	assert_string_equal(fault.text, says);
+}
+
+/* What would be waited for, or read, for ever. */
+static void no_files(void **state)
+{
+	struct sockaddr_un address = {.sun_family = AF_UNIX};
+	const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
+
+	(void)state;
+	alarm(20);
+	refuse(own_folder, -EISDIR, "folder");
+	refuse("/dev/zero", -EINVAL, "device");
+	assert_int_equal(mkfifo(own_path("pipe"), 0600), 0);
+	refuse(own_path("pipe"), -EINVAL, "named pipe");
+	unlink(own_path("pipe"));
+	assert_true(snprintf(address.sun_path, sizeof(address.sun_path), "%s", own_path("socket")) >
+		    0);
+	assert_int_equal(bind(listener, (struct sockaddr *)&address, sizeof(address)), 0);
+	refuse(own_path("socket"), -EINVAL, "socket");
+	close(listener);
+	unlink(own_path("socket"));
+	alarm(0);
+}
+
+/* As a shell's <(command) gives it, whose command may take its time. */
+static void the_pipe_of_a_command(void **state)
+{
+	char path[40];
+	struct text_file file;
+	int ends[2];
+	pid_t command;
+
+	(void)state;
+	assert_int_equal(pipe(ends), 0);
+	command = fork();
+	if (!command) {
+		usleep(100000);
+		_exit(write(ends[1], "late\n", 5) != 5);
+	}
+	assert_true(command > 0);
+	close(ends[1]);
+	snprintf(path, sizeof(path), "/dev/fd/%d", ends[0]);
+	assert_int_equal(text_file_open(&file, path, NULL), 0);
+	assert_int_equal(text_file_next(&file, NULL), 1);
+	assert_string_equal(file.line, "late");
+	assert_int_equal(text_file_next(&file, NULL), 0);
+	text_file_close(&file);
+	close(ends[0]);
+	assert_int_equal(waitpid(command, NULL, 0), command);
+}
+
+/* Blank lines without end: what no line's bound stops. */
+static void large_files(void **state)
+{
+	struct fault fault = {""};
+	struct text_file file;
+	FILE *stream = fopen(own_path("text"), "wb");
+	int ret, lines = 0;
+
+	(void)state;
+	assert_non_null(stream);
+	for (int k = 0; k < TEXT_FILE_BYTES_MAX; k++)
+		putc_unlocked('\n', stream);
+	fflush(stream);
+	for (int more = 0; more < 2; more++) {
+		assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+		for (lines = 0; (ret = text_file_next(&file, &fault)) > 0;)
+			lines++;
+		text_file_close(&file);
+		assert_int_equal(ret, more ? -EFBIG : 0);
+		assert_int_equal(lines, TEXT_FILE_BYTES_MAX);
+		fputs("\n", stream);
+		fflush(stream);
+	}
+	assert_non_null(strstr(fault.text, "/text: is larger than 16 MiB, expected a text file"));
+	fclose(stream);
+	unlink(own_path("text"));
+}
+
+static void numbers(void **state)
+{
+	static const struct {
+		const char *text;
+		double value;
+		const char *rest;
+	} right[] = {
+		{"1", 1, ""},	  {"-.5e+1 7", -5, " 7"}, {"+3.,4", 3, ",4"}, {"25mm", 25, "mm"},
+		{"50%", 50, "%"}, {"0", 0, ""},		  {"1e-400", 0, ""},  {"007", 7, ""},
+	};
+	static const char *const wrong[] = {"",	   " 1",    "x",  "0x10", "0x1p3", "nan",   "inf",
+					    "1-2", "1e4e4", "1e", "-",	  "e5",	   "1e999", "."};
+	const char *at;
+	double value;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(right) / sizeof(*right); k++) {
+		at = right[k].text;
+		assert_int_equal(number_read(&at, &value), 0);
+		assert_true(value == right[k].value);
+		assert_string_equal(at, right[k].rest);
+		value = 42;
+		assert_int_equal(number_of(right[k].text, &value), *at ? -EINVAL : 0);
+		assert_true(value == (*at ? 42 : right[k].value));
+	}
+	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++) {
+		at = wrong[k];
+		value = 42;
+		assert_int_equal(number_read(&at, &value), -EINVAL);
+		assert_int_equal(number_of(at, &value), -EINVAL);
+		assert_true(at == wrong[k] && value == 42);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(lines_without_their_breaks),
+		cmocka_unit_test(no_text),
+		cmocka_unit_test(no_files),
+		cmocka_unit_test(the_pipe_of_a_command),
+		cmocka_unit_test(large_files),
+		cmocka_unit_test(numbers),
+	};
+
+	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
+}

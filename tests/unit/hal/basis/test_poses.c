@@ -1,0 +1,534 @@
+/* A file of several poses: each is what it is in a file of its own, whichever is in memory. */
+#include <errno.h>
+#include <sched.h>
+
+#include "tests/support/copied_basis.h"
+
+#include "tests/support/compositing.h"
+
+enum { POSES = 7 };
+
+/* Poses first.. of a turn: the synthetic file's blocks, each without some of its tiles. */
+static void write_poses(const struct synthetic *s, const char *path, int first, int count,
+			const struct basis_pose_name *names)
+{
+	struct copied copy = copied_file(s->path);
+	const struct basis *basis = &s->basis;
+	const struct basis_block_entry *entries = copied_data(&copy, BASIS_CHUNK_BLOCKS);
+	const uint8_t *data = copied_data(&copy, BASIS_CHUNK_DATA);
+	struct basis_info_chunk info = basis->info;
+	struct basis_writer *writer;
+	struct fault fault = {""};
+
+	info.poses = (uint32_t)count;
+	synthetic_must(basis_writer_open(&writer, path, &info, basis->lights, basis->ground,
+					 basis->coarse, "", &fault),
+		       &fault);
+	for (int p = first; p < first + count; p++) {
+		for (int n = 0; n < basis->poses[0].shown.block_count; n++) {
+			const struct basis_block_payload block = {entries[n],
+								  data + entries[n].offset};
+
+			if ((int)(entries[n].tile % POSES) == p)
+				continue;
+			synthetic_must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
+		}
+		synthetic_must(basis_writer_pose_end(writer, basis->poses[0].coverage,
+						     basis->poses[0].peak, &fault),
+			       &fault);
+	}
+	if (names)
+		synthetic_must(basis_writer_names(writer, names, &fault), &fault);
+	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	copied_free(&copy);
+}
+
+static void open_basis(struct basis *basis, const char *path)
+{
+	struct fault fault = {""};
+
+	if (basis_open(basis, path, BASIS_SHOWN, &fault))
+		fail_msg("%s", fault.text);
+}
+
+static const char *path_of(const struct synthetic *s, const char *name)
+{
+	static char path[100];
+
+	snprintf(path, sizeof(path), "%s/%s", s->folder, name);
+	return path;
+}
+
+static void same_pose(const struct basis *basis, int pose, const struct basis *alone)
+{
+	const struct basis_layer *a = &basis->poses[pose].shown, *b = &alone->poses[0].shown;
+
+	assert_int_equal(a->block_count, b->block_count);
+	for (int n = 0; n < a->block_count; n++) {
+		assert_int_equal(a->blocks[n].bytes, b->blocks[n].bytes);
+		assert_memory_equal(a->blocks[n].pixel, b->blocks[n].pixel, a->blocks[n].bytes);
+	}
+	assert_memory_equal(basis->poses[pose].coverage, alone->poses[0].coverage,
+			    (size_t)basis->info.width * basis->info.height * 2);
+	assert_memory_equal(basis->poses[pose].peak, alone->poses[0].peak,
+			    ((size_t)basis->info.lights + 1) * 12);
+}
+
+/* Any order of steps and jumps, with and without neighbours that are expected: the picture is that
+ * of the pose's own file, bit for bit. */
+static void each_is_as_alone(void **state)
+{
+	static const int order[] = {0, 1, 2, 1, 0, 6, 5, 3, 3, 6, 0, 4};
+	struct chance chance = chance_begin("poses");
+	const struct synthetic *s = *state;
+	struct basis joint, alone[POSES];
+	struct fault fault = {""};
+	struct frame_of f, one[POSES];
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	open_basis(&joint, path_of(s, "joint.inlay"));
+	for (int p = 0; p < POSES; p++) {
+		write_poses(s, path_of(s, "alone.inlay"), p, 1, NULL);
+		open_basis(&alone[p], path_of(s, "alone.inlay"));
+	}
+	frame_begin(&f, &joint, NULL, &chance);
+	for (int p = 0; p < POSES; p++)
+		frame_begin(&one[p], &alone[p], NULL, &chance);
+	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++) {
+		const int pose = order[k], next = (pose + 1) % POSES;
+
+		if (k % 3)
+			basis_poses_expect(&joint, (int[]){pose, next}, 2);
+		assert_int_equal(
+			compositor_run(f.compositor, pose, &f.lights, &f.backdrop, f.out, f.stride),
+			0);
+		assert_int_equal(compositor_run(one[pose].compositor, 0, &f.lights, &f.backdrop,
+						one[pose].out, f.stride),
+				 0);
+		assert_memory_equal(f.out, one[pose].out, f.bytes);
+		same_pose(&joint, pose, &alone[pose]);
+	}
+	assert_int_equal(basis_pose_load(&joint, 2, &fault), 0);
+	for (int p = 0; p < POSES; p++) {
+		frame_end(&one[p]);
+		basis_close(&alone[p]);
+	}
+	frame_end(&f);
+	basis_close(&joint);
+	unlink(path_of(s, "joint.inlay"));
+	unlink(path_of(s, "alone.inlay"));
+}
+
+static int in_memory(const struct basis *basis)
+{
+	int count = 0;
+
+	for (uint32_t p = 0; p < basis->info.poses; p++)
+		count += basis->poses[p].shown.tiles != NULL;
+	return count;
+}
+
+static void only_those_in_use_are_there(void **state)
+{
+	const struct synthetic *s = *state;
+	struct fault fault = {""};
+	struct basis basis;
+	unsigned turn;
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	open_basis(&basis, path_of(s, "joint.inlay"));
+	assert_int_equal(in_memory(&basis), 1);
+	assert_non_null(basis.poses[0].shown.tiles);
+	turn = basis.poses[0].turn;
+	assert_int_equal(basis_pose_load(&basis, 0, &fault), 0);
+	assert_int_equal(basis.poses[0].turn, turn); /* where it was */
+	for (int p = 0; p < 4 * POSES; p++) {
+		const int pose = p % POSES, next = (p + 1) % POSES;
+
+		assert_int_equal(basis_pose_load(&basis, pose, &fault), 0);
+		basis_poses_expect(&basis, (int[]){pose, next, next}, 3);
+		assert_true(in_memory(&basis) <= 2);
+		assert_non_null(basis.poses[pose].coverage);
+	}
+	/* Whoever remembers where a pose lay can tell that it has gone. */
+	turn = basis.poses[POSES - 1].turn;
+	basis_poses_expect(&basis, NULL, 0);
+	assert_int_equal(in_memory(&basis), 0);
+	assert_true(basis.poses[POSES - 1].turn != turn);
+	turn = basis.poses[0].turn;
+	assert_int_equal(basis_pose_load(&basis, 0, &fault), 0);
+	assert_true(basis.poses[0].turn != turn);
+	basis_close(&basis);
+	unlink(path_of(s, "joint.inlay"));
+}
+
+/* cp over a file that is shown, a stick that is pulled out: what is in memory stays what it was,
+ * and what is not is refused. */
+static void outlives_its_file(void **state)
+{
+	const struct synthetic *s = *state;
+	struct basis joint, alone, before;
+	struct fault fault = {""};
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	open_basis(&joint, path_of(s, "joint.inlay"));
+	write_poses(s, path_of(s, "alone.inlay"), 0, 1, NULL);
+	open_basis(&alone, path_of(s, "alone.inlay"));
+	assert_int_equal(truncate(path_of(s, "joint.inlay"), 0), 0);
+	assert_int_equal(truncate(path_of(s, "alone.inlay"), 100), 0);
+
+	write_poses(s, path_of(s, "before.inlay"), 0, 1, NULL);
+	open_basis(&before, path_of(s, "before.inlay"));
+	same_pose(&joint, 0, &before);
+	same_pose(&alone, 0, &before);
+	assert_int_equal(basis_pose_load(&joint, 2, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "cut short"));
+	same_pose(&joint, 0, &before);
+
+	basis_close(&joint);
+	basis_close(&alone);
+	basis_close(&before);
+	unlink(path_of(s, "joint.inlay"));
+	unlink(path_of(s, "alone.inlay"));
+	unlink(path_of(s, "before.inlay"));
+}
+
+static void write_file(const char *path, const struct copied *copy, size_t bytes)
+{
+	FILE *stream = fopen(path, "wb");
+
+	assert_non_null(stream);
+	assert_int_equal(fwrite(copy->data, 1, bytes, stream), bytes);
+	assert_int_equal(fclose(stream), 0);
+}
+
+static void cannot_be_loaded(const struct basis *basis, int pose, const char *words)
+{
+	struct fault fault = {""};
+
+	basis_poses_expect(basis, NULL, 0); /* what has failed before is tried again */
+	assert_int_equal(basis_pose_load(basis, pose, &fault), -EBADMSG);
+	if (!strstr(fault.text, words))
+		fail_msg("\"%s\", expected \"%s\"", fault.text, words);
+}
+
+static void can_be_loaded(const struct basis *basis, int pose)
+{
+	struct fault fault = {""};
+
+	basis_poses_expect(basis, NULL, 0);
+	if (basis_pose_load(basis, pose, &fault))
+		fail_msg("%s", fault.text);
+}
+
+/* A pose whose bytes are not those that were checked is refused, and loaded when they are there
+ * again, whichever way the file has come back. */
+static void is_loaded_when_its_file_is_back(void **state)
+{
+	const struct synthetic *s = *state;
+	struct fault fault = {""};
+	struct copied whole, other;
+	struct basis basis;
+	char path[100];
+
+	snprintf(path, sizeof(path), "%s", path_of(s, "joint.inlay"));
+	write_poses(s, path, 0, POSES, NULL);
+	whole = copied_file(path);
+	other = copied_file(path);
+	for (size_t k = 0; k < copied_chunk(&other, BASIS_CHUNK_PACK)[0].bytes; k++)
+		((uint8_t *)copied_data(&other, BASIS_CHUNK_PACK))[k] ^= 1;
+	open_basis(&basis, path);
+
+	write_file(path, &whole, 100);
+	cannot_be_loaded(&basis, 0, "cut short");
+	write_file(path, &whole, whole.bytes);
+	assert_int_equal(basis_pose_load(&basis, 0, &fault), -EBADMSG); /* not tried */
+	assert_true(basis_pose_ready(&basis, 0));
+	can_be_loaded(&basis, 0);
+
+	write_file(path, &other, other.bytes);
+	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
+	can_be_loaded(&basis, 1);
+
+	/* Another file of that name. */
+	unlink(path);
+	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
+	write_file(path, &other, 100);
+	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
+	unlink(path);
+	write_file(path, &whole, whole.bytes);
+	can_be_loaded(&basis, 0);
+	unlink(path);
+	can_be_loaded(&basis, 2);
+
+	basis_close(&basis);
+	copied_free(&whole);
+	copied_free(&other);
+}
+
+/* The thread that looks ahead says why, too. */
+static void tells_why_it_was_not_there_ahead(void **state)
+{
+	const struct synthetic *s = *state;
+	struct fault fault = {""};
+	struct basis basis;
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	open_basis(&basis, path_of(s, "joint.inlay"));
+	assert_int_equal(truncate(path_of(s, "joint.inlay"), 100), 0);
+	basis_poses_expect(&basis, (int[]){0, 4}, 2);
+	while (!basis_pose_ready(&basis, 4))
+		sched_yield();
+	assert_int_equal(basis_pose_load(&basis, 4, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "cut short"));
+	assert_int_equal(basis_pose_load(&basis, 0, &fault), 0);
+	basis_close(&basis);
+	unlink(path_of(s, "joint.inlay"));
+}
+
+static void names(void **state)
+{
+	static const struct basis_pose_name good[3] = {{"front"}, {""}, {"side-2_b"}};
+	static const struct basis_pose_name bad[][3] = {
+		{{"a"}, {"a"}, {""}},
+		{{"12"}, {""}, {""}},
+		{{"a b"}, {""}, {""}},
+		{{"a\0b"}, {""}, {""}},
+		{{"0123456789012345678901234567890a"}, {""}, {""}}};
+	const struct synthetic *s = *state;
+	struct fault fault = {""};
+	struct copied copy;
+	struct basis basis;
+	struct basis_pose_name *at;
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, 3, good);
+	open_basis(&basis, path_of(s, "joint.inlay"));
+	assert_string_equal(basis_pose_name(&basis, 2), "side-2_b");
+	assert_string_equal(basis_pose_name(&basis, 1), "");
+	assert_int_equal(basis_find_pose(&basis, "front", &fault), 0);
+	assert_int_equal(basis_find_pose(&basis, "1", &fault), 1);
+	assert_int_equal(basis_find_pose(&basis, "3", &fault), -EINVAL);
+	assert_int_equal(basis_find_pose(&basis, "", &fault), -EINVAL);
+	assert_int_equal(basis_find_pose(&basis, "back", &fault), -EINVAL);
+	assert_string_equal(fault.text, "the basis has no pose \"back\", expected a number 0..2 or "
+					"a name that it has");
+	basis_close(&basis);
+	copy = copied_file(path_of(s, "joint.inlay"));
+	at = copied_data(&copy, BASIS_CHUNK_POSES);
+	for (size_t k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
+		memcpy(at, bad[k], sizeof(bad[k]));
+		synthetic_reseal(copy.data, copy.bytes);
+		assert_int_equal(copied_open(&copy, &fault), -EBADMSG);
+		assert_non_null(strstr(fault.text, "names of poses"));
+	}
+	memset(at, 0, sizeof(good));
+	copied_chunk(&copy, BASIS_CHUNK_POSES)->bytes -= 32;
+	synthetic_reseal(copy.data, copy.bytes);
+	assert_int_equal(copied_open(&copy, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "POSE chunk of 64 bytes, expected 96"));
+	copied_free(&copy);
+	unlink(path_of(s, "joint.inlay"));
+}
+
+/* ---- damage ---- */
+
+struct damaged {
+	struct copied whole, c;
+	struct basis_pack *pack;
+	struct basis_pack_part *part;
+	struct basis_block_entry *entry;
+};
+
+static void refuse(struct damaged *d, const char *words)
+{
+	struct fault fault;
+
+	synthetic_reseal(d->c.data, d->c.bytes);
+	assert_int_equal(copied_open(&d->c, &fault), -EBADMSG);
+	if (!strstr(fault.text, words))
+		fail_msg("\"%s\", expected \"%s\"", fault.text, words);
+	memcpy(d->c.data, d->whole.data, d->whole.bytes);
+}
+
+#define REFUSED(words, change)                                                                     \
+	do {                                                                                       \
+		change;                                                                            \
+		refuse(&d, words);                                                                 \
+	} while (0)
+
+static void refuses_a_broken_pack(void **state)
+{
+	const struct synthetic *s = *state;
+	struct chance chance = chance_begin("broken packs");
+	struct damaged d;
+	struct fault fault;
+	uint64_t bytes;
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, 2, NULL);
+	d.whole = copied_file(path_of(s, "joint.inlay"));
+	d.c = copied_file(path_of(s, "joint.inlay"));
+	d.pack = copied_data(&d.c, BASIS_CHUNK_PACK);
+	d.part = (struct basis_pack_part *)(d.pack + 1);
+	d.entry = copied_data(&d.c, BASIS_CHUNK_BLOCKS);
+	bytes = copied_chunk(&d.c, BASIS_CHUNK_PACK)->bytes;
+	REFUSED("pose 0: blocks of", d.pack->data_bytes += 64);
+	REFUSED("unpacks to", d.pack->data_bytes = UINT64_MAX);
+	REFUSED("PACK chunk of pose 0", d.pack->parts = UINT32_MAX);
+	REFUSED("PACK chunk of pose 0", d.pack->coverage_bytes = (uint32_t)bytes);
+	REFUSED("expected", d.pack->coverage_bytes -= 1);
+	REFUSED("0 blocks", d.part->blocks = 0);
+	REFUSED("are left", d.part->blocks += 1);
+	REFUSED("parts of a pose hold", d.part->blocks -= 1);
+	REFUSED("blocks, expected", d.part->reserved = 1);
+	REFUSED("longer than its chunk", d.part->bytes[1] = UINT32_MAX);
+	REFUSED("leave", d.part->bytes[3] -= 1);
+	REFUSED("cannot be unpacked", (d.part->bytes[1] -= 1, d.part->bytes[2] += 1));
+	REFUSED("behind the block before it", d.entry[1].offset += 64);
+	REFUSED("behind the block before it", d.entry[0].bytes += 64);
+	REFUSED("kind", d.entry[0].kind = 9);
+	REFUSED("PACK, and DATA", copied_chunk(&d.c, BASIS_CHUNK_CAMERA)->type = BASIS_CHUNK_DATA);
+	REFUSED("no BLCK and DATA", copied_chunk(&d.c, BASIS_CHUNK_PACK)->type = 77);
+	memset((uint8_t *)d.pack + 8, 0, bytes - 8);
+	REFUSED("expected 16 and more", copied_chunk(&d.c, BASIS_CHUNK_PACK)->bytes = 8);
+	/* Whatever is in the streams: refused, or something that keeps to the rules. */
+	for (int n = 0; n < 3000; n++) {
+		const uint64_t at = (uint64_t)chance_int(&chance, 16, (int)bytes - 1);
+
+		((uint8_t *)d.pack)[at] ^= (uint8_t)(1 << chance_int(&chance, 0, 7));
+		synthetic_reseal(d.c.data, d.c.bytes);
+		if (copied_open(&d.c, &fault) != 0)
+			assert_memory_equal(fault.text, "mem.inlay: ", 11);
+		((uint8_t *)d.pack)[at] = d.whole.data[(size_t)((uint8_t *)d.pack - d.c.data) + at];
+	}
+	copied_free(&d.whole);
+	copied_free(&d.c);
+	unlink(path_of(s, "joint.inlay"));
+}
+
+/* What is checked of a packed pose knows how many columns there may be. */
+static void may_have_groups(void **state)
+{
+	const struct synthetic_options options = {.width = 9,
+						  .height = 7,
+						  .lights = 20,
+						  .grounds = 1,
+						  .coarse = 4,
+						  .patterns = 1,
+						  .columns = 12,
+						  .bits = 8,
+						  .object_share = 0.5,
+						  .ground_share = 0.5,
+						  .column_cut = 0.01,
+						  .groups = 4,
+						  .peak = 1,
+						  .seed = 6};
+	struct synthetic s;
+	struct basis basis;
+
+	(void)state;
+	synthetic_open(&s, &options);
+	write_poses(&s, path_of(&s, "joint.inlay"), 1, 2, NULL);
+	open_basis(&basis, path_of(&s, "joint.inlay"));
+	same_pose(&basis, 0, &s.basis);
+	basis_close(&basis);
+	unlink(path_of(&s, "joint.inlay"));
+	synthetic_close(&s);
+}
+
+/* ---- small files that ask for much memory ---- */
+
+/* Poses of nothing but `blocks` blocks of zeros each, in either layer. */
+struct bomb {
+	uint32_t width, height, lights, poses;
+	int blocks;
+	bool exact;
+};
+
+static void write_bomb(const struct synthetic *s, const struct bomb *b)
+{
+	struct chance chance = {1};
+	const struct basis_info_chunk info = {.width = b->width,
+					      .height = b->height,
+					      .lights = b->lights,
+					      .coarse = b->lights,
+					      .poses = b->poses};
+	struct basis_block_payload block = {
+		.entry = {.channels = 3, .bits = 16, .pixels = 256, .columns = b->lights}};
+	uint8_t *payload;
+	struct basis_light *light = synthetic_zeros(b->lights, sizeof(*light));
+	float(*peak)[3] = synthetic_zeros(b->lights + 1, sizeof(*peak));
+	uint16_t *coverage = synthetic_zeros((size_t)b->width * b->height, sizeof(*coverage));
+	struct basis_writer *writer;
+	struct fault fault = {""};
+
+	block.entry.bytes = basis_layout(&block.entry, (int)b->lights).bytes;
+	payload = synthetic_zeros(block.entry.bytes, 1);
+	for (size_t k = 0; k < block.entry.bytes; k += 512) /* unlike zeros, 1/64 to 1/4096 */
+		payload[k] = (uint8_t)chance_int(&chance, 0, 255);
+	block.payload = payload;
+	synthetic_lights(light, (int)b->lights, &chance);
+	synthetic_must(basis_writer_open(&writer, path_of(s, "bomb.inlay"), &info, light, NULL,
+					 NULL, "", &fault),
+		       &fault);
+	for (uint32_t p = 0; p < b->poses; p++) {
+		for (int k = 0; k < b->blocks; k++)
+			synthetic_must((b->exact ? basis_writer_exact_blocks
+						 : basis_writer_blocks)(writer, &block, 1, &fault),
+				       &fault);
+		synthetic_must(
+			basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault),
+			&fault);
+	}
+	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	free(payload);
+	free(light);
+	free(peak);
+	free(coverage);
+}
+
+/* words NULL: it opens. */
+static void open_bomb(const struct synthetic *s, enum basis_part part, const char *words)
+{
+	struct fault fault = {""};
+	struct basis basis;
+	const int ret = basis_open(&basis, path_of(s, "bomb.inlay"), part, &fault);
+
+	basis_close(&basis);
+	if (words ? ret != -EBADMSG || !strstr(fault.text, words) : ret != 0)
+		fail_msg("%d, \"%s\", expected \"%s\"", ret, fault.text, words ? words : "");
+}
+
+static void refuses_bombs(void **state)
+{
+	const struct synthetic *s = *state;
+
+	/* poses without an object, of the largest screens */
+	write_bomb(s, &(struct bomb){3840, 2160, .lights = 1, .poses = 2});
+	open_bomb(s, BASIS_ALL, NULL);
+	write_bomb(s, &(struct bomb){4096, 4096, .lights = 1, .poses = 2});
+	open_bomb(s, BASIS_SHOWN, "2 poses of 4096x4096 pixels take 3");
+	/* lists of tiles, which the exact layer of each pose has for itself */
+	write_bomb(s, &(struct bomb){3000, 2800, 1, .poses = 24, .blocks = 1, .exact = true});
+	open_bomb(s, BASIS_SHOWN, NULL);
+	open_bomb(s, BASIS_ALL, "24 poses of 3000x2800 pixels take");
+	write_bomb(s, &(struct bomb){16, 16, .lights = 1000, .poses = 2, .blocks = 20});
+	open_bomb(s, BASIS_SHOWN, "expected at most 64 times as many");
+	unlink(path_of(s, "bomb.inlay"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(each_is_as_alone),
+		cmocka_unit_test(only_those_in_use_are_there),
+		cmocka_unit_test(outlives_its_file),
+		cmocka_unit_test(is_loaded_when_its_file_is_back),
+		cmocka_unit_test(tells_why_it_was_not_there_ahead),
+		cmocka_unit_test(names),
+		cmocka_unit_test(refuses_a_broken_pack),
+		cmocka_unit_test(may_have_groups),
+		cmocka_unit_test(refuses_bombs),
+	};
+
+	return cmocka_run_group_tests(tests, copied_setup, copied_teardown);
+}

@@ -1,0 +1,265 @@
+/* Transfer curves against the printed standards, and as exact inverses. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "hal/colour/transfer.h"
+#include "tests/support/chance.h"
+
+/* As printed in IEC 61966-2-1 and BT.709-6, knees rounded. */
+static double printed_decode(enum transfer t, double e)
+{
+	switch (t) {
+	case TRANSFER_SRGB:
+		return e <= 0.04045 ? e / 12.92 : pow((e + 0.055) / 1.055, 2.4);
+	case TRANSFER_BT709:
+		return e < 0.081 ? e / 4.5 : pow((e + 0.099) / 1.099, 1 / 0.45);
+	default:
+		return e;
+	}
+}
+
+static double printed_encode(enum transfer t, double l)
+{
+	switch (t) {
+	case TRANSFER_SRGB:
+		return l <= 0.0031308 ? 12.92 * l : 1.055 * pow(l, 1 / 2.4) - 0.055;
+	case TRANSFER_BT709:
+		return l < 0.018 ? 4.5 * l : 1.099 * pow(l, 0.45) - 0.099;
+	default:
+		return l;
+	}
+}
+
+static const double printed_step[] = {1e-7, 3e-4, 0}; /* of the rounded knees */
+
+static void agrees_with_the_standards(void **state)
+{
+	(void)state;
+	for (int t = 0; t < TRANSFER_COUNT; t++)
+		for (int i = 0; i <= 100000; i++) {
+			const double x = i / 1e5;
+
+			assert_true(fabs(transfer_decode(t, x) - printed_decode(t, x)) <=
+				    printed_step[t] + 1e-15);
+			assert_true(fabs(transfer_encode(t, x) - printed_encode(t, x)) <=
+				    printed_step[t] + 1e-15);
+		}
+}
+
+static void check_inverse(enum transfer t, double x)
+{
+	assert_true(fabs(transfer_encode(t, transfer_decode(t, x)) - x) <= 1e-12);
+	assert_true(fabs(transfer_decode(t, transfer_encode(t, x)) - x) <= 1e-12);
+}
+
+static void inverse_pair(void **state)
+{
+	const double knees[] = {0.0031308, 0.0031306684425006, 0.04045, 0.0404482362771082,
+				0.018,	   0.0180539685108078, 0.081,	0.0812428582986351};
+
+	(void)state;
+	for (int t = 0; t < TRANSFER_COUNT; t++) {
+		for (int i = 0; i <= 1000000; i++)
+			check_inverse(t, i / 1e6);
+		for (unsigned k = 0; k < sizeof(knees) / sizeof(*knees); k++)
+			for (int i = -5000; i <= 5000; i++) {
+				check_inverse(t, knees[k] * (1 + i * 1e-15));
+				check_inverse(t, knees[k] * (1 + i * 1e-8));
+			}
+	}
+}
+
+static void clamped_and_monotonic(void **state)
+{
+	(void)state;
+	for (int t = 0; t < TRANSFER_COUNT; t++) {
+		double decoded = -1, encoded = -1;
+
+		assert_true(transfer_decode(t, 0) == 0 && transfer_encode(t, 0) == 0);
+		assert_true(transfer_decode(t, 1) == 1 && transfer_encode(t, 1) == 1);
+		assert_true(transfer_decode(t, -3) == 0 && transfer_encode(t, -INFINITY) == 0);
+		assert_true(transfer_decode(t, 7) == 1 && transfer_encode(t, INFINITY) == 1);
+		assert_true(transfer_decode(t, NAN) == 0 && transfer_encode(t, NAN) == 0);
+		for (int i = 0; i <= 1000000; i++) {
+			assert_true(transfer_decode(t, i / 1e6) > decoded);
+			assert_true(transfer_encode(t, i / 1e6) > encoded);
+			decoded = transfer_decode(t, i / 1e6);
+			encoded = transfer_encode(t, i / 1e6);
+		}
+	}
+}
+
+static void tables(void **state)
+{
+	static struct transfer_tables tables;
+
+	(void)state;
+	for (int t = 0; t < TRANSFER_COUNT; t++) {
+		const struct transfer_curve curve = {.named = (enum transfer)t};
+
+		transfer_tables_fill(&tables, &curve);
+		assert_int_equal(tables.decode[0], 0);
+		assert_int_equal(tables.decode[255], 65535);
+		for (int c = 0; c < 256; c++) {
+			assert_int_equal(tables.encode[tables.decode[c]], c);
+			assert_true(fabs(tables.decode[c] - 65535 * printed_decode(t, c / 255.0)) <=
+				    0.5 + 65535 * printed_step[t]);
+		}
+		for (int v = 0; v < 65536; v++) {
+			assert_true(fabs(tables.encode[v] - 255 * printed_encode(t, v / 65535.0)) <=
+				    0.5 + 255 * printed_step[t] + 1e-9);
+			assert_true(v == 0 || tables.encode[v] >= tables.encode[v - 1]);
+		}
+	}
+}
+
+/* ---- measured curves ---- */
+
+static double power(double x)
+{
+	return pow(x, 2.2);
+}
+
+static double srgb(double x)
+{
+	return transfer_decode(TRANSFER_SRGB, x);
+}
+
+static double linear(double x)
+{
+	return x;
+}
+
+static struct transfer_curve measured_of(double (*decode)(double), double black)
+{
+	struct transfer_curve curve = {.measured = true, .black = black};
+
+	for (int k = 0; k < TRANSFER_KNOTS; k++)
+		curve.knot[k] = decode((double)k / (TRANSFER_KNOTS - 1));
+	return curve;
+}
+
+/* Between its knots a smooth curve is kept to a thousandth, and its inverse is one. */
+static void measured_curves_keep_their_shape(void **state)
+{
+	double (*const shapes[])(double) = {power, srgb, linear};
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		const struct transfer_curve curve = measured_of(shapes[k], 0);
+		double before = -1;
+
+		assert_int_equal(transfer_curve_check(&curve, NULL), 0);
+		for (int i = 0; i <= 20000; i++) {
+			const double x = i / 20000.0, y = transfer_curve_decode(&curve, x);
+
+			assert_true(y > before);
+			assert_true(x < 0.1 || fabs(y / shapes[k](x) - 1) < 1.5e-3);
+			assert_true(fabs(transfer_curve_encode(&curve, y) - x) < 1e-9);
+			before = y;
+		}
+		assert_true(transfer_curve_decode(&curve, 1) == 1);
+		assert_true(transfer_curve_encode(&curve, 1) == 1);
+		assert_true(transfer_curve_decode(&curve, NAN) == 0);
+		assert_true(transfer_curve_encode(&curve, -1) == 0);
+	}
+}
+
+/* Any ascending knots, with jumps of every size between them. */
+static void measured_curves_ascend(void **state)
+{
+	struct chance chance = chance_begin("transfer");
+
+	(void)state;
+	for (int run = 0; run < 300; run++) {
+		struct transfer_curve curve = {.measured = true};
+		double before = -1;
+
+		for (int k = 1; k < TRANSFER_KNOTS; k++)
+			curve.knot[k] = curve.knot[k - 1] + pow(10, chance_real(&chance, -6, 0));
+		for (int k = 1; k < TRANSFER_KNOTS; k++)
+			curve.knot[k] /= curve.knot[TRANSFER_KNOTS - 1];
+		curve.knot[TRANSFER_KNOTS - 1] = 1;
+		for (int i = 0; i <= 3200; i++) {
+			const double y = transfer_curve_decode(&curve, i / 3200.0);
+
+			assert_true(y > before || (y == before && y > 1 - 1e-9));
+			assert_true(fabs(transfer_curve_decode(&curve,
+							       transfer_curve_encode(&curve, y)) -
+					 y) < 1e-9);
+			before = y;
+		}
+	}
+}
+
+static void tables_go_round(void **state)
+{
+	const struct transfer_curve curves[] = {
+		{.named = TRANSFER_BT709, .black = 16},
+		measured_of(srgb, 0),
+		measured_of(srgb, 16.5),
+		measured_of(power, 12),
+	};
+	static struct transfer_tables t;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(curves) / sizeof(*curves); k++) {
+		const int black = (int)ceil(curves[k].black);
+		int off = 0;
+
+		transfer_tables_fill(&t, &curves[k]);
+		assert_int_equal(t.decode[0], 0);
+		assert_int_equal(t.decode[255], 65535);
+		for (int c = black; c < 256; c++) {
+			const bool worth = c == black || t.decode[c] > t.decode[c - 1] + 1;
+
+			assert_true(!worth || t.encode[t.decode[c]] == c);
+			off += t.encode[t.decode[c]] != c;
+		}
+		print_message("# curve %zu: %d codes do not come back\n", k, off);
+		assert_true(off <= (k == 3 ? 6 : 0));
+	}
+}
+
+static void wrong_curves_are_told(void **state)
+{
+	struct transfer_curve curve = measured_of(srgb, 0);
+	struct fault fault;
+
+	(void)state;
+	curve.knot[7] = curve.knot[6];
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "from number 7"));
+	curve = measured_of(srgb, 0);
+	curve.knot[TRANSFER_KNOTS - 1] = 1.5;
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	curve.knot[TRANSFER_KNOTS - 1] = NAN;
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	curve = measured_of(srgb, 255);
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+	curve = (struct transfer_curve){.named = TRANSFER_COUNT};
+	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(agrees_with_the_standards),
+		cmocka_unit_test(inverse_pair),
+		cmocka_unit_test(clamped_and_monotonic),
+		cmocka_unit_test(tables),
+		cmocka_unit_test(measured_curves_keep_their_shape),
+		cmocka_unit_test(measured_curves_ascend),
+		cmocka_unit_test(tables_go_round),
+		cmocka_unit_test(wrong_curves_are_told),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

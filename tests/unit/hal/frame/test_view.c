@@ -1,0 +1,121 @@
+/* Views: where the pixels of an upright picture are read from. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+#include "hal/frame/view.h"
+#include "tests/support/chance.h"
+
+#define WIDTH 37
+#define HEIGHT 23
+#define STRIDE (WIDTH * 4 + 12)
+
+/* Each pixel holds its own place. */
+static void fill(uint8_t pixels[HEIGHT * STRIDE])
+{
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			pixels[y * STRIDE + 4 * x] = (uint8_t)x;
+			pixels[y * STRIDE + 4 * x + 1] = (uint8_t)y;
+		}
+}
+
+static void check_view(const struct view *view, const uint8_t *pixels)
+{
+	const struct picture p = view_picture(view, pixels, STRIDE);
+
+	assert_int_equal(p.width, view->width);
+	assert_int_equal(p.height, view->height);
+	for (int y = 0; y < p.height; y++)
+		for (int x = 0; x < p.width; x++) {
+			const uint8_t *pixel = p.origin + y * p.y_step + x * p.x_step;
+			const int left = view->hflip ? p.width - 1 - x : x;
+			const int top = view->vflip ? p.height - 1 - y : y;
+			const double upright[2] = {x + 0.5, y + 0.5};
+			double camera[2], back[2];
+
+			assert_int_equal(pixel[0], view->x + left);
+			assert_int_equal(pixel[1], view->y + top);
+			view_to_camera(view, upright, camera);
+			assert_true(camera[0] == pixel[0] + 0.5 && camera[1] == pixel[1] + 0.5);
+			view_from_camera(view, camera, back);
+			assert_true(back[0] == upright[0] && back[1] == upright[1]);
+		}
+}
+
+static void pixels_and_coordinates_agree(void **state)
+{
+	static uint8_t pixels[HEIGHT * STRIDE];
+	struct chance chance = chance_begin("view");
+
+	(void)state;
+	fill(pixels);
+	for (int k = 0; k < 400; k++) {
+		struct view view = {.squash = 1, .hflip = k & 1, .vflip = k & 2};
+
+		view.x = chance_int(&chance, 0, WIDTH - 1);
+		view.y = chance_int(&chance, 0, HEIGHT - 1);
+		view.width = chance_int(&chance, 0, WIDTH - view.x);
+		view.height = chance_int(&chance, 0, HEIGHT - view.y);
+		assert_int_equal(view_resolve(&view, WIDTH, HEIGHT, NULL), 0);
+		check_view(&view, pixels);
+	}
+}
+
+static void quadrants_of_a_composer(void **state)
+{
+	struct view right = {.x = 320, .squash = 2}, whole = {.squash = 1};
+
+	(void)state;
+	assert_int_equal(view_resolve(&right, 640, 240, NULL), 0);
+	assert_int_equal(right.width, 320);
+	assert_int_equal(right.height, 240);
+	assert_int_equal(view_resolve(&whole, 640, 240, NULL), 0);
+	assert_int_equal(whole.width, 640);
+}
+
+static void refused(void **state)
+{
+	const struct view bad[] = {
+		{.x = -1, .squash = 1},
+		{.y = 240, .squash = 1},
+		{.x = 1, .width = 640, .squash = 1},
+		{.x = 1, .width = INT_MAX, .squash = 1},
+		{.y = INT_MAX, .height = INT_MAX, .squash = 1},
+		{.width = -1, .squash = 1},
+		{.height = INT_MIN, .squash = 1},
+		{.squash = 0},
+		{.squash = -1},
+		{.squash = NAN},
+		{.squash = INFINITY},
+	};
+
+	(void)state;
+	for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
+		struct view view = bad[i];
+		struct fault fault = {""};
+
+		assert_int_equal(view_resolve(&view, 640, 240, &fault), -EINVAL);
+		assert_true(strlen(fault.text) > 0);
+		assert_memory_equal(&view.x, &bad[i].x, 4 * sizeof(int)); /* untouched */
+	}
+	assert_int_equal(view_resolve(&(struct view){.squash = 1}, 0, 240, NULL), -EINVAL);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(pixels_and_coordinates_agree),
+		cmocka_unit_test(quadrants_of_a_composer),
+		cmocka_unit_test(refused),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

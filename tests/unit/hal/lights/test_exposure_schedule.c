@@ -1,0 +1,180 @@
+/* Which exposure a frame has, of a camera that is played: it obeys some frames later, loses some.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdbool.h>
+
+#include "hal/lights/exposure_schedule.h"
+#include "tests/support/chance.h"
+
+enum { COUNT = 3, FRAMES = 400 };
+
+/* A camera: what each of its frames has. */
+struct camera {
+	int delay;
+	bool beyond;  /* slower than anybody expects: what is said of its frames may be wrong */
+	int64_t next; /* frame to be captured */
+	int shown[FRAMES + 64]; /* by frame; 0 at first */
+};
+
+static const double light[COUNT] = {0.6, 0.1, 0.0125};
+
+static void obey(struct camera *camera, int exposure)
+{
+	for (int64_t k = camera->next + camera->delay; k < FRAMES + 64; k++)
+		camera->shown[k] = exposure;
+}
+
+/* One frame, after `lost` that nobody sees and with `late` more captured before the answer. What it
+ * has is said, unless that is not known. */
+static int step(struct exposure_schedule *s, struct camera *camera, int lost, int late,
+		uint32_t offset)
+{
+	const int64_t frame = camera->next + lost;
+	int exposure, next;
+
+	camera->next = frame + 1;
+	exposure = exposure_schedule_take(s, offset + (uint32_t)frame);
+	if (exposure >= 0 && !camera->beyond)
+		assert_int_equal(exposure, camera->shown[frame]);
+	camera->next += late;
+	next = exposure_schedule_next(s);
+	if (next >= 0) {
+		obey(camera, next);
+		exposure_schedule_asked(s, next, late);
+	}
+	return exposure;
+}
+
+static void every_delay_is_kept_track_of(void **state)
+{
+	(void)state;
+	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
+		struct camera camera = {.delay = delay};
+		struct exposure_schedule s;
+		int count[COUNT] = {0};
+
+		exposure_schedule_begin(&s, COUNT, delay);
+		while (camera.next < 100) {
+			const int exposure = step(&s, &camera, 0, 0, UINT32_MAX - 20);
+
+			if (exposure >= 0)
+				count[exposure]++;
+			else
+				assert_true(camera.next <= delay + 1);
+		}
+		for (int k = 0; k < COUNT; k++)
+			assert_in_range(count[k], 28, 34);
+	}
+}
+
+static void lost_and_late_frames_shift_nothing(void **state)
+{
+	struct chance chance = chance_begin("lost frames");
+
+	(void)state;
+	for (int delay = 0; delay <= 6; delay++) {
+		struct camera camera = {.delay = delay};
+		struct exposure_schedule s;
+		int known = 0;
+
+		exposure_schedule_begin(&s, COUNT, delay);
+		while (camera.next < FRAMES - 10)
+			known += step(&s, &camera, chance_int(&chance, 0, 9) ? 0 : 3,
+				      chance_int(&chance, 0, 5) ? 0 : 2, 7) >= 0;
+		assert_true(known > 150);
+	}
+}
+
+/* A source that does not count: frames follow each other. */
+static void numbers_that_stand_still(void **state)
+{
+	struct exposure_schedule s;
+
+	(void)state;
+	exposure_schedule_begin(&s, 2, 1);
+	for (int k = 0; k < 20; k++) {
+		const int exposure = exposure_schedule_take(&s, 0);
+
+		assert_int_equal(exposure, k < 2 ? -1 : k % 2);
+		exposure_schedule_asked(&s, exposure_schedule_next(&s), 0);
+	}
+}
+
+/* As the kiosk does it: asked with the frame, told its brightness after that. */
+static int measure(struct camera *camera, struct chance *chance, bool loses, bool shows)
+{
+	struct exposure_schedule s;
+	int err = 0;
+
+	exposure_schedule_begin(&s, COUNT, -1);
+	while (s.delay < 0 && !err && camera->next < FRAMES - 10) {
+		const int lost = loses && !chance_int(chance, 0, 15);
+
+		step(&s, camera, lost, 0, 0);
+		err = exposure_schedule_measure(&s, shows ? light[camera->shown[camera->next - 1]] *
+								    chance_real(chance, 0.97, 1.03)
+							  : 0.5);
+	}
+	return err ? err : s.delay;
+}
+
+static void a_delay_is_measured(void **state)
+{
+	struct chance chance = chance_begin("measured");
+
+	(void)state;
+	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
+		struct camera camera = {.delay = delay};
+
+		assert_int_equal(measure(&camera, &chance, false, true), delay);
+		assert_true(camera.next <= 4 * (EXPOSURE_HOLD + 1) + 2);
+	}
+}
+
+/* Whatever it loses, what it says is right, or it says that it cannot. */
+static void lost_frames_do_not_spoil_the_measurement(void **state)
+{
+	struct chance chance = chance_begin("measured with losses");
+	int right = 0;
+
+	(void)state;
+	for (int n = 0; n < 50; n++) {
+		struct camera camera = {.delay = n % 7};
+		const int found = measure(&camera, &chance, true, true);
+
+		right += found == n % 7;
+		assert_true(found == n % 7 || found == n % 7 + 1 || found == -ENODATA);
+	}
+	assert_true(right >= 40);
+}
+
+static void what_is_not_seen_is_said(void **state)
+{
+	struct chance chance = chance_begin("not seen");
+	struct camera camera = {.delay = 2},
+		      slow = {.delay = EXPOSURE_DELAY_MAX + 3, .beyond = true};
+
+	(void)state;
+	assert_int_equal(measure(&camera, &chance, false, false), -ENODATA);
+	assert_int_equal(measure(&slow, &chance, false, true), -ENODATA);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_delay_is_kept_track_of),
+		cmocka_unit_test(lost_and_late_frames_shift_nothing),
+		cmocka_unit_test(numbers_that_stand_still),
+		cmocka_unit_test(a_delay_is_measured),
+		cmocka_unit_test(lost_frames_do_not_spoil_the_measurement),
+		cmocka_unit_test(what_is_not_seen_is_said),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,510 @@
+/* Several exposures of one sky made one light: the sampler's part, the merge, whose frame it is. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/lights/exposures.h"
+#include "hal/lights/pixel_noise.h"
+#include "hal/lights/sampler.h"
+#include "tests/support/chance.h"
+
+enum { LIGHTS = 40, COUNT = 3, PIXELS = 64 };
+
+static const double ratio[COUNT] = {1, 1 / 16.0, 1 / 256.0};
+static const struct transfer_curve curve = {.named = TRANSFER_SRGB};
+
+/* What the sampler would say of the lights in one exposure. */
+struct taken {
+	float sampled[LIGHTS][3], excess[LIGHTS][3], clipped[LIGHTS];
+};
+
+/* A cell: part of it is a lamp. */
+struct cell {
+	double dim[3], lamp[3], share;
+};
+
+struct merged {
+	float radiance[LIGHTS][3], left[LIGHTS];
+};
+
+static struct light_exposures *create(double gain)
+{
+	float pixels[LIGHTS];
+	struct light_exposures *e;
+
+	for (int i = 0; i < LIGHTS; i++)
+		pixels[i] = PIXELS + (float)i;
+	assert_int_equal(light_exposures_create(&e, LIGHTS), 0);
+	light_exposures_measured(e, ratio, COUNT, &curve, gain, pixels);
+	return e;
+}
+
+/* Without noise; a channel is cut off at white. */
+static void expose(const struct light_exposures *e, int k, const struct cell *cell, struct taken *f)
+{
+	const double above = light_exposures_above(e, k);
+
+	for (int i = 0; i < LIGHTS; i++) {
+		const struct cell *at = &cell[i];
+		bool lamp = false, dim = false;
+
+		for (int c = 0; c < 3; c++) {
+			const double d = fmin(at->dim[c] * ratio[k], 1);
+			const double l = fmin(at->lamp[c] * ratio[k], 1);
+
+			dim |= d >= 1;
+			lamp |= l >= 1;
+			f->sampled[i][c] = (float)(d + at->share * (l - d));
+			f->excess[i][c] = (float)((1 - at->share) * fmax(d - above, 0) +
+						  at->share * fmax(l - above, 0));
+		}
+		f->clipped[i] = (float)((dim ? 1 - at->share : 0) + (lamp ? at->share : 0));
+	}
+}
+
+static void take(struct light_exposures *e, int k, const struct taken *f, struct merged *m)
+{
+	light_exposures_take(e, k, (const float(*)[3])f->sampled, (const float(*)[3])f->excess,
+			     f->clipped, m->radiance, m->left);
+}
+
+static bool fits(const struct light_exposures *e, int k, const struct taken *f)
+{
+	return light_exposures_fit(e, k, (const float(*)[3])f->sampled, f->clipped);
+}
+
+static void show(struct light_exposures *e, int k, const struct cell *cell, struct merged *m)
+{
+	struct taken f;
+
+	expose(e, k, cell, &f);
+	take(e, k, &f, m);
+}
+
+static double truth(const struct cell *cell, int c)
+{
+	return cell->dim[c] + cell->share * (cell->lamp[c] - cell->dim[c]);
+}
+
+static void fill(struct cell *cell, double dim, double lamp, double share)
+{
+	for (int i = 0; i < LIGHTS; i++)
+		cell[i] = (struct cell){{dim, dim / 2, dim / 4}, {lamp, lamp / 2, lamp / 4}, share};
+}
+
+/* ---- the merge ---- */
+
+/* Powers of two, so that exposures do not round: then the merge must not. */
+static void a_constant_sky_is_exact(void **state)
+{
+	static const double levels[] = {0, 0.0009765625, 0.125, 0.75, 2, 24, 200};
+	struct cell cell[LIGHTS];
+	struct merged m;
+
+	(void)state;
+	for (size_t n = 0; n < sizeof(levels) / sizeof(*levels); n++) {
+		struct light_exposures *e = create(1);
+
+		fill(cell, levels[n], 0, 0);
+		for (int turn = 0; turn < 2; turn++) {
+			for (int k = 0; k < COUNT; k++) {
+				show(e, k, cell, &m);
+				if (!turn && k + 1 < COUNT)
+					continue;
+				for (int i = 0; i < LIGHTS; i++) {
+					assert_true(m.left[i] == 0);
+					for (int c = 0; c < 3; c++)
+						assert_true(m.radiance[i][c] ==
+							    (float)cell[i].dim[c]);
+				}
+			}
+		}
+		light_exposures_destroy(e);
+	}
+}
+
+/* A camera that makes other exposures of what it was asked for says so with its first pictures. */
+static void other_ratios_count_from_the_next_frame(void **state)
+{
+	static const double wanted[COUNT] = {1, 0.3, 0.03};
+	struct light_exposures *e = create(1);
+	struct cell cell[LIGHTS];
+	struct merged m;
+
+	(void)state;
+	fill(cell, 2, 0, 0); /* the first is clipped */
+	light_exposures_ratios(e, wanted);
+	show(e, 1, cell, &m);
+	assert_true(m.radiance[0][0] != 2);
+	light_exposures_ratios(e, ratio);
+	show(e, 1, cell, &m);
+	assert_true(m.radiance[0][0] == 2);
+	light_exposures_destroy(e);
+}
+
+/* One exposure is passed on as it is, bit by bit. */
+static void one_exposure_is_untouched(void **state)
+{
+	static const double one[] = {1};
+	struct light_exposures *e;
+	float pixels[LIGHTS];
+	struct chance chance = chance_begin("one exposure");
+	struct taken f;
+	struct merged m;
+
+	(void)state;
+	assert_int_equal(light_exposures_create(&e, LIGHTS), 0);
+	for (int i = 0; i < LIGHTS; i++) {
+		pixels[i] = 9;
+		f.clipped[i] = i % 3 ? 0 : 0.25f;
+		for (int c = 0; c < 3; c++)
+			f.sampled[i][c] = (float)chance_real(&chance, 0, 3);
+	}
+	light_exposures_measured(e, one, 1, &curve, 3, pixels);
+	for (int turn = 0; turn < 2; turn++) {
+		take(e, 0, &f, &m);
+		assert_memory_equal(m.radiance, f.sampled, sizeof(f.sampled));
+		assert_memory_equal(m.left, f.clipped, sizeof(f.clipped));
+		assert_true(fits(e, 0, &f));
+	}
+	light_exposures_destroy(e);
+}
+
+/* A small lamp in a dim cell, from one that no exposure clips to one that all do. */
+static void a_lamp_is_found_in_the_shortest(void **state)
+{
+	struct cell cell[LIGHTS];
+	struct merged m;
+	struct light_exposures *e = create(1);
+
+	(void)state;
+	fill(cell, 0.1, 0.1, 0);
+	for (int i = 0; i < LIGHTS; i++)
+		for (int c = 0; c < 3; c++) {
+			cell[i].lamp[c] = 0.2 * pow(1.25, i) / (c + 1);
+			cell[i].share = 0.05;
+		}
+	for (int k = 0; k < COUNT; k++)
+		show(e, k, cell, &m);
+	for (int i = 0; i < LIGHTS; i++) {
+		const bool lost = cell[i].lamp[0] >= 256;
+
+		assert_true((m.left[i] > 0) == lost);
+		assert_true(!lost || fabs((double)m.left[i] - 0.05) < 1e-6);
+		for (int c = 0; c < 3; c++) {
+			const double is = (double)m.radiance[i][c], want = truth(&cell[i], c);
+
+			if (cell[i].lamp[c] < 256)
+				assert_true(fabs(is - want) < 1e-5 * want);
+			else
+				assert_true(is < want && is > 0.05 * 255);
+		}
+	}
+	assert_true(light_exposures_white(e) == 256);
+	light_exposures_destroy(e);
+}
+
+/* Pixels of the light with noise as the model has it; the sampler's mean of them. */
+static double noisy(struct chance *chance, double light, int k)
+{
+	const struct pixel_noise noise = pixel_noise_of(&curve);
+	double sum = 0;
+
+	for (int n = 0; n < 12; n++)
+		sum += chance_real(chance, -1, 1);
+	return light * ratio[k] +
+	       sum / 2 * sqrt((noise.floor + noise.slope * light * ratio[k]) / PIXELS);
+}
+
+/* No worse than the best exposure alone, and without bias. */
+static void weights_follow_the_noise(void **state)
+{
+	enum { TURNS = 200 };
+	struct chance chance = chance_begin("weights");
+	const double light = 0.4;
+	double squares = 0, alone = 0, sum = 0;
+	int count = 0;
+
+	(void)state;
+	for (int turn = 0; turn < TURNS; turn++) {
+		struct light_exposures *e = create(1);
+		struct taken f = {.clipped = {0}};
+		struct merged m;
+
+		for (int k = 0; k < COUNT; k++) {
+			for (int i = 0; i < LIGHTS; i++)
+				for (int c = 0; c < 3; c++)
+					f.sampled[i][c] = (float)noisy(&chance, light, k);
+			if (k == 0)
+				for (int i = 0; i < LIGHTS; i++)
+					alone += pow((double)f.sampled[i][0] - light, 2);
+			take(e, k, &f, &m);
+		}
+		for (int i = 0; i < LIGHTS; i++, count++) {
+			squares += pow((double)m.radiance[i][0] - light, 2);
+			sum += (double)m.radiance[i][0] - light;
+		}
+		light_exposures_destroy(e);
+	}
+	assert_true(squares < alone);
+	assert_true(fabs(sum / count) < 4 * sqrt(squares / count / count));
+}
+
+/* ---- what changes ---- */
+
+static void must_be(const struct merged *m, const struct cell *cell)
+{
+	for (int i = 0; i < LIGHTS; i++)
+		for (int c = 0; c < 3; c++)
+			assert_true(fabs((double)m->radiance[i][c] - truth(&cell[i], c)) <=
+				    1e-4 * truth(&cell[i], c) + 1e-5);
+}
+
+/* At once, where the frame shows it whole; in any case within a turn. */
+static void a_switched_lamp_is_followed(void **state)
+{
+	struct cell off[LIGHTS], on[LIGHTS];
+	struct merged m;
+
+	(void)state;
+	fill(off, 0.3, 0.3, 0);
+	fill(on, 0.3, 40, 0.1);
+	for (int first = 0; first < COUNT; first++) {
+		struct light_exposures *e = create(1);
+
+		for (int k = 0; k < COUNT; k++)
+			show(e, k, off, &m);
+		must_be(&m, off);
+		for (int k = 0; k < COUNT; k++) {
+			show(e, (first + k) % COUNT, on, &m);
+			for (int i = 0; i < LIGHTS; i++) /* brighter from the first frame on */
+				assert_true(m.radiance[i][0] > 0.3f);
+		}
+		must_be(&m, on);
+		for (int k = 0; k < COUNT; k++)
+			show(e, (first + k) % COUNT, off, &m);
+		must_be(&m, off);
+		light_exposures_destroy(e);
+	}
+}
+
+/* Exposures that are 5 % off what they are said to be give light that stands still. */
+static void exposures_that_are_off_do_not_flicker(void **state)
+{
+	struct light_exposures *e = create(1);
+	struct cell cell[LIGHTS], seen[LIGHTS];
+	struct merged before = {.left = {0}}, m;
+
+	(void)state;
+	for (int i = 0; i < LIGHTS; i++)
+		cell[i] = (struct cell){{0.02 * i, 0.5, 3}, {0.02 * i, 0.5, 3}, 0};
+	for (int turn = 0; turn < 4; turn++) {
+		for (int k = 0; k < COUNT; k++) {
+			memcpy(seen, cell, sizeof(seen));
+			for (int i = 0; i < LIGHTS; i++)
+				for (int c = 0; c < 3; c++)
+					seen[i].dim[c] = seen[i].lamp[c] = cell[i].dim[c] *
+									   (1 + 0.05 * k);
+			show(e, k, seen, &m);
+			if (turn > 1)
+				assert_memory_equal(&before, &m, sizeof(m));
+			before = m;
+		}
+	}
+	light_exposures_destroy(e);
+}
+
+/* ---- whose frame it is ---- */
+
+static void wrong_exposures_are_noticed(void **state)
+{
+	static const double dims[] = {0.02, 0.2, 0.6, 3};
+
+	(void)state;
+	for (size_t n = 0; n < sizeof(dims) / sizeof(*dims); n++) {
+		for (int lamp = 0; lamp < 2; lamp++) {
+			struct light_exposures *e = create(1);
+			struct cell cell[LIGHTS];
+			struct merged m;
+			struct taken f;
+
+			fill(cell, dims[n], dims[n], 0);
+			for (int i = 0; lamp && i < 4; i++)
+				cell[i] = (struct cell){
+					{dims[n], dims[n], dims[n]}, {90, 80, 70}, 0.02};
+			expose(e, 1, cell, &f);
+			assert_true(fits(e, 0, &f)); /* nothing is known */
+			for (int k = 0; k < COUNT; k++)
+				show(e, k, cell, &m);
+			for (int is = 0; is < COUNT; is++) {
+				expose(e, is, cell, &f);
+				for (int said = 0; said < COUNT; said++) {
+					/* What is dark in both does not tell them apart. */
+					const bool dark = dims[n] < 0.1 && !lamp && is && said;
+
+					if (dark || (is && said && dims[n] < 0.5))
+						continue;
+					if (fits(e, said, &f) != (is == said))
+						fail_msg("light %g, lamp %d: %d for %d", dims[n],
+							 lamp, is, said);
+				}
+				assert_true(fits(e, is, &f));
+			}
+			light_exposures_destroy(e);
+		}
+	}
+}
+
+/* As long as only the longest has been seen, which clips a lamp, nobody knows how bright a shorter
+ * one will show it: all of them fit that show what is whole as it is. */
+static void a_clipped_lamp_may_be_of_any_brightness(void **state)
+{
+	static const double lamps[] = {2, 20, 300};
+
+	(void)state;
+	for (size_t n = 0; n < sizeof(lamps) / sizeof(*lamps); n++) {
+		const double l = lamps[n];
+
+		for (int k = 1; k < COUNT; k++) {
+			struct light_exposures *e = create(1);
+			struct cell cell[LIGHTS];
+			struct merged m;
+			struct taken f;
+
+			fill(cell, 0.5, 0.5, 0);
+			for (int i = 0; i < 6; i++)
+				cell[i] = (struct cell){{0.5, 0.5, 0.5}, {l, l, l}, 0.4};
+			show(e, 0, cell, &m);
+			expose(e, k, cell, &f);
+			assert_true(fits(e, k, &f));
+			assert_false(fits(e, 0, &f));
+			expose(e, 0, cell, &f);
+			assert_true(fits(e, 0, &f));
+			assert_false(fits(e, k, &f));
+			light_exposures_destroy(e);
+		}
+	}
+}
+
+/* A room that is lit four times as brightly, or a quarter, is taken in by its own exposures within
+ * two turns, none of them mistaken for another. */
+static void a_change_of_the_whole_room_is_taken(void **state)
+{
+	(void)state;
+	for (int up = 0; up < 2; up++) {
+		struct light_exposures *e = create(1);
+		struct cell cell[LIGHTS];
+		struct merged m;
+		struct taken f;
+		int taken = 0;
+
+		fill(cell, 0.2, 0.2, 0);
+		for (int k = 0; k < COUNT; k++)
+			show(e, k, cell, &m);
+		fill(cell, up ? 0.8 : 0.05, 0, 0);
+		for (int frame = 0; frame < 2 * COUNT; frame++) {
+			expose(e, frame % COUNT, cell, &f);
+			if (!fits(e, frame % COUNT, &f))
+				continue;
+			take(e, frame % COUNT, &f, &m);
+			taken++;
+		}
+		assert_true(taken >= COUNT);
+		must_be(&m, cell);
+		light_exposures_destroy(e);
+	}
+}
+
+/* ---- the sampler's part ---- */
+
+/* What is above a level, and what is clipped, against sums of the pixels' own values. */
+static void the_sampler_tells_what_is_above(void **state)
+{
+	enum { SIDE = 96 };
+	const struct light_sampler_settings settings = {.curve = curve, .gain = 2};
+	const struct fisheye_settings lens_settings = {.field_deg = 90};
+	static uint8_t pixels[SIDE][SIDE][4];
+	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};
+	const struct picture picture = view_picture(&view, &pixels[0][0][0], sizeof(pixels[0]));
+	struct chance chance = chance_begin("above");
+	struct light_sampler *sampler;
+	struct fisheye lens;
+	struct dome dome;
+	struct image image;
+	double clipped;
+	const double level = 0.25;
+
+	(void)state;
+	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
+	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SIDE, SIDE, NULL), 0);
+	assert_int_equal(light_sampler_create(&sampler, &dome, &lens, SIDE, SIDE, &settings, NULL),
+			 0);
+	assert_int_equal(image_create_f32(&image, SIDE, SIDE), 0);
+	for (int y = 0; y < SIDE; y++)
+		for (int x = 0; x < SIDE; x++)
+			for (int c = 0; c < 3; c++) {
+				/* No pixel of the right half is clipped. */
+				const int code = chance_int(&chance, 0, x < SIDE / 2 ? 255 : 254);
+				const double v = transfer_curve_decode(&curve, code / 255.0);
+
+				pixels[y][x][2 - c] = (uint8_t)code;
+				image.f32[3 * (y * SIDE + x) + c] = (float)fmax(v - level, 0);
+			}
+	{
+		float(*plain)[3] = calloc((size_t)dome.count, sizeof(*plain));
+		float(*again)[3] = calloc((size_t)dome.count, sizeof(*again));
+		float(*want)[3] = calloc((size_t)dome.count, sizeof(*want));
+		double share = 0;
+
+		assert_true(plain && again && want);
+		assert_int_equal(light_sampler_read(sampler, &picture, plain, NULL), 0);
+		light_sampler_above(sampler, level);
+		assert_int_equal(light_sampler_read(sampler, &picture, again, &clipped), 0);
+		assert_memory_equal(plain, again, (size_t)dome.count * sizeof(*plain));
+		for (int i = 0; i < dome.count; i++) {
+			const float q = light_sampler_clipped(sampler)[i];
+
+			share += (double)q * dome.solid_angle_sr[i] / (2 * M_PI);
+			assert_true(q >= 0 && q < 0.2f);
+			if (dome.direction[i][0] > 0.5)
+				assert_true(q == 0);
+		}
+		assert_true(share > 0 && fabs(share - clipped) < 1e-9);
+		memcpy(again, light_sampler_excess(sampler), (size_t)dome.count * sizeof(*again));
+		assert_int_equal(light_sampler_read_linear(sampler, &image, want), 0);
+		for (int i = 0; i < dome.count; i++)
+			for (int c = 0; c < 3; c++)
+				assert_true(fabs((double)again[i][c] - (double)want[i][c]) < 2e-4);
+		free(plain);
+		free(again);
+		free(want);
+	}
+	image_free(&image);
+	light_sampler_destroy(sampler);
+	dome_free(&dome);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_constant_sky_is_exact),
+		cmocka_unit_test(other_ratios_count_from_the_next_frame),
+		cmocka_unit_test(one_exposure_is_untouched),
+		cmocka_unit_test(a_lamp_is_found_in_the_shortest),
+		cmocka_unit_test(weights_follow_the_noise),
+		cmocka_unit_test(a_switched_lamp_is_followed),
+		cmocka_unit_test(exposures_that_are_off_do_not_flicker),
+		cmocka_unit_test(wrong_exposures_are_noticed),
+		cmocka_unit_test(a_clipped_lamp_may_be_of_any_brightness),
+		cmocka_unit_test(a_change_of_the_whole_room_is_taken),
+		cmocka_unit_test(the_sampler_tells_what_is_above),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

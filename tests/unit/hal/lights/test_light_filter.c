@@ -1,0 +1,378 @@
+/*
+ * Light over time: what is constant comes out as it went in, what is switched is there within the
+ * set time and no further, noise does not crawl, and nothing sticks.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/base/clock.h"
+#include "hal/lights/light_filter.h"
+#include "hal/lights/pixel_noise.h"
+#include "tests/support/chance.h"
+
+enum { LIGHTS = 100, MANY = 6486 };
+
+#define MS INT64_C(1000000)
+#define FOLLOW (100 * MS)
+
+static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
+
+static double level(double code)
+{
+	return transfer_curve_decode(&srgb, code / 255);
+}
+
+static double code_of(double light)
+{
+	return 255 * transfer_curve_encode(&srgb, light);
+}
+
+struct lamp {
+	struct light_filter *filter;
+	int count;
+	float (*x)[3]; /* in, then out */
+};
+
+static struct lamp lamp_begin(int count, float pixels)
+{
+	struct lamp l = {.count = count};
+	float *seen = malloc(sizeof(*seen) * (size_t)count);
+
+	l.x = calloc((size_t)count, sizeof(*l.x));
+	assert_true(seen && l.x);
+	for (int i = 0; i < count; i++)
+		seen[i] = pixels;
+	assert_int_equal(light_filter_create(&l.filter, count), 0);
+	light_filter_measured(l.filter, &srgb, 1, seen);
+	free(seen);
+	return l;
+}
+
+static void lamp_end(struct lamp *l)
+{
+	light_filter_destroy(l->filter);
+	free(l->x);
+}
+
+static void fill(struct lamp *l, double light)
+{
+	for (int i = 0; i < l->count; i++)
+		for (int c = 0; c < 3; c++)
+			l->x[i][c] = (float)light;
+}
+
+/* A frame of one light for all. */
+static double frame(struct lamp *l, int64_t at_ns, double light)
+{
+	fill(l, light);
+	light_filter_run(l->filter, at_ns, FOLLOW, l->x);
+	return (double)l->x[l->count / 2][1];
+}
+
+static void constant_light_comes_out_as_it_went_in(void **state)
+{
+	struct chance chance = chance_begin("constant light");
+	struct lamp l = lamp_begin(LIGHTS, 20);
+	float given[LIGHTS][3];
+
+	(void)state;
+	for (int i = 0; i < LIGHTS; i++)
+		for (int c = 0; c < 3; c++)
+			given[i][c] = i ? (float)exp(chance_real(&chance, -90, 60)) : 0;
+	for (int k = 0; k < 300; k++) {
+		memcpy(l.x, given, sizeof(given));
+		light_filter_run(l.filter, k * chance_int(&chance, 0, 40) * MS, FOLLOW, l.x);
+		assert_memory_equal(l.x, given, sizeof(given));
+	}
+	lamp_end(&l);
+}
+
+/* One light of them, from dark or half-light, up or down, at several rates. */
+static void a_switched_lamp_is_there_in_time(void **state)
+{
+	static const double from[] = {0, 0.2, 1, 1, 0.5}, to[] = {1, 0.25, 0, 0.9, 400};
+	static const int64_t dt[] = {FOLLOW / 12, 33366667, 40 * MS, 100 * MS, 900 * MS};
+
+	(void)state;
+	for (int n = 0; n < 25; n++) {
+		const double a = from[n % 5], b = to[n % 5];
+		struct lamp l = lamp_begin(LIGHTS, 50);
+		double before = a;
+		int64_t at = 0;
+
+		for (; at < 10 * dt[n / 5]; at += dt[n / 5])
+			frame(&l, at, a);
+		for (int64_t since = 0; since < 1000 * MS; since += dt[n / 5]) {
+			double now, off;
+
+			fill(&l, a);
+			for (int c = 0; c < 3; c++)
+				l.x[7][c] = (float)b;
+			light_filter_run(l.filter, at + since, FOLLOW, l.x);
+			now = (double)l.x[7][1];
+			off = fabs(now - (double)(float)b);
+			if (since + dt[n / 5] > FOLLOW)
+				assert_true(off <= 0.1001 * fabs(b - a));
+			if (since + dt[n / 5] < FOLLOW)
+				assert_true(off >= 0.0999 * fabs(b - a));
+			/* towards it, never past it */
+			assert_true(b > a ? now >= before && now <= (double)(float)b
+					  : now <= before && now >= (double)(float)b);
+			assert_true(l.x[8][1] == (float)a);
+			before = now;
+		}
+		lamp_end(&l);
+	}
+}
+
+/* What is shown at a time does not depend on how many frames there were before it. */
+static void time_counts_and_not_frames(void **state)
+{
+	struct chance chance = chance_begin("time");
+	double at_50[20];
+
+	(void)state;
+	for (int n = 0; n < 20; n++) {
+		struct lamp l = lamp_begin(LIGHTS, 50);
+		int64_t at = 1;
+
+		frame(&l, 0, 0.1);
+		while (at < 50 * MS) {
+			frame(&l, at, 0.8);
+			at += n ? chance_int(&chance, 1, 30) * MS : 50 * MS;
+		}
+		at_50[n] = frame(&l, 50 * MS, 0.8);
+		assert_true(fabs(at_50[n] - at_50[0]) < 2e-5);
+		lamp_end(&l);
+	}
+}
+
+/* ---- noise ---- */
+
+static double normal(struct chance *chance)
+{
+	double sum = -6;
+
+	for (int k = 0; k < 12; k++)
+		sum += chance_real(chance, 0, 1);
+	return sum;
+}
+
+/* The mean of that many pixels of an 8-bit camera. */
+static double seen(struct chance *chance, double code, double noise, int pixels)
+{
+	double sum = 0;
+
+	for (int k = 0; k < pixels; k++)
+		sum += level(fmin(fmax(round(code + noise * normal(chance)), 0), 255));
+	return sum / pixels;
+}
+
+struct crawl {
+	int mirror, diffuse; /* the largest change of a pixel that sees one light, and all */
+	double mean;	     /* of all that came out */
+	double given;
+};
+
+static struct crawl crawl_of(struct chance *chance, int64_t follow_ns, int pixels, int64_t dt)
+{
+	enum { FRAMES = 300 };
+	static int before[LIGHTS], shone;
+	struct lamp l = lamp_begin(LIGHTS, (float)pixels);
+	struct crawl found = {0};
+
+	for (int k = 0; k < FRAMES; k++) {
+		double all = 0;
+
+		for (int i = 0; i < LIGHTS; i++)
+			for (int c = 0; c < 3; c++) {
+				l.x[i][c] = (float)seen(chance, 20 + 2.2 * i, 1.5, pixels);
+				found.given += (double)l.x[i][c] / (3.0 * LIGHTS * FRAMES);
+			}
+		light_filter_run(l.filter, k * dt, follow_ns, l.x);
+		for (int i = 0; i < LIGHTS; i++) {
+			const int code = (int)lrint(code_of((double)l.x[i][1]));
+
+			if (k && abs(code - before[i]) > found.mirror)
+				found.mirror = abs(code - before[i]);
+			before[i] = code;
+			for (int c = 0; c < 3; c++)
+				found.mean += (double)l.x[i][c] / (3.0 * LIGHTS * FRAMES);
+			all += (double)l.x[i][1] / LIGHTS;
+		}
+		if (k && abs((int)lrint(code_of(all)) - shone) > found.diffuse)
+			found.diffuse = abs((int)lrint(code_of(all)) - shone);
+		shone = (int)lrint(code_of(all));
+	}
+	lamp_end(&l);
+	return found;
+}
+
+static void noise_moves_no_pixel_by_more_than_a_level(void **state)
+{
+	struct chance chance = chance_begin("noise");
+
+	(void)state;
+	for (int pixels = 2; pixels <= 32; pixels *= 4) {
+		const struct crawl found = crawl_of(&chance, FOLLOW, pixels, 33 * MS);
+		const struct crawl without = crawl_of(&chance, 0, pixels, 33 * MS);
+
+		printf("# cells of %d pixels, noise 1.5 codes: a mirror changes by %d levels "
+		       "(unfiltered %d), white by %d; mean %+.1e of what was given\n",
+		       pixels, found.mirror, without.mirror, found.diffuse,
+		       found.mean / found.given - 1);
+		assert_true(found.mirror <= 1 && found.diffuse <= 1);
+		assert_true(pixels > 8 || without.mirror > 1);
+		assert_true(fabs(found.mean / found.given - 1) < 1e-3);
+	}
+}
+
+/* What goes in comes out, later: the sum over time of a flash, and of many. */
+static void energy_is_kept(void **state)
+{
+	struct lamp l = lamp_begin(LIGHTS, 50);
+	double in = 0, out = 0;
+	int64_t at = 0;
+
+	(void)state;
+	frame(&l, 0, 0);
+	for (int k = 0; k < 4000; k++) {
+		const double light = k < 300 && k % 60 < 30 ? 1 : 0;
+
+		at += 33 * MS;
+		in += light;
+		out += frame(&l, at, light);
+	}
+	assert_true(fabs(out / in - 1) < 0.01);
+	lamp_end(&l);
+}
+
+/* ---- what noise hides ---- */
+
+/* A light that grows by a code in ten seconds, in steps far below a camera's noise. */
+static void a_slow_lamp_does_not_stick(void **state)
+{
+	struct lamp l = lamp_begin(1, 4);
+	double light = level(120), now = 0;
+	int64_t at = 0;
+
+	(void)state;
+	for (int speed = 0; speed < 3; speed++) { /* codes a second: 0.1, 1, 10 */
+		double before = frame(&l, at, light);
+
+		for (int k = 0; k < 300; k++) {
+			at += 33 * MS;
+			light += (level(121) - level(120)) * 0.033 * 0.1 * pow(10, speed);
+			now = frame(&l, at, light);
+			assert_true(now >= before && now <= (double)(float)light);
+			/* The line above the slope's square is up to 1.4 above its root. */
+			assert_true(light - now <= 1.4 * 4 * PIXEL_NOISE_CODES *
+							   (level(code_of(light) + 1) - light));
+			assert_true(k < 90 || now > before);
+			before = now;
+		}
+		for (int k = 0; k < 200; k++)
+			now = frame(&l, at += 33 * MS, light);
+		assert_true(now == (double)(float)light);
+	}
+	lamp_end(&l);
+}
+
+/* Five per cent of the whole room, which no light shows by itself. */
+static void what_all_lights_say_together_is_heard(void **state)
+{
+	struct chance chance = chance_begin("together");
+	struct lamp l = lamp_begin(LIGHTS, 2);
+	double sum = 0;
+
+	(void)state;
+	for (int k = 0; k < 64; k++) {
+		const double share = k < 60 ? 1 : 0.95;
+
+		sum = 0;
+		for (int i = 0; i < LIGHTS; i++)
+			for (int c = 0; c < 3; c++)
+				l.x[i][c] = (float)(seen(&chance, 128, 1.5, 2) * share);
+		light_filter_run(l.filter, k * 33 * MS, FOLLOW, l.x);
+		for (int i = 0; i < LIGHTS; i++)
+			sum += (double)l.x[i][1] / LIGHTS;
+	}
+	assert_true(fabs(sum / level(128) - 0.95) < 0.01);
+	lamp_end(&l);
+}
+
+/* ---- beginnings ---- */
+
+static void it_begins_anew(void **state)
+{
+	struct lamp l = lamp_begin(LIGHTS, 50);
+	float pixels[LIGHTS];
+	const double half = (double)0.5f;
+
+	(void)state;
+	assert_true(frame(&l, 5000 * MS, 1) == 1);
+	assert_true(frame(&l, 5033 * MS, half) > half);
+	assert_true(frame(&l, 5000 * MS, half) == half); /* older */
+	assert_true(frame(&l, 5300 * MS, 1) < 1);	 /* a slow camera is followed */
+	assert_true(frame(&l, 6401 * MS, half) == half); /* away */
+	assert_true(frame(&l, 6401 * MS, 1) == half);	 /* of the same moment */
+	assert_true(frame(&l, 6434 * MS, 1) < 1);
+	light_filter_begin(l.filter);
+	assert_true(frame(&l, 6467 * MS, half) == half);
+	for (int i = 0; i < LIGHTS; i++)
+		pixels[i] = 1;
+	light_filter_measured(l.filter, &srgb, 2, pixels);
+	assert_true(frame(&l, 6500 * MS, 1) == 1);
+	fill(&l, 0.5);
+	light_filter_run(l.filter, 6533 * MS, 0, l.x); /* off */
+	assert_true(l.x[3][2] == 0.5f);
+	assert_true(frame(&l, 6566 * MS, 1) < 1); /* and on again, from there */
+	lamp_end(&l);
+}
+
+static void it_takes_little_time(void **state)
+{
+	struct chance chance = chance_begin("time it takes");
+	struct lamp l = lamp_begin(MANY, 4);
+	int64_t least = INT64_MAX;
+
+	(void)state;
+	for (int k = 0; k < 200; k++) {
+		int64_t begun;
+
+		for (int i = 0; i < MANY; i++)
+			for (int c = 0; c < 3; c++)
+				l.x[i][c] = (float)chance_real(&chance, 0.2, 0.21);
+		begun = clock_now_ns();
+		light_filter_run(l.filter, k * 33 * MS, FOLLOW, l.x);
+		begun = clock_now_ns() - begun;
+		least = begun < least ? begun : least;
+	}
+	printf("# %d lights: %.1f us a frame\n", MANY, (double)least / 1000);
+	lamp_end(&l);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(constant_light_comes_out_as_it_went_in),
+		cmocka_unit_test(a_switched_lamp_is_there_in_time),
+		cmocka_unit_test(time_counts_and_not_frames),
+		cmocka_unit_test(noise_moves_no_pixel_by_more_than_a_level),
+		cmocka_unit_test(energy_is_kept),
+		cmocka_unit_test(a_slow_lamp_does_not_stick),
+		cmocka_unit_test(what_all_lights_say_together_is_heard),
+		cmocka_unit_test(it_begins_anew),
+		cmocka_unit_test(it_takes_little_time),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

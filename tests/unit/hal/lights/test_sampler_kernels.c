@@ -1,0 +1,406 @@
+/* The light sampler's arithmetic: each instruction set against the specification, the colours
+ * against double precision over the same pixels, frames as cameras send them against pictures. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/base/processor.h"
+#include "hal/lights/sampler_kernels.h"
+#include "hal/lights/sampler_shares.h"
+#include "tests/support/chance.h"
+
+/* The i-th table; NULL: this processor does not have it. */
+static const struct sampler_kernels *table(int i)
+{
+	const struct sampler_kernels *kernels = sampler_kernels_all[i];
+
+	return kernels && (kernels->needs & ~processor_features()) == 0 ? kernels : NULL;
+}
+
+/* ---- decoding ---- */
+
+enum { WIDTH_MAX = 200, GUARD = 32, PLANE = WIDTH_MAX + 2 * GUARD };
+
+static struct sampler_decode random_decode(struct chance *chance)
+{
+	struct sampler_decode decode;
+
+	for (int i = 0; i < 256; i++) {
+		decode.value[i] = (int16_t)chance_int(chance, INT16_MIN, INT16_MAX);
+		decode.wide[i] = decode.value[i];
+		decode.low[i] = (uint8_t)(decode.value[i] & 255);
+		decode.high[i] = (uint8_t)(decode.value[i] >> 8 & 255);
+	}
+	return decode;
+}
+
+/* clipped: how many pixels in a hundred have a channel at 255. */
+static void check_decode(struct chance *chance, const struct sampler_kernels *kernels, int count,
+			 int clipped)
+{
+	static int16_t want[SAMPLER_PLANES * PLANE], got[SAMPLER_PLANES * PLANE];
+	const struct sampler_decode decode = random_decode(chance);
+	uint32_t *bgrx = malloc(4 * (size_t)count + 1);
+	bool any;
+
+	assert_non_null(bgrx);
+	for (int i = 0; i < count; i++) {
+		bgrx[i] = 0;
+		for (int c = 0; c < 3; c++)
+			bgrx[i] |= (uint32_t)chance_int(chance, 0, 254) << 8 * c;
+		if (chance_int(chance, 0, 99) < clipped)
+			bgrx[i] |= UINT32_C(255) << 8 * chance_int(chance, 0, 2);
+		bgrx[i] |= (uint32_t)(chance_bits(chance) & 255) << 24;
+	}
+	memset(want, 0x5a, sizeof(want));
+	memset(got, 0x5a, sizeof(got));
+	any = sampler_kernels_c.decode(&decode, bgrx, count, want + GUARD, PLANE);
+	assert_int_equal(kernels->decode(&decode, bgrx, count, got + GUARD, PLANE), any);
+	assert_memory_equal(got, want, sizeof(want));
+	free(bgrx);
+}
+
+static void every_table_decodes_alike(void **state)
+{
+	struct chance chance = chance_begin("sampler_kernels");
+
+	(void)state;
+	for (int i = 1; sampler_kernels_all[i]; i++) {
+		if (!table(i)) {
+			print_message("# %s: not on this processor\n",
+				      sampler_kernels_all[i]->name);
+			continue;
+		}
+		for (int count = 0; count <= WIDTH_MAX; count++)
+			for (int clipped = 0; clipped <= 100; clipped += 50)
+				check_decode(&chance, table(i), count, clipped);
+	}
+}
+
+/* ---- adding ---- */
+
+enum { STRIDE = 4096, SPANS = 40 };
+
+struct sums_case {
+	int16_t *planes;
+	uint16_t *weight;
+	struct sampler_span span[SPANS];
+	int spans;
+};
+
+/* extreme: everything at the ends of its range, so that what can overflow does. */
+static struct sums_case make_sums(struct chance *chance, bool extreme)
+{
+	struct sums_case s = {.spans = chance_int(chance, 1, SPANS)};
+	size_t weights = 0;
+
+	for (int k = 0; k < s.spans; k++) {
+		const int most = chance_int(chance, 0, 3) ? 5 : SAMPLER_CHUNKS_MAX;
+		const int chunks = extreme ? SAMPLER_CHUNKS_MAX : chance_int(chance, 1, most);
+
+		s.span[k].chunks = (uint32_t)chunks;
+		s.span[k].offset = (uint32_t)chance_int(chance, 0, STRIDE - chunks * SAMPLER_CHUNK);
+		weights += (size_t)chunks * SAMPLER_CHUNK;
+	}
+	s.planes = malloc(SAMPLER_PLANES * STRIDE * sizeof(*s.planes));
+	s.weight = aligned_alloc(64, (weights * sizeof(*s.weight) + 63) / 64 * 64);
+	assert_non_null(s.planes);
+	assert_non_null(s.weight);
+	for (int i = 0; i < SAMPLER_PLANES * STRIDE; i++)
+		s.planes[i] = (int16_t)(extreme ? INT16_MIN
+						: chance_int(chance, INT16_MIN, INT16_MAX));
+	for (size_t i = 0; i < weights; i++)
+		s.weight[i] = (uint16_t)(extreme ? 32767 : chance_int(chance, 0, 32767));
+	return s;
+}
+
+/* From the definition, apart from the specification. */
+static void true_sums(const struct sums_case *s, int planes, int64_t sum[SAMPLER_PLANES])
+{
+	for (int c = 0; c < SAMPLER_PLANES; c++) {
+		const uint16_t *weight = s->weight;
+
+		sum[c] = 0;
+		for (int k = 0; c < planes && k < s->spans; k++)
+			for (unsigned i = 0; i < s->span[k].chunks * SAMPLER_CHUNK; i++)
+				sum[c] += (int64_t)s->planes[c * STRIDE + (int)s->span[k].offset +
+							     (int)i] *
+					  *weight++;
+	}
+}
+
+static void every_table_adds_alike(void **state)
+{
+	struct chance chance = chance_begin("sampler_kernels");
+
+	(void)state;
+	for (int i = 0; sampler_kernels_all[i]; i++)
+		for (int n = 0; table(i) && n < 60; n++) {
+			struct sums_case s = make_sums(&chance, n == 0);
+
+			for (int planes = 3; planes <= SAMPLER_PLANES; planes++) {
+				int64_t want[SAMPLER_PLANES], got[SAMPLER_PLANES];
+
+				true_sums(&s, planes, want);
+				table(i)->add(s.planes, planes, STRIDE, s.span, s.spans, s.weight,
+					      got);
+				assert_memory_equal(got, want, sizeof(want));
+			}
+			free(s.planes);
+			free(s.weight);
+		}
+}
+
+/* ---- colours ---- */
+
+struct eye {
+	struct dome dome;
+	struct fisheye lens;
+	int width, height;
+	struct canvas canvas;
+	struct light_sampler *sampler;
+	float (*radiance)[3];
+};
+
+static const struct fisheye_settings upright = {.field_deg = 90};
+
+static struct eye eye_of(int f, const struct fisheye_settings *lens, int width, int height,
+			 enum light_estimator estimator)
+{
+	const struct light_sampler_settings settings = {
+		.estimator = estimator,
+		.curve = {.named = TRANSFER_SRGB, .black = 11},
+		.gain = 1.5};
+	struct eye e = {.width = width, .height = height};
+
+	assert_int_equal(dome_create(&e.dome, f, DOME_ANGLES, NULL), 0);
+	assert_int_equal(fisheye_prepare(&e.lens, lens, width, height, NULL), 0);
+	assert_int_equal(canvas_create(&e.canvas, width, height), 0);
+	assert_int_equal(
+		light_sampler_create(&e.sampler, &e.dome, &e.lens, width, height, &settings, NULL),
+		0);
+	e.radiance = calloc((size_t)e.dome.count, sizeof(*e.radiance));
+	assert_non_null(e.radiance);
+	return e;
+}
+
+static void eye_free(struct eye *e)
+{
+	light_sampler_destroy(e->sampler);
+	dome_free(&e->dome);
+	canvas_free(&e->canvas);
+	free(e->radiance);
+}
+
+static struct picture picture_of(const struct eye *e)
+{
+	const struct view whole = {.width = e->width, .height = e->height, .squash = 1};
+
+	return view_picture(&whole, e->canvas.pixels, e->canvas.stride);
+}
+
+static uint8_t *pixel_at(const struct eye *e, int x, int y)
+{
+	return e->canvas.pixels + (size_t)y * e->canvas.stride + 4 * (size_t)x;
+}
+
+/* Noise, noise with few bright pixels, and those that are hardest: only pixels of small weight. */
+enum { NOISE, SPARKS, SMALL_SHARES, SKIES };
+
+static void paint(struct eye *e, struct chance *chance, int sky,
+		  const struct sampler_shares *shares)
+{
+	for (int y = 0; y < e->height; y++)
+		for (int x = 0; x < e->width; x++) {
+			const bool lit = sky == NOISE ||
+					 (sky == SPARKS && chance_int(chance, 0, 49) == 0);
+
+			for (int c = 0; c < 3; c++)
+				pixel_at(e, x,
+					 y)[c] = (uint8_t)(lit ? chance_int(chance, 0, 255) : 0);
+		}
+	for (size_t k = 0; sky == SMALL_SHARES && k + 1 < shares->count; k++) {
+		const struct sampler_share *a = &shares->items[k], *b = a + 1;
+
+		/* of a pixel that straddles two */
+		if (a->x == b->x && a->y == b->y && a->light != b->light &&
+		    (a->weight < b->weight / 4 || b->weight < a->weight / 4))
+			memset(pixel_at(e, a->x, a->y), 255, 3);
+	}
+}
+
+/* Double precision over the same pixels and shares. */
+static void true_colours(const struct eye *e, const struct sampler_shares *shares,
+			 double (*colour)[3])
+{
+	double *whole = calloc((size_t)e->dome.count, sizeof(*whole));
+
+	assert_non_null(whole);
+	memset(colour, 0, (size_t)e->dome.count * sizeof(*colour));
+	for (size_t k = 0; k < shares->count; k++) {
+		const struct sampler_share *s = &shares->items[k];
+
+		whole[s->light] += (double)s->weight;
+		for (int c = 0; c < 3; c++)
+			colour[s->light][c] +=
+				(double)s->weight *
+				transfer_decode(TRANSFER_SRGB,
+						(pixel_at(e, s->x, s->y)[2 - c] - 11) / 244.0);
+	}
+	for (int i = 0; i < e->dome.count; i++)
+		for (int c = 0; c < 3; c++)
+			colour[i][c] = whole[i] > 0 ? colour[i][c] / whole[i] : 0;
+	free(whole);
+}
+
+/* The largest part of the bound that an error takes. */
+static double check_colours(struct eye *e, const struct sampler_shares *shares)
+{
+	const struct picture picture = picture_of(e);
+	double(*want)[3] = calloc((size_t)e->dome.count, sizeof(*want));
+	double worst = 0;
+
+	assert_non_null(want);
+	true_colours(e, shares, want);
+	assert_int_equal(light_sampler_read(e->sampler, &picture, e->radiance, NULL), 0);
+	for (int i = 0; i < e->dome.count; i++)
+		for (int c = 0; c < 3; c++) {
+			const double error = fabs((double)e->radiance[i][c] / 1.5 - want[i][c]);
+
+			worst = fmax(worst, error / (ldexp(want[i][c], -14) + ldexp(1, -16)));
+		}
+	free(want);
+	return worst;
+}
+
+static void colours_are_within_the_bound(void **state)
+{
+	static const struct {
+		int f, width, height;
+	} cases[] = {{4, 480, 480}, {9, 200, 150}, {18, 320, 240}, {36, 320, 320}, {24, 33, 65}};
+	struct chance chance = chance_begin("sampler_kernels");
+
+	(void)state;
+	for (unsigned k = 0; k < sizeof(cases) / sizeof(*cases); k++)
+		for (int estimator = 0; estimator < ESTIMATOR_COUNT; estimator++) {
+			struct eye e = eye_of(cases[k].f, &upright, cases[k].width, cases[k].height,
+					      (enum light_estimator)estimator);
+			struct sampler_shares shares;
+			double worst = 0;
+
+			assert_int_equal(sampler_shares_create(&shares, &e.dome, &e.lens, e.width,
+							       e.height,
+							       (enum light_estimator)estimator),
+					 0);
+			for (int sky = 0; sky < SKIES; sky++) {
+				paint(&e, &chance, sky, &shares);
+				worst = fmax(worst, check_colours(&e, &shares));
+			}
+			print_message("# f=%d, %dx%d, %s: errors take up to %.2f of the bound\n",
+				      cases[k].f, e.width, e.height,
+				      light_estimator_names[estimator], worst);
+			assert_true(worst <= 1);
+			sampler_shares_free(&shares);
+			eye_free(&e);
+		}
+}
+
+/* ---- frames ---- */
+
+static void check_frame(struct eye *e, const struct frame *frame, const struct view *view,
+			struct pool *pool)
+{
+	const size_t bytes = (size_t)e->dome.count * sizeof(*e->radiance);
+	float(*want)[3] = malloc(bytes);
+	const struct picture picture = picture_of(e);
+	struct frame_reader reader;
+	double clipped[2];
+
+	assert_non_null(want);
+	assert_int_equal(frame_reader_open(&reader, frame, view, NULL), 0);
+	frame_reader_make(&reader, 0, 0, e->width, e->height, e->canvas.pixels, e->canvas.stride);
+	assert_int_equal(light_sampler_read(e->sampler, &picture, want, &clipped[0]), 0);
+	memset(e->radiance, 0, bytes);
+	assert_int_equal(
+		light_sampler_read_frame(e->sampler, &reader, pool, e->radiance, &clipped[1]), 0);
+	assert_memory_equal(e->radiance, want, bytes);
+	assert_true(clipped[0] == clipped[1] && clipped[0] > 0);
+	reader.view.width--;
+	assert_int_equal(light_sampler_read_frame(e->sampler, &reader, pool, e->radiance, NULL),
+			 -EINVAL);
+	free(want);
+}
+
+/* What a camera sends, however it hangs, gives what the picture made of it gives, with any number
+ * of threads. */
+static void frames_give_what_pictures_give(void **state)
+{
+	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_NV12, PIXEL_BGR24, PIXEL_BGRX,
+						    PIXEL_GREY};
+	struct chance chance = chance_begin("sampler_kernels");
+	struct eye e = eye_of(9, &upright, 181, 143, ESTIMATOR_CELL);
+	uint8_t *memory = malloc(4 * 200 * 150);
+
+	(void)state;
+	assert_non_null(memory);
+	for (size_t i = 0; i < 4 * 200 * 150; i++)
+		memory[i] = (uint8_t)chance_int(&chance, 0, 255);
+	for (unsigned k = 0; k < 4 * sizeof(formats) / sizeof(*formats); k++) {
+		const size_t stride = frame_plane_stride(formats[k / 4], 0, 200);
+		const struct frame frame = {
+			.format = formats[k / 4],
+			.width = 200,
+			.height = 150,
+			.matrix = MATRIX_BT709,
+			.planes = {{memory, stride, stride * 150},
+				   {memory + 7, 200, (size_t)200 * 75}},
+		};
+		const struct view view = {13, 5, 181, 143, k & 1, k & 2, 1};
+		struct pool *pool;
+
+		assert_int_equal(pool_create(&pool, 1 + (int)(k % 3)), 0);
+		check_frame(&e, &frame, &view, k % 3 ? pool : NULL);
+		pool_destroy(pool);
+	}
+	free(memory);
+	eye_free(&e);
+}
+
+/* A wide picture under few lights: rows of a light that are longer than a span may be. */
+static void long_rows(void **state)
+{
+	struct chance chance = chance_begin("sampler_kernels");
+	const struct fisheye_settings wide = {.focal_px = {1600, 5}, .field_deg = 90};
+	struct eye e = eye_of(1, &wide, 5040, 17, ESTIMATOR_CELL);
+	struct sampler_shares shares;
+
+	(void)state;
+	assert_int_equal(
+		sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height, ESTIMATOR_CELL),
+		0);
+	paint(&e, &chance, NOISE, &shares);
+	assert_true(check_colours(&e, &shares) <= 1);
+	sampler_shares_free(&shares);
+	eye_free(&e);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_table_decodes_alike),
+		cmocka_unit_test(every_table_adds_alike),
+		cmocka_unit_test(colours_are_within_the_bound),
+		cmocka_unit_test(frames_give_what_pictures_give),
+		cmocka_unit_test(long_rows),
+	};
+
+	return cmocka_run_group_tests_name("sampler kernels", tests, NULL, NULL);
+}

@@ -1,0 +1,689 @@
+/* The dome: counts, nodes, exact cells and what is drawn from them, each against brute force. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/optics/dome.h"
+#include "hal/optics/dome_nodes.h"
+#include "hal/optics/vec.h"
+#include "tests/support/chance.h"
+
+static struct dome dome_of(int frequency, enum dome_division division)
+{
+	struct dome dome;
+
+	assert_int_equal(dome_create(&dome, frequency, division, NULL), 0);
+	return dome;
+}
+
+/* ---- nodes ---- */
+
+static void published_counts(void **state)
+{
+	static const int frequency[] = {1, 2, 3, 4, 6, 9};
+	static const int angles[] = {6, 26, 46, 86, 186, 406};
+	static const int chords[] = {6, 26, 46, 91, 196, 406};
+
+	(void)state;
+	for (int i = 0; i < 6; i++) {
+		struct dome a = dome_of(frequency[i], DOME_ANGLES);
+		struct dome c = dome_of(frequency[i], DOME_CHORDS);
+
+		assert_int_equal(a.count, angles[i]);
+		assert_int_equal(c.count, chords[i]);
+		dome_free(&a);
+		dome_free(&c);
+	}
+}
+
+static void check_nodes(int f, enum dome_division division, const double (*node)[3], int count)
+{
+	const int on_horizon = f % 2 ? 0 : division == DOME_ANGLES ? 10 : 5 * f;
+	double lowest = 1;
+	int horizon = 0;
+
+	/* half of all 10 f^2 + 2 nodes, and the other half of those on the horizon */
+	assert_int_equal(count, 5 * f * f + 1 + on_horizon / 2);
+	assert_true(node[0][0] == 0 && node[0][1] == 0 && node[0][2] == 1);
+	for (int i = 0; i < count; i++) {
+		assert_true(fabs(vec_length(node[i]) - 1) < 3e-16);
+		assert_true(node[i][2] >= 0);
+		horizon += node[i][2] == 0;
+		if (node[i][2] > 0)
+			lowest = fmin(lowest, node[i][2]);
+	}
+	assert_int_equal(horizon, on_horizon);
+	/* ten decades above rounding: no machine can put a node on the other side */
+	assert_true(lowest > 3e-6);
+}
+
+/* 0..2 pi, what rounding puts just below 0 being 0. */
+static double azimuth(const double d[3])
+{
+	const double phi = atan2(d[1], d[0]);
+
+	return phi < -1e-9 ? phi + 2 * M_PI : phi;
+}
+
+/* Files refer to lights by index: rows from the zenith, each from azimuth 0 on. */
+static void check_order(int f, enum dome_division division, const double (*node)[3], int count)
+{
+	int rows = 1;
+
+	for (int i = 1; i < count; i++)
+		rows += !(azimuth(node[i]) > azimuth(node[i - 1]));
+	for (int row = 1; row <= f; row++) { /* the cap: 5 nodes more in each */
+		const int first = 1 + 5 * row * (row - 1) / 2;
+
+		assert_true(fabs(azimuth(node[first])) < 1e-14);
+		for (int i = first + 1; i < first + 5 * row; i++)
+			assert_true(azimuth(node[i]) > azimuth(node[i - 1]));
+	}
+	/* the zenith, the cap, the upper half of the band; by angles the rows there bend */
+	if (division == DOME_CHORDS)
+		assert_int_equal(rows, 1 + f + f / 2);
+}
+
+static void counts_and_order_of_all_frequencies(void **state)
+{
+	(void)state;
+	for (int division = 0; division < DOME_DIVISION_COUNT; division++)
+		for (int f = 1; f <= DOME_FREQUENCY_MAX; f++) {
+			const int count = dome_node_count(f, division);
+			double(*node)[3] = calloc((size_t)count, sizeof(*node));
+
+			assert_non_null(node);
+			assert_int_equal(dome_nodes_fill(f, division, node), 0);
+			check_nodes(f, division, (const double(*)[3])node, count);
+			check_order(f, division, (const double(*)[3])node, count);
+			free(node);
+		}
+}
+
+static void point_between(const double a[3], const double b[3], double t, double out[3])
+{
+	const double angle = acos(fmin(1, vec_dot(a, b)));
+
+	for (int k = 0; k < 3; k++)
+		out[k] = angle < 1e-9 ? a[k]
+				      : (sin((1 - t) * angle) * a[k] + sin(t * angle) * b[k]) /
+						sin(angle);
+}
+
+/* A node of any face: by chords its weights, by angles the mean of the thesis's three readings. */
+static void face_node(enum dome_division division, const double (*corner)[3], const int weight[3],
+		      double out[3])
+{
+	const int f = weight[0] + weight[1] + weight[2];
+
+	out[0] = out[1] = out[2] = 0;
+	for (int i = 0; i < 3; i++) {
+		const int j = (i + 1) % 3, l = (i + 2) % 3;
+		double m[3], p[3];
+
+		if (division == DOME_CHORDS) {
+			for (int k = 0; k < 3; k++)
+				out[k] += weight[i] * corner[i][k];
+			continue;
+		}
+		point_between(corner[j], corner[l],
+			      weight[i] == f ? 0 : (double)weight[l] / (weight[j] + weight[l]), m);
+		point_between(corner[i], m, (double)(weight[j] + weight[l]) / f, p);
+		for (int k = 0; k < 3; k++)
+			out[k] += p[k];
+	}
+	vec_normalize(out);
+}
+
+static void icosahedron(double vertex[12][3])
+{
+	const double z = 1 / sqrt(5), r = 2 / sqrt(5);
+
+	memset(vertex, 0, 12 * sizeof(vertex[0]));
+	vertex[0][2] = 1;
+	vertex[11][2] = -1;
+	for (int i = 0; i < 5; i++) {
+		const double upper = i * 2 * M_PI / 5, lower = upper + M_PI / 5;
+
+		vertex[1 + i][0] = r * cos(upper);
+		vertex[1 + i][1] = r * sin(upper);
+		vertex[1 + i][2] = z;
+		vertex[6 + i][0] = r * cos(lower);
+		vertex[6 + i][1] = r * sin(lower);
+		vertex[6 + i][2] = -z;
+	}
+}
+
+static bool adjacent(const double a[3], const double b[3])
+{
+	return fabs(vec_dot(a, b) - 1 / sqrt(5)) < 1e-9;
+}
+
+/* Whether the node is in the dome; how far from the nearest of it. */
+static double nearest_node(const struct dome *dome, const double p[3], int *index)
+{
+	double best = INFINITY;
+
+	for (int i = 0; i < dome->count; i++) {
+		const double *d = dome->direction[i];
+		const double far = hypot(hypot(d[0] - p[0], d[1] - p[1]), d[2] - p[2]);
+
+		if (far < best) {
+			best = far;
+			*index = i;
+		}
+	}
+	return best;
+}
+
+/* Divides all twenty faces, one as good as the other, and looks every node up in the dome: the
+ * shared edges must meet, no node may be missing, none be left over. */
+static void check_against_all_faces(int f, enum dome_division division)
+{
+	struct dome dome = dome_of(f, division);
+	bool *met = calloc((size_t)dome.count, sizeof(*met));
+	double vertex[12][3];
+	int faces = 0;
+
+	assert_non_null(met);
+	icosahedron(vertex);
+	for (int a = 0; a < 12; a++)
+		for (int b = a + 1; b < 12; b++)
+			for (int c = b + 1; c < 12; c++) {
+				double corner[3][3];
+
+				if (!adjacent(vertex[a], vertex[b]) ||
+				    !adjacent(vertex[b], vertex[c]) ||
+				    !adjacent(vertex[a], vertex[c]))
+					continue;
+				faces++;
+				memcpy(corner[0], vertex[a], sizeof(corner[0]));
+				memcpy(corner[1], vertex[b], sizeof(corner[0]));
+				memcpy(corner[2], vertex[c], sizeof(corner[0]));
+				for (int i = 0; i <= f; i++)
+					for (int j = 0; j <= f - i; j++) {
+						const int weight[3] = {f - i - j, i, j};
+						double p[3];
+						int index = -1;
+
+						face_node(division, (const double(*)[3])corner,
+							  weight, p);
+						if (p[2] < -1e-9)
+							continue;
+						assert_true(nearest_node(&dome, p, &index) < 1e-14);
+						met[index] = true;
+					}
+			}
+	assert_int_equal(faces, 20);
+	for (int i = 0; i < dome.count; i++)
+		assert_true(met[i]);
+	free(met);
+	dome_free(&dome);
+}
+
+static void nodes_of_all_faces(void **state)
+{
+	static const int frequency[] = {1, 2, 3, 4, 5, 6, 9, 12};
+
+	(void)state;
+	for (unsigned i = 0; i < sizeof(frequency) / sizeof(*frequency); i++) {
+		check_against_all_faces(frequency[i], DOME_ANGLES);
+		check_against_all_faces(frequency[i], DOME_CHORDS);
+	}
+}
+
+/* From the zenith down an edge: equal steps of angle, or equal steps along the chord. */
+static void division_of_an_edge(void **state)
+{
+	const int f = 6;
+	struct dome angles = dome_of(f, DOME_ANGLES), chords = dome_of(f, DOME_CHORDS);
+
+	(void)state;
+	for (int row = 1; row <= f; row++) {
+		const int first = 1 + 5 * row * (row - 1) / 2; /* at azimuth 0 */
+		const double *d = angles.direction[first];
+		double theta, phi;
+
+		dome_angles(&angles, first, &theta, &phi);
+		assert_true(fabs(theta - row * atan(2) / f) < 1e-14 && fabs(phi) < 1e-14);
+		assert_true(fabs(d[0] - sin(theta)) < 1e-14);
+		dome_angles(&chords, first, &theta, &phi);
+		assert_true(fabs(tan(theta) - row * 2 / sqrt(5) / (f - row + row / sqrt(5))) <
+			    1e-13);
+	}
+	dome_free(&angles);
+	dome_free(&chords);
+}
+
+/* ---- cells ---- */
+
+static void check_sums(int f, enum dome_division division)
+{
+	struct dome dome = dome_of(f, division);
+	double sum = 0, projected = 0;
+
+	for (int i = 0; i < dome.count; i++) {
+		const double mean = 2 * M_PI / dome.count;
+
+		sum += dome.solid_angle_sr[i];
+		projected += dome.projected_sr[i];
+		assert_true(dome.solid_angle_sr[i] > 0.3 * mean);
+		assert_true(dome.solid_angle_sr[i] < 1.7 * mean);
+		assert_true(dome.projected_sr[i] > 0);
+		assert_true(dome.projected_sr[i] < dome.solid_angle_sr[i]);
+	}
+	assert_true(fabs(sum - 2 * M_PI) < 1e-12);
+	assert_true(fabs(projected - M_PI) < 1e-12);
+	dome_free(&dome);
+}
+
+static void weights_sum_to_the_hemisphere(void **state)
+{
+	static const int large[] = {27, 36, 45, 54, 63, 64};
+
+	(void)state;
+	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
+		for (int f = 1; f <= 20; f++)
+			check_sums(f, division);
+		for (unsigned i = 0; i < sizeof(large) / sizeof(*large); i++)
+			check_sums(large[i], division);
+	}
+}
+
+/* f = 1: the zenith's cell is a twelfth of the sphere, and so are, by symmetry and by what remains,
+ * those of the other five cut at the horizon. */
+static void weights_of_the_icosahedron(void **state)
+{
+	struct dome dome = dome_of(1, DOME_ANGLES);
+
+	(void)state;
+	for (int i = 0; i < 6; i++)
+		assert_true(fabs(dome.solid_angle_sr[i] - M_PI / 3) < 1e-14);
+	dome_free(&dome);
+}
+
+static int brute_force(const struct dome *dome, const double dir[3])
+{
+	double best = -INFINITY;
+	int found = -1;
+
+	for (int i = 0; i < dome->count; i++) {
+		const double near = vec_dot(dome->direction[i], dir);
+
+		if (near > best) {
+			best = near;
+			found = i;
+		}
+	}
+	return found;
+}
+
+static void weights_against_counting(void **state)
+{
+	const int samples = 2000000;
+	struct chance chance = chance_begin("dome");
+
+	(void)state;
+	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
+		struct dome dome = dome_of(4, division);
+		double *hits = calloc((size_t)dome.count, sizeof(*hits));
+		double *cosines = calloc((size_t)dome.count, sizeof(*cosines));
+
+		assert_non_null(hits);
+		assert_non_null(cosines);
+		for (int n = 0; n < samples; n++) {
+			double dir[3];
+			int i;
+
+			chance_direction(&chance, 0, dir);
+			i = brute_force(&dome, dir);
+			hits[i]++;
+			cosines[i] += dir[2];
+		}
+		for (int i = 0; i < dome.count; i++) {
+			const double unit = 2 * M_PI / samples;
+			const double slack = 6 * sqrt(hits[i]) * unit;
+
+			assert_true(fabs(hits[i] * unit - dome.solid_angle_sr[i]) < slack);
+			assert_true(fabs(cosines[i] * unit - dome.projected_sr[i]) < slack);
+		}
+		free(hits);
+		free(cosines);
+		dome_free(&dome);
+	}
+}
+
+/* What makes division by angles the better one. */
+static void variation_of_areas(void **state)
+{
+	double rms[DOME_DIVISION_COUNT];
+
+	(void)state;
+	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
+		struct dome dome = dome_of(9, division);
+		double sum = 0;
+
+		for (int i = 0; i < dome.count; i++)
+			sum += pow(dome.solid_angle_sr[i] * dome.count / (2 * M_PI) - 1, 2);
+		rms[division] = sqrt(sum / dome.count);
+		dome_free(&dome);
+	}
+	print_message("# variation of areas at f = 9: %.1f %% by angles, %.1f %% by chords\n",
+		      100 * rms[DOME_ANGLES], 100 * rms[DOME_CHORDS]);
+	assert_true(rms[DOME_ANGLES] > 0.03 && rms[DOME_ANGLES] < 0.06);
+	assert_true(rms[DOME_CHORDS] > 0.11 && rms[DOME_CHORDS] < 0.135);
+}
+
+/* Turned by a fifth, or mirrored in y = 0, the dome is the same, weights included. */
+static void five_fold_symmetry(void **state)
+{
+	static const int frequency[] = {2, 5, 9, 18};
+	const double c = cos(2 * M_PI / 5), s = sin(2 * M_PI / 5);
+
+	(void)state;
+	for (int n = 0; n < 2 * 4; n++) {
+		struct dome dome = dome_of(frequency[n / 2], n % 2);
+
+		for (int i = 0; i < dome.count; i++) {
+			const double *d = dome.direction[i];
+			const double turned[3] = {c * d[0] - s * d[1], s * d[0] + c * d[1], d[2]};
+			const double mirrored[3] = {d[0], -d[1], d[2]};
+			int a = -1, b = -1;
+
+			assert_true(nearest_node(&dome, turned, &a) < 1e-14);
+			assert_true(nearest_node(&dome, mirrored, &b) < 1e-14);
+			assert_true(fabs(dome.solid_angle_sr[i] - dome.solid_angle_sr[a]) < 1e-14);
+			assert_true(fabs(dome.solid_angle_sr[i] - dome.solid_angle_sr[b]) < 1e-14);
+			assert_true(fabs(dome.projected_sr[i] - dome.projected_sr[a]) < 1e-14);
+		}
+		dome_free(&dome);
+	}
+}
+
+/* A corner is as far from its own node as from the nearest of all, and lies on the horizon unless
+ * three nodes are that near. */
+static void corners_lie_between_nodes(void **state)
+{
+	(void)state;
+	for (int n = 0; n < 2 * 12; n++) {
+		struct dome dome = dome_of(1 + n / 2, n % 2);
+
+		for (int i = 0; i < dome.count; i++) {
+			double corner[32][3], normal[3];
+			const int count = dome_cell_corners(&dome, i, corner, 32);
+
+			assert_in_range(count, 3, 8);
+			for (int k = 0; k < count; k++) {
+				const double own = vec_dot(dome.direction[i], corner[k]);
+				int near = 0;
+
+				assert_true(fabs(vec_length(corner[k]) - 1) < 1e-15);
+				assert_true(corner[k][2] >= 0);
+				for (int j = 0; j < dome.count; j++) {
+					const double other = vec_dot(dome.direction[j], corner[k]);
+
+					assert_true(other <= own + 1e-14);
+					near += other > own - 1e-13;
+				}
+				assert_true(near >= 3 || corner[k][2] == 0);
+				/* counter-clockwise seen from outside */
+				vec_cross(corner[k], corner[(k + 1) % count], normal);
+				assert_true(vec_dot(normal, dome.direction[i]) > -1e-15);
+			}
+			assert_int_equal(dome_cell_corners(&dome, i, NULL, 0), count);
+		}
+		dome_free(&dome);
+	}
+}
+
+/* ---- the cell of a direction ---- */
+
+static void check_cell_of(const struct dome *dome, const double dir[3])
+{
+	assert_int_equal(dome_cell_of(dome, dir), dir[2] >= 0 ? brute_force(dome, dir) : -1);
+}
+
+static void cell_of_any_direction(void **state)
+{
+	static const int frequency[] = {1, 2, 3, 4, 7, 9, 18, 64};
+	struct chance chance = chance_begin("dome");
+
+	(void)state;
+	for (int n = 0; n < 2 * 8; n++) {
+		const int f = frequency[n / 2];
+		struct dome dome = dome_of(f, n % 2);
+
+		for (int k = 0; k < (f > 32 ? 10000 : 100000); k++) {
+			const double size = pow(10, chance_real(&chance, -100, 100));
+			double dir[3];
+
+			chance_direction(&chance, -0.1, dir);
+			for (int c = 0; c < 3; c++)
+				dir[c] *= size;
+			check_cell_of(&dome, dir);
+		}
+		dome_free(&dome);
+	}
+}
+
+/* Directions where cells, grid cells, quadrants and the horizon meet. */
+static void cell_of_borders(void **state)
+{
+	struct chance chance = chance_begin("dome");
+
+	(void)state;
+	for (int n = 0; n < 2 * 10; n++) {
+		struct dome dome = dome_of(1 + n / 2, n % 2);
+
+		for (int i = 0; i < dome.count; i++) {
+			double corner[32][3];
+			const int count = dome_cell_corners(&dome, i, corner, 32);
+
+			assert_int_equal(dome_cell_of(&dome, dome.direction[i]), i);
+			for (int k = 0; k < count; k++) {
+				const double *a = corner[k], *b = corner[(k + 1) % count];
+				const double t = chance_real(&chance, 0, 1);
+				const double edge[3] = {a[0] + t * (b[0] - a[0]),
+							a[1] + t * (b[1] - a[1]),
+							a[2] + t * (b[2] - a[2])};
+
+				check_cell_of(&dome, a);
+				check_cell_of(&dome, edge);
+				for (int c = 0; c < 3; c++) {
+					double shifted[3] = {a[0], a[1], a[2]};
+
+					shifted[c] = nextafter(shifted[c], 2);
+					check_cell_of(&dome, shifted);
+					shifted[c] = nextafter(nextafter(a[c], -2), -2);
+					check_cell_of(&dome, shifted);
+				}
+			}
+			for (int j = 0; j < i; j++) { /* half way between any two */
+				double half[3];
+
+				for (int c = 0; c < 3; c++)
+					half[c] = dome.direction[i][c] + dome.direction[j][c];
+				if (vec_length(half) > 1e-9)
+					check_cell_of(&dome, half);
+			}
+		}
+		for (int a = -8; a <= 8; a++)
+			for (int b = -8; b <= 8; b++)
+				for (int c = 0; c <= 8; c++)
+					if (a || b || c)
+						check_cell_of(&dome, (double[]){a, b, c});
+		dome_free(&dome);
+	}
+}
+
+static void cell_of_no_direction(void **state)
+{
+	struct dome dome = dome_of(4, DOME_ANGLES);
+
+	(void)state;
+	assert_int_equal(dome_cell_of(&dome, (double[]){0, 0, 0}), -1);
+	assert_int_equal(dome_cell_of(&dome, (double[]){NAN, 0, 1}), -1);
+	assert_int_equal(dome_cell_of(&dome, (double[]){0, 0, NAN}), -1);
+	assert_int_equal(dome_cell_of(&dome, (double[]){INFINITY, 0, 1}), -1);
+	assert_int_equal(dome_cell_of(&dome, (double[]){1, 0, -1e-300}), -1);
+	assert_true(dome_cell_of(&dome, (double[]){1, 0, -0.0}) >= 0);
+	dome_free(&dome);
+}
+
+/* ---- samples ---- */
+
+#define SECTORS 8
+#define BINS (2 * SECTORS)
+
+/* Which part of the cell: direction around the node, and near or far from it. */
+static int bin_of(const double node[3], const double dir[3], double near)
+{
+	const double axis[3] = {0.3, 0.5, 0.8};
+	double e1[3], e2[3], angle;
+
+	vec_cross(axis, node, e1);
+	vec_normalize(e1);
+	vec_cross(node, e1, e2);
+	angle = atan2(vec_dot(dir, e2), vec_dot(dir, e1));
+	return (int)fmin(SECTORS - 1, (angle + M_PI) / (2 * M_PI) * SECTORS) +
+	       (vec_dot(dir, node) > near ? SECTORS : 0);
+}
+
+/* As many of the cell's samples as of uniform directions that fall in the cell lie in each part. */
+static void check_samples(const struct dome *dome, int light, struct chance *chance)
+{
+	const double radius = sqrt(dome->solid_angle_sr[light] / (2 * M_PI));
+	const double near = cos(radius);
+	double ours[BINS] = {0}, theirs[BINS] = {0}, chi = 0;
+	const int samples = 20000;
+	int accepted = 0;
+
+	for (int k = 0; k < samples; k++) {
+		double dir[3];
+
+		dome_cell_sample(dome, light, chance_real(chance, 0, 1), chance_real(chance, 0, 1),
+				 dir);
+		assert_true(fabs(vec_length(dir) - 1) < 1e-14 && dir[2] >= 0);
+		assert_true(vec_dot(dome->direction[light], dir) >=
+			    vec_dot(dome->direction[brute_force(dome, dir)], dir) - 1e-14);
+		ours[bin_of(dome->direction[light], dir, near)]++;
+	}
+	while (accepted < samples) {
+		double dir[3];
+
+		chance_direction(chance, 0, dir);
+		if (vec_dot(dir, dome->direction[light]) < cos(4 * radius) ||
+		    brute_force(dome, dir) != light)
+			continue;
+		theirs[bin_of(dome->direction[light], dir, near)]++;
+		accepted++;
+	}
+	for (int b = 0; b < BINS; b++)
+		if (ours[b] + theirs[b] > 0)
+			chi += pow(ours[b] - theirs[b], 2) / (ours[b] + theirs[b]);
+	assert_true(chi < BINS + 8 * sqrt(2.0 * BINS)); /* mean and spread of chi squared */
+}
+
+static void samples_are_uniform(void **state)
+{
+	static const int lights[] = {0, 1, 5, 20, 40, 60, 76, 80, 85};
+	struct chance chance = chance_begin("dome");
+
+	(void)state;
+	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
+		struct dome dome = dome_of(4, division);
+
+		for (unsigned i = 0; i < sizeof(lights) / sizeof(*lights); i++)
+			check_samples(&dome, lights[i], &chance);
+		dome_free(&dome);
+	}
+}
+
+/* Samples on a grid integrate smooth functions far better than chance: the mean direction of a
+ * cell, against its exact vector area. */
+static void samples_keep_their_order(void **state)
+{
+	struct dome dome = dome_of(9, DOME_ANGLES);
+	const int side = 32;
+
+	(void)state;
+	for (int i = 0; i < dome.count; i++) {
+		double sum = 0;
+
+		for (int k = 0; k < side * side; k++) {
+			double dir[3];
+
+			dome_cell_sample(&dome, i, (k % side + 0.5) / side, (k / side + 0.5) / side,
+					 dir);
+			sum += dir[2];
+		}
+		sum *= dome.solid_angle_sr[i] / (side * side);
+		assert_true(fabs(sum - dome.projected_sr[i]) < 2e-4 * dome.solid_angle_sr[i]);
+	}
+	dome_free(&dome);
+}
+
+static void samples_at_the_limits(void **state)
+{
+	static const double limits[] = {0, 5e-324, 1e-17, 0.5, 0.9999999999999999};
+	struct dome dome = dome_of(12, DOME_CHORDS);
+
+	(void)state;
+	for (int i = 0; i < dome.count; i++)
+		for (int k = 0; k < 25; k++) {
+			double dir[3];
+
+			dome_cell_sample(&dome, i, limits[k % 5], limits[k / 5], dir);
+			assert_true(fabs(vec_length(dir) - 1) < 1e-14);
+			assert_true(vec_dot(dir, dome.direction[i]) > 0.98);
+		}
+	dome_free(&dome);
+}
+
+static void refused(void **state)
+{
+	struct fault fault = {""};
+	struct dome dome;
+
+	(void)state;
+	assert_int_equal(dome_create(&dome, 0, DOME_ANGLES, &fault), -EINVAL);
+	assert_true(strlen(fault.text) > 0);
+	assert_int_equal(dome_create(&dome, 65, DOME_ANGLES, NULL), -EINVAL);
+	assert_int_equal(dome_create(&dome, 4, DOME_DIVISION_COUNT, NULL), -EINVAL);
+	assert_null(dome.direction);
+	dome_free(&dome);
+	dome_free(&dome);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(published_counts),
+		cmocka_unit_test(counts_and_order_of_all_frequencies),
+		cmocka_unit_test(nodes_of_all_faces),
+		cmocka_unit_test(division_of_an_edge),
+		cmocka_unit_test(weights_sum_to_the_hemisphere),
+		cmocka_unit_test(weights_of_the_icosahedron),
+		cmocka_unit_test(weights_against_counting),
+		cmocka_unit_test(variation_of_areas),
+		cmocka_unit_test(five_fold_symmetry),
+		cmocka_unit_test(corners_lie_between_nodes),
+		cmocka_unit_test(cell_of_any_direction),
+		cmocka_unit_test(cell_of_borders),
+		cmocka_unit_test(cell_of_no_direction),
+		cmocka_unit_test(samples_are_uniform),
+		cmocka_unit_test(samples_keep_their_order),
+		cmocka_unit_test(samples_at_the_limits),
+		cmocka_unit_test(refused),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

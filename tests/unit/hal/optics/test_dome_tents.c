@@ -1,0 +1,322 @@
+/* Lights that fall off linearly: what they cover, that they are continuous, and what is drawn. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/optics/dome.h"
+#include "hal/optics/vec.h"
+#include "tests/support/chance.h"
+
+static struct dome tents_of(int frequency, enum dome_division division)
+{
+	struct dome dome;
+
+	assert_int_equal(dome_create_shaped(&dome, frequency, division, DOME_TENTS, NULL), 0);
+	return dome;
+}
+
+static void check_sums(int f, enum dome_division division)
+{
+	struct dome dome = tents_of(f, division);
+	double sum = 0, projected = 0, least = 1;
+
+	for (int i = 0; i < dome.count; i++) {
+		sum += dome.solid_angle_sr[i];
+		projected += dome.projected_sr[i];
+		least = fmin(least, fmin(dome.solid_angle_sr[i], dome.projected_sr[i]));
+	}
+	if (fabs(sum - 2 * M_PI) > 1e-12 || fabs(projected - M_PI) > 1e-12)
+		fail_msg("f = %d, division %d: sums are off by %g and %g", f, division,
+			 sum - 2 * M_PI, projected - M_PI);
+	assert_true(least > 0);
+	dome_free(&dome);
+}
+
+static void weights_sum_to_the_hemisphere(void **state)
+{
+	(void)state;
+	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
+		for (int f = 1; f <= 12; f++)
+			check_sums(f, division);
+		for (int f = 27; f <= DOME_FREQUENCY_MAX; f += 37)
+			check_sums(f, division);
+	}
+}
+
+/* Of a direction: how many lights, none negative, together 1. */
+static void weigh(const struct dome *dome, const double dir[3], double *all)
+{
+	int light[3];
+	double weight[3], sum = 0;
+	const int count = dome_weights(dome, dir, light, weight);
+
+	memset(all, 0, (size_t)dome->count * sizeof(*all));
+	assert_in_range(count, 1, 3);
+	for (int k = 0; k < count; k++) {
+		assert_true(weight[k] > 0 && all[light[k]] == 0);
+		all[light[k]] = weight[k];
+		sum += weight[k];
+		assert_true(dome_weight(dome, light[k], dir) == weight[k]);
+	}
+	assert_true(fabs(sum - 1) < 1e-15);
+}
+
+/* A lamp that moves by so much changes no light by more than its share of the way to the next. */
+static void check_step(const struct dome *dome, struct chance *chance, double *here, double *there)
+{
+	const double step = 1e-6;
+	double from[3], to[3], spacing = atan(2) / dome->frequency;
+
+	chance_direction(chance, 0, from);
+	if (chance_int(chance, 0, 4) == 0) { /* along the horizon */
+		from[2] *= 1e-3;
+		vec_normalize(from);
+	}
+	for (int x = 0; x < 3; x++)
+		to[x] = from[x] + step * chance_real(chance, -1, 1);
+	to[2] = fmax(to[2], 0);
+	weigh(dome, from, here);
+	weigh(dome, to, there);
+	for (int i = 0; i < dome->count; i++)
+		/* the nearest two nodes to any are some way apart; where the horizon is near to
+		 * the rim a triangle may be flat, so that its height is no measure */
+		assert_true(fabs(here[i] - there[i]) < 4 * sqrt(3) * step / (0.5 * spacing));
+}
+
+static void continuous_everywhere(void **state)
+{
+	static const int frequency[] = {1, 2, 3, 4, 5, 8, 9, 12};
+	struct chance chance = chance_begin("tents");
+
+	(void)state;
+	for (int n = 0; n < 16; n++) {
+		struct dome dome = tents_of(frequency[n / 2], n % 2);
+		double *here = calloc((size_t)dome.count, sizeof(*here));
+		double *there = calloc((size_t)dome.count, sizeof(*there));
+
+		assert_true(here && there);
+		for (int k = 0; k < 4000; k++)
+			check_step(&dome, &chance, here, there);
+		free(here);
+		free(there);
+		dome_free(&dome);
+	}
+}
+
+/* In the flat triangle of its lights' nodes, the direction's ray meets their weighted mean. */
+static void linear_between_nodes(void **state)
+{
+	struct chance chance = chance_begin("tents");
+
+	(void)state;
+	for (int f = 3; f <= 9; f++) {
+		struct dome dome = tents_of(f, f % 2);
+		int inside = 0;
+
+		for (int k = 0; k < 4000; k++) {
+			int light[3];
+			double dir[3], weight[3], mean[3] = {0}, across[3];
+			int count;
+
+			chance_direction(&chance, 0, dir);
+			count = dome_weights(&dome, dir, light, weight);
+			for (int n = 0; n < count; n++)
+				for (int x = 0; x < 3; x++)
+					mean[x] += weight[n] * dome.direction[light[n]][x];
+			vec_cross(mean, dir, across);
+			if (dir[2] > 1.2 * atan(2) / f) { /* above any foot */
+				assert_true(vec_length(across) < 1e-14);
+				inside++;
+			}
+		}
+		assert_true(inside > 1500);
+		dome_free(&dome);
+	}
+}
+
+static void whole_at_the_nodes(void **state)
+{
+	(void)state;
+	for (int f = 1; f <= 12; f++) {
+		struct dome dome = tents_of(f, f % 2 ? DOME_ANGLES : DOME_CHORDS);
+
+		for (int i = 0; i < dome.count; i++)
+			assert_true(fabs(dome_weight(&dome, i, dome.direction[i]) - 1) < 1e-9);
+		dome_free(&dome);
+	}
+}
+
+static void no_direction(void **state)
+{
+	static const double none[][3] = {
+		{0, 0, 0}, {NAN, 0, 1}, {0, 0, NAN}, {INFINITY, 0, 1}, {1, 0, -1e-300}};
+	struct dome dome = tents_of(3, DOME_ANGLES);
+	int light[3];
+	double weight[3];
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(none) / sizeof(*none); k++)
+		assert_int_equal(dome_weights(&dome, none[k], light, weight), 0);
+	assert_true(dome_weights(&dome, (double[]){1, 0, -0.0}, light, weight) > 0);
+	dome_free(&dome);
+}
+
+/* The mean of weight over density is the solid angle, that of what it is times a height the
+ * projected one; and what is drawn is within reach. */
+static void check_samples(const struct dome *dome, int light, double tolerance)
+{
+	const int side = 64;
+	const double least = cos(dome_light_reach_rad(dome, light) + 1e-9);
+	double sum = 0, projected = 0;
+
+	for (int k = 0; k < side * side; k++) {
+		double dir[3], each;
+
+		dome_light_sample(dome, light, (k % side + 0.5) / side, (k / side + 0.5) / side,
+				  dir);
+		assert_true(fabs(vec_length(dir) - 1) < 1e-14 && dir[2] >= 0);
+		assert_true(vec_dot(dir, dome->direction[light]) >= least);
+		each = dome_weight(dome, light, dir) / dome_light_density(dome, light, dir);
+		sum += each / (side * side);
+		projected += each * dir[2] / (side * side);
+	}
+	assert_true(fabs(sum / dome->solid_angle_sr[light] - 1) < tolerance);
+	assert_true(fabs(projected - dome->projected_sr[light]) <
+		    tolerance * dome->solid_angle_sr[light]);
+}
+
+static void samples_keep_their_order(void **state)
+{
+	(void)state;
+	for (int f = 1; f <= 9; f += 2)
+		for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
+			struct dome dome = tents_of(f + (f > 3), division);
+
+			for (int i = 0; i < dome.count; i++)
+				check_samples(&dome, i, f == 1 ? 5e-3 : 2e-3);
+			dome_free(&dome);
+		}
+}
+
+/* Even directions of the hemisphere, against what each light is said to hold. */
+static void weights_and_densities_against_counting(void **state)
+{
+	static const int frequency[] = {1, 2, 5};
+	const int count = 200000;
+
+	(void)state;
+	for (int n = 0; n < 3; n++) {
+		struct dome dome = tents_of(frequency[n], DOME_ANGLES);
+		double *sum = calloc(2 * (size_t)dome.count, sizeof(*sum));
+
+		assert_non_null(sum);
+		for (int k = 0; k < count; k++) {
+			const double z = (k + 0.5) / count,
+				     turn = 2 * M_PI * k * 0.6180339887498949;
+			const double dir[3] = {sqrt(1 - z * z) * cos(turn),
+					       sqrt(1 - z * z) * sin(turn), z};
+			double weight[3];
+			int light[3];
+			const int lights = dome_weights(&dome, dir, light, weight);
+
+			for (int j = 0; j < lights; j++) {
+				sum[2 * light[j]] += weight[j] * 2 * M_PI / count;
+				sum[2 * light[j] + 1] += dome_light_density(&dome, light[j], dir) *
+							 2 * M_PI / count;
+			}
+		}
+		for (int i = 0; i < dome.count; i++) {
+			assert_true(fabs(sum[2 * i] / dome.solid_angle_sr[i] - 1) < 2e-3);
+			assert_true(fabs(sum[2 * i + 1] - 1) < 2e-3);
+		}
+		free(sum);
+		dome_free(&dome);
+	}
+}
+
+static void samples_at_the_limits(void **state)
+{
+	static const double limits[] = {0, 5e-324, 1e-17, 0.5, 0.9999999999999999};
+	struct dome dome = tents_of(9, DOME_CHORDS);
+
+	(void)state;
+	for (int i = 0; i < dome.count; i++)
+		for (int k = 0; k < 25; k++) {
+			double dir[3];
+
+			dome_light_sample(&dome, i, limits[k % 5], limits[k / 5], dir);
+			assert_true(fabs(vec_length(dir) - 1) < 1e-14);
+			assert_true(vec_dot(dir, dome.direction[i]) > 0.97);
+			assert_true(fabs(dome_weight(&dome, i, dir) /
+						 dome_light_density(&dome, i, dir) /
+						 dome.solid_angle_sr[i] -
+					 1) < 0.1);
+		}
+	dome_free(&dome);
+}
+
+/* What holds of any shape holds of cells. */
+static void cells_are_the_other_shape(void **state)
+{
+	struct chance chance = chance_begin("tents");
+	struct dome dome;
+
+	(void)state;
+	assert_int_equal(dome_create_shaped(&dome, 4, DOME_ANGLES, DOME_CELLS, NULL), 0);
+	for (int k = 0; k < 1000; k++) {
+		double dir[3], weight[3], drawn[3];
+		const double u = chance_real(&chance, 0, 1), v = chance_real(&chance, 0, 1);
+		int light[3];
+
+		chance_direction(&chance, 0, dir);
+		assert_int_equal(dome_weights(&dome, dir, light, weight), 1);
+		assert_int_equal(light[0], dome_cell_of(&dome, dir));
+		assert_true(weight[0] == 1);
+		assert_true(dome_light_density(&dome, light[0], dir) ==
+			    1 / dome.solid_angle_sr[light[0]]);
+		dome_light_sample(&dome, light[0], u, v, drawn);
+		dome_cell_sample(&dome, light[0], u, v, dir);
+		assert_memory_equal(drawn, dir, sizeof(dir));
+		assert_true(vec_dot(dir, dome.direction[light[0]]) >=
+			    cos(dome_light_reach_rad(&dome, light[0]) + 1e-9));
+	}
+	dome_free(&dome);
+}
+
+static void refused(void **state)
+{
+	struct fault fault = {""};
+	struct dome dome;
+
+	(void)state;
+	assert_int_equal(dome_create_shaped(&dome, 4, DOME_ANGLES, DOME_SHAPE_COUNT, &fault),
+			 -EINVAL);
+	assert_non_null(strstr(fault.text, "expected cells or tents"));
+	assert_null(dome.direction);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(weights_sum_to_the_hemisphere),
+		cmocka_unit_test(continuous_everywhere),
+		cmocka_unit_test(linear_between_nodes),
+		cmocka_unit_test(whole_at_the_nodes),
+		cmocka_unit_test(no_direction),
+		cmocka_unit_test(samples_keep_their_order),
+		cmocka_unit_test(weights_and_densities_against_counting),
+		cmocka_unit_test(samples_at_the_limits),
+		cmocka_unit_test(cells_are_the_other_shape),
+		cmocka_unit_test(refused),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
