@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # inlay. `make help` lists the targets.
 #
 # Each folder's module.mk names its sources; objects live in build/<flavour>/, keyed by the flags,

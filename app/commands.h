@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What `inlay` can do, in the order in which --help lists it. */
 #ifndef INLAY_APP_COMMANDS_H
 #define INLAY_APP_COMMANDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/devices_sample.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A configuration for what is plugged in: what `inlay devices --sample` writes.
  *

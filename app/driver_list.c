@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/driver_list.h"
 
 #include "drivers/drivers.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The drivers as the configuration wants to know them: names and tables of keys. */
 #ifndef INLAY_APP_DRIVER_LIST_H
 #define INLAY_APP_DRIVER_LIST_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 app_PACKAGES := $(if $(filter 1,$(WITH_CAIRO)),cairo) $(if $(filter 1,$(WITH_SYSTEMD)),libsystemd)
 APP_SOURCES := \
 	app/bench/bench.c \

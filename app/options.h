@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A command's options: one table drives parsing, --help and the messages. */
 #ifndef INLAY_APP_OPTIONS_H
 #define INLAY_APP_OPTIONS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* --config and --set, as run, still and check take them. */
 #ifndef INLAY_APP_SETTINGS_H
 #define INLAY_APP_SETTINGS_H

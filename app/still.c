@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/still.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* One picture through the pipeline: files in, a file out. */
 #ifndef INLAY_APP_STILL_H
 #define INLAY_APP_STILL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake dome: the lights of a dome. */
 #include <errno.h>
 #include <getopt.h>

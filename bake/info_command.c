@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake info: what a basis file holds. */
 #include <getopt.h>
 #include <inttypes.h>

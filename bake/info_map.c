@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/info_map.h"
 
 #include <cairo.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What each pixel of a basis file takes, as a picture. */
 #ifndef INLAY_BAKE_INFO_MAP_H
 #define INLAY_BAKE_INFO_MAP_H

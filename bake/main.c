@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake: the offline side of inlay. */
 #include <stddef.h>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # LAPACK for the encoder; OpenBLAS is what makes it fast.
 bake_PACKAGES := assimp lapacke openblas cairo
 # Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/trace/world.c does the same.

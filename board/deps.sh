@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Installs the Debian packages that a purpose needs, and nothing when all of them are there.
 #     board/deps.sh build|demo|package|image|test|deep ...
 # Debian 12 has all of them; Debian 13 those for build, demo and package.

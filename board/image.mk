@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # `make image BOARD=...`, `make boot BOARD=...`: board/image/README.md.
 
 BOARD ?= qemu-x86_64

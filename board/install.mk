@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # `make install`, `make uninstall`, `make deb`: board/README.md, "Installing".
 
 PREFIX ?= /usr/local

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Puts what `make` built where a system looks for it, or takes it away again.
 #     board/install.sh install|uninstall BUILD [PACKAGE]
 # BUILD is the folder that it was built in. PACKAGE: inlay or inlay-bake alone. Everything goes below

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Makes the picture of the README: the demo's kiosk in full, with its line of figures.
 #     BUILD=build/x board/picture.sh OUT.png
 # The demo's cameras are played from a picture each, at their rate, as real ones would deliver: the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Everything that can be configured: one struct a section, filled from a file and from --set.
  *

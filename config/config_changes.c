@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What differs between two configurations, key by key. */
 #include <string.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What only several keys together can tell, and what a key names that is not there. */
 #include <errno.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Drivers as the configuration wants to know them: names and tables of keys. */
 #include "config/config.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The files that calibrations wrote and the configuration names. */
 #include <errno.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Every key that is not a driver's: name, type, range, default, help. */
 #include "config/config_keys.h"
 

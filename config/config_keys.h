@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to config/: the tables of keys, without those of drivers. */
 #ifndef INLAY_CONFIG_CONFIG_KEYS_H
 #define INLAY_CONFIG_CONFIG_KEYS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the keys of the light must be together. */
 #include <math.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 CONFIG_SOURCES := \
 	config/config.c \
 	config/config_changes.c \

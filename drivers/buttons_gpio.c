@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Buttons on GPIO lines. Lines are gpio/lines.h's, what is a press gpio/button.h's; here one epoll
  * descriptor joins their edges with a timer for what is due without one: a level that settles, a

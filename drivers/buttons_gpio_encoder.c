@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A rotary encoder on two GPIO lines. Lines are gpio/lines.h's, which edge was first is
  * gpio/edge_order.h's, what is a step gpio/quadrature.h's.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Keys of keyboards, and of what calls itself one: remote controls, presenters, arcade encoders.
  * Read from evdev, so that it works without a desktop. Which device is looked for anew whenever

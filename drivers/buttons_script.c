@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Buttons pressed by a file. A line is a time in seconds since the start, an action and, for
  * threshold-set, a value:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Cameras behind libcamera: sensors on a board's camera connector, whose picture the board's own
  * image processor makes.

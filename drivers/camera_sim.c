@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A simulated camera, for demonstrations and tests: a fisheye or a perspective view of a room that
  * moves (studio) or of an HDR panorama, or pictures from files; with the faults of real cameras on

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Cameras behind Video4Linux: webcams, frame grabbers, sensors with a single video node. Memory
  * mapped streaming, single- and multi-planar.

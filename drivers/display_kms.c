@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The screen itself, without a desktop: atomic modesetting, dumb buffers of XRGB8888, page flips
  * reported by events. Buffers may be write-combined: they are never read here.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A screen of which only the clock is real: two buffers, flips at a set rate, nothing to see. What
  * is not fast enough for a screen of this rate is not fast enough here either. It can fail as

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A window on a desktop, through SDL2: for trying things out. Presenting may wait for the desktop's
  * own refresh, at most one. SDL has no descriptor, so a timer asks it for events.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/drivers.h"
 
 #include <stddef.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Every driver there is, in the order in which they are listed and tried. Each array ends with
  * NULL. A driver that was left out of the build (WITH_X=0 in the Makefile) is not in it.

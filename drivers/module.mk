@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 drivers_PACKAGES := $(if $(filter 1,$(WITH_KMS)),libdrm) $(if $(filter 1,$(WITH_SDL)),sdl2) \
 	$(if $(filter 1,$(WITH_GPIO)),libgpiod) $(if $(filter 1,$(WITH_LIBCAMERA)),libcamera)
 DRIVER_SOURCES := \

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 hal_PACKAGES := libturbojpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
 hal_LIBS := -lyuv
 HAL_SOURCES := \

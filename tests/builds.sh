@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # Sourced where tests need another build than the one under test. Building takes longer than much of what
 # is tried, so each is made once: what lint compiles to see whether a compiler warns is what the fuzzers

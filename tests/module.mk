@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
 	tests/unit/bake/calibrate/observe/test_boards.c \

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Runs test programs that speak TAP, keeps their full output, and counts.
 #     tests/run.sh GROUP PROGRAM... [-- GROUP PROGRAM...]...      runs, adds to build/tests/results
 #                                        ("PROGRAM OPTION" is one word)

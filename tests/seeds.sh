@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Runs every program of tests that draws random numbers again and again, each time from a seed that it
 # has not had, and names the seeds that failed. `make test` keeps to one seed, so that what it says goes by
 # what changed and not by luck; this is where luck is looked for.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * inlay bench: what a frame of a basis takes, every way that there is, beside the thesis's own
  * algorithm and what memory allows; with the error of each against double precision.

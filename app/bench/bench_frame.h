@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A whole frame, as a kiosk has it: two cameras' YUYV pictures of the basis's size to a picture.
  * For bench alone.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/bench/bench_memory.h"
 
 #include <errno.h>

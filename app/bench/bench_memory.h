@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How fast memory can be read at all, and what copying a picture takes. For bench alone. */
 #ifndef INLAY_APP_BENCH_BENCH_MEMORY_H
 #define INLAY_APP_BENCH_BENCH_MEMORY_H

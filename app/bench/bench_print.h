@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What inlay bench found, for people and for programs. */
 #ifndef INLAY_APP_BENCH_BENCH_PRINT_H
 #define INLAY_APP_BENCH_BENCH_PRINT_H

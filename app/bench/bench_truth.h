@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How far each way's picture is from double precision, and whether ways that ought to give the same
  * bits do. For bench alone. */
 #ifndef INLAY_APP_BENCH_BENCH_TRUTH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The ways to make a picture that bench compares: each prepares itself, untimed, and then makes one
  * frame. For bench alone.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/camera/exposing.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The fisheye camera in several exposures, one after the other: which one it is asked for next, and
  * which one a picture has (hal/lights/exposure_schedule.h).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/camera/eye.h"
 
 bool eye_has_picture(const struct eye *eye)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* One of the three views: which part of which camera, seen upright. */
 #ifndef INLAY_APP_CAMERA_EYE_H
 #define INLAY_APP_CAMERA_EYE_H

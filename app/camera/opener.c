@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/camera/opener.h"
 
 #include <errno.h>

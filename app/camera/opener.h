@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Opens a camera on a thread of its own, because a device may take its time: the event loop goes on
  * meanwhile with the other cameras and the screen. The thread and its descriptor last as long as

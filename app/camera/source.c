@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/camera/source.h"
 
 #include <errno.h>

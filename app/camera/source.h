@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A camera as the program uses it: opened on a thread of its own, again when it was lost, its
  * newest frame held until a picture is made.

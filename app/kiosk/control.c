@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/kiosk/control.h"
 
 #include <errno.h>

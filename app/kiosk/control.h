@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Commands from other programs on this machine, over a Unix socket: one line a command, one line a
  * reply. The socket belongs to the group that [control] names, and the kernel's word on who

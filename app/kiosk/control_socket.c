@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/kiosk/control_socket.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The socket that control.h listens at, and the one that inlay control connects with: where it
  * stands, whose it is, and whether somebody lives behind it.

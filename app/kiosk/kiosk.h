@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The kiosk: cameras to screen, for as long as it is wanted.
  *

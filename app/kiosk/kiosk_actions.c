@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Buttons: where they come from, and what each does. */
 #include <errno.h>
 #include <stdio.h>

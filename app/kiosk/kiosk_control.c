@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Commands from other programs. */
 #include <errno.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to app/kiosk*.c: what the kiosk is made of, and what its parts do for each other. */
 #ifndef INLAY_APP_KIOSK_KIOSK_PARTS_H
 #define INLAY_APP_KIOSK_KIOSK_PARTS_H

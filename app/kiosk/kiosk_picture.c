@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* From what the cameras hold to a picture on the screen. */
 #include <errno.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* SIGHUP: another configuration, and another file of statistics, while the pictures go on. */
 #include <errno.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The screen, which may be missing, go and come back. */
 #include <errno.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the kiosk says about itself: on the screen and to the system. */
 #include <stdio.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/kiosk/loop.h"
 
 #include <errno.h>

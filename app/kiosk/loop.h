@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The one epoll loop: a fixed set of slots, each with a descriptor or none. Also signals, and a
  * tick every second. SIGINT and SIGTERM end the program. SIGHUP does when it came because the

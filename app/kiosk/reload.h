@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a configuration that is read again changes in a running kiosk, and what waits for the next
  * start: one table says it for every key.

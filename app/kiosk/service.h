@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the service manager is told (sd_notify(3)): that the kiosk is ready, reloads, stops, and
  * that it lives. Outside of systemd, and in a build without libsystemd, nothing happens.

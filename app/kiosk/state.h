@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What was chosen with the buttons, kept over a power cut: threshold, view and pose in a small INI
  * file that is replaced whole (hal/base/output.h), at most once an interval and at the end, by a thread

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/kiosk/stats.h"
 
 #include <errno.h>

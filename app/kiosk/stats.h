@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a run tells about itself: one JSON object a line, a line a second. README.md says what each
  * number means.

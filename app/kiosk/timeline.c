@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/kiosk/timeline.h"
 
 #include <math.h>

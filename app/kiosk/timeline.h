@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which pose is shown when: poses by the clock, not by frames, so that nothing drifts and late
  * frames leave poses out.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From two pictures to one: light from the fisheye's, the object into the background's. No cameras,
  * no screens, no files: `run` and `still` both go through here, so what one shows the other shows.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/pipeline/pipeline_config.h"
 
 #include <errno.h>

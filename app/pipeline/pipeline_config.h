@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The pipeline's settings, as the configuration has them. */
 #ifndef INLAY_APP_PIPELINE_PIPELINE_CONFIG_H
 #define INLAY_APP_PIPELINE_PIPELINE_CONFIG_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Between two poses: both pictures, mixed in linear light. */
 #include <errno.h>
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What clips in the sky, found again on the ground. */
 #include <errno.h>
 #include <math.h>

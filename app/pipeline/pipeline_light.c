@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Measuring the light, and what it is measured with. */
 #include <errno.h>
 #include <math.h>

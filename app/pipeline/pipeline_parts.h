@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to app/pipeline*.c. */
 #ifndef INLAY_APP_PIPELINE_PIPELINE_PARTS_H
 #define INLAY_APP_PIPELINE_PIPELINE_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which poses are in the picture, which are coming, and which are to be in memory. */
 #include <errno.h>
 #include <string.h>

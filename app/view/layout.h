@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Where pictures go on the screen. A cell is a rectangle of the screen; whoever places a picture in
  * it writes each of its pixels once, in order: the picture, and black around it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/view/marks.h"
 
 #include <math.h>

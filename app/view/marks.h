@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The lights drawn into the fisheye's picture, as in the thesis's figures: those in use red, those
  * left out blue. */
 #ifndef INLAY_APP_VIEW_MARKS_H

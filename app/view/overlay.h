@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Text over the picture: what is wrong in a box at the upper edge, a line of figures along the
  * lower one; each takes at most a third of the height, so that the middle stays free. Drawn with

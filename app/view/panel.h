@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A box with text in it, drawn with cairo into memory of its own. */
 #ifndef INLAY_APP_VIEW_PANEL_H
 #define INLAY_APP_VIEW_PANEL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* For builds without cairo: there are no panels. */
 #include "app/view/panel.h"
 

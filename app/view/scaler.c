@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/view/scaler.h"
 
 #include <errno.h>

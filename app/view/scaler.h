@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Puts a picture onto a rectangle of another size: a tent filter, as wide as a source pixel where
  * it enlarges (bilinear) and as a destination pixel where it shrinks, so that nothing flickers or

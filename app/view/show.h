@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is on the screen: the picture with the object, before it, both beside each other, the
  * fisheye with its marked lights, the scene camera, or four of them in the thesis's arrangement

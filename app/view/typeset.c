@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/view/typeset.h"
 
 #include <errno.h>

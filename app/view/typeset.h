@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Texts broken into lines that fit into a panel. Private to app/view/panel.c; needs cairo. */
 #ifndef INLAY_APP_VIEW_TYPESET_H
 #define INLAY_APP_VIEW_TYPESET_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Text from devices and files made safe to show: valid UTF-8, cut between characters. */
 #ifndef INLAY_APP_VIEW_UTF8_H
 #define INLAY_APP_VIEW_UTF8_H

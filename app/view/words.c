@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app/view/words.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the program says on the screen, in plain words. Pure functions from numbers to text. */
 #ifndef INLAY_APP_VIEW_WORDS_H
 #define INLAY_APP_VIEW_WORDS_H

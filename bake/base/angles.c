@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/base/angles.h"
 
 #include <errno.h>

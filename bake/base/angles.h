@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Files of light angles, one light a line: theta phi in radians (thesis 2.2.1; inlay-bake dome
  * --angles writes them). Which dome they are, and in which order. Lights that are tents have the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The commands of inlay-bake. */
 #ifndef INLAY_BAKE_BASE_COMMANDS_H
 #define INLAY_BAKE_BASE_COMMANDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/base/in_order.h"
 
 #include <pthread.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tiles that all threads make, in any order, handed on in theirs. */
 #ifndef INLAY_BAKE_BASE_IN_ORDER_H
 #define INLAY_BAKE_BASE_IN_ORDER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/base/options.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Command-line values, and programs that are a table of commands. */
 #ifndef INLAY_BAKE_BASE_OPTIONS_H
 #define INLAY_BAKE_BASE_OPTIONS_H

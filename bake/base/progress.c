@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/base/progress.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How far long work has come: a bar that is redrawn on a terminal, a plain line every ten seconds
  * elsewhere; on stderr. Calls must not overlap. */
 #ifndef INLAY_BAKE_BASE_PROGRESS_H

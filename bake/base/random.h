@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Random numbers that are functions of what they are for (pixel, sample, seed), so that a picture
  * does not depend on threads or on the order of tiles.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/base/surface.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Between cairo's image surfaces and pictures, and the colours of maps. */
 #ifndef INLAY_BAKE_BASE_SURFACE_H
 #define INLAY_BAKE_BASE_SURFACE_H

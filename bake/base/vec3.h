@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Vectors of three floats, for tracing. World: right-handed, Z up, the ground is Z = 0. */
 #ifndef INLAY_BAKE_BASE_VEC3_H
 #define INLAY_BAKE_BASE_VEC3_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate board: a board to print. */
 #include <getopt.h>
 #include <stdlib.h>

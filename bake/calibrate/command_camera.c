@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate camera: where the background camera stands, and what its lens does. */
 #include <errno.h>
 #include <getopt.h>

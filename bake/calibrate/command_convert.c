@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate convert: lenses between our files and those of OpenCV and ROS. */
 #include <errno.h>
 #include <getopt.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate fisheye: the lens that looks at the sky. */
 #include <errno.h>
 #include <getopt.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate light: what a camera's code values mean. */
 #include <errno.h>
 #include <getopt.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The commands of inlay-calibrate. */
 #ifndef INLAY_BAKE_CALIBRATE_COMMANDS_H
 #define INLAY_BAKE_CALIBRATE_COMMANDS_H

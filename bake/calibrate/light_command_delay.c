@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate light delay. */
 #include <errno.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate light gain and colours. */
 #include <errno.h>
 #include <libyuv.h>

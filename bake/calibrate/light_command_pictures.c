@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate light black and response. */
 #include <errno.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to command_light.c and light_command_*.c: what the command line asks for. */
 #ifndef INLAY_BAKE_CALIBRATE_LIGHT_JOB_H
 #define INLAY_BAKE_CALIBRATE_LIGHT_JOB_H

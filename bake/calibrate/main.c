@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-calibrate: where the object stands, where the lights are, how bright they are. */
 #include <stddef.h>
 

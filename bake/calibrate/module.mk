@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # inlay-calibrate. Debian's OpenCV has no pkg-config file without the whole of it; only the C++ files
 # here see its headers.
 CALIBRATE_SOURCES := \

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/demo/atlas.h"
 
 #include <errno.h>

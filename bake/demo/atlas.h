@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A texture for a closed surface without a parametrisation of its own: pieces of it that face one
  * of the six axes are laid flat along that axis, side by side, and painted by a function of space.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The toy cow of the demo: its solids and the colours of its coat.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/demo/cow.h"
 
 #include <stddef.h>

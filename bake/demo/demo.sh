@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The demo: bakes the toy cow, runs inlay on simulated cameras, leaves pictures. `make demo` calls it.
 #     BUILD=build/x bake/demo/demo.sh [FOLDER [OPTION...]]
 # Pictures go to FOLDER (demo/); options are for `inlay-bake render`. The bake is skipped while its

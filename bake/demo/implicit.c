@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/demo/implicit.h"
 
 #include <stdbool.h>

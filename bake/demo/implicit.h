@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Solids as functions of space: negative inside, positive outside, near the surface about the
  * distance to it; each with its exact gradient, so that points can be moved onto the surface and

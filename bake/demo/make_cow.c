@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* make-cow FOLDER: writes the toy cow as cow.obj, cow.mtl and cow.png. The same on every run. */
 #include <errno.h>
 #include <limits.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/demo/polygonise.h"
 
 #include <errno.h>

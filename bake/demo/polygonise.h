@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* From a solid's function to a closed mesh of triangles. */
 #ifndef INLAY_BAKE_DEMO_POLYGONISE_H
 #define INLAY_BAKE_DEMO_POLYGONISE_H

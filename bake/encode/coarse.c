@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/encode/coarse.h"
 
 #include <math.h>

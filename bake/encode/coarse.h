@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The coarse lights: the nodes of a dome of lower frequency, each fine light shared out among the
  * three of them that it lies between.

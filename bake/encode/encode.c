@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/encode/encode.h"
 
 #include <cblas.h>

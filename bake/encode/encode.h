@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From a tile's transport in floating point to the blocks of a basis file.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Blocks as the file has them, and what they say. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_BLOCK_H
 #define INLAY_BAKE_ENCODE_ENCODE_BLOCK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A light's own columns: the cheapest that bring what patterns leave of it inside what may be left.
  */
 #include <float.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How a part's values become levels under each cell and sky, and what may be left of them. */
 #include <cblas.h>
 #include <float.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What blocks do to the picture, against the transport that they were made from. Private to the
  * encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_MEASURE_H

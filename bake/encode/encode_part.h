@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A set of samples laid out for the encoder: values per unit of X, light by light; and how values
  * become 8-bit levels under each cell and sky. Private to the encoder.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a plan costs, and whether it holds. */
 #include <cblas.h>
 #include <math.h>

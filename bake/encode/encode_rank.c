@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/encode/encode_rank.h"
 
 #include <cblas.h>

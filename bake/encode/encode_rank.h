@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The best few patterns for a set of columns: a truncated singular value decomposition over the
  * coarse lights, quantised as the file has it. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_RANK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What blocks say, decoded from their payloads alone. */
 #include <errno.h>
 #include <float.h>

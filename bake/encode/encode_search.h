@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How many patterns, and which lights get a column: the cheapest that holds the error asked for.
  * Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_SEARCH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The ensemble's skies, and a tile's own: suns that leave it dark. There the rest of the sky is all
  * that it is seen by, dim enough for each of its columns to be left out of a frame, and what they

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/encode/encode_split.h"
 
 #include <cblas.h>

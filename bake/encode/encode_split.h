@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A part taken apart: what all channels share, up to a tint (one channel), and the rest (three).
  * Either may be nothing. Each is patterns; what patterns leave wrong about a light is a column of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/encode/encoding_options.h"
 
 #include <string.h>

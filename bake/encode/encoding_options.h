@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Options of an encoding, the same for all commands that make a basis file. */
 #ifndef INLAY_BAKE_ENCODE_ENCODING_OPTIONS_H
 #define INLAY_BAKE_ENCODE_ENCODING_OPTIONS_H

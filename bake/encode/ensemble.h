@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The lightings that an encoding is tried under before it is believed.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A scene for Blender's Cycles: the job's files, scene.json and the script that renders. */
 #ifndef INLAY_BAKE_EXCHANGE_EXPORT_BLENDER_H
 #define INLAY_BAKE_EXCHANGE_EXPORT_BLENDER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake export: a basis in the thesis's own format, or a scene as a job for another renderer.
  */
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/exchange/export_job.h"
 
 #include <dirent.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A scene as another renderer takes it: a folder with the lights, the meshes and the textures,
  * which Radiance's and Blender's jobs have in common.

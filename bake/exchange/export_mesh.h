@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A scene's meshes as Wavefront OBJ, and the materials that they are made of. */
 #ifndef INLAY_BAKE_EXCHANGE_EXPORT_MESH_H
 #define INLAY_BAKE_EXCHANGE_EXPORT_MESH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/exchange/export_rays.h"
 
 #include <errno.h>

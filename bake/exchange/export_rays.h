@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The camera's rays for Radiance's rtrace: which meet what. */
 #ifndef INLAY_BAKE_EXCHANGE_EXPORT_RAYS_H
 #define INLAY_BAKE_EXCHANGE_EXPORT_RAYS_H

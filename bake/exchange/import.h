@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Light transport from elsewhere (pictures of other renderers, the thesis's files) to a basis file:
  * through the same encoder as our own.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake import: pictures of other renderers, and the thesis's files, to a basis file. */
 #include <errno.h>
 #include <getopt.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/exchange/import_judge.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Whether pictures of lights are what they are said to be: which is which, which ground, which
  * unit, which order. */
 #ifndef INLAY_BAKE_EXCHANGE_IMPORT_JUDGE_H

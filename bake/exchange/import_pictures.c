@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/exchange/import_pictures.h"
 
 #include <errno.h>

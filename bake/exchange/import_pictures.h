@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures of every light as a source of import (thesis 2.2.4): objects and ground, ground alone,
  * and which pixels are the object's.

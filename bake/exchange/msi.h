@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The thesis's own files of light transport, .msi (its appendix): a picture's pixels, each object,
  * shadow or neither, a byte for each light and channel.

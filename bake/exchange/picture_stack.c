@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/exchange/picture_stack.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A stack of pictures of one size, one for each light, in linear light: read once, kept in an
  * unnamed file (they may be more than memory holds) and mapped.

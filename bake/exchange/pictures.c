@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/exchange/pictures.h"
 
 #include <errno.h>

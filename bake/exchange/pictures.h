@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Numbered pictures: one for each light, named by a pattern such as o%03d.hdr. */
 #ifndef INLAY_BAKE_EXCHANGE_PICTURES_H
 #define INLAY_BAKE_EXCHANGE_PICTURES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake pictures: what every light does alone, as any renderer would picture it. */
 #include <errno.h>
 #include <getopt.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/mesh/material.h"
 
 #include <stddef.h>

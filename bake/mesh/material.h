@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Materials: how a surface scatters light.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/mesh/mesh.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Triangle meshes from files (OBJ with MTL, PLY, glTF and whatever else assimp reads), in world
  * coordinates.

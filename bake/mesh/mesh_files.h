@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The files of a mesh as assimp is given them: an OBJ's lines begin without blanks, which assimp
  * does not know, and its numbers have a digit before their point, as it takes .5 for the end of its
  * line. Any other file is as it is. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Whether a glTF can be handed to assimp, which trusts the lengths of a GLB, and goes down into
  * JSON as deep as it is nested, until its stack ends. */
 #ifndef INLAY_BAKE_MESH_MESH_GLTF_H

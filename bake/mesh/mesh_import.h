@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Reads a mesh file through assimp, as the file has it: not placed, not checked. */
 #ifndef INLAY_BAKE_MESH_MESH_IMPORT_H
 #define INLAY_BAKE_MESH_MESH_IMPORT_H

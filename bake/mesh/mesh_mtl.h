@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Whether an OBJ's materials are there: assimp makes grey of those that are not, without a word. */
 #ifndef INLAY_BAKE_MESH_MESH_MTL_H
 #define INLAY_BAKE_MESH_MESH_MTL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/mesh/mesh_normals.h"
 
 #include <errno.h>

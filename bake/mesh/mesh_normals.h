@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Normals of the smoothed surface, where a mesh's file has none. */
 #ifndef INLAY_BAKE_MESH_MESH_NORMALS_H
 #define INLAY_BAKE_MESH_MESH_NORMALS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Whether a PLY holds what its header says: where it does not, assimp makes faces up, reads on for
  * ever, or takes memory for billions of them. */
 #ifndef INLAY_BAKE_MESH_MESH_PLY_H

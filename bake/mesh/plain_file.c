@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/mesh/plain_file.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What hal/base/input.h opens, of bounded length: meshes and their libraries are read whole. */
 #ifndef INLAY_BAKE_MESH_PLAIN_FILE_H
 #define INLAY_BAKE_MESH_PLAIN_FILE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The report of a scene: what each choice costs in time and memory, and how wrong the picture gets,
  * against double precision and against path-traced truth. One page, and every figure as CSV.

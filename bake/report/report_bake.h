@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A bake of a report's scene, open, and all that is the same for every way to use it. */
 #ifndef INLAY_BAKE_REPORT_REPORT_BAKE_H
 #define INLAY_BAKE_REPORT_REPORT_BAKE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Choices that need no other bake: threshold, bits of the input, column cut, what is kept from
  * frame to frame, kernel, threads. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake report: what each choice costs and brings, for a scene. */
 #include <getopt.h>
 #include <stdio.h>

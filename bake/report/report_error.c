@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The error that the bake is asked to keep to, and what a smaller or larger one costs. */
 #include <stdio.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A basis file that is in use: what it was baked with is the setting that everything is compared
  * with, and its own frames are measured at their own size. */
 #include <errno.h>

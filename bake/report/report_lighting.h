@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The surroundings that a report holds everything against: what both cameras see of them, and the
  * finished picture, path traced. */
 #ifndef INLAY_BAKE_REPORT_REPORT_LIGHTING_H

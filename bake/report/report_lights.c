@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How many lights, and how their colours are taken from the fisheye's picture. */
 #include <stdio.h>
 

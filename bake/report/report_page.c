@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/report/report_page.h"
 
 #include <dirent.h>

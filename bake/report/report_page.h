@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The folder of a report: a page that needs nothing beside it, and its tables, plots and pictures
  * as files. All of it is made in a folder of another name beside the one asked for, and takes its

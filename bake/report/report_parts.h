@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the sections of a report share. Private to bake/report*.c. */
 #ifndef INLAY_BAKE_REPORT_REPORT_PARTS_H
 #define INLAY_BAKE_REPORT_REPORT_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the setting in use makes of each surrounding, beside the truth. */
 #include <errno.h>
 #include <math.h>

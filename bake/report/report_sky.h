@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Surroundings of the project's own, for reports without panoramas: skies and a room by formula,
  * over a tiled floor. */
 #ifndef INLAY_BAKE_REPORT_REPORT_SKY_H

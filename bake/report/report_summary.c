@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a reader wants first: the setting in use, what it costs, how wrong it is, what is better. */
 #include <math.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tables of a report: filled cell by cell, written as CSV whole and into the page rounded. */
 #ifndef INLAY_BAKE_REPORT_REPORT_TABLE_H
 #define INLAY_BAKE_REPORT_REPORT_TABLE_H

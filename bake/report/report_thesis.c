@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The thesis's own measurements, made again: its table 4.1 and its threshold (section 4.2.2). */
 #include <errno.h>
 #include <math.h>

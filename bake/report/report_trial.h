@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A way to make the picture, tried: what a frame takes, and how far its picture is off. */
 #ifndef INLAY_BAKE_REPORT_REPORT_TRIAL_H
 #define INLAY_BAKE_REPORT_REPORT_TRIAL_H

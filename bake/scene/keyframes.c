@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/scene/keyframes.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* [poses] and [keyframe NAME] of a scene file: where its meshes stand in each pose. */
 #ifndef INLAY_BAKE_SCENE_KEYFRAMES_H
 #define INLAY_BAKE_SCENE_KEYFRAMES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/scene/scene.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A scene, loaded: meshes, materials, camera and the world that rays meet. */
 #ifndef INLAY_BAKE_SCENE_SCENE_H
 #define INLAY_BAKE_SCENE_SCENE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/scene/scene_file.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The scene file as it is written: values in range, names that exist; nothing opened. The format is
  * described in README.md. */
 #ifndef INLAY_BAKE_SCENE_SCENE_FILE_H

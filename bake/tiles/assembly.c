@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/tiles/assembly.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Finished tiles, in their order, to a basis file; and what they come to together. */
 #ifndef INLAY_BAKE_TILES_ASSEMBLY_H
 #define INLAY_BAKE_TILES_ASSEMBLY_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/tiles/finished_tile.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A tile that is rendered and encoded: what a basis file takes of it, and what is counted. */
 #ifndef INLAY_BAKE_TILES_FINISHED_TILE_H
 #define INLAY_BAKE_TILES_FINISHED_TILE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake merge: the shards of a bake to its basis file. */
 #include <errno.h>
 #include <getopt.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The largest radiance that any pixel of the object gives off (BASIS_CHUNK_PEAK): [lights + 1][3],
  * per unit of each light, and under all of them. */
 #ifndef INLAY_BAKE_TILES_PEAKS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/tiles/plan.h"
 
 #include <errno.h>

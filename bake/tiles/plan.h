@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is settled before a bake's first tile: everything of a basis file that no tile changes. */
 #ifndef INLAY_BAKE_TILES_PLAN_H
 #define INLAY_BAKE_TILES_PLAN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/tiles/render.h"
 
 #include <errno.h>

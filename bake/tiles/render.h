@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bakes a scene: all tiles on all cores, into a basis file. */
 #ifndef INLAY_BAKE_TILES_RENDER_H
 #define INLAY_BAKE_TILES_RENDER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake render: a scene file to a basis file. */
 #include <errno.h>
 #include <getopt.h>

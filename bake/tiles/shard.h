@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A share of a bake: every count-th tile of all poses', finished, in a file of its own. All shards
  * together make the basis file that one run would make, bit for bit.

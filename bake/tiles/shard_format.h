@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A shard as it lies on disk, for who reads and writes it and for who damages it to see whether
  * that is noticed: the header, the plan's arrays and texts (list_pieces() of shard.c), and for each

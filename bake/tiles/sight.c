@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/tiles/sight.h"
 
 #define GLASS_MAX 32	 /* glass surfaces in a row */

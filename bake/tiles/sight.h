@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the camera sees through the object's glass, and where the picture shows that.
  *

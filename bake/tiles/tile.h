@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The transport of one tile of the picture: BASIS_TILE x BASIS_TILE pixels, fewer at the edges. */
 #ifndef INLAY_BAKE_TILES_TILE_H
 #define INLAY_BAKE_TILES_TILE_H

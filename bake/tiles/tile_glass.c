@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/tiles/tile_glass.h"
 
 #include "bake/tiles/sight.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a tile shows through the object's glass. */
 #ifndef INLAY_BAKE_TILES_TILE_GLASS_H
 #define INLAY_BAKE_TILES_TILE_GLASS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/tiles/tile_noise.h"
 
 #include "hal/colour/transfer.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How noisy a tile is, from what its batches of samples differ by under a uniform sky. */
 #ifndef INLAY_BAKE_TILES_TILE_NOISE_H
 #define INLAY_BAKE_TILES_TILE_NOISE_H

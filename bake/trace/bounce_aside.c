@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/trace/bounce_aside.h"
 
 #include <cblas.h>

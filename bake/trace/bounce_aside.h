@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the filter of bounced light sets aside before it looks for singular vectors, and puts back:
  * each row's sum under a uniform sky, and each light's plane over the tile. Private to the filter.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/trace/cells.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The dome as the tracer uses it: for each light, be it a cell or a tent, a set of directions,
  * drawn once with its weight as density. What is said of cells here is meant of tents, too.

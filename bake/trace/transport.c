@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/trace/transport.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * All lights at once: one path yields a row of N transport coefficients, not one colour.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/trace/world.h"
 
 #if __has_include(<embree4/rtcore.h>)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What rays meet: objects, stand-ins for real surfaces, and the ground plane Z = 0.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/truth/sky.h"
 
 #include <errno.h>

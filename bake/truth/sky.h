@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A panorama as a light: its upper half, importance-sampled texel by texel; or one light of a dome,
  * whose radiance is its weight. Below the horizon nothing shines: what is there is the ground.

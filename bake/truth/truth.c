@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/truth/truth.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The finished composite under a panorama, path traced: no cells, no basis, no compositor. What the
  * whole method is held against.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* inlay-bake truth: the finished composite under a panorama, path traced. */
 #include <errno.h>
 #include <getopt.h>

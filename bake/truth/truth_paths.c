@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/truth/truth_paths.h"
 
 #define GLASS_MAX 32

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Paths of light under a panorama, one at a time. Private to truth*.c. */
 #ifndef INLAY_BAKE_TRUTH_TRUTH_PATHS_H
 #define INLAY_BAKE_TRUTH_TRUTH_PATHS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The pictures that ideal cameras would take of a panorama. */
 #include <errno.h>
 

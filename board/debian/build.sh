@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The Debian packages of what was built in BUILD, into OUT: OUT/inlay_VERSION_ARCH.deb and
 # OUT/inlay-bake_VERSION_ARCH.deb.
 #     SOURCE_DATE_EPOCH=... board/debian/build.sh BUILD VERSION ARCH OUT

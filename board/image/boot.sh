@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Starts a board's image in QEMU: its screen in a window where there is a desktop, a root's shell on
 # this terminal (board qemu-x86_64, qemu-arm64). What is changed in the machine is forgotten.
 #     board/image/boot.sh BOARD

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Unpacks Debian packages into a root of their own, once, and prints the tar file that holds it.
 #
 #     debian.sh [--for ARCH] [--unconfigured] [--components "main ..."] [--before FOLDER] PACKAGE...

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Makes what every image shows as it is delivered, in build/image/demo: the toy cow baked small and
 # for few lights, and six seconds of the simulated studio as its two cameras saw them. Recorded,
 # because an emulated processor takes seconds to compute one picture of the studio; small, because

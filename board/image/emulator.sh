@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # Sourced: how QEMU is told to be the board, in $emulator. KVM is used where it is there and wanted
 # (ACCEL=kvm); plain emulation is the rule, because it works everywhere alike.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Sees to it that this kernel runs another architecture's programs, by qemu-user-static.
 #     board/image/foreign.sh arm64
 set -eu

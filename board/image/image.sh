@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Builds the image of one board from Debian packages and the programs: build/image/BOARD/inlay.img
 #
 #     BUILD=... board/image/image.sh BOARD        BUILD: the folder of the programs for that board

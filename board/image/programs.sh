@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Builds inlay for the machine that an image is for.
 #     board/image/programs.sh ARCH BUILD [MAKE ARGUMENT...]
 # For a foreign machine: Debian's cross compiler, against headers and libraries that are unpacked

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What a program says of itself, as lines for other programs to read.
 #     board/manual/facts.sh PROGRAM NAME [RUNNER]
 # RUNNER is put before PROGRAM where it is built for another machine (qemu-aarch64).

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash disable=SC2034
 # A PC that starts from a stick by UEFI: Debian's kernel behind systemd's boot loader.
 architecture=amd64

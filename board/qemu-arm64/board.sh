@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash disable=SC2034
 # QEMU's generic 64-bit Arm machine ("virt"): Debian's kernel and initramfs, given to QEMU directly.
 architecture=arm64

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash disable=SC2034
 # The simulated PC: the kernel that the device tests use, given to QEMU directly.
 architecture=amd64

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Builds the simulated machine's kernel from Debian's linux-source package, once, and prints the
 # folder that holds it: bzImage, config and modules/lib/modules/VERSION.
 #

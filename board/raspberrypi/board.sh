@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash disable=SC2034
 # A Raspberry Pi: its firmware reads the FAT partition, starts Debian's kernel and hands it the
 # device tree of the model that it finds.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Before each start of inlay.service: waits when starts follow one another closely, so that a kiosk
 # that cannot start neither fills the journal nor takes the processor. The second start within a
 # minute goes on at once (RestartSec= has passed already), then it waits 2, 4, 8, 16, 30, 30 ... s.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/gpio/button.h"
 
 void button_start(struct button *button, bool level, bool repeats)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * One push button on a line, from edges to presses; no device in it. A level counts when it has
  * lasted for the time of settling, so neither a bounce nor a spike is a press. A step goes on while

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/gpio/edge_order.h"
 
 #include <errno.h>

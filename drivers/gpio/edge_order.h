@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The edges of an encoder's two lines in the order in which they happened; no device in it.
  *

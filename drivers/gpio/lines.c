@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/gpio/lines.h"
 
 #include <dirent.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * GPIO lines as inputs whose edges are watched: the few calls that libgpiod 1.6 and 2.x have in
  * common, each by its own name. GPIOD_MAJOR, from the Makefile, says which one it is.

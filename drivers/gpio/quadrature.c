@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/gpio/quadrature.h"
 
 /* How far along the lines are: 0 to 3. */

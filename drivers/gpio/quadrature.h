@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A rotary encoder's two lines to steps; no device in it. Turned, they go through 00 01 11 10, or
  * back. What bounces goes forth and back between two neighbours and comes to nothing.

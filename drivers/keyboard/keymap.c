@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/keyboard/keymap.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which key is which action: from names in the configuration, as in "up equal kpplus", to evdev's
  * codes. The names are those of <linux/input-event-codes.h> in small letters without KEY_; buttons

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/keyboard/keys.h"
 
 #include <string.h>

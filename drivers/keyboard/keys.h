@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From evdev's events to presses, for one device; no device in it. A key that was down before
  * anything was read is no press, nor is what the kernel repeats for it; a repetition counts for

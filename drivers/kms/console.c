@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The text console under the picture. While it is ours, the kernel asks before it switches to
  * another: by a signal, whose handler only writes a byte for the event loop.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the files of the KMS display share. Private to drivers/display_kms.c and its tests.
  */

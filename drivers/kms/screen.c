@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/kms/screen.h"
 
 #include <drm_fourcc.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The KMS display while it is open. Private to drivers/display_kms.c. */
 #ifndef INLAY_DRIVERS_KMS_SCREEN_H
 #define INLAY_DRIVERS_KMS_SCREEN_H

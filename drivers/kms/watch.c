@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What happens to a screen while it is used: the card's events, the kernel's hotplug messages and a
  * slow tick for messages that do not arrive, behind one descriptor.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* libcamera adjusts what it is asked for: each format is tried until one stays as it is. */
 #include "drivers/libcamera/configuration.hpp"
 

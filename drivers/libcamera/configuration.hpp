@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How a camera is set up: format and size, and what its pictures will be. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_CONFIGURATION_HPP
 #define INLAY_DRIVERS_LIBCAMERA_CONFIGURATION_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A camera's controls as numbers and text: what may be set, what was asked for, what became of it.
  */
 #ifndef INLAY_DRIVERS_LIBCAMERA_CONTROLS_H

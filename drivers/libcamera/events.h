@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a running camera has to tell our thread, behind one descriptor: requests that libcamera's
  * thread has done, and that the camera has gone.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What errors of libcamera mean, in words. */
 #include "drivers/libcamera/failure.hpp"
 

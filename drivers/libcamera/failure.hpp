@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Inside the driver a failure is an exception that says what the screen is to say. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_FAILURE_HPP
 #define INLAY_DRIVERS_LIBCAMERA_FAILURE_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/libcamera/find.h"
 
 #include <errno.h>

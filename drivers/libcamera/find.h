@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which camera is meant by a name. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_FIND_H
 #define INLAY_DRIVERS_LIBCAMERA_FIND_H

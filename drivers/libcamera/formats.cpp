@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* libcamera names formats as DRM does, from the most significant byte of a word; we name them in
  * the order of memory. */
 #include "drivers/libcamera/formats.hpp"

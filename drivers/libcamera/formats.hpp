@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Formats of pixels: libcamera's and ours, what a camera offers, which are worth trying. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_FORMATS_HPP
 #define INLAY_DRIVERS_LIBCAMERA_FORMATS_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/libcamera/hotplug.h"
 
 #include <dlfcn.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* New devices, and removals that come too late, are kept from libcamera while it runs. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_HOTPLUG_H
 #define INLAY_DRIVERS_LIBCAMERA_HOTPLUG_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* libcamera itself: its headers, its short name here, which version it is. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LIBRARY_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LIBRARY_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* controls.h knows a control of libcamera's by its lc::ControlId. */
 #include "drivers/libcamera/library_controls.hpp"
 

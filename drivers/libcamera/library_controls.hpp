@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Controls between libcamera's types and those of controls.h. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LIBRARY_CONTROLS_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LIBRARY_CONTROLS_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Formats in libcamera's order, then controls in that of the alphabet. */
 #include "drivers/libcamera/listing.hpp"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the cameras offer, as lines for people. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LISTING_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LISTING_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* libcamera may write for as long as the process lives, from any of its threads. */
 #include "drivers/libcamera/log_stream.hpp"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The stream that libcamera writes its log to; what becomes of a message is messages.h's. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LOG_STREAM_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LOG_STREAM_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Versions of libcamera differ in what its manager can be asked and told. */
 #include "drivers/libcamera/manager.hpp"
 

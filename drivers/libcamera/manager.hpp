@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* libcamera's manager: which cameras there are, and which of them is meant. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_MANAGER_HPP
 #define INLAY_DRIVERS_LIBCAMERA_MANAGER_HPP

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/libcamera/messages.h"
 
 #include <ctype.h>

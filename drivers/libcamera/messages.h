@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What libcamera writes to its log becomes ours. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_MESSAGES_H
 #define INLAY_DRIVERS_LIBCAMERA_MESSAGES_H

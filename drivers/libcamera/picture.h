@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Pictures in libcamera's buffers: the memory, where planes lie in it, when they were taken. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_PICTURE_H
 #define INLAY_DRIVERS_LIBCAMERA_PICTURE_H

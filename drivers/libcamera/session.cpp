@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Two threads meet here: ours, which calls, and libcamera's, which only ever writes to events. */
 #include "drivers/libcamera/session.hpp"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A camera while it is open: its requests go around, the newest frame is handed out. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_SESSION_HPP
 #define INLAY_DRIVERS_LIBCAMERA_SESSION_HPP

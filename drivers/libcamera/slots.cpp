@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* libcamera allocates the buffers; they are mapped once and read in place. */
 #include "drivers/libcamera/slots.hpp"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A camera's buffers, each with the request that it goes around with, and the pictures in them. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_SLOTS_HPP
 #define INLAY_DRIVERS_LIBCAMERA_SLOTS_HPP

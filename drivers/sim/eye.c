@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/sim/eye.h"
 
 #include <string.h>

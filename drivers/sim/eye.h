@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where a simulated camera stands and what each of its pixels looks at. */
 #ifndef INLAY_DRIVERS_SIM_EYE_H
 #define INLAY_DRIVERS_SIM_EYE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The keys of the simulated camera, and where they put it. */
 #ifndef INLAY_DRIVERS_SIM_OPTIONS_H
 #define INLAY_DRIVERS_SIM_OPTIONS_H

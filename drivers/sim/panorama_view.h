@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * An HDR panorama as a camera sees it, turning about the vertical. Each pixel is the mean of as
  * many bilinear samples as it covers panorama pixels, 4x4 at most.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/sim/player.h"
 
 #include <ctype.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures from files, one after the other:
  *     img%03d.png    numbered pictures, from 0 or 1 on, until one is missing

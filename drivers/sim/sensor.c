@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/sim/sensor.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The studio: a room that is its own ground truth. Radiance along any ray, at any time, in closed
  * form.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The studio's true lights, by integrating its radiance over each of them. */
 #include <errno.h>
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/sim/studio_view.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The studio as a camera sees it, fast enough for video: what does not change (rays, paint, steady
  * light) is worked out once for each pixel, anti-aliased; a frame adds the lanterns.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/sim/y4m.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * YUV4MPEG2 video from a file or a pipe: 8-bit 4:2:0, 4:2:2, 4:4:4 and grey.
  *

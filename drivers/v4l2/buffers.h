@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The memory that a V4L2 device and the program pass to and fro. */
 #ifndef INLAY_DRIVERS_V4L2_BUFFERS_H
 #define INLAY_DRIVERS_V4L2_BUFFERS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A V4L2 camera that streams, and what it delivers: buffers to pictures, two where each field has
  * one. Private to camera_v4l2.c and capture.c. */
 #ifndef INLAY_DRIVERS_V4L2_CAPTURE_H

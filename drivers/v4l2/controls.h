@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A device's controls by name: set from the configuration after each opening, listed for people. */
 #ifndef INLAY_DRIVERS_V4L2_CONTROLS_H
 #define INLAY_DRIVERS_V4L2_CONTROLS_H

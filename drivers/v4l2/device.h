@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A V4L2 capture device's file: opening and asking it. */
 #ifndef INLAY_DRIVERS_V4L2_DEVICE_H
 #define INLAY_DRIVERS_V4L2_DEVICE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/v4l2/fallback.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What to ask for instead when the bus has no room: a smaller format, a smaller size, a lower rate,
  * as far as camera_settings.give_up allows and in its order. */
 #ifndef INLAY_DRIVERS_V4L2_FALLBACK_H

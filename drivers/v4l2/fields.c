@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/v4l2/fields.h"
 
 const char *const v4l2_field_wish_names[] = {"driver",	  "none", "interlaced", "sequential",

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What V4L2 says about the fields of a picture, and how single fields become pairs. Nothing here
  * touches a device. */
 #ifndef INLAY_DRIVERS_V4L2_FIELDS_H

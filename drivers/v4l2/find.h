@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which of the machine's cameras is meant. */
 #ifndef INLAY_DRIVERS_V4L2_FIND_H
 #define INLAY_DRIVERS_V4L2_FIND_H

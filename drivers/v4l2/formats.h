@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What V4L2 calls pictures and colours, and what we make of it. Nothing here touches a device. */
 #ifndef INLAY_DRIVERS_V4L2_FORMATS_H
 #define INLAY_DRIVERS_V4L2_FORMATS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/v4l2/input.h"
 
 #include <ctype.h>

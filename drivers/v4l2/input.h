@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a device receives: its inputs, television standards, HDMI timings, and whether there is a
  * signal. */
 #ifndef INLAY_DRIVERS_V4L2_INPUT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a V4L2 camera offers, as lines for people. */
 #ifndef INLAY_DRIVERS_V4L2_LISTING_H
 #define INLAY_DRIVERS_V4L2_LISTING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a V4L2 device says that it can do. */
 #ifndef INLAY_DRIVERS_V4L2_OFFERS_H
 #define INLAY_DRIVERS_V4L2_OFFERS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "drivers/v4l2/setup.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bringing a V4L2 device to the point where buffers can be asked for. */
 #ifndef INLAY_DRIVERS_V4L2_SETUP_H
 #define INLAY_DRIVERS_V4L2_SETUP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Time is int64 nanoseconds of CLOCK_MONOTONIC, everywhere; never floating point. */
 #ifndef INLAY_HAL_BASE_CLOCK_H
 #define INLAY_HAL_BASE_CLOCK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/base/fault.h"
 
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/base/input.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Opening files that are read to their end. What has no end, or may never begin, is refused: named
  * pipes, devices, sockets, folders. The pipe of a shell's <(command) is fine: somebody writes it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Messages to whoever runs the program: stderr, one line each, "inlay: text". Where stderr leads to
  * the system's journal, which knows the program, a level goes before the text instead: "<4>text",

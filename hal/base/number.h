@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Numbers in text that people write. */
 #ifndef INLAY_HAL_BASE_NUMBER_H
 #define INLAY_HAL_BASE_NUMBER_H

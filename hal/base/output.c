@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/base/output.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A file that appears whole or not at all: written without a name (where the file system knows no
  * such files: under a temporary one) in the same folder, then renamed over its target. After a

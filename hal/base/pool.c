@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/base/pool.h"
 
 #include <errno.h>

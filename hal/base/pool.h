@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A persistent pool of worker threads: started once, woken for each job, nothing allocated per job.
  *

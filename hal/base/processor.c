@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/base/processor.h"
 
 #include <stddef.h>

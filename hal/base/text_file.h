@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Text files, line by line. A byte order mark in front, which some editors put there, is passed
  * over; what is no text file at all is refused soon: what is no regular file (input.h), a zero

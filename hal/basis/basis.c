@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/basis/basis.h"
 
 #include <errno.h>

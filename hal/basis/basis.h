@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A basis file, read and checked: everything is validated before basis_open() returns, so whoever
  * reads blocks afterwards needs no checks. Layout: basis_format.h.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The blocks of a basis file: every number is checked here, once, so that nobody need later. Most
  * of the time goes into the loops over whole arrays: they gather what is wrong in one variable and
  * ask at the end, so that a compiler makes vectors of them. */

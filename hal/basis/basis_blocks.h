@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Whether blocks are what a basis file may hold, before there is a file: those of a shard. */
 #ifndef INLAY_HAL_BASIS_BASIS_BLOCKS_H
 #define INLAY_HAL_BASIS_BASIS_BLOCKS_H

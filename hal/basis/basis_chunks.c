@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Header and chunk table of a basis file: what lies where, and that it came through whole. */
 #include <errno.h>
 #include <stdarg.h>

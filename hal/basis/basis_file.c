@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/basis/basis_file.h"
 
 #include <errno.h>

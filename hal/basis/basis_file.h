@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The bytes of a basis file. What a part needs is read into memory: a file that is written over or
  * cut short, or a stick that is pulled out, then changes nothing for whoever shows it, where a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The basis file (.inlay), as it lies on disk: little-endian, version 9.
  *

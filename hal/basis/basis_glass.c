@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where the background is seen through the object. */
 #include "hal/basis/basis_reader.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/basis/basis_groups.h"
 
 #include <errno.h>

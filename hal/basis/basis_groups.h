@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Groups of neighbouring lights (basis_format.h), and what the lights of one have in common in a
  * frame: the one place where encoder and compositor agree on it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/basis/basis_layout.h"
 
 static size_t align(size_t bytes)

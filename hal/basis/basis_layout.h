@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Where each array of a block lies in its payload: the one place where writer, reader and encoder
  * agree on it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Columns of 8 bits, which are stored as short as each line allows: the one place where writer,
  * reader and compositor agree on it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the parts of the reader share. Private to hal/basis. */
 #ifndef INLAY_HAL_BASIS_BASIS_READER_H
 #define INLAY_HAL_BASIS_BASIS_READER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The poses of a file that lie packed: those in use are unpacked into memory, the others are not.
  * Private to hal/basis; what callers use is in basis.h.

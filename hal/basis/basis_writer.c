@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/basis/basis_writer.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Writes a basis file tile by tile, so that a bake never holds all of it. Appears by rename. */
 #ifndef INLAY_HAL_BASIS_BASIS_WRITER_H
 #define INLAY_HAL_BASIS_BASIS_WRITER_H

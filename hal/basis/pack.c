@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/basis/pack.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A pose's coverage and payloads as they lie in a PACK chunk (basis_format.h): each array is turned
  * into what differs from its neighbours, sorted by kind, and compressed by zstd. Private to

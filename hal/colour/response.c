@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/colour/response.h"
 
 #include <errno.h>

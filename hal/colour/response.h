@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a camera's code values mean, as `inlay-calibrate light` measured it: the section [light] of
  * a file of its own. What the file does not say stays as it is configured.

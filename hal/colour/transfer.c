@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/colour/transfer.h"
 
 #include <errno.h>

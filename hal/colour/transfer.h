@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Transfer functions: between 8-bit code values and linear light.
  *

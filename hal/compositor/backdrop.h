@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The background as rows that can be read, and what is only copied from it. Private to
  * hal/compositor.

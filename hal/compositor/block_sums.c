@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/block_sums.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The sums of one block: its lines times what the light makes of them. Private to hal/compositor.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which columns of its blocks a light vector needs. Private to hal/compositor.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/compositor_parts.h"
 
 #include <errno.h>

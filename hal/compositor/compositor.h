@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The compositor: N light colours and a basis to the finished picture.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a compositor consists of. Private to compositor.c and frame.c. */
 #ifndef INLAY_HAL_COMPOSITOR_COMPOSITOR_PARTS_H
 #define INLAY_HAL_COMPOSITOR_COMPOSITOR_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A picture's tiles, divided into runs that take about equal time, by what they took before.
  * Private to hal/compositor.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/fetch.h"
 
 #include "hal/basis/basis_layout.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Asks memory for what the blocks that come next will read. Private to hal/compositor.
  *

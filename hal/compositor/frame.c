@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* One frame: the light once, then runs of tiles shared among the threads. */
 #include <errno.h>
 #include <string.h>

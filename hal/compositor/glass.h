@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The background seen through the object (struct basis_glass): what arrives of it is added to what
  * the object gives off, so that mixing needs to know nothing of it. Private to hal/compositor.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/kept_sums.h"
 
 #include <string.h>

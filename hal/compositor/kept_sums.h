@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Sums that blocks keep from frame to frame. Private to hal/compositor.
  */

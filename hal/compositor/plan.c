@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/plan.h"
 
 #include <errno.h>

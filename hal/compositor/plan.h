@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is found out about each block once, when the compositor is created. Private to
  * hal/compositor.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The compositor's formula in double precision, straight from compositor.h and basis_format.h. */
 #include <errno.h>
 #include <math.h>

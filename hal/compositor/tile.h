@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * One tile: from light to O and 1 - ratio of its pixels. Private to hal/compositor.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/device/buttons.h"
 
 #include <errno.h>

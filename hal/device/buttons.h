@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Buttons: the contract between the program and drivers/buttons_*.c. Whatever the hardware, the
  * program sees named actions. Several drivers may be in use at once.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/device/camera.h"
 
 #include <errno.h>

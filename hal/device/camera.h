@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Cameras: the contract between the program and drivers/camera_*.c.
  *

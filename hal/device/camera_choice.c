@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/device/camera_choice.h"
 
 static const enum pixel_format cheapest_first[] = {

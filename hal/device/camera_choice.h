@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which of the formats that a camera offers serves best. */
 #ifndef INLAY_HAL_DEVICE_CAMERA_CHOICE_H
 #define INLAY_HAL_DEVICE_CAMERA_CHOICE_H

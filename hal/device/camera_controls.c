@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/device/camera_controls.h"
 
 #include <ctype.h>

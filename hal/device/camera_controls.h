@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* camera_settings.controls taken apart: "name=value, name=value". What the names and the values
  * mean is the driver's. */
 #ifndef INLAY_HAL_DEVICE_CAMERA_CONTROLS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What an error of a camera's device means for whoever looks at the screen. */
 #ifndef INLAY_HAL_DEVICE_CAMERA_SITUATION_H
 #define INLAY_HAL_DEVICE_CAMERA_SITUATION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Screens: the contract between the program and drivers/display_*.c.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/frame/frame.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A picture as a camera delivers it, and a plain BGRX picture as the rest of the program reads it.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The two fields of an interlaced picture, each as a progressive one of half the height, and what
  * is made of their lines.

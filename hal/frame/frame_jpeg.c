@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/frame/frame_jpeg.h"
 
 #include <errno.h>

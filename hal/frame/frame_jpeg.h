@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* JPEG pictures as cameras send them, into BGRX. */
 #ifndef INLAY_HAL_FRAME_FRAME_JPEG_H
 #define INLAY_HAL_FRAME_FRAME_JPEG_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A camera's raw frame read as an upright BGRX picture, any part of it at a time, straight from the
  * memory that the camera filled: matrix, range, packing, flips and the view are undone on the way,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Rows of raw video to BGRX, one table of functions for each instruction set.
  *

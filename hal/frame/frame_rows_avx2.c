@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* AVX2: eight pixels at a time; what is left is the specification's. */
 #include <immintrin.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* AVX-512 F, BW, DQ and VL: 16 pixels at a time, what is left under a mask. */
 #include <immintrin.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to hal/frame_rows*.c: the tables themselves, each in a file compiled for its processors.
  */
 #ifndef INLAY_HAL_FRAME_FRAME_ROWS_ISA_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* NEON of aarch64: eight pixels at a time; what is left is the specification's. */
 #include <arm_neon.h>
 

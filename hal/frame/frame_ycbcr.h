@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Rows of Y'CbCr to BGRX, rounded from single precision: within 0.501 levels of the definitions in
  * ITU-R BT.601-7 and BT.709-6. (libyuv's own conversion is faster, but on x86 its coefficients stop

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/frame/view.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A view is a rectangle of a camera's picture, seen upright.
  *

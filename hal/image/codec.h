@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What image.c and the codecs (image_png.c ...) agree on. Private to hal/image.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/image/image.h"
 
 #include <errno.h>

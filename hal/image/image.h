@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures in files. What a file is, is told by its first bytes; what is written, by its name's
  * ending. 8-bit pictures hold code values as stored; float ones hold linear light.

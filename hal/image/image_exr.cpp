@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * OpenEXR: the first part of a file, in scan lines or tiles, channels R, G, B or Y alone, half or
  * float. Alpha and other channels are left out. The picture is the display window: programs that

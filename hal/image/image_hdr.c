@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Radiance pictures (.hdr, .pic): text header, then RGBE pixels, flat or run-length coded in the
  * old way (runs of whole pixels) or the new one (each of the four bytes by itself).

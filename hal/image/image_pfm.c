@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Portable float map: "PF" (colour) or "Pf" (grey), width, height, scale, each followed by one
  * white space; then rows of float32 from the bottom up. A negative scale means little-endian; its

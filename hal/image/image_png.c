@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * PNG through libpng. Its errors are longjmps: each lands in the function that called setjmp, which
  * keeps everything that must survive in the struct that its caller owns.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/ini/ini.h"
 
 #include <ctype.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * INI files by table: each key is declared once, and the table drives parsing, ranges, defaults,
  * help, the sample file and --print-config. Tokenising is inih's.

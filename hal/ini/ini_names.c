@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/ini/ini_names.h"
 
 #include <ctype.h>

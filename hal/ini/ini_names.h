@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to hal/ini: which key or section a name means, and which one it nearly means. */
 #ifndef INLAY_HAL_INI_INI_NAMES_H
 #define INLAY_HAL_INI_INI_NAMES_H

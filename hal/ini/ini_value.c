@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/ini/ini_value.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to hal/ini: one value between text and its field. */
 #ifndef INLAY_HAL_INI_INI_VALUE_H
 #define INLAY_HAL_INI_INI_VALUE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/lights/exposure_schedule.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which exposure a frame has, of a camera that is asked for another one all the time and obeys some
  * frames later; and how many. Nothing but numbers: no camera, no clock.

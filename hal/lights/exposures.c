@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/lights/exposures.h"
 
 #include <errno.h>

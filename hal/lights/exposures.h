@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * One sky in several exposures, taken in turn by one camera, made one light: what clips in a long
  * one is whole in a shorter one, what drowns in a short one's noise is clear in a longer one.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Lights over time: what a camera's noise makes of constant light is averaged away, a lamp that is
  * switched is followed within a set time. Between the sampler and the choice of lights, in linear

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/lights/lights_file.h"
 
 #include <ctype.h>

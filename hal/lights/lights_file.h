@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A lights file: text, one `r g b` (linear radiance, >= 0, finite) a line in dome order; blank
  * lines and lines from # on are skipped. */
 #ifndef INLAY_HAL_LIGHTS_LIGHTS_FILE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/lights/pixel_noise.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What one pixel's code value may be wrong by, and so its light. */
 #ifndef INLAY_HAL_LIGHTS_PIXEL_NOISE_H
 #define INLAY_HAL_LIGHTS_PIXEL_NOISE_H

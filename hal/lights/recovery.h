@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a fisheye camera clips, found again on the ground: the background camera sees a patch of it,
  * and all light that the patch gives back came from the sky.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/lights/recovery_pieces.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which clipped lights belong together: two whose cells share an edge are of one piece of the sky,
  * and so are all that hang together by such pairs. A lamp is a piece, and so is a window, whatever

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The light sampler: N linear colours from the fisheye's picture, every frame.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* AVX2. */
 #include <immintrin.h>
 #include <stddef.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* AVX-512 F, BW, DQ, VL, VBMI and VNNI. */
 #include <immintrin.h>
 #include <stddef.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The light in a frame: one pass over its rows. */
 #include <errno.h>
 #include <math.h>

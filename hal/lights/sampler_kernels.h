@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The inner loops of the light sampler, one table of functions for each instruction set.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* NEON of aarch64. Codes are looked up one by one: tables of 256 do not fit its registers. */
 #include <arm_neon.h>
 #include <stddef.h>

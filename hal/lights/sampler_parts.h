@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to hal/lights/sampler*.c: what a sampler is made of. */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_PARTS_H
 #define INLAY_HAL_LIGHTS_SAMPLER_PARTS_H

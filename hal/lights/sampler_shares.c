@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/lights/sampler_shares.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which pixels show which lights, and how much of them: the geometry behind the sampler's table. */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_SHARES_H
 #define INLAY_HAL_LIGHTS_SAMPLER_SHARES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/lights/sampler_table.h"
 
 #include <errno.h>

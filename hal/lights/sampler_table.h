@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which pixels make up which light, with what weight, in the order in which a picture is read.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/measure/background.h"
 
 /* A bright floor that darkens to the left, tiles on it, grain, a dark quarter and a white bar. */

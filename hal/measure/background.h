@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A background to composite into: the same one everywhere, with gradients, edges and texture, from
  * black to white. */
 #ifndef INLAY_HAL_MEASURE_BACKGROUND_H

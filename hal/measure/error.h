@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * How far a composite is from double precision, in 8-bit levels, over the pixels that the object
  * changes. What double precision says is not rounded: a perfect picture in 8 bits has an RMS error

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/measure/lightings.h"
 
 #include <errno.h>

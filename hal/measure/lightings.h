@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Lightings to try a basis under: built-in ones, files of lights, panoramas. All but files are
  * exposed as a camera would be.

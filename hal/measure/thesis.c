@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/measure/thesis.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The thesis's own way to composite (its appendix, superimpose()), to hold ours against: a pixel is
  * object, shadow or neither; each has a row of memory of its own with three bytes a light, six in

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/measure/turns.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Times several ways to do a thing in turns (A, B, C, A, B, C, ...), so that noise of the machine
  * meets all alike, each after some rounds of its own that are not timed, so that it finds caches as

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/measure/unpacked.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a layer of a basis holds, tile by tile, as plain numbers: light by light, however it is
  * encoded.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The lights: the upper nodes of a geodesic dome (thesis 2.2.1, figure 2.7), each with a weight
  * over the upper hemisphere. The weights of any direction sum to 1.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Each cell by itself: around its node the sphere is projected onto the tangent plane, where the
  * great circle between the node and another is a straight line; a large square is cut by the

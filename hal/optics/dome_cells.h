@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The cells of a dome's nodes: outlines, solid angles. */
 #ifndef INLAY_HAL_OPTICS_DOME_CELLS_H
 #define INLAY_HAL_OPTICS_DOME_CELLS_H

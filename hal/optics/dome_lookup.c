@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/optics/dome_lookup.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What lies in a direction, such as the nearest node: a grid on the hemisphere, and for each of its
  * cells what can be the answer there. */
 #ifndef INLAY_HAL_OPTICS_DOME_LOOKUP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The upper hemisphere on a square, for grids: the octahedral projection (u, v) = (x, y) /
  * (|x| + |y| + z). The horizon is the diamond |u| + |v| = 1. Within a quadrant it is a central

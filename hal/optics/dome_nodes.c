@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The nodes. One fifth of the dome is divided, and turned five times.
  *

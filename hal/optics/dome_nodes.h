@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The nodes of a geodesic dome at or above the horizon, in the order of lights (dome.h). */
 #ifndef INLAY_HAL_OPTICS_DOME_NODES_H
 #define INLAY_HAL_OPTICS_DOME_NODES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/optics/dome_tents.h"
 
 #include <errno.h>

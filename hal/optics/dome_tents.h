@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Tents: lights that fall off linearly from their node to its neighbours (dome.h). The hemisphere
  * in triangles, and in each of them three weights.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/optics/dome_triangles.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The triangles between a dome's nodes, and between its rim and the horizon (dome_tents.h). */
 #ifndef INLAY_HAL_OPTICS_DOME_TRIANGLES_H
 #define INLAY_HAL_OPTICS_DOME_TRIANGLES_H

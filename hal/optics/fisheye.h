@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The fisheye lens: what lies at an angle theta from its axis is seen at a distance r(theta) from
  * the centre, equidistant (r = f theta, thesis equations 2.10 to 2.13) or by another of the curves

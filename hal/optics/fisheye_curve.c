@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/optics/fisheye_curve.h"
 
 #include <math.h>

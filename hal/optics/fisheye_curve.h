@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * How far from the axis a fisheye shows what lies at an angle from it, in focal lengths, and back.
  *

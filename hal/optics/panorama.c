@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/optics/panorama.h"
 
 #include <errno.h>

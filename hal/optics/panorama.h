@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * An equirectangular picture as a surrounding at infinity: radiance by direction.
  *

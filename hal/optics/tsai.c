@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/optics/tsai.h"
 
 #include <errno.h>

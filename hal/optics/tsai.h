@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Tsai's camera as in the thesis, equations 2.1 to 2.7.
  *

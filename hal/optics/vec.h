@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Vectors of three doubles. World: right-handed, Z up, the ground is Z = 0. */
 #ifndef INLAY_HAL_OPTICS_VEC_H
 #define INLAY_HAL_OPTICS_VEC_H

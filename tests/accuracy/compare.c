@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * compare A B [--difference OUT.png] [--mirror]
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * exposures BASIS SCENE HDRI [--quick]
  *

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # How right the light of an 8-bit fisheye is, with one exposure, with what the ground tells, and with
 # three: spot on a grey card in real panoramas and in the project's room.
 #     BUILD=build/x tests/accuracy/exposures.sh    the table, in Markdown

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Private to exposures*.c: how much better, or worse, a place looks for what the ground tells, over
  * places drawn at random: a room or a sky that is brighter or darker above, in which are

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tests/accuracy/exposures_truth.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to exposures*.c: a place as it is, without a camera, and what the object looks like
  * there. */
 #ifndef INLAY_TESTS_ACCURACY_EXPOSURES_TRUTH_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # shellcheck disable=SC2034,SC2154 # they set and use what is here
 # Sourced by the scripts of this folder that hold inlay against path-traced truth: spot in real

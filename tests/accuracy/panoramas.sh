@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Spot in real panoramas: the composite that inlay makes, against path-traced truth.
 #     BUILD=build/x tests/accuracy/panoramas.sh           the table, in Markdown (make accuracy)
 #     LIGHTS=tents BUILD=build/x tests/accuracy/panoramas.sh     the same of tents

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The geometry of registration.sh: writes its scenes, and says how far two cameras are apart.
 
 Tsai's camera is written down here once more, from the thesis (2.1 to 2.7) and Tsai (1987, 5a, 5b)

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Whether an object registers with the picture to the pixel: a board is rendered through a camera
 # whose lens bends both ways, its pictures are calibrated, and what is rendered through the camera
 # that was found has to lie on the first. TAP; pictures and reports are left in

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The report of spot in real panoramas where those are, else of the demo's cow in surroundings of
 # the project's own. `make report` calls it.
 #     BUILD=build/x tests/accuracy/report.sh FOLDER [OPTION...]

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The integer compositor against double precision, over everything that could drive them apart.
  *

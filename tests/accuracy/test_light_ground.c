@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What it is all for: an object of the ground's own material, lying flat on it, composited with two
  * calibrated cameras, cannot be told from the ground.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A small bright lamp that crosses the sky: how much a picture changes from one frame to the next,
  * against what path tracing makes of the same lamp. Lights that are cells hand it over at their

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Which setting comes nearest to path-traced truth, of those with which a whole frame stays below some
 # milliseconds of one core: two YUYV cameras, conversion, light and composite, as `inlay bench` times it.
 #     BUILD=build/x tests/accuracy/within.sh [MS [SIZE]]     the table, in Markdown; 2 ms of 640x480

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # How long things take: the bake, and a frame by stage, for the demo's cow and for spot.
 #     BUILD=build/x tests/bench/bench.sh [--quick | --full | --1080p]      (make bench)
 # Prints Markdown tables, leaves them in build/bench/table.md and build/bench/modes.md. Spot needs

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * How long a camera's calibration takes: a thousand points, and with photographs as arguments
  * (first the board) finding the board in each and solving it alone.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What each error that may be asked for of the encoder costs: bakes spot again and again, prints a
 # Markdown table.
 #     BUILD=build/x tests/bench/encoder.sh [SIZE [SAMPLES [ERROR CELL_ERROR COLUMN_CUT]...]]

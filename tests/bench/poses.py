@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What a basis of several poses costs a running kiosk: how soon a pose is shown, and what is in memory.
 
     BUILD=build/x tests/bench/poses.py BASIS [ALONE...]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """How far off the fast mode is under soft light from every side.
 
     BUILD=build/x tests/bench/soft.py BASIS

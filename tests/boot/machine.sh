@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # Sourced by the boot tests: one machine at a time, booted from an image, with a root's shell on its
 # second serial port and QEMU's monitor beside it.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Boots the images and holds them to what board/image/README.md promises; prints TAP.
 #     INLAY=... BUILD=... tests/boot/run.sh [BOARD...]      (or BOARDS=; else qemu-x86_64)
 #     INLAY=... BUILD=... tests/boot/run.sh --picture       qemu-x86_64 comes to its picture

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # Sourced: a kiosk.conf for cameras that always see the same, put where a person would put it, and
 # what `inlay still` makes of the same pictures.

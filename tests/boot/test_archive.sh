@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Where the packages of an image come from: from where this machine's apt gets them, and from nowhere
 # else. mmdebstrap is played by a script that keeps what it was told.
 #     test_archive.sh

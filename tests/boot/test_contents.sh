@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # An image that QEMU cannot start: what is on its partitions, and its own program at work under
 # qemu-user, which must make the same picture as this machine's, bit for bit.
 #     test_contents.sh BOARD

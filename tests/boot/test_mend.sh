@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What an image does with a partition of the state that cannot be mounted, on files that stand for
 # partitions: what is the kiosk's own is mended, and nothing else is written to.
 #     test_mend.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # An image comes to the picture by itself: how long that takes, what is on the screen, and that the
 # kiosk is there for good: restarted when it hangs, stopped in order, the root never written.
 #     test_picture.sh BOARD

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The power is cut again and again while the state is being written: each time the machine comes up
 # again with one of the values that were chosen, its disk sound, its root untouched.
 #     test_power.sh BOARD

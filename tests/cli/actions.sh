@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # A kiosk with 12 poses of which few are in memory, and whatever may be done to it, at random: all
 # actions, other configurations, its file cut short and put back. INLAY_ACTIONS_SECONDS says how long
 # (6), INLAY_SEED what (timing has its part, too).

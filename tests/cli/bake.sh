@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay-bake as a person calls it: what it prints, what it leaves, how it fails.
 set -u
 # shellcheck source=tests/cli/scene.sh

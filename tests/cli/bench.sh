@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay bench: every row is there, in each form the same figures, errors that can be; how it fails.
 # Times are not judged.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Meshes that have no end, or ask for far more than they hold: each is refused in one sentence that names the
 # file, in little time and memory.
 set -u

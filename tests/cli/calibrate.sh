@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay-calibrate: from points to a file that inlay-bake reads, reports, files of OpenCV and ROS, and
 # how it fails.
 set -u

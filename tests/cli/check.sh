@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay check, --print-config, --help, --version, devices: what they say, and with which exit code.
 set -u
 # shellcheck source=tests/cli/scene.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay control and the kiosk that it speaks with; several users, in the simulated machine.
 set -u
 # shellcheck source=tests/cli/scene.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # make deb: what the packages hold and need, that they are the same whenever they are made, and that
 # they install, run and leave in a root of Debian's own.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # How many frames a camera takes to obey a control, measured live: against the clock, so nothing else may run
 # beside it (tests/run.sh).
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The demo, with a bake as coarse as can be: what it leaves, and that it is not baked twice.
 set -u
 # shellcheck source=tests/cli/scene.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay devices and inlay devices --sample: a newcomer's first steps, with whatever this machine has
 # plugged in (tests/vm does the same with simulated devices).
 set -u

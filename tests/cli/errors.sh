@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Bad input: one clear line, exit code 1, and no file left behind, not even a part of one.
 set -u
 # shellcheck source=tests/cli/scene.sh

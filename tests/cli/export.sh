@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Jobs for other renderers: what is in them, what is refused, and what comes back from a renderer that is
 # installed.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay run whose fisheye takes exposures in turn: pictures as of a camera that does not clip, whatever
 # the control's delay; cameras that refuse; and the ground, which tells what clips.
 set -u

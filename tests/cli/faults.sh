@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What happens to a kiosk in months: it stands still, runs out of descriptors, is started twice,
 # its cameras fall silent, take their time, send rubbish. Nothing of it ends the program.
 set -u

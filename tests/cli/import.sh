@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Pictures of every light, and the thesis's files, to a basis: what comes out, what is refused.
 set -u
 # shellcheck source=tests/cli/scene.sh

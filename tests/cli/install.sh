@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # make install and make uninstall: what is put where, and whether it says what the programs say.
 set -u
 # shellcheck source=tests/cli/scene.sh

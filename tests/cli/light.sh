@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay-calibrate light, and what inlay makes of its files: pictures of a simulated camera whose
 # response is known, from exposures to still and run.
 set -u

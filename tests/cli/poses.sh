@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # A basis of several poses: baked, shared out, shown, switched and faded.
 set -u
 # shellcheck source=tests/cli/scene.sh

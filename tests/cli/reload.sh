@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # SIGHUP: the configuration is read again while the pictures go on.
 set -u
 # shellcheck source=tests/cli/scene.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay-bake report: page, plots and tables are there and say the same; how it fails. Figures that
 # are times are not judged.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay run on simulated cameras: what it shows, counts, survives, and when it ends.
 set -u
 # shellcheck source=tests/cli/scene.sh

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # Sourced by the tests of this folder: counts checks in TAP, and bakes a small scene to work with.
 #

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What a service manager hears: ready, alive, reloading, stopping; and when it hears nothing.
 set -u
 # shellcheck source=tests/cli/scene.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # A bake shared out: shards made one by one, by GNU parallel and by a Slurm array are the same file as one run.
 set -u
 # shellcheck source=tests/cli/scene.sh

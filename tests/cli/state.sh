@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What was chosen with the buttons is there after the power has gone, at whatever moment that was.
 set -u
 # shellcheck source=tests/cli/scene.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # inlay still: the same picture as inlay run makes, from files.
 set -u
 # shellcheck source=tests/cli/scene.sh

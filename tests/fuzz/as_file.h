@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The input as a file that a reader may open by its path: what every target of files needs. */
 #ifndef INLAY_TESTS_FUZZ_AS_FILE_H
 #define INLAY_TESTS_FUZZ_AS_FILE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Writes the seeds of fuzz_basis into a folder: small files of random content, each as the list of
  * its chunks that fuzz_basis.c unpacks. The same at every run.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Whether the seeds of each fuzz target reach the functions that it is there for. A target names them, FILE:FUNCTION
 # each, behind "reaches:" in the comment at its beginning. One whose seeds are all refused at the first check would
 # pass every other test.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a file of light angles: refused in a sentence with nothing kept, or all the lights
  * of a dome, each once.
  *

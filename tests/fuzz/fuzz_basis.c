@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Any bytes as a basis file: as they are, and as a list of chunks
  *     uint32 type, uint32 pose, uint32 bytes, data

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a configuration: read, also as a file, check, print; what was read without fault
  * reads back.
  *

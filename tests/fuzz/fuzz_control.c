@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a line of the control socket: what is taken is an action with its range, what is not
  * is refused in plain text.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Any bytes as a camera's raw frame of any format, size, stride and order of fields, whose planes
  * may be too short: refused in a sentence, or a whole picture, read at once and in parts. Eleven

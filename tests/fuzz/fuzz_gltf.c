@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a glTF: refused in a sentence, or passed on to the library that reads meshes.
  *
  * reaches: mesh_gltf.c:check_glb mesh_gltf.c:check_chunks mesh_gltf.c:check_depth

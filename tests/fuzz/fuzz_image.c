@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a picture: a clear refusal, or a whole picture of light that is finite.
  *
  * reaches: image.c:check_light image_pfm.c:sample image_jpeg.c:decode image_png.c:ask_for_rgb

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a lens of OpenCV or ROS: refused in a sentence, or a lens of finite numbers, which
  * ours is made of or refused in a sentence again.
  *

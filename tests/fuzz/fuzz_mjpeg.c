@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Any bytes as what a camera calls a Motion JPEG frame, progressive and in each order of fields: a
  * picture or a clear refusal, and the decoder goes on after either.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as the thesis's file: refused in a sentence with nothing kept, or every pixel inside
  * it, and every value that import takes of it finite.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as an OBJ and, behind the first NUL, its library: all that it uses is there, or a
  * sentence says what is not.
  *

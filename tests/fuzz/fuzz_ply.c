@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a PLY: refused in a sentence, or passed on to the library that reads meshes. That is
  * not called: it is not ours, and what it does with what we let pass is tests/unit/bake/scene/test_scene.c's.
  *

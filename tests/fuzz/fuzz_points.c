@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a file of points: refused in a sentence with nothing kept, or points that are
  * finite.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a file of a camera's response: refused in a sentence, or a curve that ascends from 0
  * to 1.
  *

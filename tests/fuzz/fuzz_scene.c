@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The scene file: any bytes give a scene or a fault, never a crash. Nothing it names is opened.
  *
  * reaches: scene_file.c:check_camera scene_file.c:check_ground scene_file.c:check_material_name

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a file of presses: refused in a sentence, or presses that are due in the order of
  * time.
  *

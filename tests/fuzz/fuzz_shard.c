@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a share of a bake, as they are and with the name of this program and right
  * checksums: refused in a sentence, or tiles that belong to it up to the last.
  *

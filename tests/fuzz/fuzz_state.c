@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as a state file: refused in a sentence that leaves everything alone, or in range.
  *
  * reaches: state.c:adopt state.c:place

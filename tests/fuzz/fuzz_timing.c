@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as the mode that is asked for, behind the modes that a screen's EDID gave: none, or one
  * whose picture lies inside its blanking.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Any bytes as Y4M video: each picture whole and converted, or a clear refusal.
  *
  * reaches: y4m.c:read_chroma y4m.c:read_rate y4m.c:y4m_next y4m.c:y4m_decode

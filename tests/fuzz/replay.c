@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Stands in for the fuzzing engine where there is none: feeds each file named on the command line
  * to the target once. */
 #include <stdint.h>

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Each fuzz target reads its corpus, built like everything else: no compiler of its own is needed.
 set -u
 cd "$(dirname "$0")/../.." || exit 1

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Whether every reader's corpus reaches what it is there for (coverage.sh), then some seconds of fuzzing of each by
 # clang's libFuzzer with the address and undefined behaviour sanitizers.
 #     FUZZ_SECONDS=600 tests/fuzz/run.sh [target...]      for a longer look

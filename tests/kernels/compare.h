@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Two tables of kernels over the same random and worst inputs.
  */

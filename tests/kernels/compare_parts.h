@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the comparisons of single kernels share: numbers to feed them, and where these lie. Private
  * to compare*.c. */
 #ifndef INLAY_TESTS_KERNELS_COMPARE_PARTS_H

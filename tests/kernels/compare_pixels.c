@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is done with pixels: sums made their levels, put in their places, mixed with the background.
  */
 #include "tests/kernels/compare_parts.h"

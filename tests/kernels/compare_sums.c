@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is done with lines: sums over them, weights split into digits, projections. */
 #include "tests/kernels/compare_parts.h"
 

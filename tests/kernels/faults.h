@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Tables that are wrong in one small thing each: what the comparison must find.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Memory whose end lies on a page that may not be touched, so that whoever reads or writes beyond
  * it is killed, and that has known bytes before it.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Every table of kernels against the specification.
 #     tests/kernels/kernels.sh             the tables of this processor
 #     tests/kernels/kernels.sh --emulated  those that it has not, and the choice among them, on emulated ones

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Every table of kernels that the processor supports against the specification, bit by bit; the
  * specification against wider integers and double precision; and the comparison itself against

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Who may include whom. One line a folder; everything else that is ours is refused.
 # Fails with file:line of each include that goes against the arrows.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What can be said about the sources without running them; one TAP line a check.
 #     tests/lint/lint.sh           everything, with two builds of their own for the compilers' warnings
 #     tests/lint/lint.sh --quick   what takes seconds

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The include checker itself: it passes this tree and refuses a tree that breaks each rule.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)

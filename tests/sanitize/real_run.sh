@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The real programs, built with a sanitizer: a bake (by scene.sh), a run on the wall clock with two
 # workers and buttons, the thesis's four pictures, a camera that vanishes, and a still.
 set -u

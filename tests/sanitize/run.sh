@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The unit tests and a real `inlay run`, under address + undefined behaviour and thread sanitizers,
 # and a real run under valgrind. Each flavour is a build of its own.
 set -u

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The release build under valgrind: no leak, no bad access, in a run, a still and a bake.
 set -u
 # shellcheck source=tests/cli/scene.sh

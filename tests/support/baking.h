@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Small scenes written to a temporary folder, baked, and read back in double precision. */
 #ifndef INLAY_TESTS_SUPPORT_BAKING_H
 #define INLAY_TESTS_SUPPORT_BAKING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Cameras that are known, and what they see of points that are known. */
 #ifndef INLAY_TESTS_SUPPORT_CAMERA_SCENE_H
 #define INLAY_TESTS_SUPPORT_CAMERA_SCENE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Random numbers for tests. Each run draws the same, so that what fails goes by what changed;
  * INLAY_SEED=n draws others, and ../seeds.sh goes through many. */
 #ifndef INLAY_TESTS_SUPPORT_CHANCE_H

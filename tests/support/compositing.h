@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A frame over a random background in random light, for the compositor's tests. */
 #ifndef INLAY_TESTS_SUPPORT_COMPOSITING_H
 #define INLAY_TESTS_SUPPORT_COMPOSITING_H

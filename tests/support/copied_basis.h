@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Basis files in memory, to be changed: what the tests of the basis file share.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures of a board through a known camera: what board_ink() says, on paper one square wider than
  * the ink, before a grey wall. Light is averaged over each pixel before it is encoded.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lamps all over the sky as a fisheye sees them, with what else may be bright. */
 #ifndef INLAY_TESTS_SUPPORT_DRAWN_LAMPS_H
 #define INLAY_TESTS_SUPPORT_DRAWN_LAMPS_H

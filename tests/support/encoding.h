@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* For tests of the encoder: transport of simple scenes, blocks decoded from nothing but
  * basis_format.h, and levels, all in double precision. */
 #ifndef INLAY_TESTS_SUPPORT_ENCODING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Photographs of a board through a fisheye, for the tests of its calibration. */
 #ifndef INLAY_TESTS_SUPPORT_FISHEYE_PHOTOGRAPHS_H
 #define INLAY_TESTS_SUPPORT_FISHEYE_PHOTOGRAPHS_H

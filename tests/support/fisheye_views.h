@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Boards and lamps as a fisheye sees them, for the tests of its calibration. */
 #ifndef INLAY_TESTS_SUPPORT_FISHEYE_VIEWS_H
 #define INLAY_TESTS_SUPPORT_FISHEYE_VIEWS_H

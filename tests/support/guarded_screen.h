@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A screen for tests: its rows are longer than they need be, what follows each is watched, and the
  * pages before and behind it cannot be touched. */
 #ifndef INLAY_TESTS_SUPPORT_GUARDED_SCREEN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A block of a basis file from values set down by hand: every light's column, in 16 bits.
  *

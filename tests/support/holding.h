@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* For tests of the encoder: what is promised of blocks, held against them decoded in double
  * precision. */
 #ifndef INLAY_TESTS_SUPPORT_HOLDING_H

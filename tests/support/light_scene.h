@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Cameras for tests of the calibration of light: a curve, a pedestal, noise before the curve and
  * rounding after it, and scenes of even patches over many brightnesses.

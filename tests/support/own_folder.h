@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A folder of the test's own, for a group's setup and teardown. It must be empty again at the end:
  * a test removes what it wrote. */
 #ifndef INLAY_TESTS_SUPPORT_OWN_FOLDER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A V4L2 device that the test itself plays: an ordinary file is opened and mapped, and ioctl() is
  * answered here instead of by a kernel. What a real kernel answers is tests/vm's business; this is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Makes a damaged shard one that this program has written, as far as that can be told from the
  * outside: what it says of the program, and all checksums, as far as its sizes can be followed. */
 #ifndef INLAY_TESTS_SUPPORT_RESEAL_SHARD_H

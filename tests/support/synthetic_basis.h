@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Basis files of random content for tests: blocks of any shape, written by the writer, read by the
  * reader. What they hold is such as a bake could have made: under a sky of radiance 1 the object

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Blocks of random content for tests, and what a block says in double precision: see
  * synthetic_basis.h.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How much a test tries. `make test-deep` sets INLAY_THOROUGH=1: statistics draw their whole
  * sample, and grids have all their points. Otherwise, and under a sanitizer, which makes everything
  * ten times as long, a test tries less of the same. */

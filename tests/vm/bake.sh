@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Makes what the guest's tests show: bakes the small basis files, and takes pictures of a real
 # panorama where there is one. On the host, because the guest's processors are emulated.
 #

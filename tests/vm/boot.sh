@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Boots the simulated machine and runs a command in it, as root, on the host's own files (read-only
 # below, whatever is written above them is forgotten).
 #

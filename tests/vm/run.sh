@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Runs tests/vm/test_*.sh, each in a simulated machine of its own, as many at a time as there are
 # processors, and prints their results as TAP when each ends.
 # Everything they leave is kept in $BUILD/tests/vm/job/NAME/NAME.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Boots the simulated machine twice and soaks the kiosk in it: as it is, and built with the address
 # and undefined behaviour sanitizers. Prints both tables; their files stay in $BUILD/tests/vm/soak-*.
 # Meanwhile the sanitized one is given actions, reloads and damaged files at random on this machine.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Inside the simulated machine: a kiosk that runs while things go wrong at random, and what it uses
 # meanwhile. After the first third memory and descriptors may not grow; after the last fault
 # everything works as before, in the same process.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The GPIO buttons on gpio-sim: a press is an action, a bounce is not.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

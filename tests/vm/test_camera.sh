@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The V4L2 driver on vivid's webcam: every format, single- and multi-planar, colours against what
 # the test pattern is defined to be, strides, rates, timestamps, faults.
 . tests/vm/guest/tap.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The screen and the text consoles on it (virtio-gpu, photographed from outside): what a person sees
 # who switches away and back, and after the program has ended in whatever way.
 . tests/vm/guest/tap.sh

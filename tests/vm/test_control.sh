@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The control socket of a real kiosk that is not root: who may command it, and that no client can
 # harm it.
 . tests/vm/guest/tap.sh

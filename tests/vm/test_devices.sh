@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # `inlay devices` names what is there.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The V4L2 driver on vivid as a television digitizer: inputs and standards, every order of fields
 # through every way to deinterlace, pairs that lose a field, signal that goes and changes, cameras
 # found again, controls.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What goes wrong with cameras, one fault after another, in one run of the kiosk that is never
 # restarted.
 . tests/vm/guest/tap.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Cameras that refuse a control, and cameras that come long after the kiosk.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

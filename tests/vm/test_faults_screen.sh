@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What goes wrong with the screen, in one run of the kiosk that is never restarted. A flip that
 # never comes cannot be had from vkms or virtio-gpu: the simulated screen does that (tests/cli).
 . tests/vm/guest/tap.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # What goes wrong around the kiosk: buttons, disk, configuration, descriptors, time. One run, never
 # restarted.
 . tests/vm/guest/tap.sh

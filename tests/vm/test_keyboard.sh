@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Keyboards, made by uinput: plugged in late, held, grabbed, unplugged, chosen by name and path.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The libcamera driver on vimc, the kernel's simulated sensor with a processing pipeline: what is
 # listed, choice by name, formats and sizes, controls, a device that goes away, a whole run.
 . tests/vm/guest/tap.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The whole program on devices: pictures of ours are played into two cameras (vivid's HDMI inputs),
 # `inlay run` puts the object in, and what the screen really shows is compared, pixel by pixel, with
 # `inlay still` on the same pictures.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The simulated hardware itself, by Debian's own tools: if this fails, look here first.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

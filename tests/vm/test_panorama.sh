@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # A real mesh in a real panorama, through devices: photographs of it are played into the cameras.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # `inlay devices --sample` for what is plugged in, and a run with the configuration that it wrote.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The KMS driver on vkms and virtio-gpu: modes, flips, what is really scanned out, busy and missing
 # screens, and the console's picture given back as it was.
 . tests/vm/guest/tap.sh

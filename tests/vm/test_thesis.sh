@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # The thesis's set-up by its sample configuration: one digitizer, four cameras in one picture of
 # 720x486, the fisheye upside down. What is expected is made from the four pictures as they were
 # before they were composed. vivid takes only the common sizes and fails in the kernel when it is told

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Cameras that go and come back while `inlay run` runs.
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh

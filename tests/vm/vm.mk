@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # The tests on simulated hardware. Debian packages (board/deps.sh installs them): qemu-system-x86
 # linux-source-6.1 busybox-static cpio kmod xz-utils flex bison bc libelf-dev v4l-utils libdrm-dev,
 # and what building needs anyway (gcc, make).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Calibration of Tsai's camera (thesis 2.1) from points whose place in the world is known.
  *

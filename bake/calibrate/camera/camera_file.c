@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/camera/camera_file.h"
 
 #include "bake/calibrate/camera/camera_parts.h"

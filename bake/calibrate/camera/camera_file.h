@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A camera that was found, as files and people read it. */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_FILE_H
 #define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_FILE_H

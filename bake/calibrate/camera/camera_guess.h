@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A first guess of all unknowns, near enough for the descent, from any number of views. */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_GUESS_H
 #define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_GUESS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Between the parts of a first guess: closed forms from chosen points, and which points to choose.
  */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_GUESS_PARTS_H

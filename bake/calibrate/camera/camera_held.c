@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A centre or an s that is held is not exact: how far off it may be moves everything that was found
  * with it, the translation along the picture above all; with s the tilt, and with that f.

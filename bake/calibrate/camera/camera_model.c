@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/camera/camera_model.h"
 
 #include <float.h>

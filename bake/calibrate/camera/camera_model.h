@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Tsai's camera as a vector of unknowns: what the descent turns, with its slopes.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Between the parts of a camera's calibration: solving, figures, verdict. */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_PARTS_H
 #define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/camera/camera_problem.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What there is to solve: a model, the points of some views, and where they should be seen. */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_PROBLEM_H
 #define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_PROBLEM_H

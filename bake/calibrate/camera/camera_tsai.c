@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/camera/camera_tsai.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * First guesses in closed form from one view.
  *

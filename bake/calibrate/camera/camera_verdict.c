@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Why not to trust a camera, in order of gravity; each reason with what to do about it. Willson's
  * and Tsai's notes on where the method fails are behind most of them.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What was given: whether the points are enough, each of them once, and lie so that they tell a
  * camera. */
 #include <math.h>

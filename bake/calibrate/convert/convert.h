@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Lenses as OpenCV and ROS write them, and their way from and to ours.
  *

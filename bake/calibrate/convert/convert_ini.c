@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Our files of cameras and fisheyes, read and written by the tables of their keys. */
 #include <errno.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lenses of OpenCV and ROS from ours, and fisheyes of ours from theirs. */
 #include <errno.h>
 #include <float.h>

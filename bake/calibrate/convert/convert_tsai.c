@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tsai's camera from the pinhole of OpenCV and ROS. */
 #include <errno.h>
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lenses as OpenCV's FileStorage and ROS's camera_info have them. */
 #include <math.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The part of YAML in which OpenCV and ROS write lenses: keys in the first column, matrices as
  * blocks of rows, cols and data below them. What is not asked for is passed over; what is asked for

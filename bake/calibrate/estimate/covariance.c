@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/estimate/covariance.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * (J^T J)^-1 without forming J^T J, which would halve the digits: columns scaled to unit length,
  * QR by Householder's reflections, then singular values of R by one-sided Jacobi rotations.

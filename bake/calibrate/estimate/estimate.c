@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/estimate/estimate.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What was estimated, and how well it is known: parameters with their covariance.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a geometric calibration found, in the form that reports, JSON and tests read, whatever the
  * lens: marks, parameters, what is uncertain where. The solvers fill it, report.c shows it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/estimate/json.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Writes JSON: values one after the other, commas and indentation put between them. */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_JSON_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_JSON_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/estimate/least_squares.h"
 
 #include <cminpack.h>

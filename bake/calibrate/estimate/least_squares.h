@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Nonlinear least squares by Levenberg and Marquardt (cminpack's lmder), with an optional robust
  * loss and the covariance of what is found.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/estimate/linear.h"
 
 #include <float.h>

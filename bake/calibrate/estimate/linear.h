@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Small dense systems by QR and singular values. Matrices are columns one after the other,
  * a[column][row], and are destroyed.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Whether a calibration can be trusted, and if not, why and what to do: one sentence. */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_VERDICT_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_VERDICT_H

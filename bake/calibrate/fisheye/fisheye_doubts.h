@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* When a fisheye lens that was found from points cannot be trusted. Private to fisheye_*.c. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_DOUBTS_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_DOUBTS_H

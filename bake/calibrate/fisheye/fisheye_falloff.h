@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a fisheye loses towards its rim, from a picture of something equally bright all over: an
  * integrating sphere, or a white diffuser on the lens. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_FALLOFF_H

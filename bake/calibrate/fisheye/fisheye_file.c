@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/fisheye_file.h"
 
 #include "bake/calibrate/convert/convert.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A fisheye lens as people and programs read it. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_FILE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_FILE_H

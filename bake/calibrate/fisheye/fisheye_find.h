@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * inlay-calibrate fisheye from points: every model is tried, and the one is taken whose residuals
  * are the least for its number of parameters (Akaike's criterion, as the figures aic_... say).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/fisheye_knowledge.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is known of a fisheye lens: where it shows things, how well, and what that means over the
  * whole of its image circle. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_KNOWLEDGE_H

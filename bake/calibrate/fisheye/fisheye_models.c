@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/fisheye_models.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which model of lens the points speak for. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_MODELS_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_MODELS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A fisheye lens as estimation sees it: a row of numbers, and how a picture's point depends on each
  * of them. hal/optics/fisheye.h says what they mean.

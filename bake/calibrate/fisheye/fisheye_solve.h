@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A fisheye lens from points: of boards whose places are not known, each view with a pose of its
  * own, or things in known directions, seen with one orientation.

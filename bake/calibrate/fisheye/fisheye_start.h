@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where the search for a fisheye lens starts: by trying focal lengths and squashes. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_START_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_START_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Rotations of a fisheye as estimation needs them: small turns, and how a matrix follows from them.
  * Matrices are in rows. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_TURN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/lens_job.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/observe/boards.h"
 
 #include <errno.h>

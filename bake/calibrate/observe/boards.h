@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Boards: what is printed, what is looked for in a photograph, and where its points are in the
  * world.

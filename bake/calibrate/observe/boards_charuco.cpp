@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * ChArUco: chessboards whose white squares hold numbered markers, so that a part is enough.
  *

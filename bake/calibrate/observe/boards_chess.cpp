@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Chessboards. */
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Asymmetric grids of circles. */
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>

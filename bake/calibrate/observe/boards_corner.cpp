@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Two steps: cornerSubPix, which comes from some pixels away, and the saddle of a quadric fitted to
  * the softened picture (as Lucchese and Mitra 2002), which is two to five times as exact: edges one

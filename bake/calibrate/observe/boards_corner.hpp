@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Places where four squares meet, to a hundredth of a pixel. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_CORNER_HPP
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_CORNER_HPP

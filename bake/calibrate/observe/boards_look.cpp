@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The border to OpenCV: nothing that it throws or prints comes beyond. */
 #include <cerrno>
 #include <exception>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The finders, one a kind of board. They may throw what OpenCV throws; board_look() catches. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_OPENCV_HPP
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_OPENCV_HPP

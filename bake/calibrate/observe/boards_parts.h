@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the files of boards share. Private to boards*; plain C, so that no OpenCV is seen here. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_PARTS_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_PARTS_H

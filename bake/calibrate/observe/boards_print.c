@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A board on a page, at its true size. Below it a ruler to check the printer, and the board's name
  * as

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/observe/gather.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a lens is calibrated from: files of points, photographs of a board, or a live camera. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_GATHER_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_GATHER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Live pictures for calibration: one of the kiosk's views, opened as its configuration says.
  */

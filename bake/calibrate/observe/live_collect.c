@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/observe/live_collect.h"
 
 #include <errno.h>

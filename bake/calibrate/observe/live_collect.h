@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures of a board, taken by themselves while a person moves it before a live camera: one
  * whenever it is held still in a new place, until the picture is covered and the board was tilted.

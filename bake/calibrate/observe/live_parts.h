@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the files of live pictures share. Private to live*. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_PARTS_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/observe/live_screen.h"
 
 #include <cairo.h>

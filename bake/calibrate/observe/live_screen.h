@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a person sees while pictures are collected: the live picture and what is drawn over it. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_SCREEN_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_SCREEN_H

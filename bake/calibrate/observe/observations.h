@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a calibration sees: points whose place in the world is known, and where they are in
  * pictures.

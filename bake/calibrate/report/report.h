@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The report of a geometric calibration: a folder with one page that needs nothing beside it
  * (report.html: verdict, pictures, plots, tables), the same pictures and tables as files, and

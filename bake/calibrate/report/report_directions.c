@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Residuals by direction, by size against what noise would do, and by distance from the middle. */
 #include <math.h>
 #include <stdio.h>

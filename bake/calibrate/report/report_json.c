@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A finding for programs. */
 #include <limits.h>
 #include <math.h>

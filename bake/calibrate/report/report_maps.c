@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Maps over the picture: how uncertain the model is, and how far two halves of the data disagree.
  */
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which parameters trade against each other: the matrix of correlations, and a sentence on f and
  * the distance. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the sections of a calibration's report share. Private to report*.c. */
 #ifndef INLAY_BAKE_CALIBRATE_REPORT_REPORT_PARTS_H
 #define INLAY_BAKE_CALIBRATE_REPORT_REPORT_PARTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/report/report_sheet.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Sheets: the pictures of a calibration's report, drawn at the width at which the page shows them.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A finding as its report looks at it: residuals, outliers, which views are drawn. */
 #include <errno.h>
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tables of a calibration's report: figures, parameters, points that fit worst. */
 #include <errno.h>
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Points over the photographs, residuals as arrows, and where in the picture points were seen. */
 #include <math.h>
 #include <stdio.h>

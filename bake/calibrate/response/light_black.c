@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/response/light_black.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The black level: the code value that is no light. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_BLACK_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_BLACK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The 3x3 matrix between two cameras' colours, from patches that both have seen: background =
  * colours * fisheye, linear R, G, B; least squares of what differs relative to a patch's

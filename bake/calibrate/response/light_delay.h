@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The delay between changing an exposure control and seeing it: two exposures in turn, and the
  * brightness of each frame. The delay in frames is the shift at which the brightness follows the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The file that `inlay-calibrate light` writes: a section [light] (hal/colour/response.h), key by key. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_FILE_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_FILE_H

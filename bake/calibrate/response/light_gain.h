@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The gain that turns the fisheye's units into the background camera's: a patch of known
  * reflectance that lies level in the background picture, under the sky that the fisheye sees, has

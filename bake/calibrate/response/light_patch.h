@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A patch of a picture: its mean linear light, and whether it is one colour. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_PATCH_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_PATCH_H

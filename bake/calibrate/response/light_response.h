@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A camera's response from several exposures of a static scene whose relative times are known.
  *

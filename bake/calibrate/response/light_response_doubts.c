@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/response/light_response_doubts.h"
 
 #include <math.h>

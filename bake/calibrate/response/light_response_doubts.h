@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to light_response*.c: why a response is not to be trusted. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_RESPONSE_DOUBTS_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_RESPONSE_DOUBTS_H

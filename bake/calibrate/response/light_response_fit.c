@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/response/light_response_fit.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Private to light_response*.c: one fit of a spline of a given number of pieces. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_RESPONSE_FIT_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_RESPONSE_FIT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/response/light_samples.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Places of a static scene in several exposures: blocks of pixels that are uniform, over the whole
  * range of code values, each with its mean and how well that is known.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The response as a sum of basis functions: ln f(u) = ln u + sum of b_k(u) a_k, u being the code
  * value over its range, 0..1. The b_k are cubic B-splines in ln((u + e) / (1 - u + e)), e = 0.1:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/response/plain_light.h"
 
 #include <stdlib.h>

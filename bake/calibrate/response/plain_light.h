@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A picture's light alone. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_PLAIN_LIGHT_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_PLAIN_LIGHT_H

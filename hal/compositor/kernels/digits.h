@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Integers as balanced digits of base 4096 (kernels.h). Private to hal/compositor.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The integer arithmetic of the compositor: every rounding it makes is one of these functions.
  * Ranges and errors are proven in README.md. Private to hal/compositor.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The inner loops of the compositor, one table of functions for each instruction set. Private to
  * hal/compositor, its tests and benchmarks.

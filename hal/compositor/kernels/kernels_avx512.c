@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/kernels/digits.h"
 #include "hal/compositor/kernels/kernels_isa.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* mix for AVX-512; part of kernels_avx512.c. */
 
 /* Everything that is looked up stays in registers. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Sums and values of lines for AVX-512; part of kernels_avx512.c. */
 
 /* 32 pixels of a line as int16: all of it, or a half of a line of bytes. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the files of the single instruction sets share. Each is compiled with the flags of its own
  * set (hal/module.mk); nothing else is, and so nothing but its table may be called from outside,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Kernels of NEON that serve the table with dot products too. Every processor of 64-bit Arm runs
  * them. Private to hal/compositor/kernels_neon*.c.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The kernels of SSE4.1 and AVX2: the same steps on vectors of 16 and of 32 bytes, whose lanes of
  * 16 bytes do the same in both. The including file defines, for its width:

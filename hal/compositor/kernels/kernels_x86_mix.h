@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * mix for SSE4.1 and AVX2; part of kernels_x86.h.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which lights may be left out: as many of the weakest as together change no pixel by more than a
  * share of white. light_selection_choose() has the bound; here it is a whole number for each light,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The light that a choice leaves out, returned as nine terms: light_selection_choose() in mode
  * harmonics. Private to hal/compositor.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/light/light_terms.h"
 
 #include <errno.h>

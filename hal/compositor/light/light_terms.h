@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What light vectors need of a basis and no frame changes, worked out once and shared by all of
  * them. Private to hal/compositor.

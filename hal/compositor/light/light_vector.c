@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal/compositor/light/light_vector.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A frame's light as integers: what the cells send (X) and what of it the coarse lights gather (Y),
  * for the object, for receivers with a u of their own, and for each ground. Private to

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Does to a running kiosk whatever may be done to it, at random.
 
     actions.py SOCKET PID SECONDS SEED CONF BASIS

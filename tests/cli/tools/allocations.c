@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Loaded before a program (LD_PRELOAD), counts its heap allocations by the turns of its event loop:
  * the loop begins with the first epoll_wait(); what is allocated from a second and SETTLING_TURNS

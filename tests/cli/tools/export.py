@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """export.py WIDTH HEIGHT A B: how far B is shifted against A, in pixels, and how much brighter or
 darker it is, in per cent of linear light; both are raw RGB. Prints "SHIFT BRIGHTNESS".
 

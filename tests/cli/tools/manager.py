@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Plays the service manager: writes each message that comes to a socket as a line with its time.
 
     manager.py SOCKET

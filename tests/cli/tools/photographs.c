@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What a person would photograph for inlay-calibrate fisheye, drawn through an equidistant lens of
  * 220 x 211 px/rad around (483.2, 357.4), and lamps through that of the first of fisheye_truths:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs a program in a terminal that goes away as soon as a file has a line; its exit code is left.
 
     terminal.py FILE PROGRAM ARGUMENT...

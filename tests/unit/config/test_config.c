@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The configuration: defaults, drivers' own keys, what no key can tell alone, printing. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Buttons: the wrappers, scripts in time, the words for every mistake in one, what is a press of a
  * line, and GPIO's refusals (lines themselves are pressed in the simulated machine). */
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the libcamera driver decides by itself: values of controls, what becomes of refusals, choice
  * of format, colours. Its parts in C have test_libcamera_parts.c; everything that needs a camera is

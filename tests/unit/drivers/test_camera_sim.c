@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The simulated camera through the camera contract: clocks, faults, sensor, panorama, files. */
 #include <setjmp.h>
 #include <stdarg.h>

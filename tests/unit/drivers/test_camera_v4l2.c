@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The V4L2 driver against a played device: formats, frames, faults. Digitizers are in
  * test_v4l2_digitizer.c, controls and what is given up in test_v4l2_settings.c.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Screens: the wrappers' rules on a screen that records, the clock of the null screen, what the
  * file screen leaves behind, the window on SDL's dummy desktop, and the choice of a KMS mode. */
 #include <setjmp.h>

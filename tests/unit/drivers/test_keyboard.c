@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Keyboards: names of keys, and what the kernel's events mean. Devices are plugged into the
  * simulated machine (tests/vm/test_keyboard.sh). */
 #include <setjmp.h>

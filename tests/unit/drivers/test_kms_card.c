@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The KMS display against a graphics card that is played by this program: a FIFO is opened as the
  * card, ioctl() and mmap() are answered here instead of by a kernel. What a real kernel answers is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the KMS display decides without a card: timings against published ones, which mode of which
  * connector, where a picture stands, and which of the kernel's messages are about screens. */
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The libcamera driver's parts in C: choice by name, events between threads, pictures in buffers,
  * elements of values, what udev says, messages. */
 #include <dlfcn.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The studio: its closed forms, its picture, its truth, and what the light sampler makes of it. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The V4L2 driver against a played digitizer: inputs, standards, fields, signal. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The V4L2 driver against a played device: controls, and what is given up for want of room. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # Sourced after devices.sh and runs.sh: a kiosk with everything that a kiosk has, and what can go
 # wrong with it. Each fault is a pair of functions, NAME_begin and NAME_end; between them the kiosk

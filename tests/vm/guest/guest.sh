@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Inside the simulated machine: runs tests and writes their TAP to the job folder. A test that dies,
 # hangs or says nothing is a failure; what it printed is kept beside.
 #

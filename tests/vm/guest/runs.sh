@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # Sourced after devices.sh by the tests that run the whole program: two vivids are its cameras.
 # shellcheck disable=SC2154 # tools is set there

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Takes frames from a camera through its driver and says what came, one "name value" a line, so
  * that a shell test can check it; the last frame becomes a picture, unless OUT.png is "-", and what

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A driver's own option, "name=value", read as its key table says; for the tools of this folder. */
 #ifndef INLAY_TESTS_VM_TOOLS_DRIVER_OPTION_H
 #define INLAY_TESTS_VM_TOOLS_DRIVER_OPTION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A keyboard that types what it is told, through the kernel's uinput: unplugged when its input
  * ends.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures for the simulated cameras, and the comparison of what came out of them.
  *

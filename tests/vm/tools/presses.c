@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Prints the actions that come from buttons, one a line, as they come.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Shows a picture on a real screen through a driver and says what happened, one "name value" a
  * line, so that a shell test can check it.

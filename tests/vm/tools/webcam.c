@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Loaded before a program, it has libcamera treat every device as it does a webcam: it takes notice
  * when the media node goes away. vimc would not show what comes of that. What it calls is in

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A fisheye lens from the image circle in one picture: its rim is at a known angle from the axis
  * (the thesis: 90 degrees), so that centre and focal lengths follow from the ellipse it is. Model
  * and orientation do not. */

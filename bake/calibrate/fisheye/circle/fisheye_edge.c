@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/circle/fisheye_edge.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The rim of an image circle to hundredths of a pixel, where an ellipse is already near to it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/circle/fisheye_ellipse.h"
 
 #include <errno.h>

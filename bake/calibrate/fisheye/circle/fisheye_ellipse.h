@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* An ellipse with level axes: what the rim of a fisheye's image circle is, since the digitizer
  * squashes along rows and columns. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_CIRCLE_FISHEYE_ELLIPSE_H

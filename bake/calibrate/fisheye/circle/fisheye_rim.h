@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where the bright image circle of a fisheye ends in a picture: points of its rim, to parts of a
  * pixel. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_CIRCLE_FISHEYE_RIM_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
 
 #include <errno.h>

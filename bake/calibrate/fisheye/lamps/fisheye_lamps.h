@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A fisheye lens from lamps at known directions, found in one picture. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_FISHEYE_LAMPS_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_FISHEYE_LAMPS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/lamps/lamps_file.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lamps whose directions are known, in a text file. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_FILE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_FILE_H

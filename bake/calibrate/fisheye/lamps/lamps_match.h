@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which bright spot is which lamp, and about what lens shows them so. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_MATCH_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_MATCH_H

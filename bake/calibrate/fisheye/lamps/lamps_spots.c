@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The picture is flooded from its brightest pixel downwards. What rises alone is an island; where
  * two meet, the lower one ends, and the light they meet at is its surroundings'.

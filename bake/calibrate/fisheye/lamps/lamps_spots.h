@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Bright spots in a picture, to parts of a pixel. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_SPOTS_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_SPOTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* From a guess to the lens that shows lamps where bright spots are. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_TRACE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_TRACE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What inlay bench holds frames against: transport light by light, the thesis's algorithm, errors,
  * lightings. */
 #include <setjmp.h>

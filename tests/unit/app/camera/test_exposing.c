@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Exposures in turn, of a camera that makes of a number what it can. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A camera as the program uses it, driven by a camera that does what the test says. */
 #include <setjmp.h>
 #include <stdarg.h>

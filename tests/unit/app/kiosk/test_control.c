@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The control socket: what a line means, and that no client can harm the kiosk or the others. Other
  * users come in the simulated machine (tests/vm/test_control.sh). */
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Options, event loop and statistics. */
 #include <setjmp.h>
 #include <stdarg.h>

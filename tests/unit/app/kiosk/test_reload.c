@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a configuration that is read again changes, key by key. */
 #include <setjmp.h>
 #include <stdarg.h>

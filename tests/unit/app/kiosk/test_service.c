@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the service manager hears; the test plays it. */
 #include <setjmp.h>
 #include <stdarg.h>

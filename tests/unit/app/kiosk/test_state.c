@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What was chosen, kept in a file. */
 #include <setjmp.h>
 #include <stdarg.h>

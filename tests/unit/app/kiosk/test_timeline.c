@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Poses by the clock. */
 #include <setjmp.h>
 #include <stdarg.h>

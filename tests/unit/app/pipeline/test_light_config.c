@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Files of measured light in the kiosk's configuration: read, counted, and seen to change. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The pipeline on a basis made by hand: six lights, one pixel of object that sees the zenith's
  * light alone, one that sees another's; the rest is background.

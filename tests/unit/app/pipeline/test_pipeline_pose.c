@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which pose is shown while others are unpacked: a basis made by hand of which each pose is a plane
  * of one grey. Nothing here depends on how long unpacking takes.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Which lights a frame uses, from frame to frame: a light at the threshold must not come and go
  * with a camera's noise, one that falls must go, and a picture without a frame before it is chosen

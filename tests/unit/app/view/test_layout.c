@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where pictures and marks go: every pixel of a cell is written, none outside it. */
 #include <setjmp.h>
 #include <stdarg.h>

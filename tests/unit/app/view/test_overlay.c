@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Text over the picture: where it is drawn, when, and that it can be read. */
 #include <setjmp.h>
 #include <stdarg.h>

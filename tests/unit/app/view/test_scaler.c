@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Scaling pictures: against the filter in double precision, and what any scaler must keep. */
 #include <setjmp.h>
 #include <stdarg.h>

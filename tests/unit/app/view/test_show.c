@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is on the screen, for each way of showing: a basis made by hand, pictures that were never in
  * a camera, screens with guard pages.

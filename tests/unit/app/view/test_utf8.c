@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is UTF-8 and what is not: against an encoder for every code point. */
 #include <setjmp.h>
 #include <stdarg.h>

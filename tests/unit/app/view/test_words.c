@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the program says on the screen. */
 #include <setjmp.h>
 #include <stdarg.h>

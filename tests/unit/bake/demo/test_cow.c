@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The demo's toy cow: is its mesh closed, outward and well shaped, and is its texture its coat? */
 #include <setjmp.h>
 #include <stdarg.h>

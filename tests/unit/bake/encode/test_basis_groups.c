@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Groups of lights: who is in one, and what is taken to be common to its lights. */
 #include <math.h>
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The lights of a dome gathered over those of a coarser one. */
 #include <setjmp.h>
 #include <stdarg.h>

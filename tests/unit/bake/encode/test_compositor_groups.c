@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A bake under many lights, whose columns come in groups, composited: in fast mode it stays as near
  * to double precision as the file declares. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The encoder: errors held and declared, against blocks decoded in double precision. */
 #include <setjmp.h>
 #include <stdarg.h>

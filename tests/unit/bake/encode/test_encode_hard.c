@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The encoder: values that no pattern fits, sizes that fill no line, what it refuses. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Patterns of as many dimensions as there are: the weighted least squares over the coarse lights,
  * in which lights that have lost weight count by the mean of their group. */
 #include <setjmp.h>

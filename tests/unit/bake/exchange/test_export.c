@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Jobs for other renderers: the meshes read back, the rays that are the camera's, and who covers
  * what. */
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The thesis's own files: written, read back in every variant, damaged; its own loop on both sides.
  */
 #include <errno.h>

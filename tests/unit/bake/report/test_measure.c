@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What bench and report measure with, and how a report writes what it found: turns, medians, cells
  * of tables. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* [poses] and [keyframe NAME]: what a scene file says of its poses. */
 #include <setjmp.h>
 #include <stdarg.h>

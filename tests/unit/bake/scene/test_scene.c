@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Scene files: what they mean, and the words for what is wrong. Meshes of three formats. */
 #include <setjmp.h>
 #include <stdarg.h>

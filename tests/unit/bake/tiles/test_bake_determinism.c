@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The same scene and seed give the same file, byte by byte, whatever the number of threads. */
 #include <setjmp.h>
 #include <stdarg.h>

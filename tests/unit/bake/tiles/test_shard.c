@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A shard comes back as it was written; one with any wrong number in it, whose checksums are right,
  * is refused before that number is used. */
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The filter of bounced light: it takes noise away, never light. */
 #include <setjmp.h>
 #include <stdarg.h>

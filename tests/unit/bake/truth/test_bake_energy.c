@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The baked transport against closed forms, and against path-traced truth. */
 #include <setjmp.h>
 #include <stdarg.h>

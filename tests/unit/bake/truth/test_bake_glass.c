@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Glass of the object and stand-ins for real things: what is baked, composited, against path-traced
  * truth, on a background that shows where light comes from. */
 #include <setjmp.h>

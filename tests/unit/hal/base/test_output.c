@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Output files: whole or not at all, and messages: whole lines. */
 #include <setjmp.h>
 #include <stdarg.h>

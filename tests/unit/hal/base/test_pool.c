@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The pool: every item once, no two at a time share a worker, nothing is lost between jobs. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Text files line by line, and the numbers in them. */
 #include <setjmp.h>
 #include <stdarg.h>

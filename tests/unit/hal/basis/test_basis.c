@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The basis file: what is written is read back, and a writer that fails leaves nothing. */
 #include <errno.h>
 #include <signal.h>

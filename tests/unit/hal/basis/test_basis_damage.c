@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The basis file: whatever is damaged is refused, in a sentence that says what and where. */
 #include <errno.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A file of several poses: each is what it is in a file of its own, whichever is in memory. */
 #include <errno.h>
 #include <sched.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Transfer curves against the printed standards, and as exact inverses. */
 #include <setjmp.h>
 #include <stdarg.h>

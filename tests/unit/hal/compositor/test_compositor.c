@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The compositor: its formula against closed forms, and that nothing but the light decides a
  * picture: no thread, no kernel, no way of reading the background. */
 #include <setjmp.h>

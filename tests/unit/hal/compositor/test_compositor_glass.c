@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The background seen through the object: against double precision at every offset and
  * transmission, against closed forms, and that neither threads nor a background that is made piece
  * by piece change a byte. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A tile whose lights all send alike, so that every weight ends in the same digits: as many lines
  * as count come to as large a sum of them as there may be, below and above the number that becomes

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the compositor is made of: its arithmetic and the light as integers, against exact numbers.
  */
 #include <setjmp.h>

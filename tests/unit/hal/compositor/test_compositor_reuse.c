@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Frames that start from the sums of the one before: the same, bit for bit, as frames that do not.
  */
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Lights left out by a budget: no pixel changes by more, in double precision, whatever the light;
  * as many are left out as the bound allows; and the set does not flicker.

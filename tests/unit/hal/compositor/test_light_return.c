@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is dropped comes back as nine terms: against normal equations solved as they are. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Light vectors of many lights: what the coarse lights gather is exact however it is summed, the
  * order of sums is the one that is written down, and threads that share the work change nothing.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What is wanted of a camera, whichever driver it has: controls and formats. */
 #include <errno.h>
 #include <setjmp.h>

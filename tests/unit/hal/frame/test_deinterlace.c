@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Interlaced frames into BGRX: every order of fields, every format and every way, against a woven
  * picture that is taken apart here and put together in double precision.

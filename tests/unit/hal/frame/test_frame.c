@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Frames into BGRX: every format against conversion in double precision, every check on sizes. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Rows of video in each instruction set against the specification, and parts of frames against the
  * whole. */
 #include <setjmp.h>

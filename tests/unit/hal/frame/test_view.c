@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Views: where the pixels of an upright picture are read from. */
 #include <setjmp.h>
 #include <stdarg.h>

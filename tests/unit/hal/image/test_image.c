@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Pictures in files, against bytes assembled by hand, files that other programs wrote, and closed
  * forms; and every refusal.

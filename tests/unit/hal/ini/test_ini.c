@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* INI files by table: what is accepted, and the exact words for what is not. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which exposure a frame has, of a camera that is played: it obeys some frames later, loses some.
  */
 #include <setjmp.h>

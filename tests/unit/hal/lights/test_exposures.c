@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Several exposures of one sky made one light: the sampler's part, the merge, whose frame it is. */
 #include <setjmp.h>
 #include <stdarg.h>

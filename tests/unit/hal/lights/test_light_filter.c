@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Light over time: what is constant comes out as it went in, what is switched is there within the
  * set time and no further, noise does not crawl, and nothing sticks.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lights files: to the bit and back, and what is wrong with a bad one. */
 #include <setjmp.h>
 #include <stdarg.h>

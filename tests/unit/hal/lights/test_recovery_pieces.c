@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Which clipped lights are of one piece. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The light sampler: energy, lamps, rims, flips, and pictures too small for their dome. */
 #include <setjmp.h>
 #include <stdarg.h>

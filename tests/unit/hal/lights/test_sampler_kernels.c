@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The light sampler's arithmetic: each instruction set against the specification, the colours
  * against double precision over the same pixels, frames as cameras send them against pictures. */
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The dome: counts, nodes, exact cells and what is drawn from them, each against brute force. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lights that fall off linearly: what they cover, that they are continuous, and what is drawn. */
 #include <setjmp.h>
 #include <stdarg.h>

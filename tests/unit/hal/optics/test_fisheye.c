@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The fisheye lens: there and back, and solid angles against triangles on the sphere. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The panorama: which way round it is, and how much sky a row holds. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tsai's camera: the thesis's equations, their inverse, and arguments nobody means. */
 #include <setjmp.h>
 #include <stdarg.h>

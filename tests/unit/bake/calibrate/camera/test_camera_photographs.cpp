@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Photographs of a board, those of Debian's opencv-doc: ours fits at least as well as OpenCV's own
  * calibration with the same distortion (its k1 is our kappa1 f^2), found from the same corners.

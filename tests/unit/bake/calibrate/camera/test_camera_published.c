@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* R. Willson's coplanar data, with what he published of them: a hard case, f and Tz hardly apart.
  */
 #include <setjmp.h>

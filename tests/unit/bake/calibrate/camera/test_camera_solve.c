@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Calibration of Tsai's camera: what is known comes back, and the deviations are true. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Where a camera's calibration fails, and that it says so: each hard case with its verdict. */
 #include <setjmp.h>
 #include <stdarg.h>

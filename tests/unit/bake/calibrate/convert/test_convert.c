@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lenses to and from the files of OpenCV and ROS: exact where they can be, and otherwise how far
  * off they are; whole files, and damaged ones. What OpenCV itself makes of them:
  * test_convert_opencv. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What OpenCV makes of our lenses, and we of those that OpenCV writes: its own reader, writer and
  * projection. */
 #include <cmath>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Estimates, verdicts and findings: what every calibration gives its reports. */
 #include <setjmp.h>
 #include <stdarg.h>

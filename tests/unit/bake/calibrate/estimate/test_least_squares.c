@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Least squares: problems whose answer and whose uncertainty are known. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Photographs of a board through a fisheye: found, solved, and right where corners were seen. */
 #include <setjmp.h>
 #include <stdarg.h>

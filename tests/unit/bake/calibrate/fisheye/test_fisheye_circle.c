@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The image circle of a fisheye in one picture: right to parts of a pixel, and doubted where it is
  * not to be seen. */
 #include <setjmp.h>

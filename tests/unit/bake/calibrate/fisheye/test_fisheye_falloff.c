@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a lens loses towards its rim, from a uniform view. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Fisheye lenses from boards and from lamps: right without noise, honest with it, and doubted where
  * they should be. */
 #include <setjmp.h>

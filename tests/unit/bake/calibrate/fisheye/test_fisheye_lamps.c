@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lamps at known directions, found in pictures drawn through known lenses: right to parts of a
  * pixel, with everything in the picture that is no lamp, and doubted where they should be. */
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The image circle as the simulated camera shows it: drawn by the driver, with noise, in 8 bits. */
 #include <setjmp.h>
 #include <stdarg.h>

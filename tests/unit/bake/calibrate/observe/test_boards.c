@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Boards: drawn through known cameras and found again; Debian's own photographs. */
 #include <errno.h>
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Live pictures for calibration: through a kiosk's configuration, from the simulated camera. */
 #include <errno.h>
 #include <setjmp.h>

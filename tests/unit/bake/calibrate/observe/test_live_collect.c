@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Pictures of a board that is drawn in several places, shown by the simulated camera. */
 #include <errno.h>
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What a calibration sees: views and points, and files of points. */
 #include <errno.h>
 #include <setjmp.h>

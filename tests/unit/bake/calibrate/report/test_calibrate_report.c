@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Reports of calibrations: of five points, of many views, of what is not known, and what is
  * refused. */
 #include <setjmp.h>

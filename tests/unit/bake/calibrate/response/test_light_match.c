@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Black level, patches, gain, colours, delay, and the file that holds them. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A camera's response, found from simulated exposures. */
 #include <setjmp.h>
 #include <stdarg.h>
