@@ -1,6 +1,16 @@
 # SPDX-License-Identifier: MIT
 app_PACKAGES := $(if $(filter 1,$(WITH_CAIRO)),cairo) $(if $(filter 1,$(WITH_SYSTEMD)),libsystemd)
 APP_SOURCES := \
+	app/command_check.c \
+	app/command_control.c \
+	app/command_devices.c \
+	app/command_run.c \
+	app/command_still.c \
+	app/devices_sample.c \
+	app/driver_list.c \
+	app/options.c \
+	app/settings.c \
+	app/still.c \
 	app/bench/bench.c \
 	app/bench/bench_frame.c \
 	app/bench/bench_memory.c \
@@ -8,17 +18,12 @@ APP_SOURCES := \
 	app/bench/bench_truth.c \
 	app/bench/bench_ways.c \
 	app/bench/command_bench.c \
-	app/command_check.c \
-	app/command_control.c \
-	app/command_devices.c \
-	app/command_run.c \
-	app/command_still.c \
+	app/camera/exposing.c \
+	app/camera/eye.c \
+	app/camera/opener.c \
+	app/camera/source.c \
 	app/kiosk/control.c \
 	app/kiosk/control_socket.c \
-	app/devices_sample.c \
-	app/options.c \
-	app/settings.c \
-	app/driver_list.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
 	app/kiosk/kiosk_control.c \
@@ -28,27 +33,22 @@ APP_SOURCES := \
 	app/kiosk/kiosk_screen.c \
 	app/kiosk/kiosk_text.c \
 	app/kiosk/loop.c \
-	app/camera/opener.c \
 	app/kiosk/reload.c \
 	app/kiosk/service.c \
 	app/kiosk/state.c \
 	app/kiosk/stats.c \
-	app/still.c \
 	app/kiosk/timeline.c \
-	app/camera/source.c \
-	app/camera/exposing.c \
-	app/camera/eye.c \
 	app/pipeline/pipeline.c \
 	app/pipeline/pipeline_config.c \
 	app/pipeline/pipeline_fade.c \
 	app/pipeline/pipeline_ground.c \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_pose.c \
-	app/view/show.c \
 	app/view/layout.c \
-	app/view/scaler.c \
 	app/view/marks.c \
 	app/view/overlay.c \
+	app/view/scaler.c \
+	app/view/show.c \
 	app/view/utf8.c \
 	app/view/words.c
 APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/typeset.c,app/view/panel_none.c)

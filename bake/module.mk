@@ -4,11 +4,18 @@ bake_PACKAGES := assimp lapacke openblas cairo
 # Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/trace/world.c does the same.
 bake_LIBS := -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so)),4,3)
 BAKE_SOURCES := \
+	bake/dome_command.c \
+	bake/info_command.c \
+	bake/info_map.c \
 	bake/base/angles.c \
-	bake/tiles/assembly.c \
+	bake/base/in_order.c \
+	bake/base/options.c \
+	bake/base/progress.c \
+	bake/base/surface.c \
 	bake/encode/coarse.c \
 	bake/encode/encode.c \
 	bake/encode/encode_block.c \
+	bake/encode/encode_column.c \
 	bake/encode/encode_expose.c \
 	bake/encode/encode_measure.c \
 	bake/encode/encode_part.c \
@@ -18,23 +25,22 @@ BAKE_SOURCES := \
 	bake/encode/encode_search.c \
 	bake/encode/encode_shade.c \
 	bake/encode/encode_split.c \
-	bake/encode/encode_column.c \
 	bake/encode/encoding_options.c \
 	bake/encode/ensemble.c \
 	bake/exchange/export_blender.c \
+	bake/exchange/export_command.c \
 	bake/exchange/export_job.c \
 	bake/exchange/export_mesh.c \
 	bake/exchange/export_radiance.c \
 	bake/exchange/export_rays.c \
-	bake/trace/bounce.c \
-	bake/trace/bounce_aside.c \
-	bake/trace/cells.c \
-	bake/tiles/finished_tile.c \
 	bake/exchange/import.c \
+	bake/exchange/import_command.c \
 	bake/exchange/import_judge.c \
 	bake/exchange/import_pictures.c \
-	bake/base/in_order.c \
-	bake/scene/keyframes.c \
+	bake/exchange/msi.c \
+	bake/exchange/picture_stack.c \
+	bake/exchange/pictures.c \
+	bake/exchange/pictures_command.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_files.c \
@@ -43,18 +49,11 @@ BAKE_SOURCES := \
 	bake/mesh/mesh_mtl.c \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_ply.c \
-	bake/exchange/msi.c \
-	bake/base/options.c \
-	bake/tiles/peaks.c \
-	bake/exchange/picture_stack.c \
-	bake/exchange/pictures.c \
 	bake/mesh/plain_file.c \
-	bake/tiles/plan.c \
-	bake/base/progress.c \
-	bake/tiles/render.c \
 	bake/report/report.c \
 	bake/report/report_bake.c \
 	bake/report/report_choices.c \
+	bake/report/report_command.c \
 	bake/report/report_error.c \
 	bake/report/report_given.c \
 	bake/report/report_lighting.c \
@@ -67,30 +66,31 @@ BAKE_SOURCES := \
 	bake/report/report_table.c \
 	bake/report/report_thesis.c \
 	bake/report/report_trial.c \
+	bake/scene/keyframes.c \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
+	bake/tiles/assembly.c \
+	bake/tiles/finished_tile.c \
+	bake/tiles/merge_command.c \
+	bake/tiles/peaks.c \
+	bake/tiles/plan.c \
+	bake/tiles/render.c \
+	bake/tiles/render_command.c \
 	bake/tiles/shard.c \
 	bake/tiles/sight.c \
-	bake/truth/sky.c \
-	bake/base/surface.c \
 	bake/tiles/tile.c \
 	bake/tiles/tile_glass.c \
 	bake/tiles/tile_noise.c \
+	bake/trace/bounce.c \
+	bake/trace/bounce_aside.c \
+	bake/trace/cells.c \
 	bake/trace/transport.c \
-	bake/truth/truth.c \
-	bake/truth/truth_paths.c \
-	bake/truth/truth_views.c \
 	bake/trace/world.c \
-	bake/dome_command.c \
-	bake/exchange/export_command.c \
-	bake/exchange/import_command.c \
-	bake/info_command.c \
-	bake/info_map.c \
-	bake/tiles/merge_command.c \
-	bake/exchange/pictures_command.c \
-	bake/tiles/render_command.c \
-	bake/report/report_command.c \
-	bake/truth/truth_command.c
+	bake/truth/sky.c \
+	bake/truth/truth.c \
+	bake/truth/truth_command.c \
+	bake/truth/truth_paths.c \
+	bake/truth/truth_views.c
 BAKE_MAIN := bake/main.c
 # What goes out with a job as it is.
 $(BUILD)/bake/exchange/export_blender.o: bake/exchange/export_blender.py

@@ -2,8 +2,27 @@
 drivers_PACKAGES := $(if $(filter 1,$(WITH_KMS)),libdrm) $(if $(filter 1,$(WITH_SDL)),sdl2) \
 	$(if $(filter 1,$(WITH_GPIO)),libgpiod) $(if $(filter 1,$(WITH_LIBCAMERA)),libcamera)
 DRIVER_SOURCES := \
-	drivers/drivers.c \
+	drivers/buttons_keyboard.c \
+	drivers/buttons_script.c \
+	drivers/camera_sim.c \
 	drivers/camera_v4l2.c \
+	drivers/display_file.c \
+	drivers/display_null.c \
+	drivers/drivers.c \
+	drivers/gpio/button.c \
+	drivers/gpio/edge_order.c \
+	drivers/gpio/quadrature.c \
+	drivers/keyboard/keymap.c \
+	drivers/keyboard/keys.c \
+	drivers/sim/eye.c \
+	drivers/sim/options.c \
+	drivers/sim/panorama_view.c \
+	drivers/sim/player.c \
+	drivers/sim/sensor.c \
+	drivers/sim/studio.c \
+	drivers/sim/studio_lights.c \
+	drivers/sim/studio_view.c \
+	drivers/sim/y4m.c \
 	drivers/v4l2/buffers.c \
 	drivers/v4l2/capture.c \
 	drivers/v4l2/controls.c \
@@ -15,26 +34,7 @@ DRIVER_SOURCES := \
 	drivers/v4l2/input.c \
 	drivers/v4l2/listing.c \
 	drivers/v4l2/offers.c \
-	drivers/v4l2/setup.c \
-	drivers/camera_sim.c \
-	drivers/sim/eye.c \
-	drivers/sim/options.c \
-	drivers/sim/panorama_view.c \
-	drivers/sim/player.c \
-	drivers/sim/sensor.c \
-	drivers/sim/studio.c \
-	drivers/sim/studio_lights.c \
-	drivers/sim/studio_view.c \
-	drivers/sim/y4m.c \
-	drivers/buttons_keyboard.c \
-	drivers/keyboard/keymap.c \
-	drivers/keyboard/keys.c \
-	drivers/buttons_script.c \
-	drivers/gpio/button.c \
-	drivers/gpio/edge_order.c \
-	drivers/gpio/quadrature.c \
-	drivers/display_file.c \
-	drivers/display_null.c
+	drivers/v4l2/setup.c
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c \
 	drivers/kms/connector.c drivers/kms/console.c drivers/kms/find.c drivers/kms/fit.c \
 	drivers/kms/holder.c drivers/kms/list.c drivers/kms/mode.c drivers/kms/screen.c \

@@ -2,34 +2,14 @@
 hal_PACKAGES := libturbojpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
-	hal/device/buttons.c \
-	hal/device/camera.c \
-	hal/device/camera_choice.c \
-	hal/device/camera_controls.c \
-	hal/device/camera_situation.c \
-	hal/device/display.c \
 	hal/base/fault.c \
-	hal/frame/frame.c \
-	hal/frame/frame_decode.c \
-	hal/frame/frame_fields.c \
-	hal/frame/frame_jpeg.c \
-	hal/frame/frame_reader.c \
-	hal/frame/frame_rows.c \
-	hal/frame/frame_ycbcr.c \
 	hal/base/input.c \
 	hal/base/log.c \
 	hal/base/number.c \
 	hal/base/output.c \
 	hal/base/pool.c \
 	hal/base/processor.c \
-	hal/colour/response.c \
 	hal/base/text_file.c \
-	hal/colour/transfer.c \
-	hal/frame/view.c \
-	hal/ini/ini.c \
-	hal/ini/ini_names.c \
-	hal/ini/ini_sample.c \
-	hal/ini/ini_value.c \
 	hal/basis/basis.c \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \
@@ -41,6 +21,8 @@ HAL_SOURCES := \
 	hal/basis/basis_store.c \
 	hal/basis/basis_writer.c \
 	hal/basis/pack.c \
+	hal/colour/response.c \
+	hal/colour/transfer.c \
 	hal/compositor/backdrop.c \
 	hal/compositor/block_sums.c \
 	hal/compositor/column_choice.c \
@@ -50,6 +32,10 @@ HAL_SOURCES := \
 	hal/compositor/frame.c \
 	hal/compositor/glass.c \
 	hal/compositor/kept_sums.c \
+	hal/compositor/lines.c \
+	hal/compositor/plan.c \
+	hal/compositor/reference.c \
+	hal/compositor/tile.c \
 	hal/compositor/kernels/kernel_curves.c \
 	hal/compositor/kernels/kernels.c \
 	hal/compositor/kernels/kernels_c.c \
@@ -57,16 +43,30 @@ HAL_SOURCES := \
 	hal/compositor/light/light_return.c \
 	hal/compositor/light/light_terms.c \
 	hal/compositor/light/light_vector.c \
-	hal/compositor/lines.c \
-	hal/compositor/plan.c \
-	hal/compositor/reference.c \
 	hal/compositor/light/selection.c \
-	hal/compositor/tile.c \
+	hal/device/buttons.c \
+	hal/device/camera.c \
+	hal/device/camera_choice.c \
+	hal/device/camera_controls.c \
+	hal/device/camera_situation.c \
+	hal/device/display.c \
+	hal/frame/frame.c \
+	hal/frame/frame_decode.c \
+	hal/frame/frame_fields.c \
+	hal/frame/frame_jpeg.c \
+	hal/frame/frame_reader.c \
+	hal/frame/frame_rows.c \
+	hal/frame/frame_ycbcr.c \
+	hal/frame/view.c \
 	hal/image/image.c \
-	hal/image/image_png.c \
-	hal/image/image_jpeg.c \
 	hal/image/image_hdr.c \
+	hal/image/image_jpeg.c \
 	hal/image/image_pfm.c \
+	hal/image/image_png.c \
+	hal/ini/ini.c \
+	hal/ini/ini_names.c \
+	hal/ini/ini_sample.c \
+	hal/ini/ini_value.c \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
 	hal/lights/light_filter.c \

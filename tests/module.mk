@@ -1,110 +1,110 @@
 # SPDX-License-Identifier: MIT
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 UNIT_TESTS := \
-	tests/unit/bake/calibrate/observe/test_boards.c \
+	tests/accuracy/test_compositor_accuracy.c \
+	tests/accuracy/test_light_ground.c \
+	tests/accuracy/test_moving_lamp.c \
 	tests/unit/app/bench/test_bench.c \
-	tests/unit/bake/calibrate/observe/test_live.c \
-	tests/unit/bake/calibrate/observe/test_live_collect.c \
-	tests/unit/bake/calibrate/observe/test_observations.c \
-	tests/unit/bake/report/test_measure.c \
+	tests/unit/app/camera/test_exposing.c \
+	tests/unit/app/camera/test_source.c \
+	tests/unit/app/kiosk/test_control.c \
+	tests/unit/app/kiosk/test_program.c \
+	tests/unit/app/kiosk/test_reload.c \
+	tests/unit/app/kiosk/test_service.c \
+	tests/unit/app/kiosk/test_state.c \
+	tests/unit/app/kiosk/test_timeline.c \
+	tests/unit/app/pipeline/test_light_config.c \
+	tests/unit/app/pipeline/test_pipeline.c \
+	tests/unit/app/pipeline/test_pipeline_pose.c \
+	tests/unit/app/pipeline/test_selection.c \
+	tests/unit/app/view/test_layout.c \
+	tests/unit/app/view/test_overlay.c \
+	tests/unit/app/view/test_scaler.c \
+	tests/unit/app/view/test_show.c \
+	tests/unit/app/view/test_utf8.c \
+	tests/unit/app/view/test_words.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
 	tests/unit/bake/calibrate/camera/test_camera_verdict.c \
-	tests/unit/bake/calibrate/estimate/test_least_squares.c \
-	tests/unit/bake/trace/test_bake_bounce.c \
-	tests/unit/bake/calibrate/report/test_calibrate_report.c \
 	tests/unit/bake/calibrate/convert/test_convert.c \
-	tests/unit/bake/calibrate/estimate/test_finding.c \
 	tests/unit/bake/calibrate/convert/test_convert_opencv.cpp \
-	tests/unit/bake/tiles/test_bake_determinism.c \
-	tests/unit/bake/truth/test_bake_energy.c \
-	tests/unit/bake/truth/test_bake_glass.c \
-	tests/unit/bake/exchange/test_export.c \
-	tests/unit/bake/exchange/test_msi.c \
-	tests/unit/bake/scene/test_scene.c \
-	tests/unit/bake/tiles/test_shard.c \
-	tests/unit/app/view/test_layout.c \
-	tests/unit/app/view/test_scaler.c \
-	tests/unit/app/camera/test_source.c \
-	tests/unit/app/kiosk/test_state.c \
-	tests/unit/app/kiosk/test_timeline.c \
-	tests/unit/bake/scene/test_keyframes.c \
-	tests/unit/hal/basis/test_poses.c \
-	tests/unit/app/kiosk/test_reload.c \
-	tests/unit/app/kiosk/test_service.c \
-	tests/unit/app/pipeline/test_pipeline.c \
-	tests/unit/app/pipeline/test_pipeline_pose.c \
-	tests/unit/app/kiosk/test_program.c \
-	tests/unit/app/view/test_words.c \
-	tests/unit/app/view/test_utf8.c \
-	tests/unit/app/view/test_show.c \
-	tests/unit/app/view/test_overlay.c \
-	tests/unit/hal/lights/test_sampler.c \
-	tests/unit/hal/lights/test_sampler_kernels.c \
-	tests/unit/hal/base/test_output.c \
-	tests/unit/hal/compositor/test_light_budget.c \
-	tests/unit/hal/compositor/test_light_return.c \
-	tests/unit/hal/lights/test_exposures.c \
-	tests/unit/hal/lights/test_exposure_schedule.c \
-	tests/unit/app/camera/test_exposing.c \
-	tests/unit/hal/lights/test_recovery.c \
-	tests/unit/hal/lights/test_recovery_pieces.c \
-	tests/unit/hal/lights/test_light_filter.c \
-	tests/unit/hal/lights/test_lights_file.c \
-	tests/unit/hal/base/test_text_file.c \
-	tests/unit/hal/basis/test_basis.c \
-	tests/unit/bake/encode/test_basis_groups.c \
-	tests/unit/hal/basis/test_basis_damage.c \
-	tests/unit/bake/encode/test_encode.c \
-	tests/unit/bake/encode/test_encode_hard.c \
-	tests/unit/bake/encode/test_encode_rank.c \
-	tests/unit/bake/encode/test_coarse.c \
-	tests/unit/hal/compositor/test_compositor.c \
-	tests/unit/hal/compositor/test_compositor_glass.c \
-	tests/unit/bake/encode/test_compositor_groups.c \
-	tests/unit/hal/compositor/test_compositor_lines.c \
-	tests/unit/hal/compositor/test_compositor_parts.c \
-	tests/unit/hal/compositor/test_compositor_reuse.c \
-	tests/unit/hal/compositor/test_light_vector.c \
-	tests/unit/app/pipeline/test_selection.c \
-	tests/accuracy/test_compositor_accuracy.c \
-	tests/accuracy/test_moving_lamp.c \
-	tests/unit/hal/optics/test_panorama.c \
-	tests/unit/hal/optics/test_fisheye.c \
+	tests/unit/bake/calibrate/estimate/test_finding.c \
+	tests/unit/bake/calibrate/estimate/test_least_squares.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_boards.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_circle.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_falloff.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_find.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_lamps.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_sim.c \
-	tests/unit/hal/optics/test_dome.c \
-	tests/unit/hal/optics/test_dome_tents.c \
-	tests/unit/hal/frame/test_view.c \
-	tests/unit/hal/optics/test_tsai.c \
-	tests/unit/hal/colour/test_transfer.c \
-	tests/unit/bake/calibrate/response/test_light_response.c \
+	tests/unit/bake/calibrate/observe/test_boards.c \
+	tests/unit/bake/calibrate/observe/test_live.c \
+	tests/unit/bake/calibrate/observe/test_live_collect.c \
+	tests/unit/bake/calibrate/observe/test_observations.c \
+	tests/unit/bake/calibrate/report/test_calibrate_report.c \
 	tests/unit/bake/calibrate/response/test_light_match.c \
-	tests/unit/app/pipeline/test_light_config.c \
-	tests/accuracy/test_light_ground.c \
-	tests/unit/hal/base/test_pool.c \
+	tests/unit/bake/calibrate/response/test_light_response.c \
 	tests/unit/bake/demo/test_cow.c \
+	tests/unit/bake/encode/test_basis_groups.c \
+	tests/unit/bake/encode/test_coarse.c \
+	tests/unit/bake/encode/test_compositor_groups.c \
+	tests/unit/bake/encode/test_encode.c \
+	tests/unit/bake/encode/test_encode_hard.c \
+	tests/unit/bake/encode/test_encode_rank.c \
+	tests/unit/bake/exchange/test_export.c \
+	tests/unit/bake/exchange/test_msi.c \
+	tests/unit/bake/report/test_measure.c \
+	tests/unit/bake/scene/test_keyframes.c \
+	tests/unit/bake/scene/test_scene.c \
+	tests/unit/bake/tiles/test_bake_determinism.c \
+	tests/unit/bake/tiles/test_shard.c \
+	tests/unit/bake/trace/test_bake_bounce.c \
+	tests/unit/bake/truth/test_bake_energy.c \
+	tests/unit/bake/truth/test_bake_glass.c \
 	tests/unit/config/test_config.c \
 	tests/unit/drivers/test_buttons.c \
-	tests/unit/drivers/test_keyboard.c \
-	tests/unit/app/kiosk/test_control.c \
+	tests/unit/drivers/test_camera_sim.c \
+	tests/unit/drivers/test_camera_v4l2.c \
 	tests/unit/drivers/test_display.c \
-	tests/unit/hal/image/test_image.c \
-	tests/unit/hal/ini/test_ini.c \
-	tests/unit/hal/frame/test_frame.c \
-	tests/unit/hal/frame/test_frame_rows.c \
-	tests/unit/hal/frame/test_deinterlace.c \
+	tests/unit/drivers/test_keyboard.c \
+	tests/unit/drivers/test_studio.c \
 	tests/unit/drivers/test_v4l2_digitizer.c \
 	tests/unit/drivers/test_v4l2_settings.c \
-	tests/unit/drivers/test_studio.c \
+	tests/unit/hal/base/test_output.c \
+	tests/unit/hal/base/test_pool.c \
+	tests/unit/hal/base/test_text_file.c \
+	tests/unit/hal/basis/test_basis.c \
+	tests/unit/hal/basis/test_basis_damage.c \
+	tests/unit/hal/basis/test_poses.c \
+	tests/unit/hal/colour/test_transfer.c \
+	tests/unit/hal/compositor/test_compositor.c \
+	tests/unit/hal/compositor/test_compositor_glass.c \
+	tests/unit/hal/compositor/test_compositor_lines.c \
+	tests/unit/hal/compositor/test_compositor_parts.c \
+	tests/unit/hal/compositor/test_compositor_reuse.c \
+	tests/unit/hal/compositor/test_light_budget.c \
+	tests/unit/hal/compositor/test_light_return.c \
+	tests/unit/hal/compositor/test_light_vector.c \
 	tests/unit/hal/device/test_camera_wants.c \
-	tests/unit/drivers/test_camera_sim.c \
-	tests/unit/drivers/test_camera_v4l2.c
+	tests/unit/hal/frame/test_deinterlace.c \
+	tests/unit/hal/frame/test_frame.c \
+	tests/unit/hal/frame/test_frame_rows.c \
+	tests/unit/hal/frame/test_view.c \
+	tests/unit/hal/image/test_image.c \
+	tests/unit/hal/ini/test_ini.c \
+	tests/unit/hal/lights/test_exposure_schedule.c \
+	tests/unit/hal/lights/test_exposures.c \
+	tests/unit/hal/lights/test_light_filter.c \
+	tests/unit/hal/lights/test_lights_file.c \
+	tests/unit/hal/lights/test_recovery.c \
+	tests/unit/hal/lights/test_recovery_pieces.c \
+	tests/unit/hal/lights/test_sampler.c \
+	tests/unit/hal/lights/test_sampler_kernels.c \
+	tests/unit/hal/optics/test_dome.c \
+	tests/unit/hal/optics/test_dome_tents.c \
+	tests/unit/hal/optics/test_fisheye.c \
+	tests/unit/hal/optics/test_panorama.c \
+	tests/unit/hal/optics/test_tsai.c
 # Those that try more when INLAY_THOROUGH is set, and one that takes long however little it tries.
 THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c tests/unit/bake/calibrate/response/test_light_response.c tests/accuracy/test_moving_lamp.c
@@ -120,26 +120,26 @@ UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/drivers/test_camera_
 $(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_angles.c \
-	tests/fuzz/fuzz_msi.c \
-	tests/fuzz/fuzz_shard.c \
-	tests/fuzz/fuzz_scene.c \
 	tests/fuzz/fuzz_basis.c \
-	tests/fuzz/fuzz_lens.c \
-	tests/fuzz/fuzz_lights.c \
+	tests/fuzz/fuzz_config.c \
+	tests/fuzz/fuzz_control.c \
 	tests/fuzz/fuzz_frame.c \
 	tests/fuzz/fuzz_gltf.c \
+	tests/fuzz/fuzz_image.c \
+	tests/fuzz/fuzz_lens.c \
+	tests/fuzz/fuzz_lights.c \
+	tests/fuzz/fuzz_mjpeg.c \
+	tests/fuzz/fuzz_msi.c \
 	tests/fuzz/fuzz_mtl.c \
-	tests/fuzz/fuzz_response.c \
-	tests/fuzz/fuzz_script.c \
-	tests/fuzz/fuzz_timing.c \
 	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
-	tests/fuzz/fuzz_config.c \
+	tests/fuzz/fuzz_response.c \
+	tests/fuzz/fuzz_scene.c \
+	tests/fuzz/fuzz_script.c \
+	tests/fuzz/fuzz_shard.c \
 	tests/fuzz/fuzz_state.c \
-	tests/fuzz/fuzz_control.c \
-	tests/fuzz/fuzz_image.c \
-	tests/fuzz/fuzz_video.c \
-	tests/fuzz/fuzz_mjpeg.c
+	tests/fuzz/fuzz_timing.c \
+	tests/fuzz/fuzz_video.c
 # What they reach of app/ and bake/, beside the whole of hal/, drivers/ and config/: a part that is not
 # named does not link.
 FUZZ_PARTS := \

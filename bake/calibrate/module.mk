@@ -2,13 +2,14 @@
 # inlay-calibrate. Debian's OpenCV has no pkg-config file without the whole of it; only the C++ files
 # here see its headers.
 CALIBRATE_SOURCES := \
-	bake/calibrate/observe/boards.c \
-	bake/calibrate/observe/boards_charuco.cpp \
-	bake/calibrate/observe/boards_chess.cpp \
-	bake/calibrate/observe/boards_circles.cpp \
-	bake/calibrate/observe/boards_corner.cpp \
-	bake/calibrate/observe/boards_look.cpp \
-	bake/calibrate/observe/boards_print.c \
+	bake/calibrate/command_board.c \
+	bake/calibrate/command_camera.c \
+	bake/calibrate/command_convert.c \
+	bake/calibrate/command_fisheye.c \
+	bake/calibrate/command_light.c \
+	bake/calibrate/light_command_delay.c \
+	bake/calibrate/light_command_match.c \
+	bake/calibrate/light_command_pictures.c \
 	bake/calibrate/camera/camera.c \
 	bake/calibrate/camera/camera_figures.c \
 	bake/calibrate/camera/camera_file.c \
@@ -21,11 +22,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_tsai.c \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
-	bake/calibrate/command_board.c \
-	bake/calibrate/command_camera.c \
-	bake/calibrate/command_convert.c \
-	bake/calibrate/command_fisheye.c \
-	bake/calibrate/command_light.c \
 	bake/calibrate/convert/convert_ini.c \
 	bake/calibrate/convert/convert_lens.c \
 	bake/calibrate/convert/convert_tsai.c \
@@ -34,34 +30,53 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
 	bake/calibrate/estimate/finding.c \
-	bake/calibrate/fisheye/circle/fisheye_circle.c \
+	bake/calibrate/estimate/json.c \
+	bake/calibrate/estimate/least_squares.c \
+	bake/calibrate/estimate/linear.c \
+	bake/calibrate/estimate/verdict.c \
 	bake/calibrate/fisheye/fisheye_doubts.c \
-	bake/calibrate/fisheye/circle/fisheye_edge.c \
-	bake/calibrate/fisheye/circle/fisheye_ellipse.c \
 	bake/calibrate/fisheye/fisheye_falloff.c \
 	bake/calibrate/fisheye/fisheye_file.c \
 	bake/calibrate/fisheye/fisheye_find.c \
 	bake/calibrate/fisheye/fisheye_knowledge.c \
-	bake/calibrate/fisheye/lamps/fisheye_lamps.c \
 	bake/calibrate/fisheye/fisheye_models.c \
 	bake/calibrate/fisheye/fisheye_optics.c \
-	bake/calibrate/fisheye/circle/fisheye_rim.c \
 	bake/calibrate/fisheye/fisheye_solve.c \
 	bake/calibrate/fisheye/fisheye_start.c \
 	bake/calibrate/fisheye/fisheye_turn.c \
-	bake/calibrate/observe/gather.c \
-	bake/calibrate/estimate/json.c \
+	bake/calibrate/fisheye/lens_job.c \
+	bake/calibrate/fisheye/circle/fisheye_circle.c \
+	bake/calibrate/fisheye/circle/fisheye_edge.c \
+	bake/calibrate/fisheye/circle/fisheye_ellipse.c \
+	bake/calibrate/fisheye/circle/fisheye_rim.c \
+	bake/calibrate/fisheye/lamps/fisheye_lamps.c \
 	bake/calibrate/fisheye/lamps/lamps_file.c \
 	bake/calibrate/fisheye/lamps/lamps_match.c \
 	bake/calibrate/fisheye/lamps/lamps_spots.c \
 	bake/calibrate/fisheye/lamps/lamps_trace.c \
-	bake/calibrate/estimate/least_squares.c \
-	bake/calibrate/fisheye/lens_job.c \
+	bake/calibrate/observe/boards.c \
+	bake/calibrate/observe/boards_charuco.cpp \
+	bake/calibrate/observe/boards_chess.cpp \
+	bake/calibrate/observe/boards_circles.cpp \
+	bake/calibrate/observe/boards_corner.cpp \
+	bake/calibrate/observe/boards_look.cpp \
+	bake/calibrate/observe/boards_print.c \
+	bake/calibrate/observe/gather.c \
+	bake/calibrate/observe/live.c \
+	bake/calibrate/observe/live_collect.c \
+	bake/calibrate/observe/live_screen.c \
+	bake/calibrate/observe/observations.c \
+	bake/calibrate/report/report.c \
+	bake/calibrate/report/report_directions.c \
+	bake/calibrate/report/report_json.c \
+	bake/calibrate/report/report_maps.c \
+	bake/calibrate/report/report_matrix.c \
+	bake/calibrate/report/report_sheet.c \
+	bake/calibrate/report/report_shown.c \
+	bake/calibrate/report/report_tables.c \
+	bake/calibrate/report/report_views.c \
 	bake/calibrate/response/light_black.c \
 	bake/calibrate/response/light_colours.c \
-	bake/calibrate/light_command_delay.c \
-	bake/calibrate/light_command_match.c \
-	bake/calibrate/light_command_pictures.c \
 	bake/calibrate/response/light_delay.c \
 	bake/calibrate/response/light_file.c \
 	bake/calibrate/response/light_gain.c \
@@ -72,22 +87,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/response/light_response_fit.c \
 	bake/calibrate/response/light_samples.c \
 	bake/calibrate/response/light_spline.c \
-	bake/calibrate/estimate/linear.c \
-	bake/calibrate/observe/live.c \
-	bake/calibrate/observe/live_collect.c \
-	bake/calibrate/observe/live_screen.c \
-	bake/calibrate/observe/observations.c \
-	bake/calibrate/response/plain_light.c \
-	bake/calibrate/report/report.c \
-	bake/calibrate/report/report_directions.c \
-	bake/calibrate/report/report_json.c \
-	bake/calibrate/report/report_maps.c \
-	bake/calibrate/report/report_matrix.c \
-	bake/calibrate/report/report_sheet.c \
-	bake/calibrate/report/report_shown.c \
-	bake/calibrate/report/report_tables.c \
-	bake/calibrate/report/report_views.c \
-	bake/calibrate/estimate/verdict.c
+	bake/calibrate/response/plain_light.c
 CALIBRATE_MAIN := bake/calibrate/main.c
 calibrate_PACKAGES := cminpack
 calibrate_LIBS := -lopencv_aruco -lopencv_objdetect -lopencv_calib3d -lopencv_features2d -lopencv_imgproc -lopencv_core
