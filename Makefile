@@ -99,6 +99,13 @@ include board/module.mk
 # Warnings are for our own headers.
 pkg_cflags = $(if $(strip $(1)),$(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags $(1))))
 pkg_libs = $(if $(strip $(1)),$(shell $(PKG_CONFIG) --libs $(1)))
+# FOLDER_CFLAGS and FOLDER_LIBRARIES: of FOLDER_PACKAGES. pkg-config is asked when the first recipe needs
+# them (the packages may not be there before), and only then.
+define packages
+$(1)_CFLAGS = $$(eval $(1)_CFLAGS := $$(call pkg_cflags,$$($(1)_PACKAGES)))$$($(1)_CFLAGS)
+$(1)_LIBRARIES = $$(eval $(1)_LIBRARIES := $$(call pkg_libs,$$($(1)_PACKAGES)))$$($(1)_LIBRARIES)
+endef
+$(foreach folder,hal drivers config app bake calibrate tests,$(eval $(call packages,$(folder))))
 
 ALL_SOURCES := $(HAL_SOURCES) $(DRIVER_SOURCES) $(CONFIG_SOURCES) $(APP_SOURCES) $(BAKE_SOURCES) \
 	$(CALIBRATE_SOURCES) $(BAKE_MAIN) $(APP_MAIN) $(CALIBRATE_MAIN)
@@ -114,12 +121,12 @@ all: $(PROGRAMS)
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(say) CC $<
-	$(Q)$(CC) $(CFLAGS_ALL) $(OWN_FLAGS) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
+	$(Q)$(CC) $(CFLAGS_ALL) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
 
 $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
 	$(say) CXX $<
-	$(Q)$(CXX) $(CXXFLAGS_ALL) $(OWN_FLAGS) $(call pkg_cflags,$($(firstword $(subst /, ,$<))_PACKAGES)) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS_ALL) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
 
 define archive
 $(BUILD)/$(1).a: $(call objects,$(2))
@@ -135,10 +142,10 @@ $(eval $(call archive,calibrate,$(CALIBRATE_SOURCES)))
 
 APP_LIBS := $(addprefix $(BUILD)/,app.a drivers.a config.a hal.a)
 BAKE_LIBS := $(addprefix $(BUILD)/,bake.a hal.a)
-APP_LINK = $(call pkg_libs,$(drivers_PACKAGES) $(app_PACKAGES) $(hal_PACKAGES)) $(hal_LIBS) -lm
-BAKE_LINK = $(call pkg_libs,$(bake_PACKAGES) $(hal_PACKAGES)) $(bake_LIBS) $(hal_LIBS) -lm
+APP_LINK = $(drivers_LIBRARIES) $(app_LIBRARIES) $(hal_LIBRARIES) $(hal_LIBS) -lm
+BAKE_LINK = $(bake_LIBRARIES) $(hal_LIBRARIES) $(bake_LIBS) $(hal_LIBS) -lm
 CALIBRATE_LIBS := $(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
-CALIBRATE_LINK = $(call pkg_libs,$(calibrate_PACKAGES) $(drivers_PACKAGES)) $(calibrate_LIBS) $(BAKE_LINK)
+CALIBRATE_LINK = $(calibrate_LIBRARIES) $(drivers_LIBRARIES) $(calibrate_LIBS) $(BAKE_LINK)
 
 $(BUILD)/inlay: $(call objects,$(APP_MAIN)) $(APP_LIBS)
 	$(say) LINK $@
@@ -158,7 +165,7 @@ EVERY_LIB := $(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a h
 EVERY_LINK = -Wl,--as-needed $(APP_LINK) $(CALIBRATE_LINK)
 $(UNIT_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(EVERY_LIB)
 	$(say) LINK $@
-	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(EVERY_LIB) $(call pkg_libs,cmocka) $(EVERY_LINK)
+	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(EVERY_LIB) $(tests_LIBRARIES) $(EVERY_LINK)
 
 # Fuzz targets replay their corpus under any compiler, and are real fuzzers under clang.
 FUZZ_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(FUZZ_TARGETS)))

@@ -108,5 +108,5 @@ COW_OBJECTS := $(patsubst %.c,$(BUILD)/%.o,$(COW_SOURCES) bake/demo/make_cow.c)
 EXTRA_PROGRAMS += $(BUILD)/make-cow
 $(BUILD)/make-cow: $(COW_OBJECTS) $(BUILD)/hal.a
 	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/bake/demo/make_cow.d

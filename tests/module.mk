@@ -184,7 +184,7 @@ include tests/vm/vm.mk
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/compare
 $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.a
 	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
 
 # How right the light is that a camera of several exposures measures: exposures.sh.
@@ -209,7 +209,7 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o \
 TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
 $(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(BUILD)/hal.a
 	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(call pkg_libs,$(hal_PACKAGES)) $(hal_LIBS) -lm
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/fuzz/basis_seeds.d
 
 # Counts the heap allocations of a program that it is loaded into.

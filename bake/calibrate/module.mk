@@ -91,5 +91,5 @@ CALIBRATE_SOURCES := \
 CALIBRATE_MAIN := bake/calibrate/main.c
 calibrate_PACKAGES := cminpack
 calibrate_LIBS := -lopencv_aruco -lopencv_objdetect -lopencv_calib3d -lopencv_features2d -lopencv_imgproc -lopencv_core
-$(call objects,$(filter %.c,$(CALIBRATE_SOURCES))): OWN_FLAGS = $(call pkg_cflags,$(calibrate_PACKAGES))
+$(call objects,$(filter %.c,$(CALIBRATE_SOURCES))): OWN_FLAGS = $(calibrate_CFLAGS)
 $(call objects,$(filter %.cpp,$(CALIBRATE_SOURCES))): OWN_FLAGS = -isystem /usr/include/opencv4
