@@ -241,7 +241,7 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 		-- boot "tests/boot/run.sh --picture" \
 		-- accuracy tests/accuracy/quick.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
 		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
-		-- lint "tests/lint/lint.sh --quick" tests/lint/test_includes.sh \
+		-- lint "tests/lint/lint.sh --quick" tests/lint/test_rules.sh \
 		-- cli $(TIMED_TESTS) -- unit $(TIMED_PROGRAMS)
 	$(Q)tests/run.sh --end
 

@@ -42,6 +42,21 @@ analysed() {
 		-DWITH_SYSTEMD=1 -DGPIOD_MAJOR=1 -D__linux__ -D__x86_64__ -D__GNUC__=12 \
 		hal drivers config app bake
 }
+# A comment is a sentence: none begins as the rest of one.
+worded() {
+	! sources | xargs awk '
+		FNR == 1 { open = 0 }
+		open && match($0, /[^ \t*]/) { text = substr($0, RSTART); open = 0; judge() }
+		/\/\*[ \t*]*$/ { open = 1; next }
+		match($0, /(\/\*+|\/\/)[ \t]*[^ \t*]/) { text = substr($0, RSTART + RLENGTH - 1); judge() }
+		function judge() {
+			if (text ~ /^(Of|Which|Whose|To what|To which|By what|By which|For which|In which|With which|From which) /)
+				print FILENAME ":" FNR ": begins in mid-sentence: " text
+		}' | grep .
+}
+uncircled() { # BUILD
+	tests/lint/circles.sh "$1" hal drivers config app bake
+}
 scripted() {
 	scripts | xargs shellcheck -x -S warning
 }
@@ -57,13 +72,17 @@ helped() { # every target with a comment is listed, and the ones that the README
 }
 
 check "formatted as .clang-format says" formatted
-check "include rules" tests/lint/includes.sh
+check "rooms: who includes whom, READMEs, files in a folder" tests/lint/rooms.sh
+check "comments are sentences" worded
 check "shellcheck" scripted
 check "make help lists what the README names" helped
 if [ "${1:-}" != --quick ]; then
 	check "gcc, warnings as errors" built thread objects
 	check "clang, warnings as errors" built fuzz objects
 	check "cppcheck" analysed
+	check "no files that call each other" uncircled build/sanitize-thread
+else
+	check "no files that call each other" uncircled "${BUILD:?is not set: expected the folder of the objects}"
 fi
 echo "1..$count"
 exit $failed
