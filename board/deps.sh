@@ -21,9 +21,9 @@ image_host="mmdebstrap uidmap fakeroot e2fsprogs dosfstools mtools fdisk systemd
 image="$image_host qemu-system-arm ovmf qemu-user-static arch-test
 	gcc-aarch64-linux-gnu g++-aarch64-linux-gnu"
 test="libcmocka-dev clang-format shellcheck git python3-minimal busybox-static v4l-utils
-	libcamera-ipa udev"
+	libcamera-ipa udev poppler-utils"
 # For the deep tests alone.
-deep="clang clang-tidy libclang-rt-dev cppcheck valgrind opencv-doc poppler-utils parallel slurmctld
+deep="clang clang-tidy libclang-rt-dev cppcheck valgrind opencv-doc parallel slurmctld
 	slurmd slurm-client man-db mandoc lintian bash-completion zsh"
 
 wanted=""
