@@ -302,6 +302,12 @@ test-fuzz: programs-fuzz
 test-sanitize: all
 	$(Q)tests/sanitize/run.sh
 
+.PHONY: same-output
+## same-output: does the demo come out the same as REVISION=HEAD made it, byte by byte? (minutes)
+REVISION = HEAD
+same-output: all
+	$(Q)BUILD="$(BUILD)" tests/same_output.sh $(REVISION)
+
 .PHONY: test-seeds
 ## test-seeds: unit and kernel tests, each from TIMES=20 new seeds (an hour); make test keeps to one
 TIMES = 20
