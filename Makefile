@@ -71,7 +71,7 @@ CXXFLAGS_ALL = -std=c++17 $(CXX_WARNINGS) $(SHARED_FLAGS) $(CXXFLAGS)
 empty :=
 space := $(empty) $(empty)
 comma := ,
-FLAVOUR := $(notdir $(CC))$(if $(SANITIZE),-$(subst $(comma),-,$(SANITIZE)))$(shell \
+FLAVOUR := $(notdir $(lastword $(CC)))$(if $(SANITIZE),-$(subst $(comma),-,$(SANITIZE)))$(shell \
 	printf '%s' "$(OPTIMIZE)$(CFLAGS)$(foreach x,$(SWITCHES),$(WITH_$(x)))$(GPIOD_MAJOR)" \
 	| cksum | cut -d' ' -f1 | sed 's/^/-/')
 BUILD ?= build/$(FLAVOUR)
@@ -118,13 +118,17 @@ all: $(PROGRAMS)
 		ln -sfn $(patsubst build/%,%,$(BUILD))/$$program build/$$program; done
 
 # ---- rules ----
+# A bare machine is told what to do, once, before the first object.
+missing_tool := $(firstword $(foreach tool,$(CC) $(CXX) $(PKG_CONFIG),$(if $(shell command -v $(tool) 2>/dev/null),,$(tool))))
+with_tools = $(if $(missing_tool),$(error There is no $(missing_tool) here: "make deps" installs what building needs))
+
 $(BUILD)/%.o: %.c
-	@mkdir -p $(@D)
+	$(with_tools)@mkdir -p $(@D)
 	$(say) CC $<
 	$(Q)$(CC) $(CFLAGS_ALL) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
 
 $(BUILD)/%.o: %.cpp
-	@mkdir -p $(@D)
+	$(with_tools)@mkdir -p $(@D)
 	$(say) CXX $<
 	$(Q)$(CXX) $(CXXFLAGS_ALL) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
 
