@@ -8,7 +8,6 @@ BAKE_SOURCES := \
 	bake/info_command.c \
 	bake/info_map.c \
 	bake/base/angles.c \
-	bake/base/in_order.c \
 	bake/base/options.c \
 	bake/base/progress.c \
 	bake/base/surface.c \
@@ -71,6 +70,7 @@ BAKE_SOURCES := \
 	bake/scene/scene_file.c \
 	bake/tiles/assembly.c \
 	bake/tiles/finished_tile.c \
+	bake/tiles/in_order.c \
 	bake/tiles/merge_command.c \
 	bake/tiles/peaks.c \
 	bake/tiles/plan.c \

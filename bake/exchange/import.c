@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/in_order.h"
 #include "bake/tiles/assembly.h"
+#include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
 #include "hal/base/pool.h"
 

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/in_order.h"
 #include "bake/base/progress.h"
 #include "bake/scene/keyframes.h"
 #include "bake/tiles/assembly.h"
+#include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
 #include "bake/tiles/tile.h"
 #include "hal/base/pool.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Tiles that all threads make, in any order, handed on in theirs. */
-#ifndef INLAY_BAKE_BASE_IN_ORDER_H
-#define INLAY_BAKE_BASE_IN_ORDER_H
+#ifndef INLAY_BAKE_TILES_IN_ORDER_H
+#define INLAY_BAKE_TILES_IN_ORDER_H
 
 #include "bake/base/progress.h"
 #include "bake/tiles/finished_tile.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/base/in_order.h"
+#include "bake/tiles/in_order.h"
 
 #include <pthread.h>
 #include <stdbool.h>
