@@ -81,6 +81,7 @@ BAKE_SOURCES := \
 	bake/tiles/tile.c \
 	bake/tiles/tile_glass.c \
 	bake/tiles/tile_noise.c \
+	bake/tiles/tile_sample.c \
 	bake/trace/bounce.c \
 	bake/trace/bounce_aside.c \
 	bake/trace/cells.c \

@@ -94,26 +94,16 @@ static inline size_t tile_bounce_size(const struct tile *tile)
 	return 3 * (size_t)tile->cells->count;
 }
 
+/* Which of the two bounce rows of a kind the current batch adds to: 0 or 1. */
+static inline int tile_half_of_batch(const struct tile *tile)
+{
+	return (tile->batches - 1) & 1;
+}
+
 static inline bool tile_has_standins(const struct tile *tile)
 {
 	return tile->rows[TILE_WITHOUT].direct;
 }
-
-/* A camera ray. */
-struct tile_sample {
-	int at; /* the pixel's place in the tile */
-	uint32_t pixel, sample;
-	double place[2]; /* in the picture */
-	struct surface surface;
-	struct v3 direction;
-};
-
-/* Where a sample's light goes; first: of this pixel and kind. */
-struct transport_rows tile_rows_for(struct tile *tile, enum tile_kind kind, int at, bool first);
-
-/* A real surface that is seen, as much as weight says. */
-void tile_add_receiver(struct tile *tile, const struct tile_sample *sample,
-		       const struct surface *surface, struct v3 direction, float weight);
 
 /* Renders tile number index of the picture. */
 void tile_render(struct tile *tile, int index);

@@ -3,7 +3,7 @@
 #ifndef INLAY_BAKE_TILES_TILE_GLASS_H
 #define INLAY_BAKE_TILES_TILE_GLASS_H
 
-#include "bake/tiles/tile.h"
+#include "bake/tiles/tile_sample.h"
 
 /* A sample that met glass of the object: what passes straight or bent to a place that the picture
  * shows counts as background, all else is light of the object. rows: the object's. */
