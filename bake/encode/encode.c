@@ -8,7 +8,10 @@
 #include <string.h>
 
 #include "bake/encode/encode_block.h"
+#include "bake/encode/encode_expose.h"
 #include "bake/encode/encode_measure.h"
+#include "bake/encode/encode_reader.h"
+#include "bake/encode/encode_search.h"
 #include "bake/encode/encode_shade.h"
 
 /* What the arithmetic between samples and values may be off by, against the largest of them. */
@@ -156,7 +159,7 @@ static void limit(struct encoder *e, struct part *part)
 
 /* Where no plan holds, columns of single lights are what is too coarse, or left out too soon: many
  * of them add up. */
-static int search_until_held(struct encoder *e, struct part *part, struct plan *plan)
+static int search_until_held(struct encoder *e, struct part *part, struct encode_plan *plan)
 {
 	int err = search_best(&e->search, &e->split, part, plan);
 
@@ -177,7 +180,7 @@ static int build(struct encoder *e, int tile, int count, int *first)
 	for (int k = 0; k < count && !err; k++) {
 		struct part *part = &e->part[k];
 		const bool alone = part->kind == BASIS_KIND_U && first[k - 1] == e->shown.count;
-		struct plan plan;
+		struct encode_plan plan;
 
 		first[k] = e->shown.count;
 		if (!part->kept || alone)

@@ -193,7 +193,8 @@ static void write_next(const struct search *s, const struct split *split,
 }
 
 static void write_columns(struct block_list *list, int first, const struct search *s,
-			  const struct split *split, const struct plan_block *blocks, int count)
+			  const struct split *split, const struct encode_plan_block *blocks,
+			  int count)
 {
 	const int lights = s->settings->lights;
 	int written[PLAN_BLOCKS_MAX] = {0};
@@ -223,10 +224,10 @@ static void write_columns(struct block_list *list, int first, const struct searc
 }
 
 int block_build(struct block_list *list, const struct search *s, const struct split *split,
-		const struct plan *plan, int tile)
+		const struct encode_plan *plan, int tile)
 {
-	struct plan_block blocks[PLAN_BLOCKS_MAX];
-	const int count = plan_blocks(plan, blocks), first = list->count;
+	struct encode_plan_block blocks[PLAN_BLOCKS_MAX];
+	const int count = encode_plan_blocks(plan, blocks), first = list->count;
 
 	if (!split->part->kept)
 		return 0;
@@ -238,7 +239,7 @@ int block_build(struct block_list *list, const struct search *s, const struct sp
 			.tinted = blocks[k].mono && split->tinted,
 			.patterns = (uint16_t)blocks[k].patterns,
 			.columns = (uint32_t)blocks[k].columns,
-			.record_bytes = plan_record_bytes(plan, &blocks[k]),
+			.record_bytes = encode_plan_record_bytes(plan, &blocks[k]),
 		};
 		uint8_t *payload;
 		int err = add(list, s->settings, split->part, entry, false, &payload);

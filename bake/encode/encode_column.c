@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A light's own columns: the cheapest that bring what patterns leave of it inside what may be left.
- */
+#include "bake/encode/encode_column.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/encode_split.h"
+#include "bake/encode/encode_expose.h"
 
 /* Added to a number below 2^22 and taken away again, it leaves the nearest integer. */
 #define ROUNDING 0x1.8p23F

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* How a part's values become levels under each cell and sky, and what may be left of them. */
+#include "bake/encode/encode_expose.h"
+
 #include <cblas.h>
 #include <float.h>
 #include <math.h>
 
-#include "bake/encode/encode_part.h"
 #include "hal/colour/transfer.h"
 
 /* What tables and single precision may cost of the error asked for. */

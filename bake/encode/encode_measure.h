@@ -4,7 +4,8 @@
 #ifndef INLAY_BAKE_ENCODE_ENCODE_MEASURE_H
 #define INLAY_BAKE_ENCODE_ENCODE_MEASURE_H
 
-#include "bake/encode/encode_block.h"
+#include "bake/encode/encode_expose.h"
+#include "bake/encode/encode_reader.h"
 
 /* Sums of one part under one lighting, in a common exposure. */
 struct measure_sums {

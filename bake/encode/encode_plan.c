@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* What a plan costs, and whether it holds. */
+#include "bake/encode/encode_plan.h"
+
 #include <cblas.h>
 #include <math.h>
 #include <string.h>
 
-#include "bake/encode/encode_search.h"
 #include "hal/basis/basis_layout.h"
 
 /* What a block costs a frame besides its bytes, in bytes: some 150 ns at 10 GB/s. */
 #define BLOCK_COST 1500
 
-int plan_blocks(const struct plan *plan, struct plan_block *blocks)
+int encode_plan_blocks(const struct encode_plan *plan, struct encode_plan_block *blocks)
 {
 	int count = 0;
 
@@ -22,7 +22,7 @@ int plan_blocks(const struct plan *plan, struct plan_block *blocks)
 		for (int form = first; form < end; form++) {
 			if (!plan->columns[form])
 				continue;
-			blocks[count++] = (struct plan_block){
+			blocks[count++] = (struct encode_plan_block){
 				.mono = !colour,
 				.patterns = patterns,
 				.bits = column_most((enum column_form)form) == INT8_MAX ? 8 : 16,
@@ -32,21 +32,22 @@ int plan_blocks(const struct plan *plan, struct plan_block *blocks)
 			patterns = 0;
 		}
 		if (patterns)
-			blocks[count++] = (struct plan_block){
+			blocks[count++] = (struct encode_plan_block){
 				.mono = !colour, .patterns = patterns, .bits = 16};
 	}
 	return count;
 }
 
-uint32_t plan_record_bytes(const struct plan *plan, const struct plan_block *block)
+uint32_t encode_plan_record_bytes(const struct encode_plan *plan,
+				  const struct encode_plan_block *block)
 {
 	return block->bits == 8 ? (uint32_t)plan->column_bytes[block->form] : 0;
 }
 
-static void count_bytes(const struct search *s, const struct split *split, struct plan *plan)
+static void count_bytes(const struct search *s, const struct split *split, struct encode_plan *plan)
 {
-	struct plan_block blocks[PLAN_BLOCKS_MAX];
-	const int count = plan_blocks(plan, blocks);
+	struct encode_plan_block blocks[PLAN_BLOCKS_MAX];
+	const int count = encode_plan_blocks(plan, blocks);
 
 	plan->bytes = plan->pattern_bytes = 0;
 	plan->blocks = count;
@@ -58,7 +59,7 @@ static void count_bytes(const struct search *s, const struct split *split, struc
 			.tinted = blocks[k].mono && split->tinted,
 			.patterns = (uint16_t)blocks[k].patterns,
 			.columns = (uint32_t)blocks[k].columns,
-			.record_bytes = plan_record_bytes(plan, &blocks[k]),
+			.record_bytes = encode_plan_record_bytes(plan, &blocks[k]),
 		};
 		const struct basis_layout at = basis_layout(&entry, s->settings->coarse);
 
@@ -253,7 +254,7 @@ static double use_columns(struct search *s, const struct part *part)
 	return read / (double)skies;
 }
 
-static void choose_columns(struct search *s, const struct split *split, struct plan *plan)
+static void choose_columns(struct search *s, const struct split *split, struct encode_plan *plan)
 {
 	int count;
 
@@ -332,21 +333,21 @@ static double excess_of(struct search *s, const struct split *split)
 		    (double)worst / s->target.max);
 }
 
-double plan_cost(const struct plan *plan)
+double encode_plan_cost(const struct encode_plan *plan)
 {
 	return (double)plan->bytes + (double)plan->pattern_bytes + plan->read +
 	       BLOCK_COST * plan->blocks;
 }
 
-bool plan_better(const struct plan *a, const struct plan *b)
+bool encode_plan_better(const struct encode_plan *a, const struct encode_plan *b)
 {
 	if ((a->excess <= 1) != (b->excess <= 1))
 		return a->excess <= 1;
-	return a->excess <= 1 ? plan_cost(a) < plan_cost(b) : a->excess < b->excess;
+	return a->excess <= 1 ? encode_plan_cost(a) < encode_plan_cost(b) : a->excess < b->excess;
 }
 
-void plan_evaluate(struct search *s, struct split *split, int mono_rank, int colour_rank,
-		   const struct plan *best, struct plan *plan)
+void encode_plan_evaluate(struct search *s, struct split *split, int mono_rank, int colour_rank,
+			  const struct encode_plan *best, struct encode_plan *plan)
 {
 	split_set_ranks(split, s->settings->lights, mono_rank, colour_rank);
 	plan->way = split->way;
@@ -356,6 +357,6 @@ void plan_evaluate(struct search *s, struct split *split, int mono_rank, int col
 	count_bytes(s, split, plan);
 	/* The skies take longest, and do not matter where it is dearer anyway. */
 	plan->excess = INFINITY;
-	if (!best || best->excess > 1 || plan_cost(plan) < plan_cost(best))
+	if (!best || best->excess > 1 || encode_plan_cost(plan) < encode_plan_cost(best))
 		plan->excess = excess_of(s, split);
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* What blocks say, decoded from their payloads alone. */
+#include "bake/encode/encode_reader.h"
+
 #include <errno.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/encode_block.h"
+#include "bake/encode/encode_rank.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 

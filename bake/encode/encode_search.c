@@ -82,29 +82,30 @@ static int reserve(struct search *s, const struct part *part)
 /* ---- ranks ---- */
 
 static void try_rank(struct search *s, struct split *split, bool mono, int rank,
-		     const struct plan *best, struct plan *plan)
+		     const struct encode_plan *best, struct encode_plan *plan)
 {
 	*plan = *best;
-	plan_evaluate(s, split, mono ? rank : best->mono_rank, mono ? best->colour_rank : rank,
-		      best, plan);
+	encode_plan_evaluate(s, split, mono ? rank : best->mono_rank,
+			     mono ? best->colour_rank : rank, best, plan);
 }
 
 /* Improves one of the two ranks, from first upwards. */
-static void scan(struct search *s, struct split *split, bool mono, int first, struct plan *best)
+static void scan(struct search *s, struct split *split, bool mono, int first,
+		 struct encode_plan *best)
 {
 	const int found = mono ? split->mono_patterns.count : split->colour_patterns.count;
 	int worse = 0;
 
 	for (int k = 0; k < RANKS && worse < PATIENCE; k++) {
-		struct plan plan;
+		struct encode_plan plan;
 
 		if (ranks[k] < first)
 			continue;
 		try_rank(s, split, mono, ranks[k], best, &plan);
-		if (plan_better(&plan, best)) {
+		if (encode_plan_better(&plan, best)) {
 			*best = plan;
 			worse = 0;
-		} else if (best->excess <= 1 && plan_cost(&plan) > plan_cost(best)) {
+		} else if (best->excess <= 1 && encode_plan_cost(&plan) > encode_plan_cost(best)) {
 			worse++;
 		}
 		if (ranks[k] >= found)
@@ -113,7 +114,7 @@ static void scan(struct search *s, struct split *split, bool mono, int first, st
 }
 
 /* The same from where it is, downwards, else upwards. */
-static void climb(struct search *s, struct split *split, bool mono, struct plan *best)
+static void climb(struct search *s, struct split *split, bool mono, struct encode_plan *best)
 {
 	const int found = mono ? split->mono_patterns.count : split->colour_patterns.count;
 	const int from = mono ? best->mono_rank : best->colour_rank;
@@ -125,10 +126,10 @@ static void climb(struct search *s, struct split *split, bool mono, struct plan 
 		while (k + 1 < RANKS && ranks[k] < from)
 			k++;
 		for (k += step; k >= 0 && k < RANKS && (step < 0 || ranks[k] <= found); k += step) {
-			struct plan plan;
+			struct encode_plan plan;
 
 			try_rank(s, split, mono, ranks[k], best, &plan);
-			if (!plan_better(&plan, best))
+			if (!encode_plan_better(&plan, best))
 				break;
 			*best = plan;
 			moved = true;
@@ -136,54 +137,54 @@ static void climb(struct search *s, struct split *split, bool mono, struct plan 
 	}
 }
 
-static void scan_both(struct search *s, struct split *split, int first, struct plan *own)
+static void scan_both(struct search *s, struct split *split, int first, struct encode_plan *own)
 {
 	for (int turn = 0; turn < TURNS; turn++) {
-		const struct plan before = *own;
+		const struct encode_plan before = *own;
 
 		if (split->colour)
 			scan(s, split, false, first, own);
 		if (split->mono)
 			scan(s, split, true, first, own);
-		if (!plan_better(own, &before) || !split->colour || !split->mono)
+		if (!encode_plan_better(own, &before) || !split->colour || !split->mono)
 			break;
 	}
 }
 
-static bool wants_more(const struct split *split, const struct plan *plan)
+static bool wants_more(const struct split *split, const struct encode_plan *plan)
 {
 	return (split->mono && plan->mono_rank >= RANK_FEW) ||
 	       (split->colour && plan->colour_rank >= RANK_FEW) || plan->excess > 1;
 }
 
 static int search_way(struct search *s, struct split *split, const struct part *part,
-		      enum split_way way, struct plan *best)
+		      enum split_way way, struct encode_plan *best)
 {
-	struct plan own = {.most = RANK_FEW};
+	struct encode_plan own = {.most = RANK_FEW};
 	int err = split_part(split, s->settings, part, way);
 
 	if (!err)
 		err = split_find(split, s->settings, part->weight, own.most);
 	if (err)
 		return err;
-	plan_evaluate(s, split, split->mono ? FIRST_RANK : 0, split->colour ? FIRST_RANK : 0, NULL,
-		      &own);
+	encode_plan_evaluate(s, split, split->mono ? FIRST_RANK : 0, split->colour ? FIRST_RANK : 0,
+			     NULL, &own);
 	scan_both(s, split, 0, &own);
 	if (wants_more(split, &own)) {
 		own.most = RANK_MOST;
 		err = split_find(split, s->settings, part->weight, own.most);
 		if (err)
 			return err;
-		plan_evaluate(s, split, own.mono_rank, own.colour_rank, NULL, &own);
+		encode_plan_evaluate(s, split, own.mono_rank, own.colour_rank, NULL, &own);
 		scan_both(s, split, own.excess > 1 ? 0 : RANK_FEW, &own);
 	}
-	if (plan_better(&own, best))
+	if (encode_plan_better(&own, best))
 		*best = own;
 	return 0;
 }
 
 /* A tint does not do where many lights need columns of three channels. */
-static bool hue_varies(const struct search *s, const struct plan *best)
+static bool hue_varies(const struct search *s, const struct encode_plan *best)
 {
 	const int coloured = best->columns[COLUMN_COLOUR8] + best->columns[COLUMN_COLOUR16];
 
@@ -208,15 +209,15 @@ static bool find_misses(struct search *s, const struct split *split)
 }
 
 /* Patterns for other weights, and ranks near the best plan's. */
-static int find_again(struct search *s, struct split *split, const struct plan *best,
-		      struct plan *plan)
+static int find_again(struct search *s, struct split *split, const struct encode_plan *best,
+		      struct encode_plan *plan)
 {
 	int err = split_find(split, s->settings, s->next_weight, best->most);
 
 	if (err)
 		return err;
 	*plan = *best;
-	plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, plan);
+	encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, plan);
 	if (split->colour)
 		climb(s, split, false, plan);
 	if (split->mono)
@@ -246,20 +247,20 @@ static float reweigh(const struct reweighing *by, float miss)
 }
 
 /* Patterns again, for other weights, as long as that helps. */
-static int refine(struct search *s, struct split *split, struct plan *best)
+static int refine(struct search *s, struct split *split, struct encode_plan *best)
 {
 	bool any = find_misses(s, split), stale = false;
 	int how = 0, err = 0;
 
 	for (int round = 0; round < ROUNDS && any && how < REWEIGHINGS && !err; round++) {
 		float *weight = s->weight;
-		struct plan plan;
+		struct encode_plan plan;
 
 		for (int i = 0; i < s->settings->lights; i++)
 			s->next_weight[i] = weight[i] * reweigh(&reweighings[how], s->miss[i]) +
 					    FLT_EPSILON;
 		err = find_again(s, split, best, &plan);
-		stale = !err && !plan_better(&plan, best);
+		stale = !err && !encode_plan_better(&plan, best);
 		if (err || stale) {
 			how++;
 			continue;
@@ -274,13 +275,13 @@ static int refine(struct search *s, struct split *split, struct plan *best)
 }
 
 /* One flag of the split, if the plan is better with it. */
-static void try_flag(struct search *s, struct split *split, bool *flag, struct plan *best)
+static void try_flag(struct search *s, struct split *split, bool *flag, struct encode_plan *best)
 {
-	struct plan plan = *best;
+	struct encode_plan plan = *best;
 
 	*flag = true;
-	plan_evaluate(s, split, best->mono_rank, best->colour_rank, best, &plan);
-	*flag = plan_better(&plan, best);
+	encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, best, &plan);
+	*flag = encode_plan_better(&plan, best);
 	if (*flag)
 		*best = plan;
 }
@@ -288,7 +289,7 @@ static void try_flag(struct search *s, struct split *split, bool *flag, struct p
 /* In weak light the first of two columns of 8 bits is all that is used: where lights are alike and
  * many, what these are off by adds up, and 16 bits may hold. And a few columns of 8 bits are not
  * worth a block apart from those of 16. */
-static void widen(struct search *s, struct split *split, struct plan *best)
+static void widen(struct search *s, struct split *split, struct encode_plan *best)
 {
 	for (int k = 0; k < 2; k++) {
 		const enum column_form narrow = k ? COLUMN_COLOUR8 : COLUMN_MONO8;
@@ -304,7 +305,7 @@ static void widen(struct search *s, struct split *split, struct plan *best)
 
 /* How much short lines may use up: the more, the shorter they are; less where that does not hold.
  */
-static void spend(struct search *s, struct split *split, struct plan *best)
+static void spend(struct search *s, struct split *split, struct encode_plan *best)
 {
 	static const float more[SPENT_TRIED] = {1, 0.8F, 0.65F},
 			   less[SPENT_TRIED] = {0.35F, 0.2F, 0};
@@ -313,11 +314,11 @@ static void spend(struct search *s, struct split *split, struct plan *best)
 	bool held = false;
 
 	for (int k = 0; k < SPENT_TRIED && !held; k++) {
-		struct plan plan = *best;
+		struct encode_plan plan = *best;
 
 		split->spent = share[k];
-		plan_evaluate(s, split, best->mono_rank, best->colour_rank, best, &plan);
-		if (!plan_better(&plan, best))
+		encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, best, &plan);
+		if (!encode_plan_better(&plan, best))
 			continue;
 		*best = plan;
 		found = share[k];
@@ -326,11 +327,12 @@ static void spend(struct search *s, struct split *split, struct plan *best)
 	split->spent = found;
 }
 
-int search_best(struct search *s, struct split *split, const struct part *part, struct plan *best)
+int search_best(struct search *s, struct split *split, const struct part *part,
+		struct encode_plan *best)
 {
 	int err = reserve(s, part);
 
-	*best = (struct plan){.excess = INFINITY};
+	*best = (struct encode_plan){.excess = INFINITY};
 	for (int way = 0; way < SPLIT_WAYS && !err; way++)
 		if (split_possible(part, (enum split_way)way) &&
 		    (way != SPLIT_PLAIN || hue_varies(s, best)))
@@ -342,12 +344,12 @@ int search_best(struct search *s, struct split *split, const struct part *part, 
 		err = split_find(split, s->settings, s->weight, best->most);
 	if (err)
 		return err;
-	plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, best);
+	encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, best);
 	err = refine(s, split, best);
 	if (err)
 		return err;
 	widen(s, split, best);
 	spend(s, split, best);
-	plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, best);
+	encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, best);
 	return 0;
 }

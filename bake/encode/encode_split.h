@@ -8,7 +8,6 @@
 #define INLAY_BAKE_ENCODE_ENCODE_SPLIT_H
 
 #include "bake/encode/encode_rank.h"
-#include "hal/basis/basis_lines.h"
 
 enum split_way {
 	SPLIT_DIRECT, /* one channel, and a tint, for direct light; the rest is mostly what bounced
@@ -17,38 +16,6 @@ enum split_way {
 	SPLIT_PLAIN,  /* all of it as it is: one channel if it has one, else three */
 	SPLIT_WAYS
 };
-
-/* How a light's own column is stored, if it has one. Where 8 bits are not enough it is one of 16;
- * or, where frames may leave columns out, two of 8, the second of what the first leaves, which only
- * strong light needs. Where neither is enough, one of 16 and a second, of 8 or of 16. */
-enum column_form {
-	COLUMN_NONE,
-	COLUMN_MONO8,
-	COLUMN_MONO_REST, /* of 8 bits, too */
-	COLUMN_MONO16,
-	COLUMN_MONO_REST16,
-	COLUMN_COLOUR8,
-	COLUMN_COLOUR_REST,
-	COLUMN_COLOUR16,
-	COLUMN_COLOUR_REST16,
-	COLUMN_FORMS
-};
-
-#define LIGHT_COLUMNS_MAX 2
-
-/* The largest value that is stored. */
-static inline int column_most(enum column_form form)
-{
-	return form == COLUMN_MONO16 || form == COLUMN_MONO_REST16 || form == COLUMN_COLOUR16 ||
-			       form == COLUMN_COLOUR_REST16
-		       ? 32767
-		       : 127;
-}
-
-static inline int column_channels(enum column_form form)
-{
-	return form < COLUMN_COLOUR8 ? 1 : 3;
-}
 
 struct split {
 	const struct part *part;
@@ -75,15 +42,6 @@ struct split {
 	struct rank_scratch scratch;
 };
 
-/* One column, as stored. */
-struct split_column {
-	enum column_form form;
-	float scale;
-	int16_t value[PART_ROWS];	  /* channel by channel */
-	uint8_t code[BASIS_RECORD_LINES]; /* of 8 bits: how its lines are stored (basis_lines.h) */
-	size_t bytes;			  /* that it takes in a file */
-};
-
 int split_create(struct split *split, const struct encode_settings *settings);
 void split_free(struct split *split); /* zeroed is fine */
 
@@ -108,16 +66,5 @@ void split_left(const struct split *split, int light, float *left);
 
 /* The one channel [pixels] that, tinted, comes nearest to three. */
 void split_untint(const struct split *split, const float *three, float *one);
-
-/* The cheapest columns that keep the light within the error asked for (the finest, whatever they
- * leave, when nothing else does). Returns how many: 1, or 2. left [LIGHT_COLUMNS_MAX][rows]: what
- * patterns leave; becomes what the first column leaves, and the second. */
-int split_find_columns(const struct split *split, int light, float *left,
-		       struct split_column column[LIGHT_COLUMNS_MAX]);
-
-/* A column of column->form that says `from` [channels * pixels], rounded to nearest, and reaches at
- * least so far. */
-void split_take_column(const struct split *split, const float *from, double reach,
-		       struct split_column *column);
 
 #endif
