@@ -11,13 +11,13 @@
 #include "hal/base/text_file.h"
 #include "hal/basis/basis_format.h"
 
-struct line {
+struct angle_line {
 	double direction[3];
 	int number; /* in the file */
 };
 
-struct lines {
-	struct line *line;
+struct angle_lines {
+	struct angle_line *line;
 	int count;
 	enum dome_shape shape;
 };
@@ -46,10 +46,11 @@ static bool read_angles(const char *text, double *theta, double *phi)
 	return !number_read(&text, phi) && !text[strspn(text, " \t\r")];
 }
 
-static int read_line(struct lines *all, const struct text_file *file, struct fault *fault)
+static int angles_read_line(struct angle_lines *all, const struct text_file *file,
+			    struct fault *fault)
 {
 	const char *text = file->line;
-	struct line *grown;
+	struct angle_line *grown;
 	double theta, phi;
 
 	if (text[strspn(text, " \t\r")] == '\0' || *text == '#')
@@ -69,27 +70,27 @@ static int read_line(struct lines *all, const struct text_file *file, struct fau
 	if (!grown)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", file->path);
 	all->line = grown;
-	grown[all->count++] = (struct line){
+	grown[all->count++] = (struct angle_line){
 		.direction = {sin(theta) * cos(phi), sin(theta) * sin(phi), fmax(cos(theta), 0)},
 		.number = file->number,
 	};
 	return 0;
 }
 
-static int read_lines(struct lines *all, const char *path, struct fault *fault)
+static int angles_read_lines(struct angle_lines *all, const char *path, struct fault *fault)
 {
 	struct text_file file;
 	int err = text_file_open(&file, path, fault);
 
 	while (!err && (err = text_file_next(&file, fault)) > 0)
-		err = read_line(all, &file, fault);
+		err = angles_read_line(all, &file, fault);
 	text_file_close(&file);
 	return err;
 }
 
 /* The dome of as many lights, divided so; -ENOENT: there is none. */
-static int create_of_count(struct dome *dome, const struct lines *all, enum dome_division division,
-			   struct fault *fault)
+static int create_of_count(struct dome *dome, const struct angle_lines *all,
+			   enum dome_division division, struct fault *fault)
 {
 	for (int f = 1; f <= DOME_FREQUENCY_MAX && 5 * f * f <= all->count; f++) {
 		const int err = dome_create_shaped(dome, f, division, all->shape, fault);
@@ -102,7 +103,7 @@ static int create_of_count(struct dome *dome, const struct lines *all, enum dome
 }
 
 /* Lines to lights. 0, or the number of a line that fits nowhere. */
-static int match(const struct lines *all, const struct dome *dome, int *light)
+static int match_lines(const struct angle_lines *all, const struct dome *dome, int *light)
 {
 	const double spacing = sqrt(2 * M_PI / dome->count);
 	const double least = cos(ANGLES_TOLERANCE * spacing);
@@ -127,7 +128,7 @@ static int match(const struct lines *all, const struct dome *dome, int *light)
 	return stray;
 }
 
-static int find_dome(const struct lines *all, const char *path, struct dome *dome, int *light,
+static int find_dome(const struct angle_lines *all, const char *path, struct dome *dome, int *light,
 		     struct fault *fault)
 {
 	int stray = 0;
@@ -139,7 +140,7 @@ static int find_dome(const struct lines *all, const char *path, struct dome *dom
 			continue;
 		if (err)
 			return err;
-		err = match(all, dome, light);
+		err = match_lines(all, dome, light);
 		if (!err)
 			return 0;
 		dome_free(dome);
@@ -162,8 +163,8 @@ static int find_dome(const struct lines *all, const char *path, struct dome *dom
 
 int angles_read(const char *path, struct dome *dome, int **light, struct fault *fault)
 {
-	struct lines all = {.count = 0};
-	int err = read_lines(&all, path, fault);
+	struct angle_lines all = {.count = 0};
+	int err = angles_read_lines(&all, path, fault);
 
 	*dome = (struct dome){.count = 0};
 	*light = NULL;

@@ -69,7 +69,7 @@ static bool has_output(const struct option *options)
 }
 
 /* Answers --help, --version and anything unknown; returns the exit status. */
-static int answer(const struct command *command, int option)
+static int command_answer(const struct command *command, int option)
 {
 	if (option == OPTION_VERSION) {
 		printf("%s %s\n", program, INLAY_VERSION);
@@ -95,7 +95,7 @@ int command_options(const struct command *command, int argc, char **argv,
 	argv[0] = (char *)program; /* whose name getopt puts before what it says */
 	while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
 		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
-			return answer(command, option);
+			return command_answer(command, option);
 		if (take(choices, option, &fault))
 			return command_wrong(command, "%s", fault.text);
 	}
@@ -111,7 +111,7 @@ int command_wrong(const struct command *command, const char *format, ...)
 	vsnprintf(text, sizeof(text), format, args);
 	va_end(args);
 	log_error("%s", text);
-	return answer(command, '?');
+	return command_answer(command, '?');
 }
 
 int option_int(const char *option, const char *text, int min, int max, int *value,

@@ -15,7 +15,7 @@ void progress_begin(struct progress *p, const char *what, int total, bool quiet)
 	p->start_ns = p->shown_ns = clock_now_ns();
 }
 
-static void draw_bar(const struct progress *p, double share, double rate, int left_s)
+static void progress_draw(const struct progress *p, double share, double rate, int left_s)
 {
 	char bar[BAR + 1];
 
@@ -38,7 +38,7 @@ void progress_show(struct progress *p, int done, uint64_t rays)
 		return;
 	p->shown_ns = now;
 	if (p->terminal)
-		draw_bar(p, share, (double)rays / seconds * 1e-6, left_s);
+		progress_draw(p, share, (double)rays / seconds * 1e-6, left_s);
 	else
 		fprintf(stderr, "%s: %d %%, %.1f million rays/s, %d s left\n", p->what,
 			(int)(100 * share), (double)rays / seconds * 1e-6, left_s);

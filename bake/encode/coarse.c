@@ -17,12 +17,12 @@ struct corners {
 	double perimeter;
 };
 
-static double dot(const double a[3], const double b[3])
+static double coarse_dot(const double a[3], const double b[3])
 {
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static double triple(const double a[3], const double b[3], const double c[3])
+static double triple_product(const double a[3], const double b[3], const double c[3])
 {
 	return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
 	       a[2] * (b[0] * c[1] - b[1] * c[0]);
@@ -30,7 +30,7 @@ static double triple(const double a[3], const double b[3], const double c[3])
 
 static double chord(const double a[3], const double b[3])
 {
-	return sqrt(fmax(2 - 2 * dot(a, b), 0));
+	return sqrt(fmax(2 - 2 * coarse_dot(a, b), 0));
 }
 
 /* The nearest nodes, nearest first. */
@@ -40,7 +40,7 @@ static int near_nodes(const struct dome *dome, const double dir[3], int out[NEAR
 	int count = 0;
 
 	for (int k = 0; k < dome->count; k++) {
-		const double is = dot(dome->direction[k], dir);
+		const double is = coarse_dot(dome->direction[k], dir);
 		int at = count < NEAR ? count : NEAR;
 
 		while (at > 0 && closeness[at - 1] < is) {
@@ -60,18 +60,18 @@ static int near_nodes(const struct dome *dome, const double dir[3], int out[NEAR
 }
 
 /* False for three nodes on one great circle. */
-static bool weigh(const struct dome *dome, const double dir[3], struct corners *c)
+static bool weigh_triangle(const struct dome *dome, const double dir[3], struct corners *c)
 {
 	const double *a = dome->direction[c->node[0]], *b = dome->direction[c->node[1]];
 	const double *d = dome->direction[c->node[2]];
-	const double volume = triple(a, b, d);
+	const double volume = triple_product(a, b, d);
 	double sum = 0, mean[3] = {0, 0, 0};
 
 	if (fabs(volume) < ROUNDING)
 		return false;
-	c->weight[0] = triple(dir, b, d) / volume;
-	c->weight[1] = triple(a, dir, d) / volume;
-	c->weight[2] = triple(a, b, dir) / volume;
+	c->weight[0] = triple_product(dir, b, d) / volume;
+	c->weight[1] = triple_product(a, dir, d) / volume;
+	c->weight[2] = triple_product(a, b, dir) / volume;
 	for (int k = 0; k < 3; k++) {
 		c->weight[k] = c->weight[k] < ROUNDING ? 0 : c->weight[k];
 		sum += c->weight[k];
@@ -83,7 +83,7 @@ static bool weigh(const struct dome *dome, const double dir[3], struct corners *
 		for (int x = 0; x < 3; x++)
 			mean[x] += c->weight[k] * dome->direction[c->node[k]][x];
 	}
-	sum = sqrt(dot(mean, mean));
+	sum = sqrt(coarse_dot(mean, mean));
 	for (int x = 0; x < 3; x++)
 		mean[x] /= sum;
 	c->miss = chord(mean, dir);
@@ -93,7 +93,7 @@ static bool weigh(const struct dome *dome, const double dir[3], struct corners *
 	return true;
 }
 
-static void choose(const struct dome *dome, const double dir[3], struct corners *best)
+static void choose_triangle(const struct dome *dome, const double dir[3], struct corners *best)
 {
 	int near[NEAR];
 	const int count = near_nodes(dome, dir, near);
@@ -104,7 +104,7 @@ static void choose(const struct dome *dome, const double dir[3], struct corners 
 			for (int k = j + 1; k < count; k++) {
 				struct corners c = {.node = {near[i], near[j], near[k]}};
 
-				if (!weigh(dome, dir, &c))
+				if (!weigh_triangle(dome, dir, &c))
 					continue;
 				if (c.miss < best->miss ||
 				    (c.miss == best->miss && c.perimeter < best->perimeter))
@@ -113,7 +113,7 @@ static void choose(const struct dome *dome, const double dir[3], struct corners 
 }
 
 /* Whole numbers that keep the sum: what is cut off goes to the largest. */
-static void store(const struct corners *c, struct basis_coarse *to)
+static void store_weights(const struct corners *c, struct basis_coarse *to)
 {
 	int weight[3], left = BASIS_COARSE_ONE, largest = 0, used = 0;
 	int order[3] = {0, 1, 2};
@@ -147,7 +147,7 @@ void coarse_fill(const struct dome *fine, const struct dome *coarse, struct basi
 	for (int i = 0; i < fine->count; i++) {
 		struct corners best = {.miss = 0};
 
-		choose(coarse, fine->direction[i], &best);
-		store(&best, &gather[i]);
+		choose_triangle(coarse, fine->direction[i], &best);
+		store_weights(&best, &gather[i]);
 	}
 }

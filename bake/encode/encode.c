@@ -96,7 +96,7 @@ void encoder_destroy(struct encoder *e)
 	free(e);
 }
 
-static bool pairs(const struct encode_samples *samples, int count)
+static bool samples_pair(const struct encode_samples *samples, int count)
 {
 	for (int i = 0; i < count; i++) {
 		const struct encode_samples *s = &samples[i];
@@ -112,7 +112,7 @@ static bool pairs(const struct encode_samples *samples, int count)
 	return !count || samples[count - 1].kind != BASIS_KIND_D;
 }
 
-static int reserve(struct encoder *e, int count)
+static int encoder_reserve(struct encoder *e, int count)
 {
 	struct part *part;
 	struct block_reader *reader;
@@ -138,7 +138,7 @@ static int reserve(struct encoder *e, int count)
 	return 0;
 }
 
-static int load(struct encoder *e, const struct encode_samples *samples, int count)
+static int encoder_load(struct encoder *e, const struct encode_samples *samples, int count)
 {
 	int err = 0;
 
@@ -150,7 +150,7 @@ static int load(struct encoder *e, const struct encode_samples *samples, int cou
 	return err;
 }
 
-static void limit(struct encoder *e, struct part *part)
+static void encoder_limit(struct encoder *e, struct part *part)
 {
 	const struct encode_target *target = &e->settings.target;
 
@@ -165,14 +165,14 @@ static int search_until_held(struct encoder *e, struct part *part, struct encode
 
 	for (int k = 0; k < FINER_MOST && !err && plan->excess > 1; k++) {
 		part->fine *= FINER;
-		limit(e, part);
+		encoder_limit(e, part);
 		err = search_best(&e->search, &e->split, part, plan);
 	}
 	return err;
 }
 
 /* Blocks first[k]..first[k + 1] - 1 are the part's. */
-static int build(struct encoder *e, int tile, int count, int *first)
+static int encoder_build(struct encoder *e, int tile, int count, int *first)
 {
 	int err = 0;
 
@@ -195,8 +195,8 @@ static int build(struct encoder *e, int tile, int count, int *first)
 	return err;
 }
 
-static int measure(struct encoder *e, const uint16_t *coverage, int count, const int *first,
-		   struct encode_result *result)
+static int encoder_measure(struct encoder *e, const uint16_t *coverage, int count, const int *first,
+			   struct encode_result *result)
 {
 	int err = 0;
 
@@ -269,7 +269,7 @@ static bool share_out(struct encoder *e, int count, bool skies, bool last)
 /* Where the measured error is larger than asked for, parts have to do with less: mostly along an
  * object's edge, where the shadow behind it is off as well, and wherever else that is so. At last
  * what they may use up together is what was asked for. False: the error is not larger. */
-static bool tighten(struct encoder *e, int count, bool last)
+static bool encoder_tighten(struct encoder *e, int count, bool last)
 {
 	const bool skies = share_out(e, count, true, last);
 	const bool cells = share_out(e, count, false, last);
@@ -331,13 +331,13 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 		part_expose(&e->part[k], &e->settings);
 	for (int k = 0; k < ATTEMPTS && !err && over; k++) {
 		for (int part = 0; part < count; part++)
-			limit(e, &e->part[part]);
+			encoder_limit(e, &e->part[part]);
 		struct encode_result own = *result;
 		double worst;
 
-		err = build(e, tile, count, first);
+		err = encoder_build(e, tile, count, first);
 		if (!err)
-			err = measure(e, coverage, count, first, &own);
+			err = encoder_measure(e, coverage, count, first, &own);
 		worst = err ? INFINITY : worst_of_all(e, count);
 		if (worst < nearest) {
 			const struct block_list spare = e->nearest;
@@ -348,7 +348,7 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 			e->shown = spare;
 		}
 		if (!err && k < ATTEMPTS - 1) {
-			const bool held = !tighten(e, count, k >= ATTEMPTS_ALONE);
+			const bool held = !encoder_tighten(e, count, k >= ATTEMPTS_ALONE);
 
 			over = try_watched(e, count) || !held;
 		}
@@ -377,12 +377,12 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 	int err;
 
 	*result = (struct encode_result){.shown = NULL};
-	if (!pairs(samples, count))
+	if (!samples_pair(samples, count))
 		return -EINVAL;
-	err = reserve(e, count);
+	err = encoder_reserve(e, count);
 	if (err)
 		return err;
-	err = load(e, samples, count);
+	err = encoder_load(e, samples, count);
 	if (err)
 		return err;
 	e->exact.count = 0;

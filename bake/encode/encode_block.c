@@ -37,8 +37,9 @@ static int more_places(struct block_list *list)
 }
 
 /* A payload of zeros with its pixels. */
-static int add(struct block_list *list, const struct encode_settings *settings,
-	       const struct part *part, struct basis_block_entry entry, bool all, uint8_t **payload)
+static int block_list_add(struct block_list *list, const struct encode_settings *settings,
+			  const struct part *part, struct basis_block_entry entry, bool all,
+			  uint8_t **payload)
 {
 	struct basis_layout at;
 	struct block_room *room;
@@ -242,7 +243,7 @@ int block_build(struct block_list *list, const struct search *s, const struct sp
 			.record_bytes = encode_plan_record_bytes(plan, &blocks[k]),
 		};
 		uint8_t *payload;
-		int err = add(list, s->settings, split->part, entry, false, &payload);
+		int err = block_list_add(list, s->settings, split->part, entry, false, &payload);
 
 		if (err)
 			return err;
@@ -269,7 +270,7 @@ int block_build_exact(struct block_list *list, const struct encode_settings *set
 
 	if (!(part->largest > 0) && part->kind != BASIS_KIND_U)
 		return 0;
-	err = add(list, settings, part, entry, true, &payload);
+	err = block_list_add(list, settings, part, entry, true, &payload);
 	for (int i = 0; !err && i < settings->lights; i++) {
 		const float *from = part->value + (size_t)i * (size_t)part->rows;
 		int16_t value[PART_ROWS];
@@ -300,5 +301,5 @@ int block_build_zero(struct block_list *list, const struct encode_settings *sett
 						.record_bytes = BASIS_RECORD_ALIGN};
 	uint8_t *payload;
 
-	return add(list, settings, part, entry, false, &payload);
+	return block_list_add(list, settings, part, entry, false, &payload);
 }

@@ -67,7 +67,7 @@ static struct steps steps_of(double scale, int most, int unit)
 	};
 }
 
-static void quantise(const struct steps *steps, const float *from, int count, int16_t *value)
+static void column_quantise(const struct steps *steps, const float *from, int count, int16_t *value)
 {
 	const float by = steps->by, limit = steps->limit;
 
@@ -87,7 +87,7 @@ static void take_steps(const struct split *split, bool mono, const struct steps 
 	const int pixels = split->part->pixels;
 
 	column->scale = steps->scale;
-	quantise(steps, from, mono ? pixels : split->part->rows, column->value);
+	column_quantise(steps, from, mono ? pixels : split->part->rows, column->value);
 	leave_column(split, mono, wanted, column, left);
 }
 
@@ -108,7 +108,7 @@ static bool try_steps(const struct split *split, bool mono, int light, const str
 			const int at = mono ? p : c * pixels + p;
 
 			if (!mono || !c)
-				quantise(steps, from + at, end - p, column->value + at);
+				column_quantise(steps, from + at, end - p, column->value + at);
 			leave_channel(split, mono, c, p, end, wanted, column, left);
 			if (!part_pixels_hold(part, light, c, p, end, left))
 				return false;
@@ -268,8 +268,8 @@ static uint8_t shorten_line(const struct shortened *line, struct split_column *c
 
 /* Stores each line of a column that does as shortly as what it leaves may be. from: what it stands
  * for, of one channel or three. */
-static void shorten(const struct split *split, bool mono, int light, const float *wanted,
-		    const float *from, float *left, struct split_column *column)
+static void column_shorten(const struct split *split, bool mono, int light, const float *wanted,
+			   const float *from, float *left, struct split_column *column)
 {
 	const struct part *part = split->part;
 	const int channels = mono ? 1 : 3, panels = basis_panels8(part->kept);
@@ -318,7 +318,7 @@ static const float *in_channels(const struct split *split, bool mono, const floa
 }
 
 /* The largest magnitude, or reach if that is more. */
-static double farthest(const float *from, int count, double reach)
+static double farthest_value(const float *from, int count, double reach)
 {
 	const float most = larger(part_largest(from, count, 1), part_largest(from, count, -1));
 
@@ -335,7 +335,7 @@ static bool try_form(const struct split *split, enum column_form form, int light
 	const int count = mono ? pixels : split->part->rows;
 	float one[PART_PIXELS];
 	const float *from = in_channels(split, mono, wanted, one);
-	const double largest = farthest(from, count, reach);
+	const double largest = farthest_value(from, count, reach);
 	struct steps steps;
 	bool found = false;
 
@@ -352,7 +352,7 @@ static bool try_form(const struct split *split, enum column_form form, int light
 	else if (!found)
 		take_steps(split, mono, &steps, wanted, from, left, column);
 	if (found && narrow)
-		shorten(split, mono, light, wanted, from, left, column);
+		column_shorten(split, mono, light, wanted, from, left, column);
 	if (found || !narrow)
 		column->bytes = column_bytes(split->part, column);
 	return found;
@@ -388,10 +388,10 @@ void split_take_column(const struct split *split, const float *from, double reac
 {
 	const int count = column_channels(column->form) * split->part->pixels;
 	const int most = column_most(column->form);
-	const struct steps steps = steps_of(farthest(from, count, reach) / most, most, 1);
+	const struct steps steps = steps_of(farthest_value(from, count, reach) / most, most, 1);
 
 	column->scale = steps.scale;
-	quantise(&steps, from, count, column->value);
+	column_quantise(&steps, from, count, column->value);
 	if (most == INT8_MAX)
 		shorten_exactly(split, column);
 	column->bytes = column_bytes(split->part, column);

@@ -23,7 +23,7 @@
 #define REACH_LIMIT (0.8 * BASIS_VALUE_MAX)
 
 /* sRGB's own formulas, below black and beyond white too. */
-static double light_of(double level)
+static double light_of_level(double level)
 {
 	const double encoded = level / 255;
 
@@ -40,8 +40,8 @@ void levels_fill(struct levels *levels, double cell_error)
 		const double level = 255 * transfer_encode(TRANSFER_SRGB, x);
 
 		levels->at[k] = (float)level;
-		rise[k] = (float)(MARGIN * (light_of(level + cell_error) - x));
-		fall[k] = (float)(MARGIN * (x - light_of(level - cell_error)));
+		rise[k] = (float)(MARGIN * (light_of_level(level + cell_error) - x));
+		fall[k] = (float)(MARGIN * (x - light_of_level(level - cell_error)));
 	}
 	for (int k = 0; k <= LEVELS_STEPS + 1; k++) {
 		const int next = k <= LEVELS_STEPS ? k + 1 : k;
@@ -218,7 +218,7 @@ static void limit_cells(struct part *part, const struct levels *levels, int ligh
 
 /* Lights and pixels that allow little error count more: lights by the mean of what is allowed,
  * inverted, pixels by its square. Pixels that are not kept hardly count. */
-static void weigh(struct part *part, int lights)
+static void weigh_values(struct part *part, int lights)
 {
 	const float narrowest = NARROWEST * part->largest + FLT_MIN;
 	double all = 0, all_pixels = 0, pixel[PART_PIXELS] = {0};
@@ -432,5 +432,5 @@ void part_limit(struct part *part, const struct encode_settings *settings,
 	part->group_cut = basis_group_cut(settings->groups, part->column_cut);
 	limit_cells(part, levels, settings->lights);
 	choose_pixels(part, settings, levels, (float)tolerance);
-	weigh(part, settings->lights);
+	weigh_values(part, settings->lights);
 }

@@ -19,7 +19,7 @@ void measure_free(struct measure *m)
 	*m = (struct measure){.room = 0};
 }
 
-static int reserve(struct measure *m, int count)
+static int measure_reserve(struct measure *m, int count)
 {
 	if (count <= m->room)
 		return 0;
@@ -36,7 +36,7 @@ static int reserve(struct measure *m, int count)
 
 /* ---- a picture from sums ---- */
 
-static void clear(struct measure *m)
+static void measure_clear(struct measure *m)
 {
 	for (int at = 0; at < PART_PIXELS; at++)
 		for (int c = 0; c < 3; c++) {
@@ -47,8 +47,8 @@ static void clear(struct measure *m)
 		}
 }
 
-static void place_object(struct measure *m, const struct part *part,
-			 const struct measure_sums *sums, double factor)
+static void measure_object(struct measure *m, const struct part *part,
+			   const struct measure_sums *sums, double factor)
 {
 	for (int p = 0; p < part->pixels; p++)
 		for (int c = 0; c < 3; c++) {
@@ -88,7 +88,7 @@ static void place_pair(struct measure *m, const struct part *part, const struct 
 		}
 }
 
-static double seen(const struct measure *m, double object, double ratio, double back)
+static double level_seen(const struct measure *m, double object, double ratio, double back)
 {
 	const double shown = object + fmin(fmax(ratio, 0), RATIO_MAX) * back;
 
@@ -97,8 +97,8 @@ static double seen(const struct measure *m, double object, double ratio, double 
 
 /* Sum of squared differences over the listed places; *most grows, and over, as shares of the error
  * asked for, unless it is NULL. */
-static double compare(struct measure *m, const bool *listed, const uint16_t *coverage, double asked,
-		      double *over, double *most)
+static double measure_compare(struct measure *m, const bool *listed, const uint16_t *coverage,
+			      double asked, double *over, double *most)
 {
 	double square = 0;
 
@@ -109,8 +109,8 @@ static double compare(struct measure *m, const bool *listed, const uint16_t *cov
 		for (int c = 0; c < 3 && listed[at]; c++) {
 			const struct measure_pixel *q = &m->pixel[at];
 			const double back = q->back[c] * open;
-			const double by = seen(m, q->object_got[c], q->ratio_got[c], back) -
-					  seen(m, q->object_is[c], q->ratio_is[c], back);
+			const double by = level_seen(m, q->object_got[c], q->ratio_got[c], back) -
+					  level_seen(m, q->object_is[c], q->ratio_is[c], back);
 
 			square += by * by;
 			worst = fmax(worst, fabs(by));
@@ -180,7 +180,7 @@ static double sky_error(struct measure *m, const struct part *parts,
 		white = fmax(white, parts[k].sky_white[sky]);
 		sum_sky(m, &parts[k], &readers[k], sky, &m->sums[k]);
 	}
-	clear(m);
+	measure_clear(m);
 	for (int k = 0; k < count && white > 0; k++) {
 		const double factor = parts[k].sky_white[sky] / white;
 		double back[3];
@@ -188,14 +188,14 @@ static double sky_error(struct measure *m, const struct part *parts,
 		for (int c = 0; c < 3; c++)
 			back[c] = factor * (double)parts[k].sky_offset[sky][c];
 		if (parts[k].kind == BASIS_KIND_T)
-			place_object(m, &parts[k], &m->sums[k], factor);
+			measure_object(m, &parts[k], &m->sums[k], factor);
 		else if (parts[k].kind == BASIS_KIND_V)
 			place_shadow(m, &parts[k], &m->sums[k], back);
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
 	}
-	return compare(m, listed, coverage, m->settings->target.max,
-		       sky < m->settings->ensemble->tried ? m->sky_over : NULL, most);
+	return measure_compare(m, listed, coverage, m->settings->target.max,
+			       sky < m->settings->ensemble->tried ? m->sky_over : NULL, most);
 }
 
 static double cell_error(struct measure *m, const struct part *parts,
@@ -208,7 +208,7 @@ static double cell_error(struct measure *m, const struct part *parts,
 		white = fmax(white, (double)parts[k].cell_white[light]);
 		sum_cell(m, &parts[k], &readers[k], light, &m->sums[k], &m->bound[k]);
 	}
-	clear(m);
+	measure_clear(m);
 	for (int k = 0; k < count && white > 0; k++) {
 		double back[3];
 
@@ -216,13 +216,13 @@ static double cell_error(struct measure *m, const struct part *parts,
 			back[c] = (double)(parts[k].cell_offset[c] * parts[k].cell_white[light]) /
 				  white;
 		if (parts[k].kind == BASIS_KIND_T)
-			place_object(m, &parts[k], &m->sums[k], 1 / white);
+			measure_object(m, &parts[k], &m->sums[k], 1 / white);
 		else if (parts[k].kind == BASIS_KIND_V)
 			place_shadow(m, &parts[k], &m->sums[k], back);
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], 1 / white);
 	}
-	return compare(m, listed, coverage, m->settings->target.cell, m->cell_over, most);
+	return measure_compare(m, listed, coverage, m->settings->target.cell, m->cell_over, most);
 }
 
 static void measure_skies(struct measure *m, const struct part *parts,
@@ -250,7 +250,7 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 {
 	bool listed[PART_PIXELS] = {false};
 	int pixels = 0;
-	int err = reserve(m, count);
+	int err = measure_reserve(m, count);
 
 	*error = (struct ensemble_error){.sky_count = 0};
 	memset(m->sky_over, 0, sizeof(m->sky_over));

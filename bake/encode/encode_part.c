@@ -64,7 +64,8 @@ int part_room_for(float **array, size_t *room, size_t count)
 
 /* ---- values per unit of X ---- */
 
-static bool sane(const struct encode_samples *s, const float *row, int count, bool direct)
+static bool samples_are_sane(const struct encode_samples *s, const float *row, int count,
+			     bool direct)
 {
 	bool good = true;
 
@@ -76,8 +77,8 @@ static bool sane(const struct encode_samples *s, const float *row, int count, bo
 }
 
 /* to[light][row] = from[light] / X's factor, or += it. */
-static void scatter(const struct encode_settings *settings, enum basis_kind kind, const float *from,
-		    float *to, int rows, bool add)
+static void scatter_row(const struct encode_settings *settings, enum basis_kind kind,
+			const float *from, float *to, int rows, bool add)
 {
 	for (int first = 0; first < settings->lights; first += BLOCK)
 		for (int i = first; i < settings->lights && i < first + BLOCK; i++) {
@@ -104,24 +105,25 @@ static bool scatter_all(const struct encode_settings *settings, const struct enc
 					      ((size_t)p * (size_t)s->channels + (size_t)own) * n;
 			float *to = part->value + c * s->pixels + p;
 
-			if (!sane(s, direct, settings->lights, true))
+			if (!samples_are_sane(s, direct, settings->lights, true))
 				return false;
-			scatter(settings, s->kind, direct, to, part->rows, false);
+			scatter_row(settings, s->kind, direct, to, part->rows, false);
 			if (!s->bounce)
 				continue;
 			if (c < s->channels)
-				scatter(settings, s->kind, direct, part->direct + c * s->pixels + p,
-					s->channels * s->pixels, false);
+				scatter_row(settings, s->kind, direct,
+					    part->direct + c * s->pixels + p,
+					    s->channels * s->pixels, false);
 			direct = s->bounce + ((size_t)p * 3 + (size_t)c) * n;
-			if (!sane(s, direct, settings->lights, false))
+			if (!samples_are_sane(s, direct, settings->lights, false))
 				return false;
-			scatter(settings, s->kind, direct, to, part->rows, true);
+			scatter_row(settings, s->kind, direct, to, part->rows, true);
 		}
 	return true;
 }
 
 /* False where a value is larger than the file may hold. */
-static bool measure(struct part *part, int lights)
+static bool part_measure(struct part *part, int lights)
 {
 	bool fits = true;
 
@@ -178,7 +180,7 @@ int part_load(struct part *part, const struct encode_settings *settings,
 	}
 	if (!scatter_all(settings, s, part))
 		return -EDOM;
-	if (!measure(part, settings->lights))
+	if (!part_measure(part, settings->lights))
 		return -EDOM;
 	part->base = part->value;
 	for (int p = 0; p < part->pixels; p++)

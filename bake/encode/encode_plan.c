@@ -69,7 +69,7 @@ static void count_bytes(const struct search *s, const struct split *split, struc
 }
 
 /* U may come out as 0, not less: the quotient's sign is that of a shadow. */
-static bool negative(const struct part *part, int light, const float *left)
+static bool would_be_negative(const struct part *part, int light, const float *left)
 {
 	const float *value = part->value + (size_t)light * (size_t)part->rows;
 	float least = 0, most = 0;
@@ -87,7 +87,8 @@ int search_light(const struct split *split, int light, float *left,
 		 struct split_column column[LIGHT_COLUMNS_MAX])
 {
 	split_left(split, light, left);
-	if (part_cell_holds(split->part, light, left) && !negative(split->part, light, left))
+	if (part_cell_holds(split->part, light, left) &&
+	    !would_be_negative(split->part, light, left))
 		return 0;
 	return split_find_columns(split, light, left, column);
 }

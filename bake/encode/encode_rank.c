@@ -221,8 +221,8 @@ static void project_mean(const struct encode_settings *settings, const struct ra
 
 /* Columns over the coarse lights in which a sum of squares is the weighted sum of squared errors.
  */
-static void project(const struct encode_settings *settings, const struct rank_metric *metric,
-		    const float *value, float *coarse, int rows)
+static void rank_project(const struct encode_settings *settings, const struct rank_metric *metric,
+			 const float *value, float *coarse, int rows)
 {
 	if (metric->factor)
 		memset(coarse, 0, (size_t)settings->coarse * (size_t)rows * sizeof(*coarse));
@@ -251,7 +251,7 @@ static void project(const struct encode_settings *settings, const struct rank_me
 }
 
 /* So that squares neither overflow nor vanish. */
-static float normalise(float *value, size_t count)
+static float rank_normalise(float *value, size_t count)
 {
 	float most = 0;
 
@@ -264,7 +264,7 @@ static float normalise(float *value, size_t count)
 	return most;
 }
 
-static void orthonormalise(float *columns, int length, int count)
+static void rank_orthonormalise(float *columns, int length, int count)
 {
 	float tau[WIDTH];
 
@@ -276,17 +276,17 @@ static void orthonormalise(float *columns, int length, int count)
  * Subspace iteration (Halko, Martinsson and Tropp 2011, algorithm 4.4): left [count][K] becomes an
  * orthonormal basis of what the matrix mostly is, right [count][rows] the matrix in it.
  */
-static void iterate(struct rank_scratch *s, int k, int rows, int count)
+static void rank_iterate(struct rank_scratch *s, int k, int rows, int count)
 {
 	struct random random = {random_hash(0x7061747465726e73, (uint64_t)k, (uint64_t)rows)};
 
 	for (int i = 0; i < count * rows; i++)
 		s->right[i] = random_next(&random) - 0.5F;
 	for (int round = 0; round < ROUNDS; round++) {
-		orthonormalise(s->right, rows, count);
+		rank_orthonormalise(s->right, rows, count);
 		cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, k, count, rows, 1, s->coarse,
 			    rows, s->right, rows, 0, s->left, k);
-		orthonormalise(s->left, k, count);
+		rank_orthonormalise(s->left, k, count);
 		cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, rows, count, k, 1, s->coarse,
 			    rows, s->left, k, 0, s->right, rows);
 	}
@@ -313,7 +313,7 @@ static void sort_out(struct rank_scratch *s, int k, int rows, int count)
 }
 
 /* As multiples of UNIT; returns what 1 stands for. */
-static double store(const float *from, int count, int16_t *to)
+static double rank_store(const float *from, int count, int16_t *to)
 {
 	double most = 0, step;
 
@@ -326,14 +326,14 @@ static double store(const float *from, int count, int16_t *to)
 }
 
 /* False when it is nothing, or more than the format allows. */
-static bool quantise(struct rank_patterns *p, const struct encode_settings *settings, int j,
-		     const float *coefficient, const float *pattern, double size)
+static bool rank_quantise(struct rank_patterns *p, const struct encode_settings *settings, int j,
+			  const float *coefficient, const float *pattern, double size)
 {
 	int16_t *rows = p->stored + (size_t)j * PART_ROWS;
 	int16_t *lights = p->pattern + (size_t)j * (size_t)p->stride;
 	float *at = p->at_light + (size_t)j * (size_t)settings->lights;
-	const double row_step = store(coefficient, p->rows, rows) * size;
-	const double light_step = store(pattern, settings->coarse, lights);
+	const double row_step = rank_store(coefficient, p->rows, rows) * size;
+	const double light_step = rank_store(pattern, settings->coarse, lights);
 	const double step = row_step * light_step;
 	double sum = 0;
 
@@ -357,8 +357,8 @@ static bool quantise(struct rank_patterns *p, const struct encode_settings *sett
 }
 
 /* Back from where a sum of squares was the weighted one. */
-static void unweigh(const struct rank_metric *metric, struct rank_scratch *s, int k, int rows,
-		    int count)
+static void rank_unweigh(const struct rank_metric *metric, struct rank_scratch *s, int k, int rows,
+			 int count)
 {
 	if (metric->factor)
 		cblas_strsm(CblasColMajor, CblasLeft, CblasUpper, CblasNoTrans, CblasNonUnit, k,
@@ -385,15 +385,15 @@ void rank_find(struct rank_patterns *p, const struct encode_settings *settings,
 
 	p->count = 0;
 	p->rows = rows;
-	project(settings, metric, value, s->coarse, rows);
-	size = normalise(s->coarse, (size_t)k * (size_t)rows);
+	rank_project(settings, metric, value, s->coarse, rows);
+	size = rank_normalise(s->coarse, (size_t)k * (size_t)rows);
 	if (!(size > 0))
 		return;
-	iterate(s, k, rows, count);
+	rank_iterate(s, k, rows, count);
 	sort_out(s, k, rows, count);
-	unweigh(metric, s, k, rows, count);
+	rank_unweigh(metric, s, k, rows, count);
 	while (p->count < count && p->count < most &&
-	       quantise(p, settings, p->count, s->right + (size_t)p->count * (size_t)rows,
-			s->left + (size_t)p->count * (size_t)k, (double)size))
+	       rank_quantise(p, settings, p->count, s->right + (size_t)p->count * (size_t)rows,
+			     s->left + (size_t)p->count * (size_t)k, (double)size))
 		p->count++;
 }

@@ -19,7 +19,7 @@ void block_reader_free(struct block_reader *reader)
 	*reader = (struct block_reader){.count = 0};
 }
 
-static int reserve(struct block_reader *reader, int patterns)
+static int reader_reserve(struct block_reader *reader, int patterns)
 {
 	if (patterns <= reader->patterns_room)
 		return 0;
@@ -97,7 +97,7 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 	reader->count = count;
 	for (int k = 0; k < count; k++)
 		patterns += block[k].entry.patterns;
-	err = reserve(reader, patterns);
+	err = reader_reserve(reader, patterns);
 	free(reader->grouped);
 	reader->grouped = calloc(2 * (size_t)settings->groups->count + 1, sizeof(*reader->grouped));
 	if (err || !reader->grouped)
@@ -162,9 +162,9 @@ static void add_column(const struct basis_block_payload *block, const struct bas
 }
 
 /* To the part's pixels, tinted. */
-static void add_block(const struct part *part, const struct basis_block_payload *block,
-		      const struct basis_layout *at, const double (*own)[PART_PIXELS],
-		      double (*value)[PART_PIXELS])
+static void reader_add_block(const struct part *part, const struct basis_block_payload *block,
+			     const struct basis_layout *at, const double (*own)[PART_PIXELS],
+			     double (*value)[PART_PIXELS])
 {
 	const struct basis_block_entry *e = &block->entry;
 	const uint8_t *payload = block->payload;
@@ -198,7 +198,8 @@ static void add_patterns(const struct block_reader *reader, const struct basis_b
 		}
 }
 
-static int find(const struct basis_block_payload *block, const struct basis_layout *at, int light)
+static int reader_find(const struct basis_block_payload *block, const struct basis_layout *at,
+		       int light)
 {
 	const uint16_t *lights = (const uint16_t *)((const uint8_t *)block->payload + at->light);
 	int low = 0, high = (int)block->entry.columns;
@@ -224,7 +225,7 @@ void block_reader_light(const struct block_reader *reader, int light, double (*v
 		const struct basis_block_payload *block = &reader->block[k];
 		const struct basis_layout at = basis_layout(&block->entry,
 							    reader->settings->coarse);
-		const int column = find(block, &at, light);
+		const int column = reader_find(block, &at, light);
 		double own[3][PART_PIXELS] = {{0}};
 		double y[RANK_MOST][3];
 
@@ -237,15 +238,16 @@ void block_reader_light(const struct block_reader *reader, int light, double (*v
 		add_patterns(reader, &block->entry, first, (const double(*)[3])y, own);
 		if (column >= 0)
 			add_column(block, &at, column, one, own);
-		add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, value);
+		reader_add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own,
+				 value);
 		first += block->entry.patterns;
 	}
 }
 
 /* What a column of a block is weighed by under a sky: as the compositor does it. The part's blocks
  * have all the same pixels, and follow each other. */
-static void weigh(const struct block_reader *reader, const struct basis_block_payload *block,
-		  int sky, int number, double factor[3])
+static void reader_weigh(const struct block_reader *reader, const struct basis_block_payload *block,
+			 int sky, int number, double factor[3])
 {
 	const struct basis_groups *groups = reader->settings->groups;
 	const struct part *part = reader->part;
@@ -303,12 +305,12 @@ void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[
 			const double cut = number < n ? part->column_cut : part->group_cut;
 			double factor[3];
 
-			weigh(reader, block, sky, number, factor);
+			reader_weigh(reader, block, sky, number, factor);
 			if (most * fmax(fmax(fabs(factor[0]), fabs(factor[1])), fabs(factor[2])) >=
 			    cut)
 				add_column(block, &at, (int)i, factor, own);
 		}
-		add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, sum);
+		reader_add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, sum);
 		first += e->patterns;
 	}
 }
@@ -325,7 +327,7 @@ double block_reader_rounding(const struct block_reader *reader)
 			const struct basis_layout at = basis_layout(&block->entry,
 								    reader->settings->coarse);
 			const void *scales = (const uint8_t *)block->payload + at.column_scale;
-			const int n = find(block, &at, reader->settings->lights + group);
+			const int n = reader_find(block, &at, reader->settings->lights + group);
 
 			if (n >= 0)
 				own += (double)((const float *)scales)[n] *

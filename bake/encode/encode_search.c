@@ -62,7 +62,7 @@ void search_free(struct search *s)
 	*s = (struct search){.settings = NULL};
 }
 
-static int reserve(struct search *s, const struct part *part)
+static int search_reserve(struct search *s, const struct part *part)
 {
 	const size_t wanted = (size_t)s->most_columns * (size_t)part->rows;
 
@@ -90,8 +90,8 @@ static void try_rank(struct search *s, struct split *split, bool mono, int rank,
 }
 
 /* Improves one of the two ranks, from first upwards. */
-static void scan(struct search *s, struct split *split, bool mono, int first,
-		 struct encode_plan *best)
+static void search_scan(struct search *s, struct split *split, bool mono, int first,
+			struct encode_plan *best)
 {
 	const int found = mono ? split->mono_patterns.count : split->colour_patterns.count;
 	int worse = 0;
@@ -114,7 +114,7 @@ static void scan(struct search *s, struct split *split, bool mono, int first,
 }
 
 /* The same from where it is, downwards, else upwards. */
-static void climb(struct search *s, struct split *split, bool mono, struct encode_plan *best)
+static void search_climb(struct search *s, struct split *split, bool mono, struct encode_plan *best)
 {
 	const int found = mono ? split->mono_patterns.count : split->colour_patterns.count;
 	const int from = mono ? best->mono_rank : best->colour_rank;
@@ -143,9 +143,9 @@ static void scan_both(struct search *s, struct split *split, int first, struct e
 		const struct encode_plan before = *own;
 
 		if (split->colour)
-			scan(s, split, false, first, own);
+			search_scan(s, split, false, first, own);
 		if (split->mono)
-			scan(s, split, true, first, own);
+			search_scan(s, split, true, first, own);
 		if (!encode_plan_better(own, &before) || !split->colour || !split->mono)
 			break;
 	}
@@ -219,9 +219,9 @@ static int find_again(struct search *s, struct split *split, const struct encode
 	*plan = *best;
 	encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, plan);
 	if (split->colour)
-		climb(s, split, false, plan);
+		search_climb(s, split, false, plan);
 	if (split->mono)
-		climb(s, split, true, plan);
+		search_climb(s, split, true, plan);
 	return 0;
 }
 
@@ -247,7 +247,7 @@ static float reweigh(const struct reweighing *by, float miss)
 }
 
 /* Patterns again, for other weights, as long as that helps. */
-static int refine(struct search *s, struct split *split, struct encode_plan *best)
+static int search_refine(struct search *s, struct split *split, struct encode_plan *best)
 {
 	bool any = find_misses(s, split), stale = false;
 	int how = 0, err = 0;
@@ -289,7 +289,7 @@ static void try_flag(struct search *s, struct split *split, bool *flag, struct e
 /* In weak light the first of two columns of 8 bits is all that is used: where lights are alike and
  * many, what these are off by adds up, and 16 bits may hold. And a few columns of 8 bits are not
  * worth a block apart from those of 16. */
-static void widen(struct search *s, struct split *split, struct encode_plan *best)
+static void search_widen(struct search *s, struct split *split, struct encode_plan *best)
 {
 	for (int k = 0; k < 2; k++) {
 		const enum column_form narrow = k ? COLUMN_COLOUR8 : COLUMN_MONO8;
@@ -305,7 +305,7 @@ static void widen(struct search *s, struct split *split, struct encode_plan *bes
 
 /* How much short lines may use up: the more, the shorter they are; less where that does not hold.
  */
-static void spend(struct search *s, struct split *split, struct encode_plan *best)
+static void search_spend(struct search *s, struct split *split, struct encode_plan *best)
 {
 	static const float more[SPENT_TRIED] = {1, 0.8F, 0.65F},
 			   less[SPENT_TRIED] = {0.35F, 0.2F, 0};
@@ -330,7 +330,7 @@ static void spend(struct search *s, struct split *split, struct encode_plan *bes
 int search_best(struct search *s, struct split *split, const struct part *part,
 		struct encode_plan *best)
 {
-	int err = reserve(s, part);
+	int err = search_reserve(s, part);
 
 	*best = (struct encode_plan){.excess = INFINITY};
 	for (int way = 0; way < SPLIT_WAYS && !err; way++)
@@ -345,11 +345,11 @@ int search_best(struct search *s, struct split *split, const struct part *part,
 	if (err)
 		return err;
 	encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, best);
-	err = refine(s, split, best);
+	err = search_refine(s, split, best);
 	if (err)
 		return err;
-	widen(s, split, best);
-	spend(s, split, best);
+	search_widen(s, split, best);
+	search_spend(s, split, best);
 	encode_plan_evaluate(s, split, best->mono_rank, best->colour_rank, NULL, best);
 	return 0;
 }

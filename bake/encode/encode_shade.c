@@ -31,7 +31,7 @@ void shade_free(struct shade *shade)
 }
 
 /* The light whose values come to least (of an object), or to most (of what a shadow takes). */
-static int darkest(const struct part *part, int lights)
+static int darkest_cell(const struct part *part, int lights)
 {
 	const double sign = part->kind == BASIS_KIND_T ? -1 : 1;
 	double most = 0;
@@ -76,9 +76,9 @@ void shade_set(struct shade *shade, const struct encode_settings *settings,
 	begin_anew(shade);
 	for (int k = 0; k < count; k++)
 		if (parts[k].kind == BASIS_KIND_T)
-			object = darkest(&parts[k], settings->lights);
+			object = darkest_cell(&parts[k], settings->lights);
 		else if (parts[k].kind != BASIS_KIND_U)
-			shadow = darkest(&parts[k], settings->lights);
+			shadow = darkest_cell(&parts[k], settings->lights);
 	object = object >= 0 ? object : shadow;
 	shadow = shadow >= 0 ? shadow : object;
 	for (int k = 0; k < OWN && object >= 0; k++)

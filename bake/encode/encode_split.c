@@ -235,8 +235,8 @@ int split_find(struct split *split, const struct encode_settings *settings, cons
 
 /* ---- what is left ---- */
 
-static void leave(const struct rank_patterns *p, const float *value, float *left, int lights,
-		  int *rank, int wanted)
+static void patterns_leave(const struct rank_patterns *p, const float *value, float *left,
+			   int lights, int *rank, int wanted)
 {
 	const size_t n = (size_t)lights, rows = (size_t)p->rows;
 
@@ -257,11 +257,11 @@ void split_set_ranks(struct split *split, int lights, int mono_rank, int colour_
 	split->mono_patterns.rows = split->part->pixels;
 	split->colour_patterns.rows = 3 * split->part->pixels;
 	if (split->mono)
-		leave(&split->mono_patterns, split->mono_value, split->mono_left, lights,
-		      &split->mono_rank, mono_rank);
+		patterns_leave(&split->mono_patterns, split->mono_value, split->mono_left, lights,
+			       &split->mono_rank, mono_rank);
 	if (split->colour)
-		leave(&split->colour_patterns, split->colour_value, split->colour_left, lights,
-		      &split->colour_rank, colour_rank);
+		patterns_leave(&split->colour_patterns, split->colour_value, split->colour_left,
+			       lights, &split->colour_rank, colour_rank);
 }
 
 void split_left(const struct split *split, int light, float *left)

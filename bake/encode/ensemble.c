@@ -37,18 +37,18 @@ static void direction_of(double height_rad, double azimuth_turns, double out[3])
 	out[2] = sin(height_rad);
 }
 
-static double towards(const struct basis_light *light, const double dir[3])
+static double light_towards(const struct basis_light *light, const double dir[3])
 {
 	return light->direction[0] * dir[0] + light->direction[1] * dir[1] +
 	       light->direction[2] * dir[2];
 }
 
-static int nearest(const struct basis_light *lights, int count, const double dir[3])
+static int nearest_light(const struct basis_light *lights, int count, const double dir[3])
 {
 	int best = 0;
 
 	for (int i = 1; i < count; i++)
-		if (towards(&lights[i], dir) > towards(&lights[best], dir))
+		if (light_towards(&lights[i], dir) > light_towards(&lights[best], dir))
 			best = i;
 	return best;
 }
@@ -94,18 +94,18 @@ void ensemble_sun(const struct basis_light *lights, int count, int cell, double 
 	}
 }
 
-static void sun(struct ensemble *e, const struct basis_light *lights, int sky, double height_deg,
-		double size)
+static void sky_sun(struct ensemble *e, const struct basis_light *lights, int sky,
+		    double height_deg, double size)
 {
 	double dir[3];
 
 	direction_of(height_deg * M_PI / 180, sky * GOLDEN, dir);
-	ensemble_sun(lights, e->lights, nearest(lights, e->lights, dir), size,
+	ensemble_sun(lights, e->lights, nearest_light(lights, e->lights, dir), size,
 		     sky_channel(e, sky, 0));
 }
 
 /* Three small lamps of red, green and blue in a dim room. */
-static void lamps(struct ensemble *e, const struct basis_light *lights, int sky)
+static void sky_lamps(struct ensemble *e, const struct basis_light *lights, int sky)
 {
 	for (int c = 0; c < 3; c++) {
 		double dir[3];
@@ -113,7 +113,7 @@ static void lamps(struct ensemble *e, const struct basis_light *lights, int sky)
 
 		direction_of(M_PI / 2 * fmod((sky + 1) * GOLDEN + c / 3.0, 1),
 			     (sky * 3 + c) * GOLDEN, dir);
-		cell = nearest(lights, e->lights, dir);
+		cell = nearest_light(lights, e->lights, dir);
 		for (int k = 0; k < 3; k++) {
 			for (int i = 0; !c && i < e->lights; i++)
 				sky_channel(e, sky, k)[i] = 0.1F;
@@ -130,14 +130,15 @@ static void lamps(struct ensemble *e, const struct basis_light *lights, int sky)
  * count; under so many of them at once it adds up, and nowhere else. So there are windows of
  * several sizes all around, by a sequence that fills the hemisphere evenly wherever it ends.
  */
-static void window(struct ensemble *e, const struct basis_light *lights, int sky, int number)
+static void sky_window(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
 	const int sharpness = 2 << 2 * (number % 3);
 	double dir[3];
 
 	direction_of(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
 	for (int i = 0; i < e->lights; i++) {
-		const double lobe = sharpness * pow(fmax(towards(&lights[i], dir), 0), sharpness);
+		const double lobe = sharpness *
+				    pow(fmax(light_towards(&lights[i], dir), 0), sharpness);
 
 		for (int c = 0; c < 3; c++)
 			sky_channel(e, sky, c)[i] = (float)(0.2 + lobe * (0.5 + 0.15 * (c - 1)));
@@ -145,7 +146,7 @@ static void window(struct ensemble *e, const struct basis_light *lights, int sky
 }
 
 /* Bright along the horizon, as high as `thick`, the sine of it, most of all in one direction. */
-static void dusk(struct ensemble *e, const struct basis_light *lights, int sky, int number)
+static void sky_dusk(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
 	const double thick = 0.1 * (1 << number % 3);
 	double dir[3];
@@ -153,7 +154,7 @@ static void dusk(struct ensemble *e, const struct basis_light *lights, int sky, 
 	direction_of(0, number * GOLDEN, dir);
 	for (int i = 0; i < e->lights; i++) {
 		const double low = exp(-fmax(lights[i].direction[2], 0) / thick);
-		const double lobe = pow((1 + towards(&lights[i], dir)) / 2, 3);
+		const double lobe = pow((1 + light_towards(&lights[i], dir)) / 2, 3);
 
 		for (int c = 0; c < 3; c++)
 			sky_channel(e, sky, c)[i] = (float)(0.1 * (1 + 0.25 * (c - 1)) +
@@ -162,7 +163,7 @@ static void dusk(struct ensemble *e, const struct basis_light *lights, int sky, 
 }
 
 /* Some windows and lamps of any size. */
-static void room(struct ensemble *e, const struct basis_light *lights, int sky)
+static void sky_room(struct ensemble *e, const struct basis_light *lights, int sky)
 {
 	struct random random = {random_hash(0x6669656c64, (uint64_t)sky, 0)};
 
@@ -175,7 +176,7 @@ static void room(struct ensemble *e, const struct basis_light *lights, int sky)
 
 		direction_of(height_rad, (double)random_next(&random), dir);
 		for (int i = 0; i < e->lights; i++) {
-			const double lobe = pow(fmax(towards(&lights[i], dir), 0), sharpness);
+			const double lobe = pow(fmax(light_towards(&lights[i], dir), 0), sharpness);
 
 			for (int c = 0; c < 3; c++)
 				sky_channel(e, sky, c)[i] += (float)lobe;
@@ -184,7 +185,7 @@ static void room(struct ensemble *e, const struct basis_light *lights, int sky)
 }
 
 /* Every cell and channel by itself: most are dim, few are bright. */
-static void unlike(struct ensemble *e, int sky)
+static void sky_unlike(struct ensemble *e, int sky)
 {
 	struct random random = {random_hash(0x656e73656d626c65, (uint64_t)sky, 0)};
 	const double power = sky % 2 ? 1 : 4;
@@ -195,7 +196,7 @@ static void unlike(struct ensemble *e, int sky)
 				(float)pow(-log1p(-(double)random_next(&random)), power);
 }
 
-static void dim(struct ensemble *e)
+static void ensemble_dim(struct ensemble *e)
 {
 	const size_t each = 3 * (size_t)e->lights;
 
@@ -219,25 +220,26 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 		return -ENOMEM;
 	even_skies(ensemble, lights, 0);
 	for (int k = 0; k < SUN_HEIGHTS * SUN_SIZES; k++, sky++)
-		sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS], k < SUN_HEIGHTS ? 1 : 4);
+		sky_sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS],
+			k < SUN_HEIGHTS ? 1 : 4);
 	for (int k = 0; k < LAMPS; k++, sky++)
-		lamps(ensemble, lights, sky);
+		sky_lamps(ensemble, lights, sky);
 	for (int k = 0; k < WINDOWS; k++, sky++)
-		window(ensemble, lights, sky, k);
+		sky_window(ensemble, lights, sky, k);
 	for (int k = 0; k < RANDOM; k++, sky++)
-		unlike(ensemble, sky);
+		sky_unlike(ensemble, sky);
 	for (int k = 0; k < STRONG_SUNS; k++, sky++)
-		sun(ensemble, lights, sky, height_deg[k], 16);
+		sky_sun(ensemble, lights, sky, height_deg[k], 16);
 	for (int k = 0; k < DUSKS; k++, sky++)
-		dusk(ensemble, lights, sky, k);
+		sky_dusk(ensemble, lights, sky, k);
 	for (int k = 0; k < ROOMS; k++, sky++)
-		room(ensemble, lights, sky);
-	dim(ensemble);
+		sky_room(ensemble, lights, sky);
+	ensemble_dim(ensemble);
 	sky = TRIED;
 	for (int k = 0; k < WATCHED_WINDOWS; k++, sky++)
-		window(ensemble, lights, sky, WINDOWS + k);
+		sky_window(ensemble, lights, sky, WINDOWS + k);
 	for (int k = 0; k < WATCHED_DUSKS; k++, sky++)
-		dusk(ensemble, lights, sky, DUSKS + k);
+		sky_dusk(ensemble, lights, sky, DUSKS + k);
 	return 0;
 }
 

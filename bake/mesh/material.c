@@ -15,7 +15,7 @@ void texture_prepare(struct texture *texture)
 		texture->decode[code] = (float)transfer_decode(TRANSFER_SRGB, code / 255.0);
 }
 
-static struct rgb texel(const struct texture *texture, int x, int y)
+static struct rgb texture_texel(const struct texture *texture, int x, int y)
 {
 	const struct image *image = &texture->image;
 	const size_t at = 3 * ((size_t)y * (size_t)image->width + (size_t)x);
@@ -26,7 +26,7 @@ static struct rgb texel(const struct texture *texture, int x, int y)
 			texture->decode[image->u8[at + 2]]);
 }
 
-static int wrap(int i, int n)
+static int texture_wrap(int i, int n)
 {
 	i %= n;
 	return i < 0 ? i + n : i;
@@ -38,12 +38,12 @@ struct rgb texture_at(const struct texture *texture, float u, float v)
 	const float x = (u - floorf(u)) * (float)w - 0.5f;
 	const float y = (1 - (v - floorf(v))) * (float)h - 0.5f;
 	const float fx = x - floorf(x), fy = y - floorf(y);
-	const int x0 = wrap((int)floorf(x), w), x1 = wrap(x0 + 1, w);
-	const int y0 = wrap((int)floorf(y), h), y1 = wrap(y0 + 1, h);
-	const struct rgb top = rgb_add(rgb_scale(texel(texture, x0, y0), 1 - fx),
-				       rgb_scale(texel(texture, x1, y0), fx));
-	const struct rgb low = rgb_add(rgb_scale(texel(texture, x0, y1), 1 - fx),
-				       rgb_scale(texel(texture, x1, y1), fx));
+	const int x0 = texture_wrap((int)floorf(x), w), x1 = texture_wrap(x0 + 1, w);
+	const int y0 = texture_wrap((int)floorf(y), h), y1 = texture_wrap(y0 + 1, h);
+	const struct rgb top = rgb_add(rgb_scale(texture_texel(texture, x0, y0), 1 - fx),
+				       rgb_scale(texture_texel(texture, x1, y0), fx));
+	const struct rgb low = rgb_add(rgb_scale(texture_texel(texture, x0, y1), 1 - fx),
+				       rgb_scale(texture_texel(texture, x1, y1), fx));
 
 	return rgb_add(rgb_scale(top, 1 - fy), rgb_scale(low, fy));
 }

@@ -25,7 +25,7 @@ struct affine {
 	double t[3];
 };
 
-static void multiply(const double a[9], const double b[9], double out[9])
+static void matrix_multiply(const double a[9], const double b[9], double out[9])
 {
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
@@ -49,7 +49,7 @@ static struct affine affine_of(const struct mesh_placement *p)
 		r[4 * j] = r[4 * k] = cos(angle);
 		r[3 * j + k] = -sin(angle);
 		r[3 * k + j] = sin(angle);
-		multiply(r, a.m, product);
+		matrix_multiply(r, a.m, product);
 		memcpy(a.m, product, sizeof(product));
 	}
 	for (int i = 0; i < 9; i++)
@@ -67,7 +67,7 @@ static struct v3 affine_apply(const struct affine *a, const float p[4], double s
 		       (float)(m[6] * p[0] + m[7] * p[1] + m[8] * p[2] + shift * a->t[2]));
 }
 
-static void place(struct mesh *mesh, const struct mesh_placement *placement)
+static void mesh_place(struct mesh *mesh, const struct mesh_placement *placement)
 {
 	const struct affine a = affine_of(placement);
 	float lowest = INFINITY;
@@ -147,7 +147,7 @@ static int check_area(const struct mesh *mesh, const char *path, struct fault *f
 			 "%s: its faces all have no area, expected some that can be seen", path);
 }
 
-static int check(const struct mesh *mesh, const char *path, struct fault *fault)
+static int mesh_check(const struct mesh *mesh, const char *path, struct fault *fault)
 {
 	long triangles = 0;
 	int err;
@@ -210,13 +210,13 @@ int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *
 	}
 	err = mesh_import(mesh, path, placement->crease_deg, placement->own_materials, fault);
 	if (!err)
-		err = check(mesh, path, fault);
+		err = mesh_check(mesh, path, fault);
 	if (err) {
 		mesh_free(mesh);
 		return err;
 	}
-	place(mesh, placement);
-	err = check(mesh, path, fault); /* a huge scale may have left the range of float */
+	mesh_place(mesh, placement);
+	err = mesh_check(mesh, path, fault); /* a huge scale may have left the range of float */
 	return err ? err : check_reach(mesh, path, fault);
 }
 

@@ -11,25 +11,25 @@
 #include "bake/mesh/plain_file.h"
 
 /* A whole file, as it is read here. */
-struct held {
+struct held_file {
 	struct aiFile file;
 	char *bytes;
 	size_t size, at;
 };
 
-static struct held *held_of(struct aiFile *file)
+static struct held_file *held_of(struct aiFile *file)
 {
-	return (struct held *)(void *)file->UserData;
+	return (struct held_file *)(void *)file->UserData;
 }
 
 /* ---- the text of an OBJ ---- */
 
-static bool is_blank(char c)
+static bool obj_is_blank(char c)
 {
 	return c == ' ' || c == '\t';
 }
 
-static bool ends_line(char c)
+static bool obj_ends_line(char c)
 {
 	return c == '\n' || c == '\r';
 }
@@ -38,7 +38,7 @@ static bool ends_line(char c)
  * v .5 .5 1 becomes v 0.5 0.5 1, so do vt and vn, and lines begin without blanks. to: room for what
  * comes out, or NULL to learn how much that is.
  */
-static size_t plain_text(const char *from, size_t size, char *to)
+static size_t obj_plain_text(const char *from, size_t size, char *to)
 {
 	bool begins = true, vertex = false; /* a line does; it has begun with a v */
 	size_t out = 0;
@@ -47,14 +47,14 @@ static size_t plain_text(const char *from, size_t size, char *to)
 	for (size_t k = 0; k < size; k++) {
 		const char c = from[k];
 
-		if (begins && is_blank(c))
+		if (begins && obj_is_blank(c))
 			continue;
-		if (ends_line(c)) {
+		if (obj_ends_line(c)) {
 			begins = begins || last != '\\'; /* else the line goes on in the next */
 		} else {
 			vertex = begins ? c == 'v' : vertex;
 			begins = false;
-			if (vertex && c == '.' && is_blank(last)) {
+			if (vertex && c == '.' && obj_is_blank(last)) {
 				if (to)
 					to[out] = '0';
 				out++;
@@ -75,14 +75,14 @@ static bool is_obj(const char *path)
 	return dot && strcasecmp(dot, ".obj") == 0;
 }
 
-static bool make_plain(struct held *h)
+static bool obj_make_plain(struct held_file *h)
 {
-	const size_t size = plain_text(h->bytes, h->size, NULL);
+	const size_t size = obj_plain_text(h->bytes, h->size, NULL);
 	char *bytes = malloc(size + 1);
 
 	if (!bytes)
 		return false;
-	plain_text(h->bytes, h->size, bytes);
+	obj_plain_text(h->bytes, h->size, bytes);
 	free(h->bytes);
 	h->bytes = bytes;
 	h->size = size;
@@ -91,9 +91,9 @@ static bool make_plain(struct held *h)
 
 /* ---- what assimp calls ---- */
 
-static size_t read_from(struct aiFile *file, char *to, size_t size, size_t count)
+static size_t held_read(struct aiFile *file, char *to, size_t size, size_t count)
 {
-	struct held *h = held_of(file);
+	struct held_file *h = held_of(file);
 	const size_t left = size ? (h->size - h->at) / size : 0;
 
 	count = count < left ? count : left;
@@ -103,26 +103,26 @@ static size_t read_from(struct aiFile *file, char *to, size_t size, size_t count
 	return count;
 }
 
-static size_t write_to(struct aiFile *file, const char *from, size_t size, size_t count)
+static size_t held_write(struct aiFile *file, const char *from, size_t size, size_t count)
 {
 	(void)file, (void)from, (void)size, (void)count;
 	return 0;
 }
 
-static size_t tell(struct aiFile *file)
+static size_t held_tell(struct aiFile *file)
 {
 	return held_of(file)->at;
 }
 
-static size_t size_of(struct aiFile *file)
+static size_t held_size(struct aiFile *file)
 {
 	return held_of(file)->size;
 }
 
 /* Assimp hands a distance backwards over as if it had no sign. */
-static aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
+static aiReturn held_seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
 {
-	struct held *h = held_of(file);
+	struct held_file *h = held_of(file);
 	const size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? h->at : h->size;
 	const size_t at = base + offset;
 
@@ -132,12 +132,12 @@ static aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
 	return aiReturn_SUCCESS;
 }
 
-static void flush(struct aiFile *file)
+static void held_flush(struct aiFile *file)
 {
 	(void)file;
 }
 
-static bool read_whole(struct held *h, const char *path)
+static bool read_whole(struct held_file *h, const char *path)
 {
 	struct stat is;
 	FILE *stream;
@@ -154,35 +154,35 @@ static bool read_whole(struct held *h, const char *path)
 	return fine;
 }
 
-static void close_file(struct aiFileIO *files, struct aiFile *file)
+static void held_close(struct aiFileIO *files, struct aiFile *file)
 {
-	struct held *h = held_of(file);
+	struct held_file *h = held_of(file);
 
 	(void)files;
 	free(h->bytes);
 	free(h);
 }
 
-static struct aiFile *open_file(struct aiFileIO *files, const char *path, const char *mode)
+static struct aiFile *held_open(struct aiFileIO *files, const char *path, const char *mode)
 {
-	struct held *h = calloc(1, sizeof(*h));
+	struct held_file *h = calloc(1, sizeof(*h));
 
 	if (!h)
 		return NULL;
-	h->file = (struct aiFile){.ReadProc = read_from,
-				  .WriteProc = write_to,
-				  .TellProc = tell,
-				  .FileSizeProc = size_of,
-				  .SeekProc = seek,
-				  .FlushProc = flush,
+	h->file = (struct aiFile){.ReadProc = held_read,
+				  .WriteProc = held_write,
+				  .TellProc = held_tell,
+				  .FileSizeProc = held_size,
+				  .SeekProc = held_seek,
+				  .FlushProc = held_flush,
 				  .UserData = (char *)h};
-	if (mode[0] == 'r' && read_whole(h, path) && (!is_obj(path) || make_plain(h)))
+	if (mode[0] == 'r' && read_whole(h, path) && (!is_obj(path) || obj_make_plain(h)))
 		return &h->file;
-	close_file(files, &h->file);
+	held_close(files, &h->file);
 	return NULL;
 }
 
 struct aiFileIO mesh_files(void)
 {
-	return (struct aiFileIO){.OpenProc = open_file, .CloseProc = close_file};
+	return (struct aiFileIO){.OpenProc = held_open, .CloseProc = held_close};
 }

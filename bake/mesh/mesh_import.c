@@ -22,7 +22,7 @@
 
 #define TRIANGLES_MAX (64 << 20)
 
-static void *allocate(size_t count, size_t size)
+static void *import_allocate(size_t count, size_t size)
 {
 	return calloc(count ? count : 1, size);
 }
@@ -39,11 +39,11 @@ static int import_part(struct mesh_part *part, const struct aiMesh *from, double
 				 from->mNumFaces, TRIANGLES_MAX);
 	part->material = (int)from->mMaterialIndex;
 	part->vertices = (int)from->mNumVertices;
-	part->position = allocate(vertices, sizeof(*part->position));
-	part->normal = allocate(vertices, sizeof(*part->normal));
-	part->index = allocate(from->mNumFaces, sizeof(*part->index));
+	part->position = import_allocate(vertices, sizeof(*part->position));
+	part->normal = import_allocate(vertices, sizeof(*part->normal));
+	part->index = import_allocate(from->mNumFaces, sizeof(*part->index));
 	if (from->mTextureCoords[0])
-		part->uv = allocate(vertices, sizeof(*part->uv));
+		part->uv = import_allocate(vertices, sizeof(*part->uv));
 	if (!part->position || !part->normal || !part->index ||
 	    (from->mTextureCoords[0] && !part->uv))
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
@@ -259,8 +259,8 @@ static int import_scene(struct mesh *mesh, const struct aiScene *scene, const ch
 {
 	int err = 0;
 
-	mesh->parts = allocate(scene->mNumMeshes, sizeof(*mesh->parts));
-	mesh->materials = allocate(scene->mNumMaterials, sizeof(*mesh->materials));
+	mesh->parts = import_allocate(scene->mNumMeshes, sizeof(*mesh->parts));
+	mesh->materials = import_allocate(scene->mNumMaterials, sizeof(*mesh->materials));
 	if (!mesh->parts || !mesh->materials)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	for (unsigned k = 0; k < scene->mNumMeshes && !err; k++) {
@@ -305,7 +305,7 @@ static int check_mesh(const struct aiMesh *mesh, const char *path, struct fault 
 
 /* As it came: assimp's own steps trust indices, take what is no number for any number, and abort
  * over a face of nothing among others. */
-static int check(const struct aiScene *scene, const char *path, struct fault *fault)
+static int check_scene(const struct aiScene *scene, const char *path, struct fault *fault)
 {
 	unsigned faces = 0;
 	int err = 0;
@@ -320,8 +320,8 @@ static int check(const struct aiScene *scene, const char *path, struct fault *fa
 	return err;
 }
 
-static int open_file(const struct aiScene **scene, const char *path, unsigned steps,
-		     struct fault *fault)
+static int import_open(const struct aiScene **scene, const char *path, unsigned steps,
+		       struct fault *fault)
 {
 	struct aiFileIO files = mesh_files();
 
@@ -350,13 +350,13 @@ int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool mat
 	if (!err)
 		err = mesh_ply_check(path, fault);
 	if (!err)
-		err = open_file(&scene, path, 0, fault);
+		err = import_open(&scene, path, 0, fault);
 	if (err)
 		return err;
-	err = check(scene, path, fault);
+	err = check_scene(scene, path, fault);
 	aiReleaseImport(scene);
 	if (!err)
-		err = open_file(&scene, path, steps, fault);
+		err = import_open(&scene, path, steps, fault);
 	if (err)
 		return err;
 	err = import_scene(mesh, scene, path, crease_deg, materials, fault);

@@ -15,7 +15,7 @@
 #define BLANKS " \t\r\n"
 
 /* What an OBJ's libraries define: names, one after the other, each with its 0. */
-struct names {
+struct mtl_names {
 	char *text;
 	size_t bytes;
 	bool any_library;
@@ -25,7 +25,7 @@ struct names {
 };
 
 /* What follows a word at the beginning of a line, without blanks around it; NULL: another word. */
-static char *after(char *line, const char *word)
+static char *word_after(char *line, const char *word)
 {
 	const size_t length = strlen(word);
 	char *end;
@@ -40,7 +40,7 @@ static char *after(char *line, const char *word)
 	return line;
 }
 
-static bool is_named(const struct names *names, const char *name)
+static bool is_named(const struct mtl_names *names, const char *name)
 {
 	for (size_t at = 0; at < names->bytes; at += strlen(names->text + at) + 1)
 		if (strcmp(names->text + at, name) == 0)
@@ -48,7 +48,7 @@ static bool is_named(const struct names *names, const char *name)
 	return false;
 }
 
-static int add_name(struct names *names, const char *name)
+static int add_name(struct mtl_names *names, const char *name)
 {
 	const size_t bytes = strlen(name) + 1;
 	char *grown = realloc(names->text, names->bytes + bytes);
@@ -88,14 +88,14 @@ static int open_library(FILE **file, const char *path, const char *library, stru
 	return !other || is_there(other) ? other : err;
 }
 
-static int read_library(struct names *names, FILE *file)
+static int read_library(struct mtl_names *names, FILE *file)
 {
 	char *line = NULL;
 	size_t room = 0;
 	int err = 0;
 
 	while (!err && getline(&line, &room, file) >= 0) {
-		const char *name = after(line, "newmtl");
+		const char *name = word_after(line, "newmtl");
 
 		err = name ? add_name(names, name) : 0;
 	}
@@ -103,7 +103,7 @@ static int read_library(struct names *names, FILE *file)
 	return err;
 }
 
-static int miss_library(struct names *names, const char *library, int number, int err)
+static int miss_library(struct mtl_names *names, const char *library, int number, int err)
 {
 	if (names->missing)
 		return 0;
@@ -113,7 +113,7 @@ static int miss_library(struct names *names, const char *library, int number, in
 	return names->missing ? 0 : -ENOMEM;
 }
 
-static int check_used(const struct names *names, const char *used, const char *path, int number,
+static int check_used(const struct mtl_names *names, const char *used, const char *path, int number,
 		      struct fault *fault)
 {
 	if (!names->any_library || is_named(names, used))
@@ -130,10 +130,11 @@ static int check_used(const struct names *names, const char *used, const char *p
 			 path, number, used, used);
 }
 
-static int check_line(struct names *names, char *line, const char *path, int number,
+static int check_line(struct mtl_names *names, char *line, const char *path, int number,
 		      struct fault *fault)
 {
-	const char *library = after(line, "mtllib"), *used = library ? NULL : after(line, "usemtl");
+	const char *library = word_after(line, "mtllib"),
+		   *used = library ? NULL : word_after(line, "usemtl");
 	FILE *file;
 	int err;
 
@@ -157,7 +158,7 @@ static int check_line(struct names *names, char *line, const char *path, int num
 int mesh_mtl_check(const char *path, struct fault *fault)
 {
 	const char *dot = strrchr(path, '.');
-	struct names names = {.text = NULL};
+	struct mtl_names names = {.text = NULL};
 	FILE *file = NULL;
 	char *line = NULL;
 	size_t room = 0;

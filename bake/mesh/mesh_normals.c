@@ -8,7 +8,7 @@
 #define NONE UINT32_MAX
 #define CREASE_SLACK 1e-5f /* rounding, of triangles in one plane */
 
-struct place {
+struct vertex_place {
 	float p[3];
 	uint32_t vertex;
 };
@@ -58,7 +58,7 @@ static void measure_triangles(struct smoother *s)
 
 static int compare_places(const void *a, const void *b)
 {
-	const struct place *p = a, *q = b;
+	const struct vertex_place *p = a, *q = b;
 
 	for (int axis = 0; axis < 3; axis++)
 		if (p->p[axis] != q->p[axis])
@@ -70,7 +70,7 @@ static int compare_places(const void *a, const void *b)
 static int find_places(struct smoother *s, uint32_t *count)
 {
 	const size_t vertices = (size_t)s->part->vertices;
-	struct place *all = malloc((vertices + 1) * sizeof(*all));
+	struct vertex_place *all = malloc((vertices + 1) * sizeof(*all));
 
 	if (!all)
 		return -ENOMEM;
@@ -91,7 +91,7 @@ static int find_places(struct smoother *s, uint32_t *count)
 	return 0;
 }
 
-static uint32_t place_of(const struct smoother *s, size_t corner)
+static uint32_t corner_place(const struct smoother *s, size_t corner)
 {
 	return s->at[s->part->index[corner / 3][corner % 3]];
 }
@@ -108,18 +108,18 @@ static int list_corners(struct smoother *s)
 		return -ENOMEM;
 	/* counted two places on, so that filling in moves each to where its list begins */
 	for (size_t c = 0; c < s->corners; c++)
-		s->first[place_of(s, c) + 2]++;
+		s->first[corner_place(s, c) + 2]++;
 	for (uint32_t p = 2; p < places + 2; p++)
 		s->first[p] += s->first[p - 1];
 	for (size_t c = 0; c < s->corners; c++)
-		s->list[s->first[place_of(s, c) + 1]++] = (uint32_t)c;
+		s->list[s->first[corner_place(s, c) + 1]++] = (uint32_t)c;
 	return 0;
 }
 
 static struct v3 corner_normal(const struct smoother *s, size_t corner)
 {
 	const struct v3 own = s->face[corner / 3];
-	const uint32_t place = place_of(s, corner);
+	const uint32_t place = corner_place(s, corner);
 	struct v3 sum = {0, 0, 0};
 
 	for (uint32_t k = s->first[place]; k < s->first[place + 1]; k++) {
@@ -194,7 +194,7 @@ static int split_vertices(struct smoother *s)
 	return err;
 }
 
-static void *room_for(size_t count, size_t size)
+static void *smoother_room(size_t count, size_t size)
 {
 	return malloc((count + 1) * size);
 }
@@ -206,14 +206,14 @@ int mesh_smooth(struct mesh_part *part, double crease_deg)
 		.part = part,
 		.corners = 3 * triangles,
 		.cos_crease = (float)cos(crease_deg * (M_PI / 180)),
-		.face = room_for(triangles, sizeof(*s.face)),
-		.angle = room_for(3 * triangles, sizeof(*s.angle)),
-		.at = room_for(vertices, sizeof(*s.at)),
-		.list = room_for(3 * triangles, sizeof(*s.list)),
-		.head = room_for(vertices, sizeof(*s.head)),
-		.next = room_for(3 * triangles, sizeof(*s.next)),
-		.source = room_for(3 * triangles, sizeof(*s.source)),
-		.normal = room_for(3 * triangles, sizeof(*s.normal)),
+		.face = smoother_room(triangles, sizeof(*s.face)),
+		.angle = smoother_room(3 * triangles, sizeof(*s.angle)),
+		.at = smoother_room(vertices, sizeof(*s.at)),
+		.list = smoother_room(3 * triangles, sizeof(*s.list)),
+		.head = smoother_room(vertices, sizeof(*s.head)),
+		.next = smoother_room(3 * triangles, sizeof(*s.next)),
+		.source = smoother_room(3 * triangles, sizeof(*s.source)),
+		.normal = smoother_room(3 * triangles, sizeof(*s.normal)),
 	};
 	int err = s.face && s.angle && s.at && s.list && s.head && s.next && s.source && s.normal
 			  ? 0

@@ -18,39 +18,39 @@
 
 /* ---- words ---- */
 
-struct span {
+struct ply_span {
 	const char *at, *end;
 };
 
-static bool is_line_end(char c)
+static bool ply_is_line_end(char c)
 {
 	return c == '\n' || c == '\r';
 }
 
-static bool is_blank(char c)
+static bool ply_is_blank(char c)
 {
 	return c == ' ' || c == '\t';
 }
 
-static struct span take_word(struct span *line)
+static struct ply_span ply_take_word(struct ply_span *line)
 {
-	struct span word;
+	struct ply_span word;
 
-	while (line->at < line->end && is_blank(*line->at))
+	while (line->at < line->end && ply_is_blank(*line->at))
 		line->at++;
 	word.at = line->at;
-	while (line->at < line->end && !is_blank(*line->at))
+	while (line->at < line->end && !ply_is_blank(*line->at))
 		line->at++;
 	word.end = line->at;
 	return word;
 }
 
-static int shown(struct span word)
+static int word_shown(struct ply_span word)
 {
 	return word.end - word.at < SHOWN_MAX ? (int)(word.end - word.at) : SHOWN_MAX;
 }
 
-static bool is(struct span word, const char *text)
+static bool word_is(struct ply_span word, const char *text)
 {
 	const size_t length = (size_t)(word.end - word.at);
 
@@ -58,7 +58,7 @@ static bool is(struct span word, const char *text)
 }
 
 /* Whole, 0..INT_MAX; -1: another word. */
-static long whole_of(struct span word)
+static long whole_of(struct ply_span word)
 {
 	long value = 0;
 
@@ -74,7 +74,7 @@ static long whole_of(struct span word)
 	return value;
 }
 
-static bool is_number(struct span word)
+static bool is_number(struct ply_span word)
 {
 	const size_t length = (size_t)(word.end - word.at);
 	char text[64], *stop;
@@ -89,13 +89,13 @@ static bool is_number(struct span word)
 
 /* ---- the header ---- */
 
-struct type {
+struct ply_type {
 	const char *name, *other_name;
 	int bytes;
 	bool whole, sign;
 };
 
-static const struct type types[] = {
+static const struct ply_type types[] = {
 	{"char", "int8", 1, true, true},	  {"uchar", "uint8", 1, true, false},
 	{"short", "int16", 2, true, true},	  {"ushort", "uint16", 2, true, false},
 	{"int", "int32", 4, true, true},	  {"uint", "uint32", 4, true, false},
@@ -103,38 +103,38 @@ static const struct type types[] = {
 	{"double64", "double64", 8, false, true},
 };
 
-struct property {
-	const struct type *type, *count; /* count NULL: no list */
-	bool corners;			 /* vertices of a face */
+struct ply_property {
+	const struct ply_type *type, *count; /* count NULL: no list */
+	bool corners;			     /* vertices of a face */
 };
 
-struct element {
-	struct span name;
+struct ply_element {
+	struct ply_span name;
 	int line, properties;
 	size_t count;
-	struct property *property;
+	struct ply_property *property;
 };
 
 struct ply {
 	const char *path;
 	size_t bytes;
-	struct span rest; /* of the file */
-	int line;	  /* number of the one taken last */
+	struct ply_span rest; /* of the file */
+	int line;	      /* number of the one taken last */
 	bool ascii, big_endian;
 	size_t vertices;
 	int elements, properties;
-	struct element element[ELEMENTS_MAX];
-	struct property property[PROPERTIES_MAX];
+	struct ply_element element[ELEMENTS_MAX];
+	struct ply_property property[PROPERTIES_MAX];
 };
 
 /* Lines without anything in them are passed over, as assimp does. */
-static bool take_line(struct ply *ply, struct span *line)
+static bool ply_take_line(struct ply *ply, struct ply_span *line)
 {
-	struct span *rest = &ply->rest;
+	struct ply_span *rest = &ply->rest;
 
 	do {
 		line->at = rest->at;
-		while (rest->at < rest->end && !is_line_end(*rest->at))
+		while (rest->at < rest->end && !ply_is_line_end(*rest->at))
 			rest->at++;
 		line->end = rest->at;
 		if (line->at == rest->end)
@@ -159,28 +159,29 @@ static int check_text(const struct ply *ply, const char *at, const char *end, st
 			 ply->path);
 }
 
-static int read_type(const struct ply *ply, struct span *line, const struct type **type,
+static int read_type(const struct ply *ply, struct ply_span *line, const struct ply_type **type,
 		     struct fault *fault)
 {
-	const struct span word = take_word(line);
+	const struct ply_span word = ply_take_word(line);
 
 	for (size_t k = 0; k < sizeof(types) / sizeof(*types); k++)
-		if (is(word, types[k].name) || is(word, types[k].other_name)) {
+		if (word_is(word, types[k].name) || word_is(word, types[k].other_name)) {
 			*type = &types[k];
 			return 0;
 		}
 	return fault_say(fault, -EBADMSG,
 			 "%s:%d: property of type \"%.*s\", expected char, uchar, short, ushort, "
 			 "int, uint, float or double",
-			 ply->path, ply->line, shown(word), word.at);
+			 ply->path, ply->line, word_shown(word), word.at);
 }
 
 /* Assimp forgets those of an element's that come after a line of another kind. */
-static int read_property(struct ply *ply, struct span line, bool in_element, struct fault *fault)
+static int read_property(struct ply *ply, struct ply_span line, bool in_element,
+			 struct fault *fault)
 {
-	struct property *property = &ply->property[ply->properties];
-	struct element *element;
-	struct span list = line, name;
+	struct ply_property *property = &ply->property[ply->properties];
+	struct ply_element *element;
+	struct ply_span list = line, name;
 	int err = 0;
 
 	if (!in_element)
@@ -191,9 +192,9 @@ static int read_property(struct ply *ply, struct span line, bool in_element, str
 	if (ply->properties == PROPERTIES_MAX)
 		return fault_say(fault, -E2BIG, "%s:%d: expected at most %d properties", ply->path,
 				 ply->line, PROPERTIES_MAX);
-	*property = (struct property){.type = NULL};
+	*property = (struct ply_property){.type = NULL};
 	element = &ply->element[ply->elements - 1];
-	if (is(take_word(&list), "list")) {
+	if (word_is(ply_take_word(&list), "list")) {
 		line = list;
 		err = read_type(ply, &line, &property->count, fault);
 		if (!err && !property->count->whole)
@@ -205,48 +206,49 @@ static int read_property(struct ply *ply, struct span line, bool in_element, str
 		err = read_type(ply, &line, &property->type, fault);
 	if (err)
 		return err;
-	name = take_word(&line);
-	property->corners = property->count && is(element->name, "face") &&
-			    (is(name, "vertex_indices") || is(name, "vertex_index"));
+	name = ply_take_word(&line);
+	property->corners = property->count && word_is(element->name, "face") &&
+			    (word_is(name, "vertex_indices") || word_is(name, "vertex_index"));
 	ply->properties++;
 	element->properties++;
 	return 0;
 }
 
-static int read_element(struct ply *ply, struct span line, struct fault *fault)
+static int read_element(struct ply *ply, struct ply_span line, struct fault *fault)
 {
-	const struct span name = take_word(&line), word = take_word(&line);
+	const struct ply_span name = ply_take_word(&line), word = ply_take_word(&line);
 	const long count = whole_of(word);
 
 	if (count < 0)
 		return fault_say(fault, -EBADMSG,
 				 "%s:%d: element %.*s \"%.*s\", expected a number 0..%d", ply->path,
-				 ply->line, shown(name), name.at, shown(word), word.at, INT_MAX);
+				 ply->line, word_shown(name), name.at, word_shown(word), word.at,
+				 INT_MAX);
 	if (ply->elements == ELEMENTS_MAX)
 		return fault_say(fault, -E2BIG, "%s:%d: expected at most %d elements", ply->path,
 				 ply->line, ELEMENTS_MAX);
-	ply->element[ply->elements++] = (struct element){
+	ply->element[ply->elements++] = (struct ply_element){
 		.name = name,
 		.line = ply->line,
 		.count = (size_t)count,
 		.property = &ply->property[ply->properties],
 	};
-	if (is(name, "vertex"))
+	if (word_is(name, "vertex"))
 		ply->vertices = (size_t)count;
 	return 0;
 }
 
 static int read_format(struct ply *ply, struct fault *fault)
 {
-	struct span line = {NULL, NULL}, format, kind;
+	struct ply_span line = {NULL, NULL}, format, kind;
 
-	take_line(ply, &line);
-	format = take_word(&line);
-	kind = take_word(&line);
-	ply->ascii = is(kind, "ascii");
-	ply->big_endian = is(kind, "binary_big_endian");
-	if (is(format, "format") &&
-	    (ply->ascii || ply->big_endian || is(kind, "binary_little_endian")))
+	ply_take_line(ply, &line);
+	format = ply_take_word(&line);
+	kind = ply_take_word(&line);
+	ply->ascii = word_is(kind, "ascii");
+	ply->big_endian = word_is(kind, "binary_big_endian");
+	if (word_is(format, "format") &&
+	    (ply->ascii || ply->big_endian || word_is(kind, "binary_little_endian")))
 		return 0;
 	return fault_say(fault, -EBADMSG,
 			 "%s:%d: expected format ascii, binary_little_endian or binary_big_endian "
@@ -259,7 +261,7 @@ static int check_start(const struct ply *ply, struct fault *fault)
 {
 	const char *at = ply->rest.at;
 
-	if (ply->ascii || at == ply->rest.end || !is_line_end(*at))
+	if (ply->ascii || at == ply->rest.end || !ply_is_line_end(*at))
 		return 0;
 	return fault_say(
 		fault, -ENOTSUP,
@@ -269,44 +271,44 @@ static int check_start(const struct ply *ply, struct fault *fault)
 }
 
 /* What it has no use for is passed over. */
-static int read_lines(struct ply *ply, struct fault *fault)
+static int ply_read_lines(struct ply *ply, struct fault *fault)
 {
-	struct span line, word;
+	struct ply_span line, word;
 	bool in_element = false;
 	int err = 0;
 
 	while (!err) {
-		word = take_line(ply, &line) ? take_word(&line) : line;
-		if (is(word, "end_header"))
+		word = ply_take_line(ply, &line) ? ply_take_word(&line) : line;
+		if (word_is(word, "end_header"))
 			return 0;
 		if (ply->rest.at == ply->rest.end)
 			return fault_say(fault, -EBADMSG,
 					 "%s: no line end_header, expected one at the end of the "
 					 "header: damaged or cut short",
 					 ply->path);
-		if (is(word, "property")) {
+		if (word_is(word, "property")) {
 			err = read_property(ply, line, in_element, fault);
 			continue;
 		}
-		in_element = is(word, "element");
+		in_element = word_is(word, "element");
 		if (in_element)
 			err = read_element(ply, line, fault);
 	}
 	return err;
 }
 
-static int read_header(struct ply *ply, struct fault *fault)
+static int ply_read_header(struct ply *ply, struct fault *fault)
 {
-	const struct span all = ply->rest;
-	struct span line;
+	const struct ply_span all = ply->rest;
+	struct ply_span line;
 	int err;
 
 	if (all.end - all.at > HEADER_BYTES_MAX)
 		ply->rest.end = all.at + HEADER_BYTES_MAX;
-	take_line(ply, &line); /* the word by which it was known */
+	ply_take_line(ply, &line); /* the word by which it was known */
 	err = read_format(ply, fault);
 	if (!err)
-		err = read_lines(ply, fault);
+		err = ply_read_lines(ply, fault);
 	ply->rest.end = all.end;
 	if (!err)
 		err = check_text(ply, all.at, ply->ascii ? all.end : ply->rest.at, fault);
@@ -316,12 +318,12 @@ static int read_header(struct ply *ply, struct fault *fault)
 /* ---- rows ---- */
 
 /* In text a value is a digit and what parts it from the next. */
-static size_t least_bytes(const struct ply *ply, const struct element *element)
+static size_t least_bytes(const struct ply *ply, const struct ply_element *element)
 {
 	size_t bytes = 0;
 
 	for (int k = 0; k < element->properties; k++) {
-		const struct property *p = &element->property[k];
+		const struct ply_property *p = &element->property[k];
 
 		bytes += ply->ascii ? 2 : (size_t)(p->count ? p->count->bytes : p->type->bytes);
 	}
@@ -335,34 +337,35 @@ static int check_counts(const struct ply *ply, struct fault *fault)
 	size_t used = 0;
 
 	for (int k = 0; k < ply->elements; k++) {
-		const struct element *e = &ply->element[k];
+		const struct ply_element *e = &ply->element[k];
 
 		if (e->count && !e->properties)
 			return fault_say(fault, -EBADMSG,
 					 "%s:%d: element %.*s has no property, expected at least "
 					 "one",
-					 ply->path, e->line, shown(e->name), e->name.at);
+					 ply->path, e->line, word_shown(e->name), e->name.at);
 		used += e->count * least_bytes(ply, e);
 		if (used > room)
 			return fault_say(fault, -EBADMSG,
 					 "%s:%d: element %.*s %zu, but a file of %zu bytes cannot "
 					 "hold them",
-					 ply->path, e->line, shown(e->name), e->name.at, e->count,
-					 ply->bytes);
+					 ply->path, e->line, word_shown(e->name), e->name.at,
+					 e->count, ply->bytes);
 	}
 	return 0;
 }
 
-static int say_cut(const struct ply *ply, const struct element *element, size_t row,
+static int say_cut(const struct ply *ply, const struct ply_element *element, size_t row,
 		   struct fault *fault)
 {
 	return fault_say(fault, -EBADMSG,
 			 "%s: it ends in %.*s %zu, expected %zu of them: damaged or cut short",
-			 ply->path, shown(element->name), element->name.at, row + 1,
+			 ply->path, word_shown(element->name), element->name.at, row + 1,
 			 element->count);
 }
 
-static int check_corner(const struct ply *ply, struct span word, size_t row, struct fault *fault)
+static int check_corner(const struct ply *ply, struct ply_span word, size_t row,
+			struct fault *fault)
 {
 	const long corner = whole_of(word);
 
@@ -371,38 +374,38 @@ static int check_corner(const struct ply *ply, struct span word, size_t row, str
 	return fault_say(fault, -EBADMSG,
 			 "%s:%d: face %zu names vertex %.*s, expected less than %zu: damaged or "
 			 "cut short",
-			 ply->path, ply->line, row + 1, shown(word), word.at, ply->vertices);
+			 ply->path, ply->line, row + 1, word_shown(word), word.at, ply->vertices);
 }
 
-static int say_value(const struct ply *ply, const struct element *element, size_t row,
-		     struct span word, const char *expected, struct fault *fault)
+static int say_value(const struct ply *ply, const struct ply_element *element, size_t row,
+		     struct ply_span word, const char *expected, struct fault *fault)
 {
 	if (word.at == word.end)
 		return fault_say(fault, -EBADMSG,
 				 "%s:%d: %.*s %zu ends here, expected %s: damaged or cut short",
-				 ply->path, ply->line, shown(element->name), element->name.at,
+				 ply->path, ply->line, word_shown(element->name), element->name.at,
 				 row + 1, expected);
 	return fault_say(fault, -EBADMSG,
 			 "%s:%d: %.*s %zu has \"%.*s\", expected %s: damaged or cut short",
-			 ply->path, ply->line, shown(element->name), element->name.at, row + 1,
-			 shown(word), word.at, expected);
+			 ply->path, ply->line, word_shown(element->name), element->name.at, row + 1,
+			 word_shown(word), word.at, expected);
 }
 
-static int check_values(const struct ply *ply, const struct element *element,
-			const struct property *property, struct span *line, size_t row,
+static int check_values(const struct ply *ply, const struct ply_element *element,
+			const struct ply_property *property, struct ply_span *line, size_t row,
 			struct fault *fault)
 {
-	struct span word;
+	struct ply_span word;
 	long count = 1;
 
 	if (property->count) {
-		word = take_word(line);
+		word = ply_take_word(line);
 		count = whole_of(word);
 		if (count < property->corners)
 			return say_value(ply, element, row, word, "how many numbers follow", fault);
 	}
 	for (long k = 0; k < count; k++) {
-		word = take_word(line);
+		word = ply_take_word(line);
 		if (!is_number(word))
 			return say_value(ply, element, row, word, "a number", fault);
 		if (property->corners && check_corner(ply, word, row, fault) < 0)
@@ -411,14 +414,14 @@ static int check_values(const struct ply *ply, const struct element *element,
 	return 0;
 }
 
-static int check_text_row(struct ply *ply, const struct element *element, size_t row,
+static int check_text_row(struct ply *ply, const struct ply_element *element, size_t row,
 			  struct fault *fault)
 {
-	struct span line, word;
+	struct ply_span line, word;
 	bool corners = false;
 	int err = 0;
 
-	if (!take_line(ply, &line))
+	if (!ply_take_line(ply, &line))
 		return say_cut(ply, element, row, fault);
 	for (int k = 0; k < element->properties && !err; k++) {
 		corners |= element->property[k].corners;
@@ -426,17 +429,17 @@ static int check_text_row(struct ply *ply, const struct element *element, size_t
 	}
 	if (err || !corners)
 		return err;
-	word = take_word(&line);
+	word = ply_take_word(&line);
 	if (word.at == word.end)
 		return 0;
 	return fault_say(fault, -EBADMSG,
 			 "%s:%d: face %zu has \"%.*s\" after its vertices, expected as many as it "
 			 "counts",
-			 ply->path, ply->line, row + 1, shown(word), word.at);
+			 ply->path, ply->line, row + 1, word_shown(word), word.at);
 }
 
 /* How many are in a list; -1: fewer than none. */
-static int64_t count_of(const char *at, const struct type *type, bool big_endian)
+static int64_t count_of(const char *at, const struct ply_type *type, bool big_endian)
 {
 	const int bits = 8 * type->bytes;
 	uint64_t value = 0;
@@ -446,11 +449,11 @@ static int64_t count_of(const char *at, const struct type *type, bool big_endian
 	return type->sign && value >> (bits - 1) ? -1 : (int64_t)value;
 }
 
-static int check_binary_row(struct ply *ply, const struct element *element, size_t row,
+static int check_binary_row(struct ply *ply, const struct ply_element *element, size_t row,
 			    struct fault *fault)
 {
 	for (int k = 0; k < element->properties; k++) {
-		const struct property *p = &element->property[k];
+		const struct ply_property *p = &element->property[k];
 		int64_t count = 1;
 
 		if (p->count) {
@@ -461,8 +464,8 @@ static int check_binary_row(struct ply *ply, const struct element *element, size
 			if (count < p->corners)
 				return fault_say(fault, -EBADMSG,
 						 "%s: %.*s %zu has a list of %lld, expected more",
-						 ply->path, shown(element->name), element->name.at,
-						 row + 1, (long long)count);
+						 ply->path, word_shown(element->name),
+						 element->name.at, row + 1, (long long)count);
 		}
 		if (ply->rest.end - ply->rest.at < count * p->type->bytes)
 			return say_cut(ply, element, row, fault);
@@ -476,7 +479,7 @@ static int check_rows(struct ply *ply, struct fault *fault)
 	int err = 0;
 
 	for (int k = 0; k < ply->elements && !err; k++) {
-		const struct element *e = &ply->element[k];
+		const struct ply_element *e = &ply->element[k];
 
 		for (size_t row = 0; row < e->count && !err; row++)
 			err = ply->ascii ? check_text_row(ply, e, row, fault)
@@ -487,14 +490,14 @@ static int check_rows(struct ply *ply, struct fault *fault)
 
 /* ---- the file ---- */
 
-static int check(const char *text, size_t bytes, const char *path, struct fault *fault)
+static int ply_check(const char *text, size_t bytes, const char *path, struct fault *fault)
 {
 	const char *magic = text, *const end = text + bytes;
 	struct ply *ply;
 	int err;
 
 	/* assimp reads one that begins with empty lines, too */
-	while (magic < end && is_line_end(*magic))
+	while (magic < end && ply_is_line_end(*magic))
 		magic++;
 	if (end - magic < 3 || strncasecmp(magic, "ply", 3) != 0)
 		return 0;
@@ -503,8 +506,8 @@ static int check(const char *text, size_t bytes, const char *path, struct fault 
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	ply->path = path;
 	ply->bytes = bytes;
-	ply->rest = (struct span){text, end};
-	err = read_header(ply, fault);
+	ply->rest = (struct ply_span){text, end};
+	err = ply_read_header(ply, fault);
 	if (!err)
 		err = check_counts(ply, fault);
 	if (!err)
@@ -520,7 +523,7 @@ int mesh_ply_check(const char *path, struct fault *fault)
 
 	if (err)
 		return err;
-	err = check(file.at, file.bytes, path, fault);
+	err = ply_check(file.at, file.bytes, path, fault);
 	plain_file_unmap(&file);
 	return err;
 }

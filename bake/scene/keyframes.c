@@ -124,8 +124,8 @@ static int by_pose(const void *a, const void *b)
 	return x->order - y->order;
 }
 
-static int check_frame(const struct scene_file *file, const char *path, int index,
-		       struct fault *fault)
+static int check_keyframe(const struct scene_file *file, const char *path, int index,
+			  struct fault *fault)
 {
 	const struct scene_keyframe_values *frame = &file->keyframe[index];
 
@@ -162,7 +162,7 @@ int keyframes_settle(struct scene_file *file, const char *path, struct fault *fa
 	}
 	qsort(file->keyframe, (size_t)file->keyframe_count, sizeof(*file->keyframe), by_pose);
 	for (int k = 0; k < file->keyframe_count && !err; k++)
-		err = check_frame(file, path, k, fault);
+		err = check_keyframe(file, path, k, fault);
 	return err;
 }
 

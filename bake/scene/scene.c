@@ -17,7 +17,7 @@
 
 /* ---- camera ---- */
 
-static void *place_camera(void *root, const char *instance)
+static void *tsai_place(void *root, const char *instance)
 {
 	(void)instance;
 	return root;
@@ -26,7 +26,7 @@ static void *place_camera(void *root, const char *instance)
 static int read_camera(struct tsai_camera *camera, const char *path, struct fault *fault)
 {
 	static const struct ini_table tables[] = {
-		{.section = "camera", .keys = tsai_keys, .place = place_camera}, INI_TABLES_END};
+		{.section = "camera", .keys = tsai_keys, .place = tsai_place}, INI_TABLES_END};
 	struct ini_report report = {.count = 0};
 	int err;
 
@@ -44,7 +44,7 @@ static int read_camera(struct tsai_camera *camera, const char *path, struct faul
 }
 
 /* The same view in another number of pixels. */
-static void resize(struct tsai_camera *camera, int width, int height)
+static void resize_camera(struct tsai_camera *camera, int width, int height)
 {
 	const double across = (double)width / camera->width, down = (double)height / camera->height;
 
@@ -81,7 +81,8 @@ static int set_camera(struct scene *scene, int width, int height, struct fault *
 	if (err)
 		return fault_say(fault, err, "%s: %s", scene->path, what.text);
 	if (width || height)
-		resize(camera, width ? width : camera->width, height ? height : camera->height);
+		resize_camera(camera, width ? width : camera->width,
+			      height ? height : camera->height);
 	mat_apply_transposed(camera->rotation, camera->translation, eye);
 	scene->eye = v3_make((float)-eye[0], (float)-eye[1], (float)-eye[2]);
 	if (file->ground.given && scene->eye.z <= 0)

@@ -290,13 +290,13 @@ static const struct ini_key material_keys[] = {
 
 /* ---- where sections go ---- */
 
-static void *place_camera(void *root, const char *instance)
+static void *scene_place_camera(void *root, const char *instance)
 {
 	(void)instance;
 	return &((struct scene_file *)root)->camera;
 }
 
-static void *place_tsai(void *root, const char *instance)
+static void *scene_place_tsai(void *root, const char *instance)
 {
 	struct scene_file *file = root;
 
@@ -305,19 +305,19 @@ static void *place_tsai(void *root, const char *instance)
 	return &file->tsai;
 }
 
-static void *place_dome(void *root, const char *instance)
+static void *scene_place_dome(void *root, const char *instance)
 {
 	(void)instance;
 	return &((struct scene_file *)root)->dome;
 }
 
-static void *place_render(void *root, const char *instance)
+static void *scene_place_render(void *root, const char *instance)
 {
 	(void)instance;
 	return &((struct scene_file *)root)->render;
 }
 
-static void *place_ground(void *root, const char *instance)
+static void *scene_place_ground(void *root, const char *instance)
 {
 	struct scene_file *file = root;
 
@@ -326,7 +326,7 @@ static void *place_ground(void *root, const char *instance)
 	return &file->ground;
 }
 
-static void *place_mesh(struct scene_file *file, const char *instance, bool standin)
+static void *scene_place_mesh(struct scene_file *file, const char *instance, bool standin)
 {
 	struct scene_mesh_values *mesh;
 
@@ -342,28 +342,28 @@ static void *place_mesh(struct scene_file *file, const char *instance, bool stan
 	return mesh;
 }
 
-static void *place_object(void *root, const char *instance)
+static void *scene_place_object(void *root, const char *instance)
 {
-	return place_mesh(root, instance, false);
+	return scene_place_mesh(root, instance, false);
 }
 
-static void *place_standin(void *root, const char *instance)
+static void *scene_place_standin(void *root, const char *instance)
 {
-	return place_mesh(root, instance, true);
+	return scene_place_mesh(root, instance, true);
 }
 
-static void *place_poses(void *root, const char *instance)
+static void *scene_place_poses(void *root, const char *instance)
 {
 	(void)instance;
 	return &((struct scene_file *)root)->poses;
 }
 
-static void *place_keyframe(void *root, const char *instance)
+static void *scene_place_keyframe(void *root, const char *instance)
 {
 	return keyframe_place(root, instance);
 }
 
-static void *place_material(void *root, const char *instance)
+static void *scene_place_material(void *root, const char *instance)
 {
 	struct scene_file *file = root;
 	struct scene_material_values *material;
@@ -385,20 +385,22 @@ static void *place_material(void *root, const char *instance)
 	}
 
 static const struct ini_table scene_tables[] = {
-	TABLE("camera", false, camera_keys, place_camera, "from where the picture is taken"),
-	TABLE("tsai", false, tsai_keys, place_tsai,
+	TABLE("camera", false, camera_keys, scene_place_camera, "from where the picture is taken"),
+	TABLE("tsai", false, tsai_keys, scene_place_tsai,
 	      "the same by Tsai's constants, instead of [camera]"),
-	TABLE("dome", false, dome_keys, place_dome, "the lights"),
-	TABLE("render", false, render_keys, place_render, "how well it is baked"),
-	TABLE("ground", false, ground_keys, place_ground,
+	TABLE("dome", false, dome_keys, scene_place_dome, "the lights"),
+	TABLE("render", false, render_keys, scene_place_render, "how well it is baked"),
+	TABLE("ground", false, ground_keys, scene_place_ground,
 	      "the real ground, the plane Z = 0: catches shadows; leave the section out for none"),
-	TABLE("object", true, mesh_keys, place_object, "a virtual object; one section each"),
-	TABLE("standin", true, mesh_keys, place_standin,
+	TABLE("object", true, mesh_keys, scene_place_object, "a virtual object; one section each"),
+	TABLE("standin", true, mesh_keys, scene_place_standin,
 	      "stands for a real surface: catches shadows, hides objects behind it"),
-	TABLE("poses", false, keyframe_poses_keys, place_poses, "positions, turns, animation"),
-	TABLE("keyframe", true, keyframe_keys, place_keyframe,
+	TABLE("poses", false, keyframe_poses_keys, scene_place_poses,
+	      "positions, turns, animation"),
+	TABLE("keyframe", true, keyframe_keys, scene_place_keyframe,
 	      "what an object is like in one pose; poses between two keyframes lie between them"),
-	TABLE("material", true, material_keys, place_material, "by the name that objects use"),
+	TABLE("material", true, material_keys, scene_place_material,
+	      "by the name that objects use"),
 	INI_TABLES_END,
 };
 
@@ -429,7 +431,7 @@ static int check_material_name(const struct scene_file *file, const char *path, 
 			 nearest ? nearest : "");
 }
 
-static int check_camera(const struct scene_file *file, const char *path, struct fault *fault)
+static int scene_check_camera(const struct scene_file *file, const char *path, struct fault *fault)
 {
 	const struct scene_camera_values *c = &file->camera;
 
@@ -449,7 +451,7 @@ static int check_camera(const struct scene_file *file, const char *path, struct 
 	return 0;
 }
 
-static int check_ground(const struct scene_file *file, const char *path, struct fault *fault)
+static int scene_check_ground(const struct scene_file *file, const char *path, struct fault *fault)
 {
 	const struct scene_material_values *m;
 	int err;
@@ -475,7 +477,7 @@ static int check_ground(const struct scene_file *file, const char *path, struct 
 	return 0;
 }
 
-static int check(struct scene_file *file, const char *path, struct fault *fault)
+static int scene_check(struct scene_file *file, const char *path, struct fault *fault)
 {
 	int objects = 0, err;
 
@@ -496,9 +498,9 @@ static int check(struct scene_file *file, const char *path, struct fault *fault)
 	if (!objects)
 		return fault_say(fault, -EINVAL,
 				 "%s: no section [object NAME], expected at least one", path);
-	err = check_camera(file, path, fault);
+	err = scene_check_camera(file, path, fault);
 	if (!err)
-		err = check_ground(file, path, fault);
+		err = scene_check_ground(file, path, fault);
 	return err ? err : keyframes_settle(file, path, fault);
 }
 
@@ -527,7 +529,7 @@ int scene_file_read(struct scene_file *file, const char *path, struct fault *fau
 			*fault = report.first;
 		return err;
 	}
-	return check(file, path, fault);
+	return scene_check(file, path, fault);
 }
 
 int scene_file_read_memory(struct scene_file *file, const char *text, size_t bytes,
@@ -543,7 +545,7 @@ int scene_file_read_memory(struct scene_file *file, const char *text, size_t byt
 			*fault = report.first;
 		return err;
 	}
-	return check(file, name, fault);
+	return scene_check(file, name, fault);
 }
 
 void scene_render_defaults(struct scene_render_values *values)

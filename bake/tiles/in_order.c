@@ -7,7 +7,7 @@
 /* Tiles that may be done before the one whose turn it is. */
 #define WINDOW 64
 
-struct queue {
+struct tile_queue {
 	const struct in_order *work;
 	/* under the lock: */
 	pthread_mutex_t lock;
@@ -21,7 +21,7 @@ struct queue {
 	struct fault *fault;
 };
 
-static void fail(struct queue *q, int err)
+static void queue_fail(struct tile_queue *q, int err)
 {
 	if (!q->err)
 		q->err = err;
@@ -29,7 +29,7 @@ static void fail(struct queue *q, int err)
 }
 
 /* Hands on every tile whose turn has come. The lock is held. */
-static void hand_on(struct queue *q)
+static void queue_hand_on(struct tile_queue *q)
 {
 	while (!q->err && q->waiting[q->next % WINDOW].ready) {
 		struct finished_tile *tile = &q->waiting[q->next % WINDOW].tile;
@@ -39,14 +39,14 @@ static void hand_on(struct queue *q)
 		q->waiting[q->next % WINDOW].ready = false;
 		q->next++;
 		if (err)
-			fail(q, err);
+			queue_fail(q, err);
 	}
 	pthread_cond_broadcast(&q->turned);
 }
 
 /* False when something has failed. Tiles are begun in order, so the one whose turn it is is always
  * in some thread's hands, and waiting ends. */
-static bool wait_for_room(struct queue *q, int index)
+static bool queue_wait(struct tile_queue *q, int index)
 {
 	bool go_on;
 
@@ -58,14 +58,14 @@ static bool wait_for_room(struct queue *q, int index)
 	return go_on;
 }
 
-static void make_one(void *context, int index, int worker)
+static void queue_make(void *context, int index, int worker)
 {
-	struct queue *q = context;
+	struct tile_queue *q = context;
 	struct finished_tile tile = {.blocks = NULL};
 	struct fault fault = {.text = ""};
 	int err;
 
-	if (!wait_for_room(q, index))
+	if (!queue_wait(q, index))
 		return;
 	err = q->work->make(q->work->context, index, worker, &tile, &fault);
 	pthread_mutex_lock(&q->lock);
@@ -73,12 +73,12 @@ static void make_one(void *context, int index, int worker)
 		finished_tile_free(&tile);
 		if (!q->err)
 			*q->fault = fault;
-		fail(q, err);
+		queue_fail(q, err);
 	} else {
 		q->rays += tile.account.rays;
 		q->waiting[index % WINDOW].tile = tile;
 		q->waiting[index % WINDOW].ready = true;
-		hand_on(q);
+		queue_hand_on(q);
 		progress_show(q->work->progress, q->work->tiles_before + q->next, q->rays);
 	}
 	pthread_mutex_unlock(&q->lock);
@@ -87,12 +87,12 @@ static void make_one(void *context, int index, int worker)
 int in_order_run(const struct in_order *work, struct pool *pool, struct fault *fault)
 {
 	struct fault reason = {.text = ""};
-	struct queue q = {
+	struct tile_queue q = {
 		.work = work, .rays = work->rays_before, .fault = fault ? fault : &reason};
 
 	pthread_mutex_init(&q.lock, NULL);
 	pthread_cond_init(&q.turned, NULL);
-	pool_run(pool, work->tiles, make_one, &q);
+	pool_run(pool, work->tiles, queue_make, &q);
 	for (int k = 0; k < WINDOW; k++)
 		finished_tile_free(&q.waiting[k].tile);
 	pthread_cond_destroy(&q.turned);

@@ -26,7 +26,7 @@ struct shards {
 	int count;
 };
 
-static void close_all(struct shards *all)
+static void shards_close(struct shards *all)
 {
 	for (int k = 0; k < all->count; k++)
 		shard_close(&all->shard[k]);
@@ -35,7 +35,7 @@ static void close_all(struct shards *all)
 }
 
 /* Puts a shard where it belongs. */
-static int place(struct shards *all, struct shard *shard, char *path, struct fault *fault)
+static int shards_place(struct shards *all, struct shard *shard, char *path, struct fault *fault)
 {
 	const struct shard *first = NULL;
 	const int at = shard->place.index;
@@ -60,7 +60,7 @@ static int place(struct shards *all, struct shard *shard, char *path, struct fau
 	return 0;
 }
 
-static int open_all(struct shards *all, char **paths, int count, struct fault *fault)
+static int shards_open(struct shards *all, char **paths, int count, struct fault *fault)
 {
 	int err = 0;
 
@@ -75,7 +75,7 @@ static int open_all(struct shards *all, char **paths, int count, struct fault *f
 		err = shard_open(&shard, paths[k], fault);
 		if (err)
 			return err;
-		err = place(all, &shard, paths[k], fault);
+		err = shards_place(all, &shard, paths[k], fault);
 		if (err)
 			shard_close(&shard);
 	}
@@ -118,7 +118,7 @@ static int merge_pose(struct shards *all, int pose, struct assembly *assembly, s
 	return assembly_pose_end(assembly, (const float(*)[3])peak, fault);
 }
 
-static int merge(struct shards *all, struct assembly *assembly, struct fault *fault)
+static int merge_poses(struct shards *all, struct assembly *assembly, struct fault *fault)
 {
 	const int poses = (int)all->shard[0].plan.info.poses;
 	int err = 0;
@@ -128,7 +128,7 @@ static int merge(struct shards *all, struct assembly *assembly, struct fault *fa
 	return err;
 }
 
-static int run_merge(const char *output, char **paths, int count, struct fault *fault)
+static int merge_shards(const char *output, char **paths, int count, struct fault *fault)
 {
 	struct shards all = {.count = 0};
 	struct assembly *assembly = NULL;
@@ -136,21 +136,21 @@ static int run_merge(const char *output, char **paths, int count, struct fault *
 	int err = output_check(&output, 1, (const char *const *)paths, count, fault);
 
 	if (!err)
-		err = open_all(&all, paths, count, fault);
+		err = shards_open(&all, paths, count, fault);
 	if (!err)
 		err = assembly_open(&assembly, &all.shard[0].plan, output, fault);
 	if (!err)
-		err = merge(&all, assembly, fault);
+		err = merge_poses(&all, assembly, fault);
 	if (!err) {
 		err = assembly_finish(assembly, &report, fault);
 		assembly = NULL;
 	}
 	assembly_abandon(assembly);
-	close_all(&all);
+	shards_close(&all);
 	return err;
 }
 
-static int take(void *output, int option, struct fault *fault)
+static int merge_take_option(void *output, int option, struct fault *fault)
 {
 	(void)option;
 	(void)fault;
@@ -158,11 +158,12 @@ static int take(void *output, int option, struct fault *fault)
 	return 0;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int merge_command_run(const struct command *command, int argc, char **argv)
 {
 	struct fault fault = {.text = ""};
 	const char *output = NULL;
-	const int status = command_options(command, argc, argv, options, take, &output);
+	const int status = command_options(command, argc, argv, options, merge_take_option,
+					   &output);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -171,7 +172,7 @@ static int run(const struct command *command, int argc, char **argv)
 	if (optind == argc || argc - optind > SHARDS_MAX)
 		return command_wrong(command, "expected the shards of one bake, 1 to %d",
 				     SHARDS_MAX);
-	if (run_merge(output, argv + optind, argc - optind, &fault)) {
+	if (merge_shards(output, argv + optind, argc - optind, &fault)) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
@@ -188,5 +189,5 @@ const struct command merge_command = {
 		"All shards of one bake (inlay-bake render --shard 1/n ... n/n), in any order. The "
 		"file is\n"
 		"the same, bit for bit, as one run without shards makes.\n",
-	.run = run,
+	.run = merge_command_run,
 };

@@ -18,14 +18,14 @@
 #define RATIO_SHARE 0.5
 #define LEVELS_OF_RATIO 112
 
-struct worker {
+struct render_worker {
 	struct tile tile;
 	struct encoder *encoder;
 	float (*peak)[3];
 };
 
 /* One bake. */
-struct job {
+struct render_job {
 	struct scene *scene;
 	struct render_settings settings;
 	struct dome dome;
@@ -33,7 +33,7 @@ struct job {
 	struct plan plan;
 	struct ensemble ensemble;
 	struct pool *pool;
-	struct worker *workers;
+	struct render_worker *workers;
 	int worker_count;
 	/* where finished tiles go: one of the two */
 	struct assembly *assembly;
@@ -69,7 +69,7 @@ struct render_settings render_settings_of(const struct scene *scene)
 /* ---- tiles ---- */
 
 /* Of the pose that the scene is in: they hold its world. */
-static int create_tiles(struct job *job)
+static int create_tiles(struct render_job *job)
 {
 	const struct tile_settings tile = {
 		.samples = job->settings.samples,
@@ -104,11 +104,11 @@ static void account_for(const struct tile *tile, const struct encode_result *res
 }
 
 /* The encoder's blocks live until its next tile, so they are copied. */
-static int make_tile(void *context, int index, int number, struct finished_tile *finished,
-		     struct fault *fault)
+static int render_make_tile(void *context, int index, int number, struct finished_tile *finished,
+			    struct fault *fault)
 {
-	struct job *job = context;
-	struct worker *worker = &job->workers[number];
+	struct render_job *job = context;
+	struct render_worker *worker = &job->workers[number];
 	struct tile *tile = &worker->tile;
 	struct encode_result result = {.shown = NULL};
 	const int place = job->first + index * job->step;
@@ -136,9 +136,9 @@ static int make_tile(void *context, int index, int number, struct finished_tile 
 	return 0;
 }
 
-static int take_tile(void *context, const struct finished_tile *tile, struct fault *fault)
+static int render_take_tile(void *context, const struct finished_tile *tile, struct fault *fault)
 {
-	struct job *job = context;
+	struct render_job *job = context;
 
 	job->rays += tile->account.rays;
 	for (int k = 0; k < TILE_PIXELS; k++)
@@ -148,7 +148,7 @@ static int take_tile(void *context, const struct finished_tile *tile, struct fau
 }
 
 /* Which of the pose's tiles this job makes. */
-static void set_tiles(struct job *job)
+static void set_tiles(struct render_job *job)
 {
 	const struct shard_place *shard = &job->settings.shard;
 	const int all = plan_tiles(&job->plan);
@@ -158,7 +158,7 @@ static void set_tiles(struct job *job)
 	job->tiles = job->first < all ? (all - job->first - 1) / job->step + 1 : 0;
 }
 
-static int end_pose(struct job *job, struct fault *fault)
+static int render_end_pose(struct render_job *job, struct fault *fault)
 {
 	const size_t bytes = ((size_t)job->dome.count + 1) * sizeof(*job->workers->peak);
 	float(*peak)[3] = job->workers[0].peak;
@@ -174,15 +174,15 @@ static int end_pose(struct job *job, struct fault *fault)
 	return err;
 }
 
-static int make_pose(struct job *job, struct fault *fault)
+static int render_make_pose(struct render_job *job, struct fault *fault)
 {
 	const struct in_order work = {
 		.tiles = job->tiles,
 		.tiles_before = job->done,
 		.rays_before = job->rays,
 		.context = job,
-		.make = make_tile,
-		.take = take_tile,
+		.make = render_make_tile,
+		.take = render_take_tile,
 		.progress = &job->progress,
 	};
 	int err = scene_take_pose(job->scene, job->pose, fault);
@@ -194,10 +194,11 @@ static int make_pose(struct job *job, struct fault *fault)
 		return fault_say(fault, err, "the bake cannot go on: %s", strerror(-err));
 	err = in_order_run(&work, job->pool, fault);
 	job->done += job->tiles;
-	return err ? err : end_pose(job, fault);
+	return err ? err : render_end_pose(job, fault);
 }
 
-static int make_all(struct job *job, struct render_report *report, struct fault *fault)
+static int render_make_all(struct render_job *job, struct render_report *report,
+			   struct fault *fault)
 {
 	const int poses = (int)job->plan.info.poses;
 	int tiles = 0, err = 0;
@@ -211,7 +212,7 @@ static int make_all(struct job *job, struct render_report *report, struct fault 
 	for (int p = 0; p < poses && !err; p++) {
 		job->pose = job->first_pose + p;
 		set_tiles(job);
-		err = make_pose(job, fault);
+		err = render_make_pose(job, fault);
 	}
 	report->seconds = progress_end(&job->progress);
 	report->rays = job->rays;
@@ -221,7 +222,7 @@ static int make_all(struct job *job, struct render_report *report, struct fault 
 
 /* ---- setting up ---- */
 
-static int set_ground(struct job *job)
+static int set_ground(struct render_job *job)
 {
 	const size_t n = (size_t)job->dome.count;
 
@@ -235,7 +236,7 @@ static int set_ground(struct job *job)
 	return 0;
 }
 
-static int start_workers(struct job *job)
+static int render_start_workers(struct render_job *job)
 {
 	const struct encode_settings encode = {
 		.lights = job->dome.count,
@@ -258,7 +259,7 @@ static int start_workers(struct job *job)
 	if (!job->workers)
 		return -ENOMEM;
 	for (int k = 0; k < job->worker_count && !err; k++) {
-		struct worker *w = &job->workers[k];
+		struct render_worker *w = &job->workers[k];
 
 		w->peak = calloc((size_t)job->dome.count + 1, sizeof(*w->peak));
 		if (!w->peak)
@@ -269,7 +270,7 @@ static int start_workers(struct job *job)
 }
 
 /* What makes the file, in words. */
-static void write_provenance(struct job *job)
+static void write_provenance(struct render_job *job)
 {
 	const struct render_settings *s = &job->settings;
 	const struct basis_info_chunk *info = &job->plan.info;
@@ -301,7 +302,7 @@ static void write_provenance(struct job *job)
 	}
 }
 
-static int open_file(struct job *job, const char *path, struct fault *fault)
+static int render_open_file(struct render_job *job, const char *path, struct fault *fault)
 {
 	const int err = scene_camera_text(job->scene, job->plan.camera, sizeof(job->plan.camera));
 
@@ -315,7 +316,7 @@ static int open_file(struct job *job, const char *path, struct fault *fault)
 }
 
 /* Which poses, and what they are called. */
-static int set_poses(struct job *job, struct fault *fault)
+static int set_poses(struct render_job *job, struct fault *fault)
 {
 	const struct scene_file *file = job->scene->file;
 	const int poses = job->settings.pose ? 1 : file->poses.count;
@@ -338,7 +339,7 @@ static int set_poses(struct job *job, struct fault *fault)
 	return 0;
 }
 
-static int set_up(struct job *job, const char *path, struct fault *fault)
+static int render_set_up(struct render_job *job, const char *path, struct fault *fault)
 {
 	const struct tsai_camera *camera = &job->scene->camera;
 	int err = dome_create_shaped(&job->dome, job->settings.frequency,
@@ -364,13 +365,13 @@ static int set_up(struct job *job, const char *path, struct fault *fault)
 	if (!err)
 		err = ensemble_create(&job->ensemble, job->plan.light, job->dome.count);
 	if (!err)
-		err = start_workers(job);
+		err = render_start_workers(job);
 	if (err)
 		return fault_say(fault, err, "%s: the bake cannot start: %s", path, strerror(-err));
-	return open_file(job, path, fault);
+	return render_open_file(job, path, fault);
 }
 
-static void tear_down(struct job *job)
+static void render_tear_down(struct render_job *job)
 {
 	assembly_abandon(job->assembly);
 	shard_writer_abandon(job->shard);
@@ -389,7 +390,7 @@ static void tear_down(struct job *job)
 
 /* ---- finishing ---- */
 
-static int finish(struct job *job, struct render_report *report, struct fault *fault)
+static int render_finish(struct render_job *job, struct render_report *report, struct fault *fault)
 {
 	struct assembly_report all = {.info = job->plan.info};
 	struct assembly *assembly = job->assembly;
@@ -411,7 +412,7 @@ static int finish(struct job *job, struct render_report *report, struct fault *f
 int render_run(struct scene *scene, const struct render_settings *settings, const char *path,
 	       struct render_report *report, struct fault *fault)
 {
-	struct job *job = calloc(1, sizeof(*job));
+	struct render_job *job = calloc(1, sizeof(*job));
 	int err;
 
 	if (!job)
@@ -420,12 +421,12 @@ int render_run(struct scene *scene, const struct render_settings *settings, cons
 	job->settings = *settings;
 	if (!(settings->target.max > 0))
 		job->settings.target.max = RENDER_MAX_OF_RMS * settings->target.rms;
-	err = set_up(job, path, fault);
+	err = render_set_up(job, path, fault);
 	if (!err)
-		err = make_all(job, report, fault);
+		err = render_make_all(job, report, fault);
 	if (!err)
-		err = finish(job, report, fault);
-	tear_down(job);
+		err = render_finish(job, report, fault);
+	render_tear_down(job);
 	free(job);
 	return err;
 }

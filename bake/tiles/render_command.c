@@ -48,7 +48,7 @@ static const struct option options[] = {
 };
 
 /* What the command line says; -1 where it says nothing. */
-struct choices {
+struct render_choices {
 	const char *output;
 	int frequency, division, shape, width, height, samples, seed, threads;
 	double noise;
@@ -59,7 +59,7 @@ struct choices {
 };
 
 /* i/n, from 1 */
-static int take_shard(struct choices *c, const char *text, struct fault *fault)
+static int take_shard(struct render_choices *c, const char *text, struct fault *fault)
 {
 	int index, count;
 	char rest;
@@ -74,9 +74,9 @@ static int take_shard(struct choices *c, const char *text, struct fault *fault)
 	return 0;
 }
 
-static int take(void *choices, int option, struct fault *fault)
+static int render_take_option(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct render_choices *c = choices;
 
 	switch (option) {
 	case 'o':
@@ -116,7 +116,7 @@ static int take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static void override(struct render_settings *s, const struct choices *c)
+static void apply_choices(struct render_settings *s, const struct render_choices *c)
 {
 	if (c->frequency >= 0)
 		s->frequency = c->frequency;
@@ -139,7 +139,7 @@ static void override(struct render_settings *s, const struct choices *c)
 	s->quiet = c->quiet;
 }
 
-static void print_report(const struct choices *c, const struct render_report *report)
+static void print_report(const struct render_choices *c, const struct render_report *report)
 {
 	const struct basis_info_chunk *info = &report->info;
 
@@ -176,7 +176,7 @@ static int check_output(const struct scene_file *file, const char *path, const c
 	return output_check(&output, 1, read, count, fault);
 }
 
-static int bake(const char *path, const struct choices *c)
+static int render_bake(const char *path, const struct render_choices *c)
 {
 	struct fault fault = {.text = ""};
 	struct render_report report = {.rays = 0};
@@ -186,7 +186,7 @@ static int bake(const char *path, const struct choices *c)
 
 	if (!err) {
 		settings = render_settings_of(scene);
-		override(&settings, c);
+		apply_choices(&settings, c);
 		err = check_output(scene->file, path, c->output, &fault);
 		if (!err)
 			err = render_run(scene, &settings, c->output, &report, &fault);
@@ -205,16 +205,16 @@ static int bake(const char *path, const struct choices *c)
 	return EXIT_SUCCESS;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int render_command_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.frequency = -1,
-			    .division = -1,
-			    .shape = -1,
-			    .samples = -1,
-			    .seed = -1,
-			    .noise = -1,
-			    .encoding = ENCODING_UNSAID};
-	const int status = command_options(command, argc, argv, options, take, &c);
+	struct render_choices c = {.frequency = -1,
+				   .division = -1,
+				   .shape = -1,
+				   .samples = -1,
+				   .seed = -1,
+				   .noise = -1,
+				   .encoding = ENCODING_UNSAID};
+	const int status = command_options(command, argc, argv, options, render_take_option, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -228,7 +228,7 @@ static int run(const struct command *command, int argc, char **argv)
 		return command_wrong(command, "expected one scene file");
 	if (!c.output)
 		return command_wrong(command, "-o OUT.inlay is missing");
-	return bake(argv[optind], &c);
+	return render_bake(argv[optind], &c);
 }
 
 const struct command render_command = {
@@ -259,5 +259,5 @@ const struct command render_command = {
 		"  --print-scene   a scene file with every key, its default and its meaning\n"
 		"\n"
 		"Options go before the scene file. bake/README.md describes the format.\n",
-	.run = run,
+	.run = render_command_run,
 };

@@ -13,27 +13,28 @@
 #include "hal/basis/basis_blocks.h"
 
 /* One array of a plan. */
-struct piece {
+struct plan_piece {
 	void *data;
 	size_t bytes;
 };
 
 #define PIECES 6
 
-static void list_pieces(struct plan *plan, struct piece piece[PIECES])
+static void list_pieces(struct plan *plan, struct plan_piece piece[PIECES])
 {
 	const size_t n = plan->info.lights;
 
-	piece[0] = (struct piece){plan->light, n * sizeof(*plan->light)};
-	piece[1] = (struct piece){plan->ground, plan->info.grounds * 3 * n * sizeof(double)};
-	piece[2] = (struct piece){plan->gather, plan->gather ? n * sizeof(*plan->gather) : 0};
-	piece[3] = (struct piece){plan->names,
-				  plan->names ? plan->info.poses * sizeof(*plan->names) : 0};
-	piece[4] = (struct piece){plan->camera, sizeof(plan->camera)};
-	piece[5] = (struct piece){plan->provenance, sizeof(plan->provenance)};
+	piece[0] = (struct plan_piece){plan->light, n * sizeof(*plan->light)};
+	piece[1] = (struct plan_piece){plan->ground, plan->info.grounds * 3 * n * sizeof(double)};
+	piece[2] = (struct plan_piece){plan->gather, plan->gather ? n * sizeof(*plan->gather) : 0};
+	piece[3] = (struct plan_piece){plan->names,
+				       plan->names ? plan->info.poses * sizeof(*plan->names) : 0};
+	piece[4] = (struct plan_piece){plan->camera, sizeof(plan->camera)};
+	piece[5] = (struct plan_piece){plan->provenance, sizeof(plan->provenance)};
 }
 
-static uint64_t hash_header(const struct shard_header *header, const struct piece piece[PIECES])
+static uint64_t hash_header(const struct shard_header *header,
+			    const struct plan_piece piece[PIECES])
 {
 	struct shard_header plain = *header;
 	uint64_t hash;
@@ -68,7 +69,7 @@ struct shard_writer {
 	int pose; /* that is being written */
 };
 
-static int put(struct shard_writer *w, const void *data, size_t bytes, struct fault *fault)
+static int shard_put(struct shard_writer *w, const void *data, size_t bytes, struct fault *fault)
 {
 	int err;
 
@@ -84,7 +85,7 @@ static int write_plan(struct shard_writer *w, const struct plan *plan,
 {
 	struct plan copy = *plan;
 	struct shard_header header;
-	struct piece piece[PIECES];
+	struct plan_piece piece[PIECES];
 	int err;
 
 	memset(&header, 0, sizeof(header));
@@ -99,9 +100,9 @@ static int write_plan(struct shard_writer *w, const struct plan *plan,
 	header.info = plan->info;
 	list_pieces(&copy, piece);
 	header.checksum = hash_header(&header, piece);
-	err = put(w, &header, sizeof(header), fault);
+	err = shard_put(w, &header, sizeof(header), fault);
 	for (int k = 0; !err && k < PIECES; k++)
-		err = put(w, piece[k].data, piece[k].bytes, fault);
+		err = shard_put(w, piece[k].data, piece[k].bytes, fault);
 	return err;
 }
 
@@ -138,8 +139,8 @@ static int write_record(struct shard_writer *w, struct shard_record *record, con
 	int err;
 
 	record->checksum = hash_record(record, body);
-	err = put(w, record, sizeof(*record), fault);
-	return err ? err : put(w, body, record->bytes, fault);
+	err = shard_put(w, record, sizeof(*record), fault);
+	return err ? err : shard_put(w, body, record->bytes, fault);
 }
 
 int shard_writer_add(struct shard_writer *w, const struct finished_tile *tile, struct fault *fault)
@@ -209,7 +210,7 @@ static int say_damaged(const struct shard_stream *s, const char *what, struct fa
 			 what);
 }
 
-static int get(struct shard_stream *s, void *data, size_t bytes, struct fault *fault)
+static int shard_get(struct shard_stream *s, void *data, size_t bytes, struct fault *fault)
 {
 	if (bytes > s->left || fread(data, 1, bytes, s->file) != bytes)
 		return say_damaged(s, "ends too early", fault);
@@ -217,8 +218,8 @@ static int get(struct shard_stream *s, void *data, size_t bytes, struct fault *f
 	return 0;
 }
 
-static int check_header(const struct shard_stream *s, const struct shard_header *h,
-			struct fault *fault)
+static int shard_check_header(const struct shard_stream *s, const struct shard_header *h,
+			      struct fault *fault)
 {
 	const struct basis_info_chunk *info = &h->info;
 
@@ -275,12 +276,12 @@ static int read_plan(struct shard *shard, struct fault *fault)
 {
 	struct shard_stream *s = shard->stream;
 	struct plan *plan = &shard->plan;
-	struct piece piece[PIECES];
+	struct plan_piece piece[PIECES];
 	struct shard_header header;
-	int err = get(s, &header, sizeof(header), fault);
+	int err = shard_get(s, &header, sizeof(header), fault);
 
 	if (!err)
-		err = check_header(s, &header, fault);
+		err = shard_check_header(s, &header, fault);
 	if (err)
 		return err;
 	if (plan_bytes(&header) > s->left)
@@ -289,7 +290,7 @@ static int read_plan(struct shard *shard, struct fault *fault)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", s->path);
 	list_pieces(plan, piece);
 	for (int k = 0; !err && k < PIECES; k++)
-		err = get(s, piece[k].data, piece[k].bytes, fault);
+		err = shard_get(s, piece[k].data, piece[k].bytes, fault);
 	if (err)
 		return err;
 	if (hash_header(&header, piece) != header.checksum ||
@@ -350,7 +351,7 @@ static uint8_t *read_body(struct shard_stream *s, const struct shard_record *rec
 		say_damaged(s, "ends too early", fault);
 		return NULL;
 	}
-	if (get(s, body, record->bytes, fault) == 0 &&
+	if (shard_get(s, body, record->bytes, fault) == 0 &&
 	    hash_record(record, body) == record->checksum)
 		return body;
 	say_damaged(s, "is damaged", fault);
@@ -358,8 +359,8 @@ static uint8_t *read_body(struct shard_stream *s, const struct shard_record *rec
 	return NULL;
 }
 
-static int take_peaks(struct shard *shard, const struct shard_record *record, uint8_t *body,
-		      struct fault *fault)
+static int shard_take_peaks(struct shard *shard, const struct shard_record *record, uint8_t *body,
+			    struct fault *fault)
 {
 	struct shard_stream *s = shard->stream;
 	const int tiles = plan_tiles(&shard->plan), poses = (int)shard->plan.info.poses;
@@ -396,7 +397,7 @@ static int list_blocks(const struct shard_record *record, const uint8_t *entries
 }
 
 /* Whoever takes the tile trusts its blocks, as they are a bake's own. */
-static int check_tile(const struct basis_info_chunk *info, const struct finished_tile *tile)
+static int shard_check_tile(const struct basis_info_chunk *info, const struct finished_tile *tile)
 {
 	const int err = basis_check_tile(info, tile->tile, false, tile->blocks, tile->shown);
 
@@ -408,8 +409,8 @@ static int check_tile(const struct basis_info_chunk *info, const struct finished
 }
 
 /* Takes a body apart, whose checksum is right. */
-static int take_tile(const struct basis_info_chunk *info, const struct shard_record *record,
-		     const uint8_t *body, struct finished_tile *tile)
+static int shard_take_tile(const struct basis_info_chunk *info, const struct shard_record *record,
+			   const uint8_t *body, struct finished_tile *tile)
 {
 	const uint64_t count = (uint64_t)record->shown + record->exact;
 	const uint64_t glass = (uint64_t)record->glass * sizeof(*tile->glass);
@@ -430,7 +431,7 @@ static int take_tile(const struct basis_info_chunk *info, const struct shard_rec
 		err = finished_tile_keep(tile, blocks, (int)record->shown, blocks + record->shown,
 					 (int)record->exact);
 	if (!err)
-		err = check_tile(info, tile);
+		err = shard_check_tile(info, tile);
 	if (!err)
 		err = finished_tile_keep_glass(tile, (const void *)(body + sizeof(tile->account)),
 					       (int)record->glass);
@@ -445,7 +446,7 @@ int shard_next(struct shard *shard, struct finished_tile *tile, struct fault *fa
 	struct shard_stream *s = shard->stream;
 	struct shard_record record;
 	uint8_t *body;
-	int err = get(s, &record, sizeof(record), fault);
+	int err = shard_get(s, &record, sizeof(record), fault);
 
 	if (err)
 		return err;
@@ -453,11 +454,11 @@ int shard_next(struct shard *shard, struct finished_tile *tile, struct fault *fa
 	if (!body)
 		return -EBADMSG;
 	if (record.tile == SHARD_NO_TILE)
-		return take_peaks(shard, &record, body, fault);
+		return shard_take_peaks(shard, &record, body, fault);
 	err = record.tile == (uint32_t)s->next && s->next < plan_tiles(&shard->plan) &&
 			      record.pose == (uint32_t)s->pose &&
 			      record.pose < shard->plan.info.poses
-		      ? take_tile(&shard->plan.info, &record, body, tile)
+		      ? shard_take_tile(&shard->plan.info, &record, body, tile)
 		      : -EBADMSG;
 	free(body);
 	s->next += shard->place.count;
@@ -469,7 +470,7 @@ int shard_next(struct shard *shard, struct finished_tile *tile, struct fault *fa
 bool shard_same_bake(const struct shard *a, const struct shard *b)
 {
 	struct plan left = a->plan, right = b->plan;
-	struct piece x[PIECES], y[PIECES];
+	struct plan_piece x[PIECES], y[PIECES];
 
 	if (a->place.count != b->place.count || memcmp(&left.info, &right.info, sizeof(left.info)))
 		return false;

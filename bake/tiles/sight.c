@@ -11,15 +11,15 @@ static bool is_glass(const struct surface *s)
 }
 
 /* Where what is mirrored leaves to; each surface on the way offers its share. */
-struct chosen {
+struct chosen_mirror {
 	struct surface at;
 	struct v3 direction;
 	struct rgb weight; /* of the surface that was chosen */
 	float share, sum;  /* its, and that of all */
 };
 
-static void offer(struct chosen *chosen, struct random *random, const struct surface *at,
-		  struct v3 direction, struct rgb weight)
+static void chosen_offer(struct chosen_mirror *chosen, struct random *random,
+			 const struct surface *at, struct v3 direction, struct rgb weight)
 {
 	const float share = rgb_peak(weight);
 
@@ -36,7 +36,7 @@ void sight_through_glass(const struct world *world, struct random *random,
 			 const struct surface *surface, struct v3 direction, struct sight *passed,
 			 struct sight *mirrored)
 {
-	struct chosen chosen = {.sum = 0};
+	struct chosen_mirror chosen = {.sum = 0};
 	int surfaces = 0;
 
 	*passed = (struct sight){{{1, 1, 1}}, true, *surface, direction};
@@ -46,8 +46,8 @@ void sight_through_glass(const struct world *world, struct random *random,
 		const struct glass_ways ways = bsdf_glass_ways(&s.bsdf, s.normal, s.outer,
 							       v3_scale(passed->direction, -1));
 
-		offer(&chosen, random, &s, ways.mirrored,
-		      rgb_scale(passed->weight, ways.reflectance));
+		chosen_offer(&chosen, random, &s, ways.mirrored,
+			     rgb_scale(passed->weight, ways.reflectance));
 		if (ways.reflectance >= 1 || ++surfaces > GLASS_MAX) {
 			passed->weight = rgb_make(0, 0, 0);
 			break;

@@ -79,7 +79,7 @@ void tile_free(struct tile *tile)
 
 /* ---- samples ---- */
 
-static void add_object(struct tile *tile, const struct tile_sample *s)
+static void tile_add_object(struct tile *tile, const struct tile_sample *s)
 {
 	struct tile_pixel *p = &tile->pixels[s->at];
 	const struct transport_rows rows = tile_rows_for(tile, TILE_OBJECT, s->at,
@@ -93,7 +93,7 @@ static void add_object(struct tile *tile, const struct tile_sample *s)
 			      v3_scale(s->direction, -1), rgb_make(1, 1, 1), &rows);
 }
 
-static void add_sample(struct tile *tile, int at, uint32_t sample)
+static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 {
 	const int x = tile->x + at % BASIS_TILE, y = tile->y + at / BASIS_TILE;
 	const uint32_t pixel = (uint32_t)y * (uint32_t)tile->scene->camera.width + (uint32_t)x;
@@ -110,7 +110,7 @@ static void add_sample(struct tile *tile, int at, uint32_t sample)
 	met = scene_look(tile->scene, WITH_OBJECTS, s.place[0], s.place[1], &s.surface,
 			 &s.direction);
 	if (met && s.surface.kind == SURFACE_OBJECT) {
-		add_object(tile, &s);
+		tile_add_object(tile, &s);
 		return;
 	}
 	tile->pixels[at].other_weight++;
@@ -154,7 +154,7 @@ static void run_batch(struct tile *tile, int samples)
 			const int at = y * BASIS_TILE + x;
 
 			for (int k = 0; k < samples; k++)
-				add_sample(tile, at, (uint32_t)(tile->samples + k));
+				tile_add_sample(tile, at, (uint32_t)(tile->samples + k));
 			tile_noise_add(tile, at, samples);
 		}
 	tile->samples += samples;
@@ -230,8 +230,8 @@ static void finish_bounce(struct tile *tile, enum tile_kind kind, const uint16_t
 		bounce_filter(&tile->bounce, &halves);
 }
 
-static void add_part(struct tile *tile, enum tile_kind kind, enum basis_kind basis_kind,
-		     const uint16_t *pixel, int pixels)
+static void tile_add_part(struct tile *tile, enum tile_kind kind, enum basis_kind basis_kind,
+			  const uint16_t *pixel, int pixels)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
 	const bool bounces = tile->transport.bounces > 0;
@@ -260,7 +260,7 @@ static void finish_object(struct tile *tile)
 		move_rows(tile, TILE_OBJECT, at, kept, tile->samples, NULL);
 		tile->object_pixel[kept++] = (uint16_t)at;
 	}
-	add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->object_pixel, kept);
+	tile_add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->object_pixel, kept);
 }
 
 /* Samples that see neither object nor real surface are unchanged, and count so. */
@@ -276,11 +276,11 @@ static void finish_shadow(struct tile *tile)
 		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, tile->cells->share);
 		tile->change_pixel[kept++] = (uint16_t)at;
 	}
-	add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->change_pixel, kept);
+	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->change_pixel, kept);
 }
 
 /* with becomes without - with, as a share of the samples that count for the ratio. */
-static void subtract(const float *without, float *with, size_t count)
+static void subtract_rows(const float *without, float *with, size_t count)
 {
 	for (size_t i = 0; i < count; i++)
 		with[i] = without[i] - with[i];
@@ -330,9 +330,9 @@ static void finish_difference(struct tile *tile)
 
 		if (!p->receiver || !p->changed)
 			continue;
-		subtract(without->direct + row, with->direct + row, size);
+		subtract_rows(without->direct + row, with->direct + row, size);
 		for (int half = 0; half < 2; half++) {
-			subtract(without->bounce[half] + row, with->bounce[half] + row, size);
+			subtract_rows(without->bounce[half] + row, with->bounce[half] + row, size);
 		}
 		change = largest_change(tile, at);
 		if (change <= tile->settings.ratio_cut) {
@@ -344,14 +344,14 @@ static void finish_difference(struct tile *tile)
 		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver_weight, NULL);
 		tile->change_pixel[kept++] = (uint16_t)at;
 	}
-	add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->change_pixel, kept);
-	add_part(tile, TILE_WITHOUT, BASIS_KIND_U, tile->change_pixel, kept);
+	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->change_pixel, kept);
+	tile_add_part(tile, TILE_WITHOUT, BASIS_KIND_U, tile->change_pixel, kept);
 	if (kept)
 		keep_positive(&tile->part[tile->part_count - 1], without->bounce[0],
 			      (size_t)kept * size);
 }
 
-static void clear(struct tile *tile)
+static void tile_clear(struct tile *tile)
 {
 	memset(tile->pixels, 0, sizeof(tile->pixels));
 	tile->batches = tile->samples = tile->part_count = 0;
@@ -369,7 +369,7 @@ void tile_render(struct tile *tile, int index)
 	tile->width = camera->width - tile->x < BASIS_TILE ? camera->width - tile->x : BASIS_TILE;
 	tile->height = camera->height - tile->y < BASIS_TILE ? camera->height - tile->y
 							     : BASIS_TILE;
-	clear(tile);
+	tile_clear(tile);
 	run_batches(tile);
 	for (int at = 0; at < TILE_PIXELS; at++)
 		tile->coverage[at] =

@@ -8,8 +8,8 @@
 /* Less is not seen: half a step of 16 bits. */
 #define WEIGHT_LEAST (0.5f / 65535)
 
-static void add_background(struct tile *tile, const struct tile_sample *s,
-			   const struct sight *sight, const double place[2])
+static void glass_add_background(struct tile *tile, const struct tile_sample *s,
+				 const struct sight *sight, const double place[2])
 {
 	struct tile_pixel *p = &tile->pixels[s->at];
 	const float *w = sight->weight.c;
@@ -30,8 +30,8 @@ static void add_background(struct tile *tile, const struct tile_sample *s,
 		tile_add_receiver(tile, s, &sight->surface, sight->direction, weight);
 }
 
-static void add_light(struct tile *tile, const struct sight *sight,
-		      const struct transport_rows *rows)
+static void glass_add_light(struct tile *tile, const struct sight *sight,
+			    const struct transport_rows *rows)
 {
 	struct transport *t = &tile->transport;
 
@@ -52,22 +52,22 @@ void tile_glass_add(struct tile *tile, const struct tile_sample *s,
 
 	sight_through_glass(tile->scene->world, &tile->transport.random, &s->surface, s->direction,
 			    &passed, &mirrored);
-	add_light(tile, &mirrored, rows);
+	glass_add_light(tile, &mirrored, rows);
 	if (rgb_peak(passed.weight) >= WEIGHT_LEAST && sight_is_real(&passed) &&
 	    sight_place(tile->scene, &passed, place) &&
 	    fmax(fabs(place[0] - s->place[0]), fabs(place[1] - s->place[1])) < OFFSET_MAX)
-		add_background(tile, s, &passed, place);
+		glass_add_background(tile, s, &passed, place);
 	else
-		add_light(tile, &passed, rows);
+		glass_add_light(tile, &passed, rows);
 }
 
-static uint16_t share_of(double sum, int samples)
+static uint16_t glass_share(double sum, int samples)
 {
 	return (uint16_t)lround(fmin(65535 * sum / samples, 65535));
 }
 
 /* The rectangle whose places are spread as widely as those that were seen. */
-static uint8_t spread_of(const struct tile_pixel *p, int axis)
+static uint8_t glass_spread(const struct tile_pixel *p, int axis)
 {
 	const double mean = p->seen[axis] / p->through_weight;
 	const double variance = p->seen_square[axis] / p->through_weight - mean * mean;
@@ -76,7 +76,7 @@ static uint8_t spread_of(const struct tile_pixel *p, int axis)
 	return (uint8_t)lround(fmin(fmax(side - 1, 0), SPREAD_MAX) * BASIS_GLASS_SPREAD);
 }
 
-static void finish_pixel(struct tile *tile, int at)
+static void glass_finish_pixel(struct tile *tile, int at)
 {
 	const struct tile_pixel *p = &tile->pixels[at];
 	struct basis_glass *g = &tile->glass[tile->glass_count];
@@ -85,13 +85,13 @@ static void finish_pixel(struct tile *tile, int at)
 	*g = (struct basis_glass){.x = (uint16_t)(tile->x + at % BASIS_TILE),
 				  .y = (uint16_t)(tile->y + at / BASIS_TILE)};
 	for (int c = 0; c < 3; c++) {
-		g->transmission[c] = share_of(p->through[c], tile->samples);
+		g->transmission[c] = glass_share(p->through[c], tile->samples);
 		most = g->transmission[c] > most ? g->transmission[c] : most;
 	}
 	g->dx = (int16_t)lround(BASIS_GLASS_STEP * p->offset[0] / p->through_weight);
 	g->dy = (int16_t)lround(BASIS_GLASS_STEP * p->offset[1] / p->through_weight);
 	for (int axis = 0; axis < 2; axis++)
-		g->spread[axis] = spread_of(p, axis);
+		g->spread[axis] = glass_spread(p, axis);
 	tile->opaque[at] = (uint16_t)(most < tile->coverage[at] ? tile->coverage[at] - most : 0);
 	tile->glass_count += most > 0;
 }
@@ -102,6 +102,6 @@ void tile_glass_finish(struct tile *tile)
 	for (int at = 0; at < TILE_PIXELS; at++) {
 		tile->opaque[at] = tile->coverage[at];
 		if (tile->pixels[at].through_weight > 0)
-			finish_pixel(tile, at);
+			glass_finish_pixel(tile, at);
 	}
 }

@@ -20,17 +20,17 @@
 #define WEIGHT_LEAST 0.05
 
 /* X is about sum over k of value[k] left[k] right[k]^T. */
-struct factors {
+struct bounce_factors {
 	float *left;  /* [rank][rows] */
 	float *right; /* [rank][lights] */
 	float *value; /* [rank] */
 };
 
 /* The memory of struct bounce, dealt out. */
-struct scratch {
+struct bounce_scratch {
 	int rows, lights, rank;
 	float *start; /* [rank][lights]: random */
-	struct factors of[2];
+	struct bounce_factors of[2];
 	float *left, *right;	   /* like those of factors */
 	float *tau;		   /* [rank] */
 	float *core, *turn, *back; /* [rank][rank] */
@@ -45,10 +45,10 @@ static size_t floats_needed(size_t lights)
 	       bounce_aside_floats(lights);
 }
 
-static struct scratch deal(const struct bounce *bounce)
+static struct bounce_scratch scratch_deal(const struct bounce *bounce)
 {
 	const size_t k = BOUNCE_RANK_MAX, lights = (size_t)bounce->lights;
-	struct scratch s = {.lights = bounce->lights};
+	struct bounce_scratch s = {.lights = bounce->lights};
 	float *next = bounce->memory;
 
 	s.start = next;
@@ -98,7 +98,8 @@ void bounce_free(struct bounce *bounce)
 /* ---- leading singular vectors ---- */
 
 /* The columns of a column-major matrix become orthonormal. upper: the triangle, or NULL. */
-static int orthonormal(struct scratch *s, float *columns, int length, float *upper)
+static int orthonormalise_columns(struct bounce_scratch *s, float *columns, int length,
+				  float *upper)
 {
 	const int k = s->rank;
 	int info = LAPACKE_sgeqrf(LAPACK_COL_MAJOR, length, k, columns, length, s->tau);
@@ -114,13 +115,15 @@ static int orthonormal(struct scratch *s, float *columns, int length, float *upp
 	return LAPACKE_sorgqr(LAPACK_COL_MAJOR, length, k, k, columns, length, s->tau);
 }
 
-static void times_rows(const struct scratch *s, const float *x, const float *right, float *left)
+static void times_rows(const struct bounce_scratch *s, const float *x, const float *right,
+		       float *left)
 {
 	cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, s->rank, s->rows, s->lights, 1, right,
 		    s->lights, x, s->lights, 0, left, s->rows);
 }
 
-static void times_columns(const struct scratch *s, const float *x, const float *left, float *right)
+static void times_columns(const struct bounce_scratch *s, const float *x, const float *left,
+			  float *right)
 {
 	cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, s->rank, s->lights, s->rows, 1, left,
 		    s->rows, x, s->lights, 0, right, s->lights);
@@ -128,22 +131,22 @@ static void times_columns(const struct scratch *s, const float *x, const float *
 
 /* By subspace iteration from random vectors (Halko, Martinsson and Tropp 2011). 0, or LAPACK's
  * complaint. */
-static int factorise(struct scratch *s, const float *x, struct factors *out)
+static int bounce_factorise(struct bounce_scratch *s, const float *x, struct bounce_factors *out)
 {
 	const int k = s->rank;
 	int info;
 
 	times_rows(s, x, s->start, s->left);
-	info = orthonormal(s, s->left, s->rows, NULL);
+	info = orthonormalise_columns(s, s->left, s->rows, NULL);
 	for (int pass = 0; pass < ITERATIONS && !info; pass++) {
 		times_columns(s, x, s->left, s->right);
 		times_rows(s, x, s->right, s->left);
-		info = orthonormal(s, s->left, s->rows, NULL);
+		info = orthonormalise_columns(s, s->left, s->rows, NULL);
 	}
 	if (info)
 		return info;
 	times_columns(s, x, s->left, s->right);
-	info = orthonormal(s, s->right, s->lights, s->core);
+	info = orthonormalise_columns(s, s->right, s->lights, s->core);
 	if (!info)
 		info = LAPACKE_sgesdd(LAPACK_COL_MAJOR, 'A', k, k, s->core, k, out->value, s->turn,
 				      k, s->back, k);
@@ -159,13 +162,13 @@ static int factorise(struct scratch *s, const float *x, struct factors *out)
 /* ---- what the other half knows ---- */
 
 /* How the halves are filtered, and what is known of the result. */
-struct verdict {
+struct bounce_verdict {
 	int kept;
 	double weight[BOUNCE_RANK_MAX];	  /* of half a bake's singular vectors; falling */
 	double found[2][BOUNCE_RANK_MAX]; /* left^T X right, X the other half */
 };
 
-static void find_weights(struct scratch *s, float *const half[2], struct verdict *v)
+static void find_weights(struct bounce_scratch *s, float *const half[2], struct bounce_verdict *v)
 {
 	const size_t lights = (size_t)s->lights;
 	double limit = 1;
@@ -188,7 +191,7 @@ static void find_weights(struct scratch *s, float *const half[2], struct verdict
 }
 
 /* <A', B'> of the filtered halves. */
-static double filtered_dot(const struct scratch *s, const struct verdict *v)
+static double filtered_dot(const struct bounce_scratch *s, const struct bounce_verdict *v)
 {
 	const size_t lights = (size_t)s->lights, rows = (size_t)s->rows;
 	double sum = 0;
@@ -210,8 +213,8 @@ static double filtered_dot(const struct scratch *s, const struct verdict *v)
  * their noise is independent. The noise of a mean is a quarter of |A - B|^2, A' and B' being what
  * is left of them.
  */
-static double filtered_error(const struct scratch *s, float *const half[2], const struct verdict *v,
-			     double aside)
+static double filtered_error(const struct bounce_scratch *s, float *const half[2],
+			     const struct bounce_verdict *v, double aside)
 {
 	const size_t count = (size_t)s->rows * (size_t)s->lights;
 	const double together = filtered_dot(s, v);
@@ -228,7 +231,7 @@ static double filtered_error(const struct scratch *s, float *const half[2], cons
 }
 
 /* 0 when the verdict stands. */
-static int judge(struct scratch *s, float *const half[2], struct verdict *v)
+static int bounce_judge(struct bounce_scratch *s, float *const half[2], struct bounce_verdict *v)
 {
 	const int most = s->rows < s->lights ? s->rows : s->lights;
 	static const int ranks[] = {RANK_FEW, BOUNCE_RANK_MAX};
@@ -236,7 +239,7 @@ static int judge(struct scratch *s, float *const half[2], struct verdict *v)
 	for (int k = 0; k < 2; k++) {
 		s->rank = ranks[k] < most ? ranks[k] : most;
 		for (int h = 0; h < 2; h++) {
-			const int info = factorise(s, half[h], &s->of[h]);
+			const int info = bounce_factorise(s, half[h], &s->of[h]);
 
 			if (info)
 				return info;
@@ -260,10 +263,10 @@ static void take_mean(const struct bounce_halves *in, size_t lights)
 
 /* The mean becomes its leading part. Weights are those of half a bake: if r of what is seen there
  * is light, then 2 r / (1 + r) of what all of it shows (Spearman 1910, Brown 1910). */
-static int filter_mean(struct scratch *s, float *mean, const struct verdict *v)
+static int filter_mean(struct bounce_scratch *s, float *mean, const struct bounce_verdict *v)
 {
-	struct factors *f = &s->of[0];
-	const int info = factorise(s, mean, f);
+	struct bounce_factors *f = &s->of[0];
+	const int info = bounce_factorise(s, mean, f);
 
 	if (info)
 		return info;
@@ -277,9 +280,9 @@ static int filter_mean(struct scratch *s, float *mean, const struct verdict *v)
 
 int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 {
-	struct scratch s = deal(bounce);
+	struct bounce_scratch s = scratch_deal(bounce);
 	const size_t lights = (size_t)bounce->lights;
-	struct verdict v = {.kept = 0};
+	struct bounce_verdict v = {.kept = 0};
 	double noise, aside;
 	int kept = -1;
 
@@ -288,7 +291,7 @@ int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 		take_mean(in, lights);
 		return -1;
 	}
-	if (!judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < noise)
+	if (!bounce_judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < noise)
 		kept = v.kept;
 	take_mean(in, lights);
 	if (kept == 0)

@@ -14,7 +14,7 @@
 #define DEPTH_MIN 32
 #define DEPTH_MAX (1 << 15)
 
-static struct v3 narrow(const double d[3])
+static struct v3 cells_narrow(const double d[3])
 {
 	return v3_make((float)d[0], (float)d[1], (float)d[2]);
 }
@@ -96,22 +96,22 @@ static void fill_directions(struct cells *cells, int place)
 			dome_light_sample(cells->dome, cell, point[0], point[1], d);
 		else
 			take_warped(cells->dome, cell, &even, point, d);
-		cells->uniform[at] = narrow(d);
+		cells->uniform[at] = cells_narrow(d);
 		take_warped(cells->dome, cell, &ground, point, d);
-		cells->ground[at] = narrow(d);
+		cells->ground[at] = cells_narrow(d);
 	}
 }
 
 /* ---- order ---- */
 
-struct place {
+struct cell_place {
 	uint32_t key;
 	int cell;
 };
 
 static int compare_places(const void *a, const void *b)
 {
-	const struct place *left = a, *right = b;
+	const struct cell_place *left = a, *right = b;
 
 	if (left->key != right->key)
 		return left->key < right->key ? -1 : 1;
@@ -119,7 +119,7 @@ static int compare_places(const void *a, const void *b)
 }
 
 /* How far along Hilbert's curve a point of a square of 2^15 a side lies. */
-static uint32_t hilbert(uint32_t x, uint32_t y)
+static uint32_t hilbert_key(uint32_t x, uint32_t y)
 {
 	const uint32_t last = (UINT32_C(1) << 15) - 1;
 	uint32_t along = 0;
@@ -142,7 +142,7 @@ static uint32_t hilbert(uint32_t x, uint32_t y)
 static int set_order(struct cells *cells)
 {
 	const size_t count = (size_t)cells->count;
-	struct place *places = malloc(count * sizeof(*places));
+	struct cell_place *places = malloc(count * sizeof(*places));
 
 	if (!places)
 		return -ENOMEM;
@@ -151,8 +151,8 @@ static int set_order(struct cells *cells)
 		const float scale = 1 / sqrtf(1 + d.z);
 
 		places[i].cell = i;
-		places[i].key = hilbert((uint32_t)((d.x * scale + 1) * 16383.5f),
-					(uint32_t)((d.y * scale + 1) * 16383.5f));
+		places[i].key = hilbert_key((uint32_t)((d.x * scale + 1) * 16383.5f),
+					    (uint32_t)((d.y * scale + 1) * 16383.5f));
 	}
 	qsort(places, count, sizeof(*places), compare_places);
 	for (size_t i = 0; i < count; i++)
@@ -186,7 +186,7 @@ int cells_create(struct cells *cells, const struct dome *dome)
 		return -ENOMEM;
 	}
 	for (int i = 0; i < cells->count; i++) {
-		cells->node[i] = narrow(dome->direction[i]);
+		cells->node[i] = cells_narrow(dome->direction[i]);
 		cells->sr[i] = (float)dome->solid_angle_sr[i];
 		cells->share[i] = (float)(dome->projected_sr[i] / M_PI);
 		cells->reach[i] = reach_of(dome, i);

@@ -136,8 +136,8 @@ static void trace_rays(struct transport *t, enum presence presence, struct v3 or
  * sum. The chance of each hangs on its own id, so that two streams that differ in few candidates
  * mostly choose the same.
  */
-static void offer(struct onward *onward, struct v3 direction, float weight, uint32_t key,
-		  uint32_t id)
+static void onward_offer(struct onward *onward, struct v3 direction, float weight, uint32_t key,
+			 uint32_t id)
 {
 	onward->weight += weight;
 	if (random_unit(random_hash32(key ^ (id * UINT32_C(0x9e3779b1)))) * onward->weight < weight)
@@ -150,7 +150,8 @@ static void offer(struct onward *onward, struct v3 direction, float weight, uint
  * them: they lie in the order of the sky, so that the second surfaces are well spread too. Not so
  * where two streams are compared: there neighbours that take each other's place would be noise.
  */
-static struct onward choose(struct transport *t, int depth, struct v3 other, float other_weight)
+static struct onward choose_onward(struct transport *t, int depth, struct v3 other,
+				   float other_weight)
 {
 	const bool spread = depth == 0 && !t->compared;
 	const uint32_t key = (uint32_t)random_bits(&t->random);
@@ -166,7 +167,8 @@ static struct onward choose(struct transport *t, int depth, struct v3 other, flo
 		if (!t->rays.blocked[k])
 			continue;
 		if (!spread) {
-			offer(&onward, pushed_ray(t, k), t->value[cell], key, (uint32_t)cell);
+			onward_offer(&onward, pushed_ray(t, k), t->value[cell], key,
+				     (uint32_t)cell);
 			continue;
 		}
 		if (sum <= t->choice * total)
@@ -174,7 +176,7 @@ static struct onward choose(struct transport *t, int depth, struct v3 other, flo
 		sum += t->value[cell];
 	}
 	if (!spread)
-		offer(&onward, other, other_weight, key, UINT32_MAX);
+		onward_offer(&onward, other, other_weight, key, UINT32_MAX);
 	else if (other_weight > 0 && sum <= t->choice * total)
 		onward.direction = other;
 	onward.weight = total;
@@ -221,7 +223,7 @@ static void deposit_values(const struct transport *t, struct rgb weight, float *
 	}
 }
 
-static void deposit(const struct transport *t, int cell, struct rgb weight, float *row)
+static void deposit_cell(const struct transport *t, int cell, struct rgb weight, float *row)
 {
 	for (int c = 0; c < 3; c++)
 		row[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight.c[c];
@@ -236,7 +238,7 @@ static void deposit_sky(const struct transport *t, struct v3 direction, struct r
 	const int count = cells_weights(t->cells, direction, light, share);
 
 	for (int k = 0; k < count; k++)
-		deposit(t, light[k], rgb_scale(weight, share[k]), row);
+		deposit_cell(t, light[k], rgb_scale(weight, share[k]), row);
 }
 
 /* Rays to the cells help a coat whose lobe is wider than a cell; a narrower one they hardly ever
@@ -297,10 +299,10 @@ static void add_coat_by_cells(struct transport *t, const struct surface *s, stru
 		f = bsdf_coat(&s->bsdf, s->normal, wo, pushed_ray(t, k), &density);
 		share = rgb_peak(f) > 0 ? cells_weight(t->cells, cell, pushed_ray(t, k)) : 0;
 		if (share > 0)
-			deposit(t, cell,
-				rgb_scale(rgb_mul(weight, f),
-					  share / (share / t->cells->sr[cell] + density)),
-				row);
+			deposit_cell(t, cell,
+				     rgb_scale(rgb_mul(weight, f),
+					       share / (share / t->cells->sr[cell] + density)),
+				     row);
 	}
 }
 
@@ -326,7 +328,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 		down = direction_below(s->normal, u, v);
 		weight_down = below * bsdf_base(&s->bsdf, cos_o, fmaxf(v3_dot(s->normal, down), 0));
 	}
-	onward = choose(t, depth, down, weight_down);
+	onward = choose_onward(t, depth, down, weight_down);
 	for (int k = 0; k < t->rays.count; k++)
 		if (t->rays.blocked[k])
 			t->value[t->cell[k]] = 0;
@@ -365,7 +367,7 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 		if (v3_dot(s->geometric, d) <= 0)
 			continue;
 		if (d.z < 0)
-			offer(&onward, d, value, key, (uint32_t)k);
+			onward_offer(&onward, d, value, key, (uint32_t)k);
 		else if (v3_dot(cone.axis, d) < cone.cosine)
 			deposit_sky(t, d, rgb_scale(colour, value), row);
 		else
@@ -377,7 +379,7 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 		const float value = each * bsdf_base(&s->bsdf, cos_o, fan[t->cell[k]].z);
 
 		if (t->rays.blocked[k])
-			offer(&onward, d, value, key, (uint32_t)t->cell[k]);
+			onward_offer(&onward, d, value, key, (uint32_t)t->cell[k]);
 		else
 			deposit_sky(t, d, rgb_scale(colour, value), row);
 	}
@@ -387,9 +389,9 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 /* ---- going on ---- */
 
 /* A path carries on from s: into the sky, or to the next surface. */
-static void follow(struct transport *t, enum presence presence, const struct surface *s,
-		   struct v3 direction, struct rgb weight, int depth,
-		   const struct transport_rows *rows)
+static void follow_path(struct transport *t, enum presence presence, const struct surface *s,
+			struct v3 direction, struct rgb weight, int depth,
+			const struct transport_rows *rows)
 {
 	const float peak = rgb_peak(weight);
 	struct surface next;
@@ -430,7 +432,8 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 	}
 	count = cells_weights(t->cells, *wi, light, share);
 	for (int k = 0; k < count; k++)
-		deposit(t, light[k],
+		deposit_cell(
+			t, light[k],
 			rgb_scale(f, share[k] / (density +
 						 (shared ? share[k] / t->cells->sr[light[k]] : 0))),
 			row);
@@ -480,7 +483,7 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	shared = all && coat_is_wide(t, &s.bsdf);
 	if (s.bsdf.kind != MATERIAL_GLOSSY ||
 	    !sample_coat(t, presence, &s, wo, weight, shared, &mirrored, &wi, &coat, row)) {
-		follow(t, presence, &s, onward.direction, base, depth + 1, rows);
+		follow_path(t, presence, &s, onward.direction, base, depth + 1, rows);
 		return;
 	}
 	/* two ways on: both from the first surface, later one of them by chance */
@@ -497,7 +500,7 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	}
 	if (depth < t->bounces && rgb_peak(coat) > 0)
 		add_path(t, presence, &mirrored, v3_scale(wi, -1), coat, depth + 1, rows);
-	follow(t, presence, &s, onward.direction, base, depth + 1, rows);
+	follow_path(t, presence, &s, onward.direction, base, depth + 1, rows);
 }
 
 void transport_add(struct transport *t, enum presence presence, const struct surface *surface,
@@ -543,11 +546,11 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 		if (t->rays.blocked[k])
 			rows->direct[cell] += weight;
 	}
-	onward = choose(t, 0, v3_make(0, 0, 0), 0);
+	onward = choose_onward(t, 0, v3_make(0, 0, 0), 0);
 	if (onward.weight == 0)
 		return false;
 	weight *= -onward.weight;
-	follow(t, WITH_OBJECTS, &ground, onward.direction, rgb_make(weight, weight, weight), 1,
-	       rows);
+	follow_path(t, WITH_OBJECTS, &ground, onward.direction, rgb_make(weight, weight, weight), 1,
+		    rows);
 	return true;
 }

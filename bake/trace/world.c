@@ -37,22 +37,22 @@ struct world {
  * incoherent; called coherent they take half as long again: a whole sky of directions is not.
  */
 #if RTC_VERSION_MAJOR >= 4
-static void intersect(RTCScene scene, struct RTCRayHit *r)
+static void embree_intersect(RTCScene scene, struct RTCRayHit *r)
 {
 	rtcIntersect1(scene, r, NULL);
 }
 
-static void occlude(RTCScene scene, struct RTCRay *r)
+static void embree_occlude(RTCScene scene, struct RTCRay *r)
 {
 	rtcOccluded1(scene, r, NULL);
 }
 
-static void occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
+static void embree_occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
 {
 	rtcOccluded16(valid, scene, r, NULL);
 }
 #else
-static void intersect(RTCScene scene, struct RTCRayHit *r)
+static void embree_intersect(RTCScene scene, struct RTCRayHit *r)
 {
 	struct RTCIntersectContext context;
 
@@ -60,7 +60,7 @@ static void intersect(RTCScene scene, struct RTCRayHit *r)
 	rtcIntersect1(scene, &context, r);
 }
 
-static void occlude(RTCScene scene, struct RTCRay *r)
+static void embree_occlude(RTCScene scene, struct RTCRay *r)
 {
 	struct RTCIntersectContext context;
 
@@ -68,7 +68,7 @@ static void occlude(RTCScene scene, struct RTCRay *r)
 	rtcOccluded1(scene, &context, r);
 }
 
-static void occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
+static void embree_occlude_packet(const int *valid, RTCScene scene, struct RTCRay16 *r)
 {
 	struct RTCIntersectContext context;
 
@@ -106,7 +106,7 @@ int world_create(struct world **out, struct fault *fault)
 	return 0;
 }
 
-static int add_part(struct world *world, const struct mesh_part *part, struct fault *fault)
+static int world_add_part(struct world *world, const struct mesh_part *part, struct fault *fault)
 {
 	RTCGeometry g = rtcNewGeometry(world->device, RTC_GEOMETRY_TYPE_TRIANGLE);
 	const enum surface_kind kind = world->instances[world->instance_count].kind;
@@ -150,7 +150,7 @@ int world_add(struct world *world, const struct mesh *mesh, const struct materia
 			instance->material = part->material < mesh->material_count
 						     ? &mesh->materials[part->material]
 						     : &plain;
-		err = add_part(world, part, fault);
+		err = world_add_part(world, part, fault);
 		if (err)
 			return err;
 	}
@@ -300,7 +300,7 @@ bool world_nearest(const struct world *world, enum presence presence, struct v3 
 	r.ray.mask = ~0u;
 	r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 	r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-	intersect(world->scene[presence], &r);
+	embree_intersect(world->scene[presence], &r);
 	if (r.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
 		mesh_surface(world, direction, &r, surface);
 		return true;
@@ -326,7 +326,7 @@ bool world_blocked(const struct world *world, enum presence presence, struct v3 
 		.mask = ~0u,
 	};
 
-	occlude(world->scene[presence], &r);
+	embree_occlude(world->scene[presence], &r);
 	return r.tfar < 0;
 }
 
@@ -358,7 +358,7 @@ void world_occluded(const struct world *world, enum presence presence, struct v3
 		memcpy(r.dir_x, batch->x + first, (size_t)n * sizeof(float));
 		memcpy(r.dir_y, batch->y + first, (size_t)n * sizeof(float));
 		memcpy(r.dir_z, batch->z + first, (size_t)n * sizeof(float));
-		occlude_packet(valid, world->scene[presence], &r);
+		embree_occlude_packet(valid, world->scene[presence], &r);
 		for (int k = 0; k < n; k++)
 			batch->blocked[first + k] = r.tfar[k] < 0;
 	}
