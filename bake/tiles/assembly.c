@@ -89,15 +89,6 @@ static int add_glass(struct assembly *a, const struct finished_tile *tile, struc
 	return 0;
 }
 
-static uint64_t payload_bytes(const struct basis_block_payload *blocks, int count)
-{
-	uint64_t bytes = 0;
-
-	for (int k = 0; k < count; k++)
-		bytes += blocks[k].entry.bytes;
-	return bytes;
-}
-
 int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fault *fault)
 {
 	const struct basis_block_payload *exact = tile->blocks + tile->shown;
@@ -116,8 +107,8 @@ int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fa
 	a->noise_square += account->noise_square;
 	a->noise_count += account->noise_count;
 	report->rays += account->rays;
-	report->shown_bytes += payload_bytes(tile->blocks, tile->shown);
-	report->exact_bytes += payload_bytes(exact, tile->exact);
+	report->shown_bytes += finished_tile_bytes(tile->blocks, tile->shown);
+	report->exact_bytes += finished_tile_bytes(exact, tile->exact);
 	report->info.object_error = fmax(report->info.object_error, account->object_error);
 	report->info.ratio_error = fmax(report->info.ratio_error, account->ratio_error);
 	return err;

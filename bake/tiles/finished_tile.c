@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t payload_bytes(const struct basis_block_payload *blocks, int count)
+size_t finished_tile_bytes(const struct basis_block_payload *blocks, int count)
 {
 	size_t bytes = 0;
 
@@ -29,8 +29,8 @@ int finished_tile_keep(struct finished_tile *tile, const struct basis_block_payl
 		       int shown_count, const struct basis_block_payload *exact, int exact_count)
 {
 	const size_t entries = (size_t)(shown_count + exact_count) * sizeof(*tile->blocks);
-	uint8_t *data = malloc(entries + payload_bytes(shown, shown_count) +
-			       payload_bytes(exact, exact_count) + 1);
+	uint8_t *data = malloc(entries + finished_tile_bytes(shown, shown_count) +
+			       finished_tile_bytes(exact, exact_count) + 1);
 
 	if (!data)
 		return -ENOMEM;

@@ -25,6 +25,9 @@ struct finished_tile {
 	struct tile_account account;
 };
 
+/* Bytes of the payloads of count blocks. */
+size_t finished_tile_bytes(const struct basis_block_payload *blocks, int count);
+
 /* Copies the blocks of both layers into one piece of memory. -ENOMEM. */
 int finished_tile_keep(struct finished_tile *tile, const struct basis_block_payload *shown,
 		       int shown_count, const struct basis_block_payload *exact, int exact_count);
