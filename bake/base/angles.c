@@ -22,7 +22,7 @@ struct angle_lines {
 	enum dome_shape shape;
 };
 
-/* Whether a line is the name of a shape. */
+/* Tells whether a line is the name of a shape of lights. */
 static bool is_shape(const char *text, enum dome_shape *shape)
 {
 	const size_t length = strcspn(text, " \t\r\n");
@@ -36,7 +36,7 @@ static bool is_shape(const char *text, enum dome_shape *shape)
 	return false;
 }
 
-/* Two numbers and nothing else. */
+/* Reads two numbers. False when the line holds anything else. */
 static bool read_angles(const char *text, double *theta, double *phi)
 {
 	text += strspn(text, " \t");
@@ -88,7 +88,7 @@ static int angles_read_lines(struct angle_lines *all, const char *path, struct f
 	return err;
 }
 
-/* The dome of as many lights, divided so; -ENOENT: there is none. */
+/* Creates the dome of this division that has as many lights; -ENOENT: there is none. */
 static int create_of_count(struct dome *dome, const struct angle_lines *all,
 			   enum dome_division division, struct fault *fault)
 {
@@ -102,7 +102,8 @@ static int create_of_count(struct dome *dome, const struct angle_lines *all,
 	return -ENOENT;
 }
 
-/* Lines to lights. 0, or the number of a line that fits nowhere. */
+/* Finds the dome's light of each line. Returns 0, the number of a line that fits no light, or
+ * -ENOMEM. */
 static int match_lines(const struct angle_lines *all, const struct dome *dome, int *light)
 {
 	const double spacing = sqrt(2 * M_PI / dome->count);

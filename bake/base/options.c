@@ -28,7 +28,7 @@ static int run_command(const struct command *command, int argc, char **argv)
 {
 	const int status = command->run(command, argc, argv);
 
-	/* a full disk under stdout shows only now */
+	/* a full disk behind stdout is reported only here */
 	if (fflush(stdout) || ferror(stdout)) {
 		log_error("standard output cannot be written");
 		return EXIT_FAILURE;
@@ -40,7 +40,7 @@ int program_run(const char *name, const struct command *const *commands, int arg
 {
 	program = name;
 	log_setup(name, LOG_LEVEL_INFO);
-	signal(SIGXFSZ, SIG_IGN); /* a file that is too large is an error that is said */
+	signal(SIGXFSZ, SIG_IGN); /* so that a file that grows too large is an error of write() */
 	if (argc < 2) {
 		print_usage(stderr, commands);
 		return EXIT_USAGE;
@@ -68,7 +68,7 @@ static bool has_output(const struct option *options)
 	return options->name;
 }
 
-/* Answers --help, --version and anything unknown; returns the exit status. */
+/* Answers --help, --version and unknown options. Returns the exit status. */
 static int command_answer(const struct command *command, int option)
 {
 	if (option == OPTION_VERSION) {
@@ -92,7 +92,7 @@ int command_options(const struct command *command, int argc, char **argv,
 	struct fault fault = {.text = ""};
 	int option;
 
-	argv[0] = (char *)program; /* whose name getopt puts before what it says */
+	argv[0] = (char *)program; /* getopt_long() begins its messages with it */
 	while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
 		if (option == OPTION_HELP || option == OPTION_VERSION || option == '?')
 			return command_answer(command, option);

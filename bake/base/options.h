@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Command-line values, and programs that are a table of commands. */
+/* Values of command-line options, and programs that are a table of commands. */
 #ifndef INLAY_BAKE_BASE_OPTIONS_H
 #define INLAY_BAKE_BASE_OPTIONS_H
 
@@ -7,20 +7,21 @@
 
 #define EXIT_USAGE 2
 
-/* One entry of the command table. run gets argv with the command's own name first, and returns the
+/* One entry of the command table. run() gets argv from the command's own name on, and returns the
  * exit status. */
 struct command {
 	const char *name;
-	const char *usage;   /* what follows the name */
+	const char *usage;   /* what follows the name in the line of usage */
 	const char *summary; /* one line */
-	const char *help;    /* the rest */
+	const char *help;    /* what --help prints after the summary */
 	int (*run)(const struct command *command, int argc, char **argv);
 };
 
-/* main() of such a program: its commands, NULL at the end. Returns the exit status. */
+/* Does all of main(): finds the command in the table (NULL at its end) and runs it. Returns the
+ * exit status. */
 int program_run(const char *name, const struct command *const *commands, int argc, char **argv);
 
-/* --help, --version (what getopt_long returns for them) and wrong usage. */
+/* Options that every command has, and what getopt_long() returns for them. */
 #define OPTION_HELP 1000
 #define OPTION_VERSION 1001
 #define OPTIONS_OF_ALL                                                                             \
@@ -32,26 +33,29 @@ int program_run(const char *name, const struct command *const *commands, int arg
 struct option;
 
 /*
- * Goes through the options of argv: take() gets each, what belongs to it being optarg, and says in
- * `fault` what is wrong with it. optind is then at the first word. 'o' among them is -o, too.
- * Returns COMMAND_GOES_ON; or the exit status, where --help or --version was asked for or something
- * is wrong, which it has answered.
+ * Goes through the options of argv. take() gets each with its argument in optarg; where that is
+ * wrong, it sets `fault` and returns a negative errno. Afterwards optind is at the first word that
+ * is no option. An option whose value is 'o' may also be written -o.
+ *
+ * Returns COMMAND_GOES_ON, or the exit status when the command has been answered here: after --help
+ * and --version, and after wrong usage.
  */
 #define COMMAND_GOES_ON (-1)
 int command_options(const struct command *command, int argc, char **argv,
 		    const struct option *options,
 		    int (*take)(void *choices, int option, struct fault *fault), void *choices);
 
-/* Says what is wrong with the usage; returns the exit status. */
+/* Prints what is wrong with the usage, and the usage. Returns the exit status. */
 int command_wrong(const struct command *command, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-/* -EINVAL with a fault that names the option. Ranges are inclusive. */
+/* These read the argument of an option. 0, or -EINVAL with a fault that names the option. Ranges
+ * are inclusive. */
 int option_int(const char *option, const char *text, int min, int max, int *value,
 	       struct fault *fault);
 int option_real(const char *option, const char *text, double min, double max, double *value,
 		struct fault *fault);
-/* Numbers with commas between; how many, or -EINVAL. */
+/* Reads least to most numbers with commas between. Returns how many, or -EINVAL. */
 int option_reals(const char *option, const char *text, int least, int most, double min, double max,
 		 double *value, struct fault *fault);
 int option_size(const char *option, const char *text, int *width, int *height, struct fault *fault);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How far long work has come: a bar that is redrawn on a terminal, a plain line every ten seconds
- * elsewhere; on stderr. Calls must not overlap. */
+/* Progress of long work on stderr: a bar that is redrawn on a terminal, a plain line every ten
+ * seconds elsewhere. Calls must not overlap. */
 #ifndef INLAY_BAKE_BASE_PROGRESS_H
 #define INLAY_BAKE_BASE_PROGRESS_H
 
@@ -8,14 +8,16 @@
 #include <stdint.h>
 
 struct progress {
-	const char *what;
-	int total;
+	const char *what; /* name of the work; must outlive this */
+	int total;	  /* steps */
 	bool quiet, terminal;
 	int64_t start_ns, shown_ns;
 };
 
 void progress_begin(struct progress *progress, const char *what, int total, bool quiet);
+/* done: steps so far; rays: rays so far. Most calls print nothing. */
 void progress_show(struct progress *progress, int done, uint64_t rays);
-double progress_end(struct progress *progress); /* takes the bar away; seconds since the start */
+/* Takes the bar away. Returns the seconds since progress_begin(). */
+double progress_end(struct progress *progress);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Random numbers that are functions of what they are for (pixel, sample, seed), so that a picture
- * does not depend on threads or on the order of tiles.
+ * Random numbers and low-discrepancy points. All are functions of pixel, sample and seed, so that a
+ * picture does not depend on threads or on the order of tiles.
  */
 #ifndef INLAY_BAKE_BASE_RANDOM_H
 #define INLAY_BAKE_BASE_RANDOM_H
@@ -30,12 +30,13 @@ static inline uint32_t random_hash32(uint32_t x)
 	return x ^ (x >> 16);
 }
 
-/* 0 <= x < 1 */
+/* Uniform number from 32 random bits, 0 <= x < 1. */
 static inline float random_unit(uint32_t bits)
 {
 	return (float)(bits >> 8) * 0x1p-24f;
 }
 
+/* The generator SplitMix64. */
 struct random {
 	uint64_t state;
 };
@@ -51,8 +52,8 @@ static inline float random_next(struct random *r)
 	return random_unit((uint32_t)(random_bits(r) >> 32));
 }
 
-/* The first two dimensions of Sobol's sequence: every aligned run of 2^m points is a (0,m,2)-net.
- * XOR-ing the bits of a dimension with a constant keeps that. */
+/* First two dimensions of Sobol's sequence: every aligned run of 2^m points is a (0,m,2)-net. It
+ * stays one when the bits of a dimension are XORed with a constant. */
 static inline uint32_t sobol_first(uint32_t index)
 {
 	index = (index << 16) | (index >> 16);
@@ -72,7 +73,7 @@ static inline uint32_t sobol_second(uint32_t index)
 	return bits;
 }
 
-/* A point of the net, moved by the bits of scramble; 0 <= x < 1. */
+/* Point of the net, its bits XORed with those of scramble; 0 <= x < 1. */
 static inline void sobol_point(uint32_t index, uint64_t scramble, double point[2])
 {
 	point[0] = (sobol_first(index) ^ (uint32_t)scramble) * 0x1p-32;
@@ -80,9 +81,9 @@ static inline void sobol_point(uint32_t index, uint64_t scramble, double point[2
 }
 
 /*
- * The same points in another order: runs of 2^m stay runs of 2^m. Pairs taken from differently
- * shuffled sequences are independent of each other (Owen scrambling of the index by the hash of
- * Laine and Karras 2011, with Vegdahl's constants).
+ * Permutes the indices of a sequence so that aligned runs of 2^m stay aligned runs of 2^m. Pairs
+ * taken from differently shuffled sequences are independent of each other (Owen scrambling of the
+ * index by the hash of Laine and Karras 2011, with Vegdahl's constants).
  */
 static inline uint32_t sobol_shuffle(uint32_t index, uint32_t seed)
 {

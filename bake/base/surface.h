@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Between cairo's image surfaces and pictures, and the colours of maps. */
+/* Conversion between cairo's image surfaces and pictures, and the colour scale of maps. */
 #ifndef INLAY_BAKE_BASE_SURFACE_H
 #define INLAY_BAKE_BASE_SURFACE_H
 
@@ -7,17 +7,19 @@
 
 #include "hal/image/image.h"
 
-/* What a surface of CAIRO_FORMAT_RGB24 shows, as a new 8-bit picture. -ENOMEM. */
+/* Copies a surface of CAIRO_FORMAT_RGB24 to a new 8-bit picture, which the caller frees.
+ * -ENOMEM. */
 int surface_to_image(cairo_surface_t *surface, struct image *image);
 
-/* A new surface of CAIRO_FORMAT_RGB24 that shows an 8-bit picture. NULL: no memory. */
+/* Copies an 8-bit picture to a new surface of CAIRO_FORMAT_RGB24, which the caller destroys. NULL:
+ * out of memory. */
 cairo_surface_t *surface_of_image(const struct image *image);
 
-/* From little (0) to much (1): ever lighter, from blue to yellow, so that it reads without its hues
- * too. */
+/* Colour of a share, from 0 (dark blue) to 1 (light yellow). It grows lighter all the way, so that
+ * a map also reads in grey. */
 void surface_ramp(double share, double rgb[3]);
 
-/* The same as the stops of a gradient, for a map's bar. */
+/* Adds the same colours to a gradient as stops, for the bar of a map. */
 void surface_ramp_stops(cairo_pattern_t *gradient);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of three floats, for tracing. World: right-handed, Z up, the ground is Z = 0. */
+/* Vectors and colours of three floats, for ray tracing. World coordinates: right-handed, Z up, the
+ * ground is Z = 0. */
 #ifndef INLAY_BAKE_BASE_VEC3_H
 #define INLAY_BAKE_BASE_VEC3_H
 
@@ -11,7 +12,7 @@ struct v3 {
 	float x, y, z;
 };
 
-/* Linear light, or a reflectance. */
+/* Linear light, or a reflectance, in three channels. */
 struct rgb {
 	float c[3];
 };
@@ -57,7 +58,7 @@ static inline float v3_length(struct v3 a)
 	return sqrtf(v3_dot(a, a));
 }
 
-/* A zero vector stays zero. */
+/* Unit vector of the same direction. A zero vector stays zero. */
 static inline struct v3 v3_unit(struct v3 a)
 {
 	const float length = v3_length(a);
@@ -65,8 +66,8 @@ static inline struct v3 v3_unit(struct v3 a)
 	return length > 0 ? v3_scale(a, 1 / length) : a;
 }
 
-/* A right-handed frame around unit n (Duff et al., Building an Orthonormal Basis, Revisited, 2017).
- */
+/* Right-handed orthonormal frame s, t, n around unit n (Duff et al., Building an Orthonormal Basis,
+ * Revisited, 2017). */
 static inline void v3_frame(struct v3 n, struct v3 *s, struct v3 *t)
 {
 	const float sign = copysignf(1.0f, n.z);
@@ -77,6 +78,7 @@ static inline void v3_frame(struct v3 n, struct v3 *s, struct v3 *t)
 	*t = v3_make(b, sign + n.y * n.y * a, -n.y);
 }
 
+/* s, t, n coordinates to world coordinates. */
 static inline struct v3 v3_from_frame(struct v3 local, struct v3 s, struct v3 t, struct v3 n)
 {
 	return v3_mad(v3_mad(v3_scale(s, local.x), local.y, t), local.z, n);
@@ -102,7 +104,7 @@ static inline struct rgb rgb_add(struct rgb a, struct rgb b)
 	return rgb_make(a.c[0] + b.c[0], a.c[1] + b.c[1], a.c[2] + b.c[2]);
 }
 
-/* The largest magnitude of the three. */
+/* Largest magnitude of the three channels. */
 static inline float rgb_peak(struct rgb a)
 {
 	return fmaxf(fabsf(a.c[0]), fmaxf(fabsf(a.c[1]), fabsf(a.c[2])));

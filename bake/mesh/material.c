@@ -5,7 +5,7 @@
 
 #include "hal/colour/transfer.h"
 
-#define ALPHA_MIN 1e-3f /* a mirror, as far as single precision goes */
+#define ALPHA_MIN 1e-3f /* as near to a mirror as single precision allows */
 
 const char *const material_kind_names[] = {"diffuse", "glossy", "glass", NULL};
 
@@ -93,10 +93,10 @@ static float schlick_power(float c)
 }
 
 /*
- * Shirley et al., A Practitioners' Assessment of Light Reflection Models (1997): the base gets
- * what the coat does not reflect, on the way in and on the way out; 21/20 makes its albedo seen
- * from wo exactly (1 - F(wo)) colour. The coat's reflectance here is the largest of its channels,
- * so that no channel can gain energy.
+ * Shirley et al., A Practitioners' Assessment of Light Reflection Models (1997): the base gets the
+ * light that the coat does not reflect, on the way in and on the way out. The factor 21/20 makes
+ * its albedo seen from wo exactly (1 - F(wo)) colour. F is that of the coat's strongest channel, so
+ * that no channel can gain energy.
  */
 float bsdf_base(const struct bsdf *bsdf, float cos_o, float cos_i)
 {
@@ -129,7 +129,7 @@ struct rgb bsdf_coat(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct 
 	oh = v3_dot(wo, h);
 	{
 		const float a2 = bsdf->alpha * bsdf->alpha;
-		/* |n x h|^2 keeps its digits for narrow lobes, where 1 - (n.h)^2 has none */
+		/* for narrow lobes |n x h|^2 keeps the digits that 1 - (n.h)^2 cancels */
 		const struct v3 across = v3_cross(n, h);
 		const float root = v3_dot(across, across) + a2 * nh * nh;
 		const float d = a2 / (PI_F * root * root);
@@ -157,7 +157,7 @@ bool bsdf_coat_sample(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct
 	view = v3_unit(
 		v3_make(alpha * v3_dot(wo, s), alpha * v3_dot(wo, t), fmaxf(v3_dot(wo, n), 1e-6f)));
 	v3_frame(view, &s2, &t2);
-	/* t2 must be the one that points up, for the half-disc that is squashed */
+	/* Heitz shrinks the half of the disc towards t2: t2 must point towards the normal. */
 	if (view.x * view.x + view.y * view.y > 0) {
 		s2 = v3_unit(v3_make(-view.y, view.x, 0));
 		t2 = v3_cross(view, s2);

@@ -12,10 +12,11 @@
 #include "bake/mesh/mesh_import.h"
 #include "hal/optics/vec.h"
 
-/* Times a mesh's size: there its vertices are rounded to 1/100 of it. */
+/* Largest distance from the origin, as a multiple of the mesh's size: there single precision rounds
+ * vertices to 1/100 of the size. */
 #define FAR_MOST (0.01 * (1 << 24))
 #define REACH_MOST 1e9 /* world units: a thousand times what a scene file may say */
-#define FLAT_MOST 1e-6 /* sine of a triangle's angle: no more than rounding makes of none */
+#define FLAT_MOST 1e-6 /* sine of a triangle's angle that rounding alone can make */
 
 /* ---- placement ---- */
 
@@ -96,7 +97,8 @@ static void mesh_place(struct mesh *mesh, const struct mesh_placement *placement
 
 /* ---- checks ---- */
 
-/* Single precision rounds the vertices of a small mesh far from the origin to a grid. */
+/* Refuses a small mesh far from the origin: single precision rounds its vertices to a coarse
+ * grid. */
 static int check_precision(const struct mesh *mesh, const char *path, struct fault *fault)
 {
 	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -181,7 +183,8 @@ static int mesh_check(const struct mesh *mesh, const char *path, struct fault *f
 	return err ? err : check_precision(mesh, path, fault);
 }
 
-/* A huge scale, of the file's own too, or what is no place at all. */
+/* Refuses vertices that a huge scale, of the scene or of the file, has put too far away or made
+ * infinite. */
 static int check_reach(const struct mesh *mesh, const char *path, struct fault *fault)
 {
 	double far = 0;
@@ -216,7 +219,7 @@ int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *
 		return err;
 	}
 	mesh_place(mesh, placement);
-	err = mesh_check(mesh, path, fault); /* a huge scale may have left the range of float */
+	err = mesh_check(mesh, path, fault); /* a huge scale may exceed the range of float */
 	return err ? err : check_reach(mesh, path, fault);
 }
 

@@ -10,7 +10,7 @@
 
 #include "bake/mesh/plain_file.h"
 
-/* A whole file, as it is read here. */
+/* A whole file in memory, and assimp's place in it. */
 struct held_file {
 	struct aiFile file;
 	char *bytes;
@@ -35,14 +35,15 @@ static bool obj_ends_line(char c)
 }
 
 /*
- * v .5 .5 1 becomes v 0.5 0.5 1, so do vt and vn, and lines begin without blanks. to: room for what
- * comes out, or NULL to learn how much that is.
+ * Corrects the text of an OBJ: "v .5 .5 1" becomes "v 0.5 0.5 1", the same for vt and vn, and
+ * blanks at the beginning of lines are dropped. to: room for the result, or NULL. Returns its
+ * bytes.
  */
 static size_t obj_plain_text(const char *from, size_t size, char *to)
 {
-	bool begins = true, vertex = false; /* a line does; it has begun with a v */
+	bool begins = true, vertex = false; /* at the beginning of a line; the line begins with v */
 	size_t out = 0;
-	char last = '\n'; /* that ends no line */
+	char last = '\n'; /* the last character that does not end a line */
 
 	for (size_t k = 0; k < size; k++) {
 		const char c = from[k];
@@ -50,7 +51,7 @@ static size_t obj_plain_text(const char *from, size_t size, char *to)
 		if (begins && obj_is_blank(c))
 			continue;
 		if (obj_ends_line(c)) {
-			begins = begins || last != '\\'; /* else the line goes on in the next */
+			begins = begins || last != '\\'; /* after \ the next line continues it */
 		} else {
 			vertex = begins ? c == 'v' : vertex;
 			begins = false;
@@ -89,7 +90,7 @@ static bool obj_make_plain(struct held_file *h)
 	return true;
 }
 
-/* ---- what assimp calls ---- */
+/* ---- assimp's callbacks ---- */
 
 static size_t held_read(struct aiFile *file, char *to, size_t size, size_t count)
 {
@@ -119,7 +120,8 @@ static size_t held_size(struct aiFile *file)
 	return held_of(file)->size;
 }
 
-/* Assimp hands a distance backwards over as if it had no sign. */
+/* Assimp passes a negative offset as a huge unsigned one; the sum wraps around to the right
+ * place. */
 static aiReturn held_seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
 {
 	struct held_file *h = held_of(file);

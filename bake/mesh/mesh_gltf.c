@@ -8,10 +8,10 @@
 
 #include "bake/mesh/plain_file.h"
 
-#define DEPTH_MAX 64 /* of meshes: about 10, and what extras hold */
+#define DEPTH_MAX 64 /* meshes need about 10, besides their "extras" */
 #define BLANKS " \t\r\n"
 
-/* As they lie in a GLB, which is little-endian as all else that is read in place. */
+/* Layout of a GLB. It is little-endian, like all data that this program reads in place. */
 struct glb_header {
 	char magic[4];
 	uint32_t version, bytes;
@@ -74,7 +74,7 @@ static int check_chunks(const char *at, size_t left, const char *path, struct fa
 	return err;
 }
 
-/* One of version 1 has the length of its JSON, and that this is JSON, behind its header. */
+/* In version 1 the length and type of the JSON follow the header, in later versions chunks do. */
 static int check_glb(const struct plain_map *file, const char *path, struct fault *fault)
 {
 	struct glb_header header;
@@ -95,7 +95,7 @@ static int check_glb(const struct plain_map *file, const char *path, struct faul
 	return check_depth(file->at + heads, json.bytes, path, fault);
 }
 
-/* Any text that may be JSON, whatever it is called: assimp looks into files, too. */
+/* Tells whether a file may be JSON, whatever its name: assimp, too, looks at the contents. */
 static bool may_be_json(const struct plain_map *file)
 {
 	size_t at = file->bytes >= 3 && memcmp(file->at, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;

@@ -75,7 +75,7 @@ static int import_part(struct mesh_part *part, const struct aiMesh *from, double
 
 /* ---- materials ---- */
 
-/* The folder of the mesh and the name in it, with either kind of slash. */
+/* Joins the folder of the mesh and a texture's name, which may have backslashes. */
 static int texture_path(const char *mesh_path, const char *name, char out[PATH_MAX])
 {
 	const char *slash = strrchr(mesh_path, '/');
@@ -156,7 +156,8 @@ static struct rgb clamp_colour(struct aiColor4D c)
 	return out;
 }
 
-/* Metal and roughness as glTF has them: a metal's colour is its reflectance, it has no base. */
+/* Sets metal and roughness by glTF's model: a metal's colour is its reflectance, and it has no
+ * diffuse base. */
 static void set_metallic(struct material *m, float metallic, float roughness)
 {
 	metallic = fminf(fmaxf(metallic, 0), 1);
@@ -168,19 +169,20 @@ static void set_metallic(struct material *m, float metallic, float roughness)
 	m->colour = rgb_scale(m->colour, 1 - metallic);
 }
 
-/* An exponent of Phong's model as the GGX alpha of the same width: alpha^2 = 2 / (n + 2). */
+/* Turns an exponent n of Phong's model into the GGX alpha of the same width:
+ *     alpha^2 = 2 / (n + 2) */
 static void set_phong(struct material *m, struct rgb specular, float exponent)
 {
 	m->kind = MATERIAL_GLOSSY;
 	m->specular = specular;
 	m->roughness = sqrtf(sqrtf(2 / (exponent + 2)));
-	/* Kd + Ks beyond 1 would make light */
+	/* Kd + Ks above 1 would create energy */
 	for (int c = 0; c < 3; c++)
 		m->specular.c[c] = fminf(specular.c[c], 1 - m->colour.c[c]);
 }
 
-/* Assimp makes one up where a file has none, for each format another grey. Those of glTF, whose
- * default is a metal, are as the format says. */
+/* Tells whether assimp has invented this material, a grey that differs between formats, because the
+ * file has none. A glTF's default, which is a metal, is what that format prescribes. */
 static bool is_made_up(const struct aiMaterial *from)
 {
 	struct aiString name = {.length = 0};
@@ -191,8 +193,8 @@ static bool is_made_up(const struct aiMaterial *from)
 		strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0);
 }
 
-/* glTF's factors are mostly 1, and its texture of both, roughness in green and metal in blue, says
- * what is meant: they become its means. */
+/* Multiplies glTF's factors by the means of their texture (roughness in green, metal in blue). The
+ * factors are mostly 1, and the texture has the real values. */
 static int take_surface_means(const struct aiScene *scene, const struct aiMaterial *from,
 			      ai_real *metallic, ai_real *roughness, const char *path,
 			      struct fault *fault)
@@ -303,8 +305,8 @@ static int check_mesh(const struct aiMesh *mesh, const char *path, struct fault 
 	return 0;
 }
 
-/* As it came: assimp's own steps trust indices, take what is no number for any number, and abort
- * over a face of nothing among others. */
+/* Checks the scene as it is in the file: assimp's processing steps trust indices, do not expect
+ * NaN, and abort on a face without vertices. */
 static int check_scene(const struct aiScene *scene, const char *path, struct fault *fault)
 {
 	unsigned faces = 0;
@@ -333,9 +335,9 @@ static int import_open(const struct aiScene **scene, const char *path, unsigned 
 }
 
 /*
- * Read twice: once to be judged, once with the steps, as assimp 5.2 crashes where steps fail that
- * come after. Not among them are normals: assimp smooths as if no two faces of a file shared a
- * vertex, which those of PLY and glTF do.
+ * Reads the file twice: first without processing steps, to check it, then with them, as assimp 5.2
+ * crashes when a step that is run later fails. Generating normals is not among the steps: assimp
+ * smooths as if no two faces of a file shared a vertex, but those of PLY and glTF do.
  */
 int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 		struct fault *fault)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads a mesh file through assimp, as the file has it: not placed, not checked. */
+/* Reads a mesh file through assimp. The mesh is in the file's coordinates, and its geometry is not
+ * yet checked. */
 #ifndef INLAY_BAKE_MESH_MESH_IMPORT_H
 #define INLAY_BAKE_MESH_MESH_IMPORT_H
 
@@ -7,7 +8,8 @@
 
 #include "bake/mesh/mesh.h"
 
-/* What was read before a failure stays in mesh, for mesh_free(). */
+/* crease_deg: as of mesh_smooth(), where the file has no normals. materials: read those of the
+ * file, too. Call mesh_free() also after a failure. */
 int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 		struct fault *fault);
 

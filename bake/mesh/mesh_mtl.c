@@ -14,17 +14,19 @@
 #define LIBRARY_MAX ((uint64_t)64 << 20) /* bytes */
 #define BLANKS " \t\r\n"
 
-/* What an OBJ's libraries define: names, one after the other, each with its 0. */
+/* Names of the materials that an OBJ's libraries define, one after the other, each with its 0. */
 struct mtl_names {
 	char *text;
 	size_t bytes;
 	bool any_library;
-	/* A library that could not be opened: wanted only where a material is. NULL: none. */
+	/* The first library that could not be opened; an error only if a material is not found
+	 * elsewhere. NULL: none. */
 	char *missing;
 	int missing_line, missing_error;
 };
 
-/* What follows a word at the beginning of a line, without blanks around it; NULL: another word. */
+/* Returns the text after a word at the beginning of a line, without the blanks around it; NULL: the
+ * line begins with another word. */
 static char *word_after(char *line, const char *word)
 {
 	const size_t length = strlen(word);
@@ -61,15 +63,14 @@ static int add_name(struct mtl_names *names, const char *name)
 	return 0;
 }
 
-/* But nothing that may be read to its end. */
+/* Tells whether a file exists but cannot be read to its end: a pipe, or too long. */
 static bool is_there(int err)
 {
 	return err == -EINVAL || err == -EFBIG;
 }
 
-/* The library of a line, or, as assimp has it, the one that is named as the mesh. -ENOENT ...:
- * there is none, which is said where it is missed; a fault of any other is that of what is there.
- */
+/* Opens the library of a line or else, like assimp, the one named as the mesh. -ENOENT ...: neither
+ * exists, which is reported only when one of its materials is used. */
 static int open_library(FILE **file, const char *path, const char *library, struct fault *fault)
 {
 	const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');

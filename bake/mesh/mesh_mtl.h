@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether an OBJ's materials are there: assimp makes grey of those that are not, without a word. */
+/* Checks that an OBJ's materials exist: assimp silently replaces missing ones by grey. */
 #ifndef INLAY_BAKE_MESH_MESH_MTL_H
 #define INLAY_BAKE_MESH_MESH_MTL_H
 
 #include "hal/base/fault.h"
 
-/* 0 for any other file. -ENOENT: an mtllib that cannot be opened, where a usemtl may have meant it;
- * -EINVAL: a usemtl that none of them has, a library that is
- * no plain file; -EFBIG. The fault names file and line. */
+/* Returns 0 also for any other kind of file. -ENOENT: a usemtl is missing, and an mtllib that may
+ * have it cannot be opened; -EINVAL: no library has the material of a usemtl, or a library is no
+ * plain file; -EFBIG. The fault names file and line. */
 int mesh_mtl_check(const char *path, struct fault *fault);
 
 #endif

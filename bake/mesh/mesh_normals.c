@@ -6,28 +6,32 @@
 #include <string.h>
 
 #define NONE UINT32_MAX
-#define CREASE_SLACK 1e-5f /* rounding, of triangles in one plane */
+#define CREASE_SLACK 1e-5f /* rounding error between triangles of one plane */
 
+/* A vertex by its position, for sorting. */
 struct vertex_place {
 	float p[3];
 	uint32_t vertex;
 };
 
-/* Corners of triangles are numbered: the k-th of triangle t is 3 t + k. */
+/*
+ * State of mesh_smooth(). Corner k of triangle t has the number 3 t + k. A place is a position that
+ * one or more old vertices share. Each old vertex becomes one or more new ones, in a linked list.
+ */
 struct smoother {
 	struct mesh_part *part;
 	size_t corners;
 	float cos_crease;
-	struct v3 *face;  /* unit normal of each triangle */
-	float *angle;	  /* of each corner */
-	uint32_t *at;	  /* place of each vertex */
-	uint32_t *first;  /* of each place, in list; one more at the end */
-	uint32_t *list;	  /* corners by place */
-	uint32_t *head;	  /* of each vertex: the first that it became */
-	uint32_t *next;	  /* of each that one became: another of the same */
-	uint32_t *source; /* of each that one became: the vertex */
-	struct v3 *normal;
-	uint32_t made;
+	struct v3 *face;   /* [triangles]: unit normal */
+	float *angle;	   /* [corners], in rad */
+	uint32_t *at;	   /* [old vertices]: place */
+	uint32_t *first;   /* [places + 1]: where the corners of a place begin in list */
+	uint32_t *list;	   /* [corners], sorted by place */
+	uint32_t *head;	   /* [old vertices]: the first new vertex */
+	uint32_t *next;	   /* [new vertices]: the next one of the same old vertex */
+	uint32_t *source;  /* [new vertices]: the old vertex */
+	struct v3 *normal; /* [new vertices] */
+	uint32_t made;	   /* new vertices so far */
 };
 
 static struct v3 corner_at(const struct mesh_part *part, size_t corner)
@@ -37,7 +41,7 @@ static struct v3 corner_at(const struct mesh_part *part, size_t corner)
 	return v3_make(p[0], p[1], p[2]);
 }
 
-/* Edges are made unit first: those of tiny meshes would vanish in their product. */
+/* Makes edges unit before multiplying them: the product of tiny ones would underflow. */
 static void measure_triangles(struct smoother *s)
 {
 	for (size_t t = 0; t < s->corners / 3; t++) {
@@ -66,7 +70,8 @@ static int compare_places(const void *a, const void *b)
 	return (p->vertex > q->vertex) - (p->vertex < q->vertex);
 }
 
-/* Vertices at one place differ in their texture coordinates, or the file has them twice. */
+/* Numbers the places. Several vertices share one when they differ in texture coordinates, or when
+ * the file has them twice. */
 static int find_places(struct smoother *s, uint32_t *count)
 {
 	const size_t vertices = (size_t)s->part->vertices;
@@ -106,7 +111,8 @@ static int list_corners(struct smoother *s)
 	s->first = calloc((size_t)places + 2, sizeof(*s->first));
 	if (!s->first)
 		return -ENOMEM;
-	/* counted two places on, so that filling in moves each to where its list begins */
+	/* Counts are kept two places on: filling then moves first[p + 1] from the start of p's
+	 * list to its end. */
 	for (size_t c = 0; c < s->corners; c++)
 		s->first[corner_place(s, c) + 2]++;
 	for (uint32_t p = 2; p < places + 2; p++)
@@ -128,11 +134,11 @@ static struct v3 corner_normal(const struct smoother *s, size_t corner)
 		if (v3_dot(own, other) >= s->cos_crease - CREASE_SLACK)
 			sum = v3_mad(sum, s->angle[s->list[k]], other);
 	}
-	/* opposite sides of a sheet, where everything is to be smooth */
+	/* the sum vanishes where a crease of 180 degrees smooths opposite sides of a sheet */
 	return v3_length(sum) > CREASE_SLACK ? v3_unit(sum) : own;
 }
 
-/* The vertex that a corner's own one becomes with this normal. */
+/* Returns the new vertex of an old one that has this normal, made when there is none. */
 static uint32_t vertex_with(struct smoother *s, uint32_t vertex, struct v3 normal)
 {
 	uint32_t v = s->head[vertex];
@@ -149,7 +155,7 @@ static uint32_t vertex_with(struct smoother *s, uint32_t vertex, struct v3 norma
 	return v;
 }
 
-/* The part's arrays, with the vertices that were made. */
+/* Replaces the part's arrays by those of the new vertices. */
 static int replace_vertices(struct smoother *s)
 {
 	struct mesh_part *part = s->part;

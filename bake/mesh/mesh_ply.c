@@ -14,7 +14,7 @@
 #define HEADER_BYTES_MAX (1 << 20)
 #define ELEMENTS_MAX 32
 #define PROPERTIES_MAX 512
-#define SHOWN_MAX 32 /* of a word, in a fault */
+#define SHOWN_MAX 32 /* characters of a word that a fault quotes */
 
 /* ---- words ---- */
 
@@ -57,7 +57,7 @@ static bool word_is(struct ply_span word, const char *text)
 	return length == strlen(text) && memcmp(word.at, text, length) == 0;
 }
 
-/* Whole, 0..INT_MAX; -1: another word. */
+/* Reads a whole number, 0..INT_MAX; -1: the word is none. */
 static long whole_of(struct ply_span word)
 {
 	long value = 0;
@@ -119,7 +119,7 @@ struct ply {
 	const char *path;
 	size_t bytes;
 	struct ply_span rest; /* of the file */
-	int line;	      /* number of the one taken last */
+	int line;	      /* number of the line that was taken last */
 	bool ascii, big_endian;
 	size_t vertices;
 	int elements, properties;
@@ -127,7 +127,7 @@ struct ply {
 	struct ply_property property[PROPERTIES_MAX];
 };
 
-/* Lines without anything in them are passed over, as assimp does. */
+/* Takes the next line. Skips empty ones, as assimp does. False at the end of the file. */
 static bool ply_take_line(struct ply *ply, struct ply_span *line)
 {
 	struct ply_span *rest = &ply->rest;
@@ -147,7 +147,8 @@ static bool ply_take_line(struct ply *ply, struct ply_span *line)
 	return true;
 }
 
-/* Assimp looks for the end of a line that ends in one of these beyond the end of the file. */
+/* Refuses text with NUL or form feed: on a line that ends in one of them assimp searches for its
+ * end beyond the end of the file. */
 static int check_text(const struct ply *ply, const char *at, const char *end, struct fault *fault)
 {
 	const size_t bytes = (size_t)(end - at);
@@ -175,7 +176,7 @@ static int read_type(const struct ply *ply, struct ply_span *line, const struct 
 			 ply->path, ply->line, word_shown(word), word.at);
 }
 
-/* Assimp forgets those of an element's that come after a line of another kind. */
+/* Refuses a property after a line of another kind, as assimp drops it. */
 static int read_property(struct ply *ply, struct ply_span line, bool in_element,
 			 struct fault *fault)
 {
@@ -256,7 +257,7 @@ static int read_format(struct ply *ply, struct fault *fault)
 			 ply->path, ply->line);
 }
 
-/* Assimp passes over what ends lines, and does so in binary data, too. */
+/* Refuses binary data that begin with a line end: assimp would skip it. */
 static int check_start(const struct ply *ply, struct fault *fault)
 {
 	const char *at = ply->rest.at;
@@ -270,7 +271,7 @@ static int check_start(const struct ply *ply, struct fault *fault)
 		ply->path, *at);
 }
 
-/* What it has no use for is passed over. */
+/* Reads the header's lines up to end_header. Skips lines of other kinds, such as comments. */
 static int ply_read_lines(struct ply *ply, struct fault *fault)
 {
 	struct ply_span line, word;
@@ -305,7 +306,7 @@ static int ply_read_header(struct ply *ply, struct fault *fault)
 
 	if (all.end - all.at > HEADER_BYTES_MAX)
 		ply->rest.end = all.at + HEADER_BYTES_MAX;
-	ply_take_line(ply, &line); /* the word by which it was known */
+	ply_take_line(ply, &line); /* the word ply */
 	err = read_format(ply, fault);
 	if (!err)
 		err = ply_read_lines(ply, fault);
@@ -317,7 +318,7 @@ static int ply_read_header(struct ply *ply, struct fault *fault)
 
 /* ---- rows ---- */
 
-/* In text a value is a digit and what parts it from the next. */
+/* Returns the least bytes of a row. In text a value takes at least a digit and a separator. */
 static size_t least_bytes(const struct ply *ply, const struct ply_element *element)
 {
 	size_t bytes = 0;
@@ -332,7 +333,7 @@ static size_t least_bytes(const struct ply *ply, const struct ply_element *eleme
 
 static int check_counts(const struct ply *ply, struct fault *fault)
 {
-	/* the last value needs nothing behind it */
+	/* the last value of a text needs no separator */
 	const size_t room = (size_t)(ply->rest.end - ply->rest.at) + ply->ascii;
 	size_t used = 0;
 
@@ -438,7 +439,7 @@ static int check_text_row(struct ply *ply, const struct ply_element *element, si
 			 ply->path, ply->line, row + 1, word_shown(word), word.at);
 }
 
-/* How many are in a list; -1: fewer than none. */
+/* Reads the count of a binary list; -1: it is negative. */
 static int64_t count_of(const char *at, const struct ply_type *type, bool big_endian)
 {
 	const int bits = 8 * type->bytes;
@@ -496,7 +497,7 @@ static int ply_check(const char *text, size_t bytes, const char *path, struct fa
 	struct ply *ply;
 	int err;
 
-	/* assimp reads one that begins with empty lines, too */
+	/* assimp also reads a PLY that begins with empty lines */
 	while (magic < end && ply_is_line_end(*magic))
 		magic++;
 	if (end - magic < 3 || strncasecmp(magic, "ply", 3) != 0)
