@@ -12,26 +12,26 @@
 #include "bake/base/random.h"
 #include "bake/trace/bounce_aside.h"
 
-#define RANK_FEW 16 /* tried first: more are seldom needed */
+#define RANK_FEW 16 /* rank that is tried first; more is seldom needed */
 #define RANK_SPARE 4
 #define ITERATIONS 2
-/* A vector of which the other half knows less than this is noise. With R rows and C columns the
- * cosine of pure noise is about 1 / (sqrt(R) + sqrt(C)). */
+/* A singular vector of which the other half confirms less than this share is noise. With R rows and
+ * C columns the cosine of pure noise is about 1 / (sqrt(R) + sqrt(C)). */
 #define WEIGHT_LEAST 0.05
 
-/* X is about sum over k of value[k] left[k] right[k]^T. */
+/* Truncated singular value decomposition: X ~ sum over k of value[k] left[k] right[k]^T. */
 struct bounce_factors {
 	float *left;  /* [rank][rows] */
 	float *right; /* [rank][lights] */
 	float *value; /* [rank] */
 };
 
-/* The memory of struct bounce, dealt out. */
+/* The memory of struct bounce, divided into arrays. */
 struct bounce_scratch {
 	int rows, lights, rank;
-	float *start; /* [rank][lights]: random */
+	float *start; /* [rank][lights]: random, for subspace iteration */
 	struct bounce_factors of[2];
-	float *left, *right;	   /* like those of factors */
+	float *left, *right;	   /* as in struct bounce_factors */
 	float *tau;		   /* [rank] */
 	float *core, *turn, *back; /* [rank][rank] */
 	struct bounce_aside aside;
@@ -84,7 +84,7 @@ int bounce_create(struct bounce *bounce, int lights)
 		return -ENOMEM;
 	for (size_t i = 0; i < floats; i++)
 		bounce->memory[i] = random_unit((uint32_t)random_hash(i, 0xb0ce, 0)) - 0.5f;
-	/* the bake has a thread for each processor already */
+	/* the bake already has a thread for each processor */
 	openblas_set_num_threads(1);
 	return 0;
 }
@@ -97,7 +97,8 @@ void bounce_free(struct bounce *bounce)
 
 /* ---- leading singular vectors ---- */
 
-/* The columns of a column-major matrix become orthonormal. upper: the triangle, or NULL. */
+/* Makes the columns of a column-major matrix orthonormal (QR). upper: becomes R, or NULL. Returns 0
+ * or LAPACK's error. */
 static int orthonormalise_columns(struct bounce_scratch *s, float *columns, int length,
 				  float *upper)
 {
@@ -115,6 +116,7 @@ static int orthonormalise_columns(struct bounce_scratch *s, float *columns, int 
 	return LAPACKE_sorgqr(LAPACK_COL_MAJOR, length, k, k, columns, length, s->tau);
 }
 
+/* left = X right */
 static void times_rows(const struct bounce_scratch *s, const float *x, const float *right,
 		       float *left)
 {
@@ -122,6 +124,7 @@ static void times_rows(const struct bounce_scratch *s, const float *x, const flo
 		    s->lights, x, s->lights, 0, left, s->rows);
 }
 
+/* right = X^T left */
 static void times_columns(const struct bounce_scratch *s, const float *x, const float *left,
 			  float *right)
 {
@@ -129,8 +132,8 @@ static void times_columns(const struct bounce_scratch *s, const float *x, const 
 		    s->rows, x, s->lights, 0, right, s->lights);
 }
 
-/* By subspace iteration from random vectors (Halko, Martinsson and Tropp 2011). 0, or LAPACK's
- * complaint. */
+/* Decomposes X by subspace iteration from random vectors (Halko, Martinsson and Tropp 2011).
+ * Returns 0 or LAPACK's error. */
 static int bounce_factorise(struct bounce_scratch *s, const float *x, struct bounce_factors *out)
 {
 	const int k = s->rank;
@@ -159,15 +162,16 @@ static int bounce_factorise(struct bounce_scratch *s, const float *x, struct bou
 	return 0;
 }
 
-/* ---- what the other half knows ---- */
+/* ---- what the other half confirms ---- */
 
 /* How the halves are filtered, and what is known of the result. */
 struct bounce_verdict {
 	int kept;
-	double weight[BOUNCE_RANK_MAX];	  /* of half a bake's singular vectors; falling */
-	double found[2][BOUNCE_RANK_MAX]; /* left^T X right, X the other half */
+	double weight[BOUNCE_RANK_MAX];	  /* of a half's singular vectors; falling */
+	double found[2][BOUNCE_RANK_MAX]; /* left^T X right, where X is the other half */
 };
 
+/* weight[k] = (found[0][k] + found[1][k]) / (value of half 0 + value of half 1), never rising */
 static void find_weights(struct bounce_scratch *s, float *const half[2], struct bounce_verdict *v)
 {
 	const size_t lights = (size_t)s->lights;
@@ -190,7 +194,7 @@ static void find_weights(struct bounce_scratch *s, float *const half[2], struct 
 	}
 }
 
-/* <A', B'> of the filtered halves. */
+/* Inner product <A', B'> of the filtered halves. */
 static double filtered_dot(const struct bounce_scratch *s, const struct bounce_verdict *v)
 {
 	const size_t lights = (size_t)s->lights, rows = (size_t)s->rows;
@@ -208,10 +212,10 @@ static double filtered_dot(const struct bounce_scratch *s, const struct bounce_v
 }
 
 /*
- * The square of the error of the filtered mean, as far as the halves tell; aside: of what was set
- * aside. Of the light that the filter takes away, what both halves show is <A - A', B - B'>, for
- * their noise is independent. The noise of a mean is a quarter of |A - B|^2, A' and B' being what
- * is left of them.
+ * Estimates the squared error of the filtered mean of halves A and B, whose filtered forms are A'
+ * and B'; aside: the squared error of what was set aside.
+ *     light lost = <A - A', B - B'>, as the noise of the halves is independent
+ *     noise kept = |A' - B'|^2 / 4
  */
 static double filtered_error(const struct bounce_scratch *s, float *const half[2],
 			     const struct bounce_verdict *v, double aside)
@@ -230,7 +234,7 @@ static double filtered_error(const struct bounce_scratch *s, float *const half[2
 	return fmax(lost, 0) + apart / 4 + aside;
 }
 
-/* 0 when the verdict stands. */
+/* Decomposes both halves and sets the verdict. Returns 0 or LAPACK's error. */
 static int bounce_judge(struct bounce_scratch *s, float *const half[2], struct bounce_verdict *v)
 {
 	const int most = s->rows < s->lights ? s->rows : s->lights;
@@ -261,8 +265,8 @@ static void take_mean(const struct bounce_halves *in, size_t lights)
 		in->half[0][i] = a * in->half[0][i] + b * in->half[1][i];
 }
 
-/* The mean becomes its leading part. Weights are those of half a bake: if r of what is seen there
- * is light, then 2 r / (1 + r) of what all of it shows (Spearman 1910, Brown 1910). */
+/* Replaces the mean by its leading part. A weight r is the share of light in a singular vector of
+ * one half; in the mean of both the share is 2 r / (1 + r) (Spearman 1910, Brown 1910). */
 static int filter_mean(struct bounce_scratch *s, float *mean, const struct bounce_verdict *v)
 {
 	struct bounce_factors *f = &s->of[0];

@@ -1,39 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Takes noise out of the light that met several surfaces.
+ * Low-rank filter against noise in bounced light, the light that met several surfaces.
  *
- * Each sample of such light follows one path by chance, so its noise differs in every pixel and
- * light, while the light itself is smooth: a matrix of pixels by lights that is of low rank but for
- * noise. It comes as two halves of independent samples. What the leading singular vectors of one
- * half find again in the other half is light, what they do not is noise.
+ * Each sample of bounced light follows one random path, so its noise differs in every pixel and
+ * light, while the light itself is smooth. A tile's matrix of pixels by lights is therefore a
+ * low-rank matrix plus noise. It comes as two halves of independent samples: what the leading
+ * singular vectors of one half find again in the other half is light, the rest is noise.
  *
- * Two things the filter leaves alone. Each row's sum under a uniform sky: there what is blocked and
- * what is bounced balance sample by sample. And, of each light and channel, the mean over all
- * pixels. The slope over them is filtered by itself: what singular vectors do not tell of a plane,
- * tiles that are filtered apart would show as steps between them.
+ * The filter keeps two things exactly. One is each row's sum under a uniform sky, as there blocked
+ * and bounced light balance in each sample. The other is the mean over all pixels, for each light
+ * and channel. The slope over the pixels is filtered apart from the rest, as an error in it would
+ * show as a step between tiles, each of which is filtered by itself.
  */
 #ifndef INLAY_BAKE_TRACE_BOUNCE_H
 #define INLAY_BAKE_TRACE_BOUNCE_H
 
 #include <stdint.h>
 
-#define BOUNCE_ROWS_MAX 768 /* of a tile: 256 pixels of 3 channels */
+#define BOUNCE_ROWS_MAX 768 /* rows of a tile: 256 pixels of 3 channels */
 #define BOUNCE_RANK_MAX 48
 
-/* Scratch of one thread. */
+/* Working memory of one thread. */
 struct bounce {
 	int lights;
 	float *memory;
 };
 
-/* What is filtered. Neither sky nor scale is 0. */
+/* Input of the filter. No value of sky or scale is 0. */
 struct bounce_halves {
 	int rows;	       /* three channels of each pixel */
 	const uint16_t *pixel; /* [rows / 3]: y * BASIS_TILE + x, all different */
-	float *half[2];	       /* [rows][lights]: means, each over samples of its own */
-	double share[2];       /* of all samples; they sum to 1 */
-	const float *sky;   /* [lights]: the lighting, in units of the values, that is left alone */
-	const float *scale; /* [lights]: makes the noise of all columns about alike */
+	float *half[2];	       /* [rows][lights]: means, each over its own half of the samples */
+	double share[2];       /* each half's share of the samples; they sum to 1 */
+	const float *sky;      /* [lights]: uniform sky, per value; row sums under it stay */
+	const float *scale; /* [lights]: factor that makes the noise of all columns about equal */
 };
 
 /* -ENOMEM */
@@ -41,9 +41,9 @@ int bounce_create(struct bounce *bounce, int lights);
 void bounce_free(struct bounce *bounce); /* idempotent; zeroed is fine */
 
 /*
- * half[0] becomes the mean of both, filtered, and half[1] is spoilt. Returns how many singular
- * vectors were kept besides sums and means, or -1 when the mean was left as it is: the halves do
- * not show that more noise would go than light.
+ * half[0] becomes the filtered mean of both, half[1] is overwritten. Returns how many singular
+ * vectors were kept besides sums and means, or -1 when the mean is not filtered: the halves do not
+ * show that the filter would remove more noise than light.
  */
 int bounce_filter(struct bounce *bounce, const struct bounce_halves *halves);
 

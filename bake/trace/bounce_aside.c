@@ -7,7 +7,7 @@
 
 #include "hal/basis/basis_format.h"
 
-/* A plane of which the others leave less than this of a pixel's width is none of its own. */
+/* A plane counts as linearly dependent when the others leave less than this of it, in pixels. */
 #define PLANE_LEAST 1e-3
 
 size_t bounce_aside_floats(size_t lights)
@@ -38,8 +38,8 @@ static double mean_sum(const struct bounce_aside *aside, const struct bounce_hal
 	return in->share[0] * aside->sum[row][0] + in->share[1] * aside->sum[row][1];
 }
 
-/* The row whose multiples come nearest to all rows of the mean, each with the sum of its own; its
- * own sum is 1. False: there is none. */
+/* Finds the profile of sum 1 whose multiples, by the rows' sums, fit all rows of the mean best
+ * (least squares). False: there is no light, or it is not finite. */
 static bool find_profile(struct bounce_aside *aside, const struct bounce_halves *in)
 {
 	const size_t lights = aside->lights, rows = (size_t)in->rows;
@@ -58,7 +58,8 @@ static bool find_profile(struct bounce_aside *aside, const struct bounce_halves 
 	return true;
 }
 
-/* Returns the square of what the halves' sums are apart; *apart: of all. */
+/* Subtracts sums times profile, and scales. Returns the squared difference between the halves'
+ * sums; *apart: that between the halves. */
 static double set_sums_aside(const struct bounce_aside *aside, const struct bounce_halves *in,
 			     double *apart)
 {
@@ -115,7 +116,8 @@ static void find_planes(struct bounce_aside *aside, const struct bounce_halves *
 	}
 }
 
-/* Adds to the squared error: of the noise that stays, and of the light that goes. */
+/* Wiener weight of a slope of which halves a and b are given. Adds the squared error to *error: of
+ * the noise that stays, and of the light that is lost. */
 static float weigh_slope(const float *a, const float *b, size_t count, double *error)
 {
 	const double both = bounce_dot(a, b, count), light = fmax(both, 0);
@@ -127,7 +129,8 @@ static float weigh_slope(const float *a, const float *b, size_t count, double *e
 	return (float)weight;
 }
 
-/* Means stay whole, slopes as far as the halves agree on them. Returns the squared error. */
+/* Subtracts planes. Means keep weight 1; slopes are weighted by what the halves agree on. Returns
+ * the squared error. */
 static double set_planes_aside(struct bounce_aside *aside, const struct bounce_halves *in)
 {
 	const int pixels = in->rows / BOUNCE_CHANNELS;

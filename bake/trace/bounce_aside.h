@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the filter of bounced light sets aside before it looks for singular vectors, and puts back:
- * each row's sum under a uniform sky, and each light's plane over the tile. Private to the filter.
+ * The parts of bounced light that the filter subtracts before it looks for singular vectors, and
+ * adds again afterwards: each row's sum under a uniform sky, and each light's plane over the tile.
+ * Private to the filter.
  */
 #ifndef INLAY_BAKE_TRACE_BOUNCE_ASIDE_H
 #define INLAY_BAKE_TRACE_BOUNCE_ASIDE_H
@@ -17,28 +18,28 @@
 
 struct bounce_aside {
 	size_t lights;
-	double sum[BOUNCE_ROWS_MAX][2];		       /* of each half's rows under the sky */
-	float *profile;				       /* [lights]: what a sum of 1 looks like */
-	int planes;				       /* that the pixels tell apart */
+	double sum[BOUNCE_ROWS_MAX][2]; /* each row's sum under the sky, by half */
+	float *profile;			/* [lights]: row that stands for a sum of 1 */
+	int planes;			/* linearly independent over the pixels */
 	float plane[BOUNCE_PLANES][BOUNCE_PIXELS_MAX]; /* orthonormal */
-	float weight[BOUNCE_PLANES];		       /* what is kept of each */
-	float *column[2];			       /* of halves: [planes][channels][lights] */
+	float weight[BOUNCE_PLANES];		       /* share of each that is kept */
+	float *column[2];			       /* [planes][channels][lights], by half */
 };
 
-/* Floats of memory that it takes, and where they are. */
+/* Floats of memory that it needs; the caller owns them. */
 size_t bounce_aside_floats(size_t lights);
 void bounce_aside_open(struct bounce_aside *aside, size_t lights, float *memory);
 
 /*
- * Both halves become the rest, scaled. As far as the halves tell: noise becomes the squared error
- * of their mean as it is, error that of what was set aside. False: there is no light, or it is not
- * finite; the halves are as they were.
+ * Subtracts sums and planes; both halves become the rest, scaled. *noise: estimated squared error
+ * of the unfiltered mean; *error: that of what was set aside. False: there is no light, or it is
+ * not finite; the halves stay as they were.
  */
 bool bounce_set_aside(struct bounce_aside *aside, const struct bounce_halves *halves, double *noise,
 		      double *error);
 
-/* half[0], which is the mean of both rests, becomes that of both halves; filtered: slopes as far as
- * they are known, else as they came. */
+/* Adds sums and planes to half[0], the mean of both rests, and undoes the scale. filtered: slopes
+ * are weighted by what the halves agree on. */
 void bounce_put_back(struct bounce_aside *aside, const struct bounce_halves *halves, bool filtered);
 
 static inline double bounce_dot(const float *a, const float *b, size_t count)

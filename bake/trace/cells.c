@@ -7,10 +7,10 @@
 
 #include "bake/base/random.h"
 
-/* Directions in a table: it should stay in the cache. */
+/* Directions in a table, which should stay in the cache. */
 #define TABLE_MAX (1 << 18)
-/* Directions of a cell. All pixels share them, so that of a cell that is hidden in part about 1 /
- * depth is seen wrongly, in every pixel alike. */
+/* Directions in a cell. All pixels share them, so the visible share of a partly hidden cell is
+ * wrong by about 1 / depth, in all pixels alike. */
 #define DEPTH_MIN 32
 #define DEPTH_MAX (1 << 15)
 
@@ -28,17 +28,22 @@ static float reach_of(const struct dome *dome, int light)
 
 /* ---- directions ---- */
 
-/* Squares a side on which densities are taken as even: a cell hardly bends. */
+/* Squares on each side of the unit square; the density within one is taken as constant, as it
+ * varies little within a cell. */
 #define SQUARES 16
 
-/* How to turn the unit square so that dome_light_sample() yields directions by another density:
- * along u by all[], then along v by the strip's own part[]. Sums from 0 to the total. */
+/*
+ * Cumulative distribution for warping the unit square, so that dome_light_sample() draws directions
+ * with another density: u by the marginal all[], then v by part[] of u's strip. Each is a sum from
+ * 0 to its total.
+ */
 struct warp {
 	double all[SQUARES + 1];
 	double part[SQUARES][SQUARES + 1];
 };
 
-/* By the light's weight over solid angles, or, projected, over what flat ground sees of them. */
+/* Density of the warp: the light's weight by solid angle or, projected, by projected solid
+ * angle. */
 static void make_warp(const struct dome *dome, int light, bool projected, struct warp *warp)
 {
 	warp->all[0] = 0;
@@ -58,7 +63,8 @@ static void make_warp(const struct dome *dome, int light, bool projected, struct
 	}
 }
 
-/* Where in 0..1 the sums reach the share x of their total; *square: between which two. */
+/* Inverts the cumulative sums: place in 0..1 at which they reach the share x of their total.
+ * *square: index of the square it lies in. */
 static double reach_share(const double sum[SQUARES + 1], double x, int *square)
 {
 	const double want = x * sum[SQUARES];
@@ -92,7 +98,7 @@ static void fill_directions(struct cells *cells, int place)
 		double point[2], d[3];
 
 		sobol_point((uint32_t)k, scramble, point);
-		if (cells->dome->shape == DOME_CELLS) /* even already */
+		if (cells->dome->shape == DOME_CELLS) /* uniform without a warp */
 			dome_light_sample(cells->dome, cell, point[0], point[1], d);
 		else
 			take_warped(cells->dome, cell, &even, point, d);
@@ -118,7 +124,7 @@ static int compare_places(const void *a, const void *b)
 	return left->cell < right->cell ? -1 : 1;
 }
 
-/* How far along Hilbert's curve a point of a square of 2^15 a side lies. */
+/* Place along Hilbert's curve of a point of a grid of 2^15 x 2^15. */
 static uint32_t hilbert_key(uint32_t x, uint32_t y)
 {
 	const uint32_t last = (UINT32_C(1) << 15) - 1;
@@ -138,7 +144,7 @@ static uint32_t hilbert_key(uint32_t x, uint32_t y)
 	return along;
 }
 
-/* Along Hilbert's curve over the equal-area picture of the sky. */
+/* Orders cells along Hilbert's curve in an equal-area projection of the sky. */
 static int set_order(struct cells *cells)
 {
 	const size_t count = (size_t)cells->count;

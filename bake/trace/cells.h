@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The dome as the tracer uses it: for each light, be it a cell or a tent, a set of directions,
- * drawn once with its weight as density. What is said of cells here is meant of tents, too.
+ * The dome as the tracer uses it: a table of directions in each light, drawn once with the light's
+ * weight as density. What is said of cells here holds for tents, too.
  *
- * Sample s of a pixel takes direction s ^ key of every cell, key a hash of the pixel. Samples of
- * one pixel then fill each cell evenly (the directions are a (0,m,2)-net, scrambled cell by cell),
- * and what one sample takes lies side by side in memory, in an order in which neighbours are
- * neighbours in the sky: rays that go together meet the same things.
+ * Sample s of a pixel takes direction `s ^ key` of every cell, where key is a hash of the pixel.
+ * Samples of one pixel then fill each cell evenly, as the directions are a (0,m,2)-net, scrambled
+ * cell by cell. The directions of one sample lie side by side in memory, in an order in which
+ * neighbours are neighbours in the sky, so that rays traced together meet the same surfaces.
  */
 #ifndef INLAY_BAKE_TRACE_CELLS_H
 #define INLAY_BAKE_TRACE_CELLS_H
@@ -20,22 +20,22 @@
 struct cells {
 	const struct dome *dome; /* not owned */
 	int count;
-	int depth;	 /* directions a cell; a power of two */
+	int depth;	 /* directions in each cell; a power of two */
 	int *order;	 /* [count]: the cell at each place of a row of directions */
-	struct v3 *node; /* [count] */
-	float *sr;	 /* [count] solid angle */
-	float *share;	 /* [count] projected solid angle / pi: sums to 1 */
-	float *reach; /* [count] sine of the largest angle between node and border; 1: beyond 90 deg
-		       */
-	/* [depth][count], a row in the order above: */
-	struct v3 *uniform; /* by solid angle times weight */
-	struct v3 *ground;  /* by projected solid angle times weight: what flat ground gets */
+	struct v3 *node; /* [count]: direction of the cell's node */
+	float *sr;	 /* [count]: solid angle */
+	float *share;	 /* [count]: projected solid angle / pi; sums to 1 */
+	float *reach;	 /* [count]: sine of the largest angle from node to border; 1: >= 90 deg */
+	/* [depth][count], each row in the order above: */
+	struct v3 *uniform; /* density: solid angle times weight */
+	struct v3 *ground;  /* density: projected solid angle times weight, as on flat ground */
 };
 
+/* The dome must outlive the cells. -ENOMEM. */
 int cells_create(struct cells *cells, const struct dome *dome);
 void cells_free(struct cells *cells); /* idempotent; zeroed is fine */
 
-/* The row of directions that a sample takes; pixel: a hash. */
+/* Row of directions of a sample. table: uniform or ground; pixel: a hash of the pixel. */
 static inline const struct v3 *cells_pick(const struct cells *cells, const struct v3 *table,
 					  uint32_t pixel, uint32_t sample)
 {
@@ -43,7 +43,8 @@ static inline const struct v3 *cells_pick(const struct cells *cells, const struc
 	       (size_t)((sample ^ pixel) & (uint32_t)(cells->depth - 1)) * (size_t)cells->count;
 }
 
-/* The lights that an escaping ray reads, and how much of each: none below the horizon. */
+/* Lights that share a direction, and the weight of each. Returns how many, 0..3; 0 below the
+ * horizon. */
 static inline int cells_weights(const struct cells *cells, struct v3 direction, int light[3],
 				float weight[3])
 {
@@ -56,7 +57,7 @@ static inline int cells_weights(const struct cells *cells, struct v3 direction, 
 	return count;
 }
 
-/* That of one light. */
+/* Weight of one light in a direction. */
 static inline float cells_weight(const struct cells *cells, int light, struct v3 direction)
 {
 	const double d[3] = {direction.x, direction.y, direction.z};

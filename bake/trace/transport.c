@@ -5,22 +5,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PIXEL_STEP UINT32_C(0x632be5ab) /* between the keys of one path's surfaces */
+#define PIXEL_STEP UINT32_C(0x632be5ab) /* separates the keys of one path's surfaces */
 #define DIRECTIONS_MIN 32
 #define DIRECTIONS_MAX 256
-/* Surfaces up to this one look at every cell; a fan of fewer rays misses most small lamps. */
+/* Surfaces up to this depth send a ray to every cell; a fan of fewer rays misses most small
+ * lamps. */
 #define ALL_CELLS_DEPTH 1
 #define GLASS_MAX 32 /* glass surfaces in a row */
-/* A path of less weight than this lives on with a chance in proportion (Russian roulette). */
+/* Russian roulette: a path of less weight goes on with a probability in proportion to it. */
 #define WEIGHT_SURE 0.02f
 
-/* A direction in which a path goes on, and the weight it carries. */
+/* The direction in which a path goes on, and the weight it carries. */
 struct onward {
 	struct v3 direction;
 	float weight;
 };
 
-/* Directions outside it cannot meet a mesh. */
+/* The directions that may meet a mesh; all others are free. */
 struct cone {
 	struct v3 axis;
 	float cosine;
@@ -132,9 +133,9 @@ static void trace_rays(struct transport *t, enum presence presence, struct v3 or
 }
 
 /*
- * One of a stream of candidates, with a chance in proportion to its weight; the choice carries the
- * sum. The chance of each hangs on its own id, so that two streams that differ in few candidates
- * mostly choose the same.
+ * Weighted reservoir sampling: keeps one of a stream of candidates, with a probability in
+ * proportion to its weight; it carries the sum of all weights. The random number of a candidate is
+ * a function of its id, so that two streams that differ in few candidates mostly keep the same one.
  */
 static void onward_offer(struct onward *onward, struct v3 direction, float weight, uint32_t key,
 			 uint32_t id)
@@ -145,10 +146,11 @@ static void onward_offer(struct onward *onward, struct v3 direction, float weigh
 }
 
 /*
- * The same among the blocked rays of the batch, whose weights are in value[], and one more
- * candidate. At the first surface the choices of a pixel's samples are spread evenly over all of
- * them: they lie in the order of the sky, so that the second surfaces are well spread too. Not so
- * where two streams are compared: there neighbours that take each other's place would be noise.
+ * Draws one of the blocked rays of the batch, whose weights are in value[], and one other
+ * candidate. At the first surface the draws of a pixel's samples are stratified over all of them:
+ * rays lie in the order of the sky, so that the second surfaces are well spread, too. Samples that
+ * are traced with either presence are not stratified: where a candidate is in one stream only, the
+ * two would draw different neighbours, and their difference would be noise.
  */
 static struct onward choose_onward(struct transport *t, int depth, struct v3 other,
 				   float other_weight)
@@ -184,13 +186,14 @@ static struct onward choose_onward(struct transport *t, int depth, struct v3 oth
 }
 
 /*
- * Cosine-weighted direction around n that points below the horizon: of the unit disc onto which
- * the hemisphere projects, the part beyond the ellipse of the horizon. Across the slope the disc
- * is as it was; down the slope what remains of each chord is stretched over all of it.
+ * Maps a point of the unit square to a cosine-weighted direction around n that points below the
+ * horizon. On the unit disc onto which the hemisphere projects, these are the part beyond the
+ * ellipse of the horizon. Across the slope the disc stays; down the slope each chord is compressed
+ * to that part.
  */
 static struct v3 direction_below(struct v3 n, float u, float v)
 {
-	/* Of a surface that looks straight down every way is down the slope. */
+	/* A surface that faces straight down has no slope: any direction will do. */
 	const float level = hypotf(n.x, n.y);
 	const float x = level > 0 ? n.x / level : 1, y = level > 0 ? n.y / level : 0;
 	const struct v3 down = v3_make(x * n.z, y * n.z, -level), across = v3_cross(n, down);
@@ -202,12 +205,13 @@ static struct v3 direction_below(struct v3 n, float u, float v)
 	return v3_from_frame(v3_make(a, b, sqrtf(fmaxf(1 - a * a - b * b, 0))), down, across, n);
 }
 
-/* The share of a cosine-weighted hemisphere around n that lies below the horizon. */
+/* Share of a cosine-weighted hemisphere around n that lies below the horizon. */
 static float share_below(struct v3 n)
 {
 	return n.z < 1 - 1e-6f ? 0.5f * (1 - n.z) : 0;
 }
 
+/* Adds value[] times weight to a row. */
 static void deposit_values(const struct transport *t, struct rgb weight, float *row)
 {
 	const int count = t->cells->count;
@@ -229,7 +233,7 @@ static void deposit_cell(const struct transport *t, int cell, struct rgb weight,
 		row[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight.c[c];
 }
 
-/* What comes from a direction of the sky, to the lights that share it. */
+/* Adds weight to the lights that share a direction of the sky. */
 static void deposit_sky(const struct transport *t, struct v3 direction, struct rgb weight,
 			float *row)
 {
@@ -241,8 +245,8 @@ static void deposit_sky(const struct transport *t, struct v3 direction, struct r
 		deposit_cell(t, light[k], rgb_scale(weight, share[k]), row);
 }
 
-/* Rays to the cells help a coat whose lobe is wider than a cell; a narrower one they hardly ever
- * meet, and it is left to its own rays. */
+/* Tells whether the coat's lobe is wider than a cell. Rays to cells hardly ever hit a narrower
+ * lobe; that is sampled by rays of its own alone. */
 static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 {
 	return bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
@@ -250,16 +254,16 @@ static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 
 /* ---- the first surfaces: a ray to every cell ---- */
 
-/* One direction in each cell above the surface: value[] gets what a Lambertian white surface would
- * make of it, and rays[] those that may be blocked. */
+/* Takes one direction in each cell above the surface. value[] becomes what a white surface reflects
+ * of the cell's light, rays the directions that may be blocked. */
 static void aim_at_cells(struct transport *t, const struct surface *s, float cos_o,
 			 const struct cone *cone, int depth)
 {
 	const struct cells *cells = t->cells;
 	const uint32_t pixel = t->pixel + (uint32_t)depth * PIXEL_STEP;
 	const bool flat = s->kind == SURFACE_GROUND;
-	/* Later surfaces take the samples in another order: their directions are not to know which
-	 * direction led there. */
+	/* The second surface takes the samples in another order, so that its directions do not
+	 * correlate with the direction that led there. */
 	const uint32_t sample = depth ? sobol_shuffle(t->sample, pixel) : t->sample;
 	const struct v3 *row = cells_pick(cells, flat ? cells->ground : cells->uniform, pixel,
 					  sample);
@@ -284,8 +288,8 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 	}
 }
 
-/* The coat's share of the rays that got through: the balance heuristic between one ray a cell
- * (of density weight/sr) and rays drawn from the coat itself. */
+/* Adds the coat's light by the rays that were not blocked, weighted by the balance heuristic
+ * between one ray a cell (of density weight / sr) and rays drawn from the coat itself. */
 static void add_coat_by_cells(struct transport *t, const struct surface *s, struct v3 wo,
 			      struct rgb weight, float *row)
 {
@@ -306,6 +310,7 @@ static void add_coat_by_cells(struct transport *t, const struct surface *s, stru
 	}
 }
 
+/* Adds the light of all visible cells, and draws the ray that goes on. */
 static struct onward spread_to_cells(struct transport *t, enum presence presence,
 				     const struct surface *s, struct v3 wo, struct rgb weight,
 				     int depth, float *row)
@@ -340,6 +345,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 
 /* ---- further surfaces: a few rays ---- */
 
+/* The same by a fan of a few directions, turned at random around the normal. */
 static struct onward spread_fan(struct transport *t, enum presence presence,
 				const struct surface *s, struct v3 wo, struct rgb weight,
 				float *row)
@@ -388,7 +394,8 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 
 /* ---- going on ---- */
 
-/* A path carries on from s: into the sky, or to the next surface. */
+/* Goes on from s to the next surface; without one the path ends. No light of the sky is lost, as
+ * directions given here were found blocked or point below the horizon. */
 static void follow_path(struct transport *t, enum presence presence, const struct surface *s,
 			struct v3 direction, struct rgb weight, int depth,
 			const struct transport_rows *rows)
@@ -408,8 +415,9 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, rows);
 }
 
-/* The coat's own ray. False when it ended in the sky or below the surface; else the weight with
- * which it goes on. shared: the cells had their share (see above). */
+/* Draws a ray from the coat. False when it ends in the sky, whose light is added, or below the
+ * surface; else *next is the surface it meets and *onward its weight. shared: add_coat_by_cells()
+ * adds the other part of the balance heuristic. */
 static bool sample_coat(struct transport *t, enum presence presence, const struct surface *s,
 			struct v3 wo, struct rgb weight, bool shared, struct surface *next,
 			struct v3 *wi, struct rgb *onward, float *row)
@@ -440,7 +448,7 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 	return false;
 }
 
-/* Through glass until something else is met. False when the path has ended. */
+/* Follows the path through glass to the next other surface. False when the path has ended. */
 static bool pass_glass(struct transport *t, enum presence presence, struct surface *s,
 		       struct v3 *wo, struct rgb *weight, float *row)
 {
@@ -464,6 +472,8 @@ static bool pass_glass(struct transport *t, enum presence presence, struct surfa
 	return true;
 }
 
+/* Adds the light that leaves a surface towards wo, and goes on. depth: surfaces before this one,
+ * glass not counted. */
 static void add_path(struct transport *t, enum presence presence, const struct surface *at,
 		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows)
 {
@@ -486,7 +496,7 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 		follow_path(t, presence, &s, onward.direction, base, depth + 1, rows);
 		return;
 	}
-	/* two ways on: both from the first surface, later one of them by chance */
+	/* two ways on: both are followed from the first surface, one of them at random later */
 	if (depth > 0) {
 		const float share = rgb_peak(coat) / fmaxf(rgb_peak(coat) + rgb_peak(base), 1e-30f);
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All lights at once: one path yields a row of N transport coefficients, not one colour.
+ * Path tracing for all lights at once: a path yields a row of N transport coefficients, not one
+ * colour.
  *
- * At the first two surfaces a ray goes to every cell above them. Cells that are not blocked give
- * their light; one of the blocked rays, chosen with a chance in proportion to its weight, is
- * followed and carries the weight of all blocked ones. So what is blocked and what is bounced
- * balance sample by sample, and a white object in a white furnace vanishes whatever the number of
- * samples. At further surfaces the same is done with a few directions, cosine-weighted and
- * stratified.
+ * At the first two surfaces of a path a ray goes to every cell above the surface. Cells that are
+ * not blocked add their light. One of the blocked rays, drawn with a probability in proportion to
+ * its weight, is followed and carries the weight of all blocked ones. So blocked and bounced light
+ * balance in each sample, and a white object in a white furnace vanishes at any number of samples.
+ * At further surfaces the same is done with a few cosine-weighted, stratified directions.
  */
 #ifndef INLAY_BAKE_TRACE_TRANSPORT_H
 #define INLAY_BAKE_TRACE_TRANSPORT_H
@@ -15,60 +15,62 @@
 #include "bake/trace/cells.h"
 #include "bake/trace/world.h"
 
-/* Of one thread. */
+/* State of one thread. */
 struct transport {
 	const struct world *world;
 	const struct cells *cells;
 	int bounces;	/* surfaces after the first that a path may visit */
-	int directions; /* at a further surface; a power of two */
+	int directions; /* rays at a further surface; a power of two */
 	struct v3 *fan; /* [TRANSPORT_FANS][directions]: cosine-weighted around +Z */
 	struct ray_batch rays;
-	int *cell;    /* [WORLD_RAYS_MAX]: the cell or fan direction of a ray in the batch */
-	float *value; /* [count] */
+	int *cell;    /* [WORLD_RAYS_MAX]: the cell or fan direction of each ray in the batch */
+	float *value; /* [count]: weight of each cell's ray */
 	struct random random;
-	/* Of a sample: */
-	uint32_t pixel, sample; /* which of a cell's directions to take */
-	float choice;		/* which blocked ray to follow from the first surface, 0..1 */
-	double below[2];	/* which direction below the horizon, 0..1 */
-	bool compared;		/* it will be traced again with other things around it */
-	uint64_t ray_count;
+	/* State of the current camera sample: */
+	uint32_t pixel, sample; /* choose one of a cell's directions */
+	float choice;		/* chooses the blocked ray to follow from the first surface, 0..1 */
+	double below[2];	/* chooses the direction below the horizon, 0..1 */
+	bool compared;		/* the sample is traced with either presence, and subtracted */
+	uint64_t ray_count;	/* rays so far */
 };
 
 #define TRANSPORT_FANS 256
 
+/* World and cells must outlive it. -ENOMEM. */
 int transport_create(struct transport *transport, const struct world *world,
 		     const struct cells *cells, int bounces);
 void transport_free(struct transport *transport); /* idempotent; zeroed is fine */
 
-/* Before each camera sample: everything random about it follows from these three. */
+/* Begins a camera sample: all its random numbers follow from these three. */
 void transport_begin(struct transport *transport, uint64_t seed, uint32_t pixel, uint32_t sample);
 
-/* What one sample adds to. Light that met exactly one surface is apart from the rest: the first is
- * sharp and almost without noise, the second smooth and noisy. Clear glass before the first other
+/* The rows that a sample adds to. Light that met exactly one surface is kept apart, as it is sharp
+ * and almost without noise, while the rest is smooth and noisy. Clear glass before the first other
  * surface does not count. */
 struct transport_rows {
-	float *direct; /* [3][count]; of a shadow [count] */
-	float *bounce; /* [3][count] */
+	float *direct; /* [3][count]: one surface; for a shadow [count] */
+	float *bounce; /* [3][count]: several surfaces */
 };
 
 /*
- * Adds the radiance that leaves a surface towards wo for each cell's unit radiance, times weight.
- * Called twice after transport_begin() with either presence, the rows differ only by what the
- * objects do.
+ * Adds weight times the radiance that leaves a surface towards wo per unit radiance of each cell.
+ * Two calls with either presence, each after the same transport_begin(), use the same random
+ * numbers, so that their rows differ only by the effect of the objects.
  */
 void transport_add(struct transport *transport, enum presence presence,
 		   const struct surface *surface, struct v3 wo, struct rgb weight,
 		   const struct transport_rows *rows);
 
-/* Adds the radiance that comes from a direction of the sky, times weight. */
+/* Adds weight times the radiance that comes from a direction of the sky. */
 void transport_add_sky(struct transport *transport, struct v3 direction, struct rgb weight,
 		       const struct transport_rows *rows);
 
 /*
- * What the objects take away from each cell's light on flat ground where no stand-in is, times
- * weight: to direct 1 for each cell that is blocked, to bounce (u - s) / albedo of the light that
- * objects throw on the ground (not above 0). Both stay as they are for cells that no path through
- * an object concerns. Returns false when nothing was added.
+ * Adds weight times what the objects take from each cell's light on flat ground, in scenes without
+ * stand-ins:
+ *     direct[i]    += 1 for each cell that is blocked
+ *     bounce[c][i] += (u - s) / albedo of the light that objects throw on the ground (<= 0)
+ * Cells that no path over an object reaches stay unchanged. Returns false when nothing was added.
  */
 bool transport_add_shadow(struct transport *transport, struct v3 position, float weight,
 			  const struct transport_rows *rows);

@@ -11,7 +11,8 @@
 #include <string.h>
 
 #define PACKET 16
-/* A few units in the last place of the largest coordinate around. */
+/* Offset of leaving rays as a share of the world's largest coordinate: a few units in the last
+ * place. */
 #define OFFSET_SCALE 4e-6f
 
 struct instance {
@@ -29,12 +30,13 @@ struct world {
 	float size; /* largest coordinate of any mesh */
 	bool ground, standins;
 	struct rgb albedo;
-	float extent2; /* squared radius of the ground; infinite without end */
+	float extent2; /* squared radius of the ground, or infinity */
 };
 
 /*
- * The three questions asked of Embree, whose arguments 4.0 changed. By default both take rays as
- * incoherent; called coherent they take half as long again: a whole sky of directions is not.
+ * The three queries to Embree, whose arguments changed in version 4.0. Both versions treat rays as
+ * incoherent by default. Flagged coherent, queries take half as long again, as the directions of a
+ * whole sky are not.
  */
 #if RTC_VERSION_MAJOR >= 4
 static void embree_intersect(RTCScene scene, struct RTCRayHit *r)
@@ -89,7 +91,7 @@ int world_create(struct world **out, struct fault *fault)
 
 	if (!world)
 		return fault_say(fault, -ENOMEM, "out of memory for the scene");
-	/* one thread builds, so that the same meshes make the same tree */
+	/* built by one thread, so that the same meshes make the same tree */
 	world->device = rtcNewDevice("threads=1");
 	if (!world->device) {
 		free(world);
@@ -218,8 +220,8 @@ struct bounds world_bounds(const struct world *world, enum presence presence)
 
 /* ---- one ray ---- */
 
-/* Distance to the ground, or infinity. What leaves the underside of a mesh that stands on the
- * ground starts a little below it, and is there. */
+/* Distance to the ground, or infinity. A ray that leaves the underside of a mesh on the ground
+ * starts a little below the ground; its distance is 0. */
 static float ground_distance(const struct world *world, struct v3 origin, struct v3 direction)
 {
 	float t, x, y;
@@ -246,7 +248,8 @@ static void ground_surface(const struct world *world, struct v3 origin, struct v
 	s->position.z = 0;
 }
 
-/* The hit point is taken from the triangle, not the ray: its error does not grow with distance. */
+/* Computes the hit point from the triangle, not from the ray, so that its error does not grow with
+ * distance. */
 static void mesh_surface(const struct world *world, struct v3 direction, const struct RTCRayHit *r,
 			 struct surface *s)
 {
@@ -276,7 +279,7 @@ static void mesh_surface(const struct world *world, struct v3 direction, const s
 	if (v3_dot(normal, s->geometric) < 0)
 		normal = v3_scale(normal, -1);
 	s->normal = v3_unit(normal);
-	/* a smoothed normal that leans away from the viewer has no light to send there */
+	/* a smoothed normal that points away from the viewer would leave the surface black */
 	if (v3_dot(s->normal, direction) >= -1e-4f || v3_dot(normal, normal) == 0)
 		s->normal = s->geometric;
 	s->offset = OFFSET_SCALE * world->size;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What rays meet: objects, stand-ins for real surfaces, and the ground plane Z = 0.
+ * The surfaces that rays meet: objects, stand-ins for real surfaces, and the ground plane Z = 0.
  *
- * The same world exists twice: with the objects (what the finished picture shows) and without them
- * (what the camera sees).
+ * The world exists in two versions: with the objects, as the finished picture shows it, and without
+ * them, as the camera sees it. A stand-in is geometry for a real surface: it receives shadows and
+ * hides objects, but does not itself appear in the picture.
  */
 #ifndef INLAY_BAKE_TRACE_WORLD_H
 #define INLAY_BAKE_TRACE_WORLD_H
@@ -16,43 +17,44 @@
 enum presence { WITH_OBJECTS, WITHOUT_OBJECTS, PRESENCE_COUNT };
 enum surface_kind { SURFACE_NONE, SURFACE_OBJECT, SURFACE_STANDIN, SURFACE_GROUND };
 
-/* A point on a surface. */
+/* A point on a surface, as a ray has met it. */
 struct surface {
 	enum surface_kind kind;
 	struct v3 position;
 	struct v3 normal;    /* of the smoothed surface, on the side the ray came from */
-	struct v3 geometric; /* of the triangle, on that side */
-	bool outer;	     /* that side is the one the triangle's winding calls outside */
-	float offset;	     /* rays that leave start this far off the surface */
+	struct v3 geometric; /* unit normal of the triangle, on that side */
+	bool outer;	     /* that side is outside by the triangle's winding */
+	float offset;	     /* distance from the surface at which leaving rays start */
 	struct bsdf bsdf;
 };
 
-/* Encloses all meshes of a presence; radius < 0: there are none. */
+/* Sphere around all meshes of one version of the world; radius < 0: there are none. */
 struct bounds {
 	struct v3 centre;
 	float radius;
 };
 
-/* Rays of one origin, as Embree takes sixteen at a time. Directions need not be unit. */
+/* Rays from one origin, laid out for Embree, which traces 16 at a time. Directions need not be
+ * unit. */
 #define WORLD_RAYS_MAX 32768
 struct ray_batch {
 	int count;
 	float *x, *y, *z; /* [WORLD_RAYS_MAX] */
-	uint8_t *blocked; /* [WORLD_RAYS_MAX]; the answer */
+	uint8_t *blocked; /* [WORLD_RAYS_MAX]: the result, 0 or 1 */
 };
 
 struct world;
 
 int world_create(struct world **world, struct fault *fault);
 
-/* mesh must outlive the world. material: NULL for the mesh's own. */
+/* Adds a mesh, which must outlive the world. material: NULL for the mesh's own. */
 int world_add(struct world *world, const struct mesh *mesh, const struct material *material,
 	      enum surface_kind kind, struct fault *fault);
 
-/* A Lambertian plane; extent 0: without end, else the radius of a disc around the origin. */
+/* Sets the ground, a Lambertian plane. extent: radius of a disc around the origin; 0: infinite. */
 void world_ground(struct world *world, struct rgb albedo, double extent);
 
-/* After all meshes and the ground: builds what tracing needs. */
+/* Builds the ray tracer's structures, after all meshes and the ground. -ENOMEM, -EIO. */
 int world_commit(struct world *world, struct fault *fault);
 
 bool world_has_ground(const struct world *world);
@@ -60,19 +62,20 @@ bool world_has_standins(const struct world *world);
 struct rgb world_ground_albedo(const struct world *world);
 struct bounds world_bounds(const struct world *world, enum presence presence);
 
-/* The nearest surface along a ray (unit direction), the ground included. False: none. */
+/* Finds the nearest surface along a ray (unit direction), the ground included. False: none. */
 bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction, struct surface *surface);
 
-/* Whether a ray meets a mesh (the ground does not count). */
+/* Tells whether a ray meets a mesh; the ground does not count. */
 bool world_blocked(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction);
 
-/* Which rays of a batch meet a mesh (the ground does not count: only rays upwards are asked). */
+/* Finds which rays of a batch meet a mesh. The ground does not count: batches hold only rays that
+ * point upwards. */
 void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
 		    struct ray_batch *batch);
 
-/* Where rays into a direction start. */
+/* Start of a ray that leaves the surface: off by s->offset, on the side of its direction. */
 static inline struct v3 surface_leave(const struct surface *s, struct v3 direction)
 {
 	const float side = v3_dot(s->geometric, direction) < 0 ? -s->offset : s->offset;
