@@ -168,7 +168,7 @@ int keyframes_settle(struct scene_file *file, const char *path, struct fault *fa
 
 /* ---- a pose ---- */
 
-/* Where the values of an attribute lie in a keyframe and in a mesh. */
+/* Offsets of an attribute's values in a keyframe and in a mesh. */
 struct attribute {
 	size_t in_frame, in_mesh;
 	int count;

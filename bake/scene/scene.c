@@ -43,7 +43,7 @@ static int read_camera(struct tsai_camera *camera, const char *path, struct faul
 	return tsai_check(camera, fault);
 }
 
-/* The same view in another number of pixels. */
+/* Changes the number of pixels of the same view. */
 static void resize_camera(struct tsai_camera *camera, int width, int height)
 {
 	const double across = (double)width / camera->width, down = (double)height / camera->height;
@@ -173,7 +173,8 @@ static void set_ground(struct scene *scene)
 	world_ground(scene->world, colour_of(scene->ground_albedo), from->extent);
 }
 
-/* What a file holds; one that cannot be read is said when its pose is loaded. */
+/* Adds a file's bytes to the hash. A file that cannot be read is reported when its pose is
+ * loaded. */
 static void hash_file(const char *path, XXH3_state_t *state)
 {
 	FILE *stream;
@@ -187,7 +188,7 @@ static void hash_file(const char *path, XXH3_state_t *state)
 		fclose(stream);
 }
 
-/* Of a scene of several poses, what makes them differ. */
+/* Adds what makes the poses of a scene differ, if it has several. */
 static void hash_poses(const struct scene_file *file, XXH3_state_t *state)
 {
 	for (int p = 0; p < file->poses.count && file->poses.count > 1; p++) {
@@ -207,7 +208,7 @@ static void hash_poses(const struct scene_file *file, XXH3_state_t *state)
 			hash_file(file->keyframe[k].file, state);
 }
 
-/* Over what was read, not over paths: a scene that moves to another folder stays the same scene. */
+/* Hashes what was read, not paths: a scene that moves to another folder stays the same scene. */
 static uint64_t hash_scene(const struct scene *scene)
 {
 	const struct scene_file *file = scene->file;
@@ -247,7 +248,7 @@ static uint64_t hash_scene(const struct scene *scene)
 	return hash;
 }
 
-/* All meshes as they are in scene->pose, and the ground. */
+/* Loads all meshes in scene->pose, and the ground. */
 static int build_world(struct scene *scene, struct fault *fault)
 {
 	int err = world_create(&scene->world, fault);

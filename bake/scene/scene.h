@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A scene, loaded: meshes, materials, camera and the world that rays meet. */
+/* A loaded scene: meshes, materials, camera, and the world that rays meet. */
 #ifndef INLAY_BAKE_SCENE_SCENE_H
 #define INLAY_BAKE_SCENE_SCENE_H
 
@@ -12,9 +12,9 @@ struct scene {
 	char path[INI_PATH_MAX];
 	struct scene_file *file;
 	struct tsai_camera camera;
-	struct v3 eye; /* where the camera is */
+	struct v3 eye; /* position of the camera, in world units */
 	double ground_albedo[3];
-	int pose; /* that the meshes are in */
+	int pose; /* in which the meshes are loaded */
 	struct world *world;
 	struct mesh meshes[SCENE_MESHES_MAX];
 	struct material materials[SCENE_MATERIALS_MAX];
@@ -22,34 +22,35 @@ struct scene {
 	uint64_t hash; /* of everything read: scene, meshes, materials, texels, camera */
 };
 
-/* width and height replace the scene's own size (the same view in more or fewer pixels) unless 0.
- * Faults name scene file and section, and the file that is wrong. */
+/* Loads a scene in pose 0; the caller closes it. width and height, unless 0, replace the scene's
+ * own size: the same view in more or fewer pixels. Faults name the scene file, the section, and the
+ * file that is wrong. */
 int scene_open(struct scene **scene, const char *path, int width, int height, struct fault *fault);
 
-/* The scene is in pose 0 when it is opened; here in another of its file->poses.count. Whoever holds
- * its world must forget that. Faults as above; after one it can only be closed. */
+/* Loads the meshes of another pose, 0..file->poses.count - 1. The old scene->world is destroyed: a
+ * caller must not keep pointers to it. Faults as above; after one the scene can only be closed. */
 int scene_take_pose(struct scene *scene, int pose, struct fault *fault);
 
-/* The same by name or number; NULL: the first. -EINVAL: it has no such pose. */
+/* The same by name or number of the pose; NULL: the first. -EINVAL: there is no such pose. */
 int scene_find_pose(struct scene *scene, const char *pose, struct fault *fault);
 
 void scene_close(struct scene *scene); /* NULL is harmless */
 
-/* What a camera ray through a point of the picture meets; direction is the ray's. False: nothing.
- */
+/* Traces a camera ray through the point x, y of the picture, in pixels. direction becomes the
+ * ray's, unit. False: it meets nothing. */
 bool scene_look(const struct scene *scene, enum presence presence, double x, double y,
 		struct surface *surface, struct v3 *direction);
 
-/* Which lights: of this frequency, division and shape; -1: as the scene file says. */
+/* Lights that replace those of the scene file; -1: keep what the file says. */
 struct scene_lights {
 	int frequency, division, shape;
 };
 
-/* As dome_create_shaped(). */
+/* Creates the dome of the scene's lights; errors of dome_create_shaped(). */
 int scene_dome(const struct scene *scene, const struct scene_lights *lights, struct dome *dome,
 	       struct fault *fault);
 
-/* The camera as INI text, for the basis file. */
+/* Writes the camera as INI text, for the basis file. -ENOSPC: text has too little room. */
 int scene_camera_text(const struct scene *scene, char *text, size_t room);
 
 #endif

@@ -8,7 +8,7 @@
 #include "bake/scene/keyframes.h"
 #include "hal/optics/dome.h"
 
-#define FAR 1e6 /* world units: beyond it single precision has no millimetres left */
+#define FAR 1e6 /* world units: beyond it single precision cannot resolve millimetres */
 
 #define CAMERA(f) offsetof(struct scene_camera_values, f)
 static const struct ini_key camera_keys[] = {
@@ -404,7 +404,7 @@ static const struct ini_table scene_tables[] = {
 	INI_TABLES_END,
 };
 
-/* ---- what the table cannot say ---- */
+/* ---- checks that a table of keys cannot express ---- */
 
 const struct scene_material_values *scene_file_material(const struct scene_file *file,
 							const char *name)

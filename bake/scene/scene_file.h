@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The scene file as it is written: values in range, names that exist; nothing opened. The format is
- * described in README.md. */
+/* Reads a scene file: checks that values are in range and that names exist, but opens no other
+ * file. bake/README.md describes the format. */
 #ifndef INLAY_BAKE_SCENE_SCENE_FILE_H
 #define INLAY_BAKE_SCENE_SCENE_FILE_H
 
@@ -20,7 +20,7 @@
 struct scene_camera_values {
 	char file[INI_PATH_MAX];
 	double position[3], look_at[3], field_deg;
-	int width, height; /* 0: not given */
+	int width, height; /* in pixels; 0: not given */
 };
 
 struct scene_dome_values {
@@ -28,13 +28,13 @@ struct scene_dome_values {
 };
 
 struct scene_render_values {
-	int samples;	     /* a pixel */
-	double noise_levels; /* 0: samples says how many */
+	int samples;	     /* camera rays a pixel */
+	double noise_levels; /* above 0: target for the noise, which replaces samples */
 	int bounces, seed;
-	/* of the encoding, 8-bit levels; error_max 0: twice error_rms */
+	/* error of the encoding, in 8-bit levels; error_max 0: twice error_rms */
 	double error_rms, error_max, error_cell;
-	double column_cut;
-	int coarse; /* frequency of the coarse dome; 0: as the program chooses */
+	double column_cut; /* of struct basis_info_chunk; below 0: the program chooses */
+	int coarse;	   /* frequency of the coarse dome; 0: the program chooses */
 	bool exact;
 };
 
@@ -58,14 +58,14 @@ struct scene_poses_values {
 	int count; /* >= 1 */
 };
 
-/* What a mesh is like at one pose (keyframes.h). NAN: not given. */
+/* Values of a mesh at one pose (keyframes.h). NAN: not given. */
 struct scene_keyframe_values {
 	char name[SCENE_NAME_MAX];
 	char object[INI_TEXT_MAX];
 	char file[INI_PATH_MAX]; /* empty: not given */
 	double pose;
 	double scale, rotate_deg[3], position[3];
-	int mesh, order; /* whose; place in the file */
+	int mesh, order; /* index of the mesh; place of the section in the file */
 };
 
 struct scene_material_values {
@@ -92,20 +92,21 @@ struct scene_file {
 	int material_count;
 };
 
-/* Faults name the file, and where the parser found them line, section and key. It is large:
- * allocate it. -ENOENT..., -EINVAL. */
+/* Reads a scene file. -ENOENT ..., -EINVAL. Faults name the file and, if the parser found them,
+ * line, section and key. struct scene_file is large: put it on the heap. */
 int scene_file_read(struct scene_file *file, const char *path, struct fault *fault);
+/* The same from bytes of text, for tests; name stands for the path in faults. */
 int scene_file_read_memory(struct scene_file *file, const char *text, size_t bytes,
 			   const char *name, struct fault *fault);
 
-/* The material of this name, or NULL. */
+/* Finds the material of this name, or NULL. */
 const struct scene_material_values *scene_file_material(const struct scene_file *file,
 							const char *name);
 
-/* [render] of a file that does not have it. */
+/* Sets the defaults of the section [render]. */
 void scene_render_defaults(struct scene_render_values *values);
 
-/* Every key with its default, range and meaning. */
+/* Writes a sample file that has every key with its default, range and meaning. */
 void scene_file_write_sample(FILE *stream);
 
 #endif
