@@ -4,20 +4,19 @@
 #include <pthread.h>
 #include <stdbool.h>
 
-/* Tiles that may be done before the one whose turn it is. */
+/* How far a tile may be ahead of the one whose turn it is. */
 #define WINDOW 64
 
 struct tile_queue {
 	const struct in_order *work;
-	/* under the lock: */
-	pthread_mutex_t lock;
-	pthread_cond_t turned; /* next has moved, or something has failed */
+	pthread_mutex_t lock;  /* guards all below */
+	pthread_cond_t turned; /* next has advanced, or a call has failed */
 	struct {
 		struct finished_tile tile;
 		bool ready;
 	} waiting[WINDOW];
-	int next, err;
-	uint64_t rays; /* of all that are ready */
+	int next, err; /* the tile whose turn it is; the first error */
+	uint64_t rays; /* of all finished tiles */
 	struct fault *fault;
 };
 
@@ -28,7 +27,7 @@ static void queue_fail(struct tile_queue *q, int err)
 	pthread_cond_broadcast(&q->turned);
 }
 
-/* Hands on every tile whose turn has come. The lock is held. */
+/* Hands on every tile whose turn has come. The caller holds the lock. */
 static void queue_hand_on(struct tile_queue *q)
 {
 	while (!q->err && q->waiting[q->next % WINDOW].ready) {
@@ -44,8 +43,8 @@ static void queue_hand_on(struct tile_queue *q)
 	pthread_cond_broadcast(&q->turned);
 }
 
-/* False when something has failed. Tiles are begun in order, so the one whose turn it is is always
- * in some thread's hands, and waiting ends. */
+/* Waits until the tile is inside the window. False when a call has failed. Tiles are begun in
+ * order, so some thread is always at work on the one whose turn it is, and the wait ends. */
 static bool queue_wait(struct tile_queue *q, int index)
 {
 	bool go_on;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tiles that all threads make, in any order, handed on in theirs. */
+/* Makes tiles on all threads, and hands them on in ascending order. */
 #ifndef INLAY_BAKE_TILES_IN_ORDER_H
 #define INLAY_BAKE_TILES_IN_ORDER_H
 
@@ -10,18 +10,19 @@
 
 struct in_order {
 	int tiles;
-	int tiles_before; /* that the progress has seen, with their rays */
-	uint64_t rays_before;
+	int tiles_before;     /* tiles already shown by the progress */
+	uint64_t rays_before; /* rays of these */
 	void *context;
-	/* Makes the index-th, for thread worker. */
+	/* Makes tile number index, 0..tiles-1, on thread worker. Called on several threads at
+	 * once. */
 	int (*make)(void *context, int index, int worker, struct finished_tile *tile,
 		    struct fault *fault);
-	/* Gets each, one at a time, in ascending order. */
+	/* Takes the tiles one at a time, in ascending order; they are freed afterwards. */
 	int (*take)(void *context, const struct finished_tile *tile, struct fault *fault);
-	struct progress *progress; /* begun */
+	struct progress *progress; /* already begun */
 };
 
-/* Ends with the first that fails, and what it returned. */
+/* Returns 0, or the error of the first call that fails; the other threads then stop. */
 int in_order_run(const struct in_order *work, struct pool *pool, struct fault *fault);
 
 #endif

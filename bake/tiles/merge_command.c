@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* inlay-bake merge: the shards of a bake to its basis file. */
+/* The command `inlay-bake merge`: joins the shards of a bake to its basis file. */
 #include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
@@ -19,7 +19,7 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-/* The shards, each at its own place. */
+/* The shards of a bake by their index. */
 struct shards {
 	struct shard *shard;
 	char **path;
@@ -34,7 +34,7 @@ static void shards_close(struct shards *all)
 	free(all->path);
 }
 
-/* Puts a shard where it belongs. */
+/* Puts a shard at its index. -EINVAL: it does not belong with the others. */
 static int shards_place(struct shards *all, struct shard *shard, char *path, struct fault *fault)
 {
 	const struct shard *first = NULL;
@@ -82,7 +82,7 @@ static int shards_open(struct shards *all, char **paths, int count, struct fault
 	return err;
 }
 
-/* The next tile of the shard whose turn it is, into the file. 1, or 0: its pose has no more. */
+/* Adds the shard's next tile to the file. Returns 1; 0: the pose has no more tiles; or an error. */
 static int pass_on(struct shard *shard, struct assembly *assembly, struct fault *fault)
 {
 	struct finished_tile tile = {.blocks = NULL};
@@ -106,7 +106,7 @@ static int merge_pose(struct shards *all, int pose, struct assembly *assembly, s
 	for (int t = 0; t < tiles && more == 1; t++)
 		more = pass_on(&all->shard[((int64_t)pose * tiles + t) % all->count], assembly,
 			       fault);
-	/* once more each: their peaks come last */
+	/* once more for each shard: a pose ends with its peaks */
 	for (int k = 0; k < all->count && more >= 0; k++)
 		more = pass_on(&all->shard[k], assembly, fault);
 	if (more < 0)

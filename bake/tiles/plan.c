@@ -8,7 +8,8 @@
 
 #include "bake/encode/coarse.h"
 
-/* What a column may change and be left out of a frame of up to so many lights. */
+/* Default of column_cut for up to CUT_LIGHTS lights: the largest change, in linear light, of a
+ * column that a frame may leave out. */
 #define CUT 0.001
 #define CUT_LIGHTS 406
 
@@ -37,8 +38,11 @@ static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
 	return err;
 }
 
-/* Each column that a frame leaves out is worth up to the cut; as their signs fall by chance, all of
- * them come to that times the root of their number. */
+/*
+ * Each column that a frame leaves out changes a pixel by up to the cut. Their signs are random, so
+ * all of them together change it by about the cut times the root of their number:
+ *     column_cut = CUT * min(1, sqrt(CUT_LIGHTS / N))
+ */
 static double fitting_cut(size_t lights)
 {
 	return CUT * sqrt(fmin(1, (double)CUT_LIGHTS / (double)lights));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is settled before a bake's first tile: everything of a basis file that no tile changes. */
+/* Plan of a bake, made before its first tile: all parts of the basis file that no tile changes. */
 #ifndef INLAY_BAKE_TILES_PLAN_H
 #define INLAY_BAKE_TILES_PLAN_H
 
@@ -10,24 +10,23 @@
 #define PLAN_TEXT_MAX 4096
 
 struct plan {
-	struct basis_info_chunk info;	/* errors and noise come with the tiles */
+	struct basis_info_chunk info;	/* without errors and noise, which come with the tiles */
 	struct basis_light *light;	/* [info.lights] */
 	double *ground;			/* [info.grounds][3][info.lights]; NULL: none */
 	struct basis_coarse *gather;	/* [info.lights]; NULL where info.coarse is info.lights */
-	struct basis_pose_name *names;	/* [info.poses]; NULL: they have none */
-	char camera[PLAN_TEXT_MAX];	/* INI */
-	char provenance[PLAN_TEXT_MAX]; /* key = value lines: nothing that differs from run to run
-					 */
+	struct basis_pose_name *names;	/* [info.poses]; NULL: poses have no names */
+	char camera[PLAN_TEXT_MAX];	/* INI text */
+	char provenance[PLAN_TEXT_MAX]; /* lines "key = value", the same in each run */
 };
 
-/* The lights, and the coarse ones that they are gathered in: those of a dome of frequency coarse;
- * 0: as is best. Sets what info says of them, and column_cut, where that is negative, to what fits
- * their number. -ENOMEM. */
+/* Sets the lights and the coarse lights, their members of info, and info.column_cut, if that is
+ * negative, by the number of lights. coarse: frequency of the coarse dome; 0: COARSE_FREQUENCY.
+ * -ENOMEM. */
 int plan_set_lights(struct plan *plan, const struct dome *dome, int coarse, struct fault *fault);
 
 void plan_free(struct plan *plan); /* idempotent; zeroed is fine */
 
-/* Tiles of a pose. */
+/* Number of tiles of a pose. */
 int plan_tiles(const struct plan *plan);
 
 #endif

@@ -13,18 +13,20 @@
 #include "bake/tiles/tile.h"
 #include "hal/base/pool.h"
 
-/* Of a real surface with a u of its own: a pixel whose ratio never changes by more than this share
- * of the error asked for is not stored. Near white, a ratio's change is at most so many levels. */
+/* In scenes with stand-ins, a pixel whose ratio no lighting changes by more than RATIO_SHARE of the
+ * error asked for is not stored. Near white, a change of the ratio by 1 is at most LEVELS_OF_RATIO
+ * 8-bit levels. */
 #define RATIO_SHARE 0.5
 #define LEVELS_OF_RATIO 112
 
+/* State of one thread. */
 struct render_worker {
 	struct tile tile;
 	struct encoder *encoder;
-	float (*peak)[3];
+	float (*peak)[3]; /* [lights + 1] */
 };
 
-/* One bake. */
+/* State of one bake. */
 struct render_job {
 	struct scene *scene;
 	struct render_settings settings;
@@ -35,14 +37,14 @@ struct render_job {
 	struct pool *pool;
 	struct render_worker *workers;
 	int worker_count;
-	/* where finished tiles go: one of the two */
+	/* where finished tiles go; the other is NULL */
 	struct assembly *assembly;
 	struct shard_writer *shard;
 	struct progress progress;
-	int first_pose, pose; /* of the scene: the file's first, the one in the making */
-	/* Which of the picture's tiles: the k-th is first + k * step. */
+	int first_pose, pose; /* poses of the scene: the first and the current one of this bake */
+	/* tiles of the current pose that this bake makes: first + k * step, k = 0..tiles-1 */
 	int tiles, first, step;
-	int done; /* tiles of the poses before */
+	int done; /* tiles of earlier poses */
 	uint64_t rays;
 	bool object_seen;
 };
@@ -68,7 +70,7 @@ struct render_settings render_settings_of(const struct scene *scene)
 
 /* ---- tiles ---- */
 
-/* Of the pose that the scene is in: they hold its world. */
+/* Creates each thread's tile for the scene's current pose, as tiles point to its world. */
 static int create_tiles(struct render_job *job)
 {
 	const struct tile_settings tile = {
@@ -88,7 +90,7 @@ static int create_tiles(struct render_job *job)
 	return err;
 }
 
-/* What a tile has come to, but for its blocks. */
+/* Fills the statistics of a finished tile. */
 static void account_for(const struct tile *tile, const struct encode_result *result,
 			struct tile_account *account)
 {
@@ -103,7 +105,7 @@ static void account_for(const struct tile *tile, const struct encode_result *res
 	memcpy(account->coverage, tile->coverage, sizeof(account->coverage));
 }
 
-/* The encoder's blocks live until its next tile, so they are copied. */
+/* Renders and encodes a tile. The encoder's blocks live until its next tile, so they are copied. */
 static int render_make_tile(void *context, int index, int number, struct finished_tile *finished,
 			    struct fault *fault)
 {
@@ -147,7 +149,7 @@ static int render_take_tile(void *context, const struct finished_tile *tile, str
 			  : assembly_add(job->assembly, tile, fault);
 }
 
-/* Which of the pose's tiles this job makes. */
+/* Sets the tiles of the current pose that this bake or shard makes. */
 static void set_tiles(struct render_job *job)
 {
 	const struct shard_place *shard = &job->settings.shard;
@@ -222,6 +224,7 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 
 /* ---- setting up ---- */
 
+/* u of the ground: albedo / pi * projected solid angle */
 static int set_ground(struct render_job *job)
 {
 	const size_t n = (size_t)job->dome.count;
@@ -269,7 +272,7 @@ static int render_start_workers(struct render_job *job)
 	return err;
 }
 
-/* What makes the file, in words. */
+/* Writes what determines the file: program, scene, options. */
 static void write_provenance(struct render_job *job)
 {
 	const struct render_settings *s = &job->settings;
@@ -315,7 +318,7 @@ static int render_open_file(struct render_job *job, const char *path, struct fau
 	return assembly_open(&job->assembly, &job->plan, path, fault);
 }
 
-/* Which poses, and what they are called. */
+/* Sets the poses to bake, and their names. */
 static int set_poses(struct render_job *job, struct fault *fault)
 {
 	const struct scene_file *file = job->scene->file;
@@ -397,7 +400,7 @@ static int render_finish(struct render_job *job, struct render_report *report, s
 	struct shard_writer *shard = job->shard;
 	int err;
 
-	job->assembly = NULL; /* finishing frees them */
+	job->assembly = NULL; /* the calls below free both */
 	job->shard = NULL;
 	if (shard)
 		err = shard_writer_finish(shard, fault);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Bakes a scene: all tiles on all cores, into a basis file. */
+/* Bakes a scene: renders and encodes all tiles on all processors, into a basis file. */
 #ifndef INLAY_BAKE_TILES_RENDER_H
 #define INLAY_BAKE_TILES_RENDER_H
 
@@ -7,37 +7,37 @@
 #include "bake/scene/scene.h"
 #include "bake/tiles/shard.h"
 
-/* What any pixel may be off by, where nobody says, against the RMS. */
+/* Default of the largest error of a pixel, as a multiple of the RMS error. */
 #define RENDER_MAX_OF_RMS 2
 
 struct render_settings {
 	int frequency, division, shape; /* enum dome_division, dome_shape */
 	int samples;
-	double noise_levels; /* above 0: instead of samples */
+	double noise_levels; /* above 0: target for the noise, which replaces samples */
 	int bounces, seed;
 	struct encode_target target; /* max 0: RENDER_MAX_OF_RMS times rms */
-	double column_cut;	     /* of struct basis_info_chunk; below 0: as fits */
-	int coarse;		  /* frequency of the coarse dome, at most frequency; 0: chosen */
-	bool exact;		  /* store the exact layer too */
-	struct shard_place shard; /* count 0: all of the bake */
-	const char *pose;	  /* name or number of the only one to bake; NULL: all */
-	int threads;		  /* 0: one for each processor */
-	bool quiet;		  /* no progress */
+	double column_cut;	     /* of struct basis_info_chunk; below 0: chosen by plan.c */
+	int coarse;		     /* frequency of the coarse dome; 0: chosen by plan.c */
+	bool exact;		     /* store the exact layer too */
+	struct shard_place shard;    /* count 0: the whole bake */
+	const char *pose;	     /* name or number of the only pose to bake; NULL: all */
+	int threads;		     /* 0: one for each processor */
+	bool quiet;		     /* no progress */
 };
 
 struct render_report {
 	uint64_t rays;
 	double seconds;
-	struct basis_info_chunk info; /* with the declared errors; those of a shard are not known */
+	struct basis_info_chunk info;	   /* with the declared errors, but not for a shard */
 	uint64_t shown_bytes, exact_bytes; /* of all blocks */
-	bool object_seen;		   /* some pixel shows it */
+	bool object_seen;		   /* some pixel shows the object */
 };
 
-/* What the scene file says. */
+/* Settings of the scene file. */
 struct render_settings render_settings_of(const struct scene *scene);
 
-/* To a basis file, or to a shard of it. Nothing is written on failure. The file depends on scene
- * and settings alone, not on threads. Leaves the scene in the pose that was baked last. */
+/* Bakes to a basis file, or to a shard. Writes no file on failure. The file depends on scene and
+ * settings alone, not on threads. Leaves the scene in the pose that was baked last. */
 int render_run(struct scene *scene, const struct render_settings *settings, const char *path,
 	       struct render_report *report, struct fault *fault);
 

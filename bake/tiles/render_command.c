@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* inlay-bake render: a scene file to a basis file. */
+/* The command `inlay-bake render`: bakes a scene file to a basis file. */
 #include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
@@ -47,7 +47,7 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-/* What the command line says; -1 where it says nothing. */
+/* Options of the command line; numbers are negative where not given. */
 struct render_choices {
 	const char *output;
 	int frequency, division, shape, width, height, samples, seed, threads;
@@ -58,7 +58,7 @@ struct render_choices {
 	bool quiet, print_scene;
 };
 
-/* i/n, from 1 */
+/* Reads --shard I/N, where I counts from 1. */
 static int take_shard(struct render_choices *c, const char *text, struct fault *fault)
 {
 	int index, count;
@@ -158,7 +158,7 @@ static void print_report(const struct render_choices *c, const struct render_rep
 	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max);
 }
 
-/* The basis file is none of those that it is made of. */
+/* Refuses an output file that is one of the scene's own files. */
 static int check_output(const struct scene_file *file, const char *path, const char *output,
 			struct fault *fault)
 {

@@ -12,7 +12,7 @@
 #include "hal/base/output.h"
 #include "hal/basis/basis_blocks.h"
 
-/* One array of a plan. */
+/* One array of a plan, as stored in a shard. */
 struct plan_piece {
 	void *data;
 	size_t bytes;
@@ -66,7 +66,7 @@ int shard_first(const struct shard_place *place, int tiles, int pose)
 struct shard_writer {
 	struct output output;
 	size_t lights;
-	int pose; /* that is being written */
+	int pose; /* that is written at the moment */
 };
 
 static int shard_put(struct shard_writer *w, const void *data, size_t bytes, struct fault *fault)
@@ -199,8 +199,8 @@ int shard_writer_finish(struct shard_writer *w, struct fault *fault)
 struct shard_stream {
 	FILE *file;
 	char *path;
-	uint64_t left;	/* bytes of the file that were not read yet */
-	int pose, next; /* the pose, and its least tile, that may come */
+	uint64_t left;	/* bytes not yet read */
+	int pose, next; /* pose and number of the tile that must come next */
 };
 
 static int say_damaged(const struct shard_stream *s, const char *what, struct fault *fault)
@@ -243,10 +243,10 @@ static int shard_check_header(const struct shard_stream *s, const struct shard_h
 	return 0;
 }
 
-/* What list_pieces() will come to. */
+/* Sum of the bytes that list_pieces() will list. */
 static uint64_t plan_bytes(const struct shard_header *h)
 {
-	const struct plan *plan = NULL; /* for sizes alone */
+	const struct plan *plan = NULL; /* only for sizeof */
 	const uint64_t n = h->info.lights;
 
 	return n * sizeof(*plan->light) + h->info.grounds * 3 * n * sizeof(*plan->ground) +
@@ -341,7 +341,7 @@ void shard_close(struct shard *shard)
 	*shard = (struct shard){.stream = NULL};
 }
 
-/* The whole record behind its head, or NULL. */
+/* Reads the body of a record and checks it; the caller frees it. NULL: damaged or cut off. */
 static uint8_t *read_body(struct shard_stream *s, const struct shard_record *record,
 			  struct fault *fault)
 {
@@ -377,7 +377,7 @@ static int shard_take_peaks(struct shard *shard, const struct shard_record *reco
 	return 0;
 }
 
-/* Takes apart the entries and payloads of a body, into blocks that point into it. */
+/* Finds entries and payloads in a body; the blocks point into it. */
 static int list_blocks(const struct shard_record *record, const uint8_t *entries,
 		       const uint8_t *end, struct basis_block_payload *blocks)
 {
@@ -396,7 +396,7 @@ static int list_blocks(const struct shard_record *record, const uint8_t *entries
 	return payload == end ? 0 : -EBADMSG;
 }
 
-/* Whoever takes the tile trusts its blocks, as they are a bake's own. */
+/* Checks blocks as basis files are checked: later code trusts them like those of its own bake. */
 static int shard_check_tile(const struct basis_info_chunk *info, const struct finished_tile *tile)
 {
 	const int err = basis_check_tile(info, tile->tile, false, tile->blocks, tile->shown);
@@ -408,7 +408,7 @@ static int shard_check_tile(const struct basis_info_chunk *info, const struct fi
 				      tile->exact);
 }
 
-/* Takes a body apart, whose checksum is right. */
+/* Copies a tile out of a body whose checksum is right. */
 static int shard_take_tile(const struct basis_info_chunk *info, const struct shard_record *record,
 			   const uint8_t *body, struct finished_tile *tile)
 {

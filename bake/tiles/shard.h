@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A share of a bake: every count-th tile of all poses', finished, in a file of its own. All shards
- * together make the basis file that one run would make, bit for bit.
+ * Shards: each is a file with every count-th finished tile of a bake, counted through all poses.
+ * All shards together make the same basis file as one run, bit for bit.
  *
- * A shard is read by the program version that wrote it, for the same version of basis files, on a
- * machine of the same byte order.
+ * A shard can be read only by the program version that wrote it, for the same version of basis
+ * files, on a machine of the same byte order.
  */
 #ifndef INLAY_BAKE_TILES_SHARD_H
 #define INLAY_BAKE_TILES_SHARD_H
@@ -17,54 +17,54 @@
 
 #define SHARDS_MAX 4096
 
-/* Tiles whose number n, counted through all poses, has n % count == index. */
+/* The tiles of a shard: those whose number n, counted through all poses, has n % count == index. */
 struct shard_place {
 	int index, count;
 };
 
-/* The first of a pose's tiles that is in a shard, counted from the pose's first; tiles: of a pose.
- */
+/* Returns the first tile of a pose that belongs to a shard. tiles: number of tiles of a pose. */
 int shard_first(const struct shard_place *place, int tiles, int pose);
 
 /* ---- writing ---- */
 
 struct shard_writer;
 
-/* The file appears when it is whole. */
+/* Begins a shard file, which appears at path when it is finished. */
 int shard_writer_open(struct shard_writer **writer, const struct plan *plan,
 		      const struct shard_place *place, const char *path, struct fault *fault);
 
-/* Its tiles in the order of poses, and ascending. */
+/* Adds the shard's next tile: by poses, ascending in each. */
 int shard_writer_add(struct shard_writer *writer, const struct finished_tile *tile,
 		     struct fault *fault);
 
-/* After its last tile of each pose, were it none. */
+/* Ends a pose after the shard's last tile of it, even if it has none. */
 int shard_writer_pose_end(struct shard_writer *writer, const float (*peak)[3], struct fault *fault);
 
-/* After the last pose. Frees the writer, also on failure. */
+/* Finishes the file after the last pose. Frees the writer, also on failure. */
 int shard_writer_finish(struct shard_writer *writer, struct fault *fault);
 
-void shard_writer_abandon(struct shard_writer *writer); /* NULL is harmless */
+/* Drops the file and frees the writer. NULL is harmless. */
+void shard_writer_abandon(struct shard_writer *writer);
 
 /* ---- reading ---- */
 
 struct shard {
 	struct plan plan;
 	struct shard_place place;
-	float (*peak)[3]; /* [lights + 1], of the pose whose last tile was read last */
+	float (*peak)[3]; /* [lights + 1]: peaks of the pose that was read to its end last */
 	/* private */
 	struct shard_stream *stream;
 };
 
-/* -EBADMSG: no shard, damaged, cut off; -ENOTSUP: of another version; -ENOENT ... Nothing is left
- * open on failure. */
+/* Opens a shard and reads its plan. -EBADMSG: no shard, damaged, or cut off; -ENOTSUP: of another
+ * version; -ENOENT ... On failure nothing stays open. */
 int shard_open(struct shard *shard, const char *path, struct fault *fault);
 
-/* The next tile, to be freed by the caller. 1; 0: that was the last of its pose, and peak is known;
- * -EBADMSG, also after the last pose. */
+/* Reads the next tile, which the caller frees. Returns 1; 0: the pose has no more tiles, and peak
+ * is set; -EBADMSG: damaged, or after the last pose; -ENOMEM. */
 int shard_next(struct shard *shard, struct finished_tile *tile, struct fault *fault);
 
-/* Whether both belong to the same bake. */
+/* Tells whether two shards belong to the same bake. */
 bool shard_same_bake(const struct shard *a, const struct shard *b);
 
 void shard_close(struct shard *shard); /* idempotent; zeroed is fine */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A shard as it lies on disk, for who reads and writes it and for who damages it to see whether
- * that is noticed: the header, the plan's arrays and texts (list_pieces() of shard.c), and for each
- * pose one record a tile and one more.
+ * Layout of a shard on disk, for shard.c and for tests that damage shards: the header, the plan's
+ * arrays and texts (list_pieces() of shard.c), then for each pose one record a tile and one for its
+ * peaks.
  */
 #ifndef INLAY_BAKE_TILES_SHARD_FORMAT_H
 #define INLAY_BAKE_TILES_SHARD_FORMAT_H
@@ -12,28 +12,28 @@
 
 #define SHARD_MAGIC "INLAYSHD"
 #define SHARD_PROGRAM_MAX 32
-#define SHARD_NO_TILE UINT32_MAX /* of a pose's last record, which holds its peaks */
+#define SHARD_NO_TILE UINT32_MAX /* tile number of a pose's last record, which holds its peaks */
 
 struct shard_header {
 	char magic[8];
 	char program[SHARD_PROGRAM_MAX];
-	uint32_t basis_version; /* a shard holds blocks as basis files do */
-	uint32_t account_bytes; /* sizeof(struct tile_account): of the same build, then */
+	uint32_t basis_version; /* BASIS_VERSION, as shards hold blocks like basis files */
+	uint32_t account_bytes; /* sizeof(struct tile_account), to refuse shards of other builds */
 	uint32_t index, count;
 	uint32_t has_gather, has_names;
 	struct basis_info_chunk info;
-	uint64_t checksum; /* XXH3-64 of this (the field 0) and the plan */
+	uint64_t checksum; /* XXH3-64 of this header, with this field 0, and the plan */
 };
 
-/* Followed by the tile's account, what is seen through it, its blocks' entries, their payloads. */
+/* Head of a record. The tile's account, pixels of glass, block entries and payloads follow. */
 struct shard_record {
 	uint32_t tile;
 	uint32_t shown, exact;
 	uint32_t pose;
-	uint32_t glass; /* pixels */
+	uint32_t glass; /* number of pixels of glass */
 	uint32_t reserved;
-	uint64_t bytes;	   /* of all that follows */
-	uint64_t checksum; /* XXH3-64 of this (the field 0) and what follows */
+	uint64_t bytes;	   /* that follow */
+	uint64_t checksum; /* XXH3-64 of this struct, with this field 0, and what follows */
 };
 
 #endif

@@ -2,7 +2,7 @@
 #include "bake/tiles/sight.h"
 
 #define GLASS_MAX 32	 /* glass surfaces in a row */
-#define SAME_PLACE 1e-3f /* of the distance from the camera */
+#define SAME_PLACE 1e-3f /* distance of two points taken as one, as a share of that to the camera */
 #define FAR_AWAY 1e6f
 
 static bool is_glass(const struct surface *s)
@@ -10,12 +10,12 @@ static bool is_glass(const struct surface *s)
 	return s->kind == SURFACE_OBJECT && s->bsdf.kind == MATERIAL_GLASS;
 }
 
-/* Where what is mirrored leaves to; each surface on the way offers its share. */
+/* The mirrored ray that is followed: weighted reservoir sampling over the surfaces on the way. */
 struct chosen_mirror {
 	struct surface at;
 	struct v3 direction;
-	struct rgb weight; /* of the surface that was chosen */
-	float share, sum;  /* its, and that of all */
+	struct rgb weight; /* of the chosen ray alone */
+	float share, sum;  /* largest channel of its weight; sum of these over all rays */
 };
 
 static void chosen_offer(struct chosen_mirror *chosen, struct random *random,

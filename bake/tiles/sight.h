@@ -2,36 +2,39 @@
 /*
  * What the camera sees through the object's glass, and where the picture shows that.
  *
- * A camera ray that meets glass goes on in two ways. What passes every surface of glass in its way
- * is followed for certain, so that what is seen through has no noise. Of what is mirrored, wherever
- * that is first, one surface's share is followed in the place of all.
+ * A camera ray that meets glass splits. The part that passes all surfaces of glass is always
+ * followed, so that what is seen through glass has no noise. Each surface on its way also mirrors a
+ * part. One of these, drawn at random by its weight, is followed and carries the weight of all.
  */
 #ifndef INLAY_BAKE_TILES_SIGHT_H
 #define INLAY_BAKE_TILES_SIGHT_H
 
 #include "bake/scene/scene.h"
 
-/* The end of a way through glass: nothing, a real surface, or what of the object is not glass. */
+/* End of a path through glass: the sky, a real surface, or a part of the object that is not
+ * glass. */
 struct sight {
-	struct rgb weight; /* of what arrives from there; 0: the way has ended */
-	bool met;
-	struct surface surface; /* where met */
-	struct v3 direction;
+	struct rgb weight;	/* transmission of the path; 0: the path has ended */
+	bool met;		/* it meets a surface */
+	struct surface surface; /* if met */
+	struct v3 direction;	/* of the path's last ray, unit */
 };
 
-/* surface: glass of the object. mirrored.surface may be glass again. */
+/* Follows a camera ray of this direction from `surface`, which is glass of the object.
+ * mirrored->surface may be glass again. */
 void sight_through_glass(const struct world *world, struct random *random,
 			 const struct surface *surface, struct v3 direction, struct sight *passed,
 			 struct sight *mirrored);
 
-/* Whether light may come from the background's picture: a real surface, or nothing. */
+/* Tells whether the background's picture may show the end of the path: a real surface, or the
+ * sky. */
 static inline bool sight_is_real(const struct sight *sight)
 {
 	return !sight->met || sight->surface.kind != SURFACE_OBJECT;
 }
 
-/* Where the picture, which is of the world without objects, shows that real surface, or what lies
- * far away in that direction. False: it does not. */
+/* Finds the place, in pixels, at which the picture of the world without objects shows that real
+ * surface, or what lies far away in that direction. False: it does not show it. */
 bool sight_place(const struct scene *scene, const struct sight *sight, double place[2]);
 
 #endif

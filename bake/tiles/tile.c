@@ -9,9 +9,9 @@
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
 
-#define BATCH_FEWEST 4	   /* a spread of fewer batches says nothing */
-#define BATCH_SAMPLES 4	   /* a pixel and batch, when noise says how many batches */
-#define SAMPLES_MOST 16384 /* where noise gives up */
+#define BATCH_FEWEST 4	   /* batches below which their spread says nothing */
+#define BATCH_SAMPLES 4	   /* samples a pixel and batch, when there is a target for the noise */
+#define SAMPLES_MOST 16384 /* samples a pixel at which the target for the noise is given up */
 
 /* ---- memory ---- */
 
@@ -183,9 +183,10 @@ static void run_batches(struct tile *tile)
 /* ---- finishing ---- */
 
 /*
- * Sums become means, kept pixels move together in place: rows from pixel at to place kept, divided
- * by samples, and where share is given by the share of each light. A half is scaled as if all
- * samples had been like its own, so that the mean of both is that of all samples.
+ * Turns a pixel's sums into means, and moves its rows from pixel `at` to place `kept`, so that kept
+ * pixels lie side by side. Rows are divided by samples; bounced light also by each light's share,
+ * if given. Each half is scaled as if all samples were like its own, so that the weighted mean of
+ * both halves is the mean of all samples.
  */
 static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, double samples,
 		      const float *share)
@@ -211,7 +212,7 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 	}
 }
 
-/* The mean of all samples: of both halves where there are two. */
+/* Filters bounced light, and joins its two halves if there are two. */
 static void finish_bounce(struct tile *tile, enum tile_kind kind, const uint16_t *pixel, int pixels)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
@@ -263,7 +264,8 @@ static void finish_object(struct tile *tile)
 	tile_add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->object_pixel, kept);
 }
 
-/* Samples that see neither object nor real surface are unchanged, and count so. */
+/* Finishes the shadow on flat ground. Samples that see neither object nor real surface count as
+ * unchanged. */
 static void finish_shadow(struct tile *tile)
 {
 	int kept = 0;
@@ -279,14 +281,14 @@ static void finish_shadow(struct tile *tile)
 	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->change_pixel, kept);
 }
 
-/* with becomes without - with, as a share of the samples that count for the ratio. */
+/* with = without - with */
 static void subtract_rows(const float *without, float *with, size_t count)
 {
 	for (size_t i = 0; i < count; i++)
 		with[i] = without[i] - with[i];
 }
 
-/* The largest |d / u| of a pixel's sums: no lighting changes its ratio by more. */
+/* Returns the largest |d / u| of a pixel's lights: no lighting changes its ratio by more. */
 static double largest_change(const struct tile *tile, int at)
 {
 	const struct tile_rows *rows[2] = {&tile->rows[TILE_CHANGE], &tile->rows[TILE_WITHOUT]};
@@ -309,7 +311,7 @@ static double largest_change(const struct tile *tile, int at)
 	return most;
 }
 
-/* The filter may leave a little less than nothing of a u. */
+/* Clamps u at 0: the filter may leave it slightly negative. */
 static void keep_positive(const struct encode_samples *u, float *bounce, size_t count)
 {
 	for (size_t i = 0; u->bounce && i < count; i++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The transport of one tile of the picture: BASIS_TILE x BASIS_TILE pixels, fewer at the edges. */
+/* Renders one tile of the picture: the light transport of BASIS_TILE x BASIS_TILE pixels, fewer at
+ * the edges. */
 #ifndef INLAY_BAKE_TILES_TILE_H
 #define INLAY_BAKE_TILES_TILE_H
 
@@ -11,42 +12,48 @@
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
 
 struct tile_settings {
-	int samples;	     /* a pixel; when noise_levels is 0 */
-	double noise_levels; /* stop below this */
-	double ratio_cut;    /* pixels of stand-in scenes whose ratio changes less are left out */
+	int samples;	     /* camera rays a pixel, when noise_levels is 0 */
+	double noise_levels; /* above 0: render until the noise is below this, in 8-bit levels */
+	double ratio_cut;    /* with stand-ins, pixels whose ratio changes less are left out */
 	uint64_t seed;
 };
 
-/* The transport that a tile keeps: t; (u - s) / u on flat ground, with stand-ins first s, then
- * u - s; u, with stand-ins alone. */
-enum tile_kind { TILE_OBJECT, TILE_CHANGE, TILE_WITHOUT, TILE_KINDS };
+/* The kinds of transport that a tile gathers. CHANGE and WITHOUT are of the real surfaces. */
+enum tile_kind {
+	TILE_OBJECT,  /* t */
+	TILE_CHANGE,  /* on flat ground (u - s) / u; with stand-ins s, finally u - s */
+	TILE_WITHOUT, /* u; with stand-ins only */
+	TILE_KINDS
+};
 
-/* Sums over samples, later means over pixels. Samples are made in batches; those of even and of odd
- * batches bounce apart. */
+/* Rows of one kind: sums over a pixel's samples, finally means. Samples are made in batches.
+ * Bounced light of even and of odd batches is summed apart, as the two halves of struct
+ * bounce_halves. */
 struct tile_rows {
 	int channels;	  /* of direct */
 	float *direct;	  /* [pixels][channels][lights]; NULL: this kind does not occur */
 	float *bounce[2]; /* [pixels][3][lights] */
 };
 
-/* What a pixel has come to; sums over its samples. */
+/* Sums over a pixel's samples. */
 struct tile_pixel {
 	int object, receiver; /* samples that met an object; that saw a real surface */
-	/* How much was seen of the background, and of real surfaces in it: each sample beside the
-	 * object 1, each through its glass what arrives, as the mean of three channels. */
+	/* Weight of the background, and of the real surfaces in it. A sample beside the object
+	 * counts 1, one through glass its transmission, the mean of three channels. */
 	double other_weight, receiver_weight;
-	double through[3]; /* what arrives of the background through glass */
-	double offset[2];  /* from the pixel to where it is seen, times the weight of each sample */
-	double seen[2], seen_square[2]; /* of these places, from the pixel's middle: moments */
-	double through_weight;
-	bool changed; /* an object was involved */
-	/* of the value under a uniform sky of radiance 1 over a background of one half: */
+	double through[3]; /* transmission of glass, to the background */
+	double offset[2];  /* displacement by glass, in pixels, times weight */
+	/* Place seen through glass, from the pixel's centre, and its square, times weight: */
+	double seen[2], seen_square[2];
+	double through_weight; /* sum of these weights */
+	bool changed;	       /* the object changes this pixel */
+	/* The pixel's value under a uniform sky of radiance 1, over a background of 0.5: */
 	double before[3][TILE_KINDS]; /* sums of the rows up to the last batch */
-	double before_weight[2];      /* other, receiver */
+	double before_weight[2];      /* other_weight and receiver_weight up to the last batch */
 	double mean[3], spread[3];    /* over batches: mean, sum of squared deviations */
 };
 
-/* Scratch of one thread, and the result. */
+/* State of one thread, and the tile it has rendered. */
 struct tile {
 	struct transport transport;
 	struct bounce bounce;
@@ -54,36 +61,37 @@ struct tile {
 	const struct cells *cells;
 	struct tile_settings settings;
 	float *even_sky;		     /* [lights]: 1 */
-	float *radiance_scale, *ratio_scale; /* [lights]: of struct bounce_halves */
-	int x, y, width, height;	     /* in the picture */
+	float *radiance_scale, *ratio_scale; /* [lights]: scale of struct bounce_halves */
+	int x, y, width, height;	     /* of the tile in the picture, in pixels */
 	struct tile_pixel pixels[TILE_PIXELS];
 	struct tile_rows rows[TILE_KINDS];
 	int batches, samples, half_samples[2];
-	/* ready for the encoder: */
+	/* the result, ready for the encoder: */
 	uint16_t object_pixel[TILE_PIXELS], change_pixel[TILE_PIXELS];
 	struct encode_samples part[TILE_KINDS];
 	int part_count;
-	uint16_t coverage[TILE_PIXELS];
-	uint16_t opaque[TILE_PIXELS]; /* coverage less what glass lets through at most */
+	uint16_t coverage[TILE_PIXELS]; /* share of the object in the pixel; 65535 = 1 */
+	uint16_t opaque[TILE_PIXELS];	/* coverage minus the largest transmission of glass */
 	struct basis_glass glass[TILE_PIXELS];
 	int glass_count;
 	double ratio_error; /* largest change of the ratio that was left out */
-	/* Squared standard errors in 8-bit levels. They come from the batches before the bounce is
-	 * filtered, and hold afterwards: under a uniform sky the filter changes nothing. Under
-	 * other skies it leaves less noise than that. */
+	/* Sum of squared standard errors, in 8-bit levels, and how many there are. They come from
+	 * the batches before bounced light is filtered, and hold afterwards: under a uniform sky
+	 * the filter changes nothing, under other skies it lowers the noise. */
 	double noise_square;
 	long noise_count;
 };
 
 /*
- * A pixel takes 9 floats of memory a light (t), 7 on flat ground, twice 9 more with stand-ins: 16
- * MB a tile at 1,000 lights, 27 MB with stand-ins. The filter adds 0.9 KB a light.
+ * Memory, in floats for each pixel and light: 9 for t, and 7 on flat ground or 18 with stand-ins.
+ * That is 16 MB at 1,000 lights, 27 MB with stand-ins. The filter adds 0.9 KB a light. Scene and
+ * cells must outlive the tile. -ENOMEM.
  */
 int tile_create(struct tile *tile, const struct scene *scene, const struct cells *cells,
 		const struct tile_settings *settings, int bounces);
 void tile_free(struct tile *tile); /* idempotent; zeroed is fine */
 
-/* Floats of a pixel. */
+/* Floats of one pixel's row. */
 static inline size_t tile_direct_size(const struct tile *tile, enum tile_kind kind)
 {
 	return (size_t)tile->rows[kind].channels * (size_t)tile->cells->count;
@@ -94,7 +102,7 @@ static inline size_t tile_bounce_size(const struct tile *tile)
 	return 3 * (size_t)tile->cells->count;
 }
 
-/* Which of the two bounce rows of a kind the current batch adds to: 0 or 1. */
+/* Index of the bounce rows to which the current batch adds, 0 or 1. */
 static inline int tile_half_of_batch(const struct tile *tile)
 {
 	return (tile->batches - 1) & 1;

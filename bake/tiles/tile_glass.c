@@ -3,9 +3,9 @@
 
 #include "bake/tiles/sight.h"
 
-#define OFFSET_MAX 2047.0 /* pixels: what 16 bits hold */
-#define SPREAD_MAX 24.0	  /* a pixel more: what a frame reads for one pixel at most */
-/* Less is not seen: half a step of 16 bits. */
+#define OFFSET_MAX 2047.0 /* largest displacement, in pixels, that 16 bits hold */
+#define SPREAD_MAX 24.0	  /* in pixels: a frame reads at most this + 1 for one pixel */
+/* Light of less weight is not seen: half a step of 16 bits. */
 #define WEIGHT_LEAST (0.5f / 65535)
 
 static void glass_add_background(struct tile *tile, const struct tile_sample *s,
@@ -66,7 +66,8 @@ static uint16_t glass_share(double sum, int samples)
 	return (uint16_t)lround(fmin(65535 * sum / samples, 65535));
 }
 
-/* The rectangle whose places are spread as widely as those that were seen. */
+/* Side of the rectangle whose points have the same variance as the places that were seen:
+ *     side = sqrt(12 * variance) */
 static uint8_t glass_spread(const struct tile_pixel *p, int axis)
 {
 	const double mean = p->seen[axis] / p->through_weight;

@@ -3,7 +3,7 @@
 
 #include "hal/colour/transfer.h"
 
-#define BACKGROUND 0.5 /* behind the object */
+#define BACKGROUND 0.5 /* linear light behind the object */
 
 static double sum_row(const float *row, const float *weight, int count)
 {
@@ -14,15 +14,15 @@ static double sum_row(const float *row, const float *weight, int count)
 	return sum;
 }
 
-/* What multiplies a kind's values under a uniform sky of radiance 1: blocked light is counted in
- * whole cells, all else is radiance. */
+/* Factors [lights] of a kind's direct values under a uniform sky of radiance 1: blocked light on
+ * flat ground is counted in whole cells, all other values are radiance. */
 static const float *direct_sky(const struct tile *tile, enum tile_kind kind)
 {
 	return kind == TILE_CHANGE && !tile_has_standins(tile) ? tile->cells->share
 							       : tile->even_sky;
 }
 
-/* Of one kind, pixel and channel, all samples so far. */
+/* Value of one kind, pixel and channel under a uniform sky: the sum of all samples so far. */
 static double sum_kind(const struct tile *tile, enum tile_kind kind, int at, int c)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
