@@ -147,7 +147,7 @@ static int find_dome(const struct angle_lines *all, const char *path, struct dom
 		dome_free(dome);
 		if (err < 0)
 			return fault_say(fault, err, "%s: out of memory", path);
-		stray = stray > err ? stray : err; /* the division that fits longest */
+		stray = stray > err ? stray : err; /* of the division that fits most lines */
 	}
 	if (stray)
 		return fault_say(

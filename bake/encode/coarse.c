@@ -5,15 +5,15 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Coarse nodes that may be corners: the triangle around a direction is among its nearest few. */
+/* Nearest coarse nodes that are tried as corners; the triangle around a direction is among them. */
 #define NEAR 8
 #define ROUNDING 1e-9
 
 struct corners {
 	int node[3];
 	double weight[3]; /* >= 0, sum 1 */
-	double miss;	  /* how far the weighted mean is from the direction, as chord; 0: it is in
-			     the triangle */
+	double miss;	  /* chord between the direction and the weighted mean; 0: the direction is
+			     in the triangle */
 	double perimeter;
 };
 
@@ -33,7 +33,7 @@ static double chord(const double a[3], const double b[3])
 	return sqrt(fmax(2 - 2 * coarse_dot(a, b), 0));
 }
 
-/* The nearest nodes, nearest first. */
+/* Finds the NEAR nearest nodes, nearest first. Returns how many. */
 static int near_nodes(const struct dome *dome, const double dir[3], int out[NEAR])
 {
 	double closeness[NEAR];
@@ -59,7 +59,7 @@ static int near_nodes(const struct dome *dome, const double dir[3], int out[NEAR
 	return count;
 }
 
-/* False for three nodes on one great circle. */
+/* Computes the weights of three nodes, and their miss. False: they lie on one great circle. */
 static bool weigh_triangle(const struct dome *dome, const double dir[3], struct corners *c)
 {
 	const double *a = dome->direction[c->node[0]], *b = dome->direction[c->node[1]];
@@ -112,7 +112,7 @@ static void choose_triangle(const struct dome *dome, const double dir[3], struct
 			}
 }
 
-/* Whole numbers that keep the sum: what is cut off goes to the largest. */
+/* Rounds the weights down to integers; the largest gets the remainder, so that the sum is kept. */
 static void store_weights(const struct corners *c, struct basis_coarse *to)
 {
 	int weight[3], left = BASIS_COARSE_ONE, largest = 0, used = 0;

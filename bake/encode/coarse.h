@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The coarse lights: the nodes of a dome of lower frequency, each fine light shared out among the
- * three of them that it lies between.
+ * The coarse lights: the nodes of a dome of lower frequency. Each fine light is distributed over
+ * the three coarse nodes around it.
  */
 #ifndef INLAY_BAKE_ENCODE_COARSE_H
 #define INLAY_BAKE_ENCODE_COARSE_H
@@ -9,14 +9,13 @@
 #include "hal/basis/basis_format.h"
 #include "hal/optics/dome.h"
 
-/* The coarse dome's frequency where nobody says otherwise: at most this. */
+/* Default frequency of the coarse dome. */
 #define COARSE_FREQUENCY 9
 
 /*
- * gather: [fine->count]. The weights are barycentric in the plane triangle of the coarse nodes
- * around the light, where it lies in one, and of the nearest point of such triangles where it is
- * outside all of them (near the horizon, where the coarse dome may end above it); they sum to
- * BASIS_COARSE_ONE.
+ * Sets gather [fine->count]. The weights are barycentric in the plane triangle of coarse nodes
+ * around the light. A light outside all triangles, near the horizon, where the coarse dome may end
+ * above it, has the weights of the nearest point of a triangle. Weights sum to BASIS_COARSE_ONE.
  */
 void coarse_fill(const struct dome *fine, const struct dome *coarse, struct basis_coarse *gather);
 

@@ -25,7 +25,7 @@
 #define ATTEMPTS 10
 #define ATTEMPTS_ALONE 3
 #define TIGHTER 0.97
-/* Of the skies that are watched, so many that show an error are tried each time. */
+/* Watched skies with too large an error that become tried ones after an attempt, at most. */
 #define TRIED_AT_ONCE 4
 /* How much finer single lights are encoded each time that no plan holds, and how often. */
 #define FINER 0.7F
@@ -245,7 +245,8 @@ static double worst_of_all(const struct encoder *e, int count)
 	return worst;
 }
 
-/* Of skies, or of cells. False: the error is not larger. */
+/* Lowers the parts' shares under skies, or under cells, where the error is larger than asked for.
+ * False: it is not larger. */
 static bool share_out(struct encoder *e, int count, bool skies, bool last)
 {
 	const double *over = skies ? e->measure.sky_over : e->measure.cell_over;

@@ -124,7 +124,7 @@ static void write_heading(const struct basis_block_payload *block, const struct 
 	((float *)scales)[number] = scale;
 }
 
-/* Of 16 bits. value: [channels][part's pixels]. */
+/* Writes a column of 16 bits. value: [channels][part's pixels]. */
 static void write_column(const struct encode_settings *settings, const struct part *part, bool all,
 			 const struct basis_block_payload *block, int number, int light,
 			 float scale, const int16_t *value)
@@ -149,7 +149,7 @@ static void write_column(const struct encode_settings *settings, const struct pa
 	}
 }
 
-/* Of 8 bits, those before it being written. */
+/* Writes a column of 8 bits, after all columns before it. */
 static void write_record(const struct encode_settings *settings, const struct part *part,
 			 const struct basis_block_payload *block, int number, int light,
 			 const struct split_column *column)

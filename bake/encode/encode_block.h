@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Blocks as the file has them. Private to the encoder. */
+/* Builds the blocks of a plan, as the file has them. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_BLOCK_H
 #define INLAY_BAKE_ENCODE_ENCODE_BLOCK_H
 
 #include "bake/encode/encode_plan.h"
 
-/* Payloads that are used again for the next tile. */
+/* Blocks whose memory is used again for the next tile. */
 struct block_list {
 	struct basis_block_payload *block; /* [count] */
 	struct block_room {
@@ -17,16 +17,16 @@ struct block_list {
 
 void block_list_free(struct block_list *list); /* zeroed is fine */
 
-/* What the plan says, from a split whose ranks are set to it. -ENOMEM. */
+/* Adds the blocks of the plan. The split's ranks must be those of the plan. -ENOMEM. */
 int block_build(struct block_list *list, const struct search *search, const struct split *split,
 		const struct encode_plan *plan, int tile);
 
-/* One block of every light's column in 16 bits; nothing for a part that is 0 throughout, unless it
- * is of kind U. -ENOMEM. */
+/* Adds one block that has every light's column in 16 bits, for the exact layer. Adds none for a
+ * part that is 0 everywhere, unless it is of kind U. -ENOMEM. */
 int block_build_exact(struct block_list *list, const struct encode_settings *settings,
 		      const struct part *part, int tile);
 
-/* A block of nothing, for a U whose D has something. */
+/* Adds a block of zeros, for a U without blocks whose D has some. -ENOMEM. */
 int block_build_zero(struct block_list *list, const struct encode_settings *settings,
 		     const struct part *part, int tile);
 

@@ -277,7 +277,7 @@ static void column_shorten(const struct split *split, bool mono, int light, cons
 	struct between b;
 
 	memset(column->code, BASIS_LINE_WHOLE, sizeof(column->code));
-	/* Of light that may not be negative 0 is not always right where it is near enough. */
+	/* U may not become negative, which the limits of residuals do not ensure */
 	if (part->kind == BASIS_KIND_U || !(split->spent > 0) || !(column->scale > 0))
 		return;
 	find_between(split, mono, light, split->spent, wanted, &b);
@@ -458,7 +458,7 @@ int split_find_columns(const struct split *split, int light, float *left,
 	float wanted[PART_ROWS];
 
 	memcpy(wanted, left, (size_t)split->part->rows * sizeof(*left));
-	/* By what they cost. */
+	/* in order of cost */
 	for (int channels = 1; channels <= 3; channels += 2) {
 		const bool mono = channels == 1;
 		const enum column_form narrow = mono ? COLUMN_MONO8 : COLUMN_COLOUR8;

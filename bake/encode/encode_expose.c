@@ -13,7 +13,8 @@
 #define NARROWEST 1e-6F
 /* The widest: where a light is not seen at all. */
 #define WIDEST 1e30F
-/* Of a light or pixel whose error nobody sees, against the mean: so that none is ignored. */
+/* Weight of a light or pixel whose error nobody sees, relative to the mean; not 0, so that none is
+ * ignored. */
 #define LEAST_WEIGHT 0.01F
 /* The steps in which light fades until a column need not be used. */
 #define FADE 0.9

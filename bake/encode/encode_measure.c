@@ -8,8 +8,8 @@
 
 /* As the compositor has it: beyond this a ratio is not shown. */
 #define RATIO_MAX 16.0
-/* Of two levels, each read from the table: what is held counts it, so that it holds of exact ones.
- */
+/* Error of the difference of two levels, each read from the table. Measured errors include it, so
+ * that exact levels, too, are within what was asked for. */
 #define DIFFERENCE_ERROR (2 * LEVELS_ERROR)
 
 void measure_free(struct measure *m)

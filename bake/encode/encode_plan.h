@@ -9,17 +9,17 @@
 
 struct encode_plan {
 	enum split_way way;
-	int most; /* patterns that were looked for */
+	int most; /* patterns that were searched for */
 	int mono_rank, colour_rank;
-	int columns[COLUMN_FORMS];
-	size_t column_bytes[COLUMN_FORMS];
-	size_t bytes, pattern_bytes; /* of all; of patterns and their coefficients */
-	double read;		     /* of columns, in a frame: mean over the skies */
+	int columns[COLUMN_FORMS];	   /* number of columns, by form */
+	size_t column_bytes[COLUMN_FORMS]; /* their bytes */
+	size_t bytes, pattern_bytes;	   /* of all; of patterns and coefficients */
+	double read;			   /* bytes of columns in a frame: mean over the skies */
 	int blocks;
-	double excess; /* of the skies' errors over what is asked; up to 1: held */
+	double excess; /* largest error under a sky over that asked for; <= 1: the plan holds */
 };
 
-/* A block to be: which patterns and which columns are in it. */
+/* Patterns and columns of one block to be built. */
 struct encode_plan_block {
 	bool mono;
 	int patterns, bits;
@@ -27,79 +27,85 @@ struct encode_plan_block {
 	int columns;
 };
 
-/* A light's column, or a group's, among those of a plan. */
+/* A column of a light or of a group, in a plan. */
 struct found_column {
-	int number; /* as the file has it: of a light, or after these of a group */
+	int number; /* as in the file: of a light, or number of lights + that of a group */
 	enum column_form form;
-	double reach; /* what it changes by at most, per unit of X */
+	double reach; /* largest change by it, per unit of X */
 	size_t bytes;
-	bool second; /* of the light that the one before it is of */
+	bool second; /* second column of the light of the column before it */
 };
 
-/* Columns of one channel, or of three, whose lights are of one group. */
+/* The columns of mono, or of colour, of the lights of one group. */
 struct found_group {
-	int columns;  /* 0: none yet, and the rest means nothing */
-	double reach; /* as far as its lights' together, each by its share */
-	size_t value; /* [channels * pixels] of group_value: the sum of them, by shares */
-	int number;   /* of its column among those found; -1: too few to have one */
+	int columns;  /* how many lights have one; 0: the other members are not set */
+	double reach; /* sum of its lights' reaches times their shares */
+	size_t value; /* offset in group_value of the sum of columns times shares */
+	int number;   /* index of its column among those found; -1: it has none */
 };
 
-/* Fewer have nothing in common; and what reaches less far hardly ever counts, as S is small. */
+/* Least columns and reach of a group that has a column. Fewer columns have nothing in common; with
+ * less reach it is hardly ever read, as S is small. */
 #define FOUND_GROUP_COLUMNS 2
 #define FOUND_GROUP_REACH (1.0 / BASIS_GROUP_MOST)
-/* What reaches farther has 16 bits: 8 would be rounded by more than a quarter of the cut. */
+/* Largest reach of a group's column of 8 bits; rounding would exceed a quarter of the cut
+ * beyond. */
 #define FOUND_GROUP_NARROW 1.0
 
 #define PLAN_BLOCKS_MAX (COLUMN_FORMS - 1)
 
-/* Those that hold anything. */
+/* Lists the blocks of a plan that are not empty. Returns how many. */
 int encode_plan_blocks(const struct encode_plan *plan, struct encode_plan_block *blocks);
 
-/* Of the block's columns of 8 bits, in a file. */
+/* Bytes of the block's columns of 8 bits, in a file. */
 uint32_t encode_plan_record_bytes(const struct encode_plan *plan,
 				  const struct encode_plan_block *block);
 
+/* State of the search for a plan (encode_search.h). */
 struct search {
 	const struct encode_settings *settings;
 	const struct levels *levels;
 	struct encode_target target;
-	float *sky_x;	    /* [skies][3][lights]: of what no column puts right */
-	float *column_x;    /* [skies][3][most_columns], by number: of what it leaves */
-	float *column_left; /* [used_columns][rows] */
-	int most_columns;   /* that lights may have */
+	float *sky_x;	    /* [skies][3][lights]: X of the residuals of the patterns */
+	float *column_x;    /* [skies][3][most_columns]: X of the residuals of the columns */
+	float *column_left; /* [used_columns][rows]: residuals of the columns */
+	int most_columns;   /* that all lights together may have */
 	int used_columns;
-	/* Those of the plan that was evaluated last; of groups after those of lights. */
+	/* Columns of the plan that was evaluated last: of lights, then of groups. */
 	struct found_column *found; /* [most_columns + 2 groups] */
 	int found_groups;
-	struct found_group *group[2]; /* of one channel, of three: [groups] */
+	struct found_group *group[2]; /* of mono, of colour: [groups] */
 	float *group_value;	      /* [used_columns][rows] */
 	size_t left_room;
 	float *sky_sum; /* [skies][3 * pixels] */
 	float *sky_mono;
-	float *weight, *next_weight; /* [lights]: of the best plan, of one to be tried */
-	float *miss; /* [lights]: by how many times what may be left of it patterns miss a light */
+	float *weight, *next_weight; /* [lights]: weights of the best plan, of the next to try */
+	float *miss; /* [lights]: residual of the patterns as a multiple of its limit */
 };
 
-/* Sets the split's ranks, and what comes of them: plan's columns, bytes and excess. best: what it
- * has to beat, or NULL; where it costs more, excess is infinite. */
+/* Sets the split's ranks and evaluates the plan that follows: columns, bytes and excess. best: the
+ * plan to beat, or NULL; where the new one costs more, its excess becomes infinite. */
 void encode_plan_evaluate(struct search *search, struct split *split, int mono_rank,
 			  int colour_rank, const struct encode_plan *best,
 			  struct encode_plan *plan);
 
-/* Bytes of the file and of a frame, which reads all patterns, and columns of bright lights. */
+/* Cost of a plan: bytes of the file plus bytes that a frame reads, which are all patterns, and
+ * columns of bright lights. */
 double encode_plan_cost(const struct encode_plan *plan);
 
-/* The cheaper of those that hold, else the nearer. */
+/* Tells whether a is better than b: it alone holds, both hold and it costs less, or neither holds
+ * and its excess is smaller. */
 bool encode_plan_better(const struct encode_plan *a, const struct encode_plan *b);
 
-/* The light's columns at the ranks that are set: returns how many. left [LIGHT_COLUMNS_MAX][rows]:
- * what each and those before it leave; the first, where there is none, what the patterns leave. */
+/* Finds the light's columns at the ranks that are set. Returns how many, 0..LIGHT_COLUMNS_MAX. left
+ * [LIGHT_COLUMNS_MAX][rows]: the residual after each column; without columns left[0] is that of the
+ * patterns. */
 int search_light(const struct split *split, int light, float *left,
 		 struct split_column column[LIGHT_COLUMNS_MAX]);
 
-/* The column of a group of those found, as it is stored: in 8 bits, whatever its lights need, as
- * its light is never large (BASIS_GROUP_MOST); in 16 where it reaches beyond FOUND_GROUP_NARROW, as
- * that of a mirror does, or where all columns are wide. */
+/* Quantises the column of one of the groups found. It has 8 bits, whatever its lights need, as its
+ * light is never large (BASIS_GROUP_MOST); 16 where it reaches beyond FOUND_GROUP_NARROW, as that
+ * of a mirror does, or where all columns have 16. */
 void search_group(const struct search *search, const struct split *split, bool colour, int group,
 		  struct split_column *column);
 

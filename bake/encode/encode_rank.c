@@ -17,8 +17,9 @@
 #define WIDTH (RANK_MOST + SPARE)
 #define ROUNDS 2
 #define RIDGE 1e-5 /* of the mean of the diagonal: coarse lights that few others meet */
-/* Of coefficients and patterns, as integers: the lowest bit is noise, which does not pack. Of more
- * bits the search misses so many errors asked for that it ends with larger ones. */
+/* Coefficients and patterns are stored as multiples of this, as their lowest bit is noise, which
+ * does not compress. With a coarser unit the search misses the error asked for so often that its
+ * results are larger. */
 #define UNIT 2
 
 static int coarse_stride(int coarse)

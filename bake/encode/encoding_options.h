@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Options of an encoding, the same for all commands that make a basis file. */
+/* Command-line options of the encoder, the same for all commands that make a basis file. */
 #ifndef INLAY_BAKE_ENCODE_ENCODING_OPTIONS_H
 #define INLAY_BAKE_ENCODE_ENCODING_OPTIONS_H
 
@@ -38,7 +38,7 @@ enum encoding_option {
 	"  --coarse F      frequency of the dome over which smooth light is gathered\n"            \
 	"  --exact         store every light in 16 bits as well, for the exact mode\n"
 
-/* What a command line says; negative where it says nothing. */
+/* Options that a command line gives; numbers are negative where not given. */
 struct encoding_said {
 	double rms, max, cell, column_cut;
 	int coarse;
@@ -50,11 +50,11 @@ struct encoding_said {
 		.rms = -1, .max = -1, .cell = -1, .column_cut = -1, .coarse = -1                   \
 	}
 
-/* Takes an option with its argument, which is changed. -EINVAL. */
+/* Takes an option with its argument; text is changed. -EINVAL. */
 int encoding_option_take(struct encoding_said *said, int option, char *text, struct fault *fault);
 
-/* What was said goes in place of what is there. An RMS without a maximum leaves that to be chosen
- * (0). */
+/* Replaces settings by the options that were given. An RMS error without a largest one sets
+ * target->max to 0, by which the caller chooses it. */
 void encoding_said_apply(const struct encoding_said *said, struct encode_target *target,
 			 double *column_cut, int *coarse, bool *exact);
 

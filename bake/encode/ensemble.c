@@ -12,7 +12,7 @@ enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, WINDOWS = 12, RANDOM
 enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
 #define BRIGHT                                                                                     \
 	(EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + WINDOWS + RANDOM + STRONG_SUNS + DUSKS + ROOMS)
-/* Every so many of them again, with so much of the light. */
+/* Every DIM_STEP-th sky occurs again at this exposure. */
 #define DIM_STEP 5
 #define DIM_EXPOSURE 0.125F
 #define TRIED (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
@@ -20,7 +20,8 @@ enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24 };
 #define SKIES (TRIED + WATCHED_WINDOWS + WATCHED_DUSKS)
 #define ROOM_LIGHTS 5
 
-/* Their heights and azimuths are spread by the golden ratio, so that no two are alike. */
+/* Heights and azimuths of suns and lamps are multiples of the golden ratio, so that no two
+ * agree. */
 #define GOLDEN 0.6180339887498949
 /* The same in two dimensions: the inverse of the plastic number, and its square. */
 #define PLASTIC 0.7548776662466927
@@ -53,7 +54,7 @@ static int nearest_light(const struct basis_light *lights, int count, const doub
 	return best;
 }
 
-/* All light of an even sky, on level ground. */
+/* Irradiance of level ground under a sky of radiance 1. */
 static double level_light(const struct basis_light *lights, int count)
 {
 	double sum = 0;
@@ -125,10 +126,11 @@ static void sky_lamps(struct ensemble *e, const struct basis_light *lights, int 
 }
 
 /*
- * A window: a lobe that sends several times as much light as the dim sky around it. What neighbours
- * send by way of the object to the ground is alike, and too little for a column of each of them to
- * count; under so many of them at once it adds up, and nowhere else. So there are windows of
- * several sizes all around, by a sequence that fills the hemisphere evenly wherever it ends.
+ * A window: a lobe that sends several times as much light as the dim sky around it. What
+ * neighbouring lights throw on the ground by way of the object is alike, and of each light too
+ * little for its column to be read. It adds up where many of them are bright at once, as under a
+ * window. So there are windows of several sizes all around, placed by a sequence that fills the
+ * hemisphere evenly wherever it ends.
  */
 static void sky_window(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
@@ -145,7 +147,8 @@ static void sky_window(struct ensemble *e, const struct basis_light *lights, int
 	}
 }
 
-/* Bright along the horizon, as high as `thick`, the sine of it, most of all in one direction. */
+/* Dusk: a sky bright along the horizon, up to a height whose sine is `thick`, brightest in one
+ * direction. */
 static void sky_dusk(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
 	const double thick = 0.1 * (1 << number % 3);
@@ -162,7 +165,7 @@ static void sky_dusk(struct ensemble *e, const struct basis_light *lights, int s
 	}
 }
 
-/* Some windows and lamps of any size. */
+/* A room with windows and lamps of random sizes. */
 static void sky_room(struct ensemble *e, const struct basis_light *lights, int sky)
 {
 	struct random random = {random_hash(0x6669656c64, (uint64_t)sky, 0)};
@@ -184,7 +187,7 @@ static void sky_room(struct ensemble *e, const struct basis_light *lights, int s
 	}
 }
 
-/* Every cell and channel by itself: most are dim, few are bright. */
+/* A random radiance in every cell and channel: most are dim, few are bright. */
 static void sky_unlike(struct ensemble *e, int sky)
 {
 	struct random random = {random_hash(0x656e73656d626c65, (uint64_t)sky, 0)};
