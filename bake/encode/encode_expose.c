@@ -359,8 +359,8 @@ static void choose_pixels(struct part *part, const struct encode_settings *setti
 
 				if (fabsf(by) * LEVELS_STEEPEST <= most)
 					continue;
-				keep |= fabsf(level_of(levels, is) -
-					      level_of(levels, part->cell_offset[own])) > most;
+				keep |= fabsf(levels_at(levels, is) -
+					      levels_at(levels, part->cell_offset[own])) > most;
 			}
 		}
 		part->keep[p] = keep;

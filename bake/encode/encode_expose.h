@@ -31,7 +31,7 @@ static inline float levels_read(const float *table, float x)
 	return table[step] + (place - (float)step) * (table[step + 1] - table[step]);
 }
 
-static inline float level_of(const struct levels *levels, float x)
+static inline float levels_at(const struct levels *levels, float x)
 {
 	return levels_read(levels->at, x);
 }

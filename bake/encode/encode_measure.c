@@ -92,7 +92,7 @@ static double level_seen(const struct measure *m, double object, double ratio, d
 {
 	const double shown = object + fmin(fmax(ratio, 0), RATIO_MAX) * back;
 
-	return (double)level_of(m->levels, (float)shown);
+	return (double)levels_at(m->levels, (float)shown);
 }
 
 /* Sum of squared differences over the listed places; *most grows, and over, as shares of the error

@@ -322,7 +322,7 @@ static double excess_of(struct search *s, const struct split *split)
 					 part->sky_slope[k][c] * part->sky_base[at];
 			const float by = part->sky_slope[k][c] * s->sky_sum[at];
 			const float levels =
-				fabsf(level_of(s->levels, is) - level_of(s->levels, is - by));
+				fabsf(levels_at(s->levels, is) - levels_at(s->levels, is - by));
 
 			square += (double)(levels * levels);
 			if (levels > worst * part->sky_share[p])
