@@ -18,6 +18,7 @@ HAL_SOURCES := \
 	hal/basis/basis_groups.c \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_names.c \
+	hal/basis/basis_reader.c \
 	hal/basis/basis_store.c \
 	hal/basis/basis_writer.c \
 	hal/basis/pack.c \

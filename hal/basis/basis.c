@@ -9,9 +9,11 @@
 #include <string.h>
 #include <sys/mman.h>
 
+#include "hal/basis/basis_blocks.h"
+#include "hal/basis/basis_chunks.h"
 #include "hal/basis/basis_file.h"
-#include "hal/basis/basis_layout.h"
-#include "hal/basis/basis_reader.h"
+#include "hal/basis/basis_glass.h"
+#include "hal/basis/basis_names.h"
 #include "hal/basis/basis_store.h"
 
 _Static_assert(sizeof(struct basis_info_chunk) == 104, "as on disk");

@@ -1,38 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Header and chunk table of a basis file: what lies where, and that it came through whole. */
 #include <errno.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
 
+#include "hal/basis/basis_chunks.h"
 #include "hal/basis/basis_file.h"
-#include "hal/basis/basis_reader.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the file is read where it lies");
 _Static_assert(sizeof(struct basis_file_header) == 32, "as on disk");
 _Static_assert(sizeof(struct basis_chunk_entry) == 32, "as on disk");
-
-int basis_damaged(const struct basis_reader *reader, const char *format, ...)
-{
-	char text[FAULT_TEXT_MAX / 2];
-	va_list args;
-
-	va_start(args, format);
-	vsnprintf(text, sizeof(text), format, args);
-	va_end(args);
-	return fault_say(reader->fault, -EBADMSG, "%s: damaged basis file: %s", reader->name, text);
-}
-
-bool basis_all_zero(const uint8_t *from, const uint8_t *to)
-{
-	uint8_t any = 0;
-
-	while (from < to)
-		any |= *from++;
-	return any == 0;
-}
 
 static int hash_table(const struct basis_reader *r, struct basis_file_header *header,
 		      const struct basis_chunk_map *map)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Where the background is seen through the object. */
-#include "hal/basis/basis_reader.h"
+#include "hal/basis/basis_glass.h"
 
 /* What a pixel's place in the order is. */
 static uint64_t rank(const struct basis *basis, const struct basis_glass *g)

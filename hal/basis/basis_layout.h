@@ -30,9 +30,6 @@ struct basis_layout {
  * ranges; coarse is K. Nothing overflows. */
 struct basis_layout basis_layout(const struct basis_block_entry *entry, int coarse);
 
-/* Whether poses may be called so. 0, -EINVAL, -ENOMEM. */
-int basis_names_check(const struct basis_pose_name *names, uint32_t count);
-
 /* Lines that so many pixels, or coarse lights, take. */
 static inline int basis_panels16(int pixels)
 {

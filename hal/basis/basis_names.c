@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "hal/basis/basis.h"
-#include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_names.h"
 
 #define DIGITS "0123456789"
 #define ALLOWED DIGITS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ-_"

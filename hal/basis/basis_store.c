@@ -13,6 +13,7 @@
 #include <xxhash.h>
 
 #include "hal/base/pool.h"
+#include "hal/basis/basis_blocks.h"
 #include "hal/basis/basis_file.h"
 #include "hal/basis/pack.h"
 

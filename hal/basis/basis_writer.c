@@ -11,6 +11,7 @@
 
 #include "hal/base/output.h"
 #include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_names.h"
 #include "hal/basis/pack.h"
 
 /* INFO, DOME, GROUND, COARSE and CAMERA first, POSES and PROVENANCE last; each pose has DATA,

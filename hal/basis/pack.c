@@ -6,6 +6,7 @@
 #include <string.h>
 #include <zstd.h>
 
+#include "hal/basis/basis_blocks.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 

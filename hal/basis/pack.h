@@ -11,6 +11,8 @@
 
 #include "hal/basis/basis_reader.h"
 
+struct basis_blocks_chunk; /* basis_blocks.h */
+
 /* ---- packing ---- */
 
 struct packer;

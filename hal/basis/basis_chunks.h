@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* Finds and checks the chunks of a basis file. Private to hal/basis. */
+#ifndef INLAY_HAL_BASIS_BASIS_CHUNKS_H
+#define INLAY_HAL_BASIS_BASIS_CHUNKS_H
+
+#include "hal/basis/basis_reader.h"
+
+/* Where the chunks lie; NULL for those that the file does not have. */
+struct basis_pose_chunks {
+	const struct basis_chunk_entry *coverage, *peak, *blocks, *data, *exact_blocks, *exact_data,
+		*pack, *glass;
+};
+
+struct basis_chunk_map {
+	const struct basis_chunk_entry *table;
+	uint32_t count;
+	const struct basis_chunk_entry *info, *dome, *ground, *coarse, *names, *camera, *provenance;
+	struct basis_pose_chunks *poses; /* by basis_find_pose_chunks(); to be freed */
+};
+
+/* Checks header, chunk table, gaps and the checksums of all chunks that reader->part needs, and
+ * finds those that poses share. -EBADMSG, -ENOTSUP, -ENOMEM. */
+int basis_find_chunks(const struct basis_reader *reader, struct basis_chunk_map *map);
+
+/* Those of each of basis->info.poses poses. -EBADMSG, -ENOMEM. */
+int basis_find_pose_chunks(const struct basis_reader *reader, struct basis_chunk_map *map);
+
+#endif

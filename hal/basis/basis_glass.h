@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* Checks the pixels of a pose in which the background is seen through the object. Private to
+ * hal/basis. */
+#ifndef INLAY_HAL_BASIS_BASIS_GLASS_H
+#define INLAY_HAL_BASIS_BASIS_GLASS_H
+
+#include "hal/basis/basis_reader.h"
+
+/* Checks what is seen through the object of a pose, and fills it in. chunk may be NULL. -EBADMSG.
+ */
+int basis_read_glass(const struct basis_reader *reader, const struct basis_chunk_entry *chunk,
+		     struct basis_pose *pose);
+
+#endif
