@@ -40,6 +40,7 @@ HAL_SOURCES := \
 	hal/compositor/kernels/kernel_curves.c \
 	hal/compositor/kernels/kernels.c \
 	hal/compositor/kernels/kernels_c.c \
+	hal/compositor/kernels/kernels_isa.c \
 	hal/compositor/light/light_budget.c \
 	hal/compositor/light/light_return.c \
 	hal/compositor/light/light_terms.c \

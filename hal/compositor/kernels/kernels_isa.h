@@ -37,7 +37,7 @@ int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit);
 void kernel_c_tint(int32_t *value, const uint16_t *tint, int count);
 void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to);
 
-/* In kernels.c, which every processor can run. */
+/* In kernels_isa.c, which is compiled for every processor. */
 bool kernels_supported_sse41(void);
 bool kernels_supported_avx2(void);
 bool kernels_supported_avx512(void);
