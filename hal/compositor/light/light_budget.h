@@ -7,7 +7,7 @@
 #ifndef INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_BUDGET_H
 #define INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_BUDGET_H
 
-#include "hal/compositor/compositor.h"
+#include "hal/compositor/light/selection.h"
 
 #define LIGHT_BUDGET_WHITE (UINT64_C(1) << 40) /* a bound of 1 */
 

@@ -14,7 +14,7 @@
 #ifndef INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_RETURN_H
 #define INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_RETURN_H
 
-#include "hal/compositor/compositor.h"
+#include "hal/compositor/light/selection.h"
 
 /* Those of a basis's lights but for the constant: [lights], to be freed. NULL: no memory. Where the
  * lights are too few to tell them apart, the later ones are 0. */

@@ -9,9 +9,9 @@
 
 #include <stdbool.h>
 
-#include "hal/compositor/compositor.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/compositor/light/light_terms.h"
+#include "hal/compositor/light/selection.h"
 
 /* What a vector is to hold of a frame's light. */
 struct light_order {

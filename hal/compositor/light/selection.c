@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+#include "hal/compositor/light/selection.h"
+
 #include <errno.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/compositor/compositor.h"
 #include "hal/compositor/light/light_budget.h"
 #include "hal/compositor/light/light_return.h"
 
