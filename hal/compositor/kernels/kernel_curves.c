@@ -6,7 +6,7 @@
 #define STEPS 2048 /* of a piece: what is left of the key */
 
 /* What step `at` of a piece is encoded to, in 1/256 of a level. */
-static double curve(const struct transfer_curve *to, int piece, double at)
+static double piece_level(const struct transfer_curve *to, int piece, double at)
 {
 	const double octave = ldexp(KERNEL_BLACK, piece >> 2);
 	const double v = octave * (1 + ((piece & 3) + at / STEPS) / 4);
@@ -15,14 +15,14 @@ static double curve(const struct transfer_curve *to, int piece, double at)
 }
 
 /* So that |b| + |c| / 2 fits; no curve of hal/colour/transfer.h comes near. */
-static int16_t limited(double x, int limit)
+static int16_t coefficient_limited(double x, int limit)
 {
 	return (int16_t)lround(fmin(fmax(x, -limit), limit));
 }
 
 /* The parabola through the three points where one that is the best differs least (Chebyshev's). A
  * step stands for all that its key stands for, so it counts as its middle. */
-static void fit(struct kernel_curves *curves, const struct transfer_curve *to, int piece)
+static void piece_fit(struct kernel_curves *curves, const struct transfer_curve *to, int piece)
 {
 	double t[3], y[3], slope, bend;
 
@@ -30,19 +30,19 @@ static void fit(struct kernel_curves *curves, const struct transfer_curve *to, i
 		const double at = STEPS / 2.0 * (1 + cos((2 * i + 1) * M_PI / 6));
 
 		t[i] = (at - 0.5) * 16 / 65536;
-		y[i] = curve(to, piece, at);
+		y[i] = piece_level(to, piece, at);
 	}
 	slope = (y[1] - y[0]) / (t[1] - t[0]);
 	bend = ((y[2] - y[1]) / (t[2] - t[1]) - slope) / (t[2] - t[0]);
 	slope -= bend * (t[0] + t[1]);
-	curves->b[piece] = limited(slope, 24575);
-	curves->c[piece] = limited(bend, 16383);
+	curves->b[piece] = coefficient_limited(slope, 24575);
+	curves->c[piece] = coefficient_limited(bend, 16383);
 	/* Half a level, and what the two floors take away on average. */
 	curves->a[piece] = (uint16_t)lround(y[1] - (slope + bend * t[1]) * t[1] + 128 + 0.5);
 }
 
 /* As mix does it with nothing taken, added or covered. */
-static uint8_t unchanged(const struct kernel_curves *curves, int code)
+static uint8_t recode_one(const struct kernel_curves *curves, int code)
 {
 	static const int32_t none[1];
 	static const uint16_t clear[1];
@@ -72,7 +72,7 @@ void kernel_curves_fill(struct kernel_curves *curves, const struct transfer_curv
 		curves->linear[i] = curves->decode[i];
 	}
 	for (int piece = 0; piece < KERNEL_PIECES; piece++)
-		fit(curves, output, piece);
+		piece_fit(curves, output, piece);
 	for (int piece = 0; piece < KERNEL_PIECES; piece++) {
 		const uint16_t word[3] = {curves->a[piece], (uint16_t)curves->b[piece],
 					  (uint16_t)curves->c[piece]};
@@ -81,5 +81,5 @@ void kernel_curves_fill(struct kernel_curves *curves, const struct transfer_curv
 			curves->bytes[i][piece] = (uint8_t)(word[i / 2] >> (i % 2 * 8));
 	}
 	for (int i = 0; i < 256; i++)
-		curves->recode[i] = unchanged(curves, i);
+		curves->recode[i] = recode_one(curves, i);
 }

@@ -6,9 +6,8 @@
 typedef __m256i vector;
 typedef __m256 vector_float;
 
-#define I(name) _mm256_##name
-#define F(name) _mm256_##name
-#define SI(name) _mm256_##name##_si256
+#define SIMD(name) _mm256_##name
+#define SIMD_BITS(name) _mm256_##name##_si256
 #define AS_FLOAT(x) _mm256_castsi256_ps(x)
 #define LOAD(p) _mm256_loadu_si256((const __m256i *)(p))
 #define LOAD_ALIGNED(p) _mm256_load_si256((const __m256i *)(p))
@@ -22,7 +21,7 @@ typedef __m256 vector_float;
 
 #define LINEAR(pixel) linear[in[4 * (pixel)]]
 
-static inline vector_float linear_of(const struct kernel_row *row, int x, int byte)
+static inline vector_float x86_linear_of(const struct kernel_row *row, int x, int byte)
 {
 	const float *linear = row->curves->linear;
 	const uint8_t *in = row->background + (size_t)x * 4 + byte;
@@ -37,14 +36,14 @@ static inline vector_float linear_of(const struct kernel_row *row, int x, int by
 const struct kernels kernels_avx2 = {
 	.name = "avx2",
 	.supported = kernels_supported_avx2,
-	.sums16 = sums16,
-	.sums8 = sums8,
-	.values16 = values16,
-	.values8 = values8,
-	.split = kernel_c_split,
-	.project = project,
-	.fold = fold,
-	.tint = tint,
-	.place = kernel_c_place,
-	.mix = mix,
+	.sums16 = x86_sums16,
+	.sums8 = x86_sums8,
+	.values16 = x86_values16,
+	.values8 = x86_values8,
+	.split = kernel_c_split, /* borrowed from kernels_c.c */
+	.project = x86_project,
+	.fold = x86_fold,
+	.tint = x86_tint,
+	.place = kernel_c_place, /* borrowed from kernels_c.c */
+	.mix = x86_mix,
 };

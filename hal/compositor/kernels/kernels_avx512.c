@@ -10,22 +10,22 @@
 /* ---- split ---- */
 
 /* Two weights, a channel in each place of int64. */
-static inline __m512i two_of(int64_t (*weight)[KERNEL_WEIGHT])
+static inline __m512i avx512_two_of(int64_t (*weight)[KERNEL_WEIGHT])
 {
 	return _mm512_maskz_loadu_epi64(0x77, weight);
 }
 
-static int digits_needed(int64_t (*weight)[KERNEL_WEIGHT], int count)
+static int avx512_digits_needed(int64_t (*weight)[KERNEL_WEIGHT], int count)
 {
 	__m512i most = _mm512_setzero_si512();
 
 	for (int k = 0; k < count; k += 2)
-		most = _mm512_max_epi64(most, _mm512_abs_epi64(two_of(weight + k)));
+		most = _mm512_max_epi64(most, _mm512_abs_epi64(avx512_two_of(weight + k)));
 	return digits_of(_mm512_reduce_max_epi64(most));
 }
 
 /* All four digits of each int64, one in each of its places of int16. */
-static inline __m512i digits_apart(__m512i x)
+static inline __m512i avx512_digits_apart(__m512i x)
 {
 	const __m512i biased = _mm512_add_epi64(x, _mm512_set1_epi64(DIGITS_BIAS));
 	__m512i y = _mm512_and_si512(biased, _mm512_set1_epi64(4095));
@@ -40,9 +40,9 @@ static inline __m512i digits_apart(__m512i x)
 	return _mm512_sub_epi16(y, _mm512_set1_epi16(DIGIT_HALF));
 }
 
-static int split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
+static int avx512_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 {
-	const int digits = digits_needed(weight, count), step = 2 * 3 * digits;
+	const int digits = avx512_digits_needed(weight, count), step = 2 * 3 * digits;
 	const __mmask32 stored = (__mmask32)((UINT64_C(1) << step) - 1);
 	_Alignas(64) int16_t from[32] = {0};
 	__m512i order;
@@ -54,7 +54,8 @@ static int split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 	for (int k = 0; k < count && digits; k += 2, digit += step)
 		_mm512_mask_storeu_epi16(
 			digit, stored,
-			_mm512_permutexvar_epi16(order, digits_apart(two_of(weight + k))));
+			_mm512_permutexvar_epi16(order,
+						 avx512_digits_apart(avx512_two_of(weight + k))));
 	return digits;
 }
 
@@ -64,8 +65,8 @@ static int split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 #define ROW_RUN (16 * KERNEL_LANE_PRODUCTS)
 
 /* The sums of a run of one row with all planes, channel by channel, added as int64. */
-KERNEL_INLINE void row_run(const int16_t *row, const struct kernel_planes *p, int from, int to,
-			   const int digits, __m512i total[3])
+KERNEL_INLINE void avx512_row_run(const int16_t *row, const struct kernel_planes *p, int from,
+				  int to, const int digits, __m512i total[3])
 {
 	__m512i part[3][KERNEL_DIGITS];
 
@@ -107,7 +108,7 @@ KERNEL_INLINE void row_run(const int16_t *row, const struct kernel_planes *p, in
 }
 
 /* y = the sums over the lanes of each channel. */
-static inline void store_lanes(int64_t *y, const __m512i total[3])
+static inline void avx512_store_lanes(int64_t *y, const __m512i total[3])
 {
 	__m256i half[3], pair, last;
 	__m128i two;
@@ -125,8 +126,9 @@ static inline void store_lanes(int64_t *y, const __m512i total[3])
 	y[2] = _mm_cvtsi128_si64(two);
 }
 
-KERNEL_INLINE void project_of(const int16_t *rows, int count, int stride,
-			      const struct kernel_planes *planes, int64_t (*y)[3], const int digits)
+KERNEL_INLINE void avx512_project_of(const int16_t *rows, int count, int stride,
+				     const struct kernel_planes *planes, int64_t (*y)[3],
+				     const int digits)
 {
 	for (int j = 0; j < count; j++, rows += stride) {
 		__m512i total[3];
@@ -135,14 +137,14 @@ KERNEL_INLINE void project_of(const int16_t *rows, int count, int stride,
 		for (int k = 0; k < stride; k += ROW_RUN) {
 			const int end = stride - k > ROW_RUN ? k + ROW_RUN : stride;
 
-			row_run(rows, planes, k, end, digits, total);
+			avx512_row_run(rows, planes, k, end, digits, total);
 		}
-		store_lanes(y[j], total);
+		avx512_store_lanes(y[j], total);
 	}
 }
 
-static void project(const int16_t *rows, int count, int stride,
-		    const struct kernel_vector vector[3], int64_t (*y)[3])
+static void avx512_project(const int16_t *rows, int count, int stride,
+			   const struct kernel_vector vector[3], int64_t (*y)[3])
 {
 	struct kernel_planes planes;
 
@@ -152,44 +154,45 @@ static void project(const int16_t *rows, int count, int stride,
 		memset(y, 0, (size_t)count * sizeof(*y));
 		break;
 	case 1:
-		project_of(rows, count, stride, &planes, y, 1);
+		avx512_project_of(rows, count, stride, &planes, y, 1);
 		break;
 	case 2:
-		project_of(rows, count, stride, &planes, y, 2);
+		avx512_project_of(rows, count, stride, &planes, y, 2);
 		break;
 	case 3:
-		project_of(rows, count, stride, &planes, y, 3);
+		avx512_project_of(rows, count, stride, &planes, y, 3);
 		break;
 	default:
-		project_of(rows, count, stride, &planes, y, 4);
+		avx512_project_of(rows, count, stride, &planes, y, 4);
 		break;
 	}
 }
 
 /* ---- fold ---- */
 
-KERNEL_INLINE __m512i limit64(__m512i x)
+KERNEL_INLINE __m512i avx512_limit64(__m512i x)
 {
 	return _mm512_max_epi64(_mm512_min_epi64(x, _mm512_set1_epi64(KERNEL_LIMIT)),
 				_mm512_set1_epi64(-(int64_t)KERNEL_LIMIT));
 }
 
-KERNEL_INLINE __m512i rounded(__m512i x, __m512i half, __m128i bits)
+KERNEL_INLINE __m512i avx512_rounded(__m512i x, __m512i half, __m128i bits)
 {
 	return _mm512_sra_epi64(_mm512_add_epi64(x, half), bits);
 }
 
 /* Factors and tints up to 1, which most are, need no limit: their result is no larger. */
-KERNEL_INLINE __m512i tinted(__m512i x, const uint16_t *tint, __mmask8 mask)
+KERNEL_INLINE __m512i avx512_tinted(__m512i x, const uint16_t *tint, __mmask8 mask)
 {
 	const __m512i t = _mm512_cvtepu16_epi64(_mm_maskz_loadu_epi16(mask, tint));
 
-	x = rounded(_mm512_mul_epi32(x, t), _mm512_set1_epi64(1 << 14), _mm_cvtsi32_si128(15));
-	return _mm512_cmpgt_epi64_mask(t, _mm512_set1_epi64(1 << 15)) ? limit64(x) : x;
+	x = avx512_rounded(_mm512_mul_epi32(x, t), _mm512_set1_epi64(1 << 14),
+			   _mm_cvtsi32_si128(15));
+	return _mm512_cmpgt_epi64_mask(t, _mm512_set1_epi64(1 << 15)) ? avx512_limit64(x) : x;
 }
 
-static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
-		 const int32_t *from, int32_t *to)
+static void avx512_fold(const int64_t *sum, int count, int shift, uint32_t factor,
+			const uint16_t *tint, const int32_t *from, int32_t *to)
 {
 	/* The multiplication has signs, and 2^31 none: half of it, one bit less, is the same. */
 	const int whole = factor >> 31 ? 29 : 30;
@@ -201,23 +204,23 @@ static void fold(const int64_t *sum, int count, int shift, uint32_t factor, cons
 	for (int p = 0; p < count; p += 8) {
 		const __mmask8 mask = (__mmask8)(count - p >= 8 ? 0xff : (1 << (count - p)) - 1);
 		const __m512i all = _mm512_maskz_loadu_epi64(mask, sum + p);
-		__m512i x = limit64(rounded(all, half1, bits1));
+		__m512i x = avx512_limit64(avx512_rounded(all, half1, bits1));
 
 		if (factor != 1U << 30)
-			x = rounded(_mm512_mul_epi32(x, f), half2, bits2);
+			x = avx512_rounded(_mm512_mul_epi32(x, f), half2, bits2);
 		if (factor > 1U << 30)
-			x = limit64(x);
+			x = avx512_limit64(x);
 		if (tint)
-			x = tinted(x, tint + p, mask);
+			x = avx512_tinted(x, tint + p, mask);
 		x = _mm512_add_epi64(
 			x, _mm512_cvtepi32_epi64(_mm256_maskz_loadu_epi32(mask, from + p)));
-		_mm256_mask_storeu_epi32(to + p, mask, _mm512_cvtepi64_epi32(limit64(x)));
+		_mm256_mask_storeu_epi32(to + p, mask, _mm512_cvtepi64_epi32(avx512_limit64(x)));
 	}
 }
 
 /* ---- tint, place ---- */
 
-static void tint(int32_t *value, const uint16_t *by, int count)
+static void avx512_tint(int32_t *value, const uint16_t *by, int count)
 {
 	const __m512i half = _mm512_set1_epi32(1 << 14), low = _mm512_set1_epi32((1 << 15) - 1);
 
@@ -237,7 +240,7 @@ static void tint(int32_t *value, const uint16_t *by, int count)
 	}
 }
 
-static void place(const int32_t *value, const uint16_t row[16], int32_t *to)
+static void avx512_place(const int32_t *value, const uint16_t row[16], int32_t *to)
 {
 	const __m512i zero = _mm512_setzero_si512(), limit = _mm512_set1_epi32(KERNEL_LIMIT);
 
@@ -258,14 +261,14 @@ static void place(const int32_t *value, const uint16_t row[16], int32_t *to)
 const struct kernels kernels_avx512 = {
 	.name = "avx512-vnni",
 	.supported = kernels_supported_avx512,
-	.sums16 = sums16,
-	.sums8 = sums8,
-	.values16 = values16,
-	.values8 = values8,
-	.split = split,
-	.project = project,
-	.fold = fold,
-	.tint = tint,
-	.place = place,
-	.mix = mix,
+	.sums16 = avx512_sums16,
+	.sums8 = avx512_sums8,
+	.values16 = avx512_values16,
+	.values8 = avx512_values8,
+	.split = avx512_split,
+	.project = avx512_project,
+	.fold = avx512_fold,
+	.tint = avx512_tint,
+	.place = avx512_place,
+	.mix = avx512_mix,
 };

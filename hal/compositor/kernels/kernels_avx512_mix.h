@@ -2,12 +2,12 @@
 /* mix for AVX-512; part of kernels_avx512.c. */
 
 /* Everything that is looked up stays in registers. */
-struct tables {
+struct avx512_tables {
 	__m512i decode[8], a, b, c;
 };
 
 /* 256 words in 8 registers: four look-ups of 64, of which bits 6 and 7 choose one. */
-KERNEL_INLINE __m512i decoded(const __m512i decode[8], __m512i code)
+KERNEL_INLINE __m512i avx512_decoded(const __m512i decode[8], __m512i code)
 {
 	const __mmask32 bit6 = _mm512_test_epi16_mask(code, _mm512_set1_epi16(64));
 	const __mmask32 bit7 = _mm512_test_epi16_mask(code, _mm512_set1_epi16(128));
@@ -22,7 +22,7 @@ KERNEL_INLINE __m512i decoded(const __m512i decode[8], __m512i code)
 }
 
 /* Words that hold the codes of 32 keys. */
-KERNEL_INLINE __m512i encoded(const struct tables *k, __m512i key)
+KERNEL_INLINE __m512i avx512_encoded(const struct avx512_tables *k, __m512i key)
 {
 	const __m512i piece = _mm512_srli_epi16(key, 11);
 	const __m512i t = _mm512_srli_epi16(_mm512_slli_epi16(key, 5), 1);
@@ -34,8 +34,8 @@ KERNEL_INLINE __m512i encoded(const struct tables *k, __m512i key)
 }
 
 /* The keys of one channel of 16 pixels, not yet clamped. */
-KERNEL_INLINE __m512i keys(const struct kernel_row *row, int c, int x, __mmask16 mask, __m512 left,
-			   __m512i linear)
+KERNEL_INLINE __m512i avx512_keys(const struct kernel_row *row, int c, int x, __mmask16 mask,
+				  __m512 left, __m512i linear)
 {
 	const __m512 object =
 		_mm512_cvtepi32_ps(_mm512_maskz_loadu_epi32(mask, row->object[c] + x));
@@ -54,7 +54,7 @@ KERNEL_INLINE __m512i keys(const struct kernel_row *row, int c, int x, __mmask16
 				_mm512_set1_epi32(KERNEL_KEY_BASE));
 }
 
-KERNEL_INLINE __m512 rest_of(const uint16_t *coverage, __mmask16 mask)
+KERNEL_INLINE __m512 avx512_rest_of(const uint16_t *coverage, __mmask16 mask)
 {
 	const __m512i a = _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(mask, coverage));
 	const __m512i rest = _mm512_sub_epi32(_mm512_sub_epi32(_mm512_set1_epi32(65536), a),
@@ -75,30 +75,30 @@ KERNEL_INLINE __m512 rest_of(const uint16_t *coverage, __mmask16 mask)
 #define PIXELS                                                                                     \
 	_mm512_broadcast_i32x4(_mm_setr_epi8(0, 4, 8, -1, 1, 5, 9, -1, 2, 6, 10, -1, 3, 7, 11, -1))
 
-KERNEL_INLINE void mix16(const struct kernel_row *row, const struct tables *k, int x,
-			 __mmask16 mask)
+KERNEL_INLINE void avx512_mix16(const struct kernel_row *row, const struct avx512_tables *k, int x,
+				__mmask16 mask)
 {
 	const __m512i zero = _mm512_setzero_si512();
 	const __m512i in = _mm512_maskz_loadu_epi32(mask, row->background + (size_t)x * 4);
-	const __m512 left = rest_of(row->coverage + x, mask);
-	const __m512i bg = decoded(k->decode, _mm512_shuffle_epi8(in, WORDS_B_G));
-	const __m512i r = decoded(k->decode, _mm512_shuffle_epi8(in, WORDS_R));
-	const __m512i key_b = keys(row, 2, x, mask, left, _mm512_unpacklo_epi16(bg, zero));
-	const __m512i key_g = keys(row, 1, x, mask, left, _mm512_unpackhi_epi16(bg, zero));
-	const __m512i key_r = keys(row, 0, x, mask, left, _mm512_unpacklo_epi16(r, zero));
+	const __m512 left = avx512_rest_of(row->coverage + x, mask);
+	const __m512i bg = avx512_decoded(k->decode, _mm512_shuffle_epi8(in, WORDS_B_G));
+	const __m512i r = avx512_decoded(k->decode, _mm512_shuffle_epi8(in, WORDS_R));
+	const __m512i key_b = avx512_keys(row, 2, x, mask, left, _mm512_unpacklo_epi16(bg, zero));
+	const __m512i key_g = avx512_keys(row, 1, x, mask, left, _mm512_unpackhi_epi16(bg, zero));
+	const __m512i key_r = avx512_keys(row, 0, x, mask, left, _mm512_unpacklo_epi16(r, zero));
 	/* Packing to words without signs clamps to 0..65535. */
-	const __m512i out_bg = encoded(k, _mm512_packus_epi32(key_b, key_g));
-	const __m512i out_r = encoded(k, _mm512_packus_epi32(key_r, key_r));
+	const __m512i out_bg = avx512_encoded(k, _mm512_packus_epi32(key_b, key_g));
+	const __m512i out_r = avx512_encoded(k, _mm512_packus_epi32(key_r, key_r));
 	const __m512i out = _mm512_shuffle_epi8(_mm512_packus_epi16(out_bg, out_r), PIXELS);
 
 	_mm512_mask_storeu_epi32(row->out + (size_t)x * 4, mask,
 				 _mm512_or_si512(out, _mm512_set1_epi32((int)0xff000000)));
 }
 
-static void mix(const struct kernel_row *rows)
+static void avx512_mix(const struct kernel_row *rows)
 {
 	struct kernel_row row = *rows;
-	struct tables k;
+	struct avx512_tables k;
 
 	for (int i = 0; i < 8; i++)
 		k.decode[i] = _mm512_load_si512(row.curves->decode + 32 * i);
@@ -109,8 +109,8 @@ static void mix(const struct kernel_row *rows)
 		const int whole = row.count / 16 * 16;
 
 		for (int x = 0; x < whole; x += 16)
-			mix16(&row, &k, x, 0xffff);
+			avx512_mix16(&row, &k, x, 0xffff);
 		if (whole < row.count)
-			mix16(&row, &k, whole, (__mmask16)((1 << (row.count - whole)) - 1));
+			avx512_mix16(&row, &k, whole, (__mmask16)((1 << (row.count - whole)) - 1));
 	}
 }

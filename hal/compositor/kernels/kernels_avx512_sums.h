@@ -2,7 +2,7 @@
 /* Sums and values of lines for AVX-512; part of kernels_avx512.c. */
 
 /* 32 pixels of a line as int16: all of it, or a half of a line of bytes. */
-KERNEL_INLINE __m512i line_of(const void *lines, size_t at, int half, const bool bytes)
+KERNEL_INLINE __m512i avx512_line_of(const void *lines, size_t at, int half, const bool bytes)
 {
 	const char *from = (const char *)lines + at;
 
@@ -10,7 +10,7 @@ KERNEL_INLINE __m512i line_of(const void *lines, size_t at, int half, const bool
 		     : _mm512_load_si512(from);
 }
 
-KERNEL_INLINE void begin(__m512i acc[3][KERNEL_DIGITS][2], const int digits)
+KERNEL_INLINE void avx512_begin(__m512i acc[3][KERNEL_DIGITS][2], const int digits)
 {
 	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++) {
@@ -34,9 +34,9 @@ KERNEL_INLINE void begin(__m512i acc[3][KERNEL_DIGITS][2], const int digits)
  * be split in two for it, so there are twice the products and twice the sums in registers;
  * measured, it is a twentieth faster for one digit, a tenth slower for two and far slower beyond.
  */
-KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int from, int to,
-			  int half, const bool bytes, const bool shared, const int digits,
-			  __m512i acc[3][KERNEL_DIGITS][2])
+KERNEL_INLINE void avx512_run_of(const void *lines, const struct kernel_weights *w, int from,
+				 int to, int half, const bool bytes, const bool shared,
+				 const int digits, __m512i acc[3][KERNEL_DIGITS][2])
 {
 	const int16_t *digit = kernel_digit(w, from, 0, 0);
 	__m512i low, high;
@@ -47,8 +47,8 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++) {
 			if (!c || !shared) {
-				const __m512i a = line_of(lines, one, half, bytes);
-				const __m512i b = line_of(lines, next, half, bytes);
+				const __m512i a = avx512_line_of(lines, one, half, bytes);
+				const __m512i b = avx512_line_of(lines, next, half, bytes);
 
 				low = _mm512_unpacklo_epi16(a, b);
 				high = _mm512_unpackhi_epi16(a, b);
@@ -71,8 +71,8 @@ KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int
 
 /* What is above 16 bits goes to where 1 counts 65536, so that there is room for one run more:
  * 32 * 32767 * 2048 + 65535 < 2^31 just so. Of 2^16 lines 2^26 is the most that goes there. */
-KERNEL_INLINE void carry(__m512i acc[3][KERNEL_DIGITS][2], __m512i above[3][KERNEL_DIGITS][2],
-			 const int digits)
+KERNEL_INLINE void avx512_carry(__m512i acc[3][KERNEL_DIGITS][2],
+				__m512i above[3][KERNEL_DIGITS][2], const int digits)
 {
 	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++) {
@@ -90,7 +90,7 @@ KERNEL_INLINE void carry(__m512i acc[3][KERNEL_DIGITS][2], __m512i above[3][KERN
 }
 
 /* 8 of 16 int32. */
-KERNEL_INLINE __m512i widened(__m512i x, int half)
+KERNEL_INLINE __m512i avx512_widened(__m512i x, int half)
 {
 	return _mm512_cvtepi32_epi64(half ? _mm512_extracti64x4_epi64(x, 1)
 					  : _mm512_castsi512_si256(x));
@@ -98,23 +98,24 @@ KERNEL_INLINE __m512i widened(__m512i x, int half)
 
 /* sum over the digits of (acc_d + 65536 above_d) * 4096^d, of 8 pixels; above is NULL where nothing
  * was carried. */
-KERNEL_INLINE __m512i combined(__m512i acc[KERNEL_DIGITS][2], __m512i above[KERNEL_DIGITS][2],
-			       int which, int half, const int digits)
+KERNEL_INLINE __m512i avx512_combined(__m512i acc[KERNEL_DIGITS][2],
+				      __m512i above[KERNEL_DIGITS][2], int which, int half,
+				      const int digits)
 {
 	__m512i sum = _mm512_setzero_si512();
 
 	KERNEL_UNROLL
 	for (int d = digits - 1; d >= 0; d--) {
 		sum = _mm512_add_epi64(_mm512_slli_epi64(sum, KERNEL_DIGIT_BITS),
-				       widened(acc[d][which], half));
+				       avx512_widened(acc[d][which], half));
 		if (above)
 			sum = _mm512_add_epi64(
-				sum, _mm512_slli_epi64(widened(above[d][which], half), 16));
+				sum, _mm512_slli_epi64(avx512_widened(above[d][which], half), 16));
 	}
 	return sum;
 }
 
-KERNEL_INLINE void add_to(int64_t *sum, __m512i more, __m128i shift, __mmask8 old)
+KERNEL_INLINE void avx512_add_to(int64_t *sum, __m512i more, __m128i shift, __mmask8 old)
 {
 	const __m512i before = _mm512_maskz_loadu_epi64(old, sum);
 
@@ -122,7 +123,7 @@ KERNEL_INLINE void add_to(int64_t *sum, __m512i more, __m128i shift, __mmask8 ol
 }
 
 /* Whether nearly all lines follow each other: the processor fetches these by itself. */
-KERNEL_INLINE bool is_stream(const struct kernel_weights *w)
+KERNEL_INLINE bool avx512_is_stream(const struct kernel_weights *w)
 {
 	const uint32_t across = w->line[w->count - 2] - w->line[0];
 
@@ -130,98 +131,102 @@ KERNEL_INLINE bool is_stream(const struct kernel_weights *w)
 }
 
 /* The sums of 32 pixels; many: in more than one run. */
-KERNEL_INLINE void half_of(const void *lines, const struct kernel_weights *w, int half,
-			   int64_t *const *sum, const bool bytes, const bool shared,
-			   const int digits, const bool many)
+KERNEL_INLINE void avx512_half_of(const void *lines, const struct kernel_weights *w, int half,
+				  int64_t *const *sum, const bool bytes, const bool shared,
+				  const int digits, const bool many)
 {
 	const __m128i shift = _mm_cvtsi32_si128(w->shift);
 	const __mmask8 old = w->fresh ? 0 : 0xff;
-	const bool stream = many && is_stream(w);
+	const bool stream = many && avx512_is_stream(w);
 	__m512i acc[3][KERNEL_DIGITS][2], above[3][KERNEL_DIGITS][2];
 	int k = 0;
 
-	begin(acc, digits);
+	avx512_begin(acc, digits);
 	if (many)
-		begin(above, digits);
+		avx512_begin(above, digits);
 	do {
 		const int end = kernel_run_end(w, k, bytes);
 
 		for (int c = 0; c < (shared ? 1 : 3) && many && !stream; c++)
 			kernel_fetch((const char *)lines + (size_t)c * w->channel, w, end,
 				     kernel_run_end(w, end, bytes));
-		run_of(lines, w, k, end, half, bytes, shared, digits, acc);
+		avx512_run_of(lines, w, k, end, half, bytes, shared, digits, acc);
 		if (many)
-			carry(acc, above, digits);
+			avx512_carry(acc, above, digits);
 		k = end;
 	} while (many && k < w->count);
 	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++) {
 		KERNEL_UNROLL
 		for (int i = 0; i < 2; i++) { /* 0-3, 8-11 and 4-7, 12-15 into order */
-			const __m512i low = combined(acc[c], many ? above[c] : NULL, 0, i, digits);
-			const __m512i high = combined(acc[c], many ? above[c] : NULL, 1, i, digits);
+			const __m512i low = avx512_combined(acc[c], many ? above[c] : NULL, 0, i,
+							    digits);
+			const __m512i high = avx512_combined(acc[c], many ? above[c] : NULL, 1, i,
+							     digits);
 			int64_t *to = sum[c] + 32 * half + 16 * i;
 
-			add_to(to, _mm512_shuffle_i64x2(low, high, 0x44), shift, old);
-			add_to(to + 8, _mm512_shuffle_i64x2(low, high, 0xee), shift, old);
+			avx512_add_to(to, _mm512_shuffle_i64x2(low, high, 0x44), shift, old);
+			avx512_add_to(to + 8, _mm512_shuffle_i64x2(low, high, 0xee), shift, old);
 		}
 	}
 }
 
-KERNEL_INLINE void pixels_of(const void *lines, const struct kernel_weights *w, int64_t *const *sum,
-			     const bool bytes, const bool shared, const int digits)
+KERNEL_INLINE void avx512_pixels_of(const void *lines, const struct kernel_weights *w,
+				    int64_t *const *sum, const bool bytes, const bool shared,
+				    const int digits)
 {
 	const int run = bytes ? KERNEL_RUN8 : KERNEL_RUN;
 
 	for (int half = 0; half < 1 + bytes; half++) {
 		if (w->count <= run)
-			half_of(lines, w, half, sum, bytes, shared, digits, false);
+			avx512_half_of(lines, w, half, sum, bytes, shared, digits, false);
 		else
-			half_of(lines, w, half, sum, bytes, shared, digits, true);
+			avx512_half_of(lines, w, half, sum, bytes, shared, digits, true);
 	}
 }
 
-KERNEL_INLINE void sums_of(const void *lines, const struct kernel_weights *w, int64_t *const *sum,
-			   const bool bytes, const bool shared)
+KERNEL_INLINE void avx512_sums_of(const void *lines, const struct kernel_weights *w,
+				  int64_t *const *sum, const bool bytes, const bool shared)
 {
 	switch (w->digits) {
 	case 1:
-		pixels_of(lines, w, sum, bytes, shared, 1);
+		avx512_pixels_of(lines, w, sum, bytes, shared, 1);
 		break;
 	case 2:
-		pixels_of(lines, w, sum, bytes, shared, 2);
+		avx512_pixels_of(lines, w, sum, bytes, shared, 2);
 		break;
 	case 3:
-		pixels_of(lines, w, sum, bytes, shared, 3);
+		avx512_pixels_of(lines, w, sum, bytes, shared, 3);
 		break;
 	default:
-		pixels_of(lines, w, sum, bytes, shared, 4);
+		avx512_pixels_of(lines, w, sum, bytes, shared, 4);
 		break;
 	}
 }
 
-static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+static void avx512_sums16(const int16_t *lines, const struct kernel_weights *w,
+			  int64_t *const sum[3])
 {
 	if (w->channel)
-		sums_of(lines, w, sum, false, false);
+		avx512_sums_of(lines, w, sum, false, false);
 	else
-		sums_of(lines, w, sum, false, true);
+		avx512_sums_of(lines, w, sum, false, true);
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+static void avx512_sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
 	if (w->channel)
-		sums_of(lines, w, sum, true, false);
+		avx512_sums_of(lines, w, sum, true, false);
 	else
-		sums_of(lines, w, sum, true, true);
+		avx512_sums_of(lines, w, sum, true, true);
 }
 
 /* ---- values ---- */
 
 /* acc_d * 4096^d over the digits, rounded and shifted down, modulo 2^32. acc_0 has room for the
  * half: 32 * 32767 * 2048 + 2048 < 2^31. */
-KERNEL_INLINE __m512i value_of(__m512i acc[KERNEL_DIGITS][2], int which, const bool bytes,
-			       const int digits)
+KERNEL_INLINE __m512i avx512_value_of(__m512i acc[KERNEL_DIGITS][2], int which, const bool bytes,
+				      const int digits)
 {
 	const int down = bytes ? KERNEL_VALUE_SHIFT8 : KERNEL_VALUE_SHIFT16;
 	__m512i x = _mm512_srai_epi32(
@@ -236,16 +241,16 @@ KERNEL_INLINE __m512i value_of(__m512i acc[KERNEL_DIGITS][2], int which, const b
 	return x;
 }
 
-KERNEL_INLINE void add_values(int32_t *value, __m512i more, __mmask16 old)
+KERNEL_INLINE void avx512_add_values(int32_t *value, __m512i more, __mmask16 old)
 {
 	const __m512i before = _mm512_maskz_loadu_epi32(old, value);
 
 	_mm512_storeu_si512(value, _mm512_add_epi32(before, more));
 }
 
-KERNEL_INLINE void values_of(const void *lines, const struct kernel_weights *w,
-			     int32_t *const *value, const bool bytes, const bool shared,
-			     const int digits)
+KERNEL_INLINE void avx512_values_of(const void *lines, const struct kernel_weights *w,
+				    int32_t *const *value, const bool bytes, const bool shared,
+				    const int digits)
 {
 	/* Fours of pixels, as unpacking leaves them, into order. */
 	const __m512i lower = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0);
@@ -254,51 +259,53 @@ KERNEL_INLINE void values_of(const void *lines, const struct kernel_weights *w,
 	__m512i acc[3][KERNEL_DIGITS][2];
 
 	for (int half = 0; half < 1 + bytes; half++) {
-		begin(acc, digits);
-		run_of(lines, w, 0, w->count, half, bytes, shared, digits, acc);
+		avx512_begin(acc, digits);
+		avx512_run_of(lines, w, 0, w->count, half, bytes, shared, digits, acc);
 		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++) {
-			const __m512i a = value_of(acc[c], 0, bytes, digits);
-			const __m512i b = value_of(acc[c], 1, bytes, digits);
+			const __m512i a = avx512_value_of(acc[c], 0, bytes, digits);
+			const __m512i b = avx512_value_of(acc[c], 1, bytes, digits);
 			int32_t *to = value[c] + 32 * half;
 
-			add_values(to, _mm512_permutex2var_epi64(a, lower, b), old);
-			add_values(to + 16, _mm512_permutex2var_epi64(a, upper, b), old);
+			avx512_add_values(to, _mm512_permutex2var_epi64(a, lower, b), old);
+			avx512_add_values(to + 16, _mm512_permutex2var_epi64(a, upper, b), old);
 		}
 	}
 }
 
-KERNEL_INLINE void values(const void *lines, const struct kernel_weights *w, int32_t *const *value,
-			  const bool bytes, const bool shared)
+KERNEL_INLINE void avx512_values(const void *lines, const struct kernel_weights *w,
+				 int32_t *const *value, const bool bytes, const bool shared)
 {
 	switch (w->digits) {
 	case 1:
-		values_of(lines, w, value, bytes, shared, 1);
+		avx512_values_of(lines, w, value, bytes, shared, 1);
 		break;
 	case 2:
-		values_of(lines, w, value, bytes, shared, 2);
+		avx512_values_of(lines, w, value, bytes, shared, 2);
 		break;
 	case 3:
-		values_of(lines, w, value, bytes, shared, 3);
+		avx512_values_of(lines, w, value, bytes, shared, 3);
 		break;
 	default:
-		values_of(lines, w, value, bytes, shared, 4);
+		avx512_values_of(lines, w, value, bytes, shared, 4);
 		break;
 	}
 }
 
-static void values16(const int16_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+static void avx512_values16(const int16_t *lines, const struct kernel_weights *w,
+			    int32_t *const value[3])
 {
 	if (w->channel)
-		values(lines, w, value, false, false);
+		avx512_values(lines, w, value, false, false);
 	else
-		values(lines, w, value, false, true);
+		avx512_values(lines, w, value, false, true);
 }
 
-static void values8(const int8_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+static void avx512_values8(const int8_t *lines, const struct kernel_weights *w,
+			   int32_t *const value[3])
 {
 	if (w->channel)
-		values(lines, w, value, true, false);
+		avx512_values(lines, w, value, true, false);
 	else
-		values(lines, w, value, true, true);
+		avx512_values(lines, w, value, true, true);
 }

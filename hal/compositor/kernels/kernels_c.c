@@ -5,19 +5,20 @@
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/kernels/kernels_isa.h"
 
-static bool always(void)
+static bool kernel_c_supported(void)
 {
 	return true;
 }
 
 /* Unsigned, because parts of a sum may pass 2^63 and come back: the whole does not, and is exact.
  */
-static void add(int64_t *sum, int64_t more, int shift)
+static void sum_add(int64_t *sum, int64_t more, int shift)
 {
 	*sum = (int64_t)((uint64_t)*sum + ((uint64_t)more << shift));
 }
 
-static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+static void kernel_c_sums16(const int16_t *lines, const struct kernel_weights *w,
+			    int64_t *const sum[3])
 {
 	for (int c = 0; c < 3; c++) {
 		if (w->fresh)
@@ -32,13 +33,14 @@ static void sums16(const int16_t *lines, const struct kernel_weights *w, int64_t
 				const int shift = w->shift + d * KERNEL_DIGIT_BITS;
 
 				for (int p = 0; p < KERNEL_LINE16; p++)
-					add(&sum[c][p], line[p] * weight, shift);
+					sum_add(&sum[c][p], line[p] * weight, shift);
 			}
 		}
 	}
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+static void kernel_c_sums8(const int8_t *lines, const struct kernel_weights *w,
+			   int64_t *const sum[3])
 {
 	for (int c = 0; c < 3; c++) {
 		if (w->fresh)
@@ -51,14 +53,15 @@ static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *
 				const int shift = w->shift + d * KERNEL_DIGIT_BITS;
 
 				for (int p = 0; p < KERNEL_LINE8; p++)
-					add(&sum[c][p], line[p] * weight, shift);
+					sum_add(&sum[c][p], line[p] * weight, shift);
 			}
 		}
 	}
 }
 
 /* Sums, rounded. */
-static void add_values(int32_t *value, const int64_t *sum, int count, int shift, bool fresh)
+static void kernel_c_add_values(int32_t *value, const int64_t *sum, int count, int shift,
+				bool fresh)
 {
 	for (int p = 0; p < count; p++) {
 		const uint32_t before = fresh ? 0 : (uint32_t)value[p];
@@ -67,28 +70,31 @@ static void add_values(int32_t *value, const int64_t *sum, int count, int shift,
 	}
 }
 
-static void values16(const int16_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+static void kernel_c_values16(const int16_t *lines, const struct kernel_weights *w,
+			      int32_t *const value[3])
 {
 	struct kernel_weights exact = *w;
 	int64_t sum[3][KERNEL_LINE16];
 
 	exact.shift = 0;
 	exact.fresh = true;
-	sums16(lines, &exact, (int64_t *const[3]){sum[0], sum[1], sum[2]});
+	kernel_c_sums16(lines, &exact, (int64_t *const[3]){sum[0], sum[1], sum[2]});
 	for (int c = 0; c < 3; c++)
-		add_values(value[c], sum[c], KERNEL_LINE16, KERNEL_VALUE_SHIFT16, w->fresh);
+		kernel_c_add_values(value[c], sum[c], KERNEL_LINE16, KERNEL_VALUE_SHIFT16,
+				    w->fresh);
 }
 
-static void values8(const int8_t *lines, const struct kernel_weights *w, int32_t *const value[3])
+static void kernel_c_values8(const int8_t *lines, const struct kernel_weights *w,
+			     int32_t *const value[3])
 {
 	struct kernel_weights exact = *w;
 	int64_t sum[3][KERNEL_LINE8];
 
 	exact.shift = 0;
 	exact.fresh = true;
-	sums8(lines, &exact, (int64_t *const[3]){sum[0], sum[1], sum[2]});
+	kernel_c_sums8(lines, &exact, (int64_t *const[3]){sum[0], sum[1], sum[2]});
 	for (int c = 0; c < 3; c++)
-		add_values(value[c], sum[c], KERNEL_LINE8, KERNEL_VALUE_SHIFT8, w->fresh);
+		kernel_c_add_values(value[c], sum[c], KERNEL_LINE8, KERNEL_VALUE_SHIFT8, w->fresh);
 }
 
 int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
@@ -122,7 +128,7 @@ int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 	return digits;
 }
 
-static int64_t dot(const int16_t *row, const int16_t *digit, int count)
+static int64_t digits_dot(const int16_t *row, const int16_t *digit, int count)
 {
 	int64_t sum = 0;
 
@@ -136,36 +142,36 @@ static int64_t dot(const int16_t *row, const int16_t *digit, int count)
 	return sum;
 }
 
-static void project(const int16_t *rows, int count, int stride,
-		    const struct kernel_vector vector[3], int64_t (*y)[3])
+static void kernel_c_project(const int16_t *rows, int count, int stride,
+			     const struct kernel_vector vector[3], int64_t (*y)[3])
 {
 	for (int j = 0; j < count; j++, rows += stride) {
 		for (int c = 0; c < 3; c++) {
 			uint64_t sum = 0;
 
 			for (int d = 0; d < vector[c].digits; d++)
-				sum += (uint64_t)dot(rows, vector[c].digit[d], stride)
+				sum += (uint64_t)digits_dot(rows, vector[c].digit[d], stride)
 				       << d * KERNEL_DIGIT_BITS;
 			y[j][c] = (int64_t)sum;
 		}
 	}
 }
 
-static int64_t clamp(int64_t x)
+static int64_t clamp_to_limit(int64_t x)
 {
 	return x > KERNEL_LIMIT ? KERNEL_LIMIT : x < -KERNEL_LIMIT ? -KERNEL_LIMIT : x;
 }
 
-static void fold(const int64_t *sum, int count, int shift, uint32_t factor, const uint16_t *tint,
-		 const int32_t *from, int32_t *to)
+static void kernel_c_fold(const int64_t *sum, int count, int shift, uint32_t factor,
+			  const uint16_t *tint, const int32_t *from, int32_t *to)
 {
 	for (int p = 0; p < count; p++) {
-		int64_t x = clamp(round_shift(sum[p], shift));
+		int64_t x = clamp_to_limit(round_shift(sum[p], shift));
 
-		x = clamp(round_shift(x * factor, 30));
+		x = clamp_to_limit(round_shift(x * factor, 30));
 		if (tint)
-			x = clamp(round_shift(x * tint[p], 15));
-		to[p] = (int32_t)clamp(from[p] + x);
+			x = clamp_to_limit(round_shift(x * tint[p], 15));
+		to[p] = (int32_t)clamp_to_limit(from[p] + x);
 	}
 }
 
@@ -181,12 +187,12 @@ void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to)
 		for (unsigned bits = row[y]; bits; bits &= bits - 1) {
 			const int x = __builtin_ctz(bits);
 
-			to[x] = (int32_t)clamp((int64_t)to[x] + *value++);
+			to[x] = (int32_t)clamp_to_limit((int64_t)to[x] + *value++);
 		}
 	}
 }
 
-static uint8_t encode(const struct kernel_curves *k, float v)
+static uint8_t curve_encode(const struct kernel_curves *k, float v)
 {
 	int32_t bits, key, t, slope;
 
@@ -199,18 +205,19 @@ static uint8_t encode(const struct kernel_curves *k, float v)
 	return (uint8_t)((k->a[key] + ((slope * t) >> 16)) >> 8);
 }
 
-static uint8_t mix_one(int32_t object, int32_t taken, float left, uint8_t background,
-		       const struct kernel_curves *curves)
+static uint8_t kernel_c_mix_one(int32_t object, int32_t taken, float left, uint8_t background,
+				const struct kernel_curves *curves)
 {
 	float ratio = 1.0f - (float)taken * 0x1p-24f;
 
 	ratio = ratio > 0.0f ? ratio : 0.0f;
 	ratio = ratio < 16.0f ? ratio : 16.0f;
-	return encode(curves, (ratio * left) * curves->linear[background] +
-				      ((float)object * (KERNEL_WHITE * 0x1p-24f) + KERNEL_BLACK));
+	return curve_encode(curves,
+			    (ratio * left) * curves->linear[background] +
+				    ((float)object * (KERNEL_WHITE * 0x1p-24f) + KERNEL_BLACK));
 }
 
-static void mix_row(const struct kernel_row *row)
+static void kernel_c_mix_row(const struct kernel_row *row)
 {
 	for (int x = 0; x < row->count; x++) {
 		const uint8_t *in = row->background + (size_t)x * 4;
@@ -220,31 +227,31 @@ static void mix_row(const struct kernel_row *row)
 		const float left = (float)rest * (KERNEL_WHITE / 65535 / 65536);
 
 		for (int c = 0; c < 3; c++) /* R, G, B lie at bytes 2, 1, 0 */
-			out[2 - c] = mix_one(row->object[c][x], row->taken[c][x], left, in[2 - c],
-					     row->curves);
+			out[2 - c] = kernel_c_mix_one(row->object[c][x], row->taken[c][x], left,
+						      in[2 - c], row->curves);
 		out[3] = 255;
 	}
 }
 
-static void mix(const struct kernel_row *rows)
+static void kernel_c_mix(const struct kernel_row *rows)
 {
 	struct kernel_row row = *rows;
 
 	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row))
-		mix_row(&row);
+		kernel_c_mix_row(&row);
 }
 
 const struct kernels kernels_c = {
 	.name = "c",
-	.supported = always,
-	.sums16 = sums16,
-	.sums8 = sums8,
-	.values16 = values16,
-	.values8 = values8,
+	.supported = kernel_c_supported,
+	.sums16 = kernel_c_sums16,
+	.sums8 = kernel_c_sums8,
+	.values16 = kernel_c_values16,
+	.values8 = kernel_c_values8,
 	.split = kernel_c_split,
-	.project = project,
-	.fold = fold,
+	.project = kernel_c_project,
+	.fold = kernel_c_fold,
 	.tint = kernel_c_tint,
 	.place = kernel_c_place,
-	.mix = mix,
+	.mix = kernel_c_mix,
 };

@@ -5,7 +5,8 @@
 
 /* 32 pixels of a line, one after the other: the widening multiply-and-add needs no pairs. Below
  * 2^31 for a run of KERNEL_RUN lines. */
-KERNEL_INLINE void line_of(const void *lines, size_t at, int p, const bool bytes, int16x8_t x[4])
+KERNEL_INLINE void neon_line_of(const void *lines, size_t at, int p, const bool bytes,
+				int16x8_t x[4])
 {
 	if (bytes) {
 		const int8_t *from = (const int8_t *)lines + at + p;
@@ -25,7 +26,8 @@ KERNEL_INLINE void line_of(const void *lines, size_t at, int p, const bool bytes
 }
 
 /* sum[0..3] += (part[0] + part[1] * 4096) * 2^shift, modulo 2^64 */
-KERNEL_INLINE void add_to(int64_t *sum, const int32x4_t part[2], int64x2_t shift, const int digits)
+KERNEL_INLINE void neon_add_to(int64_t *sum, const int32x4_t part[2], int64x2_t shift,
+			       const int digits)
 {
 	int64x2_t low = vmovl_s32(vget_low_s32(part[0])), high = vmovl_high_s32(part[0]);
 
@@ -38,9 +40,9 @@ KERNEL_INLINE void add_to(int64_t *sum, const int32x4_t part[2], int64x2_t shift
 }
 
 /* A run of lines, 32 pixels of a channel, one or two digits: 8 or 16 sums of four. */
-KERNEL_INLINE void add_run(const void *lines, const struct kernel_weights *w, int c, int first,
-			   int from, int to, int p, const bool bytes, const int digits,
-			   int32x4_t part[8][2])
+KERNEL_INLINE void neon_add_run(const void *lines, const struct kernel_weights *w, int c, int first,
+				int from, int to, int p, const bool bytes, const int digits,
+				int32x4_t part[8][2])
 {
 	int16x8_t x[4];
 
@@ -48,7 +50,7 @@ KERNEL_INLINE void add_run(const void *lines, const struct kernel_weights *w, in
 	for (int i = 0; i < 8; i++)
 		part[i][0] = part[i][1] = vdupq_n_s32(0);
 	for (int k = from; k < to; k++) {
-		line_of(lines, w->line[k] * w->step, p, bytes, x);
+		neon_line_of(lines, w->line[k] * w->step, p, bytes, x);
 		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
 			const int16x8_t weight = vld1q_dup_s16(kernel_digit(w, k, c, first + d));
@@ -64,32 +66,33 @@ KERNEL_INLINE void add_run(const void *lines, const struct kernel_weights *w, in
 	}
 }
 
-KERNEL_INLINE void run_of(const void *lines, const struct kernel_weights *w, int c, int first,
-			  int from, int to, int p, int64_t *sum, const bool bytes, const int digits)
+KERNEL_INLINE void neon_run_of(const void *lines, const struct kernel_weights *w, int c, int first,
+			       int from, int to, int p, int64_t *sum, const bool bytes,
+			       const int digits)
 {
 	const int64x2_t shift = vdupq_n_s64(w->shift + first * KERNEL_DIGIT_BITS);
 	int32x4_t part[8][2];
 
-	add_run(lines, w, c, first, from, to, p, bytes, digits, part);
+	neon_add_run(lines, w, c, first, from, to, p, bytes, digits, part);
 	KERNEL_UNROLL
 	for (int i = 0; i < 8; i++)
-		add_to(sum + p + 4 * i, part[i], shift, digits);
+		neon_add_to(sum + p + 4 * i, part[i], shift, digits);
 }
 
-KERNEL_INLINE void channel_of(const void *lines, const struct kernel_weights *w, int c, int from,
-			      int to, int p, int64_t *sum, const bool bytes)
+KERNEL_INLINE void neon_channel_of(const void *lines, const struct kernel_weights *w, int c,
+				   int from, int to, int p, int64_t *sum, const bool bytes)
 {
 	lines = (const char *)lines + (size_t)c * w->channel;
 	for (int d = 0; d < w->digits; d += 2) {
 		if (w->digits - d >= 2)
-			run_of(lines, w, c, d, from, to, p, sum, bytes, 2);
+			neon_run_of(lines, w, c, d, from, to, p, sum, bytes, 2);
 		else
-			run_of(lines, w, c, d, from, to, p, sum, bytes, 1);
+			neon_run_of(lines, w, c, d, from, to, p, sum, bytes, 1);
 	}
 }
 
-KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64_t *const sum[3],
-			const bool bytes)
+KERNEL_INLINE void neon_sums(const void *lines, const struct kernel_weights *w,
+			     int64_t *const sum[3], const bool bytes)
 {
 	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
 
@@ -99,27 +102,28 @@ KERNEL_INLINE void sums(const void *lines, const struct kernel_weights *w, int64
 		kernel_fetch(lines, w, end, kernel_run_end(w, end, bytes));
 		for (int p = 0; p < pixels; p += 32) {
 			for (int c = 0; c < 3; c++)
-				channel_of(lines, w, c, k, end, p, sum[c], bytes);
+				neon_channel_of(lines, w, c, k, end, p, sum[c], bytes);
 		}
 	}
 }
 
 void kernel_neon_sums16(const int16_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
 {
-	sums(lines, w, sum, false);
+	neon_sums(lines, w, sum, false);
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+static void kernel_neon_sums8(const int8_t *lines, const struct kernel_weights *w,
+			      int64_t *const sum[3])
 {
-	sums(lines, w, sum, true);
+	neon_sums(lines, w, sum, true);
 }
 
 /* ---- values16, values8 ---- */
 
 /* (part[0] + 4096 part[1]) * 4096^first, rounded and shifted down, modulo 2^32: a shift by a
  * negative number rounds, without overflow; one by 32 or more leaves nothing. */
-KERNEL_INLINE int32x4_t value_of(const int32x4_t part[2], const bool bytes, const int first,
-				 const int digits)
+KERNEL_INLINE int32x4_t neon_value_of(const int32x4_t part[2], const bool bytes, const int first,
+				      const int digits)
 {
 	const int down = bytes ? KERNEL_VALUE_SHIFT8 : KERNEL_VALUE_SHIFT16;
 	const int up = first * KERNEL_DIGIT_BITS - down;
@@ -129,24 +133,25 @@ KERNEL_INLINE int32x4_t value_of(const int32x4_t part[2], const bool bytes, cons
 			   : x;
 }
 
-KERNEL_INLINE void value_run(const void *lines, const struct kernel_weights *w, int c, int p,
-			     int32_t *value, const bool bytes, const int first, const int digits)
+KERNEL_INLINE void neon_value_run(const void *lines, const struct kernel_weights *w, int c, int p,
+				  int32_t *value, const bool bytes, const int first,
+				  const int digits)
 {
 	const bool old = first || !w->fresh;
 	int32x4_t part[8][2];
 
-	add_run(lines, w, c, first, 0, w->count, p, bytes, digits, part);
+	neon_add_run(lines, w, c, first, 0, w->count, p, bytes, digits, part);
 	KERNEL_UNROLL
 	for (int i = 0; i < 8; i++) {
 		int32_t *to = value + p + 4 * i;
-		const int32x4_t more = value_of(part[i], bytes, first, digits);
+		const int32x4_t more = neon_value_of(part[i], bytes, first, digits);
 
 		vst1q_s32(to, old ? vaddq_s32(vld1q_s32(to), more) : more);
 	}
 }
 
-KERNEL_INLINE void values(const void *lines, const struct kernel_weights *w,
-			  int32_t *const value[3], const bool bytes)
+KERNEL_INLINE void neon_values(const void *lines, const struct kernel_weights *w,
+			       int32_t *const value[3], const bool bytes)
 {
 	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
 
@@ -155,13 +160,13 @@ KERNEL_INLINE void values(const void *lines, const struct kernel_weights *w,
 
 		for (int p = 0; p < pixels; p += 32) {
 			if (w->digits >= 2)
-				value_run(from, w, c, p, value[c], bytes, 0, 2);
+				neon_value_run(from, w, c, p, value[c], bytes, 0, 2);
 			else
-				value_run(from, w, c, p, value[c], bytes, 0, 1);
+				neon_value_run(from, w, c, p, value[c], bytes, 0, 1);
 			if (w->digits == 4)
-				value_run(from, w, c, p, value[c], bytes, 2, 2);
+				neon_value_run(from, w, c, p, value[c], bytes, 2, 2);
 			else if (w->digits == 3)
-				value_run(from, w, c, p, value[c], bytes, 2, 1);
+				neon_value_run(from, w, c, p, value[c], bytes, 2, 1);
 		}
 	}
 }
@@ -169,13 +174,13 @@ KERNEL_INLINE void values(const void *lines, const struct kernel_weights *w,
 void kernel_neon_values16(const int16_t *lines, const struct kernel_weights *w,
 			  int32_t *const value[3])
 {
-	values(lines, w, value, false);
+	neon_values(lines, w, value, false);
 }
 
 void kernel_neon_values8(const int8_t *lines, const struct kernel_weights *w,
 			 int32_t *const value[3])
 {
-	values(lines, w, value, true);
+	neon_values(lines, w, value, true);
 }
 
 /* ---- project ---- */
@@ -184,8 +189,8 @@ void kernel_neon_values8(const int8_t *lines, const struct kernel_weights *w,
 #define ROW_RUN (4 * KERNEL_LANE_PRODUCTS)
 
 /* One row times one or two digits of all channels, in int64. */
-KERNEL_INLINE void row_of(const int16_t *row, int stride, const struct kernel_planes *planes,
-			  int first, int64x2_t total[3][2], const int digits)
+KERNEL_INLINE void neon_row_of(const int16_t *row, int stride, const struct kernel_planes *planes,
+			       int first, int64x2_t total[3][2], const int digits)
 {
 	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++)
@@ -233,9 +238,9 @@ void kernel_neon_project(const int16_t *rows, int count, int stride,
 		y[j][0] = y[j][1] = y[j][2] = 0;
 		for (int d = 0; d < planes.digits; d += 2) {
 			if (planes.digits - d >= 2)
-				row_of(rows, stride, &planes, d, total, 2);
+				neon_row_of(rows, stride, &planes, d, total, 2);
 			else
-				row_of(rows, stride, &planes, d, total, 1);
+				neon_row_of(rows, stride, &planes, d, total, 1);
 			for (int c = 0; c < 3; c++) {
 				const uint64_t low = (uint64_t)vaddvq_s64(total[c][0]);
 				const uint64_t high = (uint64_t)vaddvq_s64(total[c][1]);
@@ -251,7 +256,7 @@ void kernel_neon_project(const int16_t *rows, int count, int stride,
 /* ---- fold ---- */
 
 /* int64 to int32, which saturates, and to KERNEL_LIMIT. */
-KERNEL_INLINE int32x4_t limited(int64x2_t low, int64x2_t high)
+KERNEL_INLINE int32x4_t neon_limited(int64x2_t low, int64x2_t high)
 {
 	const int32x4_t x = vqmovn_high_s64(vqmovn_s64(low), high);
 
@@ -260,26 +265,27 @@ KERNEL_INLINE int32x4_t limited(int64x2_t low, int64x2_t high)
 
 /* limit(round_shift(x * factor, bits)); the shift by -bits rounds as round_shift does, without
  * overflow. */
-KERNEL_INLINE int32x4_t scaled(int32x4_t x, int32x4_t factor, int64x2_t minus_bits)
+KERNEL_INLINE int32x4_t neon_scaled(int32x4_t x, int32x4_t factor, int64x2_t minus_bits)
 {
-	return limited(vrshlq_s64(vmull_s32(vget_low_s32(x), vget_low_s32(factor)), minus_bits),
-		       vrshlq_s64(vmull_high_s32(x, factor), minus_bits));
+	return neon_limited(
+		vrshlq_s64(vmull_s32(vget_low_s32(x), vget_low_s32(factor)), minus_bits),
+		vrshlq_s64(vmull_high_s32(x, factor), minus_bits));
 }
 
-static void fold4(const int64_t *sum, int shift, uint32_t factor, const uint16_t *tint,
-		  const int32_t *from, int32_t *to)
+static void neon_fold4(const int64_t *sum, int shift, uint32_t factor, const uint16_t *tint,
+		       const int32_t *from, int32_t *to)
 {
 	/* The multiplication has signs, and 2^31 none: half of it, one bit less, is the same. */
 	const int whole = factor >> 31 ? 29 : 30;
 	const int64x2_t bits = vdupq_n_s64(-shift);
-	int32x4_t x = limited(vrshlq_s64(vld1q_s64(sum), bits),
-			      vrshlq_s64(vld1q_s64(sum + 2), bits));
+	int32x4_t x = neon_limited(vrshlq_s64(vld1q_s64(sum), bits),
+				   vrshlq_s64(vld1q_s64(sum + 2), bits));
 
-	x = scaled(x, vdupq_n_s32((int32_t)(factor >> (30 - whole))), vdupq_n_s64(-whole));
+	x = neon_scaled(x, vdupq_n_s32((int32_t)(factor >> (30 - whole))), vdupq_n_s64(-whole));
 	if (tint) {
 		const int32x4_t t = vreinterpretq_s32_u32(vmovl_u16(vld1_u16(tint)));
 
-		x = scaled(x, t, vdupq_n_s64(-15));
+		x = neon_scaled(x, t, vdupq_n_s64(-15));
 	}
 	x = vqaddq_s32(vld1q_s32(from), x);
 	x = vmaxq_s32(vminq_s32(x, vdupq_n_s32(KERNEL_LIMIT)), vdupq_n_s32(-KERNEL_LIMIT));
@@ -296,14 +302,14 @@ void kernel_neon_fold(const int64_t *sum, int count, int shift, uint32_t factor,
 	int32_t last_to[4] = {0};
 
 	for (int p = 0; p < whole; p += 4)
-		fold4(sum + p, shift, factor, tint ? tint + p : NULL, from + p, to + p);
+		neon_fold4(sum + p, shift, factor, tint ? tint + p : NULL, from + p, to + p);
 	if (!rest)
 		return;
 	memcpy(last_sum, sum + whole, rest * sizeof(*sum));
 	memcpy(last_to, from + whole, rest * sizeof(*to));
 	if (tint)
 		memcpy(last_tint, tint + whole, rest * sizeof(*tint));
-	fold4(last_sum, shift, factor, tint ? last_tint : NULL, last_to, last_to);
+	neon_fold4(last_sum, shift, factor, tint ? last_tint : NULL, last_to, last_to);
 	memcpy(to + whole, last_to, rest * sizeof(*to));
 }
 
@@ -326,12 +332,13 @@ void kernel_neon_tint(int32_t *value, const uint16_t *by, int count)
 /* ---- mix ---- */
 
 /* The low and high bytes of a, b, c: 32 bytes can be looked up at once. */
-struct tables {
+struct neon_tables {
 	uint8x16x2_t byte[6];
 };
 
 /* The words of 16 pieces. */
-KERNEL_INLINE void looked_up(const struct tables *k, int which, uint8x16_t piece, int16x8_t word[2])
+KERNEL_INLINE void neon_looked_up(const struct neon_tables *k, int which, uint8x16_t piece,
+				  int16x8_t word[2])
 {
 	const uint8x16_t low = vqtbl2q_u8(k->byte[2 * which], piece);
 	const uint8x16_t high = vqtbl2q_u8(k->byte[2 * which + 1], piece);
@@ -341,16 +348,16 @@ KERNEL_INLINE void looked_up(const struct tables *k, int which, uint8x16_t piece
 }
 
 /* 16 keys to 16 codes. A doubling multiplication by t / 2 is the one by t, as t is even. */
-KERNEL_INLINE uint8x16_t encoded(const struct tables *k, uint16x8_t key0, uint16x8_t key1)
+KERNEL_INLINE uint8x16_t neon_encoded(const struct neon_tables *k, uint16x8_t key0, uint16x8_t key1)
 {
 	const uint16x8_t key[2] = {key0, key1};
 	const uint8x16_t piece = vshrn_high_n_u16(vshrn_n_u16(key0, 8), key1, 8);
 	int16x8_t a[2], b[2], c[2];
 	uint8x8_t code[2];
 
-	looked_up(k, 0, vshrq_n_u8(piece, 3), a);
-	looked_up(k, 1, vshrq_n_u8(piece, 3), b);
-	looked_up(k, 2, vshrq_n_u8(piece, 3), c);
+	neon_looked_up(k, 0, vshrq_n_u8(piece, 3), a);
+	neon_looked_up(k, 1, vshrq_n_u8(piece, 3), b);
+	neon_looked_up(k, 2, vshrq_n_u8(piece, 3), c);
 	KERNEL_UNROLL
 	for (int i = 0; i < 2; i++) {
 		const int16x8_t t = vreinterpretq_s16_u16(vshrq_n_u16(vshlq_n_u16(key[i], 5), 2));
@@ -362,7 +369,7 @@ KERNEL_INLINE uint8x16_t encoded(const struct tables *k, uint16x8_t key0, uint16
 	return vcombine_u8(code[0], code[1]);
 }
 
-KERNEL_INLINE float32x4_t left_of(const uint16_t *coverage)
+KERNEL_INLINE float32x4_t neon_left_of(const uint16_t *coverage)
 {
 	const uint32x4_t a = vmovl_u16(vld1_u16(coverage));
 	const uint32x4_t rest = vsubq_u32(vsubq_u32(vdupq_n_u32(65536), a), vshrq_n_u32(a, 15));
@@ -371,7 +378,7 @@ KERNEL_INLINE float32x4_t left_of(const uint16_t *coverage)
 }
 
 /* Four keys of a channel, clamped as they become words. */
-KERNEL_INLINE uint16x4_t keys_of(const struct kernel_row *row, int c, int x, float32x4_t left)
+KERNEL_INLINE uint16x4_t neon_keys_of(const struct kernel_row *row, int c, int x, float32x4_t left)
 {
 	const uint8_t *in = row->background + (size_t)x * 4 + 2 - c;
 	const float *linear = row->curves->linear;
@@ -389,39 +396,39 @@ KERNEL_INLINE uint16x4_t keys_of(const struct kernel_row *row, int c, int x, flo
 		vsubq_s32(vshrq_n_s32(vreinterpretq_s32_f32(v), 10), vdupq_n_s32(KERNEL_KEY_BASE)));
 }
 
-KERNEL_INLINE void mix16(const struct kernel_row *row, const struct tables *k, int x)
+KERNEL_INLINE void neon_mix16(const struct kernel_row *row, const struct neon_tables *k, int x)
 {
 	uint16x4_t key[3][4];
 	uint8x16x4_t out;
 
 	KERNEL_UNROLL
 	for (int i = 0; i < 4; i++) {
-		const float32x4_t left = left_of(row->coverage + x + 4 * i);
+		const float32x4_t left = neon_left_of(row->coverage + x + 4 * i);
 
 		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++)
-			key[c][i] = keys_of(row, c, x + 4 * i, left);
+			key[c][i] = neon_keys_of(row, c, x + 4 * i, left);
 	}
 	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++)
-		out.val[2 - c] = encoded(k, vcombine_u16(key[c][0], key[c][1]),
-					 vcombine_u16(key[c][2], key[c][3]));
+		out.val[2 - c] = neon_encoded(k, vcombine_u16(key[c][0], key[c][1]),
+					      vcombine_u16(key[c][2], key[c][3]));
 	out.val[3] = vdupq_n_u8(255);
 	vst4q_u8(row->out + (size_t)x * 4, out);
 }
 
-KERNEL_INLINE void mix_row(const struct kernel_row *row, const struct tables *k)
+KERNEL_INLINE void neon_mix_row(const struct kernel_row *row, const struct neon_tables *k)
 {
 	int x = 0;
 
 	for (; x + 16 <= row->count; x += 16)
-		mix16(row, k, x);
+		neon_mix16(row, k, x);
 	if (x < row->count) {
 		struct kernel_rest rest;
 		struct kernel_row all;
 
 		kernel_rest_load(&rest, &all, row, x);
-		mix16(&all, k, 0);
+		neon_mix16(&all, k, 0);
 		memcpy(row->out + (size_t)x * 4, rest.out, (size_t)(row->count - x) * 4);
 	}
 }
@@ -429,7 +436,7 @@ KERNEL_INLINE void mix_row(const struct kernel_row *row, const struct tables *k)
 void kernel_neon_mix(const struct kernel_row *rows)
 {
 	struct kernel_row row = *rows;
-	struct tables k;
+	struct neon_tables k;
 
 	KERNEL_UNROLL
 	for (int i = 0; i < 6; i++) {
@@ -437,20 +444,20 @@ void kernel_neon_mix(const struct kernel_row *rows)
 		k.byte[i].val[1] = vld1q_u8(row.curves->bytes[i] + 16);
 	}
 	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row))
-		mix_row(&row, &k);
+		neon_mix_row(&row, &k);
 }
 
 const struct kernels kernels_neon = {
 	.name = "neon",
 	.supported = kernels_supported_neon,
 	.sums16 = kernel_neon_sums16,
-	.sums8 = sums8,
+	.sums8 = kernel_neon_sums8,
 	.values16 = kernel_neon_values16,
 	.values8 = kernel_neon_values8,
-	.split = kernel_c_split,
+	.split = kernel_c_split, /* borrowed from kernels_c.c */
 	.project = kernel_neon_project,
 	.fold = kernel_neon_fold,
 	.tint = kernel_neon_tint,
-	.place = kernel_c_place,
+	.place = kernel_c_place, /* borrowed from kernels_c.c */
 	.mix = kernel_neon_mix,
 };

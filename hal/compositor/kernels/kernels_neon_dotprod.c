@@ -12,7 +12,7 @@
 #define PIXELS 16 /* at once: two halves of one or two digits are 8 or 16 sums of four */
 
 /* The low bytes of four weights, two pairs of them, and then the high ones. */
-KERNEL_INLINE int8x8_t split_of(int32_t first, int32_t second)
+KERNEL_INLINE int8x8_t dotprod_split_of(int32_t first, int32_t second)
 {
 	const int16x4_t x = vreinterpret_s16_s32((int32x2_t){first, second});
 	const int16x4_t h = vshr_n_s16(vadd_s16(x, vdup_n_s16(128)), 8);
@@ -21,7 +21,8 @@ KERNEL_INLINE int8x8_t split_of(int32_t first, int32_t second)
 }
 
 /* quad[i] holds pixels 4i..4i+3. */
-KERNEL_INLINE void quads_of(const int8_t *lines, const size_t at[4], int p, int8x16_t quad[4])
+KERNEL_INLINE void dotprod_quads_of(const int8_t *lines, const size_t at[4], int p,
+				    int8x16_t quad[4])
 {
 	int8x16_t x[4];
 	int16x8_t low[2], high[2];
@@ -41,7 +42,7 @@ KERNEL_INLINE void quads_of(const int8_t *lines, const size_t at[4], int p, int8
 }
 
 /* sum[0..3] += (l + 256 h) * 2^shift, modulo 2^64 */
-KERNEL_INLINE void add_to(int64_t *sum, int32x4_t l, int32x4_t h, int64x2_t shift)
+KERNEL_INLINE void dotprod_add_to(int64_t *sum, int32x4_t l, int32x4_t h, int64x2_t shift)
 {
 	const int64x2_t a = vaddw_s32(vshll_n_s32(vget_low_s32(h), 8), vget_low_s32(l));
 	const int64x2_t b = vaddw_high_s32(vshll_high_n_s32(h, 8), l);
@@ -50,8 +51,8 @@ KERNEL_INLINE void add_to(int64_t *sum, int32x4_t l, int32x4_t h, int64x2_t shif
 	vst1q_s64(sum + 2, vaddq_s64(vld1q_s64(sum + 2), vshlq_s64(b, shift)));
 }
 
-KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int c, int first,
-			int from, int to, int p, int64_t *sum, const int digits)
+KERNEL_INLINE void dotprod_run8(const int8_t *lines, const struct kernel_weights *w, int c,
+				int first, int from, int to, int p, int64_t *sum, const int digits)
 {
 	int32x4_t low[2][4], high[2][4];
 	int8x16_t quad[4];
@@ -66,11 +67,11 @@ KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int
 		const size_t at[4] = {l[0] * w->step, l[1] * w->step, l[other] * w->step,
 				      l[other + 1] * w->step};
 
-		quads_of(lines, at, p, quad);
+		dotprod_quads_of(lines, at, p, quad);
 		KERNEL_UNROLL
 		for (int d = 0; d < digits; d++) {
 			const int16_t *digit = kernel_digit(w, k, c, first + d);
-			const int8x8_t split = split_of(
+			const int8x8_t split = dotprod_split_of(
 				kernel_weight_pair(digit),
 				other ? kernel_weight_pair(kernel_digit(w, k + 2, c, first + d))
 				      : 0);
@@ -88,23 +89,24 @@ KERNEL_INLINE void run8(const int8_t *lines, const struct kernel_weights *w, int
 
 		KERNEL_UNROLL
 		for (int i = 0; i < 4; i++)
-			add_to(sum + p + 4 * i, low[d][i], high[d][i], shift);
+			dotprod_add_to(sum + p + 4 * i, low[d][i], high[d][i], shift);
 	}
 }
 
-KERNEL_INLINE void piece8(const int8_t *lines, const struct kernel_weights *w, int c, int from,
-			  int to, int p, int64_t *sum)
+KERNEL_INLINE void dotprod_piece8(const int8_t *lines, const struct kernel_weights *w, int c,
+				  int from, int to, int p, int64_t *sum)
 {
 	lines += (size_t)c * w->channel;
 	for (int d = 0; d < w->digits; d += 2) {
 		if (w->digits - d >= 2)
-			run8(lines, w, c, d, from, to, p, sum, 2);
+			dotprod_run8(lines, w, c, d, from, to, p, sum, 2);
 		else
-			run8(lines, w, c, d, from, to, p, sum, 1);
+			dotprod_run8(lines, w, c, d, from, to, p, sum, 1);
 	}
 }
 
-static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *const sum[3])
+static void dotprod_sums8(const int8_t *lines, const struct kernel_weights *w,
+			  int64_t *const sum[3])
 {
 	kernel_begin(w, sum, KERNEL_LINE8);
 	for (int k = 0; k < w->count; k += PIECE) {
@@ -113,16 +115,17 @@ static void sums8(const int8_t *lines, const struct kernel_weights *w, int64_t *
 		kernel_fetch(lines, w, k, end);
 		for (int p = 0; p < KERNEL_LINE8; p += PIXELS) {
 			for (int c = 0; c < 3; c++)
-				piece8(lines, w, c, k, end, p, sum[c]);
+				dotprod_piece8(lines, w, c, k, end, p, sum[c]);
 		}
 	}
 }
 
+/* All but sums8 is borrowed: kernel_neon_*() from kernels_neon.c, kernel_c_*() from kernels_c.c. */
 const struct kernels kernels_neon_dotprod = {
 	.name = "neon-dotprod",
 	.supported = kernels_supported_neon_dotprod,
 	.sums16 = kernel_neon_sums16,
-	.sums8 = sums8,
+	.sums8 = dotprod_sums8,
 	.values16 = kernel_neon_values16,
 	.values8 = kernel_neon_values8,
 	.split = kernel_c_split,

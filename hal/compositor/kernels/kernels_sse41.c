@@ -6,9 +6,8 @@
 typedef __m128i vector;
 typedef __m128 vector_float;
 
-#define I(name) _mm_##name
-#define F(name) _mm_##name
-#define SI(name) _mm_##name##_si128
+#define SIMD(name) _mm_##name
+#define SIMD_BITS(name) _mm_##name##_si128
 #define AS_FLOAT(x) _mm_castsi128_ps(x)
 #define LOAD(p) _mm_loadu_si128((const __m128i *)(p))
 #define LOAD_ALIGNED(p) _mm_load_si128((const __m128i *)(p))
@@ -22,7 +21,7 @@ typedef __m128 vector_float;
 
 #define LINEAR(pixel) row->curves->linear[in[4 * (pixel)]]
 
-static inline vector_float linear_of(const struct kernel_row *row, int x, int byte)
+static inline vector_float x86_linear_of(const struct kernel_row *row, int x, int byte)
 {
 	const uint8_t *in = row->background + (size_t)x * 4 + byte;
 
@@ -35,14 +34,14 @@ static inline vector_float linear_of(const struct kernel_row *row, int x, int by
 const struct kernels kernels_sse41 = {
 	.name = "sse4.1",
 	.supported = kernels_supported_sse41,
-	.sums16 = sums16,
-	.sums8 = sums8,
-	.values16 = values16,
-	.values8 = values8,
-	.split = kernel_c_split,
-	.project = project,
-	.fold = fold,
-	.tint = tint,
-	.place = kernel_c_place,
-	.mix = mix,
+	.sums16 = x86_sums16,
+	.sums8 = x86_sums8,
+	.values16 = x86_values16,
+	.values8 = x86_values8,
+	.split = kernel_c_split, /* borrowed from kernels_c.c */
+	.project = x86_project,
+	.fold = x86_fold,
+	.tint = x86_tint,
+	.place = kernel_c_place, /* borrowed from kernels_c.c */
+	.mix = x86_mix,
 };
