@@ -74,8 +74,8 @@ static int check_info(const struct basis_reader *r, const struct basis_chunk_map
 }
 
 /* An array of exactly so many bytes; NULL is returned for an absent or empty chunk of 0 bytes. */
-static int array(const struct basis_reader *r, const struct basis_chunk_entry *chunk,
-		 const char *name, uint64_t bytes, const void **at)
+static int chunk_array(const struct basis_reader *r, const struct basis_chunk_entry *chunk,
+		       const char *name, uint64_t bytes, const void **at)
 {
 	const uint64_t found = chunk ? chunk->bytes : 0;
 
@@ -86,8 +86,8 @@ static int array(const struct basis_reader *r, const struct basis_chunk_entry *c
 	return 0;
 }
 
-static int text(const struct basis_reader *r, const struct basis_chunk_entry *chunk,
-		const char *name, const char **at)
+static int chunk_text(const struct basis_reader *r, const struct basis_chunk_entry *chunk,
+		      const char *name, const char **at)
 {
 	*at = "";
 	if (!chunk)
@@ -116,7 +116,7 @@ static int check_lights(const struct basis_reader *r)
 	return 0;
 }
 
-static int check_ground(const struct basis_reader *r)
+static int check_ground_terms(const struct basis_reader *r)
 {
 	const size_t n = (size_t)r->basis->info.grounds * 3 * r->basis->info.lights;
 
@@ -166,7 +166,7 @@ static int read_names(const struct basis_reader *r, const struct basis_chunk_map
 
 	if (!map->names)
 		return 0;
-	ret = array(r, map->names, "POSE", poses * sizeof(*r->basis->names), &names);
+	ret = chunk_array(r, map->names, "POSE", poses * sizeof(*r->basis->names), &names);
 	if (ret < 0)
 		return ret;
 	r->basis->names = names;
@@ -198,19 +198,19 @@ static int read_shared(const struct basis_reader *r, const struct basis_chunk_ma
 	const void *lights = NULL, *ground = NULL, *coarse = NULL;
 	int ret;
 
-	ret = array(r, map->dome, "DOME", n * sizeof(*basis->lights), &lights);
+	ret = chunk_array(r, map->dome, "DOME", n * sizeof(*basis->lights), &lights);
 	if (ret == 0)
-		ret = array(r, map->ground, "GRND",
-			    basis->info.grounds * 3 * n * sizeof(*basis->ground), &ground);
+		ret = chunk_array(r, map->ground, "GRND",
+				  basis->info.grounds * 3 * n * sizeof(*basis->ground), &ground);
 	if (ret == 0)
-		ret = array(r, map->coarse, "COAR",
-			    basis->info.coarse < n ? n * sizeof(*basis->coarse) : 0, &coarse);
+		ret = chunk_array(r, map->coarse, "COAR",
+				  basis->info.coarse < n ? n * sizeof(*basis->coarse) : 0, &coarse);
 	if (ret == 0)
 		ret = read_names(r, map);
 	if (ret == 0)
-		ret = text(r, map->camera, "CAMR", &basis->camera);
+		ret = chunk_text(r, map->camera, "CAMR", &basis->camera);
 	if (ret == 0)
-		ret = text(r, map->provenance, "PROV", &basis->provenance);
+		ret = chunk_text(r, map->provenance, "PROV", &basis->provenance);
 	if (ret < 0)
 		return ret;
 	basis->lights = lights;
@@ -218,7 +218,7 @@ static int read_shared(const struct basis_reader *r, const struct basis_chunk_ma
 	basis->coarse = coarse;
 	ret = check_lights(r);
 	if (ret == 0)
-		ret = check_ground(r);
+		ret = check_ground_terms(r);
 	return ret < 0 ? ret : check_coarse(r);
 }
 
@@ -261,11 +261,11 @@ static int read_pose(const struct basis_reader *r, const struct basis_pose_chunk
 	int ret = 0;
 
 	if (!chunks->pack)
-		ret = array(r, chunks->coverage, "COVR", pixels * sizeof(*pose->coverage),
-			    &coverage);
+		ret = chunk_array(r, chunks->coverage, "COVR", pixels * sizeof(*pose->coverage),
+				  &coverage);
 	if (ret == 0)
-		ret = array(r, chunks->peak, "PEAK",
-			    (basis->info.lights + UINT64_C(1)) * sizeof(*pose->peak), &peak);
+		ret = chunk_array(r, chunks->peak, "PEAK",
+				  (basis->info.lights + UINT64_C(1)) * sizeof(*pose->peak), &peak);
 	if (ret < 0)
 		return ret;
 	pose->coverage = coverage;
@@ -326,7 +326,7 @@ static int read_poses(const struct basis_reader *r, struct basis_chunk_map *map)
 	return ret;
 }
 
-static int read_all(const struct basis_reader *r)
+static int basis_read_all(const struct basis_reader *r)
 {
 	struct basis_chunk_map map = {0};
 	int ret = basis_find_chunks(r, &map);
@@ -338,9 +338,9 @@ static int read_all(const struct basis_reader *r)
 	return ret < 0 ? ret : read_poses(r, &map);
 }
 
-static int open_data(struct basis *basis, const struct basis_reader *reader)
+static int basis_open_data(struct basis *basis, const struct basis_reader *reader)
 {
-	const int ret = read_all(reader);
+	const int ret = basis_read_all(reader);
 
 	if (ret < 0)
 		basis_close(basis);
@@ -354,12 +354,12 @@ int basis_open_memory(struct basis *basis, const void *data, size_t bytes, const
 	if ((uintptr_t)data % BASIS_ALIGN)
 		return fault_say(fault, -EINVAL, "%s: memory is not aligned to %d bytes", name,
 				 BASIS_ALIGN);
-	return open_data(basis, &(struct basis_reader){.basis = basis,
-						       .data = data,
-						       .bytes = bytes,
-						       .name = name,
-						       .part = part,
-						       .fault = fault});
+	return basis_open_data(basis, &(struct basis_reader){.basis = basis,
+							     .data = data,
+							     .bytes = bytes,
+							     .name = name,
+							     .part = part,
+							     .fault = fault});
 }
 
 int basis_open(struct basis *basis, const char *path, enum basis_part part, struct fault *fault)
@@ -371,13 +371,13 @@ int basis_open(struct basis *basis, const char *path, enum basis_part part, stru
 	ret = basis_file_open(&file, path, part, fault);
 	if (ret < 0)
 		return ret;
-	ret = open_data(basis, &(struct basis_reader){.basis = basis,
-						      .data = file.memory,
-						      .bytes = file.bytes,
-						      .name = path,
-						      .part = part,
-						      .file = &file,
-						      .fault = fault});
+	ret = basis_open_data(basis, &(struct basis_reader){.basis = basis,
+							    .data = file.memory,
+							    .bytes = file.bytes,
+							    .name = path,
+							    .part = part,
+							    .file = &file,
+							    .fault = fault});
 	if (ret == 0) {
 		(void)mprotect(file.memory, file.bytes, PROT_READ);
 		basis->map = file.memory;

@@ -24,7 +24,7 @@ struct tile_use {
 };
 
 /* For messages: which block of which pose. */
-struct place {
+struct block_place {
 	const struct basis_reader *reader;
 	const struct basis_blocks_chunk *chunk;
 	size_t index;
@@ -34,7 +34,7 @@ struct place {
 	basis_damaged((place)->reader, "pose %d, %sblock %zu: " format, (place)->chunk->pose,      \
 		      (place)->chunk->exact ? "exact " : "", (place)->index, __VA_ARGS__)
 
-static int check_record_bytes(const struct place *at, const struct basis_block_entry *e)
+static int check_record_bytes(const struct block_place *at, const struct basis_block_entry *e)
 {
 	const int lines = basis_record_lines(e->pixels, e->channels);
 	const size_t columns = e->bits == 8 ? e->columns : 0, head = basis_record_head(lines);
@@ -48,7 +48,7 @@ static int check_record_bytes(const struct place *at, const struct basis_block_e
 }
 
 /* Lights, and groups of them where some columns may be left out. */
-static uint32_t light_numbers(const struct place *at, int kind)
+static uint32_t light_numbers(const struct block_place *at, int kind)
 {
 	const struct basis *basis = at->reader->basis;
 	const bool groups = basis->info.coarse < basis->info.lights && basis->info.column_cut > 0 &&
@@ -57,7 +57,7 @@ static uint32_t light_numbers(const struct place *at, int kind)
 	return basis->info.lights + (groups ? basis->info.coarse : 0);
 }
 
-static int check_shape(const struct place *at, const struct basis_block_entry *e)
+static int check_shape(const struct block_place *at, const struct basis_block_entry *e)
 {
 	const struct basis *basis = at->reader->basis;
 
@@ -94,7 +94,8 @@ static int check_shape(const struct place *at, const struct basis_block_entry *e
 	return check_record_bytes(at, e);
 }
 
-static int check_lies(const struct place *at, const struct basis_block_entry *e, uint64_t free_from)
+static int check_lies(const struct block_place *at, const struct basis_block_entry *e,
+		      uint64_t free_from)
 {
 	const struct basis *basis = at->reader->basis;
 	const struct basis_blocks_chunk *chunk = at->chunk;
@@ -124,7 +125,7 @@ static int check_lies(const struct place *at, const struct basis_block_entry *e,
 
 int basis_check_shapes(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk)
 {
-	struct place at = {.reader = reader, .chunk = chunk};
+	struct block_place at = {.reader = reader, .chunk = chunk};
 	uint64_t end = 0;
 
 	for (at.index = 0; at.index < chunk->count; at.index++) {
@@ -184,7 +185,7 @@ static void locate(struct basis_block *b, const struct basis_block_entry *e,
 	};
 }
 
-static int check_padding(const struct place *at, const struct basis_block *b,
+static int check_padding(const struct block_place *at, const struct basis_block *b,
 			 const struct basis_layout *layout, size_t record_bytes,
 			 const uint8_t *payload)
 {
@@ -206,7 +207,7 @@ static int check_padding(const struct place *at, const struct basis_block *b,
 	return 0;
 }
 
-static int use_pixel(const struct place *at, const struct basis_block *b, int pixel,
+static int use_pixel(const struct block_place *at, const struct basis_block *b, int pixel,
 		     struct tile_use *use)
 {
 	const uint32_t ground = (uint32_t)b->ground + 1;
@@ -231,7 +232,7 @@ static int use_pixel(const struct place *at, const struct basis_block *b, int pi
 	}
 }
 
-static int check_pixels(const struct place *at, const struct basis_block *b,
+static int check_pixels(const struct block_place *at, const struct basis_block *b,
 			const struct basis_tile *tile, struct tile_use *use)
 {
 	for (int p = 0; p < b->pixels; p++) {
@@ -252,7 +253,7 @@ static int check_pixels(const struct place *at, const struct basis_block *b,
 }
 
 /* After the last block of a tile: what changes must be a change of something. */
-static int check_pairs(const struct place *at, const struct tile_use *use, uint32_t tile)
+static int check_pairs(const struct block_place *at, const struct tile_use *use, uint32_t tile)
 {
 	for (int p = 0; p < TILE_PIXELS; p++) {
 		if (use->changed[p] && !use->lit[p])
@@ -262,7 +263,7 @@ static int check_pairs(const struct place *at, const struct tile_use *use, uint3
 	return 0;
 }
 
-static int check_lights(const struct place *at, const struct basis_block *b)
+static int check_lights(const struct block_place *at, const struct basis_block *b)
 {
 	const int lights = (int)light_numbers(at, b->kind);
 	int wrong = b->columns && b->light[b->columns - 1] >= lights;
@@ -277,7 +278,7 @@ static int check_lights(const struct place *at, const struct basis_block *b)
 	return 0;
 }
 
-static int check_scale(const struct place *at, const char *what, int index, float scale,
+static int check_scale(const struct block_place *at, const char *what, int index, float scale,
 		       double times)
 {
 	if (!isfinite(scale) || signbit(scale))
@@ -290,7 +291,7 @@ static int check_scale(const struct place *at, const char *what, int index, floa
 }
 
 /* Floats without a sign have the order of their bits, infinity and NaN above all. */
-static int check_column_scales(const struct place *at, const struct basis_block *b)
+static int check_column_scales(const struct block_place *at, const struct basis_block *b)
 {
 	const double times = b->bits == 16 ? INT16_MAX : INT8_MAX;
 	const float near = (float)(BASIS_VALUE_MAX / times);
@@ -307,7 +308,7 @@ static int check_column_scales(const struct place *at, const struct basis_block 
 	return ret;
 }
 
-static int check_patterns(const struct place *at, const struct basis_block *b)
+static int check_patterns(const struct block_place *at, const struct basis_block *b)
 {
 	const int coarse = (int)at->reader->basis->info.coarse;
 	int ret = 0;
@@ -344,7 +345,7 @@ static bool has_least16(const int16_t *v, size_t count)
 }
 
 /* Of the `count` lines of each channel's last panel what is behind the last pixel is 0. */
-static int check_rest(const struct place *at, const char *what, const struct basis_block *b,
+static int check_rest(const struct block_place *at, const char *what, const struct basis_block *b,
 		      const int16_t *lines, int count)
 {
 	const int panels = basis_panels16(b->pixels);
@@ -362,7 +363,7 @@ static int check_rest(const struct place *at, const char *what, const struct bas
 	return zero ? 0 : DAMAGED(at, "%s after the last pixel are not 0", what);
 }
 
-static int check_lines(const struct place *at, const struct basis_block *b,
+static int check_lines(const struct block_place *at, const struct basis_block *b,
 		       const struct basis_layout *layout)
 {
 	const int columns = b->column16 ? b->columns : 0;
@@ -392,7 +393,7 @@ static bool has_least8(uint8_t code, const uint8_t *line)
 }
 
 /* One record, which is known to have room for its codes; *bytes: how long it is. */
-static int check_record(const struct place *at, const struct basis_block *b, int column,
+static int check_record(const struct block_place *at, const struct basis_block *b, int column,
 			size_t left, size_t *bytes)
 {
 	const uint8_t *code = b->record + b->record_at[column];
@@ -428,7 +429,7 @@ static int check_record(const struct place *at, const struct basis_block *b, int
 	return 0;
 }
 
-static int check_records(const struct place *at, const struct basis_block *b, size_t all)
+static int check_records(const struct block_place *at, const struct basis_block *b, size_t all)
 {
 	const size_t head = basis_record_head(basis_record_lines(b->pixels, b->channels));
 	size_t place = 0;
@@ -448,7 +449,7 @@ static int check_records(const struct place *at, const struct basis_block *b, si
 	return place == all ? 0 : DAMAGED(at, "columns take %zu bytes, expected %zu", place, all);
 }
 
-static int check_block(const struct place *at, const struct basis_block *b,
+static int check_block(const struct block_place *at, const struct basis_block *b,
 		       const struct basis_layout *layout, const uint8_t *payload)
 {
 	const size_t record_bytes = at->chunk->entries[at->index].record_bytes;
@@ -465,7 +466,7 @@ static int check_block(const struct place *at, const struct basis_block *b,
 	return ret < 0 || !b->record ? ret : check_records(at, b, record_bytes);
 }
 
-static int allocate(const struct basis *basis, struct basis_layer *layer, size_t blocks)
+static int layer_allocate(const struct basis *basis, struct basis_layer *layer, size_t blocks)
 {
 	const size_t across = (size_t)basis->tiles_across, down = (size_t)basis->tiles_down;
 
@@ -486,7 +487,7 @@ static int allocate(const struct basis *basis, struct basis_layer *layer, size_t
 	return 0;
 }
 
-static int read_block(const struct place *at, struct basis_layer *layer, uint64_t free_from,
+static int read_block(const struct block_place *at, struct basis_layer *layer, uint64_t free_from,
 		      struct tile_use *use)
 {
 	const struct basis_block_entry *e = &at->chunk->entries[at->index];
@@ -522,10 +523,10 @@ static int read_block(const struct place *at, struct basis_layer *layer, uint64_
 int basis_read_blocks(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk,
 		      struct basis_layer *layer)
 {
-	struct place at = {reader, chunk, 0};
+	struct block_place at = {reader, chunk, 0};
 	struct tile_use use = {0};
 	uint64_t end = 0;
-	int ret = allocate(reader->basis, layer, chunk->count);
+	int ret = layer_allocate(reader->basis, layer, chunk->count);
 
 	if (ret < 0)
 		return fault_say(reader->fault, ret, "%s: out of memory", reader->name);

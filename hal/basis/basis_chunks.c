@@ -179,8 +179,8 @@ static const struct basis_chunk_entry **pose_slot(struct basis_pose_chunks *pose
 	}
 }
 
-static int take(const struct basis_reader *r, const struct basis_chunk_map *map, uint32_t i,
-		const struct basis_chunk_entry **slot)
+static int slot_take(const struct basis_reader *r, const struct basis_chunk_map *map, uint32_t i,
+		     const struct basis_chunk_entry **slot)
 {
 	if (*slot)
 		return basis_damaged(r, "chunk %u occurs twice", i);
@@ -199,7 +199,7 @@ static int find_shared(const struct basis_reader *r, struct basis_chunk_map *map
 		if (map->table[i].pose != 0)
 			return basis_damaged(r, "chunk %u belongs to pose %u, expected 0", i,
 					     map->table[i].pose);
-		ret = take(r, map, i, slot);
+		ret = slot_take(r, map, i, slot);
 		if (ret < 0)
 			return ret;
 	}
@@ -252,7 +252,7 @@ int basis_find_pose_chunks(const struct basis_reader *r, struct basis_chunk_map 
 		if (pose == &unknown)
 			return basis_damaged(r, "chunk %u belongs to pose %u of %u", i, c->pose,
 					     poses);
-		ret = take(r, map, i, slot);
+		ret = slot_take(r, map, i, slot);
 		if (ret < 0)
 			return ret;
 	}

@@ -12,7 +12,7 @@
 /* What a single read takes: a signal or a slow disk is then no reason to begin anew. */
 #define READ_MOST ((size_t)64 << 20)
 
-static int measure(struct basis_file *file, const char *path, struct fault *fault)
+static int file_measure(struct basis_file *file, const char *path, struct fault *fault)
 {
 	struct stat s;
 	int err;
@@ -66,7 +66,7 @@ int basis_file_open(struct basis_file *file, const char *path, enum basis_part p
 		ret = -errno;
 		return fault_say(fault, ret, "%s: cannot be opened: %s", path, strerror(-ret));
 	}
-	ret = measure(file, path, fault);
+	ret = file_measure(file, path, fault);
 	if (ret == 0)
 		ret = provide_memory(file, mapped, path, fault);
 	if (ret < 0) {

@@ -3,7 +3,7 @@
 #include "hal/basis/basis_glass.h"
 
 /* What a pixel's place in the order is. */
-static uint64_t rank(const struct basis *basis, const struct basis_glass *g)
+static uint64_t glass_rank(const struct basis *basis, const struct basis_glass *g)
 {
 	const uint64_t tile = (uint64_t)basis_glass_tile(basis, g);
 
@@ -31,7 +31,7 @@ int basis_read_glass(const struct basis_reader *r, const struct basis_chunk_entr
 					     "pixel %zu that is seen through is %u, %u, expected "
 					     "one of %ux%u",
 					     i, g->x, g->y, info->width, info->height);
-		if (i && rank(r->basis, g) <= rank(r->basis, g - 1))
+		if (i && glass_rank(r->basis, g) <= glass_rank(r->basis, g - 1))
 			return basis_damaged(r,
 					     "pixel %zu that is seen through, %u, %u, follows %u, "
 					     "%u, expected the order of tiles, rows and columns",

@@ -83,8 +83,8 @@ static void lower_limits(const struct even *e, double limit[4])
 		limit[c] = e->count[c] > 1 ? 3 * e->sum[c] / (e->count[c] + 2) : limit[c];
 }
 
-static inline void add_light(struct even *e, const double x[4], double per_share,
-			     const double limit[4])
+static inline void even_add(struct even *e, const double x[4], double per_share,
+			    const double limit[4])
 {
 	for (int c = 0; c < 4; c++) {
 		const double value = x[c] * per_share;
@@ -120,7 +120,7 @@ void basis_group_even(const struct basis_groups *g, int group, const double *sha
 
 		if (share[i] <= 0)
 			continue;
-		add_light(&is, x[i], 1 / share[i], limit);
+		even_add(&is, x[i], 1 / share[i], limit);
 		for (int c = 0; c < 3; c++)
 			all[c] += x[i][c];
 	}
@@ -131,7 +131,7 @@ void basis_group_even(const struct basis_groups *g, int group, const double *sha
 		lower_limits(&is, limit);
 		for (uint32_t n = first; n < end; n++)
 			if (share[g->light[n]] > 0)
-				add_light(&next, x[g->light[n]], 1 / share[g->light[n]], limit);
+				even_add(&next, x[g->light[n]], 1 / share[g->light[n]], limit);
 		same = same_lights(&is, &next);
 		is = next;
 		if (same)

@@ -22,7 +22,7 @@
 #define SMALL ((uint64_t)1 << 20)
 
 /* A pose in memory. */
-struct unpacked {
+struct unpacked_pose {
 	uint8_t *memory; /* coverage, then payloads; NULL: none */
 	size_t bytes, data_at;
 	struct basis_layer layer;
@@ -39,7 +39,7 @@ struct slot {
 	uint64_t pack_at;		  /* in the file */
 	size_t pack_bytes;
 	uint64_t checksum;
-	struct unpacked unpacked;
+	struct unpacked_pose unpacked;
 };
 
 struct basis_store {
@@ -61,23 +61,24 @@ struct basis_store {
 
 /* ---- one pose ---- */
 
-static void release(struct unpacked *u)
+static void pose_release(struct unpacked_pose *u)
 {
 	if (u->memory)
 		munmap(u->memory, u->bytes);
 	free(u->layer.tiles);
 	free(u->layer.blocks);
-	*u = (struct unpacked){.memory = NULL};
+	*u = (struct unpacked_pose){.memory = NULL};
 }
 
-static size_t pixels_of(const struct basis_store *store)
+static size_t store_pixels(const struct basis_store *store)
 {
 	return (size_t)store->shell.info.width * store->shell.info.height;
 }
 
-static int allocate(const struct basis_store *store, struct unpacked *u, uint64_t data_bytes)
+static int pose_allocate(const struct basis_store *store, struct unpacked_pose *u,
+			 uint64_t data_bytes)
 {
-	const size_t coverage = pixels_of(store) * sizeof(uint16_t);
+	const size_t coverage = store_pixels(store) * sizeof(uint16_t);
 
 	u->data_at = (coverage + BASIS_PAGE - 1) / BASIS_PAGE * BASIS_PAGE;
 	u->bytes = u->data_at + data_bytes;
@@ -108,12 +109,12 @@ static void unpack_part(void *context, int part, int worker)
 }
 
 /* pool: NULL for the calling thread alone. */
-static int unpack_all(const struct basis_store *store, const struct pack *pack, struct unpacked *u,
-		      struct pool *pool)
+static int unpack_all(const struct basis_store *store, const struct pack *pack,
+		      struct unpacked_pose *u, struct pool *pool)
 {
 	struct unpacking job = {.pack = pack, .data = u->memory + u->data_at};
 	uint16_t *coverage = (uint16_t *)(void *)u->memory;
-	const int ret = pack_coverage(pack, coverage, pixels_of(store));
+	const int ret = pack_coverage(pack, coverage, store_pixels(store));
 
 	if (ret < 0)
 		return ret;
@@ -167,8 +168,8 @@ static int borrow_pack(struct basis_store *store, const struct basis_reader *rea
 	return borrow_anew(store, reader, pose, chunk, owned) == 0 ? 0 : ret;
 }
 
-static int load(struct basis_store *store, int pose, struct pool *pool, struct unpacked *u,
-		struct fault *fault)
+static int pose_unpack(struct basis_store *store, int pose, struct pool *pool,
+		       struct unpacked_pose *u, struct fault *fault)
 {
 	const struct slot *slot = &store->slots[pose];
 	struct basis_blocks_chunk blocks = slot->blocks;
@@ -184,13 +185,13 @@ static int load(struct basis_store *store, int pose, struct pool *pool, struct u
 	void *owned;
 	int ret = borrow_pack(store, &reader, pose, &chunk, &owned);
 
-	*u = (struct unpacked){.memory = NULL};
+	*u = (struct unpacked_pose){.memory = NULL};
 	if (ret < 0)
 		return ret;
 	ret = pack_open(&pack, &reader, chunk, slot->pack_bytes, &blocks);
 	if (ret < 0)
 		goto give_back;
-	ret = allocate(store, u, pack.data_bytes);
+	ret = pose_allocate(store, u, pack.data_bytes);
 	if (ret == 0)
 		ret = unpack_all(store, &pack, u, pool);
 	if (ret == -EBADMSG)
@@ -203,7 +204,7 @@ static int load(struct basis_store *store, int pose, struct pool *pool, struct u
 		ret = basis_read_blocks(&reader, &blocks, &u->layer);
 	}
 	if (ret < 0)
-		release(u);
+		pose_release(u);
 give_back:
 	free(owned);
 	return ret;
@@ -289,19 +290,19 @@ struct checking {
 	int err, pose; /* of the first pose that is wrong */
 };
 
-static void check_pose(void *context, int pose, int worker)
+static void store_check_pose(void *context, int pose, int worker)
 {
 	struct checking *job = context;
 	struct basis_store *store = job->store;
 	struct fault fault = {.text = ""};
-	struct unpacked u;
+	struct unpacked_pose u;
 	int err;
 
 	(void)worker;
 	if (store->slots[pose].state == SLOT_PLAIN)
 		return;
-	err = load(store, pose, NULL, &u, &fault);
-	release(&u);
+	err = pose_unpack(store, pose, NULL, &u, &fault);
+	pose_release(&u);
 	pthread_mutex_lock(&store->lock);
 	if (err && (!job->err || pose < job->pose)) {
 		job->err = err;
@@ -316,7 +317,7 @@ int basis_store_check(struct basis_store *store, const struct basis_reader *read
 {
 	struct checking job = {.store = store, .reader = reader};
 
-	pool_run(store->pool, store->count, check_pose, &job);
+	pool_run(store->pool, store->count, store_check_pose, &job);
 	return job.err;
 }
 
@@ -331,7 +332,7 @@ static bool is_wanted(const struct basis_store *store, int pose)
 }
 
 /* The lock is held, and the calling thread is the one that uses the poses. */
-static void give(struct basis_store *store, int pose)
+static void slot_give(struct basis_store *store, int pose)
 {
 	struct basis_pose *to = &store->poses[pose];
 	struct slot *slot = &store->slots[pose];
@@ -356,7 +357,7 @@ static void take_back(struct basis_store *store, int pose)
 		from->turn++;
 		slot->given = false;
 	}
-	release(&slot->unpacked);
+	pose_release(&slot->unpacked);
 	slot->state = SLOT_ABSENT;
 }
 
@@ -368,7 +369,7 @@ static void load_slot(struct basis_store *store, int pose, struct pool *pool)
 
 	slot->state = SLOT_LOADING;
 	pthread_mutex_unlock(&store->lock);
-	slot->failed = load(store, pose, pool, &slot->unpacked, &fault);
+	slot->failed = pose_unpack(store, pose, pool, &slot->unpacked, &fault);
 	pthread_mutex_lock(&store->lock);
 	slot->state = slot->failed ? SLOT_ABSENT : SLOT_READY;
 	free(slot->why);
@@ -394,7 +395,7 @@ int basis_pose_load(const struct basis *basis, int pose, struct fault *fault)
 	if (ret < 0)
 		fault_say(fault, ret, "%s", slot->why ? slot->why : "out of memory");
 	else if (slot->state == SLOT_READY)
-		give(store, pose);
+		slot_give(store, pose);
 	pthread_mutex_unlock(&store->lock);
 	return ret;
 }

@@ -24,7 +24,7 @@ _Static_assert(FIRST_CHUNKS + POSE_CHUNKS * BASIS_POSES_MAX + LAST_CHUNKS <= BAS
 	       "chunks for all poses");
 
 /* The blocks of the open pose in one layer. */
-struct block_list {
+struct writer_blocks {
 	struct basis_block_entry *entries;
 	size_t count, room;
 };
@@ -40,7 +40,7 @@ struct basis_writer {
 	uint32_t poses_done;
 	struct packer *packer; /* of files of several poses; NULL: payloads lie in place */
 	uint64_t data_bytes;   /* of the open pose's payloads, where they are packed */
-	struct block_list shown, exact;
+	struct writer_blocks shown, exact;
 	FILE *aside; /* payloads of the exact blocks of the open pose; NULL: none yet */
 	uint64_t aside_bytes;
 };
@@ -52,7 +52,7 @@ static int say_write(const struct basis_writer *w, int err, struct fault *fault)
 	return fault_say(fault, err, "%s: cannot be written: %s", w->output.path, strerror(-err));
 }
 
-static int put(struct basis_writer *w, const void *data, size_t bytes)
+static int writer_put(struct basis_writer *w, const void *data, size_t bytes)
 {
 	errno = 0;
 	if (bytes && fwrite(data, 1, bytes, w->output.stream) != bytes)
@@ -62,19 +62,19 @@ static int put(struct basis_writer *w, const void *data, size_t bytes)
 }
 
 /* Zeros up to the next multiple of step; hashed when they lie inside a chunk. */
-static int pad(struct basis_writer *w, size_t step, bool hashed)
+static int writer_pad(struct basis_writer *w, size_t step, bool hashed)
 {
 	const size_t bytes = (size_t)(-w->position & (step - 1));
 
 	if (hashed)
 		XXH3_64bits_update(w->hash, zeros, bytes);
-	return put(w, zeros, bytes);
+	return writer_put(w, zeros, bytes);
 }
 
 static int chunk_begin(struct basis_writer *w, enum basis_chunk type, uint32_t pose)
 {
 	struct basis_chunk_entry *chunk = &w->chunks[w->chunk_count];
-	const int ret = pad(w, BASIS_PAGE, false);
+	const int ret = writer_pad(w, BASIS_PAGE, false);
 
 	if (ret < 0)
 		return ret;
@@ -87,7 +87,7 @@ static int chunk_put(struct basis_writer *w, const void *data, size_t bytes)
 {
 	if (bytes)
 		XXH3_64bits_update(w->hash, data, bytes);
-	return put(w, data, bytes);
+	return writer_put(w, data, bytes);
 }
 
 static void chunk_end(struct basis_writer *w)
@@ -110,7 +110,8 @@ static int chunk_write(struct basis_writer *w, enum basis_chunk type, uint32_t p
 	return ret;
 }
 
-static int check_info(const struct basis_info_chunk *info, const char *path, struct fault *fault)
+static int writer_check_info(const struct basis_info_chunk *info, const char *path,
+			     struct fault *fault)
 {
 	if (info->width < 1 || info->width > BASIS_SIDE_MAX || info->height < 1 ||
 	    info->height > BASIS_SIDE_MAX)
@@ -139,9 +140,9 @@ static int write_first(struct basis_writer *w, const struct basis_light *lights,
 	int ret;
 
 	/* Room for what is known only at the end. */
-	ret = put(w, &header, sizeof(header));
+	ret = writer_put(w, &header, sizeof(header));
 	if (ret == 0)
-		ret = put(w, w->chunks, w->chunk_limit * sizeof(*w->chunks));
+		ret = writer_put(w, w->chunks, w->chunk_limit * sizeof(*w->chunks));
 	if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_INFO, 0, &w->info, sizeof(w->info));
 	if (ret == 0)
@@ -165,7 +166,7 @@ int basis_writer_open(struct basis_writer **writer, const char *path,
 	int ret;
 
 	*writer = NULL;
-	ret = check_info(info, path, fault);
+	ret = writer_check_info(info, path, fault);
 	if (ret < 0)
 		return ret;
 	if (!coarse != (info->coarse == info->lights))
@@ -221,8 +222,8 @@ static int pose_begin(struct basis_writer *w, struct fault *fault)
 }
 
 /* Notes a block that will lie at `offset`. */
-static int note(const struct basis_writer *w, struct block_list *list,
-		const struct basis_block_entry *entry, uint64_t offset, struct fault *fault)
+static int list_note(const struct basis_writer *w, struct writer_blocks *list,
+		     const struct basis_block_entry *entry, uint64_t offset, struct fault *fault)
 {
 	const struct basis_block_entry *last = list->count ? &list->entries[list->count - 1] : NULL;
 
@@ -252,7 +253,7 @@ static int pack_blocks(struct basis_writer *w, const struct basis_block_payload 
 	int ret = 0;
 
 	for (int i = 0; i < count && ret == 0; i++) {
-		ret = note(w, &w->shown, &blocks[i].entry, w->data_bytes, fault);
+		ret = list_note(w, &w->shown, &blocks[i].entry, w->data_bytes, fault);
 		if (ret < 0)
 			return ret;
 		ret = packer_add(w->packer, &blocks[i].entry, blocks[i].payload);
@@ -271,10 +272,10 @@ int basis_writer_blocks(struct basis_writer *w, const struct basis_block_payload
 		return ret < 0 ? ret : pack_blocks(w, blocks, count, fault);
 	data = w->chunks[w->chunk_count].offset;
 	for (int i = 0; i < count; i++) {
-		ret = pad(w, BASIS_ALIGN, true);
+		ret = writer_pad(w, BASIS_ALIGN, true);
 		if (ret < 0)
 			return say_write(w, ret, fault);
-		ret = note(w, &w->shown, &blocks[i].entry, w->position - data, fault);
+		ret = list_note(w, &w->shown, &blocks[i].entry, w->position - data, fault);
 		if (ret < 0)
 			return ret;
 		ret = chunk_put(w, blocks[i].payload, blocks[i].entry.bytes);
@@ -342,7 +343,7 @@ int basis_writer_exact_blocks(struct basis_writer *w, const struct basis_block_p
 		ret = aside_put(w, zeros, (size_t)(-w->aside_bytes & (BASIS_ALIGN - 1)));
 		if (ret < 0)
 			return say_write(w, ret, fault);
-		ret = note(w, &w->exact, &blocks[i].entry, w->aside_bytes, fault);
+		ret = list_note(w, &w->exact, &blocks[i].entry, w->aside_bytes, fault);
 		if (ret < 0)
 			return ret;
 		ret = aside_put(w, blocks[i].payload, blocks[i].entry.bytes);
@@ -485,8 +486,8 @@ int basis_writer_names(struct basis_writer *w, const struct basis_pose_name *nam
 	return ret < 0 ? say_write(w, ret, fault) : 0;
 }
 
-static int finish(struct basis_writer *w, const struct basis_info_chunk *info,
-		  const char *provenance, struct fault *fault)
+static int writer_finish(struct basis_writer *w, const struct basis_info_chunk *info,
+			 const char *provenance, struct fault *fault)
 {
 	int ret;
 
@@ -511,7 +512,7 @@ static int finish(struct basis_writer *w, const struct basis_info_chunk *info,
 int basis_writer_finish(struct basis_writer *writer, const struct basis_info_chunk *info,
 			const char *provenance, struct fault *fault)
 {
-	const int ret = finish(writer, info, provenance, fault);
+	const int ret = writer_finish(writer, info, provenance, fault);
 
 	basis_writer_abandon(writer);
 	return ret;

@@ -226,7 +226,7 @@ struct packer {
 	struct buffer parts, packed, chunk;
 };
 
-static int make_room(uint8_t **data, size_t *room, size_t wanted)
+static int buffer_reserve(uint8_t **data, size_t *room, size_t wanted)
 {
 	size_t more = *room ? *room : (size_t)1 << 16;
 	uint8_t *grown;
@@ -243,9 +243,9 @@ static int make_room(uint8_t **data, size_t *room, size_t wanted)
 	return 0;
 }
 
-static int append(struct buffer *to, const void *from, size_t bytes)
+static int buffer_append(struct buffer *to, const void *from, size_t bytes)
 {
-	const int ret = make_room(&to->data, &to->room, to->bytes + bytes);
+	const int ret = buffer_reserve(&to->data, &to->room, to->bytes + bytes);
 
 	if (ret == 0 && bytes)
 		memcpy(to->data + to->bytes, from, bytes);
@@ -254,11 +254,11 @@ static int append(struct buffer *to, const void *from, size_t bytes)
 }
 
 /* Returns the compressed length in *packed. */
-static int compress(struct buffer *to, const void *from, size_t bytes, uint32_t *packed)
+static int buffer_compress(struct buffer *to, const void *from, size_t bytes, uint32_t *packed)
 {
 	const size_t most = ZSTD_compressBound(bytes);
 	size_t done;
-	const int ret = make_room(&to->data, &to->room, to->bytes + most);
+	const int ret = buffer_reserve(&to->data, &to->room, to->bytes + most);
 
 	if (ret < 0)
 		return ret;
@@ -279,12 +279,12 @@ static int end_part(struct packer *p)
 	for (int s = 0; s < BASIS_PACK_STREAMS && ret == 0; s++) {
 		p->part.bytes[s] = 0;
 		if (p->raw.bytes[s])
-			ret = compress(&p->packed, p->raw.at[s], p->raw.bytes[s],
-				       &p->part.bytes[s]);
+			ret = buffer_compress(&p->packed, p->raw.at[s], p->raw.bytes[s],
+					      &p->part.bytes[s]);
 		p->raw.bytes[s] = 0;
 	}
 	if (ret == 0)
-		ret = append(&p->parts, &p->part, sizeof(p->part));
+		ret = buffer_append(&p->parts, &p->part, sizeof(p->part));
 	p->part = (struct basis_pack_part){.blocks = 0};
 	return ret;
 }
@@ -306,7 +306,7 @@ int packer_add(struct packer *p, const struct basis_block_entry *entry, const vo
 	memcpy(wanted, p->raw.bytes, sizeof(wanted));
 	count_payload(entry, p->coarse, wanted);
 	for (int s = 0; s < BASIS_PACK_STREAMS && ret == 0; s++) {
-		ret = make_room(&p->raw.at[s], &p->room[s], wanted[s]);
+		ret = buffer_reserve(&p->raw.at[s], &p->room[s], wanted[s]);
 		sum += wanted[s];
 	}
 	if (ret < 0)
@@ -325,17 +325,18 @@ int packer_finish(struct packer *p, const uint16_t *coverage, size_t pixels, con
 	int ret = end_part(p);
 
 	if (ret == 0)
-		ret = compress(&cover, coverage, pixels * sizeof(*coverage), &head.coverage_bytes);
+		ret = buffer_compress(&cover, coverage, pixels * sizeof(*coverage),
+				      &head.coverage_bytes);
 	head.parts = (uint32_t)(p->parts.bytes / sizeof(struct basis_pack_part));
 	p->chunk.bytes = 0;
 	if (ret == 0)
-		ret = append(&p->chunk, &head, sizeof(head));
+		ret = buffer_append(&p->chunk, &head, sizeof(head));
 	if (ret == 0)
-		ret = append(&p->chunk, p->parts.data, p->parts.bytes);
+		ret = buffer_append(&p->chunk, p->parts.data, p->parts.bytes);
 	if (ret == 0)
-		ret = append(&p->chunk, cover.data, cover.bytes);
+		ret = buffer_append(&p->chunk, cover.data, cover.bytes);
 	if (ret == 0)
-		ret = append(&p->chunk, p->packed.data, p->packed.bytes);
+		ret = buffer_append(&p->chunk, p->packed.data, p->packed.bytes);
 	free(cover.data);
 	p->data_bytes = 0;
 	p->parts.bytes = p->packed.bytes = 0;

@@ -9,7 +9,7 @@ struct backdrop backdrop_of(const struct picture *picture)
 		.width = picture->width, .height = picture->height, .picture = *picture};
 }
 
-static const uint8_t *pixel_of(const struct picture *picture, int x, int y)
+static const uint8_t *picture_pixel(const struct picture *picture, int x, int y)
 {
 	return picture->origin + y * picture->y_step + x * picture->x_step;
 }
@@ -31,10 +31,10 @@ struct backdrop_rows backdrop_rows(const struct backdrop *b, struct area area, u
 		return (struct backdrop_rows){scratch, (ptrdiff_t)stride};
 	}
 	if (p->x_step == 4)
-		return (struct backdrop_rows){pixel_of(p, area.x, area.y), p->y_step};
+		return (struct backdrop_rows){picture_pixel(p, area.x, area.y), p->y_step};
 	for (int y = 0; y < area.height; y++)
-		turn_row(scratch + (size_t)y * stride, pixel_of(p, area.x, area.y + y), p->x_step,
-			 area.width);
+		turn_row(scratch + (size_t)y * stride, picture_pixel(p, area.x, area.y + y),
+			 p->x_step, area.width);
 	return (struct backdrop_rows){scratch, (ptrdiff_t)stride};
 }
 

@@ -80,8 +80,8 @@ static inline __attribute__((always_inline)) void fetch_stream(const struct basi
 		fetch_line(line);
 }
 
-static inline void weigh(int64_t to[KERNEL_WEIGHT], const struct light_sent *sent, double scale,
-			 const double one[3])
+static inline void weigh_column(int64_t to[KERNEL_WEIGHT], const struct light_sent *sent,
+				double scale, const double one[3])
 {
 	for (int c = 0; c < 3; c++)
 		to[c] = round_whole(sent->amount[c] * (scale * one[c]));
@@ -99,7 +99,7 @@ static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 	set->count = count;
 	set->records = plan->block->bits == 8;
 	for (int k = 0; k < count; k++) {
-		weigh(to[k], &sent[chosen[k].light], (double)chosen[k].scale, one);
+		weigh_column(to[k], &sent[chosen[k].light], (double)chosen[k].scale, one);
 		line[k] = chosen[k].place;
 	}
 }
@@ -125,7 +125,7 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 
 		if (stream)
 			fetch_stream(b, channel, n);
-		weigh(to[count], &sent[light[n]], (double)scale[n], one);
+		weigh_column(to[count], &sent[light[n]], (double)scale[n], one);
 		line[count] = (uint32_t)n;
 		count += x[0] + x[1] + x[2] > 0;
 	}
@@ -160,8 +160,8 @@ static void weigh_lines(struct block_work *work, const struct block_plan *plan,
 	work->counts.basis_bytes += (size_t)b->patterns * (size_t)b->stride * sizeof(int16_t);
 }
 
-static void add_lines(struct block_work *work, const struct block_plan *plan,
-		      const struct block_request *request, const struct line_target *to)
+static void block_add_lines(struct block_work *work, const struct block_plan *plan,
+			    const struct block_request *request, const struct line_target *to)
 {
 	line_set_split(&work->patterns, request->kernels);
 	line_set_split(&work->columns, request->kernels);
@@ -182,7 +182,7 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
 		if (kept)
 			kept_sums_take(work, plan, request, fraction, to.sum);
 		else
-			add_lines(work, plan, request, &to);
+			block_add_lines(work, plan, request, &to);
 	}
 	for (int c = 0; c < 3; c++)
 		sum[c] = to.sum[c];
@@ -197,5 +197,5 @@ void block_values(struct block_work *work, const struct block_plan *plan,
 	for (int c = 0; c < 3; c++)
 		one[c] = (double)request->light->factor[c] * power_of_two(fraction - 30);
 	weigh_lines(work, plan, request, one);
-	add_lines(work, plan, request, &to);
+	block_add_lines(work, plan, request, &to);
 }

@@ -16,12 +16,12 @@
 #define CLASSES (1 << (31 - CLASS_SHIFT))
 #define CLASS_NEAR 0.9
 
-static uint32_t place_of(const struct basis_block *b, int n)
+static uint32_t column_place(const struct basis_block *b, int n)
 {
 	return b->bits == 8 ? b->record_at[n] : (uint32_t)n;
 }
 
-static uint32_t bytes_of(const struct basis_block *b, int n)
+static uint32_t column_bytes(const struct basis_block *b, int n)
 {
 	if (b->bits != 8)
 		return 0;
@@ -29,13 +29,13 @@ static uint32_t bytes_of(const struct basis_block *b, int n)
 					    basis_record_lines(b->pixels, b->channels));
 }
 
-static float reach_of(const struct block_plan *plan, int n)
+static float column_reach(const struct block_plan *plan, int n)
 {
 	return plan->block->column_scale[n] * plan->reach;
 }
 
 /* The farthest first. Of floats without a sign the bits ascend like the numbers. */
-static uint32_t class_of(float reach)
+static uint32_t reach_class(float reach)
 {
 	uint32_t bits;
 
@@ -64,7 +64,8 @@ static size_t number_blocks(struct column_choice *choice, struct block_plan *pla
 	return columns;
 }
 
-static bool has_groups(const struct column_choice *choice, const struct block_plan *plan, int count)
+static bool choice_has_groups(const struct column_choice *choice, const struct block_plan *plan,
+			      int count)
 {
 	for (int n = 0; n < count; n++)
 		if (plan[n].choice == choice && plan[n].grouped)
@@ -73,7 +74,7 @@ static bool has_groups(const struct column_choice *choice, const struct block_pl
 }
 
 /* Counts become places. */
-static void add_up(uint32_t *counts, size_t count)
+static void counts_to_places(uint32_t *counts, size_t count)
 {
 	uint32_t sum = 0;
 
@@ -93,7 +94,7 @@ struct loose_column {
 
 /* Where a block's column finds what it is weighed by: that of a light whose group has a column too
  * is weighed by what the light sends beside it. grouped: [groups]. */
-static uint32_t source_of(const struct basis_groups *groups, const bool *grouped, int number)
+static uint32_t column_source(const struct basis_groups *groups, const bool *grouped, int number)
 {
 	const int lights = groups->lights;
 	const bool beside = number >= lights || (groups->count && grouped[groups->of[number]]);
@@ -143,10 +144,10 @@ static void sort_block(const struct column_choice *choice, const struct block_pl
 
 	choice->block[1 + plan->number].reach = plan->reach;
 	for (int n = 0; n < b->columns; n++)
-		s->loose[s->place[class_of(reach_of(plan, n))]++] =
+		s->loose[s->place[reach_class(column_reach(plan, n))]++] =
 			(struct loose_column){{b->column_scale[n], (uint32_t)plan->number,
-					       place_of(b, n), bytes_of(b, n)},
-					      source_of(groups, s->grouped, b->light[n])};
+					       column_place(b, n), column_bytes(b, n)},
+					      column_source(groups, s->grouped, b->light[n])};
 }
 
 /* All columns by classes. */
@@ -158,8 +159,8 @@ static void sort_by_class(const struct column_choice *choice, const struct block
 	memset(place, 0, sizeof(*place) * CLASSES);
 	for (int k = 0; k < count; k++)
 		for (int n = 0; plan[k].choice == choice && n < plan[k].block->columns; n++)
-			place[class_of(reach_of(&plan[k], n))]++;
-	add_up(place, CLASSES);
+			place[reach_class(column_reach(&plan[k], n))]++;
+	counts_to_places(place, CLASSES);
 	for (int k = 0, next; k < count; k = next) {
 		for (next = k + 1; next < count && plan[next].follows;)
 			next++;
@@ -188,7 +189,7 @@ static void sort_by_light(struct column_choice *choice, const struct sorting *s,
 		*most = reach > *most ? reach : *most;
 		place[from[k].light]++;
 	}
-	add_up(place, (size_t)lights + 1);
+	counts_to_places(place, (size_t)lights + 1);
 	for (uint32_t i = 0; i < lights; i++)
 		if (place[i] < place[i + 1])
 			to[choice->lights++] = (struct light_columns){i, place[i], to[i].most};
@@ -206,7 +207,7 @@ int column_choice_create(struct column_choice *choice, struct block_plan *plan, 
 
 	*choice = (struct column_choice){.lights = 0};
 	columns = number_blocks(choice, plan, count, kind, ground);
-	if (has_groups(choice, plan, count))
+	if (choice_has_groups(choice, plan, count))
 		lights = light_beside(groups->lights, groups->lights + groups->count);
 	n = (size_t)lights + 1;
 	choice->light = calloc(n, sizeof(*choice->light));
@@ -254,8 +255,8 @@ static inline __attribute__((always_inline)) void fetch_list(const struct column
  * adds to its block's end, and is put there, if `placing`. What lies below the normal floats is in
  * no class by what it reaches.
  */
-static inline __attribute__((always_inline)) void meet(const struct column_choice *choice,
-						       const struct light_sent *sent, bool placing)
+static inline __attribute__((always_inline)) void
+choice_meet(const struct column_choice *choice, const struct light_sent *sent, bool placing)
 {
 	struct chosen_column *const chosen = choice->chosen;
 	struct choosing_block *const block = choice->block + 1;
@@ -290,13 +291,13 @@ void column_choice_make(struct column_choice *choice, const struct light_vector 
 
 	for (int n = 0; n <= choice->blocks; n++)
 		choice->block[n].end = 0;
-	meet(choice, light->sent, false);
+	choice_meet(choice, light->sent, false);
 	for (int n = 1; n <= choice->blocks; n++) {
 		const uint32_t own = choice->block[n].end;
 
 		choice->block[n].end = sum;
 		sum += own;
 	}
-	meet(choice, light->sent, true);
+	choice_meet(choice, light->sent, true);
 	choice->left_out = (int)(choice->light[choice->lights].first - sum);
 }

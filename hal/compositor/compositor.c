@@ -14,7 +14,7 @@ const char *const compositor_reuse_names[] = {"auto", "never", "always", NULL};
 #define COPY_COST 1024
 #define MIX_COST 8192
 
-static int divide(struct compositor *c, struct layer *layer)
+static int layer_divide(struct compositor *c, struct layer *layer)
 {
 	const int most = c->workers > 1 ? c->workers * RUNS_A_THREAD : 1;
 	double *cost = calloc((size_t)c->tiles, sizeof(*cost));
@@ -86,7 +86,7 @@ static int create_layer(struct compositor *c, struct layer *layer, const struct 
 		ret = need_light(c, layer, &basis->blocks[n], cut);
 	for (int k = 0; ret == 0 && k < layer->light_count; k++)
 		ret = need_choice(c, layer, &layer->light[k]);
-	return ret < 0 ? ret : divide(c, layer);
+	return ret < 0 ? ret : layer_divide(c, layer);
 }
 
 static void forget_pose(struct compositor *c, struct pose *pose)
@@ -217,7 +217,7 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 
 /* Room for the sums of any pose in exact mode. Without it nothing is kept, and the pictures are the
  * same. */
-static void make_room(struct compositor *c)
+static void kept_reserve(struct compositor *c)
 {
 	size_t size = 0, blocks = 0;
 
@@ -257,7 +257,7 @@ void compositor_set(struct compositor *c, const struct compositor_settings *sett
 		kernel_curves_fill(&c->curves, &settings->background, &settings->output);
 	c->keeps = settings->reuse != REUSE_NEVER && settings->mode == COMPOSITOR_EXACT;
 	if (c->keeps)
-		make_room(c);
+		kept_reserve(c);
 }
 
 static void forget_others(struct compositor *c)
@@ -284,7 +284,7 @@ int compositor_take_pose(struct compositor *c, int pose, struct fault *fault)
 	if (!c->poses[pose].made)
 		ret = make_pose(c, pose);
 	if (ret == 0 && c->keeps)
-		make_room(c);
+		kept_reserve(c);
 	c->pose = ret < 0 ? -1 : pose;
 	return ret < 0 ? fault_say(fault, ret, "the compositor is out of memory") : 0;
 }

@@ -35,7 +35,7 @@ struct pose {
 	unsigned turn; /* of the basis's pose that they were made of */
 };
 
-struct worker {
+struct compositor_worker {
 	struct tile_work tile;
 	struct tile_values values;
 	uint8_t *rows; /* a row of the picture, or BASIS_TILE of SPAN_TILES */
@@ -52,7 +52,7 @@ struct compositor {
 	struct light_terms terms;
 	struct light_vector vector[BASIS_KIND_COUNT]; /* T, D and U */
 	struct light_vector *ground;		      /* [grounds] */
-	struct worker **worker;
+	struct compositor_worker **worker;
 	struct kernel_curves curves;
 	struct compositor_frame last;
 	/* Sums of the frame before, for one pose in one mode. */

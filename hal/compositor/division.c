@@ -11,7 +11,7 @@
  * not change a tile's cost by more than this. */
 #define CHANGE_MOST 2.0
 
-static void divide(struct division *d)
+static void division_divide(struct division *d)
 {
 	double all = 0, before = 0;
 	int run = 0;
@@ -40,7 +40,7 @@ int division_create(struct division *d, int runs, int tiles, const double *cost)
 		return -ENOMEM;
 	}
 	memcpy(d->cost, cost, sizeof(*cost) * (size_t)tiles);
-	divide(d);
+	division_divide(d);
 	return 0;
 }
 
@@ -87,5 +87,5 @@ void division_settle(struct division *d)
 	}
 	memset(d->took_ns, 0, sizeof(*d->took_ns) * (size_t)d->runs);
 	d->frames = 0;
-	divide(d);
+	division_divide(d);
 }

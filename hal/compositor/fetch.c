@@ -7,7 +7,7 @@
 #define RANGE_LINES 1024
 
 /* What is not there may have no address. */
-static void expect(struct fetch *fetch, const void *from, size_t bytes)
+static void expect_range(struct fetch *fetch, const void *from, size_t bytes)
 {
 	const size_t all = (bytes + KERNEL_LINE_BYTES - 1) / KERNEL_LINE_BYTES;
 	const size_t lines = all < RANGE_LINES ? all : RANGE_LINES;
@@ -22,11 +22,12 @@ static void expect_lines(struct fetch *fetch, const struct basis_block *b)
 {
 	const size_t panels = (size_t)basis_panels16(b->pixels);
 
-	expect(fetch, b->pattern, (size_t)b->patterns * (size_t)b->stride * sizeof(*b->pattern));
-	expect(fetch, b->coefficient,
-	       panels * (size_t)(b->channels * b->patterns) * KERNEL_LINE_BYTES);
-	expect(fetch, b->tint, b->tint ? 3 * (size_t)b->pixels * sizeof(*b->tint) : 0);
-	expect(fetch, b->pattern_scale, (size_t)b->patterns * sizeof(*b->pattern_scale));
+	expect_range(fetch, b->pattern,
+		     (size_t)b->patterns * (size_t)b->stride * sizeof(*b->pattern));
+	expect_range(fetch, b->coefficient,
+		     panels * (size_t)(b->channels * b->patterns) * KERNEL_LINE_BYTES);
+	expect_range(fetch, b->tint, b->tint ? 3 * (size_t)b->pixels * sizeof(*b->tint) : 0);
+	expect_range(fetch, b->pattern_scale, (size_t)b->patterns * sizeof(*b->pattern_scale));
 }
 
 /* What is read of a block before anything is added up, and what tells of the block behind it. */
@@ -35,13 +36,14 @@ static void expect_weights(struct fetch *fetch, const struct block_plan *plan)
 	const struct basis_block *b = plan->block;
 
 	if (!plan->choice) {
-		expect(fetch, b->column_scale, (size_t)b->columns * sizeof(*b->column_scale));
-		expect(fetch, b->light, (size_t)b->columns * sizeof(*b->light));
+		expect_range(fetch, b->column_scale, (size_t)b->columns * sizeof(*b->column_scale));
+		expect_range(fetch, b->light, (size_t)b->columns * sizeof(*b->light));
 		if (b->record_at)
-			expect(fetch, b->record_at, (size_t)b->columns * sizeof(*b->record_at));
+			expect_range(fetch, b->record_at,
+				     (size_t)b->columns * sizeof(*b->record_at));
 	}
-	expect(fetch, plan + 1, sizeof(*plan));
-	expect(fetch, b + 1, sizeof(*b));
+	expect_range(fetch, plan + 1, sizeof(*plan));
+	expect_range(fetch, b + 1, sizeof(*b));
 }
 
 static void expect_columns(struct fetch *fetch, const struct block_plan *plan)

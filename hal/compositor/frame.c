@@ -63,7 +63,7 @@ static struct area area_of(const struct basis_tile *tiles, int first, int end)
 	return (struct area){a->x, a->y, b->x + b->width - a->x, a->height};
 }
 
-static void copy_span(const struct compositor *c, int first, int end, struct worker *w)
+static void copy_span(const struct compositor *c, int first, int end, struct compositor_worker *w)
 {
 	const struct area area = area_of(c->layer->basis->tiles, first, end);
 	const bool same = transfer_curve_same(&c->settings.background, &c->settings.output);
@@ -72,7 +72,7 @@ static void copy_span(const struct compositor *c, int first, int end, struct wor
 		      c->out + (size_t)area.y * c->out_stride + (size_t)area.x * 4, c->out_stride);
 }
 
-static void mix_span(const struct compositor *c, int first, int end, struct worker *w)
+static void mix_span(const struct compositor *c, int first, int end, struct compositor_worker *w)
 {
 	const struct basis_tile *tiles = c->layer->basis->tiles;
 	struct backdrop_rows rows = backdrop_rows(c->backdrop, area_of(tiles, first, end), w->rows);
@@ -92,7 +92,7 @@ static bool is_copied(const struct compositor *c, int tile)
 	return !c->settings.object || c->layer->plan.tiles[tile].plain;
 }
 
-static void make_run(struct compositor *c, int run, struct worker *w)
+static void make_run(struct compositor *c, int run, struct compositor_worker *w)
 {
 	const struct division *d = &c->layer->division;
 	const int end = d->first[run + 1];
@@ -114,7 +114,7 @@ static void make_run(struct compositor *c, int run, struct worker *w)
 	}
 }
 
-static void work(void *context, int run, int worker)
+static void frame_run(void *context, int run, int worker)
 {
 	struct compositor *c = context;
 	const int64_t start = clock_now_ns();
@@ -205,7 +205,7 @@ static int changed_lights(struct compositor *c, const struct light_selection *li
  * The sums to start from and to keep. To keep them costs, so where most lights change from frame to
  * frame, as under a camera's noise, it is not begun. Sums of another pose or mode are of no use.
  */
-static struct kept_sums keep(struct compositor *c, const struct light_selection *lights)
+static struct kept_sums frame_keep_sums(struct compositor *c, const struct light_selection *lights)
 {
 	const bool able = c->keeps && c->kept && c->layer->plan.kept_blocks > 0;
 	const bool always = c->settings.reuse == REUSE_ALWAYS;
@@ -238,7 +238,7 @@ static void begin_frame(struct compositor *c, const struct light_selection *ligh
 		.own = &c->vector[BASIS_KIND_U],
 		.ground = c->ground,
 		.gain_bits = gain_bits(c->settings.gain),
-		.kept = keep(c, lights),
+		.kept = frame_keep_sums(c, lights),
 		.first = c->layer->plan.blocks,
 		.end = c->layer->plan.blocks + c->layer->basis->block_count,
 	};
@@ -288,10 +288,10 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 		look_behind(c, &c->poses[pose].glass);
 	}
 	if (c->pool) {
-		pool_run(c->pool, c->layer->division.runs, work, c);
+		pool_run(c->pool, c->layer->division.runs, frame_run, c);
 	} else {
 		for (int run = 0; run < c->layer->division.runs; run++)
-			work(c, run, 0);
+			frame_run(c, run, 0);
 	}
 	if (c->settings.object)
 		end_frame(c);

@@ -11,7 +11,7 @@
 
 /* ---- once a pose ---- */
 
-static int clamped(int at, int count)
+static int clamped_to(int at, int count)
 {
 	return at < 0 ? 0 : at >= count ? count - 1 : at;
 }
@@ -44,16 +44,17 @@ static int weight_in(const struct side *side, int pixel)
 }
 
 /* Marks the tiles of the pixels that are looked at. */
-static void mark(const struct basis *basis, const struct basis_glass *g, uint8_t *looked_at)
+static void mark_looked_at(const struct basis *basis, const struct basis_glass *g,
+			   uint8_t *looked_at)
 {
 	const int width = (int)basis->info.width, height = (int)basis->info.height;
 	const struct side across = side_of(g->x, g->dx, g->spread[0]);
 	const struct side down = side_of(g->y, g->dy, g->spread[1]);
-	const int right = clamped(across.last, width) / BASIS_TILE;
-	const int bottom = clamped(down.last, height) / BASIS_TILE;
+	const int right = clamped_to(across.last, width) / BASIS_TILE;
+	const int bottom = clamped_to(down.last, height) / BASIS_TILE;
 
-	for (int y = clamped(down.first, height) / BASIS_TILE; y <= bottom; y++)
-		for (int x = clamped(across.first, width) / BASIS_TILE; x <= right; x++)
+	for (int y = clamped_to(down.first, height) / BASIS_TILE; y <= bottom; y++)
+		for (int x = clamped_to(across.first, width) / BASIS_TILE; x <= right; x++)
 			looked_at[y * basis->tiles_across + x] = 1;
 }
 
@@ -100,7 +101,7 @@ int glass_plan_create(struct glass_plan *plan, const struct basis *basis,
 	if (plan->first && looked_at) {
 		for (size_t i = 0; i < pose->glass_count; i++) {
 			plan->first[basis_glass_tile(basis, &pose->glass[i]) + 1]++;
-			mark(basis, &pose->glass[i], looked_at);
+			mark_looked_at(basis, &pose->glass[i], looked_at);
 		}
 		for (int t = 0; t < tiles; t++)
 			plan->first[t + 1] += plan->first[t];
@@ -122,8 +123,8 @@ void glass_plan_free(struct glass_plan *plan)
 /* ---- once a frame ---- */
 
 /* The mean of the picture's linear light over what is looked at, 65535 = 1. */
-static void light_of(const struct picture *p, const struct basis_glass *g, const uint16_t *decode,
-		     uint64_t light[3])
+static void glass_light(const struct picture *p, const struct basis_glass *g,
+			const uint16_t *decode, uint64_t light[3])
 {
 	const struct side across = side_of(g->x, g->dx, g->spread[0]);
 	const struct side down = side_of(g->y, g->dy, g->spread[1]);
@@ -131,11 +132,11 @@ static void light_of(const struct picture *p, const struct basis_glass *g, const
 	uint64_t sum[3] = {0, 0, 0};
 
 	for (int y = down.first; y <= down.last; y++) {
-		const uint8_t *row = p->origin + clamped(y, p->height) * p->y_step;
+		const uint8_t *row = p->origin + clamped_to(y, p->height) * p->y_step;
 		const uint64_t height = (uint64_t)weight_in(&down, y);
 
 		for (int x = across.first; x <= across.last; x++) {
-			const uint8_t *at = row + clamped(x, p->width) * p->x_step;
+			const uint8_t *at = row + clamped_to(x, p->width) * p->x_step;
 			const uint64_t weight = height * (uint64_t)weight_in(&across, x);
 
 			for (int c = 0; c < 3; c++)
@@ -154,7 +155,7 @@ void glass_add(const struct glass_plan *plan, int tile, const struct picture *pi
 		const int p = g->y % BASIS_TILE * BASIS_TILE + g->x % BASIS_TILE;
 		uint64_t light[3];
 
-		light_of(picture, g, decode, light);
+		glass_light(picture, g, decode, light);
 		for (int c = 0; c < 3; c++) {
 			const uint64_t passes = g->transmission[c] + (g->transmission[c] >> 15u);
 			const uint64_t arrives = (passes * light[c] * 256 + 32767) / 65535;

@@ -9,7 +9,7 @@
 #define KEPT_COST 8
 
 /* What each line weighs now, those left out 0, from the sets. */
-static void spread(struct block_work *work, const struct block_plan *plan)
+static void weights_spread(struct block_work *work, const struct block_plan *plan)
 {
 	const int patterns = plan->block->patterns;
 
@@ -85,7 +85,7 @@ void kept_sums_take(struct block_work *work, const struct block_plan *plan,
 	struct kept_block *kept = &request->kept->blocks[request->kept_index];
 	int64_t *weights = kept_weights(plan, request, sum);
 
-	spread(work, plan);
+	weights_spread(work, plan);
 	if (kept->valid && (request->kept->always ||
 			    changed_lines(work, weights, lines, used) + KEPT_COST < used)) {
 		take_gains(&work->patterns, work, weights, lines, 0, patterns);

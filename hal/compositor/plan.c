@@ -62,7 +62,7 @@ static int exponent_of_bound(double bound)
 	return bound > 0 ? exponent_above(bound) : -200;
 }
 
-static bool has_groups(const struct basis *basis, const struct basis_block *b)
+static bool block_has_groups(const struct basis *basis, const struct basis_block *b)
 {
 	return b->columns && b->light[b->columns - 1] >= basis->info.lights;
 }
@@ -75,7 +75,7 @@ static struct block_plan plan_block(const struct basis *basis, const struct basi
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
 		.kept = !cut && b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
-		.grouped = has_groups(basis, b),
+		.grouped = block_has_groups(basis, b),
 		.reach = value_of_one(b),
 	};
 

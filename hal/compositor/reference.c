@@ -11,7 +11,7 @@
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
 
-struct scene {
+struct reference_scene {
 	const struct basis *basis;
 	const struct compositor_settings *settings;
 	double (*radiance)[3]; /* [lights]: used and ambient together */
@@ -19,7 +19,7 @@ struct scene {
 	double (*y)[3];	       /* [coarse] */
 };
 
-struct tile_values {
+struct reference_tile {
 	double object[TILE_PIXELS][3];
 	double taken[TILE_PIXELS][3];
 	double own[TILE_PIXELS][3]; /* of D and U: sum u L + e */
@@ -28,7 +28,7 @@ struct tile_values {
 };
 
 /* X of a block's kind; all: what is lit if every cell has radiance 1. */
-static void fill_x(const struct scene *s, const struct basis_block *b, double more)
+static void fill_x(const struct reference_scene *s, const struct basis_block *b, double more)
 {
 	for (uint32_t i = 0; i < s->basis->info.lights; i++) {
 		for (int c = 0; c < 3; c++)
@@ -39,7 +39,7 @@ static void fill_x(const struct scene *s, const struct basis_block *b, double mo
 	}
 }
 
-static void fill_y(const struct scene *s)
+static void fill_y(const struct reference_scene *s)
 {
 	const struct basis_info_chunk *info = &s->basis->info;
 
@@ -57,7 +57,7 @@ static void fill_y(const struct scene *s)
 }
 
 /* Where pixel p of a channel stands in a line of 16 bits, of which a panel has `lines`. */
-static size_t place(const struct basis_block *b, int p, int c, int lines, int line)
+static size_t line_place(const struct basis_block *b, int p, int c, int lines, int line)
 {
 	const int channel = b->channels == 3 ? c : 0;
 	const int panels = basis_panels16(b->pixels);
@@ -71,12 +71,12 @@ static double column_value(const struct basis_block *b, int p, int c, int n)
 {
 	return (double)b->column_scale[n] *
 	       (b->bits == 8 ? basis_column8_value(b, n, b->channels == 3 ? c : 0, p)
-			     : b->column16[place(b, p, c, b->columns, n)]);
+			     : b->column16[line_place(b, p, c, b->columns, n)]);
 }
 
 /* value * X, summed; to[pixel][c] gains it. */
-static void add_block(const struct scene *s, const struct basis_block *b, double more,
-		      double (*to)[3])
+static void block_add_values(const struct reference_scene *s, const struct basis_block *b,
+			     double more, double (*to)[3])
 {
 	fill_x(s, b, more);
 	fill_y(s);
@@ -90,7 +90,7 @@ static void add_block(const struct scene *s, const struct basis_block *b, double
 		for (int p = 0; p < b->pixels; p++) {
 			for (int c = 0; c < 3; c++)
 				to[p][c] += (double)b->pattern_scale[j] * y[c] *
-					    b->coefficient[place(b, p, c, b->patterns, j)];
+					    b->coefficient[line_place(b, p, c, b->patterns, j)];
 		}
 	}
 	/* With S = 0, groups have no light. */
@@ -103,12 +103,12 @@ static void add_block(const struct scene *s, const struct basis_block *b, double
 }
 
 /* The block's values times light, tinted and times factor[c], added to its pixels. */
-static void spread_block(const struct scene *s, const struct basis_block *b, double more,
+static void spread_block(const struct reference_scene *s, const struct basis_block *b, double more,
 			 const double factor[3], double (*to)[3])
 {
 	double value[TILE_PIXELS][3] = {{0}};
 
-	add_block(s, b, more, value);
+	block_add_values(s, b, more, value);
 	for (int p = 0; p < b->pixels; p++) {
 		for (int c = 0; c < 3; c++)
 			to[b->pixel[p]][c] +=
@@ -117,7 +117,8 @@ static void spread_block(const struct scene *s, const struct basis_block *b, dou
 	}
 }
 
-static void spread_ground(const struct scene *s, const struct basis_block *b, struct tile_values *v)
+static void spread_ground(const struct reference_scene *s, const struct basis_block *b,
+			  struct reference_tile *v)
 {
 	double factor[3];
 
@@ -132,7 +133,8 @@ static void spread_ground(const struct scene *s, const struct basis_block *b, st
 	spread_block(s, b, 0, factor, v->taken);
 }
 
-static void fill_tile(const struct scene *s, const struct basis_tile *tile, struct tile_values *v)
+static void fill_tile(const struct reference_scene *s, const struct basis_tile *tile,
+		      struct reference_tile *v)
 {
 	const double gain = s->settings->gain;
 	const double gains[3] = {gain, gain, gain}, ones[3] = {1, 1, 1};
@@ -158,27 +160,28 @@ static void fill_tile(const struct scene *s, const struct basis_tile *tile, stru
 	}
 }
 
-static int within(int at, int count)
+static int clamped_to(int at, int count)
 {
 	return at < 0 ? 0 : at >= count ? count - 1 : at;
 }
 
-static double background_at(const struct scene *s, const struct picture *b, int x, int y, int c)
+static double background_at(const struct reference_scene *s, const struct picture *b, int x, int y,
+			    int c)
 {
-	const uint8_t *in = b->origin + within(y, b->height) * b->y_step +
-			    within(x, b->width) * b->x_step;
+	const uint8_t *in = b->origin + clamped_to(y, b->height) * b->y_step +
+			    clamped_to(x, b->width) * b->x_step;
 
 	return transfer_curve_decode(&s->settings->background, in[2 - c] / 255.0);
 }
 
 /* How much of pixel `at` lies inside. */
-static double inside(int at, double middle, double length)
+static double pixel_overlap(int at, double middle, double length)
 {
 	return fmin(at + 1, middle + length / 2) - fmax(at, middle - length / 2);
 }
 
 /* The mean over a rectangle of the background. */
-static double mean_behind(const struct scene *s, const struct picture *b,
+static double mean_behind(const struct reference_scene *s, const struct picture *b,
 			  const struct basis_glass *g, int c)
 {
 	const double x = g->x + 0.5 + (double)g->dx / BASIS_GLASS_STEP;
@@ -189,14 +192,14 @@ static double mean_behind(const struct scene *s, const struct picture *b,
 
 	for (int v = (int)floor(y - height / 2); v < y + height / 2; v++)
 		for (int u = (int)floor(x - width / 2); u < x + width / 2; u++)
-			sum += inside(u, x, width) * inside(v, y, height) *
+			sum += pixel_overlap(u, x, width) * pixel_overlap(v, y, height) *
 			       background_at(s, b, u, v, c);
 	return sum / (width * height);
 }
 
 /* What is seen through the pixels of a tile. */
-static void look_through(const struct scene *s, int pose, int tile,
-			 const struct picture *background, struct tile_values *v)
+static void look_through(const struct reference_scene *s, int pose, int tile,
+			 const struct picture *background, struct reference_tile *v)
 {
 	const struct basis_pose *p = &s->basis->poses[pose];
 
@@ -210,8 +213,9 @@ static void look_through(const struct scene *s, int pose, int tile,
 	}
 }
 
-static void write_tile(const struct scene *s, int pose, const struct basis_tile *tile,
-		       const struct picture *background, const struct tile_values *v, double *out)
+static void write_tile(const struct reference_scene *s, int pose, const struct basis_tile *tile,
+		       const struct picture *background, const struct reference_tile *v,
+		       double *out)
 {
 	const size_t width = s->basis->info.width;
 
@@ -239,13 +243,14 @@ static void write_tile(const struct scene *s, int pose, const struct basis_tile 
 	}
 }
 
-static int write_picture(struct scene *s, int pose, const struct picture *background, double *out)
+static int reference_write(struct reference_scene *s, int pose, const struct picture *background,
+			   double *out)
 {
 	const struct basis *basis = s->basis;
 	const struct basis_layer *layer = s->settings->mode == COMPOSITOR_EXACT
 						  ? &basis->poses[pose].exact
 						  : &basis->poses[pose].shown;
-	struct tile_values *values = malloc(sizeof(*values));
+	struct reference_tile *values = malloc(sizeof(*values));
 
 	if (!values)
 		return -ENOMEM;
@@ -264,7 +269,7 @@ int compositor_reference(const struct basis *basis, int pose,
 			 double *out)
 {
 	const struct basis_info_chunk *info = &basis->info;
-	struct scene scene = {.basis = basis, .settings = settings};
+	struct reference_scene scene = {.basis = basis, .settings = settings};
 	int ret;
 
 	if (pose < 0 || (uint32_t)pose >= info->poses || background->width != (int)info->width ||
@@ -284,7 +289,7 @@ int compositor_reference(const struct basis *basis, int pose,
 			for (int c = 0; c < 3; c++)
 				scene.radiance[i][c] = lights->radiance[i][c] + lights->ambient[c];
 		}
-		ret = write_picture(&scene, pose, background, out);
+		ret = reference_write(&scene, pose, background, out);
 	}
 	free(scene.radiance);
 	free(scene.x);

@@ -18,7 +18,8 @@ struct folding {
 	const uint32_t *factor; /* [3] */
 };
 
-static const struct light_vector *light_of(const struct frame_light *f, const struct basis_block *b)
+static const struct light_vector *block_light(const struct frame_light *f,
+					      const struct basis_block *b)
 {
 	switch (b->kind) {
 	case BASIS_KIND_T:
@@ -33,7 +34,8 @@ static const struct light_vector *light_of(const struct frame_light *f, const st
 }
 
 /* The next block that is summed; NULL: there is none. */
-static const struct block_plan *next_of(const struct frame_light *f, const struct block_plan *plan)
+static const struct block_plan *block_next(const struct frame_light *f,
+					   const struct block_plan *plan)
 {
 	do
 		plan++;
@@ -44,21 +46,21 @@ static const struct block_plan *next_of(const struct frame_light *f, const struc
 static struct block_request request_for(const struct frame_light *f, const struct block_plan *plan,
 					bool fresh)
 {
-	const struct block_plan *next = next_of(f, plan);
+	const struct block_plan *next = block_next(f, plan);
 
 	return (struct block_request){
 		.kernels = f->kernels,
-		.light = light_of(f, plan->block),
+		.light = block_light(f, plan->block),
 		.kept = &f->kept,
 		.kept_index = (int)(plan - f->first),
 		.fresh = fresh,
 		.next = next,
-		.after = next ? next_of(f, next) : NULL,
+		.after = next ? block_next(f, next) : NULL,
 	};
 }
 
-static void sums_of(const struct frame_light *f, const struct block_plan *plan, bool fresh,
-		    int fraction, struct block_work *work, const int64_t *sum[3])
+static void sum_block(const struct frame_light *f, const struct block_plan *plan, bool fresh,
+		      int fraction, struct block_work *work, const int64_t *sum[3])
 {
 	const struct block_request request = request_for(f, plan, fresh);
 
@@ -67,7 +69,7 @@ static void sums_of(const struct frame_light *f, const struct block_plan *plan, 
 
 /* Light beyond all measure has so few fraction bits that its sums must be shifted up, not down:
  * what does not fit is beyond any limit that comes later. */
-static const int64_t *lifted(const int64_t *sum, int count, int up, int64_t *to)
+static const int64_t *sums_lifted(const int64_t *sum, int count, int up, int64_t *to)
 {
 	const int64_t most = up < 62 ? (INT64_C(1) << 62) >> up : 0;
 
@@ -81,15 +83,15 @@ static const int64_t *lifted(const int64_t *sum, int count, int up, int64_t *to)
 }
 
 /* Adds sums of `count` pixels to the values of as many; fresh: to nothing. */
-static void fold(const struct frame_light *f, const struct folding *how, int c, const int64_t *sum,
-		 int count, const uint16_t *tint, bool fresh, struct tile_work *work,
-		 int32_t *values)
+static void sums_fold(const struct frame_light *f, const struct folding *how, int c,
+		      const int64_t *sum, int count, const uint16_t *tint, bool fresh,
+		      struct tile_work *work, int32_t *values)
 {
 	const int32_t *from = fresh ? tile_nothing : values;
 	const int shift = how->shift >= 1 ? how->shift : 1;
 
 	if (how->shift < 1)
-		sum = lifted(sum, count, 1 - how->shift, work->block.sum[c]);
+		sum = sums_lifted(sum, count, 1 - how->shift, work->block.sum[c]);
 	f->kernels->fold(sum, count, shift, how->factor[c], tint, from, values);
 }
 
@@ -104,18 +106,18 @@ static void fold_block(const struct frame_light *f, const struct block_plan *pla
 		const uint16_t *tint = b->tint ? b->tint + c * b->pixels : NULL;
 
 		if (plan->whole) {
-			fold(f, how, c, sum[c], b->pixels, tint, fresh, work, values[c]);
+			sums_fold(f, how, c, sum[c], b->pixels, tint, fresh, work, values[c]);
 			continue;
 		}
 		if (fresh)
 			memset(values[c], 0, sizeof(values[c]));
-		fold(f, how, c, sum[c], b->pixels, tint, true, work, work->listed);
+		sums_fold(f, how, c, sum[c], b->pixels, tint, true, work, work->listed);
 		f->kernels->place(work->listed, plan->row, values[c]);
 	}
 }
 
-static void spread(const struct basis_block *b, const int64_t *const sum[3],
-		   int64_t (*to)[BLOCK_PIXELS])
+static void sums_spread(const struct basis_block *b, const int64_t *const sum[3],
+			int64_t (*to)[BLOCK_PIXELS])
 {
 	for (int c = 0; c < 3; c++) {
 		for (int p = 0; p < b->pixels; p++)
@@ -130,7 +132,7 @@ static bool is_ordinary(const struct block_plan *group, const struct light_vecto
 	return group->most * light->strongest <= ORDINARY;
 }
 
-static int room(const struct block_plan *group, const struct light_vector *light)
+static int group_room(const struct block_plan *group, const struct light_vector *light)
 {
 	return PLAN_SUM_BITS - group->bound - light->reach;
 }
@@ -138,7 +140,7 @@ static int room(const struct block_plan *group, const struct light_vector *light
 /* ---- few lines in light of ordinary strength, which most groups are ---- */
 
 /* How many lines of a group count. Blocks whose sums are kept have more of them than KERNEL_RUN. */
-static int lines_of(const struct block_plan *group)
+static int group_lines(const struct block_plan *group)
 {
 	int lines = 0;
 
@@ -167,10 +169,11 @@ static void place_values(const struct frame_light *f, const struct block_plan *p
 	}
 }
 
-/* What add_group() does, where no sum is needed exactly. Values of a whole tile are made where they
+/* What group_add() does, where no sum is needed exactly. Values of a whole tile are made where they
  * belong. */
-static bool add_values(const struct frame_light *f, const struct block_plan *group, int fraction,
-		       bool fresh, struct tile_work *work, int32_t (*values)[BLOCK_PIXELS])
+static bool group_add_values(const struct frame_light *f, const struct block_plan *group,
+			     int fraction, bool fresh, struct tile_work *work,
+			     int32_t (*values)[BLOCK_PIXELS])
 {
 	int32_t *const whole[3] = {values[0], values[1], values[2]};
 	int32_t *const listed[3] = {work->listed, work->listed + BLOCK_PIXELS,
@@ -210,25 +213,25 @@ static bool add_values(const struct frame_light *f, const struct block_plan *gro
  * strong that a part might reach the limit of Q24, and another part or a dark tint take it back,
  * they are added up before they are folded.
  */
-static bool add_group(const struct frame_light *f, const struct block_plan *group,
+static bool group_add(const struct frame_light *f, const struct block_plan *group,
 		      const struct light_vector *light, int more, bool fresh,
 		      struct tile_work *work, int32_t (*values)[BLOCK_PIXELS])
 {
-	const int wanted = group->fraction + more, most = room(group, light);
+	const int wanted = group->fraction + more, most = group_room(group, light);
 	const int fraction = wanted < most ? wanted : most;
 	const struct folding how = {fraction - VALUE_BITS - more, light->factor};
 	const bool ordinary = is_ordinary(group, light), apart = group->single || ordinary;
 	const int64_t *sum[3];
 	bool summed = false; /* of those that share their sums */
 
-	if (ordinary && lines_of(group) <= KERNEL_RUN)
-		return add_values(f, group, VALUE_BITS + KERNEL_VALUE_SHIFT16 + more, fresh, work,
-				  values);
+	if (ordinary && group_lines(group) <= KERNEL_RUN)
+		return group_add_values(f, group, VALUE_BITS + KERNEL_VALUE_SHIFT16 + more, fresh,
+					work, values);
 	if (!apart)
 		memset(work->d, 0, sizeof(work->d));
 	for (int n = 0; n < group->group; n++) {
 		if (block_counts(&group[n])) {
-			sums_of(f, &group[n], !summed, fraction, &work->block, sum);
+			sum_block(f, &group[n], !summed, fraction, &work->block, sum);
 			summed = true;
 		}
 		if (!summed || (n + 1 < group->group && group[n + 1].joins))
@@ -237,35 +240,35 @@ static bool add_group(const struct frame_light *f, const struct block_plan *grou
 		if (apart)
 			fold_block(f, &group[n], &how, sum, fresh, work, values);
 		else
-			spread(group[n].block, sum, work->d);
+			sums_spread(group[n].block, sum, work->d);
 		fresh = fresh && !apart;
 	}
 	for (int c = 0; c < 3 && !apart; c++)
-		fold(f, &how, c, work->d[c], BLOCK_PIXELS, NULL, fresh, work, values[c]);
+		sums_fold(f, &how, c, work->d[c], BLOCK_PIXELS, NULL, fresh, work, values[c]);
 	return fresh && apart;
 }
 
 /* ---- receivers with a u of their own ---- */
 
-static int add_receiver(const struct frame_light *f, const struct block_plan *group,
-			const struct light_vector *light, struct tile_work *work,
-			int64_t (*to)[BLOCK_PIXELS])
+static int receiver_sums(const struct frame_light *f, const struct block_plan *group,
+			 const struct light_vector *light, struct tile_work *work,
+			 int64_t (*to)[BLOCK_PIXELS])
 {
-	const int fraction = room(group, light);
+	const int fraction = group_room(group, light);
 	const int64_t *sum[3];
 
 	memset(to, 0, sizeof(*to) * 3);
 	for (int n = 0; n < group->group; n++) {
-		sums_of(f, &group[n], !group[n].joins, fraction, &work->block, sum);
+		sum_block(f, &group[n], !group[n].joins, fraction, &work->block, sum);
 		if (n + 1 == group->group || !group[n + 1].joins)
-			spread(group[n].block, sum, to);
+			sums_spread(group[n].block, sum, to);
 	}
 	return fraction;
 }
 
 /* d: light taken away; u: the receiver's own light without the object, e included. */
-static void divide(const struct basis_block *b, struct tile_work *work, int exponent,
-		   struct tile_values *values)
+static void receiver_divide(const struct basis_block *b, struct tile_work *work, int exponent,
+			    struct tile_values *values)
 {
 	for (int c = 0; c < 3; c++) {
 		for (int n = 0; n < b->pixels; n++) {
@@ -285,11 +288,11 @@ static void add_receivers(const struct frame_light *f, const struct block_plan *
 			  const struct block_plan *u, struct tile_work *work,
 			  struct tile_values *values)
 {
-	const int d_fraction = add_receiver(f, d, f->taken, work, work->d);
-	const int u_fraction = add_receiver(f, u, f->own, work, work->u);
+	const int d_fraction = receiver_sums(f, d, f->taken, work, work->d);
+	const int u_fraction = receiver_sums(f, u, f->own, work, work->u);
 
 	for (int n = 0; n < d->group; n++)
-		divide(d[n].block, work, u_fraction - d_fraction, values);
+		receiver_divide(d[n].block, work, u_fraction - d_fraction, values);
 }
 
 const int32_t tile_nothing[BLOCK_PIXELS] __attribute__((aligned(64)));
@@ -305,11 +308,11 @@ void tile_compute(const struct frame_light *f, const struct tile_plan *tile, str
 
 		switch (group->block->kind) {
 		case BASIS_KIND_T:
-			no_object = add_group(f, group, f->object, f->gain_bits, no_object, work,
+			no_object = group_add(f, group, f->object, f->gain_bits, no_object, work,
 					      values->object);
 			break;
 		case BASIS_KIND_V:
-			nothing_taken = add_group(f, group, &f->ground[group->block->ground], 0,
+			nothing_taken = group_add(f, group, &f->ground[group->block->ground], 0,
 						  nothing_taken, work, values->taken);
 			break;
 		case BASIS_KIND_D:

@@ -56,15 +56,15 @@ static double psnr(double square_sum, double count)
 }
 
 /* Sums over a picture. */
-struct sums {
+struct error_sums {
 	double square, count;	  /* object and shadow */
 	double frame_square, max; /* all pixels; object and shadow */
 	double contrast, behind;  /* shadow, linear light */
 };
 
-static void add_pixel(struct sums *sums, enum scope_pixel scope, const double *truth,
-		      const uint8_t *is, const uint8_t *background, const double *linear,
-		      enum transfer transfer)
+static void sums_add_pixel(struct error_sums *sums, enum scope_pixel scope, const double *truth,
+			   const uint8_t *is, const uint8_t *background, const double *linear,
+			   enum transfer transfer)
 {
 	for (int c = 0; c < 3; c++) {
 		const double off = fabs(is[2 - c] - truth[c]);
@@ -87,7 +87,7 @@ struct composite_error error_measure(const struct scope *s, const double *truth,
 				     const struct canvas *is, const struct picture *background,
 				     enum transfer transfer)
 {
-	struct sums sums = {.square = 0};
+	struct error_sums sums = {.square = 0};
 	double linear[256];
 
 	for (int code = 0; code < 256; code++)
@@ -96,11 +96,11 @@ struct composite_error error_measure(const struct scope *s, const double *truth,
 		for (int x = 0; x < s->width; x++) {
 			const size_t at = (size_t)y * (size_t)s->width + (size_t)x;
 
-			add_pixel(&sums, (enum scope_pixel)s->pixel[at], truth + 3 * at,
-				  is->pixels + (size_t)y * is->stride + (size_t)x * 4,
-				  background->origin + y * background->y_step +
-					  x * background->x_step,
-				  linear, transfer);
+			sums_add_pixel(&sums, (enum scope_pixel)s->pixel[at], truth + 3 * at,
+				       is->pixels + (size_t)y * is->stride + (size_t)x * 4,
+				       background->origin + y * background->y_step +
+					       x * background->x_step,
+				       linear, transfer);
 		}
 	}
 	return (struct composite_error){

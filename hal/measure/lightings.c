@@ -46,8 +46,8 @@ void lighting_change(float (*radiance)[3], int lights, int changed, int turn)
 }
 
 /* NULL: no memory. */
-static struct lighting *add(struct lightings *l, const struct basis *basis, const char *name,
-			    int members)
+static struct lighting *lightings_add(struct lightings *l, const struct basis *basis,
+				      const char *name, int members)
 {
 	struct lighting *item = realloc(l->item, ((size_t)l->count + 1) * sizeof(*item));
 
@@ -81,7 +81,7 @@ static double white_of(const struct basis *basis, const float (*radiance)[3])
 	return fmax(sum[0], fmax(sum[1], sum[2]));
 }
 
-static void expose(const struct basis *basis, float (*radiance)[3], double white)
+static void lighting_expose(const struct basis *basis, float (*radiance)[3], double white)
 {
 	const double is = white_of(basis, (const float(*)[3])radiance);
 
@@ -102,12 +102,12 @@ static double chance(uint64_t *state)
 	return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-static void fill_overcast(const struct basis *basis, float (*radiance)[3])
+static void lighting_fill_overcast(const struct basis *basis, float (*radiance)[3])
 {
 	for (uint32_t i = 0; i < basis->info.lights; i++)
 		for (int c = 0; c < 3; c++)
 			radiance[i][c] = (float)((1 + 2 * basis->lights[i].direction[2]) / 3);
-	expose(basis, radiance, 1);
+	lighting_expose(basis, radiance, 1);
 }
 
 /* The light nearest to where a sun 35 degrees high in the south-west would stand. */
@@ -131,7 +131,7 @@ static uint32_t sun_cell(const struct basis *basis)
 }
 
 /* A blue sky, and ten times its light from one cell. */
-static void fill_sun(const struct basis *basis, float (*radiance)[3])
+static void lighting_fill_sun(const struct basis *basis, float (*radiance)[3])
 {
 	static const float sky[3] = {0.55F, 0.75F, 1}, sun[3] = {1, 0.92F, 0.78F};
 	const uint32_t at = sun_cell(basis);
@@ -140,10 +140,10 @@ static void fill_sun(const struct basis *basis, float (*radiance)[3])
 	for (uint32_t i = 0; i < basis->info.lights; i++)
 		for (int c = 0; c < 3; c++)
 			radiance[i][c] = i == at ? (float)ratio * sun[c] : sky[c];
-	expose(basis, radiance, 1);
+	lighting_expose(basis, radiance, 1);
 }
 
-static void fill_random(const struct basis *basis, float (*radiance)[3])
+static void lighting_fill_random(const struct basis *basis, float (*radiance)[3])
 {
 	uint64_t state = 20;
 
@@ -153,11 +153,11 @@ static void fill_random(const struct basis *basis, float (*radiance)[3])
 		for (int c = 0; c < 3; c++)
 			radiance[i][c] = (float)(bright * (0.4 + 0.6 * chance(&state)));
 	}
-	expose(basis, radiance, 1);
+	lighting_expose(basis, radiance, 1);
 }
 
 /* One cell alone, so bright that white ground or the brightest spot of the object is 1. */
-static void fill_cell(const struct basis *basis, float (*radiance)[3], uint32_t cell)
+static void lighting_fill_cell(const struct basis *basis, float (*radiance)[3], uint32_t cell)
 {
 	const float(*peak)[3] = basis->poses[0].peak;
 	double brightest;
@@ -177,12 +177,14 @@ int lightings_add_built_in(struct lightings *l, const struct basis *basis, int c
 	static const struct {
 		const char *name;
 		void (*fill)(const struct basis *basis, float (*radiance)[3]);
-	} single[] = {{"overcast", fill_overcast}, {"sun", fill_sun}, {"random", fill_random}};
+	} single[] = {{"overcast", lighting_fill_overcast},
+		      {"sun", lighting_fill_sun},
+		      {"random", lighting_fill_random}};
 	const uint32_t lights = basis->info.lights;
 	struct lighting *item;
 
 	for (size_t k = 0; k < sizeof(single) / sizeof(*single); k++) {
-		item = add(l, basis, single[k].name, 1);
+		item = lightings_add(l, basis, single[k].name, 1);
 		if (!item)
 			return fault_say(fault, -ENOMEM, "not enough memory for lightings");
 		single[k].fill(basis, item->radiance);
@@ -190,19 +192,19 @@ int lightings_add_built_in(struct lightings *l, const struct basis *basis, int c
 	cells = (uint32_t)cells < lights ? cells : (int)lights;
 	if (!cells)
 		return 0;
-	item = add(l, basis, "single cells", cells);
+	item = lightings_add(l, basis, "single cells", cells);
 	if (!item)
 		return fault_say(fault, -ENOMEM, "not enough memory for lightings");
 	for (int k = 0; k < cells; k++)
-		fill_cell(basis, item->radiance + (size_t)k * lights,
-			  (uint32_t)((k + 0.5) * lights / cells));
+		lighting_fill_cell(basis, item->radiance + (size_t)k * lights,
+				   (uint32_t)((k + 0.5) * lights / cells));
 	return 0;
 }
 
 /* ---- files ---- */
 
 /* The file's own name, without folders and ending. */
-static void name_of(const char *path, char *name, size_t room)
+static void file_name_of(const char *path, char *name, size_t room)
 {
 	const char *slash = strrchr(path, '/'), *dot;
 
@@ -218,8 +220,8 @@ int lightings_add_file(struct lightings *l, const struct basis *basis, const cha
 	struct lighting *item;
 	char name[64];
 
-	name_of(path, name, sizeof(name));
-	item = add(l, basis, name, 1);
+	file_name_of(path, name, sizeof(name));
+	item = lightings_add(l, basis, name, 1);
 	if (!item)
 		return fault_say(fault, -ENOMEM, "%s: not enough memory", path);
 	return lights_file_read(path, item->radiance, (int)basis->info.lights, fault);
@@ -246,8 +248,8 @@ int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *f
 			 info->lights);
 }
 
-static void add_point(const struct panorama *panorama, const struct dome *dome, double x, double y,
-		      double sr, double (*sum)[4])
+static void panorama_add_point(const struct panorama *panorama, const struct dome *dome, double x,
+			       double y, double sr, double (*sum)[4])
 {
 	double d[3], rgb[3], weight[3];
 	int light[3], count;
@@ -264,7 +266,8 @@ static void add_point(const struct panorama *panorama, const struct dome *dome, 
 	}
 }
 
-static int gather(const struct panorama *panorama, const struct dome *dome, float (*radiance)[3])
+static int panorama_gather(const struct panorama *panorama, const struct dome *dome,
+			   float (*radiance)[3])
 {
 	const struct image *image = panorama->image;
 	double(*sum)[4] = calloc((size_t)dome->count, sizeof(*sum));
@@ -275,8 +278,8 @@ static int gather(const struct panorama *panorama, const struct dome *dome, floa
 		const double sr = panorama_row_sr(panorama, y / SUBSAMPLES);
 
 		for (int x = 0; x < image->width * SUBSAMPLES; x++)
-			add_point(panorama, dome, (x + 0.5) / SUBSAMPLES, (y + 0.5) / SUBSAMPLES,
-				  sr, sum);
+			panorama_add_point(panorama, dome, (x + 0.5) / SUBSAMPLES,
+					   (y + 0.5) / SUBSAMPLES, sr, sum);
 	}
 	for (int i = 0; i < dome->count; i++) {
 		double node[3];
@@ -290,8 +293,8 @@ static int gather(const struct panorama *panorama, const struct dome *dome, floa
 	return 0;
 }
 
-static int gather_image(const struct image *image, const struct basis *basis, const char *path,
-			float (*radiance)[3], struct fault *fault)
+static int panorama_gather_image(const struct image *image, const struct basis *basis,
+				 const char *path, float (*radiance)[3], struct fault *fault)
 {
 	const struct panorama panorama = {.image = image, .scale = 1};
 	struct dome dome;
@@ -300,11 +303,11 @@ static int gather_image(const struct image *image, const struct basis *basis, co
 	err = lightings_dome(&dome, basis, fault);
 	if (err)
 		return err;
-	if (gather(&panorama, &dome, radiance))
+	if (panorama_gather(&panorama, &dome, radiance))
 		err = fault_say(fault, -ENOMEM, "%s: not enough memory", path);
 	dome_free(&dome);
 	if (!err)
-		expose(basis, radiance, PANORAMA_WHITE);
+		lighting_expose(basis, radiance, PANORAMA_WHITE);
 	return err;
 }
 
@@ -318,10 +321,10 @@ int lightings_add_panorama(struct lightings *l, const struct basis *basis, const
 
 	if (err)
 		return err;
-	name_of(path, name, sizeof(name));
-	item = add(l, basis, name, 1);
+	file_name_of(path, name, sizeof(name));
+	item = lightings_add(l, basis, name, 1);
 	if (item)
-		err = gather_image(&image, basis, path, item->radiance, fault);
+		err = panorama_gather_image(&image, basis, path, item->radiance, fault);
 	else
 		err = fault_say(fault, -ENOMEM, "%s: not enough memory", path);
 	image_free(&image);

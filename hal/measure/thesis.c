@@ -24,7 +24,7 @@ struct thesis {
 	uint64_t light_bytes; /* a light, over all rows */
 };
 
-static size_t pixels_of(const struct thesis *t)
+static size_t thesis_pixels(const struct thesis *t)
 {
 	return (size_t)t->width * (size_t)t->height;
 }
@@ -53,7 +53,7 @@ static void find_roles(struct thesis *t)
 			}
 		}
 	}
-	for (size_t at = 0; at < pixels_of(t); at++) {
+	for (size_t at = 0; at < thesis_pixels(t); at++) {
 		/* black where nothing of it shines */
 		if (coverage[at] > 32767)
 			t->role[at] = THESIS_OBJECT;
@@ -80,12 +80,12 @@ static int allocate_rows(struct thesis *t, struct fault *fault)
 	const uint64_t needed = t->light_bytes * (uint64_t)t->lights, there = memory_free();
 
 	/* a row's own overhead, and room for everybody else */
-	if (needed + pixels_of(t) * 32 + (UINT64_C(256) << 20) > there)
+	if (needed + thesis_pixels(t) * 32 + (UINT64_C(256) << 20) > there)
 		return fault_say(fault, -ENOMEM,
 				 "the thesis's basis takes %.1f GB of memory and %.1f GB are free: "
 				 "--thesis no leaves it out",
 				 (double)needed / 1e9, (double)there / 1e9);
-	for (size_t at = 0; at < pixels_of(t); at++) {
+	for (size_t at = 0; at < thesis_pixels(t); at++) {
 		if (t->role[at] == THESIS_PICTURE)
 			continue;
 		t->row[at] = calloc((size_t)t->role[at] * 3, (size_t)t->lights);
@@ -111,7 +111,7 @@ static uint8_t byte_of(float value)
 }
 
 /* Of the pixels of a tile that have a row. */
-struct tile_rows {
+struct thesis_tile {
 	int count;
 	int pixel[UNPACKED_PIXELS]; /* of the tile */
 	uint8_t *row[UNPACKED_PIXELS];
@@ -119,7 +119,8 @@ struct tile_rows {
 	float most[UNPACKED_PIXELS]; /* what 255 stands for */
 };
 
-static void find_rows(const struct thesis *t, const struct basis_tile *tile, struct tile_rows *rows)
+static void find_rows(const struct thesis *t, const struct basis_tile *tile,
+		      struct thesis_tile *rows)
 {
 	rows->count = 0;
 	for (int p = 0; p < UNPACKED_PIXELS; p++) {
@@ -136,7 +137,7 @@ static void find_rows(const struct thesis *t, const struct basis_tile *tile, str
 	}
 }
 
-static void find_most(const struct unpacked *from, struct tile_rows *rows)
+static void find_most(const struct unpacked *from, struct thesis_tile *rows)
 {
 	for (int k = 0; k < 3 * from->lights; k++) {
 		for (int n = 0; n < rows->count; n++) {
@@ -150,7 +151,7 @@ static void find_most(const struct unpacked *from, struct tile_rows *rows)
 }
 
 /* Light by light, as it lies in memory. */
-static void fill_rows(const struct unpacked *from, const struct tile_rows *rows)
+static void fill_rows(const struct unpacked *from, const struct thesis_tile *rows)
 {
 	for (int k = 0; k < 3 * from->lights; k++) {
 		const int c = k / from->lights, i = k % from->lights;
@@ -176,7 +177,7 @@ static void quantise_tile(void *context, int item, int worker)
 	const struct quantiser *q = context;
 	struct unpacked *from = &q->unpacked[worker];
 	const struct basis_tile *tile = &q->thesis->layer->tiles[item];
-	struct tile_rows rows;
+	struct thesis_tile rows;
 
 	find_rows(q->thesis, tile, &rows);
 	if (!rows.count)
@@ -186,7 +187,7 @@ static void quantise_tile(void *context, int item, int worker)
 	fill_rows(from, &rows);
 }
 
-static int quantise(struct thesis *t, struct pool *pool)
+static int thesis_quantise(struct thesis *t, struct pool *pool)
 {
 	const float(*peak)[3] = t->basis->poses[0].peak;
 	const int threads = pool_threads(pool);
@@ -220,8 +221,8 @@ int thesis_create(struct thesis **thesis, const struct basis *basis,
 			     .width = (int)basis->info.width,
 			     .height = (int)basis->info.height,
 			     .lights = (int)basis->info.lights};
-	t->role = calloc(pixels_of(t), sizeof(*t->role));
-	t->row = calloc(pixels_of(t), sizeof(*t->row));
+	t->role = calloc(thesis_pixels(t), sizeof(*t->role));
+	t->row = calloc(thesis_pixels(t), sizeof(*t->row));
 	t->weight = calloc(3 * (size_t)t->lights, sizeof(*t->weight));
 	t->used = calloc((size_t)t->lights, sizeof(*t->used));
 	if (!t->role || !t->row || !t->weight || !t->used) {
@@ -233,7 +234,7 @@ int thesis_create(struct thesis **thesis, const struct basis *basis,
 	err = allocate_rows(t, fault);
 	if (err)
 		goto failed;
-	err = quantise(t, pool);
+	err = thesis_quantise(t, pool);
 	if (err) {
 		fault_say(fault, err, "not enough memory for %d lights", t->lights);
 		goto failed;
@@ -249,7 +250,7 @@ void thesis_destroy(struct thesis *t)
 {
 	if (!t)
 		return;
-	for (size_t at = 0; t->row && at < pixels_of(t); at++)
+	for (size_t at = 0; t->row && at < thesis_pixels(t); at++)
 		free(t->row[at]);
 	free(t->row);
 	free(t->role);
@@ -294,7 +295,7 @@ void thesis_light(struct thesis *t, const struct light_selection *lights)
 int thesis_share(struct thesis *t, struct pool *pool)
 {
 	const int threads = pool_threads(pool);
-	const uint64_t all = t->light_bytes + pixels_of(t);
+	const uint64_t all = t->light_bytes + thesis_pixels(t);
 	uint64_t sum = 0;
 	int thread = 1;
 
@@ -303,13 +304,13 @@ int thesis_share(struct thesis *t, struct pool *pool)
 	if (!t->first)
 		return -ENOMEM;
 	t->pool = pool;
-	for (size_t at = 0; at < pixels_of(t); at++) {
+	for (size_t at = 0; at < thesis_pixels(t); at++) {
 		while (thread < threads && sum * (uint64_t)threads >= all * (uint64_t)thread)
 			t->first[thread++] = (int)at;
 		sum += t->role[at] * UINT64_C(3) + 1;
 	}
 	while (thread <= threads)
-		t->first[thread++] = (int)pixels_of(t);
+		t->first[thread++] = (int)thesis_pixels(t);
 	return 0;
 }
 
@@ -319,7 +320,7 @@ struct frame_work {
 	struct canvas *out;
 };
 
-static uint8_t whole(double value)
+static uint8_t code_whole(double value)
 {
 	return value >= 255 ? 255 : (uint8_t)value;
 }
@@ -335,9 +336,9 @@ static void object_pixel(const struct thesis *t, const uint8_t *row, uint8_t *ou
 		g += row[at + 1] * t->weight[at + 1];
 		b += row[at + 2] * t->weight[at + 2];
 	}
-	out[2] = whole(r * t->rate + 0.5);
-	out[1] = whole(g * t->rate + 0.5);
-	out[0] = whole(b * t->rate + 0.5);
+	out[2] = code_whole(r * t->rate + 0.5);
+	out[1] = code_whole(g * t->rate + 0.5);
+	out[0] = code_whole(b * t->rate + 0.5);
 }
 
 static void shadow_pixel(const struct thesis *t, const uint8_t *row, const uint8_t *in,
@@ -357,10 +358,10 @@ static void shadow_pixel(const struct thesis *t, const uint8_t *row, const uint8
 		with[2] += v[5] * w[2];
 	}
 	for (int c = 0; c < 3; c++)
-		out[2 - c] = without[c] > 0 ? whole(in[2 - c] * with[c] / without[c]) : 0;
+		out[2 - c] = without[c] > 0 ? code_whole(in[2 - c] * with[c] / without[c]) : 0;
 }
 
-static void run_share(void *context, int item, int worker)
+static void thesis_run_share(void *context, int item, int worker)
 {
 	const struct frame_work *work = context;
 	const struct thesis *t = work->thesis;
@@ -387,5 +388,5 @@ void thesis_run(struct thesis *t, const struct canvas *background, struct canvas
 {
 	struct frame_work work = {t, background, out};
 
-	pool_run(t->pool, pool_threads(t->pool), run_share, &work);
+	pool_run(t->pool, pool_threads(t->pool), thesis_run_share, &work);
 }

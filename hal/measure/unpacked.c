@@ -35,14 +35,14 @@ void unpacked_free(struct unpacked *t)
 }
 
 /* What one light adds to a line of pixels, in units of the light X that its cell sends. */
-struct line {
+struct unpacked_line {
 	const struct basis_block *block;
 	int first, count; /* of the block's pixels */
 	int channel;	  /* of the block's */
 	float value[BASIS_LINE8];
 };
 
-static void add_column8(struct line *l, int column)
+static void add_column8(struct unpacked_line *l, int column)
 {
 	const struct basis_block *b = l->block;
 	int8_t v[BASIS_LINE8];
@@ -52,7 +52,8 @@ static void add_column8(struct line *l, int column)
 		l->value[p] += b->column_scale[column] * v[p];
 }
 
-static void add_line16(struct line *l, const int16_t *lines, int count, int which, float factor)
+static void add_line16(struct unpacked_line *l, const int16_t *lines, int count, int which,
+		       float factor)
 {
 	const int panels = basis_panels16(l->block->pixels);
 
@@ -81,7 +82,7 @@ static float pattern_share(const struct basis *basis, const struct basis_block *
 }
 
 /* column: of light i, or -1. share: [patterns]. */
-static void fill_line(struct line *l, int column, const float *share)
+static void fill_line(struct unpacked_line *l, int column, const float *share)
 {
 	const struct basis_block *b = l->block;
 
@@ -96,7 +97,8 @@ static void fill_line(struct line *l, int column, const float *share)
 		add_line16(l, b->column16, b->columns, column, b->column_scale[column]);
 }
 
-static void add_line(struct unpacked *t, const struct line *l, int channel, float unit, int light)
+static void add_line(struct unpacked *t, const struct unpacked_line *l, int channel, float unit,
+		     int light)
 {
 	const struct basis_block *b = l->block;
 	const size_t row = (size_t)channel * (size_t)t->lights + (size_t)light;
@@ -114,15 +116,15 @@ static void add_line(struct unpacked *t, const struct line *l, int channel, floa
 }
 
 /* All of a block that is light i's. */
-static void add_light(struct unpacked *t, const struct basis *basis, const struct basis_block *b,
-		      int column, int light)
+static void unpacked_add_light(struct unpacked *t, const struct basis *basis,
+			       const struct basis_block *b, int column, int light)
 {
 	float share[BASIS_PATTERNS_MAX];
 
 	for (int j = 0; j < b->patterns; j++)
 		share[j] = pattern_share(basis, b, j, light);
 	for (int c = 0; c < b->channels; c++) {
-		struct line l = {.block = b, .channel = c};
+		struct unpacked_line l = {.block = b, .channel = c};
 
 		for (l.first = 0; l.first < b->pixels; l.first += BASIS_LINE8) {
 			l.count = b->pixels - l.first;
@@ -140,7 +142,8 @@ static void add_light(struct unpacked *t, const struct basis *basis, const struc
 	}
 }
 
-static void mark(struct unpacked *t, const struct basis *basis, const struct basis_block *b)
+static void unpacked_mark(struct unpacked *t, const struct basis *basis,
+			  const struct basis_block *b)
 {
 	bool *is = b->kind == BASIS_KIND_T ? t->is_object : t->is_receiver;
 
@@ -166,12 +169,12 @@ void unpacked_fill(struct unpacked *t, const struct basis *basis, const struct b
 		const struct basis_block *b = &tile->blocks[k];
 		int column = 0;
 
-		mark(t, basis, b);
+		unpacked_mark(t, basis, b);
 		for (int i = 0; i < t->lights; i++) {
 			const bool own = column < b->columns && b->light[column] == i;
 
 			if (own || b->patterns)
-				add_light(t, basis, b, own ? column : -1, i);
+				unpacked_add_light(t, basis, b, own ? column : -1, i);
 			column += own;
 		}
 	}

@@ -12,7 +12,7 @@
 
 /* ---- what each light may change ---- */
 
-struct terms {
+struct budget_terms {
 	const struct basis *basis;
 	const float (*peak)[3];
 	const double (*ground_sum)[3];
@@ -21,7 +21,7 @@ struct terms {
 	double back; /* 1 / (2 pi) where what is dropped comes back from all sides; else 0 */
 };
 
-static double larger(double a, double b)
+static double larger_of(double a, double b)
 {
 	return a > b ? a : b;
 }
@@ -39,7 +39,7 @@ void light_budget_grounds(const struct basis *basis, double (*sum)[3])
 	}
 }
 
-static void light_grounds(struct terms *t, const double (*radiance)[3])
+static void light_grounds(struct budget_terms *t, const double (*radiance)[3])
 {
 	for (int g = 0; g < (int)t->basis->info.grounds; g++) {
 		for (int c = 0; c < 3; c++) {
@@ -54,21 +54,22 @@ static void light_grounds(struct terms *t, const double (*radiance)[3])
 }
 
 /* Per unit of its radiance. */
-static double weight_of(const struct terms *t, uint32_t i, int c)
+static double weight_of(const struct budget_terms *t, uint32_t i, int c)
 {
 	const uint32_t count = t->basis->info.lights, grounds = t->basis->info.grounds;
 	const double back = t->basis->lights[i].solid_angle_sr * t->back;
-	const double object = larger((double)t->peak[i][c], back * (double)t->peak[count][c]);
+	const double object = larger_of((double)t->peak[i][c], back * (double)t->peak[count][c]);
 	const double *u = t->basis->ground + (size_t)c * count + i; /* of the first ground */
 	double share = 0;
 
 	for (uint32_t g = 0; g < grounds; g++, u += 3 * (size_t)count)
-		share = larger(share, larger(*u, back * t->ground_sum[g][c]) * t->inverse[g][c]);
+		share = larger_of(share,
+				  larger_of(*u, back * t->ground_sum[g][c]) * t->inverse[g][c]);
 	return t->gain * object + share;
 }
 
 /* What is no number or beyond all bounds is never left out. */
-static uint64_t whole(double bound)
+static uint64_t bound_whole(double bound)
 {
 	if (!(bound < 2))
 		return 2 * LIGHT_BUDGET_WHITE;
@@ -79,7 +80,7 @@ void light_budget_bounds(const struct basis *basis, int pose, const double (*gro
 			 const double (*radiance)[3], enum threshold_mode mode, double gain,
 			 uint64_t *bound)
 {
-	struct terms t = {
+	struct budget_terms t = {
 		.basis = basis,
 		.peak = basis->poses[pose].peak,
 		.ground_sum = ground_sum,
@@ -93,9 +94,9 @@ void light_budget_bounds(const struct basis *basis, int pose, const double (*gro
 
 		for (int c = 0; c < 3; c++) {
 			if (radiance[i][c] > 0)
-				most = larger(most, radiance[i][c] * weight_of(&t, i, c));
+				most = larger_of(most, radiance[i][c] * weight_of(&t, i, c));
 		}
-		bound[i] = whole(most);
+		bound[i] = bound_whole(most);
 	}
 }
 

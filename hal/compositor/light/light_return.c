@@ -24,7 +24,7 @@ static void fill_plain(double term[TERMS], const double d[3])
 }
 
 /* Of two terms; a is -1 for the constant. */
-static double product(const struct basis *basis, const double (*term)[TERMS], int a, int b)
+static double term_product(const struct basis *basis, const double (*term)[TERMS], int a, int b)
 {
 	double sum = 0;
 
@@ -33,7 +33,8 @@ static double product(const struct basis *basis, const double (*term)[TERMS], in
 	return sum;
 }
 
-static void subtract(const struct basis *basis, double (*term)[TERMS], int a, int b, double share)
+static void term_subtract(const struct basis *basis, double (*term)[TERMS], int a, int b,
+			  double share)
 {
 	for (uint32_t i = 0; i < basis->info.lights; i++)
 		term[i][b] -= share * (a < 0 ? 1 : term[i][a]);
@@ -48,15 +49,15 @@ static void make_orthonormal(const struct basis *basis, double (*term)[TERMS])
 	for (uint32_t i = 0; i < basis->info.lights; i++)
 		all += basis->lights[i].solid_angle_sr;
 	for (int b = 0; b < TERMS; b++) {
-		const double before = product(basis, fixed, b, b);
+		const double before = term_product(basis, fixed, b, b);
 		double after;
 
 		for (int again = 0; again < 2; again++) {
-			subtract(basis, term, -1, b, product(basis, fixed, -1, b) / all);
+			term_subtract(basis, term, -1, b, term_product(basis, fixed, -1, b) / all);
 			for (int a = 0; a < b; a++)
-				subtract(basis, term, a, b, product(basis, fixed, a, b));
+				term_subtract(basis, term, a, b, term_product(basis, fixed, a, b));
 		}
-		after = product(basis, fixed, b, b);
+		after = term_product(basis, fixed, b, b);
 		for (uint32_t i = 0; i < basis->info.lights; i++)
 			term[i][b] *= after > ALIKE * before ? 1 / sqrt(after) : 0;
 	}
@@ -76,7 +77,7 @@ double (*light_return_terms(const struct basis *basis))[LIGHT_RETURN_TERMS]
 /* ---- a choice ---- */
 
 /* Of one channel. */
-struct fit {
+struct return_fit {
 	double lost; /* what the dropped lights do to any pixel of the object, at most */
 	double mean; /* radiance: the constant term */
 	double weight[TERMS];
@@ -84,10 +85,10 @@ struct fit {
 	double share;		/* of them that is returned */
 };
 
-static void fit_terms(struct fit *fit, const struct light_selection *s, const struct basis *basis,
-		      const float (*peak)[3], int c)
+static void fit_terms(struct return_fit *fit, const struct light_selection *s,
+		      const struct basis *basis, const float (*peak)[3], int c)
 {
-	*fit = (struct fit){.share = 1};
+	*fit = (struct return_fit){.share = 1};
 	for (int i = 0; i < s->count; i++) {
 		const double power = basis->lights[i].solid_angle_sr * s->radiance[i][c];
 
@@ -100,7 +101,7 @@ static void fit_terms(struct fit *fit, const struct light_selection *s, const st
 	}
 }
 
-static double moved(const struct fit *fit, const double term[TERMS])
+static double return_at(const struct return_fit *fit, const double term[TERMS])
 {
 	double sum = 0;
 
@@ -110,10 +111,10 @@ static double moved(const struct fit *fit, const double term[TERMS])
 }
 
 /* Into returned[]: what the terms but the constant make of each light. */
-static void evaluate(struct fit *fit, struct light_selection *s, int c)
+static void return_evaluate(struct return_fit *fit, struct light_selection *s, int c)
 {
 	for (int i = 0; i < s->count; i++) {
-		const double q = moved(fit, s->term[i]);
+		const double q = return_at(fit, s->term[i]);
 
 		s->returned[i][c] = q;
 		fit->lowest = fmin(fit->lowest, q);
@@ -123,14 +124,15 @@ static void evaluate(struct fit *fit, struct light_selection *s, int c)
 		fit->share = fit->mean / -fit->lowest;
 }
 
-static double highest(const struct fit *fit, double share)
+static double return_highest(const struct return_fit *fit, double share)
 {
 	return fit->mean + share * fit->highest;
 }
 
 /* How much of white a pixel changes at most, by a share of the terms; compositor.h says why. */
-static double change(const struct fit *fit, const struct light_selection *s,
-		     const struct basis *basis, double peak_total, double gain, int c, double share)
+static double return_change(const struct return_fit *fit, const struct light_selection *s,
+			    const struct basis *basis, double peak_total, double gain, int c,
+			    double share)
 {
 	double most = 0;
 
@@ -146,16 +148,16 @@ static double change(const struct fit *fit, const struct light_selection *s,
 		if (light > 0)
 			most = fmax(most, fmax(taken, back) / light);
 	}
-	return gain * fmax(fit->lost, highest(fit, share) * peak_total) + most;
+	return gain * fmax(fit->lost, return_highest(fit, share) * peak_total) + most;
 }
 
 /* The change is convex in the share, and that of share 0 within the budget. */
-static void keep_budget(struct fit *fit, const struct light_selection *s, const struct basis *basis,
-			double peak_total, double gain, int c)
+static void keep_budget(struct return_fit *fit, const struct light_selection *s,
+			const struct basis *basis, double peak_total, double gain, int c)
 {
 	const double budget = fmin(s->budget, 1);
-	const double least = change(fit, s, basis, peak_total, gain, c, 0);
-	const double most = change(fit, s, basis, peak_total, gain, c, fit->share);
+	const double least = return_change(fit, s, basis, peak_total, gain, c, 0);
+	const double most = return_change(fit, s, basis, peak_total, gain, c, fit->share);
 
 	if (most > budget)
 		fit->share *= fmax(budget - least, 0) / (most - least);
@@ -163,10 +165,11 @@ static void keep_budget(struct fit *fit, const struct light_selection *s, const 
 
 /* Of all that is taken and all that is returned the difference counts: light by light, or the
  * larger of the two. */
-static double finish(const struct fit *fit, struct light_selection *s, const float (*peak)[3],
-		     int c)
+static double return_finish(const struct return_fit *fit, struct light_selection *s,
+			    const float (*peak)[3], int c)
 {
-	const double whole = fmax(fit->lost, highest(fit, fit->share) * (double)peak[s->count][c]);
+	const double whole = fmax(fit->lost,
+				  return_highest(fit, fit->share) * (double)peak[s->count][c]);
 	double up = 0, down = 0;
 
 	for (int i = 0; i < s->count; i++) {
@@ -184,12 +187,12 @@ void light_return(struct light_selection *s, const struct basis *basis, const fl
 		  double gain)
 {
 	for (int c = 0; c < 3; c++) {
-		struct fit fit;
+		struct return_fit fit;
 
 		fit_terms(&fit, s, basis, peak, c);
-		evaluate(&fit, s, c);
+		return_evaluate(&fit, s, c);
 		if (s->budget > 0)
 			keep_budget(&fit, s, basis, (double)peak[s->count][c], gain, c);
-		s->dropped_error[c] = gain * finish(&fit, s, peak, c);
+		s->dropped_error[c] = gain * return_finish(&fit, s, peak, c);
 	}
 }

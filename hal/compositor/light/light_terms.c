@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-static double sum_of(const double *value, int count)
+static double sum_in_parts(const double *value, int count)
 {
 	double part[LIGHT_PARTS] = {0};
 	const int whole = count / LIGHT_PARTS * LIGHT_PARTS;
@@ -97,7 +97,7 @@ int light_terms_create(struct light_terms *t, const struct basis *basis)
 	}
 	for (int g = 0; g < grounds; g++) {
 		for (int c = 0; c < 3; c++)
-			t->ground_sum[g][c] = sum_of(basis_ground(basis, g, c), n);
+			t->ground_sum[g][c] = sum_in_parts(basis_ground(basis, g, c), n);
 	}
 	return 0;
 }

@@ -109,8 +109,8 @@ static inline void weigh_light(struct light_sent *restrict sent, const struct ar
 }
 
 /* Of all lights, and its sum in each channel. */
-static void weigh(struct light_sent *restrict sent, const struct arriving *light, int count,
-		  double sum[3])
+static void weigh_lights(struct light_sent *restrict sent, const struct arriving *light, int count,
+			 double sum[3])
 {
 	const struct arriving from = *light;
 	const int whole = count / LIGHT_PARTS * LIGHT_PARTS;
@@ -378,7 +378,7 @@ void light_vector_make(struct light_vector *v, const struct light_order *order,
 					 ? basis_ground(v->terms->basis, order->ground, c)
 					 : v->terms->solid_angle;
 	}
-	weigh(v->sent, &from, v->lights, sum);
+	weigh_lights(v->sent, &from, v->lights, sum);
 	switch (order->kind) {
 	case BASIS_KIND_T:
 		x_bits = plan_object(v, sum, order->gain, &how);

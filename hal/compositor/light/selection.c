@@ -46,7 +46,7 @@ void light_selection_free(struct light_selection *selection)
  * nor infinite nor NaN. */
 #define INFINITE UINT32_C(0x7f800000)
 
-static void clean(double *restrict to, const float *restrict from, int count)
+static void radiance_clean(double *restrict to, const float *restrict from, int count)
 {
 	for (int i = 0; i < count; i++) {
 		uint32_t bits;
@@ -59,7 +59,7 @@ static void clean(double *restrict to, const float *restrict from, int count)
 	}
 }
 
-static bool any(const double *radiance, int count)
+static bool radiance_any(const double *radiance, int count)
 {
 	int k = 0;
 
@@ -68,7 +68,7 @@ static bool any(const double *radiance, int count)
 	return k < count;
 }
 
-static bool reaches(const double rgb[3], double least)
+static bool light_reaches(const double rgb[3], double least)
 {
 	const double warm = rgb[0] > rgb[1] ? rgb[0] : rgb[1];
 
@@ -84,8 +84,8 @@ struct dropped {
 static void use_bright(struct light_selection *selection, double threshold, double stays)
 {
 	for (int i = 0; i < selection->count; i++)
-		selection->used[i] = reaches(selection->radiance[i],
-					     selection->used[i] ? stays : threshold);
+		selection->used[i] = light_reaches(selection->radiance[i],
+						   selection->used[i] ? stays : threshold);
 }
 
 /* Of those that are not used, what their bounds come to. */
@@ -175,8 +175,8 @@ void light_selection_choose(struct light_selection *selection, const struct basi
 	selection->mode = mode;
 	selection->last_budget = selection->budget;
 	selection->used_count = 0;
-	clean(selection->radiance[0], radiance[0], 3 * selection->count);
-	selection->lit = any(selection->radiance[0], 3 * selection->count);
+	radiance_clean(selection->radiance[0], radiance[0], 3 * selection->count);
+	selection->lit = radiance_any(selection->radiance[0], 3 * selection->count);
 	if (selection->budget > 0) {
 		light_budget_bounds(basis, pose, (const double(*)[3])selection->ground,
 				    (const double(*)[3])selection->radiance, mode, gain,
