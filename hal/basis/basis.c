@@ -25,7 +25,7 @@ _Static_assert(sizeof(struct basis_pack) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_pack_part) == 24, "as on disk");
 _Static_assert(sizeof(struct basis_glass) == 16, "as on disk");
 
-/* Declared errors: none is NaN, infinite or negative. */
+/* Checks that no declared error is NaN, infinite or negative. */
 static int check_errors(const struct basis_reader *r)
 {
 	const struct basis_info_chunk *info = &r->basis->info;
@@ -73,7 +73,8 @@ static int check_info(const struct basis_reader *r, const struct basis_chunk_map
 	return check_errors(r);
 }
 
-/* An array of exactly so many bytes; NULL is returned for an absent or empty chunk of 0 bytes. */
+/* Finds an array of exactly so many bytes. Where 0 bytes are expected the chunk may be absent, and
+ * *at is NULL. */
 static int chunk_array(const struct basis_reader *r, const struct basis_chunk_entry *chunk,
 		       const char *name, uint64_t bytes, const void **at)
 {
@@ -129,7 +130,8 @@ static int check_ground_terms(const struct basis_reader *r)
 	return 0;
 }
 
-/* Each light's places ascend, the unused ones last, and its weights are all of it. */
+/* Checks that the coarse lights of each light ascend, unused ones last, and that its weights sum to
+ * BASIS_COARSE_ONE. */
 static int check_coarse(const struct basis_reader *r)
 {
 	const struct basis *basis = r->basis;
@@ -279,8 +281,8 @@ static int read_pose(const struct basis_reader *r, const struct basis_pose_chunk
 	return ret < 0 ? ret : basis_read_glass(r, chunks->glass, pose);
 }
 
-/* Of zeros zstd makes next to nothing, and lists of tiles are not in the file at all: what the size
- * of the picture asks for is held against the whole file. Payloads: pack_open(). */
+/* Checks the memory that the size of the picture asks for against the size of the file: zstd packs
+ * zeros to almost nothing, and lists of tiles are not in the file. pack_open() checks payloads. */
 static int check_made(const struct basis_reader *r, const struct basis_chunk_map *map)
 {
 	const struct basis_info_chunk *info = &r->basis->info;
@@ -291,7 +293,7 @@ static int check_made(const struct basis_reader *r, const struct basis_chunk_map
 		const struct basis_pose_chunks *pose = &map->poses[p];
 
 		layers += !pose->pack + (pose->exact_blocks && r->part != BASIS_SHOWN);
-		if (pose->pack) /* these are in memory by turns */
+		if (pose->pack) /* packed poses share this memory: few are unpacked at once */
 			made = tiles * sizeof(struct basis_tile) +
 			       (uint64_t)info->width * info->height * sizeof(uint16_t);
 	}

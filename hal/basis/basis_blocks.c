@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The blocks of a basis file: every number is checked here, once, so that nobody need later. Most
- * of the time goes into the loops over whole arrays: they gather what is wrong in one variable and
- * ask at the end, so that a compiler makes vectors of them. */
+/* Checks every number in the blocks of a basis file, so that no later code needs checks. Loops over
+ * whole arrays take most of the time. They collect errors in one variable and test it at the end,
+ * so that the compiler can vectorise them. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,14 +16,14 @@
 
 static const char *const kind_names[] = {"T", "V", "D", "U"};
 
-/* What the blocks of a tile so far have said about its pixels. */
+/* What the blocks of a tile so far hold for each of its pixels. */
 struct tile_use {
-	uint32_t ground[TILE_PIXELS]; /* index of the term of its V blocks + 1; 0: has none */
+	uint32_t ground[TILE_PIXELS]; /* ground term of its V blocks + 1; 0: no V row */
 	bool changed[TILE_PIXELS];    /* has a D row */
 	bool lit[TILE_PIXELS];	      /* has a U row */
 };
 
-/* For messages: which block of which pose. */
+/* The block in hand, for messages. */
 struct block_place {
 	const struct basis_reader *reader;
 	const struct basis_blocks_chunk *chunk;
@@ -47,7 +47,7 @@ static int check_record_bytes(const struct block_place *at, const struct basis_b
 		       e->record_bytes, e->columns, e->bits, least, most);
 }
 
-/* Lights, and groups of them where some columns may be left out. */
+/* Returns the number of valid light numbers: N, or N + K where groups are allowed. */
 static uint32_t light_numbers(const struct block_place *at, int kind)
 {
 	const struct basis *basis = at->reader->basis;
@@ -153,7 +153,7 @@ int basis_check_shapes(const struct basis_reader *reader, const struct basis_blo
 static void locate(struct basis_block *b, const struct basis_block_entry *e,
 		   const struct basis_layout *layout, const uint8_t *payload)
 {
-	/* Aligned by the layout, as check_lies() has seen. */
+	/* check_lies() has checked the alignment. */
 	const void *pixel = payload + layout->pixel, *tint = payload + layout->tint;
 	const void *pattern_scale = payload + layout->pattern_scale;
 	const void *pattern = payload + layout->pattern;
@@ -252,7 +252,7 @@ static int check_pixels(const struct block_place *at, const struct basis_block *
 	return 0;
 }
 
-/* After the last block of a tile: what changes must be a change of something. */
+/* After the last block of a tile: checks that each pixel with a D row has a U row. */
 static int check_pairs(const struct block_place *at, const struct tile_use *use, uint32_t tile)
 {
 	for (int p = 0; p < TILE_PIXELS; p++) {
@@ -290,7 +290,7 @@ static int check_scale(const struct block_place *at, const char *what, int index
 	return 0;
 }
 
-/* Floats without a sign have the order of their bits, infinity and NaN above all. */
+/* Non-negative floats have the order of their bits; infinity, NaN and negative ones are above. */
 static int check_column_scales(const struct block_place *at, const struct basis_block *b)
 {
 	const double times = b->bits == 16 ? INT16_MAX : INT8_MAX;
@@ -315,7 +315,7 @@ static int check_patterns(const struct block_place *at, const struct basis_block
 
 	for (int j = 0; ret == 0 && j < b->patterns; j++) {
 		const int16_t *row = b->pattern + (size_t)j * (size_t)b->stride;
-		int32_t sum = 0; /* at most 2^15 of 2^15 */
+		int32_t sum = 0; /* <= 2^15 * 2^15 */
 		int least = 0;
 
 		for (int k = 0; k < coarse; k++) {
@@ -344,7 +344,7 @@ static bool has_least16(const int16_t *v, size_t count)
 	return any != 0;
 }
 
-/* Of the `count` lines of each channel's last panel what is behind the last pixel is 0. */
+/* Checks that the `count` lines of each channel's last panel are 0 after the last pixel. */
 static int check_rest(const struct block_place *at, const char *what, const struct basis_block *b,
 		      const int16_t *lines, int count)
 {
@@ -380,7 +380,7 @@ static int check_lines(const struct block_place *at, const struct basis_block *b
 	return ret < 0 ? ret : check_rest(at, "columns", b, b->column16, columns);
 }
 
-/* -128 and, in half a byte, 15. */
+/* Whether a line holds a value that must not occur: -128, or the nibble 15. */
 static bool has_least8(uint8_t code, const uint8_t *line)
 {
 	unsigned any = 0;
@@ -392,7 +392,7 @@ static bool has_least8(uint8_t code, const uint8_t *line)
 	return any != 0;
 }
 
-/* One record, which is known to have room for its codes; *bytes: how long it is. */
+/* Checks one record; the caller has checked that its codes fit. Sets *bytes to its length. */
 static int check_record(const struct block_place *at, const struct basis_block *b, int column,
 			size_t left, size_t *bytes)
 {
@@ -542,7 +542,7 @@ int basis_read_blocks(const struct basis_reader *reader, const struct basis_bloc
 	return chunk->count ? check_pairs(&at, &use, chunk->entries[chunk->count - 1].tile) : 0;
 }
 
-/* The tile is a picture of its own: so big is the list of tiles that is made for it. */
+/* Returns a basis whose picture is this one tile. */
 static struct basis shell_of_tile(const struct basis_info_chunk *info, int tile)
 {
 	const int across = ((int)info->width + BASIS_TILE - 1) / BASIS_TILE;
@@ -568,7 +568,7 @@ int basis_check_tile(const struct basis_info_chunk *info, int tile, bool exact,
 
 	if (!entries)
 		return ret;
-	/* nothing may be added to NULL: without blocks, their data is as empty here */
+	/* not NULL even without blocks: adding to NULL is undefined */
 	chunk.data = count ? blocks[0].payload : (const uint8_t *)entries;
 	for (int k = 0; k < count; k++) {
 		entries[k] = blocks[k].entry;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether blocks are what a basis file may hold, before there is a file: those of a shard. */
+/* Checks the blocks of a basis file: of a whole layer, or of a tile that is not in a file yet
+ * (bake/tiles/shard.h). */
 #ifndef INLAY_HAL_BASIS_BASIS_BLOCKS_H
 #define INLAY_HAL_BASIS_BASIS_BLOCKS_H
 
@@ -10,15 +11,15 @@
 struct basis_layer;
 struct basis_reader;
 
-/* The blocks of one layer of a tile, whose payloads lie one behind the other and have entry.bytes;
- * what entries say of tile and offset is not looked at. info: its sizes are in their ranges.
- * -EBADMSG: a rule of README.md is broken; -ENOMEM. */
+/* Checks the blocks of one layer of a tile. Their payloads are contiguous and entry.bytes long;
+ * entry.tile and entry.offset are ignored. The sizes in info must be in their ranges. -EBADMSG: a
+ * rule of README.md is broken; -ENOMEM. */
 int basis_check_tile(const struct basis_info_chunk *info, int tile, bool exact,
 		     const struct basis_block_payload *blocks, int count);
 
 /* ---- private to hal/basis ---- */
 
-/* A layer's block list and payloads, as found in the file. */
+/* Block list and payloads of a layer, as found in the file. */
 struct basis_blocks_chunk {
 	const struct basis_block_entry *entries;
 	size_t count;
@@ -28,11 +29,11 @@ struct basis_blocks_chunk {
 	bool exact;
 };
 
-/* Checks the list alone, of payloads that lie one behind the other: whatever basis_layout() asks
- * for is in its range, and data_bytes is right. -EBADMSG. */
+/* Checks the list alone, of contiguous payloads: all that basis_layout() needs is in its range, and
+ * data_bytes is right. -EBADMSG. */
 int basis_check_shapes(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk);
 
-/* Checks every block of a layer and fills it. -EBADMSG, -ENOMEM. */
+/* Checks every block and fills the layer. -EBADMSG, -ENOMEM. */
 int basis_read_blocks(const struct basis_reader *reader, const struct basis_blocks_chunk *chunk,
 		      struct basis_layer *layer);
 

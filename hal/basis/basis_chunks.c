@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Header and chunk table of a basis file: what lies where, and that it came through whole. */
+/* Reads header and chunk table of a basis file, finds the chunks and checks their checksums. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,7 +81,7 @@ static int check_gap(const struct basis_reader *r, uint64_t from, uint64_t to)
 	return basis_all_zero(r->data + from, r->data + to) ? 0 : 1;
 }
 
-/* What is packed is not kept: poses are many, and each is read when it is unpacked. */
+/* Does not keep packed poses in memory: they are many, and each is read when it is unpacked. */
 static int check_sum(const struct basis_reader *r, const struct basis_chunk_entry *c, uint32_t i)
 {
 	const uint8_t *data = r->data + c->offset;
@@ -100,8 +100,8 @@ static int check_sum(const struct basis_reader *r, const struct basis_chunk_entr
 	return same ? 0 : basis_damaged(r, "chunk %u does not have its checksum", i);
 }
 
-/* Bounds, order, gaps and checksums of all chunks, of unknown types too. The exact layer may be
- * many times what is shown: where nobody asked for it, not a byte of it is fetched. */
+/* Checks bounds, order, gaps and checksums of all chunks, also of unknown types. The exact layer may
+ * be many times as large as the rest; with BASIS_SHOWN it is not read. */
 static int check_chunks(const struct basis_reader *r, const struct basis_chunk_map *map)
 {
 	uint64_t end = sizeof(struct basis_file_header) + map->count * sizeof(*map->table);

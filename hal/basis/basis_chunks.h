@@ -5,7 +5,7 @@
 
 #include "hal/basis/basis_reader.h"
 
-/* Where the chunks lie; NULL for those that the file does not have. */
+/* The chunks of a pose; NULL: the file does not have it. */
 struct basis_pose_chunks {
 	const struct basis_chunk_entry *coverage, *peak, *blocks, *data, *exact_blocks, *exact_data,
 		*pack, *glass;
@@ -15,14 +15,14 @@ struct basis_chunk_map {
 	const struct basis_chunk_entry *table;
 	uint32_t count;
 	const struct basis_chunk_entry *info, *dome, *ground, *coarse, *names, *camera, *provenance;
-	struct basis_pose_chunks *poses; /* by basis_find_pose_chunks(); to be freed */
+	struct basis_pose_chunks *poses; /* of basis_find_pose_chunks(); the caller frees it */
 };
 
-/* Checks header, chunk table, gaps and the checksums of all chunks that reader->part needs, and
- * finds those that poses share. -EBADMSG, -ENOTSUP, -ENOMEM. */
+/* Checks header, chunk table, gaps, and the checksums of all chunks that reader->part needs. Finds
+ * the chunks that all poses share. -EBADMSG, -ENOTSUP, -ENOMEM. */
 int basis_find_chunks(const struct basis_reader *reader, struct basis_chunk_map *map);
 
-/* Those of each of basis->info.poses poses. -EBADMSG, -ENOMEM. */
+/* Finds the chunks of each of the basis->info.poses poses. -EBADMSG, -ENOMEM. */
 int basis_find_pose_chunks(const struct basis_reader *reader, struct basis_chunk_map *map);
 
 #endif

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What a single read takes: a signal or a slow disk is then no reason to begin anew. */
+/* Largest single read, so that a signal does not interrupt a long one. */
 #define READ_MOST ((size_t)64 << 20)
 
 static int file_measure(struct basis_file *file, const char *path, struct fault *fault)
@@ -32,9 +32,8 @@ static int file_measure(struct basis_file *file, const char *path, struct fault 
 	return 0;
 }
 
-/* Pages of 2 MiB, where the system has them. Chunks that are shorter keep to small ones: the list
- * of blocks of each packed pose would otherwise hold such a page, of which a few kilobytes are
- * read. */
+/* Size of large pages. Shorter chunks use small pages: otherwise the block list of each packed pose
+ * would hold a large page for a few kilobytes. */
 #define LARGE_PAGE ((uint64_t)2 << 20)
 
 static int provide_memory(struct basis_file *file, bool mapped, const char *path,
@@ -116,12 +115,12 @@ int basis_file_fetch(const struct basis_reader *r, uint64_t offset, uint64_t byt
 	if (!r->file)
 		return 0;
 	if (r->file->fd >= 0) {
-		/* each frame walks through all of what is shown */
+		/* each frame reads through all of the shown layer */
 		if (bytes >= LARGE_PAGE)
 			(void)madvise(r->file->memory + offset, bytes, MADV_HUGEPAGE);
 		return read_at(r, offset, bytes, r->file->memory + offset);
 	}
-	/* Offsets are those of pages but for the header's, which are there already. */
+	/* Offsets are multiples of a page but for the header, which is in memory already. */
 	(void)madvise(r->file->memory + offset, bytes, MADV_WILLNEED);
 	return 0;
 }

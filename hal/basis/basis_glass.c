@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Where the background is seen through the object. */
 #include "hal/basis/basis_glass.h"
 
-/* What a pixel's place in the order is. */
+/* Sort key of a pixel: tile, row, column. */
 static uint64_t glass_rank(const struct basis *basis, const struct basis_glass *g)
 {
 	const uint64_t tile = (uint64_t)basis_glass_tile(basis, g);

@@ -6,8 +6,8 @@
 
 #include "hal/basis/basis_reader.h"
 
-/* Checks what is seen through the object of a pose, and fills it in. chunk may be NULL. -EBADMSG.
- */
+/* Checks the pixels of a pose that show the background through the object, and fills them in.
+ * chunk may be NULL. -EBADMSG. */
 int basis_read_glass(const struct basis_reader *reader, const struct basis_chunk_entry *chunk,
 		     struct basis_pose *pose);
 

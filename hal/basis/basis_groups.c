@@ -6,10 +6,10 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* How often what stands out is left out: of what is left, more may. */
+/* Largest number of rounds that remove outliers; each round may reveal more. */
 #define PASSES 3
 
-/* The coarse light that it gives most to, the first of equals. */
+/* Returns the coarse light with the largest weight, the first of equals. */
 static uint16_t group_of(const struct basis_coarse *gather)
 {
 	int most = 0;
@@ -19,7 +19,7 @@ static uint16_t group_of(const struct basis_coarse *gather)
 	return gather->index[most];
 }
 
-/* Counted, and filled in from the end. */
+/* Counting sort, filled from the end. */
 static void sort_by_group(struct basis_groups *g)
 {
 	for (int i = 0; i < g->lights; i++)
@@ -69,14 +69,16 @@ void basis_groups_share(const struct basis_groups *g, const double *weight, doub
 	}
 }
 
-/* Lights that do not stand out yet, by channels: four, as x has, are two vectors. */
+/* Sums over the lights that are no outliers, for each channel. Four channels, as x has, fill two
+ * vectors of doubles. */
 struct even {
 	double sum[4]; /* of x / q */
 	double count[4];
 };
 
-/* x / q > 3 (sum - x / q) / (count - 1), without a division by what may be 0. One that is left
- * alone stands out from nothing: its limit stays. */
+/* Limit of x / q: a light is an outlier if
+ *     x / q > 3 (sum - x / q) / (count - 1)  <=>  x / q > 3 sum / (count + 2)
+ * A single light is no outlier: its limit stays. */
 static void lower_limits(const struct even *e, double limit[4])
 {
 	for (int c = 0; c < 4; c++)

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Columns of 8 bits, which are stored as short as each line allows: the one place where writer,
- * reader and compositor agree on it.
+ * Columns of 8 bits, in which each line is stored as short as its values allow. Writer, reader and
+ * compositor all use these functions.
  *
  * A record is one column:
  *
  *     uint8 code[panels8][channels]      padded with 0 to a multiple of BASIS_RECORD_ALIGN
- *     lines, in that order, one behind the other
+ *     lines, in the same order, without gaps
  *
- * A line holds BASIS_LINE8 values, and its code says how:
+ * The code says how the BASIS_LINE8 values of a line are stored:
  *
- *     0                          nothing: all of them are 0
- *     1..BASIS_LINE_FACTOR_MAX   32 bytes: value k is 4 bits, 0..14, less 7, times the code; k in
- *                                0..31 are the low halves of the bytes, 32..63 the high ones
+ *     0                          no bytes: all values are 0
+ *     1..BASIS_LINE_FACTOR_MAX   32 bytes: value k = (nibble k - 7) * code, nibble 0..14; nibbles
+ *                                0..31 are the low halves of the bytes, 32..63 the high halves
  *     BASIS_LINE_WHOLE           64 bytes: the values themselves, -127..127
  */
 #ifndef INLAY_HAL_BASIS_BASIS_LINES_H
@@ -26,10 +26,10 @@
 #include "hal/basis/basis_layout.h"
 
 #define BASIS_RECORD_ALIGN 4
-#define BASIS_RECORD_LINES 12	 /* at most: 4 panels of 3 channels */
-#define BASIS_LINE_FACTOR_MAX 18 /* times 7 is below 128 */
+#define BASIS_RECORD_LINES 12	 /* largest number of lines: 4 panels of 3 channels */
+#define BASIS_LINE_FACTOR_MAX 18 /* 18 * 7 < 128 */
 #define BASIS_LINE_WHOLE 255
-#define BASIS_LINE_MIDDLE 7 /* of half a byte: what stands for 0 */
+#define BASIS_LINE_MIDDLE 7 /* the nibble that stands for 0 */
 #define BASIS_LINE_HALF (BASIS_LINE8 / 2)
 
 static inline size_t basis_line_bytes(uint8_t code)
@@ -37,7 +37,7 @@ static inline size_t basis_line_bytes(uint8_t code)
 	return code == BASIS_LINE_WHOLE ? BASIS_LINE8 : code ? BASIS_LINE_HALF : 0;
 }
 
-/* Of so many lines: where the first one begins. */
+/* Offset of the first line in a record of so many lines. */
 static inline size_t basis_record_head(int lines)
 {
 	return (size_t)(lines + BASIS_RECORD_ALIGN - 1) / BASIS_RECORD_ALIGN * BASIS_RECORD_ALIGN;
@@ -60,7 +60,7 @@ static inline int basis_record_lines(int pixels, int channels)
 typedef uint16_t basis_words __attribute__((vector_size(16)));
 typedef uint8_t basis_bytes __attribute__((vector_size(16)));
 
-/* to [BASIS_LINE8]. */
+/* Unpacks one line to [BASIS_LINE8] values. */
 static inline void basis_line_unpack(uint8_t code, const uint8_t *restrict from,
 				     int8_t *restrict to)
 {
@@ -72,7 +72,7 @@ static inline void basis_line_unpack(uint8_t code, const uint8_t *restrict from,
 		memset(to, 0, BASIS_LINE8);
 		return;
 	}
-	/* Two bytes at once: 14 times the largest code is below 256, so nothing is carried over. */
+	/* Two bytes in each lane: 14 * 18 < 256, so no product carries into the other byte. */
 	for (int k = 0; k < BASIS_LINE_HALF; k += (int)sizeof(basis_words)) {
 		basis_words two, low, high;
 
@@ -86,7 +86,7 @@ static inline void basis_line_unpack(uint8_t code, const uint8_t *restrict from,
 	}
 }
 
-/* The other way; code has to fit. Returns how many bytes it takes. */
+/* Packs one line; the values must suit the code. Returns the number of bytes. */
 static inline size_t basis_line_pack(uint8_t code, const int8_t *restrict from,
 				     uint8_t *restrict to)
 {
@@ -100,7 +100,7 @@ static inline size_t basis_line_pack(uint8_t code, const int8_t *restrict from,
 	return basis_line_bytes(code);
 }
 
-/* One line of a column, wherever it is: to [BASIS_LINE8]. */
+/* Unpacks the line of one column, channel and panel to [BASIS_LINE8] values. */
 static inline void basis_column8_line(const struct basis_block *b, int column, int channel,
 				      int panel, int8_t *to)
 {
@@ -113,7 +113,7 @@ static inline void basis_column8_line(const struct basis_block *b, int column, i
 	basis_line_unpack(code[line], from, to);
 }
 
-/* One value, per column_scale: of pixel p. */
+/* Value of pixel p in a column, in units of column_scale. */
 static inline int basis_column8_value(const struct basis_block *b, int column, int channel, int p)
 {
 	const uint8_t *code = b->record + b->record_at[column];

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/* What poses are called. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

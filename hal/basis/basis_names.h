@@ -7,7 +7,7 @@
 
 #include "hal/basis/basis_format.h"
 
-/* Whether poses may be called so. 0, -EINVAL, -ENOMEM. */
+/* Returns 0 if these are valid names of a file's poses; -EINVAL, -ENOMEM. */
 int basis_names_check(const struct basis_pose_name *names, uint32_t count);
 
 #endif

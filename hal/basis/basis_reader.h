@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the parts of the reader share. Private to hal/basis. */
+/* The state that all parts of the reader share. Private to hal/basis. */
 #ifndef INLAY_HAL_BASIS_BASIS_READER_H
 #define INLAY_HAL_BASIS_BASIS_READER_H
 
@@ -17,20 +17,21 @@ struct basis_reader {
 	size_t bytes;
 	const char *name;
 	enum basis_part part;
-	const struct basis_file *file; /* NULL: data is the caller's memory, and all there */
+	const struct basis_file *file; /* NULL: data is the caller's memory, complete */
 	struct fault *fault;
 };
 
-/* Says "NAME: damaged basis file: ..." and returns -EBADMSG. */
+/* Sets the fault to "NAME: damaged basis file: ..." and returns -EBADMSG. */
 int basis_damaged(const struct basis_reader *reader, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-/* Padding is checked so that no byte of a file is beyond its checks. */
+/* Whether all bytes from..to - 1 are 0. Padding is checked too, so every byte of a file is. */
 bool basis_all_zero(const uint8_t *from, const uint8_t *to);
 
-/* A small file may not take much memory: whatever is made of `held` bytes of a file, beyond what a
- * picture of 3840x2160 pixels needs, is at most so many times as long. Files of a bake stay below
- * a tenth of that. */
+/* Limit against decompression bombs. `made` bytes of memory may come from `held` bytes of a file if
+ *     made <= BASIS_MADE_FREE  or  made - BASIS_MADE_FREE < BASIS_MADE_TIMES * held
+ * BASIS_MADE_FREE is enough for a picture of 3840x2160 pixels. Baked files stay below a tenth of
+ * BASIS_MADE_TIMES. */
 #define BASIS_MADE_FREE ((uint64_t)16 << 20)
 #define BASIS_MADE_TIMES 64
 

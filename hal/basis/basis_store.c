@@ -17,13 +17,13 @@
 #include "hal/basis/basis_file.h"
 #include "hal/basis/pack.h"
 
-/* A pose that unpacks to more than this many times its bytes holds nothing that a bake has made. */
+/* No baked pose unpacks to more than this many times its packed size. */
 #define EXPANDS_MOST 4096
 #define SMALL ((uint64_t)1 << 20)
 
-/* A pose in memory. */
+/* An unpacked pose. */
 struct unpacked_pose {
-	uint8_t *memory; /* coverage, then payloads; NULL: none */
+	uint8_t *memory; /* coverage, then payloads at data_at; NULL: not unpacked */
 	size_t bytes, data_at;
 	struct basis_layer layer;
 };
@@ -32,9 +32,9 @@ enum slot_state { SLOT_PLAIN, SLOT_ABSENT, SLOT_LOADING, SLOT_READY };
 
 struct slot {
 	enum slot_state state;
-	bool given;			  /* basis->poses has it */
-	int failed;			  /* -errno: not tried again until it is expected anew */
-	char *why;			  /* it failed; NULL: no memory to say so */
+	bool given;			  /* basis->poses points to its blocks */
+	int failed;			  /* -errno: no further attempt until it is expected anew */
+	char *why;			  /* text of the failure; NULL: no memory for it */
 	struct basis_blocks_chunk blocks; /* data is NULL */
 	uint64_t pack_at;		  /* in the file */
 	size_t pack_bytes;
@@ -43,14 +43,14 @@ struct slot {
 };
 
 struct basis_store {
-	struct basis shell; /* sizes, for the checks of blocks */
+	struct basis shell; /* only sizes, for the checks of blocks */
 	char *name;
 	const uint8_t *data;
-	struct basis_file file; /* open as long as poses are read */
+	struct basis_file file; /* stays open, to read poses */
 	struct basis_pose *poses;
 	struct pool *pool;
 	int count;
-	/* under the lock: */
+	/* protected by the lock: */
 	pthread_mutex_t lock;
 	pthread_cond_t turned;
 	struct slot *slots; /* [count] */
@@ -95,7 +95,7 @@ static int pose_allocate(const struct basis_store *store, struct unpacked_pose *
 struct unpacking {
 	const struct pack *pack;
 	uint8_t *data;
-	int err; /* of any part; written by whoever fails */
+	int err; /* of any part that failed; atomic */
 };
 
 static void unpack_part(void *context, int part, int worker)
@@ -108,7 +108,7 @@ static void unpack_part(void *context, int part, int worker)
 		__atomic_store_n(&job->err, err, __ATOMIC_RELAXED);
 }
 
-/* pool: NULL for the calling thread alone. */
+/* pool: NULL to use the calling thread alone. */
 static int unpack_all(const struct basis_store *store, const struct pack *pack,
 		      struct unpacked_pose *u, struct pool *pool)
 {
@@ -126,7 +126,7 @@ static int unpack_all(const struct basis_store *store, const struct pack *pack,
 	return job.err;
 }
 
-/* The pose's chunk, if it still is what was checked when the file was opened. */
+/* Reads the chunk of a pose and checks that it is the one checked at opening. */
 static int borrow_from(const struct basis_reader *reader, const struct slot *slot, int pose,
 		       const uint8_t **chunk, void **owned)
 {
@@ -138,8 +138,8 @@ static int borrow_from(const struct basis_reader *reader, const struct slot *slo
 	return basis_damaged(reader, "pose %d does not have its checksum any more", pose);
 }
 
-/* The file that has that name now, which stays open if it serves: it was put back, or the stick
- * that it is on was plugged in again. */
+/* Reads the chunk from the file that has the name now, in case the file was restored or its medium
+ * plugged in again. If the chunk is right, this file replaces the open one. */
 static int borrow_anew(struct basis_store *store, const struct basis_reader *reader, int pose,
 		       const uint8_t **chunk, void **owned)
 {
@@ -229,7 +229,7 @@ int basis_store_create(struct basis_store **out, const struct basis_reader *read
 	store->file.fd = -1;
 	store->poses = poses;
 	store->count = (int)basis->info.poses;
-	pthread_mutex_init(&store->lock, NULL); /* these do not fail in glibc */
+	pthread_mutex_init(&store->lock, NULL); /* neither fails in glibc */
 	pthread_cond_init(&store->turned, NULL);
 	store->name = strdup(reader->name);
 	store->slots = calloc(basis->info.poses, sizeof(*store->slots));
@@ -287,7 +287,7 @@ int basis_store_add(struct basis_store *store, const struct basis_reader *reader
 struct checking {
 	struct basis_store *store;
 	const struct basis_reader *reader;
-	int err, pose; /* of the first pose that is wrong */
+	int err, pose; /* of the first pose that is damaged */
 };
 
 static void store_check_pose(void *context, int pose, int worker)
@@ -331,7 +331,8 @@ static bool is_wanted(const struct basis_store *store, int pose)
 	return false;
 }
 
-/* The lock is held, and the calling thread is the one that uses the poses. */
+/* Lets basis->poses point to an unpacked pose. The caller holds the lock and is the thread that uses
+ * the poses. */
 static void slot_give(struct basis_store *store, int pose)
 {
 	struct basis_pose *to = &store->poses[pose];
@@ -345,7 +346,8 @@ static void slot_give(struct basis_store *store, int pose)
 	slot->given = true;
 }
 
-/* The same holds. */
+/* Frees an unpacked pose. The caller holds the lock; if the pose was given, it is the thread that
+ * uses the poses. */
 static void take_back(struct basis_store *store, int pose)
 {
 	struct basis_pose *from = &store->poses[pose];
@@ -361,7 +363,7 @@ static void take_back(struct basis_store *store, int pose)
 	slot->state = SLOT_ABSENT;
 }
 
-/* The lock is held, but for the loading. */
+/* Unpacks a pose. The caller holds the lock, which is released while unpacking. */
 static void load_slot(struct basis_store *store, int pose, struct pool *pool)
 {
 	struct slot *slot = &store->slots[pose];
@@ -415,7 +417,7 @@ bool basis_pose_ready(const struct basis *basis, int pose)
 	return !comes;
 }
 
-/* The lock is held. -1: nothing is to be done. */
+/* Returns the next expected pose to unpack, or -1. The caller holds the lock. */
 static int next_wanted(const struct basis_store *store)
 {
 	for (int k = 0; k < store->wanted_count; k++) {
@@ -441,13 +443,13 @@ static void *look_ahead(void *context)
 		}
 		load_slot(store, pose, NULL);
 		if (!is_wanted(store, pose) && store->slots[pose].state == SLOT_READY)
-			take_back(store, pose); /* nobody has it yet */
+			take_back(store, pose); /* it was not given yet */
 	}
 	pthread_mutex_unlock(&store->lock);
 	return NULL;
 }
 
-/* Without a thread poses are unpacked when they are asked for. */
+/* If the thread cannot start, poses are unpacked when they are asked for. */
 static void start_thread(struct basis_store *store)
 {
 	sigset_t all, before;

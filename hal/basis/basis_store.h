@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The poses of a file that lie packed: those in use are unpacked into memory, the others are not.
- * Private to hal/basis; what callers use is in basis.h.
+ * The packed poses of a file. Those in use are unpacked in memory. Private to hal/basis; the
+ * functions for callers are in basis.h.
  */
 #ifndef INLAY_HAL_BASIS_BASIS_STORE_H
 #define INLAY_HAL_BASIS_BASIS_STORE_H
@@ -10,18 +10,18 @@
 
 struct basis_store;
 
-/* poses: [info.poses], where blocks are put when they are in memory. -ENOMEM, -EAGAIN. */
+/* poses: [info.poses]; the store fills in the blocks of poses in memory. -ENOMEM, -EAGAIN. */
 int basis_store_create(struct basis_store **store, const struct basis_reader *reader,
 		       struct basis_pose *poses);
 
-/* A pose that lies packed. Checks its block list. -EBADMSG. */
+/* Adds a packed pose and checks its block list. -EBADMSG. */
 int basis_store_add(struct basis_store *store, const struct basis_reader *reader, int pose,
 		    const struct basis_chunk_entry *blocks, const struct basis_chunk_entry *pack);
 
-/* Unpacks each once, and checks all of it. -EBADMSG, -ENOMEM. */
+/* Unpacks each pose once and checks all of it. -EBADMSG, -ENOMEM. */
 int basis_store_check(struct basis_store *store, const struct basis_reader *reader);
 
-/* Takes back what it has put into poses. NULL is harmless. */
+/* Also clears the blocks that it filled in. NULL is harmless. */
 void basis_store_destroy(struct basis_store *store);
 
 #endif

@@ -14,8 +14,8 @@
 #include "hal/basis/basis_names.h"
 #include "hal/basis/pack.h"
 
-/* INFO, DOME, GROUND, COARSE and CAMERA first, POSES and PROVENANCE last; each pose has DATA,
- * BLOCKS, EXACT_DATA, EXACT_BLOCKS, COVERAGE, PEAK and GLASS. At most: some may be absent. */
+/* Largest number of chunks: INFO, DOME, GROUND, COARSE and CAMERA first; DATA, BLOCKS, EXACT_DATA,
+ * EXACT_BLOCKS, COVERAGE, PEAK and GLASS for each pose; POSES and PROVENANCE last. */
 #define FIRST_CHUNKS 5
 #define POSE_CHUNKS 7
 #define LAST_CHUNKS 2
@@ -38,10 +38,10 @@ struct basis_writer {
 	XXH3_state_t *hash;
 	bool in_pose; /* the DATA chunk of a pose is open */
 	uint32_t poses_done;
-	struct packer *packer; /* of files of several poses; NULL: payloads lie in place */
-	uint64_t data_bytes;   /* of the open pose's payloads, where they are packed */
+	struct packer *packer; /* NULL: a file of one pose, which is not packed */
+	uint64_t data_bytes;   /* of the open pose's payloads, if they are packed */
 	struct writer_blocks shown, exact;
-	FILE *aside; /* payloads of the exact blocks of the open pose; NULL: none yet */
+	FILE *aside; /* payloads of the open pose's exact blocks; NULL: none yet */
 	uint64_t aside_bytes;
 };
 
@@ -61,7 +61,7 @@ static int writer_put(struct basis_writer *w, const void *data, size_t bytes)
 	return 0;
 }
 
-/* Zeros up to the next multiple of step; hashed when they lie inside a chunk. */
+/* Writes zeros up to the next multiple of step. hashed: they are inside a chunk. */
 static int writer_pad(struct basis_writer *w, size_t step, bool hashed)
 {
 	const size_t bytes = (size_t)(-w->position & (step - 1));
@@ -139,7 +139,7 @@ static int write_first(struct basis_writer *w, const struct basis_light *lights,
 	const struct basis_file_header header = {0};
 	int ret;
 
-	/* Room for what is known only at the end. */
+	/* Header and chunk table are known only at the end. */
 	ret = writer_put(w, &header, sizeof(header));
 	if (ret == 0)
 		ret = writer_put(w, w->chunks, w->chunk_limit * sizeof(*w->chunks));
@@ -221,7 +221,7 @@ static int pose_begin(struct basis_writer *w, struct fault *fault)
 	return 0;
 }
 
-/* Notes a block that will lie at `offset`. */
+/* Adds a block at `offset` to the list. */
 static int list_note(const struct basis_writer *w, struct writer_blocks *list,
 		     const struct basis_block_entry *entry, uint64_t offset, struct fault *fault)
 {
@@ -285,10 +285,10 @@ int basis_writer_blocks(struct basis_writer *w, const struct basis_block_payload
 	return 0;
 }
 
-/* ---- the exact layer, which waits for the end of its pose ---- */
+/* ---- the exact layer, kept aside until the end of its pose ---- */
 
-/* A file without a name in the output's folder, where there is room for the output too: nothing is
- * left of it whenever and however the program ends. */
+/* Opens a file without a name in the output's folder, which has room for the output. Nothing of it
+ * remains, however the program ends. */
 static int aside_open(struct basis_writer *w)
 {
 	char name[PATH_MAX];
@@ -300,7 +300,7 @@ static int aside_open(struct basis_writer *w)
 	if (slash)
 		slash[slash == name ? 1 : 0] = '\0';
 	fd = open(slash ? name : ".", O_RDWR | O_TMPFILE | O_CLOEXEC, 0600);
-	if (fd < 0) { /* the file system knows no such files */
+	if (fd < 0) { /* the file system has no unnamed files */
 		ret = snprintf(name, sizeof(name), "%s.XXXXXX", w->output.path);
 		if (ret < 0 || (size_t)ret >= sizeof(name))
 			return -ENAMETOOLONG;
@@ -353,7 +353,7 @@ int basis_writer_exact_blocks(struct basis_writer *w, const struct basis_block_p
 	return 0;
 }
 
-/* From the other file into this one, and begins that anew. */
+/* Copies the file aside into the output and empties it. */
 static int copy_aside(struct basis_writer *w)
 {
 	uint8_t part[1 << 16];
@@ -443,7 +443,7 @@ int basis_writer_glass(struct basis_writer *w, const struct basis_glass *glass, 
 	return ret < 0 ? say_write(w, ret, fault) : 0;
 }
 
-/* INFO, the header and the chunk table, whose place was kept. */
+/* Writes INFO, header and chunk table, which were left empty. */
 static int write_back(struct basis_writer *w)
 {
 	const size_t table_bytes = w->chunk_count * sizeof(*w->chunks);

@@ -10,19 +10,19 @@
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 
-/* From here on zstd weighs each match against bytes by themselves, which noise asks for. Unpacking
- * does not get slower by it, and the bake spends its time elsewhere. */
+/* Lowest level at which zstd weighs each match against literals, which suits noisy data. Unpacking
+ * is as fast as at other levels, and packing is a small part of a bake. */
 #define LEVEL 16
-/* Payloads of a part: enough for the compressor to learn, few enough for all threads to help. */
+/* Payloads of a part: enough for good compression, few enough to share the parts among threads. */
 #define PART_BYTES ((size_t)1 << 20)
 #define ROW BASIS_TILE
 
-/* What a part holds, sorted by kind. */
+/* The streams of a part. */
 enum stream {
-	STREAM_REST, /* lists and scales, as they are */
-	STREAM_HIGH, /* 16-bit values: upper and lower bytes */
-	STREAM_LOW,
-	STREAM_COLUMNS, /* of 8 bits, with their codes */
+	STREAM_REST,	/* lists and scales, unchanged */
+	STREAM_HIGH,	/* upper bytes of 16-bit values */
+	STREAM_LOW,	/* lower bytes of 16-bit values */
+	STREAM_COLUMNS, /* records of 8-bit columns */
 };
 
 _Static_assert(STREAM_COLUMNS + 1 == BASIS_PACK_STREAMS, "streams of a part");
@@ -32,7 +32,7 @@ struct streams {
 	size_t bytes[BASIS_PACK_STREAMS];
 };
 
-/* ---- values as differences from their neighbours: small ones of either sign are small ---- */
+/* ---- differences from neighbours, in zigzag form: small ones of either sign are small ---- */
 
 static uint8_t fold8(int difference)
 {
@@ -58,7 +58,7 @@ static int unfold16(uint16_t v)
 	return (v >> 1) ^ -(v & 1);
 }
 
-/* Of a line of a column: from the one on the left, at the start of a row from the one above. */
+/* One whole line of a column: differences from the left, at the start of a row from above. */
 static void fold_column(const uint8_t *from, size_t count, uint8_t *to)
 {
 	to[0] = fold8(from[0]);
@@ -110,7 +110,7 @@ static void unfold_words(struct streams *from, size_t count, bool differences, i
 
 /* ---- one payload ---- */
 
-/* How many bytes of each stream it makes. */
+/* Adds the number of bytes of each stream that a payload becomes. */
 static void count_payload(const struct basis_block_entry *e, int coarse, size_t *bytes)
 {
 	const struct basis_layout at = basis_layout(e, coarse);
@@ -135,8 +135,9 @@ static void get_rest(struct streams *from, uint8_t *to, size_t bytes)
 	from->bytes[STREAM_REST] += bytes;
 }
 
-/* Records, one behind the other, either way: only lines of whole bytes are differences. False:
- * their codes lead beyond the end. place, of unfolding: where each begins. */
+/* Folds (place is NULL) or unfolds all records of a payload; only whole lines change. Unfolding
+ * writes the offset of each record to place [columns]. Returns false if the codes lead beyond the
+ * end. */
 static bool turn_records(const struct basis_block_entry *e, const uint8_t *from, size_t bytes,
 			 uint32_t *place, uint8_t *to)
 {
@@ -219,7 +220,7 @@ struct buffer {
 
 struct packer {
 	int coarse;
-	struct basis_pack_part part; /* in the making */
+	struct basis_pack_part part; /* the current part */
 	struct streams raw;
 	size_t room[BASIS_PACK_STREAMS];
 	uint64_t data_bytes;
@@ -253,7 +254,7 @@ static int buffer_append(struct buffer *to, const void *from, size_t bytes)
 	return ret;
 }
 
-/* Returns the compressed length in *packed. */
+/* Sets *packed to the compressed length. -ENOMEM. */
 static int buffer_compress(struct buffer *to, const void *from, size_t bytes, uint32_t *packed)
 {
 	const size_t most = ZSTD_compressBound(bytes);
@@ -357,9 +358,9 @@ void packer_destroy(struct packer *p)
 	free(p);
 }
 
-/* ---- and back ---- */
+/* ---- unpacking ---- */
 
-/* Of a part: its first block, and where its streams begin. */
+/* First block of a part, and the start of its streams. */
 struct pack_place {
 	size_t block;
 	const uint8_t *at;
