@@ -100,8 +100,8 @@ static int check_sum(const struct basis_reader *r, const struct basis_chunk_entr
 	return same ? 0 : basis_damaged(r, "chunk %u does not have its checksum", i);
 }
 
-/* Checks bounds, order, gaps and checksums of all chunks, also of unknown types. The exact layer may
- * be many times as large as the rest; with BASIS_SHOWN it is not read. */
+/* Checks bounds, order, gaps and checksums of all chunks, also of unknown types. The exact layer
+ * may be many times as large as the rest; with BASIS_SHOWN it is not read. */
 static int check_chunks(const struct basis_reader *r, const struct basis_chunk_map *map)
 {
 	uint64_t end = sizeof(struct basis_file_header) + map->count * sizeof(*map->table);

@@ -134,7 +134,8 @@ enum basis_chunk {
 	BASIS_CHUNK_GROUND = BASIS_FOURCC('G', 'R', 'N', 'D'), /* double [grounds][3][lights]: u */
 	/* uint16 [height][width], 65535 = 1 */
 	BASIS_CHUNK_COVERAGE = BASIS_FOURCC('C', 'O', 'V', 'R'),
-	/* struct basis_coarse [lights]; absent when coarse == lights: each light is a coarse light */
+	/* struct basis_coarse [lights]; absent when coarse == lights: each light is a coarse light
+	 * */
 	BASIS_CHUNK_COARSE = BASIS_FOURCC('C', 'O', 'A', 'R'),
 	/* BLCK, BLCX: struct basis_block_entry[]; DATA, DATX: the payloads of these blocks */
 	BASIS_CHUNK_BLOCKS = BASIS_FOURCC('B', 'L', 'C', 'K'),
@@ -147,7 +148,8 @@ enum basis_chunk {
 	/* replaces COVR and DATA of a packed pose: struct basis_pack, struct basis_pack_part
 	 * [parts], coverage, streams of the parts */
 	BASIS_CHUNK_PACK = BASIS_FOURCC('P', 'A', 'C', 'K'),
-	/* struct basis_glass []: pixels that show the background through the object; may be absent */
+	/* struct basis_glass []: pixels that show the background through the object; may be absent
+	 * */
 	BASIS_CHUNK_GLASS = BASIS_FOURCC('G', 'L', 'A', 'S'),
 	/* struct basis_pose_name [poses]; may be absent */
 	BASIS_CHUNK_POSES = BASIS_FOURCC('P', 'O', 'S', 'E'),

@@ -331,8 +331,8 @@ static bool is_wanted(const struct basis_store *store, int pose)
 	return false;
 }
 
-/* Lets basis->poses point to an unpacked pose. The caller holds the lock and is the thread that uses
- * the poses. */
+/* Lets basis->poses point to an unpacked pose. The caller holds the lock and is the thread that
+ * uses the poses. */
 static void slot_give(struct basis_store *store, int pose)
 {
 	struct basis_pose *to = &store->poses[pose];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The background as rows that can be read, and what is only copied from it. Private to
- * hal/compositor.
+ * Reads rows of the background, and copies it where the object changes nothing. Private to
+ * hal/compositor; struct backdrop is in compositor.h.
  */
 #ifndef INLAY_HAL_COMPOSITOR_BACKDROP_H
 #define INLAY_HAL_COMPOSITOR_BACKDROP_H
@@ -14,16 +14,16 @@ struct area {
 };
 
 struct backdrop_rows {
-	const uint8_t *pixels; /* BGRX, upright, of the area's first pixel */
+	const uint8_t *pixels; /* first pixel of the area; upright BGRX */
 	ptrdiff_t stride;
 };
 
-/* The area's rows: where they lie, or made or turned into scratch[height][width]. */
+/* Returns the rows of an area: in place, or made or rotated into scratch[height][width]. */
 struct backdrop_rows backdrop_rows(const struct backdrop *backdrop, struct area area,
 				   uint8_t *scratch);
 
-/* Copies the area to out, each code through recode[256] unless that is NULL. scratch holds a row as
- * long as the area. */
+/* Copies the area to out, each code by way of recode[256] unless that is NULL. scratch has room for
+ * a row of the area. */
 void backdrop_copy(const struct backdrop *backdrop, struct area area, const uint8_t *recode,
 		   uint8_t *scratch, uint8_t *out, size_t out_stride);
 

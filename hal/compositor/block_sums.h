@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The sums of one block: its lines times what the light makes of them. Private to hal/compositor.
+ * The sums of one block: its lines times their weights, which depend on the light. Private to
+ * hal/compositor.
  */
 #ifndef INLAY_HAL_COMPOSITOR_BLOCK_SUMS_H
 #define INLAY_HAL_COMPOSITOR_BLOCK_SUMS_H
@@ -15,11 +16,11 @@
 
 #define BLOCK_PIXELS (BASIS_TILE * BASIS_TILE)
 
-/* What one worker needs for it. */
+/* Scratch memory of one worker. */
 struct block_work {
-	int64_t (*y)[3]; /* of patterns */
+	int64_t (*y)[3]; /* [patterns]: y_j */
 	struct line_set patterns, columns;
-	int64_t *now[3]; /* [patterns + columns]: of kept blocks, what each line weighs now */
+	int64_t *now[3]; /* [patterns + columns]: new weights of the lines of a kept block */
 	int64_t sum[3][BLOCK_PIXELS] __attribute__((aligned(64)));
 	struct fetch next;
 	struct compositor_frame counts;
@@ -31,40 +32,40 @@ void block_work_free(struct block_work *work); /* zeroed is fine */
 /* Before each frame. */
 void block_work_begin(struct block_work *work);
 
-/* Sums of the frame before, of blocks that keep them. */
+/* A block that keeps its sums from frame to frame. */
 struct kept_block {
-	bool valid;   /* holds the frame before's */
-	int fraction; /* of that */
+	bool valid;   /* it holds sums of the frame before */
+	int fraction; /* fraction bits of these sums */
 };
 
 struct kept_sums {
-	int64_t *values;	   /* [layer_plan's kept_size]; NULL: nothing is kept */
+	int64_t *values;	   /* [layer_plan.kept_size]; NULL: nothing is kept */
 	struct kept_block *blocks; /* [blocks of the layer] */
-	bool always;		   /* even where it costs more */
+	bool always;		   /* start from kept sums even if that reads more */
 };
 
 struct block_request {
 	const struct kernels *kernels;
 	const struct light_vector *light;
 	const struct kept_sums *kept;
-	/* What will be summed next, and what after that; NULL: not known. */
+	/* The next block that will be summed, and the one after; NULL: unknown. */
 	const struct block_plan *next, *after;
 	int kept_index; /* of this block in kept->blocks */
-	bool fresh;	/* sums or values are 0, whatever the block before left there */
+	bool fresh;	/* overwrite sums or values; false: add to those of the block before */
 };
 
 /*
- * sum[c][p] of the block's pixels: value per unit of light times the light, with `fraction` more
- * bits; in work->sum, on top of what the block before left there unless it is fresh, or, of kept
- * blocks, where they are kept. Exact integers whichever way they come.
+ * Computes the exact sums over the lines of a block for each channel c and listed pixel p:
+ *     sum[c][p] = 2^fraction * sum over lines of value * light
+ * They are in work->sum, or for a kept block in its own memory.
  */
 void block_sums(struct block_work *work, const struct block_plan *plan,
 		const struct block_request *request, int fraction, const int64_t *sum[3]);
 
 /*
- * Of a block of which at most KERNEL_RUN lines count: the same times the light's factor, rounded to
- * KERNEL_VALUE_SHIFT16 bits less than `fraction`, added to the values of the pixels that it lists.
- * What they come to is below 2^31 in magnitude. Nothing is kept.
+ * The same for a block of which at most KERNEL_RUN lines count, in int32 with fraction -
+ * KERNEL_VALUE_SHIFT16 fraction bits, times the light's factor. The values must stay below 2^31 in
+ * magnitude. Nothing is kept.
  */
 void block_values(struct block_work *work, const struct block_plan *plan,
 		  const struct block_request *request, int fraction, int32_t *const value[3]);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which columns of its blocks a light vector needs. Private to hal/compositor.
+ * Chooses the columns that count in a frame, for one light vector. Private to hal/compositor.
  *
- * Most of a file's columns change nothing that can be seen in a frame. So they are not asked one by
- * one: each light has a list of its columns, those first that reach farthest, which is left where
- * the light stops to count; what was met on the way is sorted by blocks. A frame takes as long as
- * it has columns that count, and lights.
+ * In a frame most columns of a file are below the cut. To avoid testing each, every light has a
+ * list of its columns, sorted by falling reach. A frame reads each list until the columns are below
+ * the cut, and sorts the chosen columns by block. The time is proportional to the number of lights
+ * and of columns that count.
  */
 #ifndef INLAY_HAL_COMPOSITOR_COLUMN_CHOICE_H
 #define INLAY_HAL_COMPOSITOR_COLUMN_CHOICE_H
@@ -19,49 +19,49 @@
 /* One column of a light. */
 struct light_column {
 	float scale;
-	uint32_t block; /* of those that choose: block_plan's number */
-	uint32_t place; /* in the block: of 16 bits its number, of 8 where its record begins */
-	uint32_t bytes; /* of the record */
+	uint32_t block; /* block_plan.number */
+	uint32_t place; /* in the block: 16 bits: column number; 8 bits: offset of its record */
+	uint32_t bytes; /* length of the record */
 };
 
 struct light_columns {
-	uint32_t light; /* its place among what the light vector sends */
-	uint32_t first; /* where they begin */
-	float most;	/* no column of this light reaches farther */
+	uint32_t light; /* index in light_vector.sent */
+	uint32_t first; /* its first column in column_choice.column */
+	float most;	/* largest reach of its columns */
 };
 
 struct choosing_block {
-	float reach;  /* block_plan's */
-	uint32_t end; /* where its chosen columns end; those of the next begin there */
+	float reach;  /* block_plan.reach */
+	uint32_t end; /* end of its chosen columns; those of the next block begin there */
 };
 
 struct chosen_column {
 	uint32_t place;
-	/* light_columns'; of the record */
+	/* light: as in light_columns; bytes: length of the record */
 	uint32_t light : 20, bytes : 12;
 	float scale;
 };
 
 struct column_choice {
-	struct chosen_column *chosen; /* by blocks, ascending in each */
-	int left_out;		      /* columns that were not chosen */
+	struct chosen_column *chosen; /* sorted by block, then by column */
+	int left_out;		      /* number of columns that were not chosen */
 	/* private */
-	struct light_columns *light;  /* [lights + 1]; lights: those that have columns */
-	struct light_column *column;  /* by lights */
-	struct choosing_block *block; /* [1 + blocks]; the first is none */
+	struct light_columns *light;  /* [lights + 1]; lights: how many have columns */
+	struct light_column *column;  /* sorted by light */
+	struct choosing_block *block; /* [1 + blocks]; the first entry is a sentinel */
 	int lights, blocks;
 };
 
-/* Of the layer's blocks of this kind and ground that have columns: from then on these choose
- * (block_plan's choice), and the choice must stay where it is. -ENOMEM. */
+/* Lists the columns of the layer's blocks of this kind and ground. Sets block_plan.choice of these
+ * blocks to `choice`, which must not move afterwards. -ENOMEM. */
 int column_choice_create(struct column_choice *choice, struct block_plan *plan, int count,
 			 enum basis_kind kind, int ground, const struct basis_groups *groups);
 void column_choice_free(struct column_choice *choice); /* zeroed is fine */
 
-/* Chooses what may change what can be seen under this light, which was made with `cut`. */
+/* Chooses the columns that are not below the cut in this light, which was made with order.cut. */
 void column_choice_make(struct column_choice *choice, const struct light_vector *light);
 
-/* Where the columns chosen for a block lie, and how many there are. */
+/* Returns the columns chosen for a block; *count: how many. */
 static inline const struct chosen_column *columns_chosen(const struct block_plan *plan, int *count)
 {
 	const struct choosing_block *block = plan->choice->block + plan->number;
@@ -70,7 +70,7 @@ static inline const struct chosen_column *columns_chosen(const struct block_plan
 	return plan->choice->chosen + block[0].end;
 }
 
-/* Whether anything of the block counts in this frame: it has patterns, or columns that do. */
+/* Whether the block counts in this frame: it has patterns, or chosen columns. */
 static inline bool block_counts(const struct block_plan *plan)
 {
 	int count;

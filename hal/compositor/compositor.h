@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The compositor: N light colours and a basis to the finished picture.
+ * The compositor turns N light colours and a basis into the finished picture. In each channel:
  *
  *     O     = gain * sum_i t_i L_i                          (T blocks, premultiplied by coverage)
  *     ratio = 1 - sum_i v_i u_i L_i / (sum_i u_i L_i + e)   (V blocks)
  *     ratio = 1 - sum_i d_i L_i / (sum_i u_i L_i + e)       (D and U blocks)
- *     out   = O + max(ratio, 0) * ((1 - coverage) * B + transmission * B')
+ *     out   = O + min(max(ratio, 0), COMPOSITOR_RATIO_MAX)
+ *                 * ((1 - coverage) * B + transmission * B')
  *                                                           (linear light, clipped to 1, encoded)
+ *     e     = 2^-20 * sum_i u_i
  *
- * per channel; L_i of used lights, plus in ambient mode one uniform radiance over all lights that
- * stands for the dropped ones, or in mode harmonics one that varies smoothly over the sky. e =
- * 2^-20 * sum_i u_i: light below any camera's black; as all light goes out the ratio goes to 1
- * without a jump, 0/0 included. ratio is capped at COMPOSITOR_RATIO_MAX.
- * B' is the background as it is seen through the object (struct basis_glass).
+ * B is the background, B' the background seen through the object (struct basis_glass). L_i is the
+ * radiance of light i if it is used, plus what the threshold mode returns of the dropped lights
+ * (light/selection.h). e is light below any camera's black: as all light fades to 0 the ratio goes
+ * to 1 without a jump. hal/GLOSSARY.md lists the symbols.
  *
  * compositor_run() sums in integers: README.md names every Q format and proves that nothing
- * overflows. compositor_reference() is the same formula in double precision with the exact transfer
- * function; it is what the integer one is measured against.
+ * overflows. compositor_reference() computes the same formula in double precision with the exact
+ * transfer function; the integer one is measured against it.
  */
 #ifndef INLAY_HAL_COMPOSITOR_COMPOSITOR_H
 #define INLAY_HAL_COMPOSITOR_COMPOSITOR_H
@@ -35,18 +36,18 @@
 
 enum compositor_mode {
 	COMPOSITOR_FAST,  /* the shown layer; columns below the basis's column_cut are left out */
-	COMPOSITOR_EXACT, /* the exact layer (basis_open() with it): every light, every byte */
+	COMPOSITOR_EXACT, /* the exact layer, which must have been opened: every column */
 	COMPOSITOR_MODE_COUNT
 };
 
 extern const char *const compositor_mode_names[]; /* "fast", "exact", NULL */
 
-/* Whether a frame in exact mode starts from the sums of the one before it, and adds only what has
- * changed. Both give the same bits. In fast mode none does, as it would cost more than it saves. */
+/* Whether a frame in exact mode starts from the sums of the frame before and adds only what has
+ * changed. The result has the same bits. Fast mode never does: it would cost more than it saves. */
 enum compositor_reuse {
-	REUSE_AUTO, /* whichever has less to read; sums are kept while few lights change */
+	REUSE_AUTO, /* the way that reads less; sums are kept while few lights change */
 	REUSE_NEVER,
-	REUSE_ALWAYS, /* where there is an exact frame before it of the same pose */
+	REUSE_ALWAYS, /* if the frame before was exact and of the same pose */
 	REUSE_COUNT
 };
 
@@ -55,43 +56,43 @@ extern const char *const compositor_reuse_names[]; /* "auto", "never", "always",
 struct compositor_settings {
 	enum compositor_mode mode;
 	enum compositor_reuse reuse;
-	struct transfer_curve background; /* of the background picture's code values */
+	struct transfer_curve background; /* transfer function of the background's code values */
 	struct transfer_curve output;
 	double gain; /* 0..COMPOSITOR_GAIN_MAX */
-	bool object; /* false: the background alone, copied through the same tables */
+	bool object; /* false: the background alone, by the same transfer functions */
 };
 
 struct compositor;
 
 struct compositor_options {
-	struct pool *pool;  /* NULL: the calling thread only */
-	const char *kernel; /* NULL or "auto": the fastest that the processor has (kernels.h) */
+	struct pool *pool;  /* NULL: the calling thread does all */
+	const char *kernel; /* NULL or "auto": the fastest on this processor (kernels.h) */
 };
 
-/* The basis must outlive the compositor. -ENOTSUP: no such kernel here, -ENOMEM. */
+/* The basis must outlive the compositor. -ENOTSUP: no such kernel on this processor, -ENOMEM. */
 int compositor_create(struct compositor **compositor, const struct basis *basis,
 		      const struct compositor_options *options, struct fault *fault);
 
-const char *compositor_kernel(const struct compositor *compositor); /* the one in use */
+const char *compositor_kernel(const struct compositor *compositor); /* name of the one in use */
 
-/* Whether compositor_create() would find a kernel of that name. */
+/* Whether compositor_create() accepts a kernel of this name. */
 bool compositor_has_kernel(const char *name);
 
-/* From the next frame on. Allocates room for sums when they may first be kept and the file has
- * blocks whose sums are worth it; where there is no memory for it nothing is reused. */
+/* Settings for the next frames. Allocates memory for kept sums when the settings first allow them
+ * and the file has blocks that keep sums. Without that memory no sums are reused. */
 void compositor_set(struct compositor *compositor, const struct compositor_settings *settings);
 
 /*
- * The background: a picture in memory or, so that each of its pixels is touched once, somebody who
- * makes a part of it when it is needed (and called for each part once a frame, or twice where it is
- * seen through the object, by several threads).
+ * The background: a picture in memory, or a function that makes a rectangle of it on demand, so
+ * that each pixel is touched once. Several threads call make(), once for each part in a frame;
+ * twice for parts that are seen through the object.
  */
 struct backdrop {
 	int width, height;
-	struct picture picture; /* where make is NULL */
-	/* Writes the rectangle as upright BGRX, X being 255, and nothing beside it: out may be the
-	 * screen. A pixel must not depend on which rectangle it is asked for in; those begin at
-	 * multiples of BASIS_TILE. */
+	struct picture picture; /* used if make is NULL */
+	/* Writes the rectangle as upright BGRX with X = 255, and nothing beside it: out may be the
+	 * screen. Rectangles begin at multiples of BASIS_TILE. A pixel must not depend on the
+	 * rectangle that contains it. */
 	void (*make)(const void *context, int x, int y, int width, int height, uint8_t *out,
 		     size_t out_stride);
 	const void *context;
@@ -99,27 +100,26 @@ struct backdrop {
 
 struct backdrop backdrop_of(const struct picture *picture);
 
-/* Sees to it that a pose is in memory, with what is found out about its blocks; forgets that of
- * poses which are not any more. As long as the pose stays in memory, compositor_run() of it cannot
- * fail for want of it. What basis_pose_load() returns, -ENOMEM. */
+/* Loads a pose and plans its blocks; frees the plans of poses that left memory. While the pose
+ * stays in memory, compositor_run() of it needs no memory. Errors of basis_pose_load(), -ENOMEM. */
 int compositor_take_pose(struct compositor *compositor, int pose, struct fault *fault);
 
 /*
- * Writes a BGRX picture of the basis's size. background has that size. out must not overlap it; it
- * is written once, in whole cache lines where it can be, and never read. Nothing is allocated, but
- * for a pose that was not in memory in the frame before (compositor_take_pose()). Work is divided
- * among the pool's threads by what its parts took before. -EINVAL: another size, pose out of range;
- * -ENODATA: exact mode without an exact layer; -ENOMEM, -EBADMSG: of a pose to be loaded.
+ * Writes a BGRX picture of the basis's size; the background has the same size. out must not overlap
+ * it; each pixel of out is written once and never read. Allocates nothing, unless the pose was not
+ * in memory in the frame before (compositor_take_pose()). Divides the work among the pool's threads
+ * by the times of frames before. -EINVAL: another size, or pose out of range; -ENODATA: exact mode
+ * without an exact layer; -ENOMEM, -EBADMSG: the pose cannot be loaded.
  */
 int compositor_run(struct compositor *compositor, int pose, const struct light_selection *lights,
 		   const struct backdrop *background, uint8_t *out, size_t out_stride);
 
-/* What the last frame took. */
+/* Statistics of the last frame. */
 struct compositor_frame {
-	uint64_t basis_bytes; /* of the basis read: patterns, coefficients, columns */
-	int columns;	      /* of single lights used, over all blocks */
-	int columns_left_out; /* by the cut */
-	bool reused;	      /* the sums before it were */
+	uint64_t basis_bytes; /* read of the basis: patterns, coefficients, columns */
+	int columns;	      /* used, over all blocks */
+	int columns_left_out; /* below the cut */
+	bool reused;	      /* it started from sums of the frame before */
 };
 
 struct compositor_frame compositor_last(const struct compositor *compositor);
@@ -127,9 +127,10 @@ struct compositor_frame compositor_last(const struct compositor *compositor);
 void compositor_destroy(struct compositor *compositor);
 
 /*
- * Double precision, of the layer that settings->mode names, every column used:
- * out[height][width][3] gets R, G, B as encoded values in 0..255, not rounded. background has the
- * basis's size. Slow; for tests, reports and `--mode reference`.
+ * Computes the frame in double precision, from the layer that settings->mode names, with every
+ * column. out[height][width][3] gets R, G, B as encoded values 0..255, not rounded. background has
+ * the basis's size. Slow; for tests, reports and `--mode reference`. -EINVAL, -ENODATA, -ENOMEM and
+ * -EBADMSG as compositor_run().
  */
 int compositor_reference(const struct basis *basis, int pose,
 			 const struct compositor_settings *settings,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a compositor consists of. Private to compositor.c and frame.c. */
+/* The state of a compositor. Private to compositor.c and frame.c. */
 #ifndef INLAY_HAL_COMPOSITOR_COMPOSITOR_PARTS_H
 #define INLAY_HAL_COMPOSITOR_COMPOSITOR_PARTS_H
 
@@ -9,14 +9,14 @@
 #include "hal/compositor/glass.h"
 #include "hal/compositor/tile.h"
 
-/* Tiles side by side whose background is made at once. */
+/* Largest number of adjacent tiles whose background is made by one call. */
 #define SPAN_TILES 8
 
-/* A vector of light that blocks of a layer need, and what of it. */
+/* A light vector that blocks of a layer need, and which parts of it. */
 struct layer_light {
 	struct light_vector *vector;
-	struct light_order order;    /* but for the gain */
-	struct column_choice choice; /* where the order says cut: among its blocks' columns */
+	struct light_order order;    /* all but the gain, which may change with each frame */
+	struct column_choice choice; /* if order.cut: chooses among the columns of its blocks */
 };
 
 /* A pose's tiles in one of the file's layers. */
@@ -32,18 +32,18 @@ struct pose {
 	struct glass_plan glass;
 	struct layer layer[COMPOSITOR_MODE_COUNT];
 	bool made;
-	unsigned turn; /* of the basis's pose that they were made of */
+	unsigned turn; /* basis_pose.turn when the plans were made */
 };
 
 struct compositor_worker {
 	struct tile_work tile;
 	struct tile_values values;
-	uint8_t *rows; /* a row of the picture, or BASIS_TILE of SPAN_TILES */
+	uint8_t *rows; /* background scratch: a row of the picture, or SPAN_TILES tiles */
 };
 
 struct compositor {
 	const struct basis *basis;
-	int pose; /* of the last frame; -1: there was none */
+	int pose; /* of the last frame; -1: none yet */
 	const struct kernels *kernels;
 	struct pool *pool;
 	struct compositor_settings settings;
@@ -55,19 +55,19 @@ struct compositor {
 	struct compositor_worker **worker;
 	struct kernel_curves curves;
 	struct compositor_frame last;
-	/* Sums of the frame before, for one pose in one mode. */
-	bool keeps; /* as the settings have it */
+	/* Sums kept from the frame before, for one layer of one pose. */
+	bool keeps; /* the settings allow it */
 	int64_t *kept;
 	struct kept_block *kept_blocks;
 	size_t kept_size, kept_count;
-	const struct layer *kept_of; /* NULL: they hold nothing */
-	double (*before)[3];	     /* [lights]: light of the last frame that could keep them */
-	/* The background where the object lets it through, [height][width] BGRX, for one that is
-	 * made piece by piece; NULL: no pose is seen through. */
+	const struct layer *kept_of; /* layer of the kept sums; NULL: none are kept */
+	double (*before)[3];	     /* [lights]: light of the last frame that could keep sums */
+	/* Copy of a background that is made piece by piece, where the object shows it:
+	 * [height][width] BGRX. NULL: no pose has glass. */
 	uint8_t *behind;
-	/* The frame in the making. */
-	const struct glass_plan *glass; /* NULL: nothing is seen through */
-	struct picture through;		/* the background in memory, where glass is not NULL */
+	/* The current frame. */
+	const struct glass_plan *glass; /* NULL: the object shows no background */
+	struct picture through;		/* background in memory, if glass is not NULL */
 	struct layer *layer;
 	const uint16_t *coverage;
 	const struct backdrop *backdrop;

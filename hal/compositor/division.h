@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A picture's tiles, divided into runs that take about equal time, by what they took before.
- * Private to hal/compositor.
+ * Divides the tiles of a picture into runs of about equal time, estimated from the times measured
+ * in frames before. Private to hal/compositor.
  */
 #ifndef INLAY_HAL_COMPOSITOR_DIVISION_H
 #define INLAY_HAL_COMPOSITOR_DIVISION_H
@@ -10,21 +10,21 @@
 
 struct division {
 	int runs, tiles;
-	int *first; /* [runs + 1]: of each run; the last is the number of tiles */
+	int *first; /* [runs + 1]: first tile of each run; the last entry is `tiles` */
 	/* private */
-	double *cost;	  /* [tiles]: what each is thought to take; any unit */
-	int64_t *took_ns; /* [runs]: since they were divided */
-	int frames;
+	double *cost;	  /* [tiles]: estimated time of each tile, in any unit */
+	int64_t *took_ns; /* [runs]: time of each run since the last division */
+	int frames;	  /* since the last division */
 };
 
-/* runs 1..tiles. cost: of each tile, guessed; only how they compare counts. -ENOMEM. */
+/* runs: 1..tiles. cost: first estimate for each tile, in any unit; copied. -ENOMEM. */
 int division_create(struct division *division, int runs, int tiles, const double *cost);
 void division_free(struct division *division); /* zeroed is fine */
 
-/* What a run took this frame; each run by one thread at a time. */
+/* Adds the time of a run in this frame. Threads may report different runs at the same time. */
 void division_took(struct division *division, int run, int64_t ns);
 
-/* After each frame: now and then divides anew. */
+/* Call after each frame: divides anew after every 32 frames. */
 void division_settle(struct division *division);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sums that blocks keep from frame to frame. Private to hal/compositor.
+ * Sums that blocks keep from frame to frame: a frame adds only line * (new weight - old weight).
+ * Private to hal/compositor.
  */
 #ifndef INLAY_HAL_COMPOSITOR_KEPT_SUMS_H
 #define INLAY_HAL_COMPOSITOR_KEPT_SUMS_H
@@ -8,9 +9,10 @@
 #include "hal/compositor/block_sums.h"
 
 /*
- * Both leave the sums where they are kept. The first is for blocks whose columns are all lights: it
- * needs no weights but those of lights that changed, and returns false where it does not serve. The
- * second takes the weights from the work's sets.
+ * Both functions update the kept sums of a block and set sum[] to them. kept_sums_step() computes
+ * only the weights of lights that changed; it returns false, without effect, if the block is not
+ * one column for each light or has no usable sums. kept_sums_take() uses the weights in work's
+ * sets.
  */
 bool kept_sums_step(struct block_work *work, const struct block_plan *plan,
 		    const struct block_request *request, int fraction, int64_t *sum[3]);

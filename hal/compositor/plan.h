@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is found out about each block once, when the compositor is created. Private to
- * hal/compositor.
+ * Properties of each block that do not depend on the light, computed once for a pose: bounds,
+ * fraction bits, and which blocks share their sums. Private to hal/compositor.
  */
 #ifndef INLAY_HAL_COMPOSITOR_PLAN_H
 #define INLAY_HAL_COMPOSITOR_PLAN_H
@@ -12,41 +12,42 @@
 
 struct column_choice;
 
-/* The bits of a sum of light in a block: its magnitude stays below 2^PLAN_SUM_BITS. */
+/* The magnitude of a sum stays below 2^PLAN_SUM_BITS. */
 #define PLAN_SUM_BITS 60
 
 /*
- * Blocks of a tile that follow each other and add up, being of one kind (and ground), are a group.
- * Those of a group that list the same pixels without a tint share their sums.
+ * A group of blocks (not of lights) is consecutive blocks of a tile that add up: they have one kind
+ * and ground. Consecutive blocks of a group share their sums if they list the same pixels without a
+ * tint.
  */
 struct block_plan {
 	const struct basis_block *block;
-	int group;    /* how many blocks, of the first of a group; else 0 */
-	bool joins;   /* its sums go on top of those of the block before it */
+	int group;    /* in the first block of a group: number of its blocks; else 0 */
+	bool joins;   /* its sums are added to those of the block before */
 	bool single;  /* the whole group shares its sums, without a tint */
-	int fraction; /* of the group: bits that the roundings of so many weights need */
-	double most;  /* of the group: no value per unit of light exceeds it ... */
-	int bound;    /* ... nor this power of two */
-	bool whole;   /* lists every pixel of a whole tile */
-	uint16_t row[BASIS_TILE]; /* bit x of row y: that pixel is listed */
-	bool kept;		  /* its sums are worth keeping from frame to frame */
+	int fraction; /* of the group: fraction bits that the roundings of its weights need */
+	double most;  /* of the group: largest value per unit of light */
+	int bound;    /* of the group: most <= 2^bound */
+	bool whole;   /* lists all BASIS_TILE^2 pixels of its tile */
+	uint16_t row[BASIS_TILE]; /* bit x of row[y]: the pixel is listed */
+	bool kept;		  /* keeps its sums from frame to frame */
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
-	bool follows;	  /* has columns of groups in common with the block before it */
-	bool grouped;	  /* there are columns of groups in it, or in one that has them in common */
-	float reach;	  /* a column's values reach column_scale times this, tint included */
-	/* Of T and V blocks that need not use all their columns: what chooses among them, and their
-	 * number there (column_choice.h). NULL: each column counts whose light is not 0. */
+	bool follows;	  /* groups of lights span it and the block before */
+	bool grouped;	  /* it, or a block that groups of lights span with it, has their columns */
+	float reach;	  /* reach of a column = column_scale * this; tint included */
+	/* T and V blocks whose columns may be left out: what chooses among the columns, and the
+	 * block's number there (column_choice.h). NULL: all columns count whose light is not 0. */
 	const struct column_choice *choice;
 	int number;
-	size_t state; /* of kept blocks: offset in int64 into what is kept of the layer */
+	size_t state; /* kept blocks: index of their first int64 in kept_sums.values */
 };
 
-/* One tile: its blocks' plans, in their order. */
+/* The plans of a tile's blocks, in their order. */
 struct tile_plan {
 	const struct block_plan *blocks;
 	int block_count;
 	bool plain;	    /* the object changes nothing here */
-	bool object, taken; /* what its blocks, or glass, add to */
+	bool object, taken; /* whether blocks or glass add to O; to 1 - ratio */
 };
 
 struct layer_plan {
@@ -56,19 +57,20 @@ struct layer_plan {
 	struct block_plan *blocks; /* in the layer's order */
 };
 
-/* cut: columns may be left out, so no sums are kept. -ENOMEM. */
+/* cut: columns may be left out, and then no sums are kept. -ENOMEM. */
 int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		      const struct basis_pose *pose, const struct basis_layer *layer, bool cut);
 void layer_plan_free(struct layer_plan *plan); /* zeroed is fine */
 
-/* Lines of one panel and channel: patterns and columns. */
+/* Number of lines in one panel and channel: patterns and columns. */
 static inline int plan_lines(const struct block_plan *p)
 {
 	return p->block->patterns + p->block->columns;
 }
 
-/* What kept blocks keep: the weights of their lines, and their sums. */
-#define PLAN_PANEL 64 /* pixels that sums are padded to */
+/* A kept block keeps the weights of its lines, and its sums, padded to a multiple of PLAN_PANEL
+ * pixels. */
+#define PLAN_PANEL 64
 
 static inline int plan_sums(const struct block_plan *p)
 {

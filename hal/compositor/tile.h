@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One tile: from light to O and 1 - ratio of its pixels. Private to hal/compositor.
+ * Computes O and 1 - ratio for the pixels of one tile. Private to hal/compositor.
  */
 #ifndef INLAY_HAL_COMPOSITOR_TILE_H
 #define INLAY_HAL_COMPOSITOR_TILE_H
 
 #include "hal/compositor/block_sums.h"
 
-/* The light of one frame, as all workers read it. */
+/* The light of one frame, read by all workers. */
 struct frame_light {
 	const struct kernels *kernels;
 	const struct light_vector *object;
-	const struct light_vector *taken, *own; /* D, U */
+	const struct light_vector *taken, *own; /* of D; of U */
 	const struct light_vector *ground;	/* [grounds] */
 	int gain_bits;
 	struct kept_sums kept;
 	const struct block_plan *first,
-		*end; /* of the layer's blocks, as kept.blocks counts them */
+		*end; /* the layer's blocks; kept.blocks has the same order */
 };
 
-/* Of one tile's pixels in Q24 (kernels.h): [c][y * BASIS_TILE + x]. What no block of the tile adds
- * to (tile_plan's object and taken) is not written. */
+/* O and 1 - ratio in Q24 (kernels.h), [c][y * BASIS_TILE + x]. If tile_plan.object or .taken is
+ * false, that array is not written. */
 struct tile_values {
 	int32_t object[3][BLOCK_PIXELS] __attribute__((aligned(64)));
 	int32_t taken[3][BLOCK_PIXELS] __attribute__((aligned(64)));
@@ -28,11 +28,11 @@ struct tile_values {
 
 extern const int32_t tile_nothing[BLOCK_PIXELS]; /* zeros */
 
-/* What one worker needs. */
+/* Scratch memory of one worker. */
 struct tile_work {
 	struct block_work block;
 	int64_t d[3][BLOCK_PIXELS], u[3][BLOCK_PIXELS];
-	/* Values of the pixels that a block lists, channel by channel. */
+	/* values of the pixels that a block lists, channel by channel */
 	int32_t listed[3 * BLOCK_PIXELS + KERNEL_PLACE_BEYOND] __attribute__((aligned(64)));
 };
 

@@ -10,11 +10,12 @@
 #include "hal/compositor/kernels/kernels.h"
 
 #define DIGIT_HALF 2048
-/* 2048 in every digit: what is added so that each can be cut out by itself. */
+/* 2048 in every digit. Added to a number it makes all digits non-negative, so that each can be
+ * masked out. */
 #define DIGITS_BIAS                                                                                \
 	(DIGIT_HALF * (1 + (INT64_C(1) << 12) + (INT64_C(1) << 24) + (INT64_C(1) << 36)))
 
-/* How many digits hold every number from -most to most; 0 for 0. most <= 2^46. */
+/* Number of digits that hold every number in -most..most; 0 for 0. most <= 2^46. */
 static inline int digits_of(int64_t most)
 {
 	int64_t held = 0;
@@ -27,7 +28,7 @@ static inline int digits_of(int64_t most)
 	return digits;
 }
 
-/* Digit d of each number. */
+/* Extracts digit d of each number. */
 static inline void digits_split(const int64_t *number, int count, int d, int16_t *digit)
 {
 	const int shift = d * KERNEL_DIGIT_BITS;

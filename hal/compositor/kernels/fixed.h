@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The integer arithmetic of the compositor: every rounding it makes is one of these functions.
- * Ranges and errors are proven in README.md. Private to hal/compositor.
+ * The roundings of the compositor: each of them is one of these functions. ../README.md proves
+ * ranges and errors. Private to hal/compositor.
  *
  * >> of a negative number is the arithmetic shift, as gcc and clang define it.
  */
@@ -12,9 +12,9 @@
 #include <stdint.h>
 #include <string.h>
 
-#define Q16_ONE 65536 /* of ratios and of what coverage leaves */
+#define Q16_ONE 65536
 
-/* The rounding: floor(x / 2^n + 1/2). n in 1..63; |x| < 2^62. */
+/* floor(x / 2^n + 1/2). n in 1..63; |x| < 2^62. */
 static inline int64_t round_shift(int64_t x, int n)
 {
 	return (x + (INT64_C(1) << (n - 1))) >> n;
@@ -26,22 +26,22 @@ static inline int64_t mul_q15(int64_t x, uint16_t m)
 	return (x >> 15) * m + round_shift((x & 32767) * m, 15);
 }
 
-/* The nearest integer, halves to even. |x| < 2^62. Of doubles, so that powers of two of any size
- * are factors. */
+/* The nearest integer, halves to even. |x| < 2^62. x is a double, so factors may be powers of two
+ * of any size. */
 static inline int64_t round_double(double x)
 {
 	return llrint(x);
 }
 
-/* The same as a double, |x| < 2^51: there a double has no places behind the point. Compilers make
- * vectors of it, as no processor lacks the addition. */
+/* The nearest integer, halves to even, as a double. |x| < 2^51: near 1.5 * 2^52 a double has no
+ * fraction bits. Two additions, which compilers can vectorise. */
 static inline double round_narrow(double x)
 {
 	return (x + 0x1.8p52) - 0x1.8p52;
 }
 
-/* The nearest integer, halves to even, |x| < 2^51: its last places are those of the sum's mantissa,
- * which needs no conversion, so that compilers make vectors of it, too. */
+/* The nearest integer, halves to even. |x| < 2^51. The mantissa of the sum holds the integer, so no
+ * conversion is needed and compilers can vectorise it. */
 static inline int64_t round_whole(double x)
 {
 	const double sum = x + 0x1.8p52;
@@ -70,8 +70,8 @@ static inline int exponent_above(double x)
 	return mantissa == 0.5 ? e - 1 : e;
 }
 
-/* x * 2^n with the highest bit at place `bit`; *exponent loses n. Bits that fall off at the right
- * are lost. x > 0. */
+/* Returns x * 2^n whose highest bit is at place `bit`, and subtracts n from *exponent. Bits shifted
+ * out at the right are lost. x > 0. */
 static inline uint64_t normalise(uint64_t x, int bit, int *exponent)
 {
 	const int up = bit - (63 - __builtin_clzll(x));

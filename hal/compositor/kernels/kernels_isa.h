@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the files of the single instruction sets share. Each is compiled with the flags of its own
- * set (hal/module.mk); nothing else is, and so nothing but its table may be called from outside,
- * after supported() said yes. Private to hal/compositor/kernels*.c.
+ * Declarations shared by the files of all instruction sets. Each of these files is compiled with
+ * the flags of its set (hal/module.mk), and no other file is. So other code may only call the
+ * functions in its table, after supported() has returned true. Private to this folder.
  */
 #ifndef INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_ISA_H
 #define INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_ISA_H
@@ -11,20 +11,20 @@
 
 #include "hal/compositor/kernels/kernels.h"
 
-/* Digits, or the kind of a line, are constants where these are called, so that each case becomes
- * code of its own with its sums in registers. */
+/* Forces inlining. Callers pass the number of digits and the kind of line as constants, so each
+ * case is compiled on its own, with its sums in registers. */
 #define KERNEL_INLINE static inline __attribute__((always_inline))
 
-/* Loops over what must stay in registers: gcc would else decide too late. */
+/* Unrolls loops over arrays that must be in registers; gcc decides too late by itself. */
 #define KERNEL_UNROLL _Pragma("GCC unroll 8")
 
-/* Of bytes there may be many more: 4096 * 127 * 2048 < 2^31. */
+/* The same as KERNEL_RUN for bytes: 4096 * 127 * 2048 < 2^31. */
 #define KERNEL_RUN8 4096
 
-/* Products of a lane of int32 before it must be widened: 32 of them in the same sense. */
+/* Products that a lane of int32 can sum before it must be widened: 32 * 32767 * 2048 < 2^31. */
 #define KERNEL_LANE_PRODUCTS 32
 
-#define KERNEL_KEY_BASE (135 << 13) /* of the bits of KERNEL_BLACK */
+#define KERNEL_KEY_BASE (135 << 13) /* the bits of KERNEL_BLACK, shifted right by 10 */
 
 extern const struct kernels kernels_sse41;
 extern const struct kernels kernels_avx2;
@@ -32,7 +32,7 @@ extern const struct kernels kernels_avx512;
 extern const struct kernels kernels_neon;
 extern const struct kernels kernels_neon_dotprod;
 
-/* The specification, for those that have nothing better. */
+/* Functions of kernels_c.c that other tables borrow. */
 int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit);
 void kernel_c_tint(int32_t *value, const uint16_t *tint, int count);
 void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to);
@@ -44,7 +44,7 @@ bool kernels_supported_avx512(void);
 bool kernels_supported_neon(void);
 bool kernels_supported_neon_dotprod(void);
 
-/* Two weights that lie side by side, as one number of 32 bits. */
+/* Two adjacent weights as one number of 32 bits. */
 static inline int32_t kernel_weight_pair(const int16_t *digit)
 {
 	int32_t pair;
@@ -54,11 +54,11 @@ static inline int32_t kernel_weight_pair(const int16_t *digit)
 }
 
 /*
- * The planes of three vectors that may have different numbers of digits: where one has less, it is
- * filled up with zeros, so that the loops have no branches.
+ * The digit planes of three vectors. A vector with fewer digits than another gets planes of zeros,
+ * so that loops have no branches.
  */
 struct kernel_planes {
-	int digits; /* 0: there is nothing but 0 */
+	int digits; /* largest number of digits; 0: all vectors are 0 */
 	const int16_t *plane[3][KERNEL_DIGITS];
 };
 
@@ -75,12 +75,12 @@ static inline void kernel_planes_fill(struct kernel_planes *p, const struct kern
 	}
 }
 
-/* How far ahead of a run to ask for lines that follow each other: 4 KiB, more than the processor
- * fetches of itself. Beyond a panel lies the next one. */
+/* Prefetch distance in lines for consecutive lines: 4 KiB, more than the processor prefetches by
+ * itself. The next panel follows a panel in memory. */
 #define KERNEL_AHEAD 64
 
-/* Asks for the lines of a run that comes later. Inline by force, as gcc 12 drops calls in which it
- * sees no effect. */
+/* Prefetches the lines of a later run. Forced inline because gcc 12 drops calls of functions that
+ * only prefetch. */
 KERNEL_INLINE void kernel_fetch(const void *lines, const struct kernel_weights *w, int from, int to)
 {
 	const char *first = lines;
@@ -116,7 +116,7 @@ static inline void kernel_row_next(struct kernel_row *row)
 	row->out += row->out_step;
 }
 
-/* The rest of a row, less than a vector, worked upon as a whole one in memory that is ours. */
+/* Copy of the last pixels of a row, fewer than a vector, padded to a whole vector. */
 #define KERNEL_REST 16
 
 struct kernel_rest {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Kernels of NEON that serve the table with dot products too. Every processor of 64-bit Arm runs
- * them. Private to hal/compositor/kernels_neon*.c.
+ * NEON kernels that the table with dot products borrows. Every 64-bit Arm processor runs them.
+ * Private to kernels_neon*.c.
  */
 #ifndef INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_NEON_H
 #define INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_NEON_H

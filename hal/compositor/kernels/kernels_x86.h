@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kernels of SSE4.1 and AVX2: the same steps on vectors of 16 and of 32 bytes, whose lanes of
- * 16 bytes do the same in both. The including file defines, for its width:
+ * The kernels of SSE4.1 and AVX2, for vectors of 16 and of 32 bytes. AVX2 repeats most operations in
+ * two lanes of 16 bytes. The including file defines, for its width:
  *
  *     vector, vector_float
  *     SIMD(name)            the intrinsic of that name
- *     SIMD_BITS(name)       the same, whose name ends in the number of bits
+ *     SIMD_BITS(name)       the intrinsic of that name with the suffix _si128 or _si256
  *     LOAD(p), STORE(p, x)  unaligned
  *     LOAD_ALIGNED(p)
  *     LOAD_WIDE8(p)         as many int8 as a vector has int16, widened
  *     LOAD_WIDE16(p)        as many uint16 as a vector has int32, widened
- *     IN_ORDER_LOW(a, b), IN_ORDER_HIGH(a, b)    what unpacking low and high has put apart by lanes
- *     IN_ORDER_64(x)        int32 taken by pairs from two vectors, lane by lane
+ *     IN_ORDER_LOW(a, b)    from a = unpacklo(x, y), b = unpackhi(x, y): low half in memory order
+ *     IN_ORDER_HIGH(a, b)   the same: high half
+ *     IN_ORDER_64(x)        memory order for pairs of int32 packed from two vectors lane by lane
  *     AS_FLOAT(x)           the same bits
- *     LANES(x)              16 bytes in each lane
- *     x86_linear_of(row, x, byte)        linear[] of a channel of as many pixels as a vector has floats
+ *     LANES(x)              16 bytes repeated in each lane
+ *     x86_linear_of(row, x, byte)    linear[] of byte `byte` of as many pixels as a vector has
+ *                                    floats, from pixel x
  */
 #include <immintrin.h>
 

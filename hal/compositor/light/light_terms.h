@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What light vectors need of a basis and no frame changes, worked out once and shared by all of
- * them. Private to hal/compositor.
+ * Data of a basis that all light vectors need and no frame changes, computed once. Private to
+ * hal/compositor.
  */
 #ifndef INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_TERMS_H
 #define INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_TERMS_H
@@ -10,10 +10,11 @@
 #include "hal/basis/basis_groups.h"
 
 /*
- * Sums over lights: part j is the sum of lights j, j + 4, j + 8 ... in this order, as long as there
- * are four more; part 0 gets the rest; and the parts are added up by light_parts(). It is written
- * down because sums of doubles depend on it, and is the same on every machine. There are four so
- * that additions need not wait for each other.
+ * The order of sums over lights, which is fixed because sums of doubles depend on it:
+ *     part j = light j + light j + 4 + light j + 8 ...    for the first N - N % 4 lights
+ *     part 0 also gets the rest
+ *     sum = light_parts(part 0, part 1, part 2, part 3)
+ * So results are the same on every machine. Four parts let additions overlap.
  */
 #define LIGHT_PARTS 4
 
@@ -28,13 +29,12 @@ struct light_terms {
 	double *solid_angle;	 /* [lights] */
 	double (*ground_sum)[3]; /* [grounds]: sum of u */
 	struct basis_groups groups;
-	/* [grounds + 1][lights], those of T last: q (basis_format.h). */
-	double *share;
-	/* Those that coarse light k gathers of: from first[k] on, up to first[k + 1]. All NULL
-	 * where each light is its own. */
+	double *share; /* [grounds + 1][lights]: q of V for each ground, then q of T */
+	/* P by rows: coarse light k gathers light[n] with weight[n], n in first[k]..first[k + 1] -
+	 * 1. All NULL if each light is a coarse light. */
 	uint32_t *first; /* [coarse + 1] */
 	uint16_t *light; /* ascending */
-	double *weight;	 /* BASIS_COARSE_ONE is 1; whole numbers */
+	double *weight;	 /* integers; BASIS_COARSE_ONE stands for 1 */
 };
 
 int light_terms_create(struct light_terms *terms, const struct basis *basis); /* -ENOMEM */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A frame's light as integers: what the cells send (X) and what of it the coarse lights gather (Y),
- * for the object, for receivers with a u of their own, and for each ground. Private to
- * hal/compositor; formats and proofs: README.md.
+ * The light of a frame as integers: X, the light that cells send, and Y, the light of the coarse
+ * lights. There is one vector for the object, one each for D and U, and one for each ground.
+ * Private to hal/compositor; formats and proofs: ../README.md.
  */
 #ifndef INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_VECTOR_H
 #define INLAY_HAL_COMPOSITOR_LIGHT_LIGHT_VECTOR_H
@@ -13,36 +13,40 @@
 #include "hal/compositor/light/light_terms.h"
 #include "hal/compositor/light/selection.h"
 
-/* What a vector is to hold of a frame's light. */
+/* Which light a vector is to hold. */
 struct light_order {
-	/* T: w_i (L_i + ambient). D, U: the same, finer, as only quotients are taken of them; that
-	 * of U has the residue e in it, as 2^-20 of radiance from everywhere. V: u_i (L_i +
-	 * ambient) of `ground`, measured by U + e. */
+	/*
+	 * Kind of X, with R_i = L_i + ambient:
+	 *     T   w_i R_i
+	 *     D   w_i R_i               finer than T, as only the quotient D / U is used
+	 *     U   w_i (R_i + 2^-20)     contains e
+	 *     V   u_i R_i               u of `ground`; in units of 2^ilogb(U + e)
+	 */
 	enum basis_kind kind;
 	int ground;
-	double gain;   /* of T */
-	bool patterns; /* its blocks have some: they need planes, which otherwise stay as they are
-			*/
-	bool cut;      /* columns may be left out: strength, of T and V */
-	bool groups;   /* with that: its blocks have columns of groups */
+	double gain;   /* for T */
+	bool patterns; /* its blocks have patterns: compute Y (planes) */
+	bool cut;      /* T and V: columns may be left out: compute strength */
+	bool groups;   /* with cut: its blocks have columns of groups: compute S */
 };
 
-/* What one light sends; beside each other, as that is how columns ask for it. */
+/* The light that one cell sends. */
 struct light_sent {
-	/* X in linear light, or of a ground in units of 2^ilogb(U + e): an integer times `unit` */
+	/* X in linear light; of V in units of 2^ilogb(U + e). An integer times `unit`. */
 	double amount[3];
 	/*
-	 * How much of what may be left out (basis column_cut; of a group, basis_group_cut()) a
-	 * column of value 1 would change:
-	 * a column whose values reach r is left out where strength * r < 1. Beyond any 1 / r where
-	 * nothing may be left out, 0 where there is no light.
+	 * strength = max over channels of (change by a column of value 1) / cut, where the cut is
+	 * column_cut, or basis_group_cut() for a group. A column is left out where
+	 * strength * reach < 1. Very large if the cut is 0; 0 without light.
 	 */
 	double strength;
 };
 
-/* Behind the lights a vector has what each sends beside its group, X - q S, and then S of each
- * group. So this is the place of a light whose group has a column too, and of a group, whose number
- * in a file comes after those of the lights. */
+/* light_vector.sent has three parts:
+ *     0..N - 1        X_i of each light
+ *     N..2 N - 1      X_i - q_i S, for columns whose group has a column, too
+ *     2 N..2 N + K - 1    S of each group; the file numbers groups N..N + K - 1
+ * Returns the index of a light in the second part, or of a group in the third. */
 static inline int light_beside(int lights, int number)
 {
 	return lights + number;
@@ -50,18 +54,17 @@ static inline int light_beside(int lights, int number)
 
 struct light_vector {
 	int lights, coarse, stride; /* stride: coarse rounded up to a line */
-	struct light_sent *sent;    /* [lights], and with groups [lights + coarse] more */
-	double unit[3];		    /* a power of two: 1 of X and of Y */
-	int reach;		    /* the sum of all amounts of a channel is below 2^reach */
-	uint32_t factor[3]; /* Q30: turns a sum over amounts into O (less gain_bits) or 1 - ratio */
-	/* Of T and V: lines of which no value exceeds 1 make no more than this of O, or of
-	 * 1 - ratio. */
+	struct light_sent *sent;    /* [lights], with groups [2 * lights + coarse] */
+	double unit[3];		    /* value of the integer 1 of X and Y; a power of two */
+	int reach;		    /* sum of the amounts of any channel < 2^reach */
+	uint32_t factor[3]; /* Q30: O * 2^-gain_bits, or 1 - ratio, = factor * sum over amounts */
+	/* T and V: largest O, or 1 - ratio, that lines with values up to 1 can make. */
 	double strongest;
 	struct kernel_vector planes[3]; /* Y */
-	/* Of light_vector_track(): lights whose X is another than at its last call. */
+	/* From light_vector_track(): lights whose X has changed since its last call. */
 	int *changed;
 	int changed_count;
-	int lit; /* lights with any X */
+	int lit; /* number of lights with X > 0 in any channel */
 	/* private */
 	const struct light_terms *terms;
 	double (*before)[3]; /* [lights] */
@@ -69,19 +72,19 @@ struct light_vector {
 	int16_t *digits;     /* [3][KERNEL_DIGITS][stride] */
 };
 
-/* terms must outlive it. -ENOMEM. */
+/* terms must outlive the vector. -ENOMEM. */
 int light_vector_create(struct light_vector *vector, const struct light_terms *terms);
 void light_vector_free(struct light_vector *vector); /* zeroed is fine */
 
-/* Of one frame. Different vectors may be made at the same time. */
+/* Computes the vector of one frame. Threads may make different vectors at the same time. */
 void light_vector_make(struct light_vector *vector, const struct light_order *order,
 		       const struct light_selection *lights);
 
-/* Finds what has changed. Each call is about the frame after that of the one before, or its answer
- * is not used. */
+/* Finds the lights whose X has changed since the last call. Only meaningful if that was in the
+ * frame before. */
 void light_vector_track(struct light_vector *vector);
 
-/* How many bits the gain moves values up by: gain <= 2^gain_bits(gain). */
+/* Smallest integer >= 0 with gain <= 2^gain_bits(gain). */
 int gain_bits(double gain);
 
 #endif
