@@ -12,8 +12,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#define Q16_ONE 65536
-
 /* floor(x / 2^n + 1/2). n in 1..63; |x| < 2^62. */
 static inline int64_t round_shift(int64_t x, int n)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kernels of SSE4.1 and AVX2, for vectors of 16 and of 32 bytes. AVX2 repeats most operations in
- * two lanes of 16 bytes. The including file defines, for its width:
+ * The kernels of SSE4.1 and AVX2, for vectors of 16 and of 32 bytes. AVX2 repeats most operations
+ * in two lanes of 16 bytes. The including file defines, for its width:
  *
  *     vector, vector_float
  *     SIMD(name)            the intrinsic of that name
