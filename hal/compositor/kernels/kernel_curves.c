@@ -3,9 +3,9 @@
 
 #include "hal/compositor/kernels/kernels.h"
 
-#define STEPS 2048 /* of a piece: what is left of the key */
+#define STEPS 2048 /* in a piece: the low 11 bits of the key */
 
-/* What step `at` of a piece is encoded to, in 1/256 of a level. */
+/* Exact encoding of step `at` of a piece, in 1/256 of a level. */
 static double piece_level(const struct transfer_curve *to, int piece, double at)
 {
 	const double octave = ldexp(KERNEL_BLACK, piece >> 2);
@@ -14,14 +14,14 @@ static double piece_level(const struct transfer_curve *to, int piece, double at)
 	return 256 * 255 * transfer_curve_encode(to, (v - KERNEL_BLACK) / KERNEL_WHITE);
 }
 
-/* So that |b| + |c| / 2 fits; no curve of hal/colour/transfer.h comes near. */
+/* Keeps |b| + |c| / 2 in range; no curve of hal/colour/transfer.h comes near the limit. */
 static int16_t coefficient_limited(double x, int limit)
 {
 	return (int16_t)lround(fmin(fmax(x, -limit), limit));
 }
 
-/* The parabola through the three points where one that is the best differs least (Chebyshev's). A
- * step stands for all that its key stands for, so it counts as its middle. */
+/* Fits one piece: the parabola through the curve at the three Chebyshev nodes, which nearly
+ * minimises the largest error. A step stands for the middle of the values that have its key. */
 static void piece_fit(struct kernel_curves *curves, const struct transfer_curve *to, int piece)
 {
 	double t[3], y[3], slope, bend;
@@ -37,11 +37,11 @@ static void piece_fit(struct kernel_curves *curves, const struct transfer_curve 
 	slope -= bend * (t[0] + t[1]);
 	curves->b[piece] = coefficient_limited(slope, 24575);
 	curves->c[piece] = coefficient_limited(bend, 16383);
-	/* Half a level, and what the two floors take away on average. */
+	/* Plus half a level for the rounding, and the mean loss of the two floors. */
 	curves->a[piece] = (uint16_t)lround(y[1] - (slope + bend * t[1]) * t[1] + 128 + 0.5);
 }
 
-/* As mix does it with nothing taken, added or covered. */
+/* What mix() makes of a code where O = 0, ratio = 1 and coverage = 0. */
 static uint8_t recode_one(const struct kernel_curves *curves, int code)
 {
 	static const int32_t none[1];

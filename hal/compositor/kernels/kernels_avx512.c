@@ -9,7 +9,7 @@
 
 /* ---- split ---- */
 
-/* Two weights, a channel in each place of int64. */
+/* Two weights: lanes of int64 are channels 0 1 2 -, 0 1 2 -. */
 static inline __m512i avx512_two_of(int64_t (*weight)[KERNEL_WEIGHT])
 {
 	return _mm512_maskz_loadu_epi64(0x77, weight);
@@ -24,7 +24,7 @@ static int avx512_digits_needed(int64_t (*weight)[KERNEL_WEIGHT], int count)
 	return digits_of(_mm512_reduce_max_epi64(most));
 }
 
-/* All four digits of each int64, one in each of its places of int16. */
+/* The four digits of each int64, as its four int16. */
 static inline __m512i avx512_digits_apart(__m512i x)
 {
 	const __m512i biased = _mm512_add_epi64(x, _mm512_set1_epi64(DIGITS_BIAS));
@@ -61,10 +61,10 @@ static int avx512_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *di
 
 /* ---- project ---- */
 
-/* Values of a row until a lane of int32 has had its 32 products. */
+/* Values of a row until each lane of int32 holds 32 products. */
 #define ROW_RUN (16 * KERNEL_LANE_PRODUCTS)
 
-/* The sums of a run of one row with all planes, channel by channel, added as int64. */
+/* Adds the products of a run of one row with all planes to total[channel], in int64. */
 KERNEL_INLINE void avx512_row_run(const int16_t *row, const struct kernel_planes *p, int from,
 				  int to, const int digits, __m512i total[3])
 {
@@ -85,7 +85,7 @@ KERNEL_INLINE void avx512_row_run(const int16_t *row, const struct kernel_planes
 			for (int d = 0; d < digits; d++) {
 				part[c][d] = _mm512_dpwssd_epi32(
 					part[c][d], x, _mm512_load_si512(p->plane[c][d] + k));
-				/* Else gcc 12 keeps, and moves, two sets of sums. */
+				/* Keeps gcc 12 from copying between two sets of sums. */
 				__asm__("" : "+v"(part[c][d]));
 			}
 		}
@@ -96,7 +96,7 @@ KERNEL_INLINE void avx512_row_run(const int16_t *row, const struct kernel_planes
 
 		KERNEL_UNROLL
 		for (int d = digits - 1; d >= 0; d--) {
-			/* Even and odd places. */
+			/* Even and odd lanes of int32. */
 			const __m512i even = _mm512_mul_epi32(part[c][d], _mm512_set1_epi64(1));
 			const __m512i odd = _mm512_srai_epi64(part[c][d], 32);
 
@@ -107,7 +107,7 @@ KERNEL_INLINE void avx512_row_run(const int16_t *row, const struct kernel_planes
 	}
 }
 
-/* y = the sums over the lanes of each channel. */
+/* Stores the sum over the lanes of each channel to y. */
 static inline void avx512_store_lanes(int64_t *y, const __m512i total[3])
 {
 	__m256i half[3], pair, last;
@@ -181,7 +181,7 @@ KERNEL_INLINE __m512i avx512_rounded(__m512i x, __m512i half, __m128i bits)
 	return _mm512_sra_epi64(_mm512_add_epi64(x, half), bits);
 }
 
-/* Factors and tints up to 1, which most are, need no limit: their result is no larger. */
+/* Factors and tints up to 1, as most are, need no clamp: the result is not larger than x. */
 KERNEL_INLINE __m512i avx512_tinted(__m512i x, const uint16_t *tint, __mmask8 mask)
 {
 	const __m512i t = _mm512_cvtepu16_epi64(_mm_maskz_loadu_epi16(mask, tint));
@@ -194,7 +194,8 @@ KERNEL_INLINE __m512i avx512_tinted(__m512i x, const uint16_t *tint, __mmask8 ma
 static void avx512_fold(const int64_t *sum, int count, int shift, uint32_t factor,
 			const uint16_t *tint, const int32_t *from, int32_t *to)
 {
-	/* The multiplication has signs, and 2^31 none: half of it, one bit less, is the same. */
+	/* The multiplication is signed, and 2^31 does not fit: halve the factor, shift one bit
+	 * less. */
 	const int whole = factor >> 31 ? 29 : 30;
 	const __m512i f = _mm512_set1_epi64(factor >> (30 - whole));
 	const __m512i half1 = _mm512_set1_epi64(INT64_C(1) << (shift - 1));
@@ -247,7 +248,7 @@ static void avx512_place(const int32_t *value, const uint16_t row[16], int32_t *
 	for (int y = 0; y < 16; y++, to += 16) {
 		const __m512i spread = _mm512_maskz_expand_epi32(row[y], _mm512_loadu_si512(value));
 		const __m512i x = _mm512_loadu_si512(to);
-		/* What there is room for above and below, so that no sum wraps. */
+		/* Distance to the limits above and below, so that no sum wraps. */
 		const __m512i above = _mm512_sub_epi32(limit, _mm512_max_epi32(x, zero));
 		const __m512i below = _mm512_sub_epi32(_mm512_sub_epi32(zero, limit),
 						       _mm512_min_epi32(x, zero));

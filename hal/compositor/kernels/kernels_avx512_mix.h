@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* mix for AVX-512; part of kernels_avx512.c. */
+/* mix() for AVX-512; part of kernels_avx512.c. */
 
-/* Everything that is looked up stays in registers. */
+/* The tables of mix(), which stay in registers. */
 struct avx512_tables {
 	__m512i decode[8], a, b, c;
 };
 
-/* 256 words in 8 registers: four look-ups of 64, of which bits 6 and 7 choose one. */
+/* Looks up in 256 words in 8 registers: four look-ups in 64 words; bits 6 and 7 choose one. */
 KERNEL_INLINE __m512i avx512_decoded(const __m512i decode[8], __m512i code)
 {
 	const __mmask32 bit6 = _mm512_test_epi16_mask(code, _mm512_set1_epi16(64));
@@ -21,7 +21,7 @@ KERNEL_INLINE __m512i avx512_decoded(const __m512i decode[8], __m512i code)
 	return _mm512_mask_blend_epi16(bit7, low, high);
 }
 
-/* Words that hold the codes of 32 keys. */
+/* Encodes 32 keys to codes; all are words. */
 KERNEL_INLINE __m512i avx512_encoded(const struct avx512_tables *k, __m512i key)
 {
 	const __m512i piece = _mm512_srli_epi16(key, 11);
@@ -33,7 +33,7 @@ KERNEL_INLINE __m512i avx512_encoded(const struct avx512_tables *k, __m512i key)
 	return _mm512_srli_epi16(_mm512_add_epi16(_mm512_permutexvar_epi16(piece, k->a), rise), 8);
 }
 
-/* The keys of one channel of 16 pixels, not yet clamped. */
+/* Computes the keys of one channel of 16 pixels, not yet clamped. */
 KERNEL_INLINE __m512i avx512_keys(const struct kernel_row *row, int c, int x, __mmask16 mask,
 				  __m512 left, __m512i linear)
 {
@@ -64,14 +64,14 @@ KERNEL_INLINE __m512 avx512_rest_of(const uint16_t *coverage, __mmask16 mask)
 			     _mm512_set1_ps(KERNEL_WHITE / 65535 / 65536));
 }
 
-/* Of each 16 bytes, 4 pixels, as words: bytes 0 and 1 of all, and byte 2. */
+/* Shuffles that widen bytes 0 and 1 (B, G), or byte 2 (R), of each 4 pixels to words. */
 #define WORDS_B_G                                                                                  \
 	_mm512_broadcast_i32x4(                                                                    \
 		_mm_setr_epi8(0, -1, 4, -1, 8, -1, 12, -1, 1, -1, 5, -1, 9, -1, 13, -1))
 #define WORDS_R                                                                                    \
 	_mm512_broadcast_i32x4(                                                                    \
 		_mm_setr_epi8(2, -1, 6, -1, 10, -1, 14, -1, -1, -1, -1, -1, -1, -1, -1, -1))
-/* And back, from bytes B B B B G G G G R R R R. */
+/* Shuffle from bytes B B B B G G G G R R R R back to 4 pixels. */
 #define PIXELS                                                                                     \
 	_mm512_broadcast_i32x4(_mm_setr_epi8(0, 4, 8, -1, 1, 5, 9, -1, 2, 6, 10, -1, 3, 7, 11, -1))
 
@@ -86,7 +86,7 @@ KERNEL_INLINE void avx512_mix16(const struct kernel_row *row, const struct avx51
 	const __m512i key_b = avx512_keys(row, 2, x, mask, left, _mm512_unpacklo_epi16(bg, zero));
 	const __m512i key_g = avx512_keys(row, 1, x, mask, left, _mm512_unpackhi_epi16(bg, zero));
 	const __m512i key_r = avx512_keys(row, 0, x, mask, left, _mm512_unpacklo_epi16(r, zero));
-	/* Packing to words without signs clamps to 0..65535. */
+	/* Packing to unsigned words clamps to 0..65535. */
 	const __m512i out_bg = avx512_encoded(k, _mm512_packus_epi32(key_b, key_g));
 	const __m512i out_r = avx512_encoded(k, _mm512_packus_epi32(key_r, key_r));
 	const __m512i out = _mm512_shuffle_epi8(_mm512_packus_epi16(out_bg, out_r), PIXELS);

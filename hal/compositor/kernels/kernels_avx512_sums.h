@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Sums and values of lines for AVX-512; part of kernels_avx512.c. */
 
-/* 32 pixels of a line as int16: all of it, or a half of a line of bytes. */
+/* Loads 32 pixels of a line as int16: a line of int16, or half a line of bytes. */
 KERNEL_INLINE __m512i avx512_line_of(const void *lines, size_t at, int half, const bool bytes)
 {
 	const char *from = (const char *)lines + at;
@@ -21,18 +21,18 @@ KERNEL_INLINE void avx512_begin(__m512i acc[3][KERNEL_DIGITS][2], const int digi
 }
 
 /*
- * A run of lines, two at a time, side by side: p of one and p of the next are multiplied and added
- * by one instruction. acc[c][d][0] gets pixels 0-3, 8-11, 16-19, 24-27 of 32 and [1] the others, as
- * unpacking leaves them.
+ * Sums a run of lines, two at a time: pixel p of two lines are interleaved, and one instruction
+ * multiplies both and adds. acc[c][d][0] gets pixels 0-3, 8-11, 16-19, 24-27 of 32 and [1] the
+ * others, in the order of unpacklo and unpackhi.
  *
- * All channels at once, be they the same lines or three streams: then the processor fetches ahead
- * of three places, and a loop of this many instructions waits less. One stream after the other
- * took a fifth longer over memory, however it was asked for. A stream goes on from panel to panel
- * of a block: begun anew for each, 406 lines long, it took an eighth longer.
+ * All channels are summed in one loop, whether they share their lines or are three streams: the
+ * processor then prefetches three streams, and a long loop waits less for memory. One stream after
+ * the other was a fifth slower on data in memory, with any prefetching. A stream continues from
+ * panel to panel of a block: started anew for each panel (406 lines) it was an eighth slower.
  *
- * Bytes go the same way, once they are int16. The dot product of four bytes takes more: digits must
- * be split in two for it, so there are twice the products and twice the sums in registers;
- * measured, it is a twentieth faster for one digit, a tenth slower for two and far slower beyond.
+ * Bytes are widened to int16 first. The dot product of four bytes needs digits split in two, so
+ * twice the products and twice the sums in registers: measured, it is 5 % faster for one digit, 10
+ * % slower for two and much slower beyond.
  */
 KERNEL_INLINE void avx512_run_of(const void *lines, const struct kernel_weights *w, int from,
 				 int to, int half, const bool bytes, const bool shared,
@@ -61,16 +61,18 @@ KERNEL_INLINE void avx512_run_of(const void *lines, const struct kernel_weights 
 
 				acc[c][d][0] = _mm512_dpwssd_epi32(acc[c][d][0], low, pair);
 				acc[c][d][1] = _mm512_dpwssd_epi32(acc[c][d][1], high, pair);
-				/* Else gcc 12 makes a second set of sums in each step, and moves
-				 * all of it to the first. */
+				/* Keeps gcc 12 from copying between two sets of sums in each
+				 * step. */
 				__asm__("" : "+v"(acc[c][d][0]), "+v"(acc[c][d][1]));
 			}
 		}
 	}
 }
 
-/* What is above 16 bits goes to where 1 counts 65536, so that there is room for one run more:
- * 32 * 32767 * 2048 + 65535 < 2^31 just so. Of 2^16 lines 2^26 is the most that goes there. */
+/* Moves bits 16 and up of acc to `above`, where 1 stands for 65536, so that acc can take another
+ * run:
+ *     32 * 32767 * 2048 + 65535 < 2^31
+ * 2^16 lines make `above` at most 2^26. */
 KERNEL_INLINE void avx512_carry(__m512i acc[3][KERNEL_DIGITS][2],
 				__m512i above[3][KERNEL_DIGITS][2], const int digits)
 {
@@ -89,15 +91,16 @@ KERNEL_INLINE void avx512_carry(__m512i acc[3][KERNEL_DIGITS][2],
 	}
 }
 
-/* 8 of 16 int32. */
+/* Widens the lower or upper 8 of 16 int32. */
 KERNEL_INLINE __m512i avx512_widened(__m512i x, int half)
 {
 	return _mm512_cvtepi32_epi64(half ? _mm512_extracti64x4_epi64(x, 1)
 					  : _mm512_castsi512_si256(x));
 }
 
-/* sum over the digits of (acc_d + 65536 above_d) * 4096^d, of 8 pixels; above is NULL where nothing
- * was carried. */
+/* Returns for 8 pixels
+ *     sum over d of (acc_d + 65536 above_d) * 4096^d
+ * above: NULL if nothing was carried. */
 KERNEL_INLINE __m512i avx512_combined(__m512i acc[KERNEL_DIGITS][2],
 				      __m512i above[KERNEL_DIGITS][2], int which, int half,
 				      const int digits)
@@ -122,7 +125,7 @@ KERNEL_INLINE void avx512_add_to(int64_t *sum, __m512i more, __m128i shift, __mm
 	_mm512_storeu_si512(sum, _mm512_add_epi64(before, _mm512_sll_epi64(more, shift)));
 }
 
-/* Whether nearly all lines follow each other: the processor fetches these by itself. */
+/* Whether nearly all lines are consecutive: the processor prefetches these by itself. */
 KERNEL_INLINE bool avx512_is_stream(const struct kernel_weights *w)
 {
 	const uint32_t across = w->line[w->count - 2] - w->line[0];
@@ -130,7 +133,7 @@ KERNEL_INLINE bool avx512_is_stream(const struct kernel_weights *w)
 	return w->step == KERNEL_LINE_BYTES && across < 2 * (uint32_t)w->count;
 }
 
-/* The sums of 32 pixels; many: in more than one run. */
+/* Computes the sums of 32 pixels. many: in more than one run. */
 KERNEL_INLINE void avx512_half_of(const void *lines, const struct kernel_weights *w, int half,
 				  int64_t *const *sum, const bool bytes, const bool shared,
 				  const int digits, const bool many)
@@ -158,7 +161,7 @@ KERNEL_INLINE void avx512_half_of(const void *lines, const struct kernel_weights
 	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++) {
 		KERNEL_UNROLL
-		for (int i = 0; i < 2; i++) { /* 0-3, 8-11 and 4-7, 12-15 into order */
+		for (int i = 0; i < 2; i++) { /* 0-3, 8-11 and 4-7, 12-15 to memory order */
 			const __m512i low = avx512_combined(acc[c], many ? above[c] : NULL, 0, i,
 							    digits);
 			const __m512i high = avx512_combined(acc[c], many ? above[c] : NULL, 1, i,
@@ -223,8 +226,8 @@ static void avx512_sums8(const int8_t *lines, const struct kernel_weights *w, in
 
 /* ---- values ---- */
 
-/* acc_d * 4096^d over the digits, rounded and shifted down, modulo 2^32. acc_0 has room for the
- * half: 32 * 32767 * 2048 + 2048 < 2^31. */
+/* Returns the sum over d of acc_d * 4096^d, rounded and shifted down, modulo 2^32. Adding the half
+ * does not overflow acc_0: 32 * 32767 * 2048 + 2048 < 2^31. */
 KERNEL_INLINE __m512i avx512_value_of(__m512i acc[KERNEL_DIGITS][2], int which, const bool bytes,
 				      const int digits)
 {
@@ -252,7 +255,7 @@ KERNEL_INLINE void avx512_values_of(const void *lines, const struct kernel_weigh
 				    int32_t *const *value, const bool bytes, const bool shared,
 				    const int digits)
 {
-	/* Fours of pixels, as unpacking leaves them, into order. */
+	/* Permutations from the order of unpacklo and unpackhi to memory order. */
 	const __m512i lower = _mm512_set_epi64(11, 10, 3, 2, 9, 8, 1, 0);
 	const __m512i upper = _mm512_set_epi64(15, 14, 7, 6, 13, 12, 5, 4);
 	const __mmask16 old = w->fresh ? 0 : 0xffff;

@@ -10,8 +10,8 @@ static bool kernel_c_supported(void)
 	return true;
 }
 
-/* Unsigned, because parts of a sum may pass 2^63 and come back: the whole does not, and is exact.
- */
+/* Unsigned, modulo 2^64: partial sums may exceed 2^63. The complete sum does not, so it is exact.
+ * */
 static void sum_add(int64_t *sum, int64_t more, int shift)
 {
 	*sum = (int64_t)((uint64_t)*sum + ((uint64_t)more << shift));
@@ -59,7 +59,7 @@ static void kernel_c_sums8(const int8_t *lines, const struct kernel_weights *w,
 	}
 }
 
-/* Sums, rounded. */
+/* Adds rounded sums to values, modulo 2^32. */
 static void kernel_c_add_values(int32_t *value, const int64_t *sum, int count, int shift,
 				bool fresh)
 {

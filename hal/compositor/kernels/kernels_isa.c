@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What the tables call and every processor can run. This file names no table, so that the tables
- * depend on it and not on the list of them. */
+/* Functions that the tables call and every processor can run. This file names no table, so tables
+ * depend on it but not on the list of tables (kernels.c). */
 #include "hal/compositor/kernels/kernels_isa.h"
 
 #include "hal/base/processor.h"
 
-/* Not const, so that it takes no room in the program's file. */
+/* Not const, so that it is in .bss and takes no space in the program's file. */
 _Alignas(64) int16_t kernel_zeros[KERNEL_STRIDE_MAX];
 
 static bool isa_is_present(unsigned features)

@@ -3,8 +3,8 @@
 
 /* ---- sums16, sums8 ---- */
 
-/* 32 pixels of a line, one after the other: the widening multiply-and-add needs no pairs. Below
- * 2^31 for a run of KERNEL_RUN lines. */
+/* Loads 32 pixels of a line in order: the widening multiply-add needs no pairs of lines. Its sums
+ * stay below 2^31 for a run of KERNEL_RUN lines. */
 KERNEL_INLINE void neon_line_of(const void *lines, size_t at, int p, const bool bytes,
 				int16x8_t x[4])
 {
@@ -39,7 +39,8 @@ KERNEL_INLINE void neon_add_to(int64_t *sum, const int32x4_t part[2], int64x2_t 
 	vst1q_s64(sum + 2, vaddq_s64(vld1q_s64(sum + 2), vshlq_s64(high, shift)));
 }
 
-/* A run of lines, 32 pixels of a channel, one or two digits: 8 or 16 sums of four. */
+/* Sums a run of lines for 32 pixels of a channel and one or two digits, in 8 or 16 vectors of four.
+ * */
 KERNEL_INLINE void neon_add_run(const void *lines, const struct kernel_weights *w, int c, int first,
 				int from, int to, int p, const bool bytes, const int digits,
 				int32x4_t part[8][2])
@@ -120,8 +121,8 @@ static void kernel_neon_sums8(const int8_t *lines, const struct kernel_weights *
 
 /* ---- values16, values8 ---- */
 
-/* (part[0] + 4096 part[1]) * 4096^first, rounded and shifted down, modulo 2^32: a shift by a
- * negative number rounds, without overflow; one by 32 or more leaves nothing. */
+/* Returns (part[0] + 4096 part[1]) * 4096^first, rounded and shifted down, modulo 2^32. vrshlq by a
+ * negative number rounds without overflow; shifts by 32 or more give 0. */
 KERNEL_INLINE int32x4_t neon_value_of(const int32x4_t part[2], const bool bytes, const int first,
 				      const int digits)
 {
@@ -185,10 +186,10 @@ void kernel_neon_values8(const int8_t *lines, const struct kernel_weights *w,
 
 /* ---- project ---- */
 
-/* Values of a row until a lane of int32 has had its 32 products, two from each 8 values. */
+/* Values of a row until each lane of int32 holds 32 products, two from each 8 values. */
 #define ROW_RUN (4 * KERNEL_LANE_PRODUCTS)
 
-/* One row times one or two digits of all channels, in int64. */
+/* Multiplies one row with one or two digits of all channels, in int64. */
 KERNEL_INLINE void neon_row_of(const int16_t *row, int stride, const struct kernel_planes *planes,
 			       int first, int64x2_t total[3][2], const int digits)
 {
@@ -255,7 +256,7 @@ void kernel_neon_project(const int16_t *rows, int count, int stride,
 
 /* ---- fold ---- */
 
-/* int64 to int32, which saturates, and to KERNEL_LIMIT. */
+/* Narrows int64 to int32 with saturation, and clamps to KERNEL_LIMIT. */
 KERNEL_INLINE int32x4_t neon_limited(int64x2_t low, int64x2_t high)
 {
 	const int32x4_t x = vqmovn_high_s64(vqmovn_s64(low), high);
@@ -263,7 +264,7 @@ KERNEL_INLINE int32x4_t neon_limited(int64x2_t low, int64x2_t high)
 	return vmaxq_s32(vminq_s32(x, vdupq_n_s32(KERNEL_LIMIT)), vdupq_n_s32(-KERNEL_LIMIT));
 }
 
-/* limit(round_shift(x * factor, bits)); the shift by -bits rounds as round_shift does, without
+/* clamp(round_shift(x * factor, bits)). The shift by -bits rounds like round_shift(), without
  * overflow. */
 KERNEL_INLINE int32x4_t neon_scaled(int32x4_t x, int32x4_t factor, int64x2_t minus_bits)
 {
@@ -275,7 +276,8 @@ KERNEL_INLINE int32x4_t neon_scaled(int32x4_t x, int32x4_t factor, int64x2_t min
 static void neon_fold4(const int64_t *sum, int shift, uint32_t factor, const uint16_t *tint,
 		       const int32_t *from, int32_t *to)
 {
-	/* The multiplication has signs, and 2^31 none: half of it, one bit less, is the same. */
+	/* The multiplication is signed, and 2^31 does not fit: halve the factor, shift one bit
+	 * less. */
 	const int whole = factor >> 31 ? 29 : 30;
 	const int64x2_t bits = vdupq_n_s64(-shift);
 	int32x4_t x = neon_limited(vrshlq_s64(vld1q_s64(sum), bits),
@@ -331,12 +333,12 @@ void kernel_neon_tint(int32_t *value, const uint16_t *by, int count)
 
 /* ---- mix ---- */
 
-/* The low and high bytes of a, b, c: 32 bytes can be looked up at once. */
+/* Low and high bytes of a, b, c. One instruction looks up in 32 bytes. */
 struct neon_tables {
 	uint8x16x2_t byte[6];
 };
 
-/* The words of 16 pieces. */
+/* Looks up the words of 16 pieces. */
 KERNEL_INLINE void neon_looked_up(const struct neon_tables *k, int which, uint8x16_t piece,
 				  int16x8_t word[2])
 {
@@ -347,7 +349,7 @@ KERNEL_INLINE void neon_looked_up(const struct neon_tables *k, int which, uint8x
 	word[1] = vreinterpretq_s16_u8(vzip2q_u8(low, high));
 }
 
-/* 16 keys to 16 codes. A doubling multiplication by t / 2 is the one by t, as t is even. */
+/* Encodes 16 keys to 16 codes. t is even, so the doubling multiplication by t / 2 is exact. */
 KERNEL_INLINE uint8x16_t neon_encoded(const struct neon_tables *k, uint16x8_t key0, uint16x8_t key1)
 {
 	const uint16x8_t key[2] = {key0, key1};
@@ -377,7 +379,7 @@ KERNEL_INLINE float32x4_t neon_left_of(const uint16_t *coverage)
 	return vmulq_n_f32(vcvtq_f32_u32(rest), KERNEL_WHITE / 65535 / 65536);
 }
 
-/* Four keys of a channel, clamped as they become words. */
+/* Four keys of a channel; narrowing to words clamps them to 0..65535. */
 KERNEL_INLINE uint16x4_t neon_keys_of(const struct kernel_row *row, int c, int x, float32x4_t left)
 {
 	const uint8_t *in = row->background + (size_t)x * 4 + 2 - c;

@@ -2,16 +2,17 @@
 #include "hal/compositor/kernels/kernels_neon.h"
 
 /*
- * Only bytes gain by the dot product: four lines at a time, so that the four bytes of a pixel lie
- * side by side, times four weights of one byte. Each digit is split into 256 h + l, -8 <= h <= 8
- * and -128 <= l <= 127. |x l| <= 127 * 128, so a piece of 256 lines adds up in int32.
+ * Only lines of bytes gain from the dot product. It multiplies four adjacent bytes, here one pixel
+ * of four lines, by four weights of one byte. A digit is split in two:
+ *     digit = 256 h + l,  -8 <= h <= 8,  -128 <= l <= 127
+ * |x l| <= 127 * 128, so a piece of 256 lines adds up in int32.
  *
- * int16 would have to be split as well, which makes four products where there is one now.
+ * Values of int16 would have to be split as well, which means four products instead of one.
  */
-#define PIECE 256 /* lines that stay in the first cache while every 16 pixels go through them */
-#define PIXELS 16 /* at once: two halves of one or two digits are 8 or 16 sums of four */
+#define PIECE 256 /* lines that stay in the first-level cache while all pixels are summed */
+#define PIXELS 16 /* at a time: 8 or 16 vectors of sums for two halves of one or two digits */
 
-/* The low bytes of four weights, two pairs of them, and then the high ones. */
+/* Splits four digits, given as two pairs: l of all four, then h of all four. */
 KERNEL_INLINE int8x8_t dotprod_split_of(int32_t first, int32_t second)
 {
 	const int16x4_t x = vreinterpret_s16_s32((int32x2_t){first, second});
@@ -20,7 +21,7 @@ KERNEL_INLINE int8x8_t dotprod_split_of(int32_t first, int32_t second)
 	return vuzp1_s8(vreinterpret_s8_s16(x), vreinterpret_s8_s16(h));
 }
 
-/* quad[i] holds pixels 4i..4i+3. */
+/* Interleaves four lines: quad[i] holds pixels 4i..4i+3, four bytes each. */
 KERNEL_INLINE void dotprod_quads_of(const int8_t *lines, const size_t at[4], int p,
 				    int8x16_t quad[4])
 {
@@ -62,7 +63,7 @@ KERNEL_INLINE void dotprod_run8(const int8_t *lines, const struct kernel_weights
 		low[0][i] = high[0][i] = low[1][i] = high[1][i] = vdupq_n_s32(0);
 	for (int k = from; k < to; k += 4) {
 		const uint32_t *l = w->line + k;
-		/* Where two lines are left they stand in for the others, whose weights are 0. */
+		/* If only two lines are left, they are read again, with weights of 0. */
 		const int other = to - k > 2 ? 2 : 0;
 		const size_t at[4] = {l[0] * w->step, l[1] * w->step, l[other] * w->step,
 				      l[other + 1] * w->step};

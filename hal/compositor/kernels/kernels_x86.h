@@ -25,7 +25,7 @@
 
 /* ---- sums16, sums8 ---- */
 
-/* Two vectors of int16 of a line, from pixel p. */
+/* Loads two vectors of int16 of a line, from pixel p. */
 KERNEL_INLINE void x86_line_of(const void *lines, size_t at, int p, const bool bytes, vector x[2])
 {
 	if (bytes) {
@@ -41,9 +41,9 @@ KERNEL_INLINE void x86_line_of(const void *lines, size_t at, int p, const bool b
 	}
 }
 
-/* One run of lines for 2 * WORDS pixels of a channel and one or two digits: two lines side by side,
- * so that one instruction multiplies both and adds. Fours of pixels come in the order in which
- * unpacking leaves them. */
+/* Sums one run of lines for 2 * WORDS pixels of a channel and one or two digits. Two lines are
+ * interleaved, so that madd multiplies both and adds. acc[] holds groups of four pixels in the
+ * order of unpacklo and unpackhi. */
 KERNEL_INLINE void x86_add_run(const void *lines, const struct kernel_weights *w, int c, int first,
 			       int from, int to, int p, const bool bytes, const int digits,
 			       vector acc[2][4])
@@ -75,7 +75,7 @@ KERNEL_INLINE void x86_add_run(const void *lines, const struct kernel_weights *w
 	}
 }
 
-/* sum += a run's result * 4096^first * 2^shift. */
+/* sum += (result of a run) * 4096^first * 2^shift */
 KERNEL_INLINE void x86_run_of(const void *lines, const struct kernel_weights *w, int c, int first,
 			      int from, int to, int p, int64_t *sum, const bool bytes,
 			      const int digits)
@@ -142,8 +142,8 @@ static void x86_sums8(const int8_t *lines, const struct kernel_weights *w, int64
 
 /* ---- values16, values8 ---- */
 
-/* (acc_0 + 4096 acc_1) * 4096^first of one vector, rounded and shifted down, modulo 2^32. acc_0 has
- * room for the half: 32 * 32767 * 2048 + 2048 < 2^31. */
+/* Returns (acc_0 + 4096 acc_1) * 4096^first of one vector, rounded and shifted down, modulo 2^32.
+ * Adding the half does not overflow acc_0: 32 * 32767 * 2048 + 2048 < 2^31. */
 KERNEL_INLINE vector x86_value_of(vector acc[2][4], int i, const bool bytes, const int first,
 				  const int digits)
 {
@@ -218,10 +218,10 @@ static void x86_values8(const int8_t *lines, const struct kernel_weights *w,
 
 /* ---- project ---- */
 
-/* Values of a row until a lane of int32 has had its 32 products, two from each vector. */
+/* Values of a row until each lane of int32 holds 32 products, two from each vector. */
 #define ROW_RUN (WORDS / 2 * KERNEL_LANE_PRODUCTS)
 
-/* Even and odd places of int32 times 1 or 4096, in int64. */
+/* Adds even and odd lanes of int32 in int64, times 4096^digit. */
 KERNEL_INLINE vector x86_widened(vector x, int digit)
 {
 	const vector unit = SIMD(set1_epi64x)(INT64_C(1) << digit * KERNEL_DIGIT_BITS);
@@ -230,7 +230,7 @@ KERNEL_INLINE vector x86_widened(vector x, int digit)
 			       SIMD(mul_epi32)(SIMD(srli_epi64)(x, 32), unit));
 }
 
-/* One row times one or two digits of all channels, in int64. */
+/* Multiplies one row with one or two digits of all channels, in int64. */
 KERNEL_INLINE void x86_row_of(const int16_t *row, int stride, const struct kernel_planes *planes,
 			      int first, vector total[3], const int digits)
 {
@@ -301,11 +301,12 @@ static void x86_project(const int16_t *rows, int count, int stride,
 /* ---- fold ---- */
 
 /*
- * There is no shift of int64 with a sign here, so numbers are moved up to have none: if x + 2^b is
- * shifted by n <= b, what comes out is 2^(b - n) too much, exactly.
+ * These sets have no arithmetic shift of int64. So 2^b is added to make x non-negative, and
+ * subtracted after the logical shift; for n <= b this is exact:
+ *     x >> n = ((x + 2^b) >> n) - 2^(b - n)
  */
 
-/* int32 of the halves of int64, clamped first to int32 and then to KERNEL_LIMIT. */
+/* Narrows int64, given as low and high halves, to int32 with saturation; clamps to KERNEL_LIMIT. */
 KERNEL_INLINE vector x86_limited(vector low, vector high)
 {
 	const vector bound = SIMD_BITS(xor)(SIMD(srai_epi32)(high, 31),
@@ -317,7 +318,7 @@ KERNEL_INLINE vector x86_limited(vector low, vector high)
 			       SIMD(set1_epi32)(-KERNEL_LIMIT));
 }
 
-/* limit(round_shift(sum, shift)) of two vectors of int64 */
+/* clamp(round_shift(sum, shift)) of two vectors of int64 */
 KERNEL_INLINE vector x86_first_of(const int64_t *sum, __m128i shift, vector half, vector excess)
 {
 	const vector sign = SIMD(set1_epi64x)(INT64_MIN);
@@ -334,8 +335,8 @@ KERNEL_INLINE vector x86_first_of(const int64_t *sum, __m128i shift, vector half
 		SIMD_BITS(castps)(SIMD(shuffle_ps)(AS_FLOAT(x[0]), AS_FLOAT(x[1]), 0xdd))));
 }
 
-/* limit(round_shift(x * factor, shift)): factor_even and factor_odd are those of the even and the
- * odd places, as uint32 in int64. */
+/* clamp(round_shift(x * factor, shift)). factor_even and factor_odd hold the factors of even and
+ * odd lanes of int32, as uint32 in int64. */
 KERNEL_INLINE vector x86_scaled(vector x, vector factor_even, vector factor_odd, int shift)
 {
 	const vector up = SIMD_BITS(xor)(x, SIMD(set1_epi32)(INT32_MIN));
@@ -351,8 +352,8 @@ KERNEL_INLINE vector x86_scaled(vector x, vector factor_even, vector factor_odd,
 			   SIMD(blend_epi16)(SIMD(srli_epi64)(even, 32), odd, 0xcc));
 }
 
-/* The same of factors up to 1: what comes out is no larger than x, so only its 32 bits count, and
- * they are the same whatever is shifted in above them. */
+/* The same for factors up to 1: the result is not larger than x. So only its low 32 bits count, and
+ * these do not depend on the bits that are shifted in above. */
 KERNEL_INLINE vector x86_scaled_down(vector x, vector factor_even, vector factor_odd, int shift)
 {
 	const vector half = SIMD(set1_epi64x)(INT64_C(1) << (shift - 1));
@@ -364,7 +365,7 @@ KERNEL_INLINE vector x86_scaled_down(vector x, vector factor_even, vector factor
 				 0xcc);
 }
 
-/* Most tints are up to 1; a vector with one that is not is rare. */
+/* Multiplies by tints. Vectors with a tint above 1 are rare. */
 KERNEL_INLINE vector x86_tinted(vector x, const uint16_t *tint)
 {
 	const vector t = LOAD_WIDE16(tint);
@@ -376,7 +377,7 @@ KERNEL_INLINE vector x86_tinted(vector x, const uint16_t *tint)
 						: x86_scaled(x, even, odd, 15);
 }
 
-/* limit(a + b), where the sum in int32 may come out with the wrong sign. */
+/* clamp(a + b), also where the sum overflows int32. */
 KERNEL_INLINE vector x86_added(vector a, vector b)
 {
 	const vector sum = SIMD(add_epi32)(a, b);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * mix for SSE4.1 and AVX2; part of kernels_x86.h.
+ * mix() for SSE4.1 and AVX2; included after kernels_x86.h.
  *
- * Tables of bytes can be looked up 16 at a time from a register, so the encoding's 32 pieces are
- * two registers for each byte of a, b and c.
+ * pshufb looks up in a register of 16 bytes. So the 32 pieces of the encoding curve take two
+ * registers for each byte of a, b and c.
  */
 
 struct x86_tables {
@@ -19,8 +19,8 @@ static inline void x86_tables_load(struct x86_tables *k, const struct kernel_cur
 	}
 }
 
-/* Of two vectors of pieces: a byte whose highest bit is set gives 0, so what the lower 16 do not
- * have the upper ones do. */
+/* Looks up the words of two vectors of pieces. An index with its highest bit set gives 0, so each
+ * piece is found in one half of the table and gives 0 in the other. */
 KERNEL_INLINE void x86_looked_up(const struct x86_tables *k, int which, vector lower, vector upper,
 				 vector word[2])
 {
@@ -33,7 +33,7 @@ KERNEL_INLINE void x86_looked_up(const struct x86_tables *k, int which, vector l
 	word[1] = SIMD(unpackhi_epi8)(low, high);
 }
 
-/* Two vectors of keys, as words, to codes, as words. */
+/* Encodes two vectors of keys to codes; all are words. */
 KERNEL_INLINE void x86_encode(const struct x86_tables *k, vector key[2])
 {
 	const vector piece = SIMD(packus_epi16)(SIMD(srli_epi16)(key[0], 11),
@@ -62,7 +62,7 @@ KERNEL_INLINE vector_float x86_left_of(const uint16_t *coverage)
 	return SIMD(mul_ps)(SIMD(cvtepi32_ps)(rest), SIMD(set1_ps)(KERNEL_WHITE / 65535 / 65536));
 }
 
-/* Keys of a channel, not yet clamped. */
+/* Computes the keys of a channel, not yet clamped. */
 KERNEL_INLINE vector x86_keys_of(const struct kernel_row *row, int c, int x, vector_float left)
 {
 	const vector_float object = SIMD(cvtepi32_ps)(LOAD(row->object[c] + x));
@@ -81,7 +81,7 @@ KERNEL_INLINE vector x86_keys_of(const struct kernel_row *row, int c, int x, vec
 			       SIMD(set1_epi32)(KERNEL_KEY_BASE));
 }
 
-/* 2 * DWORDS pixels. Packing to words without signs clamps the keys to 0..65535. */
+/* Mixes 2 * DWORDS pixels. Packing to unsigned words clamps the keys to 0..65535. */
 KERNEL_INLINE void x86_mix_two(const struct kernel_row *row, const struct x86_tables *k, int x)
 {
 	const vector opaque = SIMD(set1_epi32)((int32_t)0xff000000);
@@ -101,7 +101,7 @@ KERNEL_INLINE void x86_mix_two(const struct kernel_row *row, const struct x86_ta
 	x86_encode(k, bg);
 	x86_encode(k, r);
 	for (int i = 0; i < 2; i++) {
-		/* Of each lane B B B B G G G G, and R of both vectors. */
+		/* Each lane holds B B B B G G G G; reds holds R of both vectors. */
 		const vector reds = i ? SIMD(unpackhi_epi64)(r[0], r[0]) : r[0];
 		const vector bytes = SIMD(packus_epi16)(bg[i], reds);
 

@@ -3,22 +3,22 @@
 
 #include <math.h>
 
-/* A bound has at most 42 bits: four digits. */
+/* A bound has at most 42 bits: four digits of 11 bits. */
 #define DIGIT_BITS 11
 #define DIGITS (1 << DIGIT_BITS)
 #define HIGHEST (3 * DIGIT_BITS)
 
-#define NIGHT 0x1p-20 /* e of compositor.h, of a ground's sum */
+#define NIGHT 0x1p-20 /* e / sum of u (compositor.h) */
 
-/* ---- what each light may change ---- */
+/* ---- bounds b_i ---- */
 
 struct budget_terms {
 	const struct basis *basis;
 	const float (*peak)[3];
 	const double (*ground_sum)[3];
-	double inverse[BASIS_GROUNDS_MAX][3]; /* of sum u L + e */
+	double inverse[BASIS_GROUNDS_MAX][3]; /* 1 / (sum u L + e); 0 in the dark */
 	double gain;
-	double back; /* 1 / (2 pi) where what is dropped comes back from all sides; else 0 */
+	double back; /* 1 / (2 pi) if dropped light is returned; 0 in drop mode */
 };
 
 static double larger_of(double a, double b)
@@ -53,13 +53,13 @@ static void light_grounds(struct budget_terms *t, const double (*radiance)[3])
 	}
 }
 
-/* Per unit of its radiance. */
+/* Bound of a light per unit of its radiance, in one channel. */
 static double weight_of(const struct budget_terms *t, uint32_t i, int c)
 {
 	const uint32_t count = t->basis->info.lights, grounds = t->basis->info.grounds;
 	const double back = t->basis->lights[i].solid_angle_sr * t->back;
 	const double object = larger_of((double)t->peak[i][c], back * (double)t->peak[count][c]);
-	const double *u = t->basis->ground + (size_t)c * count + i; /* of the first ground */
+	const double *u = t->basis->ground + (size_t)c * count + i; /* ground 0 */
 	double share = 0;
 
 	for (uint32_t g = 0; g < grounds; g++, u += 3 * (size_t)count)
@@ -68,7 +68,7 @@ static double weight_of(const struct budget_terms *t, uint32_t i, int c)
 	return t->gain * object + share;
 }
 
-/* What is no number or beyond all bounds is never left out. */
+/* Rounds a bound up. A light whose bound is NaN or 2 and more is never dropped. */
 static uint64_t bound_whole(double bound)
 {
 	if (!(bound < 2))
@@ -100,9 +100,9 @@ void light_budget_bounds(const struct basis *basis, int pose, const double (*gro
 	}
 }
 
-/* ---- how many ---- */
+/* ---- how many lights fit ---- */
 
-/* What the lights have whose higher digits are known, by the next one. */
+/* Sums and counts of the lights with given higher digits, by their next digit. */
 struct histogram {
 	uint64_t sum[DIGITS];
 	int count[DIGITS];
@@ -122,7 +122,7 @@ static void count_digits(struct histogram *h, const uint64_t *bound, int count, 
 	}
 }
 
-/* Digit by digit: the place at which the room ends. */
+/* Finds the bound at which the room ends, digit by digit from the highest. */
 struct light_cut light_budget_cut(const uint64_t *bound, int count, uint64_t room)
 {
 	struct light_cut cut = {.bound = 0};

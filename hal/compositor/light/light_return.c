@@ -6,8 +6,8 @@
 #include <string.h>
 
 #define TERMS LIGHT_RETURN_TERMS
-#define NIGHT 0x1p-20 /* e of compositor.h, of a ground's sum */
-#define ALIKE 1e-6    /* what is left of a term that those before it hold */
+#define NIGHT 0x1p-20 /* e / sum of u (compositor.h) */
+#define ALIKE 1e-6    /* relative rest below which a term depends on those before */
 
 /* ---- terms ---- */
 
@@ -23,7 +23,7 @@ static void fill_plain(double term[TERMS], const double d[3])
 	term[7] = d[0] * d[0] - d[1] * d[1];
 }
 
-/* Of two terms; a is -1 for the constant. */
+/* Inner product of two terms over the lights; a = -1: the constant term. */
 static double term_product(const struct basis *basis, const double (*term)[TERMS], int a, int b)
 {
 	double sum = 0;
@@ -40,7 +40,7 @@ static void term_subtract(const struct basis *basis, double (*term)[TERMS], int 
 		term[i][b] -= share * (a < 0 ? 1 : term[i][a]);
 }
 
-/* Gram and Schmidt's way, each twice: what rounding leaves of the first time is gone. */
+/* Gram-Schmidt, twice for each term: the second pass removes rounding errors of the first. */
 static void make_orthonormal(const struct basis *basis, double (*term)[TERMS])
 {
 	const double(*fixed)[TERMS] = (const double(*)[TERMS])term;
@@ -74,15 +74,15 @@ double (*light_return_terms(const struct basis *basis))[LIGHT_RETURN_TERMS]
 	return term;
 }
 
-/* ---- a choice ---- */
+/* ---- one choice of lights ---- */
 
-/* Of one channel. */
+/* The fit in one channel. */
 struct return_fit {
-	double lost; /* what the dropped lights do to any pixel of the object, at most */
-	double mean; /* radiance: the constant term */
+	double lost; /* largest radiance that any pixel of the object may lose */
+	double mean; /* m: the constant term, a radiance */
 	double weight[TERMS];
-	double lowest, highest; /* of the other terms, over the lights */
-	double share;		/* of them that is returned */
+	double lowest, highest; /* of q over the lights */
+	double share;		/* s */
 };
 
 static void fit_terms(struct return_fit *fit, const struct light_selection *s,
@@ -110,7 +110,7 @@ static double return_at(const struct return_fit *fit, const double term[TERMS])
 	return sum;
 }
 
-/* Into returned[]: what the terms but the constant make of each light. */
+/* Writes q of each light to returned[], and limits s so that no light is negative. */
 static void return_evaluate(struct return_fit *fit, struct light_selection *s, int c)
 {
 	for (int i = 0; i < s->count; i++) {
@@ -129,7 +129,7 @@ static double return_highest(const struct return_fit *fit, double share)
 	return fit->mean + share * fit->highest;
 }
 
-/* How much of white a pixel changes at most, by a share of the terms; compositor.h says why. */
+/* Largest change of any pixel for a given s, where white is 1; selection.h has the proof. */
 static double return_change(const struct return_fit *fit, const struct light_selection *s,
 			    const struct basis *basis, double peak_total, double gain, int c,
 			    double share)
@@ -151,7 +151,7 @@ static double return_change(const struct return_fit *fit, const struct light_sel
 	return gain * fmax(fit->lost, return_highest(fit, share) * peak_total) + most;
 }
 
-/* The change is convex in the share, and that of share 0 within the budget. */
+/* Reduces s to keep the budget: the change is convex in s, and within the budget for s = 0. */
 static void keep_budget(struct return_fit *fit, const struct light_selection *s,
 			const struct basis *basis, double peak_total, double gain, int c)
 {
@@ -163,8 +163,8 @@ static void keep_budget(struct return_fit *fit, const struct light_selection *s,
 		fit->share *= fmax(budget - least, 0) / (most - least);
 }
 
-/* Of all that is taken and all that is returned the difference counts: light by light, or the
- * larger of the two. */
+/* Writes the radiance to return to returned[]. Returns dropped_error without gain: the smaller of
+ * two bounds, one from the totals and one from the differences of single lights. */
 static double return_finish(const struct return_fit *fit, struct light_selection *s,
 			    const float (*peak)[3], int c)
 {

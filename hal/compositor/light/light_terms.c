@@ -14,7 +14,7 @@ static double sum_in_parts(const double *value, int count)
 	return light_parts(part[0], part[1], part[2], part[3]);
 }
 
-/* From where each light goes to who comes from where: counted, and filled in from the end. */
+/* Transposes P, from columns to rows: counting sort, filled from the end. */
 static void turn_around(struct light_terms *t)
 {
 	const struct basis_coarse *gather = t->basis->coarse;
@@ -53,7 +53,7 @@ static int create_gather(struct light_terms *t)
 	return 0;
 }
 
-/* Of the groups of lights, by ground, and at last of T. */
+/* Computes q for each ground, and for T. */
 static int create_shares(struct light_terms *t)
 {
 	const size_t n = (size_t)t->lights, grounds = t->basis->info.grounds;

@@ -9,18 +9,19 @@
 #include "hal/compositor/kernels/digits.h"
 #include "hal/compositor/kernels/fixed.h"
 
-/* Fraction bits of X beyond those that N roundings take up. */
+/* Fraction bits of X beyond those that the roundings of N lights need. */
 #define SPARE_BITS 15
 /* The sum of a channel's X stays below 2^SUM_BITS. */
 #define SUM_BITS 45
-/* Of receivers, where a pixel may see but a millionth of all light: all there is room for. */
+/* The same for D and U. A receiver's pixel may get only a millionth of all light, so X has as many
+ * bits as fit. */
 #define RECEIVER_BITS 44
 /* e of compositor.h: 2^-20 of the sum of u. */
 #define RESIDUE 0x1p-20
-/* U + e of a ground that no light can reach: no scene has one so dark, and its inverse is finite.
- */
+/* U + e up to this counts as 0: no scene has a ground so dark, and 1 / NO_GROUND is finite. */
 #define NO_GROUND 0x1p-900
-/* The exponent of no light: below that of the least float times the smallest cell. */
+/* Exponent that stands for no light: less than that of the smallest float times the smallest cell.
+ * */
 #define DARK (-300)
 
 static int padded(int count, int step)
@@ -87,14 +88,14 @@ static int count_bits(int count)
 
 /* ---- X ---- */
 
-/* Light as it arrives, by channels. */
+/* The light that arrives, and its weights, by channels. */
 struct arriving {
 	const double (*radiance)[3];
 	double more[3]; /* ambient, and e of U */
 	const double *weight[3];
 };
 
-/* What light i sends, before any rounding: weight * (L + more). */
+/* Computes X of light i before rounding, weight * (L + more), and adds it to part. */
 static inline void weigh_light(struct light_sent *restrict sent, const struct arriving *from, int i,
 			       double part[3])
 {
@@ -108,7 +109,7 @@ static inline void weigh_light(struct light_sent *restrict sent, const struct ar
 	}
 }
 
-/* Of all lights, and its sum in each channel. */
+/* The same for all lights; sum: over all lights, in each channel. */
 static void weigh_lights(struct light_sent *restrict sent, const struct arriving *light, int count,
 			 double sum[3])
 {
@@ -128,14 +129,14 @@ static void weigh_lights(struct light_sent *restrict sent, const struct arriving
 		sum[k] = light_parts(a[k], b[k], c[k], d[k]);
 }
 
-/* What becomes of the sums of a frame's light: X = amount * 2^up * 2^bits, rounded. */
+/* The integer X = round(amount * 2^up * 2^bits). */
 struct rounding {
 	int bits[3], up[3];
-	double share[3]; /* what a column of value 1 makes of an amount of 1 */
+	double share[3]; /* change of O, or of 1 - ratio, by a column of value 1 per amount of 1 */
 };
 
-/* Rounds what lights send: as if strength, which is made after it, were a channel, too, as four
- * doubles are two vectors. */
+/* Rounds X of all lights. Treats strength, which is computed later, as a fourth channel, because
+ * four doubles are whole vectors. */
 static void round_lights(struct light_sent *restrict sent, int count, const double factor[4],
 			 const double unit[4])
 {
@@ -148,8 +149,8 @@ static void round_lights(struct light_sent *restrict sent, int count, const doub
 	}
 }
 
-/* Roundings of all X, and of all Y, come to less than as many units as there are lights; sums of
- * doubles are off by far less than a millionth. */
+/* Bound for light_vector.strongest. All roundings of X and Y together are less than N units; the
+ * relative error of sums of doubles is far below 1e-6. */
 static double strongest_of(const struct light_vector *v, const double sum[3],
 			   const struct rounding *how)
 {
@@ -164,7 +165,7 @@ static double strongest_of(const struct light_vector *v, const double sum[3],
 	return strongest;
 }
 
-/* ---- what columns may be left out ---- */
+/* ---- strength ---- */
 
 static inline double strength_of(const double amount[3], const double worth[3])
 {
@@ -175,10 +176,10 @@ static inline double strength_of(const double amount[3], const double worth[3])
 	return most > b ? most : b;
 }
 
-/* The most that a light may be worth: no file's cut is so small, and no product overflows. */
+/* Limit of 1 / cut: no file has a cut so small, and no product overflows. */
 #define WORTH_MOST 0x1p900
 
-/* What an amount of 1 is worth in each channel, where less than `cut` may be left out. */
+/* worth = share / cut: the strength of an amount of 1, in each channel. */
 static void worth_of(double cut, const struct rounding *how, double worth[3])
 {
 	const double per_cut = cut * WORTH_MOST > 1 ? 1 / cut : WORTH_MOST;
@@ -203,8 +204,8 @@ static void round_all(struct light_vector *v, const struct rounding *how, bool c
 
 /* ---- groups ---- */
 
-/* What each group's lights have in common, and what each of them sends beside it. No integers, but
- * the same on every machine. */
+/* Computes S of each group and X - q S of each light. These are no integers, but the same on every
+ * machine. */
 static void part_groups(struct light_vector *v, const struct light_order *order,
 			const struct rounding *how)
 {
@@ -237,7 +238,7 @@ static void part_groups(struct light_vector *v, const struct light_order *order,
 
 /* ---- Y ---- */
 
-/* The whole numbers that sums of X times weights may come to in a double, without any rounding. */
+/* A double holds integers up to 2^NARROW_BITS exactly. */
 #define NARROW_BITS 53
 
 static void gather_narrow(struct light_vector *v, const double one[3])
@@ -296,7 +297,7 @@ static void split_channel(struct light_vector *v, int c)
 		digits_split(y, v->coarse, d, v->digits + (c * KERNEL_DIGITS + d) * v->stride);
 }
 
-/* x_bits: the sum of X of each channel is below 2^x_bits. */
+/* Computes Y and its digits. x_bits: the sum of integers X in any channel is below 2^x_bits. */
 static void make_planes(struct light_vector *v, int x_bits)
 {
 	const double one[3] = {1 / v->unit[0], 1 / v->unit[1], 1 / v->unit[2]};
@@ -313,8 +314,8 @@ static void make_planes(struct light_vector *v, int x_bits)
 
 /* ---- a frame ---- */
 
-/* Of T, D and U: as many fraction bits as there is room for above the sum, but no more than `most`.
- * Returns the bits of the largest sum of X. */
+/* Chooses the fraction bits of T, D and U: as many as keep the sum below 2^room, but at most
+ * `most`. Returns the bits of the largest sum of X. */
 static int plan_weighted(struct light_vector *v, const double sum[3], int most, int room,
 			 struct rounding *how)
 {
@@ -325,7 +326,7 @@ static int plan_weighted(struct light_vector *v, const double sum[3], int most, 
 		const int exponent = sum[c] > 0 ? ilogb(sum[c]) + 1 : DARK;
 		const int bits = most < room - exponent ? most : room - exponent;
 
-		/* Roundings may double X, and Y again, where nearly all is rounded off. */
+		/* Very weak light: rounding may double X, and then Y. */
 		v->reach = v->reach < exponent + 2 ? exponent + 2 : v->reach;
 		x_bits = x_bits < exponent + bits ? exponent + bits : x_bits;
 		how->bits[c] = bits;
@@ -356,7 +357,7 @@ static int plan_ground(struct light_vector *v, const double sum[3], int ground,
 
 		how->bits[c] = bits;
 		how->up[c] = -exponent;
-		/* Where no light can arrive, nothing is taken away. */
+		/* Where no light arrives, the object takes none away. */
 		how->share[c] = there > NO_GROUND ? 1 / (there * power_of_two(-exponent)) : 0;
 		v->factor[c] = (uint32_t)round_double(ldexp(how->share[c], 30));
 	}
@@ -395,7 +396,7 @@ void light_vector_make(struct light_vector *v, const struct light_order *order,
 	if (order->groups)
 		part_groups(v, order, &how);
 	if (order->patterns)
-		make_planes(v, x_bits + 1); /* N roundings of 1/2 add less than that */
+		make_planes(v, x_bits + 1); /* + 1: for N roundings of 1/2 */
 }
 
 void light_vector_track(struct light_vector *v)

@@ -13,7 +13,7 @@
 #include "hal/compositor/light/light_terms.h"
 #include "hal/compositor/light/selection.h"
 
-/* Which light a vector is to hold. */
+/* Specifies the light that a vector is to hold. */
 struct light_order {
 	/*
 	 * Kind of X, with R_i = L_i + ambient:

@@ -42,8 +42,8 @@ void light_selection_free(struct light_selection *selection)
 	*selection = (struct light_selection){0};
 }
 
-/* The bits of infinity: below them, as a number without sign, are those of what is neither negative
- * nor infinite nor NaN. */
+/* The bits of infinity. As unsigned integers, the bits of non-negative finite floats are smaller;
+ * those of negative numbers, infinity and NaN are not. */
 #define INFINITE UINT32_C(0x7f800000)
 
 static void radiance_clean(double *restrict to, const float *restrict from, int count)
@@ -75,7 +75,7 @@ static bool light_reaches(const double rgb[3], double least)
 	return (warm > rgb[2] ? warm : rgb[2]) >= least;
 }
 
-/* What the dropped lights would have sent, by channels. */
+/* Sums over the dropped lights, by channels. */
 struct dropped {
 	double power[3]; /* w_i L_i */
 	double lost[3];	 /* L_i peak_i */
@@ -88,7 +88,7 @@ static void use_bright(struct light_selection *selection, double threshold, doub
 						   selection->used[i] ? stays : threshold);
 }
 
-/* Of those that are not used, what their bounds come to. */
+/* Sum of the bounds of the lights that are not used. */
 static uint64_t sum_dropped(const struct light_selection *selection)
 {
 	uint64_t sum = 0;

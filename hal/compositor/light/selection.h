@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which lights a frame uses, and what becomes of the others. */
+/* Chooses the lights that a frame uses, and returns the light of the others. */
 #ifndef INLAY_HAL_COMPOSITOR_LIGHT_SELECTION_H
 #define INLAY_HAL_COMPOSITOR_LIGHT_SELECTION_H
 
