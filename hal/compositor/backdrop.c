@@ -14,7 +14,7 @@ static const uint8_t *picture_pixel(const struct picture *picture, int x, int y)
 	return picture->origin + y * picture->y_step + x * picture->x_step;
 }
 
-/* Pixels that do not lie in the order of reading. */
+/* Copies a row of a rotated or mirrored picture. */
 static void turn_row(uint8_t *out, const uint8_t *in, ptrdiff_t step, int width)
 {
 	for (int x = 0; x < width; x++, in += step, out += 4)
@@ -38,7 +38,7 @@ struct backdrop_rows backdrop_rows(const struct backdrop *b, struct area area, u
 	return (struct backdrop_rows){scratch, (ptrdiff_t)stride};
 }
 
-/* Four bytes at once. */
+/* Copies a row with X = 255, four bytes at a time. */
 static void copy_row(uint8_t *restrict out, const uint8_t *restrict in, int width)
 {
 	const uint8_t opaque[4] = {0, 0, 0, 255};

@@ -10,8 +10,8 @@
 #include "hal/compositor/kept_sums.h"
 #include "hal/compositor/kernels/fixed.h"
 
-/* Lines of a channel that are asked for before they are streamed: by then the processor fetches
- * ahead by itself. */
+/* Lines of each channel to prefetch before they are streamed; after these the processor prefetches
+ * by itself. */
 #define STREAM_AHEAD 128
 
 int block_work_create(struct block_work *work, const struct basis *basis)
@@ -70,7 +70,7 @@ static void weigh_patterns(struct block_work *work, const struct basis_block *b,
 		set->line[j] = (uint32_t)j;
 }
 
-/* Lines of 16 bits that will be streamed begin to come while their weights are made. */
+/* Prefetches the first 16-bit lines of a stream while their weights are computed. */
 static inline __attribute__((always_inline)) void fetch_stream(const struct basis_block *b,
 							       size_t channel, int k)
 {
@@ -87,7 +87,7 @@ static inline void weigh_column(int64_t to[KERNEL_WEIGHT], const struct light_se
 		to[c] = round_whole(sent->amount[c] * (scale * one[c]));
 }
 
-/* Of the columns that were chosen for this light. */
+/* Weighs the columns that column_choice has chosen. */
 static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 			 const struct light_sent *sent, const double one[3])
 {
@@ -104,8 +104,8 @@ static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 	}
 }
 
-/* Of all columns that have any light. Whatever a branch would depend on nobody could foretell: one
- * that is dark is written too, and the next one over it. */
+/* Weighs all columns whose light is not 0. Has no unpredictable branch: a dark column is written,
+ * too, and overwritten by the next. */
 static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 		      const struct light_sent *sent, const double one[3])
 {
@@ -146,7 +146,7 @@ static void weigh_columns(struct block_work *work, const struct block_plan *plan
 	work->counts.columns += set->count;
 }
 
-/* one: what a weight of 1 becomes, channel by channel. */
+/* Computes the weights of a block. one: the integer that stands for 1, in each channel. */
 static void weigh_lines(struct block_work *work, const struct block_plan *plan,
 			const struct block_request *request, const double one[3])
 {

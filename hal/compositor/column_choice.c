@@ -10,8 +10,8 @@
 
 #include "hal/basis/basis_lines.h"
 
-/* Columns of a light lie in classes by what they reach, 16 for each power of two, and in a class as
- * they come. So none that follows one reaches farther by as much as 1 / CLASS_NEAR. */
+/* The columns of a light are sorted into classes by reach, 16 for each power of two, and unsorted
+ * within a class. So for a column b after a column a, reach(b) < reach(a) / CLASS_NEAR. */
 #define CLASS_SHIFT 19
 #define CLASSES (1 << (31 - CLASS_SHIFT))
 #define CLASS_NEAR 0.9
@@ -34,7 +34,8 @@ static float column_reach(const struct block_plan *plan, int n)
 	return plan->block->column_scale[n] * plan->reach;
 }
 
-/* The farthest first. Of floats without a sign the bits ascend like the numbers. */
+/* Returns the class of a reach; class 0 is the farthest. Bits of non-negative floats have the order
+ * of the numbers. */
 static uint32_t reach_class(float reach)
 {
 	uint32_t bits;
@@ -44,9 +45,9 @@ static uint32_t reach_class(float reach)
 	return CLASSES - 1 - (bits >> CLASS_SHIFT);
 }
 
-/* ---- once ---- */
+/* ---- creation ---- */
 
-/* Blocks that choose get their numbers. Returns how many columns they have. */
+/* Numbers the blocks that take part. Returns the number of their columns. */
 static size_t number_blocks(struct column_choice *choice, struct block_plan *plan, int count,
 			    enum basis_kind kind, int ground)
 {
@@ -73,7 +74,7 @@ static bool choice_has_groups(const struct column_choice *choice, const struct b
 	return false;
 }
 
-/* Counts become places. */
+/* Exclusive prefix sum: turns counts into first places. */
 static void counts_to_places(uint32_t *counts, size_t count)
 {
 	uint32_t sum = 0;
@@ -86,14 +87,14 @@ static void counts_to_places(uint32_t *counts, size_t count)
 	}
 }
 
-/* A column and the light whose it is, while they are sorted. */
+/* A column with its light, for sorting. */
 struct loose_column {
 	struct light_column column;
 	uint32_t light;
 };
 
-/* Where a block's column finds what it is weighed by: that of a light whose group has a column too
- * is weighed by what the light sends beside it. grouped: [groups]. */
+/* Returns the index in light_vector.sent of the light of a column: X of a light; X - q S if its
+ * group has a column in these blocks, too; S of a group. grouped: [groups]. */
 static uint32_t column_source(const struct basis_groups *groups, const bool *grouped, int number)
 {
 	const int lights = groups->lights;
@@ -102,11 +103,11 @@ static uint32_t column_source(const struct basis_groups *groups, const bool *gro
 	return (uint32_t)(beside ? light_beside(lights, number) : number);
 }
 
-/* Memory for sorting. */
+/* Scratch memory for sorting. */
 struct sorting {
 	struct loose_column *loose;
-	uint32_t *place; /* [CLASSES], [lights + 1] */
-	bool *grouped;	 /* [groups]: those of which the blocks in hand have columns */
+	uint32_t *place; /* [CLASSES], then [lights + 1] */
+	bool *grouped;	 /* [groups]: the current blocks have a column of this group */
 };
 
 static int sorting_create(struct sorting *s, size_t columns, size_t lights,
@@ -125,7 +126,7 @@ static void sorting_free(struct sorting *s)
 	free(s->grouped);
 }
 
-/* The columns of groups come last in their block. */
+/* Marks the groups that have columns in these blocks; they come last in each block. */
 static void mark_groups(const struct block_plan *plan, int count, int lights, bool mark,
 			bool *grouped)
 {
@@ -150,7 +151,7 @@ static void sort_block(const struct column_choice *choice, const struct block_pl
 					      column_source(groups, s->grouped, b->light[n])};
 }
 
-/* All columns by classes. */
+/* Sorts all columns by class. */
 static void sort_by_class(const struct column_choice *choice, const struct block_plan *plan,
 			  int count, const struct basis_groups *groups, struct sorting *s)
 {
@@ -172,7 +173,7 @@ static void sort_by_class(const struct column_choice *choice, const struct block
 	}
 }
 
-/* And these by lights, of which those that have none are passed over. */
+/* Sorts the columns by light, and lists the lights that have columns. */
 static void sort_by_light(struct column_choice *choice, const struct sorting *s, uint32_t lights,
 			  size_t columns)
 {
@@ -213,7 +214,7 @@ int column_choice_create(struct column_choice *choice, struct block_plan *plan, 
 	choice->light = calloc(n, sizeof(*choice->light));
 	choice->block = calloc((size_t)choice->blocks + 1, sizeof(*choice->block));
 	choice->column = malloc((columns + 1) * sizeof(*choice->column));
-	/* As large as it can be needed; only what is used takes memory. */
+	/* The largest size; pages that are never touched take no memory. */
 	choice->chosen = malloc((columns + 1) * sizeof(*choice->chosen));
 	if (sorting_create(&sorting, columns, n, groups) == 0 && choice->light && choice->block &&
 	    choice->column && choice->chosen && columns <= UINT32_MAX) {
@@ -234,10 +235,10 @@ void column_choice_free(struct column_choice *choice)
 	*choice = (struct column_choice){.light = NULL};
 }
 
-/* ---- in each frame ---- */
+/* ---- each frame ---- */
 
-/* Lists are long, and begin anew for each light before the processor has found out that it reads
- * one: of a light that comes so much later so many cache lines are asked for. */
+/* Prefetch LIST_LINES cache lines of the list of the light LISTS_AHEAD later: few columns of each
+ * list are read, too few for the processor's own prefetcher. */
 #define LISTS_AHEAD 4
 #define LIST_LINES 3
 
@@ -251,9 +252,9 @@ static inline __attribute__((always_inline)) void fetch_list(const struct column
 }
 
 /*
- * Meets each column that counts, light by light, so that those of a block come in their order: each
- * adds to its block's end, and is put there, if `placing`. What lies below the normal floats is in
- * no class by what it reaches.
+ * Visits each column that counts, light by light, and increments the end of its block; `placing`
+ * also stores the column there. Light order keeps the columns of a block in order. Denormal reaches
+ * have no useful class, so they do not end a list.
  */
 static inline __attribute__((always_inline)) void
 choice_meet(const struct column_choice *choice, const struct light_sent *sent, bool placing)

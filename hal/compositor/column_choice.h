@@ -43,7 +43,7 @@ struct chosen_column {
 };
 
 struct column_choice {
-	struct chosen_column *chosen; /* sorted by block, then by column */
+	struct chosen_column *chosen; /* sorted by block, then by light */
 	int left_out;		      /* number of columns that were not chosen */
 	/* private */
 	struct light_columns *light;  /* [lights + 1]; lights: how many have columns */

@@ -8,9 +8,9 @@
 const char *const compositor_mode_names[] = {"fast", "exact", NULL};
 const char *const compositor_reuse_names[] = {"auto", "never", "always", NULL};
 
-/* Several for each thread, so that one held up by the system is helped by the others. */
+/* Runs for each thread: several, so that other threads take over from one that is delayed. */
 #define RUNS_A_THREAD 8
-/* What a tile takes, in bytes of basis that take as long to read: copied, and mixed. */
+/* First estimate of the time to copy or mix a tile, in bytes of basis read in the same time. */
 #define COPY_COST 1024
 #define MIX_COST 8192
 
@@ -31,7 +31,8 @@ static int layer_divide(struct compositor *c, struct layer *layer)
 	return ret;
 }
 
-/* Which light of a kind, and ground, blocks need: its vector is made when the first asks. */
+/* Adds what a block needs to the layer's list of light vectors; creates a vector at its first use.
+ * */
 static int need_light(struct compositor *c, struct layer *layer, const struct basis_block *b,
 		      bool cut)
 {
@@ -106,7 +107,7 @@ static void forget_pose(struct compositor *c, struct pose *pose)
 	*pose = (struct pose){.made = false};
 }
 
-/* Of a pose that is in memory. */
+/* Plans a pose, which must be in memory. */
 static int make_pose(struct compositor *c, int index)
 {
 	const struct basis_pose *basis = &c->basis->poses[index];
@@ -150,7 +151,7 @@ static int create_poses(struct compositor *c)
 	return ret;
 }
 
-/* Zeros, at a cache line. */
+/* Returns zeroed memory, aligned to a cache line. */
 static void *aligned_zeros(size_t bytes)
 {
 	void *memory = aligned_alloc(BASIS_ALIGN,
@@ -215,8 +216,8 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	return 0;
 }
 
-/* Room for the sums of any pose in exact mode. Without it nothing is kept, and the pictures are the
- * same. */
+/* Reserves memory for the kept sums of any planned pose. If there is none, no sums are kept; the
+ * pictures are the same. */
 static void kept_reserve(struct compositor *c)
 {
 	size_t size = 0, blocks = 0;

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Frames that are measured before the tiles are divided anew. */
+/* Number of frames that are measured before a new division. */
 #define FRAMES 32
-/* A run's share of a frame may have been a thread that the system held up: one such measure does
- * not change a tile's cost by more than this. */
+/* Largest factor by which one measurement changes the cost of a tile: the system may have delayed
+ * the thread. */
 #define CHANGE_MOST 2.0
 
 static void division_divide(struct division *d)
@@ -19,7 +19,7 @@ static void division_divide(struct division *d)
 	for (int t = 0; t < d->tiles; t++)
 		all += d->cost[t];
 	for (int t = 0; t < d->tiles; t++) {
-		/* Each run has at least one tile, and leaves one for each that follows. */
+		/* Each run gets at least one tile and leaves one for each later run. */
 		while (run < d->runs &&
 		       (d->tiles - t == d->runs - run || before * d->runs >= all * run) &&
 		       (run == 0 || d->first[run - 1] < t))

@@ -3,10 +3,10 @@
 
 #include "hal/basis/basis_layout.h"
 
-/* Of each array: well inside a second cache. */
+/* Limit for each array: a small part of a second-level cache. */
 #define RANGE_LINES 1024
 
-/* What is not there may have no address. */
+/* Adds an array. from may be NULL if bytes is 0. */
 static void expect_range(struct fetch *fetch, const void *from, size_t bytes)
 {
 	const size_t all = (bytes + KERNEL_LINE_BYTES - 1) / KERNEL_LINE_BYTES;
@@ -30,7 +30,7 @@ static void expect_lines(struct fetch *fetch, const struct basis_block *b)
 	expect_range(fetch, b->pattern_scale, (size_t)b->patterns * sizeof(*b->pattern_scale));
 }
 
-/* What is read of a block before anything is added up, and what tells of the block behind it. */
+/* Adds what is read of a block to weigh its columns, and the structs of the block after it. */
 static void expect_weights(struct fetch *fetch, const struct block_plan *plan)
 {
 	const struct basis_block *b = plan->block;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One frame: the light once, then runs of tiles shared among the threads. */
+/* One frame: light vectors and chosen columns first, then runs of tiles, shared by the threads. */
 #include <errno.h>
 #include <string.h>
 
@@ -7,9 +7,9 @@
 #include "hal/compositor/backdrop.h"
 #include "hal/compositor/compositor_parts.h"
 
-/* Sums are kept where no more than this part of the lights changed last. */
+/* Sums are kept while at most 1 / CHANGED_SHARE of the lights change from frame to frame. */
 #define CHANGED_SHARE 4
-/* Lights of all vectors from where on threads make them sooner than one does, waking included. */
+/* Total lights of all vectors from which several threads are faster, waking them included. */
 #define SHARED_LIGHTS 12000
 
 /* ---- a run of tiles ---- */
@@ -40,8 +40,8 @@ static void mix_tile(const struct compositor *c, int t, const struct tile_values
 	c->kernels->mix(&row);
 }
 
-/* What mixing will read, fetched while the sums are made: rows of a tile lie too far apart for the
- * processor to see a pattern. Inline by force: gcc 12 sees no effect in it, and drops a call. */
+/* Prefetches what mixing will read: the rows of a tile are too far apart for the processor's own
+ * prefetcher. Forced inline because gcc 12 drops calls of functions that only prefetch. */
 static inline __attribute__((always_inline)) void
 fetch_ahead(const struct compositor *c, const struct basis_tile *tile, struct backdrop_rows rows)
 {
@@ -55,7 +55,7 @@ fetch_ahead(const struct compositor *c, const struct basis_tile *tile, struct ba
 	}
 }
 
-/* Tiles side by side that are all plain, or all not. */
+/* Returns the area of the adjacent tiles first..end - 1. */
 static struct area area_of(const struct basis_tile *tiles, int first, int end)
 {
 	const struct basis_tile *a = &tiles[first], *b = &tiles[end - 1];
@@ -150,8 +150,8 @@ static void make_behind(void *context, int item, int worker)
 			  c->behind + (size_t)a->y * stride + (size_t)a->x * 4, stride);
 }
 
-/* The background where the object lets it through: a tile may look at any other, so all of it is
- * there before the first. */
+/* Provides the background that the object shows. A tile may show any other, so all of it is made
+ * before the first tile. */
 static void look_behind(struct compositor *c, const struct glass_plan *glass)
 {
 	const int width = (int)c->basis->info.width, height = (int)c->basis->info.height;
@@ -169,7 +169,7 @@ static void look_behind(struct compositor *c, const struct glass_plan *glass)
 		make_behind(c, k, 0);
 }
 
-/* The vectors of light that this layer needs. */
+/* Makes the light vectors of the layer, and chooses columns. */
 static void make_lights(struct compositor *c)
 {
 	const int count = c->layer->light_count;
@@ -182,7 +182,7 @@ static void make_lights(struct compositor *c)
 		make_light(c, k, 0);
 }
 
-/* How many lights are not what they were in the frame before. */
+/* Returns how many lights have changed since the frame before. */
 static int changed_lights(struct compositor *c, const struct light_selection *lights)
 {
 	int changed = 0;
@@ -202,8 +202,9 @@ static int changed_lights(struct compositor *c, const struct light_selection *li
 }
 
 /*
- * The sums to start from and to keep. To keep them costs, so where most lights change from frame to
- * frame, as under a camera's noise, it is not begun. Sums of another pose or mode are of no use.
+ * Returns the kept sums to start from. Keeping sums costs time, so none are kept while many lights
+ * change from frame to frame, as they do under a camera's noise. Sums of another pose or mode are
+ * invalid.
  */
 static struct kept_sums frame_keep_sums(struct compositor *c, const struct light_selection *lights)
 {
@@ -220,7 +221,7 @@ static struct kept_sums frame_keep_sums(struct compositor *c, const struct light
 	return (struct kept_sums){c->kept, c->kept_blocks, always};
 }
 
-/* For blocks that ask which lights have changed. */
+/* Finds the changed lights, for kept_sums_step(). */
 static void track_light(struct compositor *c)
 {
 	for (int k = 0; k < c->layer->light_count; k++)

@@ -9,14 +9,14 @@
 
 #define RATIO_MAX ((int64_t)COMPOSITOR_RATIO_MAX << 24)
 
-/* ---- once a pose ---- */
+/* ---- creation ---- */
 
 static int clamped_to(int at, int count)
 {
 	return at < 0 ? 0 : at >= count ? count - 1 : at;
 }
 
-/* Along one axis, what is looked at: from and to in steps; the pixels that are cut by it. */
+/* The rectangle along one axis: its ends in steps, and the first and last pixel that it cuts. */
 struct side {
 	int from, to, first, last;
 };
@@ -35,7 +35,7 @@ static struct side side_of(int pixel, int offset, int spread)
 	return (struct side){from, to, pixel_of_steps(from), pixel_of_steps(to - 1)};
 }
 
-/* Steps of a pixel inside. */
+/* Returns how many steps of a pixel are in the rectangle. */
 static int weight_in(const struct side *side, int pixel)
 {
 	const int from = pixel * BASIS_GLASS_STEP, to = from + BASIS_GLASS_STEP;
@@ -43,7 +43,7 @@ static int weight_in(const struct side *side, int pixel)
 	return (to < side->to ? to : side->to) - (from > side->from ? from : side->from);
 }
 
-/* Marks the tiles of the pixels that are looked at. */
+/* Marks the tiles that a glass pixel shows. */
 static void mark_looked_at(const struct basis *basis, const struct basis_glass *g,
 			   uint8_t *looked_at)
 {
@@ -58,7 +58,7 @@ static void mark_looked_at(const struct basis *basis, const struct basis_glass *
 			looked_at[y * basis->tiles_across + x] = 1;
 }
 
-/* Runs of marked tiles. */
+/* Lists runs of marked tiles as areas. */
 static int list_sources(struct glass_plan *plan, const struct basis *basis,
 			const uint8_t *looked_at)
 {
@@ -120,9 +120,9 @@ void glass_plan_free(struct glass_plan *plan)
 	*plan = (struct glass_plan){.glass = NULL};
 }
 
-/* ---- once a frame ---- */
+/* ---- each frame ---- */
 
-/* The mean of the picture's linear light over what is looked at, 65535 = 1. */
+/* Computes the mean linear light of the picture over the rectangle of a glass pixel, 65535 = 1. */
 static void glass_light(const struct picture *p, const struct basis_glass *g,
 			const uint16_t *decode, uint64_t light[3])
 {

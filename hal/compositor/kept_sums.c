@@ -5,10 +5,10 @@
 
 #include "hal/compositor/kernels/fixed.h"
 
-/* What starting from kept sums costs, in lines: they are read and written. */
+/* Cost of reading and writing kept sums, in lines read in the same time. */
 #define KEPT_COST 8
 
-/* What each line weighs now, those left out 0, from the sets. */
+/* Writes the new weight of each line to work->now; lines not in the sets have weight 0. */
 static void weights_spread(struct block_work *work, const struct block_plan *plan)
 {
 	const int patterns = plan->block->patterns;
@@ -23,7 +23,7 @@ static void weights_spread(struct block_work *work, const struct block_plan *pla
 	}
 }
 
-/* How many lines weigh something else than in `before`, up to `most`. */
+/* Counts the lines whose weight differs from `before`, up to `most`. */
 static int changed_lines(const struct block_work *work, const int64_t *before, int lines, int most)
 {
 	int changed = 0;
@@ -34,7 +34,7 @@ static int changed_lines(const struct block_work *work, const int64_t *before, i
 	return changed;
 }
 
-/* Puts into the set what the lines from `first` on have gained. */
+/* Fills the set with the weight changes of `count` lines from `first`, if not 0. */
 static void take_gains(struct line_set *set, const struct block_work *work, const int64_t *before,
 		       int lines, int first, int count)
 {
@@ -54,7 +54,7 @@ static void take_gains(struct line_set *set, const struct block_work *work, cons
 	}
 }
 
-/* Where a block's weights are kept; its sums follow them. */
+/* Returns the kept weights of a block; sets sum[] to its kept sums, which follow them. */
 static int64_t *kept_weights(const struct block_plan *plan, const struct block_request *request,
 			     int64_t *sum[3])
 {

@@ -7,7 +7,7 @@
 
 #include "hal/basis/basis_lines.h"
 
-/* Places for the lines of one panel of all columns. */
+/* Allocates room for the unpacked lines of one panel. */
 static int unpacked_create(struct line_set *set, size_t padded)
 {
 	void *unpacked;
@@ -59,7 +59,7 @@ void line_set_split(struct line_set *set, const struct kernels *kernels)
 	};
 }
 
-/* Where lines of 16 bits lie in a block, and from one panel to the next. */
+/* First 16-bit line of a block, and strides from line to line, channel and panel. */
 struct places {
 	const char *first;
 	size_t step, channel, panel;
@@ -77,7 +77,7 @@ static struct places places_of16(const struct basis_block *b, const int16_t *lin
 	};
 }
 
-/* The same from pixel `at` on. */
+/* Returns the target from pixel `at` on. */
 static struct line_target target_from(const struct line_target *to, int at)
 {
 	struct line_target there = *to;
@@ -91,7 +91,7 @@ static struct line_target target_from(const struct line_target *to, int at)
 	return there;
 }
 
-/* What is added to sums counts 2^shift. */
+/* Adds 16-bit lines to a block's pixels, to sums times 2^shift. */
 static void add_set(const struct line_set *set, const struct basis_block *b, struct places places,
 		    int shift, bool fresh, const struct kernels *kernels, struct fetch *fetch,
 		    const struct line_target *target)
@@ -113,7 +113,7 @@ static void add_set(const struct line_set *set, const struct basis_block *b, str
 	}
 }
 
-/* Where the records of the set begin. */
+/* Finds the records of the set. */
 static void find_records(struct line_set *set, const struct basis_block *b, int lines)
 {
 	for (int k = 0; k < set->count; k++) {
@@ -124,7 +124,7 @@ static void find_records(struct line_set *set, const struct basis_block *b, int 
 	}
 }
 
-/* Those of one panel, a channel behind the other. */
+/* Unpacks the lines of one panel, channel by channel. */
 static void unpack_panel(struct line_set *set, int panel, int channels)
 {
 	for (int k = 0; k < set->count; k++) {
@@ -137,14 +137,15 @@ static void unpack_panel(struct line_set *set, int panel, int channels)
 			set->at[k].line += basis_line_bytes(code[c]);
 		}
 	}
-	/* What fills them up to an even number weighs nothing. */
+	/* The line that makes their number even has weight 0. */
 	for (int c = 0; c < channels && set->count % 2; c++)
 		memset(set->unpacked +
 			       (size_t)((c + 1) * set->kernel.count - 1) * KERNEL_LINE_BYTES,
 		       0, KERNEL_LINE_BYTES);
 }
 
-/* The same of columns of 8 bits. Returns how many bytes were read. */
+/* Adds 8-bit columns to a block's pixels, to sums times 2^shift. Returns the number of bytes read.
+ * */
 static size_t add_records(struct line_set *set, const struct basis_block *b, int shift, bool fresh,
 			  const struct kernels *kernels, struct fetch *fetch,
 			  const struct line_target *target)

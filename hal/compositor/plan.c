@@ -8,14 +8,15 @@
 #include "hal/basis/basis_layout.h"
 #include "hal/compositor/kernels/fixed.h"
 
-/* So that the roundings of all weights of a block together are below 2^-17. */
+/* Keeps the roundings of all weights of a block together below 2^-17. */
 #define FRACTION_BITS 31
-/* A byte column counts 127 where others count 32767. */
+/* The largest value of an 8-bit column is 127 instead of 32767: 8 bits less. */
 #define BYTE_SHIFT 8
-/* What lights send beside their groups, and the groups, come to no more than so many times what all
- * lights send: X + q S, and S. */
+/* Bound for light of lights and groups, as a multiple of sum X:
+ *     sum |X - q S| + sum S <= sum X + sum q S + sum S <= 3 sum X
+ */
 #define GROUPED 3
-/* Reading and writing the kept sums costs as much as reading so many lines. */
+/* Blocks with fewer lines keep no sums: reading and writing the sums would cost more. */
 #define KEPT_LINES 64
 
 static float value_of_one(const struct basis_block *b)
@@ -28,7 +29,7 @@ static float value_of_one(const struct basis_block *b)
 	return most * ((float)tint / BASIS_TINT_ONE);
 }
 
-/* Compared, as gcc 12 for Arm breaks at a largest by fmax(). */
+/* Compares instead of calling fmax(), on which gcc 12 for Arm fails here. */
 static float farthest_scale(const struct basis_block *b)
 {
 	float farthest = 0;
@@ -38,8 +39,8 @@ static float farthest_scale(const struct basis_block *b)
 	return farthest;
 }
 
-/* The largest value per unit of light that the sum of all lines can come to: the coarse lights add
- * up to no more than the light that they gather. */
+/* Returns the largest possible sum of all lines per unit of light. The coarse lights sum to no more
+ * than the light that they gather. */
 static double block_bound(const struct block_plan *plan)
 {
 	const struct basis_block *b = plan->block;
@@ -111,8 +112,8 @@ static bool same_pixels(const struct basis_block *a, const struct basis_block *b
 	       memcmp(a->pixel, b->pixel, sizeof(*a->pixel) * (size_t)a->pixels) == 0;
 }
 
-/* Blocks of the same pixels and channels, as columns of 8 and of 16 bits are two, have columns of
- * groups in common. */
+/* Consecutive blocks of the same pixels and channels (columns of 8 and of 16 bits, say) share the
+ * columns of their groups of lights. */
 static void share_groups(struct block_plan *plan, int count)
 {
 	for (int n = 1; n < count; n++) {
@@ -149,7 +150,7 @@ static void plan_group(struct block_plan *plan, int count)
 	}
 }
 
-/* Its groups; blocks come in the order of kinds, but those of two grounds may take turns. */
+/* Finds the groups of a tile. Blocks are sorted by kind, but grounds may alternate. */
 static void plan_tile(struct tile_plan *tile, struct block_plan *plan, int count)
 {
 	tile->blocks = plan;

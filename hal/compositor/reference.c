@@ -14,20 +14,20 @@
 struct reference_scene {
 	const struct basis *basis;
 	const struct compositor_settings *settings;
-	double (*radiance)[3]; /* [lights]: used and ambient together */
-	double (*x)[3];	       /* [lights]: X of the block in hand */
+	double (*radiance)[3]; /* [lights]: of used lights, plus ambient */
+	double (*x)[3];	       /* [lights]: X for the current block */
 	double (*y)[3];	       /* [coarse] */
 };
 
 struct reference_tile {
 	double object[TILE_PIXELS][3];
 	double taken[TILE_PIXELS][3];
-	double own[TILE_PIXELS][3]; /* of D and U: sum u L + e */
-	double less[TILE_PIXELS][3];
-	double through[TILE_PIXELS][3]; /* what arrives of the background through the object */
+	double own[TILE_PIXELS][3];	/* sum u L + e of U blocks */
+	double less[TILE_PIXELS][3];	/* sum d L of D blocks */
+	double through[TILE_PIXELS][3]; /* transmission * B' */
 };
 
-/* X of a block's kind; all: what is lit if every cell has radiance 1. */
+/* Computes X of a block's kind, with `more` radiance from every light. */
 static void fill_x(const struct reference_scene *s, const struct basis_block *b, double more)
 {
 	for (uint32_t i = 0; i < s->basis->info.lights; i++) {
@@ -56,7 +56,7 @@ static void fill_y(const struct reference_scene *s)
 	}
 }
 
-/* Where pixel p of a channel stands in a line of 16 bits, of which a panel has `lines`. */
+/* Index of pixel p, channel c and line `line` in 16-bit lines; `lines`: lines of a panel. */
 static size_t line_place(const struct basis_block *b, int p, int c, int lines, int line)
 {
 	const int channel = b->channels == 3 ? c : 0;
@@ -74,7 +74,7 @@ static double column_value(const struct basis_block *b, int p, int c, int n)
 			     : b->column16[line_place(b, p, c, b->columns, n)]);
 }
 
-/* value * X, summed; to[pixel][c] gains it. */
+/* Adds the block's sum of value * X to to[pixel][c]. */
 static void block_add_values(const struct reference_scene *s, const struct basis_block *b,
 			     double more, double (*to)[3])
 {
@@ -93,7 +93,7 @@ static void block_add_values(const struct reference_scene *s, const struct basis
 					    b->coefficient[line_place(b, p, c, b->patterns, j)];
 		}
 	}
-	/* With S = 0, groups have no light. */
+	/* With S = 0 the columns of groups have no light. */
 	for (int n = 0; n < b->columns && b->light[n] < s->basis->info.lights; n++) {
 		for (int p = 0; p < b->pixels; p++) {
 			for (int c = 0; c < 3; c++)
@@ -102,7 +102,7 @@ static void block_add_values(const struct reference_scene *s, const struct basis
 	}
 }
 
-/* The block's values times light, tinted and times factor[c], added to its pixels. */
+/* Adds the block's values times light, times tint and factor[c], to its pixels. */
 static void spread_block(const struct reference_scene *s, const struct basis_block *b, double more,
 			 const double factor[3], double (*to)[3])
 {
@@ -174,13 +174,13 @@ static double background_at(const struct reference_scene *s, const struct pictur
 	return transfer_curve_decode(&s->settings->background, in[2 - c] / 255.0);
 }
 
-/* How much of pixel `at` lies inside. */
+/* Length of the part of pixel `at` that is in the interval. */
 static double pixel_overlap(int at, double middle, double length)
 {
 	return fmin(at + 1, middle + length / 2) - fmax(at, middle - length / 2);
 }
 
-/* The mean over a rectangle of the background. */
+/* Mean of the background over the rectangle of a glass pixel. */
 static double mean_behind(const struct reference_scene *s, const struct picture *b,
 			  const struct basis_glass *g, int c)
 {
@@ -197,7 +197,7 @@ static double mean_behind(const struct reference_scene *s, const struct picture 
 	return sum / (width * height);
 }
 
-/* What is seen through the pixels of a tile. */
+/* Computes transmission * B' for the pixels of a tile. */
 static void look_through(const struct reference_scene *s, int pose, int tile,
 			 const struct picture *background, struct reference_tile *v)
 {

@@ -8,11 +8,11 @@
 
 /* Fraction bits of O and 1 - ratio. */
 #define VALUE_BITS 24
-/* What parts of a value may come to together, so that no sum of some of them, and of their
- * roundings, leaves int32, or reaches KERNEL_LIMIT. */
+/* Limit for the sum of the magnitudes of a value's parts. Below it, no partial sum, roundings
+ * included, overflows int32 or reaches KERNEL_LIMIT. */
 #define ORDINARY 63.0
 
-/* How the sums of a group become values. */
+/* How the sums of a group are converted to values. */
 struct folding {
 	int shift;
 	const uint32_t *factor; /* [3] */
@@ -33,7 +33,7 @@ static const struct light_vector *block_light(const struct frame_light *f,
 	}
 }
 
-/* The next block that is summed; NULL: there is none. */
+/* Returns the next block that counts, or NULL. */
 static const struct block_plan *block_next(const struct frame_light *f,
 					   const struct block_plan *plan)
 {
@@ -67,8 +67,8 @@ static void sum_block(const struct frame_light *f, const struct block_plan *plan
 	block_sums(work, plan, &request, fraction, sum);
 }
 
-/* Light beyond all measure has so few fraction bits that its sums must be shifted up, not down:
- * what does not fit is beyond any limit that comes later. */
+/* Shifts sums up, clamped to +-2^62. Extremely strong light has so few fraction bits that its sums
+ * must be shifted up instead of down; what is clamped here exceeds every later limit. */
 static const int64_t *sums_lifted(const int64_t *sum, int count, int up, int64_t *to)
 {
 	const int64_t most = up < 62 ? (INT64_C(1) << 62) >> up : 0;
@@ -82,7 +82,7 @@ static const int64_t *sums_lifted(const int64_t *sum, int count, int up, int64_t
 	return to;
 }
 
-/* Adds sums of `count` pixels to the values of as many; fresh: to nothing. */
+/* Adds the sums of `count` pixels to their values; fresh: overwrites the values. */
 static void sums_fold(const struct frame_light *f, const struct folding *how, int c,
 		      const int64_t *sum, int count, const uint16_t *tint, bool fresh,
 		      struct tile_work *work, int32_t *values)
@@ -95,7 +95,7 @@ static void sums_fold(const struct frame_light *f, const struct folding *how, in
 	f->kernels->fold(sum, count, shift, how->factor[c], tint, from, values);
 }
 
-/* Adds the sums of blocks that share them, plan being the last of these. */
+/* Adds the sums of blocks that share them; plan is the last of these blocks. */
 static void fold_block(const struct frame_light *f, const struct block_plan *plan,
 		       const struct folding *how, const int64_t *const sum[3], bool fresh,
 		       struct tile_work *work, int32_t (*values)[BLOCK_PIXELS])
@@ -137,9 +137,9 @@ static int group_room(const struct block_plan *group, const struct light_vector 
 	return PLAN_SUM_BITS - group->bound - light->reach;
 }
 
-/* ---- few lines in light of ordinary strength, which most groups are ---- */
+/* ---- few lines in light of ordinary strength: the common case ---- */
 
-/* How many lines of a group count. Blocks whose sums are kept have more of them than KERNEL_RUN. */
+/* Returns how many lines of a group count. Kept blocks have more than KERNEL_RUN. */
 static int group_lines(const struct block_plan *group)
 {
 	int lines = 0;
@@ -154,7 +154,7 @@ static int group_lines(const struct block_plan *group)
 	return lines;
 }
 
-/* Values of the pixels that a block lists, to where they belong. */
+/* Adds the values of a block's listed pixels to the tile. */
 static void place_values(const struct frame_light *f, const struct block_plan *plan, bool fresh,
 			 int32_t *const listed[3], int32_t (*values)[BLOCK_PIXELS])
 {
@@ -169,8 +169,8 @@ static void place_values(const struct frame_light *f, const struct block_plan *p
 	}
 }
 
-/* What group_add() does, where no sum is needed exactly. Values of a whole tile are made where they
- * belong. */
+/* The same as group_add(), with rounded values instead of exact sums. A block of a whole tile
+ * writes its values directly to the tile. */
 static bool group_add_values(const struct frame_light *f, const struct block_plan *group,
 			     int fraction, bool fresh, struct tile_work *work,
 			     int32_t (*values)[BLOCK_PIXELS])
@@ -178,8 +178,8 @@ static bool group_add_values(const struct frame_light *f, const struct block_pla
 	int32_t *const whole[3] = {values[0], values[1], values[2]};
 	int32_t *const listed[3] = {work->listed, work->listed + BLOCK_PIXELS,
 				    work->listed + 2 * BLOCK_PIXELS};
-	const bool first = fresh; /* else what stands there may be near the limit */
-	bool begun = false;	  /* one of those that list the same pixels */
+	const bool first = fresh; /* else values may be near the limit: clamp */
+	bool begun = false;	  /* a block of those that share their values is done */
 
 	for (int n = 0; n < group->group; n++) {
 		const struct block_plan *plan = &group[n];
@@ -208,10 +208,10 @@ static bool group_add_values(const struct frame_light *f, const struct block_pla
 /* ---- groups ---- */
 
 /*
- * Adds a group of T or V blocks to the values, which are 0 if fresh, whatever stands there. Returns
- * whether they still are: where none of the blocks counts, nothing is done. Where light is so
- * strong that a part might reach the limit of Q24, and another part or a dark tint take it back,
- * they are added up before they are folded.
+ * Adds a group of T or V blocks to the values; fresh: the values are 0, whatever the memory holds.
+ * Returns the new `fresh`, which stays true if no block counts. In very strong light a part of a
+ * value might be clamped at the limit of Q24 although another part or a dark tint brings the value
+ * back below it. Then the exact sums of all blocks are added up before the conversion.
  */
 static bool group_add(const struct frame_light *f, const struct block_plan *group,
 		      const struct light_vector *light, int more, bool fresh,
@@ -222,7 +222,7 @@ static bool group_add(const struct frame_light *f, const struct block_plan *grou
 	const struct folding how = {fraction - VALUE_BITS - more, light->factor};
 	const bool ordinary = is_ordinary(group, light), apart = group->single || ordinary;
 	const int64_t *sum[3];
-	bool summed = false; /* of those that share their sums */
+	bool summed = false; /* a block of those that share their sums is done */
 
 	if (ordinary && group_lines(group) <= KERNEL_RUN)
 		return group_add_values(f, group, VALUE_BITS + KERNEL_VALUE_SHIFT16 + more, fresh,
@@ -266,7 +266,8 @@ static int receiver_sums(const struct frame_light *f, const struct block_plan *g
 	return fraction;
 }
 
-/* d: light taken away; u: the receiver's own light without the object, e included. */
+/* Computes 1 - ratio = d / u; work->d: light taken away, work->u: light without the object plus e.
+ * */
 static void receiver_divide(const struct basis_block *b, struct tile_work *work, int exponent,
 			    struct tile_values *values)
 {
@@ -275,7 +276,7 @@ static void receiver_divide(const struct basis_block *b, struct tile_work *work,
 			const int p = b->pixel[n];
 			const int64_t own = work->u[c][p];
 
-			/* Where no light can arrive, none is taken away. */
+			/* Where no light arrives, the object takes none away. */
 			if (own > 0)
 				values->taken[c][p] = quotient_q24(work->d[c][p], own, exponent,
 								   KERNEL_LIMIT);
@@ -283,7 +284,7 @@ static void receiver_divide(const struct basis_block *b, struct tile_work *work,
 	}
 }
 
-/* The D and the U blocks of a tile. */
+/* Adds the D and U blocks of a tile. */
 static void add_receivers(const struct frame_light *f, const struct block_plan *d,
 			  const struct block_plan *u, struct tile_work *work,
 			  struct tile_values *values)
