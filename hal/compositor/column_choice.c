@@ -253,8 +253,7 @@ static inline __attribute__((always_inline)) void fetch_list(const struct column
 
 /*
  * Visits each column that counts, light by light, and increments the end of its block; `placing`
- * also stores the column there. Light order keeps the columns of a block in order. Denormal reaches
- * have no useful class, so they do not end a list.
+ * also stores the column there. Denormal reaches have no useful class, so they do not end a list.
  */
 static inline __attribute__((always_inline)) void
 choice_meet(const struct column_choice *choice, const struct light_sent *sent, bool placing)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A background to composite into: the same one everywhere, with gradients, edges and texture, from
- * black to white. */
+/* The background picture of all benchmarks and reports: gradients, edges and texture, from black to
+ * white. */
 #ifndef INLAY_HAL_MEASURE_BACKGROUND_H
 #define INLAY_HAL_MEASURE_BACKGROUND_H
 

@@ -51,15 +51,15 @@ void scope_free(struct scope *s)
 
 static double psnr(double square_sum, double count)
 {
-	/* infinity is no number in JSON */
+	/* JSON has no infinity: 120 dB at most */
 	return count > 0 ? fmin(10 * log10(255 * 255 * count / square_sum), 120) : 120;
 }
 
 /* Sums over a picture. */
 struct error_sums {
-	double square, count;	  /* object and shadow */
-	double frame_square, max; /* all pixels; object and shadow */
-	double contrast, behind;  /* shadow, linear light */
+	double square, count;	  /* over object and shadow */
+	double frame_square, max; /* over all pixels; over object and shadow */
+	double contrast, behind;  /* over the shadow, in linear light */
 };
 
 static void sums_add_pixel(struct error_sums *sums, enum scope_pixel scope, const double *truth,

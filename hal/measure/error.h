@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How far a composite is from double precision, in 8-bit levels, over the pixels that the object
- * changes. What double precision says is not rounded: a perfect picture in 8 bits has an RMS error
- * of 0.29 levels, 58.9 dB.
+ * Measures the error of a composite against double precision, in 8-bit levels, over the pixels that
+ * the object changes. The reference is not rounded, so a perfect 8-bit picture has an RMS error of
+ * 0.29 levels, 58.9 dB.
  */
 #ifndef INLAY_HAL_MEASURE_ERROR_H
 #define INLAY_HAL_MEASURE_ERROR_H
@@ -14,11 +14,11 @@
 #include "hal/frame/frame.h"
 #include "hal/frame/view.h"
 
-/* Which pixels count. */
+/* Classifies the pixels of a picture. */
 enum scope_pixel {
-	SCOPE_UNTOUCHED, /* the object changes nothing */
-	SCOPE_OBJECT,	 /* all others */
-	SCOPE_SHADOW,	 /* of these, where a receiver is seen and no part of the object */
+	SCOPE_UNTOUCHED, /* the object does not change the pixel */
+	SCOPE_OBJECT,	 /* the object covers the pixel, at least in part */
+	SCOPE_SHADOW,	 /* the object changes the receiver and does not cover it */
 };
 
 struct scope {
@@ -34,17 +34,20 @@ void scope_free(struct scope *scope);		   /* idempotent; zeroed is fine */
 struct composite_error {
 	double rms, psnr_db, max; /* over object and shadow */
 	double frame_psnr_db;	  /* over every pixel */
-	/* Mean over the shadow's pixels and channels of |ratio - true ratio|, the light behind the
-	 * shadow as weight: sum |out - true out| / sum B, in linear light. */
+	/* Mean of |ratio - true ratio| over pixels and channels of the shadow, weighted by the
+	 * background, in linear light:
+	 *     sum |out - true out| / sum B
+	 */
 	double contrast;
 };
 
-/* truth: [height][width][3], R G B, 0..255. Both are code values of this transfer. */
+/* truth: [height][width][3], R G B, 0..255. Both pictures hold code values of this transfer
+ * function. */
 struct composite_error error_measure(const struct scope *scope, const double *truth,
 				     const struct canvas *is, const struct picture *background,
 				     enum transfer transfer);
 
-/* The worst of both in each figure. */
+/* Sets each figure of *worst to the worse of both. */
 void error_worse(struct composite_error *worst, const struct composite_error *other);
 
 #endif

@@ -12,7 +12,7 @@
 #include "hal/lights/lights_file.h"
 #include "hal/optics/panorama.h"
 
-#define SUBSAMPLES 3 /* of a panorama's texel, a side */
+#define SUBSAMPLES 3 /* samples along each side of a panorama's texel */
 #define PANORAMA_WHITE 0.6
 
 void lightings_free(struct lightings *l)
@@ -45,7 +45,7 @@ void lighting_change(float (*radiance)[3], int lights, int changed, int turn)
 	}
 }
 
-/* NULL: no memory. */
+/* Adds a lighting to the list. NULL: no memory. */
 static struct lighting *lightings_add(struct lightings *l, const struct basis *basis,
 				      const char *name, int members)
 {
@@ -66,7 +66,7 @@ static struct lighting *lightings_add(struct lightings *l, const struct basis *b
 
 /* ---- exposure ---- */
 
-/* Radiance of white ground, in its brightest channel. */
+/* Returns the radiance of white ground in its brightest channel. */
 static double white_of(const struct basis *basis, const float (*radiance)[3])
 {
 	double sum[3] = {0, 0, 0};
@@ -92,7 +92,7 @@ static void lighting_expose(const struct basis *basis, float (*radiance)[3], dou
 
 /* ---- built-in ---- */
 
-/* The same numbers on every machine: 0..1. */
+/* Returns a random number in 0..1, the same on every machine. */
 static double chance(uint64_t *state)
 {
 	uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
@@ -110,7 +110,7 @@ static void lighting_fill_overcast(const struct basis *basis, float (*radiance)[
 	lighting_expose(basis, radiance, 1);
 }
 
-/* The light nearest to where a sun 35 degrees high in the south-west would stand. */
+/* Returns the light nearest to a sun 35 degrees high in the south-west. */
 static uint32_t sun_cell(const struct basis *basis)
 {
 	const double height = 35 * M_PI / 180, azimuth = -2.2;
@@ -130,7 +130,7 @@ static uint32_t sun_cell(const struct basis *basis)
 	return nearest;
 }
 
-/* A blue sky, and ten times its light from one cell. */
+/* A blue sky, and a sun of ten times its light in one cell. */
 static void lighting_fill_sun(const struct basis *basis, float (*radiance)[3])
 {
 	static const float sky[3] = {0.55F, 0.75F, 1}, sun[3] = {1, 0.92F, 0.78F};
@@ -156,7 +156,7 @@ static void lighting_fill_random(const struct basis *basis, float (*radiance)[3]
 	lighting_expose(basis, radiance, 1);
 }
 
-/* One cell alone, so bright that white ground or the brightest spot of the object is 1. */
+/* One cell alone, exposed so that white ground or the brightest spot of the object is 1. */
 static void lighting_fill_cell(const struct basis *basis, float (*radiance)[3], uint32_t cell)
 {
 	const float(*peak)[3] = basis->poses[0].peak;
@@ -203,7 +203,7 @@ int lightings_add_built_in(struct lightings *l, const struct basis *basis, int c
 
 /* ---- files ---- */
 
-/* The file's own name, without folders and ending. */
+/* Copies the file's name without folders and extension. */
 static void file_name_of(const char *path, char *name, size_t room)
 {
 	const char *slash = strrchr(path, '/'), *dot;
@@ -284,7 +284,7 @@ static int panorama_gather(const struct panorama *panorama, const struct dome *d
 	for (int i = 0; i < dome->count; i++) {
 		double node[3];
 
-		/* a light between the points: its node stands for it */
+		/* a light that contains no sample: use its node */
 		panorama_radiance(panorama, dome->direction[i], node);
 		for (int c = 0; c < 3; c++)
 			radiance[i][c] = (float)(sum[i][3] > 0 ? sum[i][c] / sum[i][3] : node[c]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lightings to try a basis under: built-in ones, files of lights, panoramas. All but files are
- * exposed as a camera would be.
+ * Lightings for tests of a basis: built-in ones, files of lights, panoramas. All but files are
+ * exposed like a camera would expose them.
  */
 #ifndef INLAY_HAL_MEASURE_LIGHTINGS_H
 #define INLAY_HAL_MEASURE_LIGHTINGS_H
@@ -10,7 +10,7 @@
 #include "hal/basis/basis.h"
 #include "hal/optics/dome.h"
 
-/* One or, of a kind, several, whose worst counts. */
+/* One lighting, or several of one kind, of which the worst result counts. */
 struct lighting {
 	char name[64];
 	int members;
@@ -24,33 +24,36 @@ struct lightings {
 
 void lightings_free(struct lightings *lightings); /* idempotent; zeroed is fine */
 
-/* One member of a lighting: [lights]. */
+/* Returns one member of a lighting: [lights]. */
 const float (*lighting_member(const struct lighting *lighting, const struct basis *basis,
 			      int member))[3];
 
-/* The dome whose lights the basis's are. -ENOTSUP: of none. */
+/* Creates the dome of the basis's lights; the caller frees it. -ENOTSUP: they are no dome's;
+ * -ENOMEM.
+ */
 int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault);
 
-/* Each adds to the list. Fine failures leave what was there. */
+/* Each function adds to the list. After a failure the earlier entries are still valid. */
 
-/* Overcast (CIE), a low sun that no bake has tried, single cells (cells of them, spread over the
- * sky), random. White ground, or with single cells what is brightest of it and the object, has
- * radiance 1. */
+/* Adds overcast (CIE), sun (low, at a place that no bake has tried), random, and single cells
+ * (`cells` of them, spread over the sky). White ground has radiance 1; with single cells white
+ * ground or the brightest spot of the object. -ENOMEM. */
 int lightings_add_built_in(struct lightings *lightings, const struct basis *basis, int cells,
 			   struct fault *fault);
 
+/* Adds a file of lights (hal/lights/lights_file.h), unchanged. */
 int lightings_add_file(struct lightings *lightings, const struct basis *basis, const char *path,
 		       struct fault *fault);
 
-/* The mean of an equirectangular picture over each light, white ground having radiance 0.6.
- * -EINVAL: the picture is not of linear light; -ENOTSUP: the basis's lights are no dome's. */
+/* Adds the mean of an equirectangular picture over each light, exposed so that white ground has
+ * radiance 0.6. -EINVAL: the picture is not in linear light; -ENOTSUP: the basis's lights are no
+ * dome's; -ENOMEM, errors of reading. */
 int lightings_add_panorama(struct lightings *lightings, const struct basis *basis, const char *path,
 			   struct fault *fault);
 
 /*
- * Makes some lights brighter, by a part of their own and by a little of the mean, so that dark ones
- * change too: a frame next to the one of these lights. Which ones moves on from turn to turn;
- * changed: 0..lights.
+ * Makes `changed` lights (0..lights) brighter by 7 %, plus 2 % of the mean, so that dark ones
+ * change, too. Other lights are chosen for each turn.
  */
 void lighting_change(float (*radiance)[3], int lights, int changed, int turn);
 

@@ -12,16 +12,16 @@
 struct thesis {
 	const struct basis *basis;
 	const struct basis_layer *layer;
-	struct pool *pool; /* that frames are made by */
+	struct pool *pool; /* makes the frames */
 	int width, height, lights;
 	uint8_t *role;	/* [height * width]: enum thesis_role */
 	uint8_t **row;	/* [height * width]: [lights][3] of an object, [lights][6] in shadow */
-	int *first;	/* [threads + 1]: pixels of each thread, alike in bytes to read */
-	double rate;	/* radiance that a byte of an object's row stands for, times 255 */
+	int *first;	/* [threads + 1]: first pixel of each thread; about equal bytes to read */
+	double rate;	/* radiance that byte 255 of an object's row stands for */
 	double *weight; /* [lights][3] */
 	int *used;	/* [used_count]: which lights reach the threshold */
 	int used_count;
-	uint64_t light_bytes; /* a light, over all rows */
+	uint64_t light_bytes; /* bytes of one light in all rows */
 };
 
 static size_t thesis_pixels(const struct thesis *t)
@@ -31,7 +31,7 @@ static size_t thesis_pixels(const struct thesis *t)
 
 /* ---- roles and memory ---- */
 
-/* There is no coverage: a pixel is the object's where the object has half of it. */
+/* The thesis has no coverage: a pixel is the object's if the object covers more than half of it. */
 static void find_roles(struct thesis *t)
 {
 	const uint16_t *coverage = t->basis->poses[0].coverage;
@@ -54,7 +54,7 @@ static void find_roles(struct thesis *t)
 		}
 	}
 	for (size_t at = 0; at < thesis_pixels(t); at++) {
-		/* black where nothing of it shines */
+		/* also where it has no T row: it is black */
 		if (coverage[at] > 32767)
 			t->role[at] = THESIS_OBJECT;
 		t->light_bytes += t->role[at] * UINT64_C(3);
@@ -79,7 +79,7 @@ static int allocate_rows(struct thesis *t, struct fault *fault)
 {
 	const uint64_t needed = t->light_bytes * (uint64_t)t->lights, there = memory_free();
 
-	/* a row's own overhead, and room for everybody else */
+	/* plus the overhead of each row, and room for other programs */
 	if (needed + thesis_pixels(t) * 32 + (UINT64_C(256) << 20) > there)
 		return fault_say(fault, -ENOMEM,
 				 "the thesis's basis takes %.1f GB of memory and %.1f GB are free: "
@@ -110,10 +110,10 @@ static uint8_t byte_of(float value)
 	return (uint8_t)(value <= 0 ? 0 : value >= 255 ? 255 : value + 0.5F);
 }
 
-/* Of the pixels of a tile that have a row. */
+/* The pixels of a tile that have a row. */
 struct thesis_tile {
 	int count;
-	int pixel[UNPACKED_PIXELS]; /* of the tile */
+	int pixel[UNPACKED_PIXELS]; /* in the tile */
 	uint8_t *row[UNPACKED_PIXELS];
 	bool is_object[UNPACKED_PIXELS];
 	float most[UNPACKED_PIXELS]; /* what 255 stands for */
@@ -150,7 +150,7 @@ static void find_most(const struct unpacked *from, struct thesis_tile *rows)
 	}
 }
 
-/* Light by light, as it lies in memory. */
+/* Fills in the rows, light by light in the order of the source. */
 static void fill_rows(const struct unpacked *from, const struct thesis_tile *rows)
 {
 	for (int k = 0; k < 3 * from->lights; k++) {
@@ -291,7 +291,7 @@ void thesis_light(struct thesis *t, const struct light_selection *lights)
 
 /* ---- a frame ---- */
 
-/* Each thread takes a run of pixels, of about as many bytes as the others. */
+/* Gives each thread a run of pixels with about equal bytes to read. */
 int thesis_share(struct thesis *t, struct pool *pool)
 {
 	const int threads = pool_threads(pool);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The thesis's own way to composite (its appendix, superimpose()), to hold ours against: a pixel is
- * object, shadow or neither; each has a row of memory of its own with three bytes a light, six in
- * shadow (the ground without the object, and with it); sums are in double precision, lights are
- * those that reach its threshold, and code values are taken as they are, without a transfer
+ * The algorithm of the thesis (its appendix, superimpose()), for comparison. A pixel is object,
+ * shadow or neither. Each object pixel has its own allocated row of three bytes for each light,
+ * each shadow pixel of six (ground without the object, ground with it). Sums are in double
+ * precision over the lights that reach the threshold. Code values are used without a transfer
  * function.
  *
- * Rows are quantised as kindly as a byte allows: those of the object to the brightest value that
- * any pixel has under any light, those in shadow each to its own.
+ * Rows are quantised as well as a byte allows: all object rows to the brightest value of any pixel
+ * under any light, each shadow row to its own brightest value.
  */
 #ifndef INLAY_HAL_MEASURE_THESIS_H
 #define INLAY_HAL_MEASURE_THESIS_H
@@ -20,28 +20,28 @@
 
 struct thesis;
 
-/* What a pixel is; a row has three bytes a light times this. */
+/* Role of a pixel. Its row has 3 * role bytes for each light. */
 enum thesis_role { THESIS_PICTURE, THESIS_OBJECT, THESIS_SHADOW };
 
-/* Made from a layer of pose 0, by the pool's threads. -ENOMEM, with how much is needed and how much
- * there is, before any of it is taken. */
+/* Converts a layer of pose 0, with the pool's threads. -ENOMEM: the fault says how much memory is
+ * needed; where too little is free, before any is allocated. */
 int thesis_create(struct thesis **thesis, const struct basis *basis,
 		  const struct basis_layer *layer, struct pool *pool, struct fault *fault);
 
-/* The threads that frames are made by; before the first. -ENOMEM. */
+/* Sets the threads that make frames. Call it before the first frame. -ENOMEM. */
 int thesis_share(struct thesis *thesis, struct pool *pool);
 
-/* What it is made of. A byte of an object's row is light of rate / 255; rows are NULL in PICTURE.
- */
+/* Returns the role of a pixel, and its row; NULL for THESIS_PICTURE. thesis_rate(): radiance of
+ * byte 255 in an object row. */
 enum thesis_role thesis_pixel(const struct thesis *thesis, int x, int y, const uint8_t **row);
 double thesis_rate(const struct thesis *thesis);
 
-uint64_t thesis_bytes(const struct thesis *thesis, int lights_used); /* read by a frame */
+uint64_t thesis_bytes(const struct thesis *thesis, int lights_used); /* that a frame reads */
 
-/* Its lights are the selection's, at the moment. */
+/* Copies the lights of the selection. */
 void thesis_light(struct thesis *thesis, const struct light_selection *lights);
 
-/* One frame into out, which has the basis's size as the background has. */
+/* Makes a frame in out. out and background have the basis's size. */
 void thesis_run(struct thesis *thesis, const struct canvas *background, struct canvas *out);
 
 void thesis_destroy(struct thesis *thesis); /* NULL is harmless */

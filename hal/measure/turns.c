@@ -5,11 +5,11 @@
 
 #include "hal/base/clock.h"
 
-/* Before a run is timed, in each turn: as many as make a short way feel at home. */
+/* Untimed runs before each timed one: at most this many, or until this time has passed. */
 #define WARM_RUNS 8
 #define WARM_NS (2 * NS_PER_MS)
 
-/* Of the processor, that this thread has had. */
+/* Processor time of this thread, in ns. */
 static int64_t thread_ns(void)
 {
 	struct timespec t;
@@ -18,7 +18,7 @@ static int64_t thread_ns(void)
 	return (int64_t)t.tv_sec * NS_PER_S + t.tv_nsec;
 }
 
-/* What is short is not alone in the processor's mind after a single run: caches, branches. */
+/* Warms caches and branch predictors; a short run needs several repetitions. */
 static int warm_up(const struct turns *t, int way, int turn)
 {
 	const int64_t start = thread_ns();

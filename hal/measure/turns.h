@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Times several ways to do a thing in turns (A, B, C, A, B, C, ...), so that noise of the machine
- * meets all alike, each after some rounds of its own that are not timed, so that it finds caches as
- * it leaves them.
+ * Times several methods in turns (A, B, C, A, B, C, ...), so that noise of the machine affects all
+ * equally. Untimed runs of the same method precede each timed one, so that it finds warm caches.
  */
 #ifndef INLAY_HAL_MEASURE_TURNS_H
 #define INLAY_HAL_MEASURE_TURNS_H
@@ -13,21 +12,21 @@
 struct turns {
 	void *context;
 	int ways, repeat;
-	/* Untimed, before each run; what it or run returns other than 0 ends everything. */
+	/* Called before each run, untimed. Anything but 0 from prepare() or run() ends all. */
 	int (*prepare)(void *context, int way, int turn);
 	int (*run)(void *context, int way);
-	/* Whether the calling thread does all of it. Then what counts is the time that it had of
-	 * the processor: by the clock a long way that has to make room for others would seem longer
-	 * than a short one. */
+	/* Whether the calling thread does all the work of a way. If so, its processor time counts
+	 * instead of the clock's: other programs interrupt a long run more often than a short one.
+	 * */
 	bool (*is_alone)(void *context, int way);
-	/* Added to, by what the calling thread did alone: by the clock, and by the processor. */
+	/* Totals of these single-threaded runs: clock time and processor time, added to. */
 	int64_t timed_ns, ran_ns;
 };
 
-/* ms: [ways][repeat], in the order of turns. */
+/* ms: [ways][repeat], in the order of turns. Returns 0, or what prepare() or run() returned. */
 int turns_time(struct turns *turns, double *ms);
 
-/* Sorts them; of an even number the mean of the two in the middle. */
+/* Sorts ms and returns the median; for an even count the mean of the middle two. */
 double turns_median(double *ms, int count);
 
 #endif

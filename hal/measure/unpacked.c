@@ -34,11 +34,11 @@ void unpacked_free(struct unpacked *t)
 	*t = (struct unpacked){.lights = 0};
 }
 
-/* What one light adds to a line of pixels, in units of the light X that its cell sends. */
+/* The values of one light in a line of pixels, per unit of X. */
 struct unpacked_line {
 	const struct basis_block *block;
-	int first, count; /* of the block's pixels */
-	int channel;	  /* of the block's */
+	int first, count; /* pixels, in the block's list */
+	int channel;	  /* in the block */
 	float value[BASIS_LINE8];
 };
 
@@ -68,7 +68,7 @@ static void add_line16(struct unpacked_line *l, const int16_t *lines, int count,
 	}
 }
 
-/* How much of pattern j light i is. */
+/* Returns the weight of pattern j in light i. */
 static float pattern_share(const struct basis *basis, const struct basis_block *b, int j, int i)
 {
 	const int16_t *pattern = b->pattern + (size_t)j * (size_t)b->stride;
@@ -81,7 +81,7 @@ static float pattern_share(const struct basis *basis, const struct basis_block *
 	return b->pattern_scale[j] * sum / BASIS_COARSE_ONE;
 }
 
-/* column: of light i, or -1. share: [patterns]. */
+/* Fills in a line. column: of the light, or -1 if it has none. share: [patterns]. */
 static void fill_line(struct unpacked_line *l, int column, const float *share)
 {
 	const struct basis_block *b = l->block;
@@ -115,7 +115,7 @@ static void add_line(struct unpacked *t, const struct unpacked_line *l, int chan
 	}
 }
 
-/* All of a block that is light i's. */
+/* Adds the values of one light in a block. */
 static void unpacked_add_light(struct unpacked *t, const struct basis *basis,
 			       const struct basis_block *b, int column, int light)
 {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a layer of a basis holds, tile by tile, as plain numbers: light by light, however it is
- * encoded.
+ * Decodes a layer of a basis, tile by tile, to plain numbers for each light.
  */
 #ifndef INLAY_HAL_MEASURE_UNPACKED_H
 #define INLAY_HAL_MEASURE_UNPACKED_H
@@ -12,7 +11,7 @@
 
 #define UNPACKED_PIXELS (BASIS_TILE * BASIS_TILE)
 
-/* Of one tile; pixel p is y * BASIS_TILE + x. Everything is per unit of L_i. */
+/* The values of one tile, per unit of L_i. Pixel p is y * BASIS_TILE + x. */
 struct unpacked {
 	int lights;
 	float (*object)[UNPACKED_PIXELS]; /* [3 * lights]: t, premultiplied by coverage */
@@ -24,7 +23,7 @@ struct unpacked {
 int unpacked_create(struct unpacked *unpacked, const struct basis *basis); /* -ENOMEM */
 void unpacked_free(struct unpacked *unpacked); /* idempotent; zeroed is fine */
 
-/* Channel c of light i is row c * lights + i. */
+/* Fills in a tile. Channel c of light i is row c * lights + i. */
 void unpacked_fill(struct unpacked *unpacked, const struct basis *basis,
 		   const struct basis_tile *tile);
 
