@@ -150,8 +150,8 @@ int basis_check_shapes(const struct basis_reader *reader, const struct basis_blo
 				       chunk->pose, (unsigned long long)end, chunk->data_bytes);
 }
 
-static void locate(struct basis_block *b, const struct basis_block_entry *e,
-		   const struct basis_layout *layout, const uint8_t *payload)
+static void block_locate(struct basis_block *b, const struct basis_block_entry *e,
+			 const struct basis_layout *layout, const uint8_t *payload)
 {
 	/* check_lies() has checked the alignment. */
 	const void *pixel = payload + layout->pixel, *tint = payload + layout->tint;
@@ -503,7 +503,7 @@ static int read_block(const struct block_place *at, struct basis_layer *layer, u
 		return ret;
 	layout = basis_layout(e, (int)at->reader->basis->info.coarse);
 	payload = at->chunk->data + e->offset;
-	locate(b, e, &layout, payload);
+	block_locate(b, e, &layout, payload);
 	tile = &layer->tiles[e->tile];
 	if (at->index && e->tile != e[-1].tile) {
 		ret = check_pairs(at, use, e[-1].tile);

@@ -442,7 +442,7 @@ void pack_close(struct pack *pack)
 	*pack = (struct pack){.parts = 0};
 }
 
-static int expand(void *to, size_t bytes, const void *from, size_t packed)
+static int zstd_expand(void *to, size_t bytes, const void *from, size_t packed)
 {
 	if (!bytes)
 		return packed ? -EBADMSG : 0;
@@ -451,7 +451,8 @@ static int expand(void *to, size_t bytes, const void *from, size_t packed)
 
 int pack_coverage(const struct pack *pack, uint16_t *coverage, size_t pixels)
 {
-	return expand(coverage, pixels * sizeof(*coverage), pack->coverage, pack->coverage_bytes);
+	return zstd_expand(coverage, pixels * sizeof(*coverage), pack->coverage,
+			   pack->coverage_bytes);
 }
 
 int pack_unpack(const struct pack *pack, int part, uint8_t *data)
@@ -474,7 +475,7 @@ int pack_unpack(const struct pack *pack, int part, uint8_t *data)
 	all = 0;
 	for (int s = 0; s < BASIS_PACK_STREAMS && ret == 0; s++) {
 		raw.at[s] = memory + all;
-		ret = expand(raw.at[s], bytes[s], packed, pack->part[part].bytes[s]);
+		ret = zstd_expand(raw.at[s], bytes[s], packed, pack->part[part].bytes[s]);
 		packed += pack->part[part].bytes[s];
 		all += bytes[s];
 	}

@@ -93,7 +93,7 @@ static void lighting_expose(const struct basis *basis, float (*radiance)[3], dou
 /* ---- built-in ---- */
 
 /* Returns a random number in 0..1, the same on every machine. */
-static double chance(uint64_t *state)
+static double random_unit(uint64_t *state)
 {
 	uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
 
@@ -148,10 +148,10 @@ static void lighting_fill_random(const struct basis *basis, float (*radiance)[3]
 	uint64_t state = 20;
 
 	for (uint32_t i = 0; i < basis->info.lights; i++) {
-		const double bright = exp(6 * chance(&state));
+		const double bright = exp(6 * random_unit(&state));
 
 		for (int c = 0; c < 3; c++)
-			radiance[i][c] = (float)(bright * (0.4 + 0.6 * chance(&state)));
+			radiance[i][c] = (float)(bright * (0.4 + 0.6 * random_unit(&state)));
 	}
 	lighting_expose(basis, radiance, 1);
 }
