@@ -29,7 +29,7 @@ struct block_work {
 int block_work_create(struct block_work *work, const struct basis *basis);
 void block_work_free(struct block_work *work); /* zeroed is fine */
 
-/* Before each frame. */
+/* Resets the counts. Call it before each frame. */
 void block_work_begin(struct block_work *work);
 
 /* A block that keeps its sums from frame to frame. */
@@ -38,12 +38,14 @@ struct kept_block {
 	int fraction; /* fraction bits of these sums */
 };
 
+/* The kept sums of a layer. */
 struct kept_sums {
 	int64_t *values;	   /* [layer_plan.kept_size]; NULL: nothing is kept */
 	struct kept_block *blocks; /* [blocks of the layer] */
 	bool always;		   /* start from kept sums even if that reads more */
 };
 
+/* Input of the functions below, besides the block's plan. */
 struct block_request {
 	const struct kernels *kernels;
 	const struct light_vector *light;
@@ -63,9 +65,10 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
 		const struct block_request *request, int fraction, const int64_t *sum[3]);
 
 /*
- * The same for a block of which at most KERNEL_RUN lines count, in int32 with fraction -
- * KERNEL_VALUE_SHIFT16 fraction bits, times the light's factor. The values must stay below 2^31 in
- * magnitude. Nothing is kept.
+ * Adds the rounded sums of a block of which at most KERNEL_RUN lines count, times the light's
+ * factor, to value[c][p] (fresh: overwrites). In int32, with this number of fraction bits:
+ *     fraction - KERNEL_VALUE_SHIFT16
+ * The values must stay below 2^31 in magnitude. Nothing is kept.
  */
 void block_values(struct block_work *work, const struct block_plan *plan,
 		  const struct block_request *request, int fraction, int32_t *const value[3]);

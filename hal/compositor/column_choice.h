@@ -24,17 +24,20 @@ struct light_column {
 	uint32_t bytes; /* length of the record */
 };
 
+/* The columns of one light. */
 struct light_columns {
 	uint32_t light; /* index in light_vector.sent */
 	uint32_t first; /* its first column in column_choice.column */
 	float most;	/* largest reach of its columns */
 };
 
+/* A block that takes part in the choice. */
 struct choosing_block {
 	float reach;  /* block_plan.reach */
 	uint32_t end; /* end of its chosen columns; those of the next block begin there */
 };
 
+/* A column that counts in this frame. */
 struct chosen_column {
 	uint32_t place;
 	/* light: as in light_columns; bytes: length of the record */

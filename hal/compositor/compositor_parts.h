@@ -28,6 +28,7 @@ struct layer {
 	int light_count;
 };
 
+/* The plans of a pose, valid while made is true. */
 struct pose {
 	struct glass_plan glass;
 	struct layer layer[COMPOSITOR_MODE_COUNT];
@@ -35,6 +36,7 @@ struct pose {
 	unsigned turn; /* basis_pose.turn when the plans were made */
 };
 
+/* Scratch memory of one thread. */
 struct compositor_worker {
 	struct tile_work tile;
 	struct tile_values values;

@@ -50,6 +50,7 @@ struct tile_plan {
 	bool object, taken; /* whether blocks or glass add to O; to 1 - ratio */
 };
 
+/* The plans of all blocks and tiles of a layer. */
 struct layer_plan {
 	struct tile_plan *tiles;
 	size_t kept_size; /* int64s */

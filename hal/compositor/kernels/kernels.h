@@ -134,11 +134,13 @@ struct kernels {
 			int32_t *const value[3]);
 
 	/* Splits count weights of each channel into digits, in the layout of kernel_digit().
-	 * Returns the number of digits that the largest needs; 0 if all weights are 0. |weight| <=
-	 * 2^46. count is even and below 2^16. digit has room for KERNEL_DIGITS, 64-byte aligned. */
+	 * Returns the number of digits that the largest needs; 0 if all weights are 0. count is
+	 * even and below 2^16; |weight| <= 2^46. digit has room for KERNEL_DIGITS, 64-byte aligned.
+	 */
 	int (*split)(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit);
 
-	/*     y[j][c] = sum over k of rows[j][k] * vector[c][k]      below 2^63 in magnitude
+	/* Multiplies `count` rows with the vectors of three channels:
+	 *     y[j][c] = sum over k of rows[j][k] * vector[c][k]      below 2^63 in magnitude
 	 * rows is 64-byte aligned; no value is -32768. stride is a multiple of 32,
 	 * 32..KERNEL_STRIDE_MAX. */
 	void (*project)(const int16_t *rows, int count, int stride,
@@ -155,11 +157,13 @@ struct kernels {
 	void (*fold)(const int64_t *sum, int count, int shift, uint32_t factor,
 		     const uint16_t *tint, const int32_t *from, int32_t *to);
 
-	/*     value[n] = round_shift(value[n] * tint[n], 15)      below 2^31 in magnitude
+	/* Multiplies values by tints:
+	 *     value[n] = round_shift(value[n] * tint[n], 15)      below 2^31 in magnitude
 	 * count 1..256. */
 	void (*tint)(int32_t *value, const uint16_t *tint, int count);
 
-	/*     to[p] = clamp(to[p] + value[n])
+	/* Adds the values of listed pixels to their places in a tile:
+	 *     to[p] = clamp(to[p] + value[n])
 	 * where p is the place of the n-th set bit in 16 rows of 16 bits, lowest bit first, and
 	 * clamp() is to +-KERNEL_LIMIT. value has KERNEL_PLACE_BEYOND readable elements more than
 	 * there are bits. |value[n]|, |to[p]| <= KERNEL_LIMIT. */

@@ -30,8 +30,9 @@ struct light_terms {
 	double (*ground_sum)[3]; /* [grounds]: sum of u */
 	struct basis_groups groups;
 	double *share; /* [grounds + 1][lights]: q of V for each ground, then q of T */
-	/* P by rows: coarse light k gathers light[n] with weight[n], n in first[k]..first[k + 1] -
-	 * 1. All NULL if each light is a coarse light. */
+	/* P by rows: coarse light k gathers light[n] with weight[n],
+	 *     first[k] <= n < first[k + 1]
+	 * All NULL if each light is a coarse light. */
 	uint32_t *first; /* [coarse + 1] */
 	uint16_t *light; /* ascending */
 	double *weight;	 /* integers; BASIS_COARSE_ONE stands for 1 */

@@ -43,9 +43,9 @@ struct light_sent {
 };
 
 /* light_vector.sent has three parts:
- *     0..N - 1        X_i of each light
- *     N..2 N - 1      X_i - q_i S, for columns whose group has a column, too
- *     2 N..2 N + K - 1    S of each group; the file numbers groups N..N + K - 1
+ *     0 .. N - 1             X_i of each light
+ *     N .. 2 N - 1           X_i - q_i S, for columns whose group has a column, too
+ *     2 N .. 2 N + K - 1     S of each group; the file numbers groups N .. N + K - 1
  * Returns the index of a light in the second part, or of a group in the third. */
 static inline int light_beside(int lights, int number)
 {
