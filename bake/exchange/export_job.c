@@ -126,6 +126,18 @@ static int write_textures(const struct export_job *job, struct fault *fault)
 	return err;
 }
 
+static int write_meshes(const struct export_job *job, bool standins, const char *name,
+			struct fault *fault)
+{
+	struct output out;
+	int err = export_job_open(job, name, &out, fault);
+
+	if (err)
+		return err;
+	export_meshes(job, standins, out.stream);
+	return output_commit(&out, fault);
+}
+
 /* ---- what is there ---- */
 
 static double longest(const struct mesh *mesh)
@@ -198,9 +210,9 @@ int export_job_begin(struct export_job *job, const struct scene *scene, const st
 	if (!err)
 		err = write_textures(job, fault);
 	if (!err && job->has_objects)
-		err = export_meshes(job, false, "objects.obj", fault);
+		err = write_meshes(job, false, "objects.obj", fault);
 	if (!err && job->has_standins)
-		err = export_meshes(job, true, "standins.obj", fault);
+		err = write_meshes(job, true, "standins.obj", fault);
 	if (err)
 		export_job_end(job);
 	return err;

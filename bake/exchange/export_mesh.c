@@ -36,7 +36,7 @@ int export_materials(struct export_job *job, struct fault *fault)
 	return 0;
 }
 
-static int number_of(const struct export_job *job, const struct material *material)
+static int material_number(const struct export_job *job, const struct material *material)
 {
 	int k = 0;
 
@@ -70,16 +70,11 @@ static long write_part(FILE *to, const struct mesh_part *part, int material, lon
 	return first + part->vertices;
 }
 
-int export_meshes(const struct export_job *job, bool standins, const char *name,
-		  struct fault *fault)
+void export_meshes(const struct export_job *job, bool standins, FILE *to)
 {
 	const struct scene *scene = job->scene;
-	struct output out;
 	long vertices = 0;
-	int err = export_job_open(job, name, &out, fault);
 
-	if (err)
-		return err;
 	for (int k = 0; k < scene->file->mesh_count; k++) {
 		const struct material *named = named_material(scene, k);
 		const struct mesh *mesh = &scene->meshes[k];
@@ -90,9 +85,8 @@ int export_meshes(const struct export_job *job, bool standins, const char *name,
 			const struct mesh_part *part = &mesh->parts[p];
 			const struct material *own = &mesh->materials[part->material];
 
-			vertices = write_part(out.stream, part, number_of(job, named ? named : own),
+			vertices = write_part(to, part, material_number(job, named ? named : own),
 					      vertices);
 		}
 	}
-	return output_commit(&out, fault);
 }

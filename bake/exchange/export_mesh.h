@@ -3,13 +3,15 @@
 #ifndef INLAY_BAKE_EXCHANGE_EXPORT_MESH_H
 #define INLAY_BAKE_EXCHANGE_EXPORT_MESH_H
 
+#include <stdbool.h>
+#include <stdio.h>
+
 #include "bake/exchange/export_job.h"
 
 /* Fills the job's list: the scene's own materials, then those of the meshes' files. -ENOMEM. */
 int export_materials(struct export_job *job, struct fault *fault);
 
-/* All objects, or all stand-ins. */
-int export_meshes(const struct export_job *job, bool standins, const char *name,
-		  struct fault *fault);
+/* Writes all objects, or all stand-ins, as one OBJ file. The caller checks the stream for errors. */
+void export_meshes(const struct export_job *job, bool standins, FILE *to);
 
 #endif
