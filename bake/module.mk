@@ -93,9 +93,13 @@ BAKE_SOURCES := \
 	bake/truth/truth_paths.c \
 	bake/truth/truth_views.c
 BAKE_MAIN := bake/main.c
-# What goes out with a job as it is.
-$(BUILD)/bake/exchange/export_blender.o: bake/exchange/export_blender.py
-$(BUILD)/bake/exchange/export_radiance.o: bake/exchange/export_radiance.mk
+# Files that export writes into a job's folder unchanged. x.y becomes the string x_y in the header x.y.h.
+$(BUILD)/bake/exchange/%.h: bake/exchange/%
+	@mkdir -p $(@D)
+	$(Q)(echo 'static const char $(subst .,_,$*)[] ='; sed 's/[\\"]/\\&/g; s/.*/"&\\n"/' $<; echo ';') >$@
+$(BUILD)/bake/exchange/export_blender.o: $(BUILD)/bake/exchange/export_blender.py.h
+$(BUILD)/bake/exchange/export_radiance.o: $(BUILD)/bake/exchange/export_radiance.mk.h
+$(addprefix $(BUILD)/bake/exchange/,export_blender.o export_radiance.o): OWN_FLAGS = -I$(BUILD)
 
 # The demo's own object. make-cow is a program apart: it needs no ray tracer.
 COW_SOURCES := \

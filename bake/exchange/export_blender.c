@@ -5,14 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The script as it is in the tree. */
-__asm__(".section .rodata\n"
-	".globl export_blender_script\n"
-	"export_blender_script:\n"
-	".incbin \"bake/exchange/export_blender.py\"\n"
-	".byte 0\n"
-	".previous\n");
-extern const char export_blender_script[]; /* a string */
+/* export_blender_py[]: bake/module.mk makes this header from export_blender.py. */
+#include "bake/exchange/export_blender.py.h"
 
 /* ---- camera ---- */
 
@@ -146,7 +140,7 @@ static int write_script(const struct export_job *job, struct fault *fault)
 
 	if (err)
 		return err;
-	fputs(export_blender_script, out.stream);
+	fputs(export_blender_py, out.stream);
 	return output_commit(&out, fault);
 }
 

@@ -4,16 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+/* export_radiance_mk[]: bake/module.mk makes this header from export_radiance.mk. */
+#include "bake/exchange/export_radiance.mk.h"
 #include "bake/exchange/export_rays.h"
-
-/* The rules as they are in the tree; what they are about stands before them. */
-__asm__(".section .rodata\n"
-	".globl export_radiance_rules\n"
-	"export_radiance_rules:\n"
-	".incbin \"bake/exchange/export_radiance.mk\"\n"
-	".byte 0\n"
-	".previous\n");
-extern const char export_radiance_rules[]; /* a string */
 
 /* Each of Radiance's bounces costs as many rays as the one before; later ones change next to
  * nothing. */
@@ -214,7 +207,7 @@ static int write_makefile(const struct export_job *job, int rays, struct fault *
 	for (int k = 0; k < job->dome->count; k++)
 		fprintf(out.stream, " %0*d", job->digits, k);
 	fprintf(out.stream, "\nIMPORT = %s\n", command);
-	fputs(export_radiance_rules, out.stream);
+	fputs(export_radiance_mk, out.stream);
 	return output_commit(&out, fault);
 }
 
