@@ -10,6 +10,9 @@ BAKE_SOURCES := \
 	bake/base/angles.c \
 	bake/base/options.c \
 	bake/base/progress.c \
+	bake/base/report_page.c \
+	bake/base/report_plot.c \
+	bake/base/report_table.c \
 	bake/base/surface.c \
 	bake/encode/coarse.c \
 	bake/encode/encode.c \
@@ -57,12 +60,9 @@ BAKE_SOURCES := \
 	bake/report/report_given.c \
 	bake/report/report_lighting.c \
 	bake/report/report_lights.c \
-	bake/report/report_page.c \
 	bake/report/report_pictures.c \
-	bake/report/report_plot.c \
 	bake/report/report_sky.c \
 	bake/report/report_summary.c \
-	bake/report/report_table.c \
 	bake/report/report_thesis.c \
 	bake/report/report_trial.c \
 	bake/scene/keyframes.c \

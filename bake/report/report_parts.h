@@ -3,8 +3,8 @@
 #ifndef INLAY_BAKE_REPORT_REPORT_PARTS_H
 #define INLAY_BAKE_REPORT_REPORT_PARTS_H
 
+#include "bake/base/report_page.h"
 #include "bake/report/report.h"
-#include "bake/report/report_page.h"
 #include "bake/report/report_trial.h"
 #include "bake/scene/scene.h"
 

@@ -5,9 +5,9 @@
 
 #include <stdbool.h>
 
+#include "bake/base/report_page.h"
 #include "bake/calibrate/estimate/finding.h"
 #include "bake/calibrate/report/report_sheet.h"
-#include "bake/report/report_page.h"
 
 /* A finding as reports look at it. */
 struct shown {

@@ -8,7 +8,7 @@
 #include <cairo.h>
 #include <stdbool.h>
 
-#include "bake/report/report_page.h"
+#include "bake/base/report_page.h"
 
 #define SHEET_WIDTH 960
 #define SHEET_MARGIN 16

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "bake/base/report_page.h"
 #include "bake/calibrate/estimate/json.h"
-#include "bake/report/report_page.h"
 
 struct report {
 	struct report_page page;

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "bake/report/report_table.h"
+#include "bake/base/report_table.h"
 #include "hal/base/clock.h"
 #include "hal/measure/lightings.h"
 #include "hal/measure/turns.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_table.h"
+#include "bake/base/report_table.h"
 
 #include <errno.h>
 #include <math.h>

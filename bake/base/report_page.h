@@ -4,14 +4,14 @@
  * as files. All of it is made in a folder of another name beside the one asked for, and takes its
  * place when it is whole.
  */
-#ifndef INLAY_BAKE_REPORT_REPORT_PAGE_H
-#define INLAY_BAKE_REPORT_REPORT_PAGE_H
+#ifndef INLAY_BAKE_BASE_REPORT_PAGE_H
+#define INLAY_BAKE_BASE_REPORT_PAGE_H
 
 #include <limits.h>
 #include <stdio.h>
 
-#include "bake/report/report_plot.h"
-#include "bake/report/report_table.h"
+#include "bake/base/report_plot.h"
+#include "bake/base/report_table.h"
 #include "hal/image/image.h"
 
 #define REPORT_PAGE_NAME "report.html"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Tables of a report: filled cell by cell, written as CSV whole and into the page rounded. */
-#ifndef INLAY_BAKE_REPORT_REPORT_TABLE_H
-#define INLAY_BAKE_REPORT_REPORT_TABLE_H
+#ifndef INLAY_BAKE_BASE_REPORT_TABLE_H
+#define INLAY_BAKE_BASE_REPORT_TABLE_H
 
 #include <stdbool.h>
 #include <stdio.h>

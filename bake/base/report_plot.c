@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_plot.h"
+#include "bake/base/report_plot.h"
 
 #include <cairo-svg.h>
 #include <cairo.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_page.h"
+#include "bake/base/report_page.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Plots of a report, as SVG: lines and points with their names beside them. */
-#ifndef INLAY_BAKE_REPORT_REPORT_PLOT_H
-#define INLAY_BAKE_REPORT_REPORT_PLOT_H
+#ifndef INLAY_BAKE_BASE_REPORT_PLOT_H
+#define INLAY_BAKE_BASE_REPORT_PLOT_H
 
 #include <stdbool.h>
 
