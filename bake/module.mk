@@ -60,6 +60,7 @@ BAKE_SOURCES := \
 	bake/report/report_given.c \
 	bake/report/report_lighting.c \
 	bake/report/report_lights.c \
+	bake/report/report_parts.c \
 	bake/report/report_pictures.c \
 	bake/report/report_sky.c \
 	bake/report/report_summary.c \

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
+#include "bake/report/report_sections.h"
 #include "hal/compositor/kernels/kernels.h"
 
 #define TRIALS_MAX 64

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "bake/report/report_parts.h"
+#include "bake/report/report_sections.h"
 
 static const double factors[] = {0.25, 0.5, 1, 2, 4, 8};
 static const double factors_quick[] = {1, 4};

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
+#include "bake/report/report_sections.h"
 
 /* As render writes it into a file's provenance. */
 static void find_target(const char *provenance, struct encode_target *target)

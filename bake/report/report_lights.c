@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "bake/report/report_parts.h"
+#include "bake/report/report_sections.h"
 
 enum { CELL, NODE, EXACT, THESIS, WAYS };
 

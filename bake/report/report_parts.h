@@ -44,9 +44,6 @@ struct report {
 void report_step(struct report *report, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-/* Opens the basis file in use: what it was baked with becomes report->render. */
-int report_given_open(struct report *report);
-
 /* The columns of time, memory and errors, and a trial's cells of them. */
 void report_result_columns(const struct report *report, struct report_table *table);
 void report_result_cells(const struct report *report, struct report_table *table,
@@ -63,21 +60,5 @@ const char *report_against(const struct report *report);
 
 /* For the plot of all settings. */
 void report_candidate_add(struct report *report, const struct report_trial *trial, bool in_use);
-
-/* One section each, in the order of the page. 0 or -errno with report->fault. */
-int report_lights(struct report *report);
-int report_threshold(struct report *report);
-int report_input_bits(struct report *report);
-int report_declared_error(struct report *report);
-int report_column_cut(struct report *report);
-int report_incremental(struct report *report);
-int report_kernels(struct report *report);
-int report_thread_counts(struct report *report);
-int report_thesis(struct report *report);
-int report_given(struct report *report);
-int report_pictures(struct report *report);
-
-/* Goes before all of them, but needs what they have found. */
-int report_summary(struct report *report);
 
 #endif

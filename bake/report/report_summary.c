@@ -6,28 +6,12 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
+#include "bake/report/report_sections.h"
 
 /* Nearer by less than this factor is no reason. */
 #define WORTH 1.01
 /* Times that are nearer to each other than this factor cannot be told apart. */
 #define SAME_TIME 1.05
-
-void report_candidate_add(struct report *r, const struct report_trial *trial, bool in_use)
-{
-	struct report_candidate *to = &r->candidate[r->candidates];
-
-	if (r->candidates == REPORT_CANDIDATES_MAX)
-		return;
-	r->candidates++;
-	*to = (struct report_candidate){
-		.ms = trial->median_ms,
-		.rms = report_rms(r, trial),
-		.mb = trial->way.mode == COMPOSITOR_EXACT ? trial->way.bake->exact_mb
-							  : trial->way.bake->shown_mb,
-		.in_use = in_use,
-	};
-	snprintf(to->name, sizeof(to->name), "%s", trial->name);
-}
 
 static int faster_first(const void *a, const void *b)
 {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "bake/report/report_parts.h"
+#include "bake/report/report_sections.h"
 
 /* Its screen of 720 x 486 shows four pictures. */
 #define WIDTH 360

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The sections of a report. Each stands in the file of its name, but for those of single choices
+ * (threshold to threads), which are all in report_choices.c. Sections do not call each other.
+ */
+#ifndef INLAY_BAKE_REPORT_REPORT_SECTIONS_H
+#define INLAY_BAKE_REPORT_REPORT_SECTIONS_H
+
+#include "bake/report/report_parts.h"
+
+/* Opens the basis file in use: what it was baked with becomes report->render. */
+int report_given_open(struct report *report);
+
+/* One section each, in the order of the page. 0 or -errno with report->fault. */
+int report_lights(struct report *report);
+int report_threshold(struct report *report);
+int report_input_bits(struct report *report);
+int report_declared_error(struct report *report);
+int report_column_cut(struct report *report);
+int report_incremental(struct report *report);
+int report_kernels(struct report *report);
+int report_thread_counts(struct report *report);
+int report_thesis(struct report *report);
+int report_given(struct report *report);
+int report_pictures(struct report *report);
+
+/* Goes before all of them, but needs what they have found. */
+int report_summary(struct report *report);
+
+#endif
