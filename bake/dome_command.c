@@ -8,15 +8,14 @@
 
 #include "bake/base/angles.h"
 #include "bake/base/commands.h"
+#include "bake/scene/lights_options.h"
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
-enum { FREQUENCY = 1, DIVISION, LIGHTS, ANGLES, JSON };
+enum { ANGLES = 1, JSON };
 
 static const struct option options[] = {
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"division", required_argument, NULL, DIVISION},
-	{"lights", required_argument, NULL, LIGHTS},
+	LIGHTS_OPTIONS,
 	{"angles", no_argument, NULL, ANGLES},
 	{"json", no_argument, NULL, JSON},
 	OPTIONS_OF_ALL,
@@ -56,7 +55,7 @@ static void print_json(const struct dome *dome)
 }
 
 struct choices {
-	int frequency, division, shape;
+	struct scene_lights lights;
 	int form; /* ANGLES, JSON; 0: a summary */
 };
 
@@ -65,14 +64,10 @@ static int take(void *choices, int option, struct fault *fault)
 	struct choices *c = choices;
 
 	switch (option) {
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &c->frequency,
-				  fault);
-	case DIVISION:
-		return option_choice("--division", optarg, dome_division_names, &c->division,
-				     fault);
-	case LIGHTS:
-		return option_choice("--lights", optarg, dome_shape_names, &c->shape, fault);
+	case LIGHTS_FREQUENCY:
+	case LIGHTS_DIVISION:
+	case LIGHTS_SHAPE:
+		return lights_option_take(&c->lights, option, optarg, fault);
 	default:
 		if (c->form && c->form != option)
 			return fault_say(fault, -EINVAL, "expected one of --angles and --json");
@@ -83,19 +78,19 @@ static int take(void *choices, int option, struct fault *fault)
 
 static int run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.division = DOME_ANGLES, .shape = DOME_CELLS};
+	struct choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS}};
 	struct fault fault = {.text = ""};
 	struct dome dome;
 	const int status = command_options(command, argc, argv, options, take, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
-	if (!c.frequency)
+	if (!c.lights.frequency)
 		return command_wrong(command, "--frequency is missing");
 	if (optind < argc)
 		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
-	if (dome_create_shaped(&dome, c.frequency, (enum dome_division)c.division,
-			       (enum dome_shape)c.shape, &fault) < 0) {
+	if (dome_create_shaped(&dome, c.lights.frequency, (enum dome_division)c.lights.division,
+			       (enum dome_shape)c.lights.shape, &fault) < 0) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}

@@ -67,6 +67,7 @@ BAKE_SOURCES := \
 	bake/report/report_thesis.c \
 	bake/report/report_trial.c \
 	bake/scene/keyframes.c \
+	bake/scene/lights_options.c \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
 	bake/tiles/assembly.c \
@@ -91,6 +92,7 @@ BAKE_SOURCES := \
 	bake/truth/sky.c \
 	bake/truth/truth.c \
 	bake/truth/truth_command.c \
+	bake/truth/truth_options.c \
 	bake/truth/truth_paths.c \
 	bake/truth/truth_views.c
 BAKE_MAIN := bake/main.c

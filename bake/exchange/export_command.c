@@ -11,24 +11,11 @@
 #include "bake/exchange/export_blender.h"
 #include "bake/exchange/export_radiance.h"
 #include "bake/exchange/msi.h"
+#include "bake/scene/lights_options.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 
-enum {
-	MSI = 1,
-	RADIANCE,
-	BLENDER,
-	ENDIAN,
-	LONG,
-	FREQUENCY,
-	DIVISION,
-	LIGHTS,
-	SIZE,
-	POSE,
-	RAYS,
-	SUNS,
-	THREADS
-};
+enum { MSI = 1, RADIANCE, BLENDER, ENDIAN, LONG, SIZE, POSE, RAYS, SUNS, THREADS };
 
 static const char *const endian_names[] = {"little", "big", NULL};
 
@@ -38,9 +25,7 @@ static const struct option options[] = {
 	{"blender", required_argument, NULL, BLENDER},
 	{"endian", required_argument, NULL, ENDIAN},
 	{"long", required_argument, NULL, LONG},
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"division", required_argument, NULL, DIVISION},
-	{"lights", required_argument, NULL, LIGHTS},
+	LIGHTS_OPTIONS,
 	{"size", required_argument, NULL, SIZE},
 	{"pose", required_argument, NULL, POSE},
 	{"rays", required_argument, NULL, RAYS},
@@ -90,19 +75,13 @@ static int take_scene(struct choices *c, int option, struct fault *fault)
 {
 	c->of_scene = true;
 	switch (option) {
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX,
-				  &c->lights.frequency, fault);
-	case LIGHTS:
-		return option_choice("--lights", optarg, dome_shape_names, &c->lights.shape, fault);
-	case DIVISION:
-		return option_choice("--division", optarg, dome_division_names, &c->lights.division,
-				     fault);
+	case SIZE:
+		return option_size("--size", optarg, &c->width, &c->height, fault);
 	case POSE:
 		c->pose = optarg;
 		return 0;
 	default:
-		return option_size("--size", optarg, &c->width, &c->height, fault);
+		return lights_option_take(&c->lights, option, optarg, fault);
 	}
 }
 
@@ -121,9 +100,9 @@ static int take(void *choices, int option, struct fault *fault)
 	case SUNS:
 		c->of_radiance = true;
 		return option_int("--suns", optarg, 1, EXPORT_SUNS_MAX, &c->radiance.suns, fault);
-	case FREQUENCY:
-	case DIVISION:
-	case LIGHTS:
+	case LIGHTS_FREQUENCY:
+	case LIGHTS_DIVISION:
+	case LIGHTS_SHAPE:
 	case SIZE:
 	case POSE:
 		return take_scene(c, option, fault);

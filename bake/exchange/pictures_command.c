@@ -10,40 +10,22 @@
 #include "bake/base/commands.h"
 #include "bake/base/progress.h"
 #include "bake/exchange/pictures.h"
-#include "bake/truth/truth.h"
+#include "bake/scene/lights_options.h"
+#include "bake/truth/truth_options.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 
-enum {
-	OBJECT = 1,
-	GROUND,
-	ALONE,
-	COVERAGE,
-	FREQUENCY,
-	DIVISION,
-	LIGHTS,
-	SAMPLES,
-	SIZE,
-	POSE,
-	SEED,
-	THREADS,
-	QUIET
-};
+enum { OBJECT = 1, GROUND, ALONE, COVERAGE, SIZE, POSE };
 
 static const struct option options[] = {
 	{"object", required_argument, NULL, OBJECT},
 	{"ground", required_argument, NULL, GROUND},
 	{"alone", required_argument, NULL, ALONE},
 	{"coverage", required_argument, NULL, COVERAGE},
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"division", required_argument, NULL, DIVISION},
-	{"lights", required_argument, NULL, LIGHTS},
-	{"samples", required_argument, NULL, SAMPLES},
+	LIGHTS_OPTIONS,
+	TRUTH_OPTIONS,
 	{"size", required_argument, NULL, SIZE},
 	{"pose", required_argument, NULL, POSE},
-	{"seed", required_argument, NULL, SEED},
-	{"threads", required_argument, NULL, THREADS},
-	{"quiet", no_argument, NULL, QUIET},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
 };
@@ -72,28 +54,17 @@ static int take(void *choices, int option, struct fault *fault)
 	case COVERAGE:
 		c->coverage = optarg;
 		return 0;
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX,
-				  &c->lights.frequency, fault);
-	case DIVISION:
-		return option_choice("--division", optarg, dome_division_names, &c->lights.division,
-				     fault);
-	case LIGHTS:
-		return option_choice("--lights", optarg, dome_shape_names, &c->lights.shape, fault);
-	case SAMPLES:
-		return option_int("--samples", optarg, 1, 1 << 20, &c->truth.samples, fault);
+	case LIGHTS_FREQUENCY:
+	case LIGHTS_DIVISION:
+	case LIGHTS_SHAPE:
+		return lights_option_take(&c->lights, option, optarg, fault);
 	case SIZE:
 		return option_size("--size", optarg, &c->width, &c->height, fault);
 	case POSE:
 		c->pose = optarg;
 		return 0;
-	case SEED:
-		return option_int("--seed", optarg, 0, 2147483647, &c->truth.seed, fault);
-	case THREADS:
-		return option_int("--threads", optarg, 1, 1024, &c->truth.threads, fault);
 	default:
-		c->truth.quiet = true;
-		return 0;
+		return truth_option_take(&c->truth, option, optarg, fault);
 	}
 }
 

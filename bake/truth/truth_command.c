@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "bake/base/commands.h"
-#include "bake/truth/truth.h"
+#include "bake/truth/truth_options.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 #include "hal/colour/transfer.h"
@@ -21,15 +21,11 @@ enum {
 	TURN,
 	EXPOSURE,
 	BACKGROUND,
-	SAMPLES_OPTION,
 	SIZE,
 	BACKGROUND_OUT,
 	FISHEYE_OUT,
 	FISHEYE_SIZE,
-	POSE,
-	SEED,
-	THREADS,
-	QUIET
+	POSE
 };
 
 static const struct option options[] = {
@@ -38,15 +34,12 @@ static const struct option options[] = {
 	{"turn", required_argument, NULL, TURN},
 	{"exposure", required_argument, NULL, EXPOSURE},
 	{"background", required_argument, NULL, BACKGROUND},
-	{"samples", required_argument, NULL, SAMPLES_OPTION},
 	{"size", required_argument, NULL, SIZE},
 	{"background-out", required_argument, NULL, BACKGROUND_OUT},
 	{"fisheye-out", required_argument, NULL, FISHEYE_OUT},
 	{"fisheye-size", required_argument, NULL, FISHEYE_SIZE},
 	{"pose", required_argument, NULL, POSE},
-	{"seed", required_argument, NULL, SEED},
-	{"threads", required_argument, NULL, THREADS},
-	{"quiet", no_argument, NULL, QUIET},
+	TRUTH_OPTIONS,
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
 };
@@ -77,8 +70,6 @@ static int take(void *choices, int option, struct fault *fault)
 	case BACKGROUND:
 		c->background = optarg;
 		return 0;
-	case SAMPLES_OPTION:
-		return option_int("--samples", optarg, 1, 1 << 20, &c->truth.samples, fault);
 	case SIZE:
 		return option_size("--size", optarg, &c->width, &c->height, fault);
 	case BACKGROUND_OUT:
@@ -92,13 +83,8 @@ static int take(void *choices, int option, struct fault *fault)
 	case POSE:
 		c->pose = optarg;
 		return 0;
-	case SEED:
-		return option_int("--seed", optarg, 0, 2147483647, &c->truth.seed, fault);
-	case THREADS:
-		return option_int("--threads", optarg, 1, 1024, &c->truth.threads, fault);
 	default:
-		c->truth.quiet = true;
-		return 0;
+		return truth_option_take(&c->truth, option, optarg, fault);
 	}
 }
 

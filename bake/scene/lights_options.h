@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* The options that choose the lights of a dome, the same for all commands that have them. */
+#ifndef INLAY_BAKE_SCENE_LIGHTS_OPTIONS_H
+#define INLAY_BAKE_SCENE_LIGHTS_OPTIONS_H
+
+#include "bake/scene/scene.h"
+
+enum lights_option {
+	LIGHTS_FREQUENCY = 300, /* above the commands' own and those of an encoding */
+	LIGHTS_DIVISION,
+	LIGHTS_SHAPE
+};
+
+/* For getopt_long(). */
+#define LIGHTS_OPTIONS                                                                             \
+	{"frequency", required_argument, NULL, LIGHTS_FREQUENCY},                                  \
+		{"division", required_argument, NULL, LIGHTS_DIVISION},                            \
+	{                                                                                          \
+		"lights", required_argument, NULL, LIGHTS_SHAPE                                    \
+	}
+
+/* Takes one of these options with its argument. -EINVAL. */
+int lights_option_take(struct scene_lights *lights, int option, const char *text,
+		       struct fault *fault);
+
+#endif
