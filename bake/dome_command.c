@@ -54,14 +54,14 @@ static void print_json(const struct dome *dome)
 	printf("]}\n");
 }
 
-struct choices {
+struct dome_choices {
 	struct scene_lights lights;
 	int form; /* ANGLES, JSON; 0: a summary */
 };
 
-static int take(void *choices, int option, struct fault *fault)
+static int dome_command_take(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct dome_choices *c = choices;
 
 	switch (option) {
 	case LIGHTS_FREQUENCY:
@@ -76,12 +76,12 @@ static int take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int dome_command_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS}};
+	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS}};
 	struct fault fault = {.text = ""};
 	struct dome dome;
-	const int status = command_options(command, argc, argv, options, take, &c);
+	const int status = command_options(command, argc, argv, options, dome_command_take, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -116,5 +116,5 @@ const struct command dome_command = {
 		"before angles\n"
 		"  --angles        one light a line: theta phi, radians\n"
 		"  --json          everything: angles, directions, solid angles\n",
-	.run = run,
+	.run = dome_command_run,
 };

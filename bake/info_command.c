@@ -47,7 +47,7 @@ struct summary {
 	uint64_t bytes; /* of the file */
 };
 
-static void add_block(struct block_sum *sum, const struct basis_block *block)
+static void block_sum_add(struct block_sum *sum, const struct basis_block *block)
 {
 	sum->blocks++;
 	sum->blocks_of_bytes += block->bits == 8;
@@ -63,7 +63,7 @@ static void add_block(struct block_sum *sum, const struct basis_block *block)
 	sum->bytes += block->bytes + sizeof(struct basis_block_entry);
 }
 
-static void add_tile(struct layer_sum *layer, const struct basis_tile *tile)
+static void layer_sum_add_tile(struct layer_sum *layer, const struct basis_tile *tile)
 {
 	bool listed[BASIS_KIND_COUNT][BASIS_TILE * BASIS_TILE] = {{false}};
 
@@ -71,8 +71,8 @@ static void add_tile(struct layer_sum *layer, const struct basis_tile *tile)
 	for (int b = 0; b < tile->block_count; b++) {
 		const struct basis_block *block = &tile->blocks[b];
 
-		add_block(&layer->kind[block->kind], block);
-		add_block(&layer->all, block);
+		block_sum_add(&layer->kind[block->kind], block);
+		block_sum_add(&layer->all, block);
 		for (int p = 0; p < block->pixels; p++)
 			listed[block->kind][block->pixel[p]] = true;
 	}
@@ -87,16 +87,17 @@ static void add_tile(struct layer_sum *layer, const struct basis_tile *tile)
 	}
 }
 
-static void add_pose(struct summary *s, const struct basis *basis, const struct basis_pose *pose)
+static void summary_add_pose(struct summary *s, const struct basis *basis,
+			     const struct basis_pose *pose)
 {
 	const int tiles = basis->tiles_across * basis->tiles_down;
 	const long pixels = (long)basis->info.width * basis->info.height;
 
 	s->tiles += tiles;
 	for (int t = 0; t < tiles; t++)
-		add_tile(&s->shown, &pose->shown.tiles[t]);
+		layer_sum_add_tile(&s->shown, &pose->shown.tiles[t]);
 	for (int t = 0; pose->exact.tiles && t < tiles; t++)
-		add_tile(&s->exact, &pose->exact.tiles[t]);
+		layer_sum_add_tile(&s->exact, &pose->exact.tiles[t]);
 	s->has_exact |= pose->exact.tiles != NULL;
 	for (long i = 0; i < pixels; i++)
 		s->covered += pose->coverage[i] > 0;
@@ -104,7 +105,7 @@ static void add_pose(struct summary *s, const struct basis *basis, const struct 
 }
 
 /* One pose after the other, none longer in memory than it takes. */
-static int summarise(const struct basis *basis, struct summary *s, struct fault *fault)
+static int summary_fill(const struct basis *basis, struct summary *s, struct fault *fault)
 {
 	int err = 0;
 
@@ -113,7 +114,7 @@ static int summarise(const struct basis *basis, struct summary *s, struct fault 
 		basis_poses_expect(basis, NULL, 0);
 		err = basis_pose_load(basis, p, fault);
 		if (!err)
-			add_pose(s, basis, &basis->poses[p]);
+			summary_add_pose(s, basis, &basis->poses[p]);
 	}
 	return err;
 }
@@ -136,7 +137,7 @@ static const char *division_name(const struct basis *basis)
 		       : "unknown";
 }
 
-static double per(double sum, double count)
+static double safe_ratio(double sum, double count)
 {
 	return count > 0 ? sum / count : 0;
 }
@@ -150,16 +151,16 @@ static void print_kind(const struct basis *basis, const struct layer_sum *layer,
 	printf("%s%s (%s): %ld blocks, %ld pixels, %.1f patterns a block (largest %d), "
 	       "%.1f columns (largest %d",
 	       before, kind_names[kind], kind_meanings[kind], s->blocks, s->pixels,
-	       per(s->patterns, (double)s->blocks), s->patterns_most,
-	       per(s->columns, (double)s->blocks), s->columns_most);
+	       safe_ratio(s->patterns, (double)s->blocks), s->patterns_most,
+	       safe_ratio(s->columns, (double)s->blocks), s->columns_most);
 	if (s->blocks_of_bytes)
 		printf("; of 8 bits in %ld blocks", s->blocks_of_bytes);
 	printf(")");
 	if (s->tinted)
 		printf(", %ld tinted", s->tinted);
 	printf(", %.2f MB, %.1f bytes a pixel; dense 8-bit %.2f MB, %.1f times as much\n",
-	       (double)s->bytes * 1e-6, per((double)s->bytes, (double)s->pixels), dense * 1e-6,
-	       per(dense, (double)s->bytes));
+	       (double)s->bytes * 1e-6, safe_ratio((double)s->bytes, (double)s->pixels),
+	       dense * 1e-6, safe_ratio(dense, (double)s->bytes));
 }
 
 static void print_layer(const struct basis *basis, const struct summary *all, bool exact)
@@ -170,7 +171,8 @@ static void print_layer(const struct basis *basis, const struct summary *all, bo
 	printf("%s layer: %ld of %ld tiles hold something, %ld pixels, %.2f MB; dense 8-bit %.2f "
 	       "MB, %.1f times as much\n",
 	       exact ? "exact" : "shown", layer->tiles_used, all->tiles, layer->all.pixels,
-	       (double)layer->all.bytes * 1e-6, dense * 1e-6, per(dense, (double)layer->all.bytes));
+	       (double)layer->all.bytes * 1e-6, dense * 1e-6,
+	       safe_ratio(dense, (double)layer->all.bytes));
 	for (int k = 0; k < BASIS_KIND_COUNT; k++)
 		if (layer->kind[k].blocks)
 			print_kind(basis, layer, k, exact ? "exact " : "");
@@ -294,14 +296,14 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	printf("}\n");
 }
 
-struct choices {
+struct info_choices {
 	const char *map;
 	bool json;
 };
 
-static int take(void *choices, int option, struct fault *fault)
+static int info_command_take(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct info_choices *c = choices;
 
 	(void)fault;
 	if (option == MAP)
@@ -311,13 +313,13 @@ static int take(void *choices, int option, struct fault *fault)
 	return 0;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int info_command_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.map = NULL};
+	struct info_choices c = {.map = NULL};
 	struct fault fault = {.text = ""};
 	struct summary summary;
 	struct basis basis;
-	const int status = command_options(command, argc, argv, options, take, &c);
+	const int status = command_options(command, argc, argv, options, info_command_take, &c);
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -328,7 +330,7 @@ static int run(const struct command *command, int argc, char **argv)
 	if (!err && c.map)
 		err = info_map_write(&basis, c.map, &fault);
 	if (!err)
-		err = summarise(&basis, &summary, &fault);
+		err = summary_fill(&basis, &summary, &fault);
 	if (err) {
 		log_error("%s", fault.text);
 		basis_close(&basis);
@@ -350,5 +352,5 @@ const struct command info_command = {
 		"  --json      everything, for programs\n"
 		"  --map F     a picture: patterns, columns and bytes of each pixel, side by "
 		"side\n",
-	.run = run,
+	.run = info_command_run,
 };

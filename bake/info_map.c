@@ -24,7 +24,7 @@ static const double paper[3] = {0.09, 0.09, 0.1}, ink[3] = {0.92, 0.92, 0.92};
 static const double not_stored[3] = {0.26, 0.26, 0.28};
 
 /* One number for each pixel. */
-struct panel {
+struct map_panel {
 	float *value; /* [height][width]; negative: not stored */
 	double mean, most;
 	double top; /* what the lightest colour stands for: a round number, most or less */
@@ -33,7 +33,7 @@ struct panel {
 struct map {
 	int width, height, zoom;
 	int across; /* of a panel: of its picture or its texts */
-	struct panel panel[PANELS];
+	struct map_panel panel[PANELS];
 };
 
 /* The least number that is not below value and round: a step, of which a quarter is
@@ -49,7 +49,7 @@ static double round_up(double value)
 	return steps[k] * decade;
 }
 
-static int ascending(const void *a, const void *b)
+static int float_ascending(const void *a, const void *b)
 {
 	const float x = *(const float *)a, y = *(const float *)b;
 
@@ -58,7 +58,7 @@ static int ascending(const void *a, const void *b)
 
 /* Mean and most of what is stored; a few pixels that take far more than the others do not darken
  * those: colours end at what 99 % stay below. */
-static int measure(struct panel *panel, size_t pixels)
+static int panel_measure(struct map_panel *panel, size_t pixels)
 {
 	float *stored = malloc(pixels * sizeof(*stored));
 	size_t count = 0;
@@ -74,7 +74,7 @@ static int measure(struct panel *panel, size_t pixels)
 	}
 	panel->top = 1;
 	if (count) {
-		qsort(stored, count, sizeof(*stored), ascending);
+		qsort(stored, count, sizeof(*stored), float_ascending);
 		panel->mean = sum / (double)count;
 		panel->most = (double)stored[count - 1];
 		panel->top = round_up((double)stored[(count - 1) * 99 / 100]);
@@ -83,8 +83,8 @@ static int measure(struct panel *panel, size_t pixels)
 	return 0;
 }
 
-static void add_block(struct map *map, const struct basis_tile *tile,
-		      const struct basis_block *block)
+static void map_add_block(struct map *map, const struct basis_tile *tile,
+			  const struct basis_block *block)
 {
 	const float numbers[PANELS] = {(float)block->patterns, (float)block->columns,
 				       (float)block->bytes / (float)block->pixels};
@@ -126,21 +126,21 @@ static int fill_map(struct map *map, const struct basis *basis)
 	}
 	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++)
 		for (int b = 0; b < layer->tiles[t].block_count; b++)
-			add_block(map, &layer->tiles[t], &layer->tiles[t].blocks[b]);
+			map_add_block(map, &layer->tiles[t], &layer->tiles[t].blocks[b]);
 	for (int k = 0; k < PANELS && ret == 0; k++)
-		ret = measure(&map->panel[k], pixels);
+		ret = panel_measure(&map->panel[k], pixels);
 	return ret;
 }
 
-static uint32_t packed(const double rgb[3])
+static uint32_t rgb_packed(const double rgb[3])
 {
 	return (uint32_t)lrint(255 * rgb[0]) << 16 | (uint32_t)lrint(255 * rgb[1]) << 8 |
 	       (uint32_t)lrint(255 * rgb[2]);
 }
 
 /* Straight into the surface: each pixel as a square of zoom by zoom. */
-static void draw_pixels(const struct map *map, const struct panel *panel, cairo_surface_t *surface,
-			int left, int top)
+static void panel_draw_pixels(const struct map *map, const struct map_panel *panel,
+			      cairo_surface_t *surface, int left, int top)
 {
 	const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
 	unsigned char *data;
@@ -157,7 +157,7 @@ static void draw_pixels(const struct map *map, const struct panel *panel, cairo_
 			uint32_t pixel;
 
 			surface_ramp((double)value / panel->top, rgb);
-			pixel = packed(value < 0 ? not_stored : rgb);
+			pixel = rgb_packed(value < 0 ? not_stored : rgb);
 			memcpy(row + (size_t)x * 4, &pixel, sizeof(pixel));
 		}
 	}
@@ -165,7 +165,7 @@ static void draw_pixels(const struct map *map, const struct panel *panel, cairo_
 }
 
 /* x: of the text's left end, middle or right end as `align` is 0, 0.5 or 1. */
-static void draw_text(cairo_t *cairo, double x, double y, double align, const char *text)
+static void map_draw_text(cairo_t *cairo, double x, double y, double align, const char *text)
 {
 	cairo_text_extents_t size;
 
@@ -175,8 +175,8 @@ static void draw_text(cairo_t *cairo, double x, double y, double align, const ch
 	cairo_show_text(cairo, text);
 }
 
-static void draw_bar(cairo_t *cairo, const struct panel *panel, double left, double top,
-		     double width)
+static void panel_draw_bar(cairo_t *cairo, const struct map_panel *panel, double left, double top,
+			   double width)
 {
 	cairo_pattern_t *gradient = cairo_pattern_create_linear(left, 0, left + width, 0);
 	char text[80];
@@ -189,25 +189,26 @@ static void draw_bar(cairo_t *cairo, const struct panel *panel, double left, dou
 	for (int k = 0; k <= 4; k++) {
 		snprintf(text, sizeof(text), "%.4g%s", panel->top * k / 4,
 			 k == 4 && panel->most > panel->top ? " or more" : "");
-		draw_text(cairo, left + width * k / 4, top + BAR + 16,
-			  k == 0   ? 0
-			  : k == 4 ? 1
-				   : 0.5,
-			  text);
+		map_draw_text(cairo, left + width * k / 4, top + BAR + 16,
+			      k == 0   ? 0
+			      : k == 4 ? 1
+				       : 0.5,
+			      text);
 	}
 }
 
-static void draw_panel(const struct map *map, int index, cairo_t *cairo, cairo_surface_t *surface)
+static void map_draw_panel(const struct map *map, int index, cairo_t *cairo,
+			   cairo_surface_t *surface)
 {
-	const struct panel *panel = &map->panel[index];
+	const struct map_panel *panel = &map->panel[index];
 	const int left = MARGIN + index * (map->across + MARGIN);
 	char text[120];
 
-	draw_pixels(map, panel, surface, left, ABOVE);
+	panel_draw_pixels(map, panel, surface, left, ABOVE);
 	snprintf(text, sizeof(text), "%s of a pixel: mean %.4g, most %.4g", titles[index],
 		 panel->mean, panel->most);
-	draw_text(cairo, left, ABOVE - 12, 0, text);
-	draw_bar(cairo, panel, left, ABOVE + map->height * map->zoom + 14, map->across);
+	map_draw_text(cairo, left, ABOVE - 12, 0, text);
+	panel_draw_bar(cairo, panel, left, ABOVE + map->height * map->zoom + 14, map->across);
 }
 
 static int draw_map(const struct map *map, struct image *image)
@@ -225,7 +226,7 @@ static int draw_map(const struct map *map, struct image *image)
 				       CAIRO_FONT_WEIGHT_NORMAL);
 		cairo_set_font_size(cairo, 14);
 		for (int k = 0; k < PANELS; k++)
-			draw_panel(map, k, cairo, surface);
+			map_draw_panel(map, k, cairo, surface);
 		ret = surface_to_image(surface, image);
 	}
 	cairo_destroy(cairo);

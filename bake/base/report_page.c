@@ -22,7 +22,7 @@
 /* ---- folders ---- */
 
 /* What reports are made of, and nothing else is ever taken away. */
-static bool is_ours(const char *name)
+static bool is_report_file(const char *name)
 {
 	static const char *const endings[] = {".html", ".csv", ".json", ".svg", ".png", ".inlay"};
 	const char *dot = strrchr(name, '.');
@@ -33,7 +33,7 @@ static bool is_ours(const char *name)
 	return false;
 }
 
-static void remove_folder(const char *folder)
+static void remove_report_folder(const char *folder)
 {
 	DIR *dir = opendir(folder);
 	const struct dirent *entry;
@@ -41,7 +41,7 @@ static void remove_folder(const char *folder)
 	if (!dir)
 		return;
 	while ((entry = readdir(dir)))
-		if (is_ours(entry->d_name))
+		if (is_report_file(entry->d_name))
 			unlinkat(dirfd(dir), entry->d_name, 0);
 	closedir(dir);
 	if (rmdir(folder))
@@ -79,14 +79,14 @@ static void remove_leftovers(const char *folder)
 
 		if (fd < 0)
 			continue;
-		remove_folder(found.gl_pathv[k]);
+		remove_report_folder(found.gl_pathv[k]);
 		close(fd);
 	}
 	globfree(&found);
 }
 
 /* Empty or an earlier report. */
-static int check_folder(const char *folder, struct fault *fault)
+static int check_report_folder(const char *folder, struct fault *fault)
 {
 	bool empty = true, report = false;
 	DIR *dir = opendir(folder);
@@ -120,7 +120,7 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 	while (length > 1 && folder[length - 1] == '/')
 		length--;
 	snprintf(page->folder, sizeof(page->folder), "%.*s", (int)length, folder);
-	err = check_folder(page->folder, fault);
+	err = check_report_folder(page->folder, fault);
 	if (err)
 		return err;
 	remove_leftovers(page->folder);
@@ -161,7 +161,7 @@ void report_page_abandon(struct report_page *page)
 {
 	close_texts(page);
 	if (page->temporary[0])
-		remove_folder(page->temporary);
+		remove_report_folder(page->temporary);
 	page->temporary[0] = '\0';
 	if (page->lock > 0)
 		close(page->lock);

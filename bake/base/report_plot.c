@@ -83,14 +83,14 @@ struct axis {
 	int ticks;
 };
 
-static double place(const struct axis *a, double value)
+static double axis_place(const struct axis *a, double value)
 {
 	const double v = a->log ? log10(value) : value;
 
 	return a->from + (v - a->low) / (a->high - a->low) * (a->to - a->from);
 }
 
-static void include(struct axis *a, double value)
+static void axis_include(struct axis *a, double value)
 {
 	const double v = a->log ? log10(value) : value;
 
@@ -99,7 +99,7 @@ static void include(struct axis *a, double value)
 }
 
 /* name NULL: the number itself. */
-static void add_tick(struct axis *a, double value, const char *name)
+static void axis_add_tick(struct axis *a, double value, const char *name)
 {
 	const double v = a->log ? log10(value) : value;
 
@@ -118,7 +118,7 @@ static void choose_log_ticks(struct axis *a)
 
 	for (int e = (int)floor(a->low); e <= (int)ceil(a->high); e++)
 		for (int k = 0; k < count; k++)
-			add_tick(a, steps[k] * pow(10, e), NULL);
+			axis_add_tick(a, steps[k] * pow(10, e), NULL);
 }
 
 static void choose_linear_ticks(struct axis *a)
@@ -133,7 +133,7 @@ static void choose_linear_ticks(struct axis *a)
 		k++;
 	/* + 0: ceil() of little less than 0 is -0, and reads so */
 	for (double v = ceil(low / (steps[k] * decade)) + 0.0; v * steps[k] * decade <= high; v++)
-		add_tick(a, v * steps[k] * decade, NULL);
+		axis_add_tick(a, v * steps[k] * decade, NULL);
 }
 
 /* A range that holds every point, with room around them. ticks: the plot's own, or none. */
@@ -150,7 +150,7 @@ static void finish_axis(struct axis *a, const struct report_plot *p, int ticks)
 		a->low -= room;
 	a->high += room;
 	for (int k = 0; k < ticks; k++)
-		add_tick(a, p->x_tick[k], p->x_name[k]);
+		axis_add_tick(a, p->x_tick[k], p->x_name[k]);
 	if (ticks)
 		return;
 	if (a->log && a->high - a->low > 0.8)
@@ -161,12 +161,12 @@ static void finish_axis(struct axis *a, const struct report_plot *p, int ticks)
 
 /* ---- drawing ---- */
 
-struct drawing {
+struct plot_drawing {
 	cairo_t *c;
 	struct axis x, y;
 };
 
-static void set_colour(cairo_t *c, int colour)
+static void plot_set_colour(cairo_t *c, int colour)
 {
 	cairo_set_source_rgb(c, palette[colour][0], palette[colour][1], palette[colour][2]);
 }
@@ -181,7 +181,7 @@ static double text_width(cairo_t *c, const char *text)
 
 /* share of the text's width that lies left of x; y is the middle of its height. Lines under it are
  * covered around its letters. */
-static void draw_text(cairo_t *c, double x, double y, double share, const char *text)
+static void plot_draw_text(cairo_t *c, double x, double y, double share, const char *text)
 {
 	const double left = x - share * text_width(c, text), base = y + 0.36 * TEXT_PX;
 
@@ -197,9 +197,9 @@ static void draw_text(cairo_t *c, double x, double y, double share, const char *
 	cairo_show_text(c, text);
 }
 
-static void draw_tick(const struct drawing *d, const struct axis *a, int k, bool across)
+static void draw_tick(const struct plot_drawing *d, const struct axis *a, int k, bool across)
 {
-	const double value = a->tick[k], at = rint(place(a, value)) + 0.5;
+	const double value = a->tick[k], at = rint(axis_place(a, value)) + 0.5;
 	char text[32];
 
 	if (a->name[k])
@@ -217,12 +217,12 @@ static void draw_tick(const struct drawing *d, const struct axis *a, int k, bool
 	cairo_stroke(d->c);
 	cairo_set_source_rgb(d->c, 0.25, 0.25, 0.25);
 	if (across)
-		draw_text(d->c, at, d->y.from + LINE_PX, 0.5, text);
+		plot_draw_text(d->c, at, d->y.from + LINE_PX, 0.5, text);
 	else
-		draw_text(d->c, d->x.from - 8, at, 1, text);
+		plot_draw_text(d->c, d->x.from - 8, at, 1, text);
 }
 
-static void draw_axes(const struct drawing *d, const struct report_plot *p)
+static void draw_axes(const struct plot_drawing *d, const struct report_plot *p)
 {
 	cairo_set_line_width(d->c, 1);
 	for (int k = 0; k < d->x.ticks; k++)
@@ -235,15 +235,15 @@ static void draw_axes(const struct drawing *d, const struct report_plot *p)
 	cairo_line_to(d->c, d->x.to, d->y.from);
 	cairo_stroke(d->c);
 	cairo_set_source_rgb(d->c, 0.1, 0.1, 0.1);
-	draw_text(d->c, (d->x.from + d->x.to) / 2, HEIGHT - 14, 0.5, p->x_label);
+	plot_draw_text(d->c, (d->x.from + d->x.to) / 2, HEIGHT - 14, 0.5, p->x_label);
 	cairo_save(d->c);
 	cairo_translate(d->c, 14, (d->y.from + d->y.to) / 2);
 	cairo_rotate(d->c, -M_PI / 2);
-	draw_text(d->c, 0, 0, 0.5, p->y_label);
+	plot_draw_text(d->c, 0, 0, 0.5, p->y_label);
 	cairo_restore(d->c);
 }
 
-static void draw_lines(const struct drawing *d, const struct report_series *s)
+static void draw_lines(const struct plot_drawing *d, const struct report_series *s)
 {
 	static const double dashes[] = {6, 4};
 	double before = 0;
@@ -252,7 +252,8 @@ static void draw_lines(const struct drawing *d, const struct report_series *s)
 	if (s->style == STYLE_DASHED)
 		cairo_set_dash(d->c, dashes, 2, 0);
 	for (int k = 0; k < s->count; k++) {
-		const double x = place(&d->x, s->point[k].x), y = place(&d->y, s->point[k].y);
+		const double x = axis_place(&d->x, s->point[k].x),
+			     y = axis_place(&d->y, s->point[k].y);
 
 		if (k && s->style == STYLE_STEPS)
 			cairo_line_to(d->c, x, before);
@@ -266,12 +267,13 @@ static void draw_lines(const struct drawing *d, const struct report_series *s)
 	cairo_set_dash(d->c, NULL, 0, 0);
 }
 
-static void draw_points(const struct drawing *d, const struct report_series *s)
+static void draw_points(const struct plot_drawing *d, const struct report_series *s)
 {
 	for (int k = 0; k < s->count; k++) {
-		const double x = place(&d->x, s->point[k].x), y = place(&d->y, s->point[k].y);
+		const double x = axis_place(&d->x, s->point[k].x),
+			     y = axis_place(&d->y, s->point[k].y);
 
-		set_colour(d->c, s->colour);
+		plot_set_colour(d->c, s->colour);
 		cairo_arc(d->c, x, y, s->style == STYLE_POINTS ? 3 : 3.5, 0, 2 * M_PI);
 		cairo_fill(d->c);
 		if (!s->point[k].ringed)
@@ -290,7 +292,7 @@ struct label {
 	double y;
 };
 
-static int upwards(const void *a, const void *b)
+static int label_upwards(const void *a, const void *b)
 {
 	const double x = ((const struct label *)a)->y, y = ((const struct label *)b)->y;
 
@@ -298,7 +300,7 @@ static int upwards(const void *a, const void *b)
 }
 
 /* At the right ends, moved apart where they would lie on each other. */
-static void draw_series_labels(const struct drawing *d, const struct report_plot *p)
+static void draw_series_labels(const struct plot_drawing *d, const struct report_plot *p)
 {
 	struct label label[REPORT_SERIES_MAX] = {{.y = 0}};
 	int count = 0;
@@ -307,9 +309,10 @@ static void draw_series_labels(const struct drawing *d, const struct report_plot
 		const struct report_series *s = &p->series[k];
 
 		if (s->label[0] && s->count)
-			label[count++] = (struct label){s, place(&d->y, s->point[s->count - 1].y)};
+			label[count++] =
+				(struct label){s, axis_place(&d->y, s->point[s->count - 1].y)};
 	}
-	qsort(label, (size_t)count, sizeof(*label), upwards);
+	qsort(label, (size_t)count, sizeof(*label), label_upwards);
 	for (int k = 1; k < count; k++)
 		label[k].y = fmax(label[k].y, label[k - 1].y + LINE_PX);
 	for (int k = count - 1; k >= 0; k--) {
@@ -318,19 +321,19 @@ static void draw_series_labels(const struct drawing *d, const struct report_plot
 		label[k].y = fmin(label[k].y, below);
 	}
 	for (int k = 0; k < count; k++) {
-		set_colour(d->c, label[k].series->colour);
-		draw_text(d->c, d->x.to + 8, label[k].y, 0, label[k].series->label);
+		plot_set_colour(d->c, label[k].series->colour);
+		plot_draw_text(d->c, d->x.to + 8, label[k].y, 0, label[k].series->label);
 	}
 }
 
-struct box {
+struct label_box {
 	double x, y, width;
 };
 
-static bool is_free(const struct box *boxes, int count, const struct box *box)
+static bool is_box_free(const struct label_box *boxes, int count, const struct label_box *box)
 {
 	for (int k = 0; k < count; k++) {
-		const struct box *b = &boxes[k];
+		const struct label_box *b = &boxes[k];
 
 		if (box->x < b->x + b->width && b->x < box->x + box->width &&
 		    fabs(box->y - b->y) < LINE_PX - 1)
@@ -340,10 +343,10 @@ static bool is_free(const struct box *boxes, int count, const struct box *box)
 }
 
 /* Beside its point where there is room: to the right, above, below, to the left. */
-static void draw_point_label(const struct drawing *d, const struct report_point *point, int colour,
-			     struct box *taken, int *count)
+static void draw_point_label(const struct plot_drawing *d, const struct report_point *point,
+			     int colour, struct label_box *taken, int *count)
 {
-	const double x = place(&d->x, point->x), y = place(&d->y, point->y);
+	const double x = axis_place(&d->x, point->x), y = axis_place(&d->y, point->y);
 	const double width = text_width(d->c, point->label);
 	const double gap = point->ringed ? 13 : 8;
 	const double at[][2] = {{x + gap, y - 10},	   {x + gap, y},
@@ -352,21 +355,21 @@ static void draw_point_label(const struct drawing *d, const struct report_point 
 				{x + gap, y - 26},	   {x + gap, y + 26}};
 
 	for (size_t k = 0; k < sizeof(at) / sizeof(*at) && *count < REPORT_POINTS_MAX; k++) {
-		const struct box box = {at[k][0], at[k][1], width};
+		const struct label_box box = {at[k][0], at[k][1], width};
 
 		if (box.x < d->x.from || box.x + width > WIDTH || box.y < ABOVE ||
-		    box.y > d->y.from - 6 || !is_free(taken, *count, &box))
+		    box.y > d->y.from - 6 || !is_box_free(taken, *count, &box))
 			continue;
-		set_colour(d->c, colour);
-		draw_text(d->c, box.x, box.y, 0, point->label);
+		plot_set_colour(d->c, colour);
+		plot_draw_text(d->c, box.x, box.y, 0, point->label);
 		taken[(*count)++] = box;
 		return;
 	}
 }
 
-static void draw_point_labels(const struct drawing *d, const struct report_plot *p)
+static void draw_point_labels(const struct plot_drawing *d, const struct report_plot *p)
 {
-	struct box taken[REPORT_POINTS_MAX];
+	struct label_box taken[REPORT_POINTS_MAX];
 	int count = 0;
 
 	/* the setting in use first: it has to be there */
@@ -383,11 +386,11 @@ static void draw_point_labels(const struct drawing *d, const struct report_plot 
 			}
 }
 
-static void draw(cairo_t *c, const struct report_plot *p)
+static void plot_draw(cairo_t *c, const struct report_plot *p)
 {
-	struct drawing d = {.c = c,
-			    .x = {.log = p->x_log, .low = INFINITY, .high = -INFINITY},
-			    .y = {.log = p->y_log, .low = INFINITY, .high = -INFINITY}};
+	struct plot_drawing d = {.c = c,
+				 .x = {.log = p->x_log, .low = INFINITY, .high = -INFINITY},
+				 .y = {.log = p->y_log, .low = INFINITY, .high = -INFINITY}};
 	double right = RIGHT_LEAST;
 
 	cairo_select_font_face(c, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
@@ -398,8 +401,8 @@ static void draw(cairo_t *c, const struct report_plot *p)
 		if (s->label[0])
 			right = fmax(right, text_width(c, s->label) + 16);
 		for (int n = 0; n < s->count; n++) {
-			include(&d.x, s->point[n].x);
-			include(&d.y, s->point[n].y);
+			axis_include(&d.x, s->point[n].x);
+			axis_include(&d.y, s->point[n].y);
 		}
 	}
 	d.x.from = LEFT;
@@ -412,7 +415,7 @@ static void draw(cairo_t *c, const struct report_plot *p)
 	cairo_paint(c);
 	draw_axes(&d, p);
 	for (int k = 0; k < p->count; k++) {
-		set_colour(c, p->series[k].colour);
+		plot_set_colour(c, p->series[k].colour);
 		if (p->series[k].style != STYLE_POINTS)
 			draw_lines(&d, &p->series[k]);
 		draw_points(&d, &p->series[k]);
@@ -434,7 +437,7 @@ int report_plot_write(struct report_plot *p, const char *folder, struct fault *f
 	surface = cairo_svg_surface_create(path, WIDTH, HEIGHT);
 	cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
 	c = cairo_create(surface);
-	draw(c, p);
+	plot_draw(c, p);
 	status = cairo_status(c);
 	cairo_destroy(c);
 	cairo_surface_finish(surface);

@@ -14,7 +14,7 @@
 #define STEEPEST 0.35 /* least cosine between a triangle and an axis that it is laid along */
 
 /* A connected set of triangles laid along one axis. */
-struct piece {
+struct atlas_piece {
 	int label;
 	double low[2], high[2];	 /* on its plane, in the surface's unit */
 	int x, y, width, height; /* its rectangle in the picture, gutter included */
@@ -24,37 +24,37 @@ struct turn {
 	int height, piece;
 };
 
-struct work {
+struct atlas_work {
 	const struct trimesh *mesh;
 	int (*neighbour)[3]; /* of each triangle, across the edge from corner k to k + 1 */
 	int *label;	     /* 0..5: +x -x +y -y +z -z */
 	int *owner;	     /* piece of each triangle */
 	int *queue;
-	struct piece *piece;
+	struct atlas_piece *piece;
 	int piece_count;
 	struct turn *turn; /* pieces, tallest first */
 };
 
 /* ---- which triangles touch ---- */
 
-struct edge {
+struct mesh_edge {
 	int low, high;
 	int triangle, corner;
 };
 
 static int edge_compare(const void *a, const void *b)
 {
-	const struct edge *one = a, *two = b;
+	const struct mesh_edge *one = a, *two = b;
 
 	if (one->low != two->low)
 		return one->low < two->low ? -1 : 1;
 	return (one->high > two->high) - (one->high < two->high);
 }
 
-static int find_neighbours(struct work *work)
+static int find_neighbours(struct atlas_work *work)
 {
 	const int count = 3 * work->mesh->triangle_count;
-	struct edge *edge = malloc(count * sizeof(*edge));
+	struct mesh_edge *edge = malloc(count * sizeof(*edge));
 
 	if (!edge)
 		return -ENOMEM;
@@ -62,7 +62,7 @@ static int find_neighbours(struct work *work)
 		const int a = work->mesh->triangle[e / 3][e % 3];
 		const int b = work->mesh->triangle[e / 3][(e + 1) % 3];
 
-		edge[e] = (struct edge){a < b ? a : b, a < b ? b : a, e / 3, e % 3};
+		edge[e] = (struct mesh_edge){a < b ? a : b, a < b ? b : a, e / 3, e % 3};
 	}
 	qsort(edge, count, sizeof(*edge), edge_compare);
 	/* On a closed surface edges come in pairs. */
@@ -89,14 +89,14 @@ static void triangle_normal(const struct trimesh *mesh, int t, double normal[3])
 	vec_normalize(normal);
 }
 
-static double facing(const double normal[3], int label)
+static double axis_facing(const double normal[3], int label)
 {
 	return label & 1 ? -normal[label / 2] : normal[label / 2];
 }
 
 /* The axis that a triangle faces most; then, so that pieces have smooth borders and few islands,
  * the axis of two or three of its neighbours where it is not too steep for that. */
-static void choose_axes(struct work *work)
+static void choose_axes(struct atlas_work *work)
 {
 	const int count = work->mesh->triangle_count;
 
@@ -106,7 +106,7 @@ static void choose_axes(struct work *work)
 		triangle_normal(work->mesh, t, normal);
 		work->label[t] = 0;
 		for (int label = 1; label < 6; label++)
-			if (facing(normal, label) > facing(normal, work->label[t]))
+			if (axis_facing(normal, label) > axis_facing(normal, work->label[t]))
 				work->label[t] = label;
 	}
 	for (int pass = 0; pass < TIDY_PASSES; pass++) {
@@ -118,7 +118,7 @@ static void choose_axes(struct work *work)
 			double normal[3];
 
 			triangle_normal(work->mesh, t, normal);
-			if (facing(normal, most) > STEEPEST)
+			if (axis_facing(normal, most) > STEEPEST)
 				work->label[t] = most;
 		}
 	}
@@ -126,19 +126,19 @@ static void choose_axes(struct work *work)
 
 /* ---- pieces ---- */
 
-static void flatten(int label, const double p[3], double flat[2])
+static void axis_flatten(int label, const double p[3], double flat[2])
 {
 	flat[0] = p[(label / 2 + 1) % 3];
 	flat[1] = p[(label / 2 + 2) % 3];
 }
 
 /* Marks all that hangs together with triangle t as one piece. */
-static void gather(struct work *work, int t)
+static void gather_piece(struct atlas_work *work, int t)
 {
-	struct piece *piece = &work->piece[work->piece_count];
+	struct atlas_piece *piece = &work->piece[work->piece_count];
 	int taken = 0, found = 0;
 
-	*piece = (struct piece){
+	*piece = (struct atlas_piece){
 		.label = work->label[t], .low = {DBL_MAX, DBL_MAX}, .high = {-DBL_MAX, -DBL_MAX}};
 	work->owner[t] = work->piece_count;
 	work->queue[found++] = t;
@@ -149,8 +149,8 @@ static void gather(struct work *work, int t)
 			const int next = work->neighbour[now][k];
 			double flat[2];
 
-			flatten(piece->label, work->mesh->position[work->mesh->triangle[now][k]],
-				flat);
+			axis_flatten(piece->label,
+				     work->mesh->position[work->mesh->triangle[now][k]], flat);
 			for (int i = 0; i < 2; i++) {
 				piece->low[i] = fmin(piece->low[i], flat[i]);
 				piece->high[i] = fmax(piece->high[i], flat[i]);
@@ -174,12 +174,12 @@ static int height_compare(const void *a, const void *b)
 }
 
 /* Shelves, the tallest pieces first. False when the picture is too small for this texel. */
-static bool pack(struct work *work, double texel, int side)
+static bool pack_pieces(struct atlas_work *work, double texel, int side)
 {
 	int x = 0, y = 0, shelf = 0;
 
 	for (int k = 0; k < work->piece_count; k++) {
-		struct piece *piece = &work->piece[k];
+		struct atlas_piece *piece = &work->piece[k];
 
 		piece->width = (int)ceil((piece->high[0] - piece->low[0]) / texel) + 2 * GUTTER + 1;
 		piece->height = (int)ceil((piece->high[1] - piece->low[1]) / texel) + 2 * GUTTER +
@@ -190,7 +190,7 @@ static bool pack(struct work *work, double texel, int side)
 	}
 	qsort(work->turn, work->piece_count, sizeof(*work->turn), height_compare);
 	for (int k = 0; k < work->piece_count; k++) {
-		struct piece *piece = &work->piece[work->turn[k].piece];
+		struct atlas_piece *piece = &work->piece[work->turn[k].piece];
 
 		if (x + piece->width > side) {
 			x = 0;
@@ -211,16 +211,17 @@ static bool pack(struct work *work, double texel, int side)
 /* ---- texture coordinates and colours ---- */
 
 /* In texels. */
-static void texture_point(const struct piece *piece, double texel, const double p[3], double out[2])
+static void texture_point(const struct atlas_piece *piece, double texel, const double p[3],
+			  double out[2])
 {
 	double flat[2];
 
-	flatten(piece->label, p, flat);
+	axis_flatten(piece->label, p, flat);
 	out[0] = piece->x + GUTTER + 0.5 + (flat[0] - piece->low[0]) / texel;
 	out[1] = piece->y + GUTTER + 0.5 + (flat[1] - piece->low[1]) / texel;
 }
 
-static int write_points(struct atlas *atlas, const struct work *work, int side)
+static int write_atlas_points(struct atlas *atlas, const struct atlas_work *work, int side)
 {
 	const struct trimesh *mesh = work->mesh;
 	/* A vertex has a point for each axis that its triangles are laid along, and two pieces of
@@ -235,7 +236,7 @@ static int write_points(struct atlas *atlas, const struct work *work, int side)
 	}
 	memset(seen, -1, mesh->vertex_count * sizeof(*seen));
 	for (int t = 0; t < mesh->triangle_count; t++) {
-		const struct piece *piece = &work->piece[work->owner[t]];
+		const struct atlas_piece *piece = &work->piece[work->owner[t]];
 
 		for (int k = 0; k < 3; k++) {
 			const int vertex = mesh->triangle[t][k];
@@ -260,10 +261,10 @@ static int write_points(struct atlas *atlas, const struct work *work, int side)
 
 /* Notes for each texel in or near triangle t where in space it is, if no other triangle of the
  * same piece is nearer. */
-static void mark_texels(const struct work *work, const struct atlas *atlas, int t, int side,
+static void mark_texels(const struct atlas_work *work, const struct atlas *atlas, int t, int side,
 			double *away, double (*place)[3])
 {
-	const struct piece *piece = &work->piece[work->owner[t]];
+	const struct atlas_piece *piece = &work->piece[work->owner[t]];
 	const int *corner = work->mesh->triangle[t];
 	double q[3][2], area2;
 
@@ -309,8 +310,8 @@ static void mark_texels(const struct work *work, const struct atlas *atlas, int 
 	}
 }
 
-static int paint(struct atlas *atlas, const struct work *work, int side,
-		 void (*colour)(const double p[3], double rgb[3]))
+static int paint_atlas(struct atlas *atlas, const struct atlas_work *work, int side,
+		       void (*colour)(const double p[3], double rgb[3]))
 {
 	const size_t texels = (size_t)side * side;
 	double *away = malloc(texels * sizeof(*away));
@@ -339,7 +340,7 @@ out:
 	return err;
 }
 
-static void work_free(struct work *work)
+static void work_free(struct atlas_work *work)
 {
 	free(work->neighbour);
 	free(work->label);
@@ -349,11 +350,11 @@ static void work_free(struct work *work)
 	free(work->turn);
 }
 
-static int work_create(struct work *work, const struct trimesh *mesh)
+static int work_create(struct atlas_work *work, const struct trimesh *mesh)
 {
 	const int count = mesh->triangle_count;
 
-	*work = (struct work){.mesh = mesh};
+	*work = (struct atlas_work){.mesh = mesh};
 	work->neighbour = calloc(count, sizeof(*work->neighbour));
 	work->label = malloc(count * sizeof(*work->label));
 	work->owner = malloc(count * sizeof(*work->owner));
@@ -370,7 +371,7 @@ static int work_create(struct work *work, const struct trimesh *mesh)
 int atlas_create(struct atlas *atlas, const struct trimesh *mesh, int side,
 		 void (*colour)(const double p[3], double rgb[3]))
 {
-	struct work work;
+	struct atlas_work work;
 	int err;
 
 	memset(atlas, 0, sizeof(*atlas));
@@ -389,15 +390,15 @@ int atlas_create(struct atlas *atlas, const struct trimesh *mesh, int side,
 	choose_axes(&work);
 	for (int t = 0; t < mesh->triangle_count; t++)
 		if (work.owner[t] < 0)
-			gather(&work, t);
+			gather_piece(&work, t);
 	/* From far too fine to the finest that fits. */
 	atlas->texel = 0.1 / side;
-	while (!pack(&work, atlas->texel, side))
+	while (!pack_pieces(&work, atlas->texel, side))
 		atlas->texel *= 1.02;
-	err = write_points(atlas, &work, side);
+	err = write_atlas_points(atlas, &work, side);
 	if (err)
 		goto out;
-	err = paint(atlas, &work, side, colour);
+	err = paint_atlas(atlas, &work, side, colour);
 out:
 	work_free(&work);
 	if (err)

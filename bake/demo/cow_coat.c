@@ -37,7 +37,7 @@ static const struct ellipsoid patch[] = {
 };
 
 /* A fixed number in -1..1 for each point of the integer grid. */
-static double lattice(int x, int y, int z)
+static double noise_lattice(int x, int y, int z)
 {
 	uint32_t h = (uint32_t)x * 0x8da6b343u ^ (uint32_t)y * 0xd8163841u ^
 		     (uint32_t)z * 0xcb1ab31fu;
@@ -51,7 +51,7 @@ static double lattice(int x, int y, int z)
 }
 
 /* Smooth noise, -1..1, with details of about `size`. */
-static double noise(const double p[3], double size)
+static double smooth_noise(const double p[3], double size)
 {
 	int cell[3];
 	double t[3], sum = 0;
@@ -68,14 +68,14 @@ static double noise(const double p[3], double size)
 		const double weight = (dx ? t[0] : 1 - t[0]) * (dy ? t[1] : 1 - t[1]) *
 				      (dz ? t[2] : 1 - t[2]);
 
-		sum += weight * lattice(cell[0] + dx, cell[1] + dy, cell[2] + dz);
+		sum += weight * noise_lattice(cell[0] + dx, cell[1] + dy, cell[2] + dz);
 	}
 	return sum;
 }
 
-static double patches(const double p[3])
+static double coat_patches(const double p[3])
 {
-	const double wave = 0.007 * noise(p, 0.034) + 0.003 * noise(p, 0.013);
+	const double wave = 0.007 * smooth_noise(p, 0.034) + 0.003 * smooth_noise(p, 0.013);
 	struct implicit f = {.value = 1};
 
 	for (size_t k = 0; k < COUNT(patch); k++)
@@ -84,21 +84,21 @@ static double patches(const double p[3])
 }
 
 /* 1 inside (where < 0), 0 outside, a smooth step of twice the width between. */
-static double inside(double where, double width)
+static double share_inside(double where, double width)
 {
 	const double t = fmin(fmax(0.5 - where / (2 * width), 0), 1);
 
 	return t * t * (3 - 2 * t);
 }
 
-static void paint(double rgb[3], const double colour[3], double amount)
+static void blend_colour(double rgb[3], const double colour[3], double amount)
 {
 	for (int i = 0; i < 3; i++)
 		rgb[i] += amount * (colour[i] - rgb[i]);
 }
 
 /* A smile: a thin arc under the nostrils, given by its height over x on the muzzle's front. */
-static double mouth(const double p[3])
+static double mouth_arc(const double p[3])
 {
 	const double line = 0.2575 + 9.0 * p[0] * p[0];
 	const double away = fabs(p[1] - line) / sqrt(1 + 324 * p[0] * p[0]);
@@ -109,17 +109,18 @@ static double mouth(const double p[3])
 void cow_colour(const double p[3], double rgb[3])
 {
 	memcpy(rgb, white, sizeof(white));
-	paint(rgb, brown, inside(patches(p), EDGE));
+	blend_colour(rgb, brown, share_inside(coat_patches(p), EDGE));
 	if (cow_head(p) > 0.005)
-		paint(rgb, brown, inside(cow_ears(p) - 0.002, EDGE));
-	paint(rgb, pink, inside(cow_ear_hollows(p) - 0.0008, EDGE));
-	paint(rgb, pink, inside(cow_udder(p) - 0.0025, 2 * EDGE));
-	paint(rgb, pink, inside(cow_muzzle(p) - 0.0022, 2 * EDGE));
-	paint(rgb, rose, inside(cow_nostrils(p) - 0.0012, 2 * EDGE));
-	paint(rgb, dark, inside(cow_nostrils(p) + 0.0015, 2 * EDGE));
-	paint(rgb, rose, 0.9 * inside(mouth(p), EDGE));
-	paint(rgb, cream, inside(cow_horns(p) - 0.0012, EDGE));
-	paint(rgb, horn_tip, inside(fmax(cow_horns(p) - 0.0012, 0.384 - p[1]), 0.006));
-	paint(rgb, brown, inside(cow_tuft(p) - 0.003 + 0.002 * noise(p, 0.006), EDGE));
-	paint(rgb, dark, inside(cow_hooves(p), EDGE));
+		blend_colour(rgb, brown, share_inside(cow_ears(p) - 0.002, EDGE));
+	blend_colour(rgb, pink, share_inside(cow_ear_hollows(p) - 0.0008, EDGE));
+	blend_colour(rgb, pink, share_inside(cow_udder(p) - 0.0025, 2 * EDGE));
+	blend_colour(rgb, pink, share_inside(cow_muzzle(p) - 0.0022, 2 * EDGE));
+	blend_colour(rgb, rose, share_inside(cow_nostrils(p) - 0.0012, 2 * EDGE));
+	blend_colour(rgb, dark, share_inside(cow_nostrils(p) + 0.0015, 2 * EDGE));
+	blend_colour(rgb, rose, 0.9 * share_inside(mouth_arc(p), EDGE));
+	blend_colour(rgb, cream, share_inside(cow_horns(p) - 0.0012, EDGE));
+	blend_colour(rgb, horn_tip, share_inside(fmax(cow_horns(p) - 0.0012, 0.384 - p[1]), 0.006));
+	blend_colour(rgb, brown,
+		     share_inside(cow_tuft(p) - 0.003 + 0.002 * smooth_noise(p, 0.006), EDGE));
+	blend_colour(rgb, dark, share_inside(cow_hooves(p), EDGE));
 }

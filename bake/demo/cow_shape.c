@@ -101,7 +101,7 @@ static struct implicit one_leg(int k, int side, const double p[3])
 	return implicit_union(implicit_round_cone(&shin, p), implicit_round_cone(&shoe, p), 0.006);
 }
 
-static struct implicit horns(const double p[3])
+static struct implicit horns_solid(const double p[3])
 {
 	struct implicit f = {.value = 1};
 
@@ -124,7 +124,7 @@ static struct implicit tail_and_tuft(const double p[3])
 	return implicit_union(f, implicit_ellipsoid(&tuft, p), 0.010);
 }
 
-static struct implicit ears(const double p[3])
+static struct implicit ears_solid(const double p[3])
 {
 	struct implicit f = {.value = 1};
 
@@ -140,7 +140,7 @@ static struct implicit ears(const double p[3])
 	return f;
 }
 
-static struct implicit head(const double p[3])
+static struct implicit head_solid(const double p[3])
 {
 	struct implicit f = implicit_ellipsoid(&skull, p);
 
@@ -153,7 +153,7 @@ static struct implicit head(const double p[3])
 	return f;
 }
 
-static struct implicit bag(const double p[3])
+static struct implicit udder_solid(const double p[3])
 {
 	struct implicit f = implicit_ellipsoid(&udder, p);
 
@@ -168,7 +168,7 @@ static struct implicit bag(const double p[3])
 }
 
 /* Features further from p than they reach, joins included, need not be looked at. */
-static bool near(const double p[3], double x, double y, double z, double reach)
+static bool is_near(const double p[3], double x, double y, double z, double reach)
 {
 	const double away[3] = {p[0] - x, p[1] - y, p[2] - z};
 
@@ -185,14 +185,14 @@ static struct implicit coat_at(const void *context, const double p[3])
 	f = implicit_union(f, implicit_round_cone(&neck, p), 0.04);
 	for (int k = 0; k < 4; k++)
 		f = implicit_union(f, one_leg(k / 2, k % 2, p), 0.034);
-	if (near(p, 0, 0.315, 0.160, 0.170)) {
-		f = implicit_union(f, head(p), 0.03);
-		f = implicit_union(f, horns(p), 0.007);
-		f = implicit_union(f, ears(p), 0.016);
+	if (is_near(p, 0, 0.315, 0.160, 0.170)) {
+		f = implicit_union(f, head_solid(p), 0.03);
+		f = implicit_union(f, horns_solid(p), 0.007);
+		f = implicit_union(f, ears_solid(p), 0.016);
 	}
-	if (near(p, 0, 0.100, -0.052, 0.080))
-		f = implicit_union(f, bag(p), 0.016);
-	if (near(p, 0.012, 0.160, -0.160, 0.110))
+	if (is_near(p, 0, 0.100, -0.052, 0.080))
+		f = implicit_union(f, udder_solid(p), 0.016);
+	if (is_near(p, 0.012, 0.160, -0.160, 0.110))
 		f = implicit_union(f, tail_and_tuft(p), 0.010);
 	return implicit_intersection(f, implicit_above(0, p), 0.008);
 }
@@ -249,17 +249,17 @@ double cow_muzzle(const double p[3])
 
 double cow_udder(const double p[3])
 {
-	return bag(p).value;
+	return udder_solid(p).value;
 }
 
 double cow_horns(const double p[3])
 {
-	return horns(p).value;
+	return horns_solid(p).value;
 }
 
 double cow_ears(const double p[3])
 {
-	return ears(p).value;
+	return ears_solid(p).value;
 }
 
 double cow_ear_hollows(const double p[3])

@@ -150,7 +150,7 @@ struct implicit implicit_above(double height, const double p[3])
 	return (struct implicit){.value = height - p[1], .gradient = {0, -1, 0}};
 }
 
-static struct implicit negative(struct implicit a)
+static struct implicit implicit_negative(struct implicit a)
 {
 	a.value = -a.value;
 	for (int i = 0; i < 3; i++)
@@ -175,10 +175,10 @@ struct implicit implicit_union(struct implicit a, struct implicit b, double widt
 
 struct implicit implicit_intersection(struct implicit a, struct implicit b, double width)
 {
-	return negative(implicit_union(negative(a), negative(b), width));
+	return implicit_negative(implicit_union(implicit_negative(a), implicit_negative(b), width));
 }
 
 struct implicit implicit_difference(struct implicit a, struct implicit b, double width)
 {
-	return implicit_intersection(a, negative(b), width);
+	return implicit_intersection(a, implicit_negative(b), width);
 }

@@ -56,7 +56,7 @@ static void write_part(struct obj *obj, const struct cow_part *part, const struc
 	obj->points += atlas ? atlas->point_count : 0;
 }
 
-static int write_texture(const char *folder, const struct atlas *atlas, struct fault *fault)
+static int write_cow_texture(const char *folder, const struct atlas *atlas, struct fault *fault)
 {
 	char path[PATH_MAX];
 
@@ -64,8 +64,8 @@ static int write_texture(const char *folder, const struct atlas *atlas, struct f
 	return image_write(path, &atlas->picture, fault);
 }
 
-static int make_part(struct obj *obj, const struct cow_part *part, const char *folder,
-		     struct fault *fault)
+static int make_cow_part(struct obj *obj, const struct cow_part *part, const char *folder,
+			 struct fault *fault)
 {
 	struct trimesh mesh = {0};
 	struct atlas atlas = {0};
@@ -81,14 +81,14 @@ static int make_part(struct obj *obj, const struct cow_part *part, const char *f
 	}
 	write_part(obj, part, &mesh, textured ? &atlas : NULL);
 	if (textured)
-		err = write_texture(folder, &atlas, fault);
+		err = write_cow_texture(folder, &atlas, fault);
 out:
 	atlas_free(&atlas);
 	trimesh_free(&mesh);
 	return err;
 }
 
-static int write_materials(const char *folder, struct fault *fault)
+static int write_cow_materials(const char *folder, struct fault *fault)
 {
 	struct output out = {0};
 	char path[PATH_MAX];
@@ -118,7 +118,7 @@ static int write_mesh(const char *folder, struct fault *fault)
 	fputs("# A toy cow, made by make-cow: metres, y up, looking along +z.\nmtllib cow.mtl\n",
 	      out.stream);
 	for (int k = 0; k < COW_PARTS && !err; k++)
-		err = make_part(&obj, &cow_parts[k], folder, fault);
+		err = make_cow_part(&obj, &cow_parts[k], folder, fault);
 	if (err) {
 		output_abandon(&out);
 		return err;
@@ -141,7 +141,7 @@ int main(int argc, char **argv)
 			strerror(errno));
 		return 1;
 	}
-	err = write_materials(argv[1], &fault);
+	err = write_cow_materials(argv[1], &fault);
 	if (!err)
 		err = write_mesh(argv[1], &fault);
 	if (err) {

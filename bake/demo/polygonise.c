@@ -194,7 +194,7 @@ static int join_vertices(const struct grid *grid, struct trimesh *mesh)
 }
 
 /* Moves a point onto the surface, at most a step each time, and returns the unit gradient. */
-static void settle(const struct grid *grid, double p[3], double normal[3])
+static void settle_vertex(const struct grid *grid, double p[3], double normal[3])
 {
 	struct implicit f = grid->solid->at(grid->solid->context, p);
 
@@ -243,14 +243,14 @@ static int even_out(const struct grid *grid, struct trimesh *mesh)
 			off = vec_dot(move, normal);
 			for (int i = 0; i < 3; i++)
 				p[i] += move[i] - off * normal[i];
-			settle(grid, p, normal);
+			settle_vertex(grid, p, normal);
 		}
 	}
 	free(middle);
 	return 0;
 }
 
-static double distance2(const double a[3], const double b[3])
+static double distance_squared(const double a[3], const double b[3])
 {
 	double d[3];
 
@@ -266,8 +266,8 @@ static void choose_diagonals(struct trimesh *mesh)
 		int *one = mesh->triangle[t], *two = mesh->triangle[t + 1];
 		const int a = one[0], b = one[1], c = one[2], d = two[2];
 
-		if (distance2(mesh->position[a], mesh->position[c]) <=
-		    distance2(mesh->position[b], mesh->position[d]))
+		if (distance_squared(mesh->position[a], mesh->position[c]) <=
+		    distance_squared(mesh->position[b], mesh->position[d]))
 			continue;
 		memcpy(one, (int[3]){a, b, d}, 3 * sizeof(int));
 		memcpy(two, (int[3]){b, c, d}, 3 * sizeof(int));
@@ -295,7 +295,7 @@ int polygonise(struct trimesh *mesh, const struct solid *solid, double step)
 		goto fail;
 	}
 	for (int v = 0; v < mesh->vertex_count; v++)
-		settle(&grid, mesh->position[v], mesh->normal[v]);
+		settle_vertex(&grid, mesh->position[v], mesh->normal[v]);
 	err = even_out(&grid, mesh);
 	if (err)
 		goto fail;

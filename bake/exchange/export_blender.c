@@ -75,7 +75,7 @@ static void write_colour(FILE *to, const char *key, const struct rgb *colour)
 		(double)colour->c[2]);
 }
 
-static void write_materials(FILE *to, const struct export_job *job)
+static void write_json_materials(FILE *to, const struct export_job *job)
 {
 	fputs("\"materials\": [", to);
 	for (int k = 0; k < job->material_count; k++) {
@@ -121,7 +121,7 @@ static int write_scene(const struct export_job *job, struct fault *fault)
 	fprintf(out.stream, "{\"bounces\": %d,\n", job->scene->file->render.bounces);
 	write_camera(out.stream, job);
 	write_ground(out.stream, job);
-	write_materials(out.stream, job);
+	write_json_materials(out.stream, job);
 	fprintf(out.stream, "\"objects\": [%s],\n\"standins\": [%s],\n",
 		job->has_objects ? "\"objects.obj\"" : "",
 		job->has_standins ? "\"standins.obj\"" : "");

@@ -35,7 +35,7 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-struct choices {
+struct export_choices {
 	int what; /* MSI, RADIANCE or BLENDER; 0: not said */
 	const char *to;
 	bool of_msi, of_scene, of_radiance; /* whether options were said that only it has */
@@ -46,7 +46,7 @@ struct choices {
 	struct export_radiance_settings radiance;
 };
 
-static int take_target(struct choices *c, int option, struct fault *fault)
+static int take_target(struct export_choices *c, int option, struct fault *fault)
 {
 	if (c->what)
 		return fault_say(fault, -EINVAL, "expected one of --msi, --radiance and --blender");
@@ -55,7 +55,7 @@ static int take_target(struct choices *c, int option, struct fault *fault)
 	return 0;
 }
 
-static int take_msi(struct choices *c, int option, struct fault *fault)
+static int take_msi(struct export_choices *c, int option, struct fault *fault)
 {
 	c->of_msi = true;
 	switch (option) {
@@ -71,7 +71,7 @@ static int take_msi(struct choices *c, int option, struct fault *fault)
 	}
 }
 
-static int take_scene(struct choices *c, int option, struct fault *fault)
+static int take_scene(struct export_choices *c, int option, struct fault *fault)
 {
 	c->of_scene = true;
 	switch (option) {
@@ -85,9 +85,9 @@ static int take_scene(struct choices *c, int option, struct fault *fault)
 	}
 }
 
-static int take(void *choices, int option, struct fault *fault)
+static int export_command_take(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct export_choices *c = choices;
 
 	switch (option) {
 	case MSI:
@@ -111,7 +111,7 @@ static int take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int export_msi(const char *path, const struct choices *c, struct fault *fault)
+static int export_msi(const char *path, const struct export_choices *c, struct fault *fault)
 {
 	const struct msi_variant variant = {c->endian == 1, c->long_bytes};
 	const struct basis_layer *layer;
@@ -141,7 +141,7 @@ static int export_msi(const char *path, const struct choices *c, struct fault *f
 	return err;
 }
 
-static int export_scene(const char *path, const struct choices *c, struct fault *fault)
+static int export_scene(const char *path, const struct export_choices *c, struct fault *fault)
 {
 	struct scene *scene;
 	struct dome dome;
@@ -163,7 +163,7 @@ static int export_scene(const char *path, const struct choices *c, struct fault 
 }
 
 /* What is missing or does not go together, or NULL. */
-static const char *wrong_usage(const struct choices *c)
+static const char *wrong_usage(const struct export_choices *c)
 {
 	if (!c->what)
 		return "expected --msi OUT.msi, --radiance DIR or --blender DIR";
@@ -177,12 +177,12 @@ static const char *wrong_usage(const struct choices *c)
 	return NULL;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int export_command_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {
+	struct export_choices c = {
 		.long_bytes = 8, .lights = {-1, -1, -1}, .radiance = EXPORT_RADIANCE_DEFAULTS};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, take, &c);
+	const int status = command_options(command, argc, argv, options, export_command_take, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -231,5 +231,5 @@ const struct command export_command = {
 		"\n"
 		"Both jobs keep pictures that are there, and say at last how inlay-bake import "
 		"takes them.\n",
-	.run = run,
+	.run = export_command_run,
 };

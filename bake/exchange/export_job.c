@@ -46,7 +46,7 @@ void export_job_import(const struct export_job *job, const char *ending, char *t
 #define ANGLES "angles.txt"
 
 /* What is there: a job, of which this one takes the place, or nothing that could be lost. */
-static int check_folder(const char *folder, struct fault *fault)
+static int check_job_folder(const char *folder, struct fault *fault)
 {
 	DIR *const open = opendir(folder);
 	bool empty = true, job = false;
@@ -68,13 +68,13 @@ static int check_folder(const char *folder, struct fault *fault)
 			 folder);
 }
 
-static int make_folder(const char *folder, struct fault *fault)
+static int make_job_folder(const char *folder, struct fault *fault)
 {
 	if (mkdir(folder, 0777) == 0)
 		return 0;
 	if (errno != EEXIST)
 		return fault_say(fault, -errno, "%s: cannot be made: %s", folder, strerror(errno));
-	return check_folder(folder, fault);
+	return check_job_folder(folder, fault);
 }
 
 static int write_angles(const struct export_job *job, struct fault *fault)
@@ -90,7 +90,7 @@ static int write_angles(const struct export_job *job, struct fault *fault)
 
 /* ---- materials ---- */
 
-static int write_texture(const struct export_job *job, int number, struct fault *fault)
+static int write_job_texture(const struct export_job *job, int number, struct fault *fault)
 {
 	const struct material *material = job->material[number];
 	const struct image *from = &material->texture->image;
@@ -116,13 +116,13 @@ static int write_texture(const struct export_job *job, int number, struct fault 
 	return err;
 }
 
-static int write_textures(const struct export_job *job, struct fault *fault)
+static int write_job_textures(const struct export_job *job, struct fault *fault)
 {
 	int err = 0;
 
 	for (int k = 0; !err && k < job->material_count; k++)
 		if (job->material[k]->texture)
-			err = write_texture(job, k, fault);
+			err = write_job_texture(job, k, fault);
 	return err;
 }
 
@@ -140,7 +140,7 @@ static int write_meshes(const struct export_job *job, bool standins, const char 
 
 /* ---- what is there ---- */
 
-static double longest(const struct mesh *mesh)
+static double mesh_reach(const struct mesh *mesh)
 {
 	double most = 0;
 
@@ -156,13 +156,13 @@ static double longest(const struct mesh *mesh)
 	return most;
 }
 
-static void look_around(struct export_job *job)
+static void survey_scene(struct export_job *job)
 {
 	const struct scene *scene = job->scene;
 
 	job->span = (double)v3_length(scene->eye);
 	for (int k = 0; k < scene->file->mesh_count; k++) {
-		job->span = fmax(job->span, longest(&scene->meshes[k]));
+		job->span = fmax(job->span, mesh_reach(&scene->meshes[k]));
 		*(scene->file->mesh[k].standin ? &job->has_standins : &job->has_objects) = true;
 	}
 	job->digits = snprintf(NULL, 0, "%d", job->dome->count - 1);
@@ -194,13 +194,13 @@ int export_job_begin(struct export_job *job, const struct scene *scene, const st
 	int err;
 
 	*job = (struct export_job){.scene = scene, .dome = dome, .folder = folder};
-	look_around(job);
+	survey_scene(job);
 	if (!scene->file->ground.given && !job->has_standins)
 		return fault_say(fault, -EINVAL,
 				 "%s: no [ground] and no [standin], expected something real that "
 				 "pictures can show",
 				 scene->path);
-	err = make_folder(folder, fault);
+	err = make_job_folder(folder, fault);
 	if (!err)
 		err = export_materials(job, fault);
 	if (!err)
@@ -208,7 +208,7 @@ int export_job_begin(struct export_job *job, const struct scene *scene, const st
 	if (!err)
 		err = write_angles(job, fault);
 	if (!err)
-		err = write_textures(job, fault);
+		err = write_job_textures(job, fault);
 	if (!err && job->has_objects)
 		err = write_meshes(job, false, "objects.obj", fault);
 	if (!err && job->has_standins)

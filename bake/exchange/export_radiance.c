@@ -34,7 +34,7 @@ static double radical_inverse(unsigned k)
  * they may overlap; of a polygon in place of them it would ask a square of the same area, and lose
  * what misses the polygon.
  */
-static int write_light(const struct export_job *job, int light, int suns, struct fault *fault)
+static int write_rad_light(const struct export_job *job, int light, int suns, struct fault *fault)
 {
 	struct output out;
 	char name[64];
@@ -67,13 +67,13 @@ static bool is_black(const struct rgb *colour)
 	return rgb_peak(*colour) <= 0;
 }
 
-static float mean_of(const struct rgb *colour)
+static float rgb_mean(const struct rgb *colour)
 {
 	return (colour->c[0] + colour->c[1] + colour->c[2]) / 3;
 }
 
 /* The picture is as high as 1 or as wide, whichever is the shorter side. */
-static void write_texture(FILE *to, const struct image *image, int number)
+static void write_rad_texture(FILE *to, const struct image *image, int number)
 {
 	const double across = image->width > image->height ? (double)image->width / image->height
 							   : 1;
@@ -85,14 +85,14 @@ static void write_texture(FILE *to, const struct image *image, int number)
 		number, number, across, up);
 }
 
-static void write_material(FILE *to, const struct material *m, int number)
+static void write_rad_material(FILE *to, const struct material *m, int number)
 {
 	const struct rgb white = {{1, 1, 1}};
 	const bool metal = m->kind == MATERIAL_GLOSSY && is_black(&m->colour);
 	const struct rgb *colour = metal ? &m->specular : m->texture ? &white : &m->colour;
 	const double specular = m->kind != MATERIAL_GLOSSY ? 0
 				: metal			   ? 1
-							   : (double)mean_of(&m->specular);
+							   : (double)rgb_mean(&m->specular);
 	const double roughness = m->kind == MATERIAL_GLOSSY ? (double)(m->roughness * m->roughness)
 							    : 0;
 	char modifier[32] = "void";
@@ -108,7 +108,7 @@ static void write_material(FILE *to, const struct material *m, int number)
 		return;
 	}
 	if (m->texture && !metal) {
-		write_texture(to, &m->texture->image, number);
+		write_rad_texture(to, &m->texture->image, number);
 		snprintf(modifier, sizeof(modifier), "t%d", number);
 	}
 	fprintf(to, "%s %s m%d 0 0 5 %.9g %.9g %.9g %.9g %.9g\n", modifier,
@@ -116,7 +116,7 @@ static void write_material(FILE *to, const struct material *m, int number)
 		(double)colour->c[2], specular, roughness);
 }
 
-static int write_materials(const struct export_job *job, struct fault *fault)
+static int write_rad_materials(const struct export_job *job, struct fault *fault)
 {
 	struct output out;
 	int err = export_job_open(job, "materials.rad", &out, fault);
@@ -124,7 +124,7 @@ static int write_materials(const struct export_job *job, struct fault *fault)
 	if (err)
 		return err;
 	for (int k = 0; k < job->material_count; k++)
-		write_material(out.stream, job->material[k], k);
+		write_rad_material(out.stream, job->material[k], k);
 	return output_commit(&out, fault);
 }
 
@@ -219,7 +219,7 @@ int export_radiance(const struct scene *scene, const struct dome *dome, const ch
 
 	if (err)
 		return err;
-	err = write_materials(&job, fault);
+	err = write_rad_materials(&job, fault);
 	if (!err)
 		err = write_world(&job, "scene.rad", true, fault);
 	if (!err)
@@ -227,7 +227,7 @@ int export_radiance(const struct scene *scene, const struct dome *dome, const ch
 	if (!err)
 		err = write_notes(&job, fault);
 	for (int i = 0; !err && i < dome->count; i++)
-		err = write_light(&job, i, settings->suns, fault);
+		err = write_rad_light(&job, i, settings->suns, fault);
 	if (!err)
 		err = export_rays(&job, settings->rays, fault);
 	if (!err)

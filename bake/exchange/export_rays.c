@@ -11,7 +11,8 @@ static const char *const names[RAY_FILES] = {"object.rays", "seen.rays", "ground
 #define RAY_FLOATS 6 /* origin, direction */
 
 /* Whether a ray belongs into a file. */
-static bool belongs(const struct scene *scene, int file, double x, double y, struct v3 *direction)
+static bool ray_belongs(const struct scene *scene, int file, double x, double y,
+			struct v3 *direction)
 {
 	const enum presence presence = file == GROUND_RAYS ? WITHOUT_OBJECTS : WITH_OBJECTS;
 	struct surface surface;
@@ -37,7 +38,7 @@ static int write_rays(const struct export_job *job, int file, int count, struct 
 			float ray[RAY_FLOATS] = {0};
 			struct v3 d;
 
-			if (belongs(scene, file, (x + 0.5) / count, (y + 0.5) / count, &d)) {
+			if (ray_belongs(scene, file, (x + 0.5) / count, (y + 0.5) / count, &d)) {
 				const float there[RAY_FLOATS] = {eye.x, eye.y, eye.z,
 								 d.x,	d.y,   d.z};
 

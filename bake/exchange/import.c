@@ -15,7 +15,7 @@
 #define MAX_OF_RMS 2 /* error asked for, where nobody says */
 
 /* Of one thread. */
-struct worker {
+struct import_worker {
 	struct import_tile tile;
 	struct encoder *encoder;
 	float *row[3]; /* [IMPORT_PIXELS][3][lights]: of T; V or D; U */
@@ -23,19 +23,19 @@ struct worker {
 	float (*peak)[3]; /* [lights + 1] */
 };
 
-struct job {
+struct import_job {
 	const struct import_source *source;
 	struct plan plan;
 	struct ensemble ensemble;
 	struct pool *pool;
-	struct worker *worker;
+	struct import_worker *worker;
 	int workers;
 	struct assembly *assembly;
 };
 
 /* ---- a tile ---- */
 
-static void place_tile(const struct job *job, int index, struct import_tile *tile)
+static void place_tile(const struct import_job *job, int index, struct import_tile *tile)
 {
 	const int width = job->source->width, height = job->source->height;
 	const int across = (width + BASIS_TILE - 1) / BASIS_TILE;
@@ -54,7 +54,8 @@ static void take_shares(float *to, const float *with, const double *ground, size
 }
 
 /* The tile's pixels as the encoder takes them. Returns how many kinds there are. */
-static int sort_pixels(const struct job *job, struct worker *w, struct encode_samples part[3])
+static int sort_pixels(const struct import_job *job, struct import_worker *w,
+		       struct encode_samples part[3])
 {
 	const struct import_source *source = job->source;
 	const size_t row = 3 * (size_t)source->dome->count, bytes = row * sizeof(float);
@@ -98,11 +99,11 @@ static int sort_pixels(const struct job *job, struct worker *w, struct encode_sa
 	return parts;
 }
 
-static int make_tile(void *context, int index, int number, struct finished_tile *finished,
-		     struct fault *fault)
+static int import_make_tile(void *context, int index, int number, struct finished_tile *finished,
+			    struct fault *fault)
 {
-	struct job *job = context;
-	struct worker *w = &job->worker[number];
+	struct import_job *job = context;
+	struct import_worker *w = &job->worker[number];
 	uint16_t *coverage = finished->account.coverage;
 	struct encode_result result = {.shown = NULL};
 	struct encode_samples part[3];
@@ -135,16 +136,17 @@ static int make_tile(void *context, int index, int number, struct finished_tile 
 	return 0;
 }
 
-static int take_tile(void *context, const struct finished_tile *tile, struct fault *fault)
+static int import_take_tile(void *context, const struct finished_tile *tile, struct fault *fault)
 {
-	const struct job *job = context;
+	const struct import_job *job = context;
 
 	return assembly_add(job->assembly, tile, fault);
 }
 
 /* ---- all of it ---- */
 
-static int create_worker(struct worker *w, size_t lights, const struct encode_settings *encode)
+static int create_worker(struct import_worker *w, size_t lights,
+			 const struct encode_settings *encode)
 {
 	const size_t size = IMPORT_PIXELS * 3 * lights;
 
@@ -162,7 +164,7 @@ static int create_worker(struct worker *w, size_t lights, const struct encode_se
 	return encoder_create(&w->encoder, encode);
 }
 
-static void free_worker(struct worker *w)
+static void free_worker(struct import_worker *w)
 {
 	free(w->tile.object);
 	free(w->tile.with);
@@ -173,7 +175,8 @@ static void free_worker(struct worker *w)
 	encoder_destroy(w->encoder);
 }
 
-static int set_plan(struct job *job, const struct import_settings *settings, struct fault *fault)
+static int set_plan(struct import_job *job, const struct import_settings *settings,
+		    struct fault *fault)
 {
 	const struct import_source *source = job->source;
 	struct plan *plan = &job->plan;
@@ -208,7 +211,7 @@ static int set_plan(struct job *job, const struct import_settings *settings, str
 	return 0;
 }
 
-static int start_workers(struct job *job, const struct import_settings *settings)
+static int import_start_workers(struct import_job *job, const struct import_settings *settings)
 {
 	const struct encode_settings encode = {
 		.lights = job->source->dome->count,
@@ -237,7 +240,7 @@ static int start_workers(struct job *job, const struct import_settings *settings
 	return err;
 }
 
-static int finish(struct job *job, struct fault *fault)
+static int import_finish(struct import_job *job, struct fault *fault)
 {
 	float(*peak)[3] = job->worker[0].peak;
 	struct assembly *assembly = job->assembly;
@@ -254,14 +257,14 @@ static int finish(struct job *job, struct fault *fault)
 	return err;
 }
 
-static int make_all(struct job *job, bool quiet, struct fault *fault)
+static int import_make_all(struct import_job *job, bool quiet, struct fault *fault)
 {
 	struct progress progress;
 	const struct in_order work = {
 		.tiles = plan_tiles(&job->plan),
 		.context = job,
-		.make = make_tile,
-		.take = take_tile,
+		.make = import_make_tile,
+		.take = import_take_tile,
 		.progress = &progress,
 	};
 	int err;
@@ -272,7 +275,7 @@ static int make_all(struct job *job, bool quiet, struct fault *fault)
 	return err;
 }
 
-static void tear_down(struct job *job)
+static void import_tear_down(struct import_job *job)
 {
 	assembly_abandon(job->assembly);
 	pool_destroy(job->pool);
@@ -287,7 +290,7 @@ int import_run(const struct import_source *source, const struct import_settings 
 	       const char *path, struct fault *fault)
 {
 	struct import_settings chosen = *settings;
-	struct job *job = calloc(1, sizeof(*job));
+	struct import_job *job = calloc(1, sizeof(*job));
 	int err;
 
 	if (!job)
@@ -297,7 +300,7 @@ int import_run(const struct import_source *source, const struct import_settings 
 	job->source = source;
 	err = set_plan(job, &chosen, fault);
 	if (!err) {
-		err = start_workers(job, &chosen);
+		err = import_start_workers(job, &chosen);
 		if (err)
 			fault_say(fault, err, "%s: the import cannot start: %s", path,
 				  strerror(-err));
@@ -305,10 +308,10 @@ int import_run(const struct import_source *source, const struct import_settings 
 	if (!err)
 		err = assembly_open(&job->assembly, &job->plan, path, fault);
 	if (!err)
-		err = make_all(job, chosen.quiet, fault);
+		err = import_make_all(job, chosen.quiet, fault);
 	if (!err)
-		err = finish(job, fault);
-	tear_down(job);
+		err = import_finish(job, fault);
+	import_tear_down(job);
 	free(job);
 	return err;
 }

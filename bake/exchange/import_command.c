@@ -54,7 +54,7 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-struct choices {
+struct import_choices {
 	const char *output, *msi, *angles;
 	struct import_pictures_settings pictures;
 	int transfer, receivers;
@@ -64,7 +64,7 @@ struct choices {
 	struct import_settings import;
 };
 
-static int take_pictures(struct choices *c, int option, struct fault *fault)
+static int take_pictures(struct import_choices *c, int option, struct fault *fault)
 {
 	c->of_pictures = true;
 	switch (option) {
@@ -93,9 +93,9 @@ static int take_pictures(struct choices *c, int option, struct fault *fault)
 	}
 }
 
-static int take(void *choices, int option, struct fault *fault)
+static int import_command_take(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct import_choices *c = choices;
 
 	switch (option) {
 	case 'o':
@@ -128,8 +128,8 @@ static int take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int import_pictures(const struct choices *c, const struct dome *dome, const int *place,
-			   struct fault *fault)
+static int import_pictures(const struct import_choices *c, const struct dome *dome,
+			   const int *place, struct fault *fault)
 {
 	struct import_pictures_settings settings = c->pictures;
 	char *folder = strdup(c->output);
@@ -161,7 +161,7 @@ static int import_pictures(const struct choices *c, const struct dome *dome, con
 	return err;
 }
 
-static int import_msi(const struct choices *c, const struct dome *dome, const int *place,
+static int import_msi(const struct import_choices *c, const struct dome *dome, const int *place,
 		      struct fault *fault)
 {
 	struct msi_source from;
@@ -194,7 +194,7 @@ static int import_msi(const struct choices *c, const struct dome *dome, const in
 }
 
 /* As a scene's render has it, where nothing is said. */
-static void set_encoding(struct choices *c)
+static void set_encoding(struct import_choices *c)
 {
 	struct scene_render_values scene;
 	struct import_settings *s = &c->import;
@@ -208,7 +208,7 @@ static void set_encoding(struct choices *c)
 	encoding_said_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
 }
 
-static int run_import(const struct choices *c, struct fault *fault)
+static int run_import(const struct import_choices *c, struct fault *fault)
 {
 	struct dome dome;
 	int *place;
@@ -226,7 +226,7 @@ static int run_import(const struct choices *c, struct fault *fault)
 }
 
 /* What is missing or too much, or NULL. */
-static const char *wrong_usage(const struct choices *c)
+static const char *wrong_usage(const struct import_choices *c)
 {
 	const struct import_pictures_settings *p = &c->pictures;
 
@@ -245,11 +245,11 @@ static const char *wrong_usage(const struct choices *c)
 	return NULL;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int import_command_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNSAID};
+	struct import_choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNSAID};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, take, &c);
+	const int status = command_options(command, argc, argv, options, import_command_take, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -302,5 +302,5 @@ const struct command import_command = {
 		"of "
 		"radiance\n"
 		"1, and nothing else shines.\n",
-	.run = run,
+	.run = import_command_run,
 };

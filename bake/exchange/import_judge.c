@@ -22,7 +22,7 @@
 
 /* ---- flat ground ---- */
 
-struct part {
+struct ground_part {
 	double sum;
 	long count;
 };
@@ -36,13 +36,14 @@ static double ground_spread(struct import_pictures *p)
 
 	for (int i = 0; i < lights; i++) {
 		const float *value = picture_stack_at(&p->without, i, 0, 0);
-		struct part part[FLAT_PARTS * FLAT_PARTS] = {{0}};
+		struct ground_part part[FLAT_PARTS * FLAT_PARTS] = {{0}};
 		double sum[3] = {0};
 		long count = 0;
 
 		for (int k = 0; k < width * height; k++) {
-			struct part *at = &part[k / width * FLAT_PARTS / height * FLAT_PARTS +
-						k % width * FLAT_PARTS / width];
+			struct ground_part *at =
+				&part[k / width * FLAT_PARTS / height * FLAT_PARTS +
+				      k % width * FLAT_PARTS / width];
 
 			if (!p->is_ground[k])
 				continue;
@@ -69,7 +70,7 @@ static double ground_spread(struct import_pictures *p)
 
 /* Level ground of albedo a sends back a / pi times the projected solid angle of a cell of radiance
  * 1: that tells the order of the pictures and their unit. */
-static int check_ground(const struct import_pictures *p, const char *name, struct fault *fault)
+static int check_flat_ground(const struct import_pictures *p, const char *name, struct fault *fault)
 {
 	const struct dome *dome = p->dome;
 	double albedo = 0, worst = 0;
@@ -132,7 +133,7 @@ static void look_at(const struct import_pictures *p, int light, float look[LOOK 
 		look[k] = without[k] > 0 ? with[k] / without[k] : 1;
 }
 
-static float difference(const float *a, const float *b)
+static float look_difference(const float *a, const float *b)
 {
 	float sum = 0;
 
@@ -141,7 +142,7 @@ static float difference(const float *a, const float *b)
 	return sqrtf(sum / (LOOK * LOOK));
 }
 
-static double angle_between(const struct dome *dome, int a, int b)
+static double node_angle(const struct dome *dome, int a, int b)
 {
 	const double *u = dome->direction[a], *v = dome->direction[b];
 
@@ -169,7 +170,7 @@ static int check_order(const struct import_pictures *p, const char *name, struct
 		if (p->dome->direction[i][2] < 0.1)
 			continue;
 		for (int j = 0; j < n; j++) {
-			const float d = j == i ? INFINITY : difference(look[i], look[j]);
+			const float d = j == i ? INFINITY : look_difference(look[i], look[j]);
 
 			if (d < least) {
 				least = d;
@@ -178,7 +179,7 @@ static int check_order(const struct import_pictures *p, const char *name, struct
 			most = j == i ? most : fmaxf(most, d);
 		}
 		tried++;
-		alike += angle_between(p->dome, i, nearest) < near;
+		alike += node_angle(p->dome, i, nearest) < near;
 	}
 	free(look);
 	if (most < DIFFERENCE_LEAST || alike >= ALIKE_LEAST * tried)
@@ -209,7 +210,7 @@ struct balance {
 	double without, gained, lost, alone;
 };
 
-static struct balance weigh(const struct import_pictures *p)
+static struct balance weigh_open_ground(const struct import_pictures *p)
 {
 	struct balance b = {0};
 
@@ -242,7 +243,7 @@ static int check_roles(const struct import_pictures *p,
 		       const struct import_pictures_settings *settings, struct fault *fault)
 {
 	const size_t values = 3 * (size_t)p->with.width * (size_t)p->with.height;
-	const struct balance b = weigh(p);
+	const struct balance b = weigh_open_ground(p);
 
 	if (!memcmp(p->with.value, p->without.value,
 		    values * (size_t)p->with.count * sizeof(*p->with.value)))
@@ -264,7 +265,8 @@ static int check_roles(const struct import_pictures *p,
 }
 
 /* An object may be outside and throw its shadow in; but that is seldom meant. */
-static void remark(const struct import_pictures *p, const struct import_pictures_settings *settings)
+static void warn_no_object(const struct import_pictures *p,
+			   const struct import_pictures_settings *settings)
 {
 	const int pixels = p->with.width * p->with.height;
 	int k = 0;
@@ -287,10 +289,10 @@ int import_judge(struct import_pictures *p, const struct import_pictures_setting
 		  (settings->receivers == RECEIVERS_AUTO && spread < FLAT_SPREAD);
 	err = check_roles(p, settings, fault);
 	if (!err && p->flat)
-		err = check_ground(p, settings->ground, fault);
+		err = check_flat_ground(p, settings->ground, fault);
 	if (!err && p->dome->count >= LIGHTS_LEAST)
 		err = check_order(p, settings->object, fault);
 	if (!err)
-		remark(p, settings);
+		warn_no_object(p, settings);
 	return err;
 }

@@ -170,20 +170,20 @@ static float share_beside(const struct import_pictures *p, const struct beside *
 
 /* Light of the ground beside the object and of the object itself, from what both make together.
  * without: of the ground as it is when the object is not there. */
-struct split {
+struct edge_split {
 	float ground, object;
 };
 
-static struct split split_edge(const struct import_pictures *p, const struct beside *beside,
-			       int light, int c, float both, float without, float coverage)
+static struct edge_split split_edge(const struct import_pictures *p, const struct beside *beside,
+				    int light, int c, float both, float without, float coverage)
 {
 	const float ground = without * share_beside(p, beside, light, c);
 
-	return (struct split){ground, fmaxf(both - (1 - coverage) * ground, 0)};
+	return (struct edge_split){ground, fmaxf(both - (1 - coverage) * ground, 0)};
 }
 
-static void fill_pixel(const struct import_pictures *p, struct import_tile *tile, int pixel, int x,
-		       int y)
+static void import_fill_pixel(const struct import_pictures *p, struct import_tile *tile, int pixel,
+			      int x, int y)
 {
 	const int lights = p->with.count;
 	const size_t row = (size_t)pixel * 3 * (size_t)lights;
@@ -200,7 +200,7 @@ static void fill_pixel(const struct import_pictures *p, struct import_tile *tile
 		for (int c = 0; c < 3; c++) {
 			const size_t at = row + (size_t)(c * lights + i);
 			const float u = p->flat ? (float)p->ground[c * lights + i] : without[c];
-			struct split s = {with[c], with[c]};
+			struct edge_split s = {with[c], with[c]};
 
 			if (p->alone.value) {
 				s.object = picture_stack_at(&p->alone, i, x, y)[c];
@@ -227,6 +227,6 @@ void import_pictures_fill(const void *context, struct import_tile *tile)
 			tile->coverage[pixel] = p->coverage[at];
 			tile->receiver[pixel] = p->is_ground[at] && p->coverage[at] < 1;
 			if (tile->coverage[pixel] > 0 || tile->receiver[pixel])
-				fill_pixel(p, tile, pixel, x, y);
+				import_fill_pixel(p, tile, pixel, x, y);
 		}
 }

@@ -32,7 +32,7 @@ static uint64_t number_at(const uint8_t *data, int bytes, bool big_endian)
 }
 
 /* Why a file is not of this variant, and how far it was followed. */
-struct verdict {
+struct msi_verdict {
 	size_t reached;
 	char text[160];
 };
@@ -42,7 +42,8 @@ static size_t header_bytes(const struct msi_variant *variant)
 	return INTS * 4 + (size_t)variant->long_bytes;
 }
 
-static bool read_header(struct msi *msi, const struct msi_variant *variant, struct verdict *why)
+static bool msi_read_header(struct msi *msi, const struct msi_variant *variant,
+			    struct msi_verdict *why)
 {
 	uint64_t number[INTS], size;
 
@@ -71,7 +72,7 @@ static bool read_header(struct msi *msi, const struct msi_variant *variant, stru
 }
 
 /* Finds each pixel's start. */
-static bool walk(struct msi *msi, struct verdict *why)
+static bool msi_find_pixels(struct msi *msi, struct msi_verdict *why)
 {
 	const size_t pixels = (size_t)msi->width * (size_t)msi->height;
 	size_t at = header_bytes(&msi->variant);
@@ -102,10 +103,10 @@ static bool walk(struct msi *msi, struct verdict *why)
 }
 
 /* 0; -EBADMSG with the verdict; -ENOMEM. */
-static int try_variant(struct msi *msi, const struct msi_variant *variant, struct verdict *why)
+static int try_variant(struct msi *msi, const struct msi_variant *variant, struct msi_verdict *why)
 {
-	*why = (struct verdict){.reached = 0};
-	if (!read_header(msi, variant, why))
+	*why = (struct msi_verdict){.reached = 0};
+	if (!msi_read_header(msi, variant, why))
 		return -EBADMSG;
 	if ((size_t)msi->width * (size_t)msi->height > msi->bytes) {
 		why->reached = 3;
@@ -116,7 +117,7 @@ static int try_variant(struct msi *msi, const struct msi_variant *variant, struc
 	msi->start = malloc((size_t)msi->width * (size_t)msi->height * sizeof(*msi->start));
 	if (!msi->start)
 		return -ENOMEM;
-	if (walk(msi, why))
+	if (msi_find_pixels(msi, why))
 		return 0;
 	free(msi->start);
 	msi->start = NULL;
@@ -151,7 +152,7 @@ static int map_file(struct msi *msi, const char *path, struct fault *fault)
 
 int msi_open(struct msi *msi, const char *path, struct fault *fault)
 {
-	struct verdict nearest = {.text = ""};
+	struct msi_verdict nearest = {.text = ""};
 	int err;
 
 	*msi = (struct msi){.data = NULL};
@@ -159,7 +160,7 @@ int msi_open(struct msi *msi, const char *path, struct fault *fault)
 	if (err)
 		return err;
 	for (size_t k = 0; k < VARIANTS; k++) {
-		struct verdict why;
+		struct msi_verdict why;
 
 		err = try_variant(msi, &variants[k], &why);
 		if (!err)
@@ -197,7 +198,7 @@ static int most_of(const uint8_t *row, int lights)
 }
 
 /* Whether two rows without the object are alike but for their scale. */
-static bool alike(const uint8_t *a, const uint8_t *b, int lights)
+static bool rows_alike(const uint8_t *a, const uint8_t *b, int lights)
 {
 	const double scale = (double)most_of(a, lights) / most_of(b, lights);
 
@@ -220,7 +221,7 @@ static bool is_flat(const struct msi *msi)
 			continue;
 		if (!first)
 			first = row;
-		else if (!alike(first, row, msi->lights))
+		else if (!rows_alike(first, row, msi->lights))
 			return false;
 	}
 	return first;

@@ -30,7 +30,7 @@ static int open_unnamed(const char *folder)
 	return fd;
 }
 
-static int make_room(struct picture_stack *stack, const char *folder, struct fault *fault)
+static int stack_make_room(struct picture_stack *stack, const char *folder, struct fault *fault)
 {
 	void *map = MAP_FAILED;
 	int err, fd = open_unnamed(folder);
@@ -51,8 +51,8 @@ static int make_room(struct picture_stack *stack, const char *folder, struct fau
 	return 0;
 }
 
-static void convert(const struct image *picture, const struct picture_stack_settings *settings,
-		    float *to)
+static void stack_convert(const struct image *picture,
+			  const struct picture_stack_settings *settings, float *to)
 {
 	const size_t values = 3 * (size_t)picture->width * (size_t)picture->height;
 	float decode[256];
@@ -66,8 +66,8 @@ static void convert(const struct image *picture, const struct picture_stack_sett
 }
 
 /* The picture that a light has, into its place. */
-static int read_one(struct picture_stack *stack, const char *name, int light,
-		    const struct picture_stack_settings *settings, struct fault *fault)
+static int stack_read_picture(struct picture_stack *stack, const char *name, int light,
+			      const struct picture_stack_settings *settings, struct fault *fault)
 {
 	const int place = settings->place ? settings->place[light] : light;
 	struct image picture;
@@ -78,16 +78,16 @@ static int read_one(struct picture_stack *stack, const char *name, int light,
 	if (!stack->value) {
 		stack->width = picture.width;
 		stack->height = picture.height;
-		err = make_room(stack, settings->folder, fault);
+		err = stack_make_room(stack, settings->folder, fault);
 	} else if (picture.width != stack->width || picture.height != stack->height) {
 		err = fault_say(fault, -EINVAL,
 				"%s: %d x %d pixels, expected %d x %d as in the first picture",
 				name, picture.width, picture.height, stack->width, stack->height);
 	}
 	if (!err)
-		convert(&picture, settings,
-			stack->value +
-				(size_t)place * 3 * (size_t)stack->width * (size_t)stack->height);
+		stack_convert(&picture, settings,
+			      stack->value + (size_t)place * 3 * (size_t)stack->width *
+						     (size_t)stack->height);
 	image_free(&picture);
 	return err;
 }
@@ -119,7 +119,7 @@ int picture_stack_read(struct picture_stack *stack, const char *pattern, int cou
 		if (err)
 			fault_say(fault, err, "%s: the name is too long", pattern);
 		else
-			err = read_one(stack, name, k, settings, fault);
+			err = stack_read_picture(stack, name, k, settings, fault);
 		progress_show(progress, k + 1, 0);
 	}
 	if (err)

@@ -30,16 +30,16 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-struct choices {
+struct pictures_choices {
 	const char *object, *ground, *alone, *coverage, *pose;
 	struct scene_lights lights;
 	int width, height;
 	struct truth_settings truth;
 };
 
-static int take(void *choices, int option, struct fault *fault)
+static int pictures_command_take(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct pictures_choices *c = choices;
 
 	switch (option) {
 	case OBJECT:
@@ -78,8 +78,8 @@ static int write_numbered(const char *pattern, int number, const struct image *p
 		   : image_write(name, picture, fault);
 }
 
-static int write_light(const struct choices *c, int light, const struct truth_pictures *pictures,
-		       struct fault *fault)
+static int write_light_pictures(const struct pictures_choices *c, int light,
+				const struct truth_pictures *pictures, struct fault *fault)
 {
 	int err = write_numbered(c->object, light, &pictures->with, fault);
 
@@ -92,7 +92,7 @@ static int write_light(const struct choices *c, int light, const struct truth_pi
 	return err;
 }
 
-static int render_lights(const struct choices *c, const struct scene *scene,
+static int render_lights(const struct pictures_choices *c, const struct scene *scene,
 			 const struct dome *dome, struct fault *fault)
 {
 	struct truth_settings settings = c->truth;
@@ -109,7 +109,7 @@ static int render_lights(const struct choices *c, const struct scene *scene,
 		sky_of_light(&sky, dome, i);
 		err = truth_pictures(scene, &sky, &settings, &pictures, fault);
 		if (!err)
-			err = write_light(c, i, &pictures, fault);
+			err = write_light_pictures(c, i, &pictures, fault);
 		truth_pictures_free(&pictures);
 		progress_show(&progress, i + 1, 0);
 	}
@@ -118,7 +118,7 @@ static int render_lights(const struct choices *c, const struct scene *scene,
 }
 
 /* Before the first of many is rendered. */
-static int check_names(const char *path, const struct choices *c, struct fault *fault)
+static int check_names(const char *path, const struct pictures_choices *c, struct fault *fault)
 {
 	const char *const names[] = {c->object, c->ground, c->alone, c->coverage};
 	char first[3][PATH_MAX];
@@ -144,7 +144,7 @@ static int check_names(const char *path, const struct choices *c, struct fault *
 	return output_check(outputs, 4, &path, 1, fault);
 }
 
-static int run_pictures(const char *path, const struct choices *c, struct fault *fault)
+static int run_pictures(const char *path, const struct pictures_choices *c, struct fault *fault)
 {
 	struct scene *scene;
 	struct dome dome;
@@ -165,11 +165,11 @@ static int run_pictures(const char *path, const struct choices *c, struct fault 
 	return err;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int pictures_command_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.lights = {-1, -1, -1}, .truth = {.samples = 64, .seed = 1}};
+	struct pictures_choices c = {.lights = {-1, -1, -1}, .truth = {.samples = 64, .seed = 1}};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, take, &c);
+	const int status = command_options(command, argc, argv, options, pictures_command_take, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -211,5 +211,5 @@ const struct command pictures_command = {
 		"meshes,\n"
 		"materials and camera: what inlay-bake import makes of the pictures is held "
 		"against it.\n",
-	.run = run,
+	.run = pictures_command_run,
 };

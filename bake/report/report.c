@@ -33,7 +33,7 @@
 
 static const int frequencies[] = {1, 2, 3, 4, 6, 9, 18, 36};
 
-static int choose(int value, bool quick, int small, int usual)
+static int given_or(int value, bool quick, int small, int usual)
 {
 	return value > 0 ? value : quick ? small : usual;
 }
@@ -43,7 +43,8 @@ static int choose(int value, bool quick, int small, int usual)
 static int open_lightings(struct report *r)
 {
 	const struct report_settings *s = r->settings;
-	const int samples = choose(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES, TRUTH_SAMPLES);
+	const int samples = given_or(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES,
+				     TRUTH_SAMPLES);
 	int count = s->panoramas, err = 0;
 
 	while (!s->panoramas && report_sky_names[count])
@@ -70,8 +71,8 @@ static int open_lightings(struct report *r)
 /* The numbers of lights that are tried, the one in use among them. */
 static int choose_frequencies(const struct report *r, int *to)
 {
-	const int most = choose(r->settings->most_frequency, r->settings->quick, QUICK_FREQUENCY,
-				frequencies[sizeof(frequencies) / sizeof(*frequencies) - 1]);
+	const int most = given_or(r->settings->most_frequency, r->settings->quick, QUICK_FREQUENCY,
+				  frequencies[sizeof(frequencies) / sizeof(*frequencies) - 1]);
 	const int used = r->render.frequency;
 	bool there = false;
 	int count = 0;
@@ -113,7 +114,7 @@ static int make_bakes(struct report *r)
 	return err;
 }
 
-static int open_scene(struct report *r)
+static int report_open_scene(struct report *r)
 {
 	const struct report_settings *s = r->settings;
 	int width = s->width, height = s->height, err;
@@ -130,7 +131,7 @@ static int open_scene(struct report *r)
 	r->stage.width = r->scene->camera.width;
 	r->stage.height = r->scene->camera.height;
 	r->render = render_settings_of(r->scene);
-	r->render.samples = choose(s->samples, s->quick, QUICK_SAMPLES, SAMPLES);
+	r->render.samples = given_or(s->samples, s->quick, QUICK_SAMPLES, SAMPLES);
 	r->render.noise_levels = 0;
 	r->render.threads = r->threads;
 	r->render.exact = true;
@@ -139,7 +140,7 @@ static int open_scene(struct report *r)
 	return s->basis ? report_given_open(r) : 0;
 }
 
-static int open_basis(struct report *r)
+static int report_open_basis(struct report *r)
 {
 	int err;
 
@@ -172,14 +173,14 @@ static bool is_basis(const char *path)
 	return is;
 }
 
-static int open_all(struct report *r)
+static int report_open_all(struct report *r)
 {
 	int frequency[REPORT_SWEEP_MAX];
-	int err = is_basis(r->settings->input) ? open_basis(r) : open_scene(r);
+	int err = is_basis(r->settings->input) ? report_open_basis(r) : report_open_scene(r);
 
 	if (err)
 		return err;
-	r->stage.repeat = choose(r->settings->repeat, r->settings->quick, QUICK_REPEAT, REPEAT);
+	r->stage.repeat = given_or(r->settings->repeat, r->settings->quick, QUICK_REPEAT, REPEAT);
 	r->steps = (r->settings->panoramas ? r->settings->panoramas : 3) + 7;
 	if (r->scene)
 		r->steps += choose_frequencies(r, frequency) + (r->settings->quick ? 2 : 6) + 5;
@@ -261,7 +262,7 @@ static int show_method(struct report *r)
 			"noises "
 			"when it is less.",
 			r->render.samples, r->used->report.info.noise_levels,
-			choose(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES, TRUTH_SAMPLES));
+			given_or(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES, TRUTH_SAMPLES));
 	return 0;
 }
 
@@ -318,7 +319,7 @@ int report_run(const struct report_settings *settings, struct fault *fault)
 	r->threads = pool_threads(r->stage.all);
 	err = report_page_open(&r->page, settings->folder, fault);
 	if (!err)
-		err = open_all(r);
+		err = report_open_all(r);
 	if (!err)
 		err = write_sections(r);
 	snprintf(title, sizeof(title), "%s: speed against error", base_of(settings->input));

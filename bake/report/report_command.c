@@ -50,7 +50,7 @@ static int take_panorama(struct report_settings *s, struct fault *fault)
 	return 0;
 }
 
-static int take(void *choices, int option, struct fault *fault)
+static int report_command_take(void *choices, int option, struct fault *fault)
 {
 	struct report_settings *s = choices;
 
@@ -88,11 +88,11 @@ static int take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int report_command_run(const struct command *command, int argc, char **argv)
 {
 	struct report_settings s = {.folder = NULL};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, take, &s);
+	const int status = command_options(command, argc, argv, options, report_command_take, &s);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -142,5 +142,5 @@ const struct command report_command = {
 		"kernel, threads; and makes the thesis's own measurements again. What the scene\n"
 		"file says is the setting in use. Of a basis file in place of the scene it tells\n"
 		"what needs no other bake and no truth. It takes minutes.\n",
-	.run = run,
+	.run = report_command_run,
 };

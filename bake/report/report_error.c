@@ -8,14 +8,14 @@
 static const double factors[] = {0.25, 0.5, 1, 2, 4, 8};
 static const double factors_quick[] = {1, 4};
 
-struct errors {
+struct error_sweep {
 	struct report_bake bake[sizeof(factors) / sizeof(*factors)];
 	struct report_trial trial[sizeof(factors) / sizeof(*factors)];
 	const double *factor;
 	int count;
 };
 
-static int make_bakes(struct report *r, struct errors *e)
+static int make_error_bakes(struct report *r, struct error_sweep *e)
 {
 	int err = 0;
 
@@ -37,7 +37,8 @@ static int make_bakes(struct report *r, struct errors *e)
 	return err;
 }
 
-static void fill_table(const struct report *r, const struct errors *e, struct report_table *t)
+static void fill_error_table(const struct report *r, const struct error_sweep *e,
+			     struct report_table *t)
 {
 	report_table_column(t, "asked_rms_levels", "asked RMS", "levels");
 	report_table_column(t, "asked_cell_levels", "asked, cell", "levels");
@@ -68,7 +69,8 @@ static void fill_table(const struct report *r, const struct errors *e, struct re
 	}
 }
 
-static int plot(struct report *r, const struct errors *e, const char *name, bool memory)
+static int plot_error_sweep(struct report *r, const struct error_sweep *e, const char *name,
+			    bool memory)
 {
 	struct report_plot p;
 
@@ -93,7 +95,7 @@ static int plot(struct report *r, const struct errors *e, const char *name, bool
 		r->fault);
 }
 
-static int show(struct report *r, const struct errors *e)
+static int show_error_sweep(struct report *r, const struct error_sweep *e)
 {
 	struct report_table table;
 	int err;
@@ -105,11 +107,11 @@ static int show(struct report *r, const struct errors *e)
 		"asked for needs, under skies and single cells that are the same for every "
 		"scene; the surroundings here are none of those. Errors are against the "
 		"exact layer of the setting in use in double precision, from the same rays.");
-	err = plot(r, e, "error-memory", true);
+	err = plot_error_sweep(r, e, "error-memory", true);
 	if (!err)
-		err = plot(r, e, "error-time", false);
+		err = plot_error_sweep(r, e, "error-time", false);
 	report_table_begin(&table, "declared-error");
-	fill_table(r, e, &table);
+	fill_error_table(r, e, &table);
 	if (!err)
 		err = report_page_table(&r->page, r->page.body, &table, r->fault);
 	report_table_free(&table);
@@ -118,21 +120,21 @@ static int show(struct report *r, const struct errors *e)
 
 int report_declared_error(struct report *r)
 {
-	static struct errors e;
+	static struct error_sweep e;
 	int err;
 
 	if (!r->scene)
 		return 0;
-	e = (struct errors){.factor = factors, .count = sizeof(factors) / sizeof(*factors)};
+	e = (struct error_sweep){.factor = factors, .count = sizeof(factors) / sizeof(*factors)};
 	if (r->settings->quick) {
 		e.factor = factors_quick;
 		e.count = sizeof(factors_quick) / sizeof(*factors_quick);
 	}
-	err = make_bakes(r, &e);
+	err = make_error_bakes(r, &e);
 	if (!err)
 		err = report_trials_run(e.trial, e.count, &r->stage, &r->scope, r->fault);
 	if (!err)
-		err = show(r, &e);
+		err = show_error_sweep(r, &e);
 	for (int k = 0; k < e.count; k++) {
 		if (!err && e.factor[k] != 1)
 			report_candidate_add(r, &e.trial[k], false);

@@ -40,7 +40,7 @@ int report_given_open(struct report *r)
 	return 0;
 }
 
-static int open_stage(struct report *r, struct report_stage *stage)
+static int open_given_stage(struct report *r, struct report_stage *stage)
 {
 	int err = 0;
 
@@ -61,8 +61,8 @@ static int open_stage(struct report *r, struct report_stage *stage)
 	return err;
 }
 
-static void fill_table(const struct report *r, const struct report_trial *trial, int count,
-		       struct report_table *t)
+static void fill_given_table(const struct report *r, const struct report_trial *trial, int count,
+			     struct report_table *t)
 {
 	report_table_begin(t, "basis-file");
 	report_table_column(t, "mode", "mode", NULL);
@@ -89,13 +89,13 @@ static void fill_table(const struct report *r, const struct report_trial *trial,
 	}
 }
 
-static int show(struct report *r, const struct report_trial *trial, int count)
+static int show_given(struct report *r, const struct report_trial *trial, int count)
 {
 	const struct basis_info_chunk *info = &r->given.basis.info;
 	struct report_table table;
 	int err;
 
-	fill_table(r, trial, count, &table);
+	fill_given_table(r, trial, count, &table);
 	report_heading(r->page.body, "What does the basis file in use cost as it is?");
 	report_paragraph(r->page.body,
 			 "%s at its own %u x %u pixels with %u lights; errors are against double "
@@ -119,7 +119,7 @@ int report_given(struct report *r)
 	if (!r->settings->basis)
 		return 0;
 	report_step(r, "the basis file in use");
-	err = open_stage(r, &stage);
+	err = open_given_stage(r, &stage);
 	if (!err && scope_create(&scope, &r->given.basis, report_bake_layer(&r->given)))
 		err = fault_say(r->fault, -ENOMEM, "not enough memory");
 	for (int k = 0; k < modes * threads; k++) {
@@ -130,7 +130,7 @@ int report_given(struct report *r)
 	if (!err)
 		err = report_trials_run(trial, modes * threads, &stage, &scope, r->fault);
 	if (!err)
-		err = show(r, trial, modes * threads);
+		err = show_given(r, trial, modes * threads);
 	scope_free(&scope);
 	for (int k = 0; k < stage.lightings; k++)
 		report_lighting_close(&stage.lighting[k]);

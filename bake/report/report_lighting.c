@@ -13,7 +13,7 @@
 #define MADE_WIDTH 1024 /* of skies by formula */
 
 /* The file's own name, without folders and ending. */
-static void name_of(const char *path, char *name, size_t room)
+static void panorama_name(const char *path, char *name, size_t room)
 {
 	const char *slash = strrchr(path, '/'), *dot;
 
@@ -33,7 +33,7 @@ static int read_panorama(struct report_lighting *l, const struct report_lighting
 		err = report_sky_make(&l->image, s->made, MADE_WIDTH);
 		return err ? fault_say(fault, err, "%s: %s", l->name, strerror(-err)) : 0;
 	}
-	name_of(s->path, l->name, sizeof(l->name));
+	panorama_name(s->path, l->name, sizeof(l->name));
 	return panorama_read(&l->image, s->path, fault);
 }
 
@@ -59,7 +59,7 @@ static double peak_ratio(const struct panorama *panorama)
 	return sum > 0 ? peak * weight / sum : 0;
 }
 
-static int expose(struct report_lighting *l, struct sky *sky, struct fault *fault)
+static int lighting_expose(struct report_lighting *l, struct sky *sky, struct fault *fault)
 {
 	int err;
 
@@ -74,7 +74,7 @@ static int expose(struct report_lighting *l, struct sky *sky, struct fault *faul
 }
 
 /* As a camera delivers it: 8 bits. */
-static int photograph(struct report_lighting *l, const struct scene *scene)
+static int lighting_photograph(struct report_lighting *l, const struct scene *scene)
 {
 	struct image seen = {.width = 0};
 	const int err = truth_background(scene, &l->panorama, &seen);
@@ -119,8 +119,9 @@ static int background_light(const struct report_lighting *l, struct image *linea
 	return 0;
 }
 
-static int trace(struct report_lighting *l, const struct scene *scene, const struct sky *sky,
-		 const struct report_lighting_settings *s, struct fault *fault)
+static int lighting_trace(struct report_lighting *l, const struct scene *scene,
+			  const struct sky *sky, const struct report_lighting_settings *s,
+			  struct fault *fault)
 {
 	const struct truth_settings settings = {.samples = s->truth_samples,
 						.bounces = scene->file->render.bounces,
@@ -160,14 +161,14 @@ int report_lighting_open(struct report_lighting *l, const struct scene *scene, i
 	*l = (struct report_lighting){.truth = NULL};
 	err = read_panorama(l, s, fault);
 	if (!err)
-		err = expose(l, &sky, fault);
+		err = lighting_expose(l, &sky, fault);
 	if (err)
 		goto release;
 	err = truth_fisheye(&l->panorama, s->fisheye_side, &l->fisheye);
 	if (!err)
 		err = canvas_create(&l->background, width, height);
 	if (!err && scene)
-		err = photograph(l, scene);
+		err = lighting_photograph(l, scene);
 	if (err) {
 		fault_say(fault, err, "%s: %s", l->name, strerror(-err));
 		goto release;
@@ -176,7 +177,7 @@ int report_lighting_open(struct report_lighting *l, const struct scene *scene, i
 		background_fill(&l->background);
 	l->background_picture = view_picture(&whole, l->background.pixels, l->background.stride);
 	if (scene && s->truth_samples)
-		err = trace(l, scene, &sky, s, fault);
+		err = lighting_trace(l, scene, &sky, s, fault);
 release:
 	sky_free(&sky);
 	return err;

@@ -7,7 +7,7 @@
 
 enum { CELL, NODE, EXACT, THESIS, WAYS };
 
-static void describe(struct report_trial *trial, struct report_bake *bake, int which)
+static void describe_way(struct report_trial *trial, struct report_bake *bake, int which)
 {
 	static const char *const names[WAYS] = {"", ", node", ", exact layer", ""};
 
@@ -19,8 +19,8 @@ static void describe(struct report_trial *trial, struct report_bake *bake, int w
 		 names[which]);
 }
 
-static void fill_table(const struct report *r, const struct report_trial *trials,
-		       struct report_table *t)
+static void fill_lights_table(const struct report *r, const struct report_trial *trials,
+			      struct report_table *t)
 {
 	static const char *const modes[WAYS] = {"fast", "fast", "exact", "thesis"};
 
@@ -122,7 +122,7 @@ static int plot_times(struct report *r, const struct report_trial *trials)
 		r->fault);
 }
 
-static int show(struct report *r, const struct report_trial *trials)
+static int show_lights(struct report *r, const struct report_trial *trials)
 {
 	struct report_table table;
 	int err = 0;
@@ -139,7 +139,7 @@ static int show(struct report *r, const struct report_trial *trials)
 	if (!err)
 		err = plot_times(r, trials);
 	report_table_begin(&table, "lights");
-	fill_table(r, trials, &table);
+	fill_lights_table(r, trials, &table);
 	if (!err)
 		err = report_page_table(&r->page, r->page.body, &table, r->fault);
 	report_table_free(&table);
@@ -154,13 +154,13 @@ int report_lights(struct report *r)
 	report_step(r, "numbers of lights");
 	for (int b = 0; b < r->bakes; b++)
 		for (int k = 0; k < WAYS; k++)
-			describe(&trials[b * WAYS + k], &r->bake[b], k);
+			describe_way(&trials[b * WAYS + k], &r->bake[b], k);
 	err = report_trials_run(trials, r->bakes * WAYS, &r->stage, &r->scope, r->fault);
 	for (int b = 0; b < r->bakes; b++)
 		if (&r->bake[b] == r->used)
 			r->in_use = trials[b * WAYS + CELL];
 	if (!err)
-		err = show(r, trials);
+		err = show_lights(r, trials);
 	for (int k = 0; !err && k < r->bakes * WAYS; k++)
 		if (!trials[k].way.thesis)
 			report_candidate_add(r, &trials[k],

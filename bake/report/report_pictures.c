@@ -13,14 +13,14 @@
 #define GAP 4  /* pixels between them */
 #define GAIN 8 /* of the difference */
 
-static uint8_t code_of(double level)
+static uint8_t level_code(double level)
 {
 	return (uint8_t)lround(fmin(fmax(level, 0), 255));
 }
 
 /* Ours, the truth, and their difference about a middle grey. */
-static void fill(const struct report *r, const struct canvas *ours, const double *truth,
-		 struct image *out)
+static void fill_comparison(const struct report *r, const struct canvas *ours, const double *truth,
+			    struct image *out)
 {
 	const int width = r->stage.width;
 
@@ -33,9 +33,9 @@ static void fill(const struct report *r, const struct canvas *ours, const double
 
 			for (int c = 0; c < 3; c++) {
 				to[c] = is[2 - c];
-				to[3 * (width + GAP) + c] = code_of(was[c]);
+				to[3 * (width + GAP) + c] = level_code(was[c]);
 				to[6 * (width + GAP) + c] =
-					code_of(128 + GAIN * (is[2 - c] - was[c]));
+					level_code(128 + GAIN * (is[2 - c] - was[c]));
 			}
 		}
 	}
@@ -55,7 +55,7 @@ static int show_one(struct report *r, const struct report_way *way, int lighting
 		truth = report_bake_precise(r->used, &r->stage, INPUT_CELL, lighting, r->fault);
 	if (!truth)
 		return -ENOMEM;
-	fill(r, ours, truth, out);
+	fill_comparison(r, ours, truth, out);
 	snprintf(name, sizeof(name), "picture-%d", lighting + 1);
 	snprintf(caption, sizeof(caption),
 		 "%s: the setting in use, %s, and %d times their difference (grey: none).", l->name,

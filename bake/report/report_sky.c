@@ -38,14 +38,14 @@ static bool is_inside(const struct disc *disc, const double d[3])
 }
 
 /* CIE: three times brighter at the zenith. */
-static void overcast(const double d[3], double rgb[3])
+static void overcast_sky(const double d[3], double rgb[3])
 {
 	for (int c = 0; c < 3; c++)
 		rgb[c] = (1 + 2 * d[2]) / 3;
 }
 
 /* Blue above, whiter below and around the sun. */
-static void clear(const double d[3], double rgb[3])
+static void clear_sky(const double d[3], double rgb[3])
 {
 	static const double above[3] = {0.18, 0.36, 0.8}, below[3] = {0.75, 0.85, 0.95};
 	const double height = sun.height_deg * M_PI / 180;
@@ -62,7 +62,7 @@ static void clear(const double d[3], double rgb[3])
 }
 
 /* A dim room: grey walls, a window, lamps. */
-static void room(const double d[3], double rgb[3])
+static void lamp_room(const double d[3], double rgb[3])
 {
 	static const double wall[3] = {0.10, 0.09, 0.08}, window[3] = {5, 6, 7.5};
 	const double azimuth = atan2(d[1], d[0]);
@@ -92,10 +92,10 @@ static void floor_of(const double d[3], double rgb[3])
 	}
 }
 
-static void radiance(int which, const double d[3], double rgb[3])
+static void made_radiance(int which, const double d[3], double rgb[3])
 {
 	static void (*const sky[])(const double d[3], double rgb[3]) = {
-		[OVERCAST] = overcast, [SUN] = clear, [LAMPS] = room};
+		[OVERCAST] = overcast_sky, [SUN] = clear_sky, [LAMPS] = lamp_room};
 
 	if (d[2] < 0)
 		floor_of(d, rgb);
@@ -142,7 +142,7 @@ int report_sky_make(struct image *image, int which, int width)
 			double d[3], rgb[3];
 
 			panorama_direction(&panorama, x, y, d);
-			radiance(which, d, rgb);
+			made_radiance(which, d, rgb);
 			for (int c = 0; c < 3; c++)
 				sum[c] += rgb[c];
 		}

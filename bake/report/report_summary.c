@@ -21,7 +21,7 @@ static int faster_first(const void *a, const void *b)
 			      : (x->rms > y->rms) - (x->rms < y->rms);
 }
 
-static const struct report_candidate *in_use(const struct report *r)
+static const struct report_candidate *candidate_in_use(const struct report *r)
 {
 	for (int k = 0; k < r->candidates; k++)
 		if (r->candidate[k].in_use)
@@ -41,7 +41,7 @@ static void find_front(struct report *r)
 	double best = INFINITY;
 
 	qsort(r->candidate, (size_t)r->candidates, sizeof(*r->candidate), faster_first);
-	used = in_use(r);
+	used = candidate_in_use(r);
 	for (int k = 0; k < r->candidates; k++) {
 		struct report_candidate *c = &r->candidate[k];
 
@@ -52,7 +52,8 @@ static void find_front(struct report *r)
 }
 
 /* The nearest of the others that take no longer and are no further off; NULL: there is none. */
-static const struct report_candidate *better(const struct report *r, double ms, double rms)
+static const struct report_candidate *candidate_better(const struct report *r, double ms,
+						       double rms)
 {
 	const struct report_candidate *found = NULL;
 
@@ -65,7 +66,7 @@ static const struct report_candidate *better(const struct report *r, double ms, 
 	return found;
 }
 
-static void suggest(FILE *to, const char *what, const struct report_candidate *c)
+static void suggest_candidate(FILE *to, const char *what, const struct report_candidate *c)
 {
 	char ms[32], rms[32], mb[32];
 
@@ -100,9 +101,9 @@ static int show_front(struct report *r)
 		snprintf(point->label, sizeof(point->label), "%.40s", c->name);
 	}
 	report_plot_series(&plot, NULL, STYLE_POINTS, 2);
-	if (in_use(r)) {
-		struct report_point *point = report_plot_point(&plot, in_use(r)->ms,
-							       in_use(r)->rms);
+	if (candidate_in_use(r)) {
+		struct report_point *point = report_plot_point(&plot, candidate_in_use(r)->ms,
+							       candidate_in_use(r)->rms);
 
 		point->ringed = true;
 		snprintf(point->label, sizeof(point->label), "in use");
@@ -209,16 +210,18 @@ int report_summary(struct report *r)
 	int err;
 
 	find_front(r);
-	used = in_use(r);
+	used = candidate_in_use(r);
 	if (used) {
-		const struct report_candidate *nearer = better(r, used->ms, used->rms / WORTH);
-		const struct report_candidate *faster = better(r, used->ms / SAME_TIME,
-							       used->rms * WORTH);
+		const struct report_candidate *nearer = candidate_better(r, used->ms,
+									 used->rms / WORTH);
+		const struct report_candidate *faster = candidate_better(r, used->ms / SAME_TIME,
+									 used->rms * WORTH);
 
 		describe_use(r, used);
-		suggest(r->page.head, "Nearer in no more time", nearer);
-		suggest(r->page.head, "Faster and no further off", faster);
-		suggest(r->page.head, "The nearest of all", better(r, INFINITY, INFINITY));
+		suggest_candidate(r->page.head, "Nearer in no more time", nearer);
+		suggest_candidate(r->page.head, "Faster and no further off", faster);
+		suggest_candidate(r->page.head, "The nearest of all",
+				  candidate_better(r, INFINITY, INFINITY));
 		if (!nearer && !faster)
 			report_paragraph(
 				r->page.head,

@@ -32,7 +32,7 @@ static const struct {
 
 enum { THESIS_ONE, THESIS_MORE, FAST_ONE, FAST_MORE, COLUMNS };
 
-struct again {
+struct thesis_rerun {
 	struct report *report;
 	struct scene *scene;
 	struct report_stage stage; /* one lighting; the pool is the report's */
@@ -41,15 +41,15 @@ struct again {
 	struct report_table threshold;
 };
 
-static int threads_of(const struct again *a, int row)
+static int threads_of(const struct thesis_rerun *a, int row)
 {
 	const int most = a->report->threads;
 
 	return table41[row].threads < most ? table41[row].threads : most;
 }
 
-static void fill_row(struct again *a, int row, const struct report_bake *bake,
-		     const struct report_trial *trial)
+static void fill_thesis_row(struct thesis_rerun *a, int row, const struct report_bake *bake,
+			    const struct report_trial *trial)
 {
 	struct report_table *t = &a->table;
 
@@ -68,7 +68,7 @@ static void fill_row(struct again *a, int row, const struct report_bake *bake,
 	report_number(t, trial[THESIS_ONE].median_ms / trial[FAST_ONE].median_ms);
 }
 
-static int try_row(struct again *a, int row, struct report_bake *bake)
+static int try_row(struct thesis_rerun *a, int row, struct report_bake *bake)
 {
 	struct report_trial trial[COLUMNS] = {{.median_ms = 0}};
 	int err;
@@ -80,13 +80,13 @@ static int try_row(struct again *a, int row, struct report_bake *bake)
 	}
 	err = report_trials_run(trial, COLUMNS, &a->stage, NULL, a->report->fault);
 	if (!err)
-		fill_row(a, row, bake, trial);
+		fill_thesis_row(a, row, bake, trial);
 	return err;
 }
 
 /* ---- the threshold ---- */
 
-static int falling(const void *a, const void *b)
+static int float_descending(const void *a, const void *b)
 {
 	const float x = *(const float *)a, y = *(const float *)b;
 
@@ -94,7 +94,7 @@ static int falling(const void *a, const void *b)
 }
 
 /* The brightest channel of the last light that is to reach it. */
-static int find_threshold(struct again *a, struct report_bake *bake, double *threshold)
+static int find_threshold(struct thesis_rerun *a, struct report_bake *bake, double *threshold)
 {
 	const int lights = (int)bake->basis.info.lights;
 	const float(*radiance)[3] = report_bake_radiance(bake, &a->stage, INPUT_CELL, 0,
@@ -108,7 +108,7 @@ static int find_threshold(struct again *a, struct report_bake *bake, double *thr
 		for (int c = 0; c < 3; c++)
 			peak[i] = radiance[i][c] > peak[i] ? radiance[i][c] : peak[i];
 	}
-	qsort(peak, (size_t)lights, sizeof(*peak), falling);
+	qsort(peak, (size_t)lights, sizeof(*peak), float_descending);
 	*threshold = (double)peak[THRESHOLD_LIGHTS - 1];
 	free(peak);
 	return 0;
@@ -130,7 +130,7 @@ static const struct {
 
 #define CASES ((int)(sizeof(cases) / sizeof(*cases)))
 
-static int try_threshold(struct again *a, struct report_bake *bake)
+static int try_threshold(struct thesis_rerun *a, struct report_bake *bake)
 {
 	struct report_trial trial[CASES] = {{.median_ms = 0}};
 	struct report_table *t = &a->threshold;
@@ -169,7 +169,7 @@ static int try_threshold(struct again *a, struct report_bake *bake)
 
 /* ---- all of it ---- */
 
-static void add_columns(struct again *a)
+static void add_columns(struct thesis_rerun *a)
 {
 	struct report_table *t = &a->table;
 
@@ -199,7 +199,7 @@ static void add_columns(struct again *a)
 	report_table_column(t, "double_max_levels", "largest", "levels");
 }
 
-static int measure(struct again *a)
+static int measure_rows(struct thesis_rerun *a)
 {
 	struct report *r = a->report;
 	int err = 0;
@@ -243,7 +243,7 @@ static int plot_table(struct report *r, const struct report_table *t)
 				r->fault);
 }
 
-static int show(struct again *a)
+static int show_thesis(struct thesis_rerun *a)
 {
 	struct report *r = a->report;
 	int err;
@@ -270,7 +270,7 @@ static int show(struct again *a)
 	return err ? err : report_page_table(&r->page, r->page.body, &a->threshold, r->fault);
 }
 
-static int open_stage(struct again *a)
+static int open_thesis_stage(struct thesis_rerun *a)
 {
 	struct report *r = a->report;
 	const struct report_settings *s = r->settings;
@@ -296,7 +296,7 @@ static int open_stage(struct again *a)
 
 int report_thesis(struct report *r)
 {
-	struct again a = {.report = r, .settings = r->used->settings};
+	struct thesis_rerun a = {.report = r, .settings = r->used->settings};
 	int err;
 
 	if (!r->scene)
@@ -305,11 +305,11 @@ int report_thesis(struct report *r)
 	/* noise does not matter for time */
 	a.settings.samples = a.settings.samples / 2 + 1;
 	add_columns(&a);
-	err = open_stage(&a);
+	err = open_thesis_stage(&a);
 	if (!err)
-		err = measure(&a);
+		err = measure_rows(&a);
 	if (!err)
-		err = show(&a);
+		err = show_thesis(&a);
 	report_table_free(&a.table);
 	report_table_free(&a.threshold);
 	report_lighting_close(&a.stage.lighting[0]);

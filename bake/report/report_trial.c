@@ -113,8 +113,9 @@ static void runner_destroy(struct runner *r)
 
 /* ---- frames ---- */
 
-static int composite(struct runner *r, const struct report_stage *stage, int lighting,
-		     const struct light_selection *lights, struct canvas *out, struct fault *fault)
+static int runner_composite(struct runner *r, const struct report_stage *stage, int lighting,
+			    const struct light_selection *lights, struct canvas *out,
+			    struct fault *fault)
 {
 	const struct report_lighting *l = &stage->lighting[lighting];
 	const struct backdrop backdrop = backdrop_of(&l->background_picture);
@@ -144,7 +145,7 @@ static void light_before(struct runner *r, int lighting, int turn)
 }
 
 /* Untimed: a frame of its own, so that it finds memory as it leaves it. */
-static int prepare(void *context, int which, int turn)
+static int runner_prepare(void *context, int which, int turn)
 {
 	struct runners *all = context;
 	struct runner *r = &all->runner[which];
@@ -159,16 +160,16 @@ static int prepare(void *context, int which, int turn)
 		light_before(r, all->lighting, turn);
 		lights = &r->before;
 	}
-	return composite(r, all->stage, all->lighting, lights, &all->out, all->fault);
+	return runner_composite(r, all->stage, all->lighting, lights, &all->out, all->fault);
 }
 
-static int run(void *context, int which)
+static int runner_run(void *context, int which)
 {
 	struct runners *all = context;
 	struct runner *r = &all->runner[which];
 
-	return composite(r, all->stage, all->lighting, &r->lights[all->lighting], &all->out,
-			 all->fault);
+	return runner_composite(r, all->stage, all->lighting, &r->lights[all->lighting], &all->out,
+				all->fault);
 }
 
 static double read_mb(const struct runner *r, int lighting)
@@ -178,7 +179,7 @@ static double read_mb(const struct runner *r, int lighting)
 	return (double)compositor_last(r->compositor).basis_bytes / 1e6;
 }
 
-static bool is_alone(void *context, int which)
+static bool runner_is_alone(void *context, int which)
 {
 	const struct runners *all = context;
 
@@ -191,9 +192,9 @@ static int time_all(struct runners *all)
 	struct turns turns = {.context = all,
 			      .ways = all->count,
 			      .repeat = repeat,
-			      .prepare = prepare,
-			      .run = run,
-			      .is_alone = is_alone};
+			      .prepare = runner_prepare,
+			      .run = runner_run,
+			      .is_alone = runner_is_alone};
 	double *ms = calloc((size_t)all->count * (size_t)repeat, sizeof(*ms));
 	int err = ms ? 0 : fault_say(all->fault, -ENOMEM, "not enough memory");
 
@@ -293,9 +294,9 @@ static int measure_all(struct runners *all, const struct scope *scope)
 
 		for (int l = 0; !err && l < all->stage->lightings; l++) {
 			all->lighting = l;
-			err = prepare(all, k, 0);
+			err = runner_prepare(all, k, 0);
 			if (!err)
-				err = run(all, k);
+				err = runner_run(all, k);
 			if (!err)
 				err = measure_one(r, all, l, scope);
 		}
@@ -343,7 +344,8 @@ int report_trial_picture(const struct report_way *way, struct report_stage *stag
 	int err = runner_create(&runner, &trial, stage, fault);
 
 	if (!err)
-		err = composite(&runner, stage, lighting, &runner.lights[lighting], out, fault);
+		err = runner_composite(&runner, stage, lighting, &runner.lights[lighting], out,
+				       fault);
 	runner_destroy(&runner);
 	return err;
 }

@@ -7,7 +7,7 @@
 #define SUBSAMPLES 4	/* a texel and side, for the ground's irradiance */
 #define FINE_WIDTH 4096 /* texels across that are fine enough without */
 
-static double brightness(const struct image *image, int x, int y)
+static double texel_brightness(const struct image *image, int x, int y)
 {
 	const int w = image->width, h = image->height;
 	const float *p;
@@ -20,14 +20,14 @@ static double brightness(const struct image *image, int x, int y)
 
 /* Radiance is bilinear between texels, so a bright texel shines from its neighbours as well: the
  * density must not be smaller there than the light is. */
-static double weight_of(const struct image *image, int x, int y)
+static double texel_weight(const struct image *image, int x, int y)
 {
 	static const double tent[3] = {0.25, 0.5, 0.25};
 	double sum = 0;
 
 	for (int j = -1; j <= 1; j++)
 		for (int i = -1; i <= 1; i++)
-			sum += tent[j + 1] * tent[i + 1] * brightness(image, x + i, y + j);
+			sum += tent[j + 1] * tent[i + 1] * texel_brightness(image, x + i, y + j);
 	return sum;
 }
 
@@ -41,7 +41,7 @@ static void fill_sums(struct sky *sky)
 		double sum = 0;
 
 		for (int x = 0; x < sky->width; x++) {
-			sum += weight_of(image, x, y) * sr;
+			sum += texel_weight(image, x, y) * sr;
 			row[x] = sum;
 		}
 		sky->total += row[sky->width - 1];
@@ -130,7 +130,7 @@ struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
 }
 
 /* The first of count running sums that is above x. */
-static int find(const double *sum, int count, double x)
+static int find_sum(const double *sum, int count, double x)
 {
 	int low = 0, high = count - 1;
 
@@ -166,12 +166,12 @@ static struct v3 sample_panorama(const struct sky *sky, float u, float v, float 
 {
 	const double height = sky->panorama.image->height;
 	const double want = v * sky->total;
-	const int y = find(sky->row_sum, sky->rows, want);
+	const int y = find_sum(sky->row_sum, sky->rows, want);
 	const double *row = sky->sum + (size_t)y * (size_t)sky->width;
 	const double before_row = y ? sky->row_sum[y - 1] : 0;
 	const double in_row = fmin((want - before_row) / (sky->row_sum[y] - before_row), 1);
 	const double across = u * row[sky->width - 1];
-	const int x = find(row, sky->width, across);
+	const int x = find_sum(row, sky->width, across);
 	const double before = x ? row[x - 1] : 0;
 	const double in_texel = fmin((across - before) / (row[x] - before), 1);
 	/* even in solid angle within the row: even in the cosine of the polar angle */

@@ -15,7 +15,7 @@
 
 /* ---- a pixel ---- */
 
-struct sums {
+struct truth_sums {
 	struct rgb object;
 	struct truth_receiver beside, through; /* the object; its glass */
 	struct rgb seen; /* of the background through glass, at the very place of each sample */
@@ -55,7 +55,7 @@ static struct rgb background_at(const struct image *background, const double pla
 /* Through the object's glass: to the background where nothing was mirrored and the picture shows
  * what is met; else to light. */
 static void add_glass(struct tracer *t, const struct image *background,
-		      const struct surface *surface, struct v3 direction, struct sums *sums)
+		      const struct surface *surface, struct v3 direction, struct truth_sums *sums)
 {
 	struct truth_sight sight;
 	double place[2];
@@ -87,7 +87,7 @@ static void add_glass(struct tracer *t, const struct image *background,
 /* background: NULL where what the object hides is asked for. */
 static void add_object(struct tracer *t, const struct image *background,
 		       const struct surface *surface, struct v3 direction, const double place[2],
-		       struct sums *sums)
+		       struct truth_sums *sums)
 {
 	sums->changed = true;
 	if (background && surface->bsdf.kind == MATERIAL_GLASS) {
@@ -100,8 +100,9 @@ static void add_object(struct tracer *t, const struct image *background,
 		sums->behind = rgb_add(sums->behind, light_behind(t, place[0], place[1]));
 }
 
-static void add_sample(struct tracer *t, const struct truth_settings *settings,
-		       const struct image *background, int x, int y, int sample, struct sums *sums)
+static void sums_add_sample(struct tracer *t, const struct truth_settings *settings,
+			    const struct image *background, int x, int y, int sample,
+			    struct truth_sums *sums)
 {
 	const uint64_t pixel = (uint64_t)y * (uint64_t)t->scene->camera.width + (uint64_t)x;
 	const uint64_t scramble = random_hash((uint64_t)settings->seed, pixel, 0x7247);
@@ -143,7 +144,7 @@ static double ratio_of(const struct truth_receiver *receiver, int c, double all)
 }
 
 /* The picture's value from sums over samples. */
-static double value_of(const struct sums *sums, int c, double background)
+static double sums_value(const struct truth_sums *sums, int c, double background)
 {
 	return (sums->object.c[c] +
 		ratio_of(&sums->through, c, sums->seen_weight) * sums->seen.c[c] +
@@ -151,18 +152,18 @@ static double value_of(const struct sums *sums, int c, double background)
 	       sums->samples;
 }
 
-static void gather_receiver(struct truth_receiver *all, const struct truth_receiver *one)
+static void receiver_gather(struct truth_receiver *all, const struct truth_receiver *one)
 {
 	all->taken = rgb_add(all->taken, one->taken);
 	all->without = rgb_add(all->without, one->without);
 	all->weight += one->weight;
 }
 
-static void gather(struct sums *all, const struct sums *one)
+static void sums_gather(struct truth_sums *all, const struct truth_sums *one)
 {
 	all->object = rgb_add(all->object, one->object);
-	gather_receiver(&all->beside, &one->beside);
-	gather_receiver(&all->through, &one->through);
+	receiver_gather(&all->beside, &one->beside);
+	receiver_gather(&all->through, &one->through);
 	all->seen = rgb_add(all->seen, one->seen);
 	all->seen_weight += one->seen_weight;
 	all->behind = rgb_add(all->behind, one->behind);
@@ -204,24 +205,24 @@ static void trace_pixel(struct truth_job *job, struct tracer *t, int x, int y)
 	const int samples = job->settings->samples;
 	const int batches = samples < BATCHES ? samples : BATCHES;
 	double mean[3] = {0}, spread[3] = {0};
-	struct sums all = {.samples = 0};
+	struct truth_sums all = {.samples = 0};
 
 	for (int b = 0; b < batches; b++) {
-		struct sums one = {.samples = 0};
+		struct truth_sums one = {.samples = 0};
 
 		for (int k = samples * b / batches; k < samples * (b + 1) / batches; k++)
-			add_sample(t, job->settings, job->background, x, y, k, &one);
+			sums_add_sample(t, job->settings, job->background, x, y, k, &one);
 		for (int c = 0; c < 3; c++) {
-			const double v = value_of(&one, c, job->background->f32[at + (size_t)c]);
+			const double v = sums_value(&one, c, job->background->f32[at + (size_t)c]);
 			const double off = v - mean[c];
 
 			mean[c] += off / (b + 1);
 			spread[c] += off * (v - mean[c]);
 		}
-		gather(&all, &one);
+		sums_gather(&all, &one);
 	}
 	for (int c = 0; c < 3; c++) {
-		const double v = value_of(&all, c, job->background->f32[at + (size_t)c]);
+		const double v = sums_value(&all, c, job->background->f32[at + (size_t)c]);
 
 		job->out->f32[at + (size_t)c] = (float)v;
 		if (all.changed && batches > 1) {
@@ -239,10 +240,10 @@ static void trace_pictures(struct truth_job *job, struct tracer *t, int x, int y
 	const size_t at = 3 * ((size_t)y * (size_t)job->width + (size_t)x);
 	const int samples = job->settings->samples;
 	struct truth_pictures *to = job->pictures;
-	struct sums sums = {.samples = 0};
+	struct truth_sums sums = {.samples = 0};
 
 	for (int k = 0; k < samples; k++)
-		add_sample(t, job->settings, NULL, x, y, k, &sums);
+		sums_add_sample(t, job->settings, NULL, x, y, k, &sums);
 	for (size_t c = 0; c < 3; c++) {
 		to->with.f32[at + c] =
 			(sums.object.c[c] + sums.beside.without.c[c] - sums.beside.taken.c[c]) /

@@ -44,7 +44,7 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-struct choices {
+struct truth_choices {
 	const char *pose;
 	const char *output, *panorama, *background, *background_out, *fisheye_out;
 	double turn_deg, exposure;
@@ -52,9 +52,9 @@ struct choices {
 	struct truth_settings truth;
 };
 
-static int take(void *choices, int option, struct fault *fault)
+static int truth_command_take(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct truth_choices *c = choices;
 
 	switch (option) {
 	case 'o':
@@ -91,7 +91,7 @@ static int take(void *choices, int option, struct fault *fault)
 /* ---- pictures ---- */
 
 /* Linear light as 8-bit sRGB. */
-static int encode(const struct image *linear, struct image *out)
+static int encode_srgb(const struct image *linear, struct image *out)
 {
 	const size_t values = 3 * (size_t)linear->width * (size_t)linear->height;
 	const int err = image_create_u8(out, linear->width, linear->height);
@@ -104,7 +104,7 @@ static int encode(const struct image *linear, struct image *out)
 	return 0;
 }
 
-static int decode(const struct image *coded, struct image *out)
+static int decode_srgb(const struct image *coded, struct image *out)
 {
 	const size_t values = 3 * (size_t)coded->width * (size_t)coded->height;
 	const int err = image_create_f32(out, coded->width, coded->height);
@@ -126,7 +126,7 @@ static int write_linear(const char *path, const struct image *linear, struct fau
 		return err;
 	if (err)
 		return image_write(path, linear, fault);
-	err = encode(linear, &coded);
+	err = encode_srgb(linear, &coded);
 	if (err)
 		return fault_say(fault, err, "%s: %s", path, strerror(-err));
 	err = image_write(path, &coded, fault);
@@ -135,20 +135,20 @@ static int write_linear(const char *path, const struct image *linear, struct fau
 }
 
 /* As a camera delivers it: the panorama through the lens, in 8-bit code values. */
-static int photograph(const struct scene *scene, const struct panorama *panorama,
-		      struct image *coded)
+static int photograph_panorama(const struct scene *scene, const struct panorama *panorama,
+			       struct image *coded)
 {
 	struct image linear;
 	int err = truth_background(scene, panorama, &linear);
 
 	if (err)
 		return err;
-	err = encode(&linear, coded);
+	err = encode_srgb(&linear, coded);
 	image_free(&linear);
 	return err;
 }
 
-static int get_background(const struct choices *c, const struct scene *scene,
+static int get_background(const struct truth_choices *c, const struct scene *scene,
 			  const struct panorama *panorama, struct image *linear,
 			  struct fault *fault)
 {
@@ -167,7 +167,7 @@ static int get_background(const struct choices *c, const struct scene *scene,
 			goto free_picture;
 		}
 	} else {
-		err = photograph(scene, panorama, &picture);
+		err = photograph_panorama(scene, panorama, &picture);
 		if (err)
 			return fault_say(fault, err, "%s: %s", c->output, strerror(-err));
 	}
@@ -181,7 +181,7 @@ static int get_background(const struct choices *c, const struct scene *scene,
 		*linear = picture;
 		return 0;
 	}
-	err = decode(&picture, linear);
+	err = decode_srgb(&picture, linear);
 	if (err)
 		fault_say(fault, err, "%s: %s", c->output, strerror(-err));
 free_picture:
@@ -189,7 +189,7 @@ free_picture:
 	return err;
 }
 
-static int write_fisheye(const struct choices *c, const struct panorama *panorama,
+static int write_fisheye(const struct truth_choices *c, const struct panorama *panorama,
 			 struct fault *fault)
 {
 	struct image picture = {.width = 0};
@@ -204,8 +204,8 @@ static int write_fisheye(const struct choices *c, const struct panorama *panoram
 
 /* ---- the command ---- */
 
-static int trace(const struct choices *c, const struct scene *scene,
-		 const struct panorama *panorama, struct fault *fault)
+static int trace_composite(const struct truth_choices *c, const struct scene *scene,
+			   const struct panorama *panorama, struct fault *fault)
 {
 	struct image background = {.width = 0}, out = {.width = 0};
 	struct truth_report report = {.rays = 0};
@@ -233,7 +233,7 @@ static int trace(const struct choices *c, const struct scene *scene,
 }
 
 /* Before minutes are spent on what cannot be written. */
-static int check_names(const char *path, const struct choices *c, struct fault *fault)
+static int check_names(const char *path, const struct truth_choices *c, struct fault *fault)
 {
 	const char *const names[] = {c->output, c->background_out, c->fisheye_out};
 	const char *const read[] = {path, c->panorama, c->background};
@@ -247,7 +247,7 @@ static int check_names(const char *path, const struct choices *c, struct fault *
 	return output_check(names, 3, read, 3, fault);
 }
 
-static int run_truth(const char *path, struct choices *c, struct fault *fault)
+static int run_truth(const char *path, struct truth_choices *c, struct fault *fault)
 {
 	struct image picture = {.width = 0};
 	struct panorama panorama = {.image = &picture};
@@ -265,21 +265,21 @@ static int run_truth(const char *path, struct choices *c, struct fault *fault)
 	panorama.turn_rad = c->turn_deg * (M_PI / 180);
 	panorama.scale = c->exposure;
 	if (!err)
-		err = trace(c, scene, &panorama, fault);
+		err = trace_composite(c, scene, &panorama, fault);
 	image_free(&picture);
 	scene_close(scene);
 	return err;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int truth_command_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {
+	struct truth_choices c = {
 		.exposure = 1,
 		.fisheye_side = FISHEYE_SIDE,
 		.truth = {.samples = SAMPLES, .seed = 1},
 	};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, take, &c);
+	const int status = command_options(command, argc, argv, options, truth_command_take, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -322,5 +322,5 @@ const struct command truth_command = {
 		"  --seed K            of all random numbers\n"
 		"  --threads T         default: one for each processor\n"
 		"  --quiet             print nothing but errors\n",
-	.run = run,
+	.run = truth_command_run,
 };

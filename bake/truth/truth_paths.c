@@ -81,7 +81,7 @@ static bool pass_glass(struct tracer *t, enum presence presence, struct surface 
 	return true;
 }
 
-static bool survives(struct tracer *t, struct rgb *weight)
+static bool path_survives(struct tracer *t, struct rgb *weight)
 {
 	const float peak = rgb_peak(*weight);
 
@@ -127,7 +127,7 @@ struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct
 			return rgb_add(light, rgb_mul(weight, f));
 		}
 		weight = rgb_mul(weight, rgb_scale(f, 1 / density));
-		if (depth == t->bounces || !survives(t, &weight))
+		if (depth == t->bounces || !path_survives(t, &weight))
 			return light;
 		s = next;
 		wo = v3_scale(wi, -1);
