@@ -13,7 +13,8 @@ RUNNER ?=
 
 # ---- what is made from the programs' own words: manual pages, completions, the configuration ----
 SHARE := $(BUILD)/share
-SHARED := $(addprefix $(SHARE)/,inlay.1 inlay-bake.1 inlay-calibrate.1 inlay.conf.5 kiosk.conf \
+SHARED := $(addprefix $(SHARE)/,inlay.1 inlay-bake.1 inlay-calibrate.1 inlay.conf.5 \
+	inlay-scene.5 kiosk.conf \
 	inlay.bash _inlay inlay-bake.bash _inlay-bake inlay-calibrate.bash _inlay-calibrate)
 ABOUT_PAGE = -v version=$(VERSION) -v date=$$(cat $(SHARE)/date) \
 	-v about=board/manual/$(basename $(@F)).about -f board/manual/roff.awk
@@ -34,6 +35,10 @@ $(SHARE)/sample: $(BUILD)/inlay
 	@mkdir -p $(@D)
 	$(Q)$(RUNNER) $< check --sample >$@
 
+$(SHARE)/scene: $(BUILD)/inlay-bake
+	@mkdir -p $(@D)
+	$(Q)$(RUNNER) $< render --print-scene >$@
+
 $(SHARE)/%.1: $(SHARE)/%.facts board/manual/command.awk board/manual/roff.awk board/manual/%.about \
 		$(SHARE)/date
 	$(say) MAN $@
@@ -42,7 +47,14 @@ $(SHARE)/%.1: $(SHARE)/%.facts board/manual/command.awk board/manual/roff.awk bo
 $(SHARE)/inlay.conf.5: $(SHARE)/sample board/manual/settings.awk board/manual/roff.awk \
 		board/manual/inlay.conf.about $(SHARE)/date
 	$(say) MAN $@
-	$(Q)awk $(ABOUT_PAGE) -f board/manual/settings.awk $< >$@
+	$(Q)awk -v title=inlay.conf -v names="inlay.conf, kiosk.conf" -v from="inlay check --sample" \
+		$(ABOUT_PAGE) -f board/manual/settings.awk $< >$@
+
+$(SHARE)/inlay-scene.5: $(SHARE)/scene board/manual/settings.awk board/manual/roff.awk \
+		board/manual/inlay-scene.about $(SHARE)/date
+	$(say) MAN $@
+	$(Q)awk -v title=inlay-scene -v from="inlay-bake render --print-scene" \
+		$(ABOUT_PAGE) -f board/manual/settings.awk $< >$@
 
 $(SHARE)/kiosk.conf: $(SHARE)/sample board/appliance.conf board/appliance.awk
 	$(Q)awk -f board/appliance.awk board/appliance.conf $< >$@

@@ -9,7 +9,7 @@ what=$1 build=$2 only=${3:-}
 destdir=${DESTDIR:-} prefix=${PREFIX:-/usr/local}
 settings=/etc/inlay/kiosk.conf
 
-# package, mode, source, target
+# package, mode, source, target. Of mode link source is what the link says, beside its target.
 files() {
 	cat <<-END
 		inlay 755 $build/inlay $prefix/bin/inlay
@@ -22,10 +22,15 @@ files() {
 		inlay 644 config/kiosk.conf $prefix/share/doc/inlay/examples/kiosk.conf
 		inlay 644 $build/share/inlay.1 $prefix/share/man/man1/inlay.1
 		inlay 644 $build/share/inlay.conf.5 $prefix/share/man/man5/inlay.conf.5
+		inlay link inlay.conf.5 $prefix/share/man/man5/kiosk.conf.5
 		inlay 644 $build/share/inlay.bash $prefix/share/bash-completion/completions/inlay
 		inlay 644 $build/share/_inlay $prefix/share/zsh/site-functions/_inlay
 		inlay-bake 755 $build/inlay-bake $prefix/bin/inlay-bake
 		inlay-bake 644 $build/share/inlay-bake.1 $prefix/share/man/man1/inlay-bake.1
+		inlay-bake 644 $build/share/inlay-scene.5 $prefix/share/man/man5/inlay-scene.5
+		inlay-bake 644 bake/README.md $prefix/share/doc/inlay-bake/bake/README.md
+		inlay-bake 644 bake/demo/box.obj $prefix/share/doc/inlay-bake/examples/box.obj
+		inlay-bake 644 bake/demo/box.scene $prefix/share/doc/inlay-bake/examples/box.scene
 		inlay-bake 644 $build/share/inlay-bake.bash $prefix/share/bash-completion/completions/inlay-bake
 		inlay-bake 644 $build/share/_inlay-bake $prefix/share/zsh/site-functions/_inlay-bake
 		inlay-bake 755 $build/inlay-calibrate $prefix/bin/inlay-calibrate
@@ -37,6 +42,11 @@ files() {
 
 put() { # mode, source, target
 	local target=$destdir$3
+	if [ "$1" = link ]; then
+		mkdir -p "${target%/*}"
+		ln -sfn "$2" "$target"
+		return
+	fi
 	if [ "$3" = "$settings" ] && [ -e "$target" ] && ! cmp -s "$2" "$target"; then
 		echo "install: $target was changed and is kept"
 		return
@@ -76,7 +86,8 @@ done < <(files)
 
 if [ "$what" = uninstall ]; then
 	for folder in "$prefix/lib/inlay" "$prefix/share/doc/inlay/examples" \
-		"$prefix/share/doc/inlay" /etc/inlay; do
+		"$prefix/share/doc/inlay" "$prefix/share/doc/inlay-bake/bake" \
+		"$prefix/share/doc/inlay-bake/examples" "$prefix/share/doc/inlay-bake" /etc/inlay; do
 		rmdir --ignore-fail-on-non-empty "$destdir$folder" 2>/dev/null || :
 	done
 elif [ -z "$destdir" ]; then

@@ -40,6 +40,10 @@ pack() { # package
 	"$kind-strip" --strip-unneeded --remove-section=.comment --remove-section=.note \
 		"$root/usr/bin/"*
 	find "$root/usr/share/man" -type f -exec gzip -9n {} +
+	find "$root/usr/share/man" -type l | while read -r link; do
+		ln -s "$(readlink "$link").gz" "$link.gz"
+		rm "$link"
+	done
 	# Debian's zsh looks for completions of packages in a folder of its own.
 	mkdir -p "$root/usr/share/zsh/vendor-completions" "$doc" "$root/DEBIAN"
 	mv "$root/usr/share/zsh/site-functions/"* "$root/usr/share/zsh/vendor-completions/"

@@ -49,6 +49,7 @@ cat >"$work/expected" <<'END'
 -rw-r--r-- root/root /usr/share/doc/inlay/examples/kiosk.conf
 -rw-r--r-- root/root /usr/share/man/man1/inlay.1.gz
 -rw-r--r-- root/root /usr/share/man/man5/inlay.conf.5.gz
+lrwxrwxrwx root/root /usr/share/man/man5/kiosk.conf.5.gz
 -rw-r--r-- root/root /usr/share/zsh/vendor-completions/_inlay
 END
 same "the kiosk's holds these files" "$work/expected" "$work/listed"
@@ -58,10 +59,14 @@ cat >"$work/expected" <<'END'
 -rwxr-xr-x root/root /usr/bin/inlay-calibrate
 -rw-r--r-- root/root /usr/share/bash-completion/completions/inlay-bake
 -rw-r--r-- root/root /usr/share/bash-completion/completions/inlay-calibrate
+-rw-r--r-- root/root /usr/share/doc/inlay-bake/bake/README.md
 -rw-r--r-- root/root /usr/share/doc/inlay-bake/changelog.gz
 -rw-r--r-- root/root /usr/share/doc/inlay-bake/copyright
+-rw-r--r-- root/root /usr/share/doc/inlay-bake/examples/box.obj
+-rw-r--r-- root/root /usr/share/doc/inlay-bake/examples/box.scene
 -rw-r--r-- root/root /usr/share/man/man1/inlay-bake.1.gz
 -rw-r--r-- root/root /usr/share/man/man1/inlay-calibrate.1.gz
+-rw-r--r-- root/root /usr/share/man/man5/inlay-scene.5.gz
 -rw-r--r-- root/root /usr/share/zsh/vendor-completions/_inlay-bake
 -rw-r--r-- root/root /usr/share/zsh/vendor-completions/_inlay-calibrate
 END

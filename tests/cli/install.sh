@@ -29,10 +29,14 @@ cat >"$work/expected" <<'END'
 644 usr/share/bash-completion/completions/inlay
 644 usr/share/bash-completion/completions/inlay-bake
 644 usr/share/bash-completion/completions/inlay-calibrate
+644 usr/share/doc/inlay-bake/bake/README.md
+644 usr/share/doc/inlay-bake/examples/box.obj
+644 usr/share/doc/inlay-bake/examples/box.scene
 644 usr/share/doc/inlay/examples/kiosk.conf
 644 usr/share/man/man1/inlay-bake.1
 644 usr/share/man/man1/inlay-calibrate.1
 644 usr/share/man/man1/inlay.1
+644 usr/share/man/man5/inlay-scene.5
 644 usr/share/man/man5/inlay.conf.5
 644 usr/share/zsh/site-functions/_inlay
 644 usr/share/zsh/site-functions/_inlay-bake
@@ -91,6 +95,15 @@ missing=$(grep -oE '^[a-z][a-z0-9_.]* =' "$work/sample.conf" | sort -u | while r
 	grep -qE "^ *$key = " "$work/page" || echo "$key"
 done)
 equal "and holds every key" "" "$missing"
+equal "man kiosk.conf shows it" inlay.conf.5 "$(readlink "$pages/man5/kiosk.conf.5")"
+check "inlay-scene.5 shows without a warning" renders "$pages/man5/inlay-scene.5"
+missing=$("$INLAY_BAKE" render --print-scene | grep -oE '^(; )?[a-z][a-z0-9_]* =' | tr -d ';=' |
+	sort -u | while read -r key; do
+	grep -qE "^ *$key( = | \(must be given\))" "$work/page" || echo "$key"
+done)
+equal "and holds every key" "" "$missing"
+check "the sample scene bakes" "$INLAY_BAKE" render --size 32x24 --samples 1 --quiet \
+	-o "$work/box.inlay" "$dest/usr/share/doc/inlay-bake/examples/box.scene"
 printf '.TH X 1\n.SH NAME\nx \\- y\n.nosuch\n' >"$work/bad.1"
 if renders "$work/bad.1"; then
 	fail "a wrong page is noticed" </dev/null
