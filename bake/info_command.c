@@ -25,10 +25,10 @@ static const char *const kind_names[BASIS_KIND_COUNT] = {"T", "V", "D", "U"};
 static const char *const kind_meanings[BASIS_KIND_COUNT] = {
 	"object", "shadow on shared ground", "change of own surfaces", "light of own surfaces"};
 
-/* Blocks of one kind, or of all, in one layer. */
+/* Sums over the blocks of one kind, or of all kinds, in one layer. */
 struct block_sum {
-	long blocks, blocks_of_bytes, tinted; /* of bytes: columns of 8 bits */
-	long pixels;			      /* each once, in however many blocks it is */
+	long blocks, blocks_of_bytes, tinted; /* blocks_of_bytes: those with columns of 8 bits */
+	long pixels;			      /* each counted once */
 	double patterns, columns;	      /* summed over blocks */
 	int patterns_most, columns_most;
 	double pixel_patterns, pixel_columns; /* summed over blocks and their pixels */
@@ -104,7 +104,7 @@ static void summary_add_pose(struct summary *s, const struct basis *basis,
 	s->seen_through += (long)pose->glass_count;
 }
 
-/* One pose after the other, none longer in memory than it takes. */
+/* Loads one pose after the other, so that only one is in memory at a time. */
 static int summary_fill(const struct basis *basis, struct summary *s, struct fault *fault)
 {
 	int err = 0;
@@ -119,7 +119,7 @@ static int summary_fill(const struct basis *basis, struct summary *s, struct fau
 	return err;
 }
 
-/* What the same pixels take at a byte for each light and channel, the simplest encoding. */
+/* Bytes that the same pixels would take with one byte for each light and channel. */
 static double dense_bytes(const struct basis *basis, const struct layer_sum *layer, int kind)
 {
 	double pixels = 0;
@@ -226,7 +226,7 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 	printf("%s%s", basis->camera, basis->provenance);
 }
 
-/* Text as a JSON string. */
+/* Prints text as a JSON string. */
 static void print_string(const char *text)
 {
 	putchar('"');

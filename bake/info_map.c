@@ -13,7 +13,7 @@
 
 #define PANELS 3
 #define PANEL_LEAST 360	   /* pixels across that its texts need */
-#define ENLARGED_MOST 1080 /* pixels down of a picture that is enlarged for them */
+#define ENLARGED_MOST 1080 /* pixels down, at most, of a panel that is enlarged for them */
 #define MARGIN 20
 #define ABOVE 36 /* for a panel's title */
 #define BELOW 58 /* for its bar */
@@ -23,21 +23,21 @@ static const char *const titles[PANELS] = {"patterns", "columns", "bytes"};
 static const double paper[3] = {0.09, 0.09, 0.1}, ink[3] = {0.92, 0.92, 0.92};
 static const double not_stored[3] = {0.26, 0.26, 0.28};
 
-/* One number for each pixel. */
+/* One number for each pixel, and their statistics. */
 struct map_panel {
 	float *value; /* [height][width]; negative: not stored */
 	double mean, most;
-	double top; /* what the lightest colour stands for: a round number, most or less */
+	double top; /* value of the lightest colour, a round number */
 };
 
 struct map {
 	int width, height, zoom;
-	int across; /* of a panel: of its picture or its texts */
+	int across; /* width of a panel: of its picture or its texts, whichever is wider */
 	struct map_panel panel[PANELS];
 };
 
-/* The least number that is not below value and round: a step, of which a quarter is
- * round too, times a power of ten. */
+/* The smallest round number that is not below value: one of `steps` times a power of ten. A quarter
+ * of it, a label of the bar, is round as well. */
 static double round_up(double value)
 {
 	static const double steps[] = {1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10};
@@ -56,8 +56,8 @@ static int float_ascending(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Mean and most of what is stored; a few pixels that take far more than the others do not darken
- * those: colours end at what 99 % stay below. */
+/* Finds mean and largest value of the stored pixels. The colours end at the 99th percentile, so
+ * that a few large values do not darken all others. */
 static int panel_measure(struct map_panel *panel, size_t pixels)
 {
 	float *stored = malloc(pixels * sizeof(*stored));
@@ -138,7 +138,7 @@ static uint32_t rgb_packed(const double rgb[3])
 	       (uint32_t)lrint(255 * rgb[2]);
 }
 
-/* Straight into the surface: each pixel as a square of zoom by zoom. */
+/* Writes into the surface's memory, each pixel as a square of zoom x zoom. */
 static void panel_draw_pixels(const struct map *map, const struct map_panel *panel,
 			      cairo_surface_t *surface, int left, int top)
 {
@@ -164,7 +164,7 @@ static void panel_draw_pixels(const struct map *map, const struct map_panel *pan
 	cairo_surface_mark_dirty(surface);
 }
 
-/* x: of the text's left end, middle or right end as `align` is 0, 0.5 or 1. */
+/* x is the text's left end, middle or right end where align is 0, 0.5 or 1. */
 static void map_draw_text(cairo_t *cairo, double x, double y, double align, const char *text)
 {
 	cairo_text_extents_t size;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What each pixel of a basis file takes, as a picture. */
+/* A map of what each pixel of a basis file costs, as a picture. */
 #ifndef INLAY_BAKE_INFO_MAP_H
 #define INLAY_BAKE_INFO_MAP_H
 
@@ -7,11 +7,11 @@
 #include "hal/basis/basis.h"
 
 /*
- * Of the first pose's shown layer, three panels side by side, each of the basis's size (or a whole
- * multiple, where that would be too small to read), with a bar that says which colour is how much:
- * patterns of the blocks that hold a pixel, their columns, and their bytes shared out among their
- * pixels. Pixels that are not stored are grey. path ends in .png; -ENOMEM, or what writing it
- * failed with.
+ * Writes three panels side by side for the shown layer of the first pose: patterns of the blocks
+ * that hold a pixel, their columns, and their bytes divided among their pixels. Each panel has the
+ * size of the basis, or a whole multiple where that is too small for its texts, and a colour bar
+ * below. Pixels that are not stored are grey. path ends in .png. -ENOMEM, -EFBIG, or the error of
+ * writing the file.
  */
 int info_map_write(const struct basis *basis, const char *path, struct fault *fault);
 

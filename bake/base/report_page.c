@@ -21,7 +21,7 @@
 
 /* ---- folders ---- */
 
-/* What reports are made of, and nothing else is ever taken away. */
+/* Whether a file has one of the endings of reports. No other file is ever removed. */
 static bool is_report_file(const char *name)
 {
 	static const char *const endings[] = {".html", ".csv", ".json", ".svg", ".png", ".inlay"};
@@ -48,7 +48,8 @@ static void remove_report_folder(const char *folder)
 		log_warning("%s is left: it holds files that are no report's", folder);
 }
 
-/* Before a folder's writer ends, nobody else gets this lock. -1: somebody has it. */
+/* Returns a descriptor that holds the folder's lock until it is closed, or -1 if the folder cannot
+ * be opened or another process holds the lock. */
 static int lock_folder(const char *folder)
 {
 	const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -60,7 +61,7 @@ static int lock_folder(const char *folder)
 	return fd;
 }
 
-/* What runs that were interrupted have left of this folder. */
+/* Removes the temporary folders of interrupted runs. Those of running programs are locked. */
 static void remove_leftovers(const char *folder)
 {
 	char pattern[PATH_MAX + sizeof(TEMPORARY)], *to = pattern;
@@ -85,7 +86,7 @@ static void remove_leftovers(const char *folder)
 	globfree(&found);
 }
 
-/* Empty or an earlier report. */
+/* 0 if the folder is missing, empty or an earlier report. */
 static int check_report_folder(const char *folder, struct fault *fault)
 {
 	bool empty = true, report = false;
@@ -231,7 +232,7 @@ static void write_base64(FILE *to, FILE *from)
 	}
 }
 
-/* Into the page itself, so that it can be sent alone. */
+/* Embeds a picture in the page, so that the page can be sent alone. */
 static int write_figure(struct report_page *page, FILE *to, const char *file, const char *type,
 			const char *caption, struct fault *fault)
 {
@@ -324,7 +325,8 @@ static int write_page(struct report_page *page, const char *title, struct fault 
 	return err;
 }
 
-/* The new folder takes the place of the old one at once; the old one's files go then. */
+/* Renames the new folder to its place. An earlier report is exchanged with it atomically: its files
+ * then have the temporary name, and report_page_abandon() removes them. */
 static int take_place(struct report_page *page)
 {
 	if (!rename(page->temporary, page->folder)) {

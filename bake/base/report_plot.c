@@ -17,9 +17,9 @@
 #define BELOW 54
 #define RIGHT_LEAST 24
 #define TEXT_PX 13
-#define LINE_PX 15 /* from one text to the next */
+#define LINE_PX 15 /* distance between lines of text */
 
-/* Okabe and Ito's, without the yellow, which white paper swallows. */
+/* The palette of Okabe and Ito without its yellow, which is too pale on white. */
 static const double palette[][3] = {
 	{0.55, 0.55, 0.55},    {0.000, 0.447, 0.698}, {0.835, 0.369, 0.000}, {0.000, 0.620, 0.451},
 	{0.800, 0.475, 0.655}, {0.902, 0.624, 0.000}, {0.337, 0.706, 0.914}, {0.1, 0.1, 0.1},
@@ -76,8 +76,8 @@ struct report_point *report_plot_point(struct report_plot *p, double x, double y
 
 struct axis {
 	bool log;
-	double low, high; /* log10 of it where log */
-	double from, to;  /* in the picture */
+	double low, high; /* range of the values; of their log10 where log */
+	double from, to;  /* the same in the picture, in pixels */
 	double tick[REPORT_TICKS_MAX];
 	const char *name[REPORT_TICKS_MAX];
 	int ticks;
@@ -98,7 +98,7 @@ static void axis_include(struct axis *a, double value)
 	a->high = fmax(a->high, v);
 }
 
-/* name NULL: the number itself. */
+/* Adds a tick inside the range. name NULL: the number is its label. */
 static void axis_add_tick(struct axis *a, double value, const char *name)
 {
 	const double v = a->log ? log10(value) : value;
@@ -131,12 +131,13 @@ static void choose_linear_ticks(struct axis *a)
 
 	while (k < 3 && steps[k] * decade < rough)
 		k++;
-	/* + 0: ceil() of little less than 0 is -0, and reads so */
+	/* + 0.0: ceil() of a number just below 0 is -0, which would be printed with its sign */
 	for (double v = ceil(low / (steps[k] * decade)) + 0.0; v * steps[k] * decade <= high; v++)
 		axis_add_tick(a, v * steps[k] * decade, NULL);
 }
 
-/* A range that holds every point, with room around them. ticks: the plot's own, or none. */
+/* Widens the range to leave room around the points, and chooses the ticks. ticks: number of the
+ * plot's own ticks, or 0. */
 static void finish_axis(struct axis *a, const struct report_plot *p, int ticks)
 {
 	double room;
@@ -179,8 +180,8 @@ static double text_width(cairo_t *c, const char *text)
 	return extents.x_advance;
 }
 
-/* share of the text's width that lies left of x; y is the middle of its height. Lines under it are
- * covered around its letters. */
+/* Draws text so that `share` of its width lies left of x; y is the middle of its height. A white
+ * outline around the letters covers lines below. */
 static void plot_draw_text(cairo_t *c, double x, double y, double share, const char *text)
 {
 	const double left = x - share * text_width(c, text), base = y + 0.36 * TEXT_PX;
@@ -299,7 +300,7 @@ static int label_upwards(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* At the right ends, moved apart where they would lie on each other. */
+/* Draws the labels of series at their right ends, moved apart where they would overlap. */
 static void draw_series_labels(const struct plot_drawing *d, const struct report_plot *p)
 {
 	struct label label[REPORT_SERIES_MAX] = {{.y = 0}};
@@ -342,7 +343,7 @@ static bool is_box_free(const struct label_box *boxes, int count, const struct l
 	return true;
 }
 
-/* Beside its point where there is room: to the right, above, below, to the left. */
+/* Draws a label at the first free place around its point, on its right before its left. */
 static void draw_point_label(const struct plot_drawing *d, const struct report_point *point,
 			     int colour, struct label_box *taken, int *count)
 {
@@ -372,7 +373,7 @@ static void draw_point_labels(const struct plot_drawing *d, const struct report_
 	struct label_box taken[REPORT_POINTS_MAX];
 	int count = 0;
 
-	/* the setting in use first: it has to be there */
+	/* the setting in use comes first, so that its label finds a place */
 	for (int first = 1; first >= 0; first--)
 		for (int k = 0; k < p->count; k++)
 			for (int n = 0; n < p->series[k].count; n++) {

@@ -37,7 +37,7 @@ void report_table_column(struct report_table *t, const char *key, const char *he
 	snprintf(column->unit, sizeof(column->unit), "%s", unit ? unit : "");
 }
 
-/* NULL: no memory. */
+/* Returns the next cell, or NULL after an error. */
 static struct report_cell *next_cell(struct report_table *t)
 {
 	if (!t->err && t->cells == t->room) {

@@ -4,8 +4,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#define SUBSAMPLES 4	/* a texel and side, for the ground's irradiance */
-#define FINE_WIDTH 4096 /* texels across that are fine enough without */
+#define SUBSAMPLES 4	/* per side of a texel, for the ground's irradiance */
+#define FINE_WIDTH 4096 /* from this many texels across, one sample each does */
 
 static double texel_brightness(const struct image *image, int x, int y)
 {
@@ -18,8 +18,8 @@ static double texel_brightness(const struct image *image, int x, int y)
 	return (double)p[0] + (double)p[1] + (double)p[2];
 }
 
-/* Radiance is bilinear between texels, so a bright texel shines from its neighbours as well: the
- * density must not be smaller there than the light is. */
+/* Weight of a texel in sampling. Radiance is bilinear between texels, so a bright texel shines from
+ * its neighbours as well: the density must not be smaller there than the light is. */
 static double texel_weight(const struct image *image, int x, int y)
 {
 	static const double tent[3] = {0.25, 0.5, 0.25};
@@ -129,7 +129,7 @@ struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
 	return rgb_make((float)rgb[0], (float)rgb[1], (float)rgb[2]);
 }
 
-/* The first of count running sums that is above x. */
+/* Index of the first of count running sums that is above x. */
 static int find_sum(const double *sum, int count, double x)
 {
 	int low = 0, high = count - 1;
@@ -174,7 +174,7 @@ static struct v3 sample_panorama(const struct sky *sky, float u, float v, float 
 	const int x = find_sum(row, sky->width, across);
 	const double before = x ? row[x - 1] : 0;
 	const double in_texel = fmin((across - before) / (row[x] - before), 1);
-	/* even in solid angle within the row: even in the cosine of the polar angle */
+	/* uniform in solid angle within the row: uniform in the cosine of the polar angle */
 	const double top = cos(M_PI * y / height), low = cos(M_PI * (y + 1) / height);
 	const double angle = acos(fmax(fmin(top + (low - top) * in_row, 1), -1));
 	double d[3];

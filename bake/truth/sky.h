@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A panorama as a light: its upper half, importance-sampled texel by texel; or one light of a dome,
- * whose radiance is its weight. Below the horizon nothing shines: what is there is the ground.
+ * A light source: the upper half of a panorama, importance-sampled by texel, or one light of a
+ * dome, whose radiance is its weight. Nothing shines from below the horizon, where the ground is.
  */
 #ifndef INLAY_BAKE_TRUTH_SKY_H
 #define INLAY_BAKE_TRUTH_SKY_H
@@ -12,21 +12,21 @@
 
 struct sky {
 	const struct dome *dome; /* NULL: the panorama */
-	int light;		 /* of the dome */
+	int light;		 /* its index in the dome */
 	struct panorama panorama;
 	int width, rows; /* rows that reach above the horizon */
 	double *row_sum; /* [rows]: running sum over rows */
 	double *sum;	 /* [rows][width]: running sum along each row */
 	double total;
-	struct rgb ground; /* what flat, unshadowed, white ground sends back: irradiance / pi */
+	struct rgb ground; /* radiance of flat, unshadowed, white ground: irradiance / pi */
 };
 
-/* The image of the panorama, as panorama_read() takes them, must outlive the sky. -EDOM: the upper
- * half is black. */
+/* Prepares a panorama for sampling. Its image, as panorama_read() accepts it, must outlive the sky.
+ * name is for faults. -ENOMEM; -EDOM: the upper half is black. */
 int sky_create(struct sky *sky, const struct panorama *panorama, const char *name,
 	       struct fault *fault);
 
-/* Cannot fail. The dome must outlive the sky. */
+/* Makes a sky of one light of a dome, which must outlive the sky. Cannot fail. */
 void sky_of_light(struct sky *sky, const struct dome *dome, int light);
 
 void sky_free(struct sky *sky); /* idempotent; zeroed is fine */
@@ -34,7 +34,8 @@ void sky_free(struct sky *sky); /* idempotent; zeroed is fine */
 /* Radiance from a direction; black below the horizon. */
 struct rgb sky_radiance(const struct sky *sky, struct v3 direction);
 
-/* A direction from two numbers in [0, 1), and the density with which it is drawn, per sr. */
+/* sky_sample() draws a direction from two numbers u, v in [0, 1); density is its probability
+ * density, per sr. sky_density() returns the density of a given direction. */
 struct v3 sky_sample(const struct sky *sky, float u, float v, float *density);
 float sky_density(const struct sky *sky, struct v3 direction);
 

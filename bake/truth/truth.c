@@ -17,10 +17,11 @@
 
 struct truth_sums {
 	struct rgb object;
-	struct truth_receiver beside, through; /* the object; its glass */
-	struct rgb seen; /* of the background through glass, at the very place of each sample */
+	/* real surfaces beside the object; through its glass */
+	struct truth_receiver beside, through;
+	struct rgb seen; /* background seen through glass, at the exact place of each sample */
 	double seen_weight;
-	struct rgb behind; /* what the object hides of real surfaces; where that is asked for */
+	struct rgb behind; /* real surfaces that the object hides, where they are asked for */
 	int samples, other;
 	bool changed;
 };
@@ -31,7 +32,7 @@ static bool add_receiver(struct tracer *t, struct truth_receiver *to, const stru
 	return truth_add_receiver(t, to, s, v3_scale(direction, -1), weight);
 }
 
-/* A real surface as it is without objects. */
+/* Light of the real surface at a place of the picture, without objects. */
 static struct rgb light_behind(struct tracer *t, double x, double y)
 {
 	struct surface surface;
@@ -52,8 +53,8 @@ static struct rgb background_at(const struct image *background, const double pla
 	return rgb_make(at[0], at[1], at[2]);
 }
 
-/* Through the object's glass: to the background where nothing was mirrored and the picture shows
- * what is met; else to light. */
+/* Adds what is seen through the object's glass: the background, where nothing was mirrored and the
+ * picture shows the surface that is met; else light. */
 static void add_glass(struct tracer *t, const struct image *background,
 		      const struct surface *surface, struct v3 direction, struct truth_sums *sums)
 {
@@ -84,7 +85,7 @@ static void add_glass(struct tracer *t, const struct image *background,
 				: sky_radiance(t->sky, sight.end.direction)));
 }
 
-/* background: NULL where what the object hides is asked for. */
+/* background NULL: the light of what the object hides is asked for. */
 static void add_object(struct tracer *t, const struct image *background,
 		       const struct surface *surface, struct v3 direction, const double place[2],
 		       struct truth_sums *sums)
@@ -133,7 +134,8 @@ static void sums_add_sample(struct tracer *t, const struct truth_settings *setti
 		sums->changed |= add_receiver(t, &sums->beside, &surface, direction, 1);
 }
 
-/* Samples that see no surface are unchanged; all: the weight of those, too. */
+/* Ratio of light with and without the object. Samples that see no real surface count as unchanged;
+ * all is the weight of all samples, with those. */
 static double ratio_of(const struct truth_receiver *receiver, int c, double all)
 {
 	double ratio = 1;
@@ -143,7 +145,7 @@ static double ratio_of(const struct truth_receiver *receiver, int c, double all)
 	return fmin(fmax(ratio, 0), COMPOSITOR_RATIO_MAX);
 }
 
-/* The picture's value from sums over samples. */
+/* Light of the pixel, from sums over samples. */
 static double sums_value(const struct truth_sums *sums, int c, double background)
 {
 	return (sums->object.c[c] +
@@ -181,7 +183,7 @@ struct truth_worker {
 
 struct truth_job {
 	const struct truth_settings *settings;
-	/* the finished picture, or the pictures */
+	/* either the composite, or the pictures for import */
 	const struct image *background;
 	struct image *out;
 	struct truth_pictures *pictures;
@@ -267,13 +269,13 @@ static void trace_row(void *context, int y, int number)
 			trace_pixel(job, &worker->tracer, x, y);
 	}
 	worker->done++;
-	/* the calling thread works too, and is the one that says how far it has come */
+	/* only the calling thread, which works as well, shows the progress */
 	if (number == 0)
 		progress_show(&job->progress, worker->done * job->worker_count,
 			      worker->tracer.rays * (uint64_t)job->worker_count);
 }
 
-/* All rows, by all threads. */
+/* Traces all rows with all threads. */
 static int trace_rows(struct truth_job *job, const struct scene *scene, const struct sky *sky,
 		      struct truth_report *report)
 {

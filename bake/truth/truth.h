@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The finished composite under a panorama, path traced: no cells, no basis, no compositor. What the
- * whole method is held against.
+ * The finished composite under a panorama, path traced without cells, basis or compositor: the
+ * reference for the whole method.
  *
  *     out = O + (1 - coverage) * s / u * B      linear light
  *
  * O, s and u come from ordinary paths: next-event estimation by the panorama's texels and sampling
- * of the BSDF, joined by the balance heuristic. u - s is estimated as such, from the same random
- * numbers, so that it is exactly 0 where the object is not involved.
+ * of the BSDF, joined by the balance heuristic. u - s is estimated as a difference, from the same
+ * random numbers, so that it is exactly 0 where the object is not involved.
  */
 #ifndef INLAY_BAKE_TRUTH_TRUTH_H
 #define INLAY_BAKE_TRUTH_TRUTH_H
@@ -30,13 +30,13 @@ struct truth_report {
 	double seconds;
 };
 
-/* out: float picture of the camera's size, linear; background: the same size, linear. */
+/* Traces the composite. out: a new float picture of the camera's size, linear; background: of the
+ * same size, linear. -ENOMEM, or -errno of starting threads. */
 int truth_run(const struct scene *scene, const struct sky *sky, const struct image *background,
 	      const struct truth_settings *settings, struct image *out, struct truth_report *report,
 	      struct fault *fault);
 
-/* What a renderer of pictures makes of a scene under one sky: linear, black where nothing is seen.
- */
+/* The pictures that import takes, of a scene under one sky: linear, black where nothing is seen. */
 struct truth_pictures {
 	struct image with;     /* objects and real surfaces */
 	struct image without;  /* real surfaces alone */
@@ -49,11 +49,11 @@ int truth_pictures(const struct scene *scene, const struct sky *sky,
 		   struct fault *fault);
 void truth_pictures_free(struct truth_pictures *pictures); /* idempotent; zeroed is fine */
 
-/* The panorama through the scene's camera, linear, averaged over each pixel. */
+/* The panorama through the scene's camera, linear, averaged over each pixel. -ENOMEM. */
 int truth_background(const struct scene *scene, const struct panorama *panorama, struct image *out);
 
-/* What a perfect fisheye camera at the origin, lying on its back, sees of the panorama's upper
- * half: equidistant, side x side pixels, each the mean radiance over its solid angle. */
+/* The upper half of the panorama as a perfect fisheye camera at the origin sees it, looking up:
+ * equidistant, side x side pixels, each the mean radiance over its solid angle. -ENOMEM. */
 int truth_fisheye(const struct panorama *panorama, int side, struct image *out);
 
 #endif

@@ -134,7 +134,7 @@ static int write_linear(const char *path, const struct image *linear, struct fau
 	return err;
 }
 
-/* As a camera delivers it: the panorama through the lens, in 8-bit code values. */
+/* The panorama as the camera delivers it: through its lens, in 8-bit code values. */
 static int photograph_panorama(const struct scene *scene, const struct panorama *panorama,
 			       struct image *coded)
 {
@@ -210,7 +210,7 @@ static int trace_composite(const struct truth_choices *c, const struct scene *sc
 	struct image background = {.width = 0}, out = {.width = 0};
 	struct truth_report report = {.rays = 0};
 	struct sky sky = {.width = 0};
-	/* first of all, as it says whether the panorama is one: nothing is written before */
+	/* comes first because it checks the panorama: nothing is written before that */
 	int err = sky_create(&sky, panorama, c->panorama, fault);
 
 	if (!err)
@@ -232,7 +232,7 @@ static int trace_composite(const struct truth_choices *c, const struct scene *sc
 	return err;
 }
 
-/* Before minutes are spent on what cannot be written. */
+/* Checks the names of outputs before minutes are spent on rendering. */
 static int check_names(const char *path, const struct truth_choices *c, struct fault *fault)
 {
 	const char *const names[] = {c->output, c->background_out, c->fisheye_out};

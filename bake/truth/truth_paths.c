@@ -3,11 +3,11 @@
 
 #define GLASS_MAX 32
 #define WEIGHT_SURE 0.1f
-#define COAT_CHANCE 0.5f /* of sampling a glossy surface by its coat */
+#define COAT_CHANCE 0.5f /* probability of sampling a glossy surface by its coat */
 
 /* ---- scattering ---- */
 
-/* f cos and the density of sample_bsdf(). */
+/* Returns f cos(theta). density: that with which sample_bsdf() draws wi. */
 static struct rgb eval_bsdf(const struct surface *s, struct v3 wo, struct v3 wi, float *density)
 {
 	const float cos_o = v3_dot(s->normal, wo), cos_i = v3_dot(s->normal, wi);
@@ -39,7 +39,7 @@ static bool sample_bsdf(const struct surface *s, struct v3 wo, struct random *ra
 	return v3_dot(s->geometric, *wi) > 0;
 }
 
-/* Light straight from a sampled point of the sky. */
+/* Direct light from a sampled point of the sky, weighted by the balance heuristic. */
 static struct rgb light_from_sky(struct tracer *t, enum presence presence, const struct surface *s,
 				 struct v3 wo, const float point[2])
 {
@@ -57,7 +57,8 @@ static struct rgb light_from_sky(struct tracer *t, enum presence presence, const
 
 /* ---- paths ---- */
 
-/* Through glass until something else is met; false when the path has ended, with its light. */
+/* Follows a path through glass until another surface is met. Returns false when the path has ended;
+ * its light is added then. */
 static bool pass_glass(struct tracer *t, enum presence presence, struct surface *s, struct v3 *wo,
 		       struct rgb *weight, struct rgb *light)
 {

@@ -6,39 +6,42 @@
 #include "bake/tiles/sight.h"
 #include "bake/truth/sky.h"
 
-/* Of one thread. */
+/* The state of one thread. */
 struct tracer {
 	const struct scene *scene;
 	const struct sky *sky;
 	int bounces;
 	struct random random;
-	float first[2]; /* stratified over a pixel's samples: the first surface's way to the sky */
+	/* stratified over a pixel's samples: where the first surface samples the sky */
+	float first[2];
 	uint64_t rays;
 };
 
-/* Radiance that leaves a surface towards wo; depth: surfaces before it. point: of the unit square,
- * which point of the sky gives the first direct light; NULL: any. */
+/* Radiance that leaves a surface towards wo. depth: number of surfaces before it on the path.
+ * point: of the unit square, selects the direction of the first direct light; NULL: random. */
 struct rgb truth_radiance(struct tracer *tracer, enum presence presence,
 			  const struct surface *surface, struct v3 wo, int depth,
 			  const float *point);
 
-/* What is seen of real surfaces, and what objects take from it; sums over samples. */
+/* Real surfaces in a pixel, as sums over samples: their light without objects, and what objects
+ * take from it. */
 struct truth_receiver {
 	struct rgb taken, without;
 	double weight;
 };
 
-/* A real surface that is seen, as much as weight says. Whether objects take anything from it. */
+/* Adds a real surface that is seen with this weight. Returns whether objects take light from it. */
 bool truth_add_receiver(struct tracer *tracer, struct truth_receiver *to,
 			const struct surface *surface, struct v3 wo, double weight);
 
-/* A way through the object's glass, each turn by chance. */
+/* A view ray through the object's glass; at each surface chance decides between mirroring and
+ * passing. */
 struct truth_sight {
 	struct sight end;
-	bool mirrored; /* somewhere */
+	bool mirrored; /* at one surface at least */
 };
 
-/* False: it does not end. */
+/* Follows a view ray through the object's glass. Returns false if it meets too many surfaces. */
 bool truth_through_glass(struct tracer *tracer, const struct surface *surface, struct v3 direction,
 			 struct truth_sight *sight);
 

@@ -6,8 +6,8 @@
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
 
-#define SUBSAMPLES 4	  /* a pixel and side */
-#define SUBSAMPLES_MAX 64 /* of the fisheye, where its pixels are coarse */
+#define SUBSAMPLES 4	  /* per side of a pixel */
+#define SUBSAMPLES_MAX 64 /* of the fisheye, whose pixels may be coarser than texels */
 
 static void background_pixel(const struct scene *scene, const struct panorama *panorama, int x,
 			     int y, float out[3])
