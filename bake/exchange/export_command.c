@@ -36,9 +36,9 @@ static const struct option options[] = {
 };
 
 struct export_choices {
-	int what; /* MSI, RADIANCE or BLENDER; 0: not said */
+	int what; /* MSI, RADIANCE or BLENDER; 0: not given */
 	const char *to;
-	bool of_msi, of_scene, of_radiance; /* whether options were said that only it has */
+	bool of_msi, of_scene, of_radiance; /* options of that target alone were given */
 	int endian, long_bytes, threads;
 	struct scene_lights lights;
 	const char *pose; /* NULL: the first */
@@ -162,7 +162,7 @@ static int export_scene(const char *path, const struct export_choices *c, struct
 	return err;
 }
 
-/* What is missing or does not go together, or NULL. */
+/* What is missing or contradictory in the options, or NULL. */
 static const char *wrong_usage(const struct export_choices *c)
 {
 	if (!c->what)

@@ -42,10 +42,10 @@ void export_job_import(const struct export_job *job, const char *ending, char *t
 		 d, ending, d, ending, d, ending, ending);
 }
 
-/* Every job has one: by it a folder is known to be one. */
+/* Every job has this file: it marks a folder as an earlier export. */
 #define ANGLES "angles.txt"
 
-/* What is there: a job, of which this one takes the place, or nothing that could be lost. */
+/* 0 if the folder is empty or an earlier export, which this one replaces. */
 static int check_job_folder(const char *folder, struct fault *fault)
 {
 	DIR *const open = opendir(folder);
@@ -138,7 +138,7 @@ static int write_meshes(const struct export_job *job, bool standins, const char 
 	return output_commit(&out, fault);
 }
 
-/* ---- what is there ---- */
+/* ---- the scene ---- */
 
 static double mesh_reach(const struct mesh *mesh)
 {
@@ -169,7 +169,7 @@ static void survey_scene(struct export_job *job)
 	job->digits = job->digits < 3 ? 3 : job->digits;
 }
 
-/* What such pictures cannot hold, or no job tells its renderer. */
+/* Warns of what pictures cannot hold, and of what no job tells its renderer. */
 static void say_what_is_lost(const struct export_job *job)
 {
 	bool glass = false, metal = false;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A scene as another renderer takes it: a folder with the lights, the meshes and the textures,
- * which Radiance's and Blender's jobs have in common.
+ * What Blender's and Radiance's export jobs have in common: a folder with lights, meshes and
+ * textures.
  *
  *     angles.txt       the lights, as inlay-bake import --angles reads them
- *     objects.obj      triangles in world coordinates, a normal and a texture coordinate at each
- *     standins.obj     corner, of material m0, m1 ...; absent where there are none
+ *     objects.obj      triangles in world coordinates with normals and texture coordinates, of
+ *     standins.obj     materials m0, m1 ...; absent where there are no such meshes
  *     texture0.hdr     of material m0, linear, multiplied by its colour
  *
- * Nothing in it names a place outside the folder.
+ * No file in it refers to a path outside the folder.
  */
 #ifndef INLAY_BAKE_EXCHANGE_EXPORT_JOB_H
 #define INLAY_BAKE_EXCHANGE_EXPORT_JOB_H
@@ -19,36 +19,37 @@
 #include "hal/base/output.h"
 #include "hal/optics/dome.h"
 
-/* How far the ground reaches that has no end: of the largest distance in the scene. */
+/* Radius of a ground without end, in units of the largest distance in the scene. */
 #define EXPORT_REACH 1000.0
 
 struct export_job {
 	const struct scene *scene;
 	const struct dome *dome;
 	const char *folder;
-	int digits; /* of a light's number in a picture's name */
+	int digits; /* digits of a light's number in file names */
 	const struct material **material;
 	int material_count;
 	bool has_objects, has_standins;
-	double span; /* what encloses meshes, camera and origin, from the origin */
+	double span; /* largest distance of a vertex or of the camera from the origin */
 };
 
-/* Makes the folder, unless it is there, and writes into it what is listed above. -EINVAL: a scene
- * without ground or stand-ins, which no pictures of import can stand for; -ENOTEMPTY: a folder that
- * has files in it and none of an earlier export; -errno of the folder. */
+/* Creates the folder unless it exists, and writes the files listed above. scene, dome and folder
+ * must outlive the job. -EINVAL: the scene has neither ground nor stand-ins, so that no picture of
+ * import could show a real surface; -ENOTEMPTY: the folder holds files but no earlier export;
+ * -ENOMEM; -errno of the folder. */
 int export_job_begin(struct export_job *job, const struct scene *scene, const struct dome *dome,
 		     const char *folder, struct fault *fault);
 void export_job_end(struct export_job *job); /* idempotent; zeroed is fine */
 
-/* A file of the folder, to be committed. */
+/* Opens a file of the folder. The caller commits it. */
 int export_job_open(const struct export_job *job, const char *name, struct output *out,
 		    struct fault *fault);
 
-/* From the origin: as far as the ground goes, or what stands in the scene where there is no ground.
- */
+/* Radius of the ground, or of the scene where there is no ground. */
 double export_job_reach(const struct export_job *job);
 
-/* The command that takes the results, run in the folder: pictures end in this. */
+/* Writes the command that imports the pictures, to be run in the folder. ending: of the pictures'
+ * names, without a dot. */
 void export_job_import(const struct export_job *job, const char *ending, char *text, size_t room);
 
 #endif

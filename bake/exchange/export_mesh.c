@@ -45,7 +45,8 @@ static int material_number(const struct export_job *job, const struct material *
 	return k;
 }
 
-/* first: vertices written before; returns how many there are then. */
+/* Writes one part of a mesh. first: number of vertices written before. Returns the number
+ * afterwards. */
 static long write_part(FILE *to, const struct mesh_part *part, int material, long first)
 {
 	fprintf(to, "usemtl m%d\n", material);

@@ -8,7 +8,7 @@
 
 #include "bake/exchange/export_job.h"
 
-/* Fills the job's list: the scene's own materials, then those of the meshes' files. -ENOMEM. */
+/* Fills job->material: the scene's own materials, then those of the meshes' files. -ENOMEM. */
 int export_materials(struct export_job *job, struct fault *fault);
 
 /* Writes all objects, or all stand-ins, as one OBJ file. The caller checks the stream for errors. */

@@ -8,17 +8,17 @@
 #include "bake/exchange/export_radiance.mk.h"
 #include "bake/exchange/export_rays.h"
 
-/* Each of Radiance's bounces costs as many rays as the one before; later ones change next to
+/* Each further bounce costs Radiance as many rays as the one before; later ones change next to
  * nothing. */
 #define BOUNCES_MAX 5
 
-/* Light between surfaces is looked at no closer than in so many parts of what stands in the scene:
- * Radiance counts parts of the ground's whole extent. */
+/* Ambient resolution in parts of the scene's span. Radiance's -ar counts parts of the whole ground,
+ * so write_makefile() scales it. */
 #define AMBIENT_PARTS 128
 
 /* ---- lights ---- */
 
-/* The k-th of base 2's radical inverses. */
+/* Radical inverse of k in base 2. */
 static double radical_inverse(unsigned k)
 {
 	double value = 0, digit = 0.5;
@@ -29,10 +29,10 @@ static double radical_inverse(unsigned k)
 }
 
 /*
- * A light as suns spread over it (Hammersley's points), each with its share of the solid angle: in
- * a cell evenly, in a tent as densely as it is bright. Radiance asks every sun by itself, so that
- * they may overlap; of a polygon in place of them it would ask a square of the same area, and lose
- * what misses the polygon.
+ * Writes a light as suns at Hammersley's points, each with its share of the solid angle: spread
+ * evenly in a cell, in proportion to the weight in a tent. Radiance samples every sun by itself, so
+ * suns may overlap. It would sample a polygon as a square of the same area, and lose what misses
+ * the polygon.
  */
 static int write_rad_light(const struct export_job *job, int light, int suns, struct fault *fault)
 {
@@ -72,7 +72,7 @@ static float rgb_mean(const struct rgb *colour)
 	return (colour->c[0] + colour->c[1] + colour->c[2]) / 3;
 }
 
-/* The picture is as high as 1 or as wide, whichever is the shorter side. */
+/* Texture coordinates of Radiance's pictures run from 0 to 1 along the shorter side. */
 static void write_rad_texture(FILE *to, const struct image *image, int number)
 {
 	const double across = image->width > image->height ? (double)image->width / image->height
@@ -150,7 +150,7 @@ static int write_world(const struct export_job *job, const char *name, bool obje
 	return output_commit(&out, fault);
 }
 
-/* ---- what it cannot say ---- */
+/* ---- notes ---- */
 
 static void note_material(FILE *to, const struct material *m, int number)
 {

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A scene for Radiance: the job's files, and
+ * An export job for Radiance: the files of export_job.h, and
  *
  *     light000.rad     the cell of light 0 as distant suns of radiance 1, and so on
  *     materials.rad    for obj2mesh
  *     scene.rad        meshes and ground; ground.rad: without the objects
- *     object.rays      of each pixel K x K rays, row by row, as rtrace -ff reads them (origin and
- *     seen.rays        direction, 4-byte floats of this machine): those that meet an object; those
- *     ground.rays      that meet something real; those that do without the objects. All others
- *                      are zero, which rtrace makes black: the sky is in no picture.
+ *     object.rays      K x K rays for each pixel, row by row, as rtrace -ff reads them (origin and
+ *     seen.rays        direction, 4-byte floats of this machine). object: rays that meet an
+ *     ground.rays      object; seen: a real surface; ground: a real surface without the objects.
+ *                      Other rays are zero, which rtrace renders black: no picture shows the sky.
  *     coverage.hdr     the share of a pixel's rays that meet an object
- *     Makefile         renders everything; pictures that are there are kept
- *     notes.txt        what Radiance's materials cannot say
+ *     Makefile         renders everything; pictures that exist are kept
+ *     notes.txt        what Radiance's materials cannot express
  *
  * Rays are the calibrated camera's own, with all its distortion.
  */
@@ -28,8 +28,8 @@
 	}
 
 struct export_radiance_settings {
-	int rays; /* a pixel, a side */
-	int suns; /* a cell; their solid angles sum to the cell's */
+	int rays; /* K: K x K rays a pixel */
+	int suns; /* for each cell; their solid angles sum to the cell's */
 };
 
 int export_radiance(const struct scene *scene, const struct dome *dome, const char *folder,

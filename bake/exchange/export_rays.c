@@ -21,7 +21,7 @@ static bool ray_belongs(const struct scene *scene, int file, double x, double y,
 	       (surface.kind == SURFACE_OBJECT) == (file == OBJECT_RAYS);
 }
 
-/* share: NULL, or of each pixel the share of its rays that are in the file. */
+/* share: receives for each pixel the share of its rays that are in the file; or NULL. */
 static int write_rays(const struct export_job *job, int file, int count, struct image *share,
 		      struct fault *fault)
 {

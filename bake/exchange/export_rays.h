@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The camera's rays for Radiance's rtrace: which meet what. */
+/* The camera's rays for Radiance's rtrace, sorted by what they meet. */
 #ifndef INLAY_BAKE_EXCHANGE_EXPORT_RAYS_H
 #define INLAY_BAKE_EXCHANGE_EXPORT_RAYS_H
 

@@ -12,9 +12,9 @@
 #include "bake/tiles/peaks.h"
 #include "hal/base/pool.h"
 
-#define MAX_OF_RMS 2 /* error asked for, where nobody says */
+#define MAX_OF_RMS 2 /* default of target.max, in units of target.rms */
 
-/* Of one thread. */
+/* The state of one thread. */
 struct import_worker {
 	struct import_tile tile;
 	struct encoder *encoder;
@@ -46,14 +46,14 @@ static void place_tile(const struct import_job *job, int index, struct import_ti
 	tile->height = height - tile->y < BASIS_TILE ? height - tile->y : BASIS_TILE;
 }
 
-/* Of the ratio on flat ground: the share of each light that the object takes. */
+/* v = 1 - s / u: the share of each light that the object takes from flat ground. */
 static void take_shares(float *to, const float *with, const double *ground, size_t count)
 {
 	for (size_t k = 0; k < count; k++)
 		to[k] = ground[k] > 0 ? (float)(1 - (double)with[k] / ground[k]) : 0;
 }
 
-/* The tile's pixels as the encoder takes them. Returns how many kinds there are. */
+/* Lays the tile's pixels out for the encoder. Returns the number of kinds. */
 static int sort_pixels(const struct import_job *job, struct import_worker *w,
 		       struct encode_samples part[3])
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Light transport from elsewhere (pictures of other renderers, the thesis's files) to a basis file:
- * through the same encoder as our own.
+ * Light transport from other sources (pictures of other renderers, the thesis's files) to a basis
+ * file, by the encoder of inlay-bake render.
  */
 #ifndef INLAY_BAKE_EXCHANGE_IMPORT_H
 #define INLAY_BAKE_EXCHANGE_IMPORT_H
@@ -15,25 +15,25 @@
 #define IMPORT_PIXELS (BASIS_TILE * BASIS_TILE)
 
 /*
- * What is known of the pixels of a tile: pixel p is y * BASIS_TILE + x. Values are radiances per
- * unit of the light's; row (p * 3 + channel) holds those of all lights, in the dome's order.
+ * Transport of the pixels of a tile; pixel p is y * BASIS_TILE + x. Values are radiances per unit
+ * of a light's radiance: [pixels][3][lights], lights in the dome's order.
  */
 struct import_tile {
 	int x, y, width, height; /* in the picture */
 	float coverage[IMPORT_PIXELS];
 	bool receiver[IMPORT_PIXELS]; /* a real surface is seen, at least in part */
-	float *object;		      /* of the object alone, times coverage */
-	float *with, *without;	      /* of the real surface, with the object and without it */
+	float *object;		      /* light of the object, times coverage */
+	float *with, *without;	      /* light of the real surface, with and without the object */
 };
 
 struct import_source {
 	int width, height;
 	const struct dome *dome;
-	/* Flat ground, lit alike everywhere: [3][lights], u of all receivers. NULL: each has its
-	 * own. */
+	/* u of all receivers, [3][lights], where the ground is flat and lit alike everywhere. NULL:
+	 * each receiver has its own u. */
 	const double *ground;
-	const char *provenance; /* lines about where it comes from */
-	/* Fills in a tile. Several threads may ask at once. */
+	const char *provenance; /* lines for the file's provenance */
+	/* Fills in a tile. Called by several threads at once. */
 	void (*fill)(const void *context, struct import_tile *tile);
 	const void *context;
 };
@@ -47,7 +47,7 @@ struct import_settings {
 	bool quiet;
 };
 
-/* Nothing is written on failure. */
+/* Encodes the source into a basis file. On failure no file is written. */
 int import_run(const struct import_source *source, const struct import_settings *settings,
 	       const char *path, struct fault *fault);
 

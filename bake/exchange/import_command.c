@@ -58,8 +58,8 @@ struct import_choices {
 	const char *output, *msi, *angles;
 	struct import_pictures_settings pictures;
 	int transfer, receivers;
-	bool of_pictures; /* whether options were said that only they have */
-	double rate;	  /* 0: not said */
+	bool of_pictures; /* options of pictures alone were given */
+	double rate;	  /* 0: not given */
 	struct encoding_said encoding;
 	struct import_settings import;
 };
@@ -193,7 +193,7 @@ static int import_msi(const struct import_choices *c, const struct dome *dome, c
 	return err;
 }
 
-/* As a scene's render has it, where nothing is said. */
+/* Sets the encoding: the defaults of a scene's [render], changed by the options. */
 static void set_encoding(struct import_choices *c)
 {
 	struct scene_render_values scene;
@@ -225,7 +225,7 @@ static int run_import(const struct import_choices *c, struct fault *fault)
 	return err;
 }
 
-/* What is missing or too much, or NULL. */
+/* What is missing or contradictory in the options, or NULL. */
 static const char *wrong_usage(const struct import_choices *c)
 {
 	const struct import_pictures_settings *p = &c->pictures;

@@ -9,14 +9,17 @@
 
 #include "hal/base/log.h"
 
-/* A ground is flat if parts of the picture differ by less than this from all of it. */
+/* The ground is flat if the means over parts of the picture differ by less than FLAT_SPREAD from
+ * the mean over all of it. */
 #define FLAT_PARTS 4 /* a side */
 #define FLAT_SPREAD 0.03
-/* What a light gives level ground may be off by this from what its cell's solid angle makes it. */
+/* How far a light's share of level ground's light may be from that of its cell's solid angle,
+ * relative. */
 #define SHARE_TOLERANCE 0.3
 #define ALBEDO_MIN 0.01
 #define ALBEDO_MAX 1.1
-/* Noise, where objects make ground brighter than it was; and light of objects "alone". */
+/* Shares of the ground's light: what pictures of objects may add to open ground (noise), and what
+ * pictures of objects alone may show there. */
 #define BRIGHTER_MOST 0.02
 #define ALONE_MOST 0.5
 
@@ -27,8 +30,8 @@ struct ground_part {
 	long count;
 };
 
-/* Sets the mean over all pixels of ground, and returns how far parts of the picture are from it:
- * RMS over lights and parts, as a share. */
+/* Sets p->ground to the mean over all pixels of ground. Returns how far parts of the picture are
+ * from it: relative, RMS over lights and parts. */
 static double ground_spread(struct import_pictures *p)
 {
 	const int width = p->with.width, height = p->with.height, lights = p->without.count;
@@ -69,7 +72,7 @@ static double ground_spread(struct import_pictures *p)
 }
 
 /* Level ground of albedo a sends back a / pi times the projected solid angle of a cell of radiance
- * 1: that tells the order of the pictures and their unit. */
+ * 1. Anything else shows a wrong order of the pictures, or a wrong unit. */
 static int check_flat_ground(const struct import_pictures *p, const char *name, struct fault *fault)
 {
 	const struct dome *dome = p->dome;
@@ -87,7 +90,7 @@ static int check_flat_ground(const struct import_pictures *p, const char *name, 
 			name, albedo, ALBEDO_MIN);
 	for (int i = 0; i < dome->count; i++) {
 		const double expected = albedo / M_PI * dome->projected_sr[i];
-		/* those on the horizon send next to nothing */
+		/* lights on the horizon send next to nothing */
 		const double slack = expected + 0.1 * albedo / dome->count;
 		const double off = fabs(p->ground[dome->count + i] - expected) / slack;
 
@@ -109,14 +112,14 @@ static int check_flat_ground(const struct import_pictures *p, const char *name, 
 
 /* ---- order ---- */
 
-#define LOOK 12		       /* pictures are compared in so many parts a side */
-#define LIGHTS_LEAST 20	       /* of fewer, too many are neighbours */
-#define LIGHTS_TRIED 256       /* of many, so many are tried */
-#define NEIGHBOUR 1.6	       /* mean distances of neighbours */
-#define ALIKE_LEAST 0.4	       /* of lights whose most similar picture is a neighbour's */
-#define DIFFERENCE_LEAST 0.01f /* below this, pictures tell nothing */
+#define LOOK 12		 /* parts a side in which pictures are compared */
+#define LIGHTS_LEAST 20	 /* of fewer lights too many are neighbours */
+#define LIGHTS_TRIED 256 /* of more lights so many are tried */
+#define NEIGHBOUR 1.6	 /* largest angle between neighbours, in mean distances */
+#define ALIKE_LEAST 0.4	 /* least share of lights whose most similar picture is a neighbour's */
+#define DIFFERENCE_LEAST 0.01f /* pictures that differ less say nothing about the order */
 
-/* What a picture looks like: how much of its light the object leaves in each part. */
+/* Describes a picture by the share of the light that the object leaves in each part. */
 static void look_at(const struct import_pictures *p, int light, float look[LOOK * LOOK])
 {
 	const int width = p->with.width, height = p->with.height;
@@ -149,7 +152,7 @@ static double node_angle(const struct dome *dome, int a, int b)
 	return acos(fmin(u[0] * v[0] + u[1] * v[1] + u[2] * v[2], 1));
 }
 
-/* Neighbours' shadows fall alike. */
+/* Shadows of neighbouring lights fall alike, so pictures resemble their neighbours' most. */
 static int check_order(const struct import_pictures *p, const char *name, struct fault *fault)
 {
 	const int n = p->dome->count, step = (n + LIGHTS_TRIED - 1) / LIGHTS_TRIED;
@@ -166,7 +169,7 @@ static int check_order(const struct import_pictures *p, const char *name, struct
 		float least = INFINITY;
 		int nearest = i;
 
-		/* those on the horizon light little, and show more noise than shadow */
+		/* pictures of lights on the horizon show more noise than shadow */
 		if (p->dome->direction[i][2] < 0.1)
 			continue;
 		for (int j = 0; j < n; j++) {
@@ -192,7 +195,8 @@ static int check_order(const struct import_pictures *p, const char *name, struct
 
 /* ---- which picture is which ---- */
 
-/* Ground that objects neither cover nor touch, whatever filter drew their edge. */
+/* Whether a pixel shows ground that objects neither cover nor touch, whatever filter drew their
+ * edge. */
 static bool is_open_ground(const struct import_pictures *p, int x, int y)
 {
 	const int width = p->with.width, height = p->with.height;
@@ -205,7 +209,7 @@ static bool is_open_ground(const struct import_pictures *p, int x, int y)
 	return p->is_ground[y * width + x];
 }
 
-/* Of open ground, over all lights. */
+/* Sums over open ground and all lights. */
 struct balance {
 	double without, gained, lost, alone;
 };
@@ -264,7 +268,8 @@ static int check_roles(const struct import_pictures *p,
 	return 0;
 }
 
-/* An object may be outside and throw its shadow in; but that is seldom meant. */
+/* Warns if no pixel is of an object. It may be outside and throw its shadow in, but that is seldom
+ * meant. */
 static void warn_no_object(const struct import_pictures *p,
 			   const struct import_pictures_settings *settings)
 {

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether pictures of lights are what they are said to be: which is which, which ground, which
- * unit, which order. */
+/* Checks whether imported pictures are what the options say: their roles, the ground, unit and
+ * order. */
 #ifndef INLAY_BAKE_EXCHANGE_IMPORT_JUDGE_H
 #define INLAY_BAKE_EXCHANGE_IMPORT_JUDGE_H
 
 #include "bake/exchange/import_pictures.h"
 
 /*
- * Sets flat and ground of pictures that are read. -EINVAL: ground and objects interchanged, or an
- * inverted coverage, as far as ground gets brighter by it; objects alone that are not; on flat
- * ground, light that is not what the dome's cells of radiance 1 give; pictures that are more alike
- * between lights far apart than between neighbours. The fault says what to look at.
+ * Sets pictures->flat and pictures->ground. -EINVAL, and the fault says what to look at:
+ *     - pictures of ground and objects are interchanged, or the coverage is inverted, as far as the
+ *       ground gets brighter by it;
+ *     - pictures of the objects alone show more than the objects;
+ *     - flat ground does not have the light that cells of radiance 1 give;
+ *     - pictures resemble those of distant lights more than those of neighbours.
  */
 int import_judge(struct import_pictures *pictures, const struct import_pictures_settings *settings,
 		 struct fault *fault);

@@ -9,7 +9,7 @@
 #include "bake/exchange/import_judge.h"
 #include "hal/image/image.h"
 
-/* Of the brightest ground: below this share nothing is there. */
+/* Below this share of the brightest ground a pixel has no ground. */
 #define NO_GROUND 1e-4
 
 const char *const import_receivers_names[] = {"auto", "flat", "own", NULL};
@@ -131,7 +131,8 @@ void import_pictures_free(struct import_pictures *p)
 
 /* ---- tiles ---- */
 
-/* Uncovered ground beside a pixel at the object's edge, whose own shadow cannot be seen there. */
+/* Uncovered ground pixels beside a pixel at the object's edge. They stand for its shadow, which
+ * cannot be seen there. */
 struct beside {
 	int count;
 	int x[8], y[8];
@@ -156,7 +157,7 @@ static struct beside look_beside(const struct import_pictures *p, int x, int y)
 	return b;
 }
 
-/* What is left of a light on the ground beside: 1 where there is none. */
+/* The share of a light that is left on the ground beside; 1 where there is no ground. */
 static float share_beside(const struct import_pictures *p, const struct beside *b, int light, int c)
 {
 	float with = 0, without = 0;
@@ -168,8 +169,8 @@ static float share_beside(const struct import_pictures *p, const struct beside *
 	return without > 0 ? with / without : 1;
 }
 
-/* Light of the ground beside the object and of the object itself, from what both make together.
- * without: of the ground as it is when the object is not there. */
+/* Light of the ground and of the object in an edge pixel, estimated from their mixture `both`.
+ * without: light of the ground when the object is not there. */
 struct edge_split {
 	float ground, object;
 };

@@ -19,17 +19,18 @@ extern const char *const import_receivers_names[]; /* "auto", "flat", "own", NUL
 
 struct import_pictures_settings {
 	const char *object, *ground, *alone; /* patterns; alone may be NULL */
-	const char *coverage, *mask; /* one of them; a mask is what is at least half bright */
-	const char *folder;	     /* room for unnamed files */
-	enum transfer transfer;	     /* of 8-bit pictures */
-	double scale;		     /* to lights of radiance 1 */
+	/* one of them; of a mask, pixels at least half bright are objects */
+	const char *coverage, *mask;
+	const char *folder;	/* for unnamed temporary files */
+	enum transfer transfer; /* of 8-bit pictures */
+	double scale;		/* factor that brings the pictures to lights of radiance 1 */
 	enum import_receivers receivers;
 	bool quiet;
 };
 
 struct import_pictures {
-	/* alone: the object over black; empty: not known, and made out at the object's edge from
-	 * the ground beside it */
+	/* alone: the object over black; empty: its light in edge pixels is estimated from the
+	 * ground beside. */
 	struct picture_stack with, without, alone;
 	float *coverage;    /* [height][width] */
 	uint8_t *is_ground; /* [height][width]: a real surface is there, seen or hidden */
@@ -39,16 +40,15 @@ struct import_pictures {
 };
 
 /*
- * place[k]: the light of the k-th picture. -EINVAL: sizes or counts that do not fit; on flat
- * ground, pictures whose light is not what the dome's cells of radiance 1 give: another order, or
- * another unit, which the fault names.
+ * Reads and judges the pictures. place[k]: light of the k-th picture. -EINVAL: sizes or numbers
+ * that do not match, or what import_judge() finds; the fault names it.
  */
 int import_pictures_read(struct import_pictures *pictures, const struct dome *dome,
 			 const int *place, const struct import_pictures_settings *settings,
 			 struct fault *fault);
 void import_pictures_free(struct import_pictures *pictures); /* idempotent; zeroed is fine */
 
-/* Of struct import_source; context is the pictures. */
+/* fill() of struct import_source; context is a struct import_pictures. */
 void import_pictures_fill(const void *context, struct import_tile *tile);
 
 #endif

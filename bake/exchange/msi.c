@@ -13,8 +13,8 @@
 #include "hal/base/output.h"
 
 #define INTS 3
-#define ALBEDO 0.5   /* of ground whose own brightness the file does not tell */
-#define FLAT_BYTES 2 /* rounding of two bytes, and of their scale */
+#define ALBEDO 0.5   /* assumed for flat ground, which the file does not tell */
+#define FLAT_BYTES 2 /* tolerance for the rounding of two bytes and of their scale */
 
 static const struct msi_variant variants[] = {{false, 4}, {false, 8}, {true, 4}, {true, 8}};
 
@@ -31,7 +31,7 @@ static uint64_t number_at(const uint8_t *data, int bytes, bool big_endian)
 	return value;
 }
 
-/* Why a file is not of this variant, and how far it was followed. */
+/* Why a file does not have this variant, and how far reading it came. */
 struct msi_verdict {
 	size_t reached;
 	char text[160];
@@ -63,7 +63,7 @@ static bool msi_read_header(struct msi *msi, const struct msi_variant *variant,
 	msi->height = (int)number[1];
 	msi->lights = (int)number[2];
 	msi->variant = *variant;
-	why->reached = size ? 2 : 1; /* half of another variant's number may well be 0 */
+	why->reached = size ? 2 : 1; /* a 0 may be half of another variant's 8 bytes */
 	if (size == msi->bytes || size == msi->bytes - header_bytes(variant))
 		return true;
 	snprintf(why->text, sizeof(why->text), "has %zu bytes, expected %llu as it says itself",
@@ -71,7 +71,7 @@ static bool msi_read_header(struct msi *msi, const struct msi_variant *variant,
 	return false;
 }
 
-/* Finds each pixel's start. */
+/* Finds the offset of each pixel. */
 static bool msi_find_pixels(struct msi *msi, struct msi_verdict *why)
 {
 	const size_t pixels = (size_t)msi->width * (size_t)msi->height;
@@ -102,7 +102,7 @@ static bool msi_find_pixels(struct msi *msi, struct msi_verdict *why)
 	return false;
 }
 
-/* 0; -EBADMSG with the verdict; -ENOMEM. */
+/* 0; -EBADMSG, and why says what is wrong; -ENOMEM. */
 static int try_variant(struct msi *msi, const struct msi_variant *variant, struct msi_verdict *why)
 {
 	*why = (struct msi_verdict){.reached = 0};
@@ -186,7 +186,7 @@ void msi_close(struct msi *msi)
 
 /* ---- as a source ---- */
 
-/* The brightest light of a pixel in shadow without the object: what its row is scaled to. */
+/* Largest value of a pixel in shadow without the object, to which its row is scaled. */
 static int most_of(const uint8_t *row, int lights)
 {
 	int most = 0;
@@ -197,7 +197,7 @@ static int most_of(const uint8_t *row, int lights)
 	return most;
 }
 
-/* Whether two rows without the object are alike but for their scale. */
+/* Whether two rows without the object are equal up to a factor. */
 static bool rows_alike(const uint8_t *a, const uint8_t *b, int lights)
 {
 	const double scale = (double)most_of(a, lights) / most_of(b, lights);

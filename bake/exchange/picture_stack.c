@@ -13,7 +13,7 @@
 #include "bake/exchange/pictures.h"
 #include "hal/image/image.h"
 
-/* A file without a name; where the file system knows none such, one whose name is taken away. */
+/* Opens a file without a name. Where the file system does not support that, its name is removed. */
 static int open_unnamed(const char *folder)
 {
 	char name[PATH_MAX];
@@ -65,7 +65,7 @@ static void stack_convert(const struct image *picture,
 				    : (float)settings->scale * picture->f32[k];
 }
 
-/* The picture that a light has, into its place. */
+/* Reads the picture of a light into its place. */
 static int stack_read_picture(struct picture_stack *stack, const char *name, int light,
 			      const struct picture_stack_settings *settings, struct fault *fault)
 {

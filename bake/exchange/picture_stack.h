@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A stack of pictures of one size, one for each light, in linear light: read once, kept in an
- * unnamed file (they may be more than memory holds) and mapped.
+ * A stack of pictures of one size, one for each light, in linear light. They are read once into an
+ * unnamed file, since they may be larger than memory, and mapped.
  */
 #ifndef INLAY_BAKE_EXCHANGE_PICTURE_STACK_H
 #define INLAY_BAKE_EXCHANGE_PICTURE_STACK_H
@@ -20,14 +20,14 @@ struct picture_stack {
 
 struct picture_stack_settings {
 	enum transfer transfer; /* of 8-bit pictures */
-	double scale;		/* linear light is multiplied by it */
-	const int *place;	/* [count]: where the k-th picture goes; NULL: as they come */
-	const char *folder;	/* where there is room for the unnamed file */
+	double scale;		/* factor for the linear light */
+	const int *place;	/* [count]: index in the stack of the k-th picture; NULL: k */
+	const char *folder;	/* folder of the unnamed file */
 };
 
-/* Reads count pictures called pattern, numbered from 0, or from 1 where there is no 0. Another size
- * than the first picture's, one missing, one more than count: -EINVAL, -ENOENT, and the fault names
- * it. */
+/* Reads count pictures named by pattern, numbered from 0, or from 1 where there is no 0. -EINVAL: a
+ * picture of another size than the first, or one too many; -ENOENT: one is missing. The fault names
+ * the picture. */
 int picture_stack_read(struct picture_stack *stack, const char *pattern, int count,
 		       const struct picture_stack_settings *settings, struct progress *progress,
 		       struct fault *fault);

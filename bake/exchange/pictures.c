@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Behind a "%" to the "d" of a number, or NULL. */
+/* text begins behind a "%". Returns the place behind the "d" of the number, or NULL. */
 static const char *number_end(const char *text)
 {
 	text += strspn(text, "0123456789");

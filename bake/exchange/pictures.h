@@ -7,11 +7,11 @@
 
 #include "hal/base/fault.h"
 
-/* -EINVAL: the pattern has not exactly one %d, perhaps with a width (%03d, %4d). option is what the
- * fault calls it. */
+/* Checks that the pattern has exactly one %d, perhaps with a width (%03d, %4d); else -EINVAL.
+ * option: name of the option, for the fault. */
 int picture_pattern_check(const char *pattern, const char *option, struct fault *fault);
 
-/* A checked pattern with its number. -ENAMETOOLONG. */
+/* Writes the name of a picture. The pattern must have been checked. -ENAMETOOLONG. */
 int picture_name(const char *pattern, int number, char *name, size_t room);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* inlay-bake pictures: what every light does alone, as any renderer would picture it. */
+/* inlay-bake pictures: one picture for each light, path traced, as any renderer would deliver
+ * them. */
 #include <errno.h>
 #include <getopt.h>
 #include <limits.h>
@@ -117,7 +118,7 @@ static int render_lights(const struct pictures_choices *c, const struct scene *s
 	return err;
 }
 
-/* Before the first of many is rendered. */
+/* Checks all names before the first of many pictures is rendered. */
 static int check_names(const char *path, const struct pictures_choices *c, struct fault *fault)
 {
 	const char *const names[] = {c->object, c->ground, c->alone, c->coverage};
