@@ -11,7 +11,8 @@
 
 #define GUTTER 2 /* texels painted around a piece */
 #define TIDY_PASSES 6
-#define STEEPEST 0.35 /* least cosine between a triangle and an axis that it is laid along */
+/* least cosine between a triangle's normal and the axis that it is laid along */
+#define STEEPEST 0.35
 
 /* A connected set of triangles laid along one axis. */
 struct atlas_piece {
@@ -94,8 +95,9 @@ static double axis_facing(const double normal[3], int label)
 	return label & 1 ? -normal[label / 2] : normal[label / 2];
 }
 
-/* The axis that a triangle faces most; then, so that pieces have smooth borders and few islands,
- * the axis of two or three of its neighbours where it is not too steep for that. */
+/* Gives each triangle the axis that it faces most. Then, so that pieces have smooth borders and few
+ * islands, a triangle takes the axis of two or three of its neighbours unless it is too steep for
+ * that. */
 static void choose_axes(struct atlas_work *work)
 {
 	const int count = work->mesh->triangle_count;
@@ -132,7 +134,7 @@ static void axis_flatten(int label, const double p[3], double flat[2])
 	flat[1] = p[(label / 2 + 2) % 3];
 }
 
-/* Marks all that hangs together with triangle t as one piece. */
+/* Marks all triangles of one axis that are connected with triangle t as one piece. */
 static void gather_piece(struct atlas_work *work, int t)
 {
 	struct atlas_piece *piece = &work->piece[work->piece_count];
@@ -173,7 +175,8 @@ static int height_compare(const void *a, const void *b)
 	return (one->piece > two->piece) - (one->piece < two->piece);
 }
 
-/* Shelves, the tallest pieces first. False when the picture is too small for this texel. */
+/* Packs the pieces onto shelves, the tallest first. False: the picture is too small for this
+ * texel. */
 static bool pack_pieces(struct atlas_work *work, double texel, int side)
 {
 	int x = 0, y = 0, shelf = 0;
@@ -210,7 +213,7 @@ static bool pack_pieces(struct atlas_work *work, double texel, int side)
 
 /* ---- texture coordinates and colours ---- */
 
-/* In texels. */
+/* Texture coordinates of p, in texels. */
 static void texture_point(const struct atlas_piece *piece, double texel, const double p[3],
 			  double out[2])
 {
@@ -224,8 +227,8 @@ static void texture_point(const struct atlas_piece *piece, double texel, const d
 static int write_atlas_points(struct atlas *atlas, const struct atlas_work *work, int side)
 {
 	const struct trimesh *mesh = work->mesh;
-	/* A vertex has a point for each axis that its triangles are laid along, and two pieces of
-	 * one axis that meet only in it share nothing else: key by vertex and piece. */
+	/* A vertex has a point for each piece that it is in. Two pieces of one axis may share only
+	 * a vertex, so the owner of its last point is compared as well as the axis. */
 	int(*seen)[6] = malloc(mesh->vertex_count * sizeof(*seen));
 	int *owner = malloc(3 * mesh->triangle_count * sizeof(*owner));
 
@@ -259,8 +262,8 @@ static int write_atlas_points(struct atlas *atlas, const struct atlas_work *work
 	return 0;
 }
 
-/* Notes for each texel in or near triangle t where in space it is, if no other triangle of the
- * same piece is nearer. */
+/* Stores the place in space of each texel in or near triangle t, unless another triangle of the
+ * same piece is nearer to it. */
 static void mark_texels(const struct atlas_work *work, const struct atlas *atlas, int t, int side,
 			double *away, double (*place)[3])
 {
@@ -391,7 +394,7 @@ int atlas_create(struct atlas *atlas, const struct trimesh *mesh, int side,
 	for (int t = 0; t < mesh->triangle_count; t++)
 		if (work.owner[t] < 0)
 			gather_piece(&work, t);
-	/* From far too fine to the finest that fits. */
+	/* Texels grow from far too fine until the pieces fit. */
 	atlas->texel = 0.1 / side;
 	while (!pack_pieces(&work, atlas->texel, side))
 		atlas->texel *= 1.02;

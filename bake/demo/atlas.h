@@ -13,12 +13,13 @@ struct atlas {
 	int point_count;
 	double (*point)[2];   /* texture coordinates 0..1, u to the right, v down */
 	int (*corner)[3];     /* of each triangle: indices into point */
-	double texel;	      /* size of one on the surface where it faces its axis */
+	double texel;	      /* size of a texel on a surface that faces its axis */
 	struct image picture; /* u8, square */
 };
 
-/* Every texel that a piece touches, and two around it, gets the colour of its place in space (code
- * values 0..1), so that a filter may look over a border. -ENOMEM. */
+/* Lays out and paints a surface. Every texel that a piece touches, and two around it, gets the
+ * colour (code values 0..1) of its place in space, so that texture filters may cross the border.
+ * -ENOMEM. */
 int atlas_create(struct atlas *atlas, const struct trimesh *mesh, int side,
 		 void (*colour)(const double p[3], double rgb[3]));
 

@@ -14,7 +14,7 @@ struct cow_part {
 	const char *name;
 	const char *material;
 	struct solid solid;
-	double step; /* of its grid */
+	double step; /* of the grid that it is polygonised on, in m */
 };
 
 #define COW_PARTS 5
@@ -25,7 +25,7 @@ extern const struct cow_part cow_parts[COW_PARTS];
 /* sRGB code values 0..1 of a point on the coat. */
 void cow_colour(const double p[3], double rgb[3]);
 
-/* Whether a point belongs to a feature of the coat: at most 0 inside it. For colours. */
+/* Pseudo-distances from features of the coat, in m: at most 0 inside. For colours. */
 double cow_muzzle(const double p[3]);
 double cow_udder(const double p[3]);
 double cow_horns(const double p[3]);

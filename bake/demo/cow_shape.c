@@ -7,7 +7,7 @@
 #include "hal/optics/vec.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(*(array)))
-/* Where equal radii meet there is nothing to fill. */
+/* Width of a join where equal radii meet, which needs no fillet. */
 #define JOINT 0.002
 #define BELL_RIM 0.154
 
@@ -167,7 +167,7 @@ static struct implicit udder_solid(const double p[3])
 	return f;
 }
 
-/* Features further from p than they reach, joins included, need not be looked at. */
+/* Whether p is within reach of a feature, its join included. Others need not be evaluated. */
 static bool is_near(const double p[3], double x, double y, double z, double reach)
 {
 	const double away[3] = {p[0] - x, p[1] - y, p[2] - z};

@@ -97,8 +97,8 @@ struct implicit implicit_round_cone(const struct round_cone *shape, const double
 	return out;
 }
 
-/* The ellipse's own pseudo-distance (as the ellipsoid's, in the plane) across, the height along the
- * axis: an ellipse of the two is the tube. */
+/* across: pseudo-distance from the ellipse in its plane, by the ellipsoid's formula; q[1]: height
+ * above that plane. The tube is an ellipse in these two. */
 struct implicit implicit_ring(const struct ring *shape, const double p[3])
 {
 	const double turn_deg[3] = {shape->tilt_deg, 0, 0};

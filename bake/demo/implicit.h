@@ -20,8 +20,8 @@ struct ellipsoid {
 	double turn_deg[3]; /* about its own x, then y, then z */
 };
 
-/* A ball that rolls from one end to the other while it grows or shrinks: |r1 - r0| below their
- * distance. */
+/* The union of all balls on the way from one end to the other, with a radius that is linear in
+ * between. The distance of the ends is larger than |r1 - r0|. */
 struct round_cone {
 	double end[2][3];
 	double radius[2];
@@ -38,7 +38,7 @@ struct ring {
 struct implicit implicit_ellipsoid(const struct ellipsoid *shape, const double p[3]);
 struct implicit implicit_round_cone(const struct round_cone *shape, const double p[3]);
 struct implicit implicit_ring(const struct ring *shape, const double p[3]);
-/* What lies above y = height. */
+/* The half-space above y = height. */
 struct implicit implicit_above(double height, const double p[3]);
 
 /* Joins are rounded over about `width`; 0 is not allowed. */

@@ -212,8 +212,8 @@ static void settle_vertex(const struct grid *grid, double p[3], double normal[3]
 	vec_normalize(normal);
 }
 
-/* Each vertex goes half-way to the middle of its neighbours, along the surface, and back onto it:
- * the grid's pattern leaves the triangles, which end up nearly equal. */
+/* Moves each vertex along the surface half-way to the mean of its neighbours, and back onto the
+ * surface. This removes the pattern of the grid: triangles end up nearly equal. */
 static int even_out(const struct grid *grid, struct trimesh *mesh)
 {
 	const int count = mesh->vertex_count;
@@ -259,7 +259,7 @@ static double distance_squared(const double a[3], const double b[3])
 	return vec_dot(d, d);
 }
 
-/* Triangles were made in pairs; a pair is split along its shorter diagonal. */
+/* join_vertices() made the triangles in pairs. Splits each pair along its shorter diagonal. */
 static void choose_diagonals(struct trimesh *mesh)
 {
 	for (int t = 0; t < mesh->triangle_count; t += 2) {

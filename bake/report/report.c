@@ -13,7 +13,7 @@
 #include "hal/base/input.h"
 #include "hal/compositor/kernels/kernels.h"
 
-/* What is chosen where nobody has: minutes on two cores. */
+/* Defaults. With them a report takes minutes on two cores. */
 #define WIDTH 128
 #define HEIGHT 96
 #define SAMPLES 16
@@ -38,7 +38,7 @@ static int given_or(int value, bool quick, int small, int usual)
 	return value > 0 ? value : quick ? small : usual;
 }
 
-/* ---- what is measured on ---- */
+/* ---- surroundings and bakes ---- */
 
 static int open_lightings(struct report *r)
 {
@@ -68,7 +68,8 @@ static int open_lightings(struct report *r)
 	return err;
 }
 
-/* The numbers of lights that are tried, the one in use among them. */
+/* Fills `to` with the dome frequencies to try, ascending, with that of the setting in use among
+ * them. Returns their number. */
 static int choose_frequencies(const struct report *r, int *to)
 {
 	const int most = given_or(r->settings->most_frequency, r->settings->quick, QUICK_FREQUENCY,
@@ -293,7 +294,7 @@ static void close_all(struct report *r)
 	report_page_abandon(&r->page);
 }
 
-/* The file's own name. */
+/* The name of a file without its folders. */
 static const char *base_of(const char *path)
 {
 	const char *slash = strrchr(path, '/');

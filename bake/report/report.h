@@ -13,20 +13,21 @@ struct report_settings {
 	const char *input;  /* a scene file, or a basis file: then only what can be asked of it */
 	const char *basis;  /* of the same scene: the one in use; NULL: what the scene file says */
 	const char *pose;   /* of the scene, by name or number; NULL: its first */
-	const char *folder; /* appears when it is whole */
-	const char *panorama[REPORT_LIGHTINGS_MAX]; /* none: surroundings of the project's own */
+	const char *folder; /* of the report; appears when it is complete */
+	const char *panorama[REPORT_LIGHTINGS_MAX]; /* none: made surroundings (report_sky.h) */
 	int panoramas;
 	int width, height;  /* of pictures that are baked and traced; 0: chosen */
 	int samples;	    /* a pixel, of bakes; 0: chosen */
 	int truth_samples;  /* 0: chosen */
 	int most_frequency; /* of the domes that are tried; 0: chosen */
 	int repeat;	    /* of each timing; 0: chosen */
-	int threads;	    /* that bake, trace, and are tried at most; 0: one a processor */
-	bool quick;	    /* everything small: to see that it works */
+	/* for baking and tracing, and the most that are tried; 0: one for each processor */
+	int threads;
+	bool quick; /* everything small: to see that it works */
 	bool quiet;
 };
 
-/* -errno with a fault; then nothing of it is left in the folder, and what was there is. */
+/* Writes the report. -errno with a fault; then the folder is as before. */
 int report_run(const struct report_settings *settings, struct fault *fault);
 
 #endif

@@ -15,7 +15,7 @@
 static const struct {
 	enum light_estimator estimator;
 	bool coded; /* in 8 bits */
-	int stops;  /* that the camera is exposed less */
+	int stops;  /* by which the camera is exposed less */
 } inputs[INPUT_COUNT] = {
 	[INPUT_CELL] = {ESTIMATOR_CELL, false, 0},
 	[INPUT_NODE] = {ESTIMATOR_NODE, false, 0},
@@ -87,7 +87,7 @@ int report_bake_make(struct report_bake *bake, struct scene *scene,
 	*bake = (struct report_bake){.exact = false};
 	snprintf(path, sizeof(path), "%s/report.inlay", folder);
 	if (!one.pose)
-		one.pose = "0"; /* as the scene is opened */
+		one.pose = "0"; /* the pose in which a scene is opened */
 	err = render_run(scene, &one, path, &report, fault);
 	if (err)
 		return err;
@@ -119,7 +119,7 @@ const struct basis_layer *report_bake_layer(const struct report_bake *bake)
 
 /* ---- light ---- */
 
-/* The fisheye picture as a camera of 8 bits takes it. */
+/* The fisheye picture as a camera of 8 bits delivers it. */
 static int encode_fisheye(const struct image *linear, double scale, struct canvas *out)
 {
 	const int err = canvas_create(out, linear->width, linear->height);
@@ -220,7 +220,7 @@ const float (*report_bake_radiance(struct report_bake *bake, const struct report
 
 /* ---- double precision ---- */
 
-/* One picture a thread. */
+/* Context of make_precise(), which makes one picture each time. */
 struct precision {
 	struct report_bake *bake;
 	const struct report_stage *stage;

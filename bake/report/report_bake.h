@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A bake of a report's scene, open, and all that is the same for every way to use it. */
+/* An open bake of a report's scene, and what all ways to use it share. */
 #ifndef INLAY_BAKE_REPORT_REPORT_BAKE_H
 #define INLAY_BAKE_REPORT_REPORT_BAKE_H
 
@@ -13,9 +13,9 @@
 
 /* How lights are read from the fisheye camera's picture. */
 enum report_input {
-	INPUT_CELL, /* of a camera that measures any radiance, as floating point */
+	INPUT_CELL, /* mean over the cell, in floating point: a camera that measures any radiance */
 	INPUT_NODE,
-	INPUT_CELL_8, /* of one of 8 bits, sRGB, that clips at radiance 1 */
+	INPUT_CELL_8, /* of a camera of 8 bits, sRGB, that clips at radiance 1 */
 	INPUT_NODE_8,
 	INPUT_CELL_8_DARK,   /* exposed 3 stops less */
 	INPUT_CELL_8_DARKER, /* 6 stops less */
@@ -24,26 +24,26 @@ enum report_input {
 
 extern const char *const report_input_names[]; /* "cell", "node", "cell, 8 bits", ... NULL */
 
-/* What a picture is measured on: the lightings, all of one size. */
+/* The surroundings in which pictures are measured, all of one size. */
 struct report_stage {
 	int width, height, lightings;
 	struct report_lighting lighting[REPORT_LIGHTINGS_MAX];
-	struct pool *all;	  /* a thread for each processor: for what is not timed */
+	struct pool *all;	  /* one thread for each processor, for what is not timed */
 	int repeat;		  /* how often each frame is timed */
-	int64_t timed_ns, ran_ns; /* in frames of one thread: by the clock, by the processor */
+	int64_t timed_ns, ran_ns; /* of frames with one thread: by the clock, by the processor */
 };
 
 struct report_bake {
-	struct render_settings settings; /* of the bake, if the report has made it */
+	struct render_settings settings; /* of the bake, where the report has made it */
 	struct render_report report;
 	struct basis basis;
 	bool exact; /* there is an exact layer */
-	/* Whose exact layer this one's errors are measured against; NULL: its own. It has the same
-	 * lights, and outlives this one. */
+	/* The bake whose exact layer is the reference of errors; NULL: this one. It has the same
+	 * lights and must outlive this bake. */
 	struct report_bake *reference;
 	double shown_mb, exact_mb;
 	double patterns, columns; /* of the shown layer, means over its pixels */
-	/* made when first asked for: */
+	/* made on first use: */
 	struct dome dome;
 	float (*radiance[INPUT_COUNT])[3];		    /* [lightings][lights] */
 	double clipped[INPUT_COUNT][REPORT_LIGHTINGS_MAX];  /* share of the sky's solid angle */
@@ -51,7 +51,8 @@ struct report_bake {
 	struct thesis *thesis;
 };
 
-/* Bakes into a file that is gone when this returns: only the open basis is left of it. */
+/* Bakes into a temporary file in folder, which is unlinked before this returns. The open basis
+ * keeps it. */
 int report_bake_make(struct report_bake *bake, struct scene *scene,
 		     const struct render_settings *settings, const char *folder,
 		     struct fault *fault);
@@ -60,20 +61,21 @@ int report_bake_open(struct report_bake *bake, const char *path, struct fault *f
 
 void report_bake_close(struct report_bake *bake); /* idempotent; zeroed is fine */
 
-/* The lights as the input gives them under a lighting: [lights]. NULL with a fault. */
+/* Radiance of the lights under a lighting, as the input measures it: [lights], owned by the bake.
+ * NULL with a fault. */
 const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
 				   enum report_input input, int lighting, struct fault *fault))[3];
 
-/* The picture of the exact layer (the shown one, where there is no other) in double precision, all
- * lights used: [height][width][3]. NULL with a fault. */
+/* The picture of report_bake_layer() in double precision, with all lights: [height][width][3],
+ * owned by the bake. NULL with a fault. */
 const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
 				  enum report_input input, int lighting, struct fault *fault);
 
-/* NULL with a fault. */
+/* The thesis's algorithm for this bake, made on first use. NULL with a fault. */
 struct thesis *report_bake_thesis(struct report_bake *bake, const struct report_stage *stage,
 				  struct fault *fault);
 
-/* The layer that is nearest to what was traced. */
+/* The exact layer, or the shown one where there is no exact one. */
 const struct basis_layer *report_bake_layer(const struct report_bake *bake);
 
 #endif

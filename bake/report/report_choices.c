@@ -11,7 +11,7 @@
 
 #define TRIALS_MAX 64
 
-/* A sweep: its trials, and the table that begins with what distinguishes them. */
+/* A sweep: trials that differ in one choice, and their table, whose first columns say in what. */
 struct sweep {
 	struct report *report;
 	struct report_trial trial[TRIALS_MAX];
@@ -26,7 +26,7 @@ static void sweep_begin(struct sweep *s, struct report *r, const char *name)
 	report_table_begin(&s->table, name);
 }
 
-/* The setting in use, to be changed. */
+/* Adds a trial of the setting in use. The caller changes the returned way. */
 static struct report_way *sweep_add(struct sweep *s, const char *name)
 {
 	struct report_trial *trial = &s->trial[s->count++];
@@ -334,7 +334,8 @@ int report_incremental(struct report *r)
 
 /* ---- kernels and threads ---- */
 
-/* Fast, and exact where there is an exact layer; name: of both. */
+/* Adds a fast trial and one in exact mode, or two fast ones where there is no exact layer. name: of
+ * both. */
 static void add_both(struct sweep *s, const char *name, const char *kernel, int threads)
 {
 	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {

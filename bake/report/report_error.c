@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The error that the bake is asked to keep to, and what a smaller or larger one costs. */
+/* Section: what a smaller or larger error of the encoding costs. */
 #include <stdio.h>
 
 #include "bake/report/report_parts.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A basis file that is in use: what it was baked with is the setting that everything is compared
- * with, and its own frames are measured at their own size. */
+/* Section: a basis file that is in use. Its settings become those in use, with which everything is
+ * compared; its own frames are measured at their own size. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sections.h"
 
-/* As render writes it into a file's provenance. */
+/* Reads the errors asked for from a file's provenance, as render writes them. */
 static void find_target(const char *provenance, struct encode_target *target)
 {
 	const char *line = strstr(provenance, "target_levels = ");

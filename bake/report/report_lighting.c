@@ -10,9 +10,9 @@
 #include "bake/truth/truth.h"
 #include "hal/measure/background.h"
 
-#define MADE_WIDTH 1024 /* of skies by formula */
+#define MADE_WIDTH 1024 /* pixels across of made panoramas */
 
-/* The file's own name, without folders and ending. */
+/* The name of a file without folders and ending. */
 static void panorama_name(const char *path, char *name, size_t room)
 {
 	const char *slash = strrchr(path, '/'), *dot;
@@ -37,7 +37,7 @@ static int read_panorama(struct report_lighting *l, const struct report_lighting
 	return panorama_read(&l->image, s->path, fault);
 }
 
-/* How unevenly the sky shines. */
+/* Radiance of the sky's brightest texel over its mean. */
 static double peak_ratio(const struct panorama *panorama)
 {
 	const struct image *image = panorama->image;
@@ -73,7 +73,7 @@ static int lighting_expose(struct report_lighting *l, struct sky *sky, struct fa
 	return sky_create(sky, &l->panorama, l->name, fault);
 }
 
-/* As a camera delivers it: 8 bits. */
+/* Fills the background as the camera delivers it: in 8 bits. */
 static int lighting_photograph(struct report_lighting *l, const struct scene *scene)
 {
 	struct image seen = {.width = 0};
@@ -98,7 +98,7 @@ static int lighting_photograph(struct report_lighting *l, const struct scene *sc
 	return 0;
 }
 
-/* The same picture as truth takes it. */
+/* The background in linear light, for truth_run(). */
 static int background_light(const struct report_lighting *l, struct image *linear)
 {
 	const int err = image_create_f32(linear, l->background.width, l->background.height);

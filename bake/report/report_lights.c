@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How many lights, and how their colours are taken from the fisheye's picture. */
+/* Section: how many lights, and how their radiance is read from the fisheye's picture. */
 #include <stdio.h>
 
 #include "bake/report/report_parts.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the sections of a report share. Private to bake/report*.c. */
+/* What the sections of a report share. Private to bake/report/. */
 #ifndef INLAY_BAKE_REPORT_REPORT_PARTS_H
 #define INLAY_BAKE_REPORT_REPORT_PARTS_H
 
@@ -11,13 +11,13 @@
 #define REPORT_SWEEP_MAX 12
 #define REPORT_CANDIDATES_MAX 128
 
-/* A setting that could be used, by one thread. */
+/* A setting that could be used, and its results with one thread. */
 struct report_candidate {
 	char name[96];
-	double ms, rms; /* a frame; against truth (against double precision without one) */
+	double ms, rms; /* of a frame; against truth, or double precision where there is no truth */
 	double mb;	/* of the basis */
 	bool in_use;
-	bool front; /* no other is both faster and nearer */
+	bool front; /* on the Pareto front: no other is both faster and more accurate */
 };
 
 struct report {
@@ -26,13 +26,13 @@ struct report {
 	struct report_page page;
 	struct report_stage stage;
 	struct scope scope;
-	int threads;				   /* that are tried at most */
-	bool truth;				   /* the stage has one */
+	int threads;				   /* the most that are tried */
+	bool truth;				   /* whether there is path-traced truth */
 	struct render_settings render;		   /* of the setting in use */
 	struct report_bake bake[REPORT_SWEEP_MAX]; /* by number of lights */
 	int bakes;
-	struct report_bake *used;   /* one of them */
-	struct report_trial in_use; /* as it came out */
+	struct report_bake *used;   /* the bake of the setting in use */
+	struct report_trial in_use; /* the trial of the setting in use */
 	struct report_bake given;   /* the file in use, if there is one */
 	struct report_candidate candidate[REPORT_CANDIDATES_MAX];
 	int candidates;
@@ -40,25 +40,27 @@ struct report {
 	struct fault *fault;
 };
 
-/* Says how far the report has come. */
+/* Logs the number and the name of the step that begins, unless the report is quiet. */
 void report_step(struct report *report, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-/* The columns of time, memory and errors, and a trial's cells of them. */
+/* Add the columns of time, memory and errors to a table; add the cells of a trial in these
+ * columns. */
 void report_result_columns(const struct report *report, struct report_table *table);
 void report_result_cells(const struct report *report, struct report_table *table,
 			 const struct report_trial *trial);
 
-/* RMS, PSNR, the largest and the shadow's, against what: "truth" in the CSV, "to truth" in the
- * page. error NULL: does not apply. */
+/* Add the columns of RMS, PSNR, largest error and shadow's error; add their cells. key and against
+ * name the reference: "truth" in the CSV, "to truth" in the page. error NULL: it does not apply. */
 void report_error_columns(struct report_table *table, const char *key, const char *against);
 void report_error_cells(struct report_table *table, const struct composite_error *error);
 
-/* What a setting's picture is off by: against truth, else against double precision. */
+/* A trial's RMS error against truth, or double precision where there is no truth; the reference's
+ * name. */
 double report_rms(const struct report *report, const struct report_trial *trial);
 const char *report_against(const struct report *report);
 
-/* For the plot of all settings. */
+/* Adds a trial to the settings that the summary compares. */
 void report_candidate_add(struct report *report, const struct report_trial *trial, bool in_use);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the setting in use makes of each surrounding, beside the truth. */
+/* Section: the composite of the setting in use in each surrounding, beside the truth. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,14 +11,15 @@
 
 #define PANELS 3
 #define GAP 4  /* pixels between them */
-#define GAIN 8 /* of the difference */
+#define GAIN 8 /* factor of the difference */
 
 static uint8_t level_code(double level)
 {
 	return (uint8_t)lround(fmin(fmax(level, 0), 255));
 }
 
-/* Ours, the truth, and their difference about a middle grey. */
+/* Fills out with the composite, the truth, and their difference about a middle grey, side by
+ * side. */
 static void fill_comparison(const struct report *r, const struct canvas *ours, const double *truth,
 			    struct image *out)
 {

@@ -8,10 +8,10 @@
 
 #include "bake/report/report_parts.h"
 
-/* Opens the basis file in use: what it was baked with becomes report->render. */
+/* Opens the basis file in use. The settings that it was baked with go to report->render. */
 int report_given_open(struct report *report);
 
-/* One section each, in the order of the page. 0 or -errno with report->fault. */
+/* Write one section each, in the order of the page. 0, or -errno with report->fault. */
 int report_lights(struct report *report);
 int report_threshold(struct report *report);
 int report_input_bits(struct report *report);
@@ -24,7 +24,7 @@ int report_thesis(struct report *report);
 int report_given(struct report *report);
 int report_pictures(struct report *report);
 
-/* Goes before all of them, but needs what they have found. */
+/* Writes the summary. It stands first in the page, but needs the results of all sections. */
 int report_summary(struct report *report);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "hal/optics/panorama.h"
 
-#define SUBSAMPLES 4   /* of a texel, a side: edges of lamps */
+#define SUBSAMPLES 4   /* per side of a texel, for the edges of lamps */
 #define EYE_HEIGHT 1.2 /* above the floor, in tiles */
 
 const char *const report_sky_names[] = {"overcast", "sun", "lamps", NULL};
@@ -103,7 +103,7 @@ static void made_radiance(int which, const double d[3], double rgb[3])
 		sky[which](d, rgb);
 }
 
-/* The floor is lit by the sky: until here it is what a floor under a radiance of 1 would be. */
+/* Lights the floor by the sky. So far its pixels hold its reflectance. */
 static void light_floor(const struct panorama *panorama)
 {
 	const struct image *image = panorama->image;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a reader wants first: the setting in use, what it costs, how wrong it is, what is better. */
+/* The summary: the setting in use, what it costs, how accurate it is, and which settings are
+ * better. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,9 +9,9 @@
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sections.h"
 
-/* Nearer by less than this factor is no reason. */
+/* Errors closer to each other than this factor count as equal. */
 #define WORTH 1.01
-/* Times that are nearer to each other than this factor cannot be told apart. */
+/* Times closer to each other than this factor cannot be told apart. */
 #define SAME_TIME 1.05
 
 static int faster_first(const void *a, const void *b)
@@ -29,7 +30,8 @@ static const struct report_candidate *candidate_in_use(const struct report *r)
 	return NULL;
 }
 
-/* Another that is neither faster nor nearer than the one in use by more than chance may make it. */
+/* Whether c is another setting that is neither faster nor more accurate than the one in use, by
+ * more than chance may make it. */
 static bool is_like_used(const struct report_candidate *used, const struct report_candidate *c)
 {
 	return used && c != used && used->ms <= c->ms * SAME_TIME && used->rms <= c->rms * WORTH;
@@ -51,7 +53,8 @@ static void find_front(struct report *r)
 	}
 }
 
-/* The nearest of the others that take no longer and are no further off; NULL: there is none. */
+/* The most accurate of the other settings that take at most ms and are off by at most rms, or
+ * NULL. */
 static const struct report_candidate *candidate_better(const struct report *r, double ms,
 						       double rms)
 {

@@ -7,12 +7,12 @@
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sections.h"
 
-/* Its screen of 720 x 486 shows four pictures. */
+/* The thesis's screen of 720 x 486 pixels shows four pictures of this size. */
 #define WIDTH 360
 #define HEIGHT 243
 
-/* Its table 4.1, every light used, on six processors of 195 MHz; frequency: of the dome with as
- * many lights or nearly. */
+/* The thesis's table 4.1, with every light used, on six processors of 195 MHz. frequency: of the
+ * dome with as many lights, or nearly. */
 static const struct {
 	int lights;
 	double mb;
@@ -26,7 +26,7 @@ static const struct {
 
 #define ROWS ((int)(sizeof(table41) / sizeof(*table41)))
 
-/* Of 406 lights about 180 reached its threshold, and 1.3 s became about 0.4 s. */
+/* About 180 of the thesis's 406 lights reached its threshold, and 1.3 s became about 0.4 s. */
 #define THRESHOLD_LIGHTS 180
 #define THRESHOLD_SECONDS 0.4
 
@@ -93,7 +93,8 @@ static int float_descending(const void *a, const void *b)
 	return (x < y) - (x > y);
 }
 
-/* The brightest channel of the last light that is to reach it. */
+/* Finds the threshold that THRESHOLD_LIGHTS lights reach: the brightest channel of the last of
+ * them. */
 static int find_threshold(struct thesis_rerun *a, struct report_bake *bake, double *threshold)
 {
 	const int lights = (int)bake->basis.info.lights;
@@ -114,12 +115,13 @@ static int find_threshold(struct thesis_rerun *a, struct report_bake *bake, doub
 	return 0;
 }
 
-/* Light dropped or given back, the thesis's algorithm or ours, with all lights or the brightest. */
+/* Cases: the thesis's algorithm or ours, with all lights or the brightest, the light of others
+ * dropped or given back. */
 static const struct {
 	const char *name;
 	bool thesis, all;
 	enum threshold_mode mode;
-	double seconds; /* as the thesis has it; 0: it does not say */
+	double seconds; /* in the thesis; 0: not given */
 } cases[] = {
 	{"thesis's algorithm, all lights", true, true, THRESHOLD_DROP, 1.3},
 	{"thesis's algorithm, threshold", true, false, THRESHOLD_DROP, THRESHOLD_SECONDS},
@@ -159,7 +161,7 @@ static int try_threshold(struct thesis_rerun *a, struct report_bake *bake)
 		report_number(t, trial[k].median_ms);
 		report_number(t,
 			      100 * trial[k].median_ms / trial[cases[k].thesis ? 0 : 2].median_ms);
-		/* the thesis's would be against its own choice of lights */
+		/* the thesis's errors would be against its own choice of lights */
 		report_number(t, cases[k].thesis ? NAN : error->rms);
 		report_number(t, cases[k].thesis ? NAN : error->psnr_db);
 		report_number(t, cases[k].thesis ? NAN : error->max);

@@ -9,10 +9,10 @@
 #include "hal/measure/lightings.h"
 #include "hal/measure/turns.h"
 
-/* A trial that is set up. */
+/* A trial with all that its frames need. */
 struct runner {
 	struct report_trial *trial;
-	struct basis basis; /* the bake's, with the trial's cut; owns nothing */
+	struct basis basis; /* copy of the bake's, with the trial's cut; owns nothing */
 	struct pool *pool;
 	struct compositor *compositor;
 	struct thesis *thesis;
@@ -26,7 +26,7 @@ struct runners {
 	int count;
 	struct report_stage *stage;
 	struct canvas out;
-	int lighting; /* whose turn it is */
+	int lighting; /* index of the one that is measured */
 	struct fault *fault;
 };
 
@@ -144,7 +144,8 @@ static void light_before(struct runner *r, int lighting, int turn)
 			       THRESHOLD_DROP, 1);
 }
 
-/* Untimed: a frame of its own, so that it finds memory as it leaves it. */
+/* Runs an untimed frame of the same trial, so that the timed one finds the caches as it leaves
+ * them. */
 static int runner_prepare(void *context, int which, int turn)
 {
 	struct runners *all = context;
@@ -216,7 +217,8 @@ static int time_all(struct runners *all)
 
 /* ---- errors ---- */
 
-/* The thesis has no transfer function: its truth is the same sum of code values as they are. */
+/* The reference for the thesis's algorithm, which has no transfer function: the same sum, with code
+ * values taken as linear light. */
 static int linear_truth(const struct runner *r, const struct report_stage *stage, int lighting,
 			double *out)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A way to make the picture, tried: what a frame takes, and how far its picture is off. */
+/* Trials: time, memory and error of one way to make the picture. */
 #ifndef INLAY_BAKE_REPORT_REPORT_TRIAL_H
 #define INLAY_BAKE_REPORT_REPORT_TRIAL_H
 
@@ -14,10 +14,10 @@ struct report_way {
 	enum report_input input;
 	double threshold; /* linear radiance */
 	enum threshold_mode threshold_mode;
-	bool thesis; /* its algorithm; of what follows only threads apply */
+	bool thesis; /* the thesis's algorithm; of the members below only threads apply */
 	enum compositor_mode mode;
 	enum compositor_reuse reuse;
-	int changed;	    /* lights that differ from the frame before; or REPORT_CHANGE_ALL */
+	int changed;	    /* lights that change from frame to frame; or REPORT_CHANGE_ALL */
 	double column_cut;  /* negative: the file's */
 	const char *kernel; /* NULL: the fastest */
 	int threads;
@@ -31,29 +31,30 @@ struct report_errors {
 
 struct report_trial {
 	struct report_way way;
-	char name[96]; /* in the plot of all of them */
+	char name[96]; /* its label in the plot of all settings */
 	/* filled in by report_trials_run(): */
 	double median_ms;		     /* mean over the lightings of each one's median */
 	double read_mb;			     /* of the basis a frame, mean over the lightings */
 	double lights[REPORT_LIGHTINGS_MAX]; /* used */
 	bool has_errors;
-	struct report_errors truth;   /* where the stage has one */
-	struct report_errors precise; /* of the thesis's: in levels of linear light, as its own */
+	struct report_errors truth; /* where the stage has truth */
+	/* of the thesis's algorithm in levels of linear light, as it computes */
+	struct report_errors precise;
 };
 
-/* What goes without saying: float input of cells, no threshold, fast, nothing reused, the file's
- * cut, the fastest kernel, one thread. */
+/* The plain way: float input of cells, no threshold, fast, nothing reused, the file's cut, the
+ * fastest kernel, one thread. */
 struct report_way report_way_plain(struct report_bake *bake);
 
 /*
- * Times all of them in turns (hal/measure/turns.h), under each lighting, and measures their
- * pictures over the pixels of the scope; scope NULL: only times. -EIO, -ENOMEM, -ENOTSUP (no such
- * kernel).
+ * Times all trials in turns (hal/measure/turns.h) under each lighting, and measures the errors of
+ * their pictures over the pixels of the scope; scope NULL: times only. -EIO, -ENOMEM, -ENOTSUP (no
+ * such kernel).
  */
 int report_trials_run(struct report_trial *trials, int count, struct report_stage *stage,
 		      const struct scope *scope, struct fault *fault);
 
-/* The picture of a way under a lighting, that is, of its first frame. */
+/* Makes the first frame of a way under a lighting. */
 int report_trial_picture(const struct report_way *way, struct report_stage *stage, int lighting,
 			 struct canvas *out, struct fault *fault);
 
