@@ -20,7 +20,7 @@ static const char materials[] =
 	"newmtl collar\nKd 0.50 0.02 0.02\nKs 0.3 0.3 0.3\nNs 40\nPr 0.35\nPm 0\nillum 2\n\n"
 	"newmtl bell\nKd 0.95 0.66 0.20\nKs 0.95 0.66 0.20\nNs 120\nPr 0.22\nPm 1\nillum 3\n";
 
-/* Texture coordinates only where there is a texture. Counters run on over the file's parts. */
+/* The OBJ file. Counters run on over its parts; only a part with a texture has points. */
 struct obj {
 	FILE *stream;
 	int vertices, points;

@@ -10,8 +10,10 @@
 #include "hal/base/fault.h"
 
 struct report_settings {
-	const char *input;  /* a scene file, or a basis file: then only what can be asked of it */
-	const char *basis;  /* of the same scene: the one in use; NULL: what the scene file says */
+	/* a scene file; or a basis file, of which not all sections can be made */
+	const char *input;
+	/* basis file in use, of the same scene; NULL: the scene file's settings are in use */
+	const char *basis;
 	const char *pose;   /* of the scene, by name or number; NULL: its first */
 	const char *folder; /* of the report; appears when it is complete */
 	const char *panorama[REPORT_LIGHTINGS_MAX]; /* none: made surroundings (report_sky.h) */

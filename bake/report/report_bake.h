@@ -45,8 +45,9 @@ struct report_bake {
 	double patterns, columns; /* of the shown layer, means over its pixels */
 	/* made on first use: */
 	struct dome dome;
-	float (*radiance[INPUT_COUNT])[3];		    /* [lightings][lights] */
-	double clipped[INPUT_COUNT][REPORT_LIGHTINGS_MAX];  /* share of the sky's solid angle */
+	float (*radiance[INPUT_COUNT])[3]; /* [lightings][lights] */
+	/* clipped share of the sky's solid angle */
+	double clipped[INPUT_COUNT][REPORT_LIGHTINGS_MAX];
 	double *precise[INPUT_COUNT][REPORT_LIGHTINGS_MAX]; /* [height][width][3], as truth */
 	struct thesis *thesis;
 };

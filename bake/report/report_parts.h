@@ -22,7 +22,7 @@ struct report_candidate {
 
 struct report {
 	const struct report_settings *settings;
-	struct scene *scene; /* NULL: of a basis file alone */
+	struct scene *scene; /* NULL: the report is of a basis file alone */
 	struct report_page page;
 	struct report_stage stage;
 	struct scope scope;

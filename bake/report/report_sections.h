@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The sections of a report. Each stands in the file of its name, but for those of single choices
- * (threshold to threads), which are all in report_choices.c. Sections do not call each other.
+ * The sections of a report. Those that vary a single choice (threshold, input bits, column cut,
+ * incremental, kernels, threads) are in report_choices.c, report_declared_error() is in
+ * report_error.c, and each other one in the file of its name. Sections do not call each other.
  */
 #ifndef INLAY_BAKE_REPORT_REPORT_SECTIONS_H
 #define INLAY_BAKE_REPORT_REPORT_SECTIONS_H

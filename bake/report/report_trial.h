@@ -35,7 +35,7 @@ struct report_trial {
 	/* filled in by report_trials_run(): */
 	double median_ms;		     /* mean over the lightings of each one's median */
 	double read_mb;			     /* of the basis a frame, mean over the lightings */
-	double lights[REPORT_LIGHTINGS_MAX]; /* used */
+	double lights[REPORT_LIGHTINGS_MAX]; /* how many are used */
 	bool has_errors;
 	struct report_errors truth; /* where the stage has truth */
 	/* of the thesis's algorithm in levels of linear light, as it computes */

@@ -94,7 +94,7 @@ static bool path_survives(struct tracer *t, struct rgb *weight)
 	return true;
 }
 
-/* Radiance that leaves a surface towards wo. */
+/* Path tracing: at each surface one sample of the sky and one of the BSDF. */
 struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct surface *at,
 			  struct v3 wo, int depth, const float *point)
 {
