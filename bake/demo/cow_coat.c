@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/demo/cow.h"
+#include "bake/demo/cow_coat.h"
 
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
+#include "bake/demo/cow_shape.h"
 #include "hal/optics/vec.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(*(array)))

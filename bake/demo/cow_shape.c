@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/demo/cow.h"
+#include "bake/demo/cow_shape.h"
 
 #include <stdbool.h>
 #include <stddef.h>

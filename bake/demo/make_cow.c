@@ -8,7 +8,8 @@
 #include <sys/stat.h>
 
 #include "bake/demo/atlas.h"
-#include "bake/demo/cow.h"
+#include "bake/demo/cow_coat.h"
+#include "bake/demo/cow_shape.h"
 #include "hal/base/output.h"
 
 #define TEXTURE_SIDE 1024

@@ -8,6 +8,7 @@
 
 #include "bake/report/report_sky.h"
 #include "bake/truth/truth.h"
+#include "bake/truth/truth_views.h"
 #include "hal/measure/background.h"
 
 #define MADE_WIDTH 1024 /* pixels across of made panoramas */

@@ -49,11 +49,4 @@ int truth_pictures(const struct scene *scene, const struct sky *sky,
 		   struct fault *fault);
 void truth_pictures_free(struct truth_pictures *pictures); /* idempotent; zeroed is fine */
 
-/* The panorama through the scene's camera, linear, averaged over each pixel. -ENOMEM. */
-int truth_background(const struct scene *scene, const struct panorama *panorama, struct image *out);
-
-/* The upper half of the panorama as a perfect fisheye camera at the origin sees it, looking up:
- * equidistant, side x side pixels, each the mean radiance over its solid angle. -ENOMEM. */
-int truth_fisheye(const struct panorama *panorama, int side, struct image *out);
-
 #endif

@@ -9,6 +9,7 @@
 
 #include "bake/base/commands.h"
 #include "bake/truth/truth_options.h"
+#include "bake/truth/truth_views.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 #include "hal/colour/transfer.h"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The pictures that ideal cameras would take of a panorama. */
-#include <errno.h>
+#include "bake/truth/truth_views.h"
 
-#include "bake/truth/truth.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
 

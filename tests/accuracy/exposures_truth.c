@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/truth/truth_views.h"
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/studio.h"
 

@@ -13,6 +13,7 @@
 
 #include "bake/truth/sky.h"
 #include "bake/truth/truth.h"
+#include "bake/truth/truth_views.h"
 #include "hal/compositor/compositor.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"

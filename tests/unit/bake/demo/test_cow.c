@@ -11,7 +11,8 @@
 #include <string.h>
 
 #include "bake/demo/atlas.h"
-#include "bake/demo/cow.h"
+#include "bake/demo/cow_coat.h"
+#include "bake/demo/cow_shape.h"
 #include "hal/optics/vec.h"
 
 #define SEED 20240607u

@@ -9,6 +9,7 @@
 
 #include "bake/base/random.h"
 #include "bake/truth/truth.h"
+#include "bake/truth/truth_views.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 #include "tests/support/baking.h"

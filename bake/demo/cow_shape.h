@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The toy cow of the demo: its solids and the colours of its coat.
+ * The toy cow of the demo: its solids, and where its features are.
  *
  * Metres; y up, the hooves stand on y = 0; it looks along +z, its left side is +x. About 0.4 m from
  * muzzle to tail.
  */
-#ifndef INLAY_BAKE_DEMO_COW_H
-#define INLAY_BAKE_DEMO_COW_H
+#ifndef INLAY_BAKE_DEMO_COW_SHAPE_H
+#define INLAY_BAKE_DEMO_COW_SHAPE_H
 
 #include "bake/demo/polygonise.h"
 
@@ -22,10 +22,7 @@ struct cow_part {
 /* The coat comes first; it is the one with the texture. */
 extern const struct cow_part cow_parts[COW_PARTS];
 
-/* sRGB code values 0..1 of a point on the coat. */
-void cow_colour(const double p[3], double rgb[3]);
-
-/* Pseudo-distances from features of the coat, in m: at most 0 inside. For colours. */
+/* Pseudo-distances from features of the coat, in m: at most 0 inside. cow_coat.c colours by them. */
 double cow_muzzle(const double p[3]);
 double cow_udder(const double p[3]);
 double cow_horns(const double p[3]);
