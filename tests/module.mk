@@ -148,13 +148,13 @@ FUZZ_PARTS := \
 	app/kiosk/control_socket.c \
 	app/kiosk/state.c \
 	bake/base/angles.c \
-	bake/calibrate/camera/camera_model.c \
-	bake/calibrate/convert/convert_lens.c \
+	bake/calibrate/convert/convert.c \
 	bake/calibrate/convert/convert_tsai.c \
 	bake/calibrate/convert/convert_yaml.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/linear.c \
+	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/observe/observations.c \
 	bake/encode/coarse.c \
 	bake/exchange/msi.c \

@@ -8,8 +8,8 @@
 #include "bake/calibrate/camera/camera.h"
 #include "bake/calibrate/camera/camera_file.h"
 #include "bake/calibrate/commands.h"
-#include "bake/calibrate/convert/convert.h"
-#include "bake/calibrate/fisheye/lens_job.h"
+#include "bake/calibrate/estimate/lens_ini.h"
+#include "bake/calibrate/lens_job.h"
 #include "hal/base/log.h"
 #include "hal/optics/vec.h"
 

@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "bake/calibrate/commands.h"
-#include "bake/calibrate/convert/convert.h"
+#include "bake/calibrate/estimate/lens_ini.h"
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "bake/calibrate/fisheye/fisheye_file.h"
 #include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
-#include "bake/calibrate/fisheye/lens_job.h"
+#include "bake/calibrate/lens_job.h"
 
 enum {
 	IMAGES = 1,

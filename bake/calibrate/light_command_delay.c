@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <stdio.h>
 
-#include "bake/calibrate/light_job.h"
+#include "bake/calibrate/light_commands.h"
 #include "bake/calibrate/observe/live.h"
 #include "bake/calibrate/response/light_delay.h"
 #include "bake/calibrate/response/light_report.h"

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bake/calibrate/light_job.h"
+#include "bake/calibrate/light_commands.h"
 #include "bake/calibrate/response/light_black.h"
 #include "bake/calibrate/response/light_report.h"
 #include "bake/calibrate/response/light_response.h"

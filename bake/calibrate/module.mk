@@ -7,9 +7,11 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/command_convert.c \
 	bake/calibrate/command_fisheye.c \
 	bake/calibrate/command_light.c \
+	bake/calibrate/lens_job.c \
 	bake/calibrate/light_command_delay.c \
 	bake/calibrate/light_command_match.c \
 	bake/calibrate/light_command_pictures.c \
+	bake/calibrate/light_job.c \
 	bake/calibrate/camera/camera.c \
 	bake/calibrate/camera/camera_figures.c \
 	bake/calibrate/camera/camera_file.c \
@@ -22,8 +24,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_tsai.c \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
-	bake/calibrate/convert/convert_ini.c \
-	bake/calibrate/convert/convert_lens.c \
+	bake/calibrate/convert/convert.c \
 	bake/calibrate/convert/convert_tsai.c \
 	bake/calibrate/convert/convert_write.c \
 	bake/calibrate/convert/convert_yaml.c \
@@ -32,7 +33,9 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/estimate/finding.c \
 	bake/calibrate/estimate/json.c \
 	bake/calibrate/estimate/least_squares.c \
+	bake/calibrate/estimate/lens_ini.c \
 	bake/calibrate/estimate/linear.c \
+	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/estimate/verdict.c \
 	bake/calibrate/fisheye/fisheye_doubts.c \
 	bake/calibrate/fisheye/fisheye_falloff.c \
@@ -44,7 +47,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/fisheye/fisheye_solve.c \
 	bake/calibrate/fisheye/fisheye_start.c \
 	bake/calibrate/fisheye/fisheye_turn.c \
-	bake/calibrate/fisheye/lens_job.c \
 	bake/calibrate/fisheye/circle/fisheye_circle.c \
 	bake/calibrate/fisheye/circle/fisheye_edge.c \
 	bake/calibrate/fisheye/circle/fisheye_ellipse.c \
@@ -59,13 +61,16 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/boards_chess.cpp \
 	bake/calibrate/observe/boards_circles.cpp \
 	bake/calibrate/observe/boards_corner.cpp \
+	bake/calibrate/observe/boards_find.c \
 	bake/calibrate/observe/boards_look.cpp \
+	bake/calibrate/observe/boards_marker.cpp \
 	bake/calibrate/observe/boards_print.c \
 	bake/calibrate/observe/gather.c \
 	bake/calibrate/observe/live.c \
 	bake/calibrate/observe/live_collect.c \
 	bake/calibrate/observe/live_screen.c \
 	bake/calibrate/observe/observations.c \
+	bake/calibrate/observe/plain_light.c \
 	bake/calibrate/report/report.c \
 	bake/calibrate/report/report_directions.c \
 	bake/calibrate/report/report_json.c \
@@ -86,8 +91,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/response/light_response_doubts.c \
 	bake/calibrate/response/light_response_fit.c \
 	bake/calibrate/response/light_samples.c \
-	bake/calibrate/response/light_spline.c \
-	bake/calibrate/response/plain_light.c
+	bake/calibrate/response/light_spline.c
 CALIBRATE_MAIN := bake/calibrate/main.c
 calibrate_PACKAGES := cminpack
 calibrate_LIBS := -lopencv_aruco -lopencv_objdetect -lopencv_calib3d -lopencv_features2d -lopencv_imgproc -lopencv_core

@@ -3,7 +3,7 @@
  * ours is made of or refused in a sentence again.
  *
  * reaches: convert_yaml.c:take_camera convert_yaml.c:take_distortion convert_yaml.c:take_size
- * convert_tsai.c:only_k1 convert_tsai.c:fit_camera convert_lens.c:lens_to_fisheye
+ * convert_tsai.c:only_k1 convert_tsai.c:fit_camera convert.c:lens_to_fisheye
  */
 #include <math.h>
 #include <stdint.h>

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "bake/calibrate/camera/camera_parts.h"
+#include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
 struct camera_task camera_task_default(void)

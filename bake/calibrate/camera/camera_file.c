@@ -2,7 +2,7 @@
 #include "bake/calibrate/camera/camera_file.h"
 
 #include "bake/calibrate/camera/camera_parts.h"
-#include "bake/calibrate/convert/convert.h"
+#include "bake/calibrate/estimate/lens_ini.h"
 #include "hal/base/output.h"
 
 void camera_print(FILE *to, const char *before, const struct camera_solution *solution)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "bake/calibrate/camera/camera_guess_parts.h"
+#include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
 #define TRIAL_KAPPAS 10

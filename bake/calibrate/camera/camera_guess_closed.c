@@ -5,6 +5,7 @@
 
 #include "bake/calibrate/camera/camera_guess_parts.h"
 #include "bake/calibrate/camera/camera_tsai.h"
+#include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
 static int gather(struct guesser *g, int view)

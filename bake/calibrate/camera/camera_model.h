@@ -68,10 +68,4 @@ bool model_place(const struct camera_model *model, const double *shared,
 bool model_straighten(const struct camera_model *model, const double *shared, const double px[2],
 		      double sensor[2]);
 
-/* R = exp([vector]), and its derivatives by the vector's numbers. */
-void rotation_from_vector(const double vector[3], double rotation[9], double slope[3][9]);
-
-/* The vector of a rotation, of length 0..pi. */
-void rotation_to_vector(const double rotation[9], double vector[3]);
-
 #endif

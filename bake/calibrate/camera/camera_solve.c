@@ -6,6 +6,7 @@
 
 #include "bake/calibrate/camera/camera_guess.h"
 #include "bake/calibrate/camera/camera_parts.h"
+#include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
 #define FEWEST_FULL 11 /* points that free the centre */

@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "bake/calibrate/estimate/lens_ini.h"
 #include "hal/base/fault.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
@@ -73,21 +74,9 @@ extern const char *const lens_file_names[]; /* "ini", "opencv", "ros", NULL */
  */
 int lens_read_yaml(struct lens *lens, const char *path, struct fault *fault);
 
-/* Ours: a section [camera] or [fisheye]. -ENOENT...; -EINVAL: neither of them, or both. */
-struct lens_ini {
-	bool camera_given, fisheye_given;
-	struct tsai_camera camera;
-	struct fisheye_settings fisheye;
-};
-
-int lens_read_ini(struct lens_ini *ini, const char *path, struct fault *fault);
-
 /* What is given in it; from: what it was made of, for a comment. */
 void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, double error_px,
 		    double turn_deg);
-
-/* "[section]" and its keys. */
-void lens_write_keys(FILE *to, const char *section, const struct ini_key *keys, const void *values);
 
 /* error_px goes into a comment where it is not 0. */
 void lens_write_opencv(FILE *to, const struct lens *lens, double error_px);

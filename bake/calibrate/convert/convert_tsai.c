@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/camera/camera_model.h"
 #include "bake/calibrate/convert/convert.h"
 #include "bake/calibrate/estimate/least_squares.h"
+#include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
 #define SENSOR_MM 36.0 /* as tsai_look_at() has it */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/fisheye/fisheye_file.h"
 
-#include "bake/calibrate/convert/convert.h"
+#include "bake/calibrate/estimate/lens_ini.h"
 #include "hal/base/output.h"
 
 void fisheye_print(FILE *to, const char *before, const struct fisheye_result *result)
@@ -17,20 +17,6 @@ void fisheye_print(FILE *to, const char *before, const struct fisheye_result *re
 	if (!result->oriented)
 		fprintf(to, "%show it is turned towards the world was not found: rotation is 0\n",
 			before);
-}
-
-void lamps_print(FILE *to, const char *before, const struct lamps_told *told, const char *name)
-{
-	fprintf(to, "%s%d of %d lamps found", before, told->found, told->lamps);
-	if (told->expected < told->lamps)
-		fprintf(to, ", %d of which the picture can show", told->expected);
-	fprintf(to, "\n");
-	if (*told->missing)
-		fprintf(to, "%snot seen: %s, lines %s\n", before, name, told->missing);
-	if (*told->merged)
-		fprintf(to, "%smerged, and left out: %s, lines %s\n", before, name, told->merged);
-	if (*told->strange)
-		fprintf(to, "%sbright, but no lamps: %s\n", before, told->strange);
 }
 
 void falloff_print(FILE *to, const char *before, const struct falloff *falloff)

@@ -7,12 +7,9 @@
 
 #include "bake/calibrate/fisheye/fisheye_falloff.h"
 #include "bake/calibrate/fisheye/fisheye_find.h"
-#include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
 
 /* What was found, a line each with before in front of it. */
 void fisheye_print(FILE *to, const char *before, const struct fisheye_result *result);
-/* What was found of the lamps, by the lines of their file. */
-void lamps_print(FILE *to, const char *before, const struct lamps_told *told, const char *name);
 void falloff_print(FILE *to, const char *before, const struct falloff *falloff);
 
 /* An INI file of a section [fisheye] with what was found as comments; result and falloff may be

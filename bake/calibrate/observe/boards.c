@@ -110,7 +110,7 @@ void board_name(const struct board *board, char text[BOARD_NAME_MAX])
 
 /* ---- points ---- */
 
-static int points_a_row(const struct board *board)
+int board_columns(const struct board *board)
 {
 	return board->kind == BOARD_CHARUCO ? board->columns - 1 : board->columns;
 }
@@ -119,12 +119,12 @@ int board_points(const struct board *board)
 {
 	const int rows = board->kind == BOARD_CHARUCO ? board->rows - 1 : board->rows;
 
-	return points_a_row(board) * rows;
+	return board_columns(board) * rows;
 }
 
 void board_place(const struct board *board, int k, double mm[2])
 {
-	const int column = k % points_a_row(board), row = k / points_a_row(board);
+	const int column = k % board_columns(board), row = k / board_columns(board);
 
 	mm[0] = board->step_mm * (board->kind == BOARD_CIRCLES ? 2 * column + row % 2 : column);
 	mm[1] = board->step_mm * row;
@@ -200,63 +200,4 @@ bool board_ink(const struct board *board, double x_mm, double y_mm)
 		return true;
 	return board->kind == BOARD_CHARUCO &&
 	       marker_ink(board, board_marker_at(board, column, row), x - column, y - row);
-}
-
-/* ---- found ---- */
-
-static int add_points(const struct board *board, const char *name, const double (*px)[2],
-		      const bool *seen, struct observations *all)
-{
-	const char *slash = strrchr(name, '/');
-	const int columns = points_a_row(board);
-	int err = observations_begin_view(all, name);
-
-	for (int k = 0; !err && k < board_points(board); k++) {
-		double world[3];
-
-		if (!seen[k])
-			continue;
-		board_point(board, k, world);
-		err = observations_add(all, world, px[k], "%s %d,%d", slash ? slash + 1 : name,
-				       k % columns + 1, k / columns + 1);
-	}
-	return err;
-}
-
-static int check_size(const struct image *picture, const char *name, const struct observations *all,
-		      struct fault *fault)
-{
-	if (!all->width || (all->width == picture->width && all->height == picture->height))
-		return 0;
-	return fault_say(fault, -EINVAL, "%s: is %dx%d, expected %dx%d as the pictures before it",
-			 name, picture->width, picture->height, all->width, all->height);
-}
-
-int board_find(const struct board *board, const struct image *picture, const char *name,
-	       struct observations *all, struct fault *fault)
-{
-	const int points = board_points(board), count = all->count, views = all->views;
-	struct fault why = {{0}};
-	double(*px)[2];
-	bool *seen;
-	int err = check_size(picture, name, all, fault);
-
-	if (err)
-		return err;
-	px = calloc((size_t)points, sizeof(*px));
-	seen = calloc((size_t)points, sizeof(*seen));
-	err = px && seen ? board_look(board, picture, px, seen, &why) : -ENOMEM;
-	if (!err)
-		err = add_points(board, name, (const double(*)[2])px, seen, all);
-	if (!err) {
-		all->width = picture->width;
-		all->height = picture->height;
-	} else {
-		all->count = count;
-		all->views = views;
-		fault_say(fault, err, "%s: %s", name, err == -ENOMEM ? "out of memory" : why.text);
-	}
-	free(px);
-	free(seen);
-	return err;
 }

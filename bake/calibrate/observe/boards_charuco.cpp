@@ -9,17 +9,9 @@
 #include <cmath>
 
 #include <opencv2/calib3d.hpp>
-#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
 
-/* ArUco moved from contrib to objdetect with 4.7. */
-#define ARUCO_IN_OBJDETECT (CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR >= 407)
-#if ARUCO_IN_OBJDETECT
-#include <opencv2/objdetect/aruco_detector.hpp>
-#else
-#include <opencv2/aruco.hpp>
-#endif
-
+#include "bake/calibrate/observe/boards_aruco.hpp"
 #include "bake/calibrate/observe/boards_corner.hpp"
 #include "bake/calibrate/observe/boards_opencv.hpp"
 
@@ -42,15 +34,6 @@ int dictionary_for(int markers)
 	if (markers <= 100)
 		return cv::aruco::DICT_5X5_100;
 	return markers <= 250 ? cv::aruco::DICT_5X5_250 : cv::aruco::DICT_5X5_1000;
-}
-
-cv::Mat all_codes()
-{
-#if ARUCO_IN_OBJDETECT
-	return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_1000).bytesList;
-#else
-	return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_1000)->bytesList;
-#endif
 }
 
 void detect(const cv::Mat &grey, int dictionary, std::vector<boards::Points> &corners,
@@ -165,15 +148,4 @@ bool boards::find_charuco(const board &wanted, const cv::Mat &grey, Points &poin
 		      : "only " + std::to_string(markers.size()) + " markers and " +
 				std::to_string(count) + " corners of the board are to be seen";
 	return count >= enough_corners;
-}
-
-extern "C" bool board_marker_bit(int marker, int column, int row)
-{
-	static const cv::Mat codes = all_codes();
-	const int bit = row * BOARD_MARKER_BITS + column;
-	const int byte = bit / 8;
-	/* The last byte holds fewer bits, and has them at its lower end. */
-	const int bits = std::min(8, BOARD_MARKER_BITS * BOARD_MARKER_BITS - 8 * byte);
-
-	return codes.ptr(marker)[byte] >> (bits - 1 - bit % 8) & 1;
 }

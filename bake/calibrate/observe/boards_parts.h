@@ -13,6 +13,9 @@
 /* A circle's radius in steps. */
 #define BOARD_CIRCLE_RADIUS 0.25
 
+/* Points in a row; those of a ChArUco board lie between its squares. */
+int board_columns(const struct board *board);
+
 /* Place of point k in the board's own axes, mm. */
 void board_place(const struct board *board, int k, double mm[2]);
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/response/plain_light.h"
+#include "bake/calibrate/observe/plain_light.h"
 
 #define STEP_PX 0.5	  /* along a ray */
 #define APART_PX 3.0	  /* edges along the rim: neighbours then share no pixels */

@@ -312,3 +312,17 @@ int fisheye_lamps(struct fisheye_result *result, struct observations *seen, stru
 	spots_free(&spots);
 	return err;
 }
+
+void lamps_print(FILE *to, const char *before, const struct lamps_told *told, const char *name)
+{
+	fprintf(to, "%s%d of %d lamps found", before, told->found, told->lamps);
+	if (told->expected < told->lamps)
+		fprintf(to, ", %d of which the picture can show", told->expected);
+	fprintf(to, "\n");
+	if (*told->missing)
+		fprintf(to, "%snot seen: %s, lines %s\n", before, name, told->missing);
+	if (*told->merged)
+		fprintf(to, "%smerged, and left out: %s, lines %s\n", before, name, told->merged);
+	if (*told->strange)
+		fprintf(to, "%sbright, but no lamps: %s\n", before, told->strange);
+}

@@ -3,6 +3,8 @@
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_FISHEYE_LAMPS_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_FISHEYE_LAMPS_H
 
+#include <stdio.h>
+
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "bake/calibrate/fisheye/lamps/lamps_file.h"
 #include "hal/image/image.h"
@@ -23,5 +25,8 @@ struct lamps_told {
 int fisheye_lamps(struct fisheye_result *result, struct observations *seen, struct lamps_told *told,
 		  const struct lamps *lamps, const char *lamps_name, const struct image *picture,
 		  const char *name, const struct fisheye_wanted *wanted, struct fault *fault);
+
+/* What was found of the lamps, by the lines of their file. */
+void lamps_print(FILE *to, const char *before, const struct lamps_told *told, const char *name);
 
 #endif

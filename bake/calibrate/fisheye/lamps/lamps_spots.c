@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/response/plain_light.h"
+#include "bake/calibrate/observe/plain_light.h"
 
 #define LEVELS 4096
 #define FLOOR 0.01     /* of the brightest: what is darker is not flooded */

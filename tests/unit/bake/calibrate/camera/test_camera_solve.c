@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "bake/calibrate/camera/camera_model.h"
+#include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 #include "tests/support/camera_scene.h"
 #include "tests/support/thorough.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/response/plain_light.h"
+#include "bake/calibrate/observe/plain_light.h"
 
 #include <stdlib.h>
 

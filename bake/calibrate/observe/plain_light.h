@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A picture's light alone. */
-#ifndef INLAY_BAKE_CALIBRATE_RESPONSE_PLAIN_LIGHT_H
-#define INLAY_BAKE_CALIBRATE_RESPONSE_PLAIN_LIGHT_H
+#ifndef INLAY_BAKE_CALIBRATE_OBSERVE_PLAIN_LIGHT_H
+#define INLAY_BAKE_CALIBRATE_OBSERVE_PLAIN_LIGHT_H
 
 #include "hal/image/image.h"
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Our files of cameras and fisheyes, read and written by the tables of their keys. */
-#include <errno.h>
+#include "bake/calibrate/estimate/lens_ini.h"
 
-#include "bake/calibrate/convert/convert.h"
+#include <errno.h>
 
 static void *place_camera(void *root, const char *instance)
 {
@@ -56,28 +55,4 @@ void lens_write_keys(FILE *to, const char *section, const struct ini_key *keys, 
 		ini_value_text(key, values, text, sizeof(text));
 		fprintf(to, "%s = %s\n", key->name, text);
 	}
-}
-
-void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, double error_px,
-		    double turn_deg)
-{
-	fprintf(to, "; From %s, which knows the lens alone.\n", from);
-	if (ini->camera_given)
-		fputs("; Where the camera is stands here as none (rotation, translation), and "
-		      "pixel is that of\n; a sensor of 36 mm: use it as inlay-calibrate camera "
-		      "--intrinsics.\n",
-		      to);
-	else
-		fputs("; How the camera is turned stands here as not at all (rotation), and what "
-		      "the lens loses\n; to the rim as nothing (falloff).\n",
-		      to);
-	if (error_px > 0)
-		fprintf(to,
-			"; Fitted: it is off from what it was made of by at most %.3g px, besides "
-			"a turn of\n; the camera by %.3g degrees.\n",
-			error_px, turn_deg);
-	if (ini->camera_given)
-		lens_write_keys(to, "camera", tsai_keys, &ini->camera);
-	else
-		lens_write_keys(to, "fisheye", fisheye_keys, &ini->fisheye);
 }

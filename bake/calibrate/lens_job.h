@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What the commands that find a lens have in common: the command line, the report, the end. */
-#ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LENS_JOB_H
-#define INLAY_BAKE_CALIBRATE_FISHEYE_LENS_JOB_H
+#ifndef INLAY_BAKE_CALIBRATE_LENS_JOB_H
+#define INLAY_BAKE_CALIBRATE_LENS_JOB_H
 
 #include <stdbool.h>
 

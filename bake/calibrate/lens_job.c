@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/lens_job.h"
+#include "bake/calibrate/lens_job.h"
 
 #include <errno.h>
 #include <getopt.h>

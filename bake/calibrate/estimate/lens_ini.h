@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* CAM.ini and EYE.ini: a lens in sections [camera] and [fisheye] of an INI file. */
+#ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_LENS_INI_H
+#define INLAY_BAKE_CALIBRATE_ESTIMATE_LENS_INI_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "hal/base/fault.h"
+#include "hal/ini/ini.h"
+#include "hal/optics/fisheye.h"
+#include "hal/optics/tsai.h"
+
+/* Ours: a section [camera] or [fisheye]. -ENOENT...; -EINVAL: neither of them, or both. */
+struct lens_ini {
+	bool camera_given, fisheye_given;
+	struct tsai_camera camera;
+	struct fisheye_settings fisheye;
+};
+
+int lens_read_ini(struct lens_ini *ini, const char *path, struct fault *fault);
+
+/* "[section]" and its keys. */
+void lens_write_keys(FILE *to, const char *section, const struct ini_key *keys, const void *values);
+
+#endif
