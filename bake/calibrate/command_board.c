@@ -21,13 +21,13 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-struct choices {
+struct board_choices {
 	const char *board, *page, *output;
 };
 
-static int take(void *choices, int option, struct fault *fault)
+static int board_take_option(void *choices, int option, struct fault *fault)
 {
-	struct choices *c = choices;
+	struct board_choices *c = choices;
 
 	(void)fault;
 	if (option == BOARD)
@@ -39,12 +39,12 @@ static int take(void *choices, int option, struct fault *fault)
 	return 0;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int board_run(const struct command *command, int argc, char **argv)
 {
-	struct choices c = {.board = DEFAULT_BOARD, .page = DEFAULT_PAGE};
+	struct board_choices c = {.board = DEFAULT_BOARD, .page = DEFAULT_PAGE};
 	struct fault fault = {.text = ""};
 	struct board board;
-	const int status = command_options(command, argc, argv, options, take, &c);
+	const int status = command_options(command, argc, argv, options, board_take_option, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -79,5 +79,5 @@ const struct command board_command = {
 		"                 circles:COLUMNSxROWS:STEP, asymmetric, an odd number of rows\n"
 		"                 (" DEFAULT_BOARD ")\n"
 		"  --page PAGE    a4, a3, letter (" DEFAULT_PAGE ")\n",
-	.run = run,
+	.run = board_run,
 };

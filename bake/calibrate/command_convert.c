@@ -23,7 +23,7 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-struct job {
+struct convert_job {
 	const char *in, *out;
 	int as; /* enum lens_file; -1: by the ending of out */
 	int width, height;
@@ -31,7 +31,7 @@ struct job {
 	double tolerance_px, error_px, turn_deg;
 };
 
-static bool ends_with(const char *path, const char *ending)
+static bool path_ends_with(const char *path, const char *ending)
 {
 	const size_t length = strlen(path), tail = strlen(ending);
 
@@ -41,16 +41,16 @@ static bool ends_with(const char *path, const char *ending)
 /* -1: none that is known. */
 static int file_of(const char *path)
 {
-	if (ends_with(path, ".ini") || ends_with(path, ".conf"))
+	if (path_ends_with(path, ".ini") || path_ends_with(path, ".conf"))
 		return LENS_FILE_INI;
-	if (ends_with(path, ".yml"))
+	if (path_ends_with(path, ".yml"))
 		return LENS_FILE_OPENCV;
-	return ends_with(path, ".yaml") ? LENS_FILE_ROS : -1;
+	return path_ends_with(path, ".yaml") ? LENS_FILE_ROS : -1;
 }
 
 /* ---- reading ---- */
 
-static int lens_of_ini(struct job *job, const struct lens_ini *ini, struct lens *lens,
+static int lens_of_ini(struct convert_job *job, const struct lens_ini *ini, struct lens *lens,
 		       struct fault *fault)
 {
 	if (ini->camera_given)
@@ -63,7 +63,7 @@ static int lens_of_ini(struct job *job, const struct lens_ini *ini, struct lens 
 			       &job->error_px, fault);
 }
 
-static int ini_of_lens(struct job *job, const struct lens *lens, struct lens_ini *ini,
+static int ini_of_lens(struct convert_job *job, const struct lens *lens, struct lens_ini *ini,
 		       struct fault *fault)
 {
 	*ini = (struct lens_ini){.camera_given = !lens->fisheye, .fisheye_given = lens->fisheye};
@@ -84,7 +84,8 @@ static int with_name(const char *path, int err, struct fault *fault)
 	return fault_say(fault, err, "%s: %s", path, text);
 }
 
-static int read_in(struct job *job, struct lens *lens, struct lens_ini *ini, struct fault *fault)
+static int read_in(struct convert_job *job, struct lens *lens, struct lens_ini *ini,
+		   struct fault *fault)
 {
 	int err;
 
@@ -115,8 +116,8 @@ static void camera_name(const char *path, char *name, size_t room)
 			*c = '_';
 }
 
-static int write_out(const struct job *job, const struct lens *lens, const struct lens_ini *ini,
-		     struct fault *fault)
+static int write_out(const struct convert_job *job, const struct lens *lens,
+		     const struct lens_ini *ini, struct fault *fault)
 {
 	struct output out = {.stream = NULL};
 	char name[128];
@@ -138,9 +139,9 @@ static int write_out(const struct job *job, const struct lens *lens, const struc
 
 /* ---- the command ---- */
 
-static int take(void *into, int option, struct fault *fault)
+static int convert_take_option(void *into, int option, struct fault *fault)
 {
-	struct job *job = into;
+	struct convert_job *job = into;
 
 	switch (option) {
 	case AS:
@@ -155,13 +156,13 @@ static int take(void *into, int option, struct fault *fault)
 	}
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int convert_run(const struct command *command, int argc, char **argv)
 {
-	struct job job = {.as = -1, .tolerance_px = TOLERANCE_PX};
+	struct convert_job job = {.as = -1, .tolerance_px = TOLERANCE_PX};
 	struct fault fault = {.text = ""};
 	struct lens_ini ini = {.camera_given = false};
 	struct lens lens;
-	const int status = command_options(command, argc, argv, options, take, &job);
+	const int status = command_options(command, argc, argv, options, convert_take_option, &job);
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -211,5 +212,5 @@ const struct command convert_command = {
 		"  --tolerance PX  what has no exact counterpart is fitted, and refused when that "
 		"is off by\n"
 		"                  more than this anywhere in the picture (0.1)\n",
-	.run = run,
+	.run = convert_run,
 };

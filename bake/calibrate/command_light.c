@@ -175,13 +175,13 @@ static void read_name(struct light_job *job, int option)
 	}
 }
 
-static int take(void *job, int option, struct fault *fault)
+static int light_take_option(void *job, int option, struct fault *fault)
 {
 	read_name(job, option);
 	return read_value(job, option, fault);
 }
 
-static int work(struct light_job *job, int which)
+static int light_work(struct light_job *job, int which)
 {
 	struct fault fault = {.text = ""};
 	int ret = job->output ? light_file_read(job->output, &job->measured, &fault) : 0;
@@ -195,7 +195,7 @@ static int work(struct light_job *job, int which)
 	return ret ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int light_run(const struct command *command, int argc, char **argv)
 {
 	struct light_job job = {.frequency = 24, .reflectance = {0.5, 0.5, 0.5}};
 	struct fault fault = {.text = ""};
@@ -209,7 +209,7 @@ static int run(const struct command *command, int argc, char **argv)
 	} else {
 		which = -1;
 	}
-	status = command_options(command, argc, argv, options, take, &job);
+	status = command_options(command, argc, argv, options, light_take_option, &job);
 	if (status != COMMAND_GOES_ON)
 		return status;
 	if (which < 0)
@@ -219,7 +219,7 @@ static int run(const struct command *command, int argc, char **argv)
 	job.file_count = argc - optind;
 	if (commands[which].check(&job, &fault))
 		return command_wrong(command, "%s", fault.text);
-	return work(&job, which);
+	return light_work(&job, which);
 }
 
 const struct command light_command = {
@@ -260,5 +260,5 @@ const struct command light_command = {
 		"      --view VIEW             background (default) or fisheye\n\n"
 		"  AREA is x,y,width,height or corners \"x,y x,y x,y\", in pixels.\n"
 		"  --report DIR                what was found, as a page; and light.json\n",
-	.run = run,
+	.run = light_run,
 };

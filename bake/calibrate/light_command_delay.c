@@ -25,8 +25,8 @@ static double mean_level(const struct image *picture)
 }
 
 /* The next frames, into the record unless it is NULL. */
-static int take_frames(struct live *live, int count, struct image *picture,
-		       struct light_record *record, struct fault *fault)
+static int record_frames(struct live *live, int count, struct image *picture,
+			 struct light_record *record, struct fault *fault)
 {
 	for (int k = 0; k < count; k++) {
 		int64_t captured;
@@ -41,21 +41,21 @@ static int take_frames(struct live *live, int count, struct image *picture,
 	return 0;
 }
 
-static int alternate(struct live *live, const struct light_job *job, struct image *picture,
-		     struct light_record *record, struct fault *fault)
+static int alternate_control(struct live *live, const struct light_job *job, struct image *picture,
+			     struct light_record *record, struct fault *fault)
 {
 	int err = live_control(live, job->control[0], fault);
 
 	if (!err)
-		err = take_frames(live, FRAMES_FIRST, picture, NULL, fault);
+		err = record_frames(live, FRAMES_FIRST, picture, NULL, fault);
 	if (!err)
-		err = take_frames(live, FRAMES_EACH, picture, record, fault);
+		err = record_frames(live, FRAMES_EACH, picture, record, fault);
 	for (int k = 1; !err && k <= CHANGES; k++) {
 		err = light_record_change(record, (double)clock_now_ns() / 1e6);
 		if (!err)
 			err = live_control(live, job->control[k % 2], fault);
 		if (!err)
-			err = take_frames(live, FRAMES_EACH, picture, record, fault);
+			err = record_frames(live, FRAMES_EACH, picture, record, fault);
 	}
 	return err;
 }
@@ -69,7 +69,7 @@ static int record_live(const struct light_job *job, struct light_record *record,
 
 	if (err)
 		return err;
-	err = alternate(live, job, &picture, record, fault);
+	err = alternate_control(live, job, &picture, record, fault);
 	image_free(&picture);
 	live_close(live);
 	return err;

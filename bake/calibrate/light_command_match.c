@@ -15,7 +15,7 @@
 
 /* ---- the sky ---- */
 
-struct sky {
+struct measured_sky {
 	struct dome dome;
 	struct fisheye_settings lens;
 	struct light_sampler_settings sampler;
@@ -41,7 +41,7 @@ static int read_lens(const char *path, struct fisheye_settings *lens, struct fau
 	return err ? fault_say(fault, err, "%s", report.first.text) : 0;
 }
 
-static int sky_create(struct sky *sky, const struct light_job *job, struct fault *fault)
+static int sky_create(struct measured_sky *sky, const struct light_job *job, struct fault *fault)
 {
 	int err = read_lens(job->lens, &sky->lens, fault);
 
@@ -60,14 +60,14 @@ static int sky_create(struct sky *sky, const struct light_job *job, struct fault
 	return sky->radiance ? 0 : fault_say(fault, -ENOMEM, "not enough memory");
 }
 
-static void sky_free(struct sky *sky)
+static void sky_free(struct measured_sky *sky)
 {
 	free(sky->radiance);
 	dome_free(&sky->dome);
 }
 
-static int read_codes(struct light_sampler *sampler, const struct image *image, struct sky *sky,
-		      double *clipped)
+static int read_codes(struct light_sampler *sampler, const struct image *image,
+		      struct measured_sky *sky, double *clipped)
 {
 	const struct view view = {.width = image->width, .height = image->height};
 	struct canvas canvas = {.pixels = NULL};
@@ -85,7 +85,8 @@ static int read_codes(struct light_sampler *sampler, const struct image *image, 
 	return err;
 }
 
-static int sky_measure(struct sky *sky, const char *path, double *clipped, struct fault *fault)
+static int sky_measure(struct measured_sky *sky, const char *path, double *clipped,
+		       struct fault *fault)
 {
 	struct light_sampler *sampler = NULL;
 	struct image image = {.width = 0};
@@ -132,7 +133,7 @@ static int measure_patch(const char *path, const struct light_area *area,
 
 static int measure_pairs(const struct light_job *job, struct light_pair *pairs, struct fault *fault)
 {
-	struct sky sky = {.radiance = NULL};
+	struct measured_sky sky = {.radiance = NULL};
 	struct transfer_curve curve;
 	int err = light_curve_of(job->background_light, job->background_transfer, &curve, fault);
 

@@ -11,8 +11,8 @@
 #include "hal/base/log.h"
 
 /* Here, where the file's name is known. */
-static int check_picture(const struct light_job *job, const struct image *pictures, int k,
-			 struct fault *fault)
+static int check_light_picture(const struct light_job *job, const struct image *pictures, int k,
+			       struct fault *fault)
 {
 	const struct image *first = &pictures[0], *p = &pictures[k];
 
@@ -36,7 +36,7 @@ static int read_pictures(const struct light_job *job, struct image *pictures, st
 	for (int k = 0; k < job->file_count && !err; k++) {
 		err = image_read(job->files[k], &pictures[k], fault);
 		if (!err)
-			err = check_picture(job, pictures, k, fault);
+			err = check_light_picture(job, pictures, k, fault);
 	}
 	return err;
 }
@@ -113,7 +113,7 @@ static void write_knots(const struct light_response *found, char *text, size_t r
 					 found->curve.knot[k]);
 }
 
-static void write_comment(const struct light_response *found, char *text, size_t room)
+static void write_response_comment(const struct light_response *found, char *text, size_t room)
 {
 	double worst = 0;
 
@@ -188,7 +188,7 @@ int light_command_response(const struct light_job *job, struct fault *fault)
 	if (job->report)
 		err = light_report_response(job->report, &found, fault);
 	write_knots(&found, text, sizeof(text));
-	write_comment(&found, comment, sizeof(comment));
+	write_response_comment(&found, comment, sizeof(comment));
 	if (!err)
 		err = light_conclude(job, &found.verdict, "response", text, comment, fault);
 	light_response_free(&found);

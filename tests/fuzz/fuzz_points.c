@@ -2,7 +2,7 @@
 /* Any bytes as a file of points: refused in a sentence with nothing kept, or points that are
  * finite.
  *
- * reaches: observations.c:read_line observations.c:observations_add
+ * reaches: observations.c:read_point observations.c:observations_add
  */
 #include <math.h>
 #include <stdint.h>

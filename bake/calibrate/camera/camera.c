@@ -37,7 +37,7 @@ static double half_of(const double *low, const double *high, int sides, double *
 	return longest;
 }
 
-static void widen(const double *point, int sides, double *low, double *high)
+static void box_widen(const double *point, int sides, double *low, double *high)
 {
 	for (int k = 0; k < sides; k++) {
 		low[k] = fmin(low[k], point[k]);
@@ -45,7 +45,7 @@ static void widen(const double *point, int sides, double *low, double *high)
 	}
 }
 
-static void place_object(struct camera_private *own)
+static void place_task_object(struct camera_private *own)
 {
 	const struct observed_view *view = &own->seen->view[own->task.reference];
 	double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -56,7 +56,7 @@ static void place_object(struct camera_private *own)
 		return;
 	}
 	for (int i = view->first; i < view->first + view->count; i++)
-		widen(own->seen->point[i].world, 3, low, high);
+		box_widen(own->seen->point[i].world, 3, low, high);
 	if (view->count)
 		own->radius = half_of(low, high, 3, own->object);
 }
@@ -67,7 +67,7 @@ static void place_centre(struct camera_private *own)
 	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 
 	for (int i = 0; i < own->seen->count; i++)
-		widen(own->seen->point[i].px, 2, low, high);
+		box_widen(own->seen->point[i].px, 2, low, high);
 	own->diagonal = 2 * M_SQRT2 * half_of(low, high, 2, own->centre);
 	if (task->width && task->height) {
 		own->diagonal = hypot(task->width, task->height);
@@ -119,8 +119,8 @@ static void take_intrinsics(struct camera_task *task)
 	task->distortion = task->intrinsics->distortion;
 }
 
-static int prepare(struct camera_private *own, const struct observations *seen,
-		   const struct camera_task *task)
+static int calibration_prepare(struct camera_private *own, const struct observations *seen,
+			       const struct camera_task *task)
 {
 	struct camera_model model;
 	size_t n;
@@ -132,7 +132,7 @@ static int prepare(struct camera_private *own, const struct observations *seen,
 	place_centre(own);
 	place_deviation(own);
 	place_aspect(own);
-	place_object(own);
+	place_task_object(own);
 	model = (struct camera_model){.distortion = own->task.distortion};
 	memcpy(model.pixel, own->task.pixel, sizeof(model.pixel));
 	err = problem_create(&own->problem, seen, &model, own->centre);
@@ -191,7 +191,8 @@ static void translation_by_rotation(const struct camera_private *own, int view, 
 
 /* Adds what rotation brings to the rows of T of one view, in a matrix of n columns whose rows (or
  * columns, by the strides) are parameters. */
-static void carry(double *matrix, int n, size_t row, size_t column, int at, double by[3][3])
+static void carry_over_translation(double *matrix, int n, size_t row, size_t column, int at,
+				   double by[3][3])
 {
 	for (int j = 0; j < n; j++)
 		for (int k = 0; k < 3; k++)
@@ -221,8 +222,8 @@ static int report_estimate(const struct camera_private *own, struct camera_solut
 		double by[3][3];
 
 		translation_by_rotation(own, v, by);
-		carry(estimate->covariance, n, (size_t)n, 1, model_of_view(v), by);
-		carry(estimate->covariance, n, 1, (size_t)n, model_of_view(v), by);
+		carry_over_translation(estimate->covariance, n, (size_t)n, 1, model_of_view(v), by);
+		carry_over_translation(estimate->covariance, n, 1, (size_t)n, model_of_view(v), by);
 	}
 	for (int k = 0; k < n * n; k++) /* what is not known at all has no correlations */
 		if (!isfinite(estimate->covariance[k]))
@@ -280,7 +281,7 @@ static void mean_depth(struct camera_private *own)
 	own->depth = turned.translation[2]; /* places are from their middle */
 }
 
-static int finish(struct camera_solution *solution)
+static int solution_finish(struct camera_solution *solution)
 {
 	struct camera_private *own = solution->own;
 	struct finding *finding = &solution->finding;
@@ -307,7 +308,7 @@ static int finish(struct camera_solution *solution)
 	return 0;
 }
 
-static int calibrate(struct camera_solution *solution)
+static int calibration_run(struct camera_solution *solution)
 {
 	struct camera_private *own = solution->own;
 	int err;
@@ -319,7 +320,7 @@ static int calibrate(struct camera_solution *solution)
 			   own->fit_error != -EINVAL &&
 			   isfinite(problem_rms(&own->problem, own->x));
 	if (solution->solved)
-		err = finish(solution);
+		err = solution_finish(solution);
 	if (!err)
 		camera_judge(solution);
 	return err;
@@ -346,7 +347,7 @@ int camera_calibrate(const struct observations *seen, const struct camera_task *
 		return 0;
 	}
 	if (!err)
-		err = prepare(solution->own, seen, task);
+		err = calibration_prepare(solution->own, seen, task);
 	if (!err) {
 		finding->width = solution->own->task.width;
 		finding->height = solution->own->task.height;
@@ -357,7 +358,7 @@ int camera_calibrate(const struct observations *seen, const struct camera_task *
 			 task->intrinsics ? ", pose alone" : "");
 		for (int i = 0; i < seen->count; i++)
 			finding->expected[i][0] = finding->expected[i][1] = NAN;
-		err = calibrate(solution);
+		err = calibration_run(solution);
 	}
 	if (err) {
 		camera_solution_free(solution);

@@ -6,7 +6,8 @@
 #include "bake/calibrate/camera/camera_parts.h"
 #include "hal/optics/vec.h"
 
-static void place_of(const struct camera_private *own, const double world[3], double place[3])
+static void place_from_middle(const struct camera_private *own, const double world[3],
+			      double place[3])
 {
 	for (int k = 0; k < 3; k++)
 		place[k] = world[k] - own->problem.shape[own->task.reference].middle[k];
@@ -25,8 +26,8 @@ static int unknown_of(const struct camera_private *own, int k)
 }
 
 /* G C G^T of a gradient by the shared unknowns and the reference view's. */
-static bool propagate(const struct camera_private *own, const double *covariance,
-		      double gradient[2][MODEL_GRADIENT], double spread[3])
+static bool propagate_to_px(const struct camera_private *own, const double *covariance,
+			    double gradient[2][MODEL_GRADIENT], double spread[3])
 {
 	const int n = problem_unknowns(&own->problem);
 
@@ -51,10 +52,10 @@ bool camera_spread(const struct camera_private *own, const double *covariance,
 	double place[3], px[2], gradient[2][MODEL_GRADIENT];
 	struct model_view view;
 
-	place_of(own, world, place);
+	place_from_middle(own, world, place);
 	turn_reference(own, own->x, &view);
 	return model_see(&own->problem.model, own->x, &view, place, px, gradient) &&
-	       propagate(own, covariance, gradient, spread);
+	       propagate_to_px(own, covariance, gradient, spread);
 }
 
 bool camera_sees(const struct camera_private *own, const double world[3], double px[2])
@@ -62,7 +63,7 @@ bool camera_sees(const struct camera_private *own, const double world[3], double
 	double place[3];
 	struct model_view view;
 
-	place_of(own, world, place);
+	place_from_middle(own, world, place);
 	turn_reference(own, own->x, &view);
 	return model_see(&own->problem.model, own->x, &view, place, px, NULL);
 }
@@ -110,8 +111,9 @@ double camera_uncertainty(const void *context, const double px[2])
 	if (!model_place(&own->problem.model, own->x, &view, px, own->depth, place) ||
 	    !model_see(&own->problem.model, own->x, &view, place, again, gradient))
 		return -1;
-	return propagate(own, own->covariance, gradient, spread) ? camera_spread_length(spread)
-								 : INFINITY;
+	return propagate_to_px(own, own->covariance, gradient, spread)
+		       ? camera_spread_length(spread)
+		       : INFINITY;
 }
 
 double camera_disagreement(const void *context, const double px[2])
@@ -134,7 +136,7 @@ double camera_disagreement(const void *context, const double px[2])
 /* ---- errors of the points ---- */
 
 /* Sums over the good points. */
-struct errors {
+struct figure_errors {
 	int count;
 	double distorted, distorted_most;     /* px */
 	double undistorted, undistorted_most; /* px */
@@ -142,7 +144,7 @@ struct errors {
 	double normalised;
 };
 
-static void add(double value, double *sum, double *most)
+static void figures_add(double value, double *sum, double *most)
 {
 	*sum += value;
 	*most = fmax(*most, value);
@@ -153,8 +155,9 @@ static void add(double value, double *sum, double *most)
  * Cohen and Herniou 1992, 24): in the plane of the point's depth, over what a pixel's rounding
  * alone would make there, depth sqrt((fu^-2 + fv^-2) / 12).
  */
-static void add_point(const struct camera_private *own, int i, const struct model_view *view,
-		      const double px[2], struct errors *sum)
+static void figures_add_point(const struct camera_private *own, int i,
+			      const struct model_view *view, const double px[2],
+			      struct figure_errors *sum)
 {
 	const double *x = own->x, *pixel = own->problem.model.pixel;
 	const struct observation *point = &own->problem.point[i];
@@ -163,15 +166,15 @@ static void add_point(const struct camera_private *own, int i, const struct mode
 	mat_apply(view->rotation, own->problem.place[i], p);
 	for (int k = 0; k < 3; k++)
 		p[k] += view->translation[k];
-	add(hypot(px[0] - point->px[0], px[1] - point->px[1]), &sum->distorted,
-	    &sum->distorted_most);
+	figures_add(hypot(px[0] - point->px[0], px[1] - point->px[1]), &sum->distorted,
+		    &sum->distorted_most);
 	sum->count++;
 	if (!model_straighten(&own->problem.model, x, point->px, sensor))
 		return;
 	for (int k = 0; k < 2; k++)
 		at[k] = sensor[k] - x[MODEL_FOCAL] * p[k] / p[2];
-	add(hypot(at[0] * x[MODEL_ASPECT] / pixel[0], at[1] / pixel[1]), &sum->undistorted,
-	    &sum->undistorted_most);
+	figures_add(hypot(at[0] * x[MODEL_ASPECT] / pixel[0], at[1] / pixel[1]), &sum->undistorted,
+		    &sum->undistorted_most);
 	for (int k = 0; k < 2; k++) {
 		const double in_plane = at[k] * p[2] / x[MODEL_FOCAL];
 		const double unit = pixel[k] / x[MODEL_FOCAL] / (k ? 1 : x[MODEL_ASPECT]);
@@ -185,23 +188,23 @@ static void add_point(const struct camera_private *own, int i, const struct mode
 	ray[2] = x[MODEL_FOCAL];
 	vec_normalize(ray);
 	vec_cross(ray, p, off);
-	add(vec_length(off), &sum->object, &sum->object_most);
+	figures_add(vec_length(off), &sum->object, &sum->object_most);
 }
 
-static void measure(struct camera_solution *solution, struct errors *sum)
+static void figures_measure(struct camera_solution *solution, struct figure_errors *sum)
 {
 	const struct camera_private *own = solution->own;
 	struct finding *finding = &solution->finding;
 	struct model_view turned;
 	double squares = 0;
 
-	*sum = (struct errors){0};
+	*sum = (struct figure_errors){0};
 	for (int v = 0; v < own->problem.views; v++) {
 		model_turn(&turned, own->x + model_of_view(v));
 		for (int i = own->problem.first[v]; i < own->problem.first[v + 1]; i++) {
 			if (isnan(finding->expected[i][0]) || finding->weight[i] < 0.1)
 				continue;
-			add_point(own, i, &turned, finding->expected[i], sum);
+			figures_add_point(own, i, &turned, finding->expected[i], sum);
 		}
 	}
 	for (int i = 0; i < own->problem.count; i++)
@@ -225,10 +228,10 @@ static double ground_error(const struct camera_private *own)
 	double on_ground[3];
 	struct model_view view;
 
-	place_of(own, world, place);
+	place_from_middle(own, world, place);
 	turn_reference(own, own->x, &view);
 	if (!model_see(&own->problem.model, own->x, &view, place, px, gradient) ||
-	    !propagate(own, own->cautious, gradient, spread))
+	    !propagate_to_px(own, own->cautious, gradient, spread))
 		return -1;
 	for (int i = 0; i < 2; i++)
 		for (int k = 0; k < 2; k++) /* a step of the world is one of T, turned */
@@ -259,7 +262,7 @@ static double object_disagreement(const struct camera_private *own)
 	double place[3], seen[2][2];
 	struct model_view view;
 
-	place_of(own, own->object, place);
+	place_from_middle(own, own->object, place);
 	for (int h = 0; h < 2; h++) {
 		turn_reference(own, own->half[h], &view);
 		if (!model_see(&own->problem.model, own->half[h], &view, place, seen[h], NULL))
@@ -268,7 +271,8 @@ static double object_disagreement(const struct camera_private *own)
 	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
 }
 
-static void figures_of_points(struct finding *finding, const struct errors *sum, double unit_mm)
+static void figures_of_points(struct finding *finding, const struct figure_errors *sum,
+			      double unit_mm)
 {
 	const double n = sum->count ? sum->count : 1;
 
@@ -296,11 +300,11 @@ void camera_figures(struct camera_solution *solution)
 	struct finding *finding = &solution->finding;
 	const int focal = estimate_find(&finding->estimate, "focal");
 	const int depth = model_of_view(own->task.reference) + MODEL_TRANSLATION + 2;
-	struct errors sum;
+	struct figure_errors sum;
 	double ground;
 	int outliers = 0;
 
-	measure(solution, &sum);
+	figures_measure(solution, &sum);
 	finding_add(finding, "object_error_px", CAMERA_OBJECT_ERROR, "px", own->object_error);
 	finding_add(finding, "object_deviation_px",
 		    "standard deviation of this estimate at the object's place", "px",

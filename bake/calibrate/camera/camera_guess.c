@@ -153,7 +153,7 @@ static void choose_some(struct guesser *g, unsigned long long *random)
 	g->chosen_first[g->problem->views] = count;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_errors(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
 
@@ -184,7 +184,7 @@ static double median_error(struct guesser *g, const double *x)
 					    ? hypot(px[0] - point->px[0], px[1] - point->px[1])
 					    : INFINITY;
 	}
-	qsort(g->error, (size_t)count, sizeof(*g->error), compare);
+	qsort(g->error, (size_t)count, sizeof(*g->error), compare_errors);
 	return count ? g->error[count / 2] : INFINITY;
 }
 

@@ -8,7 +8,7 @@
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
-static int gather(struct guesser *g, int view)
+static int gather_view_points(struct guesser *g, int view)
 {
 	const struct camera_problem *problem = g->problem;
 	const double *axes = problem->shape[view].axes;
@@ -81,7 +81,7 @@ static int pose_of_view(struct guesser *g, int view, double *x)
 		put_plane_pose(g, x, view, &guess);
 		return 0;
 	}
-	err = gather(g, view);
+	err = gather_view_points(g, view);
 	if (!err)
 		err = tsai_spatial(g->points.count, g->points.place, g->points.sensor,
 				   x[MODEL_FOCAL], &guess);
@@ -95,7 +95,7 @@ static int pose_of_view(struct guesser *g, int view, double *x)
 static int tsai_pose_of_plane(struct guesser *g, int view, double *x)
 {
 	struct first_guess guess;
-	int err = gather(g, view);
+	int err = gather_view_points(g, view);
 
 	if (!err)
 		err = tsai_coplanar(g->points.count, g->points.plane, g->points.sensor,
@@ -147,7 +147,7 @@ static int focal_of_plane(struct guesser *g, int view, double *x)
 	double own[MODEL_GRADIENT], *pose = x + model_of_view(view);
 	struct first_guess guess;
 	double rms;
-	int err = gather(g, view);
+	int err = gather_view_points(g, view);
 
 	if (!err)
 		err = tsai_coplanar(g->points.count, g->points.plane, g->points.sensor, 0, &guess);
@@ -176,7 +176,7 @@ static int find_homographies(struct guesser *g)
 		g->has_h[v] = problem_flat(g->problem, v) &&
 			      g->chosen_first[v + 1] - g->chosen_first[v] >= 4;
 		if (g->has_h[v])
-			err = gather(g, v);
+			err = gather_view_points(g, v);
 		if (!err && g->has_h[v])
 			err = homography_find(g->points.count, g->points.plane, g->points.sensor,
 					      g->h[v]);
@@ -206,7 +206,7 @@ static int find_focal(struct guesser *g, double *x)
 		any = g->has_h[v] ? v : any;
 	}
 	if (spatial >= 0 && most >= 7) {
-		int err = gather(g, spatial);
+		int err = gather_view_points(g, spatial);
 
 		if (!err)
 			err = tsai_spatial(g->points.count, g->points.place, g->points.sensor, 0,

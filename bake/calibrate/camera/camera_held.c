@@ -14,7 +14,8 @@
 #include "bake/calibrate/camera/camera_parts.h"
 
 /* d x / d x[held] of all unknowns; 1 for itself, 0 for what else is held. */
-static void answer(const struct camera_private *own, const double *jacobian, int held, double *by)
+static void answer_to_held(const struct camera_private *own, const double *jacobian, int held,
+			   double *by)
 {
 	const int n = problem_unknowns(&own->problem);
 
@@ -34,14 +35,14 @@ static void answer(const struct camera_private *own, const double *jacobian, int
 }
 
 /* Adds what an unknown brings that is held, and off by sigma; by is room for the answer. */
-static void hold(const struct camera_private *own, const double *jacobian, int unknown,
-		 double sigma, double *by, double *held)
+static void hold_unknown(const struct camera_private *own, const double *jacobian, int unknown,
+			 double sigma, double *by, double *held)
 {
 	const size_t n = (size_t)problem_unknowns(&own->problem);
 
 	if (!own->fixed[unknown] || !(sigma > 0))
 		return;
-	answer(own, jacobian, unknown, by);
+	answer_to_held(own, jacobian, unknown, by);
 	for (size_t a = 0; a < n; a++)
 		for (size_t b = 0; b < n; b++)
 			held[a * n + b] += sigma * sigma * by[a] * by[b];
@@ -60,9 +61,10 @@ int camera_hold(struct camera_private *own)
 	if (jacobian && by) {
 		problem_slopes(&own->problem, own->x, jacobian);
 		for (int k = 0; k < 2; k++)
-			hold(own, jacobian, MODEL_CENTRE_X + k, own->centre_deviation[k], by,
-			     own->held);
-		hold(own, jacobian, MODEL_ASPECT, own->aspect_deviation, by, own->held_aspect);
+			hold_unknown(own, jacobian, MODEL_CENTRE_X + k, own->centre_deviation[k],
+				     by, own->held);
+		hold_unknown(own, jacobian, MODEL_ASPECT, own->aspect_deviation, by,
+			     own->held_aspect);
 	}
 	free(jacobian);
 	free(by);

@@ -20,8 +20,8 @@ struct distortion {
 	double factor, by_square, by_kappa;
 };
 
-static bool distort(const struct camera_model *model, double kappa, double square,
-		    struct distortion *d)
+static bool distortion_at(const struct camera_model *model, double kappa, double square,
+			  struct distortion *d)
 {
 	double radius, bent, steep;
 
@@ -43,8 +43,8 @@ static bool distort(const struct camera_model *model, double kappa, double squar
 }
 
 /* Slopes of px by a point in camera axes. */
-static void by_camera(const double *shared, const double pixel[2], const double p[3],
-		      const struct distortion *d, double x, double y, double slope[2][3])
+static void slope_by_place(const double *shared, const double pixel[2], const double p[3],
+			   const struct distortion *d, double x, double y, double slope[2][3])
 {
 	const double f = shared[MODEL_FOCAL];
 	const double mixed = 2 * d->by_square * x * y;
@@ -75,13 +75,13 @@ bool model_see(const struct camera_model *model, const double *shared,
 		return false;
 	x = f * p[0] / p[2];
 	y = f * p[1] / p[2];
-	if (!distort(model, shared[MODEL_KAPPA1], x * x + y * y, &d))
+	if (!distortion_at(model, shared[MODEL_KAPPA1], x * x + y * y, &d))
 		return false;
 	px[0] = shared[MODEL_CENTRE_X] + s * x * d.factor / model->pixel[0];
 	px[1] = shared[MODEL_CENTRE_Y] + y * d.factor / model->pixel[1];
 	if (!gradient)
 		return true;
-	by_camera(shared, model->pixel, p, &d, x, y, slope);
+	slope_by_place(shared, model->pixel, p, &d, x, y, slope);
 	for (int i = 0; i < 2; i++) {
 		const double unit = i ? y / model->pixel[1] : s * x / model->pixel[0];
 		double *g = gradient[i];

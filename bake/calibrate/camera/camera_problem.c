@@ -68,7 +68,7 @@ static int find_axes(const double (*place)[3], int count, struct view_shape *sha
 	return 0;
 }
 
-static int describe(struct camera_problem *problem, int view)
+static int describe_view(struct camera_problem *problem, int view)
 {
 	struct view_shape *shape = &problem->shape[view];
 	const int first = problem->first[view], count = problem->first[view + 1] - first;
@@ -102,7 +102,7 @@ int problem_create(struct camera_problem *problem, const struct observations *se
 		problem->first[v] = seen->view[v].first;
 	problem->first[seen->views] = seen->count;
 	for (int v = 0; v < seen->views && !err; v++)
-		err = describe(problem, v);
+		err = describe_view(problem, v);
 	for (int i = 0; i < seen->count; i++)
 		problem->reach = fmax(problem->reach,
 				      hypot((seen->point[i].px[0] - centre[0]) * model->pixel[0],
@@ -156,7 +156,7 @@ void problem_name(const struct camera_problem *problem, int unknown, char *name,
 
 /* ---- what the model expects ---- */
 
-static bool used(const struct camera_problem *problem, int i)
+static bool is_view_used(const struct camera_problem *problem, int i)
 {
 	return !problem->unused || !problem->unused[i];
 }
@@ -173,8 +173,8 @@ struct turned_view {
 };
 
 /* model_see() of a point. */
-static bool see(const struct camera_problem *problem, const double *x, int i,
-		struct turned_view *at, double px[2], double (*gradient)[MODEL_GRADIENT])
+static bool see_point(const struct camera_problem *problem, const double *x, int i,
+		      struct turned_view *at, double px[2], double (*gradient)[MODEL_GRADIENT])
 {
 	if (view_of(problem, i) != at->view) {
 		at->view = view_of(problem, i);
@@ -189,7 +189,7 @@ int problem_expect(const struct camera_problem *problem, const double *x, double
 	int missing = 0;
 
 	for (int i = 0; i < problem->count; i++) {
-		if (!see(problem, x, i, &at, px[i], NULL)) {
+		if (!see_point(problem, x, i, &at, px[i], NULL)) {
 			px[i][0] = px[i][1] = NAN;
 			missing++;
 		}
@@ -197,7 +197,7 @@ int problem_expect(const struct camera_problem *problem, const double *x, double
 	return missing;
 }
 
-static bool residuals(void *context, const double *x, double *residual)
+static bool problem_residuals(void *context, const double *x, double *residual)
 {
 	const struct camera_problem *problem = context;
 	struct turned_view at = {.view = -1};
@@ -208,9 +208,9 @@ static bool residuals(void *context, const double *x, double *residual)
 		double px[2];
 
 		residual[2 * i] = residual[2 * i + 1] = 0;
-		if (!used(problem, i))
+		if (!is_view_used(problem, i))
 			continue;
-		if (!see(problem, x, i, &at, px, NULL))
+		if (!see_point(problem, x, i, &at, px, NULL))
 			return false;
 		for (int k = 0; k < 2; k++)
 			residual[2 * i + k] = px[k] - problem->point[i].px[k];
@@ -227,9 +227,9 @@ double problem_rms(const struct camera_problem *problem, const double *x)
 	for (int i = 0; i < problem->count; i++) {
 		double px[2];
 
-		if (!used(problem, i))
+		if (!is_view_used(problem, i))
 			continue;
-		if (!see(problem, x, i, &at, px, NULL))
+		if (!see_point(problem, x, i, &at, px, NULL))
 			return INFINITY;
 		for (int k = 0; k < 2; k++) {
 			const double off = px[k] - problem->point[i].px[k];
@@ -249,9 +249,9 @@ void problem_slopes(const struct camera_problem *problem, const double *x, doubl
 	for (int i = 0; i < problem->count; i++) {
 		double px[2], gradient[2][MODEL_GRADIENT];
 
-		if (!used(problem, i))
+		if (!is_view_used(problem, i))
 			continue;
-		if (!see(problem, x, i, &at, px, gradient))
+		if (!see_point(problem, x, i, &at, px, gradient))
 			continue;
 		for (int k = 0; k < 2; k++) {
 			double *row = jacobian + (size_t)(2 * i + k) * (size_t)n;
@@ -263,7 +263,7 @@ void problem_slopes(const struct camera_problem *problem, const double *x, doubl
 	}
 }
 
-static void slopes(void *context, const double *x, double *jacobian)
+static void problem_jacobian(void *context, const double *x, double *jacobian)
 {
 	problem_slopes(context, x, jacobian);
 }
@@ -296,8 +296,8 @@ int problem_descend(const struct camera_problem *problem, double *x, const bool 
 	struct least_squares squares = {
 		.parameters = n,
 		.residuals = 2 * problem->count,
-		.evaluate = residuals,
-		.differentiate = slopes,
+		.evaluate = problem_residuals,
+		.differentiate = problem_jacobian,
 		.context = (void *)problem,
 		.scale = scale,
 		.fixed = fixed,

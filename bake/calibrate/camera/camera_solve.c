@@ -21,7 +21,7 @@
 #define MISFIT 0.005   /* of the diagonal: rms that makes one look for a mirror image */
 #define FAR_BETTER 0.2 /* of the rms */
 
-static int descend(struct camera_private *own, double *x, const bool *fixed, bool stay)
+static int solver_descend(struct camera_private *own, double *x, const bool *fixed, bool stay)
 {
 	least_squares_free(&own->fit);
 	return problem_descend(&own->problem, x, fixed, own->task.robust ? CAMERA_LOSS : 0, stay,
@@ -43,7 +43,7 @@ static void hold_shared(const struct camera_private *own, bool centre, bool aspe
 }
 
 /* Free unknowns against single numbers, two degrees of freedom left over. */
-static bool enough(const struct camera_private *own)
+static bool has_enough_points(const struct camera_private *own)
 {
 	int wanted = 2;
 
@@ -70,7 +70,7 @@ static bool aspect_shows(const struct camera_private *own)
 	return planes > 1;
 }
 
-static double deviation(const struct camera_private *own, int unknown)
+static double deviation_of(const struct camera_private *own, int unknown)
 {
 	return sqrt(own->fit.covariance[unknown * (problem_unknowns(&own->problem) + 1)]);
 }
@@ -78,7 +78,7 @@ static double deviation(const struct camera_private *own, int unknown)
 /* Told worse than it is known beforehand, which it does not contradict either. */
 static bool aspect_lost(const struct camera_private *own, const double *x)
 {
-	const double told = deviation(own, MODEL_ASPECT), known = own->aspect_deviation;
+	const double told = deviation_of(own, MODEL_ASPECT), known = own->aspect_deviation;
 
 	if (!(told < ASPECT_LOST))
 		return true;
@@ -88,7 +88,7 @@ static bool aspect_lost(const struct camera_private *own, const double *x)
 static bool centre_lost(const struct camera_private *own, const double *x)
 {
 	for (int k = 0; k < 2; k++)
-		if (!(deviation(own, MODEL_CENTRE_X + k) <
+		if (!(deviation_of(own, MODEL_CENTRE_X + k) <
 		      fmin(own->centre_deviation[k], CENTRE_LOST * own->diagonal)) ||
 		    !(fabs(x[MODEL_CENTRE_X + k] - own->centre[k]) < CENTRE_FAR * own->diagonal))
 			return true;
@@ -97,8 +97,8 @@ static bool centre_lost(const struct camera_private *own, const double *x)
 
 /* Descends from the held solution with its centre moved, by the points of few alone; x becomes what
  * fits them best, false: nothing fits them better than x does. */
-static bool look_around(const struct camera_private *own, const struct camera_problem *few,
-			const bool *held, double *other, double *x)
+static bool try_neighbours(const struct camera_private *own, const struct camera_problem *few,
+			   const bool *held, double *other, double *x)
 {
 	const size_t bytes = (size_t)problem_unknowns(few) * sizeof(*x);
 	double least = BETTER_FIT * problem_rms(few, x);
@@ -157,9 +157,9 @@ static int try_other_centres(struct camera_private *own, double *x)
 		hold_shared(own, true, true, held);
 		memcpy(best, x, n * sizeof(*x));
 	}
-	if (!err && look_around(own, &few, held, other, best)) {
+	if (!err && try_neighbours(own, &few, held, other, best)) {
 		own->fit = (struct least_squares_fit){0};
-		err = descend(own, best, own->fixed, false);
+		err = solver_descend(own, best, own->fixed, false);
 		if (!err && own->fit.sigma < found.sigma) {
 			memcpy(x, best, n * sizeof(*x));
 		} else {
@@ -192,19 +192,19 @@ static int solve_full(struct camera_private *own, double *tried)
 	if (aspect) /* points in space have one in closed form */
 		own->x[MODEL_ASPECT] = own->aspect;
 	hold_shared(own, true, true, own->fixed);
-	err = descend(own, own->x, own->fixed, false);
+	err = solver_descend(own, own->x, own->fixed, false);
 	if (err == -ENOMEM || own->task.intrinsics || (centre && aspect))
 		return err;
 	for (;;) {
 		memcpy(tried, own->x, bytes);
 		hold_shared(own, centre, aspect, own->fixed);
-		if (!enough(own)) {
+		if (!has_enough_points(own)) {
 			hold_shared(own, true, true, own->fixed);
 			centre = aspect = true;
 		}
 		if (aspect)
 			tried[MODEL_ASPECT] = own->aspect;
-		err = descend(own, tried, own->fixed, false);
+		err = solver_descend(own, tried, own->fixed, false);
 		if (!err && !centre && own->problem.views == 1)
 			err = try_other_centres(own, tried);
 		if (err == -ENOMEM || (centre && aspect))
@@ -222,7 +222,7 @@ static int solve_full(struct camera_private *own, double *tried)
 	return err;
 }
 
-static bool in_space(const struct camera_problem *problem)
+static bool is_in_space(const struct camera_problem *problem)
 {
 	for (int v = 0; v < problem->views; v++)
 		if (problem->first[v + 1] > problem->first[v] && !problem_flat(problem, v))
@@ -234,7 +234,7 @@ static bool in_space(const struct camera_problem *problem)
  * are known is said as if they had been found together. */
 static int solve_three(struct camera_private *own)
 {
-	const bool aspect = !in_space(&own->problem) || !(own->aspect_deviation > 0);
+	const bool aspect = !is_in_space(&own->problem) || !(own->aspect_deviation > 0);
 	int err;
 
 	if (aspect)
@@ -243,11 +243,11 @@ static int solve_three(struct camera_private *own)
 	for (int v = 0; v < own->problem.views; v++)
 		for (int k = 0; k < MODEL_TRANSLATION + 2; k++)
 			own->fixed[model_of_view(v) + k] = true;
-	err = descend(own, own->x, own->fixed, false);
+	err = solver_descend(own, own->x, own->fixed, false);
 	if (err == -ENOMEM)
 		return err;
 	hold_shared(own, true, aspect, own->fixed);
-	return descend(own, own->x, own->fixed, true);
+	return solver_descend(own, own->x, own->fixed, true);
 }
 
 /* Whether two solutions of a lone plane are one: their normals are within a degree. */
@@ -288,7 +288,7 @@ static int try_other_tilt(struct camera_private *own, double *other)
 		return 0;
 	own->other_tilt = problem_rms(&own->problem, other);
 	if (own->other_tilt < rms) {
-		own->fit_error = descend(own, other, own->fixed, false);
+		own->fit_error = solver_descend(own, other, own->fixed, false);
 		own->other_tilt = rms;
 		memcpy(own->x, other, (size_t)n * sizeof(*other));
 		return own->fit_error == -ENOMEM ? -ENOMEM : 0;
@@ -453,7 +453,7 @@ int camera_solve(struct camera_private *own)
 		return -ENOMEM;
 	if (!own->guess_error)
 		err = solve_guessed(own);
-	if (!err && in_space(&own->problem) &&
+	if (!err && is_in_space(&own->problem) &&
 	    (known || own->guess_error ||
 	     problem_rms(&own->problem, own->x) > MISFIT * own->diagonal))
 		err = try_mirrored(own, &start, &elsewhere);

@@ -309,7 +309,7 @@ int tsai_spatial(int count, const double (*place)[3], const double (*sensor)[2],
 }
 
 /* Mean and mean distance from it of points of the plane, so that numbers are about 1. */
-static void normalize(int count, const double (*point)[2], double middle[2], double *size)
+static void normalize_points(int count, const double (*point)[2], double middle[2], double *size)
 {
 	middle[0] = middle[1] = *size = 0;
 	for (int i = 0; i < count; i++)
@@ -329,8 +329,8 @@ int homography_find(int count, const double (*plane)[2], const double (*sensor)[
 
 	if (!a)
 		return -ENOMEM;
-	normalize(count, plane, from, &from_size);
-	normalize(count, sensor, to, &to_size);
+	normalize_points(count, plane, from, &from_size);
+	normalize_points(count, sensor, to, &to_size);
 	for (int i = 0; i < count; i++)
 		for (int k = 0; k < 2; k++) {
 			const double seen = (sensor[i][k] - to[k]) / to_size;

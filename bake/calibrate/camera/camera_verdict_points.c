@@ -57,7 +57,7 @@ void camera_judge_points(struct camera_solution *solution)
 
 /* ---- how points lie in the picture ---- */
 
-static double turn(const double a[2], const double b[2], const double c[2])
+static double turn_of_corner(const double a[2], const double b[2], const double c[2])
 {
 	return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
@@ -77,7 +77,8 @@ static double hull_area(const struct camera_problem *problem)
 		int next = at == 0 ? problem->count - 1 : 0;
 
 		for (int i = 0; i < problem->count; i++) {
-			const double side = turn(point[at].px, point[next].px, point[i].px);
+			const double side = turn_of_corner(point[at].px, point[next].px,
+							   point[i].px);
 			const double far = hypot(point[i].px[0] - point[at].px[0],
 						 point[i].px[1] - point[at].px[1]);
 			const double near = hypot(point[next].px[0] - point[at].px[0],
@@ -86,7 +87,7 @@ static double hull_area(const struct camera_problem *problem)
 			if (side < 0 || (side == 0 && far > near))
 				next = i;
 		}
-		area += turn(point[start].px, point[at].px, point[next].px) / 2;
+		area += turn_of_corner(point[start].px, point[at].px, point[next].px) / 2;
 		at = next;
 	} while (at != start && ++steps < problem->count);
 	return fabs(area);

@@ -16,7 +16,7 @@
 #define FAR 20.0 /* tangent of the widest angle that is looked at */
 
 /* A direction, in focal lengths from the axis, and where it is seen. */
-struct sample {
+struct tsai_sample {
 	double straight[2], px[2];
 };
 
@@ -27,7 +27,7 @@ static bool in_picture(const struct lens *lens, const double px[2])
 
 /* Outwards from the centre along each spoke, as far as the picture goes and the lens does not fold
  * over. Returns how many. */
-static int take_samples(const struct lens *lens, struct sample *sample)
+static int take_samples(const struct lens *lens, struct tsai_sample *sample)
 {
 	const double reach = 2 * hypot(lens->width, lens->height) /
 			     fmin(lens->focal_px[0], lens->focal_px[1]);
@@ -39,7 +39,7 @@ static int take_samples(const struct lens *lens, struct sample *sample)
 
 		for (int k = 1; k <= STEPS; k++) {
 			const double r = fmin(reach, FAR) * k / STEPS;
-			struct sample *s = &sample[count];
+			struct tsai_sample *s = &sample[count];
 			double bent[2], length;
 
 			s->straight[0] = r * cos(angle);
@@ -69,14 +69,14 @@ enum {
 	FIT_UNKNOWNS = FIT_TURN + 3
 };
 
-struct fit {
+struct tsai_fit {
 	const struct lens *lens;
-	const struct sample *sample;
+	const struct tsai_sample *sample;
 	int count;
 	enum tsai_distortion direction;
 };
 
-static void put_camera(const struct fit *fit, const double *x, struct tsai_camera *camera)
+static void put_camera(const struct tsai_fit *fit, const double *x, struct tsai_camera *camera)
 {
 	const struct lens *lens = fit->lens;
 	double slope[3][9];
@@ -94,16 +94,16 @@ static void put_camera(const struct fit *fit, const double *x, struct tsai_camer
 	rotation_from_vector(x + FIT_TURN, camera->rotation, slope);
 }
 
-static bool evaluate(void *context, const double *x, double *residual)
+static bool fit_evaluate(void *context, const double *x, double *residual)
 {
-	const struct fit *fit = context;
+	const struct tsai_fit *fit = context;
 	struct tsai_camera camera;
 
 	if (!(x[FIT_FOCAL_X] > 0) || !(x[FIT_FOCAL_Y] > 0))
 		return false;
 	put_camera(fit, x, &camera);
 	for (int k = 0; k < fit->count; k++) {
-		const struct sample *s = &fit->sample[k];
+		const struct tsai_sample *s = &fit->sample[k];
 		const double world[3] = {s->straight[0], s->straight[1], 1};
 		double px[2];
 
@@ -126,7 +126,7 @@ static void first_guess(const struct lens *lens, double *x)
 }
 
 /* Infinite when nothing comes near. */
-static double worst(const struct least_squares_fit *found, int count)
+static double worst_px(const struct least_squares_fit *found, int count)
 {
 	double most = 0;
 
@@ -135,12 +135,12 @@ static double worst(const struct least_squares_fit *found, int count)
 	return most;
 }
 
-static int fit_direction(const struct fit *fit, double *x, double *error_px)
+static int fit_direction(const struct tsai_fit *fit, double *x, double *error_px)
 {
 	static const double scale[FIT_UNKNOWNS] = {1, 1, 1, 1, 0.01, 1e-3, 1e-3, 1e-3};
 	const struct least_squares problem = {.parameters = FIT_UNKNOWNS,
 					      .residuals = 2 * fit->count,
-					      .evaluate = evaluate,
+					      .evaluate = fit_evaluate,
 					      .context = (void *)fit,
 					      .scale = scale,
 					      .group = 2};
@@ -149,7 +149,7 @@ static int fit_direction(const struct fit *fit, double *x, double *error_px)
 
 	first_guess(fit->lens, x);
 	err = least_squares_solve(&problem, x, &found, NULL);
-	*error_px = err && err != -ETIMEDOUT ? INFINITY : worst(&found, fit->count);
+	*error_px = err && err != -ETIMEDOUT ? INFINITY : worst_px(&found, fit->count);
 	least_squares_free(&found);
 	return err == -ENOMEM ? err : 0;
 }
@@ -157,8 +157,8 @@ static int fit_direction(const struct fit *fit, double *x, double *error_px)
 static int fit_camera(const struct lens *lens, struct tsai_camera *camera, double *error_px,
 		      double *turn_deg)
 {
-	struct sample *sample = malloc((size_t)SPOKES * STEPS * sizeof(*sample));
-	struct fit fit = {.lens = lens, .sample = sample};
+	struct tsai_sample *sample = malloc((size_t)SPOKES * STEPS * sizeof(*sample));
+	struct tsai_fit fit = {.lens = lens, .sample = sample};
 	int err = sample ? 0 : -ENOMEM;
 
 	*error_px = INFINITY;
@@ -193,7 +193,7 @@ static bool only_k1(const struct lens *lens)
 int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
 		 double *error_px, double *turn_deg, struct fault *fault)
 {
-	const struct fit same = {.lens = lens, .direction = TSAI_DISTORTS};
+	const struct tsai_fit same = {.lens = lens, .direction = TSAI_DISTORTS};
 	double x[FIT_UNKNOWNS];
 	int err = 0;
 

@@ -32,7 +32,7 @@ static void write_matrix(FILE *to, const char *name, bool opencv, int rows, int 
 	fputs(" ]\n", to);
 }
 
-static void write_comment(FILE *to, const struct lens *lens, double error_px)
+static void write_yaml_comment(FILE *to, const struct lens *lens, double error_px)
 {
 	fputs("# The lens alone: where the camera is, is no part of this format.\n", to);
 	if (error_px > 0)
@@ -72,7 +72,7 @@ void lens_write_opencv(FILE *to, const struct lens *lens, double error_px)
 
 	camera_matrix(lens, k);
 	fputs("%YAML:1.0\n---\n", to);
-	write_comment(to, lens, error_px);
+	write_yaml_comment(to, lens, error_px);
 	fprintf(to, "image_width: %d\nimage_height: %d\n", lens->width, lens->height);
 	fprintf(to, "fisheye_model: %d\n", lens->fisheye);
 	write_matrix(to, "camera_matrix", true, 3, 3, k);
@@ -86,7 +86,7 @@ void lens_write_ros(FILE *to, const struct lens *lens, const char *name, double 
 	double k[9];
 
 	camera_matrix(lens, k);
-	write_comment(to, lens, error_px);
+	write_yaml_comment(to, lens, error_px);
 	fprintf(to, "image_width: %d\nimage_height: %d\ncamera_name: %s\n", lens->width,
 		lens->height, name);
 	write_matrix(to, "camera_matrix", false, 3, 3, k);

@@ -14,13 +14,13 @@
 
 #define DATA_MAX 16 /* numbers of the largest matrix that is read */
 
-struct matrix {
+struct yaml_matrix {
 	int line; /* of its key; 0: not there */
 	int rows, columns, count;
 	double data[DATA_MAX];
 };
 
-struct reader {
+struct yaml_reader {
 	struct text_file file;
 	bool held; /* its line is given again */
 	int err;   /* why there is no next line, other than the file's end; it is said */
@@ -29,7 +29,7 @@ struct reader {
 
 /* What the keys of a file say. */
 struct spoken {
-	struct matrix camera, distortion;
+	struct yaml_matrix camera, distortion;
 	int width, height, fisheye; /* -1: nothing */
 	char model[64];
 	int model_line;
@@ -38,7 +38,7 @@ struct spoken {
 /* ---- lines ---- */
 
 /* The next line that says something; false at the end. */
-static bool next_line(struct reader *r)
+static bool next_line(struct yaml_reader *r)
 {
 	if (r->held) {
 		r->held = false;
@@ -59,13 +59,13 @@ static bool next_line(struct reader *r)
 	return false;
 }
 
-static bool is_indented(const struct reader *r)
+static bool is_indented(const struct yaml_reader *r)
 {
 	return r->file.line[0] == ' ' || r->file.line[0] == '\t';
 }
 
 /* Cuts "  key: rest" in two; false: it is none. */
-static bool split(char *line, char **key, char **rest)
+static bool split_line(char *line, char **key, char **rest)
 {
 	char *colon;
 
@@ -78,7 +78,7 @@ static bool split(char *line, char **key, char **rest)
 	return true;
 }
 
-static int wrong(const struct reader *r, const char *key, const char *expected)
+static int yaml_fault(const struct yaml_reader *r, const char *key, const char *expected)
 {
 	return fault_say(r->fault, -EINVAL, "%s:%d: %s: expected %s", r->file.path, r->file.number,
 			 key, expected);
@@ -86,8 +86,8 @@ static int wrong(const struct reader *r, const char *key, const char *expected)
 
 /* ---- values ---- */
 
-static int read_int(const struct reader *r, const char *key, const char *text, int least, int most,
-		    int *value)
+static int read_int(const struct yaml_reader *r, const char *key, const char *text, int least,
+		    int most, int *value)
 {
 	char *end, expected[64];
 	long n;
@@ -99,12 +99,12 @@ static int read_int(const struct reader *r, const char *key, const char *text, i
 		return 0;
 	}
 	snprintf(expected, sizeof(expected), "a whole number from %d to %d", least, most);
-	return wrong(r, key, expected);
+	return yaml_fault(r, key, expected);
 }
 
 /* Numbers of one line up to its end or the closing bracket, which *whole says. */
-static int read_numbers(const struct reader *r, const char *key, const char *text, struct matrix *m,
-			bool *whole)
+static int read_numbers(const struct yaml_reader *r, const char *key, const char *text,
+			struct yaml_matrix *m, bool *whole)
 {
 	for (;;) {
 		double value;
@@ -117,40 +117,42 @@ static int read_numbers(const struct reader *r, const char *key, const char *tex
 			return 0;
 		}
 		if (number_read(&text, &value) || (*text && !strchr(" \t,]", *text)))
-			return wrong(r, key, "finite numbers between [ and ]");
+			return yaml_fault(r, key, "finite numbers between [ and ]");
 		if (m->count == DATA_MAX)
-			return wrong(r, key, "fewer numbers");
+			return yaml_fault(r, key, "fewer numbers");
 		m->data[m->count++] = value;
 	}
 }
 
-static int read_data(struct reader *r, const char *key, char *text, struct matrix *m)
+static int read_data(struct yaml_reader *r, const char *key, char *text, struct yaml_matrix *m)
 {
 	bool whole = false;
 	int err;
 
 	if (*text != '[')
-		return wrong(r, key, "data: [ numbers ]");
+		return yaml_fault(r, key, "data: [ numbers ]");
 	err = read_numbers(r, key, text + 1, m, &whole);
 	while (!err && !whole) {
 		if (!next_line(r))
 			return r->err ? r->err
-				      : wrong(r, key, "] after its numbers, not the file's end");
+				      : yaml_fault(r, key,
+						   "] after its numbers, not the file's end");
 		err = read_numbers(r, key, r->file.line, m, &whole);
 	}
 	return err;
 }
 
 /* The block below a key. */
-static int read_matrix(struct reader *r, const char *key, const char *after, struct matrix *m)
+static int read_matrix(struct yaml_reader *r, const char *key, const char *after,
+		       struct yaml_matrix *m)
 {
 	int err = 0;
 
 	if (m->line)
-		return wrong(r, key, "to be there once");
-	*m = (struct matrix){.line = r->file.number};
+		return yaml_fault(r, key, "to be there once");
+	*m = (struct yaml_matrix){.line = r->file.number};
 	if (*after && *after != '!' && *after != '#')
-		return wrong(r, key, "rows, cols and data on lines of their own below it");
+		return yaml_fault(r, key, "rows, cols and data on lines of their own below it");
 	while (!err && next_line(r)) {
 		char *name, *rest;
 
@@ -158,8 +160,8 @@ static int read_matrix(struct reader *r, const char *key, const char *after, str
 			r->held = true;
 			break;
 		}
-		if (!split(r->file.line, &name, &rest))
-			return wrong(r, key, "rows, cols and data");
+		if (!split_line(r->file.line, &name, &rest))
+			return yaml_fault(r, key, "rows, cols and data");
 		if (!strcmp(name, "rows"))
 			err = read_int(r, key, rest, 1, DATA_MAX, &m->rows);
 		else if (!strcmp(name, "cols"))
@@ -177,7 +179,7 @@ static int read_matrix(struct reader *r, const char *key, const char *after, str
 	return err;
 }
 
-static void read_text(const char *from, char *text, size_t room)
+static void read_yaml_text(const char *from, char *text, size_t room)
 {
 	const char quote = *from == '"' || *from == '\'' ? *from : '\0';
 	const char ends[] = {quote ? quote : '#', '\0'};
@@ -190,7 +192,7 @@ static void read_text(const char *from, char *text, size_t room)
 	snprintf(text, room, "%.*s", (int)length, from);
 }
 
-static int read_key(struct reader *r, const char *key, const char *rest, struct spoken *s)
+static int read_key(struct yaml_reader *r, const char *key, const char *rest, struct spoken *s)
 {
 	if (!strcmp(key, "camera_matrix"))
 		return read_matrix(r, "camera_matrix", rest, &s->camera);
@@ -203,13 +205,13 @@ static int read_key(struct reader *r, const char *key, const char *rest, struct 
 	if (!strcmp(key, "fisheye_model"))
 		return read_int(r, key, rest, 0, 1, &s->fisheye);
 	if (!strcmp(key, "distortion_model")) {
-		read_text(rest, s->model, sizeof(s->model));
+		read_yaml_text(rest, s->model, sizeof(s->model));
 		s->model_line = r->file.number;
 	}
 	return 0;
 }
 
-static int read_all(struct reader *r, struct spoken *s)
+static int read_keys(struct yaml_reader *r, struct spoken *s)
 {
 	int err = 0;
 
@@ -219,8 +221,9 @@ static int read_all(struct reader *r, struct spoken *s)
 		/* of a key that is passed over */
 		if (is_indented(r) || r->file.line[0] == '-' || r->file.line[0] == ']')
 			continue;
-		if (!split(r->file.line, &key, &rest))
-			return wrong(r, r->file.line, "KEY: VALUE, as OpenCV and ROS write lenses");
+		if (!split_line(r->file.line, &key, &rest))
+			return yaml_fault(r, r->file.line,
+					  "KEY: VALUE, as OpenCV and ROS write lenses");
 		err = read_key(r, key, rest, s);
 	}
 	return err ? err : r->err;
@@ -228,7 +231,7 @@ static int read_all(struct reader *r, struct spoken *s)
 
 /* ---- what they mean ---- */
 
-static int take_camera(struct lens *lens, const struct reader *r, const struct matrix *m)
+static int take_camera(struct lens *lens, const struct yaml_reader *r, const struct yaml_matrix *m)
 {
 	const double *k = m->data;
 
@@ -252,7 +255,7 @@ static int take_camera(struct lens *lens, const struct reader *r, const struct m
 	return 0;
 }
 
-static int take_model(struct lens *lens, const struct reader *r, const struct spoken *s)
+static int take_model(struct lens *lens, const struct yaml_reader *r, const struct spoken *s)
 {
 	if (s->fisheye >= 0)
 		lens->fisheye = s->fisheye == 1;
@@ -268,7 +271,8 @@ static int take_model(struct lens *lens, const struct reader *r, const struct sp
 			 r->file.path, s->model_line, s->model);
 }
 
-static int take_distortion(struct lens *lens, const struct reader *r, const struct matrix *m)
+static int take_distortion(struct lens *lens, const struct yaml_reader *r,
+			   const struct yaml_matrix *m)
 {
 	const int most = lens->fisheye ? FISHEYE_TERMS : LENS_TERMS;
 
@@ -294,7 +298,7 @@ static int take_distortion(struct lens *lens, const struct reader *r, const stru
 	return 0;
 }
 
-static int take_size(struct lens *lens, const struct reader *r, const struct spoken *s)
+static int take_size(struct lens *lens, const struct yaml_reader *r, const struct spoken *s)
 {
 	lens->width = s->width > 0 ? s->width : lens->width;
 	lens->height = s->height > 0 ? s->height : lens->height;
@@ -307,13 +311,13 @@ static int take_size(struct lens *lens, const struct reader *r, const struct spo
 
 int lens_read_yaml(struct lens *lens, const char *path, struct fault *fault)
 {
-	struct reader r = {.fault = fault};
+	struct yaml_reader r = {.fault = fault};
 	struct spoken s = {.width = -1, .height = -1, .fisheye = -1};
 	int err = text_file_open(&r.file, path, fault);
 
 	if (err)
 		return err;
-	err = read_all(&r, &s);
+	err = read_keys(&r, &s);
 	if (!err)
 		err = take_size(lens, &r, &s);
 	if (!err)

@@ -32,8 +32,8 @@ static void name_worst(const double *v, int n, int worst[2])
 }
 
 /* V S^-2 V^T in units of the columns. */
-static void assemble(const double *v, const double *singular, double least, const double *length,
-		     int n, double *inverse)
+static void assemble_covariance(const double *v, const double *singular, double least,
+				const double *length, int n, double *inverse)
 {
 	for (int a = 0; a < n; a++)
 		for (int b = 0; b < n; b++) {
@@ -75,7 +75,7 @@ int covariance_find(const struct covariance_task *task, double *inverse, double 
 			weakest = k;
 	}
 	name_worst(v + (size_t)weakest * (size_t)n, n, worst);
-	assemble(v, singular, task->rounding * largest, length, n, inverse);
+	assemble_covariance(v, singular, task->rounding * largest, length, n, inverse);
 	*condition = INFINITY;
 	if (singular[weakest] > task->rounding * largest)
 		*condition = (largest / singular[weakest]) * (largest / singular[weakest]);

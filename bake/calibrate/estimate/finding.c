@@ -67,7 +67,7 @@ void finding_add(struct finding *finding, const char *key, const char *label, co
 	finding->figures++;
 }
 
-static bool same(const struct observation *a, const struct observation *b)
+static bool same_observation(const struct observation *a, const struct observation *b)
 {
 	return !memcmp(a->world, b->world, sizeof(a->world)) &&
 	       !memcmp(a->px, b->px, sizeof(a->px));
@@ -82,7 +82,7 @@ void finding_doubt_twins(struct finding *finding)
 
 		for (int i = 0; i < seen->view[v].count; i++)
 			for (int j = 0; j < i; j++) {
-				if (!same(&point[j], &point[i]))
+				if (!same_observation(&point[j], &point[i]))
 					continue;
 				verdict_doubt(
 					&finding->verdict, "list every point once",

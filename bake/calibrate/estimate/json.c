@@ -24,7 +24,7 @@ static int utf8_length(const unsigned char *text)
 }
 
 /* Names of files need not be UTF-8, JSON is: what is none is replaced. */
-static void write_text(FILE *to, const char *text)
+static void write_json_text(FILE *to, const char *text)
 {
 	fputc('"', to);
 	while (*text) {
@@ -62,7 +62,7 @@ static void before_value(struct json *json, const char *key)
 		new_line(json);
 	if (!key)
 		return;
-	write_text(json->to, key);
+	write_json_text(json->to, key);
 	fputs(": ", json->to);
 }
 
@@ -117,7 +117,7 @@ void json_line(struct json *json, const char *key)
 void json_text(struct json *json, const char *key, const char *text)
 {
 	before_value(json, key);
-	write_text(json->to, text);
+	write_json_text(json->to, text);
 }
 
 void json_number(struct json *json, const char *key, double value)

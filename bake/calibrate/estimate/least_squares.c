@@ -24,7 +24,7 @@
 
 /* What lmder's callbacks need; its unknowns are the free parameters' distances from base in units
  * of their scales. */
-struct work {
+struct descent {
 	const struct least_squares *problem;
 	int columns;		     /* free parameters */
 	int *parameter;		     /* [columns] */
@@ -39,7 +39,7 @@ struct work {
 	int *pivot;
 };
 
-static void work_free(struct work *work)
+static void descent_free(struct descent *work)
 {
 	free(work->parameter);
 	free(work->base);
@@ -56,12 +56,12 @@ static void work_free(struct work *work)
 	free(work->pivot);
 }
 
-static int work_create(struct work *work, const struct least_squares *problem)
+static int descent_create(struct descent *work, const struct least_squares *problem)
 {
 	const size_t n = (size_t)problem->parameters, m = (size_t)problem->residuals;
 	const size_t groups = m / (size_t)problem->group;
 
-	*work = (struct work){.problem = problem};
+	*work = (struct descent){.problem = problem};
 	work->parameter = calloc(n, sizeof(*work->parameter));
 	work->base = calloc(n, sizeof(double));
 	work->x = calloc(n, sizeof(double));
@@ -78,7 +78,7 @@ static int work_create(struct work *work, const struct least_squares *problem)
 	if (!work->parameter || !work->base || !work->x || !work->root || !work->dense ||
 	    !work->ahead || !work->behind || !work->jacobian || !work->residual || !work->lengths ||
 	    !work->unknown || !work->for_lmder || !work->pivot) {
-		work_free(work);
+		descent_free(work);
 		return -ENOMEM;
 	}
 	for (int k = 0; k < problem->parameters; k++)
@@ -87,7 +87,7 @@ static int work_create(struct work *work, const struct least_squares *problem)
 	return 0;
 }
 
-static bool evaluate(const struct work *work, const double *x, double *residual)
+static bool descent_evaluate(const struct descent *work, const double *x, double *residual)
 {
 	const struct least_squares *problem = work->problem;
 
@@ -99,7 +99,7 @@ static bool evaluate(const struct work *work, const double *x, double *residual)
 	return true;
 }
 
-static void difference(struct work *work, double *x)
+static void descent_difference(struct descent *work, double *x)
 {
 	const struct least_squares *problem = work->problem;
 	const int n = problem->parameters;
@@ -112,17 +112,17 @@ static void difference(struct work *work, double *x)
 		bool ahead, behind;
 
 		x[k] = above;
-		ahead = evaluate(work, x, work->ahead);
+		ahead = descent_evaluate(work, x, work->ahead);
 		x[k] = below;
-		behind = evaluate(work, x, work->behind);
+		behind = descent_evaluate(work, x, work->behind);
 		x[k] = here;
 		if (!ahead && !behind)
 			continue;
 		if (!ahead) {
-			evaluate(work, x, work->ahead);
+			descent_evaluate(work, x, work->ahead);
 			above = here;
 		} else if (!behind) {
-			evaluate(work, x, work->behind);
+			descent_evaluate(work, x, work->behind);
 			below = here;
 		}
 		for (int i = 0; i < problem->residuals; i++)
@@ -132,7 +132,7 @@ static void difference(struct work *work, double *x)
 }
 
 /* Weighted, free columns only, in units of the scales. */
-static void differentiate(struct work *work, double *x, double *jacobian)
+static void descent_differentiate(struct descent *work, double *x, double *jacobian)
 {
 	const struct least_squares *problem = work->problem;
 	const int n = problem->parameters, m = problem->residuals;
@@ -141,7 +141,7 @@ static void differentiate(struct work *work, double *x, double *jacobian)
 	if (problem->differentiate)
 		problem->differentiate(problem->context, x, work->dense);
 	else
-		difference(work, x);
+		descent_difference(work, x);
 	for (int j = 0; j < work->columns; j++) {
 		const int k = work->parameter[j];
 
@@ -152,10 +152,10 @@ static void differentiate(struct work *work, double *x, double *jacobian)
 	}
 }
 
-static int called_back(void *context, int m, int n, const double *unknown, double *residual,
-		       double *jacobian, int stride, int what)
+static int minpack_calls(void *context, int m, int n, const double *unknown, double *residual,
+			 double *jacobian, int stride, int what)
 {
-	struct work *work = context;
+	struct descent *work = context;
 	const struct least_squares *problem = work->problem;
 
 	(void)stride; /* m */
@@ -165,10 +165,10 @@ static int called_back(void *context, int m, int n, const double *unknown, doubl
 		work->x[k] = work->base[k] + problem->scale[k] * unknown[j];
 	}
 	if (what == 2) {
-		differentiate(work, work->x, jacobian);
+		descent_differentiate(work, work->x, jacobian);
 		return 0;
 	}
-	if (evaluate(work, work->x, residual))
+	if (descent_evaluate(work, work->x, residual))
 		for (int i = 0; i < m; i++)
 			residual[i] *= work->root[i / problem->group];
 	else
@@ -178,7 +178,7 @@ static int called_back(void *context, int m, int n, const double *unknown, doubl
 }
 
 /* From base, with the weights as they are; base becomes the solution. */
-static int descend(struct work *work, double tolerance, int *iterations)
+static int descent_run(struct descent *work, double tolerance, int *iterations)
 {
 	const struct least_squares *problem = work->problem;
 	const int n = work->columns, m = problem->residuals;
@@ -188,23 +188,24 @@ static int descend(struct work *work, double tolerance, int *iterations)
 
 	memcpy(work->x, work->base, (size_t)problem->parameters * sizeof(*work->x));
 	memset(unknown, 0, (size_t)n * sizeof(*unknown));
-	info = lmder(called_back, work, m, n, unknown, work->residual, work->jacobian, m, tolerance,
-		     tolerance, 0, EVALUATIONS_MAX, wa, 1, 100, 0, &evaluations, &derivatives,
-		     work->pivot, wa + n, wa + 2 * n, wa + 3 * n, wa + 4 * n, wa + 5 * n);
+	info = lmder(minpack_calls, work, m, n, unknown, work->residual, work->jacobian, m,
+		     tolerance, tolerance, 0, EVALUATIONS_MAX, wa, 1, 100, 0, &evaluations,
+		     &derivatives, work->pivot, wa + n, wa + 2 * n, wa + 3 * n, wa + 4 * n,
+		     wa + 5 * n);
 	*iterations += derivatives;
 	for (int j = 0; j < n; j++)
 		work->base[work->parameter[j]] += problem->scale[work->parameter[j]] * unknown[j];
 	return info == 5 ? -ETIMEDOUT : 0;
 }
 
-static int compare(const void *a, const void *b)
+static int compare_lengths(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
 
 	return (x > y) - (x < y);
 }
 
-static double group_length(const struct work *work, const double *residual, int g)
+static double group_length(const struct descent *work, const double *residual, int g)
 {
 	double squares = 0;
 
@@ -219,7 +220,7 @@ static double group_length(const struct work *work, const double *residual, int 
 /* The loss's c: loss_scale times sigma from the median length, which is that of a chi
  * distribution of as many degrees of freedom as a group has (Wilson and Hilferty), widened for the
  * freedom that the fit took. */
-static double loss_width(const struct work *work, const double *residual)
+static double loss_width(const struct descent *work, const double *residual)
 {
 	const struct least_squares *problem = work->problem;
 	const int groups = problem->residuals / problem->group;
@@ -229,7 +230,7 @@ static double loss_width(const struct work *work, const double *residual)
 
 	for (int g = 0; g < groups; g++)
 		work->lengths[g] = group_length(work, residual, g);
-	qsort(work->lengths, (size_t)groups, sizeof(*work->lengths), compare);
+	qsort(work->lengths, (size_t)groups, sizeof(*work->lengths), compare_lengths);
 	sigma = work->lengths[groups / 2] / median_of_one *
 		sqrt((double)problem->residuals / (freedom > 0 ? freedom : 1));
 	/* Where most points fit to rounding, rounding is not what tells them apart. */
@@ -237,7 +238,7 @@ static double loss_width(const struct work *work, const double *residual)
 }
 
 /* New weights; returns the largest change of one. */
-static double reweight(struct work *work, const double *residual, double *width)
+static double descent_reweight(struct descent *work, const double *residual, double *width)
 {
 	const int groups = work->problem->residuals / work->problem->group;
 	double most = 0;
@@ -255,7 +256,8 @@ static double reweight(struct work *work, const double *residual, double *width)
 }
 
 /* Fills squares, sigma and freedom; returns what the covariance is multiplied with. */
-static double spread(const struct work *work, double width, struct least_squares_fit *fit)
+static double residual_spread(const struct descent *work, double width,
+			      struct least_squares_fit *fit)
 {
 	const struct least_squares *problem = work->problem;
 	const int groups = problem->residuals / problem->group;
@@ -285,7 +287,8 @@ static double spread(const struct work *work, double width, struct least_squares
 	return fit->sigma * fit->sigma;
 }
 
-static int fill(struct work *work, double width, struct least_squares_fit *fit, struct fault *fault)
+static int fit_fill(struct descent *work, double width, struct least_squares_fit *fit,
+		    struct fault *fault)
 {
 	const struct least_squares *problem = work->problem;
 	const int n = problem->parameters;
@@ -301,11 +304,11 @@ static int fill(struct work *work, double width, struct least_squares_fit *fit, 
 	int err, worst[2];
 
 	memcpy(work->x, work->base, (size_t)n * sizeof(*work->x));
-	evaluate(work, work->x, fit->residual);
+	descent_evaluate(work, work->x, fit->residual);
 	for (int g = 0; g < problem->residuals / problem->group; g++)
 		fit->weight[g] = work->root[g] * work->root[g];
-	variance = spread(work, width, fit);
-	differentiate(work, work->x, work->jacobian);
+	variance = residual_spread(work, width, fit);
+	descent_differentiate(work, work->x, work->jacobian);
 	err = covariance_find(&task, small, &fit->condition, worst);
 	if (err && err != -ERANGE)
 		return err;
@@ -329,7 +332,8 @@ static int fill(struct work *work, double width, struct least_squares_fit *fit, 
 	return err;
 }
 
-static int solve(struct work *work, double *x, struct least_squares_fit *fit, struct fault *fault)
+static int fit_solve(struct descent *work, double *x, struct least_squares_fit *fit,
+		     struct fault *fault)
 {
 	const struct least_squares *problem = work->problem;
 	const size_t bytes = (size_t)problem->parameters * sizeof(*x);
@@ -339,24 +343,24 @@ static int solve(struct work *work, double *x, struct least_squares_fit *fit, st
 	memcpy(work->base, x, bytes);
 	for (int g = 0; g < problem->residuals / problem->group; g++)
 		work->root[g] = 1;
-	if (!evaluate(work, x, fit->residual))
+	if (!descent_evaluate(work, x, fit->residual))
 		return fault_say(fault, -EDOM, "the first guess does not see every point");
 	/* A robust descent has its weights from the first guess on: plain squares would follow the
 	 * outliers away from a good one. */
 	if (!problem->stay && !(problem->loss_scale > 0))
-		late = descend(work, TOLERANCE, &fit->iterations);
+		late = descent_run(work, TOLERANCE, &fit->iterations);
 	for (int k = 0; problem->loss_scale > 0 && k < WEIGHTINGS_MAX; k++) {
 		double change;
 
-		evaluate(work, work->base, fit->residual);
-		change = reweight(work, fit->residual, &width);
+		descent_evaluate(work, work->base, fit->residual);
+		change = descent_reweight(work, fit->residual, &width);
 		if (change < WEIGHTS_SETTLED)
 			break;
 		if (!problem->stay)
-			late = descend(work, change < WEIGHTS_MOVE ? TOLERANCE : ROUGHLY,
-				       &fit->iterations);
+			late = descent_run(work, change < WEIGHTS_MOVE ? TOLERANCE : ROUGHLY,
+					   &fit->iterations);
 	}
-	err = fill(work, width, fit, fault);
+	err = fit_fill(work, width, fit, fault);
 	memcpy(x, work->base, bytes);
 	if (!err && late)
 		err = fault_say(fault, late, "no solution after %d iterations", fit->iterations);
@@ -367,7 +371,7 @@ int least_squares_solve(const struct least_squares *problem, double *x,
 			struct least_squares_fit *fit, struct fault *fault)
 {
 	const size_t n = (size_t)problem->parameters, m = (size_t)problem->residuals;
-	struct work work;
+	struct descent work;
 	int err;
 
 	*fit = (struct least_squares_fit){0};
@@ -375,7 +379,7 @@ int least_squares_solve(const struct least_squares *problem, double *x,
 	    problem->residuals < 1)
 		return fault_say(fault, -EINVAL, "%d numbers in groups of %d, %d parameters",
 				 problem->residuals, problem->group, problem->parameters);
-	err = work_create(&work, problem);
+	err = descent_create(&work, problem);
 	if (err)
 		return fault_say(fault, err, "out of memory");
 	fit->covariance = calloc(n * n, sizeof(*fit->covariance));
@@ -388,8 +392,8 @@ int least_squares_solve(const struct least_squares *problem, double *x,
 		err = fault_say(fault, -EINVAL, "%d numbers observed, %d parameters to find",
 				problem->residuals, work.columns);
 	else
-		err = solve(&work, x, fit, fault);
-	work_free(&work);
+		err = fit_solve(&work, x, fit, fault);
+	descent_free(&work);
 	return err;
 }
 

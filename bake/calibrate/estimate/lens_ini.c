@@ -3,7 +3,7 @@
 
 #include <errno.h>
 
-static void *place_camera(void *root, const char *instance)
+static void *place_lens_camera(void *root, const char *instance)
 {
 	struct lens_ini *ini = root;
 
@@ -12,7 +12,7 @@ static void *place_camera(void *root, const char *instance)
 	return &ini->camera;
 }
 
-static void *place_fisheye(void *root, const char *instance)
+static void *place_lens_fisheye(void *root, const char *instance)
 {
 	struct lens_ini *ini = root;
 
@@ -24,8 +24,8 @@ static void *place_fisheye(void *root, const char *instance)
 int lens_read_ini(struct lens_ini *ini, const char *path, struct fault *fault)
 {
 	static const struct ini_table tables[] = {
-		{.section = "camera", .keys = tsai_keys, .place = place_camera},
-		{.section = "fisheye", .keys = fisheye_keys, .place = place_fisheye},
+		{.section = "camera", .keys = tsai_keys, .place = place_lens_camera},
+		{.section = "fisheye", .keys = fisheye_keys, .place = place_lens_fisheye},
 		INI_TABLES_END,
 	};
 	struct ini_report report = {.count = 0};

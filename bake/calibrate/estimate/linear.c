@@ -9,7 +9,7 @@
 
 #define SWEEPS_MAX 60
 
-static double dot(const double *a, const double *b, int count)
+static double column_dot(const double *a, const double *b, int count)
 {
 	double sum = 0;
 
@@ -28,7 +28,7 @@ void linear_scale(double *a, int rows, int columns, double *length)
 			largest = fmax(largest, fabs(column[i]));
 		for (int i = 0; i < rows && largest > 0; i++)
 			column[i] /= largest;
-		size = sqrt(dot(column, column, rows));
+		size = sqrt(column_dot(column, column, rows));
 		for (int i = 0; i < rows && largest > 0; i++)
 			column[i] /= size;
 		length[j] = largest > 0 ? largest * size : 1;
@@ -39,7 +39,7 @@ void linear_triangulate(double *a, int rows, int columns, int kept, double *r)
 {
 	for (int j = 0; j < kept; j++) {
 		double *v = a + (size_t)j * (size_t)rows;
-		const double size = sqrt(dot(v + j, v + j, rows - j));
+		const double size = sqrt(column_dot(v + j, v + j, rows - j));
 		const double head = v[j] > 0 ? -size : size;
 		double reach;
 
@@ -47,10 +47,10 @@ void linear_triangulate(double *a, int rows, int columns, int kept, double *r)
 			r[j * kept + i] = i < j ? v[i] : 0;
 		r[j * kept + j] = head;
 		v[j] -= head;
-		reach = dot(v + j, v + j, rows - j);
+		reach = column_dot(v + j, v + j, rows - j);
 		for (int k = j + 1; k < columns && reach > 0; k++) {
 			double *other = a + (size_t)k * (size_t)rows;
-			const double part = 2 * dot(v + j, other + j, rows - j) / reach;
+			const double part = 2 * column_dot(v + j, other + j, rows - j) / reach;
 
 			for (int i = j; i < rows; i++)
 				other[i] -= part * v[i];
@@ -61,7 +61,7 @@ void linear_triangulate(double *a, int rows, int columns, int kept, double *r)
 		       (size_t)kept * sizeof(*r));
 }
 
-static void rotate(double *a, double *b, int count, double c, double s)
+static void rotate_columns(double *a, double *b, int count, double c, double s)
 {
 	for (int i = 0; i < count; i++) {
 		const double x = a[i], y = b[i];
@@ -72,10 +72,10 @@ static void rotate(double *a, double *b, int count, double c, double s)
 }
 
 /* Makes columns p and q of r orthogonal. False: they are. */
-static bool turn(double *r, double *v, int n, int p, int q)
+static bool jacobi_rotate(double *r, double *v, int n, int p, int q)
 {
 	double *a = r + (size_t)p * (size_t)n, *b = r + (size_t)q * (size_t)n;
-	const double aa = dot(a, a, n), bb = dot(b, b, n), ab = dot(a, b, n);
+	const double aa = column_dot(a, a, n), bb = column_dot(b, b, n), ab = column_dot(a, b, n);
 	double zeta, t, c;
 
 	if (fabs(ab) <= DBL_EPSILON * sqrt(aa * bb) || ab == 0)
@@ -83,8 +83,8 @@ static bool turn(double *r, double *v, int n, int p, int q)
 	zeta = (bb - aa) / (2 * ab);
 	t = copysign(1, zeta) / (fabs(zeta) + hypot(1, zeta));
 	c = 1 / hypot(1, t);
-	rotate(a, b, n, c, c * t);
-	rotate(v + (size_t)p * (size_t)n, v + (size_t)q * (size_t)n, n, c, c * t);
+	rotate_columns(a, b, n, c, c * t);
+	rotate_columns(v + (size_t)p * (size_t)n, v + (size_t)q * (size_t)n, n, c, c * t);
 	return true;
 }
 
@@ -99,7 +99,7 @@ void linear_diagonalize(double *r, double *v, int n)
 		turned = false;
 		for (int p = 0; p < n; p++)
 			for (int q = p + 1; q < n; q++)
-				turned |= turn(r, v, n, p, q);
+				turned |= jacobi_rotate(r, v, n, p, q);
 	}
 }
 
@@ -115,8 +115,8 @@ double linear_solve(double *a, int rows, int columns, double *x)
 	memset(x, 0, (size_t)columns * sizeof(*x));
 	for (int k = 0; k < columns; k++) {
 		const double *w = r + k * columns;
-		const double square = dot(w, w, columns);
-		const double part = square > 0 ? dot(w, b, columns) / square : 0;
+		const double square = column_dot(w, w, columns);
+		const double part = square > 0 ? column_dot(w, b, columns) / square : 0;
 
 		least = fmin(least, square);
 		most = fmax(most, square);
@@ -135,7 +135,7 @@ double linear_null(double *a, int rows, int columns, double *x)
 	linear_triangulate(a, rows, columns, columns, r);
 	linear_diagonalize(r, v, columns);
 	for (int k = 0; k < columns; k++) {
-		const double square = dot(r + k * columns, r + k * columns, columns);
+		const double square = column_dot(r + k * columns, r + k * columns, columns);
 
 		most = fmax(most, square);
 		if (square < least) {

@@ -25,7 +25,7 @@
 #define BOARDS_EVERYWHERE "show the board in several places, tilted, out to the rim"
 #define LAMPS_EVERYWHERE "add lamps in other directions, out to the rim"
 
-static const char *more(const struct lens_problem *problem)
+static const char *more_pictures(const struct lens_problem *problem)
 {
 	return problem->directions ? LAMPS_EVERYWHERE : BOARDS_EVERYWHERE;
 }
@@ -55,14 +55,14 @@ bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_proble
 		}
 	if (problem->seen->count >= least)
 		return false;
-	verdict_doubt(&result->finding.verdict, more(problem),
+	verdict_doubt(&result->finding.verdict, more_pictures(problem),
 		      "there are %d points, fewer than the %d that tell a lens",
 		      problem->seen->count, least);
 	return true;
 }
 
 /* The farthest from the axis that a point was seen, a few outliers aside. */
-static int descending(const void *a, const void *b)
+static int by_falling_angle(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
 
@@ -82,7 +82,7 @@ static double seen_to_deg(const struct fisheye_result *result)
 			angle[count++] = deg;
 	}
 	if (count) {
-		qsort(angle, (size_t)count, sizeof(*angle), descending);
+		qsort(angle, (size_t)count, sizeof(*angle), by_falling_angle);
 		farthest = angle[count / 50];
 	}
 	free(angle);
@@ -90,7 +90,7 @@ static double seen_to_deg(const struct fisheye_result *result)
 }
 
 /* Root mean square of the directions' distances from the plane nearest to them. */
-static double flatness(const struct observations *seen)
+static double flatness_of(const struct observations *seen)
 {
 	double a[9] = {0}, v[9], least = INFINITY;
 
@@ -121,7 +121,7 @@ static void doubt_unsolved(struct fisheye_result *result, const struct lens_prob
 		verdict_doubt(&result->finding.verdict, "choose another model, or none",
 			      "a lens of the %s model cannot show all of the points", name);
 	else
-		verdict_doubt(&result->finding.verdict, more(problem),
+		verdict_doubt(&result->finding.verdict, more_pictures(problem),
 			      "the points do not tell a lens of the %s model: %s", name,
 			      trials->fault[model].text);
 }
@@ -170,13 +170,13 @@ static void doubt_reach(struct fisheye_result *result, const struct lens_problem
 		    seen);
 	if (seen < NEAR_AXIS_DEG && !known)
 		verdict_doubt(
-			&result->finding.verdict, more(problem),
+			&result->finding.verdict, more_pictures(problem),
 			"all points lie within %.0f degrees of the axis: focal length and model "
 			"cannot be told apart",
 			seen);
 	if (seen < share * wanted->field_deg)
 		verdict_doubt(
-			&result->finding.verdict, more(problem),
+			&result->finding.verdict, more_pictures(problem),
 			"nothing was seen beyond %.0f degrees from the axis: the lens is a guess "
 			"from there to the rim at %.0f",
 			seen, wanted->field_deg);
@@ -211,7 +211,7 @@ void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *pro
 		   enum fisheye_model model)
 {
 	finding_doubt_twins(&result->finding);
-	if (problem->directions && flatness(problem->seen) < FLAT)
+	if (problem->directions && flatness_of(problem->seen) < FLAT)
 		verdict_doubt(
 			&result->finding.verdict, LAMPS_EVERYWHERE,
 			"the directions all lie in one plane: what is across it cannot be told");
@@ -230,5 +230,5 @@ void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *pro
 	doubt_model(result, trials, model);
 	doubt_outliers(result);
 	doubt_reach(result, problem, wanted);
-	fisheye_doubt_circle(result, wanted->tolerance_px, more(problem));
+	fisheye_doubt_circle(result, wanted->tolerance_px, more_pictures(problem));
 }

@@ -33,8 +33,8 @@ struct bins {
 	int count;
 };
 
-static void add_pixel(struct bins *bins, const struct fisheye *lens, const struct image *picture,
-		      const double decode[256], int x, int y)
+static void bins_add_pixel(struct bins *bins, const struct fisheye *lens,
+			   const struct image *picture, const double decode[256], int x, int y)
 {
 	const double px[2] = {x + 0.5, y + 0.5};
 	const size_t at = 3 * ((size_t)y * (size_t)picture->width + (size_t)x);
@@ -62,7 +62,7 @@ static void add_pixel(struct bins *bins, const struct fisheye *lens, const struc
 }
 
 /* What bins hold becomes means; those that tell nothing go. Returns the share that was clipped. */
-static double settle(struct bins *bins)
+static double bins_settle(struct bins *bins)
 {
 	int clipped = 0, all = 0;
 
@@ -82,7 +82,7 @@ static double settle(struct bins *bins)
 	return all ? (double)clipped / all : 0;
 }
 
-static bool evaluate(void *context, const double *x, double *residual)
+static bool falloff_evaluate(void *context, const double *x, double *residual)
 {
 	const struct bins *bins = context;
 
@@ -96,14 +96,14 @@ static bool evaluate(void *context, const double *x, double *residual)
 	return x[LEVEL] > 0;
 }
 
-static int fit(struct falloff *falloff, struct bins *bins, double x[NUMBERS],
-	       struct least_squares_fit *found, struct fault *fault)
+static int falloff_fit(struct falloff *falloff, struct bins *bins, double x[NUMBERS],
+		       struct least_squares_fit *found, struct fault *fault)
 {
 	const double scale[NUMBERS] = {0.1 * x[LEVEL], 0.1, 0.1, 0.1};
 	const struct least_squares problem = {
 		.parameters = NUMBERS,
 		.residuals = bins->count,
-		.evaluate = evaluate,
+		.evaluate = falloff_evaluate,
 		.context = bins,
 		.scale = scale,
 		.loss_scale = LOSS_SCALE,
@@ -128,10 +128,11 @@ static int fit(struct falloff *falloff, struct bins *bins, double x[NUMBERS],
 	return 0;
 }
 
-static int find(struct falloff *falloff, struct bins *bins, const struct fisheye *lens,
-		const struct fisheye_settings *settings, struct fault *fault)
+static int falloff_from_picture(struct falloff *falloff, struct bins *bins,
+				const struct fisheye *lens, const struct fisheye_settings *settings,
+				struct fault *fault)
 {
-	const double u = lens->field_rad * lens->field_rad, clipped = settle(bins);
+	const double u = lens->field_rad * lens->field_rad, clipped = bins_settle(bins);
 	struct least_squares_fit found = {.covariance = NULL};
 	struct fisheye_settings with = *settings;
 	double x[NUMBERS] = {0};
@@ -149,7 +150,7 @@ static int find(struct falloff *falloff, struct bins *bins, const struct fisheye
 			      "the picture shows no uniform view");
 		return 0;
 	}
-	err = fit(falloff, bins, x, &found, fault);
+	err = falloff_fit(falloff, bins, x, &found, fault);
 	least_squares_free(&found);
 	if (err)
 		return err;
@@ -178,9 +179,9 @@ int falloff_find(struct falloff *falloff, const struct image *picture,
 		decode[code] = transfer_decode(TRANSFER_SRGB, code / 255.0);
 	for (int y = 0; !err && y < picture->height; y++)
 		for (int x = 0; x < picture->width; x++)
-			add_pixel(bins, &lens, picture, decode, x, y);
+			bins_add_pixel(bins, &lens, picture, decode, x, y);
 	if (!err)
-		err = find(falloff, bins, &lens, settings, fault);
+		err = falloff_from_picture(falloff, bins, &lens, settings, fault);
 	free(bins);
 	return err;
 }

@@ -134,8 +134,8 @@ static const double *world_rotation(const struct lens_solution *solution, int po
 	return pose < 0 ? unturned : solution->pose[pose].rotation;
 }
 
-static void know(struct lens_knowledge *knowledge, const struct lens_problem *problem,
-		 const struct lens_solution *solution, int pose)
+static void find_knowledge(struct lens_knowledge *knowledge, const struct lens_problem *problem,
+			   const struct lens_solution *solution, int pose)
 {
 	const int n = solution->parameters;
 	int at[KNOWLEDGE_COUNT];
@@ -151,8 +151,8 @@ static void know(struct lens_knowledge *knowledge, const struct lens_problem *pr
 }
 
 /* Lenses from odd and from even points; none where a half tells no lens. */
-static void halve(struct lens_knowledge *knowledge, const struct lens_problem *problem,
-		  const struct lens_solution *solution, int pose)
+static void find_halves(struct lens_knowledge *knowledge, const struct lens_problem *problem,
+			const struct lens_solution *solution, int pose)
 {
 	knowledge->halved = true;
 	for (int h = 0; h < 2 && knowledge->halved; h++) {
@@ -230,9 +230,9 @@ void fisheye_result_settings(struct fisheye_result *result, double field_deg)
 		turn_degrees(lens->rotation, s->rotation_deg);
 }
 
-static int publish(struct fisheye_result *result, const struct lens_problem *problem,
-		   const struct model_trials *trials, const struct fisheye_wanted *wanted,
-		   enum fisheye_model model)
+static int publish_lens(struct fisheye_result *result, const struct lens_problem *problem,
+			const struct model_trials *trials, const struct fisheye_wanted *wanted,
+			enum fisheye_model model)
 {
 	const struct lens_solution *solution = &trials->solution[model];
 	const int pose = problem->directions ? 0 : wanted->world_view;
@@ -241,12 +241,12 @@ static int publish(struct fisheye_result *result, const struct lens_problem *pro
 
 	if (err)
 		return err;
-	know(&result->knowledge, problem, solution, pose);
+	find_knowledge(&result->knowledge, problem, solution, pose);
 	result->knowledge.field_rad = wanted->field_deg * (M_PI / 180);
 	result->knowledge.width = finding->width;
 	result->knowledge.height = finding->height;
 	result->oriented = pose >= 0;
-	halve(&result->knowledge, problem, solution, pose);
+	find_halves(&result->knowledge, problem, solution, pose);
 	snprintf(finding->model, sizeof(finding->model), "%s", fisheye_model_names[model]);
 	fill_points(finding, problem, solution);
 	knowledge_publish(&result->knowledge, finding);
@@ -255,9 +255,9 @@ static int publish(struct fisheye_result *result, const struct lens_problem *pro
 	return 0;
 }
 
-static int find(struct fisheye_result *result, const struct lens_problem *problem,
-		const struct fisheye_wanted *wanted, struct lens_solution *start,
-		struct fault *fault)
+static int find_lens(struct fisheye_result *result, const struct lens_problem *problem,
+		     const struct fisheye_wanted *wanted, struct lens_solution *start,
+		     struct fault *fault)
 {
 	struct model_trials trials = {.mirrored = false};
 	bool mirrored = false;
@@ -277,7 +277,7 @@ static int find(struct fisheye_result *result, const struct lens_problem *proble
 	model = wanted->model == FISHEYE_MODEL_AUTO ? trials.best
 						    : (enum fisheye_model)wanted->model;
 	if (trials.solved[model])
-		err = publish(result, problem, &trials, wanted, model);
+		err = publish_lens(result, problem, &trials, wanted, model);
 	if (!err)
 		fisheye_doubt(result, problem, &trials, wanted, model);
 	models_free(&trials);
@@ -297,7 +297,7 @@ int fisheye_find(struct fisheye_result *result, const struct observations *seen,
 	if (!err && !fisheye_doubt_count(result, &problem, wanted)) {
 		err = lens_solution_create(&start, &problem);
 		if (!err)
-			err = find(result, &problem, wanted, &start, fault);
+			err = find_lens(result, &problem, wanted, &start, fault);
 	}
 	lens_solution_free(&start);
 	if (err == -ENOMEM)

@@ -26,7 +26,7 @@ static int count_free(const struct lens_solution *solution)
 
 /* Akaike's criterion, corrected for few points (Hurvich and Tsai 1989): without that as many terms
  * as there are residuals would be best. */
-static double criterion(double mean, int residuals, int free)
+static double akaike(double mean, int residuals, int free)
 {
 	const double spare = fmax(residuals - free - 1, 0.5);
 
@@ -46,7 +46,7 @@ static double capped_squares(const struct lens_solution *solution, int residuals
 	return squares;
 }
 
-static void compare(struct model_trials *trials, const struct lens_problem *problem)
+static void compare_squares(struct model_trials *trials, const struct lens_problem *problem)
 {
 	const int residuals = 2 * lens_points(problem);
 	double least = INFINITY;
@@ -64,7 +64,7 @@ static void compare(struct model_trials *trials, const struct lens_problem *prob
 				      fmax(FAR * least, FINEST_PX)) /
 		       residuals;
 		trials->rms_px[m] = sqrt(2 * mean);
-		trials->aic[m] = criterion(mean, residuals, count_free(&trials->solution[m]));
+		trials->aic[m] = akaike(mean, residuals, count_free(&trials->solution[m]));
 		/* The polynomial comes last and holds the equidistant one: it must gain by more
 		 * than its terms. */
 		if (trials->aic[m] < trials->aic[trials->best] || !trials->solved[trials->best])
@@ -176,7 +176,7 @@ int models_try(struct model_trials *trials, const struct lens_problem *problem,
 	if (err)
 		models_free(trials);
 	else
-		compare(trials, problem);
+		compare_squares(trials, problem);
 	return err;
 }
 

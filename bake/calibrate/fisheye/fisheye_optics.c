@@ -16,7 +16,7 @@ struct fisheye_curve optics_curve(const struct optics *optics)
 }
 
 /* What a point's place follows from: x and y are focal * shown * (x, y) from the centre. */
-struct sight {
+struct optics_sight {
 	double theta, radius, slope;
 	double across, length2;
 	double shown; /* radius / across */
@@ -26,13 +26,13 @@ struct sight {
  * at the first point that reaches the rim, so that a little farther is as good: r = sin(theta). */
 #define ORTHOGRAPHIC_MOST (95 * M_PI / 180)
 
-static bool is_shown(const struct optics *optics, const struct sight *s)
+static bool is_shown(const struct optics *optics, const struct optics_sight *s)
 {
 	return s->slope > 0 ||
 	       (optics->model == FISHEYE_ORTHOGRAPHIC && s->theta < ORTHOGRAPHIC_MOST);
 }
 
-static bool look(const struct optics *optics, const double p[3], struct sight *s)
+static bool sight_of_point(const struct optics *optics, const double p[3], struct optics_sight *s)
 {
 	const struct fisheye_curve curve = optics_curve(optics);
 
@@ -47,7 +47,7 @@ static bool look(const struct optics *optics, const double p[3], struct sight *s
 }
 
 static void differentiate_by_number(const struct optics *optics, const double p[3],
-				    const struct sight *s, double (*by)[2])
+				    const struct optics_sight *s, double (*by)[2])
 {
 	const double *focal = optics->number + OPTICS_FOCAL;
 	double power = s->across > 0 ? s->theta * s->theta * s->theta / s->across : 0;
@@ -65,7 +65,7 @@ static void differentiate_by_number(const struct optics *optics, const double p[
 }
 
 static void differentiate_by_point(const struct optics *optics, const double p[3],
-				   const struct sight *s, double (*by)[2])
+				   const struct optics_sight *s, double (*by)[2])
 {
 	const double *focal = optics->number + OPTICS_FOCAL;
 	/* d shown / d x is x times this; on the axis it does not matter. */
@@ -84,9 +84,9 @@ bool optics_project(const struct optics *optics, const double point[3], double p
 		    double (*by_number)[2], double (*by_point)[2])
 {
 	const double *n = optics->number;
-	struct sight s;
+	struct optics_sight s;
 
-	if (!(n[OPTICS_FOCAL] > 0 && n[OPTICS_FOCAL + 1] > 0) || !look(optics, point, &s))
+	if (!(n[OPTICS_FOCAL] > 0 && n[OPTICS_FOCAL + 1] > 0) || !sight_of_point(optics, point, &s))
 		return false;
 	for (int i = 0; i < 2; i++)
 		px[i] = n[OPTICS_CENTRE + i] + n[OPTICS_FOCAL + i] * s.shown * point[i];

@@ -21,7 +21,7 @@ struct turned {
 	double rotation[9], jacobian[9], translation[3];
 };
 
-struct search {
+struct lens_search {
 	const struct lens_problem *problem;
 	const struct lens_solution *start;
 	struct optics optics;
@@ -81,7 +81,7 @@ static int pose_of(const struct lens_problem *problem, const struct observation 
 	return problem->directions ? 0 : point->view;
 }
 
-static void take_parameters(struct search *search, const double *x)
+static void take_parameters(struct lens_search *search, const double *x)
 {
 	const int size = lens_pose_size(search->problem);
 
@@ -105,9 +105,9 @@ static const struct observation *point_of(const struct lens_problem *problem, in
 	return &problem->seen->point[problem->first + n * problem->step];
 }
 
-static bool evaluate(void *context, const double *x, double *residual)
+static bool lens_evaluate(void *context, const double *x, double *residual)
 {
-	struct search *search = context;
+	struct lens_search *search = context;
 
 	take_parameters(search, x);
 	for (int n = 0; n < lens_points(search->problem); n++) {
@@ -142,9 +142,9 @@ static void differentiate_pose(const struct turned *t, const double arm[3],
 		row[k] = by_point[k - 3][i];
 }
 
-static void differentiate(void *context, const double *x, double *jacobian)
+static void lens_differentiate(void *context, const double *x, double *jacobian)
 {
-	struct search *search = context;
+	struct lens_search *search = context;
 	const int size = lens_pose_size(search->problem);
 
 	take_parameters(search, x);
@@ -171,14 +171,14 @@ static void differentiate(void *context, const double *x, double *jacobian)
 }
 
 /* What a search writes to. */
-struct scratch {
+struct lens_scratch {
 	double *x, *scale;
 	bool *fixed;
 };
 
 /* The first guess, a typical change of each, and what does not change. */
-static void begin(const struct lens_problem *problem, const struct lens_solution *start,
-		  const struct scratch *scratch)
+static void search_begin(const struct lens_problem *problem, const struct lens_solution *start,
+			 const struct lens_scratch *scratch)
 {
 	const int size = lens_pose_size(problem);
 	double *x = scratch->x, *scale = scratch->scale;
@@ -203,8 +203,8 @@ static void begin(const struct lens_problem *problem, const struct lens_solution
 }
 
 /* The solution's poses, and deviations of turns about the camera's own axes. */
-static void end(const struct lens_problem *problem, const struct search *search,
-		struct lens_solution *solution)
+static void search_end(const struct lens_problem *problem, const struct lens_search *search,
+		       struct lens_solution *solution)
 {
 	const int size = lens_pose_size(problem), n = solution->parameters;
 	double *c = solution->fit.covariance;
@@ -231,15 +231,15 @@ static void end(const struct lens_problem *problem, const struct search *search,
 }
 
 static int search_once(const struct lens_problem *problem, struct lens_solution *solution,
-		       const struct scratch *scratch, double loss_scale, struct fault *fault)
+		       const struct lens_scratch *scratch, double loss_scale, struct fault *fault)
 {
-	struct search search = {
+	struct lens_search search = {
 		.problem = problem, .start = solution, .parameters = solution->parameters};
 	const struct least_squares least = {
 		.parameters = solution->parameters,
 		.residuals = 2 * lens_points(problem),
-		.evaluate = evaluate,
-		.differentiate = differentiate,
+		.evaluate = lens_evaluate,
+		.differentiate = lens_differentiate,
 		.context = &search,
 		.scale = scratch->scale,
 		.fixed = scratch->fixed,
@@ -251,18 +251,18 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 	search.turned = calloc((size_t)solution->poses + 1, sizeof(*search.turned));
 	if (!search.turned)
 		return fault_say(fault, -ENOMEM, "fisheye: out of memory");
-	begin(problem, solution, scratch);
+	search_begin(problem, solution, scratch);
 	least_squares_free(&solution->fit);
 	err = least_squares_solve(&least, scratch->x, &solution->fit, fault);
 	if (!err || err == -ERANGE || err == -ETIMEDOUT) {
 		take_parameters(&search, scratch->x);
-		end(problem, &search, solution);
+		search_end(problem, &search, solution);
 	}
 	free(search.turned);
 	return err;
 }
 
-static int ascending(const void *a, const void *b)
+static int compare_lengths(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
 
@@ -270,8 +270,8 @@ static int ascending(const void *a, const void *b)
 }
 
 /* The deviation, and the largest distance. */
-static double measure(const struct lens_problem *problem, const struct lens_solution *solution,
-		      double *largest)
+static double measure_errors(const struct lens_problem *problem,
+			     const struct lens_solution *solution, double *largest)
 {
 	const int count = lens_points(problem);
 	double *length = calloc((size_t)count + 1, sizeof(*length)), middle;
@@ -281,7 +281,7 @@ static double measure(const struct lens_problem *problem, const struct lens_solu
 		return INFINITY;
 	for (int n = 0; n < count; n++)
 		length[n] = hypot(solution->fit.residual[2 * n], solution->fit.residual[2 * n + 1]);
-	qsort(length, (size_t)count, sizeof(*length), ascending);
+	qsort(length, (size_t)count, sizeof(*length), compare_lengths);
 	*largest = count ? length[count - 1] : 0;
 	middle = length[count / 2];
 	free(length);
@@ -292,19 +292,19 @@ double lens_deviation(const struct lens_problem *problem, const struct lens_solu
 {
 	double largest;
 
-	return measure(problem, solution, &largest);
+	return measure_errors(problem, solution, &largest);
 }
 
 static bool has_outliers(const struct lens_problem *problem, const struct lens_solution *solution)
 {
 	double largest;
-	const double deviation = measure(problem, solution, &largest);
+	const double deviation = measure_errors(problem, solution, &largest);
 
 	return largest > fmax(FAR * deviation, FINEST_PX);
 }
 
 static int search_twice(const struct lens_problem *problem, struct lens_solution *solution,
-			const struct scratch *scratch, struct fault *fault)
+			const struct lens_scratch *scratch, struct fault *fault)
 {
 	struct fault first = {.text = ""};
 	const int err = search_once(problem, solution, scratch, 0, &first);
@@ -320,7 +320,7 @@ int lens_solve(const struct lens_problem *problem, struct lens_solution *solutio
 	       struct fault *fault)
 {
 	const size_t count = (size_t)solution->parameters;
-	const struct scratch scratch = {
+	const struct lens_scratch scratch = {
 		.x = calloc(count, sizeof(*scratch.x)),
 		.scale = calloc(count, sizeof(*scratch.scale)),
 		.fixed = calloc(count, sizeof(*scratch.fixed)),

@@ -13,13 +13,13 @@
 #define POINTS_MAX 160 /* of a view: more do not make a guess better */
 
 /* Points of a view with the rays that the optics give them. */
-struct sight {
+struct start_sight {
 	int count;
 	double world[POINTS_MAX][3], ray[POINTS_MAX][3];
 };
 
 static bool take_view(const struct lens_problem *problem, const struct optics *optics, int view,
-		      struct sight *sight)
+		      struct start_sight *sight)
 {
 	const struct observations *seen = problem->seen;
 	const int first = problem->directions ? 0 : seen->view[view].first;
@@ -38,7 +38,7 @@ static bool take_view(const struct lens_problem *problem, const struct optics *o
 	return true;
 }
 
-static double start_directions(struct sight *sight, struct lens_pose *pose, double *mirrored)
+static double start_directions(struct start_sight *sight, struct lens_pose *pose, double *mirrored)
 {
 	for (int n = 0; n < sight->count; n++)
 		vec_normalize(sight->world[n]);
@@ -47,7 +47,7 @@ static double start_directions(struct sight *sight, struct lens_pose *pose, doub
 
 /* The plane of a board in the camera's axes: ray ~ h (x, y, 1), x and y about their middle in units
  * of their spread. False: its points tell none. */
-static bool find_plane(const struct sight *sight, const double middle[2], double spread,
+static bool find_plane(const struct start_sight *sight, const double middle[2], double spread,
 		       double h[9])
 {
 	double *a = calloc((size_t)sight->count * 3 * 9 + 81, sizeof(*a));
@@ -73,7 +73,7 @@ static bool find_plane(const struct sight *sight, const double middle[2], double
 }
 
 /* Mean place and mean distance from it. */
-static double measure(const struct sight *sight, double middle[2])
+static double measure_plane(const struct start_sight *sight, double middle[2])
 {
 	double spread = 0;
 
@@ -88,7 +88,7 @@ static double measure(const struct sight *sight, double middle[2])
 }
 
 /* Rotation and translation that h stands for. */
-static bool take_pose(const struct sight *sight, const double h[9], const double middle[2],
+static bool take_pose(const struct start_sight *sight, const double h[9], const double middle[2],
 		      double spread, struct lens_pose *pose)
 {
 	double x[3], y[3], z[3], ahead = 0, scale;
@@ -124,10 +124,10 @@ static bool take_pose(const struct sight *sight, const double h[9], const double
 }
 
 /* A board is flat, in a plane of constant Z. mirrored: its back is seen. */
-static double start_board(struct sight *sight, struct lens_pose *pose, bool *mirrored)
+static double start_board(struct start_sight *sight, struct lens_pose *pose, bool *mirrored)
 {
 	double middle[2], h[9], camera[3], squares = 0;
-	const double spread = measure(sight, middle);
+	const double spread = measure_plane(sight, middle);
 
 	if (!(spread > 0) || !find_plane(sight, middle, spread, h) ||
 	    !take_pose(sight, h, middle, spread, pose))
@@ -153,7 +153,7 @@ static double start_board(struct sight *sight, struct lens_pose *pose, bool *mir
 static double start_poses(const struct lens_problem *problem, struct lens_solution *solution,
 			  double *mirrored)
 {
-	struct sight *sight = malloc(sizeof(*sight));
+	struct start_sight *sight = malloc(sizeof(*sight));
 	double squares = 0, other = 0;
 	int points = 0, wrong = 0;
 
@@ -181,7 +181,7 @@ static double start_poses(const struct lens_problem *problem, struct lens_soluti
 
 /* The middle of the picture, or of what was seen where its size is not known; and how far from it
  * anything was seen. */
-static double look_around(const struct observations *seen, double squash, double middle[2])
+static double seen_extent(const struct observations *seen, double squash, double middle[2])
 {
 	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, most = 0;
 
@@ -198,7 +198,7 @@ static double look_around(const struct observations *seen, double squash, double
 	return most;
 }
 
-static int check(const struct lens_problem *problem, struct fault *fault)
+static int check_start(const struct lens_problem *problem, struct fault *fault)
 {
 	const struct observations *seen = problem->seen;
 
@@ -233,7 +233,7 @@ int lens_start(const struct lens_problem *problem, struct lens_solution *solutio
 	double best = INFINITY, mirror = INFINITY;
 	int err;
 
-	err = check(problem, fault);
+	err = check_start(problem, fault);
 	if (err)
 		return err;
 	err = lens_solution_copy(&trial, solution);
@@ -246,7 +246,7 @@ int lens_start(const struct lens_problem *problem, struct lens_solution *solutio
 			if (model == FISHEYE_ORTHOGRAPHIC && deg > 90)
 				continue;
 			memset(number, 0, sizeof(trial.optics.number));
-			most = look_around(problem->seen, squashes[s], number + OPTICS_CENTRE);
+			most = seen_extent(problem->seen, squashes[s], number + OPTICS_CENTRE);
 			number[OPTICS_FOCAL] = 1.0001 * most /
 					       fisheye_curve_radius(&curve, deg * (M_PI / 180));
 			number[OPTICS_FOCAL + 1] = squashes[s] * number[OPTICS_FOCAL];

@@ -9,7 +9,7 @@
 #include "hal/optics/vec.h"
 
 /* a I + b [w]x + c w w^T */
-static void combine(const double w[3], double a, double b, double c, double m[9])
+static void turn_polynomial(const double w[3], double a, double b, double c, double m[9])
 {
 	const double cross[9] = {0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0};
 
@@ -24,8 +24,8 @@ void turn_matrix(const double w[3], double rotation[9])
 	const bool small = angle < 1e-4;
 	const double half = sin(angle / 2);
 
-	combine(w, cos(angle), small ? 1 - u / 6 : sin(angle) / angle,
-		small ? 0.5 - u / 24 : 2 * half * half / u, rotation);
+	turn_polynomial(w, cos(angle), small ? 1 - u / 6 : sin(angle) / angle,
+			small ? 0.5 - u / 24 : 2 * half * half / u, rotation);
 }
 
 void turn_jacobian(const double w[3], double jacobian[9])
@@ -35,8 +35,8 @@ void turn_jacobian(const double w[3], double jacobian[9])
 	const double half = sin(angle / 2);
 	const double s = small ? 1 - u / 6 : sin(angle) / angle;
 
-	combine(w, s, small ? 0.5 - u / 24 : 2 * half * half / u,
-		small ? 1.0 / 6 - u / 120 : (1 - s) / u, jacobian);
+	turn_polynomial(w, s, small ? 0.5 - u / 24 : 2 * half * half / u,
+			small ? 1.0 / 6 - u / 120 : (1 - s) / u, jacobian);
 }
 
 void turn_multiply(const double a[9], const double b[9], double product[9])
@@ -64,7 +64,7 @@ void turn_degrees(const double r[9], double deg[3])
 	}
 }
 
-static void column(const double *m, int k, double v[3])
+static void matrix_column(const double *m, int k, double v[3])
 {
 	memcpy(v, m + 3 * k, 3 * sizeof(*v));
 }
@@ -92,8 +92,8 @@ double turn_between(const double (*world)[3], const double (*camera)[3], int cou
 				order[i + 1] = swap;
 			}
 	for (int k = 0; k < 2; k++) {
-		column(v, order[k], from[k]);
-		column(b, order[k], to[k]);
+		matrix_column(v, order[k], from[k]);
+		matrix_column(b, order[k], to[k]);
 		vec_normalize(to[k]);
 	}
 	vec_cross(from[0], from[1], from[2]);
@@ -103,8 +103,8 @@ double turn_between(const double (*world)[3], const double (*camera)[3], int cou
 			rotation[3 * i + k] = to[0][i] * from[0][k] + to[1][i] * from[1][k] +
 					      to[2][i] * from[2][k];
 	/* What the third pair adds: its length, of the sign that a rotation leaves it. */
-	column(b, order[2], third[0]);
-	column(v, order[2], third[1]);
+	matrix_column(b, order[2], third[0]);
+	matrix_column(v, order[2], third[1]);
 	length[order[2]] = vec_dot(third[0], to[2]) * vec_dot(third[1], from[2]);
 	if (mirrored)
 		*mirrored = 2 * (count - length[order[0]] - length[order[1]] + length[order[2]]);

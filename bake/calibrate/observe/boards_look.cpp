@@ -23,8 +23,8 @@ void silence()
 	cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
 }
 
-bool find(const board &wanted, const cv::Mat &grey, boards::Points &points, std::vector<bool> &seen,
-	  std::string &why)
+bool find_kind(const board &wanted, const cv::Mat &grey, boards::Points &points,
+	       std::vector<bool> &seen, std::string &why)
 {
 	switch (wanted.kind) {
 	case BOARD_CHESS:
@@ -36,7 +36,7 @@ bool find(const board &wanted, const cv::Mat &grey, boards::Points &points, std:
 	}
 }
 
-int look(const board &wanted, const image &picture, double (*px)[2], bool *seen, fault *fault)
+int look_for(const board &wanted, const image &picture, double (*px)[2], bool *seen, fault *fault)
 {
 	const cv::Mat rgb(picture.height, picture.width, CV_8UC3, picture.u8);
 	boards::Points points;
@@ -47,7 +47,7 @@ int look(const board &wanted, const image &picture, double (*px)[2], bool *seen,
 
 	cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
 	board_name(&wanted, name);
-	if (!find(wanted, grey, points, which, why))
+	if (!find_kind(wanted, grey, points, which, why))
 		return fault_say(fault, -ENOENT, "%s, expected %s", why.c_str(), name);
 	for (size_t k = 0; k < points.size(); k++) {
 		seen[k] = which.empty() || which[k];
@@ -64,7 +64,7 @@ extern "C" int board_look(const struct board *board, const struct image *picture
 {
 	try {
 		silence();
-		return look(*board, *picture, px, seen, fault);
+		return look_for(*board, *picture, px, seen, fault);
 	} catch (const std::bad_alloc &) {
 		return -ENOMEM;
 	} catch (const cv::Exception &error) {

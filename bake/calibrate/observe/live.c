@@ -156,7 +156,7 @@ double live_squash(const struct live *live)
 /* ---- pictures ---- */
 
 /* As the kiosk shows light that comes unencoded. Written so that a NaN is black. */
-static uint8_t code_of(const struct transfer_tables *tables, float linear)
+static uint8_t code_of_light(const struct transfer_tables *tables, float linear)
 {
 	if (!(linear > 0))
 		return tables->encode[0];
@@ -180,7 +180,7 @@ static int encode_light(struct live *live, const struct frame *frame)
 
 			memcpy(rgb, from, sizeof(rgb));
 			for (int c = 0; c < 3; c++)
-				to[c] = code_of(live->tables, rgb[2 - c]);
+				to[c] = code_of_light(live->tables, rgb[2 - c]);
 		}
 	}
 	return 0;
@@ -204,7 +204,7 @@ static void copy_upright(const struct live *live, struct image *picture)
 }
 
 /* 0; -EAGAIN: none yet, or none of use; -ENODEV. */
-static int take_frame(struct live *live, int64_t *captured_ns, struct fault *fault)
+static int live_take_frame(struct live *live, int64_t *captured_ns, struct fault *fault)
 {
 	struct fault why = {{0}};
 	struct frame frame;
@@ -252,7 +252,7 @@ int live_next(struct live *live, int timeout_ms, struct image *picture, int64_t 
 	do {
 		err = wait_for_frame(live, until_ns, timeout_ms, fault);
 		if (!err)
-			err = take_frame(live, captured_ns, fault);
+			err = live_take_frame(live, captured_ns, fault);
 		/* A camera that sends nothing of use is not waited for without end either. */
 		if (err == -EAGAIN && clock_now_ns() >= until_ns)
 			err = fault_say(fault, -ETIMEDOUT,

@@ -50,7 +50,7 @@ static struct points points_of(const struct observations *seen)
 }
 
 /* How two pictures of the board differ. Infinite: fewer than half of the points are in both. */
-struct difference {
+struct view_difference {
 	double moved;	 /* mean distance of the points, px */
 	double reshaped; /* what no shift, turn in the picture and scale explains, of the extent */
 };
@@ -78,7 +78,7 @@ static void add_pair(struct pairs *sum, const double p[2], const double q[2])
 
 /* A similarity is q = s p with complex numbers from their means; least squares leave of q the share
  * sqrt(1 - |cov(p, q)|^2 / (var(p) var(q))). */
-static double reshaped(const struct pairs *sum)
+static double reshaped_share(const struct pairs *sum)
 {
 	const double n = sum->count, *p = sum->p, *q = sum->q;
 	const double pp = sum->pp - (p[0] * p[0] + p[1] * p[1]) / n;
@@ -90,7 +90,7 @@ static double reshaped(const struct pairs *sum)
 				: 0;
 }
 
-static struct difference difference(struct points a, struct points b)
+static struct view_difference find_difference(struct points a, struct points b)
 {
 	const int most = a.count > b.count ? a.count : b.count;
 	struct pairs sum = {.count = 0};
@@ -100,8 +100,8 @@ static struct difference difference(struct points a, struct points b)
 			if (!memcmp(a.point[i].world, b.point[j].world, sizeof(a.point[i].world)))
 				add_pair(&sum, a.point[i].px, b.point[j].px);
 	if (!sum.count || 2 * sum.count < most)
-		return (struct difference){INFINITY, INFINITY};
-	return (struct difference){sum.distance / sum.count, reshaped(&sum)};
+		return (struct view_difference){INFINITY, INFINITY};
+	return (struct view_difference){sum.distance / sum.count, reshaped_share(&sum)};
 }
 
 static bool is_new_place(const struct collecting *c, const struct observations *now)
@@ -109,7 +109,7 @@ static bool is_new_place(const struct collecting *c, const struct observations *
 	for (int v = c->first; v < c->all->views; v++) {
 		const struct observed_view *view = &c->all->view[v];
 		const struct points taken = {c->all->point + view->first, view->count};
-		const struct difference d = difference(taken, points_of(now));
+		const struct view_difference d = find_difference(taken, points_of(now));
 
 		if (d.moved < APART * now->width && d.reshaped < RESHAPED)
 			return false;
@@ -118,7 +118,7 @@ static bool is_new_place(const struct collecting *c, const struct observations *
 }
 
 /* The ratio of a board's smallest scale in the picture to its largest: 1 when they are parallel. */
-static double foreshortening(const struct observations *now)
+static double foreshortening_of(const struct observations *now)
 {
 	double mean[4] = {0}, s[3] = {0}, t[2][2] = {{0}}, a[4], det, p, q;
 
@@ -153,10 +153,10 @@ static double foreshortening(const struct observations *now)
 
 static bool is_tilted(const struct observations *now)
 {
-	return foreshortening(now) < FORESHORTENED;
+	return foreshortening_of(now) < FORESHORTENED;
 }
 
-static void cover(struct collecting *c, const struct observations *now)
+static void cover_cells(struct collecting *c, const struct observations *now)
 {
 	for (int i = 0; i < now->count; i++) {
 		const double *px = now->point[i].px;
@@ -223,7 +223,8 @@ static int keep_picture(struct collecting *c, const struct image *picture)
 	return 0;
 }
 
-static int take(struct collecting *c, const struct observations *now, const struct image *picture)
+static int collect_view(struct collecting *c, const struct observations *now,
+			const struct image *picture)
 {
 	int err = observations_begin_view(c->all, now->view[0].name);
 
@@ -237,18 +238,18 @@ static int take(struct collecting *c, const struct observations *now, const stru
 	c->all->width = now->width;
 	c->all->height = now->height;
 	c->tilts += is_tilted(now);
-	cover(c, now);
+	cover_cells(c, now);
 	return 0;
 }
 
 static bool has_moved(const struct collecting *c, const struct observations *now)
 {
-	return !(difference(points_of(&c->held), points_of(now)).moved < STILL * now->width);
+	return !(find_difference(points_of(&c->held), points_of(now)).moved < STILL * now->width);
 }
 
 /* What is to be said of a board that was found, and whether to take it. */
-static bool judge(struct collecting *c, const struct observations *now, int64_t captured_ns,
-		  char *text, size_t room)
+static bool judge_view(struct collecting *c, const struct observations *now, int64_t captured_ns,
+		       char *text, size_t room)
 {
 	bool still;
 
@@ -273,7 +274,7 @@ static int lose_screen(struct collecting *c, int err, const struct fault *why, s
 }
 
 /* Shows it on the screen; what is taken, and without a screen everything, goes to the log. */
-static int tell(struct collecting *c, const struct live_scene *scene, struct fault *fault)
+static int tell_state(struct collecting *c, const struct live_scene *scene, struct fault *fault)
 {
 	if (scene->taken)
 		log_info("%s of %d: %d points", c->all->view[c->all->views - 1].name,
@@ -291,8 +292,8 @@ static int tell(struct collecting *c, const struct live_scene *scene, struct fau
 }
 
 /* One picture: seen, perhaps taken, shown. */
-static int look(struct collecting *c, const struct image *picture, int64_t captured_ns,
-		struct fault *fault)
+static int look_at_picture(struct collecting *c, const struct image *picture, int64_t captured_ns,
+			   struct fault *fault)
 {
 	struct live_scene scene = {.picture = picture, .covered = c->covered};
 	struct observations now = {0};
@@ -303,15 +304,15 @@ static int look(struct collecting *c, const struct image *picture, int64_t captu
 	err = board_find(c->board, picture, name, &now, fault);
 	if (err && err != -ENOENT)
 		return err;
-	scene.taken = !err && judge(c, &now, captured_ns, text, sizeof(text));
-	err = scene.taken ? take(c, &now, picture) : 0;
+	scene.taken = !err && judge_view(c, &now, captured_ns, text, sizeof(text));
+	err = scene.taken ? collect_view(c, &now, picture) : 0;
 	if (scene.taken)
 		c->taken_ns = captured_ns;
 	scene.corner = now.point;
 	scene.corners = now.count;
 	scene.text = text;
 	if (!err)
-		err = tell(c, &scene, fault);
+		err = tell_state(c, &scene, fault);
 	if (now.count && has_moved(c, &now)) {
 		observations_free(&c->held);
 		c->held = now;
@@ -321,7 +322,7 @@ static int look(struct collecting *c, const struct image *picture, int64_t captu
 	return err;
 }
 
-static int collect(struct collecting *c, struct live *live, struct fault *fault)
+static int collect_views(struct collecting *c, struct live *live, struct fault *fault)
 {
 	struct image picture = {.width = 0};
 	int64_t captured_ns;
@@ -332,7 +333,7 @@ static int collect(struct collecting *c, struct live *live, struct fault *fault)
 		if (!err && c->taken_ns == 0)
 			c->taken_ns = captured_ns;
 		if (!err)
-			err = look(c, &picture, captured_ns, fault);
+			err = look_at_picture(c, &picture, captured_ns, fault);
 		if (!err && (double)(captured_ns - c->taken_ns) >
 				    c->settings->patience_s * (double)NS_PER_S)
 			err = fault_say(fault, -ETIMEDOUT,
@@ -362,7 +363,7 @@ int live_collect(struct live *live, const struct board *board,
 	int err = open_screen(&c, live, fault), closed;
 
 	if (!err)
-		err = collect(&c, live, fault);
+		err = collect_views(&c, live, fault);
 	closed = live_screen_close(&c.screen, err || !c.has_screen ? NULL : fault);
 	if (!err && c.has_screen)
 		err = closed;

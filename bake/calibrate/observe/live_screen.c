@@ -108,7 +108,7 @@ static void draw_corners(cairo_t *cr, const struct live_screen *screen,
 	}
 }
 
-static void draw_text(cairo_t *cr, const struct live_screen *screen, const char *text)
+static void draw_caption(cairo_t *cr, const struct live_screen *screen, const char *text)
 {
 	const double size = TEXT_SHARE * screen->display.height;
 
@@ -140,7 +140,7 @@ static void draw_scene(struct live_screen *screen, const struct live_scene *scen
 	draw_picture(cr, screen, scene->picture);
 	draw_cover(cr, screen, scene);
 	draw_corners(cr, screen, scene);
-	draw_text(cr, screen, scene->text);
+	draw_caption(cr, screen, scene->text);
 	cairo_destroy(cr);
 	cairo_surface_flush(surface);
 	cairo_surface_destroy(surface);

@@ -20,7 +20,7 @@ void observations_free(struct observations *all)
 }
 
 /* Room for one more. */
-static int make_room(void **array, int count, int *room, size_t size)
+static int observations_make_room(void **array, int count, int *room, size_t size)
 {
 	const int more = *room ? 2 * *room : 64;
 	void *grown;
@@ -37,7 +37,8 @@ static int make_room(void **array, int count, int *room, size_t size)
 
 int observations_begin_view(struct observations *all, const char *name)
 {
-	int err = make_room((void **)&all->view, all->views, &all->view_room, sizeof(*all->view));
+	int err = observations_make_room((void **)&all->view, all->views, &all->view_room,
+					 sizeof(*all->view));
 
 	if (err)
 		return err;
@@ -52,8 +53,8 @@ int observations_add(struct observations *all, const double world[3], const doub
 {
 	struct observation *point;
 	va_list args;
-	int err = make_room((void **)&all->point, all->count, &all->point_room,
-			    sizeof(*all->point));
+	int err = observations_make_room((void **)&all->point, all->count, &all->point_room,
+					 sizeof(*all->point));
 
 	if (err)
 		return err;
@@ -118,8 +119,8 @@ static const char *line_of(const struct points_convention *convention)
 	return convention->directions ? "dx dy dz xf yf" : "xw yw zw xf yf";
 }
 
-static int read_line(struct observations *all, const struct text_file *file,
-		     const struct points_convention *convention, struct fault *fault)
+static int read_point(struct observations *all, const struct text_file *file,
+		      const struct points_convention *convention, struct fault *fault)
 {
 	const char *slash = strrchr(file->path, '/');
 	double number[NUMBERS], px[2];
@@ -149,7 +150,7 @@ int observations_read(struct observations *all, const char *path,
 		return err;
 	err = observations_begin_view(all, path);
 	while (!err && (err = text_file_next(&file, fault)) > 0)
-		err = read_line(all, &file, convention, fault);
+		err = read_point(all, &file, convention, fault);
 	if (!err && all->count == before)
 		err = fault_say(fault, -EINVAL, "%s: holds no points, expected lines %s", path,
 				line_of(convention));

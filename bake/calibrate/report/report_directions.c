@@ -33,7 +33,7 @@ static double round_up(double value)
 }
 
 /* One number of a residual, from those in use: px. */
-static double deviation(const struct shown *s)
+static double deviation_of_coordinate(const struct shown *s)
 {
 	return s->rms / sqrt(2);
 }
@@ -115,7 +115,7 @@ static void draw_key(struct report_sheet *sheet, const struct shown *s, const st
 		sheet_text(sheet, x, y += SHEET_LINE, 0, "mean %.2g, %.2g px", mean[0] / count,
 			   mean[1] / count);
 	sheet_text(sheet, x, y += 2 * SHEET_LINE, 0, "rings: 1, 2, 3 deviations");
-	sheet_text(sheet, x, y += SHEET_LINE, 0, "of %.3g px", deviation(s));
+	sheet_text(sheet, x, y += SHEET_LINE, 0, "of %.3g px", deviation_of_coordinate(s));
 	if (s->outliers) {
 		const double at[2] = {x + 6, y += 2 * SHEET_LINE};
 
@@ -136,14 +136,14 @@ static int draw_directions(const struct shown *s, struct fault *fault)
 
 	if (err)
 		return fault_say(fault, err, "residuals cannot be drawn: %s", strerror(-err));
-	p.range = s->worst > 0 ? round_up(fmin(s->worst, 5 * deviation(s))) : 1;
+	p.range = s->worst > 0 ? round_up(fmin(s->worst, 5 * deviation_of_coordinate(s))) : 1;
 	p.scale = SIDE / 2.0 / p.range;
 	draw_grid(&sheet, &p);
 	for (int outliers = 0; outliers < 2; outliers++)
 		for (int k = 0; k < s->finding->seen->count; k++)
 			if (s->outlier[k] == (outliers == 1))
 				draw_residual(&sheet, &p, s->residual[k], s->outlier[k]);
-	draw_deviations(&sheet, &p, deviation(s));
+	draw_deviations(&sheet, &p, deviation_of_coordinate(s));
 	draw_key(&sheet, s, &p);
 	return sheet_show(
 		&sheet, s->page, "directions",
@@ -154,7 +154,7 @@ static int draw_directions(const struct shown *s, struct fault *fault)
 
 static int plot_sizes(const struct shown *s, struct fault *fault)
 {
-	const double sigma = deviation(s), range = 4 * sigma, step = 2 * range / BINS;
+	const double sigma = deviation_of_coordinate(s), range = 4 * sigma, step = 2 * range / BINS;
 	int bin[BINS] = {0}, total = 0;
 	struct report_plot plot;
 

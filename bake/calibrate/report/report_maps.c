@@ -28,7 +28,7 @@ struct field {
 
 /* ---- values ---- */
 
-static void measure(struct field *f)
+static void map_measure(struct field *f)
 {
 	const int nodes = f->across * f->down;
 
@@ -70,8 +70,8 @@ static void choose_levels(struct field *f)
 		add_level(f, (ceil(f->least / (steps[step] * decade)) + k) * steps[step] * decade);
 }
 
-static int fill(struct field *f, const struct shown *s,
-		double (*function)(const void *context, const double px[2]))
+static int map_fill(struct field *f, const struct shown *s,
+		    double (*function)(const void *context, const double px[2]))
 {
 	const double step = fmax(s->width, s->height) / (NODES_LONG - 1.0);
 
@@ -88,7 +88,7 @@ static int fill(struct field *f, const struct shown *s,
 
 			f->value[y * f->across + x] = isfinite(value) && value >= 0 ? value : NAN;
 		}
-	measure(f);
+	map_measure(f);
 	choose_levels(f);
 	return 0;
 }
@@ -103,7 +103,7 @@ static double value_at(const struct field *f, double x, double y)
 	       b * ((1 - a) * v[f->across] + a * v[f->across + 1]);
 }
 
-static double share_of(const struct field *f, double value)
+static double colour_share(const struct field *f, double value)
 {
 	return f->most > f->least ? log(fmax(value, f->least) / f->least) / log(f->most / f->least)
 				  : 0.5;
@@ -126,7 +126,7 @@ static void draw_colours(struct report_sheet *sheet, const struct sheet_area *ar
 			if (isnan(value)) {
 				sheet_ink(sheet, INK_FAINT, 1);
 			} else {
-				surface_ramp(share_of(f, value), rgb);
+				surface_ramp(colour_share(f, value), rgb);
 				cairo_set_source_rgb(sheet->c, rgb[0], rgb[1], rgb[2]);
 			}
 			cairo_rectangle(sheet->c, area->left + x, area->top + y, 2, 2);
@@ -135,7 +135,7 @@ static void draw_colours(struct report_sheet *sheet, const struct sheet_area *ar
 }
 
 /* Where the level crosses the four sides of a cell; in cells. */
-static int crossings(const struct field *f, int i, int j, double level, double at[4][2])
+static int cell_crossings(const struct field *f, int i, int j, double level, double at[4][2])
 {
 	static const int corner[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
 	int count = 0;
@@ -177,7 +177,7 @@ static void draw_level(struct report_sheet *sheet, const struct sheet_area *area
 	for (int j = 0; j < f->down - 1; j++)
 		for (int i = 0; i < f->across - 1; i++) {
 			double at[4][2];
-			const int count = crossings(f, i, j, f->level[number], at);
+			const int count = cell_crossings(f, i, j, f->level[number], at);
 
 			for (int k = 0; k < count; k++)
 				to_sheet(area, f, at[k]);
@@ -207,8 +207,8 @@ static void draw_level(struct report_sheet *sheet, const struct sheet_area *area
 			    fmax(name[1] - 3, area->top + 16), INK_BLACK, text);
 }
 
-static void draw_bar(struct report_sheet *sheet, const struct sheet_area *area,
-		     const struct field *f, const char *label)
+static void draw_colour_bar(struct report_sheet *sheet, const struct sheet_area *area,
+			    const struct field *f, const char *label)
 {
 	const double left = SHEET_MARGIN + 40, wide = SHEET_WIDTH - 2 * left;
 	const double top = sheet_below(area, 0) - 8;
@@ -223,7 +223,7 @@ static void draw_bar(struct report_sheet *sheet, const struct sheet_area *area,
 	sheet_ink(sheet, INK_BLACK, 1);
 	for (int k = -1; k <= f->levels; k++) {
 		const double value = k < 0 ? f->least : k < f->levels ? f->level[k] : f->most;
-		const double x = left + wide * share_of(f, value);
+		const double x = left + wide * colour_share(f, value);
 		char text[32];
 		double half;
 
@@ -261,7 +261,7 @@ static int draw_map(const struct shown *s, const struct field *f, const char *na
 		draw_level(&sheet, &area, f, k);
 	sheet_unclip(&sheet);
 	sheet_frame(&sheet, &area);
-	draw_bar(&sheet, &area, f, label);
+	draw_colour_bar(&sheet, &area, f, label);
 	return sheet_show(&sheet, s->page, name, caption, fault);
 }
 
@@ -271,7 +271,7 @@ static int report_map(const struct shown *s,
 		      const char *label, const char *caption, struct fault *fault)
 {
 	struct field field;
-	int err = fill(&field, s, function);
+	int err = map_fill(&field, s, function);
 
 	if (err)
 		return fault_say(fault, err, "%s: not enough memory", name);

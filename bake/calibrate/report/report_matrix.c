@@ -13,7 +13,7 @@
 #define HIGH 0.9  /* beyond it two parameters are hardly told apart */
 #define PAIRS_SAID 6
 
-struct matrix {
+struct correlation_matrix {
 	int parameter[SHOWN_MOST]; /* of the estimate */
 	int count;
 	double cell;
@@ -25,7 +25,7 @@ static bool belongs_to_view(const char *name, int *view)
 }
 
 /* Those of the lens, then those of the first view. */
-static void choose(struct matrix *m, const struct estimate *e)
+static void choose_parameters(struct correlation_matrix *m, const struct estimate *e)
 {
 	for (int views = 0; views < 2; views++)
 		for (int k = 0; k < e->count && m->count < SHOWN_MOST; k++) {
@@ -38,7 +38,7 @@ static void choose(struct matrix *m, const struct estimate *e)
 }
 
 /* White at 0; orange towards 1, blue towards -1. */
-static void set_colour(cairo_t *c, double correlation)
+static void set_cell_colour(cairo_t *c, double correlation)
 {
 	static const double ends[2][3] = {{0.000, 0.447, 0.698}, {0.835, 0.369, 0.000}};
 	const double *end = ends[correlation > 0], share = fmin(fabs(correlation), 1);
@@ -47,14 +47,14 @@ static void set_colour(cairo_t *c, double correlation)
 			     1 + share * (end[2] - 1));
 }
 
-static void draw_cell(struct report_sheet *sheet, const struct matrix *m, int row, int column,
-		      double correlation)
+static void draw_cell(struct report_sheet *sheet, const struct correlation_matrix *m, int row,
+		      int column, double correlation)
 {
 	const double x = NAMES + column * m->cell, y = SHEET_MARGIN + row * m->cell;
 
 	cairo_rectangle(sheet->c, x + 0.5, y + 0.5, m->cell - 1, m->cell - 1);
 	if (isfinite(correlation))
-		set_colour(sheet->c, correlation);
+		set_cell_colour(sheet->c, correlation);
 	else
 		sheet_ink(sheet, INK_FAINT, 1);
 	cairo_fill(sheet->c);
@@ -65,7 +65,8 @@ static void draw_cell(struct report_sheet *sheet, const struct matrix *m, int ro
 		sheet_text(sheet, x + m->cell / 2, y + m->cell / 2 + 5, 0.5, "?");
 }
 
-static int draw(const struct shown *s, const struct matrix *m, struct fault *fault)
+static int draw_matrix(const struct shown *s, const struct correlation_matrix *m,
+		       struct fault *fault)
 {
 	const struct estimate *e = &s->finding->estimate;
 	const int side = (int)(m->count * m->cell);
@@ -99,7 +100,7 @@ static int draw(const struct shown *s, const struct matrix *m, struct fault *fau
 
 /* ---- in words ---- */
 
-static bool ends_with(const char *text, const char *end)
+static bool name_ends_with(const char *text, const char *end)
 {
 	const size_t length = strlen(text), tail = strlen(end);
 
@@ -118,7 +119,7 @@ static void say_focal(const struct shown *s)
 			const double r = estimate_correlation(e, a, b);
 
 			if (!strncmp(e->parameter[a].name, "focal", 5) &&
-			    ends_with(e->parameter[b].name, "translation z") &&
+			    name_ends_with(e->parameter[b].name, "translation z") &&
 			    fabs(r) > fabs(most)) {
 				most = r;
 				focal = a;
@@ -136,7 +137,7 @@ static void say_focal(const struct shown *s)
 				 : "They are told apart.");
 }
 
-static void say_pairs(const struct shown *s, const struct matrix *m)
+static void say_pairs(const struct shown *s, const struct correlation_matrix *m)
 {
 	const struct estimate *e = &s->finding->estimate;
 	char text[1024] = "";
@@ -163,14 +164,14 @@ static void say_pairs(const struct shown *s, const struct matrix *m)
 
 int report_correlations(const struct shown *s, struct fault *fault)
 {
-	struct matrix m = {.count = 0};
+	struct correlation_matrix m = {.count = 0};
 
-	choose(&m, &s->finding->estimate);
+	choose_parameters(&m, &s->finding->estimate);
 	if (m.count < 2)
 		return 0;
 	m.cell = fmin((SHEET_WIDTH - NAMES - SHEET_MARGIN) / (double)m.count, 60);
 	report_heading(s->page->body, "What goes together");
 	say_focal(s);
 	say_pairs(s, &m);
-	return draw(s, &m, fault);
+	return draw_matrix(s, &m, fault);
 }

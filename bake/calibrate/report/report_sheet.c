@@ -149,7 +149,7 @@ double sheet_below(const struct sheet_area *area, int line)
 /* ---- marks ---- */
 
 /* Names of files need not be UTF-8, and cairo draws nothing more once it has met such a text. */
-static void make_plain(char *text)
+static void sheet_make_plain(char *text)
 {
 	for (; *text; text++)
 		if ((unsigned char)*text >= 0x7f || (unsigned char)*text < 0x20)
@@ -170,7 +170,7 @@ void sheet_text(struct report_sheet *sheet, double x, double y, double share, co
 	va_start(args, format);
 	vsnprintf(text, sizeof(text), format, args);
 	va_end(args);
-	make_plain(text);
+	sheet_make_plain(text);
 	cairo_move_to(sheet->c, x - share * sheet_text_width(sheet, text), y);
 	cairo_show_text(sheet->c, text);
 }
@@ -182,7 +182,7 @@ void sheet_label(struct report_sheet *sheet, double x, double y, enum sheet_ink 
 	cairo_t *c = sheet->c;
 
 	snprintf(plain, sizeof(plain), "%s", text);
-	make_plain(plain);
+	sheet_make_plain(plain);
 	cairo_move_to(c, x, y);
 	cairo_text_path(c, plain);
 	sheet_ink(sheet, INK_WHITE, 0.85);
@@ -203,7 +203,7 @@ double sheet_text_width(const struct report_sheet *sheet, const char *text)
 }
 
 /* The path in its ink, over a wider white one. */
-static void stroke(struct report_sheet *sheet, double width, enum sheet_ink ink)
+static void sheet_stroke(struct report_sheet *sheet, double width, enum sheet_ink ink)
 {
 	sheet_ink(sheet, INK_WHITE, 0.8);
 	cairo_set_line_width(sheet->c, width + 2);
@@ -217,7 +217,7 @@ void sheet_ring(struct report_sheet *sheet, const double at[2], double radius, e
 {
 	cairo_new_sub_path(sheet->c);
 	cairo_arc(sheet->c, at[0], at[1], radius, 0, 2 * M_PI);
-	stroke(sheet, 1.5, ink);
+	sheet_stroke(sheet, 1.5, ink);
 }
 
 void sheet_cross(struct report_sheet *sheet, const double at[2], double radius, enum sheet_ink ink)
@@ -226,13 +226,13 @@ void sheet_cross(struct report_sheet *sheet, const double at[2], double radius, 
 	cairo_line_to(sheet->c, at[0] + radius, at[1]);
 	cairo_move_to(sheet->c, at[0], at[1] - radius);
 	cairo_line_to(sheet->c, at[0], at[1] + radius);
-	stroke(sheet, 1.2, ink);
+	sheet_stroke(sheet, 1.2, ink);
 }
 
 void sheet_square(struct report_sheet *sheet, const double at[2], double radius, enum sheet_ink ink)
 {
 	cairo_rectangle(sheet->c, at[0] - radius, at[1] - radius, 2 * radius, 2 * radius);
-	stroke(sheet, 2, ink);
+	sheet_stroke(sheet, 2, ink);
 }
 
 void sheet_arrow(struct report_sheet *sheet, const double at[2], const double along[2],
@@ -253,5 +253,5 @@ void sheet_arrow(struct report_sheet *sheet, const double at[2], const double al
 	cairo_move_to(sheet->c, tip[0] - head * (x + 0.5 * y), tip[1] - head * (y - 0.5 * x));
 	cairo_line_to(sheet->c, tip[0], tip[1]);
 	cairo_line_to(sheet->c, tip[0] - head * (x - 0.5 * y), tip[1] - head * (y + 0.5 * x));
-	stroke(sheet, 1.5, ink);
+	sheet_stroke(sheet, 1.5, ink);
 }

@@ -13,7 +13,7 @@
 #define MARGIN 1.1	   /* around points in a picture of unknown size */
 #define ARROW_PX 40.0	   /* of most arrows on the sheet, at most */
 
-static int upwards(const void *a, const void *b)
+static int by_error(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
 
@@ -24,13 +24,13 @@ double report_quantile(double *value, int count, double share)
 {
 	if (!count)
 		return 0;
-	qsort(value, (size_t)count, sizeof(*value), upwards);
+	qsort(value, (size_t)count, sizeof(*value), by_error);
 	return value[(int)(share * (count - 1) + 0.5)];
 }
 
 /* ---- size ---- */
 
-static int check_pictures(const struct shown *s, struct fault *fault)
+static int check_shown_pictures(const struct shown *s, struct fault *fault)
 {
 	const struct observations *seen = s->finding->seen;
 
@@ -149,7 +149,7 @@ int shown_begin(struct shown *s, const struct finding *finding, const struct ima
 	*s = (struct shown){.finding = finding, .pictures = pictures, .page = page};
 	s->modelled = finding->estimate.count > 0;
 	find_size(s);
-	if (check_pictures(s, fault))
+	if (check_shown_pictures(s, fault))
 		return -EINVAL;
 	s->residual = calloc(points, sizeof(*s->residual));
 	s->outlier = calloc(points, sizeof(*s->outlier));

@@ -10,7 +10,8 @@
 
 #define POINTS_SHOWN 20
 
-static int put(const struct shown *s, FILE *to, struct report_table *table, struct fault *fault)
+static int put_number(const struct shown *s, FILE *to, struct report_table *table,
+		      struct fault *fault)
 {
 	const int err = report_page_table(s->page, to, table, fault);
 
@@ -45,7 +46,7 @@ int report_figures(const struct shown *s, struct fault *fault)
 		report_number(&table, f->figure[k].value);
 		report_text(&table, "%s", f->figure[k].unit);
 	}
-	return put(s, s->page->head, &table, fault);
+	return put_number(s, s->page->head, &table, fault);
 }
 
 /* ---- parameters ---- */
@@ -98,7 +99,7 @@ static void begin_parameters(struct report_table *table, const char *name)
 }
 
 /* The view of a parameter of one: 1.., or 0. */
-static int view_of(const struct parameter *p)
+static int view_of_parameter(const struct parameter *p)
 {
 	int view = 0;
 
@@ -114,7 +115,7 @@ int report_parameters(const struct shown *s, struct fault *fault)
 	begin_parameters(&lens, "parameters");
 	begin_parameters(&poses, "poses");
 	for (int k = 0; k < e->count; k++) {
-		const int view = view_of(&e->parameter[k]);
+		const int view = view_of_parameter(&e->parameter[k]);
 
 		if (view < 1)
 			add_parameter(&lens, e, k);
@@ -126,11 +127,11 @@ int report_parameters(const struct shown *s, struct fault *fault)
 			 "%d numbers were observed, %d are left to judge by: one of them deviates "
 			 "by %.3g px. Deviations are standard deviations, to first order.",
 			 e->residuals, e->freedom, e->sigma);
-	err = put(s, s->page->body, &lens, fault);
+	err = put_number(s, s->page->body, &lens, fault);
 	if (!err && report_table_rows(&poses)) {
 		report_paragraph(s->page->body, "Where the camera was in the views that are drawn "
 						"(calibration.json has all):");
-		return put(s, s->page->body, &poses, fault);
+		return put_number(s, s->page->body, &poses, fault);
 	}
 	report_table_free(&poses);
 	return err;
@@ -191,5 +192,5 @@ int report_points(const struct shown *s, struct fault *fault)
 	}
 	free(rank);
 	report_heading(s->page->body, "Points that fit worst");
-	return put(s, s->page->body, &table, fault);
+	return put_number(s, s->page->body, &table, fault);
 }

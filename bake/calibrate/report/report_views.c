@@ -139,7 +139,7 @@ static int draw_view(const struct shown *s, int v, struct fault *fault)
 	return sheet_show(&sheet, s->page, name, caption, fault);
 }
 
-static int write_table(const struct shown *s, struct fault *fault)
+static int write_view_table(const struct shown *s, struct fault *fault)
 {
 	const struct observations *seen = s->finding->seen;
 	struct report_table table;
@@ -178,7 +178,7 @@ int report_views(const struct shown *s, struct fault *fault)
 		report_paragraph(s->page->body,
 				 "%d of %d views are drawn: the worst, and some of the others.",
 				 drawn, views);
-	err = write_table(s, fault);
+	err = write_view_table(s, fault);
 	for (int v = 0; v < views && !err; v++)
 		if (s->view[v].drawn)
 			err = draw_view(s, v, fault);
@@ -217,18 +217,18 @@ int report_residuals(const struct shown *s, struct fault *fault)
 
 /* ---- coverage ---- */
 
-struct cells {
+struct coverage_cells {
 	int across, down;
 	int count[COVERAGE_CELLS * COVERAGE_CELLS];
 	int most, filled;
 };
 
-static void count_cells(const struct shown *s, struct cells *cells)
+static void count_cells(const struct shown *s, struct coverage_cells *cells)
 {
 	const double side = fmax(s->width, s->height) / (double)COVERAGE_CELLS;
 
-	*cells = (struct cells){.across = (int)fmax(rint(s->width / side), 1),
-				.down = (int)fmax(rint(s->height / side), 1)};
+	*cells = (struct coverage_cells){.across = (int)fmax(rint(s->width / side), 1),
+					 .down = (int)fmax(rint(s->height / side), 1)};
 	for (int k = 0; k < s->finding->seen->count; k++) {
 		const double *px = s->finding->seen->point[k].px;
 		const double x = floor(px[0] / s->width * cells->across);
@@ -244,8 +244,8 @@ static void count_cells(const struct shown *s, struct cells *cells)
 	}
 }
 
-static void draw_cell(struct report_sheet *sheet, const struct sheet_area *area,
-		      const struct cells *cells, int x, int y)
+static void draw_coverage_cell(struct report_sheet *sheet, const struct sheet_area *area,
+			       const struct coverage_cells *cells, int x, int y)
 {
 	const int count = cells->count[y * cells->across + x];
 	const double wide = area->scale * area->width / cells->across;
@@ -269,7 +269,7 @@ int report_coverage(const struct shown *s, struct fault *fault)
 {
 	struct report_sheet sheet;
 	struct sheet_area area;
-	struct cells cells;
+	struct coverage_cells cells;
 	char caption[160];
 	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 0);
 
@@ -278,7 +278,7 @@ int report_coverage(const struct shown *s, struct fault *fault)
 	count_cells(s, &cells);
 	for (int y = 0; y < cells.down; y++)
 		for (int x = 0; x < cells.across; x++)
-			draw_cell(&sheet, &area, &cells, x, y);
+			draw_coverage_cell(&sheet, &area, &cells, x, y);
 	sheet_frame(&sheet, &area);
 	report_heading(s->page->body, "Where in the picture points were seen");
 	report_paragraph(s->page->body,

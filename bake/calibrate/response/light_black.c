@@ -11,7 +11,7 @@
 #define BLOCK 8
 #define DARK_MOST 64 /* code: no camera has its black level so high */
 
-static int check(const struct image *picture, struct fault *fault)
+static int check_black_picture(const struct image *picture, struct fault *fault)
 {
 	if (!picture->u8)
 		return fault_say(fault, -EINVAL,
@@ -24,8 +24,8 @@ static int check(const struct image *picture, struct fault *fault)
 }
 
 /* Mean over a rectangle, of one channel, or of all where channel is -1; and the mean square. */
-static double mean_of(const struct image *p, int x0, int y0, int width, int height, int channel,
-		      double *square)
+static double mean_of_rectangle(const struct image *p, int x0, int y0, int width, int height,
+				int channel, double *square)
 {
 	double sum = 0, squares = 0;
 	int count = 0;
@@ -56,8 +56,8 @@ static void measure_parts(struct light_black *b, const struct image *p)
 
 	b->lightest = 0;
 	for (int k = 0; k < PARTS * PARTS; k++) {
-		const double mean = mean_of(p, k % PARTS * width, k / PARTS * height, width, height,
-					    -1, &unused);
+		const double mean = mean_of_rectangle(p, k % PARTS * width, k / PARTS * height,
+						      width, height, -1, &unused);
 
 		sum += mean;
 		squares += mean * mean;
@@ -86,7 +86,7 @@ static bool is_cut_off(const struct image *p, int *lowest)
 
 int light_black_covered(struct light_black *b, const struct image *p, struct fault *fault)
 {
-	const int err = check(p, fault);
+	const int err = check_black_picture(p, fault);
 	double square;
 	int lowest;
 
@@ -94,10 +94,10 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 		return err;
 	*b = (struct light_black){.level = 0};
 	verdict_begin(&b->verdict);
-	b->level = mean_of(p, 0, 0, p->width, p->height, -1, &square);
+	b->level = mean_of_rectangle(p, 0, 0, p->width, p->height, -1, &square);
 	b->noise = sqrt(fmax(square - b->level * b->level, 0));
 	for (int c = 0; c < 3; c++)
-		b->channel[c] = mean_of(p, 0, 0, p->width, p->height, c, &square);
+		b->channel[c] = mean_of_rectangle(p, 0, 0, p->width, p->height, c, &square);
 	measure_parts(b, p);
 	if (b->level > DARK_MOST)
 		verdict_doubt(&b->verdict, "cover the lens",
@@ -125,7 +125,7 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 #define ALIKE 16 /* codes: what rises by less may as well be noise, or light that flickers */
 #define SURE 1	 /* code: how well the level is to be known */
 
-struct spot {
+struct dark_spot {
 	double shorter, longer;
 };
 
@@ -137,12 +137,13 @@ struct rise {
 
 static int by_brightness(const void *a, const void *b)
 {
-	const double x = ((const struct spot *)a)->longer, y = ((const struct spot *)b)->longer;
+	const double x = ((const struct dark_spot *)a)->longer,
+		     y = ((const struct dark_spot *)b)->longer;
 
 	return (x > y) - (x < y);
 }
 
-static void compare_spots(const struct spot *spot, int count, int darkest, struct rise *rise)
+static void compare_spots(const struct dark_spot *spot, int count, int darkest, struct rise *rise)
 {
 	*rise = (struct rise){.mean = 0};
 	for (int k = 0; k < count; k++) {
@@ -156,7 +157,7 @@ static void compare_spots(const struct spot *spot, int count, int darkest, struc
 	}
 }
 
-static void measure_darkest(struct light_black *b, const struct spot *spot, int darkest,
+static void measure_darkest(struct light_black *b, const struct dark_spot *spot, int darkest,
 			    const struct rise *rise)
 {
 	double squares = 0;
@@ -209,12 +210,12 @@ int light_black_darkest(struct light_black *b, const struct image *shorter,
 	const int across = shorter->width / BLOCK, count = across * (shorter->height / BLOCK);
 	const int darkest = count / 100 > 4 ? count / 100 : 4;
 	struct rise rise;
-	struct spot *spot;
+	struct dark_spot *spot;
 	double unused;
-	int err = check(shorter, fault);
+	int err = check_black_picture(shorter, fault);
 
 	if (!err)
-		err = check(longer, fault);
+		err = check_black_picture(longer, fault);
 	if (err)
 		return err;
 	if (shorter->width != longer->width || shorter->height != longer->height)
@@ -225,8 +226,8 @@ int light_black_darkest(struct light_black *b, const struct image *shorter,
 	for (int k = 0; k < count; k++) {
 		const int x = k % across * BLOCK, y = k / across * BLOCK;
 
-		spot[k].shorter = mean_of(shorter, x, y, BLOCK, BLOCK, -1, &unused);
-		spot[k].longer = mean_of(longer, x, y, BLOCK, BLOCK, -1, &unused);
+		spot[k].shorter = mean_of_rectangle(shorter, x, y, BLOCK, BLOCK, -1, &unused);
+		spot[k].longer = mean_of_rectangle(longer, x, y, BLOCK, BLOCK, -1, &unused);
 	}
 	qsort(spot, (size_t)count, sizeof(*spot), by_brightness);
 	*b = (struct light_black){.level = 0};

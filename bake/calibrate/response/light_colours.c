@@ -19,7 +19,7 @@ struct match {
 	bool keep_white;
 };
 
-static double sum_of(const double x[3])
+static double sum_of_row(const double x[3])
 {
 	return x[0] + x[1] + x[2];
 }
@@ -38,24 +38,25 @@ static void matrix_of(const struct match *m, const double *x, double matrix[ELEM
 	}
 }
 
-static double relative(const struct match *m, const double matrix[ELEMENTS], int patch, int c)
+static double relative_difference(const struct match *m, const double matrix[ELEMENTS], int patch,
+				  int c)
 {
 	const struct light_colour_pair *p = &m->pairs[patch];
 	double made = 0;
 
 	for (int k = 0; k < 3; k++)
 		made += m->scale * matrix[3 * c + k] * p->fisheye[k];
-	return (made - p->background[c]) / (sum_of(p->background) / 3);
+	return (made - p->background[c]) / (sum_of_row(p->background) / 3);
 }
 
-static bool evaluate(void *context, const double *x, double *residual)
+static bool colours_evaluate(void *context, const double *x, double *residual)
 {
 	const struct match *m = context;
 	double matrix[ELEMENTS];
 
 	matrix_of(m, x, matrix);
 	for (int i = 0; i < 3 * m->count; i++)
-		residual[i] = relative(m, matrix, i / 3, i % 3);
+		residual[i] = relative_difference(m, matrix, i / 3, i % 3);
 	return true;
 }
 
@@ -96,7 +97,7 @@ static void take_elements(struct light_colours *found)
 }
 
 /* Grey keeps its brightness: what is left over belongs to the scale. */
-static void normalize(struct light_colours *found)
+static void normalize_rows(struct light_colours *found)
 {
 	double sum = 0;
 
@@ -109,14 +110,14 @@ static void normalize(struct light_colours *found)
 		found->estimate.covariance[k] /= sum * sum;
 }
 
-static int solve(struct light_colours *found, struct match *m, struct fault *fault)
+static int colours_solve(struct light_colours *found, struct match *m, struct fault *fault)
 {
 	const int parameters = m->keep_white ? 6 : ELEMENTS;
 	double x[ELEMENTS] = {0}, scale[ELEMENTS];
 	struct least_squares_fit fit = {.covariance = NULL};
 	const struct least_squares problem = {.parameters = parameters,
 					      .residuals = 3 * m->count,
-					      .evaluate = evaluate,
+					      .evaluate = colours_evaluate,
 					      .context = m,
 					      .scale = scale,
 					      .group = 3};
@@ -145,7 +146,7 @@ static int solve(struct light_colours *found, struct match *m, struct fault *fau
 	return err;
 }
 
-static void compare(struct light_colours *found, const struct match *m)
+static void colours_compare(struct light_colours *found, const struct match *m)
 {
 	static const double identity[ELEMENTS] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 	struct match now = *m;
@@ -155,8 +156,8 @@ static void compare(struct light_colours *found, const struct match *m)
 		double squares = 0;
 
 		for (int c = 0; c < 3; c++) {
-			found->before += pow(relative(&now, identity, k, c), 2);
-			squares += pow(relative(&now, found->matrix, k, c), 2);
+			found->before += pow(relative_difference(&now, identity, k, c), 2);
+			squares += pow(relative_difference(&now, found->matrix, k, c), 2);
 		}
 		found->after += squares;
 		found->residual[k] = sqrt(squares / 3);
@@ -165,7 +166,7 @@ static void compare(struct light_colours *found, const struct match *m)
 	found->after = sqrt(found->after / (3 * m->count));
 }
 
-static void doubt(struct light_colours *found, bool keep_white)
+static void doubt_colours(struct light_colours *found, bool keep_white)
 {
 	double worst = 0;
 
@@ -201,21 +202,21 @@ int light_colours_find(struct light_colours *found, const struct light_colour_pa
 		return fault_say(fault, -EINVAL, "there are %d patches, expected 3 to %d", count,
 				 LIGHT_PATCHES_MAX);
 	for (int k = 0; k < count; k++) {
-		if (!(sum_of(pairs[k].fisheye) > 0) || !(sum_of(pairs[k].background) > 0))
+		if (!(sum_of_row(pairs[k].fisheye) > 0) || !(sum_of_row(pairs[k].background) > 0))
 			return fault_say(fault, -EINVAL, "patch %d is black", k + 1);
-		from += sum_of(pairs[k].fisheye) / sum_of(pairs[k].background);
+		from += sum_of_row(pairs[k].fisheye) / sum_of_row(pairs[k].background);
 		to += 1;
 	}
 	m.scale = found->scale = to / from;
 	if (estimate_create(&found->estimate, ELEMENTS) < 0)
 		return fault_say(fault, -ENOMEM, "not enough memory");
-	err = solve(found, &m, fault);
+	err = colours_solve(found, &m, fault);
 	if (err)
 		return err;
-	normalize(found);
+	normalize_rows(found);
 	take_elements(found);
-	compare(found, &m);
-	doubt(found, keep_white);
+	colours_compare(found, &m);
+	doubt_colours(found, keep_white);
 	return 0;
 }
 
@@ -225,7 +226,7 @@ void light_colours_free(struct light_colours *found)
 }
 
 /* Six numbers, or none on a blank line; how many, -1: neither. */
-static int read_line(const char *line, double number[6])
+static int read_patch_line(const char *line, double number[6])
 {
 	int count = 0;
 
@@ -245,7 +246,7 @@ static int read_pairs(struct text_file *file, struct light_colour_pair *pairs, s
 
 	while ((ret = text_file_next(file, fault)) > 0) {
 		double number[6];
-		const int got = read_line(file->line, number);
+		const int got = read_patch_line(file->line, number);
 
 		if (got < 0)
 			return fault_say(

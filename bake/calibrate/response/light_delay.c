@@ -12,7 +12,7 @@
 
 /* ---- records ---- */
 
-static int grow(double **list, int count, int room)
+static int grow_list(double **list, int count, int room)
 {
 	double *more;
 
@@ -28,8 +28,8 @@ static int grow(double **list, int count, int room)
 
 int light_record_frame(struct light_record *r, double time_ms, double level)
 {
-	const int times = grow(&r->time_ms, r->frames, r->room_frames);
-	const int levels = grow(&r->level, r->frames, r->room_frames);
+	const int times = grow_list(&r->time_ms, r->frames, r->room_frames);
+	const int levels = grow_list(&r->level, r->frames, r->room_frames);
 
 	if (times < 0 || levels < 0)
 		return -ENOMEM;
@@ -41,7 +41,7 @@ int light_record_frame(struct light_record *r, double time_ms, double level)
 
 int light_record_change(struct light_record *r, double time_ms)
 {
-	const int room = grow(&r->change_ms, r->changes, r->room_changes);
+	const int room = grow_list(&r->change_ms, r->changes, r->room_changes);
 
 	if (room < 0)
 		return room;
@@ -58,33 +58,33 @@ void light_record_free(struct light_record *r)
 	memset(r, 0, sizeof(*r));
 }
 
-static bool blank(const char *text)
+static bool is_blank_line(const char *text)
 {
 	text += strspn(text, " \t\r");
 	return !*text || *text == '#';
 }
 
 /* Blanks and a number. */
-static bool read_number(const char **text, double *number)
+static bool read_level(const char **text, double *number)
 {
 	*text += strspn(*text, " \t");
 	return !number_read(text, number);
 }
 
 /* 0; 1: it does not say what it should. */
-static int read_line(struct light_record *r, const char *line)
+static int read_record_line(struct light_record *r, const char *line)
 {
 	double a, b;
 
 	line += strspn(line, " \t");
 	if (!strncmp(line, "change", 6)) {
 		line += 6;
-		if (!read_number(&line, &a) || !blank(line) ||
+		if (!read_level(&line, &a) || !is_blank_line(line) ||
 		    (r->changes && a <= r->change_ms[r->changes - 1]))
 			return 1;
 		return light_record_change(r, a);
 	}
-	if (!read_number(&line, &a) || !read_number(&line, &b) || !blank(line) ||
+	if (!read_level(&line, &a) || !read_level(&line, &b) || !is_blank_line(line) ||
 	    (r->frames && a <= r->time_ms[r->frames - 1]))
 		return 1;
 	return light_record_frame(r, a, b);
@@ -96,7 +96,7 @@ int light_record_read(struct light_record *r, const char *path, struct fault *fa
 	int err = text_file_open(&file, path, fault);
 
 	while (!err && (err = text_file_next(&file, fault)) > 0) {
-		err = blank(file.line) ? 0 : read_line(r, file.line);
+		err = is_blank_line(file.line) ? 0 : read_record_line(r, file.line);
 		if (err == 1)
 			err = fault_say(fault, -EINVAL,
 					"%s:%d: expected \"time_ms level\" of a frame or \"change "
@@ -131,7 +131,7 @@ static double control_at(const struct light_record *r, const int *first, int fra
 	return changes % 2 ? 1 : -1;
 }
 
-static double correlate(const struct light_record *r, const int *first, int delay)
+static double correlation_at(const struct light_record *r, const int *first, int delay)
 {
 	double sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
 	const double n = r->frames;
@@ -152,7 +152,7 @@ static double correlate(const struct light_record *r, const int *first, int dela
 }
 
 /* Means before and after the change, and when the level has passed half way; NaN: it never does. */
-static double crossing(const struct light_record *r, const int *first, int change, int delay)
+static double crossing_time(const struct light_record *r, const int *first, int change, int delay)
 {
 	const int from = change ? first[change - 1] + delay : 0;
 	const int to = change + 1 < r->changes ? first[change + 1] : r->frames;
@@ -186,7 +186,7 @@ static void find_times(struct light_delay *found, const struct light_record *r, 
 	found->shortest_ms = INFINITY;
 	found->longest_ms = -INFINITY;
 	for (int k = 0; k < r->changes; k++) {
-		const double t = crossing(r, first, k, found->frames);
+		const double t = crossing_time(r, first, k, found->frames);
 
 		if (isnan(t))
 			continue;
@@ -206,7 +206,7 @@ static void find_times(struct light_delay *found, const struct light_record *r, 
 					      : 0;
 }
 
-static void doubt(struct light_delay *found, const struct light_record *r)
+static void doubt_delay(struct light_delay *found, const struct light_record *r)
 {
 	const double period = (r->time_ms[r->frames - 1] - r->time_ms[0]) / (r->frames - 1);
 
@@ -243,7 +243,7 @@ int light_delay_find(struct light_delay *found, const struct light_record *r, st
 	for (int k = 0; k < r->changes; k++)
 		first[k] = frame_after(r, r->change_ms[k]);
 	for (int delay = 0; delay <= LIGHT_DELAY_FRAMES_MAX; delay++) {
-		const double now = correlate(r, first, delay);
+		const double now = correlation_at(r, first, delay);
 
 		if (fabs(now) <= fabs(found->correlation) + 1e-9)
 			continue;
@@ -252,6 +252,6 @@ int light_delay_find(struct light_delay *found, const struct light_record *r, st
 	}
 	find_times(found, r, first);
 	free(first);
-	doubt(found, r);
+	doubt_delay(found, r);
 	return 0;
 }

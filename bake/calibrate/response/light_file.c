@@ -24,27 +24,27 @@ int light_file_read(const char *path, struct response *response, struct fault *f
 }
 
 /* Comments since the last key, and which key they are of. */
-struct block {
+struct light_block {
 	char *text;
 	size_t bytes;
 	FILE *stream;
 };
 
-static int block_begin(struct block *b)
+static int block_begin(struct light_block *b)
 {
 	b->text = NULL;
 	b->stream = open_memstream(&b->text, &b->bytes);
 	return b->stream ? 0 : -ENOMEM;
 }
 
-static void block_write(struct block *b, FILE *to)
+static void block_write(struct light_block *b, FILE *to)
 {
 	fflush(b->stream);
 	if (b->bytes)
 		fprintf(to, "\n%s", b->text);
 }
 
-static void block_end(struct block *b)
+static void block_end(struct light_block *b)
 {
 	if (b->stream)
 		fclose(b->stream);
@@ -75,7 +75,7 @@ static bool is_skipped(const char *line)
 
 /* Copies all of the old file but what belongs to the key, and comments at its end, which go into
  * rest: behind what is written next they do not become its own. */
-static int copy_others(FILE *from, FILE *to, const char *key, struct block *rest)
+static int copy_others(FILE *from, FILE *to, const char *key, struct light_block *rest)
 {
 	char *line = NULL;
 	size_t room = 0;
@@ -113,7 +113,7 @@ int light_file_set(const char *path, const char *key, const char *text, const ch
 		   struct fault *fault)
 {
 	struct output out = {.stream = NULL};
-	struct block rest = {.stream = NULL};
+	struct light_block rest = {.stream = NULL};
 	struct response before;
 	FILE *old;
 	int err = light_file_read(path, &before, fault);

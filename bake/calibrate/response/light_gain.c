@@ -22,7 +22,7 @@ void light_gain_predict(const struct dome *dome, const float (*radiance)[3],
 	}
 }
 
-static double sum_of(const double x[3])
+static double sum_of_channels(const double x[3])
 {
 	return x[0] + x[1] + x[2];
 }
@@ -35,10 +35,10 @@ static double pair_deviation(const struct light_pair *pair)
 
 	for (int c = 0; c < 3; c++)
 		squares += p->deviation[c] * p->deviation[c];
-	return sqrt(squares) / sum_of(p->mean);
+	return sqrt(squares) / sum_of_channels(p->mean);
 }
 
-static bool evaluate(void *context, const double *x, double *residual)
+static bool gain_evaluate(void *context, const double *x, double *residual)
 {
 	const struct light_gain *found = context;
 
@@ -54,7 +54,7 @@ static int fit_mean(struct light_gain *found, double loss_scale, double *varianc
 	static const double scale[] = {0.1};
 	const struct least_squares problem = {.parameters = 1,
 					      .residuals = found->pairs,
-					      .evaluate = evaluate,
+					      .evaluate = gain_evaluate,
 					      .context = found,
 					      .scale = scale,
 					      .loss_scale = loss_scale,
@@ -127,7 +127,7 @@ static void doubt_pair(struct light_gain *found, const struct light_pair *pair, 
 		verdict_doubt(&found->verdict,
 			      "expose the background camera shorter, or choose a darker patch",
 			      "the patch of pair %d is clipped", k + 1);
-	if (sum_of(pair->patch.mean) < 0.015)
+	if (sum_of_channels(pair->patch.mean) < 0.015)
 		verdict_doubt(&found->verdict,
 			      "expose the background camera longer, or choose a lighter patch",
 			      "the patch of pair %d is nearly black", k + 1);
@@ -145,7 +145,7 @@ static void doubt_pair(struct light_gain *found, const struct light_pair *pair, 
 			      100 * pair->clipped_sky, k + 1);
 }
 
-static void doubt(struct light_gain *found, const struct light_pair *pairs)
+static void doubt_gain(struct light_gain *found, const struct light_pair *pairs)
 {
 	int which = 0;
 
@@ -178,15 +178,18 @@ int light_gain_find(struct light_gain *found, const struct light_pair *pairs, in
 		return fault_say(fault, -EINVAL, "there are %d pairs, expected 1 to %d", count,
 				 LIGHT_PAIRS_MAX);
 	for (int k = 0; k < count; k++) {
-		if (!(sum_of(pairs[k].predicted) > 0) || !(sum_of(pairs[k].patch.mean) > 0))
+		if (!(sum_of_channels(pairs[k].predicted) > 0) ||
+		    !(sum_of_channels(pairs[k].patch.mean) > 0))
 			return fault_say(fault, -EINVAL, "pair %d: there is no light in its %s",
-					 k + 1, sum_of(pairs[k].predicted) > 0 ? "patch" : "sky");
-		found->ratio[k] = sum_of(pairs[k].patch.mean) / sum_of(pairs[k].predicted);
+					 k + 1,
+					 sum_of_channels(pairs[k].predicted) > 0 ? "patch" : "sky");
+		found->ratio[k] = sum_of_channels(pairs[k].patch.mean) /
+				  sum_of_channels(pairs[k].predicted);
 	}
 	err = find_mean(found, pairs, fault);
 	if (err)
 		return err;
 	find_balance(found, pairs);
-	doubt(found, pairs);
+	doubt_gain(found, pairs);
 	return 0;
 }

@@ -43,7 +43,7 @@ int light_area_parse(struct light_area *area, const char *text, struct fault *fa
 }
 
 /* Even-odd rule. */
-static bool holds(const struct light_area *area, double x, double y)
+static bool area_holds(const struct light_area *area, double x, double y)
 {
 	bool inside = false;
 
@@ -57,14 +57,14 @@ static bool holds(const struct light_area *area, double x, double y)
 	return inside;
 }
 
-struct sums {
+struct patch_sums {
 	double part[4][3]; /* by quarter */
 	int count[4];
 	int clipped;
 };
 
-static void add_pixel(struct sums *s, const struct image *picture, const double decode[256],
-		      size_t at, int quarter)
+static void sums_add_pixel(struct patch_sums *s, const struct image *picture,
+			   const double decode[256], size_t at, int quarter)
 {
 	bool clipped = false;
 
@@ -80,7 +80,7 @@ static void add_pixel(struct sums *s, const struct image *picture, const double 
 	s->clipped += clipped;
 }
 
-static void finish(struct light_patch *p, const struct sums *s)
+static void patch_finish(struct light_patch *p, const struct patch_sums *s)
 {
 	*p = (struct light_patch){.pixels = s->count[0] + s->count[1] + s->count[2] + s->count[3]};
 	p->clipped = (double)s->clipped / p->pixels;
@@ -112,7 +112,7 @@ int light_patch_measure(struct light_patch *patch, const struct image *picture,
 	double decode[256], middle[2] = {0}, low[2] = {INFINITY, INFINITY},
 			    high[2] = {-INFINITY, -INFINITY};
 	const int size[2] = {picture->width, picture->height};
-	struct sums sums = {.clipped = 0};
+	struct patch_sums sums = {.clipped = 0};
 
 	for (int i = 0; i < 256; i++)
 		decode[i] = transfer_curve_decode(curve, i / 255.0);
@@ -133,15 +133,15 @@ int light_patch_measure(struct light_patch *patch, const struct image *picture,
 	}
 	for (int y = (int)low[1]; y < high[1]; y++)
 		for (int x = (int)low[0]; x < high[0]; x++) {
-			if (holds(area, x + 0.5, y + 0.5))
-				add_pixel(&sums, picture, decode,
-					  3 * ((size_t)y * (size_t)picture->width + (size_t)x),
-					  2 * (y + 0.5 > middle[1]) + (x + 0.5 > middle[0]));
+			if (area_holds(area, x + 0.5, y + 0.5))
+				sums_add_pixel(&sums, picture, decode,
+					       3 * ((size_t)y * (size_t)picture->width + (size_t)x),
+					       2 * (y + 0.5 > middle[1]) + (x + 0.5 > middle[0]));
 		}
 	if (sums.count[0] + sums.count[1] + sums.count[2] + sums.count[3] < 16)
 		return fault_say(fault, -EINVAL,
 				 "the patch holds fewer than 16 pixels of the picture of %dx%d",
 				 picture->width, picture->height);
-	finish(patch, &sums);
+	patch_finish(patch, &sums);
 	return 0;
 }

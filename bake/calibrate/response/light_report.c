@@ -8,7 +8,7 @@
 #include "bake/base/report_page.h"
 #include "bake/calibrate/estimate/json.h"
 
-struct report {
+struct light_page {
 	struct report_page page;
 	FILE *file; /* light.json */
 	struct json json;
@@ -16,12 +16,12 @@ struct report {
 	int err; /* the first that failed; the rest does nothing */
 };
 
-static void begin(struct report *r, const char *folder, const char *what,
-		  const struct verdict *verdict, struct fault *fault)
+static void begin_page(struct light_page *r, const char *folder, const char *what,
+		       const struct verdict *verdict, struct fault *fault)
 {
 	char path[PATH_MAX + 16], sentence[VERDICT_SENTENCE_MAX];
 
-	*r = (struct report){.fault = fault};
+	*r = (struct light_page){.fault = fault};
 	r->err = report_page_open(&r->page, folder, fault);
 	if (r->err)
 		return;
@@ -41,8 +41,8 @@ static void begin(struct report *r, const char *folder, const char *what,
 }
 
 /* In the page and in JSON. */
-static void figure(struct report *r, const char *key, const char *label, double value,
-		   const char *unit)
+static void report_figure(struct light_page *r, const char *key, const char *label, double value,
+			  const char *unit)
 {
 	if (r->err)
 		return;
@@ -50,13 +50,13 @@ static void figure(struct report *r, const char *key, const char *label, double 
 	report_paragraph(r->page.body, "%s: %.4g%s%s", label, value, *unit ? " " : "", unit);
 }
 
-static void numbers(struct report *r, const char *key, const double *value, int count)
+static void report_numbers(struct light_page *r, const char *key, const double *value, int count)
 {
 	if (!r->err)
 		json_numbers(&r->json, key, value, count);
 }
 
-static void show_plot(struct report *r, struct report_plot *plot, const char *caption)
+static void show_plot(struct light_page *r, struct report_plot *plot, const char *caption)
 {
 	if (r->err)
 		report_plot_free(plot);
@@ -64,14 +64,14 @@ static void show_plot(struct report *r, struct report_plot *plot, const char *ca
 		r->err = report_page_plot(&r->page, r->page.body, plot, caption, r->fault);
 }
 
-static void show_table(struct report *r, struct report_table *table)
+static void show_table(struct light_page *r, struct report_table *table)
 {
 	if (!r->err)
 		r->err = report_page_table(&r->page, r->page.body, table, r->fault);
 	report_table_free(table);
 }
 
-static int finish(struct report *r, const char *title)
+static int finish_page(struct light_page *r, const char *title)
 {
 	if (r->file) {
 		if (!r->err)
@@ -89,22 +89,24 @@ static int finish(struct report *r, const char *title)
 
 int light_report_black(const char *folder, const struct light_black *black, struct fault *fault)
 {
-	struct report r;
+	struct light_page r;
 
-	begin(&r, folder, "Black level", &black->verdict, fault);
-	figure(&r, "black_level", "Code value that is no light", black->level, "");
-	figure(&r, "deviation", "One standard deviation of it", black->deviation, "");
-	figure(&r, "noise", "Noise of a pixel, one standard deviation", black->noise, "codes");
-	figure(&r, "lightest", "Mean of the lightest part of the picture", black->lightest, "");
-	numbers(&r, "channels", black->channel, 3);
-	return finish(&r, "Black level");
+	begin_page(&r, folder, "Black level", &black->verdict, fault);
+	report_figure(&r, "black_level", "Code value that is no light", black->level, "");
+	report_figure(&r, "deviation", "One standard deviation of it", black->deviation, "");
+	report_figure(&r, "noise", "Noise of a pixel, one standard deviation", black->noise,
+		      "codes");
+	report_figure(&r, "lightest", "Mean of the lightest part of the picture", black->lightest,
+		      "");
+	report_numbers(&r, "channels", black->channel, 3);
+	return finish_page(&r, "Black level");
 }
 
 /* ---- response ---- */
 
 #define LAST (TRANSFER_KNOTS - 1)
 
-static void plot_curve(struct report *r, const struct light_response *found)
+static void plot_curve(struct light_page *r, const struct light_response *found)
 {
 	struct report_plot plot;
 
@@ -123,7 +125,7 @@ static void plot_curve(struct report *r, const struct light_response *found)
 }
 
 /* A standard's curve against the measured one, and how well that is known. */
-static void plot_difference(struct report *r, const struct light_response *found)
+static void plot_difference(struct light_page *r, const struct light_response *found)
 {
 	const double *knot = found->curve.knot;
 	struct report_plot plot;
@@ -152,7 +154,7 @@ static void plot_difference(struct report *r, const struct light_response *found
 		"60 %; grey: two standard deviations of the measurement.");
 }
 
-static void plot_residuals(struct report *r, const struct light_response *found)
+static void plot_residuals(struct light_page *r, const struct light_response *found)
 {
 	struct report_plot plot;
 
@@ -174,7 +176,7 @@ static void plot_residuals(struct report *r, const struct light_response *found)
 		  "a mean that leaves 0 is what the curve does not follow.");
 }
 
-static void tabulate_exposures(struct report *r, const struct light_response *found)
+static void tabulate_exposures(struct light_page *r, const struct light_response *found)
 {
 	struct report_table table;
 
@@ -197,27 +199,28 @@ static void tabulate_exposures(struct report *r, const struct light_response *fo
 int light_report_response(const char *folder, const struct light_response *found,
 			  struct fault *fault)
 {
-	struct report r;
+	struct light_page r;
 
-	begin(&r, folder, "Response", &found->verdict, fault);
-	figure(&r, "samples", "Places of the scene", found->samples, "");
-	figure(&r, "from_percent", "Lowest code value seen", 100 * found->from, "%");
-	figure(&r, "to_percent", "Highest code value seen", 100 * found->to, "%");
-	figure(&r, "sigma", "What is left over, in what noise explains", found->sigma, "");
-	figure(&r, "held_out", "The same of exposures that were held out", found->held_out, "");
-	figure(&r, "pieces", "Pieces of the curve", found->spline.pieces, "");
+	begin_page(&r, folder, "Response", &found->verdict, fault);
+	report_figure(&r, "samples", "Places of the scene", found->samples, "");
+	report_figure(&r, "from_percent", "Lowest code value seen", 100 * found->from, "%");
+	report_figure(&r, "to_percent", "Highest code value seen", 100 * found->to, "%");
+	report_figure(&r, "sigma", "What is left over, in what noise explains", found->sigma, "");
+	report_figure(&r, "held_out", "The same of exposures that were held out", found->held_out,
+		      "");
+	report_figure(&r, "pieces", "Pieces of the curve", found->spline.pieces, "");
 	plot_curve(&r, found);
 	plot_difference(&r, found);
 	plot_residuals(&r, found);
 	tabulate_exposures(&r, found);
-	numbers(&r, "response", found->curve.knot, TRANSFER_KNOTS);
-	numbers(&r, "response_deviation", found->deviation, TRANSFER_KNOTS);
-	numbers(&r, "times", found->time, found->exposures);
-	numbers(&r, "level_offset", found->level_offset, LIGHT_LEVELS);
-	numbers(&r, "level_scatter", found->level_scatter, LIGHT_LEVELS);
-	numbers(&r, "channel_off", found->channel_off, 3);
-	numbers(&r, "channel_deviation", found->channel_deviation, 3);
-	return finish(&r, "Response");
+	report_numbers(&r, "response", found->curve.knot, TRANSFER_KNOTS);
+	report_numbers(&r, "response_deviation", found->deviation, TRANSFER_KNOTS);
+	report_numbers(&r, "times", found->time, found->exposures);
+	report_numbers(&r, "level_offset", found->level_offset, LIGHT_LEVELS);
+	report_numbers(&r, "level_scatter", found->level_scatter, LIGHT_LEVELS);
+	report_numbers(&r, "channel_off", found->channel_off, 3);
+	report_numbers(&r, "channel_deviation", found->channel_deviation, 3);
+	return finish_page(&r, "Response");
 }
 
 /* ---- gain, colours, delay ---- */
@@ -226,12 +229,13 @@ int light_report_gain(const char *folder, const struct light_gain *found,
 		      const struct light_pair *pairs, struct fault *fault)
 {
 	struct report_table table;
-	struct report r;
+	struct light_page r;
 
-	begin(&r, folder, "Gain", &found->verdict, fault);
-	figure(&r, "gain", "Gain: the fisheye's units to the background camera's", found->gain, "");
-	figure(&r, "deviation", "One standard deviation of it", found->deviation, "");
-	numbers(&r, "balance", found->balance, 3);
+	begin_page(&r, folder, "Gain", &found->verdict, fault);
+	report_figure(&r, "gain", "Gain: the fisheye's units to the background camera's",
+		      found->gain, "");
+	report_figure(&r, "deviation", "One standard deviation of it", found->deviation, "");
+	report_numbers(&r, "balance", found->balance, 3);
 	report_table_begin(&table, "pairs");
 	report_table_column(&table, "pair", "pair", NULL);
 	report_table_column(&table, "gain", "its own gain", NULL);
@@ -246,11 +250,11 @@ int light_report_gain(const char *folder, const struct light_gain *found,
 		report_number(&table, 100 * pairs[k].clipped_sky);
 	}
 	show_table(&r, &table);
-	numbers(&r, "ratios", found->ratio, found->pairs);
-	return finish(&r, "Gain");
+	report_numbers(&r, "ratios", found->ratio, found->pairs);
+	return finish_page(&r, "Gain");
 }
 
-static void plot_patches(struct report *r, const struct light_colours *found,
+static void plot_patches(struct light_page *r, const struct light_colours *found,
 			 const struct light_colour_pair *pairs)
 {
 	static const char *const names[] = {"red", "green", "blue"};
@@ -280,13 +284,13 @@ int light_report_colours(const char *folder, const struct light_colours *found,
 			 const struct light_colour_pair *pairs, struct fault *fault)
 {
 	struct report_table table;
-	struct report r;
+	struct light_page r;
 
-	begin(&r, folder, "Colours", &found->verdict, fault);
-	figure(&r, "before_percent", "Patches differ, before", 100 * found->before, "%");
-	figure(&r, "after_percent", "Patches differ, after", 100 * found->after, "%");
-	figure(&r, "scale", "Background over fisheye, of grey", found->scale, "");
-	figure(&r, "condition", "Condition of the equations", found->condition, "");
+	begin_page(&r, folder, "Colours", &found->verdict, fault);
+	report_figure(&r, "before_percent", "Patches differ, before", 100 * found->before, "%");
+	report_figure(&r, "after_percent", "Patches differ, after", 100 * found->after, "%");
+	report_figure(&r, "scale", "Background over fisheye, of grey", found->scale, "");
+	report_figure(&r, "condition", "Condition of the equations", found->condition, "");
 	plot_patches(&r, found, pairs);
 	report_table_begin(&table, "colours");
 	report_table_column(&table, "element", "element", NULL);
@@ -298,26 +302,26 @@ int light_report_colours(const char *folder, const struct light_colours *found,
 		report_number(&table, estimate_deviation(&found->estimate, e));
 	}
 	show_table(&r, &table);
-	numbers(&r, "colours", found->matrix, 9);
-	numbers(&r, "residuals", found->residual, found->patches);
-	return finish(&r, "Colours");
+	report_numbers(&r, "colours", found->matrix, 9);
+	report_numbers(&r, "residuals", found->residual, found->patches);
+	return finish_page(&r, "Colours");
 }
 
 int light_report_delay(const char *folder, const struct light_delay *found,
 		       const struct light_record *record, struct fault *fault)
 {
 	struct report_plot plot;
-	struct report r;
+	struct light_page r;
 
-	begin(&r, folder, "Delay", &found->verdict, fault);
-	figure(&r, "frames", "Delay in frames", found->frames, "");
-	figure(&r, "time_ms", "Delay", found->time_ms, "ms");
-	figure(&r, "deviation_ms", "How it spreads, one standard deviation", found->deviation_ms,
-	       "ms");
-	figure(&r, "shortest_ms", "Shortest", found->shortest_ms, "ms");
-	figure(&r, "longest_ms", "Longest", found->longest_ms, "ms");
-	figure(&r, "seen", "Changes seen", found->seen, "");
-	figure(&r, "correlation", "Correlation", found->correlation, "");
+	begin_page(&r, folder, "Delay", &found->verdict, fault);
+	report_figure(&r, "frames", "Delay in frames", found->frames, "");
+	report_figure(&r, "time_ms", "Delay", found->time_ms, "ms");
+	report_figure(&r, "deviation_ms", "How it spreads, one standard deviation",
+		      found->deviation_ms, "ms");
+	report_figure(&r, "shortest_ms", "Shortest", found->shortest_ms, "ms");
+	report_figure(&r, "longest_ms", "Longest", found->longest_ms, "ms");
+	report_figure(&r, "seen", "Changes seen", found->seen, "");
+	report_figure(&r, "correlation", "Correlation", found->correlation, "");
 	report_plot_begin(&plot, "delay", "time, ms", "brightness of the frame");
 	report_plot_series(&plot, "frames", STYLE_LINE, 1);
 	for (int k = 0; k < record->frames && k < REPORT_POINTS_MAX; k++)
@@ -330,5 +334,5 @@ int light_report_delay(const char *folder, const struct light_delay *found,
 			report_plot_point(&plot, record->change_ms[k] - record->time_ms[0],
 					  record->level[0]);
 	show_plot(&r, &plot, "Brightness of the first frames, and when the control was changed.");
-	return finish(&r, "Delay");
+	return finish_page(&r, "Delay");
 }

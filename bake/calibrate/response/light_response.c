@@ -16,8 +16,8 @@ static const int pieces_to_try[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 
 #define TRIALS ((int)(sizeof(pieces_to_try) / sizeof(*pieces_to_try)))
 
-static int check(const struct light_samples *samples, const struct light_response_settings *s,
-		 struct fault *fault)
+static int check_exposures(const struct light_samples *samples,
+			   const struct light_response_settings *s, struct fault *fault)
 {
 	for (int j = 0; j < samples->exposures; j++)
 		if (!(s->time[j] > 0) || !isfinite(s->time[j]))
@@ -55,8 +55,8 @@ static struct light_spline spline_of(const struct light_response *found, int pie
 }
 
 /* Mean square over the exposures, each held out in turn. Negative: cannot be told. */
-static double score(const struct light_response *found, const struct light_fit_task *task,
-		    int pieces)
+static double held_out_score(const struct light_response *found, const struct light_fit_task *task,
+			     int pieces)
 {
 	const struct light_spline spline = spline_of(found, pieces);
 	double squares = 0;
@@ -89,7 +89,7 @@ static void choose_pieces(struct light_response *found, const struct light_fit_t
 	if (task->samples->exposures < 3)
 		return;
 	for (; tried < TRIALS && tried <= best_at + 2; tried++) {
-		squares[tried] = score(found, task, pieces_to_try[tried]);
+		squares[tried] = held_out_score(found, task, pieces_to_try[tried]);
 		if (squares[tried] > 0 && squares[tried] < best) {
 			best = squares[tried];
 			best_at = tried;
@@ -182,12 +182,12 @@ static void take_times(struct light_response *found, const struct light_fit *fit
 }
 
 /* Sums of what samples differ by. */
-struct tally {
+struct offset_tally {
 	double sum, squares;
 	int count;
 };
 
-static void tally_add(struct tally *t, double off)
+static void offsets_add(struct offset_tally *t, double off)
 {
 	t->sum += off;
 	t->squares += off * off;
@@ -196,8 +196,8 @@ static void tally_add(struct tally *t, double off)
 
 /* One sample's exposures against what all of them say together. */
 static void compare_sample(const struct light_fit *fit, const struct light_fit_task *task,
-			   const struct light_sample *s, struct tally *exposure,
-			   struct tally *level)
+			   const struct light_sample *s, struct offset_tally *exposure,
+			   struct offset_tally *level)
 {
 	double log_l[LIGHT_EXPOSURES_MAX], middle = 0, total = 0, variance;
 
@@ -211,26 +211,26 @@ static void compare_sample(const struct light_fit *fit, const struct light_fit_t
 	for (int j = 0; j < task->samples->exposures; j++) {
 		if (!s->good[j])
 			continue;
-		tally_add(&exposure[j], log_l[j] - middle / total);
-		tally_add(&level[(int)(s->mean[j] * LIGHT_LEVELS)], log_l[j] - middle / total);
+		offsets_add(&exposure[j], log_l[j] - middle / total);
+		offsets_add(&level[(int)(s->mean[j] * LIGHT_LEVELS)], log_l[j] - middle / total);
 	}
 }
 
 static void compare_exposures(struct light_response *found, const struct light_fit *fit,
 			      const struct light_fit_task *task)
 {
-	struct tally exposure[LIGHT_EXPOSURES_MAX] = {{0}}, level[LIGHT_LEVELS] = {{0}};
+	struct offset_tally exposure[LIGHT_EXPOSURES_MAX] = {{0}}, level[LIGHT_LEVELS] = {{0}};
 
 	for (int i = 0; i < task->samples->count; i++)
 		compare_sample(fit, task, &task->samples->sample[i], exposure, level);
 	for (int j = 0; j < found->exposures; j++) {
-		const struct tally *t = &exposure[j];
+		const struct offset_tally *t = &exposure[j];
 
 		found->offset[j] = t->count ? t->sum / t->count : 0;
 		found->scatter[j] = t->count ? sqrt(t->squares / t->count) : 0;
 	}
 	for (int k = 0; k < LIGHT_LEVELS; k++) {
-		const struct tally *t = &level[k];
+		const struct offset_tally *t = &level[k];
 
 		found->level_offset[k] = t->count ? t->sum / t->count : NAN;
 		found->level_scatter[k] = t->count ? sqrt(t->squares / t->count) : NAN;
@@ -318,7 +318,7 @@ int light_response_find(struct light_response *found, const struct light_samples
 					    .channel = -1,
 					    .held_out = -1};
 	struct light_fit fit;
-	int ret = check(samples, settings, fault);
+	int ret = check_exposures(samples, settings, fault);
 
 	*found = (struct light_response){.exposures = samples->exposures,
 					 .samples = samples->count,

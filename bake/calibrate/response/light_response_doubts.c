@@ -9,7 +9,7 @@
 
 /* ---- what pictures alone tell ---- */
 
-static double mean_of(const double *x, int count)
+static double mean_over_exposures(const double *x, int count)
 {
 	double sum = 0;
 
@@ -35,10 +35,10 @@ void light_doubt_pictures(struct light_response *found, const struct light_sampl
 		verdict_doubt(&found->verdict,
 			      "take five, each with half the time of the one before",
 			      "the exposures are nearly alike");
-	if (mean_of(samples->clipped, samples->exposures) > 0.9)
+	if (mean_over_exposures(samples->clipped, samples->exposures) > 0.9)
 		verdict_doubt(&found->verdict, "take them with shorter times",
 			      "nearly everything is clipped in all exposures");
-	if (mean_of(samples->dark, samples->exposures) > 0.9)
+	if (mean_over_exposures(samples->dark, samples->exposures) > 0.9)
 		verdict_doubt(&found->verdict, "take them with longer times",
 			      "nearly everything is black in all exposures");
 	if (samples->count < SAMPLES_MIN) {

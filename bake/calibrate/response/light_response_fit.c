@@ -24,7 +24,7 @@ static int exposures_of(const struct light_fit_task *task)
 	return task->samples->exposures;
 }
 
-static bool counts(const struct light_fit_task *task, const struct light_sample *s, int j)
+static bool is_counted(const struct light_fit_task *task, const struct light_sample *s, int j)
 {
 	return s->good[j] && j != task->held_out &&
 	       (task->channel < 0 || s->channel == task->channel);
@@ -92,13 +92,13 @@ static int add_row(struct system *y, double **row)
  * By the curve found so far, where all exposures together say that each code should be: the code
  * that was seen would favour the exposures that noise made darker.
  */
-static void weigh(const struct light_fit *fit, const struct light_fit_task *task,
-		  const struct light_sample *s, double weight[LIGHT_EXPOSURES_MAX])
+static void weigh_sample(const struct light_fit *fit, const struct light_fit_task *task,
+			 const struct light_sample *s, double weight[LIGHT_EXPOSURES_MAX])
 {
 	double log_l[LIGHT_EXPOSURES_MAX], variance, sum = 0, total = 0;
 
 	for (int j = 0; j < exposures_of(task); j++) {
-		if (!counts(task, s, j))
+		if (!is_counted(task, s, j))
 			continue;
 		log_l[j] = light_fit_radiance(fit, task, s, j, &variance);
 		weight[j] = 1 / variance;
@@ -108,7 +108,7 @@ static void weigh(const struct light_fit *fit, const struct light_fit_task *task
 	for (int j = 0; fit->sigma > 0 && j < exposures_of(task); j++) {
 		double slope, bend;
 
-		if (!counts(task, s, j))
+		if (!is_counted(task, s, j))
 			continue;
 		light_fit_log(fit, s->mean[j], &slope, &bend);
 		slope = fmax(slope - bend * (log_l[j] - sum / total) / slope, slope / 4);
@@ -117,8 +117,8 @@ static void weigh(const struct light_fit *fit, const struct light_fit_task *task
 }
 
 /* One sample's equations, by the curve found so far. */
-static int add_sample(struct system *y, const struct light_fit *fit,
-		      const struct light_fit_task *task, const struct light_sample *s)
+static int fit_add_sample(struct system *y, const struct light_fit *fit,
+			  const struct light_fit_task *task, const struct light_sample *s)
 {
 	const int splines = light_spline_count(&fit->spline), first = y->rows;
 	double by_exposure[LIGHT_EXPOSURES_MAX], weight[LIGHT_EXPOSURES_MAX];
@@ -126,18 +126,18 @@ static int add_sample(struct system *y, const struct light_fit *fit,
 	int good = 0;
 
 	for (int j = 0; j < exposures_of(task); j++)
-		good += counts(task, s, j);
+		good += is_counted(task, s, j);
 	if (good < 2)
 		return 0;
 	mean = calloc((size_t)y->columns, sizeof(*mean));
 	if (!mean)
 		return -ENOMEM;
-	weigh(fit, task, s, by_exposure);
+	weigh_sample(fit, task, s, by_exposure);
 	for (int j = 0; j < exposures_of(task); j++) {
 		double variance, now = 0;
 		const int r = y->rows - first;
 
-		if (!counts(task, s, j))
+		if (!is_counted(task, s, j))
 			continue;
 		if (add_row(y, &row) < 0) {
 			free(mean);
@@ -168,8 +168,8 @@ static int add_sample(struct system *y, const struct light_fit *fit,
 }
 
 /* What is known beforehand: times, and that nothing is infinitely wild. */
-static int add_known(struct system *y, const struct light_fit *fit,
-		     const struct light_fit_task *task)
+static int fit_add_known(struct system *y, const struct light_fit *fit,
+			 const struct light_fit_task *task)
 {
 	const int splines = light_spline_count(&fit->spline);
 	double *row;
@@ -188,7 +188,7 @@ static int add_known(struct system *y, const struct light_fit *fit,
 	return 0;
 }
 
-static bool evaluate(void *context, const double *a, double *residual)
+static bool response_evaluate(void *context, const double *a, double *residual)
 {
 	const struct system *y = context;
 
@@ -202,7 +202,7 @@ static bool evaluate(void *context, const double *a, double *residual)
 	return true;
 }
 
-static void differentiate(void *context, const double *a, double *jacobian)
+static void response_differentiate(void *context, const double *a, double *jacobian)
 {
 	const struct system *y = context;
 
@@ -211,8 +211,9 @@ static void differentiate(void *context, const double *a, double *jacobian)
 }
 
 /* Takes over what the solver says; sigma is of the samples' equations alone. */
-static void take(struct light_fit *fit, const struct system *y, const struct light_fit_task *task,
-		 const struct least_squares_fit *solved, int equations)
+static void take_solution(struct light_fit *fit, const struct system *y,
+			  const struct light_fit_task *task, const struct least_squares_fit *solved,
+			  int equations)
 {
 	const int free_times = task->time_deviation > 0 ? exposures_of(task) - 1 : 0;
 	double squares = 0, scale;
@@ -228,16 +229,16 @@ static void take(struct light_fit *fit, const struct system *y, const struct lig
 			fit->covariance[a][b] = scale * solved->inverse[a * y->columns + b];
 }
 
-static int solve(struct light_fit *fit, struct system *y, const struct light_fit_task *task,
-		 int equations, struct fault *fault)
+static int response_solve(struct light_fit *fit, struct system *y,
+			  const struct light_fit_task *task, int equations, struct fault *fault)
 {
 	double scale[LIGHT_PARAMETERS_MAX];
 	bool fixed[LIGHT_PARAMETERS_MAX] = {false};
 	struct least_squares_fit solved = {.covariance = NULL};
 	const struct least_squares problem = {.parameters = y->columns,
 					      .residuals = y->rows,
-					      .evaluate = evaluate,
-					      .differentiate = differentiate,
+					      .evaluate = response_evaluate,
+					      .differentiate = response_differentiate,
 					      .context = y,
 					      .scale = scale,
 					      .fixed = fixed,
@@ -254,7 +255,7 @@ static int solve(struct light_fit *fit, struct system *y, const struct light_fit
 	if (ret == -ETIMEDOUT)
 		ret = 0; /* the equations are linear: it is there */
 	if (ret == 0)
-		take(fit, y, task, &solved, equations);
+		take_solution(fit, y, task, &solved, equations);
 	least_squares_free(&solved);
 	return ret == -ERANGE || ret == -EINVAL ? -ENODATA : ret;
 }
@@ -271,14 +272,14 @@ int light_fit_find(struct light_fit *fit, const struct light_fit_task *task,
 
 		y.rows = y.samples = 0;
 		for (int i = 0; ret == 0 && i < task->samples->count; i++)
-			ret = add_sample(&y, fit, task, &task->samples->sample[i]);
+			ret = fit_add_sample(&y, fit, task, &task->samples->sample[i]);
 		equations = y.rows;
 		if (ret == 0 && equations < y.samples + y.columns)
 			ret = -ENODATA;
 		if (ret == 0)
-			ret = add_known(&y, fit, task);
+			ret = fit_add_known(&y, fit, task);
 		if (ret == 0)
-			ret = solve(fit, &y, task, equations, fault);
+			ret = response_solve(fit, &y, task, equations, fault);
 	}
 	free(y.row);
 	free(y.constant);
@@ -297,7 +298,7 @@ double light_fit_foretell(const struct light_fit *fit, const struct light_fit_ta
 		if (!s->good[task->held_out])
 			continue;
 		for (int j = 0; j < exposures_of(task); j++) {
-			if (!counts(task, s, j))
+			if (!is_counted(task, s, j))
 				continue;
 			off = light_fit_radiance(fit, task, s, j, &variance);
 			sum += off / variance;

@@ -11,8 +11,8 @@
 #define PER_LEVEL 8 /* ... so many blocks are kept, of each channel and exposure */
 #define PIXELS (LIGHT_BLOCK * LIGHT_BLOCK)
 
-static int check(const struct image *const *pictures, int exposures, double black,
-		 struct fault *fault)
+static int check_sample_pictures(const struct image *const *pictures, int exposures, double black,
+				 struct fault *fault)
 {
 	if (exposures < 1 || exposures > LIGHT_EXPOSURES_MAX)
 		return fault_say(fault, -EINVAL, "there are %d pictures, expected 1 to %d",
@@ -46,8 +46,8 @@ static double rounding_variance(double s2)
 }
 
 /* Whether the block is any good in exposure j. */
-static void measure(struct light_samples *all, struct light_sample *s, const struct image *picture,
-		    int j)
+static void measure_block(struct light_samples *all, struct light_sample *s,
+			  const struct image *picture, int j)
 {
 	const double unit = 1 / (255 - all->black);
 	double sum = 0, squares = 0, mean, spread, noise;
@@ -82,7 +82,7 @@ static void measure(struct light_samples *all, struct light_sample *s, const str
 		s->good[j] = true;
 }
 
-static int add(struct light_samples *all, const struct light_sample *sample)
+static int add_block_sample(struct light_samples *all, const struct light_sample *sample)
 {
 	if (all->count == all->room) {
 		const int room = all->room ? 2 * all->room : 1024;
@@ -110,10 +110,10 @@ static int measure_all(struct light_samples *all, const struct image *const *pic
 		int good = 0;
 
 		for (int j = 0; j < all->exposures; j++) {
-			measure(all, &s, pictures[j], j);
+			measure_block(all, &s, pictures[j], j);
 			good += s.good[j];
 		}
-		if (good >= 2 && add(all, &s) < 0)
+		if (good >= 2 && add_block_sample(all, &s) < 0)
 			return -ENOMEM;
 	}
 	for (int j = 0; j < all->exposures; j++) {
@@ -140,8 +140,8 @@ static int by_spread(const void *a, const void *b)
 }
 
 /* Marks the most uniform of one channel whose mean in exposure j is at one level. */
-static void mark(const struct light_samples *all, int channel, int j, int level,
-		 struct candidate *room, bool *kept)
+static void mark_chosen(const struct light_samples *all, int channel, int j, int level,
+			struct candidate *room, bool *kept)
 {
 	int count = 0;
 
@@ -156,7 +156,7 @@ static void mark(const struct light_samples *all, int channel, int j, int level,
 		kept[room[k].sample] = true;
 }
 
-static int choose(struct light_samples *all)
+static int choose_samples(struct light_samples *all)
 {
 	struct candidate *room = calloc((size_t)all->count + 1, sizeof(*room));
 	bool *kept = calloc((size_t)all->count + 1, sizeof(*kept));
@@ -164,8 +164,8 @@ static int choose(struct light_samples *all)
 
 	if (room && kept) {
 		for (int k = 0; k < 3 * all->exposures * LEVELS; k++)
-			mark(all, k % 3, k / 3 % all->exposures, k / 3 / all->exposures, room,
-			     kept);
+			mark_chosen(all, k % 3, k / 3 % all->exposures, k / 3 / all->exposures,
+				    room, kept);
 		for (int i = 0; i < all->count; i++)
 			if (kept[i])
 				all->sample[count++] = all->sample[i];
@@ -210,12 +210,12 @@ int light_samples_create(struct light_samples *all, const struct image *const *p
 	int ret;
 
 	*all = (struct light_samples){.exposures = exposures, .black = black};
-	ret = check(pictures, exposures, black, fault);
+	ret = check_sample_pictures(pictures, exposures, black, fault);
 	if (ret < 0)
 		return ret;
 	ret = measure_all(all, pictures);
 	if (ret == 0)
-		ret = choose(all);
+		ret = choose_samples(all);
 	if (ret < 0) {
 		light_samples_free(all);
 		return fault_say(fault, ret, "not enough memory for the pictures' blocks");

@@ -7,12 +7,12 @@
 
 #define EDGE 0.1
 
-static double warped(double u)
+static double warp(double u)
 {
 	return log1p(u / EDGE) - log1p((1 - u) / EDGE);
 }
 
-static double warped_slope(double u)
+static double warp_slope(double u)
 {
 	return 1 / (EDGE + u) + 1 / (EDGE + 1 - u);
 }
@@ -44,9 +44,9 @@ static void pieces_at(double t, double b[4], double slope[4], double bend[4])
 
 void light_spline_at(const struct light_spline *spline, double u, double *value, double *slope)
 {
-	const double start = warped(spline->from);
-	const double width = (warped(spline->to) - start) / spline->pieces;
-	const double x = (warped(u) - start) / width;
+	const double start = warp(spline->from);
+	const double width = (warp(spline->to) - start) / spline->pieces;
+	const double x = (warp(u) - start) / width;
 	const int piece = (int)fmin(fmax(floor(x), 0), spline->pieces - 1);
 	const double t = fmin(fmax(x - piece, 0), 1), beyond = x - piece - t;
 	const double bends = fmax(beyond, 0);
@@ -59,6 +59,6 @@ void light_spline_at(const struct light_spline *spline, double u, double *value,
 	for (int k = 0; k < 4; k++) {
 		value[piece + k] = b[k] + beyond * db[k] + bends * bends / 2 * ddb[k];
 		if (slope)
-			slope[piece + k] = (db[k] + bends * ddb[k]) * warped_slope(u) / width;
+			slope[piece + k] = (db[k] + bends * ddb[k]) * warp_slope(u) / width;
 	}
 }

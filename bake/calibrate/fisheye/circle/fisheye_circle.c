@@ -107,8 +107,9 @@ static void fill_points(struct finding *finding, const double ellipse[NUMBERS],
 	finding->rms_px = sqrt(squares / (count > 0 ? count : 1));
 }
 
-static void halve(struct lens_knowledge *knowledge, const struct rim *rim,
-		  const double ellipse[NUMBERS], const struct fisheye_curve *curve, double rim_rad)
+static void rim_halve(struct lens_knowledge *knowledge, const struct rim *rim,
+		      const double ellipse[NUMBERS], const struct fisheye_curve *curve,
+		      double rim_rad)
 {
 	knowledge->halved = true;
 	for (int h = 0; h < 2; h++) {
@@ -169,8 +170,9 @@ static void doubt_rim(struct fisheye_result *result, const struct rim *rim,
 			      "the picture is over-exposed at the rim, which moves it outwards");
 }
 
-static int conclude(struct fisheye_result *result, const struct rim *rim, double ellipse[NUMBERS],
-		    double rim_deg, const struct fisheye_wanted *wanted, struct fault *fault)
+static int rim_conclude(struct fisheye_result *result, const struct rim *rim,
+			double ellipse[NUMBERS], double rim_deg,
+			const struct fisheye_wanted *wanted, struct fault *fault)
 {
 	static const double unturned[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 	const bool chosen = wanted->model != FISHEYE_MODEL_AUTO;
@@ -199,7 +201,7 @@ static int conclude(struct fisheye_result *result, const struct rim *rim, double
 		knowledge->field_rad = fmin(wanted->field_deg, rim_deg) * (M_PI / 180);
 		knowledge->width = finding->width;
 		knowledge->height = finding->height;
-		halve(knowledge, rim, ellipse, &curve, rim_rad);
+		rim_halve(knowledge, rim, ellipse, &curve, rim_rad);
 		snprintf(finding->model, sizeof(finding->model), "%s, from the image circle",
 			 fisheye_model_names[curve.model]);
 		fisheye_result_settings(result, fmin(wanted->field_deg, rim_deg));
@@ -213,8 +215,8 @@ static int conclude(struct fisheye_result *result, const struct rim *rim, double
 }
 
 /* The rim's points, each in the direction it shows if the lens lies on its back. */
-static int observe(struct observations *seen, const struct rim *rim, const double ellipse[NUMBERS],
-		   double rim_rad, const char *name)
+static int rim_observe(struct observations *seen, const struct rim *rim,
+		       const double ellipse[NUMBERS], double rim_rad, const char *name)
 {
 	int err = observations_begin_view(seen, name);
 
@@ -230,8 +232,8 @@ static int observe(struct observations *seen, const struct rim *rim, const doubl
 	return err;
 }
 
-static int sharpen_once(struct rim *rim, double ellipse[NUMBERS], double reach_px,
-			struct fault *fault)
+static int rim_sharpen_once(struct rim *rim, double ellipse[NUMBERS], double reach_px,
+			    struct fault *fault)
 {
 	struct least_squares_fit found = {.covariance = NULL};
 	int err = edges_place(rim, ellipse, reach_px);
@@ -245,7 +247,7 @@ static int sharpen_once(struct rim *rim, double ellipse[NUMBERS], double reach_p
 
 /* Nearer and nearer, so that in the end edges are looked for where they are. What is over-exposed
  * stays as it was found. */
-static int sharpen(struct rim *rim, double ellipse[NUMBERS], struct fault *fault)
+static int rim_sharpen(struct rim *rim, double ellipse[NUMBERS], struct fault *fault)
 {
 	static const double reaches_px[] = {2.5, 1.5, 1};
 	int clipped = 0, err = 0;
@@ -255,7 +257,7 @@ static int sharpen(struct rim *rim, double ellipse[NUMBERS], struct fault *fault
 	if (clipped > CLIPPED_SHARE * rim->count)
 		return 0;
 	for (size_t k = 0; !err && k < sizeof(reaches_px) / sizeof(*reaches_px); k++)
-		err = sharpen_once(rim, ellipse, reaches_px[k], fault);
+		err = rim_sharpen_once(rim, ellipse, reaches_px[k], fault);
 	return err;
 }
 
@@ -286,13 +288,13 @@ int fisheye_circle(struct fisheye_result *result, struct observations *seen,
 		near = err ? 0 : ellipse_search(&rim, ellipse);
 	}
 	if (!err && near >= FEWEST)
-		err = sharpen(&rim, ellipse, fault);
+		err = rim_sharpen(&rim, ellipse, fault);
 	*seen = (struct observations){.width = picture->width, .height = picture->height};
 	edges = rim.count;
 	if (near >= FEWEST)
 		keep_near(&rim, ellipse);
 	if (!err)
-		err = observe(seen, &rim, ellipse, rim_deg * (M_PI / 180), name);
+		err = rim_observe(seen, &rim, ellipse, rim_deg * (M_PI / 180), name);
 	if (!err)
 		err = finding_create(&result->finding, "fisheye", seen);
 	if (!err && (near < FEWEST || near < INLIERS_SHARE * edges))
@@ -300,7 +302,7 @@ int fisheye_circle(struct fisheye_result *result, struct observations *seen,
 			      "take the picture under an even, bright sky, with dark surroundings",
 			      "no image circle was found: what is bright has no round rim");
 	else if (!err)
-		err = conclude(result, &rim, ellipse, rim_deg, wanted, fault);
+		err = rim_conclude(result, &rim, ellipse, rim_deg, wanted, fault);
 	rim_free(&rim);
 	if (err == -ENOMEM)
 		fault_say(fault, err, "%s: out of memory", name);

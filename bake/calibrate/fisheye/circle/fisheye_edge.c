@@ -32,13 +32,13 @@ enum { SAMPLES_MAX = 160, TERMS = 5, BOXES = 2 };
 static const double blurs[] = {0, 0.3, 0.45, 0.6, 0.8, 1, 1.3, 1.6, 2};
 #define HALVINGS 4
 
-struct sample {
+struct edge_sample {
 	double inwards, along, light;
 	double root; /* of its weight */
 };
 
-struct piece {
-	struct sample sample[SAMPLES_MAX];
+struct edge_piece {
+	struct edge_sample sample[SAMPLES_MAX];
 	int count, terms;
 	double width[BOXES]; /* of the two boxes that a pixel is along the normal */
 	double blur;	     /* deviation, px; 0: none beyond those */
@@ -52,7 +52,7 @@ struct found {
 };
 
 /* A step, a ramp and a parabola u^2 / 2, softened by two boxes. */
-static void soften(const double width[BOXES], double x, double soft[3])
+static void soften_by_boxes(const double width[BOXES], double x, double soft[3])
 {
 	const double unit = width[0] * width[1];
 
@@ -78,7 +78,7 @@ static void soften(const double width[BOXES], double x, double soft[3])
 }
 
 /* The same, softened by a Gaussian: a pixel adds its variance, 1/12 whatever the normal. */
-static void blur(double deviation, double x, double soft[3])
+static void soften_by_gaussian(double deviation, double x, double soft[3])
 {
 	const double wide = sqrt(deviation * deviation + 1.0 / 12);
 	const double below = erfc(-x / wide * M_SQRT1_2) / 2;
@@ -89,14 +89,15 @@ static void blur(double deviation, double x, double soft[3])
 	soft[2] = ((x * x + wide * wide) * below + x * at) / 2;
 }
 
-static void row_of(const struct piece *piece, const struct sample *s, double at, double row[TERMS])
+static void row_of(const struct edge_piece *piece, const struct edge_sample *s, double at,
+		   double row[TERMS])
 {
 	double soft[3];
 
 	if (piece->blur > 0)
-		blur(piece->blur, s->inwards - at, soft);
+		soften_by_gaussian(piece->blur, s->inwards - at, soft);
 	else
-		soften(piece->width, s->inwards - at, soft);
+		soften_by_boxes(piece->width, s->inwards - at, soft);
 	row[0] = s->root;
 	row[1] = s->root * soft[0];
 	row[2] = s->root * soft[1];
@@ -105,7 +106,7 @@ static void row_of(const struct piece *piece, const struct sample *s, double at,
 }
 
 /* Cholesky's factors of a symmetric matrix in place; false: singular. */
-static bool factor(double a[TERMS + 1][TERMS + 1], int n)
+static bool factor_normal(double a[TERMS + 1][TERMS + 1], int n)
 {
 	for (int j = 0; j < n; j++) {
 		const double before = a[j][j];
@@ -124,7 +125,7 @@ static bool factor(double a[TERMS + 1][TERMS + 1], int n)
 	return true;
 }
 
-static void solve(double a[TERMS + 1][TERMS + 1], int n, double *x)
+static void solve_normal(double a[TERMS + 1][TERMS + 1], int n, double *x)
 {
 	for (int i = 0; i < n; i++) {
 		for (int k = 0; k < i; k++)
@@ -139,7 +140,7 @@ static void solve(double a[TERMS + 1][TERMS + 1], int n, double *x)
 }
 
 /* The best levels for an edge at this place; infinite squares: there are none. */
-static struct found fit_at(const struct piece *piece, double at)
+static struct found edge_fit_at(const struct edge_piece *piece, double at)
 {
 	double a[TERMS + 1][TERMS + 1] = {{0}}, row[TERMS];
 	struct found found = {.at = at, .squares = INFINITY};
@@ -152,9 +153,9 @@ static struct found fit_at(const struct piece *piece, double at)
 				a[i][j] += row[i] * row[j];
 		}
 	}
-	if (!factor(a, piece->terms))
+	if (!factor_normal(a, piece->terms))
 		return found;
-	solve(a, piece->terms, found.term);
+	solve_normal(a, piece->terms, found.term);
 	found.squares = 0;
 	for (int n = 0; n < piece->count; n++) {
 		double r = piece->sample[n].root * piece->sample[n].light;
@@ -168,11 +169,11 @@ static struct found fit_at(const struct piece *piece, double at)
 }
 
 /* The best place: of steps, then of the parabola through three, finer and finer. */
-static bool fit(const struct piece *piece, double reach, struct found *best)
+static bool edge_fit(const struct edge_piece *piece, double reach, struct found *best)
 {
 	*best = (struct found){.squares = INFINITY};
 	for (double at = -reach; at <= reach; at += STEP_PX) {
-		const struct found found = fit_at(piece, at);
+		const struct found found = edge_fit_at(piece, at);
 
 		if (found.squares < best->squares)
 			*best = found;
@@ -180,17 +181,17 @@ static bool fit(const struct piece *piece, double reach, struct found *best)
 	if (isinf(best->squares) || fabs(best->at) > reach - STEP_PX / 2)
 		return false;
 	for (double step = STEP_PX; step > 1e-3; step /= 4) {
-		const struct found less = fit_at(piece, best->at - step);
-		const struct found more = fit_at(piece, best->at + step);
+		const struct found less = edge_fit_at(piece, best->at - step);
+		const struct found more = edge_fit_at(piece, best->at + step);
 		const double bend = less.squares + more.squares - 2 * best->squares;
 		struct found next;
 
 		if (!(bend > 0) || isinf(bend))
 			return isfinite(bend);
-		next = fit_at(piece,
-			      best->at + fmin(fmax(step / 2 * (less.squares - more.squares) / bend,
-						   -step),
-					      step));
+		next = edge_fit_at(
+			piece, best->at + fmin(fmax(step / 2 * (less.squares - more.squares) / bend,
+						    -step),
+					       step));
 		if (next.squares < best->squares)
 			*best = next;
 	}
@@ -198,8 +199,8 @@ static bool fit(const struct piece *piece, double reach, struct found *best)
 }
 
 /* Of the place, and of the light at the edge, with this variance of a sample. */
-static bool deviations(const struct piece *piece, const struct found *best, double variance,
-		       double *place, double *light)
+static bool edge_deviations(const struct edge_piece *piece, const struct found *best,
+			    double variance, double *place, double *light)
 {
 	double a[TERMS + 1][TERMS + 1] = {{0}}, unit[TERMS + 1];
 	const int n = piece->terms + 1;
@@ -217,22 +218,22 @@ static bool deviations(const struct piece *piece, const struct found *best, doub
 			for (int j = 0; j <= i; j++)
 				a[i][j] += row[i] * row[j];
 	}
-	if (!factor(a, n))
+	if (!factor_normal(a, n))
 		return false;
 	memset(unit, 0, sizeof(unit));
 	unit[n - 1] = 1;
-	solve(a, n, unit);
+	solve_normal(a, n, unit);
 	*place = sqrt(variance * unit[n - 1]);
 	memset(unit, 0, sizeof(unit));
 	unit[1] = 1;
-	solve(a, n, unit);
+	solve_normal(a, n, unit);
 	*light = sqrt(variance * unit[1]);
 	return true;
 }
 
 /* The pixels near to a place of the rim. False: too few, or the picture ends there. */
-static bool gather(struct piece *piece, const struct rim *rim, const double ellipse[4],
-		   const double at[2], const double normal[2], double reach_px)
+static bool gather_light(struct edge_piece *piece, const struct rim *rim, const double ellipse[4],
+			 const double at[2], const double normal[2], double reach_px)
 {
 	const double deep = reach_px + DEPTH_PX + 2 * piece->blur;
 	const double around = deep + ALONG_PX + 1;
@@ -258,11 +259,12 @@ static bool gather(struct piece *piece, const struct rim *rim, const double elli
 				continue;
 			if (piece->count == SAMPLES_MAX)
 				return false;
-			piece->sample[piece->count++] = (struct sample){inwards, along, light, 1};
+			piece->sample[piece->count++] = (struct edge_sample){inwards, along, light,
+									     1};
 			brightest = fmax(brightest, light - rim->dark);
 		}
 	for (int n = 0; n < piece->count; n++) {
-		struct sample *s = &piece->sample[n];
+		struct edge_sample *s = &piece->sample[n];
 
 		s->root = 1 / hypot(hypot(fmax(rim->noise, LEAST), piece->shape * brightest),
 				    UNEVEN * (s->light - rim->dark));
@@ -271,16 +273,16 @@ static bool gather(struct piece *piece, const struct rim *rim, const double elli
 }
 
 /* The piece at an angle of the ellipse. */
-static bool gather_at(struct piece *piece, const struct rim *rim, const double ellipse[4],
+static bool gather_at(struct edge_piece *piece, const struct rim *rim, const double ellipse[4],
 		      double turn, double reach_px, double at[2], double normal[2])
 {
 	at[0] = ellipse[0] + ellipse[2] * cos(turn);
 	at[1] = ellipse[1] + ellipse[3] * sin(turn);
 	ellipse_normal(ellipse, at, normal);
-	return gather(piece, rim, ellipse, at, normal, reach_px);
+	return gather_light(piece, rim, ellipse, at, normal, reach_px);
 }
 
-static bool place_edge(struct piece *piece, const struct rim *rim, const double ellipse[4],
+static bool place_edge(struct edge_piece *piece, const struct rim *rim, const double ellipse[4],
 		       double turn, double reach_px, struct rim_edge *edge)
 {
 	struct found plain, bent;
@@ -290,14 +292,14 @@ static bool place_edge(struct piece *piece, const struct rim *rim, const double 
 	if (!gather_at(piece, rim, ellipse, turn, reach_px, at, normal))
 		return false;
 	piece->terms = TERMS - 1;
-	if (!fit(piece, reach_px, &plain))
+	if (!edge_fit(piece, reach_px, &plain))
 		return false;
 	variance = fmax(plain.squares / (piece->count - TERMS), FITS_BEST);
-	if (!deviations(piece, &plain, variance, &deviation, &light) ||
+	if (!edge_deviations(piece, &plain, variance, &deviation, &light) ||
 	    plain.term[1] < CONTRAST_LEAST * light)
 		return false;
 	piece->terms = TERMS;
-	if (!fit(piece, reach_px, &bent))
+	if (!edge_fit(piece, reach_px, &bent))
 		return false;
 	edge->deviation = hypot(deviation, bent.at - plain.at);
 	for (int i = 0; i < 2; i++)
@@ -305,7 +307,7 @@ static bool place_edge(struct piece *piece, const struct rim *rim, const double 
 	return edge->deviation < DEVIATION_MOST;
 }
 
-static int ascending(const void *a, const void *b)
+static int compare_lights(const void *a, const void *b)
 {
 	const float x = *(const float *)a, y = *(const float *)b;
 
@@ -329,7 +331,7 @@ static int look_outside(struct rim *rim, const double ellipse[ELLIPSE_NUMBERS])
 		if (away > DARK_FROM_PX && away < DARK_TO_PX)
 			light[count++] = rim->light[p];
 	}
-	qsort(light, count, sizeof(*light), ascending);
+	qsort(light, count, sizeof(*light), compare_lights);
 	if (count > 0) {
 		rim->dark = light[count / 2];
 		rim->noise = (light[count * 3 / 4] - light[count / 4]) / 1.35;
@@ -347,8 +349,8 @@ static int by_size(const void *a, const void *b)
 
 /* The median variance of what edges with this blur leave unexplained; infinite: no piece is seen.
  */
-static double unexplained(struct piece *piece, const struct rim *rim, const double ellipse[4],
-			  double reach_px, double deviation)
+static double unexplained_squares(struct edge_piece *piece, const struct rim *rim,
+				  const double ellipse[4], double reach_px, double deviation)
 {
 	double variance[PROBES];
 	int count = 0;
@@ -362,7 +364,7 @@ static double unexplained(struct piece *piece, const struct rim *rim, const doub
 		piece->terms = TERMS - 1;
 		if (!gather_at(piece, rim, ellipse, 2 * M_PI * k / PROBES, reach_px, at, normal))
 			continue;
-		fit(piece, reach_px, &found);
+		edge_fit(piece, reach_px, &found);
 		if (isfinite(found.squares))
 			variance[count++] = found.squares / (piece->count - TERMS);
 	}
@@ -373,15 +375,15 @@ static double unexplained(struct piece *piece, const struct rim *rim, const doub
 }
 
 /* No blur where that explains the rim as well as any. */
-static void find_blur(struct piece *piece, struct rim *rim, const double ellipse[4],
+static void find_blur(struct edge_piece *piece, struct rim *rim, const double ellipse[4],
 		      double reach_px)
 {
-	const double none = unexplained(piece, rim, ellipse, reach_px, 0);
+	const double none = unexplained_squares(piece, rim, ellipse, reach_px, 0);
 	const size_t count = sizeof(blurs) / sizeof(*blurs);
 	double best = INFINITY, is = 0;
 
 	for (size_t k = 1; k < count; k++) {
-		const double left = unexplained(piece, rim, ellipse, reach_px, blurs[k]);
+		const double left = unexplained_squares(piece, rim, ellipse, reach_px, blurs[k]);
 
 		is = left < best ? blurs[k] : is;
 		best = fmin(best, left);
@@ -389,7 +391,8 @@ static void find_blur(struct piece *piece, struct rim *rim, const double ellipse
 	for (int k = 0, away = 8; k < HALVINGS; k++, away *= 2)
 		for (int side = -1; side <= 1; side += 2) {
 			const double other = is * (1 + (double)side / away);
-			const double left = unexplained(piece, rim, ellipse, reach_px, other);
+			const double left = unexplained_squares(piece, rim, ellipse, reach_px,
+								other);
 
 			is = left < best ? other : is;
 			best = fmin(best, left);
@@ -402,7 +405,7 @@ int edges_place(struct rim *rim, const double ellipse[ELLIPSE_NUMBERS], double r
 {
 	const int pieces = (int)(M_PI * (ellipse[2] + ellipse[3]) / APART_PX);
 	struct rim_edge *edge = calloc((size_t)pieces, sizeof(*edge));
-	struct piece *piece = calloc(1, sizeof(*piece));
+	struct edge_piece *piece = calloc(1, sizeof(*piece));
 
 	if (!edge || !piece) {
 		free(edge);

@@ -60,7 +60,7 @@ double ellipse_turn(const double ellipse[ELLIPSE_NUMBERS], const double px[2])
 }
 
 /* x^2 + b y^2 + c x + d y + e = 0 through six edges. */
-static bool through(const struct rim *rim, int attempt, double ellipse[NUMBERS])
+static bool ellipse_through(const struct rim *rim, int attempt, double ellipse[NUMBERS])
 {
 	double a[5 * 6], x[4];
 
@@ -93,7 +93,7 @@ int ellipse_search(const struct rim *rim, double ellipse[NUMBERS])
 		double trial[NUMBERS];
 		int near = 0;
 
-		if (!through(rim, k, trial))
+		if (!ellipse_through(rim, k, trial))
 			continue;
 		for (int n = 0; n < rim->count; n++)
 			near += fabs(ellipse_distance(trial, rim->edge[n].px)) < NEAR_PX;
@@ -110,7 +110,7 @@ struct edges {
 	int first, step;
 };
 
-static bool evaluate(void *context, const double *x, double *residual)
+static bool ellipse_evaluate(void *context, const double *x, double *residual)
 {
 	const struct edges *edges = context;
 
@@ -132,7 +132,7 @@ int ellipse_fit(const struct rim *rim, int first, int step, double ellipse[NUMBE
 	const struct least_squares problem = {
 		.parameters = NUMBERS,
 		.residuals = (rim->count - first + step - 1) / step,
-		.evaluate = evaluate,
+		.evaluate = ellipse_evaluate,
 		.context = &edges,
 		.scale = scale,
 		.loss_scale = LOSS_SCALE,
@@ -143,8 +143,8 @@ int ellipse_fit(const struct rim *rim, int first, int step, double ellipse[NUMBE
 }
 
 /* A copy of the rim without a sector. */
-static int without(struct rim *part, const struct rim *rim, const double ellipse[NUMBERS],
-		   int sector)
+static int ellipse_without(struct rim *part, const struct rim *rim, const double ellipse[NUMBERS],
+			   int sector)
 {
 	part->count = 0;
 	for (int n = 0; n < rim->count; n++)
@@ -166,7 +166,7 @@ static int leave_out(const struct rim *rim, const double ellipse[NUMBERS], doubl
 		struct least_squares_fit found = {.covariance = NULL};
 		struct fault ignored;
 
-		if (!without(&part, rim, ellipse, k))
+		if (!ellipse_without(&part, rim, ellipse, k))
 			continue;
 		memcpy(moved[sectors], ellipse, sizeof(moved[sectors]));
 		err = ellipse_fit(&part, 0, 1, moved[sectors], &found, &ignored);

@@ -28,27 +28,28 @@ struct plane {
 	bool codes; /* 8-bit: 1 is the most */
 };
 
-static int ascending(const void *a, const void *b)
+static int compare_lights(const void *a, const void *b)
 {
 	const float x = *(const float *)a, y = *(const float *)b;
 
 	return x < y ? -1 : x > y ? 1 : 0;
 }
 
-struct block {
+struct rim_block {
 	double mean, deviation;
 };
 
 static int by_mean(const void *a, const void *b)
 {
-	const double x = ((const struct block *)a)->mean, y = ((const struct block *)b)->mean;
+	const double x = ((const struct rim_block *)a)->mean,
+		     y = ((const struct rim_block *)b)->mean;
 
 	return x < y ? -1 : x > y ? 1 : 0;
 }
 
-static struct block measure_block(const struct plane *plane, int left, int top)
+static struct rim_block measure_block(const struct plane *plane, int left, int top)
 {
-	struct block block = {.mean = 0};
+	struct rim_block block = {.mean = 0};
 	double squares = 0;
 
 	for (int k = 0; k < BLOCK * BLOCK; k++) {
@@ -68,7 +69,7 @@ static int find_noise(const struct plane *plane, double *most)
 {
 	const int columns = plane->width / BLOCK, rows = plane->height / BLOCK;
 	const int dark = (int)(columns * rows * DARK_SHARE) + 1;
-	struct block *block = calloc((size_t)columns * (size_t)rows, sizeof(*block));
+	struct rim_block *block = calloc((size_t)columns * (size_t)rows, sizeof(*block));
 
 	if (!block)
 		return -ENOMEM;
@@ -94,7 +95,7 @@ static int find_threshold(struct plane *plane)
 		return -ENOMEM;
 	}
 	memcpy(sorted, plane->light, count * sizeof(*sorted));
-	qsort(sorted, count, sizeof(*sorted), ascending);
+	qsort(sorted, count, sizeof(*sorted), compare_lights);
 	plane->dark = sorted[(size_t)((double)count * DARK_SHARE)];
 	noise = plane->dark - sorted[(size_t)((double)count * DARK_SHARE / 10)];
 	bright = sorted[(size_t)((double)count * BRIGHT_SHARE)];
@@ -180,7 +181,7 @@ static double mean_on_ray(const struct plane *plane, const struct ray *ray, doub
 	return sum / count;
 }
 
-static double reach(const struct plane *plane, const struct ray *ray)
+static double ray_reach(const struct plane *plane, const struct ray *ray)
 {
 	const double size[2] = {plane->width, plane->height};
 	double length = INFINITY;
@@ -208,8 +209,8 @@ static double first_bright(const struct plane *plane, const struct ray *ray)
 }
 
 /* Half of the way between the levels on both sides. */
-static bool refine(const struct plane *plane, const struct ray *ray, double rough,
-		   struct rim_edge *edge)
+static bool refine_edge(const struct plane *plane, const struct ray *ray, double rough,
+			struct rim_edge *edge)
 {
 	const double inside = mean_on_ray(plane, ray, rough - 2.5, rough - 1.5);
 	const double outside = mean_on_ray(plane, ray, rough + 2, fmin(rough + 4.5, ray->length));
@@ -242,11 +243,11 @@ static void look_along(const struct plane *plane, const struct ray *ray, struct 
 		return;
 	if (rough > ray->length - BORDER_PX)
 		rim->cut++;
-	else if (refine(plane, ray, rough, &rim->edge[rim->count]))
+	else if (refine_edge(plane, ray, rough, &rim->edge[rim->count]))
 		rim->count++;
 }
 
-static int look_around(const struct plane *plane, const double middle[2], struct rim *rim)
+static int look_along_rays(const struct plane *plane, const double middle[2], struct rim *rim)
 {
 	const double around = M_PI * (plane->width + plane->height) / 2;
 
@@ -258,7 +259,7 @@ static int look_around(const struct plane *plane, const double middle[2], struct
 		const double phi = 2 * M_PI * k / rim->rays;
 		struct ray ray = {{middle[0], middle[1]}, {cos(phi), sin(phi)}, 0};
 
-		ray.length = reach(plane, &ray);
+		ray.length = ray_reach(plane, &ray);
 		look_along(plane, &ray, rim);
 	}
 	return 0;
@@ -293,7 +294,7 @@ int rim_find(struct rim *rim, const struct image *picture, const double middle[2
 	if (!err && middle)
 		memcpy(own, middle, sizeof(own));
 	if (!err && (middle || find_middle(&plane, own)))
-		err = look_around(&plane, own, rim);
+		err = look_along_rays(&plane, own, rim);
 	if (!err)
 		drop_clipped(rim);
 	rim->width = plane.width;

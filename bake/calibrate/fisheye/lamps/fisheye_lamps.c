@@ -99,8 +99,8 @@ static bool is_other(const struct lamp_trace *a, const struct lamp_trace *b, int
 
 /* Follows every guess; *best is the one that explains most, *otherwise whether another one does as
  * well. */
-static int follow(struct lamp_trace *best, bool *otherwise, const struct lamp_scene *scene,
-		  double squash, int wanted)
+static int follow_guesses(struct lamp_trace *best, bool *otherwise, const struct lamp_scene *scene,
+			  double squash, int wanted)
 {
 	struct lamp_guess guess[GUESSES_MAX];
 	struct lamp_trace trace[GUESSES_MAX] = {{.spot = NULL}};
@@ -129,15 +129,15 @@ static int follow(struct lamp_trace *best, bool *otherwise, const struct lamp_sc
 }
 
 /* How many there are for certain: spots may be anything, lamps hidden. */
-static bool explains(const struct lamp_trace *trace, const struct lamp_scene *scene)
+static bool explains_enough(const struct lamp_trace *trace, const struct lamp_scene *scene)
 {
 	const double all = fmin(scene->lamps->count, scene->spots->count);
 
 	return trace->found > FOUND_SHARE * all;
 }
 
-static int search(struct lamp_trace *best, bool *otherwise, const struct lamp_scene *scene,
-		  int wanted)
+static int search_squashes(struct lamp_trace *best, bool *otherwise, const struct lamp_scene *scene,
+			   int wanted)
 {
 	int err = 0;
 
@@ -145,9 +145,9 @@ static int search(struct lamp_trace *best, bool *otherwise, const struct lamp_sc
 		struct lamp_trace trace = {.spot = NULL};
 		bool either = false;
 
-		if (k && best->found && explains(best, scene) && !is_chance(scene, best))
+		if (k && best->found && explains_enough(best, scene) && !is_chance(scene, best))
 			break;
-		err = follow(&trace, &either, scene, squashes[k], wanted);
+		err = follow_guesses(&trace, &either, scene, squashes[k], wanted);
 		if (!err && trace.found && (!best->found || is_better(scene, &trace, best))) {
 			lamps_trace_free(best);
 			*best = trace;
@@ -161,8 +161,8 @@ static int search(struct lamp_trace *best, bool *otherwise, const struct lamp_sc
 
 /* ---- what is said ---- */
 
-__attribute__((format(printf, 3, 4))) static void list(char *text, size_t room, const char *format,
-						       ...)
+__attribute__((format(printf, 3, 4))) static void told_list(char *text, size_t room,
+							    const char *format, ...)
 {
 	const size_t used = strlen(text);
 	va_list args;
@@ -197,8 +197,8 @@ static bool holds_lamps(const struct lamp_scene *scene, const struct lamp_trace 
 	return false;
 }
 
-static void tell(struct lamps_told *told, const struct lamp_scene *scene,
-		 const struct lamp_trace *trace, double field_deg)
+static void tell_lamps(struct lamps_told *told, const struct lamp_scene *scene,
+		       const struct lamp_trace *trace, double field_deg)
 {
 	const int lamps = scene->lamps->count;
 
@@ -209,16 +209,17 @@ static void tell(struct lamps_told *told, const struct lamp_scene *scene,
 
 		told->expected += inside || trace->spot[n] >= 0;
 		if (trace->spot[n] == SPOT_MERGED)
-			list(told->merged, sizeof(told->merged), "%d", scene->lamps->lamp[n].line);
+			told_list(told->merged, sizeof(told->merged), "%d",
+				  scene->lamps->lamp[n].line);
 		else if (trace->spot[n] < 0 && inside)
-			list(told->missing, sizeof(told->missing), "%d at (%.0f, %.0f)",
-			     scene->lamps->lamp[n].line,
-			     trace->lens.mirrored ? scene->width - px[0] : px[0], px[1]);
+			told_list(told->missing, sizeof(told->missing), "%d at (%.0f, %.0f)",
+				  scene->lamps->lamp[n].line,
+				  trace->lens.mirrored ? scene->width - px[0] : px[0], px[1]);
 	}
 	for (int k = 0; k < scene->spots->count; k++)
 		if (!is_lamp(trace, lamps, k) && !holds_lamps(scene, trace, k))
-			list(told->strange, sizeof(told->strange), "(%.0f, %.0f)",
-			     scene->spots->spot[k].px[0], scene->spots->spot[k].px[1]);
+			told_list(told->strange, sizeof(told->strange), "(%.0f, %.0f)",
+				  scene->spots->spot[k].px[0], scene->spots->spot[k].px[1]);
 }
 
 static void doubt_none(struct verdict *verdict, const struct lamp_scene *scene, const char *name,
@@ -258,10 +259,10 @@ static void doubt_matches(struct verdict *verdict, const struct lamps_told *told
 			      told->expected, lamps_name);
 }
 
-static int conclude(struct fisheye_result *result, struct observations *seen,
-		    struct lamps_told *told, const struct lamp_scene *scene,
-		    const struct lamp_trace *trace, const char *lamps_name, const char *name,
-		    const struct fisheye_wanted *wanted, struct fault *fault)
+static int lamps_conclude(struct fisheye_result *result, struct observations *seen,
+			  struct lamps_told *told, const struct lamp_scene *scene,
+			  const struct lamp_trace *trace, const char *lamps_name, const char *name,
+			  const struct fisheye_wanted *wanted, struct fault *fault)
 {
 	struct fisheye_wanted own = *wanted;
 	int err;
@@ -279,7 +280,7 @@ static int conclude(struct fisheye_result *result, struct observations *seen,
 			doubt_none(&result->finding.verdict, scene, name, &own);
 		return err;
 	}
-	tell(told, scene, trace, wanted->field_deg);
+	tell_lamps(told, scene, trace, wanted->field_deg);
 	err = lamps_observe(seen, scene, trace, false, lamps_name, name);
 	if (!err)
 		err = fisheye_find(result, seen, &own, fault);
@@ -303,9 +304,10 @@ int fisheye_lamps(struct fisheye_result *result, struct observations *seen, stru
 	*told = (struct lamps_told){.lamps = 0};
 	*result = (struct fisheye_result){.oriented = false};
 	if (!err)
-		err = search(&best, &told->otherwise, &scene, wanted->model);
+		err = search_squashes(&best, &told->otherwise, &scene, wanted->model);
 	if (!err)
-		err = conclude(result, seen, told, &scene, &best, lamps_name, name, wanted, fault);
+		err = lamps_conclude(result, seen, told, &scene, &best, lamps_name, name, wanted,
+				     fault);
 	if (err == -ENOMEM)
 		fault_say(fault, err, "%s: out of memory", name);
 	lamps_trace_free(&best);

@@ -64,7 +64,7 @@ static int check_others(const struct lamps *lamps, const char *path, struct faul
 	return 0;
 }
 
-static int read_line(struct lamps *lamps, const struct text_file *file, struct fault *fault)
+static int read_lamp(struct lamps *lamps, const struct text_file *file, struct fault *fault)
 {
 	double number[NUMBERS_MAX];
 	const int count = observations_numbers(file->line, number, NUMBERS_MAX);
@@ -97,7 +97,7 @@ int lamps_read(struct lamps *lamps, const char *path, struct fault *fault)
 	if (err)
 		return err;
 	while (!err && (err = text_file_next(&file, fault)) > 0)
-		err = read_line(lamps, &file, fault);
+		err = read_lamp(lamps, &file, fault);
 	if (!err && !lamps->count)
 		err = fault_say(fault, -EINVAL,
 				"%s: holds no lamps, expected lines of azimuth and elevation, or "

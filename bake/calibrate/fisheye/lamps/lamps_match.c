@@ -69,7 +69,7 @@ static bool obeys_hints(const struct lamp_scene *scene, const struct lamp_guess 
 }
 
 /* 1: a spot is there; 0: none is near. */
-static double nearness(const struct ray_set *seen, const double ray[3])
+static double nearness_of_ray(const struct ray_set *seen, const double ray[3])
 {
 	const double near = 1 - cos(NEAR_RAD);
 	double least = near;
@@ -89,7 +89,7 @@ static double score_of(const struct matching *matching, const double rotation[9]
 	for (int first = 0; first < stride; first++)
 		for (int n = first; n < lamps->count; n += stride) {
 			mat_apply(rotation, lamps->lamp[n].dir, ray);
-			score += nearness(&matching->seen, ray);
+			score += nearness_of_ray(&matching->seen, ray);
 			if (score + --left <= enough)
 				return 0;
 		}
@@ -114,7 +114,7 @@ static int by_score(const void *a, const void *b)
 }
 
 /* What a guess must reach to be among the best; those turned alike are one. */
-static void keep(struct matching *matching, const struct lamp_guess *guess)
+static void guesses_keep(struct matching *matching, const struct lamp_guess *guess)
 {
 	int at = 0;
 
@@ -180,12 +180,12 @@ static void try_pair(struct matching *matching, struct lamp_guess *guess, int fi
 			guess->score = score_of(matching, guess->rotation,
 						full ? matching->guess[kept - 1].score : 2);
 			if (guess->score > 2 && obeys_hints(matching->scene, guess))
-				keep(matching, guess);
+				guesses_keep(matching, guess);
 		}
 }
 
 /* Evenly over what is left to try; the same in each run. */
-static int choose(struct matching *matching, int count)
+static int choose_lamp(struct matching *matching, int count)
 {
 	matching->chance = matching->chance * 1664525 + 1013904223;
 	return (int)((matching->chance >> 8) % (uint32_t)count);
@@ -204,7 +204,7 @@ static void try_pairs(struct matching *matching, struct lamp_guess *guess)
 		return;
 	}
 	for (int k = 0; k < tried; k++) {
-		const int a = choose(matching, lamps), b = choose(matching, lamps);
+		const int a = choose_lamp(matching, lamps), b = choose_lamp(matching, lamps);
 
 		if (a != b)
 			try_pair(matching, guess, a, b);

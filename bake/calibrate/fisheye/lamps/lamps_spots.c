@@ -55,7 +55,7 @@ static void flood_free(struct flood *flood)
 }
 
 /* Square roots part dark levels more finely. */
-static int level_of(const struct flood *flood, float light)
+static int level_of_light(const struct flood *flood, float light)
 {
 	return (int)((LEVELS - 1) * sqrtf(fmaxf(light, 0) / flood->most));
 }
@@ -67,12 +67,12 @@ static void sort_pixels(struct flood *flood)
 	int start[LEVELS + 1] = {0};
 
 	for (int p = 0; p < count; p++)
-		start[LEVELS - 1 - level_of(flood, flood->light[p]) + 1]++;
+		start[LEVELS - 1 - level_of_light(flood, flood->light[p]) + 1]++;
 	for (int k = 0; k < LEVELS; k++)
 		start[k + 1] += start[k];
 	flood->pixels = start[LEVELS - (int)(LEVELS * sqrt(FLOOR))];
 	for (int p = 0; p < count; p++)
-		flood->order[start[LEVELS - 1 - level_of(flood, flood->light[p])]++] = p;
+		flood->order[start[LEVELS - 1 - level_of_light(flood, flood->light[p])]++] = p;
 }
 
 static int flood_create(struct flood *flood, const struct image *picture, struct spots *spots)
@@ -101,7 +101,7 @@ static int flood_create(struct flood *flood, const struct image *picture, struct
 /* ---- one spot ---- */
 
 /* Calls for each neighbour in the picture. */
-static int neighbours(const struct flood *flood, int p, int near[8])
+static int neighbours_of(const struct flood *flood, int p, int near[8])
 {
 	const int x = p % flood->width, y = p / flood->width;
 	int count = 0;
@@ -116,7 +116,7 @@ static int neighbours(const struct flood *flood, int p, int near[8])
 
 /* The pixels around its peak that are brighter than the edge: how many, in the queue; 0: too many,
  * or the picture ends there. */
-static int gather(struct flood *flood, int peak, double edge)
+static int gather_island(struct flood *flood, int peak, double edge)
 {
 	int count = 1, near[8];
 	bool cut = false;
@@ -124,7 +124,7 @@ static int gather(struct flood *flood, int peak, double edge)
 	flood->queue[0] = peak;
 	flood->taken[peak] = true;
 	for (int at = 0; at < count && count <= flood->area_most; at++) {
-		const int around = neighbours(flood, flood->queue[at], near);
+		const int around = neighbours_of(flood, flood->queue[at], near);
 
 		cut = cut || around < 8;
 		for (int k = 0; k < around; k++)
@@ -148,7 +148,7 @@ static int keep_spot(struct flood *flood, int peak, double surroundings)
 	if (flood->taken[peak] || height < LEAST * flood->most ||
 	    flood->light[peak] < STANDS_OUT * surroundings)
 		return 0;
-	count = gather(flood, peak, edge);
+	count = gather_island(flood, peak, edge);
 	if (!count)
 		return 0;
 	for (int k = 0; k < count; k++) {
@@ -196,7 +196,7 @@ static bool stands_out(const struct flood *flood, int first, double surroundings
 }
 
 /* The pixel joins two islands at its light, of which the brighter one's first pixel stays. */
-static int join(struct flood *flood, int a, int b, double light)
+static int join_islands(struct flood *flood, int a, int b, double light)
 {
 	struct island *island = flood->island;
 	const int high = flood->light[a] >= flood->light[b] ? a : b, low = high == a ? b : a;
@@ -218,7 +218,7 @@ static int raise_pixel(struct flood *flood, int p)
 {
 	struct island *island = flood->island;
 	int near[8], own = p, err = 0;
-	const int around = neighbours(flood, p, near);
+	const int around = neighbours_of(flood, p, near);
 
 	island[p] = (struct island){.parent = p, .area = 1};
 	for (int k = 0; k < around && !err; k++) {
@@ -229,7 +229,7 @@ static int raise_pixel(struct flood *flood, int p)
 		other = first_of(flood, near[k]);
 		if (other == own)
 			continue;
-		err = join(flood, own, other, flood->light[p]);
+		err = join_islands(flood, own, other, flood->light[p]);
 		own = first_of(flood, own);
 	}
 	if (!err && !island[own].ended && island[own].area > flood->area_most)
@@ -237,7 +237,7 @@ static int raise_pixel(struct flood *flood, int p)
 	return err;
 }
 
-static int run(struct flood *flood)
+static int flood_run(struct flood *flood)
 {
 	const double floor = FLOOR * flood->most;
 	int err = 0;
@@ -266,7 +266,7 @@ int spots_find(struct spots *spots, const struct image *picture)
 	*spots = (struct spots){.spot = NULL};
 	err = flood_create(&flood, picture, spots);
 	if (!err && flood.most > 0)
-		err = run(&flood);
+		err = flood_run(&flood);
 	flood_free(&flood);
 	if (err)
 		spots_free(spots);

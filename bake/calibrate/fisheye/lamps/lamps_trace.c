@@ -23,13 +23,13 @@ void lamps_trace_free(struct lamp_trace *trace)
 
 /* ---- which spot is near ---- */
 
-struct expected {
+struct lamp_expected {
 	bool seen;
 	double px[2];
 };
 
-static double away(const struct lamp_scene *scene, const struct lamp_trace *trace,
-		   const struct expected *lamp, int spot)
+static double px_away(const struct lamp_scene *scene, const struct lamp_trace *trace,
+		      const struct lamp_expected *lamp, int spot)
 {
 	double px[2];
 
@@ -38,28 +38,28 @@ static double away(const struct lamp_scene *scene, const struct lamp_trace *trac
 }
 
 static int nearest_lamp(const struct lamp_scene *scene, const struct lamp_trace *trace,
-			const struct expected *expected, int spot)
+			const struct lamp_expected *expected, int spot)
 {
 	int nearest = -1;
 	double least = INFINITY;
 
 	for (int n = 0; n < scene->lamps->count; n++)
-		if (expected[n].seen && away(scene, trace, &expected[n], spot) < least) {
-			least = away(scene, trace, &expected[n], spot);
+		if (expected[n].seen && px_away(scene, trace, &expected[n], spot) < least) {
+			least = px_away(scene, trace, &expected[n], spot);
 			nearest = n;
 		}
 	return nearest;
 }
 
 static int nearest_spot(const struct lamp_scene *scene, const struct lamp_trace *trace,
-			const struct expected *lamp, double reach_px)
+			const struct lamp_expected *lamp, double reach_px)
 {
 	int nearest = SPOT_NONE;
 	double least = reach_px;
 
 	for (int k = 0; k < scene->spots->count; k++)
-		if (away(scene, trace, lamp, k) < least) {
-			least = away(scene, trace, lamp, k);
+		if (px_away(scene, trace, lamp, k) < least) {
+			least = px_away(scene, trace, lamp, k);
 			nearest = k;
 		}
 	return nearest;
@@ -67,7 +67,7 @@ static int nearest_spot(const struct lamp_scene *scene, const struct lamp_trace 
 
 /* Lamps so near that one spot holds them both. */
 static void part_merged(const struct lamp_scene *scene, struct lamp_trace *trace,
-			const struct expected *expected)
+			const struct lamp_expected *expected)
 {
 	for (int k = 0; k < scene->spots->count; k++) {
 		const double within = scene->spots->spot[k].radius_px + 2 * FINEST_PX;
@@ -75,19 +75,19 @@ static void part_merged(const struct lamp_scene *scene, struct lamp_trace *trace
 
 		for (int n = 0; n < scene->lamps->count; n++)
 			inside += expected[n].seen && (trace->spot[n] == k || trace->spot[n] < 0) &&
-				  away(scene, trace, &expected[n], k) < within;
+				  px_away(scene, trace, &expected[n], k) < within;
 		for (int n = 0; n < scene->lamps->count && inside > 1; n++)
 			if (expected[n].seen && (trace->spot[n] == k || trace->spot[n] < 0) &&
-			    away(scene, trace, &expected[n], k) < within)
+			    px_away(scene, trace, &expected[n], k) < within)
 				trace->spot[n] = SPOT_MERGED;
 	}
 }
 
 /* Lamp and spot each the nearest to the other. 1: as before. */
-static int assign(const struct lamp_scene *scene, struct lamp_trace *trace)
+static int assign_spots(const struct lamp_scene *scene, struct lamp_trace *trace)
 {
 	const int lamps = scene->lamps->count;
-	struct expected *expected = calloc((size_t)lamps, sizeof(*expected));
+	struct lamp_expected *expected = calloc((size_t)lamps, sizeof(*expected));
 	int changed = 0;
 
 	if (!expected)
@@ -144,8 +144,8 @@ static void take_solution(struct lamp_trace *trace, const struct lens_problem *p
 }
 
 /* The model is left to the points once there are enough of them, and they are the right ones. */
-static int solve(struct lamp_trace *trace, const struct lens_problem *problem,
-		 struct lens_solution *start, int wanted, bool rough)
+static int solve_lens(struct lamp_trace *trace, const struct lens_problem *problem,
+		      struct lens_solution *start, int wanted, bool rough)
 {
 	struct model_trials trials;
 	struct fault ignored;
@@ -170,7 +170,8 @@ static int solve(struct lamp_trace *trace, const struct lens_problem *problem,
 	return err;
 }
 
-static int fit(struct lamp_trace *trace, const struct lamp_scene *scene, int wanted, bool rough)
+static int fit_lens(struct lamp_trace *trace, const struct lamp_scene *scene, int wanted,
+		    bool rough)
 {
 	struct observations seen;
 	const struct lens_problem problem = {.seen = &seen, .directions = true, .step = 1};
@@ -182,7 +183,7 @@ static int fit(struct lamp_trace *trace, const struct lamp_scene *scene, int wan
 	if (!err) {
 		start.optics = trace->lens.optics;
 		memcpy(start.pose[0].rotation, trace->lens.rotation, sizeof(trace->lens.rotation));
-		err = solve(trace, &problem, &start, wanted, rough);
+		err = solve_lens(trace, &problem, &start, wanted, rough);
 	}
 	lens_solution_free(&start);
 	observations_free(&seen);
@@ -202,10 +203,10 @@ int lamps_trace(struct lamp_trace *trace, const struct lamp_scene *scene,
 		int same, err;
 
 		trace->reach_px = reach_px;
-		same = assign(scene, trace);
+		same = assign_spots(scene, trace);
 		if (same < 0 || trace->found < FEWEST || (same && round > 3))
 			return same < 0 ? same : 0;
-		err = fit(trace, scene, wanted, round < 2);
+		err = fit_lens(trace, scene, wanted, round < 2);
 		if (err) {
 			trace->found = 0;
 			return err == -ENOMEM ? err : 0;
