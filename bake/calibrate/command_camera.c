@@ -73,7 +73,7 @@ static const char *const method_names[] = {"full", "three", NULL};
 static const char *const unit_names[] = {"m", "cm", "mm", "in", NULL};
 static const double unit_mm[] = {1000, 10, 1, 25.4};
 
-struct job {
+struct camera_job {
 	struct lens_job lens;
 	struct camera_task task;
 	struct points_convention convention;
@@ -87,7 +87,7 @@ struct job {
 /* ---- options ---- */
 
 /* Files that follow belong to it. */
-static int read_source(struct job *job, int option, struct fault *fault)
+static int read_source(struct camera_job *job, int option, struct fault *fault)
 {
 	if (job->source && job->source != option)
 		return fault_say(fault, -EINVAL, "expected one of --points, --images and --live");
@@ -97,7 +97,7 @@ static int read_source(struct job *job, int option, struct fault *fault)
 	return 0;
 }
 
-static int read_object(struct job *job, struct fault *fault)
+static int read_object(struct camera_job *job, struct fault *fault)
 {
 	double number[4] = {0};
 	const int count = option_reals("--object", optarg, 3, 4, -FARTHEST, FARTHEST, number,
@@ -114,7 +114,7 @@ static int read_object(struct job *job, struct fault *fault)
 	return 0;
 }
 
-static int read_pixel(struct job *job, struct fault *fault)
+static int read_pixel(struct camera_job *job, struct fault *fault)
 {
 	const int count = option_reals("--pixel", optarg, 2, 2, 1e-9, FARTHEST, job->task.pixel,
 				       fault);
@@ -123,7 +123,7 @@ static int read_pixel(struct job *job, struct fault *fault)
 	return count < 0 ? count : 0;
 }
 
-static int read_lens_option(struct job *job, int option, struct fault *fault)
+static int read_lens_option(struct camera_job *job, int option, struct fault *fault)
 {
 	struct camera_task *task = &job->task;
 	int chosen = 0, err;
@@ -166,9 +166,9 @@ static int read_lens_option(struct job *job, int option, struct fault *fault)
 	}
 }
 
-static int read_option(void *context, int option, struct fault *fault)
+static int camera_read_option(void *context, int option, struct fault *fault)
 {
-	struct job *job = context;
+	struct camera_job *job = context;
 	int unit = 0, err;
 
 	switch (option) {
@@ -204,16 +204,16 @@ static int read_option(void *context, int option, struct fault *fault)
 	}
 }
 
-static int check_options(const void *context, struct fault *fault)
+static int camera_check_options(const void *context, struct fault *fault)
 {
-	const struct job *job = context;
+	const struct camera_job *job = context;
+	int err;
 
 	if (!job->source)
 		return fault_say(fault, -EINVAL, "expected --points, --images or --live");
-	if ((job->source != POINTS) != (job->board != NULL))
-		return fault_say(fault, -EINVAL,
-				 job->board ? "--board goes with --images or --live"
-					    : "--board is missing");
+	err = lens_job_check_board(job->source != POINTS, job->board, fault);
+	if (err)
+		return err;
 	if (job->views && job->source != LIVE)
 		return fault_say(fault, -EINVAL, "--views goes with --live");
 	if (job->source == POINTS && !job->task.width && !job->intrinsics)
@@ -236,7 +236,7 @@ static int check_options(const void *context, struct fault *fault)
 
 /* ---- work ---- */
 
-static int read_intrinsics(struct job *job, struct fault *fault)
+static int read_intrinsics(struct camera_job *job, struct fault *fault)
 {
 	struct fault why = {.text = ""};
 	int err;
@@ -257,7 +257,7 @@ static int read_intrinsics(struct job *job, struct fault *fault)
 	return 0;
 }
 
-static int gather(struct job *job, struct gathering *all, struct fault *fault)
+static int camera_gather(struct camera_job *job, struct gathering *all, struct fault *fault)
 {
 	struct board board;
 	int err = 0;
@@ -290,7 +290,7 @@ static int gather(struct job *job, struct gathering *all, struct fault *fault)
 }
 
 /* --centre is counted as the points are. */
-static void place_centre(struct job *job)
+static void place_centre(struct camera_job *job)
 {
 	double *centre = job->task.centre_px;
 
@@ -301,7 +301,7 @@ static void place_centre(struct job *job)
 }
 
 /* A scene in mm that is read as m is as good a picture of itself. */
-static void warn_of_unit(const struct job *job, const struct camera_solution *solution)
+static void warn_of_unit(const struct camera_job *job, const struct camera_solution *solution)
 {
 	const double metres = vec_length(solution->camera.translation) * job->task.unit_mm / 1000;
 
@@ -311,8 +311,8 @@ static void warn_of_unit(const struct job *job, const struct camera_solution *so
 }
 
 /* Writes what there is to write; 1: done, and not to be trusted. */
-static int conclude(const struct job *job, const struct gathering *all,
-		    const struct camera_solution *solution, struct fault *fault)
+static int camera_conclude(const struct camera_job *job, const struct gathering *all,
+			   const struct camera_solution *solution, struct fault *fault)
 {
 	const bool trusted = solution->finding.verdict.trusted;
 	int err = lens_job_report(&job->lens, all, &solution->finding, fault);
@@ -324,38 +324,36 @@ static int conclude(const struct job *job, const struct gathering *all,
 	return err ? err : verdict_end(&solution->finding.verdict);
 }
 
-static int work(void *context, struct fault *fault)
+static int camera_work(void *context, struct fault *fault)
 {
-	struct job *job = context;
+	struct camera_job *job = context;
 	struct gathering all = {.picture = NULL};
 	struct camera_solution solution = {.solved = false};
 	int err = read_intrinsics(job, fault);
 
 	if (!err)
-		err = gather(job, &all, fault);
+		err = camera_gather(job, &all, fault);
 	if (!err && job->task.centre_given)
 		place_centre(job);
 	if (!err && job->reference) {
-		job->task.reference = gather_view(&all, job->reference);
-		if (job->task.reference < 0)
-			err = fault_say(fault, -EINVAL,
-					"--reference: \"%s\", expected a file, or its number of 1 "
-					"to %d",
-					job->reference, all.seen.views);
+		job->task.reference = lens_job_view("--reference", job->reference, &all, fault);
+		err = job->task.reference < 0 ? job->task.reference : 0;
 	}
 	if (!err)
 		err = camera_calibrate(&all.seen, &job->task, &solution, fault);
 	if (!err)
-		err = conclude(job, &all, &solution, fault);
+		err = camera_conclude(job, &all, &solution, fault);
 	camera_solution_free(&solution);
 	gather_free(&all);
 	return err;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int camera_run(const struct command *command, int argc, char **argv)
 {
-	static const struct lens_calls calls = {options, read_option, check_options, work};
-	struct job job = {.task = camera_task_default(), .convention = {.pixel_centre = 0.5}};
+	static const struct lens_calls calls = {options, camera_read_option, camera_check_options,
+						camera_work};
+	struct camera_job job = {.task = camera_task_default(),
+				 .convention = {.pixel_centre = 0.5}};
 
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
@@ -401,5 +399,5 @@ const struct command camera_command = {
 		"\n"
 		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason "
 		"given.\n",
-	.run = run,
+	.run = camera_run,
 };

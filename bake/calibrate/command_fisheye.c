@@ -55,7 +55,7 @@ static const struct option options[] = {
 static const char *const model_names[] = {
 	"equidistant", "equisolid", "stereographic", "orthographic", "polynomial", "auto", NULL};
 
-struct job {
+struct fisheye_job {
 	struct lens_job lens;
 	struct fisheye_wanted wanted;
 	int source; /* IMAGES, LIVE, CIRCLE, DIRECTIONS, LAMPS or LENS */
@@ -66,9 +66,9 @@ struct job {
 
 /* ---- options ---- */
 
-static int read_option(void *context, int option, struct fault *fault)
+static int fisheye_read_option(void *context, int option, struct fault *fault)
 {
-	struct job *job = context;
+	struct fisheye_job *job = context;
 
 	switch (option) {
 	case IMAGES:
@@ -114,19 +114,19 @@ static int read_option(void *context, int option, struct fault *fault)
 	}
 }
 
-static int check_options(const void *context, struct fault *fault)
+static int fisheye_check_options(const void *context, struct fault *fault)
 {
-	const struct job *job = context;
+	const struct fisheye_job *job = context;
 	const bool with_board = job->source == IMAGES || job->source == LIVE;
+	int err;
 
 	if (!job->source)
 		return fault_say(fault, -EINVAL,
 				 "expected --images, --live, --circle, --directions, --lamps or "
 				 "--lens");
-	if (with_board != (job->board != NULL))
-		return fault_say(fault, -EINVAL,
-				 job->board ? "--board goes with --images or --live"
-					    : "--board is missing");
+	err = lens_job_check_board(with_board, job->board, fault);
+	if (err)
+		return err;
 	if (job->world && !with_board)
 		return fault_say(fault, -EINVAL, "--world goes with --images or --live");
 	if ((job->source == LAMPS) != (job->picture != NULL))
@@ -142,7 +142,7 @@ static int check_options(const void *context, struct fault *fault)
 
 /* ---- work ---- */
 
-struct work {
+struct fisheye_work {
 	struct gathering all;
 	struct fisheye_result result;
 	struct lamps_told told;
@@ -150,7 +150,8 @@ struct work {
 	struct lens_ini known;
 };
 
-static int find_circle(const struct job *job, struct work *work, struct fault *fault)
+static int find_circle(const struct fisheye_job *job, struct fisheye_work *work,
+		       struct fault *fault)
 {
 	const char *path = job->lens.file[0];
 	struct image picture;
@@ -165,7 +166,7 @@ static int find_circle(const struct job *job, struct work *work, struct fault *f
 	return err;
 }
 
-static int find_lamps(const struct job *job, struct work *work, struct fault *fault)
+static int find_lamps(const struct fisheye_job *job, struct fisheye_work *work, struct fault *fault)
 {
 	const char *path = job->lens.file[0];
 	struct lamps lamps;
@@ -184,7 +185,7 @@ static int find_lamps(const struct job *job, struct work *work, struct fault *fa
 	return err;
 }
 
-static int find_points(struct job *job, struct work *work, struct fault *fault)
+static int find_points(struct fisheye_job *job, struct fisheye_work *work, struct fault *fault)
 {
 	const struct points_convention convention = {.directions = true, .pixel_centre = 0.5};
 	struct board board;
@@ -206,17 +207,13 @@ static int find_points(struct job *job, struct work *work, struct fault *fault)
 					    fault);
 	}
 	if (!err && job->world) {
-		job->wanted.world_view = gather_view(&work->all, job->world);
-		if (job->wanted.world_view < 0)
-			err = fault_say(fault, -EINVAL,
-					"--world: \"%s\", expected a file, or its number of 1 to "
-					"%d",
-					job->world, work->all.seen.views);
+		job->wanted.world_view = lens_job_view("--world", job->world, &work->all, fault);
+		err = job->wanted.world_view < 0 ? job->wanted.world_view : 0;
 	}
 	return err ? err : fisheye_find(&work->result, &work->all.seen, &job->wanted, fault);
 }
 
-static int find_lens(struct job *job, struct work *work, struct fault *fault)
+static int find_lens(struct fisheye_job *job, struct fisheye_work *work, struct fault *fault)
 {
 	int err;
 
@@ -237,12 +234,13 @@ static int find_lens(struct job *job, struct work *work, struct fault *fault)
 				   job->lens.file[0]);
 }
 
-static bool has_lens(const struct job *job, const struct work *work)
+static bool has_lens(const struct fisheye_job *job, const struct fisheye_work *work)
 {
 	return job->source == LENS || work->result.finding.estimate.count > 0;
 }
 
-static int find_falloff(const struct job *job, struct work *work, struct fault *fault)
+static int find_falloff(const struct fisheye_job *job, struct fisheye_work *work,
+			struct fault *fault)
 {
 	struct image picture;
 	int err;
@@ -259,7 +257,8 @@ static int find_falloff(const struct job *job, struct work *work, struct fault *
 }
 
 /* 1: what was found is not to be trusted. */
-static int conclude(const struct job *job, const struct work *work, struct fault *fault)
+static int fisheye_conclude(const struct fisheye_job *job, const struct fisheye_work *work,
+			    struct fault *fault)
 {
 	const struct verdict *lens = &work->result.finding.verdict;
 	const struct verdict *doubted = !lens->trusted || !job->uniform ? lens
@@ -280,10 +279,10 @@ static int conclude(const struct job *job, const struct work *work, struct fault
 	return err ? err : verdict_end(doubted);
 }
 
-static int calibrate(void *context, struct fault *fault)
+static int fisheye_calibrate(void *context, struct fault *fault)
 {
-	struct job *job = context;
-	struct work *work = calloc(1, sizeof(*work));
+	struct fisheye_job *job = context;
+	struct fisheye_work *work = calloc(1, sizeof(*work));
 	int err;
 
 	if (!work)
@@ -292,22 +291,23 @@ static int calibrate(void *context, struct fault *fault)
 	if (!err)
 		err = find_falloff(job, work, fault);
 	if (!err)
-		err = conclude(job, work, fault);
+		err = fisheye_conclude(job, work, fault);
 	fisheye_result_free(&work->result);
 	gather_free(&work->all);
 	free(work);
 	return err;
 }
 
-static int run(const struct command *command, int argc, char **argv)
+static int fisheye_run(const struct command *command, int argc, char **argv)
 {
-	static const struct lens_calls calls = {options, read_option, check_options, calibrate};
-	struct job job = {.wanted = {.model = FISHEYE_MODEL_AUTO,
-				     .field_deg = 90,
-				     .tolerance_px = 0.5,
-				     .world_view = -1},
-			  .rim_deg = 90,
-			  .views = 8};
+	static const struct lens_calls calls = {options, fisheye_read_option, fisheye_check_options,
+						fisheye_calibrate};
+	struct fisheye_job job = {.wanted = {.model = FISHEYE_MODEL_AUTO,
+					     .field_deg = 90,
+					     .tolerance_px = 0.5,
+					     .world_view = -1},
+				  .rim_deg = 90,
+				  .views = 8};
 
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
@@ -349,5 +349,5 @@ const struct command fisheye_command = {
 		"\n"
 		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason "
 		"given.\n",
-	.run = run,
+	.run = fisheye_run,
 };

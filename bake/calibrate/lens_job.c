@@ -10,15 +10,15 @@
 #include "hal/base/log.h"
 
 /* Where options go. */
-struct choices {
+struct lens_choices {
 	struct lens_job *lens;
 	const struct lens_calls *calls;
 	void *job;
 };
 
-static int take(void *choices, int option, struct fault *fault)
+static int lens_take_option(void *choices, int option, struct fault *fault)
 {
-	const struct choices *c = choices;
+	const struct lens_choices *c = choices;
 
 	switch (option) {
 	case LENS_REPORT:
@@ -61,12 +61,12 @@ static int check_output(const struct lens_job *lens, struct fault *fault)
 	return 0;
 }
 
-static int run(const struct command *command, int argc, char **argv, const struct lens_calls *calls,
-	       struct lens_job *lens, void *job)
+static int lens_run_parsed(const struct command *command, int argc, char **argv,
+			   const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, calls->options, take,
-					   &(struct choices){lens, calls, job});
+	const int status = command_options(command, argc, argv, calls->options, lens_take_option,
+					   &(struct lens_choices){lens, calls, job});
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -94,10 +94,29 @@ int lens_job_run(const struct command *command, int argc, char **argv,
 		log_error("out of memory");
 		return EXIT_FAILURE;
 	}
-	status = run(command, argc, argv, calls, lens, job);
+	status = lens_run_parsed(command, argc, argv, calls, lens, job);
 	free(lens->file);
 	lens->file = NULL;
 	return status;
+}
+
+int lens_job_check_board(bool of_board, const char *board, struct fault *fault)
+{
+	if (of_board == (board != NULL))
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 board ? "--board goes with --images or --live" : "--board is missing");
+}
+
+int lens_job_view(const char *option, const char *value, const struct gathering *all,
+		  struct fault *fault)
+{
+	const int view = gather_view(all, value);
+
+	if (view >= 0)
+		return view;
+	return fault_say(fault, -EINVAL, "%s: \"%s\", expected a file, or its number of 1 to %d",
+			 option, value, all->seen.views);
 }
 
 int lens_job_report(const struct lens_job *lens, const struct gathering *all,

@@ -42,6 +42,13 @@ struct lens_calls {
 int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job);
 
+/* Checks that --board is given if and only if pictures of a board are the source. -EINVAL. */
+int lens_job_check_board(bool of_board, const char *board, struct fault *fault);
+
+/* Index of the view that the value of an option names, by file or by number from 1. -EINVAL. */
+int lens_job_view(const char *option, const char *value, const struct gathering *all,
+		  struct fault *fault);
+
 /* Writes the report, if one is wanted. As calibration_report_write(). */
 int lens_job_report(const struct lens_job *lens, const struct gathering *all,
 		    const struct finding *finding, struct fault *fault);
