@@ -16,7 +16,8 @@ static double length_of(const double *a, int count)
 	return sqrt(sum);
 }
 
-/* The two largest entries of a unit vector; the first twice where it is all. */
+/* Indices of the two largest entries of a unit vector; the first one twice where the others are
+ * about 0. */
 static void name_worst(const double *v, int n, int worst[2])
 {
 	int first = 0, second = -1;
@@ -31,7 +32,8 @@ static void name_worst(const double *v, int n, int worst[2])
 	worst[1] = second >= 0 && fabs(v[second]) > 1e-3 ? second : first;
 }
 
-/* V S^-2 V^T in units of the columns. */
+/* inverse = V S^-2 V^T, with the scaling of the columns undone. Singular values up to least count
+ * as 0. */
 static void assemble_covariance(const double *v, const double *singular, double least,
 				const double *length, int n, double *inverse)
 {

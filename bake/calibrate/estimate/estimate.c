@@ -11,7 +11,7 @@ int estimate_create(struct estimate *estimate, int count)
 	const size_t n = (size_t)count;
 
 	*estimate = (struct estimate){.count = count};
-	/* of nothing, calloc() may give nothing */
+	/* calloc() of 0 bytes may return NULL */
 	estimate->parameter = calloc(n + 1, sizeof(*estimate->parameter));
 	estimate->covariance = calloc(n * n + 1, sizeof(*estimate->covariance));
 	if (!estimate->parameter || !estimate->covariance) {
@@ -57,7 +57,7 @@ double estimate_variance(const struct estimate *estimate, const double *gradient
 
 	for (int a = 0; a < n; a++)
 		for (int b = 0; b < n; b++)
-			if (gradient[a] != 0 && gradient[b] != 0) /* 0 of what is unknown is 0 */
+			if (gradient[a] != 0 && gradient[b] != 0) /* 0 times infinity counts as 0 */
 				variance += gradient[a] * estimate->covariance[a * n + b] *
 					    gradient[b];
 	return variance < 0 ? 0 : variance; /* rounding */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a geometric calibration found, in the form that reports, JSON and tests read, whatever the
- * lens: marks, parameters, what is uncertain where. The solvers fill it, report.c shows it.
+ * The result of a geometric calibration in the form that reports, JSON and tests read, whatever the
+ * lens: points, parameters, figures, uncertainty over the picture. The solvers fill it; report/
+ * shows it.
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_FINDING_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_FINDING_H
@@ -16,7 +17,7 @@
 
 /* One figure in the user's terms. */
 struct finding_figure {
-	char key[32];	/* in JSON: "object_error_px" */
+	char key[32];	/* name in JSON: "object_error_px" */
 	char label[96]; /* for people: "uncertainty at the object's place" */
 	char unit[8];
 	double value;
@@ -27,39 +28,39 @@ struct finding {
 	char model[64];			 /* "Tsai, undistorted from distorted", "equidistant" */
 	int width, height;		 /* of the picture */
 	const struct observations *seen; /* borrowed */
-	double (*expected)[2];		 /* [seen->count]: where the model puts each point, px */
-	double *weight; /* [seen->count]: 0..1 of the robust loss; below 0.1 an outlier */
+	/* [seen->count]: where the model projects each point, px */
+	double (*expected)[2];
+	double *weight; /* [seen->count]: weights of the robust loss, 0..1; below 0.1: an outlier */
 	struct estimate estimate;
-	double rms_px;	 /* of the points' distances from where they are expected, outliers left out
-			  */
-	double worst_px; /* the same, the largest */
+	double rms_px;	 /* RMS distance between seen and expected, without outliers */
+	double worst_px; /* the largest such distance */
 	struct finding_figure figure[FINDING_FIGURES_MAX];
 	int figures;
 	struct verdict verdict;
 	/*
-	 * One standard deviation, in px, of where the model sees a thing that appears at px and
-	 * lies at the distance of what was observed. Negative: px is outside of what the model
-	 * sees.
+	 * Uncertainty of the model at px: one standard deviation, in px, of the projection of a
+	 * thing that is seen at px and lies at the distance of the observed points. Negative: px is
+	 * outside of what the model sees.
 	 */
 	double (*uncertainty)(const void *context, const double px[2]);
-	/* Distance in px between the models fitted to odd and to even points, at px; NULL: too few
-	 * points for two halves. */
+	/* Distance at px, in px, between the models fitted to the odd and to the even points; NULL:
+	 * too few points for two halves. */
 	double (*disagreement)(const void *context, const double px[2]);
-	const void *context; /* of both; borrowed */
+	const void *context; /* first argument of both; borrowed */
 };
 
-/* Room for the points of seen. -ENOMEM. */
+/* Creates a finding with room for the points of seen, trusted so far. -ENOMEM. */
 int finding_create(struct finding *finding, const char *what, const struct observations *seen);
 void finding_free(struct finding *finding); /* idempotent; zeroed is fine */
 
-/* Doubts the same point at the same place twice in a view. */
+/* Doubts the finding if a view lists the same point at the same place twice. */
 void finding_doubt_twins(struct finding *finding);
 
-/* The verdict and, if a lens was found, how well it fits and the figures: lines, each after this.
- */
+/* Prints the verdict and, if a lens was found, its residuals and figures, as lines that begin with
+ * before. */
 void finding_print(FILE *to, const char *before, const struct finding *finding);
 
-/* At most FINDING_FIGURES_MAX. */
+/* Adds a figure; more than FINDING_FIGURES_MAX are ignored. */
 void finding_add(struct finding *finding, const char *key, const char *label, const char *unit,
 		 double value);
 

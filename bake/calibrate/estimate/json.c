@@ -6,8 +6,8 @@
 
 /* ---- what stands before a value ---- */
 
-/* Bytes of the UTF-8 character that text begins with; 0: it is none (RFC 3629, table 3-7 of
- * Unicode). */
+/* Length in bytes of the UTF-8 character at text; 0: the bytes are not UTF-8 (RFC 3629, table 3-7
+ * of Unicode). */
 static int utf8_length(const unsigned char *text)
 {
 	const unsigned first = text[0], second = text[1];
@@ -23,7 +23,7 @@ static int utf8_length(const unsigned char *text)
 	return length;
 }
 
-/* Names of files need not be UTF-8, JSON is: what is none is replaced. */
+/* File names need not be UTF-8, but JSON must be: invalid bytes become U+FFFD. */
 static void write_json_text(FILE *to, const char *text)
 {
 	fputc('"', to);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes JSON: values one after the other, commas and indentation put between them. */
+/* A JSON writer: values in order; it adds commas and indentation. */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_JSON_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_JSON_H
 
@@ -9,24 +9,25 @@
 #define JSON_DEPTH_MAX 16
 
 struct json {
-	FILE *to; /* what it says of failures is the caller's to ask */
+	FILE *to; /* the caller checks it for write errors */
 	int depth;
-	bool filled[JSON_DEPTH_MAX];  /* something stands at this depth already */
-	bool on_line[JSON_DEPTH_MAX]; /* an array whose values stand on one line */
+	bool filled[JSON_DEPTH_MAX];  /* a value was written at this depth already */
+	bool on_line[JSON_DEPTH_MAX]; /* an array whose values share one line */
 	char closing[JSON_DEPTH_MAX];
 };
 
-/* The outermost object is opened; json_end() closes the last that is open. */
+/* json_begin() opens the outermost object; json_end() closes the innermost open object or array. */
 void json_begin(struct json *json, FILE *to);
 void json_end(struct json *json);
 
-/* key: NULL inside an array. At most JSON_DEPTH_MAX of them in each other. */
+/* Open an object or an array. key is NULL inside an array. At most JSON_DEPTH_MAX levels. */
 void json_object(struct json *json, const char *key);
 void json_array(struct json *json, const char *key);
 void json_line(struct json *json, const char *key); /* an array on one line */
 
 void json_text(struct json *json, const char *key, const char *text);
-void json_number(struct json *json, const char *key, double value); /* not finite: null */
+/* null where value is not finite */
+void json_number(struct json *json, const char *key, double value);
 void json_bool(struct json *json, const char *key, bool value);
 void json_numbers(struct json *json, const char *key, const double *value, int count);
 

@@ -12,27 +12,30 @@
 
 #define EVALUATIONS_MAX 500
 #define WEIGHTINGS_MAX 50
-#define WEIGHTS_SETTLED 1e-4 /* of a weight: less moves nothing by 1e-3 of its deviation */
-#define WEIGHTS_MOVE 0.03    /* more: what is found with them is soon found again */
+/* largest change of a weight at which reweighting stops: it moves nothing by more than 1e-3 of its
+ * deviation */
+#define WEIGHTS_SETTLED 1e-4
+/* larger changes: the next descent moves again, so this one may be rough */
+#define WEIGHTS_MOVE 0.03
 #define OUTLIER_WEIGHT 0.1
-/* Of the sum of squares. Parameters are then right to 1e-6 of their deviations; a problem without
- * noise gains ten decades a step until rounding ends it. */
+/* Relative change of the sum of squares at which a descent stops. Parameters are then right to 1e-6
+ * of their deviations; a problem without noise gains ten decades a step until rounding ends it. */
 #define TOLERANCE 1e-14
 #define ROUGHLY 1e-4
-/* Residuals of a step that must not be taken: any finite ones are smaller. */
+/* Residual that makes lmder reject a step: larger than any real one. */
 #define NO_RESIDUAL 1e100
 
-/* What lmder's callbacks need; its unknowns are the free parameters' distances from base in units
- * of their scales. */
+/* Context of lmder's callback. lmder's unknowns are the distances of the free parameters from base,
+ * in units of their scales. */
 struct descent {
 	const struct least_squares *problem;
 	int columns;		     /* free parameters */
-	int *parameter;		     /* [columns] */
+	int *parameter;		     /* [columns]: index of each free parameter */
 	double *base, *x;	     /* [parameters] */
 	double *root;		     /* [groups]: square roots of the weights */
 	double *dense;		     /* [residuals][parameters] */
 	double *ahead, *behind;	     /* [residuals] */
-	double *jacobian;	     /* [columns][residuals], as lmder has it */
+	double *jacobian;	     /* [columns][residuals], as lmder expects it */
 	double *residual;	     /* [residuals], weighted */
 	double *lengths;	     /* [groups] */
 	double *unknown, *for_lmder; /* [columns], [5 columns + residuals] */
@@ -107,7 +110,7 @@ static void descent_difference(struct descent *work, double *x)
 	for (int j = 0; j < work->columns; j++) {
 		const int k = work->parameter[j];
 		const double here = x[k], step = problem->scale[k] * cbrt(DBL_EPSILON);
-		/* What was really stepped: a large x rounds. */
+		/* The step that was really made: adding to a large x rounds. */
 		volatile double above = here + step, below = here - step;
 		bool ahead, behind;
 
@@ -131,7 +134,7 @@ static void descent_difference(struct descent *work, double *x)
 	}
 }
 
-/* Weighted, free columns only, in units of the scales. */
+/* Computes the weighted Jacobian of the free parameters, in units of their scales. */
 static void descent_differentiate(struct descent *work, double *x, double *jacobian)
 {
 	const struct least_squares *problem = work->problem;
@@ -158,7 +161,7 @@ static int minpack_calls(void *context, int m, int n, const double *unknown, dou
 	struct descent *work = context;
 	const struct least_squares *problem = work->problem;
 
-	(void)stride; /* m */
+	(void)stride; /* equals m */
 	for (int j = 0; j < n; j++) {
 		const int k = work->parameter[j];
 
@@ -177,7 +180,7 @@ static int minpack_calls(void *context, int m, int n, const double *unknown, dou
 	return 0;
 }
 
-/* From base, with the weights as they are; base becomes the solution. */
+/* One descent from base at fixed weights; base becomes the solution. */
 static int descent_run(struct descent *work, double tolerance, int *iterations)
 {
 	const struct least_squares *problem = work->problem;
@@ -217,9 +220,9 @@ static double group_length(const struct descent *work, const double *residual, i
 	return sqrt(squares);
 }
 
-/* The loss's c: loss_scale times sigma from the median length, which is that of a chi
- * distribution of as many degrees of freedom as a group has (Wilson and Hilferty), widened for the
- * freedom that the fit took. */
+/* Returns the c of the loss: loss_scale times sigma. sigma follows from the median length, which is
+ * that of a chi distribution with as many degrees of freedom as a group has members (Wilson and
+ * Hilferty), corrected for the degrees of freedom that the fit took. */
 static double loss_width(const struct descent *work, const double *residual)
 {
 	const struct least_squares *problem = work->problem;
@@ -233,11 +236,11 @@ static double loss_width(const struct descent *work, const double *residual)
 	qsort(work->lengths, (size_t)groups, sizeof(*work->lengths), compare_lengths);
 	sigma = work->lengths[groups / 2] / median_of_one *
 		sqrt((double)problem->residuals / (freedom > 0 ? freedom : 1));
-	/* Where most points fit to rounding, rounding is not what tells them apart. */
+	/* Where most points fit to rounding, rounding errors must not decide which are outliers. */
 	return problem->loss_scale * fmax(sigma, 1e-9 * work->lengths[groups - 1]);
 }
 
-/* New weights; returns the largest change of one. */
+/* Computes new weights; returns the largest change of a weight. */
 static double descent_reweight(struct descent *work, const double *residual, double *width)
 {
 	const int groups = work->problem->residuals / work->problem->group;
@@ -255,7 +258,7 @@ static double descent_reweight(struct descent *work, const double *residual, dou
 	return most;
 }
 
-/* Fills squares, sigma and freedom; returns what the covariance is multiplied with. */
+/* Fills squares, sigma and freedom; returns the factor of (J^T W J)^-1 in the covariance. */
 static double residual_spread(const struct descent *work, double width,
 			      struct least_squares_fit *fit)
 {
@@ -280,8 +283,7 @@ static double residual_spread(const struct descent *work, double width,
 	if (fit->freedom <= 0)
 		return 0;
 	fit->sigma = sqrt(squares / fit->freedom);
-	if (problem->loss_scale > 0 &&
-	    squares > 0) /* psi^2 / sigma^2, both as the data have them */
+	if (problem->loss_scale > 0 && squares > 0) /* mean(psi^2) / sigma^2, both from the data */
 		return fit->sigma * fit->sigma * (weights / inliers) * (psi_squares / squares) /
 		       ((slope / inliers) * (slope / inliers));
 	return fit->sigma * fit->sigma;
@@ -296,7 +298,7 @@ static int fit_fill(struct descent *work, double width, struct least_squares_fit
 		.rows = problem->residuals,
 		.columns = work->columns,
 		.jacobian = work->jacobian,
-		/* Differences are right to this. */
+		/* relative accuracy of the derivatives */
 		.rounding = problem->differentiate ? 1e-13 : 1e-10,
 	};
 	double *small = work->dense;
@@ -345,8 +347,8 @@ static int fit_solve(struct descent *work, double *x, struct least_squares_fit *
 		work->root[g] = 1;
 	if (!descent_evaluate(work, x, fit->residual))
 		return fault_say(fault, -EDOM, "the first guess does not see every point");
-	/* A robust descent has its weights from the first guess on: plain squares would follow the
-	 * outliers away from a good one. */
+	/* A robust fit uses weights from the first guess on: plain squares would follow the
+	 * outliers away from a good guess. */
 	if (!problem->stay && !(problem->loss_scale > 0))
 		late = descent_run(work, TOLERANCE, &fit->iterations);
 	for (int k = 0; problem->loss_scale > 0 && k < WEIGHTINGS_MAX; k++) {

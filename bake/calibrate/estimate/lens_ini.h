@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* CAM.ini and EYE.ini: a lens in sections [camera] and [fisheye] of an INI file. */
+/* Lenses in our INI files: CAM.ini has a section [camera], EYE.ini a section [fisheye]. */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_LENS_INI_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_LENS_INI_H
 
@@ -11,7 +11,7 @@
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
 
-/* Ours: a section [camera] or [fisheye]. -ENOENT...; -EINVAL: neither of them, or both. */
+/* What such a file holds: one of the two sections. */
 struct lens_ini {
 	bool camera_given, fisheye_given;
 	struct tsai_camera camera;
@@ -20,7 +20,7 @@ struct lens_ini {
 
 int lens_read_ini(struct lens_ini *ini, const char *path, struct fault *fault);
 
-/* "[section]" and its keys. */
+/* Writes "[section]" and its keys, one a line. */
 void lens_write_keys(FILE *to, const char *section, const struct ini_key *keys, const void *values);
 
 #endif

@@ -71,7 +71,7 @@ static void rotate_columns(double *a, double *b, int count, double c, double s)
 	}
 }
 
-/* Makes columns p and q of r orthogonal. False: they are. */
+/* Makes columns p and q of r orthogonal by a Jacobi rotation. False: they are already. */
 static bool jacobi_rotate(double *r, double *v, int n, int p, int q)
 {
 	double *a = r + (size_t)p * (size_t)n, *b = r + (size_t)q * (size_t)n;

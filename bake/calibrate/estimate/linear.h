@@ -1,38 +1,40 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Small dense systems by QR and singular values. Matrices are columns one after the other,
- * a[column][row], and are destroyed.
+ * Small dense linear systems by QR and singular values. Matrices are column-major, a[column][row];
+ * the functions overwrite them.
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_LINEAR_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_LINEAR_H
 
-#define LINEAR_SMALL_MAX 12 /* columns of linear_solve() and linear_null() */
+#define LINEAR_SMALL_MAX 12 /* most columns of linear_solve() and linear_null() */
 
 /*
- * The first kept columns become triangular by Householder's reflections, which the others undergo
- * too: r[columns][kept] holds the first kept rows of Q^T A. rows >= kept.
+ * QR by Householder reflections: the first kept columns become triangular, the others are
+ * transformed too. r[columns][kept] receives the first kept rows of Q^T A. rows >= kept.
  */
 void linear_triangulate(double *a, int rows, int columns, int kept, double *r);
 
 /*
- * Singular values of r[n][n] by one-sided Jacobi rotations: R V = U S, whose columns r becomes
- * (their lengths are the singular values); v[n][n] is V, its columns one after the other.
+ * Singular value decomposition of r[n][n] by one-sided Jacobi rotations:
+ *     R V = U S
+ * r becomes U S, so the lengths of its columns are the singular values; v[n][n] becomes V.
  */
 void linear_diagonalize(double *r, double *v, int n);
 
-/* Columns to unit length; length gets what they had, 1 for those that are 0. */
+/* Scales columns to unit length. length[columns] receives the old lengths, 1 for columns of
+ * zeros. */
 void linear_scale(double *a, int rows, int columns, double *length);
 
 /*
- * x[columns] that brings A x nearest to b, which is a's column after the last. rows >= columns.
- * Returns the smallest singular value over the largest, columns scaled: 0 where x is not unique.
+ * Linear least squares: x[columns] minimises |A x - b|, where b is the column of a after the last.
+ * rows >= columns. Returns the smallest singular value over the largest, columns scaled to unit
+ * length: 0 where x is not unique.
  */
 double linear_solve(double *a, int rows, int columns, double *x);
 
 /*
- * The unit x[columns] for which |A x| is least. rows >= columns (fill with rows of 0).
- * Returns the second smallest over the largest: 0 where x is
- * not unique.
+ * Finds the unit vector x[columns] that minimises |A x|. rows >= columns (fill with rows of 0).
+ * Returns the second smallest singular value over the largest: 0 where x is not unique.
  */
 double linear_null(double *a, int rows, int columns, double *x);
 

@@ -8,9 +8,10 @@
 #include "hal/optics/vec.h"
 
 /*
- * Rodrigues: R = I + a K + b K^2 with K = [v], t = |v|, a = sin t / t, b = (1 - cos t) / t^2. Each
- * derivative is taken term by term; da/dt / t and db/dt / t by their series near 0, where the
- * closed forms lose their digits.
+ * Rodrigues' formula, with K = [v]x and t = |v|:
+ *     R = I + a K + b K^2,   a = sin t / t,   b = (1 - cos t) / t^2
+ * Each derivative is taken term by term; (da/dt) / t and (db/dt) / t by their series near 0, where
+ * the closed forms lose their digits.
  */
 void rotation_from_vector(const double v[3], double rotation[9], double slope[3][9])
 {
@@ -42,7 +43,8 @@ void rotation_from_vector(const double v[3], double rotation[9], double slope[3]
 		}
 }
 
-/* By the quaternion's largest part: no digits are lost near a half turn. */
+/* Via a unit quaternion, from its largest component, so that no digits are lost near a half
+ * turn. */
 void rotation_to_vector(const double r[9], double vector[3])
 {
 	const double squares[4] = {1 + r[0] + r[4] + r[8], 1 + r[0] - r[4] - r[8],
