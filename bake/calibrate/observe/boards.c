@@ -56,7 +56,7 @@ static bool take_side(const char **text, char follows, int *side)
 	return true;
 }
 
-/* ":25mm" without its colon; the text goes on with another colon or ends. */
+/* Parses "25mm"; the text goes on with a colon or ends. */
 static bool take_length(const char **text, double *mm)
 {
 	const char *end = *text;
@@ -152,7 +152,7 @@ int board_marker_at(const struct board *board, int column, int row)
 {
 	const int before = row * board->columns + column;
 
-	/* Rows begin with black and white in turn. */
+	/* Rows begin with black and white squares in turn. */
 	if ((column + row) % 2 == 0)
 		return -1;
 	return board->columns % 2 ? before / 2 : row * (board->columns / 2) + column / 2;
@@ -171,7 +171,7 @@ static bool circle_ink(const struct board *board, double x, double y)
 	return hypot(x - mm[0], y - mm[1]) < radius;
 }
 
-/* x, y from the upper left corner of the marker's square, 0..1. */
+/* x, y: from the upper left corner of the marker's square, 0..1. */
 static bool marker_ink(const struct board *board, int marker, double x, double y)
 {
 	const double side = board->marker_mm / board->step_mm;
@@ -189,7 +189,8 @@ static bool marker_ink(const struct board *board, int marker, double x, double y
 bool board_ink(const struct board *board, double x_mm, double y_mm)
 {
 	const double x = x_mm / board->step_mm + 1, y = y_mm / board->step_mm + 1;
-	const int more = board->kind == BOARD_CHESS; /* squares than there are corners */
+	/* a chessboard has one square more than corners a side */
+	const int more = board->kind == BOARD_CHESS;
 	const int column = (int)floor(x), row = (int)floor(y);
 
 	if (board->kind == BOARD_CIRCLES)

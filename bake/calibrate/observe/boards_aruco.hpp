@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ArUco, wherever this version of OpenCV keeps it. */
+/* Includes ArUco's header, whose place depends on OpenCV's version. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_ARUCO_HPP
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_ARUCO_HPP
 

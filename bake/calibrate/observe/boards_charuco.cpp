@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * ChArUco: chessboards whose white squares hold numbered markers, so that a part is enough.
+ * ChArUco: chessboards whose white squares hold numbered markers, so that a part of the board is
+ * enough.
  *
- * OpenCV finds the markers; the corners between them are placed here, each by the markers next to
- * it, in one way for all of OpenCV's versions (the class for it has changed from one to the next).
+ * OpenCV finds the markers; this file places the corners between them, each from the markers next
+ * to it. OpenCV's own class for that differs between versions.
  */
 #include <algorithm>
 #include <cmath>
@@ -21,12 +22,12 @@ namespace
 constexpr int enough_corners = 6;
 
 struct Marker {
-	int column, row;       /* of its square */
+	int column, row;       /* position of its square */
 	boards::Points corner; /* from its upper left, clockwise */
 };
 
-/* The dictionaries of 5x5 bits are the beginnings of one; shorter ones tell markers apart more
- * safely. */
+/* Returns the smallest predefined dictionary of 5x5 bits with enough markers: the smaller ones are
+ * the beginnings of the largest and tell markers apart more safely. */
 int dictionary_for(int markers)
 {
 	if (markers <= 50)
@@ -67,7 +68,7 @@ std::vector<Marker> markers_seen(const board &wanted, const cv::Mat &grey)
 	return markers;
 }
 
-/* A marker's corners in the board's axes, mm. */
+/* The corners of a marker in the board's axes, mm. */
 boards::Points flat(const board &wanted, const Marker &marker)
 {
 	const float x = (float)((marker.column - 0.5) * wanted.step_mm);
@@ -81,9 +82,9 @@ boards::Points flat(const board &wanted, const Marker &marker)
 }
 
 /*
- * Where corner (column, row) must be, by the plane through the markers that touch it or come next,
- * so that the lens's bend does no harm; room becomes no larger than the way to the nearest black of
- * theirs.
+ * Predicts corner (column, row) by the homography of the markers that touch it or come next; a
+ * local homography hardly suffers from the lens's distortion. room becomes the distance to the
+ * nearest black of these markers, if that is smaller.
  */
 bool expect(const board &wanted, const std::vector<Marker> &markers, int column, int row,
 	    cv::Point2f &place, double &room)
@@ -94,7 +95,7 @@ bool expect(const board &wanted, const std::vector<Marker> &markers, int column,
 	int touching = 0;
 
 	for (const Marker &marker : markers) {
-		/* Squares column..column+1, row..row+1 touch it. */
+		/* squares column..column+1, row..row+1 touch the corner */
 		const int dx = std::max(column - marker.column, marker.column - column - 1);
 		const int dy = std::max(row - marker.row, marker.row - row - 1);
 		const boards::Points four = flat(wanted, marker);

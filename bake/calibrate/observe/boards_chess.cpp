@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Chessboards. */
+/* Finds chessboards. */
 #include <algorithm>
 #include <cmath>
 
@@ -12,19 +12,19 @@
 namespace
 {
 
-/* Corners are first looked for in a picture of at most so many pixels, then placed in the whole
- * one. The quick search takes many seconds of a larger one that holds a board of another size. */
+/* Corners are searched in a picture of at most so many pixels, then placed in the whole one. The
+ * quick search takes many seconds in a larger picture that holds a board of another size. */
 constexpr double quick_pixels = 0.32e6, careful_pixels = 1.3e6;
 
-/* How far around a corner nothing but its squares lies, as a part of the distance to the next one.
- */
+/* Radius around a corner within which only its squares lie, as a share of the distance to the next
+ * corner. */
 constexpr double room = 0.5;
 
-/* A corner's contrast between its two pairs of squares, as a part of that of the whole board: 1 for
- * a corner, 0.5 where the squares end at the paper. */
+/* Least contrast of a corner between its two pairs of squares, relative to that of the whole board:
+ * about 1 for a corner, 0.5 where the squares end at the paper. */
 constexpr double is_corner = 0.72;
-constexpr double row_share = 0.75;   /* of a row's places must be corners for it to be one */
-constexpr double cells_share = 0.85; /* of a board's places must be of the right colour */
+constexpr double row_share = 0.75;   /* least share of corners among the places of a row */
+constexpr double cells_share = 0.85; /* least share of places with the right colour in a board */
 constexpr int side_min = 3;
 
 struct Grid {
@@ -36,7 +36,7 @@ struct Grid {
 		return point[(size_t)row * (size_t)columns + (size_t)column];
 	}
 
-	/* In the square to the lower right of a corner, u and v 0..1 along its sides. */
+	/* Place in the square to the lower right of a corner; u and v 0..1 along its sides. */
 	cv::Point2f inside(int column, int row, float u, float v) const
 	{
 		return (1 - v) * ((1 - u) * at(column, row) + u * at(column + 1, row)) +
@@ -66,7 +66,7 @@ void place(const cv::Mat &grey, Grid &grid)
 	const boards::Corners corners(grey, room * (double)shortest_step(grid));
 
 	for (cv::Point2f &point : grid.point)
-		(void)corners.place(point); /* one that is smudged stays nearly where it was */
+		(void)corners.place(point); /* a smudged corner stays nearly where it was */
 }
 
 /* ---- what lies between the corners ---- */
@@ -83,8 +83,8 @@ float sample(const cv::Mat &grey, cv::Point2f at)
 	return sum / 9;
 }
 
-/* How much lighter the squares of odd column + row are than the others, between the corners; the
- * square at the first corner's lower right is 0,0. */
+/* Mean brightness of the squares with odd column + row minus that of the others, between the
+ * corners; the square at the first corner's lower right is 0,0. */
 float contrast(const cv::Mat &grey, const Grid &grid)
 {
 	float sum[2] = {0, 0};
@@ -98,8 +98,8 @@ float contrast(const cv::Mat &grey, const Grid &grid)
 	return sum[1] / (float)count[1] - sum[0] / (float)count[0];
 }
 
-/* Around a place with steps to its neighbours right and below: positive where the squares at its
- * upper left and lower right are the darker ones. */
+/* Contrast of the four squares around a place, given steps to its neighbours right and below:
+ * positive where the upper left and lower right squares are darker. */
 float saddle(const cv::Mat &grey, cv::Point2f at, cv::Point2f right, cv::Point2f below)
 {
 	const cv::Point2f a = 0.3F * (right + below), b = 0.3F * (right - below);
@@ -147,7 +147,8 @@ cv::Point2f along_columns(const Grid &grid)
 	return sum;
 }
 
-/* Seen from the front, with the first square black where that tells, else upright. */
+/* Turns the grid so that it is seen from the front, with the first square black where that is
+ * decisive, else upright. */
 void orient(const cv::Mat &grey, cv::Size wanted, Grid &grid)
 {
 	Grid best;
@@ -173,7 +174,7 @@ void orient(const cv::Mat &grey, cv::Size wanted, Grid &grid)
 
 /* ---- how large it really is ---- */
 
-/* The row above the first, by going on as the first three do. */
+/* The row above the first, extrapolated quadratically from the first three. */
 boards::Points row_above(const Grid &grid)
 {
 	boards::Points row;
@@ -190,8 +191,8 @@ boards::Points row_of(const Grid &grid, int row)
 	return boards::Points(first, first + grid.columns);
 }
 
-/* Whether a row has corners, as the row below it. sign: of the first one, 1 where the grid's first
- * is counted. */
+/* Whether a row consists of corners like the row below it (next). sign: expected sign of its first
+ * corner, 1 where that of the grid's first corner counts as positive. */
 bool has_corners(const cv::Mat &grey, const boards::Points &row, const boards::Points &next,
 		 float whole, float sign)
 {
@@ -208,8 +209,8 @@ bool has_corners(const cv::Mat &grey, const boards::Points &row, const boards::P
 	return corners >= row_share * (double)row.size();
 }
 
-/* Calls change() for one side after the other, brought to the top by turns of 90 degrees, until it
- * changes none any more. */
+/* Calls change() for each side, brought to the top by turns of 90 degrees, until it changes none of
+ * the four. */
 template <typename Change> void at_each_side(Grid &grid, Change change)
 {
 	for (int unchanged = 0; unchanged < 4;) {
@@ -222,8 +223,8 @@ template <typename Change> void at_each_side(Grid &grid, Change change)
 	}
 }
 
-/* Cuts off rows and columns that are none, such as the board's own edge, then adds those that go on
- * beyond the grid. */
+/* Removes outer rows and columns without corners, such as the board's own edge, then adds rows that
+ * continue beyond the grid. */
 void fit(const cv::Mat &grey, Grid &grid)
 {
 	at_each_side(grid, [&](Grid &one) {
@@ -249,8 +250,8 @@ void fit(const cv::Mat &grey, Grid &grid)
 	});
 }
 
-/* Whether all of each cell differs from its neighbour's as one colour from the other: no lattice of
- * every second or third corner. */
+/* Whether neighbouring squares differ in colour all over: not so in a lattice of every second or
+ * third corner. */
 bool is_board(const cv::Mat &grey, const Grid &grid)
 {
 	int right = 0, count = 0;
@@ -273,7 +274,7 @@ bool is_board(const cv::Mat &grey, const Grid &grid)
 	return right > cells_share * count;
 }
 
-/* In turn: the board of the size that is wanted, quickly and then carefully; any board. */
+/* Searches by attempt: 0, the wanted size, quickly; 1, the wanted size, carefully; 2, any size. */
 bool search(const cv::Mat &grey, cv::Size wanted, int attempt, Grid &grid)
 {
 	const int quickly = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
@@ -305,7 +306,7 @@ cv::Mat reduced(const cv::Mat &grey, double pixels)
 	return small;
 }
 
-/* The same points in the picture of which small is a smaller copy. */
+/* Scales the points from the reduced picture to the whole one. */
 void enlarge(const cv::Mat &small, const cv::Mat &grey, Grid &grid)
 {
 	for (cv::Point2f &point : grid.point) {

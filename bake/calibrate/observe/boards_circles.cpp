@@ -12,16 +12,17 @@
 namespace
 {
 
-/* How far a circle may be from where a plane would have it, as a part of the step: lenses bend. */
+/* Largest distance of a circle from its prediction by a homography, in steps: lenses bend. */
 constexpr double bend = 0.3;
 
-/* The blob detector's own limits are of pixels; these are of the picture. */
+/* The blob detector's default limits are fixed numbers of pixels; these follow the picture's
+ * size. */
 cv::Ptr<cv::FeatureDetector> detector(const cv::Mat &grey)
 {
 	cv::SimpleBlobDetector::Params limits;
 
 	limits.minArea = 12;
-	/* OpenCV 4.10 takes no range that is empty, as that of a tiny picture would be. */
+	/* OpenCV 4.10 refuses an empty range, which a tiny picture would give */
 	limits.maxArea = std::max(limits.minArea, (float)grey.total() / 100);
 	limits.minDistBetweenBlobs = 4;
 	limits.minThreshold = 20;
@@ -42,7 +43,7 @@ boards::Points flat(const board &wanted)
 	return points;
 }
 
-/* The same circles, counted from another corner. */
+/* Returns the same circles, counted from another corner. */
 boards::Points recounted(const board &wanted, const boards::Points &points, bool flip_x,
 			 bool flip_y)
 {
@@ -58,7 +59,8 @@ boards::Points recounted(const board &wanted, const boards::Points &points, bool
 	return to;
 }
 
-/* Whether the points lie as the board's do, seen from the front. step: in the picture, px. */
+/* Whether the points fit the board, seen from the front. place: the board's points; step_mm: the
+ * board's step. */
 bool fits(const boards::Points &place, const boards::Points &points, float step_mm)
 {
 	const cv::Mat plane = cv::findHomography(place, points);
@@ -78,8 +80,9 @@ bool fits(const boards::Points &place, const boards::Points &points, float step_
 }
 
 /*
- * The blob detector's centres are means of many thresholds, some of which see noise or a neighbour
- * too: up to 2 px off. The centroid of a circle's darkness, as far as it hangs together, is not.
+ * Refines a centre. The blob detector averages its centres over many thresholds, some of which see
+ * noise or a neighbour too: up to 2 px off. The centroid of the darkness of one connected circle is
+ * not.
  */
 cv::Point2f centroid(const cv::Mat &grey, const cv::Point2f &at, float apart)
 {
@@ -111,7 +114,7 @@ cv::Point2f centroid(const cv::Mat &grey, const cv::Point2f &at, float apart)
 	return {(float)(inside.x + sum.m10 / sum.m00), (float)(inside.y + sum.m01 / sum.m00)};
 }
 
-/* Distance to the nearest other one. */
+/* Distance of point k to its nearest neighbour. */
 float apart(const boards::Points &points, size_t k)
 {
 	float least = INFINITY;
@@ -137,7 +140,7 @@ bool boards::find_circles(const board &wanted, const cv::Mat &grey, Points &poin
 				 cv::CALIB_CB_ASYMMETRIC_GRID | cv::CALIB_CB_CLUSTERING,
 				 detector(grey)))
 		return false;
-	/* An odd number of rows fits in two ways, of which one is seen from behind. */
+	/* With an odd number of rows two countings fit; seen from the front is one of them. */
 	for (int turn = 0; turn < 4 && points.empty(); turn++) {
 		Points one = recounted(wanted, found, turn & 1, turn & 2);
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two steps: cornerSubPix, which comes from some pixels away, and the saddle of a quadric fitted to
- * the softened picture (as Lucchese and Mitra 2002), which is two to five times as exact: edges one
- * pixel wide are too sharp for cornerSubPix's gradients. test_boards.c holds the figures.
+ * Two steps: cornerSubPix, which converges from some pixels away, then the saddle point of a
+ * quadric fitted to the blurred picture (Lucchese and Mitra 2002), which is two to five times as
+ * exact: edges one pixel wide are too sharp for cornerSubPix's gradients. test_boards.c measures
+ * both.
  */
 #include "bake/calibrate/observe/boards_corner.hpp"
 
@@ -24,7 +25,7 @@ constexpr double close_px = 1e-3;
 
 using Quadric = cv::Vec<double, terms>;
 
-/* Least squares around a point, weighted less further out; false: not to be told. */
+/* Least-squares fit of a quadric around a point, weights falling with distance. False: singular. */
 bool fit(const cv::Mat &soft, cv::Point2d at, int reach, Quadric &quadric)
 {
 	const int x = cvRound(at.x), y = cvRound(at.y);
@@ -44,7 +45,7 @@ bool fit(const cv::Mat &soft, cv::Point2d at, int reach, Quadric &quadric)
 	return cv::solve(normal, right, quadric, cv::DECOMP_CHOLESKY);
 }
 
-/* From its origin to where a quadric is level; false: that is no saddle. */
+/* Step from the quadric's origin to its stationary point. False: that is no saddle. */
 bool saddle(const Quadric &q, cv::Point2d &step)
 {
 	const double det = 4 * q[0] * q[2] - q[1] * q[1];
@@ -56,8 +57,8 @@ bool saddle(const Quadric &q, cv::Point2d &step)
 	return true;
 }
 
-/* Lenses and pixels average light, not code values, which would move an edge towards its dark side.
- */
+/* Table from code values to linear light: lenses and pixels average light, and averaged code values
+ * would move an edge towards its dark side. */
 cv::Mat light()
 {
 	cv::Mat table(1, 256, CV_32F);

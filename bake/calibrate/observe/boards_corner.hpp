@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Places where four squares meet, to a hundredth of a pixel. */
+/* Chessboard corners, where four squares meet, placed to a hundredth of a pixel. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_CORNER_HPP
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_CORNER_HPP
 
@@ -11,11 +11,11 @@ namespace boards
 class Corners
 {
       public:
-	/* room: how far around each corner nothing but its four squares lies, px. */
+	/* room: distance from each corner within which only its four squares lie, px. */
 	Corners(const cv::Mat &grey, double room);
 
-	/* Moves a point onto the corner next to it. False: there is none, or none within the room;
-	 * the point is then where the four edges next to it would meet. */
+	/* Moves a point onto the corner next to it. False: there is no corner within the room; the
+	 * point may then have moved to where cornerSubPix put it. */
 	bool place(cv::Point2f &point) const;
 
       private:

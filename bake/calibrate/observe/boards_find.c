@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A board found in a picture, as a view of the observations. */
+/* Adds the board that is found in a picture to the observations, as a view. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

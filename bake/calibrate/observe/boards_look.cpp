@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The border to OpenCV: nothing that it throws or prints comes beyond. */
+/* The border to OpenCV: none of its exceptions and messages passes it. */
 #include <cerrno>
 #include <exception>
 #include <new>
@@ -68,7 +68,7 @@ extern "C" int board_look(const struct board *board, const struct image *picture
 	} catch (const std::bad_alloc &) {
 		return -ENOMEM;
 	} catch (const cv::Exception &error) {
-		/* A picture that its own checks refuse: it holds no board. */
+		/* OpenCV's own checks refuse the picture: it holds no board. */
 		return error.code == cv::Error::StsNoMem
 			       ? -ENOMEM
 			       : fault_say(fault, -ENOENT, "OpenCV cannot look for a board: %s",

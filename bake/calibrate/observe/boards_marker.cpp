@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The bits of a marker, as they are printed. */
+/* The bits of ArUco markers, for printing. */
 #include <algorithm>
 
 #include "bake/calibrate/observe/boards_aruco.hpp"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The finders, one a kind of board. They may throw what OpenCV throws; board_look() catches. */
+/* The finders, one for each kind of board. OpenCV's exceptions pass through; board_look() catches
+ * them. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_OPENCV_HPP
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_OPENCV_HPP
 
@@ -15,10 +16,10 @@ extern "C" {
 namespace boards
 {
 
-/* In OpenCV's pixels, the centre of the first at 0. */
+/* In OpenCV's pixels: the first one's centre is at 0. */
 using Points = std::vector<cv::Point2f>;
 
-/* Each returns whether it found the board. points: all of them, counted as board_point() counts;
+/* Each returns whether it found the board. points: all of them, in the order of board_point();
  * seen: which of them were found (empty: all); why: what was found instead. */
 bool find_chess(const board &wanted, const cv::Mat &grey, Points &points, std::string &why);
 bool find_circles(const board &wanted, const cv::Mat &grey, Points &points, std::string &why);

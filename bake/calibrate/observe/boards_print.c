@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A board on a page, at its true size. Below it a ruler to check the printer, and the board's name
- * as
- * --board takes it.
+ * Prints a board on a page, at its true size. Below it stand a ruler to check the printer, and the
+ * board's name as --board takes it.
  */
 #include <cairo-pdf.h>
 #include <errno.h>
@@ -13,7 +12,7 @@
 #include "hal/base/output.h"
 
 #define POINTS_PER_MM (72 / 25.4)
-#define MARGIN_MM 8.0  /* most printers leave so much white */
+#define MARGIN_MM 8.0  /* most printers cannot print nearer to the edge */
 #define FOOTER_MM 14.0 /* of the ruler and the text */
 #define RULER_MM 100.0
 #define TEXT_MM 3.2
@@ -44,7 +43,7 @@ int board_page_check(const char *page, struct fault *fault)
 	return fault_say(fault, -EINVAL, "page \"%s\": expected a4, a3 or letter", page);
 }
 
-/* In steps: from the board's origin to the ink's upper left corner, and how large the ink is. */
+/* Place of the ink's upper left corner from the board's origin, and the ink's size, in steps. */
 struct extent {
 	double left, top, width, height;
 };
@@ -61,14 +60,14 @@ static struct extent extent_of(const struct board *board)
 	return (struct extent){-1, -1, board->columns, board->rows};
 }
 
-/* The largest step that a sheet of this size has room for, mm. */
+/* Largest step for which the board fits a sheet of this size, mm. */
 static double room_for(const struct extent *extent, double width_mm, double height_mm)
 {
 	return fmin((width_mm - 2 * MARGIN_MM) / extent->width,
 		    (height_mm - 2 * MARGIN_MM - FOOTER_MM) / extent->height);
 }
 
-/* Turned if the board has more room then. */
+/* Finds the sheet and turns it if the board has more room then. -E2BIG; -EINVAL. */
 static int choose_sheet(const struct board *board, const char *page, struct sheet *sheet,
 			struct fault *fault)
 {
@@ -100,7 +99,7 @@ static void add_marker(cairo_t *cr, const struct board *board, int marker, doubl
 	const double side = board->marker_mm / board->step_mm;
 	const double bit = side / (BOARD_MARKER_BITS + 2), at = (1 - side) / 2;
 
-	/* By the even-odd rule white bits are holes in the black square. */
+	/* With the even-odd rule white bits are holes in the black square. */
 	cairo_rectangle(cr, x + at, y + at, side, side);
 	for (int row = 0; row < BOARD_MARKER_BITS; row++)
 		for (int column = 0; column < BOARD_MARKER_BITS; column++)
@@ -177,7 +176,7 @@ static void draw_footer(cairo_t *cr, const struct board *board, const struct she
 	cairo_show_text(cr, name);
 }
 
-/* Cairo's status tells that a write failed, not why. */
+/* Keeps the errno of a failed write, which Cairo's status does not tell. */
 struct pen {
 	FILE *stream;
 	int err;

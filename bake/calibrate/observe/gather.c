@@ -20,7 +20,7 @@ void gather_free(struct gathering *all)
 	*all = (struct gathering){.picture = NULL};
 }
 
-/* The same picture twice would say that everything is known better than it is. */
+/* A picture listed twice would make everything look better known than it is. */
 static int refuse_twins(const struct gathering *all, struct fault *fault)
 {
 	int twin[2];
@@ -69,7 +69,8 @@ static int gather_image(struct gathering *all, const char *path, const struct bo
 	return err;
 }
 
-/* Of each photograph without a board *none says why, after the log was told of the one before. */
+/* Finds the board in the photographs of a pattern. *none holds the fault of the last photograph
+ * without a board; the one before goes to the log. */
 static int gather_pattern(struct gathering *all, const char *pattern, const struct board *board,
 			  struct fault *none, struct fault *fault)
 {

@@ -14,15 +14,15 @@
 #include "hal/frame/frame.h"
 
 struct live {
-	struct config_driver_room room; /* of the configuration's drivers */
+	struct config_driver_room room; /* the drivers that the configuration may name */
 	struct config *config;
-	const char *name; /* of the camera, in the configuration */
+	const char *name; /* the camera's name in the configuration */
 	struct camera camera;
 	struct frame_decoder *decoder;
-	struct transfer_tables *tables; /* for light that comes as such */
-	struct canvas canvas;		/* of the camera's picture */
+	struct transfer_tables *tables; /* for cameras that deliver linear light */
+	struct canvas canvas;		/* the decoded frame */
 	struct view view;
-	int64_t newer_than_ns; /* frames captured before are passed over */
+	int64_t newer_than_ns; /* older frames are skipped */
 };
 
 /* ---- opening ---- */
@@ -41,7 +41,8 @@ static int read_config(struct live *live, const char *path, struct fault *fault)
 	return err ? fault_say(fault, err, "%s", report.first.text) : 0;
 }
 
-/* The kiosk's camera as it opens it; what a calibration writes is not read. */
+/* Opens the camera as the kiosk does. The lens and light files, which calibration writes, are not
+ * read. */
 static int open_camera(struct live *live, struct config_camera *camera, struct fault *fault)
 {
 	const int driver = config_driver_index(live->config, CONFIG_CAMERA, camera->driver);
@@ -155,7 +156,7 @@ double live_squash(const struct live *live)
 
 /* ---- pictures ---- */
 
-/* As the kiosk shows light that comes unencoded. Written so that a NaN is black. */
+/* Encodes linear light as the kiosk does. The comparison is written so that NaN becomes black. */
 static uint8_t code_of_light(const struct transfer_tables *tables, float linear)
 {
 	if (!(linear > 0))
@@ -203,7 +204,7 @@ static void copy_upright(const struct live *live, struct image *picture)
 	}
 }
 
-/* 0; -EAGAIN: none yet, or none of use; -ENODEV. */
+/* Returns 0; -EAGAIN: no frame yet, or not a usable one; -ENODEV. */
 static int live_take_frame(struct live *live, int64_t *captured_ns, struct fault *fault)
 {
 	struct fault why = {{0}};
@@ -225,7 +226,7 @@ static int live_take_frame(struct live *live, int64_t *captured_ns, struct fault
 	else
 		err = frame_decode(live->decoder, &frame, &live->canvas, NULL);
 	camera_release(&live->camera, &frame);
-	return err ? -EAGAIN : 0; /* one that is damaged is passed over */
+	return err ? -EAGAIN : 0; /* damaged frames are skipped */
 }
 
 static int wait_for_frame(struct live *live, int64_t until_ns, int timeout_ms, struct fault *fault)
@@ -253,7 +254,7 @@ int live_next(struct live *live, int timeout_ms, struct image *picture, int64_t 
 		err = wait_for_frame(live, until_ns, timeout_ms, fault);
 		if (!err)
 			err = live_take_frame(live, captured_ns, fault);
-		/* A camera that sends nothing of use is not waited for without end either. */
+		/* A camera that sends only unusable frames times out, too. */
 		if (err == -EAGAIN && clock_now_ns() >= until_ns)
 			err = fault_say(fault, -ETIMEDOUT,
 					"camera %s: no picture of use within %d ms", live->name,
@@ -267,8 +268,7 @@ int live_next(struct live *live, int timeout_ms, struct image *picture, int64_t 
 int live_flush(struct live *live, struct fault *fault)
 {
 	(void)fault;
-	/* One that makes each frame when it is asked for has none waiting, and a clock of its own.
-	 */
+	/* A camera that renders frames on demand has none queued, and a clock of its own. */
 	if (!live->camera.on_demand)
 		live->newer_than_ns = clock_now_ns();
 	return 0;

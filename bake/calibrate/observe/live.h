@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Live pictures for calibration: one of the kiosk's views, opened as its configuration says.
- */
+/* Live pictures for calibration, from one view of the kiosk, opened as its configuration says. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_H
 
@@ -19,22 +17,24 @@ struct live;
 int live_open(struct live **live, const char *config, enum live_view view, struct fault *fault);
 void live_close(struct live *live); /* NULL is harmless */
 
-/* Of the upright picture: flips undone, squash not, as the lens calibration means it. */
+/* Size of the upright picture: flips are undone; the squash is not, because lens models include
+ * it. */
 int live_width(const struct live *live);
 int live_height(const struct live *live);
 
 /*
- * Waits for the next frame, at most timeout_ms, and gives it as an upright 8-bit picture; picture
- * is made at the first call and used again. captured_ns: CLOCK_MONOTONIC, as the camera says.
+ * Waits for the next frame, at most timeout_ms, and copies it into an upright 8-bit picture, which
+ * is allocated at the first call and reused. captured_ns: CLOCK_MONOTONIC, from the camera.
  * -ETIMEDOUT; -ENODEV: the camera is gone; -ENOMEM.
  */
 int live_next(struct live *live, int timeout_ms, struct image *picture, int64_t *captured_ns,
 	      struct fault *fault);
 
-/* Drops what is queued, so that the next frame is newer than this call. */
+/* Drops queued frames, so that the next frame is newer than this call. */
 int live_flush(struct live *live, struct fault *fault);
 
-/* "name=value" of a camera's control, as [camera] controls has it. -ENOTSUP: it has none such. */
+/* Sets a control of the camera; assignment is "name=value", as in [camera] controls. -ENOTSUP: the
+ * camera has no such control. */
 int live_control(struct live *live, const char *assignment, struct fault *fault);
 
 #endif

@@ -13,10 +13,11 @@
 
 #define FRAME_MS 2000
 #define STILL_NS (NS_PER_S / 2)
-#define STILL 0.004	  /* of the picture's width: what a hand trembles */
-#define APART 0.05	  /* of it: nearer boards are in one place, unless turned */
-#define RESHAPED 0.045	  /* of a board's extent: what a tilt by 25 degrees does to its shape */
-#define FORESHORTENED 0.9 /* a board that is not parallel to the picture, by 25 degrees */
+#define STILL 0.004 /* of the picture's width: movement that counts as a still hand */
+/* of the width: boards nearer than this are in the same place, unless reshaped */
+#define APART 0.05
+#define RESHAPED 0.045	  /* of a board's extent: the change of shape from a tilt by 25 degrees */
+#define FORESHORTENED 0.9 /* ratio of scales of a board tilted by 25 degrees */
 #define TILTS 2
 #define ENOUGH_VIEWS 4
 
@@ -24,21 +25,21 @@ struct collecting {
 	const struct board *board;
 	const struct collect_settings *settings;
 	struct observations *all;
-	int first; /* of all's views, the first of ours */
+	int first; /* index of the first collected view in all */
 	struct image *picture;
 	int count;
 	struct live_screen screen;
 	bool has_screen;
-	char said[128]; /* to the log, last */
+	char said[128]; /* last text in the log */
 	bool covered[COVER_ROWS][COVER_COLUMNS];
 	int tilts;
-	struct observations held; /* where the board has been since held_ns */
+	struct observations held; /* position of the board since held_ns */
 	int64_t held_ns, taken_ns;
 };
 
 /* ---- places ---- */
 
-/* Points of one picture. */
+/* The points of one picture. */
 struct points {
 	const struct observation *point;
 	int count;
@@ -49,13 +50,16 @@ static struct points points_of(const struct observations *seen)
 	return (struct points){seen->point, seen->count};
 }
 
-/* How two pictures of the board differ. Infinite: fewer than half of the points are in both. */
+/* Difference of two pictures of the board. Infinite where they share fewer than half of the
+ * points. */
 struct view_difference {
-	double moved;	 /* mean distance of the points, px */
-	double reshaped; /* what no shift, turn in the picture and scale explains, of the extent */
+	double moved; /* mean distance between the same points, px */
+	/* residual of the best similarity (shift, rotation, scale), relative to the board's
+	 * extent */
+	double reshaped;
 };
 
-/* Over the points in both pictures, which are complex numbers p and q. */
+/* Sums over the points in both pictures, as complex numbers p and q. */
 struct pairs {
 	int count;
 	double distance, p[2], q[2];
@@ -76,8 +80,10 @@ static void add_pair(struct pairs *sum, const double p[2], const double q[2])
 	sum->pq[1] += p[0] * q[1] - p[1] * q[0];
 }
 
-/* A similarity is q = s p with complex numbers from their means; least squares leave of q the share
- * sqrt(1 - |cov(p, q)|^2 / (var(p) var(q))). */
+/*
+ * Least squares of the similarity q = s p, both from their means, leave a share of q:
+ *     sqrt(1 - |cov(p, q)|^2 / (var(p) var(q)))
+ */
 static double reshaped_share(const struct pairs *sum)
 {
 	const double n = sum->count, *p = sum->p, *q = sum->q;
@@ -117,7 +123,8 @@ static bool is_new_place(const struct collecting *c, const struct observations *
 	return true;
 }
 
-/* The ratio of a board's smallest scale in the picture to its largest: 1 when they are parallel. */
+/* Ratio of the smallest to the largest scale of the board in the picture (an affine fit): 1 where
+ * board and picture are parallel. */
 static double foreshortening_of(const struct observations *now)
 {
 	double mean[4] = {0}, s[3] = {0}, t[2][2] = {{0}}, a[4], det, p, q;
@@ -177,7 +184,7 @@ static bool is_beyond(const struct collecting *c, int row, int column)
 	       column % (COVER_COLUMNS - 1) == 0;
 }
 
-/* False: nothing. */
+/* Writes what the person shall do next. False: nothing is missing. */
 static bool say_missing(const struct collecting *c, char *text, size_t room)
 {
 	static const char *const rows[COVER_ROWS] = {"upper", "middle", "lower"};
@@ -247,7 +254,8 @@ static bool has_moved(const struct collecting *c, const struct observations *now
 	return !(find_difference(points_of(&c->held), points_of(now)).moved < STILL * now->width);
 }
 
-/* What is to be said of a board that was found, and whether to take it. */
+/* Returns whether to take the board that was found as a view, and writes the text for the
+ * screen. */
 static bool judge_view(struct collecting *c, const struct observations *now, int64_t captured_ns,
 		       char *text, size_t room)
 {
@@ -263,7 +271,8 @@ static bool judge_view(struct collecting *c, const struct observations *now, int
 	return still && is_new_place(c, now);
 }
 
-/* A kiosk whose screen is off, taken or unplugged can be calibrated all the same. */
+/* Goes on without a screen: a kiosk whose screen is off, in use or unplugged can still be
+ * calibrated. */
 static int lose_screen(struct collecting *c, int err, const struct fault *why, struct fault *fault)
 {
 	c->has_screen = false;
@@ -273,7 +282,8 @@ static int lose_screen(struct collecting *c, int err, const struct fault *why, s
 	return 0;
 }
 
-/* Shows it on the screen; what is taken, and without a screen everything, goes to the log. */
+/* Shows the scene on the screen. The log gets each view that is taken and, without a screen, each
+ * new text. */
 static int tell_state(struct collecting *c, const struct live_scene *scene, struct fault *fault)
 {
 	if (scene->taken)
@@ -291,7 +301,7 @@ static int tell_state(struct collecting *c, const struct live_scene *scene, stru
 	return 0;
 }
 
-/* One picture: seen, perhaps taken, shown. */
+/* Handles one picture: finds the board, perhaps takes a view, shows the result. */
 static int look_at_picture(struct collecting *c, const struct image *picture, int64_t captured_ns,
 			   struct fault *fault)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of a board, taken by themselves while a person moves it before a live camera: one
- * whenever it is held still in a new place, until the picture is covered and the board was tilted.
+ * Automatic collection of views of a board that a person moves before a live camera: a view is
+ * taken whenever the board is held still in a new place, until the picture is covered and the board
+ * was tilted.
  */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_COLLECT_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_COLLECT_H
@@ -11,17 +12,17 @@
 #include "bake/calibrate/observe/observations.h"
 
 struct collect_settings {
-	int views;	   /* at most, >= 1; less when nothing is missing before */
-	double patience_s; /* of the camera's time, without a new view */
-	bool round;	   /* a fisheye's picture: its corners show nothing */
+	int views;	   /* most views, >= 1; collection ends earlier if nothing is missing */
+	double patience_s; /* longest time without a new view, by the camera's clock */
+	bool round;	   /* a fisheye's picture, whose corners show nothing */
 };
 
 /*
- * Shows on the screen of the configuration what is seen, what was covered and what is missing;
- * where that screen fails, the log says it. Adds a view for each picture taken;
- * pictures[count] are the caller's, to be freed one by one and all. -ETIMEDOUT: nothing new within
- * the patience; -ECANCELED: the window was closed; what live_next() and board_find() say;
- * -ENOMEM. On failure there are no pictures, and the views taken so far stay.
+ * Collects views. Shows the picture, what is covered and what is missing on the configured screen;
+ * where that screen fails, the log says the same. Adds a view to all for each picture taken;
+ * pictures[count] belong to the caller, who frees each image and the array. -ETIMEDOUT: no new view
+ * within the patience; -ECANCELED: the window was closed; errors of live_next() and board_find();
+ * -ENOMEM. On failure there are no pictures, and the views taken so far stay in all.
  */
 int live_collect(struct live *live, const struct board *board,
 		 const struct collect_settings *settings, struct observations *all,

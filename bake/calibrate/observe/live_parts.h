@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* What the files of live pictures share. Private to live*. */
+/* Shared by live*.c; private to them. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_PARTS_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_PARTS_H
 
 #include "bake/calibrate/observe/live.h"
 #include "config/config.h"
 
-/* The configuration that it was opened with; its screen is whoever shows the pictures'. */
+/* The configuration given to live_open(); it also names the screen. */
 struct config *live_config(struct live *live);
 
-/* The height of a pixel over its width, as the view has it. */
+/* Height of a pixel over its width, from the view's settings. */
 double live_squash(const struct live *live);
 
 #endif

@@ -10,7 +10,7 @@
 #include "bake/calibrate/observe/live_parts.h"
 #include "drivers/drivers.h"
 
-#define TEXT_SHARE 0.045 /* of the screen's height */
+#define TEXT_SHARE 0.045 /* height of the text, as a share of the screen's height */
 
 int live_screen_open(struct live_screen *screen, struct live *live, struct fault *fault)
 {
@@ -88,7 +88,7 @@ static void draw_cover(cairo_t *cr, const struct live_screen *screen,
 		}
 }
 
-/* The first corner is larger, so that one sees how the board is counted. */
+/* The first corner has a larger circle, to show from where the board is counted. */
 static void draw_corners(cairo_t *cr, const struct live_screen *screen,
 			 const struct live_scene *scene)
 {
@@ -124,7 +124,7 @@ static void draw_caption(cairo_t *cr, const struct live_screen *screen, const ch
 	cairo_show_text(cr, text);
 }
 
-/* The picture fills the screen as far as its shape allows. */
+/* The picture fills the screen as far as its aspect ratio allows. */
 static void draw_scene(struct live_screen *screen, const struct live_scene *scene)
 {
 	const int width = screen->display.width, height = screen->display.height;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a person sees while pictures are collected: the live picture and what is drawn over it. */
+/* The screen during live calibration: the live picture with marks and one line of text over it. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_SCREEN_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_LIVE_SCREEN_H
 
@@ -14,31 +14,31 @@
 
 struct live_screen {
 	struct display display;
-	uint8_t *picture, *page; /* BGRX: the camera's, the screen's */
-	int width, height;	 /* of the camera's */
+	uint8_t *picture, *page; /* BGRX: the camera's picture, the screen's page */
+	int width, height;	 /* of the camera's picture */
 	double squash;
 };
 
-/* What is shown. */
+/* The content of the screen. */
 struct live_scene {
 	const struct image *picture;
-	const struct observation *corner; /* of the board in it */
+	const struct observation *corner; /* corners of the board in it */
 	int corners;
-	bool taken;			/* this picture has just been taken */
+	bool taken;			/* this picture has just become a view */
 	bool (*covered)[COVER_COLUMNS]; /* [COVER_ROWS] */
 	const char *text;
 };
 
-/* The screen of the configuration that live was opened with. -EINVAL: it names no driver that there
- * is; -ENODEV: it does not open; -ENOMEM. */
+/* Opens the screen of the configuration given to live_open(). -EINVAL: it names an unknown driver;
+ * -ENODEV: the screen does not open; -ENOMEM. */
 int live_screen_open(struct live_screen *screen, struct live *live, struct fault *fault);
 
-/* Shows it, unless the screen is still busy with the one before. -ECANCELED: the window was closed;
- * or a display's errors. */
+/* Shows the scene, unless the screen is still busy with the last one. -ECANCELED: the window was
+ * closed; or a display's errors. */
 int live_screen_show(struct live_screen *screen, const struct live_scene *scene,
 		     struct fault *fault);
 
-/* Idempotent; zeroed is fine. What a file's end could not be written for. */
+/* Idempotent; zeroed is fine. Returns the error of display_close(), which finishes files. */
 int live_screen_close(struct live_screen *screen, struct fault *fault);
 
 #endif

@@ -10,7 +10,7 @@
 #include "hal/base/number.h"
 #include "hal/base/text_file.h"
 
-#define NUMBERS 5 /* a line: xw yw zw xf yf */
+#define NUMBERS 5 /* of a line: xw yw zw xf yf */
 
 void observations_free(struct observations *all)
 {
@@ -19,7 +19,7 @@ void observations_free(struct observations *all)
 	*all = (struct observations){0};
 }
 
-/* Room for one more. */
+/* Makes room for one more element, in steps of a factor of two. */
 static int observations_make_room(void **array, int count, int *room, size_t size)
 {
 	const int more = *room ? 2 * *room : 64;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A picture's light alone. */
+/* A picture reduced to one linear brightness per pixel. */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_PLAIN_LIGHT_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_PLAIN_LIGHT_H
 
 #include "hal/image/image.h"
 
-/* [height][width], linear, of the three channels together; 8-bit pictures are taken as sRGB, of
- * which 1 is the most. Freed by the caller; NULL: out of memory. */
+/* Returns [height][width]: the mean of the three channels in linear light. 8-bit pictures are
+ * decoded as sRGB, white is 1. The caller frees the array; NULL: out of memory. */
 float *plain_light(const struct image *picture);
 
 #endif
