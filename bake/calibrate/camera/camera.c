@@ -25,7 +25,7 @@ struct camera_task camera_task_default(void)
 
 /* ---- before solving ---- */
 
-/* Half the longest side of a box, and its middle. */
+/* Returns half the longest side of a box, and computes its middle. */
 static double half_of(const double *low, const double *high, int sides, double *middle)
 {
 	double longest = 0;
@@ -82,7 +82,7 @@ static void place_centre(struct camera_private *own)
 	}
 }
 
-/* A lens that is known is taken to be exact. */
+/* A known lens counts as exact. */
 static void place_deviation(struct camera_private *own)
 {
 	const struct camera_task *task = &own->task;
@@ -108,7 +108,7 @@ static void place_aspect(struct camera_private *own)
 							     : task->aspect_deviation;
 }
 
-/* Known intrinsics bring their own picture, pixels and direction. */
+/* Known intrinsics determine picture size, pixels and direction of distortion. */
 static void take_intrinsics(struct camera_task *task)
 {
 	if (!task->intrinsics)
@@ -174,7 +174,10 @@ static void make_camera(const struct camera_private *own, int view, struct tsai_
 		camera->translation[k] = pose[MODEL_TRANSLATION + k] - moved[k];
 }
 
-/* d T / d rotation vector of a view: T = T' - R middle. */
+/*
+ * Derivative of T by the rotation vector of a view:
+ *     T = T' - R middle
+ */
 static void translation_by_rotation(const struct camera_private *own, int view, double by[3][3])
 {
 	double rotation[9], slope[3][9];
@@ -189,8 +192,8 @@ static void translation_by_rotation(const struct camera_private *own, int view, 
 	}
 }
 
-/* Adds what rotation brings to the rows of T of one view, in a matrix of n columns whose rows (or
- * columns, by the strides) are parameters. */
+/* Adds the influence of the rotation to the rows of one view's T, in a matrix of n columns; the
+ * strides row and column also allow its transpose. */
 static void carry_over_translation(double *matrix, int n, size_t row, size_t column, int at,
 				   double by[3][3])
 {
@@ -206,7 +209,7 @@ static void carry_over_translation(double *matrix, int n, size_t row, size_t col
 			}
 }
 
-/* The unknowns as parameters of the world: T for T'. */
+/* Fills the estimate with the unknowns as parameters of the world: T instead of T'. */
 static int report_estimate(const struct camera_private *own, struct camera_solution *solution)
 {
 	static const char *const unit[] = {"", "", "px", "px", ""};
@@ -225,7 +228,8 @@ static int report_estimate(const struct camera_private *own, struct camera_solut
 		carry_over_translation(estimate->covariance, n, (size_t)n, 1, model_of_view(v), by);
 		carry_over_translation(estimate->covariance, n, 1, (size_t)n, model_of_view(v), by);
 	}
-	for (int k = 0; k < n * n; k++) /* what is not known at all has no correlations */
+	/* parameters that are not known at all have no correlations */
+	for (int k = 0; k < n * n; k++)
 		if (!isfinite(estimate->covariance[k]))
 			estimate->covariance[k] = k % (n + 1) ? 0 : INFINITY;
 	for (int k = 0; k < n; k++) {
@@ -249,9 +253,9 @@ static int report_estimate(const struct camera_private *own, struct camera_solut
 	return 0;
 }
 
-/* Estimates have the noise of their points, and what a held centre and a held s bring. Verdicts: no
- * better than corners can be found, and wider where few residuals had to tell their own size
- * (Student's t for one deviation, to 2 %). */
+/* Computes the covariances. own->covariance: noise of the points, held centre and held s.
+ * own->cautious, for verdicts: noise at least that of the best corners, and widened where few
+ * residuals determine sigma (Student's t for one deviation, to 2 %). */
 static void spread_errors(struct camera_private *own)
 {
 	const int n = problem_unknowns(&own->problem), freedom = own->fit.freedom;
@@ -278,7 +282,7 @@ static void mean_depth(struct camera_private *own)
 	struct model_view turned;
 
 	model_turn(&turned, own->x + model_of_view(v));
-	own->depth = turned.translation[2]; /* places are from their middle */
+	own->depth = turned.translation[2]; /* places are relative to their middle */
 }
 
 static int solution_finish(struct camera_solution *solution)

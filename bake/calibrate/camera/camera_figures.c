@@ -19,13 +19,13 @@ static void turn_reference(const struct camera_private *own, const double *x,
 	model_turn(view, x + model_of_view(own->task.reference));
 }
 
-/* Index among all unknowns of a gradient's. */
+/* Index among all unknowns of element k of a gradient. */
 static int unknown_of(const struct camera_private *own, int k)
 {
 	return k < MODEL_SHARED ? k : model_of_view(own->task.reference) + k - MODEL_SHARED;
 }
 
-/* G C G^T of a gradient by the shared unknowns and the reference view's. */
+/* spread = G C G^T, for a gradient by the shared unknowns and the reference view's. */
 static bool propagate_to_px(const struct camera_private *own, const double *covariance,
 			    double gradient[2][MODEL_GRADIENT], double spread[3])
 {
@@ -36,7 +36,7 @@ static bool propagate_to_px(const struct camera_private *own, const double *cova
 		for (int b = 0; b < MODEL_GRADIENT; b++) {
 			const double c = covariance[unknown_of(own, a) * n + unknown_of(own, b)];
 
-			if (isinf(c)) /* unknown: this point does not care, or all is lost */
+			if (isinf(c)) /* unknown: fine if the point does not depend on it */
 				if (gradient[0][a] == 0 && gradient[1][a] == 0)
 					continue;
 			spread[0] += gradient[0][a] * c * gradient[0][b];
@@ -75,7 +75,7 @@ double camera_spread_length(const double spread[3])
 	return sqrt(fmax(0, (spread[0] + spread[2]) / 2 + hypot(half, spread[1])));
 }
 
-/* Nobody sees what lies beside the picture. */
+/* Whether px is in the picture, as far as its size is known. */
 static bool in_picture(const struct camera_private *own, const double px[2])
 {
 	return !own->task.width ||
@@ -135,7 +135,7 @@ double camera_disagreement(const void *context, const double px[2])
 
 /* ---- errors of the points ---- */
 
-/* Sums over the good points. */
+/* Sums over the inliers. */
 struct figure_errors {
 	int count;
 	double distorted, distorted_most;     /* px */
@@ -151,9 +151,10 @@ static void figures_add(double value, double *sum, double *most)
 }
 
 /*
- * One point's share. Object space: the distance of the ray seen from the point. Normalised (Weng,
- * Cohen and Herniou 1992, 24): in the plane of the point's depth, over what a pixel's rounding
- * alone would make there, depth sqrt((fu^-2 + fv^-2) / 12).
+ * Adds one point. Object space error: distance of the observed ray from the point. Normalised error
+ * (Weng, Cohen and Herniou 1992, 24): the error in the plane of the point's depth, relative to the
+ * error from rounding to whole pixels,
+ *     depth sqrt((fu^-2 + fv^-2) / 12)
  */
 static void figures_add_point(const struct camera_private *own, int i,
 			      const struct model_view *view, const double px[2],
@@ -218,9 +219,9 @@ static void figures_measure(struct camera_solution *solution, struct figure_erro
 	finding->worst_px = sum->distorted_most;
 }
 
-/* How uncertain it is, in mm, where on the ground (Z = 0) under the object the picture
- * shows a thing: the spread in the picture through the inverse of d px / d (X, Y). Negative: the
- * ground there is not seen, or seen from its edge. */
+/* Uncertainty, in mm, of the place on the ground (Z = 0) under the object that a pixel shows: the
+ * covariance in the picture, propagated through the inverse of d px / d (X, Y). Negative: the
+ * ground there has no image, or is seen edge-on. */
 static double ground_error(const struct camera_private *own)
 {
 	const double world[3] = {own->object[0], own->object[1], 0};
@@ -234,7 +235,7 @@ static double ground_error(const struct camera_private *own)
 	    !propagate_to_px(own, own->cautious, gradient, spread))
 		return -1;
 	for (int i = 0; i < 2; i++)
-		for (int k = 0; k < 2; k++) /* a step of the world is one of T, turned */
+		for (int k = 0; k < 2; k++) /* a step of the world is a step of T, rotated */
 			by[i][k] = gradient[i][MODEL_SHARED + MODEL_TRANSLATION] *
 					   view.rotation[k] +
 				   gradient[i][MODEL_SHARED + MODEL_TRANSLATION + 1] *

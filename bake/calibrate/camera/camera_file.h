@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera that was found, as files and people read it. */
+/* Output of a calibrated camera: CAM.ini and text. */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_FILE_H
 #define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_FILE_H
 
@@ -7,12 +7,12 @@
 
 #include "bake/calibrate/camera/camera.h"
 
-/* Section [camera] of the reference view; deviations, figures and verdict as comments. The file
- * appears whole. -errno. */
+/* Writes section [camera] of the reference view, with deviations, figures and verdict as comments.
+ * The file is replaced at once. -errno. */
 int camera_file_write(const char *path, const struct camera_solution *solution,
 		      struct fault *fault);
 
-/* The same figures as lines of text, each after this. */
+/* Prints the same figures as lines that begin with before. */
 void camera_print(FILE *to, const char *before, const struct camera_solution *solution);
 
 #endif

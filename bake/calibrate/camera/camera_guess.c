@@ -11,8 +11,8 @@
 #include "hal/optics/vec.h"
 
 #define TRIAL_KAPPAS 10
-#define SAMPLES 100	/* of a robust guess */
-#define SAMPLE_POINTS 9 /* of a view in each */
+#define SAMPLES 100	/* random samples of a robust guess */
+#define SAMPLE_POINTS 9 /* points of a view in a sample */
 
 static void guesser_free(struct guesser *g)
 {
@@ -76,7 +76,7 @@ void camera_tilt(const struct camera_problem *problem, int view, const double *x
 	memcpy(tilted + MODEL_TRANSLATION, pose + MODEL_TRANSLATION, 3 * sizeof(*tilted));
 }
 
-/* Of both tilts, each descended from with all else held, the better one. */
+/* Keeps the better of both tilts of a view, each after a descent of its pose. */
 static void choose_tilt(struct guesser *g, int view, double *x)
 {
 	static const bool shared_fixed[MODEL_GRADIENT] = {true, true, true, true, true};
@@ -103,7 +103,7 @@ static void choose_tilt(struct guesser *g, int view, double *x)
 		memcpy(x + model_of_view(view), kept, sizeof(kept));
 }
 
-/* Every stride-th point of each view. */
+/* Chooses every stride-th point of each view. */
 static void choose_every(struct guesser *g, int stride)
 {
 	const struct camera_problem *problem = g->problem;
@@ -128,7 +128,7 @@ static unsigned long long next_random(unsigned long long *state)
 	return z ^ (z >> 31);
 }
 
-/* A few points of each view. */
+/* Chooses SAMPLE_POINTS random points of each view. */
 static void choose_some(struct guesser *g, unsigned long long *random)
 {
 	int count = 0;
@@ -160,8 +160,8 @@ static int compare_errors(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Median distance from where points are expected, those without an image infinitely far; of some
- * hundred points. */
+/* Returns the median distance between seen and projected points, over at most some hundred points;
+ * points without an image count as infinite. */
 static double median_error(struct guesser *g, const double *x)
 {
 	const struct camera_problem *problem = g->problem;
@@ -188,8 +188,8 @@ static double median_error(struct guesser *g, const double *x)
 	return count ? g->error[count / 2] : INFINITY;
 }
 
-/* kappa1 that bends the outermost point by this part; below -4/27 the thesis's direction, which is
- * cubic in the undistorted radius, has no picture there. */
+/* Returns a trial kappa1, which distorts the outermost point by a share of its radius. Below -4/27
+ * that point has no image in the thesis's direction, which is cubic in the undistorted radius. */
 static double trial_kappa(const struct camera_problem *problem, int step)
 {
 	static const double of_reach[TRIAL_KAPPAS] = {0,     -0.05, 0.05,  -0.1, 0.12,
@@ -199,7 +199,7 @@ static double trial_kappa(const struct camera_problem *problem, int step)
 }
 
 /* Tries steps of kappa1 with the chosen points until one is good enough; *best is the rms of the
- * best, infinite while there is none, and *kappa what it had. */
+ * best, infinite while there is none, and *kappa its kappa1. */
 static int try_steps(struct guesser *g, int from, int to, double *best, double *kappa, double *x)
 {
 	int err = -ERANGE;
@@ -224,8 +224,8 @@ static int try_steps(struct guesser *g, int from, int to, double *best, double *
 	return isfinite(*best) ? 0 : err;
 }
 
-/* kappa1 0 (or what is known) from all points, then the others from some of them, and the best of
- * these from all again. */
+/* Tries kappa1 = 0 (or the known one) with all points, then others with some of the points, and the
+ * best of these with all points again. */
 static int try_kappas(struct guesser *g, double *x)
 {
 	double best = INFINITY, first, kappa = 0;

@@ -33,7 +33,7 @@ static void put_pose(double *x, int view, const double rotation[9], const double
 	memcpy(x + model_of_view(view) + MODEL_TRANSLATION, translation, 3 * sizeof(*x));
 }
 
-/* A pose of the view's own axes becomes one of the world's: R axes. */
+/* Turns a pose of the view's own axes into one of the world's: R axes. */
 static void put_plane_pose(struct guesser *g, double *x, int view, const struct first_guess *guess)
 {
 	const double *axes = g->problem->shape[view].axes, *r = guess->rotation;
@@ -46,7 +46,8 @@ static void put_plane_pose(struct guesser *g, double *x, int view, const struct 
 	put_pose(x, view, rotation, guess->translation);
 }
 
-/* Root mean square distance in one view, of some hundred points; infinite where one is not seen. */
+/* Returns the RMS distance in one view, over at most some hundred points; infinite where one has no
+ * image. */
 static double trial_rms(const struct guesser *g, int view, const double *x)
 {
 	const struct camera_problem *problem = g->problem;
@@ -90,8 +91,8 @@ static int pose_of_view(struct guesser *g, int view, double *x)
 	return err;
 }
 
-/* The same by Tsai's stage with f given, which a plane seen from afar needs: its homography says
- * nothing of its tilt. */
+/* The same by Tsai's stage with f given. A plane seen from afar needs it: its homography does not
+ * determine its tilt. */
 static int tsai_pose_of_plane(struct guesser *g, int view, double *x)
 {
 	struct first_guess guess;
@@ -105,7 +106,8 @@ static int tsai_pose_of_plane(struct guesser *g, int view, double *x)
 	return err;
 }
 
-/* Where Tsai's stage gives no f, one of a row of usual ones, with the pose that fits best. */
+/* Where Tsai's stage yields no f: takes one of some usual focal lengths, with the pose that fits
+ * best. */
 static int usual_focal(struct guesser *g, int view, double *x)
 {
 	static const double of_reach[] = {1, 1.5, 2.5, 4, 8, 16, 40, 200, 1000};
@@ -140,8 +142,8 @@ double guess_good_enough(const struct guesser *g)
 	return 0.01 * g->problem->reach / g->problem->model.pixel[0];
 }
 
-/* Tsai's stage, or a usual f where that fits better: of a plane seen from afar, or parallel to the
- * picture, noise alone decides what f comes out. */
+/* Takes f from Tsai's stage, or a usual f where that fits better: for a plane seen from afar, or
+ * parallel to the picture, the f of Tsai's stage is mere noise. */
 static int focal_of_plane(struct guesser *g, int view, double *x)
 {
 	double own[MODEL_GRADIENT], *pose = x + model_of_view(view);
@@ -187,7 +189,7 @@ static int find_homographies(struct guesser *g)
 	return 0;
 }
 
-/* f from the view that has most points in space, or from all planes, or from the only one. */
+/* Finds f from the view with most points in space, else from all planes, else from the only one. */
 static int find_focal(struct guesser *g, double *x)
 {
 	const struct camera_problem *problem = g->problem;
@@ -226,7 +228,7 @@ static int find_focal(struct guesser *g, double *x)
 	return planes == 1 ? focal_of_plane(g, any, x) : usual_focal(g, any, x);
 }
 
-/* The pose of one view, f being known (or found); of one without points, any. */
+/* Finds the pose of one view for known f; a view without points gets an arbitrary one. */
 static int find_pose(struct guesser *g, int view, double *x)
 {
 	const double nothing[3] = {0, 0, 1}, straight[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -249,7 +251,7 @@ int guess_from_chosen(struct guesser *g, double kappa, double *x)
 	err = find_homographies(g);
 	if (!err && !start->known)
 		err = find_focal(g, x);
-	/* A lone plane has its pose from Tsai's stage already. */
+	/* Tsai's stage has found the pose of a lone plane already. */
 	for (int v = 0; v < g->problem->views && !err && !(lone && g->has_h[v]); v++)
 		err = find_pose(g, v, x);
 	return err;

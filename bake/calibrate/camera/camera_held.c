@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A centre or an s that is held is not exact: how far off it may be moves everything that was found
- * with it, the translation along the picture above all; with s the tilt, and with that f.
+ * Covariance from held unknowns. A centre or an s that is held is not exact, and its error moves
+ * everything found with it: above all the translation along the picture; an error of s moves the
+ * tilt, and with it f.
  *
- * To first order the least squares solution y answers a step of the held c with
- * d y / d c = -(Jy^T W Jy)^-1 Jy^T W Jc, and its covariance grows by (d y / d c) var(c) (d y / d
- * c)^T.
+ * To first order, the least-squares solution y changes with the held c by
+ *     dy/dc = -(Jy^T W Jy)^-1 Jy^T W Jc
+ * and its covariance grows by
+ *     (dy/dc) var(c) (dy/dc)^T
  */
 #include <errno.h>
 #include <math.h>
@@ -13,7 +15,7 @@
 
 #include "bake/calibrate/camera/camera_parts.h"
 
-/* d x / d x[held] of all unknowns; 1 for itself, 0 for what else is held. */
+/* Computes d x / d x[held] of all unknowns; 1 for itself, 0 for other held ones. */
 static void answer_to_held(const struct camera_private *own, const double *jacobian, int held,
 			   double *by)
 {
@@ -34,7 +36,7 @@ static void answer_to_held(const struct camera_private *own, const double *jacob
 	}
 }
 
-/* Adds what an unknown brings that is held, and off by sigma; by is room for the answer. */
+/* Adds the covariance from one held unknown with standard deviation sigma; by is scratch space. */
 static void hold_unknown(const struct camera_private *own, const double *jacobian, int unknown,
 			 double sigma, double *by, double *held)
 {
@@ -53,7 +55,7 @@ int camera_hold(struct camera_private *own)
 	const size_t n = (size_t)problem_unknowns(&own->problem);
 	double *jacobian, *by;
 
-	/* Where the points leave more open than that, all is unknown already. */
+	/* where the points leave more open than that, nothing is known anyway */
 	if (own->fit_error == -ERANGE)
 		return 0;
 	jacobian = calloc(2 * (size_t)own->problem.count * n, sizeof(*jacobian));

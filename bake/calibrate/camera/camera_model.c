@@ -14,8 +14,8 @@ void model_turn(struct model_view *view, const double *of_view)
 	memcpy(view->translation, of_view + MODEL_TRANSLATION, sizeof(view->translation));
 }
 
-/* What the radius is multiplied with between undistorted and distorted sensor coordinates, its
- * slope by the squared radius it is applied to, and its slope by kappa1. */
+/* Factor from undistorted to distorted sensor coordinates, its derivative by the squared radius
+ * that it is applied to, and its derivative by kappa1. */
 struct distortion {
 	double factor, by_square, by_kappa;
 };
@@ -42,13 +42,13 @@ static bool distortion_at(const struct camera_model *model, double kappa, double
 	return true;
 }
 
-/* Slopes of px by a point in camera axes. */
+/* Derivatives of px by a point in camera axes. */
 static void slope_by_place(const double *shared, const double pixel[2], const double p[3],
 			   const struct distortion *d, double x, double y, double slope[2][3])
 {
 	const double f = shared[MODEL_FOCAL];
 	const double mixed = 2 * d->by_square * x * y;
-	/* of distorted by undistorted sensor coordinates */
+	/* derivatives of distorted by undistorted sensor coordinates */
 	const double bend[2][2] = {{d->factor + 2 * d->by_square * x * x, mixed},
 				   {mixed, d->factor + 2 * d->by_square * y * y}};
 	const double per[2] = {shared[MODEL_ASPECT] / pixel[0], 1 / pixel[1]};

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tsai's camera as a vector of unknowns: what the descent turns, with its slopes.
+ * Tsai's camera as a vector of unknowns, with derivatives, for the descent.
  *
- * The world is moved to the middle of each view's points, so that rotation and translation do not
- * pull at each other over the length of a lever: T' = R middle + T. The picture's y counts down.
+ * The world's origin is moved to the middle of each view's points, which decouples rotation and
+ * translation:
+ *     T' = R middle + T
+ * The picture's y counts down.
  */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_MODEL_H
 #define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_MODEL_H
@@ -12,7 +14,7 @@
 
 #include "hal/optics/tsai.h"
 
-/* The first unknowns are shared by all views; then six a view. */
+/* The first unknowns are shared by all views; six more follow for each view. */
 enum {
 	MODEL_FOCAL,
 	MODEL_KAPPA1,
@@ -20,7 +22,7 @@ enum {
 	MODEL_CENTRE_Y, /* px, down */
 	MODEL_ASPECT,
 	MODEL_SHARED,
-	MODEL_ROTATION = 0,    /* of a view: rotation vector, radians */
+	MODEL_ROTATION = 0,    /* within a view: rotation vector, rad */
 	MODEL_TRANSLATION = 3, /* T', world units */
 	MODEL_OF_VIEW = 6,
 	MODEL_GRADIENT = MODEL_SHARED + MODEL_OF_VIEW
@@ -31,10 +33,10 @@ struct camera_model {
 	int distortion;	 /* enum tsai_distortion */
 };
 
-/* One view: where it begins among the unknowns, and turned once for all its points. */
+/* The pose of one view, computed once for all its points. */
 struct model_view {
 	double rotation[9];
-	double slope[3][9]; /* of rotation by each of the rotation vector's numbers */
+	double slope[3][9]; /* derivatives of rotation by the rotation vector's components */
 	double translation[3];
 };
 
@@ -51,20 +53,20 @@ static inline int model_of_view(int view)
 void model_turn(struct model_view *view, const double *of_view);
 
 /*
- * Where a point is seen, from its place relative to the view's middle. gradient: px by the shared
- * unknowns, then by the view's; NULL: not wanted. False: nowhere (behind, folded over).
+ * Projects a point, given relative to the view's middle. gradient: derivatives of px by the shared
+ * unknowns, then by the view's; may be NULL. False: no image (behind the camera, beyond the fold).
  */
 bool model_see(const struct camera_model *model, const double *shared,
 	       const struct model_view *view, const double place[3], double px[2],
 	       double gradient[2][MODEL_GRADIENT]);
 
-/* The point at this depth (along the view) that is seen at px, relative to the view's middle.
+/* Back-projects px to the point at this depth (along the view), relative to the view's middle.
  * False: px is beyond the fold. */
 bool model_place(const struct camera_model *model, const double *shared,
 		 const struct model_view *view, const double px[2], double depth, double place[3]);
 
-/* Sensor coordinates without distortion, f and s undone: |out| = tan of the angle to the axis times
- * f. False: beyond the fold. */
+/* Undistorts px to sensor coordinates, with s undone: |sensor| = f tan(angle to the axis). False:
+ * beyond the fold. */
 bool model_straighten(const struct camera_model *model, const double *shared, const double px[2],
 		      double sensor[2]);
 

@@ -11,8 +11,8 @@
 #include "bake/calibrate/estimate/linear.h"
 #include "hal/optics/vec.h"
 
-/* Of the reach: no lens that is straight before its distortion sees 84 degrees from its axis. A
- * descent that gets there has lost its way. */
+/* Least f, as a share of the reach: no perspective lens sees 84 degrees from its axis. A descent
+ * that gets there is lost. */
 #define FOCAL_LEAST 0.1
 
 /* ---- how points lie ---- */
@@ -21,7 +21,8 @@ static void find_middle(const struct observation *point, int count, struct view_
 {
 	for (int k = 0; k < 3; k++)
 		shape->middle[k] = point[0].world[k];
-	for (int k = 0; k < 3; k++) { /* from the first: far from 0, sums lose digits */
+	/* relative to the first point: far from 0, sums lose digits */
+	for (int k = 0; k < 3; k++) {
 		double sum = 0;
 
 		for (int i = 0; i < count; i++)
@@ -166,7 +167,7 @@ static int view_of(const struct camera_problem *problem, int i)
 	return problem->point[i].view - problem->first_view;
 }
 
-/* That of the point before: most points are of the same. */
+/* Cached rotation of the last point's view: neighbouring points mostly share a view. */
 struct turned_view {
 	int view; /* -1: none yet */
 	struct model_view as;

@@ -9,16 +9,17 @@
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
-#define FEWEST_FULL 11 /* points that free the centre */
-/* Of the diagonal. A centre less certain than this, or farther off, is not found but lost; as is
- * one that the points tell worse than where it was first taken to be. So with s. */
+#define FEWEST_FULL 11 /* least points for a free centre */
+/* As shares of the diagonal: the largest deviation of a found centre, and its largest distance from
+ * the first guess. Beyond, it counts as lost and is held; so does a centre that the points
+ * determine worse than the first guess is known. The same goes for s. */
 #define CENTRE_LOST 0.15
 #define CENTRE_FAR 0.3
-#define OTHER_CENTRE 0.05 /* of the diagonal: where it is looked for, too */
+#define OTHER_CENTRE 0.05 /* of the diagonal: distance of other starts for the centre */
 #define BETTER_FIT 0.99
 #define FEW_POINTS 120
 #define ASPECT_LOST 0.05
-#define MISFIT 0.005   /* of the diagonal: rms that makes one look for a mirror image */
+#define MISFIT 0.005   /* of the diagonal: rms from which a mirror image is tried */
 #define FAR_BETTER 0.2 /* of the rms */
 
 static int solver_descend(struct camera_private *own, double *x, const bool *fixed, bool stay)
@@ -42,7 +43,7 @@ static void hold_shared(const struct camera_private *own, bool centre, bool aspe
 						      own->problem.first[v];
 }
 
-/* Free unknowns against single numbers, two degrees of freedom left over. */
+/* Whether the residuals exceed the free unknowns by two or more degrees of freedom. */
 static bool has_enough_points(const struct camera_private *own)
 {
 	int wanted = 2;
@@ -52,8 +53,8 @@ static bool has_enough_points(const struct camera_private *own)
 	return 2 * own->problem.count >= wanted;
 }
 
-/* One plane says nothing about s: any stretch of the picture is a tilt. Two say as much as f, the
- * centre and s are, if they are tilted well. */
+/* Whether s can be determined: one plane does not, as any stretch of the picture looks like a tilt.
+ * Two planes do if they are tilted well. */
 static bool aspect_shows(const struct camera_private *own)
 {
 	int planes = 0;
@@ -75,7 +76,7 @@ static double deviation_of(const struct camera_private *own, int unknown)
 	return sqrt(own->fit.covariance[unknown * (problem_unknowns(&own->problem) + 1)]);
 }
 
-/* Told worse than it is known beforehand, which it does not contradict either. */
+/* Whether the points determine s worse than it is known beforehand, without contradicting that. */
 static bool aspect_lost(const struct camera_private *own, const double *x)
 {
 	const double told = deviation_of(own, MODEL_ASPECT), known = own->aspect_deviation;
@@ -95,8 +96,8 @@ static bool centre_lost(const struct camera_private *own, const double *x)
 	return false;
 }
 
-/* Descends from the held solution with its centre moved, by the points of few alone; x becomes what
- * fits them best, false: nothing fits them better than x does. */
+/* Descends from the held solution with its centre moved in four directions, with few points. x
+ * becomes the best fit. False: none fits these points better than x. */
 static bool try_neighbours(const struct camera_private *own, const struct camera_problem *few,
 			   const bool *held, double *other, double *x)
 {
@@ -119,7 +120,7 @@ static bool try_neighbours(const struct camera_private *own, const struct camera
 	return found;
 }
 
-/* The good points of a lone view, or every so many-th of them. -ENOMEM. */
+/* Chooses the good points of a lone view, or every n-th of them. -ENOMEM. */
 static int choose_few(const struct camera_private *own, struct camera_problem *few, int first[2])
 {
 	const struct camera_problem *all = &own->problem;
@@ -140,8 +141,8 @@ static int choose_few(const struct camera_private *own, struct camera_problem *f
 	return point && few->place ? 0 : -ENOMEM;
 }
 
-/* Seen once only, a free centre has wrong minima beside the right one: some hundred points are
- * solved from other starts, and where one fits them better, all from there. */
+/* Escapes from wrong minima of a free centre, which a lone view has: solves some hundred points
+ * from other starts and, where one of these fits them better, all points from there. */
 static int try_other_centres(struct camera_private *own, double *x)
 {
 	const size_t n = (size_t)problem_unknowns(&own->problem);
@@ -178,9 +179,9 @@ static int try_other_centres(struct camera_private *own, double *x)
 }
 
 /*
- * First f, kappa1 and the poses; then the centre, and s where it shows. What turns out not to be
- * known well enough to be of use is held at what was given, and the rest found again; the centre,
- * too, that was lost only because s was.
+ * Finds f, kappa1 and the poses first; then the centre, and s where it is observable. What is not
+ * determined well enough is held at its first guess, and the rest found again; a centre that was
+ * lost only because s was is tried again.
  */
 static int solve_full(struct camera_private *own, double *tried)
 {
@@ -189,7 +190,7 @@ static int solve_full(struct camera_private *own, double *tried)
 	bool centre = few, aspect = !aspect_shows(own);
 	int err;
 
-	if (aspect) /* points in space have one in closed form */
+	if (aspect) /* the closed form of points in space found another one */
 		own->x[MODEL_ASPECT] = own->aspect;
 	hold_shared(own, true, true, own->fixed);
 	err = solver_descend(own, own->x, own->fixed, false);
@@ -230,8 +231,8 @@ static bool is_in_space(const struct camera_problem *problem)
 	return false;
 }
 
-/* Tsai's second stage: R, Tx and Ty are the closed form's, of points in space s, too. How well they
- * are known is said as if they had been found together. */
+/* Tsai's second stage: R, Tx and Ty (of points in space also s) stay as in the closed form. The
+ * covariance is that of finding all together. */
 static int solve_three(struct camera_private *own)
 {
 	const bool aspect = !is_in_space(&own->problem) || !(own->aspect_deviation > 0);
@@ -250,7 +251,7 @@ static int solve_three(struct camera_private *own)
 	return solver_descend(own, own->x, own->fixed, true);
 }
 
-/* Whether two solutions of a lone plane are one: their normals are within a degree. */
+/* Whether two solutions of a lone plane are the same: their normals are within a degree. */
 static bool same_tilt(const struct camera_private *own, const double *a, const double *b)
 {
 	const double *axis = own->problem.shape[0].axes + 6;
@@ -265,7 +266,7 @@ static bool same_tilt(const struct camera_private *own, const double *a, const d
 	return vec_dot(normal[0], normal[1]) > 0 && vec_length(across) < 0.0175;
 }
 
-/* A lone plane is tried tilted the other way, too: from afar both look the same. */
+/* Tries a lone plane tilted the other way, which looks the same from afar. */
 static int try_other_tilt(struct camera_private *own, double *other)
 {
 	const int n = problem_unknowns(&own->problem);
@@ -340,7 +341,7 @@ static int solve_halves(struct camera_private *own)
 
 /* ---- all of it ---- */
 
-/* A camera of the mirrored picture, and how well it does; rms stays where there is none. */
+/* Fits a camera to the mirrored picture; *rms is its error, unchanged where there is none. */
 static int fit_mirrored(const struct camera_private *own, const struct camera_start *start,
 			const bool *fixed, double *x, double *rms)
 {
@@ -363,8 +364,8 @@ static int fit_mirrored(const struct camera_private *own, const struct camera_st
 	return err == -ENOMEM ? err : 0;
 }
 
-/* From cameras of the mirrored picture to those that from afar show the same in the picture as it
- * is: with near and far exchanged. */
+/* Turns cameras of the mirrored picture into cameras of the picture itself that look the same from
+ * afar: near and far are exchanged. */
 static void exchange_depths(const struct camera_problem *problem, double *x)
 {
 	for (int v = 0; v < problem->views; v++) {
@@ -379,10 +380,10 @@ static void exchange_depths(const struct camera_problem *problem, double *x)
 }
 
 /*
- * Points in space that do not fit: whether they do, and far better, once their picture is
- * mirrored. Where near and far exchanged do about as well as that, they are seen from afar, and
- * noise alone said which way the first guess went: *elsewhere, then, and x is where to start from.
- * Through a lens that is known they may fit so far that nothing else would tell.
+ * For points in space that do not fit: finds whether they fit far better once their picture is
+ * mirrored (own->mirrored). If exchanging near and far fits about as well, the points are seen from
+ * afar and noise alone chose the first guess: *elsewhere is then true, and x the new start. With a
+ * known lens the mirror image may fit so well that only other_tilt tells.
  */
 static int try_mirrored(struct camera_private *own, const struct camera_start *start,
 			bool *elsewhere)
@@ -415,7 +416,7 @@ static int try_mirrored(struct camera_private *own, const struct camera_start *s
 	return err == -ENOMEM ? err : 0;
 }
 
-/* From the first guess. */
+/* Solves from the first guess in x. */
 static int solve_guessed(struct camera_private *own)
 {
 	double *tried = calloc((size_t)problem_unknowns(&own->problem), sizeof(*tried));

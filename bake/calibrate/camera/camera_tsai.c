@@ -10,7 +10,8 @@
 #include "bake/calibrate/estimate/linear.h"
 #include "hal/optics/vec.h"
 
-/* The two nearest orthonormal vectors to two that are nearly so, and the third. */
+/* Replaces rows 1 and 2, which are nearly orthonormal, by the nearest orthonormal pair, and row 3
+ * by their cross product. */
 static void square_up(double r[9])
 {
 	double sum[3], difference[3];
@@ -30,7 +31,7 @@ static void square_up(double r[9])
 	vec_cross(r, r + 3, r + 6);
 }
 
-/* The point seen farthest from the x axis. */
+/* Index of the point seen farthest from the x axis. */
 static int farthest_from_x(int count, const double (*sensor)[2])
 {
 	int at = 0;
@@ -41,7 +42,7 @@ static int farthest_from_x(int count, const double (*sensor)[2])
 	return at;
 }
 
-/* A place as seen from another, after rotation. */
+/* turned = R (place - origin) */
 static void turn_place(const struct first_guess *guess, const double place[3],
 		       const double origin[3], double turned[3])
 {
@@ -53,8 +54,10 @@ static void turn_place(const struct first_guess *guess, const double place[3],
 }
 
 /*
- * f and Tz from f y = (w + Tz) Y and f x = (w + Tz) X, (x, y, w) being a place after rotation, with
- * Tx and Ty. Returns how well they can be told apart, 0: not at all.
+ * Solves for f and Tz by least squares from
+ *     f y = (w + Tz) Y,   f x = (w + Tz) X
+ * where (x, y, w) is a place after rotation, with Tx and Ty added. Returns how well f and Tz can be
+ * told apart (see linear_solve()), 0: not at all.
  */
 static double focal_and_depth(int count, const double (*place)[3], int of,
 			      const double (*sensor)[2], double *a, struct first_guess *guess)
@@ -80,7 +83,7 @@ static double focal_and_depth(int count, const double (*place)[3], int of,
 	return apart;
 }
 
-/* Tz alone; returns the sum of squares that is left of the same equations. */
+/* Solves the same equations for Tz alone; returns the remaining sum of squares. */
 static double depth_alone(int count, const double (*place)[3], int of, const double (*sensor)[2],
 			  struct first_guess *guess)
 {
@@ -104,7 +107,7 @@ static double depth_alone(int count, const double (*place)[3], int of, const dou
 	return all - above * guess->translation[2];
 }
 
-/* The origin back from place `of` to 0. */
+/* Moves the origin back from place `of` to 0. */
 static void move_back(const double of[3], struct first_guess *guess)
 {
 	double back[3];
@@ -114,7 +117,8 @@ static void move_back(const double of[3], struct first_guess *guess)
 		guess->translation[k] -= back[k];
 }
 
-/* Both signs of Ty fit; with the right one points lie on the side on which they are seen. */
+/* Whether the sign of Ty is wrong: both fit, but with the right one points lie on the side on which
+ * they are seen. */
 static bool wrong_side(int count, const double (*place)[3], int of, const double (*sensor)[2],
 		       const struct first_guess *guess)
 {
@@ -130,8 +134,10 @@ static bool wrong_side(int count, const double (*place)[3], int of, const double
 	return votes < 0;
 }
 
-/* Rows 1 and 2 of R and Tx, Ty from the five numbers; |Ty| is the smaller root of
- * d^2 Ty^4 - u Ty^2 + 1 = 0. */
+/*
+ * Computes rows 1 and 2 of R, Tx and Ty from the five numbers; |Ty| is the smaller root of
+ *     d^2 Ty^4 - u Ty^2 + 1 = 0
+ */
 static void rows_of_plane(const double x[5], double sign, struct first_guess *guess)
 {
 	const double u = x[0] * x[0] + x[1] * x[1] + x[3] * x[3] + x[4] * x[4];
@@ -152,7 +158,7 @@ static void rows_of_plane(const double x[5], double sign, struct first_guess *gu
 	guess->translation[1] = ty;
 }
 
-/* The other of the two rotations that have these first two columns' upper halves. */
+/* Replaces R by the other rotation with the same upper left 2 x 2 block. */
 static void tilt_back(double r[9])
 {
 	r[2] = -r[2];
@@ -162,10 +168,11 @@ static void tilt_back(double r[9])
 }
 
 /*
- * The five equations Y (r1 x + r2 y + Tx) = X (r4 x + r5 y + Ty), all over Ty, one for each point.
- * What noise does to one grows with the point's distance from the axis, so that a second pass,
- * which knows that distance, divides by it: without, far points would count most, and the choice
- * of the origin would matter.
+ * Solves for the five unknowns (r1, r2, Tx, r4, r5) / Ty, from one equation for each point:
+ *     Y (r1 x + r2 y + Tx) = X (r4 x + r5 y + Ty)
+ * The noise of an equation grows with the point's distance from the axis. Further passes know that
+ * distance and divide by it: otherwise far points would count most, and the choice of the origin
+ * would matter.
  */
 static double align_plane(int count, const double (*place)[3], int of, const double (*sensor)[2],
 			  double *a, double x[5])
@@ -191,7 +198,7 @@ static double align_plane(int count, const double (*place)[3], int of, const dou
 	return apart;
 }
 
-/* f being known, the tilt that leaves less. */
+/* For known f, keeps the tilt that leaves the smaller sum of squares. */
 static void choose_side(int count, const double (*place)[3], int of, const double (*sensor)[2],
 			struct first_guess *guess)
 {
@@ -248,7 +255,7 @@ int tsai_coplanar(int count, const double (*plane)[2], const double (*sensor)[2]
 	return err;
 }
 
-/* Rows 1 and 2 of R, s, Tx and Ty from the seven numbers. */
+/* Computes rows 1 and 2 of R, s, Tx and Ty from the seven numbers. */
 static void rows_of_space(const double x[7], double sign, struct first_guess *guess)
 {
 	const double ty = sign / vec_length(x + 4);
@@ -308,7 +315,7 @@ int tsai_spatial(int count, const double (*place)[3], const double (*sensor)[2],
 	return err;
 }
 
-/* Mean and mean distance from it of points of the plane, so that numbers are about 1. */
+/* Computes the mean of the points and the mean distance from it, to scale numbers to about 1. */
 static void normalize_points(int count, const double (*point)[2], double middle[2], double *size)
 {
 	middle[0] = middle[1] = *size = 0;
@@ -360,8 +367,8 @@ int homography_find(int count, const double (*plane)[2], const double (*sensor)[
 	return unique > 1e-9 ? 0 : -ERANGE;
 }
 
-/* The first two columns, divided by (f, f, 1), are orthogonal and of one length: two equations in
- * 1 / f^2 for each, weighted so that the units of plane and sensor do not matter. */
+/* The first two columns, divided by (f, f, 1), are orthogonal and of equal length: two equations in
+ * 1 / f^2 for each homography, weighted so that the units of plane and sensor do not matter. */
 int homography_focal(int count, const double (*h)[9], double *focal)
 {
 	double numerator = 0, denominator = 0, largest = 0, inverse;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Why not to trust a camera, in order of gravity; each reason with what to do about it. Willson's
- * and Tsai's notes on where the method fails are behind most of them.
+ * Reasons to doubt a camera, in order of gravity, each with its remedy. Most follow Willson's and
+ * Tsai's notes on where the method fails.
  */
 #include <errno.h>
 #include <math.h>
@@ -9,13 +9,14 @@
 #include "bake/calibrate/camera/camera_parts.h"
 #include "hal/optics/vec.h"
 
-#define OUTLIER_SIGMAS 7.0 /* of a plain fit: chance does this once in 1e10 */
-#define OUTLIERS_MOST 0.25 /* share of a robust fit */
-#define OUTLIERS_PULL 0.3  /* share of the sum of squares that they may have */
+#define OUTLIER_SIGMAS 7.0 /* limit of an outlier in a plain fit: chance exceeds it once in 1e10 */
+#define OUTLIERS_MOST 0.25 /* largest share of outliers */
+#define OUTLIERS_PULL 0.3  /* largest share of outliers in the sum of squares */
 #define FOCAL_LOST 0.15	   /* relative deviation beyond which first order says nothing */
 #define PARALLEL_DEGREES 10
-#define BEYOND_MOST 1.25 /* of the points' extent, from their middle */
-#define MISFIT 0.02	 /* rms, of what the points cover */
+/* largest distance of the object from the points' middle, in units of their extent */
+#define BEYOND_MOST 1.25
+#define MISFIT 0.02 /* largest rms, as a share of the points' extent */
 
 /* ---- what came out ---- */
 
@@ -48,7 +49,7 @@ static double tilt_of(const struct camera_private *own, int view)
 	return acos(fmin(1, fabs(vec_dot(turned.rotation + 6, normal)))) * 180 / M_PI;
 }
 
-/* Planes only, all of them parallel to the picture. */
+/* Whether all views are planes parallel to the picture. */
 static bool all_parallel(const struct camera_private *own)
 {
 	for (int v = 0; v < own->problem.views; v++)
@@ -78,7 +79,7 @@ static bool focal_lost(const struct camera_private *own, double variance)
 	return !own->task.intrinsics && !(sqrt(variance) < FOCAL_LOST * own->x[MODEL_FOCAL]);
 }
 
-/* A descent that does not end may only have been on its way to where f is infinite. */
+/* Judges the descent. One that did not converge may have been on its way to an infinite f. */
 static void judge_fit(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
@@ -121,7 +122,7 @@ static double distance_px(const struct camera_solution *solution, int i)
 		     finding->expected[i][1] - solution->own->problem.point[i].px[1]);
 }
 
-/* The median of sorted squares would do; counting needs no room: how many points are within r. */
+/* Median distance by bisection, which needs no memory for sorting. */
 static double typical_distance(const struct camera_solution *solution)
 {
 	const int count = solution->own->problem.count;
@@ -143,7 +144,7 @@ static double typical_distance(const struct camera_solution *solution)
 	return high;
 }
 
-/* A view most of whose points do not fit has no pose, however well the others fit. */
+/* Doubts views most of whose points do not fit: they have no pose, however well the others fit. */
 static void judge_views(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
@@ -167,7 +168,7 @@ static void judge_outliers(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
 	const struct finding *finding = &solution->finding;
-	/* of a Rayleigh distribution the median is 1.18 sigma */
+	/* the median of a Rayleigh distribution is 1.18 sigma */
 	const double sigma = fmax(typical_distance(solution) / 1.18, CAMERA_NOISE_LEAST);
 	double squares = 0, pull = 0;
 	int worst = 0, outliers = 0;
@@ -203,8 +204,8 @@ static void judge_outliers(struct camera_solution *solution)
 			      finding->rms_px);
 }
 
-/* A plane seen from behind is one whose points are mirrored, and nothing but the side tells: the
- * world's Z is up. */
+/* A plane seen from behind looks like one whose points are mirrored; only the side tells, because
+ * the world's Z is up. */
 static void judge_side(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
@@ -232,7 +233,7 @@ static void judge_fold(struct camera_solution *solution)
 	const struct camera_private *own = solution->own;
 	const double *x = own->x;
 	const double fold = tsai_fold_radius(x[MODEL_KAPPA1]);
-	/* the largest distorted radius there is */
+	/* largest distorted radius */
 	const double most = own->task.distortion == TSAI_DISTORTS ? fold * 2 / 3 : fold;
 	double farthest = 0, seen[2];
 
@@ -263,7 +264,7 @@ static void judge_focal(struct camera_solution *solution)
 	const struct camera_private *own = solution->own;
 	const double rms = solution->finding.rms_px;
 
-	/* What a wrong s does to f has nothing to do with the distance. */
+	/* the effect of a wrong s on f does not depend on the distance */
 	if (focal_lost(own, own->cautious[MODEL_FOCAL] - own->held_aspect[MODEL_FOCAL]))
 		doubt_focal(solution);
 	if (own->other_tilt * own->other_tilt - rms * rms >=
@@ -282,7 +283,8 @@ static void judge_focal(struct camera_solution *solution)
 			      "orthographic");
 }
 
-/* Whether what is held leaves the object uncertain, more than noise does; of both the worse one. */
+/* Doubts the held axis or s, whichever is worse, if it leaves the object more uncertain than noise
+ * does. */
 static void judge_held(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
@@ -326,7 +328,8 @@ static void judge_object(struct camera_solution *solution)
 		      own->object_error, own->task.tolerance_px);
 }
 
-/* Outside of what the points cover nothing was checked, whatever the deviations say. */
+/* Doubts an object outside of the points' extent: nothing was checked there, whatever the
+ * deviations say. */
 static void judge_reach(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What was given: whether the points are enough, each of them once, and lie so that they tell a
- * camera. */
+/* Judges the points as given: whether they are enough, listed once each, and spread so that they
+ * determine a camera. */
 #include <math.h>
 
 #include "bake/calibrate/camera/camera_parts.h"
 
-#define COVERED_LEAST 0.02 /* of the picture */
+#define COVERED_LEAST 0.02 /* least share of the picture inside the points' convex hull */
 
 /* ---- what was given ---- */
 
