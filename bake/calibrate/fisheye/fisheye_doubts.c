@@ -9,17 +9,17 @@
 
 #include "bake/calibrate/estimate/linear.h"
 
-/* Focal length and model cannot be told apart from what lies nearer to the axis. */
+/* Points nearer to the axis than this do not tell focal length and model apart. */
 #define NEAR_AXIS_DEG 30.0
-/* Of the field: how far out there must be points. A model that was not chosen by them may be
- * trusted farther. */
+/* Share of the field that points must reach; less for a model that was given, not chosen by the
+ * points. */
 #define SEEN_SHARE 0.75
 #define SEEN_SHARE_OF_KNOWN 0.5
-/* Directions nearer to one plane than that (root mean square of the sine). */
+/* Least RMS distance (sine) of directions from one plane. */
 #define FLAT 0.05
 #define OUTLIERS_SHARE 0.2
 #define OUTLIER_WEIGHT 0.1
-/* A model that was asked for is refused if another is so much nearer to the points. */
+/* A model that was given is refused if another one's rms is so many times smaller. */
 #define NEARER 1.5
 
 #define BOARDS_EVERYWHERE "show the board in several places, tilted, out to the rim"
@@ -61,7 +61,7 @@ bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_proble
 	return true;
 }
 
-/* The farthest from the axis that a point was seen, a few outliers aside. */
+/* qsort order, the largest first. */
 static int by_falling_angle(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
@@ -89,7 +89,7 @@ static double seen_to_deg(const struct fisheye_result *result)
 	return farthest;
 }
 
-/* Root mean square of the directions' distances from the plane nearest to them. */
+/* RMS distance of the directions from the plane nearest to them. */
 static double flatness_of(const struct observations *seen)
 {
 	double a[9] = {0}, v[9], least = INFINITY;

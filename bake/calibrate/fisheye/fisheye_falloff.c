@@ -13,18 +13,18 @@
 enum { RINGS = 40, SECTORS = 24, BINS = RINGS * SECTORS };
 enum { LEVEL, TERMS, NUMBERS = TERMS + FISHEYE_FALLOFF_TERMS };
 
-#define PIXELS_LEAST 6	/* of a bin */
-#define BINS_LEAST 100	/* that tell something */
-#define RIM_SHARE 0.985 /* of the field: beyond, pixels are half outside */
+#define PIXELS_LEAST 6	/* fewest pixels of a bin */
+#define BINS_LEAST 100	/* fewest bins */
+#define RIM_SHARE 0.985 /* of the field: beyond, pixels are partly outside of the circle */
 #define WHITE 250
-#define DARK 0.005 /* of white: noise */
+#define DARK 0.005 /* least mean light, white being 1 */
 #define SPREAD_MOST 0.05
 #define OUTLIERS_MOST 0.3
 #define OUTLIER_WEIGHT 0.1
 #define LOSS_SCALE 3.0
 
 struct bin {
-	double light, square; /* means, of theta too: theta^2 */
+	double light, square; /* sums, later means, of light and of theta^2 */
 	int pixels, clipped;
 };
 
@@ -61,7 +61,7 @@ static void bins_add_pixel(struct bins *bins, const struct fisheye *lens,
 	bin->clipped += clipped;
 }
 
-/* What bins hold becomes means; those that tell nothing go. Returns the share that was clipped. */
+/* Turns sums into means and drops empty and clipped bins. Returns the share of clipped bins. */
 static double bins_settle(struct bins *bins)
 {
 	int clipped = 0, all = 0;

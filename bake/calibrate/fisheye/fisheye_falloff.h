@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a fisheye loses towards its rim, from a picture of something equally bright all over: an
- * integrating sphere, or a white diffuser on the lens. */
+/* Falloff (vignetting) of a fisheye towards its rim, from a picture of something equally bright all
+ * over: an integrating sphere, or a white diffuser on the lens. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_FALLOFF_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_FALLOFF_H
 
@@ -10,16 +10,16 @@
 #include "hal/optics/fisheye.h"
 
 struct falloff {
-	double v[FISHEYE_FALLOFF_TERMS]; /* of fisheye.h */
+	double v[FISHEYE_FALLOFF_TERMS]; /* coefficients as in fisheye.h */
 	double deviation[FISHEYE_FALLOFF_TERMS];
-	double rim;    /* the share of light that the rim gets */
-	double spread; /* standard deviation of what is equally far from the axis, of its light */
+	double rim;    /* brightness at the rim relative to the axis */
+	double spread; /* standard deviation at equal distance from the axis, relative */
 	struct verdict verdict;
 };
 
 /*
- * 8-bit pictures are taken as sRGB; what is white is left out, and so are the outermost pixels.
- * -EINVAL: the lens is none for a picture of this size; -ENOMEM.
+ * Fits the falloff. 8-bit pictures are decoded as sRGB; white areas and the outermost pixels are
+ * left out. -EINVAL: the lens does not suit a picture of this size; -ENOMEM.
  */
 int falloff_find(struct falloff *falloff, const struct image *picture,
 		 const struct fisheye_settings *lens, struct fault *fault);

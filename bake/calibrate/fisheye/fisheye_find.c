@@ -13,9 +13,7 @@
 #include "bake/calibrate/fisheye/fisheye_turn.h"
 #include "hal/optics/vec.h"
 
-#define LOSS_SCALE                                                                                 \
-	3.0 /* of a point's deviation: 95 % as good as plain squares without outliers              \
-	     */
+#define LOSS_SCALE 3.0 /* in deviations of a point: 95 % of the efficiency of plain squares */
 #define OUTLIER_WEIGHT 0.1
 
 static const double unturned[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -28,7 +26,7 @@ void fisheye_result_free(struct fisheye_result *result)
 
 /* ---- parameters and their deviations ---- */
 
-/* d degrees / d turn about the camera's axes, of fisheye_rotation()'s three numbers. */
+/* Derivatives of fisheye_rotation()'s three angles, degrees, by turns about the camera's axes. */
 static void degrees_by_turn(const double rotation[9], double by[3][3])
 {
 	const double step = 1e-6;
@@ -84,7 +82,7 @@ static void name_parameters(const struct lens_problem *problem,
 	}
 }
 
-/* Rows and columns of turns become those of degrees. */
+/* Transforms the rows and columns of turns in a covariance into those of degrees. */
 static void turns_to_degrees(const struct lens_solution *solution, int size, double *c)
 {
 	const int n = solution->parameters;
@@ -150,7 +148,7 @@ static void find_knowledge(struct lens_knowledge *knowledge, const struct lens_p
 					solution->fit.covariance[at[a] * n + at[b]];
 }
 
-/* Lenses from odd and from even points; none where a half tells no lens. */
+/* Fits lenses to odd and to even points; none where a half does not determine one. */
 static void find_halves(struct lens_knowledge *knowledge, const struct lens_problem *problem,
 			const struct lens_solution *solution, int pose)
 {

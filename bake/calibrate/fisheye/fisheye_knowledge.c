@@ -6,7 +6,7 @@
 
 #include "hal/optics/vec.h"
 
-enum { RINGS = 16, SECTORS = 24 }; /* where errors are looked at */
+enum { RINGS = 16, SECTORS = 24 }; /* grid of directions in which errors are computed */
 
 void knowledge_begin(struct lens_knowledge *knowledge, const struct optics *optics,
 		     const double rotation[9])
@@ -21,7 +21,7 @@ static bool is_in_field(const struct lens_knowledge *knowledge, const double px[
 	       atan2(hypot(ray[0], ray[1]), ray[2]) <= knowledge->field_rad + 1e-9;
 }
 
-/* Of both coordinates together. */
+/* Sum of the variances of both coordinates. */
 static double variance_of(const struct lens_knowledge *knowledge, const double (*gradient)[2])
 {
 	double variance = 0;
@@ -79,7 +79,7 @@ static bool is_in_picture(const struct lens_knowledge *knowledge, const double p
 				     px[1] <= knowledge->height);
 }
 
-/* Degrees of sky a pixel, the longer side of what it covers. */
+/* Angle that a pixel covers, along its longer side, degrees. */
 static double pixel_deg(const struct lens_knowledge *knowledge, const double ray[3])
 {
 	double by_point[3][2], px[2], least = INFINITY;

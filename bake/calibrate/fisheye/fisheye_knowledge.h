@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is known of a fisheye lens: where it shows things, how well, and what that means over the
- * whole of its image circle. */
+/* A fisheye lens with its uncertainty: the projection, its covariance, and the errors over the
+ * image circle that follow. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_KNOWLEDGE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_KNOWLEDGE_H
 
@@ -17,34 +17,34 @@ struct oriented_lens {
 struct lens_knowledge {
 	struct oriented_lens lens;
 	double field_rad;
-	int width, height; /* of the picture; 0: not known */
-	/* Of the optics' numbers, then of turns about the camera's axes, rad. */
+	int width, height; /* size of the picture; 0: not known */
+	/* Covariance of the optics' numbers, then of turns about the camera's axes, rad. */
 	double covariance[KNOWLEDGE_COUNT][KNOWLEDGE_COUNT];
 	bool halved;
-	struct oriented_lens half[2]; /* from odd and from even points */
+	struct oriented_lens half[2]; /* fitted to odd and to even points */
 };
 
-/* The whole and a half: the lens that the parameters make. Everything else is 0. */
+/* Starts with a lens and its rotation. Everything else is 0. */
 void knowledge_begin(struct lens_knowledge *knowledge, const struct optics *optics,
 		     const double rotation[9]);
 
-/* As struct finding has them; context is a struct lens_knowledge. */
+/* Callbacks of struct finding; context is a struct lens_knowledge. */
 double knowledge_uncertainty(const void *context, const double px[2]);
 double knowledge_disagreement(const void *context, const double px[2]);
 
 struct circle_errors {
-	double mean_px, most_px; /* one standard deviation of where a direction is seen */
-	double most_deg;	 /* the same on the sky */
-	double halves_px;	 /* the largest disagreement of the halves; 0 without halves */
+	double mean_px, most_px; /* standard deviation of the projection of a direction */
+	double most_deg;	 /* the largest, as an angle in the world */
+	double halves_px;	 /* largest disagreement of the halves; 0 without halves */
 };
 
-/* Over the part of the image circle that lies in the picture. */
+/* Computes the errors over the part of the image circle that lies in the picture. */
 struct circle_errors knowledge_errors(const struct lens_knowledge *knowledge);
 
-/* The angle from the axis at which the lens shows px, degrees; NAN beyond what it shows. */
+/* Returns the angle from the axis that px shows, degrees; NAN beyond the lens's range. */
 double knowledge_angle_deg(const struct lens_knowledge *knowledge, const double px[2]);
 
-/* Adds the circle's figures to a finding, and what reports call. */
+/* Adds the circle's figures and the callbacks to a finding. */
 void knowledge_publish(const struct lens_knowledge *knowledge, struct finding *finding);
 
 #endif

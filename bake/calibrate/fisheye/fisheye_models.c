@@ -7,14 +7,14 @@
 
 #include "bake/calibrate/fisheye/fisheye_start.h"
 
-/* Below that no camera tells anything, px. */
+/* Finest residual that a camera resolves, px. */
 #define FINEST_PX 1e-5
 
-/* Residuals beyond so many of the best model's deviations are outliers for every model alike. */
+/* Residuals are capped at so many deviations of the best model, for every model alike. */
 #define FAR 4
 
-/* Outliers are looked for only in models about as near to the points as the nearest: to others most
- * points are outliers. */
+/* Outliers are searched only in models whose deviation is at most so many times the best one's: in
+ * others most points would be outliers. */
 #define NEAR 2.0
 
 static int count_free(const struct lens_solution *solution)
@@ -24,8 +24,8 @@ static int count_free(const struct lens_solution *solution)
 	return solution->parameters - fixed;
 }
 
-/* Akaike's criterion, corrected for few points (Hurvich and Tsai 1989): without that as many terms
- * as there are residuals would be best. */
+/* Akaike's criterion, corrected for few points (Hurvich and Tsai 1989): without the correction as
+ * many terms as residuals would be best. */
 static double akaike(double mean, int residuals, int free)
 {
 	const double spare = fmax(residuals - free - 1, 0.5);
@@ -65,8 +65,8 @@ static void compare_squares(struct model_trials *trials, const struct lens_probl
 		       residuals;
 		trials->rms_px[m] = sqrt(2 * mean);
 		trials->aic[m] = akaike(mean, residuals, count_free(&trials->solution[m]));
-		/* The polynomial comes last and holds the equidistant one: it must gain by more
-		 * than its terms. */
+		/* The polynomial comes last and contains the equidistant model: it must gain more
+		 * than its terms cost. */
 		if (trials->aic[m] < trials->aic[trials->best] || !trials->solved[trials->best])
 			trials->best = (enum fisheye_model)m;
 	}
@@ -77,8 +77,9 @@ static double squares_of(const struct lens_solution *solution, int err)
 	return err ? INFINITY : solution->fit.squares;
 }
 
-/* A descent of its own, from poses as this model's rays have them: no one start leads out of every
- * wrong minimum, of an orthographic lens above all, where points get stuck at the rim. */
+/* Solves once more from a first guess by this model itself, because no single start avoids every
+ * wrong minimum; above all with an orthographic lens, where points get stuck at the rim. Keeps the
+ * better solution. */
 static int try_afresh(struct lens_solution *solution, const struct lens_problem *problem, int *err)
 {
 	struct lens_solution own;
@@ -102,7 +103,7 @@ static int try_afresh(struct lens_solution *solution, const struct lens_problem 
 	return own_err == -ENOMEM ? own_err : 0;
 }
 
-/* From where another model arrived, and afresh. */
+/* Fits one model, from another model's solution and afresh. */
 static int try_model(struct model_trials *trials, const struct lens_problem *problem,
 		     const struct lens_solution *start, enum fisheye_model model)
 {
@@ -150,8 +151,8 @@ static int leave_out_outliers(struct model_trials *trials, const struct lens_pro
 int models_try(struct model_trials *trials, const struct lens_problem *problem,
 	       const struct lens_solution *start, int wanted)
 {
-	/* The polynomial goes on where the equidistant lens arrived, which is one of it; it is near
-	 * to every other, then, and its slope on the axis is their focal length. */
+	/* The polynomial starts from the equidistant solution, which is a special case of it; it is
+	 * then near every other model, and its slope on the axis is their focal length. */
 	static const enum fisheye_model order[FISHEYE_MODEL_COUNT] = {
 		FISHEYE_EQUIDISTANT, FISHEYE_POLYNOMIAL, FISHEYE_EQUISOLID, FISHEYE_STEREOGRAPHIC,
 		FISHEYE_ORTHOGRAPHIC};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which model of lens the points speak for. */
+/* Model selection: fits every lens model and compares them. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_MODELS_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_MODELS_H
 
@@ -8,18 +8,19 @@
 /* Every model's solution. */
 struct model_trials {
 	bool solved[FISHEYE_MODEL_COUNT];
-	int err[FISHEYE_MODEL_COUNT]; /* of lens_solve(), where it was tried */
+	int err[FISHEYE_MODEL_COUNT]; /* from lens_solve(), where the model was tried */
 	struct lens_solution solution[FISHEYE_MODEL_COUNT];
-	double rms_px[FISHEYE_MODEL_COUNT]; /* what lies too far from all models counts less */
-	double aic[FISHEYE_MODEL_COUNT];    /* Akaike's criterion: the least is best */
-	enum fisheye_model best;	    /* of those that were solved */
+	/* with residuals capped, so that common outliers count less */
+	double rms_px[FISHEYE_MODEL_COUNT];
+	double aic[FISHEYE_MODEL_COUNT]; /* Akaike's criterion: the least is best */
+	enum fisheye_model best;	 /* the best of the solved ones */
 	bool mirrored;
-	struct fault fault[FISHEYE_MODEL_COUNT]; /* why not */
+	struct fault fault[FISHEYE_MODEL_COUNT]; /* why a model was not solved */
 };
 
-/* start: an equidistant lens to begin with, made by lens_start(). wanted: that model and, to hold
- * against it, the polynomial; FISHEYE_MODEL_COUNT: all. 0, also where no model was solved; -ENOMEM.
- */
+/* Fits the models. start: an equidistant lens from lens_start(). wanted: fits that model and, for
+ * comparison, the polynomial; FISHEYE_MODEL_COUNT: all. Returns 0, also where no model was solved;
+ * -ENOMEM. */
 int models_try(struct model_trials *trials, const struct lens_problem *problem,
 	       const struct lens_solution *start, int wanted);
 void models_free(struct model_trials *trials); /* idempotent; zeroed is fine */

@@ -15,15 +15,15 @@ struct fisheye_curve optics_curve(const struct optics *optics)
 	return curve;
 }
 
-/* What a point's place follows from: x and y are focal * shown * (x, y) from the centre. */
+/* Intermediate results of a projection: px = centre + focal * shown * (x, y). */
 struct optics_sight {
 	double theta, radius, slope;
 	double across, length2;
 	double shown; /* radius / across */
 };
 
-/* An orthographic lens shows nothing beyond 90 degrees. A descent that were stopped there would end
- * at the first point that reaches the rim, so that a little farther is as good: r = sin(theta). */
+/* An orthographic lens shows nothing beyond 90 degrees. A descent that stopped there would end at
+ * the first point that reaches the rim; therefore r = sin(theta) is continued a little. */
 #define ORTHOGRAPHIC_MOST (95 * M_PI / 180)
 
 static bool is_shown(const struct optics *optics, const struct optics_sight *s)
@@ -68,7 +68,7 @@ static void differentiate_by_point(const struct optics *optics, const double p[3
 				   const struct optics_sight *s, double (*by)[2])
 {
 	const double *focal = optics->number + OPTICS_FOCAL;
-	/* d shown / d x is x times this; on the axis it does not matter. */
+	/* d shown / d x = x * bend; on the axis it does not matter */
 	const double bend = s->theta > 1e-5 ? (s->slope * p[2] / s->length2 - s->shown) /
 						      (s->across * s->across)
 					    : 0;

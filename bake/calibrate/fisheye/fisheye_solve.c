@@ -9,14 +9,14 @@
 #include "bake/calibrate/fisheye/fisheye_turn.h"
 #include "hal/optics/vec.h"
 
-/* A point so many deviations off is no part of a normal distribution (4 in a million are), unless
- * it is so near that no camera tells it. */
+/* A point so many deviations off is an outlier (4 in a million points of a normal distribution
+ * are), unless it is nearer than any camera resolves. */
 #define FAR 5.0
 #define FINEST_PX 1e-3
-/* Of a point's deviation: the robust loss is then 95 % as good as plain squares. */
+/* In deviations of a point: 95 % of the efficiency of plain squares. */
 #define LOSS_SCALE 3.0
 
-/* A pose at one place of the search. */
+/* A pose for one parameter vector. */
 struct turned {
 	double rotation[9], jacobian[9], translation[3];
 };
@@ -126,7 +126,7 @@ static bool lens_evaluate(void *context, const double *x, double *residual)
 	return true;
 }
 
-/* Of one point, by its pose's turns and translation. */
+/* Derivatives of one coordinate of a point by its pose's turns and translation. */
 static void differentiate_pose(const struct turned *t, const double arm[3],
 			       const double (*by_point)[2], int size, int i, double *row)
 {
@@ -170,13 +170,13 @@ static void lens_differentiate(void *context, const double *x, double *jacobian)
 	}
 }
 
-/* What a search writes to. */
+/* Buffers of a search. */
 struct lens_scratch {
 	double *x, *scale;
 	bool *fixed;
 };
 
-/* The first guess, a typical change of each, and what does not change. */
+/* Sets the first guess, a typical change of each parameter, and which are fixed. */
 static void search_begin(const struct lens_problem *problem, const struct lens_solution *start,
 			 const struct lens_scratch *scratch)
 {
@@ -202,7 +202,8 @@ static void search_begin(const struct lens_problem *problem, const struct lens_s
 	}
 }
 
-/* The solution's poses, and deviations of turns about the camera's own axes. */
+/* Stores the solution's optics and poses, and turns the covariance into that of turns about the
+ * camera's own axes. */
 static void search_end(const struct lens_problem *problem, const struct lens_search *search,
 		       struct lens_solution *solution)
 {
@@ -269,7 +270,7 @@ static int compare_lengths(const void *a, const void *b)
 	return x < y ? -1 : x > y ? 1 : 0;
 }
 
-/* The deviation, and the largest distance. */
+/* Returns the deviation of a point, and the largest residual. */
 static double measure_errors(const struct lens_problem *problem,
 			     const struct lens_solution *solution, double *largest)
 {
@@ -285,7 +286,7 @@ static double measure_errors(const struct lens_problem *problem,
 	*largest = count ? length[count - 1] : 0;
 	middle = length[count / 2];
 	free(length);
-	return middle / 1.17741; /* half of a circular normal distribution is within that */
+	return middle / 1.17741; /* half of a circular normal distribution is within 1.177 sigma */
 }
 
 double lens_deviation(const struct lens_problem *problem, const struct lens_solution *solution)

@@ -10,9 +10,9 @@
 #include "bake/calibrate/fisheye/fisheye_turn.h"
 #include "hal/optics/vec.h"
 
-#define POINTS_MAX 160 /* of a view: more do not make a guess better */
+#define POINTS_MAX 160 /* of a view: more do not improve a guess */
 
-/* Points of a view with the rays that the optics give them. */
+/* Points of a view with their rays by the trial optics. */
 struct start_sight {
 	int count;
 	double world[POINTS_MAX][3], ray[POINTS_MAX][3];
@@ -45,8 +45,8 @@ static double start_directions(struct start_sight *sight, struct lens_pose *pose
 	return turn_between(sight->world, sight->ray, sight->count, pose->rotation, mirrored);
 }
 
-/* The plane of a board in the camera's axes: ray ~ h (x, y, 1), x and y about their middle in units
- * of their spread. False: its points tell none. */
+/* Finds the homography of a board in the camera's axes, ray ~ h (x, y, 1), with x and y relative to
+ * their middle in units of their spread. False: its points do not determine it. */
 static bool find_plane(const struct start_sight *sight, const double middle[2], double spread,
 		       double h[9])
 {
@@ -72,7 +72,7 @@ static bool find_plane(const struct start_sight *sight, const double middle[2], 
 	return alone > 1e-7;
 }
 
-/* Mean place and mean distance from it. */
+/* Returns the mean distance of the points from their middle. */
 static double measure_plane(const struct start_sight *sight, double middle[2])
 {
 	double spread = 0;
@@ -87,7 +87,7 @@ static double measure_plane(const struct start_sight *sight, double middle[2])
 	return spread;
 }
 
-/* Rotation and translation that h stands for. */
+/* Computes rotation and translation from h. */
 static bool take_pose(const struct start_sight *sight, const double h[9], const double middle[2],
 		      double spread, struct lens_pose *pose)
 {
@@ -123,7 +123,8 @@ static bool take_pose(const struct start_sight *sight, const double h[9], const 
 	return true;
 }
 
-/* A board is flat, in a plane of constant Z. mirrored: its back is seen. */
+/* Finds the pose of a board, which is flat, at constant Z. Returns the sum of squares left.
+ * mirrored: its back is seen. */
 static double start_board(struct start_sight *sight, struct lens_pose *pose, bool *mirrored)
 {
 	double middle[2], h[9], camera[3], squares = 0;
@@ -147,9 +148,9 @@ static double start_board(struct start_sight *sight, struct lens_pose *pose, boo
 	return squares;
 }
 
-/* The poses alone, with the optics as they are. Returns the mean squared angle left, rad^2;
- * INFINITY: it does not see the points. *mirrored is what would be left the other way round: of
- * boards 0 or INFINITY, as most are seen from behind or not. */
+/* Finds the poses for given optics. Returns the mean squared angle left, rad^2; INFINITY: some
+ * points have no ray. *mirrored is the same for the mirrored picture; for boards 0 if most are seen
+ * from behind, else INFINITY. */
 static double start_poses(const struct lens_problem *problem, struct lens_solution *solution,
 			  double *mirrored)
 {
@@ -179,8 +180,8 @@ static double start_poses(const struct lens_problem *problem, struct lens_soluti
 	return squares / points;
 }
 
-/* The middle of the picture, or of what was seen where its size is not known; and how far from it
- * anything was seen. */
+/* Computes the middle of the picture, or of the points where its size is not known; returns the
+ * largest distance of a point from it. */
 static double seen_extent(const struct observations *seen, double squash, double middle[2])
 {
 	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, most = 0;
@@ -251,13 +252,14 @@ int lens_start(const struct lens_problem *problem, struct lens_solution *solutio
 					       fisheye_curve_radius(&curve, deg * (M_PI / 180));
 			number[OPTICS_FOCAL + 1] = squashes[s] * number[OPTICS_FOCAL];
 			squares = start_poses(problem, &trial, &other);
-			/* Rays of a longer lens are nearer to each other, and so is what a board
-			 * of any pose leaves; pixels are not. Directions stay. */
+			/* Rays of a longer lens are nearer to each other, and so are the residuals
+			 * of a board in any pose; in pixels they are not. Directions need no such
+			 * factor. */
 			if (!problem->directions)
 				squares *= number[OPTICS_FOCAL] * number[OPTICS_FOCAL + 1];
-			/* Another squash must pay: it is rare. */
+			/* a squash must fit clearly better: it is rare */
 			squares *= s ? 1.2 : 1;
-			/* Of boards the best lens tells, of directions any that fits. */
+			/* boards: the best lens decides; directions: any that fits */
 			if (problem->directions ? other < mirror : squares < best)
 				mirror = other;
 			if (!(squares < best))

@@ -69,7 +69,7 @@ static void matrix_column(const double *m, int k, double v[3])
 	memcpy(v, m + 3 * k, 3 * sizeof(*v));
 }
 
-/* Two singular directions tell the third, whose value may be 0. */
+/* The two largest singular directions determine the third, whose value may be 0. */
 double turn_between(const double (*world)[3], const double (*camera)[3], int count,
 		    double rotation[9], double *mirrored)
 {
@@ -102,7 +102,7 @@ double turn_between(const double (*world)[3], const double (*camera)[3], int cou
 		for (int k = 0; k < 3; k++)
 			rotation[3 * i + k] = to[0][i] * from[0][k] + to[1][i] * from[1][k] +
 					      to[2][i] * from[2][k];
-	/* What the third pair adds: its length, of the sign that a rotation leaves it. */
+	/* contribution of the third pair: its length, with the sign that a rotation leaves it */
 	matrix_column(b, order[2], third[0]);
 	matrix_column(v, order[2], third[1]);
 	length[order[2]] = vec_dot(third[0], to[2]) * vec_dot(third[1], from[2]);

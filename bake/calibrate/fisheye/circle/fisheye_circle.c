@@ -12,17 +12,18 @@
 #include "bake/calibrate/fisheye/circle/fisheye_rim.h"
 #include "bake/calibrate/fisheye/fisheye_doubts.h"
 
-#define KEPT_PX 5.0 /* those farther off are of other things */
+#define KEPT_PX 5.0 /* edges farther from the ellipse belong to other things */
 #define FEWEST ELLIPSE_FEWEST
-#define INLIERS_SHARE 0.3  /* of the edges: things at the rim, darkness and lamps have others */
-#define SECTORS 36	   /* of the rim: */
-#define SECTORS_SHARE 0.4  /* it must be seen in */
-#define CLIPPED_SHARE 0.25 /* of the edges */
+/* least share of edges on the ellipse: things at the rim, darkness and lamps have others */
+#define INLIERS_SHARE 0.3
+#define SECTORS 36	   /* of the rim */
+#define SECTORS_SHARE 0.4  /* least share of the sectors with edges */
+#define CLIPPED_SHARE 0.25 /* largest share of the edges */
 #define OUTLIER_WEIGHT 0.1
 
 enum { CENTRE = ELLIPSE_CENTRE, AXES = ELLIPSE_AXES, NUMBERS = ELLIPSE_NUMBERS };
 
-/* Edges of other things than the rim go. */
+/* Removes the edges of other things than the rim. */
 static void keep_near(struct rim *rim, const double ellipse[NUMBERS])
 {
 	int kept = 0;
@@ -48,7 +49,7 @@ static struct optics optics_of(const double ellipse[NUMBERS], const struct fishe
 	return optics;
 }
 
-/* Deviations of centre and half axes become those of centre and focal lengths. */
+/* Turns the covariance of centre and half axes into that of centre and focal lengths. */
 static int fill_estimate(struct fisheye_result *result, const struct least_squares_fit *found,
 			 double radius)
 {
@@ -79,7 +80,7 @@ static int fill_estimate(struct fisheye_result *result, const struct least_squar
 	return 0;
 }
 
-/* The nearest point of the ellipse, to first order, is where an edge was expected. */
+/* Fills the expected place of each edge: the nearest point of the ellipse, to first order. */
 static void fill_points(struct finding *finding, const double ellipse[NUMBERS],
 			const struct least_squares_fit *found)
 {
@@ -214,7 +215,8 @@ static int rim_conclude(struct fisheye_result *result, const struct rim *rim,
 	return err;
 }
 
-/* The rim's points, each in the direction it shows if the lens lies on its back. */
+/* Adds the rim's points as observations, each in the direction that it shows if the lens points
+ * straight up. */
 static int rim_observe(struct observations *seen, const struct rim *rim,
 		       const double ellipse[NUMBERS], double rim_rad, const char *name)
 {
@@ -245,8 +247,8 @@ static int rim_sharpen_once(struct rim *rim, double ellipse[NUMBERS], double rea
 	return err == -ENOMEM ? err : 0;
 }
 
-/* Nearer and nearer, so that in the end edges are looked for where they are. What is over-exposed
- * stays as it was found. */
+/* Refines the edges around the ellipse with ever smaller reach. Over-exposed pictures stay as they
+ * are. */
 static int rim_sharpen(struct rim *rim, double ellipse[NUMBERS], struct fault *fault)
 {
 	static const double reaches_px[] = {2.5, 1.5, 1};
@@ -281,7 +283,7 @@ int fisheye_circle(struct fisheye_result *result, struct observations *seen,
 			rim_deg);
 	err = rim_find(&rim, picture, NULL);
 	near = err ? 0 : ellipse_search(&rim, ellipse);
-	/* Again from its own middle, so that rays meet the rim squarely. */
+	/* Again from the ellipse's own middle, so that rays cross the rim at right angles. */
 	if (!err && near >= FEWEST) {
 		rim_free(&rim);
 		err = rim_find(&rim, picture, ellipse);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A fisheye lens from the image circle in one picture: its rim is at a known angle from the axis
- * (the thesis: 90 degrees), so that centre and focal lengths follow from the ellipse it is. Model
- * and orientation do not. */
+/* A fisheye lens from the image circle in one picture. The rim of the circle is at a known angle
+ * from the axis (the thesis: 90 degrees), and its image is an ellipse, from which centre and focal
+ * lengths follow. Model and orientation do not follow. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_CIRCLE_FISHEYE_CIRCLE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_CIRCLE_FISHEYE_CIRCLE_H
 
@@ -9,9 +9,9 @@
 #include "hal/image/image.h"
 
 /*
- * seen gets the points of the rim and is borrowed by the result; wanted's model AUTO stands for
- * equidistant, its field is at most rim_deg. As fisheye_find(). -EINVAL: that model has nothing at
- * that angle.
+ * Calibrates. seen receives the points of the rim and must outlive the result; model AUTO means
+ * equidistant, and the field is at most rim_deg. Returns what fisheye_find() returns; -EINVAL: the
+ * model has no image at that angle.
  */
 int fisheye_circle(struct fisheye_result *result, struct observations *seen,
 		   const struct image *picture, const char *name, double rim_deg,

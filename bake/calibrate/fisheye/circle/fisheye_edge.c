@@ -6,52 +6,53 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define APART_PX 3.0 /* of pieces along the rim: neighbours share no pixels */
-#define ALONG_PX 1.5 /* half of a piece */
-#define DEPTH_PX 2.0 /* inside and outside of where an edge may be */
-#define STEP_PX 0.25 /* between places that are tried */
-/* Surroundings are no parabola: how far off from one light is, of itself. What is nearly dark
- * counts most by that: the first light from outside is where the rim is. */
+#define APART_PX 3.0 /* distance of pieces along the rim: neighbours share no pixels */
+#define ALONG_PX 1.5 /* half the length of a piece */
+#define DEPTH_PX 2.0 /* margin inside and outside of the places tried */
+#define STEP_PX 0.25 /* step between places tried */
+/* Relative deviation of the surroundings from the parabola. With it, nearly dark pixels count most:
+ * the first light from outside marks the rim. */
 #define UNEVEN 0.15
-#define FITS_BEST 0.01	 /* of the variance that follows: no piece is taken to fit better */
-#define LEAST 1e-4	 /* of noise: that of rounding */
-#define DARK_FROM_PX 3.0 /* outside of the rim */
+#define FITS_BEST 0.01	 /* least relative variance: no piece is trusted to fit better */
+#define LEAST 1e-4	 /* least noise: rounding */
+#define DARK_FROM_PX 3.0 /* distance from the rim where darkness is measured */
 #define DARK_TO_PX 10.0
 #define NARROWEST 0.02
-#define DEVIATION_MOST 0.5 /* px: what is known worse says nothing */
-#define CONTRAST_LEAST 5.0 /* of the light at the edge, in its own deviations */
-/* No blur is quite a Gaussian: how far off one may be, of the brightest of a piece. */
+#define DEVIATION_MOST 0.5 /* px: edges less certain are dropped */
+#define CONTRAST_LEAST 5.0 /* least light at the edge, in its own deviations */
+/* Error of the Gaussian as a model of blur, relative to the brightest pixel of a piece. */
 #define SHAPE 0.05
-#define PROBES 60      /* pieces that blur is judged by */
-#define BLUR_WORTH 0.8 /* of the variance of what is left with less blur */
+#define PROBES 60      /* pieces used to estimate blur */
+#define BLUR_WORTH 0.8 /* a blur must reduce the unexplained variance to this share */
 
 enum { SAMPLES_MAX = 160, TERMS = 5, BOXES = 2 };
 
-/* What lens, focus and demosaicing may do to an edge: standard deviations, px, that are tried, and
- * how often in between. */
+/* Blur by lens, focus and demosaicing: standard deviations that are tried, px, and number of
+ * refinements between them. */
 static const double blurs[] = {0, 0.3, 0.45, 0.6, 0.8, 1, 1.3, 1.6, 2};
 #define HALVINGS 4
 
 struct edge_sample {
 	double inwards, along, light;
-	double root; /* of its weight */
+	double root; /* square root of its weight */
 };
 
 struct edge_piece {
 	struct edge_sample sample[SAMPLES_MAX];
 	int count, terms;
-	double width[BOXES]; /* of the two boxes that a pixel is along the normal */
-	double blur;	     /* deviation, px; 0: none beyond those */
-	double shape;	     /* how far off it may be: SHAPE, or 0 without blur */
+	/* widths of two boxes whose convolution is a pixel's footprint along the normal */
+	double width[BOXES];
+	double blur;  /* standard deviation, px; 0: only the pixel itself */
+	double shape; /* error of the blur's shape: SHAPE, or 0 without blur */
 };
 
-/* What a fit at one place found. */
+/* Result of a fit at one place. */
 struct found {
 	double at, squares;
 	double term[TERMS];
 };
 
-/* A step, a ramp and a parabola u^2 / 2, softened by two boxes. */
+/* A step, a ramp and a parabola u^2 / 2, each convolved with two boxes. */
 static void soften_by_boxes(const double width[BOXES], double x, double soft[3])
 {
 	const double unit = width[0] * width[1];
@@ -77,7 +78,7 @@ static void soften_by_boxes(const double width[BOXES], double x, double soft[3])
 		soft[k] /= unit;
 }
 
-/* The same, softened by a Gaussian: a pixel adds its variance, 1/12 whatever the normal. */
+/* The same, convolved with a Gaussian; a pixel adds its variance, 1/12 whatever the normal. */
 static void soften_by_gaussian(double deviation, double x, double soft[3])
 {
 	const double wide = sqrt(deviation * deviation + 1.0 / 12);
@@ -105,7 +106,7 @@ static void row_of(const struct edge_piece *piece, const struct edge_sample *s, 
 	row[4] = s->root * soft[2];
 }
 
-/* Cholesky's factors of a symmetric matrix in place; false: singular. */
+/* Cholesky factorisation of a symmetric matrix in place; false: singular. */
 static bool factor_normal(double a[TERMS + 1][TERMS + 1], int n)
 {
 	for (int j = 0; j < n; j++) {
@@ -139,7 +140,7 @@ static void solve_normal(double a[TERMS + 1][TERMS + 1], int n, double *x)
 	}
 }
 
-/* The best levels for an edge at this place; infinite squares: there are none. */
+/* Fits the levels for an edge at this place; infinite squares: singular. */
 static struct found edge_fit_at(const struct edge_piece *piece, double at)
 {
 	double a[TERMS + 1][TERMS + 1] = {{0}}, row[TERMS];
@@ -168,7 +169,8 @@ static struct found edge_fit_at(const struct edge_piece *piece, double at)
 	return found;
 }
 
-/* The best place: of steps, then of the parabola through three, finer and finer. */
+/* Finds the best place: in steps, then by parabolas through three places, with ever smaller
+ * steps. */
 static bool edge_fit(const struct edge_piece *piece, double reach, struct found *best)
 {
 	*best = (struct found){.squares = INFINITY};
@@ -198,7 +200,8 @@ static bool edge_fit(const struct edge_piece *piece, double reach, struct found 
 	return true;
 }
 
-/* Of the place, and of the light at the edge, with this variance of a sample. */
+/* Computes the deviations of the place and of the light at the edge, for a given variance of a
+ * sample. */
 static bool edge_deviations(const struct edge_piece *piece, const struct found *best,
 			    double variance, double *place, double *light)
 {
@@ -231,7 +234,7 @@ static bool edge_deviations(const struct edge_piece *piece, const struct found *
 	return true;
 }
 
-/* The pixels near to a place of the rim. False: too few, or the picture ends there. */
+/* Collects the pixels near a place of the rim. False: too few, or the picture ends there. */
 static bool gather_light(struct edge_piece *piece, const struct rim *rim, const double ellipse[4],
 			 const double at[2], const double normal[2], double reach_px)
 {
@@ -272,7 +275,7 @@ static bool gather_light(struct edge_piece *piece, const struct rim *rim, const 
 	return piece->count > 2 * (TERMS + 1);
 }
 
-/* The piece at an angle of the ellipse. */
+/* Collects the piece at an angle of the ellipse. */
 static bool gather_at(struct edge_piece *piece, const struct rim *rim, const double ellipse[4],
 		      double turn, double reach_px, double at[2], double normal[2])
 {
@@ -314,7 +317,7 @@ static int compare_lights(const void *a, const void *b)
 	return x < y ? -1 : x > y ? 1 : 0;
 }
 
-/* How dark it is around the ellipse, and the noise of that: median and quartiles. */
+/* Measures the darkness around the ellipse and its noise, by median and quartiles. */
 static int look_outside(struct rim *rim, const double ellipse[ELLIPSE_NUMBERS])
 {
 	const size_t room = (size_t)rim->width * (size_t)rim->height;
@@ -347,8 +350,7 @@ static int by_size(const void *a, const void *b)
 	return x < y ? -1 : x > y ? 1 : 0;
 }
 
-/* The median variance of what edges with this blur leave unexplained; infinite: no piece is seen.
- */
+/* Median variance that edges with this blur leave unexplained; infinite: no piece is seen. */
 static double unexplained_squares(struct edge_piece *piece, const struct rim *rim,
 				  const double ellipse[4], double reach_px, double deviation)
 {
@@ -356,7 +358,7 @@ static double unexplained_squares(struct edge_piece *piece, const struct rim *ri
 	int count = 0;
 
 	piece->blur = deviation;
-	piece->shape = SHAPE; /* of each, so that they compare */
+	piece->shape = SHAPE; /* the same for all, so that they compare */
 	for (int k = 0; k < PROBES; k++) {
 		double at[2], normal[2];
 		struct found found;
@@ -374,7 +376,7 @@ static double unexplained_squares(struct edge_piece *piece, const struct rim *ri
 	return variance[count / 2];
 }
 
-/* No blur where that explains the rim as well as any. */
+/* Estimates the blur; 0 unless a blur explains the rim clearly better. */
 static void find_blur(struct edge_piece *piece, struct rim *rim, const double ellipse[4],
 		      double reach_px)
 {

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rim of an image circle to hundredths of a pixel, where an ellipse is already near to it.
+ * Places the rim of an image circle to hundredths of a pixel, given an ellipse that is already
+ * near.
  *
- * Light ends at the rim: outside it is dark, inside it is whatever the surroundings are there. So
- * every piece of the rim is fitted, in linear light and by least squares, with
- *     dark + (a + b u + c t + d u^2) where u > 0, dark where u < 0,
- * u the distance inwards from the edge and t along it, as pixels see it: averaged over their
- * squares, after a blur that is the same all around and found with it. A skyline that grows
- * brighter inwards is then no edge.
+ * Light ends at the rim: outside it is dark; inside is whatever the surroundings are there. Each
+ * piece of the rim is fitted by least squares, in linear light, with
+ *     dark + (a + b u + c t + d u^2)   for u > 0
+ *     dark                             for u < 0
+ * where u is the distance inwards from the edge and t the distance along it. The model is averaged
+ * over the squares of the pixels, after a blur that is the same all around and estimated too. A
+ * skyline that grows brighter inwards is therefore not mistaken for the edge.
  */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_CIRCLE_FISHEYE_EDGE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_CIRCLE_FISHEYE_EDGE_H
@@ -16,8 +18,8 @@
 #include "bake/calibrate/fisheye/circle/fisheye_rim.h"
 
 /*
- * Edges anew, around the ellipse, none farther from it than reach_px, each with its deviation: that
- * of noise and of what the model does not fit. Those that tell nothing are left out. -ENOMEM.
+ * Replaces the rim's edges by refined ones around the ellipse, at most reach_px from it, each with
+ * its deviation from noise and misfit. Uncertain ones are left out. -ENOMEM.
  */
 int edges_place(struct rim *rim, const double ellipse[ELLIPSE_NUMBERS], double reach_px);
 

@@ -11,15 +11,15 @@
 #include "bake/calibrate/estimate/linear.h"
 
 #define TRIES 400
-#define NEAR_PX 1.5   /* an edge that near is of the ellipse */
-#define KNOWN_PX 0.03 /* no edge is known better */
+#define NEAR_PX 1.5   /* an edge so near lies on the ellipse */
+#define KNOWN_PX 0.03 /* no edge is trusted to be better */
 #define LOSS_SCALE 3.0
-/* What all edges may err by together, since pixels are no even squares and light bends at the rim:
- * more outwards or inwards than to a side. */
+/* Errors common to all edges, as pixels are not uniform squares and light is diffracted at the rim:
+ * larger outwards or inwards than sideways. */
 #define TOGETHER_CENTRE_PX 0.01
 #define TOGETHER_AXES_PX 0.02
-#define TOGETHER_BLUR 0.1 /* and of a blur, whose shape nobody knows, outwards or inwards */
-#define SECTORS 24	  /* within one, errors go together */
+#define TOGETHER_BLUR 0.1 /* share of the blur, whose shape is unknown, added outwards or inwards */
+#define SECTORS 24	  /* errors are correlated within a sector */
 
 enum { CENTRE = ELLIPSE_CENTRE, AXES = ELLIPSE_AXES, NUMBERS = ELLIPSE_NUMBERS };
 
@@ -59,7 +59,7 @@ double ellipse_turn(const double ellipse[ELLIPSE_NUMBERS], const double px[2])
 	return turn < 0 ? turn + 2 * M_PI : turn;
 }
 
-/* x^2 + b y^2 + c x + d y + e = 0 through six edges. */
+/* Ellipse through six random edges, by x^2 + b y^2 + c x + d y + e = 0. */
 static bool ellipse_through(const struct rim *rim, int attempt, double ellipse[NUMBERS])
 {
 	double a[5 * 6], x[4];
@@ -142,7 +142,7 @@ int ellipse_fit(const struct rim *rim, int first, int step, double ellipse[NUMBE
 	return least_squares_solve(&problem, ellipse, found, fault);
 }
 
-/* A copy of the rim without a sector. */
+/* Copies the rim without one sector; returns how many edges that leaves out. */
 static int ellipse_without(struct rim *part, const struct rim *rim, const double ellipse[NUMBERS],
 			   int sector)
 {
@@ -155,7 +155,7 @@ static int ellipse_without(struct rim *part, const struct rim *rim, const double
 	return rim->count - part->count;
 }
 
-/* What leaving out one sector after the other does (the jackknife). */
+/* Jackknife: adds the covariance from leaving out one sector after the other. */
 static int leave_out(const struct rim *rim, const double ellipse[NUMBERS], double *covariance)
 {
 	struct rim part = {.edge = calloc((size_t)rim->count, sizeof(*part.edge))};
@@ -196,7 +196,7 @@ int ellipse_known(const struct rim *rim, double ellipse[NUMBERS], struct least_s
 
 	if (err)
 		return err;
-	/* Where sectors are too few to tell, what single edges say must do. */
+	/* With too few sectors, the covariance of single edges must do. */
 	if (leave_out(rim, ellipse, covariance) == -ENOMEM)
 		return fault_say(fault, -ENOMEM, "out of memory");
 	for (int k = 0; k < NUMBERS * NUMBERS; k++)

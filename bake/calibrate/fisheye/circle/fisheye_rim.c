@@ -9,23 +9,23 @@
 #include "bake/calibrate/observe/plain_light.h"
 
 #define STEP_PX 0.5	  /* along a ray */
-#define APART_PX 3.0	  /* edges along the rim: neighbours then share no pixels */
-#define STAYS 4		  /* samples in a row that are bright */
-#define BORDER_PX 2.0	  /* nearer to the picture's edge nothing is told */
-#define DARK_SHARE 0.05	  /* of the picture: its surroundings are at least that large */
-#define BRIGHT_SHARE 0.90 /* what is darker than that many is not the brightest */
-#define CONTRAST 0.04	  /* of bright over dark: what stands out */
+#define APART_PX 3.0	  /* distance of edges along the rim: neighbours share no pixels */
+#define STAYS 4		  /* bright samples in a row that make an edge */
+#define BORDER_PX 2.0	  /* edges nearer to the picture's border are not trusted */
+#define DARK_SHARE 0.05	  /* least share of the picture that is dark surroundings */
+#define BRIGHT_SHARE 0.90 /* quantile of the picture that counts as bright */
+#define CONTRAST 0.04	  /* least step, relative to bright minus dark */
 #define NOISES 6.0
 #define BLOCK 8	       /* px; a smaller picture shows nothing */
-#define DEVIATIONS 4.0 /* of a pixel: several in a row are not */
+#define DEVIATIONS 4.0 /* of a pixel's noise: several samples in a row never exceed it */
 #define CLIPPED 0.9
-#define CLIPPED_MOST 0.4 /* of the edges */
+#define CLIPPED_MOST 0.4 /* largest share of the edges */
 
 struct plane {
 	int width, height;
-	float *light; /* linear, of the three channels together */
+	float *light; /* [height][width], see plain_light() */
 	double dark, threshold;
-	bool codes; /* 8-bit: 1 is the most */
+	bool codes; /* 8-bit: the largest light is 1 */
 };
 
 static int compare_lights(const void *a, const void *b)
@@ -63,8 +63,8 @@ static struct rim_block measure_block(const struct plane *plane, int left, int t
 	return block;
 }
 
-/* What noise leaves of the surroundings' pixels now and then: the darkest blocks tell it, also
- * where black cuts off most of it and quantiles say that there is none. */
+/* Finds the largest light that noise makes of dark surroundings: from the darkest blocks, which
+ * show noise even where the black level cuts most of it off and quantiles show none. */
 static int find_noise(const struct plane *plane, double *most)
 {
 	const int columns = plane->width / BLOCK, rows = plane->height / BLOCK;
@@ -83,7 +83,8 @@ static int find_noise(const struct plane *plane, double *most)
 	return 0;
 }
 
-/* Dark, and what is brighter than its noise: from quantiles of the picture. */
+/* Finds the darkness and the threshold of what is brighter than its noise, from quantiles of the
+ * picture. */
 static int find_threshold(struct plane *plane)
 {
 	const size_t count = (size_t)plane->width * (size_t)plane->height;
@@ -129,7 +130,7 @@ static double light_at(const struct plane *plane, double x, double y)
 	return above + v * (below - above);
 }
 
-/* The middle of the bright part: of the columns and rows that hold enough of it. */
+/* Finds the middle of the bright part: of the columns and rows with enough bright pixels. */
 static bool find_middle(const struct plane *plane, double middle[2])
 {
 	for (int axis = 0; axis < 2; axis++) {
@@ -159,7 +160,7 @@ static bool find_middle(const struct plane *plane, double middle[2])
 }
 
 struct ray {
-	double from[2], along[2]; /* outwards from the middle; unit */
+	double from[2], along[2]; /* outwards from the middle; along is a unit vector */
 	double length;		  /* to the picture's edge */
 };
 
@@ -195,7 +196,7 @@ static double ray_reach(const struct plane *plane, const struct ray *ray)
 	return length;
 }
 
-/* From outside, the first place from which on it is bright; below 0: none. */
+/* Returns the first place, from outside, from which on the ray is bright; below 0: none. */
 static double first_bright(const struct plane *plane, const struct ray *ray)
 {
 	int bright = 0;
@@ -208,7 +209,7 @@ static double first_bright(const struct plane *plane, const struct ray *ray)
 	return -1;
 }
 
-/* Half of the way between the levels on both sides. */
+/* Places the edge at half of the step between the levels on both sides. */
 static bool refine_edge(const struct plane *plane, const struct ray *ray, double rough,
 			struct rim_edge *edge)
 {
@@ -265,8 +266,8 @@ static int look_along_rays(const struct plane *plane, const double middle[2], st
 	return 0;
 }
 
-/* Where white is cut off, half of the way up lies too far out: such edges go, if most are others.
- */
+/* Where white is clipped, half of the step lies too far out: drops such edges unless they are
+ * many. */
 static void drop_clipped(struct rim *rim)
 {
 	int kept = 0, clipped = 0;

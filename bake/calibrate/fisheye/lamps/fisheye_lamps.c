@@ -11,16 +11,16 @@
 #include "bake/calibrate/fisheye/fisheye_doubts.h"
 #include "bake/calibrate/fisheye/lamps/lamps_trace.h"
 
-/* So that a lamp which is missing is no surprise. */
+/* Least share of lamps that must be found. */
 #define FOUND_SHARE 0.6
-/* How often chance may do as well as what is believed. */
+/* Largest number of lenses expected to fit as well by chance. */
 #define CHANCE_MOST 1e-3
-/* How far off spots are, in deviations; nearer than that they are not looked for. */
+/* Distance of a spot from its lamp, in deviations, that counts as a match, and its least value. */
 #define NEAR 3.0
 #define NEAREST_PX 0.5
-/* Ways to see it that differ by less, of that number's logarithm, are as likely. */
+/* Assignments are equally likely if the logarithms of their chances differ by less. */
 #define SURER 1e-6
-/* Another order of the lamps that fits about as well. */
+/* Limits for another assignment of the lamps to fit about as well. */
 #define OTHERWISE_TIMES 2.0
 #define OTHERWISE_PX 0.3
 
@@ -28,7 +28,7 @@ static const double squashes[] = {1, 0.5, 2};
 
 /* ---- whether it is chance ---- */
 
-/* Where spots may be: the image circle, as far as the picture goes. */
+/* Area where spots may be: the image circle within the picture. */
 static double area_px2(const struct lamp_scene *scene, const struct optics *optics)
 {
 	const struct fisheye_curve curve = optics_curve(optics);
@@ -40,11 +40,11 @@ static double area_px2(const struct lamp_scene *scene, const struct optics *opti
 }
 
 /*
- * Of many spots some are where some lens shows lamps, the more of them the farther off a spot may
- * be. ln of how many lenses would be expected to find as many as near if spots were anywhere (the
- * number of false alarms of Moisan and Stival 2004): as many lenses are tried as there are ways to
- * take the lamps that its numbers can be bent to, those not counted about which a hint tells; the
- * others are found by luck, as often as Chernoff's bound says.
+ * Among many spots, some are where some lens shows lamps. Returns ln of the number of lenses that
+ * would be expected to match as many lamps as well if the spots were random (the number of false
+ * alarms of Moisan and Stival 2004). The number of lenses tried is the number of ways to choose the
+ * lamps that its parameters can be fitted to, without those that hints determine; the others match
+ * by luck, with a probability bounded by Chernoff.
  */
 static double chance_log(const struct lamp_scene *scene, const struct lamp_trace *trace)
 {
@@ -58,7 +58,7 @@ static double chance_log(const struct lamp_scene *scene, const struct lamp_trace
 	bent = fmax(bent, 0);
 	beyond = fmax(trace->found - bent, 0);
 	left = fmax(fmin(lamps, spots) - bent, 0);
-	/* Lamps that the lens was bent to are nearer than it is right. */
+	/* lamps that the lens was fitted to are nearer than its true error */
 	near = fmax(NEAREST_PX, NEAR * trace->deviation_px * sqrt(trace->found / beyond));
 	near = fmin(near, trace->reach_px);
 	luck = fmin(1,
@@ -70,7 +70,7 @@ static double chance_log(const struct lamp_scene *scene, const struct lamp_trace
 	return bent * log(lamps * spots) - lgamma(bent + 1) + log_luck;
 }
 
-/* All that there is found is no chance, however little there is. */
+/* Whether the match may be chance; finding every lamp or spot is none, however few there are. */
 static bool is_chance(const struct lamp_scene *scene, const struct lamp_trace *trace)
 {
 	return trace->found < scene->lamps->count && trace->found < scene->spots->count &&
@@ -128,7 +128,7 @@ static int follow_guesses(struct lamp_trace *best, bool *otherwise, const struct
 	return err;
 }
 
-/* How many there are for certain: spots may be anything, lamps hidden. */
+/* Whether the match explains enough: some spots are no lamps, and some lamps are hidden. */
 static bool explains_enough(const struct lamp_trace *trace, const struct lamp_scene *scene)
 {
 	const double all = fmin(scene->lamps->count, scene->spots->count);
@@ -182,7 +182,7 @@ static bool is_lamp(const struct lamp_trace *trace, int lamps, int spot)
 	return false;
 }
 
-/* A spot in which several lamps are is none of those that are no lamp. */
+/* Whether a spot holds merged lamps. */
 static bool holds_lamps(const struct lamp_scene *scene, const struct lamp_trace *trace, int spot)
 {
 	const struct spot *s = &scene->spots->spot[spot];

@@ -12,7 +12,7 @@
 #include "hal/optics/vec.h"
 
 #define NUMBERS_MAX 5
-#define SAME 1e-4 /* rad: nearer lamps are one */
+#define SAME 1e-4 /* rad: lamps nearer to each other are the same */
 
 void lamps_free(struct lamps *lamps)
 {

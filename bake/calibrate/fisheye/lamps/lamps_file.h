@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Lamps whose directions are known, in a text file. */
+/* Text files of lamps in known directions. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_FILE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_FILE_H
 
@@ -10,10 +10,10 @@
 #define LAMPS_MAX 1000
 
 struct lamp {
-	double dir[3]; /* unit, in the world */
-	bool hinted;   /* near_px: about where it is seen */
+	double dir[3]; /* unit vector, in the world */
+	bool hinted;   /* near_px is given: approximate place in the picture */
 	double near_px[2];
-	int line; /* of the file, from 1 */
+	int line; /* line of the file, from 1 */
 };
 
 struct lamps {
@@ -22,12 +22,12 @@ struct lamps {
 };
 
 /*
- * Lines of
+ * Reads lines of
  *     azimuth elevation     degrees: from world X towards world Y, and up from the horizon
- *     dx dy dz              any length
- * and after either, where it is known, about where the lamp is seen: xf yf, in pixels. Blank lines
- * and what follows # are passed over. -ENOENT...; -EINVAL: a fault with file, line and what was
- * expected (no number, not finite, too few, no direction, one direction twice, no lamps).
+ *     dx dy dz              of any length
+ * each optionally followed by the lamp's approximate place in the picture: xf yf, in pixels. Blank
+ * lines and what follows # are ignored. -ENOENT...; -EINVAL: the fault says file, line and what was
+ * expected (not a number, not finite, too few, a zero direction, one direction twice, no lamps).
  */
 int lamps_read(struct lamps *lamps, const char *path, struct fault *fault);
 void lamps_free(struct lamps *lamps); /* idempotent; zeroed is fine */

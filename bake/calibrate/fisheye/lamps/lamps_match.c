@@ -10,12 +10,12 @@
 #include "bake/calibrate/fisheye/fisheye_turn.h"
 #include "hal/optics/vec.h"
 
-#define NEAR_RAD 0.15	/* what lens and middle may be off by, of a guess */
-#define APART_RAD 0.3	/* lamps of a pair: nearer ones tell no turn */
-#define OTHERWISE 0.15	/* rad: guesses turned by less are one */
-#define HINT_SHARE 0.12 /* of the picture's width: how rough a hint may be */
-#define FIELDS 8	/* how large the lens may show the sky */
-#define QUICK 8		/* lamps that are looked at first */
+#define NEAR_RAD 0.15	/* error of a guess's lens and middle */
+#define APART_RAD 0.3	/* lamps of a pair nearer than this do not determine a rotation */
+#define OTHERWISE 0.15	/* rad: guesses with rotations nearer than this are the same */
+#define HINT_SHARE 0.12 /* of the picture's width: error of a hint */
+#define FIELDS 8	/* number of fields of view tried */
+#define QUICK 8		/* lamps scored first */
 #define SPOTS_TRIED 120
 
 struct ray_set {
@@ -68,7 +68,7 @@ static bool obeys_hints(const struct lamp_scene *scene, const struct lamp_guess 
 	return true;
 }
 
-/* 1: a spot is there; 0: none is near. */
+/* Returns 1 if a spot is at the ray, 0 if none is near. */
 static double nearness_of_ray(const struct ray_set *seen, const double ray[3])
 {
 	const double near = 1 - cos(NEAR_RAD);
@@ -113,7 +113,7 @@ static int by_score(const void *a, const void *b)
 	return x < y ? 1 : x > y ? -1 : 0;
 }
 
-/* What a guess must reach to be among the best; those turned alike are one. */
+/* Keeps a guess if it is among the best; of guesses with similar rotations only the best stays. */
 static void guesses_keep(struct matching *matching, const struct lamp_guess *guess)
 {
 	int at = 0;
@@ -123,7 +123,7 @@ static void guesses_keep(struct matching *matching, const struct lamp_guess *gue
 		turned_by(matching->guess[at].rotation, guess->rotation) > OTHERWISE))
 		at++;
 	if (at == matching->guesses && at == GUESSES_MAX)
-		at--; /* the worst, as they are in order */
+		at--; /* the worst, as they are sorted */
 	if (at < matching->guesses && matching->guess[at].score >= guess->score)
 		return;
 	matching->guesses = at < matching->guesses ? matching->guesses : at + 1;
@@ -133,7 +133,7 @@ static void guesses_keep(struct matching *matching, const struct lamp_guess *gue
 
 /* ---- where guesses come from ---- */
 
-/* Axes along the sum and the difference of two directions. */
+/* Orthonormal frame along the sum and the difference of two directions. */
 static void frame_of(const double a[3], const double b[3], double frame[3][3])
 {
 	for (int i = 0; i < 3; i++) {
@@ -184,7 +184,7 @@ static void try_pair(struct matching *matching, struct lamp_guess *guess, int fi
 		}
 }
 
-/* Evenly over what is left to try; the same in each run. */
+/* Returns a pseudo-random index, the same sequence in each run. */
 static int choose_lamp(struct matching *matching, int count)
 {
 	matching->chance = matching->chance * 1664525 + 1013904223;
@@ -211,7 +211,7 @@ static void try_pairs(struct matching *matching, struct lamp_guess *guess)
 	}
 }
 
-/* Rays of the spots that this lens shows. */
+/* Computes the rays of the spots for this lens. */
 static void take_rays(struct matching *matching, const struct lamp_guess *guess)
 {
 	const struct spots *spots = matching->scene->spots;
@@ -240,7 +240,7 @@ int lamps_guess(const struct lamp_scene *scene, double squash, struct lamp_guess
 	matching->guess = guess;
 	for (int k = 0; k < 2 * 3 * FIELDS; k++) {
 		const struct fisheye_curve curve = {.model = models[k / 2 % 3]};
-		/* 90 degrees are 0.35 to 0.8 of the smaller side away from the middle. */
+		/* The radius at 90 degrees is 0.35 to 0.8 of the smaller side. */
 		const double rim = side * 0.35 * pow(0.8 / 0.35, k / 6 / (FIELDS - 1.0));
 		const double focal = rim / fisheye_curve_radius(&curve, M_PI / 2);
 		struct lamp_guess trial = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which bright spot is which lamp, and about what lens shows them so. */
+/* First guesses of the lens and of which bright spot is which lamp. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_MATCH_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_MATCH_H
 
@@ -9,7 +9,7 @@
 
 #define GUESSES_MAX 8
 
-/* What is looked at. */
+/* The input. */
 struct lamp_scene {
 	const struct lamps *lamps;
 	const struct spots *spots;
@@ -19,23 +19,22 @@ struct lamp_scene {
 struct lamp_guess {
 	struct optics optics;
 	double rotation[9]; /* world to camera */
-	bool mirrored;	    /* of spots whose x counts from the right */
-	double score;	    /* lamps that are near a spot, nearer ones counting more */
+	bool mirrored;	    /* the picture is mirrored: x of spots counts from the right */
+	double score;	    /* sum over lamps of how near a spot is, 0 to 1 each */
 };
 
-/* A spot's place, x from the right if the guess is mirrored. */
+/* Place of a spot, x from the right if mirrored. */
 void lamp_spot_px(const struct lamp_scene *scene, bool mirrored, int spot, double px[2]);
 
-/* Where a lens shows a lamp; false: nowhere in the picture, or beyond most_rad from the axis. */
+/* Projects a lamp; false: outside of the picture, or more than most_rad from the axis. */
 bool lamp_expect(const struct lamp_scene *scene, const struct lamp_guess *guess, int lamp,
 		 double most_rad, double px[2]);
 
 /*
- * Lenses of this squash (focal y over x) with their axis in the picture's middle, and of three
- * models and several fields are tried; pairs of lamps that are as far apart as pairs of spots say
- * how such a lens may be turned, and every lamp whether it is. Lamps that are hinted at have to be
- * near that place. Fills guess with those that differ in how they are turned, best first, and
- * returns how many; -ENOMEM.
+ * Tries lenses of this squash (focal y over x) with their axis in the middle of the picture, of
+ * three models and several fields. Pairs of lamps that are as far apart as pairs of spots suggest a
+ * rotation, and all lamps score it. Lamps with hints must be near them. Fills guess with the best
+ * ones of different rotations, best first, and returns how many; -ENOMEM.
  */
 int lamps_guess(const struct lamp_scene *scene, double squash,
 		struct lamp_guess guess[GUESSES_MAX]);

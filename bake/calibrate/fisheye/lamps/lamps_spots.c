@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The picture is flooded from its brightest pixel downwards. What rises alone is an island; where
- * two meet, the lower one ends, and the light they meet at is its surroundings'.
+ * Watershed from the top: the picture is flooded from its brightest pixel downwards. What rises
+ * alone is an island; where two islands meet, the lower one ends, and the light at which they meet
+ * is that of its surroundings.
  */
 #include "bake/calibrate/fisheye/lamps/lamps_spots.h"
 
@@ -14,17 +15,17 @@
 #include "bake/calibrate/observe/plain_light.h"
 
 #define LEVELS 4096
-#define FLOOR 0.01     /* of the brightest: what is darker is not flooded */
-#define LEAST 0.04     /* of the brightest: a spot stands out by that */
-#define STANDS_OUT 1.5 /* times what surrounds it */
-#define ACROSS 0.06    /* of the smaller side */
-#define EDGE 0.3       /* of a spot's height: what is counted as the spot */
+#define FLOOR 0.01     /* of the brightest pixel: darker pixels are not flooded */
+#define LEAST 0.04     /* of the brightest pixel: least height of a spot */
+#define STANDS_OUT 1.5 /* least brightness, in that of its surroundings */
+#define ACROSS 0.06    /* largest diameter, of the picture's smaller side */
+#define EDGE 0.3       /* of a spot's height: level of its edge */
 
-/* What has come out of the water so far, by its first pixel. */
+/* Connected pixels flooded so far, as a union-find tree; its root is the brightest pixel. */
 struct island {
-	int parent; /* another of it; itself: the first */
+	int parent; /* another pixel of the island; the root points to itself */
 	int area;
-	bool ended; /* large, or met another: no spot any more */
+	bool ended; /* too large, or met another: no spot any more */
 };
 
 struct flood {
@@ -32,7 +33,7 @@ struct flood {
 	float *light, most;
 	struct island *island; /* [height][width] */
 	int *order;	       /* pixels, the brightest first */
-	int pixels;	       /* of them, those above the floor */
+	int pixels;	       /* those of them above the floor */
 	bool *taken;	       /* pixels that belong to a spot */
 	int *queue;
 	int area_most;
@@ -54,13 +55,13 @@ static void flood_free(struct flood *flood)
 	free(flood->queue);
 }
 
-/* Square roots part dark levels more finely. */
+/* The square root resolves dark levels more finely. */
 static int level_of_light(const struct flood *flood, float light)
 {
 	return (int)((LEVELS - 1) * sqrtf(fmaxf(light, 0) / flood->most));
 }
 
-/* By counting: pixels of a level stay in their order. */
+/* Counting sort; pixels of a level keep their order. */
 static void sort_pixels(struct flood *flood)
 {
 	const int count = flood->width * flood->height;
@@ -100,7 +101,7 @@ static int flood_create(struct flood *flood, const struct image *picture, struct
 
 /* ---- one spot ---- */
 
-/* Calls for each neighbour in the picture. */
+/* Returns the neighbours of a pixel in the picture. */
 static int neighbours_of(const struct flood *flood, int p, int near[8])
 {
 	const int x = p % flood->width, y = p / flood->width;
@@ -114,8 +115,8 @@ static int neighbours_of(const struct flood *flood, int p, int near[8])
 	return count;
 }
 
-/* The pixels around its peak that are brighter than the edge: how many, in the queue; 0: too many,
- * or the picture ends there. */
+/* Collects the pixels around a peak that are brighter than its edge level in the queue. Returns how
+ * many; 0: too many, or cut by the picture's border. */
 static int gather_island(struct flood *flood, int peak, double edge)
 {
 	int count = 1, near[8];
@@ -195,12 +196,12 @@ static bool stands_out(const struct flood *flood, int first, double surroundings
 	       flood->light[first] - surroundings >= LEAST * flood->most;
 }
 
-/* The pixel joins two islands at its light, of which the brighter one's first pixel stays. */
+/* Joins the two islands that meet at a pixel of this light; the brighter root stays the root. */
 static int join_islands(struct flood *flood, int a, int b, double light)
 {
 	struct island *island = flood->island;
 	const int high = flood->light[a] >= flood->light[b] ? a : b, low = high == a ? b : a;
-	/* A bump on the flank of the higher one does not end it. */
+	/* A bump on the flank of the higher island does not end it. */
 	const bool bump = !island[low].ended && !stands_out(flood, low, light);
 	int err = 0;
 

@@ -9,10 +9,10 @@
 #include "bake/calibrate/fisheye/fisheye_models.h"
 
 #define ROUNDS 8
-#define FIRST_SHARE 0.16  /* of the focal length: how far off a guess may be */
-#define FAR 6.0		  /* deviations */
-#define FINEST_PX 1.0	  /* spots are never expected nearer */
-#define LAMPS_FOR_MODEL 9 /* with fewer the guess's own model stays */
+#define FIRST_SHARE 0.16  /* of the focal length: error of a guess */
+#define FAR 6.0		  /* largest distance of a spot, in deviations */
+#define FINEST_PX 1.0	  /* least deviation of spots */
+#define LAMPS_FOR_MODEL 9 /* with fewer lamps the guess's model stays */
 #define FEWEST 4
 
 void lamps_trace_free(struct lamp_trace *trace)
@@ -65,7 +65,7 @@ static int nearest_spot(const struct lamp_scene *scene, const struct lamp_trace 
 	return nearest;
 }
 
-/* Lamps so near that one spot holds them both. */
+/* Marks lamps so near to each other that one spot holds several. */
 static void part_merged(const struct lamp_scene *scene, struct lamp_trace *trace,
 			const struct lamp_expected *expected)
 {
@@ -83,7 +83,8 @@ static void part_merged(const struct lamp_scene *scene, struct lamp_trace *trace
 	}
 }
 
-/* Lamp and spot each the nearest to the other. 1: as before. */
+/* Assigns each lamp the spot that is nearest to it, if the lamp is also nearest to that spot.
+ * Returns 1 if nothing changed. */
 static int assign_spots(const struct lamp_scene *scene, struct lamp_trace *trace)
 {
 	const int lamps = scene->lamps->count;
@@ -143,7 +144,8 @@ static void take_solution(struct lamp_trace *trace, const struct lens_problem *p
 	trace->deviation_px = lens_deviation(problem, solution);
 }
 
-/* The model is left to the points once there are enough of them, and they are the right ones. */
+/* Solves the lens; the points choose the model once there are enough of them and they are the right
+ * ones. */
 static int solve_lens(struct lamp_trace *trace, const struct lens_problem *problem,
 		      struct lens_solution *start, int wanted, bool rough)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* From a guess to the lens that shows lamps where bright spots are. */
+/* From a guess to the lens that shows lamps where bright spots are, by alternating assignment and
+ * fit. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_TRACE_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_LAMPS_LAMPS_TRACE_H
 
@@ -8,23 +9,23 @@
 #include "hal/base/fault.h"
 
 #define SPOT_NONE (-1)
-#define SPOT_MERGED (-2) /* one that several lamps are in */
+#define SPOT_MERGED (-2) /* several lamps are in one spot */
 
 struct lamp_trace {
-	struct lamp_guess lens; /* as far as it was found */
-	int *spot;		/* [lamps]: which it is; SPOT_NONE, SPOT_MERGED */
+	struct lamp_guess lens; /* the lens found so far */
+	int *spot;		/* [lamps]: index of its spot; SPOT_NONE, SPOT_MERGED */
 	int found;
-	double reach_px;     /* a spot so near to where the lens shows a lamp is that one */
-	double deviation_px; /* of a spot, robustly */
+	double reach_px;     /* largest distance between a spot and its lamp */
+	double deviation_px; /* robust standard deviation of a spot */
 };
 
-/* Fits a lens to what is near, looks for what is near then, and so on. wanted: enum fisheye_model,
- * FISHEYE_MODEL_COUNT for any. found is below 4 where it leads nowhere. -ENOMEM. */
+/* Fits a lens to the nearest spots, assigns spots anew, and so on. wanted: enum fisheye_model,
+ * FISHEYE_MODEL_COUNT for any. found is below 4 where the guess leads nowhere. -ENOMEM. */
 int lamps_trace(struct lamp_trace *trace, const struct lamp_scene *scene,
 		const struct lamp_guess *guess, int wanted);
 void lamps_trace_free(struct lamp_trace *trace); /* idempotent; zeroed is fine */
 
-/* The spots of the lamps found, as one view; names are "lamps.txt:7". -ENOMEM. */
+/* Adds the spots of the lamps found as one view; names are "lamps.txt:7". -ENOMEM. */
 int lamps_observe(struct observations *seen, const struct lamp_scene *scene,
 		  const struct lamp_trace *trace, bool mirrored, const char *lamps_name,
 		  const char *picture_name);
