@@ -9,7 +9,7 @@
 
 #define PARTS 8
 #define BLOCK 8
-#define DARK_MOST 64 /* code: no camera has its black level so high */
+#define DARK_MOST 64 /* largest plausible black level, code */
 
 static int check_black_picture(const struct image *picture, struct fault *fault)
 {
@@ -23,7 +23,8 @@ static int check_black_picture(const struct image *picture, struct fault *fault)
 	return 0;
 }
 
-/* Mean over a rectangle, of one channel, or of all where channel is -1; and the mean square. */
+/* Returns the mean over a rectangle, of one channel or, for channel -1, of all; and the mean
+ * square. */
 static double mean_of_rectangle(const struct image *p, int x0, int y0, int width, int height,
 				int channel, double *square)
 {
@@ -47,8 +48,8 @@ static double mean_of_rectangle(const struct image *p, int x0, int y0, int width
 	return sum / count;
 }
 
-/* How the parts of the picture differ tells how well their mean is known, whatever noise is like.
- */
+/* Estimates the deviation of the mean from how the parts of the picture differ, which holds for any
+ * kind of noise. */
 static void measure_parts(struct light_black *b, const struct image *p)
 {
 	const int width = p->width / PARTS, height = p->height / PARTS;
@@ -67,8 +68,8 @@ static void measure_parts(struct light_black *b, const struct image *p)
 	b->deviation = sqrt(fmax(squares / (PARTS * PARTS) - sum * sum, 0) / (PARTS * PARTS - 1));
 }
 
-/* A camera that cuts noise off at the black level shows that code and some above it: the level is
- * the lowest code where so many pixels have it. */
+/* A camera that clips noise at the black level shows that code and some above it. Share of pixels
+ * at the lowest code from which it is taken as the level. */
 #define CUT_OFF 0.4
 
 static bool is_cut_off(const struct image *p, int *lowest)
@@ -109,7 +110,7 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 			b->lightest - b->level);
 	if (is_cut_off(p, &lowest)) {
 		b->level = lowest;
-		b->deviation = sqrt(1.0 / 12); /* what rounding leaves */
+		b->deviation = sqrt(1.0 / 12); /* error of rounding */
 	}
 	for (int c = 0; c < 3; c++)
 		if (fabs(b->channel[c] - b->level) > 2)
@@ -122,17 +123,17 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 
 /* ---- the darkest of a series ---- */
 
-#define ALIKE 16 /* codes: what rises by less may as well be noise, or light that flickers */
-#define SURE 1	 /* code: how well the level is to be known */
+#define ALIKE 16 /* codes: a smaller rise may be noise or flickering light */
+#define SURE 1	 /* codes: largest deviation of a trusted level */
 
 struct dark_spot {
 	double shorter, longer;
 };
 
-/* How the blocks of the longer exposure differ from those of the shorter one, codes. */
+/* Differences of blocks, longer minus shorter exposure, codes. */
 struct rise {
 	double mean, most, least;
-	double darkest; /* mean of the darkest hundredth */
+	double darkest; /* mean over the darkest hundredth */
 };
 
 static int by_brightness(const void *a, const void *b)
@@ -167,15 +168,15 @@ static void measure_darkest(struct light_black *b, const struct dark_spot *spot,
 		squares += spot[k].shorter * spot[k].shorter / darkest;
 	}
 	b->noise = sqrt(fmax(squares - b->level * b->level, 0)) * BLOCK * sqrt(3);
-	/* What the longer time adds is light; about as much may be in the shorter one. */
+	/* The rise with the longer time is light; about as much may be in the shorter exposure. */
 	b->deviation = hypot(b->noise / (BLOCK * sqrt(3.0 * darkest)), fabs(rise->darkest));
 	b->lightest = b->level;
 	for (int c = 0; c < 3; c++)
 		b->channel[c] = b->level;
 }
 
-/* The level is what does not change while the light does: it tells nothing where the light did not
- * change, or became less. */
+/* Doubts the level. It is what stays while the light changes; if the light did not change, or
+ * decreased, the pictures say nothing. */
 static void doubt_darkest(struct light_black *b, const struct rise *rise)
 {
 	const char *cover = "take a picture with the lens covered";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The black level: the code value that is no light. */
+/* The black level: the code value for no light. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_BLACK_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_BLACK_H
 
@@ -9,24 +9,24 @@
 
 struct light_black {
 	double level;	   /* code value */
-	double deviation;  /* of it, from how parts of the picture differ */
+	double deviation;  /* standard deviation of level, from how parts of the picture differ */
 	double noise;	   /* standard deviation of one pixel */
-	double channel[3]; /* of R, G, B alone */
+	double channel[3]; /* level of R, G, B alone */
 	double lightest;   /* mean of the lightest of 8 x 8 parts of the picture */
 	struct verdict verdict;
 };
 
-/* From a picture taken with the lens covered: its mean, or the lowest code where more than four in
- * ten values have it, as of cameras that cut noise off at the black level. -EINVAL: not an 8-bit
+/* Measures a picture taken with the lens covered: its mean, or the lowest code if more than four in
+ * ten values have it, as with cameras that clip noise at the black level. -EINVAL: not an 8-bit
  * picture of 64 x 64 or more. */
 int light_black_covered(struct light_black *black, const struct image *picture,
 			struct fault *fault);
 
 /*
- * From the darkest hundredth of the two shortest exposures of a scene: the level that does not
- * change with the time. Doubted where the pictures are alike or the longer one is darker, where the
- * darkest places change with the time or are not dark, and where the deviation is above one code.
- * -EINVAL: sizes that differ, not 8-bit, less than 64 x 64; -ENOMEM.
+ * Measures the darkest hundredth of the two shortest exposures of a scene: the level that does not
+ * change with the exposure time. Doubted if the pictures are alike, the longer one is darker, the
+ * darkest places change with the time or are not dark, or the deviation is above one code. -EINVAL:
+ * different sizes, not 8-bit, less than 64 x 64; -ENOMEM.
  */
 int light_black_darkest(struct light_black *black, const struct image *shorter,
 			const struct image *longer, struct fault *fault);

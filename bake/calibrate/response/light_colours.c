@@ -24,7 +24,7 @@ static double sum_of_row(const double x[3])
 	return x[0] + x[1] + x[2];
 }
 
-/* The matrix that the parameters stand for: with white kept, two of each row are free. */
+/* Computes the matrix from the parameters: with white kept, two of each row are free. */
 static void matrix_of(const struct match *m, const double *x, double matrix[ELEMENTS])
 {
 	for (int r = 0; r < 3; r++) {
@@ -60,7 +60,7 @@ static bool colours_evaluate(void *context, const double *x, double *residual)
 	return true;
 }
 
-/* From the parameters' covariance to the nine elements'. */
+/* Turns the parameters' covariance into that of the nine elements. */
 static void take_covariance(struct light_colours *found, const struct match *m,
 			    const double *covariance, int parameters)
 {
@@ -96,7 +96,7 @@ static void take_elements(struct light_colours *found)
 	}
 }
 
-/* Grey keeps its brightness: what is left over belongs to the scale. */
+/* Scales the matrix so that grey keeps its brightness, and moves the factor to scale. */
 static void normalize_rows(struct light_colours *found)
 {
 	double sum = 0;
@@ -225,7 +225,7 @@ void light_colours_free(struct light_colours *found)
 	estimate_free(&found->estimate);
 }
 
-/* Six numbers, or none on a blank line; how many, -1: neither. */
+/* Reads six numbers, or none on a blank line. Returns how many; -1: neither. */
 static int read_patch_line(const char *line, double number[6])
 {
 	int count = 0;

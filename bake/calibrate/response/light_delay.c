@@ -64,14 +64,14 @@ static bool is_blank_line(const char *text)
 	return !*text || *text == '#';
 }
 
-/* Blanks and a number. */
+/* Reads a number after blanks. */
 static bool read_level(const char **text, double *number)
 {
 	*text += strspn(*text, " \t");
 	return !number_read(text, number);
 }
 
-/* 0; 1: it does not say what it should. */
+/* Reads a line. Returns 0; 1: the line is wrong; -ENOMEM. */
 static int read_record_line(struct light_record *r, const char *line)
 {
 	double a, b;
@@ -111,7 +111,7 @@ int light_record_read(struct light_record *r, const char *path, struct fault *fa
 
 /* ---- delay ---- */
 
-/* The frame that is the first captured after a time. */
+/* Index of the first frame captured after a time. */
 static int frame_after(const struct light_record *r, double time_ms)
 {
 	int k = 0;
@@ -121,7 +121,8 @@ static int frame_after(const struct light_record *r, double time_ms)
 	return k;
 }
 
-/* -1 before the first change, 1 after it, and so on, `delay` frames late. */
+/* State of the control, delayed by `delay` frames: -1 before the first change, 1 after it, and so
+ * on. */
 static double control_at(const struct light_record *r, const int *first, int frame, int delay)
 {
 	int changes = 0;
@@ -151,7 +152,8 @@ static double correlation_at(const struct light_record *r, const int *first, int
 	return sxx > 0 && syy > 1e-12 ? sxy / sqrt(sxx * syy) : 0;
 }
 
-/* Means before and after the change, and when the level has passed half way; NaN: it never does. */
+/* Returns the time from a change until the level has passed half of its step, ms; NaN: it never
+ * does. */
 static double crossing_time(const struct light_record *r, const int *first, int change, int delay)
 {
 	const int from = change ? first[change - 1] + delay : 0;

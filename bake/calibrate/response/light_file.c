@@ -23,7 +23,7 @@ int light_file_read(const char *path, struct response *response, struct fault *f
 	return err ? fault_say(fault, err, "%s", report.first.text) : 0;
 }
 
-/* Comments since the last key, and which key they are of. */
+/* The lines since the last key: the comments of a key, and the key. */
 struct light_block {
 	char *text;
 	size_t bytes;
@@ -53,7 +53,7 @@ static void block_end(struct light_block *b)
 	b->text = NULL;
 }
 
-/* Whether a line sets the key, or is the comment that stands for one. */
+/* Whether a line sets the key, or is the comment in its place. */
 static bool is_of(const char *line, const char *key)
 {
 	const char *at = line + strspn(line, "; \t");
@@ -62,7 +62,7 @@ static bool is_of(const char *line, const char *key)
 	       (strchr(at, '=') || *line == ';');
 }
 
-/* A block ends with the line of a key, or with a comment "; delay: ...". */
+/* Whether a block ends here: with the line of a key, or with a comment "; delay: ...". */
 static bool ends_block(const char *line)
 {
 	return (*line != ';' && strchr(line, '=')) || is_of(line, "delay");
@@ -73,8 +73,8 @@ static bool is_skipped(const char *line)
 	return line[strspn(line, " \t\r\n")] == 0 || *line == '[' || !strcmp(line, head);
 }
 
-/* Copies all of the old file but what belongs to the key, and comments at its end, which go into
- * rest: behind what is written next they do not become its own. */
+/* Copies the old file without the key's block. Comments at its end go into rest, to be written
+ * after the new block, so that they do not become part of it. */
 static int copy_others(FILE *from, FILE *to, const char *key, struct light_block *rest)
 {
 	char *line = NULL;

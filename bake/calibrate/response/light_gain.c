@@ -8,8 +8,8 @@
 
 #include "bake/calibrate/estimate/least_squares.h"
 
-#define OUTLIER 0.1  /* weight below which a pair does not count */
-#define DIFFERS 0.05 /* of the gain: what is to be seen in the picture */
+#define OUTLIER 0.1  /* weight below which a pair may be an outlier */
+#define DIFFERS 0.05 /* of the gain: a visible difference */
 
 void light_gain_predict(const struct dome *dome, const float (*radiance)[3],
 			const double reflectance[3], double predicted[3])
@@ -27,7 +27,7 @@ static double sum_of_channels(const double x[3])
 	return x[0] + x[1] + x[2];
 }
 
-/* Relative, of one pair: its patch alone. */
+/* Relative deviation of one pair, from its patch alone. */
 static double pair_deviation(const struct light_pair *pair)
 {
 	const struct light_patch *p = &pair->patch;
@@ -47,7 +47,7 @@ static bool gain_evaluate(void *context, const double *x, double *residual)
 	return true;
 }
 
-/* The mean of the ratios' logarithms. */
+/* Fits the mean of the ratios' logarithms. */
 static int fit_mean(struct light_gain *found, double loss_scale, double *variance,
 		    struct fault *fault)
 {
@@ -73,8 +73,8 @@ static int fit_mean(struct light_gain *found, double loss_scale, double *varianc
 	return err;
 }
 
-/* Of three pairs two are now and then so near to each other that the third looks far off, wherever
- * it is. */
+/* Whether a pair is an outlier: by weight and by difference, because of three pairs two may be so
+ * close that the third has little weight anywhere. */
 static bool is_outlier(const struct light_gain *found, int k)
 {
 	return found->weight[k] < OUTLIER && fabs(log(found->ratio[k] / found->gain)) > DIFFERS;
@@ -92,7 +92,8 @@ static int count_outliers(const struct light_gain *found, int *last)
 	return count;
 }
 
-/* Robustly; but without an outlier all pairs count alike, and tell how they differ. */
+/* Finds the gain by a robust fit; without outliers all pairs count alike, and their spread gives
+ * the deviation. */
 static int find_mean(struct light_gain *found, const struct light_pair *pairs, struct fault *fault)
 {
 	double variance = 0, own = 0;

@@ -42,7 +42,7 @@ int light_area_parse(struct light_area *area, const char *text, struct fault *fa
 	return 0;
 }
 
-/* Even-odd rule. */
+/* Whether a point is inside, by the even-odd rule. */
 static bool area_holds(const struct light_area *area, double x, double y)
 {
 	bool inside = false;
@@ -58,7 +58,7 @@ static bool area_holds(const struct light_area *area, double x, double y)
 }
 
 struct patch_sums {
-	double part[4][3]; /* by quarter */
+	double part[4][3]; /* sums by quarter */
 	int count[4];
 	int clipped;
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A patch of a picture: its mean linear light, and whether it is one colour. */
+/* Measures a patch of a picture: its mean linear light, and whether it is of one brightness. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_PATCH_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_PATCH_H
 
@@ -17,16 +17,17 @@ struct light_area {
 struct light_patch {
 	int pixels;
 	double mean[3];	     /* linear light */
-	double deviation[3]; /* of it, by how its quarters differ */
-	double uneven;	/* the largest difference of a quarter's mean from the patch's, relative */
-	double clipped; /* share of pixels with a channel at 255 */
+	double deviation[3]; /* standard deviation of mean, from how its quarters differ */
+	double uneven;	     /* largest relative difference of a quarter's mean from the patch's */
+	double clipped;	     /* share of pixels with a channel at 255 */
 };
 
-/* "x,y,width,height", or three or more corners "x,y x,y x,y ...". -EINVAL. */
+/* Parses "x,y,width,height", or three or more corners "x,y x,y x,y ...". -EINVAL. */
 int light_area_parse(struct light_area *area, const char *text, struct fault *fault);
 
-/* Pixels whose centre lies in the area. An 8-bit picture is decoded by the curve; linear light is
- * taken as it is. -EINVAL: fewer than 16 pixels, or not all of it in the picture. */
+/* Measures the pixels whose centre lies in the area. An 8-bit picture is decoded by the curve;
+ * linear light is used as it is. -EINVAL: fewer than 16 pixels, or the area is not fully in the
+ * picture. */
 int light_patch_measure(struct light_patch *patch, const struct image *picture,
 			const struct light_area *area, const struct transfer_curve *curve,
 			struct fault *fault);

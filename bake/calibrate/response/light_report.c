@@ -13,7 +13,7 @@ struct light_page {
 	FILE *file; /* light.json */
 	struct json json;
 	struct fault *fault;
-	int err; /* the first that failed; the rest does nothing */
+	int err; /* first error; later calls then do nothing */
 };
 
 static void begin_page(struct light_page *r, const char *folder, const char *what,
@@ -40,7 +40,7 @@ static void begin_page(struct light_page *r, const char *folder, const char *wha
 	report_paragraph(r->page.body, "Verdict: %s.", sentence);
 }
 
-/* In the page and in JSON. */
+/* Adds a figure to the page and to JSON. */
 static void report_figure(struct light_page *r, const char *key, const char *label, double value,
 			  const char *unit)
 {
@@ -124,7 +124,7 @@ static void plot_curve(struct light_page *r, const struct light_response *found)
 	show_plot(r, &plot, "The response, and the standards' curves.");
 }
 
-/* A standard's curve against the measured one, and how well that is known. */
+/* Plots the standards' curves relative to the measured one, and two deviations of the latter. */
 static void plot_difference(struct light_page *r, const struct light_response *found)
 {
 	const double *knot = found->curve.knot;

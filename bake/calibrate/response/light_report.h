@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of what light commands found: a page, its plots and tables, and light.json for programs.
- * An earlier report in the folder is replaced. Errors as those of bake/base/report_page.h. */
+/* Reports of the light commands: a page, its plots and tables, and light.json for programs. An
+ * earlier report in the folder is replaced. Errors are those of bake/base/report_page.h. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_REPORT_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_REPORT_H
 

@@ -10,7 +10,7 @@
 
 #define LAST (TRANSFER_KNOTS - 1)
 #define ABOUT_BEST 1.003
-#define PIECES_ALONE 3 /* where no exposure can be held out */
+#define PIECES_ALONE 3 /* if no exposure can be held out */
 
 static const int pieces_to_try[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 
@@ -54,7 +54,8 @@ static struct light_spline spline_of(const struct light_response *found, int pie
 	return (struct light_spline){.pieces = pieces, .from = found->from, .to = found->to};
 }
 
-/* Mean square over the exposures, each held out in turn. Negative: cannot be told. */
+/* Returns the mean squared prediction error over the exposures, each held out in turn. Negative:
+ * not known. */
 static double held_out_score(const struct light_response *found, const struct light_fit_task *task,
 			     int pieces)
 {
@@ -79,7 +80,7 @@ static double held_out_score(const struct light_response *found, const struct li
 	return count ? squares / count : -1;
 }
 
-/* The fewest that foretell about as well as the best: more would follow noise. */
+/* Chooses the fewest pieces that predict about as well as the best: more would follow noise. */
 static void choose_pieces(struct light_response *found, const struct light_fit_task *task)
 {
 	double squares[TRIALS], best = INFINITY;
@@ -104,7 +105,7 @@ static void choose_pieces(struct light_response *found, const struct light_fit_t
 	}
 }
 
-/* Gradients of ln f at the knots, f being 1 at the upper end. */
+/* Gradient of ln f at a knot, with f scaled to 1 at the upper end. */
 static void knot_gradient(const struct light_fit *fit, int knot, double *gradient)
 {
 	double end[LIGHT_SPLINE_MAX];
@@ -161,7 +162,8 @@ static int take_knots(struct light_response *found, const struct light_fit *fit)
 	return 0;
 }
 
-/* A power of all times goes with a power of the response: of that, the given times alone tell. */
+/* Stores the refined times. A common power of all times is equivalent to a power of the response:
+ * only the given times determine it. */
 static void take_times(struct light_response *found, const struct light_fit *fit,
 		       const struct light_fit_task *task)
 {
@@ -181,7 +183,7 @@ static void take_times(struct light_response *found, const struct light_fit *fit
 	}
 }
 
-/* Sums of what samples differ by. */
+/* Sums of the samples' differences. */
 struct offset_tally {
 	double sum, squares;
 	int count;
@@ -194,7 +196,7 @@ static void offsets_add(struct offset_tally *t, double off)
 	t->count++;
 }
 
-/* One sample's exposures against what all of them say together. */
+/* Compares each exposure of a sample with their weighted mean. */
 static void compare_sample(const struct light_fit *fit, const struct light_fit_task *task,
 			   const struct light_sample *s, struct offset_tally *exposure,
 			   struct offset_tally *level)
@@ -237,7 +239,7 @@ static void compare_exposures(struct light_response *found, const struct light_f
 	}
 }
 
-/* ln of f at one knot over f at another, and unless NULL its deviation. */
+/* Returns ln(f(knot) / f(other)) and, unless NULL, its deviation. */
 static double log_ratio(const struct light_fit *fit, int knot, int other, double *deviation)
 {
 	const int n = light_spline_count(&fit->spline);
@@ -254,7 +256,7 @@ static double log_ratio(const struct light_fit *fit, int knot, int other, double
 	return light_fit_log(fit, u, NULL, NULL) - light_fit_log(fit, v, NULL, NULL);
 }
 
-/* The knots that samples of the channel cover, of those between 10 % and 90 %. */
+/* Range of knots between 10 % and 90 % that the channel's samples cover. */
 static void channel_range(const struct light_samples *samples, int channel, int *first, int *last)
 {
 	double from = 1, to = 0;
@@ -273,7 +275,8 @@ static void channel_range(const struct light_samples *samples, int channel, int 
 	*last = (int)floor(fmin(to, 0.9) * LAST);
 }
 
-/* Each channel's own curve against the common one, both 1 in the middle of what it covers. */
+/* Compares each channel's own curve with the common one, both scaled to 1 in the middle of what it
+ * covers. */
 static void compare_channels(struct light_response *found, const struct light_fit *fit,
 			     const struct light_fit_task *task)
 {

@@ -60,9 +60,9 @@ void light_doubt_pictures(struct light_response *found, const struct light_sampl
 /* ---- what the fit tells ---- */
 
 /*
- * A power of all times goes with a power of the response, so that times alone tell what they are
- * off by only up to c + g ln t: the line through two of them that leaves the least to the others.
- * Which is off the most then, and by how much.
+ * Finds the time with the largest error. Errors of ln t are determined only up to a line c + g ln
+ * t, because a common power of all times is equivalent to a power of the response: takes the line
+ * through two times that leaves the least sum of absolute errors.
  */
 static int worst_time(const struct light_fit_task *task, const double *off, double *by)
 {
@@ -97,7 +97,7 @@ static int worst_time(const struct light_fit_task *task, const double *off, doub
 	return which;
 }
 
-/* Whether other times would explain what does not agree. */
+/* Whether other times would explain the disagreement. */
 static bool blame_times(struct light_response *found, const struct light_fit_task *task)
 {
 	struct light_fit_task loose = *task;
@@ -119,7 +119,7 @@ static bool blame_times(struct light_response *found, const struct light_fit_tas
 	return true;
 }
 
-/* Curves of their own that each fit well where a common one does not, or fits but is another. */
+/* Doubts channels whose own curves fit well while a common one does not, or differ from it. */
 static void doubt_channels(struct light_response *found)
 {
 	const double *sigma = found->channel_sigma;

@@ -8,11 +8,13 @@
 
 #include "bake/calibrate/estimate/least_squares.h"
 
-#define ROUNDS 4	/* of weights by the curve found so far */
-#define LOOSE 3.0	/* second differences of coefficients: nothing real comes near */
-#define TIME_FIXED 1e-9 /* in place of a deviation of 0 */
+#define ROUNDS 4 /* rounds of reweighting by the curve found so far */
+/* weak prior on second differences of coefficients: no real response comes near */
+#define LOOSE 3.0
+#define TIME_FIXED 1e-9 /* instead of a deviation of 0 */
 
-/* Rows of sqrt(weight) (J a + c), each sample's own mean taken out, which stands for its ln L. */
+/* Equations sqrt(weight) (J a + c). Each sample's weighted mean is subtracted, which eliminates its
+ * ln L. */
 struct system {
 	int columns, rows, samples, room;
 	double *row; /* [rows][columns] */
@@ -59,8 +61,8 @@ double light_fit_radiance(const struct light_fit *fit, const struct light_fit_ta
 	double slope, bend;
 	const double log_f = light_fit_log(fit, s->mean[j], &slope, &bend);
 
-	/* f'' / f is bend + slope^2 where both are of ln f. A mean's own noise, bent by ln f, moves
-	 * it too. */
+	/* f'' / f = bend + slope^2, both of ln f. The noise of the mean, bent by ln f, shifts it
+	 * too. */
 	*variance = slope * slope * s->variance[j];
 	return log_f + (bend + slope * slope) * s->noise[j] / 2 - bend * s->variance[j] / 2 -
 	       log(task->time[j]) - fit->a[light_spline_count(&fit->spline) + j];
@@ -89,8 +91,8 @@ static int add_row(struct system *y, double **row)
 }
 
 /*
- * By the curve found so far, where all exposures together say that each code should be: the code
- * that was seen would favour the exposures that noise made darker.
+ * Weights of a sample's equations, by the curve found so far at the code that all exposures
+ * together predict: weights at the observed code would favour exposures that noise made darker.
  */
 static void weigh_sample(const struct light_fit *fit, const struct light_fit_task *task,
 			 const struct light_sample *s, double weight[LIGHT_EXPOSURES_MAX])
@@ -116,7 +118,7 @@ static void weigh_sample(const struct light_fit *fit, const struct light_fit_tas
 	}
 }
 
-/* One sample's equations, by the curve found so far. */
+/* Adds the equations of a sample, by the curve found so far. */
 static int fit_add_sample(struct system *y, const struct light_fit *fit,
 			  const struct light_fit_task *task, const struct light_sample *s)
 {
@@ -167,7 +169,7 @@ static int fit_add_sample(struct system *y, const struct light_fit *fit,
 	return 0;
 }
 
-/* What is known beforehand: times, and that nothing is infinitely wild. */
+/* Adds prior knowledge: of the times, and of the smoothness. */
 static int fit_add_known(struct system *y, const struct light_fit *fit,
 			 const struct light_fit_task *task)
 {
@@ -210,7 +212,7 @@ static void response_differentiate(void *context, const double *a, double *jacob
 	memcpy(jacobian, y->row, (size_t)y->rows * (size_t)y->columns * sizeof(*jacobian));
 }
 
-/* Takes over what the solver says; sigma is of the samples' equations alone. */
+/* Stores the solution; sigma is of the samples' equations alone. */
 static void take_solution(struct light_fit *fit, const struct system *y,
 			  const struct light_fit_task *task, const struct least_squares_fit *solved,
 			  int equations)
@@ -247,13 +249,13 @@ static int response_solve(struct light_fit *fit, struct system *y,
 
 	for (int k = 0; k < y->columns; k++)
 		scale[k] = 1;
-	fixed[0] = true; /* a factor of f, which is ln L's */
+	fixed[0] = true; /* a factor of f, which ln L absorbs */
 	for (int j = 0; j < exposures_of(task); j++)
 		fixed[light_spline_count(&fit->spline) + j] = j == 0 || j == task->held_out ||
 							      !(task->time_deviation > 0);
 	ret = least_squares_solve(&problem, fit->a, &solved, fault);
 	if (ret == -ETIMEDOUT)
-		ret = 0; /* the equations are linear: it is there */
+		ret = 0; /* the equations are linear: it has converged */
 	if (ret == 0)
 		take_solution(fit, y, task, &solved, equations);
 	least_squares_free(&solved);

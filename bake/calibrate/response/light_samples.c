@@ -7,8 +7,8 @@
 #include <string.h>
 
 #define CLIPPED 255
-#define LEVELS 24   /* of mean code values, of each of which ... */
-#define PER_LEVEL 8 /* ... so many blocks are kept, of each channel and exposure */
+#define LEVELS 24   /* classes of mean code values */
+#define PER_LEVEL 8 /* blocks kept for each class, channel and exposure */
 #define PIXELS (LIGHT_BLOCK * LIGHT_BLOCK)
 
 static int check_sample_pictures(const struct image *const *pictures, int exposures, double black,
@@ -37,15 +37,16 @@ static int check_sample_pictures(const struct image *const *pictures, int exposu
 }
 
 /*
- * What rounding leaves of a mean's variance: the first term of the error's Fourier series,
- * (1 / pi) sin(2 pi code), faded by noise of the variance s2 (Widrow).
+ * Variance of a mean from rounding: of the first term of the Fourier series of the rounding error,
+ *     (1 / pi) sin(2 pi code)
+ * attenuated by noise of the variance s2 (Widrow).
  */
 static double rounding_variance(double s2)
 {
 	return exp(-4 * M_PI * M_PI * s2) / (2 * M_PI * M_PI);
 }
 
-/* Whether the block is any good in exposure j. */
+/* Measures a block in exposure j, and whether it is good. */
 static void measure_block(struct light_samples *all, struct light_sample *s,
 			  const struct image *picture, int j)
 {
@@ -139,7 +140,7 @@ static int by_spread(const void *a, const void *b)
 	return p->sample - q->sample;
 }
 
-/* Marks the most uniform of one channel whose mean in exposure j is at one level. */
+/* Marks the most uniform blocks of one channel whose mean in exposure j is in one class. */
 static void mark_chosen(const struct light_samples *all, int channel, int j, int level,
 			struct candidate *room, bool *kept)
 {
@@ -176,8 +177,8 @@ static int choose_samples(struct light_samples *all)
 	return room && kept ? 0 : -ENOMEM;
 }
 
-/* One block's own spread tells its noise to a tenth; blocks of like brightness together tell it
- * better, and do not favour those that happen to look calm. */
+/* Averages the noise of blocks of similar brightness: one block's own spread gives it only to a
+ * tenth, and would favour blocks that look calm by chance. */
 static void pool_noise(struct light_samples *all, int j)
 {
 	double noise[LEVELS] = {0}, variance[LEVELS] = {0};

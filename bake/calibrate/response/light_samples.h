@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Places of a static scene in several exposures: blocks of pixels that are uniform, over the whole
- * range of code values, each with its mean and how well that is known.
+ * Samples of a static scene in several exposures: uniform blocks of pixels over the whole range of
+ * code values, each with its mean and variance.
  */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_SAMPLES_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_SAMPLES_H
@@ -17,16 +17,16 @@
 struct light_sample {
 	int channel; /* 0..2: R, G, B */
 	int x, y;    /* of the block's upper left corner, px */
-	/* By exposure: code values over 255 - black, from the black level. */
+	/* By exposure, in code values from the black level over 255 - black: */
 	double mean[LIGHT_EXPOSURES_MAX];
-	double noise[LIGHT_EXPOSURES_MAX];    /* variance of one pixel, rounding left out */
-	double variance[LIGHT_EXPOSURES_MAX]; /* of the mean, with what rounding leaves */
-	bool good[LIGHT_EXPOSURES_MAX];	      /* neither clipped nor lost in the dark */
+	double noise[LIGHT_EXPOSURES_MAX];    /* variance of one pixel, without rounding */
+	double variance[LIGHT_EXPOSURES_MAX]; /* variance of the mean, with rounding */
+	bool good[LIGHT_EXPOSURES_MAX];	      /* neither clipped nor dark */
 };
 
 struct light_samples {
 	int exposures;
-	double black; /* code value that is no light */
+	double black; /* code value for no light */
 	struct light_sample *sample;
 	int count, room;
 	/* Shares of all blocks and channels, 0..1, by exposure. */
@@ -34,11 +34,11 @@ struct light_samples {
 };
 
 /*
- * pictures[exposures]: 8-bit, of one size. Blocks with a pixel at 255 are clipped; those
- * whose mean is within three deviations of a pixel of the black level are dark. Of the blocks that
- * are good in two exposures or more the most uniform of each channel are kept, over all code
- * values. -EINVAL: sizes that differ, a picture that is not 8-bit, a number of exposures or a black
- * level out of range; -ENOMEM.
+ * Collects samples from pictures[exposures], 8-bit and of one size. Blocks with a pixel at 255 are
+ * clipped; those whose mean is within three deviations of a pixel of the black level are dark. Of
+ * the blocks that are good in two exposures or more the most uniform ones of each channel are kept,
+ * over all code values. -EINVAL: different sizes, a picture that is not 8-bit, a number of
+ * exposures or a black level out of range; -ENOMEM.
  */
 int light_samples_create(struct light_samples *samples, const struct image *const *pictures,
 			 int exposures, double black, struct fault *fault);

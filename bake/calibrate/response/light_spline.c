@@ -22,7 +22,7 @@ int light_spline_count(const struct light_spline *spline)
 	return spline->pieces + 3;
 }
 
-/* The four uniform cubic B-splines that are not 0 in a piece, t in 0..1 of it, with their first and
+/* The four uniform cubic B-splines that are not 0 within a piece, t = 0..1 in it, with first and
  * second derivatives. */
 static void pieces_at(double t, double b[4], double slope[4], double bend[4])
 {
