@@ -5,7 +5,7 @@
 
 #include "bake/calibrate/report/report_parts.h"
 
-/* The first thing that is seen: one sentence, marked by colour and by word. */
+/* Writes the verdict at the top: one sentence, marked by colour and by word. */
 static void write_verdict(FILE *to, const struct verdict *verdict)
 {
 	char sentence[VERDICT_SENTENCE_MAX];
@@ -41,7 +41,7 @@ static int write_sections(const struct shown *s, struct fault *fault)
 {
 	static const struct {
 		int (*write)(const struct shown *s, struct fault *fault);
-		bool of_model; /* says something only where there is one */
+		bool of_model; /* needs a model */
 	} sections[] = {
 		{report_figures, true},	   {report_views, false},	{report_residuals, true},
 		{report_directions, true}, {report_maps, true},		{report_coverage, false},

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The report of a geometric calibration: a folder with one page that needs nothing beside it
- * (report.html: verdict, pictures, plots, tables), the same pictures and tables as files, and
- * calibration.json for programs.
+ * The report of a geometric calibration: a folder with one self-contained page (report.html:
+ * verdict, pictures, plots, tables), the same pictures and tables as files, and calibration.json
+ * for programs.
  */
 #ifndef INLAY_BAKE_CALIBRATE_REPORT_REPORT_H
 #define INLAY_BAKE_CALIBRATE_REPORT_REPORT_H
@@ -11,12 +11,12 @@
 #include "hal/image/image.h"
 
 /*
- * pictures: [finding->seen->views] or NULL; pictures[v] is the 8-bit photograph of view v, of the
- * finding's size, or NULL where there is none: its points are then drawn on plain grey. Where the
- * finding's size is not known (0), that of the first picture is taken, or what holds all points.
+ * Writes the report. pictures: [finding->seen->views] or NULL; pictures[v] is the 8-bit photograph
+ * of view v, of the finding's size, or NULL: its points are then drawn on plain grey. If the
+ * finding's size is not known (0), that of the first picture is used, or one that holds all points.
  *
- * An untrusted finding is reported too; whatever is not finite in it is shown as not known. An
- * earlier report in the folder is replaced, all at once. -EEXIST: the folder holds other things;
+ * An untrusted finding is reported too; values that are not finite are shown as not known. An
+ * earlier report in the folder is replaced at once. -EEXIST: the folder holds other things;
  * -EINVAL: a picture of another size or kind; -ENOMEM; -errno of writing.
  */
 int calibration_report_write(const char *folder, const struct finding *finding,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Residuals by direction, by size against what noise would do, and by distance from the middle. */
+/* Plots of residuals: by direction, by size against a normal distribution, and by distance from the
+ * middle. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +22,7 @@ struct scatter {
 	int beyond;
 };
 
-/* A round number that is not below. */
+/* Rounds up to a round number. */
 static double round_up(double value)
 {
 	const double decade = pow(10, floor(log10(value)));
@@ -32,7 +33,7 @@ static double round_up(double value)
 				     : 10 * decade;
 }
 
-/* One number of a residual, from those in use: px. */
+/* Standard deviation of one coordinate of the residuals in use, px. */
 static double deviation_of_coordinate(const struct shown *s)
 {
 	return s->rms / sqrt(2);
@@ -74,7 +75,7 @@ static void draw_deviations(struct report_sheet *sheet, const struct scatter *p,
 	}
 }
 
-/* What is beyond the range stands at its edge. */
+/* Draws a residual; one beyond the range is drawn at its edge. */
 static void draw_residual(struct report_sheet *sheet, struct scatter *p, const double r[2],
 			  bool outlier)
 {
@@ -190,7 +191,8 @@ static int plot_sizes(const struct shown *s, struct fault *fault)
 
 /* ---- by distance from the middle ---- */
 
-/* Away from the middle is positive: what radial distortion that the model lacks looks like. */
+/* Plots the radial component of residuals, outwards positive: a trend shows radial distortion that
+ * the model lacks. */
 static int plot_radially(const struct shown *s, struct fault *fault)
 {
 	const double middle[2] = {s->width / 2.0, s->height / 2.0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A finding for programs. */
+/* Writes a finding as JSON, for programs. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Maps over the picture: how uncertain the model is, and how far two halves of the data disagree.
- */
+/* Maps over the picture: uncertainty of the model, and disagreement of two halves of the data. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,14 +9,14 @@
 #include "bake/base/surface.h"
 #include "bake/calibrate/report/report_parts.h"
 
-#define NODES_LONG 97 /* along the picture's longer side */
+#define NODES_LONG 97 /* grid nodes along the picture's longer side */
 #define LEVELS_MOST 16
-#define LEVELS_WANTED 6	  /* where they are even */
-#define NEAR 8.0	  /* times the least: even levels up to there */
-#define RANGE_MOST 1000.0 /* from the least to the most that colours tell apart */
+#define LEVELS_WANTED 6	  /* number of evenly spaced levels */
+#define NEAR 8.0	  /* ratio of most to least up to which levels are evenly spaced */
+#define RANGE_MOST 1000.0 /* largest ratio of most to least in colours */
 #define BAR 14
 
-/* A function of the picture's points, on a grid. */
+/* Samples of a function of the picture's points on a grid. */
 struct field {
 	int across, down;
 	double *value; /* [down][across]; NaN: not known, or not seen */
@@ -49,8 +48,8 @@ static void add_level(struct field *f, double level)
 		f->level[f->levels++] = level;
 }
 
-/* 1, 2, 5, 10 ... between the least and the most, which are three decades apart at most; even steps
- * where they are near each other. */
+/* Chooses contour levels: 1, 2, 5, 10 ... within at most three decades; evenly spaced where least
+ * and most are close. */
 static void choose_levels(struct field *f)
 {
 	static const double steps[] = {1, 2, 5, 10};
@@ -93,7 +92,7 @@ static int map_fill(struct field *f, const struct shown *s,
 	return 0;
 }
 
-/* Between four nodes; x and y in cells. NaN beside what is not known. */
+/* Bilinear interpolation; x and y in cells. NaN next to unknown nodes. */
 static double value_at(const struct field *f, double x, double y)
 {
 	const int i = (int)fmin(x, f->across - 2), j = (int)fmin(y, f->down - 2);
@@ -134,7 +133,7 @@ static void draw_colours(struct report_sheet *sheet, const struct sheet_area *ar
 		}
 }
 
-/* Where the level crosses the four sides of a cell; in cells. */
+/* Finds the crossings of a level with the four sides of a cell, in cells. */
 static int cell_crossings(const struct field *f, int i, int j, double level, double at[4][2])
 {
 	static const int corner[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
@@ -163,8 +162,8 @@ static void to_sheet(const struct sheet_area *area, const struct field *f, doubl
 	point[1] = area->top + point[1] / (f->down - 1) * area->scale * area->height;
 }
 
-/* The level's name goes to where its line comes nearest to this place: below the middle, at the
- * height of its number in turn, so that names do not lie on each other. */
+/* Draws a contour line. Its label is placed where the line comes nearest to a place below the
+ * middle; the height of that place depends on the level's number, so that labels do not overlap. */
 static void draw_level(struct report_sheet *sheet, const struct sheet_area *area,
 		       const struct field *f, int number)
 {
@@ -265,7 +264,7 @@ static int draw_map(const struct shown *s, const struct field *f, const char *na
 	return sheet_show(&sheet, s->page, name, caption, fault);
 }
 
-/* A map, or a sentence where nothing of it is known. */
+/* Draws a map, or writes a sentence if nothing of it is known. */
 static int report_map(const struct shown *s,
 		      double (*function)(const void *context, const double px[2]), const char *name,
 		      const char *label, const char *caption, struct fault *fault)

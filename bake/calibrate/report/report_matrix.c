@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which parameters trade against each other: the matrix of correlations, and a sentence on f and
- * the distance. */
+/* The matrix of correlations between parameters, and a sentence on f and the distance. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,12 +8,12 @@
 #include "bake/calibrate/report/report_parts.h"
 
 #define SHOWN_MOST 18
-#define NAMES 190 /* room for a parameter's name, on the left */
-#define HIGH 0.9  /* beyond it two parameters are hardly told apart */
+#define NAMES 190 /* width of the parameters' names, on the left */
+#define HIGH 0.9  /* correlation above which two parameters are hardly told apart */
 #define PAIRS_SAID 6
 
 struct correlation_matrix {
-	int parameter[SHOWN_MOST]; /* of the estimate */
+	int parameter[SHOWN_MOST]; /* index in the estimate */
 	int count;
 	double cell;
 };
@@ -24,7 +23,7 @@ static bool belongs_to_view(const char *name, int *view)
 	return sscanf(name, "view %d ", view) == 1;
 }
 
-/* Those of the lens, then those of the first view. */
+/* Chooses the parameters of the lens, then those of the first view. */
 static void choose_parameters(struct correlation_matrix *m, const struct estimate *e)
 {
 	for (int views = 0; views < 2; views++)
@@ -37,7 +36,7 @@ static void choose_parameters(struct correlation_matrix *m, const struct estimat
 		}
 }
 
-/* White at 0; orange towards 1, blue towards -1. */
+/* Sets the colour: white at 0, orange towards 1, blue towards -1. */
 static void set_cell_colour(cairo_t *c, double correlation)
 {
 	static const double ends[2][3] = {{0.000, 0.447, 0.698}, {0.835, 0.369, 0.000}};
@@ -107,7 +106,7 @@ static bool name_ends_with(const char *text, const char *end)
 	return length >= tail && !strcmp(text + length - tail, end);
 }
 
-/* The focal length and the distance of one view that go together most. */
+/* Names the focal length and the distance with the largest correlation. */
 static void say_focal(const struct shown *s)
 {
 	const struct estimate *e = &s->finding->estimate;

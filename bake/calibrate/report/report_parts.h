@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the sections of a calibration's report share. Private to report*.c. */
+/* Shared by the sections of a calibration's report. Private to report/. */
 #ifndef INLAY_BAKE_CALIBRATE_REPORT_REPORT_PARTS_H
 #define INLAY_BAKE_CALIBRATE_REPORT_REPORT_PARTS_H
 
@@ -9,36 +9,38 @@
 #include "bake/calibrate/estimate/finding.h"
 #include "bake/calibrate/report/report_sheet.h"
 
-/* A finding as reports look at it. */
+/* A finding prepared for its report. */
 struct shown {
 	const struct finding *finding;
 	const struct image *const *pictures; /* [views] or NULL */
 	struct report_page *page;
-	bool modelled;		 /* something was found that residuals could be of */
-	int width, height;	 /* of the picture, px; at least 1 */
-	double (*residual)[2];	 /* [points], seen less expected, px; NaN: expected nowhere */
-	bool *outlier;		 /* [points]: low weight, or expected nowhere */
+	bool modelled;	   /* a model was found, so there are residuals */
+	int width, height; /* of the picture, px; at least 1 */
+	/* [points], seen minus expected, px; NaN: the model has no image of the point */
+	double (*residual)[2];
+	bool *outlier;		 /* [points]: low weight, or no image */
 	struct shown_view *view; /* [views] */
-	double rms, worst;	 /* length of residuals, outliers left out; 0 without points */
+	/* of the lengths of residuals, without outliers; 0 without points */
+	double rms, worst;
 	int outliers;
 };
 
 struct shown_view {
 	double rms, worst; /* as above; NaN without a model */
 	int outliers;
-	bool drawn; /* has a picture of its own in the report */
+	bool drawn; /* has its own picture in the report */
 };
 
-/* -EINVAL: a picture that does not fit; -ENOMEM. */
+/* Prepares a finding. -EINVAL: a picture that does not fit; -ENOMEM. */
 int shown_begin(struct shown *shown, const struct finding *finding,
 		const struct image *const *pictures, struct report_page *page, struct fault *fault);
 void shown_free(struct shown *shown);
 
-/* A photograph to draw over, or NULL. */
+/* Returns the photograph of a view, or NULL. */
 const struct image *shown_picture(const struct shown *shown, int view);
 
-/* 1, 2 or 5 times a power of ten by which arrows are enlarged, so that most are well seen: view -1
- * for all views. */
+/* Returns the enlargement of arrows, 1, 2 or 5 times a power of ten, that makes most of them well
+ * visible; view -1: of all views. */
 double shown_enlargement(const struct shown *shown, int view, double scale);
 
 int report_views(const struct shown *shown, struct fault *fault);
@@ -51,10 +53,10 @@ int report_correlations(const struct shown *shown, struct fault *fault);
 int report_figures(const struct shown *shown, struct fault *fault);
 int report_points(const struct shown *shown, struct fault *fault);
 
-/* FOLDER/calibration.json. */
+/* Writes FOLDER/calibration.json. */
 int report_json_write(const struct shown *shown, const char *folder, struct fault *fault);
 
-/* Numbers from -values: sorts, and gives the one below which share of them lie; 0 for none. */
+/* Sorts the numbers and returns their quantile; 0 for none. */
 double report_quantile(double *value, int count, double share);
 
 #endif

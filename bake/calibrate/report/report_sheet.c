@@ -11,8 +11,8 @@
 
 #define AREA_HEIGHT_MOST 900
 #define TEXT_PX 14
-#define PALED 0.5	  /* how much of the paper is over a photograph */
-#define ARROW_MOST 4000.0 /* cairo's coordinates end at 2^23 */
+#define PALED 0.5	  /* opacity of white over a photograph */
+#define ARROW_MOST 4000.0 /* longest arrow, px: cairo's coordinates end at 2^23 */
 
 static const double inks[][3] = {
 	[INK_BLACK] = {0.1, 0.1, 0.1},		[INK_GREY] = {0.4, 0.4, 0.4},
@@ -148,7 +148,8 @@ double sheet_below(const struct sheet_area *area, int line)
 
 /* ---- marks ---- */
 
-/* Names of files need not be UTF-8, and cairo draws nothing more once it has met such a text. */
+/* Replaces bytes that are not ASCII: file names need not be UTF-8, and cairo draws nothing more
+ * after an invalid text. */
 static void sheet_make_plain(char *text)
 {
 	for (; *text; text++)
@@ -202,7 +203,7 @@ double sheet_text_width(const struct report_sheet *sheet, const char *text)
 	return extents.x_advance;
 }
 
-/* The path in its ink, over a wider white one. */
+/* Strokes the path in its colour, over a wider white line. */
 static void sheet_stroke(struct report_sheet *sheet, double width, enum sheet_ink ink)
 {
 	sheet_ink(sheet, INK_WHITE, 0.8);

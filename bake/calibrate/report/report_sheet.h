@@ -12,9 +12,9 @@
 
 #define SHEET_WIDTH 960
 #define SHEET_MARGIN 16
-#define SHEET_LINE 19 /* from one line of text to the next */
+#define SHEET_LINE 19 /* height of a line of text */
 
-/* Okabe and Ito's, which the colour-blind tell apart. */
+/* Colours of Okabe and Ito, which colour-blind people can tell apart. */
 enum sheet_ink {
 	INK_BLACK,
 	INK_GREY,
@@ -32,42 +32,43 @@ struct report_sheet {
 	int width, height;
 };
 
-/* Where the camera's picture lies on a sheet. */
+/* Place of the camera's picture on a sheet. */
 struct sheet_area {
 	double left, top, scale; /* sheet = left + scale * px, top + scale * px */
 	int width, height;	 /* of the camera's picture, px */
 };
 
-/* White. -ENOMEM, -EFBIG. */
+/* Creates a white sheet. -ENOMEM, -EFBIG. */
 int sheet_begin(struct report_sheet *sheet, int width, int height);
 void sheet_free(struct report_sheet *sheet); /* idempotent; zeroed is fine */
 
-/* Writes it as NAME.png, shows it in the page, and frees it. */
+/* Writes the sheet as NAME.png, shows it in the page, and frees it. */
 int sheet_show(struct report_sheet *sheet, struct report_page *page, const char *name,
 	       const char *caption, struct fault *fault);
 
 /*
- * A sheet for a picture of this size with so many lines of text below it: begun, the picture's
- * place left white. -ENOMEM, -EFBIG.
+ * Creates a sheet for a picture of this size with some lines of text below it; the picture's place
+ * is white. -ENOMEM, -EFBIG.
  */
 int sheet_begin_area(struct report_sheet *sheet, struct sheet_area *area, int width, int height,
 		     int lines);
-/* The photograph, paled so that marks stand out; NULL: plain grey. -ENOMEM. */
+/* Draws the photograph, paled so that marks stand out; NULL: plain grey. -ENOMEM. */
 int sheet_photograph(struct report_sheet *sheet, const struct sheet_area *area,
 		     const struct image *photograph);
-/* What is drawn from here on stays inside the area; sheet_unclip() ends that. */
+/* Clips what is drawn from here on to the area, until sheet_unclip(). */
 void sheet_clip(struct report_sheet *sheet, const struct sheet_area *area);
 void sheet_unclip(struct report_sheet *sheet);
 void sheet_frame(struct report_sheet *sheet, const struct sheet_area *area);
-/* False: not finite, or far outside. */
+/* Converts px to a place on the sheet. False: not finite, or far outside. */
 bool sheet_place(const struct sheet_area *area, const double px[2], double at[2]);
-double sheet_below(const struct sheet_area *area, int line); /* baseline of a line under it */
+/* baseline of a line of text below it */
+double sheet_below(const struct sheet_area *area, int line);
 
 void sheet_ink(struct report_sheet *sheet, enum sheet_ink ink, double alpha);
-/* share of its width lies left of x; y is its baseline; in what colour is set. */
+/* Writes text in the current colour: share of its width lies left of x; y is its baseline. */
 void sheet_text(struct report_sheet *sheet, double x, double y, double share, const char *format,
 		...) __attribute__((format(printf, 5, 6)));
-/* The same with paper around its letters, over a picture. */
+/* The same with a white outline around its letters, over a picture. */
 void sheet_label(struct report_sheet *sheet, double x, double y, enum sheet_ink ink,
 		 const char *text);
 double sheet_text_width(const struct report_sheet *sheet, const char *text);

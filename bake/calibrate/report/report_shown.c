@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A finding as its report looks at it: residuals, outliers, which views are drawn. */
+/* Prepares a finding for its report: residuals, outliers, which views are drawn. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,10 +8,10 @@
 #include "bake/calibrate/report/report_parts.h"
 
 #define OUTLIER_WEIGHT 0.1 /* finding.h */
-#define VIEWS_DRAWN 12	   /* more than these make no one wiser */
-#define VIEWS_WORST 4	   /* of them, those that fit worst */
-#define MARGIN 1.1	   /* around points in a picture of unknown size */
-#define ARROW_PX 40.0	   /* of most arrows on the sheet, at most */
+#define VIEWS_DRAWN 12	   /* views drawn at most; the table has all */
+#define VIEWS_WORST 4	   /* those of them with the largest residuals */
+#define MARGIN 1.1	   /* border around points in a picture of unknown size */
+#define ARROW_PX 40.0	   /* largest length of most arrows on the sheet */
 
 static int by_error(const void *a, const void *b)
 {
@@ -47,7 +47,7 @@ static int check_shown_pictures(const struct shown *s, struct fault *fault)
 	return 0;
 }
 
-/* The finding's, the pictures', or what holds all points. */
+/* Finds the picture's size: the finding's, the pictures', or one that holds all points. */
 static void find_size(struct shown *s)
 {
 	const struct observations *seen = s->finding->seen;
@@ -107,7 +107,7 @@ static void measure_view(struct shown *s, int v)
 		view->rms = view->worst = NAN;
 	else if (seen->count > view->outliers)
 		view->rms = sqrt(squares / (seen->count - view->outliers));
-	s->worst = fmax(s->worst, view->worst); /* passes over NaN */
+	s->worst = fmax(s->worst, view->worst); /* ignores NaN */
 	s->outliers += view->outliers;
 	s->rms += squares;
 }
@@ -122,7 +122,7 @@ static int worst_undrawn(const struct shown *s)
 	return worst;
 }
 
-/* All of a few; of many the worst, and others from first to last. */
+/* Chooses the views to draw: all of a few; of many the worst ones, and others evenly spaced. */
 static void choose_views(struct shown *s)
 {
 	const int views = s->finding->seen->views;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of a calibration's report: figures, parameters, points that fit worst. */
+/* Tables of a calibration's report: figures, parameters, points with the largest residuals. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -51,7 +51,7 @@ int report_figures(const struct shown *s, struct fault *fault)
 
 /* ---- parameters ---- */
 
-/* With as many digits as its deviation leaves sense in. */
+/* Writes a value with the digits that its deviation justifies. */
 static void write_value(char *text, size_t room, double value, double deviation)
 {
 	const int digits = deviation > 0 && isfinite(deviation)
@@ -98,7 +98,7 @@ static void begin_parameters(struct report_table *table, const char *name)
 	report_table_column(table, "note", "note", NULL);
 }
 
-/* The view of a parameter of one: 1.., or 0. */
+/* Returns the view of a parameter, from 1; 0: it is the lens's. */
 static int view_of_parameter(const struct parameter *p)
 {
 	int view = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Points over the photographs, residuals as arrows, and where in the picture points were seen. */
+/* Pictures of points over the photographs, residuals as arrows, and coverage. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,12 +9,13 @@
 #include "bake/calibrate/report/report_parts.h"
 
 #define NAMED_MOST 12	   /* outliers named in one picture */
-#define OUTLIER_ARROW 60.0 /* longest on the sheet */
-#define COVERAGE_CELLS 12  /* along the picture's longer side */
+#define OUTLIER_ARROW 60.0 /* longest arrow on the sheet */
+#define COVERAGE_CELLS 12  /* number of cells along the picture's longer side */
 
 /* ---- points and arrows ---- */
 
-/* From where it was seen; an outlier's is cut, so that it does not cross the picture. */
+/* Draws the arrow of a residual, which starts where the point was seen; an outlier's arrow is cut,
+ * so that it does not cross the picture. */
 static void draw_residual(struct report_sheet *sheet, const struct sheet_area *area,
 			  const struct shown *s, int k, double enlargement)
 {
@@ -44,7 +45,7 @@ static void draw_point(struct report_sheet *sheet, const struct sheet_area *area
 		sheet_cross(sheet, at, 3, INK_EXPECTED);
 }
 
-/* Beside it, and inside the picture. */
+/* Writes a point's name beside it, inside the picture. */
 static void name_point(struct report_sheet *sheet, const struct sheet_area *area,
 		       const struct observation *point)
 {
@@ -71,7 +72,7 @@ static void name_outliers(struct report_sheet *sheet, const struct sheet_area *a
 		}
 }
 
-/* What the marks mean, and how long an arrow of one pixel is. */
+/* Draws the legend: the marks, and the length of an arrow. */
 static void draw_legend(struct report_sheet *sheet, const struct sheet_area *area,
 			double enlargement, bool marks)
 {
