@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Lenses of OpenCV and ROS from ours, and fisheyes of ours from theirs. */
+/* Conversion of our lenses to those of OpenCV and ROS, and of their fisheyes to ours. */
 #include <errno.h>
 #include <float.h>
 #include <math.h>
@@ -9,9 +9,9 @@
 #include "bake/calibrate/convert/convert.h"
 #include "bake/calibrate/estimate/linear.h"
 
-#define ACROSS 41 /* of the grid over the picture on which radii are compared */
+#define ACROSS 41 /* nodes a side of the grid on which radii are compared */
 #define RADII (ACROSS * ACROSS)
-#define FINE_PX 0.01 /* what is worth three terms more */
+#define FINE_PX 0.01 /* error above which three more terms are used */
 
 /* ---- their pinhole ---- */
 
@@ -27,8 +27,8 @@ void lens_bend(const struct lens *lens, const double straight[2], double bent[2]
 
 /* ---- from Tsai's camera ---- */
 
-/* Radii before and after distortion over the picture of Tsai's camera, in units of the focal
- * length. Returns how many. */
+/* Samples radii before and after distortion over the picture of Tsai's camera, in units of the
+ * focal length. Returns how many. */
 static int sample_radii(const struct lens *lens, const struct tsai_camera *camera,
 			double radius[RADII][2])
 {
@@ -68,8 +68,9 @@ static double worst_of_radii(const struct lens *lens, double radius[RADII][2], i
 }
 
 /*
- * k1, k2, k3, and with terms 6 the denominator's too, that bring theirs to these radii: with R
- * after and r before, R (1 + k4 r^2 + ...) = r (1 + k1 r^2 + ...) is linear in all of them.
+ * Fits k1, k2, k3 and, with terms 6, k4, k5, k6 to these radii. With R after and r before
+ * distortion, this equation is linear in all of them:
+ *     R (1 + k4 r^2 + ...) = r (1 + k1 r^2 + ...)
  */
 static void fit_radial(struct lens *lens, double radius[RADII][2], int count, int terms,
 		       double room[])
@@ -91,7 +92,7 @@ static void fit_radial(struct lens *lens, double radius[RADII][2], int count, in
 		lens->term[place[t]] = k[t];
 }
 
-/* Three terms where they do, six where they do not. */
+/* Fits three terms if they suffice, else six. */
 static int bend_as(struct lens *lens, const struct tsai_camera *camera, double tolerance_px,
 		   double *error_px)
 {
@@ -147,7 +148,7 @@ int lens_of_tsai(struct lens *lens, const struct tsai_camera *camera, double tol
 
 /* ---- fisheyes ---- */
 
-/* k1..k4 that bring the polynomial to another curve up to the rim. */
+/* Fits k1..k4 of the polynomial to another curve up to the rim. */
 static void fit_polynomial(struct lens *lens, const struct fisheye *ours, double *error_px)
 {
 	enum { ROWS = 512 };
@@ -199,7 +200,7 @@ int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, 
 	return 0;
 }
 
-/* The angle of the farthest corner, or where the polynomial folds over. */
+/* Returns the angle of the farthest corner, or where the polynomial folds over, rad. */
 static double widest_rad(const struct lens *lens, const struct fisheye_curve *curve)
 {
 	const double most = fmin(M_PI / 2, (1 - 1e-6) * fisheye_curve_fold(curve, M_PI / 2));
@@ -230,7 +231,7 @@ int lens_to_fisheye(const struct lens *lens, struct fisheye_settings *settings, 
 	memcpy(settings->focal_px, lens->focal_px, sizeof(settings->focal_px));
 	memcpy(settings->centre_px, lens->centre_px, sizeof(settings->centre_px));
 	memcpy(settings->polynomial, curve.k, sizeof(settings->polynomial));
-	/* rounding must not lose the horizon; below a degree is no fisheye, and refused */
+	/* rounding must not lose the horizon; a field below a degree is refused as no fisheye */
 	settings->field_deg = fmax(widest_rad(lens, &curve) * (180 / M_PI), 1);
 	if (settings->field_deg > 90 - 1e-9)
 		settings->field_deg = 90;

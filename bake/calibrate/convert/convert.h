@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lenses as OpenCV and ROS write them, and their way from and to ours.
+ * Lenses as OpenCV and ROS write them, and their conversion from and to ours.
  *
- * Their pinhole: with x, y in units of the focal length and r^2 = x^2 + y^2 before distortion,
+ * Their pinhole camera, with x, y in units of the focal length before distortion and r^2 = x^2 +
+ * y^2:
  *     x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
- *            + 2 p1 x y + p2 (r^2 + 2 x^2),   y' likewise.
- * Of these Tsai's camera (hal/optics/tsai.h) that distorts has k1 = kappa1 f^2, exactly; the one
- * that undistorts is met by k1, k2, k3, or all six, fitted to it. Their fisheye is our polynomial
- * (hal/optics/fisheye_curve.h) exactly; lenses of other models are met by one fitted to them.
- * Their pixel centres are at whole numbers, ours at +0.5.
+ *            + 2 p1 x y + p2 (r^2 + 2 x^2),   y' likewise
+ * Tsai's camera (hal/optics/tsai.h) in direction `distorts` is one with k1 = kappa1 f^2, exactly;
+ * in direction `undistorts` it is approximated by k1, k2, k3, or all six. Their fisheye is our
+ * polynomial model (hal/optics/fisheye_curve.h) exactly; other models are approximated by it. Their
+ * pixel centres are at whole numbers, ours at +0.5.
  */
 #ifndef INLAY_BAKE_CALIBRATE_CONVERT_CONVERT_H
 #define INLAY_BAKE_CALIBRATE_CONVERT_CONVERT_H
@@ -25,22 +26,22 @@ enum { LENS_K1, LENS_K2, LENS_P1, LENS_P2, LENS_K3, LENS_K4, LENS_K5, LENS_K6, L
 
 struct lens {
 	bool fisheye;
-	int width, height;	 /* of the picture, px */
-	double focal_px[2];	 /* horizontal and vertical */
-	double centre_px[2];	 /* from the upper left corner, ours: pixel centres at +0.5 */
-	double term[LENS_TERMS]; /* as OpenCV orders them; of a fisheye, k1..k4 come first */
+	int width, height;  /* size of the picture, px */
+	double focal_px[2]; /* horizontal and vertical */
+	/* from the upper left corner, in our coordinates: pixel centres at +0.5 */
+	double centre_px[2];
+	double term[LENS_TERMS]; /* in OpenCV's order; a fisheye's k1..k4 come first */
 };
 
 /* ---- lenses ---- */
 
-/* Where their pinhole has what is at straight without distortion, both in focal lengths from the
- * axis. */
+/* Distorts a point as their pinhole camera does; both in focal lengths from the axis. */
 void lens_bend(const struct lens *lens, const double straight[2], double bent[2]);
 
 /*
- * All that is not the lens (where the camera is, its falloff) is left out. error_px: the largest
- * distance between the two anywhere in the picture; 0 when they are the same.
- * -EINVAL: what the camera says is out of range; -ERANGE: error_px is beyond tolerance_px.
+ * Convert our lens to theirs, without what is not the lens (pose, falloff). error_px: the largest
+ * distance between the two anywhere in the picture; 0 if the conversion is exact. -EINVAL: the
+ * camera's values are out of range; -ERANGE: error_px is above tolerance_px.
  */
 int lens_of_tsai(struct lens *lens, const struct tsai_camera *camera, double tolerance_px,
 		 double *error_px, struct fault *fault);
@@ -48,15 +49,15 @@ int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, 
 		    int height, double tolerance_px, double *error_px, struct fault *fault);
 
 /*
- * A camera at the world's origin that looks along Z, with a sensor of 36 mm. Exact where k1 is the
- * only term; else kappa1 in the direction that comes nearer, f, centre and s are fitted to the
- * whole picture, and what a turn of the camera (turn_deg) makes up for is no error, because how it
- * is turned is not known here and found afterwards. Errors as above, and -EINVAL for a fisheye.
+ * Converts to a camera at the world's origin that looks along Z, with a sensor 36 mm wide. Exact if
+ * k1 is the only term; else f, centre, s and kappa1, in the better direction, are fitted to the
+ * whole picture. A rotation of the camera (turn_deg) is not counted as error, because the pose is
+ * calibrated afterwards. Errors as above, and -EINVAL for a fisheye.
  */
 int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
 		 double *error_px, double *turn_deg, struct fault *fault);
-/* A lens on its back; its field is 90 degrees, or what the picture holds or the polynomial bears,
- * if that is less. -EINVAL for a pinhole. */
+/* Converts to a lens that looks straight up; its field is 90 degrees, or less if the picture or the
+ * fold of the polynomial ends before. -EINVAL for a pinhole camera. */
 int lens_to_fisheye(const struct lens *lens, struct fisheye_settings *settings,
 		    struct fault *fault);
 
@@ -67,18 +68,18 @@ enum lens_file { LENS_FILE_INI, LENS_FILE_OPENCV, LENS_FILE_ROS };
 extern const char *const lens_file_names[]; /* "ini", "opencv", "ros", NULL */
 
 /*
- * Either of the two: camera_matrix, distortion_coefficients, image_width and image_height, and
- * distortion_model (ROS) or fisheye_model (OpenCV's own calibration program); anything else is
- * passed over. lens->width and height say what they are where the file does not; fisheye: it is one
- * where the file does not say. -ENOENT...; -EINVAL with file, line and what was expected.
+ * Reads a file of OpenCV or ROS: camera_matrix, distortion_coefficients, image_width and
+ * image_height, and distortion_model (ROS) or fisheye_model (OpenCV's own calibration program);
+ * other keys are ignored. The caller presets lens->width, height and fisheye for files without
+ * them. -ENOENT...; -EINVAL with file, line and what was expected.
  */
 int lens_read_yaml(struct lens *lens, const char *path, struct fault *fault);
 
-/* What is given in it; from: what it was made of, for a comment. */
+/* Writes the section that is given, as our INI file; from: name of the source, for a comment. */
 void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, double error_px,
 		    double turn_deg);
 
-/* error_px goes into a comment where it is not 0. */
+/* Write files of OpenCV and ROS; error_px goes into a comment unless it is 0. */
 void lens_write_opencv(FILE *to, const struct lens *lens, double error_px);
 void lens_write_ros(FILE *to, const struct lens *lens, const char *name, double error_px);
 

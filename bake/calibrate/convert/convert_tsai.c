@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tsai's camera from the pinhole of OpenCV and ROS. */
+/* Conversion of the pinhole camera of OpenCV and ROS to Tsai's camera. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,12 +10,12 @@
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
-#define SENSOR_MM 36.0 /* as tsai_look_at() has it */
-#define SPOKES 32      /* along which a lens is sampled, from its centre outwards */
+#define SENSOR_MM 36.0 /* width, as in tsai_look_at() */
+#define SPOKES 32      /* lines from the centre outwards along which a lens is sampled */
 #define STEPS 120
-#define FAR 20.0 /* tangent of the widest angle that is looked at */
+#define FAR 20.0 /* tangent of the largest angle sampled */
 
-/* A direction, in focal lengths from the axis, and where it is seen. */
+/* A direction, in focal lengths from the axis, and its place in the picture. */
 struct tsai_sample {
 	double straight[2], px[2];
 };
@@ -25,8 +25,8 @@ static bool in_picture(const struct lens *lens, const double px[2])
 	return px[0] >= 0 && px[1] >= 0 && px[0] <= lens->width && px[1] <= lens->height;
 }
 
-/* Outwards from the centre along each spoke, as far as the picture goes and the lens does not fold
- * over. Returns how many. */
+/* Samples the lens along each spoke, as far as the picture goes and the lens does not fold over.
+ * Returns how many. */
 static int take_samples(const struct lens *lens, struct tsai_sample *sample)
 {
 	const double reach = 2 * hypot(lens->width, lens->height) /
@@ -64,7 +64,7 @@ enum {
 	FIT_FOCAL_Y,
 	FIT_CENTRE_X,
 	FIT_CENTRE_Y,
-	FIT_KAPPA, /* in focal lengths */
+	FIT_KAPPA, /* in units of the focal length */
 	FIT_TURN,
 	FIT_UNKNOWNS = FIT_TURN + 3
 };
@@ -115,7 +115,7 @@ static bool fit_evaluate(void *context, const double *x, double *residual)
 	return true;
 }
 
-/* Theirs without distortion to begin with: that is seen everywhere. */
+/* First guess: their lens without distortion, which shows every direction. */
 static void first_guess(const struct lens *lens, double *x)
 {
 	memset(x, 0, FIT_UNKNOWNS * sizeof(*x));
@@ -125,7 +125,7 @@ static void first_guess(const struct lens *lens, double *x)
 	x[FIT_CENTRE_Y] = lens->centre_px[1];
 }
 
-/* Infinite when nothing comes near. */
+/* Largest distance between both cameras, px. */
 static double worst_px(const struct least_squares_fit *found, int count)
 {
 	double most = 0;

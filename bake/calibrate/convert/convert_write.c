@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Lenses as OpenCV's FileStorage and ROS's camera_info have them. */
+/* Writes lenses as OpenCV's FileStorage, ROS's camera_info and our INI files. */
 #include <math.h>
 
 #include "bake/calibrate/convert/convert.h"
 
 const char *const lens_file_names[] = {"ini", "opencv", "ros", NULL};
 
-/* OpenCV reads a number without a point as a whole one. */
+/* Writes a number with a point: OpenCV reads one without as an integer. */
 static void write_number(FILE *to, double value)
 {
 	if (value == rint(value) && fabs(value) < 1e15)
@@ -56,7 +56,7 @@ static void camera_matrix(const struct lens *lens, double k[9])
 		k[i] = all[i];
 }
 
-/* 4 of a fisheye; else 5, or 8 where they are in use. */
+/* Number of distortion terms: 4 for a fisheye; else 5, or 8 if they are in use. */
 static int terms_of(const struct lens *lens)
 {
 	if (lens->fisheye)

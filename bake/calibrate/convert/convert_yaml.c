@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The part of YAML in which OpenCV and ROS write lenses: keys in the first column, matrices as
- * blocks of rows, cols and data below them. What is not asked for is passed over; what is asked for
- * has to be whole.
+ * Reader of the part of YAML in which OpenCV and ROS write lenses: keys in the first column,
+ * matrices as blocks of rows, cols and data below them. Unknown keys are ignored; known ones must
+ * be complete.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -12,32 +12,33 @@
 #include "hal/base/number.h"
 #include "hal/base/text_file.h"
 
-#define DATA_MAX 16 /* numbers of the largest matrix that is read */
+#define DATA_MAX 16 /* numbers of the largest matrix */
 
 struct yaml_matrix {
-	int line; /* of its key; 0: not there */
+	int line; /* line of its key; 0: not there */
 	int rows, columns, count;
 	double data[DATA_MAX];
 };
 
 struct yaml_reader {
 	struct text_file file;
-	bool held; /* its line is given again */
-	int err;   /* why there is no next line, other than the file's end; it is said */
+	bool held; /* next_line() returns the current line again */
+	/* why there is no next line, other than the end of the file; the fault says it */
+	int err;
 	struct fault *fault;
 };
 
-/* What the keys of a file say. */
+/* Values of a file's keys. */
 struct spoken {
 	struct yaml_matrix camera, distortion;
-	int width, height, fisheye; /* -1: nothing */
+	int width, height, fisheye; /* -1: not given */
 	char model[64];
 	int model_line;
 };
 
 /* ---- lines ---- */
 
-/* The next line that says something; false at the end. */
+/* Reads the next line that is neither blank nor a comment; false at the end. */
 static bool next_line(struct yaml_reader *r)
 {
 	if (r->held) {
@@ -64,7 +65,7 @@ static bool is_indented(const struct yaml_reader *r)
 	return r->file.line[0] == ' ' || r->file.line[0] == '\t';
 }
 
-/* Cuts "  key: rest" in two; false: it is none. */
+/* Splits "  key: rest"; false: the line has no key. */
 static bool split_line(char *line, char **key, char **rest)
 {
 	char *colon;
@@ -102,7 +103,7 @@ static int read_int(const struct yaml_reader *r, const char *key, const char *te
 	return yaml_fault(r, key, expected);
 }
 
-/* Numbers of one line up to its end or the closing bracket, which *whole says. */
+/* Reads the numbers of a line up to its end or to the closing bracket, which sets *whole. */
 static int read_numbers(const struct yaml_reader *r, const char *key, const char *text,
 			struct yaml_matrix *m, bool *whole)
 {
@@ -142,7 +143,7 @@ static int read_data(struct yaml_reader *r, const char *key, char *text, struct 
 	return err;
 }
 
-/* The block below a key. */
+/* Reads the block below a key. */
 static int read_matrix(struct yaml_reader *r, const char *key, const char *after,
 		       struct yaml_matrix *m)
 {
@@ -218,7 +219,7 @@ static int read_keys(struct yaml_reader *r, struct spoken *s)
 	while (!err && next_line(r)) {
 		char *key, *rest;
 
-		/* of a key that is passed over */
+		/* part of an unknown key */
 		if (is_indented(r) || r->file.line[0] == '-' || r->file.line[0] == ']')
 			continue;
 		if (!split_line(r->file.line, &key, &rest))
