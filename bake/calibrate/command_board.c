@@ -7,7 +7,7 @@
 #include "bake/calibrate/observe/boards.h"
 #include "hal/base/log.h"
 
-/* Fills a4 and letter, and may be seen in part. */
+/* Fits a4 and letter, and may be seen in part. */
 #define DEFAULT_BOARD "charuco:7x9:26mm:19mm"
 #define DEFAULT_PAGE "a4"
 

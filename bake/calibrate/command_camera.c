@@ -13,7 +13,7 @@
 #include "hal/base/log.h"
 #include "hal/optics/vec.h"
 
-/* What a kiosk's camera is from what it looks at, generously. */
+/* Range of plausible distances between a kiosk's camera and what it looks at. */
 #define NEAREST_M 0.02
 #define FARTHEST_M 300
 #define FARTHEST 1e12 /* in any unit */
@@ -79,14 +79,14 @@ struct camera_job {
 	struct points_convention convention;
 	int source; /* POINTS, IMAGES or LIVE */
 	const char *board, *intrinsics, *reference;
-	int views; /* 0: not said */
+	int views; /* 0: not given */
 	bool pixel_given;
 	struct lens_ini known;
 };
 
 /* ---- options ---- */
 
-/* Files that follow belong to it. */
+/* Reads a source; the words that follow are more of its files. */
 static int read_source(struct camera_job *job, int option, struct fault *fault)
 {
 	if (job->source && job->source != option)
@@ -289,7 +289,7 @@ static int camera_gather(struct camera_job *job, struct gathering *all, struct f
 	return 0;
 }
 
-/* --centre is counted as the points are. */
+/* Converts --centre, which is counted as the points are. */
 static void place_centre(struct camera_job *job)
 {
 	double *centre = job->task.centre_px;
@@ -300,7 +300,7 @@ static void place_centre(struct camera_job *job)
 		centre[1] = job->task.height - centre[1];
 }
 
-/* A scene in mm that is read as m is as good a picture of itself. */
+/* Warns of an implausible distance: the fit cannot tell mm from m. */
 static void warn_of_unit(const struct camera_job *job, const struct camera_solution *solution)
 {
 	const double metres = vec_length(solution->camera.translation) * job->task.unit_mm / 1000;
@@ -310,7 +310,7 @@ static void warn_of_unit(const struct camera_job *job, const struct camera_solut
 			    metres);
 }
 
-/* Writes what there is to write; 1: done, and not to be trusted. */
+/* Writes report and result. Returns 0; 1: not trusted; negative errno. */
 static int camera_conclude(const struct camera_job *job, const struct gathering *all,
 			   const struct camera_solution *solution, struct fault *fault)
 {

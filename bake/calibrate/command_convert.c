@@ -38,7 +38,7 @@ static bool path_ends_with(const char *path, const char *ending)
 	return length > tail && !strcmp(path + length - tail, ending);
 }
 
-/* -1: none that is known. */
+/* Returns the kind of file by its ending; -1: unknown. */
 static int file_of(const char *path)
 {
 	if (path_ends_with(path, ".ini") || path_ends_with(path, ".conf"))
@@ -73,7 +73,7 @@ static int ini_of_lens(struct convert_job *job, const struct lens *lens, struct 
 			    fault);
 }
 
-/* What does not come from reading a file begins with its name all the same. */
+/* Puts the file's name before a fault that does not begin with it. */
 static int with_name(const char *path, int err, struct fault *fault)
 {
 	char text[FAULT_TEXT_MAX];
@@ -104,7 +104,8 @@ static int read_in(struct convert_job *job, struct lens *lens, struct lens_ini *
 
 /* ---- writing ---- */
 
-/* Of ROS's camera: the file's name without folder and ending, as far as it may be one. */
+/* Makes ROS's camera name from the file's name, without folder and ending; other characters become
+ * _. */
 static void camera_name(const char *path, char *name, size_t room)
 {
 	const char *slash = strrchr(path, '/');

@@ -256,7 +256,7 @@ static int find_falloff(const struct fisheye_job *job, struct fisheye_work *work
 	return err;
 }
 
-/* 1: what was found is not to be trusted. */
+/* Writes report and result. Returns 0; 1: not trusted; negative errno. */
 static int fisheye_conclude(const struct fisheye_job *job, const struct fisheye_work *work,
 			    struct fault *fault)
 {

@@ -9,7 +9,7 @@
 #include "bake/calibrate/report/report.h"
 #include "hal/base/log.h"
 
-/* Where options go. */
+/* Context of lens_take_option(). */
 struct lens_choices {
 	struct lens_job *lens;
 	const struct lens_calls *calls;
@@ -46,7 +46,7 @@ static int take_words(struct lens_job *lens, int argc, char **argv, struct fault
 	return 0;
 }
 
-/* What was measured is not written over by what comes of it. */
+/* Refuses to overwrite an input file with the result. */
 static int check_output(const struct lens_job *lens, struct fault *fault)
 {
 	struct stat in, out;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the commands that find a lens have in common: the command line, the report, the end. */
+/* Shared by the commands that calibrate a lens: command line, report, exit status. */
 #ifndef INLAY_BAKE_CALIBRATE_LENS_JOB_H
 #define INLAY_BAKE_CALIBRATE_LENS_JOB_H
 
@@ -9,7 +9,7 @@
 #include "bake/calibrate/estimate/finding.h"
 #include "bake/calibrate/observe/gather.h"
 
-/* The end of their tables of options. */
+/* Last entries of their tables of options. */
 #define LENS_REPORT 900
 #define LENS_FORCE 901
 #define OPTIONS_OF_LENS                                                                            \
@@ -21,24 +21,26 @@
 	}
 
 struct lens_job {
-	char **file; /* what the source's option and the words that follow name */
+	char **file; /* files named by the source's option and the words that follow */
 	int files;
-	bool anew;	    /* they are what is written again: a lens that something is added to */
-	bool more;	    /* such words may follow */
+	bool anew;	    /* the output may be one of them: a known lens gets a falloff */
+	bool more;	    /* more words may follow */
 	const char *report; /* NULL: none */
 	const char *output;
 	bool force;
 };
 
-/* Of one command; job is the struct that its lens_job is in. */
+/* Functions of one command; job is the struct that contains its lens_job. */
 struct lens_calls {
 	const struct option *options;
-	int (*take)(void *job, int option, struct fault *fault); /* one of its own; optarg */
-	int (*check)(const void *job, struct fault *fault);	 /* whether they go together */
-	int (*work)(void *job, struct fault *fault); /* 0; 1: not to be trusted; -errno */
+	/* reads one of the command's own options, from optarg */
+	int (*take)(void *job, int option, struct fault *fault);
+	/* checks whether the options go together */
+	int (*check)(const void *job, struct fault *fault);
+	int (*work)(void *job, struct fault *fault); /* calibrates: 0; 1: not trusted; -errno */
 };
 
-/* Returns the exit status. */
+/* Runs a command and returns its exit status. */
 int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job);
 
@@ -49,7 +51,7 @@ int lens_job_check_board(bool of_board, const char *board, struct fault *fault);
 int lens_job_view(const char *option, const char *value, const struct gathering *all,
 		  struct fault *fault);
 
-/* Writes the report, if one is wanted. As calibration_report_write(). */
+/* Writes the report, if one is wanted. Returns what calibration_report_write() returns. */
 int lens_job_report(const struct lens_job *lens, const struct gathering *all,
 		    const struct finding *finding, struct fault *fault);
 

@@ -11,7 +11,7 @@
 
 #define CHANGES 8
 #define FRAMES_EACH 24	/* after each change, and before the first */
-#define FRAMES_FIRST 30 /* that are passed over after the first exposure is set */
+#define FRAMES_FIRST 30 /* skipped after the first exposure is set */
 #define TIMEOUT_MS 3000
 
 static double mean_level(const struct image *picture)
@@ -24,7 +24,7 @@ static double mean_level(const struct image *picture)
 	return (double)sum / (double)count;
 }
 
-/* The next frames, into the record unless it is NULL. */
+/* Takes the next frames, into the record unless it is NULL. */
 static int record_frames(struct live *live, int count, struct image *picture,
 			 struct light_record *record, struct fault *fault)
 {

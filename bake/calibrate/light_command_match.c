@@ -154,7 +154,7 @@ static int measure_pairs(const struct light_job *job, struct light_pair *pairs, 
 	return err;
 }
 
-/* Each channel's own gain, as a matrix. */
+/* Writes each channel's own gain as a diagonal matrix. */
 static int set_balance(const struct light_job *job, const struct light_gain *found,
 		       struct fault *fault)
 {

@@ -10,7 +10,7 @@
 #include "bake/calibrate/response/light_response.h"
 #include "hal/base/log.h"
 
-/* Here, where the file's name is known. */
+/* Checks a picture here, where the name of its file is known. */
 static int check_light_picture(const struct light_job *job, const struct image *pictures, int k,
 			       struct fault *fault)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Private to command_light.c and light_command_*.c: what the command line asks for. */
+/* The job of `inlay-calibrate light`: its options, and steps shared by its commands. */
 #ifndef INLAY_BAKE_CALIBRATE_LIGHT_JOB_H
 #define INLAY_BAKE_CALIBRATE_LIGHT_JOB_H
 
@@ -22,7 +22,7 @@ struct light_job {
 	double time_deviation;
 	bool exposures, keep_white, white_balance;
 	const char *lens, *background_light, *fisheye, *background;
-	const char *config, *control[2];   /* of live pictures */
+	const char *config, *control[2];   /* for live pictures */
 	int controls, view;		   /* enum live_view */
 	int transfer, background_transfer; /* enum transfer */
 	int frequency;
@@ -31,14 +31,15 @@ struct light_job {
 	int areas;
 	struct light_area background_area[LIGHT_AREAS_MAX];
 	int background_areas;
-	struct response measured; /* what output says already */
+	struct response measured; /* values that output holds already */
 };
 
-/* Writes the key (light_file_set()) if the verdict is trust, else says the verdict. As above. */
+/* Writes the key (light_file_set()) if the verdict is trust; else logs the verdict. Returns 0; 1:
+ * not trusted; negative errno. */
 int light_conclude(const struct light_job *job, const struct verdict *verdict, const char *key,
 		   const char *text, const char *comment, struct fault *fault);
 
-/* The curve of a camera of that file (NULL: none) and transfer. */
+/* Computes the curve of a camera from its LIGHT.ini (NULL: none) and transfer function. */
 int light_curve_of(const char *path, int transfer, struct transfer_curve *curve,
 		   struct fault *fault);
 
