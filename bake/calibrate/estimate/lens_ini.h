@@ -11,13 +11,14 @@
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
 
-/* What such a file holds: one of the two sections. */
+/* What such a file holds. */
 struct lens_ini {
 	bool camera_given, fisheye_given;
 	struct tsai_camera camera;
 	struct fisheye_settings fisheye;
 };
 
+/* Reads one. -ENOENT...; -EINVAL: a wrong key, neither of the two sections, or both. */
 int lens_read_ini(struct lens_ini *ini, const char *path, struct fault *fault);
 
 /* Writes "[section]" and its keys, one a line. */

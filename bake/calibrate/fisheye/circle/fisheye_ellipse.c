@@ -59,7 +59,7 @@ double ellipse_turn(const double ellipse[ELLIPSE_NUMBERS], const double px[2])
 	return turn < 0 ? turn + 2 * M_PI : turn;
 }
 
-/* Ellipse through six random edges, by x^2 + b y^2 + c x + d y + e = 0. */
+/* Fits an ellipse to six random edges, by x^2 + b y^2 + c x + d y + e = 0. */
 static bool ellipse_through(const struct rim *rim, int attempt, double ellipse[NUMBERS])
 {
 	double a[5 * 6], x[4];

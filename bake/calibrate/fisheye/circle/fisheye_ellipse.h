@@ -20,7 +20,8 @@ void ellipse_normal(const double ellipse[ELLIPSE_NUMBERS], const double px[2], d
 /* Angle of a point around the ellipse, 0..2 pi, on the circle that it is squashed from. */
 double ellipse_turn(const double ellipse[ELLIPSE_NUMBERS], const double px[2]);
 
-/* RANSAC: finds the ellipse through a few edges that most edges lie on; returns how many do. */
+/* RANSAC: of ellipses fitted to six random edges each, finds the one that most edges lie on;
+ * returns how many do. */
 int ellipse_search(const struct rim *rim, double ellipse[ELLIPSE_NUMBERS]);
 
 /* Least-squares fit to every step-th edge from first on, weighted by their deviations, from a first

@@ -12,7 +12,7 @@ struct spot {
 };
 
 struct spots {
-	struct spot *spot; /* the brightest first */
+	struct spot *spot; /* the largest light first */
 	int count;
 };
 
