@@ -37,8 +37,8 @@ int dictionary_for(int markers)
 	return markers <= 250 ? cv::aruco::DICT_5X5_250 : cv::aruco::DICT_5X5_1000;
 }
 
-void detect(const cv::Mat &grey, int dictionary, std::vector<boards::Points> &corners,
-	    std::vector<int> &numbers)
+void detect_markers(const cv::Mat &grey, int dictionary, std::vector<boards::Points> &corners,
+		    std::vector<int> &numbers)
 {
 #if ARUCO_IN_OBJDETECT
 	const cv::aruco::ArucoDetector detector(cv::aruco::getPredefinedDictionary(dictionary));
@@ -56,7 +56,7 @@ std::vector<Marker> markers_seen(const board &wanted, const cv::Mat &grey)
 	std::vector<int> numbers;
 	std::vector<Marker> markers;
 
-	detect(grey, dictionary_for(wanted.columns * wanted.rows / 2), corners, numbers);
+	detect_markers(grey, dictionary_for(wanted.columns * wanted.rows / 2), corners, numbers);
 	for (int r = 0; r < wanted.rows; r++)
 		for (int c = 0; c < wanted.columns; c++) {
 			const int number = board_marker_at(&wanted, c, r);
@@ -69,7 +69,7 @@ std::vector<Marker> markers_seen(const board &wanted, const cv::Mat &grey)
 }
 
 /* The corners of a marker in the board's axes, mm. */
-boards::Points flat(const board &wanted, const Marker &marker)
+boards::Points marker_flat(const board &wanted, const Marker &marker)
 {
 	const float x = (float)((marker.column - 0.5) * wanted.step_mm);
 	const float y = (float)((marker.row - 0.5) * wanted.step_mm);
@@ -86,8 +86,8 @@ boards::Points flat(const board &wanted, const Marker &marker)
  * local homography hardly suffers from the lens's distortion. room becomes the distance to the
  * nearest black of these markers, if that is smaller.
  */
-bool expect(const board &wanted, const std::vector<Marker> &markers, int column, int row,
-	    cv::Point2f &place, double &room)
+bool expect_corner(const board &wanted, const std::vector<Marker> &markers, int column, int row,
+		   cv::Point2f &place, double &room)
 {
 	const boards::Points corner = {
 		{(float)(column * wanted.step_mm), (float)(row * wanted.step_mm)}};
@@ -98,7 +98,7 @@ bool expect(const board &wanted, const std::vector<Marker> &markers, int column,
 		/* squares column..column+1, row..row+1 touch the corner */
 		const int dx = std::max(column - marker.column, marker.column - column - 1);
 		const int dy = std::max(row - marker.row, marker.row - row - 1);
-		const boards::Points four = flat(wanted, marker);
+		const boards::Points four = marker_flat(wanted, marker);
 
 		if (std::max(dx, dy) > 1)
 			continue;
@@ -133,7 +133,7 @@ bool boards::find_charuco(const board &wanted, const cv::Mat &grey, Points &poin
 		for (int c = 0; c + 1 < wanted.columns; c++) {
 			cv::Point2f corner;
 
-			seen.push_back(expect(wanted, markers, c, r, corner, room));
+			seen.push_back(expect_corner(wanted, markers, c, r, corner, room));
 			points.push_back(corner);
 		}
 	if (!markers.empty()) {

@@ -61,7 +61,7 @@ float shortest_step(const Grid &grid)
 	return shortest;
 }
 
-void place(const cv::Mat &grey, Grid &grid)
+void place_corners(const cv::Mat &grey, Grid &grid)
 {
 	const boards::Corners corners(grey, room * (double)shortest_step(grid));
 
@@ -71,7 +71,7 @@ void place(const cv::Mat &grey, Grid &grid)
 
 /* ---- what lies between the corners ---- */
 
-float sample(const cv::Mat &grey, cv::Point2f at)
+float sample_mean(const cv::Mat &grey, cv::Point2f at)
 {
 	const int x = std::clamp(cvRound(at.x), 1, grey.cols - 2);
 	const int y = std::clamp(cvRound(at.y), 1, grey.rows - 2);
@@ -85,14 +85,14 @@ float sample(const cv::Mat &grey, cv::Point2f at)
 
 /* Mean brightness of the squares with odd column + row minus that of the others, between the
  * corners; the square at the first corner's lower right is 0,0. */
-float contrast(const cv::Mat &grey, const Grid &grid)
+float grid_contrast(const cv::Mat &grey, const Grid &grid)
 {
 	float sum[2] = {0, 0};
 	int count[2] = {0, 0};
 
 	for (int r = 0; r + 1 < grid.rows; r++)
 		for (int c = 0; c + 1 < grid.columns; c++) {
-			sum[(c + r) % 2] += sample(grey, grid.inside(c, r, 0.5F, 0.5F));
+			sum[(c + r) % 2] += sample_mean(grey, grid.inside(c, r, 0.5F, 0.5F));
 			count[(c + r) % 2]++;
 		}
 	return sum[1] / (float)count[1] - sum[0] / (float)count[0];
@@ -100,12 +100,12 @@ float contrast(const cv::Mat &grey, const Grid &grid)
 
 /* Contrast of the four squares around a place, given steps to its neighbours right and below:
  * positive where the upper left and lower right squares are darker. */
-float saddle(const cv::Mat &grey, cv::Point2f at, cv::Point2f right, cv::Point2f below)
+float corner_contrast(const cv::Mat &grey, cv::Point2f at, cv::Point2f right, cv::Point2f below)
 {
 	const cv::Point2f a = 0.3F * (right + below), b = 0.3F * (right - below);
 
-	return (sample(grey, at + b) + sample(grey, at - b) - sample(grey, at + a) -
-		sample(grey, at - a)) /
+	return (sample_mean(grey, at + b) + sample_mean(grey, at - b) - sample_mean(grey, at + a) -
+		sample_mean(grey, at - a)) /
 	       2;
 }
 
@@ -113,7 +113,7 @@ float saddle(const cv::Mat &grey, cv::Point2f at, cv::Point2f right, cv::Point2f
 
 enum Turn { FLIP_X = 1, FLIP_Y = 2, TRANSPOSE = 4, TURNS = 8 };
 
-Grid turned(const Grid &grid, int turn)
+Grid grid_turned(const Grid &grid, int turn)
 {
 	Grid to;
 
@@ -149,16 +149,16 @@ cv::Point2f along_columns(const Grid &grid)
 
 /* Turns the grid so that it is seen from the front, with the first square black where that is
  * decisive, else upright. */
-void orient(const cv::Mat &grey, cv::Size wanted, Grid &grid)
+void orient_grid(const cv::Mat &grey, cv::Size wanted, Grid &grid)
 {
 	Grid best;
 	bool best_black = false;
 	float best_right = -INFINITY;
 
 	for (int turn = 0; turn < TURNS; turn++) {
-		Grid one = turned(grid, turn);
+		Grid one = grid_turned(grid, turn);
 		const cv::Point2f right = along_rows(one);
-		const bool black = contrast(grey, one) > 0;
+		const bool black = grid_contrast(grey, one) > 0;
 
 		if (one.columns != wanted.width || one.rows != wanted.height ||
 		    right.cross(along_columns(one)) <= 0)
@@ -203,7 +203,7 @@ bool has_corners(const cv::Mat &grey, const boards::Points &row, const boards::P
 		const cv::Point2f right = c ? row[c] - row[c - 1] : row[1] - row[0];
 
 		corners += inside.contains(row[c]) &&
-			   sign * saddle(grey, row[c], right, next[c] - row[c]) / whole >
+			   sign * corner_contrast(grey, row[c], right, next[c] - row[c]) / whole >
 				   (float)is_corner;
 	}
 	return corners >= row_share * (double)row.size();
@@ -218,18 +218,18 @@ template <typename Change> void at_each_side(Grid &grid, Change change)
 			unchanged = 0;
 			continue;
 		}
-		grid = turned(grid, TRANSPOSE | FLIP_X);
+		grid = grid_turned(grid, TRANSPOSE | FLIP_X);
 		unchanged++;
 	}
 }
 
 /* Removes outer rows and columns without corners, such as the board's own edge, then adds rows that
  * continue beyond the grid. */
-void fit(const cv::Mat &grey, Grid &grid)
+void fit_size(const cv::Mat &grey, Grid &grid)
 {
 	at_each_side(grid, [&](Grid &one) {
 		if (one.rows < side_min ||
-		    has_corners(grey, row_of(one, 0), row_of(one, 1), contrast(grey, one), 1))
+		    has_corners(grey, row_of(one, 0), row_of(one, 1), grid_contrast(grey, one), 1))
 			return false;
 		one.point.erase(one.point.begin(), one.point.begin() + one.columns);
 		one.rows--;
@@ -241,11 +241,11 @@ void fit(const cv::Mat &grey, Grid &grid)
 		const boards::Points above = row_above(one);
 
 		if (one.rows >= BOARD_SIDE_MAX ||
-		    !has_corners(grey, above, row_of(one, 0), contrast(grey, one), -1))
+		    !has_corners(grey, above, row_of(one, 0), grid_contrast(grey, one), -1))
 			return false;
 		one.point.insert(one.point.begin(), above.begin(), above.end());
 		one.rows++;
-		place(grey, one);
+		place_corners(grey, one);
 		return true;
 	});
 }
@@ -258,15 +258,15 @@ bool is_board(const cv::Mat &grey, const Grid &grid)
 
 	if (std::min(grid.columns, grid.rows) < side_min)
 		return false;
-	const float sign = contrast(grey, grid) > 0 ? 1 : -1;
+	const float sign = grid_contrast(grey, grid) > 0 ? 1 : -1;
 
 	for (int r = 0; r + 1 < grid.rows; r++)
 		for (int c = 0; c + 2 < grid.columns; c++)
 			for (int k = 0; k < 9; k++) {
 				const float u = 0.25F * (float)(k % 3 + 1);
 				const float v = 0.25F * (float)(k / 3 + 1);
-				const float step = sample(grey, grid.inside(c + 1, r, u, v)) -
-						   sample(grey, grid.inside(c, r, u, v));
+				const float step = sample_mean(grey, grid.inside(c + 1, r, u, v)) -
+						   sample_mean(grey, grid.inside(c, r, u, v));
 
 				right += ((c + r) % 2 ? -sign : sign) * step > 0;
 				count++;
@@ -275,7 +275,7 @@ bool is_board(const cv::Mat &grey, const Grid &grid)
 }
 
 /* Searches by attempt: 0, the wanted size, quickly; 1, the wanted size, carefully; 2, any size. */
-bool search(const cv::Mat &grey, cv::Size wanted, int attempt, Grid &grid)
+bool search_board(const cv::Mat &grey, cv::Size wanted, int attempt, Grid &grid)
 {
 	const int quickly = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
 			    cv::CALIB_CB_FAST_CHECK;
@@ -295,7 +295,7 @@ bool search(const cv::Mat &grey, cv::Size wanted, int attempt, Grid &grid)
 	return found;
 }
 
-cv::Mat reduced(const cv::Mat &grey, double pixels)
+cv::Mat reduced_picture(const cv::Mat &grey, double pixels)
 {
 	const double scale = std::sqrt(pixels / (double)grey.total());
 	cv::Mat small;
@@ -307,7 +307,7 @@ cv::Mat reduced(const cv::Mat &grey, double pixels)
 }
 
 /* Scales the points from the reduced picture to the whole one. */
-void enlarge(const cv::Mat &small, const cv::Mat &grey, Grid &grid)
+void enlarge_grid(const cv::Mat &small, const cv::Mat &grey, Grid &grid)
 {
 	for (cv::Point2f &point : grid.point) {
 		point.x = (point.x + 0.5F) * (float)grey.cols / (float)small.cols - 0.5F;
@@ -324,13 +324,14 @@ bool boards::find_chess(const board &wanted, const cv::Mat &grey, Points &points
 	Grid grid;
 
 	for (int attempt = 0; attempt < 3 && !found; attempt++) {
-		const cv::Mat small = reduced(grey, attempt ? careful_pixels : quick_pixels);
+		const cv::Mat small = reduced_picture(grey,
+						      attempt ? careful_pixels : quick_pixels);
 
-		if (!search(small, size, attempt, grid))
+		if (!search_board(small, size, attempt, grid))
 			continue;
-		enlarge(small, grey, grid);
-		place(grey, grid);
-		fit(grey, grid);
+		enlarge_grid(small, grey, grid);
+		place_corners(grey, grid);
+		fit_size(grey, grid);
 		found = is_board(grey, grid);
 	}
 	why = "no chessboard is to be seen";
@@ -341,7 +342,7 @@ bool boards::find_chess(const board &wanted, const cv::Mat &grey, Points &points
 		      "x" + std::to_string(std::min(grid.columns, grid.rows)) + " inner corners";
 		return false;
 	}
-	orient(grey, size, grid);
+	orient_grid(grey, size, grid);
 	points = std::move(grid.point);
 	return !points.empty();
 }

@@ -17,7 +17,7 @@ constexpr double bend = 0.3;
 
 /* The blob detector's default limits are fixed numbers of pixels; these follow the picture's
  * size. */
-cv::Ptr<cv::FeatureDetector> detector(const cv::Mat &grey)
+cv::Ptr<cv::FeatureDetector> blob_detector(const cv::Mat &grey)
 {
 	cv::SimpleBlobDetector::Params limits;
 
@@ -30,7 +30,7 @@ cv::Ptr<cv::FeatureDetector> detector(const cv::Mat &grey)
 	return cv::SimpleBlobDetector::create(limits);
 }
 
-boards::Points flat(const board &wanted)
+boards::Points board_flat(const board &wanted)
 {
 	boards::Points points;
 
@@ -44,8 +44,8 @@ boards::Points flat(const board &wanted)
 }
 
 /* Returns the same circles, counted from another corner. */
-boards::Points recounted(const board &wanted, const boards::Points &points, bool flip_x,
-			 bool flip_y)
+boards::Points circles_recounted(const board &wanted, const boards::Points &points, bool flip_x,
+				 bool flip_y)
 {
 	boards::Points to;
 
@@ -61,7 +61,7 @@ boards::Points recounted(const board &wanted, const boards::Points &points, bool
 
 /* Whether the points fit the board, seen from the front. place: the board's points; step_mm: the
  * board's step. */
-bool fits(const boards::Points &place, const boards::Points &points, float step_mm)
+bool fits_board(const boards::Points &place, const boards::Points &points, float step_mm)
 {
 	const cv::Mat plane = cv::findHomography(place, points);
 	boards::Points expected;
@@ -84,7 +84,7 @@ bool fits(const boards::Points &place, const boards::Points &points, float step_
  * noise or a neighbour too: up to 2 px off. The centroid of the darkness of one connected circle is
  * not.
  */
-cv::Point2f centroid(const cv::Mat &grey, const cv::Point2f &at, float apart)
+cv::Point2f circle_centroid(const cv::Mat &grey, const cv::Point2f &at, float apart)
 {
 	const int half = (int)std::ceil(apart);
 	const cv::Point corner((int)std::floor(at.x) - half, (int)std::floor(at.y) - half);
@@ -115,7 +115,7 @@ cv::Point2f centroid(const cv::Mat &grey, const cv::Point2f &at, float apart)
 }
 
 /* Distance of point k to its nearest neighbour. */
-float apart(const boards::Points &points, size_t k)
+float nearest_distance(const boards::Points &points, size_t k)
 {
 	float least = INFINITY;
 
@@ -131,24 +131,25 @@ bool boards::find_circles(const board &wanted, const cv::Mat &grey, Points &poin
 			  std::string &why)
 {
 	const cv::Size size(wanted.columns, wanted.rows);
-	const Points place = flat(wanted);
+	const Points place = board_flat(wanted);
 	Points found;
 
 	why = "no such grid of circles is to be seen";
-	if (!cv::findCirclesGrid(grey, size, found, cv::CALIB_CB_ASYMMETRIC_GRID, detector(grey)) &&
+	if (!cv::findCirclesGrid(grey, size, found, cv::CALIB_CB_ASYMMETRIC_GRID,
+				 blob_detector(grey)) &&
 	    !cv::findCirclesGrid(grey, size, found,
 				 cv::CALIB_CB_ASYMMETRIC_GRID | cv::CALIB_CB_CLUSTERING,
-				 detector(grey)))
+				 blob_detector(grey)))
 		return false;
 	/* With an odd number of rows two countings fit; seen from the front is one of them. */
 	for (int turn = 0; turn < 4 && points.empty(); turn++) {
-		Points one = recounted(wanted, found, turn & 1, turn & 2);
+		Points one = circles_recounted(wanted, found, turn & 1, turn & 2);
 
-		if (fits(place, one, (float)wanted.step_mm))
+		if (fits_board(place, one, (float)wanted.step_mm))
 			points = std::move(one);
 	}
 	found = points;
 	for (size_t k = 0; k < points.size(); k++)
-		points[k] = centroid(grey, found[k], apart(found, k));
+		points[k] = circle_centroid(grey, found[k], nearest_distance(found, k));
 	return !points.empty();
 }

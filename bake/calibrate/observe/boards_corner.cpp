@@ -26,7 +26,7 @@ constexpr double close_px = 1e-3;
 using Quadric = cv::Vec<double, terms>;
 
 /* Least-squares fit of a quadric around a point, weights falling with distance. False: singular. */
-bool fit(const cv::Mat &soft, cv::Point2d at, int reach, Quadric &quadric)
+bool fit_quadric(const cv::Mat &soft, cv::Point2d at, int reach, Quadric &quadric)
 {
 	const int x = cvRound(at.x), y = cvRound(at.y);
 	const double whole = (reach + 0.5) * (reach + 0.5);
@@ -46,7 +46,7 @@ bool fit(const cv::Mat &soft, cv::Point2d at, int reach, Quadric &quadric)
 }
 
 /* Step from the quadric's origin to its stationary point. False: that is no saddle. */
-bool saddle(const Quadric &q, cv::Point2d &step)
+bool saddle_of(const Quadric &q, cv::Point2d &step)
 {
 	const double det = 4 * q[0] * q[2] - q[1] * q[1];
 
@@ -59,7 +59,7 @@ bool saddle(const Quadric &q, cv::Point2d &step)
 
 /* Table from code values to linear light: lenses and pixels average light, and averaged code values
  * would move an edge towards its dark side. */
-cv::Mat light()
+cv::Mat light_table()
 {
 	cv::Mat table(1, 256, CV_32F);
 
@@ -74,7 +74,7 @@ boards::Corners::Corners(const cv::Mat &picture, double room)
     : grey(picture), window(std::clamp((int)(0.7 * room), 2, 11)),
       reach(std::clamp((int)(0.6 * room), 2, 10))
 {
-	cv::LUT(picture, light(), soft);
+	cv::LUT(picture, light_table(), soft);
 	cv::GaussianBlur(soft, soft, cv::Size(), std::clamp(room / 10, 0.7, 2.0));
 }
 
@@ -96,7 +96,7 @@ bool boards::Corners::place(cv::Point2f &point) const
 	for (int i = 0; i < rounds; i++) {
 		Quadric quadric;
 
-		if (!fit(soft, at, reach, quadric) || !saddle(quadric, step))
+		if (!fit_quadric(soft, at, reach, quadric) || !saddle_of(quadric, step))
 			return false;
 		at += step;
 		if (!(cv::norm(at - cv::Point2d(point)) <= reach))

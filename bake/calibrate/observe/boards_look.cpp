@@ -17,7 +17,7 @@ int say_nothing(int, const char *, const char *, const char *, int, void *)
 	return 0;
 }
 
-void silence()
+void silence_opencv()
 {
 	cv::redirectError(say_nothing);
 	cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
@@ -36,7 +36,8 @@ bool find_kind(const board &wanted, const cv::Mat &grey, boards::Points &points,
 	}
 }
 
-int look_for(const board &wanted, const image &picture, double (*px)[2], bool *seen, fault *fault)
+int look_for_board(const board &wanted, const image &picture, double (*px)[2], bool *seen,
+		   fault *fault)
 {
 	const cv::Mat rgb(picture.height, picture.width, CV_8UC3, picture.u8);
 	boards::Points points;
@@ -63,8 +64,8 @@ extern "C" int board_look(const struct board *board, const struct image *picture
 			  bool *seen, struct fault *fault)
 {
 	try {
-		silence();
-		return look_for(*board, *picture, px, seen, fault);
+		silence_opencv();
+		return look_for_board(*board, *picture, px, seen, fault);
 	} catch (const std::bad_alloc &) {
 		return -ENOMEM;
 	} catch (const cv::Exception &error) {
