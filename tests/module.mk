@@ -154,6 +154,7 @@ FUZZ_PARTS := \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/linear.c \
+	bake/calibrate/estimate/order.c \
 	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/observe/observations.c \
 	bake/encode/coarse.c \

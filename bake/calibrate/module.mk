@@ -35,6 +35,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/lens_ini.c \
 	bake/calibrate/estimate/linear.c \
+	bake/calibrate/estimate/order.c \
 	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/estimate/verdict.c \
 	bake/calibrate/fisheye/fisheye_doubts.c \

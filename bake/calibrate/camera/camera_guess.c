@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "bake/calibrate/camera/camera_guess_parts.h"
+#include "bake/calibrate/estimate/order.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
@@ -153,13 +154,6 @@ static void choose_some(struct guesser *g, unsigned long long *random)
 	g->chosen_first[g->problem->views] = count;
 }
 
-static int compare_errors(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 /* Returns the median distance between seen and projected points, over at most some hundred points;
  * points without an image count as infinite. */
 static double median_error(struct guesser *g, const double *x)
@@ -184,7 +178,7 @@ static double median_error(struct guesser *g, const double *x)
 					    ? hypot(px[0] - point->px[0], px[1] - point->px[1])
 					    : INFINITY;
 	}
-	qsort(g->error, (size_t)count, sizeof(*g->error), compare_errors);
+	qsort(g->error, (size_t)count, sizeof(*g->error), order_doubles);
 	return count ? g->error[count / 2] : INFINITY;
 }
 

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "bake/calibrate/estimate/covariance.h"
+#include "bake/calibrate/estimate/order.h"
 
 #define EVALUATIONS_MAX 500
 #define WEIGHTINGS_MAX 50
@@ -201,13 +202,6 @@ static int descent_run(struct descent *work, double tolerance, int *iterations)
 	return info == 5 ? -ETIMEDOUT : 0;
 }
 
-static int compare_lengths(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 static double group_length(const struct descent *work, const double *residual, int g)
 {
 	double squares = 0;
@@ -233,7 +227,7 @@ static double loss_width(const struct descent *work, const double *residual)
 
 	for (int g = 0; g < groups; g++)
 		work->lengths[g] = group_length(work, residual, g);
-	qsort(work->lengths, (size_t)groups, sizeof(*work->lengths), compare_lengths);
+	qsort(work->lengths, (size_t)groups, sizeof(*work->lengths), order_doubles);
 	sigma = work->lengths[groups / 2] / median_of_one *
 		sqrt((double)problem->residuals / (freedom > 0 ? freedom : 1));
 	/* Where most points fit to rounding, rounding errors must not decide which are outliers. */

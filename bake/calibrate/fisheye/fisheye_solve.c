@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/calibrate/estimate/order.h"
 #include "bake/calibrate/fisheye/fisheye_turn.h"
 #include "hal/optics/vec.h"
 
@@ -263,13 +264,6 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 	return err;
 }
 
-static int compare_lengths(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return x < y ? -1 : x > y ? 1 : 0;
-}
-
 /* Returns the deviation of a point, and the largest residual. */
 static double measure_errors(const struct lens_problem *problem,
 			     const struct lens_solution *solution, double *largest)
@@ -282,7 +276,7 @@ static double measure_errors(const struct lens_problem *problem,
 		return INFINITY;
 	for (int n = 0; n < count; n++)
 		length[n] = hypot(solution->fit.residual[2 * n], solution->fit.residual[2 * n + 1]);
-	qsort(length, (size_t)count, sizeof(*length), compare_lengths);
+	qsort(length, (size_t)count, sizeof(*length), order_doubles);
 	*largest = count ? length[count - 1] : 0;
 	middle = length[count / 2];
 	free(length);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/calibrate/estimate/order.h"
 #include "bake/calibrate/report/report_parts.h"
 
 #define OUTLIER_WEIGHT 0.1 /* finding.h */
@@ -13,18 +14,11 @@
 #define MARGIN 1.1	   /* border around points in a picture of unknown size */
 #define ARROW_PX 40.0	   /* largest length of most arrows on the sheet */
 
-static int by_error(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 double report_quantile(double *value, int count, double share)
 {
 	if (!count)
 		return 0;
-	qsort(value, (size_t)count, sizeof(*value), by_error);
+	qsort(value, (size_t)count, sizeof(*value), order_doubles);
 	return value[(int)(share * (count - 1) + 0.5)];
 }
 

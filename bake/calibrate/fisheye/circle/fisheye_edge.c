@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/calibrate/estimate/order.h"
+
 #define APART_PX 3.0 /* distance of pieces along the rim: neighbours share no pixels */
 #define ALONG_PX 1.5 /* half the length of a piece */
 #define DEPTH_PX 2.0 /* margin inside and outside of the places tried */
@@ -310,13 +312,6 @@ static bool place_edge(struct edge_piece *piece, const struct rim *rim, const do
 	return edge->deviation < DEVIATION_MOST;
 }
 
-static int compare_lights(const void *a, const void *b)
-{
-	const float x = *(const float *)a, y = *(const float *)b;
-
-	return x < y ? -1 : x > y ? 1 : 0;
-}
-
 /* Measures the darkness around the ellipse and its noise, by median and quartiles. */
 static int look_outside(struct rim *rim, const double ellipse[ELLIPSE_NUMBERS])
 {
@@ -334,20 +329,13 @@ static int look_outside(struct rim *rim, const double ellipse[ELLIPSE_NUMBERS])
 		if (away > DARK_FROM_PX && away < DARK_TO_PX)
 			light[count++] = rim->light[p];
 	}
-	qsort(light, count, sizeof(*light), compare_lights);
+	qsort(light, count, sizeof(*light), order_floats);
 	if (count > 0) {
 		rim->dark = light[count / 2];
 		rim->noise = (light[count * 3 / 4] - light[count / 4]) / 1.35;
 	}
 	free(light);
 	return 0;
-}
-
-static int by_size(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return x < y ? -1 : x > y ? 1 : 0;
 }
 
 /* Median variance that edges with this blur leave unexplained; infinite: no piece is seen. */
@@ -372,7 +360,7 @@ static double unexplained_squares(struct edge_piece *piece, const struct rim *ri
 	}
 	if (!count)
 		return INFINITY;
-	qsort(variance, (size_t)count, sizeof(*variance), by_size);
+	qsort(variance, (size_t)count, sizeof(*variance), order_doubles);
 	return variance[count / 2];
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/calibrate/estimate/order.h"
 #include "bake/calibrate/observe/plain_light.h"
 
 #define STEP_PX 0.5	  /* along a ray */
@@ -27,13 +28,6 @@ struct plane {
 	double dark, threshold;
 	bool codes; /* 8-bit: the largest light is 1 */
 };
-
-static int compare_lights(const void *a, const void *b)
-{
-	const float x = *(const float *)a, y = *(const float *)b;
-
-	return x < y ? -1 : x > y ? 1 : 0;
-}
 
 struct rim_block {
 	double mean, deviation;
@@ -96,7 +90,7 @@ static int find_threshold(struct plane *plane)
 		return -ENOMEM;
 	}
 	memcpy(sorted, plane->light, count * sizeof(*sorted));
-	qsort(sorted, count, sizeof(*sorted), compare_lights);
+	qsort(sorted, count, sizeof(*sorted), order_floats);
 	plane->dark = sorted[(size_t)((double)count * DARK_SHARE)];
 	noise = plane->dark - sorted[(size_t)((double)count * DARK_SHARE / 10)];
 	bright = sorted[(size_t)((double)count * BRIGHT_SHARE)];
