@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/camera/camera_guess_parts.h"
+#include "bake/calibrate/camera/camera_guess_closed.h"
 #include "bake/calibrate/estimate/order.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"

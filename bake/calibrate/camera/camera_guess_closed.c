@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+#include "bake/calibrate/camera/camera_guess_closed.h"
+
 #include <errno.h>
 #include <math.h>
 #include <string.h>
 
-#include "bake/calibrate/camera/camera_guess_parts.h"
 #include "bake/calibrate/camera/camera_tsai.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"

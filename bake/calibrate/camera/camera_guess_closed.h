@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Shared by the parts of a first guess: closed forms from chosen points, and the choice of
- * points. */
-#ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_GUESS_PARTS_H
-#define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_GUESS_PARTS_H
+/* First guesses in closed form from chosen points. Private to camera_guess*.c. */
+#ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_GUESS_CLOSED_H
+#define INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_GUESS_CLOSED_H
 
 #include "bake/calibrate/camera/camera_guess.h"
 
