@@ -14,7 +14,6 @@ BAKE_SOURCES := \
 	bake/base/report_plot.c \
 	bake/base/report_table.c \
 	bake/base/surface.c \
-	bake/encode/coarse.c \
 	bake/encode/encode.c \
 	bake/encode/encode_block.c \
 	bake/encode/encode_column.c \
@@ -71,6 +70,7 @@ BAKE_SOURCES := \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
 	bake/tiles/assembly.c \
+	bake/tiles/coarse.c \
 	bake/tiles/finished_tile.c \
 	bake/tiles/in_order.c \
 	bake/tiles/merge_command.c \

@@ -157,7 +157,6 @@ FUZZ_PARTS := \
 	bake/calibrate/estimate/order.c \
 	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/observe/observations.c \
-	bake/encode/coarse.c \
 	bake/exchange/msi.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh_gltf.c \
@@ -166,6 +165,7 @@ FUZZ_PARTS := \
 	bake/mesh/plain_file.c \
 	bake/scene/keyframes.c \
 	bake/scene/scene_file.c \
+	bake/tiles/coarse.c \
 	bake/tiles/finished_tile.c \
 	bake/tiles/plan.c \
 	bake/tiles/shard.c

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/coarse.h"
+#include "bake/tiles/coarse.h"
 
 /* Default of column_cut for up to CUT_LIGHTS lights: the largest change, in linear light, of a
  * column that a frame may leave out. */

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/coarse.h"
 #include "bake/encode/encode.h"
+#include "bake/tiles/coarse.h"
 #include "tests/support/chance.h"
 
 #define PIXELS_MOST (BASIS_TILE * BASIS_TILE)

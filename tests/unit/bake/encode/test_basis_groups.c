@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "bake/encode/coarse.h"
+#include "bake/tiles/coarse.h"
 #include "hal/basis/basis_groups.h"
 #include "tests/support/chance.h"
 

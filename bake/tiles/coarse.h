@@ -3,8 +3,8 @@
  * The coarse lights: the nodes of a dome of lower frequency. Each fine light is distributed over
  * the three coarse nodes around it.
  */
-#ifndef INLAY_BAKE_ENCODE_COARSE_H
-#define INLAY_BAKE_ENCODE_COARSE_H
+#ifndef INLAY_BAKE_TILES_COARSE_H
+#define INLAY_BAKE_TILES_COARSE_H
 
 #include "hal/basis/basis_format.h"
 #include "hal/optics/dome.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/coarse.h"
+#include "bake/tiles/coarse.h"
 
 #include <math.h>
 #include <stdbool.h>
