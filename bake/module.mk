@@ -9,6 +9,7 @@ BAKE_SOURCES := \
 	bake/info_map.c \
 	bake/base/angles.c \
 	bake/base/options.c \
+	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \
 	bake/base/report_plot.c \

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/profile.h"
 #include "bake/encode/encode_block.h"
 #include "bake/encode/encode_expose.h"
 #include "bake/encode/encode_measure.h"
@@ -154,6 +155,7 @@ static void encoder_limit(struct encoder *e, struct part *part)
 {
 	const struct encode_target *target = &e->settings.target;
 
+	profile_enter(PROFILE_LIMITS);
 	part_limit(part, &e->settings, &e->levels, PIXEL_SHARE * fmin(target->rms, target->cell));
 }
 
@@ -186,6 +188,7 @@ static int encoder_build(struct encoder *e, int tile, int count, int *first)
 		if (!part->kept || alone)
 			continue;
 		err = search_until_held(e, part, &plan);
+		profile_enter(PROFILE_WRITE);
 		if (!err)
 			err = block_build(&e->shown, &e->search, &e->split, &plan, tile);
 		if (!err && part->kind == BASIS_KIND_U && first[k] == e->shown.count)
@@ -200,6 +203,7 @@ static int encoder_measure(struct encoder *e, const uint16_t *coverage, int coun
 {
 	int err = 0;
 
+	profile_enter(PROFILE_CHECK);
 	result->object_error = result->ratio_error = 0;
 	for (int k = 0; k < count && !err; k++)
 		err = block_reader_open(&e->reader[k], &e->settings, &e->part[k],
@@ -312,6 +316,7 @@ static bool try_watched(struct encoder *e, int count)
 		m->sky_most[sky] = m->sky_most[e->shade.skies.tried];
 		shade_try(&e->shade, sky);
 	}
+	profile_enter(PROFILE_LIMITS);
 	for (int k = 0; k < count && tried; k++)
 		part_expose(&e->part[k], &e->settings);
 	return tried > 0;
@@ -378,6 +383,7 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 	int err;
 
 	*result = (struct encode_result){.shown = NULL};
+	profile_enter(PROFILE_LIMITS);
 	if (!samples_pair(samples, count))
 		return -EINVAL;
 	err = encoder_reserve(e, count);
@@ -388,6 +394,7 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 		return err;
 	e->exact.count = 0;
 	err = build_until_held(e, tile, coverage, count, result);
+	profile_enter(PROFILE_WRITE);
 	if (!err && e->settings.exact)
 		err = build_exact(e, tile, count);
 	if (err)

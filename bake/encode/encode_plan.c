@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "bake/base/profile.h"
 #include "hal/basis/basis_layout.h"
 
 /* What a block costs a frame besides its bytes, in bytes: some 150 ns at 10 GB/s. */
@@ -350,13 +351,16 @@ bool encode_plan_better(const struct encode_plan *a, const struct encode_plan *b
 void encode_plan_evaluate(struct search *s, struct split *split, int mono_rank, int colour_rank,
 			  const struct encode_plan *best, struct encode_plan *plan)
 {
+	profile_enter(PROFILE_BASIS);
 	split_set_ranks(split, s->settings->lights, mono_rank, colour_rank);
+	profile_enter(PROFILE_COLUMNS);
 	plan->way = split->way;
 	plan->mono_rank = split->mono ? split->mono_rank : 0;
 	plan->colour_rank = split->colour ? split->colour_rank : 0;
 	choose_columns(s, split, plan);
 	count_bytes(s, split, plan);
 	/* The skies take longest, and do not matter where it is dearer anyway. */
+	profile_enter(PROFILE_SKIES);
 	plan->excess = INFINITY;
 	if (!best || best->excess > 1 || encode_plan_cost(plan) < encode_plan_cost(best))
 		plan->excess = excess_of(s, split);

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/profile.h"
+
 #define TINT_ROUNDS 16
 /* Short lines that use up all that one light may be off by leave nothing to skies. */
 #define SPENT_FIRST 0.5F
@@ -180,6 +182,7 @@ int split_part(struct split *split, const struct encode_settings *settings, cons
 	const size_t n = (size_t)settings->lights;
 	int err = 0;
 
+	profile_enter(PROFILE_BASIS);
 	split->part = part;
 	split->way = way;
 	split->mono = split->colour = split->tinted = false;
@@ -218,8 +221,10 @@ int split_find(struct split *split, const struct encode_settings *settings, cons
 	       int most)
 {
 	const struct part *part = split->part;
-	int err = rank_metric_set(&split->metric, settings, part, weight);
+	int err;
 
+	profile_enter(PROFILE_BASIS);
+	err = rank_metric_set(&split->metric, settings, part, weight);
 	if (err)
 		return err;
 	split->most = most;

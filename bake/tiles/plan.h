@@ -16,7 +16,7 @@ struct plan {
 	struct basis_coarse *gather;	/* [info.lights]; NULL where info.coarse is info.lights */
 	struct basis_pose_name *names;	/* [info.poses]; NULL: poses have no names */
 	char camera[PLAN_TEXT_MAX];	/* INI text */
-	char provenance[PLAN_TEXT_MAX]; /* lines "key = value", the same in each run */
+	char provenance[PLAN_TEXT_MAX]; /* lines "key = value", the same in each run but for a profile */
 };
 
 /* Sets the lights and the coarse lights, their members of info, and info.column_cut, if that is

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/profile.h"
 #include "bake/base/progress.h"
 #include "bake/scene/keyframes.h"
 #include "bake/tiles/assembly.h"
@@ -41,6 +42,7 @@ struct render_job {
 	struct assembly *assembly;
 	struct shard_writer *shard;
 	struct progress progress;
+	struct profile *profile; /* NULL: not asked for */
 	int first_pose, pose; /* poses of the scene: the first and the current one of this bake */
 	/* tiles of the current pose that this bake makes: first + k * step, k = 0..tiles-1 */
 	int tiles, first, step;
@@ -116,12 +118,14 @@ static int render_make_tile(void *context, int index, int number, struct finishe
 	const int place = job->first + index * job->step;
 	int err;
 
+	profile_watch(job->profile, number);
 	tile->transport.ray_count = 0;
 	tile_render(tile, place);
 	for (int k = 0; k < tile->part_count; k++)
 		peaks_grow(worker->peak, &tile->part[k], job->dome.count);
 	err = encode_tile(worker->encoder, place, tile->opaque, tile->part, tile->part_count,
 			  &result);
+	profile_enter(PROFILE_WRITE);
 	if (!err)
 		err = finished_tile_keep(finished, result.shown, result.shown_count, result.exact,
 					 result.exact_count);
@@ -210,6 +214,9 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 		set_tiles(job);
 		tiles += job->tiles;
 	}
+	if (job->settings.profile && profile_begin(&job->profile, job->worker_count) < 0)
+		return fault_say(fault, -EAGAIN,
+				 "the profile cannot start: out of memory or threads");
 	progress_begin(&job->progress, "bake", tiles, job->settings.quiet);
 	for (int p = 0; p < poses && !err; p++) {
 		job->pose = job->first_pose + p;
@@ -217,6 +224,7 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 		err = render_make_pose(job, fault);
 	}
 	report->seconds = progress_end(&job->progress);
+	profile_end(job->profile, report->stage_s);
 	report->rays = job->rays;
 	report->object_seen = job->object_seen;
 	return err;
@@ -374,6 +382,21 @@ static int render_set_up(struct render_job *job, const char *path, struct fault 
 	return render_open_file(job, path, fault);
 }
 
+/* The provenance is the same in each run, unless it holds a profile. */
+static void render_write_profile(struct render_job *job, const struct render_report *report)
+{
+	const size_t room = sizeof(job->plan.provenance);
+	size_t used = strlen(job->plan.provenance);
+
+	used += (size_t)snprintf(job->plan.provenance + used, room - used, "processor_seconds =");
+	for (int stage = 0; stage < PROFILE_STAGES && used < room; stage++)
+		used += (size_t)snprintf(job->plan.provenance + used, room - used, "%s %s %.2f",
+					 stage ? "," : "", profile_stage_names[stage],
+					 report->stage_s[stage]);
+	if (used < room)
+		snprintf(job->plan.provenance + used, room - used, "\n");
+}
+
 static void render_tear_down(struct render_job *job)
 {
 	assembly_abandon(job->assembly);
@@ -402,6 +425,8 @@ static int render_finish(struct render_job *job, struct render_report *report, s
 
 	job->assembly = NULL; /* the calls below free both */
 	job->shard = NULL;
+	if (job->settings.profile)
+		render_write_profile(job, report);
 	if (shard)
 		err = shard_writer_finish(shard, fault);
 	else

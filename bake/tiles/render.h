@@ -3,6 +3,7 @@
 #ifndef INLAY_BAKE_TILES_RENDER_H
 #define INLAY_BAKE_TILES_RENDER_H
 
+#include "bake/base/profile.h"
 #include "bake/encode/encode.h"
 #include "bake/scene/scene.h"
 #include "bake/tiles/shard.h"
@@ -23,6 +24,7 @@ struct render_settings {
 	const char *pose;	     /* name or number of the only pose to bake; NULL: all */
 	int threads;		     /* 0: one for each processor */
 	bool quiet;		     /* no progress */
+	bool profile;		     /* measure the processor time of each stage */
 };
 
 struct render_report {
@@ -31,6 +33,7 @@ struct render_report {
 	struct basis_info_chunk info;	   /* with the declared errors, but not for a shard */
 	uint64_t shown_bytes, exact_bytes; /* of all blocks */
 	bool object_seen;		   /* some pixel shows the object */
+	double stage_s[PROFILE_STAGES];	   /* processor time by stage, if asked for; of the tiles */
 };
 
 /* Settings of the scene file. */

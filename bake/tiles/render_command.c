@@ -25,7 +25,8 @@ enum {
 	QUIET,
 	PRINT_SCENE,
 	SHARD,
-	POSE
+	POSE,
+	PROFILE
 };
 
 static const struct option options[] = {
@@ -42,6 +43,7 @@ static const struct option options[] = {
 	{"shard", required_argument, NULL, SHARD},
 	{"threads", required_argument, NULL, THREADS},
 	{"quiet", no_argument, NULL, QUIET},
+	{"profile", no_argument, NULL, PROFILE},
 	{"print-scene", no_argument, NULL, PRINT_SCENE},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
@@ -55,7 +57,7 @@ struct render_choices {
 	struct encoding_said encoding;
 	struct shard_place shard;
 	const char *pose;
-	bool quiet, print_scene;
+	bool quiet, profile, print_scene;
 };
 
 /* Reads --shard I/N, where I counts from 1. */
@@ -108,6 +110,9 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 	case QUIET:
 		c->quiet = true;
 		return 0;
+	case PROFILE:
+		c->profile = true;
+		return 0;
 	case PRINT_SCENE:
 		c->print_scene = true;
 		return 0;
@@ -137,6 +142,7 @@ static void apply_choices(struct render_settings *s, const struct render_choices
 	s->pose = c->pose;
 	s->threads = c->threads;
 	s->quiet = c->quiet;
+	s->profile = c->profile;
 }
 
 static void print_report(const struct render_choices *c, const struct render_report *report)
@@ -156,6 +162,18 @@ static void print_report(const struct render_choices *c, const struct render_rep
 		printf(" (exact layer %.2f MB)", (double)report->exact_bytes * 1e-6);
 	printf(", error in levels RMS / most: skies %.2f / %.1f, cells %.2f / %.1f\n",
 	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max);
+}
+
+static void print_profile(const struct render_report *report)
+{
+	double sum = 0;
+
+	for (int stage = 0; stage < PROFILE_STAGES; stage++)
+		sum += report->stage_s[stage];
+	printf("processor time by stage, of %.2f s:\n", sum);
+	for (int stage = 0; stage < PROFILE_STAGES; stage++)
+		printf("  %-8s %8.2f s %5.1f %%\n", profile_stage_names[stage],
+		       report->stage_s[stage], sum > 0 ? 100 * report->stage_s[stage] / sum : 0);
 }
 
 /* Refuses an output file that is one of the scene's own files. */
@@ -202,6 +220,8 @@ static int render_bake(const char *path, const struct render_choices *c)
 			    path);
 	if (!c->quiet)
 		print_report(c, &report);
+	if (c->profile)
+		print_profile(&report);
 	return EXIT_SUCCESS;
 }
 
@@ -236,7 +256,8 @@ const struct command render_command = {
 	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
 		 "           [--size WxH]\n"
 		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
-		 "           [--pose P] [--seed K] [--shard I/N] [--threads T] [--quiet]",
+		 "           [--pose P] [--seed K] [--shard I/N] [--threads T] [--profile] "
+		 "[--quiet]",
 	.summary = "bake a scene: all its light transport, to a basis file",
 	.help = "\n"
 		"  -o FILE         the basis file; appears when it is whole\n"
@@ -255,6 +276,8 @@ const struct command render_command = {
 		"  --shard I/N     only every N-th tile, from the I-th on: inlay-bake merge puts "
 		"all N together\n"
 		"  --threads T     default: one for each processor\n"
+		"  --profile       print the processor time of each stage, and keep it in the "
+		"file\n"
 		"  --quiet         print nothing but errors\n"
 		"  --print-scene   a scene file with every key, its default and its meaning\n"
 		"\n"

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/profile.h"
 #include "bake/tiles/tile_glass.h"
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
@@ -102,6 +103,7 @@ static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 	struct tile_sample s = {.at = at, .pixel = pixel, .sample = sample};
 	bool met;
 
+	profile_enter(PROFILE_CAMERA);
 	sobol_point(place, scramble, s.place);
 	s.place[0] += x;
 	s.place[1] += y;
@@ -155,6 +157,7 @@ static void run_batch(struct tile *tile, int samples)
 
 			for (int k = 0; k < samples; k++)
 				tile_add_sample(tile, at, (uint32_t)(tile->samples + k));
+			profile_enter(PROFILE_FILTER);
 			tile_noise_add(tile, at, samples);
 		}
 	tile->samples += samples;

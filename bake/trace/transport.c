@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/profile.h"
+
 #define PIXEL_STEP UINT32_C(0x632be5ab) /* separates the keys of one path's surfaces */
 #define DIRECTIONS_MIN 32
 #define DIRECTIONS_MAX 256
@@ -320,6 +322,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	const struct cone everywhere = {{0, 0, 1}, -2};
 	const struct cone cone = glossy ? everywhere : cone_of(&bounds, s->position);
 	const float cos_o = v3_dot(s->normal, wo), below = share_below(s->normal);
+	const enum profile_stage before = profile_enter(depth ? PROFILE_PATHS : PROFILE_CELLS);
 	struct v3 down = {0, 0, 0};
 	float weight_down = 0;
 	struct onward onward;
@@ -337,9 +340,11 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	for (int k = 0; k < t->rays.count; k++)
 		if (t->rays.blocked[k])
 			t->value[t->cell[k]] = 0;
+	profile_enter(PROFILE_DEPOSIT);
 	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
 	if (glossy && coat_is_wide(t, &s->bsdf))
 		add_coat_by_cells(t, s, wo, weight, row);
+	profile_enter(before);
 	return onward;
 }
 
@@ -401,6 +406,7 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 			const struct transport_rows *rows)
 {
 	const float peak = rgb_peak(weight);
+	enum profile_stage before;
 	struct surface next;
 
 	if (depth > t->bounces || peak == 0)
@@ -411,8 +417,10 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 		weight = rgb_scale(weight, WEIGHT_SURE / peak);
 	}
 	t->ray_count++;
+	before = profile_enter(PROFILE_PATHS);
 	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next))
 		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, rows);
+	profile_enter(before);
 }
 
 /* Draws a ray from the coat. False when it ends in the sky, whose light is added, or below the
@@ -543,6 +551,7 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 	const struct v3 *row = cells_pick(cells, cells->ground, t->pixel, t->sample);
 	struct onward onward;
 
+	profile_enter(PROFILE_CELLS);
 	t->compared = false;
 	t->rays.count = 0;
 	for (int k = 0; k < cells->count; k++)
