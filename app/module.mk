@@ -26,6 +26,7 @@ APP_SOURCES := \
 	app/kiosk/control_socket.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
+	app/kiosk/kiosk_complain.c \
 	app/kiosk/kiosk_control.c \
 	app/kiosk/kiosk_open.c \
 	app/kiosk/kiosk_picture.c \
@@ -42,6 +43,7 @@ APP_SOURCES := \
 	app/pipeline/pipeline_config.c \
 	app/pipeline/pipeline_fade.c \
 	app/pipeline/pipeline_ground.c \
+	app/pipeline/pipeline_level.c \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_pose.c \
 	app/view/layout.c \

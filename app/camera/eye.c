@@ -1,6 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #include "app/camera/eye.h"
 
+struct source *eyes_leader(const struct eyes *eyes)
+{
+	struct source *candidates[] = {eyes->background.source, eyes->fisheye.source,
+				       eyes->scene.source};
+	struct source *silent = NULL;
+
+	for (int i = 2; i >= 0; i--) {
+		if (candidates[i] && source_is_open(candidates[i]))
+			silent = candidates[i];
+	}
+	for (int i = 0; i < 3; i++) {
+		if (candidates[i] && source_is_open(candidates[i]) &&
+		    candidates[i]->situation == CAMERA_FINE)
+			return candidates[i];
+	}
+	return silent;
+}
+
 bool eye_has_picture(const struct eye *eye)
 {
 	return eye->source && source_has_picture(eye->source) && !eye->unfit;

@@ -19,6 +19,14 @@ struct eye {
 	bool unfit; /* it does not fit the picture: as if there were none */
 };
 
+struct eyes {
+	struct eye fisheye, background, scene;
+};
+
+/* The camera whose frames set the pace: the background's while it gives frames, else the first
+ * other one that does, else the first one that is open. NULL: none is open. */
+struct source *eyes_leader(const struct eyes *eyes);
+
 bool eye_has_picture(const struct eye *eye);
 
 /* Fits the view to the camera's picture, whose size may have changed. -EINVAL: it does not fit. An

@@ -75,7 +75,7 @@ static int tick_sources(struct kiosk *k, int64_t now, struct fault *fault)
 /* Frames on demand come by themselves: what is drawn in between would make runs differ. */
 static bool stands_still(struct kiosk *k, int64_t now)
 {
-	const struct source *first = kiosk_leader(k);
+	const struct source *first = eyes_leader(&k->eyes);
 
 	return now - k->made_ns >= STILL_NS && !(first && first->camera.on_demand);
 }
@@ -143,7 +143,7 @@ static int settle(struct kiosk *k, struct fault *fault)
 			return 0;
 	}
 	k->settled = true;
-	k->redraw = !kiosk_leader(k);
+	k->redraw = !eyes_leader(&k->eyes);
 	kiosk_text(k);
 	return kiosk_screen_open(k, true, fault);
 }

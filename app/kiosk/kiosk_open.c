@@ -183,12 +183,3 @@ int kiosk_close(struct kiosk *k, struct fault *fault)
 	basis_close(&k->basis);
 	return err;
 }
-
-void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble)
-{
-	if (trouble && strcmp(trouble->text, said->text) != 0)
-		log_warning("%s: %s", what, trouble->text);
-	if (!trouble && *said->text)
-		log_info("%s: fine again", what);
-	*said = trouble ? *trouble : (struct fault){.text = ""};
-}

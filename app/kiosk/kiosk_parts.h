@@ -81,6 +81,12 @@ struct kiosk {
 	char status[STATS_TEXT_MAX + 512]; /* what the control socket is told */
 };
 
+/* ---- kiosk_complain.c ---- */
+
+/* Logs a trouble unless it is the one that was logged last; NULL: it has passed. what: "buttons
+ * gpio". */
+void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble);
+
 /* ---- kiosk_open.c ---- */
 
 /* From settings and config to cameras that are being opened. Where it fails, kiosk_close() cleans
@@ -94,15 +100,8 @@ int kiosk_close(struct kiosk *k, struct fault *fault);
  * expects it. */
 struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera);
 
-/* Logs a trouble unless it is the one that was logged last; NULL: it has passed. what: "buttons
- * gpio". */
-void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble);
-
 /* ---- kiosk_picture.c ---- */
 
-/* The camera whose frames set the pace: the background's, or what gives frames without it; NULL:
- * none is open. */
-struct source *kiosk_leader(struct kiosk *k);
 bool kiosk_frames_are_due(struct kiosk *k);
 
 /* A picture for the screen, if there is one and it has a buffer to draw in. frames: of what the

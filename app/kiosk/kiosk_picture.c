@@ -7,28 +7,9 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
-struct source *kiosk_leader(struct kiosk *k)
-{
-	struct source *candidates[] = {k->eyes.background.source, k->eyes.fisheye.source,
-				       k->eyes.scene.source};
-
-	struct source *silent = NULL;
-
-	for (int i = 2; i >= 0; i--) {
-		if (candidates[i] && source_is_open(candidates[i]))
-			silent = candidates[i];
-	}
-	for (int i = 0; i < 3; i++) {
-		if (candidates[i] && source_is_open(candidates[i]) &&
-		    candidates[i]->situation == CAMERA_FINE)
-			return candidates[i];
-	}
-	return silent;
-}
-
 bool kiosk_frames_are_due(struct kiosk *k)
 {
-	const struct source *first = kiosk_leader(k);
+	const struct source *first = eyes_leader(&k->eyes);
 
 	if (!first || !source_has_news(first))
 		return false;
@@ -50,7 +31,7 @@ struct taken {
 /* frames: all that is held; otherwise only where there is no picture without. */
 static void decode_sources(struct kiosk *k, bool frames, struct taken *taken)
 {
-	const struct source *first = kiosk_leader(k);
+	const struct source *first = eyes_leader(&k->eyes);
 
 	for (int i = 0; i < k->source_count; i++) {
 		struct source *source = &k->sources[i];
@@ -176,7 +157,7 @@ static bool is_blank(const struct kiosk *k, int64_t now)
  * behind it. Its first frame is where it begins. */
 static void follow_timeline(struct kiosk *k)
 {
-	const struct source *leader = kiosk_leader(k);
+	const struct source *leader = eyes_leader(&k->eyes);
 	struct timeline_place at;
 
 	if (!leader)
@@ -222,7 +203,7 @@ static int draw(struct kiosk *k, const struct display_buffer *screen, int64_t no
 		.blank = is_blank(k, now),
 		.overlay = &k->overlay,
 	};
-	const struct source *leader = kiosk_leader(k);
+	const struct source *leader = eyes_leader(&k->eyes);
 	struct pipeline_choice choice = k->choice;
 	int err;
 

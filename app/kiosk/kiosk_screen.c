@@ -56,7 +56,7 @@ int kiosk_screen_lost(struct kiosk *k, int err, struct fault *fault)
 
 static void shown(struct kiosk *k, const struct display_event *event)
 {
-	const struct source *first = kiosk_leader(k);
+	const struct source *first = eyes_leader(&k->eyes);
 	double slower_hz = k->display.rate_hz;
 
 	if (first && first->camera.rate_hz > 0 &&

@@ -150,31 +150,6 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 	return 0;
 }
 
-double pipeline_gain_of_grey(const struct light_sampler_settings *s)
-{
-	double sum = 0;
-
-	for (int k = 0; k < 9; k++)
-		sum += s->colours[k];
-	return sum > 0 ? s->gain * sum / 3 : s->gain;
-}
-
-/* A grey level of the fisheye's picture as the sampler would read it. */
-static double linear_level(const struct light_sampler_settings *s, double level)
-{
-	return transfer_curve_decode(&s->curve, level / 255) * pipeline_gain_of_grey(s);
-}
-
-/* One grey level below the threshold, and twice what the sampler may round: a light at that level
- * is not below it. */
-static double band_below(const struct light_sampler_settings *s, double threshold)
-{
-	const double below = linear_level(s, threshold - 1);
-	const double rounding = below * 0x1p-13 + pipeline_gain_of_grey(s) * 0x1p-15;
-
-	return linear_level(s, threshold) - below + rounding;
-}
-
 static int check_pose(const struct pipeline *p, int pose, struct fault *fault)
 {
 	if (pose >= 0 && (uint32_t)pose < p->basis->info.poses)
@@ -197,11 +172,11 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	err = pipeline_take_poses(p, choice);
 	if (err)
 		return fault_say(fault, err, "%s", p->trouble.text);
-	p->selection.band = band_below(&p->settings.sampler, level);
+	p->selection.band = pipeline_band_below(&p->settings.sampler, level);
 	p->selection.budget = threshold->percent ? threshold->value / 100 : 0;
 	light_selection_choose(&p->selection, p->basis,
 			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
-			       linear_level(&p->settings.sampler, level),
+			       pipeline_linear_level(&p->settings.sampler, level),
 			       p->settings.threshold_mode, p->settings.gain);
 	return 0;
 }

@@ -5,8 +5,23 @@
 
 #include "app/pipeline/pipeline.h"
 
-/* What the sampler turns light into: gain, and what colours make of grey in the mean. */
+/* ---- pipeline_level.c ---- */
+
+/*
+ * What the sampler multiplies grey light by, as the mean over the three channels:
+ *
+ *     gain * (sum of colours[0..8]) / 3, or gain where colours are not set (all 0)
+ */
 double pipeline_gain_of_grey(const struct light_sampler_settings *settings);
+
+/* Radiance of a grey level, 0..255, of the fisheye's picture, as the sampler would read it. */
+double pipeline_linear_level(const struct light_sampler_settings *settings, double level);
+
+/* Width of the hysteresis below a threshold, in radiance: one grey level, and twice what the sampler
+ * may round, so that a light at exactly that level is not below it. */
+double pipeline_band_below(const struct light_sampler_settings *settings, double threshold);
+
+/* ---- pipeline_ground.c ---- */
 
 /* What the settings' patch needs, in place of what there was; that stays on failure. What
  * pipeline_check_patch() returns, -ENOMEM. */

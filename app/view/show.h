@@ -22,10 +22,6 @@
 #include "hal/device/display.h"
 #include "hal/frame/frame.h"
 
-struct eyes {
-	struct eye fisheye, background, scene;
-};
-
 struct show {
 	struct canvas after, marked;
 	struct scaler scalers[4]; /* of the whole screen and three more quarters */
