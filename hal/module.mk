@@ -22,6 +22,8 @@ HAL_SOURCES := \
 	hal/basis/basis_store.c \
 	hal/basis/basis_writer.c \
 	hal/basis/pack.c \
+	hal/colour/crossfade.c \
+	hal/colour/encode_row.c \
 	hal/colour/response.c \
 	hal/colour/transfer.c \
 	hal/compositor/backdrop.c \

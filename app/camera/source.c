@@ -8,6 +8,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
+#include "hal/colour/encode_row.h"
 #include "hal/frame/frame_reader.h"
 
 #define SILENT_NS (2 * NS_PER_S)       /* then a camera is called stalled, */
@@ -289,30 +290,14 @@ static int fit_pictures(struct source *source, const struct frame *frame)
 	return image_create_f32(&source->linear, frame->width, frame->height);
 }
 
-static uint8_t code_of(const struct transfer_tables *tables, float linear)
-{
-	/* Written so that a NaN is black. */
-	if (!(linear > 0))
-		return tables->encode[0];
-	return tables->encode[linear < 1 ? (int)(linear * 65535 + 0.5f) : 65535];
-}
-
 static void encode_linear(const struct source *source)
 {
 	const struct image *linear = &source->linear;
 	const struct canvas *canvas = &source->canvas;
 
-	for (int y = 0; y < linear->height; y++) {
-		const float *from = linear->f32 + (size_t)y * (size_t)linear->width * 3;
-		uint8_t *to = canvas->pixels + (size_t)y * canvas->stride;
-
-		for (int x = 0; x < linear->width; x++, from += 3, to += 4) {
-			to[0] = code_of(source->tables, from[2]);
-			to[1] = code_of(source->tables, from[1]);
-			to[2] = code_of(source->tables, from[0]);
-			to[3] = 255;
-		}
-	}
+	for (int y = 0; y < linear->height; y++)
+		encode_row(source->tables, linear->f32 + 3 * (size_t)y * (size_t)linear->width,
+			   linear->width, canvas->pixels + (size_t)y * canvas->stride);
 }
 
 static int copy_linear(struct source *source, const struct frame *frame)
