@@ -7,6 +7,31 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
+/* ---- time of each stage ---- */
+
+struct stage_clock {
+	int64_t start_ns, last_ns; /* of the picture; end of the last stage */
+	int64_t ns[STAGE_COUNT];
+};
+
+static struct stage_clock stages_begin(void)
+{
+	const int64_t now_ns = clock_now_ns();
+
+	return (struct stage_clock){.start_ns = now_ns, .last_ns = now_ns};
+}
+
+/* Adds the time since the last call to a stage. */
+static void stage_end(struct stage_clock *clock, enum stage stage)
+{
+	const int64_t now_ns = clock_now_ns();
+
+	clock->ns[stage] += now_ns - clock->last_ns;
+	clock->last_ns = now_ns;
+}
+
+/* ---- cameras ---- */
+
 bool kiosk_frames_are_due(struct kiosk *k)
 {
 	const struct source *first = eyes_leader(&k->eyes);
@@ -56,17 +81,13 @@ static void decode_sources(struct kiosk *k, bool frames, struct taken *taken)
 	}
 }
 
-static bool is_composited(enum config_show what)
-{
-	return what == SHOW_COMPOSITE || what == SHOW_QUAD || what == SHOW_SPLIT;
-}
-
 static int fit_eye(struct kiosk *k, struct eye *eye, struct fault *said, struct fault *fault)
 {
 	struct fault reason = {.text = ""};
 	int err = eye_fit(eye, &reason);
 
-	if (!err && eye == &k->eyes.background && eye_has_picture(eye) && is_composited(k->what)) {
+	if (!err && eye == &k->eyes.background && eye_has_picture(eye) &&
+	    show_needs(k->what)->composite) {
 		err = pipeline_fits(&k->pipeline, eye->view.width, eye->view.height, &reason);
 		eye->unfit = err != 0;
 	}
@@ -192,17 +213,9 @@ static void complain_of_pose(struct kiosk *k)
 	}
 }
 
-static int draw(struct kiosk *k, const struct display_buffer *screen, int64_t now,
-		struct fault *fault)
+/* Which light and which pose the picture is made of. */
+static int choose_picture(struct kiosk *k, struct fault *fault)
 {
-	const struct show_request request = {
-		.what = k->what,
-		.scale = (enum config_scale)k->config->screen->scale,
-		.split = k->split,
-		.squash = k->fitted ? k->fit.squash : 1,
-		.blank = is_blank(k, now),
-		.overlay = &k->overlay,
-	};
 	const struct source *leader = eyes_leader(&k->eyes);
 	struct pipeline_choice choice = k->choice;
 	int err;
@@ -213,10 +226,81 @@ static int draw(struct kiosk *k, const struct display_buffer *screen, int64_t no
 	/* There is nothing to be late for without a camera's pace. */
 	choice.hold = leader && leader->situation == CAMERA_FINE && !leader->camera.on_demand;
 	err = pipeline_choose(&k->pipeline, &choice, fault);
-	if (err)
-		return err;
-	complain_of_pose(k);
-	return show_draw(&k->show, &request, &k->pipeline, &k->eyes, screen, fault);
+	if (!err)
+		complain_of_pose(k);
+	return err;
+}
+
+/* ---- composite and screen ---- */
+
+static struct show_picture picture_of(const struct eye *eye, bool needed)
+{
+	if (!needed || !eye_has_picture(eye))
+		return (struct show_picture){.squash = 1};
+	return (struct show_picture){eye_picture(eye), eye->view.squash};
+}
+
+static struct show_pictures pictures_for(const struct kiosk *k, enum config_show what)
+{
+	const struct show_needs *needs = show_needs(what);
+	const struct eye *background = &k->eyes.background;
+	struct show_pictures pictures = {
+		.fisheye = picture_of(&k->eyes.fisheye, needs->fisheye),
+		.background = picture_of(background, needs->background),
+		.scene = picture_of(&k->eyes.scene, needs->scene),
+	};
+
+	if (eye_has_picture(background))
+		pictures.composite = (struct show_composite){.width = background->view.width,
+							     .height = background->view.height,
+							     .squash = background->view.squash};
+	if (k->pipeline.lit)
+		pictures.marks = (struct show_marks){&k->pipeline.dome, &k->pipeline.lens,
+						     k->pipeline.selection.used};
+	return pictures;
+}
+
+/* The background is read from the camera's own memory while the compositor goes over it, unless a
+ * view has had it converted whole. */
+static int composite(struct kiosk *k, const struct show_composite *to, struct fault *fault)
+{
+	const struct eye *eye = &k->eyes.background;
+	struct frame_reader reader;
+	struct backdrop backdrop;
+	struct picture picture;
+
+	if (eye_read(eye, &reader)) {
+		backdrop = (struct backdrop){.width = eye->view.width,
+					     .height = eye->view.height,
+					     .make = frame_reader_make,
+					     .context = &reader};
+	} else {
+		picture = eye_picture(eye);
+		backdrop = backdrop_of(&picture);
+	}
+	return pipeline_composite(&k->pipeline, &backdrop, to->pixels, to->stride, fault);
+}
+
+/* Composites, and places the view's pictures. */
+static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
+		       struct stage_clock *stages, struct fault *fault)
+{
+	const struct show_request request = {
+		.what = is_blank(k, stages->start_ns) ? SHOW_OFF : k->what,
+		.scale = (enum config_scale)k->config->screen->scale,
+		.split = k->split,
+		.squash = k->fitted ? k->fit.squash : 1,
+		.overlay = &k->overlay,
+		.pool = k->pipeline.pool,
+	};
+	struct show_pictures pictures = pictures_for(k, request.what);
+	int err = show_room(&k->show, &request, &pictures.composite, screen, fault);
+
+	stage_end(stages, STAGE_SHOW);
+	if (!err && pictures.composite.pixels)
+		err = composite(k, &pictures.composite, fault);
+	stage_end(stages, STAGE_COMPOSITE);
+	return err ? err : show_draw(&k->show, &request, &pictures, screen, fault);
 }
 
 /* Once, when it works. */
@@ -233,7 +317,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 {
 	struct display_buffer screen;
 	struct taken taken = {.captured_ns = 0};
-	int64_t start, decoded, sampled, stage_ns[STAGE_COUNT];
+	struct stage_clock stages;
 	int err;
 
 	kiosk_screen_fit(k);
@@ -244,30 +328,28 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 		fault_say(fault, err, "the screen is gone: %s", strerror(-err));
 		return kiosk_screen_lost(k, err, fault);
 	}
-	start = clock_now_ns();
+	stages = stages_begin();
 	decode_sources(k, frames, &taken);
-	decoded = clock_now_ns();
-	k->pipeline.sample_ns = k->pipeline.composite_ns = 0;
 	err = fit_eyes(k, fault);
+	stage_end(&stages, STAGE_DECODE);
 	if (!err && taken.lit)
 		err = measure_light(k, fault);
 	if (err)
 		return err;
-	sampled = clock_now_ns();
+	stage_end(&stages, STAGE_SAMPLE);
 	if (taken.captured_ns)
 		follow_timeline(k);
-	err = draw(k, &screen, start, fault);
+	err = choose_picture(k, fault);
+	if (!err)
+		err = draw_screen(k, &screen, &stages, fault);
 	if (err)
 		return err;
 	err = display_submit(&k->display, &screen, taken.captured_ns, fault);
 	if (err)
 		return kiosk_screen_lost(k, err, fault);
-	k->made_ns = clock_now_ns();
-	stage_ns[STAGE_DECODE] = decoded - start;
-	stage_ns[STAGE_SAMPLE] = k->pipeline.sample_ns;
-	stage_ns[STAGE_COMPOSITE] = k->pipeline.composite_ns;
-	stage_ns[STAGE_SHOW] = k->made_ns - sampled - k->pipeline.composite_ns;
-	stats_made(&k->stats, taken.captured_ns, stage_ns);
+	stage_end(&stages, STAGE_SHOW);
+	k->made_ns = stages.last_ns;
+	stats_made(&k->stats, taken.captured_ns, stages.ns);
 	k->redraw = false;
 	k->submitted++;
 	if (!k->begun)

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline_parts.h"
-#include "hal/base/clock.h"
 
 /* The light files and the sampler are in the dome's order, so the basis must be of that dome. */
 static int check_dome(const struct dome *dome, const struct basis *basis, struct fault *fault)
@@ -208,7 +207,6 @@ int pipeline_composite(struct pipeline *p, const struct backdrop *background, ui
 		       size_t out_stride, struct fault *fault)
 {
 	struct compositor_settings settings = compositor_settings_of(p);
-	int64_t start = clock_now_ns();
 	int err = pipeline_fits(p, background->width, background->height, fault);
 
 	if (err)
@@ -221,7 +219,6 @@ int pipeline_composite(struct pipeline *p, const struct backdrop *background, ui
 				     out_stride);
 	if (err)
 		return fault_say(fault, err, "cannot composite pose %d", p->choice.pose);
-	p->composite_ns = clock_now_ns() - start;
 	return 0;
 }
 

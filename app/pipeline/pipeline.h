@@ -112,7 +112,6 @@ struct pipeline {
 	bool again;		      /* private: they are to be expected anew */
 	int missing;	      /* pose that was chosen and cannot be had: those before it stay; -1 */
 	struct fault trouble; /* why */
-	int64_t sample_ns, composite_ns; /* what the last calls took */
 };
 
 /* -EINVAL: a basis whose lights are no dome's; a value out of range. */

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline_parts.h"
-#include "hal/base/clock.h"
 
 /* A sampler takes longer to make than a frame lasts, so a running pipeline has the next one made by
  * a thread, and measures with the present one until then. */
@@ -213,7 +212,6 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 			 struct fault *fault)
 {
 	const int width = fisheye->view.width, height = fisheye->view.height;
-	int64_t start = clock_now_ns();
 	int err = fit_lens(p, width, height, fault);
 
 	if (err)
@@ -223,9 +221,7 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
 				 width, height);
-	err = take_light(p);
-	p->sample_ns = clock_now_ns() - start;
-	return err;
+	return take_light(p);
 }
 
 int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
@@ -266,7 +262,6 @@ static int turn_upright(struct pipeline *p, const struct image *camera, const st
 int pipeline_light_linear(struct pipeline *p, const struct image *camera, const struct view *view,
 			  struct fault *fault)
 {
-	int64_t start = clock_now_ns();
 	int err = fit_lens(p, view->width, view->height, fault);
 
 	if (err)
@@ -277,9 +272,7 @@ int pipeline_light_linear(struct pipeline *p, const struct image *camera, const 
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
 				 view->width, view->height, strerror(-err));
-	err = take_light(p);
-	p->sample_ns = clock_now_ns() - start;
-	return err;
+	return take_light(p);
 }
 
 void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])

@@ -12,12 +12,25 @@
 struct drawing {
 	struct show *show;
 	const struct show_request *request;
-	enum config_scale scale;
-	struct pipeline *pipeline;
-	const struct eyes *eyes;
+	const struct show_pictures *pictures;
 	const struct display_buffer *screen;
 	struct fault *fault;
 };
+
+const struct show_needs *show_needs(enum config_show what)
+{
+	static const struct show_needs needs[SHOW_COUNT] = {
+		[SHOW_COMPOSITE] = {.composite = true},
+		[SHOW_BEFORE] = {.background = true},
+		[SHOW_FISHEYE] = {.fisheye = true},
+		[SHOW_SCENE] = {.scene = true},
+		[SHOW_QUAD] = {true, true, true, true},
+		[SHOW_SPLIT] = {.background = true, .composite = true},
+		[SHOW_OFF] = {.composite = false},
+	};
+
+	return &needs[what];
+}
 
 void show_free(struct show *show)
 {
@@ -83,9 +96,72 @@ static int canvas_fit(struct canvas *canvas, int width, int height)
 	return canvas_create(canvas, width, height);
 }
 
-static double squash_of(const struct drawing *d, const struct eye *eye)
+/* ---- where the composite goes ---- */
+
+/* The quarters of SHOW_QUAD are fitted whatever is asked for. */
+static enum config_scale scale_of(const struct show_request *request)
 {
-	return eye->view.squash / d->request->squash;
+	return request->what == SHOW_QUAD ? SCALE_FIT : request->scale;
+}
+
+static struct box composite_cell(const struct show_request *request,
+				 const struct display_buffer *screen)
+{
+	return request->what == SHOW_QUAD ? layout_quarter(screen, 3) : layout_whole(screen);
+}
+
+static struct box composite_box(const struct show_request *request,
+				const struct show_composite *composite, const struct box *cell)
+{
+	return layout_box(cell, composite->width, composite->height,
+			  composite->squash / request->squash, scale_of(request));
+}
+
+static uint8_t *pixel_of(const struct display_buffer *screen, const struct box *box)
+{
+	return screen->pixels + (size_t)box->y * screen->stride + (size_t)box->x * 4;
+}
+
+/* Pixel by pixel and uncut. Half of a split picture is not the composite: that one is made aside, so
+ * that the screen's memory is written once. */
+static bool is_in_screen(const struct show_request *request, const struct show_composite *composite,
+			 const struct box *cell, const struct box *box)
+{
+	return request->what != SHOW_SPLIT &&
+	       layout_in_place(cell, box, composite->width, composite->height);
+}
+
+int show_room(struct show *show, const struct show_request *request,
+	      struct show_composite *composite, const struct display_buffer *screen,
+	      struct fault *fault)
+{
+	const struct box cell = composite_cell(request, screen);
+	struct box box;
+	int err;
+
+	composite->pixels = NULL;
+	if (!show_needs(request->what)->composite || !composite->width)
+		return 0;
+	box = composite_box(request, composite, &cell);
+	if (is_in_screen(request, composite, &cell, &box)) {
+		composite->pixels = pixel_of(screen, &box);
+		composite->stride = screen->stride;
+		return 0;
+	}
+	err = canvas_fit(&show->after, composite->width, composite->height);
+	if (err)
+		return fault_say(fault, err, "not enough memory for a picture of %dx%d",
+				 composite->width, composite->height);
+	composite->pixels = show->after.pixels;
+	composite->stride = show->after.stride;
+	return 0;
+}
+
+/* ---- drawing ---- */
+
+static double squash_of(const struct drawing *d, double squash)
+{
+	return squash / d->request->squash;
 }
 
 static int say_scaling(const struct drawing *d, int err)
@@ -93,205 +169,160 @@ static int say_scaling(const struct drawing *d, int err)
 	return err ? fault_say(d->fault, err, "not enough memory to scale a picture") : 0;
 }
 
-static struct picture canvas_picture(const struct canvas *canvas)
+static struct picture whole_picture(const uint8_t *pixels, size_t stride, int width, int height)
 {
-	const struct view whole = {.width = canvas->width, .height = canvas->height, .squash = 1};
+	const struct view whole = {.width = width, .height = height, .squash = 1};
 
-	return view_picture(&whole, canvas->pixels, canvas->stride);
+	return view_picture(&whole, pixels, stride);
 }
 
-static int place(const struct drawing *d, const struct box *cell, const struct picture *picture,
-		 double squash, int slot)
+static int place_picture(const struct drawing *d, const struct box *cell,
+			 const struct picture *picture, double squash, int slot)
 {
-	return say_scaling(d, layout_place(d->screen, cell, picture, squash, d->scale,
-					   &d->show->scalers[slot], d->pipeline->pool));
+	return say_scaling(d, layout_place(d->screen, cell, picture, squash_of(d, squash),
+					   scale_of(d->request), &d->show->scalers[slot],
+					   d->request->pool));
 }
 
-static int draw_eye(const struct drawing *d, const struct box *cell, const struct eye *eye,
-		    int slot)
+static int draw_picture(const struct drawing *d, const struct box *cell,
+			const struct show_picture *shown, int slot)
 {
-	struct picture picture;
-
-	if (!eye_has_picture(eye)) {
+	if (!shown->picture.width) {
 		layout_black(d->screen, cell);
 		return 0;
 	}
-	picture = eye_picture(eye);
-	return place(d, cell, &picture, squash_of(d, eye), slot);
+	return place_picture(d, cell, &shown->picture, shown->squash, slot);
 }
 
-/* Read from the camera's own memory while the compositor goes over it, where that can be. */
-static int composite(const struct drawing *d, uint8_t *out, size_t out_stride)
+/* What show_room() put into the screen needs its border only. */
+static int draw_composite(const struct drawing *d, int slot)
 {
-	const struct eye *eye = &d->eyes->background;
-	struct frame_reader reader;
-	struct backdrop backdrop;
+	const struct show_composite *composite = &d->pictures->composite;
+	const struct box cell = composite_cell(d->request, d->screen);
 	struct picture picture;
-
-	if (eye_read(eye, &reader)) {
-		backdrop = (struct backdrop){.width = eye->view.width,
-					     .height = eye->view.height,
-					     .make = frame_reader_make,
-					     .context = &reader};
-	} else {
-		picture = eye_picture(eye);
-		backdrop = backdrop_of(&picture);
-	}
-	return pipeline_composite(d->pipeline, &backdrop, out, out_stride, d->fault);
-}
-
-/* Into memory of its own. */
-static int make_after(const struct drawing *d)
-{
-	const struct view *view = &d->eyes->background.view;
-	struct canvas *after = &d->show->after;
-	int err = canvas_fit(after, view->width, view->height);
-
-	if (err)
-		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d",
-				 view->width, view->height);
-	return composite(d, after->pixels, after->stride);
-}
-
-/* Straight into the screen where it goes there pixel by pixel. */
-static int draw_after(const struct drawing *d, const struct box *cell, int slot)
-{
-	const struct eye *eye = &d->eyes->background;
-	const struct view *view = &eye->view;
-	struct picture after;
 	struct box box;
-	int err;
 
-	if (!eye_has_picture(eye)) {
-		layout_black(d->screen, cell);
+	if (!composite->width) {
+		layout_black(d->screen, &cell);
 		return 0;
 	}
-	box = layout_box(cell, view->width, view->height, squash_of(d, eye), d->scale);
-	if (layout_in_place(cell, &box, view->width, view->height)) {
-		layout_border(d->screen, cell, &box);
-		return composite(d,
-				 d->screen->pixels + (size_t)box.y * d->screen->stride +
-					 (size_t)box.x * 4,
-				 d->screen->stride);
+	box = composite_box(d->request, composite, &cell);
+	if (is_in_screen(d->request, composite, &cell, &box)) {
+		layout_border(d->screen, &cell, &box);
+		return 0;
 	}
-	err = make_after(d);
-	if (err)
-		return err;
-	after = canvas_picture(&d->show->after);
-	return place(d, cell, &after, squash_of(d, eye), slot);
+	picture = whole_picture(composite->pixels, composite->stride, composite->width,
+				composite->height);
+	return place_picture(d, &cell, &picture, composite->squash, slot);
 }
 
-/* Composited aside although it may go there pixel by pixel: the screen's memory is written once. */
-static int draw_split(const struct drawing *d, const struct box *cell)
+static int draw_split(const struct drawing *d)
 {
-	const struct eye *eye = &d->eyes->background;
+	const struct box cell = layout_whole(d->screen);
+	const struct picture *background = &d->pictures->background.picture;
+	const struct show_composite *composite = &d->pictures->composite;
 	struct scaler *scaler = &d->show->scalers[0];
-	struct picture background, after;
+	struct picture after;
 	struct box box;
 	struct span line;
 	int err;
 
-	if (!eye_has_picture(eye)) {
-		layout_black(d->screen, cell);
+	if (!composite->width) {
+		layout_black(d->screen, &cell);
 		return 0;
 	}
-	background = eye_picture(eye);
-	err = make_after(d);
-	if (err)
-		return err;
-	after = canvas_picture(&d->show->after);
-	box = layout_box(cell, background.width, background.height, squash_of(d, eye), d->scale);
-	line = layout_line(cell, &box, d->request->split);
-	layout_border(d->screen, cell, &box);
-	layout_draw_line(d->screen, cell, &box, &line);
-	err = layout_fill(d->screen, cell, &box, &(struct span){cell->x, line.from}, &background,
-			  scaler, d->pipeline->pool);
+	after = whole_picture(composite->pixels, composite->stride, composite->width,
+			      composite->height);
+	box = composite_box(d->request, composite, &cell);
+	line = layout_line(&cell, &box, d->request->split);
+	layout_border(d->screen, &cell, &box);
+	layout_draw_line(d->screen, &cell, &box, &line);
+	err = layout_fill(d->screen, &cell, &box, &(struct span){cell.x, line.from}, background,
+			  scaler, d->request->pool);
 	if (!err)
-		err = layout_fill(d->screen, cell, &box,
-				  &(struct span){line.to, cell->x + cell->width}, &after, scaler,
-				  d->pipeline->pool);
+		err = layout_fill(d->screen, &cell, &box,
+				  &(struct span){line.to, cell.x + cell.width}, &after, scaler,
+				  d->request->pool);
 	return say_scaling(d, err);
 }
 
 static int draw_fisheye(const struct drawing *d, const struct box *cell, int slot)
 {
-	const struct eye *eye = &d->eyes->fisheye;
+	const struct show_picture *fisheye = &d->pictures->fisheye;
+	const struct show_marks *marks = &d->pictures->marks;
+	const int width = fisheye->picture.width, height = fisheye->picture.height;
 	struct canvas *marked = &d->show->marked;
 	struct picture picture;
 	struct box box;
 	int err;
 
-	if (!eye_has_picture(eye)) {
+	if (!width) {
 		layout_black(d->screen, cell);
 		return 0;
 	}
-	picture = eye_picture(eye);
-	err = canvas_fit(marked, picture.width, picture.height);
+	err = canvas_fit(marked, width, height);
 	if (err)
-		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d",
-				 picture.width, picture.height);
-	picture_copy(&picture, marked->pixels, marked->stride);
-	box = layout_box(cell, picture.width, picture.height, squash_of(d, eye), d->scale);
-	if (d->pipeline->lit)
-		marks_draw(marked, &d->pipeline->dome, &d->pipeline->lens,
-			   d->pipeline->selection.used, mark_side_px(picture.height, box.height));
-	picture = canvas_picture(marked);
-	return place(d, cell, &picture, squash_of(d, eye), slot);
+		return fault_say(d->fault, err, "not enough memory for a picture of %dx%d", width,
+				 height);
+	picture_copy(&fisheye->picture, marked->pixels, marked->stride);
+	box = layout_box(cell, width, height, squash_of(d, fisheye->squash), scale_of(d->request));
+	if (marks->dome)
+		marks_draw(marked, marks->dome, marks->lens, marks->used,
+			   mark_side_px(height, box.height));
+	picture = whole_picture(marked->pixels, marked->stride, width, height);
+	return place_picture(d, cell, &picture, fisheye->squash, slot);
 }
 
-static int draw_quad(struct drawing *d)
+static int draw_quad(const struct drawing *d)
 {
-	struct box cell[4];
+	struct box cell[3];
 	int err;
 
-	for (int i = 0; i < 4; i++)
+	for (int i = 0; i < 3; i++)
 		cell[i] = layout_quarter(d->screen, i);
-	d->scale = SCALE_FIT;
-	err = draw_eye(d, &cell[0], &d->eyes->scene, 0);
+	err = draw_picture(d, &cell[0], &d->pictures->scene, 0);
 	if (!err)
 		err = draw_fisheye(d, &cell[1], 1);
 	if (!err)
-		err = draw_eye(d, &cell[2], &d->eyes->background, 2);
+		err = draw_picture(d, &cell[2], &d->pictures->background, 2);
 	if (!err)
-		err = draw_after(d, &cell[3], 3);
+		err = draw_composite(d, 3);
 	return err;
 }
 
-static int draw_pictures(struct drawing *d)
+static int draw_view(const struct drawing *d)
 {
 	const struct box whole = layout_whole(d->screen);
-	const enum config_show what = d->request->blank ? SHOW_OFF : d->request->what;
 
-	switch (what) {
+	switch (d->request->what) {
 	case SHOW_BEFORE:
-		return draw_eye(d, &whole, &d->eyes->background, 0);
+		return draw_picture(d, &whole, &d->pictures->background, 0);
 	case SHOW_FISHEYE:
 		return draw_fisheye(d, &whole, 0);
 	case SHOW_SCENE:
-		return draw_eye(d, &whole, &d->eyes->scene, 0);
+		return draw_picture(d, &whole, &d->pictures->scene, 0);
 	case SHOW_QUAD:
 		return draw_quad(d);
 	case SHOW_SPLIT:
-		return draw_split(d, &whole);
+		return draw_split(d);
 	case SHOW_OFF:
 		layout_black(d->screen, &whole);
 		return 0;
 	default:
-		return draw_after(d, &whole, 0);
+		return draw_composite(d, 0);
 	}
 }
 
-int show_draw(struct show *show, const struct show_request *request, struct pipeline *pipeline,
-	      const struct eyes *eyes, const struct display_buffer *screen, struct fault *fault)
+int show_draw(struct show *show, const struct show_request *request,
+	      const struct show_pictures *pictures, const struct display_buffer *screen,
+	      struct fault *fault)
 {
-	struct drawing d = {.show = show,
-			    .request = request,
-			    .scale = request->scale,
-			    .pipeline = pipeline,
-			    .eyes = eyes,
-			    .screen = screen,
-			    .fault = fault};
-	int err = draw_pictures(&d);
+	const struct drawing d = {.show = show,
+				  .request = request,
+				  .pictures = pictures,
+				  .screen = screen,
+				  .fault = fault};
+	int err = draw_view(&d);
 
 	if (err || !request->overlay)
 		return err;

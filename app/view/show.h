@@ -8,6 +8,10 @@
  *     before  after
  *
  * A view that has no picture is black.
+ *
+ * Pictures are made elsewhere and only placed here. For each picture of the screen: take the
+ * pictures that show_needs() names, ask show_room() where the composite goes, make it there, then
+ * call show_draw().
  */
 #ifndef INLAY_APP_VIEW_SHOW_H
 #define INLAY_APP_VIEW_SHOW_H
@@ -15,27 +19,63 @@
 #include <stdbool.h>
 
 #include "app/camera/eye.h"
-#include "app/pipeline/pipeline.h"
 #include "app/view/overlay.h"
 #include "app/view/scaler.h"
 #include "config/config.h"
+#include "hal/base/pool.h"
+#include "hal/basis/basis.h"
 #include "hal/device/display.h"
 #include "hal/frame/frame.h"
+#include "hal/frame/view.h"
+#include "hal/optics/dome.h"
+#include "hal/optics/fisheye.h"
 
 struct show {
 	struct canvas after, marked;
 	struct scaler scalers[4]; /* of the whole screen and three more quarters */
 };
 
-/* What is wanted of one picture. */
+/* How one picture of the screen is shown. */
 struct show_request {
 	enum config_show what;
 	enum config_scale scale;
 	double split;  /* SHOW_SPLIT: where the line stands, share of the picture's width, 0..1 */
 	double squash; /* of the screen's pixels, height over width: what display_fit() has taken
 			  over (struct show_fit), 1 without it */
-	bool blank;    /* black instead of the pictures; the text is shown */
 	struct overlay *overlay; /* drawn last; NULL: no text */
+	struct pool *pool;	 /* threads that scale pictures */
+};
+
+/* Which pictures a view shows. */
+struct show_needs {
+	bool fisheye, background, scene, composite;
+};
+
+const struct show_needs *show_needs(enum config_show what);
+
+struct show_picture {
+	struct picture picture; /* width 0: there is none, and its place is black */
+	double squash;		/* height of its pixels over their width */
+};
+
+struct show_composite {
+	int width, height; /* width 0: there is none, and its place is black */
+	double squash;
+	uint8_t *pixels; /* BGRX, from show_room(); NULL: the view does not show it */
+	size_t stride;
+};
+
+/* The lights that are marked in the fisheye's picture. Everything is borrowed. */
+struct show_marks {
+	const struct dome *dome; /* NULL: nothing is marked */
+	const struct fisheye *lens;
+	const bool *used; /* [dome->count] */
+};
+
+struct show_pictures {
+	struct show_picture fisheye, background, scene;
+	struct show_composite composite;
+	struct show_marks marks;
 };
 
 /* What to ask of display_fit(): then nothing but parts of SHOW_QUAD need scaling by the
@@ -54,8 +94,17 @@ struct show_fit show_fit(enum config_show what, const struct eyes *eyes, const s
 void show_size(enum config_show what, const struct eyes *eyes, const struct basis *basis,
 	       int *width, int *height);
 
-/* Draws the whole screen, of any size. The light has been chosen (pipeline_choose()). */
-int show_draw(struct show *show, const struct show_request *request, struct pipeline *pipeline,
-	      const struct eyes *eyes, const struct display_buffer *screen, struct fault *fault);
+/* Finds room for the composite, whose width, height and squash are set: in the screen where it is
+ * shown there pixel by pixel and uncut, else in memory of show's own. Sets pixels and stride, which
+ * are valid until show_draw(). 0 or -ENOMEM. */
+int show_room(struct show *show, const struct show_request *request,
+	      struct show_composite *composite, const struct display_buffer *screen,
+	      struct fault *fault);
+
+/* Draws the whole screen, of any size, around a composite that is in it already. The request is the
+ * one that show_room() got. 0 or -ENOMEM. */
+int show_draw(struct show *show, const struct show_request *request,
+	      const struct show_pictures *pictures, const struct display_buffer *screen,
+	      struct fault *fault);
 
 #endif
