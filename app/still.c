@@ -19,7 +19,7 @@ const char *const still_mode_names[] = {"fast", "exact", "reference", NULL};
 struct still {
 	const struct still_settings *settings;
 	struct basis basis;
-	struct pipeline pipeline;
+	struct pipeline *pipeline;
 	struct image fisheye;
 	struct canvas fisheye_canvas, background_canvas, after;
 	double *reference; /* [height][width][3], encoded, 0..255 */
@@ -61,7 +61,7 @@ static int light_from_file(struct still *s, struct fault *fault)
 		return fault_say(fault, -ENOMEM, "not enough memory for %d lights", count);
 	err = lights_file_read(s->settings->lights, radiance, count, fault);
 	if (!err)
-		pipeline_light_given(&s->pipeline, radiance);
+		pipeline_light_given(s->pipeline, radiance);
 	free(radiance);
 	return err;
 }
@@ -80,12 +80,12 @@ static int light_from_fisheye(struct still *s, struct fault *fault)
 	if (err)
 		return say_view(fault, err, path, &reason);
 	if (s->fisheye.f32)
-		return pipeline_light_linear(&s->pipeline, &s->fisheye, &view, fault);
+		return pipeline_light_linear(s->pipeline, &s->fisheye, &view, fault);
 	err = canvas_of(&s->fisheye_canvas, &s->fisheye, path, fault);
 	if (err)
 		return err;
 	picture = view_picture(&view, s->fisheye_canvas.pixels, s->fisheye_canvas.stride);
-	return pipeline_light_picture(&s->pipeline, &picture, fault);
+	return pipeline_light_picture(s->pipeline, &picture, fault);
 }
 
 static int choose(struct still *s, struct fault *fault)
@@ -93,7 +93,7 @@ static int choose(struct still *s, struct fault *fault)
 	const struct pipeline_choice choice = {
 		.threshold = s->settings->threshold, .pose = s->settings->pose, .object = true};
 
-	return pipeline_choose(&s->pipeline, &choice, fault);
+	return pipeline_choose(s->pipeline, &choice, fault);
 }
 
 static int find_light(struct still *s, struct fault *fault)
@@ -141,7 +141,8 @@ static double code_at(const struct still *s, int x, int y, int channel)
 /* PNG takes code values, PFM and Radiance the linear light that they stand for. */
 static void fill_out(struct still *s)
 {
-	const struct transfer_curve curve = s->pipeline.settings.background;
+	const struct transfer_curve curve =
+		config_background_curve(&s->settings->config->background);
 
 	for (int y = 0; y < s->out.height; y++) {
 		for (int x = 0; x < s->out.width; x++) {
@@ -170,13 +171,13 @@ static int composite(struct still *s, const struct picture *background, struct f
 		s->reference = malloc(3 * pixels * sizeof(*s->reference));
 		if (!s->reference)
 			return fault_say(fault, -ENOMEM, "not enough memory for the picture");
-		return pipeline_reference(&s->pipeline, background, s->reference, fault);
+		return pipeline_reference(s->pipeline, background, s->reference, fault);
 	}
 	err = canvas_create(&s->after, background->width, background->height);
 	if (err)
 		return fault_say(fault, err, "not enough memory for the picture");
 	backdrop = backdrop_of(background);
-	return pipeline_composite(&s->pipeline, &backdrop, s->after.pixels, s->after.stride, fault);
+	return pipeline_composite(s->pipeline, &backdrop, s->after.pixels, s->after.stride, fault);
 }
 
 /* What the fisheye clips may be seen on the ground. */
@@ -186,7 +187,7 @@ static int recover(struct still *s, const struct picture *background, struct fau
 
 	if (s->settings->lights)
 		return 0;
-	pipeline_recover(&s->pipeline, &reader);
+	pipeline_recover(s->pipeline, &reader);
 	return choose(s, fault);
 }
 
@@ -251,9 +252,8 @@ static int work(struct still *s, struct fault *fault)
 		return err;
 	/* Nothing is written before everything is known to be right. */
 	if (settings->lights_out)
-		err = lights_file_write(settings->lights_out,
-					(const float(*)[3])s->pipeline.radiance,
-					s->pipeline.dome.count, fault);
+		err = lights_file_write(settings->lights_out, pipeline_radiance(s->pipeline),
+					(int)s->basis.info.lights, fault);
 	return err ? err : image_write(settings->out, &s->out, fault);
 }
 
@@ -268,7 +268,7 @@ int still_run(const struct still_settings *settings, struct fault *fault)
 	canvas_free(&s.background_canvas);
 	canvas_free(&s.fisheye_canvas);
 	image_free(&s.fisheye);
-	pipeline_destroy(&s.pipeline);
+	pipeline_destroy(s.pipeline);
 	basis_close(&s.basis);
 	return err;
 }

@@ -21,16 +21,19 @@ static int watch_all(struct kiosk *k, struct fault *fault)
 {
 	int err = 0;
 
-	for (int i = 0; i < k->source_count && !err; i++)
-		err = loop_watch(&k->loop, i, source_descriptor(&k->sources[i]), fault);
-	if (!err && k->display.state)
-		err = loop_watch(&k->loop, SLOT_DISPLAY, display_descriptor(&k->display), fault);
-	if (!err && k->control)
-		err = loop_watch(&k->loop, SLOT_CONTROL, control_descriptor(k->control), fault);
-	for (int i = 0; i < k->keypad_count && !err; i++) {
-		if (k->keypads[i].buttons.state)
+	for (int i = 0; i < k->inputs.source_count && !err; i++)
+		err = loop_watch(&k->loop, i, source_descriptor(&k->inputs.sources[i]), fault);
+	if (!err && k->screen.display.state)
+		err = loop_watch(&k->loop, SLOT_DISPLAY, display_descriptor(&k->screen.display),
+				 fault);
+	if (!err && k->controls.control)
+		err = loop_watch(&k->loop, SLOT_CONTROL, control_descriptor(k->controls.control),
+				 fault);
+	for (int i = 0; i < k->controls.keypad_count && !err; i++) {
+		if (k->controls.keypads[i].buttons.state)
 			err = loop_watch(&k->loop, SLOT_BUTTONS + i,
-					 buttons_descriptor(&k->keypads[i].buttons), fault);
+					 buttons_descriptor(&k->controls.keypads[i].buttons),
+					 fault);
 	}
 	return err;
 }
@@ -38,17 +41,17 @@ static int watch_all(struct kiosk *k, struct fault *fault)
 /* A descriptor that was closed leaves its slot before its number can come back. */
 static int forget_if_closed(struct kiosk *k, int i, struct fault *fault)
 {
-	return source_is_open(&k->sources[i]) ? 0 : loop_watch(&k->loop, i, -1, fault);
+	return source_is_open(&k->inputs.sources[i]) ? 0 : loop_watch(&k->loop, i, -1, fault);
 }
 
 static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 {
-	struct source *source = &k->sources[i];
+	struct source *source = &k->inputs.sources[i];
 	struct fault reason = {.text = ""};
 	bool first = !source->tried;
 	int err;
 
-	source->kept = k->frozen;
+	source->kept = k->controls.frozen;
 	err = source_take(source, now, &reason);
 
 	if (err && first && camera_is_hopeless(source->situation, err))
@@ -60,14 +63,14 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 
 static int tick_sources(struct kiosk *k, int64_t now, struct fault *fault)
 {
-	for (int i = 0; i < k->source_count; i++) {
+	for (int i = 0; i < k->inputs.source_count; i++) {
 		int err;
 
-		source_watch(&k->sources[i], now);
+		source_watch(&k->inputs.sources[i], now);
 		err = forget_if_closed(k, i, fault);
 		if (err)
 			return err;
-		source_open(&k->sources[i]);
+		source_open(&k->inputs.sources[i]);
 	}
 	return 0;
 }
@@ -75,9 +78,16 @@ static int tick_sources(struct kiosk *k, int64_t now, struct fault *fault)
 /* Frames on demand come by themselves: what is drawn in between would make runs differ. */
 static bool stands_still(struct kiosk *k, int64_t now)
 {
-	const struct source *first = eyes_leader(&k->eyes);
+	const struct source *first = eyes_leader(&k->inputs.eyes);
 
-	return now - k->made_ns >= STILL_NS && !(first && first->camera.on_demand);
+	return now - k->picture.made_ns >= STILL_NS && !(first && first->camera.on_demand);
+}
+
+static void write_stats(struct kiosk *k, int64_t now_ns)
+{
+	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
+
+	stats_line(&k->stats, now_ns, &report, k->inputs.sources, k->inputs.source_count);
 }
 
 /* Once a second. */
@@ -90,15 +100,15 @@ static int tick(struct kiosk *k, struct fault *fault)
 		err = kiosk_control_open(k, false, fault);
 	if (!err)
 		err = kiosk_buttons_open(k, false, fault);
-	if (!err && k->settled && !k->display.state)
+	if (!err && k->inputs.settled && !k->screen.display.state)
 		err = kiosk_screen_open(k, false, fault);
 	if (err)
 		return err;
-	stats_line(&k->stats, now, &k->pipeline, k->sources, k->source_count);
+	write_stats(k, now);
 	kiosk_text(k);
-	pipeline_try_again(&k->pipeline);
-	k->redraw |= stands_still(k, now);
-	if (k->settled && kiosk_screen_is_excused(k)) {
+	pipeline_try_again(k->picture.pipeline);
+	k->picture.redraw |= stands_still(k, now);
+	if (k->inputs.settled && kiosk_screen_is_excused(&k->screen)) {
 		service_ready(&k->service);
 		service_alive(&k->service, now);
 	}
@@ -110,18 +120,18 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 	int64_t now = clock_now_ns();
 	int err = 0;
 
-	for (int i = 0; i < k->source_count; i++) {
-		if (now - k->heard_ns >= ABSENT_NS)
-			source_excuse(&k->sources[i], now);
+	for (int i = 0; i < k->inputs.source_count; i++) {
+		if (now - k->inputs.heard_ns >= ABSENT_NS)
+			source_excuse(&k->inputs.sources[i], now);
 	}
-	k->heard_ns = now;
-	for (int i = 0; i < k->source_count && !err; i++) {
+	k->inputs.heard_ns = now;
+	for (int i = 0; i < k->inputs.source_count && !err; i++) {
 		if (loop_ready(&k->loop, i))
 			err = take_source(k, i, now, fault);
 	}
-	for (int i = 0; i < k->keypad_count; i++) {
+	for (int i = 0; i < k->controls.keypad_count; i++) {
 		if (loop_ready(&k->loop, SLOT_BUTTONS + i))
-			kiosk_buttons_read(k, &k->keypads[i]);
+			kiosk_buttons_read(k, &k->controls.keypads[i]);
 	}
 	if (loop_ready(&k->loop, SLOT_CONTROL))
 		kiosk_control_read(k);
@@ -138,25 +148,25 @@ static int handle_events(struct kiosk *k, struct fault *fault)
  * that is free in size knows theirs. Until then the screen shows what it did. */
 static int settle(struct kiosk *k, struct fault *fault)
 {
-	for (int i = 0; i < k->source_count; i++) {
-		if (!k->sources[i].tried && clock_now_ns() - k->start_ns < SETTLE_NS)
+	for (int i = 0; i < k->inputs.source_count; i++) {
+		if (!k->inputs.sources[i].tried && clock_now_ns() - k->start_ns < SETTLE_NS)
 			return 0;
 	}
-	k->settled = true;
-	k->redraw = !eyes_leader(&k->eyes);
+	k->inputs.settled = true;
+	k->picture.redraw = !eyes_leader(&k->inputs.eyes);
 	kiosk_text(k);
 	return kiosk_screen_open(k, true, fault);
 }
 
 static bool all_submitted(const struct kiosk *k)
 {
-	return k->settings->frames && k->submitted >= k->settings->frames;
+	return k->settings->frames && k->screen.submitted >= k->settings->frames;
 }
 
 static bool is_over(const struct kiosk *k)
 {
 	return k->stop || k->loop.stop ||
-	       (k->settings->frames && kiosk_shown(k) >= k->settings->frames);
+	       (k->settings->frames && kiosk_shown(&k->screen) >= k->settings->frames);
 }
 
 static int go_round(struct kiosk *k, struct fault *fault)
@@ -168,12 +178,12 @@ static int go_round(struct kiosk *k, struct fault *fault)
 		err = loop_wait(&k->loop, fault);
 	if (!err)
 		err = handle_events(k, fault);
-	if (!err && !k->settled)
+	if (!err && !k->inputs.settled)
 		err = settle(k, fault);
-	if (err || is_over(k) || all_submitted(k) || !k->display.state)
+	if (err || is_over(k) || all_submitted(k) || !k->screen.display.state)
 		return err;
-	frames = kiosk_frames_are_due(k);
-	return frames || k->redraw ? kiosk_make_picture(k, frames, fault) : 0;
+	frames = kiosk_frames_are_due(&k->inputs);
+	return frames || k->picture.redraw ? kiosk_make_picture(k, frames, fault) : 0;
 }
 
 static int turn(struct kiosk *k, struct fault *fault)
@@ -181,12 +191,12 @@ static int turn(struct kiosk *k, struct fault *fault)
 	int err = 0;
 
 	loop_start(&k->loop);
-	k->start_ns = k->heard_ns = k->made_ns = clock_now_ns();
+	k->start_ns = k->inputs.heard_ns = k->picture.made_ns = clock_now_ns();
 	stats_start(&k->stats, k->start_ns);
 	while (!err && !is_over(k))
 		err = go_round(k, fault);
 	if (!err && k->stats.line_frames)
-		stats_line(&k->stats, clock_now_ns(), &k->pipeline, k->sources, k->source_count);
+		write_stats(k, clock_now_ns());
 	return err;
 }
 

@@ -17,19 +17,25 @@ static double within(double value, double high)
 	return value < 0 ? 0 : value > high ? high : value;
 }
 
-void kiosk_keep_state(struct kiosk *k)
+struct state_values kiosk_chosen(const struct kiosk_controls *controls)
 {
-	const struct state_values values = {k->choice.threshold, k->what, k->choice.pose};
+	return (struct state_values){controls->choice.threshold, controls->what,
+				     controls->choice.pose};
+}
 
-	state_keep(k->state, &values);
+void kiosk_keep_state(const struct kiosk_controls *controls)
+{
+	const struct state_values values = kiosk_chosen(controls);
+
+	state_keep(controls->state, &values);
 }
 
 /* Views that have nothing to show are passed over. */
-static void next_view(struct kiosk *k)
+static void next_view(struct kiosk_controls *controls, const struct eyes *eyes)
 {
 	do
-		k->what = (enum config_show)((k->what + 1) % SHOW_COUNT);
-	while (k->what == SHOW_SCENE && !k->eyes.scene.source);
+		controls->what = (enum config_show)((controls->what + 1) % SHOW_COUNT);
+	while (controls->what == SHOW_SCENE && !eyes->scene.source);
 }
 
 /* By a step of the threshold's own unit. */
@@ -47,35 +53,38 @@ static void move_threshold(struct ini_level *threshold, enum action action, doub
 
 void kiosk_take_pose(struct kiosk *k, int pose)
 {
-	k->choice.pose = pose;
-	k->choice.share = 0;
-	timeline_begin(&k->timeline, &k->config->poses, (int)k->basis.info.poses, pose,
-		       k->stamp_ns);
+	struct kiosk_controls *controls = &k->controls;
+
+	controls->choice.pose = pose;
+	controls->choice.share = 0;
+	timeline_begin(&controls->timeline, &k->config->poses, (int)k->picture.basis.info.poses,
+		       pose, controls->stamp_ns);
 }
 
 static void step_pose(struct kiosk *k, int step)
 {
-	const int poses = (int)k->basis.info.poses;
+	const int poses = (int)k->picture.basis.info.poses;
 
-	kiosk_take_pose(k, (k->choice.pose + poses + step) % poses);
+	kiosk_take_pose(k, (k->controls.choice.pose + poses + step) % poses);
 }
 
 int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *fault)
 {
+	struct kiosk_controls *controls = &k->controls;
 	int pose;
 
 	switch (press->action) {
 	case ACTION_THRESHOLD_UP:
 	case ACTION_THRESHOLD_DOWN:
 	case ACTION_THRESHOLD_NEXT:
-		move_threshold(&k->choice.threshold, press->action,
+		move_threshold(&controls->choice.threshold, press->action,
 			       k->config->lights.threshold_step);
 		break;
 	case ACTION_THRESHOLD_SET:
-		k->choice.threshold = (struct ini_level){press->value, press->percent};
+		controls->choice.threshold = (struct ini_level){press->value, press->percent};
 		break;
 	case ACTION_VIEW_NEXT:
-		next_view(k);
+		next_view(controls, &k->inputs.eyes);
 		break;
 	case ACTION_POSE_NEXT:
 		step_pose(k, 1);
@@ -84,26 +93,26 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 		step_pose(k, -1);
 		break;
 	case ACTION_POSE_SET:
-		pose = basis_find_pose(&k->basis, press->name, fault);
+		pose = basis_find_pose(&k->picture.basis, press->name, fault);
 		if (pose < 0)
 			return pose;
 		kiosk_take_pose(k, pose);
 		break;
 	case ACTION_OBJECT:
-		k->choice.object = !k->choice.object;
+		controls->choice.object = !controls->choice.object;
 		break;
 	case ACTION_INFORMATION:
-		k->information = !k->information;
+		controls->information = !controls->information;
 		kiosk_text(k);
 		break;
 	case ACTION_SPLIT_LEFT:
-		k->split = within(k->split - SPLIT_STEP, 1);
+		controls->split = within(controls->split - SPLIT_STEP, 1);
 		break;
 	case ACTION_SPLIT_RIGHT:
-		k->split = within(k->split + SPLIT_STEP, 1);
+		controls->split = within(controls->split + SPLIT_STEP, 1);
 		break;
 	case ACTION_FREEZE:
-		k->frozen = !k->frozen;
+		controls->frozen = !controls->frozen;
 		break;
 	case ACTION_QUIT:
 		k->stop = true;
@@ -111,8 +120,8 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 	default:
 		return 0;
 	}
-	k->redraw = true;
-	kiosk_keep_state(k);
+	k->picture.redraw = true;
+	kiosk_keep_state(controls);
 	return 0;
 }
 
@@ -145,7 +154,7 @@ static int open_keypad(struct kiosk *k, struct keypad *keypad, bool first, struc
 static void close_keypad(struct kiosk *k, struct keypad *keypad)
 {
 	/* Leaving a slot cannot fail. */
-	(void)loop_watch(&k->loop, SLOT_BUTTONS + (int)(keypad - k->keypads), -1, NULL);
+	(void)loop_watch(&k->loop, SLOT_BUTTONS + (int)(keypad - k->controls.keypads), -1, NULL);
 	buttons_close(&keypad->buttons);
 }
 
@@ -168,29 +177,33 @@ void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad)
 
 void kiosk_buttons_close(struct kiosk *k)
 {
-	for (int i = 0; i < k->keypad_count; i++)
-		close_keypad(k, &k->keypads[i]);
-	k->keypad_count = 0;
+	struct kiosk_controls *controls = &k->controls;
+
+	for (int i = 0; i < controls->keypad_count; i++)
+		close_keypad(k, &controls->keypads[i]);
+	controls->keypad_count = 0;
 }
 
 /* Which there are to be. */
 static void list_keypads(struct kiosk *k)
 {
+	struct kiosk_controls *controls = &k->controls;
 	int drivers[CONFIG_DRIVERS_MAX];
 
-	if (k->keypad_count)
+	if (controls->keypad_count)
 		return;
-	k->keypad_count = config_buttons_used(k->config, drivers);
-	for (int i = 0; i < k->keypad_count; i++)
-		k->keypads[i] = (struct keypad){.driver = drivers[i]};
+	controls->keypad_count = config_buttons_used(k->config, drivers);
+	for (int i = 0; i < controls->keypad_count; i++)
+		controls->keypads[i] = (struct keypad){.driver = drivers[i]};
 }
 
 int kiosk_buttons_open(struct kiosk *k, bool first, struct fault *fault)
 {
+	struct kiosk_controls *controls = &k->controls;
 	int err = 0;
 
 	list_keypads(k);
-	for (int i = 0; i < k->keypad_count && !err; i++)
-		err = open_keypad(k, &k->keypads[i], first, fault);
+	for (int i = 0; i < controls->keypad_count && !err; i++)
+		err = open_keypad(k, &controls->keypads[i], first, fault);
 	return err;
 }

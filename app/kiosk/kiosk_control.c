@@ -18,40 +18,42 @@ int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault)
 	struct fault reason = {.text = ""};
 	int err;
 
-	if (k->control || !*control->socket)
+	if (k->controls.control || !*control->socket)
 		return 0;
-	err = control_open(&k->control, control->socket, control->group, &reason);
+	err = control_open(&k->controls.control, control->socket, control->group, &reason);
 	if (first && is_mistake(err))
 		return fault_say(fault, err, "%s", reason.text);
-	kiosk_complain(&k->control_said, "control", err ? &reason : NULL);
+	kiosk_complain(&k->controls.control_said, "control", err ? &reason : NULL);
 	return 0;
 }
 
 void kiosk_control_close(struct kiosk *k)
 {
 	(void)loop_watch(&k->loop, SLOT_CONTROL, -1, NULL);
-	control_close(k->control);
-	k->control = NULL;
+	control_close(k->controls.control);
+	k->controls.control = NULL;
 }
 
 /* What buttons change, and the statistics of the last second. */
 static const char *status(struct kiosk *k)
 {
+	struct kiosk_controls *controls = &k->controls;
+	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
 	char figures[STATS_TEXT_MAX], trouble[OVERLAY_TEXT_MAX];
 
-	stats_text(&k->stats, &k->pipeline, &k->choice.threshold, k->sources, k->source_count,
-		   figures);
-	kiosk_pose_trouble(k, trouble);
-	snprintf(k->status, sizeof(k->status),
+	stats_text(&k->stats, &report, &controls->choice.threshold, k->inputs.sources,
+		   k->inputs.source_count, figures);
+	kiosk_pose_trouble(&k->picture, trouble);
+	snprintf(controls->status, sizeof(controls->status),
 		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
 		 "\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
 		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",%s}",
-		 INLAY_VERSION, config_show_names[k->what], k->choice.pose,
-		 basis_pose_name(&k->basis, k->choice.pose), k->pipeline.choice.pose, trouble,
-		 k->choice.object ? "true" : "false", k->frozen ? "true" : "false", k->split,
-		 k->information ? "true" : "false", display_situation_names[k->display.situation],
-		 figures);
-	return k->status;
+		 INLAY_VERSION, config_show_names[controls->what], controls->choice.pose,
+		 basis_pose_name(&k->picture.basis, controls->choice.pose), report.pose, trouble,
+		 controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
+		 controls->split, controls->information ? "true" : "false",
+		 display_situation_names[k->screen.display.situation], figures);
+	return controls->status;
 }
 
 static const char *act(struct kiosk *k, const struct button_press *press,
@@ -71,13 +73,13 @@ void kiosk_control_read(struct kiosk *k)
 	char answer[FAULT_TEXT_MAX + 16];
 
 	for (;;) {
-		control_next(k->control, &request);
+		control_next(k->controls.control, &request);
 		switch (request.kind) {
 		case CONTROL_ACTION:
-			control_answer(k->control, act(k, &request.press, answer));
+			control_answer(k->controls.control, act(k, &request.press, answer));
 			break;
 		case CONTROL_STATUS:
-			control_answer(k->control, status(k));
+			control_answer(k->controls.control, status(k));
 			break;
 		default:
 			return;

@@ -32,53 +32,71 @@ struct keypad {
 	struct fault said; /* the trouble that was logged last; empty: none */
 };
 
-struct kiosk {
-	const struct kiosk_settings *settings;
-	struct config *config; /* what is in force */
-	struct loop loop;
-	struct basis basis;
-	struct pipeline pipeline;
+/* The cameras and what is seen through them. */
+struct kiosk_inputs {
 	struct source sources[CONFIG_CAMERAS_MAX];
 	int source_count;
 	struct eyes eyes;
 	struct exposing exposing; /* the fisheye's camera */
-	struct fault unfit[3];	  /* of fisheye, background, scene: why the picture is of no use */
-	struct fault light_said;
-	bool pose_said[BASIS_POSES_MAX]; /* that it could not be shown */
-	struct display display;		 /* state NULL: there is no screen at present */
-	struct fault display_said;
-	struct show_fit fit;   /* what display_fit() was asked for */
-	bool fitted;	       /* and does */
-	uint64_t shown_before; /* pictures, on screens that were lost since */
-	struct keypad keypads[CONFIG_DRIVERS_MAX];
-	int keypad_count;
-	struct control *control; /* NULL: none, or not to be had at present */
-	struct fault control_said;
-	struct state *state; /* NULL: nothing is kept */
-	struct service service;
+	struct fault unfit[3];	  /* of fisheye, background, scene: why the picture does not fit */
+	struct fault light_said;  /* why the light cannot be measured; empty: it can */
+	bool settled;		  /* each camera has been tried, and the screen */
+	int64_t heard_ns;	  /* when the loop last came round */
+};
+
+/* From light and background to the pictures of a view. */
+struct kiosk_picture {
+	struct basis basis;
+	struct pipeline *pipeline;
 	struct show show;
 	struct overlay overlay;
-	struct stats stats;
-	/* what buttons change */
-	struct pipeline_choice choice;
+	bool pose_said[BASIS_POSES_MAX]; /* it was logged that the pose cannot be shown */
+	bool redraw;			 /* something other than a frame has changed the picture */
+	int64_t made_ns;		 /* when a picture was last made */
+	bool begun; /* one has been made: the configuration and the first cameras fit */
+};
+
+/* What people and programs choose, and how they say so. */
+struct kiosk_controls {
+	struct keypad keypads[CONFIG_DRIVERS_MAX];
+	int keypad_count;
+	struct control *control; /* the socket; NULL: none, or not there at present */
+	struct fault control_said;
+	char status[STATS_TEXT_MAX + 512]; /* the socket's answer to "status" */
+	struct state *state;		   /* keeps what is chosen; NULL: nothing is kept */
 	struct timeline timeline;
-	bool timed;	  /* there has been a frame that it goes by */
+	bool timed;	  /* a frame has come that the timeline goes by */
 	int64_t stamp_ns; /* of the newest such frame */
+	/* What is chosen: */
+	struct pipeline_choice choice;
 	enum config_show what;
 	double split;
-	bool information;
-	bool frozen;
-	/* where we are */
-	bool settled;  /* the cameras have been tried, and the screen */
-	unsigned owed; /* effects of a reload that there was no memory or thread for */
-	bool redraw;   /* something other than a frame changed the picture */
-	bool stop;
+	bool information, frozen;
+};
+
+/* The screen, which may go and come back. */
+struct kiosk_screen {
+	struct display display; /* state NULL: there is no screen at present */
+	struct fault said;	/* the trouble that was logged last; empty: none */
+	struct show_fit fit;	/* what display_fit() was asked for */
+	bool fitted;		/* and does */
+	uint64_t shown_before;	/* pictures, on screens that were lost since */
+	uint64_t submitted;	/* pictures that are on a screen or on their way to one */
+};
+
+struct kiosk {
+	const struct kiosk_settings *settings;
+	struct config *config; /* what is in force */
+	struct loop loop;
+	struct service service;
+	struct stats stats;
+	struct kiosk_inputs inputs;
+	struct kiosk_picture picture;
+	struct kiosk_controls controls;
+	struct kiosk_screen screen;
 	int64_t start_ns; /* of the loop */
-	int64_t heard_ns; /* when the loop last came round */
-	int64_t made_ns;  /* when a picture was last made */
-	bool begun;	  /* a picture has been made: the configuration and the first cameras fit */
-	uint64_t submitted; /* pictures that are on a screen or on their way to one */
-	char status[STATS_TEXT_MAX + 512]; /* what the control socket is told */
+	unsigned owed;	  /* effects of a reload that there was no memory or thread for */
+	bool stop;
 };
 
 /* ---- kiosk_complain.c ---- */
@@ -100,12 +118,39 @@ int kiosk_close(struct kiosk *k, struct fault *fault);
  * expects it. */
 struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera);
 
+/* ---- kiosk_light.c ---- */
+
+/* Whether there is a new frame to make a picture of: from the camera that sets the pace, and from
+ * each camera that makes frames on demand. */
+bool kiosk_frames_are_due(const struct kiosk_inputs *inputs);
+
+/* What was taken for a picture. */
+struct kiosk_taken {
+	int64_t captured_ns; /* of the frame that set the pace; 0: there is no new one */
+	bool fisheye;	     /* the fisheye's picture is a new one */
+};
+
+/* Makes pictures of the frames that the cameras hold. frames false: only where a camera has no
+ * picture without, so that cameras which go in step stay so. frozen: pictures that are there stay,
+ * and their cameras' frames are given back. */
+struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *inputs, struct pipeline *pipeline,
+				     bool frames, bool frozen);
+
+/* Fits each view to its camera's picture. composited: the background has to have the basis's size.
+ * An error only before the first picture; later a view that does not fit is logged and has no
+ * picture. */
+int kiosk_fit_eyes(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
+		   bool composited, struct fault *fault);
+
+/* Measures the light in the fisheye's new picture. Light stays as it was where the picture cannot be
+ * measured, or its exposure is not known. An error only before the first picture. */
+int kiosk_measure_light(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
+			struct fault *fault);
+
 /* ---- kiosk_picture.c ---- */
 
-bool kiosk_frames_are_due(struct kiosk *k);
-
-/* A picture for the screen, if there is one and it has a buffer to draw in. frames: of what the
- * cameras hold; otherwise of what they gave before, so that cameras which go in step stay so. */
+/* Makes a picture for the screen, if it has a buffer to draw in. frames: of what the cameras hold;
+ * else of what they gave before. */
 int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault);
 
 /* ---- kiosk_screen.c ---- */
@@ -123,17 +168,18 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault);
 /* Asks the screen to scale what is shown, where it can. */
 void kiosk_screen_fit(struct kiosk *k);
 
-uint64_t kiosk_shown(const struct kiosk *k);
+uint64_t kiosk_shown(const struct kiosk_screen *screen);
 
 /* Whether it is right that nothing reaches a screen. */
-bool kiosk_screen_is_excused(const struct kiosk *k);
+bool kiosk_screen_is_excused(const struct kiosk_screen *screen);
 
 /* ---- kiosk_actions.c ---- */
 
 /* 0, or -EINVAL: the basis has no such pose. */
 int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *fault);
 void kiosk_take_pose(struct kiosk *k, int pose); /* and the timeline goes on from it */
-void kiosk_keep_state(struct kiosk *k);		 /* what is chosen at present */
+struct state_values kiosk_chosen(const struct kiosk_controls *controls);
+void kiosk_keep_state(const struct kiosk_controls *controls); /* what is chosen at present */
 
 /* Opens what [buttons] names and is not open. At the very start (first) a mistake of the
  * configuration is an error; everything else is said and waited for. */
@@ -154,7 +200,7 @@ void kiosk_control_close(struct kiosk *k);
 void kiosk_text(struct kiosk *k);
 
 /* What is said of a chosen pose that cannot be shown. Returns the length; 0: it is. */
-int kiosk_pose_trouble(const struct kiosk *k, char text[OVERLAY_TEXT_MAX]);
+int kiosk_pose_trouble(const struct kiosk_picture *picture, char text[OVERLAY_TEXT_MAX]);
 
 /* ---- kiosk_reload.c ---- */
 

@@ -12,16 +12,13 @@
 static int check(const struct kiosk *k, const struct config *fresh)
 {
 	struct fault fault = {.text = ""};
-	struct fisheye lens;
-	int err = pipeline_config_check(fresh, &k->basis);
+	int err = pipeline_config_check(fresh, &k->picture.basis);
 
-	if (fresh->screen->show == SHOW_SCENE && !k->eyes.scene.source) {
+	if (fresh->screen->show == SHOW_SCENE && !k->inputs.eyes.scene.source) {
 		log_error("%s: [screen] show: is scene, whose camera is not open", fresh->name);
 		err = -EINVAL;
 	}
-	if (k->pipeline.lens_width &&
-	    fisheye_prepare(&lens, &fresh->fisheye.lens, k->pipeline.lens_width,
-			    k->pipeline.lens_height, &fault)) {
+	if (pipeline_check_lens(k->picture.pipeline, &fresh->fisheye.lens, &fault)) {
 		log_error("%s: %s", fresh->name, fault.text);
 		err = -EINVAL;
 	}
@@ -31,11 +28,11 @@ static int check(const struct kiosk *k, const struct config *fresh)
 /* A camera's radiance is encoded as its views expect it. */
 static void encode(struct kiosk *k)
 {
-	for (int i = 0; i < k->source_count; i++) {
-		const struct transfer_curve curve = kiosk_curve_for(k->config,
-								    k->sources[i].settings.name);
+	for (int i = 0; i < k->inputs.source_count; i++) {
+		const struct transfer_curve curve =
+			kiosk_curve_for(k->config, k->inputs.sources[i].settings.name);
 
-		source_encode_as(&k->sources[i], &curve);
+		source_encode_as(&k->inputs.sources[i], &curve);
 	}
 }
 
@@ -44,13 +41,13 @@ static int apply_light(struct kiosk *k, struct fault *fault)
 	struct pipeline_settings settings = pipeline_settings_of(k->config);
 
 	encode(k);
-	return pipeline_relight(&k->pipeline, &settings, fault);
+	return pipeline_relight(k->picture.pipeline, &settings, fault);
 }
 
 static int apply_pipeline(struct kiosk *k, struct fault *fault)
 {
 	struct pipeline_settings settings = pipeline_settings_of(k->config);
-	int err = pipeline_change(&k->pipeline, &settings, fault);
+	int err = pipeline_change(k->picture.pipeline, &settings, fault);
 
 	if (!err)
 		encode(k);
@@ -73,26 +70,26 @@ static unsigned apply(struct kiosk *k, unsigned effects)
 		owed |= RELOAD_LIGHT | RELOAD_DRAWING;
 	}
 	if (effects & RELOAD_THRESHOLD)
-		k->choice.threshold = config->lights.threshold;
+		k->controls.choice.threshold = config->lights.threshold;
 	if (effects & RELOAD_POSE)
 		kiosk_take_pose(k, config->basis.pose);
 	if (effects & RELOAD_POSES)
-		kiosk_take_pose(k, k->choice.pose);
+		kiosk_take_pose(k, k->controls.choice.pose);
 	if (effects & RELOAD_VIEW)
-		k->what = (enum config_show)config->screen->show;
+		k->controls.what = (enum config_show)config->screen->show;
 	if (effects & RELOAD_SPLIT)
-		k->split = config->screen->split;
+		k->controls.split = config->screen->split;
 	if (effects & RELOAD_INFORMATION)
-		k->information = config->screen->information;
+		k->controls.information = config->screen->information;
 	if (effects & RELOAD_STATE)
-		state_move(k->state, &config->state);
+		state_move(k->controls.state, &config->state);
 	if (effects & (RELOAD_THRESHOLD | RELOAD_POSE | RELOAD_VIEW))
-		kiosk_keep_state(k);
+		kiosk_keep_state(&k->controls);
 	/* First: no. From here on everything is waited for. */
 	(void)kiosk_control_open(k, false, NULL);
 	(void)kiosk_buttons_open(k, false, NULL);
 	kiosk_text(k);
-	k->redraw |= (effects & RELOAD_DRAWING) != 0;
+	k->picture.redraw |= (effects & RELOAD_DRAWING) != 0;
 	return owed;
 }
 

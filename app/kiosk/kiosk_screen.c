@@ -8,46 +8,51 @@
 
 int kiosk_screen_open(struct kiosk *k, bool first, struct fault *fault)
 {
-	struct config_screen *screen = k->config->screen;
-	struct display_settings settings = screen->settings;
-	int driver = config_driver_index(k->config, CONFIG_DISPLAY, screen->driver);
+	struct config_screen *wanted = k->config->screen;
+	struct display_settings settings = wanted->settings;
+	int driver = config_driver_index(k->config, CONFIG_DISPLAY, wanted->driver);
+	struct kiosk_screen *screen = &k->screen;
 	struct fault reason = {.text = ""};
 	int err;
 
-	show_size(k->what, &k->eyes, &k->basis, &settings.picture_width, &settings.picture_height);
-	err = display_open(&k->display, display_drivers[driver], &settings,
-			   config_options(k->config, CONFIG_DISPLAY, screen, driver), &reason);
+	show_size(k->controls.what, &k->inputs.eyes, &k->picture.basis, &settings.picture_width,
+		  &settings.picture_height);
+	err = display_open(&screen->display, display_drivers[driver], &settings,
+			   config_options(k->config, CONFIG_DISPLAY, wanted, driver), &reason);
 	/* Two kiosks would wait for each other's end. */
 	if (err && first &&
-	    (!display_may_return(k->display.situation) || k->display.situation == DISPLAY_BUSY))
+	    (!display_may_return(screen->display.situation) ||
+	     screen->display.situation == DISPLAY_BUSY))
 		return fault_say(fault, err, "%s", reason.text);
-	kiosk_complain(&k->display_said, "screen", err ? &reason : NULL);
-	k->fit = (struct show_fit){.width = 0};
-	k->fitted = false;
-	k->redraw |= !err && !first;
+	kiosk_complain(&screen->said, "screen", err ? &reason : NULL);
+	screen->fit = (struct show_fit){.width = 0};
+	screen->fitted = false;
+	k->picture.redraw |= !err && !first;
 	return 0;
 }
 
 static int close_screen(struct kiosk *k, struct fault *fault)
 {
+	struct kiosk_screen *screen = &k->screen;
 	int err = loop_watch(&k->loop, SLOT_DISPLAY, -1, fault);
 
-	(void)display_close(&k->display, NULL); /* what it did not finish is said already */
-	k->shown_before += k->display.shown;
-	k->display.shown = 0;
-	k->submitted = k->shown_before; /* what was under way never arrives */
+	(void)display_close(&screen->display, NULL); /* what it did not finish is said already */
+	screen->shown_before += screen->display.shown;
+	screen->display.shown = 0;
+	screen->submitted = screen->shown_before; /* what was under way never arrives */
 	return err;
 }
 
 int kiosk_screen_lost(struct kiosk *k, int err, struct fault *fault)
 {
+	struct kiosk_screen *screen = &k->screen;
 	struct fault reason = *fault;
 	/* A screen that changes before it has shown anything is given a second. */
-	bool at_once = err == -ESTALE && k->display.shown > 0;
+	bool at_once = err == -ESTALE && screen->display.shown > 0;
 
-	if (err != -ESTALE && !display_may_return(k->display.situation))
+	if (err != -ESTALE && !display_may_return(screen->display.situation))
 		return err;
-	kiosk_complain(&k->display_said, "screen", &reason);
+	kiosk_complain(&screen->said, "screen", &reason);
 	err = close_screen(k, fault);
 	if (err || !at_once)
 		return err;
@@ -56,8 +61,8 @@ int kiosk_screen_lost(struct kiosk *k, int err, struct fault *fault)
 
 static void shown(struct kiosk *k, const struct display_event *event)
 {
-	const struct source *first = eyes_leader(&k->eyes);
-	double slower_hz = k->display.rate_hz;
+	const struct source *first = eyes_leader(&k->inputs.eyes);
+	double slower_hz = k->screen.display.rate_hz;
 
 	if (first && first->camera.rate_hz > 0 &&
 	    (slower_hz <= 0 || first->camera.rate_hz < slower_hz))
@@ -73,7 +78,7 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 	struct display_event event;
 
 	for (;;) {
-		int err = display_dispatch(&k->display, &event, fault);
+		int err = display_dispatch(&k->screen.display, &event, fault);
 
 		if (err)
 			return kiosk_screen_lost(k, err, fault);
@@ -85,14 +90,16 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 			k->stop = true;
 			break;
 		case DISPLAY_EXPOSED:
-			k->submitted = kiosk_shown(k); /* what was under way never arrives */
-			k->redraw = true;
+			k->screen.submitted =
+				kiosk_shown(&k->screen); /* what was under way never arrives */
+			k->picture.redraw = true;
 			break;
 		case DISPLAY_ACTION:
 			kiosk_act(k,
-				  &(struct button_press){.action = (enum action)event.action,
-							 .value = k->choice.threshold.value,
-							 .percent = k->choice.threshold.percent},
+				  &(struct button_press){
+					  .action = (enum action)event.action,
+					  .value = k->controls.choice.threshold.value,
+					  .percent = k->controls.choice.threshold.percent},
 				  NULL);
 			break;
 		default:
@@ -103,28 +110,33 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 
 void kiosk_screen_fit(struct kiosk *k)
 {
-	/* Pixel by pixel the screen keeps its own size. */
-	struct show_fit fit = {k->display.width, k->display.height, 1};
+	struct kiosk_screen *screen = &k->screen;
 
-	if (k->display.hidden)
+	/* Pixel by pixel the screen keeps its own size. */
+	struct show_fit fit = {screen->display.width, screen->display.height, 1};
+
+	if (screen->display.hidden)
 		return; /* it would say no, and is asked once */
 	if (k->config->screen->scale == SCALE_FIT)
-		fit = show_fit(k->what, &k->eyes, &k->basis);
-	if (fit.width == k->fit.width && fit.height == k->fit.height && fit.squash == k->fit.squash)
+		fit = show_fit(k->controls.what, &k->inputs.eyes, &k->picture.basis);
+	if (fit.width == screen->fit.width && fit.height == screen->fit.height &&
+	    fit.squash == screen->fit.squash)
 		return;
-	k->fit = fit;
-	k->fitted = display_fit(&k->display, fit.width, fit.height, fit.squash) == 0;
+	screen->fit = fit;
+	screen->fitted = display_fit(&screen->display, fit.width, fit.height, fit.squash) == 0;
 }
 
-uint64_t kiosk_shown(const struct kiosk *k)
+uint64_t kiosk_shown(const struct kiosk_screen *screen)
 {
-	return k->shown_before + k->display.shown;
+	return screen->shown_before + screen->display.shown;
 }
 
-bool kiosk_screen_is_excused(const struct kiosk *k)
+bool kiosk_screen_is_excused(const struct kiosk_screen *screen)
 {
-	if (k->display.state)
-		return k->display.hidden;
-	return k->display.situation == DISPLAY_NO_DEVICE ||
-	       k->display.situation == DISPLAY_NO_SCREEN || k->display.situation == DISPLAY_BUSY;
+	const enum display_situation situation = screen->display.situation;
+
+	if (screen->display.state)
+		return screen->display.hidden;
+	return situation == DISPLAY_NO_DEVICE || situation == DISPLAY_NO_SCREEN ||
+	       situation == DISPLAY_BUSY;
 }

@@ -9,9 +9,9 @@
 #define ROLE_MAX 64
 
 /* "Fisheye and background": the views that look through a camera. */
-static void role_of(const struct kiosk *k, const struct source *source, char role[ROLE_MAX])
+static void role_of(const struct eyes *e, const struct source *source, char role[ROLE_MAX])
 {
-	const struct eye *eyes[] = {&k->eyes.fisheye, &k->eyes.background, &k->eyes.scene};
+	const struct eye *eyes[] = {&e->fisheye, &e->background, &e->scene};
 	const char *used[3] = {NULL};
 	int count = 0, length = 0;
 
@@ -30,9 +30,9 @@ static void role_of(const struct kiosk *k, const struct source *source, char rol
 }
 
 /* A camera that works may still send a picture that its views cannot use. */
-static enum camera_situation situation_of(const struct kiosk *k, const struct source *source)
+static enum camera_situation situation_of(const struct eyes *e, const struct source *source)
 {
-	const struct eye *eyes[] = {&k->eyes.fisheye, &k->eyes.background, &k->eyes.scene};
+	const struct eye *eyes[] = {&e->fisheye, &e->background, &e->scene};
 
 	for (int i = 0; i < 3; i++) {
 		if (source->situation == CAMERA_FINE && eyes[i]->source == source && eyes[i]->unfit)
@@ -41,70 +41,72 @@ static enum camera_situation situation_of(const struct kiosk *k, const struct so
 	return source->situation;
 }
 
-static int list_troubles(const struct kiosk *k, char (*texts)[OVERLAY_TEXT_MAX])
+static int list_troubles(const struct kiosk_inputs *in, const struct kiosk_picture *picture,
+			 char (*texts)[OVERLAY_TEXT_MAX])
 {
 	int count = 0;
 
-	for (int i = 0; i < k->source_count; i++) {
-		const struct source *source = &k->sources[i];
+	for (int i = 0; i < in->source_count; i++) {
+		const struct source *source = &in->sources[i];
 		char role[ROLE_MAX] = "";
 
-		role_of(k, source, role);
+		role_of(&in->eyes, source, role);
 		if (words_camera(texts[count], OVERLAY_TEXT_MAX, role, source_device_name(source),
-				 situation_of(k, source)) > 0)
+				 situation_of(&in->eyes, source)) > 0)
 			count++;
 	}
-	if (kiosk_pose_trouble(k, texts[count]) > 0)
+	if (kiosk_pose_trouble(picture, texts[count]) > 0)
 		count++;
 	return count;
 }
 
-int kiosk_pose_trouble(const struct kiosk *k, char text[OVERLAY_TEXT_MAX])
+int kiosk_pose_trouble(const struct kiosk_picture *picture, char text[OVERLAY_TEXT_MAX])
 {
-	const int pose = k->pipeline.missing;
+	const int pose = pipeline_report(picture->pipeline).missing;
 
 	*text = '\0';
-	return pose < 0
-		       ? 0
-		       : words_pose(text, OVERLAY_TEXT_MAX, pose, basis_pose_name(&k->basis, pose));
+	return pose < 0 ? 0
+			: words_pose(text, OVERLAY_TEXT_MAX, pose,
+				     basis_pose_name(&picture->basis, pose));
 }
 
 static void write_information(struct kiosk *k)
 {
+	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
 	const struct words_figures figures = {
-		.lights_used = k->pipeline.selection.used_count,
-		.lights = k->pipeline.selection.count,
-		.threshold = k->choice.threshold.value,
-		.percent = k->choice.threshold.percent,
-		.error = stats_dropped_error(&k->pipeline),
+		.lights_used = report.lights_used,
+		.lights = report.lights,
+		.threshold = k->controls.choice.threshold.value,
+		.percent = k->controls.choice.threshold.percent,
+		.error = report.dropped_error,
 		.frames_a_second = k->stats.last.fps,
 		.latency_ms = k->stats.last.latency_mean_ms,
-		.drops = stats_drops(k->sources, k->source_count),
-		.clipped = k->pipeline.clipped,
-		.recovered = k->pipeline.recovery.recovered,
-		.at_bound = k->pipeline.recovery.at_bound,
+		.drops = stats_drops(k->inputs.sources, k->inputs.source_count),
+		.clipped = report.clipped,
+		.recovered = report.recovered,
+		.at_bound = report.at_bound,
 	};
 	char text[OVERLAY_TEXT_MAX];
 
 	words_information(text, sizeof(text), &figures);
-	overlay_information(&k->overlay, text);
+	overlay_information(&k->picture.overlay, text);
 }
 
 void kiosk_text(struct kiosk *k)
 {
 	char texts[OVERLAY_TROUBLES_MAX][OVERLAY_TEXT_MAX];
-	int count = list_troubles(k, texts);
+	int count = list_troubles(&k->inputs, &k->picture, texts);
 
 	_Static_assert(CONFIG_CAMERAS_MAX + 1 <= OVERLAY_TROUBLES_MAX,
 		       "a line for each camera and for the pose");
-	overlay_troubles(&k->overlay, (const char(*)[OVERLAY_TEXT_MAX])texts,
+	overlay_troubles(&k->picture.overlay, (const char(*)[OVERLAY_TEXT_MAX])texts,
 			 k->config->screen->trouble ? count : 0);
-	if (k->information)
+	if (k->controls.information)
 		write_information(k);
 	else
-		overlay_information(&k->overlay, NULL);
-	if (!k->display.state)
-		service_status(&k->service, k->display_said.text);
+		overlay_information(&k->picture.overlay, NULL);
+	if (!k->screen.display.state)
+		service_status(&k->service, k->screen.said.text);
 	else
 		service_status(&k->service, count ? texts[0] : "showing the picture");
 }

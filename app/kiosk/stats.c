@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -159,14 +158,7 @@ uint64_t stats_drops(const struct source *sources, int source_count)
 	return sum;
 }
 
-double stats_dropped_error(const struct pipeline *pipeline)
-{
-	const double *error = pipeline->selection.dropped_error;
-
-	return fmax(fmax(error[0], error[1]), error[2]);
-}
-
-void stats_text(const struct stats *stats, const struct pipeline *pipeline,
+void stats_text(const struct stats *stats, const struct pipeline_report *report,
 		const struct ini_level *threshold, const struct source *sources, int source_count,
 		char text[STATS_TEXT_MAX])
 {
@@ -185,14 +177,14 @@ void stats_text(const struct stats *stats, const struct pipeline *pipeline,
 	       "\"dropped_error\":%.6g,"
 	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu,"
 	       "\"lines_lost\":%llu",
-	       pipeline->selection.used_count, pipeline->selection.count, threshold->value,
-	       threshold->percent ? "percent" : "grey level", stats_dropped_error(pipeline),
-	       pipeline->clipped,
-	       !pipeline->recovery.recovered ? "no"
-	       : pipeline->recovery.at_bound ? "in part"
-					     : "yes",
-	       pipeline->settings.exposures ? pipeline->settings.exposures : 1,
-	       (unsigned long long)pipeline->unfit, (unsigned long long)stats->lines_lost);
+	       report->lights_used, report->lights, threshold->value,
+	       threshold->percent ? "percent" : "grey level", report->dropped_error,
+	       report->clipped,
+	       !report->recovered ? "no"
+	       : report->at_bound ? "in part"
+				  : "yes",
+	       report->exposures, (unsigned long long)report->unfit,
+	       (unsigned long long)stats->lines_lost);
 	append_cameras(&w, sources, source_count);
 }
 
@@ -232,13 +224,13 @@ static int write_whole(int file, const char *text, size_t length)
 	return 0;
 }
 
-static void write_line(struct stats *stats, const struct pipeline *pipeline,
+static void write_line(struct stats *stats, const struct pipeline_report *report,
 		       const struct source *sources, int source_count)
 {
 	char text[STATS_TEXT_MAX], line[STATS_TEXT_MAX + 8];
 	int err = stats->file < 0 ? open_file(stats, 0) : 0;
 
-	stats_text(stats, pipeline, &pipeline->choice.threshold, sources, source_count, text);
+	stats_text(stats, report, &report->threshold, sources, source_count, text);
 	if (!err)
 		err = write_whole(stats->file, line,
 				  (size_t)snprintf(line, sizeof(line), "{%s}\n", text));
@@ -250,12 +242,12 @@ static void write_line(struct stats *stats, const struct pipeline *pipeline,
 									  : strerror(-err));
 }
 
-void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline *pipeline,
+void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline_report *report,
 		const struct source *sources, int source_count)
 {
 	stats->last = figures(stats, now_ns);
 	if (stats->path)
-		write_line(stats, pipeline, sources, source_count);
+		write_line(stats, report, sources, source_count);
 	stats->line_ns = now_ns;
 	stats->line_frames = stats->made = stats->timed = stats->late = 0;
 	stats->latency_sum_ns = stats->latency_max_ns = 0;

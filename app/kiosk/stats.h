@@ -62,19 +62,16 @@ void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int
 
 /* Writes a line and begins the next. Never waits: what cannot be written whole, because the disk is
  * full or a pipe's reader slow or absent, is left out and counted, which is said once. */
-void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline *pipeline,
+void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline_report *report,
 		const struct source *sources, int source_count);
 
 /* What the line holds, without its braces: the figures of the last one, the rest as it is now.
- * threshold: the pipeline's, or what it will be in the next frame. */
-void stats_text(const struct stats *stats, const struct pipeline *pipeline,
+ * threshold: the report's, or what it will be in the next frame. */
+void stats_text(const struct stats *stats, const struct pipeline_report *report,
 		const struct ini_level *threshold, const struct source *sources, int source_count,
 		char text[STATS_TEXT_MAX]);
 
 /* Frames of all cameras that were not used. */
 uint64_t stats_drops(const struct source *sources, int source_count);
-
-/* By how much dropped lights change the object's radiance at most, in any channel. */
-double stats_dropped_error(const struct pipeline *pipeline);
 
 #endif

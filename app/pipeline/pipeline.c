@@ -81,24 +81,31 @@ static int fill(struct pipeline *p, struct fault *fault)
 	return start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
 }
 
-int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
+int pipeline_create(struct pipeline **out, const struct basis *basis,
 		    const struct pipeline_settings *settings, struct fault *fault)
 {
+	struct pipeline *p = malloc(sizeof(*p));
 	int err;
 
-	*pipeline = (struct pipeline){.settings = *settings,
-				      .basis = basis,
-				      .shown = {.pose = -1},
-				      .expected = {-1},
-				      .missing = -1};
-	err = fill(pipeline, fault);
+	if (!p)
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	*p = (struct pipeline){.settings = *settings,
+			       .basis = basis,
+			       .shown = {.pose = -1},
+			       .expected = {-1},
+			       .missing = -1};
+	err = fill(p, fault);
 	if (err)
-		pipeline_destroy(pipeline);
+		pipeline_destroy(p);
+	else
+		*out = p;
 	return err;
 }
 
 void pipeline_destroy(struct pipeline *p)
 {
+	if (!p)
+		return;
 	pipeline_relight_end(p);
 	pipeline_fade_end(p);
 	compositor_destroy(p->compositor);
@@ -113,7 +120,7 @@ void pipeline_destroy(struct pipeline *p)
 	free(p->sampled);
 	free(p->left);
 	dome_free(&p->dome);
-	*p = (struct pipeline){.basis = NULL};
+	free(p);
 }
 
 int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings,
@@ -237,4 +244,60 @@ int pipeline_reference(struct pipeline *p, const struct picture *background, dou
 	if (err)
 		return fault_say(fault, err, "cannot composite pose %d", p->choice.pose);
 	return 0;
+}
+
+struct pipeline_report pipeline_report(const struct pipeline *p)
+{
+	const double *error = p->selection.dropped_error;
+
+	return (struct pipeline_report){
+		.lit = p->lit,
+		.level = p->level,
+		.clipped = p->clipped,
+		.recovered = p->recovery.recovered,
+		.at_bound = p->recovery.at_bound,
+		.exposures = p->settings.exposures ? p->settings.exposures : 1,
+		.unfit = p->unfit,
+		.threshold = p->choice.threshold,
+		.lights = p->selection.count,
+		.lights_used = p->selection.used_count,
+		.dropped_error = fmax(fmax(error[0], error[1]), error[2]),
+		.pose = p->choice.pose,
+		.missing = p->missing,
+	};
+}
+
+const char *pipeline_trouble(const struct pipeline *p)
+{
+	return p->trouble.text;
+}
+
+bool pipeline_has_patch(const struct pipeline *p)
+{
+	return p->ground != NULL;
+}
+
+struct pool *pipeline_pool(const struct pipeline *p)
+{
+	return p->pool;
+}
+
+const struct dome *pipeline_dome(const struct pipeline *p)
+{
+	return &p->dome;
+}
+
+const struct fisheye *pipeline_lens(const struct pipeline *p)
+{
+	return &p->lens;
+}
+
+const bool *pipeline_used(const struct pipeline *p)
+{
+	return p->selection.used;
+}
+
+const float (*pipeline_radiance(const struct pipeline *p))[3]
+{
+	return (const float(*)[3])p->radiance;
 }

@@ -20,8 +20,6 @@
 #include "hal/frame/view.h"
 #include "hal/image/image.h"
 #include "hal/lights/exposures.h"
-#include "hal/lights/light_filter.h"
-#include "hal/lights/recovery.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
@@ -72,52 +70,29 @@ struct pipeline_choice {
 	bool hold;
 };
 
-/* What a picture is made of: two poses, or one where share is 0. */
-struct pipeline_poses {
-	int pose, next;
-	double share;
-};
+struct pipeline;
 
-struct pipeline {
-	struct pipeline_settings settings;
-	struct pipeline_choice choice; /* of poses: what is shown */
-	const struct basis *basis;     /* borrowed */
-	struct pool *pool;
-	struct dome dome;
-	struct fisheye lens; /* of pictures of this size; width 0: not known yet */
-	int lens_width, lens_height;
-	struct light_sampler *sampler;
-	struct relight *relight; /* private: the next sampler and lens, in the making */
-	struct light_exposures *exposures;
-	int exposure;	       /* of the fisheye's picture that comes next, set by who knows; -1:
-				  nobody does */
-	uint64_t unfit;	       /* pictures that had another than was set */
-	double level;	       /* of the last one: the mean of its lights, 1 is white */
-	float (*sampled)[3];   /* [basis lights]: what it shows */
-	float *left;	       /* [basis lights]: share that is clipped in every exposure */
-	struct ground *ground; /* private: the patch, NULL: none */
-	struct light_recovery recovery; /* what the patch has told */
-	struct light_filter *filter;
-	struct image upright; /* linear radiance as the view shows it */
-	float (*radiance)[3]; /* [basis lights]: what was measured, or made of it over time */
-	bool lit;	      /* there has been light to measure */
-	double clipped;	      /* share of the sky that is at its limit in every exposure, 0..1 */
-	struct light_selection selection;
-	struct compositor *compositor;
-	struct pipeline_fade *fade;   /* private: between two poses; NULL: not yet */
-	struct pipeline_poses shown;  /* private: pose -1: none yet */
-	struct pipeline_poses coming; /* private: shown when they are in memory */
-	int expected[4];	      /* private: poses that others were expected from */
-	bool back;		      /* private: the last step was one back */
-	bool again;		      /* private: they are to be expected anew */
-	int missing;	      /* pose that was chosen and cannot be had: those before it stay; -1 */
-	struct fault trouble; /* why */
+/* What the last measurement of light and the last choice gave. */
+struct pipeline_report {
+	bool lit;	/* light has been measured, or given, at least once */
+	double level;	/* of the fisheye's last picture: mean of its lights, 1 is white */
+	double clipped; /* share of the sky's solid angle at the limit in every exposure, 0..1 */
+	bool recovered; /* the patch of ground has told what is missing there */
+	bool at_bound;	/* but not all of it */
+	int exposures;	/* that the fisheye's camera takes in turn, at least 1 */
+	uint64_t unfit; /* its pictures that had another exposure than they should */
+	struct ini_level threshold;
+	int lights, lights_used;
+	double dropped_error; /* no pixel of the object is off by more, in any channel: linear
+				 light, 1 is white, gain applied */
+	int pose;	      /* in the picture; where two are mixed, the first */
+	int missing;	      /* pose that was chosen and cannot be loaded; -1: none */
 };
 
 /* -EINVAL: a basis whose lights are no dome's; a value out of range. */
-int pipeline_create(struct pipeline *pipeline, const struct basis *basis,
+int pipeline_create(struct pipeline **pipeline, const struct basis *basis,
 		    const struct pipeline_settings *settings, struct fault *fault);
-void pipeline_destroy(struct pipeline *pipeline); /* idempotent; zeroed is fine */
+void pipeline_destroy(struct pipeline *pipeline); /* NULL is harmless */
 
 /* Other settings from the next frame on, but for those of the sampler, the lens and the exposures.
  * On failure the old ones stay. */
@@ -128,6 +103,11 @@ int pipeline_change(struct pipeline *pipeline, const struct pipeline_settings *s
  * that is measured after that. Light that has been measured stays. */
 int pipeline_relight(struct pipeline *pipeline, const struct pipeline_settings *settings,
 		     struct fault *fault);
+
+/* Whether fisheye_prepare() takes these settings for the size of the fisheye's pictures; 0 as long as
+ * none has come. */
+int pipeline_check_lens(const struct pipeline *pipeline, const struct fisheye_settings *lens,
+			struct fault *fault);
 
 /* Whether the patch lies in the basis's picture and has a reflectance; none is fine. 0 or -EINVAL.
  */
@@ -144,7 +124,7 @@ void pipeline_expose(struct pipeline *pipeline, int exposure, const double *rati
 /* Measures the light, of the exposure that is set: in 8-bit code values, of a frame as the camera
  * sent it or of a picture; in linear radiance, of which view is the sky; or as somebody measured
  * it: radiance[basis lights]. -ESTALE: nobody knows the picture's exposure, or it is not the one
- * that was set; level is the picture's, light stays. */
+ * that was set; report.level is the picture's, light stays. */
 int pipeline_light_frame(struct pipeline *pipeline, const struct frame_reader *fisheye,
 			 struct fault *fault);
 int pipeline_light_picture(struct pipeline *pipeline, const struct picture *fisheye,
@@ -178,5 +158,22 @@ int pipeline_composite(struct pipeline *pipeline, const struct backdrop *backgro
  * out[height][width][3], R G B, 0..255, not rounded. Slow. */
 int pipeline_reference(struct pipeline *pipeline, const struct picture *background, double *out,
 		       struct fault *fault);
+
+struct pipeline_report pipeline_report(const struct pipeline *pipeline);
+
+/* Why report.missing cannot be loaded. */
+const char *pipeline_trouble(const struct pipeline *pipeline);
+
+/* Whether pipeline_recover() has a patch of ground to look at. */
+bool pipeline_has_patch(const struct pipeline *pipeline);
+
+/* The pipeline's own, valid until it is changed: its threads; the dome of the basis; the lens for the
+ * size of the fisheye's last picture; whether each light is in use, radiance of each light
+ * ([basis lights]). */
+struct pool *pipeline_pool(const struct pipeline *pipeline);
+const struct dome *pipeline_dome(const struct pipeline *pipeline);
+const struct fisheye *pipeline_lens(const struct pipeline *pipeline);
+const bool *pipeline_used(const struct pipeline *pipeline);
+const float (*pipeline_radiance(const struct pipeline *pipeline))[3];
 
 #endif

@@ -77,6 +77,16 @@ int pipeline_relight(struct pipeline *p, const struct pipeline_settings *setting
 	return 0;
 }
 
+int pipeline_check_lens(const struct pipeline *p, const struct fisheye_settings *settings,
+			struct fault *fault)
+{
+	struct fisheye lens;
+
+	return p->lens_width
+		       ? fisheye_prepare(&lens, settings, p->lens_width, p->lens_height, fault)
+		       : 0;
+}
+
 /* ---- what noise the filter has to expect ---- */
 
 /* How many pixels see a light: its cell's, or the few around its node. */

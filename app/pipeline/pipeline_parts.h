@@ -4,6 +4,57 @@
 #define INLAY_APP_PIPELINE_PIPELINE_PARTS_H
 
 #include "app/pipeline/pipeline.h"
+#include "hal/lights/light_filter.h"
+#include "hal/lights/recovery.h"
+
+/* Two poses whose pictures are mixed, the second by share; one where share is 0. */
+struct pipeline_poses {
+	int pose, next;
+	double share;
+};
+
+struct pipeline {
+	struct pipeline_settings settings;
+	struct pipeline_choice choice; /* its poses: those in the picture */
+	const struct basis *basis;     /* borrowed */
+	struct pool *pool;
+	struct dome dome;
+
+	/* pipeline_light.c: measuring the light */
+	struct fisheye lens; /* for pictures of this size; width 0: none has come */
+	int lens_width, lens_height;
+	struct light_sampler *sampler;
+	struct relight *relight; /* the next sampler and lens while they are made; NULL: none */
+	struct light_exposures *exposures;
+	int exposure;	     /* of the fisheye's next picture; -1: not known */
+	uint64_t unfit;	     /* pictures that had another exposure than was set */
+	double level;	     /* of the last picture: mean of its lights, 1 is white */
+	float (*sampled)[3]; /* [basis lights]: radiance in the last picture */
+	float *left;	     /* [basis lights]: share that is clipped in every exposure, 0..1 */
+	struct light_filter *filter;
+	struct image upright; /* linear radiance as the view shows it */
+	float (*radiance)[3]; /* [basis lights]: measured, recovered and filtered */
+	bool lit;	      /* radiance has been measured or given */
+	double clipped;	      /* share of the sky's solid angle clipped in every exposure */
+
+	/* pipeline_ground.c: what clips, found on the ground */
+	struct ground *ground; /* NULL: no patch */
+	struct light_recovery recovery;
+
+	/* pipeline_pose.c: which poses are in the picture */
+	struct pipeline_poses shown;  /* pose -1: none yet */
+	struct pipeline_poses coming; /* shown as soon as they are in memory */
+	int expected[4];	      /* coming and shown, when poses were last announced */
+	bool back;		      /* the last step went to the pose before */
+	bool again;		      /* announce them anew */
+	int missing;		      /* chosen, and cannot be loaded; -1: none */
+	struct fault trouble;	      /* why */
+
+	/* the picture */
+	struct light_selection selection;
+	struct compositor *compositor;
+	struct pipeline_fade *fade; /* pipeline_fade.c; NULL: no two poses have been mixed */
+};
 
 /* ---- pipeline_level.c ---- */
 

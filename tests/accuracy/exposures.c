@@ -51,7 +51,7 @@ static const char *const way_names[] = {"one exposure", "one, recovered", "three
 /* The camera at that place and what is made of its pictures. */
 struct rig {
 	struct config *config;
-	struct pipeline pipeline;
+	struct pipeline *pipeline;
 	struct source source;
 	struct eye eye;
 	struct exposing exposing;
@@ -135,7 +135,7 @@ static void start(struct rig *rig, const struct table *t)
 static void stop(struct rig *rig)
 {
 	source_destroy(&rig->source);
-	pipeline_destroy(&rig->pipeline);
+	pipeline_destroy(rig->pipeline);
 	config_destroy(rig->config);
 }
 
@@ -156,19 +156,18 @@ static void look(struct rig *rig)
 	}
 	if (!source_decode(source, clock_now_ns()))
 		die("a frame does not decode");
-	pipeline_expose(&rig->pipeline, exposing_take(&rig->exposing, source, clock_now_ns()),
+	pipeline_expose(rig->pipeline, exposing_take(&rig->exposing, source, clock_now_ns()),
 			rig->exposing.ratio);
 	must(eye_fit(&rig->eye, &fault), &fault);
 	if (source->is_linear) {
-		err = pipeline_light_linear(&rig->pipeline, &source->linear, &rig->eye.view,
-					    &fault);
+		err = pipeline_light_linear(rig->pipeline, &source->linear, &rig->eye.view, &fault);
 	} else {
 		picture = eye_picture(&rig->eye);
-		err = pipeline_light_picture(&rig->pipeline, &picture, &fault);
+		err = pipeline_light_picture(rig->pipeline, &picture, &fault);
 	}
 	if (err != -ESTALE)
 		must(err, &fault);
-	exposing_judge(&rig->exposing, source, rig->pipeline.level, !err);
+	exposing_judge(&rig->exposing, source, pipeline_report(rig->pipeline).level, !err);
 }
 
 /* ---- the table ---- */
@@ -196,16 +195,16 @@ static void judge(const struct table *t, struct rig *rig, const struct truth *tr
 	double got[3], off[3];
 	struct canvas out;
 
-	irradiance_of(&rig->pipeline.dome, (const float(*)[3])rig->pipeline.radiance, got);
+	irradiance_of(pipeline_dome(rig->pipeline), pipeline_radiance(rig->pipeline), got);
 	for (int c = 0; c < 3; c++)
 		off[c] = got[c] / truth->irradiance[c] - 1;
 	if (worst_of(off) >= worst_of(f->worst))
 		memcpy(f->worst, off, sizeof(off));
-	f->clipped = fmax(f->clipped, rig->pipeline.clipped);
-	f->unfit += (int)rig->pipeline.unfit;
+	f->clipped = fmax(f->clipped, pipeline_report(rig->pipeline).clipped);
+	f->unfit += (int)pipeline_report(rig->pipeline).unfit;
 	must(canvas_create(&out, card.width, card.height), &fault);
-	choose(&rig->pipeline);
-	must(pipeline_composite(&rig->pipeline, &backdrop, out.pixels, out.stride, &fault), &fault);
+	choose(rig->pipeline);
+	must(pipeline_composite(rig->pipeline, &backdrop, out.pixels, out.stride, &fault), &fault);
 	error = error_measure(&t->scope, truth->composite, &out, &card, TRANSFER_SRGB);
 	error_worse(&f->composite, &error);
 	if (truth->traced) {
@@ -225,7 +224,7 @@ static void run_way(const struct table *t, const struct place *place, enum way w
 	for (int k = 0; k < PICTURES; k++)
 		look(&rig);
 	f->wrong_delay |= rig.exposing.count > 1 && rig.exposing.schedule.delay != delay;
-	look_at_card(&rig.pipeline, truth);
+	look_at_card(rig.pipeline, truth);
 	judge(t, &rig, truth, f);
 	stop(&rig);
 }

@@ -8,6 +8,7 @@
 
 #include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
+#include "app/pipeline/pipeline_parts.h"
 #include "drivers/sim/sensor.h"
 #include "tests/support/chance.h"
 
@@ -164,7 +165,7 @@ static void paint_place(const struct random_place *place, const struct fisheye *
 
 struct bench {
 	const struct table *table;
-	struct pipeline pipeline;
+	struct pipeline *pipeline;
 	struct fisheye lens;
 	struct truth truth;
 	struct sensor *sensor;
@@ -188,7 +189,7 @@ static void prepare(struct bench *b, const struct table *t)
 	*b = (struct bench){.table = t};
 	must(pipeline_create(&b->pipeline, &t->basis, &settings, &fault), &fault);
 	must(fisheye_prepare(&b->lens, &ideal, SIDE, SIDE, &fault), &fault);
-	truth_create(&b->truth, t, b->pipeline.dome.count);
+	truth_create(&b->truth, t, pipeline_dome(b->pipeline)->count);
 	must(canvas_create(&b->out, t->scope.width, t->scope.height), &fault);
 	b->sensor = room_for(1, sizeof(*b->sensor));
 	sensor_prepare(b->sensor, &(struct sensor_settings){.exposure = 1,
@@ -203,7 +204,7 @@ static void prepare(struct bench *b, const struct table *t)
 
 static void end(struct bench *b)
 {
-	pipeline_destroy(&b->pipeline);
+	pipeline_destroy(b->pipeline);
 	free_truth(&b->truth);
 	canvas_free(&b->out);
 	free(b->sensor);
@@ -218,13 +219,14 @@ static void find_true_lights(struct bench *b)
 	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};
 	struct fault fault = {.text = ""};
 
-	light_exposures_begin(b->pipeline.exposures);
-	must(pipeline_light_linear(&b->pipeline, &sky, &view, &fault), &fault);
-	memcpy(b->truth.lights, b->pipeline.radiance,
-	       (size_t)b->pipeline.dome.count * sizeof(*b->truth.lights));
-	irradiance_of(&b->pipeline.dome, (const float(*)[3])b->truth.lights, b->truth.irradiance);
-	truth_show(&b->truth, &b->pipeline);
-	light_exposures_begin(b->pipeline.exposures);
+	light_exposures_begin(b->pipeline->exposures);
+	must(pipeline_light_linear(b->pipeline, &sky, &view, &fault), &fault);
+	memcpy(b->truth.lights, pipeline_radiance(b->pipeline),
+	       (size_t)pipeline_dome(b->pipeline)->count * sizeof(*b->truth.lights));
+	irradiance_of(pipeline_dome(b->pipeline), (const float(*)[3])b->truth.lights,
+		      b->truth.irradiance);
+	truth_show(&b->truth, b->pipeline);
+	light_exposures_begin(b->pipeline->exposures);
 }
 
 static double rms_of(struct bench *b)
@@ -233,8 +235,8 @@ static double rms_of(struct bench *b)
 	const struct backdrop backdrop = backdrop_of(&card);
 	struct fault fault = {.text = ""};
 
-	choose(&b->pipeline);
-	must(pipeline_composite(&b->pipeline, &backdrop, b->out.pixels, b->out.stride, &fault),
+	choose(b->pipeline);
+	must(pipeline_composite(b->pipeline, &backdrop, b->out.pixels, b->out.stride, &fault),
 	     &fault);
 	return error_measure(&b->table->scope, b->truth.composite, &b->out, &card, TRANSFER_SRGB)
 		.rms;
@@ -249,9 +251,9 @@ static void judge_place(struct bench *b, int frame, double rms[2])
 
 	find_true_lights(b);
 	sensor_expose(b->sensor, (uint64_t)frame, &b->sky[0][0], PIXELS, b->camera);
-	must(pipeline_light_picture(&b->pipeline, &camera, &fault), &fault);
+	must(pipeline_light_picture(b->pipeline, &camera, &fault), &fault);
 	rms[0] = rms_of(b);
-	look_at_card(&b->pipeline, &b->truth);
+	look_at_card(b->pipeline, &b->truth);
 	rms[1] = rms_of(b);
 }
 

@@ -212,22 +212,22 @@ void find_truth(const struct table *t, const struct place *place, struct truth *
 						   .background = {.named = TRANSFER_SRGB},
 						   .gain = 1};
 	struct fault fault = {.text = ""};
-	struct pipeline p;
+	struct pipeline *p;
 	char path[INI_PATH_MAX];
 
 	must(pipeline_create(&p, &t->basis, &settings, &fault), &fault);
-	truth_create(truth, t, p.dome.count);
+	truth_create(truth, t, pipeline_dome(p)->count);
 	if (place->file) {
 		snprintf(path, sizeof(path), "%s/%s", t->folder, place->file);
 		must(image_read(path, &truth->panorama, &fault), &fault);
-		true_lights_of_panorama(place, truth, &p.dome);
+		true_lights_of_panorama(place, truth, pipeline_dome(p));
 	} else {
-		true_lights_of_room(place, truth, &p.dome);
+		true_lights_of_room(place, truth, pipeline_dome(p));
 	}
-	truth_show(truth, &p);
+	truth_show(truth, p);
 	if (place->file && !t->quick)
 		trace(t, place, truth);
-	pipeline_destroy(&p);
+	pipeline_destroy(p);
 }
 
 void free_truth(struct truth *truth)

@@ -152,7 +152,7 @@ static struct picture whole(const struct canvas *canvas)
 
 struct slab {
 	struct basis basis;
-	struct pipeline pipeline;
+	struct pipeline *pipeline;
 };
 
 static void open_pipeline(struct slab *s, const struct transfer_curve curves[2], double gain)
@@ -181,9 +181,9 @@ static void composite(struct slab *s, const struct canvas *sky, const struct can
 	struct canvas out = canvas_of(ground->width, ground->height);
 	int count[2] = {0};
 
-	assert_int_equal(pipeline_light_picture(&s->pipeline, &eye, NULL), 0);
-	assert_int_equal(pipeline_choose(&s->pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline_composite(&s->pipeline, &backdrop, out.pixels, out.stride, NULL),
+	assert_int_equal(pipeline_light_picture(s->pipeline, &eye, NULL), 0);
+	assert_int_equal(pipeline_choose(s->pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline_composite(s->pipeline, &backdrop, out.pixels, out.stride, NULL),
 			 0);
 	memset(object, 0, 3 * sizeof(*object));
 	memset(around, 0, 3 * sizeof(*around));
@@ -296,7 +296,7 @@ static void the_slab_is_the_ground(void **state)
 		canvas_free(&sky);
 		canvas_free(&ground);
 	}
-	pipeline_destroy(&s.pipeline);
+	pipeline_destroy(s.pipeline);
 	basis_close(&s.basis);
 }
 

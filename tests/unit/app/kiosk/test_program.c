@@ -219,11 +219,12 @@ static void lines_say_what_was_counted(void **state)
 {
 	char path[] = "/tmp/test_app_stats_XXXXXX", text[2000] = "";
 	int file = mkstemp(path);
-	struct pipeline pipeline = {.clipped = 0.25,
-				    .choice = {.threshold = {.value = 33.5}},
-				    .selection = {.count = 406,
-						  .used_count = 32,
-						  .dropped_error = {0.001, 0.003, 0.002}}};
+	const struct pipeline_report report = {.clipped = 0.25,
+					       .exposures = 1,
+					       .threshold = {.value = 33.5},
+					       .lights = 406,
+					       .lights_used = 32,
+					       .dropped_error = 0.003};
 	struct source source = {.settings = {.name = "sky"},
 				.superseded = 2,
 				.undecodable = 1,
@@ -245,9 +246,9 @@ static void lines_say_what_was_counted(void **state)
 	stats_made(&stats, 0,
 		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS});
 	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* of no new frame: it has no latency */
-	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &pipeline, &source, 1);
+	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &report, &source, 1);
 	source.situation = CAMERA_STALLED;
-	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &pipeline, &source, 1);
+	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &report, &source, 1);
 	stats_close(&stats);
 	stats_close(&stats);
 	stream = fdopen(file, "r");
@@ -281,9 +282,9 @@ static void lines_say_what_was_counted(void **state)
 
 static void line(struct stats *stats, int second)
 {
-	static const struct pipeline pipeline = {.clipped = 0};
+	static const struct pipeline_report report = {.clipped = 0};
 
-	stats_line(stats, second * NS_PER_S, &pipeline, NULL, 0);
+	stats_line(stats, second * NS_PER_S, &report, NULL, 0);
 }
 
 static int open_stats(struct stats *stats, const char *path)

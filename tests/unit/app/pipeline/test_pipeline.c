@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/pipeline/pipeline.h"
+#include "app/pipeline/pipeline_parts.h"
 #include "hal/basis/basis_writer.h"
 #include "hal/frame/frame.h"
 #include "tests/support/hand_basis.h"
@@ -115,9 +115,9 @@ static struct pipeline_settings plain(void)
 	};
 }
 
-static struct pipeline made(const struct pipeline_settings *settings)
+static struct pipeline *made(const struct pipeline_settings *settings)
 {
-	struct pipeline pipeline;
+	struct pipeline *pipeline;
 	struct fault fault = {.text = ""};
 
 	must(pipeline_create(&pipeline, &basis, settings, &fault), &fault);
@@ -171,20 +171,20 @@ static void is_light(const uint8_t bgr[4], double red, double green, double blue
 static void an_even_sky(void **state)
 {
 	struct pipeline_settings settings = plain();
-	struct pipeline pipeline = made(&settings);
+	struct pipeline *pipeline = made(&settings);
 	struct canvas sky = flat(SKY, SKY, 150);
 	struct picture picture = whole(&sky);
 	double radiance = transfer_decode(TRANSFER_SRGB, 150 / 255.0);
 	static uint8_t out[HEIGHT][WIDTH][4];
 
 	(void)state;
-	assert_false(pipeline.lit);
-	assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
-	assert_true(pipeline.lit);
+	assert_false(pipeline->lit);
+	assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
+	assert_true(pipeline->lit);
 	for (int i = 0; i < LIGHTS; i++)
-		assert_true(fabs(pipeline.radiance[i][1] - radiance) < 1e-3);
-	choose(&pipeline, 0);
-	composite(&pipeline, out);
+		assert_true(fabs(pipeline->radiance[i][1] - radiance) < 1e-3);
+	choose(pipeline, 0);
+	composite(pipeline, out);
 	is_light(out[2][3], SHARE * radiance, SHARE * radiance, SHARE * radiance);
 	is_light(out[2][4], SHARE * radiance, SHARE * radiance, SHARE * radiance);
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -192,14 +192,14 @@ static void an_even_sky(void **state)
 			assert_int_equal(out[i / WIDTH][i % WIDTH][0], 90);
 	}
 	canvas_free(&sky);
-	pipeline_destroy(&pipeline);
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
+	pipeline_destroy(NULL);
 }
 
 static void given_lights_reach_their_pixels(void **state)
 {
 	struct pipeline_settings settings = plain();
-	struct pipeline pipeline = made(&settings);
+	struct pipeline *pipeline = made(&settings);
 	const float radiance[LIGHTS][3] = {[0] = {0.2f, 0.4f, 0.6f}, [5] = {9, 9, 9}};
 	static uint8_t out[HEIGHT][WIDTH][4];
 	static double exact[HEIGHT][WIDTH][3];
@@ -207,17 +207,17 @@ static void given_lights_reach_their_pixels(void **state)
 	struct picture picture = whole(&background);
 
 	(void)state;
-	pipeline_light_given(&pipeline, radiance);
-	choose(&pipeline, 0);
-	composite(&pipeline, out);
+	pipeline_light_given(pipeline, radiance);
+	choose(pipeline, 0);
+	composite(pipeline, out);
 	is_light(out[2][3], 0.1, 0.2, 0.3);
 	is_light(out[2][4], 0, 0, 0);
-	assert_int_equal(pipeline_reference(&pipeline, &picture, &exact[0][0][0], NULL), 0);
+	assert_int_equal(pipeline_reference(pipeline, &picture, &exact[0][0][0], NULL), 0);
 	for (int c = 0; c < 3; c++)
 		assert_true(fabs(exact[2][3][c] -
 				 255 * transfer_encode(TRANSFER_SRGB, 0.1 * (c + 1))) < 0.1);
 	canvas_free(&background);
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
 }
 
 /* A light that reaches the level is used; the level is one of the camera's picture, whatever its
@@ -234,20 +234,20 @@ static void threshold_is_a_level_of_the_picture(void **state)
 		struct pipeline_settings settings = plain();
 		struct canvas sky = flat(SKY, SKY, 100);
 		struct picture picture = whole(&sky);
-		struct pipeline pipeline;
+		struct pipeline *pipeline;
 
 		settings.sampler.curve.black = cases[i].black;
 		settings.sampler.gain = cases[i].gain;
 		pipeline = made(&settings);
-		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
-		choose(&pipeline, 99);
-		assert_int_equal(pipeline.selection.used_count, LIGHTS);
-		choose(&pipeline, 101);
-		assert_int_equal(pipeline.selection.used_count, 0);
-		choose(&pipeline, 0);
-		assert_int_equal(pipeline.selection.used_count, LIGHTS);
+		assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
+		choose(pipeline, 99);
+		assert_int_equal(pipeline->selection.used_count, LIGHTS);
+		choose(pipeline, 101);
+		assert_int_equal(pipeline->selection.used_count, 0);
+		choose(pipeline, 0);
+		assert_int_equal(pipeline->selection.used_count, LIGHTS);
 		canvas_free(&sky);
-		pipeline_destroy(&pipeline);
+		pipeline_destroy(pipeline);
 	}
 }
 
@@ -263,7 +263,7 @@ static void linear_light_is_read_through_its_view(void **state)
 			    .hflip = true,
 			    .vflip = true,
 			    .squash = 1};
-	struct pipeline pipeline;
+	struct pipeline *pipeline;
 	struct image camera;
 
 	(void)state;
@@ -281,38 +281,38 @@ static void linear_light_is_read_through_its_view(void **state)
 			p[1] = p[2] = p[0];
 		}
 	}
-	assert_int_equal(pipeline_light_linear(&pipeline, &camera, &view, NULL), 0);
+	assert_int_equal(pipeline_light_linear(pipeline, &camera, &view, NULL), 0);
 	for (int i = 1; i < LIGHTS; i++) { /* light 0 is the zenith, on the border */
-		double x = pipeline.dome.direction[i][0];
+		double x = pipeline->dome.direction[i][0];
 
 		assert_true(fabs(x) > 0.2);
-		assert_true(fabs(pipeline.radiance[i][0] - (x < 0 ? 2 : 0)) < 1e-3);
+		assert_true(fabs(pipeline->radiance[i][0] - (x < 0 ? 2 : 0)) < 1e-3);
 	}
 	image_free(&camera);
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
 }
 
 static void without_the_object_it_is_the_background(void **state)
 {
 	struct pipeline_settings settings = plain();
-	struct pipeline pipeline = made(&settings);
+	struct pipeline *pipeline = made(&settings);
 	struct pipeline_choice choice = {.object = false};
 	static uint8_t out[HEIGHT][WIDTH][4];
 
 	(void)state;
-	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
-	composite(&pipeline, out);
+	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
+	composite(pipeline, out);
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
 		for (int c = 0; c < 3; c++)
 			assert_int_equal(out[i / WIDTH][i % WIDTH][c], 90);
 	}
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
 }
 
 static void what_does_not_fit_is_said(void **state)
 {
 	struct pipeline_settings settings = plain();
-	struct pipeline pipeline = made(&settings);
+	struct pipeline *pipeline = made(&settings);
 	struct pipeline_choice choice = {.pose = 1};
 	struct canvas narrow = flat(WIDTH - 1, HEIGHT, 0);
 	struct picture picture = whole(&narrow);
@@ -324,18 +324,18 @@ static void what_does_not_fit_is_said(void **state)
 	static double exact[HEIGHT][WIDTH][3];
 
 	(void)state;
-	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EINVAL);
+	assert_int_equal(pipeline_choose(pipeline, &choice, &fault), -EINVAL);
 	assert_string_equal(fault.text, "pose 1 is not in the basis, expected 0..0");
 	choice.pose = -1;
-	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EINVAL);
-	assert_int_equal(pipeline_composite(&pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault),
+	assert_int_equal(pipeline_choose(pipeline, &choice, &fault), -EINVAL);
+	assert_int_equal(pipeline_composite(pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault),
 			 -EINVAL);
 	assert_string_equal(
 		fault.text,
 		"the background is 19x18 pixels, expected 20x18 as the basis was baked");
-	assert_int_equal(pipeline_reference(&pipeline, &picture, &exact[0][0][0], &fault), -EINVAL);
+	assert_int_equal(pipeline_reference(pipeline, &picture, &exact[0][0][0], &fault), -EINVAL);
 	canvas_free(&narrow);
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
 
 	snprintf(swapped, sizeof(swapped), "%s/swapped.inlay", folder);
 	write_basis(swapped, true);
@@ -351,7 +351,7 @@ static void what_does_not_fit_is_said(void **state)
 static void another_size_of_sky(void **state)
 {
 	struct pipeline_settings settings = plain();
-	struct pipeline pipeline = made(&settings);
+	struct pipeline *pipeline = made(&settings);
 
 	(void)state;
 	for (int side = 40; side <= 60; side += 10) {
@@ -359,13 +359,13 @@ static void another_size_of_sky(void **state)
 		struct picture picture = whole(&sky);
 		double radiance = transfer_decode(TRANSFER_SRGB, (side + 100) / 255.0);
 
-		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
-		assert_int_equal(pipeline.lens_width, side);
+		assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
+		assert_int_equal(pipeline->lens_width, side);
 		for (int i = 0; i < LIGHTS; i++)
-			assert_true(fabs(pipeline.radiance[i][2] - radiance) < 1e-3);
+			assert_true(fabs(pipeline->radiance[i][2] - radiance) < 1e-3);
 		canvas_free(&sky);
 	}
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
 }
 
 static double measure(struct pipeline *pipeline, int side, int code, int64_t at_ms)
@@ -385,47 +385,47 @@ static void light_is_followed(void **state)
 	struct pipeline_settings settings = plain();
 	const double bright = transfer_decode(TRANSFER_SRGB, 200 / 255.0);
 	const double dark = transfer_decode(TRANSFER_SRGB, 50 / 255.0);
-	struct pipeline pipeline;
+	struct pipeline *pipeline;
 	double first;
 
 	(void)state;
 	settings.follow_ns = 100000000;
 	pipeline = made(&settings);
-	first = measure(&pipeline, SKY, 200, 1000);
+	first = measure(pipeline, SKY, 200, 1000);
 	assert_true(fabs(first - bright) < 1e-3);
-	assert_true(measure(&pipeline, SKY, 200, 1033) == first);
-	assert_true(measure(&pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
-	assert_true(fabs(measure(&pipeline, SKY, 50, 1133) - dark) < 0.11 * (bright - dark));
-	assert_true(fabs(measure(&pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
+	assert_true(measure(pipeline, SKY, 200, 1033) == first);
+	assert_true(measure(pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
+	assert_true(fabs(measure(pipeline, SKY, 50, 1133) - dark) < 0.11 * (bright - dark));
+	assert_true(fabs(measure(pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
 	settings.follow_ns = 0;
-	assert_int_equal(pipeline_change(&pipeline, &settings, NULL), 0);
-	assert_true(fabs(measure(&pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
-	pipeline_destroy(&pipeline);
+	assert_int_equal(pipeline_change(pipeline, &settings, NULL), 0);
+	assert_true(fabs(measure(pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
+	pipeline_destroy(pipeline);
 }
 
 /* Threads, kernel and patch of ground: all of the new ones or none. */
 static void a_change_that_fails_changes_nothing(void **state)
 {
 	struct pipeline_settings settings = plain();
-	struct pipeline pipeline = made(&settings);
-	const struct compositor *const compositor = pipeline.compositor;
-	const struct pool *const pool = pipeline.pool;
+	struct pipeline *pipeline = made(&settings);
+	const struct compositor *const compositor = pipeline->compositor;
+	const struct pool *const pool = pipeline->pool;
 	struct fault fault = {.text = ""};
 
 	(void)state;
 	settings.threads = 3;
 	settings.gain = 2;
 	settings.patch = (struct pipeline_patch){.x = 4000, .width = 8, .height = 8};
-	assert_int_equal(pipeline_change(&pipeline, &settings, &fault), -EINVAL);
+	assert_int_equal(pipeline_change(pipeline, &settings, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "ground_patch: reaches to 4008, 8"));
-	assert_ptr_equal(pipeline.compositor, compositor);
-	assert_ptr_equal(pipeline.pool, pool);
-	assert_true(pipeline.settings.gain == plain().gain);
+	assert_ptr_equal(pipeline->compositor, compositor);
+	assert_ptr_equal(pipeline->pool, pool);
+	assert_true(pipeline->settings.gain == plain().gain);
 	settings.patch.width = 0;
-	assert_int_equal(pipeline_change(&pipeline, &settings, &fault), 0);
-	assert_int_equal(pool_threads(pipeline.pool), 3);
-	assert_true(pipeline.settings.gain == 2);
-	pipeline_destroy(&pipeline);
+	assert_int_equal(pipeline_change(pipeline, &settings, &fault), 0);
+	assert_int_equal(pool_threads(pipeline->pool), 3);
+	assert_true(pipeline->settings.gain == 2);
+	pipeline_destroy(pipeline);
 }
 
 /* Of two pixels of half a light each: what may go is what changes neither by more. */
@@ -434,23 +434,23 @@ static void a_percentage_of_white_may_change(void **state)
 	struct pipeline_settings settings = plain();
 	const float radiance[LIGHTS][3] = {[0] = {0.016f, 0.016f, 0.016f}, [3] = {1, 1, 1}};
 	struct pipeline_choice choice = {.object = true, .threshold = {.percent = true}};
-	struct pipeline pipeline = made(&settings);
+	struct pipeline *pipeline = made(&settings);
 
 	(void)state;
-	pipeline_light_given(&pipeline, radiance);
-	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline.selection.used_count, LIGHTS); /* 0 %: all */
+	pipeline_light_given(pipeline, radiance);
+	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline->selection.used_count, LIGHTS); /* 0 %: all */
 	choice.threshold.value = 0.7;
-	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline.selection.used_count, 2); /* dark ones are no loss */
+	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline->selection.used_count, 2); /* dark ones are no loss */
 	choice.threshold.value = 0.9;
-	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline.selection.used_count, 1);
-	assert_true(pipeline.selection.used[3]);
-	assert_true(fabs(pipeline.selection.dropped_error[0] - 0.008) < 1e-6);
-	choose(&pipeline, 0); /* and a grey level again */
-	assert_int_equal(pipeline.selection.used_count, LIGHTS);
-	pipeline_destroy(&pipeline);
+	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
+	assert_int_equal(pipeline->selection.used_count, 1);
+	assert_true(pipeline->selection.used[3]);
+	assert_true(fabs(pipeline->selection.dropped_error[0] - 0.008) < 1e-6);
+	choose(pipeline, 0); /* and a grey level again */
+	assert_int_equal(pipeline->selection.used_count, LIGHTS);
+	pipeline_destroy(pipeline);
 }
 
 int main(void)

@@ -16,7 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/pipeline/pipeline.h"
+#include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
 #include "hal/basis/basis_writer.h"
 #include "tests/support/hand_basis.h"
@@ -28,7 +28,7 @@ enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT
 
 static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis */
 static struct basis basis;
-static struct pipeline pipeline;
+static struct pipeline *pipeline;
 static uint8_t out[HEIGHT][WIDTH][4];
 
 static void must(int err, const struct fault *fault)
@@ -130,14 +130,14 @@ static int begin(void **state)
 
 	(void)state;
 	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
-	pipeline_light_given(&pipeline, light);
+	pipeline_light_given(pipeline, light);
 	return 0;
 }
 
 static int end(void **state)
 {
 	(void)state;
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
 	return 0;
 }
 
@@ -159,36 +159,36 @@ static void frame(struct pipeline_choice choice)
 	static const uint8_t row[WIDTH * 4];
 	const struct picture black = {.origin = row, .x_step = 4, .width = WIDTH, .height = HEIGHT};
 	const struct backdrop backdrop = backdrop_of(&black);
-	const struct pipeline_choice *shown = &pipeline.choice;
+	const struct pipeline_choice *shown = &pipeline->choice;
 	struct fault fault = {.text = ""};
 
 	choice.object = true;
-	must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+	must(pipeline_choose(pipeline, &choice, &fault), &fault);
 	if (choice.hold) {
 		assert_true(basis_pose_ready(&basis, shown->pose));
 		assert_true(shown->share == 0 || basis_pose_ready(&basis, shown->next));
 	}
-	must(pipeline_composite(&pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault), &fault);
+	must(pipeline_composite(pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault), &fault);
 	shows((1 - shown->share) * grey_of(shown->pose) + shown->share * grey_of(shown->next));
 }
 
 /* Held frames until these poses are shown; the first, at a jump, is of what was shown before. */
 static void jump(struct pipeline_choice choice)
 {
-	const struct pipeline_choice before = pipeline.choice;
+	const struct pipeline_choice before = pipeline->choice;
 	const int64_t start = clock_now_ns();
 
 	choice.hold = true;
 	frame(choice);
-	assert_int_equal(pipeline.choice.pose, before.pose);
-	assert_int_equal(pipeline.choice.next, before.next);
-	while (pipeline.choice.pose != choice.pose || pipeline.choice.share != choice.share) {
-		assert_int_equal(pipeline.choice.pose, before.pose);
+	assert_int_equal(pipeline->choice.pose, before.pose);
+	assert_int_equal(pipeline->choice.next, before.next);
+	while (pipeline->choice.pose != choice.pose || pipeline->choice.share != choice.share) {
+		assert_int_equal(pipeline->choice.pose, before.pose);
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
 		frame(choice);
 	}
-	assert_true(choice.share == 0 || pipeline.choice.next == choice.next);
+	assert_true(choice.share == 0 || pipeline->choice.next == choice.next);
 }
 
 static void no_frame_waits_for_a_jump(void **state)
@@ -225,7 +225,7 @@ static void a_neighbour_is_there_at_once(void **state)
 		pose = (pose + (k < 2 * POSES ? 1 : POSES - 1)) % POSES;
 		wait_for(pose);
 		frame((struct pipeline_choice){.pose = pose, .hold = true});
-		assert_int_equal(pipeline.choice.pose, pose);
+		assert_int_equal(pipeline->choice.pose, pose);
 	}
 }
 
@@ -234,13 +234,13 @@ static void others_wait(void **state)
 {
 	(void)state;
 	frame((struct pipeline_choice){.pose = 7});
-	assert_int_equal(pipeline.choice.pose, 7);
+	assert_int_equal(pipeline->choice.pose, 7);
 	frame((struct pipeline_choice){.pose = 3});
-	assert_int_equal(pipeline.choice.pose, 3);
+	assert_int_equal(pipeline->choice.pose, 3);
 	end(NULL);
 	begin(NULL);
 	frame((struct pipeline_choice){.pose = 9});
-	assert_int_equal(pipeline.choice.pose, 9);
+	assert_int_equal(pipeline->choice.pose, 9);
 }
 
 /* A choice that is another one before it can be shown: some are seen all the same. */
@@ -254,16 +254,16 @@ static void a_restless_choice_is_followed(void **state)
 	for (int k = 1; seen < 10; k++) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		frame((struct pipeline_choice){.pose = 3 * k % POSES, .hold = true});
-		seen += pipeline.choice.pose != last;
-		last = pipeline.choice.pose;
+		seen += pipeline->choice.pose != last;
+		last = pipeline->choice.pose;
 	}
 	/* The choice of before is not gone back to. */
-	while (pipeline.choice.pose != 5) {
+	while (pipeline->choice.pose != 5) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		frame((struct pipeline_choice){.pose = 5, .hold = true});
 	}
 	frame((struct pipeline_choice){.pose = 5, .hold = true});
-	assert_int_equal(pipeline.choice.pose, 5);
+	assert_int_equal(pipeline->choice.pose, 5);
 }
 
 /* A view that composites nothing: poses are chosen, and no picture is made of them. */
@@ -276,8 +276,8 @@ static void choose_unseen(int pose)
 	do {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		must(pipeline_choose(&pipeline, &choice, &fault), &fault);
-	} while (pipeline.choice.pose != pose);
+		must(pipeline_choose(pipeline, &choice, &fault), &fault);
+	} while (pipeline->choice.pose != pose);
 }
 
 /* The pose of the last picture has left memory and come back since, to somewhere else. */
@@ -290,7 +290,7 @@ static void a_pose_comes_back_unseen(void **state)
 	for (size_t k = 0; k < sizeof(unseen) / sizeof(*unseen); k++)
 		choose_unseen(unseen[k]);
 	frame((struct pipeline_choice){.pose = 0, .hold = true});
-	assert_int_equal(pipeline.choice.pose, 0);
+	assert_int_equal(pipeline->choice.pose, 0);
 }
 
 /* ---- poses that cannot be had ---- */
@@ -298,10 +298,10 @@ static void a_pose_comes_back_unseen(void **state)
 static void stays(struct pipeline_choice choice, int shown, int missing)
 {
 	frame(choice);
-	assert_int_equal(pipeline.choice.pose, shown);
-	assert_true(pipeline.choice.share == 0);
-	assert_int_equal(pipeline.missing, missing);
-	assert_non_null(strstr(pipeline.trouble.text, "cut short"));
+	assert_int_equal(pipeline->choice.pose, shown);
+	assert_true(pipeline->choice.share == 0);
+	assert_int_equal(pipeline->missing, missing);
+	assert_non_null(strstr(pipeline->trouble.text, "cut short"));
 }
 
 /* Held frames, until the pose has been tried. */
@@ -313,8 +313,8 @@ static void try_in_vain(int pose, int shown)
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
 		frame((struct pipeline_choice){.pose = pose, .hold = true});
-		assert_int_equal(pipeline.choice.pose, shown);
-	} while (pipeline.missing < 0);
+		assert_int_equal(pipeline->choice.pose, shown);
+	} while (pipeline->missing < 0);
 	stays((struct pipeline_choice){.pose = pose, .hold = true}, shown, pose);
 }
 
@@ -322,13 +322,13 @@ static void come(int pose)
 {
 	const int64_t start = clock_now_ns();
 
-	pipeline_try_again(&pipeline);
-	while (pipeline.choice.pose != pose) {
+	pipeline_try_again(pipeline);
+	while (pipeline->choice.pose != pose) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
 		frame((struct pipeline_choice){.pose = pose, .hold = true});
 	}
-	assert_int_equal(pipeline.missing, -1);
+	assert_int_equal(pipeline->missing, -1);
 }
 
 /* The file is cut short, and is whole again at the end. */
@@ -338,22 +338,22 @@ static void what_is_shown_stays(void **state)
 
 	(void)state;
 	frame((struct pipeline_choice){.pose = 0});
-	assert_int_equal(pipeline.missing, -1);
+	assert_int_equal(pipeline->missing, -1);
 	assert_int_equal(truncate(path, 0), 0);
 	try_in_vain(5, 0);
 	stays((struct pipeline_choice){.pose = 6}, 0, 6);
 	stays(fade, 0, 6);
-	pipeline_try_again(&pipeline);
+	pipeline_try_again(pipeline);
 	stays((struct pipeline_choice){.pose = 6}, 0, 6);
 	try_in_vain(5, 0);
 	frame((struct pipeline_choice){.pose = 0, .hold = true});
-	assert_int_equal(pipeline.missing, -1); /* nothing that is wanted */
+	assert_int_equal(pipeline->missing, -1); /* nothing that is wanted */
 	try_in_vain(5, 0);
 	write_basis();
 	stays((struct pipeline_choice){.pose = 5, .hold = true}, 0, 5);
 	come(5);
 	frame(fade);
-	assert_true(pipeline.choice.share > 0);
+	assert_true(pipeline->choice.share > 0);
 }
 
 /* Where nothing has been shown yet it is an error, and the next choice begins anew. */
@@ -365,7 +365,7 @@ static void without_a_picture_it_is_an_error(void **state)
 	(void)state;
 	basis_poses_expect(&basis, NULL, 0);
 	assert_int_equal(truncate(path, 0), 0);
-	assert_int_equal(pipeline_choose(&pipeline, &choice, &fault), -EBADMSG);
+	assert_int_equal(pipeline_choose(pipeline, &choice, &fault), -EBADMSG);
 	assert_non_null(strstr(fault.text, "cut short"));
 	write_basis();
 	basis_poses_expect(&basis, NULL, 0);

@@ -25,7 +25,7 @@
 enum { WIDTH = 50, HEIGHT = 38, LIGHTS = 46, SKY = 61, SCENE_WIDTH = 33, SCENE_HEIGHT = 47 };
 
 static struct basis basis;
-static struct pipeline pipeline;
+static struct pipeline *pipeline;
 static struct source sources[3]; /* fisheye, background, scene */
 static struct eyes eyes;
 
@@ -129,7 +129,7 @@ static int set_up(void **state)
 
 static int tear_down(void **state)
 {
-	pipeline_destroy(&pipeline);
+	pipeline_destroy(pipeline);
 	basis_close(&basis);
 	for (int i = 0; i < 3; i++)
 		canvas_free(&sources[i].canvas);
@@ -149,10 +149,10 @@ static int begin(void **state)
 	look(&eyes.background, &sources[1]);
 	look(&eyes.scene, &sources[2]);
 	sky = eye_picture(&eyes.fisheye);
-	must(pipeline_light_picture(&pipeline, &sky, &fault), &fault);
-	must(pipeline_choose(&pipeline, &choice, &fault), &fault);
-	assert_true(pipeline.selection.used_count > 5);
-	assert_true(pipeline.selection.used_count < LIGHTS - 5);
+	must(pipeline_light_picture(pipeline, &sky, &fault), &fault);
+	must(pipeline_choose(pipeline, &choice, &fault), &fault);
+	assert_true(pipeline_report(pipeline).lights_used > 5);
+	assert_true(pipeline_report(pipeline).lights_used < LIGHTS - 5);
 	return 0;
 }
 
@@ -179,17 +179,18 @@ static struct guarded_screen shown_by(struct show *show, const struct show_reque
 		.fisheye = picture_of(&eyes.fisheye),
 		.background = picture_of(&eyes.background),
 		.scene = picture_of(&eyes.scene),
-		.marks = {&pipeline.dome, &pipeline.lens, pipeline.selection.used},
+		.marks = {pipeline_dome(pipeline), pipeline_lens(pipeline),
+			  pipeline_used(pipeline)},
 	};
 	const struct backdrop backdrop = backdrop_of(&pictures.background.picture);
 
 	pictures.composite = (struct show_composite){.width = pictures.background.picture.width,
 						     .height = pictures.background.picture.height,
 						     .squash = pictures.background.squash};
-	whole.pool = pipeline.pool;
+	whole.pool = pipeline_pool(pipeline);
 	must(show_room(show, &whole, &pictures.composite, &screen.buffer, &fault), &fault);
 	if (pictures.composite.pixels)
-		must(pipeline_composite(&pipeline, &backdrop, pictures.composite.pixels,
+		must(pipeline_composite(pipeline, &backdrop, pictures.composite.pixels,
 					pictures.composite.stride, &fault),
 		     &fault);
 	must(show_draw(show, &whole, &pictures, &screen.buffer, &fault), &fault);
@@ -272,7 +273,7 @@ static void composite_is_the_composite(void **state)
 	(void)state;
 	request.scale = SCALE_NONE;
 	framed = shown(&request, WIDTH + 31, HEIGHT + 7);
-	assert_int_equal(pipeline_composite(&pipeline, &backdrop, &made[0][0][0], WIDTH * 4, NULL),
+	assert_int_equal(pipeline_composite(pipeline, &backdrop, &made[0][0][0], WIDTH * 4, NULL),
 			 0);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++) {
@@ -448,7 +449,7 @@ static void lights_are_marked(void **state)
 		int seen[2] = {0, 0};
 
 		for (int i = 0; i < LIGHTS; i++) {
-			const double *d = pipeline.dome.direction[i];
+			const double *d = pipeline_dome(pipeline)->direction[i];
 			double r = radius * acos(d[2]) / (M_PI / 2), phi = atan2(d[1], d[0]);
 			const uint8_t *p;
 
@@ -456,11 +457,11 @@ static void lights_are_marked(void **state)
 				continue;
 			p = guarded_pixel(&quad, (int)(middle[0] + r * cos(phi)),
 					  (int)(middle[1] + r * sin(phi)));
-			if (pipeline.selection.used[i])
+			if (pipeline_used(pipeline)[i])
 				assert_true(p[2] > 150 && p[2] > p[0] + 60 && p[2] > p[1] + 60);
 			else
 				assert_true(p[0] > 150 && p[0] > p[2] + 60 && p[0] > p[1] + 40);
-			seen[pipeline.selection.used[i]]++;
+			seen[pipeline_used(pipeline)[i]]++;
 		}
 		assert_true(seen[0] > 3 && seen[1] > 3);
 		guarded_free(&quad);
