@@ -32,14 +32,15 @@ static const struct option_row rows[] = {
 	 .take = take_sample},
 	{.name = NULL}};
 
-static void say(void *context, const char *text)
+static void say_fault(void *context, const char *text)
 {
 	(void)context;
 	log_error("%s", text);
 }
 
 /* NULL: it cannot be opened, or none is named, which config_check() has said. */
-static const struct basis *open_basis(struct basis *basis, const struct config *config, int *err)
+static const struct basis *open_checked_basis(struct basis *basis, const struct config *config,
+					      int *err)
 {
 	struct fault fault = {.text = ""};
 
@@ -51,12 +52,12 @@ static const struct basis *open_basis(struct basis *basis, const struct config *
 	return *err ? NULL : basis;
 }
 
-static int check(const struct config *config, struct ini_report *report)
+static int check_config(const struct config *config, struct ini_report *report)
 {
 	struct basis basis = {.map = NULL};
 	int err = config_check(config, report), basis_err = 0, more_err;
 
-	more_err = pipeline_config_check(config, open_basis(&basis, config, &basis_err));
+	more_err = pipeline_config_check(config, open_checked_basis(&basis, config, &basis_err));
 	basis_close(&basis);
 	return err ? err : basis_err ? basis_err : more_err;
 }
@@ -73,10 +74,10 @@ static int print_sample(void)
 	return EXIT_DONE;
 }
 
-static int run(int argc, char **argv)
+static int check_command(int argc, char **argv)
 {
 	struct check_options options = {.sample = false};
-	struct ini_report report = {.say = say};
+	struct ini_report report = {.say = say_fault};
 	struct config *config = NULL;
 	int code = options_read(&command_check, argc, argv, &options), err, check_err;
 
@@ -89,7 +90,7 @@ static int run(int argc, char **argv)
 	if (options.settings.print && !err)
 		config_print(config, stdout);
 	else if (config && (!err || err == -EINVAL)) {
-		check_err = check(config, &report);
+		check_err = check_config(config, &report);
 		if (!err)
 			err = check_err;
 		if (!err)
@@ -104,5 +105,5 @@ const struct command command_check = {
 	.usage = "[--config FILE] [--set SECTION.KEY=VALUE]...",
 	.purpose = "say all that is wrong with a configuration; opens no device",
 	.options = rows,
-	.run = run,
+	.run = check_command,
 };

@@ -101,7 +101,7 @@ static int wait_until(int fd, short events, int64_t until_ns)
 }
 
 /* 0 or -errno; -EPIPE: the kiosk hung up. The reply is without its newline. */
-static int exchange(int fd, const char *line, char *reply, size_t room)
+static int send_line(int fd, const char *line, char *reply, size_t room)
 {
 	const int64_t until_ns = clock_now_ns() + REPLY_WITHIN_NS;
 	size_t length = 0;
@@ -131,7 +131,7 @@ static int exchange(int fd, const char *line, char *reply, size_t room)
 	return 0;
 }
 
-static int command(const char *path, const char *line)
+static int send_command(const char *path, const char *line)
 {
 	static char reply[REPLY_MAX];
 	const int fd = control_socket_connect(path);
@@ -147,7 +147,7 @@ static int command(const char *path, const char *line)
 		log_error("control: no kiosk listens at \"%s\": %s", path, strerror(-fd));
 		return EXIT_FAILED;
 	}
-	err = exchange(fd, line, reply, sizeof(reply));
+	err = send_line(fd, line, reply, sizeof(reply));
 	close(fd);
 	if (err) {
 		log_error("control: the kiosk at \"%s\" does not answer: %s", path, strerror(-err));
@@ -161,7 +161,7 @@ static int command(const char *path, const char *line)
 	return EXIT_DONE;
 }
 
-static int run(int argc, char **argv)
+static int control_command(int argc, char **argv)
 {
 	struct control_options options = {.socket = NULL};
 	char path[INI_PATH_MAX] = "", line[1024];
@@ -180,7 +180,7 @@ static int run(int argc, char **argv)
 		return EXIT_USAGE;
 	}
 	code = find_socket(&options, path, sizeof(path));
-	return code ? code : command(path, line);
+	return code ? code : send_command(path, line);
 }
 
 const struct command command_control = {
@@ -208,5 +208,5 @@ const struct command command_control = {
 		"  quit                  end the kiosk",
 	.options = rows,
 	.take_word = take_word,
-	.run = run,
+	.run = control_command,
 };

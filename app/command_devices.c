@@ -13,9 +13,9 @@ struct devices_options {
 };
 
 /* Where the listing goes, and what it has seen so far. */
-struct listing {
+struct devices_listing {
 	bool json;
-	struct sample *sample; /* NULL: the listing is printed */
+	struct devices_sample *sample; /* NULL: the listing is printed */
 	const char *driver;
 	int found, failed;
 	bool first; /* of its array in JSON */
@@ -66,7 +66,7 @@ static void print_json_pair(const char *key, const char *value)
 	print_json_text(value);
 }
 
-static void begin_item(struct listing *l)
+static void begin_item(struct devices_listing *l)
 {
 	l->found++;
 	if (!l->json)
@@ -76,8 +76,8 @@ static void begin_item(struct listing *l)
 	print_json_pair("driver", l->driver);
 }
 
-static void print_item(struct listing *l, const char *device, const char *name, const char *bus,
-		       char (*lines)[160], int line_count)
+static void print_item(struct devices_listing *l, const char *device, const char *name,
+		       const char *bus, char (*lines)[160], int line_count)
 {
 	begin_item(l);
 	if (!l->json) {
@@ -102,7 +102,7 @@ static void print_item(struct listing *l, const char *device, const char *name, 
 
 static void found_camera(void *context, const struct camera_listing *c)
 {
-	const struct listing *l = context;
+	const struct devices_listing *l = context;
 
 	if (l->sample)
 		sample_add_camera(l->sample, l->driver, c);
@@ -112,7 +112,7 @@ static void found_camera(void *context, const struct camera_listing *c)
 
 static void found_display(void *context, const struct display_listing *d)
 {
-	const struct listing *l = context;
+	const struct devices_listing *l = context;
 
 	if (l->sample)
 		sample_add_screen(l->sample, l->driver, d);
@@ -122,7 +122,7 @@ static void found_display(void *context, const struct display_listing *d)
 
 static void found_line(void *context, const char *line)
 {
-	struct listing *l = context;
+	struct devices_listing *l = context;
 
 	if (l->sample) {
 		sample_add_buttons(l->sample, l->driver, line);
@@ -138,7 +138,7 @@ static void found_line(void *context, const char *line)
 	putchar('}');
 }
 
-static void begin_class(struct listing *l, const char *title, const char *key)
+static void begin_class(struct devices_listing *l, const char *title, const char *key)
 {
 	l->found = 0;
 	l->first = true;
@@ -150,7 +150,7 @@ static void begin_class(struct listing *l, const char *title, const char *key)
 		printf("%s\n", title);
 }
 
-static void end_class(struct listing *l)
+static void end_class(struct devices_listing *l)
 {
 	if (l->sample)
 		return;
@@ -161,7 +161,7 @@ static void end_class(struct listing *l)
 }
 
 /* A driver that cannot look is said, and the others are listed all the same. */
-static void note_failure(struct listing *l, int count)
+static void note_failure(struct devices_listing *l, int count)
 {
 	if (count >= 0)
 		return;
@@ -169,7 +169,7 @@ static void note_failure(struct listing *l, int count)
 	l->failed++;
 }
 
-static void list_all(struct listing *l)
+static void list_all(struct devices_listing *l)
 {
 	begin_class(l, "cameras", "cameras");
 	for (int i = 0; camera_drivers[i]; i++) {
@@ -194,7 +194,7 @@ static void list_all(struct listing *l)
 	end_class(l);
 }
 
-static void list_drivers(struct listing *l)
+static void list_drivers(struct devices_listing *l)
 {
 	if (l->json) {
 		puts("}");
@@ -214,7 +214,7 @@ static void list_drivers(struct listing *l)
 
 static int write_sample(void)
 {
-	struct listing listing = {.sample = sample_create()};
+	struct devices_listing listing = {.sample = sample_create()};
 
 	if (!listing.sample) {
 		log_error("devices: not enough memory");
@@ -229,10 +229,10 @@ static int write_sample(void)
 	return listing.failed ? EXIT_FAILED : EXIT_DONE;
 }
 
-static int run(int argc, char **argv)
+static int devices_command(int argc, char **argv)
 {
 	struct devices_options options = {.json = false};
-	struct listing listing = {.json = false};
+	struct devices_listing listing = {.json = false};
 	int code = options_read(&command_devices, argc, argv, &options);
 
 	if (code != OPTIONS_GO_ON)
@@ -264,5 +264,5 @@ const struct command command_devices = {
 		   "configuration\n"
 		   "comes from inlay devices --sample > kiosk.conf.",
 	.options = rows,
-	.run = run,
+	.run = devices_command,
 };

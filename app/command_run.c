@@ -40,7 +40,7 @@ static const struct option_row rows[] = {SETTINGS_ROWS,
 					  .take = settings_take_print},
 					 {.name = NULL}};
 
-static void say(void *context, const char *text)
+static void say_fault(void *context, const char *text)
 {
 	(void)context;
 	log_error("%s", text);
@@ -53,7 +53,7 @@ static int reread(void *context, struct config **fresh, struct ini_report *repor
 	int err;
 
 	*fresh = NULL;
-	report->say = say;
+	report->say = say_fault;
 	err = settings_read(&options->settings, fresh, report);
 	if (!err)
 		err = config_check(*fresh, report);
@@ -78,7 +78,7 @@ static int run_config(struct run_options *options, struct config *config, struct
 	return err ? err : kiosk_run(&settings, &report->first);
 }
 
-static int run(int argc, char **argv)
+static int run_command(int argc, char **argv)
 {
 	struct run_options options = {.frames = 0};
 	struct ini_report report = {.count = 0};
@@ -108,5 +108,5 @@ const struct command command_run = {
 		"are waited for; what is not a camera, or a\nscreen that another program holds at "
 		"the start, ends it with exit code 1.",
 	.options = rows,
-	.run = run,
+	.run = run_command,
 };

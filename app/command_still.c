@@ -109,7 +109,7 @@ static const struct option_row rows[] = {
 	 .take = take_out},
 	{.name = NULL}};
 
-static int misused(const struct still_options *o)
+static int still_is_misused(const struct still_options *o)
 {
 	const char *missing = !o->background ? "--background IMG" : !o->out ? "-o FILE" : NULL;
 
@@ -150,7 +150,7 @@ static int run_config(const struct still_options *o, const struct config *config
 	return still_run(&settings, fault);
 }
 
-static int run(int argc, char **argv)
+static int still_command(int argc, char **argv)
 {
 	struct still_options options = {.threshold = {.value = NAN}, .pose = -1, .mode = -1};
 	struct ini_report report = {.count = 0};
@@ -159,7 +159,7 @@ static int run(int argc, char **argv)
 
 	if (code != OPTIONS_GO_ON)
 		return code;
-	if (misused(&options))
+	if (still_is_misused(&options))
 		return EXIT_USAGE;
 	err = settings_read(&options.settings, &config, &report);
 	if (!err)
@@ -179,5 +179,5 @@ const struct command command_still = {
 		"for, not\nrounded in reference mode. [fisheye] and [background] of the "
 		"configuration say how the\npictures are to be read: lens, view, transfer.",
 	.options = rows,
-	.run = run,
+	.run = still_command,
 };

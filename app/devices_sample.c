@@ -23,7 +23,7 @@ struct sample_screen {
 	char rate[16];
 };
 
-struct sample {
+struct devices_sample {
 	struct sample_camera cameras[CAMERAS];
 	int camera_count, cameras_left_out;
 	struct sample_screen screen; /* the first that is connected */
@@ -33,12 +33,12 @@ struct sample {
 	int refused; /* what this user may not open */
 };
 
-struct sample *sample_create(void)
+struct devices_sample *sample_create(void)
 {
-	return calloc(1, sizeof(struct sample));
+	return calloc(1, sizeof(struct devices_sample));
 }
 
-void sample_destroy(struct sample *sample)
+void sample_destroy(struct devices_sample *sample)
 {
 	free(sample);
 }
@@ -79,7 +79,7 @@ static void read_camera_line(struct sample_camera *camera, const char *line)
 
 /* A webcam is listed by v4l2 and by libcamera, and a card with several nodes once for each: the
  * first is enough. */
-static bool known(const struct sample *sample, const struct sample_camera *camera)
+static bool camera_is_known(const struct devices_sample *sample, const struct sample_camera *camera)
 {
 	for (int i = 0; i < sample->camera_count; i++) {
 		const struct sample_camera *other = &sample->cameras[i];
@@ -94,7 +94,7 @@ static bool known(const struct sample *sample, const struct sample_camera *camer
 	return false;
 }
 
-void sample_add_camera(struct sample *sample, const char *driver,
+void sample_add_camera(struct devices_sample *sample, const char *driver,
 		       const struct camera_listing *listing)
 {
 	struct sample_camera camera = {.offer_count = 0};
@@ -107,7 +107,7 @@ void sample_add_camera(struct sample *sample, const char *driver,
 		read_camera_line(&camera, listing->lines[i]);
 		sample->refused += says_refused(listing->lines[i]);
 	}
-	if (camera.offer_count == 0 || known(sample, &camera))
+	if (camera.offer_count == 0 || camera_is_known(sample, &camera))
 		return;
 	if (sample->camera_count < CAMERAS)
 		sample->cameras[sample->camera_count++] = camera;
@@ -115,7 +115,7 @@ void sample_add_camera(struct sample *sample, const char *driver,
 		sample->cameras_left_out++;
 }
 
-void sample_add_screen(struct sample *sample, const char *driver,
+void sample_add_screen(struct devices_sample *sample, const char *driver,
 		       const struct display_listing *listing)
 {
 	struct sample_screen *screen = &sample->screen;
@@ -144,7 +144,7 @@ void sample_add_screen(struct sample *sample, const char *driver,
 }
 
 /* The label says what the chip is; its number may change. */
-void sample_add_buttons(struct sample *sample, const char *driver, const char *line)
+void sample_add_buttons(struct devices_sample *sample, const char *driver, const char *line)
 {
 	const char *open = strchr(line, '['), *close = strchr(line, ']');
 
@@ -158,7 +158,7 @@ void sample_add_buttons(struct sample *sample, const char *driver, const char *l
 	snprintf(sample->chip_text, sizeof(sample->chip_text), "%s", line);
 }
 
-static int times(const struct sample *sample, const char *link)
+static int link_count(const struct devices_sample *sample, const char *link)
 {
 	int count = 0;
 
@@ -169,15 +169,16 @@ static int times(const struct sample *sample, const char *link)
 
 /* What stays when numbers move: the link by what the camera is, unless another one is the same;
  * else the bus where v4l2 knows it, which says which socket it is in. */
-static const char *stable_name(const struct sample *sample, const struct sample_camera *camera)
+static const char *stable_name(const struct devices_sample *sample,
+			       const struct sample_camera *camera)
 {
 	if (*camera->link && strlen(camera->link) < INI_TEXT_MAX &&
-	    times(sample, camera->link) == 1)
+	    link_count(sample, camera->link) == 1)
 		return camera->link;
 	return *camera->bus ? camera->bus : camera->device;
 }
 
-static void write_camera(const struct sample *sample, int index, FILE *stream)
+static void write_camera(const struct devices_sample *sample, int index, FILE *stream)
 {
 	const struct sample_camera *camera = &sample->cameras[index];
 	/* Beyond what a configuration may hold it is only a remark. */
@@ -195,7 +196,7 @@ static void write_camera(const struct sample *sample, int index, FILE *stream)
 		mark, mark, mark);
 }
 
-static void write_cameras(const struct sample *sample, FILE *stream)
+static void write_cameras(const struct devices_sample *sample, FILE *stream)
 {
 	const int count = sample->camera_count;
 
@@ -245,7 +246,7 @@ static void write_service(FILE *stream)
 	      stream);
 }
 
-static void write_screen(const struct sample *sample, FILE *stream)
+static void write_screen(const struct devices_sample *sample, FILE *stream)
 {
 	const struct sample_screen *screen = &sample->screen;
 
@@ -272,7 +273,7 @@ static void write_screen(const struct sample *sample, FILE *stream)
 	fputc('\n', stream);
 }
 
-static void write_buttons(const struct sample *sample, FILE *stream)
+static void write_buttons(const struct devices_sample *sample, FILE *stream)
 {
 	if (!*sample->chip && !sample->keyboard) {
 		fputs("; No buttons were found: there is inlay control as well.\n[buttons]\n"
@@ -291,12 +292,12 @@ static void write_buttons(const struct sample *sample, FILE *stream)
 		fprintf(stream, "gpio.chip = %s\n", sample->chip);
 }
 
-int sample_refused(const struct sample *sample)
+int sample_refused(const struct devices_sample *sample)
 {
 	return sample->refused;
 }
 
-void sample_write(const struct sample *sample, FILE *stream)
+void sample_write(const struct devices_sample *sample, FILE *stream)
 {
 	fputs("; A configuration for what was plugged in when inlay devices --sample wrote it.\n"
 	      "; inlay check --config FILE says what is wrong with it; inlay check --sample shows "

@@ -17,22 +17,22 @@
 #include "hal/device/camera.h"
 #include "hal/device/display.h"
 
-struct sample;
+struct devices_sample;
 
-struct sample *sample_create(void); /* NULL: no memory */
-void sample_destroy(struct sample *sample);
+struct devices_sample *sample_create(void); /* NULL: no memory */
+void sample_destroy(struct devices_sample *sample);
 
 /* As the drivers list them; copied. What memory has no room for is left out. */
-void sample_add_camera(struct sample *sample, const char *driver,
+void sample_add_camera(struct devices_sample *sample, const char *driver,
 		       const struct camera_listing *listing);
-void sample_add_screen(struct sample *sample, const char *driver,
+void sample_add_screen(struct devices_sample *sample, const char *driver,
 		       const struct display_listing *listing);
-void sample_add_buttons(struct sample *sample, const char *driver, const char *line);
+void sample_add_buttons(struct devices_sample *sample, const char *driver, const char *line);
 
 /* How many devices are there that this user may not open: the sample knows nothing of them. */
-int sample_refused(const struct sample *sample);
+int sample_refused(const struct devices_sample *sample);
 
 /* Every key that is written is valid; only the basis is left to the reader. */
-void sample_write(const struct sample *sample, FILE *stream);
+void sample_write(const struct devices_sample *sample, FILE *stream);
 
 #endif

@@ -44,7 +44,7 @@ static int refuse_unknown(const char *word)
 }
 
 /* What was printed must have arrived: a full disk behind ">" is a failure. */
-static int finish(int code)
+static int end_output(int code)
 {
 	if (fflush(stdout) || ferror(stdout)) {
 		log_error("cannot write to standard output");
@@ -63,15 +63,15 @@ int main(int argc, char **argv)
 	}
 	if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
 		print_help(stdout);
-		return finish(EXIT_DONE);
+		return end_output(EXIT_DONE);
 	}
 	if (!strcmp(argv[1], "--version")) {
 		puts("inlay " INLAY_VERSION);
-		return finish(EXIT_DONE);
+		return end_output(EXIT_DONE);
 	}
 	for (size_t i = 0; i < COMMAND_COUNT; i++) {
 		if (!strcmp(argv[1], commands[i]->name))
-			return finish(commands[i]->run(argc - 1, argv + 1));
+			return end_output(commands[i]->run(argc - 1, argv + 1));
 	}
 	return refuse_unknown(argv[1]);
 }

@@ -36,7 +36,7 @@ int option_number(const char *argument, double low, double high, double *value)
 	return 0;
 }
 
-static void print_row(const struct option_row *row)
+static void print_option(const struct option_row *row)
 {
 	char left[64];
 	int length = 0;
@@ -55,7 +55,7 @@ static void print_help(const struct command *command)
 		printf("\n%s\n", command->details);
 	printf("\noptions:\n");
 	for (const struct option_row *row = command->options; row->name; row++)
-		print_row(row);
+		print_option(row);
 	printf("  %-24s %s\n", "--help", "this text");
 }
 
@@ -110,8 +110,8 @@ static const char *argument_of(const struct command *command, const struct optio
 	return NULL;
 }
 
-static int take(const struct command *command, const struct option_row *row, const char *attached,
-		int argc, char **argv, int *at, void *context)
+static int take_option(const struct command *command, const struct option_row *row,
+		       const char *attached, int argc, char **argv, int *at, void *context)
 {
 	const char *argument = NULL, *expected = row->argument;
 	int err;
@@ -165,7 +165,8 @@ static int read_word(const struct command *command, int argc, char **argv, int *
 				  command->name, word, command->name);
 			return EXIT_USAGE;
 		}
-		return take(command, row, word[2] ? word + 2 : NULL, argc, argv, at, context);
+		return take_option(command, row, word[2] ? word + 2 : NULL, argc, argv, at,
+				   context);
 	}
 	if (word[0] != '-' || !word[1])
 		return take_bare(command, word, context);
@@ -180,7 +181,7 @@ static int read_word(const struct command *command, int argc, char **argv, int *
 	row = find_row(command->options, word, length);
 	if (!row)
 		return refuse_unknown(command, word, length);
-	return take(command, row, attached, argc, argv, at, context);
+	return take_option(command, row, attached, argc, argv, at, context);
 }
 
 int options_read(const struct command *command, int argc, char **argv, void *context)

@@ -88,7 +88,7 @@ static int light_from_fisheye(struct still *s, struct fault *fault)
 	return pipeline_light_picture(s->pipeline, &picture, fault);
 }
 
-static int choose(struct still *s, struct fault *fault)
+static int choose_lights(struct still *s, struct fault *fault)
 {
 	const struct pipeline_choice choice = {
 		.threshold = s->settings->threshold, .pose = s->settings->pose, .object = true};
@@ -101,7 +101,7 @@ static int find_light(struct still *s, struct fault *fault)
 	const int err = s->settings->lights ? light_from_file(s, fault)
 					    : light_from_fisheye(s, fault);
 
-	return err ? err : choose(s, fault);
+	return err ? err : choose_lights(s, fault);
 }
 
 /* ---- picture ---- */
@@ -161,7 +161,7 @@ static void fill_out(struct still *s)
 	}
 }
 
-static int composite(struct still *s, const struct picture *background, struct fault *fault)
+static int composite_still(struct still *s, const struct picture *background, struct fault *fault)
 {
 	size_t pixels = (size_t)background->width * (size_t)background->height;
 	struct backdrop backdrop;
@@ -181,14 +181,14 @@ static int composite(struct still *s, const struct picture *background, struct f
 }
 
 /* What the fisheye clips may be seen on the ground. */
-static int recover(struct still *s, const struct picture *background, struct fault *fault)
+static int recover_light(struct still *s, const struct picture *background, struct fault *fault)
 {
 	const struct frame_reader reader = frame_reader_of(background);
 
 	if (s->settings->lights)
 		return 0;
 	pipeline_recover(s->pipeline, &reader);
-	return choose(s, fault);
+	return choose_lights(s, fault);
 }
 
 static int make_picture(struct still *s, struct fault *fault)
@@ -197,10 +197,10 @@ static int make_picture(struct still *s, struct fault *fault)
 	int err = read_background(s, &background, fault);
 
 	if (!err)
-		err = recover(s, &background, fault);
+		err = recover_light(s, &background, fault);
 	if (err)
 		return err;
-	err = composite(s, &background, fault);
+	err = composite_still(s, &background, fault);
 	if (err)
 		return err;
 	err = image_name_linear(s->settings->out, fault) == 1
@@ -214,7 +214,7 @@ static int make_picture(struct still *s, struct fault *fault)
 
 /* ---- all of it ---- */
 
-static int open_basis(struct still *s, struct fault *fault)
+static int open_still_basis(struct still *s, struct fault *fault)
 {
 	static const enum basis_part parts[] = {
 		[STILL_FAST] = BASIS_SHOWN,
@@ -226,7 +226,7 @@ static int open_basis(struct still *s, struct fault *fault)
 	return pipeline_open_basis(&s->basis, settings->basis, parts[settings->mode], fault);
 }
 
-static int work(struct still *s, struct fault *fault)
+static int make_still(struct still *s, struct fault *fault)
 {
 	const struct still_settings *settings = s->settings;
 	struct pipeline_settings pipeline = pipeline_settings_of(settings->config);
@@ -236,7 +236,7 @@ static int work(struct still *s, struct fault *fault)
 	int err = output_check(outputs, 2, read, 4, fault);
 
 	if (!err)
-		err = open_basis(s, fault);
+		err = open_still_basis(s, fault);
 	if (err)
 		return err;
 	pipeline.mode = settings->mode == STILL_EXACT ? COMPOSITOR_EXACT : COMPOSITOR_FAST;
@@ -260,7 +260,7 @@ static int work(struct still *s, struct fault *fault)
 int still_run(const struct still_settings *settings, struct fault *fault)
 {
 	struct still s = {.settings = settings};
-	int err = work(&s, fault);
+	int err = make_still(&s, fault);
 
 	image_free(&s.out);
 	free(s.reference);

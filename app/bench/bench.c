@@ -97,7 +97,7 @@ struct round {
 	struct fault *fault;
 };
 
-static int prepare(void *context, int way, int turn)
+static int bench_prepare(void *context, int way, int turn)
 {
 	struct round *round = context;
 	int err = 0;
@@ -111,14 +111,14 @@ static int prepare(void *context, int way, int turn)
 	return bench_way_prepare(&round->ways->way[way], round->stage, turn, round->fault);
 }
 
-static int run(void *context, int way)
+static int rounds_run(void *context, int way)
 {
 	const struct round *round = context;
 
 	return bench_way_run(&round->ways->way[way], round->stage, round->fault);
 }
 
-static bool is_alone(void *context, int way)
+static bool way_is_alone(void *context, int way)
 {
 	const struct round *round = context;
 
@@ -132,9 +132,9 @@ static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct f
 	struct turns turns = {.context = &round,
 			      .ways = ways->count,
 			      .repeat = stage->settings->repeat,
-			      .prepare = prepare,
-			      .run = run,
-			      .is_alone = is_alone};
+			      .prepare = bench_prepare,
+			      .run = rounds_run,
+			      .is_alone = way_is_alone};
 	int err = grow_reading(ways, stage, fault);
 
 	if (!err)
@@ -155,8 +155,8 @@ static double layer_mb(const struct basis *basis, const struct basis_layer *laye
 	return (double)bytes / 1e6;
 }
 
-static void describe(const struct bench_stage *stage, const struct scope *scope,
-		     struct bench_report *report)
+static void report_describe(const struct bench_stage *stage, const struct scope *scope,
+			    struct bench_report *report)
 {
 	const struct basis *basis = stage->basis;
 
@@ -258,7 +258,7 @@ static int run_lightings(struct bench_ways *ways, struct bench_stage *stage,
 
 	if (err)
 		return fault_say(fault, err, "not enough memory");
-	describe(stage, &scope, report);
+	report_describe(stage, &scope, report);
 	for (int k = 0; !err && k < lightings->count; k++) {
 		stage->lighting = &lightings->item[k];
 		log_info("%s: double precision", stage->lighting->name);

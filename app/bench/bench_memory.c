@@ -36,20 +36,20 @@ READER(read_avx2, __attribute__((target("avx2"))))
 READER(read_avx512, __attribute__((target("avx512f"))))
 #endif
 
-struct reader {
+struct reading_thread {
 	const char *name;
 	uint64_t (*read)(const uint8_t *data, size_t bytes);
 };
 
-static struct reader choose_reader(void)
+static struct reading_thread choose_reader(void)
 {
 #if defined(__x86_64__)
 	if (processor_features() & PROCESSOR_AVX512)
-		return (struct reader){"avx512f", read_avx512};
+		return (struct reading_thread){"avx512f", read_avx512};
 	if (processor_features() & PROCESSOR_AVX2)
-		return (struct reader){"avx2", read_avx2};
+		return (struct reading_thread){"avx2", read_avx2};
 #endif
-	return (struct reader){"baseline", read_plain};
+	return (struct reading_thread){"baseline", read_plain};
 }
 
 const char *reading_vectors(void)
@@ -57,9 +57,9 @@ const char *reading_vectors(void)
 	return choose_reader().name;
 }
 
-int reading_create(struct reading *reading, size_t bytes)
+int reading_create(struct bench_reading *reading, size_t bytes)
 {
-	*reading = (struct reading){.bytes = (bytes + HUGE_PAGE) & ~(HUGE_PAGE - 1)};
+	*reading = (struct bench_reading){.bytes = (bytes + HUGE_PAGE) & ~(HUGE_PAGE - 1)};
 	reading->data = aligned_alloc(HUGE_PAGE, reading->bytes);
 	if (!reading->data) {
 		reading->bytes = 0;
@@ -71,23 +71,23 @@ int reading_create(struct reading *reading, size_t bytes)
 	return 0;
 }
 
-void reading_free(struct reading *reading)
+void reading_free(struct bench_reading *reading)
 {
 	free(reading->data);
-	*reading = (struct reading){.data = NULL};
+	*reading = (struct bench_reading){.data = NULL};
 }
 
-struct work {
+struct reading_job {
 	const uint8_t *data;
 	size_t bytes;
 	int parts;
-	struct reader reader;
+	struct reading_thread reader;
 	uint64_t sum[POOL_THREADS_MAX];
 };
 
 static void read_part(void *context, int item, int worker)
 {
-	struct work *w = context;
+	struct reading_job *w = context;
 	const size_t steps = w->bytes / STEP;
 	const size_t first = steps * (size_t)item / (size_t)w->parts;
 	const size_t end = steps * ((size_t)item + 1) / (size_t)w->parts;
@@ -95,9 +95,9 @@ static void read_part(void *context, int item, int worker)
 	w->sum[worker] ^= w->reader.read(w->data + first * STEP, (end - first) * STEP);
 }
 
-uint64_t reading_run(const struct reading *reading, size_t bytes, struct pool *pool)
+uint64_t reading_run(const struct bench_reading *reading, size_t bytes, struct pool *pool)
 {
-	struct work w = {.data = reading->data, .parts = 1, .reader = choose_reader()};
+	struct reading_job w = {.data = reading->data, .parts = 1, .reader = choose_reader()};
 	uint64_t all = 0;
 
 	w.bytes = (bytes + STEP - 1) / STEP * STEP;

@@ -9,18 +9,18 @@
 #include "hal/base/pool.h"
 
 /* Memory to read, none of it shared. */
-struct reading {
+struct bench_reading {
 	uint8_t *data;
 	size_t bytes;
 };
 
-int reading_create(struct reading *reading, size_t bytes); /* -ENOMEM */
-void reading_free(struct reading *reading);		   /* idempotent; zeroed is fine */
+int reading_create(struct bench_reading *reading, size_t bytes); /* -ENOMEM */
+void reading_free(struct bench_reading *reading);		 /* idempotent; zeroed is fine */
 
 /* Reads the first bytes of it once, front to back, with the widest vectors that the processor has,
  * each of the pool's threads a part. Returns what was in it, xor-ed, so that nothing can be left
  * out. */
-uint64_t reading_run(const struct reading *reading, size_t bytes, struct pool *pool);
+uint64_t reading_run(const struct bench_reading *reading, size_t bytes, struct pool *pool);
 
 /* What its vectors are called: "avx512f", ... */
 const char *reading_vectors(void);

@@ -42,7 +42,7 @@ static const struct column columns[] = {
 #define COLUMN_COUNT (sizeof(columns) / sizeof(*columns))
 
 /* NaN: does not apply. */
-static double number_of(const struct bench_row *row, const struct column *column)
+static double field_number(const struct bench_row *row, const struct column *column)
 {
 	const char *at = (const char *)row + column->at;
 	double value;
@@ -75,7 +75,7 @@ static void print_titles(FILE *to)
 	fputc('\n', to);
 }
 
-static void print_row(const struct bench_row *row, FILE *to)
+static void print_report_row(const struct bench_row *row, FILE *to)
 {
 	for (size_t k = 0; k < COLUMN_COUNT; k++) {
 		const struct column *c = &columns[k];
@@ -86,10 +86,10 @@ static void print_row(const struct bench_row *row, FILE *to)
 			fputc(' ', to);
 		if (c->kind == OF_TEXT)
 			fprintf(to, "%*s", c->width, text_of(row, c));
-		else if (isnan(number_of(row, c)))
+		else if (isnan(field_number(row, c)))
 			fprintf(to, "%*s", c->width, "-");
 		else
-			fprintf(to, "%*.*f", c->width, c->digits, number_of(row, c));
+			fprintf(to, "%*.*f", c->width, c->digits, field_number(row, c));
 	}
 	fputc('\n', to);
 }
@@ -118,7 +118,7 @@ void bench_print_table(const struct bench_report *r, FILE *to)
 			fprintf(to, "\n%s\n", r->row[k].lighting);
 			print_titles(to);
 		}
-		print_row(&r->row[k], to);
+		print_report_row(&r->row[k], to);
 	}
 }
 
@@ -148,10 +148,10 @@ static void print_json_row(const struct bench_row *row, FILE *to)
 		fprintf(to, "%s\"%s\": ", k ? ", " : "{", c->key);
 		if (c->kind == OF_TEXT)
 			print_json_text(text_of(row, c), to);
-		else if (isnan(number_of(row, c)))
+		else if (isnan(field_number(row, c)))
 			fputs("null", to);
 		else
-			fprintf(to, "%.6g", number_of(row, c));
+			fprintf(to, "%.6g", field_number(row, c));
 	}
 	fputc('}', to);
 }
@@ -205,8 +205,8 @@ void bench_print_csv(const struct bench_report *r, FILE *to)
 				fputc(',', to);
 			if (c->kind == OF_TEXT)
 				print_csv_text(text_of(&r->row[n], c), to);
-			else if (!isnan(number_of(&r->row[n], c)))
-				fprintf(to, "%.6g", number_of(&r->row[n], c));
+			else if (!isnan(field_number(&r->row[n], c)))
+				fprintf(to, "%.6g", field_number(&r->row[n], c));
 		}
 		fputc('\n', to);
 	}

@@ -13,7 +13,7 @@ enum truth_of {
 	TRUTH_COUNT
 };
 
-struct truth {
+struct truth_pictures {
 	const struct bench_stage *stage;
 	double *picture[TRUTH_COUNT]; /* [height][width][3]; NULL where nothing needs it */
 	int err[TRUTH_COUNT];
@@ -27,7 +27,7 @@ static size_t values_of(const struct bench_stage *stage)
 /* Double precision takes one thread for one picture, so the pictures are shared out. */
 static void make_truth(void *context, int item, int worker)
 {
-	struct truth *t = context;
+	struct truth_pictures *t = context;
 	const struct bench_stage *stage = t->stage;
 	struct compositor_settings settings = {
 		.mode = stage->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
@@ -52,11 +52,11 @@ static void make_truth(void *context, int item, int worker)
 					    t->picture[item]);
 }
 
-static int truth_create(struct truth *t, const struct bench_stage *stage)
+static int truth_create(struct truth_pictures *t, const struct bench_stage *stage)
 {
 	const bool needed[TRUTH_COUNT] = {true, stage->thesis, stage->cameras};
 
-	*t = (struct truth){.stage = stage};
+	*t = (struct truth_pictures){.stage = stage};
 	for (int k = 0; k < TRUTH_COUNT; k++) {
 		if (!needed[k])
 			continue;
@@ -67,14 +67,14 @@ static int truth_create(struct truth *t, const struct bench_stage *stage)
 	return 0;
 }
 
-static void truth_free(struct truth *t)
+static void truth_free(struct truth_pictures *t)
 {
 	for (int k = 0; k < TRUTH_COUNT; k++)
 		free(t->picture[k]);
 }
 
-static struct composite_error error_of(const struct bench_way *way, const struct truth *t,
-				       const struct scope *scope)
+static struct composite_error level_error(const struct bench_way *way,
+					  const struct truth_pictures *t, const struct scope *scope)
 {
 	const struct bench_stage *stage = t->stage;
 	struct picture background = stage->background_picture;
@@ -105,8 +105,8 @@ struct firsts {
 	int count;
 };
 
-static int compare(const struct bench_way *way, const struct bench_stage *stage,
-		   const struct firsts *firsts, int which, struct fault *fault)
+static int picture_compare(const struct bench_way *way, const struct bench_stage *stage,
+			   const struct firsts *firsts, int which, struct fault *fault)
 {
 	const struct canvas *picture = &firsts->picture[which];
 
@@ -119,8 +119,8 @@ static int compare(const struct bench_way *way, const struct bench_stage *stage,
 			 firsts->way[which]->row.kernel, stage->lighting->name);
 }
 
-static int keep(struct firsts *firsts, const struct bench_way *way, const struct bench_stage *stage,
-		const struct composite_error *error)
+static int firsts_keep(struct firsts *firsts, const struct bench_way *way,
+		       const struct bench_stage *stage, const struct composite_error *error)
 {
 	struct canvas *picture = &firsts->picture[firsts->count];
 	const int err = canvas_create(picture, stage->out.width, stage->out.height);
@@ -134,8 +134,8 @@ static int keep(struct firsts *firsts, const struct bench_way *way, const struct
 }
 
 /* One way's picture against the truth, or against another that has been. */
-static int judge(struct bench_way *way, const struct truth *t, const struct scope *scope,
-		 struct firsts *firsts, struct fault *fault)
+static int truth_judge(struct bench_way *way, const struct truth_pictures *t,
+		       const struct scope *scope, struct firsts *firsts, struct fault *fault)
 {
 	struct composite_error error;
 	int which = 0;
@@ -143,13 +143,13 @@ static int judge(struct bench_way *way, const struct truth *t, const struct scop
 	while (which < firsts->count && !are_alike(way, firsts->way[which]))
 		which++;
 	if (which < firsts->count) {
-		const int err = compare(way, t->stage, firsts, which, fault);
+		const int err = picture_compare(way, t->stage, firsts, which, fault);
 
 		if (err)
 			return err;
 	} else {
-		error = error_of(way, t, scope);
-		if (keep(firsts, way, t->stage, &error))
+		error = level_error(way, t, scope);
+		if (firsts_keep(firsts, way, t->stage, &error))
 			return fault_say(fault, -ENOMEM, "not enough memory for pictures");
 	}
 	if (way->row.has_error)
@@ -161,7 +161,7 @@ static int judge(struct bench_way *way, const struct truth *t, const struct scop
 }
 
 static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int member,
-		     const struct truth *t, const struct scope *scope, struct fault *fault)
+		     const struct truth_pictures *t, const struct scope *scope, struct fault *fault)
 {
 	struct firsts firsts = {.count = 0};
 	int err = 0;
@@ -175,7 +175,7 @@ static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int mem
 		if (!err)
 			err = bench_way_run(way, stage, fault);
 		if (!err)
-			err = judge(way, t, scope, &firsts, fault);
+			err = truth_judge(way, t, scope, &firsts, fault);
 	}
 	for (int k = 0; k < firsts.count; k++)
 		canvas_free(&firsts.picture[k]);
@@ -193,7 +193,7 @@ static int see_light(const struct bench_stage *stage, struct fault *fault)
 int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct scope *scope,
 		struct pool *all, struct fault *fault)
 {
-	struct truth t;
+	struct truth_pictures t;
 	int err = truth_create(&t, stage);
 
 	if (err)

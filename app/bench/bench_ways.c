@@ -25,8 +25,8 @@ static const struct {
 
 #define SEQUENCE_COUNT (sizeof(sequences) / sizeof(*sequences))
 
-static struct bench_way *add(struct bench_ways *ways, enum bench_kind kind, const char *what,
-			     const char *kernel)
+static struct bench_way *way_add(struct bench_ways *ways, enum bench_kind kind, const char *what,
+				 const char *kernel)
 {
 	struct bench_way *way = &ways->way[ways->count++];
 
@@ -77,13 +77,13 @@ static int add_kernel(struct bench_ways *ways, const struct bench_stage *stage, 
 			err = add_compositor(ways, stage, kernel, with, fault);
 		if (err)
 			return err;
-		way = add(ways, BENCH_COMPOSITE, sequences[k].what, kernel);
+		way = way_add(ways, BENCH_COMPOSITE, sequences[k].what, kernel);
 		way->compositor = *with;
 		way->changed = sequences[k].changed;
 		way->composite = settings_of(mode, way->changed != 0);
 	}
 	if (stage->cameras) {
-		way = add(ways, BENCH_FRAME, "whole frame", kernel);
+		way = way_add(ways, BENCH_FRAME, "whole frame", kernel);
 		way->compositor = own[COMPOSITOR_FAST][0];
 		way->composite = settings_of(COMPOSITOR_FAST, false);
 	}
@@ -130,14 +130,14 @@ static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
 		    strcmp(like->row.kernel, kernel) != 0)
 			continue;
 		snprintf(what, sizeof(what), "read bound: %.30s", like->row.what);
-		way = add(ways, BENCH_READ, what, "");
+		way = way_add(ways, BENCH_READ, what, "");
 		way->like = like;
 	}
 	if (stage->cameras) {
-		add(ways, BENCH_LIGHT, "light from its camera", "");
-		add(ways, BENCH_CONVERT, "background from its camera", "");
+		way_add(ways, BENCH_LIGHT, "light from its camera", "");
+		way_add(ways, BENCH_CONVERT, "background from its camera", "");
 	}
-	add(ways, BENCH_COPY, "memcpy of the picture", "");
+	way_add(ways, BENCH_COPY, "memcpy of the picture", "");
 }
 
 int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, struct fault *fault)
@@ -155,7 +155,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	}
 	if (stage->thesis)
-		add(ways, BENCH_THESIS, "thesis, double precision", "");
+		way_add(ways, BENCH_THESIS, "thesis, double precision", "");
 	err = add_kernels(ways, stage, fault);
 	if (!err)
 		add_bounds(ways, stage);
@@ -184,8 +184,8 @@ void bench_ways_free(struct bench_ways *ways)
 
 /* ---- light ---- */
 
-static void choose(struct bench_stage *stage, struct light_selection *lights,
-		   const float (*radiance)[3])
+static void lights_choose(struct bench_stage *stage, struct light_selection *lights,
+			  const float (*radiance)[3])
 {
 	light_selection_choose(lights, stage->basis, 0, radiance, stage->settings->threshold,
 			       THRESHOLD_AMBIENT, 1);
@@ -195,7 +195,7 @@ int bench_stage_light(struct bench_stage *stage, int member, struct fault *fault
 {
 	const float(*radiance)[3] = lighting_member(stage->lighting, stage->basis, member);
 
-	choose(stage, &stage->lights, radiance);
+	lights_choose(stage, &stage->lights, radiance);
 	if (!stage->cameras || stage->seen == radiance)
 		return 0;
 	if (bench_frame_light(stage->cameras, radiance))
@@ -214,7 +214,7 @@ static void light_before(struct bench_stage *stage, int turn, int changed)
 		for (int c = 0; c < 3; c++)
 			stage->scratch[i][c] = (float)stage->lights.radiance[i][c];
 	lighting_change(stage->scratch, n, changed, turn);
-	choose(stage, &stage->before, (const float(*)[3])stage->scratch);
+	lights_choose(stage, &stage->before, (const float(*)[3])stage->scratch);
 	for (int c = 0; c < 3; c++)
 		stage->before.ambient[c] = stage->lights.ambient[c];
 }
@@ -239,8 +239,8 @@ bool bench_way_shows(const struct bench_way *way)
 	       way->kind == BENCH_FRAME;
 }
 
-static int composite(struct bench_way *way, struct bench_stage *stage,
-		     const struct light_selection *lights, struct fault *fault)
+static int way_composite(struct bench_way *way, struct bench_stage *stage,
+			 const struct light_selection *lights, struct fault *fault)
 {
 	const struct backdrop backdrop = backdrop_of(&stage->background_picture);
 	const int err = compositor_run(way->compositor, 0, lights, &backdrop, stage->out.pixels,
@@ -265,7 +265,7 @@ int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn
 		compositor_set(way->compositor, &way->composite);
 	if (way->kind == BENCH_COMPOSITE && way->changed) {
 		light_before(stage, turn, way->changed);
-		return composite(way, stage, &stage->before, fault);
+		return way_composite(way, stage, &stage->before, fault);
 	}
 	return 0;
 }
@@ -281,7 +281,7 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 		thesis_run(stage->thesis, from, &stage->out);
 		break;
 	case BENCH_COMPOSITE:
-		return composite(way, stage, &stage->lights, fault);
+		return way_composite(way, stage, &stage->lights, fault);
 	case BENCH_FRAME:
 		way->row.lights = bench_frame_lights(stage->cameras)->used_count;
 		return bench_frame_run(stage->cameras, way->compositor, stage->settings->threshold,

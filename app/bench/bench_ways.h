@@ -27,7 +27,7 @@ struct bench_stage {
 	unsigned frames;
 	struct thesis *thesis;	     /* NULL: left out */
 	struct bench_frame *cameras; /* NULL: the basis's lights are no dome's */
-	struct reading reading;
+	struct bench_reading reading;
 	const struct lighting *lighting; /* of this round */
 	const float (*seen)[3];		 /* the member of it that the cameras show */
 	struct light_selection lights;	 /* of the member whose turn it is */

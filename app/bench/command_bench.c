@@ -171,7 +171,7 @@ static const struct option_row rows[] = {
 	{.name = NULL}};
 
 /* The file is begun first: nobody waits minutes to hear that there is no such folder. */
-static int bench(const struct bench_options *options, struct fault *fault)
+static int run_options(const struct bench_options *options, struct fault *fault)
 {
 	struct bench_report report = {.row = NULL};
 	struct output csv = {.stream = NULL};
@@ -192,7 +192,7 @@ static int bench(const struct bench_options *options, struct fault *fault)
 	return err;
 }
 
-static int run(int argc, char **argv)
+static int bench_command(int argc, char **argv)
 {
 	struct bench_options options = {
 		.settings = {.threads = 1, .repeat = 15, .cells = 32, .thesis = true}};
@@ -205,7 +205,7 @@ static int run(int argc, char **argv)
 		log_error("bench: --basis FILE is missing");
 		return EXIT_USAGE;
 	}
-	err = bench(&options, &fault);
+	err = run_options(&options, &fault);
 	if (err)
 		log_error("%s", fault.text);
 	return err ? EXIT_FAILED : EXIT_DONE;
@@ -238,5 +238,5 @@ const struct command command_bench = {
 		"counts. "
 		"White ground has radiance 1, in a panorama 0.6.",
 	.options = rows,
-	.run = run,
+	.run = bench_command,
 };

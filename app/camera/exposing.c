@@ -20,13 +20,14 @@ void exposing_start(struct exposing *e, const struct config_fisheye *config)
 	}
 }
 
-static void begin(struct exposing *e, int delay)
+static void schedule_begin(struct exposing *e, int delay)
 {
 	exposure_schedule_begin(&e->schedule, e->count, delay);
 	e->judged = e->unfit = 0;
 }
 
-static int control(struct exposing *e, struct source *source, int exposure, struct fault *fault)
+static int ask_exposure(struct exposing *e, struct source *source, int exposure,
+			struct fault *fault)
 {
 	double taken = e->config->exposures[exposure];
 	char value[40];
@@ -40,7 +41,7 @@ static int control(struct exposing *e, struct source *source, int exposure, stru
 }
 
 /* Steps of a camera can be so wide that two exposures are one. */
-static int compare(struct exposing *e, struct fault *fault)
+static int compare_taken(struct exposing *e, struct fault *fault)
 {
 	const double *wanted = e->config->exposures, *taken = e->taken;
 
@@ -68,7 +69,7 @@ static void give_up(struct exposing *e, struct source *source, const char *why)
 	/* What it has not obeyed, it shows all the time. */
 	exposure_schedule_begin(&e->schedule, 1, e->asked ? EXPOSURE_DELAY_MAX : 0);
 	if (e->asked)
-		(void)control(e, source, 0, &ignored);
+		(void)ask_exposure(e, source, 0, &ignored);
 	exposure_schedule_asked(&e->schedule, 0, -1);
 }
 
@@ -85,7 +86,7 @@ static int frames_ahead(struct exposing *e, const struct source *source, int64_t
 	return (int)((double)(waited_ns - e->least_ns) * rate_hz / (double)NS_PER_S);
 }
 
-static void ask(struct exposing *e, struct source *source, int64_t now_ns)
+static void ask_next(struct exposing *e, struct source *source, int64_t now_ns)
 {
 	const int next = exposure_schedule_next(&e->schedule);
 	const int ahead = frames_ahead(e, source, now_ns);
@@ -94,10 +95,10 @@ static void ask(struct exposing *e, struct source *source, int64_t now_ns)
 
 	if (next < 0)
 		return;
-	err = control(e, source, next, &fault);
+	err = ask_exposure(e, source, next, &fault);
 	e->asked |= !err;
 	if (!err)
-		err = compare(e, &fault);
+		err = compare_taken(e, &fault);
 	if (err) {
 		give_up(e, source, fault.text);
 		return;
@@ -113,11 +114,11 @@ int exposing_take(struct exposing *e, struct source *source, int64_t now_ns)
 		e->opening = source->openings;
 		e->asked = e->single = false;
 		e->least_ns = 0;
-		begin(e, config_exposure_delay(e->config));
+		schedule_begin(e, config_exposure_delay(e->config));
 	}
 	e->exposure = exposure_schedule_take(&e->schedule, source->sequence);
 	if (source_is_open(source) && !e->single)
-		ask(e, source, now_ns);
+		ask_next(e, source, now_ns);
 	if (e->single && !e->asked)
 		e->exposure = 0;
 	return e->exposure;
@@ -142,7 +143,7 @@ void exposing_judge(struct exposing *e, struct source *source, double level, boo
 		log_info("camera %s: %d of %d pictures have another exposure than they should; how "
 			 "long it takes is measured",
 			 source->settings.name, e->unfit, e->judged);
-		begin(e, -1);
+		schedule_begin(e, -1);
 	}
 	e->judged = e->unfit = 0;
 }

@@ -139,7 +139,7 @@ static bool is_readable(const struct frame *frame)
 	return frame_is_raw(frame) && frame_check(frame, NULL) == 0;
 }
 
-static void convert(struct source *source, const struct frame *frame)
+static void convert_frame(struct source *source, const struct frame *frame)
 {
 	source->whole = frame_decode(source->decoder, frame, &source->canvas, NULL) == 0;
 }
@@ -167,7 +167,7 @@ static struct frame give_back(struct source *source)
 	return last;
 }
 
-static void take_frame(struct source *source, int64_t now_ns)
+static void source_take_frame(struct source *source, int64_t now_ns)
 {
 	struct fault fault = {.text = ""};
 	struct frame frame, last = give_back(source);
@@ -178,7 +178,7 @@ static void take_frame(struct source *source, int64_t now_ns)
 	/* A frame stays readable until another is grabbed, and no camera fills the one that it got
 	 * back last while it has others. */
 	if (last.format != PIXEL_NONE && (err || !is_readable(&frame)))
-		convert(source, &last);
+		convert_frame(source, &last);
 	/* "Not yet" does not make a camera that was lost fine. */
 	if (err != -EAGAIN || source->camera.situation != CAMERA_FINE)
 		source->situation = source->camera.situation;
@@ -201,7 +201,7 @@ static void take_frame(struct source *source, int64_t now_ns)
 int source_take(struct source *source, int64_t now_ns, struct fault *fault)
 {
 	if (!source->opening) {
-		take_frame(source, now_ns);
+		source_take_frame(source, now_ns);
 		return 0;
 	}
 	return take_opening(source, now_ns, fault);
@@ -252,7 +252,7 @@ bool source_has_picture(const struct source *source)
 void source_make_whole(struct source *source)
 {
 	if (source->shown && !source->whole)
-		convert(source, &source->held);
+		convert_frame(source, &source->held);
 }
 
 int source_control(struct source *source, const char *name, const char *value, double *taken,
@@ -313,7 +313,7 @@ static int copy_linear(struct source *source, const struct frame *frame)
 	return 0;
 }
 
-static int decode(struct source *source, struct fault *fault)
+static int decode_held(struct source *source, struct fault *fault)
 {
 	int err;
 
@@ -346,7 +346,7 @@ static int decode(struct source *source, struct fault *fault)
 bool source_decode(struct source *source, int64_t now_ns)
 {
 	struct fault fault = {.text = ""};
-	int err = decode(source, &fault);
+	int err = decode_held(source, &fault);
 
 	if (err && !source->undecodable++)
 		log_warning("camera %s: a frame does not decode and is passed over: %s",

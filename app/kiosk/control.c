@@ -117,7 +117,7 @@ static void cut_off(struct control *control, struct client *client)
 
 /* 0, or -errno: whoever leaves so many replies unread that the kernel has no room for one more does
  * not listen. */
-static int say(int fd, const char *before, const char *line)
+static int client_say(int fd, const char *before, const char *line)
 {
 	const struct iovec parts[] = {
 		{.iov_base = (void *)(uintptr_t)before, .iov_len = strlen(before)},
@@ -136,9 +136,9 @@ static int say(int fd, const char *before, const char *line)
 	return (size_t)sent == bytes ? 0 : -EAGAIN;
 }
 
-static void refuse(struct control *control, struct client *client, const char *why)
+static void client_refuse(struct control *control, struct client *client, const char *why)
 {
-	(void)say(client->fd, "error: ", why);
+	(void)client_say(client->fd, "error: ", why);
 	cut_off(control, client);
 }
 
@@ -154,7 +154,7 @@ static struct client *find_place(struct control *control)
 		if (!silent || client->heard_ns < silent->heard_ns)
 			silent = client;
 	}
-	refuse(control, silent, "another needs the place of this client");
+	client_refuse(control, silent, "another needs the place of this client");
 	return silent;
 }
 
@@ -184,9 +184,10 @@ static void take_client(struct control *control)
 		return;
 	}
 	if (!may_command(control, fd)) {
-		(void)say(fd, "error: ",
-			  "this user may not, expected root, the kiosk's own or a member of the "
-			  "group of [control]");
+		(void)client_say(
+			fd, "error: ",
+			"this user may not, expected root, the kiosk's own or a member of the "
+			"group of [control]");
 		close(fd);
 		return;
 	}
@@ -213,7 +214,7 @@ static bool is_too_fast(struct client *client)
  * Takes up to the end of one line out of the kernel, and no more: what waits there keeps the
  * descriptor readable. 1: a line is whole, without its newline; 0: not yet; -errno: cut off.
  */
-static int take_line(struct client *client)
+static int client_take_line(struct client *client)
 {
 	char *end = client->line + client->length;
 	const size_t room = sizeof(client->line) - client->length;
@@ -237,27 +238,28 @@ static int take_line(struct client *client)
 	return 1;
 }
 
-static void hear(struct control *control, struct client *client, struct control_request *request)
+static void client_hear(struct control *control, struct client *client,
+			struct control_request *request)
 {
 	struct fault fault;
-	const int whole = take_line(client);
+	const int whole = client_take_line(client);
 	int err;
 
 	if (whole == 0)
 		return;
 	if (whole == -EMSGSIZE)
-		refuse(control, client, "the line is too long, expected at most 255 bytes");
+		client_refuse(control, client, "the line is too long, expected at most 255 bytes");
 	else if (whole < 0)
 		cut_off(control, client);
 	else if (is_too_fast(client))
-		refuse(control, client, "too many commands in a second");
+		client_refuse(control, client, "too many commands in a second");
 	if (client->fd < 0)
 		return;
 	err = control_parse(client->line, client->length, request, &fault);
 	client->length = 0;
 	if (!err)
 		control->asking = client;
-	else if (say(client->fd, "error: ", fault.text))
+	else if (client_say(client->fd, "error: ", fault.text))
 		cut_off(control, client);
 }
 
@@ -271,7 +273,7 @@ void control_next(struct control *control, struct control_request *request)
 		if (ready.data.u32 == LISTENER)
 			take_client(control);
 		else
-			hear(control, &control->clients[ready.data.u32], request);
+			client_hear(control, &control->clients[ready.data.u32], request);
 		if (request->kind != CONTROL_NOTHING)
 			return;
 	}
@@ -283,7 +285,7 @@ void control_answer(struct control *control, const char *line)
 	struct client *client = control->asking;
 
 	control->asking = NULL;
-	if (client && say(client->fd, "", line))
+	if (client && client_say(client->fd, "", line))
 		cut_off(control, client);
 }
 

@@ -112,8 +112,8 @@ static int listen_at(struct control_socket *out, const char *temporary, const gi
 }
 
 /* A file of our own, which nobody else may open: whoever may read the folder can lock that. A
- * descriptor, or -errno; release() takes it away again. */
-static int acquire(const char *lock)
+ * descriptor, or -errno; lock_release() takes it away again. */
+static int lock_take(const char *lock)
 {
 	const int fd = open(lock, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
 	struct stat ours, there;
@@ -129,7 +129,7 @@ static int acquire(const char *lock)
 	return err ? err : fd;
 }
 
-static void release(const char *lock, int fd)
+static void lock_release(const char *lock, int fd)
 {
 	unlink(lock);
 	close(fd); /* and so unlocked */
@@ -170,7 +170,7 @@ int control_socket_open(struct control_socket *out, const char *path, const gid_
 				 "[control] socket: \"%s\" is too long for a socket", path);
 	snprintf(lock, sizeof(lock), "%s" LOCK, path);
 	/* Two that start at once must not both find a dead socket and both replace it. */
-	fd = acquire(lock);
+	fd = lock_take(lock);
 	if (fd == -EADDRINUSE)
 		return fault_say(fault, fd, "[control] socket: another kiosk is opening \"%s\"",
 				 path);
@@ -178,7 +178,7 @@ int control_socket_open(struct control_socket *out, const char *path, const gid_
 		return fault_say(fault, fd, "[control] socket: cannot use the folder of \"%s\": %s",
 				 path, strerror(-fd));
 	err = open_locked(out, path, group, fault);
-	release(lock, fd);
+	lock_release(lock, fd);
 	return err;
 }
 

@@ -91,7 +91,7 @@ static void write_stats(struct kiosk *k, int64_t now_ns)
 }
 
 /* Once a second. */
-static int tick(struct kiosk *k, struct fault *fault)
+static int kiosk_tick(struct kiosk *k, struct fault *fault)
 {
 	int64_t now = clock_now_ns();
 	int err = tick_sources(k, now, fault);
@@ -140,13 +140,13 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 	if (!err && k->loop.reload)
 		kiosk_reload(k);
 	if (!err && k->loop.tick)
-		err = tick(k, fault);
+		err = kiosk_tick(k, fault);
 	return err;
 }
 
 /* Once: when each camera has been tried, so that the first picture is of all of them and a screen
  * that is free in size knows theirs. Until then the screen shows what it did. */
-static int settle(struct kiosk *k, struct fault *fault)
+static int kiosk_settle(struct kiosk *k, struct fault *fault)
 {
 	for (int i = 0; i < k->inputs.source_count; i++) {
 		if (!k->inputs.sources[i].tried && clock_now_ns() - k->start_ns < SETTLE_NS)
@@ -179,14 +179,14 @@ static int go_round(struct kiosk *k, struct fault *fault)
 	if (!err)
 		err = handle_events(k, fault);
 	if (!err && !k->inputs.settled)
-		err = settle(k, fault);
+		err = kiosk_settle(k, fault);
 	if (err || is_over(k) || all_submitted(k) || !k->screen.display.state)
 		return err;
 	frames = kiosk_frames_are_due(&k->inputs);
 	return frames || k->picture.redraw ? kiosk_make_picture(k, frames, fault) : 0;
 }
 
-static int turn(struct kiosk *k, struct fault *fault)
+static int kiosk_turn(struct kiosk *k, struct fault *fault)
 {
 	int err = 0;
 
@@ -216,7 +216,7 @@ int kiosk_run(const struct kiosk_settings *settings, struct fault *fault)
 	signal(SIGUSR2, SIG_IGN);
 	err = kiosk_open(k, fault);
 	if (!err)
-		err = turn(k, fault);
+		err = kiosk_turn(k, fault);
 	service_stopping(&k->service);
 	close_err = kiosk_close(k, err ? NULL : fault);
 	free(k);

@@ -12,7 +12,7 @@
 #define PERCENT_MAX 100.0
 #define SPLIT_STEP 0.02 /* of the width */
 
-static double within(double value, double high)
+static double clamp_level(double value, double high)
 {
 	return value < 0 ? 0 : value > high ? high : value;
 }
@@ -47,8 +47,8 @@ static void move_threshold(struct ini_level *threshold, enum action action, doub
 	if (action == ACTION_THRESHOLD_NEXT)
 		threshold->value = up > most ? 0 : up;
 	else
-		threshold->value =
-			within(action == ACTION_THRESHOLD_UP ? up : threshold->value - step, most);
+		threshold->value = clamp_level(
+			action == ACTION_THRESHOLD_UP ? up : threshold->value - step, most);
 }
 
 void kiosk_take_pose(struct kiosk *k, int pose)
@@ -106,10 +106,10 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 		kiosk_text(k);
 		break;
 	case ACTION_SPLIT_LEFT:
-		controls->split = within(controls->split - SPLIT_STEP, 1);
+		controls->split = clamp_level(controls->split - SPLIT_STEP, 1);
 		break;
 	case ACTION_SPLIT_RIGHT:
-		controls->split = within(controls->split + SPLIT_STEP, 1);
+		controls->split = clamp_level(controls->split + SPLIT_STEP, 1);
 		break;
 	case ACTION_FREEZE:
 		controls->frozen = !controls->frozen;

@@ -35,7 +35,7 @@ void kiosk_control_close(struct kiosk *k)
 }
 
 /* What buttons change, and the statistics of the last second. */
-static const char *status(struct kiosk *k)
+static const char *answer_status(struct kiosk *k)
 {
 	struct kiosk_controls *controls = &k->controls;
 	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
@@ -56,8 +56,8 @@ static const char *status(struct kiosk *k)
 	return controls->status;
 }
 
-static const char *act(struct kiosk *k, const struct button_press *press,
-		       char answer[FAULT_TEXT_MAX + 16])
+static const char *answer_action(struct kiosk *k, const struct button_press *press,
+				 char answer[FAULT_TEXT_MAX + 16])
 {
 	struct fault fault = {.text = ""};
 
@@ -76,10 +76,11 @@ void kiosk_control_read(struct kiosk *k)
 		control_next(k->controls.control, &request);
 		switch (request.kind) {
 		case CONTROL_ACTION:
-			control_answer(k->controls.control, act(k, &request.press, answer));
+			control_answer(k->controls.control,
+				       answer_action(k, &request.press, answer));
 			break;
 		case CONTROL_STATUS:
-			control_answer(k->controls.control, status(k));
+			control_answer(k->controls.control, answer_status(k));
 			break;
 		default:
 			return;

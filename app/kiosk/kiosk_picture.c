@@ -33,7 +33,7 @@ static void stage_end(struct stage_clock *clock, enum stage stage)
 /* ---- what is shown ---- */
 
 /* A frozen picture is old because somebody wants it so. */
-static bool is_blank(const struct kiosk *k, int64_t now)
+static bool is_screen_blank(const struct kiosk *k, int64_t now)
 {
 	const struct source *source = k->inputs.eyes.background.source;
 	int64_t fresh = source && source->fresh_ns ? source->fresh_ns : k->start_ns;
@@ -102,7 +102,7 @@ static int choose_picture(struct kiosk *k, struct fault *fault)
 
 /* ---- composite and screen ---- */
 
-static struct show_picture picture_of(const struct eye *eye, bool needed)
+static struct show_picture eye_shown(const struct eye *eye, bool needed)
 {
 	if (!needed || !eye_has_picture(eye))
 		return (struct show_picture){.squash = 1};
@@ -115,9 +115,9 @@ static struct show_pictures pictures_for(const struct eyes *eyes, const struct p
 	const struct show_needs *needs = show_needs(what);
 	const struct view *view = &eyes->background.view;
 	struct show_pictures pictures = {
-		.fisheye = picture_of(&eyes->fisheye, needs->fisheye),
-		.background = picture_of(&eyes->background, needs->background),
-		.scene = picture_of(&eyes->scene, needs->scene),
+		.fisheye = eye_shown(&eyes->fisheye, needs->fisheye),
+		.background = eye_shown(&eyes->background, needs->background),
+		.scene = eye_shown(&eyes->scene, needs->scene),
 	};
 
 	if (eye_has_picture(&eyes->background))
@@ -131,8 +131,8 @@ static struct show_pictures pictures_for(const struct eyes *eyes, const struct p
 
 /* The compositor reads the background from the camera's own memory, unless a view has had it
  * converted whole. */
-static int composite(const struct eye *background, struct pipeline *pipeline,
-		     const struct show_composite *to, struct fault *fault)
+static int composite_background(const struct eye *background, struct pipeline *pipeline,
+				const struct show_composite *to, struct fault *fault)
 {
 	struct frame_reader reader;
 	struct backdrop backdrop;
@@ -155,7 +155,7 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 		       struct stage_clock *stages, struct fault *fault)
 {
 	const struct show_request request = {
-		.what = is_blank(k, stages->start_ns) ? SHOW_OFF : k->controls.what,
+		.what = is_screen_blank(k, stages->start_ns) ? SHOW_OFF : k->controls.what,
 		.scale = (enum config_scale)k->config->screen->scale,
 		.split = k->controls.split,
 		.squash = k->screen.fitted ? k->screen.fit.squash : 1,
@@ -168,14 +168,14 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 
 	stage_end(stages, STAGE_SHOW);
 	if (!err && pictures.composite.pixels)
-		err = composite(&k->inputs.eyes.background, k->picture.pipeline,
-				&pictures.composite, fault);
+		err = composite_background(&k->inputs.eyes.background, k->picture.pipeline,
+					   &pictures.composite, fault);
 	stage_end(stages, STAGE_COMPOSITE);
 	return err ? err : show_draw(&k->picture.show, &request, &pictures, screen, fault);
 }
 
 /* Once, when it works. */
-static void announce(const struct kiosk *k)
+static void announce_screen(const struct kiosk *k)
 {
 	const struct basis_info_chunk *info = &k->picture.basis.info;
 
@@ -225,7 +225,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	k->picture.redraw = false;
 	k->screen.submitted++;
 	if (!k->picture.begun)
-		announce(k);
+		announce_screen(k);
 	k->picture.begun = true;
 	return 0;
 }

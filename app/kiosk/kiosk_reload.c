@@ -9,7 +9,7 @@
 #include "hal/base/log.h"
 
 /* What only the running kiosk can tell of a configuration. Logs each fault. */
-static int check(const struct kiosk *k, const struct config *fresh)
+static int check_fresh(const struct kiosk *k, const struct config *fresh)
 {
 	struct fault fault = {.text = ""};
 	int err = pipeline_config_check(fresh, &k->picture.basis);
@@ -26,7 +26,7 @@ static int check(const struct kiosk *k, const struct config *fresh)
 }
 
 /* A camera's radiance is encoded as its views expect it. */
-static void encode(struct kiosk *k)
+static void encode_sources(struct kiosk *k)
 {
 	for (int i = 0; i < k->inputs.source_count; i++) {
 		const struct transfer_curve curve =
@@ -40,7 +40,7 @@ static int apply_light(struct kiosk *k, struct fault *fault)
 {
 	struct pipeline_settings settings = pipeline_settings_of(k->config);
 
-	encode(k);
+	encode_sources(k);
 	return pipeline_relight(k->picture.pipeline, &settings, fault);
 }
 
@@ -50,12 +50,12 @@ static int apply_pipeline(struct kiosk *k, struct fault *fault)
 	int err = pipeline_change(k->picture.pipeline, &settings, fault);
 
 	if (!err)
-		encode(k);
+		encode_sources(k);
 	return err;
 }
 
 /* Returns what could not be done, for want of memory or threads, and is still owed. */
-static unsigned apply(struct kiosk *k, unsigned effects)
+static unsigned apply_effects(struct kiosk *k, unsigned effects)
 {
 	const struct config *config = k->config;
 	struct fault fault = {.text = ""};
@@ -93,7 +93,7 @@ static unsigned apply(struct kiosk *k, unsigned effects)
 	return owed;
 }
 
-static int reload(struct kiosk *k)
+static int reload_config(struct kiosk *k)
 {
 	const struct kiosk_settings *settings = k->settings;
 	struct ini_report report = {.count = 0};
@@ -103,7 +103,7 @@ static int reload(struct kiosk *k)
 
 	if (err)
 		return err; /* every fault is said */
-	err = check(k, fresh);
+	err = check_fresh(k, fresh);
 	if (err) {
 		config_destroy(fresh);
 		return err;
@@ -116,7 +116,7 @@ static int reload(struct kiosk *k)
 		kiosk_control_close(k);
 	reload_adopt(k->config, fresh);
 	config_destroy(fresh);
-	k->owed = apply(k, effects);
+	k->owed = apply_effects(k, effects);
 	return 0;
 }
 
@@ -126,7 +126,7 @@ void kiosk_reload(struct kiosk *k)
 
 	service_reloading(&k->service, clock_now_ns());
 	stats_reopen(&k->stats);
-	err = reload(k);
+	err = reload_config(k);
 	if (err)
 		log_error("the configuration %s; the old one stays",
 			  err == -EINVAL ? "is wrong" : "cannot be read");

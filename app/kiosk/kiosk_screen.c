@@ -59,7 +59,7 @@ int kiosk_screen_lost(struct kiosk *k, int err, struct fault *fault)
 	return kiosk_screen_open(k, false, fault);
 }
 
-static void shown(struct kiosk *k, const struct display_event *event)
+static void picture_shown(struct kiosk *k, const struct display_event *event)
 {
 	const struct source *first = eyes_leader(&k->inputs.eyes);
 	double slower_hz = k->screen.display.rate_hz;
@@ -84,7 +84,7 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 			return kiosk_screen_lost(k, err, fault);
 		switch (event.kind) {
 		case DISPLAY_SHOWN:
-			shown(k, &event);
+			picture_shown(k, &event);
 			break;
 		case DISPLAY_CLOSED:
 			k->stop = true;

@@ -13,7 +13,7 @@
 #define SLOT_SIGNALS LOOP_SLOTS
 #define SLOT_TIMER (LOOP_SLOTS + 1)
 
-static int add(struct loop *loop, int descriptor, uint32_t slot)
+static int epoll_add(struct loop *loop, int descriptor, uint32_t slot)
 {
 	struct epoll_event event = {.events = EPOLLIN, .data.u32 = slot};
 
@@ -35,7 +35,7 @@ static bool terminal_has_gone(const struct loop *loop)
 	return loop->terminal >= 0 && tcgetpgrp(loop->terminal) < 0;
 }
 
-static int open_all(struct loop *loop)
+static int open_descriptors(struct loop *loop)
 {
 	sigset_t set;
 	int err;
@@ -57,8 +57,8 @@ static int open_all(struct loop *loop)
 	loop->timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
 	if (loop->timer < 0)
 		return -errno;
-	err = add(loop, loop->signals, SLOT_SIGNALS);
-	return err ? err : add(loop, loop->timer, SLOT_TIMER);
+	err = epoll_add(loop, loop->signals, SLOT_SIGNALS);
+	return err ? err : epoll_add(loop, loop->timer, SLOT_TIMER);
 }
 
 int loop_open(struct loop *loop, struct fault *fault)
@@ -70,7 +70,7 @@ int loop_open(struct loop *loop, struct fault *fault)
 	loop->terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
 	for (int i = 0; i < LOOP_SLOTS; i++)
 		loop->watched[i] = -1;
-	err = open_all(loop);
+	err = open_descriptors(loop);
 	if (err) {
 		loop_close(loop);
 		return fault_say(fault, err, "cannot set up the event loop: %s", strerror(-err));
@@ -113,7 +113,7 @@ int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault)
 	loop->watched[slot] = -1;
 	if (descriptor < 0)
 		return 0;
-	err = add(loop, descriptor, (uint32_t)slot);
+	err = epoll_add(loop, descriptor, (uint32_t)slot);
 	if (err)
 		return fault_say(fault, err, "cannot poll a descriptor: %s", strerror(-err));
 	loop->watched[slot] = descriptor;
@@ -132,7 +132,7 @@ static void take_signals(struct loop *loop)
 	}
 }
 
-static void note(struct loop *loop, uint32_t slot)
+static void note_signal(struct loop *loop, uint32_t slot)
 {
 	uint64_t expired;
 
@@ -160,6 +160,6 @@ int loop_wait(struct loop *loop, struct fault *fault)
 		return fault_say(fault, err, "cannot wait for events: %s", strerror(-err));
 	}
 	for (int i = 0; i < count; i++)
-		note(loop, events[i].data.u32);
+		note_signal(loop, events[i].data.u32);
 	return 0;
 }

@@ -60,7 +60,7 @@ static unsigned effects_of(const struct config_change *change)
 	return NEXT_START;
 }
 
-static bool note(void *context, const struct config_change *change)
+static bool note_effect(void *context, const struct config_change *change)
 {
 	unsigned effects = effects_of(change);
 
@@ -76,7 +76,7 @@ unsigned reload_compare(struct config *config, const struct config *fresh)
 {
 	unsigned effects = 0;
 
-	config_update(config, fresh, note, &effects);
+	config_update(config, fresh, note_effect, &effects);
 	return effects;
 }
 

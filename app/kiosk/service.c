@@ -11,7 +11,7 @@
 #include "hal/base/clock.h"
 
 /* Whether anybody listens makes no difference to the kiosk. */
-static void tell(const char *text)
+static void service_tell(const char *text)
 {
 #if WITH_SYSTEMD
 	(void)sd_notify(0, text);
@@ -34,7 +34,7 @@ void service_start(struct service *service)
 void service_ready(struct service *service)
 {
 	if (!service->ready)
-		tell("READY=1");
+		service_tell("READY=1");
 	service->ready = true;
 }
 
@@ -46,7 +46,7 @@ void service_status(struct service *service, const char *text)
 		return;
 	snprintf(service->status, sizeof(service->status), "%s", text);
 	snprintf(line, sizeof(line), "STATUS=%s", service->status);
-	tell(line);
+	service_tell(line);
 }
 
 void service_alive(struct service *service, int64_t now_ns)
@@ -54,7 +54,7 @@ void service_alive(struct service *service, int64_t now_ns)
 	if (!service->watchdog_ns || now_ns - service->fed_ns < service->watchdog_ns / 4)
 		return;
 	service->fed_ns = now_ns;
-	tell("WATCHDOG=1");
+	service_tell("WATCHDOG=1");
 }
 
 void service_reloading(struct service *service, int64_t now_ns)
@@ -65,17 +65,17 @@ void service_reloading(struct service *service, int64_t now_ns)
 		return; /* it is starting still */
 	snprintf(line, sizeof(line), "RELOADING=1\nMONOTONIC_USEC=%lld",
 		 (long long)(now_ns / (NS_PER_MS / 1000)));
-	tell(line);
+	service_tell(line);
 }
 
 void service_reloaded(struct service *service)
 {
 	if (service->ready)
-		tell("READY=1");
+		service_tell("READY=1");
 }
 
 void service_stopping(struct service *service)
 {
 	(void)service;
-	tell("STOPPING=1");
+	service_tell("STOPPING=1");
 }

@@ -30,19 +30,19 @@ static const struct ini_key keys[] = {{.name = "threshold",
 				       .fallback = "0"},
 				      INI_KEYS_END};
 
-static void *place(void *root, const char *instance)
+static void *put_value(void *root, const char *instance)
 {
 	(void)instance;
 	return root;
 }
 
-static const struct ini_table tables[] = {{.section = "chosen", .keys = keys, .place = place},
+static const struct ini_table tables[] = {{.section = "chosen", .keys = keys, .place = put_value},
 					  INI_TABLES_END};
 
 /* ---- reading ---- */
 
-static int adopt(int err, const struct ini_report *report, const struct state_values *read,
-		 struct state_values *values, struct fault *fault)
+static int take_values(int err, const struct ini_report *report, const struct state_values *read,
+		       struct state_values *values, struct fault *fault)
 {
 	if (err)
 		return fault_say(fault, err, "%s", report->first.text);
@@ -56,7 +56,7 @@ int state_read(const char *path, struct state_values *values, struct fault *faul
 	struct state_values read = *values;
 	int err = ini_read(path, tables, &read, &report);
 
-	return adopt(err, &report, &read, values, fault);
+	return take_values(err, &report, &read, values, fault);
 }
 
 int state_read_memory(const char *text, size_t bytes, const char *name, struct state_values *values,
@@ -66,7 +66,7 @@ int state_read_memory(const char *text, size_t bytes, const char *name, struct s
 	struct state_values read = *values;
 	int err = ini_read_memory(text, bytes, name, "", tables, &read, &report);
 
-	return adopt(err, &report, &read, values, fault);
+	return take_values(err, &report, &read, values, fault);
 }
 
 /* ---- writing ---- */
@@ -85,7 +85,7 @@ struct state {
 	struct fault said;
 };
 
-static int write_file(const char *path, const struct state_values *values, struct fault *fault)
+static int write_state(const char *path, const struct state_values *values, struct fault *fault)
 {
 	struct output out;
 	int err = output_open(&out, path, fault);
@@ -110,7 +110,7 @@ static void write_now(struct state *state, const struct config_state *settings,
 		      const struct state_values *values)
 {
 	struct fault fault = {.text = ""};
-	int err = write_file(settings->file, values, &fault);
+	int err = write_state(settings->file, values, &fault);
 
 	state->kept = *values;
 	if (err)
@@ -122,7 +122,7 @@ static void write_now(struct state *state, const struct config_state *settings,
 	state->said = fault;
 }
 
-static bool same(const struct state_values *a, const struct state_values *b)
+static bool same_values(const struct state_values *a, const struct state_values *b)
 {
 	return a->threshold.value == b->threshold.value &&
 	       a->threshold.percent == b->threshold.percent && a->view == b->view &&
@@ -134,7 +134,7 @@ static bool wait_for_work(struct state *state)
 {
 	for (;;) {
 		bool due = *state->settings.file &&
-			   (state->moved || !same(&state->wanted, &state->kept));
+			   (state->moved || !same_values(&state->wanted, &state->kept));
 		int64_t wait_ns = state->next_ns - clock_now_ns();
 		struct timespec until = {(time_t)(state->next_ns / NS_PER_S),
 					 (long)(state->next_ns % NS_PER_S)};
@@ -150,7 +150,7 @@ static bool wait_for_work(struct state *state)
 	}
 }
 
-static void *keep(void *context)
+static void *write_values(void *context)
 {
 	struct state *state = context;
 	bool last = false;
@@ -174,7 +174,7 @@ static void *keep(void *context)
 	return NULL;
 }
 
-static int start(struct state *state)
+static int start_writer(struct state *state)
 {
 	pthread_condattr_t attributes;
 	sigset_t all, before;
@@ -187,7 +187,7 @@ static int start(struct state *state)
 	pthread_condattr_destroy(&attributes);
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
-	err = -pthread_create(&state->thread, NULL, keep, state);
+	err = -pthread_create(&state->thread, NULL, write_values, state);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	return err;
 }
@@ -202,7 +202,7 @@ int state_create(struct state **out, const struct config_state *settings,
 		return -ENOMEM;
 	state->settings = *settings;
 	state->wanted = state->kept = *now;
-	err = start(state);
+	err = start_writer(state);
 	if (err) {
 		free(state);
 		return err;

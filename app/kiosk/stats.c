@@ -21,7 +21,7 @@ _Static_assert(sizeof(stage_names) / sizeof(*stage_names) == STAGE_COUNT, "a nam
 
 /* Non-blocking: the reader of a pipe may be absent, or slow, or stop. Appending: others may cut the
  * file short while it is written. */
-static int open_file(struct stats *stats, int flags)
+static int stats_open_file(struct stats *stats, int flags)
 {
 	stats->file = open(
 		stats->path,
@@ -41,7 +41,7 @@ int stats_open(struct stats *stats, const char *path, struct fault *fault)
 	int err;
 
 	*stats = (struct stats){.path = path, .file = -1};
-	err = path ? open_file(stats, O_TRUNC) : 0;
+	err = path ? stats_open_file(stats, O_TRUNC) : 0;
 	if (err == -ENXIO && is_pipe(path))
 		err = 0; /* nobody reads it yet */
 	if (!err)
@@ -188,7 +188,7 @@ void stats_text(const struct stats *stats, const struct pipeline_report *report,
 	append_cameras(&w, sources, source_count);
 }
 
-static struct stats_figures figures(const struct stats *s, int64_t now_ns)
+static struct stats_figures line_figures(const struct stats *s, int64_t now_ns)
 {
 	double seconds = (double)(now_ns - s->line_ns) / NS_PER_S;
 	struct stats_figures f = {
@@ -228,7 +228,7 @@ static void write_line(struct stats *stats, const struct pipeline_report *report
 		       const struct source *sources, int source_count)
 {
 	char text[STATS_TEXT_MAX], line[STATS_TEXT_MAX + 8];
-	int err = stats->file < 0 ? open_file(stats, 0) : 0;
+	int err = stats->file < 0 ? stats_open_file(stats, 0) : 0;
 
 	stats_text(stats, report, &report->threshold, sources, source_count, text);
 	if (!err)
@@ -245,7 +245,7 @@ static void write_line(struct stats *stats, const struct pipeline_report *report
 void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline_report *report,
 		const struct source *sources, int source_count)
 {
-	stats->last = figures(stats, now_ns);
+	stats->last = line_figures(stats, now_ns);
 	if (stats->path)
 		write_line(stats, report, sources, source_count);
 	stats->line_ns = now_ns;

@@ -50,7 +50,7 @@ static int start_threads(const struct basis *basis, const struct pipeline_settin
 	return err;
 }
 
-static int fill(struct pipeline *p, struct fault *fault)
+static int pipeline_fill(struct pipeline *p, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &p->basis->info;
 	int err;
@@ -94,7 +94,7 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 			       .shown = {.pose = -1},
 			       .expected = {-1},
 			       .missing = -1};
-	err = fill(p, fault);
+	err = pipeline_fill(p, fault);
 	if (err)
 		pipeline_destroy(p);
 	else
@@ -156,7 +156,7 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 	return 0;
 }
 
-static int check_pose(const struct pipeline *p, int pose, struct fault *fault)
+static int check_choice_pose(const struct pipeline *p, int pose, struct fault *fault)
 {
 	if (pose >= 0 && (uint32_t)pose < p->basis->info.poses)
 		return 0;
@@ -168,10 +168,10 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 {
 	const struct ini_level *threshold = &choice->threshold;
 	const double level = threshold->percent ? 0 : threshold->value;
-	int err = check_pose(p, choice->pose, fault);
+	int err = check_choice_pose(p, choice->pose, fault);
 
 	if (!err)
-		err = check_pose(p, choice->next, fault);
+		err = check_choice_pose(p, choice->next, fault);
 	if (err)
 		return err;
 	p->choice = *choice;

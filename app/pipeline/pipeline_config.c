@@ -57,7 +57,7 @@ int pipeline_open_basis(struct basis *basis, const char *path, enum basis_part p
 	return err ? fault_say(fault, err, "%s", reason.text) : 0;
 }
 
-static int check_pose(const struct config *config, const struct basis *basis)
+static int check_config_pose(const struct config *config, const struct basis *basis)
 {
 	if ((uint32_t)config->basis.pose < basis->info.poses)
 		return 0;
@@ -66,7 +66,7 @@ static int check_pose(const struct config *config, const struct basis *basis)
 	return -EINVAL;
 }
 
-static int check_patch(const struct config *config, const struct basis *basis)
+static int check_config_patch(const struct config *config, const struct basis *basis)
 {
 	const struct pipeline_settings settings = pipeline_settings_of(config);
 	struct fault fault = {.text = ""};
@@ -89,8 +89,8 @@ static int check_kernel(const struct config *config)
 
 int pipeline_config_check(const struct config *config, const struct basis *basis)
 {
-	const int pose = basis ? check_pose(config, basis) : 0;
-	const int patch = basis ? check_patch(config, basis) : 0;
+	const int pose = basis ? check_config_pose(config, basis) : 0;
+	const int patch = basis ? check_config_patch(config, basis) : 0;
 	const int kernel = check_kernel(config);
 
 	return pose ? pose : patch ? patch : kernel;

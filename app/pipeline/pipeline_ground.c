@@ -16,7 +16,7 @@ struct ground {
 	struct clipped_pieces *pieces;
 };
 
-static void destroy(struct ground *g)
+static void ground_destroy(struct ground *g)
 {
 	if (!g)
 		return;
@@ -28,7 +28,7 @@ static void destroy(struct ground *g)
 
 void pipeline_ground_free(struct pipeline *p)
 {
-	destroy(p->ground);
+	ground_destroy(p->ground);
 	p->ground = NULL;
 }
 
@@ -93,7 +93,7 @@ int pipeline_ground_prepare(struct pipeline *p, const struct pipeline_settings *
 		g->term[0] = calloc(3 * (size_t)p->dome.count, sizeof(double));
 	}
 	if (!g || !g->row || !g->term[0] || clipped_pieces_create(&g->pieces, &p->dome)) {
-		destroy(g);
+		ground_destroy(g);
 		return fault_say(fault, -ENOMEM, "not enough memory for a patch of ground");
 	}
 	fill_terms(g, p);

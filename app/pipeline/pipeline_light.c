@@ -90,7 +90,7 @@ int pipeline_check_lens(const struct pipeline *p, const struct fisheye_settings 
 /* ---- what noise the filter has to expect ---- */
 
 /* How many pixels see a light: its cell's, or the few around its node. */
-static float pixels_of(const struct pipeline *p, int light)
+static float light_pixels(const struct pipeline *p, int light)
 {
 	double px[2], pixel_sr;
 
@@ -111,7 +111,7 @@ static int expect_noise(struct pipeline *p, struct fault *fault)
 	if (!pixels)
 		return fault_say(fault, -ENOMEM, "not enough memory for %d lights", count);
 	for (int i = 0; i < count; i++)
-		pixels[i] = pixels_of(p, i);
+		pixels[i] = light_pixels(p, i);
 	light_filter_measured(p->filter, &p->settings.sampler.curve,
 			      pipeline_gain_of_grey(&p->settings.sampler), pixels);
 	light_exposures_measured(p->exposures, p->settings.exposures ? p->settings.exposure : one,
@@ -175,7 +175,7 @@ static int fit_lens(struct pipeline *p, int width, int height, struct fault *fau
 
 /* ---- a picture ---- */
 
-static double level_of(const struct pipeline *p)
+static double sampled_level(const struct pipeline *p)
 {
 	const double white = 3 * pipeline_gain_of_grey(&p->settings.sampler) * p->dome.count;
 	double sum = 0;
@@ -199,7 +199,7 @@ void pipeline_expose(struct pipeline *p, int exposure, const double *ratio)
 /* What the sampler has just read becomes the light. */
 static int take_light(struct pipeline *p)
 {
-	p->level = level_of(p);
+	p->level = sampled_level(p);
 	if (p->exposure < 0)
 		return -ESTALE;
 	if (!light_exposures_fit(p->exposures, p->exposure, (const float(*)[3])p->sampled,

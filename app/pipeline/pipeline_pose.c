@@ -13,7 +13,7 @@ static bool is_ready(const struct pipeline *p, const struct pipeline_poses *pose
 
 /* All that pictures of them need is there before they are shown: no picture fails for want of it.
  * What cannot be had changes nothing but p->missing. */
-static int adopt(struct pipeline *p, const struct pipeline_poses *poses)
+static int poses_adopt(struct pipeline *p, const struct pipeline_poses *poses)
 {
 	const int both[] = {poses->pose, poses->next};
 	int err = 0;
@@ -36,7 +36,7 @@ static int adopt(struct pipeline *p, const struct pipeline_poses *poses)
 
 /* Those that are coming stay so until they have been shown: if the choice changes faster than
  * poses are unpacked, some of them are seen and none is waited for in vain. */
-static int take(struct pipeline *p, const struct pipeline_poses *wanted, bool hold)
+static int poses_take(struct pipeline *p, const struct pipeline_poses *wanted, bool hold)
 {
 	const bool wait = !hold || p->shown.pose < 0;
 	int err;
@@ -45,14 +45,14 @@ static int take(struct pipeline *p, const struct pipeline_poses *wanted, bool ho
 		p->coming = *wanted;
 	if (!wait && !is_ready(p, &p->coming))
 		return 0;
-	err = adopt(p, &p->coming);
+	err = poses_adopt(p, &p->coming);
 	p->coming = *wanted;
 	return p->shown.pose < 0 ? err : 0;
 }
 
 /* What comes is unpacked first; what is shown stays in memory; then neighbours, one more in the
  * direction of the last step. */
-static void expect(struct pipeline *p)
+static void poses_expect(struct pipeline *p)
 {
 	const int count = (int)p->basis->info.poses;
 	const int now[] = {p->coming.pose, p->coming.next, p->shown.pose, p->shown.next};
@@ -88,11 +88,11 @@ int pipeline_take_poses(struct pipeline *p, const struct pipeline_choice *choice
 		.next = choice->share > 0 ? choice->next : choice->pose,
 		.share = choice->share,
 	};
-	const int err = take(p, &wanted, choice->hold);
+	const int err = poses_take(p, &wanted, choice->hold);
 
 	if (err)
 		return err;
-	expect(p);
+	poses_expect(p);
 	p->choice.pose = p->shown.pose;
 	p->choice.next = p->shown.next;
 	p->choice.share = p->shown.share;

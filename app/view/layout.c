@@ -6,18 +6,18 @@
 
 #define LINE_HEIGHTS 480 /* heights of the picture to a third of the line's width */
 
-struct box layout_whole(const struct display_buffer *screen)
+struct layout_box layout_whole(const struct display_buffer *screen)
 {
-	return (struct box){0, 0, screen->width, screen->height};
+	return (struct layout_box){0, 0, screen->width, screen->height};
 }
 
 /* The middle line of an odd size belongs to the later quarter. */
-struct box layout_quarter(const struct display_buffer *screen, int quarter)
+struct layout_box layout_quarter(const struct display_buffer *screen, int quarter)
 {
 	int half_width = screen->width / 2, half_height = screen->height / 2;
 	bool right = quarter % 2, down = quarter / 2;
 
-	return (struct box){
+	return (struct layout_box){
 		.x = right ? half_width : 0,
 		.y = down ? half_height : 0,
 		.width = right ? screen->width - half_width : half_width,
@@ -30,12 +30,12 @@ static int at_least_one(double length)
 	return length < 1 ? 1 : (int)lrint(length);
 }
 
-struct box layout_box(const struct box *cell, int width, int height, double squash,
-		      enum config_scale scale)
+struct layout_box layout_box(const struct layout_box *cell, int width, int height, double squash,
+			     enum config_scale scale)
 {
 	double tall = height * squash, factor = 1;
 	double fitting = fmin(cell->width / (double)width, cell->height / tall);
-	struct box box;
+	struct layout_box box;
 
 	/* Pixels that are not square cannot be shown one by one: too large, they are fitted. */
 	if (scale == SCALE_FIT || (squash != 1 && fitting < 1))
@@ -47,7 +47,8 @@ struct box layout_box(const struct box *cell, int width, int height, double squa
 	return box;
 }
 
-bool layout_in_place(const struct box *cell, const struct box *box, int width, int height)
+bool layout_in_place(const struct layout_box *cell, const struct layout_box *box, int width,
+		     int height)
 {
 	return box->width == width && box->height == height && width <= cell->width &&
 	       height <= cell->height;
@@ -58,47 +59,50 @@ static uint8_t *pixel_at(const struct display_buffer *screen, int x, int y)
 	return screen->pixels + (size_t)y * screen->stride + (size_t)x * 4;
 }
 
-void layout_black(const struct display_buffer *screen, const struct box *box)
+void layout_black(const struct display_buffer *screen, const struct layout_box *box)
 {
 	for (int y = 0; y < box->height; y++)
 		memset(pixel_at(screen, box->x, box->y + y), 0, (size_t)box->width * 4);
 }
 
-static int clamp(int value, int low, int high)
+static int clamp_int(int value, int low, int high)
 {
 	return value < low ? low : value > high ? high : value;
 }
 
 /* What of the box is in the cell. */
-static struct box seen(const struct box *cell, const struct box *box)
+static struct layout_box visible_part(const struct layout_box *cell, const struct layout_box *box)
 {
 	int right = cell->x + cell->width, bottom = cell->y + cell->height;
-	int x0 = clamp(box->x, cell->x, right), x1 = clamp(box->x + box->width, cell->x, right);
-	int y0 = clamp(box->y, cell->y, bottom), y1 = clamp(box->y + box->height, cell->y, bottom);
+	int x0 = clamp_int(box->x, cell->x, right),
+	    x1 = clamp_int(box->x + box->width, cell->x, right);
+	int y0 = clamp_int(box->y, cell->y, bottom),
+	    y1 = clamp_int(box->y + box->height, cell->y, bottom);
 
-	return (struct box){x0, y0, x1 - x0, y1 - y0};
+	return (struct layout_box){x0, y0, x1 - x0, y1 - y0};
 }
 
-void layout_border(const struct display_buffer *screen, const struct box *cell,
-		   const struct box *box)
+void layout_border(const struct display_buffer *screen, const struct layout_box *cell,
+		   const struct layout_box *box)
 {
-	const struct box in = seen(cell, box);
+	const struct layout_box in = visible_part(cell, box);
 	int right = in.x + in.width, bottom = in.y + in.height;
 
-	layout_black(screen, &(struct box){cell->x, cell->y, cell->width, in.y - cell->y});
-	layout_black(screen, &(struct box){cell->x, in.y, in.x - cell->x, in.height});
-	layout_black(screen, &(struct box){right, in.y, cell->x + cell->width - right, in.height});
+	layout_black(screen, &(struct layout_box){cell->x, cell->y, cell->width, in.y - cell->y});
+	layout_black(screen, &(struct layout_box){cell->x, in.y, in.x - cell->x, in.height});
 	layout_black(screen,
-		     &(struct box){cell->x, bottom, cell->width, cell->y + cell->height - bottom});
+		     &(struct layout_box){right, in.y, cell->x + cell->width - right, in.height});
+	layout_black(screen, &(struct layout_box){cell->x, bottom, cell->width,
+						  cell->y + cell->height - bottom});
 }
 
-int layout_fill(const struct display_buffer *screen, const struct box *cell, const struct box *box,
-		const struct span *columns, const struct picture *picture, struct scaler *scaler,
-		struct pool *pool)
+int layout_fill(const struct display_buffer *screen, const struct layout_box *cell,
+		const struct layout_box *box, const struct layout_span *columns,
+		const struct picture *picture, struct scaler *scaler, struct pool *pool)
 {
-	struct box in = seen(cell, box);
-	int from = clamp(columns->from, in.x, in.x + in.width);
-	int to = clamp(columns->to, from, in.x + in.width), err;
+	struct layout_box in = visible_part(cell, box);
+	int from = clamp_int(columns->from, in.x, in.x + in.width);
+	int to = clamp_int(columns->to, from, in.x + in.width), err;
 	uint8_t *out = pixel_at(screen, from, in.y);
 
 	if (from == to || in.height == 0)
@@ -120,12 +124,12 @@ int layout_fill(const struct display_buffer *screen, const struct box *cell, con
 	return 0;
 }
 
-int layout_place(const struct display_buffer *screen, const struct box *cell,
+int layout_place(const struct display_buffer *screen, const struct layout_box *cell,
 		 const struct picture *picture, double squash, enum config_scale scale,
 		 struct scaler *scaler, struct pool *pool)
 {
-	const struct span all = {cell->x, cell->x + cell->width};
-	struct box box;
+	const struct layout_span all = {cell->x, cell->x + cell->width};
+	struct layout_box box;
 
 	if (cell->width < 1 || cell->height < 1)
 		return 0;
@@ -144,22 +148,23 @@ static int line_width_px(int height)
 	return 3 * (third < 1 ? 1 : third);
 }
 
-struct span layout_line(const struct box *cell, const struct box *box, double split)
+struct layout_span layout_line(const struct layout_box *cell, const struct layout_box *box,
+			       double split)
 {
-	const struct box in = seen(cell, box);
+	const struct layout_box in = visible_part(cell, box);
 	int width = line_width_px(in.height), from;
 
 	if (width > in.width)
 		width = in.width;
 	from = in.x + (int)lrint(split * in.width) - width / 2;
-	from = clamp(from, in.x, in.x + in.width - width);
-	return (struct span){from, from + width};
+	from = clamp_int(from, in.x, in.x + in.width - width);
+	return (struct layout_span){from, from + width};
 }
 
-void layout_draw_line(const struct display_buffer *screen, const struct box *cell,
-		      const struct box *box, const struct span *line)
+void layout_draw_line(const struct display_buffer *screen, const struct layout_box *cell,
+		      const struct layout_box *box, const struct layout_span *line)
 {
-	const struct box in = seen(cell, box);
+	const struct layout_box in = visible_part(cell, box);
 	int width = line->to - line->from, edge = width / 3;
 
 	for (int y = in.y; y < in.y + in.height; y++) {

@@ -14,48 +14,50 @@
 #include "hal/device/display.h"
 #include "hal/frame/view.h"
 
-struct box {
+struct layout_box {
 	int x, y, width, height;
 };
 
 /* Columns from..to-1 of the screen. */
-struct span {
+struct layout_span {
 	int from, to;
 };
 
 /* The whole screen, and its quarters: 0 up left, 1 up right, 2 down left, 3 down right. */
-struct box layout_whole(const struct display_buffer *screen);
-struct box layout_quarter(const struct display_buffer *screen, int quarter);
+struct layout_box layout_whole(const struct display_buffer *screen);
+struct layout_box layout_quarter(const struct display_buffer *screen, int quarter);
 
 /* Where in the cell a picture of this size comes to lie; outside it where it is larger and not to
  * be scaled. squash: height of a pixel over its width. */
-struct box layout_box(const struct box *cell, int width, int height, double squash,
-		      enum config_scale scale);
+struct layout_box layout_box(const struct layout_box *cell, int width, int height, double squash,
+			     enum config_scale scale);
 
 /* Whether such a picture goes there pixel by pixel and uncut, so that it can be made in place. */
-bool layout_in_place(const struct box *cell, const struct box *box, int width, int height);
+bool layout_in_place(const struct layout_box *cell, const struct layout_box *box, int width,
+		     int height);
 
-void layout_black(const struct display_buffer *screen, const struct box *box);
+void layout_black(const struct display_buffer *screen, const struct layout_box *box);
 
 /* Black in the cell around the box. */
-void layout_border(const struct display_buffer *screen, const struct box *cell,
-		   const struct box *box);
+void layout_border(const struct display_buffer *screen, const struct layout_box *cell,
+		   const struct layout_box *box);
 
 /* Draws the columns of a picture that lies in the box, as far as they are in the cell; no other
  * pixel is made. 0 or -ENOMEM. scaler is kept for the next picture of the same place. */
-int layout_fill(const struct display_buffer *screen, const struct box *cell, const struct box *box,
-		const struct span *columns, const struct picture *picture, struct scaler *scaler,
-		struct pool *pool);
+int layout_fill(const struct display_buffer *screen, const struct layout_box *cell,
+		const struct layout_box *box, const struct layout_span *columns,
+		const struct picture *picture, struct scaler *scaler, struct pool *pool);
 
 /* A whole picture and its border. 0 or -ENOMEM. */
-int layout_place(const struct display_buffer *screen, const struct box *cell,
+int layout_place(const struct display_buffer *screen, const struct layout_box *cell,
 		 const struct picture *picture, double squash, enum config_scale scale,
 		 struct scaler *scaler, struct pool *pool);
 
 /* The line between two halves of a picture: which columns it takes, always within what is seen of
  * the box; split: share of that, 0..1. White between black edges, to be seen on everything. */
-struct span layout_line(const struct box *cell, const struct box *box, double split);
-void layout_draw_line(const struct display_buffer *screen, const struct box *cell,
-		      const struct box *box, const struct span *line);
+struct layout_span layout_line(const struct layout_box *cell, const struct layout_box *box,
+			       double split);
+void layout_draw_line(const struct display_buffer *screen, const struct layout_box *cell,
+		      const struct layout_box *box, const struct layout_span *line);
 
 #endif

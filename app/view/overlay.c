@@ -25,7 +25,7 @@ struct overlay_drawn {
 /* ---- what is said ---- */
 
 /* True when it is something else than before. */
-static bool say(char (*place)[OVERLAY_TEXT_MAX], const char *text)
+static bool replace_text(char (*place)[OVERLAY_TEXT_MAX], const char *text)
 {
 	char clean[OVERLAY_TEXT_MAX];
 
@@ -38,7 +38,7 @@ static bool say(char (*place)[OVERLAY_TEXT_MAX], const char *text)
 
 void overlay_information(struct overlay *overlay, const char *text)
 {
-	if (!say(&overlay->information, text ? text : ""))
+	if (!replace_text(&overlay->information, text ? text : ""))
 		return;
 	overlay->information_drawn = false;
 }
@@ -51,7 +51,7 @@ void overlay_troubles(struct overlay *overlay, const char (*texts)[OVERLAY_TEXT_
 		count = OVERLAY_TROUBLES_MAX;
 	changed = count != overlay->trouble_count;
 	for (int i = 0; i < count; i++)
-		changed |= say(&overlay->trouble[i], texts[i]);
+		changed |= replace_text(&overlay->trouble[i], texts[i]);
 	if (!changed)
 		return;
 	overlay->trouble_count = count;

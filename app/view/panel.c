@@ -55,7 +55,7 @@ static void set_font(cairo_t *cairo)
 }
 
 /* A canvas of at least this size. */
-static int fit(struct panel *panel, int width, int height)
+static int fit_surface(struct panel *panel, int width, int height)
 {
 	struct canvas *canvas = &panel->canvas;
 	int err;
@@ -109,7 +109,7 @@ struct picture panel_picture(const struct panel *panel)
 
 /* ---- painting ---- */
 
-static void set_colour(cairo_t *cairo, const double rgb[3])
+static void set_source_colour(cairo_t *cairo, const double rgb[3])
 {
 	cairo_set_source_rgb(cairo, rgb[0], rgb[1], rgb[2]);
 }
@@ -122,10 +122,10 @@ static void paint_box(const struct panel *panel)
 	bool strip = panel->kind == PANEL_STRIP;
 	double side = strip ? 0 : edge, below = strip ? 0 : edge;
 
-	set_colour(cairo, edge_rgb);
+	set_source_colour(cairo, edge_rgb);
 	cairo_rectangle(cairo, 0, 0, panel->width, panel->height);
 	cairo_fill(cairo);
-	set_colour(cairo, back_rgb);
+	set_source_colour(cairo, back_rgb);
 	cairo_rectangle(cairo, side, edge, panel->width - 2 * side, panel->height - edge - below);
 	cairo_fill(cairo);
 }
@@ -135,13 +135,13 @@ static void paint_mark(cairo_t *cairo, double x, double base, double size)
 {
 	double high = 0.8 * size, half = 0.47 * size, middle = x + half;
 
-	set_colour(cairo, mark_rgb);
+	set_source_colour(cairo, mark_rgb);
 	cairo_move_to(cairo, middle, base - high);
 	cairo_line_to(cairo, middle + half, base);
 	cairo_line_to(cairo, middle - half, base);
 	cairo_close_path(cairo);
 	cairo_fill(cairo);
-	set_colour(cairo, back_rgb);
+	set_source_colour(cairo, back_rgb);
 	cairo_rectangle(cairo, middle - 0.05 * size, base - 0.55 * size, 0.1 * size, 0.3 * size);
 	cairo_rectangle(cairo, middle - 0.05 * size, base - 0.18 * size, 0.1 * size, 0.1 * size);
 	cairo_fill(cairo);
@@ -150,11 +150,11 @@ static void paint_mark(cairo_t *cairo, double x, double base, double size)
 static int paint_lines(struct panel *panel)
 {
 	const struct typeset *set = &panel->set;
-	const struct run *run = &set->run;
+	const struct typeset_run *run = &set->run;
 	int current = -1, base = set->pad + set->ascent_px;
 
 	for (int i = 0; i < set->count; i++, base += set->line_px) {
-		const struct line *line = &set->lines[i];
+		const struct typeset_line *line = &set->lines[i];
 		double x = 2 * set->pad;
 
 		if (line->text != current) {
@@ -166,7 +166,7 @@ static int paint_lines(struct panel *panel)
 		}
 		if (line->first == 0 && line->text < set->marked)
 			paint_mark(panel->cairo, x, base, set->size_px);
-		set_colour(panel->cairo, text_rgb);
+		set_source_colour(panel->cairo, text_rgb);
 		cairo_save(panel->cairo);
 		cairo_translate(panel->cairo, x + set->indent - run->glyph[line->first].x, base);
 		cairo_show_glyphs(panel->cairo, run->glyph + line->first, line->count);
@@ -187,9 +187,9 @@ static int box_width(const struct panel *panel)
 	return (int)fmin(set->room.width, ceil(widest) + set->indent + 4 * set->pad);
 }
 
-static int paint(struct panel *panel)
+static int paint_panel(struct panel *panel)
 {
-	int err = fit(panel, box_width(panel), typeset_height_px(&panel->set));
+	int err = fit_surface(panel, box_width(panel), typeset_height_px(&panel->set));
 
 	if (err)
 		return err;
@@ -218,11 +218,11 @@ int panel_draw(struct panel *panel, const char (*texts)[PANEL_TEXT_MAX], int cou
 	for (int i = 0; i < set->text_count; i++)
 		set->texts[i] = texts[i];
 	set->room = *room;
-	err = fit(panel, 1, 1); /* letters are measured on it */
+	err = fit_surface(panel, 1, 1); /* letters are measured on it */
 	if (!err)
 		err = typeset(set, panel->cairo, again);
 	if (!err && set->count)
-		err = paint(panel);
+		err = paint_panel(panel);
 	if (err)
 		panel->width = panel->height = 0;
 	return err;

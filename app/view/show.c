@@ -9,7 +9,7 @@
 #include "app/view/marks.h"
 
 /* What every way of drawing needs. */
-struct drawing {
+struct show_drawing {
 	struct show *show;
 	const struct show_request *request;
 	const struct show_pictures *pictures;
@@ -104,20 +104,21 @@ static enum config_scale scale_of(const struct show_request *request)
 	return request->what == SHOW_QUAD ? SCALE_FIT : request->scale;
 }
 
-static struct box composite_cell(const struct show_request *request,
-				 const struct display_buffer *screen)
+static struct layout_box composite_cell(const struct show_request *request,
+					const struct display_buffer *screen)
 {
 	return request->what == SHOW_QUAD ? layout_quarter(screen, 3) : layout_whole(screen);
 }
 
-static struct box composite_box(const struct show_request *request,
-				const struct show_composite *composite, const struct box *cell)
+static struct layout_box composite_box(const struct show_request *request,
+				       const struct show_composite *composite,
+				       const struct layout_box *cell)
 {
 	return layout_box(cell, composite->width, composite->height,
 			  composite->squash / request->squash, scale_of(request));
 }
 
-static uint8_t *pixel_of(const struct display_buffer *screen, const struct box *box)
+static uint8_t *box_pixels(const struct display_buffer *screen, const struct layout_box *box)
 {
 	return screen->pixels + (size_t)box->y * screen->stride + (size_t)box->x * 4;
 }
@@ -125,7 +126,7 @@ static uint8_t *pixel_of(const struct display_buffer *screen, const struct box *
 /* Pixel by pixel and uncut. Half of a split picture is not the composite: that one is made aside, so
  * that the screen's memory is written once. */
 static bool is_in_screen(const struct show_request *request, const struct show_composite *composite,
-			 const struct box *cell, const struct box *box)
+			 const struct layout_box *cell, const struct layout_box *box)
 {
 	return request->what != SHOW_SPLIT &&
 	       layout_in_place(cell, box, composite->width, composite->height);
@@ -135,8 +136,8 @@ int show_room(struct show *show, const struct show_request *request,
 	      struct show_composite *composite, const struct display_buffer *screen,
 	      struct fault *fault)
 {
-	const struct box cell = composite_cell(request, screen);
-	struct box box;
+	const struct layout_box cell = composite_cell(request, screen);
+	struct layout_box box;
 	int err;
 
 	composite->pixels = NULL;
@@ -144,7 +145,7 @@ int show_room(struct show *show, const struct show_request *request,
 		return 0;
 	box = composite_box(request, composite, &cell);
 	if (is_in_screen(request, composite, &cell, &box)) {
-		composite->pixels = pixel_of(screen, &box);
+		composite->pixels = box_pixels(screen, &box);
 		composite->stride = screen->stride;
 		return 0;
 	}
@@ -159,12 +160,12 @@ int show_room(struct show *show, const struct show_request *request,
 
 /* ---- drawing ---- */
 
-static double squash_of(const struct drawing *d, double squash)
+static double squash_of(const struct show_drawing *d, double squash)
 {
 	return squash / d->request->squash;
 }
 
-static int say_scaling(const struct drawing *d, int err)
+static int say_scaling(const struct show_drawing *d, int err)
 {
 	return err ? fault_say(d->fault, err, "not enough memory to scale a picture") : 0;
 }
@@ -176,7 +177,7 @@ static struct picture whole_picture(const uint8_t *pixels, size_t stride, int wi
 	return view_picture(&whole, pixels, stride);
 }
 
-static int place_picture(const struct drawing *d, const struct box *cell,
+static int place_picture(const struct show_drawing *d, const struct layout_box *cell,
 			 const struct picture *picture, double squash, int slot)
 {
 	return say_scaling(d, layout_place(d->screen, cell, picture, squash_of(d, squash),
@@ -184,7 +185,7 @@ static int place_picture(const struct drawing *d, const struct box *cell,
 					   d->request->pool));
 }
 
-static int draw_picture(const struct drawing *d, const struct box *cell,
+static int draw_picture(const struct show_drawing *d, const struct layout_box *cell,
 			const struct show_picture *shown, int slot)
 {
 	if (!shown->picture.width) {
@@ -195,12 +196,12 @@ static int draw_picture(const struct drawing *d, const struct box *cell,
 }
 
 /* What show_room() put into the screen needs its border only. */
-static int draw_composite(const struct drawing *d, int slot)
+static int draw_composite(const struct show_drawing *d, int slot)
 {
 	const struct show_composite *composite = &d->pictures->composite;
-	const struct box cell = composite_cell(d->request, d->screen);
+	const struct layout_box cell = composite_cell(d->request, d->screen);
 	struct picture picture;
-	struct box box;
+	struct layout_box box;
 
 	if (!composite->width) {
 		layout_black(d->screen, &cell);
@@ -216,15 +217,15 @@ static int draw_composite(const struct drawing *d, int slot)
 	return place_picture(d, &cell, &picture, composite->squash, slot);
 }
 
-static int draw_split(const struct drawing *d)
+static int draw_split(const struct show_drawing *d)
 {
-	const struct box cell = layout_whole(d->screen);
+	const struct layout_box cell = layout_whole(d->screen);
 	const struct picture *background = &d->pictures->background.picture;
 	const struct show_composite *composite = &d->pictures->composite;
 	struct scaler *scaler = &d->show->scalers[0];
 	struct picture after;
-	struct box box;
-	struct span line;
+	struct layout_box box;
+	struct layout_span line;
 	int err;
 
 	if (!composite->width) {
@@ -237,23 +238,23 @@ static int draw_split(const struct drawing *d)
 	line = layout_line(&cell, &box, d->request->split);
 	layout_border(d->screen, &cell, &box);
 	layout_draw_line(d->screen, &cell, &box, &line);
-	err = layout_fill(d->screen, &cell, &box, &(struct span){cell.x, line.from}, background,
-			  scaler, d->request->pool);
+	err = layout_fill(d->screen, &cell, &box, &(struct layout_span){cell.x, line.from},
+			  background, scaler, d->request->pool);
 	if (!err)
 		err = layout_fill(d->screen, &cell, &box,
-				  &(struct span){line.to, cell.x + cell.width}, &after, scaler,
-				  d->request->pool);
+				  &(struct layout_span){line.to, cell.x + cell.width}, &after,
+				  scaler, d->request->pool);
 	return say_scaling(d, err);
 }
 
-static int draw_fisheye(const struct drawing *d, const struct box *cell, int slot)
+static int draw_fisheye(const struct show_drawing *d, const struct layout_box *cell, int slot)
 {
 	const struct show_picture *fisheye = &d->pictures->fisheye;
 	const struct show_marks *marks = &d->pictures->marks;
 	const int width = fisheye->picture.width, height = fisheye->picture.height;
 	struct canvas *marked = &d->show->marked;
 	struct picture picture;
-	struct box box;
+	struct layout_box box;
 	int err;
 
 	if (!width) {
@@ -273,9 +274,9 @@ static int draw_fisheye(const struct drawing *d, const struct box *cell, int slo
 	return place_picture(d, cell, &picture, fisheye->squash, slot);
 }
 
-static int draw_quad(const struct drawing *d)
+static int draw_quad(const struct show_drawing *d)
 {
-	struct box cell[3];
+	struct layout_box cell[3];
 	int err;
 
 	for (int i = 0; i < 3; i++)
@@ -290,9 +291,9 @@ static int draw_quad(const struct drawing *d)
 	return err;
 }
 
-static int draw_view(const struct drawing *d)
+static int draw_view(const struct show_drawing *d)
 {
-	const struct box whole = layout_whole(d->screen);
+	const struct layout_box whole = layout_whole(d->screen);
 
 	switch (d->request->what) {
 	case SHOW_BEFORE:
@@ -317,11 +318,11 @@ int show_draw(struct show *show, const struct show_request *request,
 	      const struct show_pictures *pictures, const struct display_buffer *screen,
 	      struct fault *fault)
 {
-	const struct drawing d = {.show = show,
-				  .request = request,
-				  .pictures = pictures,
-				  .screen = screen,
-				  .fault = fault};
+	const struct show_drawing d = {.show = show,
+				       .request = request,
+				       .pictures = pictures,
+				       .screen = screen,
+				       .fault = fault};
 	int err = draw_view(&d);
 
 	if (err || !request->overlay)

@@ -14,7 +14,7 @@
 
 int typeset_run(struct typeset *set, cairo_t *cairo, int text)
 {
-	struct run *run = &set->run;
+	struct typeset_run *run = &set->run;
 	cairo_glyph_t *glyphs = run->glyph;
 	int room = PANEL_TEXT_MAX + 1;
 	int length = (int)utf8_copy(run->text, PANEL_TEXT_MAX, set->texts[text]);
@@ -32,28 +32,28 @@ int typeset_run(struct typeset *set, cairo_t *cairo, int text)
 	return status || glyphs != run->glyph || room != run->count + 1 ? -ENOMEM : 0;
 }
 
-static double run_width(const struct run *run, int first, int count)
+static double run_width(const struct typeset_run *run, int first, int count)
 {
 	return run->glyph[first + count].x - run->glyph[first].x;
 }
 
-static bool is_blank(const struct run *run, int i)
+static bool is_blank_at(const struct typeset_run *run, int i)
 {
 	return i < run->count && run->text[run->at[i]] == ' ';
 }
 
-static bool is_separator(const struct run *run, int i)
+static bool is_separator(const struct typeset_run *run, int i)
 {
 	return i < run->count && !strncmp(run->text + run->at[i], SEPARATOR, strlen(SEPARATOR));
 }
 
 /* How many glyphs from first on go into a line. */
-static int line_count(const struct run *run, int first, double room)
+static int line_count(const struct typeset_run *run, int first, double room)
 {
 	int count = 0, word = 0, part = 0;
 
 	for (; first + count < run->count; count++) {
-		if (count && is_blank(run, first + count)) {
+		if (count && is_blank_at(run, first + count)) {
 			word = count;
 			if (is_separator(run, first + count + 1))
 				part = count;
@@ -67,7 +67,7 @@ static int line_count(const struct run *run, int first, double room)
 /* Breaks one text into lines. */
 static int set_text(struct typeset *set, cairo_t *cairo, int text)
 {
-	const struct run *run = &set->run;
+	const struct typeset_run *run = &set->run;
 	int err = typeset_run(set, cairo, text), first = 0;
 
 	if (err)
@@ -76,11 +76,11 @@ static int set_text(struct typeset *set, cairo_t *cairo, int text)
 	while (first < run->count && set->count < TYPESET_LINES_MAX) {
 		int count = line_count(run, first, set->line_room);
 
-		set->lines[set->count++] = (struct line){text, first, count,
-							 run_width(run, first, count)};
+		set->lines[set->count++] = (struct typeset_line){text, first, count,
+								 run_width(run, first, count)};
 		first += count;
 		/* What separates parts is not needed where a line ends. */
-		while (is_blank(run, first) || is_separator(run, first))
+		while (is_blank_at(run, first) || is_separator(run, first))
 			first++;
 	}
 	return 0;

@@ -10,14 +10,14 @@
 #define TYPESET_LINES_MAX 40
 
 /* A text as glyphs along one line, which begins at 0. */
-struct run {
+struct typeset_run {
 	char text[PANEL_TEXT_MAX + 1];		 /* and a blank */
 	int at[PANEL_TEXT_MAX];			 /* where in it each character begins */
 	cairo_glyph_t glyph[PANEL_TEXT_MAX + 1]; /* one a character, and one where it ends */
 	int count;
 };
 
-struct line {
+struct typeset_line {
 	int text, first, count; /* glyphs of a text */
 	double width;
 };
@@ -35,10 +35,10 @@ struct typeset {
 	int pad, indent; /* around all; before each line */
 	int line_room;	 /* for its letters */
 	double widest;	 /* text, were it not broken */
-	struct line lines[TYPESET_LINES_MAX];
+	struct typeset_line lines[TYPESET_LINES_MAX];
 	int count;
 
-	struct run run; /* of one of the texts */
+	struct typeset_run run; /* of one of the texts */
 	char more[32];
 };
 

@@ -7,7 +7,7 @@
 
 /* RFC 3629: what each first byte stands for, the least that its form may say, and no surrogates.
  * Returns the number of bytes. */
-static int decode(const char *text, uint32_t *code)
+static int decode_character(const char *text, uint32_t *code)
 {
 	static const struct {
 		uint8_t mask, mark;
@@ -38,7 +38,7 @@ int utf8_bytes(const char *text)
 {
 	uint32_t code;
 
-	return decode(text, &code);
+	return decode_character(text, &code);
 }
 
 /* C0, delete, C1. */
@@ -61,7 +61,7 @@ size_t utf8_copy(char *to, size_t room, const char *from)
 		return 0;
 	while (*from) {
 		uint32_t code;
-		int bytes = decode(from, &code);
+		int bytes = decode_character(from, &code);
 		const char *shown = bytes == 0 || is_no_character(code) ? "?"
 				    : is_control(code)			? " "
 									: from;

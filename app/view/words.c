@@ -24,7 +24,7 @@ static const char *const wrong[CAMERA_SITUATION_COUNT] = {
 	[CAMERA_BROKEN] = "does not work: the log says why",
 };
 
-static int give(char *text, size_t room, const char *whole)
+static int copy_whole(char *text, size_t room, const char *whole)
 {
 	utf8_copy(text, room, whole);
 	return (int)strlen(whole);
@@ -37,7 +37,7 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 	size_t length = utf8_copy(shown, NAME_MAX_BYTES, name);
 
 	if ((int)situation <= CAMERA_FINE || situation >= CAMERA_SITUATION_COUNT)
-		return give(text, room, "");
+		return copy_whole(text, room, "");
 	if (strlen(name) >= NAME_MAX_BYTES)
 		memcpy(shown + length, ELLIPSIS, sizeof(ELLIPSIS));
 	if (*shown)
@@ -45,7 +45,7 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 			 wrong[situation]);
 	else
 		snprintf(whole, sizeof(whole), "%.64s camera %s", role, wrong[situation]);
-	return give(text, room, whole);
+	return copy_whole(text, room, whole);
 }
 
 int words_pose(char *text, size_t room, int pose, const char *name)
@@ -56,7 +56,7 @@ int words_pose(char *text, size_t room, int pose, const char *name)
 		snprintf(called, sizeof(called), " '%.40s'", name);
 	snprintf(whole, sizeof(whole), "Pose %d%s cannot be loaded: waiting, the log says why",
 		 pose, called);
-	return give(text, room, whole);
+	return copy_whole(text, room, whole);
 }
 
 /* A bound stays one when it is rounded. */
@@ -93,5 +93,5 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 		 !f->recovered ? ""
 		 : f->at_bound ? ", recovered in part"
 			       : ", recovered");
-	return give(text, room, whole);
+	return copy_whole(text, room, whole);
 }

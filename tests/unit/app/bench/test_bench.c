@@ -360,7 +360,7 @@ static void lightings_are_exposed(void **state)
 static void every_byte_is_read(void **state)
 {
 	struct chance chance = chance_begin("reading");
-	struct reading reading;
+	struct bench_reading reading;
 	struct pool *pool;
 
 	(void)state;

@@ -24,7 +24,7 @@ static void quarters_tile_the_screen(void **state)
 		int area = 0;
 
 		for (int q = 0; q < 4; q++) {
-			struct box box = layout_quarter(&screen, q);
+			struct layout_box box = layout_quarter(&screen, q);
 
 			area += box.width * box.height;
 			assert_int_equal(box.x, q % 2 ? screen.width / 2 : 0);
@@ -38,8 +38,8 @@ static void quarters_tile_the_screen(void **state)
 
 static void boxes_keep_the_shape(void **state)
 {
-	static const struct box cell = {100, 50, 800, 600};
-	struct box box = layout_box(&cell, 640, 480, 1, SCALE_NONE);
+	static const struct layout_box cell = {100, 50, 800, 600};
+	struct layout_box box = layout_box(&cell, 640, 480, 1, SCALE_NONE);
 
 	(void)state;
 	assert_int_equal(box.x, 180);
@@ -97,15 +97,15 @@ static void each_pixel_of_a_cell_is_written(void **state)
 
 	(void)state;
 	for (int run = 0; run < 300; run++) {
-		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
-				   chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
+		struct layout_box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+					  chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
 		struct canvas canvas = coordinates(chance_int(&chance, 1, 100),
 						   chance_int(&chance, 1, 100));
 		struct view view = {.width = canvas.width, .height = canvas.height, .squash = 1};
 		struct picture picture = view_picture(&view, canvas.pixels, canvas.stride);
 		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
 		double squash = run % 5 == 4 ? 2 : 1;
-		struct box box = layout_box(&cell, canvas.width, canvas.height, squash, how);
+		struct layout_box box = layout_box(&cell, canvas.width, canvas.height, squash, how);
 		struct scaler scaler = {.scratch = NULL};
 
 		memset(pixels, UNTOUCHED, sizeof(pixels));
@@ -140,13 +140,14 @@ static void a_line_is_always_seen(void **state)
 
 	(void)state;
 	for (int run = 0; run < 1000; run++) {
-		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
-				   chance_int(&chance, 1, 2000), chance_int(&chance, 1, 2000)};
+		struct layout_box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+					  chance_int(&chance, 1, 2000),
+					  chance_int(&chance, 1, 2000)};
 		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
-		struct box box = layout_box(&cell, chance_int(&chance, 1, 3000),
-					    chance_int(&chance, 1, 3000), 1, how);
+		struct layout_box box = layout_box(&cell, chance_int(&chance, 1, 3000),
+						   chance_int(&chance, 1, 3000), 1, how);
 		double split = run % 3 ? chance_real(&chance, 0, 1) : run % 2;
-		struct span line = layout_line(&cell, &box, split);
+		struct layout_span line = layout_line(&cell, &box, split);
 		int left = box.x > cell.x ? box.x : cell.x;
 		int width = box.width < cell.width ? box.width : cell.width;
 
@@ -171,8 +172,8 @@ static void two_halves_are_the_whole(void **state)
 
 	(void)state;
 	for (int run = 0; run < 300; run++) {
-		struct box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
-				   chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
+		struct layout_box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
+					  chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
 		struct canvas canvas = coordinates(chance_int(&chance, 1, 100),
 						   chance_int(&chance, 1, 100));
 		struct view view = {.width = canvas.width,
@@ -181,19 +182,21 @@ static void two_halves_are_the_whole(void **state)
 				    .squash = 1};
 		struct picture picture = view_picture(&view, canvas.pixels, canvas.stride);
 		enum config_scale how = run % 2 ? SCALE_FIT : SCALE_NONE;
-		struct box box = layout_box(&cell, canvas.width, canvas.height, 1, how);
-		struct span line = layout_line(&cell, &box, chance_real(&chance, 0, 1));
+		struct layout_box box = layout_box(&cell, canvas.width, canvas.height, 1, how);
+		struct layout_span line = layout_line(&cell, &box, chance_real(&chance, 0, 1));
 		struct scaler scaler = {.scratch = NULL};
 
 		memset(all, UNTOUCHED, sizeof(all));
 		memset(halves, UNTOUCHED, sizeof(halves));
 		assert_int_equal(layout_place(&one, &cell, &picture, 1, how, &scaler, NULL), 0);
 		layout_border(&two, &cell, &box);
-		assert_int_equal(layout_fill(&two, &cell, &box, &(struct span){-100, line.from},
-					     &picture, &scaler, NULL),
+		assert_int_equal(layout_fill(&two, &cell, &box,
+					     &(struct layout_span){-100, line.from}, &picture,
+					     &scaler, NULL),
 				 0);
-		assert_int_equal(layout_fill(&two, &cell, &box, &(struct span){line.to, 1000},
-					     &picture, &scaler, NULL),
+		assert_int_equal(layout_fill(&two, &cell, &box,
+					     &(struct layout_span){line.to, 1000}, &picture,
+					     &scaler, NULL),
 				 0);
 		for (int y = 0; y < HEIGHT; y++) {
 			bool in_rows = y >= cell.y && y >= box.y && y < cell.y + cell.height &&

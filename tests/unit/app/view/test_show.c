@@ -301,8 +301,8 @@ static void split_is_before_and_after(void **state)
 		const int *size = sizes[run % 5];
 		struct show_request request = plain(SHOW_BEFORE);
 		struct guarded_screen before, after, split;
-		struct box whole, box;
-		struct span line;
+		struct layout_box whole, box;
+		struct layout_span line;
 
 		request.scale = run % 2 ? SCALE_FIT : SCALE_NONE;
 		request.split = run < 4 ? run % 2 : chance_real(&chance, 0, 1);
@@ -418,7 +418,7 @@ static void quad_is_its_four_views(void **state)
 		struct guarded_screen quad = shown(&request, sizes[s][0], sizes[s][1]);
 
 		for (int q = 0; q < 4; q++) {
-			struct box box = layout_quarter(&quad.buffer, q);
+			struct layout_box box = layout_quarter(&quad.buffer, q);
 			struct guarded_screen one;
 
 			request.what = views[q];
@@ -474,7 +474,7 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 	struct show_request request = plain(SHOW_COMPOSITE);
 	struct guarded_screen straight = shown(&request, WIDTH, HEIGHT), fitted;
 	struct show_fit fit;
-	struct box after = {WIDTH, HEIGHT, WIDTH, HEIGHT};
+	struct layout_box after = {WIDTH, HEIGHT, WIDTH, HEIGHT};
 
 	(void)state;
 	eyes.background.wanted.squash = eyes.background.view.squash = 2;
