@@ -171,7 +171,7 @@ static const struct option_row rows[] = {
 	{.name = NULL}};
 
 /* The file is begun first: nobody waits minutes to hear that there is no such folder. */
-static int run_options(const struct bench_options *options, struct fault *fault)
+static int run_bench(const struct bench_options *options, struct fault *fault)
 {
 	struct bench_report report = {.row = NULL};
 	struct output csv = {.stream = NULL};
@@ -205,7 +205,7 @@ static int bench_command(int argc, char **argv)
 		log_error("bench: --basis FILE is missing");
 		return EXIT_USAGE;
 	}
-	err = run_options(&options, &fault);
+	err = run_bench(&options, &fault);
 	if (err)
 		log_error("%s", fault.text);
 	return err ? EXIT_FAILED : EXIT_DONE;

@@ -132,7 +132,7 @@ static void take_signals(struct loop *loop)
 	}
 }
 
-static void note_signal(struct loop *loop, uint32_t slot)
+static void note_event(struct loop *loop, uint32_t slot)
 {
 	uint64_t expired;
 
@@ -160,6 +160,6 @@ int loop_wait(struct loop *loop, struct fault *fault)
 		return fault_say(fault, err, "cannot wait for events: %s", strerror(-err));
 	}
 	for (int i = 0; i < count; i++)
-		note_signal(loop, events[i].data.u32);
+		note_event(loop, events[i].data.u32);
 	return 0;
 }
