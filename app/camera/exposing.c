@@ -8,7 +8,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
-/* When so many turns of all exposures have been judged. */
+/* turns of all exposures after which wrong ones are counted */
 #define TURNS_JUDGED 8
 
 void exposing_start(struct exposing *e, const struct config_fisheye *config)
@@ -40,7 +40,7 @@ static int ask_exposure(struct exposing *e, struct source *source, int exposure,
 	return err;
 }
 
-/* Steps of a camera can be so wide that two exposures are one. */
+/* Refuses a camera whose steps are so wide that two exposures are one. */
 static int compare_taken(struct exposing *e, struct fault *fault)
 {
 	const double *wanted = e->config->exposures, *taken = e->taken;
@@ -56,7 +56,7 @@ static int compare_taken(struct exposing *e, struct fault *fault)
 	return 0;
 }
 
-/* Once for each trouble, or every opening would repeat it. */
+/* Stays at one exposure. Logs each trouble once, not at every opening. */
 static void give_up(struct exposing *e, struct source *source, const char *why)
 {
 	struct fault fault = {.text = ""}, ignored = {.text = ""};
@@ -66,14 +66,15 @@ static void give_up(struct exposing *e, struct source *source, const char *why)
 		log_warning("camera %s: %s", source->settings.name, fault.text);
 	e->said = fault;
 	e->single = true;
-	/* What it has not obeyed, it shows all the time. */
+	/* A camera that has never obeyed shows one exposure all the time, without delay. */
 	exposure_schedule_begin(&e->schedule, 1, e->asked ? EXPOSURE_DELAY_MAX : 0);
 	if (e->asked)
 		(void)ask_exposure(e, source, 0, &ignored);
 	exposure_schedule_asked(&e->schedule, 0, -1);
 }
 
-/* Frames that are on their way: the camera has captured them, we have not seen them. */
+/* Estimates how many frames the camera has captured since the picture: its age beyond the shortest
+ * one so far, in frames. */
 static int frames_ahead(struct exposing *e, const struct source *source, int64_t now_ns)
 {
 	const double rate_hz = source->camera.rate_hz;

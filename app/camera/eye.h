@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One of the three views: which part of which camera, seen upright. */
+/* A view of a camera's picture: fisheye, background or scene look through an eye, which says which
+ * part of which camera they see upright. */
 #ifndef INLAY_APP_CAMERA_EYE_H
 #define INLAY_APP_CAMERA_EYE_H
 
@@ -11,12 +12,12 @@
 #include "hal/frame/view.h"
 
 struct eye {
-	const char *section;   /* "fisheye", ...: for faults; borrowed */
+	const char *section;   /* name of its section, "fisheye", ..., for faults; borrowed */
 	struct source *source; /* NULL: this view has no camera */
 	struct view wanted;    /* as configured */
-	struct view view;      /* resolved for a picture of this size: */
+	struct view view;      /* wanted, resolved for a picture of this size: */
 	int camera_width, camera_height;
-	bool unfit; /* it does not fit the picture: as if there were none */
+	bool unfit; /* wanted does not fit the picture: the eye has none */
 };
 
 struct eyes {
@@ -29,13 +30,14 @@ struct source *eyes_leader(const struct eyes *eyes);
 
 bool eye_has_picture(const struct eye *eye);
 
-/* Fits the view to the camera's picture, whose size may have changed. -EINVAL: it does not fit. An
- * eye without a picture is fine. */
+/* Fits the view to the camera's picture, whose size may have changed. -EINVAL: it does not fit. 0
+ * for an eye without a picture. */
 int eye_fit(struct eye *eye, struct fault *fault);
 
-/* Both only after eye_fit(), and valid until the source takes or decodes again: the upright picture
- * where the camera left it, false where that is not to be had; and as a whole in memory, which is
- * made then. */
+/* The upright picture, in two ways, after eye_fit() and with a picture; both are valid until the
+ * source takes or decodes a frame. eye_read(): in the memory that the camera filled; false where it
+ * cannot be read there. eye_picture(): as a whole in memory of the source, converted by the first
+ * call. */
 bool eye_read(const struct eye *eye, struct frame_reader *reader);
 struct picture eye_picture(const struct eye *eye);
 

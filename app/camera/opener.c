@@ -15,7 +15,7 @@ struct opener {
 	int ended; /* eventfd: written when an opening has ended */
 	/* Under the lock: */
 	bool open, done, leave;
-	/* The thread's from open to done, else the caller's: */
+	/* Of the thread from open to done, else of the caller: */
 	struct camera *camera;
 	const struct camera_ops *ops;
 	const struct camera_settings *settings;
@@ -24,7 +24,7 @@ struct opener {
 	struct fault fault;
 };
 
-/* False: leave. */
+/* False: end the thread. */
 static bool wait_for_work(struct opener *opener)
 {
 	bool open;
@@ -48,7 +48,7 @@ static void *open_cameras(void *context)
 					  opener->options, &opener->fault);
 		pthread_mutex_lock(&opener->lock);
 		opener->done = true;
-		(void)eventfd_write(opener->ended, 1); /* it was 0: there is room */
+		(void)eventfd_write(opener->ended, 1); /* cannot block: its count was 0 */
 		pthread_mutex_unlock(&opener->lock);
 	}
 	return NULL;

@@ -11,13 +11,13 @@
 #include "hal/colour/encode_row.h"
 #include "hal/frame/frame_reader.h"
 
-#define SILENT_NS (2 * NS_PER_S)       /* then a camera is called stalled, */
-#define SILENT_FRAMES 3		       /* or when a slow one misses so many */
-#define SILENT_MOST_NS (60 * NS_PER_S) /* whatever it says of its rate */
-#define GIVE_UP 3		       /* silences; then it is closed and opened anew */
+#define SILENT_NS (2 * NS_PER_S)       /* without a frame: the camera is stalled */
+#define SILENT_FRAMES 3		       /* the same for a slow camera, in frames */
+#define SILENT_MOST_NS (60 * NS_PER_S) /* limit for SILENT_FRAMES, whatever rate the camera names */
+#define GIVE_UP 3 /* times the silence after which it is closed and opened again */
 
-/* Of fewer buffers none is held for the length of a frame: drivers want one to fill and one to go
- * on with. */
+/* With fewer buffers a frame is converted at once and given back: drivers need one buffer to fill
+ * and one to go on with. */
 #define BUFFERS_TO_HOLD 3
 
 int source_create(struct source *source, const struct source_settings *settings)
@@ -40,7 +40,7 @@ int source_create(struct source *source, const struct source_settings *settings)
 	return 0;
 }
 
-/* The camera keeps its frames readable until it is closed. */
+/* Converts the picture first: its frame is readable only until the camera is closed. */
 static void close_camera(struct source *source)
 {
 	source_make_whole(source);
@@ -54,7 +54,7 @@ static void close_camera(struct source *source)
 
 void source_destroy(struct source *source)
 {
-	opener_destroy(source->opener); /* then the camera is ours */
+	opener_destroy(source->opener); /* now the camera belongs to the source */
 	source->opening = false;
 	close_camera(source);
 	frame_decoder_destroy(source->decoder);
@@ -114,7 +114,7 @@ void source_drop(struct source *source)
 	source->shown = false;
 }
 
-/* An open camera stays what it was called last until a frame proves it fine. */
+/* A camera that was opened keeps its situation until a frame proves that it works. */
 static int take_opening(struct source *source, int64_t now_ns, struct fault *fault)
 {
 	int err;
@@ -133,7 +133,7 @@ static int take_opening(struct source *source, int64_t now_ns, struct fault *fau
 	return err;
 }
 
-/* A frame that its rows can be read from. */
+/* Whether rows can be read from the frame as it is. */
 static bool is_readable(const struct frame *frame)
 {
 	return frame_is_raw(frame) && frame_check(frame, NULL) == 0;
@@ -145,10 +145,11 @@ static void convert_frame(struct source *source, const struct frame *frame)
 }
 
 /*
- * At most one frame may be out, so the one we hold goes back before we know of another: readable,
- * there is one. What we then have no picture without is returned; nothing else is converted, since
- * the next frame is most likely to take its place. A camera that is stepped waits for others, and
- * may have to show its last picture once more; a frozen one has to.
+ * Gives the held frame back, before it is known whether the next one is good: only one frame may be
+ * out, and the descriptor says that there is another. Returns the frame if it was the only picture,
+ * for the caller to convert should the next one fail; it is not converted here, because the next
+ * frame most likely replaces it. A camera that makes frames on demand waits for others and may have
+ * to show its last picture again, and a frozen one has to: there the picture is converted.
  */
 static struct frame give_back(struct source *source)
 {
@@ -175,11 +176,11 @@ static void source_take_frame(struct source *source, int64_t now_ns)
 	int err;
 
 	err = camera_grab(&source->camera, &frame, &fault);
-	/* A frame stays readable until another is grabbed, and no camera fills the one that it got
-	 * back last while it has others. */
+	/* The frame that was given back stays readable until the next grab, and no camera fills the
+	 * buffer that it got back last while it has others. */
 	if (last.format != PIXEL_NONE && (err || !is_readable(&frame)))
 		convert_frame(source, &last);
-	/* "Not yet" does not make a camera that was lost fine. */
+	/* -EAGAIN does not mean that a camera which was lost works again. */
 	if (err != -EAGAIN || source->camera.situation != CAMERA_FINE)
 		source->situation = source->camera.situation;
 	if (err)
@@ -187,12 +188,12 @@ static void source_take_frame(struct source *source, int64_t now_ns)
 	changed = err == -ESTALE && source->camera.frames > 0;
 	if (err && err != -EAGAIN)
 		close_camera(source);
-	if (changed) /* else in a second, or we would do nothing else */
+	if (changed) /* a camera that never gave a frame is opened again with the next tick only */
 		source_open(source);
 	if (err)
 		return;
 	source->held = frame;
-	/* A camera without a clock of its own stamps frames with a time that is not ours. */
+	/* Frames on demand carry the time of a simulated clock. */
 	source->held_ns = source->camera.on_demand ? now_ns : frame.timestamp_ns;
 	source->heard_ns = now_ns;
 	source_complain(source, &fault);
@@ -281,7 +282,7 @@ static int fit_pictures(struct source *source, const struct frame *frame)
 		err = canvas_create(&source->canvas, frame->width, frame->height);
 		if (err)
 			return err;
-		source->whole = true; /* black, if nothing comes of it */
+		source->whole = true; /* black until a frame decodes */
 	}
 	if (!source->is_linear ||
 	    (source->linear.width == frame->width && source->linear.height == frame->height))
@@ -333,7 +334,7 @@ static int decode_held(struct source *source, struct fault *fault)
 			source_make_whole(source);
 		return 0;
 	}
-	source->whole = true; /* and what does not decode leaves what was there */
+	source->whole = true; /* a frame that does not decode leaves the canvas as it was */
 	if (!source->is_linear)
 		return frame_decode(source->decoder, &source->held, &source->canvas, fault);
 	err = copy_linear(source, &source->held);
@@ -364,7 +365,7 @@ bool source_decode(struct source *source, int64_t now_ns)
 
 struct source_counts source_counts(const struct source *source)
 {
-	/* While it is being opened the camera is not ours to look at, and has given nothing. */
+	/* While the camera is being opened it belongs to the opener, and it has given no frames. */
 	static const struct camera none;
 	const struct camera *camera = source->opening ? &none : &source->camera;
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A camera as the program uses it: opened on a thread of its own, again when it was lost, its
- * newest frame held until a picture is made.
+ * A camera as the program uses it: it is opened on a thread of its own, opened again after it was
+ * lost, and its newest frame is held until a picture is made.
  *
- * A raw frame then is the picture, read where the camera left it (hal/frame/frame_reader.h), and given
- * back only when the next one is to be had; whoever wants it whole has it converted then. Others
- * are decoded whole and given back. Either way the last picture stays when the camera is lost.
+ * A raw frame becomes the picture as it is: readers take pixels from the memory that the camera
+ * filled (hal/frame/frame_reader.h), it is converted whole only on request, and it goes back to the
+ * camera when the next frame comes. Other frames are decoded whole and given back at once. Either
+ * way the last picture stays when the camera is lost.
  */
 #ifndef INLAY_APP_CAMERA_SOURCE_H
 #define INLAY_APP_CAMERA_SOURCE_H
@@ -20,104 +21,108 @@
 #include "hal/image/image.h"
 
 struct source_settings {
-	const char *name; /* as the configuration calls it; borrowed */
+	const char *name; /* in the configuration; borrowed */
 	const struct camera_ops *ops;
 	struct camera_settings camera;
-	void *options; /* the driver's; borrowed */
+	void *options; /* for the driver; borrowed */
 	enum deinterlace deinterlace;
-	struct transfer_curve
-		curve; /* how linear radiance becomes 8-bit code values, where it must */
+	struct transfer_curve curve; /* encodes linear radiance as 8-bit code values */
 };
 
 struct source {
 	struct source_settings settings;
-	struct camera camera; /* the opener's while opening */
+	struct camera camera; /* belongs to the opener while opening */
 	struct opener *opener;
 	bool opening;
-	unsigned openings;		 /* that went well */
-	bool tried;			 /* an opening has ended, well or not */
-	enum camera_situation situation; /* of the camera, as far as we know */
+	unsigned openings;		 /* openings that succeeded */
+	bool tried;			 /* an opening has ended, with or without success */
+	enum camera_situation situation; /* of the camera, as last known */
 	enum camera_situation said;	 /* the situation that was logged last */
-	char device_name[128];		 /* of the camera that was open last; empty: it has none */
-	struct frame held;		 /* grabbed, not given back; PIXEL_NONE: nothing */
-	bool shown;			 /* held is the picture, raw */
-	bool kept;			 /* its user's: each picture is to outlive its frame */
-	int64_t held_ns;		 /* when it was captured */
-	int64_t heard_ns;		 /* when the camera last gave something, or was opened */
-	uint64_t superseded;		 /* held frames for which a newer one came */
+	char device_name[128]; /* name of the device that was open last; empty: it has none */
+	struct frame held;     /* frame that was grabbed and not given back; PIXEL_NONE: none */
+	bool shown;	       /* the held frame is raw and is the picture */
+	bool kept;	       /* set by the user: pictures have to outlive their frames (freeze) */
+	int64_t held_ns;       /* when the held frame was captured */
+	int64_t heard_ns;      /* when the camera last gave a frame, or was opened */
+	uint64_t superseded;   /* held frames that a newer one replaced */
 	uint64_t undecodable;
-	uint64_t earlier_frames, earlier_lost, earlier_broken; /* of openings before this one */
+	uint64_t earlier_frames, earlier_lost,
+		earlier_broken; /* counts of the openings before this one */
 
 	struct frame_decoder *decoder;
 	struct transfer_tables *tables;
-	struct canvas canvas; /* of the picture's size; width 0: there has been none */
-	bool whole;	      /* the picture is in it */
-	struct image linear;  /* the same before it was clipped, of a camera that gives RGBF */
+	struct canvas canvas; /* has the picture's size; width 0: there has been no picture */
+	bool whole;	      /* the picture is in the canvas */
+	struct image linear;  /* the picture in linear radiance, not clipped, of a camera that sends
+			   RGBF */
 	bool is_linear;
 	int64_t picture_ns; /* when the picture was captured */
-	int64_t stamp_ns;   /* the same by the camera's own clock, which may be a simulated one */
-	uint32_t sequence;  /* its number at the camera */
+	int64_t stamp_ns;   /* the same by the camera's own clock, perhaps a simulated one */
+	uint32_t sequence;  /* the camera's number of its frame */
 	int64_t fresh_ns;   /* when it became the picture */
 };
 
-/* 0, -ENOMEM, or what keeps a thread from being started. */
+/* 0, -ENOMEM, or -errno of a thread that cannot be started. */
 int source_create(struct source *source, const struct source_settings *settings);
 /* Waits for an opening that has begun. Idempotent; zeroed is fine. */
 void source_destroy(struct source *source);
 
-/* Begins to open the camera: source_descriptor() polls readable when that has ended, and
- * source_take() takes it in. Nothing happens when it is open or being opened. */
+/* Begins to open the camera, unless it is open or being opened. source_descriptor() polls readable
+ * when that has ended; source_take() then takes the result. */
 void source_open(struct source *source);
 
 bool source_is_open(const struct source *source);
 
-/* What the device calls itself, or else what the configuration does. */
+/* The device's own name, else the configuration's. */
 const char *source_device_name(const struct source *source);
 
-/* A descriptor to poll, -1 while there is nothing to wait for: a camera that makes frames on demand
- * is left alone while its last one is held. */
+/* Returns a descriptor to poll; -1: nothing to wait for. A camera that makes frames on demand is
+ * not asked while its last frame is held. */
 int source_descriptor(struct source *source);
 
 /*
- * Takes what the descriptor announced: the end of an opening, or the newest frame, if there is one.
- * A camera that is gone is closed, and said so once; one that sends another size or standard now is
- * opened again at once. 0, or what opening said, with its fault: only the caller knows what that
- * means, source_complain() or the end.
+ * Takes what the descriptor has announced: the end of an opening, or the newest frame. A camera
+ * that is gone is closed, which is logged once; a camera that now sends another size or standard is
+ * opened again at once. Returns 0, or the error of the opening with its fault: the caller decides
+ * between source_complain() and the end.
  */
 int source_take(struct source *source, int64_t now_ns, struct fault *fault);
 
 /* Logs a situation that differs from the one logged last. */
 void source_complain(struct source *source, const struct fault *fault);
 
-/* Once a second: names a camera that has fallen silent, closes it after a while. */
+/* To be called once a second: logs a camera that has fallen silent, and closes it after some more
+ * silence. */
 void source_watch(struct source *source, int64_t now_ns);
 
-/* Nobody listened until now, so silence until now means nothing. */
+/* Forgets the silence until now: the program itself did not listen. */
 void source_excuse(struct source *source, int64_t now_ns);
 
 bool source_has_news(const struct source *source);
-/* None either while the frame that was the picture has been given back for news. */
+/* False also between the return of the frame that was the picture and source_decode() of the
+ * next. */
 bool source_has_picture(const struct source *source);
 
-/* Makes what is held the picture. False: it is of no use, and given back; the picture before it
- * stays. */
+/* Makes the held frame the picture. False: it cannot be decoded and is given back; the picture
+ * before it stays. */
 bool source_decode(struct source *source, int64_t now_ns);
 
-/* Converts the picture into canvas, unless it is there. Only with a picture. */
+/* Converts the picture into canvas, unless it is there. Does nothing without a picture. */
 void source_make_whole(struct source *source);
 
-/* Gives back what is held, whether it was the picture or not. */
+/* Gives back the held frame, even if it is the picture. */
 void source_drop(struct source *source);
 
 /* As camera_set_control(); -EBADF while it is not open. */
 int source_control(struct source *source, const char *name, const char *value, double *taken,
 		   struct fault *fault);
 
-/* How linear radiance becomes code values from now on. */
+/* Encodes linear radiance by this curve from now on. */
 void source_encode_as(struct source *source, const struct transfer_curve *curve);
 
 struct source_counts {
-	uint64_t frames, lost, broken; /* lost: also superseded; broken: also undecodable */
+	uint64_t frames, lost,
+		broken; /* lost includes superseded frames, broken those that do not decode */
 };
 
 struct source_counts source_counts(const struct source *source);

@@ -17,28 +17,28 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
-#define LISTENER CONTROL_CLIENTS_MAX /* beside the clients in epoll's data */
+#define LISTENER CONTROL_CLIENTS_MAX /* its number in epoll's data, after those of the clients */
 #define STEPS_AT_ONCE 16
 #define GROUPS_MAX 1024
 
 struct client {
 	int fd;			     /* -1: free */
-	char line[CONTROL_LINE_MAX]; /* begun, not ended */
+	char line[CONTROL_LINE_MAX]; /* the part of a line that has come so far */
 	size_t length;
 	int64_t heard_ns;
-	int64_t second_ns; /* of the count */
-	int lines;	   /* in that second */
+	int64_t second_ns; /* when the counted second began */
+	int lines;	   /* counted in that second */
 };
 
 struct control {
 	struct control_socket socket;
 	int epoll;
-	int spare; /* given up for a moment when descriptors run out */
+	int spare; /* a descriptor in reserve, see turn_away() */
 	gid_t group;
 	bool has_group;
 	struct client clients[CONTROL_CLIENTS_MAX];
 	struct client *asking; /* whose request has not been answered; NULL: none */
-	int steps;	       /* since CONTROL_NOTHING */
+	int steps;	       /* events handled since CONTROL_NOTHING */
 };
 
 int control_parse(const char *line, size_t length, struct control_request *request,
@@ -79,7 +79,7 @@ int control_parse(const char *line, size_t length, struct control_request *reque
 
 /* ---- who may ---- */
 
-/* Groups besides the first: as they were when the client connected. */
+/* Checks the groups besides the client's first one, as they were when it connected. */
 static bool is_member(int fd, gid_t group)
 {
 	gid_t groups[GROUPS_MAX];
@@ -111,12 +111,12 @@ static void cut_off(struct control *control, struct client *client)
 {
 	if (control->asking == client)
 		control->asking = NULL;
-	close(client->fd); /* and so out of epoll */
+	close(client->fd); /* which also removes it from epoll */
 	*client = (struct client){.fd = -1};
 }
 
-/* 0, or -errno: whoever leaves so many replies unread that the kernel has no room for one more does
- * not listen. */
+/* 0 or -errno. The kernel having no room for another reply means that the client does not read
+ * them. */
 static int client_say(int fd, const char *before, const char *line)
 {
 	const struct iovec parts[] = {
@@ -158,8 +158,8 @@ static struct client *find_place(struct control *control)
 	return silent;
 }
 
-/* A client that cannot be served for want of descriptors would ask for ever: it is closed with the
- * one that was kept for this. */
+/* Closes a connection that cannot be accepted because descriptors have run out, with the help of
+ * the one in reserve. Otherwise it would keep the listener readable for ever. */
 static void turn_away(struct control *control)
 {
 	int fd;
@@ -211,8 +211,9 @@ static bool is_too_fast(struct client *client)
 }
 
 /*
- * Takes up to the end of one line out of the kernel, and no more: what waits there keeps the
- * descriptor readable. 1: a line is whole, without its newline; 0: not yet; -errno: cut off.
+ * Takes bytes up to the end of one line from the kernel, and no more: the rest stays there and
+ * keeps the descriptor readable. 1: a line is complete, without its newline; 0: not yet; -errno:
+ * the client is to be disconnected.
  */
 static int client_take_line(struct client *client)
 {

@@ -14,7 +14,7 @@
 
 #define TEMPORARY ".new"
 #define LOCK ".lock"
-#define WAITING 16 /* clients that the kernel keeps for us */
+#define WAITING 16 /* connections that the kernel queues */
 
 int control_socket_group(const char *name, gid_t *group, struct fault *fault)
 {
@@ -58,7 +58,8 @@ int control_socket_connect(const char *path)
 	return err;
 }
 
-/* 0: there is nothing, or what a dead program left; -errno. */
+/* Whether a program listens at path. 0: there is no file, or one that a dead program left; else
+ * -errno. */
 static int look_for_living(const char *path, struct fault *fault)
 {
 	struct stat file;
@@ -78,13 +79,13 @@ static int look_for_living(const char *path, struct fault *fault)
 		close(fd);
 	if (fd == -ECONNREFUSED || fd == -ENOENT)
 		return 0;
-	if (fd >= 0 || fd == -EAGAIN) /* -EAGAIN: too many wait there */
+	if (fd >= 0 || fd == -EAGAIN) /* -EAGAIN: its queue is full */
 		return fault_say(fault, -EADDRINUSE,
 				 "[control] socket: another kiosk listens at \"%s\"", path);
 	return fault_say(fault, fd, "[control] socket: cannot use \"%s\": %s", path, strerror(-fd));
 }
 
-/* Under another name until it is whole; nobody can connect before it listens. */
+/* The socket has a temporary name until it is complete; nobody can connect before it listens. */
 static int listen_at(struct control_socket *out, const char *temporary, const gid_t *group)
 {
 	struct sockaddr_un address;
@@ -111,8 +112,8 @@ static int listen_at(struct control_socket *out, const char *temporary, const gi
 	return 0;
 }
 
-/* A file of our own, which nobody else may open: whoever may read the folder can lock that. A
- * descriptor, or -errno; lock_release() takes it away again. */
+/* Locks a file that only this user may open. (The folder itself would not do: whoever may read it
+ * can lock it.) Returns a descriptor for lock_release(), or -errno. */
 static int lock_take(const char *lock)
 {
 	const int fd = open(lock, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
@@ -121,7 +122,7 @@ static int lock_take(const char *lock)
 
 	if (!err && flock(fd, LOCK_EX | LOCK_NB))
 		err = errno == EWOULDBLOCK ? -EADDRINUSE : -errno;
-	/* Whoever had it may have removed it since we opened it. */
+	/* The kiosk that held it may have removed it after we opened it. */
 	if (!err && (fstat(fd, &ours) || stat(lock, &there) || ours.st_ino != there.st_ino))
 		err = -EADDRINUSE;
 	if (err && fd >= 0)
@@ -132,7 +133,7 @@ static int lock_take(const char *lock)
 static void lock_release(const char *lock, int fd)
 {
 	unlink(lock);
-	close(fd); /* and so unlocked */
+	close(fd); /* closing unlocks it */
 }
 
 static int open_locked(struct control_socket *out, const char *path, const gid_t *group,
@@ -169,7 +170,7 @@ int control_socket_open(struct control_socket *out, const char *path, const gid_
 		return fault_say(fault, -ENAMETOOLONG,
 				 "[control] socket: \"%s\" is too long for a socket", path);
 	snprintf(lock, sizeof(lock), "%s" LOCK, path);
-	/* Two that start at once must not both find a dead socket and both replace it. */
+	/* Two kiosks that start at once must not both find a dead socket and both replace it. */
 	fd = lock_take(lock);
 	if (fd == -EADDRINUSE)
 		return fault_say(fault, fd, "[control] socket: another kiosk is opening \"%s\"",

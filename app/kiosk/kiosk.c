@@ -9,12 +9,13 @@
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
 
-/* A camera may take 2 s to open (hal/device/camera.h), and more on a busy machine. One that takes much
- * longer is not waited for. */
+/* Longest wait for the cameras before the first picture. Opening one may take 2 s
+ * (hal/device/camera.h), and more on a busy machine. */
 #define SETTLE_NS (10 * NS_PER_S)
-/* The loop comes round every second. If it did not, silence until now was ours. */
+/* The loop wakes every second. After a longer gap this program was stopped, and the silence of the
+ * cameras in it means nothing. */
 #define ABSENT_NS (2 * NS_PER_S)
-/* Then a picture is drawn again at the next tick. */
+/* After this time without a picture the next tick draws it again. */
 #define STILL_NS (NS_PER_S / 2)
 
 static int watch_all(struct kiosk *k, struct fault *fault)
@@ -38,7 +39,7 @@ static int watch_all(struct kiosk *k, struct fault *fault)
 	return err;
 }
 
-/* A descriptor that was closed leaves its slot before its number can come back. */
+/* A closed descriptor has to leave its slot before its number is used again. */
 static int forget_if_closed(struct kiosk *k, int i, struct fault *fault)
 {
 	return source_is_open(&k->inputs.sources[i]) ? 0 : loop_watch(&k->loop, i, -1, fault);
@@ -75,7 +76,7 @@ static int tick_sources(struct kiosk *k, int64_t now, struct fault *fault)
 	return 0;
 }
 
-/* Frames on demand come by themselves: what is drawn in between would make runs differ. */
+/* Not with frames on demand: pictures in between would make runs differ. */
 static bool stands_still(struct kiosk *k, int64_t now)
 {
 	const struct source *first = eyes_leader(&k->inputs.eyes);
@@ -144,8 +145,8 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 	return err;
 }
 
-/* Once: when each camera has been tried, so that the first picture is of all of them and a screen
- * that is free in size knows theirs. Until then the screen shows what it did. */
+/* Opens the screen once each camera has been tried, so that the first picture holds all of them and
+ * a screen without a size of its own takes theirs. */
 static int kiosk_settle(struct kiosk *k, struct fault *fault)
 {
 	for (int i = 0; i < k->inputs.source_count; i++) {
@@ -209,8 +210,8 @@ int kiosk_run(const struct kiosk_settings *settings, struct fault *fault)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	k->settings = settings;
 	k->config = settings->config;
-	/* Neither statistics into a pipe that was closed nor a signal that means nothing to it may
-	 * end the kiosk. */
+	/* Signals that must not end the kiosk: a write of statistics into a closed pipe, and two
+	 * that mean nothing here. */
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGUSR1, SIG_IGN);
 	signal(SIGUSR2, SIG_IGN);

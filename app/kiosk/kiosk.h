@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kiosk: cameras to screen, for as long as it is wanted.
+ * The kiosk: cameras to screen, until it is told to end.
  *
- * A picture is made when the background camera has a new frame and the screen a free buffer, from
- * the newest frame of each camera; frames that come in between are given back undecoded. Cameras
- * that make frames on demand (struct camera, on_demand) are waited for, each of them once a
- * picture, so that a run with nothing but such cameras gives the same pictures every time. Where no
- * frame comes the picture is drawn again every second, so that the text on it is true.
+ * It makes a picture when the background camera has a new frame and the screen has a free buffer,
+ * from the newest frame of each camera. Frames that were superseded by then are given back
+ * undecoded. Cameras that make frames on demand (struct camera, on_demand) are asked once for each
+ * picture, and the kiosk waits for all of them, so that a run with such cameras alone gives the
+ * same pictures every time. Where no frame comes, the kiosk draws the picture again every second,
+ * so that the text on it stays true.
  *
- * What waiting can mend (a camera, a screen, buttons that are absent, busy, silent) is tried again
- * every second, and the last picture stays. It ends on a signal, a button, a closed window, after
- * settings->frames pictures, or with an error: at the start what waiting cannot mend, later a
- * screen that cannot come back, such as a file on a full disk.
+ * Troubles that may pass (a camera, a screen or buttons that are absent, busy or silent) are tried
+ * again every second, and the last picture stays. The kiosk ends on a signal, a button, a closed
+ * window, after settings->frames pictures, or with an error: at the start one that waiting cannot
+ * mend, later a screen that cannot come back, such as a file on a full disk.
  */
 #ifndef INLAY_APP_KIOSK_KIOSK_H
 #define INLAY_APP_KIOSK_KIOSK_H
@@ -23,15 +24,15 @@
 
 struct kiosk_settings {
 	struct config *config; /* checked; a reload changes it */
-	uint64_t frames;       /* then it ends; 0: never */
-	const char *stats;     /* a file for JSON lines, or NULL */
-	/* Reads and checks the configuration again, at SIGHUP. 0 and the caller's own, or -errno
-	 * and nothing. Every fault goes to the report. */
+	uint64_t frames;       /* pictures on the screen after which it ends; 0: it goes on */
+	const char *stats;     /* file for JSON lines (stats.h), or NULL */
+	/* Reads and checks the configuration again, at SIGHUP. 0 and a configuration that the
+	 * caller owns, or -errno and none. Every fault goes to the report. */
 	int (*reread)(void *context, struct config **fresh, struct ini_report *report);
 	void *context;
 };
 
-/* 0: it ended as it was asked to. */
+/* 0: it ended as it was asked to; else -errno. */
 int kiosk_run(const struct kiosk_settings *settings, struct fault *fault);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Buttons: where they come from, and what each does. */
+/* Buttons: opening and reading their drivers, and what each button does. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 
 #define LEVEL_MAX 255.0
 #define PERCENT_MAX 100.0
-#define SPLIT_STEP 0.02 /* of the width */
+#define SPLIT_STEP 0.02 /* share of the picture's width */
 
 static double clamp_level(double value, double high)
 {
@@ -30,7 +30,7 @@ void kiosk_keep_state(const struct kiosk_controls *controls)
 	state_keep(controls->state, &values);
 }
 
-/* Views that have nothing to show are passed over. */
+/* Skips the scene where no camera looks at it. */
 static void next_view(struct kiosk_controls *controls, const struct eyes *eyes)
 {
 	do
@@ -38,7 +38,7 @@ static void next_view(struct kiosk_controls *controls, const struct eyes *eyes)
 	while (controls->what == SHOW_SCENE && !eyes->scene.source);
 }
 
-/* By a step of the threshold's own unit. */
+/* step: in the threshold's own unit, grey levels or percent. */
 static void move_threshold(struct ini_level *threshold, enum action action, double step)
 {
 	const double most = threshold->percent ? PERCENT_MAX : LEVEL_MAX;
@@ -153,7 +153,7 @@ static int open_keypad(struct kiosk *k, struct keypad *keypad, bool first, struc
 
 static void close_keypad(struct kiosk *k, struct keypad *keypad)
 {
-	/* Leaving a slot cannot fail. */
+	/* Emptying a slot cannot fail. */
 	(void)loop_watch(&k->loop, SLOT_BUTTONS + (int)(keypad - k->controls.keypads), -1, NULL);
 	buttons_close(&keypad->buttons);
 }
@@ -184,7 +184,7 @@ void kiosk_buttons_close(struct kiosk *k)
 	controls->keypad_count = 0;
 }
 
-/* Which there are to be. */
+/* Lists the drivers that [buttons] names, unless they are listed. */
 static void list_keypads(struct kiosk *k)
 {
 	struct kiosk_controls *controls = &k->controls;

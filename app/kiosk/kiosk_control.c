@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Commands from other programs. */
+/* Commands from other programs, by the control socket. */
 #include <errno.h>
 #include <stdio.h>
 
 #include "app/kiosk/kiosk_parts.h"
 
-/* What waiting does not mend: another kiosk there, no such group, a name that is too long or
- * another file's. */
+/* Errors that do not pass: another kiosk listens there, there is no such group, the name is too
+ * long or another file's. */
 static bool is_mistake(int err)
 {
 	return err == -EADDRINUSE || err == -EINVAL || err == -ENAMETOOLONG || err == -EEXIST;
@@ -34,7 +34,7 @@ void kiosk_control_close(struct kiosk *k)
 	k->controls.control = NULL;
 }
 
-/* What buttons change, and the statistics of the last second. */
+/* Writes what is chosen at present, and the statistics of the last second. */
 static const char *answer_status(struct kiosk *k)
 {
 	struct kiosk_controls *controls = &k->controls;

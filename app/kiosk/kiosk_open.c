@@ -27,7 +27,7 @@ static struct eye eye_of(struct kiosk_inputs *in, const char *section,
 	};
 }
 
-/* Only cameras that a view looks through are opened. */
+/* Whether a view looks through this camera; others stay closed. */
 static bool is_watched(const struct config *config, const char *camera)
 {
 	return !strcmp(config->fisheye.view.camera, camera) ||
@@ -35,7 +35,6 @@ static bool is_watched(const struct config *config, const char *camera)
 	       !strcmp(config->scene.view.camera, camera);
 }
 
-/* Radiance that two views share is encoded as the background expects it. */
 struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera)
 {
 	return !strcmp(config->background.view.camera, camera)
@@ -87,8 +86,8 @@ static int create_sources(struct kiosk_inputs *in, struct config *config, struct
 	return 0;
 }
 
-/* What was chosen before a power cut goes over what the configuration says; whatever is wrong with
- * it is said, and no reason not to start. */
+/* Takes what was chosen before a power cut, in place of the configuration's choice. Faults in the
+ * file are logged and do not keep the kiosk from starting. */
 static void take_state(struct kiosk *k)
 {
 	const struct config *config = k->config;
@@ -102,7 +101,8 @@ static void take_state(struct kiosk *k)
 	err = state_read(config->state.file, &values, &fault);
 	if (err && err != -ENOENT)
 		log_warning("state: %s; the configuration counts", fault.text);
-	/* Better said now than when something was chosen, months later. */
+	/* A file that cannot be written is reported now, not months later when somebody chooses
+	 * something. */
 	if (output_open(&probe, config->state.file, &fault))
 		log_warning("state: %s; what is chosen cannot be kept", fault.text);
 	output_abandon(&probe);
@@ -135,7 +135,7 @@ static int open_pipeline(struct kiosk *k, struct fault *fault)
 	if (err)
 		return err;
 	return pipeline_choose(k->picture.pipeline, &k->controls.choice,
-			       fault); /* is there such a pose? */
+			       fault); /* fails where there is no such pose */
 }
 
 int kiosk_open(struct kiosk *k, struct fault *fault)
@@ -153,7 +153,9 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	err = pipeline_open_basis(&k->picture.basis, config->basis.file, pipeline_part_of(config),
 				  fault);
 	if (!err)
-		err = loop_open(&k->loop, fault); /* before any thread: they inherit its signals */
+		err = loop_open(&k->loop,
+				fault); /* before any thread is started: threads inherit the blocked
+				   signals */
 	if (!err)
 		err = open_pipeline(k, fault);
 	if (err)
@@ -164,7 +166,7 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	if (!err)
 		err = stats_open(&k->stats, k->settings->stats, fault);
 	if (!err)
-		err = kiosk_control_open(k, true, fault); /* a second kiosk ends here */
+		err = kiosk_control_open(k, true, fault); /* fails where another kiosk runs */
 	if (!err)
 		err = kiosk_buttons_open(k, true, fault);
 	return err ? err : create_sources(&k->inputs, k->config, fault);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Private to app/kiosk*.c: what the kiosk is made of, and what its parts do for each other. */
+/* Private to app/kiosk/kiosk*.c: the parts of a kiosk, and what the files do for each other. All of
+ * it runs on the thread of the event loop. k and its parts are borrowed; fault may be NULL. */
 #ifndef INLAY_APP_KIOSK_KIOSK_PARTS_H
 #define INLAY_APP_KIOSK_KIOSK_PARTS_H
 
@@ -19,29 +20,30 @@
 #include "hal/device/buttons.h"
 #include "hal/device/display.h"
 
-/* Slots of the loop: cameras come first, drivers of buttons last. */
+/* Slots of the loop: cameras have the first ones, drivers of buttons the last ones. */
 enum { SLOT_DISPLAY = CONFIG_CAMERAS_MAX, SLOT_CONTROL, SLOT_BUTTONS };
 
 _Static_assert(SLOT_BUTTONS + CONFIG_DRIVERS_MAX <= LOOP_SLOTS,
 	       "a slot for each driver of buttons");
 
-/* One driver of buttons. */
+/* A driver of buttons. */
 struct keypad {
-	struct buttons buttons; /* state NULL: not there at present */
+	struct buttons buttons; /* state NULL: absent at present */
 	int driver;
 	struct fault said; /* the trouble that was logged last; empty: none */
 };
 
-/* The cameras and what is seen through them. */
+/* The cameras and the views of their pictures. */
 struct kiosk_inputs {
 	struct source sources[CONFIG_CAMERAS_MAX];
 	int source_count;
 	struct eyes eyes;
-	struct exposing exposing; /* the fisheye's camera */
-	struct fault unfit[3];	  /* of fisheye, background, scene: why the picture does not fit */
-	struct fault light_said;  /* why the light cannot be measured; empty: it can */
-	bool settled;		  /* each camera has been tried, and the screen */
-	int64_t heard_ns;	  /* when the loop last came round */
+	struct exposing exposing; /* exposures of the fisheye's camera */
+	/* Why the view of fisheye, background, scene does not fit its picture; empty: it does. */
+	struct fault unfit[3];
+	struct fault light_said; /* why the light cannot be measured; empty: it can */
+	bool settled;		 /* each camera has been tried once, then the screen */
+	int64_t heard_ns;	 /* when the loop last handled events */
 };
 
 /* From light and background to the pictures of a view. */
@@ -51,22 +53,23 @@ struct kiosk_picture {
 	struct show show;
 	struct overlay overlay;
 	bool pose_said[BASIS_POSES_MAX]; /* it was logged that the pose cannot be shown */
-	bool redraw;			 /* something other than a frame has changed the picture */
+	bool redraw;			 /* the picture changes although no frame has come */
 	int64_t made_ns;		 /* when a picture was last made */
-	bool begun; /* one has been made: the configuration and the first cameras fit */
+	bool begun; /* a picture has been made: the configuration fits the first cameras */
 };
 
 /* What people and programs choose, and how they say so. */
 struct kiosk_controls {
 	struct keypad keypads[CONFIG_DRIVERS_MAX];
 	int keypad_count;
-	struct control *control; /* the socket; NULL: none, or not there at present */
+	struct control *control; /* the socket; NULL: none is configured, or it cannot be opened at
+			    present */
 	struct fault control_said;
 	char status[STATS_TEXT_MAX + 512]; /* the socket's answer to "status" */
 	struct state *state;		   /* keeps what is chosen; NULL: nothing is kept */
 	struct timeline timeline;
-	bool timed;	  /* a frame has come that the timeline goes by */
-	int64_t stamp_ns; /* of the newest such frame */
+	bool timed;	  /* a frame has come; its time begins the timeline */
+	int64_t stamp_ns; /* when the newest frame was captured, by its camera's clock */
 	/* What is chosen: */
 	struct pipeline_choice choice;
 	enum config_show what;
@@ -79,14 +82,14 @@ struct kiosk_screen {
 	struct display display; /* state NULL: there is no screen at present */
 	struct fault said;	/* the trouble that was logged last; empty: none */
 	struct show_fit fit;	/* what display_fit() was asked for */
-	bool fitted;		/* and does */
-	uint64_t shown_before;	/* pictures, on screens that were lost since */
+	bool fitted;		/* display_fit() has taken it over: the hardware scales */
+	uint64_t shown_before;	/* pictures shown on screens that were lost since */
 	uint64_t submitted;	/* pictures that are on a screen or on their way to one */
 };
 
 struct kiosk {
 	const struct kiosk_settings *settings;
-	struct config *config; /* what is in force */
+	struct config *config; /* the one in force */
 	struct loop loop;
 	struct service service;
 	struct stats stats;
@@ -94,28 +97,29 @@ struct kiosk {
 	struct kiosk_picture picture;
 	struct kiosk_controls controls;
 	struct kiosk_screen screen;
-	int64_t start_ns; /* of the loop */
-	unsigned owed;	  /* effects of a reload that there was no memory or thread for */
+	int64_t start_ns; /* when the loop began */
+	unsigned owed; /* enum reload_effect of a reload for which memory or threads were short */
 	bool stop;
 };
 
 /* ---- kiosk_complain.c ---- */
 
-/* Logs a trouble unless it is the one that was logged last; NULL: it has passed. what: "buttons
- * gpio". */
+/* Logs a trouble unless it was logged last, as *said has it; trouble NULL: logs that it has passed.
+ * what: whose trouble, like "buttons gpio". */
 void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble);
 
 /* ---- kiosk_open.c ---- */
 
-/* From settings and config to cameras that are being opened. Where it fails, kiosk_close() cleans
- * up. */
+/* Opens everything but the screen, from k->settings and k->config; the cameras are being opened
+ * when it returns. After a failure kiosk_close() cleans up. */
 int kiosk_open(struct kiosk *k, struct fault *fault);
 
-/* Idempotent. Finishes what the screen has promised, a file perhaps: that can fail. */
+/* Closes everything; idempotent. -errno where the screen cannot finish, such as a file that cannot
+ * be written. */
 int kiosk_close(struct kiosk *k, struct fault *fault);
 
-/* How a camera's linear radiance is encoded: radiance that two views share, as the background
- * expects it. */
+/* The transfer curve that encodes a camera's linear radiance: the background's where the background
+ * looks through it, else the fisheye's. */
 struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera);
 
 /* ---- kiosk_light.c ---- */
@@ -142,8 +146,9 @@ struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *inputs, struct pipelin
 int kiosk_fit_eyes(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
 		   bool composited, struct fault *fault);
 
-/* Measures the light in the fisheye's new picture. Light stays as it was where the picture cannot be
- * measured, or its exposure is not known. An error only before the first picture. */
+/* Measures the light in the fisheye's new picture. The light stays as it was where it cannot be
+ * measured, or where the picture's exposure is not known. An error only before the first
+ * picture. */
 int kiosk_measure_light(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
 			struct fault *fault);
 
@@ -155,51 +160,62 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault);
 
 /* ---- kiosk_screen.c ---- */
 
-/* Opens the screen. A failure that waiting may mend is said and is none, except that at the very
- * start (first) a screen that another program holds is one. */
+/* Opens the screen. A failure that may pass is logged and returns 0; but at the very start (first)
+ * a screen that another program holds is an error. */
 int kiosk_screen_open(struct kiosk *k, bool first, struct fault *fault);
 
-/* After an error of the open screen, which fault tells. 0: it is waited for; else the end. */
+/* Handles an error of the open screen, which fault tells: closes it, to be opened again later. 0:
+ * the kiosk waits for it; else it cannot come back. */
 int kiosk_screen_lost(struct kiosk *k, int err, struct fault *fault);
 
-/* What the screen has to tell. */
+/* Handles all events of the screen. */
 int kiosk_screen_events(struct kiosk *k, struct fault *fault);
 
-/* Asks the screen to scale what is shown, where it can. */
+/* Asks the screen to scale the view by hardware; asks again only when the view's size has
+ * changed. */
 void kiosk_screen_fit(struct kiosk *k);
 
 uint64_t kiosk_shown(const struct kiosk_screen *screen);
 
-/* Whether it is right that nothing reaches a screen. */
+/* Whether there is no screen to show on, so that a watchdog must not end the kiosk. */
 bool kiosk_screen_is_excused(const struct kiosk_screen *screen);
 
 /* ---- kiosk_actions.c ---- */
 
-/* 0, or -EINVAL: the basis has no such pose. */
+/* Does what a button or a command asks for. 0, or -EINVAL: the basis has no such pose. */
 int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *fault);
-void kiosk_take_pose(struct kiosk *k, int pose); /* and the timeline goes on from it */
-struct state_values kiosk_chosen(const struct kiosk_controls *controls);
-void kiosk_keep_state(const struct kiosk_controls *controls); /* what is chosen at present */
 
-/* Opens what [buttons] names and is not open. At the very start (first) a mistake of the
- * configuration is an error; everything else is said and waited for. */
+/* Chooses a pose, from which the timeline goes on. */
+void kiosk_take_pose(struct kiosk *k, int pose);
+
+/* What is chosen at present. */
+struct state_values kiosk_chosen(const struct kiosk_controls *controls);
+
+/* Keeps kiosk_chosen() over a power cut. */
+void kiosk_keep_state(const struct kiosk_controls *controls);
+
+/* Opens the drivers that [buttons] names and that are not open. At the very start (first) a mistake
+ * in the configuration is an error; other failures are logged, and the drivers tried again
+ * later. */
 int kiosk_buttons_open(struct kiosk *k, bool first, struct fault *fault);
 void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad);
 void kiosk_buttons_close(struct kiosk *k);
 
 /* ---- kiosk_control.c ---- */
 
-/* The same of [control]; a socket in use is an error at the start. */
+/* Opens the socket of [control] in the same way; at the start a socket in use is an error, too. */
 int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault);
 void kiosk_control_read(struct kiosk *k);
 void kiosk_control_close(struct kiosk *k);
 
 /* ---- kiosk_text.c ---- */
 
-/* Once a second: what is wrong, and the figures. */
+/* Updates the troubles and figures on the screen, and the service manager's status; once a
+ * second. */
 void kiosk_text(struct kiosk *k);
 
-/* What is said of a chosen pose that cannot be shown. Returns the length; 0: it is. */
+/* Writes a sentence on a chosen pose that cannot be shown. Returns its length; 0: there is no such
+ * pose. */
 int kiosk_pose_trouble(const struct kiosk_picture *picture, char text[OVERLAY_TEXT_MAX]);
 
 /* ---- kiosk_reload.c ---- */

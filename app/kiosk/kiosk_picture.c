@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* From light and background to a picture on the screen. */
+/* From light and background to a picture on the screen, with the time of each stage. */
 #include <errno.h>
 #include <string.h>
 
@@ -10,7 +10,7 @@
 /* ---- time of each stage ---- */
 
 struct stage_clock {
-	int64_t start_ns, last_ns; /* of the picture; end of the last stage */
+	int64_t start_ns, last_ns; /* when the picture was begun; when the last stage ended */
 	int64_t ns[STAGE_COUNT];
 };
 
@@ -32,7 +32,8 @@ static void stage_end(struct stage_clock *clock, enum stage stage)
 
 /* ---- what is shown ---- */
 
-/* A frozen picture is old because somebody wants it so. */
+/* [screen] blank_after: the background's picture is too old to be shown. A frozen picture is old on
+ * purpose. */
 static bool is_screen_blank(const struct kiosk *k, int64_t now)
 {
 	const struct source *source = k->inputs.eyes.background.source;
@@ -42,8 +43,8 @@ static bool is_screen_blank(const struct kiosk *k, int64_t now)
 	return limit > 0 && !k->controls.frozen && (double)(now - fresh) > limit * (double)NS_PER_S;
 }
 
-/* A timeline goes by the time at which frames were captured, so that the object moves with what is
- * behind it. Its first frame is where it begins. */
+/* Chooses the poses of the timeline. It follows the time at which frames are captured, so that the
+ * object moves with the background, and begins with the first frame. */
 static void follow_timeline(struct kiosk *k)
 {
 	const struct source *leader = eyes_leader(&k->inputs.eyes);
@@ -64,8 +65,8 @@ static void follow_timeline(struct kiosk *k)
 	k->controls.choice.share = k->config->poses.fade && at.next != at.pose ? at.share : 0;
 }
 
-/* Each pose once, and once more when it is there: a timeline comes by all of them again and again.
- */
+/* Logs a missing pose once until it is there, because a timeline comes back to each pose again and
+ * again. */
 static void complain_of_pose(struct kiosk_picture *picture)
 {
 	const int missing = pipeline_report(picture->pipeline).missing;
@@ -82,17 +83,17 @@ static void complain_of_pose(struct kiosk_picture *picture)
 	}
 }
 
-/* Which light and which pose the picture is made of. */
+/* Chooses light and pose of the picture. */
 static int choose_picture(struct kiosk *k, struct fault *fault)
 {
 	const struct source *leader = eyes_leader(&k->inputs.eyes);
 	struct pipeline_choice choice = k->controls.choice;
 	int err;
 
-	/* An object without light would be a black hole in the picture: it waits for the fisheye.
-	 */
+	/* Without light the object would be black: it is left out until the fisheye has a
+	 * picture. */
 	choice.object = choice.object && pipeline_report(k->picture.pipeline).lit;
-	/* There is nothing to be late for without a camera's pace. */
+	/* While a camera sets the pace, no picture waits for a pose to be loaded. */
 	choice.hold = leader && leader->situation == CAMERA_FINE && !leader->camera.on_demand;
 	err = pipeline_choose(k->picture.pipeline, &choice, fault);
 	if (!err)
@@ -150,7 +151,7 @@ static int composite_background(const struct eye *background, struct pipeline *p
 	return pipeline_composite(pipeline, &backdrop, to->pixels, to->stride, fault);
 }
 
-/* Composites, and places the view's pictures. */
+/* Composites, and draws the view with the composite in it. */
 static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 		       struct stage_clock *stages, struct fault *fault)
 {
@@ -174,7 +175,7 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 	return err ? err : show_draw(&k->picture.show, &request, &pictures, screen, fault);
 }
 
-/* Once, when it works. */
+/* Logs the sizes, with the first picture. */
 static void announce_screen(const struct kiosk *k)
 {
 	const struct basis_info_chunk *info = &k->picture.basis.info;

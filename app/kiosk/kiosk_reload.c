@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* SIGHUP: another configuration, and another file of statistics, while the pictures go on. */
+/* SIGHUP: reads the configuration again and opens the statistics' file again, while the kiosk goes
+ * on. */
 #include <errno.h>
 
 #include "app/kiosk/kiosk_parts.h"
@@ -8,7 +9,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
-/* What only the running kiosk can tell of a configuration. Logs each fault. */
+/* Checks what only the running kiosk knows. Logs each fault. */
 static int check_fresh(const struct kiosk *k, const struct config *fresh)
 {
 	struct fault fault = {.text = ""};
@@ -25,7 +26,7 @@ static int check_fresh(const struct kiosk *k, const struct config *fresh)
 	return err;
 }
 
-/* A camera's radiance is encoded as its views expect it. */
+/* Encodes each camera's linear radiance by the new curves. */
 static void encode_sources(struct kiosk *k)
 {
 	for (int i = 0; i < k->inputs.source_count; i++) {
@@ -54,7 +55,8 @@ static int apply_pipeline(struct kiosk *k, struct fault *fault)
 	return err;
 }
 
-/* Returns what could not be done, for want of memory or threads, and is still owed. */
+/* Returns the effects that failed for want of memory or threads; they are owed to the next
+ * reload. */
 static unsigned apply_effects(struct kiosk *k, unsigned effects)
 {
 	const struct config *config = k->config;
@@ -85,7 +87,7 @@ static unsigned apply_effects(struct kiosk *k, unsigned effects)
 		state_move(k->controls.state, &config->state);
 	if (effects & (RELOAD_THRESHOLD | RELOAD_POSE | RELOAD_VIEW))
 		kiosk_keep_state(&k->controls);
-	/* First: no. From here on everything is waited for. */
+	/* first is false: what cannot be opened now is tried again later. */
 	(void)kiosk_control_open(k, false, NULL);
 	(void)kiosk_buttons_open(k, false, NULL);
 	kiosk_text(k);
@@ -102,14 +104,14 @@ static int reload_config(struct kiosk *k)
 	int err = settings->reread(settings->context, &fresh, &report);
 
 	if (err)
-		return err; /* every fault is said */
+		return err; /* every fault has been logged */
 	err = check_fresh(k, fresh);
 	if (err) {
 		config_destroy(fresh);
 		return err;
 	}
 	effects = reload_compare(k->config, fresh) | k->owed;
-	/* What drivers have borrowed must not change under them. */
+	/* Drivers borrow values of the configuration, which must not change under them. */
 	if (effects & RELOAD_BUTTONS)
 		kiosk_buttons_close(k);
 	if (effects & RELOAD_CONTROL)

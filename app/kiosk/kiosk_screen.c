@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The screen, which may be missing, go and come back. */
+/* The screen: opening it, losing it, its events. */
 #include <errno.h>
 
 #include "app/kiosk/kiosk_parts.h"
@@ -19,7 +19,7 @@ int kiosk_screen_open(struct kiosk *k, bool first, struct fault *fault)
 		  &settings.picture_height);
 	err = display_open(&screen->display, display_drivers[driver], &settings,
 			   config_options(k->config, CONFIG_DISPLAY, wanted, driver), &reason);
-	/* Two kiosks would wait for each other's end. */
+	/* Two kiosks would wait for each other's end for ever. */
 	if (err && first &&
 	    (!display_may_return(screen->display.situation) ||
 	     screen->display.situation == DISPLAY_BUSY))
@@ -36,10 +36,10 @@ static int close_screen(struct kiosk *k, struct fault *fault)
 	struct kiosk_screen *screen = &k->screen;
 	int err = loop_watch(&k->loop, SLOT_DISPLAY, -1, fault);
 
-	(void)display_close(&screen->display, NULL); /* what it did not finish is said already */
+	(void)display_close(&screen->display, NULL); /* its error has been reported */
 	screen->shown_before += screen->display.shown;
 	screen->display.shown = 0;
-	screen->submitted = screen->shown_before; /* what was under way never arrives */
+	screen->submitted = screen->shown_before; /* pictures on their way are lost */
 	return err;
 }
 
@@ -47,7 +47,8 @@ int kiosk_screen_lost(struct kiosk *k, int err, struct fault *fault)
 {
 	struct kiosk_screen *screen = &k->screen;
 	struct fault reason = *fault;
-	/* A screen that changes before it has shown anything is given a second. */
+	/* A screen whose mode has changed is opened again at once; with the next tick if it had
+	 * shown nothing, or one that always changes would keep the kiosk busy. */
 	bool at_once = err == -ESTALE && screen->display.shown > 0;
 
 	if (err != -ESTALE && !display_may_return(screen->display.situation))
@@ -91,7 +92,7 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 			break;
 		case DISPLAY_EXPOSED:
 			k->screen.submitted =
-				kiosk_shown(&k->screen); /* what was under way never arrives */
+				kiosk_shown(&k->screen); /* pictures on their way are lost */
 			k->picture.redraw = true;
 			break;
 		case DISPLAY_ACTION:
@@ -112,11 +113,11 @@ void kiosk_screen_fit(struct kiosk *k)
 {
 	struct kiosk_screen *screen = &k->screen;
 
-	/* Pixel by pixel the screen keeps its own size. */
+	/* With scale = none the screen keeps its own size. */
 	struct show_fit fit = {screen->display.width, screen->display.height, 1};
 
 	if (screen->display.hidden)
-		return; /* it would say no, and is asked once */
+		return; /* it would refuse, and is asked once only */
 	if (k->config->screen->scale == SCALE_FIT)
 		fit = show_fit(k->controls.what, &k->inputs.eyes, &k->picture.basis);
 	if (fit.width == screen->fit.width && fit.height == screen->fit.height &&

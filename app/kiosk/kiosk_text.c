@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the kiosk says about itself: on the screen and to the system. */
+/* What the kiosk says about itself, on the screen and to the service manager. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 #define ROLE_MAX 64
 
-/* "Fisheye and background": the views that look through a camera. */
+/* Names the views that look through a camera: "Fisheye and background". */
 static void role_of(const struct eyes *e, const struct source *source, char role[ROLE_MAX])
 {
 	const struct eye *eyes[] = {&e->fisheye, &e->background, &e->scene};
@@ -29,7 +29,7 @@ static void role_of(const struct eyes *e, const struct source *source, char role
 		*role = (char)(*role - 'a' + 'A');
 }
 
-/* A camera that works may still send a picture that its views cannot use. */
+/* A camera that works may still send a picture that does not fit its views. */
 static enum camera_situation situation_of(const struct eyes *e, const struct source *source)
 {
 	const struct eye *eyes[] = {&e->fisheye, &e->background, &e->scene};

@@ -20,7 +20,7 @@ static int epoll_add(struct loop *loop, int descriptor, uint32_t slot)
 	return epoll_ctl(loop->epoll, EPOLL_CTL_ADD, descriptor, &event) ? -errno : 0;
 }
 
-/* As nohup leaves it: a blocked signal would arrive all the same. */
+/* Ignored, as nohup leaves it: a blocked signal would arrive through the signalfd all the same. */
 static bool is_ignored(int signal)
 {
 	struct sigaction action;
@@ -28,8 +28,7 @@ static bool is_ignored(int signal)
 	return sigaction(signal, NULL, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-/* Asked by a descriptor that is kept: to open one can fail for other reasons than that the terminal
- * has gone. */
+/* Asks the terminal that was opened at the start: opening it anew can fail for other reasons. */
 static bool terminal_has_gone(const struct loop *loop)
 {
 	return loop->terminal >= 0 && tcgetpgrp(loop->terminal) < 0;
@@ -107,7 +106,7 @@ int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault)
 
 	if (loop->watched[slot] == descriptor)
 		return 0;
-	/* Fails where the descriptor was closed meanwhile: then it has left by itself. */
+	/* Fails where the descriptor has been closed: then epoll has dropped it. */
 	if (loop->watched[slot] >= 0)
 		(void)epoll_ctl(loop->epoll, EPOLL_CTL_DEL, loop->watched[slot], NULL);
 	loop->watched[slot] = -1;

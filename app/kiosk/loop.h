@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The one epoll loop: a fixed set of slots, each with a descriptor or none. Also signals, and a
- * tick every second. SIGINT and SIGTERM end the program. SIGHUP does when it came because the
- * terminal has gone; otherwise somebody asks for the configuration to be read again. Under nohup it
- * is ignored.
+ * The event loop, on epoll: a fixed set of slots, each with a descriptor or none, signals, and a
+ * tick every second. SIGINT and SIGTERM end the program. SIGHUP asks for the configuration to be
+ * read again, unless the program's terminal has gone: then it ends the program. Where SIGHUP is
+ * ignored (nohup) it stays ignored.
  */
 #ifndef INLAY_APP_KIOSK_LOOP_H
 #define INLAY_APP_KIOSK_LOOP_H
@@ -16,25 +16,27 @@
 #define LOOP_SLOTS 24
 
 struct loop {
-	int epoll, signals, timer; /* -1: not there */
-	int watched[LOOP_SLOTS];   /* -1: nothing */
-	int terminal;		   /* it was started from; -1: none */
+	int epoll, signals, timer; /* -1: not open */
+	int watched[LOOP_SLOTS];   /* descriptor of each slot; -1: none */
+	int terminal;		   /* controlling terminal of the process */
 	/* What the last wait found: */
-	uint32_t ready; /* bit i: slot i */
+	uint32_t ready; /* bit i: slot i is readable */
 	bool tick, stop, reload;
 };
 
-/* Blocks those signals for the caller and for threads that it starts from then on. */
+/* Opens the loop. Blocks the signals above for the calling thread and for threads that it starts
+ * afterwards. */
 int loop_open(struct loop *loop, struct fault *fault);
 void loop_close(struct loop *loop); /* idempotent, after loop_open() */
 
 void loop_start(struct loop *loop);
 
-/* Polls descriptor in a slot from now on; -1: nothing. A descriptor that was closed must leave its
- * slot (-1) before its number can come back. */
+/* Polls descriptor in a slot; -1: leaves the slot empty. A descriptor that was closed must leave
+ * its slot before its number can be used again. */
 int loop_watch(struct loop *loop, int slot, int descriptor, struct fault *fault);
 
-/* Waits until something is ready. tick and reload are of this wait; stop stays. */
+/* Waits until a slot, a signal or the tick is ready. tick and reload are set by this wait only;
+ * stop stays set. */
 int loop_wait(struct loop *loop, struct fault *fault);
 
 static inline bool loop_ready(const struct loop *loop, int slot)

@@ -7,14 +7,14 @@
 
 #define NEXT_START 0
 
-/* The first row that fits counts. key NULL: every one of the section, those of drivers too. */
+/* The first row that fits a key counts. key NULL: every key of the section, also drivers' keys. */
 static const struct {
 	const char *section, *key;
 	unsigned effects;
 } policy[] = {
 	{"basis", "pose", RELOAD_POSE | RELOAD_DRAWING},
 	{"poses", NULL, RELOAD_POSES | RELOAD_DRAWING},
-	/* Where the views lie is fitted to the cameras when they open. */
+	/* Views are fitted to the cameras when they open. */
 	{"fisheye", "camera", NEXT_START},
 	{"fisheye", "x", NEXT_START},
 	{"fisheye", "y", NEXT_START},
@@ -36,7 +36,7 @@ static const struct {
 	{"lights", "threshold_mode", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"lights", "follow", RELOAD_PIPELINE},
 	{"lights", NULL, RELOAD_DRAWING},
-	/* The file is opened with what its mode needs. */
+	/* The basis is opened with the layers that its mode needs. */
 	{"composite", "mode", NEXT_START},
 	{"composite", NULL, RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"screen", "show", RELOAD_VIEW | RELOAD_DRAWING},

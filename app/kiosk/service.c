@@ -10,7 +10,7 @@
 
 #include "hal/base/clock.h"
 
-/* Whether anybody listens makes no difference to the kiosk. */
+/* A failure makes no difference to the kiosk. */
 static void service_tell(const char *text)
 {
 #if WITH_SYSTEMD
@@ -62,7 +62,7 @@ void service_reloading(struct service *service, int64_t now_ns)
 	char line[64];
 
 	if (!service->ready)
-		return; /* it is starting still */
+		return; /* it is still starting */
 	snprintf(line, sizeof(line), "RELOADING=1\nMONOTONIC_USEC=%lld",
 		 (long long)(now_ns / (NS_PER_MS / 1000)));
 	service_tell(line);

@@ -79,9 +79,9 @@ struct state {
 	struct config_state settings;
 	struct state_values wanted;
 	bool moved, leave;
-	/* The thread's: */
+	/* Of the thread alone: */
 	struct state_values kept;
-	int64_t next_ns; /* not to be written before */
+	int64_t next_ns; /* nothing is written before */
 	struct fault said;
 };
 
@@ -105,7 +105,7 @@ static int write_state(const char *path, const struct state_values *values, stru
 	return output_commit(&out, fault);
 }
 
-/* Without the lock. */
+/* Called without the lock. */
 static void write_now(struct state *state, const struct config_state *settings,
 		      const struct state_values *values)
 {
@@ -114,7 +114,8 @@ static void write_now(struct state *state, const struct config_state *settings,
 
 	state->kept = *values;
 	if (err)
-		state->kept.pose = -1; /* like nothing that may be wanted */
+		state->kept.pose =
+			-1; /* unlike any wanted values, so that they are written again */
 	if (err && strcmp(state->said.text, fault.text) != 0)
 		log_warning("state: %s", fault.text);
 	if (!err && *state->said.text)
@@ -129,7 +130,7 @@ static bool same_values(const struct state_values *a, const struct state_values 
 	       a->pose == b->pose;
 }
 
-/* Until there is something to write, and the time for it has come; false: leave. */
+/* Waits until there is something to write and its time has come. False: end the thread. */
 static bool wait_for_work(struct state *state)
 {
 	for (;;) {

@@ -19,8 +19,8 @@ static const char *const stage_names[] = {"decode", "sample", "composite", "show
 _Static_assert(STATS_TEXT_MAX + 8 <= PIPE_BUF, "a pipe takes a line whole");
 _Static_assert(sizeof(stage_names) / sizeof(*stage_names) == STAGE_COUNT, "a name for each stage");
 
-/* Non-blocking: the reader of a pipe may be absent, or slow, or stop. Appending: others may cut the
- * file short while it is written. */
+/* Non-blocking, because the reader of a pipe may be absent, slow or stopped. Appending, because
+ * other programs may cut the file short meanwhile. */
 static int stats_open_file(struct stats *stats, int flags)
 {
 	stats->file = open(
@@ -43,7 +43,7 @@ int stats_open(struct stats *stats, const char *path, struct fault *fault)
 	*stats = (struct stats){.path = path, .file = -1};
 	err = path ? stats_open_file(stats, O_TRUNC) : 0;
 	if (err == -ENXIO && is_pipe(path))
-		err = 0; /* nobody reads it yet */
+		err = 0; /* the pipe has no reader yet */
 	if (!err)
 		return 0;
 	return fault_say(fault, err, "%s: cannot write statistics: %s", path, strerror(-err));
@@ -114,7 +114,7 @@ static double mean_ms(int64_t sum_ns, uint64_t count)
 	return count ? ms(sum_ns) / (double)count : 0;
 }
 
-/* Text that grows to the end of its room and no further. */
+/* Text that grows up to STATS_TEXT_MAX and no further. */
 struct writing {
 	char *text;
 	size_t length;
@@ -204,8 +204,8 @@ static struct stats_figures line_figures(const struct stats *s, int64_t now_ns)
 	return f;
 }
 
-/* What a disk took of a line before it was full is taken away again. A pipe takes a line whole or
- * not at all. */
+/* Removes the part of a line that a disk took before it was full. A pipe takes a line whole or not
+ * at all. */
 static int write_whole(int file, const char *text, size_t length)
 {
 	size_t done = 0;

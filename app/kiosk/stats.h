@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a run tells about itself: one JSON object a line, a line a second. README.md says what each
- * number means.
+ * Statistics of a run: one JSON object a line, one line a second. app/kiosk/README.md describes
+ * each key.
  */
 #ifndef INLAY_APP_KIOSK_STATS_H
 #define INLAY_APP_KIOSK_STATS_H
@@ -15,9 +15,9 @@
 enum stage { STAGE_DECODE, STAGE_SAMPLE, STAGE_COMPOSITE, STAGE_SHOW, STAGE_COUNT };
 
 #define STATS_TEXT_MAX 2048
-#define STATS_IN_FLIGHT 4 /* pictures that were submitted and are not on the screen yet */
+#define STATS_IN_FLIGHT 4 /* pictures submitted and not on the screen yet */
 
-/* Since the line before. */
+/* Figures since the line before. */
 struct stats_figures {
 	double t_s, fps;
 	double latency_mean_ms, latency_max_ms;
@@ -27,51 +27,57 @@ struct stats_figures {
 
 struct stats {
 	const char *path;	   /* NULL: no lines are written */
-	int file;		   /* -1: not open at present */
-	uint64_t lines_lost;	   /* could not be written, since the start */
-	int64_t start_ns, line_ns; /* of the run; of the last line */
-	uint64_t frames;	   /* shown since the start */
+	int file;		   /* -1: not open at present; the next line opens it */
+	uint64_t lines_lost;	   /* lines that could not be written, since the start */
+	int64_t start_ns, line_ns; /* when the run began; when the last line was written */
+	uint64_t frames;	   /* pictures shown since the start */
 	struct stats_figures last; /* what the last line said */
 	/* Since the last line: */
 	uint64_t line_frames, made, timed, late;
 	int64_t latency_sum_ns, latency_max_ns;
 	int64_t stage_ns[STAGE_COUNT];
-	/* What making them took: */
+	/* The last pictures made: time of capture, and of the work on them. */
 	struct {
 		int64_t captured_ns, work_ns;
 	} flying[STATS_IN_FLIGHT];
 	unsigned next_flying;
 };
 
-/* Begins the file anew. path NULL: count, but write nothing. A named pipe may have its reader
- * later.
- */
+/* Opens the file and empties it. path NULL: counts, but writes nothing. A named pipe need not have
+ * a reader yet. */
 int stats_open(struct stats *stats, const char *path, struct fault *fault);
-/* The next line goes to what has that name by then: the old file may have been moved away. */
+/* The next line opens path again: the old file may have been renamed (logrotate). */
 void stats_reopen(struct stats *stats);
-void stats_start(struct stats *stats, int64_t now_ns); /* the run's time 0 */
+void stats_start(struct stats *stats, int64_t now_ns); /* sets time 0 of the run */
 void stats_close(struct stats *stats);		       /* idempotent */
 
-/* A picture has been made of a frame captured then (0: of no new one), and spent so long in each
- * stage. */
+/* Counts a picture that was made of a frame captured at that time (0: of no new frame), with the
+ * time spent in each stage. */
 void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT]);
 
-/* The picture of that frame is on the screen. It is late when more time has passed than one frame,
- * period_ns, and what making it took. A picture of no new frame has no latency. */
+/*
+ * Counts a picture that has reached the screen. It is late where
+ *
+ *     shown_ns - captured_ns > period_ns + time of the work on it
+ *
+ * period_ns: of a frame, of the camera or the screen, whichever is slower. captured_ns 0: the
+ * picture has no latency.
+ */
 void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int64_t period_ns);
 
-/* Writes a line and begins the next. Never waits: what cannot be written whole, because the disk is
- * full or a pipe's reader slow or absent, is left out and counted, which is said once. */
+/* Writes a line and begins the next. Never waits: a line that cannot be written whole, because the
+ * disk is full or a pipe's reader is slow or absent, is left out and counted. The log says so
+ * once. */
 void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline_report *report,
 		const struct source *sources, int source_count);
 
-/* What the line holds, without its braces: the figures of the last one, the rest as it is now.
- * threshold: the report's, or what it will be in the next frame. */
+/* Writes the line without its braces: the figures of the last line, everything else as it is now.
+ * threshold: the report's, or the one of the next frame. */
 void stats_text(const struct stats *stats, const struct pipeline_report *report,
 		const struct ini_level *threshold, const struct source *sources, int source_count,
 		char text[STATS_TEXT_MAX]);
 
-/* Frames of all cameras that were not used. */
+/* Returns how many frames of all cameras were not used. */
 uint64_t stats_drops(const struct source *sources, int source_count);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "hal/base/clock.h"
 
-/* Poses of a whole round. */
+/* Steps of a whole round: from one pose to the next, back to the first. */
 static double round_of(const struct timeline *t)
 {
 	if (t->kind == TIMELINE_SWING)
@@ -25,7 +25,7 @@ void timeline_begin(struct timeline *t, const struct config_poses *poses, int co
 	};
 }
 
-/* The pose at a whole number of steps. */
+/* The pose after a whole number of steps from pose 0. */
 static int pose_of(const struct timeline *t, double step)
 {
 	const int at = (int)fmod(step, round_of(t));
@@ -41,7 +41,8 @@ struct timeline_place timeline_at(const struct timeline *t, int64_t now_ns)
 
 	if (t->kind == TIMELINE_NONE)
 		return at;
-	/* Seconds apart from their fractions: years of them lose no pose. */
+	/* Whole seconds and the rest are multiplied apart, so that after years no pose is lost to
+	 * rounding. */
 	steps = fmod((double)(gone_ns / NS_PER_S) * t->rate, round_of(t)) +
 		(double)(gone_ns % NS_PER_S) / NS_PER_S * t->rate + t->place;
 	whole = floor(steps);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which pose is shown when: poses by the clock, not by frames, so that nothing drifts and late
- * frames leave poses out.
+ * Which pose is shown at which time. Poses follow the time at which frames are captured, not their
+ * number, so that the animation does not drift and late frames leave poses out.
  */
 #ifndef INLAY_APP_KIOSK_TIMELINE_H
 #define INLAY_APP_KIOSK_TIMELINE_H
@@ -14,22 +14,23 @@ struct timeline {
 	enum config_timeline kind;
 	double rate; /* poses a second */
 	int count;
-	/* private: at this time it stood there; swinging, counted through one way and back */
+	/* private: it stood at place at since_ns. Where it swings, poses are counted through, one
+	 * way and back */
 	int64_t since_ns;
 	double place;
 };
 
-/* Where it stands: at this pose, and by this share on the way to the next one. */
+/* A place between two poses: at pose, by this share on the way to next. */
 struct timeline_place {
 	int pose, next;
 	double share; /* 0 <= share < 1 */
 };
 
-/* From a pose on, forwards. rate > 0, count >= 1, pose in 0..count-1. */
+/* Begins at a pose, forwards. rate > 0, count >= 1, 0 <= pose < count. */
 void timeline_begin(struct timeline *timeline, const struct config_poses *poses, int count,
 		    int pose, int64_t now_ns);
 
-/* Time that goes back stands still until it is there again. */
+/* Returns the place at a time. A time before the beginning counts as the beginning. */
 struct timeline_place timeline_at(const struct timeline *timeline, int64_t now_ns);
 
 #endif
