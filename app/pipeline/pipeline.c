@@ -8,7 +8,7 @@
 
 #include "app/pipeline/pipeline_parts.h"
 
-/* The light files and the sampler are in the dome's order, so the basis must be of that dome. */
+/* Files of lights and the sampler are in the dome's order, so the basis has to be of that dome. */
 static int check_dome(const struct dome *dome, const struct basis *basis, struct fault *fault)
 {
 	if ((uint32_t)dome->count != basis->info.lights)
@@ -31,7 +31,7 @@ static int check_dome(const struct dome *dome, const struct basis *basis, struct
 	return 0;
 }
 
-/* Threads and the compositor that they run in. */
+/* Creates the threads and the compositor that runs in them. */
 static int start_threads(const struct basis *basis, const struct pipeline_settings *settings,
 			 struct pool **pool, struct compositor **compositor, struct fault *fault)
 {
@@ -146,7 +146,7 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		p->compositor = compositor;
 		p->pool = pool;
 	}
-	/* What the light is measured with is pipeline_relight()'s. */
+	/* Sampler, lens and exposures change by pipeline_relight(). */
 	before = p->settings;
 	p->settings = *settings;
 	p->settings.sampler = before.sampler;

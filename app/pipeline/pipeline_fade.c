@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Between two poses: both pictures, mixed in linear light. */
+/* Between two poses: composites both, and mixes them in linear light (hal/colour/crossfade.h). */
 #include <errno.h>
 #include <stdlib.h>
 
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/colour/crossfade.h"
 
-#define ROWS 16 /* of the picture, that a thread mixes at a time */
+#define ROWS 16 /* rows that one item of work mixes */
 
 struct pipeline_fade {
 	size_t stride;
 	uint8_t *pose[2]; /* [height][stride] */
 	struct crossfade mix;
-	/* the frame in the making */
+	/* Of the frame that is being made: */
 	int width, height;
 	uint8_t *out;
 	size_t out_stride;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What clips in the sky, found again on the ground. */
+/* Light that is clipped in the sky, recovered from the ground (hal/lights/recovery.h). */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ struct ground {
 	struct pipeline_patch patch;
 	float decode[256];
 	uint32_t *row;
-	double *term[3]; /* [lights] each, in one piece */
+	double *term[3]; /* [lights] each: u of the patch; one allocation */
 	struct clipped_pieces *pieces;
 };
 
@@ -37,7 +37,8 @@ static bool is_known(const struct pipeline_patch *patch)
 	return patch->reflectance[0] > 0 || patch->reflectance[1] > 0 || patch->reflectance[2] > 0;
 }
 
-/* u of each light: the basis's own, or by the patch's reflectance. */
+/* u of each light, per channel: reflectance / pi * projected_sr of its cell where the reflectance
+ * is given, else the basis's ground. */
 static void fill_terms(struct ground *g, const struct pipeline *p)
 {
 	const bool known = is_known(&g->patch);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Grey levels of the fisheye's picture as radiance. */
+/* From grey levels of the fisheye's picture to radiance. */
 #include "app/pipeline/pipeline_parts.h"
 
 double pipeline_gain_of_grey(const struct light_sampler_settings *s)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Measuring the light, and what it is measured with. */
+/* Measures the light; makes the sampler, the lens and the filter's noise model. */
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
@@ -9,12 +9,12 @@
 
 #include "app/pipeline/pipeline_parts.h"
 
-/* A sampler takes longer to make than a frame lasts, so a running pipeline has the next one made by
- * a thread, and measures with the present one until then. */
+/* Making a sampler takes longer than a frame lasts: a thread makes the next one while the pipeline
+ * measures with the present one. */
 struct relight {
 	pthread_t thread;
 	atomic_bool done;
-	/* The thread's until done: */
+	/* Of the thread until done is set, then of the pipeline: */
 	const struct dome *dome;
 	struct light_sampler_settings settings;
 	struct fisheye_settings lens_settings;
@@ -53,8 +53,8 @@ int pipeline_relight(struct pipeline *p, const struct pipeline_settings *setting
 	struct relight *r;
 	int err;
 
-	pipeline_relight_end(p); /* the later one counts */
-	if (!p->sampler) {	 /* the first measurement makes it */
+	pipeline_relight_end(p); /* a later change replaces an earlier one */
+	if (!p->sampler) {	 /* the first measurement will make one */
 		p->settings.sampler = settings->sampler;
 		p->settings.lens = settings->lens;
 		return 0;
@@ -89,7 +89,7 @@ int pipeline_check_lens(const struct pipeline *p, const struct fisheye_settings 
 
 /* ---- what noise the filter has to expect ---- */
 
-/* How many pixels see a light: its cell's, or the few around its node. */
+/* Number of pixels that a light is measured from: those of its cell, or 1 at its node. */
 static float light_pixels(const struct pipeline *p, int light)
 {
 	double px[2], pixel_sr;
@@ -101,7 +101,7 @@ static float light_pixels(const struct pipeline *p, int light)
 	return pixel_sr > 0 ? (float)fmax(1, p->dome.solid_angle_sr[light] / pixel_sr) : 1;
 }
 
-/* Light is measured in another way from now on. */
+/* Tells filter and exposures what noise to expect, after sampler or lens have changed. */
 static int expect_noise(struct pipeline *p, struct fault *fault)
 {
 	static const double one[] = {1};
@@ -124,7 +124,7 @@ static int expect_noise(struct pipeline *p, struct fault *fault)
 
 /* ---- the lens and the sampler ---- */
 
-/* Goes over to the sampler that was made, if it is. */
+/* Takes over the sampler that the thread has made, if it is ready. */
 static int take_over(struct pipeline *p, struct fault *fault)
 {
 	struct relight *r = p->relight;
@@ -150,8 +150,7 @@ static int take_over(struct pipeline *p, struct fault *fault)
 	return err;
 }
 
-/* The lens and the sampler's table are of one size of picture; a camera may come back with another.
- */
+/* Lens and sampler are made for one size of picture; a camera may come back with another. */
 static int fit_lens(struct pipeline *p, int width, int height, struct fault *fault)
 {
 	int err;
@@ -192,11 +191,11 @@ void pipeline_expose(struct pipeline *p, int exposure, const double *ratio)
 	if (p->settings.exposures < 2)
 		return;
 	memcpy(p->settings.exposure, ratio, sizeof(*ratio) * (size_t)p->settings.exposures);
-	if (p->sampler) /* else they count with it */
+	if (p->sampler) /* else they take effect when the sampler is made */
 		light_exposures_ratios(p->exposures, ratio);
 }
 
-/* What the sampler has just read becomes the light. */
+/* Makes light of what the sampler has read, if the picture's exposure is known and fits. */
 static int take_light(struct pipeline *p)
 {
 	p->level = sampled_level(p);
@@ -241,7 +240,7 @@ int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, st
 	return pipeline_light_frame(p, &reader, fault);
 }
 
-/* Radiance has no struct picture to be read through: turned and cut by copying. */
+/* Linear radiance has no reader that could flip and cut it: copies the upright view. */
 static int turn_upright(struct pipeline *p, const struct image *camera, const struct view *view)
 {
 	struct image *to = &p->upright;

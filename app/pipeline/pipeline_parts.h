@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Private to app/pipeline*.c. */
+/* Private to app/pipeline/pipeline*.c and its unit tests. */
 #ifndef INLAY_APP_PIPELINE_PIPELINE_PARTS_H
 #define INLAY_APP_PIPELINE_PIPELINE_PARTS_H
 
@@ -7,7 +7,7 @@
 #include "hal/lights/light_filter.h"
 #include "hal/lights/recovery.h"
 
-/* Two poses whose pictures are mixed, the second by share; one where share is 0. */
+/* Two poses whose pictures are mixed, next by share; pose alone where share is 0. */
 struct pipeline_poses {
 	int pose, next;
 	double share;
@@ -44,9 +44,9 @@ struct pipeline {
 	/* pipeline_pose.c: which poses are in the picture */
 	struct pipeline_poses shown;  /* pose -1: none yet */
 	struct pipeline_poses coming; /* shown as soon as they are in memory */
-	int expected[4];	      /* coming and shown, when poses were last announced */
+	int expected[4];	      /* coming and shown, at the last basis_poses_expect() */
 	bool back;		      /* the last step went to the pose before */
-	bool again;		      /* announce them anew */
+	bool again;		      /* call basis_poses_expect() again */
 	int missing;		      /* chosen, and cannot be loaded; -1: none */
 	struct fault trouble;	      /* why */
 
@@ -68,30 +68,31 @@ double pipeline_gain_of_grey(const struct light_sampler_settings *settings);
 /* Radiance of a grey level, 0..255, of the fisheye's picture, as the sampler would read it. */
 double pipeline_linear_level(const struct light_sampler_settings *settings, double level);
 
-/* Width of the hysteresis below a threshold, in radiance: one grey level, and twice what the sampler
- * may round, so that a light at exactly that level is not below it. */
+/* Width of the hysteresis below a threshold, in radiance: one grey level, and twice what the
+ * sampler may round, so that a light exactly one level below still counts as there. */
 double pipeline_band_below(const struct light_sampler_settings *settings, double threshold);
 
 /* ---- pipeline_ground.c ---- */
 
-/* What the settings' patch needs, in place of what there was; that stays on failure. What
- * pipeline_check_patch() returns, -ENOMEM. */
+/* Prepares for the settings' patch in place of the one before, which stays on failure. Returns what
+ * pipeline_check_patch() returns, or -ENOMEM. */
 int pipeline_ground_prepare(struct pipeline *pipeline, const struct pipeline_settings *settings,
 			    struct fault *fault);
 void pipeline_ground_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
 
-/* Which poses are shown, in p->choice: those of choice, or those before them. An error, which
- * p->trouble tells, where there are none. */
+/* Sets the poses of pipeline->choice: the chosen ones, or those before them. An error, with its
+ * reason in pipeline->trouble, where there are none before. */
 int pipeline_take_poses(struct pipeline *pipeline, const struct pipeline_choice *choice);
 
-/* Room for the pictures of two poses. Idempotent. -ENOMEM. */
+/* Allocates the pictures of two poses; idempotent. 0 or -ENOMEM. */
 int pipeline_fade_begin(struct pipeline *pipeline);
-/* The two poses of p->choice, mixed by its share. What compositor_run() returns. */
+/* Writes the two poses of pipeline->choice, mixed by its share. Returns what compositor_run()
+ * returns. */
 int pipeline_fade_run(struct pipeline *pipeline, const struct backdrop *background, uint8_t *out,
 		      size_t out_stride);
 void pipeline_fade_end(struct pipeline *pipeline);
 
-/* Waits for what pipeline_relight() has begun, and forgets it. */
+/* Waits for the thread of pipeline_relight() and drops what it has made. Idempotent. */
 void pipeline_relight_end(struct pipeline *pipeline);
 
 #endif

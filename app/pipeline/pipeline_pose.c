@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which poses are in the picture, which are coming, and which are to be in memory. */
+/* Poses: which are in the picture, which come next, which are to be loaded. */
 #include <errno.h>
 #include <string.h>
 
@@ -11,8 +11,8 @@ static bool is_ready(const struct pipeline *p, const struct pipeline_poses *pose
 	       basis_pose_ready(p->basis, poses->next);
 }
 
-/* All that pictures of them need is there before they are shown: no picture fails for want of it.
- * What cannot be had changes nothing but p->missing. */
+/* Loads all that pictures of these poses need before they are shown, so that no picture fails for
+ * want of it. A pose that cannot be loaded changes p->missing only. */
 static int poses_adopt(struct pipeline *p, const struct pipeline_poses *poses)
 {
 	const int both[] = {poses->pose, poses->next};
@@ -34,8 +34,9 @@ static int poses_adopt(struct pipeline *p, const struct pipeline_poses *poses)
 	return 0;
 }
 
-/* Those that are coming stay so until they have been shown: if the choice changes faster than
- * poses are unpacked, some of them are seen and none is waited for in vain. */
+/* Shows the wanted poses as soon as they are in memory. Poses that are coming are shown first, even
+ * if the choice has changed: a choice that changes faster than poses load still shows some of
+ * them. */
 static int poses_take(struct pipeline *p, const struct pipeline_poses *wanted, bool hold)
 {
 	const bool wait = !hold || p->shown.pose < 0;
@@ -50,8 +51,8 @@ static int poses_take(struct pipeline *p, const struct pipeline_poses *wanted, b
 	return p->shown.pose < 0 ? err : 0;
 }
 
-/* What comes is unpacked first; what is shown stays in memory; then neighbours, one more in the
- * direction of the last step. */
+/* Announces poses in the order of their need: those that come, those shown, then neighbours, one
+ * more in the direction of the last step. */
 static void poses_expect(struct pipeline *p)
 {
 	const int count = (int)p->basis->info.poses;

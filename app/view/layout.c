@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#define LINE_HEIGHTS 480 /* heights of the picture to a third of the line's width */
+#define LINE_HEIGHTS 480 /* height of the picture over a third of the line's width */
 
 struct layout_box layout_whole(const struct display_buffer *screen)
 {
@@ -37,7 +37,8 @@ struct layout_box layout_box(const struct layout_box *cell, int width, int heigh
 	double fitting = fmin(cell->width / (double)width, cell->height / tall);
 	struct layout_box box;
 
-	/* Pixels that are not square cannot be shown one by one: too large, they are fitted. */
+	/* Pixels that are not square have to be scaled anyway: a picture that is too large is
+	 * fitted. */
 	if (scale == SCALE_FIT || (squash != 1 && fitting < 1))
 		factor = fitting;
 	box.width = at_least_one(width * factor);
@@ -70,7 +71,7 @@ static int clamp_int(int value, int low, int high)
 	return value < low ? low : value > high ? high : value;
 }
 
-/* What of the box is in the cell. */
+/* The part of the box that is in the cell. */
 static struct layout_box visible_part(const struct layout_box *cell, const struct layout_box *box)
 {
 	int right = cell->x + cell->width, bottom = cell->y + cell->height;
@@ -110,7 +111,7 @@ int layout_fill(const struct display_buffer *screen, const struct layout_box *ce
 	if (box->width == picture->width && box->height == picture->height) {
 		struct picture part = *picture;
 
-		/* The middle of one that is larger than its cell. */
+		/* Cuts out the middle where the picture is larger than its cell. */
 		part.origin += (from - box->x) * part.x_step + (in.y - box->y) * part.y_step;
 		part.width = to - from;
 		part.height = in.height;
@@ -140,7 +141,7 @@ int layout_place(const struct display_buffer *screen, const struct layout_box *c
 
 /* ---- the line of a split picture ---- */
 
-/* A third of it is each edge. */
+/* A third of the width is each black edge. */
 static int line_width_px(int height)
 {
 	int third = (height + LINE_HEIGHTS / 2) / LINE_HEIGHTS;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where pictures go on the screen. A cell is a rectangle of the screen; whoever places a picture in
- * it writes each of its pixels once, in order: the picture, and black around it.
+ * Where pictures go on the screen. A cell is a rectangle of the screen. Whoever places a picture in
+ * a cell writes each pixel of the cell once, in order: the picture, and black around it.
  */
 #ifndef INLAY_APP_VIEW_LAYOUT_H
 #define INLAY_APP_VIEW_LAYOUT_H
@@ -27,12 +27,12 @@ struct layout_span {
 struct layout_box layout_whole(const struct display_buffer *screen);
 struct layout_box layout_quarter(const struct display_buffer *screen, int quarter);
 
-/* Where in the cell a picture of this size comes to lie; outside it where it is larger and not to
- * be scaled. squash: height of a pixel over its width. */
+/* Where a picture of this size lies: in the middle of the cell, beyond its edges where the picture
+ * is larger and not scaled. squash: height of a pixel over its width. */
 struct layout_box layout_box(const struct layout_box *cell, int width, int height, double squash,
 			     enum config_scale scale);
 
-/* Whether such a picture goes there pixel by pixel and uncut, so that it can be made in place. */
+/* Whether the picture lies there pixel by pixel and uncut, so that it can be made in place. */
 bool layout_in_place(const struct layout_box *cell, const struct layout_box *box, int width,
 		     int height);
 
@@ -42,19 +42,20 @@ void layout_black(const struct display_buffer *screen, const struct layout_box *
 void layout_border(const struct display_buffer *screen, const struct layout_box *cell,
 		   const struct layout_box *box);
 
-/* Draws the columns of a picture that lies in the box, as far as they are in the cell; no other
- * pixel is made. 0 or -ENOMEM. scaler is kept for the next picture of the same place. */
+/* Draws columns of a picture that lies in the box, as far as they are in the cell, and no other
+ * pixel. scaler keeps its tables for the next picture in the same place. 0 or -ENOMEM. */
 int layout_fill(const struct display_buffer *screen, const struct layout_box *cell,
 		const struct layout_box *box, const struct layout_span *columns,
 		const struct picture *picture, struct scaler *scaler, struct pool *pool);
 
-/* A whole picture and its border. 0 or -ENOMEM. */
+/* Draws a whole picture and its border. 0 or -ENOMEM. */
 int layout_place(const struct display_buffer *screen, const struct layout_box *cell,
 		 const struct picture *picture, double squash, enum config_scale scale,
 		 struct scaler *scaler, struct pool *pool);
 
-/* The line between two halves of a picture: which columns it takes, always within what is seen of
- * the box; split: share of that, 0..1. White between black edges, to be seen on everything. */
+/* Columns of the line between two halves of a picture, always within the visible part of the box;
+ * split: its place in it, 0..1. The line is white between black edges, to be seen on every
+ * picture. */
 struct layout_span layout_line(const struct layout_box *cell, const struct layout_box *box,
 			       double split);
 void layout_draw_line(const struct display_buffer *screen, const struct layout_box *cell,

@@ -17,7 +17,8 @@ int mark_side_px(int picture_height, int shown_height)
 	return side < SIDE_LEAST_PX ? SIDE_LEAST_PX : side;
 }
 
-/* Half-open, cut at the border: a light on the horizon lies on the edge of the image circle. */
+/* Fills a half-open square, cut at the canvas's border: a light on the horizon lies on the edge of
+ * the image circle. */
 static void fill_square(struct canvas *canvas, int left, int top, int side, const uint8_t bgr[3])
 {
 	for (int y = top < 0 ? 0 : top; y < top + side && y < canvas->height; y++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The lights drawn into the fisheye's picture, as in the thesis's figures: those in use red, those
- * left out blue. */
+/* Marks the lights in the fisheye's picture, as in the thesis's figures: red lights are in use,
+ * blue ones left out. */
 #ifndef INLAY_APP_VIEW_MARKS_H
 #define INLAY_APP_VIEW_MARKS_H
 
@@ -19,12 +19,13 @@
 		255, 96, 32                                                                        \
 	}
 
-/* A side of a mark in a picture of this height, which is shown shown_height pixels high: 2 in the
- * thesis's 243 and in smaller ones; at least 3 of the screen's pixels, to be seen where the picture
- * is made smaller. */
+/* Side of a mark, px, in a picture of this height that is shown shown_height pixels high: 2 in the
+ * thesis's 243 rows and in smaller pictures; at least 3 pixels of the screen, to be seen where the
+ * picture is shrunk. */
 int mark_side_px(int picture_height, int shown_height);
 
-/* used[dome->count]. lens is of the canvas's size. Lights that it does not see are not drawn. */
+/* used[dome->count]; lens is prepared for the canvas's size. Lights that it does not see are not
+ * drawn. */
 void marks_draw(struct canvas *canvas, const struct dome *dome, const struct fisheye *lens,
 		const bool *used, int side_px);
 

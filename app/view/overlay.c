@@ -10,7 +10,7 @@
 #include "app/view/utf8.h"
 #include "hal/base/log.h"
 
-/* Letters can be read from two metres at this share of the height, if they are not tiny. */
+/* Letters of this share of the height can be read from two metres, if they are not tiny. */
 #define HEIGHT_PER_SIZE 30
 #define SIZE_LEAST_PX 14
 
@@ -19,12 +19,12 @@ _Static_assert(OVERLAY_TEXT_MAX == PANEL_TEXT_MAX && OVERLAY_TROUBLES_MAX <= PAN
 
 struct overlay_drawn {
 	int width, height;		      /* of the screen */
-	struct panel *information, *troubles; /* NULL: there is no text to be had */
+	struct panel *information, *troubles; /* NULL: built without cairo */
 };
 
 /* ---- what is said ---- */
 
-/* True when it is something else than before. */
+/* Returns whether the text has changed. */
 static bool replace_text(char (*place)[OVERLAY_TEXT_MAX], const char *text)
 {
 	char clean[OVERLAY_TEXT_MAX];

@@ -12,7 +12,7 @@
 
 #define FONT "DejaVu Sans"
 
-/* Luminances far apart, so that hue carries nothing that is not said otherwise as well. */
+/* Luminances far apart, so that nothing depends on hue alone. */
 static const double back_rgb[3] = {0.06, 0.07, 0.09};
 static const double edge_rgb[3] = {0.45, 0.47, 0.50};
 static const double text_rgb[3] = {0.95, 0.95, 0.93};
@@ -23,7 +23,7 @@ struct panel {
 	struct canvas canvas;
 	cairo_surface_t *surface; /* on the canvas's memory */
 	cairo_t *cairo;
-	int width, height; /* of the box in the canvas; 0: nothing to see */
+	int width, height; /* of the box in the canvas; 0: nothing was drawn */
 	struct typeset set;
 };
 
@@ -44,8 +44,8 @@ static void set_font(cairo_t *cairo)
 {
 	cairo_font_options_t *options = cairo_font_options_create();
 
-	/* Whole pixels: letters look the same wherever they stand. No colour fringes: what a screen
-	 * behind a scaler does with subpixels is not known. */
+	/* Whole pixels: letters look the same wherever they stand. No subpixel rendering: the
+	 * screen may be behind a scaler. */
 	cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_ON);
 	cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_SLIGHT);
 	cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
@@ -54,7 +54,7 @@ static void set_font(cairo_t *cairo)
 	cairo_select_font_face(cairo, FONT, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
 }
 
-/* A canvas of at least this size. */
+/* Makes the canvas at least this large. */
 static int fit_surface(struct panel *panel, int width, int height)
 {
 	struct canvas *canvas = &panel->canvas;
@@ -218,7 +218,7 @@ int panel_draw(struct panel *panel, const char (*texts)[PANEL_TEXT_MAX], int cou
 	for (int i = 0; i < set->text_count; i++)
 		set->texts[i] = texts[i];
 	set->room = *room;
-	err = fit_surface(panel, 1, 1); /* letters are measured on it */
+	err = fit_surface(panel, 1, 1); /* letters are measured on a canvas */
 	if (!err)
 		err = typeset(set, panel->cairo, again);
 	if (!err && set->count)

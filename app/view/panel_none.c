@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* For builds without cairo: there are no panels. */
+/* panel.h for builds without cairo: there are no panels. */
 #include "app/view/panel.h"
 
 #include <errno.h>

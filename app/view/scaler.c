@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define ONE (1 << 14)
-#define BAND_ROWS 32 /* destination rows that one item of work makes */
+#define BAND_ROWS 32 /* destination rows of one item of work */
 
 static void axis_free(struct scaler_axis *axis)
 {
@@ -22,8 +22,8 @@ static double tent(double distance, double reach)
 	return fmax(0, 1 - fabs(distance) / reach);
 }
 
-/* Weights of one destination pixel: a tent around its centre, cut at the picture's border and made
- * to sum to ONE exactly; what rounding leaves goes to the largest. */
+/* Weights of one destination pixel: a tent around its centre, cut at the picture's border and
+ * scaled to sum to ONE exactly; the largest weight takes the rest of the rounding. */
 static void add_pixel(struct scaler_axis *axis, int i, double scale, double reach)
 {
 	double centre = (i + 0.5) * scale - 0.5, sum = 0;
@@ -90,7 +90,8 @@ int scaler_fit(struct scaler *scaler, int from_width, int from_height, int to_wi
 	if (err)
 		goto free_scaler;
 	scaler->workers = workers;
-	/* One sum a byte, as many rows as the filter is high, and which row each of those holds. */
+	/* Of each worker: a sum for each byte of a row, the rows under the filter, and the number
+	 * of the source row in each of them. */
 	scaler->scratch_bytes = 4 * row_bytes(scaler) +
 				(size_t)scaler->down.taps * (row_bytes(scaler) + sizeof(int));
 	scaler->scratch = calloc((size_t)scaler->workers, scaler->scratch_bytes);

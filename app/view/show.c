@@ -8,7 +8,7 @@
 #include "app/view/layout.h"
 #include "app/view/marks.h"
 
-/* What every way of drawing needs. */
+/* What drawing any view needs. */
 struct show_drawing {
 	struct show *show;
 	const struct show_request *request;
@@ -40,7 +40,7 @@ void show_free(struct show *show)
 		scaler_free(&show->scalers[i]);
 }
 
-/* Of a camera that is open, whether it has delivered or not. */
+/* Takes the size from the camera's mode, if it is open, whether it has sent a frame or not. */
 static void fit_eye(struct show_fit *fit, const struct eye *eye)
 {
 	struct view view = eye->wanted;
@@ -51,7 +51,7 @@ static void fit_eye(struct show_fit *fit, const struct eye *eye)
 	*fit = (struct show_fit){view.width, view.height, view.squash};
 }
 
-/* Of one picture: SHOW_QUAD is twice as wide and high. */
+/* Size of one picture of the view; SHOW_QUAD is twice as wide and high. */
 static struct show_fit fit_one(enum config_show what, const struct eyes *eyes,
 			       const struct basis *basis)
 {
@@ -123,8 +123,8 @@ static uint8_t *box_pixels(const struct display_buffer *screen, const struct lay
 	return screen->pixels + (size_t)box->y * screen->stride + (size_t)box->x * 4;
 }
 
-/* Pixel by pixel and uncut. Half of a split picture is not the composite: that one is made aside, so
- * that the screen's memory is written once. */
+/* Whether the composite lies in the screen, pixel by pixel and uncut. That of SHOW_SPLIT never
+ * does: half of it is not shown, and the screen's memory is written once. */
 static bool is_in_screen(const struct show_request *request, const struct show_composite *composite,
 			 const struct layout_box *cell, const struct layout_box *box)
 {
@@ -195,7 +195,7 @@ static int draw_picture(const struct show_drawing *d, const struct layout_box *c
 	return place_picture(d, cell, &shown->picture, shown->squash, slot);
 }
 
-/* What show_room() put into the screen needs its border only. */
+/* A composite that show_room() put into the screen needs its border only. */
 static int draw_composite(const struct show_drawing *d, int slot)
 {
 	const struct show_composite *composite = &d->pictures->composite;

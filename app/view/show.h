@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is on the screen: the picture with the object, before it, both beside each other, the
- * fisheye with its marked lights, the scene camera, or four of them in the thesis's arrangement
+ * What is on the screen: the picture with the object, the background before it, both beside each
+ * other, the fisheye with its lights marked, the scene camera, or four of them as in the thesis
  * (section 4.2.1):
  *
  *     scene   fisheye
@@ -32,21 +32,22 @@
 
 struct show {
 	struct canvas after, marked;
-	struct scaler scalers[4]; /* of the whole screen and three more quarters */
+	/* Of the whole screen or the first quarter, and of the other three. */
+	struct scaler scalers[4];
 };
 
 /* How one picture of the screen is shown. */
 struct show_request {
 	enum config_show what;
 	enum config_scale scale;
-	double split;  /* SHOW_SPLIT: where the line stands, share of the picture's width, 0..1 */
-	double squash; /* of the screen's pixels, height over width: what display_fit() has taken
-			  over (struct show_fit), 1 without it */
+	double split;  /* SHOW_SPLIT: place of the line, share of the picture's width, 0..1 */
+	double squash; /* height of the screen's pixels over their width: what display_fit() has
+			  taken over (struct show_fit), else 1 */
 	struct overlay *overlay; /* drawn last; NULL: no text */
 	struct pool *pool;	 /* threads that scale pictures */
 };
 
-/* Which pictures a view shows. */
+/* The pictures that a view shows. */
 struct show_needs {
 	bool fisheye, background, scene, composite;
 };
@@ -78,8 +79,7 @@ struct show_pictures {
 	struct show_marks marks;
 };
 
-/* What to ask of display_fit(): then nothing but parts of SHOW_QUAD need scaling by the
- * processor. */
+/* What to ask display_fit() for: then the processor has to scale only quarters of SHOW_QUAD. */
 struct show_fit {
 	int width, height;
 	double squash;
@@ -89,8 +89,7 @@ void show_free(struct show *show); /* idempotent; zeroed is fine */
 
 struct show_fit show_fit(enum config_show what, const struct eyes *eyes, const struct basis *basis);
 
-/* The size at which everything can be shown pixel by pixel; for screens that have none of their
- * own. */
+/* The size at which a view is shown pixel by pixel, for screens without a size of their own. */
 void show_size(enum config_show what, const struct eyes *eyes, const struct basis *basis,
 	       int *width, int *height);
 

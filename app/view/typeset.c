@@ -8,8 +8,8 @@
 
 #include "app/view/utf8.h"
 
-#define LEAST_PX 9     /* smaller letters cannot be read */
-#define UNBROKEN_PX 14 /* so small they may become to keep a text on one line */
+#define LEAST_PX 9     /* smallest letters that can be read */
+#define UNBROKEN_PX 14 /* smallest letters to which a text is shrunk to stay on one line */
 #define SEPARATOR "\u00b7"
 
 int typeset_run(struct typeset *set, cairo_t *cairo, int text)
@@ -23,7 +23,7 @@ int typeset_run(struct typeset *set, cairo_t *cairo, int text)
 	run->count = 0;
 	for (int at = 0; at < length; at += utf8_bytes(run->text + at))
 		run->at[run->count++] = at;
-	/* A blank behind it says where it ends. */
+	/* The position of a blank behind the text is the end of the text. */
 	memcpy(run->text + length, " ", 2);
 	status = cairo_scaled_font_text_to_glyphs(cairo_get_scaled_font(cairo), 0, 0, run->text,
 						  length + 1, &glyphs, &room, NULL, NULL, NULL);
@@ -47,7 +47,7 @@ static bool is_separator(const struct typeset_run *run, int i)
 	return i < run->count && !strncmp(run->text + run->at[i], SEPARATOR, strlen(SEPARATOR));
 }
 
-/* How many glyphs from first on go into a line. */
+/* Number of glyphs from first on that fit into a line. */
 static int line_count(const struct typeset_run *run, int first, double room)
 {
 	int count = 0, word = 0, part = 0;
@@ -79,7 +79,7 @@ static int set_text(struct typeset *set, cairo_t *cairo, int text)
 		set->lines[set->count++] = (struct typeset_line){text, first, count,
 								 run_width(run, first, count)};
 		first += count;
-		/* What separates parts is not needed where a line ends. */
+		/* A separator is left out where a line ends. */
 		while (is_blank_at(run, first) || is_separator(run, first))
 			first++;
 	}
@@ -115,8 +115,8 @@ static bool is_too_high(const struct typeset *set)
 	return typeset_height_px(set) > set->room.height;
 }
 
-/* Each text on a line of its own, in letters at least two thirds as large as wanted. -ERANGE: not
- * possible. */
+/* Sets each text on a line of its own, in letters at least two thirds as large as wanted. -ERANGE:
+ * they do not fit. */
 static int set_unbroken(struct typeset *set, cairo_t *cairo)
 {
 	int size = set->room.size_px, least = size * 2 / 3, err;
@@ -145,7 +145,7 @@ static int set_broken(struct typeset *set, cairo_t *cairo)
 	return -ERANGE;
 }
 
-/* As many as there is room for, and how many more there are. */
+/* Sets as many texts as fit, and a line that counts the others. */
 static int set_some(struct typeset *set, cairo_t *cairo)
 {
 	int all = set->text_count, err;
@@ -162,7 +162,7 @@ static int set_some(struct typeset *set, cairo_t *cairo)
 	return -ERANGE;
 }
 
-/* The first text as far as there is room. */
+/* Sets as much of the first text as fits. */
 static int set_part(struct typeset *set, cairo_t *cairo)
 {
 	int err;
@@ -174,7 +174,7 @@ static int set_part(struct typeset *set, cairo_t *cairo)
 	return err;
 }
 
-/* In the size of the last time, and in no more lines, so that a strip stands still while its
+/* Sets the texts in the last size and in no more lines, so that a strip stands still while its
  * figures change. */
 static int set_again(struct typeset *set, cairo_t *cairo)
 {

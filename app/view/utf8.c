@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* RFC 3629: what each first byte stands for, the least that its form may say, and no surrogates.
- * Returns the number of bytes. */
+/* Decodes a character by RFC 3629: forms lists the mask and mark of each first byte, and the least
+ * code of that length; surrogates are refused. Returns the number of bytes, 0: not UTF-8. */
 static int decode_character(const char *text, uint32_t *code)
 {
 	static const struct {
@@ -41,13 +41,13 @@ int utf8_bytes(const char *text)
 	return decode_character(text, &code);
 }
 
-/* C0, delete, C1. */
+/* C0, delete and C1 of ISO 6429. */
 static bool is_control(uint32_t code)
 {
 	return code < 0x20 || (code >= 0x7f && code < 0xa0);
 }
 
-/* Unicode keeps them out of texts for good; cairo refuses them. */
+/* The noncharacters of Unicode, which cairo refuses. */
 static bool is_no_character(uint32_t code)
 {
 	return (code & 0xfffe) == 0xfffe || (code >= 0xfdd0 && code <= 0xfdef);

@@ -7,10 +7,10 @@
 
 #include "app/view/utf8.h"
 
-#define NAME_MAX_BYTES 40 /* a name that is longer may not push out what is wrong */
+#define NAME_MAX_BYTES 40 /* longer names are cut, so that the trouble behind them stays in sight */
 #define ELLIPSIS "\u2026"
 
-/* After "Fisheye camera 'C920' ". "waiting": it goes on by itself. */
+/* Follows "Fisheye camera 'C920' ". "waiting" promises that it goes on by itself. */
 static const char *const wrong[CAMERA_SITUATION_COUNT] = {
 	[CAMERA_NO_DEVICE] = "is not connected: waiting",
 	[CAMERA_NO_SIGNAL] = "gets no video signal: waiting",
@@ -59,7 +59,7 @@ int words_pose(char *text, size_t room, int pose, const char *name)
 	return copy_whole(text, room, whole);
 }
 
-/* A bound stays one when it is rounded. */
+/* Rounds up, so that a bound stays a bound. */
 static const char *say_bound(char *text, size_t room, double value)
 {
 	if (value < 10)
