@@ -97,7 +97,7 @@ struct round {
 	struct fault *fault;
 };
 
-static int bench_prepare(void *context, int way, int turn)
+static int round_prepare(void *context, int way, int turn)
 {
 	struct round *round = context;
 	int err = 0;
@@ -111,14 +111,14 @@ static int bench_prepare(void *context, int way, int turn)
 	return bench_way_prepare(&round->ways->way[way], round->stage, turn, round->fault);
 }
 
-static int rounds_run(void *context, int way)
+static int round_run(void *context, int way)
 {
 	const struct round *round = context;
 
 	return bench_way_run(&round->ways->way[way], round->stage, round->fault);
 }
 
-static bool way_is_alone(void *context, int way)
+static bool round_is_alone(void *context, int way)
 {
 	const struct round *round = context;
 
@@ -132,9 +132,9 @@ static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct f
 	struct turns turns = {.context = &round,
 			      .ways = ways->count,
 			      .repeat = stage->settings->repeat,
-			      .prepare = bench_prepare,
-			      .run = rounds_run,
-			      .is_alone = way_is_alone};
+			      .prepare = round_prepare,
+			      .run = round_run,
+			      .is_alone = round_is_alone};
 	int err = grow_reading(ways, stage, fault);
 
 	if (!err)

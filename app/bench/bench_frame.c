@@ -89,8 +89,7 @@ static int create_sampler(struct bench_frame *f, struct fault *fault)
 					  fault);
 }
 
-static int backdrop_fill(struct bench_frame *f, const struct canvas *background,
-			 struct fault *fault)
+static int frame_fill(struct bench_frame *f, const struct canvas *background, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &f->basis->info;
 	int err = lightings_dome(&f->dome, f->basis, fault);
@@ -120,7 +119,7 @@ int bench_frame_create(struct bench_frame **frame, const struct basis *basis,
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	f->basis = basis;
 	f->pool = pool;
-	err = backdrop_fill(f, background, fault);
+	err = frame_fill(f, background, fault);
 	if (err)
 		bench_frame_destroy(f);
 	else

@@ -36,20 +36,20 @@ READER(read_avx2, __attribute__((target("avx2"))))
 READER(read_avx512, __attribute__((target("avx512f"))))
 #endif
 
-struct reading_thread {
+struct reading_kernel {
 	const char *name;
 	uint64_t (*read)(const uint8_t *data, size_t bytes);
 };
 
-static struct reading_thread choose_reader(void)
+static struct reading_kernel choose_reader(void)
 {
 #if defined(__x86_64__)
 	if (processor_features() & PROCESSOR_AVX512)
-		return (struct reading_thread){"avx512f", read_avx512};
+		return (struct reading_kernel){"avx512f", read_avx512};
 	if (processor_features() & PROCESSOR_AVX2)
-		return (struct reading_thread){"avx2", read_avx2};
+		return (struct reading_kernel){"avx2", read_avx2};
 #endif
-	return (struct reading_thread){"baseline", read_plain};
+	return (struct reading_kernel){"baseline", read_plain};
 }
 
 const char *reading_vectors(void)
@@ -81,7 +81,7 @@ struct reading_job {
 	const uint8_t *data;
 	size_t bytes;
 	int parts;
-	struct reading_thread reader;
+	struct reading_kernel reader;
 	uint64_t sum[POOL_THREADS_MAX];
 };
 

@@ -7,7 +7,7 @@
 
 /* The same frame in double precision, in the ways that ours are to be compared with. */
 enum truth_of {
-	TRUTH_OURS,
+	TRUTH_INLAY,
 	TRUTH_THESIS, /* code values are light, here and there */
 	TRUTH_FRAME,  /* background and light as the cameras had them */
 	TRUTH_COUNT
@@ -73,12 +73,12 @@ static void truth_free(struct truth_pictures *t)
 		free(t->picture[k]);
 }
 
-static struct composite_error level_error(const struct bench_way *way,
-					  const struct truth_pictures *t, const struct scope *scope)
+static struct composite_error way_error(const struct bench_way *way, const struct truth_pictures *t,
+					const struct scope *scope)
 {
 	const struct bench_stage *stage = t->stage;
 	struct picture background = stage->background_picture;
-	enum truth_of of = TRUTH_OURS;
+	enum truth_of of = TRUTH_INLAY;
 
 	if (way->kind == BENCH_THESIS)
 		of = TRUTH_THESIS;
@@ -148,7 +148,7 @@ static int truth_judge(struct bench_way *way, const struct truth_pictures *t,
 		if (err)
 			return err;
 	} else {
-		error = level_error(way, t, scope);
+		error = way_error(way, t, scope);
 		if (firsts_keep(firsts, way, t->stage, &error))
 			return fault_say(fault, -ENOMEM, "not enough memory for pictures");
 	}
