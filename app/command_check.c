@@ -10,7 +10,7 @@
 #include "hal/basis/basis.h"
 
 struct check_options {
-	struct settings settings; /* first: SETTINGS_ROWS */
+	struct settings settings; /* has to be first: SETTINGS_ROWS */
 	bool sample;
 };
 
@@ -38,7 +38,8 @@ static void say_fault(void *context, const char *text)
 	log_error("%s", text);
 }
 
-/* NULL: it cannot be opened, or none is named, which config_check() has said. */
+/* Opens the basis. NULL: it cannot be opened, or the configuration names none, which config_check()
+ * has logged. */
 static const struct basis *open_checked_basis(struct basis *basis, const struct config *config,
 					      int *err)
 {
@@ -86,7 +87,7 @@ static int check_command(int argc, char **argv)
 	if (options.sample)
 		return print_sample();
 	err = settings_read(&options.settings, &config, &report);
-	/* A file that cannot be read at all has no second fault. */
+	/* A file that cannot be read has no other faults. */
 	if (options.settings.print && !err)
 		config_print(config, stdout);
 	else if (config && (!err || err == -EINVAL)) {

@@ -14,13 +14,13 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
-/* Of the installed service (board/appliance.conf). */
+/* The socket of the installed service (board/appliance.conf). */
 #define SOCKET_DEFAULT "/run/inlay/control"
 #define REPLY_MAX 65536
 #define REPLY_WITHIN_NS (5 * NS_PER_S)
 
 struct control_options {
-	struct settings settings; /* first: settings_take_config() */
+	struct settings settings; /* has to be first: settings_take_config() */
 	const char *socket;
 	const char *words[2]; /* command, value */
 };
@@ -61,7 +61,7 @@ static void say_fault(void *context, const char *text)
 	log_error("%s", text);
 }
 
-/* 0, or an exit code. */
+/* Finds the socket's path. 0 or an exit code. */
 static int find_socket(const struct control_options *options, char *path, size_t room)
 {
 	struct ini_report report = {.say = say_fault};
@@ -85,7 +85,7 @@ static int find_socket(const struct control_options *options, char *path, size_t
 	return EXIT_USAGE;
 }
 
-/* 0 or -errno; -ETIMEDOUT: it was not ready in time. */
+/* Waits until fd is ready. 0 or -errno; -ETIMEDOUT: not in time. */
 static int wait_until(int fd, short events, int64_t until_ns)
 {
 	struct pollfd p = {.fd = fd, .events = events};
@@ -100,7 +100,8 @@ static int wait_until(int fd, short events, int64_t until_ns)
 	return ready ? 0 : -ETIMEDOUT;
 }
 
-/* 0 or -errno; -EPIPE: the kiosk hung up. The reply is without its newline. */
+/* Sends a line and reads the reply, without its newline. 0 or -errno; -EPIPE: the kiosk closed the
+ * connection. */
 static int send_line(int fd, const char *line, char *reply, size_t room)
 {
 	const int64_t until_ns = clock_now_ns() + REPLY_WITHIN_NS;
@@ -109,7 +110,7 @@ static int send_line(int fd, const char *line, char *reply, size_t room)
 
 	if (send(fd, line, strlen(line), MSG_NOSIGNAL) < 0 && errno != EPIPE)
 		return -errno;
-	/* Whoever was refused finds the reason here, even when nothing could be sent. */
+	/* A refusal can be read here even when the line could not be sent. */
 	while (!newline && length < room) {
 		ssize_t bytes;
 		int err;

@@ -12,13 +12,13 @@ struct devices_options {
 	bool json, sample;
 };
 
-/* Where the listing goes, and what it has seen so far. */
+/* Where the listing goes, and its state. */
 struct devices_listing {
 	bool json;
 	struct devices_sample *sample; /* NULL: the listing is printed */
 	const char *driver;
 	int found, failed;
-	bool first; /* of its array in JSON */
+	bool first; /* the next entry is the first one of its JSON array */
 };
 
 static int take_json(void *context, const char *argument, const char **expected)
@@ -160,7 +160,7 @@ static void end_class(struct devices_listing *l)
 		puts("  none found");
 }
 
-/* A driver that cannot look is said, and the others are listed all the same. */
+/* Reports a driver that cannot list devices; the others go on. */
 static void note_failure(struct devices_listing *l, int count)
 {
 	if (count >= 0)

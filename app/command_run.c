@@ -8,7 +8,7 @@
 #include "hal/base/log.h"
 
 struct run_options {
-	struct settings settings; /* first: SETTINGS_ROWS */
+	struct settings settings; /* has to be first: SETTINGS_ROWS */
 	long frames;
 	const char *stats;
 };
@@ -46,7 +46,7 @@ static void say_fault(void *context, const char *text)
 	log_error("%s", text);
 }
 
-/* As at the start, but that it can be wrong without ending anything. */
+/* Reads the configuration as at the start, but faults do not end the kiosk. */
 static int reread(void *context, struct config **fresh, struct ini_report *report)
 {
 	const struct run_options *options = context;

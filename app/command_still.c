@@ -11,7 +11,7 @@
 #include "hal/image/image.h"
 
 struct still_options {
-	struct settings settings; /* first: SETTINGS_ROWS */
+	struct settings settings; /* has to be first: SETTINGS_ROWS */
 	const char *basis, *background, *fisheye, *lights, *lights_out, *out;
 	struct ini_level threshold; /* value NAN: as configured */
 	long pose;		    /* -1: as configured */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `inlay` can do, in the order in which --help lists it. */
+/* The commands of `inlay`, in the order of --help. */
 #ifndef INLAY_APP_COMMANDS_H
 #define INLAY_APP_COMMANDS_H
 

@@ -11,9 +11,9 @@ enum { CAMERAS = 32, OFFERS = 6, LINE = sizeof(((struct camera_listing *)0)->lin
 
 struct sample_camera {
 	char driver[32], name[128], bus[128];
-	char device[INI_PATH_MAX]; /* as it is listed: a number that may change */
-	char link[INI_PATH_MAX];   /* stays; empty: none */
-	char offers[OFFERS][LINE]; /* the first formats that can be shown */
+	char device[INI_PATH_MAX]; /* as listed: its number may change */
+	char link[INI_PATH_MAX];   /* path by id, which stays; empty: none */
+	char offers[OFFERS][LINE]; /* the first lines with a format that inlay decodes */
 	int offer_count, offers_left_out;
 };
 
@@ -26,11 +26,11 @@ struct sample_screen {
 struct devices_sample {
 	struct sample_camera cameras[CAMERAS];
 	int camera_count, cameras_left_out;
-	struct sample_screen screen; /* the first that is connected */
-	int screens;		     /* connected ones */
+	struct sample_screen screen; /* the first connected one */
+	int screens;		     /* number of connected ones */
 	char chip[128], chip_text[INI_TEXT_MAX];
 	bool keyboard;
-	int refused; /* what this user may not open */
+	int refused; /* devices that this user may not open */
 };
 
 struct devices_sample *sample_create(void)
@@ -43,14 +43,14 @@ void sample_destroy(struct devices_sample *sample)
 	free(sample);
 }
 
-/* In the words of the drivers for what is there, but not for this user. */
+/* Whether a driver's line says that this user may not open a device. */
 static bool says_refused(const char *text)
 {
 	return strstr(text, "no permission") || strstr(text, "Permission denied") ||
 	       strstr(text, "not for this user");
 }
 
-/* "YUYV YUYV 640x480 30 Hz": the second word is one of our formats. */
+/* Whether a line like "YUYV YUYV 640x480 30 Hz" offers a pixel format of inlay, its second word. */
 static bool is_offer(const char *line)
 {
 	char word[16];
@@ -77,8 +77,8 @@ static void read_camera_line(struct sample_camera *camera, const char *line)
 	}
 }
 
-/* A webcam is listed by v4l2 and by libcamera, and a card with several nodes once for each: the
- * first is enough. */
+/* Whether the camera is in the sample: v4l2 and libcamera both list a webcam, and a card with
+ * several nodes is listed for each. */
 static bool camera_is_known(const struct devices_sample *sample, const struct sample_camera *camera)
 {
 	for (int i = 0; i < sample->camera_count; i++) {
@@ -119,7 +119,7 @@ void sample_add_screen(struct devices_sample *sample, const char *driver,
 		       const struct display_listing *listing)
 {
 	struct sample_screen *screen = &sample->screen;
-	bool ours = false; /* the lines are of the connector that was taken */
+	bool ours = false; /* the lines belong to the connector that was taken */
 
 	sample->refused += says_refused(listing->name);
 	for (int i = 0; i < listing->line_count; i++) {
@@ -143,7 +143,7 @@ void sample_add_screen(struct devices_sample *sample, const char *driver,
 	}
 }
 
-/* The label says what the chip is; its number may change. */
+/* Takes the chip's label, because its number may change. */
 void sample_add_buttons(struct devices_sample *sample, const char *driver, const char *line)
 {
 	const char *open = strchr(line, '['), *close = strchr(line, ']');
@@ -167,8 +167,8 @@ static int link_count(const struct devices_sample *sample, const char *link)
 	return count;
 }
 
-/* What stays when numbers move: the link by what the camera is, unless another one is the same;
- * else the bus where v4l2 knows it, which says which socket it is in. */
+/* A name that stays when device numbers change: the link by id, unless another camera has the same;
+ * else the bus where v4l2 knows it, which names the socket. */
 static const char *stable_name(const struct devices_sample *sample,
 			       const struct sample_camera *camera)
 {
@@ -181,7 +181,7 @@ static const char *stable_name(const struct devices_sample *sample,
 static void write_camera(const struct devices_sample *sample, int index, FILE *stream)
 {
 	const struct sample_camera *camera = &sample->cameras[index];
-	/* Beyond what a configuration may hold it is only a remark. */
+	/* A camera beyond the configuration's limit is written as a comment. */
 	const char *mark = index < CONFIG_CAMERAS_MAX ? "" : "; ";
 
 	fprintf(stream, "; %s, now %s%s%s. It offers:\n", *camera->name ? camera->name : "A camera",
@@ -229,8 +229,7 @@ static void write_cameras(const struct devices_sample *sample, FILE *stream)
 	fprintf(stream, "[background]\ncamera = camera%d\n\n", count < 2 ? 1 : 2);
 }
 
-/* The folder is the package's (board/appliance.conf): a service runs here, with a place of its own.
- */
+/* Whether inlay is installed as a service: the package makes this folder (board/appliance.conf). */
 static bool is_installed(void)
 {
 	return access("/etc/inlay", F_OK) == 0;

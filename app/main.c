@@ -43,7 +43,7 @@ static int refuse_unknown(const char *word)
 	return EXIT_USAGE;
 }
 
-/* What was printed must have arrived: a full disk behind ">" is a failure. */
+/* Checks that the output has arrived: a full disk behind ">" is a failure. */
 static int end_output(int code)
 {
 	if (fflush(stdout) || ferror(stdout)) {
@@ -56,7 +56,7 @@ static int end_output(int code)
 int main(int argc, char **argv)
 {
 	log_setup("inlay", LOG_LEVEL_INFO);
-	signal(SIGXFSZ, SIG_IGN); /* a file that is too large is an error that is said */
+	signal(SIGXFSZ, SIG_IGN); /* a write beyond the file size limit then returns an error */
 	if (argc < 2) {
 		print_help(stderr);
 		return EXIT_USAGE;

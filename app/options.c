@@ -97,7 +97,8 @@ static int refuse_unknown(const struct command *command, const char *word, size_
 	return EXIT_USAGE;
 }
 
-/* The argument of a row: behind "=", or the next word. NULL and a message: there is none. */
+/* The argument of an option: behind "=", or the next word. NULL: there is none, which was
+ * logged. */
 static const char *argument_of(const struct command *command, const struct option_row *row,
 			       const char *attached, int argc, char **argv, int *at)
 {

@@ -13,11 +13,11 @@
 
 struct option_row {
 	const char *name;     /* without the dashes: "config" */
-	char letter;	      /* of a short form, 0 for none */
+	char letter;	      /* short form; 0: none */
 	const char *argument; /* "FILE"; NULL: takes none */
 	const char *help;
-	/* Called for each time it is given; argument is NULL where it takes none. 0, or -EINVAL
-	 * with what was expected in expected[]. */
+	/* Called each time the option is given; argument is NULL where it takes none. 0, or -EINVAL
+	 * with *expected set to what was expected. */
 	int (*take)(void *context, const char *argument, const char **expected);
 };
 
@@ -27,16 +27,16 @@ struct command {
 	const char *purpose;		  /* one line, for the list of commands */
 	const char *details;		  /* paragraphs below it in --help; may be NULL */
 	const struct option_row *options; /* ends with a NULL name */
-	/* Called for each word that is no option, as take() of a row. NULL: there are none. */
+	/* Called for each word that is no option, like take() of a row. NULL: words are refused. */
 	int (*take_word)(void *context, const char *word, const char **expected);
 	int (*run)(int argc, char **argv); /* argv[0] is the command's name; returns an exit code */
 };
 
-/* Reads argv[1..]. OPTIONS_GO_ON, or an exit code: --help was printed, or something is wrong and
- * was said on stderr. */
+/* Reads argv[1..]. Returns OPTIONS_GO_ON, or an exit code: --help was printed, or a fault was
+ * logged. */
 int options_read(const struct command *command, int argc, char **argv, void *context);
 
-/* take() of plain values. */
+/* Read a number from an argument, for take(). -EINVAL: not a number, or not within low..high. */
 int option_integer(const char *argument, long low, long high, long *value);
 int option_number(const char *argument, double low, double high, double *value);
 

@@ -52,7 +52,7 @@ int settings_read(const struct settings *settings, struct config **config,
 		if (err && !first)
 			first = err;
 	}
-	/* One that is not there is a fault like others: what else is wrong can still be told. */
+	/* A file that does not exist is a fault like others, and does not hide them. */
 	err = config_read_files(*config, report) ? -EINVAL : 0;
 	return first ? first : err;
 }

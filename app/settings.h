@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* --config and --set, as run, still and check take them. */
+/* The options --config and --set of run, still and check. */
 #ifndef INLAY_APP_SETTINGS_H
 #define INLAY_APP_SETTINGS_H
 
@@ -17,7 +17,7 @@ struct settings {
 	bool print; /* --print-config */
 };
 
-/* Rows of an option table whose context begins with a struct settings. */
+/* Rows for an option table whose context begins with a struct settings. */
 #define SETTINGS_ROWS                                                                              \
 	{.name = "config",                                                                         \
 	 .argument = "FILE",                                                                       \
@@ -32,8 +32,8 @@ int settings_take_config(void *context, const char *argument, const char **expec
 int settings_take_set(void *context, const char *argument, const char **expected);
 int settings_take_print(void *context, const char *argument, const char **expected);
 
-/* Reads both. Everything wrong goes to the report; 0 or the first error. config is made in any case
- * but -ENOMEM, so that a check can go on. */
+/* Reads the configuration that they give. Every fault goes to the report; 0 or the first error.
+ * *config is made unless memory is short, so that a check can go on. */
 int settings_read(const struct settings *settings, struct config **config,
 		  struct ini_report *report);
 

@@ -128,7 +128,7 @@ static int read_background(struct still *s, struct picture *picture, struct faul
 	return 0;
 }
 
-/* The code value of one channel of the result, not rounded in reference mode. */
+/* Code value of one channel of the result; not rounded in reference mode. */
 static double code_at(const struct still *s, int x, int y, int channel)
 {
 	size_t at = (size_t)y * (size_t)s->out.width + (size_t)x;
@@ -138,7 +138,7 @@ static double code_at(const struct still *s, int x, int y, int channel)
 	return s->after.pixels[(size_t)y * s->after.stride + 4 * (size_t)x + 2 - (size_t)channel];
 }
 
-/* PNG takes code values, PFM and Radiance the linear light that they stand for. */
+/* PNG holds code values, PFM and Radiance the linear light that they stand for. */
 static void fill_out(struct still *s)
 {
 	const struct transfer_curve curve =
@@ -180,7 +180,7 @@ static int composite_still(struct still *s, const struct picture *background, st
 	return pipeline_composite(s->pipeline, &backdrop, s->after.pixels, s->after.stride, fault);
 }
 
-/* What the fisheye clips may be seen on the ground. */
+/* Light that the fisheye clips may be seen on the ground of the background. */
 static int recover_light(struct still *s, const struct picture *background, struct fault *fault)
 {
 	const struct frame_reader reader = frame_reader_of(background);
@@ -240,7 +240,7 @@ static int make_still(struct still *s, struct fault *fault)
 	if (err)
 		return err;
 	pipeline.mode = settings->mode == STILL_EXACT ? COMPOSITOR_EXACT : COMPOSITOR_FAST;
-	pipeline.reuse = REUSE_NEVER; /* there is one picture */
+	pipeline.reuse = REUSE_NEVER; /* there is one picture only */
 	err = pipeline_create(&s->pipeline, &s->basis, &pipeline, fault);
 	if (err)
 		return err;
@@ -250,7 +250,7 @@ static int make_still(struct still *s, struct fault *fault)
 	err = make_picture(s, fault);
 	if (err)
 		return err;
-	/* Nothing is written before everything is known to be right. */
+	/* Files are written only after everything else has succeeded. */
 	if (settings->lights_out)
 		err = lights_file_write(settings->lights_out, pipeline_radiance(s->pipeline),
 					(int)s->basis.info.lights, fault);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* One picture through the pipeline: files in, a file out. */
+/* inlay still: one picture through the pipeline, from files to a file. */
 #ifndef INLAY_APP_STILL_H
 #define INLAY_APP_STILL_H
 
 #include "config/config.h"
 #include "hal/base/fault.h"
 
-/* As compositor.h has them, but reference: double precision, of the exact layer where there is one.
- */
+/* Fast and exact as in compositor.h; reference: double precision, of the exact layer where the
+ * basis has one. */
 enum still_mode { STILL_FAST, STILL_EXACT, STILL_REFERENCE, STILL_MODE_COUNT };
 
 extern const char *const still_mode_names[]; /* "fast", "exact", "reference", NULL */
@@ -16,9 +16,9 @@ struct still_settings {
 	const struct config *config;
 	const char *basis;
 	const char *background;
-	const char *fisheye; /* one of these two, the other NULL */
+	const char *fisheye; /* one of fisheye and lights, the other NULL */
 	const char *lights;
-	const char *lights_out; /* NULL: nowhere */
+	const char *lights_out; /* NULL: none are written */
 	const char *out;	/* .png: code values; .pfm, .hdr: linear light */
 	struct ini_level threshold;
 	int pose;

@@ -26,7 +26,7 @@ static const struct bench_way *find_way(const struct bench_ways *ways, enum benc
 	return NULL;
 }
 
-/* What one way's times mean beside those of the others. */
+/* Fills in what compares a way's times with those of others. */
 static void fill_row(struct bench_way *way, const struct bench_ways *ways,
 		     const struct bench_stage *stage)
 {
@@ -71,7 +71,7 @@ static int take_rows(struct bench_report *report, struct bench_ways *ways,
 
 /* ---- timing ---- */
 
-/* Memory for reading as much as any way has read. */
+/* Allocates as much memory as any way has read. */
 static int grow_reading(struct bench_ways *ways, struct bench_stage *stage, struct fault *fault)
 {
 	uint64_t most = 1;
@@ -89,11 +89,11 @@ static int grow_reading(struct bench_ways *ways, struct bench_stage *stage, stru
 	return 0;
 }
 
-/* What is timed under one lighting. */
+/* What the timed turns under one lighting need. */
 struct round {
 	struct bench_ways *ways;
 	struct bench_stage *stage;
-	int turn; /* whose light the stage has */
+	int turn; /* turn whose light the stage has; -1: none */
 	struct fault *fault;
 };
 
@@ -195,7 +195,7 @@ static const struct basis_layer *best_layer(const struct bench_stage *stage)
 	return stage->exact ? &stage->basis->poses[0].exact : &stage->basis->poses[0].shown;
 }
 
-/* all: threads for what is not timed. */
+/* Prepares what all ways share. all: threads for work that is not timed. */
 static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *fault)
 {
 	const struct bench_settings *settings = stage->settings;

@@ -12,10 +12,10 @@
 #include "hal/measure/lightings.h"
 #include "hal/optics/fisheye.h"
 
-/* What one camera delivers. */
+/* The pictures of one camera. */
 struct bench_camera {
 	uint8_t *yuyv[BENCH_CAMERA_BUFFERS];
-	int turn; /* whose buffer it is */
+	int turn; /* index of the present buffer */
 	struct frame frame;
 	struct frame_reader reader;
 };
@@ -26,7 +26,7 @@ struct bench_frame {
 	struct dome dome;
 	struct fisheye lens;
 	struct bench_camera background, fisheye;
-	struct canvas canvas; /* the background as read from its camera: for double precision */
+	struct canvas canvas; /* the background read from its camera, for double precision */
 	struct light_sampler *sampler;
 	float (*radiance)[3];
 	struct light_selection lights;
@@ -180,7 +180,7 @@ void bench_frame_budget(struct bench_frame *f, double budget)
 
 void bench_frame_next(struct bench_frame *f)
 {
-	/* opened as before but for where it lies: it cannot fail */
+	/* cannot fail: only the address has changed since the last time */
 	(void)camera_show(&f->background, (f->background.turn + 1) % BENCH_CAMERA_BUFFERS);
 	(void)camera_show(&f->fisheye, (f->fisheye.turn + 1) % BENCH_CAMERA_BUFFERS);
 }

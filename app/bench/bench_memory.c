@@ -9,11 +9,11 @@
 #include "hal/base/processor.h"
 
 #define HUGE_PAGE ((size_t)2 << 20)
-#define STEP 512 /* bytes in a round of the reader */
+#define STEP 512 /* bytes of one round of the loop */
 
 typedef uint64_t wide __attribute__((vector_size(64)));
 
-/* The same loop for several instruction sets: 64 bytes are one register or some. */
+/* The same loop for several instruction sets: 64 bytes are one or more registers. */
 #define READER(name, attributes)                                                                   \
 	attributes static uint64_t name(const uint8_t *data, size_t bytes)                         \
 	{                                                                                          \
@@ -65,7 +65,8 @@ int reading_create(struct bench_reading *reading, size_t bytes)
 		reading->bytes = 0;
 		return -ENOMEM;
 	}
-	/* No walks through page tables in the bound; a kernel without large pages is no failure. */
+	/* Large pages keep walks through page tables out of the bound. A kernel without them does
+	 * not matter. */
 	(void)madvise(reading->data, reading->bytes, MADV_HUGEPAGE);
 	memset(reading->data, 1, reading->bytes);
 	return 0;

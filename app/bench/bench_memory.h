@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How fast memory can be read at all, and what copying a picture takes. For bench alone. */
+/* How fast memory can be read at all. For bench alone. */
 #ifndef INLAY_APP_BENCH_BENCH_MEMORY_H
 #define INLAY_APP_BENCH_BENCH_MEMORY_H
 
@@ -8,7 +8,7 @@
 
 #include "hal/base/pool.h"
 
-/* Memory to read, none of it shared. */
+/* Memory to be read, every page of it present. */
 struct bench_reading {
 	uint8_t *data;
 	size_t bytes;
@@ -17,12 +17,12 @@ struct bench_reading {
 int reading_create(struct bench_reading *reading, size_t bytes); /* -ENOMEM */
 void reading_free(struct bench_reading *reading);		 /* idempotent; zeroed is fine */
 
-/* Reads the first bytes of it once, front to back, with the widest vectors that the processor has,
- * each of the pool's threads a part. Returns what was in it, xor-ed, so that nothing can be left
- * out. */
+/* Reads the first bytes once, front to back, with the widest vectors of the processor; each thread
+ * of the pool reads parts. Returns the exclusive or of all words, so that the compiler cannot leave
+ * the reading out. */
 uint64_t reading_run(const struct bench_reading *reading, size_t bytes, struct pool *pool);
 
-/* What its vectors are called: "avx512f", ... */
+/* Name of those vectors: "avx512f", ... */
 const char *reading_vectors(void);
 
 #endif

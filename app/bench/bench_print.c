@@ -5,17 +5,17 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Share of the time that somebody else had, from where figures cannot be trusted. */
+/* Share of the time that other programs ran above which times cannot be trusted. */
 #define WAITED_MUCH 0.03
 
-/* A column of the table, in JSON and CSV under its key. */
+/* A column of the table; key names it in JSON and CSV. */
 struct column {
 	const char *key;
-	const char *title; /* NULL: not for people */
+	const char *title; /* NULL: not in the table */
 	int width;
-	int digits; /* behind the point, for people */
+	int digits; /* digits behind the point in the table */
 	enum { OF_TEXT, OF_COUNT, OF_NUMBER, OF_ERROR } kind;
-	size_t at; /* in struct bench_row */
+	size_t at; /* offset in struct bench_row */
 };
 
 #define AT(field) offsetof(struct bench_row, field)
@@ -41,7 +41,7 @@ static const struct column columns[] = {
 
 #define COLUMN_COUNT (sizeof(columns) / sizeof(*columns))
 
-/* NaN: does not apply. */
+/* Returns NaN where the figure does not apply. */
 static double field_number(const struct bench_row *row, const struct column *column)
 {
 	const char *at = (const char *)row + column->at;
@@ -176,7 +176,7 @@ void bench_print_json(const struct bench_report *r, FILE *to)
 	fputs("\n]}\n", to);
 }
 
-/* Quoted where a comma or a quote would be read as something else. */
+/* Quotes texts that hold a comma, a quote or a line end. */
 static void print_csv_text(const char *text, FILE *to)
 {
 	if (!strpbrk(text, ",\"\n\r")) {

@@ -5,17 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The same frame in double precision, in the ways that ours are to be compared with. */
+/* Pictures in double precision that ways are compared with. */
 enum truth_of {
 	TRUTH_INLAY,
-	TRUTH_THESIS, /* code values are light, here and there */
-	TRUTH_FRAME,  /* background and light as the cameras had them */
+	TRUTH_THESIS, /* code values are linear light, in background and result */
+	TRUTH_FRAME,  /* background and light as the two cameras saw them */
 	TRUTH_COUNT
 };
 
 struct truth_pictures {
 	const struct bench_stage *stage;
-	double *picture[TRUTH_COUNT]; /* [height][width][3]; NULL where nothing needs it */
+	double *picture[TRUTH_COUNT]; /* [height][width][3]; NULL: no way needs it */
 	int err[TRUTH_COUNT];
 };
 
@@ -24,7 +24,7 @@ static size_t values_of(const struct bench_stage *stage)
 	return 3 * (size_t)stage->basis->info.width * stage->basis->info.height;
 }
 
-/* Double precision takes one thread for one picture, so the pictures are shared out. */
+/* Makes one of the pictures. Each takes one thread, so the threads share them out. */
 static void make_truth(void *context, int item, int worker)
 {
 	struct truth_pictures *t = context;
@@ -90,14 +90,14 @@ static struct composite_error way_error(const struct bench_way *way, const struc
 			     of == TRUTH_THESIS ? TRANSFER_LINEAR : TRANSFER_SRGB);
 }
 
-/* Ways whose pictures are the same, whatever the kernel and the frame before. */
+/* Whether two ways have to make the same picture, whatever the kernel and the frame before. */
 static bool are_alike(const struct bench_way *a, const struct bench_way *b)
 {
 	return a->kind == b->kind && a->kind != BENCH_THESIS &&
 	       a->composite.mode == b->composite.mode;
 }
 
-/* Pictures of each kind, of the first way that makes them. */
+/* The picture of each kind, of the first way that made it. */
 struct firsts {
 	const struct bench_way *way[4];
 	struct composite_error error[4];
@@ -133,7 +133,7 @@ static int firsts_keep(struct firsts *firsts, const struct bench_way *way,
 	return 0;
 }
 
-/* One way's picture against the truth, or against another that has been. */
+/* Compares a way's picture with the truth, or with the first one of its kind. */
 static int truth_judge(struct bench_way *way, const struct truth_pictures *t,
 		       const struct scope *scope, struct firsts *firsts, struct fault *fault)
 {
@@ -182,7 +182,7 @@ static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int mem
 	return err;
 }
 
-/* The cameras have to have seen the light before double precision can take it from them. */
+/* Measures the light of the cameras' pictures, which double precision takes. */
 static int see_light(const struct bench_stage *stage, struct fault *fault)
 {
 	return stage->cameras

@@ -59,7 +59,8 @@ static struct compositor_settings settings_of(enum compositor_mode mode, bool se
 	};
 }
 
-/* All that one kernel can do; what keeps sums from frame to frame has a compositor of its own. */
+/* Adds all ways of one kernel. Ways that keep sums from frame to frame have a compositor of their
+ * own. */
 static int add_kernel(struct bench_ways *ways, const struct bench_stage *stage, const char *kernel,
 		      struct fault *fault)
 {
@@ -111,7 +112,8 @@ static int add_kernels(struct bench_ways *ways, const struct bench_stage *stage,
 	return err;
 }
 
-/* What memory allows, for what the last kernel does, as all kernels read the same; parts. */
+/* Adds the read bounds, the copy and parts of a frame. All kernels read the same bytes: the bounds
+ * are for the ways of the last one. */
 static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
 {
 	const int count = ways->count;
@@ -204,7 +206,7 @@ int bench_stage_light(struct bench_stage *stage, int member, struct fault *fault
 	return 0;
 }
 
-/* The frame before had some lights brighter. */
+/* Chooses the lights of the frame before, in which some were brighter. */
 static void light_before(struct bench_stage *stage, int turn, int changed)
 {
 	const int n = stage->lights.count;
@@ -292,7 +294,7 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 		bench_frame_convert(stage->cameras, &stage->out);
 		break;
 	case BENCH_READ: {
-		/* so that no compiler leaves the reading out */
+		/* volatile: the compiler must not leave the reading out */
 		volatile uint64_t sum = reading_run(&stage->reading, way->like->bytes, stage->pool);
 
 		(void)sum;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The ways to make a picture that bench compares: each prepares itself, untimed, and then makes one
+ * The ways to make a picture that bench compares. Each prepares itself, untimed, and then makes one
  * frame. For bench alone.
  */
 #ifndef INLAY_APP_BENCH_BENCH_WAYS_H
@@ -17,30 +17,30 @@
 struct bench_stage {
 	const struct bench_settings *settings;
 	const struct basis *basis;
-	bool exact; /* there is an exact layer */
+	bool exact; /* the basis has an exact layer */
 	struct pool *pool;
-	/* As many buffers as a kiosk's cameras and screen have: a frame finds other memory than the
-	 * one before it left in the caches. All backgrounds are the same picture. */
+	/* As many buffers as a kiosk's cameras and screen have, so that a frame does not find the
+	 * memory of the one before it in the caches. All backgrounds are the same picture. */
 	struct canvas background[BENCH_CAMERA_BUFFERS], screen[BENCH_SCREEN_BUFFERS];
-	struct picture background_picture; /* whose turn it is */
-	struct canvas out;		   /* the same; borrowed */
+	struct picture background_picture; /* of the present buffer */
+	struct canvas out;		   /* present buffer of the screen; borrowed */
 	unsigned frames;
 	struct thesis *thesis;	     /* NULL: left out */
 	struct bench_frame *cameras; /* NULL: the basis's lights are no dome's */
 	struct bench_reading reading;
-	const struct lighting *lighting; /* of this round */
-	const float (*seen)[3];		 /* the member of it that the cameras show */
-	struct light_selection lights;	 /* of the member whose turn it is */
-	struct light_selection before;	 /* the same, but for some */
+	const struct lighting *lighting; /* the present one */
+	const float (*seen)[3];		 /* member of it that the cameras show */
+	struct light_selection lights;	 /* lights of the present member */
+	struct light_selection before;	 /* the same, except for some lights */
 	float (*scratch)[3];		 /* [lights] */
-	int64_t timed_ns, ran_ns;	 /* in all timed turns: by the clock, by the processor */
+	int64_t timed_ns, ran_ns; /* sum over the timed turns: wall clock time, processor time */
 };
 
 enum bench_kind {
 	BENCH_THESIS,
 	BENCH_COMPOSITE,
 	BENCH_FRAME,
-	/* these make no picture of the object */
+	/* The following make no picture of the object: */
 	BENCH_LIGHT,
 	BENCH_CONVERT,
 	BENCH_READ,
@@ -51,15 +51,15 @@ enum bench_kind {
 
 struct bench_way {
 	enum bench_kind kind;
-	struct bench_row row; /* what and kernel; the rest when it is known */
-	/* BENCH_COMPOSITE, BENCH_FRAME */
+	struct bench_row row; /* what and kernel; the rest is filled in later */
+	/* For BENCH_COMPOSITE and BENCH_FRAME: */
 	struct compositor *compositor;
 	struct compositor_settings composite;
-	int changed;	/* lights that differ from the frame before it: 0, n, BENCH_CHANGE_ALL */
-	uint64_t bytes; /* of the basis, read by its last frame */
-	/* BENCH_READ: as many bytes as that way has read */
+	int changed;	/* lights that differ from the frame before: 0, n, BENCH_CHANGE_ALL */
+	uint64_t bytes; /* bytes of the basis that its last frame read */
+	/* For BENCH_READ: reads as many bytes as that way has read. */
 	const struct bench_way *like;
-	double *ms; /* [repeat], of the list's own memory */
+	double *ms; /* [repeat]: time of each turn; part of bench_ways.ms */
 };
 
 struct bench_ways {
@@ -74,20 +74,21 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage,
 		      struct fault *fault);
 void bench_ways_free(struct bench_ways *ways); /* idempotent; zeroed is fine */
 
-/* Whether it makes a picture of the object, so that there is an error to measure. */
+/* Whether the way makes a picture of the object, which has an error. */
 bool bench_way_shows(const struct bench_way *way);
 
-/* Makes a member of the lighting the one whose turn it is, for the cameras too. -ENOMEM. */
+/* Makes a member of the lighting the present one, for the cameras, too. 0 or -ENOMEM. */
 int bench_stage_light(struct bench_stage *stage, int member, struct fault *fault);
 
-/* The next of the cameras' and the screen's buffers. */
+/* Goes on to the next buffers of cameras and screen. */
 void bench_stage_next(struct bench_stage *stage);
 
-/* Untimed: what has to be so before this way's frame, the frame that it starts from included. */
+/* Prepares the way's frame, untimed, and makes the frame before it where the way starts from
+ * one. */
 int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn,
 		      struct fault *fault);
 
-/* The frame, into stage->out, which is the next of the screen's buffers. */
+/* Makes the frame, in stage->out, the next buffer of the screen. */
 int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault *fault);
 
 #endif

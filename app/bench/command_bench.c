@@ -170,7 +170,8 @@ static const struct option_row rows[] = {
 	 .take = take_csv},
 	{.name = NULL}};
 
-/* The file is begun first: nobody waits minutes to hear that there is no such folder. */
+/* Opens the CSV file first, so that a folder that does not exist is reported before minutes of
+ * work. */
 static int run_bench(const struct bench_options *options, struct fault *fault)
 {
 	struct bench_report report = {.row = NULL};

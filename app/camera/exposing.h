@@ -24,11 +24,9 @@ struct exposing {
 	const struct config_fisheye *config; /* borrowed; NULL: the camera keeps its exposure */
 	int count;
 	struct exposure_schedule schedule;
-	unsigned opening; /* the opening of the source (its openings) that the schedule is for; 0:
-			    none yet */
-	int exposure;	  /* of the last picture; -1: not known */
-	double taken[EXPOSURES_MAX]; /* each exposure as the camera has taken it; at first as asked
-				    for */
+	unsigned opening;	     /* source.openings when the schedule began; 0: none yet */
+	int exposure;		     /* of the last picture; -1: not known */
+	double taken[EXPOSURES_MAX]; /* each one as the camera has taken it; first as asked for */
 	double ratio[EXPOSURES_MAX]; /* taken[k] / taken[0]: share of the light that each lets in */
 	bool asked;		     /* the camera has obeyed since it was opened */
 	bool single;		     /* it stays at one exposure */

@@ -15,7 +15,7 @@ struct opener {
 	int ended; /* eventfd: written when an opening has ended */
 	/* Under the lock: */
 	bool open, done, leave;
-	/* Of the thread from open to done, else of the caller: */
+	/* Belongs to the thread from open to done, else to the caller: */
 	struct camera *camera;
 	const struct camera_ops *ops;
 	const struct camera_settings *settings;

@@ -41,7 +41,7 @@ struct source {
 	char device_name[128]; /* name of the device that was open last; empty: it has none */
 	struct frame held;     /* frame that was grabbed and not given back; PIXEL_NONE: none */
 	bool shown;	       /* the held frame is raw and is the picture */
-	bool kept;	       /* set by the user: pictures have to outlive their frames (freeze) */
+	bool kept;	       /* set by the user: pictures outlive their frames (freeze) */
 	int64_t held_ns;       /* when the held frame was captured */
 	int64_t heard_ns;      /* when the camera last gave a frame, or was opened */
 	uint64_t superseded;   /* held frames that a newer one replaced */
@@ -53,8 +53,7 @@ struct source {
 	struct transfer_tables *tables;
 	struct canvas canvas; /* has the picture's size; width 0: there has been no picture */
 	bool whole;	      /* the picture is in the canvas */
-	struct image linear;  /* the picture in linear radiance, not clipped, of a camera that sends
-			   RGBF */
+	struct image linear;  /* the picture in linear radiance, not clipped, from RGBF */
 	bool is_linear;
 	int64_t picture_ns; /* when the picture was captured */
 	int64_t stamp_ns;   /* the same by the camera's own clock, perhaps a simulated one */

@@ -154,8 +154,7 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 				  fault);
 	if (!err)
 		err = loop_open(&k->loop,
-				fault); /* before any thread is started: threads inherit the blocked
-				   signals */
+				fault); /* before any thread: they inherit blocked signals */
 	if (!err)
 		err = open_pipeline(k, fault);
 	if (err)

@@ -62,8 +62,7 @@ struct kiosk_picture {
 struct kiosk_controls {
 	struct keypad keypads[CONFIG_DRIVERS_MAX];
 	int keypad_count;
-	struct control *control; /* the socket; NULL: none is configured, or it cannot be opened at
-			    present */
+	struct control *control; /* the socket; NULL: none, or not open at present */
 	struct fault control_said;
 	char status[STATS_TEXT_MAX + 512]; /* the socket's answer to "status" */
 	struct state *state;		   /* keeps what is chosen; NULL: nothing is kept */

@@ -79,7 +79,7 @@ struct state {
 	struct config_state settings;
 	struct state_values wanted;
 	bool moved, leave;
-	/* Of the thread alone: */
+	/* For the thread alone: */
 	struct state_values kept;
 	int64_t next_ns; /* nothing is written before */
 	struct fault said;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which pose is shown at which time. Poses follow the time at which frames are captured, not their
- * number, so that the animation does not drift and late frames leave poses out.
+ * Maps time to poses. Poses follow the time at which frames are captured, not their number, so that
+ * the animation does not drift and late frames leave poses out.
  */
 #ifndef INLAY_APP_KIOSK_TIMELINE_H
 #define INLAY_APP_KIOSK_TIMELINE_H

@@ -42,8 +42,7 @@ struct pipeline_settings {
 	int exposures;
 	double exposure[EXPOSURES_MAX];
 	struct pipeline_patch patch;
-	int64_t follow_ns; /* time after which a switched light is at 90 % (light_filter.h); 0: at
-			      once */
+	int64_t follow_ns; /* a switched light is at 90 % after it (light_filter.h); 0: at once */
 	enum threshold_mode threshold_mode;
 	/* transfer function of the background's code values and of the result */
 	struct transfer_curve background;
@@ -68,7 +67,8 @@ struct pipeline_choice {
 	 *
 	 *     (1 - share) * picture of pose + share * picture of next,    0 <= share <= 1
 	 *
-	 * A share above 0 costs two composites, and reads the background twice. Light is chosen for the nearer pose.
+	 * A share above 0 costs two composites, and reads the background twice. Light is chosen for
+	 * the nearer pose.
 	 */
 	double share;
 	int next;

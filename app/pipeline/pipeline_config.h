@@ -8,7 +8,7 @@
 
 struct pipeline_settings pipeline_settings_of(const struct config *config);
 
-/* Which layers of the basis these settings need. */
+/* Returns which layers of the basis these settings need. */
 enum basis_part pipeline_part_of(const struct config *config);
 
 /* Opens a basis as basis_open() does; where the exact layer is missing, the fault also says how to

@@ -12,7 +12,7 @@ struct pipeline_fade {
 	size_t stride;
 	uint8_t *pose[2]; /* [height][stride] */
 	struct crossfade mix;
-	/* Of the frame that is being made: */
+	/* The frame that is being made: */
 	int width, height;
 	uint8_t *out;
 	size_t out_stride;

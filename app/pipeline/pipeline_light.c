@@ -14,7 +14,7 @@
 struct relight {
 	pthread_t thread;
 	atomic_bool done;
-	/* Of the thread until done is set, then of the pipeline: */
+	/* Belongs to the thread until done is set, then to the pipeline: */
 	const struct dome *dome;
 	struct light_sampler_settings settings;
 	struct fisheye_settings lens_settings;

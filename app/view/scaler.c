@@ -90,7 +90,7 @@ int scaler_fit(struct scaler *scaler, int from_width, int from_height, int to_wi
 	if (err)
 		goto free_scaler;
 	scaler->workers = workers;
-	/* Of each worker: a sum for each byte of a row, the rows under the filter, and the number
+	/* For each worker: a sum for each byte of a row, the rows under the filter, and the number
 	 * of the source row in each of them. */
 	scaler->scratch_bytes = 4 * row_bytes(scaler) +
 				(size_t)scaler->down.taps * (row_bytes(scaler) + sizeof(int));

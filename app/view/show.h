@@ -32,7 +32,7 @@
 
 struct show {
 	struct canvas after, marked;
-	/* Of the whole screen or the first quarter, and of the other three. */
+	/* For the whole screen or its first quarter, and for the other three. */
 	struct scaler scalers[4];
 };
 
