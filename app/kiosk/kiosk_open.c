@@ -134,8 +134,8 @@ static int open_pipeline(struct kiosk *k, struct fault *fault)
 
 	if (err)
 		return err;
-	return pipeline_choose(k->picture.pipeline, &k->controls.choice,
-			       fault); /* fails where there is no such pose */
+	/* Fails where the basis has no such pose. */
+	return pipeline_choose(k->picture.pipeline, &k->controls.choice, fault);
 }
 
 int kiosk_open(struct kiosk *k, struct fault *fault)
@@ -152,9 +152,9 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	service_start(&k->service);
 	err = pipeline_open_basis(&k->picture.basis, config->basis.file, pipeline_part_of(config),
 				  fault);
+	/* Before any thread is started: threads inherit the blocked signals. */
 	if (!err)
-		err = loop_open(&k->loop,
-				fault); /* before any thread: they inherit blocked signals */
+		err = loop_open(&k->loop, fault);
 	if (!err)
 		err = open_pipeline(k, fault);
 	if (err)
