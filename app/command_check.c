@@ -14,7 +14,7 @@ struct check_options {
 	bool sample;
 };
 
-static int take_sample(void *context, const char *argument, const char **expected)
+static int take_sample_keys(void *context, const char *argument, const char **expected)
 {
 	(void)argument;
 	(void)expected;
@@ -29,14 +29,8 @@ static const struct option_row rows[] = {
 	 .take = settings_take_print},
 	{.name = "sample",
 	 .help = "print every key at its default, with range and meaning, instead",
-	 .take = take_sample},
+	 .take = take_sample_keys},
 	{.name = NULL}};
-
-static void say_fault(void *context, const char *text)
-{
-	(void)context;
-	log_error("%s", text);
-}
 
 /* Opens the basis. NULL: it cannot be opened, or the configuration names none, which config_check()
  * has logged. */
@@ -78,7 +72,7 @@ static int print_sample(void)
 static int check_command(int argc, char **argv)
 {
 	struct check_options options = {.sample = false};
-	struct ini_report report = {.say = say_fault};
+	struct ini_report report = {.say = settings_say};
 	struct config *config = NULL;
 	int code = options_read(&command_check, argc, argv, &options), err, check_err;
 

@@ -55,16 +55,10 @@ static const struct option_row rows[] = {
 	 .take = settings_take_config},
 	{.name = NULL}};
 
-static void say_fault(void *context, const char *text)
-{
-	(void)context;
-	log_error("%s", text);
-}
-
 /* Finds the socket's path. 0 or an exit code. */
 static int find_socket(const struct control_options *options, char *path, size_t room)
 {
-	struct ini_report report = {.say = say_fault};
+	struct ini_report report = {.say = settings_say};
 	struct config *config = NULL;
 	int err;
 

@@ -40,12 +40,6 @@ static const struct option_row rows[] = {SETTINGS_ROWS,
 					  .take = settings_take_print},
 					 {.name = NULL}};
 
-static void say_fault(void *context, const char *text)
-{
-	(void)context;
-	log_error("%s", text);
-}
-
 /* Reads the configuration as at the start, but faults do not end the kiosk. */
 static int reread(void *context, struct config **fresh, struct ini_report *report)
 {
@@ -53,7 +47,7 @@ static int reread(void *context, struct config **fresh, struct ini_report *repor
 	int err;
 
 	*fresh = NULL;
-	report->say = say_fault;
+	report->say = settings_say;
 	err = settings_read(&options->settings, fresh, report);
 	if (!err)
 		err = config_check(*fresh, report);

@@ -13,7 +13,7 @@ static const struct command *const commands[] = {&command_run,	 &command_control
 
 #define COMMAND_COUNT (sizeof(commands) / sizeof(*commands))
 
-static void print_help(FILE *stream)
+static void print_commands(FILE *stream)
 {
 	fputs("usage: inlay COMMAND [options]\n\n"
 	      "Stands a virtual object in a live picture, lit by the light that is there.\n\n"
@@ -27,7 +27,7 @@ static void print_help(FILE *stream)
 	      stream);
 }
 
-static int refuse_unknown(const char *word)
+static int refuse_command(const char *word)
 {
 	const char *names[COMMAND_COUNT], *near;
 
@@ -58,11 +58,11 @@ int main(int argc, char **argv)
 	log_setup("inlay", LOG_LEVEL_INFO);
 	signal(SIGXFSZ, SIG_IGN); /* a write beyond the file size limit then returns an error */
 	if (argc < 2) {
-		print_help(stderr);
+		print_commands(stderr);
 		return EXIT_USAGE;
 	}
 	if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
-		print_help(stdout);
+		print_commands(stdout);
 		return end_output(EXIT_DONE);
 	}
 	if (!strcmp(argv[1], "--version")) {
@@ -73,5 +73,5 @@ int main(int argc, char **argv)
 		if (!strcmp(argv[1], commands[i]->name))
 			return end_output(commands[i]->run(argc - 1, argv + 1));
 	}
-	return refuse_unknown(argv[1]);
+	return refuse_command(argv[1]);
 }

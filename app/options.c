@@ -48,7 +48,7 @@ static void print_option(const struct option_row *row)
 	printf("  %-24s %s\n", left, row->help);
 }
 
-static void print_help(const struct command *command)
+static void print_options(const struct command *command)
 {
 	printf("usage: inlay %s %s\n\n%s\n", command->name, command->usage, command->purpose);
 	if (command->details)
@@ -78,7 +78,7 @@ static const struct option_row *find_letter(const struct option_row *rows, char 
 	return NULL;
 }
 
-static int refuse_unknown(const struct command *command, const char *word, size_t length)
+static int refuse_option(const struct command *command, const char *word, size_t length)
 {
 	const char *names[ROWS_MAX] = {"help"}, *near;
 	char name[64];
@@ -176,12 +176,12 @@ static int read_word(const struct command *command, int argc, char **argv, int *
 	if (word[length])
 		attached = word + length + 1;
 	if (length == 4 && !memcmp(word, "help", 4)) {
-		print_help(command);
+		print_options(command);
 		return EXIT_DONE;
 	}
 	row = find_row(command->options, word, length);
 	if (!row)
-		return refuse_unknown(command, word, length);
+		return refuse_option(command, word, length);
 	return take_option(command, row, attached, argc, argv, at, context);
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "app/driver_list.h"
+#include "hal/base/log.h"
 
 int settings_take_config(void *context, const char *argument, const char **expected)
 {
@@ -33,6 +34,12 @@ int settings_take_print(void *context, const char *argument, const char **expect
 	(void)expected;
 	((struct settings *)context)->print = true;
 	return 0;
+}
+
+void settings_say(void *context, const char *text)
+{
+	(void)context;
+	log_error("%s", text);
 }
 
 int settings_read(const struct settings *settings, struct config **config,

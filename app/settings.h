@@ -32,6 +32,9 @@ int settings_take_config(void *context, const char *argument, const char **expec
 int settings_take_set(void *context, const char *argument, const char **expected);
 int settings_take_print(void *context, const char *argument, const char **expected);
 
+/* Logs a fault: struct ini_report, say. */
+void settings_say(void *context, const char *text);
+
 /* Reads the configuration that they give. Every fault goes to the report; 0 or the first error.
  * *config is made unless memory is short, so that a check can go on. */
 int settings_read(const struct settings *settings, struct config **config,

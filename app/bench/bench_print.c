@@ -18,25 +18,25 @@ struct column {
 	size_t at; /* offset in struct bench_row */
 };
 
-#define AT(field) offsetof(struct bench_row, field)
+#define ROW_AT(field) offsetof(struct bench_row, field)
 
 static const struct column columns[] = {
-	{"lighting", NULL, 0, 0, OF_TEXT, AT(lighting)},
-	{"what", "what", -36, 0, OF_TEXT, AT(what)},
-	{"kernel", "kernel", -12, 0, OF_TEXT, AT(kernel)},
-	{"lights", "lights", 6, 0, OF_COUNT, AT(lights)},
-	{"median_ms", "median ms", 10, 3, OF_NUMBER, AT(median_ms)},
-	{"least_ms", "least ms", 10, 3, OF_NUMBER, AT(least_ms)},
-	{"speedup", "x thesis", 9, 1, OF_NUMBER, AT(speedup)},
-	{"basis_mb", "read MB", 9, 2, OF_NUMBER, AT(basis_mb)},
-	{"read_ms", NULL, 0, 0, OF_NUMBER, AT(read_ms)},
-	{"read_ratio", "x bound", 8, 2, OF_NUMBER, AT(read_ratio)},
-	{"copies", "x copy", 7, 1, OF_NUMBER, AT(copies)},
-	{"psnr_db", "PSNR dB", 8, 1, OF_ERROR, AT(error.psnr_db)},
-	{"rms", "RMS", 6, 2, OF_ERROR, AT(error.rms)},
-	{"max", "max", 6, 1, OF_ERROR, AT(error.max)},
-	{"frame_psnr_db", NULL, 0, 0, OF_ERROR, AT(error.frame_psnr_db)},
-	{"contrast", "contrast", 9, 4, OF_ERROR, AT(error.contrast)},
+	{"lighting", NULL, 0, 0, OF_TEXT, ROW_AT(lighting)},
+	{"what", "what", -36, 0, OF_TEXT, ROW_AT(what)},
+	{"kernel", "kernel", -12, 0, OF_TEXT, ROW_AT(kernel)},
+	{"lights", "lights", 6, 0, OF_COUNT, ROW_AT(lights)},
+	{"median_ms", "median ms", 10, 3, OF_NUMBER, ROW_AT(median_ms)},
+	{"least_ms", "least ms", 10, 3, OF_NUMBER, ROW_AT(least_ms)},
+	{"speedup", "x thesis", 9, 1, OF_NUMBER, ROW_AT(speedup)},
+	{"basis_mb", "read MB", 9, 2, OF_NUMBER, ROW_AT(basis_mb)},
+	{"read_ms", NULL, 0, 0, OF_NUMBER, ROW_AT(read_ms)},
+	{"read_ratio", "x bound", 8, 2, OF_NUMBER, ROW_AT(read_ratio)},
+	{"copies", "x copy", 7, 1, OF_NUMBER, ROW_AT(copies)},
+	{"psnr_db", "PSNR dB", 8, 1, OF_ERROR, ROW_AT(error.psnr_db)},
+	{"rms", "RMS", 6, 2, OF_ERROR, ROW_AT(error.rms)},
+	{"max", "max", 6, 1, OF_ERROR, ROW_AT(error.max)},
+	{"frame_psnr_db", NULL, 0, 0, OF_ERROR, ROW_AT(error.frame_psnr_db)},
+	{"contrast", "contrast", 9, 4, OF_ERROR, ROW_AT(error.contrast)},
 };
 
 #define COLUMN_COUNT (sizeof(columns) / sizeof(*columns))

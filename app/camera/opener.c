@@ -25,7 +25,7 @@ struct opener {
 };
 
 /* False: end the thread. */
-static bool wait_for_work(struct opener *opener)
+static bool opener_wait(struct opener *opener)
 {
 	bool open;
 
@@ -42,7 +42,7 @@ static void *open_cameras(void *context)
 {
 	struct opener *opener = context;
 
-	while (wait_for_work(opener)) {
+	while (opener_wait(opener)) {
 		*opener->fault.text = '\0';
 		opener->err = camera_open(opener->camera, opener->ops, opener->settings,
 					  opener->options, &opener->fault);

@@ -19,7 +19,7 @@ static double clamp_level(double value, double high)
 
 struct state_values kiosk_chosen(const struct kiosk_controls *controls)
 {
-	return (struct state_values){controls->choice.threshold, controls->what,
+	return (struct state_values){controls->choice.threshold, controls->view,
 				     controls->choice.pose};
 }
 
@@ -34,8 +34,8 @@ void kiosk_keep_state(const struct kiosk_controls *controls)
 static void next_view(struct kiosk_controls *controls, const struct eyes *eyes)
 {
 	do
-		controls->what = (enum config_show)((controls->what + 1) % SHOW_COUNT);
-	while (controls->what == SHOW_SCENE && !eyes->scene.source);
+		controls->view = (enum config_show)((controls->view + 1) % SHOW_COUNT);
+	while (controls->view == SHOW_SCENE && !eyes->scene.source);
 }
 
 /* step: in the threshold's own unit, grey levels or percent. */

@@ -111,7 +111,7 @@ static void take_state(struct kiosk *k)
 		log_warning("state: %s: view is scene, but no camera looks at it; ignored",
 			    config->state.file);
 	else
-		k->controls.what = (enum config_show)values.view;
+		k->controls.view = (enum config_show)values.view;
 	if ((uint32_t)values.pose >= k->picture.basis.info.poses)
 		log_warning("state: %s: pose is %d, expected 0..%u as in the basis; ignored",
 			    config->state.file, values.pose, k->picture.basis.info.poses - 1);
@@ -146,7 +146,7 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	k->loop.epoll = k->loop.signals = k->loop.timer = k->loop.terminal = -1;
 	k->controls.choice = (struct pipeline_choice){
 		.threshold = config->lights.threshold, .pose = config->basis.pose, .object = true};
-	k->controls.what = (enum config_show)config->screen->show;
+	k->controls.view = (enum config_show)config->screen->show;
 	k->controls.split = config->screen->split;
 	k->controls.information = config->screen->information;
 	service_start(&k->service);

@@ -71,7 +71,7 @@ struct kiosk_controls {
 	int64_t stamp_ns; /* when the newest frame was captured, by its camera's clock */
 	/* What is chosen: */
 	struct pipeline_choice choice;
-	enum config_show what;
+	enum config_show view;
 	double split;
 	bool information, frozen;
 };

@@ -111,10 +111,10 @@ static struct show_picture eye_shown(const struct eye *eye, bool needed)
 }
 
 static struct show_pictures pictures_for(const struct eyes *eyes, const struct pipeline *pipeline,
-					 enum config_show what)
+					 enum config_show view)
 {
-	const struct show_needs *needs = show_needs(what);
-	const struct view *view = &eyes->background.view;
+	const struct show_needs *needs = show_needs(view);
+	const struct view *background = &eyes->background.view;
 	struct show_pictures pictures = {
 		.fisheye = eye_shown(&eyes->fisheye, needs->fisheye),
 		.background = eye_shown(&eyes->background, needs->background),
@@ -122,8 +122,8 @@ static struct show_pictures pictures_for(const struct eyes *eyes, const struct p
 	};
 
 	if (eye_has_picture(&eyes->background))
-		pictures.composite = (struct show_composite){view->width, view->height,
-							     .squash = view->squash};
+		pictures.composite = (struct show_composite){background->width, background->height,
+							     .squash = background->squash};
 	if (pipeline_report(pipeline).lit)
 		pictures.marks = (struct show_marks){
 			pipeline_dome(pipeline), pipeline_lens(pipeline), pipeline_used(pipeline)};
@@ -156,7 +156,7 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 		       struct stage_clock *stages, struct fault *fault)
 {
 	const struct show_request request = {
-		.what = is_screen_blank(k, stages->start_ns) ? SHOW_OFF : k->controls.what,
+		.view = is_screen_blank(k, stages->start_ns) ? SHOW_OFF : k->controls.view,
 		.scale = (enum config_scale)k->config->screen->scale,
 		.split = k->controls.split,
 		.squash = k->screen.fitted ? k->screen.fit.squash : 1,
@@ -164,7 +164,7 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 		.pool = pipeline_pool(k->picture.pipeline),
 	};
 	struct show_pictures pictures = pictures_for(&k->inputs.eyes, k->picture.pipeline,
-						     request.what);
+						     request.view);
 	int err = show_room(&k->picture.show, &request, &pictures.composite, screen, fault);
 
 	stage_end(stages, STAGE_SHOW);
@@ -202,7 +202,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	}
 	stages = stages_begin();
 	taken = kiosk_take_frames(&k->inputs, k->picture.pipeline, frames, k->controls.frozen);
-	err = kiosk_fit_eyes(&k->inputs, &k->picture, show_needs(k->controls.what)->composite,
+	err = kiosk_fit_eyes(&k->inputs, &k->picture, show_needs(k->controls.view)->composite,
 			     fault);
 	stage_end(&stages, STAGE_DECODE);
 	if (!err && taken.fisheye)

@@ -78,7 +78,7 @@ static unsigned apply_effects(struct kiosk *k, unsigned effects)
 	if (effects & RELOAD_POSES)
 		kiosk_take_pose(k, k->controls.choice.pose);
 	if (effects & RELOAD_VIEW)
-		k->controls.what = (enum config_show)config->screen->show;
+		k->controls.view = (enum config_show)config->screen->show;
 	if (effects & RELOAD_SPLIT)
 		k->controls.split = config->screen->split;
 	if (effects & RELOAD_INFORMATION)

@@ -131,7 +131,7 @@ static bool same_values(const struct state_values *a, const struct state_values 
 }
 
 /* Waits until there is something to write and its time has come. False: end the thread. */
-static bool wait_for_work(struct state *state)
+static bool state_wait(struct state *state)
 {
 	for (;;) {
 		bool due = *state->settings.file &&
@@ -157,7 +157,7 @@ static void *write_values(void *context)
 	bool last = false;
 
 	pthread_mutex_lock(&state->lock);
-	while (!last && wait_for_work(state)) {
+	while (!last && state_wait(state)) {
 		const struct config_state settings = state->settings;
 		const struct state_values values = state->wanted;
 		int64_t interval_ns = (int64_t)(settings.interval_s * (double)NS_PER_S);

@@ -24,7 +24,7 @@ static double tent(double distance, double reach)
 
 /* Weights of one destination pixel: a tent around its centre, cut at the picture's border and
  * scaled to sum to ONE exactly; the largest weight takes the rest of the rounding. */
-static void add_pixel(struct scaler_axis *axis, int i, double scale, double reach)
+static void axis_add_weights(struct scaler_axis *axis, int i, double scale, double reach)
 {
 	double centre = (i + 0.5) * scale - 0.5, sum = 0;
 	int first = (int)ceil(centre - reach), left = ONE, largest = 0;
@@ -63,7 +63,7 @@ static int axis_fit(struct scaler_axis *axis, int from, int to)
 		return -ENOMEM;
 	}
 	for (int i = 0; i < to; i++)
-		add_pixel(axis, i, scale, reach);
+		axis_add_weights(axis, i, scale, reach);
 	return 0;
 }
 

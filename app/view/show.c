@@ -17,7 +17,7 @@ struct show_drawing {
 	struct fault *fault;
 };
 
-const struct show_needs *show_needs(enum config_show what)
+const struct show_needs *show_needs(enum config_show view)
 {
 	static const struct show_needs needs[SHOW_COUNT] = {
 		[SHOW_COMPOSITE] = {.composite = true},
@@ -29,7 +29,7 @@ const struct show_needs *show_needs(enum config_show what)
 		[SHOW_OFF] = {.composite = false},
 	};
 
-	return &needs[what];
+	return &needs[view];
 }
 
 void show_free(struct show *show)
@@ -41,7 +41,7 @@ void show_free(struct show *show)
 }
 
 /* Takes the size from the camera's mode, if it is open, whether it has sent a frame or not. */
-static void fit_eye(struct show_fit *fit, const struct eye *eye)
+static void fit_camera(struct show_fit *fit, const struct eye *eye)
 {
 	struct view view = eye->wanted;
 
@@ -52,40 +52,40 @@ static void fit_eye(struct show_fit *fit, const struct eye *eye)
 }
 
 /* Size of one picture of the view; SHOW_QUAD is twice as wide and high. */
-static struct show_fit fit_one(enum config_show what, const struct eyes *eyes,
+static struct show_fit fit_one(enum config_show view, const struct eyes *eyes,
 			       const struct basis *basis)
 {
 	struct show_fit fit = {(int)basis->info.width, (int)basis->info.height,
 			       eyes->background.wanted.squash};
 
-	if (what == SHOW_FISHEYE)
-		fit_eye(&fit, &eyes->fisheye);
-	if (what == SHOW_SCENE)
-		fit_eye(&fit, &eyes->scene);
+	if (view == SHOW_FISHEYE)
+		fit_camera(&fit, &eyes->fisheye);
+	if (view == SHOW_SCENE)
+		fit_camera(&fit, &eyes->scene);
 	return fit;
 }
 
-static int copies_across(enum config_show what)
+static int copies_across(enum config_show view)
 {
-	return what == SHOW_QUAD ? 2 : 1;
+	return view == SHOW_QUAD ? 2 : 1;
 }
 
-struct show_fit show_fit(enum config_show what, const struct eyes *eyes, const struct basis *basis)
+struct show_fit show_fit(enum config_show view, const struct eyes *eyes, const struct basis *basis)
 {
-	struct show_fit fit = fit_one(what, eyes, basis);
+	struct show_fit fit = fit_one(view, eyes, basis);
 
-	fit.width *= copies_across(what);
-	fit.height *= copies_across(what);
+	fit.width *= copies_across(view);
+	fit.height *= copies_across(view);
 	return fit;
 }
 
-void show_size(enum config_show what, const struct eyes *eyes, const struct basis *basis,
+void show_size(enum config_show view, const struct eyes *eyes, const struct basis *basis,
 	       int *width, int *height)
 {
-	const struct show_fit fit = fit_one(what, eyes, basis);
+	const struct show_fit fit = fit_one(view, eyes, basis);
 
-	*width = fit.width * copies_across(what);
-	*height = (int)lrint(fit.height * fit.squash) * copies_across(what);
+	*width = fit.width * copies_across(view);
+	*height = (int)lrint(fit.height * fit.squash) * copies_across(view);
 }
 
 static int canvas_fit(struct canvas *canvas, int width, int height)
@@ -101,13 +101,13 @@ static int canvas_fit(struct canvas *canvas, int width, int height)
 /* The quarters of SHOW_QUAD are fitted whatever is asked for. */
 static enum config_scale scale_of(const struct show_request *request)
 {
-	return request->what == SHOW_QUAD ? SCALE_FIT : request->scale;
+	return request->view == SHOW_QUAD ? SCALE_FIT : request->scale;
 }
 
 static struct layout_box composite_cell(const struct show_request *request,
 					const struct display_buffer *screen)
 {
-	return request->what == SHOW_QUAD ? layout_quarter(screen, 3) : layout_whole(screen);
+	return request->view == SHOW_QUAD ? layout_quarter(screen, 3) : layout_whole(screen);
 }
 
 static struct layout_box composite_box(const struct show_request *request,
@@ -128,7 +128,7 @@ static uint8_t *box_pixels(const struct display_buffer *screen, const struct lay
 static bool is_in_screen(const struct show_request *request, const struct show_composite *composite,
 			 const struct layout_box *cell, const struct layout_box *box)
 {
-	return request->what != SHOW_SPLIT &&
+	return request->view != SHOW_SPLIT &&
 	       layout_in_place(cell, box, composite->width, composite->height);
 }
 
@@ -141,7 +141,7 @@ int show_room(struct show *show, const struct show_request *request,
 	int err;
 
 	composite->pixels = NULL;
-	if (!show_needs(request->what)->composite || !composite->width)
+	if (!show_needs(request->view)->composite || !composite->width)
 		return 0;
 	box = composite_box(request, composite, &cell);
 	if (is_in_screen(request, composite, &cell, &box)) {
@@ -295,7 +295,7 @@ static int draw_view(const struct show_drawing *d)
 {
 	const struct layout_box whole = layout_whole(d->screen);
 
-	switch (d->request->what) {
+	switch (d->request->view) {
 	case SHOW_BEFORE:
 		return draw_picture(d, &whole, &d->pictures->background, 0);
 	case SHOW_FISHEYE:

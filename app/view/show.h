@@ -38,7 +38,7 @@ struct show {
 
 /* How one picture of the screen is shown. */
 struct show_request {
-	enum config_show what;
+	enum config_show view;
 	enum config_scale scale;
 	double split;  /* SHOW_SPLIT: place of the line, share of the picture's width, 0..1 */
 	double squash; /* height of the screen's pixels over their width: what display_fit() has
@@ -52,7 +52,7 @@ struct show_needs {
 	bool fisheye, background, scene, composite;
 };
 
-const struct show_needs *show_needs(enum config_show what);
+const struct show_needs *show_needs(enum config_show view);
 
 struct show_picture {
 	struct picture picture; /* width 0: there is none, and its place is black */
@@ -87,10 +87,10 @@ struct show_fit {
 
 void show_free(struct show *show); /* idempotent; zeroed is fine */
 
-struct show_fit show_fit(enum config_show what, const struct eyes *eyes, const struct basis *basis);
+struct show_fit show_fit(enum config_show view, const struct eyes *eyes, const struct basis *basis);
 
 /* The size at which a view is shown pixel by pixel, for screens without a size of their own. */
-void show_size(enum config_show what, const struct eyes *eyes, const struct basis *basis,
+void show_size(enum config_show view, const struct eyes *eyes, const struct basis *basis,
 	       int *width, int *height);
 
 /* Finds room for the composite, whose width, height and squash are set: in the screen where it is

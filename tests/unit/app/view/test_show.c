@@ -156,9 +156,9 @@ static int begin(void **state)
 	return 0;
 }
 
-static struct show_request plain(enum config_show what)
+static struct show_request plain(enum config_show view)
 {
-	return (struct show_request){.what = what, .scale = SCALE_FIT, .split = 0.5, .squash = 1};
+	return (struct show_request){.view = view, .scale = SCALE_FIT, .split = 0.5, .squash = 1};
 }
 
 static struct show_picture picture_of(const struct eye *eye)
@@ -307,9 +307,9 @@ static void split_is_before_and_after(void **state)
 		request.scale = run % 2 ? SCALE_FIT : SCALE_NONE;
 		request.split = run < 4 ? run % 2 : chance_real(&chance, 0, 1);
 		before = shown(&request, size[0], size[1]);
-		request.what = SHOW_COMPOSITE;
+		request.view = SHOW_COMPOSITE;
 		after = shown(&request, size[0], size[1]);
-		request.what = SHOW_SPLIT;
+		request.view = SHOW_SPLIT;
 		split = shown(&request, size[0], size[1]);
 		whole = layout_whole(&split.buffer);
 		box = layout_box(&whole, WIDTH, HEIGHT, 1, request.scale);
@@ -421,7 +421,7 @@ static void quad_is_its_four_views(void **state)
 			struct layout_box box = layout_quarter(&quad.buffer, q);
 			struct guarded_screen one;
 
-			request.what = views[q];
+			request.view = views[q];
 			one = shown(&request, box.width, box.height);
 			for (int y = 0; y < box.height; y++) {
 				for (int x = 0; x < box.width; x++)
@@ -492,7 +492,7 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 	fit = show_fit(SHOW_QUAD, &eyes, &basis);
 	assert_int_equal(fit.width, 2 * WIDTH);
 	assert_int_equal(fit.height, 2 * HEIGHT);
-	request.what = SHOW_QUAD;
+	request.view = SHOW_QUAD;
 	fitted = shown(&request, fit.width, fit.height);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++)
