@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Private to app/kiosk/kiosk*.c: the parts of a kiosk, and what the files do for each other. All of
- * it runs on the thread of the event loop. k and its parts are borrowed; fault may be NULL. */
+ * it runs on the thread of the event loop. Functions return 0 or -errno with a fault, unless they
+ * say otherwise; an error ends the kiosk. */
 #ifndef INLAY_APP_KIOSK_KIOSK_PARTS_H
 #define INLAY_APP_KIOSK_KIOSK_PARTS_H
 
@@ -174,6 +175,7 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault);
  * changed. */
 void kiosk_screen_fit(struct kiosk *k);
 
+/* Pictures shown since the start. */
 uint64_t kiosk_shown(const struct kiosk_screen *screen);
 
 /* Whether there is no screen to show on, so that a watchdog must not end the kiosk. */
@@ -197,6 +199,8 @@ void kiosk_keep_state(const struct kiosk_controls *controls);
  * in the configuration is an error; other failures are logged, and the drivers tried again
  * later. */
 int kiosk_buttons_open(struct kiosk *k, bool first, struct fault *fault);
+
+/* Does what a driver's buttons ask for. A driver that fails is closed and logged. */
 void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad);
 void kiosk_buttons_close(struct kiosk *k);
 
@@ -204,6 +208,8 @@ void kiosk_buttons_close(struct kiosk *k);
 
 /* Opens the socket of [control] in the same way; at the start a socket in use is an error, too. */
 int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault);
+
+/* Answers the requests at the socket. */
 void kiosk_control_read(struct kiosk *k);
 void kiosk_control_close(struct kiosk *k);
 
@@ -219,6 +225,7 @@ int kiosk_pose_trouble(const struct kiosk_picture *picture, char text[OVERLAY_TE
 
 /* ---- kiosk_reload.c ---- */
 
+/* SIGHUP. Every fault is logged, and the old configuration stays. */
 void kiosk_reload(struct kiosk *k);
 
 #endif
