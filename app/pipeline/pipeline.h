@@ -7,6 +7,9 @@
  * follow each other; then pipeline_choose(), then pipeline_composite(). Light stays until it is
  * measured again. Nothing is allocated after the first frame of a size. All calls come from one
  * thread; the pipeline has threads of its own.
+ *
+ * pipeline_light.c measures light, pipeline_ground.c recovers what is clipped, pipeline_pose.c loads
+ * poses; everything else is in pipeline.c.
  */
 #ifndef INLAY_APP_PIPELINE_PIPELINE_H
 #define INLAY_APP_PIPELINE_PIPELINE_H
@@ -44,7 +47,7 @@ struct pipeline_settings {
 	struct pipeline_patch patch;
 	int64_t follow_ns; /* a switched light is at 90 % after it (light_filter.h); 0: at once */
 	enum threshold_mode threshold_mode;
-	/* transfer function of the background's code values and of the result */
+	/* Transfer function of the background's code values and of the result. */
 	struct transfer_curve background;
 	double gain;
 	int threads;		   /* 0: one for each processor */
@@ -126,7 +129,7 @@ int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis 
 int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);
 
 /* Tells which exposure the fisheye's next picture has, -1: not known. ratio[settings.exposures]:
- * light that each lets in as a share of the first one's. Ignored where all pictures have the same
+ * light that each lets in as a share of the first one's; ignored where all pictures have the same
  * exposure. */
 void pipeline_expose(struct pipeline *pipeline, int exposure, const double *ratio);
 
@@ -179,13 +182,21 @@ const char *pipeline_trouble(const struct pipeline *pipeline);
 /* Whether pipeline_recover() has a patch of ground to look at. */
 bool pipeline_has_patch(const struct pipeline *pipeline);
 
-/* What the pipeline owns, valid until its next change: threads; the dome of the basis; the lens for
- * the size of the fisheye's last picture; [basis lights]: whether each light is in use; [basis
- * lights]: radiance of each light. */
+/* The following are the pipeline's own, and valid until its next change. */
+
+/* Its threads. */
 struct pool *pipeline_pool(const struct pipeline *pipeline);
+
+/* The dome of the basis. */
 const struct dome *pipeline_dome(const struct pipeline *pipeline);
+
+/* The lens, for the size of the fisheye's last picture. */
 const struct fisheye *pipeline_lens(const struct pipeline *pipeline);
+
+/* [basis lights]: whether each light is in use. */
 const bool *pipeline_used(const struct pipeline *pipeline);
+
+/* [basis lights]: radiance of each light, measured, recovered and filtered. */
 const float (*pipeline_radiance(const struct pipeline *pipeline))[3];
 
 #endif
