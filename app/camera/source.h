@@ -46,8 +46,8 @@ struct source {
 	int64_t heard_ns;      /* when the camera last gave a frame, or was opened */
 	uint64_t superseded;   /* held frames that a newer one replaced */
 	uint64_t undecodable;
-	uint64_t earlier_frames, earlier_lost,
-		earlier_broken; /* counts of the openings before this one */
+	/* Counts of the openings before this one. */
+	uint64_t earlier_frames, earlier_lost, earlier_broken;
 
 	struct frame_decoder *decoder;
 	struct transfer_tables *tables;
@@ -120,8 +120,8 @@ int source_control(struct source *source, const char *name, const char *value, d
 void source_encode_as(struct source *source, const struct transfer_curve *curve);
 
 struct source_counts {
-	uint64_t frames, lost,
-		broken; /* lost includes superseded frames, broken those that do not decode */
+	/* Lost includes superseded frames, broken those that do not decode. */
+	uint64_t frames, lost, broken;
 };
 
 struct source_counts source_counts(const struct source *source);

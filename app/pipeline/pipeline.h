@@ -8,8 +8,8 @@
  * measured again. Nothing is allocated after the first frame of a size. All calls come from one
  * thread; the pipeline has threads of its own.
  *
- * pipeline_light.c measures light, pipeline_ground.c recovers what is clipped, pipeline_pose.c loads
- * poses; everything else is in pipeline.c.
+ * pipeline_light.c measures light, pipeline_ground.c recovers what is clipped, pipeline_pose.c
+ * loads poses; everything else is in pipeline.c.
  */
 #ifndef INLAY_APP_PIPELINE_PIPELINE_H
 #define INLAY_APP_PIPELINE_PIPELINE_H
