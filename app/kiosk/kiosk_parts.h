@@ -134,9 +134,9 @@ struct kiosk_taken {
 	bool fisheye;	     /* the fisheye's picture is a new one */
 };
 
-/* Makes pictures of the frames that the cameras hold. frames false: only where a camera has no
- * picture without, so that cameras which go in step stay so. frozen: pictures that are there stay,
- * and their cameras' frames are given back. */
+/* Makes pictures of the frames that the cameras hold. frames false: only for cameras that would
+ * have no picture otherwise, so that cameras on demand stay in step. frozen: pictures that are
+ * there stay, and newer frames are given back. */
 struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *inputs, struct pipeline *pipeline,
 				     bool frames, bool frozen);
 
@@ -154,8 +154,8 @@ int kiosk_measure_light(struct kiosk_inputs *inputs, const struct kiosk_picture 
 
 /* ---- kiosk_picture.c ---- */
 
-/* Makes a picture for the screen, if it has a buffer to draw in. frames: of what the cameras hold;
- * else of what they gave before. */
+/* Makes a picture for the screen, if it has a buffer to draw in. frames: of new frames; else of the
+ * pictures that are there. */
 int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault);
 
 /* ---- kiosk_screen.c ---- */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which keys of a configuration that is read again take effect in a running kiosk, and which wait
- * for the next start: a table has both for every key.
+ * Sorts the keys of a configuration that is read again: a table says for every key what has to
+ * follow in a running kiosk, or that it waits for the next start.
  */
 #ifndef INLAY_APP_KIOSK_RELOAD_H
 #define INLAY_APP_KIOSK_RELOAD_H

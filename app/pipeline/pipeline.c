@@ -146,7 +146,7 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		p->compositor = compositor;
 		p->pool = pool;
 	}
-	/* Sampler, lens and exposures change by pipeline_relight(). */
+	/* What the light is measured with does not change here: see pipeline_relight(). */
 	before = p->settings;
 	p->settings = *settings;
 	p->settings.sampler = before.sampler;

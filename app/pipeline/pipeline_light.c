@@ -89,7 +89,8 @@ int pipeline_check_lens(const struct pipeline *p, const struct fisheye_settings 
 
 /* ---- what noise the filter has to expect ---- */
 
-/* Number of pixels that a light is measured from: those of its cell, or 1 at its node. */
+/* Number of pixels that a light is measured from: those of its cell; 1 for the estimator node, and
+ * where the lens does not see the light. */
 static float light_pixels(const struct pipeline *p, int light)
 {
 	double px[2], pixel_sr;
