@@ -2,104 +2,33 @@
 #include "config/config.h"
 
 #include <errno.h>
-#include <stdalign.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "config/config_blocks.h"
 #include "config/config_keys.h"
-#include "hal/lights/sampler.h"
 
-/* What each class of driver belongs to in the file. */
+/* The section that each class of driver has its keys in. */
 static const struct {
 	const char *section;
-	bool named;
 	size_t bytes; /* of the section's own struct */
-	const struct ini_key *keys;
-	void *(*place)(void *root, const char *instance);
 } classes[CONFIG_CLASS_COUNT] = {
-	[CONFIG_CAMERA] = {"camera", true, sizeof(struct config_camera), config_camera_keys,
-			   config_place_camera},
-	[CONFIG_DISPLAY] = {"screen", false, sizeof(struct config_screen), config_screen_keys,
-			    config_place_screen},
-	[CONFIG_BUTTONS] = {"buttons", false, sizeof(struct config_buttons), config_buttons_keys,
-			    config_place_buttons},
+	[CONFIG_CAMERA] = {"camera", sizeof(struct config_camera)},
+	[CONFIG_DISPLAY] = {"screen", sizeof(struct config_screen)},
+	[CONFIG_BUTTONS] = {"buttons", sizeof(struct config_buttons)},
 };
 
-static size_t aligned(size_t bytes)
+/* The table of a class's section, without its drivers' keys. */
+static const struct ini_table *class_table(enum config_class kind)
 {
-	size_t step = alignof(max_align_t);
+	const struct ini_table *table = config_tables;
 
-	return (bytes + step - 1) / step * step;
-}
-
-/* ---- blocks: a section's struct and the options of its drivers behind it ---- */
-
-static void *block_create(const struct config *config, enum config_class kind)
-{
-	char *block = calloc(1, config->block_bytes[kind]);
-	const struct config_driver *drivers = config->drivers.list[kind];
-
-	if (!block)
-		return NULL;
-	ini_defaults(classes[kind].keys, block);
-	for (int i = 0; drivers[i].name; i++) {
-		if (drivers[i].keys)
-			ini_defaults(drivers[i].keys, block + config->option_offset[kind][i]);
-	}
-	return block;
-}
-
-void *config_options(const struct config *config, enum config_class kind, void *block, int driver)
-{
-	return (char *)block + config->option_offset[kind][driver];
-}
-
-void *config_place_camera(void *root, const char *instance)
-{
-	struct config *config = root;
-	struct config_camera *camera = config_camera_named(config, instance);
-
-	if (camera || config->camera_count == CONFIG_CAMERAS_MAX)
-		return camera;
-	camera = block_create(config, CONFIG_CAMERA);
-	if (!camera)
-		return NULL;
-	snprintf(camera->name, sizeof(camera->name), "%s", instance);
-	config->cameras[config->camera_count++] = camera;
-	return camera;
-}
-
-void *config_place_screen(void *root, const char *instance)
-{
-	(void)instance;
-	return ((struct config *)root)->screen;
-}
-
-void *config_place_buttons(void *root, const char *instance)
-{
-	(void)instance;
-	return ((struct config *)root)->buttons;
+	while (strcmp(table->section, classes[kind].section) != 0)
+		table++;
+	return table;
 }
 
 /* ---- making ---- */
-
-/* Where the options of each driver start, and how their keys are prefixed. */
-static int lay_out(struct config *config, enum config_class kind)
-{
-	const struct config_driver *drivers = config->drivers.list[kind];
-	size_t bytes = aligned(classes[kind].bytes);
-	int i;
-
-	for (i = 0; drivers[i].name; i++) {
-		if (i == CONFIG_DRIVERS_MAX)
-			return -E2BIG;
-		config->option_offset[kind][i] = bytes;
-		bytes += aligned(drivers[i].options_size);
-		snprintf(config->prefix[kind][i], CONFIG_NAME_MAX, "%s.", drivers[i].name);
-	}
-	config->block_bytes[kind] = bytes;
-	return 0;
-}
 
 static int driver_table_count(const struct config *config)
 {
@@ -124,16 +53,17 @@ static int tables_create(struct config *config)
 	memcpy(config->tables, config_tables, count * sizeof(*config_tables));
 	for (int kind = 0; kind < CONFIG_CLASS_COUNT; kind++) {
 		const struct config_driver *drivers = config->drivers.list[kind];
+		const struct ini_table *section = class_table(kind);
 
 		for (int i = 0; drivers[i].name; i++) {
 			if (!drivers[i].keys)
 				continue;
 			config->tables[count++] = (struct ini_table){
-				.section = classes[kind].section,
-				.named = classes[kind].named,
+				.section = section->section,
+				.named = section->named,
 				.prefix = config->prefix[kind][i],
 				.keys = drivers[i].keys,
-				.place = classes[kind].place,
+				.place = section->place,
 				.part = config->option_offset[kind][i],
 			};
 		}
@@ -160,15 +90,17 @@ int config_create(struct config **out, const struct config_drivers *drivers)
 	config->drivers = *drivers;
 	snprintf(config->name, sizeof(config->name), "configuration");
 	for (int kind = 0; kind < CONFIG_CLASS_COUNT; kind++) {
-		err = lay_out(config, kind);
+		err = config_block_lay_out(config, kind, classes[kind].bytes);
 		if (err)
 			goto destroy;
 	}
 	err = tables_create(config);
 	if (err)
 		goto destroy;
-	config->screen = block_create(config, CONFIG_DISPLAY);
-	config->buttons = block_create(config, CONFIG_BUTTONS);
+	config->screen = config_block_create(config, CONFIG_DISPLAY,
+					     class_table(CONFIG_DISPLAY)->keys);
+	config->buttons = config_block_create(config, CONFIG_BUTTONS,
+					      class_table(CONFIG_BUTTONS)->keys);
 	if (!config->screen || !config->buttons) {
 		err = -ENOMEM;
 		goto destroy;
@@ -226,55 +158,6 @@ struct transfer_curve config_fisheye_curve(const struct config_fisheye *fisheye)
 struct transfer_curve config_background_curve(const struct config_background *background)
 {
 	return response_curve(&background->measured, (enum transfer)background->transfer, 0);
-}
-
-int config_driver_index(const struct config *config, enum config_class kind, const char *name)
-{
-	const struct config_driver *drivers = config->drivers.list[kind];
-
-	for (int i = 0; drivers[i].name; i++) {
-		if (!strcmp(drivers[i].name, name))
-			return i;
-	}
-	return -1;
-}
-
-struct config_camera *config_camera_named(const struct config *config, const char *name)
-{
-	for (int i = 0; i < config->camera_count; i++) {
-		if (!strcmp(config->cameras[i]->name, name))
-			return config->cameras[i];
-	}
-	return NULL;
-}
-
-bool config_next_word(const char **text, char word[CONFIG_NAME_MAX])
-{
-	size_t length;
-
-	*text += strspn(*text, " \t,");
-	length = strcspn(*text, " \t,");
-	snprintf(word, CONFIG_NAME_MAX, "%.*s", (int)(length < 60 ? length : 60), *text);
-	*text += length;
-	return length > 0;
-}
-
-int config_buttons_used(const struct config *config, int drivers[CONFIG_DRIVERS_MAX])
-{
-	const char *text = config->buttons->driver;
-	char word[CONFIG_NAME_MAX];
-	bool seen[CONFIG_DRIVERS_MAX] = {false};
-	int count = 0;
-
-	while (config_next_word(&text, word)) {
-		int driver = config_driver_index(config, CONFIG_BUTTONS, word);
-
-		if (driver < 0 || seen[driver])
-			continue;
-		seen[driver] = true;
-		drivers[count++] = driver;
-	}
-	return count;
 }
 
 struct view config_view(const struct config_view *view)

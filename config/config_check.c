@@ -1,28 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* What only several keys together can tell, and what a key names that is not there. */
 #include <errno.h>
-#include <stdarg.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "config/config_keys.h"
-
-void config_complain(const struct config *config, struct ini_report *report, const char *format,
-		     ...)
-{
-	char what[FAULT_TEXT_MAX - INI_PATH_MAX / 2];
-	struct fault fault = {.text = ""};
-	va_list args;
-
-	va_start(args, format);
-	vsnprintf(what, sizeof(what), format, args);
-	va_end(args);
-	fault_say(&fault, -EINVAL, "%.500s: %s", config->name, what);
-	if (!report->count++)
-		report->first = fault;
-	if (report->say)
-		report->say(report->context, fault.text);
-}
+#include "config/config_complain.h"
+#include "config/config_drivers.h"
+#include "config/config_light.h"
 
 static void check_driver(const struct config *config, enum config_class kind, const char *title,
 			 const char *name, struct ini_report *report)
@@ -69,8 +53,9 @@ static void check_files(const struct config *config, enum config_class kind, con
 	}
 }
 
-static void check_view(const struct config *config, const char *section,
-		       const struct config_view *view, bool needed, struct ini_report *report)
+static void check_view_camera(const struct config *config, const char *section,
+			      const struct config_view *view, bool needed,
+			      struct ini_report *report)
 {
 	const char *names[CONFIG_CAMERAS_MAX];
 	const char *near;
@@ -122,9 +107,9 @@ int config_check(const struct config *config, struct ini_report *report)
 		check_driver(config, CONFIG_CAMERA, title, camera->driver, report);
 		check_files(config, CONFIG_CAMERA, title, camera->driver, camera, report);
 	}
-	check_view(config, "fisheye", &config->fisheye.view, true, report);
-	check_view(config, "background", &config->background.view, true, report);
-	check_view(config, "scene", &config->scene.view, false, report);
+	check_view_camera(config, "fisheye", &config->fisheye.view, true, report);
+	check_view_camera(config, "background", &config->background.view, true, report);
+	check_view_camera(config, "scene", &config->scene.view, false, report);
 	config_check_light(config, report);
 	if (config->screen->show == SHOW_SCENE && !*config->scene.view.camera)
 		config_complain(

@@ -5,7 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "config/config_keys.h"
+#include "config/config.h"
+#include "config/config_complain.h"
 
 /* Whoever reads the message knows the key better than the file. */
 static int check_readable(const struct config *config, const char *key, const char *path,
@@ -22,14 +23,14 @@ static int check_readable(const struct config *config, const char *key, const ch
 	return err;
 }
 
-struct lens_file {
+struct config_lens_file {
 	struct fisheye_settings *lens;
 	bool found;
 };
 
-static void *place(void *root, const char *instance)
+static void *lens_place(void *root, const char *instance)
 {
-	struct lens_file *file = root;
+	struct config_lens_file *file = root;
 
 	(void)instance;
 	file->found = true;
@@ -39,11 +40,11 @@ static void *place(void *root, const char *instance)
 static int read_lens(struct config *config, struct ini_report *report)
 {
 	static const struct ini_table tables[] = {
-		{.section = "fisheye", .keys = fisheye_keys, .place = place},
+		{.section = "fisheye", .keys = fisheye_keys, .place = lens_place},
 		INI_TABLES_END,
 	};
 	const char *path = config->fisheye.lens_file;
-	struct lens_file file = {.lens = &config->fisheye.lens};
+	struct config_lens_file file = {.lens = &config->fisheye.lens};
 	struct fault fault = {.text = ""};
 	int err;
 

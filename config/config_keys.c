@@ -2,6 +2,9 @@
 /* Every key that is not a driver's: name, type, range, default, help. */
 #include "config/config_keys.h"
 
+#include <stdio.h>
+
+#include "config/config_blocks.h"
 #include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/compositor.h"
@@ -72,7 +75,7 @@ static const struct ini_key poses_keys[] = {
 		 "long."},
 	INI_KEYS_END};
 
-const struct ini_key config_camera_keys[] = {
+static const struct ini_key camera_keys[] = {
 	{.name = "driver",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_camera, driver),
@@ -410,7 +413,7 @@ static const struct ini_key composite_keys[] = {
 		 "has. inlay bench lists them."},
 	INI_KEYS_END};
 
-const struct ini_key config_screen_keys[] = {
+static const struct ini_key screen_keys[] = {
 	{.name = "driver",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_screen, driver),
@@ -487,7 +490,7 @@ const struct ini_key config_screen_keys[] = {
 	 .help = "Without a new picture for so long the last one goes black; 0: never."},
 	INI_KEYS_END};
 
-const struct ini_key config_buttons_keys[] = {
+static const struct ini_key buttons_keys[] = {
 	{.name = "driver",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_buttons, driver),
@@ -524,132 +527,131 @@ static const struct ini_key state_keys[] = {
 	 .help = "It is written at most so often, and when the kiosk ends."},
 	INI_KEYS_END};
 
-static void *place_basis(void *root, const char *instance)
+/*
+ * Most sections lie in struct config itself. For these, place() returns the struct and .part is the
+ * section's offset in it. The three sections with drivers are blocks of their own.
+ */
+static void *place_config(void *root, const char *instance)
 {
 	(void)instance;
-	return &((struct config *)root)->basis;
+	return root;
 }
 
-static void *place_poses(void *root, const char *instance)
+static void *place_screen(void *root, const char *instance)
 {
 	(void)instance;
-	return &((struct config *)root)->poses;
+	return ((struct config *)root)->screen;
 }
 
-static void *place_fisheye(void *root, const char *instance)
+static void *place_buttons(void *root, const char *instance)
 {
 	(void)instance;
-	return &((struct config *)root)->fisheye;
+	return ((struct config *)root)->buttons;
 }
 
-static void *place_background(void *root, const char *instance)
+/* Makes the camera if the name is new. */
+static void *place_camera(void *root, const char *instance)
 {
-	(void)instance;
-	return &((struct config *)root)->background;
-}
+	struct config *config = root;
+	struct config_camera *camera = config_camera_named(config, instance);
 
-static void *place_scene(void *root, const char *instance)
-{
-	(void)instance;
-	return &((struct config *)root)->scene;
-}
-
-static void *place_lights(void *root, const char *instance)
-{
-	(void)instance;
-	return &((struct config *)root)->lights;
-}
-
-static void *place_composite(void *root, const char *instance)
-{
-	(void)instance;
-	return &((struct config *)root)->composite;
-}
-
-static void *place_control(void *root, const char *instance)
-{
-	(void)instance;
-	return &((struct config *)root)->control;
-}
-
-static void *place_state(void *root, const char *instance)
-{
-	(void)instance;
-	return &((struct config *)root)->state;
+	if (camera || config->camera_count == CONFIG_CAMERAS_MAX)
+		return camera;
+	camera = config_block_create(config, CONFIG_CAMERA, camera_keys);
+	if (!camera)
+		return NULL;
+	snprintf(camera->name, sizeof(camera->name), "%s", instance);
+	config->cameras[config->camera_count++] = camera;
+	return camera;
 }
 
 const struct ini_table config_tables[] = {
 	{.section = "basis",
 	 .keys = basis_keys,
-	 .place = place_basis,
+	 .place = place_config,
+	 .part = offsetof(struct config, basis),
 	 .help = "The object, as inlay-bake rendered it."},
 	{.section = "poses",
 	 .keys = poses_keys,
-	 .place = place_poses,
+	 .place = place_config,
+	 .part = offsetof(struct config, poses),
 	 .help = "What follows what, where the basis holds several poses."},
 	{.section = "camera",
 	 .named = true,
-	 .keys = config_camera_keys,
-	 .place = config_place_camera,
+	 .keys = camera_keys,
+	 .place = place_camera,
 	 .sample = "fisheye background",
 	 .help = "A camera. Views below read it by its name; two views may share one."},
 	{.section = "fisheye",
 	 .keys = fisheye_camera_keys,
-	 .place = place_fisheye,
-	 .part = offsetof(struct config_fisheye, view),
+	 .place = place_config,
+	 .part = offsetof(struct config, fisheye.view),
 	 .help = "The picture that the light is measured in."},
 	{.section = "fisheye",
 	 .keys = view_keys,
-	 .place = place_fisheye,
-	 .part = offsetof(struct config_fisheye, view)},
-	{.section = "fisheye", .keys = fisheye_lens_keys, .place = place_fisheye},
+	 .place = place_config,
+	 .part = offsetof(struct config, fisheye.view)},
+	{.section = "fisheye",
+	 .keys = fisheye_lens_keys,
+	 .place = place_config,
+	 .part = offsetof(struct config, fisheye)},
 	{.section = "fisheye",
 	 .keys = fisheye_keys,
-	 .place = place_fisheye,
-	 .part = offsetof(struct config_fisheye, lens)},
-	{.section = "fisheye", .keys = fisheye_light_keys, .place = place_fisheye},
+	 .place = place_config,
+	 .part = offsetof(struct config, fisheye.lens)},
+	{.section = "fisheye",
+	 .keys = fisheye_light_keys,
+	 .place = place_config,
+	 .part = offsetof(struct config, fisheye)},
 	{.section = "background",
 	 .keys = background_camera_keys,
-	 .place = place_background,
-	 .part = offsetof(struct config_background, view),
+	 .place = place_config,
+	 .part = offsetof(struct config, background.view),
 	 .help = "The picture that the object is put into; as large as the basis."},
 	{.section = "background",
 	 .keys = view_keys,
-	 .place = place_background,
-	 .part = offsetof(struct config_background, view)},
-	{.section = "background", .keys = background_keys, .place = place_background},
+	 .place = place_config,
+	 .part = offsetof(struct config, background.view)},
+	{.section = "background",
+	 .keys = background_keys,
+	 .place = place_config,
+	 .part = offsetof(struct config, background)},
 	{.section = "scene",
 	 .keys = scene_camera_keys,
-	 .place = place_scene,
-	 .part = offsetof(struct config_scene, view),
+	 .place = place_config,
+	 .part = offsetof(struct config, scene.view),
 	 .help = "A picture of the whole set-up, for people."},
 	{.section = "scene",
 	 .keys = view_keys,
-	 .place = place_scene,
-	 .part = offsetof(struct config_scene, view)},
+	 .place = place_config,
+	 .part = offsetof(struct config, scene.view)},
 	{.section = "lights",
 	 .keys = lights_keys,
-	 .place = place_lights,
+	 .place = place_config,
+	 .part = offsetof(struct config, lights),
 	 .help = "Which lights are used."},
 	{.section = "composite",
 	 .keys = composite_keys,
-	 .place = place_composite,
+	 .place = place_config,
+	 .part = offsetof(struct config, composite),
 	 .help = "How the object is put into the picture."},
 	{.section = "screen",
-	 .keys = config_screen_keys,
-	 .place = config_place_screen,
+	 .keys = screen_keys,
+	 .place = place_screen,
 	 .help = "Where the picture goes."},
 	{.section = "buttons",
-	 .keys = config_buttons_keys,
-	 .place = config_place_buttons,
+	 .keys = buttons_keys,
+	 .place = place_buttons,
 	 .help = "Buttons besides the window's keys."},
 	{.section = "control",
 	 .keys = control_keys,
-	 .place = place_control,
+	 .place = place_config,
+	 .part = offsetof(struct config, control),
 	 .help = "Commands from other programs."},
 	{.section = "state",
 	 .keys = state_keys,
-	 .place = place_state,
+	 .place = place_config,
+	 .part = offsetof(struct config, state),
 	 .help = "What was chosen with the buttons."},
 	INI_TABLES_END};
 

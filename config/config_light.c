@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* What the keys of the light must be together. */
+#include "config/config_light.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "config/config_keys.h"
+#include "config/config_complain.h"
 #include "hal/lights/exposure_schedule.h"
 
 int config_exposures(const struct config_fisheye *fisheye)

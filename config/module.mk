@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 CONFIG_SOURCES := \
 	config/config.c \
+	config/config_blocks.c \
 	config/config_changes.c \
 	config/config_check.c \
+	config/config_complain.c \
 	config/config_drivers.c \
 	config/config_files.c \
 	config/config_keys.c \

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/* A section's struct, with the options of the drivers of its class behind it in memory. */
+#include "config/config_blocks.h"
+
+#include <errno.h>
+#include <stdalign.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static size_t block_aligned(size_t bytes)
+{
+	size_t step = alignof(max_align_t);
+
+	return (bytes + step - 1) / step * step;
+}
+
+int config_block_lay_out(struct config *config, enum config_class kind, size_t section_bytes)
+{
+	const struct config_driver *drivers = config->drivers.list[kind];
+	size_t bytes = block_aligned(section_bytes);
+	int i;
+
+	for (i = 0; drivers[i].name; i++) {
+		if (i == CONFIG_DRIVERS_MAX)
+			return -E2BIG;
+		config->option_offset[kind][i] = bytes;
+		bytes += block_aligned(drivers[i].options_size);
+		snprintf(config->prefix[kind][i], CONFIG_NAME_MAX, "%s.", drivers[i].name);
+	}
+	config->block_bytes[kind] = bytes;
+	return 0;
+}
+
+void *config_block_create(const struct config *config, enum config_class kind,
+			  const struct ini_key *keys)
+{
+	char *block = calloc(1, config->block_bytes[kind]);
+	const struct config_driver *drivers = config->drivers.list[kind];
+
+	if (!block)
+		return NULL;
+	ini_defaults(keys, block);
+	for (int i = 0; drivers[i].name; i++) {
+		if (drivers[i].keys)
+			ini_defaults(drivers[i].keys, block + config->option_offset[kind][i]);
+	}
+	return block;
+}
+
+void *config_options(const struct config *config, enum config_class kind, void *block, int driver)
+{
+	return (char *)block + config->option_offset[kind][driver];
+}
+
+struct config_camera *config_camera_named(const struct config *config, const char *name)
+{
+	for (int i = 0; i < config->camera_count; i++) {
+		if (!strcmp(config->cameras[i]->name, name))
+			return config->cameras[i];
+	}
+	return NULL;
+}

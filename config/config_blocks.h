@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Private to config/. [camera NAME], [screen] and [buttons] are blocks: the section's own struct,
+ * and behind it in memory the options of every driver of its class.
+ */
+#ifndef INLAY_CONFIG_CONFIG_BLOCKS_H
+#define INLAY_CONFIG_CONFIG_BLOCKS_H
+
+#include "config/config.h"
+
+/* Works out where in a block the options of each driver of the class start, and the prefix of their
+ * keys. section_bytes: size of the section's own struct. 0, or -E2BIG: more than CONFIG_DRIVERS_MAX
+ * drivers. */
+int config_block_lay_out(struct config *config, enum config_class kind, size_t section_bytes);
+
+/* Allocates a block with every key at its default; keys are those of the section's own struct. The
+ * caller frees it with free(). NULL: out of memory. */
+void *config_block_create(const struct config *config, enum config_class kind,
+			  const struct ini_key *keys);
+
+#endif
