@@ -44,7 +44,7 @@ DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/b
 	drivers/gpio/lines.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_LIBCAMERA)),drivers/camera_libcamera.cpp \
 	drivers/libcamera/configuration.cpp drivers/libcamera/controls.c drivers/libcamera/events.c \
-	drivers/libcamera/failure.cpp drivers/libcamera/find.c drivers/libcamera/formats.cpp \
-	drivers/libcamera/hotplug.c drivers/libcamera/library_controls.cpp drivers/libcamera/listing.cpp \
-	drivers/libcamera/log_stream.cpp drivers/libcamera/manager.cpp drivers/libcamera/messages.c \
-	drivers/libcamera/picture.c drivers/libcamera/session.cpp drivers/libcamera/slots.cpp)
+	drivers/libcamera/find.c drivers/libcamera/hotplug.c drivers/libcamera/library_controls.cpp \
+	drivers/libcamera/listing.cpp drivers/libcamera/log_stream.cpp drivers/libcamera/manager.cpp \
+	drivers/libcamera/messages.c drivers/libcamera/picture.c drivers/libcamera/session.cpp \
+	drivers/libcamera/slots.cpp)

@@ -70,7 +70,7 @@ void libcamera_value_text(const struct libcamera_value *value, char text[LIBCAME
 }
 
 /* What a number of the kind may be, whatever the camera says. */
-static bool holds(enum libcamera_kind kind, double number)
+static bool kind_holds(enum libcamera_kind kind, double number)
 {
 	switch (kind) {
 	case LIBCAMERA_BOOL:
@@ -96,20 +96,20 @@ static bool has_limits(const struct libcamera_control *control)
 }
 
 /* An array may have one limit for all its elements. */
-static double limit(const struct libcamera_value *limits, int element)
+static double control_limit(const struct libcamera_value *limits, int element)
 {
 	return limits->numbers[element < limits->count ? element : limits->count - 1];
 }
 
-static bool allows(const struct libcamera_control *control, int element, double number)
+static bool control_allows(const struct libcamera_control *control, int element, double number)
 {
-	return has_limits(control) ? number >= limit(&control->least, element) &&
-					     number <= limit(&control->most, element)
-				   : holds(control->kind, number);
+	return has_limits(control) ? number >= control_limit(&control->least, element) &&
+					     number <= control_limit(&control->most, element)
+				   : kind_holds(control->kind, number);
 }
 
-static int read_number(const struct libcamera_control *control, const char *word, double *number,
-		       struct fault *fault)
+static int control_read_number(const struct libcamera_control *control, const char *word,
+			       double *number, struct fault *fault)
 {
 	bool truth;
 
@@ -150,11 +150,11 @@ int libcamera_value_read(const struct libcamera_control *control, const char *te
 	for (char *word = strtok_r(words, " \t", &rest); word;
 	     word = strtok_r(NULL, " \t", &rest)) {
 		double number;
-		int err = read_number(control, word, &number, fault);
+		int err = control_read_number(control, word, &number, fault);
 
 		if (err)
 			return err;
-		if (!allows(control, count, number))
+		if (!control_allows(control, count, number))
 			return out_of_range(control, word, fault);
 		if (count < expected)
 			value->numbers[count] = number;
@@ -177,8 +177,8 @@ static bool nearly_equal(const struct libcamera_value *a, const struct libcamera
 
 /* ---- wishes ---- */
 
-static const struct libcamera_control *find(const struct libcamera_control *known, int count,
-					    const char *name)
+static const struct libcamera_control *control_find(const struct libcamera_control *known,
+						    int count, const char *name)
 {
 	for (int i = 0; i < count; i++)
 		if (strcasecmp(known[i].name, name) == 0)
@@ -233,17 +233,17 @@ double libcamera_wishes_read(struct libcamera_wishes *w, const char *camera,
 	while ((got = camera_controls_next(&text, &said, &fault)) != 0) {
 		if (got < 0)
 			log_warning_once("libcamera: %s: %s", camera, fault.text);
-		else if (read_wish(w, find(known, count, said.name), said.value, &fault))
+		else if (read_wish(w, control_find(known, count, said.name), said.value, &fault))
 			log_warning_once("libcamera: %s: control %s is not set: %s", camera,
 					 said.name, fault.text);
 	}
-	return want_rate(w, find(known, count, "FrameDurationLimits"), rate_hz);
+	return want_rate(w, control_find(known, count, "FrameDurationLimits"), rate_hz);
 }
 
 int libcamera_wishes_change(struct libcamera_wishes *w, const struct libcamera_control *known,
 			    int count, const char *name, const char *value, struct fault *fault)
 {
-	const struct libcamera_control *control = find(known, count, name);
+	const struct libcamera_control *control = control_find(known, count, name);
 	struct libcamera_value read;
 	struct fault why;
 	int at = 0, err;

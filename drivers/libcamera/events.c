@@ -96,7 +96,7 @@ int libcamera_events_watch(struct libcamera_events *e,
 }
 
 /* The pipe holds a page of bytes at least, and each request is in it at most once. */
-static void put(struct libcamera_events *e, uint8_t byte)
+static void events_put(struct libcamera_events *e, uint8_t byte)
 {
 	while (write(e->done[1], &byte, 1) < 0 && errno == EINTR)
 		;
@@ -104,12 +104,12 @@ static void put(struct libcamera_events *e, uint8_t byte)
 
 void libcamera_events_done(struct libcamera_events *e, int request)
 {
-	put(e, (uint8_t)request);
+	events_put(e, (uint8_t)request);
 }
 
 void libcamera_events_end(struct libcamera_events *e)
 {
-	put(e, OVER);
+	events_put(e, OVER);
 }
 
 int libcamera_events_take(struct libcamera_events *e)

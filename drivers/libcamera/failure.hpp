@@ -3,11 +3,14 @@
 #ifndef INLAY_DRIVERS_LIBCAMERA_FAILURE_HPP
 #define INLAY_DRIVERS_LIBCAMERA_FAILURE_HPP
 
+#include <cerrno>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
 extern "C" {
 #include "hal/device/camera.h"
+#include "hal/device/camera_situation.h"
 }
 
 namespace libcamera_driver
@@ -17,15 +20,26 @@ class Failure : public std::runtime_error
 {
       public:
 	/* Without a situation: the one that code mostly means. */
-	Failure(int code, const std::string &text);
-	Failure(int code, const std::string &text, camera_situation what);
+	Failure(int code, const std::string &text) : Failure(code, text, camera_situation_of(code))
+	{
+	}
+
+	Failure(int code, const std::string &text, camera_situation what)
+	    : std::runtime_error(text), err(code), situation(what)
+	{
+	}
 
 	const int err; /* negative errno */
 	const camera_situation situation;
 };
 
 /* libcamera said err to what was tried. */
-Failure refusal(int err, const std::string &tried);
+inline Failure refusal(int err, const std::string &tried)
+{
+	return {err, err == -ENOSPC ? "the bus has no room for its pictures: ask for a smaller "
+				      "size or a lower rate"
+				    : tried + ": " + strerror(-err)};
+}
 
 } // namespace libcamera_driver
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "drivers/libcamera/configuration.hpp"
-#include "drivers/libcamera/formats.hpp"
 #include "drivers/libcamera/library_controls.hpp"
 #include "drivers/libcamera/manager.hpp"
 

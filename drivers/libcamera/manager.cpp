@@ -21,45 +21,51 @@ namespace libcamera_driver
 namespace
 {
 
-std::mutex lock;
-lc::CameraManager *only; /* no destructor: see Session::end() */
-int users;
-unsigned kept; /* libcamera_hotplug_kept() when it began */
-bool outdated;
+/* libcamera aborts if a process has two managers at once, so all Managers share this one. The pointer
+ * is a plain one, so that nothing is destroyed at exit: see Session::end(). */
+struct Shared {
+	std::mutex lock;
+	lc::CameraManager *manager; /* valid while there are users */
+	int users;
+	unsigned kept; /* libcamera_hotplug_kept() when it began */
+	bool outdated; /* see Manager::is_outdated() */
+};
+
+Shared shared;
 
 } // namespace
 
 Manager::Manager()
 {
-	const std::lock_guard<std::mutex> guard(lock);
+	const std::lock_guard<std::mutex> guard(shared.lock);
 
-	if (users > 0 && outdated)
+	if (shared.users > 0 && shared.outdated)
 		throw Failure(-ENODEV, "it is about to begin anew");
-	if (users == 0) {
+	if (shared.users == 0) {
 		redirect_messages();
-		outdated = false;
-		kept = libcamera_hotplug_kept();
-		only = new lc::CameraManager;
-		if (const int err = only->start(); err) {
-			delete only;
+		shared.outdated = false;
+		shared.kept = libcamera_hotplug_kept();
+		shared.manager = new lc::CameraManager;
+		if (const int err = shared.manager->start(); err) {
+			delete shared.manager;
 			throw Failure(err, "it finds no devices at all", CAMERA_NO_DEVICE);
 		}
 	}
-	users++;
+	shared.users++;
 }
 
 Manager::~Manager()
 {
-	const std::lock_guard<std::mutex> guard(lock);
+	const std::lock_guard<std::mutex> guard(shared.lock);
 
-	if (--users > 0)
+	if (--shared.users > 0)
 		return;
-	delete only; /* which stops it */
+	delete shared.manager; /* which stops it */
 }
 
 std::vector<std::shared_ptr<lc::Camera>> Manager::cameras() const
 {
-	return only->cameras();
+	return shared.manager->cameras();
 }
 
 std::shared_ptr<lc::Camera> Manager::find(const char *wanted) const
@@ -84,19 +90,19 @@ std::shared_ptr<lc::Camera> Manager::find(const char *wanted) const
 /* What is looked for may be among the devices that came since it began. */
 void Manager::want_others() const
 {
-	const std::lock_guard<std::mutex> guard(lock);
+	const std::lock_guard<std::mutex> guard(shared.lock);
 
-	if (outdated || users == 1 || kept == libcamera_hotplug_kept())
+	if (shared.outdated || shared.users == 1 || shared.kept == libcamera_hotplug_kept())
 		return;
-	outdated = true;
+	shared.outdated = true;
 	log_info("libcamera: it begins anew, as devices were plugged in");
 }
 
 bool Manager::is_outdated() const
 {
-	const std::lock_guard<std::mutex> guard(lock);
+	const std::lock_guard<std::mutex> guard(shared.lock);
 
-	return outdated;
+	return shared.outdated;
 }
 
 /* libcamera wants to be told by its own thread; later versions have no way to be told. */
@@ -110,7 +116,7 @@ void Manager::forget(const std::shared_ptr<lc::Camera> &camera) const
 	      public:
 		void run(std::shared_ptr<lc::Camera> what)
 		{
-			only->removeCamera(what);
+			shared.manager->removeCamera(what);
 		}
 	};
 	Errand errand;
@@ -128,7 +134,7 @@ bool Manager::made_of(const std::shared_ptr<lc::Camera> &camera, dev_t number) c
 	return numbers &&
 	       std::find(numbers->begin(), numbers->end(), (int64_t)number) != numbers->end();
 #else
-	return only->get(number) == camera;
+	return shared.manager->get(number) == camera;
 #endif
 }
 

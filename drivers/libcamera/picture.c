@@ -27,7 +27,7 @@ static int map_one(struct libcamera_picture *p, int fd)
 }
 
 /* Index of what is mapped of fd. */
-static int mapped(struct libcamera_picture *p, int fd)
+static int picture_mapping(struct libcamera_picture *p, int fd)
 {
 	for (int i = 0; i < p->mapping_count; i++)
 		if (p->mappings[i].fd == fd)
@@ -38,7 +38,7 @@ static int mapped(struct libcamera_picture *p, int fd)
 static int point_into(struct libcamera_picture *p, const struct libcamera_span *span,
 		      struct frame_plane *plane)
 {
-	const int index = mapped(p, span->fd);
+	const int index = picture_mapping(p, span->fd);
 	size_t room;
 
 	if (index < 0)
@@ -70,7 +70,7 @@ static int planes_of(enum pixel_format format)
 }
 
 /* Bytes from a plane's first to its last. */
-static size_t extent(const struct libcamera_picture *p, int index)
+static size_t plane_extent(const struct libcamera_picture *p, int index)
 {
 	const size_t rows = frame_plane_bytes(p->format, index, 1, p->height);
 
@@ -92,7 +92,7 @@ int libcamera_picture_map(struct libcamera_picture *p, size_t stride,
 			continue;
 		plane->stride = stride;
 		if (stride < frame_plane_stride(p->format, i, p->width) ||
-		    plane->bytes < extent(p, i))
+		    plane->bytes < plane_extent(p, i))
 			return -EINVAL;
 	}
 	return 0;
@@ -121,7 +121,7 @@ bool libcamera_picture_planes(const struct libcamera_picture *p, const size_t *u
 {
 	memcpy(planes, p->planes, sizeof(p->planes));
 	for (int i = 0; i < count && i < planes_of(p->format); i++) {
-		if (p->format != PIXEL_MJPEG && used[i] < extent(p, i))
+		if (p->format != PIXEL_MJPEG && used[i] < plane_extent(p, i))
 			return false;
 		if (p->format == PIXEL_MJPEG && used[i] < planes[i].bytes)
 			planes[i].bytes = used[i];

@@ -18,7 +18,6 @@
 #include <unistd.h>
 
 #include "drivers/libcamera/configuration.hpp"
-#include "drivers/libcamera/formats.hpp"
 #include "drivers/libcamera/library_controls.hpp"
 #include "drivers/libcamera/log_stream.hpp"
 
