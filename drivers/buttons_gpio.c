@@ -19,7 +19,6 @@
 
 #define LINES 10
 #define TIMER LINES /* beside the lines in epoll's data */
-#define OFFSET_MAX 1023
 #define LOOK_EVERY_NS NS_PER_S
 
 /* A line that never rests must not hold up the program: so many edges at one call. */
@@ -51,13 +50,11 @@ static const enum action line_actions[LINES] = {
 	ACTION_SPLIT_RIGHT,  ACTION_FREEZE,
 };
 
-static const char *const bias_names[] = {"as-is", "pull-up", "pull-down", "disabled", NULL};
-
 #define LINE_KEY(text, index)                                                                      \
 	{                                                                                          \
 		.name = text, .type = INI_INT,                                                     \
 		.offset = offsetof(struct gpio_options, offsets[index]), .min = -1,                \
-		.max = OFFSET_MAX, .fallback = "-1",                                               \
+		.max = GPIO_OFFSET_MAX, .fallback = "-1",                                          \
 		.help = "Line of this button on the chip; -1: none.",                              \
 	}
 
@@ -85,7 +82,7 @@ static const struct ini_key gpio_keys[] = {
 	{.name = "bias",
 	 .type = INI_CHOICE,
 	 .offset = offsetof(struct gpio_options, bias),
-	 .choices = bias_names,
+	 .choices = gpio_bias_names,
 	 .fallback = "pull-up",
 	 .help = "The resistor inside the chip."},
 	{.name = "debounce_ms",
@@ -113,7 +110,7 @@ static const struct ini_key gpio_keys[] = {
 	INI_KEYS_END,
 };
 
-static int watch(const struct gpio_buttons *gpio, int descriptor, int index)
+static int gpio_watch(const struct gpio_buttons *gpio, int descriptor, int index)
 {
 	struct epoll_event event = {.events = EPOLLIN, .data.u32 = (uint32_t)index};
 
@@ -151,7 +148,7 @@ static int open_line(struct gpio_buttons *gpio, const struct gpio_options *optio
 	if (level < 0)
 		return refuse_line(level, options, index, fault);
 	button_start(&gpio->buttons[index], level, action_repeats(line_actions[index]));
-	err = watch(gpio, gpio_line_descriptor(line), index);
+	err = gpio_watch(gpio, gpio_line_descriptor(line), index);
 	return err ? fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err)) : 0;
 }
 
@@ -177,21 +174,6 @@ static int open_lines(struct gpio_buttons *gpio, const struct gpio_options *opti
 	return 0;
 }
 
-static int open_chip(struct gpio_buttons *gpio, const char *name, struct fault *fault)
-{
-	const int err = gpio_chip_open(&gpio->chip, name);
-
-	if (err == -ENODEV)
-		return fault_say(fault, err,
-				 "gpio buttons: there is no chip \"%s\" (inlay devices lists them)",
-				 name);
-	if (err)
-		return fault_say(fault, err, "gpio buttons: cannot open the chip \"%s\": %s%s",
-				 name, strerror(-err),
-				 err == -EACCES ? " (is this user in the group \"gpio\"?)" : "");
-	return 0;
-}
-
 /* One descriptor for all of it. */
 static int open_waiting(struct gpio_buttons *gpio, struct fault *fault)
 {
@@ -206,12 +188,12 @@ static int open_waiting(struct gpio_buttons *gpio, struct fault *fault)
 	if (gpio->epoll < 0)
 		err = -errno;
 	else
-		err = watch(gpio, gpio->timer, TIMER);
+		err = gpio_watch(gpio, gpio->timer, TIMER);
 	return err ? fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err)) : 0;
 }
 
 /* For whatever is due first without an edge. */
-static int arm(struct gpio_buttons *gpio, struct fault *fault)
+static int gpio_arm(struct gpio_buttons *gpio, struct fault *fault)
 {
 	int64_t at_ns = gpio->look_ns;
 	struct itimerspec when = {0};
@@ -249,13 +231,13 @@ static int gpio_open(struct buttons *buttons, struct fault *fault)
 	};
 	err = open_waiting(gpio, fault);
 	if (!err)
-		err = open_chip(gpio, options->chip, fault);
+		err = gpio_chip_open(&gpio->chip, options->chip, "gpio buttons", fault);
 	if (!err)
 		err = open_lines(gpio, options, fault);
 	if (err)
 		return err;
 	gpio->look_ns = clock_now_ns() + LOOK_EVERY_NS;
-	return arm(gpio, fault);
+	return gpio_arm(gpio, fault);
 }
 
 static int gpio_descriptor(struct buttons *buttons)
@@ -302,7 +284,7 @@ static int take_edges(struct gpio_buttons *gpio)
 	return LINES;
 }
 
-static int look(struct gpio_buttons *gpio, int64_t now_ns)
+static int gpio_look(struct gpio_buttons *gpio, int64_t now_ns)
 {
 	for (int i = 0; i < LINES; i++) {
 		int level;
@@ -339,7 +321,7 @@ static int next_press(struct gpio_buttons *gpio)
 	if (index == LINES)
 		index = settled_press(gpio, now_ns);
 	if (index == LINES && now_ns >= gpio->look_ns) {
-		const int err = look(gpio, now_ns);
+		const int err = gpio_look(gpio, now_ns);
 
 		if (err)
 			return err;
@@ -356,7 +338,7 @@ static int gpio_read(struct buttons *buttons, struct button_press *press, struct
 	if (index < 0)
 		return fault_say(fault, index, "gpio buttons: the chip is gone: %s",
 				 strerror(-index));
-	err = arm(gpio, fault);
+	err = gpio_arm(gpio, fault);
 	if (err)
 		return err;
 	if (index == LINES)

@@ -17,7 +17,6 @@
 #include "drivers/gpio/quadrature.h"
 #include "hal/base/clock.h"
 
-#define OFFSET_MAX 1023
 /* Lines that never rest must not hold up the program: so many edges at one call. */
 #define EDGES_AT_ONCE 64
 
@@ -30,7 +29,7 @@ struct encoder_options {
 	int turns;  /* index of turned */
 };
 
-struct encoder {
+struct encoder_buttons {
 	struct gpiod_chip *chip;
 	int epoll;
 	int timer; /* runs out when an edge that waits counts */
@@ -46,8 +45,6 @@ static const enum action turned[][2] = {
 	{ACTION_SPLIT_LEFT, ACTION_SPLIT_RIGHT},
 };
 
-static const char *const bias_names[] = {"as-is", "pull-up", "pull-down", "disabled", NULL};
-
 static const struct ini_key encoder_keys[] = {
 	{.name = "chip",
 	 .type = INI_TEXT,
@@ -58,14 +55,14 @@ static const struct ini_key encoder_keys[] = {
 	 .type = INI_INT,
 	 .offset = offsetof(struct encoder_options, offsets[0]),
 	 .min = -1,
-	 .max = OFFSET_MAX,
+	 .max = GPIO_OFFSET_MAX,
 	 .fallback = "-1",
 	 .help = "Line of the contact that leads when it is turned forwards; -1: none."},
 	{.name = "b",
 	 .type = INI_INT,
 	 .offset = offsetof(struct encoder_options, offsets[1]),
 	 .min = -1,
-	 .max = OFFSET_MAX,
+	 .max = GPIO_OFFSET_MAX,
 	 .fallback = "-1",
 	 .help = "Line of the other contact; -1: none."},
 	{.name = "active_low",
@@ -76,7 +73,7 @@ static const struct ini_key encoder_keys[] = {
 	{.name = "bias",
 	 .type = INI_CHOICE,
 	 .offset = offsetof(struct encoder_options, bias),
-	 .choices = bias_names,
+	 .choices = gpio_bias_names,
 	 .fallback = "pull-up",
 	 .help = "The resistor inside the chip."},
 	{.name = "detent",
@@ -95,8 +92,8 @@ static const struct ini_key encoder_keys[] = {
 	INI_KEYS_END,
 };
 
-static int open_line(struct encoder *encoder, const struct encoder_options *options, int index,
-		     struct fault *fault)
+static int open_line(struct encoder_buttons *encoder, const struct encoder_options *options,
+		     int index, struct fault *fault)
 {
 	/* A bounce counts forth and back, and nothing has to settle. */
 	const struct gpio_line_settings settings = {
@@ -123,8 +120,8 @@ static int open_line(struct encoder *encoder, const struct encoder_options *opti
 		   : 0;
 }
 
-static int start(struct encoder *encoder, const struct encoder_options *options,
-		 struct fault *fault)
+static int encoder_start(struct encoder_buttons *encoder, const struct encoder_options *options,
+			 struct fault *fault)
 {
 	int level[2];
 
@@ -144,7 +141,7 @@ static int start(struct encoder *encoder, const struct encoder_options *options,
 	return 0;
 }
 
-static int open_wakers(struct encoder *encoder)
+static int open_wakers(struct encoder_buttons *encoder)
 {
 	struct epoll_event event = {.events = EPOLLIN};
 
@@ -159,7 +156,7 @@ static int open_wakers(struct encoder *encoder)
 static int encoder_open(struct buttons *buttons, struct fault *fault)
 {
 	const struct encoder_options *options = buttons->options;
-	struct encoder *encoder = calloc(1, sizeof(*encoder));
+	struct encoder_buttons *encoder = calloc(1, sizeof(*encoder));
 	int err;
 
 	if (!encoder)
@@ -170,32 +167,24 @@ static int encoder_open(struct buttons *buttons, struct fault *fault)
 		return fault_say(fault, err, "encoder: epoll: %s", strerror(-err));
 	if (options->detent == 3)
 		return fault_say(fault, -EINVAL, "encoder: detent is 3, expected 1, 2 or 4");
-	err = gpio_chip_open(&encoder->chip, options->chip);
-	if (err == -ENODEV)
-		return fault_say(fault, err,
-				 "encoder: there is no chip \"%s\" (inlay devices lists them)",
-				 options->chip);
-	if (err)
-		return fault_say(fault, err, "encoder: cannot open the chip \"%s\": %s%s",
-				 options->chip, strerror(-err),
-				 err == -EACCES ? " (is this user in the group \"gpio\"?)" : "");
-	return start(encoder, options, fault);
+	err = gpio_chip_open(&encoder->chip, options->chip, "encoder", fault);
+	return err ? err : encoder_start(encoder, options, fault);
 }
 
 static int encoder_descriptor(struct buttons *buttons)
 {
-	return ((struct encoder *)buttons->state)->epoll;
+	return ((struct encoder_buttons *)buttons->state)->epoll;
 }
 
 /* Reads what edges there are, into what room there is. */
-static int take_edges(struct encoder *encoder)
+static int take_edges(struct encoder_buttons *encoder)
 {
 	for (int i = 0; i < 2; i++) {
 		struct pollfd p = {.fd = gpio_line_descriptor(&encoder->lines[i]),
 				   .events = POLLIN};
 
 		while (edge_order_has_room(&encoder->order, i) && poll(&p, 1, 0) == 1) {
-			struct edge edge;
+			struct gpio_edge edge;
 			const int err = p.revents & POLLIN
 						? gpio_line_edge(&encoder->lines[i], &edge.level,
 								 &edge.at_ns)
@@ -210,7 +199,7 @@ static int take_edges(struct encoder *encoder)
 }
 
 /* Wakes who polls, at until_ns; INT64_MAX: not. */
-static int wake(const struct encoder *encoder, int64_t until_ns)
+static int encoder_wake(const struct encoder_buttons *encoder, int64_t until_ns)
 {
 	struct itimerspec at = {0};
 
@@ -220,10 +209,10 @@ static int wake(const struct encoder *encoder, int64_t until_ns)
 }
 
 /* The steps that the next edge makes; -EAGAIN: none counts yet. */
-static int next_edge(struct encoder *encoder, int *step)
+static int next_edge(struct encoder_buttons *encoder, int *step)
 {
 	struct quadrature *q = &encoder->quadrature;
-	struct edge edge;
+	struct gpio_edge edge;
 	int64_t until_ns;
 	int line, err = take_edges(encoder);
 
@@ -231,7 +220,7 @@ static int next_edge(struct encoder *encoder, int *step)
 		return err;
 	line = edge_order_take(&encoder->order, clock_now_ns(), &edge, &until_ns);
 	if (line == -EAGAIN) {
-		err = wake(encoder, until_ns);
+		err = encoder_wake(encoder, until_ns);
 		return err ? err : -EAGAIN;
 	}
 	*step = quadrature_edge(q, line == 0 ? edge.level : q->a, line == 1 ? edge.level : q->b);
@@ -255,7 +244,7 @@ static int encoder_read(struct buttons *buttons, struct button_press *press, str
 
 static void encoder_close(struct buttons *buttons)
 {
-	struct encoder *encoder = buttons->state;
+	struct encoder_buttons *encoder = buttons->state;
 
 	if (!encoder)
 		return;

@@ -12,7 +12,7 @@ void button_start(struct button *button, bool level, bool repeats)
 }
 
 /* The level has lasted: true when that is a press. */
-static bool settle(struct button *button, const struct button_timing *timing, int64_t now_ns)
+static bool level_settle(struct button *button, const struct button_timing *timing, int64_t now_ns)
 {
 	if (button->level == button->pressed || now_ns - button->edge_ns < timing->settle_ns)
 		return false;
@@ -31,7 +31,7 @@ bool button_edge(struct button *button, const struct button_timing *timing, bool
 
 	if (level == button->level)
 		return false; /* its opposite was lost */
-	press = settle(button, timing, at_ns);
+	press = level_settle(button, timing, at_ns);
 	button->level = level;
 	button->edge_ns = at_ns;
 	return press;
@@ -39,7 +39,7 @@ bool button_edge(struct button *button, const struct button_timing *timing, bool
 
 bool button_settle(struct button *button, const struct button_timing *timing, int64_t now_ns)
 {
-	if (settle(button, timing, now_ns))
+	if (level_settle(button, timing, now_ns))
 		return true;
 	if (now_ns < button->repeat_ns || !button->level)
 		return false;

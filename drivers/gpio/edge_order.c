@@ -9,7 +9,7 @@ bool edge_order_has_room(const struct edge_order *order, int line)
 	return order->count[line] < EDGE_ORDER_MAX;
 }
 
-void edge_order_add(struct edge_order *order, int line, struct edge edge)
+void edge_order_add(struct edge_order *order, int line, struct gpio_edge edge)
 {
 	const unsigned at = (order->first[line] + order->count[line]) % EDGE_ORDER_MAX;
 
@@ -17,14 +17,16 @@ void edge_order_add(struct edge_order *order, int line, struct edge edge)
 	order->count[line]++;
 }
 
-static const struct edge *oldest(const struct edge_order *order, int line)
+static const struct gpio_edge *edge_order_oldest(const struct edge_order *order, int line)
 {
 	return order->count[line] ? &order->edges[line][order->first[line]] : NULL;
 }
 
-int edge_order_take(struct edge_order *order, int64_t now_ns, struct edge *edge, int64_t *until_ns)
+int edge_order_take(struct edge_order *order, int64_t now_ns, struct gpio_edge *edge,
+		    int64_t *until_ns)
 {
-	const struct edge *const e[2] = {oldest(order, 0), oldest(order, 1)};
+	const struct gpio_edge *const e[2] = {edge_order_oldest(order, 0),
+					      edge_order_oldest(order, 1)};
 	int line;
 
 	*until_ns = INT64_MAX;

@@ -16,13 +16,13 @@
 #define EDGE_ORDER_NS 10000000 /* less than a frame: nobody sees a step wait so long */
 #define EDGE_ORDER_MAX 32      /* of each line; twice what the kernel keeps */
 
-struct edge {
+struct gpio_edge {
 	int64_t at_ns;
 	bool level;
 };
 
 struct edge_order {
-	struct edge edges[2][EDGE_ORDER_MAX];
+	struct gpio_edge edges[2][EDGE_ORDER_MAX];
 	unsigned first[2], count[2];
 };
 
@@ -30,10 +30,11 @@ struct edge_order {
 bool edge_order_has_room(const struct edge_order *order, int line);
 
 /* The next edge of a line that has room for it. Zeroed, an order has none. */
-void edge_order_add(struct edge_order *order, int line, struct edge edge);
+void edge_order_add(struct edge_order *order, int line, struct gpio_edge edge);
 
 /* Takes the oldest edge: 0 or 1, its line. -EAGAIN: none counts yet; *until_ns: when one will,
  * INT64_MAX if there is none. A line without room waits no longer. */
-int edge_order_take(struct edge_order *order, int64_t now_ns, struct edge *edge, int64_t *until_ns);
+int edge_order_take(struct edge_order *order, int64_t now_ns, struct gpio_edge *edge,
+		    int64_t *until_ns);
 
 #endif

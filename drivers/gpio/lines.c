@@ -12,6 +12,8 @@
 
 #define CONSUMER "inlay"
 
+const char *const gpio_bias_names[] = {"as-is", "pull-up", "pull-down", "disabled", NULL};
+
 static void list_chip(const char *name, const char *label, unsigned lines,
 		      void (*found)(void *context, const char *line), void *context)
 {
@@ -35,7 +37,7 @@ static void list_line(unsigned offset, const char *name, bool input, const char 
 
 #if GPIOD_MAJOR < 2
 
-int gpio_chip_open(struct gpiod_chip **chip, const char *name)
+static int chip_find(struct gpiod_chip **chip, const char *name)
 {
 	errno = 0;
 	*chip = gpiod_chip_open_lookup(name);
@@ -189,14 +191,14 @@ static int each_chip(int (*visit)(struct gpiod_chip *chip, struct gpiod_chip_inf
 	return result ? result : refused;
 }
 
-struct search {
+struct chip_search {
 	const char *name;
 	char path[256]; /* found */
 };
 
 static int compare_chip(struct gpiod_chip *chip, struct gpiod_chip_info *info, void *context)
 {
-	struct search *search = context;
+	struct chip_search *search = context;
 	const char *path = gpiod_chip_get_path(chip);
 
 	if (strcmp(search->name, path) && strcmp(search->name, gpiod_chip_info_get_name(info)) &&
@@ -206,9 +208,9 @@ static int compare_chip(struct gpiod_chip *chip, struct gpiod_chip_info *info, v
 	return 1;
 }
 
-int gpio_chip_open(struct gpiod_chip **chip, const char *name)
+static int chip_find(struct gpiod_chip **chip, const char *name)
 {
-	struct search search = {.name = name};
+	struct chip_search search = {.name = name};
 	int found;
 
 	*chip = NULL;
@@ -235,7 +237,7 @@ static unsigned count_lines(struct gpiod_chip *chip)
 	return lines;
 }
 
-static int apply(struct gpiod_line_settings *to, const struct gpio_line_settings *from)
+static int settings_apply(struct gpiod_line_settings *to, const struct gpio_line_settings *from)
 {
 	static const enum gpiod_line_bias biases[] = {
 		[GPIO_BIAS_AS_IS] = GPIOD_LINE_BIAS_AS_IS,
@@ -288,7 +290,7 @@ int gpio_line_open(struct gpio_line *line, struct gpiod_chip *chip, unsigned off
 	applied = gpiod_line_settings_new();
 	if (!applied)
 		return -ENOMEM;
-	err = apply(applied, settings);
+	err = settings_apply(applied, settings);
 	if (!err)
 		err = request_line(line, chip, applied);
 	gpiod_line_settings_free(applied);
@@ -338,14 +340,14 @@ void gpio_line_close(struct gpio_line *line)
 	*line = (struct gpio_line){0};
 }
 
-struct listing {
+struct lines_listing {
 	void (*found)(void *context, const char *line);
 	void *context;
 };
 
 static int list_lines(struct gpiod_chip *chip, struct gpiod_chip_info *info, void *context)
 {
-	const struct listing *listing = context;
+	const struct lines_listing *listing = context;
 	const unsigned count = (unsigned)gpiod_chip_info_get_num_lines(info);
 
 	list_chip(gpiod_chip_info_get_name(info), gpiod_chip_info_get_label(info), count,
@@ -365,9 +367,25 @@ static int list_lines(struct gpiod_chip *chip, struct gpiod_chip_info *info, voi
 
 int gpio_lines_list(void (*found)(void *context, const char *line), void *context)
 {
-	struct listing listing = {.found = found, .context = context};
+	struct lines_listing listing = {.found = found, .context = context};
 
 	return each_chip(list_lines, &listing);
 }
 
 #endif
+
+int gpio_chip_open(struct gpiod_chip **chip, const char *name, const char *user,
+		   struct fault *fault)
+{
+	const int err = chip_find(chip, name);
+
+	if (err == -ENODEV)
+		return fault_say(fault, err,
+				 "%s: there is no chip \"%s\" (inlay devices lists them)", user,
+				 name);
+	if (err)
+		return fault_say(fault, err, "%s: cannot open the chip \"%s\": %s%s", user, name,
+				 strerror(-err),
+				 err == -EACCES ? " (is this user in the group \"gpio\"?)" : "");
+	return 0;
+}

@@ -9,10 +9,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "hal/base/fault.h"
+
 /* From version 2 on the kernel lets a level settle, in hardware where the chip can. */
 #define GPIO_KERNEL_SETTLES (GPIOD_MAJOR >= 2)
 
+#define GPIO_OFFSET_MAX 1023 /* the largest line number that a key accepts */
+
 enum gpio_bias { GPIO_BIAS_AS_IS, GPIO_BIAS_PULL_UP, GPIO_BIAS_PULL_DOWN, GPIO_BIAS_DISABLED };
+
+extern const char *const gpio_bias_names[]; /* "as-is", "pull-up", ... NULL */
 
 struct gpiod_chip;
 
@@ -28,8 +34,10 @@ struct gpio_line {
 	unsigned offset;
 };
 
-/* By path, name or label. -ENODEV: there is no such chip; other -errno. */
-int gpio_chip_open(struct gpiod_chip **chip, const char *name);
+/* Opens a chip by path, name or label. user begins the fault's text. 0; -ENODEV: there is no such
+ * chip; other -errno. */
+int gpio_chip_open(struct gpiod_chip **chip, const char *name, const char *user,
+		   struct fault *fault);
 void gpio_chip_close(struct gpiod_chip *chip); /* after its lines; NULL is harmless */
 
 /* -ENXIO: the chip has no such line; -EBUSY: somebody holds it; other -errno. */

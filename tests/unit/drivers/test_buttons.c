@@ -237,7 +237,7 @@ static int turn(struct quadrature *q, const char *edges)
  */
 static int64_t take_all(struct edge_order *order, int64_t now_ns, char *text)
 {
-	struct edge edge;
+	struct gpio_edge edge;
 	int64_t until_ns;
 	int line;
 
@@ -257,24 +257,24 @@ static void edges_in_order(void **state)
 	(void)state;
 	assert_int_equal(take_all(&order, 5 * ms, text), INT64_MAX);
 	/* The second line's is handed over first, and what was before it in time only later. */
-	edge_order_add(&order, 1, (struct edge){.at_ns = 11 * ms});
-	edge_order_add(&order, 1, (struct edge){.at_ns = 13 * ms});
+	edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 11 * ms});
+	edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 13 * ms});
 	assert_int_equal(take_all(&order, 14 * ms, text), 11 * ms + EDGE_ORDER_NS);
 	assert_string_equal(text, "");
-	edge_order_add(&order, 0, (struct edge){.at_ns = 10 * ms});
-	edge_order_add(&order, 0, (struct edge){.at_ns = 12 * ms});
+	edge_order_add(&order, 0, (struct gpio_edge){.at_ns = 10 * ms});
+	edge_order_add(&order, 0, (struct gpio_edge){.at_ns = 12 * ms});
 	assert_int_equal(take_all(&order, 15 * ms, text), 13 * ms + EDGE_ORDER_NS);
 	assert_string_equal(text, "aba");
 	/* The last one waits for nobody after its time. */
 	assert_int_equal(take_all(&order, 13 * ms + EDGE_ORDER_NS, text), INT64_MAX);
 	assert_string_equal(text, "abab");
 	/* Another clock's time is not waited for, nor does a full line wait. */
-	edge_order_add(&order, 0, (struct edge){.at_ns = 1000 * ms});
+	edge_order_add(&order, 0, (struct gpio_edge){.at_ns = 1000 * ms});
 	take_all(&order, 30 * ms, text);
 	assert_string_equal(text, "ababa");
 	text[0] = '\0';
 	for (int i = 0; edge_order_has_room(&order, 1); i++)
-		edge_order_add(&order, 1, (struct edge){.at_ns = 40 * ms + i});
+		edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 40 * ms + i});
 	take_all(&order, 41 * ms, text);
 	assert_string_equal(text, "b");
 }
