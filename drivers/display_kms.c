@@ -116,7 +116,7 @@ static int kms_fit(struct display *display, int width, int height, double squash
 /* ---- the console ---- */
 
 /* Another console's turn: what it shows is its business until ours is back. */
-static void go_away(struct display *display)
+static void kms_go_away(struct display *display)
 {
 	struct kms_screen *screen = display->state;
 
@@ -131,8 +131,8 @@ static void go_away(struct display *display)
 }
 
 static int take_flips(struct kms_screen *screen);
-static int look(struct kms_screen *screen, const struct display *display, bool probe,
-		struct fault *fault);
+static int kms_look(struct kms_screen *screen, const struct display *display, bool probe,
+		    struct fault *fault);
 
 /* Setting the mode waited for a flip that was under way, and undid it. */
 static int show_again(struct kms_screen *screen, struct fault *fault)
@@ -146,13 +146,13 @@ static int show_again(struct kms_screen *screen, struct fault *fault)
 	return err;
 }
 
-static int come_back(struct display *display, struct fault *fault)
+static int kms_come_back(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;
 	int err = kms_screen_become_master(screen, fault);
 
 	if (!err)
-		err = look(screen, display, true, fault);
+		err = kms_look(screen, display, true, fault);
 	if (!err)
 		err = show_again(screen, fault);
 	if (err)
@@ -170,13 +170,13 @@ static int switch_console(struct display *display, struct fault *fault)
 	switch (kms_console_next(&screen->console)) {
 	case KMS_SWITCH_AWAY:
 		if (!display->hidden)
-			go_away(display);
+			kms_go_away(display);
 		kms_console_let_go(&screen->console);
 		break;
 	case KMS_SWITCH_BACK:
 		kms_console_taken(&screen->console);
 		if (display->hidden)
-			err = come_back(display, fault);
+			err = kms_come_back(display, fault);
 		break;
 	case KMS_SWITCH_NONE:
 		break;
@@ -185,13 +185,13 @@ static int switch_console(struct display *display, struct fault *fault)
 }
 
 /* On another console than the one that is shown, it waits for its turn. */
-static int light_up(struct display *display, struct fault *fault)
+static int kms_light_up(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;
 
 	if (screen->console.tty < 0 || kms_console_is_active(&screen->console))
 		return kms_screen_set_mode(screen, 0, fault);
-	go_away(display);
+	kms_go_away(display);
 	kms_console_activate(&screen->console);
 	return 0;
 }
@@ -217,7 +217,7 @@ static int kms_open(struct display *display, struct fault *fault)
 	err = kms_screen_open(screen, &display->settings, display->options, &display->situation,
 			      fault);
 	if (!err)
-		err = light_up(display, fault);
+		err = kms_light_up(display, fault);
 	if (err)
 		return err;
 	mode = &screen->path.mode;
@@ -264,7 +264,7 @@ static int kms_acquire(struct display *display, struct display_buffer *buffer)
 
 /* Hands the frame that waits to the kernel, if it can be. One that the kernel has no time for stays
  * and is tried again, until it is overdue. */
-static int flip(struct kms_screen *screen)
+static int kms_flip(struct kms_screen *screen)
 {
 	const int64_t now_ns = clock_now_ns();
 	struct kms_state *ours = &screen->ours;
@@ -307,7 +307,7 @@ static int kms_submit(struct display *display, struct display_buffer *buffer, in
 		return 0; /* acquired before the switch: there is nobody to see it */
 	screen->buffers[buffer->index].token = token;
 	screen->waiting = buffer->index;
-	err = flip(screen);
+	err = kms_flip(screen);
 	return err ? say_lost(screen, err, fault) : 0;
 }
 
@@ -347,8 +347,8 @@ static int take_flips(struct kms_screen *screen)
 }
 
 /* Whether the screen is there, gets its picture, and would be given the same mode again. */
-static int look(struct kms_screen *screen, const struct display *display, bool probe,
-		struct fault *fault)
+static int kms_look(struct kms_screen *screen, const struct display *display, bool probe,
+		    struct fault *fault)
 {
 	struct kms_connector *connector = &screen->connector;
 	drmModeModeInfo mode;
@@ -394,10 +394,10 @@ static int look_if_due(struct display *display, unsigned ready, struct fault *fa
 
 	if (display->hidden || !(told || clock_now_ns() - screen->looked_ns >= LOOK_EVERY_NS))
 		return 0;
-	err = look(screen, display, told, fault);
+	err = kms_look(screen, display, told, fault);
 	/* Newly plugged in, its modes are known only after asking. */
 	if (!err && !told && known && screen->connector.connection != known)
-		err = look(screen, display, true, fault);
+		err = kms_look(screen, display, true, fault);
 	return err;
 }
 
@@ -411,7 +411,7 @@ static int check_flip(struct kms_screen *screen, struct fault *fault)
 			 screen->path.connector_name);
 }
 
-static void tell(struct kms_screen *screen, struct display_event *event)
+static void kms_tell(struct kms_screen *screen, struct display_event *event)
 {
 	if (screen->shown.kind != DISPLAY_NOTHING) {
 		*event = screen->shown;
@@ -443,13 +443,13 @@ static int kms_dispatch(struct display *display, struct display_event *event, st
 		err = look_if_due(display, ready, fault);
 	if (err)
 		return err;
-	err = flip(screen);
+	err = kms_flip(screen);
 	if (err)
 		return say_lost(screen, err, fault);
 	err = check_flip(screen, fault);
 	if (err)
 		return err;
-	tell(screen, event);
+	kms_tell(screen, event);
 	return 0;
 }
 

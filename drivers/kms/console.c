@@ -30,7 +30,7 @@
 static atomic_int telling = -1;
 static struct sigaction before[2];
 
-static void tell(int number)
+static void console_signalled(int number)
 {
 	const char what = number == SIGNAL_AWAY ? KMS_SWITCH_AWAY : KMS_SWITCH_BACK;
 	const int fd = atomic_load(&telling), kept = errno;
@@ -41,7 +41,7 @@ static void tell(int number)
 }
 
 /* The number of a virtual console; 0: it is none. */
-static int number_of(int tty)
+static int console_number(int tty)
 {
 	struct stat of;
 
@@ -63,7 +63,7 @@ static int open_auto(void)
 {
 	char path[32];
 	struct vt_stat shown;
-	int zero, err = 0, number = number_of(STDIN_FILENO);
+	int zero, err = 0, number = console_number(STDIN_FILENO);
 
 	if (!number) {
 		zero = open_tty("/dev/tty0");
@@ -116,9 +116,9 @@ static void give_signals_back(void)
 	sigaction(SIGNAL_BACK, &before[1], NULL);
 }
 
-static int take(struct kms_console *console)
+static int console_take(struct kms_console *console)
 {
-	const struct sigaction action = {.sa_handler = tell, .sa_flags = SA_RESTART};
+	const struct sigaction action = {.sa_handler = console_signalled, .sa_flags = SA_RESTART};
 	const struct vt_mode mode = {
 		.mode = VT_PROCESS,
 		.relsig = (short)SIGNAL_AWAY,
@@ -146,13 +146,13 @@ int kms_console_open(struct kms_console *console, const char *vt, struct fault *
 	if (console->tty < 0)
 		return fault_say(fault, console->tty, "console %s: %s", vt,
 				 strerror(-console->tty));
-	console->number = number_of(console->tty);
+	console->number = console_number(console->tty);
 	if (!console->number)
 		err = fault_say(fault, -ENOTTY, "console %s: not one like /dev/tty1", vt);
 	if (!err) {
 		err = open_pipe(console);
 		if (!err)
-			err = take(console);
+			err = console_take(console);
 		if (err)
 			fault_say(fault, err, "console %s: %s%s", vt, strerror(-err),
 				  err == -EPERM ? " (is it this program's own terminal, as a "

@@ -282,7 +282,7 @@ static int try_card(const struct display_settings *settings, const struct kms_op
 }
 
 /* Which of two troubles is told: the one that is nearer to a picture. */
-static int weight(int err)
+static int fault_weight(int err)
 {
 	switch (err) {
 	case 0:
@@ -316,7 +316,7 @@ static int find_ranked(const struct display_settings *settings, const struct kms
 		trial = try_card(settings, options, device, rank, path, &trouble);
 		if (!trial)
 			return 0;
-		if (weight(trial) > weight(err))
+		if (fault_weight(trial) > fault_weight(err))
 			err = fault_say(fault, trial, "%s", trouble.text);
 	}
 	return err ? err

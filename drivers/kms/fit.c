@@ -3,7 +3,7 @@
 
 #include "drivers/kms/kms.h"
 
-static int within(double length, int most)
+static int clamp_length(double length, int most)
 {
 	return length < 1 ? 1 : length > most ? most : (int)lrint(length);
 }
@@ -14,8 +14,8 @@ struct kms_box kms_fit_box(int width, int height, double squash, int screen_widt
 	const double tall = height * squash;
 	const double factor = fmin(screen_width / (double)width, screen_height / tall);
 	struct kms_box box = {
-		.width = within(width * factor, screen_width),
-		.height = within(tall * factor, screen_height),
+		.width = clamp_length(width * factor, screen_width),
+		.height = clamp_length(tall * factor, screen_height),
 	};
 
 	box.x = (screen_width - box.width) / 2;

@@ -28,7 +28,7 @@ static bool has_open(const char *pid, dev_t device)
 	return found;
 }
 
-static void name_of(const char *pid, char *name, size_t room)
+static void process_name(const char *pid, char *name, size_t room)
 {
 	char path[300];
 	FILE *file;
@@ -60,7 +60,7 @@ int kms_holders(const char *device, char *text, size_t room)
 
 		if (pid <= 0 || pid == self || !has_open(entry->d_name, node.st_rdev))
 			continue;
-		name_of(entry->d_name, name, sizeof(name));
+		process_name(entry->d_name, name, sizeof(name));
 		if (used + sizeof(name) + 32 < room)
 			used += (size_t)snprintf(text + used, room - used, "%s%s (pid %ld)",
 						 count ? ", " : "", name, pid);

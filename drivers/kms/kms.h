@@ -27,9 +27,6 @@ struct kms_options {
 
 /* ---- mode.c: choosing; pure ---- */
 
-/* Refreshes a second, from the pixel clock. */
-double kms_mode_rate(const drmModeModeInfo *mode);
-
 /*
  * The mode to set, progressive: of the size asked for (0: any; without either, the size of the
  * preferred mode, or of the first), and of those the nearest in rate (0: the preferred one, else
@@ -55,6 +52,9 @@ int kms_mode_pick(const struct display_settings *settings, const struct kms_opti
 bool kms_mode_same(const drmModeModeInfo *a, const drmModeModeInfo *b);
 
 /* ---- timing.c: modes of our own; pure ---- */
+
+/* Refreshes a second, from the pixel clock. */
+double kms_mode_rate(const drmModeModeInfo *mode);
 
 /* A progressive mode: the standard's where there is one for the size and rate (VESA DMT, CTA-861),
  * else VESA CVT with reduced blanking. */

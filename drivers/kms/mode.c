@@ -4,19 +4,6 @@
 
 #include "drivers/kms/kms.h"
 
-double kms_mode_rate(const drmModeModeInfo *mode)
-{
-	double lines = mode->vtotal;
-
-	if (mode->flags & DRM_MODE_FLAG_INTERLACE)
-		lines /= 2;
-	if (mode->flags & DRM_MODE_FLAG_DBLSCAN)
-		lines *= 2;
-	if (mode->vscan > 1)
-		lines *= mode->vscan;
-	return lines > 0 && mode->htotal ? mode->clock * 1000.0 / (mode->htotal * lines) : 0;
-}
-
 static bool is_progressive(const drmModeModeInfo *mode)
 {
 	return !(mode->flags & (DRM_MODE_FLAG_INTERLACE | DRM_MODE_FLAG_DBLSCAN));

@@ -211,7 +211,7 @@ int kms_screen_open(struct kms_screen *screen, const struct display_settings *se
 
 /* As it was; where what was shown no longer exists, as a cursor's picture once it is off, without
  * what lay over it, or dark. A commit that may block waits for the last flip. */
-static int restore(struct kms_screen *screen)
+static int screen_restore(struct kms_screen *screen)
 {
 	const struct kms_state dark = {0};
 	int err = kms_state_commit(&screen->path, &screen->properties, &screen->before,
@@ -233,7 +233,7 @@ int kms_screen_release(struct kms_screen *screen)
 	int err = 0;
 
 	if (screen->set)
-		err = restore(screen);
+		err = screen_restore(screen);
 	/* Makes the kernel show its text, whatever was there before. */
 	kms_console_close(&screen->console);
 	kms_watch_close(&screen->watch);

@@ -106,8 +106,9 @@ void kms_state_uncover(const struct kms_path *path, struct kms_state *state)
 		state->covers[i].fb = 0;
 }
 
-static int read_row(const struct kms_path *path, const struct property_row *row,
-		    struct kms_properties *properties, struct kms_state *state, struct fault *fault)
+static int property_read(const struct kms_path *path, const struct property_row *row,
+			 struct kms_properties *properties, struct kms_state *state,
+			 struct fault *fault)
 {
 	uint32_t *id = (uint32_t *)((char *)properties + row->id);
 	uint64_t *value = (uint64_t *)((char *)state + row->value);
@@ -132,7 +133,7 @@ int kms_state_read(const struct kms_path *path, struct kms_properties *propertie
 	int err = 0;
 
 	for (size_t i = 0; i < ROWS && !err; i++)
-		err = read_row(path, &rows[i], properties, state, fault);
+		err = property_read(path, &rows[i], properties, state, fault);
 	/* To have failed is not a state that can be asked for. */
 	state->connector_link = DRM_MODE_LINK_STATUS_GOOD;
 	find_covers(path, state);
@@ -149,7 +150,7 @@ void kms_state_forget(int card, const struct kms_state *state)
 	}
 }
 
-static int add(drmModeAtomicReq *request, uint32_t object, uint32_t id, uint64_t value)
+static int request_add(drmModeAtomicReq *request, uint32_t object, uint32_t id, uint64_t value)
 {
 	const int added = drmModeAtomicAddProperty(request, object, id, value);
 
@@ -167,16 +168,16 @@ int kms_state_commit(const struct kms_path *path, const struct kms_properties *p
 		const uint32_t id = *(const uint32_t *)((const char *)properties + rows[i].id);
 		const uint64_t value = *(const uint64_t *)((const char *)state + rows[i].value);
 		if (id)
-			err = add(request, object_of(path, rows[i].kind), id, value);
+			err = request_add(request, object_of(path, rows[i].kind), id, value);
 	}
 	/* These two properties are the same ones for every plane. */
 	for (int i = 0; i < state->cover_count && !err; i++) {
 		const struct kms_cover *cover = &state->covers[i];
 
-		err = add(request, cover->plane, properties->plane_fb, cover->fb);
+		err = request_add(request, cover->plane, properties->plane_fb, cover->fb);
 		if (!err)
-			err = add(request, cover->plane, properties->plane_crtc,
-				  cover->fb ? path->crtc : 0);
+			err = request_add(request, cover->plane, properties->plane_crtc,
+					  cover->fb ? path->crtc : 0);
 	}
 	if (!err)
 		err = drmModeAtomicCommit(path->card, request, flags, NULL);

@@ -9,8 +9,8 @@
 #include "drivers/kms/kms.h"
 #include "hal/base/number.h"
 
-#define PP (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)
-#define NN (DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC)
+#define SYNC_POSITIVE (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)
+#define SYNC_NEGATIVE (DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC)
 
 /* What every screen of these sizes takes: VESA DMT and, for the sizes of television, CTA-861. */
 static const struct {
@@ -18,20 +18,33 @@ static const struct {
 	uint16_t across[4], down[4]; /* shown, sync start, sync end, total */
 	uint32_t flags;
 } standards[] = {
-	{25175, {640, 656, 752, 800}, {480, 490, 492, 525}, NN},
-	{40000, {800, 840, 968, 1056}, {600, 601, 605, 628}, PP},
-	{65000, {1024, 1048, 1184, 1344}, {768, 771, 777, 806}, NN},
-	{74250, {1280, 1390, 1430, 1650}, {720, 725, 730, 750}, PP},
-	{74250, {1280, 1720, 1760, 1980}, {720, 725, 730, 750}, PP},
-	{108000, {1280, 1328, 1440, 1688}, {1024, 1025, 1028, 1066}, PP},
-	{85500, {1366, 1436, 1579, 1792}, {768, 771, 774, 798}, PP},
-	{148500, {1920, 2008, 2052, 2200}, {1080, 1084, 1089, 1125}, PP},
-	{148500, {1920, 2448, 2492, 2640}, {1080, 1084, 1089, 1125}, PP},
-	{297000, {3840, 4016, 4104, 4400}, {2160, 2168, 2178, 2250}, PP},
+	{25175, {640, 656, 752, 800}, {480, 490, 492, 525}, SYNC_NEGATIVE},
+	{40000, {800, 840, 968, 1056}, {600, 601, 605, 628}, SYNC_POSITIVE},
+	{65000, {1024, 1048, 1184, 1344}, {768, 771, 777, 806}, SYNC_NEGATIVE},
+	{74250, {1280, 1390, 1430, 1650}, {720, 725, 730, 750}, SYNC_POSITIVE},
+	{74250, {1280, 1720, 1760, 1980}, {720, 725, 730, 750}, SYNC_POSITIVE},
+	{108000, {1280, 1328, 1440, 1688}, {1024, 1025, 1028, 1066}, SYNC_POSITIVE},
+	{85500, {1366, 1436, 1579, 1792}, {768, 771, 774, 798}, SYNC_POSITIVE},
+	{148500, {1920, 2008, 2052, 2200}, {1080, 1084, 1089, 1125}, SYNC_POSITIVE},
+	{148500, {1920, 2448, 2492, 2640}, {1080, 1084, 1089, 1125}, SYNC_POSITIVE},
+	{297000, {3840, 4016, 4104, 4400}, {2160, 2168, 2178, 2250}, SYNC_POSITIVE},
 };
 
-static void fill(drmModeModeInfo *mode, uint32_t clock, const uint16_t across[4],
-		 const uint16_t down[4], uint32_t flags)
+double kms_mode_rate(const drmModeModeInfo *mode)
+{
+	double lines = mode->vtotal;
+
+	if (mode->flags & DRM_MODE_FLAG_INTERLACE)
+		lines /= 2;
+	if (mode->flags & DRM_MODE_FLAG_DBLSCAN)
+		lines *= 2;
+	if (mode->vscan > 1)
+		lines *= mode->vscan;
+	return lines > 0 && mode->htotal ? mode->clock * 1000.0 / (mode->htotal * lines) : 0;
+}
+
+static void timing_fill(drmModeModeInfo *mode, uint32_t clock, const uint16_t across[4],
+			const uint16_t down[4], uint32_t flags)
 {
 	*mode = (drmModeModeInfo){
 		.clock = clock,
@@ -79,8 +92,8 @@ static void cvt_reduced(int width, int height, double rate_hz, drmModeModeInfo *
 	const uint16_t down[4] = {(uint16_t)height, (uint16_t)(height + front),
 				  (uint16_t)(height + front + sync), (uint16_t)total};
 
-	fill(mode, (uint32_t)(clock_step_khz * floor(clock_khz / clock_step_khz)), across, down,
-	     DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_NVSYNC);
+	timing_fill(mode, (uint32_t)(clock_step_khz * floor(clock_khz / clock_step_khz)), across,
+		    down, DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_NVSYNC);
 }
 
 void kms_timing(int width, int height, double rate_hz, drmModeModeInfo *mode)
@@ -88,8 +101,8 @@ void kms_timing(int width, int height, double rate_hz, drmModeModeInfo *mode)
 	for (size_t i = 0; i < sizeof(standards) / sizeof(standards[0]); i++) {
 		if (standards[i].across[0] != width || standards[i].down[0] != height)
 			continue;
-		fill(mode, standards[i].clock, standards[i].across, standards[i].down,
-		     standards[i].flags);
+		timing_fill(mode, standards[i].clock, standards[i].across, standards[i].down,
+			    standards[i].flags);
 		if (fabs(kms_mode_rate(mode) - rate_hz) < 0.5)
 			return;
 	}
@@ -113,7 +126,7 @@ static int parse_size(const char *text, drmModeModeInfo *mode)
 	return 0;
 }
 
-static bool rises(const uint16_t line[4])
+static bool timing_rises(const uint16_t line[4])
 {
 	return line[0] >= 64 && line[0] <= line[1] && line[1] < line[2] && line[2] <= line[3];
 }
@@ -165,10 +178,10 @@ static int parse_modeline(const char *text, drmModeModeInfo *mode)
 	}
 	if (sscanf(text, "%lf %5hu %5hu %5hu %5hu %5hu %5hu %5hu %5hu%n", &clock_mhz, &a[0], &a[1],
 		   &a[2], &a[3], &d[0], &d[1], &d[2], &d[3], &used) != 9 ||
-	    !(clock_mhz >= 1 && clock_mhz <= 4000) || !rises(a) || !rises(d) ||
+	    !(clock_mhz >= 1 && clock_mhz <= 4000) || !timing_rises(a) || !timing_rises(d) ||
 	    parse_flags(text + used, &flags))
 		return -EINVAL;
-	fill(mode, (uint32_t)lrint(clock_mhz * 1000), a, d, flags);
+	timing_fill(mode, (uint32_t)lrint(clock_mhz * 1000), a, d, flags);
 	return 0;
 }
 

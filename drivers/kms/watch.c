@@ -20,7 +20,7 @@
 #define KERNEL_GROUP 1	    /* of NETLINK_KOBJECT_UEVENT: what the kernel itself says */
 #define MESSAGES_AT_ONCE 64 /* the rest wakes the loop again */
 
-static int set_timer(int timer, int64_t first_ns)
+static int watch_set_timer(int timer, int64_t first_ns)
 {
 	const struct itimerspec when = {
 		.it_interval.tv_nsec = TICK_NS,
@@ -46,7 +46,7 @@ static int open_netlink(void)
 	return netlink;
 }
 
-static int add(const struct kms_watch *watch, int fd, unsigned ready)
+static int watch_add(const struct kms_watch *watch, int fd, unsigned ready)
 {
 	struct epoll_event event = {.events = EPOLLIN, .data.u32 = ready};
 
@@ -68,15 +68,15 @@ int kms_watch_open(struct kms_watch *watch, int card, int console, struct fault 
 		return fault_say(fault, err, "kms display: no timer: %s", strerror(-err));
 	}
 	watch->netlink = open_netlink();
-	err = set_timer(watch->timer, TICK_NS);
+	err = watch_set_timer(watch->timer, TICK_NS);
 	if (!err)
-		err = add(watch, card, KMS_READY_CARD);
+		err = watch_add(watch, card, KMS_READY_CARD);
 	if (!err)
-		err = add(watch, watch->timer, KMS_READY_TICK);
+		err = watch_add(watch, watch->timer, KMS_READY_TICK);
 	if (!err)
-		err = add(watch, watch->netlink, KMS_READY_HOTPLUG);
+		err = watch_add(watch, watch->netlink, KMS_READY_HOTPLUG);
 	if (!err)
-		err = add(watch, console, KMS_READY_CONSOLE);
+		err = watch_add(watch, console, KMS_READY_CONSOLE);
 	return err ? fault_say(fault, err, "kms display: cannot wait for it: %s", strerror(-err))
 		   : 0;
 }
@@ -139,7 +139,7 @@ unsigned kms_watch_take(struct kms_watch *watch)
 
 void kms_watch_soon(struct kms_watch *watch)
 {
-	set_timer(watch->timer, SOON_NS);
+	watch_set_timer(watch->timer, SOON_NS);
 }
 
 void kms_watch_close(struct kms_watch *watch)
