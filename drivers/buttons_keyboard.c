@@ -139,7 +139,7 @@ static void grab_when_idle(struct keyboard *keyboard)
 	keyboard->grabbed = true;
 }
 
-static int adopt(struct keyboards *keyboards, int fd, dev_t number)
+static int keyboard_adopt(struct keyboards *keyboards, int fd, dev_t number)
 {
 	unsigned char down[KEYS_BITS_BYTES] = {0};
 
@@ -167,8 +167,8 @@ static bool is_known(const struct keyboards *keyboards, dev_t number)
 }
 
 /* 0 when the device is used or is none of ours; -errno when it cannot be. */
-static int consider(struct keyboards *keyboards, const struct keyboard_options *options,
-		    const char *path)
+static int keyboard_consider(struct keyboards *keyboards, const struct keyboard_options *options,
+			     const char *path)
 {
 	struct stat node;
 	int fd, err;
@@ -182,13 +182,13 @@ static int consider(struct keyboards *keyboards, const struct keyboard_options *
 		close(fd);
 		return 0;
 	}
-	err = adopt(keyboards, fd, node.st_rdev);
+	err = keyboard_adopt(keyboards, fd, node.st_rdev);
 	if (err)
 		close(fd);
 	return err;
 }
 
-static void drop(struct keyboard *keyboard)
+static void keyboard_drop(struct keyboard *keyboard)
 {
 	close(keyboard->fd); /* and so out of epoll, and no longer grabbed */
 	keyboard->fd = -1;
@@ -201,7 +201,7 @@ static void drop_gone(struct keyboards *keyboards)
 		struct pollfd p = {.fd = keyboards->list[i].fd};
 
 		if (p.fd >= 0 && poll(&p, 1, 0) == 1 && p.revents & (POLLHUP | POLLERR))
-			drop(&keyboards->list[i]);
+			keyboard_drop(&keyboards->list[i]);
 	}
 }
 
@@ -221,8 +221,8 @@ static int is_event(const struct dirent *entry)
 
 /* Drops what is gone and opens what is new. What is missing or refused is an error only when
  * nothing else is there. */
-static int search(struct keyboards *keyboards, const struct keyboard_options *options,
-		  struct fault *fault)
+static int keyboard_search(struct keyboards *keyboards, const struct keyboard_options *options,
+			   struct fault *fault)
 {
 	DIR *folder = opendir(FOLDER);
 	int err = folder ? 0 : -errno, refused = 0;
@@ -237,7 +237,7 @@ static int search(struct keyboards *keyboards, const struct keyboard_options *op
 		if (!is_event(entry))
 			continue;
 		snprintf(path, sizeof(path), FOLDER "/%s", entry->d_name);
-		err = consider(keyboards, options, path);
+		err = keyboard_consider(keyboards, options, path);
 		if (err)
 			refused = err;
 	}
@@ -297,7 +297,7 @@ static int keyboard_open(struct buttons *buttons, struct fault *fault)
 	if (!err)
 		err = open_waiting(keyboards, fault);
 	if (!err)
-		err = search(keyboards, buttons->options, fault);
+		err = keyboard_search(keyboards, buttons->options, fault);
 	return err;
 }
 
@@ -307,14 +307,15 @@ static int keyboard_descriptor(struct buttons *buttons)
 }
 
 /* One event: what is left keeps the descriptor readable. */
-static enum action take_event(struct keyboards *keyboards, struct keyboard *keyboard, bool grab)
+static enum action keyboard_take_event(struct keyboards *keyboards, struct keyboard *keyboard,
+				       bool grab)
 {
 	struct input_event event;
 	unsigned char down[KEYS_BITS_BYTES] = {0};
 	enum action action;
 
 	if (read(keyboard->fd, &event, sizeof(event)) != sizeof(event))
-		return ACTION_NONE; /* when it is gone, search() drops it */
+		return ACTION_NONE; /* when it is gone, keyboard_search() drops it */
 	action = keys_take(&keyboard->keys, &keyboards->map, &event);
 	if (keyboard->keys.ask && ioctl(keyboard->fd, EVIOCGKEY(sizeof(down)), down) >= 0)
 		action = keys_ask(&keyboard->keys, &keyboards->map, down);
@@ -343,11 +344,12 @@ static int keyboard_read(struct buttons *buttons, struct button_press *press, st
 					 strerror(-err));
 		}
 		if (i == FOLDER_WATCH || gone) {
-			err = search(keyboards, options, fault);
+			err = keyboard_search(keyboards, options, fault);
 			if (err)
 				return err;
 		} else {
-			press->action = take_event(keyboards, &keyboards->list[i], options->grab);
+			press->action = keyboard_take_event(keyboards, &keyboards->list[i],
+							    options->grab);
 		}
 	}
 	return press->action == ACTION_NONE ? -EAGAIN : 0;
@@ -361,7 +363,7 @@ static void keyboard_close(struct buttons *buttons)
 		return;
 	for (int i = 0; i < KEYBOARDS_MAX; i++)
 		if (keyboards->list[i].fd >= 0)
-			drop(&keyboards->list[i]);
+			keyboard_drop(&keyboards->list[i]);
 	if (keyboards->folder >= 0)
 		close(keyboards->folder);
 	if (keyboards->epoll >= 0)

@@ -80,7 +80,7 @@ static int parse_line(char *text, const char *path, int number, struct script_li
 }
 
 /* Lines of the same time keep their order. */
-static void insert(struct script *script, const struct script_line *line)
+static void script_insert(struct script *script, const struct script_line *line)
 {
 	size_t i = script->count++;
 
@@ -89,7 +89,7 @@ static void insert(struct script *script, const struct script_line *line)
 	script->lines[i] = *line;
 }
 
-static int append(struct script *script, const struct script_line *line)
+static int script_append(struct script *script, const struct script_line *line)
 {
 	struct script_line *larger = realloc(script->lines,
 					     (script->count + 1) * sizeof(*script->lines));
@@ -97,7 +97,7 @@ static int append(struct script *script, const struct script_line *line)
 	if (!larger)
 		return -ENOMEM;
 	script->lines = larger;
-	insert(script, line);
+	script_insert(script, line);
 	return 0;
 }
 
@@ -124,7 +124,7 @@ static int read_script(struct script *script, const char *path, struct fault *fa
 		if (found < 0)
 			err = found;
 		else if (found)
-			err = append(script, &line);
+			err = script_append(script, &line);
 	}
 	if (!err && ferror(stream))
 		err = fault_say(fault, -EIO, "%s: cannot read the button script", path);
@@ -133,7 +133,7 @@ static int read_script(struct script *script, const char *path, struct fault *fa
 }
 
 /* For the next line; quiet for ever after the last. */
-static int arm(struct script *script)
+static int script_arm(struct script *script)
 {
 	struct itimerspec when = {0};
 
@@ -168,7 +168,7 @@ static int script_open(struct buttons *buttons, struct fault *fault)
 	if (err)
 		return err;
 	script->start_ns = clock_now_ns();
-	err = arm(script);
+	err = script_arm(script);
 	return err ? fault_say(fault, err, "button script: timer: %s", strerror(-err)) : 0;
 }
 
@@ -187,7 +187,7 @@ static int script_read(struct buttons *buttons, struct button_press *press, stru
 		return -EAGAIN;
 	*press = script->lines[script->next++].press;
 	/* Also makes the descriptor quiet until the next line. */
-	err = arm(script);
+	err = script_arm(script);
 	return err ? fault_say(fault, err, "button script: timer: %s", strerror(-err)) : 0;
 }
 

@@ -26,7 +26,7 @@
 #include "hal/base/number.h"
 
 /* An exposure that was asked for. */
-struct change {
+struct sim_change {
 	uint64_t from; /* the first frame that shows it */
 	double exposure;
 };
@@ -43,7 +43,7 @@ struct sim {
 	int64_t start_ns, period_ns;
 	uint64_t next; /* sequence number of the frame to come */
 	uint64_t delivered;
-	struct change changes[SIM_DELAY_MAX + 1]; /* in turn; at most one a frame */
+	struct sim_change changes[SIM_DELAY_MAX + 1]; /* in turn; at most one a frame */
 	int change_count;
 	double turn_rad; /* of the panorama in linear; NAN: none yet */
 	enum colour_matrix matrix;
@@ -68,10 +68,10 @@ static void sim_close(struct camera *camera)
 	free(sim);
 }
 
-static int open_scene(struct camera *camera, struct sim *sim, struct fault *fault)
+static int sim_open_scene(struct camera *camera, struct sim *sim, struct fault *fault)
 {
 	const struct sim_options *options = camera->options;
-	struct eye eye;
+	struct sim_eye eye;
 	int err = sim_eye(options, &camera->settings, &eye, fault);
 
 	if (err)
@@ -91,7 +91,7 @@ static int open_scene(struct camera *camera, struct sim *sim, struct fault *faul
 	return 0;
 }
 
-static int open_files(struct camera *camera, struct sim *sim, struct fault *fault)
+static int sim_open_files(struct camera *camera, struct sim *sim, struct fault *fault)
 {
 	const struct sim_options *options = camera->options;
 	const struct player_settings settings = {
@@ -138,7 +138,7 @@ static int choose_format(struct camera *camera, struct sim *sim, struct fault *f
 	return 0;
 }
 
-static int allocate(const struct camera *camera, struct sim *sim, struct fault *fault)
+static int sim_allocate(const struct camera *camera, struct sim *sim, struct fault *fault)
 {
 	const size_t pixels = (size_t)camera->width * (size_t)camera->height;
 
@@ -188,12 +188,12 @@ static int sim_open(struct camera *camera, struct fault *fault)
 	sim->turn_rad = NAN;
 	camera->state = sim;
 	camera->rate_hz = camera->settings.rate_hz;
-	err = options->source == SIM_SOURCE_FILES ? open_files(camera, sim, fault)
-						  : open_scene(camera, sim, fault);
+	err = options->source == SIM_SOURCE_FILES ? sim_open_files(camera, sim, fault)
+						  : sim_open_scene(camera, sim, fault);
 	if (!err)
 		err = choose_format(camera, sim, fault);
 	if (!err)
-		err = allocate(camera, sim, fault);
+		err = sim_allocate(camera, sim, fault);
 	if (err)
 		goto fail;
 	sensor_prepare(&sim->sensor, &(struct sensor_settings){
@@ -357,7 +357,7 @@ static void output_frame(const struct camera *camera, struct sim *sim, uint64_t 
 	output_codes(camera, sim, bgrx, frame);
 }
 
-static int play(struct camera *camera, struct sim *sim, uint64_t steps, struct fault *fault)
+static int sim_play(struct camera *camera, struct sim *sim, uint64_t steps, struct fault *fault)
 {
 	const struct sim_options *options = camera->options;
 	int err = player_next(sim->player, steps, fault);
@@ -378,7 +378,7 @@ static int64_t timestamp_ns(const struct camera *camera, const struct sim *sim, 
 	return sim->start_ns + (int64_t)sequence * sim->period_ns;
 }
 
-static bool reached(int limit, uint64_t count)
+static bool frames_reached(int limit, uint64_t count)
 {
 	return limit > 0 && count >= (uint64_t)limit;
 }
@@ -400,8 +400,8 @@ static void apply_changes(struct sim *sim, uint64_t sequence)
 }
 
 /* One frame; an unfit one keeps the format PIXEL_NONE. */
-static int take_frame(struct camera *camera, struct sim *sim, struct frame *frame,
-		      struct fault *fault)
+static int sim_take_frame(struct camera *camera, struct sim *sim, struct frame *frame,
+			  struct fault *fault)
 {
 	const struct sim_options *options = camera->options;
 	const uint64_t ticks = take_ticks(camera, sim);
@@ -410,7 +410,7 @@ static int take_frame(struct camera *camera, struct sim *sim, struct frame *fram
 
 	if (ticks == 0)
 		return -EAGAIN;
-	err = sim->player ? play(camera, sim, ticks, fault) : 0;
+	err = sim->player ? sim_play(camera, sim, ticks, fault) : 0;
 	if (err)
 		return err;
 	sequence = sim->next + ticks - 1;
@@ -442,16 +442,16 @@ static int sim_grab(struct camera *camera, struct frame *frame, struct fault *fa
 	struct sim *sim = camera->state;
 	int err;
 
-	if (reached(options->vanish_after, sim->delivered)) {
+	if (frames_reached(options->vanish_after, sim->delivered)) {
 		camera->situation = CAMERA_NO_DEVICE;
 		return fault_say(fault, -ENODEV, "sim: the camera vanished, as it was told to");
 	}
-	if (reached(options->stall_after, sim->delivered)) {
+	if (frames_reached(options->stall_after, sim->delivered)) {
 		fall_silent(sim);
 		return -EAGAIN;
 	}
 	do
-		err = take_frame(camera, sim, frame, fault);
+		err = sim_take_frame(camera, sim, frame, fault);
 	while (err == 0 && frame->format == PIXEL_NONE);
 	if (err == 0)
 		sim->delivered++;
@@ -501,7 +501,7 @@ static int sim_control(struct camera *camera, const char *name, const char *valu
 	/* Two for one frame: the later counts. */
 	if (sim->change_count == 0 || sim->changes[sim->change_count - 1].from < from)
 		sim->change_count++;
-	sim->changes[sim->change_count - 1] = (struct change){from, exposure};
+	sim->changes[sim->change_count - 1] = (struct sim_change){from, exposure};
 	return 0;
 }
 

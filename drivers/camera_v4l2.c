@@ -68,14 +68,12 @@ static int open_device(struct camera *camera, struct v4l2_capture *v, struct fau
 	snprintf(camera->name, sizeof(camera->name), "%.*s", (int)sizeof(capability.card),
 		 (const char *)capability.card);
 	v->buffers.fd = v->fd;
-	v->buffers.type = device_caps(&capability) & V4L2_CAP_VIDEO_CAPTURE
-				  ? V4L2_BUF_TYPE_VIDEO_CAPTURE
-				  : V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+	v->buffers.type = device_buffer_type(&capability);
 	return 0;
 }
 
-static int start_once(struct camera *camera, struct v4l2_capture *v,
-		      const struct camera_settings *settings, struct fault *fault)
+static int v4l2_start_once(struct camera *camera, struct v4l2_capture *v,
+			   const struct camera_settings *settings, struct fault *fault)
 {
 	const struct v4l2_options *options = camera->options;
 	int err;
@@ -108,8 +106,8 @@ static int no_room(const struct camera *camera, const char *wanted, struct fault
 			 give_up, give_up[0] ? "\" allows: ask for less" : "");
 }
 
-static int start(struct camera *camera, struct v4l2_capture *v, struct v4l2_fallback *fallback,
-		 struct fault *fault)
+static int v4l2_start(struct camera *camera, struct v4l2_capture *v, struct v4l2_fallback *fallback,
+		      struct fault *fault)
 {
 	struct camera_settings settings = camera->settings;
 	char wanted[80] = "what is wanted", instead[80];
@@ -118,7 +116,7 @@ static int start(struct camera *camera, struct v4l2_capture *v, struct v4l2_fall
 
 	for (;;) {
 		memset(&v->picture, 0, sizeof(v->picture));
-		err = start_once(camera, v, &settings, fault);
+		err = v4l2_start_once(camera, v, &settings, fault);
 		if (err != -ENOSPC)
 			break;
 		if (!lessened && v->picture.layout)
@@ -141,7 +139,7 @@ static int start(struct camera *camera, struct v4l2_capture *v, struct v4l2_fall
 /* Whose the device is comes first: inputs and controls can be changed below another program that
  * streams, and waiting for it would do so each second. Controls go before the format all the same,
  * as some change it and are locked once there is memory. */
-static int set_up(struct camera *camera, struct v4l2_capture *v, struct fault *fault)
+static int v4l2_set_up(struct camera *camera, struct v4l2_capture *v, struct fault *fault)
 {
 	struct v4l2_fallback fallback;
 	int err;
@@ -156,7 +154,7 @@ static int set_up(struct camera *camera, struct v4l2_capture *v, struct fault *f
 	if (err)
 		return err;
 	v4l2_controls_apply(v->fd, v->path, &v->controls);
-	err = start(camera, v, &fallback, fault);
+	err = v4l2_start(camera, v, &fallback, fault);
 	if (err)
 		return err;
 	v4l2_controls_confirm(v->fd, v->path, &v->controls);
@@ -205,7 +203,7 @@ static int v4l2_open(struct camera *camera, struct fault *fault)
 	err = open_device(camera, v, fault);
 	if (err)
 		goto fail;
-	err = set_up(camera, v, &why);
+	err = v4l2_set_up(camera, v, &why);
 	if (!err)
 		err = watch_events(v, &why);
 	if (err) {

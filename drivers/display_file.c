@@ -152,7 +152,7 @@ static int file_acquire(struct display *display, struct display_buffer *buffer)
 	return 0;
 }
 
-static int write_video(struct file_screen *screen, struct fault *fault)
+static int file_write_video(struct file_screen *screen, struct fault *fault)
 {
 	const struct canvas *canvas = &screen->canvas;
 	const size_t plane = (size_t)canvas->width * (size_t)canvas->height;
@@ -170,7 +170,7 @@ static int write_video(struct file_screen *screen, struct fault *fault)
 			 strerror(-err));
 }
 
-static int write_picture(struct file_screen *screen, const char *device, struct fault *fault)
+static int file_write_picture(struct file_screen *screen, const char *device, struct fault *fault)
 {
 	const struct canvas *canvas = &screen->canvas;
 	char path[INI_PATH_MAX + 32];
@@ -195,8 +195,9 @@ static int file_submit(struct display *display, struct display_buffer *buffer, i
 	int err;
 
 	(void)buffer;
-	err = screen->kind == FILE_Y4M ? write_video(screen, fault)
-				       : write_picture(screen, display->settings.device, fault);
+	err = screen->kind == FILE_Y4M
+		      ? file_write_video(screen, fault)
+		      : file_write_picture(screen, display->settings.device, fault);
 	if (!err && write(screen->event, &one, sizeof(one)) < 0)
 		err = -errno;
 	if (err) {

@@ -132,7 +132,7 @@ static int64_t next_refresh_ns(const struct null_screen *screen, int64_t now_ns)
 }
 
 /* Wakes dispatch(). */
-static int set_timer(const struct null_screen *screen, int64_t due_ns, struct fault *fault)
+static int null_set_timer(const struct null_screen *screen, int64_t due_ns, struct fault *fault)
 {
 	const struct itimerspec when = {
 		.it_value.tv_sec = (time_t)(due_ns / NS_PER_S),
@@ -162,7 +162,7 @@ static int null_submit(struct display *display, struct display_buffer *buffer, i
 		screen->due_ns += STALL_NS;
 	}
 	screen->overtaken = options->hide_after && screen->submitted == options->hide_after + 1;
-	err = set_timer(screen, screen->due_ns, fault);
+	err = null_set_timer(screen, screen->due_ns, fault);
 	if (err)
 		return err;
 	screen->queued = buffer->index;
@@ -171,14 +171,14 @@ static int null_submit(struct display *display, struct display_buffer *buffer, i
 }
 
 /* The frame that was queued is never shown. */
-static int hide(struct display *display, struct fault *fault)
+static int null_hide(struct display *display, struct fault *fault)
 {
 	struct null_screen *screen = display->state;
 
 	screen->overtaken = false;
 	screen->queued = NONE;
 	display->hidden = true;
-	return set_timer(screen, clock_now_ns() + HIDDEN_NS, fault);
+	return null_set_timer(screen, clock_now_ns() + HIDDEN_NS, fault);
 }
 
 static int null_dispatch(struct display *display, struct display_event *event, struct fault *fault)
@@ -197,7 +197,7 @@ static int null_dispatch(struct display *display, struct display_event *event, s
 					 ? "pulled out, as null.vanish_after says"
 					 : "stalled, as null.stall_after says");
 	if (screen->overtaken)
-		return hide(display, fault);
+		return null_hide(display, fault);
 	if (display->hidden) {
 		display->hidden = false;
 		event->kind = DISPLAY_EXPOSED;

@@ -53,7 +53,7 @@ static const struct {
 	{SDLK_q, ACTION_QUIT},
 };
 
-static int refused(const char *what, struct fault *fault)
+static int window_refused(const char *what, struct fault *fault)
 {
 	return fault_say(fault, -ENODEV, "window display: cannot %s: %s", what, SDL_GetError());
 }
@@ -87,22 +87,22 @@ static int open_sdl(struct window *window, int width, int height, struct fault *
 	SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
 	SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "0");
 	if (SDL_InitSubSystem(SDL_INIT_VIDEO))
-		return refused("start (is there a desktop?)", fault);
+		return window_refused("start (is there a desktop?)", fault);
 	window->sdl = true;
 	window->window = SDL_CreateWindow("inlay", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED,
 					  width, height, 0);
 	if (!window->window)
-		return refused("open a window", fault);
+		return window_refused("open a window", fault);
 	window->renderer = SDL_CreateRenderer(window->window, -1, SDL_RENDERER_PRESENTVSYNC);
 	if (!window->renderer)
 		window->renderer = SDL_CreateRenderer(window->window, -1, 0);
 	if (!window->renderer)
-		return refused("draw in its window", fault);
+		return window_refused("draw in its window", fault);
 	/* SDL names formats by the value of a 32-bit word: B, G, R, X in memory here. */
 	window->texture = SDL_CreateTexture(window->renderer, SDL_PIXELFORMAT_ARGB8888,
 					    SDL_TEXTUREACCESS_STREAMING, width, height);
 	if (!window->texture)
-		return refused("make a texture", fault);
+		return window_refused("make a texture", fault);
 	SDL_SetTextureBlendMode(window->texture, SDL_BLENDMODE_NONE);
 	return 0;
 }
@@ -167,7 +167,7 @@ static int window_submit(struct display *display, struct display_buffer *buffer,
 
 	if (SDL_UpdateTexture(window->texture, NULL, buffer->pixels, (int)buffer->stride) ||
 	    SDL_RenderCopy(window->renderer, window->texture, NULL, NULL))
-		return refused("draw", fault);
+		return window_refused("draw", fault);
 	SDL_RenderPresent(window->renderer);
 	window->shown = (struct display_event){
 		.kind = DISPLAY_SHOWN,
@@ -177,7 +177,7 @@ static int window_submit(struct display *display, struct display_buffer *buffer,
 	return tick_now(window);
 }
 
-static bool translate(const SDL_Event *from, struct display_event *to)
+static bool window_translate(const SDL_Event *from, struct display_event *to)
 {
 	if (from->type == SDL_QUIT ||
 	    (from->type == SDL_KEYDOWN && from->key.keysym.sym == SDLK_ESCAPE)) {
@@ -216,7 +216,7 @@ static int window_dispatch(struct display *display, struct display_event *event,
 		return 0;
 	}
 	while (SDL_PollEvent(&from))
-		if (translate(&from, event))
+		if (window_translate(&from, event))
 			return 0;
 	return 0;
 }

@@ -5,7 +5,7 @@
 
 #include "hal/optics/vec.h"
 
-bool eye_ray(const struct eye *eye, const double px[2], double origin[3], double dir[3])
+bool eye_ray(const struct sim_eye *eye, const double px[2], double origin[3], double dir[3])
 {
 	if (!eye->fisheye)
 		return tsai_ray(&eye->camera, px, origin, dir) == 0;
@@ -13,7 +13,7 @@ bool eye_ray(const struct eye *eye, const double px[2], double origin[3], double
 	return fisheye_ray(&eye->lens, px, dir);
 }
 
-static double apart(const struct eye *eye, const double a[2], const double b[2])
+static double eye_ray_spread(const struct sim_eye *eye, const double a[2], const double b[2])
 {
 	double origin[3], from[3], to[3], chord[3];
 
@@ -24,15 +24,15 @@ static double apart(const struct eye *eye, const double a[2], const double b[2])
 	return vec_length(chord) / hypot(b[0] - a[0], b[1] - a[1]);
 }
 
-double eye_pixel_rad(const struct eye *eye, const double px[2])
+double eye_pixel_rad(const struct sim_eye *eye, const double px[2])
 {
 	const double left[2] = {px[0] - 0.25, px[1]}, right[2] = {px[0] + 0.25, px[1]};
 	const double above[2] = {px[0], px[1] - 0.25}, below[2] = {px[0], px[1] + 0.25};
 
-	return (apart(eye, left, right) + apart(eye, above, below)) / 2;
+	return (eye_ray_spread(eye, left, right) + eye_ray_spread(eye, above, below)) / 2;
 }
 
-bool eye_on_rim(const struct eye *eye, int x, int y)
+bool eye_on_rim(const struct sim_eye *eye, int x, int y)
 {
 	int seen = 0;
 

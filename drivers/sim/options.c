@@ -9,62 +9,65 @@ static const char *const source_names[] = {"studio", "panorama", "files", NULL};
 static const char *const view_names[] = {"fisheye", "perspective", NULL};
 static const char *const clock_names[] = {"real", "frames", NULL};
 
-#define AT(field) offsetof(struct sim_options, field)
+#define OPTION_AT(field) offsetof(struct sim_options, field)
 
 const struct ini_key sim_keys[] = {
-	{"source", INI_CHOICE, AT(source), .choices = source_names, .fallback = "studio",
+	{"source", INI_CHOICE, OPTION_AT(source), .choices = source_names, .fallback = "studio",
 	 .help = "What is seen: a room with moving lamps, a panorama, or pictures from files."},
-	{"view", INI_CHOICE, AT(view), .choices = view_names, .fallback = "fisheye",
+	{"view", INI_CHOICE, OPTION_AT(view), .choices = view_names, .fallback = "fisheye",
 	 .help = "How the studio or the panorama is seen."},
-	{"clock", INI_CHOICE, AT(pace), .choices = clock_names, .fallback = "real",
+	{"clock", INI_CHOICE, OPTION_AT(pace), .choices = clock_names, .fallback = "real",
 	 .help = "real: a frame when it is due; frames: at once, time advancing by one period."},
-	{"file", INI_PATH, AT(file), .fallback = "",
+	{"file", INI_PATH, OPTION_AT(file), .fallback = "",
 	 .help = "The panorama, or pictures (img%03d.png), video (clip.y4m) or a pipe of it."},
-	{"loop", INI_BOOL, AT(loop), .fallback = "yes",
+	{"loop", INI_BOOL, OPTION_AT(loop), .fallback = "yes",
 	 .help = "Start again at the end of the files; otherwise the camera is gone then."},
-	{"camera", INI_PATH, AT(camera), .fallback = "",
+	{"camera", INI_PATH, OPTION_AT(camera), .fallback = "",
 	 .help = "Perspective: a file with a [camera] section; empty: eye, target and angle."},
-	{"eye", INI_REALS, AT(eye), 3, -1e6, 1e6, .fallback = "0 -1.7 0.95", .unit = "m",
+	{"eye", INI_REALS, OPTION_AT(eye), 3, -1e6, 1e6, .fallback = "0 -1.7 0.95", .unit = "m",
 	 .help = "Perspective without a camera file: where it stands."},
-	{"target", INI_REALS, AT(target), 3, -1e6, 1e6, .fallback = "0 0 0.12", .unit = "m",
+	{"target", INI_REALS, OPTION_AT(target), 3, -1e6, 1e6, .fallback = "0 0 0.12", .unit = "m",
 	 .help = "Perspective without a camera file: what it looks at."},
-	{"angle", INI_REAL, AT(angle_deg), .min = 1, .max = 170, .fallback = "46", .unit = "deg",
-	 .help = "Perspective without a camera file: horizontal field of view."},
-	{"position", INI_REALS, AT(position), 3, -1e6, 1e6, .fallback = "0 0 0", .unit = "m",
+	{"angle", INI_REAL, OPTION_AT(angle_deg), .min = 1, .max = 170, .fallback = "46",
+	 .unit = "deg", .help = "Perspective without a camera file: horizontal field of view."},
+	{"position", INI_REALS, OPTION_AT(position), 3, -1e6, 1e6, .fallback = "0 0 0", .unit = "m",
 	 .help = "Fisheye: where it lies in the studio."},
-	{"focal", INI_REALS, AT(lens.focal_px), 2, 0, 1e6, .fallback = "0 0", .unit = "px/rad",
+	{"focal", INI_REALS, OPTION_AT(lens.focal_px), 2, 0, 1e6, .fallback = "0 0",
+	 .unit = "px/rad",
 	 .help = "Fisheye: focal lengths; 0 0: the field fills the smaller side."},
-	{"centre", INI_REALS, AT(lens.centre_px), 2, -1e6, 1e6, .fallback = "0 0", .unit = "px",
+	{"centre", INI_REALS, OPTION_AT(lens.centre_px), 2, -1e6, 1e6, .fallback = "0 0",
+	 .unit = "px",
 	 .help = "Fisheye: centre of the image circle; 0 0: the middle of the picture."},
-	{"rotation", INI_REALS, AT(lens.rotation_deg), 3, -360, 360, .fallback = "0 0 0",
+	{"rotation", INI_REALS, OPTION_AT(lens.rotation_deg), 3, -360, 360, .fallback = "0 0 0",
 	 .unit = "deg", .help = "Fisheye: turns about X, then Y, then Z."},
-	{"field", INI_REAL, AT(lens.field_deg), .min = 1, .max = 180, .fallback = "90",
+	{"field", INI_REAL, OPTION_AT(lens.field_deg), .min = 1, .max = 180, .fallback = "90",
 	 .unit = "deg", .help = "Fisheye: half the field of view."},
-	{"model", INI_CHOICE, AT(lens.model), .choices = fisheye_model_names,
+	{"model", INI_CHOICE, OPTION_AT(lens.model), .choices = fisheye_model_names,
 	 .fallback = "equidistant", .help = "Fisheye: its model, as in [fisheye]."},
-	{"polynomial", INI_REALS, AT(lens.polynomial), FISHEYE_TERMS, -1e3, 1e3,
+	{"polynomial", INI_REALS, OPTION_AT(lens.polynomial), FISHEYE_TERMS, -1e3, 1e3,
 	 .fallback = "0 0 0 0", .help = "Fisheye: k1 k2 k3 k4 of the polynomial model."},
-	{"turn_rate", INI_REAL, AT(turn_rate_deg), .min = -3600, .max = 3600, .fallback = "0",
-	 .unit = "deg/s", .help = "Panorama: turns counter-clockwise seen from above."},
-	{"exposure", INI_REAL, AT(exposure), .min = 0, .max = SIM_EXPOSURE_MAX, .fallback = "1",
-	 .help = "Linear light is multiplied by this; 1 and more is white."},
-	{"transfer", INI_CHOICE, AT(transfer), .choices = transfer_names, .fallback = "srgb",
+	{"turn_rate", INI_REAL, OPTION_AT(turn_rate_deg), .min = -3600, .max = 3600,
+	 .fallback = "0", .unit = "deg/s",
+	 .help = "Panorama: turns counter-clockwise seen from above."},
+	{"exposure", INI_REAL, OPTION_AT(exposure), .min = 0, .max = SIM_EXPOSURE_MAX,
+	 .fallback = "1", .help = "Linear light is multiplied by this; 1 and more is white."},
+	{"transfer", INI_CHOICE, OPTION_AT(transfer), .choices = transfer_names, .fallback = "srgb",
 	 .help = "From linear light to code values, and back for 8-bit files wanted as RGBF."},
-	{"read_noise", INI_REAL, AT(read_noise), .min = 0, .max = 255, .fallback = "0",
+	{"read_noise", INI_REAL, OPTION_AT(read_noise), .min = 0, .max = 255, .fallback = "0",
 	 .unit = "levels", .help = "Standard deviation of noise in the dark, in linear light."},
-	{"shot_noise", INI_REAL, AT(shot_noise), .min = 0, .max = 255, .fallback = "0",
+	{"shot_noise", INI_REAL, OPTION_AT(shot_noise), .min = 0, .max = 255, .fallback = "0",
 	 .unit = "levels", .help = "Standard deviation added at white; grows as the square root."},
-	{"black_level", INI_INT, AT(black_level), .min = 0, .max = 254, .fallback = "0",
+	{"black_level", INI_INT, OPTION_AT(black_level), .min = 0, .max = 254, .fallback = "0",
 	 .help = "Code value of no light."},
-	{"seed", INI_INT, AT(seed), .min = 0, .max = 2147483647, .fallback = "1",
+	{"seed", INI_INT, OPTION_AT(seed), .min = 0, .max = 2147483647, .fallback = "1",
 	 .help = "Of the noise."},
-	{"stall_after", INI_INT, AT(stall_after), .min = 0, .max = 2147483647, .fallback = "0",
-	 .unit = "frames", .help = "Then no more frames come; 0: never."},
-	{"vanish_after", INI_INT, AT(vanish_after), .min = 0, .max = 2147483647, .fallback = "0",
-	 .unit = "frames", .help = "Then the camera is gone; 0: never."},
-	{"corrupt_every", INI_INT, AT(corrupt_every), .min = 0, .max = 2147483647, .fallback = "0",
-	 .unit = "frames", .help = "Every so many frames one is unfit; 0: none."},
-	{"control_delay", INI_INT, AT(control_delay), .min = 0, .max = SIM_DELAY_MAX,
+	{"stall_after", INI_INT, OPTION_AT(stall_after), .min = 0, .max = 2147483647,
+	 .fallback = "0", .unit = "frames", .help = "Then no more frames come; 0: never."},
+	{"vanish_after", INI_INT, OPTION_AT(vanish_after), .min = 0, .max = 2147483647,
+	 .fallback = "0", .unit = "frames", .help = "Then the camera is gone; 0: never."},
+	{"corrupt_every", INI_INT, OPTION_AT(corrupt_every), .min = 0, .max = 2147483647,
+	 .fallback = "0", .unit = "frames", .help = "Every so many frames one is unfit; 0: none."},
+	{"control_delay", INI_INT, OPTION_AT(control_delay), .min = 0, .max = SIM_DELAY_MAX,
 	 .fallback = "0", .unit = "frames",
 	 .help = "So many frames still show the old exposure when it is changed on the way."},
 	INI_KEYS_END,
@@ -75,7 +78,7 @@ struct camera_file {
 	bool found;
 };
 
-static void *place_camera(void *root, const char *instance)
+static void *camera_file_place(void *root, const char *instance)
 {
 	struct camera_file *file = root;
 
@@ -89,7 +92,7 @@ static void *place_camera(void *root, const char *instance)
 static int read_camera(const char *path, struct tsai_camera *camera, struct fault *fault)
 {
 	static const struct ini_table tables[] = {
-		{.section = "camera", .keys = tsai_keys, .place = place_camera},
+		{.section = "camera", .keys = tsai_keys, .place = camera_file_place},
 		INI_TABLES_END,
 	};
 	struct camera_file file = {.found = false};
@@ -109,7 +112,7 @@ static int read_camera(const char *path, struct tsai_camera *camera, struct faul
 }
 
 static int prepare_perspective(const struct sim_options *options,
-			       const struct camera_settings *settings, struct eye *eye,
+			       const struct camera_settings *settings, struct sim_eye *eye,
 			       struct fault *fault)
 {
 	int err;
@@ -132,7 +135,7 @@ static int prepare_perspective(const struct sim_options *options,
 }
 
 int sim_eye(const struct sim_options *options, const struct camera_settings *settings,
-	    struct eye *eye, struct fault *fault)
+	    struct sim_eye *eye, struct fault *fault)
 {
 	memset(eye, 0, sizeof(*eye));
 	eye->width = settings->width ? settings->width : 640;

@@ -40,6 +40,6 @@ extern const struct ini_key sim_keys[];
 /* Where the camera stands, from the settings' size, else the camera file's, else 640x480.
  * 0 or -errno: the camera file cannot be read, or does not fit the size. */
 int sim_eye(const struct sim_options *options, const struct camera_settings *settings,
-	    struct eye *eye, struct fault *fault);
+	    struct sim_eye *eye, struct fault *fault);
 
 #endif

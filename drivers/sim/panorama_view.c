@@ -20,7 +20,7 @@ struct panorama_view {
 	float *share; /* [height][width]: of a pixel that sees anything */
 };
 
-static int samples_per_side(const struct eye *eye, const struct image *image)
+static int samples_per_side(const struct sim_eye *eye, const struct image *image)
 {
 	const double middle[2] = {eye->width / 2.0, eye->height / 2.0};
 	const double pixel_rad = eye_pixel_rad(eye, middle);
@@ -29,8 +29,8 @@ static int samples_per_side(const struct eye *eye, const struct image *image)
 	return side < 2 ? 2 : side > SIDE_MAX ? SIDE_MAX : side;
 }
 
-static void place(const struct panorama_view *view, const struct eye *eye, const double px[2],
-		  float at[2])
+static void view_place(const struct panorama_view *view, const struct sim_eye *eye,
+		       const double px[2], float at[2])
 {
 	double origin[3], dir[3];
 
@@ -42,7 +42,7 @@ static void place(const struct panorama_view *view, const struct eye *eye, const
 }
 
 /* A pixel on the rim: how much of it sees, and samples of that part. */
-static float place_rim(const struct panorama_view *view, const struct eye *eye, int x, int y,
+static float place_rim(const struct panorama_view *view, const struct sim_eye *eye, int x, int y,
 		       float *at)
 {
 	float seen[RIM_SIDE * RIM_SIDE][2];
@@ -52,7 +52,7 @@ static float place_rim(const struct panorama_view *view, const struct eye *eye, 
 		const double px[2] = {x + (i % RIM_SIDE + 0.5) / RIM_SIDE,
 				      y + (i / RIM_SIDE + 0.5) / RIM_SIDE};
 
-		place(view, eye, px, seen[count]);
+		view_place(view, eye, px, seen[count]);
 		count += !isnan(seen[count][0]);
 	}
 	for (int i = 0; i < view->side * view->side; i++)
@@ -62,7 +62,7 @@ static float place_rim(const struct panorama_view *view, const struct eye *eye, 
 	return (float)count / (RIM_SIDE * RIM_SIDE);
 }
 
-static float place_pixel(const struct panorama_view *view, const struct eye *eye, int x, int y,
+static float place_pixel(const struct panorama_view *view, const struct sim_eye *eye, int x, int y,
 			 float *at)
 {
 	const int side = view->side;
@@ -72,12 +72,12 @@ static float place_pixel(const struct panorama_view *view, const struct eye *eye
 	for (int i = 0; i < side * side; i++, at += 2) {
 		const double px[2] = {x + (i % side + 0.5) / side, y + (i / side + 0.5) / side};
 
-		place(view, eye, px, at);
+		view_place(view, eye, px, at);
 	}
 	return 1;
 }
 
-static void place_all(struct panorama_view *view, const struct eye *eye)
+static void place_all(struct panorama_view *view, const struct sim_eye *eye)
 {
 	float *at = view->places, *share = view->share;
 
@@ -86,7 +86,7 @@ static void place_all(struct panorama_view *view, const struct eye *eye)
 			*share++ = place_pixel(view, eye, x, y, at);
 }
 
-int panorama_view_create(struct panorama_view **view, const char *path, const struct eye *eye,
+int panorama_view_create(struct panorama_view **view, const char *path, const struct sim_eye *eye,
 			 struct fault *fault)
 {
 	struct panorama_view *v = calloc(1, sizeof(*v));
@@ -127,7 +127,7 @@ void panorama_view_destroy(struct panorama_view *view)
 }
 
 /* x lies in [0, width + width): wrapping is one subtraction. */
-static void add_sample(const struct image *image, float x, float y, float sum[3])
+static void panorama_add_sample(const struct image *image, float x, float y, float sum[3])
 {
 	const float fy = floorf(y);
 	const int column = (int)x, row = (int)fy;
@@ -171,7 +171,7 @@ void panorama_view_render(const struct panorama_view *view, double turn_rad, flo
 				x += (float)view->image.width;
 			if (x >= 2 * (float)view->image.width)
 				x = 0;
-			add_sample(&view->image, x, at[1], sum);
+			panorama_add_sample(&view->image, x, at[1], sum);
 			seen++;
 		}
 		for (int c = 0; c < 3; c++)

@@ -12,7 +12,7 @@
 struct panorama_view;
 
 /* The file must hold linear light, twice as wide as high. */
-int panorama_view_create(struct panorama_view **view, const char *path, const struct eye *eye,
+int panorama_view_create(struct panorama_view **view, const char *path, const struct sim_eye *eye,
 			 struct fault *fault);
 
 /* rgb[height][width][3]; the surrounding is turned by turn_rad, counter-clockwise from above. */

@@ -11,7 +11,7 @@
 #include "drivers/sim/y4m.h"
 #include "hal/image/image.h"
 
-enum kind { KIND_VIDEO, KIND_NUMBERED, KIND_SINGLE };
+enum player_kind { KIND_VIDEO, KIND_NUMBERED, KIND_SINGLE };
 
 /* "img%03d.png" taken apart. */
 struct pattern {
@@ -22,7 +22,7 @@ struct pattern {
 
 struct player {
 	struct player_settings settings;
-	enum kind kind;
+	enum player_kind kind;
 	struct y4m video;
 	struct pattern pattern;
 	int first, next; /* numbers */
@@ -33,7 +33,7 @@ struct player {
 	uint8_t *bgrx;	      /* of 8-bit pictures, packed */
 };
 
-static bool ends_with(const char *text, const char *end)
+static bool path_ends_with(const char *text, const char *end)
 {
 	const size_t a = strlen(text), b = strlen(end);
 
@@ -45,7 +45,7 @@ static bool is_video(const char *path)
 {
 	struct stat st;
 
-	if (ends_with(path, ".y4m") || strcmp(path, "/dev/stdin") == 0)
+	if (path_ends_with(path, ".y4m") || strcmp(path, "/dev/stdin") == 0)
 		return true;
 	return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
 }
@@ -68,7 +68,7 @@ static bool take_apart(const char *path, struct pattern *pattern)
 	return true;
 }
 
-static bool name(const struct player *player, int number, char path[INI_PATH_MAX])
+static bool numbered_path(const struct player *player, int number, char path[INI_PATH_MAX])
 {
 	const int length = snprintf(path, INI_PATH_MAX, "%s%0*d%s", player->pattern.before,
 				    player->pattern.digits, number, player->pattern.after);
@@ -144,7 +144,7 @@ static int open_numbered(struct player *player, struct fault *fault)
 	char path[INI_PATH_MAX];
 
 	for (player->first = 0; player->first <= 1; player->first++) {
-		if (!name(player, player->first, path))
+		if (!numbered_path(player, player->first, path))
 			continue;
 		player->next = player->first;
 		return read_picture(player, path, fault);
@@ -215,13 +215,13 @@ static int next_numbered(struct player *player, uint64_t steps, struct fault *fa
 		return 0;
 	while (steps-- > 0) {
 		player->next++;
-		if (name(player, player->next, path))
+		if (numbered_path(player, player->next, path))
 			continue;
 		if (!player->settings.loop)
 			return -ENODATA;
 		player->next = player->first;
 	}
-	if (!name(player, player->next, path))
+	if (!numbered_path(player, player->next, path))
 		return fault_say(fault, -ENOENT, "%s: has gone", path);
 	return read_picture(player, path, fault);
 }

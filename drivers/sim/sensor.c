@@ -14,7 +14,7 @@ void sensor_prepare(struct sensor *sensor, const struct sensor_settings *setting
 }
 
 /* SplitMix64's finaliser: a counter becomes a random number. */
-static uint64_t scramble(uint64_t z)
+static uint64_t noise_scramble(uint64_t z)
 {
 	z += 0x9e3779b97f4a7c15u;
 	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
@@ -23,16 +23,16 @@ static uint64_t scramble(uint64_t z)
 }
 
 /* Nearly Gaussian, mean 0, variance 1: the sum of four 16-bit uniforms. */
-static float gauss(uint64_t counter)
+static float noise_gauss(uint64_t counter)
 {
-	const uint64_t z = scramble(counter);
+	const uint64_t z = noise_scramble(counter);
 	const int sum = (int)(z & 0xffff) + (int)(z >> 16 & 0xffff) + (int)(z >> 32 & 0xffff) +
 			(int)(z >> 48);
 
 	return (float)(sum - 131070) * (1 / 37837.2f);
 }
 
-static uint8_t code(const struct sensor *sensor, float v)
+static uint8_t sensor_code(const struct sensor *sensor, float v)
 {
 	if (!(v > 0))
 		return sensor->encode[0];
@@ -45,13 +45,14 @@ static void expose_noisy(const struct sensor *sensor, uint64_t frame, const floa
 	const float exposure = (float)sensor->settings.exposure;
 	const float read = (float)(sensor->settings.read_noise / 255);
 	const float shot = (float)(sensor->settings.shot_noise / 255);
-	const uint64_t key = scramble((uint64_t)(int64_t)sensor->settings.seed ^ frame << 32);
+	const uint64_t key = noise_scramble((uint64_t)(int64_t)sensor->settings.seed ^ frame << 32);
 
 	for (size_t i = 0; i < 3 * count; i++) {
 		const float v = exposure * rgb[i];
 		const float deviation = sqrtf(read * read + shot * shot * fabsf(v));
 
-		bgrx[4 * (i / 3) + 2 - i % 3] = code(sensor, v + deviation * gauss(key + i));
+		bgrx[4 * (i / 3) + 2 - i % 3] = sensor_code(sensor,
+							    v + deviation * noise_gauss(key + i));
 	}
 }
 
@@ -68,8 +69,8 @@ void sensor_expose(const struct sensor *sensor, uint64_t frame, const float *rgb
 	}
 	for (size_t i = 0; i < count; i++)
 		for (int c = 0; c < 3; c++)
-			bgrx[4 * i + 2 - (size_t)c] = code(sensor,
-							   exposure * rgb[3 * i + (size_t)c]);
+			bgrx[4 * i + 2 - (size_t)c] =
+				sensor_code(sensor, exposure * rgb[3 * i + (size_t)c]);
 }
 
 /* Y'CbCr from code values (ITU-R BT.601-7 2.5, BT.709-6 3). */
@@ -78,7 +79,7 @@ struct luma {
 	float y_scale, y_offset, b_scale, r_scale; /* of Y', B' - Y' and R' - Y' */
 };
 
-static struct luma luma_of(enum colour_matrix matrix, enum colour_range range)
+static struct luma sensor_luma(enum colour_matrix matrix, enum colour_range range)
 {
 	const float kr = matrix == MATRIX_BT709 ? 0.2126f : 0.299f;
 	const float kb = matrix == MATRIX_BT709 ? 0.0722f : 0.114f;
@@ -95,7 +96,7 @@ static struct luma luma_of(enum colour_matrix matrix, enum colour_range range)
 	};
 }
 
-static uint8_t byte(float v)
+static uint8_t clamp_to_byte(float v)
 {
 	return (uint8_t)(v < 0 ? 0 : v > 255 ? 255 : (int)(v + 0.5f));
 }
@@ -103,7 +104,7 @@ static uint8_t byte(float v)
 void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix matrix,
 		      enum colour_range range, uint8_t *yuyv)
 {
-	const struct luma k = luma_of(matrix, range);
+	const struct luma k = sensor_luma(matrix, range);
 
 	for (size_t i = 0; i + 1 < pixels; i += 2, bgrx += 8, yuyv += 4) {
 		const float b[2] = {bgrx[0], bgrx[4]}, g[2] = {bgrx[1], bgrx[5]};
@@ -111,9 +112,9 @@ void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix mat
 		const float y0 = k.kr * r[0] + k.kg * g[0] + k.kb * b[0];
 		const float y1 = k.kr * r[1] + k.kg * g[1] + k.kb * b[1];
 
-		yuyv[0] = byte(k.y_offset + k.y_scale * y0);
-		yuyv[1] = byte(128 + k.b_scale * (b[0] + b[1] - y0 - y1) / 2);
-		yuyv[2] = byte(k.y_offset + k.y_scale * y1);
-		yuyv[3] = byte(128 + k.r_scale * (r[0] + r[1] - y0 - y1) / 2);
+		yuyv[0] = clamp_to_byte(k.y_offset + k.y_scale * y0);
+		yuyv[1] = clamp_to_byte(128 + k.b_scale * (b[0] + b[1] - y0 - y1) / 2);
+		yuyv[2] = clamp_to_byte(k.y_offset + k.y_scale * y1);
+		yuyv[3] = clamp_to_byte(128 + k.r_scale * (r[0] + r[1] - y0 - y1) / 2);
 	}
 }

@@ -94,21 +94,21 @@ static double hash_unit(int32_t a, int32_t b)
 	return h / 4294967295.0;
 }
 
-static void set(double rgb[3], double r, double g, double b)
+static void rgb_set(double rgb[3], double r, double g, double b)
 {
 	rgb[0] = r;
 	rgb[1] = g;
 	rgb[2] = b;
 }
 
-static void scale(double rgb[3], double factor)
+static void rgb_scale(double rgb[3], double factor)
 {
 	for (int c = 0; c < 3; c++)
 		rgb[c] *= factor;
 }
 
 /* Oak boards along x, each of its own tone, with a faint grain and dark seams. */
-static void boards(double x, double y, double albedo[3])
+static void boards_albedo(double x, double y, double albedo[3])
 {
 	const double width = 0.14, length = 1.3, seam = 0.003;
 	const double row = floor(y / width);
@@ -119,39 +119,40 @@ static void boards(double x, double y, double albedo[3])
 	const double grain = sin(across * 210 + 9 * tone + 1.5 * sin(along * 5 + 6 * tone)) +
 			     0.5 * sin(across * 530 + 3 * sin(along * 3 + 20 * tone));
 
-	set(albedo, 0.56, 0.36, 0.20);
-	scale(albedo, 0.82 + 0.3 * tone + 0.035 * grain);
+	rgb_set(albedo, 0.56, 0.36, 0.20);
+	rgb_scale(albedo, 0.82 + 0.3 * tone + 0.035 * grain);
 	if (across < seam || along < seam)
-		scale(albedo, 0.45);
+		rgb_scale(albedo, 0.45);
 }
 
 /* A round rug under the object's place, plain inside so that shadows read well on it. */
-static bool rug(double x, double y, double albedo[3])
+static bool rug_albedo(double x, double y, double albedo[3])
 {
 	const double r = hypot(x, y), edge = 0.85;
 	const double azimuth = atan2(y, x);
 
 	if (r > edge)
 		return false;
-	set(albedo, 0.68, 0.59, 0.45);
+	rgb_set(albedo, 0.68, 0.59, 0.45);
 	if (r > edge - 0.05 || (r > 0.60 && r < 0.615))
-		set(albedo, 0.10, 0.22, 0.26);
+		rgb_set(albedo, 0.10, 0.22, 0.26);
 	else if (r > edge - 0.19 && r < edge - 0.11)
-		set(albedo,
-		    sin(azimuth * 48) * sin(M_PI * (r - edge + 0.19) / 0.08) > 0.35 ? 0.20 : 0.52,
-		    0.15, 0.11);
+		rgb_set(albedo,
+			sin(azimuth * 48) * sin(M_PI * (r - edge + 0.19) / 0.08) > 0.35 ? 0.20
+											: 0.52,
+			0.15, 0.11);
 	/* The weave. */
-	scale(albedo, 1 + 0.012 * sin(r * 300));
+	rgb_scale(albedo, 1 + 0.012 * sin(r * 300));
 	return true;
 }
 
 static void floor_albedo(const double uv[2], double albedo[3])
 {
-	if (!rug(uv[0], uv[1], albedo))
-		boards(uv[0], uv[1], albedo);
+	if (!rug_albedo(uv[0], uv[1], albedo))
+		boards_albedo(uv[0], uv[1], albedo);
 }
 
-static bool inside(const double uv[2], double low0, double high0, double low1, double high1)
+static bool uv_is_inside(const double uv[2], double low0, double high0, double low1, double high1)
 {
 	return uv[0] >= low0 && uv[0] < high0 && uv[1] >= low1 && uv[1] < high1;
 }
@@ -160,53 +161,54 @@ static bool inside(const double uv[2], double low0, double high0, double low1, d
 static void wall_albedo(enum studio_surface surface, const double uv[2], double albedo[3])
 {
 	if (uv[1] < 0.09) {
-		set(albedo, 0.62, 0.60, 0.56); /* skirting */
+		rgb_set(albedo, 0.62, 0.60, 0.56); /* skirting */
 		return;
 	}
 	switch (surface) {
 	case STUDIO_WALL_EAST:
-		set(albedo, 0.50, 0.22, 0.15); /* terracotta */
-		if (inside(uv, 0.3, 1.2, 0, 2.05))
-			set(albedo, 0.28, 0.17, 0.10);
+		rgb_set(albedo, 0.50, 0.22, 0.15); /* terracotta */
+		if (uv_is_inside(uv, 0.3, 1.2, 0, 2.05))
+			rgb_set(albedo, 0.28, 0.17, 0.10);
 		break;
 	case STUDIO_WALL_WEST:
-		set(albedo, 0.24, 0.33, 0.38); /* slate blue */
-		if (inside(uv, -1.08, 0.68, 0.82, 2.18))
-			set(albedo, 0.66, 0.65, 0.62); /* the window's frame */
+		rgb_set(albedo, 0.24, 0.33, 0.38); /* slate blue */
+		if (uv_is_inside(uv, -1.08, 0.68, 0.82, 2.18))
+			rgb_set(albedo, 0.66, 0.65, 0.62); /* the window's frame */
 		break;
 	case STUDIO_WALL_NORTH:
-		set(albedo, 0.30, 0.38, 0.24); /* sage */
-		if (inside(uv, -1.1, 0.3, 1.1, 2.0))
-			set(albedo, 0.10, 0.09, 0.08);
-		if (inside(uv, -1.05, 0.25, 1.15, 1.95))
-			set(albedo, 0.62 - 0.2 * (uv[1] - 1.15), 0.42, 0.22 + 0.3 * (uv[1] - 1.15));
+		rgb_set(albedo, 0.30, 0.38, 0.24); /* sage */
+		if (uv_is_inside(uv, -1.1, 0.3, 1.1, 2.0))
+			rgb_set(albedo, 0.10, 0.09, 0.08);
+		if (uv_is_inside(uv, -1.05, 0.25, 1.15, 1.95))
+			rgb_set(albedo, 0.62 - 0.2 * (uv[1] - 1.15), 0.42,
+				0.22 + 0.3 * (uv[1] - 1.15));
 		break;
 	default:
-		set(albedo, 0.48, 0.44, 0.34); /* straw */
+		rgb_set(albedo, 0.48, 0.44, 0.34); /* straw */
 		break;
 	}
 }
 
 /* True on the glass of the window or the face of a panel. */
-static bool shines(const struct emitter *e, const double uv[2])
+static bool emitter_shines(const struct emitter *e, const double uv[2])
 {
 	const double middle[2] = {(e->low[0] + e->high[0]) / 2, (e->low[1] + e->high[1]) / 2};
 
-	if (!inside(uv, e->low[0], e->high[0], e->low[1], e->high[1]))
+	if (!uv_is_inside(uv, e->low[0], e->high[0], e->low[1], e->high[1]))
 		return false;
 	return e->share == 1 ||
 	       (fabs(uv[0] - middle[0]) >= bar_m / 2 && fabs(uv[1] - middle[1]) >= bar_m / 2);
 }
 
-static void paint(struct studio_hit *hit)
+static void hit_paint(struct studio_hit *hit)
 {
 	double uv[2];
 
 	surface_uv(hit->surface, hit->point, uv);
-	set(hit->emitted, 0, 0, 0);
-	set(hit->albedo, 0, 0, 0);
+	rgb_set(hit->emitted, 0, 0, 0);
+	rgb_set(hit->albedo, 0, 0, 0);
 	for (int i = 0; i < EMITTER_COUNT; i++) {
-		if (emitters[i].surface == hit->surface && shines(&emitters[i], uv)) {
+		if (emitters[i].surface == hit->surface && emitter_shines(&emitters[i], uv)) {
 			memcpy(hit->emitted, emitters[i].radiance, sizeof(hit->emitted));
 			return;
 		}
@@ -214,7 +216,7 @@ static void paint(struct studio_hit *hit)
 	if (hit->surface == STUDIO_FLOOR)
 		floor_albedo(uv, hit->albedo);
 	else if (hit->surface == STUDIO_CEILING)
-		set(hit->albedo, 0.58, 0.57, 0.54);
+		rgb_set(hit->albedo, 0.58, 0.57, 0.54);
 	else
 		wall_albedo(hit->surface, uv, hit->albedo);
 }
@@ -252,7 +254,7 @@ bool studio_hit(const double origin[3], const double dir[3], struct studio_hit *
 	for (int i = 0; i < 3; i++)
 		hit->point[i] = origin[i] + leave * dir[i];
 	hit->point[axis] = surface_place(hit->surface);
-	paint(hit);
+	hit_paint(hit);
 	return true;
 }
 
@@ -350,7 +352,7 @@ void studio_radiance(const double origin[3], const double dir[3], double time_s,
 	double irradiance[3];
 	int lantern;
 
-	set(rgb, 0, 0, 0);
+	rgb_set(rgb, 0, 0, 0);
 	if (!studio_hit(origin, dir, &hit))
 		return;
 	studio_lanterns(time_s, lanterns);

@@ -16,12 +16,12 @@
  */
 enum { RINGS = 256, SECTORS = 1024, FINE = 10 };
 
-struct sight {
+struct studio_sight {
 	int cell;
 	double rgb[3];
 };
 
-struct integral {
+struct light_integral {
 	const struct dome *dome;
 	const double *origin;
 	double time_s;
@@ -29,23 +29,24 @@ struct integral {
 	double *weights;
 };
 
-static void direction(double theta, double phi, double dir[3])
+static void polar_direction(double theta, double phi, double dir[3])
 {
 	dir[0] = sin(theta) * cos(phi);
 	dir[1] = sin(theta) * sin(phi);
 	dir[2] = fmax(cos(theta), 0); /* rounding must not put the horizon below itself */
 }
 
-static void look(const struct integral *in, double theta, double phi, struct sight *sight)
+static void sight_look(const struct light_integral *in, double theta, double phi,
+		       struct studio_sight *sight)
 {
 	double dir[3];
 
-	direction(theta, phi, dir);
+	polar_direction(theta, phi, dir);
 	sight->cell = dome_cell_of(in->dome, dir);
 	studio_radiance(in->origin, dir, in->time_s, sight->rgb);
 }
 
-static void add(struct integral *in, int cell, const double rgb[3], double weight)
+static void integral_add(struct light_integral *in, int cell, const double rgb[3], double weight)
 {
 	if (cell < 0)
 		return;
@@ -55,17 +56,18 @@ static void add(struct integral *in, int cell, const double rgb[3], double weigh
 }
 
 /* To the lights that share a direction. */
-static void add_seen(struct integral *in, const double dir[3], const double rgb[3], double weight)
+static void add_seen(struct light_integral *in, const double dir[3], const double rgb[3],
+		     double weight)
 {
 	double share[3];
 	int light[3];
 	const int count = dome_weights(in->dome, dir, light, share);
 
 	for (int k = 0; k < count; k++)
-		add(in, light[k], rgb, weight * share[k]);
+		integral_add(in, light[k], rgb, weight * share[k]);
 }
 
-static bool same_light(const struct sight corners[4])
+static bool same_light(const struct studio_sight corners[4])
 {
 	for (int i = 1; i < 4; i++)
 		for (int c = 0; c < 3; c++)
@@ -74,14 +76,14 @@ static bool same_light(const struct sight corners[4])
 	return true;
 }
 
-static bool same_cell(const struct sight corners[4])
+static bool same_cell(const struct studio_sight corners[4])
 {
 	return corners[0].cell == corners[1].cell && corners[0].cell == corners[2].cell &&
 	       corners[0].cell == corners[3].cell;
 }
 
-static void add_finely(struct integral *in, const struct sight corners[4], int ring, int sector,
-		       const double mean[3])
+static void add_finely(struct light_integral *in, const struct studio_sight corners[4], int ring,
+		       int sector, const double mean[3])
 {
 	const double height = M_PI / 2 / RINGS / FINE, width = 2 * M_PI / SECTORS / FINE;
 	const bool smooth = same_light(corners);
@@ -95,18 +97,19 @@ static void add_finely(struct integral *in, const struct sight corners[4], int r
 			const double phi = (sector * FINE + j + 0.5) * width;
 			double dir[3], rgb[3];
 
-			direction(theta, phi, dir);
+			polar_direction(theta, phi, dir);
 			if (!smooth)
 				studio_radiance(in->origin, dir, in->time_s, rgb);
 			if (whole)
-				add(in, corners[0].cell, smooth ? mean : rgb, weight);
+				integral_add(in, corners[0].cell, smooth ? mean : rgb, weight);
 			else
 				add_seen(in, dir, smooth ? mean : rgb, weight);
 		}
 	}
 }
 
-static void add_tile(struct integral *in, const struct sight corners[4], int ring, int sector)
+static void integral_add_tile(struct light_integral *in, const struct studio_sight corners[4],
+			      int ring, int sector)
 {
 	const double height = M_PI / 2 / RINGS, width = 2 * M_PI / SECTORS;
 	const double weight = (cos(ring * height) - cos((ring + 1) * height)) * width;
@@ -117,27 +120,28 @@ static void add_tile(struct integral *in, const struct sight corners[4], int rin
 			   corners[3].rgb[c]) /
 			  4;
 	if (in->dome->shape == DOME_TENTS && same_light(corners)) {
-		direction((ring + 0.5) * height, (sector + 0.5) * width, middle);
+		polar_direction((ring + 0.5) * height, (sector + 0.5) * width, middle);
 		add_seen(in, middle, mean, weight);
 	} else if (in->dome->shape == DOME_CELLS && same_cell(corners) && same_light(corners)) {
-		add(in, corners[0].cell, mean, weight);
+		integral_add(in, corners[0].cell, mean, weight);
 	} else {
 		add_finely(in, corners, ring, sector, mean);
 	}
 }
 
-static void look_along_ring(const struct integral *in, int ring, struct sight *sights)
+static void look_along_ring(const struct light_integral *in, int ring, struct studio_sight *sights)
 {
 	for (int sector = 0; sector <= SECTORS; sector++)
-		look(in, ring * M_PI / 2 / RINGS, sector * 2 * M_PI / SECTORS, &sights[sector]);
+		sight_look(in, ring * M_PI / 2 / RINGS, sector * 2 * M_PI / SECTORS,
+			   &sights[sector]);
 }
 
 int studio_lights(const struct dome *dome, const double origin[3], double time_s,
 		  double (*radiance)[3])
 {
-	struct integral in = {dome, origin, time_s, radiance, NULL};
-	struct sight *above = calloc(2 * (SECTORS + 1), sizeof(*above));
-	struct sight *below = above ? above + SECTORS + 1 : NULL;
+	struct light_integral in = {dome, origin, time_s, radiance, NULL};
+	struct studio_sight *above = calloc(2 * (SECTORS + 1), sizeof(*above));
+	struct studio_sight *below = above ? above + SECTORS + 1 : NULL;
 	int err = 0;
 
 	in.weights = calloc((size_t)dome->count, sizeof(*in.weights));
@@ -150,10 +154,10 @@ int studio_lights(const struct dome *dome, const double origin[3], double time_s
 	for (int ring = 0; ring < RINGS; ring++) {
 		look_along_ring(&in, ring + 1, below);
 		for (int s = 0; s < SECTORS; s++) {
-			const struct sight corners[4] = {above[s], above[s + 1], below[s],
-							 below[s + 1]};
+			const struct studio_sight corners[4] = {above[s], above[s + 1], below[s],
+								below[s + 1]};
 
-			add_tile(&in, corners, ring, s);
+			integral_add_tile(&in, corners, ring, s);
 		}
 		memcpy(above, below, (SECTORS + 1) * sizeof(*above));
 	}

@@ -36,13 +36,13 @@ enum { COARSE = 2, FINE = 5 };
 
 struct studio_view {
 	int width, height;
-	struct eye eye;
+	struct sim_eye eye;
 	double origin[3];
 	float *lanes; /* [height][LANES][width] */
 };
 
 /* Sums over the parts of a pixel that see the room. */
-struct patch {
+struct pixel_patch {
 	int count;
 	struct studio_hit first, last;
 	bool mixed; /* the parts see different things */
@@ -50,7 +50,7 @@ struct patch {
 	double last_irradiance[3];
 };
 
-static bool differs(const struct studio_hit *a, const struct studio_hit *b)
+static bool hit_differs(const struct studio_hit *a, const struct studio_hit *b)
 {
 	if (a->surface != b->surface)
 		return true;
@@ -60,8 +60,8 @@ static bool differs(const struct studio_hit *a, const struct studio_hit *b)
 	return false;
 }
 
-static void add_part(const struct eye *eye, const double px[2], double origin[3],
-		     struct patch *patch)
+static void patch_add(const struct sim_eye *eye, const double px[2], double origin[3],
+		      struct pixel_patch *patch)
 {
 	struct studio_hit hit;
 	double dir[3];
@@ -73,7 +73,7 @@ static void add_part(const struct eye *eye, const double px[2], double origin[3]
 		studio_steady_irradiance(hit.point, hit.surface, patch->last_irradiance);
 	if (patch->count == 0)
 		patch->first = hit;
-	else if (differs(&hit, &patch->first))
+	else if (hit_differs(&hit, &patch->first))
 		patch->mixed = true;
 	patch->last = hit;
 	patch->count++;
@@ -84,31 +84,31 @@ static void add_part(const struct eye *eye, const double px[2], double origin[3]
 	}
 }
 
-static void add_parts(const struct eye *eye, int x, int y, int side, double origin[3],
-		      struct patch *patch)
+static void patch_fill(const struct sim_eye *eye, int x, int y, int side, double origin[3],
+		       struct pixel_patch *patch)
 {
 	memset(patch, 0, sizeof(*patch));
 	for (int j = 0; j < side; j++)
 		for (int i = 0; i < side; i++) {
 			const double px[2] = {x + (i + 0.5) / side, y + (j + 0.5) / side};
 
-			add_part(eye, px, origin, patch);
+			patch_add(eye, px, origin, patch);
 		}
 }
 
-static void prepare_pixel(struct studio_view *view, const struct eye *eye, int x, int y)
+static void prepare_pixel(struct studio_view *view, const struct sim_eye *eye, int x, int y)
 {
 	float *lane = view->lanes + (size_t)y * LANES * (size_t)view->width + x;
 	const size_t step = (size_t)view->width;
 	const double middle[2] = {x + 0.5, y + 0.5};
 	double origin[3], dir[3];
-	struct patch patch;
+	struct pixel_patch patch;
 	int side = eye_on_rim(eye, x, y) ? FINE : COARSE;
 
-	add_parts(eye, x, y, side, origin, &patch);
+	patch_fill(eye, x, y, side, origin, &patch);
 	if (patch.mixed && side < FINE) {
 		side = FINE;
-		add_parts(eye, x, y, side, origin, &patch);
+		patch_fill(eye, x, y, side, origin, &patch);
 	}
 	if (patch.count == 0)
 		return;
@@ -128,7 +128,7 @@ static void prepare_pixel(struct studio_view *view, const struct eye *eye, int x
 	lane[PIXEL_RAD * step] = (float)fmax(eye_pixel_rad(eye, middle), 1e-6);
 }
 
-int studio_view_create(struct studio_view **view, const struct eye *eye)
+int studio_view_create(struct studio_view **view, const struct sim_eye *eye)
 {
 	struct studio_view *v = calloc(1, sizeof(*v));
 

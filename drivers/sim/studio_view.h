@@ -11,7 +11,7 @@
 struct studio_view;
 
 /* 0 or -ENOMEM. Takes about half a second for 640x480. */
-int studio_view_create(struct studio_view **view, const struct eye *eye);
+int studio_view_create(struct studio_view **view, const struct sim_eye *eye);
 
 /* Mean radiance of each pixel at a time: rgb[height][width][3]. */
 void studio_view_render(const struct studio_view *view, double time_s, float *rgb);

@@ -51,7 +51,7 @@ static ssize_t read_some(const struct y4m *video, void *to, size_t bytes)
 
 /* A line that is at its end, without the newline: 0. Byte by byte: it is short, and what follows
  * must stay in the pipe. */
-static int read_line(struct y4m *video)
+static int y4m_read_line(struct y4m *video)
 {
 	for (;;) {
 		ssize_t got;
@@ -101,7 +101,7 @@ static void read_rate(struct y4m *video, const char *text)
 		video->rate_hz = (double)over / under;
 }
 
-static int read_header(struct y4m *video, struct fault *fault)
+static int y4m_read_header(struct y4m *video, struct fault *fault)
 {
 	char *rest = NULL, *word = strtok_r(video->line, " ", &rest);
 	int err;
@@ -137,7 +137,7 @@ static int wait_for_header(struct y4m *video, struct fault *fault)
 	const int64_t until_ns = clock_now_ns() + HEADER_WAIT_MS * NS_PER_MS;
 	int err;
 
-	while ((err = read_line(video)) == -EAGAIN || (err == -ENODATA && video->pipe)) {
+	while ((err = y4m_read_line(video)) == -EAGAIN || (err == -ENODATA && video->pipe)) {
 		if (clock_now_ns() > until_ns)
 			return fault_say(fault, -ETIMEDOUT, "%s: no video came for %d s",
 					 video->path, HEADER_WAIT_MS / 1000);
@@ -152,7 +152,7 @@ static int wait_for_header(struct y4m *video, struct fault *fault)
 				 video->path);
 	if (err)
 		return fault_say(fault, err, "%s: cannot read: %s", video->path, strerror(-err));
-	return read_header(video, fault);
+	return y4m_read_header(video, fault);
 }
 
 static int open_path(struct y4m *video, const char *path, struct fault *fault)
@@ -221,7 +221,7 @@ int y4m_rewind(struct y4m *video, struct fault *fault)
 int y4m_next(struct y4m *video, struct fault *fault)
 {
 	if (!video->in_picture) {
-		int err = read_line(video);
+		int err = y4m_read_line(video);
 
 		if (err == -EAGAIN || err == -ENODATA)
 			return err;

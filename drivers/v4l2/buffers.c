@@ -13,8 +13,8 @@ bool v4l2_multiplanar(const struct v4l2_buffers *b)
 }
 
 /* A buffer's description with room for its planes; planes must outlive it. */
-static struct v4l2_buffer describe(const struct v4l2_buffers *b, int index,
-				   struct v4l2_plane *planes)
+static struct v4l2_buffer buffer_describe(const struct v4l2_buffers *b, int index,
+					  struct v4l2_plane *planes)
 {
 	struct v4l2_buffer buffer = {
 		.index = (unsigned)index, .type = b->type, .memory = V4L2_MEMORY_MMAP};
@@ -30,7 +30,7 @@ static struct v4l2_buffer describe(const struct v4l2_buffers *b, int index,
 int v4l2_buffers_queue(const struct v4l2_buffers *b, int index)
 {
 	struct v4l2_plane planes[VIDEO_MAX_PLANES];
-	struct v4l2_buffer buffer = describe(b, index, planes);
+	struct v4l2_buffer buffer = buffer_describe(b, index, planes);
 
 	return device_ioctl(b->fd, VIDIOC_QBUF, &buffer);
 }
@@ -40,7 +40,7 @@ int v4l2_buffers_take(const struct v4l2_buffers *b, struct v4l2_buffer *buffer,
 {
 	int err;
 
-	*buffer = describe(b, 0, planes);
+	*buffer = buffer_describe(b, 0, planes);
 	err = device_ioctl(b->fd, VIDIOC_DQBUF, buffer);
 	if (err)
 		return err;
@@ -62,7 +62,7 @@ static int map_plane(const struct v4l2_buffers *b, struct v4l2_mapping *mapping,
 static int map_buffer(struct v4l2_buffers *b, int index)
 {
 	struct v4l2_plane planes[VIDEO_MAX_PLANES];
-	struct v4l2_buffer buffer = describe(b, index, planes);
+	struct v4l2_buffer buffer = buffer_describe(b, index, planes);
 	int err = device_ioctl(b->fd, VIDIOC_QUERYBUF, &buffer);
 
 	if (err)
@@ -86,7 +86,7 @@ int v4l2_buffers_try(const struct v4l2_buffers *b, struct fault *fault)
 	return 0;
 }
 
-static int request(struct v4l2_buffers *b, int wanted, struct fault *fault)
+static int buffers_request(struct v4l2_buffers *b, int wanted, struct fault *fault)
 {
 	struct v4l2_requestbuffers r = {
 		.count = (unsigned)wanted, .type = b->type, .memory = V4L2_MEMORY_MMAP};
@@ -105,7 +105,7 @@ static int request(struct v4l2_buffers *b, int wanted, struct fault *fault)
 	return 0;
 }
 
-static int prepare(struct v4l2_buffers *b, struct fault *fault)
+static int buffers_prepare(struct v4l2_buffers *b, struct fault *fault)
 {
 	for (int i = 0; i < b->count; i++) {
 		int err = map_buffer(b, i);
@@ -125,9 +125,9 @@ int v4l2_buffers_start(struct v4l2_buffers *b, int wanted, struct fault *fault)
 {
 	int err;
 
-	err = request(b, wanted, fault);
+	err = buffers_request(b, wanted, fault);
 	if (!err)
-		err = prepare(b, fault);
+		err = buffers_prepare(b, fault);
 	if (err)
 		goto stop;
 	err = device_ioctl(b->fd, VIDIOC_STREAMON, &b->type);

@@ -26,7 +26,7 @@ static int64_t timestamp_ns(const struct v4l2_buffer *buffer)
 	return ns < now_ns - TIME_PAST_NS || ns > now_ns ? now_ns : ns;
 }
 
-static struct v4l2_span span(const struct v4l2_mapping *mapping, size_t offset, size_t used)
+static struct v4l2_span mapping_span(const struct v4l2_mapping *mapping, size_t offset, size_t used)
 {
 	const size_t end = used < mapping->length ? used : mapping->length;
 
@@ -47,10 +47,10 @@ static bool read_buffer(const struct v4l2_capture *v, const struct v4l2_buffer *
 	if (buffer->flags & V4L2_BUF_FLAG_ERROR)
 		return false;
 	if (!v4l2_multiplanar(&v->buffers))
-		memory[0] = span(&mapping[0], 0, buffer->bytesused);
+		memory[0] = mapping_span(&mapping[0], 0, buffer->bytesused);
 	for (int p = 0; v4l2_multiplanar(&v->buffers) && p < v->buffers.memory_planes; p++)
-		memory[p] = span(&mapping[p], buffer->m.planes[p].data_offset,
-				 buffer->m.planes[p].bytesused);
+		memory[p] = mapping_span(&mapping[p], buffer->m.planes[p].data_offset,
+					 buffer->m.planes[p].bytesused);
 	*frame = (struct frame){
 		.format = v->picture.layout->format,
 		.width = v->picture.width,
@@ -82,7 +82,8 @@ int v4l2_give_back(struct v4l2_capture *v, struct v4l2_taken *t)
 
 /* ---- fields in turn ---- */
 
-static void join(struct v4l2_taken *pair, const struct v4l2_taken *second, bool second_is_bottom)
+static void pair_join(struct v4l2_taken *pair, const struct v4l2_taken *second,
+		      bool second_is_bottom)
 {
 	struct frame *f = &pair->frame;
 	const size_t bytes = sizeof(f->planes);
@@ -121,7 +122,7 @@ static int pair_up(struct camera *camera, struct v4l2_capture *v, struct v4l2_ta
 		v->waiting = v4l2_nothing;
 	}
 	if (first.frame.format != PIXEL_NONE && t->frame.format != PIXEL_NONE) {
-		join(&first, t, bottom);
+		pair_join(&first, t, bottom);
 		*t = first;
 		return 0;
 	}

@@ -154,7 +154,7 @@ static int find_control(int fd, struct v4l2_setting *setting, struct fault *faul
 	return say_unknown(setting->said.name, known, count, fault);
 }
 
-static bool read_number(const char *text, int64_t *value)
+static bool read_whole_number(const char *text, int64_t *value)
 {
 	char *end;
 
@@ -174,7 +174,7 @@ static bool read_entry(int fd, const struct v4l2_query_ext_ctrl *control, const 
 			*value = i;
 			return true;
 		}
-	return control->type == V4L2_CTRL_TYPE_MENU && read_number(text, value);
+	return control->type == V4L2_CTRL_TYPE_MENU && read_whole_number(text, value);
 }
 
 static int read_value(int fd, struct v4l2_setting *s, struct fault *fault)
@@ -201,7 +201,7 @@ static int read_value(int fd, struct v4l2_setting *s, struct fault *fault)
 				 "%s has no entry \"%s\"; `inlay devices` lists them", s->said.name,
 				 s->said.value);
 	default:
-		if (read_number(s->said.value, &s->wanted))
+		if (read_whole_number(s->said.value, &s->wanted))
 			return 0;
 		return fault_say(
 			fault, -EINVAL, "%s is \"%s\", expected a whole number from %lld to %lld",
@@ -209,7 +209,7 @@ static int read_value(int fd, struct v4l2_setting *s, struct fault *fault)
 	}
 }
 
-static const char *reason(const struct v4l2_query_ext_ctrl *control, int err)
+static const char *refusal_reason(const struct v4l2_query_ext_ctrl *control, int err)
 {
 	if (control->flags & V4L2_CTRL_FLAG_READ_ONLY)
 		return "it can only be read";
@@ -245,7 +245,7 @@ static int set_and_read_back(int fd, const char *path, struct v4l2_setting *s, s
 
 	if (err)
 		return fault_say(fault, err, "%s=%s is refused: %s (range %lld to %lld)",
-				 s->said.name, s->said.value, reason(&s->control, err),
+				 s->said.name, s->said.value, refusal_reason(&s->control, err),
 				 (long long)s->control.minimum, (long long)s->control.maximum);
 	s->taken = s->wanted;
 	if (s->control.type == V4L2_CTRL_TYPE_BUTTON ||
@@ -258,7 +258,7 @@ static int set_and_read_back(int fd, const char *path, struct v4l2_setting *s, s
 }
 
 /* What is refused is not tried again until the next opening, which says no more of it. */
-static void give_up(const char *path, struct v4l2_setting *s, const struct fault *fault)
+static void setting_give_up(const char *path, struct v4l2_setting *s, const struct fault *fault)
 {
 	log_warning_once("%s: controls: %s", path, fault->text);
 	s->control.id = 0;
@@ -272,7 +272,7 @@ void v4l2_controls_apply(int fd, const char *path, struct v4l2_settings *setting
 
 		if (find_control(fd, s, &fault) || read_value(fd, s, &fault) ||
 		    set_and_read_back(fd, path, s, &fault))
-			give_up(path, s, &fault);
+			setting_give_up(path, s, &fault);
 	}
 }
 
@@ -287,7 +287,7 @@ void v4l2_controls_confirm(int fd, const char *path, struct v4l2_settings *setti
 		    v4l2_get_control(fd, &s->control, &now) || now == s->taken)
 			continue;
 		if (set_and_read_back(fd, path, s, &fault))
-			give_up(path, s, &fault);
+			setting_give_up(path, s, &fault);
 	}
 }
 

@@ -29,6 +29,13 @@ bool device_captures(unsigned caps)
 	       (caps & V4L2_CAP_STREAMING);
 }
 
+unsigned device_buffer_type(const struct v4l2_capability *capability)
+{
+	return device_caps(capability) & V4L2_CAP_VIDEO_CAPTURE
+		       ? V4L2_BUF_TYPE_VIDEO_CAPTURE
+		       : V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+}
+
 int device_open(const char *path, struct v4l2_capability *capability, struct fault *fault)
 {
 	struct v4l2_capability own;

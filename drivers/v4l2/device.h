@@ -17,6 +17,9 @@ unsigned device_caps(const struct v4l2_capability *capability);
 /* It captures pictures and streams. */
 bool device_captures(unsigned caps);
 
+/* The V4L2_BUF_TYPE_* that a capturing node takes: single-planar if it has both kinds. */
+unsigned device_buffer_type(const struct v4l2_capability *capability);
+
 /* Opens path, non-blocking. A descriptor, or -errno; -ENOTTY: not a V4L2 device, -ENODEV: one
  * that does not capture. capability may be NULL. */
 int device_open(const char *path, struct v4l2_capability *capability, struct fault *fault);

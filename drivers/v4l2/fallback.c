@@ -72,13 +72,13 @@ static bool smaller_format(int fd, unsigned type, const struct v4l2_picture *pic
 }
 
 /* Whether a further step of the same kind may follow. */
-static bool repeats(enum v4l2_sacrifice what)
+static bool sacrifice_repeats(enum v4l2_sacrifice what)
 {
 	return what != V4L2_GIVE_FORMAT;
 }
 
-static bool lessen(enum v4l2_sacrifice what, int fd, unsigned type,
-		   const struct v4l2_picture *picture, struct camera_settings *settings)
+static bool sacrifice_make(enum v4l2_sacrifice what, int fd, unsigned type,
+			   const struct v4l2_picture *picture, struct camera_settings *settings)
 {
 	const uint32_t fourcc = picture->layout->fourcc;
 
@@ -103,9 +103,9 @@ bool v4l2_fallback_step(struct v4l2_fallback *f, int fd, unsigned type,
 	settings->rate_hz = rate_hz;
 	while (f->next < f->count) {
 		const enum v4l2_sacrifice what = f->order[f->next];
-		const bool lessened = lessen(what, fd, type, picture, settings);
+		const bool lessened = sacrifice_make(what, fd, type, picture, settings);
 
-		if (!lessened || !repeats(what))
+		if (!lessened || !sacrifice_repeats(what))
 			f->next++;
 		if (lessened)
 			return true;

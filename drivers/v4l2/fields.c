@@ -94,7 +94,7 @@ const char *v4l2_lines_text(const struct v4l2_lines *lines)
 	}
 }
 
-static void learn(struct v4l2_pairing *p, uint32_t sequence, bool bottom)
+static void pairing_learn(struct v4l2_pairing *p, uint32_t sequence, bool bottom)
 {
 	if (!p->waiting || p->bottom == bottom) {
 		p->run = 0;
@@ -107,8 +107,8 @@ static void learn(struct v4l2_pairing *p, uint32_t sequence, bool bottom)
 	}
 }
 
-static bool completes(const struct v4l2_pairing *p, uint32_t sequence, bool bottom,
-		      bool bottom_first)
+static bool pairing_completes(const struct v4l2_pairing *p, uint32_t sequence, bool bottom,
+			      bool bottom_first)
 {
 	if (!p->waiting || p->bottom == bottom)
 		return false;
@@ -121,8 +121,8 @@ enum v4l2_pair v4l2_pairing_take(struct v4l2_pairing *p, uint32_t sequence, bool
 {
 	const bool waited = p->waiting;
 
-	learn(p, sequence, bottom);
-	if (completes(p, sequence, bottom, bottom_first)) {
+	pairing_learn(p, sequence, bottom);
+	if (pairing_completes(p, sequence, bottom, bottom_first)) {
 		p->waiting = false;
 		return V4L2_PAIR_SECOND;
 	}

@@ -53,7 +53,7 @@ static bool find_link(const char *name, char path[INI_PATH_MAX])
 	return false;
 }
 
-static bool called(const struct v4l2_capability *capability, int number, const char *name)
+static bool device_is_called(const struct v4l2_capability *capability, int number, const char *name)
 {
 	char port[V4L2_PORT_MAX];
 
@@ -73,14 +73,14 @@ static int not_found(const char *name, struct fault *fault)
 }
 
 /* What is found while the nodes are walked. */
-struct search {
+struct camera_search {
 	const char *name;
 	int fd; /* of the first that matches, or why one cannot be opened */
 	char others[512];
 	struct fault refusal;
 };
 
-static void note_other(struct search *s, const char *path, const char *bus)
+static void note_other(struct camera_search *s, const char *path, const char *bus)
 {
 	const size_t used = strlen(s->others);
 
@@ -89,8 +89,8 @@ static void note_other(struct search *s, const char *path, const char *bus)
 }
 
 /* A device has nodes of its own for still pictures and the like: the same bus is no other one. */
-static void visit(struct search *s, int number, char path[INI_PATH_MAX],
-		  struct v4l2_capability *capability)
+static void search_visit(struct camera_search *s, int number, char path[INI_PATH_MAX],
+			 struct v4l2_capability *capability)
 {
 	struct v4l2_capability here;
 	char node[32];
@@ -106,7 +106,7 @@ static void visit(struct search *s, int number, char path[INI_PATH_MAX],
 	}
 	if (fd < 0)
 		return;
-	if (!called(&here, number, s->name)) {
+	if (!device_is_called(&here, number, s->name)) {
 		close(fd);
 	} else if (s->fd < 0) {
 		s->fd = fd;
@@ -122,7 +122,7 @@ static void visit(struct search *s, int number, char path[INI_PATH_MAX],
 int v4l2_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability *capability,
 	      struct fault *fault)
 {
-	struct search search = {.name = name, .fd = -ENODEV};
+	struct camera_search search = {.name = name, .fd = -ENODEV};
 
 	if (name[0] == '/') {
 		snprintf(path, INI_PATH_MAX, "%s", name);
@@ -132,7 +132,7 @@ int v4l2_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability 
 		return device_open(path, capability, fault);
 	path[0] = '\0';
 	for (int i = 0; i < V4L2_DEVICES_MAX && (search.fd < 0 || name[0]); i++)
-		visit(&search, i, path, capability);
+		search_visit(&search, i, path, capability);
 	if (search.fd < 0 && search.refusal.text[0])
 		return fault_say(fault, search.fd, "%s", search.refusal.text);
 	if (search.fd < 0)

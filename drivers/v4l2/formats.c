@@ -77,7 +77,7 @@ void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matr
 }
 
 /* The multi-planar struct says the same in other words. */
-static struct v4l2_pix_format flatten(const struct v4l2_format *format)
+static struct v4l2_pix_format format_flatten(const struct v4l2_format *format)
 {
 	const struct v4l2_pix_format_mplane *m = &format->fmt.pix_mp;
 
@@ -95,8 +95,8 @@ static struct v4l2_pix_format flatten(const struct v4l2_format *format)
 	};
 }
 
-static int read_strides(const struct v4l2_format *format, const struct v4l2_pix_format *pix,
-			struct v4l2_picture *picture, struct fault *fault)
+static int picture_read_strides(const struct v4l2_format *format, const struct v4l2_pix_format *pix,
+				struct v4l2_picture *picture, struct fault *fault)
 {
 	const struct v4l2_layout *layout = picture->layout;
 
@@ -114,8 +114,8 @@ static int read_strides(const struct v4l2_format *format, const struct v4l2_pix_
 	return 0;
 }
 
-static int read_lines(const struct v4l2_pix_format *pix, v4l2_std_id standard, int wanted_height,
-		      struct v4l2_picture *picture, struct fault *fault)
+static int picture_read_lines(const struct v4l2_pix_format *pix, v4l2_std_id standard,
+			      int wanted_height, struct v4l2_picture *picture, struct fault *fault)
 {
 	const bool alone = pix->field == V4L2_FIELD_TOP || pix->field == V4L2_FIELD_BOTTOM;
 	struct frame frame;
@@ -138,7 +138,7 @@ static int read_lines(const struct v4l2_pix_format *pix, v4l2_std_id standard, i
 int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int wanted_height,
 		    struct v4l2_picture *picture, struct fault *fault)
 {
-	const struct v4l2_pix_format pix = flatten(format);
+	const struct v4l2_pix_format pix = format_flatten(format);
 	const struct v4l2_layout *layout = v4l2_layout_of(pix.pixelformat);
 	const bool planar = format->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
 	char code[5];
@@ -151,11 +151,12 @@ int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int 
 		return fault_say(fault, -EINVAL, "the camera answered with a picture of %ux%u",
 				 pix.width, pix.height);
 	*picture = (struct v4l2_picture){.layout = layout, .width = (int)pix.width};
-	err = read_lines(&pix, standard, wanted_height, picture, fault);
+	err = picture_read_lines(&pix, standard, wanted_height, picture, fault);
 	if (err)
 		return err;
 	v4l2_colours(&pix, &picture->matrix, &picture->range);
-	return layout->format == PIXEL_MJPEG ? 0 : read_strides(format, &pix, picture, fault);
+	return layout->format == PIXEL_MJPEG ? 0
+					     : picture_read_strides(format, &pix, picture, fault);
 }
 
 int v4l2_bits(uint32_t fourcc)
@@ -182,8 +183,8 @@ int v4l2_bits(uint32_t fourcc)
 	}
 }
 
-static bool whole(const struct frame_plane *plane, enum pixel_format format, int index, int width,
-		  int height)
+static bool plane_is_whole(const struct frame_plane *plane, enum pixel_format format, int index,
+			   int width, int height)
 {
 	const size_t rows = frame_plane_bytes(format, index, 1, height);
 
@@ -221,7 +222,7 @@ bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span
 	planes[0] = (struct frame_plane){memory[0].data, picture->stride[0], memory[0].bytes};
 	if (format == PIXEL_MJPEG)
 		return trim_jpeg(&planes[0]);
-	if (!whole(&planes[0], format, 0, picture->width, picture->rows))
+	if (!plane_is_whole(&planes[0], format, 0, picture->width, picture->rows))
 		return false;
 	if (format != PIXEL_NV12)
 		return true;
@@ -235,7 +236,7 @@ bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span
 		planes[1] = (struct frame_plane){memory[0].data + luma, picture->stride[1],
 						 memory[0].bytes - luma};
 	}
-	return whole(&planes[1], format, 1, picture->width, picture->rows);
+	return plane_is_whole(&planes[1], format, 1, picture->width, picture->rows);
 }
 
 void v4l2_fourcc_text(uint32_t fourcc, char text[5])

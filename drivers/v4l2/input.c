@@ -39,7 +39,7 @@ static void add_name(char names[NAMES_MAX], const char *name)
 }
 
 /* A whole number, or -1; "-1" itself once stood for the selected input. */
-static int number_of(const char *text)
+static int input_number(const char *text)
 {
 	char *end;
 	const long value = strtol(text, &end, 10);
@@ -51,7 +51,7 @@ static int find_input(int fd, const char *wanted, struct fault *fault)
 {
 	struct v4l2_input input = {0};
 	char names[NAMES_MAX] = "";
-	const int number = number_of(wanted);
+	const int number = input_number(wanted);
 
 	for (; device_ioctl(fd, VIDIOC_ENUMINPUT, &input) == 0; input.index++) {
 		const char *name = (const char *)input.name;

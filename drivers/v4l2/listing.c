@@ -133,7 +133,7 @@ static void add_inputs(int fd, struct camera_listing *listing)
 	}
 }
 
-static const char *remark(const struct v4l2_query_ext_ctrl *control)
+static const char *control_remark(const struct v4l2_query_ext_ctrl *control)
 {
 	if (control->flags & V4L2_CTRL_FLAG_READ_ONLY)
 		return ", read only";
@@ -159,14 +159,14 @@ static void add_control(int fd, const struct v4l2_query_ext_ctrl *control,
 
 	v4l2_control_name(control->name, name);
 	if (control->type == V4L2_CTRL_TYPE_BUTTON) {
-		add_line(listing, "control %s, a button%s", name, remark(control));
+		add_line(listing, "control %s, a button%s", name, control_remark(control));
 		return;
 	}
 	if (v4l2_get_control(fd, control, &value) == 0)
 		snprintf(now, sizeof(now), ", now %lld", (long long)value);
 	add_line(listing, "control %s %lld..%lld, default %lld%s%s", name,
 		 (long long)control->minimum, (long long)control->maximum,
-		 (long long)control->default_value, now, remark(control));
+		 (long long)control->default_value, now, control_remark(control));
 	if (control->type == V4L2_CTRL_TYPE_MENU || control->type == V4L2_CTRL_TYPE_INTEGER_MENU)
 		add_menu(fd, control, name, listing);
 }
@@ -202,17 +202,13 @@ static void add_links(const char *node, struct camera_listing *listing)
 	}
 }
 
-static void describe(int fd, const struct v4l2_capability *capability,
-		     struct camera_listing *listing)
+static void listing_describe(int fd, const struct v4l2_capability *capability,
+			     struct camera_listing *listing)
 {
 	snprintf(listing->name, sizeof(listing->name), "%s", (const char *)capability->card);
 	snprintf(listing->bus, sizeof(listing->bus), "%s", (const char *)capability->bus_info);
 	add_links(listing->device, listing);
-	add_formats(fd,
-		    device_caps(capability) & V4L2_CAP_VIDEO_CAPTURE
-			    ? V4L2_BUF_TYPE_VIDEO_CAPTURE
-			    : V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE,
-		    listing);
+	add_formats(fd, device_buffer_type(capability), listing);
 	add_inputs(fd, listing);
 	add_controls(fd, listing);
 }
@@ -228,7 +224,7 @@ static bool list_one(int index, void (*found)(void *, const struct camera_listin
 	snprintf(listing.device, sizeof(listing.device), "/dev/video%d", index);
 	fd = device_open(listing.device, &capability, &fault);
 	if (fd >= 0) {
-		describe(fd, &capability, &listing);
+		listing_describe(fd, &capability, &listing);
 		close(fd);
 	} else if (camera_situation_of(fd) == CAMERA_NO_DEVICE || fd == -ENOTTY) {
 		return false;

@@ -10,8 +10,8 @@
 
 enum { OFFERS_MAX = 256 };
 
-static int choose(int fd, unsigned type, const struct camera_settings *settings, uint32_t *fourcc,
-		  struct fault *fault)
+static int format_choose(int fd, unsigned type, const struct camera_settings *settings,
+			 uint32_t *fourcc, struct fault *fault)
 {
 	struct v4l2_offer offers[OFFERS_MAX];
 	int count = 0, best;
@@ -42,13 +42,14 @@ static int choose(int fd, unsigned type, const struct camera_settings *settings,
 }
 
 /* What is asked for; height is that of the whole picture, 0 for the device's choice. */
-struct request {
+struct format_request {
 	uint32_t fourcc, field;
 	unsigned width, height;
 };
 
 /* A format that holds one field has half the lines. */
-static unsigned lines_asked(const struct request *request, uint32_t field_now, unsigned height_now)
+static unsigned lines_asked(const struct format_request *request, uint32_t field_now,
+			    unsigned height_now)
 {
 	const unsigned now = V4L2_FIELD_HAS_T_OR_B(field_now) ? height_now * 2 : height_now;
 	const unsigned whole = request->height ? request->height : now;
@@ -69,8 +70,8 @@ static unsigned height_of(const struct v4l2_format *format)
 }
 
 /* Strides and sizes in memory are for the driver to say. */
-static int ask(int fd, const struct request *request, struct v4l2_format *format,
-	       struct fault *fault)
+static int format_ask(int fd, const struct format_request *request, struct v4l2_format *format,
+		      struct fault *fault)
 {
 	const unsigned lines = lines_asked(request, field_of(format), height_of(format));
 	int err;
@@ -100,21 +101,21 @@ static int ask(int fd, const struct request *request, struct v4l2_format *format
 	return 0;
 }
 
-static int set_format(int fd, const struct request *wanted, struct v4l2_format *format,
+static int set_format(int fd, const struct format_request *wanted, struct v4l2_format *format,
 		      struct fault *fault)
 {
-	struct request request = *wanted;
+	struct format_request request = *wanted;
 	int err = device_ioctl(fd, VIDIOC_G_FMT, format);
 
 	if (err)
 		return fault_say(fault, err, "cannot read the camera's format: %s", strerror(-err));
-	err = ask(fd, &request, format, fault);
+	err = format_ask(fd, &request, format, fault);
 	if (err || request.height == 0 || field_of(format) != V4L2_FIELD_ALTERNATE ||
 	    height_of(format) < request.height)
 		return err;
 	/* Fields in turn, though not asked for, and each as high as the picture should be. */
 	request.field = V4L2_FIELD_ALTERNATE;
-	return ask(fd, &request, format, fault);
+	return format_ask(fd, &request, format, fault);
 }
 
 /* A device that can lay its picture into a part of the memory keeps doing so for whoever comes
@@ -150,13 +151,13 @@ int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *sett
 		       enum v4l2_field_wish wish, const struct v4l2_source *source,
 		       struct v4l2_picture *picture, double *rate_hz, struct fault *fault)
 {
-	struct request request = {.field = v4l2_field_asked(wish, source->standard),
-				  .width = (unsigned)settings->width,
-				  .height = (unsigned)settings->height};
+	struct format_request request = {.field = v4l2_field_asked(wish, source->standard),
+					 .width = (unsigned)settings->width,
+					 .height = (unsigned)settings->height};
 	struct v4l2_format format = {.type = type};
 	int err;
 
-	err = choose(fd, type, settings, &request.fourcc, fault);
+	err = format_choose(fd, type, settings, &request.fourcc, fault);
 	if (!err)
 		err = set_format(fd, &request, &format, fault);
 	if (err == -ENOSPC) /* what is to be lessened */

@@ -2,7 +2,7 @@
 /* Any bytes as a file of presses: refused in a sentence, or presses that are due in the order of
  * time.
  *
- * reaches: buttons_script.c:parse_line buttons_script.c:append buttons_script.c:arm
+ * reaches: buttons_script.c:parse_line buttons_script.c:script_append buttons_script.c:script_arm
  */
 #include <string.h>
 

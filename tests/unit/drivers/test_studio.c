@@ -133,7 +133,7 @@ static double moment(int axis)
 	return best;
 }
 
-static void prepare_fisheye(struct eye *eye, int side)
+static void prepare_fisheye(struct sim_eye *eye, int side)
 {
 	const struct fisheye_settings settings = {.field_deg = 90};
 
@@ -143,7 +143,7 @@ static void prepare_fisheye(struct eye *eye, int side)
 	assert_int_equal(fisheye_prepare(&eye->lens, &settings, side, side, NULL), 0);
 }
 
-static void prepare_camera(struct eye *eye, int width, int height, const double from[3],
+static void prepare_camera(struct sim_eye *eye, int width, int height, const double from[3],
 			   const double to[3], double angle_deg)
 {
 	memset(eye, 0, sizeof(*eye));
@@ -152,7 +152,7 @@ static void prepare_camera(struct eye *eye, int width, int height, const double 
 	assert_int_equal(tsai_look_at(&eye->camera, width, height, from, to, angle_deg, NULL), 0);
 }
 
-static float *render(const struct eye *eye, double time_s)
+static float *render(const struct sim_eye *eye, double time_s)
 {
 	float *rgb = calloc((size_t)eye->width * (size_t)eye->height * 3, sizeof(float));
 	struct studio_view *view;
@@ -164,7 +164,7 @@ static float *render(const struct eye *eye, double time_s)
 }
 
 /* Middle of the pixels as bright as the warm lantern, from the picture's middle. */
-static void warm_place(const struct eye *eye, double time_s, double place[2])
+static void warm_place(const struct sim_eye *eye, double time_s, double place[2])
 {
 	float *rgb = render(eye, time_s);
 	struct studio_lantern lanterns[STUDIO_LANTERNS];
@@ -192,7 +192,7 @@ static void warm_place(const struct eye *eye, double time_s, double place[2])
 static void nothing_is_mirrored(void **state)
 {
 	const double from[3] = {0, -2.4, 1.5}, to[3] = {0, 2, 1.5};
-	struct eye eye;
+	struct sim_eye eye;
 	double place[2];
 
 	(void)state;
@@ -212,7 +212,7 @@ static void nothing_is_upside_down(void **state)
 	const double from[3] = {0, -2.4, 1.5}, to[3] = {0, 2, 1.5};
 	struct studio_hit hit;
 	double start[3], dir[3];
-	struct eye eye;
+	struct sim_eye eye;
 
 	(void)state;
 	prepare_camera(&eye, 200, 150, from, to, 100);
@@ -225,7 +225,7 @@ static void nothing_is_upside_down(void **state)
 }
 
 /* Mean of 10 x 10 rays through the pixel, each traced for itself; dark where none goes. */
-static void traced_pixel(const struct eye *eye, int x, int y, double time_s, double rgb[3])
+static void traced_pixel(const struct sim_eye *eye, int x, int y, double time_s, double rgb[3])
 {
 	const int side = 10;
 
@@ -244,7 +244,7 @@ static void traced_pixel(const struct eye *eye, int x, int y, double time_s, dou
 		rgb[c] /= side * side;
 }
 
-static void check_view(const struct eye *eye, const char *name)
+static void check_view(const struct sim_eye *eye, const char *name)
 {
 	double worst = 0, sum = 0;
 	float *rgb = render(eye, 3.7);
@@ -274,7 +274,7 @@ static void check_view(const struct eye *eye, const char *name)
 static void views_match_traced_rays(void **state)
 {
 	const double from[3] = {0.3, -1.9, 1.4}, to[3] = {0.1, 0.5, 1.1};
-	struct eye eye;
+	struct sim_eye eye;
 
 	(void)state;
 	prepare_fisheye(&eye, 240);
@@ -363,7 +363,7 @@ static struct sampled sample(int frequency, int side, enum light_estimator estim
 	double largest = 0, true_energy = 0, energy = 0;
 	struct light_sampler *sampler;
 	struct dome dome;
-	struct eye eye;
+	struct sim_eye eye;
 	struct image image = {.width = side, .height = side};
 	double(*truth)[3];
 	float(*got)[3];
