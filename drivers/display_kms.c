@@ -12,9 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <xf86drm.h>
 
 #include "drivers/drivers.h"
+#include "drivers/kms/list.h"
+#include "drivers/kms/mode.h"
 #include "drivers/kms/screen.h"
+#include "drivers/kms/timing.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 

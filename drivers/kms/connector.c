@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include <errno.h>
+#include "drivers/kms/connector.h"
 
-#include "drivers/kms/kms.h"
+#include <errno.h>
+#include <xf86drm.h>
 
 #define PROPERTIES_MAX 64 /* the kernel gives no object more */
 

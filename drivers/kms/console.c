@@ -7,6 +7,8 @@
  * would draw none; but if the program is killed then, the kernel forgets to leave that mode in
  * part, and no console shows anything any more.
  */
+#include "drivers/kms/console.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/kd.h>
@@ -19,8 +21,6 @@
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
-
-#include "drivers/kms/kms.h"
 
 #define VT_MAJOR 4
 #define SIGNAL_AWAY (SIGRTMIN + 3)

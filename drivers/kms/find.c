@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: MIT */
+#include "drivers/kms/find.h"
+
 #include <drm_fourcc.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -7,8 +9,9 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xf86drm.h>
 
-#include "drivers/kms/kms.h"
+#include "drivers/kms/mode.h"
 
 int kms_card_open(const char *path)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include <math.h>
+#include "drivers/kms/fit.h"
 
-#include "drivers/kms/kms.h"
+#include <math.h>
 
 static int clamp_length(double length, int most)
 {

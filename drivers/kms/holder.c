@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+#include "drivers/kms/holder.h"
+
 #include <dirent.h>
 #include <fcntl.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include "drivers/kms/kms.h"
 
 static bool has_open(const char *pid, dev_t device)
 {

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+#include "drivers/kms/list.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
+#include <xf86drm.h>
 
-#include "drivers/kms/kms.h"
+#include "drivers/kms/find.h"
+#include "drivers/kms/timing.h"
 
 static int list_room(int card, const drmModeRes *resources)
 {

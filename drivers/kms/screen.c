@@ -7,7 +7,9 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <xf86drm.h>
 
+#include "drivers/kms/holder.h"
 #include "hal/base/log.h"
 
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,

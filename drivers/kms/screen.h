@@ -3,7 +3,11 @@
 #ifndef INLAY_DRIVERS_KMS_SCREEN_H
 #define INLAY_DRIVERS_KMS_SCREEN_H
 
-#include "drivers/kms/kms.h"
+#include "drivers/kms/connector.h"
+#include "drivers/kms/console.h"
+#include "drivers/kms/fit.h"
+#include "drivers/kms/state.h"
+#include "drivers/kms/watch.h"
 
 #define NONE (-1)
 #define BUFFERS_MAX 3

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+#include "drivers/kms/state.h"
+
 #include <errno.h>
 #include <stddef.h>
 #include <string.h>
-
-#include "drivers/kms/kms.h"
+#include <xf86drm.h>
 
 /* Of a property: the card need not have it; its value is the id of a blob. */
 enum { OPTIONAL = 1, BLOB = 2 };

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: MIT */
+#include "drivers/kms/timing.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -6,7 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "drivers/kms/kms.h"
 #include "hal/base/number.h"
 
 #define SYNC_POSITIVE (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)

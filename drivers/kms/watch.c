@@ -3,6 +3,8 @@
  * What happens to a screen while it is used: the card's events, the kernel's hotplug messages and a
  * slow tick for messages that do not arrive, behind one descriptor.
  */
+#include "drivers/kms/watch.h"
+
 #include <errno.h>
 #include <linux/netlink.h>
 #include <string.h>
@@ -11,7 +13,6 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include "drivers/kms/kms.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 

@@ -11,7 +11,8 @@
 #include <string.h>
 
 #if WITH_KMS
-#include "drivers/kms/kms.h"
+#include "drivers/kms/mode.h"
+#include "drivers/kms/timing.h"
 
 enum { MODES = 4 };
 #endif

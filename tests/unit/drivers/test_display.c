@@ -27,7 +27,9 @@
 #include <SDL.h>
 #endif
 #if WITH_KMS
-#include "drivers/kms/kms.h"
+#include "drivers/kms/mode.h"
+#include "drivers/kms/options.h"
+#include "drivers/kms/timing.h"
 #endif
 
 /* ---- the wrappers ---- */

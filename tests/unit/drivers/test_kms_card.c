@@ -26,7 +26,9 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/kms/kms.h"
+#include "drivers/kms/fit.h"
+#include "drivers/kms/options.h"
+#include "drivers/kms/timing.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
 

@@ -11,7 +11,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "drivers/kms/kms.h"
+#include "drivers/kms/fit.h"
+#include "drivers/kms/mode.h"
+#include "drivers/kms/timing.h"
+#include "drivers/kms/watch.h"
 
 #define P_P (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)
 #define N_N (DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC)
