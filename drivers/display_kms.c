@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The screen itself, without a desktop: atomic modesetting, dumb buffers of XRGB8888, page flips
- * reported by events. Buffers may be write-combined: they are never read here.
+ * A screen without a desktop (DRM/KMS): atomic mode setting, dumb buffers of XRGB8888, page flips
+ * that the kernel reports by events. Buffers may be write-combined, so nothing here reads them.
  *
- * The state that was found is put back at close. Should the program be killed, the kernel takes the
- * buffers back and, when no other program holds the card, shows its console again.
+ * close() restores the state that open() found. If the program is killed, the kernel frees the
+ * buffers and, if no other program holds the card, shows its console again.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -23,7 +23,7 @@
 #include "hal/base/log.h"
 
 #define FLIP_WITHIN_NS NS_PER_S
-#define LOOK_EVERY_NS (2 * NS_PER_S) /* at what the kernel knows, should a message be missed */
+#define LOOK_EVERY_NS (2 * NS_PER_S) /* how often the connector is read without a message */
 
 static const char *const scaling_choices[] = {"auto", "never", NULL};
 
@@ -66,8 +66,9 @@ static const struct ini_key kms_keys[] = {
 	INI_KEYS_END,
 };
 
-/* ---- modes and fitting ---- */
+/* ---- scaling ---- */
 
+/* Tests by an atomic commit whether the hardware scales so. */
 static bool ask_for_scaling(struct kms_screen *screen, const struct kms_fit *fit)
 {
 	struct kms_state trial = screen->ours;
@@ -96,7 +97,7 @@ static bool can_scale(struct kms_screen *screen, const struct kms_fit *fit, doub
 	return verdict->accepted;
 }
 
-/* Buffers stay as large as the screen; a part of them is shown larger. */
+/* Buffers stay as large as the screen; the hardware enlarges a part of them. */
 static int kms_fit(struct display *display, int width, int height, double squash)
 {
 	const struct kms_options *options = display->options;
@@ -119,7 +120,7 @@ static int kms_fit(struct display *display, int width, int height, double squash
 
 /* ---- the console ---- */
 
-/* Another console's turn: what it shows is its business until ours is back. */
+/* Gives the screen up for another text console, until this one is switched back to. */
 static void kms_go_away(struct display *display)
 {
 	struct kms_screen *screen = display->state;
@@ -138,7 +139,8 @@ static int take_flips(struct kms_screen *screen);
 static int kms_look(struct kms_screen *screen, const struct display *display, bool probe,
 		    struct fault *fault);
 
-/* Setting the mode waited for a flip that was under way, and undid it. */
+/* Shows the last buffer again. The mode set waits for a pending flip and then replaces its picture,
+ * so the event of that flip must not change on_screen. */
 static int show_again(struct kms_screen *screen, struct fault *fault)
 {
 	const int index = screen->on_screen == NONE ? 0 : screen->on_screen;
@@ -188,7 +190,8 @@ static int switch_console(struct display *display, struct fault *fault)
 	return err;
 }
 
-/* On another console than the one that is shown, it waits for its turn. */
+/* Sets the mode; if another console is the active one, asks for a switch instead and waits hidden.
+ */
 static int kms_light_up(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;
@@ -200,8 +203,8 @@ static int kms_light_up(struct display *display, struct fault *fault)
 	return 0;
 }
 
-/* Screens that stalled and that a thread still gives back. Until it has, it is this very program
- * that holds the card, and nobody else is to be blamed for it. */
+/* Number of stalled screens that threads still release. It outlives a display on purpose: until the
+ * release is done this process itself holds the card, and a message must not blame another one. */
 static atomic_int releasing;
 
 static int kms_open(struct display *display, struct fault *fault)
@@ -266,8 +269,8 @@ static int kms_acquire(struct display *display, struct display_buffer *buffer)
 	return -EAGAIN;
 }
 
-/* Hands the frame that waits to the kernel, if it can be. One that the kernel has no time for stays
- * and is tried again, until it is overdue. */
+/* Queues the waiting frame in the kernel unless a flip is pending. After EBUSY it stays waiting and
+ * is tried again until its deadline. */
 static int kms_flip(struct kms_screen *screen)
 {
 	const int64_t now_ns = clock_now_ns();
@@ -308,7 +311,7 @@ static int kms_submit(struct display *display, struct display_buffer *buffer, in
 	int err;
 
 	if (display->hidden)
-		return 0; /* acquired before the switch: there is nobody to see it */
+		return 0; /* acquired before the console was switched away: dropped */
 	screen->buffers[buffer->index].token = token;
 	screen->waiting = buffer->index;
 	err = kms_flip(screen);
@@ -344,13 +347,14 @@ static int take_flips(struct kms_screen *screen)
 		.page_flip_handler2 = on_flip,
 	};
 
-	/* The card was opened non-blocking: without an event this says EAGAIN. */
+	/* The card is non-blocking: without an event this gives EAGAIN. */
 	if (drmHandleEvent(screen->path.card, &context) && errno != EAGAIN && errno != EINTR)
 		return -errno;
 	return 0;
 }
 
-/* Whether the screen is there, gets its picture, and would be given the same mode again. */
+/* Reads the connector. 0 if the screen is there, its link works and the same mode would be picked;
+ * else -errno with a fault. probe: as for kms_connector_read(). */
 static int kms_look(struct kms_screen *screen, const struct display *display, bool probe,
 		    struct fault *fault)
 {
@@ -378,7 +382,7 @@ static int kms_look(struct kms_screen *screen, const struct display *display, bo
 		return fault_say(fault, -ESTALE,
 				 "kms display: the screen at %s has other modes now",
 				 screen->path.connector_name);
-	/* Flips go on as if nothing had happened, and nobody sees them. */
+	/* Flips go on without an error over a failed link, but the screen stays dark. */
 	if (connector->link_failed)
 		return fault_say(
 			fault, -ESTALE,
@@ -388,7 +392,8 @@ static int kms_look(struct kms_screen *screen, const struct display *display, bo
 	return 0;
 }
 
-/* A message of the kernel is reason to ask the screen itself; now and then, to ask the kernel. */
+/* After a hotplug message the screen itself is probed; every LOOK_EVERY_NS only the kernel's
+ * knowledge is read. */
 static int look_if_due(struct display *display, unsigned ready, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;
@@ -399,7 +404,7 @@ static int look_if_due(struct display *display, unsigned ready, struct fault *fa
 	if (display->hidden || !(told || clock_now_ns() - screen->looked_ns >= LOOK_EVERY_NS))
 		return 0;
 	err = kms_look(screen, display, told, fault);
-	/* Newly plugged in, its modes are known only after asking. */
+	/* The kernel knows the modes of a newly connected screen only after a probe. */
 	if (!err && !told && known && screen->connector.connection != known)
 		err = kms_look(screen, display, true, fault);
 	return err;
@@ -459,6 +464,7 @@ static int kms_dispatch(struct display *display, struct display_event *event, st
 
 /* ---- close ---- */
 
+/* Thread: releases a stalled screen, which may take more than ten seconds. */
 static void *let_go_in_time(void *screen)
 {
 	kms_screen_release(screen);
@@ -475,8 +481,8 @@ static int kms_close(struct display *display, struct fault *fault)
 	if (!screen)
 		return 0;
 	display->state = NULL;
-	/* The kernel waits ten seconds and more for a flip that never comes, whatever it is asked
-	 * to do with that card. The program does not wait with it. */
+	/* Any request to the card waits ten seconds and more for a flip that never comes. A thread
+	 * waits for it, so that the program does not. */
 	if (screen->stalled) {
 		atomic_fetch_add(&releasing, 1);
 		if (!pthread_create(&thread, NULL, let_go_in_time, screen)) {

@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <xf86drm.h>
 
-#define PROPERTIES_MAX 64 /* the kernel gives no object more */
+#define PROPERTIES_MAX 64 /* the kernel's own limit for an object */
 
 static bool has_failed(const struct kms_connector *connector, const uint32_t *ids,
 		       const uint64_t *values, uint32_t count)
@@ -15,7 +15,8 @@ static bool has_failed(const struct kms_connector *connector, const uint32_t *id
 	return false;
 }
 
-/* Not with libdrm's drmModeGetConnector(), which allocates: this is asked while pictures flow. */
+/* Uses ioctl() rather than libdrm's drmModeGetConnector(), which allocates: this runs while
+ * pictures flow. */
 int kms_connector_read(int card, uint32_t id, bool probe, struct kms_connector *connector)
 {
 	struct drm_mode_get_connector get = {.connector_id = id};
@@ -23,7 +24,7 @@ int kms_connector_read(int card, uint32_t id, bool probe, struct kms_connector *
 	uint64_t values[PROPERTIES_MAX];
 
 	connector->id = id;
-	/* To the kernel, no room for modes is the wish to probe. */
+	/* The kernel probes the screen if a request has no room for modes. */
 	if (probe && drmIoctl(card, DRM_IOCTL_MODE_GETCONNECTOR, &get))
 		return -errno;
 	get = (struct drm_mode_get_connector){
@@ -38,7 +39,7 @@ int kms_connector_read(int card, uint32_t id, bool probe, struct kms_connector *
 		return -errno;
 	connector->connection = get.connection;
 	connector->link_failed = has_failed(connector, ids, values, get.count_props);
-	/* More than there is room for are not given at all. */
+	/* If there are more modes than room, the kernel fills in none. */
 	if (get.count_modes > KMS_MODES_MAX)
 		return -E2BIG;
 	connector->count = (int)get.count_modes;

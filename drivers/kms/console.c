@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The text console under the picture. While it is ours, the kernel asks before it switches to
- * another: by a signal, whose handler only writes a byte for the event loop.
+ * The kernel asks for a switch by a signal. Its handler only writes a byte into a pipe for the
+ * event loop.
  *
- * It stays in text mode, where its text goes to a buffer that is not shown. In graphics mode it
- * would draw none; but if the program is killed then, the kernel forgets to leave that mode in
- * part, and no console shows anything any more.
+ * The console stays in text mode: its text goes to a buffer that is not shown. In graphics mode the
+ * kernel would draw no text; but if the program were killed then, the kernel would leave that mode
+ * only in part, and no console would show anything any more.
  */
 #include "drivers/kms/console.h"
 
@@ -26,9 +26,9 @@
 #define SIGNAL_AWAY (SIGRTMIN + 3)
 #define SIGNAL_BACK (SIGRTMIN + 4)
 
-/* A signal knows nothing but its number: what its handler needs is here, once for the process. */
-static atomic_int telling = -1;
-static struct sigaction before[2];
+/* State of the signal handler, once per process: a handler gets only the number of its signal. */
+static atomic_int telling = -1;	   /* writable end of the pipe */
+static struct sigaction before[2]; /* the handlers that were found */
 
 static void console_signalled(int number)
 {
@@ -36,11 +36,11 @@ static void console_signalled(int number)
 	const int fd = atomic_load(&telling), kept = errno;
 
 	if (fd >= 0 && write(fd, &what, 1) < 0)
-		errno = kept; /* a full pipe holds more requests than there can be */
+		errno = kept; /* never full: a pipe holds more requests than there can be */
 	errno = kept;
 }
 
-/* The number of a virtual console; 0: it is none. */
+/* Returns the number of a virtual console; 0: tty is something else. */
 static int console_number(int tty)
 {
 	struct stat of;
@@ -58,7 +58,7 @@ static int open_tty(const char *path)
 	return tty < 0 ? -errno : tty;
 }
 
-/* The console that standard input is, else the one that is shown. */
+/* Opens the console that standard input is, else the one that is shown. */
 static int open_auto(void)
 {
 	char path[32];
@@ -80,7 +80,7 @@ static int open_auto(void)
 	return open_tty(path);
 }
 
-/* Readable end in console->told, the other in telling. */
+/* Puts the readable end into console->told, the other into telling. */
 static int open_pipe(struct kms_console *console)
 {
 	int ends[2], none = -1;
@@ -105,7 +105,8 @@ static void close_pipe(struct kms_console *console)
 	console->told = -1;
 }
 
-/* Ignored first, which forgets one that is under way: it would end the program. */
+/* Ignoring the signals first discards a pending one. With the default handler restored, it would
+ * end the program. */
 static void give_signals_back(void)
 {
 	const struct sigaction ignored = {.sa_handler = SIG_IGN};
@@ -188,7 +189,7 @@ enum kms_switch kms_console_next(struct kms_console *console)
 	return (enum kms_switch)what;
 }
 
-/* Leaving graphics mode is what makes the kernel show its own buffer, whoever drew last. */
+/* On leaving graphics mode the kernel shows its own buffer, whoever drew last. */
 void kms_console_show_text(const struct kms_console *console)
 {
 	ioctl(console->tty, KDSETMODE, KD_GRAPHICS);
@@ -213,7 +214,7 @@ void kms_console_close(struct kms_console *console)
 	if (console->tty < 0)
 		return;
 	kms_console_show_text(console);
-	/* Who asked a moment ago is not kept waiting. */
+	/* Answers requests that are still pending, so that no switch waits. */
 	while ((asked = kms_console_next(console)) != KMS_SWITCH_NONE)
 		if (asked == KMS_SWITCH_AWAY)
 			kms_console_let_go(console);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The text console under the picture. While the program holds it, the kernel asks before it switches
- * to another console.
+ * The text console under the picture. While the program holds it, the kernel asks before it
+ * switches to another console.
  */
 #ifndef INLAY_DRIVERS_KMS_CONSOLE_H
 #define INLAY_DRIVERS_KMS_CONSOLE_H

@@ -27,7 +27,7 @@ void kms_connector_name(const drmModeConnector *connector, char *name, size_t ro
 	snprintf(name, room, "%s-%u", type ? type : "Unknown", connector->connector_type_id);
 }
 
-/* Another connector's CRTC is not taken away from it. */
+/* Whether no other connector uses the CRTC. */
 static bool crtc_is_free(int card, const drmModeRes *resources, uint32_t crtc, uint32_t connector)
 {
 	bool busy = false;
@@ -65,7 +65,7 @@ static bool is_primary(int card, uint32_t plane)
 	return primary;
 }
 
-/* A primary plane of this CRTC that takes XRGB8888; 0: none. */
+/* Returns a primary plane of this CRTC that accepts XRGB8888; 0: none. */
 static uint32_t find_plane(int card, int crtc_index)
 {
 	drmModePlaneRes *planes = drmModeGetPlaneResources(card);
@@ -86,7 +86,7 @@ static uint32_t find_plane(int card, int crtc_index)
 	return found;
 }
 
-/* The CRTC that drives the connector now, if any: 0. */
+/* Returns the CRTC that drives the connector now; 0: none. */
 static uint32_t present_crtc(int card, const drmModeConnector *connector)
 {
 	drmModeEncoder *encoder = connector->encoder_id
@@ -117,7 +117,7 @@ static bool find_crtc(const drmModeRes *resources, const drmModeConnector *conne
 	const uint32_t present = present_crtc(path->card, connector);
 	const uint32_t possible = possible_crtcs(path->card, connector);
 
-	/* First round: what is set up already; second round: anything free. */
+	/* First round: the CRTC that drives the connector already. Second: any free one. */
 	for (int round = 0; round < 2; round++)
 		for (int i = 0; i < resources->count_crtcs; i++) {
 			const uint32_t crtc = resources->crtcs[i];
@@ -199,15 +199,15 @@ static int say_no_screen(const char *wanted, bool named, const char *device, str
 			 device);
 }
 
-/* In the first round the screen itself is asked, which takes some ten milliseconds; what it said
- * the kernel still knows in the others. */
+/* Only the search for the best rank, which comes first, has the kernel ask the screen itself: that
+ * takes tens of milliseconds. The later searches use what the kernel then knows. */
 static drmModeConnector *ask_connector(int card, uint32_t connector, int rank)
 {
 	return rank == KMS_RANK_BEST ? drmModeGetConnector(card, connector)
 				     : drmModeGetConnectorCurrent(card, connector);
 }
 
-/* The wanted connector of an open card, or its first of the best rank, if it is of this one. */
+/* Searches an open card for the wanted connector, or else for the first connector, of this rank. */
 static int search_card(const struct display_settings *settings, const struct kms_options *options,
 		       int rank, struct kms_path *path, struct fault *fault)
 {
@@ -284,7 +284,8 @@ static int try_card(const struct display_settings *settings, const struct kms_op
 	return err;
 }
 
-/* Which of two troubles is told: the one that is nearer to a picture. */
+/* Orders the faults of several cards. The one of the greatest weight is reported: on that card the
+ * search came furthest. */
 static int fault_weight(int err)
 {
 	switch (err) {
@@ -302,7 +303,7 @@ static int fault_weight(int err)
 	}
 }
 
-/* Of all cards, or of the one that is asked for: a connector of this rank. */
+/* Searches all cards, or the one that the settings name, for a connector of this rank. */
 static int find_ranked(const struct display_settings *settings, const struct kms_options *options,
 		       int rank, struct kms_path *path, struct fault *fault)
 {

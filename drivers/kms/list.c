@@ -72,7 +72,7 @@ static int list_card(int card, struct display_listing *listing,
 	return err ? err : resources != NULL;
 }
 
-/* A card that is there but not for this user is listed too, with what to do about it. */
+/* Lists a card that this user may not open, with advice. */
 static void list_forbidden(struct display_listing *listing,
 			   void (*found)(void *context, const struct display_listing *listing),
 			   void *context)

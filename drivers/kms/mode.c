@@ -16,7 +16,7 @@ static bool has_size(const drmModeModeInfo *mode, int width, int height)
 	return (!width || mode->hdisplay == width) && (!height || mode->vdisplay == height);
 }
 
-/* The preferred mode of this size, else the first, else -1. */
+/* Returns the preferred progressive mode of this size, else the first one, else -1. */
 static int best_of_size(const drmModeModeInfo *modes, int count, int width, int height)
 {
 	int first = -1;
@@ -63,8 +63,8 @@ int kms_mode_rank(unsigned connection, int count, const struct kms_options *opti
 	return options->force ? 1 : 0;
 }
 
-/* As kms.mode says: the screen's own timing of that size and rate where it names one, for it knows
- * best; a modeline is taken to the letter. */
+/* The mode of the option kms.mode. For a size and rate, the screen's own timing goes first if it
+ * reports one: it suits that screen best. A modeline is used as it is. */
 static int pick_told(const char *text, const drmModeModeInfo *modes, int count,
 		     drmModeModeInfo *mode, bool *computed)
 {
@@ -96,7 +96,7 @@ int kms_mode_pick(const struct display_settings *settings, const struct kms_opti
 	if (!count && options->force) {
 		const bool sized = settings->width && settings->height;
 
-		/* 1024 x 768 is the most that a screen may be expected to show unasked. */
+		/* 1024 x 768 is the most that an unknown screen can be expected to show. */
 		kms_timing(sized ? settings->width : 1024, sized ? settings->height : 768,
 			   settings->rate_hz > 0 ? settings->rate_hz : 60, mode);
 		*computed = true;

@@ -12,7 +12,8 @@
 /*
  * Chooses a progressive mode. Width or height 0 accepts any; if both are 0, the size is that of the
  * preferred mode, else of the first one. Among the modes of that size the one nearest to rate_hz
- * wins; with a rate of 0 the preferred one, else the first. Returns its index, or -1: there is none.
+ * wins; with a rate of 0 the preferred one, else the first. Returns its index, or -1: there is
+ * none.
  */
 int kms_mode_choose(const drmModeModeInfo *modes, int count, int width, int height, double rate_hz);
 
@@ -24,7 +25,8 @@ int kms_mode_rank(unsigned connection, int count, const struct kms_options *opti
 
 /*
  * Picks the mode for a connector in this state. *computed: the mode is a timing from timing.h, not
- * one that the screen reported. 0; -ENOLINK: there is no screen; -EINVAL: no mode fits the settings.
+ * one that the screen reported. 0; -ENOLINK: there is no screen; -EINVAL: no mode fits the
+ * settings.
  */
 int kms_mode_pick(const struct display_settings *settings, const struct kms_options *options,
 		  unsigned connection, const drmModeModeInfo *modes, int count,

@@ -36,8 +36,8 @@ int kms_screen_held(const struct kms_screen *screen, struct fault *fault)
 
 int kms_screen_become_master(struct kms_screen *screen, struct fault *fault)
 {
-	/* The first to open a card is its master already. Whoever comes later and is not root gets
-	 * "no permission" here; the reason is that somebody else is. */
+	/* The first process to open a card becomes its master by that. A later one that is not root
+	 * gets EACCES here, although the reason is that another program is master. */
 	if (!drmIsMaster(screen->path.card) && drmSetMaster(screen->path.card))
 		return kms_screen_held(screen, fault);
 	screen->master = true;
@@ -98,11 +98,11 @@ static void destroy_buffer(struct kms_screen *screen, struct kms_buffer *buffer)
 void kms_screen_set_fit(struct kms_state *state, const struct kms_fit *fit)
 {
 	const uint64_t source[4] = {0, 0, (uint64_t)fit->width << 16, (uint64_t)fit->height << 16};
-	/* Signed numbers of 32 bits, none of them negative. */
+	/* The properties are signed 32-bit numbers; none of these is negative. */
 	const uint64_t target[4] = {(uint64_t)fit->box.x, (uint64_t)fit->box.y,
 				    (uint64_t)fit->box.width, (uint64_t)fit->box.height};
 
-	memcpy(state->plane_source, source, sizeof(source)); /* 16.16 */
+	memcpy(state->plane_source, source, sizeof(source));
 	memcpy(state->plane_target, target, sizeof(target));
 }
 
@@ -158,7 +158,7 @@ static enum display_situation find_situation(int err)
 {
 	return err == -ENOENT	? DISPLAY_NO_DEVICE
 	       : err == -EINVAL ? DISPLAY_NO_MODE
-				: DISPLAY_FINE; /* the error tells */
+				: DISPLAY_FINE; /* the caller derives it from the error */
 }
 
 static int create_buffers(struct kms_screen *screen, int count, struct fault *fault)
@@ -211,8 +211,9 @@ int kms_screen_open(struct kms_screen *screen, const struct display_settings *se
 	return kms_watch_open(&screen->watch, screen->path.card, screen->console.told, fault);
 }
 
-/* As it was; where what was shown no longer exists, as a cursor's picture once it is off, without
- * what lay over it, or dark. A commit that may block waits for the last flip. */
+/* Restores the state that was found. The kernel refuses it if a framebuffer no longer exists, like
+ * a cursor's after it was switched off: then without the covers, and at last with the screen off. A
+ * blocking commit waits for the last flip. */
 static int screen_restore(struct kms_screen *screen)
 {
 	const struct kms_state dark = {0};
@@ -227,7 +228,7 @@ static int screen_restore(struct kms_screen *screen)
 	if (err)
 		err = kms_state_commit(&screen->path, &screen->properties, &dark,
 				       DRM_MODE_ATOMIC_ALLOW_MODESET);
-	return err == -ENODEV ? 0 : err; /* nobody to give it back to */
+	return err == -ENODEV ? 0 : err; /* the card is gone: nothing to restore */
 }
 
 int kms_screen_release(struct kms_screen *screen)
@@ -236,7 +237,7 @@ int kms_screen_release(struct kms_screen *screen)
 
 	if (screen->set)
 		err = screen_restore(screen);
-	/* Makes the kernel show its text, whatever was there before. */
+	/* This makes the kernel show its text, whatever was on the screen before. */
 	kms_console_close(&screen->console);
 	kms_watch_close(&screen->watch);
 	for (int i = 0; i < BUFFERS_MAX; i++)

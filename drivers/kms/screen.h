@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The KMS display while it is open. Private to drivers/display_kms.c. */
+/* The KMS display while it is open: its state, opening, mode setting, release. */
 #ifndef INLAY_DRIVERS_KMS_SCREEN_H
 #define INLAY_DRIVERS_KMS_SCREEN_H
 
@@ -13,15 +13,15 @@
 #define BUFFERS_MAX 3
 #define VERDICTS 8
 
-/* What is shown of a buffer, and where on the screen. */
+/* The part of a buffer that is shown, from its upper left corner, and its box on the screen. */
 struct kms_fit {
 	int width, height;
 	struct kms_box box;
 };
 
-/* Whether the hardware scales pictures of a size, once asked. */
+/* The hardware's answer whether it scales pictures of this size, kept so that it is asked once. */
 struct kms_verdict {
-	int width, height; /* 0: none */
+	int width, height; /* 0: empty entry */
 	double squash;
 	bool accepted;
 };
@@ -35,56 +35,61 @@ struct kms_buffer {
 };
 
 struct kms_screen {
-	struct kms_path path; /* path.card is ours; -1: closed */
-	bool master;
-	bool timestamps; /* of events are CLOCK_MONOTONIC */
+	struct kms_path path; /* owns path.card; -1: closed */
+	bool master;	      /* this process is DRM master of the card */
+	bool timestamps;      /* times of events are of CLOCK_MONOTONIC */
 	struct kms_watch watch;
 	struct kms_console console;
-	struct kms_connector connector; /* as seen last */
-	int64_t looked_ns;
+	struct kms_connector connector; /* as read last */
+	int64_t looked_ns;		/* when it was read */
 
 	struct kms_properties properties;
-	struct kms_state before, ours;
-	bool kept; /* before is known */
-	bool set;  /* ours is on the screen */
+	struct kms_state before, ours; /* found at opening; set by this driver */
+	bool kept;		       /* before is filled in */
+	bool set;		       /* ours is on the screen */
 
 	struct kms_buffer buffers[BUFFERS_MAX];
 	int buffer_count;
-	int on_screen;	     /* index */
-	int flipping;	     /* queued in the kernel, or NONE */
-	int waiting;	     /* submitted, but not yet the kernel's, or NONE */
-	int64_t flip_due_ns; /* when the one that is flipping or refused must be shown; 0: none */
-	struct kms_fit fit;  /* of the next pictures */
+	int on_screen;	     /* index of the buffer that is shown, or NONE */
+	int flipping;	     /* index of the buffer queued in the kernel, or NONE */
+	int waiting;	     /* index of the submitted buffer that is not queued yet, or NONE */
+	int64_t flip_due_ns; /* deadline of the flip that is queued or was refused; 0: none */
+	struct kms_fit fit;  /* for the buffers acquired next */
 	struct kms_verdict verdicts[VERDICTS];
 	int verdict_next;
-	bool stalled; /* a flip never came: nothing waits for one any more */
-	bool exposed; /* to be told */
-	struct display_event shown;
+	bool stalled;		    /* a flip missed its deadline: close() must not wait for it */
+	bool exposed;		    /* DISPLAY_EXPOSED is to be reported */
+	struct display_event shown; /* to be reported, unless DISPLAY_NOTHING */
 };
 
-/* *screen is zeroed. On failure, what it has got stays in it for kms_screen_release(). Found, its
- * buffers made, not yet shown. *situation: set where the error alone does not tell. */
+/* Finds the screen and creates its buffers; sets no mode yet. *screen is zeroed before. After a
+ * failure too, kms_screen_release() cleans up. Sets *situation where the error alone does not tell
+ * it. */
 int kms_screen_open(struct kms_screen *screen, const struct display_settings *settings,
 		    const struct kms_options *options, enum display_situation *situation,
 		    struct fault *fault);
 
-/* -EBUSY: somebody else is. */
+/* Becomes DRM master of the card. -EBUSY: another program is. */
 int kms_screen_become_master(struct kms_screen *screen, struct fault *fault);
 
+/* The fit that shows a whole buffer on the whole screen. */
 struct kms_fit kms_screen_whole(const struct kms_screen *screen);
 void kms_screen_set_fit(struct kms_state *state, const struct kms_fit *fit);
 
-/* The mode, with this buffer. Tried before it is done, so that a refusal changes nothing. */
+/* Sets the mode and shows the buffer of this index. A test commit comes first, so that a refusal
+ * changes nothing. */
 int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *fault);
 
-/* err, in words. */
+/* Says in the fault that the driver cannot do `what`. Returns err. */
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
 		       struct fault *fault);
 
-/* -EBUSY, with who has it as far as that can be seen. */
+/* Names in the fault the programs that hold the card, as far as /proc shows them. Returns -EBUSY.
+ */
 int kms_screen_held(const struct kms_screen *screen, struct fault *fault);
 
-/* Puts back what was found, and frees *screen itself. May wait for the last flip. */
+/* Restores the state that was found and frees *screen itself. May wait for the last flip. 0, or
+ * -errno: the state could not be restored. */
 int kms_screen_release(struct kms_screen *screen);
 
 #endif

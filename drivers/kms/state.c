@@ -6,14 +6,14 @@
 #include <string.h>
 #include <xf86drm.h>
 
-/* Of a property: the card need not have it; its value is the id of a blob. */
+/* Traits of a property: the card need not have it; its value is the id of a blob. */
 enum { OPTIONAL = 1, BLOB = 2 };
 
-/* Where a property belongs, its name, and where its id and value go. */
+/* A property: its object, its name, and where its id and value are kept. */
 struct property_row {
 	uint32_t kind; /* DRM_MODE_OBJECT_... */
 	const char *name;
-	size_t id, value;
+	size_t id, value; /* offsets in struct kms_properties and struct kms_state */
 	unsigned traits;
 };
 
@@ -135,7 +135,7 @@ int kms_state_read(const struct kms_path *path, struct kms_properties *propertie
 
 	for (size_t i = 0; i < ROWS && !err; i++)
 		err = property_read(path, &rows[i], properties, state, fault);
-	/* To have failed is not a state that can be asked for. */
+	/* Only GOOD can be set; BAD is the kernel's report of a failed link. */
 	state->connector_link = DRM_MODE_LINK_STATUS_GOOD;
 	find_covers(path, state);
 	return err;
@@ -164,14 +164,14 @@ int kms_state_commit(const struct kms_path *path, const struct kms_properties *p
 	drmModeAtomicReq *request = drmModeAtomicAlloc();
 	int err = request ? 0 : -ENOMEM;
 
-	/* The first failure sticks: nothing after it is added, and nothing is committed. */
+	/* After the first failure nothing is added or committed. */
 	for (size_t i = 0; i < ROWS && !err; i++) {
 		const uint32_t id = *(const uint32_t *)((const char *)properties + rows[i].id);
 		const uint64_t value = *(const uint64_t *)((const char *)state + rows[i].value);
 		if (id)
 			err = request_add(request, object_of(path, rows[i].kind), id, value);
 	}
-	/* These two properties are the same ones for every plane. */
+	/* All planes share the ids of these two properties. */
 	for (int i = 0; i < state->cover_count && !err; i++) {
 		const struct kms_cover *cover = &state->covers[i];
 
@@ -186,7 +186,7 @@ int kms_state_commit(const struct kms_path *path, const struct kms_properties *p
 	return err;
 }
 
-/* By hand rather than with drmModeAtomicCommit(), which allocates. */
+/* Fills in the ioctl itself: drmModeAtomicCommit() allocates. */
 int kms_state_flip(const struct kms_path *path, const struct kms_properties *properties,
 		   const struct kms_state *state, void *user)
 {

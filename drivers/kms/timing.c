@@ -13,10 +13,11 @@
 #define SYNC_POSITIVE (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)
 #define SYNC_NEGATIVE (DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC)
 
-/* What every screen of these sizes takes: VESA DMT and, for the sizes of television, CTA-861. */
+/* Standard timings, which every screen of these sizes accepts: VESA DMT and, for the sizes of
+ * television, CTA-861. */
 static const struct {
 	uint32_t clock;		     /* kHz */
-	uint16_t across[4], down[4]; /* shown, sync start, sync end, total */
+	uint16_t across[4], down[4]; /* active, sync start, sync end, total; px and lines */
 	uint32_t flags;
 } standards[] = {
 	{25175, {640, 656, 752, 800}, {480, 490, 492, 525}, SYNC_NEGATIVE},
@@ -64,7 +65,7 @@ static void timing_fill(drmModeModeInfo *mode, uint32_t clock, const uint16_t ac
 	snprintf(mode->name, sizeof(mode->name), "%ux%u", across[0], down[0]);
 }
 
-/* Lines of vertical sync tell the shape of the picture. */
+/* CVT encodes the aspect ratio in the number of vertical sync lines. */
 static int cvt_sync_lines(int width, int height)
 {
 	static const struct {

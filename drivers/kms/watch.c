@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What happens to a screen while it is used: the card's events, the kernel's hotplug messages and a
- * slow tick for messages that do not arrive, behind one descriptor.
- */
+/* The tick makes up for hotplug messages that do not arrive. */
 #include "drivers/kms/watch.h"
 
 #include <errno.h>
@@ -18,8 +15,8 @@
 
 #define TICK_NS (250 * NS_PER_MS)
 #define SOON_NS (4 * NS_PER_MS)
-#define KERNEL_GROUP 1	    /* of NETLINK_KOBJECT_UEVENT: what the kernel itself says */
-#define MESSAGES_AT_ONCE 64 /* the rest wakes the loop again */
+#define KERNEL_GROUP 1	    /* multicast group of NETLINK_KOBJECT_UEVENT for the kernel's own */
+#define MESSAGES_AT_ONCE 64 /* limit for one call; the rest wakes the loop again */
 
 static int watch_set_timer(int timer, int64_t first_ns)
 {
@@ -31,7 +28,7 @@ static int watch_set_timer(int timer, int64_t first_ns)
 	return timerfd_settime(timer, 0, &when, NULL) ? -errno : 0;
 }
 
-/* A sandbox may forbid it: the tick finds out as well, later. */
+/* Returns -1 where a sandbox forbids the socket; the tick then notices changes, a little later. */
 static int open_netlink(void)
 {
 	const struct sockaddr_nl kernel = {.nl_family = AF_NETLINK, .nl_groups = KERNEL_GROUP};
@@ -96,7 +93,7 @@ bool kms_watch_concerns(const char *message, size_t length)
 	return false;
 }
 
-/* Whether any message was about screens. Lost ones might have been. */
+/* Whether any message was about screens. Messages that were lost (ENOBUFS) count as such. */
 static bool take_messages(int netlink)
 {
 	bool concerns = false;
@@ -112,7 +109,7 @@ static bool take_messages(int netlink)
 			concerns = true;
 		else if (got < 0)
 			break;
-		else if (from.nl_pid == 0) /* the kernel; anybody may write to a socket */
+		else if (from.nl_pid == 0) /* sent by the kernel; any process may send too */
 			concerns |= kms_watch_concerns(message, (size_t)got);
 	}
 	return concerns;

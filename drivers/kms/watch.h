@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What happens to a screen while it is open: events of the card, hotplug messages of the kernel and a
- * slow timer, behind one epoll descriptor.
+ * What happens to a screen while it is open: events of the card, hotplug messages of the kernel and
+ * a slow timer, behind one epoll descriptor.
  */
 #ifndef INLAY_DRIVERS_KMS_WATCH_H
 #define INLAY_DRIVERS_KMS_WATCH_H
