@@ -28,7 +28,7 @@ static const struct ini_table *class_table(enum config_class kind)
 	return table;
 }
 
-/* ---- making ---- */
+/* ---- creating ---- */
 
 static int driver_table_count(const struct config *config)
 {
@@ -41,7 +41,7 @@ static int driver_table_count(const struct config *config)
 	return count;
 }
 
-/* The fixed tables and one more for each driver that has keys. */
+/* Copies the fixed tables and appends one for each driver that has keys. */
 static int tables_create(struct config *config)
 {
 	size_t count = config_table_count;
@@ -71,7 +71,7 @@ static int tables_create(struct config *config)
 	return 0;
 }
 
-/* Named sections have no struct until the file names them. */
+/* Skips named sections: they have no struct until the file names them. */
 static void defaults_fill(struct config *config)
 {
 	for (const struct ini_table *t = config_tables; t->section; t++) {
@@ -183,7 +183,7 @@ static void print_section(const struct config *config, const char *section, cons
 			const char *place = t->place((void *)config, instance);
 
 			ini_value_text(key, place + t->part, value, sizeof(value));
-			/* After a blank a semicolon would begin a comment. */
+			/* A semicolon after a blank would begin a comment. */
 			fprintf(stream, "%s%s =%s%s\n", t->prefix ? t->prefix : "", key->name,
 				*value && *value != ';' ? " " : "", value);
 		}

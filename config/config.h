@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Everything that can be configured: one struct a section, filled from a file and from --set.
+ * The configuration: one struct for each section, filled from a file and from --set.
  *
- * The keys, their ranges, defaults and help are in config_keys.c; the keys of drivers come from
- * whoever calls, as a list of names and tables. README.md lists the sections.
+ * config_keys.c holds the keys with their ranges, defaults and help. The caller passes the keys of
+ * drivers as lists of names and tables. README.md lists the sections.
  */
 #ifndef INLAY_CONFIG_CONFIG_H
 #define INLAY_CONFIG_CONFIG_H
@@ -21,8 +21,8 @@
 #include "hal/optics/fisheye.h"
 
 #define CONFIG_CAMERAS_MAX 4
-#define CONFIG_DRIVERS_MAX 16 /* of one class */
-#define CONFIG_NAME_MAX 64    /* of a camera */
+#define CONFIG_DRIVERS_MAX 16 /* drivers of one class */
+#define CONFIG_NAME_MAX 64    /* bytes of a camera's name, with its NUL */
 
 enum config_show {
 	SHOW_COMPOSITE,
@@ -30,7 +30,7 @@ enum config_show {
 	SHOW_FISHEYE,
 	SHOW_SCENE,
 	SHOW_QUAD,
-	SHOW_SPLIT, /* before | composite, with a line that moves */
+	SHOW_SPLIT, /* before | composite, with a movable line between */
 	SHOW_OFF,   /* black */
 	SHOW_COUNT
 };
@@ -41,28 +41,28 @@ extern const char *const config_show_names[];	  /* "composite", "before", ... NU
 extern const char *const config_timeline_names[]; /* "none", "loop", "swing", NULL */
 extern const char *const config_scale_names[];	  /* "none", "fit", NULL */
 
-/* What a driver brings: its name and, unless keys is NULL, the keys of its own options. */
+/* A driver as the configuration knows it: its name and, unless keys is NULL, its own keys. */
 struct config_driver {
 	const char *name;
 	const struct ini_key *keys;
-	size_t options_size;
+	size_t options_size; /* bytes of the struct that the keys fill */
 };
 
 enum config_class { CONFIG_CAMERA, CONFIG_DISPLAY, CONFIG_BUTTONS, CONFIG_CLASS_COUNT };
 
-/* One list a class, each ending with a NULL name, in the order of the program's own arrays. All of
- * it is borrowed. */
+/* A list of drivers for each class. A NULL name ends it. The caller owns the lists, which must
+ * outlive the configuration. */
 struct config_drivers {
 	const struct config_driver *list[CONFIG_CLASS_COUNT];
 };
 
-/* Room for the lists of a program's arrays: one driver too many still fits, to be refused. */
+/* Memory for the lists. It holds one driver too many, so that config_create() can refuse it. */
 struct config_driver_room {
 	struct config_driver list[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX + 2];
 };
 
-/* What the configuration wants to know of drivers in arrays that end with NULL, in their order. The
- * lists are in the room, which has to live as long as they. */
+/* Makes the lists from arrays of drivers that end with NULL, in the same order. The lists lie in
+ * *room, which must outlive them. */
 struct config_drivers config_drivers_of(struct config_driver_room *room,
 					const struct camera_ops *const *cameras,
 					const struct display_ops *const *displays,
@@ -73,8 +73,8 @@ struct config_basis {
 	int pose;
 };
 
-/* [camera NAME], [screen] and [buttons] are each followed in memory by the options of every driver
- * of their class: config_options() finds them. */
+/* In memory, the options of every driver of the class follow a [camera NAME], [screen] or
+ * [buttons]: config_options() finds them. */
 struct config_camera {
 	char name[CONFIG_NAME_MAX];
 	char driver[INI_TEXT_MAX];
@@ -87,10 +87,10 @@ struct config_screen {
 	struct display_settings settings;
 	int show;	      /* enum config_show */
 	int scale;	      /* enum config_scale */
-	double split;	      /* where the line stands, share of the width, 0..1 */
+	double split;	      /* position of the line, as a share of the width, 0..1 */
 	bool information;     /* the line of figures is shown */
-	bool trouble;	      /* what is wrong is named on the screen */
-	double blank_after_s; /* without a new picture it goes black then; 0: never */
+	bool trouble;	      /* faults are named on the screen */
+	double blank_after_s; /* the screen goes black without pictures for so long; 0: never */
 };
 
 struct config_buttons {
@@ -100,13 +100,13 @@ struct config_buttons {
 /* Commands from other programs on this machine. */
 struct config_control {
 	char socket[INI_PATH_MAX]; /* empty: none */
-	char group[INI_TEXT_MAX];  /* who may, besides the owner and root; empty: nobody */
+	char group[INI_TEXT_MAX];  /* may command, besides the owner and root; empty: nobody */
 };
 
-/* What was chosen, kept over a power cut. */
+/* Where threshold, view and pose are kept over a power cut. */
 struct config_state {
 	char file[INI_PATH_MAX]; /* empty: nothing is kept */
-	double interval_s;	 /* it is written at most so often */
+	double interval_s;	 /* least time between two writes */
 };
 
 /* A rectangle of a camera's picture: config_view() makes a struct view of it. */
@@ -125,10 +125,10 @@ struct config_fisheye {
 	int black_level;
 	double gain;
 	char light[INI_PATH_MAX];	 /* empty: none */
-	struct response measured;	 /* what that file says: config_read_files() */
-	double exposures[EXPOSURES_MAX]; /* the control's values, the longest first; then 0 */
+	struct response measured;	 /* contents of that file: config_read_files() */
+	double exposures[EXPOSURES_MAX]; /* values of the control, longest first; 0 at the end */
 	char exposure_control[INI_TEXT_MAX];
-	int exposure_delay; /* frames; -1: as measured, if it was */
+	int exposure_delay; /* frames; -1: as measured, if it was measured */
 };
 
 struct config_background {
@@ -136,11 +136,11 @@ struct config_background {
 	int transfer; /* enum transfer */
 	char light[INI_PATH_MAX];
 	struct response measured;
-	double patch[4];       /* x, y, width, height in the view; width 0: none */
-	double reflectance[3]; /* of the patch; 0 0 0: as the basis has it */
+	double patch[4];       /* x, y, width, height in px of the view; width 0: none */
+	double reflectance[3]; /* of the patch, linear RGB; 0 0 0: that of the basis */
 };
 
-/* Poses of the basis, by the clock. */
+/* How the poses of the basis follow each other. */
 struct config_poses {
 	int timeline; /* enum config_timeline */
 	double rate;  /* poses a second */
@@ -152,16 +152,17 @@ struct config_scene {
 };
 
 struct config_lights {
-	/* 8-bit grey level of the fisheye's picture, 0..255; percent: of white, what may change */
+	/* 8-bit grey level of the fisheye's picture, 0..255; or the change that is allowed in any
+	 * pixel of the result, in percent of white */
 	struct ini_level threshold;
 	double threshold_step; /* in the threshold's unit */
 	int threshold_mode;    /* enum threshold_mode */
-	double follow_s;
+	double follow_s;       /* time within which the light follows a change */
 };
 
 struct config_composite {
 	double gain;
-	int threads; /* 0: one for each processor */
+	int threads; /* 0: one per processor */
 	int mode;    /* enum compositor_mode */
 	int reuse;   /* enum compositor_reuse */
 	char kernel[INI_TEXT_MAX];
@@ -181,7 +182,7 @@ struct config {
 	struct config_buttons *buttons;
 	struct config_control control;
 	struct config_state state;
-	char name[INI_PATH_MAX]; /* of the file, for faults */
+	char name[INI_PATH_MAX]; /* name of the file, for faults */
 	/* private */
 	struct config_drivers drivers;
 	struct ini_table *tables;
@@ -190,68 +191,71 @@ struct config {
 	char prefix[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX][CONFIG_NAME_MAX];
 };
 
-/* Every key at its default. 0 or -ENOMEM, -E2BIG (more drivers than there is room for). */
+/* Creates a configuration with every key at its default; config_destroy() frees it. 0, -ENOMEM, or
+ * -E2BIG: more than CONFIG_DRIVERS_MAX drivers of a class. */
 int config_create(struct config **config, const struct config_drivers *drivers);
 void config_destroy(struct config *config); /* NULL is harmless */
 
-/* As ini_read() and ini_set(). */
+/* Read and set keys like ini_read(), ini_read_memory() and ini_set(). */
 int config_read(struct config *config, const char *path, struct ini_report *report);
 int config_read_memory(struct config *config, const char *text, size_t bytes, const char *name,
 		       struct ini_report *report);
 int config_set(struct config *config, const char *assignment, struct ini_report *report);
 
-/* Reads the files that [fisheye] and [background] name, after everything else: light, and the lens,
- * over its keys. Everything wrong goes to the report, with the file's name and line; 0 or the first
- * negative errno. */
+/* Reads the files that [fisheye] and [background] name: the light files, and the lens file, whose
+ * keys replace those of the configuration. Call it after all keys are read and set. Faults go to
+ * the report, with the file's name and line. 0 or the first negative errno. */
 int config_read_files(struct config *config, struct ini_report *report);
 
-/* What the views' code values stand for: as measured, or else as configured. */
+/* Return the transfer function of a view's code values: as measured, else as configured. */
 struct transfer_curve config_fisheye_curve(const struct config_fisheye *fisheye);
 struct transfer_curve config_background_curve(const struct config_background *background);
 
-/* How many exposures the fisheye takes in turn; 0: it keeps one. After how many frames they are
- * seen, as configured or else as measured; -1: not known. */
+/* Returns how many exposures the fisheye takes in turn; 0: it keeps one. */
 int config_exposures(const struct config_fisheye *fisheye);
+
+/* Returns after how many frames a new exposure is seen, as configured, else as measured; -1: not
+ * known. */
 int config_exposure_delay(const struct config_fisheye *fisheye);
 
-/* What no key can tell alone: cameras that views name but nobody defines, unknown drivers, files
- * that drivers are to read and that are missing, no basis. Opens nothing. 0 or -EINVAL; every fault
- * goes to the report. */
+/* Checks what no key can tell alone: cameras that views name but no section defines, unknown
+ * drivers, files for drivers that cannot be read, no basis. Opens nothing. 0 or -EINVAL; every
+ * fault goes to the report. */
 int config_check(const struct config *config, struct ini_report *report);
 
-/* A key whose value differs. */
+/* A difference between two configurations. */
 struct config_change {
 	const char *section;
-	const char *instance;	/* of [camera NAME]; NULL elsewhere */
-	char key[INI_TEXT_MAX]; /* prefix included; empty: the whole section is in one of them only
-				 */
+	const char *instance;	/* NAME of [camera NAME]; NULL elsewhere */
+	char key[INI_TEXT_MAX]; /* with its prefix; empty: only one of them has this section */
 };
 
-/* Calls adopt() for each key whose value is another in fresh, which has the same drivers, and for
- * "light" where the file of that name says something else; where it says true, config takes that
- * value. Cameras that only one of them has stay as they are. */
+/* Calls adopt() for each key whose value differs in fresh, which has the same drivers, and for
+ * "light" if the contents of that file differ. Where adopt() returns true, config takes over the
+ * value. Cameras that only one of the two has are reported and stay as they are. */
 void config_update(struct config *config, const struct config *fresh,
 		   bool (*adopt)(void *context, const struct config_change *change), void *context);
 
-/* The whole configuration as a file that reads back the same. */
+/* Writes the whole configuration as a file that reads back the same. */
 void config_print(const struct config *config, FILE *stream);
 
-/* Every key at its default, with help and range. */
+/* Writes the sample file: every key at its default, with help and range. */
 void config_write_sample(const struct config *config, FILE *stream);
 
-/* The place of a driver in its list, or -1. */
+/* Returns the index of a driver in its list, or -1. */
 int config_driver_index(const struct config *config, enum config_class kind, const char *name);
 
-/* The places of the drivers that [buttons] names, each once, in the file's order. Returns how many.
- */
+/* Fills in the indices of the drivers that [buttons] names, each once, in the file's order. Returns
+ * how many. */
 int config_buttons_used(const struct config *config, int drivers[CONFIG_DRIVERS_MAX]);
 
-/* The options of one driver behind a camera, the screen or the buttons: block. */
+/* Returns the options of one driver. block is a camera, the screen or the buttons. */
 void *config_options(const struct config *config, enum config_class kind, void *block, int driver);
 
-/* The camera called name, or NULL. */
+/* Returns the camera of this name, or NULL. */
 struct config_camera *config_camera_named(const struct config *config, const char *name);
 
+/* Returns the view with rotate180 applied to its flips. */
 struct view config_view(const struct config_view *view);
 
 #endif

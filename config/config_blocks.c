@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/* A section's struct, with the options of the drivers of its class behind it in memory. */
 #include "config/config_blocks.h"
 
 #include <errno.h>

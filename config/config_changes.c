@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What differs between two configurations, key by key. */
+/* Compares two configurations key by key. */
 #include <string.h>
 
 #include "config/config.h"
@@ -25,7 +25,7 @@ static size_t value_bytes(const struct ini_key *key)
 	}
 }
 
-/* What follows the end of a text is no part of it. */
+/* Texts are compared up to their NUL: the bytes behind it mean nothing. */
 static bool is_same(const struct ini_key *key, const char *a, const char *b)
 {
 	if (key->type == INI_TEXT || key->type == INI_PATH)
@@ -39,7 +39,7 @@ static void compare_table(struct config *config, const struct config *fresh,
 			  void *context)
 {
 	char *old_values = (char *)table->place(config, instance) + table->part;
-	/* place() takes what it may fill, and fills nothing that is there. */
+	/* place() takes a writable root, but changes nothing where the section exists. */
 	const char *new_values = (char *)table->place((void *)fresh, instance) + table->part;
 
 	for (const struct ini_key *key = table->keys; key->name; key++) {
@@ -55,7 +55,7 @@ static void compare_table(struct config *config, const struct config *fresh,
 	}
 }
 
-/* Cameras that only one of the two has. */
+/* Reports the cameras of one configuration that the other lacks. */
 static void compare_cameras(const struct config *one, const struct config *other,
 			    bool (*adopt)(void *context, const struct config_change *change),
 			    void *context)
@@ -69,7 +69,7 @@ static void compare_cameras(const struct config *one, const struct config *other
 	}
 }
 
-/* The file may say something else under its old name. */
+/* The contents of a light file may have changed under the same name. */
 static void compare_light(const char *section, struct response *old, const struct response *fresh,
 			  bool (*adopt)(void *context, const struct config_change *change),
 			  void *context)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only several keys together can tell, and what a key names that is not there. */
+/* Checks keys against each other, and against the files and drivers that they name. */
 #include <errno.h>
 #include <string.h>
 #include <unistd.h>
@@ -30,7 +30,7 @@ static void check_driver(const struct config *config, enum config_class kind, co
 			near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
 }
 
-/* A name that stands for many files ("%04d.png", "*.png") is left to its driver. */
+/* Leaves names that stand for many files ("%04d.png", "*.png") to the driver. */
 static void check_files(const struct config *config, enum config_class kind, const char *title,
 			const char *driver, void *block, struct ini_report *report)
 {

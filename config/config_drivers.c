@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Drivers as the configuration wants to know them: names and tables of keys. */
+/* Lists of drivers: their names and tables of keys. */
 #include "config/config_drivers.h"
 
 #include <stdio.h>
@@ -12,7 +12,7 @@ struct config_drivers config_drivers_of(struct config_driver_room *room,
 {
 	struct config_drivers drivers;
 
-	/* Zeroed: each list ends where nothing was written. */
+	/* All names are NULL, so each list ends behind its last driver. */
 	*room = (struct config_driver_room){.list = {{{.name = NULL}}}};
 	for (int kind = 0; kind < CONFIG_CLASS_COUNT; kind++)
 		drivers.list[kind] = room->list[kind];

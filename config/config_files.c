@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The files that calibrations wrote and the configuration names. */
+/* Reads the files of calibrations that the configuration names. */
 #include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -8,7 +8,7 @@
 #include "config/config.h"
 #include "config/config_complain.h"
 
-/* Whoever reads the message knows the key better than the file. */
+/* The fault names the key, which the reader knows better than the file. */
 static int check_readable(const struct config *config, const char *key, const char *path,
 			  struct ini_report *report)
 {

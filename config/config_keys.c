@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Every key that is not a driver's: name, type, range, default, help. */
+/* Tables of every key except those of drivers: name, type, range, default, help. */
 #include "config/config_keys.h"
 
 #include <stdio.h>
@@ -24,7 +24,7 @@ _Static_assert(sizeof(config_timeline_names) / sizeof(*config_timeline_names) ==
 _Static_assert(sizeof(config_scale_names) / sizeof(*config_scale_names) == SCALE_COUNT + 1,
 	       "a name for each scale");
 
-/* The index is the value of the enum plus 1. */
+/* Indexed by the value of the enum plus 1; 0 leaves it to the driver. */
 static const char *const matrix_names[] = {"driver", "bt601", "bt709", NULL};
 static const char *const range_names[] = {"driver", "limited", "full", NULL};
 
@@ -155,7 +155,7 @@ static const struct ini_key camera_keys[] = {
 		 "rate."},
 	INI_KEYS_END};
 
-/* The three views differ in which camera they read unless told otherwise. */
+/* The three views differ only in the default of their camera. */
 #define VIEW_CAMERA_KEY(camera_default, text)                                                      \
 	{                                                                                          \
 		.name = "camera", .type = INI_TEXT,                                                \
@@ -549,7 +549,7 @@ static void *place_buttons(void *root, const char *instance)
 	return ((struct config *)root)->buttons;
 }
 
-/* Makes the camera if the name is new. */
+/* Creates the camera if the name is new. */
 static void *place_camera(void *root, const char *instance)
 {
 	struct config *config = root;

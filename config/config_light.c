@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the keys of the light must be together. */
+/* Checks the keys that concern the light against each other. */
 #include "config/config_light.h"
 
 #include <math.h>
