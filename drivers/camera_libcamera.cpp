@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cameras behind libcamera: sensors on a board's camera connector, whose picture the board's own
- * image processor makes.
+ * Cameras behind libcamera: sensors on a board's camera connector, with the board's own image
+ * processor.
  *
- * The ops and the driver's table, where C++ ends: inside libcamera/ a failure is an exception;
- * every op catches all of them.
+ * This file holds the ops and the driver's table, and is where C++ ends: libcamera/ reports
+ * failures by exceptions, and every op catches all of them.
  */
 #include <cerrno>
 #include <exception>
@@ -32,8 +32,8 @@ Session *session_of(const camera *camera)
 	return static_cast<Session *>(camera->state);
 }
 
-/* No exception leaves this file. A failure says whose it is, once that is known; camera may be
- * NULL. */
+/* Runs body and turns exceptions into a fault and -errno. The fault names the camera once its id is
+ * known. camera may be NULL. */
 template <typename Body> int guarded(camera *camera, fault *fault, Body body) noexcept
 {
 	try {
@@ -64,7 +64,7 @@ int libcamera_list(void (*found)(void *, const camera_listing *), void *context)
 	return count == -ENODEV ? 0 : count;
 }
 
-/* What a failure leaves, close() cleans up. */
+/* close() cleans up after a failure. */
 int libcamera_open(camera *camera, fault *fault)
 {
 	return guarded(camera, fault, [&] {
@@ -103,7 +103,7 @@ void libcamera_close(camera *camera)
 	});
 }
 
-/* What the camera makes of it shows in its frames, not here. */
+/* Never fills in the value taken: the camera reports it only with later frames. */
 int libcamera_control_change(camera *camera, const char *name, const char *value, double *,
 			     fault *fault)
 {
@@ -113,7 +113,7 @@ int libcamera_control_change(camera *camera, const char *name, const char *value
 
 } // namespace
 
-/* In the order of the struct; it has no keys of its own. */
+/* In the order of struct camera_ops. The driver has no keys of its own. */
 extern "C" const camera_ops camera_libcamera = {
 	"libcamera",
 	"libcamera: sensors on a board's camera connector, and webcams",

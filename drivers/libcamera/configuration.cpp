@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* libcamera adjusts what it is asked for: each format is tried until one stays as it is. */
+/*
+ * libcamera adjusts what it is asked for, so formats are tried until one comes back unchanged. It
+ * names formats as DRM does, from the most significant byte of a word; inlay names them in the
+ * order of bytes in memory.
+ */
 #include "drivers/libcamera/configuration.hpp"
 
 #include <algorithm>
@@ -19,7 +23,7 @@ namespace libcamera_driver
 namespace
 {
 
-/* Of two for one format the first is taken. */
+/* Where two map to one format, the first is preferred. */
 const Layout layouts[] = {
 	{lc::formats::XRGB8888, PIXEL_BGRX}, {lc::formats::ARGB8888, PIXEL_BGRX},
 	{lc::formats::RGB888, PIXEL_BGR24},  {lc::formats::BGR888, PIXEL_RGB24},
@@ -46,7 +50,7 @@ std::string offered_text(const lc::StreamFormats &formats)
 	return text.empty() ? "none" : text;
 }
 
-/* False: the camera cannot have this format. */
+/* Asks for a format. False: the camera does not accept it. */
 bool takes(lc::CameraConfiguration &configuration, const lc::PixelFormat &format, lc::Size size,
 	   int buffers)
 {
@@ -67,7 +71,7 @@ colour_matrix matrix_of(const lc::StreamConfiguration &stream, int wanted)
 	if (!stream.colorSpace ||
 	    stream.colorSpace->ycbcrEncoding == lc::ColorSpace::YcbcrEncoding::None)
 		return stream.size.height >= 720 ? MATRIX_BT709 : MATRIX_BT601;
-	/* BT.2020, which we do not have, is nearest to BT.709. */
+	/* BT.2020, which inlay does not decode, is nearest to BT.709. */
 	return stream.colorSpace->ycbcrEncoding == lc::ColorSpace::YcbcrEncoding::Rec601
 		       ? MATRIX_BT601
 		       : MATRIX_BT709;
@@ -84,7 +88,7 @@ colour_range range_of(const lc::StreamConfiguration &stream, int wanted)
 		return stream.colorSpace && stream.colorSpace->range == lc::ColorSpace::Range::Full
 			       ? RANGE_FULL
 			       : RANGE_LIMITED;
-	default: /* R'G'B' and grey fill it; libcamera knows no other R'G'B' */
+	default: /* R'G'B' and grey; libcamera has R'G'B' of full range only */
 		return RANGE_FULL;
 	}
 }

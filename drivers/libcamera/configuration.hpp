@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How a camera is set up: format and size, and what its pictures will be. */
+/* Chooses a camera's format and size, and describes the pictures that result. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_CONFIGURATION_HPP
 #define INLAY_DRIVERS_LIBCAMERA_CONFIGURATION_HPP
 
@@ -17,30 +17,29 @@ namespace libcamera_driver
 {
 
 struct Layout {
-	lc::PixelFormat theirs;
-	pixel_format ours;
+	lc::PixelFormat theirs; /* libcamera's */
+	pixel_format ours;	/* inlay's */
 };
 
-/* PIXEL_NONE: inlay does not decode it. */
+/* Translates a format of libcamera's. PIXEL_NONE: inlay does not decode it. */
 pixel_format format_of(const lc::PixelFormat &theirs);
 
-/* Of more than one size. */
+/* Whether the range holds more than one size. */
 bool is_range(const lc::SizeRange &range);
 
-/* The formats to try, best first; wanted: that one alone, or PIXEL_NONE. A camera that does not
- * tell its formats is asked for each of ours. */
+/* Returns the formats to try, best first; only `wanted`, unless that is PIXEL_NONE. For a camera
+ * that does not enumerate formats these are all that inlay decodes. */
 std::vector<Layout> candidates(const lc::StreamFormats &formats, int wanted, lc::Size size);
 
-/* What libcamera proposes for pictures that are shown as they come: one stream. NULL: it has none.
- */
+/* Returns libcamera's proposal for a viewfinder, one stream. NULL: the camera offers none. */
 std::unique_ptr<lc::CameraConfiguration> proposal(lc::Camera &device);
 
-/* The configuration that will be used; libcamera may answer with another size, never with another
- * format than one of the candidates. */
+/* Configures the camera with the first candidate that it accepts, and returns the configuration.
+ * libcamera may change the size, but not the format. Throws Failure. */
 std::unique_ptr<lc::CameraConfiguration> configure(lc::Camera &device,
 						   const camera_settings &settings);
 
-/* What all frames of a stream have in common: format, size, colours. */
+/* Returns a frame with what all frames of a stream share: format, size, colours. */
 frame blank_frame(const lc::StreamConfiguration &stream, const camera_settings &settings);
 
 } // namespace libcamera_driver

@@ -10,7 +10,7 @@
 #include "hal/base/log.h"
 #include "hal/base/number.h"
 
-/* Controls take effect some frames after the request that carries them. */
+/* Cameras apply controls some frames after the request that carries them. */
 enum { FRAMES_TO_SETTLE = 12 };
 
 /* ---- values ---- */
@@ -69,7 +69,7 @@ void libcamera_value_text(const struct libcamera_value *value, char text[LIBCAME
 	}
 }
 
-/* What a number of the kind may be, whatever the camera says. */
+/* Whether the type of this kind can hold the number. */
 static bool kind_holds(enum libcamera_kind kind, double number)
 {
 	switch (kind) {
@@ -88,7 +88,7 @@ static bool kind_holds(enum libcamera_kind kind, double number)
 	}
 }
 
-/* Equal limits may mean "not known". */
+/* Equal limits mean "not known" for some cameras. */
 static bool has_limits(const struct libcamera_control *control)
 {
 	return control->least.count > 0 && control->most.count > 0 &&
@@ -166,7 +166,7 @@ int libcamera_value_read(const struct libcamera_control *control, const char *te
 	return 0;
 }
 
-/* Sensors have steps: a line's time, a fraction of a gain. */
+/* Compares to 2 %: sensors have steps, like the time of a line or a fraction of a gain. */
 static bool nearly_equal(const struct libcamera_value *a, const struct libcamera_value *b)
 {
 	for (int i = 0; i < a->count && a->count == b->count; i++)
@@ -193,7 +193,7 @@ static int read_wish(struct libcamera_wishes *w, const struct libcamera_control 
 
 	if (!control)
 		return fault_say(fault, -ENOENT, "the camera has no such control");
-	if (w->count == LIBCAMERA_WISHES_MAX - 1) /* one is the rate's */
+	if (w->count == LIBCAMERA_WISHES_MAX - 1) /* the last place is for the rate */
 		return fault_say(fault, -E2BIG, "more than %d", LIBCAMERA_WISHES_MAX - 1);
 	err = libcamera_value_read(control, text, &w->list[w->count].value, fault);
 	if (err)
@@ -202,7 +202,7 @@ static int read_wish(struct libcamera_wishes *w, const struct libcamera_control 
 	return 0;
 }
 
-/* Both limits at once hold the rate. */
+/* Sets both limits of the frame duration to one value, which holds the rate. */
 static double want_rate(struct libcamera_wishes *w, const struct libcamera_control *control,
 			double rate_hz)
 {
@@ -259,8 +259,8 @@ int libcamera_wishes_change(struct libcamera_wishes *w, const struct libcamera_c
 		return fault_say(fault, -E2BIG, "more than %d controls", LIBCAMERA_WISHES_MAX);
 	if (at == w->count)
 		w->count++;
-	/* In its place: requests under way name theirs by number. Those behind it are sent again.
-	 */
+	/* The wish keeps its place, because requests under way refer to wishes by index. The wishes
+	 * behind it are sent again too. */
 	w->list[at] = (struct libcamera_wish){.control = control, .value = read};
 	w->next = at < w->next ? at : w->next;
 	return 0;

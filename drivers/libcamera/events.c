@@ -62,7 +62,7 @@ void libcamera_events_close(struct libcamera_events *e)
 	close_one(&e->dev);
 }
 
-/* N of "videoN", or -1. */
+/* Returns N of "videoN", or -1. */
 static int node_number(const char *name)
 {
 	unsigned number;
@@ -95,7 +95,7 @@ int libcamera_events_watch(struct libcamera_events *e,
 	return 0;
 }
 
-/* The pipe holds a page of bytes at least, and each request is in it at most once. */
+/* Never blocks: the pipe holds at least a page of bytes, and each request is in it at most once. */
 static void events_put(struct libcamera_events *e, uint8_t byte)
 {
 	while (write(e->done[1], &byte, 1) < 0 && errno == EINTR)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a running camera has to tell our thread, behind one descriptor: requests that libcamera's
- * thread has done, and that the camera has gone.
+ * Events of a running camera behind one descriptor, passed from libcamera's thread to the caller's:
+ * completed requests, and the loss of the camera.
  */
 #ifndef INLAY_DRIVERS_LIBCAMERA_EVENTS_H
 #define INLAY_DRIVERS_LIBCAMERA_EVENTS_H
@@ -14,36 +14,37 @@
 enum { LIBCAMERA_REQUESTS_MAX = 64, LIBCAMERA_NODES_MAX = 256 };
 
 struct libcamera_events {
-	int descriptor;			 /* polls readable when there is something */
-	int done[2];			 /* a pipe: one byte a request that is done */
-	int dev;			 /* watches /dev */
-	bool nodes[LIBCAMERA_NODES_MAX]; /* the camera is made of /dev/videoN */
-	bool over, gone;
+	int descriptor;			 /* epoll: readable when there is an event */
+	int done[2];			 /* pipe: one byte for each completed request */
+	int dev;			 /* inotify: watches /dev */
+	bool nodes[LIBCAMERA_NODES_MAX]; /* whether /dev/videoN belongs to the camera */
+	bool over, gone;		 /* no more requests will complete; a node was deleted */
 };
 
-/* All or nothing: on failure there is nothing to close. */
+/* 0 or -errno. After a failure there is nothing to close. */
 int libcamera_events_open(struct libcamera_events *events, struct fault *fault);
 void libcamera_events_close(struct libcamera_events *events);
 
-/* Watches the video nodes that are the camera's own, by their device numbers: of cameras other than
- * webcams libcamera does not tell that they are gone. */
+/* Watches the video nodes of the camera: libcamera reports the loss of webcams only. own() says
+ * whether a device number belongs to the camera. */
 int libcamera_events_watch(struct libcamera_events *events,
 			   bool (*own)(const void *context, dev_t number), const void *context,
 			   struct fault *fault);
 
-/* Any thread: a request, 0..LIBCAMERA_REQUESTS_MAX-1, is done; nothing more will come. */
+/* Any thread may call these: a request, 0..LIBCAMERA_REQUESTS_MAX-1, is completed; no more will be.
+ */
 void libcamera_events_done(struct libcamera_events *events, int request);
 void libcamera_events_end(struct libcamera_events *events);
 
-/* The request that was done first of those not yet taken; -EAGAIN: none now; -ENODEV: there will be
- * none any more. */
+/* Takes the oldest completed request and returns its index. -EAGAIN: none now; -ENODEV: no more
+ * will come. */
 int libcamera_events_take(struct libcamera_events *events);
 
-/* One of the nodes has been deleted since they are watched. */
+/* Whether a watched node has been deleted. */
 bool libcamera_events_deleted(struct libcamera_events *events);
 
-/* Whether the end comes within 300 ms: libcamera hears of a device that is gone a little later than
- * we do, if at all. Requests that are done meanwhile are lost. */
+/* Waits up to 300 ms for libcamera_events_end(): libcamera learns of a lost device later than
+ * inotify does, or never. Returns whether it came. Requests that complete meanwhile are lost. */
 bool libcamera_events_end_soon(struct libcamera_events *events);
 
 #endif

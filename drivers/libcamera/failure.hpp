@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Inside the driver a failure is an exception that says what the screen is to say. */
+/* The exception of this driver. It carries the errno and the situation that the screen shows. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_FAILURE_HPP
 #define INLAY_DRIVERS_LIBCAMERA_FAILURE_HPP
 
@@ -19,7 +19,7 @@ namespace libcamera_driver
 class Failure : public std::runtime_error
 {
       public:
-	/* Without a situation: the one that code mostly means. */
+	/* Uses the situation that code usually means. */
 	Failure(int code, const std::string &text) : Failure(code, text, camera_situation_of(code))
 	{
 	}
@@ -33,7 +33,7 @@ class Failure : public std::runtime_error
 	const camera_situation situation;
 };
 
-/* libcamera said err to what was tried. */
+/* Makes a Failure from an error of libcamera and what was tried. */
 inline Failure refusal(int err, const std::string &tried)
 {
 	return {err, err == -ENOSPC ? "the bus has no room for its pictures: ask for a smaller "

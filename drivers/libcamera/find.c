@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Why libcamera sees no camera. */
+/* Says why libcamera sees no camera. */
 static int say_none(struct fault *fault)
 {
 	glob_t media;
@@ -48,7 +48,7 @@ static bool is_like(const struct libcamera_name *camera, const char *wanted, enu
 	}
 }
 
-/* "id (model)" of all that are like it; LIKENESSES: of all. */
+/* Writes "id (model)" of all cameras that match; LIKENESSES matches all. */
 static void write_names(const struct libcamera_name *cameras, int count, const char *wanted,
 			enum likeness likeness, char *text, size_t size)
 {

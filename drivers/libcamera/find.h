@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which camera is meant by a name. */
+/* Finds the camera that a name in the configuration means. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_FIND_H
 #define INLAY_DRIVERS_LIBCAMERA_FIND_H
 
@@ -9,8 +9,9 @@ struct libcamera_name {
 	const char *id, *model;
 };
 
-/* By id, else by model, else by a part of either; empty: the first. An index, or -EINVAL: more than
- * one; -ENODEV: none; -EACCES: none for this user. */
+/* Finds a camera by id, else by model, else by a part of either; an empty name means the first one.
+ * Returns an index, or -errno with a fault: -EINVAL more than one fits, -ENODEV none, -EACCES none
+ * that this user may open. */
 int libcamera_find(const struct libcamera_name *cameras, int count, const char *wanted,
 		   struct fault *fault);
 

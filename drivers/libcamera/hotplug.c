@@ -8,14 +8,15 @@
 
 struct udev_device;
 
-/* libudev's own names: libcamera, which knows no other way to be told, calls these instead. */
+/* These replace libudev's functions of the same names: libcamera has no other way to filter news.
+ */
 const char *udev_device_get_action(struct udev_device *device);
 const char *udev_device_get_devnode(struct udev_device *device);
 
-static atomic_uint kept;
+static atomic_uint kept; /* once per process, as the functions of libudev are */
 
-/* What libudev's own function of that name says of the device; "" in place of NULL, of which
- * libcamera would make a std::string. */
+/* Calls libudev's own function. Returns "" in place of NULL, because libcamera makes a std::string
+ * of the answer. */
 static const char *udev_answer(const char *function, struct udev_device *device)
 {
 	const char *(*real)(struct udev_device *);
@@ -32,11 +33,12 @@ const char *udev_device_get_devnode(struct udev_device *device)
 }
 
 /*
- * libcamera takes no notice of "change". It gets NULL for a device when udev's messages were more
- * than the socket holds: new devices may be among those that were lost. And udev may be behind: a
- * removed device's node may exist again. libcamera compares nothing but its path. It would
- * disconnect the camera that is there now, and abort the program at that camera's next frame. Where
- * the node does not exist, whatever libcamera has found under its path is gone as well.
+ * Answers "change", which libcamera ignores, for every new device. A NULL device means that udev's
+ * messages overflowed the socket; new devices may be among the lost ones.
+ *
+ * A "remove" may come late, when a new device has the same node already. libcamera compares only
+ * the path: it would disconnect the new camera and abort the program at that camera's next frame.
+ * So a removal is passed on only if the node does not exist.
  */
 const char *udev_device_get_action(struct udev_device *device)
 {

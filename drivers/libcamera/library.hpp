@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* libcamera itself: its headers, its short name here, which version it is. */
+/* Includes libcamera, shortens its namespace to lc, and tests its version. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LIBRARY_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LIBRARY_HPP
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* controls.h knows a control of libcamera's by its lc::ControlId. */
+/* `theirs` of controls.h is a lc::ControlId here. */
 #include "drivers/libcamera/library_controls.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ const lc::ControlId &id_of(const void *theirs)
 	return *static_cast<const lc::ControlId *>(theirs);
 }
 
-/* Of an array; 0: a single value. */
+/* Returns the length of an array control; 0: a single value. */
 size_t elements_of(const lc::ControlId &id)
 {
 #if LIBCAMERA_AT_LEAST(0, 4)

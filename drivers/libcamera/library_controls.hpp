@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Controls between libcamera's types and those of controls.h. */
+/* Converts controls between libcamera's types and those of controls.h. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LIBRARY_CONTROLS_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LIBRARY_CONTROLS_HPP
 
@@ -17,20 +17,19 @@ extern "C" {
 namespace libcamera_driver
 {
 
-/* The controls that a camera has; they point into known. */
+/* Returns the controls that a camera has; they point into known. */
 std::vector<libcamera_control> controls_of(const lc::ControlInfoMap &known);
 
-/* The words for a control's values, where libcamera tells them. */
+/* Returns the names of a control's values, where this version of libcamera knows them. */
 std::map<int32_t, std::string> words_of(const lc::ControlId &id);
 
 libcamera_value numbers_of(const lc::ControlValue &value);
 
-/* Puts what the next request is to carry into its controls. */
+/* Puts the wishes that are due into the controls of the next request. Returns which they are. */
 libcamera_load put_wishes(libcamera_wishes &wishes, lc::ControlList &controls);
 
-/* What the camera used for a control, for libcamera_wishes_compare(); metadata is a
- * lc::ControlList.
- */
+/* Fetches what the camera used for a control: get() of libcamera_wishes_compare(). metadata is a
+ * lc::ControlList. */
 bool used_value(const void *metadata, const void *theirs, libcamera_value *value) noexcept;
 
 } // namespace libcamera_driver

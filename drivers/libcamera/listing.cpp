@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Formats in libcamera's order, then controls in that of the alphabet. */
+/* Formats come in libcamera's order, then controls in alphabetical order. */
 #include "drivers/libcamera/listing.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the cameras offer, as lines for people. */
+/* Lists the formats and controls of cameras as lines for people. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LISTING_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LISTING_HPP
 
@@ -10,7 +10,8 @@ extern "C" {
 namespace libcamera_driver
 {
 
-/* camera_ops.list of libcamera; a Failure where no manager starts. */
+/* camera_ops.list of libcamera. Returns the number of cameras. Throws Failure if no manager starts.
+ */
 int list(void (*found)(void *context, const camera_listing *listing), void *context);
 
 } // namespace libcamera_driver

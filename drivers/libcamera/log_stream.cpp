@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* libcamera may write for as long as the process lives, from any of its threads. */
+/* libcamera may write from any of its threads until the process ends. */
 #include "drivers/libcamera/log_stream.hpp"
 
 #include <cstdlib>
@@ -15,7 +15,7 @@ extern "C" {
 namespace libcamera_driver
 {
 
-/* One call is one whole message, as libcamera writes them. */
+/* libcamera writes each message whole, in one call. */
 std::streamsize Messages::xsputn(const char *text, std::streamsize length)
 {
 	libcamera_message(text, (size_t)length);
@@ -32,7 +32,7 @@ void redirect_messages()
 	static std::once_flag once;
 
 	std::call_once(once, [] {
-		/* Never destroyed: libcamera's threads and its own end may still write. */
+		/* Never destroyed: libcamera's threads and destructors may still write at exit. */
 		static std::ostream *const stream = new std::ostream(new Messages);
 
 		if (!getenv("LIBCAMERA_LOG_FILE"))

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The stream that libcamera writes its log to; what becomes of a message is messages.h's. */
+/* The stream that libcamera writes its log to. messages.h handles each message. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_LOG_STREAM_HPP
 #define INLAY_DRIVERS_LIBCAMERA_LOG_STREAM_HPP
 
@@ -9,7 +9,7 @@
 namespace libcamera_driver
 {
 
-/* A stream's buffer that hands on each message. */
+/* A stream buffer that passes each message to libcamera_message(). */
 class Messages : public std::streambuf
 {
       protected:
@@ -17,8 +17,7 @@ class Messages : public std::streambuf
 	int overflow(int c) override;
 };
 
-/* libcamera's own log becomes ours, unless LIBCAMERA_LOG_FILE leads it elsewhere. Later calls do
- * nothing. */
+/* Sends libcamera's log to inlay's, unless LIBCAMERA_LOG_FILE is set. Later calls do nothing. */
 void redirect_messages();
 
 } // namespace libcamera_driver

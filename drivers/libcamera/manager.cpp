@@ -21,13 +21,13 @@ namespace libcamera_driver
 namespace
 {
 
-/* libcamera aborts if a process has two managers at once, so all Managers share this one. The pointer
- * is a plain one, so that nothing is destroyed at exit: see Session::end(). */
+/* libcamera aborts if a process has two managers at once, so all Managers share this one. The
+ * pointer is a plain one, so that nothing is destroyed at exit: see Session::end(). */
 struct Shared {
 	std::mutex lock;
 	lc::CameraManager *manager; /* valid while there are users */
 	int users;
-	unsigned kept; /* libcamera_hotplug_kept() when it began */
+	unsigned kept; /* libcamera_hotplug_kept() when the manager started */
 	bool outdated; /* see Manager::is_outdated() */
 };
 
@@ -60,7 +60,7 @@ Manager::~Manager()
 
 	if (--shared.users > 0)
 		return;
-	delete shared.manager; /* which stops it */
+	delete shared.manager; /* stops it */
 }
 
 std::vector<std::shared_ptr<lc::Camera>> Manager::cameras() const
@@ -87,7 +87,7 @@ std::shared_ptr<lc::Camera> Manager::find(const char *wanted) const
 	return all[(size_t)index];
 }
 
-/* What is looked for may be among the devices that came since it began. */
+/* Marks the manager as outdated if the wanted camera may be among the devices that came since. */
 void Manager::want_others() const
 {
 	const std::lock_guard<std::mutex> guard(shared.lock);
@@ -105,7 +105,7 @@ bool Manager::is_outdated() const
 	return shared.outdated;
 }
 
-/* libcamera wants to be told by its own thread; later versions have no way to be told. */
+/* removeCamera() must run on libcamera's own thread. Later versions do not have it. */
 void Manager::forget(const std::shared_ptr<lc::Camera> &camera) const
 {
 #if LIBCAMERA_AT_LEAST(0, 4)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* libcamera's manager: which cameras there are, and which of them is meant. */
+/* libcamera's camera manager: which cameras there are, and which one the settings mean. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_MANAGER_HPP
 #define INLAY_DRIVERS_LIBCAMERA_MANAGER_HPP
 
@@ -14,8 +14,9 @@
 namespace libcamera_driver
 {
 
-/* A process may have only one at a time: it lives as long as somebody holds one of these. It knows
- * the devices that there were when it began; for another, all who hold it let go of it. */
+/* A share in libcamera's manager. A process may have only one at a time; it lives as long as there
+ * are shares. It knows only the devices that were there when it started: to find another one, all
+ * owners of shares must give them up. */
 class Manager
 {
       public:
@@ -26,23 +27,25 @@ class Manager
 
 	std::vector<std::shared_ptr<lc::Camera>> cameras() const;
 
-	/* By what camera_settings.device says; a Failure where that is none or more than one. */
+	/* Finds the camera that camera_settings.device means. Throws Failure: none, or several. */
 	std::shared_ptr<lc::Camera> find(const char *wanted) const;
 
-	/* True: let go of it. A camera is looked for that may have come since it began. */
+	/* True: give the share up, because a camera is wanted that may have come since the start.
+	 */
 	bool is_outdated() const;
 
-	/* So that the camera may come back under its name: two of one name are fatal. */
+	/* Makes the manager forget a lost camera, so that it may return under its name: libcamera
+	 * aborts if two cameras have one name. */
 	void forget(const std::shared_ptr<lc::Camera> &camera) const;
 
-	/* The device, as in struct stat, is one that this camera is made of. */
+	/* Whether a device number (st_rdev) belongs to this camera. */
 	bool made_of(const std::shared_ptr<lc::Camera> &camera, dev_t number) const;
 
       private:
 	void want_others() const;
 };
 
-/* Empty: not known. */
+/* Returns the camera's model; empty: not known. */
 std::string model_of(const lc::Camera &device);
 
 } // namespace libcamera_driver

@@ -9,6 +9,7 @@
 
 #include "hal/base/log.h"
 
+/* Returns the message behind "[time] [thread] ". */
 static const char *after_head(const char *line)
 {
 	const char *thread = strstr(line, "] ["), *tail = thread ? strchr(thread + 3, ']') : NULL;

@@ -26,7 +26,7 @@ static int map_one(struct libcamera_picture *p, int fd)
 	return index;
 }
 
-/* Index of what is mapped of fd. */
+/* Returns the index of the mapping of fd, which it maps if needed; or -errno. */
 static int picture_mapping(struct libcamera_picture *p, int fd)
 {
 	for (int i = 0; i < p->mapping_count; i++)
@@ -51,7 +51,7 @@ static int point_into(struct libcamera_picture *p, const struct libcamera_span *
 	return 0;
 }
 
-/* The second plane where only the first is told of. */
+/* Points the second plane behind the first. */
 static int point_behind(struct libcamera_picture *p, size_t stride)
 {
 	const struct frame_plane *first = &p->planes[0];
@@ -69,7 +69,7 @@ static int planes_of(enum pixel_format format)
 	return format == PIXEL_NV12 ? 2 : 1;
 }
 
-/* Bytes from a plane's first to its last. */
+/* Bytes from the first to the last one of a plane; the last row has no padding. */
 static size_t plane_extent(const struct libcamera_picture *p, int index)
 {
 	const size_t rows = frame_plane_bytes(p->format, index, 1, p->height);

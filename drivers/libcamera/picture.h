@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures in libcamera's buffers: the memory, where planes lie in it, when they were taken. */
+/* Pictures in libcamera's buffers: mapped memory, the planes in it, the time of capture. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_PICTURE_H
 #define INLAY_DRIVERS_LIBCAMERA_PICTURE_H
 
@@ -9,13 +9,13 @@
 
 #include "hal/frame/frame.h"
 
-/* A plane as libcamera tells of it: bytes of a descriptor; several may share one. */
+/* A plane as libcamera describes it: a range of bytes of a descriptor. Planes may share one. */
 struct libcamera_span {
 	int fd;
 	size_t offset, bytes;
 };
 
-/* Zeroed: nothing is mapped. */
+/* If zeroed, nothing is mapped. */
 struct libcamera_picture {
 	enum pixel_format format;
 	int width, height;
@@ -28,25 +28,27 @@ struct libcamera_picture {
 	int mapping_count;
 };
 
-/* Maps a buffer for reading and points the planes of format, width and height into it, all of one
- * stride. Where libcamera tells of one plane and we know of two, the second follows the first.
- * -EINVAL: the spans are too small for such a picture; other -errno: they cannot be mapped. To be
- * unmapped after a failure too. */
+/* Maps a buffer for reading and points the planes of picture->format, width and height into it, all
+ * of one stride. If libcamera describes one plane of a format of two, the second follows the first.
+ * -EINVAL: the spans are too small for the picture; other -errno: they cannot be mapped. The caller
+ * unmaps the picture after a failure too. */
 int libcamera_picture_map(struct libcamera_picture *picture, size_t stride,
 			  const struct libcamera_span *spans, int count);
 void libcamera_picture_unmap(struct libcamera_picture *picture); /* idempotent */
 
-/* Around what the processor reads, so that it does not read its cache's older picture. Memory that
- * is no DMABUF needs none of it and says so, which is no error. */
+/* Call it before and after the processor reads a picture, to keep its cache coherent
+ * (DMA_BUF_SYNC). Memory that is not a DMABUF refuses the ioctl and does not need it; this is no
+ * error. */
 void libcamera_picture_reading(const struct libcamera_picture *picture, bool begins);
 
-/* The planes of a picture of which so many bytes of each span were used. False: not a whole one. */
+/* Fills in the planes of a picture; used[] are the bytes that each span holds. False: the picture
+ * is not whole. */
 bool libcamera_picture_planes(const struct libcamera_picture *picture, const size_t *used,
 			      int count, struct frame_plane planes[FRAME_PLANES]);
 
-/* CLOCK_MONOTONIC's time of a picture. Pipelines stamp with that, as V4L2 does, or with
- * CLOCK_BOOTTIME, as libcamera's documentation says: they differ by the time that was slept
- * through. Neither: now. */
+/* Converts a time stamp to CLOCK_MONOTONIC. Some pipelines stamp with that clock, as V4L2 does,
+ * others with CLOCK_BOOTTIME, as libcamera's documentation says; they differ by the time of
+ * suspension. For a stamp of neither clock it returns the present time. */
 int64_t libcamera_picture_time_ns(int64_t stamp_ns);
 
 #endif

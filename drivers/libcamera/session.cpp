@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Two threads meet here: ours, which calls, and libcamera's, which only ever writes to events. */
+/* Two threads meet here: the caller's, and libcamera's, which only writes to events. */
 #include "drivers/libcamera/session.hpp"
 
 #include <cerrno>
@@ -24,7 +24,7 @@ Session::Session()
 Session::~Session()
 {
 	if (device) {
-		/* From here on libcamera's thread does not call us. */
+		/* After this libcamera's thread makes no more calls. */
 		device->stop();
 		device->requestCompleted.disconnect(this);
 		device->disconnected.disconnect(this);
@@ -37,11 +37,11 @@ Session::~Session()
 }
 
 /*
- * libcamera aborts the program when it is asked to stop a camera that is gone, unless it knows so
- * by itself, as it does of webcams; and it does not survive that a running camera is destroyed.
- * What it holds for such a camera is left to it. That costs memory and some twenty descriptors
- * (and, while another camera is open, a thread of libcamera's that is woken all the time), whenever
- * a board's sensor is taken from under a running program: a driver that is unbound.
+ * libcamera aborts the program if it is asked to stop a lost camera, unless it has noticed the loss
+ * itself, as it does for webcams. It also crashes if a running camera is destroyed. So the session
+ * of such a camera is never deleted. Each one costs memory and about twenty descriptors and, while
+ * another camera is open, a thread of libcamera's that is woken all the time. It happens only when
+ * a sensor's driver is unbound under a running program.
  */
 void Session::end(std::unique_ptr<Session> session)
 {
@@ -86,7 +86,7 @@ void Session::open(camera *camera)
 	start();
 }
 
-/* From now on the camera is ours alone. */
+/* Finds the camera and acquires it: no other process can use it then. */
 void Session::take(camera *camera)
 {
 	device = manager->find(camera->settings.device);
@@ -112,7 +112,7 @@ void Session::watch()
 		throw Failure(err, why.text);
 }
 
-/* What is connected here runs on libcamera's thread. */
+/* The functions that are connected here run on libcamera's thread. */
 void Session::start()
 {
 	device->requestCompleted.connect(this, [this](lc::Request *request) {
@@ -141,7 +141,7 @@ int Session::grab(camera *camera, frame *frame)
 		throw Failure(-ENODEV, "the camera has gone");
 	if (manager->is_outdated())
 		throw Failure(-ESTALE, "libcamera begins anew", CAMERA_FINE);
-	/* Never more than there are, however fast the camera is. */
+	/* At most once for each slot, however fast the camera is. */
 	for (size_t i = 0; i < slots.count(); i++) {
 		index = libcamera_events_take(&events);
 		if (index < 0)
@@ -157,7 +157,7 @@ int Session::grab(camera *camera, frame *frame)
 	return 0;
 }
 
-/* What is done becomes the newest frame, in place of the one before; or it is unfit. */
+/* Takes a completed request: a whole picture becomes the newest frame, any other is requeued. */
 void Session::accept(Slot &slot, camera *camera, frame *newest)
 {
 	frame next;
@@ -204,7 +204,7 @@ void Session::requeue(Slot &slot)
 	queue(slot);
 }
 
-/* What fails here, the next grab() says. */
+/* A failure is reported by the next grab(). */
 void Session::queue(Slot &slot)
 {
 	slot.load = put_wishes(wishes, slot.request->controls());

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera while it is open: its requests go around, the newest frame is handed out. */
+/* A camera while it is open: requests circulate, and the newest frame is handed out. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_SESSION_HPP
 #define INLAY_DRIVERS_LIBCAMERA_SESSION_HPP
 
@@ -22,8 +22,8 @@ extern "C" {
 namespace libcamera_driver
 {
 
-/* open() to control() are the ops of camera_ops; all but descriptor() may throw. From open() to the
- * destructor, which cleans up however far open() came. */
+/* The functions open() to control() are the ops of camera_ops; all but descriptor() may throw. The
+ * destructor cleans up however far open() came. */
 class Session
 {
       public:
@@ -38,11 +38,11 @@ class Session
 	void release(size_t index); /* frame.buffer */
 	int control(const char *name, const char *value, fault *fault);
 
-	/* Deletes it, unless the camera went away in a way that libcamera cannot clean up after:
-	 * then it is left as it is, but for its hold on the manager. */
+	/* Deletes the session, unless the camera is lost in a way that libcamera cannot clean up
+	 * after: then it is kept for ever, but gives up its share in the manager. */
 	static void end(std::unique_ptr<Session> session);
 
-	std::string id; /* of the camera, once that is known */
+	std::string id; /* the camera's; empty until it is found */
 
       private:
 	void take(camera *camera);
@@ -55,7 +55,7 @@ class Session
 	void read_metadata(camera *camera, const lc::ControlList &metadata);
 	bool can_be_deleted();
 
-	std::optional<Manager> manager = std::make_optional<Manager>(); /* goes last */
+	std::optional<Manager> manager = std::make_optional<Manager>(); /* destroyed last */
 	libcamera_events events;
 	std::shared_ptr<lc::Camera> device;
 	bool acquired = false;
@@ -63,7 +63,7 @@ class Session
 	Slots slots;
 	std::vector<libcamera_control> controls;
 	libcamera_wishes wishes = {};
-	int trouble = 0; /* why a request was not taken */
+	int trouble = 0; /* -errno of a request that libcamera refused; 0: none */
 	frame_count count = {};
 };
 

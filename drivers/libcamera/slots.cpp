@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* libcamera allocates the buffers; they are mapped once and read in place. */
+/* libcamera allocates the buffers; each is mapped once and read in place. */
 #include "drivers/libcamera/slots.hpp"
 
 #include <cerrno>

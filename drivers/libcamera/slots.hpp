@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera's buffers, each with the request that it goes around with, and the pictures in them. */
+/* A camera's buffers, each with its request and the picture mapped in it. */
 #ifndef INLAY_DRIVERS_LIBCAMERA_SLOTS_HPP
 #define INLAY_DRIVERS_LIBCAMERA_SLOTS_HPP
 
@@ -33,20 +33,20 @@ class Slots
 	Slots(const Slots &) = delete;
 	Slots &operator=(const Slots &) = delete;
 
-	/* Once the camera is configured; what cannot be is a Failure. blank: what all frames have
-	 * in common. */
+	/* Allocates the buffers of a configured camera. blank: what all frames share. Throws
+	 * Failure. */
 	void make(const std::shared_ptr<lc::Camera> &device, const lc::StreamConfiguration &stream,
 		  const frame &blank);
 
-	/* Idempotent, both: the memory alone; all of it, before the camera is released. */
-	void unmap();
-	void clear();
+	/* Both are idempotent. */
+	void unmap(); /* the memory only */
+	void clear(); /* everything; call it before the camera is released */
 
 	size_t count() const;
 	Slot &operator[](size_t index);
 
-	/* The frame in a slot whose request is done. False: cancelled, damaged, or not a whole
-	 * picture. */
+	/* Reads the frame of a slot whose request is completed. False: cancelled, damaged, or not a
+	 * whole picture. */
 	bool read(const Slot &slot, frame *frame) const;
 
       private:
