@@ -164,8 +164,8 @@ static int v4l2_set_up(struct camera *camera, struct v4l2_capture *v, struct fau
 	return 0;
 }
 
-/* Events make a device's file poll as exceptional, not readable: an epoll of both polls readable.
- */
+/* Events make a device's file poll as exceptional, not readable: an epoll of both polls
+ * readable. */
 static int watch_events(struct v4l2_capture *v, struct fault *fault)
 {
 	struct epoll_event both = {.events = EPOLLIN | EPOLLPRI};

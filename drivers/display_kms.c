@@ -190,8 +190,8 @@ static int switch_console(struct display *display, struct fault *fault)
 	return err;
 }
 
-/* Sets the mode; if another console is the active one, asks for a switch instead and waits hidden.
- */
+/* Sets the mode; if another console is the active one, asks for a switch instead and waits
+ * hidden. */
 static int kms_light_up(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;

@@ -84,8 +84,8 @@ int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *faul
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
 		       struct fault *fault);
 
-/* Names in the fault the programs that hold the card, as far as /proc shows them. Returns -EBUSY.
- */
+/* Names in the fault the programs that hold the card, as far as /proc shows them. Returns
+ * -EBUSY. */
 int kms_screen_held(const struct kms_screen *screen, struct fault *fault);
 
 /* Restores the state that was found and frees *screen itself. May wait for the last flip. 0, or

@@ -24,8 +24,8 @@ struct kms_cover {
 	uint64_t fb; /* framebuffer; 0: the plane is off */
 };
 
-/* Values of the properties. Both the state that was found and the one that is set have this type.
- */
+/* Values of the properties. Both the state that was found and the one that is set have this
+ * type. */
 struct kms_state {
 	uint64_t connector_crtc, connector_link, crtc_active, crtc_mode;
 	uint64_t crtc_degamma, crtc_matrix, crtc_gamma; /* blobs; 0: colours pass unchanged */

@@ -31,8 +31,8 @@ int libcamera_events_watch(struct libcamera_events *events,
 			   bool (*own)(const void *context, dev_t number), const void *context,
 			   struct fault *fault);
 
-/* Any thread may call these: a request, 0..LIBCAMERA_REQUESTS_MAX-1, is completed; no more will be.
- */
+/* Any thread may call these: a request, 0..LIBCAMERA_REQUESTS_MAX-1, is completed; no more will
+ * be. */
 void libcamera_events_done(struct libcamera_events *events, int request);
 void libcamera_events_end(struct libcamera_events *events);
 

@@ -8,8 +8,8 @@
 
 struct udev_device;
 
-/* These replace libudev's functions of the same names: libcamera has no other way to filter news.
- */
+/* These replace libudev's functions of the same names: libcamera has no other way to filter
+ * news. */
 const char *udev_device_get_action(struct udev_device *device);
 const char *udev_device_get_devnode(struct udev_device *device);
 

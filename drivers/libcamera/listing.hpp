@@ -10,8 +10,8 @@ extern "C" {
 namespace libcamera_driver
 {
 
-/* camera_ops.list of libcamera. Returns the number of cameras. Throws Failure if no manager starts.
- */
+/* camera_ops.list of libcamera. Returns the number of cameras. Throws Failure if no manager
+ * starts. */
 int list(void (*found)(void *context, const camera_listing *listing), void *context);
 
 } // namespace libcamera_driver

@@ -30,8 +30,8 @@ class Manager
 	/* Finds the camera that camera_settings.device means. Throws Failure: none, or several. */
 	std::shared_ptr<lc::Camera> find(const char *wanted) const;
 
-	/* True: give the share up, because a camera is wanted that may have come since the start.
-	 */
+	/* True: give the share up, because a camera is wanted that may have come since the
+	 * start. */
 	bool is_outdated() const;
 
 	/* Makes the manager forget a lost camera, so that it may return under its name: libcamera

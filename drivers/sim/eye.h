@@ -19,8 +19,8 @@ struct sim_eye {
 /* The ray of a point in the picture; dir is a unit vector. False when nothing is seen there. */
 bool eye_ray(const struct sim_eye *eye, const double px[2], double origin[3], double dir[3]);
 
-/* About how wide a pixel-sized patch is, rad: the mean of its two sides. 0 where nothing is seen.
- */
+/* About how wide a pixel-sized patch is, rad: the mean of its two sides. 0 where nothing is
+ * seen. */
 double eye_pixel_rad(const struct sim_eye *eye, const double px[2]);
 
 /* Whether the rim of a fisheye's image circle goes through a pixel, which then sees in part. */

@@ -5,8 +5,8 @@
 
 #include "hal/base/clock.h"
 
-/* An older time is of another clock, or of one that wrapped around; so is one that is yet to come.
- */
+/* An older time is of another clock, or of one that wrapped around; so is one that is yet to
+ * come. */
 #define TIME_PAST_NS (60 * NS_PER_S)
 
 const struct v4l2_taken v4l2_nothing = {.frame.format = PIXEL_NONE, .buffers = {-1, -1}};
