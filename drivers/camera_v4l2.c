@@ -3,9 +3,9 @@
  * Cameras behind Video4Linux: webcams, frame grabbers, sensors with a single video node. Memory
  * mapped streaming, single- and multi-planar.
  *
- * Pictures are read by the processor (to decode them, to measure their light), in the driver's own
- * memory. Passing them on as DMABUF would save no copy, for there is none, and mapping one costs
- * cache maintenance at each frame on machines whose devices do not see the cache.
+ * The processor reads pictures in the driver's own memory, to decode them and to measure their
+ * light. DMABUF would save no copy, for there is none, and would cost cache maintenance at each
+ * frame on machines whose devices are not cache-coherent.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -86,13 +86,13 @@ static int v4l2_start_once(struct camera *camera, struct v4l2_capture *v,
 	if (err)
 		return err;
 	v->buffers.memory_planes = v->picture.layout->memory_planes;
-	/* A pair of fields takes two. */
+	/* A pair of fields takes two buffers. */
 	return v4l2_buffers_start(
 		&v->buffers, settings->buffers * (v->picture.lines.fields == FIELDS_PAIR ? 2 : 1),
 		fault);
 }
 
-/* In plain words, for whoever has two cameras on one bus. */
+/* The message says in plain words that two cameras on one bus share its bandwidth. */
 static int no_room(const struct camera *camera, const char *wanted, struct fault *fault)
 {
 	const char *give_up = camera->settings.give_up;
@@ -136,9 +136,9 @@ static int v4l2_start(struct camera *camera, struct v4l2_capture *v, struct v4l2
 	return 0;
 }
 
-/* Whose the device is comes first: inputs and controls can be changed below another program that
- * streams, and waiting for it would do so each second. Controls go before the format all the same,
- * as some change it and are locked once there is memory. */
+/* Asks first whether another program streams: inputs and controls could be changed under it, and a
+ * kiosk that waits for the camera would do so every second. Controls go before the format, because
+ * some change the format and are locked once there are buffers. */
 static int v4l2_set_up(struct camera *camera, struct v4l2_capture *v, struct fault *fault)
 {
 	struct v4l2_fallback fallback;
@@ -164,8 +164,8 @@ static int v4l2_set_up(struct camera *camera, struct v4l2_capture *v, struct fau
 	return 0;
 }
 
-/* Events make a device's file poll as exceptional, not readable: an epoll of both polls
- * readable. */
+/* A device with a pending event polls as exceptional (POLLPRI), not as readable. An epoll that
+ * waits for both polls readable. */
 static int watch_events(struct v4l2_capture *v, struct fault *fault)
 {
 	struct epoll_event both = {.events = EPOLLIN | EPOLLPRI};
@@ -231,7 +231,7 @@ static int v4l2_descriptor(struct camera *camera)
 
 static int take_newest(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *newest)
 {
-	/* Never more than there are buffers, however fast the camera is. */
+	/* At most as often as there are buffers, however fast the camera is. */
 	for (int i = 0; i < v->buffers.count; i++) {
 		struct v4l2_taken next;
 		int err = v4l2_take(camera, v, &next);
@@ -251,8 +251,8 @@ static int take_newest(struct camera *camera, struct v4l2_capture *v, struct v4l
 	return 0;
 }
 
-/* A device that does not tell is asked, now and then: many digitizers without a signal go on
- * sending noise. */
+/* Asks a device that sends no events once a second: many digitizers without a signal go on sending
+ * noise. */
 static int signal_lost(struct v4l2_capture *v, struct fault *fault)
 {
 	const int64_t now_ns = clock_now_ns();
@@ -288,7 +288,7 @@ static int v4l2_grab(struct camera *camera, struct frame *frame, struct fault *f
 		return err;
 	err = take_newest(camera, v, &v->out);
 	if (v->out.frame.format != PIXEL_NONE) {
-		*frame = v->out.frame; /* trouble that came after it shows at the next call */
+		*frame = v->out.frame; /* the next call reports an error that came after it */
 		return 0;
 	}
 	if (err == 0 || err == -EAGAIN)
@@ -298,7 +298,7 @@ static int v4l2_grab(struct camera *camera, struct frame *frame, struct fault *f
 			 err == -ENODEV || err == -ENXIO ? "the camera has gone" : strerror(-err));
 }
 
-/* A device that is gone takes no buffer back; grab() will say so. */
+/* A lost device takes no buffer back; the next grab() reports it. */
 static void v4l2_release(struct camera *camera, struct frame *frame)
 {
 	struct v4l2_capture *v = camera->state;

@@ -12,7 +12,7 @@ bool v4l2_multiplanar(const struct v4l2_buffers *b)
 	return b->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
 }
 
-/* A buffer's description with room for its planes; planes must outlive it. */
+/* Returns the description of a buffer with room for its planes, which must outlive it. */
 static struct v4l2_buffer buffer_describe(const struct v4l2_buffers *b, int index,
 					  struct v4l2_plane *planes)
 {
@@ -75,8 +75,9 @@ static int map_buffer(struct v4l2_buffers *b, int index)
 	return err;
 }
 
-/* To ask for none takes nothing from whoever has some, and drivers refuse it as they would more.
- * Old ones know no such number, and say nothing of others by it. */
+/* A request for 0 buffers takes nothing from another program, and drivers refuse it like any other
+ * request while that program has buffers. Old drivers do not know the number 0; their error says
+ * nothing about other programs. */
 int v4l2_buffers_try(const struct v4l2_buffers *b, struct fault *fault)
 {
 	struct v4l2_requestbuffers none = {.type = b->type, .memory = V4L2_MEMORY_MMAP};
@@ -156,7 +157,7 @@ void v4l2_buffers_stop(struct v4l2_buffers *b)
 				munmap(mapping->memory, mapping->length);
 			mapping->memory = NULL;
 		}
-	/* The format can be set again only when the device has its memory back. */
+	/* The format can be set again only after the device has freed its buffers. */
 	if (b->count > 0)
 		(void)device_ioctl(b->fd, VIDIOC_REQBUFS, &none);
 	b->streaming = false;

@@ -5,8 +5,7 @@
 
 #include "hal/base/clock.h"
 
-/* An older time is of another clock, or of one that wrapped around; so is one that is yet to
- * come. */
+/* A time stamp older than this, or in the future, is of another clock or has wrapped around. */
 #define TIME_PAST_NS (60 * NS_PER_S)
 
 const struct v4l2_taken v4l2_nothing = {.frame.format = PIXEL_NONE, .buffers = {-1, -1}};
@@ -35,7 +34,7 @@ static struct v4l2_span mapping_span(const struct v4l2_mapping *mapping, size_t 
 	return (struct v4l2_span){mapping->memory + offset, end - offset};
 }
 
-/* False: the driver marked it as damaged, or it does not hold what it should. */
+/* Describes the frame in a buffer. False: the driver marked it as damaged, or it is too short. */
 static bool read_buffer(const struct v4l2_capture *v, const struct v4l2_buffer *buffer,
 			struct frame *frame)
 {
@@ -95,12 +94,12 @@ static void pair_join(struct v4l2_taken *pair, const struct v4l2_taken *second,
 		memcpy(f->planes, second->frame.planes, bytes);
 	}
 	f->bottom_first = !second_is_bottom;
-	f->timestamp_ns = second->frame.timestamp_ns; /* whole only then */
+	f->timestamp_ns = second->frame.timestamp_ns; /* the picture is whole only then */
 	pair->buffers[1] = second->buffers[0];
 }
 
-/* A field came, fit or not; what makes a picture with it, if anything does, replaces it. A picture
- * of which either field is unfit or lost is counted broken once. */
+/* Handles a field, damaged or not. If it completes a pair, *t becomes the whole picture, else
+ * empty. A picture with a damaged or lost field counts as broken once. */
 static int pair_up(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *t,
 		   uint32_t sequence, bool bottom)
 {
@@ -131,7 +130,7 @@ static int pair_up(struct camera *camera, struct v4l2_capture *v, struct v4l2_ta
 	return err ? err : v4l2_give_back(v, t);
 }
 
-/* A buffer that does not say which field it holds belongs to no pair. */
+/* Whether the buffer tells which field it holds; one that does not belongs to no pair. */
 static bool is_field(uint32_t field)
 {
 	return field == V4L2_FIELD_TOP || field == V4L2_FIELD_BOTTOM;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A V4L2 camera that streams, and what it delivers: buffers to pictures, two where each field has
- * one. Private to camera_v4l2.c and capture.c. */
+/* A V4L2 camera that streams. Makes pictures of its buffers: one buffer for each, or two if every
+ * field comes in a buffer of its own. */
 #ifndef INLAY_DRIVERS_V4L2_CAPTURE_H
 #define INLAY_DRIVERS_V4L2_CAPTURE_H
 
@@ -15,14 +15,14 @@
 #include "drivers/v4l2/setup.h"
 #include "hal/device/camera.h"
 
-/* A picture that came: one buffer, or two that hold a field each. */
+/* A captured picture: one buffer, or two that hold a field each. */
 struct v4l2_taken {
-	struct frame frame; /* PIXEL_NONE: nothing fit to be handed out */
+	struct frame frame; /* format PIXEL_NONE: there is no picture */
 	int buffers[2];	    /* -1: none */
 };
 
 struct v4l2_capture {
-	int fd, events; /* events: an epoll of fd; -1: fd is enough */
+	int fd, events; /* events: an epoll of fd; -1: the device sends no events */
 	char path[INI_PATH_MAX];
 	struct v4l2_source source;
 	struct v4l2_picture picture;
@@ -30,18 +30,18 @@ struct v4l2_capture {
 	struct v4l2_settings controls;
 	struct v4l2_pairing pairing;
 	struct v4l2_taken waiting; /* the first field of a pair */
-	struct v4l2_taken out;	   /* handed out */
+	struct v4l2_taken out;	   /* handed to the caller of grab() */
 	struct frame_count count;
 	int64_t signal_checked_ns;
 };
 
 extern const struct v4l2_taken v4l2_nothing;
 
-/* One buffer from the driver; an unfit one, or a first field, leaves nothing. What taking and
- * queueing a buffer give. */
+/* Takes one buffer from the driver. *t stays empty if the buffer is damaged or is the first field
+ * of a pair. 0; -EAGAIN: no buffer yet; other -errno of taking or queueing. */
 int v4l2_take(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *t);
 
-/* Its buffers are the driver's again, and nothing is left of it. The first error of queueing. */
+/* Queues the buffers of *t again and empties it. 0, or the first error of queueing. */
 int v4l2_give_back(struct v4l2_capture *v, struct v4l2_taken *t);
 
 #endif

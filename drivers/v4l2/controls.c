@@ -46,7 +46,7 @@ int v4l2_controls_read(struct v4l2_settings *settings, const char *text, struct 
 	return got;
 }
 
-/* ---- what the device has ---- */
+/* ---- the device's controls ---- */
 
 static bool is_number(const struct v4l2_query_ext_ctrl *control)
 {
@@ -120,7 +120,7 @@ static int set_control(int fd, const struct v4l2_query_ext_ctrl *control, int64_
 	return device_ioctl(fd, VIDIOC_S_EXT_CTRLS, &all);
 }
 
-/* ---- the two brought together ---- */
+/* ---- settings of the configuration ---- */
 
 static int say_unknown(const char *name, char (*known)[V4L2_CONTROL_NAME_MAX], size_t count,
 		       struct fault *fault)
@@ -163,7 +163,8 @@ static bool read_whole_number(const char *text, int64_t *value)
 	return end != text && !*end && errno == 0;
 }
 
-/* By name, or by the number of the entry; entries of an integer menu have numbers for names. */
+/* Reads a menu's entry by name or by index. In an integer menu the names are numbers, so an index
+ * is not accepted. */
 static bool read_entry(int fd, const struct v4l2_query_ext_ctrl *control, const char *text,
 		       int64_t *value)
 {
@@ -226,8 +227,8 @@ static const char *refusal_reason(const struct v4l2_query_ext_ctrl *control, int
 	}
 }
 
-/* Once for each: exposures that are taken in turn ask for the same values all the time. What has no
- * effect reads as whatever its automatic makes of it. */
+/* Logs each difference once: exposures that are taken in turn set the same values all the time. A
+ * control without effect reads as the value that its automatic has chosen. */
 static void say_other(const char *path, const struct v4l2_setting *s)
 {
 	if (s->control.flags & V4L2_CTRL_FLAG_INACTIVE)
@@ -257,7 +258,7 @@ static int set_and_read_back(int fd, const char *path, struct v4l2_setting *s, s
 	return 0;
 }
 
-/* What is refused is not tried again until the next opening, which says no more of it. */
+/* A refused control is not tried again until the next opening, where it is not logged again. */
 static void setting_give_up(const char *path, struct v4l2_setting *s, const struct fault *fault)
 {
 	log_warning_once("%s: controls: %s", path, fault->text);
@@ -291,7 +292,7 @@ void v4l2_controls_confirm(int fd, const char *path, struct v4l2_settings *setti
 	}
 }
 
-/* Drivers make the nearest that they can of a number beyond the range, and say nothing. */
+/* Drivers silently clamp a number that is out of range, so the range is checked here. */
 static int check_range(const struct v4l2_setting *s, struct fault *fault)
 {
 	const struct v4l2_query_ext_ctrl *c = &s->control;
@@ -303,7 +304,7 @@ static int check_range(const struct v4l2_setting *s, struct fault *fault)
 			 s->said.value, (long long)c->minimum, (long long)c->maximum);
 }
 
-/* Another number, and not that of a menu's entry. */
+/* Whether the device uses another number. Indices of menus are not rounded. */
 static bool is_rounded(const struct v4l2_setting *s)
 {
 	return s->taken != s->wanted && !(s->control.flags & V4L2_CTRL_FLAG_INACTIVE) &&

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A V4L2 capture device's file: opening and asking it. */
+/* Opens a V4L2 capture device and calls its ioctls. */
 #ifndef INLAY_DRIVERS_V4L2_DEVICE_H
 #define INLAY_DRIVERS_V4L2_DEVICE_H
 
@@ -8,20 +8,20 @@
 
 #include "hal/base/fault.h"
 
-/* 0 or -errno; interrupted calls are made again. */
+/* Calls ioctl() until it is not interrupted. 0 or -errno. */
 int device_ioctl(int fd, unsigned long request, void *argument);
 
-/* The capabilities of this very node, not of the whole device. */
+/* Returns the capabilities of this node, not of the whole device. */
 unsigned device_caps(const struct v4l2_capability *capability);
 
-/* It captures pictures and streams. */
+/* Whether a node of these capabilities captures pictures and streams. */
 bool device_captures(unsigned caps);
 
-/* The V4L2_BUF_TYPE_* that a capturing node takes: single-planar if it has both kinds. */
+/* Returns the V4L2_BUF_TYPE_* of a capturing node: single-planar if it has both kinds. */
 unsigned device_buffer_type(const struct v4l2_capability *capability);
 
-/* Opens path, non-blocking. A descriptor, or -errno; -ENOTTY: not a V4L2 device, -ENODEV: one
- * that does not capture. capability may be NULL. */
+/* Opens path, non-blocking. Returns a descriptor that the caller closes, or -errno: -ENOTTY not a
+ * V4L2 device, -ENODEV one that does not capture. capability may be NULL. */
 int device_open(const char *path, struct v4l2_capability *capability, struct fault *fault);
 
 #endif

@@ -45,7 +45,7 @@ int v4l2_fallback_read(struct v4l2_fallback *f, const char *give_up, struct faul
 	}
 }
 
-/* The smallest format of all that has colours. */
+/* Chooses the smallest of the formats with colour, if it is smaller than the present one. */
 static bool smaller_format(int fd, unsigned type, const struct v4l2_picture *picture,
 			   struct camera_settings *settings)
 {
@@ -71,7 +71,7 @@ static bool smaller_format(int fd, unsigned type, const struct v4l2_picture *pic
 	return best != NULL;
 }
 
-/* Whether a further step of the same kind may follow. */
+/* Whether the same sacrifice may be made again. */
 static bool sacrifice_repeats(enum v4l2_sacrifice what)
 {
 	return what != V4L2_GIVE_FORMAT;

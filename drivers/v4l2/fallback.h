@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What to ask for instead when the bus has no room: a smaller format, a smaller size, a lower rate,
- * as far as camera_settings.give_up allows and in its order. */
+/* Chooses what to ask for when the bus has no room: a smaller format, a smaller size or a lower
+ * rate, in the order of camera_settings.give_up and no further than it allows. */
 #ifndef INLAY_DRIVERS_V4L2_FALLBACK_H
 #define INLAY_DRIVERS_V4L2_FALLBACK_H
 
@@ -11,19 +11,19 @@ enum v4l2_sacrifice { V4L2_GIVE_FORMAT, V4L2_GIVE_SIZE, V4L2_GIVE_RATE, V4L2_GIV
 
 struct v4l2_fallback {
 	enum v4l2_sacrifice order[V4L2_GIVE_COUNT];
-	int count, next; /* order[next] is what may go now */
+	int count, next; /* order[next] is the sacrifice to make now */
 };
 
-/* Reads settings.give_up. -EINVAL: a word that is none of "format", "size", "rate", or twice. */
+/* Reads settings.give_up. 0; -EINVAL: a word other than "format", "size", "rate", or one twice. */
 int v4l2_fallback_read(struct v4l2_fallback *fallback, const char *give_up, struct fault *fault);
 
-/* Lessens what settings ask for, beginning from what the device would have given. False: nothing
- * is left that may go. */
+/* Reduces the settings by one step, starting from the picture that the device had chosen. False: no
+ * sacrifice is left. */
 bool v4l2_fallback_step(struct v4l2_fallback *fallback, int fd, unsigned type,
 			const struct v4l2_picture *picture, double rate_hz,
 			struct camera_settings *settings);
 
-/* "640x480 MJPEG at 15 Hz" */
+/* Writes "640x480 MJPEG at 15 Hz"; a rate of 0 is left out. */
 void v4l2_describe(const struct v4l2_picture *picture, double rate_hz, char *text, size_t room);
 
 #endif

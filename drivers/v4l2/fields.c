@@ -56,7 +56,7 @@ struct v4l2_lines v4l2_lines_of(uint32_t field, v4l2_std_id standard)
 		return (struct v4l2_lines){FIELDS_TOP, false, true};
 	case V4L2_FIELD_BOTTOM:
 		return (struct v4l2_lines){FIELDS_BOTTOM, true, true};
-	case V4L2_FIELD_ANY: /* no driver should say so; television is interlaced */
+	case V4L2_FIELD_ANY: /* no driver should answer this; television is interlaced */
 		return (struct v4l2_lines){standard ? FIELDS_INTERLACED : FIELDS_NONE, usual,
 					   false};
 	default:

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What V4L2 says about the fields of a picture, and how single fields become pairs. Nothing here
- * touches a device. */
+/* Interprets V4L2's fields of interlaced video, and pairs single fields. Pure: touches no
+ * device. */
 #ifndef INLAY_DRIVERS_V4L2_FIELDS_H
 #define INLAY_DRIVERS_V4L2_FIELDS_H
 
@@ -10,7 +10,7 @@
 
 #include "hal/frame/frame.h"
 
-/* v4l2.field: what the device is asked for. */
+/* The key v4l2.field: which arrangement of fields the device is asked for. */
 enum v4l2_field_wish {
 	V4L2_WISH_DRIVER,
 	V4L2_WISH_NONE,
@@ -24,45 +24,48 @@ enum v4l2_field_wish {
 
 extern const char *const v4l2_field_wish_names[]; /* "driver", "none", ... NULL */
 
-/* V4L2_FIELD_* to ask for; a sequence begins with the field that the standard sends first. */
+/* Returns the V4L2_FIELD_* to ask for. Sequential fields begin with the one that the standard sends
+ * first. */
 uint32_t v4l2_field_asked(enum v4l2_field_wish wish, v4l2_std_id standard);
 
 struct v4l2_lines {
-	enum frame_fields fields; /* of a whole frame: fields that alternate become a pair */
-	bool bottom_first;
-	bool one_field; /* a buffer holds one field, half the picture's height */
+	enum frame_fields fields; /* of a whole frame: alternating fields become a pair */
+	bool bottom_first;	  /* the bottom field is the earlier one */
+	bool one_field;		  /* a buffer holds one field, half the picture's height */
 };
 
-/* What a format's V4L2_FIELD_* means under a standard (0: not television). 525-line television
- * sends the bottom field first, everything else the top one. */
+/* Interprets the V4L2_FIELD_* of a format under a standard (0: not television). 525-line television
+ * sends the bottom field first, everything else the top field. */
 struct v4l2_lines v4l2_lines_of(uint32_t field, v4l2_std_id standard);
 
-/* A buffer may say more than its format did, but not that it holds less. */
+/* The same for the field of a buffer. It may be more specific than that of its format, but a buffer
+ * cannot hold less than the format says. */
 struct v4l2_lines v4l2_lines_of_buffer(const struct v4l2_lines *format, uint32_t field,
 				       v4l2_std_id standard);
 
-/* "progressive", "interlaced, bottom field first", ... */
+/* Returns "progressive", "interlaced, bottom field first", ... */
 const char *v4l2_lines_text(const struct v4l2_lines *lines);
 
 /*
- * Fields that come one by one: two that follow each other with the same sequence number are a
- * frame. Some drivers count fields although V4L2 counts frames; such a driver is recognised by a
- * run of numbers that differ, and then a frame is the field that the standard sends first and the
- * next.
+ * Pairs fields that come one by one. Two successive fields with the same sequence number are a
+ * frame. Some drivers number fields, although V4L2 asks for numbers of frames. A run of differing
+ * numbers reveals such a driver; then a frame is the field that the standard sends first together
+ * with the next one.
  */
 struct v4l2_pairing {
-	bool waiting, bottom; /* of the field that waits */
-	uint32_t sequence;
-	bool counts_frames, counts_fields; /* as far as is known */
-	int run;
+	bool waiting, bottom;		   /* a first field waits; it is the bottom one */
+	uint32_t sequence;		   /* its number */
+	bool counts_frames, counts_fields; /* both false: not known yet */
+	int run;			   /* successive fields with differing numbers */
 };
 
 enum v4l2_pair {
-	V4L2_PAIR_FIRST,  /* it waits for the other one */
-	V4L2_PAIR_SECOND, /* it completes the one that waits */
-	V4L2_PAIR_ORPHAN, /* the one that waits remains alone; this one waits in its place */
+	V4L2_PAIR_FIRST,  /* the field waits for its partner */
+	V4L2_PAIR_SECOND, /* the field completes the waiting one */
+	V4L2_PAIR_ORPHAN, /* the waiting field stays alone; the new one waits in its place */
 };
 
+/* Says how the next field pairs up. bottom_first: what the standard sends. */
 enum v4l2_pair v4l2_pairing_take(struct v4l2_pairing *pairing, uint32_t sequence, bool bottom,
 				 bool bottom_first);
 

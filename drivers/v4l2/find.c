@@ -72,12 +72,12 @@ static int not_found(const char *name, struct fault *fault)
 	return fault_say(fault, -ENODEV, "no camera found: expected a capturing /dev/video*");
 }
 
-/* What is found while the nodes are walked. */
+/* A search over all nodes. */
 struct camera_search {
 	const char *name;
-	int fd; /* of the first that matches, or why one cannot be opened */
-	char others[512];
-	struct fault refusal;
+	int fd;		      /* the first that matches, or -errno */
+	char others[512];     /* further matches, for the log */
+	struct fault refusal; /* why a node could not be opened */
 };
 
 static void note_other(struct camera_search *s, const char *path, const char *bus)
@@ -88,7 +88,8 @@ static void note_other(struct camera_search *s, const char *path, const char *bu
 		 bus);
 }
 
-/* A device has nodes of its own for still pictures and the like: the same bus is no other one. */
+/* Looks at one node. A device may have several nodes, for still pictures for example: a second
+ * match on the same bus is not another camera. */
 static void search_visit(struct camera_search *s, int number, char path[INI_PATH_MAX],
 			 struct v4l2_capability *capability)
 {
@@ -100,7 +101,7 @@ static void search_visit(struct camera_search *s, int number, char path[INI_PATH
 	snprintf(node, sizeof(node), "/dev/video%d", number);
 	fd = device_open(node, &here, &why);
 	if (fd < 0 && s->fd == -ENODEV && camera_situation_of(fd) == CAMERA_NO_PERMISSION) {
-		/* It explains more than "not found" would. */
+		/* This explains more than "not found" would. */
 		s->fd = fd;
 		s->refusal = why;
 	}

@@ -6,7 +6,7 @@
 #include "hal/device/camera_choice.h"
 #include "hal/frame/frame_fields.h"
 
-/* Of two for one format the first is taken. */
+/* Where two map to one format, the first is preferred. */
 static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_XBGR32, PIXEL_BGRX, 1}, {V4L2_PIX_FMT_ABGR32, PIXEL_BGRX, 1},
 	{V4L2_PIX_FMT_BGR32, PIXEL_BGRX, 1},  {V4L2_PIX_FMT_BGR24, PIXEL_BGR24, 1},
@@ -47,8 +47,8 @@ int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wa
 	return best;
 }
 
-/* Grey is not Y'CbCr either: cameras that have it fill the whole range, though the kernel's
- * documentation does not say so. */
+/* Grey does not count as Y'CbCr: cameras fill its whole range, although the kernel's documentation
+ * does not say so. */
 static bool is_ycbcr(uint32_t fourcc)
 {
 	const struct v4l2_layout *layout = v4l2_layout_of(fourcc);
@@ -76,7 +76,7 @@ void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matr
 	*range = quantization == V4L2_QUANTIZATION_FULL_RANGE ? RANGE_FULL : RANGE_LIMITED;
 }
 
-/* The multi-planar struct says the same in other words. */
+/* Converts a multi-planar format to the single-planar struct. */
 static struct v4l2_pix_format format_flatten(const struct v4l2_format *format)
 {
 	const struct v4l2_pix_format_mplane *m = &format->fmt.pix_mp;
@@ -192,7 +192,8 @@ static bool plane_is_whole(const struct frame_plane *plane, enum pixel_format fo
 	       plane->stride * (rows - 1) + frame_plane_stride(format, index, width);
 }
 
-/* Drivers fill up with zeros, and some cameras put a few bytes of their own behind the picture. */
+/* Drivers pad a buffer with zeros, and some cameras append a few bytes to the picture: at most so
+ * many are skipped in search of the end marker. */
 enum { JPEG_TAIL = 64 };
 
 static bool trim_jpeg(struct frame_plane *plane)

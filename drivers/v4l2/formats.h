@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What V4L2 calls pictures and colours, and what we make of it. Nothing here touches a device. */
+/* Translates V4L2's formats and colours to those of inlay. Pure: touches no device. */
 #ifndef INLAY_DRIVERS_V4L2_FORMATS_H
 #define INLAY_DRIVERS_V4L2_FORMATS_H
 
@@ -16,61 +16,61 @@ struct v4l2_layout {
 	int memory_planes; /* separate buffers for one picture */
 };
 
-/* NULL: not one of ours. */
+/* Returns the layout of a format. NULL: inlay does not decode it. */
 const struct v4l2_layout *v4l2_layout_of(uint32_t fourcc);
 
-/* A format that a device enumerates. */
+/* A format that a device offers. */
 struct v4l2_offer {
 	uint32_t fourcc;
 	bool size; /* it has the wanted size, or none is wanted */
-	bool rate; /* and at that size the wanted rate, or none is wanted */
+	bool rate; /* it has the wanted rate at that size, or none is wanted */
 };
 
-/*
- * The offer to take, or -1: of the wanted format, if it is offered; for PIXEL_NONE of any; the one
- * of the greatest camera_format_merit().
- */
+/* Returns the index of the offer of the greatest camera_format_merit() among those of the wanted
+ * format (PIXEL_NONE: of any); -1: none. */
 int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wanted);
 
-/* Matrix and range that the driver declares, its defaults resolved as the kernel's documentation
- * says. Matrices that we do not have (SMPTE 240M, BT.2020) become BT.709, the nearest. */
+/* Reads the matrix and range that the driver declares; its defaults are resolved as the kernel's
+ * documentation says. Matrices that inlay lacks (SMPTE 240M, BT.2020) become BT.709, the
+ * nearest. */
 void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matrix,
 		  enum colour_range *range);
 
-/* The most common fields of both kinds of struct v4l2_format. */
+/* A format as the driver set it, single- or multi-planar alike. */
 struct v4l2_picture {
 	const struct v4l2_layout *layout;
 	int width, height; /* of the whole picture */
 	int rows;	   /* in a buffer: height, or half of it when a buffer holds one field */
 	struct v4l2_lines lines;
 	v4l2_std_id standard;
-	size_t stride[2]; /* of our planes; 0 for JPEG */
+	size_t stride[2]; /* bytes, of the frame's planes; 0 for JPEG */
 	enum colour_matrix matrix;
 	enum colour_range range;
 };
 
-/* Reads a format that the driver returned, under this television standard (0: none). A field alone
- * that is as high as the whole picture was asked to be (wanted_height; 0: not asked) is a
- * progressive picture: the device squeezed it. -ENOTSUP: not one of ours; -EINVAL: a stride too
- * small for the width, no size, or fields in a height that has no halves. */
+/* Reads a format that the driver returned, under this television standard (0: none). If a single
+ * field has the height that was asked for the whole picture (wanted_height; 0: none), the picture
+ * counts as progressive: the device has squeezed it. 0; -ENOTSUP: inlay does not decode the format;
+ * -EINVAL: no size, a stride too small for the width, or a height that cannot be split into
+ * fields. */
 int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int wanted_height,
 		    struct v4l2_picture *picture, struct fault *fault);
 
 struct v4l2_span {
 	const uint8_t *data;
-	size_t bytes; /* used */
+	size_t bytes; /* that hold data */
 };
 
-/* Points the frame's planes into a buffer's memory (one or two planes). False when the buffer holds
- * less than it should: too few bytes, or JPEG that does not begin or end as JPEG does. What follows
- * the end of a JPEG picture is left out. */
+/* Points the frame's planes into a buffer's memory (one or two planes). False: the buffer holds
+ * too few bytes, or a JPEG without its begin or end marker. Bytes behind the end marker are left
+ * out. */
 bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
 		      struct frame_plane planes[FRAME_PLANES]);
 
-/* Bits of a pixel on the way from the camera; of JPEG a guess. 0: not one of ours. */
+/* Returns the bits of a pixel on the bus; for JPEG an estimate. 0: inlay does not decode it. */
 int v4l2_bits(uint32_t fourcc);
 
-/* "YUYV" and the like; bytes that are no letters show as dots. */
+/* Writes the four characters of a format, like "YUYV"; unprintable ones become dots. */
 void v4l2_fourcc_text(uint32_t fourcc, char text[5]);
 
 #endif

@@ -38,7 +38,7 @@ static void add_name(char names[NAMES_MAX], const char *name)
 	snprintf(names + used, NAMES_MAX - used, "%s\"%s\"", used ? ", " : "", name);
 }
 
-/* A whole number, or -1; "-1" itself once stood for the selected input. */
+/* Reads a whole number from 0 to 255; -1: text is something else. */
 static int input_number(const char *text)
 {
 	char *end;
@@ -66,6 +66,8 @@ static int find_input(int fd, const char *wanted, struct fault *fault)
 			 wanted, input.index, names[0] ? names : "none");
 }
 
+/* Selects an input by number or name. Empty, or "-1" in old configurations, keeps the present
+ * one. */
 static int select_input(int fd, const char *wanted, struct v4l2_source *source, struct fault *fault)
 {
 	int err, selected;
@@ -101,7 +103,8 @@ int v4l2_check_signal(int fd, const struct v4l2_source *source, struct fault *fa
 	return 0;
 }
 
-/* What is measured is never exact, and would drift if it were set time after time. */
+/* Whether timings agree, the pixel clock to 2 %. Measured timings are never exact; to set them each
+ * time would make them drift. */
 static bool is_the_same(const struct v4l2_bt_timings *set, const struct v4l2_bt_timings *measured)
 {
 	const uint64_t a = set->pixelclock, b = measured->pixelclock;
@@ -122,11 +125,11 @@ static int take_timings(int fd, struct fault *fault)
 	if (err == -ERANGE)
 		return fault_say(fault, err, "the source's timings are out of the camera's range");
 	if (err)
-		return 0; /* it cannot tell: keep what is set */
+		return 0; /* the device cannot measure: keep what is set */
 	if (!device_ioctl(fd, VIDIOC_G_DV_TIMINGS, &set) && is_the_same(&set.bt, &timings.bt))
 		return 0;
 	err = device_ioctl(fd, VIDIOC_S_DV_TIMINGS, &timings);
-	if (err == -EINVAL) /* the source's fault, which may send others later */
+	if (err == -EINVAL) /* not a fault of the settings: the source may send others later */
 		err = -ERANGE;
 	if (err)
 		return fault_say(fault, err, "the source's timings are not taken: %s",
@@ -135,7 +138,8 @@ static int take_timings(int fd, struct fault *fault)
 	return 0;
 }
 
-/* The families go first: a device lists "PAL-BGHIDK" and never plain "PAL". */
+/* Finds a standard by name. Families go first: a device lists "PAL-BGHIDK" and never plain
+ * "PAL". */
 static int standard_called(int fd, const char *name, v4l2_std_id offered, v4l2_std_id *standard,
 			   struct fault *fault)
 {
@@ -164,7 +168,7 @@ static int standard_called(int fd, const char *name, v4l2_std_id offered, v4l2_s
 			 name, names[0] ? names : "none");
 }
 
-/* What is set already stays untouched: devices begin anew, and settle. */
+/* Sets a standard unless it is set already: a device that is set restarts and must settle. */
 static int change_standard(int fd, v4l2_std_id standard)
 {
 	v4l2_std_id set = 0;
@@ -185,7 +189,8 @@ static int set_standard(int fd, const char *name, v4l2_std_id standard, struct f
 	return 0;
 }
 
-/* A driver that finds no signal reports all standards, or none. */
+/* Sets the standard that the device detects. Without a signal drivers report all standards, or
+ * none. */
 static void take_standard(int fd)
 {
 	v4l2_std_id standard = 0;
@@ -234,7 +239,7 @@ int v4l2_setup_input(int fd, const struct v4l2_options *options, struct v4l2_sou
 	err = select_input(fd, options->input, source, fault);
 	if (err)
 		return err;
-	/* Before anything is asked, so that no change goes by in between. */
+	/* Subscribed before anything is read, so that no change is missed in between. */
 	ask_for_events(fd, source);
 	input.index = (unsigned)source->input;
 	if (source->input >= 0 && device_ioctl(fd, VIDIOC_ENUMINPUT, &input))

@@ -18,7 +18,8 @@
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };
 
-/* Lines beyond what memory holds are left out: a listing is for reading. */
+/* Adds a line; leaves it out if memory or LINES_MAX is exhausted, because a listing is only for
+ * reading. */
 __attribute__((format(printf, 2, 3))) static void add_line(struct camera_listing *listing,
 							   const char *format, ...)
 {
@@ -37,7 +38,7 @@ __attribute__((format(printf, 2, 3))) static void add_line(struct camera_listing
 	listing->line_count++;
 }
 
-/* " 30 15 7.5" or " 1 to 60", what the device offers at one size. */
+/* Writes the rates that the device offers at one size: " 30 15 7.5" or " 1 to 60". */
 static void rates_text(int fd, uint32_t fourcc, unsigned width, unsigned height, char *text,
 		       size_t room)
 {
@@ -109,7 +110,7 @@ static void add_formats(int fd, unsigned type, struct camera_listing *listing)
 	}
 }
 
-/* The families that name a standard as v4l2.standard takes it. */
+/* Writes the families of standards, by the names that v4l2.standard accepts. */
 static const char *standards_text(v4l2_std_id standards, char text[32])
 {
 	snprintf(text, 32, "%s%s%s", standards & V4L2_STD_PAL ? " PAL" : "",
@@ -179,7 +180,7 @@ static void add_controls(int fd, struct camera_listing *listing)
 		add_control(fd, &control, listing);
 }
 
-/* The names under which it is found again when numbers move. */
+/* Adds the names that stay valid when the kernel renumbers nodes. */
 static void add_links(const char *node, struct camera_listing *listing)
 {
 	static const char *const folders[] = {"/dev/v4l/by-id", "/dev/v4l/by-path"};
@@ -213,7 +214,8 @@ static void listing_describe(int fd, const struct v4l2_capability *capability,
 	add_controls(fd, listing);
 }
 
-/* A camera that may not be opened is listed too, with the reason. */
+/* Lists a camera; one that this user may not open is listed with the reason. False: there is
+ * none. */
 static bool list_one(int index, void (*found)(void *, const struct camera_listing *), void *context)
 {
 	struct camera_listing listing = {.lines = NULL};

@@ -28,7 +28,7 @@ bool v4l2_offers_size(int fd, uint32_t fourcc, int width, int height)
 	}
 }
 
-/* Whether an interval is short enough; rates are often a hair off (29.97 for 30). */
+/* Whether an interval is short enough, to 1 %: rates are often a little off (29.97 for 30). */
 static bool fast_enough(const struct v4l2_fract *interval, double rate_hz)
 {
 	return interval->numerator * rate_hz <= interval->denominator * 1.01;
@@ -53,7 +53,7 @@ bool v4l2_offers_rate(int fd, uint32_t fourcc, int width, int height, double rat
 	}
 }
 
-/* Half of each side, where any size may be asked for. */
+/* Halves each side, for a device that offers a range of sizes. */
 static bool half_size(const struct v4l2_frmsize_stepwise *s, int *width, int *height)
 {
 	const int w = *width / 2, h = *height / 2;

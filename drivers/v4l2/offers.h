@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a V4L2 device says that it can do. */
+/* Asks a V4L2 device which sizes and rates it offers. */
 #ifndef INLAY_DRIVERS_V4L2_OFFERS_H
 #define INLAY_DRIVERS_V4L2_OFFERS_H
 
@@ -7,17 +7,18 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Pictures a second; 0: the device does not say. */
+/* Converts a frame interval to a rate in Hz; 0: the device does not know it. */
 double v4l2_rate_of(const struct v4l2_fract *interval);
 
-/* A size or rate of 0 is any. A device that does not enumerate may have all. */
+/* Whether the device offers a size or rate; 0 means any. A device that does not enumerate them may
+ * have all. */
 bool v4l2_offers_size(int fd, uint32_t fourcc, int width, int height);
 bool v4l2_offers_rate(int fd, uint32_t fourcc, int width, int height, double rate_hz);
 
-/* The next smaller size of the same shape; false: there is none. */
+/* Replaces the size by the next smaller one of the same shape. False: there is none. */
 bool v4l2_smaller_size(int fd, uint32_t fourcc, int *width, int *height);
 
-/* The next lower rate at this size; false: there is none. */
+/* Replaces the rate by the next lower one at this size. False: there is none. */
 bool v4l2_slower_rate(int fd, uint32_t fourcc, int width, int height, double *rate_hz);
 
 #endif

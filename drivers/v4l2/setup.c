@@ -41,13 +41,13 @@ static int format_choose(int fd, unsigned type, const struct camera_settings *se
 	return 0;
 }
 
-/* What is asked for; height is that of the whole picture, 0 for the device's choice. */
+/* The wanted format; height is that of the whole picture. A size of 0 is the device's choice. */
 struct format_request {
 	uint32_t fourcc, field;
 	unsigned width, height;
 };
 
-/* A format that holds one field has half the lines. */
+/* Returns the lines to ask for: half the picture's height if a buffer holds one field. */
 static unsigned lines_asked(const struct format_request *request, uint32_t field_now,
 			    unsigned height_now)
 {
@@ -69,7 +69,7 @@ static unsigned height_of(const struct v4l2_format *format)
 								  : format->fmt.pix.height;
 }
 
-/* Strides and sizes in memory are for the driver to say. */
+/* Asks for a format. Strides and sizes in memory are 0: the driver chooses them. */
 static int format_ask(int fd, const struct format_request *request, struct v4l2_format *format,
 		      struct fault *fault)
 {
@@ -113,13 +113,15 @@ static int set_format(int fd, const struct format_request *wanted, struct v4l2_f
 	if (err || request.height == 0 || field_of(format) != V4L2_FIELD_ALTERNATE ||
 	    height_of(format) < request.height)
 		return err;
-	/* Fields in turn, though not asked for, and each as high as the picture should be. */
+	/* The device sends alternating fields, although not asked for, each as high as the picture
+	 * should be. */
 	request.field = V4L2_FIELD_ALTERNATE;
 	return format_ask(fd, &request, format, fault);
 }
 
-/* A device that can lay its picture into a part of the memory keeps doing so for whoever comes
- * next, and what is left over is never written. Most cannot; that is no fault. */
+/* Makes the picture fill the buffer. A device that can compose into a part of the buffer keeps the
+ * setting of the last program, and never writes the rest. Most devices cannot compose; that is no
+ * fault. */
 static void fill_memory(int fd, const struct v4l2_picture *picture)
 {
 	struct v4l2_selection whole = {
@@ -130,7 +132,8 @@ static void fill_memory(int fd, const struct v4l2_picture *picture)
 	(void)device_ioctl(fd, VIDIOC_S_SELECTION, &whole);
 }
 
-/* Many devices have no say in their rate; that is no fault. */
+/* Sets the rate and returns the one that the device uses, in Hz; 0: not known. Many devices cannot
+ * set it; that is no fault. */
 static double set_rate(int fd, unsigned type, double wanted_hz)
 {
 	struct v4l2_streamparm parameters = {.type = type};
@@ -160,7 +163,7 @@ int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *sett
 	err = format_choose(fd, type, settings, &request.fourcc, fault);
 	if (!err)
 		err = set_format(fd, &request, &format, fault);
-	if (err == -ENOSPC) /* what is to be lessened */
+	if (err == -ENOSPC) /* for v4l2_fallback_step() */
 		*picture = (struct v4l2_picture){.layout = v4l2_layout_of(request.fourcc),
 						 .width = settings->width,
 						 .height = settings->height};
