@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A simulated camera, for demonstrations and tests: a fisheye or a perspective view of a room that
- * moves (studio) or of an HDR panorama, or pictures from files; with the faults of real cameras on
- * demand.
+ * A simulated camera for demonstrations and tests. It shows a fisheye or perspective view of a room
+ * with moving lamps (studio) or of an HDR panorama, or pictures from files. On demand it fails as
+ * real cameras do.
  *
- * clock=real delivers frames when they are due, as a device does. clock=frames has the next one
- * ready at once, its timestamp one period later: the same run gives the same pictures, as fast as
- * they can be used.
+ * With clock=real, frames are ready when they are due, as those of a device. With clock=frames the
+ * next frame is always ready, and its time stamp is one period later: each run gives the same
+ * pictures, as fast as the program takes them.
  */
 #include <errno.h>
 #include <math.h>
@@ -25,7 +25,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/number.h"
 
-/* An exposure that was asked for. */
+/* A change of exposure that was asked for. */
 struct sim_change {
 	uint64_t from; /* the first frame that shows it */
 	double exposure;
@@ -36,16 +36,16 @@ struct sim {
 	struct panorama_view *panorama;
 	struct player *player;
 	struct sensor sensor;
-	float *linear;	 /* studio, panorama: radiance of the frame */
-	uint8_t *bgrx;	 /* the sensor's output; NULL when the player's or none is used */
-	uint8_t *output; /* of the formats that are made from bgrx or linear */
-	int descriptor;	 /* timer or event; -1 when the player has its own */
+	float *linear;	 /* radiance of a studio or panorama frame */
+	uint8_t *bgrx;	 /* output of the sensor */
+	uint8_t *output; /* the frame in a format that is converted from bgrx or linear */
+	int descriptor;	 /* timerfd or eventfd; -1: the player has its own */
 	int64_t start_ns, period_ns;
 	uint64_t next; /* sequence number of the frame to come */
 	uint64_t delivered;
-	struct sim_change changes[SIM_DELAY_MAX + 1]; /* in turn; at most one a frame */
+	struct sim_change changes[SIM_DELAY_MAX + 1]; /* in order of time; at most one per frame */
 	int change_count;
-	double turn_rad; /* of the panorama in linear; NAN: none yet */
+	double turn_rad; /* angle of the panorama in linear; NAN: not rendered yet */
 	enum colour_matrix matrix;
 	enum colour_range range;
 };
@@ -160,7 +160,7 @@ static int start_clock(const struct camera *camera, struct sim *sim, struct faul
 	};
 
 	if (sim->player && player_picture(sim->player).descriptor >= 0)
-		return 0; /* the pipe's writer keeps time */
+		return 0; /* the pipe's writer sets the pace */
 	if (options->pace == SIM_CLOCK_FRAMES)
 		sim->descriptor = eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK);
 	else
@@ -225,7 +225,7 @@ static int sim_descriptor(struct camera *camera)
 	return sim->descriptor >= 0 ? sim->descriptor : player_picture(sim->player).descriptor;
 }
 
-/* A stalled device still lets itself be polled: nothing more comes. */
+/* Stalls: the descriptor can still be polled, but never becomes readable again. */
 static void fall_silent(struct sim *sim)
 {
 	const struct itimerspec never = {{0, 0}, {0, 0}};
@@ -233,12 +233,13 @@ static void fall_silent(struct sim *sim)
 
 	if (sim->descriptor < 0)
 		return;
-	/* One of the two applies and empties the descriptor; the other fails harmlessly. */
+	/* The descriptor is a timer or an event: one of the calls applies, the other fails
+	 * harmlessly. */
 	(void)timerfd_settime(sim->descriptor, 0, &never, NULL);
 	(void)!read(sim->descriptor, &count, sizeof(count));
 }
 
-/* How many frames fell due since the last look; 0: none yet. */
+/* Returns how many frames have become due since the last call; 0: none. */
 static uint64_t take_ticks(const struct camera *camera, const struct sim *sim)
 {
 	const struct sim_options *options = camera->options;
@@ -251,8 +252,8 @@ static uint64_t take_ticks(const struct camera *camera, const struct sim *sim)
 }
 
 /*
- * The moment that the scene shows. Under the real clock all cameras of all programs share it, so
- * that a fisheye and a background match; with clock=frames it counts from the first frame.
+ * Returns the time in the scene. With clock=real it is the same for all cameras of all programs, so
+ * that fisheye and background match. With clock=frames it counts from the first frame.
  */
 static double scene_time_s(const struct camera *camera, const struct sim *sim, uint64_t sequence)
 {
@@ -276,7 +277,7 @@ static void render_scene(const struct camera *camera, struct sim *sim, uint64_t 
 	}
 	turn_rad = fmod(options->turn_rate_deg * time_s, 360) * M_PI / 180;
 	if (turn_rad == sim->turn_rad)
-		return; /* it stands still, and is there already */
+		return; /* the panorama stands still: linear holds this frame already */
 	panorama_view_render(sim->panorama, turn_rad, sim->linear);
 	sim->turn_rad = turn_rad;
 }
@@ -304,7 +305,7 @@ static void output_linear(const struct camera *camera, struct sim *sim, const fl
 	fill_plane(frame, to);
 }
 
-/* 8-bit files wanted as linear light. */
+/* Converts 8-bit files to linear light. */
 static void output_decoded(const struct camera *camera, struct sim *sim, const uint8_t *bgrx,
 			   struct frame *frame)
 {
@@ -374,7 +375,7 @@ static int64_t timestamp_ns(const struct camera *camera, const struct sim *sim, 
 	const struct sim_options *options = camera->options;
 
 	if (sim->descriptor < 0 && options->pace == SIM_CLOCK_REAL)
-		return clock_now_ns(); /* of a pipe: when it came */
+		return clock_now_ns(); /* a picture from a pipe: the time of arrival */
 	return sim->start_ns + (int64_t)sequence * sim->period_ns;
 }
 
@@ -383,7 +384,7 @@ static bool frames_reached(int limit, uint64_t count)
 	return limit > 0 && count >= (uint64_t)limit;
 }
 
-/* The exposures that have fallen due. */
+/* Applies the changes of exposure that are due. */
 static void apply_changes(struct sim *sim, uint64_t sequence)
 {
 	struct sensor_settings settings = sim->sensor.settings;
@@ -399,7 +400,7 @@ static void apply_changes(struct sim *sim, uint64_t sequence)
 		(size_t)sim->change_count * sizeof(*sim->changes));
 }
 
-/* One frame; an unfit one keeps the format PIXEL_NONE. */
+/* Produces one frame; a damaged one keeps the format PIXEL_NONE. */
 static int sim_take_frame(struct camera *camera, struct sim *sim, struct frame *frame,
 			  struct fault *fault)
 {
@@ -458,13 +459,14 @@ static int sim_grab(struct camera *camera, struct frame *frame, struct fault *fa
 	return err;
 }
 
-/* What plays 8-bit files gives them as they are. */
+/* Whether the sensor is simulated: 8-bit files are passed on as they are. */
 static bool has_exposure(const struct sim *sim)
 {
 	return !sim->player || player_picture(sim->player).linear;
 }
 
-/* The first frame that is not captured yet: who asks late is obeyed late. */
+/* Returns the number of the first frame that is not captured yet. A real camera, too, applies a
+ * control only to frames that are still to come. */
 static uint64_t to_come(const struct camera *camera, const struct sim *sim)
 {
 	const struct sim_options *options = camera->options;
@@ -485,7 +487,7 @@ static int sim_control(struct camera *camera, const char *name, const char *valu
 	const uint64_t from = to_come(camera, sim) + (uint64_t)options->control_delay;
 	double exposure;
 
-	(void)taken; /* any number is taken as it is */
+	(void)taken; /* no number is rounded */
 	if (!has_exposure(sim))
 		return fault_say(fault, -ENOTSUP, "sim: %s: 8-bit pictures have no exposure",
 				 options->file);
@@ -498,7 +500,7 @@ static int sim_control(struct camera *camera, const char *name, const char *valu
 	if (exposure < 0 || exposure > SIM_EXPOSURE_MAX)
 		return fault_say(fault, -ERANGE, "sim: exposure is %s, expected 0 to %g", value,
 				 SIM_EXPOSURE_MAX);
-	/* Two for one frame: the later counts. */
+	/* Of two changes for one frame, the later one counts. */
 	if (sim->change_count == 0 || sim->changes[sim->change_count - 1].from < from)
 		sim->change_count++;
 	sim->changes[sim->change_count - 1] = (struct sim_change){from, exposure};

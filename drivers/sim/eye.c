@@ -13,6 +13,8 @@ bool eye_ray(const struct sim_eye *eye, const double px[2], double origin[3], do
 	return fisheye_ray(&eye->lens, px, dir);
 }
 
+/* Angle between the rays of two points, per pixel of their distance: rad/px. The chord stands for
+ * the angle. */
 static double eye_ray_spread(const struct sim_eye *eye, const double a[2], const double b[2])
 {
 	double origin[3], from[3], to[3], chord[3];

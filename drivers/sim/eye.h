@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a simulated camera stands and what each of its pixels looks at. */
+/* The position and projection of a simulated camera: the ray of each pixel. */
 #ifndef INLAY_DRIVERS_SIM_EYE_H
 #define INLAY_DRIVERS_SIM_EYE_H
 
@@ -11,19 +11,20 @@
 struct sim_eye {
 	int width, height;
 	bool fisheye;
-	struct fisheye lens;	   /* of a fisheye */
-	double position[3];	   /* of a fisheye */
-	struct tsai_camera camera; /* otherwise */
+	struct fisheye lens;	   /* if fisheye */
+	double position[3];	   /* if fisheye; m */
+	struct tsai_camera camera; /* if not fisheye */
 };
 
-/* The ray of a point in the picture; dir is a unit vector. False when nothing is seen there. */
+/* Computes the ray of a point in the picture; dir is a unit vector. False: the point lies outside
+ * the field of view. */
 bool eye_ray(const struct sim_eye *eye, const double px[2], double origin[3], double dir[3]);
 
-/* About how wide a pixel-sized patch is, rad: the mean of its two sides. 0 where nothing is
- * seen. */
+/* Returns the approximate angular width of a pixel at a point, in rad: the mean of its two sides. 0
+ * outside the field of view. */
 double eye_pixel_rad(const struct sim_eye *eye, const double px[2]);
 
-/* Whether the rim of a fisheye's image circle goes through a pixel, which then sees in part. */
+/* Whether the rim of a fisheye's image circle crosses a pixel, part of which then sees nothing. */
 bool eye_on_rim(const struct sim_eye *eye, int x, int y);
 
 #endif

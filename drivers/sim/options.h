@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The keys of the simulated camera, and where they put it. */
+/* The keys of the simulated camera, [camera NAME] sim.*, and the eye that they describe. */
 #ifndef INLAY_DRIVERS_SIM_OPTIONS_H
 #define INLAY_DRIVERS_SIM_OPTIONS_H
 
@@ -31,14 +31,13 @@ struct sim_options {
 	int control_delay;
 };
 
-/* Of the exposure, as a key and as a control; of the delay. */
-#define SIM_EXPOSURE_MAX 1e6
-#define SIM_DELAY_MAX 30
+#define SIM_EXPOSURE_MAX 1e6 /* limit of the exposure, as a key and as a control */
+#define SIM_DELAY_MAX 30     /* limit of control_delay, in frames */
 
 extern const struct ini_key sim_keys[];
 
-/* Where the camera stands, from the settings' size, else the camera file's, else 640x480.
- * 0 or -errno: the camera file cannot be read, or does not fit the size. */
+/* Prepares the eye. Its size is that of the settings, else that of the camera file, else 640x480.
+ * 0; -errno: the camera file cannot be read, or does not fit the size. */
 int sim_eye(const struct sim_options *options, const struct camera_settings *settings,
 	    struct sim_eye *eye, struct fault *fault);
 

@@ -13,11 +13,11 @@ enum { SIDE_MAX = 4, RIM_SIDE = 8 };
 struct panorama_view {
 	int width, height;
 	struct image image;
-	int side; /* samples a pixel: side x side */
-	/* Places in the unturned panorama, [height][width][side * side][2], in its pixels with
-	 * centres at whole numbers; NAN: nothing is seen. */
+	int side; /* a pixel has side x side samples */
+	/* Positions of the samples in the unturned panorama, [height][width][side * side][2], in
+	 * its pixels, whose centres are whole numbers; NAN: nothing is seen. */
 	float *places;
-	float *share; /* [height][width]: of a pixel that sees anything */
+	float *share; /* [height][width]: part of the pixel that lies in the field of view, 0..1 */
 };
 
 static int samples_per_side(const struct sim_eye *eye, const struct image *image)
@@ -41,7 +41,8 @@ static void view_place(const struct panorama_view *view, const struct sim_eye *e
 	at[1] = (float)(view->image.height * atan2(hypot(dir[0], dir[1]), dir[2]) / M_PI - 0.5);
 }
 
-/* A pixel on the rim: how much of it sees, and samples of that part. */
+/* Handles a pixel on the rim: takes samples from the part in the field of view, and returns the
+ * share of that part. */
 static float place_rim(const struct panorama_view *view, const struct sim_eye *eye, int x, int y,
 		       float *at)
 {
@@ -126,7 +127,7 @@ void panorama_view_destroy(struct panorama_view *view)
 	free(view);
 }
 
-/* x lies in [0, width + width): wrapping is one subtraction. */
+/* x lies in [0, 2 * width): wrapping is one subtraction. */
 static void panorama_add_sample(const struct image *image, float x, float y, float sum[3])
 {
 	const float fy = floorf(y);
@@ -154,7 +155,8 @@ void panorama_view_render(const struct panorama_view *view, double turn_rad, flo
 	const size_t pixels = (size_t)view->width * (size_t)view->height;
 	const int samples = view->side * view->side;
 	const double turns = turn_rad / (2 * M_PI);
-	/* A whole width more makes every x positive; rounding may reach 2 widths exactly. */
+	/* x is at least -0.5 before the shift, so one width more makes it positive. By rounding, x
+	 * may be exactly 2 widths. */
 	const float shift = (float)((turns - floor(turns)) * view->image.width);
 	const float *at = view->places;
 

@@ -13,7 +13,7 @@
 
 enum player_kind { KIND_VIDEO, KIND_NUMBERED, KIND_SINGLE };
 
-/* "img%03d.png" taken apart. */
+/* The parts of a name like "img%03d.png". */
 struct pattern {
 	char before[INI_PATH_MAX];
 	const char *after;
@@ -25,12 +25,12 @@ struct player {
 	enum player_kind kind;
 	struct y4m video;
 	struct pattern pattern;
-	int first, next; /* numbers */
+	int first, next; /* numbers of the first and the present picture */
 	bool started;
 	int width, height;
-	struct image image;   /* of linear pictures: the last one read */
-	struct canvas canvas; /* of video, with a stride of its own */
-	uint8_t *bgrx;	      /* of 8-bit pictures, packed */
+	struct image image;   /* the last picture read, if linear */
+	struct canvas canvas; /* the last frame of a video, with a stride of its own */
+	uint8_t *bgrx;	      /* the last 8-bit picture, rows packed */
 };
 
 static bool path_ends_with(const char *text, const char *end)
@@ -40,7 +40,7 @@ static bool path_ends_with(const char *text, const char *end)
 	return a >= b && strcmp(text + a - b, end) == 0;
 }
 
-/* Pictures cannot come out of a pipe: whatever is not a plain file is taken for video. */
+/* Anything but a regular file counts as video: pictures cannot come from a pipe. */
 static bool is_video(const char *path)
 {
 	struct stat st;
@@ -50,7 +50,7 @@ static bool is_video(const char *path)
 	return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
 }
 
-/* True when there is exactly one %d, %3d or %03d in the name. */
+/* Splits a name at its number. True: it has exactly one %d, %3d or %03d. */
 static bool take_apart(const char *path, struct pattern *pattern)
 {
 	const char *percent = strchr(path, '%'), *p = percent;
@@ -68,6 +68,7 @@ static bool take_apart(const char *path, struct pattern *pattern)
 	return true;
 }
 
+/* Writes the path of a numbered picture. True: the file exists. */
 static bool numbered_path(const struct player *player, int number, char path[INI_PATH_MAX])
 {
 	const int length = snprintf(path, INI_PATH_MAX, "%s%0*d%s", player->pattern.before,
@@ -230,7 +231,7 @@ static enum colour_matrix video_matrix(const struct player *player)
 {
 	if (player->settings.matrix)
 		return (enum colour_matrix)(player->settings.matrix - 1);
-	return player->height >= 720 ? MATRIX_BT709 : MATRIX_BT601; /* as players do */
+	return player->height >= 720 ? MATRIX_BT709 : MATRIX_BT601; /* as video players do */
 }
 
 static int take_video(struct player *player, struct fault *fault)

@@ -13,7 +13,7 @@ void sensor_prepare(struct sensor *sensor, const struct sensor_settings *setting
 			black + (255 - black) * transfer_encode(settings->transfer, i / 65535.0));
 }
 
-/* SplitMix64's finaliser: a counter becomes a random number. */
+/* Hashes a counter into a random number (SplitMix64). */
 static uint64_t noise_scramble(uint64_t z)
 {
 	z += 0x9e3779b97f4a7c15u;
@@ -22,7 +22,7 @@ static uint64_t noise_scramble(uint64_t z)
 	return z ^ z >> 31;
 }
 
-/* Nearly Gaussian, mean 0, variance 1: the sum of four 16-bit uniforms. */
+/* Returns a nearly Gaussian number of mean 0 and variance 1: the sum of four 16-bit uniforms. */
 static float noise_gauss(uint64_t counter)
 {
 	const uint64_t z = noise_scramble(counter);
@@ -76,7 +76,7 @@ void sensor_expose(const struct sensor *sensor, uint64_t frame, const float *rgb
 /* Y'CbCr from code values (ITU-R BT.601-7 2.5, BT.709-6 3). */
 struct luma {
 	float kr, kg, kb;
-	float y_scale, y_offset, b_scale, r_scale; /* of Y', B' - Y' and R' - Y' */
+	float y_scale, y_offset, b_scale, r_scale; /* of Y', Y', B' - Y' and R' - Y' */
 };
 
 static struct luma sensor_luma(enum colour_matrix matrix, enum colour_range range)

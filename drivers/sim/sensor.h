@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A simulated sensor: linear light to the code values of a camera.
+ * A simulated sensor: converts linear light to the code values of a camera.
  *
  *     v    = exposure * radiance + noise          clipped to 0..1
  *     code = black + (255 - black) * transfer(v)  rounded
  *
- * noise is Gaussian with a standard deviation of sqrt(read^2 + shot^2 v), both given in 8-bit
- * levels of linear light; the same seed and frame give the same noise.
+ * The noise is Gaussian, with a standard deviation of
+ *
+ *     sigma = sqrt(read^2 + shot^2 * exposure * radiance)
+ *
+ * read and shot are given in 8-bit levels of linear light. The same seed and frame give the same
+ * noise.
  */
 #ifndef INLAY_DRIVERS_SIM_SENSOR_H
 #define INLAY_DRIVERS_SIM_SENSOR_H
@@ -23,16 +27,17 @@ struct sensor_settings {
 
 struct sensor {
 	struct sensor_settings settings;
-	uint8_t encode[65536]; /* Q16 linear to code */
+	uint8_t encode[65536]; /* code value of i / 65535 of linear light */
 };
 
 void sensor_prepare(struct sensor *sensor, const struct sensor_settings *settings);
 
-/* One frame of linear light, count pixels of three, to BGRX. */
+/* Converts a frame of linear light, rgb[count][3], to BGRX. frame selects the noise. */
 void sensor_expose(const struct sensor *sensor, uint64_t frame, const float *rgb, size_t count,
 		   uint8_t *bgrx);
 
-/* BGRX to YUYV, chroma averaged over each pair; both without padding, width even. */
+/* Converts BGRX to YUYV; chroma is the mean of each pair of pixels. Neither has padding; the width
+ * is even. */
 void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix matrix,
 		      enum colour_range range, uint8_t *yuyv);
 

@@ -13,16 +13,14 @@ const double studio_normals[STUDIO_SURFACE_COUNT][3] = {
 	{0, 0, 1}, {0, 0, -1}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0},
 };
 
-/* A rectangle that shines: corners in order around it, seen from inside the room. */
+/* A rectangular light source on a surface. */
 struct emitter {
 	enum studio_surface surface;
-	double low[2], high[2]; /* the two coordinates that the surface leaves free, x before y
-				   before z */
+	double low[2], high[2]; /* in the surface's coordinates: surface_uv() */
 	double radiance[3];
-	double share; /* of the rectangle that shines */
+	double share; /* luminous part of the rectangle: the window has bars */
 };
 
-/* The window's bars are left out of the light by its share. */
 enum { PANEL_EAST, PANEL_WEST, WINDOW, EMITTER_COUNT };
 
 static const double bar_m = 0.05;
@@ -37,15 +35,16 @@ static const struct emitter emitters[EMITTER_COUNT] = {
 		    (1.6 - 0.05) * (1.2 - 0.05) / (1.6 * 1.2)},
 };
 
-/* What all the other surfaces give, taken as the same everywhere. */
+/* Irradiance by light from all other surfaces, assumed equal everywhere. */
 static const double ambient_irradiance[3] = {0.33, 0.31, 0.28};
 
-/* The axis a surface is perpendicular to, and where on it the surface lies. */
+/* Index of the axis that is normal to a surface. */
 static int surface_axis(enum studio_surface surface)
 {
 	return surface <= STUDIO_CEILING ? 2 : surface <= STUDIO_WALL_WEST ? 0 : 1;
 }
 
+/* Coordinate of a surface on that axis. */
 static double surface_place(enum studio_surface surface)
 {
 	static const double place[STUDIO_SURFACE_COUNT] = {0,	    height, half_x,
@@ -54,7 +53,7 @@ static double surface_place(enum studio_surface surface)
 	return place[surface];
 }
 
-/* The surface's own coordinates: the free axes in order. */
+/* Coordinates on a surface: those of the other two axes, in the order x, y, z. */
 static void surface_uv(enum studio_surface surface, const double point[3], double uv[2])
 {
 	const int axis = surface_axis(surface);
@@ -65,7 +64,7 @@ static void surface_uv(enum studio_surface surface, const double point[3], doubl
 
 void studio_lanterns(double time_s, struct studio_lantern lanterns[STUDIO_LANTERNS])
 {
-	/* 12 s round, the cool one ahead by a varying angle so that they never meet. */
+	/* A turn takes 12 s. The cool lantern leads by a varying angle, so that they never meet. */
 	const double turn = 2 * M_PI * time_s / 12 - 0.9;
 	const double ahead = turn + 2.6 + 0.4 * sin(2 * M_PI * time_s / 20);
 
@@ -81,7 +80,7 @@ void studio_lanterns(double time_s, struct studio_lantern lanterns[STUDIO_LANTER
 	};
 }
 
-/* A number in 0..1 that belongs to a pair of integers. */
+/* Hashes a pair of integers to a number in 0..1. */
 static double hash_unit(int32_t a, int32_t b)
 {
 	uint32_t h = (uint32_t)a * 0x9e3779b1u ^ (uint32_t)b * 0x85ebca77u;
@@ -107,7 +106,7 @@ static void rgb_scale(double rgb[3], double factor)
 		rgb[c] *= factor;
 }
 
-/* Oak boards along x, each of its own tone, with a faint grain and dark seams. */
+/* Oak boards along x: each has its own tone, with a faint grain and dark seams. */
 static void boards_albedo(double x, double y, double albedo[3])
 {
 	const double width = 0.14, length = 1.3, seam = 0.003;
@@ -125,7 +124,8 @@ static void boards_albedo(double x, double y, double albedo[3])
 		rgb_scale(albedo, 0.45);
 }
 
-/* A round rug under the object's place, plain inside so that shadows read well on it. */
+/* A round rug under the object, plain inside so that shadows are clearly visible. False: the point
+ * lies beside it. */
 static bool rug_albedo(double x, double y, double albedo[3])
 {
 	const double r = hypot(x, y), edge = 0.85;
@@ -157,7 +157,7 @@ static bool uv_is_inside(const double uv[2], double low0, double high0, double l
 	return uv[0] >= low0 && uv[0] < high0 && uv[1] >= low1 && uv[1] < high1;
 }
 
-/* A door and a picture, so that no two walls look alike. */
+/* A door, a window frame and a picture make all walls look different. */
 static void wall_albedo(enum studio_surface surface, const double uv[2], double albedo[3])
 {
 	if (uv[1] < 0.09) {
@@ -189,7 +189,7 @@ static void wall_albedo(enum studio_surface surface, const double uv[2], double 
 	}
 }
 
-/* True on the glass of the window or the face of a panel. */
+/* Whether a point of the surface lies on the luminous part: a panel, or glass of the window. */
 static bool emitter_shines(const struct emitter *e, const double uv[2])
 {
 	const double middle[2] = {(e->low[0] + e->high[0]) / 2, (e->low[1] + e->high[1]) / 2};
@@ -258,7 +258,8 @@ bool studio_hit(const double origin[3], const double dir[3], struct studio_hit *
 	return true;
 }
 
-/* Lambert's formula for a rectangle wholly in front of the surface, radiance 1. */
+/* Irradiance by a rectangle of radiance 1 that lies wholly in front of the surface (Lambert's
+ * formula). */
 static double rectangle_irradiance(const double corners[4][3], const double point[3],
 				   const double normal[3])
 {
@@ -278,7 +279,7 @@ static double rectangle_irradiance(const double corners[4][3], const double poin
 		if (sine > 0)
 			sum += atan2(sine, vec_dot(a, b)) * vec_dot(across, normal) / sine;
 	}
-	return fabs(sum) / 2; /* the sign is the sense in which the corners go round */
+	return fabs(sum) / 2; /* the sign depends on the orientation of the corners */
 }
 
 static void emitter_corners(const struct emitter *e, double corners[4][3])
@@ -300,7 +301,7 @@ void studio_steady_irradiance(const double point[3], enum studio_surface surface
 		double corners[4][3], share;
 
 		if (emitters[i].surface == surface)
-			continue; /* in the same plane */
+			continue; /* lies in the same plane */
 		emitter_corners(&emitters[i], corners);
 		share = emitters[i].share *
 			rectangle_irradiance(corners, point, studio_normals[surface]);
@@ -319,7 +320,7 @@ double studio_lantern_irradiance(const struct studio_lantern *lantern, const dou
 	return facing > 0 ? M_PI * lantern->radius * lantern->radius * facing / (d2 * sqrt(d2)) : 0;
 }
 
-/* The nearest lantern that the ray meets before it has gone `limit`, or -1. */
+/* Returns the nearest lantern that the ray hits within a distance of `limit`; -1: none. */
 static int lantern_hit(const struct studio_lantern lanterns[STUDIO_LANTERNS],
 		       const double origin[3], const double dir[3], double limit)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The studio's true lights, by integrating its radiance over each of them. */
+/* Integrates the studio's radiance over each light of a dome. */
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -9,10 +9,11 @@
 #include "drivers/sim/studio.h"
 
 /*
- * The sky in tiles of polar angle and azimuth. The mean of its corners stands for a tile that sees
- * one smooth surface; the others are looked at finely. A tile that lies in several cells is shared
- * among them finely; tents hardly bend within one, and share it as they do its middle. Everything
- * that shines is far larger than a tile, which is at most 0.35 degrees wide, so the corners tell.
+ * The sky is divided into tiles of polar angle and azimuth, at most 0.35 degrees wide. If the
+ * radiance at the four corners is nearly equal, their mean stands for the tile; otherwise the tile
+ * is sampled FINE x FINE times. The corners suffice, because every emitter is far larger than a
+ * tile. A tile that spans several Voronoi cells is divided among them by fine samples. Tents are
+ * nearly linear within a tile, so the weights at its middle divide it.
  */
 enum { RINGS = 256, SECTORS = 1024, FINE = 10 };
 
@@ -25,15 +26,15 @@ struct light_integral {
 	const struct dome *dome;
 	const double *origin;
 	double time_s;
-	double (*radiance)[3]; /* weighted sums */
-	double *weights;
+	double (*radiance)[3]; /* weighted sums, for each light */
+	double *weights;       /* sums of the weights, sr */
 };
 
 static void polar_direction(double theta, double phi, double dir[3])
 {
 	dir[0] = sin(theta) * cos(phi);
 	dir[1] = sin(theta) * sin(phi);
-	dir[2] = fmax(cos(theta), 0); /* rounding must not put the horizon below itself */
+	dir[2] = fmax(cos(theta), 0); /* rounding must not put the horizon below 0 */
 }
 
 static void sight_look(const struct light_integral *in, double theta, double phi,
@@ -55,7 +56,7 @@ static void integral_add(struct light_integral *in, int cell, const double rgb[3
 	in->weights[cell] += weight;
 }
 
-/* To the lights that share a direction. */
+/* Adds radiance from a direction to the lights that share it. */
 static void add_seen(struct light_integral *in, const double dir[3], const double rgb[3],
 		     double weight)
 {

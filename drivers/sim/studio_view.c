@@ -9,7 +9,8 @@
 #include "drivers/sim/studio.h"
 #include "hal/optics/vec.h"
 
-/* What is kept for a pixel, one float each; a row holds LANES runs of width floats. */
+/* The values kept for each pixel, one float each. A row of pixels holds LANES runs of width
+ * floats. */
 enum lane {
 	POINT_X,
 	POINT_Y,
@@ -27,11 +28,11 @@ enum lane {
 	DIR_Y,
 	DIR_Z,
 	PIXEL_RAD,
-	SHARE, /* of the pixel that sees the room: less on the rim of a fisheye's circle */
+	SHARE, /* part of the pixel that sees the room; below 1 on the rim of a fisheye's circle */
 	LANES
 };
 
-/* Looks into a pixel: side by side, where it sees one thing and where several. */
+/* Samples along a side of a pixel: where it sees one surface, and where it sees several. */
 enum { COARSE = 2, FINE = 5 };
 
 struct studio_view {
@@ -41,11 +42,11 @@ struct studio_view {
 	float *lanes; /* [height][LANES][width] */
 };
 
-/* Sums over the parts of a pixel that see the room. */
+/* Sums over the samples of a pixel that hit the room. */
 struct pixel_patch {
 	int count;
 	struct studio_hit first, last;
-	bool mixed; /* the parts see different things */
+	bool mixed; /* the samples differ in surface, albedo or emission */
 	double paint[3], steady[3];
 	double last_irradiance[3];
 };
@@ -68,7 +69,7 @@ static void patch_add(const struct sim_eye *eye, const double px[2], double orig
 
 	if (!eye_ray(eye, px, origin, dir) || !studio_hit(origin, dir, &hit))
 		return;
-	/* Steady light hardly changes within a pixel, unless the surface does. */
+	/* Within a pixel the steady irradiance is nearly constant on one surface. */
 	if (patch->count == 0 || hit.surface != patch->last.surface)
 		studio_steady_irradiance(hit.point, hit.surface, patch->last_irradiance);
 	if (patch->count == 0)
@@ -158,10 +159,10 @@ void studio_view_destroy(struct studio_view *view)
 	free(view);
 }
 
-/* A lantern as one frame needs it. */
+/* A lantern, prepared for one frame. */
 struct glow {
 	float centre[3], radius2_pi, radiance[3];
-	float to[3], cosine, sine; /* its direction and angular radius as seen from the camera */
+	float to[3], cosine, sine; /* direction and angular radius, seen from the camera */
 	double distance;
 };
 
@@ -179,13 +180,13 @@ static void prepare_glow(const struct studio_lantern *lantern, const double orig
 	glow->distance = vec_normalize(to);
 	for (int i = 0; i < 3; i++)
 		glow->to[i] = (float)to[i];
-	/* From inside it fills the view: no cosine is below -2. */
+	/* A camera inside the lantern sees nothing else: no cosine is below -2. */
 	glow->sine = (float)fmin(lantern->radius / glow->distance, 1);
 	glow->cosine = glow->distance > lantern->radius ? sqrtf(1 - glow->sine * glow->sine) : -2;
 }
 
-/* Light on the surfaces. Written so that compilers turn the loop into vectors: no branches, no
- * calls but sqrtf. */
+/* Adds the lanterns' light on the surfaces. The loop has no branches and no calls but sqrtf(), so
+ * that compilers vectorise it. */
 static void light_row(const float *restrict lanes, int width, const struct glow *glows,
 		      float *restrict rgb)
 {
@@ -212,7 +213,7 @@ static void light_row(const float *restrict lanes, int width, const struct glow 
 	}
 }
 
-/* How much of what a pixel on its rim sees a lantern covers. */
+/* Returns the share that a lantern covers of a pixel on the lantern's rim. */
 static float rim_coverage(const struct studio_view *view, const struct glow *glow, int x, int y)
 {
 	int seen = 0, covered = 0;
@@ -230,7 +231,7 @@ static float rim_coverage(const struct studio_view *view, const struct glow *glo
 	return seen ? (float)covered / (float)seen : 0;
 }
 
-/* The lantern itself, over what is behind it. */
+/* Draws the lantern itself over what is behind it. */
 static void draw_lantern(const struct studio_view *view, const float *lanes, int y,
 			 const struct glow *glow, float *rgb)
 {
@@ -240,7 +241,7 @@ static void draw_lantern(const struct studio_view *view, const float *lanes, int
 		const float cosine = lanes[DIR_X * w + x] * glow->to[0] +
 				     lanes[DIR_Y * w + x] * glow->to[1] +
 				     lanes[DIR_Z * w + x] * glow->to[2];
-		/* A pixel's corner is nearer to its middle than this, on any lens. */
+		/* On any lens, the corners of a pixel are nearer to its middle than this. */
 		const float rim = 1.2f * glow->sine * lanes[PIXEL_RAD * w + x] + 1e-6f;
 		float coverage = 1;
 
@@ -272,7 +273,7 @@ void studio_view_render(const struct studio_view *view, double time_s, float *rg
 	studio_lanterns(time_s, lanterns);
 	for (int i = 0; i < STUDIO_LANTERNS; i++)
 		prepare_glow(&lanterns[i], view->origin, &glows[i]);
-	if (glows[0].distance < glows[1].distance) { /* the nearer covers the other */
+	if (glows[0].distance < glows[1].distance) { /* the nearer one is drawn last */
 		nearer = glows[0];
 		glows[0] = glows[1];
 		glows[1] = nearer;

@@ -32,7 +32,7 @@ static size_t picture_bytes(const struct y4m *video)
 	}
 }
 
-/* Reads what there is: > 0 bytes, 0 at the end, -EAGAIN, or another -errno. */
+/* Reads without blocking. Returns the bytes read, 0 at the end, -EAGAIN, or another -errno. */
 static ssize_t read_some(const struct y4m *video, void *to, size_t bytes)
 {
 	ssize_t got;
@@ -49,8 +49,8 @@ static ssize_t read_some(const struct y4m *video, void *to, size_t bytes)
 	return got < 0 ? -errno : got;
 }
 
-/* A line that is at its end, without the newline: 0. Byte by byte: it is short, and what follows
- * must stay in the pipe. */
+/* Reads a line and removes its newline. Reads byte by byte, because the data behind it must stay in
+ * the pipe; lines are short. 0; -EAGAIN: not whole yet; -ENODATA: the end; other -errno. */
 static int y4m_read_line(struct y4m *video)
 {
 	for (;;) {
@@ -159,7 +159,7 @@ static int open_path(struct y4m *video, const char *path, struct fault *fault)
 {
 	struct stat st;
 
-	/* Non-blocking, so that a pipe without a writer does not hold us. */
+	/* Non-blocking: otherwise open() would wait for a writer of the pipe. */
 	video->fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
 	if (video->fd < 0)
 		return fault_say(fault, -errno, "%s: cannot open: %s", video->path,

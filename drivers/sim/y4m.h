@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * YUV4MPEG2 video from a file or a pipe: 8-bit 4:2:0, 4:2:2, 4:4:4 and grey.
+ * Reads YUV4MPEG2 video from a file or a pipe: 8-bit 4:2:0, 4:2:2, 4:4:4 and grey.
  *
- * A pipe is read as its bytes come, without ever waiting for them; only the header is waited for,
- * at most 2 s. Interlaced video is taken as it lies.
+ * A pipe is read without blocking, except that opening waits for its header, at most 2 s. Frames of
+ * interlaced video are not deinterlaced.
  */
 #ifndef INLAY_DRIVERS_SIM_Y4M_H
 #define INLAY_DRIVERS_SIM_Y4M_H
@@ -20,28 +20,29 @@ struct y4m {
 	int fd; /* -1: closed */
 	bool pipe;
 	int width, height;
-	double rate_hz; /* 0: not said */
+	double rate_hz; /* 0: not known */
 	enum y4m_chroma chroma;
 	enum colour_range range; /* limited unless the header says FULL */
 	int64_t first_frame;	 /* offset in the file */
 	uint8_t *picture;	 /* planes, one after the other */
 	size_t picture_bytes;
-	char line[256]; /* of a header that is not whole yet */
-	size_t line_have, picture_have;
+	char line[256];			/* a header line, perhaps not whole yet */
+	size_t line_have, picture_have; /* bytes read so far */
 	bool in_picture;
 };
 
-/* -ETIMEDOUT: nothing came from the pipe. */
+/* Opens the video and reads its header. 0 or -errno with a fault; -ETIMEDOUT: the pipe sent
+ * none. */
 int y4m_open(struct y4m *video, const char *path, struct fault *fault);
 
-/* Takes the next picture. 0; -EAGAIN: the pipe has no whole one yet; -ENODATA: the end (no fault);
- * -EBADMSG: not a picture where one should be, or cut short. */
+/* Reads the next picture. 0; -EAGAIN: the pipe has no whole one yet; -ENODATA: the end (no fault);
+ * -EBADMSG: the data is damaged or cut short. */
 int y4m_next(struct y4m *video, struct fault *fault);
 
-/* Back to the first picture; files only. */
+/* Goes back to the first picture; files only. */
 int y4m_rewind(struct y4m *video, struct fault *fault);
 
-/* Converts the picture taken last; the canvas has the video's size. */
+/* Converts the picture read last; the canvas has the video's size. */
 void y4m_decode(const struct y4m *video, enum colour_matrix matrix, enum colour_range range,
 		struct canvas *canvas);
 
