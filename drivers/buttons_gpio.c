@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Buttons on GPIO lines. Lines are gpio/lines.h's, what is a press gpio/button.h's; here one epoll
- * descriptor joins their edges with a timer for what is due without one: a level that settles, a
- * repetition, and once a second a look at every line, which finds a chip that went away and makes
- * good for an edge that was lost.
+ * Push buttons on GPIO lines. gpio/lines.h reads lines, gpio/button.h turns edges into presses.
+ * Here one epoll descriptor joins the edges with a timer for everything that is due without an
+ * edge: a level that settles, a repetition, and once a second a check of every line, which notices
+ * a lost chip and makes up for a lost edge.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -18,10 +18,10 @@
 #include "hal/base/clock.h"
 
 #define LINES 10
-#define TIMER LINES /* beside the lines in epoll's data */
+#define TIMER LINES /* epoll data of the timer; lines have their index */
 #define LOOK_EVERY_NS NS_PER_S
 
-/* A line that never rests must not hold up the program: so many edges at one call. */
+/* Limit of edges in one call, so that a line that never rests does not hold up the program. */
 #define EDGES_AT_ONCE 64
 
 struct gpio_options {
@@ -41,7 +41,7 @@ struct gpio_buttons {
 	struct button_timing timing;
 	struct gpio_line lines[LINES];
 	struct button buttons[LINES];
-	int64_t look_ns; /* at every line, next */
+	int64_t look_ns; /* time of the next check of every line */
 };
 
 static const enum action line_actions[LINES] = {
@@ -174,7 +174,7 @@ static int open_lines(struct gpio_buttons *gpio, const struct gpio_options *opti
 	return 0;
 }
 
-/* One descriptor for all of it. */
+/* Opens the timer and the epoll descriptor. */
 static int open_waiting(struct gpio_buttons *gpio, struct fault *fault)
 {
 	int err = 0;
@@ -192,7 +192,7 @@ static int open_waiting(struct gpio_buttons *gpio, struct fault *fault)
 	return err ? fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err)) : 0;
 }
 
-/* For whatever is due first without an edge. */
+/* Sets the timer to whatever is due first without an edge. */
 static int gpio_arm(struct gpio_buttons *gpio, struct fault *fault)
 {
 	int64_t at_ns = gpio->look_ns;
@@ -207,7 +207,7 @@ static int gpio_arm(struct gpio_buttons *gpio, struct fault *fault)
 	}
 	when.it_value.tv_sec = (time_t)(at_ns / NS_PER_S);
 	when.it_value.tv_nsec = (long)(at_ns % NS_PER_S);
-	/* Also makes the descriptor quiet until then. */
+	/* This also makes the descriptor unreadable until then. */
 	if (timerfd_settime(gpio->timer, TFD_TIMER_ABSTIME, &when, NULL))
 		err = -errno;
 	return err ? fault_say(fault, err, "gpio buttons: timer: %s", strerror(-err)) : 0;
@@ -245,7 +245,7 @@ static int gpio_descriptor(struct buttons *buttons)
 	return ((struct gpio_buttons *)buttons->state)->epoll;
 }
 
-/* 1: a press; 0: an edge that is none; -errno. */
+/* Reads an edge. 1: it is a press; 0: it is not; -errno. */
 static int take_edge(struct gpio_buttons *gpio, int index)
 {
 	bool level;
@@ -256,13 +256,14 @@ static int take_edge(struct gpio_buttons *gpio, int index)
 	if (err)
 		return err;
 	now_ns = clock_now_ns();
-	/* Kernels before 5.7 stamp edges with the time of day. */
+	/* Kernels before 5.7 stamp edges with CLOCK_REALTIME, which is far ahead. */
 	if (at_ns > now_ns)
 		at_ns = now_ns;
 	return button_edge(&gpio->buttons[index], &gpio->timing, level, at_ns);
 }
 
-/* The line whose oldest edges are a press; LINES: none, all edges were taken; -errno. */
+/* Reads edges until one is a press, and returns its line. LINES: no press, all edges are read;
+ * -errno. */
 static int take_edges(struct gpio_buttons *gpio)
 {
 	struct epoll_event ready;
@@ -284,6 +285,7 @@ static int take_edges(struct gpio_buttons *gpio)
 	return LINES;
 }
 
+/* Reads the level of every line. 0 or -errno. */
 static int gpio_look(struct gpio_buttons *gpio, int64_t now_ns)
 {
 	for (int i = 0; i < LINES; i++) {
@@ -294,13 +296,14 @@ static int gpio_look(struct gpio_buttons *gpio, int64_t now_ns)
 		level = gpio_line_level(&gpio->lines[i]);
 		if (level < 0)
 			return level;
-		/* Never a press: nothing was left that had settled. */
+		/* Never a press: settled_press() has found no settled level. */
 		button_edge(&gpio->buttons[i], &gpio->timing, level, now_ns);
 	}
 	gpio->look_ns = now_ns + LOOK_EVERY_NS;
 	return 0;
 }
 
+/* Returns a line that is pressed by settling or by repetition, or LINES. */
 static int settled_press(struct gpio_buttons *gpio, int64_t now_ns)
 {
 	int index = 0;
@@ -311,10 +314,10 @@ static int settled_press(struct gpio_buttons *gpio, int64_t now_ns)
 	return index;
 }
 
-/* The line that is pressed, LINES or -errno. */
+/* Returns the line that is pressed, LINES or -errno. */
 static int next_press(struct gpio_buttons *gpio)
 {
-	/* Before the edges are taken: those that come meanwhile have not settled by then. */
+	/* Taken before the edges are read: an edge that comes meanwhile cannot have settled. */
 	const int64_t now_ns = clock_now_ns();
 	int index = take_edges(gpio);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A rotary encoder on two GPIO lines. Lines are gpio/lines.h's, which edge was first is
- * gpio/edge_order.h's, what is a step gpio/quadrature.h's.
+ * A rotary encoder on two GPIO lines. gpio/lines.h reads lines, gpio/edge_order.h sorts edges by
+ * time, gpio/quadrature.h turns them into steps.
  */
 #include <errno.h>
 #include <poll.h>
@@ -17,7 +17,7 @@
 #include "drivers/gpio/quadrature.h"
 #include "hal/base/clock.h"
 
-/* Lines that never rest must not hold up the program: so many edges at one call. */
+/* Limit of edges in one call, so that lines that never rest do not hold up the program. */
 #define EDGES_AT_ONCE 64
 
 struct encoder_options {
@@ -25,14 +25,14 @@ struct encoder_options {
 	int offsets[2]; /* a, b; -1: not given */
 	bool active_low;
 	int bias;   /* enum gpio_bias */
-	int detent; /* quarters of a period */
+	int detent; /* quarter periods from one resting position to the next */
 	int turns;  /* index of turned */
 };
 
 struct encoder_buttons {
 	struct gpiod_chip *chip;
 	int epoll;
-	int timer; /* runs out when an edge that waits counts */
+	int timer; /* expires when an edge that is held back becomes ready */
 	struct gpio_line lines[2];
 	struct edge_order order;
 	struct quadrature quadrature;
@@ -95,7 +95,7 @@ static const struct ini_key encoder_keys[] = {
 static int open_line(struct encoder_buttons *encoder, const struct encoder_options *options,
 		     int index, struct fault *fault)
 {
-	/* A bounce counts forth and back, and nothing has to settle. */
+	/* No debounce time: a bounce counts forth and back. */
 	const struct gpio_line_settings settings = {
 		.active_low = options->active_low,
 		.bias = (enum gpio_bias)options->bias,
@@ -176,7 +176,7 @@ static int encoder_descriptor(struct buttons *buttons)
 	return ((struct encoder_buttons *)buttons->state)->epoll;
 }
 
-/* Reads what edges there are, into what room there is. */
+/* Reads the pending edges as far as there is room. */
 static int take_edges(struct encoder_buttons *encoder)
 {
 	for (int i = 0; i < 2; i++) {
@@ -198,7 +198,7 @@ static int take_edges(struct encoder_buttons *encoder)
 	return 0;
 }
 
-/* Wakes who polls, at until_ns; INT64_MAX: not. */
+/* Makes the descriptor readable at until_ns; INT64_MAX: never. */
 static int encoder_wake(const struct encoder_buttons *encoder, int64_t until_ns)
 {
 	struct itimerspec at = {0};
@@ -208,7 +208,7 @@ static int encoder_wake(const struct encoder_buttons *encoder, int64_t until_ns)
 	return timerfd_settime(encoder->timer, TFD_TIMER_ABSTIME, &at, NULL) ? -errno : 0;
 }
 
-/* The steps that the next edge makes; -EAGAIN: none counts yet. */
+/* Takes the next edge and the step that it makes. 0; -EAGAIN: no edge is ready; other -errno. */
 static int next_edge(struct encoder_buttons *encoder, int *step)
 {
 	struct quadrature *q = &encoder->quadrature;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Keys of keyboards, and of what calls itself one: remote controls, presenters, arcade encoders.
- * Read from evdev, so that it works without a desktop. Which device is looked for anew whenever
- * /dev/input changes: one that is plugged in late or again is used.
+ * Keys of keyboards and of devices that look like one: remote controls, presenters, arcade
+ * encoders. Reads evdev, so it needs no desktop. It searches for devices again whenever /dev/input
+ * changes, so one that is plugged in late or again is used.
  *
- * What is read is grabbed (keyboard.grab): nothing typed at the kiosk reaches the console's shell,
- * nor does Ctrl+Alt+F2.
+ * It grabs the devices (keyboard.grab): nothing typed at the kiosk reaches the console's shell, and
+ * Ctrl+Alt+F2 does not switch consoles.
  */
 #include <dirent.h>
 #include <errno.h>
@@ -27,7 +27,8 @@
 
 #define FOLDER "/dev/input"
 #define KEYBOARDS_MAX 16
-#define FOLDER_WATCH KEYBOARDS_MAX /* beside the keyboards in epoll's data */
+#define FOLDER_WATCH                                                                               \
+	KEYBOARDS_MAX /* epoll data of the inotify descriptor; keyboards have their index */
 
 struct keyboard_options {
 	char device[INI_TEXT_MAX];
@@ -36,7 +37,7 @@ struct keyboard_options {
 };
 
 struct keyboard {
-	int fd; /* -1: free */
+	int fd; /* -1: this entry is free */
 	dev_t number;
 	bool grabbed;
 	struct keys keys;
@@ -56,7 +57,7 @@ struct keyboards {
 		.help = "Keys, as in \"up kpplus\"; empty: none.",                                 \
 	}
 
-/* The window driver's keys are the same, but for quit. */
+/* The window driver has the same keys, except for quit. */
 static const struct ini_key keyboard_keys[] = {
 	{.name = "device",
 	 .type = INI_TEXT,
@@ -79,7 +80,8 @@ static const struct ini_key keyboard_keys[] = {
 	KEYS_OF("split_left", ACTION_SPLIT_LEFT, "left"),
 	KEYS_OF("split_right", ACTION_SPLIT_RIGHT, "right"),
 	KEYS_OF("freeze", ACTION_FREEZE, "f"),
-	/* Nobody who types at an installed kiosk, nor a bar code scanner, may end it. */
+	/* No key by default: neither a visitor nor a bar code scanner may end an installed
+	 * kiosk. */
 	KEYS_OF("quit", ACTION_QUIT, ""),
 	INI_KEYS_END,
 };
@@ -102,7 +104,7 @@ static int read_map(struct keymap *map, const struct keyboard_options *options, 
 	return 0;
 }
 
-/* Whether the device has a key that means something. */
+/* Whether the device has a key with an action. */
 static bool has_keys(int fd, const struct keymap *map)
 {
 	unsigned char bits[KEYS_BITS_BYTES] = {0};
@@ -115,7 +117,7 @@ static bool has_keys(int fd, const struct keymap *map)
 	return false;
 }
 
-/* Whether the configuration means this one: by its name, its path, or a link to it. */
+/* Whether the configuration means this device: by its name, its path, or a link to it. */
 static bool is_wanted(int fd, dev_t number, const char *device)
 {
 	char name[INI_TEXT_MAX] = "";
@@ -128,8 +130,8 @@ static bool is_wanted(int fd, dev_t number, const char *device)
 	return stat(device, &named) == 0 && S_ISCHR(named.st_mode) && named.st_rdev == number;
 }
 
-/* Not while a key is down: the console would never see it let go. The kernel is not asked which
- * are: its answer takes away what waits to be read. */
+/* Grabs the device unless a key is down: otherwise the console would never see its release. The
+ * kernel is not asked which keys are down, because EVIOCGKEY removes pending events. */
 static void grab_when_idle(struct keyboard *keyboard)
 {
 	if (!keys_are_idle(&keyboard->keys))
@@ -166,7 +168,7 @@ static bool is_known(const struct keyboards *keyboards, dev_t number)
 	return false;
 }
 
-/* 0 when the device is used or is none of ours; -errno when it cannot be. */
+/* Uses the device if it is wanted. 0; -errno: it is wanted but cannot be used. */
 static int keyboard_consider(struct keyboards *keyboards, const struct keyboard_options *options,
 			     const char *path)
 {
@@ -190,11 +192,11 @@ static int keyboard_consider(struct keyboards *keyboards, const struct keyboard_
 
 static void keyboard_drop(struct keyboard *keyboard)
 {
-	close(keyboard->fd); /* and so out of epoll, and no longer grabbed */
+	close(keyboard->fd); /* also removes it from epoll and ends the grab */
 	keyboard->fd = -1;
 }
 
-/* A device that is gone and another that has its number must not be taken for each other. */
+/* Drops lost devices before the search: a new device may have the number of a lost one. */
 static void drop_gone(struct keyboards *keyboards)
 {
 	for (int i = 0; i < KEYBOARDS_MAX; i++) {
@@ -219,8 +221,8 @@ static int is_event(const struct dirent *entry)
 	return !strncmp(entry->d_name, "event", 5);
 }
 
-/* Drops what is gone and opens what is new. What is missing or refused is an error only when
- * nothing else is there. */
+/* Drops lost devices and opens new ones. A missing or refused device is an error only if there is
+ * no other. */
 static int keyboard_search(struct keyboards *keyboards, const struct keyboard_options *options,
 			   struct fault *fault)
 {
@@ -256,12 +258,12 @@ static int keyboard_search(struct keyboards *keyboards, const struct keyboard_op
 		return fault_say(fault, -ENODEV,
 				 "keyboard: \"%s\" is not connected (inlay devices lists them)",
 				 options->device);
-	return 0; /* one will be plugged in */
+	return 0; /* a keyboard may be plugged in later */
 }
 
 static int open_waiting(struct keyboards *keyboards, struct fault *fault)
 {
-	/* Attributes change when udev hands a new node to the group. */
+	/* IN_ATTRIB: udev gives a new node to its group a moment after creating it. */
 	const uint32_t changes = IN_CREATE | IN_ATTRIB | IN_DELETE | IN_ONLYDIR;
 	struct epoll_event event = {.events = EPOLLIN, .data.u32 = FOLDER_WATCH};
 	int err = 0;
@@ -306,7 +308,7 @@ static int keyboard_descriptor(struct buttons *buttons)
 	return ((struct keyboards *)buttons->state)->epoll;
 }
 
-/* One event: what is left keeps the descriptor readable. */
+/* Reads one event; further ones keep the descriptor readable. */
 static enum action keyboard_take_event(struct keyboards *keyboards, struct keyboard *keyboard,
 				       bool grab)
 {
@@ -315,7 +317,7 @@ static enum action keyboard_take_event(struct keyboards *keyboards, struct keybo
 	enum action action;
 
 	if (read(keyboard->fd, &event, sizeof(event)) != sizeof(event))
-		return ACTION_NONE; /* when it is gone, keyboard_search() drops it */
+		return ACTION_NONE; /* keyboard_search() drops a lost device */
 	action = keys_take(&keyboard->keys, &keyboards->map, &event);
 	if (keyboard->keys.ask && ioctl(keyboard->fd, EVIOCGKEY(sizeof(down)), down) >= 0)
 		action = keys_ask(&keyboard->keys, &keyboards->map, down);
@@ -336,7 +338,7 @@ static int keyboard_read(struct buttons *buttons, struct button_press *press, st
 		char changes[4096];
 		int err;
 
-		/* What changed is of no interest: the folder is read anew. */
+		/* The changes are discarded: the whole folder is read again. */
 		if (i == FOLDER_WATCH && read(keyboards->folder, changes, sizeof(changes)) < 0 &&
 		    errno != EAGAIN) {
 			err = -errno;
@@ -372,7 +374,7 @@ static void keyboard_close(struct buttons *buttons)
 	buttons->state = NULL;
 }
 
-/* The name that never changes, below by-id, or an empty one. */
+/* Finds the link below by-id, whose name never changes; empty: there is none. */
 static void find_link(dev_t number, char *link, size_t room)
 {
 	DIR *folder = opendir(FOLDER "/by-id");
@@ -391,7 +393,7 @@ static void find_link(dev_t number, char *link, size_t room)
 	closedir(folder);
 }
 
-/* Lids and power buttons have keys, too, but none that a person presses for us. */
+/* Lists a device that has a key with an action by default; lids and power buttons have none. */
 static void list_device(const char *path, const struct keymap *map,
 			void (*found)(void *context, const char *line), void *context)
 {

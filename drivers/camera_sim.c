@@ -500,7 +500,7 @@ static int sim_control(struct camera *camera, const char *name, const char *valu
 	if (exposure < 0 || exposure > SIM_EXPOSURE_MAX)
 		return fault_say(fault, -ERANGE, "sim: exposure is %s, expected 0 to %g", value,
 				 SIM_EXPOSURE_MAX);
-	/* Of two changes for one frame, the later one counts. */
+	/* If two changes concern one frame, the later one counts. */
 	if (sim->change_count == 0 || sim->changes[sim->change_count - 1].from < from)
 		sim->change_count++;
 	sim->changes[sim->change_count - 1] = (struct sim_change){from, exposure};

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A screen that is a file; its name says of which kind:
+ * A screen that writes files. The name says which kind:
  *
- *     clip.y4m       one YUV4MPEG2 video, 4:4:4, BT.601 limited range (what players take a Y4M to
- *                    be), at display.rate frames a second, or 30; appears whole when closed
+ *     clip.y4m       one YUV4MPEG2 video, 4:4:4, BT.601 limited range (as players assume), at
+ *                    display.rate frames a second, or 30; the file appears when it is closed
  *     out%04d.png    a picture for each frame, numbered from 0
- *     now.png        always the newest frame
+ *     now.png        the newest frame
  *
- * Takes frames as fast as they come. Writing is done in submit(), so it takes as long as the disk.
+ * It takes frames as fast as they come. submit() writes the file, so it takes as long as the disk.
  */
 #include <ctype.h>
 #include <errno.h>
@@ -31,7 +31,7 @@ enum file_kind { FILE_Y4M, FILE_SEQUENCE, FILE_NEWEST };
 
 struct file_screen {
 	enum file_kind kind;
-	/* Of a sequence: the name is prefix, number of at least digits digits, suffix. */
+	/* A sequence: the name is a prefix, a number of at least `digits` digits, and a suffix. */
 	int prefix_length, digits;
 	bool zeros;
 	const char *suffix;
@@ -43,11 +43,11 @@ struct file_screen {
 	struct image picture;
 	bool failed;
 
-	int event; /* eventfd: a SHOWN waits */
+	int event; /* eventfd: readable while `shown` is to be reported */
 	struct display_event shown;
 };
 
-/* One %d, %4d or %04d, and no other % sign. False: there is none or something else. */
+/* Splits a name at its number. True: it has exactly one %d, %4d or %04d and no other % sign. */
 static bool find_number(struct file_screen *screen, const char *path)
 {
 	const char *percent = strchr(path, '%');
@@ -228,7 +228,7 @@ static int file_dispatch(struct display *display, struct display_event *event, s
 	return 0;
 }
 
-/* A video without frames, or with a torn one, is not left behind. */
+/* Discards a video that has no frames or whose last one is incomplete. */
 static int file_close(struct display *display, struct fault *fault)
 {
 	struct file_screen *screen = display->state;

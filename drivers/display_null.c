@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A screen of which only the clock is real: two buffers, flips at a set rate, nothing to see. What
- * is not fast enough for a screen of this rate is not fast enough here either. It can fail as
- * screens do, for tests; opened again, it is whole.
+ * A screen without hardware, with the timing of a real one: two buffers, flips at a set rate. A
+ * program that is too slow for a screen of this rate is too slow here too. For tests it can fail as
+ * screens do; after it is opened again it works.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 #include "hal/frame/frame.h"
 
 #define NONE (-1)
-#define STALL_NS NS_PER_S /* so late that nothing more is expected */
+#define STALL_NS NS_PER_S /* delay after which a refresh counts as lost */
 #define HIDDEN_NS (NS_PER_S / 2)
 
 struct null_options {
@@ -25,15 +25,15 @@ struct null_options {
 
 struct null_screen {
 	struct canvas buffers[2];
-	int timer;     /* one shot: the flip that is due */
-	int on_screen; /* index, or NONE before the first flip */
-	int queued;
+	int timer;     /* one-shot timerfd: the next flip */
+	int on_screen; /* index of the buffer that is shown; NONE before the first flip */
+	int queued;    /* index of the buffer that waits for its flip, or NONE */
 	int64_t token;
 	int64_t due_ns;
-	int submitted;		     /* frames */
-	int failure;		     /* -errno of the refresh that is due; 0: it will be one */
-	bool overtaken;		     /* by somebody who switches to another console */
-	int64_t start_ns, period_ns; /* of the refresh; period 0: at once */
+	int submitted;		     /* number of frames */
+	int failure;		     /* -errno that the next refresh reports; 0: it succeeds */
+	bool overtaken;		     /* a simulated console switch comes before the flip */
+	int64_t start_ns, period_ns; /* of the refresh; period 0: flips are immediate */
 };
 
 static const struct ini_key null_keys[] = {
@@ -123,7 +123,7 @@ static int null_acquire(struct display *display, struct display_buffer *buffer)
 	return 0;
 }
 
-/* The first refresh after now. */
+/* Returns the time of the first refresh after now. */
 static int64_t next_refresh_ns(const struct null_screen *screen, int64_t now_ns)
 {
 	if (!screen->period_ns)
@@ -131,7 +131,7 @@ static int64_t next_refresh_ns(const struct null_screen *screen, int64_t now_ns)
 	return now_ns + screen->period_ns - (now_ns - screen->start_ns) % screen->period_ns;
 }
 
-/* Wakes dispatch(). */
+/* Makes the descriptor readable at due_ns. */
 static int null_set_timer(const struct null_screen *screen, int64_t due_ns, struct fault *fault)
 {
 	const struct itimerspec when = {
@@ -170,7 +170,7 @@ static int null_submit(struct display *display, struct display_buffer *buffer, i
 	return 0;
 }
 
-/* The frame that was queued is never shown. */
+/* Simulates a switch to another console: the queued frame is lost. */
 static int null_hide(struct display *display, struct fault *fault)
 {
 	struct null_screen *screen = display->state;

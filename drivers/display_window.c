@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A window on a desktop, through SDL2: for trying things out. Presenting may wait for the desktop's
- * own refresh, at most one. SDL has no descriptor, so a timer asks it for events.
+ * A window on a desktop (SDL2), for trying things out. submit() may wait for the desktop's refresh,
+ * at most one. SDL has no descriptor, so a timer polls its events.
  *
- * Keys, as the keyboard driver's: up or + and down or - threshold, t the next threshold, v view,
- * p next pose, b the one before, o object, i information, left and right split, f freeze; and q or
- * Escape end it, as they do in any program on a desktop.
+ * The keys are those of the keyboard driver: up or + and down or - threshold, t the next threshold,
+ * v view, p next pose, b the previous one, o object, i information, left and right split, f freeze.
+ * In addition q and Escape end the program, as usual on a desktop.
  */
 #include <SDL.h>
 #include <errno.h>
@@ -27,7 +27,7 @@ struct window {
 	SDL_Texture *texture;
 	struct canvas canvas;
 	int timer;
-	struct display_event shown; /* waits to be dispatched */
+	struct display_event shown; /* to be reported by dispatch(), unless DISPLAY_NOTHING */
 };
 
 static const struct {
@@ -58,7 +58,7 @@ static int window_refused(const char *what, struct fault *fault)
 	return fault_say(fault, -ENODEV, "window display: cannot %s: %s", what, SDL_GetError());
 }
 
-/* The first tick at once: a frame was shown, or events may wait. */
+/* Starts the timer with an immediate tick: a frame was shown, or events may be pending. */
 static int tick_now(const struct window *window)
 {
 	const struct itimerspec every = {
@@ -83,7 +83,8 @@ static int open_timer(struct window *window, struct fault *fault)
 
 static int open_sdl(struct window *window, int width, int height, struct fault *fault)
 {
-	/* The program has its own way with SIGINT and SIGTERM, and a screen saver would be seen. */
+	/* The program handles SIGINT and SIGTERM itself, and a screen saver would cover the
+	 * window. */
 	SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
 	SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "0");
 	if (SDL_InitSubSystem(SDL_INIT_VIDEO))

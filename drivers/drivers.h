@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Every driver there is, in the order in which they are listed and tried. Each array ends with
- * NULL. A driver that was left out of the build (WITH_X=0 in the Makefile) is not in it.
+ * Arrays of all drivers, in the order in which they are listed and tried. NULL ends each array.
+ * Drivers that are left out of the build (WITH_X=0 in the Makefile) are missing.
  */
 #ifndef INLAY_DRIVERS_DRIVERS_H
 #define INLAY_DRIVERS_DRIVERS_H

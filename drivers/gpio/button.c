@@ -11,7 +11,7 @@ void button_start(struct button *button, bool level, bool repeats)
 	};
 }
 
-/* The level has lasted: true when that is a press. */
+/* Takes over the level once it has lasted. True: this is a press. */
 static bool level_settle(struct button *button, const struct button_timing *timing, int64_t now_ns)
 {
 	if (button->level == button->pressed || now_ns - button->edge_ns < timing->settle_ns)
@@ -30,7 +30,7 @@ bool button_edge(struct button *button, const struct button_timing *timing, bool
 	bool press;
 
 	if (level == button->level)
-		return false; /* its opposite was lost */
+		return false; /* the edge between was lost */
 	press = level_settle(button, timing, at_ns);
 	button->level = level;
 	button->edge_ns = at_ns;
@@ -47,7 +47,7 @@ bool button_settle(struct button *button, const struct button_timing *timing, in
 		button->repeat_ns = BUTTON_NEVER;
 		return false;
 	}
-	/* From now, not from when it was due: a program that was held up does not catch up. */
+	/* Counted from now, not from the due time: a delayed program does not catch up. */
 	button->repeat_ns = now_ns + timing->repeat_every_ns;
 	return true;
 }

@@ -33,7 +33,7 @@ int edge_order_take(struct edge_order *order, int64_t now_ns, struct gpio_edge *
 	if (!e[0] && !e[1])
 		return -EAGAIN;
 	line = !e[0] || (e[1] && e[1]->at_ns < e[0]->at_ns);
-	/* A time that is yet to come is another clock's, and nothing to wait for. */
+	/* A time in the future is of another clock: there is no point in waiting for it. */
 	if (!e[!line] && edge_order_has_room(order, line) && e[line]->at_ns <= now_ns &&
 	    now_ns - e[line]->at_ns < EDGE_ORDER_NS) {
 		*until_ns = e[line]->at_ns + EDGE_ORDER_NS;

@@ -23,7 +23,7 @@ static void list_chip(const char *name, const char *label, unsigned lines,
 	found(context, text);
 }
 
-/* name, user: NULL when there is none. */
+/* name and user may be NULL: there is none. */
 static void list_line(unsigned offset, const char *name, bool input, const char *user,
 		      void (*found)(void *context, const char *line), void *context)
 {
@@ -155,8 +155,8 @@ static int is_chip(const struct dirent *entry)
 	return !strncmp(entry->d_name, "gpiochip", 8);
 }
 
-/* Calls visit() with each chip until it returns other than 0, and returns that. -EACCES: there are
- * chips, but not for this user. */
+/* Calls visit() for each chip until it returns a number other than 0, and returns that number.
+ * -EACCES: this user may not open some chip. */
 static int each_chip(int (*visit)(struct gpiod_chip *chip, struct gpiod_chip_info *info,
 				  void *context),
 		     void *context)
@@ -193,7 +193,7 @@ static int each_chip(int (*visit)(struct gpiod_chip *chip, struct gpiod_chip_inf
 
 struct chip_search {
 	const char *name;
-	char path[256]; /* found */
+	char path[256]; /* of the chip that was found */
 };
 
 static int compare_chip(struct gpiod_chip *chip, struct gpiod_chip_info *info, void *context)
@@ -215,7 +215,7 @@ static int chip_find(struct gpiod_chip **chip, const char *name)
 
 	*chip = NULL;
 	if (name[0] == '/') {
-		*chip = gpiod_chip_open(name); /* a link, too */
+		*chip = gpiod_chip_open(name); /* follows links */
 	} else {
 		found = each_chip(compare_chip, &search);
 		if (found <= 0)
@@ -255,7 +255,7 @@ static int settings_apply(struct gpiod_line_settings *to, const struct gpio_line
 	return 0;
 }
 
-/* One line a request, so that a refusal is about that line. */
+/* Requests each line alone, so that an error concerns that line. */
 static int request_line(struct gpio_line *line, struct gpiod_chip *chip,
 			struct gpiod_line_settings *settings)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "drivers/gpio/quadrature.h"
 
-/* How far along the lines are: 0 to 3. */
+/* Returns the phase of the lines, 0 to 3. */
 static int quadrature_phase(bool a, bool b)
 {
 	return a ? (b ? 2 : 1) : (b ? 3 : 0);

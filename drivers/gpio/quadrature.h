@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A rotary encoder's two lines to steps; no device in it. Turned, they go through 00 01 11 10, or
- * back. What bounces goes forth and back between two neighbours and comes to nothing.
+ * Decodes the two lines of a rotary encoder into steps. Pure: touches no device. A turn takes the
+ * lines through 00 01 11 10, or back. A bouncing contact goes forth and back between two
+ * neighbours, which adds up to no step.
  */
 #ifndef INLAY_DRIVERS_GPIO_QUADRATURE_H
 #define INLAY_DRIVERS_GPIO_QUADRATURE_H
@@ -10,16 +11,16 @@
 
 struct quadrature {
 	bool a, b;
-	int quarters; /* since the last step, of either sign */
-	int detent;   /* so many quarters are a step: 1, 2 or 4 */
-	int rest;     /* where it rested at the start, and does every detent quarters from there */
+	int quarters; /* quarter periods since the last step, signed */
+	int detent;   /* quarters in a step: 1, 2 or 4 */
+	int rest;     /* phase at the start; the encoder rests there and every detent quarters on */
 };
 
 void quadrature_start(struct quadrature *quadrature, int detent, bool a, bool b);
 
-/* The lines after an edge. 1: a step, a leading b; -1: one back; 0: none. Where both have changed
- * an edge was lost, and nobody knows which way: no step for that, and steps are counted anew where
- * it rests. */
+/* Takes the levels after an edge. Returns 1: a step with a leading b; -1: a step back; 0: none. If
+ * both levels have changed, an edge was lost and the direction is unknown: this counts as no
+ * movement, and at the next resting phase the count starts again. */
 int quadrature_edge(struct quadrature *quadrature, bool a, bool b);
 
 #endif

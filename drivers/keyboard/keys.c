@@ -44,7 +44,7 @@ enum action keys_take(struct keys *keys, const struct keymap *map, const struct 
 		return ACTION_NONE;
 	action = (enum action)map->actions[event->code];
 	was_down = keys_bit(keys->down, event->code);
-	if (event->value == 2) /* the kernel's repetition */
+	if (event->value == 2) /* a repetition by the kernel */
 		return was_down && action_repeats(action) ? action : ACTION_NONE;
 	set_bit(keys->down, event->code, event->value);
 	if (!event->value)
