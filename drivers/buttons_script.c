@@ -1,11 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Buttons pressed by a file. A line is a time in seconds since the start, an action and, for
+ * Presses from a file. Each line holds a time in seconds since the start, an action and, for
  * threshold-set, a value:
  *
  *     # up the threshold, then look at the fisheye view
  *     1.5  threshold-set 40
  *     3    view-next
+ *
+ * This is the sample driver: to write another one, copy this file and read hal/device/buttons.h (or
+ * camera.h, display.h) beside it. Every driver has these parts, in this order:
+ *
+ *     options   filled from the configuration through the table of keys; constant while open
+ *     state     everything that changes; lives from open() to close() behind buttons->state
+ *     ops       open, descriptor, read, close, and the constant table that drivers.c lists
  */
 #include <errno.h>
 #include <math.h>
@@ -20,25 +27,16 @@
 #include "hal/base/input.h"
 #include "hal/base/number.h"
 
-/* A day: later than anybody waits, and far from overflow. */
+/* A day: longer than anybody waits, and far from overflow. */
 #define SECONDS_MAX 86400.0
+
+/* ---- options ---- */
 
 struct script_options {
 	char file[INI_PATH_MAX];
 };
 
-struct script_line {
-	int64_t at_ns; /* since open */
-	struct button_press press;
-};
-
-struct script {
-	struct script_line *lines; /* in order of time */
-	size_t count, next;
-	int64_t start_ns;
-	int timer; /* one shot: the next line is due */
-};
-
+/* The keys appear in the configuration as [buttons] script.file, checked and with their help. */
 static const struct ini_key script_keys[] = {
 	{.name = "file",
 	 .type = INI_PATH,
@@ -48,7 +46,23 @@ static const struct ini_key script_keys[] = {
 	INI_KEYS_END,
 };
 
-/* 1: a press; 0: a blank line; -EINVAL. */
+/* ---- state ---- */
+
+struct script_line {
+	int64_t at_ns; /* since open() */
+	struct button_press press;
+};
+
+struct script {
+	struct script_line *lines; /* in order of time */
+	size_t count, next;
+	int64_t start_ns;
+	int timer; /* one-shot timerfd: expires when the next line is due */
+};
+
+/* ---- reading the file ---- */
+
+/* Reads one line of the file. 1: a press; 0: a blank line; -EINVAL with a fault. */
 static int parse_line(char *text, const char *path, int number, struct script_line *line,
 		      struct fault *fault)
 {
@@ -79,7 +93,7 @@ static int parse_line(char *text, const char *path, int number, struct script_li
 	return 1;
 }
 
-/* Lines of the same time keep their order. */
+/* Inserts a line in order of time; lines of the same time keep their order. */
 static void script_insert(struct script *script, const struct script_line *line)
 {
 	size_t i = script->count++;
@@ -132,7 +146,9 @@ static int read_script(struct script *script, const char *path, struct fault *fa
 	return err;
 }
 
-/* For the next line; quiet for ever after the last. */
+/* ---- ops ---- */
+
+/* Sets the timer to the next line; after the last one it never expires again. */
 static int script_arm(struct script *script)
 {
 	struct itimerspec when = {0};
@@ -146,6 +162,8 @@ static int script_arm(struct script *script)
 	return timerfd_settime(script->timer, TFD_TIMER_ABSTIME, &when, NULL) < 0 ? -errno : 0;
 }
 
+/* Sets buttons->state as soon as there is one: after a failure buttons_open() calls close(), which
+ * cleans up what is half-done. A fault says what is wrong and what was expected. */
 static int script_open(struct buttons *buttons, struct fault *fault)
 {
 	const struct script_options *options = buttons->options;
@@ -172,11 +190,13 @@ static int script_open(struct buttons *buttons, struct fault *fault)
 	return err ? fault_say(fault, err, "button script: timer: %s", strerror(-err)) : 0;
 }
 
+/* The program polls this descriptor and calls read() when it is readable. */
 static int script_descriptor(struct buttons *buttons)
 {
 	return ((struct script *)buttons->state)->timer;
 }
 
+/* Never blocks. */
 static int script_read(struct buttons *buttons, struct button_press *press, struct fault *fault)
 {
 	struct script *script = buttons->state;
@@ -186,11 +206,12 @@ static int script_read(struct buttons *buttons, struct button_press *press, stru
 	    clock_now_ns() < script->start_ns + script->lines[script->next].at_ns)
 		return -EAGAIN;
 	*press = script->lines[script->next++].press;
-	/* Also makes the descriptor quiet until the next line. */
+	/* This also makes the descriptor unreadable until the next line. */
 	err = script_arm(script);
 	return err ? fault_say(fault, err, "button script: timer: %s", strerror(-err)) : 0;
 }
 
+/* The only cleanup: idempotent, and accepts what open() left half-done. */
 static void script_close(struct buttons *buttons)
 {
 	struct script *script = buttons->state;
