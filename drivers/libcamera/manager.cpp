@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Versions of libcamera differ in what its manager can be asked and told. */
+/* What libcamera's manager offers differs between its versions. */
 #include "drivers/libcamera/manager.hpp"
 
 #include <algorithm>

@@ -141,8 +141,7 @@ static int wait_for_header(struct y4m *video, struct fault *fault)
 		if (clock_now_ns() > until_ns)
 			return fault_say(fault, -ETIMEDOUT, "%s: no video came for %d s",
 					 video->path, HEADER_WAIT_MS / 1000);
-		/* A pipe whose writer is still to come reads as ended: look again a little
-		 * later. */
+		/* A pipe without a writer reads as ended: waits a little for one. */
 		poll(&(struct pollfd){.fd = err == -EAGAIN ? video->fd : -1, .events = POLLIN}, 1,
 		     20);
 	}
