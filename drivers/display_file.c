@@ -3,7 +3,7 @@
  * A screen that writes files. The name says which kind:
  *
  *     clip.y4m       one YUV4MPEG2 video, 4:4:4, BT.601 limited range (as players assume), at
- *                    display.rate frames a second, or 30; the file appears when it is closed
+ *                    [screen] rate frames a second, or 30; the file appears when it is closed
  *     out%04d.png    a picture for each frame, numbered from 0
  *     now.png        the newest frame
  *
