@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 #include <mutex>
+#include <utility>
 
 #include "drivers/libcamera/failure.hpp"
 #include "drivers/libcamera/log_stream.hpp"
@@ -18,54 +19,52 @@ extern "C" {
 namespace libcamera_driver
 {
 
+/* What all Managers share. */
+struct Library {
+	const unsigned kept = libcamera_hotplug_kept(); /* when it started */
+	bool outdated = false;				/* see Manager::is_outdated() */
+	lc::CameraManager manager;
+};
+
 namespace
 {
 
-/* libcamera aborts if a process has two managers at once, so all Managers share this one. The
- * pointer is a plain one, so that nothing is destroyed at exit: see Session::end(). */
-struct Shared {
-	std::mutex lock;
-	lc::CameraManager *manager; /* valid while there are users */
-	int users;
-	unsigned kept; /* libcamera_hotplug_kept() when the manager started */
-	bool outdated; /* see Manager::is_outdated() */
-};
-
-Shared shared;
+/* libcamera aborts if a process has two managers at once. So this one is shared, and a Manager
+ * takes and gives up its share only under the lock: the next library starts after the last one
+ * ended. */
+std::mutex lock;
+std::weak_ptr<Library> &current =
+	*new std::weak_ptr<Library>; /* never destroyed: threads at exit */
 
 } // namespace
 
 Manager::Manager()
 {
-	const std::lock_guard<std::mutex> guard(shared.lock);
+	const std::lock_guard<std::mutex> guard(lock);
+	auto share = current.lock();
 
-	if (shared.users > 0 && shared.outdated)
+	if (share && share->outdated)
 		throw Failure(-ENODEV, "it is about to begin anew");
-	if (shared.users == 0) {
+	if (!share) {
 		redirect_messages();
-		shared.outdated = false;
-		shared.kept = libcamera_hotplug_kept();
-		shared.manager = new lc::CameraManager;
-		if (const int err = shared.manager->start(); err) {
-			delete shared.manager;
+		share = std::make_shared<Library>();
+		if (const int err = share->manager.start(); err)
 			throw Failure(err, "it finds no devices at all", CAMERA_NO_DEVICE);
-		}
+		current = share;
 	}
-	shared.users++;
+	library = std::move(share);
 }
 
 Manager::~Manager()
 {
-	const std::lock_guard<std::mutex> guard(shared.lock);
+	const std::lock_guard<std::mutex> guard(lock);
 
-	if (--shared.users > 0)
-		return;
-	delete shared.manager; /* stops it */
+	library.reset(); /* the last share stops libcamera */
 }
 
 std::vector<std::shared_ptr<lc::Camera>> Manager::cameras() const
 {
-	return shared.manager->cameras();
+	return library->manager.cameras();
 }
 
 std::shared_ptr<lc::Camera> Manager::find(const char *wanted) const
@@ -90,19 +89,20 @@ std::shared_ptr<lc::Camera> Manager::find(const char *wanted) const
 /* Marks the manager as outdated if the wanted camera may be among the devices that came since. */
 void Manager::want_others() const
 {
-	const std::lock_guard<std::mutex> guard(shared.lock);
+	const std::lock_guard<std::mutex> guard(lock);
 
-	if (shared.outdated || shared.users == 1 || shared.kept == libcamera_hotplug_kept())
+	if (library->outdated || library.use_count() == 1 ||
+	    library->kept == libcamera_hotplug_kept())
 		return;
-	shared.outdated = true;
+	library->outdated = true;
 	log_info("libcamera: it begins anew, as devices were plugged in");
 }
 
 bool Manager::is_outdated() const
 {
-	const std::lock_guard<std::mutex> guard(shared.lock);
+	const std::lock_guard<std::mutex> guard(lock);
 
-	return shared.outdated;
+	return library->outdated;
 }
 
 /* removeCamera() must run on libcamera's own thread. Later versions do not have it. */
@@ -114,15 +114,15 @@ void Manager::forget(const std::shared_ptr<lc::Camera> &camera) const
 	class Errand : public lc::Object
 	{
 	      public:
-		void run(std::shared_ptr<lc::Camera> what)
+		void run(lc::CameraManager *manager, std::shared_ptr<lc::Camera> what)
 		{
-			shared.manager->removeCamera(what);
+			manager->removeCamera(what);
 		}
 	};
 	Errand errand;
 
 	errand.moveToThread(camera->thread());
-	errand.invokeMethod(&Errand::run, lc::ConnectionTypeBlocking, camera);
+	errand.invokeMethod(&Errand::run, lc::ConnectionTypeBlocking, &library->manager, camera);
 #endif
 }
 
@@ -134,7 +134,7 @@ bool Manager::made_of(const std::shared_ptr<lc::Camera> &camera, dev_t number) c
 	return numbers &&
 	       std::find(numbers->begin(), numbers->end(), (int64_t)number) != numbers->end();
 #else
-	return shared.manager->get(number) == camera;
+	return library->manager.get(number) == camera;
 #endif
 }
 

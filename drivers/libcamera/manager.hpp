@@ -14,6 +14,8 @@
 namespace libcamera_driver
 {
 
+struct Library;
+
 /* A share in libcamera's manager. A process may have only one at a time; it lives as long as there
  * are shares. It knows only the devices that were there when it started: to find another one, all
  * owners of shares must give them up. */
@@ -43,6 +45,8 @@ class Manager
 
       private:
 	void want_others() const;
+
+	std::shared_ptr<Library> library;
 };
 
 /* Returns the camera's model; empty: not known. */
