@@ -531,26 +531,26 @@ static const struct ini_key state_keys[] = {
  * Most sections lie in struct config itself. For these, place() returns the struct and .part is the
  * section's offset in it. The three sections with drivers are blocks of their own.
  */
-static void *place_config(void *root, const char *instance)
+static void *keys_place_config(void *root, const char *instance)
 {
 	(void)instance;
 	return root;
 }
 
-static void *place_screen(void *root, const char *instance)
+static void *keys_place_screen(void *root, const char *instance)
 {
 	(void)instance;
 	return ((struct config *)root)->screen;
 }
 
-static void *place_buttons(void *root, const char *instance)
+static void *keys_place_buttons(void *root, const char *instance)
 {
 	(void)instance;
 	return ((struct config *)root)->buttons;
 }
 
 /* Creates the camera if the name is new. */
-static void *place_camera(void *root, const char *instance)
+static void *keys_place_camera(void *root, const char *instance)
 {
 	struct config *config = root;
 	struct config_camera *camera = config_camera_named(config, instance);
@@ -568,89 +568,89 @@ static void *place_camera(void *root, const char *instance)
 const struct ini_table config_tables[] = {
 	{.section = "basis",
 	 .keys = basis_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, basis),
 	 .help = "The object, as inlay-bake rendered it."},
 	{.section = "poses",
 	 .keys = poses_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, poses),
 	 .help = "What follows what, where the basis holds several poses."},
 	{.section = "camera",
 	 .named = true,
 	 .keys = camera_keys,
-	 .place = place_camera,
+	 .place = keys_place_camera,
 	 .sample = "fisheye background",
 	 .help = "A camera. Views below read it by its name; two views may share one."},
 	{.section = "fisheye",
 	 .keys = fisheye_camera_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, fisheye.view),
 	 .help = "The picture that the light is measured in."},
 	{.section = "fisheye",
 	 .keys = view_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, fisheye.view)},
 	{.section = "fisheye",
 	 .keys = fisheye_lens_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, fisheye)},
 	{.section = "fisheye",
 	 .keys = fisheye_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, fisheye.lens)},
 	{.section = "fisheye",
 	 .keys = fisheye_light_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, fisheye)},
 	{.section = "background",
 	 .keys = background_camera_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, background.view),
 	 .help = "The picture that the object is put into; as large as the basis."},
 	{.section = "background",
 	 .keys = view_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, background.view)},
 	{.section = "background",
 	 .keys = background_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, background)},
 	{.section = "scene",
 	 .keys = scene_camera_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, scene.view),
 	 .help = "A picture of the whole set-up, for people."},
 	{.section = "scene",
 	 .keys = view_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, scene.view)},
 	{.section = "lights",
 	 .keys = lights_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, lights),
 	 .help = "Which lights are used."},
 	{.section = "composite",
 	 .keys = composite_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, composite),
 	 .help = "How the object is put into the picture."},
 	{.section = "screen",
 	 .keys = screen_keys,
-	 .place = place_screen,
+	 .place = keys_place_screen,
 	 .help = "Where the picture goes."},
 	{.section = "buttons",
 	 .keys = buttons_keys,
-	 .place = place_buttons,
+	 .place = keys_place_buttons,
 	 .help = "Buttons besides the window's keys."},
 	{.section = "control",
 	 .keys = control_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, control),
 	 .help = "Commands from other programs."},
 	{.section = "state",
 	 .keys = state_keys,
-	 .place = place_config,
+	 .place = keys_place_config,
 	 .part = offsetof(struct config, state),
 	 .help = "What was chosen with the buttons."},
 	INI_TABLES_END};
