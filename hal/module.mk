@@ -62,10 +62,12 @@ HAL_SOURCES := \
 	hal/frame/frame_rows.c \
 	hal/frame/frame_ycbcr.c \
 	hal/frame/view.c \
+	hal/image/codec.c \
 	hal/image/image.c \
 	hal/image/image_hdr.c \
 	hal/image/image_jpeg.c \
 	hal/image/image_pfm.c \
+	hal/image/image_pixels.c \
 	hal/image/image_png.c \
 	hal/ini/ini.c \
 	hal/ini/ini_names.c \

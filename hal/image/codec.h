@@ -6,9 +6,12 @@
 #define INLAY_HAL_IMAGE_CODEC_H
 
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
-#include "hal/image/image.h"
+#include "hal/base/fault.h"
+#include "hal/image/image_pixels.h"
 
 /* A file in memory; name stands for it in messages. */
 struct image_source {

@@ -29,80 +29,9 @@ static const struct image_codec *const codecs[] = {
 #define READABLE "PNG, JPEG, Radiance HDR and PFM"
 #endif
 
-static bool size_fits(int width, int height)
-{
-	return width >= 1 && width <= IMAGE_SIDE_MAX && height >= 1 && height <= IMAGE_SIDE_MAX;
-}
-
-int image_create_u8(struct image *image, int width, int height)
-{
-	*image = (struct image){0};
-	if (!size_fits(width, height))
-		return -EINVAL;
-	image->u8 = calloc((size_t)width * (size_t)height, 3);
-	if (!image->u8)
-		return -ENOMEM;
-	image->width = width;
-	image->height = height;
-	return 0;
-}
-
-int image_create_f32(struct image *image, int width, int height)
-{
-	*image = (struct image){0};
-	if (!size_fits(width, height))
-		return -EINVAL;
-	image->f32 = calloc((size_t)width * (size_t)height, 3 * sizeof(float));
-	if (!image->f32)
-		return -ENOMEM;
-	image->width = width;
-	image->height = height;
-	return 0;
-}
-
-void image_free(struct image *image)
-{
-	free(image->u8);
-	free(image->f32);
-	*image = (struct image){0};
-}
-
-int image_check_size(const struct image_source *source, int64_t width, int64_t height,
-		     double pixels_per_byte, struct fault *fault)
-{
-	if (width < 1 || height < 1)
-		return fault_say(fault, -EBADMSG, "%s: the header says %lld x %lld pixels",
-				 source->name, (long long)width, (long long)height);
-	if (width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX)
-		return fault_say(fault, -EFBIG, "%s: %lld x %lld pixels, but a side has at most %d",
-				 source->name, (long long)width, (long long)height, IMAGE_SIDE_MAX);
-	if ((double)width * (double)height > (double)source->bytes * pixels_per_byte)
-		return fault_say(fault, -EBADMSG,
-				 "%s: the header says %lld x %lld pixels, but a file of %zu bytes "
-				 "cannot hold them",
-				 source->name, (long long)width, (long long)height, source->bytes);
-	return 0;
-}
-
-int image_check_primaries(const struct image_source *source, const double xy[8],
-			  struct fault *fault)
-{
-	static const double srgb[8] = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.329};
-
-	for (int k = 0; k < 8; k++)
-		/* so far are Radiance's own, whose white is of equal energy; negated: NaN */
-		if (!(fabs(xy[k] - srgb[k]) < 0.03))
-			return fault_say(fault, -ENOTSUP,
-					 "%s: its colours are of other primaries: red %g %g, green "
-					 "%g %g, blue %g %g, white %g %g, expected those of sRGB",
-					 source->name, xy[0], xy[1], xy[2], xy[3], xy[4], xy[5],
-					 xy[6], xy[7]);
-	return 0;
-}
-
 /* A NaN or an infinity is damage or a mistake upstream, and would spread over the whole composite.
  * Negative light is what lossy compression and a wider gamut leave where there is next to none. */
-static int check_light(struct image *image, const char *name, struct fault *fault)
+static int image_check_light(struct image *image, const char *name, struct fault *fault)
 {
 	const size_t count = (size_t)image->width * (size_t)image->height * 3;
 
@@ -143,14 +72,14 @@ int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struc
 				 "%s: not a picture of a known kind (" READABLE ")", name);
 	err = codec->read(&source, image, fault);
 	if (!err && image->f32)
-		err = check_light(image, name, fault);
+		err = image_check_light(image, name, fault);
 	if (err)
 		image_free(image);
 	return err;
 }
 
 /* The whole file. Not mapped: a file cut short by somebody else would then be a SIGBUS. */
-static int slurp(int fd, uint8_t **data, size_t *bytes)
+static int image_slurp(int fd, uint8_t **data, size_t *bytes)
 {
 	size_t used = 0, room = 1 << 16;
 	uint8_t *buffer = malloc(room);
@@ -197,7 +126,7 @@ int image_read(const char *path, struct image *image, struct fault *fault)
 	fd = input_open(path, fault);
 	if (fd < 0)
 		return fd;
-	err = slurp(fd, &data, &bytes);
+	err = image_slurp(fd, &data, &bytes);
 	close(fd);
 	if (err)
 		return fault_say(fault, err, "%s: cannot read the picture: %s", path,
@@ -241,7 +170,7 @@ int image_write(const char *path, const struct image *image, struct fault *fault
 	struct output out = {0};
 	int err;
 
-	if (!size_fits(image->width, image->height) || !image->u8 == !image->f32)
+	if (!image_size_fits(image->width, image->height) || !image->u8 == !image->f32)
 		return fault_say(fault, -EINVAL, "%s: there is no picture to write", path);
 	err = find_codec(path, &codec, fault);
 	if (err)

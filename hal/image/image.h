@@ -15,16 +15,7 @@
 #include <stdint.h>
 
 #include "hal/base/fault.h"
-
-#define IMAGE_SIDE_MAX 32768
-
-/* Three channels R, G, B, row 0 at the top, rows without padding. Exactly one of u8 and f32 is set.
- */
-struct image {
-	int width, height;
-	uint8_t *u8;
-	float *f32;
-};
+#include "hal/image/image_pixels.h"
 
 /* -ENOENT..., -EBADMSG (damaged, truncated), -ENOTSUP (unknown kind), -EFBIG (a side beyond
  * IMAGE_SIDE_MAX), -EDOM (a float picture that holds a NaN or an infinity; the fault names the
@@ -35,16 +26,11 @@ int image_read(const char *path, struct image *image, struct fault *fault);
 int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,
 		      struct fault *fault);
 
-int image_create_u8(struct image *image, int width, int height);
-int image_create_f32(struct image *image, int width, int height);
-
 /* .png takes u8; .pfm and .hdr take f32; anything else is -ENOTSUP. */
 int image_write(const char *path, const struct image *image, struct fault *fault);
 
 /* What a picture of this name holds: 1, linear light, or 0, code values; -ENOTSUP where none is
  * written. For programs that work long before they write. */
 int image_name_linear(const char *path, struct fault *fault);
-
-void image_free(struct image *image); /* idempotent */
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a picture: a clear refusal, or a whole picture of light that is finite.
  *
- * reaches: image.c:check_light image_pfm.c:sample image_jpeg.c:decode image_png.c:ask_for_rgb
+ * reaches: image.c:image_check_light image_pfm.c:sample image_jpeg.c:decode image_png.c:ask_for_rgb
  * image_png.c:take image_hdr.c:take_planes image_hdr.c:take_pixels image_hdr.c:place_row
  * image_exr.cpp:check_colours image_exr.cpp:read_pixels image_exr.cpp:take_shown
  */

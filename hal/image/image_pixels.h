@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* A picture in memory: 8-bit code values or linear light. */
+#ifndef INLAY_HAL_IMAGE_IMAGE_PIXELS_H
+#define INLAY_HAL_IMAGE_IMAGE_PIXELS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define IMAGE_SIDE_MAX 32768
+
+/* Three channels R, G, B, row 0 at the top, rows without padding. Exactly one of u8 and f32 is set.
+ */
+struct image {
+	int width, height;
+	uint8_t *u8;
+	float *f32;
+};
+
+/* Whether both sides are 1..IMAGE_SIDE_MAX. */
+bool image_size_fits(int width, int height);
+
+/* Creates a black picture, which the caller frees. -EINVAL: a side out of range; -ENOMEM; the image
+ * is zeroed then. */
+int image_create_u8(struct image *image, int width, int height);
+int image_create_f32(struct image *image, int width, int height);
+
+void image_free(struct image *image); /* idempotent */
+
+#endif
