@@ -81,6 +81,7 @@ HAL_SOURCES := \
 	hal/lights/recovery.c \
 	hal/lights/recovery_pieces.c \
 	hal/lights/sampler.c \
+	hal/lights/sampler_c.c \
 	hal/lights/sampler_frame.c \
 	hal/lights/sampler_kernels.c \
 	hal/lights/sampler_shares.c \

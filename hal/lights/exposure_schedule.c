@@ -92,7 +92,7 @@ static int find_delay(const struct exposure_schedule *s)
 }
 
 /* The change has had its time. */
-static int conclude(struct exposure_schedule *s)
+static int schedule_conclude(struct exposure_schedule *s)
 {
 	const int delay = find_delay(s);
 
@@ -118,5 +118,5 @@ int exposure_schedule_measure(struct exposure_schedule *s, double level)
 	if (s->seen_count < EXPOSURE_HOLD &&
 	    s->frame + 1 < s->asked[s->asked_count - 1].from + EXPOSURE_HOLD)
 		return 0;
-	return conclude(s);
+	return schedule_conclude(s);
 }

@@ -115,8 +115,8 @@ double light_exposures_white(const struct light_exposures *e)
 /* How bright lights are that are whole in the frame, or clipped as a whole, and known to be no
  * brighter than they were: the sum of what radiance times ratio has above the dark and below white.
  */
-static double brightness(const struct light_exposures *e, const float (*radiance)[3], float ratio,
-			 const float *clipped)
+static double exposure_brightness(const struct light_exposures *e, const float (*radiance)[3],
+				  float ratio, const float *clipped)
 {
 	const float dark = DEVIATIONS * sqrtf(e->floor);
 	double sum = LEAST * (double)e->gain * e->lights;
@@ -138,10 +138,11 @@ bool light_exposures_fit(const struct light_exposures *e, int which, const float
 
 	if (!e->begun || e->count < 2)
 		return true;
-	is = brightness(e, sampled, 1, clipped);
-	own = fabs(log(is / brightness(e, known, e->ratio[which], clipped)));
+	is = exposure_brightness(e, sampled, 1, clipped);
+	own = fabs(log(is / exposure_brightness(e, known, e->ratio[which], clipped)));
 	for (int k = 0; k < e->count; k++) {
-		const double other = fabs(log(is / brightness(e, known, e->ratio[k], clipped)));
+		const double other =
+			fabs(log(is / exposure_brightness(e, known, e->ratio[k], clipped)));
 
 		if (k != which && own > other + ALIKE)
 			return false;
@@ -152,7 +153,8 @@ bool light_exposures_fit(const struct light_exposures *e, int which, const float
 /* ---- what is of the same light ---- */
 
 /* Whether two of exposures j and k differ by more than one light does. */
-static bool exceeds(const struct light_exposures *e, int i, int j, int k, float above, float below)
+static bool look_exceeds(const struct light_exposures *e, int i, int j, int k, float above,
+			 float below)
 {
 	const float a = 1 / e->ratio[j], b = 1 / e->ratio[k];
 	const float noise = e->floor * (a * a + b * b) + e->slope * below * (a + b) / e->alone[i];
@@ -168,7 +170,7 @@ static bool is_above(const struct light_exposures *e, int i, int k, int j)
 	bool above = false;
 
 	for (int c = 0; c < 3; c++)
-		above |= exceeds(e, i, j, k, look[k].radiance[c], look[j].radiance[c]);
+		above |= look_exceeds(e, i, j, k, look[k].radiance[c], look[j].radiance[c]);
 	return above;
 }
 
@@ -195,7 +197,7 @@ static void forget_overtaken(struct light_exposures *e, int i, int k)
 
 /* ---- one light ---- */
 
-static float mean_of(const struct light_exposures *e, const struct look *look, int longest, int c)
+static float look_mean(const struct light_exposures *e, const struct look *look, int longest, int c)
 {
 	const float first = look[longest].radiance[c];
 	float sum = 0, weights = 0;
@@ -213,7 +215,7 @@ static float mean_of(const struct light_exposures *e, const struct look *look, i
 }
 
 /* Of the first light that is whole, or else the last that is clipped; -1: there is none. */
-static int choose(const struct light_exposures *e, const struct look *look)
+static int look_choose(const struct light_exposures *e, const struct look *look)
 {
 	int chosen = -1;
 
@@ -235,9 +237,9 @@ static float at_least(const struct look *look, int chosen, int c, float radiance
 	return radiance;
 }
 
-static float merge(const struct light_exposures *e, const struct look *look, float radiance[3])
+static float look_merge(const struct light_exposures *e, const struct look *look, float radiance[3])
 {
-	const int chosen = choose(e, look);
+	const int chosen = look_choose(e, look);
 	const bool layered = chosen > 0 && look[chosen - 1].kept == KEPT_CLIPPED;
 
 	for (int c = 0; c < 3; c++) {
@@ -246,7 +248,7 @@ static float merge(const struct light_exposures *e, const struct look *look, flo
 		else if (look[chosen].kept == KEPT_CLIPPED)
 			radiance[c] = at_least(look, chosen, c, look[chosen].radiance[c]);
 		else
-			radiance[c] = at_least(look, chosen, c, mean_of(e, look, chosen, c));
+			radiance[c] = at_least(look, chosen, c, look_mean(e, look, chosen, c));
 	}
 	return look[chosen].kept == KEPT_CLIPPED ? look[chosen].clipped : 0;
 }
@@ -265,7 +267,7 @@ void light_exposures_take(struct light_exposures *e, int which, const float (*sa
 		look[which].clipped = clipped[i];
 		look[which].kept = clipped[i] > 0 ? KEPT_CLIPPED : KEPT_WHOLE;
 		forget_overtaken(e, i, which);
-		left[i] = e->left[i] = merge(e, look, e->known[i]);
+		left[i] = e->left[i] = look_merge(e, look, e->known[i]);
 		memcpy(radiance[i], e->known[i], sizeof(e->known[i]));
 	}
 	e->begun = true;

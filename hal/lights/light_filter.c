@@ -15,7 +15,7 @@
 #define NEAR 64	     /* parts of a deviation: as good as there */
 
 /* Variance of a light: floor + slope * its radiance. */
-struct noise {
+struct light_noise {
 	float floor, slope;
 };
 
@@ -24,12 +24,12 @@ struct light_filter {
 	bool begun;
 	int64_t last_ns;
 	float (*value)[3];
-	struct noise *noise;
+	struct light_noise *noise;
 	int64_t *until_ns; /* fast as long as frames are not later */
 };
 
 /* What a number of lights say together: their change, its variance, their light. */
-struct together {
+struct changes_together {
 	double change, variance, light;
 };
 
@@ -85,9 +85,9 @@ void light_filter_measured(struct light_filter *f, const struct transfer_curve *
 
 /* Whether one of the three channels has, beyond noise; all of them add to what is together. */
 static bool light_changed(const struct light_filter *f, int i, const float x[3],
-			  struct together *all)
+			  struct changes_together *all)
 {
-	const struct noise noise = f->noise[i];
+	const struct light_noise noise = f->noise[i];
 	const float *y = f->value[i];
 	float change = 0, variance = 0, light = 0;
 	bool changed = false;
@@ -106,12 +106,12 @@ static bool light_changed(const struct light_filter *f, int i, const float x[3],
 	return changed;
 }
 
-static bool together_changed(const struct together *t)
+static bool together_changed(const struct changes_together *t)
 {
 	return fabs(t->change) > DEVIATIONS * sqrt(t->variance) + EVEN * t->light;
 }
 
-static void hasten(struct light_filter *f, int from, int to, int64_t until_ns)
+static void filter_hasten(struct light_filter *f, int from, int to, int64_t until_ns)
 {
 	for (int i = from; i < to; i++)
 		f->until_ns[i] = until_ns;
@@ -119,38 +119,38 @@ static void hasten(struct light_filter *f, int from, int to, int64_t until_ns)
 
 static void find_changes(struct light_filter *f, const float (*x)[3], int64_t until_ns)
 {
-	struct together sky = {0};
+	struct changes_together sky = {0};
 
 	for (int from = 0; from < f->count; from += LIGHT_FILTER_GROUP) {
 		const int rest = f->count - from;
 		const int to = from + (rest < LIGHT_FILTER_GROUP ? rest : LIGHT_FILTER_GROUP);
-		struct together group = {0};
+		struct changes_together group = {0};
 
 		for (int i = from; i < to; i++) {
 			if (light_changed(f, i, x[i], &group))
 				f->until_ns[i] = until_ns;
 		}
 		if (together_changed(&group))
-			hasten(f, from, to, until_ns);
+			filter_hasten(f, from, to, until_ns);
 		sky.change += group.change;
 		sky.variance += group.variance;
 		sky.light += group.light;
 	}
 	if (together_changed(&sky))
-		hasten(f, 0, f->count, until_ns);
+		filter_hasten(f, 0, f->count, until_ns);
 }
 
 /* ---- following ---- */
 
 /* Of a change, what dt brings. In whole 2^-20, so that no machine's exp() shows in it. */
-static float share_of(int64_t dt_ns, double follow_ns)
+static float change_share(int64_t dt_ns, double follow_ns)
 {
 	const double share = 1 - exp(-M_LN10 * (double)dt_ns / follow_ns);
 
 	return (float)(nearbyint(share * 0x1p20) * 0x1p-20);
 }
 
-static float step(float y, float x, float share, struct noise noise)
+static float light_step(float y, float x, float share, struct light_noise noise)
 {
 	const float d = x - y, next = y + share * d;
 
@@ -159,14 +159,15 @@ static float step(float y, float x, float share, struct noise noise)
 	return d > 0 ? fminf(fmaxf(next, y), x) : fmaxf(fminf(next, y), x);
 }
 
-static void follow(struct light_filter *f, float (*radiance)[3], int64_t now_ns, float fast,
-		   float slow)
+static void filter_follow(struct light_filter *f, float (*radiance)[3], int64_t now_ns, float fast,
+			  float slow)
 {
 	for (int i = 0; i < f->count; i++) {
 		const float share = now_ns <= f->until_ns[i] ? fast : slow;
 
 		for (int c = 0; c < 3; c++) {
-			f->value[i][c] = step(f->value[i][c], radiance[i][c], share, f->noise[i]);
+			f->value[i][c] = light_step(f->value[i][c], radiance[i][c], share,
+						    f->noise[i]);
 			radiance[i][c] = f->value[i][c];
 		}
 	}
@@ -185,11 +186,11 @@ void light_filter_run(struct light_filter *f, int64_t captured_ns, int64_t follo
 
 	if (goes_on(f, captured_ns, follow_ns)) {
 		find_changes(f, (const float(*)[3])radiance, captured_ns + follow_ns);
-		follow(f, radiance, captured_ns, share_of(dt_ns, (double)follow_ns),
-		       share_of(dt_ns, (double)follow_ns * LIGHT_FILTER_SLOW));
+		filter_follow(f, radiance, captured_ns, change_share(dt_ns, (double)follow_ns),
+			      change_share(dt_ns, (double)follow_ns * LIGHT_FILTER_SLOW));
 	} else {
 		memcpy(f->value, radiance, sizeof(*f->value) * (size_t)f->count);
-		hasten(f, 0, f->count, INT64_MIN);
+		filter_hasten(f, 0, f->count, INT64_MIN);
 		f->begun = true;
 	}
 	f->last_ns = captured_ns;

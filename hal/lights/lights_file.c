@@ -31,7 +31,7 @@ static int parse_colour(const char *text, float rgb[3])
 }
 
 /* Cuts the comment and the white space around; what remains. */
-static char *strip(char *line)
+static char *line_strip(char *line)
 {
 	size_t length;
 
@@ -44,12 +44,13 @@ static char *strip(char *line)
 	return line;
 }
 
-static int read_lines(struct text_file *file, float (*radiance)[3], int count, struct fault *fault)
+static int lights_read_lines(struct text_file *file, float (*radiance)[3], int count,
+			     struct fault *fault)
 {
 	int found = 0, ret;
 
 	while ((ret = text_file_next(file, fault)) > 0) {
-		const char *text = strip(file->line);
+		const char *text = line_strip(file->line);
 
 		if (!*text)
 			continue;
@@ -80,7 +81,7 @@ int lights_file_read(const char *path, float (*radiance)[3], int count, struct f
 
 	if (ret < 0)
 		return ret;
-	ret = read_lines(&file, radiance, count, fault);
+	ret = lights_read_lines(&file, radiance, count, fault);
 	text_file_close(&file);
 	return ret;
 }

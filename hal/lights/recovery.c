@@ -30,7 +30,7 @@ struct light_ground light_ground_see(const struct frame_reader *picture, int x, 
 }
 
 /* What is missing of the ground's light, less what may not be missing. */
-static double missing(double seen, double known)
+static double ground_missing(double seen, double known)
 {
 	const double d = seen - known, unsure = LIGHT_RECOVERY_UNSURE * seen;
 
@@ -38,7 +38,7 @@ static double missing(double seen, double known)
 }
 
 /* How bright a light's clipped pixels are expected to be, against those of others. */
-static double brightness(const struct light_clipping *k, int i, int c)
+static double pixel_brightness(const struct light_clipping *k, int i, int c)
 {
 	return k->term[c][i] / (k->solid_angle_sr[i] * (k->piece_sr[i] + LIGHT_RECOVERY_SMALL_SR));
 }
@@ -62,11 +62,11 @@ static double recover_channel(const struct light_ground *ground, const struct li
 		known += k->term[c][i] * (double)radiance[i][c];
 		if (!(k->clipped[i] > 0))
 			continue;
-		reach += k->term[c][i] * brightness(k, i, c) *
+		reach += k->term[c][i] * pixel_brightness(k, i, c) *
 			 clipped_in(k, i, (double)radiance[i][c]);
-		brightest = fmax(brightest, brightness(k, i, c));
+		brightest = fmax(brightest, pixel_brightness(k, i, c));
 	}
-	x = reach > 0 ? missing(ground->radiance[c], known) / reach : 0;
+	x = reach > 0 ? ground_missing(ground->radiance[c], known) / reach : 0;
 	if (!(x > 0))
 		return 1;
 	most = (LIGHT_RECOVERY_MAX - 1) * k->white / brightest;
@@ -75,7 +75,7 @@ static double recover_channel(const struct light_ground *ground, const struct li
 	x = fmin(x, most);
 	for (int i = 0; i < k->lights; i++)
 		if (k->clipped[i] > 0)
-			radiance[i][c] += (float)(x * brightness(k, i, c) *
+			radiance[i][c] += (float)(x * pixel_brightness(k, i, c) *
 						  clipped_in(k, i, (double)radiance[i][c]));
 	return 1 + x * brightest / k->white;
 }

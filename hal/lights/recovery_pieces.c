@@ -19,7 +19,7 @@ struct clipped_pieces {
 /* ---- neighbours ---- */
 
 /* What lies behind the edge between two corners of a light's cell; -1: the horizon. */
-static int across(const struct dome *dome, int light, const double a[3], const double b[3])
+static int cell_across(const struct dome *dome, int light, const double a[3], const double b[3])
 {
 	double out[3];
 
@@ -32,7 +32,7 @@ static int across(const struct dome *dome, int light, const double a[3], const d
 }
 
 /* The earlier neighbours of a light; to may be NULL. */
-static int list(const struct dome *dome, int light, int *to)
+static int light_neighbours(const struct dome *dome, int light, int *to)
 {
 	double corner[CORNERS_MAX][3];
 	const int corners = dome_cell_corners(dome, light, corner, CORNERS_MAX);
@@ -40,7 +40,7 @@ static int list(const struct dome *dome, int light, int *to)
 	int count = 0;
 
 	for (int k = 0; k < known; k++) {
-		const int other = across(dome, light, corner[k], corner[(k + 1) % known]);
+		const int other = cell_across(dome, light, corner[k], corner[(k + 1) % known]);
 
 		if (other < 0 || other >= light)
 			continue;
@@ -68,13 +68,13 @@ int clipped_pieces_create(struct clipped_pieces **out, const struct dome *dome)
 		goto destroy;
 	for (int i = 0; i < p->lights; i++) {
 		p->solid_sr[i] = dome->solid_angle_sr[i];
-		p->first[i + 1] = p->first[i] + list(dome, i, NULL);
+		p->first[i + 1] = p->first[i] + light_neighbours(dome, i, NULL);
 	}
 	p->neighbour = calloc((size_t)p->first[p->lights] + 1, sizeof(*p->neighbour));
 	if (!p->neighbour)
 		goto destroy;
 	for (int i = 0; i < p->lights; i++)
-		list(dome, i, p->neighbour + p->first[i]);
+		light_neighbours(dome, i, p->neighbour + p->first[i]);
 	*out = p;
 	return 0;
 
@@ -98,7 +98,7 @@ void clipped_pieces_destroy(struct clipped_pieces *p)
 /* ---- a frame ---- */
 
 /* The earliest light of a piece; on the way there each light gets nearer to it. */
-static int root_of(struct clipped_pieces *p, int light)
+static int piece_root(struct clipped_pieces *p, int light)
 {
 	while (p->parent[light] != light) {
 		p->parent[light] = p->parent[p->parent[light]];
@@ -107,9 +107,9 @@ static int root_of(struct clipped_pieces *p, int light)
 	return light;
 }
 
-static void join(struct clipped_pieces *p, int light, int neighbour)
+static void pieces_join(struct clipped_pieces *p, int light, int neighbour)
 {
-	const int a = root_of(p, light), b = root_of(p, neighbour);
+	const int a = piece_root(p, light), b = piece_root(p, neighbour);
 
 	if (a < b)
 		p->parent[b] = a;
@@ -124,14 +124,14 @@ const double *clipped_pieces_find(struct clipped_pieces *p, const float *clipped
 		p->piece_sr[i] = 0;
 		for (int k = p->first[i]; clipped[i] > 0 && k < p->first[i + 1]; k++)
 			if (clipped[p->neighbour[k]] > 0)
-				join(p, i, p->neighbour[k]);
+				pieces_join(p, i, p->neighbour[k]);
 	}
 	for (int i = 0; i < p->lights; i++)
 		if (clipped[i] > 0)
-			p->piece_sr[root_of(p, i)] += (double)clipped[i] * p->solid_sr[i];
+			p->piece_sr[piece_root(p, i)] += (double)clipped[i] * p->solid_sr[i];
 	/* A root comes before all others of its piece, which have added nothing to themselves. */
 	for (int i = 0; i < p->lights; i++)
 		if (clipped[i] > 0)
-			p->piece_sr[i] = p->piece_sr[root_of(p, i)];
+			p->piece_sr[i] = p->piece_sr[piece_root(p, i)];
 	return p->piece_sr;
 }

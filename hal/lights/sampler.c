@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/lights/sampler_frame.h"
 #include "hal/lights/sampler_parts.h"
 
 const char *const light_estimator_names[] = {"cell", "node", NULL};
 
-static int check_settings(const struct light_sampler_settings *s, int width, int height,
-			  struct fault *fault)
+static int sampler_check_settings(const struct light_sampler_settings *s, int width, int height,
+				  struct fault *fault)
 {
 	struct fault what = {.text = ""};
 
@@ -51,7 +52,7 @@ static void fill_colours(struct light_sampler *s, const struct light_sampler_set
 					   (none ? k % 4 == 0 : settings->colours[k]);
 }
 
-void sampler_colour(const struct light_sampler *s, const double linear[3], float out[3])
+static void sampler_colour(const struct light_sampler *s, const double linear[3], float out[3])
 {
 	for (int c = 0; c < 3; c++)
 		out[c] = (float)fmax(s->colours[c][0] * linear[0] + s->colours[c][1] * linear[1] +
@@ -99,34 +100,6 @@ const float (*light_sampler_excess(const struct light_sampler *s))[3]
 	return (const float(*)[3])s->excess;
 }
 
-int sampler_grow(struct light_sampler *s, int threads)
-{
-	struct sampler_scratch *more;
-
-	if (threads <= s->scratches)
-		return 0;
-	more = realloc(s->scratch, (size_t)threads * sizeof(*more));
-	if (!more)
-		return -ENOMEM;
-	s->scratch = more;
-	for (; s->scratches < threads; s->scratches++) {
-		const size_t bytes = sampler_plane_values(s) * SAMPLER_PLANES *
-				     sizeof(*more->planes);
-		const size_t row = ((size_t)s->width * sizeof(*more->row) + 63) / 64 * 64;
-
-		more = &s->scratch[s->scratches];
-		more->planes = aligned_alloc(64, bytes);
-		more->row = aligned_alloc(64, row);
-		if (!more->planes || !more->row) {
-			free(more->planes);
-			free(more->row);
-			return -ENOMEM;
-		}
-		memset(more->planes, 0, bytes); /* values without weight are read too */
-	}
-	return 0;
-}
-
 static int make_table(struct light_sampler *s, const struct dome *dome, const struct fisheye *lens,
 		      enum light_estimator estimator)
 {
@@ -162,7 +135,7 @@ static int fill_sampler(struct light_sampler *s, const struct dome *dome,
 		return -ENOMEM;
 	for (int i = 0; i < dome->count; i++)
 		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI);
-	return sampler_grow(s, 1);
+	return sampler_scratch_grow(s, 1);
 }
 
 int light_sampler_create(struct light_sampler **out, const struct dome *dome,
@@ -173,7 +146,7 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	int ret;
 
 	*out = NULL;
-	ret = check_settings(settings, width, height, fault);
+	ret = sampler_check_settings(settings, width, height, fault);
 	if (ret < 0)
 		return ret;
 	s = calloc(1, sizeof(*s));
@@ -192,6 +165,79 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	}
 	*out = s;
 	return 0;
+}
+
+/* ---- frames ---- */
+
+/* The mean of a plane over a light, whose values are so much less than they stand for. */
+static double light_mean(const struct sampler_sums *all, const struct sampler_light *light, int c,
+			 double bias)
+{
+	const double fine = ldexp(1, -SAMPLER_FINE_BITS);
+	double sum, whole;
+
+	if (light->sum < 0)
+		return 0;
+	whole = light->whole[0];
+	sum = (double)all[light->sum].plane[c] + bias * whole;
+	if (light->fine >= 0) {
+		sum += fine * ((double)all[light->fine].plane[c] + bias * light->whole[1]);
+		whole += fine * light->whole[1];
+	}
+	return sum / whole;
+}
+
+static void light_linear(const struct sampler_sums *all, const struct sampler_light *light,
+			 double linear[3])
+{
+	for (int c = 0; c < 3; c++)
+		linear[c] = light->brighter * light_mean(all, light, c, SAMPLER_VALUE_BIAS) /
+			    SAMPLER_VALUE_MAX;
+}
+
+static void read_excess(struct light_sampler *s)
+{
+	for (int i = 0; i < s->table.lights; i++) {
+		double linear[3];
+
+		light_linear(s->above_all, &s->table.light[i], linear);
+		sampler_colour(s, linear, s->excess[i]);
+	}
+}
+
+int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader *reader,
+			     struct pool *pool, float (*radiance)[3], double *clipped)
+{
+	double share = 0;
+	int ret;
+
+	if (reader->view.width != s->width || reader->view.height != s->height)
+		return -EINVAL;
+	ret = sampler_frame_sum(s, reader, pool);
+	if (ret < 0)
+		return ret;
+	for (int i = 0; i < s->table.lights; i++) {
+		const struct sampler_light *light = &s->table.light[i];
+		double linear[3];
+
+		light_linear(s->of_all, light, linear);
+		sampler_colour(s, linear, radiance[i]);
+		s->clipped[i] = (float)light_mean(s->of_all, light, 3, 0);
+		share += (double)s->clipped[i] * s->sky_share[i];
+	}
+	if (s->above_value < SAMPLER_VALUE_MAX)
+		read_excess(s);
+	if (clipped)
+		*clipped = share;
+	return 0;
+}
+
+int light_sampler_read(struct light_sampler *s, const struct picture *picture, float (*radiance)[3],
+		       double *clipped)
+{
+	const struct frame_reader reader = frame_reader_of(picture);
+
+	return light_sampler_read_frame(s, &reader, NULL, radiance, clipped);
 }
 
 /* ---- linear pictures ---- */

@@ -9,7 +9,7 @@
 
 enum { PIXELS = 16 };
 
-static inline __m256i look_up(const int32_t table[256], __m256i pixels, int shift)
+static inline __m256i avx2_look_up(const int32_t table[256], __m256i pixels, int shift)
 {
 	const __m256i code = _mm256_and_si256(_mm256_srli_epi32(pixels, shift),
 					      _mm256_set1_epi32(255));
@@ -18,13 +18,13 @@ static inline __m256i look_up(const int32_t table[256], __m256i pixels, int shif
 }
 
 /* Two times eight lanes of 32 bits to sixteen of 16, in order. */
-static inline __m256i narrow(__m256i first, __m256i second)
+static inline __m256i avx2_narrow(__m256i first, __m256i second)
 {
 	return _mm256_permute4x64_epi64(_mm256_packs_epi32(first, second), 0xd8);
 }
 
 /* -1 where a channel is 255. */
-static inline __m256i clipped(__m256i pixels)
+static inline __m256i avx2_clipped(__m256i pixels)
 {
 	const __m256i full = _mm256_and_si256(_mm256_cmpeq_epi8(pixels, _mm256_set1_epi8(-1)),
 					      _mm256_set1_epi32(0xffffff));
@@ -33,20 +33,20 @@ static inline __m256i clipped(__m256i pixels)
 				_mm256_set1_epi32(-1));
 }
 
-static bool decode(const struct sampler_decode *table, const uint32_t *bgrx, int count,
-		   int16_t *planes, size_t plane_stride)
+static bool sampler_decode_avx2(const struct sampler_decode *table, const uint32_t *bgrx, int count,
+				int16_t *planes, size_t plane_stride)
 {
 	__m256i any = _mm256_setzero_si256();
 
 	for (; count >= PIXELS; count -= PIXELS, bgrx += PIXELS, planes += PIXELS) {
 		const __m256i a = _mm256_loadu_si256((const void *)bgrx);
 		const __m256i b = _mm256_loadu_si256((const void *)(bgrx + 8));
-		const __m256i full = narrow(clipped(a), clipped(b));
+		const __m256i full = avx2_narrow(avx2_clipped(a), avx2_clipped(b));
 
 		for (int c = 0; c < 3; c++)
 			_mm256_storeu_si256((void *)(planes + (size_t)c * plane_stride),
-					    narrow(look_up(table->wide, a, 16 - 8 * c),
-						   look_up(table->wide, b, 16 - 8 * c)));
+					    avx2_narrow(avx2_look_up(table->wide, a, 16 - 8 * c),
+							avx2_look_up(table->wide, b, 16 - 8 * c)));
 		_mm256_storeu_si256((void *)(planes + 3 * plane_stride),
 				    _mm256_srli_epi16(full, 15));
 		any = _mm256_or_si256(any, full);
@@ -55,16 +55,17 @@ static bool decode(const struct sampler_decode *table, const uint32_t *bgrx, int
 	       !_mm256_testz_si256(any, any);
 }
 
-static inline __m256i widened(__m256i lanes)
+static inline __m256i avx2_widened(__m256i lanes)
 {
 	return _mm256_add_epi64(_mm256_cvtepi32_epi64(_mm256_castsi256_si128(lanes)),
 				_mm256_cvtepi32_epi64(_mm256_extracti128_si256(lanes, 1)));
 }
 
 /* 128 times high and once low. */
-static inline int64_t flushed(__m256i high, __m256i low)
+static inline int64_t avx2_flushed(__m256i high, __m256i low)
 {
-	const __m256i all = _mm256_add_epi64(_mm256_slli_epi64(widened(high), 7), widened(low));
+	const __m256i all = _mm256_add_epi64(_mm256_slli_epi64(avx2_widened(high), 7),
+					     avx2_widened(low));
 	const __m128i half = _mm_add_epi64(_mm256_castsi256_si128(all),
 					   _mm256_extracti128_si256(all, 1));
 
@@ -73,8 +74,9 @@ static inline int64_t flushed(__m256i high, __m256i low)
 
 /* The spans that fit into 32 bits, SAMPLER_CHUNKS_MAX of them: how many. */
 static inline __attribute__((always_inline)) int
-add_some(const int16_t *planes, int count, size_t plane_stride, const struct sampler_span *spans,
-	 int span_count, const uint16_t **weights, int64_t sum[SAMPLER_PLANES])
+avx2_add_some(const int16_t *planes, int count, size_t plane_stride,
+	      const struct sampler_span *spans, int span_count, const uint16_t **weights,
+	      int64_t sum[SAMPLER_PLANES])
 {
 	const __m256i seven = _mm256_set1_epi16(127);
 	const uint16_t *weight = *weights;
@@ -104,30 +106,30 @@ add_some(const int16_t *planes, int count, size_t plane_stride, const struct sam
 		}
 	}
 	for (int c = 0; c < count; c++)
-		sum[c] += flushed(high[c], low[c]);
+		sum[c] += avx2_flushed(high[c], low[c]);
 	*weights = weight;
 	return k;
 }
 
-static void add(const int16_t *planes, int count, size_t plane_stride,
-		const struct sampler_span *spans, int span_count, const uint16_t *weight,
-		int64_t sum[SAMPLER_PLANES])
+static void sampler_add_avx2(const int16_t *planes, int count, size_t plane_stride,
+			     const struct sampler_span *spans, int span_count,
+			     const uint16_t *weight, int64_t sum[SAMPLER_PLANES])
 {
 	memset(sum, 0, SAMPLER_PLANES * sizeof(*sum));
 	for (int k = 0; k < span_count;) {
 		/* The number of planes is a constant in both, so that sums stay in registers. */
 		if (count == 3)
-			k += add_some(planes, 3, plane_stride, spans + k, span_count - k, &weight,
-				      sum);
+			k += avx2_add_some(planes, 3, plane_stride, spans + k, span_count - k,
+					   &weight, sum);
 		else
-			k += add_some(planes, 4, plane_stride, spans + k, span_count - k, &weight,
-				      sum);
+			k += avx2_add_some(planes, 4, plane_stride, spans + k, span_count - k,
+					   &weight, sum);
 	}
 }
 
 const struct sampler_kernels sampler_kernels_avx2 = {
 	.name = "avx2",
 	.needs = PROCESSOR_AVX2,
-	.decode = decode,
-	.add = add,
+	.decode = sampler_decode_avx2,
+	.add = sampler_add_avx2,
 };

@@ -17,7 +17,7 @@ struct lookup {
 	__m512i quarter[4];
 };
 
-static inline struct lookup load_lookup(const uint8_t table[256])
+static inline struct lookup avx512_load_lookup(const uint8_t table[256])
 {
 	struct lookup l;
 
@@ -26,7 +26,7 @@ static inline struct lookup load_lookup(const uint8_t table[256])
 	return l;
 }
 
-static inline __m512i look_up(const struct lookup *l, __m512i code)
+static inline __m512i avx512_look_up(const struct lookup *l, __m512i code)
 {
 	/* Seven bits choose among 128 bytes, the eighth between the halves. */
 	const __m512i low = _mm512_permutex2var_epi8(l->quarter[0], code, l->quarter[1]);
@@ -37,7 +37,7 @@ static inline __m512i look_up(const struct lookup *l, __m512i code)
 
 /* Where 64 pixels' codes of one channel lie so that unpacking bytes to words puts them in order:
  * pixels 8 L.. in the low half of lane L, 32 + 8 L.. in the high one. */
-static inline __m512i gather_order(int channel)
+static inline __m512i avx512_gather_order(int channel)
 {
 	const __m512i lanes = _mm512_setr_epi64(0, 0, 0x2020202020202020, 0x2020202020202020,
 						0x4040404040404040, 0x4040404040404040,
@@ -47,7 +47,7 @@ static inline __m512i gather_order(int channel)
 	return _mm512_add_epi8(_mm512_or_si512(lanes, within), _mm512_set1_epi8((char)channel));
 }
 
-static inline __m512i gather(const __m512i pixels[4], __m512i order)
+static inline __m512i avx512_gather(const __m512i pixels[4], __m512i order)
 {
 	const __m512i first = _mm512_permutex2var_epi8(pixels[0], order, pixels[1]);
 	const __m512i second = _mm512_permutex2var_epi8(pixels[2], order, pixels[3]);
@@ -56,8 +56,8 @@ static inline __m512i gather(const __m512i pixels[4], __m512i order)
 }
 
 /* Low and high bytes in that order to 64 words, of which those of the mask are written. */
-static inline __attribute__((always_inline)) void store(int16_t *to, __m512i low, __m512i high,
-							__mmask64 which)
+static inline __attribute__((always_inline)) void avx512_store(int16_t *to, __m512i low,
+							       __m512i high, __mmask64 which)
 {
 	_mm512_mask_storeu_epi16(to, (__mmask32)which, _mm512_unpacklo_epi8(low, high));
 	_mm512_mask_storeu_epi16(to + VALUES, (__mmask32)(which >> VALUES),
@@ -66,8 +66,8 @@ static inline __attribute__((always_inline)) void store(int16_t *to, __m512i low
 
 /* What a mask leaves out of the pixels is 0 and not clipped. */
 static inline __attribute__((always_inline)) __mmask64
-decode_pixels(const struct lookup *low, const struct lookup *high, const __m512i order[3],
-	      const uint32_t *bgrx, int16_t *planes, size_t plane_stride, __mmask64 which)
+avx512_decode_pixels(const struct lookup *low, const struct lookup *high, const __m512i order[3],
+		     const uint32_t *bgrx, int16_t *planes, size_t plane_stride, __mmask64 which)
 {
 	__m512i pixels[4];
 	__mmask64 full = 0;
@@ -75,34 +75,36 @@ decode_pixels(const struct lookup *low, const struct lookup *high, const __m512i
 	for (int i = 0; i < 4; i++)
 		pixels[i] = _mm512_maskz_loadu_epi32((__mmask16)(which >> 16 * i), bgrx + 16 * i);
 	for (int c = 0; c < 3; c++) {
-		const __m512i code = gather(pixels, order[c]);
+		const __m512i code = avx512_gather(pixels, order[c]);
 
 		full |= _mm512_cmpeq_epi8_mask(code, _mm512_set1_epi8(-1));
-		store(planes + (size_t)c * plane_stride, look_up(low, code), look_up(high, code),
-		      which);
+		avx512_store(planes + (size_t)c * plane_stride, avx512_look_up(low, code),
+			     avx512_look_up(high, code), which);
 	}
-	store(planes + 3 * plane_stride, _mm512_maskz_set1_epi8(full, 1), _mm512_setzero_si512(),
-	      which);
+	avx512_store(planes + 3 * plane_stride, _mm512_maskz_set1_epi8(full, 1),
+		     _mm512_setzero_si512(), which);
 	return full;
 }
 
-static bool decode(const struct sampler_decode *table, const uint32_t *bgrx, int count,
-		   int16_t *planes, size_t plane_stride)
+static bool sampler_decode_avx512(const struct sampler_decode *table, const uint32_t *bgrx,
+				  int count, int16_t *planes, size_t plane_stride)
 {
-	const struct lookup low = load_lookup(table->low), high = load_lookup(table->high);
-	const __m512i order[3] = {gather_order(2), gather_order(1), gather_order(0)};
+	const struct lookup low = avx512_load_lookup(table->low),
+			    high = avx512_load_lookup(table->high);
+	const __m512i order[3] = {avx512_gather_order(2), avx512_gather_order(1),
+				  avx512_gather_order(0)};
 	__mmask64 any = 0;
 
 	for (; count >= PIXELS; count -= PIXELS, bgrx += PIXELS, planes += PIXELS)
-		any |= decode_pixels(&low, &high, order, bgrx, planes, plane_stride, ~0ULL);
+		any |= avx512_decode_pixels(&low, &high, order, bgrx, planes, plane_stride, ~0ULL);
 	if (count)
-		any |= decode_pixels(&low, &high, order, bgrx, planes, plane_stride,
-				     (1ULL << count) - 1);
+		any |= avx512_decode_pixels(&low, &high, order, bgrx, planes, plane_stride,
+					    (1ULL << count) - 1);
 	return any != 0;
 }
 
 /* Eight lanes of 64 bits: 128 times high and once low, all of them. */
-static inline __m512i widened(__m512i high, __m512i low)
+static inline __m512i avx512_widened(__m512i high, __m512i low)
 {
 	const __m512i h =
 		_mm512_add_epi64(_mm512_cvtepi32_epi64(_mm512_castsi512_si256(high)),
@@ -114,17 +116,20 @@ static inline __m512i widened(__m512i high, __m512i low)
 	return _mm512_add_epi64(_mm512_slli_epi64(h, 7), l);
 }
 
-static inline __m512i add_pairs(__m512i a, __m512i b)
+static inline __m512i avx512_add_pairs(__m512i a, __m512i b)
 {
 	return _mm512_add_epi64(_mm512_unpacklo_epi64(a, b), _mm512_unpackhi_epi64(a, b));
 }
 
 /* Adds up each of four vectors. */
-static inline void flush(const __m512i high[4], const __m512i low[4], int64_t sum[SAMPLER_PLANES])
+static inline void avx512_flush(const __m512i high[4], const __m512i low[4],
+				int64_t sum[SAMPLER_PLANES])
 {
 	/* lanes of 128 bits: 0 1, and 2 3 */
-	const __m512i rg = add_pairs(widened(high[0], low[0]), widened(high[1], low[1]));
-	const __m512i bc = add_pairs(widened(high[2], low[2]), widened(high[3], low[3]));
+	const __m512i rg = avx512_add_pairs(avx512_widened(high[0], low[0]),
+					    avx512_widened(high[1], low[1]));
+	const __m512i bc = avx512_add_pairs(avx512_widened(high[2], low[2]),
+					    avx512_widened(high[3], low[3]));
 	const __m512i even = _mm512_shuffle_i64x2(rg, bc, 0x88); /* rg0 rg2 bc0 bc2 */
 	const __m512i odd = _mm512_shuffle_i64x2(rg, bc, 0xdd);
 	const __m512i both = _mm512_add_epi64(even, odd);
@@ -138,8 +143,9 @@ static inline void flush(const __m512i high[4], const __m512i low[4], int64_t su
 
 /* The spans that fit into 32 bits, SAMPLER_CHUNKS_MAX of them: how many. */
 static inline __attribute__((always_inline)) int
-add_some(const int16_t *planes, int count, size_t plane_stride, const struct sampler_span *spans,
-	 int span_count, const uint16_t **weights, int64_t sum[SAMPLER_PLANES])
+avx512_add_some(const int16_t *planes, int count, size_t plane_stride,
+		const struct sampler_span *spans, int span_count, const uint16_t **weights,
+		int64_t sum[SAMPLER_PLANES])
 {
 	const __m512i seven = _mm512_set1_epi16(127);
 	const uint16_t *weight = *weights;
@@ -183,30 +189,30 @@ add_some(const int16_t *planes, int count, size_t plane_stride, const struct sam
 			}
 		}
 	}
-	flush(high, low, sum);
+	avx512_flush(high, low, sum);
 	*weights = weight;
 	return k;
 }
 
-static void add(const int16_t *planes, int count, size_t plane_stride,
-		const struct sampler_span *spans, int span_count, const uint16_t *weight,
-		int64_t sum[SAMPLER_PLANES])
+static void sampler_add_avx512(const int16_t *planes, int count, size_t plane_stride,
+			       const struct sampler_span *spans, int span_count,
+			       const uint16_t *weight, int64_t sum[SAMPLER_PLANES])
 {
 	memset(sum, 0, SAMPLER_PLANES * sizeof(*sum));
 	for (int k = 0; k < span_count;) {
 		/* The number of planes is a constant in both, so that sums stay in registers. */
 		if (count == 3)
-			k += add_some(planes, 3, plane_stride, spans + k, span_count - k, &weight,
-				      sum);
+			k += avx512_add_some(planes, 3, plane_stride, spans + k, span_count - k,
+					     &weight, sum);
 		else
-			k += add_some(planes, 4, plane_stride, spans + k, span_count - k, &weight,
-				      sum);
+			k += avx512_add_some(planes, 4, plane_stride, spans + k, span_count - k,
+					     &weight, sum);
 	}
 }
 
 const struct sampler_kernels sampler_kernels_avx512 = {
 	.name = "avx512",
 	.needs = PROCESSOR_AVX512 | PROCESSOR_AVX512_VBMI | PROCESSOR_AVX512_VNNI,
-	.decode = decode,
-	.add = add,
+	.decode = sampler_decode_avx512,
+	.add = sampler_add_avx512,
 };

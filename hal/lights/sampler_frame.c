@@ -1,20 +1,49 @@
 /* SPDX-License-Identifier: MIT */
-/* The light in a frame: one pass over its rows. */
+#include "hal/lights/sampler_frame.h"
+
 #include <errno.h>
-#include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "hal/lights/sampler_parts.h"
+int sampler_scratch_grow(struct light_sampler *s, int threads)
+{
+	struct sampler_scratch *more;
 
-struct pass {
+	if (threads <= s->scratches)
+		return 0;
+	more = realloc(s->scratch, (size_t)threads * sizeof(*more));
+	if (!more)
+		return -ENOMEM;
+	s->scratch = more;
+	for (; s->scratches < threads; s->scratches++) {
+		const size_t bytes = sampler_plane_values(s) * SAMPLER_PLANES *
+				     sizeof(*more->planes);
+		const size_t row = ((size_t)s->width * sizeof(*more->row) + 63) / 64 * 64;
+
+		more = &s->scratch[s->scratches];
+		more->planes = aligned_alloc(64, bytes);
+		more->row = aligned_alloc(64, row);
+		if (!more->planes || !more->row) {
+			free(more->planes);
+			free(more->row);
+			return -ENOMEM;
+		}
+		memset(more->planes, 0, bytes); /* values without weight are read too */
+	}
+	return 0;
+}
+
+/* ---- one pass over a frame ---- */
+
+struct sampler_pass {
 	struct light_sampler *sampler;
 	const struct frame_reader *reader;
 };
 
 /* Whether anything of it is clipped. */
-static bool decode_strip(const struct pass *pass, int strip, const struct sampler_decode *decode,
-			 const struct sampler_scratch *scratch)
+static bool decode_strip(const struct sampler_pass *pass, int strip,
+			 const struct sampler_decode *decode, const struct sampler_scratch *scratch)
 {
 	const struct light_sampler *s = pass->sampler;
 	const struct sampler_table *t = &s->table;
@@ -56,7 +85,7 @@ static void add_strip(const struct light_sampler *s, int strip,
 
 static void read_strip(void *context, int strip, int worker)
 {
-	const struct pass *pass = context;
+	const struct sampler_pass *pass = context;
 	struct light_sampler *s = pass->sampler;
 	const struct sampler_scratch *scratch = &s->scratch[worker];
 
@@ -68,8 +97,8 @@ static void read_strip(void *context, int strip, int worker)
 	}
 }
 
-static void add_parts(const struct light_sampler *s, const struct sampler_sums *parts,
-		      struct sampler_sums *all)
+static void sampler_add_parts(const struct light_sampler *s, const struct sampler_sums *parts,
+			      struct sampler_sums *all)
 {
 	memset(all, 0, (size_t)s->table.sums * sizeof(*all));
 	for (int k = 0; k < s->table.parts; k++) {
@@ -80,53 +109,11 @@ static void add_parts(const struct light_sampler *s, const struct sampler_sums *
 	}
 }
 
-/* The mean of a plane over a light, whose values are so much less than they stand for. */
-static double mean_of(const struct sampler_sums *all, const struct sampler_light *light, int c,
-		      double bias)
+int sampler_frame_sum(struct light_sampler *s, const struct frame_reader *reader, struct pool *pool)
 {
-	const double fine = ldexp(1, -SAMPLER_FINE_BITS);
-	double sum, whole;
+	struct sampler_pass pass = {s, reader};
+	const int ret = sampler_scratch_grow(s, pool ? pool_threads(pool) : 1);
 
-	if (light->sum < 0)
-		return 0;
-	whole = light->whole[0];
-	sum = (double)all[light->sum].plane[c] + bias * whole;
-	if (light->fine >= 0) {
-		sum += fine * ((double)all[light->fine].plane[c] + bias * light->whole[1]);
-		whole += fine * light->whole[1];
-	}
-	return sum / whole;
-}
-
-static void linear_of(const struct sampler_sums *all, const struct sampler_light *light,
-		      double linear[3])
-{
-	for (int c = 0; c < 3; c++)
-		linear[c] = light->brighter * mean_of(all, light, c, SAMPLER_VALUE_BIAS) /
-			    SAMPLER_VALUE_MAX;
-}
-
-static void read_excess(struct light_sampler *s)
-{
-	add_parts(s, s->above_parts, s->above_all);
-	for (int i = 0; i < s->table.lights; i++) {
-		double linear[3];
-
-		linear_of(s->above_all, &s->table.light[i], linear);
-		sampler_colour(s, linear, s->excess[i]);
-	}
-}
-
-int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader *reader,
-			     struct pool *pool, float (*radiance)[3], double *clipped)
-{
-	struct pass pass = {s, reader};
-	double share = 0;
-	int ret;
-
-	if (reader->view.width != s->width || reader->view.height != s->height)
-		return -EINVAL;
-	ret = sampler_grow(s, pool ? pool_threads(pool) : 1);
 	if (ret < 0)
 		return ret;
 	if (pool) {
@@ -135,27 +122,8 @@ int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader 
 		for (int strip = 0; strip < s->table.strips; strip++)
 			read_strip(&pass, strip, 0);
 	}
-	add_parts(s, s->of_parts, s->of_all);
-	for (int i = 0; i < s->table.lights; i++) {
-		const struct sampler_light *light = &s->table.light[i];
-		double linear[3];
-
-		linear_of(s->of_all, light, linear);
-		sampler_colour(s, linear, radiance[i]);
-		s->clipped[i] = (float)mean_of(s->of_all, light, 3, 0);
-		share += (double)s->clipped[i] * s->sky_share[i];
-	}
+	sampler_add_parts(s, s->of_parts, s->of_all);
 	if (s->above_value < SAMPLER_VALUE_MAX)
-		read_excess(s);
-	if (clipped)
-		*clipped = share;
+		sampler_add_parts(s, s->above_parts, s->above_all);
 	return 0;
-}
-
-int light_sampler_read(struct light_sampler *s, const struct picture *picture, float (*radiance)[3],
-		       double *clipped)
-{
-	const struct frame_reader reader = frame_reader_of(picture);
-
-	return light_sampler_read_frame(s, &reader, NULL, radiance, clipped);
 }

@@ -7,15 +7,16 @@
 #include "hal/lights/sampler_kernels.h"
 
 /* Products of 2^30 are added in pairs to 64 bits: no sum can overflow. */
-static inline int64x2_t add8(int64x2_t sum, int16x8_t value, int16x8_t weight)
+static inline int64x2_t neon_add8(int64x2_t sum, int16x8_t value, int16x8_t weight)
 {
 	sum = vpadalq_s32(sum, vmull_s16(vget_low_s16(value), vget_low_s16(weight)));
 	return vpadalq_s32(sum, vmull_high_s16(value, weight));
 }
 
 static inline __attribute__((always_inline)) void
-add_planes(const int16_t *planes, int count, size_t plane_stride, const struct sampler_span *spans,
-	   int span_count, const uint16_t *weight, int64_t sum[SAMPLER_PLANES])
+neon_add_planes(const int16_t *planes, int count, size_t plane_stride,
+		const struct sampler_span *spans, int span_count, const uint16_t *weight,
+		int64_t sum[SAMPLER_PLANES])
 {
 	int64x2_t s[SAMPLER_PLANES];
 
@@ -28,7 +29,8 @@ add_planes(const int16_t *planes, int count, size_t plane_stride, const struct s
 			const int16x8_t w = vreinterpretq_s16_u16(vld1q_u16(weight));
 
 			for (int c = 0; c < count; c++)
-				s[c] = add8(s[c], vld1q_s16(value + (size_t)c * plane_stride), w);
+				s[c] = neon_add8(s[c], vld1q_s16(value + (size_t)c * plane_stride),
+						 w);
 			value += 8;
 			weight += 8;
 		}
@@ -37,20 +39,20 @@ add_planes(const int16_t *planes, int count, size_t plane_stride, const struct s
 		sum[c] = vaddvq_s64(s[c]);
 }
 
-static void add(const int16_t *planes, int count, size_t plane_stride,
-		const struct sampler_span *spans, int span_count, const uint16_t *weight,
-		int64_t sum[SAMPLER_PLANES])
+static void sampler_add_neon(const int16_t *planes, int count, size_t plane_stride,
+			     const struct sampler_span *spans, int span_count,
+			     const uint16_t *weight, int64_t sum[SAMPLER_PLANES])
 {
 	/* The number of planes is a constant in both, so that sums stay in registers. */
 	if (count == 3)
-		add_planes(planes, 3, plane_stride, spans, span_count, weight, sum);
+		neon_add_planes(planes, 3, plane_stride, spans, span_count, weight, sum);
 	else
-		add_planes(planes, 4, plane_stride, spans, span_count, weight, sum);
+		neon_add_planes(planes, 4, plane_stride, spans, span_count, weight, sum);
 }
 
 const struct sampler_kernels sampler_kernels_neon = {
 	.name = "neon",
 	.needs = PROCESSOR_NEON,
-	.decode = sampler_decode_c,
-	.add = add,
+	.decode = sampler_decode_c, /* the C kernel: see the head of this file */
+	.add = sampler_add_neon,
 };

@@ -45,10 +45,4 @@ static inline size_t sampler_plane_values(const struct light_sampler *s)
 	return (size_t)s->table.row_stride * SAMPLER_STRIP_ROWS;
 }
 
-/* Scratch for so many threads. What there is stays: nothing is allocated for a second frame. */
-int sampler_grow(struct light_sampler *sampler, int threads);
-
-/* A light's colour from the mean of its pixels: gain and colours, none below 0. */
-void sampler_colour(const struct light_sampler *sampler, const double linear[3], float out[3]);
-
 #endif

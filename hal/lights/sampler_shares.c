@@ -10,7 +10,7 @@
 #define TENT_SUBPIXELS 2 /* the same of tents: what is linear in a pixel is exact */
 #define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
 
-struct builder {
+struct shares_builder {
 	const struct dome *dome;
 	const struct fisheye *lens;
 	int width, height;
@@ -35,7 +35,7 @@ static int add_share(struct sampler_shares *list, int light, int x, int y, doubl
 }
 
 /* The cell seen at a point of the picture; -1 outside the field and below the horizon. */
-static int light_at(const struct builder *b, double x, double y)
+static int light_at(const struct shares_builder *b, double x, double y)
 {
 	const double px[2] = {x, y};
 	double dir[3];
@@ -43,14 +43,14 @@ static int light_at(const struct builder *b, double x, double y)
 	return fisheye_ray(b->lens, px, dir) ? dome_cell_of(b->dome, dir) : -1;
 }
 
-static int corner_light(const struct builder *b, int x, int y)
+static int corner_light(const struct shares_builder *b, int x, int y)
 {
 	return b->corner_light[(size_t)y * (b->width + 1) + x];
 }
 
 /* Whether the picture's rim may pass through a pixel none of whose corners sees the sky: a corner
  * around it does then. */
-static bool near_sky(const struct builder *b, int x, int y)
+static bool near_sky(const struct shares_builder *b, int x, int y)
 {
 	for (int j = y - 1; j <= y + 2; j++)
 		for (int i = x - 1; i <= x + 2; i++)
@@ -61,7 +61,7 @@ static bool near_sky(const struct builder *b, int x, int y)
 }
 
 /* The directions of the pixel's four corners; false when one of them does not see the sky. */
-static bool corner_rays(const struct builder *b, int x, int y, double corner[4][3])
+static bool corner_rays(const struct shares_builder *b, int x, int y, double corner[4][3])
 {
 	for (int k = 0; k < 4; k++) {
 		const double px[2] = {x + (k & 1), y + (k >> 1)};
@@ -76,8 +76,8 @@ static bool corner_rays(const struct builder *b, int x, int y, double corner[4][
 /* Counts sub-pixels by light. Within a pixel the direction is as good as bilinear in position (off
  * by 1e-3 pixels in a picture of 480), and that is much cheaper than the lens; not at the rim,
  * where a part is not seen. */
-static int count_subpixels(const struct builder *b, int x, int y, int light[SUBPIXELS * SUBPIXELS],
-			   int count[SUBPIXELS * SUBPIXELS])
+static int count_subpixels(const struct shares_builder *b, int x, int y,
+			   int light[SUBPIXELS * SUBPIXELS], int count[SUBPIXELS * SUBPIXELS])
 {
 	double corner[4][3];
 	const bool whole = corner_rays(b, x, y, corner);
@@ -112,7 +112,7 @@ static int count_subpixels(const struct builder *b, int x, int y, int light[SUBP
 }
 
 /* Of each sub-pixel that sees the sky its lights' weights, added up by light. */
-static int weigh_subpixels(const struct builder *b, int x, int y, int light[TENTS_MAX],
+static int weigh_subpixels(const struct shares_builder *b, int x, int y, int light[TENTS_MAX],
 			   double sum[TENTS_MAX])
 {
 	int kinds = 0;
@@ -140,7 +140,7 @@ static int weigh_subpixels(const struct builder *b, int x, int y, int light[TENT
 	return kinds;
 }
 
-static int share_among_tents(struct builder *b, int x, int y)
+static int share_among_tents(struct shares_builder *b, int x, int y)
 {
 	const double centre[2] = {x + 0.5, y + 0.5};
 	double sum[TENTS_MAX], sr;
@@ -156,7 +156,7 @@ static int share_among_tents(struct builder *b, int x, int y)
 	return ret;
 }
 
-static int share_by_tent(struct builder *b)
+static int share_by_tent(struct shares_builder *b)
 {
 	int ret = 0;
 
@@ -167,7 +167,7 @@ static int share_by_tent(struct builder *b)
 }
 
 /* Cells are convex: a pixel whose corners lie in one lies in it. */
-static int share_pixel(struct builder *b, int x, int y)
+static int share_pixel(struct shares_builder *b, int x, int y)
 {
 	const double centre[2] = {x + 0.5, y + 0.5};
 	const int first = corner_light(b, x, y);
@@ -195,7 +195,7 @@ static int share_pixel(struct builder *b, int x, int y)
 	return 0;
 }
 
-static int share_by_cell(struct builder *b)
+static int share_by_cell(struct shares_builder *b)
 {
 	const int columns = b->width + 1;
 
@@ -216,7 +216,7 @@ static int share_by_cell(struct builder *b)
 }
 
 /* The pixel nearest to px, of those around it, whose centre sees the sky. */
-static int share_nearest(struct builder *b, int light, const double px[2])
+static int share_nearest(struct shares_builder *b, int light, const double px[2])
 {
 	const int x0 = (int)floor(px[0]), y0 = (int)floor(px[1]);
 	double best = INFINITY;
@@ -238,7 +238,7 @@ static int share_nearest(struct builder *b, int light, const double px[2])
 
 /* Bilinear at the node, of the pixels whose centre sees the sky. Nothing when the lens does not see
  * the node or the picture does not hold it. */
-static int share_node(struct builder *b, int light)
+static int share_node(struct shares_builder *b, int light)
 {
 	double px[2], total = 0;
 	int x0, y0;
@@ -265,7 +265,7 @@ static int share_node(struct builder *b, int light)
 	return total > 0 ? 0 : share_nearest(b, light, px);
 }
 
-static int share_nodes(struct builder *b, const bool *done)
+static int share_nodes(struct shares_builder *b, const bool *done)
 {
 	for (int i = 0; i < b->dome->count; i++) {
 		const int ret = done && done[i] ? 0 : share_node(b, i);
@@ -277,7 +277,7 @@ static int share_nodes(struct builder *b, const bool *done)
 }
 
 /* The lights that no pixel reaches get their nodes. */
-static int share_missing(struct builder *b)
+static int share_missing(struct shares_builder *b)
 {
 	bool *done = calloc((size_t)b->dome->count, sizeof(*done));
 	int ret;
@@ -295,7 +295,7 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 			  const struct fisheye *lens, int width, int height,
 			  enum light_estimator estimator)
 {
-	struct builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
+	struct shares_builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
 	int ret;
 
 	if (estimator == ESTIMATOR_NODE) {

@@ -14,7 +14,7 @@
 /* Pixels between two that are needed, up to which they are read as one segment. */
 #define SEGMENT_GAP 64
 
-struct packer {
+struct table_packer {
 	struct sampler_table *table;
 	const struct sampler_share *shares;
 	size_t count;
@@ -25,18 +25,18 @@ struct packer {
 	size_t weights, weight_room;
 };
 
-static int strip_of(const struct sampler_share *share)
+static int share_strip(const struct sampler_share *share)
 {
 	return share->y / SAMPLER_STRIP_ROWS;
 }
 
-static int light_of(const struct sampler_share *share)
+static int share_light(const struct sampler_share *share)
 {
 	return share->light;
 }
 
 /* Stable: what is of one key keeps its order. */
-static int sort_by(struct packer *p, int (*key)(const struct sampler_share *), int keys)
+static int sort_by(struct table_packer *p, int (*key)(const struct sampler_share *), int keys)
 {
 	int *first = calloc((size_t)keys + 1, sizeof(*first));
 	int *sorted = malloc((p->count + 1) * sizeof(*sorted));
@@ -59,11 +59,11 @@ static int sort_by(struct packer *p, int (*key)(const struct sampler_share *), i
 }
 
 /* A weight in units of the light's largest: the whole part, and what is left in the next bits. */
-struct digits {
+struct weight_digits {
 	uint16_t whole, fine;
 };
 
-static struct digits digits_of(const struct packer *p, int k)
+static struct weight_digits digits_of(const struct table_packer *p, int k)
 {
 	const int light = p->shares[k].light;
 	const double weight = (double)p->weight[k] * p->scale[light];
@@ -71,14 +71,14 @@ static struct digits digits_of(const struct packer *p, int k)
 	uint32_t all;
 
 	if (p->table->light[light].fine < 0)
-		return (struct digits){(uint16_t)fmin(rint(weight), SAMPLER_WEIGHT_MAX), 0};
+		return (struct weight_digits){(uint16_t)fmin(rint(weight), SAMPLER_WEIGHT_MAX), 0};
 	all = (uint32_t)fmin(rint(weight * unit), SAMPLER_WEIGHT_MAX * unit);
-	return (struct digits){(uint16_t)(all >> SAMPLER_FINE_BITS),
-			       (uint16_t)(all & ((1U << SAMPLER_FINE_BITS) - 1))};
+	return (struct weight_digits){(uint16_t)(all >> SAMPLER_FINE_BITS),
+				      (uint16_t)(all & ((1U << SAMPLER_FINE_BITS) - 1))};
 }
 
 /* Shares of one light, which order[] lists in a row. */
-static void measure_light(struct packer *p, int light, size_t first, size_t count)
+static void measure_light(struct table_packer *p, int light, size_t first, size_t count)
 {
 	struct sampler_light *l = &p->table->light[light];
 	double largest = 0, whole = 0, small = 0, with = 0, without = 0;
@@ -105,14 +105,14 @@ static void measure_light(struct packer *p, int light, size_t first, size_t coun
 	if (whole < (double)SMALL_WEIGHT * (double)count || small * 65536 > whole)
 		l->fine = p->table->sums++;
 	for (size_t k = first; k < first + count; k++) {
-		const struct digits d = digits_of(p, p->order[k]);
+		const struct weight_digits d = digits_of(p, p->order[k]);
 
 		l->whole[0] += d.whole;
 		l->whole[1] += d.fine;
 	}
 }
 
-static void measure_lights(struct packer *p)
+static void measure_lights(struct table_packer *p)
 {
 	size_t k = 0;
 
@@ -125,13 +125,13 @@ static void measure_lights(struct packer *p)
 	}
 }
 
-static bool continues(const struct sampler_share *before, const struct sampler_share *here)
+static bool share_continues(const struct sampler_share *before, const struct sampler_share *here)
 {
 	return before->y == here->y && before->x + 1 == here->x;
 }
 
 /* Room for another span's weights, all 0. */
-static uint16_t *add_weights(struct packer *p, size_t count)
+static uint16_t *add_weights(struct table_packer *p, size_t count)
 {
 	struct sampler_table *t = p->table;
 	uint16_t *weights;
@@ -155,7 +155,7 @@ static uint16_t *add_weights(struct packer *p, size_t count)
 }
 
 /* Spans of shares first.. of one light in one strip, with whole weights or with fine ones. */
-static int pack_part(struct packer *p, size_t first, size_t end, bool fine)
+static int pack_part(struct table_packer *p, size_t first, size_t end, bool fine)
 {
 	struct sampler_table *t = p->table;
 	const struct sampler_light *light = &t->light[p->shares[p->order[first]].light];
@@ -172,15 +172,15 @@ static int pack_part(struct packer *p, size_t first, size_t end, bool fine)
 		uint16_t *weight;
 
 		while (k + count < end && count < SAMPLER_CHUNKS_MAX * SAMPLER_CHUNK &&
-		       continues(&p->shares[p->order[k + count - 1]],
-				 &p->shares[p->order[k + count]]))
+		       share_continues(&p->shares[p->order[k + count - 1]],
+				       &p->shares[p->order[k + count]]))
 			count++;
 		chunks = (count + SAMPLER_CHUNK - 1) / SAMPLER_CHUNK;
 		weight = add_weights(p, chunks * SAMPLER_CHUNK);
 		if (!weight)
 			return -ENOMEM;
 		for (size_t i = 0; i < count; i++) {
-			const struct digits d = digits_of(p, p->order[k + i]);
+			const struct weight_digits d = digits_of(p, p->order[k + i]);
 
 			weight[i] = fine ? d.fine : d.whole;
 		}
@@ -195,7 +195,7 @@ static int pack_part(struct packer *p, size_t first, size_t end, bool fine)
 }
 
 /* The pixels of a row of a strip that any light needs: needed[] holds them, and is cleared. */
-static void pack_segments(struct packer *p, int row, uint8_t *needed, int width)
+static void pack_segments(struct table_packer *p, int row, uint8_t *needed, int width)
 {
 	struct sampler_segment *open = NULL;
 
@@ -211,7 +211,7 @@ static void pack_segments(struct packer *p, int row, uint8_t *needed, int width)
 	}
 }
 
-static int pack_strip(struct packer *p, size_t first, size_t end, uint8_t *needed, int width)
+static int pack_strip(struct table_packer *p, size_t first, size_t end, uint8_t *needed, int width)
 {
 	struct sampler_table *t = p->table;
 	int ret = 0;
@@ -238,7 +238,7 @@ static int pack_strip(struct packer *p, size_t first, size_t end, uint8_t *neede
 	return ret;
 }
 
-static int pack_strips(struct packer *p, int width)
+static int pack_strips(struct table_packer *p, int width)
 {
 	struct sampler_table *t = p->table;
 	uint8_t *needed = calloc((size_t)width, SAMPLER_STRIP_ROWS);
@@ -248,7 +248,7 @@ static int pack_strips(struct packer *p, int width)
 	for (int s = 0; ret == 0 && s < t->strips; s++) {
 		const size_t first = k;
 
-		while (k < p->count && strip_of(&p->shares[p->order[k]]) == s)
+		while (k < p->count && share_strip(&p->shares[p->order[k]]) == s)
 			k++;
 		t->strip[s].first_part = t->parts;
 		t->strip[s].first_segment = p->segments;
@@ -260,7 +260,7 @@ static int pack_strips(struct packer *p, int width)
 	return ret;
 }
 
-static int pack(struct packer *p, const struct fisheye *lens, int width)
+static int table_pack(struct table_packer *p, const struct fisheye *lens, int width)
 {
 	struct sampler_table *t = p->table;
 	int ret;
@@ -271,16 +271,16 @@ static int pack(struct packer *p, const struct fisheye *lens, int width)
 		p->order[k] = (int)k;
 		p->weight[k] = (float)((double)p->shares[k].weight / fisheye_falloff(lens, px));
 	}
-	ret = sort_by(p, light_of, t->lights);
+	ret = sort_by(p, share_light, t->lights);
 	if (ret < 0)
 		return ret;
 	measure_lights(p);
-	ret = sort_by(p, strip_of, t->strips);
+	ret = sort_by(p, share_strip, t->strips);
 	return ret < 0 ? ret : pack_strips(p, width);
 }
 
 /* The same memory, no larger than this; where that fails, as it was. */
-static void *shrunk(void *memory, size_t bytes)
+static void *memory_shrunk(void *memory, size_t bytes)
 {
 	void *smaller = realloc(memory, bytes);
 
@@ -289,13 +289,13 @@ static void *shrunk(void *memory, size_t bytes)
 	return smaller;
 }
 
-static void shrink(struct packer *p)
+static void table_shrink(struct table_packer *p)
 {
 	struct sampler_table *t = p->table;
 
-	t->part = shrunk(t->part, ((size_t)t->parts + 1) * sizeof(*t->part));
-	t->span = shrunk(t->span, ((size_t)p->spans + 1) * sizeof(*t->span));
-	t->segment = shrunk(t->segment, ((size_t)p->segments + 1) * sizeof(*t->segment));
+	t->part = memory_shrunk(t->part, ((size_t)t->parts + 1) * sizeof(*t->part));
+	t->span = memory_shrunk(t->span, ((size_t)p->spans + 1) * sizeof(*t->span));
+	t->segment = memory_shrunk(t->segment, ((size_t)p->segments + 1) * sizeof(*t->segment));
 }
 
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
@@ -303,7 +303,7 @@ int sampler_table_create(struct sampler_table *table, const struct sampler_share
 {
 	/* No more parts, spans or segments than that, with a fine span for each. */
 	const size_t most = 2 * shares->count + 1;
-	struct packer p = {.table = table, .shares = shares->items, .count = shares->count};
+	struct table_packer p = {.table = table, .shares = shares->items, .count = shares->count};
 	int ret = -ENOMEM;
 
 	*table = (struct sampler_table){
@@ -322,14 +322,14 @@ int sampler_table_create(struct sampler_table *table, const struct sampler_share
 	p.scale = calloc((size_t)lights, sizeof(*p.scale));
 	if (table->light && table->strip && table->part && table->span && table->segment &&
 	    p.order && p.weight && p.scale && add_weights(&p, 0))
-		ret = pack(&p, lens, width);
+		ret = table_pack(&p, lens, width);
 	free(p.order);
 	free(p.weight);
 	free(p.scale);
 	if (ret < 0)
 		sampler_table_free(table);
 	else
-		shrink(&p);
+		table_shrink(&p);
 	return ret;
 }
 
