@@ -9,6 +9,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 #include "hal/colour/encode_row.h"
+#include "hal/frame/frame_decode.h"
 #include "hal/frame/frame_reader.h"
 
 #define SILENT_NS (2 * NS_PER_S)       /* without a frame: the camera is stalled */

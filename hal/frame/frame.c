@@ -94,7 +94,7 @@ size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int
 	return stride * rows;
 }
 
-static int check_plane(const struct frame *frame, int plane, struct fault *fault)
+static int frame_check_plane(const struct frame *frame, int plane, struct fault *fault)
 {
 	const struct frame_plane *p = &frame->planes[plane];
 	const size_t row = frame_plane_stride(frame->format, plane, frame->width);
@@ -116,7 +116,7 @@ int frame_check(const struct frame *frame, struct fault *fault)
 	const int planes = frame->format == PIXEL_NV12 ? 2 : 1;
 
 	for (int i = 0; i < planes; i++) {
-		int err = check_plane(frame, i, fault);
+		int err = frame_check_plane(frame, i, fault);
 
 		if (err)
 			return err;

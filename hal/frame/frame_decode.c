@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+#include "hal/frame/frame_decode.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame/frame.h"
 #include "hal/frame/frame_fields.h"
 #include "hal/frame/frame_jpeg.h"
 #include "hal/frame/frame_reader.h"

@@ -29,7 +29,7 @@ bool frame_fields_has(const struct frame *frame, bool bottom)
 	return frame->fields != (bottom ? FIELDS_TOP : FIELDS_BOTTOM);
 }
 
-static struct frame_plane every_other_row(const struct frame_plane *plane, bool bottom)
+static struct frame_plane plane_every_other_row(const struct frame_plane *plane, bool bottom)
 {
 	const size_t skipped = bottom ? plane->stride : 0;
 
@@ -39,7 +39,7 @@ static struct frame_plane every_other_row(const struct frame_plane *plane, bool 
 				    plane->bytes - skipped};
 }
 
-static struct frame_plane half(const struct frame_plane *plane, size_t rows, bool second)
+static struct frame_plane plane_half(const struct frame_plane *plane, size_t rows, bool second)
 {
 	const size_t first = plane->stride * rows;
 
@@ -61,11 +61,11 @@ struct frame frame_fields_one(const struct frame *frame, bool bottom)
 		const size_t rows = frame_plane_bytes(frame->format, p, 1, field.height);
 
 		if (frame->fields == FIELDS_INTERLACED)
-			field.planes[p] = every_other_row(plane, bottom);
+			field.planes[p] = plane_every_other_row(plane, bottom);
 		else if (frame->fields == FIELDS_TOP_BOTTOM)
-			field.planes[p] = half(plane, rows, bottom);
+			field.planes[p] = plane_half(plane, rows, bottom);
 		else if (frame->fields == FIELDS_BOTTOM_TOP)
-			field.planes[p] = half(plane, rows, !bottom);
+			field.planes[p] = plane_half(plane, rows, !bottom);
 		else if (frame->fields == FIELDS_PAIR && bottom)
 			field.planes[p] = frame->bottom_planes[p];
 	}
@@ -82,7 +82,7 @@ struct canvas canvas_field(const struct canvas *canvas, bool bottom)
 	};
 }
 
-static uint8_t *row_of(const struct canvas *canvas, int y)
+static uint8_t *canvas_row(const struct canvas *canvas, int y)
 {
 	return canvas->pixels + (size_t)y * canvas->stride;
 }
@@ -95,10 +95,11 @@ void canvas_interpolate(struct canvas *canvas, bool from_bottom)
 
 	/* libyuv's half way between two rows is (a + b + 1) >> 1. */
 	if (last > 1)
-		ARGBInterpolate(row_of(canvas, known), stride * 2, row_of(canvas, known + 2),
-				stride * 2, row_of(canvas, known + 1), stride * 2, canvas->width,
-				last / 2, 128);
-	memcpy(row_of(canvas, edge), row_of(canvas, beside), (size_t)canvas->width * 4);
+		ARGBInterpolate(canvas_row(canvas, known), stride * 2,
+				canvas_row(canvas, known + 2), stride * 2,
+				canvas_row(canvas, known + 1), stride * 2, canvas->width, last / 2,
+				128);
+	memcpy(canvas_row(canvas, edge), canvas_row(canvas, beside), (size_t)canvas->width * 4);
 }
 
 static void blend_row(const uint8_t *restrict above, const uint8_t *restrict here,
@@ -113,14 +114,14 @@ void canvas_blend(struct canvas *canvas, uint8_t *scratch)
 	const size_t bytes = (size_t)canvas->width * 4;
 	uint8_t *above = scratch, *here = scratch + bytes;
 
-	memcpy(above, row_of(canvas, 1), bytes);
+	memcpy(above, canvas_row(canvas, 1), bytes);
 	for (int y = 0; y < canvas->height; y++) {
 		uint8_t *spare = above;
 		bool last = y == canvas->height - 1;
 
-		memcpy(here, row_of(canvas, y), bytes);
-		blend_row(above, here, last ? above : row_of(canvas, y + 1), bytes,
-			  row_of(canvas, y));
+		memcpy(here, canvas_row(canvas, y), bytes);
+		blend_row(above, here, last ? above : canvas_row(canvas, y + 1), bytes,
+			  canvas_row(canvas, y));
 		above = here;
 		here = spare;
 	}

@@ -36,8 +36,8 @@ static int refuse_header(struct frame_jpeg *jpeg, struct fault *fault)
 	return -EBADMSG;
 }
 
-static int read_header(struct frame_jpeg *jpeg, const struct frame_plane *plane, int *width,
-		       int *height, struct fault *fault)
+static int jpeg_read_header(struct frame_jpeg *jpeg, const struct frame_plane *plane, int *width,
+			    int *height, struct fault *fault)
 {
 	int subsampling, colours;
 
@@ -56,13 +56,13 @@ int frame_jpeg_height(struct frame_jpeg *jpeg, const struct frame_plane *plane, 
 {
 	int width;
 
-	return read_header(jpeg, plane, &width, height, fault);
+	return jpeg_read_header(jpeg, plane, &width, height, fault);
 }
 
 int frame_jpeg_decode(struct frame_jpeg *jpeg, const struct frame_plane *plane,
 		      struct canvas *canvas, struct fault *fault)
 {
-	int width, height, err = read_header(jpeg, plane, &width, &height, fault);
+	int width, height, err = jpeg_read_header(jpeg, plane, &width, &height, fault);
 
 	if (err)
 		return err;

@@ -7,29 +7,29 @@
 
 enum { PIXELS = 16 };
 
-struct wide {
+struct avx512_ycbcr {
 	__m512 y_scale, y_offset, to_blue_red, to_green;
 };
 
 /* Coefficients of chroma alternate as Cb and Cr do. */
-static inline __m512 alternate(float even, float odd)
+static inline __m512 avx512_alternate(float even, float odd)
 {
 	return _mm512_mask_blend_ps(0xaaaa, _mm512_set1_ps(even), _mm512_set1_ps(odd));
 }
 
-static inline struct wide widen(const struct ycbcr *k)
+static inline struct avx512_ycbcr avx512_widen(const struct ycbcr *k)
 {
-	return (struct wide){
+	return (struct avx512_ycbcr){
 		.y_scale = _mm512_set1_ps(k->y_scale),
 		.y_offset = _mm512_set1_ps(k->y_offset),
-		.to_blue_red = alternate(k->b_cb, k->r_cr),
-		.to_green = alternate(k->g_cb, k->g_cr),
+		.to_blue_red = avx512_alternate(k->b_cb, k->r_cr),
+		.to_green = avx512_alternate(k->g_cb, k->g_cr),
 	};
 }
 
 /* Packing saturates at both ends, and truncation has made what is above -1 a zero: the same as
  * clamping first. */
-static inline __m512i interleave(__m512i b, __m512i g, __m512i r)
+static inline __m512i avx512_interleave(__m512i b, __m512i g, __m512i r)
 {
 	/* each lane of 128 bits: b0-3 r0-3, g0-3 x0-3, then b0-3 r0-3 g0-3 x0-3 */
 	const __m512i br = _mm512_packs_epi32(b, r);
@@ -41,7 +41,7 @@ static inline __m512i interleave(__m512i b, __m512i g, __m512i r)
 }
 
 /* y: one in each lane; chroma: Cb and Cr of a pair in its lanes. */
-static inline __m512i convert(const struct wide *k, __m512i y, __m512i chroma)
+static inline __m512i avx512_convert(const struct avx512_ycbcr *k, __m512i y, __m512i chroma)
 {
 	const __m512 luma = _mm512_add_ps(_mm512_mul_ps(k->y_scale, _mm512_cvtepi32_ps(y)),
 					  k->y_offset);
@@ -51,101 +51,110 @@ static inline __m512i convert(const struct wide *k, __m512i y, __m512i chroma)
 	/* A sum of two is the same either way round. */
 	const __m512 g = _mm512_add_ps(green, _mm512_permute_ps(green, 0xb1));
 
-	return interleave(_mm512_cvttps_epi32(_mm512_add_ps(luma, _mm512_moveldup_ps(blue_red))),
-			  _mm512_cvttps_epi32(_mm512_add_ps(luma, g)),
-			  _mm512_cvttps_epi32(_mm512_add_ps(luma, _mm512_movehdup_ps(blue_red))));
+	return avx512_interleave(
+		_mm512_cvttps_epi32(_mm512_add_ps(luma, _mm512_moveldup_ps(blue_red))),
+		_mm512_cvttps_epi32(_mm512_add_ps(luma, g)),
+		_mm512_cvttps_epi32(_mm512_add_ps(luma, _mm512_movehdup_ps(blue_red))));
 }
 
-static inline __m512i low_bytes(__m512i words)
+static inline __m512i avx512_low_bytes(__m512i words)
 {
 	return _mm512_and_si512(words, _mm512_set1_epi32(255));
 }
 
-static inline __m512i yuyv16(const struct wide *k, __m256i packed)
+static inline __m512i avx512_yuyv16(const struct avx512_ycbcr *k, __m256i packed)
 {
 	const __m512i words = _mm512_cvtepu16_epi32(packed); /* Y low, chroma high */
 
-	return convert(k, low_bytes(words), _mm512_srli_epi32(words, 8));
+	return avx512_convert(k, avx512_low_bytes(words), _mm512_srli_epi32(words, 8));
 }
 
-static inline __m512i uyvy16(const struct wide *k, __m256i packed)
+static inline __m512i avx512_uyvy16(const struct avx512_ycbcr *k, __m256i packed)
 {
 	const __m512i words = _mm512_cvtepu16_epi32(packed);
 
-	return convert(k, _mm512_srli_epi32(words, 8), low_bytes(words));
+	return avx512_convert(k, _mm512_srli_epi32(words, 8), avx512_low_bytes(words));
 }
 
-static inline __mmask16 first(int count)
+static inline __mmask16 first_lanes(int count)
 {
 	return (__mmask16)((1U << count) - 1);
 }
 
 /* Whole pairs: chroma of a last pixel without a partner is read too. */
-static inline __mmask16 pairs(int count)
+static inline __mmask16 pair_lanes(int count)
 {
-	return first((count + 1) & ~1);
+	return first_lanes((count + 1) & ~1);
 }
 
-static void yuyv(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
+static void avx512_yuyv(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
 {
-	const struct wide w = widen(k);
+	const struct avx512_ycbcr w = avx512_widen(k);
 
 	for (; count >= PIXELS; count -= PIXELS, from += 2 * PIXELS, bgrx += PIXELS)
-		_mm512_storeu_si512(bgrx, yuyv16(&w, _mm256_loadu_si256((const void *)from)));
+		_mm512_storeu_si512(bgrx,
+				    avx512_yuyv16(&w, _mm256_loadu_si256((const void *)from)));
 	if (count)
-		_mm512_mask_storeu_epi32(bgrx, first(count),
-					 yuyv16(&w, _mm256_maskz_loadu_epi16(pairs(count), from)));
+		_mm512_mask_storeu_epi32(
+			bgrx, first_lanes(count),
+			avx512_yuyv16(&w, _mm256_maskz_loadu_epi16(pair_lanes(count), from)));
 }
 
-static void uyvy(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
+static void avx512_uyvy(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
 {
-	const struct wide w = widen(k);
+	const struct avx512_ycbcr w = avx512_widen(k);
 
 	for (; count >= PIXELS; count -= PIXELS, from += 2 * PIXELS, bgrx += PIXELS)
-		_mm512_storeu_si512(bgrx, uyvy16(&w, _mm256_loadu_si256((const void *)from)));
+		_mm512_storeu_si512(bgrx,
+				    avx512_uyvy16(&w, _mm256_loadu_si256((const void *)from)));
 	if (count)
-		_mm512_mask_storeu_epi32(bgrx, first(count),
-					 uyvy16(&w, _mm256_maskz_loadu_epi16(pairs(count), from)));
+		_mm512_mask_storeu_epi32(
+			bgrx, first_lanes(count),
+			avx512_uyvy16(&w, _mm256_maskz_loadu_epi16(pair_lanes(count), from)));
 }
 
-static void nv12(const struct ycbcr *k, const uint8_t *y, const uint8_t *cbcr, int count,
-		 uint32_t *bgrx)
+static void avx512_nv12(const struct ycbcr *k, const uint8_t *y, const uint8_t *cbcr, int count,
+			uint32_t *bgrx)
 {
-	const struct wide w = widen(k);
+	const struct avx512_ycbcr w = avx512_widen(k);
 
 	for (; count >= PIXELS; count -= PIXELS, y += PIXELS, cbcr += PIXELS, bgrx += PIXELS)
 		_mm512_storeu_si512(
-			bgrx, convert(&w, _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)y)),
-				      _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)cbcr))));
+			bgrx,
+			avx512_convert(&w, _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)y)),
+				       _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)cbcr))));
 	if (count)
-		_mm512_mask_storeu_epi32(
-			bgrx, first(count),
-			convert(&w, _mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(first(count), y)),
-				_mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(pairs(count), cbcr))));
+		_mm512_mask_storeu_epi32(bgrx, first_lanes(count),
+					 avx512_convert(&w,
+							_mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(
+								first_lanes(count), y)),
+							_mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(
+								pair_lanes(count), cbcr))));
 }
 
-static inline __m512i grey16(const struct wide *k, __m128i y)
+static inline __m512i avx512_grey16(const struct avx512_ycbcr *k, __m128i y)
 {
 	const __m512i code = _mm512_cvttps_epi32(_mm512_add_ps(
 		_mm512_mul_ps(k->y_scale, _mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(y))),
 		k->y_offset));
 
-	return interleave(code, code, code);
+	return avx512_interleave(code, code, code);
 }
 
-static void grey(const struct ycbcr *k, const uint8_t *y, int count, uint32_t *bgrx)
+static void avx512_grey(const struct ycbcr *k, const uint8_t *y, int count, uint32_t *bgrx)
 {
-	const struct wide w = widen(k);
+	const struct avx512_ycbcr w = avx512_widen(k);
 
 	for (; count >= PIXELS; count -= PIXELS, y += PIXELS, bgrx += PIXELS)
-		_mm512_storeu_si512(bgrx, grey16(&w, _mm_loadu_si128((const void *)y)));
+		_mm512_storeu_si512(bgrx, avx512_grey16(&w, _mm_loadu_si128((const void *)y)));
 	if (count)
-		_mm512_mask_storeu_epi32(bgrx, first(count),
-					 grey16(&w, _mm_maskz_loadu_epi8(first(count), y)));
+		_mm512_mask_storeu_epi32(
+			bgrx, first_lanes(count),
+			avx512_grey16(&w, _mm_maskz_loadu_epi8(first_lanes(count), y)));
 }
 
 /* From both ends towards the middle. */
-static void reverse(uint32_t *bgrx, int count)
+static void avx512_reverse(uint32_t *bgrx, int count)
 {
 	const __m512i order = _mm512_setr_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1,
 						0);
@@ -165,9 +174,9 @@ static void reverse(uint32_t *bgrx, int count)
 const struct frame_rows frame_rows_avx512 = {
 	.name = "avx512",
 	.needs = PROCESSOR_AVX512,
-	.yuyv = yuyv,
-	.uyvy = uyvy,
-	.nv12 = nv12,
-	.grey = grey,
-	.reverse = reverse,
+	.yuyv = avx512_yuyv,
+	.uyvy = avx512_uyvy,
+	.nv12 = avx512_nv12,
+	.grey = avx512_grey,
+	.reverse = avx512_reverse,
 };

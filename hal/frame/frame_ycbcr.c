@@ -19,18 +19,19 @@ void ycbcr_prepare(struct ycbcr *k, enum colour_matrix matrix, enum colour_range
 	k->g_cb = (float)(-chroma * 2 * (1 - kb) * kb / kg);
 }
 
-static inline uint32_t code(float v)
+static inline uint32_t code_value(float v)
 {
 	v = v < 0 ? 0 : v;
 	v = v < 255 ? v : 255;
 	return (uint32_t)(int)v;
 }
 
-static inline uint32_t pixel(const struct ycbcr *k, uint8_t y, float r, float g, float b)
+static inline uint32_t bgrx_pixel(const struct ycbcr *k, uint8_t y, float r, float g, float b)
 {
 	const float luma = k->y_scale * y + k->y_offset;
 
-	return code(luma + b) | code(luma + g) << 8 | code(luma + r) << 16 | UINT32_C(255) << 24;
+	return code_value(luma + b) | code_value(luma + g) << 8 | code_value(luma + r) << 16 |
+	       UINT32_C(255) << 24;
 }
 
 void ycbcr_row_halved(const struct ycbcr *k, const uint8_t *restrict y, const uint8_t *restrict cb,
@@ -43,8 +44,8 @@ void ycbcr_row_halved(const struct ycbcr *k, const uint8_t *restrict y, const ui
 		const float u = (float)cb[i] - 128, v = (float)cr[i] - 128;
 		const float r = m.r_cr * v, g = m.g_cb * u + m.g_cr * v, b = m.b_cb * u;
 
-		bgrx[2 * i] = pixel(&m, y[2 * i], r, g, b);
-		bgrx[2 * i + 1] = pixel(&m, y[2 * i + 1], r, g, b);
+		bgrx[2 * i] = bgrx_pixel(&m, y[2 * i], r, g, b);
+		bgrx[2 * i + 1] = bgrx_pixel(&m, y[2 * i + 1], r, g, b);
 	}
 	if (width % 2)
 		ycbcr_row_full(k, y + 2 * pairs, cb + pairs, cr + pairs, 1, bgrx + 2 * pairs);
@@ -58,7 +59,7 @@ void ycbcr_row_full(const struct ycbcr *k, const uint8_t *restrict y, const uint
 	for (int i = 0; i < width; i++) {
 		const float u = (float)cb[i] - 128, v = (float)cr[i] - 128;
 
-		bgrx[i] = pixel(&m, y[i], m.r_cr * v, m.g_cb * u + m.g_cr * v, m.b_cb * u);
+		bgrx[i] = bgrx_pixel(&m, y[i], m.r_cr * v, m.g_cb * u + m.g_cr * v, m.b_cb * u);
 	}
 }
 
@@ -106,7 +107,7 @@ void ycbcr_row_grey(const struct ycbcr *k, const uint8_t *restrict y, int count,
 	const struct ycbcr m = *k;
 
 	for (int i = 0; i < count; i++)
-		bgrx[i] = pixel(&m, y[i], 0, 0, 0);
+		bgrx[i] = bgrx_pixel(&m, y[i], 0, 0, 0);
 }
 
 void bgrx_row_reverse(uint32_t *bgrx, int count)
@@ -124,9 +125,9 @@ void ycbcr_row_expand(const struct ycbcr *k, int width, uint32_t *bgrx)
 	const struct ycbcr m = *k;
 
 	for (int i = 0; i < width; i++) {
-		const uint32_t b = code(m.y_scale * (uint8_t)bgrx[i] + m.y_offset);
-		const uint32_t g = code(m.y_scale * (uint8_t)(bgrx[i] >> 8) + m.y_offset);
-		const uint32_t r = code(m.y_scale * (uint8_t)(bgrx[i] >> 16) + m.y_offset);
+		const uint32_t b = code_value(m.y_scale * (uint8_t)bgrx[i] + m.y_offset);
+		const uint32_t g = code_value(m.y_scale * (uint8_t)(bgrx[i] >> 8) + m.y_offset);
+		const uint32_t r = code_value(m.y_scale * (uint8_t)(bgrx[i] >> 16) + m.y_offset);
 
 		bgrx[i] = b | g << 8 | r << 16 | UINT32_C(255) << 24;
 	}

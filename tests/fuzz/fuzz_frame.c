@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/frame/frame_decode.h"
 #include "hal/frame/frame_reader.h"
 
 enum { HEAD = 11, PLANES = 2 };

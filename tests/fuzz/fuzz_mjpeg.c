@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "hal/frame/frame.h"
+#include "hal/frame/frame_decode.h"
 
 enum { WIDTH = 32, HEIGHT = 32 };
 

@@ -11,7 +11,7 @@
 #include "hal/base/clock.h"
 #include "hal/colour/transfer.h"
 #include "hal/device/camera_controls.h"
-#include "hal/frame/frame.h"
+#include "hal/frame/frame_decode.h"
 
 struct live {
 	struct config_driver_room room; /* the drivers that the configuration may name */

@@ -19,6 +19,7 @@
 
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
+#include "hal/frame/frame_decode.h"
 #include "hal/image/image.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/panorama.h"

@@ -24,6 +24,7 @@
 #include "hal/base/clock.h"
 #include "hal/device/camera.h"
 #include "hal/device/camera_controls.h"
+#include "hal/frame/frame_decode.h"
 #include "hal/image/image.h"
 #include "tests/vm/tools/driver_option.h"
 

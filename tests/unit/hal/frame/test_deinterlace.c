@@ -15,7 +15,7 @@
 #include <string.h>
 #include <turbojpeg.h>
 
-#include "hal/frame/frame.h"
+#include "hal/frame/frame_decode.h"
 #include "tests/support/chance.h"
 
 enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };

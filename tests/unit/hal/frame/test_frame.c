@@ -13,7 +13,7 @@
 #include <string.h>
 #include <turbojpeg.h>
 
-#include "hal/frame/frame.h"
+#include "hal/frame/frame_decode.h"
 
 static uint32_t random_state = 20261120;
 
