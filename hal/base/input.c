@@ -18,7 +18,7 @@ static bool is_unnamed_pipe(int fd)
 	return fstatfs(fd, &is) == 0 && is.f_type == PIPEFS_MAGIC;
 }
 
-static int refuse(mode_t mode, const char *path, struct fault *fault)
+static int input_refuse(mode_t mode, const char *path, struct fault *fault)
 {
 	return fault_say(fault, S_ISDIR(mode) ? -EISDIR : -EINVAL,
 			 "%s: not a regular file but a %s, expected one to read", path,
@@ -35,7 +35,7 @@ static int check_file(int fd, const char *path, struct fault *fault)
 	int err = fstat(fd, &is) ? -errno : 0;
 
 	if (!err && !S_ISREG(is.st_mode) && !is_unnamed_pipe(fd))
-		return refuse(is.st_mode, path, fault);
+		return input_refuse(is.st_mode, path, fault);
 	if (!err && fcntl(fd, F_SETFL, 0))
 		err = -errno;
 	return err ? fault_say(fault, err, "%s: %s", path, strerror(-err)) : 0;
@@ -48,8 +48,9 @@ int input_open(const char *path, struct fault *fault)
 	struct stat is;
 	int err = fd < 0 ? -errno : 0;
 
+	/* ENXIO: a socket, or a device that is absent. */
 	if (err == -ENXIO && stat(path, &is) == 0)
-		return refuse(is.st_mode, path, fault); /* a socket, or a device that is absent */
+		return input_refuse(is.st_mode, path, fault);
 	if (err)
 		return fault_say(fault, err, "%s: %s", path, strerror(-err));
 	err = check_file(fd, path, fault);

@@ -58,7 +58,7 @@ static size_t control_bytes(const char *at)
 
 /* Names of files, and what stands in them, may hold line breaks, or escape sequences for the
  * reader's terminal. */
-static void make_plain(char *text)
+static void text_make_plain(char *text)
 {
 	while (*text) {
 		size_t bytes = control_bytes(text);
@@ -71,7 +71,7 @@ static void make_plain(char *text)
 }
 
 /* FNV-1a. */
-static uint64_t hash(const char *text)
+static uint64_t text_hash(const char *text)
 {
 	uint64_t h = 0xcbf29ce484222325;
 
@@ -85,7 +85,7 @@ static bool is_new(const char *text)
 	static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 	static uint64_t said[SAID_MAX];
 	static unsigned count;
-	const uint64_t this = hash(text);
+	const uint64_t this = text_hash(text);
 	bool found = false;
 
 	pthread_mutex_lock(&lock);
@@ -114,7 +114,7 @@ say(enum log_level level, bool once, const char *format, va_list args)
 	vsnprintf(text, sizeof(line) - 1 - (size_t)(text - line), format, args);
 	if (once && !is_new(text))
 		return;
-	make_plain(text);
+	text_make_plain(text);
 	length = strlen(line);
 	line[length++] = '\n';
 	while (done < length) {

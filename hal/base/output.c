@@ -12,7 +12,7 @@
 
 /* Renaming over a device, pipe or folder would destroy it or fail late, and over a link would cut
  * it: a link is followed, and anything but a plain file is refused at once. */
-static int find_target(struct output *out, const char *path, struct fault *fault)
+static int output_find_target(struct output *out, const char *path, struct fault *fault)
 {
 	struct stat s;
 
@@ -36,7 +36,7 @@ static int find_target(struct output *out, const char *path, struct fault *fault
 	return 0;
 }
 
-static void folder_of(const char *path, char folder[PATH_MAX])
+static void output_folder(const char *path, char folder[PATH_MAX])
 {
 	char *slash;
 
@@ -56,7 +56,7 @@ static int create_unnamed(const struct output *out)
 
 	if (access("/proc/self/fd", F_OK) < 0)
 		return -errno;
-	folder_of(out->path, folder);
+	output_folder(out->path, folder);
 	return open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
 }
 
@@ -102,7 +102,7 @@ int output_open(struct output *out, const char *path, struct fault *fault)
 	int fd, ret;
 
 	memset(out, 0, sizeof(*out));
-	ret = find_target(out, path, fault);
+	ret = output_find_target(out, path, fault);
 	if (ret < 0)
 		return ret;
 	fd = create_unnamed(out);
@@ -132,8 +132,8 @@ static bool same_file(const char *a, const char *b)
 		return false;
 	if (there)
 		return s[0].st_dev == s[1].st_dev && s[0].st_ino == s[1].st_ino;
-	folder_of(a, folder[0]);
-	folder_of(b, folder[1]);
+	output_folder(a, folder[0]);
+	output_folder(b, folder[1]);
 	return !strcmp(basename(a), basename(b)) && stat(folder[0], &s[0]) == 0 &&
 	       stat(folder[1], &s[1]) == 0 && s[0].st_dev == s[1].st_dev &&
 	       s[0].st_ino == s[1].st_ino;
@@ -178,7 +178,7 @@ static void sync_folder(const char *path)
 	char folder[PATH_MAX];
 	int fd;
 
-	folder_of(path, folder);
+	output_folder(path, folder);
 	fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 	if (fd < 0)
 		return;
@@ -186,7 +186,7 @@ static void sync_folder(const char *path)
 	close(fd);
 }
 
-static int flush(FILE *stream)
+static int output_flush(FILE *stream)
 {
 	errno = 0;
 	if (fflush(stream) != 0)
@@ -204,7 +204,7 @@ int output_commit(struct output *out, struct fault *fault)
 
 	if (!out->stream)
 		return fault_say(fault, -EBADF, "%s: is not open for writing", out->path);
-	ret = flush(out->stream);
+	ret = output_flush(out->stream);
 	if (ret == 0 && !*out->temporary)
 		ret = with_temporary_name(out, give_name, fileno(out->stream));
 	if (fclose(out->stream) != 0 && ret == 0)

@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-struct worker {
+struct pool_worker {
 	struct pool *pool;
 	pthread_t thread;
 	int number;
 };
 
-struct job {
+struct pool_job {
 	void (*work)(void *context, int item, int worker);
 	void *context;
 	int items;
@@ -26,17 +26,17 @@ struct pool {
 	pthread_cond_t wake, idle;
 	/* Under the lock. A job is open from its start until its caller finds no item left; a
 	 * worker that wakes later than that goes back to sleep, and nobody waits for it. */
-	struct job job;
+	struct pool_job job;
 	unsigned generation;
 	bool open, quit;
 	int busy;
 	atomic_int next; /* item to claim */
 	int threads;	 /* the caller included */
 	int started;
-	struct worker workers[];
+	struct pool_worker workers[];
 };
 
-static void take_items(struct pool *pool, const struct job *job, int worker)
+static void pool_take_items(struct pool *pool, const struct pool_job *job, int worker)
 {
 	for (;;) {
 		const int item = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed);
@@ -47,15 +47,15 @@ static void take_items(struct pool *pool, const struct job *job, int worker)
 	}
 }
 
-static void *worker_main(void *argument)
+static void *pool_worker_main(void *argument)
 {
-	const struct worker *self = argument;
+	const struct pool_worker *self = argument;
 	struct pool *pool = self->pool;
 	unsigned seen = 0;
 
 	pthread_mutex_lock(&pool->lock);
 	for (;;) {
-		struct job job;
+		struct pool_job job;
 
 		while (!pool->quit && (!pool->open || pool->generation == seen))
 			pthread_cond_wait(&pool->wake, &pool->lock);
@@ -66,7 +66,7 @@ static void *worker_main(void *argument)
 		pool->busy++;
 		pthread_mutex_unlock(&pool->lock);
 
-		take_items(pool, &job, self->number);
+		pool_take_items(pool, &job, self->number);
 
 		pthread_mutex_lock(&pool->lock);
 		if (--pool->busy == 0)
@@ -77,7 +77,7 @@ static void *worker_main(void *argument)
 }
 
 /* Signals belong to the thread that runs the event loop: workers are born with all blocked. */
-static int start_workers(struct pool *pool)
+static int pool_start_workers(struct pool *pool)
 {
 	sigset_t all, before;
 	int ret = 0;
@@ -85,11 +85,11 @@ static int start_workers(struct pool *pool)
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
 	while (ret == 0 && pool->started < pool->threads - 1) {
-		struct worker *w = &pool->workers[pool->started];
+		struct pool_worker *w = &pool->workers[pool->started];
 
 		w->pool = pool;
 		w->number = pool->started + 1;
-		ret = -pthread_create(&w->thread, NULL, worker_main, w);
+		ret = -pthread_create(&w->thread, NULL, pool_worker_main, w);
 		if (ret == 0)
 			pool->started++;
 	}
@@ -117,7 +117,7 @@ int pool_create(struct pool **out, int threads)
 	pthread_mutex_init(&pool->lock, NULL);
 	pthread_cond_init(&pool->wake, NULL);
 	pthread_cond_init(&pool->idle, NULL);
-	ret = start_workers(pool);
+	ret = pool_start_workers(pool);
 	if (ret < 0) {
 		pool_destroy(pool);
 		return ret;
@@ -134,7 +134,7 @@ int pool_threads(const struct pool *pool)
 void pool_run(struct pool *pool, int items, void (*work)(void *context, int item, int worker),
 	      void *context)
 {
-	const struct job job = {work, context, items};
+	const struct pool_job job = {work, context, items};
 
 	if (items <= 1 || pool->started == 0) {
 		for (int i = 0; i < items; i++)
@@ -150,7 +150,7 @@ void pool_run(struct pool *pool, int items, void (*work)(void *context, int item
 	pthread_cond_broadcast(&pool->wake);
 	pthread_mutex_unlock(&pool->lock);
 
-	take_items(pool, &job, 0);
+	pool_take_items(pool, &job, 0);
 
 	pthread_mutex_lock(&pool->lock);
 	pool->open = false;

@@ -49,14 +49,14 @@ const struct ini_key response_keys[] = {
 		 "measured."},
 	INI_KEYS_END};
 
-struct reading {
+struct response_reading {
 	struct response *response;
 	bool found; /* there is a section [light] */
 };
 
-static void *place(void *root, const char *instance)
+static void *response_place(void *root, const char *instance)
 {
-	struct reading *r = root;
+	struct response_reading *r = root;
 
 	(void)instance;
 	r->found = true;
@@ -96,7 +96,7 @@ double response_gain(const struct response *r, double gain)
 }
 
 /* Of the line that sets the key; 1 where it is not found again. */
-static int line_of(const char *path, const char *key)
+static int key_line(const char *path, const char *key)
 {
 	FILE *file = fopen(path, "r");
 	char text[4096];
@@ -114,7 +114,7 @@ static int line_of(const char *path, const char *key)
 	return found;
 }
 
-static int complain(struct ini_report *report, const struct fault *fault)
+static int response_complain(struct ini_report *report, const struct fault *fault)
 {
 	if (!report->count++)
 		report->first = *fault;
@@ -124,7 +124,7 @@ static int complain(struct ini_report *report, const struct fault *fault)
 }
 
 /* What no key can tell alone. */
-static int check(const struct response *r, const char *path, struct ini_report *report)
+static int response_check(const struct response *r, const char *path, struct ini_report *report)
 {
 	const struct transfer_curve curve = response_curve(r, TRANSFER_SRGB, 0);
 	struct fault what = {.text = ""}, fault = {.text = ""};
@@ -132,15 +132,16 @@ static int check(const struct response *r, const char *path, struct ini_report *
 	if (transfer_curve_check(&curve, &what) == 0)
 		return 0;
 	fault_say(&fault, -EINVAL, "%.500s:%d: [light] response: %.400s", path,
-		  line_of(path, "response"), what.text);
-	return complain(report, &fault);
+		  key_line(path, "response"), what.text);
+	return response_complain(report, &fault);
 }
 
 int response_read(struct response *response, const char *path, struct ini_report *report)
 {
 	const struct ini_table tables[] = {
-		{.section = "light", .keys = response_keys, .place = place}, INI_TABLES_END};
-	struct reading reading = {.response = response};
+		{.section = "light", .keys = response_keys, .place = response_place},
+		INI_TABLES_END};
+	struct response_reading reading = {.response = response};
 	struct fault fault = {.text = ""};
 	int err;
 
@@ -151,10 +152,10 @@ int response_read(struct response *response, const char *path, struct ini_report
 			  "%.500s:1: has no section [light], expected a file that inlay-calibrate "
 			  "light wrote",
 			  path);
-		err = complain(report, &fault);
+		err = response_complain(report, &fault);
 	}
 	if (!err)
-		err = check(response, path, report);
+		err = response_check(response, path, report);
 	if (err)
 		response_begin(response);
 	return err;

@@ -24,11 +24,11 @@ const char *const transfer_names[] = {"srgb", "bt709", "linear", NULL};
 #define BT709_OFFSET 0.099296826809442940347
 #define BT709_POWER (1 / 0.45)
 
-struct curve {
+struct standard_curve {
 	double knee, slope, offset, power;
 };
 
-static const struct curve curves[] = {
+static const struct standard_curve curves[] = {
 	[TRANSFER_SRGB] = {SRGB_KNEE, SRGB_SLOPE, SRGB_OFFSET, SRGB_POWER},
 	[TRANSFER_BT709] = {BT709_KNEE, BT709_SLOPE, BT709_OFFSET, BT709_POWER},
 };
@@ -42,7 +42,7 @@ static double clamp01(double x)
 double transfer_decode(enum transfer t, double encoded)
 {
 	const double e = clamp01(encoded);
-	const struct curve *c;
+	const struct standard_curve *c;
 
 	if (t == TRANSFER_LINEAR)
 		return e;
@@ -55,7 +55,7 @@ double transfer_decode(enum transfer t, double encoded)
 double transfer_encode(enum transfer t, double linear)
 {
 	const double l = clamp01(linear);
-	const struct curve *c;
+	const struct standard_curve *c;
 	double p;
 
 	if (t == TRANSFER_LINEAR)

@@ -36,7 +36,7 @@ static bool hdr_probe(const uint8_t *data, size_t bytes)
 }
 
 /* The next line, without its end. False at the end of the file. Longer ones are cut. */
-static bool take_line(struct hdr_reader *reader, char *line, size_t room)
+static bool hdr_take_line(struct hdr_reader *reader, char *line, size_t room)
 {
 	size_t length = 0;
 
@@ -53,7 +53,7 @@ static bool take_line(struct hdr_reader *reader, char *line, size_t room)
 	return true;
 }
 
-static bool take_scale(struct hdr_reader *reader, const char *text, int channels)
+static bool hdr_take_scale(struct hdr_reader *reader, const char *text, int channels)
 {
 	for (int c = 0; c < 3; c++) {
 		static const double smallest = 1e-30, largest = 1e30;
@@ -79,7 +79,8 @@ static bool is_rgbe(const char *text)
 	       !text[strlen(rgbe) + strspn(text + strlen(rgbe), " \t")];
 }
 
-static int take_primaries(const struct image_source *source, const char *text, struct fault *fault)
+static int hdr_take_primaries(const struct image_source *source, const char *text,
+			      struct fault *fault)
 {
 	double xy[8];
 	bool said = false;
@@ -100,8 +101,8 @@ static int take_primaries(const struct image_source *source, const char *text, s
 	return said ? image_check_primaries(source, xy, fault) : 0;
 }
 
-static int take_header(struct hdr_reader *reader, const struct image_source *source,
-		       struct fault *fault)
+static int hdr_take_header(struct hdr_reader *reader, const struct image_source *source,
+			   struct fault *fault)
 {
 	const char *name = source->name;
 	char line[256];
@@ -110,7 +111,7 @@ static int take_header(struct hdr_reader *reader, const struct image_source *sou
 		bool fine = true;
 		int err = 0;
 
-		if (!take_line(reader, line, sizeof(line)))
+		if (!hdr_take_line(reader, line, sizeof(line)))
 			return fault_say(fault, -EBADMSG, "%s: the HDR header has no end", name);
 		if (!strncmp(line, "FORMAT=", 7) && !is_rgbe(line + 7))
 			return fault_say(fault, -ENOTSUP,
@@ -118,11 +119,11 @@ static int take_header(struct hdr_reader *reader, const struct image_source *sou
 					 "32-bit_rle_rgbe",
 					 name, line + 7);
 		if (!strncmp(line, "EXPOSURE=", 9))
-			fine = take_scale(reader, line + 9, 1);
+			fine = hdr_take_scale(reader, line + 9, 1);
 		else if (!strncmp(line, "COLORCORR=", 10))
-			fine = take_scale(reader, line + 10, 3);
+			fine = hdr_take_scale(reader, line + 10, 3);
 		else if (!strncmp(line, "PRIMARIES=", 10))
-			err = take_primaries(source, line + 10, fault);
+			err = hdr_take_primaries(source, line + 10, fault);
 		if (err)
 			return err;
 		if (!fine)
@@ -135,12 +136,12 @@ static int take_header(struct hdr_reader *reader, const struct image_source *sou
 }
 
 /* "-Y 512 +X 1024": rows from the top, each from the left; any signs and either order. */
-static int take_resolution(struct hdr_reader *reader, const char *name, struct fault *fault)
+static int hdr_take_resolution(struct hdr_reader *reader, const char *name, struct fault *fault)
 {
 	char line[64], sign[2], axis[2], rest;
 	bool backwards[2];
 
-	if (!take_line(reader, line, sizeof(line)) ||
+	if (!hdr_take_line(reader, line, sizeof(line)) ||
 	    sscanf(line, "%c%c %9lld %c%c %9lld%c", &sign[0], &axis[0], &reader->rows, &sign[1],
 		   &axis[1], &reader->length, &rest) != 6 ||
 	    !((axis[0] == 'Y' && axis[1] == 'X') || (axis[0] == 'X' && axis[1] == 'Y')) ||
@@ -158,7 +159,7 @@ static int take_resolution(struct hdr_reader *reader, const char *name, struct f
 	return 0;
 }
 
-static bool take_planes(struct hdr_reader *reader, uint8_t (*row)[4], int length)
+static bool hdr_take_planes(struct hdr_reader *reader, uint8_t (*row)[4], int length)
 {
 	for (int c = 0; c < 4; c++)
 		for (int x = 0; x < length;) {
@@ -176,7 +177,7 @@ static bool take_planes(struct hdr_reader *reader, uint8_t (*row)[4], int length
 	return true;
 }
 
-static bool take_pixels(struct hdr_reader *reader, uint8_t (*row)[4], int length)
+static bool hdr_take_pixels(struct hdr_reader *reader, uint8_t (*row)[4], int length)
 {
 	int shift = 0;
 
@@ -208,11 +209,11 @@ static bool take_row(struct hdr_reader *reader, uint8_t (*row)[4], int length)
 
 	if (length < NEW_CODING_MIN || length > NEW_CODING_MAX || reader->end - in < 4 ||
 	    in[0] != 2 || in[1] != 2 || in[2] & 0x80)
-		return take_pixels(reader, row, length);
+		return hdr_take_pixels(reader, row, length);
 	if ((in[2] << 8 | in[3]) != length)
 		return false;
 	reader->at += 4;
-	return take_planes(reader, row, length);
+	return hdr_take_planes(reader, row, length);
 }
 
 static void place_row(const struct hdr_reader *reader, const uint8_t (*row)[4], int number,
@@ -264,9 +265,9 @@ static int hdr_read(const struct image_source *source, struct image *image, stru
 	int64_t width, height;
 	int err;
 
-	err = take_header(&reader, source, fault);
+	err = hdr_take_header(&reader, source, fault);
 	if (!err)
-		err = take_resolution(&reader, source->name, fault);
+		err = hdr_take_resolution(&reader, source->name, fault);
 	if (err)
 		return err;
 	width = reader.by_column ? reader.rows : reader.length;

@@ -14,8 +14,8 @@ static bool jpeg_probe(const uint8_t *data, size_t bytes)
 	return bytes >= 3 && data[0] == 0xff && data[1] == 0xd8 && data[2] == 0xff;
 }
 
-static int decode(tjhandle jpeg, const struct image_source *source, struct image *image,
-		  struct fault *fault)
+static int jpeg_decode(tjhandle jpeg, const struct image_source *source, struct image *image,
+		       struct fault *fault)
 {
 	/* A hostile progressive file may hold scans without end; and what TurboJPEG only warns of
 	 * (a file that ends early, blocks that do not decode) is damage to us. */
@@ -51,7 +51,7 @@ static int jpeg_read(const struct image_source *source, struct image *image, str
 
 	if (!jpeg)
 		return fault_say(fault, -ENOMEM, "%s: cannot start the JPEG decoder", source->name);
-	err = decode(jpeg, source, image, fault);
+	err = jpeg_decode(jpeg, source, image, fault);
 	tjDestroy(jpeg);
 	return err;
 }

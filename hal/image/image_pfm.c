@@ -29,7 +29,7 @@ static bool pfm_probe(const uint8_t *data, size_t bytes)
 }
 
 /* One word of the header and the single white space after it. NULL: there is none. */
-static const uint8_t *take_word(const uint8_t *at, const uint8_t *end, char *word, size_t room)
+static const uint8_t *pfm_take_word(const uint8_t *at, const uint8_t *end, char *word, size_t room)
 {
 	size_t length = 0;
 
@@ -41,7 +41,7 @@ static const uint8_t *take_word(const uint8_t *at, const uint8_t *end, char *wor
 	return length && at < end && is_space(*at) ? at + 1 : NULL;
 }
 
-static bool take_header(const struct image_source *source, struct pfm_header *header)
+static bool pfm_take_header(const struct image_source *source, struct pfm_header *header)
 {
 	const uint8_t *end = source->data + source->bytes;
 	const uint8_t *at = source->data + 2;
@@ -50,9 +50,9 @@ static bool take_header(const struct image_source *source, struct pfm_header *he
 	double factor;
 
 	header->channels = source->data[1] == 'F' ? 3 : 1;
-	at = take_word(at, end, width, sizeof(width));
-	at = at ? take_word(at, end, height, sizeof(height)) : NULL;
-	at = at ? take_word(at, end, scale, sizeof(scale)) : NULL;
+	at = pfm_take_word(at, end, width, sizeof(width));
+	at = at ? pfm_take_word(at, end, height, sizeof(height)) : NULL;
+	at = at ? pfm_take_word(at, end, scale, sizeof(scale)) : NULL;
 	if (!at)
 		return false;
 	header->width = strtoll(width, &stop[0], 10);
@@ -64,7 +64,7 @@ static bool take_header(const struct image_source *source, struct pfm_header *he
 	return !*stop[0] && !*stop[1] && !*stop[2] && (factor < 0 || factor > 0);
 }
 
-static float sample(const uint8_t *at, bool little)
+static float pfm_sample(const uint8_t *at, bool little)
 {
 	const uint32_t bits = little ? (uint32_t)at[0] | (uint32_t)at[1] << 8 |
 					       (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24
@@ -82,7 +82,7 @@ static int pfm_read(const struct image_source *source, struct image *image, stru
 	size_t row_bytes, held;
 	int err;
 
-	if (!take_header(source, &header))
+	if (!pfm_take_header(source, &header))
 		return fault_say(fault, -EBADMSG,
 				 "%s: damaged PFM header, expected PF or Pf, width, height and a "
 				 "scale that is not 0",
@@ -105,9 +105,9 @@ static int pfm_read(const struct image_source *source, struct image *image, stru
 
 		for (int x = 0; x < image->width; x++, out += 3)
 			for (int c = 0; c < 3; c++)
-				out[c] = sample(in + 4 * (x * header.channels +
-							  (header.channels == 3 ? c : 0)),
-						header.little);
+				out[c] = pfm_sample(in + 4 * (x * header.channels +
+							      (header.channels == 3 ? c : 0)),
+						    header.little);
 	}
 	return 0;
 }

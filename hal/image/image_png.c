@@ -28,7 +28,7 @@ static bool png_probe(const uint8_t *data, size_t bytes)
 	return bytes >= 8 && !png_sig_cmp(data, 0, 8);
 }
 
-static _Noreturn void on_error(png_structp png, png_const_charp message)
+static _Noreturn void png_on_error(png_structp png, png_const_charp message)
 {
 	struct png_work *work = png_get_error_ptr(png);
 
@@ -37,13 +37,13 @@ static _Noreturn void on_error(png_structp png, png_const_charp message)
 }
 
 /* Warnings are about ancillary chunks, which are not used. */
-static void on_warning(png_structp png, png_const_charp message)
+static void png_on_warning(png_structp png, png_const_charp message)
 {
 	(void)png;
 	(void)message;
 }
 
-static void take(png_structp png, png_bytep out, size_t bytes)
+static void png_source_take(png_structp png, png_bytep out, size_t bytes)
 {
 	struct png_work *work = png_get_io_ptr(png);
 
@@ -53,7 +53,7 @@ static void take(png_structp png, png_bytep out, size_t bytes)
 	work->at += bytes;
 }
 
-static int allocate_rows(struct png_work *work, const struct image *image)
+static int png_allocate_rows(struct png_work *work, const struct image *image)
 {
 	work->rows = malloc((size_t)image->height * sizeof(*work->rows));
 	if (!work->rows)
@@ -75,12 +75,12 @@ static void ask_for_rgb(struct png_work *work)
 	png_read_update_info(work->png, work->info);
 }
 
-static int decode(struct png_work *work, struct image *image, struct fault *fault)
+static int png_decode(struct png_work *work, struct image *image, struct fault *fault)
 {
 	if (setjmp(png_jmpbuf(work->png)))
 		return fault_say(fault, -EBADMSG, "%s: damaged PNG: %s", work->source->name,
 				 work->message);
-	png_set_read_fn(work->png, work, take);
+	png_set_read_fn(work->png, work, png_source_take);
 	/* Sizes are judged below, in our own words. */
 	png_set_user_limits(work->png, 0x7fffffff, 0x7fffffff);
 	png_read_info(work->png, work->info);
@@ -96,7 +96,7 @@ static int decode(struct png_work *work, struct image *image, struct fault *faul
 	work->err = image_create_u8(image, (int)png_get_image_width(work->png, work->info),
 				    (int)png_get_image_height(work->png, work->info));
 	if (!work->err)
-		work->err = allocate_rows(work, image);
+		work->err = png_allocate_rows(work, image);
 	if (work->err)
 		return fault_say(fault, work->err, "%s: not enough memory for the picture",
 				 work->source->name);
@@ -110,10 +110,11 @@ static int png_read(const struct image_source *source, struct image *image, stru
 	struct png_work work = {.source = source};
 	int err = -ENOMEM;
 
-	work.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+	work.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &work, png_on_error,
+					  png_on_warning);
 	work.info = work.png ? png_create_info_struct(work.png) : NULL;
 	if (work.info)
-		err = decode(&work, image, fault);
+		err = png_decode(&work, image, fault);
 	else
 		fault_say(fault, err, "%s: not enough memory", source->name);
 	png_destroy_read_struct(&work.png, &work.info, NULL);
@@ -121,22 +122,22 @@ static int png_read(const struct image_source *source, struct image *image, stru
 	return err;
 }
 
-static void put(png_structp png, png_bytep data, size_t bytes)
+static void png_stream_put(png_structp png, png_bytep data, size_t bytes)
 {
 	if (fwrite(data, 1, bytes, png_get_io_ptr(png)) != bytes)
 		png_error(png, "cannot write");
 }
 
-static void flush(png_structp png)
+static void png_stream_flush(png_structp png)
 {
 	(void)png;
 }
 
-static int encode(struct png_work *work, FILE *stream, const struct image *image)
+static int png_encode(struct png_work *work, FILE *stream, const struct image *image)
 {
 	if (setjmp(png_jmpbuf(work->png)))
 		return -EIO;
-	png_set_write_fn(work->png, stream, put, flush);
+	png_set_write_fn(work->png, stream, png_stream_put, png_stream_flush);
 	png_set_IHDR(work->png, work->info, (png_uint_32)image->width, (png_uint_32)image->height,
 		     8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
 		     PNG_FILTER_TYPE_DEFAULT);
@@ -153,13 +154,14 @@ static int png_write(FILE *stream, const struct image *image)
 	struct png_work work = {0};
 	int err = -ENOMEM;
 
-	work.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning);
+	work.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &work, png_on_error,
+					   png_on_warning);
 	work.info = work.png ? png_create_info_struct(work.png) : NULL;
 	if (work.info)
-		err = allocate_rows(&work, image);
+		err = png_allocate_rows(&work, image);
 	if (!err) {
 		errno = 0;
-		err = encode(&work, stream, image);
+		err = png_encode(&work, stream, image);
 		if (err && errno)
 			err = -errno;
 	}

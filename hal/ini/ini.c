@@ -36,7 +36,7 @@ struct mentions {
 	size_t count, room;
 };
 
-struct reading {
+struct ini_reading {
 	const char *name, *folder;
 	const struct ini_table *tables;
 	void *root;
@@ -69,8 +69,9 @@ static void report_fault(struct ini_report *report, const struct fault *fault)
 }
 
 /* "FILE:LINE: [title] key: what"; key may be NULL, title empty, line 0 for what has no line. */
-__attribute__((format(printf, 5, 6))) static void
-complain(struct reading *r, int line, const char *title, const char *key, const char *format, ...)
+__attribute__((format(printf, 5, 6))) static void ini_complain(struct ini_reading *r, int line,
+							       const char *title, const char *key,
+							       const char *format, ...)
 {
 	char what[FAULT_TEXT_MAX], place[INI_PATH_MAX + 16], context[256] = "";
 	struct fault fault = {.text = ""};
@@ -107,8 +108,8 @@ static const struct mention *find_mention(const struct mentions *m, const void *
 	return NULL;
 }
 
-static int remember(struct mentions *m, const void *what, const void *values, int line,
-		    const char *title)
+static int mentions_add(struct mentions *m, const void *what, const void *values, int line,
+			const char *title)
 {
 	struct mention *entry;
 
@@ -129,15 +130,15 @@ static int remember(struct mentions *m, const void *what, const void *values, in
 
 /* ---- names ---- */
 
-static void complain_unknown(struct reading *r, const char *title, const char *key,
-			     const char *near)
+static void ini_complain_unknown(struct ini_reading *r, const char *title, const char *key,
+				 const char *near)
 {
-	complain(r, r->line, title, key, "unknown %s%s%s%s", key ? "key" : "section",
-		 *near ? ", did you mean \"" : "", near, *near ? "\"?" : "");
+	ini_complain(r, r->line, title, key, "unknown %s%s%s%s", key ? "key" : "section",
+		     *near ? ", did you mean \"" : "", near, *near ? "\"?" : "");
 }
 
 /* "camera  fisheye" into "camera" and "fisheye". */
-static void split_title(struct reading *r, const char *title)
+static void split_title(struct ini_reading *r, const char *title)
 {
 	const char *at = title + strspn(title, " \t");
 	size_t length = strcspn(at, " \t");
@@ -153,7 +154,7 @@ static void split_title(struct reading *r, const char *title)
 	stpcpy(stpcpy(stpcpy(r->title, r->section), *r->instance ? " " : ""), r->instance);
 }
 
-static void *place_of(const struct reading *r, const struct ini_table *table)
+static void *table_place(const struct ini_reading *r, const struct ini_table *table)
 {
 	void *place = table->place(r->root, table->named ? r->instance : NULL);
 
@@ -162,7 +163,7 @@ static void *place_of(const struct reading *r, const struct ini_table *table)
 
 /* ---- sections and keys ---- */
 
-static int open_tables(struct reading *r)
+static int open_tables(struct ini_reading *r)
 {
 	for (const struct ini_table *t = r->tables; t->section; t++) {
 		const void *values;
@@ -170,16 +171,16 @@ static int open_tables(struct reading *r)
 
 		if (strcmp(t->section, r->section) != 0)
 			continue;
-		values = place_of(r, t);
+		values = table_place(r, t);
 		if (!values) {
-			complain(r, r->line, r->title, NULL,
-				 "is one section [%s NAME] more than there is room for",
-				 r->section);
+			ini_complain(r, r->line, r->title, NULL,
+				     "is one section [%s NAME] more than there is room for",
+				     r->section);
 			return -ENOSPC;
 		}
 		if (find_mention(&r->opened, t, values))
 			continue;
-		err = remember(&r->opened, t, values, r->line, r->title);
+		err = mentions_add(&r->opened, t, values, r->line, r->title);
 		if (err) {
 			r->err = err;
 			return err;
@@ -188,7 +189,7 @@ static int open_tables(struct reading *r)
 	return 0;
 }
 
-static void begin_section(struct reading *r, const char *title)
+static void begin_section(struct ini_reading *r, const char *title)
 {
 	const struct ini_table *table;
 	char near[INI_NAME_MAX];
@@ -198,21 +199,23 @@ static void begin_section(struct reading *r, const char *title)
 	table = ini_table_of(r->tables, r->section);
 	if (!table) {
 		ini_nearest_section(r->tables, r->section, near);
-		complain_unknown(r, r->title, NULL, near);
+		ini_complain_unknown(r, r->title, NULL, near);
 		return;
 	}
 	if (table->named && !*r->instance) {
-		complain(r, r->line, r->title, NULL, "has no name, expected [%s NAME]", r->section);
+		ini_complain(r, r->line, r->title, NULL, "has no name, expected [%s NAME]",
+			     r->section);
 		return;
 	}
 	if (!table->named && *r->instance) {
-		complain(r, r->line, r->title, NULL, "takes no name, expected [%s]", r->section);
+		ini_complain(r, r->line, r->title, NULL, "takes no name, expected [%s]",
+			     r->section);
 		return;
 	}
 	r->lost = open_tables(r) != 0;
 }
 
-static void assign(struct reading *r, const char *name, const char *value)
+static void key_assign(struct ini_reading *r, const char *name, const char *value)
 {
 	const struct ini_table *table;
 	const struct ini_key *key = ini_key_of(r->tables, r->section, name, &table);
@@ -223,30 +226,30 @@ static void assign(struct reading *r, const char *name, const char *value)
 
 	if (!key) {
 		ini_nearest_key(r->tables, r->section, name, near);
-		complain_unknown(r, r->title, name, near);
+		ini_complain_unknown(r, r->title, name, near);
 		return;
 	}
-	values = place_of(r, table);
+	values = table_place(r, table);
 	earlier = find_mention(&r->keys, key, values);
 	if (earlier) {
-		complain(r, r->line, r->title, name,
-			 "is given twice, first in line %d; expected once", earlier->line);
+		ini_complain(r, r->line, r->title, name,
+			     "is given twice, first in line %d; expected once", earlier->line);
 		return;
 	}
-	err = remember(&r->keys, key, values, r->line, r->title);
+	err = mentions_add(&r->keys, key, values, r->line, r->title);
 	if (err) {
 		r->err = err;
 		return;
 	}
 	err = ini_value_read(key, value, r->folder, values, why);
 	if (err)
-		complain(r, r->line, r->title, name, "%s", why);
+		ini_complain(r, r->line, r->title, name, "%s", why);
 }
 
 /* inih's call back. Its own count of lines does not reach us, ours does. */
-static int handle(void *user, const char *section, const char *name, const char *value)
+static int line_handle(void *user, const char *section, const char *name, const char *value)
 {
-	struct reading *r = user;
+	struct ini_reading *r = user;
 
 	r->silent = false;
 	if (r->marker) {
@@ -257,46 +260,48 @@ static int handle(void *user, const char *section, const char *name, const char 
 	if (r->lost)
 		return 1;
 	if (!*name)
-		complain(r, r->line, r->title, NULL,
-			 "has \"=\" without a key, expected key = value");
+		ini_complain(r, r->line, r->title, NULL,
+			     "has \"=\" without a key, expected key = value");
 	else if (!*r->section)
-		complain(r, r->line, "", NULL,
-			 "key \"%.60s\" stands before the first section, expected [section]", name);
+		ini_complain(r, r->line, "", NULL,
+			     "key \"%.60s\" stands before the first section, expected [section]",
+			     name);
 	else
-		assign(r, name, value);
+		key_assign(r, name, value);
 	return 1;
 }
 
 /* ---- lines ---- */
 
-static bool header_is_sound(struct reading *r, const char *line)
+static bool header_is_sound(struct ini_reading *r, const char *line)
 {
 	size_t length = strspn(line + 1, TITLE_CHARACTERS " \t");
 	const char *rest = line + 1 + length;
 
 	if (*rest != ']') {
-		complain(r, r->line, "", NULL,
-			 "not a section, expected [section] or [section name] of letters, digits, "
-			 "\"-\" and \"_\"");
+		ini_complain(
+			r, r->line, "", NULL,
+			"not a section, expected [section] or [section name] of letters, digits, "
+			"\"-\" and \"_\"");
 		return false;
 	}
 	if (length >= TITLE_BYTES_MAX) {
-		complain(r, r->line, "", NULL,
-			 "the section's title is too long, expected at most %d "
-			 "bytes",
-			 TITLE_BYTES_MAX - 1);
+		ini_complain(r, r->line, "", NULL,
+			     "the section's title is too long, expected at most %d "
+			     "bytes",
+			     TITLE_BYTES_MAX - 1);
 		return false;
 	}
 	rest++;
 	if (*rest && !isspace((unsigned char)*rest)) {
-		complain(r, r->line, "", NULL,
-			 "text follows the section's \"]\", expected nothing");
+		ini_complain(r, r->line, "", NULL,
+			     "text follows the section's \"]\", expected nothing");
 		return false;
 	}
 	rest += strspn(rest, " \t\r\n");
 	if (*rest && *rest != ';' && *rest != '#') {
-		complain(r, r->line, "", NULL,
-			 "text follows the section's \"]\", expected nothing");
+		ini_complain(r, r->line, "", NULL,
+			     "text follows the section's \"]\", expected nothing");
 		return false;
 	}
 	return true;
@@ -316,7 +321,7 @@ static bool line_is_text(const char *line, size_t length)
 }
 
 /* The next line without its break and leading blanks; false at the end. */
-static bool next_line(struct reading *r, const char **line, size_t *length)
+static bool next_line(struct ini_reading *r, const char **line, size_t *length)
 {
 	const char *end;
 
@@ -342,14 +347,14 @@ static bool next_line(struct reading *r, const char **line, size_t *length)
  * comes a marker, an assignment without a name, because inih says nothing of sections by
  * themselves.
  */
-static char *feed(char *text, int room, void *stream)
+static char *line_feed(char *text, int room, void *stream)
 {
-	struct reading *r = stream;
+	struct ini_reading *r = stream;
 	const char *line;
 	size_t length;
 
 	if (r->silent && !r->lost)
-		complain(r, r->line, r->title, NULL, "not understood, expected key = value");
+		ini_complain(r, r->line, r->title, NULL, "not understood, expected key = value");
 	r->silent = false;
 	if (r->header) {
 		r->header = false;
@@ -358,16 +363,16 @@ static char *feed(char *text, int room, void *stream)
 	}
 	while (next_line(r, &line, &length)) {
 		if (!line_is_text(line, length)) {
-			complain(r, r->line, "", NULL,
-				 "holds a control character, expected a text file");
+			ini_complain(r, r->line, "", NULL,
+				     "holds a control character, expected a text file");
 			return NULL;
 		}
 		if (!length || *line == ';' || *line == '#' || *line == '\r')
 			continue;
 		if (length + 2 > (size_t)room) {
-			complain(r, r->line, "", NULL,
-				 "the line is too long (%zu bytes), expected at most %d", length,
-				 room - 2);
+			ini_complain(r, r->line, "", NULL,
+				     "the line is too long (%zu bytes), expected at most %d",
+				     length, room - 2);
 			continue;
 		}
 		memcpy(text, line, length);
@@ -388,7 +393,7 @@ static char *feed(char *text, int room, void *stream)
 
 /* ---- whole files ---- */
 
-static void check_mandatory(struct reading *r)
+static void check_mandatory(struct ini_reading *r)
 {
 	for (size_t i = 0; i < r->opened.count; i++) {
 		const struct mention *m = &r->opened.list[i];
@@ -401,7 +406,8 @@ static void check_mandatory(struct reading *r)
 				continue;
 			snprintf(name, sizeof(name), "%s%s", ini_prefix(table), key->name);
 			ini_value_expected(key, expected, sizeof(expected));
-			complain(r, m->line, m->title, name, "is missing, expected %s", expected);
+			ini_complain(r, m->line, m->title, name, "is missing, expected %s",
+				     expected);
 		}
 	}
 }
@@ -409,7 +415,7 @@ static void check_mandatory(struct reading *r)
 int ini_read_memory(const char *text, size_t bytes, const char *name, const char *folder,
 		    const struct ini_table *tables, void *root, struct ini_report *report)
 {
-	struct reading r = {
+	struct ini_reading r = {
 		.name = name,
 		.folder = folder,
 		.tables = tables,
@@ -424,8 +430,8 @@ int ini_read_memory(const char *text, size_t bytes, const char *name, const char
 		r.at += strlen(BYTE_ORDER_MARK);
 	if (&ini_max_line)
 		ini_max_line = LINE_BYTES_MAX;
-	/* What inih would return, the first line it did not understand, feed() has already said. */
-	(void)ini_parse_stream(feed, &r, handle, &r);
+	/* What inih would return, the first line it did not understand, line_feed() has already said. */
+	(void)ini_parse_stream(line_feed, &r, line_handle, &r);
 	check_mandatory(&r);
 	free(r.keys.list);
 	free(r.opened.list);
@@ -495,7 +501,7 @@ close_file:
 /* ---- one assignment ---- */
 
 /* Splits "section.key" or "section.name.key": which of the two, the section's table tells. */
-static int split_assignment(struct reading *r, const char *left, const char **key)
+static int split_assignment(struct ini_reading *r, const char *left, const char **key)
 {
 	const char *dot = strchr(left, '.');
 	const struct ini_table *table;
@@ -503,7 +509,7 @@ static int split_assignment(struct reading *r, const char *left, const char **ke
 	size_t length;
 
 	if (!dot || (size_t)(dot - left) >= TITLE_BYTES_MAX) {
-		complain(r, 0, "", NULL, "expected section.key=value");
+		ini_complain(r, 0, "", NULL, "expected section.key=value");
 		return r->err;
 	}
 	snprintf(title, sizeof(title), "%.*s", (int)(dot - left), left);
@@ -511,7 +517,7 @@ static int split_assignment(struct reading *r, const char *left, const char **ke
 	table = ini_table_of(r->tables, r->section);
 	if (!table) {
 		ini_nearest_section(r->tables, r->section, near);
-		complain_unknown(r, r->title, NULL, near);
+		ini_complain_unknown(r, r->title, NULL, near);
 		return r->err;
 	}
 	*key = dot + 1;
@@ -520,10 +526,11 @@ static int split_assignment(struct reading *r, const char *left, const char **ke
 	length = strcspn(*key, ".");
 	if (!length || length >= TITLE_BYTES_MAX || (*key)[length] != '.' ||
 	    strspn(*key, TITLE_CHARACTERS) != length) {
-		complain(r, 0, r->title, NULL,
-			 "has named sections, expected %s.NAME.key=value, NAME of letters, digits, "
-			 "\"-\" and \"_\"",
-			 r->section);
+		ini_complain(
+			r, 0, r->title, NULL,
+			"has named sections, expected %s.NAME.key=value, NAME of letters, digits, "
+			"\"-\" and \"_\"",
+			r->section);
 		return r->err;
 	}
 	snprintf(title, sizeof(title), "%s %.*s", r->section, (int)length, *key);
@@ -536,15 +543,15 @@ int ini_set(const char *assignment, const struct ini_table *tables, void *root,
 	    struct ini_report *report)
 {
 	char name[INI_PATH_MAX + 8], text[LINE_BYTES_MAX];
-	struct reading r = {.name = name, .tables = tables, .root = root, .report = report};
+	struct ini_reading r = {.name = name, .tables = tables, .root = root, .report = report};
 	const char *key = NULL, *value;
 	char *left = text, *equals;
 	size_t length = strlen(assignment);
 
 	snprintf(name, sizeof(name), "--set %.200s", assignment);
 	if (length >= sizeof(text) || !line_is_text(assignment, length)) {
-		complain(&r, 0, "", NULL, "expected section.key=value in fewer than %d bytes",
-			 LINE_BYTES_MAX);
+		ini_complain(&r, 0, "", NULL, "expected section.key=value in fewer than %d bytes",
+			     LINE_BYTES_MAX);
 		return r.err;
 	}
 	memcpy(text, assignment, length + 1);
@@ -553,7 +560,7 @@ int ini_set(const char *assignment, const struct ini_table *tables, void *root,
 	left += strspn(left, " \t");
 	equals = strchr(left, '=');
 	if (!equals) {
-		complain(&r, 0, "", NULL, "expected section.key=value");
+		ini_complain(&r, 0, "", NULL, "expected section.key=value");
 		return r.err;
 	}
 	value = equals + 1 + strspn(equals + 1, " \t");
@@ -562,7 +569,7 @@ int ini_set(const char *assignment, const struct ini_table *tables, void *root,
 	while (equals > left && isblank((unsigned char)*equals));
 	if (split_assignment(&r, left, &key) || open_tables(&r))
 		goto out;
-	assign(&r, key, value);
+	key_assign(&r, key, value);
 out:
 	free(r.keys.list);
 	free(r.opened.list);

@@ -9,7 +9,7 @@
 /* Optimal string alignment distance: insert, delete, replace, or swap two neighbours. */
 #define NEAREST_LENGTH_MAX 64
 
-static unsigned smallest(unsigned a, unsigned b, unsigned c)
+static unsigned smallest_of_three(unsigned a, unsigned b, unsigned c)
 {
 	unsigned m = a < b ? a : b;
 
@@ -34,7 +34,8 @@ static unsigned edit_distance(const char *a, const char *b)
 			int x = tolower((unsigned char)a[i - 1]),
 			    y = tolower((unsigned char)b[j - 1]);
 
-			row[j] = smallest(last[j] + 1, row[j - 1] + 1, last[j - 1] + (x != y));
+			row[j] = smallest_of_three(last[j] + 1, row[j - 1] + 1,
+						   last[j - 1] + (x != y));
 			if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
 			    second_last[j - 2] + 1 < row[j])
 				row[j] = second_last[j - 2] + 1;

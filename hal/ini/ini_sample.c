@@ -6,7 +6,7 @@
 #define WRAP_COLUMN 90
 
 /* "; " before each line, broken at blanks. */
-static void write_comment(FILE *stream, const char *text)
+static void sample_write_comment(FILE *stream, const char *text)
 {
 	while (*text) {
 		size_t length = strlen(text);
@@ -25,7 +25,7 @@ static void write_comment(FILE *stream, const char *text)
 }
 
 /* The longest text or path goes without saying. */
-static void write_help(FILE *stream, const struct ini_key *key)
+static void sample_write_help(FILE *stream, const struct ini_key *key)
 {
 	const char *help = key->help ? key->help : key->name;
 	size_t length = strlen(help);
@@ -38,13 +38,13 @@ static void write_help(FILE *stream, const struct ini_key *key)
 		snprintf(comment, sizeof(comment), "%.*s.", (int)length, help);
 	else
 		snprintf(comment, sizeof(comment), "%.*s (%s).", (int)length, help, expected);
-	write_comment(stream, comment);
+	sample_write_comment(stream, comment);
 }
 
-static void write_key(FILE *stream, const char *prefix, const struct ini_key *key)
+static void sample_write_key(FILE *stream, const char *prefix, const struct ini_key *key)
 {
 	fputc('\n', stream);
-	write_help(stream, key);
+	sample_write_help(stream, key);
 	if (key->fallback)
 		fprintf(stream, "%s%s =%s%s\n", prefix, key->name, *key->fallback ? " " : "",
 			key->fallback);
@@ -61,7 +61,7 @@ static bool section_came_before(const struct ini_table *tables, const struct ini
 	return false;
 }
 
-static void write_other_names(FILE *stream, const struct ini_table *table, const char *names)
+static void sample_write_other_names(FILE *stream, const struct ini_table *table, const char *names)
 {
 	if (!table->named)
 		return;
@@ -85,7 +85,7 @@ void ini_write_sample(FILE *stream, const struct ini_table *tables)
 		if (table != tables)
 			fputc('\n', stream);
 		if (table->help)
-			write_comment(stream, table->help);
+			sample_write_comment(stream, table->help);
 		name = table->sample ? table->sample : "NAME";
 		length = table->named ? strcspn(name, " ") : 0;
 		fprintf(stream, "[%s%s%.*s]\n", table->section, length ? " " : "", (int)length,
@@ -94,8 +94,8 @@ void ini_write_sample(FILE *stream, const struct ini_table *tables)
 			if (strcmp(t->section, table->section) != 0)
 				continue;
 			for (const struct ini_key *key = t->keys; key->name; key++)
-				write_key(stream, t->prefix ? t->prefix : "", key);
+				sample_write_key(stream, t->prefix ? t->prefix : "", key);
 		}
-		write_other_names(stream, table, name + length);
+		sample_write_other_names(stream, table, name + length);
 	}
 }

@@ -19,7 +19,8 @@ struct words {
 	size_t room, length;
 };
 
-__attribute__((format(printf, 2, 3))) static void add(struct words *words, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static void words_add(struct words *words, const char *format,
+							    ...)
 {
 	size_t at = words->length < words->room ? words->length : words->room;
 	va_list args;
@@ -32,23 +33,23 @@ __attribute__((format(printf, 2, 3))) static void add(struct words *words, const
 		words->length += (size_t)n;
 }
 
-static bool bounded(const struct ini_key *key)
+static bool key_bounded(const struct ini_key *key)
 {
 	return key->min != 0 || key->max != 0;
 }
 
-static void add_range(struct words *words, const struct ini_key *key)
+static void words_add_range(struct words *words, const struct ini_key *key)
 {
-	if (bounded(key)) {
+	if (key_bounded(key)) {
 		if (fabs(key->min) < 1e15 && fabs(key->max) < 1e15)
-			add(words, " %.10g..%.10g", key->min, key->max);
+			words_add(words, " %.10g..%.10g", key->min, key->max);
 		else if (fabs(key->min) < 1e15)
-			add(words, " of at least %.10g", key->min);
+			words_add(words, " of at least %.10g", key->min);
 		else if (fabs(key->max) < 1e15)
-			add(words, " of at most %.10g", key->max);
+			words_add(words, " of at most %.10g", key->max);
 	}
 	if (key->unit)
-		add(words, " %s", key->unit);
+		words_add(words, " %s", key->unit);
 }
 
 void ini_value_expected(const struct ini_key *key, char *text, size_t room)
@@ -57,54 +58,54 @@ void ini_value_expected(const struct ini_key *key, char *text, size_t room)
 
 	switch (key->type) {
 	case INI_BOOL:
-		add(&words, "yes or no");
+		words_add(&words, "yes or no");
 		break;
 	case INI_INT:
-		add(&words, "a whole number");
-		add_range(&words, key);
+		words_add(&words, "a whole number");
+		words_add_range(&words, key);
 		break;
 	case INI_REAL:
-		add(&words, "a number");
-		add_range(&words, key);
+		words_add(&words, "a number");
+		words_add_range(&words, key);
 		break;
 	case INI_LEVEL:
-		add(&words, "a number");
-		add_range(&words, key);
-		add(&words, " or a percentage 0%%..100%%");
+		words_add(&words, "a number");
+		words_add_range(&words, key);
+		words_add(&words, " or a percentage 0%%..100%%");
 		break;
 	case INI_REALS:
-		add(&words, "%u numbers", key->count);
-		add_range(&words, key);
+		words_add(&words, "%u numbers", key->count);
+		words_add_range(&words, key);
 		break;
 	case INI_LIST:
-		add(&words, "at most %u numbers", key->count);
-		add_range(&words, key);
+		words_add(&words, "at most %u numbers", key->count);
+		words_add_range(&words, key);
 		break;
 	case INI_TEXT:
-		add(&words, "text of at most %d bytes", INI_TEXT_MAX - 1);
+		words_add(&words, "text of at most %d bytes", INI_TEXT_MAX - 1);
 		break;
 	case INI_PATH:
-		add(&words, "a path of at most %d bytes", INI_PATH_MAX - 1);
+		words_add(&words, "a path of at most %d bytes", INI_PATH_MAX - 1);
 		break;
 	case INI_CHOICE:
-		add(&words, "one of ");
+		words_add(&words, "one of ");
 		for (int i = 0; key->choices[i]; i++)
-			add(&words, "%s%s", i ? ", " : "", key->choices[i]);
+			words_add(&words, "%s%s", i ? ", " : "", key->choices[i]);
 		break;
 	}
 }
 
-static int refuse(const struct ini_key *key, const char *text, char why[INI_WHY_MAX])
+static int value_refuse(const struct ini_key *key, const char *text, char why[INI_WHY_MAX])
 {
 	struct words words = {why, INI_WHY_MAX, 0};
 	char expected[INI_WHY_MAX];
 
 	ini_value_expected(key, expected, sizeof(expected));
 	if (*text)
-		add(&words, "is \"%.*s%s\", expected %s", ECHO_MAX, text,
-		    strlen(text) > ECHO_MAX ? "..." : "", expected);
+		words_add(&words, "is \"%.*s%s\", expected %s", ECHO_MAX, text,
+			  strlen(text) > ECHO_MAX ? "..." : "", expected);
 	else
-		add(&words, "has no value, expected %s", expected);
+		words_add(&words, "has no value, expected %s", expected);
 	return -EINVAL;
 }
 
@@ -122,41 +123,42 @@ bool ini_truth_read(const char *text, bool *value)
 	return false;
 }
 
-static bool within(const struct ini_key *key, double value)
+static bool key_within(const struct ini_key *key, double value)
 {
-	return isfinite(value) && (!bounded(key) || (value >= key->min && value <= key->max));
+	return isfinite(value) && (!key_bounded(key) || (value >= key->min && value <= key->max));
 }
 
-static int read_int(const struct ini_key *key, const char *text, int *value)
+static int value_read_int(const struct ini_key *key, const char *text, int *value)
 {
 	char *end;
 	long n;
 
 	errno = 0;
 	n = strtol(text, &end, 10);
-	if (end == text || *end || errno || n < INT_MIN || n > INT_MAX || !within(key, (double)n))
+	if (end == text || *end || errno || n < INT_MIN || n > INT_MAX ||
+	    !key_within(key, (double)n))
 		return -EINVAL;
 	*value = (int)n;
 	return 0;
 }
 
 /* One number at *text, which moves past it. */
-static int read_number(const struct ini_key *key, const char **text, double *value)
+static int value_read_number(const struct ini_key *key, const char **text, double *value)
 {
 	const char *at = *text;
 	double v;
 
-	if (number_read(&at, &v) || !within(key, v))
+	if (number_read(&at, &v) || !key_within(key, v))
 		return -EINVAL;
 	*value = v;
 	*text = at;
 	return 0;
 }
 
-static int read_real(const struct ini_key *key, const char *text, double *value)
+static int value_read_real(const struct ini_key *key, const char *text, double *value)
 {
 	double v;
-	int err = read_number(key, &text, &v);
+	int err = value_read_number(key, &text, &v);
 
 	if (err || *text)
 		return -EINVAL;
@@ -171,7 +173,8 @@ int ini_level_read(const char *text, double max, struct ini_level *level)
 	const bool percent = length > 1 && text[length - 1] == '%';
 	double value;
 
-	if (read_number(percent ? &percentage : &number, &text, &value) || strlen(text) != percent)
+	if (value_read_number(percent ? &percentage : &number, &text, &value) ||
+	    strlen(text) != percent)
 		return -EINVAL;
 	*level = (struct ini_level){value, percent};
 	return 0;
@@ -183,7 +186,8 @@ static const char *skip_blank(const char *text)
 }
 
 /* Two passes: the first checks, so that a wrong list leaves the field as it was. */
-static int read_numbers(const struct ini_key *key, unsigned count, const char *text, double *values)
+static int value_read_numbers(const struct ini_key *key, unsigned count, const char *text,
+			      double *values)
 {
 	for (int pass = 0; pass < 2; pass++) {
 		const char *at = skip_blank(text);
@@ -191,7 +195,7 @@ static int read_numbers(const struct ini_key *key, unsigned count, const char *t
 		for (unsigned i = 0; i < count; i++) {
 			double v;
 			const char *before;
-			int err = read_number(key, &at, &v);
+			int err = value_read_number(key, &at, &v);
 
 			if (err)
 				return err;
@@ -210,10 +214,10 @@ static int read_numbers(const struct ini_key *key, unsigned count, const char *t
 	return 0;
 }
 
-static int read_list(const struct ini_key *key, const char *text, double *values)
+static int value_read_list(const struct ini_key *key, const char *text, double *values)
 {
 	for (unsigned count = 0; count <= key->count; count++) {
-		if (count ? read_numbers(key, count, text, values) : *skip_blank(text) != 0)
+		if (count ? value_read_numbers(key, count, text, values) : *skip_blank(text) != 0)
 			continue;
 		for (unsigned i = count; i < key->count; i++)
 			values[i] = 0;
@@ -222,7 +226,7 @@ static int read_list(const struct ini_key *key, const char *text, double *values
 	return -EINVAL;
 }
 
-static int read_text(const char *text, size_t room, char *value)
+static int value_read_text(const char *text, size_t room, char *value)
 {
 	size_t length = strlen(text);
 
@@ -232,20 +236,20 @@ static int read_text(const char *text, size_t room, char *value)
 	return 0;
 }
 
-static int read_path(const char *text, const char *folder, char *value)
+static int value_read_path(const char *text, const char *folder, char *value)
 {
 	size_t text_length = strlen(text);
 	size_t folder_length = folder ? strlen(folder) : 0;
 
 	if (!*text || *text == '/' || !folder_length)
-		return read_text(text, INI_PATH_MAX, value);
+		return value_read_text(text, INI_PATH_MAX, value);
 	if (folder_length + 1 + text_length >= INI_PATH_MAX)
 		return -EINVAL;
 	stpcpy(stpcpy(stpcpy(value, folder), "/"), text);
 	return 0;
 }
 
-static int read_choice(const struct ini_key *key, const char *text, int *value)
+static int value_read_choice(const struct ini_key *key, const char *text, int *value)
 {
 	for (int i = 0; key->choices[i]; i++) {
 		if (!strcmp(text, key->choices[i])) {
@@ -279,32 +283,32 @@ int ini_value_read(const struct ini_key *key, const char *text, const char *fold
 		err = ini_truth_read(text, field) ? 0 : -EINVAL;
 		break;
 	case INI_INT:
-		err = read_int(key, text, field);
+		err = value_read_int(key, text, field);
 		break;
 	case INI_REAL:
-		err = read_real(key, text, field);
+		err = value_read_real(key, text, field);
 		break;
 	case INI_LEVEL:
 		err = ini_level_read(text, key->max, field);
 		break;
 	case INI_REALS:
-		err = read_numbers(key, key->count, text, field);
+		err = value_read_numbers(key, key->count, text, field);
 		break;
 	case INI_LIST:
-		err = read_list(key, text, field);
+		err = value_read_list(key, text, field);
 		break;
 	case INI_TEXT:
-		err = read_text(text, INI_TEXT_MAX, field);
+		err = value_read_text(text, INI_TEXT_MAX, field);
 		break;
 	case INI_PATH:
-		err = read_path(text, folder, field);
+		err = value_read_path(text, folder, field);
 		break;
 	case INI_CHOICE:
-		err = read_choice(key, text, field);
+		err = value_read_choice(key, text, field);
 		break;
 	}
 	if (err) {
-		refuse(key, text, why);
+		value_refuse(key, text, why);
 		if (key->type == INI_CHOICE)
 			offer_choice(key, text, why);
 	}
@@ -312,7 +316,7 @@ int ini_value_read(const struct ini_key *key, const char *text, const char *fold
 }
 
 /* The shortest decimal that reads back as the same double. */
-static void add_real(struct words *words, double value)
+static void words_add_real(struct words *words, double value)
 {
 	char text[40];
 
@@ -321,16 +325,16 @@ static void add_real(struct words *words, double value)
 		if (strtod(text, NULL) == value)
 			break;
 	}
-	add(words, "%s", text);
+	words_add(words, "%s", text);
 }
 
 void ini_level_text(const struct ini_level *level, char text[INI_LEVEL_TEXT_MAX])
 {
 	struct words words = {text, INI_LEVEL_TEXT_MAX, 0};
 
-	add_real(&words, level->value);
+	words_add_real(&words, level->value);
 	if (level->percent)
-		add(&words, "%%");
+		words_add(&words, "%%");
 }
 
 int ini_value_text(const struct ini_key *key, const void *values, char *text, size_t room)
@@ -338,22 +342,22 @@ int ini_value_text(const struct ini_key *key, const void *values, char *text, si
 	const void *field = (const char *)values + key->offset;
 	struct words words = {text, room, 0};
 
-	add(&words, "%s", ""); /* a list may be empty */
+	words_add(&words, "%s", ""); /* a list may be empty */
 	switch (key->type) {
 	case INI_BOOL:
-		add(&words, "%s", *(const bool *)field ? "yes" : "no");
+		words_add(&words, "%s", *(const bool *)field ? "yes" : "no");
 		break;
 	case INI_INT:
-		add(&words, "%d", *(const int *)field);
+		words_add(&words, "%d", *(const int *)field);
 		break;
 	case INI_REAL:
-		add_real(&words, *(const double *)field);
+		words_add_real(&words, *(const double *)field);
 		break;
 	case INI_LEVEL: {
 		char level[INI_LEVEL_TEXT_MAX];
 
 		ini_level_text(field, level);
-		add(&words, "%s", level);
+		words_add(&words, "%s", level);
 		break;
 	}
 	case INI_REALS:
@@ -361,16 +365,16 @@ int ini_value_text(const struct ini_key *key, const void *values, char *text, si
 		for (unsigned i = 0; i < key->count; i++) {
 			if (key->type == INI_LIST && ((const double *)field)[i] == 0)
 				break;
-			add(&words, "%s", i ? " " : "");
-			add_real(&words, ((const double *)field)[i]);
+			words_add(&words, "%s", i ? " " : "");
+			words_add_real(&words, ((const double *)field)[i]);
 		}
 		break;
 	case INI_TEXT:
 	case INI_PATH:
-		add(&words, "%s", (const char *)field);
+		words_add(&words, "%s", (const char *)field);
 		break;
 	case INI_CHOICE:
-		add(&words, "%s", key->choices[*(const int *)field]);
+		words_add(&words, "%s", key->choices[*(const int *)field]);
 		break;
 	}
 	return (int)words.length;

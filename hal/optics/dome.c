@@ -40,7 +40,7 @@ static int fill_tents(struct dome *dome)
 	return ret;
 }
 
-static int fill(struct dome *dome)
+static int dome_fill(struct dome *dome)
 {
 	const double spacing_rad = atan(2) / dome->frequency; /* 63.4 degrees between vertices */
 	int ret;
@@ -84,7 +84,7 @@ int dome_create_shaped(struct dome *dome, int frequency, enum dome_division divi
 	dome->division = division;
 	dome->shape = shape;
 	dome->count = dome_node_count(frequency, division);
-	ret = fill(dome);
+	ret = dome_fill(dome);
 	if (ret < 0) {
 		dome_free(dome);
 		return fault_say(fault, ret, "dome: cannot be made: %s", strerror(-ret));

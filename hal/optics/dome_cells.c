@@ -152,13 +152,6 @@ static int lift_corners(const struct polygon *p, const double node[3], const dou
 	return count;
 }
 
-static double angle_between(const double a[3], const double b[3])
-{
-	const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-
-	return 2 * asin(fmin(0.5 * vec_length(d), 1));
-}
-
 /* The cell's outline. All nodes that can touch it are nearer than twice its radius: the search is
  * widened until that holds. */
 static int find_cell(const struct near_grid *grid, const double (*node)[3], int i,
@@ -180,7 +173,7 @@ static int find_cell(const struct near_grid *grid, const double (*node)[3], int 
 		count = lift_corners(&p, node[i], e1, e2, corner);
 		*radius = 0;
 		for (int k = 0; k < count; k++)
-			*radius = fmax(*radius, angle_between(corner[k], node[i]));
+			*radius = fmax(*radius, vec_angle(corner[k], node[i]));
 		if (reach > M_PI || 2 * *radius < reach)
 			return count;
 	}

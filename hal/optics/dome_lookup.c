@@ -26,7 +26,7 @@ struct grid_cap {
 	double radius_rad; /* negative: the cell lies below the horizon */
 };
 
-static void unmap(double u, double v, double dir[3])
+static void map_direction(double u, double v, double dir[3])
 {
 	dir[0] = u;
 	dir[1] = v;
@@ -41,11 +41,11 @@ static void grid_cap_fill(struct grid_cap *cap, int x, int y, int side)
 	const double nearest_v = fmin(fabs(v), fabs(v + step));
 	double closest = 1;
 
-	unmap(u + 0.5 * step, v + 0.5 * step, cap->centre);
+	map_direction(u + 0.5 * step, v + 0.5 * step, cap->centre);
 	for (int k = 0; k < 4; k++) {
 		double corner[3];
 
-		unmap(u + (k & 1) * step, v + (k >> 1) * step, corner);
+		map_direction(u + (k & 1) * step, v + (k >> 1) * step, corner);
 		closest = fmin(closest, vec_dot(corner, cap->centre));
 	}
 	cap->radius_rad = nearest_u + nearest_v > 1 + SLACK ? -1 : acos(closest);
@@ -53,8 +53,8 @@ static void grid_cap_fill(struct grid_cap *cap, int x, int y, int side)
 
 /* One pass over all nodes and the grid cells that the cap around each node's cell can touch. Counts
  * in first[cell + 1], or, with candidate set, fills in at next[cell]. */
-static void visit(struct dome_lookup *l, const struct grid_cap *caps, const double *radius,
-		  const double (*node)[3], int count, int *next)
+static void lookup_visit(struct dome_lookup *l, const struct grid_cap *caps, const double *radius,
+			 const double (*node)[3], int count, int *next)
 {
 	for (int i = 0; i < count; i++) {
 		const double half = DOME_MAP_STRETCH * radius[i] + SLACK;
@@ -100,7 +100,7 @@ int dome_lookup_create(struct dome_lookup **out, const double *radius, const dou
 		goto out;
 	for (int i = 0; i < total; i++)
 		grid_cap_fill(&caps[i], i % l->side, i / l->side, l->side);
-	visit(l, caps, radius, centre, count, NULL);
+	lookup_visit(l, caps, radius, centre, count, NULL);
 	for (int i = 0; i < total; i++) {
 		l->first[i + 1] += l->first[i];
 		next[i] = l->first[i];
@@ -108,7 +108,7 @@ int dome_lookup_create(struct dome_lookup **out, const double *radius, const dou
 	l->candidate = calloc((size_t)l->first[total], sizeof(*l->candidate));
 	if (!l->candidate)
 		goto out;
-	visit(l, caps, radius, centre, count, next);
+	lookup_visit(l, caps, radius, centre, count, next);
 	*out = l;
 	l = NULL;
 	ret = 0;

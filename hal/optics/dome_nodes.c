@@ -26,16 +26,16 @@
 
 #include "hal/optics/vec.h"
 
-struct node {
+struct dividing_node {
 	int row;
 	double azimuth; /* 0..2 pi */
 	double direction[3];
 };
 
-struct division {
+struct dome_dividing {
 	int frequency;
 	enum dome_division kind;
-	struct node *nodes;
+	struct dividing_node *nodes;
 	int count;
 };
 
@@ -100,11 +100,11 @@ static void divide_face(enum dome_division kind, const double *const corner[3], 
 	memcpy(out, sum, sizeof(sum));
 }
 
-static void add_node(struct division *d, int row, const double direction[3], double sign,
+static void add_node(struct dome_dividing *d, int row, const double direction[3], double sign,
 		     bool horizon, int fifth)
 {
 	const double turn = fifth * (2 * M_PI / 5);
-	struct node *n = &d->nodes[d->count++];
+	struct dividing_node *n = &d->nodes[d->count++];
 	const double x = sign * direction[0], y = sign * direction[1];
 
 	n->row = row;
@@ -118,7 +118,7 @@ static void add_node(struct division *d, int row, const double direction[3], dou
 		n->azimuth += 2 * M_PI;
 }
 
-static void add_five(struct division *d, int row, const double direction[3], double sign,
+static void add_five(struct dome_dividing *d, int row, const double direction[3], double sign,
 		     bool horizon)
 {
 	for (int fifth = 0; fifth < 5; fifth++)
@@ -126,7 +126,7 @@ static void add_five(struct division *d, int row, const double direction[3], dou
 }
 
 /* Rows 1..f of the face below the zenith, without its right edge: that is the next fifth's. */
-static void divide_cap(struct division *d, const double *const corner[3])
+static void divide_cap(struct dome_dividing *d, const double *const corner[3])
 {
 	const int f = d->frequency;
 
@@ -141,7 +141,7 @@ static void divide_cap(struct division *d, const double *const corner[3])
 }
 
 /* The face of the band that points down: corners upper left, upper right, lower. */
-static void divide_band(struct division *d, const double *const corner[3])
+static void divide_band(struct dome_dividing *d, const double *const corner[3])
 {
 	const int f = d->frequency;
 
@@ -169,7 +169,7 @@ static void divide_band(struct division *d, const double *const corner[3])
 
 static int by_row_and_azimuth(const void *pa, const void *pb)
 {
-	const struct node *a = pa, *b = pb;
+	const struct dividing_node *a = pa, *b = pb;
 
 	if (a->row != b->row)
 		return a->row < b->row ? -1 : 1;
@@ -185,7 +185,7 @@ int dome_nodes_fill(int frequency, enum dome_division division, double (*directi
 	const double lower[3] = {r * cos(M_PI / 5), r * sin(M_PI / 5), -z};
 	const double *const cap[3] = {zenith, left, right}, *const band[3] = {left, right, lower};
 	const int count = dome_node_count(frequency, division);
-	struct division d = {.frequency = frequency, .kind = division};
+	struct dome_dividing d = {.frequency = frequency, .kind = division};
 
 	d.nodes = calloc((size_t)count, sizeof(*d.nodes));
 	if (!d.nodes)

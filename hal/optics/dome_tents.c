@@ -30,7 +30,7 @@ struct facet {
 };
 
 /* A corner of a facet whose light is this. */
-struct patch {
+struct tent_patch {
 	int facet, corner;
 	double azimuth;	      /* around the node, of the facet's middle */
 	double cumulative_sr; /* of the light's patches up to and including it */
@@ -44,20 +44,20 @@ struct dome_tents {
 	double (*edge)[3][3];
 	struct dome_lookup *lookup; /* of facets */
 	int *first; /* [lights + 1]: patches of light i are first[i] to first[i + 1] - 1 */
-	struct patch *patch;
+	struct tent_patch *patch;
 	double *reach_rad; /* [lights] */
 };
 
 /* ---- what a facet holds ---- */
 
 /* Gauss's, on 0..1. */
-struct rule {
+struct gauss_rule {
 	int points;
 	double at[POINTS_MAX], weight[POINTS_MAX];
 };
 
 /* Roots of Legendre's polynomial, by Newton's steps. */
-static void fill_rule(struct rule *rule, int points)
+static void fill_rule(struct gauss_rule *rule, int points)
 {
 	rule->points = points;
 	for (int i = 0; i < points; i++) {
@@ -84,7 +84,7 @@ static void fill_rule(struct rule *rule, int points)
  * Integrals over the flat triangle: a piece dA of it is seen under volume / |p|^3 dA / (2 area).
  * Its points are those of a square, one side of which is drawn together at corner 0.
  */
-static void measure_facet(struct facet *f, const struct rule *rule)
+static void measure_facet(struct facet *f, const struct gauss_rule *rule)
 {
 	for (int n = 0; n < rule->points * rule->points; n++) {
 		const int i = n / rule->points, j = n % rule->points;
@@ -123,13 +123,6 @@ static void fill_facet(struct dome_tents *t, const struct dome_triangles *triang
 			edge[k][x] /= f->volume;
 }
 
-static double angle_between(const double a[3], const double b[3])
-{
-	const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-
-	return 2 * asin(fmin(0.5 * vec_length(d), 1));
-}
-
 /* A cap around its middle that holds a facet's corners holds all of it. */
 static int index_facets(struct dome_tents *t)
 {
@@ -144,7 +137,7 @@ static int index_facets(struct dome_tents *t)
 			middle[n][x] = f->corner[0][x] + f->corner[1][x] + f->corner[2][x];
 		vec_normalize(middle[n]);
 		for (int k = 0; k < 3; k++)
-			radius[n] = fmax(radius[n], angle_between(middle[n], f->corner[k]));
+			radius[n] = fmax(radius[n], vec_angle(middle[n], f->corner[k]));
 	}
 	if (!ret)
 		ret = dome_lookup_create(&t->lookup, radius, (const double(*)[3])middle, t->facets);
@@ -169,7 +162,7 @@ static double azimuth_around(const double node[3], const struct facet *f)
 
 static int by_azimuth(const void *pa, const void *pb)
 {
-	const struct patch *a = pa, *b = pb;
+	const struct tent_patch *a = pa, *b = pb;
 
 	if (a->azimuth != b->azimuth)
 		return a->azimuth < b->azimuth ? -1 : 1;
@@ -180,7 +173,7 @@ static int by_azimuth(const void *pa, const void *pb)
 
 static void finish_light(struct dome_tents *t, int light, const double node[3])
 {
-	struct patch *own = t->patch + t->first[light];
+	struct tent_patch *own = t->patch + t->first[light];
 	const int count = t->first[light + 1] - t->first[light];
 	double sum = 0;
 
@@ -194,7 +187,7 @@ static void finish_light(struct dome_tents *t, int light, const double node[3])
 		own[k].cumulative_sr = sum;
 		for (int c = 0; c < 3; c++)
 			t->reach_rad[light] = fmax(t->reach_rad[light],
-						   angle_between(node, f->corner[c]));
+						   vec_angle(node, f->corner[c]));
 	}
 }
 
@@ -218,7 +211,7 @@ static int fill_lights(struct dome_tents *t, const double (*node)[3])
 	for (int n = 0; n < 3 * t->facets; n++) {
 		const int light = t->facet[n / 3].owner[n % 3];
 
-		t->patch[next[light]++] = (struct patch){.facet = n / 3, .corner = n % 3};
+		t->patch[next[light]++] = (struct tent_patch){.facet = n / 3, .corner = n % 3};
 	}
 	for (int i = 0; i < t->lights; i++)
 		finish_light(t, i, node[i]);
@@ -228,10 +221,10 @@ static int fill_lights(struct dome_tents *t, const double (*node)[3])
 
 /* ---- all of it ---- */
 
-static int fill(struct dome_tents *t, const struct dome_triangles *triangles,
-		const double (*node)[3])
+static int tents_fill(struct dome_tents *t, const struct dome_triangles *triangles,
+		      const double (*node)[3])
 {
-	struct rule many, few;
+	struct gauss_rule many, few;
 	double sum = 0;
 	int ret;
 
@@ -266,7 +259,7 @@ int dome_tents_create(struct dome_tents **tents, const struct dome_cells *cells,
 	t->lights = count;
 	ret = dome_triangles_create(&triangles, cells, lookup, node, count);
 	if (ret == 0)
-		ret = fill(t, &triangles, node);
+		ret = tents_fill(t, &triangles, node);
 	dome_triangles_free(&triangles);
 	if (ret < 0)
 		dome_tents_destroy(t);
@@ -291,7 +284,7 @@ void dome_tents_destroy(struct dome_tents *t)
 /* ---- of a direction ---- */
 
 /* Weights of a facet's corners before they are made to sum to 1. */
-static void weigh(const struct dome_tents *t, int facet, const double dir[3], double share[3])
+static void facet_weigh(const struct dome_tents *t, int facet, const double dir[3], double share[3])
 {
 	for (int k = 0; k < 3; k++)
 		share[k] = vec_dot(t->edge[facet][k], dir);
@@ -307,7 +300,7 @@ static int nearest_facet(const struct dome_tents *t, const int *candidate, int c
 	for (int n = 0; n < count; n++) {
 		double share[3], least;
 
-		weigh(t, candidate[n], dir, share);
+		facet_weigh(t, candidate[n], dir, share);
 		least = fmin(share[0], fmin(share[1], share[2]));
 		if (share[0] + share[1] + share[2] > 0 && least > best) {
 			best = least;
@@ -325,14 +318,14 @@ static int find_facet(const struct dome_tents *t, const double dir[3], double sh
 	const int *candidate = dome_lookup_candidates(t->lookup, dir, &count);
 
 	for (int n = 0; n < count && found < 0; n++) {
-		weigh(t, candidate[n], dir, share);
+		facet_weigh(t, candidate[n], dir, share);
 		if (share[0] >= 0 && share[1] >= 0 && share[2] >= 0)
 			found = candidate[n];
 	}
 	if (found < 0 && count > 0) {
 		found = nearest_facet(t, candidate, count, dir);
 		if (found >= 0)
-			weigh(t, found, dir, share);
+			facet_weigh(t, found, dir, share);
 	}
 	*sum = 0;
 	for (int k = 0; found >= 0 && k < 3; k++) {
@@ -389,7 +382,7 @@ double dome_tents_reach_rad(const struct dome_tents *t, int light)
  */
 void dome_tents_sample(const struct dome_tents *t, int light, double u, double v, double dir[3])
 {
-	const struct patch *own = t->patch + t->first[light];
+	const struct tent_patch *own = t->patch + t->first[light];
 	const int last = t->first[light + 1] - t->first[light] - 1;
 	const double wanted = u * own[last].cumulative_sr;
 	const double x = fmax(0.5 - sin(asin(fmin(fmax(1 - 2 * v, -1), 1)) / 3), INSIDE);

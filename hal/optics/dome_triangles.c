@@ -16,17 +16,17 @@
 #define VOLUME_MIN 1e-14 /* of a triangle's corners: flat ones hold nothing */
 
 /* The nodes whose cells meet at a corner. */
-struct meeting {
+struct corner_meeting {
 	int count;
 	int node[MEETING_MAX];
 	double azimuth[MEETING_MAX];
 };
 
-struct edge {
+struct hull_edge {
 	int from, to;
 };
 
-static double volume(const double a[3], const double b[3], const double c[3])
+static double corners_volume(const double a[3], const double b[3], const double c[3])
 {
 	const double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
 	const double ac[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
@@ -38,7 +38,7 @@ static double volume(const double a[3], const double b[3], const double c[3])
 
 static int add_triangle(struct dome_triangles *t, int a, int b, int c)
 {
-	if (volume(t->vertex[a], t->vertex[b], t->vertex[c]) < VOLUME_MIN)
+	if (corners_volume(t->vertex[a], t->vertex[b], t->vertex[c]) < VOLUME_MIN)
 		return 0;
 	if (t->count == t->room) {
 		const int room = t->room ? 2 * t->room : 1024;
@@ -58,8 +58,8 @@ static int add_triangle(struct dome_triangles *t, int a, int b, int c)
 /* ---- between nodes ---- */
 
 /* All nodes that are nearest to a corner, counter-clockwise around it. */
-static void meet(const struct dome_lookup *lookup, const double (*node)[3], const double corner[3],
-		 struct meeting *m)
+static void corner_meet(const struct dome_lookup *lookup, const double (*node)[3],
+			const double corner[3], struct corner_meeting *m)
 {
 	const double axis[3] = {fabs(corner[0]) < 0.6, fabs(corner[0]) >= 0.6, 0};
 	double best = -1, e1[3], e2[3];
@@ -91,7 +91,7 @@ static void meet(const struct dome_lookup *lookup, const double (*node)[3], cons
 
 /* Of several cells the one of least index speaks for the corner; of four nodes or more on a circle
  * it is also the corner that all their triangles have. */
-static int fan_out(struct dome_triangles *t, const struct meeting *m, int node)
+static int fan_out(struct dome_triangles *t, const struct corner_meeting *m, int node)
 {
 	int first = 0, ret = 0;
 
@@ -122,12 +122,12 @@ static int join_nodes(struct dome_triangles *t, const struct dome_cells *cells,
 {
 	for (int i = 0; i < count; i++)
 		for (int k = cells->first[i]; k < cells->first[i + 1]; k++) {
-			struct meeting m;
+			struct corner_meeting m;
 			int ret;
 
 			if (cells->corner[k][2] < HORIZON || seen_before(cells, cells->first[i], k))
 				continue;
-			meet(lookup, node, cells->corner[k], &m);
+			corner_meet(lookup, node, cells->corner[k], &m);
 			ret = fan_out(t, &m, i);
 			if (ret < 0)
 				return ret;
@@ -139,7 +139,7 @@ static int join_nodes(struct dome_triangles *t, const struct dome_cells *cells,
 
 static int by_nodes(const void *pa, const void *pb)
 {
-	const struct edge *a = pa, *b = pb;
+	const struct hull_edge *a = pa, *b = pb;
 	const int low[2] = {a->from < a->to ? a->from : a->to, b->from < b->to ? b->from : b->to};
 	const int high[2] = {a->from + a->to - low[0], b->from + b->to - low[1]};
 
@@ -166,7 +166,7 @@ static int foot_of(struct dome_triangles *t, int *foot, int node)
 }
 
 /* Below an edge that has the hull on its left. */
-static int stand(struct dome_triangles *t, int *foot, const struct edge *edge)
+static int edge_stand(struct dome_triangles *t, int *foot, const struct hull_edge *edge)
 {
 	const int a = edge->to, b = edge->from;
 	const int below_a = foot_of(t, foot, a), below_b = foot_of(t, foot, b);
@@ -183,19 +183,20 @@ static int stand(struct dome_triangles *t, int *foot, const struct edge *edge)
 static int join_horizon(struct dome_triangles *t, int count)
 {
 	const int edges = 3 * t->count;
-	struct edge *edge = calloc((size_t)edges + 1, sizeof(*edge));
+	struct hull_edge *edge = calloc((size_t)edges + 1, sizeof(*edge));
 	int *foot = calloc((size_t)count, sizeof(*foot));
 	int ret = edge && foot ? 0 : -ENOMEM;
 
 	for (int k = 0; !ret && k < edges; k++)
-		edge[k] = (struct edge){t->corner[k / 3][k % 3], t->corner[k / 3][(k + 1) % 3]};
+		edge[k] = (struct hull_edge){t->corner[k / 3][k % 3],
+					     t->corner[k / 3][(k + 1) % 3]};
 	if (!ret)
 		qsort(edge, (size_t)edges, sizeof(*edge), by_nodes);
 	for (int k = 0; !ret && k < edges; k++) {
 		if (k + 1 < edges && by_nodes(&edge[k], &edge[k + 1]) == 0)
 			k++;
 		else
-			ret = stand(t, foot, &edge[k]);
+			ret = edge_stand(t, foot, &edge[k]);
 	}
 	free(edge);
 	free(foot);

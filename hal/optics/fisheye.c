@@ -96,7 +96,7 @@ void fisheye_rotation(const double deg[3], double r[9])
 	r[8] = cy * cx;
 }
 
-static int check_settings(const struct fisheye_settings *s, struct fault *fault)
+static int fisheye_check_settings(const struct fisheye_settings *s, struct fault *fault)
 {
 	if (!(s->field_deg > 0 && s->field_deg <= 180))
 		return fault_say(fault, -EINVAL,
@@ -140,7 +140,7 @@ static int check_settings(const struct fisheye_settings *s, struct fault *fault)
 }
 
 /* What the model can show of the field, and what light is left there. */
-static int check_curve(const struct fisheye *lens, double field_deg, struct fault *fault)
+static int fisheye_check_curve(const struct fisheye *lens, double field_deg, struct fault *fault)
 {
 	const double *v = lens->falloff, passed[4] = {1, v[0], v[1], v[2]};
 	const double fold = fisheye_curve_fold(&lens->curve, lens->field_rad);
@@ -174,7 +174,7 @@ int fisheye_prepare(struct fisheye *lens, const struct fisheye_settings *setting
 		return fault_say(fault, -EINVAL,
 				 "fisheye: the picture is %d x %d, expected at least 1 x 1", width,
 				 height);
-	ret = check_settings(settings, fault);
+	ret = fisheye_check_settings(settings, fault);
 	if (ret < 0)
 		return ret;
 	lens->curve.model = (enum fisheye_model)settings->model;
@@ -189,7 +189,7 @@ int fisheye_prepare(struct fisheye *lens, const struct fisheye_settings *setting
 	for (int i = 0; i < 3; i++)
 		lens->rotation_deg[i] = settings->rotation_deg[i];
 	fisheye_rotation(lens->rotation_deg, lens->rotation);
-	return check_curve(lens, settings->field_deg, fault);
+	return fisheye_check_curve(lens, settings->field_deg, fault);
 }
 
 bool fisheye_project(const struct fisheye *lens, const double dir[3], double px[2])

@@ -118,7 +118,7 @@ double fisheye_curve_patch_sr(const struct fisheye_curve *curve, double theta)
 	}
 }
 
-static double value_of(const double *c, int degree, double x)
+static double polynomial_value(const double *c, int degree, double x)
 {
 	double value = c[degree];
 
@@ -130,12 +130,12 @@ static double value_of(const double *c, int degree, double x)
 /* Between two places without an extremum there is one root or none. */
 static double root_between(const double *c, int degree, double low, double high)
 {
-	const double at_low = value_of(c, degree, low);
+	const double at_low = polynomial_value(c, degree, low);
 
 	for (int i = 0; i < 200 && high - low > 1e-16 * high; i++) {
 		const double middle = (low + high) / 2;
 
-		if ((value_of(c, degree, middle) > 0) == (at_low > 0))
+		if ((polynomial_value(c, degree, middle) > 0) == (at_low > 0))
 			low = middle;
 		else
 			high = middle;
@@ -156,8 +156,8 @@ static int roots_of(const double *c, int degree, double most, double *root)
 	turns = roots_of(derivative, degree - 1, most, turn + 1);
 	turn[turns + 1] = most;
 	for (int i = 0; i <= turns; i++) {
-		const double from = value_of(c, degree, turn[i]);
-		const double to = value_of(c, degree, turn[i + 1]);
+		const double from = polynomial_value(c, degree, turn[i]);
+		const double to = polynomial_value(c, degree, turn[i + 1]);
 
 		if ((from > 0) == (to > 0))
 			continue;

@@ -27,13 +27,13 @@ int panorama_read(struct image *image, const char *path, struct fault *fault)
 	return err;
 }
 
-static int wrap(int x, int width)
+static int column_wrap(int x, int width)
 {
 	x %= width;
 	return x < 0 ? x + width : x;
 }
 
-static int clamp(int y, int height)
+static int row_clamp(int y, int height)
 {
 	return y < 0 ? 0 : y >= height ? height - 1 : y;
 }
@@ -57,9 +57,9 @@ void panorama_radiance(const struct panorama *panorama, const double dir[3], dou
 	weight[1][1] = (x - column) * (y - row);
 	for (int j = 0; j < 2; j++)
 		for (int i = 0; i < 2; i++) {
-			const size_t at = (size_t)clamp((int)row + j, image->height) *
+			const size_t at = (size_t)row_clamp((int)row + j, image->height) *
 						  image->width +
-					  wrap((int)column + i, image->width);
+					  column_wrap((int)column + i, image->width);
 
 			for (int c = 0; c < 3; c++)
 				rgb[c] += panorama->scale * weight[j][i] * image->f32[3 * at + c];

@@ -137,7 +137,7 @@ static bool all_finite(const double *v, int count)
 	return true;
 }
 
-static bool positive(double x)
+static bool is_positive(double x)
 {
 	return x > 0 && isfinite(x);
 }
@@ -148,14 +148,14 @@ int tsai_check(struct tsai_camera *c, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "camera: the picture is %d x %d, expected sides of 1 to %d",
 				 c->width, c->height, TSAI_SIDE_MAX);
-	if (!positive(c->focal))
+	if (!is_positive(c->focal))
 		return fault_say(fault, -EINVAL, "camera: focal is %g, expected a number above 0",
 				 c->focal);
-	if (!positive(c->pixel[0]) || !positive(c->pixel[1]))
+	if (!is_positive(c->pixel[0]) || !is_positive(c->pixel[1]))
 		return fault_say(fault, -EINVAL,
 				 "camera: pixel is %g %g, expected two numbers above 0",
 				 c->pixel[0], c->pixel[1]);
-	if (!positive(c->aspect))
+	if (!is_positive(c->aspect))
 		return fault_say(fault, -EINVAL, "camera: aspect is %g, expected a number above 0",
 				 c->aspect);
 	if (!isfinite(c->kappa1))
@@ -264,7 +264,7 @@ int tsai_straight_radius(double kappa1, double bent, double *straight)
 }
 
 /* What a radius is multiplied with by 1 + kappa1 r^2, on this side of the fold. */
-static int bend(double kappa1, double radius, double *factor)
+static int radius_bend(double kappa1, double radius, double *factor)
 {
 	if (!(radius <= tsai_fold_radius(kappa1)))
 		return -ERANGE;
@@ -273,7 +273,7 @@ static int bend(double kappa1, double radius, double *factor)
 }
 
 /* What a radius is multiplied with to undo that. */
-static int straighten(double kappa1, double radius, double *factor)
+static int radius_straighten(double kappa1, double radius, double *factor)
 {
 	double r;
 	const int ret = tsai_straight_radius(kappa1, radius, &r);
@@ -296,7 +296,8 @@ int tsai_project(const struct tsai_camera *c, const double world[3], double px[2
 		return -ERANGE;
 	x = c->focal * p[0] / p[2];
 	y = c->focal * p[1] / p[2];
-	ret = (c->distortion == TSAI_DISTORTS ? bend : straighten)(c->kappa1, hypot(x, y), &factor);
+	ret = (c->distortion == TSAI_DISTORTS ? radius_bend
+					      : radius_straighten)(c->kappa1, hypot(x, y), &factor);
 	if (ret < 0)
 		return ret;
 	x = c->centre_px[0] + c->aspect * (x * factor) / c->pixel[0];
@@ -315,7 +316,8 @@ int tsai_ray(const struct tsai_camera *c, const double px[2], double origin[3], 
 	double factor = 1, camera[3];
 	int ret;
 
-	ret = (c->distortion == TSAI_DISTORTS ? straighten : bend)(c->kappa1, hypot(x, y), &factor);
+	ret = (c->distortion == TSAI_DISTORTS ? radius_straighten
+					      : radius_bend)(c->kappa1, hypot(x, y), &factor);
 	if (ret < 0)
 		return ret;
 	camera[0] = x * factor;

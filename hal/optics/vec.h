@@ -38,6 +38,14 @@ static inline double vec_normalize(double a[3])
 	return length;
 }
 
+/* Angle between two unit vectors, rad; exact for small angles, where acos() loses digits. */
+static inline double vec_angle(const double a[3], const double b[3])
+{
+	const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+
+	return 2 * asin(fmin(0.5 * vec_length(d), 1));
+}
+
 /* out = M v, M in rows. */
 static inline void mat_apply(const double m[9], const double v[3], double out[3])
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a picture: a clear refusal, or a whole picture of light that is finite.
  *
- * reaches: image.c:image_check_light image_pfm.c:sample image_jpeg.c:decode image_png.c:ask_for_rgb
- * image_png.c:take image_hdr.c:take_planes image_hdr.c:take_pixels image_hdr.c:place_row
+ * reaches: image.c:image_check_light image_pfm.c:pfm_sample image_jpeg.c:jpeg_decode
+ * image_png.c:ask_for_rgb image_png.c:png_source_take image_hdr.c:hdr_take_planes
+ * image_hdr.c:hdr_take_pixels image_hdr.c:place_row
  * image_exr.cpp:check_colours image_exr.cpp:read_pixels image_exr.cpp:take_shown
  */
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a lights file: refused in a sentence, or six lights, finite and of at least 0.
  *
- * reaches: lights_file.c:read_lines lights_file.c:parse_colour
+ * reaches: lights_file.c:lights_read_lines lights_file.c:parse_colour
  */
 #include <math.h>
 #include <stdint.h>
