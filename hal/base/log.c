@@ -99,7 +99,7 @@ static bool is_new(const char *text)
 
 /* One write() for a line, so that lines of several threads (and processes) do not mix. */
 static void __attribute__((format(printf, 3, 0)))
-say(enum log_level level, bool once, const char *format, va_list args)
+log_write(enum log_level level, bool once, const char *format, va_list args)
 {
 	char line[TEXT_MAX], *text;
 	size_t length, done = 0;
@@ -131,7 +131,7 @@ void log_say(enum log_level level, const char *format, ...)
 	va_list args;
 
 	va_start(args, format);
-	say(level, false, format, args);
+	log_write(level, false, format, args);
 	va_end(args);
 }
 
@@ -140,6 +140,6 @@ void log_say_once(enum log_level level, const char *format, ...)
 	va_list args;
 
 	va_start(args, format);
-	say(level, true, format, args);
+	log_write(level, true, format, args);
 	va_end(args);
 }
