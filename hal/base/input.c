@@ -10,7 +10,7 @@
 #include <sys/vfs.h>
 #include <unistd.h>
 
-/* Such pipes have no name in any folder: they are reached by that of a descriptor. */
+/* The pipe of <(command) has no name in any folder; its path is /dev/fd/N. */
 static bool is_unnamed_pipe(int fd)
 {
 	struct statfs is;
@@ -28,7 +28,7 @@ static int input_refuse(mode_t mode, const char *path, struct fault *fault)
 					  : "device");
 }
 
-/* And has it wait from now on, for what a pipe's writer is still at. */
+/* Checks the kind of the file and clears O_NONBLOCK, so that reads wait for a pipe's writer. */
 static int check_file(int fd, const char *path, struct fault *fault)
 {
 	struct stat is;
@@ -43,7 +43,7 @@ static int check_file(int fd, const char *path, struct fault *fault)
 
 int input_open(const char *path, struct fault *fault)
 {
-	/* Not waiting for the writer of a named pipe. */
+	/* O_NONBLOCK: open() does not wait for the writer of a named pipe. */
 	const int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
 	struct stat is;
 	int err = fd < 0 ? -errno : 0;

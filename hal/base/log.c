@@ -13,7 +13,7 @@
 
 enum { TEXT_MAX = 2048, SAID_MAX = 256 };
 
-/* As in syslog(3). */
+/* Levels of syslog(3). */
 static const char *const journal_prefixes[] = {
 	[LOG_LEVEL_ERROR] = "<3>",
 	[LOG_LEVEL_WARNING] = "<4>",
@@ -24,11 +24,11 @@ static const char *const journal_prefixes[] = {
 static struct {
 	char program[64];
 	enum log_level most;
-	bool journal; /* reads our stderr */
+	bool journal; /* stderr leads to the system's journal */
 } setup = {.program = "inlay", .most = LOG_LEVEL_INFO};
 
-/* The journal names the pipe that it reads, systemd.exec(5): it may be another one than our stderr
- * by now. */
+/* JOURNAL_STREAM names the device and inode that the journal reads (systemd.exec(5)). stderr may
+ * have been redirected since, so both are compared. */
 static bool is_journal(int descriptor)
 {
 	const char *name = getenv("JOURNAL_STREAM");
@@ -46,7 +46,7 @@ void log_setup(const char *program, enum log_level most)
 	setup.most = most;
 }
 
-/* C0 and C1, the latter as UTF-8 has it, and DEL; a tab does no harm. */
+/* Bytes of the control character at this place, 0 for none: C0 but tab, DEL, and C1 in UTF-8. */
 static size_t control_bytes(const char *at)
 {
 	const unsigned char c = (unsigned char)at[0], next = (unsigned char)at[1];
@@ -56,8 +56,8 @@ static size_t control_bytes(const char *at)
 	return c == 0xc2 && next >= 0x80 && next < 0xa0 ? 2 : 0;
 }
 
-/* Names of files, and what stands in them, may hold line breaks, or escape sequences for the
- * reader's terminal. */
+/* Replaces control characters: names and contents of files may hold line breaks, or escape
+ * sequences for the reader's terminal. */
 static void text_make_plain(char *text)
 {
 	while (*text) {
@@ -70,7 +70,7 @@ static void text_make_plain(char *text)
 	}
 }
 
-/* FNV-1a. */
+/* FNV-1a hash. */
 static uint64_t text_hash(const char *text)
 {
 	uint64_t h = 0xcbf29ce484222325;
@@ -97,7 +97,7 @@ static bool is_new(const char *text)
 	return !found;
 }
 
-/* One write() for a line, so that lines of several threads (and processes) do not mix. */
+/* Calls write() once for a line, so that lines of several threads and processes do not mix. */
 static void __attribute__((format(printf, 3, 0)))
 log_write(enum log_level level, bool once, const char *format, va_list args)
 {
@@ -121,7 +121,7 @@ log_write(enum log_level level, bool once, const char *format, va_list args)
 		const ssize_t n = write(STDERR_FILENO, line + done, length - done);
 
 		if (n <= 0)
-			return; /* nobody left to tell */
+			return; /* stderr is closed: there is no place to report it */
 		done += (size_t)n;
 	}
 }

@@ -1,25 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Messages to whoever runs the program: stderr, one line each, "inlay: text". Where stderr leads to
- * the system's journal, which knows the program, a level goes before the text instead: "<4>text",
- * as sd-daemon(3) has it.
+ * Messages for the person who runs the program: one line each on stderr, "inlay: text". Where
+ * stderr leads to the system's journal, which knows the program's name, the level stands before the
+ * text instead: "<4>text", as in sd-daemon(3).
  *
- * Thread-safe. A caller that would repeat itself every frame says it once, when it changes.
+ * Thread-safe. A caller that would repeat a message every frame logs only changes.
  */
 #ifndef INLAY_HAL_BASE_LOG_H
 #define INLAY_HAL_BASE_LOG_H
 
 enum log_level { LOG_LEVEL_ERROR, LOG_LEVEL_WARNING, LOG_LEVEL_INFO, LOG_LEVEL_DEBUG };
 
-/* Program name before each message ("inlay", "inlay-bake") and the least urgent level shown. Called
- * before other threads start; without it: "inlay", LOG_LEVEL_INFO, and no journal. */
+/* Sets the program's name before each message ("inlay", "inlay-bake") and the least urgent level
+ * that is shown. Call it before other threads start. Without it: "inlay", LOG_LEVEL_INFO, no
+ * journal. */
 void log_setup(const char *program, enum log_level most);
 
-/* Control characters become "?": one message is one line, whatever it repeats of a file. */
+/* Writes one message. Control characters become "?": a message stays one line even when it quotes
+ * a file. */
 void log_say(enum log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* The same, but once for each text while the program runs: for what a device gets wrong time after
- * time, whoever opens it again or asks it again. Of many texts the oldest are forgotten. */
+/* Writes each text only once while the program runs: for errors that a device repeats whenever it
+ * is opened or asked again. Remembers the last 256 texts. */
 void log_say_once(enum log_level level, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Decimal only: strtod alone would also take hexadecimal, "nan" and "infinity". */
+/* strtod() alone would also take hexadecimal numbers, "nan" and "infinity". */
 int number_read(const char **text, double *value)
 {
 	const size_t length = strspn(*text, "+-.0123456789eE");

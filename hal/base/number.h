@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Numbers in text that people write. */
+/* Decimal numbers in text that people write. */
 #ifndef INLAY_HAL_BASE_NUMBER_H
 #define INLAY_HAL_BASE_NUMBER_H
 
-/* The decimal number at *text, which moves past it; blanks before it are not passed over. -EINVAL:
- * there is none, or it is not finite; text and value then stay as they are. */
+/* Reads the number at *text and moves *text past it. Does not skip blanks before it. 0; -EINVAL: no
+ * number there, or not a finite one; *text and *value are then unchanged. */
 int number_read(const char **text, double *value);
 
-/* The same of text that is a number and nothing else. */
+/* Reads text that is one number and nothing else. 0 or -EINVAL. */
 int number_of(const char *text, double *value);
 
 #endif

@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Renaming over a device, pipe or folder would destroy it or fail late, and over a link would cut
- * it: a link is followed, and anything but a plain file is refused at once. */
+/* Fills out->path. Follows a symbolic link, because a rename would replace the link itself. Refuses
+ * at once anything but a plain file: a rename would destroy a device or pipe, or fail late. */
 static int output_find_target(struct output *out, const char *path, struct fault *fault)
 {
 	struct stat s;
@@ -48,8 +48,9 @@ static void output_folder(const char *path, char folder[PATH_MAX])
 		slash[slash == folder ? 1 : 0] = '\0';
 }
 
-/* A file without a name: nothing is left of it whenever and however the program ends. Negative
- * where the file system cannot, or where /proc, which names it at last, is missing. */
+/* Creates a file without a name: however the program ends, nothing is left of it. Returns a
+ * descriptor. Negative where the file system has no such files or /proc, which output_commit()
+ * needs, is missing. */
 static int create_unnamed(const struct output *out)
 {
 	char folder[PATH_MAX];
@@ -60,7 +61,8 @@ static int create_unnamed(const struct output *out)
 	return open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
 }
 
-/* Calls make() with temporary names until one is free; that is then out->temporary. */
+/* Calls make() with temporary names until one is free, and keeps that name in out->temporary.
+ * Returns what make() returns, or -errno. */
 static int with_temporary_name(struct output *out, int (*make)(const char *name, int fd), int fd)
 {
 	int ret = -EEXIST;
@@ -82,7 +84,7 @@ static int with_temporary_name(struct output *out, int (*make)(const char *name,
 	return ret;
 }
 
-/* Not mkstemp(): that ignores the umask, and the finished file would be readable by nobody else. */
+/* Not mkstemp(): it ignores the umask, and only the owner could read the finished file. */
 static int create_named(const char *name, int fd)
 {
 	(void)fd;
@@ -121,7 +123,8 @@ int output_open(struct output *out, const char *path, struct fault *fault)
 	return 0;
 }
 
-/* One that is there: the same file. One that is not yet: the same name in the same folder. */
+/* Whether two paths are one file: the same inode, or, of files that do not exist yet, the same name
+ * in the same folder. */
 static bool same_file(const char *a, const char *b)
 {
 	char folder[2][PATH_MAX];
@@ -139,7 +142,7 @@ static bool same_file(const char *a, const char *b)
 	       s[0].st_ino == s[1].st_ino;
 }
 
-/* Opens it as if to write it, and lets it go. */
+/* Opens the output as for writing and abandons it. */
 static int try_output(const char *path, struct fault *fault)
 {
 	struct output out;
@@ -171,8 +174,8 @@ int output_check(const char *const *outputs, int count, const char *const *input
 	return 0;
 }
 
-/* The rename itself reaches the disk with its folder. Some file systems cannot sync one: the file
- * is whole all the same. */
+/* Syncs the folder, because the rename reaches the disk with it. Errors are ignored: some file
+ * systems cannot sync a folder, and the file itself is whole. */
 static void sync_folder(const char *path)
 {
 	char folder[PATH_MAX];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A file that appears whole or not at all: written without a name (where the file system knows no
- * such files: under a temporary one) in the same folder, then renamed over its target. After a
- * crash or a full disk the old file is still there, and nothing else.
+ * A file that appears whole or not at all. It is written without a name in the folder of its target
+ * (under a temporary name where the file system has no nameless files), then renamed over the
+ * target. After a crash or a full disk the old file is still there, and no other file is left.
  */
 #ifndef INLAY_HAL_BASE_OUTPUT_H
 #define INLAY_HAL_BASE_OUTPUT_H
@@ -19,20 +19,22 @@ struct output {
 };
 
 /*
- * Before a command spends time on them: that each output can be written where it is to go, and is
- * neither another output nor one of the files that are read. NULLs are passed over. -errno with a
- * fault naming the path.
+ * Checks, before a command spends time, that each output can be written and that no output is
+ * another output or one of the inputs. NULL entries are skipped. 0, or -errno with a fault naming
+ * the path.
  */
 int output_check(const char *const *outputs, int count, const char *const *inputs, int input_count,
 		 struct fault *fault);
 
-/* -errno with a fault naming the path when the folder is missing or cannot be written. */
+/* Opens an output. Nothing stands at path before output_commit(). 0, or -errno with a fault naming
+ * the path when the folder is missing or cannot be written. */
 int output_open(struct output *out, const char *path, struct fault *fault);
 
-/* Flushes, syncs and renames. On failure nothing is left behind and the old file is untouched. */
+/* Flushes, syncs, renames and closes. 0 or -errno; on failure the old file is untouched and no
+ * temporary file is left. */
 int output_commit(struct output *out, struct fault *fault);
 
-/* Forgets everything written. Harmless on a zeroed, committed or abandoned output. */
+/* Discards everything written. Harmless on a zeroed, committed or abandoned output. */
 void output_abandon(struct output *out);
 
 #endif

@@ -24,15 +24,15 @@ struct pool_job {
 struct pool {
 	pthread_mutex_t lock;
 	pthread_cond_t wake, idle;
-	/* Under the lock. A job is open from its start until its caller finds no item left; a
-	 * worker that wakes later than that goes back to sleep, and nobody waits for it. */
+	/* Guarded by the lock. A job is open from its start until the caller finds no item left. A
+	 * worker that wakes later goes back to sleep, and the caller does not wait for it. */
 	struct pool_job job;
 	unsigned generation;
 	bool open, quit;
 	int busy;
 	atomic_int next; /* item to claim */
-	int threads;	 /* the caller included */
-	int started;
+	int threads;	 /* with the caller */
+	int started;	 /* workers that run */
 	struct pool_worker workers[];
 };
 
@@ -76,7 +76,7 @@ static void *pool_worker_main(void *argument)
 	return NULL;
 }
 
-/* Signals belong to the thread that runs the event loop: workers are born with all blocked. */
+/* Starts the workers with all signals blocked: the thread of the event loop handles signals. */
 static int pool_start_workers(struct pool *pool)
 {
 	sigset_t all, before;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A persistent pool of worker threads: started once, woken for each job, nothing allocated per job.
- *
- * The calling thread works too, so a pool of 1 starts no thread at all.
+ * A persistent pool of worker threads: started once, woken for each job. A job allocates nothing.
+ * The calling thread works too, so a pool of 1 starts no thread.
  */
 #ifndef INLAY_HAL_BASE_POOL_H
 #define INLAY_HAL_BASE_POOL_H
@@ -11,23 +10,22 @@
 
 struct pool;
 
-/* threads counts the caller, 1..POOL_THREADS_MAX; 0 means one for each online processor. 0 or
- * -errno: -EINVAL out of range, -ENOMEM, -EAGAIN (no more threads). Workers have all signals
- * blocked. */
+/* threads includes the caller, 1..POOL_THREADS_MAX; 0: one for each online processor. Workers have
+ * all signals blocked. 0; -EINVAL: out of range; -ENOMEM; -EAGAIN: no more threads. */
 int pool_create(struct pool **pool, int threads);
 
-int pool_threads(const struct pool *pool);
+int pool_threads(const struct pool *pool); /* with the caller */
 
 /*
  * Calls work(context, item, worker) for each item in 0..items-1, in no set order, and returns when
- * all are done. Items are claimed one at a time from an atomic counter, so uneven ones balance.
- * worker is in 0..pool_threads()-1 and no two concurrent calls share one: index scratch space by
- * it. Not reentrant; one caller at a time.
+ * all are done. Threads claim items one at a time from an atomic counter, which balances items of
+ * unequal cost. worker is in 0..pool_threads()-1, and no two concurrent calls have the same one:
+ * use it to index scratch memory. Not reentrant; one caller at a time.
  */
 void pool_run(struct pool *pool, int items, void (*work)(void *context, int item, int worker),
 	      void *context);
 
-/* Joins the threads. NULL is harmless. */
+/* Ends and joins the threads. NULL is harmless. */
 void pool_destroy(struct pool *pool);
 
 #endif

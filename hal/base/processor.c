@@ -12,7 +12,7 @@
 #define HAS_DOTPROD (1UL << 20)
 #endif
 
-/* The compiler's question includes whether the system saves the wide registers. */
+/* __builtin_cpu_supports() also checks that the system saves the wide registers. */
 unsigned processor_features(void)
 {
 	unsigned features = 0;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the processor can do beyond what the program was compiled for.
+ * Instruction sets of the processor beyond those that the program was compiled for.
  *
- * Tables of functions for an instruction set (hal/compositor/kernels/kernels.h, hal/frame/frame_rows.h,
- * hal/lights/sampler_kernels.h) each say what they need; who chooses one asks here first. This code
- * itself is compiled for every processor.
+ * Each table of functions for an instruction set (hal/compositor/kernels/kernels.h,
+ * hal/frame/frame_rows.h, hal/lights/sampler_kernels.h) says what it needs; code that chooses a
+ * table asks here first. This file is compiled for every processor.
  */
 #ifndef INLAY_HAL_BASE_PROCESSOR_H
 #define INLAY_HAL_BASE_PROCESSOR_H
@@ -21,19 +21,19 @@ enum processor_feature {
 	PROCESSOR_DOTPROD = 1 << 6,
 };
 
-/* Features that processor and system support, or'ed. */
+/* Features that processor and system support: enum processor_feature, or'ed. */
 unsigned processor_features(void);
 
 /*
- * Features that what is called so may use, from no others: "c" none, then "sse4.1", "avx2",
- * "avx512-vnni", "neon", "neon-dotprod", each with those before it on its machine; NULL, "" and
- * "auto": all. False: there is no such name.
+ * The features that a name allows: "c" none; "sse4.1", "avx2", "avx512-vnni", "neon",
+ * "neon-dotprod" each its own and those before it on the same machine; NULL, "" and "auto" all.
+ * False: unknown name.
  */
 bool processor_features_named(const char *name, unsigned *features);
 
 /*
- * Those of processor_features() that name allows, or where that is NULL or "auto" the environment's
- * INLAY_KERNEL does. An unknown name allows none.
+ * The part of processor_features() that name allows. Where name is NULL, "" or "auto", the
+ * environment variable INLAY_KERNEL is the name. An unknown name allows no feature.
  */
 unsigned processor_features_allowed(const char *name);
 

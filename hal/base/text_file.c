@@ -24,7 +24,7 @@ int text_file_open(struct text_file *file, const char *path, struct fault *fault
 	return fault_say(fault, -ENOMEM, "%s: %s", path, strerror(ENOMEM));
 }
 
-/* Not getline(), which would take a line of any length into memory. */
+/* Not getline(): it would read a line of any length into memory. */
 static int read_line(struct text_file *file, size_t *length, struct fault *fault)
 {
 	size_t used = 0;

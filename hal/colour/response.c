@@ -51,7 +51,7 @@ const struct ini_key response_keys[] = {
 
 struct response_reading {
 	struct response *response;
-	bool found; /* there is a section [light] */
+	bool found; /* the file has a section [light] */
 };
 
 static void *response_place(void *root, const char *instance)
@@ -73,7 +73,7 @@ static bool all_zero(const double *x, int count)
 
 void response_begin(struct response *response)
 {
-	memset(response, 0, sizeof(*response)); /* its bytes are compared */
+	memset(response, 0, sizeof(*response)); /* with padding: callers compare the bytes */
 	ini_defaults(response_keys, response);
 }
 
@@ -95,7 +95,7 @@ double response_gain(const struct response *r, double gain)
 	return r->gain > 0 ? r->gain : gain;
 }
 
-/* Of the line that sets the key; 1 where it is not found again. */
+/* Number of the last line that sets the key; 1 if there is none. */
 static int key_line(const char *path, const char *key)
 {
 	FILE *file = fopen(path, "r");
@@ -123,7 +123,7 @@ static int response_complain(struct ini_report *report, const struct fault *faul
 	return -EINVAL;
 }
 
-/* What no key can tell alone. */
+/* Checks the knots together; ini_read() has checked each number alone. */
 static int response_check(const struct response *r, const char *path, struct ini_report *report)
 {
 	const struct transfer_curve curve = response_curve(r, TRANSFER_SRGB, 0);

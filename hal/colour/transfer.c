@@ -9,11 +9,13 @@
 const char *const transfer_names[] = {"srgb", "bt709", "linear", NULL};
 
 /*
- * Both curves are a line up to a knee and a power above it. The standards print the knees rounded,
- * which leaves a step there and no inverse across it; these are the places where the printed
- * pieces truly meet: for sRGB that of 12.92 and 1.055 (printed 0.0031308; the step was 3e-8), for
- * BT.709 those of value and slope, as BT.2020 gives to more digits (printed 0.018 and 1.099; the
- * step was 2e-4).
+ * Both curves are a line up to a knee and a power above it:
+ *     encoded = slope * x                                 x <= knee
+ *     encoded = (1 + offset) * x^(1 / power) - offset     x > knee
+ * The standards print the knees rounded, which leaves a step there and no inverse across it. The
+ * constants below make the pieces meet: for sRGB the knee follows from 12.92 and 1.055 (printed
+ * 0.0031308; the step was 3e-8); for BT.709 knee and offset follow from equal value and slope, as
+ * BT.2020 gives to more digits (printed 0.018 and 1.099; the step was 2e-4).
  */
 #define SRGB_KNEE 0.0031306684425006340328
 #define SRGB_SLOPE 12.92
@@ -67,7 +69,7 @@ double transfer_encode(enum transfer t, double linear)
 	return clamp01(p + c->offset * (p - 1)); /* so that 1 gives 1 to the bit */
 }
 
-/* ---- measured curves: x counts intervals between knots ---- */
+/* ---- measured curves: x counts intervals between knots, slopes are per interval ---- */
 
 #define LAST (TRANSFER_KNOTS - 1)
 
@@ -76,7 +78,8 @@ static double step_of(const struct transfer_curve *m, int k)
 	return m->knot[k + 1] - m->knot[k];
 }
 
-/* Of an end: what a parabola through three knots has there, within bounds. */
+/* Slope at the first or last knot: that of the parabola through the three knots there, clamped to
+ * step / 4..2 * step. */
 static double end_slope(double step, double next)
 {
 	return fmin(fmax(1.5 * step - 0.5 * next, step / 4), 2 * step);
@@ -95,7 +98,7 @@ static double slope_at(const struct transfer_curve *m, int k)
 	return fmin((before + after) / 2, 2 * fmin(before, after));
 }
 
-/* One interval's cubic: value = y + t (a + t (b + t c)), t in 0..1. */
+/* Cubic of one interval: value = y + t (a + t (b + t c)), t in 0..1. */
 struct cubic {
 	double y, a, b, c;
 };
@@ -121,7 +124,8 @@ static double measured_decode(const struct transfer_curve *m, double e)
 	return clamp01(cubic_at(&q, x - k));
 }
 
-/* Newton's steps, halving wherever one leaves what is known to hold the root. */
+/* Solves cubic_at(q, t) = value for t in 0..1: Newton's method, with bisection where a step leaves
+ * the bracket. */
 static double cubic_root(const struct cubic *q, double value)
 {
 	double low = 0, high = 1, t = 0.5;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Transfer functions: between 8-bit code values and linear light.
+ * Transfer functions: from 8-bit code values to linear light and back.
  *
- * Linear 1.0 is the radiance that code 255 stands for. Fixed-point linear light is Q16 with
- * 1.0 = 65535 ("U16 linear"); an unclipped intermediate may exceed it.
+ * Linear 1.0 is the radiance of code 255. Fixed-point linear light is Q16 with 1.0 = 65535 ("U16
+ * linear"); an unclipped intermediate value may exceed it.
  *
- * A camera's curve is one of the standards' or a measured one; whatever decodes code values of a
- * camera does it by struct transfer_curve.
+ * A camera's curve is that of a standard or a measured one. All code that decodes code values of a
+ * camera uses struct transfer_curve.
  */
 #ifndef INLAY_HAL_COLOUR_TRANSFER_H
 #define INLAY_HAL_COLOUR_TRANSFER_H
@@ -25,45 +25,48 @@ enum transfer {
 
 extern const char *const transfer_names[]; /* "srgb", "bt709", "linear", NULL */
 
-/* The functions themselves, in double precision: encoded and linear both in 0..1; outside that
- * range the argument is clamped. The inverse pair agrees to 1e-12. */
+/* The standards' functions in double precision. encoded and linear are in 0..1; arguments outside
+ * are clamped, NaN counts as 0. decode(encode(x)) = x to 1e-12. */
 double transfer_decode(enum transfer t, double encoded);
 double transfer_encode(enum transfer t, double linear);
 
 #define TRANSFER_KNOTS 33
 
 /*
- * What code values of a camera stand for: code c is (c - black) / (255 - black) of the encoded
- * range, at least 0. Zeroed it is sRGB without a pedestal.
+ * The curve of a camera. Code c has the place
+ *     e = max(0, (c - black) / (255 - black))
+ * in the encoded range 0..1. Zeroed: sRGB, black level 0.
  */
 struct transfer_curve {
 	enum transfer named;
-	double black;  /* code value that is no light, 0..254: a pedestal under the signal */
-	bool measured; /* knot counts in place of named */
+	double black;  /* code value of no light, 0..254 */
+	bool measured; /* use knot instead of named */
 	/*
-	 * Linear light at evenly spaced places of the encoded range: knot[0] = 0, each above the
-	 * one before it, the last 1. Between them Steffen's monotone cubic (Astron. Astrophys. 239
-	 * (1990) 443); at both ends its slope is at least a quarter of the first and the last
-	 * step's, so that no code is worth nothing and the inverse is nowhere infinitely steep.
+	 * Linear light at evenly spaced places of the encoded range, strictly ascending: knot[0] =
+	 * 0, the last 1. Between knots: Steffen's monotone cubic (Astron. Astrophys. 239 (1990)
+	 * 443). At both ends the slope is at least a quarter of the slope of the first or last
+	 * interval, so that the curve is nowhere flat and its inverse nowhere infinitely steep.
 	 */
 	double knot[TRANSFER_KNOTS];
 };
 
-/* code is a code value over 255. Outside 0..1 the argument is clamped; NaN counts as 0. Codes below
- * the black level are black: decoding and encoding again makes them the black level. */
+/* code is a code value / 255. Arguments outside 0..1 are clamped, NaN counts as 0. Codes below the
+ * black level decode to 0, and 0 encodes to the black level. */
 double transfer_curve_decode(const struct transfer_curve *curve, double code);
 double transfer_curve_encode(const struct transfer_curve *curve, double linear);
 
 bool transfer_curve_same(const struct transfer_curve *a, const struct transfer_curve *b);
 
-/* 0; -EINVAL: knots that do not ascend from 0 to 1, a name or a black level out of range. The fault
- * says what is wrong, and begins with nothing. */
+/* 0; -EINVAL: knots that do not ascend from 0 to 1, a name or a black level out of range. The
+ * fault's text has no prefix; the caller adds the place. */
 int transfer_curve_check(const struct transfer_curve *curve, struct fault *fault);
 
 /*
- * decode[c] = round(65535 * linear(c));
- * encode[v] = round(255 * encoded(v / 65535)), so encode[decode[c]] == c for every c from the black
- * level on; of a measured curve wherever a code is worth more than 1 / 65535.
+ * The curve as tables:
+ *     decode[c] = round(65535 * linear(c))
+ *     encode[v] = round(255 * encoded(v / 65535))
+ * encode[decode[c]] == c for every c from the black level on; for a measured curve, wherever
+ * neighbouring codes differ by more than 1 / 65535.
  */
 struct transfer_tables {
 	uint16_t decode[256];
