@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Buttons: the contract between the program and drivers/buttons_*.c. Whatever the hardware, the
- * program sees named actions. Several drivers may be in use at once.
+ * Buttons: the contract between the program and drivers/buttons_*.c. The program sees named
+ * actions, whatever the hardware. Several drivers may be in use at once.
  */
 #ifndef INLAY_HAL_DEVICE_BUTTONS_H
 #define INLAY_HAL_DEVICE_BUTTONS_H
@@ -16,13 +16,13 @@ enum action {
 	ACTION_THRESHOLD_UP,
 	ACTION_THRESHOLD_DOWN,
 	ACTION_THRESHOLD_NEXT, /* up, and from the highest to 0: for a single button */
-	ACTION_THRESHOLD_SET,  /* value: the level, or percentage */
+	ACTION_THRESHOLD_SET,  /* to value, a level or a percentage */
 	ACTION_VIEW_NEXT,
 	ACTION_POSE_NEXT,
 	ACTION_POSE_PREV,
-	ACTION_POSE_SET,    /* name: of the pose, or its number */
-	ACTION_OBJECT,	    /* shown or not */
-	ACTION_INFORMATION, /* the line of figures, shown or not */
+	ACTION_POSE_SET,    /* to the pose of this name or number */
+	ACTION_OBJECT,	    /* shows or hides the object */
+	ACTION_INFORMATION, /* shows or hides the line of figures */
 	ACTION_SPLIT_LEFT,  /* moves the line between before and after */
 	ACTION_SPLIT_RIGHT,
 	ACTION_FREEZE,
@@ -33,22 +33,22 @@ enum action {
 extern const char *const action_names[]; /* "none", "threshold-up", ... NULL */
 
 #define BUTTON_NAME_MAX 32     /* with its NUL */
-#define ACTION_LEVEL_MAX 255.0 /* of ACTION_THRESHOLD_SET */
+#define ACTION_LEVEL_MAX 255.0 /* largest level of ACTION_THRESHOLD_SET */
 
 struct button_press {
 	enum action action;
-	double value;		    /* of ACTION_THRESHOLD_SET: 0..ACTION_LEVEL_MAX */
-	bool percent;		    /* the value is one, 0..100 */
-	char name[BUTTON_NAME_MAX]; /* of ACTION_POSE_SET */
+	double value;		    /* ACTION_THRESHOLD_SET: level, 0..ACTION_LEVEL_MAX */
+	bool percent;		    /* value is a percentage, 0..100 */
+	char name[BUTTON_NAME_MAX]; /* ACTION_POSE_SET: name or number of the pose */
 };
 
-/* A press as a person writes it: the name of an action and, for threshold-set and pose alone, its
- * value; "pose next" and "pose prev" are pose-next and pose-prev. value: NULL when there is none.
- * 0, or -EINVAL and what was expected. */
+/* Parses a press as a person writes it: the name of an action and, only for threshold-set and pose,
+ * a value (NULL: none). "pose next" and "pose prev" are pose-next and pose-prev. 0; -EINVAL with a
+ * fault that says what was expected. */
 int button_press_parse(const char *name, const char *value, struct button_press *press,
 		       struct fault *fault);
 
-/* Whether the action goes on while its button is held: steps do, toggles do not. */
+/* Whether the action repeats while its button is held: steps do, toggles do not. */
 bool action_repeats(enum action action);
 
 struct buttons_ops;
@@ -65,22 +65,24 @@ struct buttons_ops {
 	const struct ini_key *keys; /* optional, prefixed "name." */
 	size_t options_size;
 
-	/* Optional. Hands found() one line of text for each device and line there is. 0 or -errno.
-	 */
+	/* Optional. Calls found() with one line of text for each device and each input line. 0 or
+	 * -errno. */
 	int (*list)(void (*found)(void *context, const char *line), void *context);
 
-	/* Mandatory. What a failure leaves half-open, buttons_open() has closed. Called again each
-	 * second until it succeeds: a missing chip does not stop the kiosk. */
+	/* Mandatory. 0 or -errno; after a failure buttons_open() calls close(). The program calls
+	 * it again every second until it succeeds: a missing chip does not stop the kiosk. */
 	int (*open)(struct buttons *buttons, struct fault *fault);
-	/* Mandatory. Polls readable when read() has something. */
+	/* Mandatory. A descriptor that polls readable when read() has a press. */
 	int (*descriptor)(struct buttons *buttons);
-	/* Mandatory, never blocks. 0 and a press; -EAGAIN: none; other -errno: gone, close it. */
+	/* Mandatory, never blocks. 0 and a press; -EAGAIN: none; other -errno: the device is gone,
+	 * close it. */
 	int (*read)(struct buttons *buttons, struct button_press *press, struct fault *fault);
-	/* Mandatory, idempotent; accepts what open() left half-done. */
+	/* Mandatory, idempotent; accepts a half-open state. */
 	void (*close)(struct buttons *buttons);
 };
 
-/* What callers use. -EBADF: not open. Buttons that failed to open are closed and zeroed. */
+/* The wrappers that callers use. -EBADF: not open. Buttons that failed to open are closed and
+ * zeroed. */
 int buttons_open(struct buttons *buttons, const struct buttons_ops *ops, void *options,
 		 struct fault *fault);
 int buttons_descriptor(struct buttons *buttons);

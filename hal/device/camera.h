@@ -2,8 +2,8 @@
 /*
  * Cameras: the contract between the program and drivers/camera_*.c.
  *
- * Callers use the wrappers below, never the pointers. One thread owns a camera. A camera is opened
- * from settings that never change, and holds run-time state apart from them.
+ * Callers use the wrappers below, never the pointers. One thread owns a camera. Settings do not
+ * change while a camera is open; run-time state is apart from them.
  */
 #ifndef INLAY_HAL_DEVICE_CAMERA_H
 #define INLAY_HAL_DEVICE_CAMERA_H
@@ -15,7 +15,7 @@
 #include "hal/frame/frame.h"
 #include "hal/ini/ini.h"
 
-/* What a screen can say about a camera. */
+/* State of a camera, for the screen and the journal. */
 enum camera_situation {
 	CAMERA_FINE,
 	CAMERA_NO_DEVICE,
@@ -32,18 +32,19 @@ enum camera_situation {
 extern const char *const camera_situation_names[]; /* "fine", "no device", ... NULL */
 
 struct camera_settings {
-	char device[INI_PATH_MAX]; /* driver's own meaning; empty: the first found */
-	int width, height;	   /* wanted; 0: the driver's choice */
+	char device[INI_PATH_MAX]; /* the driver defines its meaning; empty: the first found */
+	int width, height;	   /* wanted, in pixels; 0: the driver's choice */
 	double rate_hz;		   /* wanted; 0: the driver's choice */
 	int format;  /* enum pixel_format wanted; PIXEL_NONE: the cheapest to convert */
 	int buffers; /* 2..8 */
 	int matrix;  /* enum colour_matrix + 1; 0: as the driver says */
 	int range;   /* enum colour_range + 1; 0: as the driver says */
-	/* "name=value, name=value", names and values as `devices` lists them; set after every
-	 * opening and read back. A refusal is logged and does not keep the camera from opening. */
+	/* "name=value, name=value", names and values as `devices` lists them. Set after every
+	 * opening and read back. The camera opens even if a control is refused; the refusal is
+	 * logged. */
 	char controls[INI_TEXT_MAX];
-	/* What may be given up, in this order, when the bus has no room for what is wanted: words
-	 * of "format", "size", "rate"; empty: nothing. */
+	/* Wishes to give up, in this order, when the bus has too little bandwidth: words of
+	 * "format", "size", "rate"; empty: none. */
 	char give_up[INI_TEXT_MAX];
 };
 
@@ -53,83 +54,86 @@ struct camera {
 	const struct camera_ops *ops;
 	struct camera_settings settings;
 	void *options;	/* the driver's own struct, ops->options_size bytes; borrowed */
-	char name[128]; /* what the device calls itself; empty: not known. Kept after closing */
-	/* What the device really gave, valid while open: */
+	char name[128]; /* the device's own name; empty: not known. Kept after closing */
+	/* What the device really delivers, valid while open: */
 	enum pixel_format format;
 	int width, height;
 	double rate_hz;
-	bool on_demand; /* each grab() makes the next frame: waiting loses nothing */
+	bool on_demand; /* each grab() makes the next frame: a late grab() loses none */
 	enum camera_situation situation;
 	uint64_t frames, lost,
-		broken; /* handed out; gaps in sequence + superseded; skipped as unfit */
+		broken; /* frames given out; gaps in sequence + superseded; unfit and skipped */
 	void *state;	/* the driver's; NULL when closed */
 };
 
-/* One line a format: what `devices` prints. */
+/* One camera in the output of `inlay devices`. */
 struct camera_listing {
 	char device[INI_PATH_MAX];
 	char name[128], bus[128];
-	char (*lines)[160]; /* formats, sizes, rates, controls, for people */
+	char (*lines)[160]; /* text: formats, sizes, rates, controls */
 	int line_count;
 };
 
 struct camera_ops {
 	const char *name;	 /* "v4l2" */
 	const char *description; /* one line */
-	/* Optional: the driver's own keys, prefixed "name." in the file, and the struct they fill.
-	 */
+	/* Optional: the driver's own keys, prefixed "name." in the file, and the size of the struct
+	 * that they fill. */
 	const struct ini_key *keys;
 	size_t options_size;
 
-	/* Optional. Calls found() for each camera there is; the listing is valid during the call.
-	 * Returns how many or -errno. */
+	/* Optional. Calls found() for each camera; the listing is valid during the call. Returns
+	 * the number of cameras or -errno. */
 	int (*list)(void (*found)(void *context, const struct camera_listing *listing),
 		    void *context);
 
-	/* Mandatory. From settings and options to streaming; sets name, format, width, height,
-	 * rate_hz and state. On failure sets situation, says why, and leaves nothing open. May
-	 * block (start of a device), at most 2 s: the program calls it on a thread of its own, and
-	 * no other op until it has returned. */
+	/* Mandatory. Opens the device and starts streaming; sets name, format, width, height,
+	 * rate_hz and state. On failure sets situation and fault, and leaves nothing open. May
+	 * block for at most 2 s (start of a device): the program calls it on a thread of its own,
+	 * and no other op until it has returned. */
 	int (*open)(struct camera *camera, struct fault *fault);
 
 	/* Mandatory. A descriptor that polls readable when grab() has something to do. */
 	int (*descriptor)(struct camera *camera);
 
-	/* Mandatory, never blocks. Takes the newest frame; older ones that wait are given back to
-	 * the driver and counted lost; unfit ones are counted broken. frame's memory is the
-	 * driver's until release(). At most one frame is out at a time. 0; -EAGAIN: none yet;
-	 * -ENODEV: gone; -ESTALE: close it and open it at once, as the source sends another size or
-	 * standard now, or the driver wants to begin anew; other -errno: broken, close it. */
+	/* Mandatory, never blocks. Takes the newest frame; requeues older waiting ones and counts
+	 * them lost; counts unfit ones broken. The driver owns the frame's memory, which the caller
+	 * may read until release(). At most one frame is out at a time. 0; -EAGAIN: none yet;
+	 * -ENODEV: the device is gone; -ESTALE: close and reopen it at once, because the source
+	 * changed its size or standard or the driver must begin anew; other -errno: broken, close
+	 * it. */
 	int (*grab)(struct camera *camera, struct frame *frame, struct fault *fault);
 
-	/* Mandatory. Gives the frame back. Its memory stays readable until a grab() that gives
-	 * another or close(), though what is in it may change. */
+	/* Mandatory. Gives the frame back. Its memory stays readable until the next successful
+	 * grab() or close(), but its content may change. */
 	void (*release)(struct camera *camera, struct frame *frame);
 
 	/* Mandatory. Idempotent; the only cleanup; accepts a half-open camera. */
 	void (*close)(struct camera *camera);
 
 	/* Optional. Changes a control while the camera streams; name and value as in
-	 * camera_settings.controls. Takes as long as the device takes to answer, some milliseconds
-	 * mostly. Frames that were captured before, and some after it, still show the old value:
-	 * how many is the device's affair. Where the device says at once that it made another
-	 * number of value, as cameras with steps do, taken gets that; else it stays. 0; -EINVAL: no
-	 * control of that name, or no value of its; -ERANGE: out of its range, which the fault
-	 * names; -ENOTSUP: this camera has none that can be changed now; other -errno: the device
-	 * refuses it. The camera goes on streaming, whatever is returned. */
+	 * camera_settings.controls. Blocks until the device answers, mostly some milliseconds.
+	 * Frames captured before, and a number after that depends on the device, still show the old
+	 * value. If the device reports at once that it rounded the value (cameras with steps do),
+	 * *taken gets the rounded value; else *taken stays. 0; -EINVAL: unknown control, or not a
+	 * value of it; -ERANGE: out of range, which the fault names; -ENOTSUP: this camera has no
+	 * control that can change now; other -errno: the device refuses. The camera streams on in
+	 * every case. */
 	int (*control)(struct camera *camera, const char *name, const char *value, double *taken,
 		       struct fault *fault);
 };
 
-/* Drivers count lost and broken and may set the situation; the wrappers count frames, make the
- * situation fine with each frame and name it where a driver that fails has not. Closing keeps
- * counts and situation for whoever reports them. A camera that is not open: -EBADF. */
+/*
+ * The wrappers that callers use. -EBADF: the camera is not open. Drivers count lost and broken and
+ * may set the situation. The wrappers count frames, set the situation to fine with each frame, and
+ * set it after a failure if the driver has not. Closing keeps counts and situation for reports.
+ */
 int camera_open(struct camera *camera, const struct camera_ops *ops,
 		const struct camera_settings *settings, void *options, struct fault *fault);
 int camera_descriptor(struct camera *camera);
 int camera_grab(struct camera *camera, struct frame *frame, struct fault *fault);
 void camera_release(struct camera *camera, struct frame *frame);
-/* -ENOTSUP also where the driver has no such op. taken: NULL where nobody wants to know. */
+/* -ENOTSUP also where the driver has no such op. taken may be NULL. */
 int camera_set_control(struct camera *camera, const char *name, const char *value, double *taken,
 		       struct fault *fault);
 void camera_close(struct camera *camera); /* zeroed is fine */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which of the formats that a camera offers serves best. */
+/* Choice among the formats that a camera offers. */
 #ifndef INLAY_HAL_DEVICE_CAMERA_CHOICE_H
 #define INLAY_HAL_DEVICE_CAMERA_CHOICE_H
 
@@ -7,10 +7,10 @@
 
 #include "hal/frame/frame.h"
 
-/* The larger the better; 0: no camera's format that is decoded. One with the wanted size and rate
- * goes before one with the size alone, and that before any other; among equals the one that is
- * cheaper to convert: full colour without conversion, then halved chroma, quartered chroma,
- * compressed, grey. The rate is that at the wanted size. */
+/* Merit of a format; larger is better; 0: the program does not decode it from cameras. size: the
+ * format has the wanted size; rate: it has the wanted rate at that size. Formats with both come
+ * first, then those with the size, then the rest. Among equals the cheaper conversion wins: full
+ * colour without conversion, 4:2:2, 4:2:0, compressed, grey. */
 int camera_format_merit(enum pixel_format format, bool size, bool rate);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* What stands between from and end without the blanks around it; false: nothing, or too much. */
+/* Copies the text between from and end without blanks around it. False: empty, or too long. */
 static bool copy_trimmed(const char *from, const char *end, char *to, size_t size)
 {
 	size_t length;

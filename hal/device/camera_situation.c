@@ -17,9 +17,9 @@ enum camera_situation camera_situation_of(int err)
 		return CAMERA_BUSY;
 	case ENOSPC: /* the bus has no bandwidth left */
 		return CAMERA_NO_BANDWIDTH;
-	case ENOLINK: /* nothing is plugged into the input */
-	case ENOLCK:  /* something is, but it is not stable */
-	case ERANGE:  /* or nothing that the input can receive, as while its source starts */
+	case ENOLINK: /* no source is plugged into the input */
+	case ENOLCK:  /* the source's signal is not stable */
+	case ERANGE:  /* the input cannot receive the signal, for example while its source starts */
 		return CAMERA_NO_SIGNAL;
 	default:
 		return CAMERA_BROKEN;
@@ -32,9 +32,9 @@ bool camera_is_hopeless(enum camera_situation situation, int err)
 		return situation == CAMERA_UNSUPPORTED_FORMAT;
 	switch (-err) {
 	case ENOTTY: /* not a camera */
-	case EINVAL: /* it knows no such input, standard or size */
+	case EINVAL: /* no such input, standard or size */
 	case ENOTSUP:
-	case EISDIR: /* the rest is of files that a simulated camera plays */
+	case EISDIR: /* from here on: files that a simulated camera plays */
 	case EBADMSG:
 	case EFBIG:
 	case EDOM:

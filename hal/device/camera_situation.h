@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* What an error of a camera's device means for whoever looks at the screen. */
+/* The situation that an error of a camera's device stands for. */
 #ifndef INLAY_HAL_DEVICE_CAMERA_SITUATION_H
 #define INLAY_HAL_DEVICE_CAMERA_SITUATION_H
 
 #include "hal/device/camera.h"
 
-/* err is negative, as Linux's drivers of cameras answer. */
+/* err: negative errno of a Linux camera driver. */
 enum camera_situation camera_situation_of(int err);
 
-/* Of an opening that ended so: whether it would always, but for another configuration: what is no
- * camera, has no such format, or does not know what it is asked for. All else waiting may mend, as
- * what a USB camera says while the bus finds its order, or a digitizer before its source has. */
+/* Whether an opening that failed like this would always fail under this configuration: the device
+ * is no camera, lacks the format, or does not know the setting. Other failures may pass with time,
+ * such as those of a USB camera while its bus starts or of a digitizer while its source starts. */
 bool camera_is_hopeless(enum camera_situation situation, int err);
 
 #endif

@@ -12,7 +12,7 @@ _Static_assert(sizeof(display_situation_names) / sizeof(display_situation_names[
 		       DISPLAY_SITUATION_COUNT + 1,
 	       "a name for each situation");
 
-/* What an error of a driver that has not said more stands for. */
+/* Sets the situation after an error, unless the driver has set it. */
 static void name_situation(struct display *display, int err)
 {
 	if (!err || display->situation != DISPLAY_FINE)

@@ -2,9 +2,9 @@
 /*
  * Screens: the contract between the program and drivers/display_*.c.
  *
- * A display has two or three buffers of its own size. One of them at a time is drawn into, whole,
- * by the program; it is then submitted and shown at the next refresh. The memory may be
- * write-combined: write it once, in order, and never read it.
+ * A display has two or three buffers of its own size. The program acquires one, draws all of it,
+ * and submits it; the display shows it at the next refresh. The memory may be write-combined: write
+ * it once, in order, and never read it.
  */
 #ifndef INLAY_HAL_DEVICE_DISPLAY_H
 #define INLAY_HAL_DEVICE_DISPLAY_H
@@ -15,14 +15,14 @@
 #include "hal/base/fault.h"
 #include "hal/ini/ini.h"
 
-/* What there is to say about a screen that cannot show anything. */
+/* State of a screen; all but DISPLAY_FINE say why it shows nothing. */
 enum display_situation {
 	DISPLAY_FINE,
 	DISPLAY_NO_DEVICE, /* no graphics card, no window system */
-	DISPLAY_NO_SCREEN, /* nothing connected, or it is off */
+	DISPLAY_NO_SCREEN, /* no screen connected, or it is off */
 	DISPLAY_BUSY,	   /* another program holds it */
 	DISPLAY_NO_PERMISSION,
-	DISPLAY_NO_MODE, /* it has none that was asked for */
+	DISPLAY_NO_MODE, /* the screen lacks the wanted mode */
 	DISPLAY_STALLED, /* a refresh never came */
 	DISPLAY_BROKEN,	 /* anything else; the fault says what */
 	DISPLAY_SITUATION_COUNT
@@ -31,12 +31,12 @@ enum display_situation {
 extern const char *const display_situation_names[]; /* "fine", "no device", ... NULL */
 
 struct display_settings {
-	char device[INI_PATH_MAX]; /* driver's own meaning: a card, an output file; empty: first
-				      found */
-	int width, height;	   /* wanted; 0: the driver's choice (hints below) */
+	char device[INI_PATH_MAX]; /* the driver defines its meaning: a card, an output file;
+				      empty: the first found */
+	int width, height;	   /* wanted, in pixels; 0: the driver's choice */
 	double rate_hz;		   /* wanted; 0: the driver's choice */
 	int picture_width,
-		picture_height; /* of what will be shown: the size of drivers that are free */
+		picture_height; /* size of the picture: the choice of drivers without a size */
 };
 
 struct display_ops;
@@ -45,14 +45,14 @@ struct display {
 	const struct display_ops *ops;
 	struct display_settings settings;
 	void *options; /* the driver's own struct; borrowed */
-	/* What there really is, valid while open: */
+	/* What the screen really has, valid while open: */
 	int width, height;
-	double rate_hz; /* 0: as fast as it is fed */
-	bool hidden;	/* the console is switched to somebody else: acquire() says -EAGAIN */
+	double rate_hz; /* 0: no refresh; frames are taken as fast as they come */
+	bool hidden;	/* another console has the screen: acquire() returns -EAGAIN */
 	enum display_situation situation; /* kept after closing and after a failure to open */
 	uint64_t shown;			  /* frames that reached the screen */
 	void *state;			  /* the driver's; NULL when closed */
-	/* The wrappers' own: */
+	/* private to the wrappers: */
 	bool acquired;
 	int acquired_index;
 };
@@ -66,21 +66,22 @@ struct display_buffer {
 
 enum display_event_kind {
 	DISPLAY_NOTHING,
-	DISPLAY_SHOWN,	 /* a submitted frame is on the screen since time_ns */
+	DISPLAY_SHOWN,	 /* a submitted frame has been on the screen since time_ns */
 	DISPLAY_CLOSED,	 /* the person closed the window: stop */
-	DISPLAY_EXPOSED, /* what was on the screen is lost (the console is ours again), and so is
-			    what was submitted and is not told of yet: draw anew */
-	DISPLAY_ACTION, /* a key pressed in the window: action holds enum action (hal/device/buttons.h) */
+	DISPLAY_EXPOSED, /* the console is back; the picture on the screen and submitted frames that
+			    had no DISPLAY_SHOWN are lost: draw again */
+	DISPLAY_ACTION,	 /* a key was pressed in the window: action is an enum action
+			    (hal/device/buttons.h) */
 };
 
 struct display_event {
 	enum display_event_kind kind;
 	int64_t time_ns; /* CLOCK_MONOTONIC */
-	int64_t token;	 /* as given to submit() */
+	int64_t token;	 /* the one given to submit() */
 	int action;
 };
 
-/* What `devices` prints. */
+/* One screen in the output of `inlay devices`. */
 struct display_listing {
 	char device[INI_PATH_MAX];
 	char name[128];
@@ -94,47 +95,48 @@ struct display_ops {
 	const struct ini_key *keys; /* optional, prefixed "name." */
 	size_t options_size;
 
-	/* Optional; as camera_ops.list. */
+	/* Optional; the same contract as camera_ops.list. */
 	int (*list)(void (*found)(void *context, const struct display_listing *listing),
 		    void *context);
 
-	/* Mandatory. Sets width, height, rate_hz, state. What a failure leaves half-open,
-	 * display_open() has closed. */
+	/* Mandatory. Sets width, height, rate_hz, state. 0 or -errno; after a failure
+	 * display_open() calls close(). */
 	int (*open)(struct display *display, struct fault *fault);
 
-	/* Mandatory. Polls readable when dispatch() has something to do; -1: never. */
+	/* Mandatory. A descriptor that polls readable when dispatch() has something to do; -1:
+	 * none. */
 	int (*descriptor)(struct display *display);
 
-	/* Optional. Pictures of this size are to fill the screen, letterboxed, their pixels
-	 * height/width = squash. 0: the hardware does it, and acquire() gives buffers of this size
-	 * from now on; -ENOTSUP: it cannot, they stay as large as the screen. Nothing is allocated
-	 * for a size asked before. */
+	/* Optional. Asks the hardware to scale pictures of this size to the screen, letterboxed;
+	 * squash is height / width of a picture's pixel. 0: it does, and acquire() gives buffers of
+	 * this size from now on; -ENOTSUP: it cannot, buffers stay as large as the screen. A size
+	 * asked for before allocates nothing. */
 	int (*fit)(struct display *display, int width, int height, double squash);
 
-	/* Mandatory, never blocks. A buffer to draw in. -EAGAIN: all are queued or on the screen.
-	 * The same buffer is returned until it is submitted. */
+	/* Mandatory, never blocks. Returns a buffer to draw in, the same one until it is submitted.
+	 * 0; -EAGAIN: all buffers are queued or on the screen. */
 	int (*acquire)(struct display *display, struct display_buffer *buffer);
 
-	/* Mandatory, never blocks. Shows what was acquired; token comes back in DISPLAY_SHOWN, but
-	 * for a frame that the console's being switched away overtook: that one is lost. 0 or
-	 * -errno: the screen is gone or the disk is full; situation says which; close it. */
+	/* Mandatory, never blocks. Shows the acquired buffer at the next refresh (page flip). token
+	 * comes back in DISPLAY_SHOWN, unless the console is switched away first: that frame is
+	 * lost. 0; -errno: the screen is gone or the disk is full; situation says which; close it.
+	 */
 	int (*submit)(struct display *display, struct display_buffer *buffer, int64_t token,
 		      struct fault *fault);
 
-	/* Mandatory, never blocks. One event per call until DISPLAY_NOTHING. 0; -ESTALE: the
-	 * connector or its modes changed; other -errno: it is gone, or a flip that was due never
-	 * came. After any of them: close it, and open it again when situation lets hope. */
+	/* Mandatory, never blocks. Returns one event per call until DISPLAY_NOTHING. 0; -ESTALE:
+	 * the connector or its modes changed; other -errno: the screen is gone, or a page flip
+	 * never completed. After any error close it; open it again if display_may_return(). */
 	int (*dispatch)(struct display *display, struct display_event *event, struct fault *fault);
 
-	/* Mandatory. Idempotent, accepts what open() left half-done; gives the screen back as it
-	 * was; finishes files. 0, or -errno with a fault when something that was promised could not
-	 * be finished. */
+	/* Mandatory, idempotent; accepts a half-open state. Restores the screen as it was; finishes
+	 * files. 0, or -errno with a fault when a file could not be finished. */
 	int (*close)(struct display *display, struct fault *fault);
 };
 
 /*
- * What callers use. -EBADF: not open; -EINVAL: a buffer that was not acquired, or no op table. A
- * display that failed to open is closed and zeroed but for ops and situation.
+ * The wrappers that callers use. -EBADF: not open; -EINVAL: a buffer that was not acquired, or no
+ * ops table. A display that failed to open is closed and zeroed except for ops and situation.
  */
 int display_open(struct display *display, const struct display_ops *ops,
 		 const struct display_settings *settings, void *options, struct fault *fault);
@@ -146,10 +148,11 @@ int display_submit(struct display *display, struct display_buffer *buffer, int64
 int display_dispatch(struct display *display, struct display_event *event, struct fault *fault);
 int display_close(struct display *display, struct fault *fault); /* zeroed is fine */
 
-/* Whether waiting may mend it: a screen that is plugged in, a program that lets go of it. */
+/* Whether the situation may pass with time: a screen is plugged in, a program releases it. */
 bool display_may_return(enum display_situation situation);
 
-/* For drivers whose size is free: what was asked for, else the picture's. -EINVAL: neither. */
+/* The size for drivers that have none of their own: the wanted one, else the picture's. -EINVAL:
+ * neither is set. */
 int display_free_size(const struct display *display, int *width, int *height, struct fault *fault);
 
 #endif
