@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A picture as a camera delivers it, and a plain BGRX picture as the rest of the program reads it.
+ * A frame is a picture as a camera delivers it; a canvas is a BGRX picture as the rest of the
+ * program reads it.
  */
 #ifndef INLAY_HAL_FRAME_FRAME_H
 #define INLAY_HAL_FRAME_FRAME_H
@@ -23,7 +24,7 @@ enum pixel_format {
 	PIXEL_BGRX, /* V4L2 XBGR32, DRM XRGB8888, libyuv ARGB: the working format */
 	PIXEL_GREY,
 	PIXEL_MJPEG, /* one JPEG picture; planes[0].bytes is its length */
-	PIXEL_RGBF,  /* three float32 a pixel, linear radiance, unclipped (simulated cameras) */
+	PIXEL_RGBF,  /* three float32 per pixel, linear radiance, unclipped (simulated cameras) */
 	PIXEL_FORMAT_COUNT
 };
 
@@ -32,24 +33,24 @@ extern const char *const pixel_format_names[]; /* "none", "YUYV", ... NULL */
 enum colour_matrix { MATRIX_BT601, MATRIX_BT709, MATRIX_COUNT };
 enum colour_range { RANGE_LIMITED, RANGE_FULL, RANGE_COUNT };
 
-/* How the two fields of interlaced video lie in a frame. The top field holds lines 0, 2, ... */
+/* Layout of the two fields of interlaced video in a frame. The top field holds lines 0, 2, ... */
 enum frame_fields {
 	FIELDS_NONE,	   /* progressive */
 	FIELDS_INTERLACED, /* line by line */
 	FIELDS_TOP_BOTTOM, /* one above the other, each at half the height */
 	FIELDS_BOTTOM_TOP,
-	FIELDS_PAIR, /* in memory of their own: planes is the top field, bottom_planes the other */
-	FIELDS_TOP,  /* one alone; width and height are those of the whole picture */
+	FIELDS_PAIR, /* in separate memory: planes is the top field, bottom_planes the bottom one */
+	FIELDS_TOP,  /* one field alone; width and height are those of the whole picture */
 	FIELDS_BOTTOM,
 	FIELDS_COUNT
 };
 
-/* What becomes of the two fields. */
+/* Ways to make one picture from two fields. */
 enum deinterlace {
-	DEINTERLACE_WEAVE, /* both, line by line: sharp at rest, combed in motion; the default */
-	DEINTERLACE_BOB, /* the later field alone, its lines interpolated: half the height's detail
-			  */
-	DEINTERLACE_BLEND, /* both, half of each in every line (1 2 1 down the lines): soft, never
+	DEINTERLACE_WEAVE, /* both fields, line by line: sharp at rest, combed in motion; default */
+	DEINTERLACE_BOB,   /* the later field, missing lines interpolated: half the vertical detail
+			    */
+	DEINTERLACE_BLEND, /* both fields, filtered down the lines by (1 2 1) / 4: soft, never
 			      combed */
 	DEINTERLACE_COUNT
 };
@@ -60,8 +61,8 @@ extern const char *const deinterlace_names[]; /* "weave", "bob", "blend", NULL *
 
 struct frame_plane {
 	const uint8_t *data;
-	size_t stride; /* bytes from a row to the next; at least what a row needs */
-	size_t bytes;  /* readable bytes from data; rows are checked against it */
+	size_t stride; /* bytes from one row to the next, at least those of a row */
+	size_t bytes;  /* readable bytes from data on; rows are checked against it */
 };
 
 struct frame {
@@ -70,42 +71,42 @@ struct frame {
 	struct frame_plane planes[FRAME_PLANES];
 	enum frame_fields fields;
 	bool bottom_first; /* the bottom field was captured before the top one */
-	struct frame_plane bottom_planes[FRAME_PLANES]; /* of FIELDS_PAIR */
+	struct frame_plane bottom_planes[FRAME_PLANES]; /* FIELDS_PAIR only */
 	enum colour_matrix matrix;			/* of Y'CbCr formats */
 	enum colour_range
 		range;	      /* of Y'CbCr and R'G'B' formats; for the latter mostly RANGE_FULL */
-	int64_t timestamp_ns; /* of capture, CLOCK_MONOTONIC */
-	uint32_t sequence;    /* counts at the source: a gap is a lost frame */
-	int buffer;	      /* the driver's own handle; others leave it alone */
+	int64_t timestamp_ns; /* time of capture, CLOCK_MONOTONIC */
+	uint32_t sequence;    /* the source's count; a gap means lost frames */
+	int buffer;	      /* private to the driver */
 };
 
-/* Frames of one source, counted by their sequence; zeroed, none has come. */
+/* Counts the frames of one source by their sequence. Zeroed: no frame yet. */
 struct frame_count {
 	bool begun;
 	uint32_t last;
 };
 
-/* How many went missing before this one. Numbers wrap; a step back means that the source counts
- * anew. */
+/* Returns how many frames were lost before this one. The sequence may wrap; a step back means that
+ * the source restarted its count, and loses none. */
 uint32_t frame_count_gap(struct frame_count *count, uint32_t sequence);
 
-/* An owned BGRX picture (X is 255). */
+/* A BGRX picture (X is 255) that owns its pixels. */
 struct canvas {
 	int width, height;
 	size_t stride; /* bytes; a multiple of 64 */
 	uint8_t *pixels;
 };
 
+/* Creates a black canvas. 0; -EINVAL: a side outside 1..32768; -ENOMEM. */
 int canvas_create(struct canvas *canvas, int width, int height);
 void canvas_free(struct canvas *canvas); /* idempotent */
 
-/* How many bytes each plane of the format needs at this size and stride; 0 for an unknown format
- * or MJPEG. */
+/* Bytes of a plane at this stride and picture height; 0 for MJPEG or an unknown format. */
 size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int height);
-/* The smallest stride of a plane. */
+/* Smallest stride of a plane at this picture width, in bytes; 0 as above. */
 size_t frame_plane_stride(enum pixel_format format, int plane, int width);
 
-/* Whether a progressive frame's planes hold its picture; not of MJPEG. 0 or -EINVAL. */
+/* Checks that the planes of a progressive frame hold its picture. Not for MJPEG. 0 or -EINVAL. */
 int frame_check(const struct frame *frame, struct fault *fault);
 
 #endif

@@ -12,9 +12,9 @@
 struct frame_decoder {
 	enum deinterlace deinterlace;
 	struct frame_jpeg jpeg;
-	uint8_t *rows; /* two of pixels, for blending */
+	uint8_t *rows; /* two rows of pixels, for blending */
 	int rows_width;
-	struct canvas unpacked; /* JPEG in fields */
+	struct canvas unpacked; /* MJPEG in fields */
 };
 
 int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace)
@@ -60,7 +60,7 @@ static int grow_rows(struct frame_decoder *decoder, int width)
 	return 0;
 }
 
-/* A progressive picture, or a field as one. */
+/* Decodes a progressive picture, or one field as a progressive picture. */
 static int decode_picture(struct frame_decoder *decoder, const struct frame *frame,
 			  struct canvas *canvas, struct fault *fault)
 {
@@ -101,7 +101,7 @@ static int decode_jpeg_fields(struct frame_decoder *decoder, const struct frame 
 	return frame_jpeg_decode(&decoder->jpeg, &second, lower, fault);
 }
 
-/* JPEG as a frame that can be taken apart into fields. */
+/* Decodes MJPEG in fields to a BGRX frame whose fields can be separated. */
 static int unpack_jpeg(struct frame_decoder *decoder, const struct frame *frame,
 		       struct frame *unpacked, struct fault *fault)
 {

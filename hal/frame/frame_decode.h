@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Whole frames, of any format and with or without fields, to BGRX. */
+/* Decodes whole frames, of any 8-bit format, progressive or in fields, to BGRX. */
 #ifndef INLAY_HAL_FRAME_FRAME_DECODE_H
 #define INLAY_HAL_FRAME_FRAME_DECODE_H
 
@@ -7,20 +7,20 @@
 
 /*
  * Decodes a frame into a canvas of the same size: matrix and range as the frame says (a JPEG is
- * always BT.601 full), no flips, no scaling; Y'CbCr and R'G'B' of limited range to within 0.501
- * levels, R'G'B' of full range exactly. -EINVAL (short planes, sizes that differ, fields in an odd
- * number of lines), -EBADMSG (a JPEG that does not decode), -ENOTSUP (PIXEL_RGBF and PIXEL_NONE).
+ * always BT.601 full), no flips, no scaling. Y'CbCr and R'G'B' of limited range are exact to 0.501
+ * levels, R'G'B' of full range is exact. 0; -EINVAL: short planes, sizes that differ, fields in an
+ * odd number of lines; -EBADMSG: a JPEG that does not decode; -ENOTSUP: PIXEL_RGBF, PIXEL_NONE.
  *
- * Fields: a progressive frame is decoded as it is. Each line of an interlaced frame's canvas shows
- * the place of the scene that it would show in a progressive one, whichever way is taken: nothing
- * moves up or down by half a line. What interpolation makes is rounded to the nearest, halves up,
- * from decoded R'G'B'. A field that is alone is interpolated to the whole height. NV12 in one
- * picture has chroma lines that belong to the fields in turn, so its height is a multiple of four.
- * Interlaced MJPEG is one JPEG of the whole height or two of half of it, one after the other.
+ * Fields: each line of the canvas shows the same place of the scene as in a progressive frame,
+ * whatever the way to deinterlace: the picture does not move up or down by half a line.
+ * Interpolated lines are rounded to nearest, halves up, from decoded R'G'B'. A field that comes
+ * alone is interpolated to the whole height. In one picture of NV12, chroma lines belong to the two
+ * fields in turn, so its height must be a multiple of four. Interlaced MJPEG is one JPEG of the
+ * whole height, or two JPEGs of half the height, one after the other.
  *
- * The decoder keeps its state (a JPEG decompressor, two rows, a picture for MJPEG in fields), so
- * that nothing of ours is allocated per frame of a size that it has met (libjpeg allocates what it
- * needs for each picture); one for each thread.
+ * A decoder keeps a JPEG decompressor, two rows, and a picture for MJPEG in fields, so that a frame
+ * of a known size allocates nothing (libjpeg itself allocates for each picture). One decoder per
+ * thread.
  */
 struct frame_decoder;
 int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace);

@@ -93,7 +93,7 @@ void canvas_interpolate(struct canvas *canvas, bool from_bottom)
 	const int known = from_bottom ? 1 : 0;
 	const int edge = from_bottom ? 0 : last, beside = from_bottom ? 1 : last - 1;
 
-	/* libyuv's half way between two rows is (a + b + 1) >> 1. */
+	/* libyuv's interpolation by 128 / 256 is (a + b + 1) >> 1. */
 	if (last > 1)
 		ARGBInterpolate(canvas_row(canvas, known), stride * 2,
 				canvas_row(canvas, known + 2), stride * 2,

@@ -18,16 +18,17 @@ void frame_jpeg_destroy(struct frame_jpeg *jpeg)
 	jpeg->handle = NULL;
 }
 
-/* Some webcams put stray bytes between the last scan and its end marker in every picture; the
- * picture is whole. Any other complaint means that part of it is missing or made up. */
+/* Whether TurboJPEG's error means damage. Some webcams put stray bytes between the last scan and
+ * its end marker, and the picture is whole. After any other warning a part is missing or made
+ * up. */
 static bool is_damaged(tjhandle handle)
 {
 	return tjGetErrorCode(handle) != TJERR_WARNING ||
 	       !strstr(tjGetErrorStr2(handle), "extraneous bytes");
 }
 
-/* TurboJPEG does not recover by itself from a header that it gave up in the middle of: every later
- * picture would fail too. */
+/* Starts a new decompressor: after an error in the middle of a header, TurboJPEG would refuse every
+ * later picture too. */
 static int refuse_header(struct frame_jpeg *jpeg, struct fault *fault)
 {
 	fault_say(fault, -EBADMSG, "frame: not a JPEG picture: %s", tjGetErrorStr2(jpeg->handle));
@@ -81,8 +82,8 @@ int frame_jpeg_decode(struct frame_jpeg *jpeg, const struct frame_plane *plane,
 
 enum { MARK = 0xff, START = 0xd8, END = 0xd9, SCAN = 0xda };
 
-/* Where the first picture's scans begin: before them every segment says how long it is, and a
- * thumbnail in one of them may hold markers of its own. bytes: there are none. */
+/* Offset of the first picture's first scan; bytes if there is none. Skips the segments before it by
+ * their lengths, because a thumbnail in one of them may hold markers of its own. */
 static size_t find_scan(const uint8_t *data, size_t bytes)
 {
 	size_t i = 2;

@@ -65,7 +65,7 @@ static const uint8_t *row_at(const struct frame *frame, int plane, int y)
 	return frame->planes[plane].data + (size_t)y * frame->planes[plane].stride;
 }
 
-/* Of formats whose pixels share chroma; x is even. */
+/* Reads formats whose pixels share chroma in pairs; x is even. */
 static void read_pairs(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
 {
 	const struct frame *frame = &r->frame;
@@ -79,7 +79,7 @@ static void read_pairs(const struct frame_reader *r, int x, int y, int count, ui
 		r->rows->nv12(&r->ycbcr, row + x, row_at(frame, 1, y / 2) + x, count, out);
 }
 
-/* A part that begins in the middle of a pair begins with half of what that pair gives. */
+/* Reads the same formats from any x: an odd x needs the second pixel of the pair before. */
 static void read_halved(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
 {
 	if (x % 2) {
@@ -97,7 +97,7 @@ static void read_halved(const struct frame_reader *r, int x, int y, int count, u
 static void copy_bgrx(const uint8_t *from, int count, uint32_t *out)
 {
 	memcpy(out, from, 4 * (size_t)count);
-	/* The fourth byte of a camera's pixel is whatever the driver left there. */
+	/* The fourth byte of a camera's pixel is undefined. */
 	for (int i = 0; i < count; i++)
 		out[i] |= UINT32_C(255) << 24;
 }
@@ -116,7 +116,7 @@ static void read_rgb(const struct frame_reader *r, int x, int y, int count, uint
 		ycbcr_row_expand(&r->ycbcr, count, out);
 }
 
-/* x and y count from the upright view's corner. */
+/* Reads count pixels of a row; x and y count from the upper left corner of the upright view. */
 static void read_row(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
 {
 	const struct view *v = &r->view;

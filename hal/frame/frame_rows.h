@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows of raw video to BGRX, one table of functions for each instruction set.
+ * Conversion of rows of raw video to BGRX, one table of functions for each instruction set.
  *
- * frame_ycbcr.c is the specification: every table gives its bits for every input. What is read and
- * written is what count pixels need, nothing beyond; what is read need not be aligned. BGRX is
- * written with X = 255. Each byte is read once, in order.
+ * frame_ycbcr.c is the specification: every table gives the same bits for every input. The
+ * functions read and write the bytes of count pixels and none beyond; the input need not be
+ * aligned. They write BGRX with X = 255, and read each byte once, in order.
  */
 #ifndef INLAY_HAL_FRAME_FRAME_ROWS_H
 #define INLAY_HAL_FRAME_FRAME_ROWS_H
@@ -15,25 +15,25 @@
 
 struct frame_rows {
 	const char *name; /* "c", "avx2", "avx512", "neon" */
-	unsigned needs;	  /* of the processor: enum processor_feature */
+	unsigned needs;	  /* enum processor_feature, or'ed */
 
-	/* count pixels from the first of a pair that shares chroma; of an odd number the last has a
-	 * whole pair's bytes too. */
+	/* Convert count pixels that begin with the first of a pair with common chroma. If count is
+	 * odd, the last pixel still has the bytes of a whole pair. */
 	void (*yuyv)(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx);
 	void (*uyvy)(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx);
 	void (*nv12)(const struct ycbcr *k, const uint8_t *y, const uint8_t *cbcr, int count,
 		     uint32_t *bgrx);
 	void (*grey)(const struct ycbcr *k, const uint8_t *y, int count, uint32_t *bgrx);
 
-	/* A row of BGRX back to front, in place. */
+	/* Reverses a row of BGRX in place. */
 	void (*reverse)(uint32_t *bgrx, int count);
 };
 
-/* The tables that this program was built with, the specification first, the fastest last, then
- * NULL. */
+/* The tables in this program, from the C one to the fastest, then NULL. */
 extern const struct frame_rows *const frame_rows_all[];
 
-/* The fastest that the processor has and the environment's INLAY_KERNEL allows (processor.h). */
+/* The fastest table that the processor and the environment variable INLAY_KERNEL allow
+ * (processor.h). */
 const struct frame_rows *frame_rows_choose(void);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* AVX2: eight pixels at a time; what is left is the specification's. */
+/* AVX2: eight pixels at a time; the C functions of frame_ycbcr.h convert the rest of a row. */
 #include <immintrin.h>
 
 #include "hal/base/processor.h"
@@ -11,7 +11,7 @@ struct avx2_ycbcr {
 	__m256 y_scale, y_offset, to_blue_red, to_green;
 };
 
-/* Coefficients of chroma alternate as Cb and Cr do. */
+/* Chroma coefficients in alternate lanes, as Cb and Cr alternate. */
 static inline __m256 avx2_alternate(float even, float odd)
 {
 	return _mm256_blend_ps(_mm256_set1_ps(even), _mm256_set1_ps(odd), 0xaa);
@@ -27,8 +27,8 @@ static inline struct avx2_ycbcr avx2_widen(const struct ycbcr *k)
 	};
 }
 
-/* Packing saturates at both ends, and truncation has made what is above -1 a zero: the same as
- * clamping first. */
+/* Packs 32-bit channels to BGRX. Packing saturates to 0..255, and truncation has made values in
+ * (-1, 0) zero: the same result as clamping before truncation. */
 static inline __m256i avx2_interleave(__m256i b, __m256i g, __m256i r)
 {
 	/* each lane of 128 bits: b0-3 r0-3, g0-3 x0-3, then b0-3 r0-3 g0-3 x0-3 */
@@ -45,14 +45,14 @@ static inline __m256 avx2_luma(const struct avx2_ycbcr *k, __m256i y)
 	return _mm256_add_ps(_mm256_mul_ps(k->y_scale, _mm256_cvtepi32_ps(y)), k->y_offset);
 }
 
-/* y: one in each lane; chroma: Cb and Cr of a pair in its lanes. */
+/* y: one value per lane; chroma: Cb and Cr of a pair in its two lanes. */
 static inline __m256i avx2_convert(const struct avx2_ycbcr *k, __m256i y, __m256i chroma)
 {
 	const __m256 luma = avx2_luma(k, y);
 	const __m256 c = _mm256_sub_ps(_mm256_cvtepi32_ps(chroma), _mm256_set1_ps(128));
 	const __m256 blue_red = _mm256_mul_ps(k->to_blue_red, c);
 	const __m256 green = _mm256_mul_ps(k->to_green, c);
-	/* A sum of two is the same either way round. */
+	/* Swap neighbours and add: both lanes of a pair get Cb + Cr terms; addition commutes. */
 	const __m256 g = _mm256_add_ps(green, _mm256_permute_ps(green, 0xb1));
 
 	return avx2_interleave(
@@ -129,7 +129,7 @@ static void avx2_grey(const struct ycbcr *k, const uint8_t *y, int count, uint32
 	ycbcr_row_grey(k, y, count, bgrx);
 }
 
-/* From both ends towards the middle. */
+/* Swaps vectors from both ends towards the middle. */
 static void avx2_reverse(uint32_t *bgrx, int count)
 {
 	const __m256i order = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* AVX-512 F, BW, DQ and VL: 16 pixels at a time, what is left under a mask. */
+/* AVX-512 F, BW, DQ and VL: 16 pixels at a time, the rest of a row under a mask. */
 #include <immintrin.h>
 
 #include "hal/base/processor.h"
@@ -11,7 +11,7 @@ struct avx512_ycbcr {
 	__m512 y_scale, y_offset, to_blue_red, to_green;
 };
 
-/* Coefficients of chroma alternate as Cb and Cr do. */
+/* Chroma coefficients in alternate lanes, as Cb and Cr alternate. */
 static inline __m512 avx512_alternate(float even, float odd)
 {
 	return _mm512_mask_blend_ps(0xaaaa, _mm512_set1_ps(even), _mm512_set1_ps(odd));
@@ -27,8 +27,8 @@ static inline struct avx512_ycbcr avx512_widen(const struct ycbcr *k)
 	};
 }
 
-/* Packing saturates at both ends, and truncation has made what is above -1 a zero: the same as
- * clamping first. */
+/* Packs 32-bit channels to BGRX. Packing saturates to 0..255, and truncation has made values in
+ * (-1, 0) zero: the same result as clamping before truncation. */
 static inline __m512i avx512_interleave(__m512i b, __m512i g, __m512i r)
 {
 	/* each lane of 128 bits: b0-3 r0-3, g0-3 x0-3, then b0-3 r0-3 g0-3 x0-3 */
@@ -40,7 +40,7 @@ static inline __m512i avx512_interleave(__m512i b, __m512i g, __m512i r)
 	return _mm512_shuffle_epi8(_mm512_packus_epi16(br, gx), order);
 }
 
-/* y: one in each lane; chroma: Cb and Cr of a pair in its lanes. */
+/* y: one value per lane; chroma: Cb and Cr of a pair in its two lanes. */
 static inline __m512i avx512_convert(const struct avx512_ycbcr *k, __m512i y, __m512i chroma)
 {
 	const __m512 luma = _mm512_add_ps(_mm512_mul_ps(k->y_scale, _mm512_cvtepi32_ps(y)),
@@ -48,7 +48,7 @@ static inline __m512i avx512_convert(const struct avx512_ycbcr *k, __m512i y, __
 	const __m512 c = _mm512_sub_ps(_mm512_cvtepi32_ps(chroma), _mm512_set1_ps(128));
 	const __m512 blue_red = _mm512_mul_ps(k->to_blue_red, c);
 	const __m512 green = _mm512_mul_ps(k->to_green, c);
-	/* A sum of two is the same either way round. */
+	/* Swap neighbours and add: both lanes of a pair get Cb + Cr terms; addition commutes. */
 	const __m512 g = _mm512_add_ps(green, _mm512_permute_ps(green, 0xb1));
 
 	return avx512_interleave(
@@ -81,7 +81,7 @@ static inline __mmask16 first_lanes(int count)
 	return (__mmask16)((1U << count) - 1);
 }
 
-/* Whole pairs: chroma of a last pixel without a partner is read too. */
+/* Lanes of whole pairs: a last pixel without a partner needs the chroma of a pair. */
 static inline __mmask16 pair_lanes(int count)
 {
 	return first_lanes((count + 1) & ~1);
@@ -153,7 +153,7 @@ static void avx512_grey(const struct ycbcr *k, const uint8_t *y, int count, uint
 			avx512_grey16(&w, _mm_maskz_loadu_epi8(first_lanes(count), y)));
 }
 
-/* From both ends towards the middle. */
+/* Swaps vectors from both ends towards the middle. */
 static void avx512_reverse(uint32_t *bgrx, int count)
 {
 	const __m512i order = _mm512_setr_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1,

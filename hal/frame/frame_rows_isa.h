@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Private to hal/frame_rows*.c: the tables themselves, each in a file compiled for its processors.
- */
+/* Private to hal/frame/frame_rows*.c: the tables, each in a file compiled for its instruction
+ * set. */
 #ifndef INLAY_HAL_FRAME_FRAME_ROWS_ISA_H
 #define INLAY_HAL_FRAME_FRAME_ROWS_ISA_H
 

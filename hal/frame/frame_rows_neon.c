@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* NEON of aarch64: eight pixels at a time; what is left is the specification's. */
+/* NEON of aarch64: eight pixels at a time; the C functions of frame_ycbcr.h convert the rest. */
 #include <arm_neon.h>
 
 #include "hal/base/processor.h"
@@ -7,7 +7,7 @@
 
 enum { PIXELS = 8 };
 
-/* Four lanes of red, green and blue. */
+/* Blue, green and red of four pixels. */
 struct quad {
 	int32x4_t b, g, r;
 };
@@ -18,7 +18,7 @@ static inline float32x4_t neon_luma(const struct ycbcr *k, uint16x4_t y)
 			 vdupq_n_f32(k->y_offset));
 }
 
-/* chroma: Cb and Cr of a pair in its lanes. */
+/* chroma: Cb and Cr of a pair in its two lanes. */
 static inline struct quad neon_convert4(const struct ycbcr *k, uint16x4_t y, uint16x4_t chroma)
 {
 	const float32x4_t luma = neon_luma(k, y);
@@ -33,8 +33,8 @@ static inline struct quad neon_convert4(const struct ycbcr *k, uint16x4_t y, uin
 	};
 }
 
-/* Narrowing saturates at both ends, and truncation has made what is above -1 a zero: the same as
- * clamping first. */
+/* Narrowing saturates to 0..255, and truncation has made values in (-1, 0) zero: the same result as
+ * clamping before truncation. */
 static inline uint8x8_t neon_narrow(int32x4_t low, int32x4_t high)
 {
 	return vqmovn_u16(vcombine_u16(vqmovun_s32(low), vqmovun_s32(high)));
@@ -114,7 +114,7 @@ static inline uint32x4_t back_to_front(uint32x4_t pixels)
 	return vextq_u32(halves, halves, 2);
 }
 
-/* From both ends towards the middle. */
+/* Swaps vectors from both ends towards the middle. */
 static void neon_reverse(uint32_t *bgrx, int count)
 {
 	uint32_t *end = bgrx + count;

@@ -63,10 +63,11 @@ void ycbcr_row_full(const struct ycbcr *k, const uint8_t *restrict y, const uint
 	}
 }
 
-/* Packed rows are taken apart by as many pixels at a time, which compilers do well. */
+/* Packed rows are split into planes of so many pixels at a time, which compilers vectorise well. */
 enum { CHUNK = 256 };
 
-/* steps: bytes from a value to the next, of luma and of chroma. */
+/* y_step, pair_step: bytes from one luma value to the next, and from one chroma pair to the
+ * next. */
 static void row_packed(const struct ycbcr *k, const uint8_t *y, int y_step, const uint8_t *cb,
 		       const uint8_t *cr, int pair_step, int count, uint32_t *bgrx)
 {

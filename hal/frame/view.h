@@ -2,9 +2,9 @@
 /*
  * A view is a rectangle of a camera's picture, seen upright.
  *
- * A composer puts several cameras into one picture, mounts them upside down, and a digitizer
- * squashes them; all that is undone by where pixels are read from, never by moving them. Rotation
- * by 180 degrees is both flips.
+ * A video composer may show several cameras in one picture, a camera may hang upside down, and a
+ * digitizer may squash the picture. The view changes only the places that pixels are read from; no
+ * pixel is moved. Both flips make a rotation by 180 degrees.
  */
 #ifndef INLAY_HAL_FRAME_VIEW_H
 #define INLAY_HAL_FRAME_VIEW_H
@@ -17,10 +17,10 @@
 
 struct view {
 	int x, y, width,
-		height; /* in the camera's pixels; width 0: to the right edge, height 0 alike */
+		height; /* camera pixels; width 0: to the right edge; height 0: to the lower edge */
 	bool hflip, vflip;
-	double squash; /* height of a camera pixel over its width, > 0; 2 where every other line was
-			  lost. Only what is shown on a screen is stretched by it. */
+	double squash; /* height of a camera pixel / its width, > 0; 2 if every other line was lost.
+			  Stretches the picture only on a screen. */
 };
 
 /* An upright picture inside other memory: pixel (x, y) is at origin + x*x_step + y*y_step. */
@@ -30,13 +30,15 @@ struct picture {
 	int width, height;
 };
 
-/* Replaces zero sizes and checks that the rectangle lies in a camera picture of this size. */
+/* Replaces zero sizes, and checks that the rectangle lies in a camera picture of this size. 0 or
+ * -EINVAL; the view is unchanged then. */
 int view_resolve(struct view *view, int camera_width, int camera_height, struct fault *fault);
 
-/* The view of a BGRX picture that starts at pixels with this stride. */
+/* The view of a BGRX picture that starts at pixels and has this stride in bytes. */
 struct picture view_picture(const struct view *view, const uint8_t *pixels, size_t stride);
 
-/* Upright view coordinates to camera coordinates and back; pixel centres lie at +0.5. */
+/* Convert upright view coordinates to camera coordinates and back, in pixels; pixel centres lie at
+ * +0.5. */
 void view_to_camera(const struct view *view, const double upright[2], double camera[2]);
 void view_from_camera(const struct view *view, const double camera[2], double upright[2]);
 
