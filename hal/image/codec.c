@@ -27,7 +27,8 @@ int image_check_primaries(const struct image_source *source, const double xy[8],
 	static const double srgb[8] = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.329};
 
 	for (int k = 0; k < 8; k++)
-		/* so far are Radiance's own, whose white is of equal energy; negated: NaN */
+		/* 0.03 admits Radiance's default primaries, whose white is that of equal energy.
+		 * The negated comparison refuses NaN. */
 		if (!(fabs(xy[k] - srgb[k]) < 0.03))
 			return fault_say(fault, -ENOTSUP,
 					 "%s: its colours are of other primaries: red %g %g, green "

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What image.c and the codecs (image_png.c ...) agree on. Private to hal/image.
+ * A codec reads and writes one kind of picture file (image_png.c ...). Private to hal/image.
  */
 #ifndef INLAY_HAL_IMAGE_CODEC_H
 #define INLAY_HAL_IMAGE_CODEC_H
@@ -13,7 +13,7 @@
 #include "hal/base/fault.h"
 #include "hal/image/image_pixels.h"
 
-/* A file in memory; name stands for it in messages. */
+/* A file in memory; messages call it by name. */
 struct image_source {
 	const uint8_t *data;
 	size_t bytes;
@@ -25,15 +25,15 @@ struct image_codec {
 	const char *ending; /* ".png", compared without regard to case */
 	bool linear;	    /* write() takes f32; otherwise u8 */
 
-	/* Mandatory. True when the first bytes are this kind's. bytes may be 0. */
+	/* Mandatory. Whether the first bytes are those of this kind. bytes may be 0. */
 	bool (*probe)(const uint8_t *data, size_t bytes);
 
-	/* Mandatory. Fills a zeroed image. May leave a half-filled one on failure: the caller frees
-	 * it. Checks sizes with image_check_size() before it allocates. */
+	/* Mandatory. Fills a zeroed image, which the caller frees, after a failure too. Calls
+	 * image_check_size() before it allocates. 0 or -errno with a fault. */
 	int (*read)(const struct image_source *source, struct image *image, struct fault *fault);
 
-	/* Optional. Only has to write: the caller checks the stream, commits it, and says what
-	 * failed. 0, or -errno of something that is not the stream's. */
+	/* Optional. Writes to the stream; the caller checks the stream for errors, commits it, and
+	 * reports failures. 0, or -errno of a failure that is not the stream's. */
 	int (*write)(FILE *stream, const struct image *image);
 };
 
@@ -43,15 +43,15 @@ extern const struct image_codec image_exr;
 #endif
 
 /*
- * Sizes that a header claims, against what the file can hold: at the densest, a byte of this kind
- * of file stands for so many pixels. A tiny file cannot make the reader allocate gigabytes. -EFBIG:
- * a side beyond IMAGE_SIDE_MAX; -EBADMSG: no pixels, or more than the file can hold.
+ * Checks the size in a header against the size of the file, so that a tiny file cannot make the
+ * reader allocate gigabytes. pixels_per_byte is the densest that this kind of file can be. 0;
+ * -EFBIG: a side beyond IMAGE_SIDE_MAX; -EBADMSG: no pixels, or more than the file can hold.
  */
 int image_check_size(const struct image_source *source, int64_t width, int64_t height,
 		     double pixels_per_byte, struct fault *fault);
 
-/* Chromaticities of red, green, blue and white, x and y of each, against those that colours are
- * taken for, of sRGB. -ENOTSUP: others, as of ACES or P3. */
+/* Checks the chromaticities of red, green, blue and white (x and y of each) against those of sRGB.
+ * 0; -ENOTSUP: other primaries, such as those of ACES or P3. */
 int image_check_primaries(const struct image_source *source, const double xy[8],
 			  struct fault *fault);
 

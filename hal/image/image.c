@@ -12,7 +12,7 @@
 #include "hal/base/output.h"
 #include "hal/image/codec.h"
 
-/* Larger files are no pictures; /dev/zero is none either. */
+/* Larger files are refused. */
 #define FILE_BYTES_MAX ((size_t)1 << 32)
 
 static const struct image_codec *const codecs[] = {
@@ -29,8 +29,8 @@ static const struct image_codec *const codecs[] = {
 #define READABLE "PNG, JPEG, Radiance HDR and PFM"
 #endif
 
-/* A NaN or an infinity is damage or a mistake upstream, and would spread over the whole composite.
- * Negative light is what lossy compression and a wider gamut leave where there is next to none. */
+/* Refuses NaN and infinity: one such pixel would spread over the whole composite. Sets negative
+ * light to 0: lossy compression and wide gamuts leave it in dark places. */
 static int image_check_light(struct image *image, const char *name, struct fault *fault)
 {
 	const size_t count = (size_t)image->width * (size_t)image->height * 3;
@@ -78,7 +78,7 @@ int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struc
 	return err;
 }
 
-/* The whole file. Not mapped: a file cut short by somebody else would then be a SIGBUS. */
+/* Reads the whole file. Not mapped: truncation by another program would then raise SIGBUS. */
 static int image_slurp(int fd, uint8_t **data, size_t *bytes)
 {
 	size_t used = 0, room = 1 << 16;

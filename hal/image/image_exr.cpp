@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * OpenEXR: the first part of a file, in scan lines or tiles, channels R, G, B or Y alone, half or
- * float. Alpha and other channels are left out. The picture is the display window: programs that
- * crop or overscan keep fewer or more pixels than that.
+ * float. Alpha and other channels are ignored. The picture is the display window; the data window
+ * of a file may be smaller (cropped) or larger (overscan).
  *
- * C++, because the library's C side (OpenEXRCore 3.1) does not read the DWA compressions, which
- * many panoramas are kept in, and writes to channels that nobody asked for.
+ * This file is C++, because the C interface (OpenEXRCore 3.1) cannot read the DWA compressions,
+ * which many panoramas use, and writes to channels that were not requested.
  */
 #include <algorithm>
 #include <cerrno>
@@ -28,7 +28,8 @@ extern "C" {
 namespace
 {
 
-/* Far beyond what its compressions reach on pictures; bounds what a hostile header can ask for. */
+/* Far above the compression of real pictures; bounds the memory that a hostile header can ask
+ * for. */
 constexpr double pixels_per_byte = 4096;
 
 class MemoryStream : public Imf::IStream
@@ -64,7 +65,7 @@ class MemoryStream : public Imf::IStream
 	size_t position = 0;
 };
 
-/* grey: Y stands for all three. */
+/* Checks the channels; sets *grey if Y is the only one and fills all three. */
 int check_channels(const image_source *source, const Imf::ChannelList &channels, bool *grey,
 		   struct fault *fault)
 {
@@ -123,8 +124,8 @@ int check_colours(const image_source *source, const Imf::Header &header, struct 
 	return image_check_primaries(source, xy, fault);
 }
 
-/* From the pixels that the file holds to those of the picture: what it leaves out is black, what
- * lies outside is left out. */
+/* Copies the data window (held) into a picture of the display window (shown): pixels that the file
+ * lacks are black, pixels outside the display window are dropped. */
 int take_shown(const image_source *source, const Imath::Box2i &held, const Imath::Box2i &shown,
 	       struct image *image, struct fault *fault)
 {
@@ -160,7 +161,7 @@ int read_file(const image_source *source, struct image *image, struct fault *fau
 {
 	MemoryStream stream(*source);
 
-	/* The library allocates by the header before anybody can look at it. */
+	/* The library allocates memory by the header before the code below can check it. */
 	Imf::Header::setMaxImageSize(IMAGE_SIDE_MAX, IMAGE_SIDE_MAX);
 	Imf::Header::setMaxTileSize(IMAGE_SIDE_MAX, IMAGE_SIDE_MAX);
 
@@ -192,7 +193,7 @@ bool exr_probe(const uint8_t *data, size_t bytes)
 	       data[3] == 0x01;
 }
 
-/* No exception leaves this file. */
+/* Catches all exceptions: the caller is C. */
 int exr_read(const image_source *source, struct image *image, struct fault *fault)
 {
 	try {

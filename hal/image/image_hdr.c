@@ -3,9 +3,11 @@
  * Radiance pictures (.hdr, .pic): text header, then RGBE pixels, flat or run-length coded in the
  * old way (runs of whole pixels) or the new one (each of the four bytes by itself).
  *
- * A byte m with exponent e stands for m 2^(e - 136), so that powers of two are exact, as in most
- * programs; Radiance itself adds half a step. EXPOSURE and COLORCORR lines say by what the radiance
- * was multiplied: they are divided out again.
+ * A byte m with exponent e stands for
+ *     m * 2^(e - 136)
+ * as in most programs, so that powers of two are exact; Radiance itself adds half a step to m.
+ * EXPOSURE and COLORCORR lines are factors that the radiance was multiplied by; the reader divides
+ * by them.
  */
 #include <errno.h>
 #include <math.h>
@@ -14,20 +16,21 @@
 
 #include "hal/image/codec.h"
 
-/* Three records of four bytes of the old coding can stand for a whole row. */
+/* In the old coding, three records of four bytes can stand for a whole row. */
 #define PIXELS_PER_BYTE (IMAGE_SIDE_MAX / 12.0)
 
-/* Rows of these widths may be in the new coding. */
+/* Only rows of these widths may be in the new coding. */
 #define NEW_CODING_MIN 8
 #define NEW_CODING_MAX 32767
 
 struct hdr_reader {
 	const uint8_t *at, *end;
-	double scale[3]; /* of what is in the file to radiance */
+	double scale[3]; /* from values in the file to radiance */
 	/* The resolution line: rows (columns when by_column) of length pixels. */
 	long long rows, length;
 	bool by_column;
-	bool flip_rows, flip_pixels; /* first row is the lower or right one; rows run backwards */
+	bool flip_rows, flip_pixels; /* the first row is the lower or right one; rows run from right
+					to left, or from below */
 };
 
 static bool hdr_probe(const uint8_t *data, size_t bytes)
@@ -35,7 +38,8 @@ static bool hdr_probe(const uint8_t *data, size_t bytes)
 	return bytes >= 2 && data[0] == '#' && data[1] == '?';
 }
 
-/* The next line, without its end. False at the end of the file. Longer ones are cut. */
+/* Reads the next line of the header, without its line break; cuts lines longer than room. False at
+ * the end of the file. */
 static bool hdr_take_line(struct hdr_reader *reader, char *line, size_t room)
 {
 	size_t length = 0;
@@ -69,7 +73,7 @@ static bool hdr_take_scale(struct hdr_reader *reader, const char *text, int chan
 	return true;
 }
 
-/* Whether the text is "32-bit_rle_rgbe", in any number of blanks. */
+/* Whether the text is "32-bit_rle_rgbe" with any blanks around it. */
 static bool is_rgbe(const char *text)
 {
 	static const char rgbe[] = "32-bit_rle_rgbe";
@@ -97,7 +101,7 @@ static int hdr_take_primaries(const struct image_source *source, const char *tex
 		said |= xy[k] != 0;
 		text = stop;
 	}
-	/* eight times 0 is what some programs write that know of none */
+	/* Some programs write eight zeros if they know no primaries. */
 	return said ? image_check_primaries(source, xy, fault) : 0;
 }
 
@@ -135,7 +139,8 @@ static int hdr_take_header(struct hdr_reader *reader, const struct image_source 
 	return 0;
 }
 
-/* "-Y 512 +X 1024": rows from the top, each from the left; any signs and either order. */
+/* Reads the resolution line. "-Y 512 +X 1024" means rows from the top, each from the left; all
+ * signs and both orders are valid. */
 static int hdr_take_resolution(struct hdr_reader *reader, const char *name, struct fault *fault)
 {
 	char line[64], sign[2], axis[2], rest;
@@ -187,7 +192,7 @@ static bool hdr_take_pixels(struct hdr_reader *reader, uint8_t (*row)[4], int le
 		if (reader->end - in < 4)
 			return false;
 		if (in[0] == 1 && in[1] == 1 && in[2] == 1) {
-			/* Runs in succession are the digits of one, the lowest first. */
+			/* Successive run records are base-256 digits of one count, lowest first. */
 			const int64_t count = shift < 24 ? (int64_t)in[3] << shift : INT64_MAX;
 
 			if (!x || count > length - x)
@@ -312,7 +317,8 @@ static int run_length(const uint8_t (*row)[4], int channel, int from, int length
 	return to - from;
 }
 
-/* Runs of at least three, and what is between them as it is. Returns the end of the code. */
+/* Run-length codes one channel of a row: runs of at least three pixels, literals between them.
+ * Returns the end of the code. */
 static uint8_t *code_plane(uint8_t *out, const uint8_t (*row)[4], int channel, int length)
 {
 	for (int x = 0; x < length;) {
@@ -360,7 +366,7 @@ static int hdr_write(FILE *stream, const struct image *image)
 {
 	const size_t width = (size_t)image->width;
 	uint8_t(*row)[4] = malloc(width * sizeof(*row));
-	/* The code is longest without any run: a count before each 128 bytes. */
+	/* The code is longest without runs: one count before each 128 bytes. */
 	uint8_t *code = malloc(4 + 4 * (width + width / 128 + 1));
 	int err = row && code ? 0 : -ENOMEM;
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* JPEG through libjpeg-turbo's TurboJPEG. */
+/* JPEG, read by TurboJPEG of libjpeg-turbo. */
 #include <errno.h>
 #include <turbojpeg.h>
 
 #include "hal/image/codec.h"
 
-/* Baseline Huffman coding spends at least two bits on a block of 64 pixels, a progressive scan one;
- * twice that for pictures whose chroma is finer than their luma. */
+/* Baseline Huffman coding needs at least two bits for a block of 64 pixels, a progressive scan one
+ * bit: 512 pixels per byte. Twice that, for pictures whose chroma is finer than their luma. */
 #define PIXELS_PER_BYTE 1024.0
 
 static bool jpeg_probe(const uint8_t *data, size_t bytes)
@@ -17,8 +17,8 @@ static bool jpeg_probe(const uint8_t *data, size_t bytes)
 static int jpeg_decode(tjhandle jpeg, const struct image_source *source, struct image *image,
 		       struct fault *fault)
 {
-	/* A hostile progressive file may hold scans without end; and what TurboJPEG only warns of
-	 * (a file that ends early, blocks that do not decode) is damage to us. */
+	/* A hostile progressive file may hold scans without end. TurboJPEG's warnings (a file that
+	 * ends early, blocks that do not decode) count as damage here. */
 	const int flags = TJFLAG_LIMITSCANS | TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT;
 	int width = 0, height = 0, subsampling, space;
 	int err;
@@ -27,7 +27,7 @@ static int jpeg_decode(tjhandle jpeg, const struct image_source *source, struct 
 				&space))
 		return fault_say(fault, -EBADMSG, "%s: damaged JPEG: %s", source->name,
 				 tjGetErrorStr2(jpeg));
-	/* Tables without a picture are no error to TurboJPEG. */
+	/* TurboJPEG accepts a file of tables without a picture. */
 	if (width < 1 || height < 1)
 		return fault_say(fault, -EBADMSG, "%s: damaged JPEG: no picture in it",
 				 source->name);

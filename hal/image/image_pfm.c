@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Portable float map: "PF" (colour) or "Pf" (grey), width, height, scale, each followed by one
- * white space; then rows of float32 from the bottom up. A negative scale means little-endian; its
- * size names a unit on which programs do not agree, so samples are taken as they are.
+ * white space character; then rows of float32 from the bottom up. A negative scale means
+ * little-endian. Programs do not agree on the meaning of its magnitude, so it is ignored.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -28,7 +28,8 @@ static bool pfm_probe(const uint8_t *data, size_t bytes)
 	       is_space(data[2]);
 }
 
-/* One word of the header and the single white space after it. NULL: there is none. */
+/* Reads one word of the header and the white space character after it. Returns the place behind
+ * them; NULL: there is no word. */
 static const uint8_t *pfm_take_word(const uint8_t *at, const uint8_t *end, char *word, size_t room)
 {
 	size_t length = 0;
@@ -59,7 +60,7 @@ static bool pfm_take_header(const struct image_source *source, struct pfm_header
 	header->height = strtoll(height, &stop[1], 10);
 	factor = strtod(scale, &stop[2]);
 	header->little = factor < 0;
-	/* Some programs end lines with two characters. */
+	/* Some programs end the line with CR LF. */
 	header->samples = at + (at[-1] == '\r' && at < end && *at == '\n');
 	return !*stop[0] && !*stop[1] && !*stop[2] && (factor < 0 || factor > 0);
 }

@@ -8,8 +8,8 @@
 
 #define IMAGE_SIDE_MAX 32768
 
-/* Three channels R, G, B, row 0 at the top, rows without padding. Exactly one of u8 and f32 is set.
- */
+/* Three channels R, G, B, interleaved; row 0 at the top; no padding. Exactly one of u8 and f32 is
+ * set. */
 struct image {
 	int width, height;
 	uint8_t *u8;
@@ -19,8 +19,8 @@ struct image {
 /* Whether both sides are 1..IMAGE_SIDE_MAX. */
 bool image_size_fits(int width, int height);
 
-/* Creates a black picture, which the caller frees. -EINVAL: a side out of range; -ENOMEM; the image
- * is zeroed then. */
+/* Create a black picture, which the caller frees. 0; -EINVAL: a side out of range; -ENOMEM. On
+ * failure the image is zeroed. */
 int image_create_u8(struct image *image, int width, int height);
 int image_create_f32(struct image *image, int width, int height);
 

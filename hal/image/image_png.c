@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * PNG through libpng. Its errors are longjmps: each lands in the function that called setjmp, which
- * keeps everything that must survive in the struct that its caller owns.
+ * PNG, read and written by libpng. libpng reports errors by longjmp() to the function that called
+ * setjmp(). Everything that must survive the jump is in struct png_work, which the caller of that
+ * function owns.
  */
 #include <errno.h>
 #include <png.h>
@@ -10,7 +11,8 @@
 
 #include "hal/image/codec.h"
 
-/* Deflate's densest: 258 bytes from two bits and a bit, 1032 to 1; and 8 pixels of 1 bit a byte. */
+/* Deflate codes at most 258 bytes in two bits, 1032 to 1; a byte holds at most 8 pixels of 1
+ * bit. */
 #define PIXELS_PER_BYTE (1032.0 * 8)
 
 struct png_work {
@@ -36,7 +38,7 @@ static _Noreturn void png_on_error(png_structp png, png_const_charp message)
 	png_longjmp(png, 1);
 }
 
-/* Warnings are about ancillary chunks, which are not used. */
+/* Ignores warnings: they are about ancillary chunks, which the reader does not use. */
 static void png_on_warning(png_structp png, png_const_charp message)
 {
 	(void)png;
@@ -63,7 +65,7 @@ static int png_allocate_rows(struct png_work *work, const struct image *image)
 	return 0;
 }
 
-/* Every kind of PNG to RGB of 8 bits, code values untouched by gamma. */
+/* Asks libpng to convert every kind of PNG to 8-bit RGB, without gamma correction. */
 static void ask_for_rgb(struct png_work *work)
 {
 	png_set_scale_16(work->png);
@@ -81,7 +83,7 @@ static int png_decode(struct png_work *work, struct image *image, struct fault *
 		return fault_say(fault, -EBADMSG, "%s: damaged PNG: %s", work->source->name,
 				 work->message);
 	png_set_read_fn(work->png, work, png_source_take);
-	/* Sizes are judged below, in our own words. */
+	/* image_check_size() below checks the sizes, with the project's messages. */
 	png_set_user_limits(work->png, 0x7fffffff, 0x7fffffff);
 	png_read_info(work->png, work->info);
 	work->err = image_check_size(work->source, png_get_image_width(work->png, work->info),
@@ -141,7 +143,7 @@ static int png_encode(struct png_work *work, FILE *stream, const struct image *i
 	png_set_IHDR(work->png, work->info, (png_uint_32)image->width, (png_uint_32)image->height,
 		     8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
 		     PNG_FILTER_TYPE_DEFAULT);
-	/* Level 3 is three times as fast as the default, and photographs grow by a few per cent. */
+	/* Level 3 is three times as fast as the default; photographs grow by a few per cent. */
 	png_set_compression_level(work->png, 3);
 	png_write_info(work->png, work->info);
 	png_write_image(work->png, work->rows);

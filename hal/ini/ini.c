@@ -15,15 +15,16 @@
 
 #define FILE_BYTES_MAX (1 << 20)
 #define LINE_BYTES_MAX 2048 /* with its line break and the NUL */
-#define TITLE_BYTES_MAX 50  /* inih cuts a section's title at this size, NUL included */
+#define TITLE_BYTES_MAX 50  /* inih cuts a section's title at this size, with NUL */
 #define TITLE_CHARACTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-"
-#define FAULTS_MAX 100 /* said of one file; a file that is no INI file has thousands */
+#define FAULTS_MAX 100 /* reported of one file; a file that is no INI file has thousands */
 #define BYTE_ORDER_MARK "\xef\xbb\xbf"
 
-/* Debian's inih takes its limit on lines from a variable, others fix it when they are compiled. */
+/* Limit of a line's length in Debian's inih. Other builds fix the limit when they are compiled; the
+ * symbol is weak for them. */
 extern int ini_max_line __attribute__((weak));
 
-/* A key of a struct that has been given, or a section's table that has been opened. */
+/* A key that the file has given for a struct, or a table whose section the file has opened. */
 struct mention {
 	const void *what;   /* struct ini_key or struct ini_table */
 	const void *values; /* the struct that it fills */
@@ -41,18 +42,19 @@ struct ini_reading {
 	const struct ini_table *tables;
 	void *root;
 	struct ini_report *report;
-	int err; /* the first */
-	/* the text, handed to inih line by line, so that the line of each call back is known */
+	int err; /* the first one */
+	/* The text goes to inih line by line, so that the line of each call of the handler is
+	 * known. */
 	const char *at, *end;
 	int line;
 	bool header; /* the last line fed was a section's: its marker comes next */
 	bool marker; /* the last line fed was a marker */
-	bool silent; /* the last line fed has not come back through the handler */
-	/* the section we are in */
+	bool silent; /* the handler has not yet been called for the last line fed */
+	/* The current section: */
 	char title[2 * TITLE_BYTES_MAX]; /* "camera fisheye", blanks normalised */
 	char section[TITLE_BYTES_MAX];
 	char instance[TITLE_BYTES_MAX];
-	bool lost; /* a section that was refused: its keys are passed over */
+	bool lost; /* the section was refused: its keys are skipped */
 	struct mentions keys, opened;
 };
 
@@ -68,7 +70,7 @@ static void report_fault(struct ini_report *report, const struct fault *fault)
 		report->say(report->context, fault->text);
 }
 
-/* "FILE:LINE: [title] key: what"; key may be NULL, title empty, line 0 for what has no line. */
+/* Reports "FILE:LINE: [title] key: what". key may be NULL, title empty; line 0: no line. */
 __attribute__((format(printf, 5, 6))) static void ini_complain(struct ini_reading *r, int line,
 							       const char *title, const char *key,
 							       const char *format, ...)
@@ -96,7 +98,7 @@ __attribute__((format(printf, 5, 6))) static void ini_complain(struct ini_readin
 	report_fault(r->report, &fault);
 }
 
-/* ---- what has been seen ---- */
+/* ---- keys and sections met so far ---- */
 
 static const struct mention *find_mention(const struct mentions *m, const void *what,
 					  const void *values)
@@ -137,7 +139,7 @@ static void ini_complain_unknown(struct ini_reading *r, const char *title, const
 		     *near ? ", did you mean \"" : "", near, *near ? "\"?" : "");
 }
 
-/* "camera  fisheye" into "camera" and "fisheye". */
+/* Splits "camera  fisheye" into section "camera" and instance "fisheye". */
 static void split_title(struct ini_reading *r, const char *title)
 {
 	const char *at = title + strspn(title, " \t");
@@ -150,7 +152,7 @@ static void split_title(struct ini_reading *r, const char *title)
 	while (length && isblank((unsigned char)at[length - 1]))
 		length--;
 	snprintf(r->instance, sizeof(r->instance), "%.*s", (int)length, at);
-	/* Both parts and the blank came out of one title, so they fit. */
+	/* Both parts and the blank are from one title, so they fit. */
 	stpcpy(stpcpy(stpcpy(r->title, r->section), *r->instance ? " " : ""), r->instance);
 }
 
@@ -246,7 +248,7 @@ static void key_assign(struct ini_reading *r, const char *name, const char *valu
 		ini_complain(r, r->line, r->title, name, "%s", why);
 }
 
-/* inih's call back. Its own count of lines does not reach us, ours does. */
+/* inih calls this for each key. inih does not pass its line number; r->line is the line. */
 static int line_handle(void *user, const char *section, const char *name, const char *value)
 {
 	struct ini_reading *r = user;
@@ -307,7 +309,8 @@ static bool header_is_sound(struct ini_reading *r, const char *line)
 	return true;
 }
 
-/* Control characters: binary data, or an attempt on the reader's terminal. */
+/* Whether the line has no control characters, which are binary data or escape sequences for the
+ * reader's terminal. */
 static bool line_is_text(const char *line, size_t length)
 {
 	for (size_t i = 0; i < length; i++) {
@@ -320,7 +323,7 @@ static bool line_is_text(const char *line, size_t length)
 	return true;
 }
 
-/* The next line without its break and leading blanks; false at the end. */
+/* Finds the next line, without its break and leading blanks. False at the end of the text. */
 static bool next_line(struct ini_reading *r, const char **line, size_t *length)
 {
 	const char *end;
@@ -342,10 +345,10 @@ static bool next_line(struct ini_reading *r, const char **line, size_t *length)
 }
 
 /*
- * inih's fgets. A line that inih would cut or misread is refused here. Leading blanks go, because
- * inih would take an indented line for the continuation of the one before. After a section's line
- * comes a marker, an assignment without a name, because inih says nothing of sections by
- * themselves.
+ * inih calls this in place of fgets(). It refuses lines that inih would cut or misread. It removes
+ * leading blanks, because inih takes an indented line for a continuation of the line before. After
+ * a section's line it inserts a marker, an assignment without a name, because inih does not report
+ * a section that has no keys.
  */
 static char *line_feed(char *text, int room, void *stream)
 {
@@ -430,7 +433,7 @@ int ini_read_memory(const char *text, size_t bytes, const char *name, const char
 		r.at += strlen(BYTE_ORDER_MARK);
 	if (&ini_max_line)
 		ini_max_line = LINE_BYTES_MAX;
-	/* What inih would return, the first line it did not understand, line_feed() has already said. */
+	/* inih returns the first line that it did not understand; line_feed() has reported it. */
 	(void)ini_parse_stream(line_feed, &r, line_handle, &r);
 	check_mandatory(&r);
 	free(r.keys.list);
@@ -500,7 +503,7 @@ close_file:
 
 /* ---- one assignment ---- */
 
-/* Splits "section.key" or "section.name.key": which of the two, the section's table tells. */
+/* Splits "section.key" or "section.name.key"; the table of the section says which of the two. */
 static int split_assignment(struct ini_reading *r, const char *left, const char **key)
 {
 	const char *dot = strchr(left, '.');

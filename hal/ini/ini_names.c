@@ -6,8 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Optimal string alignment distance: insert, delete, replace, or swap two neighbours. */
-#define NEAREST_LENGTH_MAX 64
+#define NEAREST_LENGTH_MAX 64 /* longer names have no nearest one */
 
 static unsigned smallest_of_three(unsigned a, unsigned b, unsigned c)
 {
@@ -16,6 +15,8 @@ static unsigned smallest_of_three(unsigned a, unsigned b, unsigned c)
 	return m < c ? m : c;
 }
 
+/* Optimal string alignment distance: inserts, deletes, replaces, or swaps two neighbours. Ignores
+ * case. */
 static unsigned edit_distance(const char *a, const char *b)
 {
 	unsigned rows[3][NEAREST_LENGTH_MAX + 1];
@@ -46,7 +47,7 @@ static unsigned edit_distance(const char *a, const char *b)
 
 const char *ini_nearest(const char *name, const char *const *candidates, size_t count)
 {
-	/* More than a third wrong, or nothing but wrong letters, is another word. */
+	/* A name of which more than a third or all letters are wrong is another word. */
 	size_t length = strlen(name);
 	unsigned best = (unsigned)(length < 3 ? 1 : length < 6 ? 2 : length / 3) + 1;
 	const char *nearest = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Private to hal/ini: which key or section a name means, and which one it nearly means. */
+/* Private to hal/ini: finds keys and sections by name, and the nearest name of a misspelt one. */
 #ifndef INLAY_HAL_INI_INI_NAMES_H
 #define INLAY_HAL_INI_INI_NAMES_H
 
@@ -16,7 +16,7 @@ const struct ini_table *ini_table_of(const struct ini_table *tables, const char 
 const struct ini_key *ini_key_of(const struct ini_table *tables, const char *section,
 				 const char *name, const struct ini_table **owner);
 
-/* The nearest name there is; empty when none is near. */
+/* Write the nearest valid name into best; empty if none is near. */
 void ini_nearest_section(const struct ini_table *tables, const char *name, char best[INI_NAME_MAX]);
 void ini_nearest_key(const struct ini_table *tables, const char *section, const char *name,
 		     char best[INI_NAME_MAX]);

@@ -5,7 +5,7 @@
 
 #define WRAP_COLUMN 90
 
-/* "; " before each line, broken at blanks. */
+/* Writes text as comment lines, "; " before each, broken at blanks. */
 static void sample_write_comment(FILE *stream, const char *text)
 {
 	while (*text) {
@@ -24,7 +24,7 @@ static void sample_write_comment(FILE *stream, const char *text)
 	}
 }
 
-/* The longest text or path goes without saying. */
+/* Writes help and range of a key; leaves out the maximal length of texts and paths. */
 static void sample_write_help(FILE *stream, const struct ini_key *key)
 {
 	const char *help = key->help ? key->help : key->name;

@@ -11,9 +11,10 @@
 
 #include "hal/base/number.h"
 
-#define ECHO_MAX 60 /* of a wrong value that is repeated in a fault */
+#define ECHO_MAX 60 /* bytes of a wrong value that a fault quotes */
 
-/* Text that grows by pieces and is cut, never overrun; length counts what was cut too. */
+/* Text that grows by pieces and is cut at room; length counts the whole text, as snprintf()
+ * does. */
 struct words {
 	char *text;
 	size_t room, length;
@@ -142,7 +143,7 @@ static int value_read_int(const struct ini_key *key, const char *text, int *valu
 	return 0;
 }
 
-/* One number at *text, which moves past it. */
+/* Reads one number at *text and moves *text past it. */
 static int value_read_number(const struct ini_key *key, const char **text, double *value)
 {
 	const char *at = *text;
@@ -185,7 +186,8 @@ static const char *skip_blank(const char *text)
 	return text + strspn(text, " \t");
 }
 
-/* Two passes: the first checks, so that a wrong list leaves the field as it was. */
+/* Reads exactly count numbers. The first pass only checks, so that a wrong list leaves the field
+ * unchanged. */
 static int value_read_numbers(const struct ini_key *key, unsigned count, const char *text,
 			      double *values)
 {
@@ -315,7 +317,7 @@ int ini_value_read(const struct ini_key *key, const char *text, const char *fold
 	return err;
 }
 
-/* The shortest decimal that reads back as the same double. */
+/* Adds the shortest decimal that reads back as the same double. */
 static void words_add_real(struct words *words, double value)
 {
 	char text[40];
@@ -386,7 +388,7 @@ void ini_defaults(const struct ini_key *keys, void *values)
 
 	for (const struct ini_key *key = keys; key->name; key++) {
 		if (key->fallback && ini_value_read(key, key->fallback, NULL, values, why)) {
-			/* The table contradicts itself: a mistake in the program, not in a file. */
+			/* The table contradicts itself: an error of the program, not of a file. */
 			fprintf(stderr, "default of key \"%s\" %s\n", key->name, why);
 			abort();
 		}

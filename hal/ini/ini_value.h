@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Private to hal/ini: one value between text and its field. */
+/* Private to hal/ini: converts one value between text and its field. */
 #ifndef INLAY_HAL_INI_INI_VALUE_H
 #define INLAY_HAL_INI_INI_VALUE_H
 
@@ -7,13 +7,13 @@
 
 #define INI_WHY_MAX 512
 
-/* Writes text's value into the field. folder: where a relative INI_PATH starts; NULL or empty
- * leaves it as it is. -EINVAL: why says what is wrong and what was expected; the field is
- * untouched. */
+/* Reads text and writes the value into the field. A relative INI_PATH starts at folder; NULL or
+ * empty: it stays relative. 0; -EINVAL: why says what is wrong and what was expected, and the field
+ * is unchanged. */
 int ini_value_read(const struct ini_key *key, const char *text, const char *folder, void *values,
 		   char why[INI_WHY_MAX]);
 
-/* "a whole number 0..255", "one of cell, node": what the key takes, unit included. */
+/* Writes what the key accepts, with its unit: "a whole number 0..255", "one of cell, node". */
 void ini_value_expected(const struct ini_key *key, char *text, size_t room);
 
 #endif
