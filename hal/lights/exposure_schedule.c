@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#define VISIBLE 0.1 /* of the brighter one: less is no change */
+#define VISIBLE 0.1 /* least visible change, as a share of the brighter level */
 
 void exposure_schedule_begin(struct exposure_schedule *s, int count, int delay)
 {
@@ -19,7 +19,7 @@ static int exposure_of(const struct exposure_schedule *s, int64_t frame)
 
 	for (int k = 0; k < s->asked_count && s->asked[k].from + delay <= frame; k++)
 		exposure = s->asked[k].exposure;
-	/* Without a known delay it may have changed already. */
+	/* With an unknown delay the last request may have taken effect already. */
 	if (s->delay < 0 && s->asked_count > 0 && s->asked[s->asked_count - 1].from + delay > frame)
 		return -1;
 	return exposure;
@@ -56,7 +56,8 @@ void exposure_schedule_asked(struct exposure_schedule *s, int exposure, int ahea
 	const int64_t from = s->frame + 1 + ahead;
 	int last = s->asked_count - 1;
 
-	if (last >= 0 && s->asked[last].from >= from) { /* two for one frame: the later counts */
+	if (last >= 0 &&
+	    s->asked[last].from >= from) { /* two for one frame: the later one counts */
 		s->asked[last].exposure = exposure;
 	} else {
 		if (s->asked_count == EXPOSURE_ASKED_MAX) {
@@ -72,9 +73,10 @@ void exposure_schedule_asked(struct exposure_schedule *s, int exposure, int ahea
 	s->turn = false;
 }
 
-/* ---- how long it takes ---- */
+/* ---- measuring the delay ---- */
 
-/* From which frame on more than half of the change is there; -1: there is no change. */
+/* The delay that the last change shows: frames from the request to the first frame with more than
+ * half of the change. -1: no visible change. */
 static int find_delay(const struct exposure_schedule *s)
 {
 	const double after = s->seen[s->seen_count - 1].level, change = after - s->before;
@@ -82,7 +84,7 @@ static int find_delay(const struct exposure_schedule *s)
 
 	if (s->before < 0 || !(fabs(change) > VISIBLE * fmax(after, s->before)))
 		return -1;
-	if ((change > 0) != (last_asked(s) == 0)) /* that of the change before */
+	if ((change > 0) != (last_asked(s) == 0)) /* the effect of the change before */
 		return -1;
 	for (int k = 0; k < s->seen_count; k++) {
 		if ((s->seen[k].level - s->before) / change > 0.5)
@@ -91,7 +93,7 @@ static int find_delay(const struct exposure_schedule *s)
 	return -1;
 }
 
-/* The change has had its time. */
+/* Evaluates a complete change. 0 or -ENODATA as exposure_schedule_measure(). */
 static int schedule_conclude(struct exposure_schedule *s)
 {
 	const int delay = find_delay(s);

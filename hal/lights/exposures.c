@@ -9,12 +9,12 @@
 
 #include "hal/lights/pixel_noise.h"
 
-#define DEVIATIONS 4  /* of noise that two of one light may differ by */
-#define OFF (1 / 8.f) /* and of the light itself: of exposures that are not what they say */
-#define DARK_PIXELS 64
-#define ALL 0.99f   /* of a light's pixels */
-#define ALIKE 0.1   /* logarithm: two exposures that explain a frame equally well */
-#define LEAST 0.001 /* mean of white that tells them apart */
+#define DEVIATIONS 4   /* standard deviations of noise by which estimates of one light may differ */
+#define OFF (1 / 8.f)  /* tolerance of exposures, as a share of the light */
+#define DARK_PIXELS 64 /* pixels that errors in the dark are counted for (exposures.h) */
+#define ALL 0.99f      /* a light of which so many pixels are clipped is clipped as a whole */
+#define ALIKE 0.1      /* two exposures explain a frame equally well within this logarithm */
+#define LEAST 0.001    /* added to each mean brightness, in white: dark frames tell nothing */
 
 enum kept { KEPT_NONE, KEPT_WHOLE, KEPT_CLIPPED };
 
@@ -28,11 +28,11 @@ struct look {
 struct light_exposures {
 	int lights, count;
 	float ratio[EXPOSURES_MAX];
-	float gain, floor, slope; /* of one pixel's variance, in radiance at exposure 0 */
-	float *alone;		  /* [lights]: pixels that count by themselves */
+	float gain, floor, slope; /* variance of a pixel: floor + slope x, in units of exposure 0 */
+	float *alone;		  /* [lights]: number of independent pixels */
 	struct look *look;	  /* [lights][EXPOSURES_MAX] */
-	float (*known)[3];	  /* [lights]: what was made of them last */
-	float *left;		  /* [lights]: and the share that is clipped in it */
+	float (*known)[3];	  /* [lights]: the last result */
+	float *left;		  /* [lights]: the share of it that is clipped */
 	bool begun;
 };
 
@@ -110,11 +110,10 @@ double light_exposures_white(const struct light_exposures *e)
 	return (double)e->gain / (double)e->ratio[e->count - 1];
 }
 
-/* ---- whose frame it is ---- */
+/* ---- which exposure a frame has ---- */
 
-/* How bright lights are that are whole in the frame, or clipped as a whole, and known to be no
- * brighter than they were: the sum of what radiance times ratio has above the dark and below white.
- */
+/* Sum of clamp(radiance * ratio, dark, white) - dark over the lights whose brightness is known:
+ * whole in the frame or clipped as a whole, and not clipped in every exposure. */
 static double exposure_brightness(const struct light_exposures *e, const float (*radiance)[3],
 				  float ratio, const float *clipped)
 {
@@ -150,9 +149,9 @@ bool light_exposures_fit(const struct light_exposures *e, int which, const float
 	return true;
 }
 
-/* ---- what is of the same light ---- */
+/* ---- which estimates are of the same light ---- */
 
-/* Whether two of exposures j and k differ by more than one light does. */
+/* Whether above exceeds below (exposures.h), two values of light i in exposures j and k. */
 static bool look_exceeds(const struct light_exposures *e, int i, int j, int k, float above,
 			 float below)
 {
@@ -163,7 +162,7 @@ static bool look_exceeds(const struct light_exposures *e, int i, int j, int k, f
 	return beyond > 0 && beyond * beyond > DEVIATIONS * DEVIATIONS * noise;
 }
 
-/* In any channel. */
+/* Whether the estimate of exposure k exceeds that of exposure j in any channel. */
 static bool is_above(const struct light_exposures *e, int i, int k, int j)
 {
 	const struct look *look = e->look + (size_t)i * EXPOSURES_MAX;
@@ -174,7 +173,7 @@ static bool is_above(const struct light_exposures *e, int i, int k, int j)
 	return above;
 }
 
-/* Whether what is kept of exposure j cannot be of the light that exposure k has just shown. */
+/* Whether the estimate of exposure j cannot be of the light that exposure k has just shown. */
 static bool is_overtaken(const struct light_exposures *e, int i, int j, int k)
 {
 	const struct look *look = e->look + (size_t)i * EXPOSURES_MAX;
@@ -214,7 +213,7 @@ static float look_mean(const struct light_exposures *e, const struct look *look,
 	return fmaxf(first + sum / weights, 0);
 }
 
-/* Of the first light that is whole, or else the last that is clipped; -1: there is none. */
+/* The longest whole exposure, or else the shortest clipped one; -1: there is no estimate. */
 static int look_choose(const struct light_exposures *e, const struct look *look)
 {
 	int chosen = -1;
@@ -228,7 +227,7 @@ static int look_choose(const struct light_exposures *e, const struct look *look)
 	return chosen;
 }
 
-/* What is clipped in a longer exposure is at least as bright. */
+/* Raises radiance to the estimates of longer, clipped exposures, which are lower bounds. */
 static float at_least(const struct look *look, int chosen, int c, float radiance)
 {
 	for (int k = 0; k < chosen; k++)

@@ -1,55 +1,62 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One sky in several exposures, taken in turn by one camera, made one light: what clips in a long
- * one is whole in a shorter one, what drowns in a short one's noise is clear in a longer one.
+ * Merges several exposures of one sky, which one camera takes in turn, into one radiance per light.
+ * A light that clips in a long exposure is whole in a shorter one; a light that drowns in the noise
+ * of a short exposure is clear in a longer one.
  *
- * Exposure k lets in ratio[k] of the light that exposure 0 does: 0 is the longest, the one that
- * the sampler's gain is for. x is what the sampler makes of a light in exposure k, so
+ * Exposure k gathers ratio[k] of the light of exposure 0, which is the longest and the one that the
+ * sampler's gain is for. With x the sampler's value of a light in exposure k, its estimate is
  *
  *     e_k = x / ratio[k]
  *
- * is its radiance, in the sampler's units at exposure 0, and one part of its pixels is clipped in
- * that frame. Each light keeps the newest e of every exposure, so that light comes at the camera's
- * rate:
+ * in the sampler's units at exposure 0. In one frame a light is
  *
  *   whole     no pixel of it is clipped;
- *   clipped   some are: e is less than there is.
+ *   clipped   some are: e_k is a lower bound.
  *
- * A light is the mean of what is whole, weighted by the inverse variance (Granados et al., Optimal
- * HDR reconstruction with linear digital cameras, CVPR 2010, with camera noise as in
- * hal/lights/pixel_noise.h), in each channel by itself:
+ * Each light keeps the newest e_k of every exposure, so that results come at the camera's rate.
  *
- *     L = e_l + sum_k w_k (e_k - e_l) / sum_k w_k        l: the longest that is whole
- *     w_k = ratio[k]^2 / (64 floor + slope e_l ratio[k])    1 / variance of e_k, times pixels
+ * Whole lights. The result is the mean of the whole estimates, weighted by inverse variance
+ * (Granados et al., Optimal HDR reconstruction with linear digital cameras, CVPR 2010, with the
+ * noise of hal/lights/pixel_noise.h), for each channel:
  *
- * Weights follow from e_l, not from each e_k: noise does not choose its own weight. What is wrong
- * in the dark (a black level, noise that is cut off below it) is alike in all pixels and no number
- * of them takes it away: it counts as that of a light of 64. Noise in the light does average, and
- * the number of pixels, the same for all k, cancels. If all e_k are the same, L is that, bit by
- * bit; and lights that are alike stay so.
+ *     L = e_l + sum_k w_k (e_k - e_l) / sum_k w_k           l: the longest whole exposure
+ *     w_k = ratio[k]^2 / (64 floor + slope e_l ratio[k])    1 / (variance of e_k * pixels)
  *
- * Of a light that is clipped in the exposure before, l - 1, the dark part is clearer there, and
- * what is above its white is all that is missing: where both are known
+ * The weights depend on e_l, not on e_k, so that noise does not choose its own weight. Errors in
+ * the dark (a wrong black level, noise cut off below it) are the same in all pixels and do not
+ * average out: they count as in a light of 64 pixels. Noise of light does average, and the number
+ * of pixels, the same for all k, cancels. If all e_k are equal, L is equal to them to the bit.
  *
- *     L = e_(l-1) + x_l / ratio[l],   x_l the mean over its pixels of max(pixel - white_l, 0)
+ * Lights clipped in exposure l - 1. The dark pixels of such a light are clearer in exposure l - 1,
+ * and only the light above its white is missing there. If both are known, the result is
  *
- * in place of the mean (and never less than a longer one has), white_l = ratio[l] / ratio[l-1]
- * being where exposure l - 1 clips, as exposure l sees it. Of a lamp in a dim cell no pixel is then
- * taken from the noise of a short exposure.
+ *     L = e_(l-1) + x_l / ratio[l]
+ *     x_l = mean over the light's pixels of max(pixel - white_l, 0)
+ *     white_l = ratio[l] / ratio[l-1]
  *
- * A light that is whole in none is taken from the shortest there is, in the same way: too dark, and
- * said to be clipped by as much as it is there.
+ * instead of the mean; white_l is the level at which exposure l - 1 clips, in units of exposure l.
+ * Thus the dim pixels around a lamp never come from the noise of a short exposure. In the other
+ * cases the result is at least every estimate of a longer, clipped exposure.
  *
- * What is kept may have been overtaken by what has changed since. When a frame shows a light as
- * e_k, an e_j is forgotten that cannot be of the same light,
+ * Lights clipped in all exposures. The result comes from the shortest one in the same way. It is
+ * too dark, and reported as clipped by the share that is clipped there.
  *
- *     |e_k - e_j| > 4 sqrt(v_k + v_j) + max(e_k, e_j) / 8      in any channel,
- *     v_k = floor / ratio[k]^2 + slope min(e_k, e_j) / ratio[k] / n
+ * Changing light. When a frame shows a light as e_k, each older e_j that cannot be of the same
+ * light is forgotten:
  *
- * n: its pixels that count by themselves (PIXEL_NOISE_ALIKE). An eighth is what exposures may be
- * off from what they are said to be; a smaller change is there when all have been taken once. Of a
- * clipped one only being too dark counts, so that it does not outlive a lamp that went out, nor a
- * whole one a lamp that went on; and a longer one that is whole ends a shorter one that is not.
+ *     e_k whole, e_j whole        one exceeds the other
+ *     e_k clipped, e_j whole      e_k exceeds e_j, or exposure k is the shorter one
+ *     e_k whole, e_j clipped      e_j exceeds e_k, or exposure k is the longer one
+ *
+ * "a exceeds b" means, in any channel,
+ *
+ *     a - b > 4 sqrt(v_k + v_j) + a / 8
+ *     v_k = floor / ratio[k]^2 + slope b / (ratio[k] n)
+ *
+ * n: number of independent pixels of the light (PIXEL_NOISE_ALIKE). The eighth is the tolerance of
+ * the camera's exposures; the result follows a smaller change after one turn of all exposures. So a
+ * clipped estimate does not outlive a lamp that went out, nor a whole one a lamp that went on.
  */
 #ifndef INLAY_HAL_LIGHTS_EXPOSURES_H
 #define INLAY_HAL_LIGHTS_EXPOSURES_H
@@ -62,50 +69,48 @@
 
 struct light_exposures;
 
-/* 0 or -ENOMEM. One exposure until it is told of others. */
+/* Starts with one exposure. 0 or -ENOMEM. */
 int light_exposures_create(struct light_exposures **exposures, int lights);
 
-/* What is measured from now on, which begins anew: count exposures of 1..EXPOSURES_MAX,
- * ratio[0] = 1 and each below the one before it, above 0; the camera's curve; what linear light is
- * multiplied by; how many pixels see each light: pixels[lights], > 0. */
+/* Sets what is measured from the next frame on, and forgets all estimates. count: 1..EXPOSURES_MAX
+ * exposures; ratio[0] = 1, the others > 0 and descending; curve: the camera's; gain: the factor of
+ * linear light; pixels[lights]: number of pixels that see each light, > 0. */
 void light_exposures_measured(struct light_exposures *exposures, const double *ratio, int count,
 			      const struct transfer_curve *curve, double gain, const float *pixels);
 
-/* Other ratios of as many exposures from the next frame on; what is kept of frames before stays. */
+/* Sets other ratios of the same number of exposures from the next frame on; keeps all estimates. */
 void light_exposures_ratios(struct light_exposures *exposures, const double *ratio);
 
-/* Nothing is kept any longer. */
+/* Forgets all estimates. */
 void light_exposures_begin(struct light_exposures *exposures);
 
 /*
- * Whether a frame can be of exposure which: sampled[lights] and clipped[lights] as below. The
- * lights that are whole in it, or clipped all over, are as bright together as this exposure makes
- * the light that is known, or no other explains them better by a tenth. Of a light that has been
- * clipped in every exposure so far it is not known how bright a shorter one will show it. Exposures
- * are told apart while light changes by less than the square root of their ratio from frame to
- * frame; a greater change costs some frames, no more than a turn of them, as brighter than the
- * longest would show or darker than the shortest is always theirs. True as long as no light is
- * known.
+ * Whether a frame can be of exposure which; sampled[lights] and clipped[lights] as in
+ * light_exposures_take(). Compares the frame's total brightness with what each exposure would show
+ * of the known light. False if another exposure explains it better by more than a tenth. Leaves out
+ * lights that are clipped in part, and those clipped in every exposure so far, whose brightness is
+ * unknown. The test is right while light changes from frame to frame by less than the square root
+ * of the exposures' ratio. A greater change costs some frames, at most one turn: a frame brighter
+ * than the longest exposure would show, or darker than the shortest, always fits that exposure.
+ * True as long as no light is known.
  */
 bool light_exposures_fit(const struct light_exposures *exposures, int which,
 			 const float (*sampled)[3], const float *clipped);
 
-/* white_l of above: what of exposure which, 1 and more, light_sampler_above() is to be told; 1 of
- * exposure 0, where nothing is. */
+/* white_l for exposure l = which, the level for light_sampler_above(); 1 (off) for exposure 0. */
 double light_exposures_above(const struct light_exposures *exposures, int which);
 
 /*
- * Takes a frame of exposure which in: sampled[lights], excess[lights], the mean of what is above
- * that (not looked at of exposure 0), and clipped[lights], the share of each
- * light's pixels that is at its limit, 0..1. radiance[lights] gets the light, left[lights] the
- * share that is clipped in every exposure, at white[] below. May be the same arrays. Nothing is
- * allocated.
+ * Merges a frame of exposure which. sampled[lights]: the sampler's values; excess[lights]: their
+ * part above white_l (ignored for exposure 0); clipped[lights]: share of each light's pixels that
+ * is clipped, 0..1. Writes the result to radiance[lights], and to left[lights] the share of each
+ * light that is clipped in every exposure. Outputs may be the input arrays. Allocates nothing.
  */
 void light_exposures_take(struct light_exposures *exposures, int which, const float (*sampled)[3],
 			  const float (*excess)[3], const float *clipped, float (*radiance)[3],
 			  float *left);
 
-/* The radiance from which on the shortest exposure clips: the gain over its ratio. */
+/* The radiance at which the shortest exposure clips: gain / ratio[count - 1]. */
 double light_exposures_white(const struct light_exposures *exposures);
 
 void light_exposures_destroy(struct light_exposures *exposures); /* NULL is harmless */

@@ -10,9 +10,9 @@
 #include "hal/base/clock.h"
 #include "hal/lights/pixel_noise.h"
 
-#define DEVIATIONS 4 /* of noise that a change must exceed */
-#define EVEN 0.01    /* of a sum: what flicker of the mains may be */
-#define NEAR 64	     /* parts of a deviation: as good as there */
+#define DEVIATIONS 4 /* standard deviations of noise that a change must exceed */
+#define EVEN 0.01    /* flicker of the mains, as a share of a sum of lights */
+#define NEAR 64	     /* within 1 / NEAR of a standard deviation y becomes x */
 
 /* Variance of a light: floor + slope * its radiance. */
 struct light_noise {
@@ -25,10 +25,10 @@ struct light_filter {
 	int64_t last_ns;
 	float (*value)[3];
 	struct light_noise *noise;
-	int64_t *until_ns; /* fast as long as frames are not later */
+	int64_t *until_ns; /* time of the last frame for which the light is fast */
 };
 
-/* What a number of lights say together: their change, its variance, their light. */
+/* Sums over lights and channels: of changes x - y, of their variances, of y. */
 struct changes_together {
 	double change, variance, light;
 };
@@ -81,9 +81,9 @@ void light_filter_measured(struct light_filter *f, const struct transfer_curve *
 	light_filter_begin(f);
 }
 
-/* ---- what has changed ---- */
+/* ---- which lights have changed ---- */
 
-/* Whether one of the three channels has, beyond noise; all of them add to what is together. */
+/* Whether a channel of light i changed beyond noise. Adds all channels to the sums. */
 static bool light_changed(const struct light_filter *f, int i, const float x[3],
 			  struct changes_together *all)
 {
@@ -142,7 +142,8 @@ static void find_changes(struct light_filter *f, const float (*x)[3], int64_t un
 
 /* ---- following ---- */
 
-/* Of a change, what dt brings. In whole 2^-20, so that no machine's exp() shows in it. */
+/* a = 1 - exp(-dt / tau), rounded to multiples of 2^-20, so that all machines agree whatever their
+ * exp(). */
 static float change_share(int64_t dt_ns, double follow_ns)
 {
 	const double share = 1 - exp(-M_LN10 * (double)dt_ns / follow_ns);

@@ -11,7 +11,7 @@
 #include "hal/base/output.h"
 #include "hal/base/text_file.h"
 
-/* Three numbers and nothing else, or -1. */
+/* Reads text that is three numbers and nothing else. 0 or -1. */
 static int parse_colour(const char *text, float rgb[3])
 {
 	for (int c = 0; c < 3; c++) {
@@ -30,7 +30,7 @@ static int parse_colour(const char *text, float rgb[3])
 	return *text ? -1 : 0;
 }
 
-/* Cuts the comment and the white space around; what remains. */
+/* Cuts off the comment and the white space around. Returns the rest of the line. */
 static char *line_strip(char *line)
 {
 	size_t length;
@@ -86,7 +86,7 @@ int lights_file_read(const char *path, float (*radiance)[3], int count, struct f
 	return ret;
 }
 
-/* Nine digits bring every float back to the bit. */
+/* Nine digits reproduce every float to the bit. */
 int lights_file_write(const char *path, const float (*radiance)[3], int count, struct fault *fault)
 {
 	struct output out;

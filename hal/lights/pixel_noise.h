@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* What one pixel's code value may be wrong by, and so its light. */
+/* Noise of one pixel's code value, and of the linear light that it stands for. */
 #ifndef INLAY_HAL_LIGHTS_PIXEL_NOISE_H
 #define INLAY_HAL_LIGHTS_PIXEL_NOISE_H
 
 #include "hal/colour/transfer.h"
 
-/* Standard deviation of a pixel, 8-bit code values: read noise, photons, quantisation. About the
- * same at all codes, as a camera's curve is near the root that evens out photons. */
+/* Standard deviation of a pixel in 8-bit code values: read noise, photon noise, quantisation. It is
+ * about the same at all codes, because a camera's curve is close to a square root, which makes
+ * photon noise even. */
 #define PIXEL_NOISE_CODES 1.5
 
-/* How many pixels of a camera count as one by themselves: colour filters, compression. */
+/* So many neighbouring pixels count as one independent pixel, because of colour filters and
+ * compression. */
 #define PIXEL_NOISE_ALIKE 4
 
 /* Variance of a pixel's linear light x: floor + slope x. */
@@ -17,8 +19,8 @@ struct pixel_noise {
 	double floor, slope;
 };
 
-/* PIXEL_NOISE_CODES times the curve's slope, squared, as a line over linear light that lies below
- * it at no code. */
+/* The variance at code c is (PIXEL_NOISE_CODES * slope of the curve at c)^2. Returns a line over
+ * linear light that is at no code below it. */
 struct pixel_noise pixel_noise_of(const struct transfer_curve *curve);
 
 #endif

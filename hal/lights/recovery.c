@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#define CLIPPED 0.001 /* of a patch: noise alone does not clip more */
+#define CLIPPED 0.001 /* share of a patch's pixels that noise alone may clip */
 
 struct light_ground light_ground_see(const struct frame_reader *picture, int x, int y, int width,
 				     int height, const float decode[256], uint32_t *row)
@@ -29,7 +29,7 @@ struct light_ground light_ground_see(const struct frame_reader *picture, int x, 
 	return ground;
 }
 
-/* What is missing of the ground's light, less what may not be missing. */
+/* D' of recovery.h: the missing radiance, reduced near the uncertainty. */
 static double ground_missing(double seen, double known)
 {
 	const double d = seen - known, unsure = LIGHT_RECOVERY_UNSURE * seen;
@@ -37,13 +37,13 @@ static double ground_missing(double seen, double known)
 	return d > 0 ? d * d * d / (d * d + unsure * unsure) : 0;
 }
 
-/* How bright a light's clipped pixels are expected to be, against those of others. */
+/* Relative radiance expected of a light's clipped pixels: (u / w) / (A + SMALL_SR). */
 static double pixel_brightness(const struct light_clipping *k, int i, int c)
 {
 	return k->term[c][i] / (k->solid_angle_sr[i] * (k->piece_sr[i] + LIGHT_RECOVERY_SMALL_SR));
 }
 
-/* The share of a light that is clipped in this very channel: at most what its radiance allows. */
+/* Estimated share of a light that is clipped in one channel: q min(1, L / (q white))^8. */
 static double clipped_in(const struct light_clipping *k, int i, double radiance)
 {
 	const double q = (double)k->clipped[i], full = fmin(radiance / (q * k->white), 1);
@@ -52,7 +52,7 @@ static double clipped_in(const struct light_clipping *k, int i, double radiance)
 	return q * fourth * fourth;
 }
 
-/* Of one channel; returns the factor of the brightest. */
+/* Recovers one channel; returns its factor. */
 static double recover_channel(const struct light_ground *ground, const struct light_clipping *k,
 			      int c, float (*radiance)[3], struct light_recovery *r)
 {

@@ -1,45 +1,42 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a fisheye camera clips, found again on the ground: the background camera sees a patch of it,
- * and all light that the patch gives back came from the sky.
+ * Recovers light that the fisheye camera clips, from the ground: the background camera sees a patch
+ * of ground, and all light that the patch reflects came from the sky.
  *
- * In each channel, with u_i the ground's radiance under light i alone of radiance 1 (the basis's
- * ground term, or reflectance / pi times the light's projected solid angle), L_i the lights as they
- * were measured, q_i the share of each that is clipped and B the patch's radiance:
+ * In each channel let u_i be the ground's radiance under light i alone at radiance 1 (the basis's
+ * ground term, or reflectance / pi times the light's projected solid angle), L_i the measured
+ * lights, q_i the share of each that is clipped, w_i its solid angle, and B the patch's radiance:
  *
- *     B - sum_i u_i L_i = D                  what is missing
- *     L_i += x s_i,   x = D' / sum_i u_i s_i
+ *     D = B - sum_i u_i L_i                                               missing radiance
+ *     D' = D^3 / (D^2 + (LIGHT_RECOVERY_UNSURE B)^2)                      if D > 0, else 0
  *     s_i = q_i min(1, L_i / (q_i white))^8 (u_i / w_i) / (A_i + LIGHT_RECOVERY_SMALL_SR)
+ *     x = D' / sum_i u_i s_i
+ *     L_i += x s_i
  *
- * One equation, and as many unknowns as there are clipped lights: s is what is expected of them.
- * A_i is the solid angle of all that is clipped in one piece with light i (recovery_pieces.h), w_i
- * the light's own. So
+ * One equation has as many unknowns as there are clipped lights; s is the assumption about how the
+ * missing light is distributed. A_i is the solid angle of all that is clipped in one piece of sky
+ * with light i (recovery_pieces.h).
  *
- *   - pieces get like powers: if nothing is known of two things that clip but their sizes, either
- *     may be nearly all of what is missing, and a small one must be brighter for it. A piece of a
- *     few pixels, which noise alone may clip, gets less;
- *   - within a piece, radiance goes with the cosine to the ground's normal, u / w: the x of least
- *     sum w x^2 / q with that sum of u x. What clips just above the horizon is mostly lit, not a
- *     lamp, and taken for one it would light the object's side;
- *   - a channel that shows less of a light than its clipped pixels would give is clipped in few of
- *     them: of a blue sky, not the red. A light that is clipped in a corner keeps the rest as it
- *     was.
+ *   - Pieces get like powers. If only the sizes of two clipped things are known, either may hold
+ *     nearly all of the missing light, so the smaller one must be brighter. A piece of a few
+ *     pixels, which noise alone may clip, gets less.
+ *   - Within a piece, added radiance is proportional to u / w, the cosine to the ground's normal.
+ *     That is the solution of least sum w x^2 / q for a given sum of u x. What clips just above the
+ *     horizon is mostly lit, not a lamp; as a lamp it would light the object's side.
+ *   - The eighth power: a channel in which a light is darker than its clipped pixels would make it
+ *     is clipped in few of them. In a blue sky, blue clips, not red.
+ *   - D' instead of D: reflectance, gain and lens are known to some percent, and less than that may
+ *     not be missing at all. A calibration error of a percent must not make a lamp of the first
+ *     pixel that clips. Where 30 % of B are missing, D' is less than D by 0.1 % of B; where
+ *     LIGHT_RECOVERY_UNSURE are, D' = D / 2. D' has no step.
+ * - 1 <= factor <= LIGHT_RECOVERY_MAX, where factor is the radiance of the brightest clipped pixel
+ *     over white, the radiance at which pixels clip. No light is taken away, and the sun has room
+ *     (a sky exposed to half of white has a sun of some 10^5).
  *
- * How often that is better than nothing, and by how much, in random places:
- * tests/accuracy/README.md. Then
- *
- *   - D' = D^3 / (D^2 + (LIGHT_RECOVERY_UNSURE B)^2) in place of D: how right reflectance, gain and
- *     lens are is known to some percent, and what is missing by less may not be missing at all; a
- *     calibration that is off by a percent makes no lamp of the first pixel that clips. Of 30 %
- *     missing it takes 0.1 % less, of LIGHT_RECOVERY_UNSURE half; it has no step.
- *   - 1 <= factor <= LIGHT_RECOVERY_MAX, factor being how much brighter the brightest clipped pixel
- *     is made than white, the radiance at which it clips: nothing is taken away, and the sun has
- *     room (a sky that is exposed to half of white has a sun of some 10^5).
- *
- * A light outside of the lens's field is missing too, and would be found in what clips: the field
- * has to be the hemisphere.
- *
- * Where nothing clips nothing is done. All radiances are in the background's units.
+ * tests/accuracy/README.md says how often, and by how much, this improves the result in random
+ * places. A light outside the lens's field is missing too, and would be attributed to what clips:
+ * the field must be the hemisphere. Without clipped lights nothing changes. All radiances are in
+ * the background camera's units.
  */
 #ifndef INLAY_HAL_LIGHTS_RECOVERY_H
 #define INLAY_HAL_LIGHTS_RECOVERY_H
@@ -54,18 +51,18 @@
 #define LIGHT_RECOVERY_UNSURE 0.02
 #define LIGHT_RECOVERY_SMALL_SR 0.002 /* a disc 2.9 degrees wide */
 
-/* A patch of ground as a camera sees it. */
+/* A patch of ground in the picture of a camera. */
 struct light_ground {
 	double radiance[3]; /* mean; white is 1 */
-	double clipped;	    /* share of its pixels, 0..1: then there is more */
+	double clipped;	    /* share of clipped pixels, 0..1; > 0: radiance is a lower bound */
 };
 
-/* A rectangle of the upright picture, inside of it. decode: linear light of each code value; row:
- * room for width pixels. */
+/* Measures a rectangle inside the upright picture. decode: linear light of each code value; row:
+ * scratch for width pixels. */
 struct light_ground light_ground_see(const struct frame_reader *picture, int x, int y, int width,
 				     int height, const float decode[256], uint32_t *row);
 
-/* What a ground can see of the sky, and what of it is clipped. */
+/* The lights as the ground sees them, and how much of each is clipped. */
 struct light_clipping {
 	int lights;
 	const double *term[3];	      /* [lights] each: u, >= 0 */
@@ -77,11 +74,11 @@ struct light_clipping {
 
 struct light_recovery {
 	bool recovered;	  /* light was added */
-	bool at_bound;	  /* and more is missing, or may be: the patch is clipped itself */
-	double factor[3]; /* 1 and more */
+	bool at_bound;	  /* more is missing (factor is at its limit) or may be (patch clipped) */
+	double factor[3]; /* of each channel, as above */
 };
 
-/* radiance[lights] is changed. */
+/* Adds the recovered light to radiance[lights]. */
 struct light_recovery light_recover(const struct light_ground *ground,
 				    const struct light_clipping *clipping, float (*radiance)[3]);
 

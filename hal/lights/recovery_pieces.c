@@ -4,21 +4,21 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#define CORNERS_MAX 32 /* of a cell: five to seven, and more where its corners coincide */
-#define BEYOND 0.01    /* of the way from node to edge: far enough from what rounding does */
+#define CORNERS_MAX 32 /* corners of a cell: five to seven, more where corners coincide */
+#define BEYOND 0.01    /* step across an edge, over the distance from node to edge */
 
 struct clipped_pieces {
 	int lights;
 	int *first;	  /* [lights + 1]: pairs of light i are first[i]..first[i + 1] - 1 */
-	int *neighbour;	  /* [pairs]: each pair once, at the later of the two */
-	int *parent;	  /* [lights]: an earlier light of the same piece, or itself */
-	double *solid_sr; /* [lights]: of each */
-	double *piece_sr; /* [lights]: what find() returns */
+	int *neighbour;	  /* [pairs]: each pair once, at the light of greater index */
+	int *parent;	  /* [lights]: union-find: an earlier light of the same piece, or itself */
+	double *solid_sr; /* [lights]: solid angle */
+	double *piece_sr; /* [lights]: result of clipped_pieces_find() */
 };
 
 /* ---- neighbours ---- */
 
-/* What lies behind the edge between two corners of a light's cell; -1: the horizon. */
+/* The light behind the edge between corners a and b of a light's cell; -1: below the horizon. */
 static int cell_across(const struct dome *dome, int light, const double a[3], const double b[3])
 {
 	double out[3];
@@ -31,7 +31,8 @@ static int cell_across(const struct dome *dome, int light, const double a[3], co
 	return dome_cell_of(dome, out);
 }
 
-/* The earlier neighbours of a light; to may be NULL. */
+/* Lists the neighbours of a light that have a smaller index; to may be NULL. Returns their
+ * count. */
 static int light_neighbours(const struct dome *dome, int light, int *to)
 {
 	double corner[CORNERS_MAX][3];
@@ -95,9 +96,9 @@ void clipped_pieces_destroy(struct clipped_pieces *p)
 	free(p);
 }
 
-/* ---- a frame ---- */
+/* ---- union-find over the clipped lights of a frame ---- */
 
-/* The earliest light of a piece; on the way there each light gets nearer to it. */
+/* The root of a light's piece, its light of smallest index. Halves the path on the way. */
 static int piece_root(struct clipped_pieces *p, int light)
 {
 	while (p->parent[light] != light) {
@@ -129,7 +130,7 @@ const double *clipped_pieces_find(struct clipped_pieces *p, const float *clipped
 	for (int i = 0; i < p->lights; i++)
 		if (clipped[i] > 0)
 			p->piece_sr[piece_root(p, i)] += (double)clipped[i] * p->solid_sr[i];
-	/* A root comes before all others of its piece, which have added nothing to themselves. */
+	/* A root comes first in its piece and holds the sum; the other lights copy it. */
 	for (int i = 0; i < p->lights; i++)
 		if (clipped[i] > 0)
 			p->piece_sr[i] = p->piece_sr[piece_root(p, i)];
