@@ -40,7 +40,7 @@ static int sampler_check_settings(const struct light_sampler_settings *s, int wi
 	return 0;
 }
 
-/* Gain and colours in one. */
+/* Multiplies gain and colours into one matrix. */
 static void fill_colours(struct light_sampler *s, const struct light_sampler_settings *settings)
 {
 	bool none = true;
@@ -73,7 +73,7 @@ static void fill_decode(struct sampler_decode *decode, const struct transfer_cur
 	}
 }
 
-/* What is left of the first table's values above a value. */
+/* Fills a second decode table: above(c) = max(decode(c) - value, 0). */
 static void fill_above(struct sampler_decode *above, const struct sampler_decode *decode, int value)
 {
 	for (int c = 0; c < 256; c++) {
@@ -169,7 +169,7 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 
 /* ---- frames ---- */
 
-/* The mean of a plane over a light, whose values are so much less than they stand for. */
+/* The mean of a plane over a light. bias is added to each value, which is stored without it. */
 static double light_mean(const struct sampler_sums *all, const struct sampler_light *light, int c,
 			 double bias)
 {

@@ -2,19 +2,19 @@
 /*
  * The light sampler: N linear colours from the fisheye's picture, every frame.
  *
- * Two estimators of L_i:
+ * Two estimators of L_i, the radiance of light i:
  *   node   the picture at the node's direction, bilinear in linear light (thesis 2.2.2);
- *   cell   the mean over the light, weighted by solid angle and, of tents, the light's weight:
- *          conserves energy, as the weights of a direction sum to 1, and cannot miss a lamp.
- * All geometry (lens, orientation, flips, squash, the cell of each pixel) is in a table made once;
- * a frame costs one pass over the pixels inside the image circle. Pixels that straddle cells are
- * shared between them by sub-pixel area, and all of them among three tents. A light that no pixel
- * reaches (fine domes, small pictures) falls back to its node. A cell outside the lens's field is
- * dark, and counted.
+ *   cell   the mean over the light, weighted by solid angle and, for tents, by the light's weight.
+ *          It conserves energy, because the weights of a direction sum to 1, and misses no lamp.
+ * A table made once holds all geometry (lens, orientation, flips, squash, the cell of each pixel).
+ * A frame costs one pass over the pixels inside the image circle. Pixels that straddle cells are
+ * shared between the cells by sub-pixel area; with tents, every pixel is shared among three lights.
+ * A light that no pixel reaches (fine domes, small pictures) gets the value of its node. A cell
+ * outside the lens's field is dark, and counted.
  *
- * A pixel whose centre lies outside the field or below the horizon shows less sky than what is
- * around it, and is left out by both: a sky of one colour gives that colour to every light, those
- * on the horizon included, exactly.
+ * Both estimators leave out pixels whose centre lies outside the field or below the horizon,
+ * because such a pixel shows less sky than its neighbours. So a sky of one colour gives exactly
+ * that colour to every light, also at the horizon.
  */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_H
 #define INLAY_HAL_LIGHTS_SAMPLER_H
@@ -36,62 +36,61 @@ struct light_sampler_settings {
 	enum light_estimator estimator;
 	struct transfer_curve curve; /* of the camera's 8-bit code values; its black level is the
 					thesis's DARKRGB */
-	double gain; /* linear light is multiplied by it: fisheye units to background units; >= 0 */
-	/* Then this camera's linear R, G, B become the background's, row by row: all 0 stands for
-	 * the identity. Of each light's colour, not of each pixel. What comes out negative, a
-	 * colour that the background camera cannot see, is 0. */
+	double gain; /* factor of linear light, fisheye units to background units; >= 0 */
+	/* 3 x 3 matrix, row by row, from this camera's linear R, G, B to the background camera's;
+	 * all 0: the identity. Applied to the colour of each light, after gain. Negative results,
+	 * colours that the background camera cannot see, become 0. */
 	double colours[9];
 };
 
 struct light_sampler;
 
-/* For upright pictures of this size; the dome is not needed afterwards. -EINVAL: a setting or size
- * out of range; -ENOMEM. */
+/* Creates a sampler of upright pictures of this size; the dome is not needed afterwards. 0;
+ * -EINVAL: a setting or size out of range; -ENOMEM. */
 int light_sampler_create(struct light_sampler **sampler, const struct dome *dome,
 			 const struct fisheye *lens, int width, int height,
 			 const struct light_sampler_settings *settings, struct fault *fault);
 
 /*
- * radiance[i] gets the colour of light i: R, G, B. The frame is read as it is, its pixels inside
- * the image circle once each, from top to bottom. Strips of it are shared among the pool's threads;
- * NULL: the calling thread does all. Nothing is allocated but once for each thread. -EINVAL:
- * another size; -ENOMEM.
+ * Writes the colour R, G, B of light i to radiance[i], and to *clipped (may be NULL) the share of
+ * the sky's solid angle, 0..1, that is clipped (any channel at 255). Reads the frame in the
+ * camera's format, each pixel inside the image circle once, from top to bottom. The pool's threads
+ * share strips of the frame; NULL: the calling thread reads all. Allocates only once per thread. 0;
+ * -EINVAL: another size; -ENOMEM.
  *
- * Returns the share of the sky's solid angle (0..1) that is clipped (any channel at 255) through
- * clipped, which may be NULL. Integer arithmetic but for the last scaling: the same on every
- * machine, with any number of threads.
- *
- * A colour is within 2^-14 of itself and gain * 2^-16 of what double precision makes of the same
- * pixels and their shares; with colours, each channel by as much of what its row adds up, whatever
- * the signs.
+ * The arithmetic is integer except for the last scaling: results are the same on every machine,
+ * with any number of threads. Against double precision over the same pixels and shares, the error
+ * of a colour L is at most
+ *     2^-14 L + 2^-16 gain
+ * With a matrix, the same bound holds for the sum of the absolute terms of each row.
  */
 int light_sampler_read_frame(struct light_sampler *sampler, const struct frame_reader *frame,
 			     struct pool *pool, float (*radiance)[3], double *clipped);
 
-/* The same from a picture in memory, by the calling thread. */
+/* Reads a picture in memory, on the calling thread; otherwise as light_sampler_read_frame(). */
 int light_sampler_read(struct light_sampler *sampler, const struct picture *picture,
 		       float (*radiance)[3], double *clipped);
 
-/* The same from a float picture of linear radiance (the curve does not apply; gain and
- * colours do). */
+/* Reads a float picture of linear radiance: the curve does not apply, gain and colours do. 0;
+ * -EINVAL: another size, or no float picture. */
 int light_sampler_read_linear(struct light_sampler *sampler, const struct image *picture,
 			      float (*radiance)[3]);
 
 /*
- * From the next frame on, what is brighter than `level` of white (0..1) is measured too, by itself:
- * the mean of max(x - level, 0) over each light, for exposures.h. 1, as it is at first: it is not.
+ * From the next frame on, also measures the light above `level`, as a share of white (0..1):
+ *     the mean of max(x - level, 0) over each light
+ * exposures.h needs it. 1, the initial value: off.
  */
 void light_sampler_above(struct light_sampler *sampler, double level);
 
-/* That of the frame read last, radiance[lights]; 0 where nothing is so bright. Valid until the
- * next. */
+/* The light above the level in the last frame, [lights]; valid until the next frame. */
 const float (*light_sampler_excess(const struct light_sampler *sampler))[3];
 
-/* [lights]: the share of each light that was clipped in the frame read last, 0..1; 0 exactly where
- * none of its pixels was. Valid until the next. */
+/* The clipped share of each light in the last frame, [lights], 0..1; exactly 0 if none of its
+ * pixels was clipped. Valid until the next frame. */
 const float *light_sampler_clipped(const struct light_sampler *sampler);
 
-/* How many lights' cells the lens does not see: they are dark. */
+/* Number of lights that the lens does not see; they are dark. */
 int light_sampler_unseen(const struct light_sampler *sampler);
 
 void light_sampler_destroy(struct light_sampler *sampler);

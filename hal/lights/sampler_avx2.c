@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* AVX2. */
+/* AVX2. sampler_decode_c() of the C table decodes the rest of a row. */
 #include <immintrin.h>
 #include <stddef.h>
 #include <string.h>
@@ -17,13 +17,13 @@ static inline __m256i avx2_look_up(const int32_t table[256], __m256i pixels, int
 	return _mm256_i32gather_epi32(table, code, 4);
 }
 
-/* Two times eight lanes of 32 bits to sixteen of 16, in order. */
+/* Packs twice eight lanes of 32 bits to sixteen of 16 bits, in order. */
 static inline __m256i avx2_narrow(__m256i first, __m256i second)
 {
 	return _mm256_permute4x64_epi64(_mm256_packs_epi32(first, second), 0xd8);
 }
 
-/* -1 where a channel is 255. */
+/* -1 in lanes where a channel is 255. */
 static inline __m256i avx2_clipped(__m256i pixels)
 {
 	const __m256i full = _mm256_and_si256(_mm256_cmpeq_epi8(pixels, _mm256_set1_epi8(-1)),
@@ -61,7 +61,7 @@ static inline __m256i avx2_widened(__m256i lanes)
 				_mm256_cvtepi32_epi64(_mm256_extracti128_si256(lanes, 1)));
 }
 
-/* 128 times high and once low. */
+/* Sum of all lanes of 128 * high + low. */
 static inline int64_t avx2_flushed(__m256i high, __m256i low)
 {
 	const __m256i all = _mm256_add_epi64(_mm256_slli_epi64(avx2_widened(high), 7),
@@ -72,7 +72,7 @@ static inline int64_t avx2_flushed(__m256i high, __m256i low)
 	return _mm_cvtsi128_si64(half) + _mm_extract_epi64(half, 1);
 }
 
-/* The spans that fit into 32 bits, SAMPLER_CHUNKS_MAX of them: how many. */
+/* Adds as many spans as 32-bit sums can hold, SAMPLER_CHUNKS_MAX chunks. Returns their number. */
 static inline __attribute__((always_inline)) int
 avx2_add_some(const int16_t *planes, int count, size_t plane_stride,
 	      const struct sampler_span *spans, int span_count, const uint16_t **weights,
@@ -117,7 +117,8 @@ static void sampler_add_avx2(const int16_t *planes, int count, size_t plane_stri
 {
 	memset(sum, 0, SAMPLER_PLANES * sizeof(*sum));
 	for (int k = 0; k < span_count;) {
-		/* The number of planes is a constant in both, so that sums stay in registers. */
+		/* The number of planes is a constant in each call, so that sums stay in
+		 * registers. */
 		if (count == 3)
 			k += avx2_add_some(planes, 3, plane_stride, spans + k, span_count - k,
 					   &weight, sum);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* AVX-512 F, BW, DQ, VL, VBMI and VNNI. */
+/* AVX-512 with F, BW, DQ, VL, VBMI and VNNI. */
 #include <immintrin.h>
 #include <stddef.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 
 enum { PIXELS = 64, VALUES = 32 };
 
-/* Weights are asked for so many before they are needed: other memory comes in between. */
+/* Weights are prefetched so many values ahead. */
 enum { AHEAD = 2048 };
 
 /* A table of 256 bytes in registers. */
@@ -28,15 +28,15 @@ static inline struct lookup avx512_load_lookup(const uint8_t table[256])
 
 static inline __m512i avx512_look_up(const struct lookup *l, __m512i code)
 {
-	/* Seven bits choose among 128 bytes, the eighth between the halves. */
+	/* Seven bits select among 128 bytes, the eighth selects the half of the table. */
 	const __m512i low = _mm512_permutex2var_epi8(l->quarter[0], code, l->quarter[1]);
 	const __m512i high = _mm512_permutex2var_epi8(l->quarter[2], code, l->quarter[3]);
 
 	return _mm512_mask_blend_epi8(_mm512_movepi8_mask(code), low, high);
 }
 
-/* Where 64 pixels' codes of one channel lie so that unpacking bytes to words puts them in order:
- * pixels 8 L.. in the low half of lane L, 32 + 8 L.. in the high one. */
+/* Byte indices that gather the codes of one channel of 64 pixels such that unpacking bytes to words
+ * puts them in order: pixels 8 L.. in the low half of lane L, 32 + 8 L.. in the high half. */
 static inline __m512i avx512_gather_order(int channel)
 {
 	const __m512i lanes = _mm512_setr_epi64(0, 0, 0x2020202020202020, 0x2020202020202020,
@@ -55,7 +55,7 @@ static inline __m512i avx512_gather(const __m512i pixels[4], __m512i order)
 	return _mm512_mask_blend_epi8(0xff00ff00ff00ff00, first, second);
 }
 
-/* Low and high bytes in that order to 64 words, of which those of the mask are written. */
+/* Unpacks low and high bytes in that order to 64 words and writes those of the mask. */
 static inline __attribute__((always_inline)) void avx512_store(int16_t *to, __m512i low,
 							       __m512i high, __mmask64 which)
 {
@@ -64,7 +64,8 @@ static inline __attribute__((always_inline)) void avx512_store(int16_t *to, __m5
 				 _mm512_unpackhi_epi8(low, high));
 }
 
-/* What a mask leaves out of the pixels is 0 and not clipped. */
+/* Decodes 64 pixels; those outside the mask count as 0 and are not written. Returns the clipped
+ * ones. */
 static inline __attribute__((always_inline)) __mmask64
 avx512_decode_pixels(const struct lookup *low, const struct lookup *high, const __m512i order[3],
 		     const uint32_t *bgrx, int16_t *planes, size_t plane_stride, __mmask64 which)
@@ -103,7 +104,7 @@ static bool sampler_decode_avx512(const struct sampler_decode *table, const uint
 	return any != 0;
 }
 
-/* Eight lanes of 64 bits: 128 times high and once low, all of them. */
+/* 128 * high + low in eight lanes of 64 bits. */
 static inline __m512i avx512_widened(__m512i high, __m512i low)
 {
 	const __m512i h =
@@ -121,7 +122,7 @@ static inline __m512i avx512_add_pairs(__m512i a, __m512i b)
 	return _mm512_add_epi64(_mm512_unpacklo_epi64(a, b), _mm512_unpackhi_epi64(a, b));
 }
 
-/* Adds up each of four vectors. */
+/* Adds all lanes of each of the four planes' 128 * high + low to sum. */
 static inline void avx512_flush(const __m512i high[4], const __m512i low[4],
 				int64_t sum[SAMPLER_PLANES])
 {
@@ -141,7 +142,7 @@ static inline void avx512_flush(const __m512i high[4], const __m512i low[4],
 			    _mm256_add_epi64(four, _mm256_loadu_si256((const void *)sum)));
 }
 
-/* The spans that fit into 32 bits, SAMPLER_CHUNKS_MAX of them: how many. */
+/* Adds as many spans as 32-bit sums can hold, SAMPLER_CHUNKS_MAX chunks. Returns their number. */
 static inline __attribute__((always_inline)) int
 avx512_add_some(const int16_t *planes, int count, size_t plane_stride,
 		const struct sampler_span *spans, int span_count, const uint16_t **weights,
@@ -200,7 +201,8 @@ static void sampler_add_avx512(const int16_t *planes, int count, size_t plane_st
 {
 	memset(sum, 0, SAMPLER_PLANES * sizeof(*sum));
 	for (int k = 0; k < span_count;) {
-		/* The number of planes is a constant in both, so that sums stay in registers. */
+		/* The number of planes is a constant in each call, so that sums stay in
+		 * registers. */
 		if (count == 3)
 			k += avx512_add_some(planes, 3, plane_stride, spans + k, span_count - k,
 					     &weight, sum);

@@ -29,7 +29,7 @@ int sampler_scratch_grow(struct light_sampler *s, int threads)
 			free(more->row);
 			return -ENOMEM;
 		}
-		memset(more->planes, 0, bytes); /* values without weight are read too */
+		memset(more->planes, 0, bytes); /* kernels also read values of weight 0 */
 	}
 	return 0;
 }
@@ -41,7 +41,7 @@ struct sampler_pass {
 	const struct frame_reader *reader;
 };
 
-/* Whether anything of it is clipped. */
+/* Decodes a strip into planes. Returns whether any pixel is clipped. */
 static bool decode_strip(const struct sampler_pass *pass, int strip,
 			 const struct sampler_decode *decode, const struct sampler_scratch *scratch)
 {

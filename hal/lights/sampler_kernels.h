@@ -2,7 +2,7 @@
 /*
  * The inner loops of the light sampler, one table of functions for each instruction set.
  *
- * sampler_kernels.c is the specification: all is integer and exact, so every other table gives the
+ * sampler_c.c is the specification. All arithmetic is integer and exact, so every table gives the
  * same numbers. No function writes beyond what its comment names.
  */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_KERNELS_H
@@ -12,21 +12,21 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Red, green, blue, and whether a pixel is clipped. */
+/* Planes of values: red, green, blue, clipped (0 or 1). */
 enum { SAMPLER_PLANES = 4 };
 
-/* Values that weights are given for at a time: the rest of the last ones are 0. */
+/* Weights come in chunks of so many; the last chunk of a span is padded with 0. */
 enum { SAMPLER_CHUNK = 16 };
 
-/* Linear light less one half, 65535 = 1: -32768..32767. */
+/* Linear light of each code value: round(65535 * linear) - 32768, in -32768..32767. */
 struct sampler_decode {
 	int16_t value[256];
-	int32_t wide[256];	     /* the same again */
-	uint8_t low[256], high[256]; /* and its bytes */
+	int32_t wide[256];	     /* the same values, for gathers of 32 bits */
+	uint8_t low[256], high[256]; /* their low and high bytes, for lookups of bytes */
 };
 
-/* Of a span: with weights split into seven bits and eight, the sums of so many products of pairs
- * stay below 2^31, as 128 * 2 * 2^15 * 255 does. */
+/* Most chunks of a span. Kernels split weights into 8 and 7 bits, so that the 32-bit sums of pairs
+ * of products do not overflow: 128 * 2 * 2^15 * 255 < 2^31. */
 enum { SAMPLER_CHUNKS_MAX = 128 };
 
 struct sampler_span {
@@ -36,29 +36,30 @@ struct sampler_span {
 
 struct sampler_kernels {
 	const char *name;
-	unsigned needs; /* of the processor: enum processor_feature */
+	unsigned needs; /* enum processor_feature, or'ed */
 
-	/* count pixels into planes that lie plane_stride values apart: R, G, B, and 1 where one
-	 * of them is 255 or else 0. Whether that was so anywhere. X is ignored. */
+	/* Decodes count pixels into planes that lie plane_stride values apart: R, G, B, and
+	 * clipped, which is 1 if a channel is 255, else 0. Returns whether any pixel is clipped.
+	 * Ignores X. */
 	bool (*decode)(const struct sampler_decode *table, const uint32_t *bgrx, int count,
 		       int16_t *planes, size_t plane_stride);
 
-	/* sum[c] = of all spans, value times weight, of the first 3 or all 4 planes; without the
-	 * fourth its sum is 0. weight is 32-byte aligned, none is above 32767. What lies beyond a
-	 * span's pixels, up to a whole chunk, is read and has no weight. */
+	/* sum[c] = sum over all spans of value * weight, for the first 3 or all 4 planes; with 3,
+	 * sum[3] = 0. weight is 32-byte aligned and at most 32767. Values behind a span, up to a
+	 * whole chunk, are read and have weight 0. */
 	void (*add)(const int16_t *planes, int plane_count, size_t plane_stride,
 		    const struct sampler_span *spans, int span_count, const uint16_t *weight,
 		    int64_t sum[SAMPLER_PLANES]);
 };
 
-/* The tables that this program was built with, the specification first, the fastest last, then
- * NULL. */
+/* The tables in this program, from the C one to the fastest, then NULL. */
 extern const struct sampler_kernels *const sampler_kernels_all[];
 
-/* The fastest that the processor has and the environment's INLAY_KERNEL allows (processor.h). */
+/* The fastest table that the processor and the environment variable INLAY_KERNEL allow
+ * (processor.h). */
 const struct sampler_kernels *sampler_kernels_choose(void);
 
-/* The specification; what other tables leave of a row is its. */
+/* decode of the C table (sampler_c.c). Other tables use it for the rest of a row, or as it is. */
 bool sampler_decode_c(const struct sampler_decode *table, const uint32_t *bgrx, int count,
 		      int16_t *planes, size_t plane_stride);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* NEON of aarch64. Codes are looked up one by one: tables of 256 do not fit its registers. */
+/* NEON of aarch64. Decoding is the C table's: a table of 256 does not fit into the registers. */
 #include <arm_neon.h>
 #include <stddef.h>
 
 #include "hal/base/processor.h"
 #include "hal/lights/sampler_kernels.h"
 
-/* Products of 2^30 are added in pairs to 64 bits: no sum can overflow. */
+/* Adds products, at most 2^30, in pairs to 64 bits: no sum can overflow. */
 static inline int64x2_t neon_add8(int64x2_t sum, int16x8_t value, int16x8_t weight)
 {
 	sum = vpadalq_s32(sum, vmull_s16(vget_low_s16(value), vget_low_s16(weight)));
@@ -43,7 +43,7 @@ static void sampler_add_neon(const int16_t *planes, int count, size_t plane_stri
 			     const struct sampler_span *spans, int span_count,
 			     const uint16_t *weight, int64_t sum[SAMPLER_PLANES])
 {
-	/* The number of planes is a constant in both, so that sums stay in registers. */
+	/* The number of planes is a constant in each call, so that sums stay in registers. */
 	if (count == 3)
 		neon_add_planes(planes, 3, plane_stride, spans, span_count, weight, sum);
 	else
@@ -53,6 +53,6 @@ static void sampler_add_neon(const int16_t *planes, int count, size_t plane_stri
 const struct sampler_kernels sampler_kernels_neon = {
 	.name = "neon",
 	.needs = PROCESSOR_NEON,
-	.decode = sampler_decode_c, /* the C kernel: see the head of this file */
+	.decode = sampler_decode_c, /* borrowed from sampler_kernels_c */
 	.add = sampler_add_neon,
 };

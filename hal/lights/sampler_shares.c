@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SUBPIXELS 8	 /* each way, in pixels that straddle cells */
-#define TENT_SUBPIXELS 2 /* the same of tents: what is linear in a pixel is exact */
+#define SUBPIXELS 8	 /* sub-pixels per side, in pixels that straddle cells */
+#define TENT_SUBPIXELS 2 /* the same for tents, where weights nearly linear in a pixel need few */
 #define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
 
 struct shares_builder {
@@ -34,7 +34,7 @@ static int add_share(struct sampler_shares *list, int light, int x, int y, doubl
 	return 0;
 }
 
-/* The cell seen at a point of the picture; -1 outside the field and below the horizon. */
+/* The cell at a point of the picture; -1: outside the field or below the horizon. */
 static int light_at(const struct shares_builder *b, double x, double y)
 {
 	const double px[2] = {x, y};
@@ -48,8 +48,8 @@ static int corner_light(const struct shares_builder *b, int x, int y)
 	return b->corner_light[(size_t)y * (b->width + 1) + x];
 }
 
-/* Whether the picture's rim may pass through a pixel none of whose corners sees the sky: a corner
- * around it does then. */
+/* For a pixel none of whose corners sees the sky: whether the rim of the sky may pass through it,
+ * which is so if a corner of the pixels around it sees the sky. */
 static bool near_sky(const struct shares_builder *b, int x, int y)
 {
 	for (int j = y - 1; j <= y + 2; j++)
@@ -60,7 +60,7 @@ static bool near_sky(const struct shares_builder *b, int x, int y)
 	return false;
 }
 
-/* The directions of the pixel's four corners; false when one of them does not see the sky. */
+/* Directions of the pixel's four corners. False: a corner does not see the sky. */
 static bool corner_rays(const struct shares_builder *b, int x, int y, double corner[4][3])
 {
 	for (int k = 0; k < 4; k++) {
@@ -73,9 +73,9 @@ static bool corner_rays(const struct shares_builder *b, int x, int y, double cor
 	return true;
 }
 
-/* Counts sub-pixels by light. Within a pixel the direction is as good as bilinear in position (off
- * by 1e-3 pixels in a picture of 480), and that is much cheaper than the lens; not at the rim,
- * where a part is not seen. */
+/* Counts sub-pixels by light. Returns the number of lights. Inside a pixel it interpolates the
+ * direction bilinearly between the corners (error 1e-3 pixels in a picture of 480 x 480), which is
+ * much cheaper than the lens; but not at the rim, where a corner does not see the sky. */
 static int count_subpixels(const struct shares_builder *b, int x, int y,
 			   int light[SUBPIXELS * SUBPIXELS], int count[SUBPIXELS * SUBPIXELS])
 {
@@ -111,7 +111,8 @@ static int count_subpixels(const struct shares_builder *b, int x, int y,
 	return kinds;
 }
 
-/* Of each sub-pixel that sees the sky its lights' weights, added up by light. */
+/* Adds up the weights of the lights over the sub-pixels that see the sky. Returns the number of
+ * lights. */
 static int weigh_subpixels(const struct shares_builder *b, int x, int y, int light[TENTS_MAX],
 			   double sum[TENTS_MAX])
 {
@@ -166,7 +167,7 @@ static int share_by_tent(struct shares_builder *b)
 	return ret;
 }
 
-/* Cells are convex: a pixel whose corners lie in one lies in it. */
+/* Shares a pixel among cells. Cells are convex: if all four corners lie in one, the pixel does. */
 static int share_pixel(struct shares_builder *b, int x, int y)
 {
 	const double centre[2] = {x + 0.5, y + 0.5};
@@ -215,7 +216,7 @@ static int share_by_cell(struct shares_builder *b)
 	return 0;
 }
 
-/* The pixel nearest to px, of those around it, whose centre sees the sky. */
+/* Gives a light the pixel nearest to px, among the pixels around it whose centre sees the sky. */
 static int share_nearest(struct shares_builder *b, int light, const double px[2])
 {
 	const int x0 = (int)floor(px[0]), y0 = (int)floor(px[1]);
@@ -236,8 +237,8 @@ static int share_nearest(struct shares_builder *b, int light, const double px[2]
 	return best < INFINITY ? add_share(&b->shares, light, found[0], found[1], 1) : 0;
 }
 
-/* Bilinear at the node, of the pixels whose centre sees the sky. Nothing when the lens does not see
- * the node or the picture does not hold it. */
+/* Gives a light the bilinear weights at its node, of the pixels whose centre sees the sky. Adds
+ * none if the node lies outside the lens's field or the picture. */
 static int share_node(struct shares_builder *b, int light)
 {
 	double px[2], total = 0;
@@ -276,7 +277,7 @@ static int share_nodes(struct shares_builder *b, const bool *done)
 	return 0;
 }
 
-/* The lights that no pixel reaches get their nodes. */
+/* Gives each light that no pixel reaches the weights at its node. */
 static int share_missing(struct shares_builder *b)
 {
 	bool *done = calloc((size_t)b->dome->count, sizeof(*done));

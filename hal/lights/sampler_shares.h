@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which pixels show which lights, and how much of them: the geometry behind the sampler's table. */
+/* The geometry behind the sampler's table: which pixels show which lights, and with what weight. */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_SHARES_H
 #define INLAY_HAL_LIGHTS_SAMPLER_SHARES_H
 
@@ -7,20 +7,20 @@
 
 #include "hal/lights/sampler.h"
 
-/* A pixel's part in a light. */
+/* Weight of a pixel in the mean of a light. */
 struct sampler_share {
 	int light;
 	uint16_t x, y;
-	float weight; /* in any unit, the same for all of a light */
+	float weight; /* any unit, the same for all pixels of a light */
 };
 
-/* Those of one light go from top to bottom, and from left to right in a row. */
+/* The shares of one light are in order: from top to bottom, and from left to right in a row. */
 struct sampler_shares {
 	struct sampler_share *items;
 	size_t count, room;
 };
 
-/* -ENOMEM. Empty on failure. */
+/* 0 or -ENOMEM; empty on failure. */
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
 			  enum light_estimator estimator);

@@ -7,20 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A light whose small weights are many, next to all its weight, has a fine sum too: see README.md.
- * A weight is small below half of the largest one's. */
+/* Weights below this, half of the largest, are small. A light in which they matter has a fine sum
+ * too (README.md, The arithmetic). */
 #define SMALL_WEIGHT 16384
 
-/* Pixels between two that are needed, up to which they are read as one segment. */
+/* Two needed pixels with a gap of at most so many pixels between them are read in one segment. */
 #define SEGMENT_GAP 64
 
 struct table_packer {
 	struct sampler_table *table;
 	const struct sampler_share *shares;
 	size_t count;
-	float *weight; /* [count]: of the shares, over what the lens passes there */
-	int *order;    /* [count]: by light, then by strip and light */
-	float *scale;  /* [lights]: of weights, to units of the largest */
+	float *weight; /* [count]: weights of the shares, divided by the lens's falloff */
+	int *order;    /* [count]: shares sorted by light, later by strip and light */
+	float *scale;  /* [lights]: from weights to units of the light's largest */
 	int spans, segments;
 	size_t weights, weight_room;
 };
@@ -35,7 +35,7 @@ static int share_light(const struct sampler_share *share)
 	return share->light;
 }
 
-/* Stable: what is of one key keeps its order. */
+/* Counting sort of the order by a key in 0..keys - 1; stable. 0 or -ENOMEM. */
 static int sort_by(struct table_packer *p, int (*key)(const struct sampler_share *), int keys)
 {
 	int *first = calloc((size_t)keys + 1, sizeof(*first));
@@ -58,7 +58,8 @@ static int sort_by(struct table_packer *p, int (*key)(const struct sampler_share
 	return 0;
 }
 
-/* A weight in units of the light's largest: the whole part, and what is left in the next bits. */
+/* A weight in units of the light's largest: the integer part, and the next SAMPLER_FINE_BITS
+ * bits. */
 struct weight_digits {
 	uint16_t whole, fine;
 };
@@ -77,7 +78,7 @@ static struct weight_digits digits_of(const struct table_packer *p, int k)
 				      (uint16_t)(all & ((1U << SAMPLER_FINE_BITS) - 1))};
 }
 
-/* Shares of one light, which order[] lists in a row. */
+/* Sets up a light from its shares, order[first .. first + count - 1]. */
 static void measure_light(struct table_packer *p, int light, size_t first, size_t count)
 {
 	struct sampler_light *l = &p->table->light[light];
@@ -130,7 +131,7 @@ static bool share_continues(const struct sampler_share *before, const struct sam
 	return before->y == here->y && before->x + 1 == here->x;
 }
 
-/* Room for another span's weights, all 0. */
+/* Appends count weights of 0. Returns them; NULL: no memory. */
 static uint16_t *add_weights(struct table_packer *p, size_t count)
 {
 	struct sampler_table *t = p->table;
@@ -154,7 +155,8 @@ static uint16_t *add_weights(struct table_packer *p, size_t count)
 	return weights;
 }
 
-/* Spans of shares first.. of one light in one strip, with whole weights or with fine ones. */
+/* Packs order[first .. end - 1], the shares of one light in one strip, into spans, with the whole
+ * or with the fine weights. */
 static int pack_part(struct table_packer *p, size_t first, size_t end, bool fine)
 {
 	struct sampler_table *t = p->table;
@@ -194,7 +196,7 @@ static int pack_part(struct table_packer *p, size_t first, size_t end, bool fine
 	return 0;
 }
 
-/* The pixels of a row of a strip that any light needs: needed[] holds them, and is cleared. */
+/* Packs the needed pixels of a row of a strip into segments, and clears needed[]. */
 static void pack_segments(struct table_packer *p, int row, uint8_t *needed, int width)
 {
 	struct sampler_segment *open = NULL;
@@ -279,7 +281,7 @@ static int table_pack(struct table_packer *p, const struct fisheye *lens, int wi
 	return ret < 0 ? ret : pack_strips(p, width);
 }
 
-/* The same memory, no larger than this; where that fails, as it was. */
+/* Shrinks memory to bytes; returns it unchanged if that fails. */
 static void *memory_shrunk(void *memory, size_t bytes)
 {
 	void *smaller = realloc(memory, bytes);
@@ -301,7 +303,7 @@ static void table_shrink(struct table_packer *p)
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
 			 const struct fisheye *lens, int lights, int width, int height)
 {
-	/* No more parts, spans or segments than that, with a fine span for each. */
+	/* Upper bound of parts, spans and segments: each share is one, and has a fine one. */
 	const size_t most = 2 * shares->count + 1;
 	struct table_packer p = {.table = table, .shares = shares->items, .count = shares->count};
 	int ret = -ENOMEM;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which pixels make up which light, with what weight, in the order in which a picture is read.
+ * The sampler's table: the pixels of each light with their weights, in the order in which a picture
+ * is read.
  *
- * A picture is taken in strips of rows, each decoded to planes of linear light that stay in the
- * cache. A part is what one light has in one strip: spans of pixels with a weight each.
+ * A picture is read in strips of rows. Each strip is decoded to planes of linear light that stay in
+ * the cache. A part is one light in one strip: spans of pixels with a weight each.
  */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_TABLE_H
 #define INLAY_HAL_LIGHTS_SAMPLER_TABLE_H
@@ -13,18 +14,18 @@
 
 enum { SAMPLER_STRIP_ROWS = 16 };
 
-/* Weights of a light are in units of its largest over SAMPLER_WEIGHT_MAX; where that is too coarse
- * (README.md), a second sum has the next SAMPLER_FINE_BITS bits of each. */
+/* The unit of a light's weights is (its largest weight) / SAMPLER_WEIGHT_MAX. Where that is too
+ * coarse (README.md), a second sum has the next SAMPLER_FINE_BITS bits of each weight. */
 #define SAMPLER_WEIGHT_MAX 32767
 #define SAMPLER_FINE_BITS 15
 
 struct sampler_part {
-	int sum; /* which one it adds to */
+	int sum; /* index of the sum that it adds to */
 	int first_span, spans;
 	size_t first_weight;
 };
 
-/* Pixels of a strip that are needed. */
+/* A run of pixels of a strip that some light needs. */
 struct sampler_segment {
 	uint16_t row, x, count;
 };
@@ -34,19 +35,18 @@ struct sampler_strip {
 };
 
 struct sampler_light {
-	int sum, fine;	 /* indices of its sums; fine: -1 where it has none, both -1: unseen */
-	double whole[2]; /* the weights of each, added up */
+	int sum, fine;	 /* indices of its sums; fine -1: it has only one; both -1: unseen */
+	double whole[2]; /* sum of the weights of each */
 	/*
-	 * Where the lens passes less light than on its axis, weights are larger by as much; this
-	 * makes up for what that adds to whole: the weights with it over those without, 1 for a
-	 * lens without falloff.
+	 * Weights are divided by the lens's falloff, which makes whole larger. This factor undoes
+	 * that: (sum of weights / falloff) / (sum of weights); 1 for a lens without falloff.
 	 */
 	double brighter;
 };
 
 struct sampler_table {
 	int lights, sums, strips, parts;
-	int row_stride; /* values from a row of a strip's planes to the next */
+	int row_stride; /* values from one row of a strip's planes to the next */
 	struct sampler_light *light;
 	struct sampler_strip *strip;
 	struct sampler_part *part;
@@ -56,7 +56,7 @@ struct sampler_table {
 	int unseen;	  /* lights without pixels */
 };
 
-/* -ENOMEM. Zeroed on failure. */
+/* 0 or -ENOMEM; zeroed on failure. */
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
 			 const struct fisheye *lens, int lights, int width, int height);
 void sampler_table_free(struct sampler_table *table); /* idempotent; zeroed is fine */
