@@ -122,11 +122,12 @@ int dome_cell_of(const struct dome *dome, const double dir[3])
 }
 
 /*
- * A point uniform in the triangle a b c (Arvo, "Stratified sampling of spherical triangles", 1995):
- * an arc from b that cuts off the share u of the area, and on it a point that cuts off the share v
- * of the thin triangle at b. The arc's end is a cos x + t sin x, t the unit tangent at a towards c;
- * van Oosterom and Strackee's formula gives tan(area / 2) of the part cut off as a ratio linear in
- * tan(x / 2), solved here: no angles whose digits cancel in small triangles.
+ * Draws a point uniform in the spherical triangle a b c (Arvo, "Stratified sampling of spherical
+ * triangles", 1995): an arc from b that cuts off the share u of the area, and on the arc a point
+ * that cuts off the share v of the thin triangle at b. The arc's end is a cos x + t sin x, with t
+ * the unit tangent at a towards c. Van Oosterom and Strackee's formula gives tan(area / 2) of the
+ * part cut off as a ratio linear in tau = tan(x / 2), which is solved here: it uses no angles,
+ * whose digits would cancel in small triangles.
  */
 static void sample_triangle(const double a[3], const double b[3], const double c[3], double u,
 			    double v, double dir[3])
@@ -145,7 +146,7 @@ static void sample_triangle(const double a[3], const double b[3], const double c
 		end[k] = (a[k] * (1 - tau * tau) + t[k] * 2 * tau) / (1 + tau * tau);
 		across[k] = end[k] - b[k];
 	}
-	/* 1 - cos is uniform along the arc: sin(angle / 2) = sqrt(v) sin(whole / 2) */
+	/* 1 - cos(angle) is uniform along the arc: sin(angle / 2) = sqrt(v) sin(whole / 2) */
 	chord = vec_length(across);
 	half = asin(sqrt(v) * fmin(0.5 * chord, 1));
 	sine = sin(2 * half);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Each cell by itself: around its node the sphere is projected onto the tangent plane, where the
- * great circle between the node and another is a straight line; a large square is cut by the
- * horizon and by the line of each near node. Nothing is assumed of how nodes lie, and four on a
- * circle make no trouble: the corner of the fourth is the same point again.
+ * Each cell is made by itself. Around its node the sphere is projected onto the tangent plane,
+ * where the great circle halfway between the node and another node is a straight line. A large
+ * square is cut by the horizon and by the line of each near node. The nodes may lie anywhere; if
+ * four lie on a circle, the fourth only yields a corner that exists already.
  */
 #include "hal/optics/dome_cells.h"
 
@@ -16,7 +16,7 @@
 #include "hal/optics/vec.h"
 
 #define POLYGON_MAX 64
-#define SQUARE 8.0 /* half the first square's side: cells reach less than atan(8) = 83 degrees */
+#define SQUARE 8.0 /* half the side of the first square: cells reach less than atan(8) = 83 deg */
 #define SAME 1e-11 /* corners nearer than this are one */
 
 struct polygon {
@@ -24,14 +24,14 @@ struct polygon {
 	double at[POLYGON_MAX][2];
 };
 
-/* Nodes by grid cell of the map. */
+/* Nodes sorted by grid cell of the map (dome_map.h). */
 struct near_grid {
 	int side;
 	int *first; /* [side * side + 1] */
 	int *node;
 };
 
-/* Keeps the part where a x + b y + c >= 0. */
+/* Cuts off the part of the polygon where a x + b y + c < 0. */
 static void polygon_cut(struct polygon *p, double a, double b, double c)
 {
 	struct polygon out = {.count = 0};
@@ -56,7 +56,7 @@ static void polygon_cut(struct polygon *p, double a, double b, double c)
 	*p = out;
 }
 
-/* Two unit vectors that make a right-handed frame with n. */
+/* Two unit vectors e1, e2 that make a right-handed frame e1, e2, n. */
 static void tangent_frame(const double n[3], double e1[3], double e2[3])
 {
 	const double axis[3] = {fabs(n[0]) < 0.6, fabs(n[0]) >= 0.6, 0};
@@ -110,7 +110,7 @@ static void near_grid_free(struct near_grid *grid)
 	free(grid->node);
 }
 
-/* Cuts by all nodes nearer than reach (and some beyond, which do no harm). */
+/* Cuts by all nodes nearer than reach, in rad, and by some beyond, which is harmless. */
 static void cut_by_near(struct polygon *p, const struct near_grid *grid, const double (*node)[3],
 			int i, double reach, const double e1[3], const double e2[3])
 {
@@ -130,7 +130,7 @@ static void cut_by_near(struct polygon *p, const struct near_grid *grid, const d
 				cut_by_node(p, node[i], node[grid->node[k]], e1, e2);
 }
 
-/* From the tangent plane to the sphere; corners that coincide become one. Returns how many. */
+/* Projects the corners back to the sphere and merges those that coincide. Returns their number. */
 static int lift_corners(const struct polygon *p, const double node[3], const double e1[3],
 			const double e2[3], double (*corner)[3])
 {
@@ -145,15 +145,15 @@ static int lift_corners(const struct polygon *p, const double node[3], const dou
 		for (int k = 0; k < 3; k++)
 			c[k] = node[k] + here[0] * e1[k] + here[1] * e2[k];
 		if (fabs(c[2]) < SAME)
-			c[2] = 0; /* on the horizon but for rounding */
+			c[2] = 0; /* on the horizon, apart from rounding */
 		vec_normalize(c);
 		count++;
 	}
 	return count;
 }
 
-/* The cell's outline. All nodes that can touch it are nearer than twice its radius: the search is
- * widened until that holds. */
+/* Finds the outline and radius of cell i; returns the number of corners. All nodes that can touch
+ * the cell are nearer than twice its radius: the search widens until reach covers that. */
 static int find_cell(const struct near_grid *grid, const double (*node)[3], int i,
 		     double spacing_rad, double (*corner)[3], double *radius)
 {
@@ -179,8 +179,9 @@ static int find_cell(const struct near_grid *grid, const double (*node)[3], int 
 	}
 }
 
-/* Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983. The determinant is taken
- * of differences: its digits do not cancel in small triangles. */
+/* Van Oosterom and Strackee, "The solid angle of a plane triangle", 1983:
+ *     tan(sr / 2) = det(a, b, c) / (1 + a . b + b . c + c . a)
+ * The determinant is that of a, b - a, c - a, whose digits do not cancel in small triangles. */
 double dome_triangle_sr(const double a[3], const double b[3], const double c[3])
 {
 	const double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -199,7 +200,7 @@ static void measure_cell(struct dome_cells *cells, const double node[3], int i)
 		const int next = k + 1 < cells->first[i + 1] ? k + 1 : cells->first[i];
 		const double sr = dome_triangle_sr(node, cells->corner[k], cells->corner[next]);
 
-		sum += fmax(sr, 0); /* 0 but for rounding where the node lies on the outline */
+		sum += fmax(sr, 0); /* rounding: sr may be below 0 if the node is on the outline */
 		cells->cumulative_sr[k] = sum;
 	}
 }
@@ -255,9 +256,9 @@ void dome_cells_destroy(struct dome_cells *cells)
 }
 
 /*
- * Lambert's formula: half the sum over the edges of the angle that the edge spans times the height
- * of its plane's unit normal, here with angle / sin(angle) taken out of the cross product, whose
- * digits do not cancel when it is taken of the edge's difference.
+ * Lambert's formula, over the edges (a, b) of the cell:
+ *     1/2 sum angle(a, b) n_z,   n = a x b / |a x b|
+ * The cross product is computed as a x (b - a), whose digits do not cancel in short edges.
  */
 double dome_cells_projected_sr(const struct dome_cells *cells, int i)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The cells of a dome's nodes: outlines, solid angles. */
+/* The spherical Voronoi cells of a dome's nodes: outlines and solid angles. */
 #ifndef INLAY_HAL_OPTICS_DOME_CELLS_H
 #define INLAY_HAL_OPTICS_DOME_CELLS_H
 
@@ -8,20 +8,21 @@
 struct dome_cells {
 	int *first;	     /* [count + 1]: corners of cell i are first[i]..first[i + 1] - 1 */
 	double (*corner)[3]; /* unit; counter-clockwise from outside; z exactly 0 on the horizon */
-	double *cumulative_sr; /* [corner]: solid angle of the triangles node, corner k, corner k +
-				  1 of the cell up to and including k */
+	double *cumulative_sr; /* [corner]: sum of the solid angles of the cell's triangles (node,
+				  corner, next corner) up to and including this corner */
 	double *radius;	       /* [count]: of the cap around the node that holds the cell, rad */
 };
 
-/* The cells of count nodes (unit, z >= 0) at roughly this angle from each other. -ENOMEM. */
+/* Creates the cells of count nodes (unit, z >= 0), whose mutual angle is roughly spacing_rad. 0 or
+ * -ENOMEM. */
 int dome_cells_create(struct dome_cells **cells, const double (*node)[3], int count,
 		      double spacing_rad);
 void dome_cells_destroy(struct dome_cells *cells); /* NULL is harmless */
 
-/* The integral of the cosine to the zenith over cell i. */
+/* Integral of the cosine to the zenith over cell i, sr. */
 double dome_cells_projected_sr(const struct dome_cells *cells, int i);
 
-/* Solid angle of the triangle between three unit vectors, negative when clockwise. */
+/* Solid angle of the spherical triangle between three unit vectors; negative if clockwise. */
 double dome_triangle_sr(const double a[3], const double b[3], const double c[3]);
 
 #endif

@@ -8,7 +8,7 @@
 #include "hal/optics/dome_map.h"
 #include "hal/optics/vec.h"
 
-/* Wider than any rounding of angles and positions on the map: a candidate too many costs nothing.
+/* Larger than all rounding of angles and positions on the map; a superfluous candidate is harmless.
  */
 #define SLACK 1e-9
 
@@ -18,14 +18,15 @@ struct dome_lookup {
 	int *candidate; /* ascending within a grid cell */
 };
 
-/* The cap that holds a grid cell: it is a spherical polygon, and a cap smaller than a hemisphere
- * that holds its corners holds all of it. side is even, so that no cell lies across two quadrants.
- */
+/* A cap that holds a grid cell. The cell is a spherical polygon, because side is even and no cell
+ * lies across two quadrants; a cap smaller than a hemisphere that holds its corners holds all of
+ * it. */
 struct grid_cap {
 	double centre[3];
 	double radius_rad; /* negative: the cell lies below the horizon */
 };
 
+/* The inverse of dome_map(). */
 static void map_direction(double u, double v, double dir[3])
 {
 	dir[0] = u;
@@ -51,8 +52,8 @@ static void grid_cap_fill(struct grid_cap *cap, int x, int y, int side)
 	cap->radius_rad = nearest_u + nearest_v > 1 + SLACK ? -1 : acos(closest);
 }
 
-/* One pass over all nodes and the grid cells that the cap around each node's cell can touch. Counts
- * in first[cell + 1], or, with candidate set, fills in at next[cell]. */
+/* Visits, for each item, the grid cells that its cap can touch. next NULL: counts the item in
+ * first[cell + 1]; else writes it at candidate[next[cell]++]. */
 static void lookup_visit(struct dome_lookup *l, const struct grid_cap *caps, const double *radius,
 			 const double (*node)[3], int count, int *next)
 {

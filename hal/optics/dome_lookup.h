@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* What lies in a direction, such as the nearest node: a grid on the hemisphere, and for each of its
- * cells what can be the answer there. */
+/* Finds what lies in a direction, such as the nearest node, in constant time: a grid over the
+ * hemisphere lists the candidates in each grid cell. */
 #ifndef INLAY_HAL_OPTICS_DOME_LOOKUP_H
 #define INLAY_HAL_OPTICS_DOME_LOOKUP_H
 
 #include "hal/optics/dome_cells.h"
 
-/* Of count things, each within a cap of this radius (rad) around a centre (unit, z >= 0). */
+/* Creates a lookup of count items; item i lies in a cap of radius[i] (rad) around centre[i] (unit,
+ * z >= 0). 0 or -ENOMEM. */
 int dome_lookup_create(struct dome_lookup **lookup, const double *radius, const double (*centre)[3],
 		       int count);
 void dome_lookup_destroy(struct dome_lookup *lookup); /* NULL is harmless */
 
-/* All whose cap holds dir, and some more, ascending. None below the horizon and for no direction.
- */
+/* All items whose cap holds dir, and some more, in ascending order. None below the horizon and for
+ * an invalid dir. */
 const int *dome_lookup_candidates(const struct dome_lookup *lookup, const double dir[3],
 				  int *count);
 
-/* The nearest of the centres. */
+/* The item whose node, the centre above, is nearest to dir; -1: none. */
 int dome_lookup_find(const struct dome_lookup *lookup, const double (*node)[3],
 		     const double dir[3]);
 

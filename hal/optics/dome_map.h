@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The upper hemisphere on a square, for grids: the octahedral projection (u, v) = (x, y) /
- * (|x| + |y| + z). The horizon is the diamond |u| + |v| = 1. Within a quadrant it is a central
- * projection onto a plane, so that straight lines are great circles; and no two directions lie
- * farther apart on the square than sqrt(3) times their angle.
+ * Maps the upper hemisphere to a square, for grids: the octahedral projection
+ *     (u, v) = (x, y) / (|x| + |y| + z)
+ * The horizon is the diamond |u| + |v| = 1. Within a quadrant it is a central projection onto a
+ * plane, so straight lines are great circles. The distance of two directions on the square is at
+ * most sqrt(3) times their angle.
  */
 #ifndef INLAY_HAL_OPTICS_DOME_MAP_H
 #define INLAY_HAL_OPTICS_DOME_MAP_H
@@ -13,7 +14,7 @@
 
 #define DOME_MAP_STRETCH 1.7320508075688774
 
-/* z >= 0. False for what is no direction: zero, NaN, infinity. */
+/* Maps dir, z >= 0. False for an invalid dir: zero, NaN, infinity. */
 static inline bool dome_map(const double dir[3], double uv[2])
 {
 	const double sum = fabs(dir[0]) + fabs(dir[1]) + dir[2];

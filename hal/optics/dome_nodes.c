@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The nodes. One fifth of the dome is divided, and turned five times.
+ * Makes the nodes of one fifth of the dome and turns it five times.
  *
- * Rows count from the zenith: the cap's faces hold rows 0..f, the band's rows f..2f, and node row r
- * lies opposite to one of row 3f - r, because the division is the same on every face whichever way
- * round it is: the dome has the full symmetry of the icosahedron, inversion included. Hence
- *   - all of the cap is above the horizon;
- *   - a node c steps down one of the band's ten edges from its upper end is above for c < f/2, on
- * the horizon for c = f/2 (the edge is bisected by an axis about which half a turn swaps the upper
- *     and the lower half), below for c > f/2;
- *   - of a node inside the band's faces and the node opposite to it, one is above and one below. So
+ * Rows count from the zenith. The cap's faces hold rows 0..f, the band's faces rows f..2f. A node
+ * of row r lies opposite to a node of row 3f - r, because the division is the same on every face
+ * and from every side of it: the dome has the full symmetry of the icosahedron, inversion included.
+ * Hence
+ *   - all nodes of the cap are above the horizon;
+ *   - a node c steps down one of the band's ten edges from its upper end is above the horizon for
+ *     c < f/2, on it for c = f/2 (the edge is bisected by an axis about which half a turn swaps the
+ *     upper and the lower half), and below it for c > f/2;
+ *   - of a node P inside the band's faces and the opposite node -P, one is above and one below. So
  *     only the faces that point down are divided, and each node P gives P or -P, whichever is
- * above: never both, never none, whatever the rounding. By chords there is an exception: on the
- * middle row (c = f/2) z is (f - 2c) times something, both P and -P are on the horizon. By angles
- * no symmetry holds a node inside a face on the horizon, and for no f up to 64 is one nearer to it
- *     than 3e-6: rounding has no say in which of the two is taken either.
+ *     above: never both, never none, whatever the rounding. By chords there is an exception: on the
+ *     middle row (c = f/2) z is a multiple of f - 2c, so P and -P are both on the horizon. By
+ *     angles no symmetry holds a node inside a face on the horizon, and for f up to 64 none is
+ *     nearer to it than 3e-6: rounding does not decide which of the two is taken either.
  */
 #include "hal/optics/dome_nodes.h"
 
@@ -44,10 +45,11 @@ int dome_node_count(int frequency, enum dome_division division)
 	const int f = frequency;
 	const int horizon = f % 2 ? 0 : division == DOME_ANGLES ? 10 : 5 * f;
 
-	return 5 * f * f + 1 + horizon / 2; /* half of 10 f^2 + 2, and the other half of those */
+	/* Half of all 10 f^2 + 2 nodes; those on the horizon count whole. */
+	return 5 * f * f + 1 + horizon / 2;
 }
 
-/* The point that divides the angle from a to b in the ratio t : 1 - t. */
+/* The direction that divides the angle from a to b in the ratio t : 1 - t. */
 static void divide_angle(const double a[3], const double b[3], double t, double out[3])
 {
 	const double angle =
@@ -60,8 +62,8 @@ static void divide_angle(const double a[3], const double b[3], double t, double 
 		out[i] = p * a[i] + q * b[i];
 }
 
-/* The thesis's construction: M divides the angle BOC, P divides the angle AOM; weights a + b + c =
- * f, a < f. */
+/* The thesis's construction, with A the corner apex: M divides the angle BOC, P divides the angle
+ * AOM. The three weights sum to f. */
 static void divide_from(const double *const corner[3], const int weight[3], int apex, double out[3])
 {
 	const int b = (apex + 1) % 3, c = (apex + 2) % 3;
@@ -77,8 +79,8 @@ static void divide_from(const double *const corner[3], const int weight[3], int 
 }
 
 /*
- * The node with these weights on a face. The thesis's construction depends on which corner is
- * called A, but on the edges: the mean of the three makes the division the same from every side.
+ * The node with these weights on a face. Inside a face the thesis's construction depends on which
+ * corner is called A; the mean of the three makes the division the same from every side.
  */
 static void divide_face(enum dome_division kind, const double *const corner[3], const int weight[3],
 			double out[3])
@@ -112,7 +114,7 @@ static void add_node(struct dome_dividing *d, int row, const double direction[3]
 	n->direction[1] = fifth ? sin(turn) * x + cos(turn) * y : y;
 	n->direction[2] = horizon ? 0 : sign * direction[2];
 	vec_normalize(n->direction);
-	/* Nodes of one row are far apart: what is just below azimuth 0 is at 0 but for rounding. */
+	/* Nodes of one row are far apart: an azimuth just below 0 is 0, apart from rounding. */
 	n->azimuth = atan2(n->direction[1], n->direction[0]);
 	if (n->azimuth < -1e-9)
 		n->azimuth += 2 * M_PI;
@@ -125,7 +127,8 @@ static void add_five(struct dome_dividing *d, int row, const double direction[3]
 		add_node(d, row, direction, sign, horizon, fifth);
 }
 
-/* Rows 1..f of the face below the zenith, without its right edge: that is the next fifth's. */
+/* Rows 1..f of the face below the zenith, without its right edge, which belongs to the next
+ * fifth. */
 static void divide_cap(struct dome_dividing *d, const double *const corner[3])
 {
 	const int f = d->frequency;
@@ -140,7 +143,7 @@ static void divide_cap(struct dome_dividing *d, const double *const corner[3])
 		}
 }
 
-/* The face of the band that points down: corners upper left, upper right, lower. */
+/* The face of the band that points down; its corners are upper left, upper right, lower. */
 static void divide_band(struct dome_dividing *d, const double *const corner[3])
 {
 	const int f = d->frequency;

@@ -5,7 +5,7 @@
 
 #include "hal/optics/dome.h"
 
-/* How many there are; frequency in 1..DOME_FREQUENCY_MAX. */
+/* Number of nodes; frequency in 1..DOME_FREQUENCY_MAX. */
 int dome_node_count(int frequency, enum dome_division division);
 
 /* Fills direction[dome_node_count()]. 0 or -ENOMEM. */

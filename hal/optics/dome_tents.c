@@ -10,53 +10,55 @@
 #include "hal/optics/dome_triangles.h"
 #include "hal/optics/vec.h"
 
-/* Gauss's points a side of a triangle, so that integrals come out to 1e-14: of the largest, the
- * icosahedron's, and of small ones. */
+/* Points of Gauss quadrature per side of a facet, for integrals exact to 1e-14: in the largest
+ * facets, those of the icosahedron, and in small ones. */
 #define POINTS_MAX 20
 #define POINTS_FEW 9
-/* The least weight that is drawn: with 0 there would be no density, by a rounding not even a part.
- */
+/* Least weight that is drawn: at 0 the density would be 0, and rounding could leave the light. */
 #define INSIDE 1e-6
-#define SMALL 0.15 /* a volume of corners: about 30 degrees a side */
-/* Of the solid angles' sum, as a share. */
+#define SMALL 0.15 /* facets of a smaller volume are small: about 30 degrees a side */
+/* Relative tolerance of the sum of all solid angles. */
 #define COVERED 1e-9
 
 struct facet {
-	int owner[3]; /* the lights of its corners */
+	int owner[3]; /* lights of its corners */
 	double corner[3][3];
-	double volume;		  /* of the parallelepiped of the corners */
-	double solid_angle_sr[3]; /* of each corner's weight */
+	double volume;		  /* of the parallelepiped of the three corners */
+	double solid_angle_sr[3]; /* integral of each corner's weight */
 	double projected_sr[3];
 };
 
-/* A corner of a facet whose light is this. */
+/* A facet's corner that belongs to a light: one piece of the light's support. */
 struct tent_patch {
 	int facet, corner;
-	double azimuth;	      /* around the node, of the facet's middle */
-	double cumulative_sr; /* of the light's patches up to and including it */
+	double azimuth;	      /* of the facet's middle around the node */
+	double cumulative_sr; /* solid angle of the light's patches up to and including this one */
 };
 
 struct dome_tents {
 	int facets, lights;
 	struct facet *facet;
-	/* [facets]: a point of the flat triangle, p = sum of weight_k corner_k, has weight_k =
-	 * edge_k . p; a direction d meets it at d / (sum of edge_k . d) */
+	/*
+	 * [facets]: the dual basis of the corners. A point p = sum_k weight_k corner_k of the flat
+	 * triangle has weight_k = edge_k . p; the ray of direction d meets it at
+	 * d / (sum_k edge_k . d).
+	 */
 	double (*edge)[3][3];
-	struct dome_lookup *lookup; /* of facets */
+	struct dome_lookup *lookup; /* finds facets */
 	int *first; /* [lights + 1]: patches of light i are first[i] to first[i + 1] - 1 */
 	struct tent_patch *patch;
 	double *reach_rad; /* [lights] */
 };
 
-/* ---- what a facet holds ---- */
+/* ---- facets ---- */
 
-/* Gauss's, on 0..1. */
+/* Gauss-Legendre quadrature on 0..1. */
 struct gauss_rule {
 	int points;
 	double at[POINTS_MAX], weight[POINTS_MAX];
 };
 
-/* Roots of Legendre's polynomial, by Newton's steps. */
+/* Finds the roots of the Legendre polynomial by Newton's method. */
 static void fill_rule(struct gauss_rule *rule, int points)
 {
 	rule->points = points;
@@ -81,8 +83,9 @@ static void fill_rule(struct gauss_rule *rule, int points)
 }
 
 /*
- * Integrals over the flat triangle: a piece dA of it is seen under volume / |p|^3 dA / (2 area).
- * Its points are those of a square, one side of which is drawn together at corner 0.
+ * Integrates over the flat triangle. The solid angle of an element dA at the point p is
+ *     volume / |p|^3 dA / (2 area)
+ * The points are those of a unit square, one side of which collapses to corner 0.
  */
 static void measure_facet(struct facet *f, const struct gauss_rule *rule)
 {
@@ -123,7 +126,7 @@ static void fill_facet(struct dome_tents *t, const struct dome_triangles *triang
 			edge[k][x] /= f->volume;
 }
 
-/* A cap around its middle that holds a facet's corners holds all of it. */
+/* Creates the lookup of facets. A cap around the middle that holds the corners holds the facet. */
 static int index_facets(struct dome_tents *t)
 {
 	double(*middle)[3] = calloc((size_t)t->facets, sizeof(*middle));
@@ -146,7 +149,7 @@ static int index_facets(struct dome_tents *t)
 	return ret;
 }
 
-/* ---- what a light holds ---- */
+/* ---- lights ---- */
 
 static double azimuth_around(const double node[3], const struct facet *f)
 {
@@ -219,7 +222,7 @@ static int fill_lights(struct dome_tents *t, const double (*node)[3])
 	return 0;
 }
 
-/* ---- all of it ---- */
+/* ---- creation ---- */
 
 static int tents_fill(struct dome_tents *t, const struct dome_triangles *triangles,
 		      const double (*node)[3])
@@ -281,16 +284,17 @@ void dome_tents_destroy(struct dome_tents *t)
 	free(t);
 }
 
-/* ---- of a direction ---- */
+/* ---- weights of a direction ---- */
 
-/* Weights of a facet's corners before they are made to sum to 1. */
+/* Weights of a facet's corners for dir, not normalised to sum 1. */
 static void facet_weigh(const struct dome_tents *t, int facet, const double dir[3], double share[3])
 {
 	for (int k = 0; k < 3; k++)
 		share[k] = vec_dot(t->edge[facet][k], dir);
 }
 
-/* A direction on an edge may, by a rounding, lie outside of both facets: the nearest. */
+/* The facet nearest to dir, for a direction on an edge that rounding puts outside of both
+ * facets. */
 static int nearest_facet(const struct dome_tents *t, const int *candidate, int count,
 			 const double dir[3])
 {
@@ -310,8 +314,8 @@ static int nearest_facet(const struct dome_tents *t, const int *candidate, int c
 	return found;
 }
 
-/* The facet that holds a direction, -1 below the horizon and for no direction. share: none is
- * negative; *sum is theirs, 1 over how far away the facet is in units of dir's length. */
+/* The facet that holds dir; -1 below the horizon and for an invalid dir. share: weights >= 0, not
+ * normalised; *sum: their sum. The ray meets the facet at dir / *sum. */
 static int find_facet(const struct dome_tents *t, const double dir[3], double share[3], double *sum)
 {
 	int count, found = -1;
@@ -359,7 +363,7 @@ int dome_tents_weights(const struct dome_tents *t, const double dir[3], int ligh
 	return count;
 }
 
-/* ---- of a light ---- */
+/* ---- integrals and samples of a light ---- */
 
 void dome_tents_measure(const struct dome_tents *t, int light, double *solid_angle_sr,
 			double *projected_sr)
@@ -376,9 +380,9 @@ double dome_tents_reach_rad(const struct dome_tents *t, int light)
 }
 
 /*
- * A patch is chosen by its solid angle; in its flat triangle a point with the corner's weight x as
- * density per area: along the far side evenly, and x with density 6 x (1 - x), whose integral
- * 3 x^2 - 2 x^3 has the inverse below.
+ * Chooses a patch by its solid angle, and in its flat triangle a point whose density per area is
+ * the corner's weight x: uniform along the far side, and x with density 6 x (1 - x). The code
+ * inverts its integral 3 x^2 - 2 x^3 = v.
  */
 void dome_tents_sample(const struct dome_tents *t, int light, double u, double v, double dir[3])
 {
@@ -402,7 +406,7 @@ void dome_tents_sample(const struct dome_tents *t, int light, double u, double v
 	vec_normalize(dir);
 }
 
-/* As drawn above, turned from areas to solid angles: 3 x / area, |p|^3 area 2 / volume of each. */
+/* Density of the samples above: per area 3 x / area, times dA / dsr = 2 area |p|^3 / volume. */
 double dome_tents_density(const struct dome_tents *t, int light, const double dir[3])
 {
 	const double whole_sr = t->patch[t->first[light + 1] - 1].cumulative_sr;

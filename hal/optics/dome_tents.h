@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tents: lights that fall off linearly from their node to its neighbours (dome.h). The hemisphere
- * in triangles, and in each of them three weights.
+ * Tents: lights whose weight falls linearly from their node to its neighbours (dome.h). The
+ * hemisphere is tiled by flat triangles (facets), each with three barycentric weights.
  *
- * The triangles are those of the nodes' convex hull that face upwards: the cells' neighbours. Below
- * the hull's rim down to the horizon stand triangles between the rim's nodes and their feet, the
- * points of the horizon straight below them; a foot belongs to the light of its node, so that what
- * is seen below the rim is shared by two of its nodes.
+ * The facets are those of the nodes' convex hull that face upwards, the dual of the cells. The
+ * lowest nodes may lie above the horizon; there, triangles between the hull's rim and the horizon
+ * close the gap. Their lower corners are the feet, the points of the horizon straight below the
+ * rim's nodes. A foot belongs to the light of its node, so two nodes share each direction below the
+ * rim.
  */
 #ifndef INLAY_HAL_OPTICS_DOME_TENTS_H
 #define INLAY_HAL_OPTICS_DOME_TENTS_H
@@ -16,22 +17,22 @@
 
 struct dome_tents;
 
-/* Of nodes and their cells, which cells knows how to find (dome_lookup.h). -ENOMEM; -EINVAL: the
- * triangles do not cover the hemisphere. */
+/* Creates the tents of count nodes from their cells and the lookup of these cells. 0; -ENOMEM;
+ * -EINVAL: the triangles do not cover the hemisphere. */
 int dome_tents_create(struct dome_tents **tents, const struct dome_cells *cells,
 		      const struct dome_lookup *lookup, const double (*node)[3], int count);
 void dome_tents_destroy(struct dome_tents *tents); /* NULL is harmless */
 
-/* As dome_weights(). */
+/* The same contract as dome_weights(). */
 int dome_tents_weights(const struct dome_tents *tents, const double dir[3], int light[3],
 		       double weight[3]);
 
-/* Solid angle, and integral of the cosine to the zenith. */
+/* Solid angle of a light, and the integral of its weight times the cosine to the zenith, in sr. */
 void dome_tents_measure(const struct dome_tents *tents, int light, double *solid_angle_sr,
 			double *projected_sr);
 
+/* These have the contracts of dome_light_reach_rad(), _sample() and _density(). */
 double dome_tents_reach_rad(const struct dome_tents *tents, int light);
-
 void dome_tents_sample(const struct dome_tents *tents, int light, double u, double v,
 		       double dir[3]);
 double dome_tents_density(const struct dome_tents *tents, int light, const double dir[3]);

@@ -9,11 +9,11 @@
 
 #include "hal/optics/vec.h"
 
-#define MEETING_MAX 16	 /* cells at one corner */
-#define HORIZON 1e-9	 /* a corner no higher lies on it: what meets there is the rim's */
-#define NEAR 1e-8	 /* corners of a cell nearer than that are one */
-#define EQUAL 1e-11	 /* differences between cosines of nodes that are equally far */
-#define VOLUME_MIN 1e-14 /* of a triangle's corners: flat ones hold nothing */
+#define MEETING_MAX 16	 /* most cells at one corner */
+#define HORIZON 1e-9	 /* corners below this height lie on the horizon and belong to the rim */
+#define NEAR 1e-8	 /* corners of a cell nearer than this are one */
+#define EQUAL 1e-11	 /* nodes whose cosines differ by less are equally far */
+#define VOLUME_MIN 1e-14 /* triangles of a smaller volume are flat and dropped */
 
 /* The nodes whose cells meet at a corner. */
 struct corner_meeting {
@@ -57,7 +57,7 @@ static int add_triangle(struct dome_triangles *t, int a, int b, int c)
 
 /* ---- between nodes ---- */
 
-/* All nodes that are nearest to a corner, counter-clockwise around it. */
+/* Finds all nodes nearest to a corner of a cell, counter-clockwise around it. */
 static void corner_meet(const struct dome_lookup *lookup, const double (*node)[3],
 			const double corner[3], struct corner_meeting *m)
 {
@@ -89,8 +89,8 @@ static void corner_meet(const struct dome_lookup *lookup, const double (*node)[3
 	}
 }
 
-/* Of several cells the one of least index speaks for the corner; of four nodes or more on a circle
- * it is also the corner that all their triangles have. */
+/* Adds the triangles of a corner, once: only if node has the least index of the nodes that meet
+ * there. With four nodes or more on a circle, all triangles have that node as a corner. */
 static int fan_out(struct dome_triangles *t, const struct corner_meeting *m, int node)
 {
 	int first = 0, ret = 0;
@@ -146,7 +146,7 @@ static int by_nodes(const void *pa, const void *pb)
 	return low[0] != low[1] ? low[0] - low[1] : high[0] - high[1];
 }
 
-/* The vertex below a node; one on the horizon is its own. */
+/* The foot of a node: the vertex on the horizon below it; a node on the horizon is its own foot. */
 static int foot_of(struct dome_triangles *t, int *foot, int node)
 {
 	double *at;
@@ -165,7 +165,7 @@ static int foot_of(struct dome_triangles *t, int *foot, int node)
 	return foot[node];
 }
 
-/* Below an edge that has the hull on its left. */
+/* Adds the two triangles that stand below an edge of the rim; the hull is on the edge's left. */
 static int edge_stand(struct dome_triangles *t, int *foot, const struct hull_edge *edge)
 {
 	const int a = edge->to, b = edge->from;
@@ -179,7 +179,7 @@ static int edge_stand(struct dome_triangles *t, int *foot, const struct hull_edg
 	return ret;
 }
 
-/* Edges that are there in one direction only are the rim's. */
+/* Finds the rim, the edges that exist in one direction only, and closes the gap below it. */
 static int join_horizon(struct dome_triangles *t, int count)
 {
 	const int edges = 3 * t->count;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The triangles between a dome's nodes, and between its rim and the horizon (dome_tents.h). */
+/* The flat triangles between a dome's nodes, and between its rim and the horizon (dome_tents.h). */
 #ifndef INLAY_HAL_OPTICS_DOME_TRIANGLES_H
 #define INLAY_HAL_OPTICS_DOME_TRIANGLES_H
 
@@ -9,12 +9,12 @@
 struct dome_triangles {
 	int vertices; /* the nodes, then the feet of some of them */
 	double (*vertex)[3];
-	int *owner; /* the node that a vertex is, or is the foot of */
-	int count, room;
-	int (*corner)[3]; /* counter-clockwise from outside */
+	int *owner;	  /* the vertex's node: itself, or the node that it is the foot of */
+	int count, room;  /* of triangles */
+	int (*corner)[3]; /* vertices of each triangle, counter-clockwise from outside */
 };
 
-/* -ENOMEM. Free it after failure, too. */
+/* 0 or -ENOMEM. The caller frees the triangles, after a failure too. */
 int dome_triangles_create(struct dome_triangles *triangles, const struct dome_cells *cells,
 			  const struct dome_lookup *lookup, const double (*node)[3], int count);
 void dome_triangles_free(struct dome_triangles *triangles); /* idempotent */

@@ -8,8 +8,8 @@
 
 #include "hal/optics/vec.h"
 
-/* A direction on the rim (a light on the horizon under a lens of 90 degrees) must not be lost to
- * the rounding of its angle. */
+/* Tolerance of the field: rounding must not lose a direction on the rim, such as a light on the
+ * horizon under a lens of 90 degrees. */
 #define FIELD_SLACK_RAD 1e-12
 
 #define FIELD(f) offsetof(struct fisheye_settings, f)
@@ -139,7 +139,8 @@ static int fisheye_check_settings(const struct fisheye_settings *s, struct fault
 	return 0;
 }
 
-/* What the model can show of the field, and what light is left there. */
+/* Checks that the model does not fold over, and that the falloff stays above 0, inside the
+ * field. */
 static int fisheye_check_curve(const struct fisheye *lens, double field_deg, struct fault *fault)
 {
 	const double *v = lens->falloff, passed[4] = {1, v[0], v[1], v[2]};
@@ -199,7 +200,7 @@ bool fisheye_project(const struct fisheye *lens, const double dir[3], double px[
 	mat_apply(lens->rotation, dir, c);
 	across = hypot(c[0], c[1]);
 	if (!(across > 0) && !(fabs(c[2]) > 0))
-		return false; /* no direction at all */
+		return false; /* not a direction */
 	theta = atan2(across, c[2]);
 	if (!(theta <= lens->field_rad + FIELD_SLACK_RAD))
 		return false;
@@ -207,14 +208,15 @@ bool fisheye_project(const struct fisheye *lens, const double dir[3], double px[
 	if (across > 0) {
 		px[0] = lens->centre_px[0] + lens->focal_px[0] * radius * (c[0] / across);
 		px[1] = lens->centre_px[1] + lens->focal_px[1] * radius * (c[1] / across);
-	} else { /* on the axis; straight behind, any point of the rim is as good */
+	} else { /* on the axis: the centre; straight behind: any point of the rim */
 		px[0] = lens->centre_px[0] + lens->focal_px[0] * radius;
 		px[1] = lens->centre_px[1];
 	}
 	return true;
 }
 
-/* Where the point lies in focal lengths from the axis, and the angle; false outside the field. */
+/* Position of px relative to the axis in focal lengths, its radius, and the angle theta. False:
+ * outside the field. */
 static bool angle_of(const struct fisheye *lens, const double px[2], double at[2], double *radius,
 		     double *theta)
 {
@@ -250,7 +252,7 @@ double fisheye_pixel_sr(const struct fisheye *lens, const double px[2])
 	if (!angle_of(lens, px, at, &radius, &theta))
 		return 0;
 	sr = fmax(fisheye_curve_patch_sr(&lens->curve, theta), 0);
-	/* cos(theta) half a pixel inside of the rim is 1 / sqrt(focal). */
+	/* Half a pixel inside the rim cos(theta) = 1 / sqrt(focal): limit sr to sqrt(focal). */
 	if (lens->curve.model == FISHEYE_ORTHOGRAPHIC && !(sr * sr * sr * sr < focal2))
 		sr = sqrt(sqrt(focal2));
 	return sr / focal2;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#define DEGREE_MAX 4 /* of a polynomial whose roots are looked for */
+#define DEGREE_MAX 4 /* of polynomials in roots_of() */
 
 const char *const fisheye_model_names[] = {"equidistant",  "equisolid",	 "stereographic",
 					   "orthographic", "polynomial", NULL};
@@ -45,7 +45,7 @@ double fisheye_curve_slope(const struct fisheye_curve *curve, double theta)
 	}
 }
 
-/* Newton's steps; where one would leave what is known to hold the root, the middle is taken. */
+/* Newton's method, with bisection where a step would leave the bracket of the root. */
 static double polynomial_angle(const struct fisheye_curve *curve, double radius, double most)
 {
 	double low = 0, high = most, theta = fmin(radius, most);
@@ -127,7 +127,7 @@ static double polynomial_value(const double *c, int degree, double x)
 	return value;
 }
 
-/* Between two places without an extremum there is one root or none. */
+/* Bisection between two places without an extremum between them, where the sign changes. */
 static double root_between(const double *c, int degree, double low, double high)
 {
 	const double at_low = polynomial_value(c, degree, low);
@@ -143,7 +143,8 @@ static double root_between(const double *c, int degree, double low, double high)
 	return high;
 }
 
-/* All roots in 0..most, ascending, between those of the derivative. Returns how many. */
+/* Finds all roots in 0..most, in ascending order: one between two successive extrema, which are
+ * roots of the derivative. Returns their number. */
 static int roots_of(const double *c, int degree, double most, double *root)
 {
 	double derivative[DEGREE_MAX] = {0}, turn[DEGREE_MAX + 2] = {0};
@@ -182,7 +183,7 @@ double fisheye_curve_fold(const struct fisheye_curve *curve, double most)
 	case FISHEYE_STEREOGRAPHIC:
 		return most >= M_PI ? M_PI : INFINITY;
 	case FISHEYE_ORTHOGRAPHIC:
-		/* The field of 90 degrees may be rounded up. */
+		/* Tolerance: a field of 90 degrees may be rounded up. */
 		return most > M_PI / 2 + 1e-12 ? M_PI / 2 : INFINITY;
 	case FISHEYE_POLYNOMIAL:
 		return sqrt(fisheye_first_root(slope, 4, most * most));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How far from the axis a fisheye shows what lies at an angle from it, in focal lengths, and back.
+ * The curves of fisheye lenses: from the angle theta from the axis to the radius r in the picture,
+ * in focal lengths, and back.
  *
  *     equidistant    r = theta
  *     equisolid      r = 2 sin(theta / 2)
@@ -8,9 +9,9 @@
  *     orthographic   r = sin(theta)
  *     polynomial     r = theta + k1 theta^3 + k2 theta^5 + k3 theta^7 + k4 theta^9
  *
- * The first is the thesis's (equations 2.10 to 2.13); the last is Kannala and Brandt's (A Generic
- * Camera Model and Calibration Method, 2006), as OpenCV's fisheye module and ROS's "equidistant"
- * have it. All have slope 1 on the axis.
+ * The first is the thesis's (equations 2.10 to 2.13). The last is Kannala and Brandt's (A Generic
+ * Camera Model and Calibration Method, 2006), with the terms of OpenCV's fisheye module and of
+ * ROS's "equidistant". All have slope 1 on the axis. Angles are in radians.
  */
 #ifndef INLAY_HAL_OPTICS_FISHEYE_CURVE_H
 #define INLAY_HAL_OPTICS_FISHEYE_CURVE_H
@@ -38,19 +39,19 @@ double fisheye_curve_radius(const struct fisheye_curve *curve, double theta);
 /* d radius / d theta */
 double fisheye_curve_slope(const struct fisheye_curve *curve, double theta);
 
-/* The angle of a radius on the branch from the axis to most, up to which the curve rises: in
- * 0..most for any radius. */
+/* The angle of a radius, clamped to 0..most. The curve must rise from 0 to most. */
 double fisheye_curve_angle(const struct fisheye_curve *curve, double radius, double most);
 
-/* sin(theta) / (radius * slope): the solid angle, in focal lengths squared, of a patch of area 1;
- * 1 on the axis. The orthographic one's has no bound towards 90 degrees. */
+/* Solid angle per area of the picture in focal lengths squared:
+ *     sin(theta) / (radius * slope)        1 on the axis
+ * For the orthographic curve it has no bound towards 90 degrees. */
 double fisheye_curve_patch_sr(const struct fisheye_curve *curve, double theta);
 
-/* The first angle in 0..most beyond which the curve does not rise, or INFINITY. */
+/* The fold: the first angle in 0..most beyond which the curve does not rise, or INFINITY. */
 double fisheye_curve_fold(const struct fisheye_curve *curve, double most);
 
-/* The smallest root in 0..most of c[0] + c[1] x + ... + c[degree] x^degree, or INFINITY. Degree 4
- * at most. Where it touches 0 without crossing it, rounding decides. */
+/* The smallest root in 0..most of c[0] + c[1] x + ... + c[degree] x^degree, degree <= 4, or
+ * INFINITY. Where the polynomial touches 0 without crossing it, rounding decides. */
 double fisheye_first_root(const double *c, int degree, double most);
 
 #endif

@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <math.h>
 
-#define ASPECT_SLACK 0.05 /* of width over height: pictures that were scaled by hand */
+#define ASPECT_SLACK 0.05 /* tolerance of width / height, for pictures scaled by hand */
 
 int panorama_read(struct image *image, const char *path, struct fault *fault)
 {
@@ -49,7 +49,7 @@ void panorama_radiance(const struct panorama *panorama, const double dir[3], dou
 	double weight[2][2];
 
 	rgb[0] = rgb[1] = rgb[2] = 0;
-	if (!(fabs(column) < 1e9)) /* NaN in the direction, or a turn beyond sense */
+	if (!(fabs(column) < 1e9)) /* NaN in the direction, or an absurd turn */
 		return;
 	weight[0][0] = (1 - (x - column)) * (1 - (y - row));
 	weight[0][1] = (x - column) * (1 - (y - row));

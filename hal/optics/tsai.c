@@ -91,8 +91,9 @@ const struct ini_key tsai_keys[] = {
 	INI_KEYS_END,
 };
 
-/* The nearest rotation to one that is nearly so: R <- R (3 - R^T R) / 2 squares the error each
- * time, from 1e-6 to below rounding in two. */
+/* Makes a nearly orthogonal matrix orthogonal. The iteration
+ *     R <- R (3 - R^T R) / 2
+ * squares the error in each step: from 1e-6 to below rounding in two. */
 static void make_orthogonal(double r[9])
 {
 	for (int step = 0; step < 3; step++) {
@@ -112,7 +113,7 @@ static void make_orthogonal(double r[9])
 	}
 }
 
-/* How far the rows are from an orthonormal right-handed frame. NaN gives infinity. */
+/* Deviation of the rows from an orthonormal right-handed frame; infinity for NaN. */
 static double rotation_error(const double r[9])
 {
 	double worst = 0, normal[3];
@@ -181,7 +182,7 @@ int tsai_check(struct tsai_camera *c, struct fault *fault)
 int tsai_look_at(struct tsai_camera *c, int width, int height, const double eye[3],
 		 const double target[3], double field_deg, struct fault *fault)
 {
-	const double sensor_mm = 36; /* of the usual film: focal then reads as people know it */
+	const double sensor_mm = 36; /* width of 35 mm film, so that focal has a familiar value */
 	const double up[3] = {0, 0, 1};
 	double *right = c->rotation, *down = c->rotation + 3, *view = c->rotation + 6;
 	double away[3];
@@ -220,9 +221,11 @@ double tsai_fold_radius(double kappa1)
 }
 
 /*
- * With r = 3 d t / q and q = 1.5 d sqrt(3 |kappa1|) the cubic becomes 4 t^3 + 3 t = q for a
- * positive kappa1, which t = sinh(asinh(q) / 3) solves, and 3 t - 4 t^3 = q for a negative one,
- * which t = sin(asin(q) / 3) solves on the branch through 0; q = 1 is the fold.
+ * Solves r (1 + kappa1 r^2) = d. With r = 3 d t / q and q = 1.5 d sqrt(3 |kappa1|) the cubic
+ * becomes
+ *     4 t^3 + 3 t = q,   t = sinh(asinh(q) / 3)         kappa1 > 0
+ *     3 t - 4 t^3 = q,   t = sin(asin(q) / 3)           kappa1 < 0, the branch through 0
+ * q = 1 is the fold.
  */
 static double closed_form(double kappa1, double d)
 {
@@ -254,8 +257,8 @@ int tsai_straight_radius(double kappa1, double bent, double *straight)
 		const double bend = kappa1 * r * r;
 		const double next = r - (r * (1 + bend) - bent) / (1 + 3 * bend);
 
-		/* The closed form is right to 1e-8 at the fold, where the slope is 0 and a step
-		 * may lead anywhere, and to 1e-15 elsewhere. */
+		/* The closed form is exact to 1e-15, but only to 1e-8 at the fold, where the slope
+		 * is 0 and a step could lead anywhere. */
 		if (fabs(next - r) <= 1e-8 * r && next <= fold)
 			r = next;
 	}
@@ -263,7 +266,7 @@ int tsai_straight_radius(double kappa1, double bent, double *straight)
 	return 0;
 }
 
-/* What a radius is multiplied with by 1 + kappa1 r^2, on this side of the fold. */
+/* The factor 1 + kappa1 r^2. 0; -ERANGE: radius beyond the fold. */
 static int radius_bend(double kappa1, double radius, double *factor)
 {
 	if (!(radius <= tsai_fold_radius(kappa1)))
@@ -272,7 +275,7 @@ static int radius_bend(double kappa1, double radius, double *factor)
 	return 0;
 }
 
-/* What a radius is multiplied with to undo that. */
+/* The factor that undoes 1 + kappa1 r^2. 0; -ERANGE: no solution. */
 static int radius_straighten(double kappa1, double radius, double *factor)
 {
 	double r;

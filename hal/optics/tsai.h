@@ -8,12 +8,12 @@
  *     X   = Cx + s Psd.x / Dx                     (2.6)   image x right
  *     Y   = Cy -   Psd.y / Dy                     (2.7)   image y up, origin lower left
  *
- * Tsai's own papers have the distortion the other way round, which is TSAI_UNDISTORTS:
+ * Tsai's own papers define the distortion in the other direction, TSAI_UNDISTORTS:
  *
  *     Psu = Psd (1 + kappa1 |Psd|^2)              (Tsai 1987, 5a, 5b)
  *
- * Neither is the other's inverse: a kappa1 means nothing without its direction. A barrel has a
- * negative kappa1 in the thesis's, a positive one in Tsai's.
+ * Neither is the inverse of the other: a kappa1 means nothing without its direction. Barrel
+ * distortion has a negative kappa1 in the thesis's direction, a positive one in Tsai's.
  *
  * Camera axes: x right, y down, z along the view. World units are the scene's; f, D in one sensor
  * unit (mm), kappa1 in 1/unit^2. Picture coordinates below are (x right, y down from the upper
@@ -28,8 +28,8 @@
 #define TSAI_SIDE_MAX 32768
 
 enum tsai_distortion {
-	TSAI_DISTORTS,	 /* the thesis's: distorted from undistorted */
-	TSAI_UNDISTORTS, /* Tsai's own: undistorted from distorted */
+	TSAI_DISTORTS,	 /* the thesis: distorted from undistorted */
+	TSAI_UNDISTORTS, /* Tsai: undistorted from distorted */
 };
 
 extern const char *const tsai_distortion_names[]; /* "distorts", "undistorts", NULL */
@@ -48,36 +48,38 @@ struct tsai_camera {
 
 extern const struct ini_key tsai_keys[]; /* every field of struct tsai_camera */
 
-/* -EINVAL: a field out of range, or R not a rotation to 1e-6 (it is then made exact). */
+/* Checks a camera and makes R an exact rotation. 0; -EINVAL: a field out of range, or R is not a
+ * rotation to 1e-6. */
 int tsai_check(struct tsai_camera *camera, struct fault *fault);
 
-/* A camera at eye looking at target, up being world Z, square pixels, no distortion, of this
- * horizontal field of view. -EINVAL when eye and target coincide or the view is straight up. */
+/* Sets up a camera at eye that looks at target, with world Z up, square pixels, no distortion, and
+ * this horizontal field of view. 0; -EINVAL: eye and target coincide, or the view is vertical. */
 int tsai_look_at(struct tsai_camera *camera, int width, int height, const double eye[3],
 		 const double target[3], double field_deg, struct fault *fault);
 
 /*
- * World point to picture. -ERANGE: behind the camera, or beyond the radius where a negative kappa1
- * folds the picture over (TSAI_DISTORTS: |Psu| > 1/sqrt(-3 kappa1); TSAI_UNDISTORTS: |Psu| > 2/3 of
- * that, which no |Psd| reaches): such a point has no image.
+ * Projects a world point into the picture. 0; -ERANGE: the point has no image: it lies behind the
+ * camera, or beyond the radius where a negative kappa1 folds the picture over:
+ *     TSAI_DISTORTS      |Psu| > 1 / sqrt(-3 kappa1)
+ *     TSAI_UNDISTORTS    |Psu| > 2/3 / sqrt(-3 kappa1), which no |Psd| reaches
  */
 int tsai_project(const struct tsai_camera *camera, const double world[3], double px[2]);
 
 /*
- * Picture to the ray that it sees: origin (the same for all) and unit direction. -ERANGE: negative
- * kappa1, and too far out: no undistorted radius maps there (TSAI_DISTORTS), or it is one where
- * the picture would be folded over (TSAI_UNDISTORTS: |Psd| > 1/sqrt(-3 kappa1)).
+ * The ray of a point in the picture: origin (the same for all) and unit direction. 0; -ERANGE:
+ * kappa1 is negative and the point too far out: no undistorted radius maps there (TSAI_DISTORTS),
+ * or it lies beyond the fold, |Psd| > 1 / sqrt(-3 kappa1) (TSAI_UNDISTORTS).
  */
 int tsai_ray(const struct tsai_camera *camera, const double px[2], double origin[3], double dir[3]);
 
 /*
- * Solves r (1 + kappa1 r^2) = bent for the smallest r >= 0, what both directions need one way: in
- * closed form on the branch that starts at the axis, polished by a fixed number of Newton steps.
- * -ERANGE when there is none, and for a negative, infinite or NaN argument. Never loops, never NaN.
+ * Solves r (1 + kappa1 r^2) = bent for the smallest r >= 0, in closed form on the branch that
+ * starts at the axis, then by two Newton steps. Projection needs it for one direction of kappa1,
+ * tsai_ray() for the other. 0; -ERANGE: no solution, or a negative, infinite or NaN argument.
  */
 int tsai_straight_radius(double kappa1, double bent, double *straight);
 
-/* Where r (1 + kappa1 r^2) stops growing with r: infinite unless kappa1 is negative. */
+/* The radius r at which r (1 + kappa1 r^2) stops growing: infinite unless kappa1 is negative. */
 double tsai_fold_radius(double kappa1);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors of three doubles. World: right-handed, Z up, the ground is Z = 0. */
+/* Vectors of three doubles, and 3 x 3 matrices row by row. World: right-handed, Z up, the ground is
+ * Z = 0. */
 #ifndef INLAY_HAL_OPTICS_VEC_H
 #define INLAY_HAL_OPTICS_VEC_H
 
@@ -25,7 +26,7 @@ static inline double vec_length(const double a[3])
 	return sqrt(vec_dot(a, a));
 }
 
-/* Leaves a zero vector as it is. Returns the length it had. */
+/* Scales a vector to length 1; leaves a zero vector unchanged. Returns the length before. */
 static inline double vec_normalize(double a[3])
 {
 	const double length = vec_length(a);
@@ -46,7 +47,7 @@ static inline double vec_angle(const double a[3], const double b[3])
 	return 2 * asin(fmin(0.5 * vec_length(d), 1));
 }
 
-/* out = M v, M in rows. */
+/* out = M v */
 static inline void mat_apply(const double m[9], const double v[3], double out[3])
 {
 	const double x = m[0] * v[0] + m[1] * v[1] + m[2] * v[2];
@@ -57,7 +58,7 @@ static inline void mat_apply(const double m[9], const double v[3], double out[3]
 	out[1] = y;
 }
 
-/* out = transpose(M) v: the inverse of a rotation. */
+/* out = M^T v; M^T is the inverse of a rotation M. */
 static inline void mat_apply_transposed(const double m[9], const double v[3], double out[3])
 {
 	const double x = m[0] * v[0] + m[3] * v[1] + m[6] * v[2];
