@@ -25,7 +25,7 @@ int text_file_open(struct text_file *file, const char *path, struct fault *fault
 }
 
 /* Not getline(): it would read a line of any length into memory. */
-static int read_line(struct text_file *file, size_t *length, struct fault *fault)
+static int text_file_read_line(struct text_file *file, size_t *length, struct fault *fault)
 {
 	size_t used = 0;
 	int byte;
@@ -61,7 +61,7 @@ int text_file_next(struct text_file *file, struct fault *fault)
 {
 	const size_t mark = strlen(BYTE_ORDER_MARK);
 	size_t length = 0;
-	int ret = read_line(file, &length, fault);
+	int ret = text_file_read_line(file, &length, fault);
 
 	if (ret <= 0)
 		return ret;

@@ -123,13 +123,14 @@ static void avx512_nv12(const struct ycbcr *k, const uint8_t *y, const uint8_t *
 			bgrx,
 			avx512_convert(&w, _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)y)),
 				       _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)cbcr))));
-	if (count)
+	if (count) {
+		const __m128i luma = _mm_maskz_loadu_epi8(first_lanes(count), y);
+		const __m128i chroma = _mm_maskz_loadu_epi8(pair_lanes(count), cbcr);
+
 		_mm512_mask_storeu_epi32(bgrx, first_lanes(count),
-					 avx512_convert(&w,
-							_mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(
-								first_lanes(count), y)),
-							_mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(
-								pair_lanes(count), cbcr))));
+					 avx512_convert(&w, _mm512_cvtepu8_epi32(luma),
+							_mm512_cvtepu8_epi32(chroma)));
+	}
 }
 
 static inline __m512i avx512_grey16(const struct avx512_ycbcr *k, __m128i y)
