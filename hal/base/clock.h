@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Time is int64 nanoseconds of CLOCK_MONOTONIC, everywhere; never floating point. */
+/* All times are int64 nanoseconds of CLOCK_MONOTONIC, never floating point. */
 #ifndef INLAY_HAL_BASE_CLOCK_H
 #define INLAY_HAL_BASE_CLOCK_H
 

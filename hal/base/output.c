@@ -195,7 +195,7 @@ static int output_flush(FILE *stream)
 	if (fflush(stream) != 0)
 		return errno ? -errno : -EIO;
 	if (ferror(stream))
-		return -EIO; /* an earlier write failed, and errno has moved on */
+		return -EIO; /* an earlier write failed; its errno is lost */
 	if (fsync(fileno(stream)) < 0 && errno != EINVAL && errno != EROFS)
 		return -errno;
 	return 0;

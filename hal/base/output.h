@@ -13,7 +13,7 @@
 #include "hal/base/fault.h"
 
 struct output {
-	FILE *stream; /* write here; NULL when nothing is open */
+	FILE *stream; /* the caller writes to it; NULL: nothing is open */
 	char path[PATH_MAX];
 	char temporary[PATH_MAX]; /* empty while the file has no name */
 };

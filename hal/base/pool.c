@@ -30,7 +30,7 @@ struct pool {
 	unsigned generation;
 	bool open, quit;
 	int busy;
-	atomic_int next; /* item to claim */
+	atomic_int next; /* the next item to claim */
 	int threads;	 /* with the caller */
 	int started;	 /* workers that run */
 	struct pool_worker workers[];

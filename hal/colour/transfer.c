@@ -35,7 +35,7 @@ static const struct standard_curve curves[] = {
 	[TRANSFER_BT709] = {BT709_KNEE, BT709_SLOPE, BT709_OFFSET, BT709_POWER},
 };
 
-/* NaN counts as 0. */
+/* Clamps to 0..1; NaN becomes 0. */
 static double clamp01(double x)
 {
 	return x > 0 ? fmin(x, 1) : 0;
@@ -66,7 +66,7 @@ double transfer_encode(enum transfer t, double linear)
 	if (l <= c->knee)
 		return l * c->slope;
 	p = pow(l, 1 / c->power);
-	return clamp01(p + c->offset * (p - 1)); /* so that 1 gives 1 to the bit */
+	return clamp01(p + c->offset * (p - 1)); /* this form gives exactly 1 for 1 */
 }
 
 /* ---- measured curves: x counts intervals between knots, slopes are per interval ---- */

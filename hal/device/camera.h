@@ -100,7 +100,7 @@ struct camera_ops {
 	 * them lost; counts unfit ones broken. The driver owns the frame's memory, which the caller
 	 * may read until release(). At most one frame is out at a time. 0; -EAGAIN: none yet;
 	 * -ENODEV: the device is gone; -ESTALE: close and reopen it at once, because the source
-	 * changed its size or standard or the driver must begin anew; other -errno: broken, close
+	 * changed its size or standard or the driver must restart; other -errno: broken, close
 	 * it. */
 	int (*grab)(struct camera *camera, struct frame *frame, struct fault *fault);
 

@@ -286,7 +286,8 @@ static int hdr_read(const struct image_source *source, struct image *image, stru
 	return take_picture(&reader, source->name, image, fault);
 }
 
-/* Rounded to nearest. What is above the largest RGBE is that; what is below the smallest is 0. */
+/* Converts a pixel to RGBE, rounded to nearest. Values above the largest RGBE become the largest,
+ * values below the smallest become 0. */
 static void to_rgbe(const float rgb[3], uint8_t rgbe[4])
 {
 	const float peak = fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
@@ -294,7 +295,7 @@ static void to_rgbe(const float rgb[3], uint8_t rgbe[4])
 	double scale;
 
 	frexp(peak, &exponent);
-	/* A mantissa just under 1 would round to 256. */
+	/* A mantissa just below 1 would round to 256. */
 	if (lrint(ldexp(peak, 8 - exponent)) > 255)
 		exponent++;
 	memset(rgbe, 0, 4);

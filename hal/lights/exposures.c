@@ -91,7 +91,7 @@ void light_exposures_measured(struct light_exposures *e, const double *ratio, in
 	e->count = count;
 	light_exposures_ratios(e, ratio);
 	e->gain = (float)gain;
-	e->floor = fmaxf((float)(noise.floor * gain * gain), FLT_MIN); /* a gain of 0 */
+	e->floor = fmaxf((float)(noise.floor * gain * gain), FLT_MIN); /* > 0 for a gain of 0 */
 	e->slope = (float)(noise.slope * gain);
 	for (int i = 0; i < e->lights; i++)
 		e->alone[i] = fmaxf(1, pixels[i] / PIXEL_NOISE_ALIKE);

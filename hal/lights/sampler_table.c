@@ -311,7 +311,7 @@ int sampler_table_create(struct sampler_table *table, const struct sampler_share
 	*table = (struct sampler_table){
 		.lights = lights,
 		.strips = (height + SAMPLER_STRIP_ROWS - 1) / SAMPLER_STRIP_ROWS,
-		/* The last chunk of a row may reach beyond it. */
+		/* Room for the last chunk of a row, which may extend beyond the row. */
 		.row_stride = (width + 2 * SAMPLER_CHUNK - 1) / SAMPLER_CHUNK * SAMPLER_CHUNK,
 	};
 	table->light = calloc((size_t)lights, sizeof(*table->light));

@@ -226,7 +226,7 @@ int dome_cells_create(struct dome_cells **out, const double (*node)[3], int coun
 	for (int i = 0; i < count; i++) {
 		const int first = cells->first[i];
 
-		if (first + POLYGON_MAX > room) { /* nodes of a dome have six neighbours */
+		if (first + POLYGON_MAX > room) { /* 16 a cell; those of a dome have about six */
 			ret = -EINVAL;
 			goto destroy;
 		}

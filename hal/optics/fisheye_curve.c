@@ -177,7 +177,7 @@ double fisheye_first_root(const double *c, int degree, double most)
 double fisheye_curve_fold(const struct fisheye_curve *curve, double most)
 {
 	const double *k = curve->k;
-	const double slope[5] = {1, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]}; /* of theta^2 */
+	const double slope[5] = {1, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]}; /* in theta^2 */
 
 	switch (curve->model) {
 	case FISHEYE_STEREOGRAPHIC:

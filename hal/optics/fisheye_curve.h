@@ -34,9 +34,10 @@ struct fisheye_curve {
 	double k[FISHEYE_TERMS]; /* of the polynomial */
 };
 
+/* r(theta), by the table above. */
 double fisheye_curve_radius(const struct fisheye_curve *curve, double theta);
 
-/* d radius / d theta */
+/* r'(theta) = dr / dtheta */
 double fisheye_curve_slope(const struct fisheye_curve *curve, double theta);
 
 /* The angle of a radius, clamped to 0..most. The curve must rise from 0 to most. */

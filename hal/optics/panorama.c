@@ -76,7 +76,8 @@ void panorama_direction(const struct panorama *panorama, double x, double y, dou
 	dir[2] = cos(theta);
 }
 
-/* cos(a) - cos(b) as a product: no digits are lost at the poles. */
+/* 2 pi (cos a - cos b), with the difference as a product, whose digits do not cancel at the
+ * poles. */
 double panorama_row_sr(const struct panorama *panorama, int y)
 {
 	const double step = M_PI / panorama->image->height;
