@@ -95,6 +95,7 @@ const struct ini_key *ini_key_of(const struct ini_table *tables, const char *sec
 	return NULL;
 }
 
+/* Replaces best by candidate if that is nearer to name. */
 static void keep_nearer(const char *name, char best[INI_NAME_MAX], const char *candidate)
 {
 	const char *pair[2] = {best, candidate};

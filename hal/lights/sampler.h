@@ -62,7 +62,8 @@ int light_sampler_create(struct light_sampler **sampler, const struct dome *dome
  * with any number of threads. Against double precision over the same pixels and shares, the error
  * of a colour L is at most
  *     2^-14 L + 2^-16 gain
- * With a matrix, the same bound holds for the sum of the absolute terms of each row.
+ * and with a matrix, for channel c and the colour L before the matrix,
+ *     sum_k |colours[c][k]| (2^-14 L_k + 2^-16 gain)
  */
 int light_sampler_read_frame(struct light_sampler *sampler, const struct frame_reader *frame,
 			     struct pool *pool, float (*radiance)[3], double *clipped);

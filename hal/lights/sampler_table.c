@@ -64,6 +64,7 @@ struct weight_digits {
 	uint16_t whole, fine;
 };
 
+/* The digits of share k; fine is 0 if its light has no fine sum. */
 static struct weight_digits digits_of(const struct table_packer *p, int k)
 {
 	const int light = p->shares[k].light;
@@ -213,6 +214,8 @@ static void pack_segments(struct table_packer *p, int row, uint8_t *needed, int 
 	}
 }
 
+/* Packs order[first .. end - 1], the shares of a strip: its parts, then its segments. needed is
+ * scratch of SAMPLER_STRIP_ROWS * width, 0 before and after. */
 static int pack_strip(struct table_packer *p, size_t first, size_t end, uint8_t *needed, int width)
 {
 	struct sampler_table *t = p->table;

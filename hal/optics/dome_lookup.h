@@ -17,7 +17,7 @@ void dome_lookup_destroy(struct dome_lookup *lookup); /* NULL is harmless */
 const int *dome_lookup_candidates(const struct dome_lookup *lookup, const double dir[3],
 				  int *count);
 
-/* The item whose node, the centre above, is nearest to dir; -1: none. */
+/* The item whose centre is nearest to dir; node: the centres given at creation. -1: none. */
 int dome_lookup_find(const struct dome_lookup *lookup, const double (*node)[3],
 		     const double dir[3]);
 

@@ -26,6 +26,7 @@ struct hull_edge {
 	int from, to;
 };
 
+/* det(a, b, c) */
 static double corners_volume(const double a[3], const double b[3], const double c[3])
 {
 	const double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -105,6 +106,7 @@ static int fan_out(struct dome_triangles *t, const struct corner_meeting *m, int
 	return ret;
 }
 
+/* Whether an earlier corner of the same cell coincides with this one. */
 static bool seen_before(const struct dome_cells *cells, int first, int corner)
 {
 	for (int k = first; k < corner; k++) {
@@ -117,6 +119,7 @@ static bool seen_before(const struct dome_cells *cells, int first, int corner)
 	return false;
 }
 
+/* Adds the triangles between nodes: those of each corner at which cells meet above the horizon. */
 static int join_nodes(struct dome_triangles *t, const struct dome_cells *cells,
 		      const struct dome_lookup *lookup, const double (*node)[3], int count)
 {
@@ -137,6 +140,7 @@ static int join_nodes(struct dome_triangles *t, const struct dome_cells *cells,
 
 /* ---- from the rim to the horizon ---- */
 
+/* Order of edges for qsort(): the two directions of an edge compare equal. */
 static int by_nodes(const void *pa, const void *pb)
 {
 	const struct hull_edge *a = pa, *b = pb;
