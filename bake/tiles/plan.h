@@ -10,13 +10,14 @@
 #define PLAN_TEXT_MAX 4096
 
 struct plan {
-	struct basis_info_chunk info;	/* without errors and noise, which come with the tiles */
-	struct basis_light *light;	/* [info.lights] */
-	double *ground;			/* [info.grounds][3][info.lights]; NULL: none */
-	struct basis_coarse *gather;	/* [info.lights]; NULL where info.coarse is info.lights */
-	struct basis_pose_name *names;	/* [info.poses]; NULL: poses have no names */
-	char camera[PLAN_TEXT_MAX];	/* INI text */
-	char provenance[PLAN_TEXT_MAX]; /* lines "key = value", the same in each run but for a profile */
+	struct basis_info_chunk info;  /* without errors and noise, which come with the tiles */
+	struct basis_light *light;     /* [info.lights] */
+	double *ground;		       /* [info.grounds][3][info.lights]; NULL: none */
+	struct basis_coarse *gather;   /* [info.lights]; NULL where info.coarse is info.lights */
+	struct basis_pose_name *names; /* [info.poses]; NULL: poses have no names */
+	char camera[PLAN_TEXT_MAX];    /* INI text */
+	char provenance
+		[PLAN_TEXT_MAX]; /* lines "key = value", the same in each run but for a profile */
 };
 
 /* Sets the lights and the coarse lights, their members of info, and info.column_cut, if that is
