@@ -76,7 +76,7 @@ static int dome_command_take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int dome_command_run(const struct command *command, int argc, char **argv)
+static int dome_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS}};
 	struct fault fault = {.text = ""};
@@ -104,7 +104,7 @@ static int dome_command_run(const struct command *command, int argc, char **argv
 	return EXIT_SUCCESS;
 }
 
-const struct command dome_command = {
+const struct bake_command dome_command = {
 	.name = "dome",
 	.usage = "--frequency F [--division angles|chords] [--lights cells|tents]\n"
 		 "           [--angles | --json]",

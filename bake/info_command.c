@@ -313,7 +313,7 @@ static int info_command_take(void *choices, int option, struct fault *fault)
 	return 0;
 }
 
-static int info_command_run(const struct command *command, int argc, char **argv)
+static int info_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct info_choices c = {.map = NULL};
 	struct fault fault = {.text = ""};
@@ -344,7 +344,7 @@ static int info_command_run(const struct command *command, int argc, char **argv
 	return EXIT_SUCCESS;
 }
 
-const struct command info_command = {
+const struct bake_command info_command = {
 	.name = "info",
 	.usage = "FILE [--json] [--map OUT.png]",
 	.summary = "say what a basis file holds",

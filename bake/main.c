@@ -6,7 +6,7 @@
 
 int main(int argc, char **argv)
 {
-	static const struct command *const commands[] = {
+	static const struct bake_command *const commands[] = {
 		&dome_command, &render_command, &merge_command,	   &import_command, &export_command,
 		&info_command, &truth_command,	&pictures_command, &report_command, NULL,
 	};

@@ -13,7 +13,7 @@ enum truth_of {
 	TRUTH_COUNT
 };
 
-struct truth_pictures {
+struct bench_pictures {
 	const struct bench_stage *stage;
 	double *picture[TRUTH_COUNT]; /* [height][width][3]; NULL: no way needs it */
 	int err[TRUTH_COUNT];
@@ -27,7 +27,7 @@ static size_t values_of(const struct bench_stage *stage)
 /* Makes one of the pictures. Each takes one thread, so the threads share them out. */
 static void make_truth(void *context, int item, int worker)
 {
-	struct truth_pictures *t = context;
+	struct bench_pictures *t = context;
 	const struct bench_stage *stage = t->stage;
 	struct compositor_settings settings = {
 		.mode = stage->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
@@ -52,11 +52,11 @@ static void make_truth(void *context, int item, int worker)
 					    t->picture[item]);
 }
 
-static int truth_create(struct truth_pictures *t, const struct bench_stage *stage)
+static int truth_create(struct bench_pictures *t, const struct bench_stage *stage)
 {
 	const bool needed[TRUTH_COUNT] = {true, stage->thesis, stage->cameras};
 
-	*t = (struct truth_pictures){.stage = stage};
+	*t = (struct bench_pictures){.stage = stage};
 	for (int k = 0; k < TRUTH_COUNT; k++) {
 		if (!needed[k])
 			continue;
@@ -67,13 +67,13 @@ static int truth_create(struct truth_pictures *t, const struct bench_stage *stag
 	return 0;
 }
 
-static void truth_free(struct truth_pictures *t)
+static void truth_free(struct bench_pictures *t)
 {
 	for (int k = 0; k < TRUTH_COUNT; k++)
 		free(t->picture[k]);
 }
 
-static struct composite_error way_error(const struct bench_way *way, const struct truth_pictures *t,
+static struct composite_error way_error(const struct bench_way *way, const struct bench_pictures *t,
 					const struct scope *scope)
 {
 	const struct bench_stage *stage = t->stage;
@@ -134,7 +134,7 @@ static int firsts_keep(struct firsts *firsts, const struct bench_way *way,
 }
 
 /* Compares a way's picture with the truth, or with the first one of its kind. */
-static int truth_judge(struct bench_way *way, const struct truth_pictures *t,
+static int truth_judge(struct bench_way *way, const struct bench_pictures *t,
 		       const struct scope *scope, struct firsts *firsts, struct fault *fault)
 {
 	struct composite_error error;
@@ -161,7 +161,7 @@ static int truth_judge(struct bench_way *way, const struct truth_pictures *t,
 }
 
 static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int member,
-		     const struct truth_pictures *t, const struct scope *scope, struct fault *fault)
+		     const struct bench_pictures *t, const struct scope *scope, struct fault *fault)
 {
 	struct firsts firsts = {.count = 0};
 	int err = 0;
@@ -193,7 +193,7 @@ static int see_light(const struct bench_stage *stage, struct fault *fault)
 int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct scope *scope,
 		struct pool *all, struct fault *fault)
 {
-	struct truth_pictures t;
+	struct bench_pictures t;
 	int err = truth_create(&t, stage);
 
 	if (err)

@@ -16,7 +16,7 @@
 
 static const char *program = "inlay-bake";
 
-static void print_usage(FILE *stream, const struct command *const *commands)
+static void print_usage(FILE *stream, const struct bake_command *const *commands)
 {
 	fprintf(stream, "usage: %s COMMAND ...\n\n", program);
 	for (; *commands; commands++)
@@ -24,7 +24,7 @@ static void print_usage(FILE *stream, const struct command *const *commands)
 	fprintf(stream, "\n%s COMMAND --help says more; %s --version.\n", program, program);
 }
 
-static int run_command(const struct command *command, int argc, char **argv)
+static int run_command(const struct bake_command *command, int argc, char **argv)
 {
 	const int status = command->run(command, argc, argv);
 
@@ -36,7 +36,7 @@ static int run_command(const struct command *command, int argc, char **argv)
 	return status;
 }
 
-int program_run(const char *name, const struct command *const *commands, int argc, char **argv)
+int program_run(const char *name, const struct bake_command *const *commands, int argc, char **argv)
 {
 	program = name;
 	log_setup(name, LOG_LEVEL_INFO);
@@ -53,7 +53,7 @@ int program_run(const char *name, const struct command *const *commands, int arg
 		printf("%s %s\n", program, INLAY_VERSION);
 		return EXIT_SUCCESS;
 	}
-	for (const struct command *const *c = commands; *c; c++)
+	for (const struct bake_command *const *c = commands; *c; c++)
 		if (!strcmp(argv[1], (*c)->name))
 			return run_command(*c, argc - 1, argv + 1);
 	log_error("there is no command \"%s\"", argv[1]);
@@ -69,7 +69,7 @@ static bool has_output(const struct option *options)
 }
 
 /* Answers --help, --version and unknown options. Returns the exit status. */
-static int command_answer(const struct command *command, int option)
+static int command_answer(const struct bake_command *command, int option)
 {
 	if (option == OPTION_VERSION) {
 		printf("%s %s\n", program, INLAY_VERSION);
@@ -84,7 +84,7 @@ static int command_answer(const struct command *command, int option)
 	return EXIT_USAGE;
 }
 
-int command_options(const struct command *command, int argc, char **argv,
+int command_options(const struct bake_command *command, int argc, char **argv,
 		    const struct option *options,
 		    int (*take)(void *choices, int option, struct fault *fault), void *choices)
 {
@@ -102,7 +102,7 @@ int command_options(const struct command *command, int argc, char **argv,
 	return COMMAND_GOES_ON;
 }
 
-int command_wrong(const struct command *command, const char *format, ...)
+int command_wrong(const struct bake_command *command, const char *format, ...)
 {
 	char text[FAULT_TEXT_MAX];
 	va_list args;

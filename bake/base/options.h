@@ -9,17 +9,18 @@
 
 /* One entry of the command table. run() gets argv from the command's own name on, and returns the
  * exit status. */
-struct command {
+struct bake_command {
 	const char *name;
 	const char *usage;   /* what follows the name in the line of usage */
 	const char *summary; /* one line */
 	const char *help;    /* what --help prints after the summary */
-	int (*run)(const struct command *command, int argc, char **argv);
+	int (*run)(const struct bake_command *command, int argc, char **argv);
 };
 
 /* Does all of main(): finds the command in the table (NULL at its end) and runs it. Returns the
  * exit status. */
-int program_run(const char *name, const struct command *const *commands, int argc, char **argv);
+int program_run(const char *name, const struct bake_command *const *commands, int argc,
+		char **argv);
 
 /* Options that every command has, and what getopt_long() returns for them. */
 #define OPTION_HELP 1000
@@ -41,12 +42,12 @@ struct option;
  * and --version, and after wrong usage.
  */
 #define COMMAND_GOES_ON (-1)
-int command_options(const struct command *command, int argc, char **argv,
+int command_options(const struct bake_command *command, int argc, char **argv,
 		    const struct option *options,
 		    int (*take)(void *choices, int option, struct fault *fault), void *choices);
 
 /* Prints what is wrong with the usage, and the usage. Returns the exit status. */
-int command_wrong(const struct command *command, const char *format, ...)
+int command_wrong(const struct bake_command *command, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
 /* These read the argument of an option. 0, or -EINVAL with a fault that names the option. Ranges

@@ -39,7 +39,7 @@ static int board_take_option(void *choices, int option, struct fault *fault)
 	return 0;
 }
 
-static int board_run(const struct command *command, int argc, char **argv)
+static int board_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct board_choices c = {.board = DEFAULT_BOARD, .page = DEFAULT_PAGE};
 	struct fault fault = {.text = ""};
@@ -64,7 +64,7 @@ static int board_run(const struct command *command, int argc, char **argv)
 	return EXIT_SUCCESS;
 }
 
-const struct command board_command = {
+const struct bake_command board_command = {
 	.name = "board",
 	.usage = "[--board BOARD] [--page PAGE] -o FILE.pdf",
 	.summary = "a board to print, at its true size",

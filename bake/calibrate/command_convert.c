@@ -157,7 +157,7 @@ static int convert_take_option(void *into, int option, struct fault *fault)
 	}
 }
 
-static int convert_run(const struct command *command, int argc, char **argv)
+static int convert_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct convert_job job = {.as = -1, .tolerance_px = TOLERANCE_PX};
 	struct fault fault = {.text = ""};
@@ -194,7 +194,7 @@ static int convert_run(const struct command *command, int argc, char **argv)
 	return EXIT_SUCCESS;
 }
 
-const struct command convert_command = {
+const struct bake_command convert_command = {
 	.name = "convert",
 	.usage = "IN OUT [--as FORMAT] [--size WxH] [--fisheye] [--tolerance PX]",
 	.summary = "lenses to and from the files of OpenCV and ROS",

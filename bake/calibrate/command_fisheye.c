@@ -298,7 +298,7 @@ static int fisheye_calibrate(void *context, struct fault *fault)
 	return err;
 }
 
-static int fisheye_run(const struct command *command, int argc, char **argv)
+static int fisheye_run(const struct bake_command *command, int argc, char **argv)
 {
 	static const struct lens_calls calls = {options, fisheye_read_option, fisheye_check_options,
 						fisheye_calibrate};
@@ -312,7 +312,7 @@ static int fisheye_run(const struct command *command, int argc, char **argv)
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
 
-const struct command fisheye_command = {
+const struct bake_command fisheye_command = {
 	.name = "fisheye",
 	.usage = "((--images GLOB... | --live CONFIG) --board SPEC | --circle PICTURE |\n"
 		 "        --directions FILE | --lamps FILE --picture PICTURE | --lens EYE.ini) "

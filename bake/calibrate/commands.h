@@ -5,7 +5,7 @@
 
 #include "bake/base/options.h"
 
-extern const struct command board_command, camera_command, fisheye_command, light_command,
+extern const struct bake_command board_command, camera_command, fisheye_command, light_command,
 	convert_command;
 
 #endif

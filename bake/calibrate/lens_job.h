@@ -41,7 +41,7 @@ struct lens_calls {
 };
 
 /* Runs a command and returns its exit status. */
-int lens_job_run(const struct command *command, int argc, char **argv,
+int lens_job_run(const struct bake_command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job);
 
 /* Checks that --board is given if and only if pictures of a board are the source. -EINVAL. */

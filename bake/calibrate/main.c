@@ -6,7 +6,7 @@
 
 int main(int argc, char **argv)
 {
-	static const struct command *const commands[] = {
+	static const struct bake_command *const commands[] = {
 		&board_command, &camera_command,  &fisheye_command,
 		&light_command, &convert_command, NULL,
 	};

@@ -177,7 +177,7 @@ static const char *wrong_usage(const struct export_choices *c)
 	return NULL;
 }
 
-static int export_command_run(const struct command *command, int argc, char **argv)
+static int export_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct export_choices c = {
 		.long_bytes = 8, .lights = {-1, -1, -1}, .radiance = EXPORT_RADIANCE_DEFAULTS};
@@ -199,7 +199,7 @@ static int export_command_run(const struct command *command, int argc, char **ar
 	return EXIT_SUCCESS;
 }
 
-const struct command export_command = {
+const struct bake_command export_command = {
 	.name = "export",
 	.usage = "BASIS.inlay --msi OUT.msi [--endian little|big] [--long 4|8] [--threads T]\n"
 		 "           SCENE --radiance DIR [--rays K] [--suns S] [--frequency F] "

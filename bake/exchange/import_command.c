@@ -245,7 +245,7 @@ static const char *wrong_usage(const struct import_choices *c)
 	return NULL;
 }
 
-static int import_command_run(const struct command *command, int argc, char **argv)
+static int import_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct import_choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNSAID};
 	struct fault fault = {.text = ""};
@@ -265,7 +265,7 @@ static int import_command_run(const struct command *command, int argc, char **ar
 	return EXIT_SUCCESS;
 }
 
-const struct command import_command = {
+const struct bake_command import_command = {
 	.name = "import",
 	.usage = "--angles A.txt -o OUT.inlay\n"
 		 "           (--object 'o%03d.hdr' --ground 'g%03d.hdr' [--alone 'a%03d.hdr'] "

@@ -166,7 +166,7 @@ static int run_pictures(const char *path, const struct pictures_choices *c, stru
 	return err;
 }
 
-static int pictures_command_run(const struct command *command, int argc, char **argv)
+static int pictures_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct pictures_choices c = {.lights = {-1, -1, -1}, .truth = {.samples = 64, .seed = 1}};
 	struct fault fault = {.text = ""};
@@ -185,7 +185,7 @@ static int pictures_command_run(const struct command *command, int argc, char **
 	return EXIT_SUCCESS;
 }
 
-const struct command pictures_command = {
+const struct bake_command pictures_command = {
 	.name = "pictures",
 	.usage = "SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"
 		 "           [--alone 'a%03d.pfm'] [--frequency F] [--division D] [--lights L] "

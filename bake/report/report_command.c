@@ -88,7 +88,7 @@ static int report_command_take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int report_command_run(const struct command *command, int argc, char **argv)
+static int report_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct report_settings s = {.folder = NULL};
 	struct fault fault = {.text = ""};
@@ -110,7 +110,7 @@ static int report_command_run(const struct command *command, int argc, char **ar
 	return EXIT_SUCCESS;
 }
 
-const struct command report_command = {
+const struct bake_command report_command = {
 	.name = "report",
 	.usage = "SCENE -o DIR [--basis FILE] [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"

@@ -158,7 +158,7 @@ static int merge_take_option(void *output, int option, struct fault *fault)
 	return 0;
 }
 
-static int merge_command_run(const struct command *command, int argc, char **argv)
+static int merge_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct fault fault = {.text = ""};
 	const char *output = NULL;
@@ -179,7 +179,7 @@ static int merge_command_run(const struct command *command, int argc, char **arg
 	return EXIT_SUCCESS;
 }
 
-const struct command merge_command = {
+const struct bake_command merge_command = {
 	.name = "merge",
 	.usage = "SHARD... -o OUT.inlay",
 	.summary = "put the shards of a bake together",

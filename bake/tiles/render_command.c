@@ -225,7 +225,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 	return EXIT_SUCCESS;
 }
 
-static int render_command_run(const struct command *command, int argc, char **argv)
+static int render_command_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct render_choices c = {.frequency = -1,
 				   .division = -1,
@@ -251,7 +251,7 @@ static int render_command_run(const struct command *command, int argc, char **ar
 	return render_bake(argv[optind], &c);
 }
 
-const struct command render_command = {
+const struct bake_command render_command = {
 	.name = "render",
 	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
 		 "           [--size WxH]\n"
