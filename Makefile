@@ -207,28 +207,26 @@ deps:
 	$(Q)board/deps.sh demo test
 
 AGAIN = $(Q)$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
+# $(call with_packages,TARGET,PURPOSE): TARGET installs what PURPOSE needs, then makes TARGET-installed.
+define with_packages
+.PHONY: $(1) $(1)-installed
+$(1):
+	$$(Q)board/deps.sh $(2)
+	$$(AGAIN) $(1)-installed
+endef
 
-.PHONY: demo demo-installed
 ## demo: install, build, bake the cow, run it in the simulated studio; pictures are left in demo/
-demo:
-	$(Q)board/deps.sh demo
-	$(AGAIN) demo-installed
+$(eval $(call with_packages,demo,demo))
 demo-installed: all
 	$(Q)BUILD="$(BUILD)" bake/demo/demo.sh demo
 
-.PHONY: picture picture-installed
 ## picture: make the README's picture anew, board/kiosk.png
-picture:
-	$(Q)board/deps.sh demo
-	$(AGAIN) picture-installed
+$(eval $(call with_packages,picture,demo))
 picture-installed: all
 	$(Q)BUILD="$(BUILD)" board/picture.sh board/kiosk.png
 
-.PHONY: test test-installed
 ## test: install, build, test in ten minutes: everything quick, the whole way on simulated hardware
-test:
-	$(Q)board/deps.sh test
-	$(AGAIN) test-installed
+$(eval $(call with_packages,test,test))
 
 RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
 	INLAY_CALIBRATE="$(abspath $(BUILD))/inlay-calibrate" BUILD="$(BUILD)" tests/run.sh
@@ -249,11 +247,8 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 		-- cli $(TIMED_TESTS) -- unit $(TIMED_PROGRAMS)
 	$(Q)tests/run.sh --end
 
-.PHONY: test-deep test-deep-installed
 ## test-deep: what make test leaves out: sanitizers, fuzzing, other processors, every fault (an hour)
-test-deep:
-	$(Q)board/deps.sh deep
-	$(AGAIN) test-deep-installed
+$(eval $(call with_packages,test-deep,deep))
 
 DEEP_GROUPS := test-lint test-thorough test-emulated test-cli-deep test-registration test-fuzz test-sanitize \
 	test-vm-rest test-power
@@ -323,35 +318,23 @@ test-seeds: all programs-unit $(BUILD)/tests/kernels/test_kernels
 lint:
 	$(Q)tests/lint/lint.sh
 
-.PHONY: accuracy accuracy-installed
 ## accuracy: spot in real panoramas against path-traced truth: the table of errors (minutes)
-accuracy:
-	$(Q)board/deps.sh test
-	$(AGAIN) accuracy-installed
+$(eval $(call with_packages,accuracy,test))
 accuracy-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/panoramas.sh
 
-.PHONY: exposures exposures-installed
 ## exposures: how right the light of an 8-bit fisheye is, of one exposure and of three (minutes)
-exposures:
-	$(Q)board/deps.sh test
-	$(AGAIN) exposures-installed
+$(eval $(call with_packages,exposures,test))
 exposures-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/exposures.sh
 
-.PHONY: bench bench-installed
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
-bench:
-	$(Q)board/deps.sh demo
-	$(AGAIN) bench-installed
+$(eval $(call with_packages,bench,demo))
 bench-installed: all
 	$(Q)BUILD="$(BUILD)" tests/bench/bench.sh
 
-.PHONY: report report-installed
 ## report: speed against error of spot in real panoramas, or of the cow: build/report (minutes)
-report:
-	$(Q)board/deps.sh demo
-	$(AGAIN) report-installed
+$(eval $(call with_packages,report,demo))
 report-installed: all
 	$(Q)BUILD="$(BUILD)" tests/accuracy/report.sh build/report
 
