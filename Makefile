@@ -161,15 +161,17 @@ $(BUILD)/inlay-calibrate: $(call objects,$(CALIBRATE_MAIN)) $(CALIBRATE_LIBS)
 
 # Unit tests, one program a file: tests/unit/test_x.c -> $(BUILD)/tests/unit/test_x
 UNIT_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(UNIT_TESTS)))
+$(eval $(call archive,tests/support,$(SUPPORT_SOURCES)))
 EVERY_LIB := $(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
 EVERY_LINK = -Wl,--as-needed $(APP_LINK) $(CALIBRATE_LINK)
-$(UNIT_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(EVERY_LIB)
+$(UNIT_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(SUPPORT_LIB) $(EVERY_LIB)
 	$(say) LINK $@
-	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(EVERY_LIB) $(tests_LIBRARIES) $(EVERY_LINK)
+	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(SUPPORT_LIB) $(EVERY_LIB) $(tests_LIBRARIES) $(EVERY_LINK)
 
 # Fuzz targets replay their corpus under any compiler, and are real fuzzers under clang.
 FUZZ_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(FUZZ_TARGETS)))
-FUZZ_LIB := $(call objects,$(FUZZ_PARTS)) $(addprefix $(BUILD)/,drivers.a config.a hal.a)
+FUZZ_LIB := $(call objects,$(FUZZ_PARTS) tests/fuzz/as_file.c) $(SUPPORT_LIB) \
+	$(addprefix $(BUILD)/,drivers.a config.a hal.a)
 ifeq ($(FUZZER),1)
 # What no target is linked with is compiled for its warnings alone: sanitizers and optimiser take two
 # thirds of the time that it takes.
@@ -188,12 +190,13 @@ $(FUZZ_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(FUZZ_MAIN) $(FUZZ_LIB)
 	$(Q)$(CXX) $(SHARED_LINK) $(FUZZ_LINK) $(LDFLAGS) -o $@ $< $(FUZZ_MAIN) \
 		-Wl,--start-group $(FUZZ_LIB) -Wl,--end-group $(EVERY_LINK)
 
--include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c))
+TEST_SOURCES := $(SUPPORT_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/as_file.c tests/fuzz/replay.c
+-include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(TEST_SOURCES)))
 
 .PHONY: programs-unit programs-fuzz objects
 programs-unit: $(UNIT_PROGRAMS)
 programs-fuzz: $(FUZZ_PROGRAMS)
-objects: $(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c)
+objects: $(call objects,$(ALL_SOURCES) $(TEST_SOURCES))
 
 # ---- what a person calls ----
 # deps.sh may install what the WITH_ choices above looked for, so the work is done by a second make.

@@ -1,5 +1,29 @@
 # SPDX-License-Identifier: MIT
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
+SUPPORT_SOURCES := \
+	tests/support/baked_rows.c \
+	tests/support/chance.c \
+	tests/support/copied_basis.c \
+	tests/support/drawn_board.c \
+	tests/support/drawn_lamps.c \
+	tests/support/encode_promises.c \
+	tests/support/encode_rig.c \
+	tests/support/expect.c \
+	tests/support/fisheye_photographs.c \
+	tests/support/fisheye_views.c \
+	tests/support/guarded_screen.c \
+	tests/support/hand_block.c \
+	tests/support/known_camera.c \
+	tests/support/own_folder.c \
+	tests/support/patch_chart.c \
+	tests/support/played_v4l2.c \
+	tests/support/random_frame.c \
+	tests/support/reseal_shard.c \
+	tests/support/small_scene.c \
+	tests/support/synthetic_basis.c \
+	tests/support/synthetic_block.c \
+	tests/support/thorough.c
+SUPPORT_LIB := $(BUILD)/tests/support.a
 UNIT_TESTS := \
 	tests/accuracy/test_compositor_accuracy.c \
 	tests/accuracy/test_light_ground.c \
@@ -111,6 +135,9 @@ THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/drivers/test_kms_mode.c \
 	tests/unit/drivers/test_kms_card.c)
+# Their V4L2 device is played: see support/played_v4l2.h.
+$(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_settings): \
+	override LDFLAGS += -Wl,--wrap=ioctl -Wl,--wrap=epoll_ctl
 # Its graphics card is played: see there.
 $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
 $(BUILD)/tests/unit/bake/calibrate/camera/test_camera_photographs.o $(BUILD)/tests/unit/bake/calibrate/convert/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
@@ -191,7 +218,7 @@ $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/exposures
 $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 		$(BUILD)/tests/accuracy/exposures_random.o $(BUILD)/tests/accuracy/exposures_truth.o \
-		$(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
+		$(SUPPORT_LIB) $(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(EVERY_LINK)
 -include $(BUILD)/tests/accuracy/exposures.d $(BUILD)/tests/accuracy/exposures_random.d \
@@ -199,7 +226,7 @@ $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 
 # How long a camera's calibration takes; run by hand.
 TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera
-$(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o \
+$(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT_LIB) \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
@@ -207,7 +234,7 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o \
 
 # Writes the seeds of fuzz_basis anew when the format has changed.
 TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
-$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(BUILD)/hal.a
+$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/fuzz/basis_seeds.d
@@ -221,7 +248,7 @@ $(BUILD)/tests/cli/tools/allocations.so: tests/cli/tools/allocations.c
 
 # Draws what is photographed for the calibration of a fisheye.
 TEST_PROGRAMS += $(BUILD)/tests/cli/tools/photographs
-$(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o \
+$(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o $(SUPPORT_LIB) \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
@@ -231,7 +258,7 @@ $(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o \
 # and run by an emulator.
 KERNELS_TEST := $(addprefix $(BUILD)/,tests/kernels/test_kernels.o tests/kernels/compare.o \
 	tests/kernels/compare_sums.o tests/kernels/compare_pixels.o \
-	tests/kernels/faults.o tests/kernels/guarded.o hal/base/fault.o hal/base/processor.o hal/colour/transfer.o) \
+	tests/kernels/faults.o tests/kernels/guarded.o tests/support/chance.o hal/base/fault.o hal/base/processor.o hal/colour/transfer.o) \
 	$(addsuffix .o,$(addprefix $(BUILD)/,$(basename $(filter hal/compositor/kernels/kernel%,$(HAL_SOURCES)))))
 $(BUILD)/tests/kernels/test_kernels: $(KERNELS_TEST)
 	$(say) LINK $@

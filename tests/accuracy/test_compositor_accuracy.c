@@ -12,8 +12,13 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "hal/compositor/compositor.h"
+#include "tests/support/chance.h"
 #include "tests/support/synthetic_basis.h"
 
 #define LEVELS_MOST 1.0

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,15 +17,16 @@
 #include "app/pipeline/pipeline.h"
 #include "bake/calibrate/response/light_gain.h"
 #include "bake/calibrate/response/light_response.h"
-#include "tests/support/baking.h"
-#include "tests/support/light_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/patch_chart.h"
+#include "tests/support/small_scene.h"
 
 #define EYE 240 /* px, the fisheye's picture */
 #define EXPOSURES 5
 #define ALBEDO 0.5
 
-static const struct light_camera fisheye = {SHAPE_FILM, 12, 0.0005, 0.008};
-static const struct light_camera background = {SHAPE_BT709, 16, 0.0005, 0.008};
+static const struct chart_camera fisheye = {CHART_FILM, 12, 0.0005, 0.008};
+static const struct chart_camera background = {CHART_BT709, 16, 0.0005, 0.008};
 
 /* Sky in true units, by direction: bright towards one side, another colour towards another. */
 static void sky_at(const double dir[3], double light[3])
@@ -35,7 +37,7 @@ static void sky_at(const double dir[3], double light[3])
 }
 
 /* Of the camera from five exposures of patches. */
-static struct transfer_curve calibrate(const struct light_camera *camera, struct chance *chance)
+static struct transfer_curve calibrate(const struct chart_camera *camera, struct chance *chance)
 {
 	struct light_response_settings settings = {.time_deviation = 0};
 	struct image picture[EXPOSURES];
@@ -47,7 +49,7 @@ static struct transfer_curve calibrate(const struct light_camera *camera, struct
 	for (int j = 0; j < EXPOSURES; j++) {
 		settings.time[j] = 4.0 / (1 << j);
 		assert_int_equal(image_create_u8(&picture[j], 320, 240), 0);
-		light_scene_take(camera, settings.time[j], 2e-3, chance, &picture[j]);
+		chart_photograph(camera, settings.time[j], 2e-3, chance, &picture[j]);
 		pictures[j] = &picture[j];
 	}
 	assert_int_equal(light_samples_create(&samples, pictures, EXPOSURES, camera->black, NULL),
@@ -71,13 +73,13 @@ static struct canvas canvas_of(int width, int height)
 	return canvas;
 }
 
-static void set_pixel(struct canvas *canvas, int x, int y, const struct light_camera *camera,
+static void set_pixel(struct canvas *canvas, int x, int y, const struct chart_camera *camera,
 		      const double linear[3], struct chance *chance)
 {
 	uint8_t *to = canvas->pixels + (size_t)y * canvas->stride + 4 * (size_t)x;
 
 	for (int c = 0; c < 3; c++)
-		to[2 - c] = light_code(camera, linear[c], chance);
+		to[2 - c] = chart_code(camera, linear[c], chance);
 	to[3] = 255;
 }
 
@@ -208,14 +210,15 @@ static void composite(struct slab *s, const struct canvas *sky, const struct can
 
 static void bake_slab(struct slab *s)
 {
-	baking_write("slab.obj", "v -0.5 -0.4 0.0005\nv 0.5 -0.4 0.0005\nv 0.5 0.4 0.0005\n"
-				 "v -0.5 0.4 0.0005\nf 1 2 3\nf 1 3 4\n");
-	baking_write("slab.ini", "[camera]\nposition = 0 -4 4\nlook_at = 0 0 0\nfield_deg = 20\n"
-				 "width = 64\nheight = 48\n[dome]\nfrequency = 9\n[render]\n"
-				 "samples = 400\n[ground]\nmaterial = m\n[object slab]\n"
-				 "file = slab.obj\nup = z\nmaterial = m\n[material m]\n"
-				 "colour = 0.5 0.5 0.5\n");
-	s->basis = baking_bake("slab.ini");
+	small_scene_write("slab.obj", "v -0.5 -0.4 0.0005\nv 0.5 -0.4 0.0005\nv 0.5 0.4 0.0005\n"
+				      "v -0.5 0.4 0.0005\nf 1 2 3\nf 1 3 4\n");
+	small_scene_write("slab.ini",
+			  "[camera]\nposition = 0 -4 4\nlook_at = 0 0 0\nfield_deg = 20\n"
+			  "width = 64\nheight = 48\n[dome]\nfrequency = 9\n[render]\n"
+			  "samples = 400\n[ground]\nmaterial = m\n[object slab]\n"
+			  "file = slab.obj\nup = z\nmaterial = m\n[material m]\n"
+			  "colour = 0.5 0.5 0.5\n");
+	s->basis = small_scene_bake("slab.ini");
 }
 
 static double find_gain(const struct transfer_curve curves[2], const struct fisheye *lens,
@@ -306,5 +309,5 @@ int main(void)
 		cmocka_unit_test(the_slab_is_the_ground),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

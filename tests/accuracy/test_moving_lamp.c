@@ -10,24 +10,29 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "bake/scene/scene.h"
 #include "bake/truth/sky.h"
 #include "bake/truth/truth.h"
 #include "hal/compositor/compositor.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
-#include "tests/support/baking.h"
+#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 /* For a sanitizer the same way with less of each: it sees every step of it, and how large the steps
  * are is measured where the programs are as they are delivered. */
 enum {
-	FRAMES = WATCHED ? 10 : 25,
-	WIDTH = WATCHED ? 32 : 64,
-	HEIGHT = WATCHED ? 24 : 48,
+	FRAMES = SANITIZED ? 10 : 25,
+	WIDTH = SANITIZED ? 32 : 64,
+	HEIGHT = SANITIZED ? 24 : 48,
 	VALUES = 3 * WIDTH * HEIGHT,
-	FREQUENCY = WATCHED ? 4 : 9,
+	FREQUENCY = SANITIZED ? 4 : 9,
 	SIDE = 200
 };
 
@@ -188,8 +193,8 @@ static void open_kiosk(struct kiosk *k, struct scene *scene, enum dome_shape sha
 	render.shape = (int)shape;
 	render.quiet = true;
 	render.threads = 2;
-	if (render_run(scene, &render, baking_path("lamp.inlay"), &report, &fault) < 0 ||
-	    basis_open(&k->basis, baking_path("lamp.inlay"), 0, &fault) < 0)
+	if (render_run(scene, &render, small_scene_path("lamp.inlay"), &report, &fault) < 0 ||
+	    basis_open(&k->basis, small_scene_path("lamp.inlay"), 0, &fault) < 0)
 		fail_msg("%s", fault.text);
 	open_sampler(k, shape);
 	k->radiance = calloc(k->basis.info.lights, sizeof(*k->radiance));
@@ -305,11 +310,12 @@ static void a_lamp_moves_without_steps(void **state)
 	struct scene *scene;
 
 	(void)state;
-	baking_write_sphere("ball.obj", 0.3, 16);
-	baking_write("cube.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 1\nv 1 -1 1\n"
-				 "v 1 1 1\nv -1 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
-				 "f 3 4 8 7\nf 4 1 5 8\n");
-	baking_write(
+	small_scene_write_sphere("ball.obj", 0.3, 16);
+	small_scene_write("cube.obj",
+			  "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 1\nv 1 -1 1\n"
+			  "v 1 1 1\nv -1 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
+			  "f 3 4 8 7\nf 4 1 5 8\n");
+	small_scene_write(
 		"t.ini",
 		"[camera]\nposition = 1 -5 3\nlook_at = 0 0 0.3\nfield_deg = 34\nwidth = %d\n"
 		"height = %d\n[dome]\nfrequency = %d\n"
@@ -317,7 +323,7 @@ static void a_lamp_moves_without_steps(void **state)
 		"[object ball]\nfile = ball.obj\nup = z\nposition = 0.5 0 0.3\n"
 		"[object cube]\nfile = cube.obj\nup = z\nscale = 0.3\nposition = -0.5 -0.2 0\n",
 		WIDTH, HEIGHT, FREQUENCY);
-	scene = baking_scene("t.ini");
+	scene = small_scene_open("t.ini");
 	trace(&path, scene);
 	truth = change_of_truth(path.truth);
 	print("truth", &truth);
@@ -337,7 +343,7 @@ static void a_lamp_moves_without_steps(void **state)
 	for (int filtered = 0; filtered < 2; filtered++)
 		assert_true(shown[DOME_TENTS][filtered].most <= 1.5 * truth.most + 1);
 	/* the check can fail: cells do, those of a fine dome */
-	assert_true(WATCHED || shown[DOME_CELLS][0].most > 1.5 * truth.most + 1);
+	assert_true(SANITIZED || shown[DOME_CELLS][0].most > 1.5 * truth.most + 1);
 	for (int f = 0; f < FRAMES; f++)
 		image_free(&path.fisheye[f]);
 	free(path.truth);
@@ -348,5 +354,5 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(a_lamp_moves_without_steps)};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -3,6 +3,11 @@
  * Writes the seeds of fuzz_basis into a folder: small files of random content, each as the list of
  * its chunks that fuzz_basis.c unpacks. The same at every run.
  */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
 #include "tests/support/synthetic_basis.h"
 
 static const struct {

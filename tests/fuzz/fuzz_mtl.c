@@ -5,7 +5,10 @@
  * reaches: mesh_mtl.c:check_used mesh_mtl.c:read_library mesh_mtl.c:add_name
  * mesh_mtl.c:miss_library
  */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bake/mesh/mesh_mtl.h"
 #include "tests/fuzz/as_file.h"

@@ -4,6 +4,7 @@
  *
  * reaches: buttons_script.c:parse_line buttons_script.c:append buttons_script.c:arm
  */
+#include <stdlib.h>
 #include <string.h>
 
 #include "drivers/drivers.h"

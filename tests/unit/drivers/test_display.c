@@ -435,7 +435,7 @@ static void null_hides_when_told(void **state)
 static void file_settings(struct display_settings *settings, const char *name)
 {
 	*settings = (struct display_settings){.picture_width = 33, .picture_height = 17};
-	snprintf(settings->device, sizeof(settings->device), "%s/%s", own_folder, name);
+	snprintf(settings->device, sizeof(settings->device), "%s/%s", own_folder(), name);
 }
 
 static size_t files_in_folder(void)
@@ -444,7 +444,7 @@ static size_t files_in_folder(void)
 	glob_t found = {0};
 	size_t count;
 
-	snprintf(pattern, sizeof(pattern), "%s/*", own_folder);
+	snprintf(pattern, sizeof(pattern), "%s/*", own_folder());
 	glob(pattern, 0, NULL, &found);
 	count = found.gl_pathc;
 	globfree(&found);
@@ -568,7 +568,7 @@ static void file_pictures(void **state)
 			default:
 				strcpy(name, "now.png");
 			}
-			snprintf(path, sizeof(path), "%s/%s", own_folder, name);
+			snprintf(path, sizeof(path), "%s/%s", own_folder(), name);
 			check_picture(path, n);
 			if (k < 2)
 				unlink(path);

@@ -340,7 +340,7 @@ static int plug_in(void **state)
 
 	(void)state;
 	memset(&card, 0, sizeof(card));
-	if (mkfifo(own_path("card"), 0600) || stat(own_path("card"), &of))
+	if (mkfifo(own_folder_path("card"), 0600) || stat(own_folder_path("card"), &of))
 		return -1;
 	card.node = of.st_ino;
 	card.memory = memfd_create("buffers", MFD_CLOEXEC);
@@ -359,7 +359,7 @@ static int open_it(void)
 {
 	struct display_settings settings = {0};
 
-	strcpy(settings.device, own_path("card"));
+	strcpy(settings.device, own_folder_path("card"));
 	return display_open(&display, &display_kms, &settings, &options, &fault);
 }
 
@@ -383,7 +383,7 @@ static int take_out(void **state)
 	display_close(&display, NULL);
 	close(card.memory);
 	card.node = 0;
-	return unlink(own_path("card"));
+	return unlink(own_folder_path("card"));
 }
 
 static void open_fine(void)

@@ -19,6 +19,7 @@
 #include "hal/measure/lightings.h"
 #include "hal/measure/thesis.h"
 #include "hal/measure/unpacked.h"
+#include "tests/support/chance.h"
 #include "tests/support/synthetic_basis.h"
 
 static struct synthetic_options every_encoding(struct chance *chance)
@@ -120,13 +121,14 @@ static void transport_is_what_blocks_say(void **state)
 
 /* ---- the thesis ---- */
 
-struct scene {
+struct bench_scene {
 	struct basis *basis;
 	struct light_selection lights;
 	struct canvas background, out;
 };
 
-static void scene_open(struct scene *f, struct basis *basis, struct chance *chance, double dark)
+static void bench_scene_open(struct bench_scene *f, struct basis *basis, struct chance *chance,
+			     double dark)
 {
 	float(*radiance)[3] = calloc(basis->info.lights, sizeof(*radiance));
 
@@ -146,7 +148,7 @@ static void scene_open(struct scene *f, struct basis *basis, struct chance *chan
 	free(radiance);
 }
 
-static void scene_close(struct scene *f)
+static void bench_scene_close(struct bench_scene *f)
 {
 	light_selection_free(&f->lights);
 	canvas_free(&f->background);
@@ -160,7 +162,7 @@ static double code_value(const struct canvas *canvas, int x, int y, int c)
 
 /* What one pixel ought to be, in double precision: bytes stay within half a step, so sums within
  * half a step of all light. */
-static void check_pixel(const struct scene *f, const struct unpacked *t, int x, int y, int p,
+static void check_pixel(const struct bench_scene *f, const struct unpacked *t, int x, int y, int p,
 			double step)
 {
 	const uint16_t a = f->basis->poses[0].coverage[y * (int)f->basis->info.width + x];
@@ -202,7 +204,7 @@ static void check_pixel(const struct scene *f, const struct unpacked *t, int x, 
 	}
 }
 
-static void check_frame(const struct scene *f, double step)
+static void check_frame(const struct bench_scene *f, double step)
 {
 	const struct basis *basis = f->basis;
 	struct unpacked t;
@@ -240,7 +242,7 @@ static void thesis_composites(void **state)
 		struct synthetic s;
 		struct thesis *thesis;
 		struct pool *pool;
-		struct scene f;
+		struct bench_scene f;
 
 		/* plain bytes: no light is taken twice, and none comes from nowhere */
 		options.vary = options.tinted = false;
@@ -252,12 +254,12 @@ static void thesis_composites(void **state)
 		assert_int_equal(
 			thesis_create(&thesis, &s.basis, &s.basis.poses[0].shown, pool, &fault), 0);
 		assert_int_equal(thesis_share(thesis, pool), 0);
-		scene_open(&f, &s.basis, &chance, threads == 2 ? 0.4 : 0);
+		bench_scene_open(&f, &s.basis, &chance, threads == 2 ? 0.4 : 0);
 		thesis_light(thesis, &f.lights);
 		thesis_run(thesis, &f.background, &f.out);
 		check_frame(&f, brightest(&s.basis));
 		assert_true(thesis_bytes(thesis, 10) == 10 * thesis_bytes(thesis, 1));
-		scene_close(&f);
+		bench_scene_close(&f);
 		thesis_destroy(thesis);
 		pool_destroy(pool);
 		synthetic_close(&s);
@@ -273,7 +275,7 @@ static void errors_are_those_that_were_made(void **state)
 	struct synthetic s;
 	struct scope scope;
 	struct composite_error e, worse = {.psnr_db = 90};
-	struct scene f;
+	struct bench_scene f;
 	struct picture background;
 	double *truth;
 	const struct view whole = {.width = 37, .height = 21, .squash = 1};
@@ -282,7 +284,7 @@ static void errors_are_those_that_were_made(void **state)
 	options.object_share = options.ground_share = 0.2;
 	options.stand_in_share = 0;
 	synthetic_open(&s, &options);
-	scene_open(&f, &s.basis, &chance, 0);
+	bench_scene_open(&f, &s.basis, &chance, 0);
 	background = view_picture(&whole, f.background.pixels, f.background.stride);
 	assert_int_equal(scope_create(&scope, &s.basis, &s.basis.poses[0].shown), 0);
 	assert_true(scope.objects > 0 && scope.shadows > 0);
@@ -306,7 +308,7 @@ static void errors_are_those_that_were_made(void **state)
 	assert_true(worse.psnr_db == e.psnr_db && worse.max == e.max && worse.rms == e.rms);
 	free(truth);
 	scope_free(&scope);
-	scene_close(&f);
+	bench_scene_close(&f);
 	synthetic_close(&s);
 }
 

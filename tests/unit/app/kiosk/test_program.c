@@ -8,7 +8,9 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -333,7 +335,7 @@ static int count_lines(int file, int lost)
 
 static void a_pipe_is_not_waited_for(void **state)
 {
-	const char *path = own_path("pipe");
+	const char *path = own_folder_path("pipe");
 	struct stats stats;
 	int reader, lines;
 
@@ -370,8 +372,8 @@ static void files_are_cut_short_and_moved_away(void **state)
 	int reader;
 
 	(void)state;
-	snprintf(path, sizeof(path), "%s", own_path("stats"));
-	snprintf(old, sizeof(old), "%s", own_path("stats.1"));
+	snprintf(path, sizeof(path), "%s", own_folder_path("stats"));
+	snprintf(old, sizeof(old), "%s", own_folder_path("stats.1"));
 	assert_int_equal(open_stats(&stats, path), 0);
 	stats_start(&stats, 0);
 	line(&stats, 1);
@@ -394,7 +396,7 @@ static void files_are_cut_short_and_moved_away(void **state)
 
 static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
 {
-	const char *path = own_path("stats");
+	const char *path = own_folder_path("stats");
 	const struct rlimit small = {1000, RLIM_INFINITY};
 	struct rlimit before;
 	struct stats stats;

@@ -26,7 +26,7 @@ static int begin(void **state)
 	struct sockaddr_un address = {.sun_family = AF_UNIX};
 
 	(void)state;
-	snprintf(address.sun_path, sizeof(address.sun_path), "%.100s", own_path("notify"));
+	snprintf(address.sun_path, sizeof(address.sun_path), "%.100s", own_folder_path("notify"));
 	manager = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
 	if (manager < 0 || bind(manager, (struct sockaddr *)&address, sizeof(address)))
 		return -1;
@@ -42,7 +42,7 @@ static int end(void **state)
 	unsetenv("NOTIFY_SOCKET");
 	unsetenv("WATCHDOG_USEC");
 	close(manager);
-	return unlink(own_path("notify"));
+	return unlink(own_folder_path("notify"));
 }
 
 /* The next message; empty: there is none. */

@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +26,7 @@ static struct config_state settings_for(const char *name, double interval_s)
 {
 	struct config_state settings = {.interval_s = interval_s};
 
-	snprintf(settings.file, sizeof(settings.file), "%.1000s", own_path(name));
+	snprintf(settings.file, sizeof(settings.file), "%.1000s", own_folder_path(name));
 	return settings;
 }
 
@@ -36,7 +37,7 @@ static bool comes_to_hold(const char *name, double threshold)
 	struct state_values values = start;
 
 	while (clock_now_ns() < end) {
-		if (state_read(own_path(name), &values, NULL) == 0 &&
+		if (state_read(own_folder_path(name), &values, NULL) == 0 &&
 		    values.threshold.value == threshold)
 			return true;
 		usleep(2000);

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -18,7 +19,7 @@
 #include "app/pipeline/pipeline.h"
 #include "hal/basis/basis_writer.h"
 #include "hal/frame/frame.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/hand_block.h"
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
 
@@ -72,7 +73,7 @@ static void write_basis(const char *to, bool swapped)
 		peak[0][c] = peak[3][c] = peak[LIGHTS][c] = SHARE;
 	}
 	coverage[2 * WIDTH + 3] = coverage[2 * WIDTH + 4] = 65535;
-	block = hand_object(0, 2, pixel, LIGHTS, lights, &value[0][0][0]);
+	block = hand_block_of_object(0, 2, pixel, LIGHTS, lights, &value[0][0][0]);
 	must(basis_writer_open(&writer, to, &info, lights, NULL, NULL, "", &fault), &fault);
 	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
 	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);

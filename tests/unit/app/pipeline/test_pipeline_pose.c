@@ -19,7 +19,7 @@
 #include "app/pipeline/pipeline.h"
 #include "hal/base/clock.h"
 #include "hal/basis/basis_writer.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/hand_block.h"
 
 enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };
 
@@ -57,7 +57,7 @@ static void write_pose(struct basis_writer *writer, const struct basis_light *li
 	}
 	for (int c = 0; c < 3; c++)
 		peak[0][c] = peak[LIGHTS][c] = 1;
-	block = hand_object(0, 256, pixel, LIGHTS, lights, &value[0][0][0]);
+	block = hand_block_of_object(0, 256, pixel, LIGHTS, lights, &value[0][0][0]);
 	for (uint32_t t = 0; t < TILES; t++) {
 		block.entry.tile = t;
 		must(basis_writer_blocks(writer, &block, 1, &fault), &fault);

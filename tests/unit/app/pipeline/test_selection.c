@@ -10,10 +10,16 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "app/pipeline/pipeline.h"
-#include "tests/support/compositing.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/chance.h"
+#include "tests/support/hand_block.h"
+#include "tests/support/random_frame.h"
 
 enum { COUNT = 1500, FRAMES = 1000 };
 
@@ -43,7 +49,7 @@ static float level(double grey)
 
 struct choice {
 	struct synthetic file;
-	struct frame_of f;
+	struct random_frame f;
 	float radiance[COUNT][3];
 	double threshold;
 	enum threshold_mode mode;
@@ -56,7 +62,7 @@ static void choice_begin(struct choice *c, double band)
 
 	*c = (struct choice){.threshold = (double)level(40), .mode = THRESHOLD_DROP};
 	synthetic_open(&c->file, &options);
-	frame_begin(&c->f, &c->file.basis, NULL, &chance);
+	random_frame_begin(&c->f, &c->file.basis, NULL, &chance);
 	c->f.lights.band = band;
 	for (int i = 0; i < COUNT; i++)
 		for (int k = 0; k < 3; k++)
@@ -65,7 +71,7 @@ static void choice_begin(struct choice *c, double band)
 
 static void choice_end(struct choice *c)
 {
-	frame_end(&c->f);
+	random_frame_end(&c->f);
 	synthetic_close(&c->file);
 }
 
@@ -293,7 +299,7 @@ static void write_dome(const char *path)
 		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
 	}
 	dome_free(&dome);
-	block = hand_object(0, 1, &pixel, LIGHTS, lights, value);
+	block = hand_block_of_object(0, 1, &pixel, LIGHTS, lights, value);
 	synthetic_must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault),
 		       &fault);
 	synthetic_must(basis_writer_blocks(writer, &block, 1, &fault), &fault);

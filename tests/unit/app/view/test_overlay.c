@@ -57,7 +57,8 @@ struct drawn {
 
 static struct drawn draw(struct overlay *overlay, int width, int height)
 {
-	struct drawn d = {guarded_create(width, height, 0x11), guarded_create(width, height, 0xee)};
+	struct drawn d = {guarded_screen_create(width, height, 0x11),
+			  guarded_screen_create(width, height, 0xee)};
 
 	assert_int_equal(overlay_draw(overlay, &d.one.buffer), 0);
 	assert_int_equal(overlay_draw(overlay, &d.other.buffer), 0);
@@ -67,7 +68,8 @@ static struct drawn draw(struct overlay *overlay, int width, int height)
 static bool is_text(const struct drawn *d, int x, int y)
 {
 	static const uint8_t one[4] = {0x11, 0x11, 0x11, 0x11}, other[4] = {0xee, 0xee, 0xee, 0xee};
-	const uint8_t *a = guarded_pixel(&d->one, x, y), *b = guarded_pixel(&d->other, x, y);
+	const uint8_t *a = guarded_screen_pixel(&d->one, x, y),
+		      *b = guarded_screen_pixel(&d->other, x, y);
 
 	if (!memcmp(a, one, 4) && !memcmp(b, other, 4))
 		return false;
@@ -89,8 +91,8 @@ static int text_pixels(const struct drawn *d, int from_y, int to_y)
 
 static void done(struct drawn *d)
 {
-	guarded_free(&d->one);
-	guarded_free(&d->other);
+	guarded_screen_free(&d->one);
+	guarded_screen_free(&d->other);
 }
 
 static void nothing_to_say_draws_nothing(void **state)
@@ -144,8 +146,8 @@ static void keeps_to_its_edges(void **state)
 static void is_drawn_only_when_it_changes(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct guarded_screen screen = guarded_create(640, 480, 0);
-	struct guarded_screen larger = guarded_create(1280, 720, 0);
+	struct guarded_screen screen = guarded_screen_create(640, 480, 0);
+	struct guarded_screen larger = guarded_screen_create(1280, 720, 0);
 	int before;
 
 	(void)state;
@@ -169,8 +171,8 @@ static void is_drawn_only_when_it_changes(void **state)
 	assert_int_equal(lines_drawn, before + 2);
 	assert_int_equal(overlay_draw(&overlay, &larger.buffer), 0);
 	assert_int_equal(lines_drawn, before + 4);
-	guarded_free(&screen);
-	guarded_free(&larger);
+	guarded_screen_free(&screen);
+	guarded_screen_free(&larger);
 	overlay_free(&overlay);
 }
 
@@ -264,7 +266,7 @@ static void lines_end_where_they_may(void **state)
 	(void)state;
 	for (int i = 0; i < 3; i++) {
 		struct overlay overlay = {.trouble_count = 0};
-		struct guarded_screen screen = guarded_create(320, 240, 0);
+		struct guarded_screen screen = guarded_screen_create(320, 240, 0);
 		const char *at = cases[i].text;
 
 		overlay_information(&overlay, at);
@@ -279,7 +281,7 @@ static void lines_end_where_they_may(void **state)
 			at += strlen(cases[i].end);
 		}
 		assert_string_equal(at, "");
-		guarded_free(&screen);
+		guarded_screen_free(&screen);
 		overlay_free(&overlay);
 	}
 }
@@ -288,7 +290,7 @@ static void lines_end_where_they_may(void **state)
 static void what_is_left_out_is_counted(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct guarded_screen screen = guarded_create(240, 180, 0);
+	struct guarded_screen screen = guarded_screen_create(240, 180, 0);
 	static char texts[6][OVERLAY_TEXT_MAX];
 
 	(void)state;
@@ -301,7 +303,7 @@ static void what_is_left_out_is_counted(void **state)
 	for (int line = 0; line < lines_drawn - 1; line++)
 		assert_int_equal(line_letters[line], 16);
 	assert_int_equal(line_letters[lines_drawn - 1], strlen("and 2 more"));
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 	overlay_free(&overlay);
 }
 
@@ -336,7 +338,7 @@ static void can_be_read(void **state)
 			bool seen = false;
 
 			for (int x = 2; x < width && is_text(&d, x, y); x++) {
-				double l = luminance(guarded_pixel(&d.one, x, y));
+				double l = luminance(guarded_screen_pixel(&d.one, x, y));
 
 				dark = fmin(dark, l);
 				bright = fmax(bright, l);
@@ -391,7 +393,7 @@ static void any_bytes(void **state)
 /* The font has few of them; none may keep the others from being drawn. */
 static void every_character(void **state)
 {
-	struct guarded_screen screen = guarded_create(320, 240, 0);
+	struct guarded_screen screen = guarded_screen_create(320, 240, 0);
 	struct overlay overlay = {.trouble_count = 0};
 
 	(void)state;
@@ -416,7 +418,7 @@ static void every_character(void **state)
 		overlay_information(&overlay, text);
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	}
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 	overlay_free(&overlay);
 }
 
@@ -443,7 +445,7 @@ static void longer_than_there_is_room_for(void **state)
 static void without_cairo(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct guarded_screen screen = guarded_create(64, 48, 0x11);
+	struct guarded_screen screen = guarded_screen_create(64, 48, 0x11);
 
 	(void)state;
 	overlay_information(&overlay, "lights 1 of 2");
@@ -451,9 +453,9 @@ static void without_cairo(void **state)
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	for (int y = 0; y < 48; y++) {
 		for (int x = 0; x < 64; x++)
-			assert_int_equal(*guarded_pixel(&screen, x, y), 0x11);
+			assert_int_equal(*guarded_screen_pixel(&screen, x, y), 0x11);
 	}
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 	overlay_free(&overlay);
 }
 

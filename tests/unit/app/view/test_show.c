@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -18,7 +19,7 @@
 #include "hal/basis/basis_writer.h"
 #include "tests/support/chance.h"
 #include "tests/support/guarded_screen.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/hand_block.h"
 #include "tests/support/own_folder.h"
 
 enum { WIDTH = 50, HEIGHT = 38, LIGHTS = 46, SKY = 61, SCENE_WIDTH = 33, SCENE_HEIGHT = 47 };
@@ -68,7 +69,7 @@ static void write_basis(const char *path)
 		for (int c = 0; c < 3; c++)
 			value[p][c][0] = peak[0][c] = peak[LIGHTS][c] = 0.25f;
 	}
-	block = hand_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0][0]);
+	block = hand_block_of_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0][0]);
 	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
 	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
 	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
@@ -115,8 +116,8 @@ static int set_up(void **state)
 
 	if (own_folder_make(state))
 		return -1;
-	write_basis(own_path("show.inlay"));
-	must(basis_open(&basis, own_path("show.inlay"), BASIS_SHOWN, &fault), &fault);
+	write_basis(own_folder_path("show.inlay"));
+	must(basis_open(&basis, own_folder_path("show.inlay"), BASIS_SHOWN, &fault), &fault);
 	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
 	fill(&sources[0].canvas, SKY, SKY, 60);
 	fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
@@ -132,7 +133,7 @@ static int tear_down(void **state)
 	basis_close(&basis);
 	for (int i = 0; i < 3; i++)
 		canvas_free(&sources[i].canvas);
-	unlink(own_path("show.inlay"));
+	unlink(own_folder_path("show.inlay"));
 	return own_folder_remove(state);
 }
 
@@ -163,7 +164,7 @@ static struct show_request plain(enum config_show what)
 static struct guarded_screen shown_by(struct show *show, const struct show_request *request,
 				      int width, int height, int fill)
 {
-	struct guarded_screen screen = guarded_create(width, height, fill);
+	struct guarded_screen screen = guarded_screen_create(width, height, fill);
 	struct fault fault = {.text = ""};
 
 	must(show_draw(show, request, &pipeline, &eyes, &screen.buffer, &fault), &fault);
@@ -183,12 +184,12 @@ static struct guarded_screen shown(const struct show_request *request, int width
 static bool same_pixel(const struct guarded_screen *a, int ax, int ay,
 		       const struct guarded_screen *b, int bx, int by)
 {
-	return !memcmp(guarded_pixel(a, ax, ay), guarded_pixel(b, bx, by), 3);
+	return !memcmp(guarded_screen_pixel(a, ax, ay), guarded_screen_pixel(b, bx, by), 3);
 }
 
 static bool is_code(const struct guarded_screen *s, int x, int y, int blue, int green, int red)
 {
-	const uint8_t *p = guarded_pixel(s, x, y);
+	const uint8_t *p = guarded_screen_pixel(s, x, y);
 
 	return p[0] == blue && p[1] == green && p[2] == red;
 }
@@ -226,8 +227,8 @@ static void every_pixel_and_no_other(void **state)
 			for (int x = 0; x < size[0]; x++)
 				assert_true(same_pixel(&one, x, y, &other, x, y));
 		}
-		guarded_free(&one);
-		guarded_free(&other);
+		guarded_screen_free(&one);
+		guarded_screen_free(&other);
 		show_free(&show);
 		overlay_free(&overlay);
 	}
@@ -251,16 +252,17 @@ static void composite_is_the_composite(void **state)
 			 0);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++) {
-			assert_memory_equal(guarded_pixel(&exact, x, y), made[y][x], 3);
-			assert_memory_equal(guarded_pixel(&framed, x + 15, y + 3), made[y][x], 3);
+			assert_memory_equal(guarded_screen_pixel(&exact, x, y), made[y][x], 3);
+			assert_memory_equal(guarded_screen_pixel(&framed, x + 15, y + 3),
+					    made[y][x], 3);
 			changed += made[y][x][2] != 100;
 		}
 	}
 	assert_int_equal(changed, BASIS_TILE * BASIS_TILE); /* there is an object */
 	for (int x = 0; x < WIDTH + 31; x++)
 		assert_true(is_code(&framed, x, 0, 0, 0, 0));
-	guarded_free(&exact);
-	guarded_free(&framed);
+	guarded_screen_free(&exact);
+	guarded_screen_free(&framed);
 }
 
 /* Left of the line it is the view before, right of it the view after, at any scale. */
@@ -298,9 +300,9 @@ static void split_is_before_and_after(void **state)
 					assert_true(same_pixel(&split, x, y, &after, x, y));
 			}
 		}
-		guarded_free(&before);
-		guarded_free(&after);
-		guarded_free(&split);
+		guarded_screen_free(&before);
+		guarded_screen_free(&after);
+		guarded_screen_free(&split);
 	}
 }
 
@@ -320,7 +322,7 @@ static void a_line_parts_them(void **state)
 		assert_false(is_code(&screen, 64, y, 0, 0, 0));
 		assert_false(is_code(&screen, 60, y, 0, 0, 0));
 	}
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 }
 
 /* A screen without pictures still says what is wrong. */
@@ -330,7 +332,7 @@ static void off_and_blank_keep_the_text(void **state)
 	for (int run = 0; run < SHOW_COUNT; run++) {
 		struct overlay overlay = {.trouble_count = 0};
 		struct show_request request = plain((enum config_show)run);
-		struct guarded_screen screen, black = guarded_create(320, 240, 0);
+		struct guarded_screen screen, black = guarded_screen_create(320, 240, 0);
 
 		request.blank = run != SHOW_OFF;
 		screen = shown(&request, 320, 240);
@@ -338,7 +340,7 @@ static void off_and_blank_keep_the_text(void **state)
 			for (int x = 0; x < 320; x++)
 				assert_true(is_code(&screen, x, y, 0, 0, 0));
 		}
-		guarded_free(&screen);
+		guarded_screen_free(&screen);
 		overlay_information(&overlay, "lights 1 of 2");
 		request.overlay = &overlay;
 		screen = shown(&request, 320, 240);
@@ -347,8 +349,8 @@ static void off_and_blank_keep_the_text(void **state)
 			for (int x = 0; x < 320; x++)
 				assert_true(same_pixel(&screen, x, y, &black, x, y));
 		}
-		guarded_free(&screen);
-		guarded_free(&black);
+		guarded_screen_free(&screen);
+		guarded_screen_free(&black);
 		overlay_free(&overlay);
 	}
 }
@@ -359,7 +361,7 @@ static void text_lies_over_the_picture(void **state)
 	struct overlay overlay = {.trouble_count = 0};
 	struct show_request request = plain(SHOW_COMPOSITE);
 	struct guarded_screen without = shown(&request, 320, 240), with;
-	struct guarded_screen ink = guarded_create(320, 240, 0x11);
+	struct guarded_screen ink = guarded_screen_create(320, 240, 0x11);
 	int covered = 0;
 
 	(void)state;
@@ -376,9 +378,9 @@ static void text_lies_over_the_picture(void **state)
 		}
 	}
 	assert_int_equal(covered > 0, WITH_CAIRO);
-	guarded_free(&with);
-	guarded_free(&without);
-	guarded_free(&ink);
+	guarded_screen_free(&with);
+	guarded_screen_free(&without);
+	guarded_screen_free(&ink);
 	overlay_free(&overlay);
 }
 
@@ -405,9 +407,9 @@ static void quad_is_its_four_views(void **state)
 					assert_true(same_pixel(&quad, box.x + x, box.y + y, &one, x,
 							       y));
 			}
-			guarded_free(&one);
+			guarded_screen_free(&one);
 		}
-		guarded_free(&quad);
+		guarded_screen_free(&quad);
 	}
 }
 
@@ -432,8 +434,8 @@ static void lights_are_marked(void **state)
 
 			if (acos(d[2]) > 1.4) /* at the edge it may be cut */
 				continue;
-			p = guarded_pixel(&quad, (int)(middle[0] + r * cos(phi)),
-					  (int)(middle[1] + r * sin(phi)));
+			p = guarded_screen_pixel(&quad, (int)(middle[0] + r * cos(phi)),
+						 (int)(middle[1] + r * sin(phi)));
 			if (pipeline.selection.used[i])
 				assert_true(p[2] > 150 && p[2] > p[0] + 60 && p[2] > p[1] + 60);
 			else
@@ -441,7 +443,7 @@ static void lights_are_marked(void **state)
 			seen[pipeline.selection.used[i]]++;
 		}
 		assert_true(seen[0] > 3 && seen[1] > 3);
-		guarded_free(&quad);
+		guarded_screen_free(&quad);
 	}
 }
 
@@ -465,7 +467,7 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 		for (int x = 0; x < WIDTH; x++)
 			assert_true(same_pixel(&fitted, x, y, &straight, x, y));
 	}
-	guarded_free(&fitted);
+	guarded_screen_free(&fitted);
 	fit = show_fit(SHOW_QUAD, &eyes, &basis);
 	assert_int_equal(fit.width, 2 * WIDTH);
 	assert_int_equal(fit.height, 2 * HEIGHT);
@@ -475,8 +477,8 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 		for (int x = 0; x < WIDTH; x++)
 			assert_true(same_pixel(&fitted, after.x + x, after.y + y, &straight, x, y));
 	}
-	guarded_free(&fitted);
-	guarded_free(&straight);
+	guarded_screen_free(&fitted);
+	guarded_screen_free(&straight);
 }
 
 static void sizes_are_those_of_what_is_shown(void **state)
@@ -509,7 +511,7 @@ static void no_pictures(void **state)
 			for (int x = 0; x < 61; x++)
 				assert_true(is_code(&screen, x, y, 0, 0, 0));
 		}
-		guarded_free(&screen);
+		guarded_screen_free(&screen);
 	}
 }
 

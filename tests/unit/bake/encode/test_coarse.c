@@ -6,8 +6,9 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 
-#include "tests/support/encoding.h"
+#include "tests/support/encode_rig.h"
 
 static void over_coarse(void **state)
 {
@@ -16,12 +17,12 @@ static void over_coarse(void **state)
 	(void)state;
 	for (size_t a = 0; a < 6; a++)
 		for (size_t b = 0; b < 5; b++) {
-			struct encoding e, few;
+			struct encode_rig e, few;
 
 			if (coarse[b] >= fine[a])
 				continue;
-			e = encoding_dome(fine[a], coarse[b]);
-			few = encoding_dome(coarse[b], coarse[b]);
+			e = encode_rig_dome(fine[a], coarse[b]);
+			few = encode_rig_dome(coarse[b], coarse[b]);
 			for (int i = 0; i < e.settings.lights; i++) {
 				const struct basis_coarse *g = &e.gather[i];
 				double mean[3] = {0, 0, 0};
@@ -41,11 +42,11 @@ static void over_coarse(void **state)
 				assert_int_equal(sum, BASIS_COARSE_ONE);
 				/* Inside the triangles: the mean lies in the light's direction. */
 				if (e.light[i].direction[2] > 1.0 / coarse[b])
-					assert_true(encoding_dot(mean, e.light[i].direction) >
-						    (1 - 1e-7) * sqrt(encoding_dot(mean, mean)));
+					assert_true(encode_rig_dot(mean, e.light[i].direction) >
+						    (1 - 1e-7) * sqrt(encode_rig_dot(mean, mean)));
 			}
-			encoding_end(&e);
-			encoding_end(&few);
+			encode_rig_end(&e);
+			encode_rig_end(&few);
 		}
 }
 

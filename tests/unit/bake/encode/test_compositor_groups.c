@@ -9,9 +9,11 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <stdlib.h>
 
-#include "tests/support/baking.h"
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/random_frame.h"
+#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define COLUMN_CUT 0.0004
@@ -20,13 +22,14 @@
 
 static void write_ball(void)
 {
-	baking_write_sphere("ball.obj", 0.5, 16);
-	baking_write("ball.ini",
-		     "[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
-		     "width = %d\nheight = %d\n[dome]\nfrequency = %d\n"
-		     "[render]\nsamples = 4\nbounces = 2\ncoarse = 3\ncolumn_cut = %g\n[ground]\n"
-		     "[object ball]\nfile = ball.obj\nstand = yes\n",
-		     WATCHED ? 28 : 48, WATCHED ? 24 : 40, WATCHED ? 7 : 8, COLUMN_CUT);
+	small_scene_write_sphere("ball.obj", 0.5, 16);
+	small_scene_write(
+		"ball.ini",
+		"[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
+		"width = %d\nheight = %d\n[dome]\nfrequency = %d\n"
+		"[render]\nsamples = 4\nbounces = 2\ncoarse = 3\ncolumn_cut = %g\n[ground]\n"
+		"[object ball]\nfile = ball.obj\nstand = yes\n",
+		SANITIZED ? 28 : 48, SANITIZED ? 24 : 40, SANITIZED ? 7 : 8, COLUMN_CUT);
 }
 
 struct column_counts {
@@ -105,7 +108,7 @@ static void light_up_one(const struct basis *basis, struct chance *chance, float
 }
 
 /* The largest difference in 8-bit levels. */
-static double farthest(const struct frame_of *f, const double *truth, int width, int height)
+static double farthest(const struct random_frame *f, const double *truth, int width, int height)
 {
 	double most = 0;
 
@@ -130,7 +133,7 @@ static void fast_is_near_exact(void **state)
 					       .gain = 1,
 					       .object = true};
 	struct basis basis;
-	struct frame_of f;
+	struct random_frame f;
 	float(*radiance)[3];
 	double *truth, worst[2] = {0}; /* of skies, of lights alone */
 	struct column_counts counts;
@@ -138,14 +141,14 @@ static void fast_is_near_exact(void **state)
 
 	(void)state;
 	write_ball();
-	basis = baking_bake("ball.ini");
+	basis = small_scene_bake("ball.ini");
 	counts = count_columns(&basis);
 	assert_true(counts.groups > 50 && counts.beside >= 2 * counts.groups);
 	assert_true(counts.across > 50);
 	radiance = calloc(basis.info.lights, sizeof(*radiance));
 	truth = calloc((size_t)basis.info.width * basis.info.height * 3, sizeof(*truth));
 	assert_true(radiance && truth);
-	frame_begin(&f, &basis, NULL, &chance);
+	random_frame_begin(&f, &basis, NULL, &chance);
 	for (int run = 0; run < 48; run++) {
 		const bool alone = run >= 24;
 		double off;
@@ -182,7 +185,7 @@ static void fast_is_near_exact(void **state)
 		fail_msg("%.2f levels off by one light, declared %.2f", worst[1],
 			 basis.info.cell_max);
 	assert_true(most_columns > 0);
-	frame_end(&f);
+	random_frame_end(&f);
 	basis_close(&basis);
 	free(radiance);
 	free(truth);
@@ -195,12 +198,13 @@ static void without_a_cut(void **state)
 
 	(void)state;
 	write_ball();
-	baking_write("whole.ini",
-		     "[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
-		     "width = 16\nheight = 16\n[dome]\nfrequency = 6\n"
-		     "[render]\nsamples = 2\nbounces = 2\ncoarse = 3\ncolumn_cut = 0\n[ground]\n"
-		     "[object ball]\nfile = ball.obj\nstand = yes\n");
-	basis = baking_bake("whole.ini");
+	small_scene_write(
+		"whole.ini",
+		"[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
+		"width = 16\nheight = 16\n[dome]\nfrequency = 6\n"
+		"[render]\nsamples = 2\nbounces = 2\ncoarse = 3\ncolumn_cut = 0\n[ground]\n"
+		"[object ball]\nfile = ball.obj\nstand = yes\n");
+	basis = small_scene_bake("whole.ini");
 	assert_int_equal(count_columns(&basis).groups, 0);
 	basis_close(&basis);
 }
@@ -208,8 +212,9 @@ static void without_a_cut(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(fast_is_near_exact, baking_begin, baking_end),
-		cmocka_unit_test_setup_teardown(without_a_cut, baking_begin, baking_end),
+		cmocka_unit_test_setup_teardown(fast_is_near_exact, small_scene_begin,
+						small_scene_end),
+		cmocka_unit_test_setup_teardown(without_a_cut, small_scene_begin, small_scene_end),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

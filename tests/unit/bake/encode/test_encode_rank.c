@@ -7,14 +7,17 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "bake/encode/encode_rank.h"
-#include "tests/support/encoding.h"
+#include "tests/support/chance.h"
+#include "tests/support/encode_rig.h"
 
 #define PIXELS 40 /* more than there are coarse lights: nothing is cut off */
 
 struct fit {
-	struct encoding e;
+	struct encode_rig e;
 	struct basis_groups groups;
 	struct part part; /* only what a metric asks for */
 	struct rank_metric metric;
@@ -29,7 +32,7 @@ static void fit_begin(struct fit *f, struct chance *chance)
 	struct encode_settings *s;
 	size_t n;
 
-	*f = (struct fit){.e = encoding_dome(6, 2)};
+	*f = (struct fit){.e = encode_rig_dome(6, 2)};
 	s = &f->e.settings;
 	n = (size_t)s->lights;
 	assert_int_equal(basis_groups_create(&f->groups, s->gather, s->lights, s->coarse), 0);
@@ -67,7 +70,7 @@ static void fit_end(struct fit *f)
 	free(f->weight);
 	free(f->value);
 	free(f->left);
-	encoding_end(&f->e);
+	encode_rig_end(&f->e);
 }
 
 static void find(struct fit *f)

@@ -8,11 +8,17 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "bake/base/angles.h"
 #include "bake/exchange/export_blender.h"
 #include "bake/exchange/export_radiance.h"
-#include "tests/support/baking.h"
+#include "bake/scene/scene.h"
+#include "tests/support/small_scene.h"
 
 #define WIDTH 24
 #define HEIGHT 18
@@ -33,15 +39,15 @@ static struct scene *open_scene(const char *view)
 	struct fault fault = {.text = ""};
 	struct scene *scene;
 
-	baking_write_sphere("ball.obj", 0.5, 12);
-	baking_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 1\nv -2 1 1\nf 1 2 3 4\n");
-	baking_write(
+	small_scene_write_sphere("ball.obj", 0.5, 12);
+	small_scene_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 1\nv -2 1 1\nf 1 2 3 4\n");
+	small_scene_write(
 		"job.scene",
 		"%s[dome]\nfrequency = 1\n[ground]\nextent = 6\n[object ball]\nfile = ball.obj\n"
 		"up = z\nstand = yes\nmaterial = m\n[standin wall]\nfile = wall.obj\nup = z\n"
 		"[material m]\ncolour = 0.8 0.5 0.3\n",
 		view);
-	if (scene_open(&scene, baking_path("job.scene"), 0, 0, &fault))
+	if (scene_open(&scene, small_scene_path("job.scene"), 0, 0, &fault))
 		fail_msg("%s", fault.text);
 	return scene;
 }
@@ -53,7 +59,7 @@ static void export_to(const struct scene *scene, const char *folder)
 	struct dome dome;
 
 	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-	if (export_radiance(scene, &dome, baking_path(folder), &settings, &fault))
+	if (export_radiance(scene, &dome, small_scene_path(folder), &settings, &fault))
 		fail_msg("%s", fault.text);
 	dome_free(&dome);
 }
@@ -61,7 +67,7 @@ static void export_to(const struct scene *scene, const char *folder)
 static float *read_rays(const char *name)
 {
 	const size_t count = (size_t)FLOATS * RAYS * RAYS * WIDTH * HEIGHT;
-	FILE *stream = fopen(baking_path(name), "rb");
+	FILE *stream = fopen(small_scene_path(name), "rb");
 	float *rays = malloc(count * sizeof(*rays));
 
 	assert_non_null(stream);
@@ -127,7 +133,7 @@ static void test_coverage(void **state)
 	(void)state;
 	export_to(scene, "cover");
 	object = read_rays("cover/object.rays");
-	if (image_read(baking_path("cover/coverage.hdr"), &coverage, &fault))
+	if (image_read(small_scene_path("cover/coverage.hdr"), &coverage, &fault))
 		fail_msg("%s", fault.text);
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++) {
@@ -159,7 +165,7 @@ static void test_meshes(void **state)
 		const struct mesh_part *own = &scene->meshes[k].parts[0];
 		float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 
-		if (mesh_read(&mesh, baking_path(k ? "mesh/standins.obj" : "mesh/objects.obj"),
+		if (mesh_read(&mesh, small_scene_path(k ? "mesh/standins.obj" : "mesh/objects.obj"),
 			      &as_it_is, &fault))
 			fail_msg("%s", fault.text);
 		assert_int_equal(mesh.part_count, 1);
@@ -189,7 +195,7 @@ static void test_angles(void **state)
 
 	(void)state;
 	export_to(scene, "angles");
-	if (angles_read(baking_path("angles/angles.txt"), &dome, &light, &fault))
+	if (angles_read(small_scene_path("angles/angles.txt"), &dome, &light, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(dome.count, 6);
 	for (int k = 0; k < dome.count; k++)
@@ -226,20 +232,22 @@ static void test_tents(void **state)
 
 	(void)state;
 	assert_int_equal(dome_create_shaped(&dome, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
-	assert_int_equal(export_radiance(scene, &dome, baking_path("tents"), &settings, &fault), 0);
+	assert_int_equal(
+		export_radiance(scene, &dome, small_scene_path("tents"), &settings, &fault), 0);
 	for (int i = 0; i < dome.count; i++) {
 		char name[64];
 
 		snprintf(name, sizeof(name), "tents/light%03d.rad", i);
-		assert_true(fabs(suns_sr(baking_path(name)) / dome.solid_angle_sr[i] - 1) < 0.02);
+		assert_true(fabs(suns_sr(small_scene_path(name)) / dome.solid_angle_sr[i] - 1) <
+			    0.02);
 	}
-	if (angles_read(baking_path("tents/angles.txt"), &found, &light, &fault))
+	if (angles_read(small_scene_path("tents/angles.txt"), &found, &light, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(found.count, dome.count);
 	assert_int_equal((int)found.shape, (int)DOME_TENTS);
 	free(light);
 	dome_free(&found);
-	assert_int_equal(export_blender(scene, &dome, baking_path("no"), &fault), -ENOTSUP);
+	assert_int_equal(export_blender(scene, &dome, small_scene_path("no"), &fault), -ENOTSUP);
 	assert_non_null(strstr(fault.text, "expected cells"));
 	dome_free(&dome);
 	scene_close(scene);
@@ -264,9 +272,9 @@ static void test_shift(void **state)
 	assert_float_equal(export_camera_shift(&scene->camera), expected, 1e-6);
 	assert_true(expected > EXPORT_BLENDER_SHIFT_PX);
 	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-	assert_int_equal(export_blender(scene, &dome, baking_path("no"), &fault), -EINVAL);
+	assert_int_equal(export_blender(scene, &dome, small_scene_path("no"), &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "moves pixels by up to"));
-	assert_int_equal(access(baking_path("no"), F_OK), -1);
+	assert_int_equal(access(small_scene_path("no"), F_OK), -1);
 	dome_free(&dome);
 	scene_close(scene);
 }
@@ -279,5 +287,5 @@ int main(void)
 		cmocka_unit_test(test_shift),  cmocka_unit_test(test_tents),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -8,10 +8,13 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "bake/base/random.h"
 #include "bake/exchange/msi.h"
-#include "tests/support/baking.h"
+#include "tests/support/small_scene.h"
 
 #define WIDTH 40
 #define HEIGHT 30
@@ -39,16 +42,17 @@ static struct thesis *thesis_of(const struct basis *basis, struct pool *pool)
 
 static int begin(void **state)
 {
-	if (baking_begin(state))
+	if (small_scene_begin(state))
 		return -1;
-	baking_write_sphere("ball.obj", 0.5, 12);
-	baking_write("ball.ini",
-		     "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
-		     "[dome]\nfrequency = 2\n[render]\nsamples = 16\n[ground]\n[object ball]\n"
-		     "file = ball.obj\nup = z\nstand = yes\nmaterial = m\n[material m]\n"
-		     "colour = 0.8 0.5 0.3\n",
-		     WIDTH, HEIGHT);
-	own.basis = baking_bake("ball.ini");
+	small_scene_write_sphere("ball.obj", 0.5, 12);
+	small_scene_write(
+		"ball.ini",
+		"[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
+		"[dome]\nfrequency = 2\n[render]\nsamples = 16\n[ground]\n[object ball]\n"
+		"file = ball.obj\nup = z\nstand = yes\nmaterial = m\n[material m]\n"
+		"colour = 0.8 0.5 0.3\n",
+		WIDTH, HEIGHT);
+	own.basis = small_scene_bake("ball.ini");
 	assert_int_equal(dome_create(&own.dome, 2, DOME_ANGLES, NULL), 0);
 	assert_int_equal(pool_create(&own.pool, 2), 0);
 	own.thesis = thesis_of(&own.basis, own.pool);
@@ -61,14 +65,14 @@ static int end(void **state)
 	pool_destroy(own.pool);
 	dome_free(&own.dome);
 	basis_close(&own.basis);
-	return baking_end(state);
+	return small_scene_end(state);
 }
 
 static void write_msi(const char *name, const struct msi_variant *variant)
 {
 	struct fault fault = {.text = ""};
 
-	if (msi_write(baking_path(name), own.thesis, WIDTH, HEIGHT, own.dome.count, variant,
+	if (msi_write(small_scene_path(name), own.thesis, WIDTH, HEIGHT, own.dome.count, variant,
 		      &fault))
 		fail_msg("%s", fault.text);
 }
@@ -94,7 +98,7 @@ static void test_variants(void **state)
 	(void)state;
 	for (size_t k = 0; k < 4; k++) {
 		write_msi("a.msi", &variants[k]);
-		assert_int_equal(msi_open(&msi, baking_path("a.msi"), &fault), 0);
+		assert_int_equal(msi_open(&msi, small_scene_path("a.msi"), &fault), 0);
 		assert_int_equal(msi.variant.big_endian, variants[k].big_endian);
 		assert_int_equal(msi.variant.long_bytes, variants[k].long_bytes);
 		assert_int_equal(msi.width, WIDTH);
@@ -123,7 +127,7 @@ static struct basis import(const char *name)
 	assert_non_null(place);
 	for (int i = 0; i < own.dome.count; i++)
 		place[i] = i;
-	assert_int_equal(msi_open(&msi, baking_path(name), &fault), 0);
+	assert_int_equal(msi_open(&msi, small_scene_path(name), &fault), 0);
 	assert_int_equal(msi_source_create(&from, &msi, &own.dome, place, thesis_rate(own.thesis)),
 			 0);
 	assert_non_null(from.ground); /* it is flat, and shows it */
@@ -138,13 +142,13 @@ static struct basis import(const char *name)
 			.context = &from,
 		};
 
-		if (import_run(&source, &settings, baking_path("in.inlay"), &fault))
+		if (import_run(&source, &settings, small_scene_path("in.inlay"), &fault))
 			fail_msg("%s", fault.text);
 	}
 	msi_source_free(&from);
 	msi_close(&msi);
 	free(place);
-	if (basis_open(&basis, baking_path("in.inlay"), BASIS_WITH_EXACT, &fault) < 0)
+	if (basis_open(&basis, small_scene_path("in.inlay"), BASIS_WITH_EXACT, &fault) < 0)
 		fail_msg("%s", fault.text);
 	return basis;
 }
@@ -219,12 +223,12 @@ static void refused(const uint8_t *data, size_t bytes, const char *words)
 {
 	struct fault fault = {.text = ""};
 	struct msi msi;
-	FILE *file = fopen(baking_path("bad.msi"), "wb");
+	FILE *file = fopen(small_scene_path("bad.msi"), "wb");
 
 	assert_non_null(file);
 	assert_int_equal(fwrite(data, 1, bytes, file), bytes);
 	assert_int_equal(fclose(file), 0);
-	assert_int_equal(msi_open(&msi, baking_path("bad.msi"), &fault), -EBADMSG);
+	assert_int_equal(msi_open(&msi, small_scene_path("bad.msi"), &fault), -EBADMSG);
 	if (!strstr(fault.text, words))
 		fail_msg("expected \"%s\": %s", words, fault.text);
 	assert_null(msi.data);
@@ -243,7 +247,7 @@ static void test_damage(void **state)
 		const bool big = variants[k].big_endian;
 
 		write_msi("a.msi", &variants[k]);
-		file = fopen(baking_path("a.msi"), "rb");
+		file = fopen(small_scene_path("a.msi"), "rb");
 		assert_non_null(file);
 		bytes = fread(data, 1, 4 << 20, file);
 		fclose(file);

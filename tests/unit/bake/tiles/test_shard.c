@@ -1,11 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /* A shard comes back as it was written; one with any wrong number in it, whose checksums are right,
  * is refused before that number is used. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
 #include <errno.h>
 
 #include "tests/support/copied_basis.h"
 
 #include "bake/tiles/shard.h"
+#include "bake/tiles/shard_format.h"
+#include "tests/support/chance.h"
 #include "tests/support/reseal_shard.h"
 
 struct sample {

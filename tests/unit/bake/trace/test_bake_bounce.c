@@ -6,10 +6,13 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "bake/base/random.h"
+#include "bake/scene/scene.h"
 #include "bake/tiles/tile.h"
-#include "tests/support/baking.h"
+#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define SEED 20
@@ -457,15 +460,16 @@ static void check_scene(const char *what, const char *material, const char *stan
 	double log_sum = 0;
 	int log_count = 0;
 
-	baking_write_sphere("ball.obj", 0.8, 24);
-	baking_write("plane.obj", "v -9 1 0\nv 9 1 0\nv 9 1 9\nv -9 1 9\nf 1 2 3 4\n");
-	baking_write("s.ini",
-		     "[camera]\nposition = 0 -6 4\nlook_at = 0 0 0.4\nfield_deg = 40\nwidth = 64\n"
-		     "height = 64\n[render]\n[ground]\nmaterial = m\n%s[object ball]\n"
-		     "file = ball.obj\nup = z\nmaterial = b\nstand = yes\n[material m]\n"
-		     "colour = 0.6 0.5 0.4\n[material b]\n%s",
-		     standin, material);
-	scene = baking_scene("s.ini");
+	small_scene_write_sphere("ball.obj", 0.8, 24);
+	small_scene_write("plane.obj", "v -9 1 0\nv 9 1 0\nv 9 1 9\nv -9 1 9\nf 1 2 3 4\n");
+	small_scene_write(
+		"s.ini",
+		"[camera]\nposition = 0 -6 4\nlook_at = 0 0 0.4\nfield_deg = 40\nwidth = 64\n"
+		"height = 64\n[render]\n[ground]\nmaterial = m\n%s[object ball]\n"
+		"file = ball.obj\nup = z\nmaterial = b\nstand = yes\n[material m]\n"
+		"colour = 0.6 0.5 0.4\n[material b]\n%s",
+		standin, material);
+	scene = small_scene_open("s.ini");
 	for (size_t k = 0; k < (thorough() ? 3 : 2); k++) {
 		struct fault fault;
 		struct cells cells;
@@ -522,5 +526,5 @@ int main(void)
 	for (int p = 0; p < TILE_PIXELS; p++)
 		every_pixel[p] = (uint16_t)p;
 	print_message("# seed %d\n", SEED);
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -7,11 +7,15 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
 
+#include "bake/scene/scene.h"
 #include "bake/tiles/sight.h"
 #include "bake/truth/truth.h"
 #include "hal/compositor/compositor.h"
-#include "tests/support/baking.h"
+#include "tests/support/baked_rows.h"
+#include "tests/support/small_scene.h"
 
 #define WIDTH 40
 #define HEIGHT 30
@@ -115,7 +119,7 @@ static void compare(struct comparison *to, const char *name)
 		.samples = 384, .bounces = 8, .seed = 3, .threads = 2, .quiet = true};
 	struct image image, board;
 	const struct panorama panorama = {.image = &image, .scale = 1};
-	struct scene *scene = baking_scene(name);
+	struct scene *scene = small_scene_open(name);
 	struct fault fault = {.text = ""};
 	struct truth_report report;
 	double square = 0;
@@ -129,7 +133,7 @@ static void compare(struct comparison *to, const char *name)
 				TRANSFER_SRGB, board_code(i % WIDTH, i / WIDTH, c) / 255.0);
 	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
 	assert_int_equal(truth_run(scene, &sky, &board, &settings, &to->truth, &report, &fault), 0);
-	to->basis = baking_bake(name);
+	to->basis = small_scene_bake(name);
 	composite(to);
 	to->most = 0;
 	for (int y = 0; y < HEIGHT; y++)
@@ -162,11 +166,11 @@ static void compared(struct comparison *c)
 
 static void write_box(const char *name, double x, double y, double z)
 {
-	baking_write(name,
-		     "v %1$g %2$g 0\nv %4$g %2$g 0\nv %4$g %5$g 0\nv %1$g %5$g 0\n"
-		     "v %1$g %2$g %3$g\nv %4$g %2$g %3$g\nv %4$g %5$g %3$g\nv %1$g %5$g %3$g\n"
-		     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n",
-		     -x, -y, z, x, y);
+	small_scene_write(name,
+			  "v %1$g %2$g 0\nv %4$g %2$g 0\nv %4$g %5$g 0\nv %1$g %5$g 0\n"
+			  "v %1$g %2$g %3$g\nv %4$g %2$g %3$g\nv %4$g %5$g %3$g\nv %1$g %5$g %3$g\n"
+			  "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n",
+			  -x, -y, z, x, y);
 }
 
 /* ---- glass ---- */
@@ -180,7 +184,7 @@ static void a_tinted_pane_lets_its_own_background_through(void **state)
 
 	(void)state;
 	write_box("pane.obj", 0.55, 0.04, 1.1);
-	baking_write(
+	small_scene_write(
 		"pane.ini",
 		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object pane]\nfile = "
 								       "pane.obj\nup = z\nmaterial "
@@ -195,7 +199,7 @@ static void a_tinted_pane_lets_its_own_background_through(void **state)
 
 		assert_int_equal(g->dx, 0);
 		assert_int_equal(g->dy, 0);
-		if (baking_coverage(&c.basis, g->x, g->y) < 1)
+		if (baked_coverage(&c.basis, g->x, g->y) < 1)
 			continue;
 		for (int channel = 0; channel < 3; channel++)
 			off = fmax(off, fabs(g->transmission[channel] / 65535.0 -
@@ -216,8 +220,9 @@ static void a_thin_pane_mirrors_on_both_sides(void **state)
 	struct comparison c;
 
 	(void)state;
-	baking_write("sheet.obj", "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
-	baking_write(
+	small_scene_write("sheet.obj",
+			  "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
+	small_scene_write(
 		"thin.ini",
 		SCENE("position = 0 -3.5 0.5\nlook_at = 0 0 0.5\n") "[object pane]\nfile = "
 								    "sheet.obj\nup = z\nmaterial = "
@@ -226,7 +231,7 @@ static void a_thin_pane_mirrors_on_both_sides(void **state)
 								    "yes\ncolour = 0.9 0.9 0.9\n");
 	compare(&c, "thin.ini");
 	for (int channel = 0; channel < 3; channel++)
-		assert_true(fabs(baking_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
+		assert_true(fabs(baked_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
 				 0.9 * (1 - both)) < 2e-3);
 	assert_true(c.rms < 1.5);
 	compared(&c);
@@ -239,8 +244,8 @@ static void a_ball_bends_the_background(void **state)
 	int below = 0;
 
 	(void)state;
-	baking_write_sphere("ball.obj", 0.5, 32);
-	baking_write(
+	small_scene_write_sphere("ball.obj", 0.5, 32);
+	small_scene_write(
 		"ball.ini",
 		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object ball]\nfile = "
 								       "ball.obj\nup = z\nposition "
@@ -269,8 +274,8 @@ static void real_things_hide_and_receive(void **state)
 	(void)state;
 	write_box("box.obj", 0.3, 0.2, 0.45);
 	write_box("step.obj", 1.2, 0.5, 0.25);
-	baking_write_sphere("ball.obj", 0.45, 24);
-	baking_write(
+	small_scene_write_sphere("ball.obj", 0.45, 24);
+	small_scene_write(
 		"real.ini",
 		SCENE("position = 0.6 -3.6 1.6\nlook_at = 0 0 0.4\n") "[object ball]\nfile = "
 								      "ball.obj\nup = z\nposition "
@@ -290,8 +295,8 @@ static void real_things_hide_and_receive(void **state)
 	compare(&c, "real.ini");
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++) {
-			const double ratio = baking_ratio(&c.basis, x, y, 1, NULL);
-			const double a = baking_coverage(&c.basis, x, y);
+			const double ratio = baked_ratio(&c.basis, x, y, 1, NULL);
+			const double a = baked_coverage(&c.basis, x, y);
 
 			shown += a == 1;
 			dark += a == 0 && ratio < 0.85;
@@ -313,5 +318,5 @@ int main(void)
 		cmocka_unit_test(real_things_hide_and_receive),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -25,7 +25,7 @@
 
 static int files_in_folder(void)
 {
-	DIR *dir = opendir(own_folder);
+	DIR *dir = opendir(own_folder());
 	int count = 0;
 
 	assert_non_null(dir);
@@ -48,7 +48,7 @@ static void check_content(const char *path, const char *want)
 
 static void appears_by_rename(void **state)
 {
-	const char *path = own_path("a");
+	const char *path = own_folder_path("a");
 	struct output out;
 	struct stat s;
 	mode_t before;
@@ -84,7 +84,7 @@ static void abandoned_without_trace(void **state)
 
 	(void)state;
 	output_abandon(&zeroed);
-	assert_int_equal(output_open(&out, own_path("a"), NULL), 0);
+	assert_int_equal(output_open(&out, own_folder_path("a"), NULL), 0);
 	fputs("one", out.stream);
 	output_abandon(&out);
 	output_abandon(&out);
@@ -96,22 +96,22 @@ static void two_at_once(void **state)
 	struct output a, b;
 
 	(void)state;
-	assert_int_equal(output_open(&a, own_path("a"), NULL), 0);
-	assert_int_equal(output_open(&b, own_path("a"), NULL), 0);
+	assert_int_equal(output_open(&a, own_folder_path("a"), NULL), 0);
+	assert_int_equal(output_open(&b, own_folder_path("a"), NULL), 0);
 	fputs("first", a.stream);
 	fputs("second", b.stream);
 	assert_int_equal(output_commit(&b, NULL), 0);
 	assert_int_equal(output_commit(&a, NULL), 0);
-	check_content(own_path("a"), "first");
+	check_content(own_folder_path("a"), "first");
 	assert_int_equal(files_in_folder(), 1);
-	unlink(own_path("a"));
+	unlink(own_folder_path("a"));
 }
 
 /* A full disk, played by a limit on the size of files. */
 static void full_disk_leaves_the_old_file(void **state)
 {
 	static char block[65536];
-	const char *path = own_path("a");
+	const char *path = own_folder_path("a");
 	struct fault fault = {""};
 	struct rlimit before, tight;
 	struct output out;
@@ -145,8 +145,8 @@ static void links_are_followed(void **state)
 	struct stat s;
 
 	(void)state;
-	strcpy(target, own_path("target"));
-	strcpy(name, own_path("link"));
+	strcpy(target, own_folder_path("target"));
+	strcpy(name, own_folder_path("link"));
 	assert_int_equal(symlink("target", name), 0);
 	fclose(fopen(target, "wb"));
 	assert_int_equal(output_open(&out, name, NULL), 0);
@@ -166,9 +166,9 @@ static void refused(void **state)
 	struct output out;
 
 	(void)state;
-	assert_int_equal(output_open(&out, own_path("no/such"), &fault), -ENOENT);
+	assert_int_equal(output_open(&out, own_folder_path("no/such"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "no/such"));
-	assert_int_equal(output_open(&out, own_folder, &fault), -EISDIR);
+	assert_int_equal(output_open(&out, own_folder(), &fault), -EISDIR);
 	assert_int_equal(output_open(&out, "/dev/null", &fault), -EINVAL); /* not replaced */
 	assert_int_equal(output_open(&out, "", &fault), -EINVAL);
 	memset(path, 'x', sizeof(path));
@@ -302,7 +302,7 @@ static void killed_without_trace(void **state)
 	if (child == 0) {
 		struct output out;
 
-		if (output_open(&out, own_path("killed"), NULL) == 0) {
+		if (output_open(&out, own_folder_path("killed"), NULL) == 0) {
 			fputs("half of it", out.stream);
 			fflush(out.stream);
 		}
@@ -322,11 +322,11 @@ static void checked_before(void **state)
 	FILE *stream;
 
 	(void)state;
-	strcpy(input, own_path("in"));
-	strcpy(hard, own_path("hard"));
-	strcpy(soft, own_path("soft"));
-	strcpy(fresh, own_path("out"));
-	strcpy(again, own_path("./out"));
+	strcpy(input, own_folder_path("in"));
+	strcpy(hard, own_folder_path("hard"));
+	strcpy(soft, own_folder_path("soft"));
+	strcpy(fresh, own_folder_path("out"));
+	strcpy(again, own_folder_path("./out"));
 	stream = fopen(input, "w");
 	assert_non_null(stream);
 	assert_int_equal(fclose(stream), 0);
@@ -341,8 +341,9 @@ static void checked_before(void **state)
 	}
 	assert_int_equal(output_check((const char *[]){fresh, again}, 2, read, 2, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "written twice"));
-	assert_int_equal(output_check((const char *[]){own_path("no/out")}, 1, read, 2, &fault),
-			 -ENOENT);
+	assert_int_equal(
+		output_check((const char *[]){own_folder_path("no/out")}, 1, read, 2, &fault),
+		-ENOENT);
 	assert_int_equal(files_in_folder(), 3);
 	unlink(input);
 	unlink(hard);

@@ -7,11 +7,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <limits.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "hal/base/number.h"
 #include "hal/base/text_file.h"
@@ -19,7 +22,7 @@
 
 static void write_text(const char *text, size_t bytes)
 {
-	FILE *stream = fopen(own_path("text"), "wb");
+	FILE *stream = fopen(own_folder_path("text"), "wb");
 
 	assert_non_null(stream);
 	assert_int_equal(fwrite(text, 1, bytes, stream), bytes);
@@ -34,7 +37,7 @@ static void lines_without_their_breaks(void **state)
 
 	(void)state;
 	write_text(text, sizeof(text) - 1);
-	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(file.number, 0);
 	for (int k = 0; k < 4; k++) {
 		assert_int_equal(text_file_next(&file, NULL), 1);
@@ -47,10 +50,10 @@ static void lines_without_their_breaks(void **state)
 	text_file_close(&file);
 	text_file_close(&file);
 	write_text("", 0);
-	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(text_file_next(&file, NULL), 0);
 	text_file_close(&file);
-	unlink(own_path("text"));
+	unlink(own_folder_path("text"));
 }
 
 /* The line that is refused is the last of so many. */
@@ -76,18 +79,18 @@ static void no_text(void **state)
 
 	(void)state;
 	write_text("one\nt\0o\n", 8);
-	expect(own_path("text"), 2, -EINVAL, ":2: holds a zero byte, expected a text file");
+	expect(own_folder_path("text"), 2, -EINVAL, ":2: holds a zero byte, expected a text file");
 	memset(wide, 'x', sizeof(wide));
 	write_text(wide, TEXT_LINE_BYTES_MAX);
-	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(text_file_next(&file, NULL), 1);
 	assert_int_equal(strlen(file.line), TEXT_LINE_BYTES_MAX);
 	text_file_close(&file);
 	write_text(wide, TEXT_LINE_BYTES_MAX + 1);
-	expect(own_path("text"), 1, -EINVAL,
+	expect(own_folder_path("text"), 1, -EINVAL,
 	       ":1: the line is too long, expected at most 65536 bytes");
-	unlink(own_path("text"));
-	assert_int_equal(text_file_open(&file, own_path("none"), &fault), -ENOENT);
+	unlink(own_folder_path("text"));
+	assert_int_equal(text_file_open(&file, own_folder_path("none"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "/none: No such file or directory"));
 	text_file_close(&file);
 }
@@ -112,17 +115,17 @@ static void no_files(void **state)
 
 	(void)state;
 	alarm(20);
-	refuse(own_folder, -EISDIR, "folder");
+	refuse(own_folder(), -EISDIR, "folder");
 	refuse("/dev/zero", -EINVAL, "device");
-	assert_int_equal(mkfifo(own_path("pipe"), 0600), 0);
-	refuse(own_path("pipe"), -EINVAL, "named pipe");
-	unlink(own_path("pipe"));
-	assert_true(snprintf(address.sun_path, sizeof(address.sun_path), "%s", own_path("socket")) >
-		    0);
+	assert_int_equal(mkfifo(own_folder_path("pipe"), 0600), 0);
+	refuse(own_folder_path("pipe"), -EINVAL, "named pipe");
+	unlink(own_folder_path("pipe"));
+	assert_true(snprintf(address.sun_path, sizeof(address.sun_path), "%s",
+			     own_folder_path("socket")) > 0);
 	assert_int_equal(bind(listener, (struct sockaddr *)&address, sizeof(address)), 0);
-	refuse(own_path("socket"), -EINVAL, "socket");
+	refuse(own_folder_path("socket"), -EINVAL, "socket");
 	close(listener);
-	unlink(own_path("socket"));
+	unlink(own_folder_path("socket"));
 	alarm(0);
 }
 
@@ -158,7 +161,7 @@ static void large_files(void **state)
 {
 	struct fault fault = {""};
 	struct text_file file;
-	FILE *stream = fopen(own_path("text"), "wb");
+	FILE *stream = fopen(own_folder_path("text"), "wb");
 	int ret, lines = 0;
 
 	(void)state;
@@ -167,7 +170,7 @@ static void large_files(void **state)
 		putc_unlocked('\n', stream);
 	fflush(stream);
 	for (int more = 0; more < 2; more++) {
-		assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+		assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 		for (lines = 0; (ret = text_file_next(&file, &fault)) > 0;)
 			lines++;
 		text_file_close(&file);
@@ -178,7 +181,7 @@ static void large_files(void **state)
 	}
 	assert_non_null(strstr(fault.text, "/text: is larger than 16 MiB, expected a text file"));
 	fclose(stream);
-	unlink(own_path("text"));
+	unlink(own_folder_path("text"));
 }
 
 static void numbers(void **state)

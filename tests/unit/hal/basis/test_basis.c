@@ -1,10 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /* The basis file: what is written is read back, and a writer that fails leaves nothing. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <errno.h>
 #include <signal.h>
 #include <sys/resource.h>
 
 #include "hal/basis/basis_lines.h"
+#include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
 
 enum { LIGHTS = 3, POSES = 2, PAYLOAD = 8192 };

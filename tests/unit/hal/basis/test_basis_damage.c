@@ -1,7 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /* The basis file: whatever is damaged is refused, in a sentence that says what and where. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
 #include <errno.h>
 
+#include "hal/basis/basis_lines.h"
+#include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
 
 static void refuses_every_truncation(void **state)

@@ -1,11 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* A file of several poses: each is what it is in a file of its own, whichever is in memory. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
 #include <errno.h>
 #include <sched.h>
 
+#include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
 
-#include "tests/support/compositing.h"
+#include "tests/support/random_frame.h"
 
 enum { POSES = 7 };
 
@@ -84,7 +96,7 @@ static void each_is_as_alone(void **state)
 	const struct synthetic *s = *state;
 	struct basis joint, alone[POSES];
 	struct fault fault = {""};
-	struct frame_of f, one[POSES];
+	struct random_frame f, one[POSES];
 
 	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
 	open_basis(&joint, path_of(s, "joint.inlay"));
@@ -92,9 +104,9 @@ static void each_is_as_alone(void **state)
 		write_poses(s, path_of(s, "alone.inlay"), p, 1, NULL);
 		open_basis(&alone[p], path_of(s, "alone.inlay"));
 	}
-	frame_begin(&f, &joint, NULL, &chance);
+	random_frame_begin(&f, &joint, NULL, &chance);
 	for (int p = 0; p < POSES; p++)
-		frame_begin(&one[p], &alone[p], NULL, &chance);
+		random_frame_begin(&one[p], &alone[p], NULL, &chance);
 	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++) {
 		const int pose = order[k], next = (pose + 1) % POSES;
 
@@ -111,10 +123,10 @@ static void each_is_as_alone(void **state)
 	}
 	assert_int_equal(basis_pose_load(&joint, 2, &fault), 0);
 	for (int p = 0; p < POSES; p++) {
-		frame_end(&one[p]);
+		random_frame_end(&one[p]);
 		basis_close(&alone[p]);
 	}
-	frame_end(&f);
+	random_frame_end(&f);
 	basis_close(&joint);
 	unlink(path_of(s, "joint.inlay"));
 	unlink(path_of(s, "alone.inlay"));

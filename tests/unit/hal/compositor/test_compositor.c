@@ -8,9 +8,13 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "hal/compositor/kernels/kernels.h"
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/random_frame.h"
 
 static struct light_selection selection_of(int count)
 {
@@ -363,9 +367,9 @@ static void background_alone_is_copied(void **state)
 {
 	struct chance chance = chance_begin("background");
 	struct synthetic *s = *state;
-	struct frame_of f;
+	struct random_frame f;
 
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	for (int pair = 0; pair < TRANSFER_COUNT * TRANSFER_COUNT; pair++) {
 		const struct compositor_settings settings = {
 			.background = {.named = (enum transfer)(pair / TRANSFER_COUNT)},
@@ -395,7 +399,7 @@ static void background_alone_is_copied(void **state)
 									      in / 255.0))) < 0.53);
 		}
 	}
-	frame_end(&f);
+	random_frame_end(&f);
 }
 
 static void untouched_pixels_are_copied(void **state)
@@ -404,7 +408,7 @@ static void untouched_pixels_are_copied(void **state)
 	struct synthetic *s = *state;
 	const struct basis_pose *pose = &s->basis.poses[0];
 	bool touched[23][40] = {{false}};
-	struct frame_of f;
+	struct random_frame f;
 	int copies = 0;
 
 	for (int y = 0; y < 23; y++)
@@ -418,7 +422,7 @@ static void untouched_pixels_are_copied(void **state)
 				touched[tile->y + tile->blocks[n].pixel[p] / BASIS_TILE]
 				       [tile->x + tile->blocks[n].pixel[p] % BASIS_TILE] = true;
 	}
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
 			 0);
 	for (size_t y = 0; y < 23; y++) {
@@ -432,17 +436,17 @@ static void untouched_pixels_are_copied(void **state)
 		assert_int_equal(f.out[y * f.stride + 160], 0x5a);
 	}
 	assert_true(copies > 50 && copies < 800);
-	frame_end(&f);
+	random_frame_end(&f);
 }
 
 static void flips_are_only_reading_order(void **state)
 {
 	struct chance chance = chance_begin("flips");
 	struct synthetic *s = *state;
-	struct frame_of f;
+	struct random_frame f;
 	uint8_t *flipped, *expected;
 
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	flipped = malloc(f.bytes);
 	expected = malloc(f.bytes);
 	assert_true(flipped && expected);
@@ -477,7 +481,7 @@ static void flips_are_only_reading_order(void **state)
 	}
 	free(flipped);
 	free(expected);
-	frame_end(&f);
+	random_frame_end(&f);
 }
 
 /* A file without D blocks needs no weights for them. */
@@ -486,13 +490,13 @@ static void a_file_without_receivers_is_composited(void **state)
 	struct synthetic_options o = plain;
 	struct chance chance = {5};
 	struct synthetic s;
-	struct frame_of f;
+	struct random_frame f;
 	double *exact;
 
 	(void)state;
 	o.stand_in_share = 0;
 	synthetic_open(&s, &o);
-	frame_begin(&f, &s.basis, NULL, &chance);
+	random_frame_begin(&f, &s.basis, NULL, &chance);
 	exact = malloc(sizeof(*exact) * 3 * 40 * 23);
 	assert_non_null(exact);
 	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
@@ -507,7 +511,7 @@ static void a_file_without_receivers_is_composited(void **state)
 				       (size_t)(i % 3)] -
 				 exact[i]) < 1);
 	free(exact);
-	frame_end(&f);
+	random_frame_end(&f);
 	synthetic_close(&s);
 }
 
@@ -519,11 +523,11 @@ static void threads_do_not_change_a_byte(void **state)
 	for (int threads = 0; threads <= 4; threads++) {
 		struct chance chance = {5};
 		struct pool *pool = NULL;
-		struct frame_of f;
+		struct random_frame f;
 
 		if (threads)
 			assert_int_equal(pool_create(&pool, threads), 0);
-		frame_begin(&f, &s->basis, pool, &chance);
+		random_frame_begin(&f, &s->basis, pool, &chance);
 		/* so many that they are divided anew, twice */
 		for (int frame = 0; frame < 70; frame++)
 			assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop,
@@ -535,7 +539,7 @@ static void threads_do_not_change_a_byte(void **state)
 			memcpy(alone, f.out, f.bytes);
 		}
 		assert_memory_equal(f.out, alone, f.bytes);
-		frame_end(&f);
+		random_frame_end(&f);
 		pool_destroy(pool);
 	}
 	free(alone);
@@ -550,12 +554,12 @@ static void kernels_do_not_change_a_byte(void **state)
 		const struct compositor_options options = {.kernel = kernels_all[k]->name};
 		struct chance chance = {5};
 		struct compositor *other;
-		struct frame_of f;
+		struct random_frame f;
 		uint8_t *out;
 
 		if (!kernels_all[k]->supported())
 			continue;
-		frame_begin(&f, &s->basis, NULL, &chance);
+		random_frame_begin(&f, &s->basis, NULL, &chance);
 		out = malloc(f.bytes);
 		assert_non_null(out);
 		memset(out, 0x5a, f.bytes);
@@ -582,7 +586,7 @@ static void kernels_do_not_change_a_byte(void **state)
 		others++;
 		compositor_destroy(other);
 		free(out);
-		frame_end(&f);
+		random_frame_end(&f);
 	}
 	assert_true(others > 0);
 }
@@ -590,7 +594,7 @@ static void kernels_do_not_change_a_byte(void **state)
 /* ---- a background that is made ---- */
 
 struct maker {
-	const struct frame_of *frame;
+	const struct random_frame *frame;
 	_Atomic int *made; /* [height][width]: how often */
 };
 
@@ -619,11 +623,11 @@ static void a_made_background_gives_the_same_and_is_made_once(void **state)
 	struct synthetic *s = *state;
 	struct chance chance = {5};
 	struct pool *pool;
-	struct frame_of f;
+	struct random_frame f;
 	uint8_t *out;
 
 	assert_int_equal(pool_create(&pool, 3), 0);
-	frame_begin(&f, &s->basis, pool, &chance);
+	random_frame_begin(&f, &s->basis, pool, &chance);
 	out = malloc(f.bytes);
 	assert_non_null(out);
 	memset(out, 0x5a, f.bytes);
@@ -649,7 +653,7 @@ static void a_made_background_gives_the_same_and_is_made_once(void **state)
 			assert_int_equal(made[i], 1);
 	}
 	free(out);
-	frame_end(&f);
+	random_frame_end(&f);
 	pool_destroy(pool);
 }
 
@@ -663,10 +667,10 @@ static void wrong_sizes_are_refused(void **state)
 	struct backdrop wrong_backdrop;
 	struct fault fault = {.text = ""};
 	struct compositor *none;
-	struct frame_of f;
+	struct random_frame f;
 	double exact;
 
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	wrong = f.picture;
 	wrong.width--;
 	wrong_backdrop = backdrop_of(&wrong);
@@ -697,7 +701,7 @@ static void wrong_sizes_are_refused(void **state)
 	assert_int_equal(compositor_reference(&shown, 0, &settings, &f.lights, &f.picture, &exact),
 			 -ENODATA);
 	assert_int_equal(f.out[0], 0x5a);
-	frame_end(&f);
+	random_frame_end(&f);
 	basis_close(&shown);
 	assert_int_equal(compositor_create(&none, &s->basis,
 					   &(struct compositor_options){.kernel = "abacus"},
@@ -717,7 +721,7 @@ static void every_column_may_be_used(void **state)
 		struct synthetic_options o = plain;
 		struct chance chance = {6};
 		struct synthetic s;
-		struct frame_of f;
+		struct random_frame f;
 
 		o.vary = o.exact = false;
 		o.stand_in_share = 0;
@@ -726,14 +730,14 @@ static void every_column_may_be_used(void **state)
 		o.columns = o.lights + o.groups;
 		o.column_cut = 1e-12;
 		synthetic_open(&s, &o);
-		frame_begin(&f, &s.basis, NULL, &chance);
+		random_frame_begin(&f, &s.basis, NULL, &chance);
 		assert_int_equal(
 			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
 			0);
 		/* A group that is one light has no more to send beside it. */
 		assert_true(compositor_last(f.compositor).columns >
 			    s.basis.poses[0].shown.block_count * o.lights);
-		frame_end(&f);
+		random_frame_end(&f);
 		synthetic_close(&s);
 	}
 }

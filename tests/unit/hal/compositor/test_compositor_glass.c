@@ -9,8 +9,13 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/random_frame.h"
 
 static struct synthetic_options see_through(int width, int height, uint64_t seed)
 {
@@ -44,10 +49,10 @@ static double farthest_of(const struct synthetic *s, uint64_t seed)
 	double *exact = calloc((size_t)width * (size_t)height * 3, sizeof(*exact));
 	struct chance chance = {seed};
 	double most = 0;
-	struct frame_of f;
+	struct random_frame f;
 
 	assert_non_null(exact);
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	compositor_set(f.compositor, &plain);
 	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
 			 0);
@@ -59,7 +64,7 @@ static double farthest_of(const struct synthetic *s, uint64_t seed)
 				most = fmax(most, fabs(f.out[(size_t)y * f.stride + (size_t)x * 4 +
 							     2 - (size_t)c] -
 						       exact[3 * (y * width + x) + c]));
-	frame_end(&f);
+	random_frame_end(&f);
 	free(exact);
 	return most;
 }
@@ -126,12 +131,12 @@ static void shows_the_place_it_says(void **state)
 	};
 	struct chance chance = {3};
 	struct synthetic s;
-	struct frame_of f;
+	struct random_frame f;
 	const uint8_t *row, *in;
 
 	(void)state;
 	open_glass(&s, glass, sizeof(glass) / sizeof(*glass));
-	frame_begin(&f, &s.basis, NULL, &chance);
+	random_frame_begin(&f, &s.basis, NULL, &chance);
 	compositor_set(f.compositor, &plain);
 	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
 			 0);
@@ -152,7 +157,7 @@ static void shows_the_place_it_says(void **state)
 		assert_true(fabs(row[4 * 6 + c] - 255 * transfer_encode(TRANSFER_SRGB, mean)) < 1);
 	}
 	assert_int_equal(row[4 * 7] + row[4 * 7 + 1] + row[4 * 7 + 2], 0);
-	frame_end(&f);
+	random_frame_end(&f);
 	synthetic_close(&s);
 }
 
@@ -161,7 +166,7 @@ static void shows_the_place_it_says(void **state)
 static void make_part(const void *context, int x, int y, int width, int height, uint8_t *out,
 		      size_t out_stride)
 {
-	const struct frame_of *f = context;
+	const struct random_frame *f = context;
 
 	assert_int_equal(x % BASIS_TILE, 0);
 	assert_int_equal(y % BASIS_TILE, 0);
@@ -176,16 +181,16 @@ static void threads_and_made_backgrounds_change_nothing(void **state)
 	const struct synthetic_options options = see_through(300, 70, 4);
 	struct chance chance = {8};
 	struct backdrop made = {.width = 300, .height = 70, .make = make_part};
-	struct frame_of one, f;
+	struct random_frame one, f;
 	struct synthetic s;
 	struct pool *pool;
 
 	(void)state;
 	synthetic_open(&s, &options);
 	assert_int_equal(pool_create(&pool, 3), 0);
-	frame_begin(&one, &s.basis, NULL, &chance);
+	random_frame_begin(&one, &s.basis, NULL, &chance);
 	chance.state = 8;
-	frame_begin(&f, &s.basis, pool, &chance);
+	random_frame_begin(&f, &s.basis, pool, &chance);
 	assert_memory_equal(one.background, f.background, f.bytes);
 	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
 		struct compositor_settings settings = plain;
@@ -210,8 +215,8 @@ static void threads_and_made_backgrounds_change_nothing(void **state)
 			compositor_run(one.compositor, 0, &f.lights, &made, f.out, f.stride), 0);
 		assert_memory_equal(one.out, f.out, f.bytes);
 	}
-	frame_end(&one);
-	frame_end(&f);
+	random_frame_end(&one);
+	random_frame_end(&f);
 	pool_destroy(pool);
 	synthetic_close(&s);
 }

@@ -20,7 +20,7 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/optics/dome.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/hand_block.h"
 
 enum { LIGHTS = 46, FREQUENCY = 3, PIXELS = BASIS_TILE * BASIS_TILE };
 
@@ -72,7 +72,7 @@ static void write_basis(const char *to)
 		pixel[p] = (uint16_t)p;
 		coverage[p] = 65535;
 	}
-	block = hand_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0]);
+	block = hand_block_of_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0]);
 	must(basis_writer_open(&writer, to, &info, lights, NULL, NULL, "", &fault), &fault);
 	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
 	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);

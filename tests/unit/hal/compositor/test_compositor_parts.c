@@ -8,6 +8,8 @@
 
 #include <cmocka.h>
 #include <float.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "hal/compositor/column_choice.h"
 #include "hal/compositor/division.h"
@@ -15,6 +17,7 @@
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/compositor/light/light_vector.h"
+#include "tests/support/chance.h"
 #include "tests/support/synthetic_basis.h"
 
 typedef __int128 wide;

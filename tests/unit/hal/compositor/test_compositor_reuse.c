@@ -7,12 +7,16 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/random_frame.h"
 
 /* Two compositors over the same lights, one of which never reuses anything. */
 struct pair {
-	struct frame_of f;
+	struct random_frame f;
 	struct compositor *fresh;
 	uint8_t *out;
 	float (*radiance)[3];
@@ -25,7 +29,7 @@ static void pair_begin(struct pair *p, const struct basis *basis, struct pool *p
 	const struct compositor_options options = {.kernel = NULL};
 
 	*p = (struct pair){.reused = 0};
-	frame_begin(&p->f, basis, pool, chance);
+	random_frame_begin(&p->f, basis, pool, chance);
 	p->out = malloc(p->f.bytes);
 	p->radiance = calloc(basis->info.lights, sizeof(*p->radiance));
 	assert_true(p->out && p->radiance);
@@ -38,7 +42,7 @@ static void pair_end(struct pair *p)
 	compositor_destroy(p->fresh);
 	free(p->out);
 	free(p->radiance);
-	frame_end(&p->f);
+	random_frame_end(&p->f);
 }
 
 static void pair_set(struct pair *p, struct compositor_settings settings)

@@ -10,10 +10,13 @@
 
 #include <cmocka.h>
 #include <float.h>
+#include <math.h>
+#include <string.h>
 
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/light/light_vector.h"
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/random_frame.h"
 
 static const struct synthetic_options many = {
 	.width = 20,
@@ -180,20 +183,20 @@ static void threads_share_vectors_and_change_nothing(void **state)
 	static const int threads[] = {2, 3, 5, 16};
 	struct chance chance = chance_begin("threads");
 	struct synthetic file;
-	struct frame_of alone;
+	struct random_frame alone;
 
 	(void)state;
 	synthetic_open(&file, &many);
-	frame_begin(&alone, &file.basis, NULL, &chance);
+	random_frame_begin(&alone, &file.basis, NULL, &chance);
 	for (int t = 0; t < 4; t++) {
 		const struct compositor_settings settings = {
 			.gain = 1, .object = true, .reuse = REUSE_ALWAYS};
 		struct chance same = {1};
-		struct frame_of shared;
+		struct random_frame shared;
 		struct pool *pool;
 
 		assert_int_equal(pool_create(&pool, threads[t]), 0);
-		frame_begin(&shared, &file.basis, pool, &same);
+		random_frame_begin(&shared, &file.basis, pool, &same);
 		memcpy(shared.background, alone.background, alone.bytes);
 		compositor_set(alone.compositor, &settings);
 		compositor_set(shared.compositor, &settings);
@@ -208,10 +211,10 @@ static void threads_share_vectors_and_change_nothing(void **state)
 					 0);
 			assert_memory_equal(alone.out, shared.out, alone.bytes);
 		}
-		frame_end(&shared);
+		random_frame_end(&shared);
 		pool_destroy(pool);
 	}
-	frame_end(&alone);
+	random_frame_end(&alone);
 	synthetic_close(&file);
 }
 

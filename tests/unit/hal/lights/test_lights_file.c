@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +32,7 @@ static void to_the_bit_and_back(void **state)
 {
 	static float lights[1000][3], back[1000][3];
 	struct chance chance = chance_begin("lights_file");
-	const char *path = own_path("lights.txt");
+	const char *path = own_folder_path("lights.txt");
 
 	(void)state;
 	for (int i = 0; i < 1000; i++)
@@ -50,7 +51,7 @@ static void comments_and_blanks(void **state)
 {
 	static const char text[] =
 		"\xef\xbb\xbf# lights\n\n  1 2 3  # the sun\r\n\t\n0.5\t.25 1e-3\n7 8 9";
-	const char *path = own_path("lights.txt");
+	const char *path = own_folder_path("lights.txt");
 	const float want[3][3] = {{1, 2, 3}, {0.5f, 0.25f, 1e-3f}, {7, 8, 9}};
 	float lights[3][3];
 
@@ -85,7 +86,7 @@ static void refused(void **state)
 		{"1 1 0x1p3\n", ":1: ", "not a colour"},
 		{"1 1 1\n2 2 2\n3 3 3\n", ":3: ", "more than the 2 lights"},
 	};
-	const char *path = own_path("lights.txt");
+	const char *path = own_folder_path("lights.txt");
 	float lights[2][3];
 
 	(void)state;
@@ -110,10 +111,12 @@ static void files_that_cannot_be(void **state)
 	float back[1][3];
 
 	(void)state;
-	assert_int_equal(lights_file_read(own_path("missing.txt"), back, 1, &fault), -ENOENT);
+	assert_int_equal(lights_file_read(own_folder_path("missing.txt"), back, 1, &fault),
+			 -ENOENT);
 	assert_non_null(strstr(fault.text, "missing.txt"));
-	assert_int_equal(lights_file_read(own_folder, back, 1, &fault), -EISDIR);
-	assert_int_equal(lights_file_write(own_path("no/such.txt"), lights, 1, &fault), -ENOENT);
+	assert_int_equal(lights_file_read(own_folder(), back, 1, &fault), -EISDIR);
+	assert_int_equal(lights_file_write(own_folder_path("no/such.txt"), lights, 1, &fault),
+			 -ENOENT);
 	assert_non_null(strstr(fault.text, "such.txt"));
 }
 

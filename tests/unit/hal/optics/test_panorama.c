@@ -172,7 +172,7 @@ static void read_from_files(void **state)
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
-		const char *path = own_path(cases[k].linear ? "p.pfm" : "p.png");
+		const char *path = own_folder_path(cases[k].linear ? "p.pfm" : "p.png");
 		struct fault fault = {.text = ""};
 		struct image picture;
 		int err = cases[k].linear

@@ -6,12 +6,16 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "bake/calibrate/camera/camera_model.h"
 #include "hal/optics/vec.h"
-#include "tests/support/camera_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/known_camera.h"
 #include "tests/support/thorough.h"
 
 static const double eyes[5][3] = {{0.12, -0.38, 0.42},
@@ -104,7 +108,7 @@ static void assert_camera(const struct tsai_camera *found, const struct tsai_cam
 	assert_true(fabs(found->aspect / truth->aspect - 1) < accuracy);
 	for (int k = 0; k < 2; k++)
 		assert_true(fabs(found->centre_px[k] - truth->centre_px[k]) <
-			    accuracy * SCENE_WIDTH);
+			    accuracy * KNOWN_CAMERA_WIDTH);
 	for (int k = 0; k < 9; k++)
 		assert_true(fabs(found->rotation[k] - truth->rotation[k]) < accuracy);
 	for (int k = 0; k < 3; k++)
@@ -121,7 +125,7 @@ static void assert_solved(struct observations *seen, const struct camera_task *t
 	assert_int_equal(camera_calibrate(seen, task, &solution, NULL), 0);
 	assert_true(solution.solved);
 	assert_camera(&solution.camera, truth, 1e-6);
-	assert_true(scene_trusted(&solution));
+	assert_true(known_camera_trusted(&solution));
 	camera_solution_free(&solution);
 	observations_free(seen);
 }
@@ -137,7 +141,7 @@ static void one_plane(void **state)
 	for (int distortion = 0; distortion < 2; distortion++)
 		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
 			for (int e = 0; e < 5; e++) {
-				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
+				struct tsai_camera truth = known_camera(eyes[e], middle, bends[b],
 									distortion);
 				struct observations seen = {0};
 				struct camera_task task;
@@ -146,10 +150,10 @@ static void one_plane(void **state)
 					truth.centre_px[0] += 9;
 					truth.centre_px[1] -= 6;
 				}
-				task = scene_task(&truth);
+				task = known_camera_task(&truth);
 				if (bends[b] == 0)
 					task.centre_deviation_px = 0;
-				scene_board(&seen, &truth, 12, 9, 0, &chance);
+				known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
 				assert_solved(&seen, &task, &truth);
 			}
 }
@@ -162,7 +166,7 @@ static void points_in_space(void **state)
 	for (int distortion = 0; distortion < 2; distortion++)
 		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
 			for (int e = 0; e < 5; e++) {
-				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
+				struct tsai_camera truth = known_camera(eyes[e], middle, bends[b],
 									distortion);
 				struct observations seen = {0};
 				struct camera_task task;
@@ -170,8 +174,8 @@ static void points_in_space(void **state)
 				truth.aspect = 1.04;
 				truth.centre_px[0] += 9;
 				truth.centre_px[1] -= 6;
-				task = scene_task(&truth);
-				scene_cloud(&seen, &truth, 60, 0, &chance);
+				task = known_camera_task(&truth);
+				known_camera_see_cloud(&seen, &truth, 60, 0, &chance);
 				assert_solved(&seen, &task, &truth);
 			}
 }
@@ -191,21 +195,21 @@ static void several_boards(void **state)
 			for (int e = 0; e < 5; e++) {
 				/* no plane's horizon along the picture's rows in all of them: s
 				 * would not show without distortion */
-				truth[e] = scene_roll(
-					scene_camera(eyes[e], middle, bends[b], distortion),
+				truth[e] = known_camera_roll(
+					known_camera(eyes[e], middle, bends[b], distortion),
 					0.6 * e);
 				truth[e].aspect = 0.97;
 				truth[e].centre_px[0] += 9;
 				truth[e].centre_px[1] -= 6;
-				scene_board(&seen, &truth[e], 9, 6, 0, &chance);
+				known_camera_see_board(&seen, &truth[e], 9, 6, 0, &chance);
 			}
-			task = scene_task(&truth[0]);
+			task = known_camera_task(&truth[0]);
 			task.reference = 3;
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			for (int e = 0; e < 5; e++)
 				assert_camera(&solution.view[e], &truth[e], 1e-6);
 			assert_camera(&solution.camera, &truth[3], 1e-6);
-			assert_true(scene_trusted(&solution));
+			assert_true(known_camera_trusted(&solution));
 			camera_solution_free(&solution);
 			observations_free(&seen);
 		}
@@ -220,7 +224,7 @@ static void pose_alone(void **state)
 	for (int distortion = 0; distortion < 2; distortion++)
 		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
 			for (int e = 0; e < 5; e++) {
-				const struct tsai_camera truth = scene_camera(eyes[e], middle,
+				const struct tsai_camera truth = known_camera(eyes[e], middle,
 									      bends[b], distortion);
 				struct tsai_camera lens = truth;
 				struct observations seen = {0};
@@ -228,7 +232,7 @@ static void pose_alone(void **state)
 
 				lens.translation[2] = 1; /* of no account */
 				task.intrinsics = &lens;
-				scene_board(&seen, &truth, 5, 4, 0, &chance);
+				known_camera_see_board(&seen, &truth, 5, 4, 0, &chance);
 				assert_solved(&seen, &task, &truth);
 			}
 }
@@ -241,13 +245,13 @@ static void units_and_places_do_not_matter(void **state)
 	static const double scales[] = {1e-9, 1e-3, 1, 1000, 1e6};
 	const double offset[3] = {1e6, -2e6, 5e5};
 	struct chance chance = chance_begin("camera units");
-	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
+	const struct tsai_camera truth = known_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
 	struct observations seen = {0};
 	struct camera_solution first;
-	struct camera_task task = scene_task(&truth);
+	struct camera_task task = known_camera_task(&truth);
 
 	(void)state;
-	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 	assert_int_equal(camera_calibrate(&seen, &task, &first, NULL), 0);
 	for (unsigned s = 0; s < 5; s++)
 		for (int moved = 0; moved < 2; moved++) {
@@ -266,7 +270,7 @@ static void units_and_places_do_not_matter(void **state)
 					observations_add(&other, world, seen.point[i].px, "p"), 0);
 			}
 			assert_int_equal(camera_calibrate(&other, &task, &solution, NULL), 0);
-			assert_true(scene_trusted(&solution));
+			assert_true(known_camera_trusted(&solution));
 			/* 1e6 m keep 1e-10 m: of a board seen from 0.5 m 1e-9 */
 			assert_true(fabs(solution.camera.focal / first.camera.focal - 1) <
 				    (moved ? 1e-5 : 1e-7));
@@ -289,15 +293,15 @@ static void y_up_is_the_same_picture(void **state)
 {
 	static const struct points_convention down = {.pixel_centre = 0.5};
 	static const struct points_convention up = {
-		.height = SCENE_HEIGHT, .y_up = 1, .pixel_centre = 0};
+		.height = KNOWN_CAMERA_HEIGHT, .y_up = 1, .pixel_centre = 0};
 	struct chance chance = chance_begin("camera y up");
-	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 	struct camera_solution solution[2];
 
 	(void)state;
-	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 	for (int way = 0; way < 2; way++) {
 		char path[] = "/tmp/inlay-points-XXXXXX";
 		FILE *file = fdopen(mkstemp(path), "w");
@@ -309,13 +313,13 @@ static void y_up_is_the_same_picture(void **state)
 
 			fprintf(file, "%.17g %.17g %.17g %.17g %.17g\n", w[0], w[1], w[2],
 				way ? px[0] - 0.5 : px[0],
-				way ? SCENE_HEIGHT - px[1] - 0.5 : px[1]);
+				way ? KNOWN_CAMERA_HEIGHT - px[1] - 0.5 : px[1]);
 		}
 		assert_int_equal(fclose(file), 0);
 		assert_int_equal(observations_read(&read, path, way ? &up : &down, NULL), 0);
 		assert_int_equal(unlink(path), 0);
 		assert_int_equal(camera_calibrate(&read, &task, &solution[way], NULL), 0);
-		assert_true(scene_trusted(&solution[way]));
+		assert_true(known_camera_trusted(&solution[way]));
 		observations_free(&read);
 	}
 	assert_camera(&solution[1].camera, &solution[0].camera, 1e-6);
@@ -331,7 +335,7 @@ static void any_plane_any_origin(void **state)
 
 	(void)state;
 	for (int n = 0; n < 200; n++) {
-		struct tsai_camera truth = scene_camera(
+		struct tsai_camera truth = known_camera(
 			eyes[n % 5], n % 4 ? middle : (double[]){0, 0, 0}, -0.06, n & 1);
 		struct observations seen = {0}, other = {0};
 		struct camera_solution solution;
@@ -343,8 +347,8 @@ static void any_plane_any_origin(void **state)
 		} else {
 			truth.centre_px[0] += 4;
 		}
-		task = scene_task(&truth);
-		scene_board(&seen, &truth, 12, 9, 0, &chance);
+		task = known_camera_task(&truth);
+		known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
 		chance_direction(&chance, -1, vector);
 		for (int k = 0; k < 3; k++) {
 			vector[k] *= n % 3 ? chance_real(&chance, 0, 3) : 0;
@@ -471,12 +475,12 @@ static void deviations_are_honest(void **state)
 			struct camera_task task;
 
 			for (int e = 0; e < 3; e++) {
-				truth[e] = scene_roll(scene_camera(eyes[e], middle, -0.08, run & 1),
-						      0.6 * e);
+				truth[e] = known_camera_roll(
+					known_camera(eyes[e], middle, -0.08, run & 1), 0.6 * e);
 				truth[e].centre_px[0] += 7;
-				scene_board(&seen, &truth[e], 12, 9, noises[n], &chance);
+				known_camera_see_board(&seen, &truth[e], 12, 9, noises[n], &chance);
 			}
-			task = scene_task(&truth[0]);
+			task = known_camera_task(&truth[0]);
 			task.aspect_deviation = 0.05; /* nothing that holds it */
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			assert_true(solution.solved);
@@ -504,21 +508,21 @@ static void deviations_of_space_and_pose(void **state)
 		struct tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
-			struct tsai_camera truth = scene_camera(eyes[run % 5], middle, -0.08,
+			struct tsai_camera truth = known_camera(eyes[run % 5], middle, -0.08,
 								run & 1);
 			struct observations seen = {0};
 			struct camera_solution solution;
 			struct camera_task task;
 
 			truth.aspect = 1.04;
-			task = known ? camera_task_default() : scene_task(&truth);
+			task = known ? camera_task_default() : known_camera_task(&truth);
 			task.intrinsics = known ? &truth : NULL;
 			if (known)
-				scene_board(&seen, &truth, 9, 6, 0.3, &chance);
+				known_camera_see_board(&seen, &truth, 9, 6, 0.3, &chance);
 			else
-				scene_cloud(&seen, &truth, 150, 0.3, &chance);
+				known_camera_see_cloud(&seen, &truth, 150, 0.3, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-			assert_true(scene_trusted(&solution));
+			assert_true(known_camera_trusted(&solution));
 			count_all(tally, &solution, &truth, "");
 			camera_solution_free(&solution);
 			observations_free(&seen);
@@ -536,7 +540,7 @@ static void no_wrong_minimum(void **state)
 
 	(void)state;
 	for (int run = 0; run < 12; run++) {
-		struct tsai_camera truth = scene_camera((double[]){3, -5, 6}, (double[]){0, 0, 0},
+		struct tsai_camera truth = known_camera((double[]){3, -5, 6}, (double[]){0, 0, 0},
 							0, TSAI_UNDISTORTS);
 		struct observations seen = {0};
 		struct camera_solution solution;
@@ -544,17 +548,17 @@ static void no_wrong_minimum(void **state)
 		double half;
 
 		truth.focal *= 25;
-		half = hypot(SCENE_WIDTH, SCENE_HEIGHT) / 2 * truth.pixel[0];
+		half = hypot(KNOWN_CAMERA_WIDTH, KNOWN_CAMERA_HEIGHT) / 2 * truth.pixel[0];
 		truth.kappa1 = -0.015 / (half * half);
-		task = scene_task(&truth);
+		task = known_camera_task(&truth);
 		task.robust = true;
-		scene_cloud(&seen, &truth, 1000, 0.05, &chance);
+		known_camera_see_cloud(&seen, &truth, 1000, 0.05, &chance);
 		for (int i = 0; i < seen.count; i += 20)
 			for (int k = 0; k < 2; k++)
 				seen.point[i].px[k] += chance_real(&chance, -60, 60);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_true(solution.finding.rms_px < 1.1 * M_SQRT2 * 0.05);
-		assert_true(scene_trusted(&solution));
+		assert_true(known_camera_trusted(&solution));
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -575,7 +579,7 @@ static void deviations_of_a_held_centre(void **state)
 		struct tally tally[9] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
-			struct tsai_camera truth = scene_camera(eyes[0], middle, 0, way & 1);
+			struct tsai_camera truth = known_camera(eyes[0], middle, 0, way & 1);
 			struct observations seen = {0};
 			struct camera_solution solution;
 			const struct estimate *estimate = &solution.finding.estimate;
@@ -584,14 +588,15 @@ static void deviations_of_a_held_centre(void **state)
 
 			if (way == 3)
 				truth.pixel[1] *= 2;
-			task = scene_task(&truth);
+			task = known_camera_task(&truth);
 			task.method = way == 2 ? CAMERA_THREE : CAMERA_FULL;
-			off = 0.025 * hypot(SCENE_WIDTH, SCENE_HEIGHT * (way == 3 ? 2 : 1));
+			off = 0.025 *
+			      hypot(KNOWN_CAMERA_WIDTH, KNOWN_CAMERA_HEIGHT * (way == 3 ? 2 : 1));
 			if (way == 1)
 				task.centre_deviation_px = off = 8;
 			truth.centre_px[0] += off * chance_normal(&chance);
 			truth.centre_px[1] += off / (way == 3 ? 2 : 1) * chance_normal(&chance);
-			scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			rotation_to_vector(truth.rotation, vector);
 			want[0] = truth.focal;
@@ -631,17 +636,17 @@ static void deviations_of_a_held_aspect(void **state)
 		struct tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
-			struct tsai_camera truth = scene_camera(eyes[1], middle, 0, run & 1);
+			struct tsai_camera truth = known_camera(eyes[1], middle, 0, run & 1);
 			struct observations seen = {0};
 			struct camera_solution solution;
-			struct camera_task task = scene_task(&truth);
+			struct camera_task task = known_camera_task(&truth);
 
 			task.centre_deviation_px = 0;
 			if (way)
 				task.aspect_deviation = 0.01;
 			truth.aspect += (way ? 0.01 : CAMERA_ASPECT_DEVIATION) *
 					chance_normal(&chance);
-			scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			assert_true(solution.camera.aspect == 1);
 			/* held, it is uncertain all the same */
@@ -673,22 +678,22 @@ static void known_aspect(void **state)
 		struct camera_task task;
 
 		for (int e = 0; e < 5; e++) {
-			truth[e] = scene_roll(scene_camera(eyes[e], middle, -0.08, way & 1),
-					      0.6 * e);
+			truth[e] = known_camera_roll(known_camera(eyes[e], middle, -0.08, way & 1),
+						     0.6 * e);
 			truth[e].aspect = 1.07;
 			if (way / 2)
-				scene_board(&seen, &truth[e], 9, 6, 0.2, &chance);
+				known_camera_see_board(&seen, &truth[e], 9, 6, 0.2, &chance);
 		}
 		if (way / 2 == 0)
-			scene_cloud(&seen, &truth[0], 60, 0.2, &chance);
-		task = scene_task(&truth[0]);
+			known_camera_see_cloud(&seen, &truth[0], 60, 0.2, &chance);
+		task = known_camera_task(&truth[0]);
 		task.aspect_given = true;
 		task.aspect = 1.07;
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_true(solution.camera.aspect == 1.07);
 		assert_true(solution.finding.estimate.parameter[MODEL_ASPECT].fixed);
 		assert_true(fabs(solution.camera.focal / truth[0].focal - 1) < 0.02);
-		assert_true(scene_trusted(&solution));
+		assert_true(known_camera_trusted(&solution));
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -737,12 +742,14 @@ static void few_boards_of_squashed_pixels(void **state)
 				chance_direction(&chance, 0.4, at);
 				for (int k = 0; k < 3; k++)
 					at[k] *= 0.6;
-				truth[v] = scene_roll(scene_camera(at, middle, -0.1, run & 1),
-						      chance_real(&chance, -3, 3));
+				truth[v] =
+					known_camera_roll(known_camera(at, middle, -0.1, run & 1),
+							  chance_real(&chance, -3, 3));
 				truth[v].aspect = aspects[run % 5];
-				scene_board(&seen, &truth[v], 9, 6, run % 2 ? 0.05 : 0.2, &chance);
+				known_camera_see_board(&seen, &truth[v], 9, 6, run % 2 ? 0.05 : 0.2,
+						       &chance);
 			}
-			task = scene_task(&truth[0]);
+			task = known_camera_task(&truth[0]);
 			task.object_given = true;
 			task.object_radius = task.object[2] = 0.06;
 			for (int known = 0; known < 2; known++) {
@@ -778,16 +785,16 @@ static void uncertainty_is_honest(void **state)
 
 	(void)state;
 	for (int run = 0; run < runs; run++) {
-		const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.08, run & 1);
+		const struct tsai_camera truth = known_camera(eyes[0], middle, -0.08, run & 1);
 		struct observations seen = {0};
 		struct camera_solution solution;
-		struct camera_task task = scene_task_of_plane(&truth);
+		struct camera_task task = known_camera_task_of_plane(&truth);
 		double want[2], got[2];
 		int figure = 0;
 
 		memcpy(task.object, place, sizeof(place));
 		task.object_given = true;
-		scene_board(&seen, &truth, 12, 9, 0.3, &chance);
+		known_camera_see_board(&seen, &truth, 12, 9, 0.3, &chance);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_int_equal(tsai_project(&truth, place, want), 0);
 		assert_int_equal(tsai_project(&solution.camera, place, got), 0);

@@ -7,11 +7,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
-#include "tests/support/camera_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/known_camera.h"
 
 static const double eye[3] = {0.12, -0.38, 0.42}, middle[3] = {0.01, 0.005, 0};
 static const double above[3] = {0.0, -1e-4, 0.6};
@@ -39,8 +42,8 @@ static void expect(struct observations *seen, const struct camera_task *task, co
 static void fewest_points(void **state)
 {
 	struct chance chance = chance_begin("fewest");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	const double wide[6][2] = {{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}, {0, 0.02}};
 
 	(void)state;
@@ -51,28 +54,29 @@ static void fewest_points(void **state)
 
 		assert_int_equal(observations_begin_view(&seen, "few"), 0);
 		for (int i = 0; i < count; i++)
-			scene_see(&seen, &truth, (double[]){wide[i][0], wide[i][1], 0}, 0, NULL);
+			known_camera_see(&seen, &truth, (double[]){wide[i][0], wide[i][1], 0}, 0,
+					 NULL);
 		expect(&seen, &task, count < 5 ? "4 points are too few: points of one plane" : "");
 	}
 	for (int count = 6; count <= 7; count++) {
 		struct observations seen = {0};
 
-		scene_cloud(&seen, &truth, count, 0, &chance);
+		known_camera_see_cloud(&seen, &truth, count, 0, &chance);
 		expect(&seen, &task, count < 7 ? "6 points are too few: points in space" : "");
 	}
 	task.method = CAMERA_FULL;
 	for (int count = 10; count <= 11; count++) {
 		struct observations seen = {0};
 
-		scene_cloud(&seen, &truth, count, 0, &chance);
+		known_camera_see_cloud(&seen, &truth, count, 0, &chance);
 		expect(&seen, &task, count < 11 ? "too few for the full" : "");
 	}
 }
 
 static void no_points(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
@@ -82,15 +86,15 @@ static void no_points(void **state)
 
 static void no_such_reference(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct camera_solution solution;
 	struct observations seen = {0};
 	struct fault fault = {""};
 
 	(void)state;
 	task.reference = 1;
-	scene_board(&seen, &truth, 9, 6, 0, NULL);
+	known_camera_see_board(&seen, &truth, 9, 6, 0, NULL);
 	assert_int_equal(camera_calibrate(&seen, &task, &solution, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "view 2"));
 	camera_solution_free(&solution);
@@ -109,14 +113,14 @@ static void board_parallel_to_the_picture(void **state)
 	for (int n = 0; n < 9; n++)
 		for (int tilt = 0; tilt < 2; tilt++) {
 			const double from[3] = {tilt ? 0.01 : 0, tilt ? -0.01 : -1e-9, 0.6};
-			const struct tsai_camera truth = scene_camera(
+			const struct tsai_camera truth = known_camera(
 				from, (double[]){0, 0, 0}, n / 3 ? -0.05 : 0, n / 3 == 2);
-			const struct camera_task task = scene_task(&truth);
+			const struct camera_task task = known_camera_task(&truth);
 			struct observations seen = {0};
 
 			if (tilt && !(noises[n % 3] > 0))
 				continue;
-			scene_board(&seen, &truth, 12, 9, noises[n % 3], &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, noises[n % 3], &chance);
 			expect(&seen, &task, "parallel to the image plane");
 		}
 }
@@ -128,39 +132,41 @@ static void nearly_orthographic(void **state)
 	(void)state;
 	for (int space = 0; space < 2; space++)
 		for (int n = 0; n < 3; n++) {
-			struct tsai_camera truth = scene_camera((double[]){100, -300, 350}, middle,
+			struct tsai_camera truth = known_camera((double[]){100, -300, 350}, middle,
 								0, TSAI_DISTORTS);
 			struct observations seen = {0};
 			struct camera_task task;
 
 			truth.focal *= 1000;
-			task = scene_task(&truth);
+			task = known_camera_task(&truth);
 			if (space)
-				scene_cloud(&seen, &truth, 80, 0.3 + 0.3 * n, &chance);
+				known_camera_see_cloud(&seen, &truth, 80, 0.3 + 0.3 * n, &chance);
 			else
-				scene_board(&seen, &truth, 12, 9, 0.3 + 0.3 * n, &chance);
+				known_camera_see_board(&seen, &truth, 12, 9, 0.3 + 0.3 * n,
+						       &chance);
 			expect(&seen, &task, "nearly orthographic");
 		}
 }
 
 static void points_on_a_line(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
 	assert_int_equal(observations_begin_view(&seen, "line"), 0);
 	for (int i = 0; i < 20; i++)
-		scene_see(&seen, &truth, (double[]){0.01 * i - 0.1, 0.004 * i - 0.04, 0}, 0, NULL);
+		known_camera_see(&seen, &truth, (double[]){0.01 * i - 0.1, 0.004 * i - 0.04, 0}, 0,
+				 NULL);
 	expect(&seen, &task, "on a line");
 }
 
 static void points_in_a_corner(void **state)
 {
 	struct chance chance = chance_begin("corner");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0.05, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0.05, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 
 	(void)state;
 	for (int n = 0; n < 2; n++) {
@@ -168,10 +174,10 @@ static void points_in_a_corner(void **state)
 
 		assert_int_equal(observations_begin_view(&seen, "corner"), 0);
 		for (int i = 0; i < 36; i++)
-			scene_see(&seen, &truth,
-				  (double[]){0.1 + 0.008 * (i % 6), 0.1 + 0.008 * (i / 6),
-					     n ? 0.01 * ((i * 7) % 5) : 0},
-				  0, &chance);
+			known_camera_see(&seen, &truth,
+					 (double[]){0.1 + 0.008 * (i % 6), 0.1 + 0.008 * (i / 6),
+						    n ? 0.01 * ((i * 7) % 5) : 0},
+					 0, &chance);
 		expect(&seen, &task, "in one corner");
 	}
 }
@@ -181,28 +187,28 @@ static void points_in_a_corner(void **state)
 static void aspect_does_not_show_in_a_plane(void **state)
 {
 	struct chance chance = chance_begin("aspect");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.1, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
 	task.aspect_deviation = 0.05;
-	scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	expect(&seen, &task, "do not tell whether the pixels are square");
-	scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	task.object_given = true;
 	expect(&seen, &task, "");
 	task.object_given = false;
 	for (int way = 0; way < 2; way++) {
 		struct camera_solution solution;
 
-		scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+		known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 		task.aspect_given = way;
 		task.aspect_deviation = -1;
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_true(solution.finding.estimate.parameter[4].fixed);
 		assert_true(solution.camera.aspect == 1);
-		assert_true(scene_trusted(&solution));
+		assert_true(known_camera_trusted(&solution));
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -215,15 +221,15 @@ static struct observations board_seen(const struct tsai_camera *truth, double no
 {
 	struct observations seen = {0};
 
-	scene_board(&seen, truth, 12, 9, noise, chance);
+	known_camera_see_board(&seen, truth, 12, 9, noise, chance);
 	return seen;
 }
 
 static void outliers(void **state)
 {
 	struct chance chance = chance_begin("outliers");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.1, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen;
 
 	(void)state;
@@ -242,7 +248,7 @@ static void outliers(void **state)
 			seen.point[5 * k].px[1] += k % 3 ? 20 : 5;
 		}
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(scene_trusted(&solution));
+		assert_true(known_camera_trusted(&solution));
 		for (int i = 0; i < seen.count; i++)
 			assert_true((solution.finding.weight[i] < 0.1) ==
 				    (i % 5 == 0 && i < 5 * count));
@@ -260,8 +266,8 @@ static void outliers(void **state)
 static void points_in_another_order(void **state)
 {
 	struct chance chance = chance_begin("order");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 
 	(void)state;
@@ -284,17 +290,17 @@ static void mirrored(void **state)
 	(void)state;
 	for (int space = 0; space < 2; space++)
 		for (int n = 0; n < 4; n++) {
-			const struct tsai_camera truth = scene_camera(eye, middle,
+			const struct tsai_camera truth = known_camera(eye, middle,
 								      n % 2 ? -0.05 : 0, n / 2);
-			struct camera_task task = scene_task(&truth);
+			struct camera_task task = known_camera_task(&truth);
 			struct observations seen = {0};
 
 			if (space)
-				scene_cloud(&seen, &truth, 60, 0.1, &chance);
+				known_camera_see_cloud(&seen, &truth, 60, 0.1, &chance);
 			else
-				scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+				known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 			for (int i = 0; i < seen.count; i++)
-				seen.point[i].px[1] = SCENE_HEIGHT - seen.point[i].px[1];
+				seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
 			expect(&seen, &task, "mirrored");
 		}
 }
@@ -309,16 +315,16 @@ static void mirrored_from_afar(void **state)
 	for (int far = 10; far <= 1000; far *= 10)
 		for (int n = 0; n < 3; n++) {
 			struct tsai_camera truth =
-				scene_camera((double[]){far * eye[0], far * eye[1], far * eye[2]},
+				known_camera((double[]){far * eye[0], far * eye[1], far * eye[2]},
 					     middle, 0, TSAI_DISTORTS);
 			struct camera_task task = camera_task_default();
 			struct observations seen = {0};
 
 			truth.focal *= far;
 			task.intrinsics = &truth;
-			scene_cloud(&seen, &truth, 40, 0.1 + 0.4 * n, &chance);
+			known_camera_see_cloud(&seen, &truth, 40, 0.1 + 0.4 * n, &chance);
 			for (int i = 0; i < seen.count; i++)
-				seen.point[i].px[1] = SCENE_HEIGHT - seen.point[i].px[1];
+				seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
 			expect(&seen, &task, "mirror");
 		}
 }
@@ -326,8 +332,8 @@ static void mirrored_from_afar(void **state)
 static void listed_twice(void **state)
 {
 	struct chance chance = chance_begin("twice");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 	const struct observation first = seen.point[3];
 
@@ -339,25 +345,25 @@ static void listed_twice(void **state)
 /* Of a view that shows something else there is no pose, however well the others fit. */
 static void view_of_outliers(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.1, TSAI_DISTORTS);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
 	const double other[5][3] = {{0.3, -0.2, 0.4},
 				    {-0.3, -0.25, 0.4},
 				    {0.1, 0.4, 0.4},
 				    {0, 0.2, 0.5},
 				    {0.2, 0, 0.5}};
 	struct chance chance = chance_begin("view");
-	struct camera_task task = scene_task(&truth);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
-	scene_board(&seen, &truth, 5, 5, 0.1, &chance);
+	known_camera_see_board(&seen, &truth, 5, 5, 0.1, &chance);
 	for (int i = 0; i < seen.count; i++)
 		for (int k = 0; k < 2 && i % 5 < 3; k++)
 			seen.point[i].px[k] += chance_real(&chance, 20, 60);
 	for (int v = 0; v < 5; v++) {
-		const struct tsai_camera from = scene_camera(other[v], middle, -0.1, TSAI_DISTORTS);
+		const struct tsai_camera from = known_camera(other[v], middle, -0.1, TSAI_DISTORTS);
 
-		scene_board(&seen, &from, 5, 5, 0.1, &chance);
+		known_camera_see_board(&seen, &from, 5, 5, 0.1, &chance);
 	}
 	task.robust = true;
 	expect(&seen, &task, "points of board do not fit the other views");
@@ -370,12 +376,12 @@ static void noise_is_no_mirror(void **state)
 
 	(void)state;
 	for (int n = 0; n < 30; n++) {
-		struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-		const struct camera_task task = scene_task(&truth);
+		struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+		const struct camera_task task = known_camera_task(&truth);
 		struct observations seen = {0};
 		struct camera_solution solution;
 
-		scene_cloud(&seen, &truth, 12, 8, &chance);
+		known_camera_see_cloud(&seen, &truth, 12, 8, &chance);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_false(solution.finding.verdict.trusted);
 		assert_null(strstr(solution.finding.verdict.reason, "mirror"));
@@ -388,8 +394,8 @@ static void noise_is_no_mirror(void **state)
 static void axis_does_not_show(void **state)
 {
 	struct chance chance = chance_begin("axis");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	struct camera_task task = scene_task_of_plane(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task_of_plane(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 
 	(void)state;
@@ -438,25 +444,26 @@ static void folds_over(void **state)
 		static const double parts[] = {0.5, 0.8, 0.9};
 
 		for (int p = 0; p < 3; p++) {
-			struct tsai_camera truth = scene_camera(eye, middle, 0, distortion);
+			struct tsai_camera truth = known_camera(eye, middle, 0, distortion);
 			struct observations seen = {0};
 			struct camera_task task;
 			double farthest = 0;
 
-			scene_board(&seen, &truth, 12, 9, 0, &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
 			for (int i = 0; i < seen.count; i++)
-				farthest = fmax(farthest,
-						hypot(seen.point[i].px[0] - SCENE_WIDTH / 2.0,
-						      seen.point[i].px[1] - SCENE_HEIGHT / 2.0) *
-							truth.pixel[0]);
+				farthest = fmax(
+					farthest,
+					hypot(seen.point[i].px[0] - KNOWN_CAMERA_WIDTH / 2.0,
+					      seen.point[i].px[1] - KNOWN_CAMERA_HEIGHT / 2.0) *
+						truth.pixel[0]);
 			/* undistorted radius over its largest: the fold, or 2/3 of it */
 			truth.kappa1 = -pow(parts[p] / farthest, 2) / 3;
 			if (distortion)
 				truth.kappa1 *= 4.0 / 9;
 			observations_free(&seen);
-			scene_board(&seen, &truth, 12, 9, 0, &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
 			assert_int_equal(seen.count, 108);
-			task = scene_task(&truth);
+			task = known_camera_task(&truth);
 			task.object_given = true;
 			expect(&seen, &task, "");
 		}
@@ -466,8 +473,8 @@ static void folds_over(void **state)
 static void lens_beyond_its_model(void **state)
 {
 	struct chance chance = chance_begin("beyond");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.05, &chance);
 
 	(void)state;
@@ -488,30 +495,30 @@ static void lens_beyond_its_model(void **state)
 static void object_beyond_the_points(void **state)
 {
 	struct chance chance = chance_begin("object");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.05, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.05, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
 	task.object_given = true;
 	/* on the board, then far beside it, then behind the camera */
-	scene_board(&seen, &truth, 9, 6, 0.02, &chance);
+	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
 	expect(&seen, &task, "");
 	task.object[0] = 0.28;
 	task.tolerance_px = 100;
-	scene_board(&seen, &truth, 9, 6, 0.02, &chance);
+	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
 	expect(&seen, &task, "outside of what the points cover");
 	task.object[1] = -5;
 	task.object[2] = 3;
-	scene_board(&seen, &truth, 9, 6, 0.02, &chance);
+	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
 	expect(&seen, &task, "no image of the object's place");
 }
 
 static void object_too_uncertain(void **state)
 {
 	struct chance chance = chance_begin("uncertain");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.05, TSAI_DISTORTS);
-	struct camera_task task = scene_task_of_plane(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.05, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task_of_plane(&truth);
 	struct camera_solution solution;
 	struct observations seen = {0};
 	char sentence[600];
@@ -519,7 +526,7 @@ static void object_too_uncertain(void **state)
 	(void)state;
 	task.centre_deviation_px = 0;
 	task.tolerance_px = 0.01;
-	scene_board(&seen, &truth, 9, 6, 0.5, &chance);
+	known_camera_see_board(&seen, &truth, 9, 6, 0.5, &chance);
 	/* the first of the figures, by its name and number */
 	assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 	assert_string_equal(solution.finding.figure[0].key, "object_error_px");
@@ -529,7 +536,7 @@ static void object_too_uncertain(void **state)
 	camera_solution_free(&solution);
 	expect(&seen, &task, sentence);
 	task.tolerance_px = 100;
-	scene_board(&seen, &truth, 9, 6, 0.5, &chance);
+	known_camera_see_board(&seen, &truth, 9, 6, 0.5, &chance);
 	expect(&seen, &task, "");
 }
 
@@ -538,13 +545,13 @@ static void object_too_uncertain(void **state)
 static void parallel_is_no_matter_for_a_known_lens(void **state)
 {
 	struct chance chance = chance_begin("known");
-	const struct tsai_camera truth = scene_camera(above, (double[]){0, 0, 0}, 0, TSAI_DISTORTS);
+	const struct tsai_camera truth = known_camera(above, (double[]){0, 0, 0}, 0, TSAI_DISTORTS);
 	struct camera_task task = camera_task_default();
 	struct observations seen = {0};
 
 	(void)state;
 	task.intrinsics = &truth;
-	scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	expect(&seen, &task, "");
 }
 

@@ -9,8 +9,10 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "bake/calibrate/convert/convert.h"
@@ -52,7 +54,7 @@ static double farthest(const struct tsai_camera *a, const struct tsai_camera *b)
 
 static void write_file(const char *name, const char *text)
 {
-	FILE *file = fopen(own_path(name), "w");
+	FILE *file = fopen(own_folder_path(name), "w");
 
 	assert_non_null(file);
 	fputs(text, file);
@@ -64,7 +66,7 @@ static struct lens again(const struct lens *lens, bool ros, double error_px)
 {
 	struct fault fault = {.text = ""};
 	struct lens read = {.width = 0};
-	FILE *file = fopen(own_path("lens.yaml"), "w");
+	FILE *file = fopen(own_folder_path("lens.yaml"), "w");
 
 	assert_non_null(file);
 	if (ros)
@@ -72,9 +74,9 @@ static struct lens again(const struct lens *lens, bool ros, double error_px)
 	else
 		lens_write_opencv(file, lens, error_px);
 	assert_int_equal(fclose(file), 0);
-	if (lens_read_yaml(&read, own_path("lens.yaml"), &fault))
+	if (lens_read_yaml(&read, own_folder_path("lens.yaml"), &fault))
 		fail_msg("%s", fault.text);
-	assert_int_equal(remove(own_path("lens.yaml")), 0);
+	assert_int_equal(remove(own_folder_path("lens.yaml")), 0);
 	return read;
 }
 
@@ -272,15 +274,15 @@ static void test_files(void **state)
 	(void)state;
 	write_file("opencv.yml", opencv);
 	write_file("ros.yaml", ros);
-	if (lens_read_yaml(&a, own_path("opencv.yml"), &fault) ||
-	    lens_read_yaml(&b, own_path("ros.yaml"), &fault))
+	if (lens_read_yaml(&a, own_folder_path("opencv.yml"), &fault) ||
+	    lens_read_yaml(&b, own_folder_path("ros.yaml"), &fault))
 		fail_msg("%s", fault.text);
 	assert_memory_equal(&a, &b, sizeof(a));
 	assert_true(a.focal_px[0] == 536.07 && a.focal_px[1] == 536.02);
 	assert_true(a.centre_px[0] == 342.37 + 0.5 && a.centre_px[1] == 235.54 + 0.5);
 	assert_true(a.term[LENS_K3] == 2.3839153080878486e-01 && a.term[LENS_K4] == 0);
-	assert_int_equal(remove(own_path("opencv.yml")), 0);
-	assert_int_equal(remove(own_path("ros.yaml")), 0);
+	assert_int_equal(remove(own_folder_path("opencv.yml")), 0);
+	assert_int_equal(remove(own_folder_path("ros.yaml")), 0);
 }
 
 static void test_damaged(void **state)
@@ -339,13 +341,16 @@ static void test_damaged(void **state)
 		struct lens lens = {.width = 0};
 
 		write_file("bad.yml", cases[k].text);
-		snprintf(expected, sizeof(expected), "%s%s", own_path("bad.yml"), cases[k].fault);
-		assert_int_equal(lens_read_yaml(&lens, own_path("bad.yml"), &fault), -EINVAL);
+		snprintf(expected, sizeof(expected), "%s%s", own_folder_path("bad.yml"),
+			 cases[k].fault);
+		assert_int_equal(lens_read_yaml(&lens, own_folder_path("bad.yml"), &fault),
+				 -EINVAL);
 		assert_string_equal(fault.text, expected);
 	}
-	assert_int_equal(remove(own_path("bad.yml")), 0);
-	assert_int_equal(lens_read_yaml(&(struct lens){.width = 0}, own_path("bad.yml"), &fault),
-			 -ENOENT);
+	assert_int_equal(remove(own_folder_path("bad.yml")), 0);
+	assert_int_equal(
+		lens_read_yaml(&(struct lens){.width = 0}, own_folder_path("bad.yml"), &fault),
+		-ENOENT);
 }
 
 /* Cut anywhere, a file is refused or, behind its last number, read. */
@@ -361,9 +366,9 @@ static void test_truncated(void **state)
 		memcpy(part, whole, bytes);
 		part[bytes] = '\0';
 		write_file("cut.yml", part);
-		assert_int_equal(lens_read_yaml(&lens, own_path("cut.yml"), NULL), -EINVAL);
+		assert_int_equal(lens_read_yaml(&lens, own_folder_path("cut.yml"), NULL), -EINVAL);
 	}
-	assert_int_equal(remove(own_path("cut.yml")), 0);
+	assert_int_equal(remove(own_folder_path("cut.yml")), 0);
 }
 
 static void test_ini(void **state)
@@ -372,20 +377,20 @@ static void test_ini(void **state)
 			       .camera = some_camera(-0.004, TSAI_UNDISTORTS)};
 	struct lens_ini read;
 	struct fault fault = {.text = ""};
-	FILE *file = fopen(own_path("camera.ini"), "w");
+	FILE *file = fopen(own_folder_path("camera.ini"), "w");
 
 	(void)state;
 	assert_non_null(file);
 	lens_write_ini(file, &ini, "a test", 0.01, 0.2);
 	assert_int_equal(fclose(file), 0);
-	if (lens_read_ini(&read, own_path("camera.ini"), &fault))
+	if (lens_read_ini(&read, own_folder_path("camera.ini"), &fault))
 		fail_msg("%s", fault.text);
 	assert_memory_equal(&read.camera, &ini.camera, sizeof(ini.camera));
 	write_file("camera.ini", "[fisheye]\n[camera]\nwidth = 1\n");
-	assert_int_equal(lens_read_ini(&read, own_path("camera.ini"), &fault), -EINVAL);
+	assert_int_equal(lens_read_ini(&read, own_folder_path("camera.ini"), &fault), -EINVAL);
 	write_file("camera.ini", "");
-	assert_int_equal(lens_read_ini(&read, own_path("camera.ini"), &fault), -EINVAL);
-	assert_int_equal(remove(own_path("camera.ini")), 0);
+	assert_int_equal(lens_read_ini(&read, own_folder_path("camera.ini"), &fault), -EINVAL);
+	assert_int_equal(remove(own_folder_path("camera.ini")), 0);
 }
 
 int main(void)

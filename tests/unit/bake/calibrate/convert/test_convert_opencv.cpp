@@ -71,7 +71,7 @@ void read_back(const char *path, cv::Mat &matrix, cv::Mat &distortion)
 
 void write_ours(const lens &ours)
 {
-	FILE *file = std::fopen(own_path("ours.yml"), "w");
+	FILE *file = std::fopen(own_folder_path("ours.yml"), "w");
 
 	assert_non_null(file);
 	lens_write_opencv(file, &ours, 0.25);
@@ -89,7 +89,7 @@ void test_camera_read(void **)
 
 	assert_int_equal(lens_of_tsai(&ours, &camera, 0, &error_px, nullptr), 0);
 	write_ours(ours);
-	read_back(own_path("ours.yml"), matrix, distortion);
+	read_back(own_folder_path("ours.yml"), matrix, distortion);
 	cv::projectPoints(world, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrix, distortion, seen);
 	for (size_t k = 0; k < world.size(); k++) {
 		const double place[3] = {world[k].x, world[k].y, world[k].z};
@@ -99,7 +99,7 @@ void test_camera_read(void **)
 		/* OpenCV's pixel centres are at whole numbers */
 		assert_true(std::hypot(px[0] - 0.5 - seen[k].x, px[1] - 0.5 - seen[k].y) < SAME_PX);
 	}
-	assert_int_equal(std::remove(own_path("ours.yml")), 0);
+	assert_int_equal(std::remove(own_folder_path("ours.yml")), 0);
 }
 
 void test_fisheye_read(void **)
@@ -124,7 +124,7 @@ void test_fisheye_read(void **)
 	assert_int_equal(lens_of_fisheye(&ours, &settings, 720, 576, 0, &error_px, nullptr), 0);
 	assert_int_equal(fisheye_prepare(&prepared, &settings, 720, 576, nullptr), 0);
 	write_ours(ours);
-	read_back(own_path("ours.yml"), matrix, distortion);
+	read_back(own_folder_path("ours.yml"), matrix, distortion);
 	cv::fisheye::projectPoints(world, seen, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrix,
 				   distortion);
 	for (size_t k = 0; k < world.size(); k++) {
@@ -134,7 +134,7 @@ void test_fisheye_read(void **)
 		assert_true(fisheye_project(&prepared, place, px));
 		assert_true(std::hypot(px[0] - 0.5 - seen[k].x, px[1] - 0.5 - seen[k].y) < SAME_PX);
 	}
-	assert_int_equal(std::remove(own_path("ours.yml")), 0);
+	assert_int_equal(std::remove(own_folder_path("ours.yml")), 0);
 }
 
 /* As its calibration program does, with much that is of no use here, in single and double
@@ -178,8 +178,8 @@ void test_written_by_opencv(void **)
 					distortion = distortion.t();
 				matrix.convertTo(matrix, type);
 				distortion.convertTo(distortion, type);
-				write_theirs(own_path("theirs.yml"), matrix, distortion);
-				if (lens_read_yaml(&read, own_path("theirs.yml"), &wrong))
+				write_theirs(own_folder_path("theirs.yml"), matrix, distortion);
+				if (lens_read_yaml(&read, own_folder_path("theirs.yml"), &wrong))
 					fail_msg("%s", wrong.text);
 				assert_int_equal(read.width, 720);
 				assert_int_equal(read.fisheye, 0);
@@ -188,7 +188,7 @@ void test_written_by_opencv(void **)
 				assert_true(read.term[LENS_K1] == -0.25);
 				assert_true(std::fabs(read.term[LENS_P2] - 1e-5) < 1e-10);
 			}
-	assert_int_equal(std::remove(own_path("theirs.yml")), 0);
+	assert_int_equal(std::remove(own_folder_path("theirs.yml")), 0);
 }
 
 } // namespace

@@ -8,13 +8,17 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/sim/studio.h"
 #include "hal/colour/transfer.h"
 #include "hal/optics/panorama.h"
+#include "tests/support/chance.h"
 #include "tests/support/fisheye_views.h"
 
 /* A scene through a lens, as an 8-bit camera takes it. */

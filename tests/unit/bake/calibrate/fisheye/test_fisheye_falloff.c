@@ -7,11 +7,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bake/calibrate/fisheye/fisheye_falloff.h"
 #include "hal/colour/transfer.h"
+#include "tests/support/chance.h"
 #include "tests/support/fisheye_views.h"
 
 static const double truth[FISHEYE_FALLOFF_TERMS] = {-0.22, 0.05, -0.012};
@@ -48,7 +51,7 @@ static void check(double level, double slope, bool thing, const char *expected)
 	struct chance chance = chance_begin("fisheye_falloff");
 
 	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
-		struct fisheye_settings settings = fisheye_truths[model];
+		struct fisheye_settings settings = fisheye_views_lenses[model];
 		struct falloff falloff;
 		struct image image;
 		char said[600];

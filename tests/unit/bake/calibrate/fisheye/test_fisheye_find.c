@@ -8,11 +8,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "hal/base/clock.h"
+#include "tests/support/chance.h"
 #include "tests/support/fisheye_views.h"
 
 static struct fisheye_wanted wanted_of(bool directions, int model)
@@ -37,11 +40,11 @@ static void see(struct observations *seen, const struct fisheye_settings *truth,
 {
 	const struct fisheye lens = lens_of(truth);
 
-	begin_views(seen);
+	fisheye_views_begin(seen);
 	if (lamps)
-		see_lamps(seen, &lens, 60, 86, sigma, chance);
+		fisheye_see_lamps(seen, &lens, 60, 86, sigma, chance);
 	else
-		see_boards(seen, &lens, 5, 1.15, sigma, chance);
+		fisheye_see_boards(seen, &lens, 5, 1.15, sigma, chance);
 }
 
 /* The parameters in the order of an estimate. */
@@ -72,14 +75,14 @@ static void right_without_noise(void **state)
 		double truth[11];
 		char said[600];
 
-		see(&seen, &fisheye_truths[model], lamps, 0, &chance);
+		see(&seen, &fisheye_views_lenses[model], lamps, 0, &chance);
 		assert_int_equal(fisheye_find(&result, &seen, &wanted, &fault), 0);
 		verdict_sentence(&result.finding.verdict, said, sizeof(said));
 		print_message("# %s %s: %s, rms %.2g\n", lamps ? "lamps" : "boards",
 			      fisheye_model_names[model], said, result.finding.rms_px);
 		assert_true(result.finding.verdict.trusted);
 		assert_int_equal(result.lens.model, model);
-		for (int n = truths(&fisheye_truths[model], lamps, truth) - 1; n >= 0; n--)
+		for (int n = truths(&fisheye_views_lenses[model], lamps, truth) - 1; n >= 0; n--)
 			assert_true(fabs(result.finding.estimate.parameter[n].value - truth[n]) <
 				    1e-6 * fmax(fabs(truth[n]), n < 4 ? 1 : 1e-2));
 		fisheye_result_free(&result);
@@ -136,7 +139,7 @@ static void honest_with_noise(void **state)
 		struct fisheye_wanted wanted = wanted_of(lamps, model);
 		struct coverage all = {.runs = 0};
 		double truth[11];
-		const int numbers = truths(&fisheye_truths[model], lamps, truth);
+		const int numbers = truths(&fisheye_views_lenses[model], lamps, truth);
 		/* Boards at the rim are hardest for it. */
 		const int own = runs_of(lamps				? LAMP_RUNS
 					: model == FISHEYE_ORTHOGRAPHIC ? ORTHOGRAPHIC_RUNS
@@ -148,7 +151,7 @@ static void honest_with_noise(void **state)
 			struct observations seen;
 			const struct estimate *e;
 
-			see(&seen, &fisheye_truths[model], lamps, sigma, &chance);
+			see(&seen, &fisheye_views_lenses[model], lamps, sigma, &chance);
 			assert_int_equal(fisheye_find(&result, &seen, &wanted, NULL), 0);
 			e = &result.finding.estimate;
 			assert_true(e->count > 0);
@@ -199,7 +202,7 @@ static void expect(struct observations *seen, const struct fisheye_wanted *wante
 static void doubted(void **state)
 {
 	struct chance chance = chance_begin("fisheye_find");
-	const struct fisheye lens = lens_of(&fisheye_truths[FISHEYE_EQUIDISTANT]);
+	const struct fisheye lens = lens_of(&fisheye_views_lenses[FISHEYE_EQUIDISTANT]);
 	const struct fisheye_wanted lamps = wanted_of(true, FISHEYE_MODEL_AUTO);
 	const struct fisheye_wanted boards = wanted_of(false, FISHEYE_MODEL_AUTO);
 	const struct fisheye_wanted wrong = wanted_of(true, FISHEYE_STEREOGRAPHIC);
@@ -208,31 +211,31 @@ static void doubted(void **state)
 	struct fault fault = {""};
 
 	(void)state;
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
 	expect(&seen, &lamps, "there are 4 points, fewer than");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 200, 25, 0.02, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 200, 25, 0.02, &chance);
 	expect(&seen, &lamps, "cannot be told apart");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 200, 55, 0.02, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 200, 55, 0.02, &chance);
 	expect(&seen, &lamps, "nothing was seen beyond");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.3, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.3, &chance);
 	expect(&seen, &wrong, "not where a lens of the stereographic model");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 6, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 6, &chance);
 	expect(&seen, &lamps, "the lens is known to");
-	begin_views(&seen);
-	see_board(&seen, &lens, 0.5, 1, 0.2, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_board(&seen, &lens, 0.5, 1, 0.2, &chance);
 	expect(&seen, &boards, "one place only");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < seen.count; n++)
 		seen.point[n].px[0] = 640 - seen.point[n].px[0];
 	expect(&seen, &lamps, "mirrored");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < seen.count; n++) {
 		struct observation *point = &seen.point[n];
 		const double t = (n - 30) * 0.045;
@@ -241,8 +244,8 @@ static void doubted(void **state)
 		assert_true(fisheye_project(&lens, point->world, point->px));
 	}
 	expect(&seen, &lamps, "lie in one plane");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 60; n++) {
 		const struct observation point = seen.point[n]; /* adding moves them */
 
@@ -250,13 +253,13 @@ static void doubted(void **state)
 				 0);
 	}
 	expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 5; n++)
 		seen.point[7 * n].px[1] += 40; /* outliers do not matter */
 	expect(&seen, &lamps, "trusted");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	seen.point[3].px[0] = NAN;
 	assert_int_equal(fisheye_find(&result, &seen, &lamps, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "lamp 4: is not finite"));

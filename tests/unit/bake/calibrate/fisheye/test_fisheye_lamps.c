@@ -8,21 +8,28 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
 #include "bake/calibrate/fisheye/lamps/lamps_spots.h"
+#include "hal/optics/vec.h"
+#include "tests/support/chance.h"
 #include "tests/support/drawn_lamps.h"
+#include "tests/support/fisheye_views.h"
 
 static double error_of(const struct fisheye_settings *truth, const struct fisheye_settings *found)
 {
 	struct fisheye is, should;
 	double worst = 0;
 
-	assert_int_equal(fisheye_prepare(&is, found, LAMPS_WIDTH, LAMPS_HEIGHT, NULL), 0);
-	assert_int_equal(fisheye_prepare(&should, truth, LAMPS_WIDTH, LAMPS_HEIGHT, NULL), 0);
+	assert_int_equal(fisheye_prepare(&is, found, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT, NULL),
+			 0);
+	assert_int_equal(
+		fisheye_prepare(&should, truth, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT, NULL), 0);
 	for (int k = 0; k < 2000; k++) {
 		const double theta = 1.5 * sqrt((k + 0.5) / 2000), phi = k * 2.39996;
 		const double ray[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
@@ -76,8 +83,10 @@ static void every_model(void **state)
 
 	(void)state;
 	for (int m = 0; m < FISHEYE_MODEL_COUNT; m++) {
-		struct drawn_lamps d = {
-			.lens = &fisheye_truths[m], .walls = 0.02, .lamp_light = 3, .noise = 1};
+		struct drawn_lamps d = {.lens = &fisheye_views_lenses[m],
+					.walls = 0.02,
+					.lamp_light = 3,
+					.noise = 1};
 		struct lamps_told told;
 
 		drawn_lamps_place(&d, 24, 84, &chance);
@@ -90,7 +99,7 @@ static void every_model(void **state)
 static void much_else(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUISOLID],
+	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUISOLID],
 				.walls = 0.1,
 				.lamp_light = 1.5,
 				.noise = 2,
@@ -120,7 +129,7 @@ static void much_else(void **state)
 static void merged(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUIDISTANT],
+	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUIDISTANT],
 				.walls = 0.02,
 				.lamp_light = 3,
 				.noise = 1};
@@ -141,7 +150,7 @@ static void merged(void **state)
 static void doubted(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUIDISTANT],
+	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUIDISTANT],
 				.walls = 0.02,
 				.lamp_light = 3,
 				.noise = 1};
@@ -182,7 +191,7 @@ static void doubted(void **state)
 static void ring(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUIDISTANT],
+	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUIDISTANT],
 				.walls = 0.02,
 				.lamp_light = 3,
 				.noise = 1,
@@ -191,7 +200,8 @@ static void ring(void **state)
 	struct fisheye lens;
 
 	(void)state;
-	assert_int_equal(fisheye_prepare(&lens, d.lens, LAMPS_WIDTH, LAMPS_HEIGHT, NULL), 0);
+	assert_int_equal(
+		fisheye_prepare(&lens, d.lens, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT, NULL), 0);
 	for (int n = 0; n < 17; n++) {
 		const double theta = n < 8 ? 1.35 : n < 16 ? 0.7 : 0, phi = M_PI / 4 * (n % 8);
 
@@ -249,10 +259,11 @@ static void spots(void **state)
 	struct spots found;
 
 	(void)state;
-	assert_int_equal(image_create_f32(&image, LAMPS_WIDTH, LAMPS_HEIGHT), 0);
-	for (int p = 0; p < LAMPS_WIDTH * LAMPS_HEIGHT; p++)
+	assert_int_equal(image_create_f32(&image, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT), 0);
+	for (int p = 0; p < DRAWN_LAMPS_WIDTH * DRAWN_LAMPS_HEIGHT; p++)
 		for (int c = 0; c < 3; c++) {
-			const double x = p % LAMPS_WIDTH + 0.5, y = p / LAMPS_WIDTH + 0.5;
+			const double x = p % DRAWN_LAMPS_WIDTH + 0.5,
+				     y = p / DRAWN_LAMPS_WIDTH + 0.5;
 			const double a = hypot(x - 100.3, y - 50.8), b = hypot(x - 111.3, y - 50.8);
 
 			image.f32[3 * p + c] =
@@ -265,7 +276,7 @@ static void spots(void **state)
 	assert_true(hypot(found.spot[0].px[0] - 100.3, found.spot[0].px[1] - 50.8) < 0.02);
 	assert_true(hypot(found.spot[1].px[0] - 111.3, found.spot[1].px[1] - 50.8) < 0.05);
 	spots_free(&found);
-	memset(image.f32, 0, sizeof(float) * 3 * LAMPS_WIDTH * LAMPS_HEIGHT);
+	memset(image.f32, 0, sizeof(float) * 3 * DRAWN_LAMPS_WIDTH * DRAWN_LAMPS_HEIGHT);
 	assert_int_equal(spots_find(&found, &image), 0);
 	assert_int_equal(found.count, 0);
 	spots_free(&found);

@@ -9,6 +9,10 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 #include "tests/support/drawn_board.h"
 #include "tests/support/own_folder.h"
@@ -374,8 +378,8 @@ static void print_and_find(const char *spec, const char *page, double width_mm, 
 	struct image picture;
 	char command[2 * PATH_MAX + 64], pdf[PATH_MAX], png[PATH_MAX];
 
-	snprintf(pdf, sizeof(pdf), "%s", own_path("board.pdf"));
-	snprintf(png, sizeof(png), "%s", own_path("board.png"));
+	snprintf(pdf, sizeof(pdf), "%s", own_folder_path("board.pdf"));
+	snprintf(png, sizeof(png), "%s", own_folder_path("board.png"));
 	if (board_print(&board, page, pdf, &fault))
 		fail_msg("%s", fault.text);
 	snprintf(command, sizeof(command), "pdftoppm -singlefile -r %d -png '%s' '%.*s'", DPI, pdf,
@@ -415,13 +419,13 @@ static void test_not_printed(void **state)
 	struct fault fault;
 
 	(void)state;
-	assert_int_equal(board_print(&board, "a4", own_path("b.pdf"), &fault), -E2BIG);
+	assert_int_equal(board_print(&board, "a4", own_folder_path("b.pdf"), &fault), -E2BIG);
 	assert_string_equal(fault.text, "chess:9x6:30mm does not fit on a4: expected a step of at "
 					"most 25.7 mm");
 	print_and_find("9x6:25.7mm", "a4", 297, 210);
-	assert_int_equal(board_print(&board, "a5", own_path("b.pdf"), &fault), -EINVAL);
+	assert_int_equal(board_print(&board, "a5", own_folder_path("b.pdf"), &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "expected a4, a3 or letter"));
-	assert_int_equal(board_print(&board, "a3", own_path("none/b.pdf"), &fault), -ENOENT);
+	assert_int_equal(board_print(&board, "a3", own_folder_path("none/b.pdf"), &fault), -ENOENT);
 }
 
 /* ---- photographs ---- */

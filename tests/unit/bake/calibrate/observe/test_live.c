@@ -8,6 +8,8 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <unistd.h>
 
 #include "bake/calibrate/observe/live.h"
 #include "hal/base/clock.h"
@@ -15,7 +17,7 @@
 
 static void write_config(const char *text)
 {
-	FILE *file = fopen(own_path("kiosk.conf"), "w");
+	FILE *file = fopen(own_folder_path("kiosk.conf"), "w");
 
 	assert_non_null(file);
 	assert_true(fputs(text, file) >= 0);
@@ -34,14 +36,14 @@ static void write_picture(void)
 		picture.u8[3 * i + 1] = (uint8_t)(20 * (i / 8));
 		picture.u8[3 * i + 2] = 200;
 	}
-	assert_int_equal(image_write(own_path("p.png"), &picture, &fault), 0);
+	assert_int_equal(image_write(own_folder_path("p.png"), &picture, &fault), 0);
 	image_free(&picture);
 }
 
 static void clean(void)
 {
-	unlink(own_path("kiosk.conf"));
-	unlink(own_path("p.png"));
+	unlink(own_folder_path("kiosk.conf"));
+	unlink(own_folder_path("p.png"));
 }
 
 static struct live *opened(enum live_view view)
@@ -49,7 +51,7 @@ static struct live *opened(enum live_view view)
 	struct fault fault = {{0}};
 	struct live *live;
 
-	if (live_open(&live, own_path("kiosk.conf"), view, &fault))
+	if (live_open(&live, own_folder_path("kiosk.conf"), view, &fault))
 		fail_msg("%s", fault.text);
 	return live;
 }
@@ -116,7 +118,7 @@ static void test_light(void **state)
 		light.f32[i] = 0.5F;
 		light.f32[3 + i] = 7;
 	}
-	assert_int_equal(image_write(own_path("l.pfm"), &light, &fault), 0);
+	assert_int_equal(image_write(own_folder_path("l.pfm"), &light, &fault), 0);
 	image_free(&light);
 	write_config("[camera one]\ndriver=sim\nformat=RGBF\nsim.source=files\nsim.file=l.pfm\n"
 		     "sim.clock=frames\n[background]\ncamera=one\ntransfer=linear\n");
@@ -126,7 +128,7 @@ static void test_light(void **state)
 	assert_int_equal(picture.u8[3], 255);
 	live_close(live);
 	image_free(&picture);
-	unlink(own_path("l.pfm"));
+	unlink(own_folder_path("l.pfm"));
 	clean();
 }
 
@@ -224,14 +226,16 @@ static void test_trouble(void **state)
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		write_config(cases[i].text);
-		assert_int_equal(live_open(&live, own_path("kiosk.conf"), LIVE_BACKGROUND, &fault),
-				 cases[i].err);
+		assert_int_equal(
+			live_open(&live, own_folder_path("kiosk.conf"), LIVE_BACKGROUND, &fault),
+			cases[i].err);
 		assert_null(live);
 		if (!strstr(fault.text, cases[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", fault.text, cases[i].says);
 	}
 	clean();
-	assert_int_equal(live_open(&live, own_path("none.conf"), LIVE_BACKGROUND, &fault), -ENOENT);
+	assert_int_equal(live_open(&live, own_folder_path("none.conf"), LIVE_BACKGROUND, &fault),
+			 -ENOENT);
 	live_close(NULL);
 	/* One that falls silent, one that goes. */
 	write_config("[camera one]\ndriver=sim\nwidth=64\nheight=48\nsim.stall_after=1\n"

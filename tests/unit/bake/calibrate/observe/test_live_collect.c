@@ -9,6 +9,10 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include "bake/calibrate/observe/live_collect.h"
 #include "tests/support/drawn_board.h"
@@ -26,7 +30,7 @@ static const char *numbered(int i)
 	char name[16];
 
 	snprintf(name, sizeof(name), "b%03d.png", i);
-	return own_path(name);
+	return own_folder_path(name);
 }
 
 /* The board seen from an eye, and its middle in the picture's unless target is elsewhere. */
@@ -79,7 +83,7 @@ static void write_config(const char *screen)
 {
 	FILE *file;
 
-	snprintf(config, sizeof(config), "%s", own_path("kiosk.conf"));
+	snprintf(config, sizeof(config), "%s", own_folder_path("kiosk.conf"));
 	file = fopen(config, "w");
 	assert_non_null(file);
 	fprintf(file,
@@ -152,7 +156,7 @@ static void test_collect(void **state)
 		image_free(&pictures[i]);
 	}
 	free(pictures);
-	assert_int_equal(image_read(own_path("now.png"), &shown, &fault), 0);
+	assert_int_equal(image_read(own_folder_path("now.png"), &shown, &fault), 0);
 	assert_int_equal(shown.width, 320);
 	assert_int_equal(shown.height, 240);
 	check_marks(&shown, &all);
@@ -170,7 +174,7 @@ static void test_collect(void **state)
 	assert_non_null(strstr(fault.text, "there is no driver \"nothing\""));
 	for (int i = 0; i < drawn; i++)
 		unlink(numbered(i));
-	unlink(own_path("now.png"));
+	unlink(own_folder_path("now.png"));
 	unlink(config);
 }
 

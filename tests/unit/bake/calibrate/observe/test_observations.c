@@ -8,6 +8,8 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <unistd.h>
 
 #include "bake/calibrate/observe/observations.h"
 #include "tests/support/own_folder.h"
@@ -16,7 +18,7 @@ static const struct points_convention ours = {.pixel_centre = 0.5};
 
 static void write_points(const char *text, size_t bytes)
 {
-	FILE *file = fopen(own_path("points.dat"), "w");
+	FILE *file = fopen(own_folder_path("points.dat"), "w");
 
 	assert_non_null(file);
 	assert_int_equal(fwrite(text, 1, bytes, file), bytes);
@@ -29,8 +31,8 @@ static int read_points(struct observations *all, const char *text,
 	int err;
 
 	write_points(text, strlen(text));
-	err = observations_read(all, own_path("points.dat"), convention, fault);
-	unlink(own_path("points.dat"));
+	err = observations_read(all, own_folder_path("points.dat"), convention, fault);
+	unlink(own_folder_path("points.dat"));
 	return err;
 }
 
@@ -172,10 +174,12 @@ static void test_wrong_files(void **state)
 		assert_int_equal(all.count, 2);
 	}
 	write_points("1 2 3 4 5\0 6\n", 13);
-	assert_int_equal(observations_read(&all, own_path("points.dat"), &ours, &fault), -EINVAL);
-	unlink(own_path("points.dat"));
-	assert_int_equal(observations_read(&all, own_path("none.dat"), &ours, &fault), -ENOENT);
-	assert_int_equal(observations_read(&all, own_folder, &ours, &fault), -EISDIR);
+	assert_int_equal(observations_read(&all, own_folder_path("points.dat"), &ours, &fault),
+			 -EINVAL);
+	unlink(own_folder_path("points.dat"));
+	assert_int_equal(observations_read(&all, own_folder_path("none.dat"), &ours, &fault),
+			 -ENOENT);
+	assert_int_equal(observations_read(&all, own_folder(), &ours, &fault), -EISDIR);
 	observations_free(&all);
 }
 

@@ -10,10 +10,13 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "bake/calibrate/estimate/json.h"
 #include "bake/calibrate/report/report.h"
@@ -145,7 +148,7 @@ static void write_report(const char *folder, const struct finding *f,
 {
 	struct fault fault = {.text = ""};
 
-	if (calibration_report_write(own_path(folder), f, pictures, &fault))
+	if (calibration_report_write(own_folder_path(folder), f, pictures, &fault))
 		fail_msg("%s", fault.text);
 }
 
@@ -156,7 +159,7 @@ static char *contents(const char *folder, const char *name)
 	size_t bytes = 0;
 	FILE *file;
 
-	snprintf(path, sizeof(path), "%s/%s", own_path(folder), name);
+	snprintf(path, sizeof(path), "%s/%s", own_folder_path(folder), name);
 	file = fopen(path, "r");
 	if (!file)
 		fail_msg("%s is not there", path);
@@ -176,7 +179,7 @@ static void assert_holds(const char *folder, const char *name, const char *words
 
 static int files(const char *folder, const char *begin)
 {
-	DIR *dir = opendir(own_path(folder));
+	DIR *dir = opendir(own_folder_path(folder));
 	const struct dirent *entry;
 	int count = 0;
 
@@ -193,7 +196,7 @@ static struct image shown(const char *folder, const char *name)
 	char path[2 * PATH_MAX];
 	struct image image;
 
-	snprintf(path, sizeof(path), "%s/%s", own_path(folder), name);
+	snprintf(path, sizeof(path), "%s/%s", own_folder_path(folder), name);
 	if (image_read(path, &image, &fault))
 		fail_msg("%s", fault.text);
 	return image;
@@ -222,7 +225,7 @@ static int brightness(const struct image *image, int x, int y)
 
 static void take_away(const char *folder)
 {
-	DIR *dir = opendir(own_path(folder));
+	DIR *dir = opendir(own_folder_path(folder));
 	const struct dirent *entry;
 
 	assert_non_null(dir);
@@ -230,7 +233,7 @@ static void take_away(const char *folder)
 		if (entry->d_name[0] != '.')
 			assert_int_equal(unlinkat(dirfd(dir), entry->d_name, 0), 0);
 	closedir(dir);
-	assert_int_equal(rmdir(own_path(folder)), 0);
+	assert_int_equal(rmdir(own_folder_path(folder)), 0);
 }
 
 /* ---- the tests ---- */
@@ -391,15 +394,17 @@ static void test_refused(void **state)
 	make_finding(&f, &seen, 0.1);
 	assert_int_equal(image_create_u8(&picture, 64, 48), 0);
 	pictures[0] = &picture;
-	assert_int_equal(calibration_report_write(own_path("none"), &f, pictures, &fault), -EINVAL);
+	assert_int_equal(calibration_report_write(own_folder_path("none"), &f, pictures, &fault),
+			 -EINVAL);
 	assert_string_equal(fault.text, "board<0>&.png: a picture of 64 x 48, expected 8 bits and "
 					"640 x 480");
-	assert_int_equal(access(own_path("none"), F_OK), -1);
-	assert_int_equal(mkdir(own_path("full"), 0755), 0);
-	file = fopen(own_path("full/letter.txt"), "w");
+	assert_int_equal(access(own_folder_path("none"), F_OK), -1);
+	assert_int_equal(mkdir(own_folder_path("full"), 0755), 0);
+	file = fopen(own_folder_path("full/letter.txt"), "w");
 	assert_non_null(file);
 	fclose(file);
-	assert_int_equal(calibration_report_write(own_path("full"), &f, NULL, &fault), -EEXIST);
+	assert_int_equal(calibration_report_write(own_folder_path("full"), &f, NULL, &fault),
+			 -EEXIST);
 	take_away("full");
 	image_free(&picture);
 	finding_free(&f);

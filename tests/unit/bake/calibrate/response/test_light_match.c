@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 
 #include <errno.h>
 #include <stdio.h>
@@ -17,7 +18,8 @@
 #include "bake/calibrate/response/light_delay.h"
 #include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_gain.h"
-#include "tests/support/light_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/patch_chart.h"
 
 static void doubted(const struct verdict *verdict, const char *words)
 {
@@ -41,7 +43,7 @@ static struct image dark(double level, double noise, struct chance *chance)
 
 	assert_int_equal(image_create_u8(&picture, 160, 128), 0);
 	for (int k = 0; k < 160 * 128 * 3; k++)
-		picture.u8[k] = (uint8_t)fmax(lrint(level + noise * light_noise(chance)), 0);
+		picture.u8[k] = (uint8_t)fmax(lrint(level + noise * chart_noise(chance)), 0);
 	return picture;
 }
 
@@ -268,7 +270,7 @@ static void gain_is_found_with_its_deviation(void **state)
 		struct light_gain found;
 
 		for (int i = 0; i < pairs; i++)
-			pair[i] = pair_of(1.7, 0.03 * light_noise(&chance), &chance);
+			pair[i] = pair_of(1.7, 0.03 * chart_noise(&chance), &chance);
 		assert_int_equal(light_gain_find(&found, pair, pairs, NULL), 0);
 		within[0] += fabs(found.gain - 1.7) <= found.deviation;
 		within[1] += fabs(found.gain - 1.7) <= 2.365 * found.deviation; /* Student's, 7 */
@@ -288,7 +290,7 @@ static void gain_is_doubted(void **state)
 
 	(void)state;
 	for (int i = 0; i < 6; i++)
-		pair[i] = pair_of(0.8, 0.002 * light_noise(&chance), &chance);
+		pair[i] = pair_of(0.8, 0.002 * chart_noise(&chance), &chance);
 	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
 	trusted(&found.verdict);
 	assert_true(fabs(found.gain - 0.8) < 0.01);
@@ -361,7 +363,7 @@ static void fill_patches(struct light_colour_pair *pairs, int count, double satu
 		}
 		for (int r = 0; r < 3; r++)
 			pairs[k].background[r] = fmax(
-				pairs[k].background[r] + mean * noise * light_noise(chance), 0);
+				pairs[k].background[r] + mean * noise * chart_noise(chance), 0);
 	}
 }
 
@@ -456,7 +458,7 @@ static struct light_record record_of(int delay, int changes, double ramp, double
 		for (int c = 0; c < changes; c++)
 			past += t >= record.change_ms[c] + delay * period;
 		level += (past % 2 ? 140 - level : 60 - level) * ramp;
-		light_record_frame(&record, t, level + noise * light_noise(chance));
+		light_record_frame(&record, t, level + noise * chart_noise(chance));
 	}
 	return record;
 }

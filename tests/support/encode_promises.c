@@ -1,24 +1,44 @@
 /* SPDX-License-Identifier: MIT */
-/* For tests of the encoder: what is promised of blocks, held against them decoded in double
- * precision. */
-#ifndef INLAY_TESTS_SUPPORT_HOLDING_H
-#define INLAY_TESTS_SUPPORT_HOLDING_H
+#include "tests/support/encode_promises.h"
 
-#include "tests/support/encoding.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
 
-static inline double holding_difference(const struct encoding *e, const struct encoding_part *part)
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* RMS and largest difference, in levels. */
+struct promise_seen {
+	double rms, most;
+};
+
+/* A light has one column, or two where strong light alone needs the second. */
+#define PROMISE_COLUMNS_MAX 2
+
+/* Place of a column, and its largest possible value per unit of X. */
+struct promise_column {
+	int block;
+	uint32_t number;
+	double reach;
+};
+
+double encode_promises_difference(const struct encode_rig *e, const struct encode_rig_part *part)
 {
 	const size_t n = (size_t)e->settings.lights;
 	double most = 0;
 
 	for (size_t k = 0; k < (size_t)part->samples.pixels * 3 * n; k++)
 		most = fmax(most, fabs(part->is[k] - part->decoded[k]) /
-					  encoding_unit(e, part->samples.kind, (int)(k % n)));
+					  encode_rig_unit(e, part->samples.kind, (int)(k % n)));
 	return most;
 }
 
-/* White ground of the brightest channel under a lighting; [3][lights]. */
-static inline double holding_white(const struct encoding *e, const double *radiance)
+/* Radiance of white ground under a lighting, radiance[3][lights], in the brightest channel. */
+static double promise_white(const struct encode_rig *e, const double *radiance)
 {
 	double white = 0;
 
@@ -33,9 +53,12 @@ static inline double holding_white(const struct encoding *e, const double *radia
 	return white;
 }
 
-/* Sums of a part's rows under a lighting: of kind V shares of the ground's light. */
-static inline double holding_lit(const struct encoding *e, const struct encoding_part *part,
-				 const double *values, int row, const double *radiance)
+/*
+ * sum over i of t_i L_i for one row of values[row][lights]. Kind V:
+ *	sum over i of v_i u_i L_i / sum over i of u_i L_i
+ */
+static double promise_lit(const struct encode_rig *e, const struct encode_rig_part *part,
+			  const double *values, int row, const double *radiance)
 {
 	const int n = e->settings.lights, c = row % 3;
 	double sum = 0, all = 0;
@@ -50,24 +73,21 @@ static inline double holding_lit(const struct encoding *e, const struct encoding
 	return part->samples.kind == BASIS_KIND_V ? sum / all : sum;
 }
 
-struct holding_seen {
-	double rms, most;
-};
-
-/* The difference in levels, exposed as ensemble.h says; kind T over black, V over its ground. */
-static inline struct holding_seen holding_seen_under(const struct encoding *e,
-						     const struct encoding_part *part,
-						     const double *radiance)
+/* Difference of truth and decoded values in levels, exposed as ensemble.h says: kind T over black,
+ * kind V over its ground. */
+static struct promise_seen promise_seen_under(const struct encode_rig *e,
+					      const struct encode_rig_part *part,
+					      const double *radiance)
 {
 	const int rows = part->samples.pixels * 3;
-	double white = holding_white(e, radiance), square = 0;
-	struct holding_seen seen = {0, 0};
+	double white = promise_white(e, radiance), square = 0;
+	struct promise_seen seen = {0, 0};
 
 	for (int r = 0; r < rows && part->samples.kind == BASIS_KIND_T; r++)
-		white = fmax(white, holding_lit(e, part, part->is, r, radiance));
+		white = fmax(white, promise_lit(e, part, part->is, r, radiance));
 	for (int r = 0; r < rows; r++) {
-		double is = holding_lit(e, part, part->is, r, radiance);
-		double got = holding_lit(e, part, part->decoded, r, radiance), by;
+		double is = promise_lit(e, part, part->is, r, radiance);
+		double got = promise_lit(e, part, part->decoded, r, radiance), by;
 
 		if (part->samples.kind == BASIS_KIND_V) {
 			double ground = 0;
@@ -78,7 +98,7 @@ static inline struct holding_seen holding_seen_under(const struct encoding *e,
 			is = (1 - is) * ground;
 			got = (1 - got) * ground;
 		}
-		by = fabs(encoding_level(is / white) - encoding_level(got / white));
+		by = fabs(encode_rig_level(is / white) - encode_rig_level(got / white));
 		square += by * by;
 		seen.most = fmax(seen.most, by);
 	}
@@ -86,21 +106,21 @@ static inline struct holding_seen holding_seen_under(const struct encoding *e,
 	return seen;
 }
 
-/* ---- what is held ---- */
+/* ---- promises ---- */
 
-static inline void holding_cells(const struct encoding *e, const struct encoding_part *part,
-				 double limit)
+static void promise_cells(const struct encode_rig *e, const struct encode_rig_part *part,
+			  double limit)
 {
 	const int n = e->settings.lights;
 	double *radiance = calloc(3 * (size_t)n, sizeof(*radiance));
 
 	assert_non_null(radiance);
 	for (int i = 0; i < n; i++) {
-		struct holding_seen seen;
+		struct promise_seen seen;
 
 		for (int c = 0; c < 3; c++)
 			radiance[c * n + i] = 1;
-		seen = holding_seen_under(e, part, radiance);
+		seen = promise_seen_under(e, part, radiance);
 		if (seen.most > limit)
 			fail_msg("cell %d of %d alone: %g levels, expected at most %g", i, n,
 				 seen.most, limit);
@@ -110,9 +130,9 @@ static inline void holding_cells(const struct encoding *e, const struct encoding
 	free(radiance);
 }
 
-/* Lightings that are not of the ensemble: a lamp, a sun or soft light in a direction of chance. */
-static inline void holding_unseen_light(const struct encoding *e, struct chance *chance,
-					double *radiance)
+/* A lighting from outside the ensemble: a lamp, a sun or soft light in a random direction. */
+static void promise_unseen_light(const struct encode_rig *e, struct chance *chance,
+				 double *radiance)
 {
 	const int n = e->settings.lights, which = chance_int(chance, 0, 2);
 	double to[3], tone[3];
@@ -121,7 +141,7 @@ static inline void holding_unseen_light(const struct encoding *e, struct chance 
 	for (int c = 0; c < 3; c++)
 		tone[c] = chance_real(chance, 0.2, 1);
 	for (int i = 0; i < n; i++) {
-		const double near = encoding_dot(e->light[i].direction, to);
+		const double near = encode_rig_dot(e->light[i].direction, to);
 
 		for (int c = 0; c < 3; c++)
 			radiance[c * n + i] = which == 0 ? 0.05 + tone[c] * pow(fmax(near, 0), 40)
@@ -131,36 +151,36 @@ static inline void holding_unseen_light(const struct encoding *e, struct chance 
 	}
 }
 
-static inline void holding_unseen(const struct encoding *e, const struct encoding_part *part,
-				  int times, struct chance *chance)
+static void promise_unseen(const struct encode_rig *e, const struct encode_rig_part *part,
+			   int times, struct chance *chance)
 {
 	double *radiance = calloc(3 * (size_t)e->settings.lights, sizeof(*radiance));
 
 	assert_non_null(radiance);
 	for (int k = 0; k < times; k++) {
-		struct holding_seen seen;
+		struct promise_seen seen;
 
-		holding_unseen_light(e, chance, radiance);
-		seen = holding_seen_under(e, part, radiance);
-		/* Hardly more than what was tried, or than its brightest cell alone. */
+		promise_unseen_light(e, chance, radiance);
+		seen = promise_seen_under(e, part, radiance);
+		/* The encoder has not tried this light: its largest error may be half as large again. */
 		if (seen.rms > e->settings.target.cell || seen.most > 1.5 * e->settings.target.max)
 			fail_msg("unseen light %d: RMS %g, most %g levels", k, seen.rms, seen.most);
 	}
 	free(radiance);
 }
 
-static inline void holding_skies(const struct encoding *e, const struct encoding_part *part)
+static void promise_skies(const struct encode_rig *e, const struct encode_rig_part *part)
 {
 	const size_t n = (size_t)e->settings.lights;
 	double *radiance = calloc(3 * n, sizeof(*radiance));
 
 	assert_non_null(radiance);
 	for (int s = 0; s < e->ensemble.skies; s++) {
-		struct holding_seen seen;
+		struct promise_seen seen;
 
 		for (size_t k = 0; k < 3 * n; k++)
 			radiance[k] = (double)e->ensemble.radiance[(size_t)s * 3 * n + k];
-		seen = holding_seen_under(e, part, radiance);
+		seen = promise_seen_under(e, part, radiance);
 		if (seen.rms > e->settings.target.rms || seen.most > e->settings.target.max)
 			fail_msg("sky %d, kind %d, %d pixels, %d lights: RMS %g, most %g levels", s,
 				 (int)part->samples.kind, part->samples.pixels, (int)n, seen.rms,
@@ -169,12 +189,12 @@ static inline void holding_skies(const struct encoding *e, const struct encoding
 	free(radiance);
 }
 
-static inline void holding_format(const struct encoding *e, const struct encode_result *result)
+void encode_promises_format(const struct encode_rig *e, const struct encode_result *result)
 {
 	for (int k = 0; k < result->shown_count; k++) {
 		const struct basis_block_entry *b = &result->shown[k].entry;
-		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
-								    e->settings.coarse);
+		const struct encode_rig_arrays a = encode_rig_arrays_of(&result->shown[k],
+									e->settings.coarse);
 
 		assert_true(b->tile == 5 && b->pixels && b->patterns + b->columns > 0);
 		assert_true(!k || result->shown[k - 1].entry.kind <= b->kind);
@@ -190,7 +210,7 @@ static inline void holding_format(const struct encoding *e, const struct encode_
 					    BASIS_VALUE_MAX);
 			for (int p = 0; p < (b->pixels + 63) / 64 * 64 && b->bits == 8; p++)
 				for (size_t c = 0; c < b->channels; c++)
-					assert_true(abs(encoding_byte(b, &a, (size_t)p, c, n)) <=
+					assert_true(abs(encode_rig_byte(b, &a, (size_t)p, c, n)) <=
 						    127 * (p < b->pixels));
 		}
 		for (int j = 0; j < b->patterns; j++) {
@@ -207,8 +227,8 @@ static inline void holding_format(const struct encoding *e, const struct encode_
 	}
 }
 
-/* The group of a light, and its part of it, as basis_format.h has them. */
-static inline int holding_group(const struct encoding *e, int light)
+/* Group of a light, and the light's weight in the group's mean, as basis_format.h defines them. */
+static int promise_group(const struct encode_rig *e, int light)
 {
 	const struct basis_coarse *to = &e->gather[light];
 	int most = 0;
@@ -218,7 +238,7 @@ static inline int holding_group(const struct encoding *e, int light)
 	return to->index[most];
 }
 
-static inline double holding_weight(const struct encoding *e, enum basis_kind kind, int light)
+static double promise_weight(const struct encode_rig *e, enum basis_kind kind, int light)
 {
 	const int n = e->settings.lights;
 
@@ -227,78 +247,76 @@ static inline double holding_weight(const struct encoding *e, enum basis_kind ki
 		       : e->light[light].solid_angle_sr;
 }
 
-/* Whether a block has columns of groups in common with the one before it, as basis_format.h has it.
- */
-static inline bool holding_follows(const struct encoding *e, const struct encode_result *result,
-				   int k)
+/* Whether block k shares its columns of groups with the block before it, as basis_format.h defines. */
+static bool promise_follows(const struct encode_rig *e, const struct encode_result *result, int k)
 {
 	const struct basis_block_payload *now = &result->shown[k], *before = now - (k > 0);
 	const struct basis_block_entry *b = &now->entry, *a = &before->entry;
 
 	return k && a->kind == b->kind && a->ground == b->ground && a->channels == b->channels &&
 	       a->pixels == b->pixels &&
-	       memcmp(encoding_arrays_of(before, e->settings.coarse).pixel,
-		      encoding_arrays_of(now, e->settings.coarse).pixel,
+	       memcmp(encode_rig_arrays_of(before, e->settings.coarse).pixel,
+		      encode_rig_arrays_of(now, e->settings.coarse).pixel,
 		      b->pixels * sizeof(uint16_t)) == 0;
 }
 
-/* What the columns of a group's lights come to, by their shares, in blocks first to last: to_sum
- * [pixels][channels]. Returns how many there are. */
-static inline int holding_members(const struct encoding *e, const struct encode_result *result,
-				  int first, int last, int group, double *to_sum)
+/* Adds to to_sum[pixels][channels] the weighted mean of the columns of a group's lights, in blocks
+ * first to last. Returns the number of these columns. */
+static int promise_members(const struct encode_rig *e, const struct encode_result *result,
+			   int first, int last, int group, double *to_sum)
 {
 	double all = 0;
 	int members = 0;
 
 	for (int i = 0; i < e->settings.lights; i++)
-		if (holding_group(e, i) == group)
-			all += holding_weight(e, result->shown[first].entry.kind, i);
+		if (promise_group(e, i) == group)
+			all += promise_weight(e, result->shown[first].entry.kind, i);
 	for (int k = first; k <= last; k++) {
 		const struct basis_block_entry *b = &result->shown[k].entry;
-		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
-								    e->settings.coarse);
+		const struct encode_rig_arrays a = encode_rig_arrays_of(&result->shown[k],
+									e->settings.coarse);
 
 		for (uint32_t n = 0; n < b->columns; n++) {
 			if (a.light[n] >= e->settings.lights ||
-			    holding_group(e, a.light[n]) != group)
+			    promise_group(e, a.light[n]) != group)
 				continue;
 			members++;
 			for (int r = 0; r < b->pixels * b->channels; r++)
-				to_sum[r] += holding_weight(e, b->kind, a.light[n]) / all *
-					     encoding_column(b, &a, r / b->channels,
-							     r % b->channels, n);
+				to_sum[r] += promise_weight(e, b->kind, a.light[n]) / all *
+					     encode_rig_column(b, &a, r / b->channels,
+							       r % b->channels, n);
 		}
 	}
 	return members;
 }
 
-/* A group's column is what its lights' columns come to, to half of its scale. Returns what those of
- * a group are rounded by at most, tinted. */
-static inline double holding_groups(const struct encoding *e, const struct encode_result *result)
+/* Checks that a group's column is the weighted mean of its lights' columns, to half of its scale.
+ * Returns the largest rounding of any group, summed over its blocks; tinted blocks count twice. */
+static double promise_groups(const struct encode_rig *e, const struct encode_result *result)
 {
 	double *rounded = calloc((size_t)e->settings.coarse, sizeof(*rounded)), most = 0;
 
 	assert_non_null(rounded);
 	for (int k = 0, first = 0; k < result->shown_count; k++) {
 		const struct basis_block_entry *b = &result->shown[k].entry;
-		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
-								    e->settings.coarse);
+		const struct encode_rig_arrays a = encode_rig_arrays_of(&result->shown[k],
+									e->settings.coarse);
 		int last = k;
 
-		first = holding_follows(e, result, k) ? first : k;
-		while (last + 1 < result->shown_count && holding_follows(e, result, last + 1))
+		first = promise_follows(e, result, k) ? first : k;
+		while (last + 1 < result->shown_count && promise_follows(e, result, last + 1))
 			last++;
 		for (uint32_t n = 0; n < b->columns; n++) {
 			const int group = a.light[n] - e->settings.lights;
-			double is[3 * PIXELS_MOST] = {0};
+			double is[3 * ENCODE_RIG_PIXELS_MAX] = {0};
 
 			if (group < 0)
 				continue;
-			assert_true(holding_members(e, result, first, last, group, is) >= 2);
+			assert_true(promise_members(e, result, first, last, group, is) >= 2);
 			for (int r = 0; r < b->pixels * b->channels; r++) {
-				is[r] -= encoding_column(b, &a, r / b->channels, r % b->channels,
-							 n);
-				/* and of 16 bits what it is summed up by in single precision */
+				is[r] -= encode_rig_column(b, &a, r / b->channels, r % b->channels,
+							   n);
+				/* 0.01: the encoder sums 16-bit columns in single precision */
 				if (fabs(is[r]) > 0.51 * (double)a.column_scale[n] + 1e-9)
 					fail_msg("group %d is off by %g of its scale", group,
 						 is[r] / (double)a.column_scale[n]);
@@ -311,23 +329,15 @@ static inline double holding_groups(const struct encoding *e, const struct encod
 	return most;
 }
 
-/* Where a light has a column, and how far that reaches, per unit of X. */
-#define HOLDING_COLUMNS_MAX 2
-struct holding_column {
-	int block;
-	uint32_t number;
-	double reach;
-};
-
-/* The farthest first. */
-static inline int holding_columns(const struct encoding *e, const struct encode_result *result,
-				  int light, struct holding_column *column)
+/* Finds a light's columns, that with the largest reach first. Returns their number. */
+static int promise_columns(const struct encode_rig *e, const struct encode_result *result,
+			   int light, struct promise_column *column)
 {
 	int count = 0;
 
 	for (int k = 0; k < result->shown_count; k++) {
-		const struct encoding_arrays a = encoding_arrays_of(&result->shown[k],
-								    e->settings.coarse);
+		const struct encode_rig_arrays a = encode_rig_arrays_of(&result->shown[k],
+									e->settings.coarse);
 
 		for (uint32_t n = 0; n < result->shown[k].entry.columns; n++)
 			if (a.light[n] == light) {
@@ -335,12 +345,12 @@ static inline int holding_columns(const struct encoding *e, const struct encode_
 						     (result->shown[k].entry.bits == 8 ? 127
 										       : 32767);
 
-				assert_true(count < HOLDING_COLUMNS_MAX);
-				column[count++] = (struct holding_column){k, n, reach};
+				assert_true(count < PROMISE_COLUMNS_MAX);
+				column[count++] = (struct promise_column){k, n, reach};
 			}
 	}
 	if (count == 2 && column[0].reach < column[1].reach) {
-		const struct holding_column first = column[1];
+		const struct promise_column first = column[1];
 
 		column[1] = column[0];
 		column[0] = first;
@@ -348,33 +358,34 @@ static inline int holding_columns(const struct encoding *e, const struct encode_
 	return count;
 }
 
-/* A column's values of a light are taken away from what blocks say of it. */
-static inline void holding_take_column(const struct encoding *e, struct encoding_part *part,
-				       const struct encode_result *result, int light,
-				       const struct holding_column *column)
+/* Subtracts a column from the light's decoded values. */
+static void promise_take_column(const struct encode_rig *e, struct encode_rig_part *part,
+				const struct encode_result *result, int light,
+				const struct promise_column *column)
 {
-	const double unit = encoding_unit(e, part->samples.kind, light);
+	const double unit = encode_rig_unit(e, part->samples.kind, light);
 	const size_t n = (size_t)e->settings.lights;
 	const struct basis_block_entry *b = &result->shown[column->block].entry;
-	const struct encoding_arrays a = encoding_arrays_of(&result->shown[column->block],
-							    e->settings.coarse);
+	const struct encode_rig_arrays a = encode_rig_arrays_of(&result->shown[column->block],
+								e->settings.coarse);
 
 	for (int q = 0, own = 0; q < b->pixels; q++) {
 		while (part->pixel[own] != a.pixel[q])
 			own++;
 		for (int c = 0; c < 3; c++)
 			part->decoded[((size_t)own * 3 + (size_t)c) * n + (size_t)light] -=
-				encoding_column(b, &a, q, b->channels == 3 ? c : 0,
-						column->number) *
+				encode_rig_column(b, &a, q, b->channels == 3 ? c : 0,
+						  column->number) *
 				(b->tinted ? a.tint[c * b->pixels + q] / (double)BASIS_TINT_ONE
 					   : 1) *
 				unit;
 	}
 }
 
-/* A cell of an object alone, so dim that a frame just leaves out a column that reaches so far. */
-static inline void holding_faded(const struct encoding *e, const struct encoding_part *part,
-				 int light, double reach)
+/* The largest error under one cell alone, so dim that a frame just leaves out a column of this
+ * reach. */
+static void promise_faded(const struct encode_rig *e, const struct encode_rig_part *part, int light,
+			  double reach)
 {
 	const int n = e->settings.lights, rows = part->samples.pixels * 3;
 	double white = ensemble_projected_sr(&e->light[light]) / M_PI, radiance, worst = 0;
@@ -387,52 +398,49 @@ static inline void holding_faded(const struct encoding *e, const struct encoding
 	for (int r = 0; r < rows; r++) {
 		const size_t at = (size_t)r * (size_t)n + (size_t)light;
 
-		worst = fmax(worst, fabs(encoding_level(radiance * part->is[at]) -
-					 encoding_level(radiance * part->decoded[at])));
+		worst = fmax(worst, fabs(encode_rig_level(radiance * part->is[at]) -
+					 encode_rig_level(radiance * part->decoded[at])));
 	}
 	if (worst > e->settings.target.cell)
 		fail_msg("cell %d of %d, faded until a column is left out: %g levels", light, n,
 			 worst);
 }
 
-/* Each cell's columns, that which reaches least first: of two, that is the one that strong light
- * alone needs. Changes what was decoded. */
-static inline void holding_fading(const struct encoding *e, struct encoding_part *part,
-				  const struct encode_result *result)
+/* Subtracts each cell's columns from part->decoded and checks the cell after each. The column of
+ * smallest reach goes first: of two columns, it is the one that strong light alone needs. */
+static void promise_fading(const struct encode_rig *e, struct encode_rig_part *part,
+			   const struct encode_result *result)
 {
 	for (int i = 0; i < e->settings.lights; i++) {
-		struct holding_column column[HOLDING_COLUMNS_MAX];
+		struct promise_column column[PROMISE_COLUMNS_MAX];
 
-		for (int k = holding_columns(e, result, i, column) - 1; k >= 0; k--) {
-			holding_take_column(e, part, result, i, &column[k]);
+		for (int k = promise_columns(e, result, i, column) - 1; k >= 0; k--) {
+			promise_take_column(e, part, result, i, &column[k]);
 			if (column[k].reach > 0)
-				holding_faded(e, part, i, column[k].reach);
+				promise_faded(e, part, i, column[k].reach);
 		}
 	}
 }
 
-/* One part by itself: all that is promised of it. */
-static inline struct encode_result holding_all(struct encoding *e, struct encoding_part *part,
-					       struct chance *chance)
+struct encode_result encode_promises_hold(struct encode_rig *e, struct encode_rig_part *part,
+					  struct chance *chance)
 {
-	const struct encode_result result = encoding_run(e, &part, 1, false);
+	const struct encode_result result = encode_rig_run(e, &part, 1, false);
 	const double bound = part->samples.kind == BASIS_KIND_T ? result.object_error
 								: result.ratio_error;
-	const double rounded = e->gather ? holding_groups(e, &result) : 0;
-	const double is = holding_difference(e, part) + rounded;
+	const double rounded = e->gather ? promise_groups(e, &result) : 0;
+	const double is = encode_promises_difference(e, part) + rounded;
 
-	holding_format(e, &result);
+	encode_promises_format(e, &result);
 	if (is > bound || is < 0.99 * bound - 1e-5)
 		fail_msg("largest difference %g, declared %g", is, bound);
-	holding_cells(e, part, e->settings.target.cell);
-	holding_skies(e, part);
+	promise_cells(e, part, e->settings.target.cell);
+	promise_skies(e, part);
 	if (chance)
-		holding_unseen(e, part, 40, chance);
+		promise_unseen(e, part, 40, chance);
 	assert_true(ensemble_sky_rms(&result.error) <= e->settings.target.rms);
 	assert_true(result.error.cell_max <= e->settings.target.cell);
 	if (part->samples.kind == BASIS_KIND_T)
-		holding_fading(e, part, &result);
+		promise_fading(e, part, &result);
 	return result;
 }
-
-#endif

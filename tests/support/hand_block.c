@@ -1,26 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A block of a basis file from values set down by hand: every light's column, in 16 bits.
- *
- * Header only, because each test is one program of one file.
- */
-#ifndef INLAY_TESTS_SUPPORT_HAND_BASIS_H
-#define INLAY_TESTS_SUPPORT_HAND_BASIS_H
+#include "tests/support/hand_block.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
-#include "hal/basis/basis_writer.h"
 
-/* An object's pixels: value[pixels][3][lights] is what each gives off per unit of a light's
- * radiance. light is the file's. The payload is to be freed. */
-static inline struct basis_block_payload hand_object(uint32_t tile, int pixels,
-						     const uint16_t *pixel, int lights,
-						     const struct basis_light *light,
-						     const float *value)
+struct basis_block_payload hand_block_of_object(uint32_t tile, int pixels, const uint16_t *pixel,
+						int lights, const struct basis_light *light,
+						const float *value)
 {
 	struct basis_block_entry entry = {.tile = tile,
 					  .kind = BASIS_KIND_T,
@@ -56,5 +45,3 @@ static inline struct basis_block_payload hand_object(uint32_t tile, int pixels,
 	}
 	return (struct basis_block_payload){entry, payload};
 }
-
-#endif
