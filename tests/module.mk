@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
+# Support and tests are compiled with all of these, and linked with cmocka and their room's libraries.
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
+cmocka_PACKAGES := cmocka
 SUPPORT_SOURCES := \
 	tests/support/baked_rows.c \
 	tests/support/chance.c \
@@ -133,6 +135,8 @@ UNIT_TESTS := \
 THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c tests/unit/bake/calibrate/response/test_light_response.c tests/accuracy/test_moving_lamp.c
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
+# Sets each driver's keys, and the array of drivers is the app's.
+$(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/drivers/test_kms_mode.c \
 	tests/unit/drivers/test_kms_card.c)
 # Their V4L2 device is played: see support/played_v4l2.h.
