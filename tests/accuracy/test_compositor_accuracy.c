@@ -19,6 +19,7 @@
 
 #include "hal/compositor/compositor.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/synthetic_basis.h"
 
 #define LEVELS_MOST 1.0
@@ -422,7 +423,7 @@ static void darkness_comes_without_a_jump(void **state)
 		}
 	}
 	for (size_t i = 0; i < values; i++) /* at last the background itself */
-		assert_int_equal(bytes_before[i], b.background[i / 3 * 4 + 2 - i % 3]);
+		expect_equal(bytes_before[i], b.background[i / 3 * 4 + 2 - i % 3], "i=%zu", i);
 	printf("# light falling by 6 %% a step: largest change %.2f levels, integer %d\n", jump,
 	       byte_jump);
 	assert_true(jump < 5 && byte_jump <= jump + 1);
@@ -529,7 +530,7 @@ static void duplicate_and_constant_lines(void **state)
 		d = measure_with(&b, &odd);
 		b.file.basis = whole;
 		b.all.max = fmax(b.all.max, d.max);
-		assert_true(d.max <= LEVELS_MOST);
+		expect_at_most(d.max, LEVELS_MOST, "p=%d", p);
 	}
 	printf("# degenerate lines: max %.4f levels\n", b.all.max);
 	basis_close(&odd);
@@ -569,7 +570,7 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 		}
 		d = measure_with(&b, &b.file.basis);
 		/* Every one of the columns of T and V might be left out, to the same side. */
-		assert_true(d.max <= LEVELS_MOST + 255 * cut * (k % 2 ? 2 : 2 * 120));
+		expect_at_most(d.max, LEVELS_MOST + 255 * cut * (k % 2 ? 2 : 2 * 120), "k=%d", k);
 		if (k % 2)
 			most = fmax(most, d.max);
 	}
@@ -616,7 +617,7 @@ static void a_flicker_does_not_crawl(void **state)
 		for (int c = 0; c < 3; c++)
 			b.radiance[light][c] = (float)transfer_decode(TRANSFER_SRGB,
 								      (level + 1) / 255.0);
-		assert_true(change(&b, before) <= 1);
+		expect_at_most(change(&b, before), 1, "k=%d", k);
 	}
 	free(before);
 	bench_close(&b);
@@ -652,10 +653,11 @@ static void slow_fades_show_no_steps(void **state)
 	for (int k = 0; k < 300; k++) {
 		for (int i = 0; i < o.lights * 3; i++)
 			b.radiance[i / 3][i % 3] *= 0.995F;
-		assert_true(change(&b, before) <= 1);
+		expect_at_most(change(&b, before), 1, "k=%d", k);
 		for (size_t i = 0; i < bytes; i++)
-			assert_true(b.out[i] <= before[i] ||
-				    fabs(exact_of(&b, i) - before[i] - 0.5) < BORDER);
+			expect_that(b.out[i] <= before[i] ||
+					    fabs(exact_of(&b, i) - before[i] - 0.5) < BORDER,
+				    "k=%d, i=%zu", k, i);
 	}
 	free(before);
 	bench_close(&b);
@@ -695,7 +697,7 @@ static void the_threshold_crosses_its_own_light(void **state)
 			b.radiance[9][c] = (float)(k % 2 ? below : at * 1.0001);
 		off = change(&b, before);
 		most[banded] = k > 0 && off > most[banded] ? off : most[banded];
-		assert_int_equal(b.lights.used[9], k % 2 == 0 || banded);
+		expect_equal(b.lights.used[9], k % 2 == 0 || banded, "n=%d", n);
 		measure(&b, "threshold");
 	}
 	printf("# a light that crosses its threshold by a level: change %d with a band, %d "
@@ -756,7 +758,7 @@ static void a_wrong_compositor_is_noticed(void **state)
 		scale = (float *)(copy + ((const uint8_t *)block->pattern_scale - copy));
 		for (int j = 0; j < block->patterns; j++)
 			scale[j] *= 1.05F;
-		assert_true(measure_with(&b, &wrong).max > LEVELS_MOST);
+		expect_above(measure_with(&b, &wrong).max, LEVELS_MOST, "kind=%d", kind);
 		memcpy(copy, b.file.basis.map, b.file.basis.map_bytes);
 	}
 	basis_close(&wrong);

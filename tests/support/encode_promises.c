@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/support/encode_promises.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -196,33 +198,40 @@ void encode_promises_format(const struct encode_rig *e, const struct encode_resu
 		const struct encode_rig_arrays a = encode_rig_arrays_of(&result->shown[k],
 									e->settings.coarse);
 
-		assert_true(b->tile == 5 && b->pixels && b->patterns + b->columns > 0);
-		assert_true(!k || result->shown[k - 1].entry.kind <= b->kind);
-		assert_true(b->columns || b->bits == 16);
+		expect_that(b->tile == 5 && b->pixels && b->patterns + b->columns > 0, "k=%d", k);
+		expect_that(!k || result->shown[k - 1].entry.kind <= b->kind, "k=%d", k);
+		expect_that(b->columns || b->bits == 16, "k=%d", k);
 		for (int p = 1; p < b->pixels; p++)
-			assert_true(a.pixel[p] > a.pixel[p - 1]);
+			expect_above(a.pixel[p], a.pixel[p - 1], "k=%d, p=%d", k, p);
 		for (uint32_t n = 0; n < b->columns; n++) {
-			assert_true(a.light[n] <
-				    e->settings.lights + (e->gather ? e->settings.coarse : 0));
-			assert_true(!n || a.light[n] > a.light[n - 1]);
-			assert_true(a.column_scale[n] >= 0 &&
-				    (double)a.column_scale[n] * (b->bits == 8 ? 127 : 32767) <=
-					    BASIS_VALUE_MAX);
+			expect_below(a.light[n],
+				     e->settings.lights + (e->gather ? e->settings.coarse : 0),
+				     "k=%d, n=%u", k, n);
+			expect_that(!n || a.light[n] > a.light[n - 1], "k=%d, n=%u", k, n);
+			expect_that(a.column_scale[n] >= 0 &&
+					    (double)a.column_scale[n] *
+							    (b->bits == 8 ? 127 : 32767) <=
+						    BASIS_VALUE_MAX,
+				    "k=%d, n=%u", k, n);
 			for (int p = 0; p < (b->pixels + 63) / 64 * 64 && b->bits == 8; p++)
 				for (size_t c = 0; c < b->channels; c++)
-					assert_true(abs(encode_rig_byte(b, &a, (size_t)p, c, n)) <=
-						    127 * (p < b->pixels));
+					expect_at_most(abs(encode_rig_byte(b, &a, (size_t)p, c, n)),
+						       127 * (p < b->pixels),
+						       "k=%d, n=%u, p=%d, c=%zu", k, n, p, c);
 		}
 		for (int j = 0; j < b->patterns; j++) {
 			double sum = 0;
 
 			for (int i = 0; i < a.stride; i++) {
-				assert_true(a.pattern[j * a.stride + i] != -32768);
-				assert_true(i < e->settings.coarse ||
-					    a.pattern[j * a.stride + i] == 0);
+				expect_that(a.pattern[j * a.stride + i] != -32768,
+					    "k=%d, j=%d, i=%d", k, j, i);
+				expect_that(i < e->settings.coarse ||
+						    a.pattern[j * a.stride + i] == 0,
+					    "k=%d, j=%d, i=%d", k, j, i);
 				sum += abs(a.pattern[j * a.stride + i]);
 			}
-			assert_true((double)a.pattern_scale[j] * 32767 * sum <= BASIS_VALUE_MAX);
+			expect_at_most((double)a.pattern_scale[j] * 32767 * sum, BASIS_VALUE_MAX,
+				       "k=%d, j=%d", k, j);
 		}
 	}
 }
@@ -312,7 +321,8 @@ static double promise_groups(const struct encode_rig *e, const struct encode_res
 
 			if (group < 0)
 				continue;
-			assert_true(promise_members(e, result, first, last, group, is) >= 2);
+			expect_at_least(promise_members(e, result, first, last, group, is), 2,
+					"k=%d, n=%u", k, n);
 			for (int r = 0; r < b->pixels * b->channels; r++) {
 				is[r] -= encode_rig_column(b, &a, r / b->channels, r % b->channels,
 							   n);
@@ -345,7 +355,7 @@ static int promise_columns(const struct encode_rig *e, const struct encode_resul
 						     (result->shown[k].entry.bits == 8 ? 127
 										       : 32767);
 
-				assert_true(count < PROMISE_COLUMNS_MAX);
+				expect_below(count, PROMISE_COLUMNS_MAX, "k=%d, n=%u", k, n);
 				column[count++] = (struct promise_column){k, n, reach};
 			}
 	}

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/support/encode_rig.h"
+#include "tests/support/expect.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -271,7 +272,7 @@ static void encode_rig_decode(const struct encode_rig *e, struct encode_rig_part
 
 		while (part->pixel[own] != a.pixel[q])
 			own++;
-		assert_true(own < part->samples.pixels);
+		expect_below(own, part->samples.pixels, "q=%d", q);
 		for (int c = 0; c < 3; c++) {
 			const int row = b->channels == 3 ? c : 0;
 			const double tint =

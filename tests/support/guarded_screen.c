@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/support/guarded_screen.h"
+#include "tests/support/expect.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -49,7 +50,7 @@ void guarded_screen_free(struct guarded_screen *s)
 		const uint8_t *end = guarded_screen_pixel(s, s->buffer.width, y);
 
 		for (int i = 0; i < GUARD_PADDING; i++)
-			assert_int_equal(end[i], GUARD_CANARY);
+			expect_equal(end[i], GUARD_CANARY, "y=%d, i=%d", y, i);
 	}
 	munmap(s->map, s->bytes);
 }

@@ -44,3 +44,10 @@ void random_frame_end(struct random_frame *f)
 	free(f->background);
 	free(f->out);
 }
+
+void random_frame_run(struct random_frame *f, int pose)
+{
+	assert_int_equal(
+		compositor_run(f->compositor, pose, &f->lights, &f->backdrop, f->out, f->stride),
+		0);
+}

@@ -21,4 +21,7 @@ void random_frame_begin(struct random_frame *f, const struct basis *basis, struc
 			struct chance *chance);
 void random_frame_end(struct random_frame *f);
 
+/* Composites the frame into f->out and fails the test where that fails. */
+void random_frame_run(struct random_frame *f, int pose);
+
 #endif

@@ -12,6 +12,7 @@
 #include "app/view/layout.h"
 #include "app/view/marks.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define UNTOUCHED 77
 
@@ -28,12 +29,12 @@ static void quarters_tile_the_screen(void **state)
 			struct box box = layout_quarter(&screen, q);
 
 			area += box.width * box.height;
-			assert_int_equal(box.x, q % 2 ? screen.width / 2 : 0);
-			assert_int_equal(box.y, q / 2 ? screen.height / 2 : 0);
-			assert_true(box.x + box.width <= screen.width);
-			assert_true(box.y + box.height <= screen.height);
+			expect_equal(box.x, q % 2 ? screen.width / 2 : 0, "s=%zu, q=%d", s, q);
+			expect_equal(box.y, q / 2 ? screen.height / 2 : 0, "s=%zu, q=%d", s, q);
+			expect_at_most(box.x + box.width, screen.width, "s=%zu, q=%d", s, q);
+			expect_at_most(box.y + box.height, screen.height, "s=%zu, q=%d", s, q);
 		}
-		assert_int_equal(area, screen.width * screen.height);
+		expect_equal(area, screen.width * screen.height, "s=%zu", s);
 	}
 }
 
@@ -120,11 +121,17 @@ static void each_pixel_of_a_cell_is_written(void **state)
 				bool in_box = in_cell && x >= box.x && x < box.x + box.width &&
 					      y >= box.y && y < box.y + box.height;
 
-				assert_int_equal(p[2], !in_cell ? UNTOUCHED : in_box ? 1 : 0);
+				expect_equal(p[2],
+					     !in_cell ? UNTOUCHED
+					     : in_box ? 1
+						      : 0,
+					     "run=%d, y=%d, x=%d", run, y, x);
 				if (in_box && box.width == canvas.width &&
 				    box.height == canvas.height) {
-					assert_int_equal(p[0], x - box.x);
-					assert_int_equal(p[1], y - box.y);
+					expect_equal(p[0], x - box.x, "run=%d, y=%d, x=%d", run, y,
+						     x);
+					expect_equal(p[1], y - box.y, "run=%d, y=%d, x=%d", run, y,
+						     x);
 				}
 			}
 		}
@@ -151,13 +158,13 @@ static void a_line_is_always_seen(void **state)
 		int left = box.x > cell.x ? box.x : cell.x;
 		int width = box.width < cell.width ? box.width : cell.width;
 
-		assert_true(line.from >= left);
-		assert_true(line.to <= left + width);
-		assert_true(line.to - line.from >= (width < 3 ? width : 3));
+		expect_at_least(line.from, left, "run=%d", run);
+		expect_at_most(line.to, left + width, "run=%d", run);
+		expect_at_least(line.to - line.from, (width < 3 ? width : 3), "run=%d", run);
 		if (split == 0)
-			assert_int_equal(line.from, left);
+			expect_equal(line.from, left, "run=%d", run);
 		if (split == 1)
-			assert_int_equal(line.to, left + width);
+			expect_equal(line.to, left + width, "run=%d", run);
 	}
 }
 
@@ -201,7 +208,8 @@ static void two_halves_are_the_whole(void **state)
 				       y < box.y + box.height;
 
 			for (int x = line.from; in_rows && x < line.to; x++) {
-				assert_int_equal(halves[y][x][2], UNTOUCHED);
+				expect_equal(halves[y][x][2], UNTOUCHED, "run=%d, y=%d, x=%d", run,
+					     y, x);
 				memcpy(halves[y][x], all[y][x], 4);
 			}
 		}
@@ -265,7 +273,8 @@ static void marks_lie_on_the_lights(void **state)
 
 		if (theta > 1.5) /* on the horizon half a mark lies outside */
 			continue;
-		assert_true(is_colour(&canvas, (int)x, (int)y, used[i] ? used_bgr : unused_bgr));
+		expect_that(is_colour(&canvas, (int)x, (int)y, used[i] ? used_bgr : unused_bgr),
+			    "i=%d", i);
 	}
 	canvas_free(&canvas);
 	dome_free(&dome);
@@ -289,7 +298,7 @@ static void marks_are_squares_of_their_size(void **state)
 		int coloured = 0, side = mark_side_px(sides[s], sides[s]);
 
 		assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-		assert_int_equal(dome.count, 6);
+		expect_equal(dome.count, 6, "s=%zu", s);
 		dome.count = 1; /* the zenith alone: in the middle */
 		assert_int_equal(canvas_create(&canvas, sides[s], sides[s]), 0);
 		memset(canvas.pixels, UNTOUCHED, canvas.stride * (size_t)sides[s]);
@@ -298,7 +307,7 @@ static void marks_are_squares_of_their_size(void **state)
 			for (int x = 0; x < canvas.width; x++)
 				coloured += is_colour(&canvas, x, y, used_bgr);
 		}
-		assert_int_equal(coloured, side * side);
+		expect_equal(coloured, side * side, "s=%zu", s);
 		canvas_free(&canvas);
 		dome.count = 6;
 		dome_free(&dome);

@@ -15,6 +15,7 @@
 #include "app/view/utf8.h"
 #include "app/view/words.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/guarded_screen.h"
 
 #if WITH_CAIRO
@@ -132,11 +133,13 @@ static void keeps_to_its_edges(void **state)
 		assert_int_equal(text_pixels(&d, height / 3, height - height / 3), 0);
 		for (int y = height - height / 3; y < height; y++) {
 			for (int x = 1; x < width; x++)
-				assert_int_equal(is_text(&d, x, y), is_text(&d, 0, y));
+				expect_equal(is_text(&d, x, y), is_text(&d, 0, y),
+					     "run=%d, y=%d, x=%d", run, y, x);
 		}
 		if (width >= 160 && height >= 120) {
-			assert_true(is_text(&d, 0, height - 1));
-			assert_int_equal(is_text(&d, width / 2, 0), overlay.trouble_count > 0);
+			expect_that(is_text(&d, 0, height - 1), "run=%d", run);
+			expect_equal(is_text(&d, width / 2, 0), overlay.trouble_count > 0, "run=%d",
+				     run);
 		}
 		done(&d);
 		overlay_free(&overlay);
@@ -231,11 +234,11 @@ static void figures_do_not_make_it_jump(void **state)
 			d = draw(&overlay, width, height);
 			while (y < height && !is_text(&d, 0, y))
 				y++;
-			assert_true(y < height);
+			expect_below(y, height, "s=%d, i=%d", s, i);
 			if (i == 0)
 				top = y;
-			assert_true(y >= top);
-			assert_true(i < 2 || y == top);
+			expect_at_least(y, top, "s=%d, i=%d", s, i);
+			expect_that(i < 2 || y == top, "s=%d, i=%d", s, i);
 			top = y;
 			done(&d);
 		}
@@ -272,7 +275,7 @@ static void lines_end_where_they_may(void **state)
 		overlay_information(&overlay, at);
 		lines_drawn = 0;
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
-		assert_true(lines_drawn > 1);
+		expect_above(lines_drawn, 1, "i=%d", i);
 		for (int line = 0; line < lines_drawn; line++) {
 			at = behind(at, line_letters[line]);
 			if (line == lines_drawn - 1)
@@ -301,7 +304,7 @@ static void what_is_left_out_is_counted(void **state)
 	assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	assert_true(lines_drawn > 2 && lines_drawn < 6);
 	for (int line = 0; line < lines_drawn - 1; line++)
-		assert_int_equal(line_letters[line], 16);
+		expect_equal(line_letters[line], 16, "line=%d", line);
 	assert_int_equal(line_letters[lines_drawn - 1], strlen("and 2 more"));
 	guarded_screen_free(&screen);
 	overlay_free(&overlay);
@@ -347,10 +350,10 @@ static void can_be_read(void **state)
 			}
 			rows += seen;
 		}
-		assert_true((bright + 0.05) / (dark + 0.05) >= 7);
+		expect_at_least((bright + 0.05) / (dark + 0.05), 7, "s=%d", s);
 		/* A capital is 0.73 of the size: of a thirtieth of the height, or of 14 pixels. */
-		assert_true(rows >= fmax(height / 30.0, 14) * 0.73 - 1.5);
-		assert_true(bright_pixels > rows * 4);
+		expect_at_least(rows, fmax(height / 30.0, 14) * 0.73 - 1.5, "s=%d", s);
+		expect_above(bright_pixels, rows * 4, "s=%d", s);
 		done(&d);
 		overlay_free(&overlay);
 	}
@@ -380,7 +383,7 @@ static void any_bytes(void **state)
 				 chance_int(&chance, 0, 9) % (OVERLAY_TROUBLES_MAX + 1));
 		overlay_information(&overlay, texts[0]);
 		for (const char *at = overlay.information; *at; at += utf8_bytes(at))
-			assert_true(utf8_bytes(at) > 0);
+			expect_above(utf8_bytes(at), 0, "run=%d", run);
 		d = draw(&overlay, sizes[run % 3][0], sizes[run % 3][1]);
 		assert_int_equal(text_pixels(&d, sizes[run % 3][1] / 3,
 					     sizes[run % 3][1] - sizes[run % 3][1] / 3),
@@ -453,7 +456,8 @@ static void without_cairo(void **state)
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	for (int y = 0; y < 48; y++) {
 		for (int x = 0; x < 64; x++)
-			assert_int_equal(*guarded_screen_pixel(&screen, x, y), 0x11);
+			expect_equal(*guarded_screen_pixel(&screen, x, y), 0x11, "y=%d, x=%d", y,
+				     x);
 	}
 	guarded_screen_free(&screen);
 	overlay_free(&overlay);

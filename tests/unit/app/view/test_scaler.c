@@ -12,6 +12,7 @@
 #include "app/view/scaler.h"
 #include "hal/frame/frame.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 static struct canvas noise(struct chance *chance, int width, int height)
 {
@@ -100,7 +101,8 @@ static void is_the_filter_it_says(void **state)
 					int is = to.pixels[(size_t)y * to.stride + 4 * (size_t)x +
 							   (size_t)c];
 
-					assert_true(fabs(is - exact) < 1.5);
+					expect_below(fabs(is - exact), 1.5,
+						     "run=%d, y=%d, x=%d, c=%d", run, y, x, c);
 				}
 			}
 		}
@@ -149,8 +151,8 @@ static void flat_stays_flat(void **state)
 			scale(&picture, &to, NULL);
 			for (int y = 0; y < to.height; y++) {
 				for (int x = 0; x < 4 * to.width; x++)
-					assert_int_equal(
-						to.pixels[(size_t)y * to.stride + (size_t)x], 201);
+					expect_equal(to.pixels[(size_t)y * to.stride + (size_t)x],
+						     201, "a=%zu, b=%zu, y=%d, x=%d", a, b, y, x);
 			}
 			canvas_free(&from);
 			canvas_free(&to);
@@ -207,8 +209,8 @@ static void columns_are_those_of_the_whole(void **state)
 			int end = 1 + right - left;
 
 			assert_memory_equal(out[y][1], row + 4 * left, 4 * (size_t)(right - left));
-			assert_int_equal(out[y][0][3], 77);
-			assert_int_equal(out[y][end][0], 77);
+			expect_equal(out[y][0][3], 77, "run=%d, y=%d", run, y);
+			expect_equal(out[y][end][0], 77, "run=%d, y=%d", run, y);
 		}
 		scaler_free(&scaler);
 		canvas_free(&from);
@@ -232,7 +234,7 @@ static void writes_no_further(void **state)
 	for (int y = 0; y < 40; y++) {
 		for (int x = 0; x < 200; x++) {
 			if (y < 5 || y >= 35 || x < 8 || x >= 8 + 120)
-				assert_int_equal(out[y * 200 + x], 77);
+				expect_equal(out[y * 200 + x], 77, "y=%d, x=%d", y, x);
 		}
 	}
 	scaler_free(&scaler);

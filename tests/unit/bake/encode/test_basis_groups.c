@@ -13,6 +13,7 @@
 #include "bake/encode/coarse.h"
 #include "hal/basis/basis_groups.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define FINE 8
 #define COARSE 3
@@ -84,13 +85,14 @@ static void all_lights_are_in_groups(void **state)
 				most = to->weight[j] > most ? to->weight[j] : most;
 				of_k = to->weight[j] && to->index[j] == k ? to->weight[j] : of_k;
 			}
-			assert_int_equal(of_k, most);
-			assert_int_equal(g->of[g->light[n]], k);
-			assert_true(n == g->first[k] || g->light[n] > g->light[n - 1]);
+			expect_equal(of_k, most, "k=%d, n=%u", k, n);
+			expect_equal(g->of[g->light[n]], k, "k=%d, n=%u", k, n);
+			expect_that(n == g->first[k] || g->light[n] > g->light[n - 1], "k=%d, n=%u",
+				    k, n);
 			sum += d->share[g->light[n]];
 		}
 		if (g->first[k] < g->first[k + 1])
-			assert_true(fabs(sum - 1) < 1e-12);
+			expect_below(fabs(sum - 1), 1e-12, "k=%d", k);
 	}
 	assert_int_equal(met, d->fine.count);
 }
@@ -132,13 +134,14 @@ static void a_lamp_is_not_common(void **state)
 			basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, any,
 					 even);
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(even[c] - (c + 1)) < 1e-9);
+				expect_below(fabs(even[c] - (c + 1)), 1e-9, "k=%d, lamps=%d, c=%d",
+					     k, lamps, c);
 		}
 		for (int n = 0; n < size; n++)
 			for (int c = 0; c < 3; c++)
 				d->x[light[n]][c] = n ? 0 : 1;
 		basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, any, even);
-		assert_true(even[0] == (size > 1 ? 0 : 1));
+		expect_equal(even[0], (size > 1 ? 0 : 1), "k=%d", k);
 	}
 }
 
@@ -164,7 +167,8 @@ static void even_light_is_bounded(void **state)
 			}
 		basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, most, even);
 		for (int c = 0; c < 3; c++)
-			assert_true(even[c] >= 0 && even[c] <= all[c] && even[c] <= most[c]);
+			expect_that(even[c] >= 0 && even[c] <= all[c] && even[c] <= most[c],
+				    "run=%d, c=%d", run, c);
 	}
 }
 
@@ -177,7 +181,7 @@ static void groups_without_weight(void **state)
 	memset(d->weight, 0, (size_t)d->fine.count * sizeof(*d->weight));
 	basis_groups_share(&d->groups, d->weight, d->share);
 	for (int i = 0; i < d->fine.count; i++) {
-		assert_true(d->share[i] == 0);
+		expect_equal(d->share[i], 0, "i=%d", i);
 		d->x[i][0] = d->x[i][1] = d->x[i][2] = 0;
 	}
 	basis_group_even(&d->groups, 0, d->share, (const double(*)[4])d->x, any, even);

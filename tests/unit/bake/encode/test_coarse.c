@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "tests/support/encode_rig.h"
+#include "tests/support/expect.h"
 
 static void over_coarse(void **state)
 {
@@ -29,21 +30,25 @@ static void over_coarse(void **state)
 				int sum = 0;
 
 				for (int k = 0; k < 3; k++) {
-					assert_true(g->index[k] < e.settings.coarse);
-					assert_true(!k || !g->weight[k] ||
-						    (g->weight[k - 1] &&
-						     g->index[k] > g->index[k - 1]));
-					assert_true(g->weight[k] || !g->index[k]);
+					expect_below(g->index[k], e.settings.coarse,
+						     "a=%zu, b=%zu, i=%d, k=%d", a, b, i, k);
+					expect_that(!k || !g->weight[k] ||
+							    (g->weight[k - 1] &&
+							     g->index[k] > g->index[k - 1]),
+						    "a=%zu, b=%zu, i=%d, k=%d", a, b, i, k);
+					expect_that(g->weight[k] || !g->index[k],
+						    "a=%zu, b=%zu, i=%d, k=%d", a, b, i, k);
 					sum += g->weight[k];
 					for (int x = 0; x < 3; x++)
 						mean[x] += g->weight[k] *
 							   few.light[g->index[k]].direction[x];
 				}
-				assert_int_equal(sum, BASIS_COARSE_ONE);
+				expect_equal(sum, BASIS_COARSE_ONE, "a=%zu, b=%zu, i=%d", a, b, i);
 				/* Inside the triangles: the mean lies in the light's direction. */
 				if (e.light[i].direction[2] > 1.0 / coarse[b])
-					assert_true(encode_rig_dot(mean, e.light[i].direction) >
-						    (1 - 1e-7) * sqrt(encode_rig_dot(mean, mean)));
+					expect_above(encode_rig_dot(mean, e.light[i].direction),
+						     (1 - 1e-7) * sqrt(encode_rig_dot(mean, mean)),
+						     "a=%zu, b=%zu, i=%d", a, b, i);
 			}
 			encode_rig_end(&e);
 			encode_rig_end(&few);

@@ -10,6 +10,7 @@
 
 #include "tests/support/chance.h"
 #include "tests/support/encode_promises.h"
+#include "tests/support/expect.h"
 
 static void over_scenes(void **state)
 {
@@ -57,7 +58,7 @@ static void over_targets(void **state)
 		result = encode_promises_hold(&e, part, NULL);
 		for (int k = 0; k < result.shown_count; k++)
 			bytes += result.shown[k].entry.bytes;
-		assert_true(bytes <= before);
+		expect_at_most(bytes, before, "cell=%g", cell);
 		before = bytes;
 		encode_rig_part_free(part);
 		encode_rig_end(&e);
@@ -87,8 +88,8 @@ static void together(void **state)
 	assert_true(both.error.cell_max <= e.settings.target.cell);
 	assert_true(both.error.sky_max <= e.settings.target.max);
 	for (int k = 0; k < 2; k++)
-		assert_true(encode_promises_difference(&e, part[k]) <=
-			    (k ? both.ratio_error : both.object_error));
+		expect_at_most(encode_promises_difference(&e, part[k]),
+			       (k ? both.ratio_error : both.object_error), "k=%d", k);
 	for (int k = 0; k < 2; k++)
 		encode_rig_part_free(part[k]);
 	encode_rig_end(&e);
@@ -113,15 +114,16 @@ static void over_pairs(void **state)
 		}
 		result = encode_rig_run(&e, part, 2, false);
 		encode_promises_format(&e, &result);
-		assert_true(result.shown_count >= 2);
-		assert_true(ensemble_sky_rms(&result.error) <= e.settings.target.rms);
-		assert_true(result.error.cell_max <= e.settings.target.cell);
-		assert_true(result.error.sky_max <= e.settings.target.max);
+		expect_at_least(result.shown_count, 2, "k=%d", k);
+		expect_at_most(ensemble_sky_rms(&result.error), e.settings.target.rms, "k=%d", k);
+		expect_at_most(result.error.cell_max, e.settings.target.cell, "k=%d", k);
+		expect_at_most(result.error.sky_max, e.settings.target.max, "k=%d", k);
 		for (int r = 0; r < 360; r++)
 			for (int i = 0; i < n; i++) {
 				/* Nothing but what rounding makes: 1 is white. */
-				assert_true(part[1]->decoded[r * n + i] >=
-					    -2e-3 * e.light[i].solid_angle_sr);
+				expect_at_least(part[1]->decoded[r * n + i],
+						-2e-3 * e.light[i].solid_angle_sr,
+						"k=%d, r=%d, i=%d", k, r, i);
 			}
 		for (int q = 0; q < 2; q++)
 			encode_rig_part_free(part[q]);
@@ -146,19 +148,21 @@ static void exact(void **state)
 		encode_rig_start(&e);
 		encode_rig_fill(&e, part);
 		result = encode_rig_run(&e, &part, 1, true);
-		assert_int_equal(result.exact_count, 1);
-		assert_int_equal(result.exact->entry.columns, n);
-		assert_int_equal(result.exact->entry.bits, 16);
-		assert_int_equal(result.exact->entry.patterns, 0);
-		assert_int_equal(result.exact->entry.channels, kind == BASIS_KIND_T ? 3 : 1);
+		expect_equal(result.exact_count, 1, "kind=%d", kind);
+		expect_equal(result.exact->entry.columns, n, "kind=%d", kind);
+		expect_equal(result.exact->entry.bits, 16, "kind=%d", kind);
+		expect_equal(result.exact->entry.patterns, 0, "kind=%d", kind);
+		expect_equal(result.exact->entry.channels, kind == BASIS_KIND_T ? 3 : 1, "kind=%d",
+			     kind);
 		for (int i = 0; i < n; i++) {
 			double most = 0;
 
 			for (int r = 0; r < 97 * 3; r++)
 				most = fmax(most, fabs(part->is[r * n + i]));
 			for (int r = 0; r < 97 * 3; r++)
-				assert_true(fabs(part->is[r * n + i] - part->decoded[r * n + i]) <=
-					    most * (0.5 / 32767 + 1e-6));
+				expect_at_most(fabs(part->is[r * n + i] - part->decoded[r * n + i]),
+					       most * (0.5 / 32767 + 1e-6), "kind=%d, i=%d, r=%d",
+					       kind, i, r);
 		}
 		encode_rig_part_free(part);
 		encode_rig_end(&e);

@@ -18,6 +18,7 @@
 #include "bake/exchange/export_blender.h"
 #include "bake/exchange/export_radiance.h"
 #include "bake/scene/scene.h"
+#include "tests/support/expect.h"
 #include "tests/support/small_scene.h"
 
 #define WIDTH 24
@@ -168,8 +169,8 @@ static void test_meshes(void **state)
 		if (mesh_read(&mesh, small_scene_path(k ? "mesh/standins.obj" : "mesh/objects.obj"),
 			      &as_it_is, &fault))
 			fail_msg("%s", fault.text);
-		assert_int_equal(mesh.part_count, 1);
-		assert_int_equal(mesh.parts[0].triangles, own->triangles);
+		expect_equal(mesh.part_count, 1, "k=%d", k);
+		expect_equal(mesh.parts[0].triangles, own->triangles, "k=%d", k);
 		for (int v = 0; v < own->vertices; v++) {
 			low[0] = fminf(low[0], own->position[v][2]);
 			high[0] = fmaxf(high[0], own->position[v][0]);
@@ -199,7 +200,7 @@ static void test_angles(void **state)
 		fail_msg("%s", fault.text);
 	assert_int_equal(dome.count, 6);
 	for (int k = 0; k < dome.count; k++)
-		assert_int_equal(light[k], k);
+		expect_equal(light[k], k, "k=%d", k);
 	free(light);
 	dome_free(&dome);
 	scene_close(scene);
@@ -238,8 +239,8 @@ static void test_tents(void **state)
 		char name[64];
 
 		snprintf(name, sizeof(name), "tents/light%03d.rad", i);
-		assert_true(fabs(suns_sr(small_scene_path(name)) / dome.solid_angle_sr[i] - 1) <
-			    0.02);
+		expect_below(fabs(suns_sr(small_scene_path(name)) / dome.solid_angle_sr[i] - 1),
+			     0.02, "i=%d", i);
 	}
 	if (angles_read(small_scene_path("tents/angles.txt"), &found, &light, &fault))
 		fail_msg("%s", fault.text);

@@ -14,6 +14,7 @@
 
 #include "bake/base/random.h"
 #include "bake/exchange/msi.h"
+#include "tests/support/expect.h"
 #include "tests/support/small_scene.h"
 
 #define WIDTH 40
@@ -83,7 +84,7 @@ static void check_same(const struct msi *msi)
 		const uint8_t *row, *read = msi->data + msi->start[p];
 		const enum thesis_role role = thesis_pixel(own.thesis, p % WIDTH, p / WIDTH, &row);
 
-		assert_int_equal(*read, role);
+		expect_equal(*read, role, "p=%d", p);
 		if (role)
 			assert_memory_equal(read + 1, row,
 					    3 * (size_t)role * (size_t)own.dome.count);
@@ -99,11 +100,11 @@ static void test_variants(void **state)
 	for (size_t k = 0; k < 4; k++) {
 		write_msi("a.msi", &variants[k]);
 		assert_int_equal(msi_open(&msi, small_scene_path("a.msi"), &fault), 0);
-		assert_int_equal(msi.variant.big_endian, variants[k].big_endian);
-		assert_int_equal(msi.variant.long_bytes, variants[k].long_bytes);
-		assert_int_equal(msi.width, WIDTH);
-		assert_int_equal(msi.height, HEIGHT);
-		assert_int_equal(msi.lights, own.dome.count);
+		expect_equal(msi.variant.big_endian, variants[k].big_endian, "k=%zu", k);
+		expect_equal(msi.variant.long_bytes, variants[k].long_bytes, "k=%zu", k);
+		expect_equal(msi.width, WIDTH, "k=%zu", k);
+		expect_equal(msi.height, HEIGHT, "k=%zu", k);
+		expect_equal(msi.lights, own.dome.count, "k=%zu", k);
 		check_same(&msi);
 		msi_close(&msi);
 		msi_close(&msi);
@@ -211,7 +212,7 @@ static void test_loop(void **state)
 		const int most = loop_difference(other, &basis, kind);
 
 		print_message("light %d: at most %d levels\n", kind, most);
-		assert_true(most <= 1);
+		expect_at_most(most, 1, "kind=%d", kind);
 	}
 	thesis_destroy(other);
 	basis_close(&basis);

@@ -16,6 +16,7 @@
 #include "hal/base/clock.h"
 #include "hal/measure/lightings.h"
 #include "hal/measure/turns.h"
+#include "tests/support/expect.h"
 
 /* ---- turns ---- */
 
@@ -80,11 +81,11 @@ static void ways_take_turns(void **state)
 	assert_int_equal(turns_time(&turns, ms), 0);
 	assert_false(log.disordered);
 	for (int k = 0; k < WAYS; k++) {
-		assert_true(log.ran[k] >= 2 * REPEAT); /* some of them untimed */
-		assert_int_equal(log.prepared[k], log.ran[k]);
+		expect_at_least(log.ran[k], 2 * REPEAT, "k=%d", k); /* some of them untimed */
+		expect_equal(log.prepared[k], log.ran[k], "k=%d", k);
 	}
 	for (int k = 0; k < WAYS * REPEAT; k++)
-		assert_true(ms[k] >= 0);
+		expect_at_least(ms[k], 0, "k=%d", k);
 	/* alone, and asleep: the clock goes on, the processor does other things */
 	assert_true(turns.timed_ns >= REPEAT * 2 * NS_PER_MS);
 	assert_true(turns.ran_ns < turns.timed_ns);
@@ -135,7 +136,7 @@ static void as_many_lights_change_as_asked(void **state)
 			lighting_change(radiance, lights, asked[a], 12345);
 			for (int i = 0; i < lights; i++)
 				changed += radiance[i][0] > (i % 2 ? 0.5F : 0);
-			assert_int_equal(changed, asked[a]);
+			expect_equal(changed, asked[a], "n=%zu, a=%zu", n, a);
 		}
 		free(radiance);
 	}

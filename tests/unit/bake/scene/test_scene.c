@@ -14,6 +14,7 @@
 
 #include "bake/scene/scene.h"
 #include "tests/support/baked_rows.h"
+#include "tests/support/expect.h"
 #include "tests/support/small_scene.h"
 
 #define VIEW "[camera]\nposition = 0 -5 2\nlook_at = 0 0 0\nwidth = 16\nheight = 16\n"
@@ -295,7 +296,8 @@ static void expect_triangle(const char *file)
 		const float *p = mesh.parts[0].position[mesh.parts[0].index[0][k]];
 
 		for (int axis = 0; axis < 3; axis++)
-			assert_true(fabsf(p[axis] - corner[k][axis]) < 1e-6f);
+			expect_below(fabsf(p[axis] - corner[k][axis]), 1e-6f, "k=%d, axis=%d", k,
+				     axis);
 	}
 	mesh_free(&mesh);
 }
@@ -427,8 +429,9 @@ static void expect_fold(const char *file, double crease_deg, bool smooth)
 			const float y = fold && smooth ? half : lying ? 0 : 1;
 			const float z = fold && smooth ? half : lying ? 1 : 0;
 
-			assert_true(fabsf(n.x) < 1e-5f && fabsf(n.y - y) < 1e-5f &&
-				    fabsf(n.z - z) < 1e-5f);
+			expect_that(fabsf(n.x) < 1e-5f && fabsf(n.y - y) < 1e-5f &&
+					    fabsf(n.z - z) < 1e-5f,
+				    "t=%d, k=%d", t, k);
 			met += fold;
 		}
 	assert_int_equal(met, 6);
@@ -494,8 +497,9 @@ static void test_smooth_ball(void **state)
 			const struct v3 n = mesh.parts[0].normal[v];
 
 			/* those without area, at the poles, have none */
-			assert_true(v3_dot(n, n) == 0 ||
-				    v3_dot(n, v3_unit(v3_make(p[0], p[1], p[2]))) > 0.999f);
+			expect_that(v3_dot(n, n) == 0 ||
+					    v3_dot(n, v3_unit(v3_make(p[0], p[1], p[2]))) > 0.999f,
+				    "t=%d, k=%d", t, k);
 		}
 	mesh_free(&mesh);
 }
@@ -523,9 +527,9 @@ static void test_plain_grey(void **state)
 		assert_int_equal(mesh_read(&mesh, small_scene_path(files[k]), &placement, &fault),
 				 0);
 		m = &mesh.materials[mesh.parts[0].material];
-		assert_int_equal(m->kind, MATERIAL_DIFFUSE);
+		expect_equal(m->kind, MATERIAL_DIFFUSE, "k=%zu", k);
 		for (int c = 0; c < 3; c++)
-			assert_true(fabsf(m->colour.c[c] - 0.8f) < 1e-6f);
+			expect_below(fabsf(m->colour.c[c] - 0.8f), 1e-6f, "k=%zu, c=%d", k, c);
 		mesh_free(&mesh);
 	}
 }
@@ -593,7 +597,7 @@ static void test_texture_upright(void **state)
 							  NULL);
 
 			/* upright in half a sky: one half */
-			assert_true(fabs(value - 0.5 * expect[k][c]) < 0.06);
+			expect_below(fabs(value - 0.5 * expect[k][c]), 0.06, "k=%d, c=%d", k, c);
 		}
 	basis_close(&basis);
 }
@@ -631,10 +635,12 @@ static void test_gltf_materials(void **state)
 			fail_msg("%s", fault.text);
 		red = material_at(&mesh.materials[mesh.parts[0].material], 0.25f, 0.75f);
 		/* half of the checker's green and blue are 1 */
-		assert_true(fabsf(red.alpha - (means ? 0.25f : 1)) < 1e-5f);
-		assert_true(fabsf(red.colour.c[0] - (means ? 0.5f : 0)) < 1e-5f);
-		assert_true(fabsf(red.specular.c[0] - (means ? 0.52f : 1)) < 1e-5f);
-		assert_true(fabsf(red.specular.c[1] - (means ? 0.02f : 0)) < 1e-5f);
+		expect_below(fabsf(red.alpha - (means ? 0.25f : 1)), 1e-5f, "means=%d", means);
+		expect_below(fabsf(red.colour.c[0] - (means ? 0.5f : 0)), 1e-5f, "means=%d", means);
+		expect_below(fabsf(red.specular.c[0] - (means ? 0.52f : 1)), 1e-5f, "means=%d",
+			     means);
+		expect_below(fabsf(red.specular.c[1] - (means ? 0.02f : 0)), 1e-5f, "means=%d",
+			     means);
 		mesh_free(&mesh);
 	}
 }
@@ -676,7 +682,7 @@ static void expect_camera(const struct tsai_camera *a, const struct tsai_camera 
 	assert_int_equal(a->width, b->width);
 	assert_int_equal(a->height, b->height);
 	for (int k = 0; k < 9; k++)
-		assert_true(fabs(a->rotation[k] - b->rotation[k]) < 1e-15);
+		expect_below(fabs(a->rotation[k] - b->rotation[k]), 1e-15, "k=%d", k);
 	assert_memory_equal(a->translation, b->translation,
 			    sizeof(*a) - offsetof(struct tsai_camera, translation));
 }

@@ -12,6 +12,7 @@
 #include "bake/base/random.h"
 #include "bake/scene/scene.h"
 #include "bake/tiles/tile.h"
+#include "tests/support/expect.h"
 #include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
@@ -136,7 +137,7 @@ static void check_sums(const struct made *m)
 			change += (double)m->half[0][at] - (double)m->mean[at];
 			size += fabs((double)m->mean[at]);
 		}
-		assert_true(fabs(change) <= 2e-5 * size + 1e-30);
+		expect_at_most(fabs(change), 2e-5 * size + 1e-30, "row=%d", row);
 	}
 	for (int i = 0; i < m->lights; i++)
 		for (int c = 0; c < 3; c++) {
@@ -148,7 +149,7 @@ static void check_sums(const struct made *m)
 				change += (double)m->half[0][at] - (double)m->mean[at];
 				size += fabs((double)m->mean[at]);
 			}
-			assert_true(fabs(change) <= 2e-5 * size + 1e-30);
+			expect_at_most(fabs(change), 2e-5 * size + 1e-30, "i=%d, c=%d", i, c);
 		}
 }
 
@@ -177,7 +178,7 @@ static void test_made(void **state)
 
 		print_message("# %d x %d, rank %d, noise %g: kept %d, error %.3f of the mean's\n",
 			      m.rows, m.lights, cases[k].rank, cases[k].noise, kept, error);
-		assert_true(error <= cases[k].most);
+		expect_at_most(error, cases[k].most, "k=%zu", k);
 		check_sums(&m);
 		unmake(&m);
 	}
@@ -191,8 +192,8 @@ static void test_nothing_to_gain(void **state)
 		struct made m = make(300, 200, 200, 1, k ? 1.0 : 0.0, 0.5);
 		const size_t count = (size_t)m.rows * (size_t)m.lights;
 
-		assert_int_equal(filter(&m), -1);
-		assert_true(distance(m.half[0], m.mean, count) < 1e-4);
+		expect_equal(filter(&m), -1, "k=%d", k);
+		expect_below(distance(m.half[0], m.mean, count), 1e-4, "k=%d", k);
 		unmake(&m);
 	}
 }
@@ -232,14 +233,14 @@ static void test_odd_values(void **state)
 	m = make(30, 20, 0, 1, 0, 0.5);
 	assert_int_equal(filter(&m), -1);
 	for (int k = 0; k < 600; k++)
-		assert_true(m.half[0][k] == 0);
+		expect_equal(m.half[0][k], 0, "k=%d", k);
 	unmake(&m);
 	for (size_t k = 0; k < sizeof(odd) / sizeof(odd[0]); k++) {
 		m = make(30, 20, 1, 1, 1, 0.5);
 		m.half[0][77] = odd[k];
 		filter(&m);
 		/* what the encoder refuses must reach it */
-		assert_true(isfinite(odd[k]) == isfinite(m.half[0][77]));
+		expect_equal(isfinite(odd[k]), isfinite(m.half[0][77]), "k=%zu", k);
 		unmake(&m);
 	}
 }
@@ -321,8 +322,9 @@ static void test_seam(void **state)
 			      "edge, %.4f inside, %.4f unfiltered\n",
 			      noises[k], error_of(&m[0]), error_of(&m[1]), edge, inside, before);
 		/* a plane's noise at the edge is that of (1 + 3) / 256 of a pixel's square */
-		assert_true(edge < inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002);
-		assert_true(error_of(&m[0]) < 0.2 && error_of(&m[1]) < 0.2);
+		expect_below(edge, inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002, "k=%zu",
+			     k);
+		expect_that(error_of(&m[0]) < 0.2 && error_of(&m[1]) < 0.2, "k=%zu", k);
 		for (int t = 0; t < 2; t++) {
 			check_sums(&m[t]);
 			unmake(&m[t]);
@@ -438,9 +440,9 @@ static void check_tile(const struct scene *scene, const struct cells *cells, con
 			      "of it, before %.4f\n",
 			      what, cells->count, names[kind], kept, after / before,
 			      step_of(in.half[0], reference.value[kind], cells->count, sky), step);
-		assert_true(step_of(in.half[0], reference.value[kind], cells->count, sky) <
-			    step + 1e-4);
-		assert_true(after <= before * 1.005);
+		expect_below(step_of(in.half[0], reference.value[kind], cells->count, sky),
+			     step + 1e-4, "kind=%d", kind);
+		expect_at_most(after, before * 1.005, "kind=%d", kind);
 		*log_sum += log(after / before);
 		++*log_count;
 	}

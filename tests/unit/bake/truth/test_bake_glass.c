@@ -15,6 +15,7 @@
 #include "bake/truth/truth.h"
 #include "hal/compositor/compositor.h"
 #include "tests/support/baked_rows.h"
+#include "tests/support/expect.h"
 #include "tests/support/small_scene.h"
 
 #define WIDTH 40
@@ -197,8 +198,8 @@ static void a_tinted_pane_lets_its_own_background_through(void **state)
 		const struct basis_glass *g = &c.basis.poses[0].glass[k];
 		double off = 0;
 
-		assert_int_equal(g->dx, 0);
-		assert_int_equal(g->dy, 0);
+		expect_equal(g->dx, 0, "k=%zu", k);
+		expect_equal(g->dy, 0, "k=%zu", k);
 		if (baked_coverage(&c.basis, g->x, g->y) < 1)
 			continue;
 		for (int channel = 0; channel < 3; channel++)
@@ -231,8 +232,9 @@ static void a_thin_pane_mirrors_on_both_sides(void **state)
 								    "yes\ncolour = 0.9 0.9 0.9\n");
 	compare(&c, "thin.ini");
 	for (int channel = 0; channel < 3; channel++)
-		assert_true(fabs(baked_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
-				 0.9 * (1 - both)) < 2e-3);
+		expect_below(fabs(baked_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
+				  0.9 * (1 - both)),
+			     2e-3, "channel=%d", channel);
 	assert_true(c.rms < 1.5);
 	compared(&c);
 }

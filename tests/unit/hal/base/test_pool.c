@@ -15,6 +15,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/pool.h"
+#include "tests/support/expect.h"
 
 #define ITEMS 5000
 
@@ -51,7 +52,7 @@ static void every_item_once(void **state)
 		struct pool *pool;
 
 		assert_int_equal(pool_create(&pool, threads), 0);
-		assert_int_equal(pool_threads(pool), threads);
+		expect_equal(pool_threads(pool), threads, "threads=%d", threads);
 		for (unsigned k = 0; k < sizeof(counts) / sizeof(*counts); k++) {
 			int sum = 0;
 
@@ -59,12 +60,14 @@ static void every_item_once(void **state)
 			r.threads = threads;
 			pool_run(pool, counts[k], note, &r);
 			for (int i = 0; i < ITEMS; i++)
-				assert_int_equal(r.calls[i], i < counts[k]);
+				expect_equal(r.calls[i], i < counts[k], "threads=%d, k=%u, i=%d",
+					     threads, k, i);
 			for (int w = 0; w < threads; w++)
 				sum += r.scratch[w];
-			assert_int_equal(sum, counts[k] * (counts[k] - 1) / 2);
-			assert_int_equal(r.clashes, 0);
-			assert_int_equal(r.strangers, 0);
+			expect_equal(sum, counts[k] * (counts[k] - 1) / 2, "threads=%d, k=%u",
+				     threads, k);
+			expect_equal(r.clashes, 0, "threads=%d, k=%u", threads, k);
+			expect_equal(r.strangers, 0, "threads=%d, k=%u", threads, k);
 		}
 		pool_destroy(pool);
 	}
@@ -110,7 +113,7 @@ static void returns_when_all_are_done(void **state)
 
 		pool_run(pool, 7, finish_late, finished);
 		for (int i = 0; i < 7; i++)
-			assert_int_equal(finished[i], 1);
+			expect_equal(finished[i], 1, "round=%d, i=%d", round, i);
 	}
 	pool_destroy(pool);
 }

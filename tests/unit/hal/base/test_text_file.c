@@ -18,6 +18,7 @@
 
 #include "hal/base/number.h"
 #include "hal/base/text_file.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static void write_text(const char *text, size_t bytes)
@@ -40,9 +41,9 @@ static void lines_without_their_breaks(void **state)
 	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(file.number, 0);
 	for (int k = 0; k < 4; k++) {
-		assert_int_equal(text_file_next(&file, NULL), 1);
+		expect_equal(text_file_next(&file, NULL), 1, "k=%d", k);
 		assert_string_equal(file.line, want[k]);
-		assert_int_equal(file.number, k + 1);
+		expect_equal(file.number, k + 1, "k=%d", k);
 	}
 	assert_int_equal(text_file_next(&file, NULL), 0);
 	assert_int_equal(text_file_next(&file, NULL), 0);
@@ -64,7 +65,7 @@ static void expect(const char *path, int lines, int err, const char *says)
 
 	assert_int_equal(text_file_open(&file, path, &fault), 0);
 	for (int k = 1; k < lines; k++)
-		assert_int_equal(text_file_next(&file, &fault), 1);
+		expect_equal(text_file_next(&file, &fault), 1, "k=%d", k);
 	assert_int_equal(text_file_next(&file, &fault), err);
 	assert_memory_equal(fault.text, path, strlen(path));
 	assert_string_equal(fault.text + strlen(path), says);
@@ -174,8 +175,8 @@ static void large_files(void **state)
 		for (lines = 0; (ret = text_file_next(&file, &fault)) > 0;)
 			lines++;
 		text_file_close(&file);
-		assert_int_equal(ret, more ? -EFBIG : 0);
-		assert_int_equal(lines, TEXT_FILE_BYTES_MAX);
+		expect_equal(ret, more ? -EFBIG : 0, "more=%d", more);
+		expect_equal(lines, TEXT_FILE_BYTES_MAX, "more=%d", more);
 		fputs("\n", stream);
 		fflush(stream);
 	}
@@ -203,18 +204,18 @@ static void numbers(void **state)
 	for (size_t k = 0; k < sizeof(right) / sizeof(*right); k++) {
 		at = right[k].text;
 		assert_int_equal(number_read(&at, &value), 0);
-		assert_true(value == right[k].value);
+		expect_equal(value, right[k].value, "k=%zu", k);
 		assert_string_equal(at, right[k].rest);
 		value = 42;
-		assert_int_equal(number_of(right[k].text, &value), *at ? -EINVAL : 0);
-		assert_true(value == (*at ? 42 : right[k].value));
+		expect_equal(number_of(right[k].text, &value), *at ? -EINVAL : 0, "k=%zu", k);
+		expect_equal(value, (*at ? 42 : right[k].value), "k=%zu", k);
 	}
 	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++) {
 		at = wrong[k];
 		value = 42;
-		assert_int_equal(number_read(&at, &value), -EINVAL);
-		assert_int_equal(number_of(at, &value), -EINVAL);
-		assert_true(at == wrong[k] && value == 42);
+		expect_equal(number_read(&at, &value), -EINVAL, "k=%zu", k);
+		expect_equal(number_of(at, &value), -EINVAL, "k=%zu", k);
+		expect_that(at == wrong[k] && value == 42, "k=%zu", k);
 	}
 }
 

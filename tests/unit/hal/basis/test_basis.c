@@ -20,6 +20,7 @@
 #include "hal/basis/basis_lines.h"
 #include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 3, POSES = 2, PAYLOAD = 8192 };
 
@@ -163,12 +164,12 @@ static void check_exact(const struct basis_layer *layer)
 	for (int t = 0; t < 2; t++) {
 		const struct basis_block *b = layer->tiles[t].blocks;
 
-		assert_int_equal(layer->tiles[t].block_count, 1);
-		assert_true(b->columns == LIGHTS && b->patterns == 0 && b->bits == 16);
+		expect_equal(layer->tiles[t].block_count, 1, "t=%d", t);
+		expect_that(b->columns == LIGHTS && b->patterns == 0 && b->bits == 16, "t=%d", t);
 		assert_null(b->tint);
 		assert_null(b->record);
-		assert_true(b->column_scale[2] == 0.125F);
-		assert_int_equal(b->column16[32], -32767 + t);
+		expect_equal(b->column_scale[2], 0.125F, "t=%d", t);
+		expect_equal(b->column16[32], -32767 + t, "t=%d", t);
 	}
 }
 
@@ -188,8 +189,8 @@ static void writes_and_reads_back(void **state)
 	info = write_two_poses(path, coverage, peak);
 	for (int part = BASIS_SHOWN; part <= BASIS_ALL; part++) {
 		if (part == BASIS_WITH_EXACT) { /* which the second pose does not have */
-			assert_int_equal(basis_open(&basis, path, BASIS_WITH_EXACT, &fault),
-					 -ENODATA);
+			expect_equal(basis_open(&basis, path, BASIS_WITH_EXACT, &fault), -ENODATA,
+				     "part=%d", part);
 			assert_non_null(strstr(fault.text, "pose 1 has no exact layer"));
 			basis_close(&basis);
 			continue;
@@ -203,8 +204,8 @@ static void writes_and_reads_back(void **state)
 		assert_memory_equal(basis.coarse, two_coarse, sizeof(two_coarse));
 		assert_string_equal(basis.camera, "[camera]\nf = 1\n");
 		assert_string_equal(basis.provenance, "seed = 1\n");
-		assert_int_equal(basis.tiles_across, 2);
-		assert_int_equal(basis.tiles_down, 1);
+		expect_equal(basis.tiles_across, 2, "part=%d", part);
+		expect_equal(basis.tiles_down, 1, "part=%d", part);
 		for (int p = 0; p < POSES; p++) {
 			assert_int_equal(basis_pose_load(&basis, p, &fault), 0);
 			assert_memory_equal(basis.poses[p].coverage, coverage, sizeof(coverage));
@@ -316,7 +317,7 @@ static void accepts_what_may_be(void **state)
 		o.object_share = 1; /* a layer is there when it holds something */
 		o.seed = chance_bits(&chance);
 		synthetic_open(&s, &o);
-		assert_int_equal(s.basis.coarse == NULL, o.coarse == o.lights);
+		expect_equal(s.basis.coarse == NULL, o.coarse == o.lights, "n=%d", n);
 		assert_int_equal(basis_open(&with, s.path, BASIS_WITH_EXACT, &fault), 0);
 		assert_non_null(with.poses[0].exact.tiles);
 		basis_close(&with);
@@ -362,8 +363,9 @@ static void both_layers_say_the_same(void **state)
 				most = fmax(most, fabs(exact[k]));
 				error = fmax(error, fabs(exact[k] - shown[k]));
 			}
-			assert_true(most > 0.02 && error <= bounds[kind] * 1.000001);
-			assert_true(bounds[kind] < 1e-4);
+			expect_that(most > 0.02 && error <= bounds[kind] * 1.000001,
+				    "t=%d, kind=%d", t, kind);
+			expect_below(bounds[kind], 1e-4, "t=%d, kind=%d", t, kind);
 			free(shown);
 			free(exact);
 		}
@@ -477,11 +479,11 @@ static void a_full_disk_leaves_nothing(void **state)
 		int ret = basis_writer_open(&writer, path, &info, three_lights, NULL, NULL, "",
 					    &fault);
 
-		assert_int_equal(ret, 0);
+		expect_equal(ret, 0, "exact=%d", exact);
 		for (int n = 0; n < 1000 && ret == 0; n++)
 			ret = exact ? basis_writer_exact_blocks(writer, &block, 1, &fault)
 				    : basis_writer_blocks(writer, &block, 1, &fault);
-		assert_int_equal(ret, -EFBIG);
+		expect_equal(ret, -EFBIG, "exact=%d", exact);
 		assert_non_null(strstr(fault.text, "none.inlay: cannot be written: "));
 		basis_writer_abandon(writer);
 	}
@@ -586,8 +588,8 @@ static void lines_come_back(void **state)
 							  : chance_int(&chance, -top, top)));
 		memset(packed, 0xa5, sizeof(packed));
 		bytes = basis_line_pack((uint8_t)code, value, packed);
-		assert_int_equal(bytes, whole ? 64 : code ? 32 : 0);
-		assert_int_equal(packed[bytes], 0xa5);
+		expect_equal(bytes, whole ? 64 : code ? 32 : 0, "code=%d", code);
+		expect_equal(packed[bytes], 0xa5, "code=%d", code);
 		basis_line_unpack((uint8_t)code, packed, back);
 		assert_memory_equal(back, value, sizeof(value));
 	}

@@ -17,6 +17,7 @@
 #include "hal/basis/basis_lines.h"
 #include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
+#include "tests/support/expect.h"
 
 static void refuses_every_truncation(void **state)
 {
@@ -31,13 +32,14 @@ static void refuses_every_truncation(void **state)
 
 		assert_non_null(cut.data);
 		memcpy(cut.data, whole.data, bytes);
-		assert_int_equal(copied_open(&cut, &fault), -EBADMSG);
+		expect_equal(copied_open(&cut, &fault), -EBADMSG, "bytes=%zu", bytes);
 		assert_memory_equal(fault.text, "mem.inlay: ", 11);
 		if (bytes >= BASIS_PAGE) { /* and as if it had been made so short */
 			((struct basis_file_header *)cut.data)->file_bytes = bytes;
 			synthetic_reseal(cut.data, bytes);
-			assert_int_equal(copied_open(&cut, &fault), -EBADMSG);
-			assert_int_equal(copied_open_part(&cut, BASIS_SHOWN, &fault), -EBADMSG);
+			expect_equal(copied_open(&cut, &fault), -EBADMSG, "bytes=%zu", bytes);
+			expect_equal(copied_open_part(&cut, BASIS_SHOWN, &fault), -EBADMSG,
+				     "bytes=%zu", bytes);
 		}
 		free(cut.data);
 	}

@@ -14,6 +14,7 @@
 
 #include "hal/compositor/kernels/kernels.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/random_frame.h"
 
 static struct light_selection selection_of(int count)
@@ -64,10 +65,10 @@ static void selection_keeps_what_reaches_the_threshold(void **state)
 			       THRESHOLD_AMBIENT, 2);
 	assert_int_equal(sel.used_count, 14); /* 10 to 23 */
 	for (int i = 0; i < 26; i++) {
-		assert_int_equal(sel.used[i], i >= 10 && i < 24);
+		expect_equal(sel.used[i], i >= 10 && i < 24, "light %d", i);
 		for (int c = 0; c < 3; c++)
-			assert_true(sel.radiance[i][c] ==
-				    (sel.used[i] && i % 3 == c ? (double)i : 0));
+			expect_equal(sel.radiance[i][c], sel.used[i] && i % 3 == c ? i : 0,
+				     "light %d, channel %d", i, c);
 	}
 	for (int i = 0; i < 10; i += 3)
 		power += i * s->basis.lights[i].solid_angle_sr;
@@ -119,7 +120,9 @@ static void dropped_light_errs_no_more_than_said(void **state)
 					       (sel.radiance[i][c] + sel.ambient[c] -
 						(double)radiance[i][c]);
 				off = fabs(off) * gain;
-				assert_true(off <= sel.dropped_error[c] * (1 + 1e-6) + 1e-12);
+				expect_at_most(off, sel.dropped_error[c] * (1 + 1e-6) + 1e-12,
+					       "lighting %d, pixel %d of tile %d, channel %d", k,
+					       r / 3, t, c);
 				closest = fmax(closest, off / (sel.dropped_error[c] + 1e-30));
 			}
 			free(value);
@@ -235,8 +238,11 @@ static void one_expect(struct one *o, double first, double second, double ambien
 	assert_int_equal(compositor_run(compositor, 0, &sel, &backdrop, out, 4), 0);
 	assert_int_equal(compositor_reference(&o->basis, 0, &settings, &sel, &picture, exact), 0);
 	for (int c = 0; c < 3; c++) {
-		assert_true(fabs(exact[c] / 255 - expected) < 2e-4);
-		assert_true(fabs(out[c] / 255.0 - expected) < 0.6 / 255);
+		expect_below(fabs(exact[c] / 255 - expected), 2e-4,
+			     "reference, channel %d, light %g and %g, rest %g", c, first, second,
+			     ambient);
+		expect_below(fabs(out[c] / 255.0 - expected), 0.6 / 255,
+			     "channel %d, light %g and %g, rest %g", c, first, second, ambient);
 	}
 	assert_int_equal(out[3], 255);
 	compositor_destroy(compositor);
@@ -378,25 +384,30 @@ static void background_alone_is_copied(void **state)
 		};
 
 		compositor_set(f.compositor, &settings);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
+		random_frame_run(&f, 0);
 		for (size_t i = 0; i < f.bytes; i++) {
 			const uint8_t in = f.background[i];
 
 			if (i % f.stride >= f.stride - 4)
-				assert_int_equal(f.out[i], 0x5a);
+				expect_equal(f.out[i], 0x5a, "behind row %zu, curves %d",
+					     i / f.stride, pair);
 			else if (i % f.stride % 4 == 3)
-				assert_int_equal(f.out[i], 255);
+				expect_equal(f.out[i], 255,
+					     "fourth byte of pixel (%zu, %zu), curves %d",
+					     i % f.stride / 4, i / f.stride, pair);
 			else if (transfer_curve_same(&settings.background, &settings.output))
-				assert_int_equal(f.out[i], in);
+				expect_equal(f.out[i], in,
+					     "pixel (%zu, %zu), channel %zu, curves %d",
+					     i % f.stride / 4, i / f.stride, i % 4, pair);
 			else
-				assert_true(
+				expect_below(
 					fabs(f.out[i] - 255 * transfer_curve_encode(
 								      &settings.output,
 								      transfer_curve_decode(
 									      &settings.background,
-									      in / 255.0))) < 0.53);
+									      in / 255.0))),
+					0.53, "pixel (%zu, %zu), channel %zu, curves %d",
+					i % f.stride / 4, i / f.stride, i % 4, pair);
 		}
 	}
 	random_frame_end(&f);
@@ -423,17 +434,17 @@ static void untouched_pixels_are_copied(void **state)
 				       [tile->x + tile->blocks[n].pixel[p] % BASIS_TILE] = true;
 	}
 	random_frame_begin(&f, &s->basis, NULL, &chance);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_run(&f, 0);
 	for (size_t y = 0; y < 23; y++) {
 		for (size_t x = 0; x < 40; x++) {
 			if (touched[y][x])
 				continue;
-			assert_memory_equal(f.out + y * f.stride + x * 4,
-					    f.background + y * f.stride + x * 4, 3);
+			expect_same_picture(f.out + y * f.stride + x * 4,
+					    f.background + y * f.stride + x * 4, 4, 3,
+					    "of the pixel at (%zu, %zu)", x, y);
 			copies++;
 		}
-		assert_int_equal(f.out[y * f.stride + 160], 0x5a);
+		expect_equal(f.out[y * f.stride + 160], 0x5a, "behind row %zu", y);
 	}
 	assert_true(copies > 50 && copies < 800);
 	random_frame_end(&f);
@@ -477,7 +488,8 @@ static void flips_are_only_reading_order(void **state)
 			0);
 		assert_int_equal(
 			compositor_run(f.compositor, 0, &f.lights, &turned, f.out, f.stride), 0);
-		assert_memory_equal(f.out, expected, f.bytes);
+		expect_same_picture(f.out, expected, f.stride, f.bytes,
+				    "flips: horizontal %d, vertical %d", h, v);
 	}
 	free(flipped);
 	free(expected);
@@ -499,17 +511,17 @@ static void a_file_without_receivers_is_composited(void **state)
 	random_frame_begin(&f, &s.basis, NULL, &chance);
 	exact = malloc(sizeof(*exact) * 3 * 40 * 23);
 	assert_non_null(exact);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_run(&f, 0);
 	assert_int_equal(
 		compositor_reference(&s.basis, 0,
 				     &(struct compositor_settings){.gain = 1, .object = true},
 				     &f.lights, &f.picture, exact),
 		0);
 	for (int i = 0; i < 40 * 23 * 3; i++)
-		assert_true(fabs(f.out[(size_t)(i / 120) * f.stride + (size_t)(i / 3 % 40) * 4 + 2 -
-				       (size_t)(i % 3)] -
-				 exact[i]) < 1);
+		expect_below(fabs(f.out[(size_t)(i / 120) * f.stride + (size_t)(i / 3 % 40) * 4 +
+					2 - (size_t)(i % 3)] -
+				  exact[i]),
+			     1, "pixel (%d, %d), channel %d", i / 3 % 40, i / 120, i % 3);
 	free(exact);
 	random_frame_end(&f);
 	synthetic_close(&s);
@@ -530,15 +542,13 @@ static void threads_do_not_change_a_byte(void **state)
 		random_frame_begin(&f, &s->basis, pool, &chance);
 		/* so many that they are divided anew, twice */
 		for (int frame = 0; frame < 70; frame++)
-			assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop,
-							f.out, f.stride),
-					 0);
+			random_frame_run(&f, 0);
 		if (!alone) {
 			alone = malloc(f.bytes);
 			assert_non_null(alone);
 			memcpy(alone, f.out, f.bytes);
 		}
-		assert_memory_equal(f.out, alone, f.bytes);
+		expect_same_picture(f.out, alone, f.stride, f.bytes, "%d threads", threads);
 		random_frame_end(&f);
 		pool_destroy(pool);
 	}
@@ -576,12 +586,11 @@ static void kernels_do_not_change_a_byte(void **state)
 
 			compositor_set(f.compositor, &settings);
 			compositor_set(other, &settings);
-			assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop,
-							f.out, f.stride),
-					 0);
+			random_frame_run(&f, 0);
 			assert_int_equal(
 				compositor_run(other, 0, &f.lights, &f.backdrop, out, f.stride), 0);
-			assert_memory_equal(out, f.out, f.bytes);
+			expect_same_picture(out, f.out, f.stride, f.bytes, "kernel %s, mode %d",
+					    kernels_all[k]->name, mode);
 		}
 		others++;
 		compositor_destroy(other);
@@ -643,14 +652,12 @@ static void a_made_background_gives_the_same_and_is_made_once(void **state)
 
 		memset((void *)made, 0, sizeof(made));
 		compositor_set(f.compositor, &settings);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
+		random_frame_run(&f, 0);
 		assert_int_equal(
 			compositor_run(f.compositor, 0, &f.lights, &backdrop, out, f.stride), 0);
-		assert_memory_equal(out, f.out, f.bytes);
+		expect_same_picture(out, f.out, f.stride, f.bytes, "settings %d", k);
 		for (int i = 0; i < 23 * 40; i++)
-			assert_int_equal(made[i], 1);
+			expect_equal(made[i], 1, "pixel (%d, %d), settings %d", i % 40, i / 40, k);
 	}
 	free(out);
 	random_frame_end(&f);
@@ -731,12 +738,10 @@ static void every_column_may_be_used(void **state)
 		o.column_cut = 1e-12;
 		synthetic_open(&s, &o);
 		random_frame_begin(&f, &s.basis, NULL, &chance);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
+		random_frame_run(&f, 0);
 		/* A group that is one light has no more to send beside it. */
-		assert_true(compositor_last(f.compositor).columns >
-			    s.basis.poses[0].shown.block_count * o.lights);
+		expect_above(compositor_last(f.compositor).columns,
+			     s.basis.poses[0].shown.block_count * o.lights, "bits=%d", bits);
 		random_frame_end(&f);
 		synthetic_close(&s);
 	}

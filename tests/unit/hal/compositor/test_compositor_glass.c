@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/random_frame.h"
 
 static struct synthetic_options see_through(int width, int height, uint64_t seed)
@@ -54,8 +55,7 @@ static double farthest_of(const struct synthetic *s, uint64_t seed)
 	assert_non_null(exact);
 	random_frame_begin(&f, &s->basis, NULL, &chance);
 	compositor_set(f.compositor, &plain);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_run(&f, 0);
 	assert_int_equal(compositor_reference(&s->basis, 0, &plain, &f.lights, &f.picture, exact),
 			 0);
 	for (int y = 0; y < height; y++)
@@ -138,8 +138,7 @@ static void shows_the_place_it_says(void **state)
 	open_glass(&s, glass, sizeof(glass) / sizeof(*glass));
 	random_frame_begin(&f, &s.basis, NULL, &chance);
 	compositor_set(f.compositor, &plain);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_run(&f, 0);
 	row = f.out + f.stride;
 	in = f.background;
 	assert_memory_equal(row + 4 * 2, in + f.stride + 4 * 2, 3);
@@ -154,7 +153,8 @@ static void shows_the_place_it_says(void **state)
 				     transfer_decode(TRANSFER_SRGB, pair[4] / 255.0)) /
 				    2;
 
-		assert_true(fabs(row[4 * 6 + c] - 255 * transfer_encode(TRANSFER_SRGB, mean)) < 1);
+		expect_below(fabs(row[4 * 6 + c] - 255 * transfer_encode(TRANSFER_SRGB, mean)), 1,
+			     "channel %d", c);
 	}
 	assert_int_equal(row[4 * 7] + row[4 * 7 + 1] + row[4 * 7 + 2], 0);
 	random_frame_end(&f);
@@ -198,22 +198,20 @@ static void threads_and_made_backgrounds_change_nothing(void **state)
 		settings.mode = (enum compositor_mode)mode;
 		compositor_set(one.compositor, &settings);
 		compositor_set(f.compositor, &settings);
-		assert_int_equal(compositor_run(one.compositor, 0, &one.lights, &one.backdrop,
-						one.out, one.stride),
-				 0);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
-		assert_memory_equal(one.out, f.out, f.bytes);
+		random_frame_run(&one, 0);
+		random_frame_run(&f, 0);
+		expect_same_picture(f.out, one.out, f.stride, f.bytes, "threads, mode %d", mode);
 		made.context = &f;
 		memset(f.out, 0x5a, f.bytes);
 		assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &made, f.out, f.stride),
 				 0);
-		assert_memory_equal(one.out, f.out, f.bytes);
+		expect_same_picture(f.out, one.out, f.stride, f.bytes,
+				    "made background, threads, mode %d", mode);
 		memset(f.out, 0x5a, f.bytes);
 		assert_int_equal(
 			compositor_run(one.compositor, 0, &f.lights, &made, f.out, f.stride), 0);
-		assert_memory_equal(one.out, f.out, f.bytes);
+		expect_same_picture(f.out, one.out, f.stride, f.bytes, "made background, mode %d",
+				    mode);
 	}
 	random_frame_end(&one);
 	random_frame_end(&f);

@@ -18,6 +18,7 @@
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/compositor/light/light_vector.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/synthetic_basis.h"
 
 typedef __int128 wide;
@@ -41,7 +42,8 @@ static void tints_round_like_exact_products(void **state)
 					: edge[chance_int(&chance, 0, 6)];
 		const uint16_t m = k % 5 ? (uint16_t)chance_bits(&chance) : UINT16_MAX;
 
-		assert_true(mul_q15(x, m) == exact_round_shift((wide)x * m, 15));
+		expect_that(mul_q15(x, m) == exact_round_shift((wide)x * m, 15), "x %lld, m %d",
+			    (long long)x, m);
 	}
 }
 
@@ -59,7 +61,8 @@ static void quotients_are_near_exact_ones(void **state)
 		const long double clamped = exact > limit ? limit : exact < -limit ? -limit : exact;
 		const int32_t got = quotient_q24(n, d, exponent, KERNEL_LIMIT);
 
-		assert_true(fabsl(got - clamped) <= 0.5L + fabsl(clamped) * 0x1p-29L);
+		expect_at_most(fabsl(got - clamped), 0.5L + fabsl(clamped) * 0x1p-29L,
+			       "%lld / %lld * 2^%d", (long long)n, (long long)d, exponent);
 	}
 	assert_int_equal(quotient_q24(0, 5, 600, KERNEL_LIMIT), 0);
 	assert_int_equal(quotient_q24(INT64_MIN + 1, 1, 0, KERNEL_LIMIT), -KERNEL_LIMIT);
@@ -82,10 +85,10 @@ static void digits_hold_what_was_split(void **state)
 		for (int d = KERNEL_DIGITS - 1; d >= 0; d--) {
 			digits_split(&x, 1, d, &digit);
 			assert_in_range(digit + 2048, 0, 4095);
-			assert_true(d < digits || digit == 0);
+			expect_that(d < digits || digit == 0, "digit %d of %lld", d, (long long)x);
 			back = back * 4096 + digit;
 		}
-		assert_true(back == x);
+		expect_that(back == x, "%lld became %lld", (long long)x, (long long)back);
 	}
 	assert_int_equal(digits_of(0), 0);
 	assert_int_equal(digits_of(2047), 1);
@@ -98,8 +101,8 @@ static void exponents_are_the_least(void **state)
 {
 	(void)state;
 	for (int e = -140; e < 140; e++) {
-		assert_int_equal(exponent_above(ldexp(1, e)), e);
-		assert_int_equal(exponent_above(ldexp(1.0001, e)), e + 1);
+		expect_equal(exponent_above(ldexp(1, e)), e, "2^%d", e);
+		expect_equal(exponent_above(ldexp(1.0001, e)), e + 1, "1.0001 * 2^%d", e);
 	}
 	assert_int_equal(gain_bits(0), 0);
 	assert_int_equal(gain_bits(1), 0);
@@ -171,16 +174,19 @@ static void light_is_rounded_once(void **state)
 							      c)[i];
 				const double x = v.sent[i].amount[c] / v.unit[c];
 
-				assert_true(x == floor(x));
-				assert_true(x >= 0);
+				expect_equal(x, floor(x), "light %d, channel %d, lighting %d", i, c,
+					     k);
+				expect_at_least(x, 0, "light %d, channel %d, lighting %d", i, c, k);
 				sum += x;
 				there += u * (l + 0x1p-20);
 				if (kind == 0)
-					assert_true(fabs(v.sent[i].amount[c] -
-							 l * file.basis.lights[i].solid_angle_sr) <=
-						    0.5 * v.unit[c]);
+					expect_at_most(
+						fabs(v.sent[i].amount[c] -
+						     l * file.basis.lights[i].solid_angle_sr),
+						0.5 * v.unit[c],
+						"light %d, channel %d, lighting %d", i, c, k);
 			}
-			assert_true(sum < 0x1p46);
+			expect_below(sum, 0x1p46, "channel %d, lighting %d", c, k);
 			for (int n = 0; n < o.coarse; n++) {
 				double exact = 0;
 
@@ -190,24 +196,32 @@ static void light_is_rounded_once(void **state)
 							exact += v.sent[i].amount[c] / v.unit[c] *
 								 file.basis.coarse[i].weight[j] /
 								 BASIS_COARSE_ONE;
-				assert_true(fabs((double)y_of(&v, c, n) - exact) <=
-					    0.5 + exact * 1e-12);
+				expect_at_most(fabs((double)y_of(&v, c, n) - exact),
+					       0.5 + exact * 1e-12,
+					       "coarse light %d, channel %d, lighting %d", n, c, k);
 				gathered += (double)y_of(&v, c, n);
 			}
-			assert_true(gathered * v.unit[c] < ldexp(1, v.reach));
-			assert_true(sum * v.unit[c] < ldexp(1, v.reach));
+			expect_below(gathered * v.unit[c], ldexp(1, v.reach),
+				     "channel %d, lighting %d", c, k);
+			expect_below(sum * v.unit[c], ldexp(1, v.reach), "channel %d, lighting %d",
+				     c, k);
 			if (kind != 1) {
 				const double per_x = kind == 0 ? (k % 3 ? 1 : 64)
 							       : ldexp(v.factor[c], -30);
 
-				assert_true(fmax(sum, gathered) * v.unit[c] * per_x <= v.strongest);
-				assert_true(kind == 0 || v.strongest < 1.0001);
+				expect_at_most(fmax(sum, gathered) * v.unit[c] * per_x, v.strongest,
+					       "channel %d, lighting %d", c, k);
+				expect_that(kind == 0 || v.strongest < 1.0001,
+					    "strongest is %g, lighting %d", v.strongest, k);
 			}
 			for (int n = o.coarse; n < v.stride; n++)
-				assert_int_equal(y_of(&v, c, n), 0);
+				expect_equal(y_of(&v, c, n), 0,
+					     "padding %d, channel %d, lighting %d", n, c, k);
 			/* All shares of the ground's light, however little, and e are 1. */
 			if (kind > 1 && there > 1e-30)
-				assert_true(v.factor[c] > 1 << 29 && v.factor[c] <= 1 << 30);
+				expect_that(v.factor[c] > 1 << 29 && v.factor[c] <= 1 << 30,
+					    "factor %d, channel %d, lighting %d", v.factor[c], c,
+					    k);
 		}
 	}
 	light_vector_free(&v);
@@ -274,7 +288,7 @@ static void check_choice(const struct choosing *c, const struct column_choice *c
 
 		if (plan->block->kind != kind || plan->block->ground != ground ||
 		    !plan->block->columns) {
-			assert_true(plan->choice != choice);
+			expect_that(plan->choice != choice, "k=%d", k);
 			continue;
 		}
 		assert_ptr_equal(plan->choice, choice);
@@ -286,13 +300,15 @@ static void check_choice(const struct choosing *c, const struct column_choice *c
 			counted[0]++;
 			if (c->sent[i].strength * (double)reach < 1)
 				continue;
-			assert_true(met < count);
-			assert_int_equal(chosen[met].place, n);
-			assert_int_equal(chosen[met].light, i);
-			assert_true(chosen[met++].scale == plan->block->column_scale[n]);
+			expect_below(met, count, "column %d of block %d", n, k);
+			expect_equal(chosen[met].place, n, "column %d of block %d", n, k);
+			expect_equal(chosen[met].light, i, "column %d of block %d", n, k);
+			expect_equal(chosen[met].scale, plan->block->column_scale[n],
+				     "column %d of block %d", n, k);
+			met++;
 			counted[1]++;
 		}
-		assert_int_equal(met, count);
+		expect_equal(met, count, "columns of block %d", k);
 	}
 }
 
@@ -340,7 +356,7 @@ static void check_division(const struct division *d)
 	assert_int_equal(d->first[0], 0);
 	assert_int_equal(d->first[d->runs], d->tiles);
 	for (int r = 0; r < d->runs; r++)
-		assert_true(d->first[r] < d->first[r + 1]);
+		expect_below(d->first[r], d->first[r + 1], "run %d of %d", r, d->runs);
 }
 
 /* A quarter of the tiles takes ten times as long, which nobody knew. */

@@ -19,6 +19,7 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/light/light_budget.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2, MANY = 6486 };
 
@@ -191,9 +192,11 @@ static void no_pixel_changes_by_more(void **state)
 		for (size_t k = 0; k < sizeof(budgets) / sizeof(*budgets); k++) {
 			const double change = (choose(s, budgets[k], mode), largest_change(s));
 
-			assert_true(change <= budgets[k] + 1e-12);
-			assert_int_equal(LIGHTS - s->selection.used_count,
-					 most_possible(s, budgets[k]));
+			expect_at_most(change, budgets[k] + 1e-12, "lighting %d, mode %d, round %d",
+				       n % LIGHTINGS, mode, n);
+			expect_equal(LIGHTS - s->selection.used_count, most_possible(s, budgets[k]),
+				     "lighting %d, mode %d, round %d, budget %g", n % LIGHTINGS,
+				     mode, n, budgets[k]);
 			closest = fmax(closest, change / budgets[k]);
 		}
 		scene_end(s);
@@ -228,8 +231,9 @@ static void the_bound_is_what_the_header_says(void **state)
 			most = fmax(most,
 				    (double)s->radiance[i][c] * ((double)s->peak[i][c] + share));
 		}
-		assert_true(fabs((double)s->selection.bound[i] / (double)LIGHT_BUDGET_WHITE -
-				 most) < 1e-11);
+		expect_below(
+			fabs((double)s->selection.bound[i] / (double)LIGHT_BUDGET_WHITE - most),
+			1e-11, "light %d", i);
 	}
 	scene_end(s);
 }
@@ -277,10 +281,10 @@ static void the_cut_is_that_of_sorting(void **state)
 		while (most < count && (sum += sorted[most]) <= room)
 			most++;
 		cut = light_budget_cut(bound, count, room);
-		assert_int_equal(cut.count, most);
+		expect_equal(cut.count, most, "%d lights, round %d", count, n);
 		for (int i = 0; i < count; i++)
 			below += bound[i] < cut.bound;
-		assert_int_equal(below + cut.equal, most);
+		expect_equal(below + cut.equal, most, "%d lights, round %d", count, n);
 	}
 }
 
@@ -302,7 +306,7 @@ static void the_set_does_not_flicker(void **state)
 				s->radiance[i][c] = still[i][c] *
 						    (float)chance_real(&chance, 0.98, 1.02);
 		choose(s, 0.02, THRESHOLD_DROP);
-		assert_true(largest_change(s) <= 0.02);
+		expect_at_most(largest_change(s), 0.02, "frame %d", k);
 		changes += k && memcmp(used, s->selection.used, sizeof(used)) != 0;
 		memcpy(used, s->selection.used, sizeof(used));
 	}

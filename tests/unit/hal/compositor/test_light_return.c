@@ -12,6 +12,7 @@
 #include "hal/compositor/compositor.h"
 #include "hal/optics/dome.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS_MAX = 512, NINE = 9, PIXELS = 40 };
 
@@ -194,9 +195,10 @@ static void check_fit(const struct scene *s, int c)
 	share = lowest < -mean ? mean / -lowest : 1;
 	assert_true(fabs(back - mean) < 1e-12 * mean);
 	for (int i = 0; i < s->dome.count; i++) {
-		assert_true(s->selection.radiance[i][c] >= 0);
-		assert_true(fabs(returned(s, i, c) - (mean + share * (fit[i] - mean))) <
-			    1e-10 * mean);
+		expect_at_least(s->selection.radiance[i][c], 0, "light %d of %d, channel %d", i,
+				s->dome.count, c);
+		expect_below(fabs(returned(s, i, c) - (mean + share * (fit[i] - mean))),
+			     1e-10 * mean, "light %d of %d, channel %d", i, s->dome.count, c);
 	}
 }
 
@@ -211,7 +213,8 @@ static void is_the_least_squares_fit(void **state)
 		for (int n = 0; n < 10; n++) {
 			light(&s, &chance);
 			choose(&s, n % 2 ? 1 : 0.2, THRESHOLD_HARMONICS);
-			assert_true(s.selection.used_count < s.dome.count);
+			expect_below(s.selection.used_count, s.dome.count,
+				     "frequency %d, lighting %d", f, n);
 			for (int c = 0; c < 3; c++)
 				check_fit(&s, c);
 		}
@@ -237,7 +240,8 @@ static void nine_are_nearer_than_one(void **state)
 			one[c] = miss(&s, c);
 		choose(&s, 1, THRESHOLD_HARMONICS);
 		for (int c = 0; c < 3; c++) {
-			assert_true(miss(&s, c) <= one[c] * (1 + 1e-12));
+			expect_at_most(miss(&s, c), one[c] * (1 + 1e-12), "lighting %d, channel %d",
+				       n, c);
 			of_one += one[c];
 			of_nine += miss(&s, c);
 		}
@@ -266,7 +270,8 @@ static void no_pixel_is_off_by_more(void **state)
 					off += 2 * (double)s.object[p][i][c] *
 					       (s.selection.radiance[i][c] -
 						(double)s.radiance[i][c]);
-				assert_true(fabs(off) <= s.selection.dropped_error[c] * (1 + 1e-6));
+				expect_at_most(fabs(off), s.selection.dropped_error[c] * (1 + 1e-6),
+					       "lighting %d, pixel %d, channel %d", n, p, c);
 				if (s.selection.dropped_error[c] > 0)
 					closest = fmax(closest,
 						       fabs(off) / s.selection.dropped_error[c]);
@@ -289,7 +294,7 @@ static void few_lights(void **state)
 	choose(&s, 1000, THRESHOLD_HARMONICS);
 	assert_int_equal(s.selection.used_count, 0);
 	for (int c = 0; c < 3; c++)
-		assert_true(miss(&s, c) < 1e-9);
+		expect_below(miss(&s, c), 1e-9, "channel %d", c);
 	scene_end(&s);
 }
 
@@ -304,11 +309,13 @@ static void nothing_dropped_and_nothing_there(void **state)
 	choose(&s, 0, THRESHOLD_HARMONICS);
 	for (int i = 0; i < s.dome.count; i++)
 		for (int c = 0; c < 3; c++)
-			assert_true(s.selection.radiance[i][c] == (double)s.radiance[i][c]);
+			expect_equal(s.selection.radiance[i][c], s.radiance[i][c],
+				     "light %d, channel %d", i, c);
 	memset(s.radiance, 0, sizeof(s.radiance));
 	choose(&s, 1, THRESHOLD_HARMONICS);
 	for (int c = 0; c < 3; c++)
-		assert_true(s.selection.radiance[5][c] == 0 && s.selection.dropped_error[c] == 0);
+		expect_that(s.selection.radiance[5][c] == 0 && s.selection.dropped_error[c] == 0,
+			    "channel %d", c);
 	scene_end(&s);
 }
 

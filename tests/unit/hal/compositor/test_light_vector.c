@@ -16,6 +16,7 @@
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/light/light_vector.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/random_frame.h"
 
 static const struct synthetic_options many = {
@@ -76,7 +77,8 @@ static void check_gathered(const struct light_vector *v, const struct basis *bas
 				sum[g->index[j]] += (__int128)x_of(v, i, c) * g->weight[j];
 		}
 		for (int k = 0; k < v->coarse; k++)
-			assert_true(y_of(v, c, k) == (int64_t)((sum[k] + 16384) >> 15));
+			expect_that(y_of(v, c, k) == (int64_t)((sum[k] + 16384) >> 15),
+				    "coarse light %d of %d, channel %d", k, v->coarse, c);
 	}
 }
 
@@ -163,12 +165,16 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 			}
 			there = sum_as_written(term, many.lights) +
 				0x1p-20 * sum_as_written(all, many.lights);
-			assert_true(terms.ground_sum[2][c] == sum_as_written(all, many.lights));
+			expect_equal(terms.ground_sum[2][c], sum_as_written(all, many.lights),
+				     "channel %d", c);
 			scaled = there / power_of_two(ilogb(there));
-			assert_int_equal(v.factor[c], llrint(0x1p30 * (1 / scaled)));
+			expect_equal(v.factor[c], llrint(0x1p30 * (1 / scaled)),
+				     "channel %d, lighting %d", c, k);
 			for (int i = 0; i < many.lights; i++) /* X: rounded once */
-				assert_true(x_of(&v, i, c) ==
-					    llrint(term[i] / power_of_two(ilogb(there)) * 0x1p27));
+				expect_that(x_of(&v, i, c) ==
+						    llrint(term[i] / power_of_two(ilogb(there)) *
+							   0x1p27),
+					    "light %d, channel %d, lighting %d", i, c, k);
 		}
 	}
 	light_vector_free(&v);
@@ -202,14 +208,13 @@ static void threads_share_vectors_and_change_nothing(void **state)
 		compositor_set(shared.compositor, &settings);
 		for (int k = 0; k < 60; k++) {
 			fill(&alone.lights, &chance, pow(10, chance_real(&chance, -6, 4)));
-			assert_int_equal(compositor_run(alone.compositor, 0, &alone.lights,
-							&alone.backdrop, alone.out, alone.stride),
-					 0);
+			random_frame_run(&alone, 0);
 			assert_int_equal(compositor_run(shared.compositor, 0, &alone.lights,
 							&shared.backdrop, shared.out,
 							shared.stride),
 					 0);
-			assert_memory_equal(alone.out, shared.out, alone.bytes);
+			expect_same_picture(shared.out, alone.out, alone.stride, alone.bytes,
+					    "frame %d, %d threads", k, threads[t]);
 		}
 		random_frame_end(&shared);
 		pool_destroy(pool);

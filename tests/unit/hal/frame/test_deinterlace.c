@@ -17,6 +17,7 @@
 
 #include "hal/frame/frame.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };
 
@@ -185,7 +186,7 @@ static void decodes_as_expected(struct rig *r, enum deinterlace way)
 		for (int x = 0; x < r->canvas.width; x++) {
 			const uint8_t *got = pixel_of(&r->canvas, x, y);
 
-			assert_int_equal(got[3], 255);
+			expect_equal(got[3], 255, "fourth byte of pixel (%d, %d)", x, y);
 			for (int c = 0; c < 3; c++) {
 				const double exact = expected_at(r, way, x, y, c);
 
@@ -254,7 +255,8 @@ static void nothing_moves_by_half_a_line(void **state)
 		assert_int_equal(frame_decoder_create(&decoder, (enum deinterlace)(way / 2)), 0);
 		assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL), 0);
 		for (int y = 1; y < 47; y++)
-			assert_int_equal(pixel_of(&rig.canvas, 4, y)[1], 4 * y);
+			expect_equal(pixel_of(&rig.canvas, 4, y)[1], 4 * y, "line %d, way %d", y,
+				     way);
 		frame_decoder_destroy(decoder);
 	}
 	drop(&rig);
@@ -274,7 +276,7 @@ static void blending_leaves_no_comb(void **state)
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_BLEND), 0);
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL), 0);
 	for (int y = 0; y < 48; y++)
-		assert_int_equal(pixel_of(&rig.canvas, 4, y)[1], 128);
+		expect_equal(pixel_of(&rig.canvas, 4, y)[1], 128, "line %d", y);
 	frame_decoder_destroy(decoder);
 	drop(&rig);
 }
@@ -291,7 +293,8 @@ static void odd_heights_are_refused(void **state)
 		make(&rig, PIXEL_YUYV, 16, 16);
 		lay_out(&rig, (enum frame_fields)fields, false);
 		rig.frame.height = rig.canvas.height = 15;
-		assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EINVAL);
+		expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EINVAL,
+			     "fields=%d", fields);
 		assert_non_null(strstr(fault.text, "15"));
 		drop(&rig);
 	}
@@ -321,13 +324,13 @@ static void short_fields_are_refused(void **state)
 				last = fields == FIELDS_PAIR ? &rig.frame.bottom_planes[p]
 							     : &rig.frame.planes[p];
 				last->bytes--;
-				assert_int_equal(
-					frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
-					-EINVAL);
+				expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
+					     -EINVAL, "format=%d, fields=%d, p=%d", format, fields,
+					     p);
 				last->bytes = 3;
-				assert_int_equal(
-					frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
-					-EINVAL);
+				expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
+					     -EINVAL, "format=%d, fields=%d, p=%d", format, fields,
+					     p);
 				drop(&rig);
 			}
 	frame_decoder_destroy(decoder);

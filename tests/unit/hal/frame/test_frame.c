@@ -14,6 +14,7 @@
 #include <turbojpeg.h>
 
 #include "hal/frame/frame.h"
+#include "tests/support/expect.h"
 
 static uint32_t random_state = 20261120;
 
@@ -132,7 +133,7 @@ static double worst_error(const struct fixture *f, double *rms)
 				worst = fmax(worst, fabs(rgb[c] - got[2 - c]));
 				sum += (rgb[c] - got[2 - c]) * (rgb[c] - got[2 - c]);
 			}
-			assert_int_equal(got[3], 255);
+			expect_equal(got[3], 255, "y=%d, x=%d", y, x);
 		}
 	*rms = sqrt(sum / (3.0 * f->frame.width * f->frame.height));
 	return worst;
@@ -162,7 +163,8 @@ static void video_formats_match_double_precision(void **state)
 					      pixel_format_names[formats[i]],
 					      matrix ? "BT.709" : "BT.601",
 					      range ? "full" : "limited", worst, rms);
-				assert_true(worst <= error_max);
+				expect_at_most(worst, error_max, "%s, matrix %d, range %d",
+					       pixel_format_names[formats[i]], matrix, range);
 				drop(&f);
 			}
 }
@@ -186,11 +188,15 @@ static void grey_stays_grey(void **state)
 			for (int x = 0; x < 256; x++) {
 				const uint8_t *p = f.canvas.pixels + (size_t)x * 4;
 
-				assert_int_equal(p[0], p[1]);
-				assert_int_equal(p[1], p[2]);
+				expect_equal(p[0], p[1], "luma %d, matrix %d, range %d", x, matrix,
+					     range);
+				expect_equal(p[1], p[2], "luma %d, matrix %d, range %d", x, matrix,
+					     range);
 			}
-			assert_int_equal(f.canvas.pixels[(range ? 0 : 16) * 4], 0);
-			assert_int_equal(f.canvas.pixels[(range ? 255 : 235) * 4], 255);
+			expect_equal(f.canvas.pixels[(range ? 0 : 16) * 4], 0,
+				     "matrix=%d, range=%d", matrix, range);
+			expect_equal(f.canvas.pixels[(range ? 255 : 235) * 4], 255,
+				     "matrix=%d, range=%d", matrix, range);
 			drop(&f);
 		}
 }
@@ -217,10 +223,18 @@ static void rgb_formats_are_exact(void **state)
 							    (size_t)y * f.canvas.stride +
 							    (size_t)x * 4;
 
-					assert_int_equal(to[0], from[cases[i].blue]);
-					assert_int_equal(to[1], from[1]);
-					assert_int_equal(to[2], from[cases[i].red]);
-					assert_int_equal(to[3], 255);
+					expect_equal(to[0], from[cases[i].blue],
+						     "blue of (%d, %d), %d wide, format %d", x, y,
+						     width, cases[i].format);
+					expect_equal(to[1], from[1],
+						     "green of (%d, %d), %d wide, format %d", x, y,
+						     width, cases[i].format);
+					expect_equal(to[2], from[cases[i].red],
+						     "red of (%d, %d), %d wide, format %d", x, y,
+						     width, cases[i].format);
+					expect_equal(to[3], 255,
+						     "fourth byte of (%d, %d), %d wide, format %d",
+						     x, y, width, cases[i].format);
 				}
 			drop(&f);
 		}
@@ -246,8 +260,9 @@ static void limited_rgb_is_expanded(void **state)
 			const uint8_t *got = f.canvas.pixels + (size_t)x * 4;
 
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(got[c] - exact) <= error_max);
-			assert_int_equal(got[3], 255);
+				expect_at_most(fabs(got[c] - exact), error_max,
+					       "value %d, channel %d, format %d", x, c, formats[i]);
+			expect_equal(got[3], 255, "i=%d, x=%d", i, x);
 		}
 		drop(&f);
 	}
@@ -268,7 +283,8 @@ static void odd_sizes_decode(void **state)
 				make(&f, formats[i], width, height, (size_t)(width % 3));
 				assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
 						 0);
-				assert_true(worst_error(&f, &rms) <= error_max);
+				expect_at_most(worst_error(&f, &rms), error_max, "%dx%d, format %d",
+					       width, height, formats[i]);
 				drop(&f);
 			}
 }
@@ -303,22 +319,22 @@ static void short_planes_are_refused(void **state)
 			make(&f, (enum pixel_format)format, 33, 9, 4);
 			whole = f.frame.planes[p];
 			f.frame.planes[p].bytes--;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault),
-					 -EINVAL);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EINVAL,
+				     "format=%d, p=%d", format, p);
 			assert_non_null(strstr(fault.text, pixel_format_names[format]));
 			f.frame.planes[p] = whole;
 			f.frame.planes[p].stride =
 				frame_plane_stride((enum pixel_format)format, p, 33) - 1;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
-					 -EINVAL);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL,
+				     "format=%d, p=%d", format, p);
 			f.frame.planes[p] = whole;
 			f.frame.planes[p].stride = (size_t)1 << 40;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
-					 -EINVAL);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL,
+				     "format=%d, p=%d", format, p);
 			f.frame.planes[p] = whole;
 			f.frame.planes[p].data = NULL;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
-					 -EINVAL);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL,
+				     "format=%d, p=%d", format, p);
 			drop(&f);
 		}
 }
@@ -394,10 +410,10 @@ static void jpeg_decodes(void **state)
 				worst = abs(got[2 - c] - rgb[3 * p + c]) > worst
 						? abs(got[2 - c] - rgb[3 * p + c])
 						: worst;
-			assert_int_equal(got[3], 255);
+			expect_equal(got[3], 255, "i=%d, p=%d", i, p);
 		}
 		print_message("# JPEG of quality 95: largest error %d levels\n", worst);
-		assert_true(worst <= 6);
+		expect_at_most(worst, 6, "subsampling %d", subsamplings[i]);
 		drop(&f);
 		tjFree(jpeg);
 	}
@@ -456,8 +472,9 @@ static void damaged_jpeg_is_refused(void **state)
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
 	for (size_t cut = 1; cut < bytes - 2; cut += 13) {
 		f.frame.planes[0].bytes = cut;
-		assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
-		assert_true(strlen(fault.text) > 10);
+		expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG,
+			     "cut=%zu", cut);
+		expect_above(strlen(fault.text), 10, "JPEG cut to %zu bytes", cut);
 	}
 	/* Any flipped bit: a picture or a refusal, never a crash; the decoder goes on. */
 	f.frame.planes[0].bytes = bytes;
@@ -466,7 +483,8 @@ static void damaged_jpeg_is_refused(void **state)
 
 		jpeg[i] ^= 0x40;
 		err = frame_decode(f.decoder, &f.frame, &f.canvas, NULL);
-		assert_true(err == 0 || err == -EBADMSG);
+		expect_that(err == 0 || err == -EBADMSG, "byte %zu of the JPEG damaged: %d", i,
+			    err);
 		jpeg[i] ^= 0x40;
 	}
 	if (frame_decode(f.decoder, &f.frame, &f.canvas, &fault))

@@ -14,6 +14,7 @@
 #include "hal/base/processor.h"
 #include "hal/frame/frame_reader.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { WIDTH_MAX = 131, GUARD = 16 };
 
@@ -70,10 +71,13 @@ static void check_row(struct chance *chance, const struct frame_rows *rows,
 	memset(got, 0x5a, sizeof(got));
 	convert(frame_rows_all[0], format, k, y + offset, cbcr + offset, count, want);
 	convert(rows, format, k, y + offset, cbcr + offset, count, got + GUARD);
-	assert_memory_equal(got + GUARD, want, 4 * (size_t)count);
+	expect_same_picture((const uint8_t *)(got + GUARD), (const uint8_t *)want,
+			    4 * (size_t)count, 4 * (size_t)count,
+			    "%s, format %d, %d pixels, offset %d", rows->name, format, count,
+			    offset);
 	for (int i = 0; i < GUARD; i++) {
-		assert_int_equal(got[i], 0x5a5a5a5a);
-		assert_int_equal(got[GUARD + count + i], 0x5a5a5a5a);
+		expect_equal(got[i], 0x5a5a5a5a, "i=%d", i);
+		expect_equal(got[GUARD + count + i], 0x5a5a5a5a, "i=%d", i);
 	}
 	free(y);
 	free(cbcr);
@@ -120,7 +124,8 @@ static void every_colour(const struct frame_rows *rows, const struct ycbcr *k)
 			}
 		convert(frame_rows_all[0], PIXEL_YUYV, k, packed, NULL, COUNT, want);
 		convert(rows, PIXEL_YUYV, k, packed, NULL, COUNT, got);
-		assert_memory_equal(got, want, sizeof(want));
+		expect_same_picture((const uint8_t *)got, (const uint8_t *)want, sizeof(want),
+				    sizeof(want), "%s, chroma", rows->name);
 	}
 }
 
@@ -148,7 +153,8 @@ static void rows_are_reversed(void **state)
 				row[x] = (uint32_t)x;
 			table(i)->reverse(row + 1, count);
 			for (int x = 0; x < WIDTH_MAX + 2; x++)
-				assert_int_equal(row[x], x >= 1 && x <= count ? count + 1 - x : x);
+				expect_equal(row[x], x >= 1 && x <= count ? count + 1 - x : x,
+					     "%s, %d pixels, place %d", table(i)->name, count, x);
 		}
 }
 
@@ -255,8 +261,10 @@ static void check_part(struct chance *chance, const struct frame_reader *reader,
 		for (int i = 0; i < width; i++) {
 			const uint32_t pixel = pixel_of(want, x + i, y + j);
 
-			assert_int_equal(out[(size_t)j * stride / 4 + (size_t)i], pixel);
-			assert_int_equal(row[i] & 0xffffff, pixel & 0xffffff);
+			expect_equal(out[(size_t)j * stride / 4 + (size_t)i], pixel,
+				     "pixel (%d, %d)", x + i, y + j);
+			expect_equal(row[i] & 0xffffff, pixel & 0xffffff, "pixel (%d, %d), by rows",
+				     x + i, y + j);
 		}
 	}
 	free(out);

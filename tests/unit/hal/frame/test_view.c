@@ -13,6 +13,7 @@
 
 #include "hal/frame/view.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define WIDTH 37
 #define HEIGHT 23
@@ -42,12 +43,14 @@ static void check_view(const struct view *view, const uint8_t *pixels)
 			const double upright[2] = {x + 0.5, y + 0.5};
 			double camera[2], back[2];
 
-			assert_int_equal(pixel[0], view->x + left);
-			assert_int_equal(pixel[1], view->y + top);
+			expect_equal(pixel[0], view->x + left, "y=%d, x=%d", y, x);
+			expect_equal(pixel[1], view->y + top, "y=%d, x=%d", y, x);
 			view_to_camera(view, upright, camera);
-			assert_true(camera[0] == pixel[0] + 0.5 && camera[1] == pixel[1] + 0.5);
+			expect_that(camera[0] == pixel[0] + 0.5 && camera[1] == pixel[1] + 0.5,
+				    "y=%d, x=%d", y, x);
 			view_from_camera(view, camera, back);
-			assert_true(back[0] == upright[0] && back[1] == upright[1]);
+			expect_that(back[0] == upright[0] && back[1] == upright[1], "y=%d, x=%d", y,
+				    x);
 		}
 }
 
@@ -103,8 +106,8 @@ static void refused(void **state)
 		struct view view = bad[i];
 		struct fault fault = {""};
 
-		assert_int_equal(view_resolve(&view, 640, 240, &fault), -EINVAL);
-		assert_true(strlen(fault.text) > 0);
+		expect_equal(view_resolve(&view, 640, 240, &fault), -EINVAL, "i=%u", i);
+		expect_above(strlen(fault.text), 0, "i=%u", i);
 		assert_memory_equal(&view.x, &bad[i].x, 4 * sizeof(int)); /* untouched */
 	}
 	assert_int_equal(view_resolve(&(struct view){.squash = 1}, 0, 240, NULL), -EINVAL);

@@ -21,6 +21,7 @@
 
 #include "hal/image/image.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define SAMPLES "tests/fuzz/corpus/image/"
 
@@ -160,8 +161,8 @@ static void hdr_orientations(void **state)
 			length += 4;
 		}
 		read_fine(file, (size_t)length, &image);
-		assert_int_equal(image.width, 2);
-		assert_int_equal(image.height, 3);
+		expect_equal(image.width, 2, "i=%zu", i);
+		expect_equal(image.height, 3, "i=%zu", i);
 		for (int k = 0; k < 6; k++)
 			assert_pixel(&image, k % 2, k / 2, 16 * (k + 1), 16 * (k + 1),
 				     16 * (k + 1));
@@ -260,16 +261,17 @@ static void hdr_round_trip(void **state)
 		out.f32[2] = 2e38f;
 		assert_int_equal(image_write(in_folder("x.hdr"), &out, &fault), 0);
 		assert_int_equal(image_read(in_folder("x.hdr"), &in, &fault), 0);
-		assert_int_equal(in.width, widths[i]);
-		assert_int_equal(in.height, 5);
+		expect_equal(in.width, widths[i], "i=%zu", i);
+		expect_equal(in.height, 5, "i=%zu", i);
 		/* The largest RGBE is 255 2^119. */
-		assert_true(fabsf(in.f32[0] - 255 * 0x1p119f) < 1e30f);
+		expect_below(fabsf(in.f32[0] - 255 * 0x1p119f), 1e30f, "i=%zu", i);
 		for (int p = 1; p < count; p++) {
 			const float *a = out.f32 + 3 * p, *b = in.f32 + 3 * p;
 			const float peak = fmaxf(a[0], fmaxf(a[1], a[2]));
 
 			for (int c = 0; c < 3; c++)
-				assert_true(fabsf(a[c] - b[c]) <= peak / 255.5f);
+				expect_at_most(fabsf(a[c] - b[c]), peak / 255.5f,
+					       "i=%zu, p=%d, c=%d", i, p, c);
 		}
 		image_free(&out);
 		image_free(&in);
@@ -313,16 +315,18 @@ static void hdr_real(void **state)
 			print_message("%s is missing\n", path);
 			skip();
 		}
-		assert_int_equal(err, 0);
-		assert_int_equal(image.width, 1024);
-		assert_int_equal(image.height, 512);
+		expect_equal(err, 0, "i=%d", i);
+		expect_equal(image.width, 1024, "i=%d", i);
+		expect_equal(image.height, 512, "i=%d", i);
 		for (int c = 0; c < 3; c++) {
 			double upper = 0, lower = 0;
 
 			for (int p = 0; p < 1024 * 512; p++)
 				*(p < 1024 * 256 ? &upper : &lower) += (double)image.f32[3 * p + c];
-			assert_true(fabs((upper + lower) / (1024 * 512) - truth[i].mean[c]) < 1e-9);
-			assert_true(fabs(upper / (1024 * 256) - truth[i].upper[c]) < 1e-9);
+			expect_below(fabs((upper + lower) / (1024 * 512) - truth[i].mean[c]), 1e-9,
+				     "i=%d, c=%d", i, c);
+			expect_below(fabs(upper / (1024 * 256) - truth[i].upper[c]), 1e-9,
+				     "i=%d, c=%d", i, c);
 		}
 		assert_memory_equal(image.f32 + (100 * 1024 + 700) * 3, truth[i].pixel, 12);
 		image_free(&image);
@@ -420,7 +424,7 @@ static void negative_light_is_none(void **state)
 	(void)state;
 	read_fine("Pf\n2 1\n-1\n\0\0\x80\xbf\0\0\0\x80", 18, &image);
 	for (int i = 0; i < 6; i++)
-		assert_true(image.f32[i] == 0 && !signbit(image.f32[i]));
+		expect_that(image.f32[i] == 0 && !signbit(image.f32[i]), "i=%d", i);
 	image_free(&image);
 }
 
@@ -442,15 +446,18 @@ static void exr_samples(void **state)
 		snprintf(path, sizeof(path), SAMPLES "%s", names[i]);
 		if (image_read(path, &image, &fault))
 			fail_msg("%s", fault.text);
-		assert_int_equal(image.width, 13);
-		assert_int_equal(image.height, 9);
+		expect_equal(image.width, 13, "i=%d", i);
+		expect_equal(image.height, 9, "i=%d", i);
 		for (int y = 0; y < 9; y++)
 			for (int x = 0; x < 13; x++) {
 				const float *p = image.f32 + (y * 13 + x) * 3;
 
-				assert_true(fabs((double)p[0] - x / 8.0) <= tolerance);
-				assert_true(fabs((double)p[1] - y / 8.0) <= tolerance);
-				assert_true(fabs((double)p[2] - (x + y) / 16.0) <= tolerance);
+				expect_at_most(fabs((double)p[0] - x / 8.0), tolerance,
+					       "i=%d, y=%d, x=%d", i, y, x);
+				expect_at_most(fabs((double)p[1] - y / 8.0), tolerance,
+					       "i=%d, y=%d, x=%d", i, y, x);
+				expect_at_most(fabs((double)p[2] - (x + y) / 16.0), tolerance,
+					       "i=%d, y=%d, x=%d", i, y, x);
 			}
 		image_free(&image);
 	}
@@ -519,9 +526,10 @@ static void exr_dwab(void **state)
 		for (int x = 0; x < 128; x++) {
 			const float *p = image.f32 + (y * 128 + x) * 3;
 
-			assert_true(fabs((double)p[0] - x / 64.0) <= 0.02);
-			assert_true(fabs((double)p[1] - y / 64.0) <= 0.02);
-			assert_true(fabs((double)p[2] - (x + y) / 128.0) <= 0.02);
+			expect_at_most(fabs((double)p[0] - x / 64.0), 0.02, "y=%d, x=%d", y, x);
+			expect_at_most(fabs((double)p[1] - y / 64.0), 0.02, "y=%d, x=%d", y, x);
+			expect_at_most(fabs((double)p[2] - (x + y) / 128.0), 0.02, "y=%d, x=%d", y,
+				       x);
 		}
 	image_free(&image);
 }
@@ -557,7 +565,7 @@ static void exr_noise(void **state)
 		h &= 0x3fff;
 		value = h >> 10 ? ldexp(1 + (h & 1023) / 1024.0, (int)(h >> 10) - 15)
 				: ldexp((h & 1023) / 1024.0, -14);
-		assert_true((double)image.f32[i] == value);
+		expect_equal((double)image.f32[i], value, "i=%u", i);
 	}
 	image_free(&image);
 }
@@ -644,8 +652,8 @@ static void png_kinds(void **state)
 					      cases[i].kind, false, cases[i].row, 0);
 
 		read_fine(file, bytes, &image);
-		assert_int_equal(image.width, 2);
-		assert_int_equal(image.height, 1);
+		expect_equal(image.width, 2, "i=%zu", i);
+		expect_equal(image.height, 1, "i=%zu", i);
 		assert_null(image.f32);
 		assert_memory_equal(image.u8, cases[i].expected, 6);
 		image_free(&image);
@@ -744,9 +752,9 @@ static void jpeg_reads(void **state)
 	assert_int_equal(image.width, 64);
 	assert_int_equal(image.height, 48);
 	for (int i = 0; i < 64 * 48; i++) {
-		assert_true(abs(image.u8[3 * i] - i % 64 * 255 / 63) <= 3);
-		assert_true(abs(image.u8[3 * i + 1] - i / 64 * 255 / 47) <= 3);
-		assert_true(abs(image.u8[3 * i + 2] - 64) <= 3);
+		expect_at_most(abs(image.u8[3 * i] - i % 64 * 255 / 63), 3, "i=%d", i);
+		expect_at_most(abs(image.u8[3 * i + 1] - i / 64 * 255 / 47), 3, "i=%d", i);
+		expect_at_most(abs(image.u8[3 * i + 2] - 64), 3, "i=%d", i);
 	}
 	image_free(&image);
 	/* Every prefix is refused, never taken for a grey picture. */

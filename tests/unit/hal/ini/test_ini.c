@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,6 +17,7 @@
 
 #include "hal/ini/ini.h"
 #include "hal/ini/ini_value.h"
+#include "tests/support/expect.h"
 
 static const char *const colours[] = {"red", "green", "blue", NULL};
 
@@ -355,14 +357,15 @@ static void lists_end_where_they_end(void **state)
 	for (size_t k = 0; k < sizeof(good) / sizeof(*good); k++) {
 		assert_int_equal(ini_value_read(&keys[0], good[k].text, NULL, &shutter, why), 0);
 		for (int n = 0; n < 3; n++)
-			assert_true(shutter.times[n] == good[k].times[n]);
+			expect_equal(shutter.times[n], good[k].times[n], "k=%zu, n=%d", k, n);
 		ini_value_text(&keys[0], &shutter, text, sizeof(text));
 		assert_string_equal(text, good[k].again);
 	}
 	for (size_t k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
-		assert_int_equal(ini_value_read(&keys[0], bad[k], NULL, &shutter, why), -EINVAL);
+		expect_equal(ini_value_read(&keys[0], bad[k], NULL, &shutter, why), -EINVAL,
+			     "k=%zu", k);
 		assert_non_null(strstr(why, "expected at most 3 numbers 0.5..100"));
-		assert_true(shutter.times[2] == 0.5); /* as it was */
+		expect_equal(shutter.times[2], 0.5, "k=%zu", k); /* as it was */
 	}
 }
 
@@ -526,9 +529,9 @@ static void assignments_are_read(void **state)
 	assert_int_equal(o->root.cameras[1].width, 1);
 	for (size_t i = 0; i < sizeof(wrong) / sizeof(*wrong); i++) {
 		o->said_count = 0;
-		assert_int_equal(ini_set(wrong[i].assignment, tables, &o->root, &o->report),
-				 -EINVAL);
-		assert_int_equal(o->said_count, 1);
+		expect_equal(ini_set(wrong[i].assignment, tables, &o->root, &o->report), -EINVAL,
+			     "i=%zu", i);
+		expect_equal(o->said_count, 1, "i=%zu", i);
 		assert_string_equal(o->said[0], wrong[i].fault);
 	}
 	free(o);

@@ -12,6 +12,7 @@
 
 #include "hal/lights/exposure_schedule.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { COUNT = 3, FRAMES = 400 };
 
@@ -67,7 +68,7 @@ static void every_delay_is_kept_track_of(void **state)
 			if (exposure >= 0)
 				count[exposure]++;
 			else
-				assert_true(camera.next <= delay + 1);
+				expect_at_most(camera.next, delay + 1, "delay=%d", delay);
 		}
 		for (int k = 0; k < COUNT; k++)
 			assert_in_range(count[k], 28, 34);
@@ -88,7 +89,7 @@ static void lost_and_late_frames_shift_nothing(void **state)
 		while (camera.next < FRAMES - 10)
 			known += step(&s, &camera, chance_int(&chance, 0, 9) ? 0 : 3,
 				      chance_int(&chance, 0, 5) ? 0 : 2, 7) >= 0;
-		assert_true(known > 150);
+		expect_above(known, 150, "delay=%d", delay);
 	}
 }
 
@@ -102,7 +103,7 @@ static void numbers_that_stand_still(void **state)
 	for (int k = 0; k < 20; k++) {
 		const int exposure = exposure_schedule_take(&s, 0);
 
-		assert_int_equal(exposure, k < 2 ? -1 : k % 2);
+		expect_equal(exposure, k < 2 ? -1 : k % 2, "k=%d", k);
 		exposure_schedule_asked(&s, exposure_schedule_next(&s), 0);
 	}
 }
@@ -133,8 +134,8 @@ static void a_delay_is_measured(void **state)
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
 		struct camera camera = {.delay = delay};
 
-		assert_int_equal(measure(&camera, &chance, false, true), delay);
-		assert_true(camera.next <= 4 * (EXPOSURE_HOLD + 1) + 2);
+		expect_equal(measure(&camera, &chance, false, true), delay, "delay=%d", delay);
+		expect_at_most(camera.next, 4 * (EXPOSURE_HOLD + 1) + 2, "delay=%d", delay);
 	}
 }
 
@@ -150,7 +151,7 @@ static void lost_frames_do_not_spoil_the_measurement(void **state)
 		const int found = measure(&camera, &chance, true, true);
 
 		right += found == n % 7;
-		assert_true(found == n % 7 || found == n % 7 + 1 || found == -ENODATA);
+		expect_that(found == n % 7 || found == n % 7 + 1 || found == -ENODATA, "n=%d", n);
 	}
 	assert_true(right >= 40);
 }

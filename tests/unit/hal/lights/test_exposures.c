@@ -14,6 +14,7 @@
 #include "hal/lights/pixel_noise.h"
 #include "hal/lights/sampler.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 40, COUNT = 3, PIXELS = 64 };
 
@@ -119,10 +120,13 @@ static void a_constant_sky_is_exact(void **state)
 				if (!turn && k + 1 < COUNT)
 					continue;
 				for (int i = 0; i < LIGHTS; i++) {
-					assert_true(m.left[i] == 0);
+					expect_equal(m.left[i], 0, "n=%zu, turn=%d, k=%d, i=%d", n,
+						     turn, k, i);
 					for (int c = 0; c < 3; c++)
-						assert_true(m.radiance[i][c] ==
-							    (float)cell[i].dim[c]);
+						expect_equal(m.radiance[i][c],
+							     (float)cell[i].dim[c],
+							     "n=%zu, turn=%d, k=%d, i=%d, c=%d", n,
+							     turn, k, i, c);
 				}
 			}
 		}
@@ -172,7 +176,7 @@ static void one_exposure_is_untouched(void **state)
 		take(e, 0, &f, &m);
 		assert_memory_equal(m.radiance, f.sampled, sizeof(f.sampled));
 		assert_memory_equal(m.left, f.clipped, sizeof(f.clipped));
-		assert_true(fits(e, 0, &f));
+		expect_that(fits(e, 0, &f), "turn=%d", turn);
 	}
 	light_exposures_destroy(e);
 }
@@ -196,15 +200,15 @@ static void a_lamp_is_found_in_the_shortest(void **state)
 	for (int i = 0; i < LIGHTS; i++) {
 		const bool lost = cell[i].lamp[0] >= 256;
 
-		assert_true((m.left[i] > 0) == lost);
-		assert_true(!lost || fabs((double)m.left[i] - 0.05) < 1e-6);
+		expect_equal((m.left[i] > 0), lost, "i=%d", i);
+		expect_that(!lost || fabs((double)m.left[i] - 0.05) < 1e-6, "i=%d", i);
 		for (int c = 0; c < 3; c++) {
 			const double is = (double)m.radiance[i][c], want = truth(&cell[i], c);
 
 			if (cell[i].lamp[c] < 256)
-				assert_true(fabs(is - want) < 1e-5 * want);
+				expect_below(fabs(is - want), 1e-5 * want, "i=%d, c=%d", i, c);
 			else
-				assert_true(is < want && is > 0.05 * 255);
+				expect_that(is < want && is > 0.05 * 255, "i=%d, c=%d", i, c);
 		}
 	}
 	assert_true(light_exposures_white(e) == 256);
@@ -263,8 +267,8 @@ static void must_be(const struct merged *m, const struct cell *cell)
 {
 	for (int i = 0; i < LIGHTS; i++)
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs((double)m->radiance[i][c] - truth(&cell[i], c)) <=
-				    1e-4 * truth(&cell[i], c) + 1e-5);
+			expect_at_most(fabs((double)m->radiance[i][c] - truth(&cell[i], c)),
+				       1e-4 * truth(&cell[i], c) + 1e-5, "i=%d, c=%d", i, c);
 }
 
 /* At once, where the frame shows it whole; in any case within a turn. */
@@ -285,7 +289,8 @@ static void a_switched_lamp_is_followed(void **state)
 		for (int k = 0; k < COUNT; k++) {
 			show(e, (first + k) % COUNT, on, &m);
 			for (int i = 0; i < LIGHTS; i++) /* brighter from the first frame on */
-				assert_true(m.radiance[i][0] > 0.3f);
+				expect_above(m.radiance[i][0], 0.3f, "first=%d, k=%d, i=%d", first,
+					     k, i);
 		}
 		must_be(&m, on);
 		for (int k = 0; k < COUNT; k++)
@@ -340,7 +345,8 @@ static void wrong_exposures_are_noticed(void **state)
 				cell[i] = (struct cell){
 					{dims[n], dims[n], dims[n]}, {90, 80, 70}, 0.02};
 			expose(e, 1, cell, &f);
-			assert_true(fits(e, 0, &f)); /* nothing is known */
+			expect_that(fits(e, 0, &f), "n=%zu, lamp=%d", n,
+				    lamp); /* nothing is known */
 			for (int k = 0; k < COUNT; k++)
 				show(e, k, cell, &m);
 			for (int is = 0; is < COUNT; is++) {
@@ -355,7 +361,7 @@ static void wrong_exposures_are_noticed(void **state)
 						fail_msg("light %g, lamp %d: %d for %d", dims[n],
 							 lamp, is, said);
 				}
-				assert_true(fits(e, is, &f));
+				expect_that(fits(e, is, &f), "n=%zu, lamp=%d, is=%d", n, lamp, is);
 			}
 			light_exposures_destroy(e);
 		}
@@ -383,10 +389,10 @@ static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 				cell[i] = (struct cell){{0.5, 0.5, 0.5}, {l, l, l}, 0.4};
 			show(e, 0, cell, &m);
 			expose(e, k, cell, &f);
-			assert_true(fits(e, k, &f));
+			expect_that(fits(e, k, &f), "n=%zu, k=%d", n, k);
 			assert_false(fits(e, 0, &f));
 			expose(e, 0, cell, &f);
-			assert_true(fits(e, 0, &f));
+			expect_that(fits(e, 0, &f), "n=%zu, k=%d", n, k);
 			assert_false(fits(e, k, &f));
 			light_exposures_destroy(e);
 		}
@@ -416,7 +422,7 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 			take(e, frame % COUNT, &f, &m);
 			taken++;
 		}
-		assert_true(taken >= COUNT);
+		expect_at_least(taken, COUNT, "up=%d", up);
 		must_be(&m, cell);
 		light_exposures_destroy(e);
 	}
@@ -472,16 +478,17 @@ static void the_sampler_tells_what_is_above(void **state)
 			const float q = light_sampler_clipped(sampler)[i];
 
 			share += (double)q * dome.solid_angle_sr[i] / (2 * M_PI);
-			assert_true(q >= 0 && q < 0.2f);
+			expect_that(q >= 0 && q < 0.2f, "i=%d", i);
 			if (dome.direction[i][0] > 0.5)
-				assert_true(q == 0);
+				expect_equal(q, 0, "i=%d", i);
 		}
 		assert_true(share > 0 && fabs(share - clipped) < 1e-9);
 		memcpy(again, light_sampler_excess(sampler), (size_t)dome.count * sizeof(*again));
 		assert_int_equal(light_sampler_read_linear(sampler, &image, want), 0);
 		for (int i = 0; i < dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs((double)again[i][c] - (double)want[i][c]) < 2e-4);
+				expect_below(fabs((double)again[i][c] - (double)want[i][c]), 2e-4,
+					     "i=%d, c=%d", i, c);
 		free(plain);
 		free(again);
 		free(want);

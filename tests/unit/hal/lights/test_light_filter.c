@@ -18,6 +18,7 @@
 #include "hal/lights/light_filter.h"
 #include "hal/lights/pixel_noise.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 100, MANY = 6486 };
 
@@ -121,13 +122,16 @@ static void a_switched_lamp_is_there_in_time(void **state)
 			now = (double)l.x[7][1];
 			off = fabs(now - (double)(float)b);
 			if (since + dt[n / 5] > FOLLOW)
-				assert_true(off <= 0.1001 * fabs(b - a));
+				expect_at_most(off, 0.1001 * fabs(b - a), "n=%d, since=%lld", n,
+					       (long long)since);
 			if (since + dt[n / 5] < FOLLOW)
-				assert_true(off >= 0.0999 * fabs(b - a));
+				expect_at_least(off, 0.0999 * fabs(b - a), "n=%d, since=%lld", n,
+						(long long)since);
 			/* towards it, never past it */
-			assert_true(b > a ? now >= before && now <= (double)(float)b
-					  : now <= before && now >= (double)(float)b);
-			assert_true(l.x[8][1] == (float)a);
+			expect_that(b > a ? now >= before && now <= (double)(float)b
+					  : now <= before && now >= (double)(float)b,
+				    "n=%d, since=%lld", n, (long long)since);
+			expect_equal(l.x[8][1], (float)a, "n=%d, since=%lld", n, (long long)since);
 			before = now;
 		}
 		lamp_end(&l);
@@ -151,7 +155,7 @@ static void time_counts_and_not_frames(void **state)
 			at += n ? chance_int(&chance, 1, 30) * MS : 50 * MS;
 		}
 		at_50[n] = frame(&l, 50 * MS, 0.8);
-		assert_true(fabs(at_50[n] - at_50[0]) < 2e-5);
+		expect_below(fabs(at_50[n] - at_50[0]), 2e-5, "n=%d", n);
 		lamp_end(&l);
 	}
 }
@@ -230,9 +234,9 @@ static void noise_moves_no_pixel_by_more_than_a_level(void **state)
 		       "(unfiltered %d), white by %d; mean %+.1e of what was given\n",
 		       pixels, found.mirror, without.mirror, found.diffuse,
 		       found.mean / found.given - 1);
-		assert_true(found.mirror <= 1 && found.diffuse <= 1);
-		assert_true(pixels > 8 || without.mirror > 1);
-		assert_true(fabs(found.mean / found.given - 1) < 1e-3);
+		expect_that(found.mirror <= 1 && found.diffuse <= 1, "pixels=%d", pixels);
+		expect_that(pixels > 8 || without.mirror > 1, "pixels=%d", pixels);
+		expect_below(fabs(found.mean / found.given - 1), 1e-3, "pixels=%d", pixels);
 	}
 }
 
@@ -273,16 +277,19 @@ static void a_slow_lamp_does_not_stick(void **state)
 			at += 33 * MS;
 			light += (level(121) - level(120)) * 0.033 * 0.1 * pow(10, speed);
 			now = frame(&l, at, light);
-			assert_true(now >= before && now <= (double)(float)light);
+			expect_that(now >= before && now <= (double)(float)light, "speed=%d, k=%d",
+				    speed, k);
 			/* The line above the slope's square is up to 1.4 above its root. */
-			assert_true(light - now <= 1.4 * 4 * PIXEL_NOISE_CODES *
-							   (level(code_of(light) + 1) - light));
-			assert_true(k < 90 || now > before);
+			expect_at_most(light - now,
+				       1.4 * 4 * PIXEL_NOISE_CODES *
+					       (level(code_of(light) + 1) - light),
+				       "speed=%d, k=%d", speed, k);
+			expect_that(k < 90 || now > before, "speed=%d, k=%d", speed, k);
 			before = now;
 		}
 		for (int k = 0; k < 200; k++)
 			now = frame(&l, at += 33 * MS, light);
-		assert_true(now == (double)(float)light);
+		expect_equal(now, (double)(float)light, "speed=%d", speed);
 	}
 	lamp_end(&l);
 }

@@ -17,6 +17,7 @@
 
 #include "hal/lights/lights_file.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static void write_text(const char *path, const char *text, size_t bytes)
@@ -94,7 +95,7 @@ static void refused(void **state)
 		struct fault fault = {""};
 
 		write_text(path, bad[i].text, strlen(bad[i].text));
-		assert_int_equal(lights_file_read(path, lights, 2, &fault), -EINVAL);
+		expect_equal(lights_file_read(path, lights, 2, &fault), -EINVAL, "i=%u", i);
 		assert_memory_equal(fault.text, path, strlen(path));
 		assert_memory_equal(fault.text + strlen(path), bad[i].place, strlen(bad[i].place));
 		assert_non_null(strstr(fault.text, bad[i].what));

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "hal/lights/recovery.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 20 };
 
@@ -81,24 +82,26 @@ static void what_is_lost_is_found(void **state)
 		fill(&sky, 3, lost[n]);
 		before = sky;
 		r = recover(&sky, 1);
-		assert_true(r.recovered && !r.at_bound);
+		expect_that(r.recovered && !r.at_bound, "n=%zu", n);
 		for (int c = 0; c < 3; c++) {
 			const double share = 1 - ground_of(&before, c) / sky.ground.radiance[c];
 			const double unsure = LIGHT_RECOVERY_UNSURE * LIGHT_RECOVERY_UNSURE;
 			const double found = share * share / (share * share + unsure);
 
-			assert_true(fabs((r.factor[c] - 1) / (sky.lost[c] * 3 / LIGHTS) - found) <
-				    1e-4);
-			assert_true(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1) <
-				    share * (1 - found) + 1e-5);
+			expect_below(fabs((r.factor[c] - 1) / (sky.lost[c] * 3 / LIGHTS) - found),
+				     1e-4, "n=%zu, c=%d", n, c);
+			expect_below(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1),
+				     share * (1 - found) + 1e-5, "n=%zu, c=%d", n, c);
 			for (int i = 0; i < LIGHTS; i++) {
 				const double more = (double)sky.radiance[i][c] -
 						    (double)before.radiance[i][c];
 				const double is = found * (double)sky.clipped[i] * sky.lost[c] *
 						  (i + 1) / LIGHTS;
 
-				assert_true(i < 3 ? more > 0 : more == 0);
-				assert_true(fabs(more - is) <= 1e-4 * is + 1e-6);
+				expect_that(i < 3 ? more > 0 : more == 0, "n=%zu, c=%d, i=%d", n, c,
+					    i);
+				expect_at_most(fabs(more - is), 1e-4 * is + 1e-6,
+					       "n=%zu, c=%d, i=%d", n, c, i);
 			}
 		}
 	}
@@ -128,7 +131,7 @@ static void pieces_have_like_powers(void **state)
 	small = (double)sky.radiance[9][0] - 1;
 	large = 0;
 	for (int i = 10; i < LIGHTS; i++) {
-		assert_true(sky.radiance[i][0] == sky.radiance[10][0]);
+		expect_equal(sky.radiance[i][0], sky.radiance[10][0], "i=%d", i);
 		large += (double)sky.radiance[i][0] - 1;
 	}
 	assert_true(fabs(small / large - 1) < 0.01);
@@ -212,7 +215,8 @@ static void all_may_be_clipped(void **state)
 	r = recover(&sky, 1);
 	assert_true(r.recovered && !r.at_bound);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1) < 1e-3);
+		expect_below(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1), 1e-3, "c=%d",
+			     c);
 }
 
 /* A patch that is no number, or lights that are not, change nothing. */
@@ -255,7 +259,8 @@ static void one_light_is_exact(void **state)
 			sky.ground.radiance[c] = ground_of(&sky, c) + 100 * sky.u[c][which];
 		recover(&sky, 1);
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs((double)sky.radiance[which][c] / 100 - 1) < 0.01);
+			expect_below(fabs((double)sky.radiance[which][c] / 100 - 1), 0.01,
+				     "which=%d, c=%d", which, c);
 	}
 }
 
@@ -307,12 +312,12 @@ static void small_differences_stay_small(void **state)
 			sky.ground.radiance[c] = ground_of(&sky, c) * (1 + off);
 		recover(&sky, 1);
 		more = ground_of(&sky, 0) * (1 + off) / sky.ground.radiance[0] - 1;
-		assert_true(more >= last - 1e-9 && more - last < 0.0025);
-		assert_true(more <= off + 1e-6);
+		expect_that(more >= last - 1e-9 && more - last < 0.0025, "n=%d", n);
+		expect_at_most(more, off + 1e-6, "n=%d", n);
 		if (off <= 0.01)
-			assert_true(more < 0.21 * off + 1e-6);
+			expect_below(more, 0.21 * off + 1e-6, "n=%d", n);
 		if (off >= 0.2)
-			assert_true(more > 0.98 * off);
+			expect_above(more, 0.98 * off, "n=%d", n);
 		last = more;
 	}
 }
@@ -329,7 +334,7 @@ static void bounds_are_said(void **state)
 	r = recover(&sky, 0.5);
 	assert_true(r.recovered && r.at_bound);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(r.factor[c] / LIGHT_RECOVERY_MAX - 1) < 1e-9);
+		expect_below(fabs(r.factor[c] / LIGHT_RECOVERY_MAX - 1), 1e-9, "c=%d", c);
 	fill(&sky, 2, 100);
 	sky.ground.clipped = 0.1; /* there is more than the patch shows */
 	r = recover(&sky, 1);

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "hal/lights/recovery_pieces.h"
+#include "tests/support/expect.h"
 
 static int at(const struct dome *dome, double height_deg, double azimuth_deg)
 {
@@ -51,12 +52,12 @@ static void what_touches_is_one_piece(void **state)
 		assert_non_null(clipped);
 		size = clipped_pieces_find(pieces, clipped);
 		for (int i = 0; i < dome.count; i++)
-			assert_true(size[i] == 0);
+			expect_equal(size[i], 0, "n=%zu, i=%d", n, i);
 		for (int i = 0; i < dome.count; i++)
 			clipped[i] = 1;
 		size = clipped_pieces_find(pieces, clipped);
 		for (int i = 0; i < dome.count; i++)
-			assert_true(fabs(size[i] / (2 * M_PI) - 1) < 1e-12);
+			expect_below(fabs(size[i] / (2 * M_PI) - 1), 1e-12, "n=%zu, i=%d", n, i);
 		/* All cells on the horizon are a ring, which the zenith is far from. */
 		top = at(&dome, 90, 0);
 		for (int i = 0; i < dome.count; i++) {
@@ -70,7 +71,7 @@ static void what_touches_is_one_piece(void **state)
 					  : clipped[i] > 0 ? ring
 							   : 0;
 
-			assert_true(fabs(size[i] - is) <= 1e-12);
+			expect_at_most(fabs(size[i] - is), 1e-12, "n=%zu, i=%d", n, i);
 		}
 		free(clipped);
 		clipped_pieces_destroy(pieces);

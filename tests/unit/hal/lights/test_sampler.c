@@ -18,6 +18,7 @@
 #include "hal/optics/panorama.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 /* A dome, a lens and a picture of the sky. */
 struct sky {
@@ -117,15 +118,21 @@ static void constant_sky_is_exact(void **state)
 					      e == ESTIMATOR_CELL ? &by_cell : &by_node);
 
 			paint(&s, bgr);
-			assert_true(read_sky(&s) == 0);
+			expect_equal(read_sky(&s), 0, "k=%u, e=%d", k, e);
 			assert_int_equal(light_sampler_unseen(s.sampler), 0);
 			for (int i = 0; i < s.dome.count; i++)
 				for (int c = 0; c < 3; c++) {
 					const double want = transfer_decode(TRANSFER_SRGB,
 									    bgr[2 - c] / 255.0);
 
-					assert_true(fabs(s.radiance[i][c] - want) < code_error);
-					assert_true(s.radiance[i][c] == s.radiance[0][c]);
+					expect_below(fabs(s.radiance[i][c] - want), code_error,
+						     "light %d of %d, channel %d, case %zu, "
+						     "estimator %d",
+						     i, s.dome.count, c, (size_t)k, e);
+					expect_equal(s.radiance[i][c], s.radiance[0][c],
+						     "light %d of %d, channel %d, case %zu, "
+						     "estimator %d",
+						     i, s.dome.count, c, (size_t)k, e);
 				}
 			sky_free(&s);
 		}
@@ -148,7 +155,8 @@ static void black_level_and_gain(void **state)
 			const double code = fmax(0, (codes[k][2 - c] - 19) / 236.0);
 			const double want = 2.5 * transfer_decode(TRANSFER_BT709, code);
 
-			assert_true(fabs(s.radiance[7][c] - want) <= 2.5 * code_error);
+			expect_at_most(fabs(s.radiance[7][c] - want), 2.5 * code_error,
+				       "channel %d, codes %zu", c, (size_t)k);
 		}
 	}
 	sky_free(&s);
@@ -179,7 +187,7 @@ static void colours_and_a_measured_curve(void **state)
 
 		for (int c = 0; c < 3; c++)
 			want += 1.5 * settings.colours[3 * r + c] * linear[c];
-		assert_true(fabs(s.radiance[7][r] - fmax(want, 0)) < 2e-3);
+		expect_below(fabs(s.radiance[7][r] - fmax(want, 0)), 2e-3, "channel %d", r);
 	}
 	assert_true(s.radiance[7][2] == 0);
 	sky_free(&s);
@@ -221,7 +229,7 @@ static void conserves_energy(void **state)
 			}
 		/* A pixel at the rim is sky or not as a whole, here as there, but its cell is not:
 		 * over 54 seeds that is -1.6e-4 at most in the mean, and 7e-5 in the deviation. */
-		assert_true(fabs(lights / pixels - 1) < 5e-4);
+		expect_below(fabs(lights / pixels - 1), 5e-4, "lens %d", (int)k);
 		sky_free(&s);
 	}
 }
@@ -245,14 +253,16 @@ static void every_model_is_exact(void **state)
 		double lights = 0, pixels = 0;
 
 		paint(&s, bgr);
-		assert_true(read_sky(&s) == 0);
+		expect_equal(read_sky(&s), 0, "k=%d", k);
 		assert_int_equal(light_sampler_unseen(s.sampler), 0);
 		for (int i = 0; i < s.dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(s.radiance[i][c] == s.radiance[0][c] &&
-					    fabs(s.radiance[i][c] -
-						 transfer_decode(TRANSFER_SRGB,
-								 bgr[2 - c] / 255.0)) < code_error);
+				expect_that(s.radiance[i][c] == s.radiance[0][c] &&
+						    fabs(s.radiance[i][c] -
+							 transfer_decode(TRANSFER_SRGB,
+									 bgr[2 - c] / 255.0)) <
+							    code_error,
+					    "k=%d, i=%d, c=%d", k, i, c);
 		fill_noise(&s, &chance);
 		read_sky(&s);
 		for (int i = 0; i < s.dome.count; i++)
@@ -265,8 +275,9 @@ static void every_model_is_exact(void **state)
 							       s.pixels[4 * p + 1] / 255.0);
 		}
 		/* Half-covered pixels are left out: many degrees of an orthographic rim. */
-		assert_true(k % 2 == 0 || fabs(lights / pixels - 1) <
-						  (k / 2 == FISHEYE_ORTHOGRAPHIC ? 0.05 : 2e-3));
+		expect_that(k % 2 == 0 || fabs(lights / pixels - 1) <
+						  (k / 2 == FISHEYE_ORTHOGRAPHIC ? 0.05 : 2e-3),
+			    "k=%d", k);
 		sky_free(&s);
 	}
 }
@@ -295,7 +306,8 @@ static void falloff_is_made_up_for(void **state)
 		assert_int_equal(light_sampler_read_linear(s.sampler, &image, s.radiance), 0);
 		for (int i = 0; i < s.dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(s.radiance[i][c] / (c + 1) - 1) < 1e-4);
+				expect_below(fabs(s.radiance[i][c] / (c + 1) - 1), 1e-4,
+					     "light %d, channel %d", i, c);
 		image_free(&image);
 		sky_free(&s);
 	}
@@ -326,7 +338,8 @@ static void never_misses_a_lamp(void **state)
 				seen += node.radiance[i][0];
 			}
 			/* cells at the rim lack the pixels that show more than sky */
-			assert_true(fabs(energy / sr - 1) < (dir[2] > 0.15 ? 0.01 : 0.05));
+			expect_below(fabs(energy / sr - 1), dir[2] > 0.15 ? 0.01 : 0.05,
+				     "lamp at (%g, %g, %g)", dir[0], dir[1], dir[2]);
 			missed += seen == 0;
 			pixel[0] = pixel[1] = pixel[2] = 0;
 			memcpy(node.pixels + 4 * (y * 240 + x), pixel, 4);
@@ -412,7 +425,8 @@ static void means_of_a_known_sky(void **state)
 		assert_int_equal(light_sampler_unseen(s.sampler), 0);
 		for (int i = 0; i < s.dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(s.radiance[i][c] - mean[i][c]) < 3e-3);
+				expect_below(fabs(s.radiance[i][c] - mean[i][c]), 3e-3,
+					     "light %d, channel %d, lens %d", i, c, (int)k);
 		free(image.f32);
 		sky_free(&s);
 	}
@@ -432,8 +446,8 @@ static void nodes_of_a_known_sky(void **state)
 		const double *d = s.dome.direction[i];
 
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs(s.radiance[i][c] - sky_radiance(d, c)) <
-				    (d[2] > 0.02 ? 2e-4 : 1e-2));
+			expect_below(fabs(s.radiance[i][c] - sky_radiance(d, c)),
+				     (d[2] > 0.02 ? 2e-4 : 1e-2), "i=%d, c=%d", i, c);
 	}
 	free(image.f32);
 	sky_free(&s);
@@ -459,7 +473,8 @@ static void linear_and_8_bit_agree(void **state)
 	assert_int_equal(light_sampler_read_linear(s.sampler, &image, linear), 0);
 	for (int i = 0; i < s.dome.count; i++)
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs(linear[i][c] - s.radiance[i][c]) < 1e-6);
+			expect_below(fabs(linear[i][c] - s.radiance[i][c]), 1e-6,
+				     "light %d, channel %d", i, c);
 	image.width = 199;
 	assert_int_equal(light_sampler_read_linear(s.sampler, &image, linear), -EINVAL);
 	free(image.f32);
@@ -524,12 +539,12 @@ static void outside_the_field_is_dark(void **state)
 			unseen += s.radiance[i][0] == 0;
 			/* a pixel is 0.4 degrees */
 			if (nearest > 60.01 * M_PI / 180)
-				assert_true(s.radiance[i][0] == 0);
+				expect_equal(s.radiance[i][0], 0, "e=%d, i=%d", e, i);
 			if (nearest < 59 * M_PI / 180)
-				assert_true(s.radiance[i][0] > 0);
+				expect_above(s.radiance[i][0], 0, "e=%d, i=%d", e, i);
 		}
-		assert_true(unseen > 100);
-		assert_int_equal(light_sampler_unseen(s.sampler), unseen);
+		expect_above(unseen, 100, "e=%d", e);
+		expect_equal(light_sampler_unseen(s.sampler), unseen, "e=%d", e);
 		sky_free(&s);
 	}
 }
@@ -548,11 +563,11 @@ static void cropped_circle(void **state)
 	for (int i = 0; i < s.dome.count; i++) {
 		double px[2];
 
-		assert_true(fisheye_project(&s.lens, s.dome.direction[i], px));
+		expect_that(fisheye_project(&s.lens, s.dome.direction[i], px), "i=%d", i);
 		if (px[1] > 1 && px[1] < 119)
-			assert_true(s.radiance[i][0] > 0);
+			expect_above(s.radiance[i][0], 0, "i=%d", i);
 		if (px[1] < -20 || px[1] > 140)
-			assert_true(s.radiance[i][0] == 0);
+			expect_equal(s.radiance[i][0], 0, "i=%d", i);
 	}
 	sky_free(&s);
 }
@@ -720,10 +735,10 @@ static void refused(void **state)
 	for (unsigned k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
 		struct fault fault = {""};
 
-		assert_int_equal(
+		expect_equal(
 			light_sampler_create(&sampler, &s.dome, &s.lens, 64, 48, &bad[k], &fault),
-			-EINVAL);
-		assert_true(strlen(fault.text) > 0);
+			-EINVAL, "k=%u", k);
+		expect_above(strlen(fault.text), 0, "k=%u", k);
 		assert_null(sampler);
 	}
 	assert_int_equal(light_sampler_create(&sampler, &s.dome, &s.lens, 64, 0, &by_cell, NULL),

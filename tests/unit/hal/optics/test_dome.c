@@ -16,6 +16,7 @@
 #include "hal/optics/dome_nodes.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 static struct dome dome_of(int frequency, enum dome_division division)
 {
@@ -38,8 +39,8 @@ static void published_counts(void **state)
 		struct dome a = dome_of(frequency[i], DOME_ANGLES);
 		struct dome c = dome_of(frequency[i], DOME_CHORDS);
 
-		assert_int_equal(a.count, angles[i]);
-		assert_int_equal(c.count, chords[i]);
+		expect_equal(a.count, angles[i], "i=%d", i);
+		expect_equal(c.count, chords[i], "i=%d", i);
 		dome_free(&a);
 		dome_free(&c);
 	}
@@ -55,8 +56,8 @@ static void check_nodes(int f, enum dome_division division, const double (*node)
 	assert_int_equal(count, 5 * f * f + 1 + on_horizon / 2);
 	assert_true(node[0][0] == 0 && node[0][1] == 0 && node[0][2] == 1);
 	for (int i = 0; i < count; i++) {
-		assert_true(fabs(vec_length(node[i]) - 1) < 3e-16);
-		assert_true(node[i][2] >= 0);
+		expect_below(fabs(vec_length(node[i]) - 1), 3e-16, "i=%d", i);
+		expect_at_least(node[i][2], 0, "i=%d", i);
 		horizon += node[i][2] == 0;
 		if (node[i][2] > 0)
 			lowest = fmin(lowest, node[i][2]);
@@ -84,9 +85,10 @@ static void check_order(int f, enum dome_division division, const double (*node)
 	for (int row = 1; row <= f; row++) { /* the cap: 5 nodes more in each */
 		const int first = 1 + 5 * row * (row - 1) / 2;
 
-		assert_true(fabs(azimuth(node[first])) < 1e-14);
+		expect_below(fabs(azimuth(node[first])), 1e-14, "row=%d", row);
 		for (int i = first + 1; i < first + 5 * row; i++)
-			assert_true(azimuth(node[i]) > azimuth(node[i - 1]));
+			expect_above(azimuth(node[i]), azimuth(node[i - 1]), "row=%d, i=%d", row,
+				     i);
 	}
 	/* the zenith, the cap, the upper half of the band; by angles the rows there bend */
 	if (division == DOME_CHORDS)
@@ -219,7 +221,9 @@ static void check_against_all_faces(int f, enum dome_division division)
 							  weight, p);
 						if (p[2] < -1e-9)
 							continue;
-						assert_true(nearest_node(&dome, p, &index) < 1e-14);
+						expect_below(nearest_node(&dome, p, &index), 1e-14,
+							     "a=%d, b=%d, c=%d, i=%d, j=%d", a, b,
+							     c, i, j);
 						met[index] = true;
 					}
 			}
@@ -254,11 +258,12 @@ static void division_of_an_edge(void **state)
 		double theta, phi;
 
 		dome_angles(&angles, first, &theta, &phi);
-		assert_true(fabs(theta - row * atan(2) / f) < 1e-14 && fabs(phi) < 1e-14);
-		assert_true(fabs(d[0] - sin(theta)) < 1e-14);
+		expect_that(fabs(theta - row * atan(2) / f) < 1e-14 && fabs(phi) < 1e-14, "row=%d",
+			    row);
+		expect_below(fabs(d[0] - sin(theta)), 1e-14, "row=%d", row);
 		dome_angles(&chords, first, &theta, &phi);
-		assert_true(fabs(tan(theta) - row * 2 / sqrt(5) / (f - row + row / sqrt(5))) <
-			    1e-13);
+		expect_below(fabs(tan(theta) - row * 2 / sqrt(5) / (f - row + row / sqrt(5))),
+			     1e-13, "row=%d", row);
 	}
 	dome_free(&angles);
 	dome_free(&chords);
@@ -276,10 +281,10 @@ static void check_sums(int f, enum dome_division division)
 
 		sum += dome.solid_angle_sr[i];
 		projected += dome.projected_sr[i];
-		assert_true(dome.solid_angle_sr[i] > 0.3 * mean);
-		assert_true(dome.solid_angle_sr[i] < 1.7 * mean);
-		assert_true(dome.projected_sr[i] > 0);
-		assert_true(dome.projected_sr[i] < dome.solid_angle_sr[i]);
+		expect_above(dome.solid_angle_sr[i], 0.3 * mean, "i=%d", i);
+		expect_below(dome.solid_angle_sr[i], 1.7 * mean, "i=%d", i);
+		expect_above(dome.projected_sr[i], 0, "i=%d", i);
+		expect_below(dome.projected_sr[i], dome.solid_angle_sr[i], "i=%d", i);
 	}
 	assert_true(fabs(sum - 2 * M_PI) < 1e-12);
 	assert_true(fabs(projected - M_PI) < 1e-12);
@@ -307,7 +312,7 @@ static void weights_of_the_icosahedron(void **state)
 
 	(void)state;
 	for (int i = 0; i < 6; i++)
-		assert_true(fabs(dome.solid_angle_sr[i] - M_PI / 3) < 1e-14);
+		expect_below(fabs(dome.solid_angle_sr[i] - M_PI / 3), 1e-14, "i=%d", i);
 	dome_free(&dome);
 }
 
@@ -353,8 +358,10 @@ static void weights_against_counting(void **state)
 			const double unit = 2 * M_PI / samples;
 			const double slack = 6 * sqrt(hits[i]) * unit;
 
-			assert_true(fabs(hits[i] * unit - dome.solid_angle_sr[i]) < slack);
-			assert_true(fabs(cosines[i] * unit - dome.projected_sr[i]) < slack);
+			expect_below(fabs(hits[i] * unit - dome.solid_angle_sr[i]), slack,
+				     "division=%d, i=%d", division, i);
+			expect_below(fabs(cosines[i] * unit - dome.projected_sr[i]), slack,
+				     "division=%d, i=%d", division, i);
 		}
 		free(hits);
 		free(cosines);
@@ -399,11 +406,14 @@ static void five_fold_symmetry(void **state)
 			const double mirrored[3] = {d[0], -d[1], d[2]};
 			int a = -1, b = -1;
 
-			assert_true(nearest_node(&dome, turned, &a) < 1e-14);
-			assert_true(nearest_node(&dome, mirrored, &b) < 1e-14);
-			assert_true(fabs(dome.solid_angle_sr[i] - dome.solid_angle_sr[a]) < 1e-14);
-			assert_true(fabs(dome.solid_angle_sr[i] - dome.solid_angle_sr[b]) < 1e-14);
-			assert_true(fabs(dome.projected_sr[i] - dome.projected_sr[a]) < 1e-14);
+			expect_below(nearest_node(&dome, turned, &a), 1e-14, "n=%d, i=%d", n, i);
+			expect_below(nearest_node(&dome, mirrored, &b), 1e-14, "n=%d, i=%d", n, i);
+			expect_below(fabs(dome.solid_angle_sr[i] - dome.solid_angle_sr[a]), 1e-14,
+				     "n=%d, i=%d", n, i);
+			expect_below(fabs(dome.solid_angle_sr[i] - dome.solid_angle_sr[b]), 1e-14,
+				     "n=%d, i=%d", n, i);
+			expect_below(fabs(dome.projected_sr[i] - dome.projected_sr[a]), 1e-14,
+				     "n=%d, i=%d", n, i);
 		}
 		dome_free(&dome);
 	}
@@ -426,20 +436,25 @@ static void corners_lie_between_nodes(void **state)
 				const double own = vec_dot(dome.direction[i], corner[k]);
 				int near = 0;
 
-				assert_true(fabs(vec_length(corner[k]) - 1) < 1e-15);
-				assert_true(corner[k][2] >= 0);
+				expect_below(fabs(vec_length(corner[k]) - 1), 1e-15,
+					     "n=%d, i=%d, k=%d", n, i, k);
+				expect_at_least(corner[k][2], 0, "n=%d, i=%d, k=%d", n, i, k);
 				for (int j = 0; j < dome.count; j++) {
 					const double other = vec_dot(dome.direction[j], corner[k]);
 
-					assert_true(other <= own + 1e-14);
+					expect_at_most(other, own + 1e-14, "n=%d, i=%d, k=%d, j=%d",
+						       n, i, k, j);
 					near += other > own - 1e-13;
 				}
-				assert_true(near >= 3 || corner[k][2] == 0);
+				expect_that(near >= 3 || corner[k][2] == 0, "n=%d, i=%d, k=%d", n,
+					    i, k);
 				/* counter-clockwise seen from outside */
 				vec_cross(corner[k], corner[(k + 1) % count], normal);
-				assert_true(vec_dot(normal, dome.direction[i]) > -1e-15);
+				expect_above(vec_dot(normal, dome.direction[i]), -1e-15,
+					     "n=%d, i=%d, k=%d", n, i, k);
 			}
-			assert_int_equal(dome_cell_corners(&dome, i, NULL, 0), count);
+			expect_equal(dome_cell_corners(&dome, i, NULL, 0), count, "n=%d, i=%d", n,
+				     i);
 		}
 		dome_free(&dome);
 	}
@@ -488,7 +503,7 @@ static void cell_of_borders(void **state)
 			double corner[32][3];
 			const int count = dome_cell_corners(&dome, i, corner, 32);
 
-			assert_int_equal(dome_cell_of(&dome, dome.direction[i]), i);
+			expect_equal(dome_cell_of(&dome, dome.direction[i]), i, "n=%d, i=%d", n, i);
 			for (int k = 0; k < count; k++) {
 				const double *a = corner[k], *b = corner[(k + 1) % count];
 				const double t = chance_real(&chance, 0, 1);
@@ -572,9 +587,10 @@ static void check_samples(const struct dome *dome, int light, struct chance *cha
 
 		dome_cell_sample(dome, light, chance_real(chance, 0, 1), chance_real(chance, 0, 1),
 				 dir);
-		assert_true(fabs(vec_length(dir) - 1) < 1e-14 && dir[2] >= 0);
-		assert_true(vec_dot(dome->direction[light], dir) >=
-			    vec_dot(dome->direction[brute_force(dome, dir)], dir) - 1e-14);
+		expect_that(fabs(vec_length(dir) - 1) < 1e-14 && dir[2] >= 0, "k=%d", k);
+		expect_at_least(vec_dot(dome->direction[light], dir),
+				vec_dot(dome->direction[brute_force(dome, dir)], dir) - 1e-14,
+				"k=%d", k);
 		ours[bin_of(dome->direction[light], dir, near)]++;
 	}
 	while (accepted < samples) {
@@ -627,7 +643,8 @@ static void samples_keep_their_order(void **state)
 			sum += dir[2];
 		}
 		sum *= dome.solid_angle_sr[i] / (side * side);
-		assert_true(fabs(sum - dome.projected_sr[i]) < 2e-4 * dome.solid_angle_sr[i]);
+		expect_below(fabs(sum - dome.projected_sr[i]), 2e-4 * dome.solid_angle_sr[i],
+			     "i=%d", i);
 	}
 	dome_free(&dome);
 }
@@ -643,8 +660,8 @@ static void samples_at_the_limits(void **state)
 			double dir[3];
 
 			dome_cell_sample(&dome, i, limits[k % 5], limits[k / 5], dir);
-			assert_true(fabs(vec_length(dir) - 1) < 1e-14);
-			assert_true(vec_dot(dir, dome.direction[i]) > 0.98);
+			expect_below(fabs(vec_length(dir) - 1), 1e-14, "i=%d, k=%d", i, k);
+			expect_above(vec_dot(dir, dome.direction[i]), 0.98, "i=%d, k=%d", i, k);
 		}
 	dome_free(&dome);
 }

@@ -16,6 +16,7 @@
 #include "hal/optics/panorama.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #define WIDTH 64
@@ -75,7 +76,8 @@ static void pixel_centres_are_exact(void **state)
 					dir[k] *= 7;
 				panorama_radiance(&p, dir, rgb);
 				for (int c = 0; c < 3; c++)
-					assert_true(fabs(rgb[c] - 2.5 * pixels[y][x][c]) < 1e-9);
+					expect_below(fabs(rgb[c] - 2.5 * pixels[y][x][c]), 1e-9,
+						     "n=%d, y=%d, x=%d, c=%d", n, y, x, c);
 			}
 	}
 }
@@ -103,7 +105,8 @@ static void bilinear_across_the_seam(void **state)
 			const double below = (1 - s) * pixels[row + 1][WIDTH - 1][c] +
 					     s * pixels[row + 1][0][c];
 
-			assert_true(fabs(rgb[c] - ((1 - t) * above + t * below)) < 1e-9);
+			expect_below(fabs(rgb[c] - ((1 - t) * above + t * below)), 1e-9,
+				     "n=%d, c=%d", n, c);
 		}
 	}
 }
@@ -135,7 +138,7 @@ static void rows_sum_to_the_sphere(void **state)
 		const double want = 2 * M_PI *
 				    (cos(M_PI * y / HEIGHT) - cos(M_PI * (y + 1) / HEIGHT));
 
-		assert_true(fabs(panorama_row_sr(&p, y) - want) < 1e-14);
+		expect_below(fabs(panorama_row_sr(&p, y) - want), 1e-14, "y=%d", y);
 		sum += panorama_row_sr(&p, y);
 		if (y < HEIGHT / 2)
 			upper += panorama_row_sr(&p, y);
@@ -179,11 +182,11 @@ static void read_from_files(void **state)
 				  ? image_create_f32(&picture, cases[k].width, cases[k].height)
 				  : image_create_u8(&picture, cases[k].width, cases[k].height);
 
-		assert_int_equal(err, 0);
+		expect_equal(err, 0, "k=%zu", k);
 		assert_int_equal(image_write(path, &picture, &fault), 0);
 		image_free(&picture);
 		err = panorama_read(&picture, path, &fault);
-		assert_int_equal(err, cases[k].expected ? -EINVAL : 0);
+		expect_equal(err, cases[k].expected ? -EINVAL : 0, "k=%zu", k);
 		assert_non_null(strstr(fault.text, cases[k].expected ? cases[k].expected : ""));
 		image_free(&picture);
 		assert_int_equal(unlink(path), 0);

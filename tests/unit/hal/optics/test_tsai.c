@@ -15,6 +15,7 @@
 #include "hal/optics/tsai.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 static const double eye[3] = {3, -4, 2}, target[3] = {0.2, 0.1, 0.5};
 
@@ -58,7 +59,7 @@ static void projects_as_printed(void **state)
 			w[i] = chance_real(&chance, -1, 1);
 		assert_int_equal(tsai_project(&c, w, px), 0);
 		printed_equations(&c, w, want);
-		assert_true(hypot(px[0] - want[0], px[1] - want[1]) < 1e-10);
+		expect_below(hypot(px[0] - want[0], px[1] - want[1]), 1e-10, "k=%d", k);
 	}
 }
 
@@ -80,7 +81,7 @@ static void looks_at_its_target(void **state)
 	assert_int_equal(tsai_ray(&c, (double[]){0, 240}, origin, dir), 0);
 	assert_true(fabs(acos(vec_dot(dir, c.rotation + 6)) - 20 * M_PI / 180) < 1e-9);
 	for (int i = 0; i < 3; i++)
-		assert_true(fabs(origin[i] - eye[i]) < 1e-12);
+		expect_below(fabs(origin[i] - eye[i]), 1e-12, "i=%d", i);
 }
 
 static void round_trip(void **state)
@@ -100,14 +101,15 @@ static void round_trip(void **state)
 			double origin[3], dir[3], point[3], back[2];
 
 			assert_int_equal(tsai_ray(&c, px, origin, dir), 0);
-			assert_true(fabs(vec_length(dir) - 1) < 1e-14);
+			expect_below(fabs(vec_length(dir) - 1), 1e-14, "k=%u, n=%d", k, n);
 			for (int i = 0; i < 3; i++)
 				point[i] = origin[i] + far * dir[i];
 			assert_int_equal(tsai_project(&c, point, back), 0);
 			/* beside a camera 5 away from the origin, a point at 1e-2 keeps 13 digits,
 			 * and fewer where the ray leaves nearly across the view */
-			assert_true(hypot(back[0] - px[0], back[1] - px[1]) <
-				    1e-9 / fmin(far, 1) / vec_dot(dir, c.rotation + 6));
+			expect_below(hypot(back[0] - px[0], back[1] - px[1]),
+				     1e-9 / fmin(far, 1) / vec_dot(dir, c.rotation + 6),
+				     "k=%u, n=%d", k, n);
 		}
 	}
 }
@@ -137,7 +139,7 @@ static void has_no_image(void **state)
 			camera[i] -= c.translation[i];
 		mat_apply_transposed(c.rotation, camera, w);
 		if (fabs(radius - 10) > 1e-9)
-			assert_int_equal(tsai_project(&c, w, px), radius < 10 ? 0 : -ERANGE);
+			expect_equal(tsai_project(&c, w, px), radius < 10 ? 0 : -ERANGE, "k=%d", k);
 	}
 	/* distorted radius at most 2/3 of the fold's */
 	for (int k = 0; k < 200; k++) {
@@ -146,8 +148,8 @@ static void has_no_image(void **state)
 		px[0] = c.centre_px[0];
 		px[1] = c.height - c.centre_px[1] + radius / c.pixel[1];
 		if (fabs(radius - 20.0 / 3) > 1e-9)
-			assert_int_equal(tsai_ray(&c, px, origin, dir),
-					 radius < 20.0 / 3 ? 0 : -ERANGE);
+			expect_equal(tsai_ray(&c, px, origin, dir), radius < 20.0 / 3 ? 0 : -ERANGE,
+				     "k=%d", k);
 	}
 	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
 	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
@@ -175,8 +177,10 @@ static void projects_as_tsai_printed(void **state)
 			mat_apply(c.rotation, w, seen);
 			for (int i = 0; i < 3; i++)
 				seen[i] += c.translation[i];
-			assert_true(fabs(x * back - c.focal * seen[0] / seen[2]) < 1e-12);
-			assert_true(fabs(y * back - c.focal * seen[1] / seen[2]) < 1e-12);
+			expect_below(fabs(x * back - c.focal * seen[0] / seen[2]), 1e-12,
+				     "k=%d, n=%d", k, n);
+			expect_below(fabs(y * back - c.focal * seen[1] / seen[2]), 1e-12,
+				     "k=%d, n=%d", k, n);
 		}
 }
 
@@ -196,12 +200,14 @@ static void has_no_image_as_tsai_printed(void **state)
 		px[0] = c.centre_px[0];
 		px[1] = c.height - c.centre_px[1] + radius / c.pixel[1];
 		if (fabs(radius - 10) > 1e-9)
-			assert_int_equal(tsai_ray(&c, px, origin, dir), radius < 10 ? 0 : -ERANGE);
+			expect_equal(tsai_ray(&c, px, origin, dir), radius < 10 ? 0 : -ERANGE,
+				     "k=%d", k);
 		for (int i = 0; i < 3; i++)
 			camera[i] -= c.translation[i];
 		mat_apply_transposed(c.rotation, camera, w);
 		if (fabs(radius - 20.0 / 3) > 1e-9)
-			assert_int_equal(tsai_project(&c, w, px), radius < 20.0 / 3 ? 0 : -ERANGE);
+			expect_equal(tsai_project(&c, w, px), radius < 20.0 / 3 ? 0 : -ERANGE,
+				     "k=%d", k);
 	}
 	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
 	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
@@ -244,8 +250,8 @@ static void undistorts_as_bisection_does(void **state)
 		double r;
 
 		assert_int_equal(tsai_straight_radius(kappa1, distorted, &r), 0);
-		assert_true(fabsl(r - bisected(kappa1, distorted)) <=
-			    1e-12L * bisected(kappa1, distorted));
+		expect_at_most(fabsl(r - bisected(kappa1, distorted)),
+			       1e-12L * bisected(kappa1, distorted), "n=%d", n);
 	}
 }
 
@@ -264,17 +270,18 @@ static void undistorts_extremes(void **state)
 			const int ret = tsai_straight_radius(kappa1, distorted, &r);
 
 			if (!isfinite(kappa1) || !isfinite(distorted) || distorted < 0) {
-				assert_int_equal(ret, -ERANGE);
+				expect_equal(ret, -ERANGE, "i=%d, j=%d", i, j);
 			} else if (ret == 0) {
 				const long double k = kappa1, x = r;
 
-				assert_true(isfinite(r) && r >= 0);
-				assert_true(fabsl(x + k * x * x * x - distorted) <=
-					    1e-14L * distorted);
+				expect_that(isfinite(r) && r >= 0, "i=%d, j=%d", i, j);
+				expect_at_most(fabsl(x + k * x * x * x - distorted),
+					       1e-14L * distorted, "i=%d, j=%d", i, j);
 			} else {
-				assert_int_equal(ret, -ERANGE);
-				assert_true(kappa1 < 0); /* a rising cubic always has a root */
-				assert_true(distorted * sqrt(-kappa1) > 0.3848);
+				expect_equal(ret, -ERANGE, "i=%d, j=%d", i, j);
+				expect_below(kappa1, 0, "i=%d, j=%d", i,
+					     j); /* a rising cubic always has a root */
+				expect_above(distorted * sqrt(-kappa1), 0.3848, "i=%d, j=%d", i, j);
 			}
 		}
 }
@@ -287,8 +294,8 @@ static void at_the_fold(void **state)
 		double r;
 
 		assert_int_equal(tsai_straight_radius(kappa1, fold * 2 / 3, &r), 0);
-		assert_true(fabs(r / fold - 1) < 1e-7 && r <= fold * (1 + 1e-15));
-		assert_int_equal(tsai_straight_radius(kappa1, fold * 0.66667, &r), -ERANGE);
+		expect_that(fabs(r / fold - 1) < 1e-7 && r <= fold * (1 + 1e-15), "e=%d", e);
+		expect_equal(tsai_straight_radius(kappa1, fold * 0.66667, &r), -ERANGE, "e=%d", e);
 	}
 }
 
@@ -331,10 +338,11 @@ static void checks_its_fields(void **state)
 	assert_int_equal(tsai_check(&c, NULL), 0);
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
-			assert_true(fabs(vec_dot(c.rotation + 3 * i, c.rotation + 3 * j) -
-					 (i == j)) < 1e-15);
+			expect_below(
+				fabs(vec_dot(c.rotation + 3 * i, c.rotation + 3 * j) - (i == j)),
+				1e-15, "i=%d, j=%d", i, j);
 	for (int i = 0; i < 9; i++)
-		assert_true(fabs(c.rotation[i] - good.rotation[i]) < 1e-7);
+		expect_below(fabs(c.rotation[i] - good.rotation[i]), 1e-7, "i=%d", i);
 }
 
 static void look_at_refuses(void **state)

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "bake/calibrate/camera/camera.h"
+#include "tests/support/expect.h"
 
 /* What the data were made with. */
 static const struct {
@@ -83,10 +84,11 @@ static void full(void **state)
 	for (unsigned k = 0; k < sizeof(truth) / sizeof(*truth); k++) {
 		const int at = estimate_find(estimate, truth[k].name);
 
-		assert_true(at >= 0);
+		expect_at_least(at, 0, "k=%u", k);
 		p = &estimate->parameter[at];
 		assert_false(p->fixed);
-		assert_true(fabs(p->value - truth[k].value) < 3 * estimate_deviation(estimate, at));
+		expect_below(fabs(p->value - truth[k].value), 3 * estimate_deviation(estimate, at),
+			     "k=%u", k);
 	}
 	/* f is known to some percent only, and says so; the picture all the same */
 	p = &estimate->parameter[estimate_find(estimate, "focal")];

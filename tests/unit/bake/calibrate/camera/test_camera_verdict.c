@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/known_camera.h"
 
 static const double eye[3] = {0.12, -0.38, 0.42}, middle[3] = {0.01, 0.005, 0};
@@ -207,8 +208,8 @@ static void aspect_does_not_show_in_a_plane(void **state)
 		task.aspect_deviation = -1;
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_true(solution.finding.estimate.parameter[4].fixed);
-		assert_true(solution.camera.aspect == 1);
-		assert_true(known_camera_trusted(&solution));
+		expect_equal(solution.camera.aspect, 1, "way=%d", way);
+		expect_that(known_camera_trusted(&solution), "way=%d", way);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -248,11 +249,12 @@ static void outliers(void **state)
 			seen.point[5 * k].px[1] += k % 3 ? 20 : 5;
 		}
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(known_camera_trusted(&solution));
+		expect_that(known_camera_trusted(&solution), "count=%d", count);
 		for (int i = 0; i < seen.count; i++)
-			assert_true((solution.finding.weight[i] < 0.1) ==
-				    (i % 5 == 0 && i < 5 * count));
-		assert_true(fabs(solution.camera.focal / truth.focal - 1) < 0.02);
+			expect_equal((solution.finding.weight[i] < 0.1),
+				     (i % 5 == 0 && i < 5 * count), "count=%d, i=%d", count, i);
+		expect_below(fabs(solution.camera.focal / truth.focal - 1), 0.02, "count=%d",
+			     count);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -424,7 +426,8 @@ static void not_a_number(void **state)
 		assert_non_null(file);
 		fprintf(file, "1 2 3 4 5\n%s", lines[k]);
 		assert_int_equal(fclose(file), 0);
-		assert_int_equal(observations_read(&seen, path, &convention, &fault), -EINVAL);
+		expect_equal(observations_read(&seen, path, &convention, &fault), -EINVAL, "k=%d",
+			     k);
 		assert_non_null(strstr(fault.text, ":2: expected five finite numbers"));
 		assert_int_equal(unlink(path), 0);
 		observations_free(&seen);
@@ -462,7 +465,7 @@ static void folds_over(void **state)
 				truth.kappa1 *= 4.0 / 9;
 			observations_free(&seen);
 			known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
-			assert_int_equal(seen.count, 108);
+			expect_equal(seen.count, 108, "distortion=%d, p=%d", distortion, p);
 			task = known_camera_task(&truth);
 			task.object_given = true;
 			expect(&seen, &task, "");

@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "bake/calibrate/convert/convert.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #define TOLERANCE_PX 0.1
@@ -92,12 +93,12 @@ static void test_distorts(void **state)
 		double error_px = -1, turn_deg;
 
 		assert_int_equal(lens_of_tsai(&lens, &camera, 0, &error_px, NULL), 0);
-		assert_true(error_px == 0);
+		expect_equal(error_px, 0, "k=%d", k);
 		read = again(&lens, k >= 3, error_px);
 		assert_memory_equal(&read, &lens, sizeof(lens));
 		assert_int_equal(lens_to_tsai(&read, &back, 0, &error_px, &turn_deg, NULL), 0);
-		assert_true(error_px == 0);
-		assert_true(farthest(&camera, &back) < 1e-9);
+		expect_equal(error_px, 0, "k=%d", k);
+		expect_below(farthest(&camera, &back), 1e-9, "k=%d", k);
 	}
 }
 
@@ -120,11 +121,11 @@ static void test_undistorts(void **state)
 				 0);
 		print_message("kappa1 %g that undistorts: %.2g px out, %.2g px in\n", kappa1[k],
 			      out_px, in_px);
-		assert_int_equal(back.distortion, TSAI_UNDISTORTS);
+		expect_equal(back.distortion, TSAI_UNDISTORTS, "k=%d", k);
 		/* what is said is what it is */
-		assert_true(farthest(&camera, &back) < out_px + in_px + 1e-9);
-		assert_int_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault),
-				 -ERANGE);
+		expect_below(farthest(&camera, &back), out_px + in_px + 1e-9, "k=%d", k);
+		expect_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault), -ERANGE,
+			     "k=%d", k);
 		assert_non_null(strstr(fault.text, "expected at most"));
 	}
 }
@@ -155,11 +156,11 @@ static void test_terms(void **state)
 		memcpy(lens.term, cases[k].term, sizeof(lens.term));
 		assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &turn_deg, NULL), 0);
 		print_message("case %zu: %.3g px, %.3g degrees\n", k, error_px, turn_deg);
-		assert_true(error_px >= cases[k].least && error_px <= cases[k].most);
+		expect_that(error_px >= cases[k].least && error_px <= cases[k].most, "k=%zu", k);
 		if (error_px > 0)
-			assert_int_equal(lens_to_tsai(&lens, &camera, 0.9 * error_px, &error_px,
-						      &turn_deg, NULL),
-					 -ERANGE);
+			expect_equal(lens_to_tsai(&lens, &camera, 0.9 * error_px, &error_px,
+						  &turn_deg, NULL),
+				     -ERANGE, "k=%zu", k);
 	}
 }
 
@@ -184,7 +185,7 @@ static void test_fisheyes(void **state)
 
 		assert_int_equal(lens_of_fisheye(&lens, &settings, 720, 576, 0.5, &error_px, NULL),
 				 0);
-		assert_true(exact == (error_px == 0));
+		expect_equal(exact, (error_px == 0), "model=%d", model);
 		read = again(&lens, model % 2, error_px);
 		assert_memory_equal(&read, &lens, sizeof(lens));
 		assert_int_equal(lens_to_fisheye(&read, &back, NULL), 0);
@@ -200,11 +201,11 @@ static void test_fisheyes(void **state)
 			worst = fmax(worst, hypot(a[0] - b[0], a[1] - b[1]));
 		}
 		print_message("%s: %.2g px\n", fisheye_model_names[model], error_px);
-		assert_true(worst <= error_px + 1e-9);
+		expect_at_most(worst, error_px + 1e-9, "model=%d", model);
 		if (!exact)
-			assert_int_equal(lens_of_fisheye(&lens, &settings, 720, 576, error_px / 2,
-							 &error_px, NULL),
-					 -ERANGE);
+			expect_equal(lens_of_fisheye(&lens, &settings, 720, 576, error_px / 2,
+						     &error_px, NULL),
+				     -ERANGE, "model=%d", model);
 	}
 }
 
@@ -343,8 +344,8 @@ static void test_damaged(void **state)
 		write_file("bad.yml", cases[k].text);
 		snprintf(expected, sizeof(expected), "%s%s", own_folder_path("bad.yml"),
 			 cases[k].fault);
-		assert_int_equal(lens_read_yaml(&lens, own_folder_path("bad.yml"), &fault),
-				 -EINVAL);
+		expect_equal(lens_read_yaml(&lens, own_folder_path("bad.yml"), &fault), -EINVAL,
+			     "k=%zu", k);
 		assert_string_equal(fault.text, expected);
 	}
 	assert_int_equal(remove(own_folder_path("bad.yml")), 0);
@@ -366,7 +367,8 @@ static void test_truncated(void **state)
 		memcpy(part, whole, bytes);
 		part[bytes] = '\0';
 		write_file("cut.yml", part);
-		assert_int_equal(lens_read_yaml(&lens, own_folder_path("cut.yml"), NULL), -EINVAL);
+		expect_equal(lens_read_yaml(&lens, own_folder_path("cut.yml"), NULL), -EINVAL,
+			     "bytes=%zu", bytes);
 	}
 	assert_int_equal(remove(own_folder_path("cut.yml")), 0);
 }

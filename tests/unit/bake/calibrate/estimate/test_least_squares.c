@@ -12,6 +12,7 @@
 
 #include "bake/calibrate/estimate/least_squares.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define POINTS_MAX 400
 
@@ -100,11 +101,11 @@ static void without_noise(void **state)
 			problem.loss_scale = 2.4;
 		assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), 0);
 		for (int k = 0; k < 3; k++)
-			assert_true(fabs(x[k] - truth[k]) < 1e-11);
-		assert_true(fit.sigma < 1e-12);
+			expect_below(fabs(x[k] - truth[k]), 1e-11, "way=%d, k=%d", way, k);
+		expect_below(fit.sigma, 1e-12, "way=%d", way);
 		if (way <
 		    2) /* what is left is rounding, of which a robust loss may leave out some */
-			assert_int_equal(fit.freedom, 47);
+			expect_equal(fit.freedom, 47, "way=%d", way);
 		least_squares_free(&fit);
 		least_squares_free(&fit);
 	}
@@ -161,7 +162,8 @@ static void covariance_of_a_line(void **state)
 	assert_true(fabs(fit.covariance[2] / (fit.sigma * fit.sigma * -se / (s * see - se * se)) -
 			 1) < 1e-9);
 	for (int k = 0; k < 3; k++)
-		assert_true(fit.covariance[3 + k] == 0 && fit.covariance[3 * k + 1] == 0);
+		expect_that(fit.covariance[3 + k] == 0 && fit.covariance[3 * k + 1] == 0, "k=%d",
+			    k);
 	least_squares_free(&fit);
 }
 
@@ -191,8 +193,10 @@ static void deviations_are_honest(void **state)
 			least_squares_free(&fit);
 		}
 		/* binomial, five deviations */
-		assert_true(fabs(one - 0.683 * runs) < 5 * sqrt(runs * 0.683 * 0.317));
-		assert_true(fabs(two - 0.95 * runs) < 5 * sqrt(runs * 0.95 * 0.05));
+		expect_below(fabs(one - 0.683 * runs), 5 * sqrt(runs * 0.683 * 0.317), "robust=%d",
+			     robust);
+		expect_below(fabs(two - 0.95 * runs), 5 * sqrt(runs * 0.95 * 0.05), "robust=%d",
+			     robust);
 	}
 }
 
@@ -212,9 +216,9 @@ static void names_outliers(void **state)
 	problem.loss_scale = 2.4;
 	assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), 0);
 	for (int k = 0; k < 3; k++)
-		assert_true(fabs(x[k] - truth[k]) < 6 * sqrt(fit.covariance[4 * k]));
+		expect_below(fabs(x[k] - truth[k]), 6 * sqrt(fit.covariance[4 * k]), "k=%d", k);
 	for (int i = 0; i < 100; i++)
-		assert_true((fit.weight[i] < 0.1) == (i % 7 == 0));
+		expect_equal((fit.weight[i] < 0.1), (i % 7 == 0), "i=%d", i);
 	assert_true(fit.sigma > 0.006 && fit.sigma < 0.015);
 	least_squares_free(&fit);
 }

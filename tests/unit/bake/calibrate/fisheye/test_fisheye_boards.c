@@ -14,6 +14,7 @@
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "bake/calibrate/observe/boards.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/fisheye_photographs.h"
 
 /* The farthest from the axis that a corner was seen, rad. */
@@ -24,7 +25,7 @@ static double seen_to(const struct observations *seen, const struct fisheye *len
 	for (int n = 0; n < seen->count; n++) {
 		double ray[3];
 
-		assert_true(fisheye_ray(lens, seen->point[n].px, ray));
+		expect_that(fisheye_ray(lens, seen->point[n].px, ray), "n=%d", n);
 		most = fmax(most, acos(ray[2]));
 	}
 	return most;
@@ -44,7 +45,8 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 		const double ray[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
 		double is[2], should[2];
 
-		assert_true(fisheye_project(&lens, ray, is) && fisheye_project(truth, ray, should));
+		expect_that(fisheye_project(&lens, ray, is) && fisheye_project(truth, ray, should),
+			    "k=%d", k);
 		worst = fmax(worst, hypot(is[0] - should[0], is[1] - should[1]));
 	}
 	return worst;

@@ -16,6 +16,7 @@
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "hal/base/clock.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/fisheye_views.h"
 
 static struct fisheye_wanted wanted_of(bool directions, int model)
@@ -81,10 +82,11 @@ static void right_without_noise(void **state)
 		print_message("# %s %s: %s, rms %.2g\n", lamps ? "lamps" : "boards",
 			      fisheye_model_names[model], said, result.finding.rms_px);
 		assert_true(result.finding.verdict.trusted);
-		assert_int_equal(result.lens.model, model);
+		expect_equal(result.lens.model, model, "k=%d", k);
 		for (int n = truths(&fisheye_views_lenses[model], lamps, truth) - 1; n >= 0; n--)
-			assert_true(fabs(result.finding.estimate.parameter[n].value - truth[n]) <
-				    1e-6 * fmax(fabs(truth[n]), n < 4 ? 1 : 1e-2));
+			expect_below(fabs(result.finding.estimate.parameter[n].value - truth[n]),
+				     1e-6 * fmax(fabs(truth[n]), n < 4 ? 1 : 1e-2), "k=%d, n=%d", k,
+				     n);
 		fisheye_result_free(&result);
 		observations_free(&seen);
 	}
@@ -109,8 +111,8 @@ static void check_coverage(const struct coverage *all, int runs)
 	static const double want[2] = {0.682689, 0.95};
 
 	for (int k = 0; k < 2; k++)
-		assert_true(fabs((double)all->within[k] / all->runs - want[k]) <
-			    4 * sqrt(want[k] * (1 - want[k]) / runs));
+		expect_below(fabs((double)all->within[k] / all->runs - want[k]),
+			     4 * sqrt(want[k] * (1 - want[k]) / runs), "k=%d", k);
 	assert_true(all->within[2] >= 0.99 * all->runs);
 }
 
@@ -154,9 +156,10 @@ static void honest_with_noise(void **state)
 			see(&seen, &fisheye_views_lenses[model], lamps, sigma, &chance);
 			assert_int_equal(fisheye_find(&result, &seen, &wanted, NULL), 0);
 			e = &result.finding.estimate;
-			assert_true(e->count > 0);
+			expect_above(e->count, 0, "k=%d, run=%d", k, run);
 			/* It was not stuck on its way. */
-			assert_true(result.finding.rms_px < 1.25 * M_SQRT2 * sigma);
+			expect_below(result.finding.rms_px, 1.25 * M_SQRT2 * sigma, "k=%d, run=%d",
+				     k, run);
 			for (int n = 0; n < numbers; n++) {
 				if (e->parameter[n].fixed)
 					continue;
@@ -166,7 +169,8 @@ static void honest_with_noise(void **state)
 			fisheye_result_free(&result);
 			observations_free(&seen);
 		}
-		assert_true(all.within[2] >= (0.99 - 4 * sqrt(0.0099 / own)) * all.runs);
+		expect_at_least(all.within[2], (0.99 - 4 * sqrt(0.0099 / own)) * all.runs, "k=%d",
+				k);
 		total.runs += all.runs;
 		for (int i = 0; i < 3; i++)
 			total.within[i] += all.within[i];
@@ -241,7 +245,7 @@ static void doubted(void **state)
 		const double t = (n - 30) * 0.045;
 
 		memcpy(point->world, (double[]){sin(t), 0, cos(t)}, sizeof(point->world));
-		assert_true(fisheye_project(&lens, point->world, point->px));
+		expect_that(fisheye_project(&lens, point->world, point->px), "n=%d", n);
 	}
 	expect(&seen, &lamps, "lie in one plane");
 	fisheye_views_begin(&seen);

@@ -15,6 +15,7 @@
 
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/drivers.h"
+#include "tests/support/expect.h"
 
 static void *place(void *root, const char *instance)
 {
@@ -79,7 +80,7 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 
 			if (!fisheye_ray(truth, px, dir))
 				continue;
-			assert_true(fisheye_project(&lens, dir, there));
+			expect_that(fisheye_project(&lens, dir, there), "y=%d, x=%d", y, x);
 			worst = fmax(worst, hypot(there[0] - px[0], there[1] - px[1]));
 		}
 	return worst;

@@ -15,6 +15,7 @@
 #include <stdlib.h>
 
 #include "tests/support/drawn_board.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #define PHOTOGRAPHS "/usr/share/doc/opencv-doc/examples/data/"
@@ -77,7 +78,7 @@ static void test_parse(void **state)
 		struct board board;
 
 		fault.text[0] = 0;
-		assert_int_equal(board_parse(&board, wrong[i], &fault), -EINVAL);
+		expect_equal(board_parse(&board, wrong[i], &fault), -EINVAL, "i=%zu", i);
 		assert_non_null(strstr(fault.text, "expected"));
 	}
 }
@@ -444,7 +445,7 @@ static void test_photographs(void **state)
 
 		snprintf(path, sizeof(path), PHOTOGRAPHS "%s%02d.jpg", sides[i / 14], i % 14 + 1);
 		if (access(path, R_OK)) {
-			assert_int_equal(i % 14 + 1, 10); /* there is no tenth */
+			expect_equal(i % 14 + 1, 10, "i=%d", i); /* there is no tenth */
 			continue;
 		}
 		assert_int_equal(image_read(path, &picture, &fault), 0);

@@ -13,6 +13,7 @@
 
 #include "bake/calibrate/observe/live.h"
 #include "hal/base/clock.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static void write_config(const char *text)
@@ -85,9 +86,11 @@ static void test_upright(void **state)
 	assert_int_equal(next(live, &picture, &ns[0]), 0);
 	for (int y = 0; y < 3; y++)
 		for (int x = 0; x < 4; x++) {
-			assert_int_equal(picture.u8[3 * (4 * y + x)], 10 * (2 + 3 - x));
-			assert_int_equal(picture.u8[3 * (4 * y + x) + 1], 20 * (1 + y));
-			assert_int_equal(picture.u8[3 * (4 * y + x) + 2], 200);
+			expect_equal(picture.u8[3 * (4 * y + x)], 10 * (2 + 3 - x), "y=%d, x=%d", y,
+				     x);
+			expect_equal(picture.u8[3 * (4 * y + x) + 1], 20 * (1 + y), "y=%d, x=%d", y,
+				     x);
+			expect_equal(picture.u8[3 * (4 * y + x) + 2], 200, "y=%d, x=%d", y, x);
 		}
 	assert_int_equal(live_flush(live, NULL), 0);
 	assert_int_equal(next(live, &picture, &ns[1]), 0);
@@ -150,7 +153,7 @@ static void test_flush(void **state)
 		now_ns = clock_now_ns();
 		assert_int_equal(live_flush(live, NULL), 0);
 		assert_int_equal(next(live, &picture, &ns), 0);
-		assert_true(ns > now_ns);
+		expect_above(ns, now_ns, "i=%d", i);
 	}
 	live_close(live);
 	image_free(&picture);
@@ -226,9 +229,9 @@ static void test_trouble(void **state)
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		write_config(cases[i].text);
-		assert_int_equal(
+		expect_equal(
 			live_open(&live, own_folder_path("kiosk.conf"), LIVE_BACKGROUND, &fault),
-			cases[i].err);
+			cases[i].err, "i=%zu", i);
 		assert_null(live);
 		if (!strstr(fault.text, cases[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", fault.text, cases[i].says);

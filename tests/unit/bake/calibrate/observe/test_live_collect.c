@@ -16,6 +16,7 @@
 
 #include "bake/calibrate/observe/live_collect.h"
 #include "tests/support/drawn_board.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #define HELD                                                                                       \
@@ -123,7 +124,7 @@ static void check_marks(const struct image *shown, const struct observations *al
 
 				green += rgb[1] > rgb[0] + 60 && rgb[1] > rgb[2] + 60;
 			}
-		assert_true(green >= 8);
+		expect_at_least(green, 8, "i=%d", i);
 	}
 }
 
@@ -151,7 +152,8 @@ static void test_collect(void **state)
 
 		assert_int_equal(board_find(&board, &pictures[i], "again", &again, &fault), 0);
 		for (int k = 0; k < 54; k++)
-			assert_true(again.point[k].px[0] == all.point[54 * i + k].px[0]);
+			expect_equal(again.point[k].px[0], all.point[54 * i + k].px[0],
+				     "i=%d, k=%d", i, k);
 		observations_free(&again);
 		image_free(&pictures[i]);
 	}

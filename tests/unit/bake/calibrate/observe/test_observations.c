@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "bake/calibrate/observe/observations.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static const struct points_convention ours = {.pixel_centre = 0.5};
@@ -55,12 +56,12 @@ static void test_views(void **state)
 	assert_int_equal(all.views, 100);
 	assert_int_equal(all.count, 4950);
 	for (int v = 0; v < 100; v++) {
-		assert_int_equal(all.view[v].count, v);
+		expect_equal(all.view[v].count, v, "v=%d", v);
 		for (int i = 0; i < v; i++) {
 			const struct observation *point = &all.point[all.view[v].first + i];
 
-			assert_int_equal(point->view, v);
-			assert_true(point->world[0] == v && point->px[0] == i);
+			expect_equal(point->view, v, "v=%d, i=%d", v, i);
+			expect_that(point->world[0] == v && point->px[0] == i, "v=%d, i=%d", v, i);
 		}
 	}
 	assert_string_equal(all.point[4949].name, "view 99, 98");
@@ -130,7 +131,7 @@ static void test_conventions(void **state)
 		struct fault fault = {{0}};
 
 		assert_int_equal(read_points(&all, cases[i].text, &cases[i].convention, &fault), 0);
-		assert_true(all.point[0].px[0] == 0.5 && all.point[0].px[1] == 0.5);
+		expect_that(all.point[0].px[0] == 0.5 && all.point[0].px[1] == 0.5, "i=%zu", i);
 		observations_free(&all);
 	}
 }
@@ -166,12 +167,12 @@ static void test_wrong_files(void **state)
 			 0);
 	assert_int_equal(all.count, 2);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		assert_int_equal(read_points(&all, cases[i].text, &ours, &fault), -EINVAL);
+		expect_equal(read_points(&all, cases[i].text, &ours, &fault), -EINVAL, "i=%zu", i);
 		if (!strstr(fault.text, cases[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", fault.text, cases[i].says);
 		/* Of a file that is refused nothing is kept. */
-		assert_int_equal(all.views, 2);
-		assert_int_equal(all.count, 2);
+		expect_equal(all.views, 2, "i=%zu", i);
+		expect_equal(all.count, 2, "i=%zu", i);
 	}
 	write_points("1 2 3 4 5\0 6\n", 13);
 	assert_int_equal(observations_read(&all, own_folder_path("points.dat"), &ours, &fault),

@@ -19,6 +19,7 @@
 #include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_gain.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/patch_chart.h"
 
 static void doubted(const struct verdict *verdict, const char *words)
@@ -61,7 +62,7 @@ static void black_is_found_with_its_deviation(void **state)
 
 		assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
 		trusted(&black.verdict);
-		assert_true(fabs(black.level - level) < 0.05);
+		expect_below(fabs(black.level - level), 0.05, "k=%d", k);
 		within[0] += fabs(black.level - level) <= black.deviation;
 		within[1] += fabs(black.level - level) <= 2 * black.deviation;
 		image_free(&picture);
@@ -207,7 +208,7 @@ static void areas_are_parsed(void **state)
 	assert_int_equal(light_area_parse(&area, "1,2 3,4 5,6", NULL), 0);
 	assert_int_equal(area.corners, 3);
 	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++)
-		assert_int_equal(light_area_parse(&area, wrong[k], NULL), -EINVAL);
+		expect_equal(light_area_parse(&area, wrong[k], NULL), -EINVAL, "k=%zu", k);
 }
 
 static void patches_are_measured(void **state)
@@ -228,8 +229,9 @@ static void patches_are_measured(void **state)
 	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), 0);
 	assert_int_equal(patch.pixels, 32 * 32);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(patch.mean[c] -
-				 transfer_decode(TRANSFER_BT709, (84 + 20 * c) / 239.0)) < 1e-12);
+		expect_below(fabs(patch.mean[c] -
+				  transfer_decode(TRANSFER_BT709, (84 + 20 * c) / 239.0)),
+			     1e-12, "c=%d", c);
 	assert_true(patch.uneven < 1e-9 && patch.clipped == 0);
 	light_area_parse(&area, "24,8 40,8 40,40 24,40", NULL);
 	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), 0);
@@ -335,7 +337,7 @@ static void an_even_sky_is_predicted(void **state)
 			radiance[i][c] = 0.5F;
 	light_gain_predict(&dome, (const float(*)[3])radiance, reflectance, predicted);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(predicted[c] - 0.5 * reflectance[c]) < 1e-9);
+		expect_below(fabs(predicted[c] - 0.5 * reflectance[c]), 1e-9, "c=%d", c);
 	dome_free(&dome);
 }
 
@@ -380,7 +382,7 @@ static void colours_are_found_with_deviations(void **state)
 		fill_patches(pairs, 24, 1, 0.01, &chance);
 		assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
 		trusted(&found.verdict);
-		assert_true(found.after < found.before / 3 && found.after < 0.03);
+		expect_that(found.after < found.before / 3 && found.after < 0.03, "run=%d", run);
 		for (int e = 0; e < 9; e++) {
 			const double off = fabs(found.matrix[e] * found.scale / 2.5 - truth[e]);
 			const double d = estimate_deviation(&found.estimate, e);
@@ -435,8 +437,9 @@ static void white_may_be_kept(void **state)
 	fill_patches(pairs, 12, 1, 0.001, &chance);
 	assert_int_equal(light_colours_find(&found, pairs, 12, true, NULL), 0);
 	for (int r = 0; r < 3; r++)
-		assert_true(fabs(found.matrix[3 * r] + found.matrix[3 * r + 1] +
-				 found.matrix[3 * r + 2] - 1) < 1e-9);
+		expect_below(fabs(found.matrix[3 * r] + found.matrix[3 * r + 1] +
+				  found.matrix[3 * r + 2] - 1),
+			     1e-9, "r=%d", r);
 	light_colours_free(&found);
 }
 
@@ -474,12 +477,14 @@ static void delay_is_found(void **state)
 
 		assert_int_equal(light_delay_find(&found, &record, NULL), 0);
 		trusted(&found.verdict);
-		assert_int_equal(found.frames, delay);
-		assert_int_equal(found.seen, 8);
-		assert_true(found.time_ms >= delay * 1000 / 30.0 &&
-			    found.time_ms <= (delay + 1) * 1000 / 30.0);
-		assert_true(found.shortest_ms <= found.time_ms &&
-			    found.longest_ms >= found.time_ms && found.deviation_ms < 20);
+		expect_equal(found.frames, delay, "delay=%d", delay);
+		expect_equal(found.seen, 8, "delay=%d", delay);
+		expect_that(found.time_ms >= delay * 1000 / 30.0 &&
+				    found.time_ms <= (delay + 1) * 1000 / 30.0,
+			    "delay=%d", delay);
+		expect_that(found.shortest_ms <= found.time_ms &&
+				    found.longest_ms >= found.time_ms && found.deviation_ms < 20,
+			    "delay=%d", delay);
 		light_record_free(&record);
 	}
 }
@@ -591,10 +596,10 @@ static void damaged_files_are_refused(void **state)
 		struct fault fault = {.text = ""};
 
 		write_text(cases[k].text);
-		assert_int_equal(light_file_read(path, &response, &fault), -EINVAL);
+		expect_equal(light_file_read(path, &response, &fault), -EINVAL, "k=%zu", k);
 		if (!strstr(fault.text, path) || !strstr(fault.text, cases[k].words))
 			fail_msg("expected \"%s\" in: %s", cases[k].words, fault.text);
-		assert_int_equal(light_file_set(path, "gain", "1", NULL, &fault), -EINVAL);
+		expect_equal(light_file_set(path, "gain", "1", NULL, &fault), -EINVAL, "k=%zu", k);
 	}
 	unlink(path);
 	assert_int_equal(light_file_read(path, &response, NULL), 0);

@@ -13,6 +13,7 @@
 
 #include "bake/calibrate/response/light_response.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/patch_chart.h"
 #include "tests/support/thorough.h"
 
@@ -101,7 +102,7 @@ static void every_shape_is_found(void **state)
 			s.found.held_out, s.found.sigma, s.found.from, s.found.to, 100 * worst,
 			100 * wide, s.found.verdict.trusted ? "trusted" : s.found.verdict.reason);
 		assert_true(s.found.verdict.trusted);
-		assert_true(worst < 0.01);
+		expect_below(worst, 0.01, "k=%d", k);
 		series_free(&s);
 	}
 }
@@ -161,8 +162,8 @@ static void times_are_refined(void **state)
 
 		print_message("# time %d: ratio off by %.3f %%, deviation %.3f %%\n", j + 1,
 			      100 * (ratio - 1), 100 * s.found.time_deviation[j]);
-		assert_true(fabs(s.found.time[j] / times[j] / s.found.time[0] - 1) <
-			    3 * s.found.time_deviation[j] + 1e-3);
+		expect_below(fabs(s.found.time[j] / times[j] / s.found.time[0] - 1),
+			     3 * s.found.time_deviation[j] + 1e-3, "j=%d", j);
 	}
 	series_free(&s);
 }
