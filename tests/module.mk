@@ -4,6 +4,7 @@ tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 cmocka_PACKAGES := cmocka
 SUPPORT_SOURCES := \
 	tests/support/baked_rows.c \
+	tests/support/captured_log.c \
 	tests/support/chance.c \
 	tests/support/copied_basis.c \
 	tests/support/drawn_board.c \
@@ -18,6 +19,7 @@ SUPPORT_SOURCES := \
 	tests/support/known_camera.c \
 	tests/support/own_folder.c \
 	tests/support/patch_chart.c \
+	tests/support/plain_pipeline.c \
 	tests/support/played_v4l2.c \
 	tests/support/random_frame.c \
 	tests/support/reseal_shard.c \

@@ -13,6 +13,7 @@
 
 #include "drivers/v4l2/controls.h"
 #include "drivers/v4l2/find.h"
+#include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
 
 /* ---- controls; what is logged goes to a file ---- */
@@ -21,22 +22,13 @@ static char said[8192];
 
 static int listen_to(int (*act)(struct played_rig *rig), struct played_rig *rig)
 {
-	FILE *log = tmpfile();
-	const int stderr_was = dup(STDERR_FILENO);
-	size_t length;
-	int err;
+	const struct captured_log log = captured_log_begin();
+	const int err = act(rig);
+	FILE *stream = captured_log_end(&log);
+	const size_t length = fread(said, 1, sizeof(said) - 1, stream);
 
-	assert_non_null(log);
-	fflush(stderr);
-	dup2(fileno(log), STDERR_FILENO);
-	err = act(rig);
-	fflush(stderr);
-	dup2(stderr_was, STDERR_FILENO);
-	close(stderr_was);
-	rewind(log);
-	length = fread(said, 1, sizeof(said) - 1, log);
 	said[length] = '\0';
-	fclose(log);
+	fclose(stream);
 	return err;
 }
 

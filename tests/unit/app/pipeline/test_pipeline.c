@@ -19,7 +19,9 @@
 #include "app/pipeline/pipeline.h"
 #include "hal/basis/basis_writer.h"
 #include "hal/frame/frame.h"
+#include "tests/support/expect.h"
 #include "tests/support/hand_block.h"
+#include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
 
@@ -28,12 +30,6 @@ enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
 static char folder[] = "/tmp/test_app_pipeline_XXXXXX";
 static char path[80];
 static struct basis basis;
-
-static void must(int err, const struct fault *fault)
-{
-	if (err)
-		fail_msg("%s", fault->text);
-}
 
 /* Pixel (3, 2) and (4, 2) of the first tile, covered whole. */
 static void write_basis(const char *to, bool swapped)
@@ -49,24 +45,15 @@ static void write_basis(const char *to, bool swapped)
 	static uint16_t coverage[WIDTH * HEIGHT];
 	static float peak[LIGHTS + 1][3], value[2][3][LIGHTS];
 	const uint16_t pixel[2] = {2 * BASIS_TILE + 3, 2 * BASIS_TILE + 4};
-	struct fault fault = {.text = ""};
 	struct basis_block_payload block;
-	struct basis_writer *writer;
-	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, &fault), 0);
-	assert_int_equal(dome.count, LIGHTS);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
+	hand_block_lights(1, LIGHTS, lights);
 	if (swapped) {
 		const struct basis_light first = lights[1];
 
 		lights[1] = lights[2];
 		lights[2] = first;
 	}
-	dome_free(&dome);
 	for (int c = 0; c < 3; c++) {
 		value[0][c][0] = SHARE;
 		value[1][c][3] = SHARE;
@@ -74,11 +61,7 @@ static void write_basis(const char *to, bool swapped)
 	}
 	coverage[2 * WIDTH + 3] = coverage[2 * WIDTH + 4] = 65535;
 	block = hand_block_of_object(0, 2, pixel, LIGHTS, lights, &value[0][0][0]);
-	must(basis_writer_open(&writer, to, &info, lights, NULL, NULL, "", &fault), &fault);
-	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
-	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
-	must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	free((void *)block.payload);
+	hand_block_file(to, &info, lights, &block, coverage, (const float(*)[3])peak);
 }
 
 static int open_basis(void **state)
@@ -90,7 +73,7 @@ static int open_basis(void **state)
 		return -1;
 	snprintf(path, sizeof(path), "%s/hand.inlay", folder);
 	write_basis(path, false);
-	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	expect_success(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
 	return 0;
 }
 
@@ -102,26 +85,12 @@ static int close_basis(void **state)
 	return rmdir(folder);
 }
 
-static struct pipeline_settings plain(void)
-{
-	return (struct pipeline_settings){
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .curve = {.named = TRANSFER_SRGB},
-			    .gain = 1},
-		.lens = {.field_deg = 90},
-		.threshold_mode = THRESHOLD_DROP,
-		.background = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.threads = 1,
-	};
-}
-
 static struct pipeline made(const struct pipeline_settings *settings)
 {
 	struct pipeline pipeline;
 	struct fault fault = {.text = ""};
 
-	must(pipeline_create(&pipeline, &basis, settings, &fault), &fault);
+	expect_success(pipeline_create(&pipeline, &basis, settings, &fault), &fault);
 	return pipeline;
 }
 
@@ -165,13 +134,14 @@ static void is_light(const uint8_t bgr[4], double red, double green, double blue
 	const double rgb[3] = {red, green, blue};
 
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(bgr[2 - c] - 255 * transfer_encode(TRANSFER_SRGB, rgb[c])) <= 1);
+		expect_at_most(fabs(bgr[2 - c] - 255 * transfer_encode(TRANSFER_SRGB, rgb[c])), 1,
+			       "c=%d", c);
 }
 
 /* An even sky of code 150: each light has its radiance, and the object half of that. */
 static void an_even_sky(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline pipeline = made(&settings);
 	struct canvas sky = flat(SKY, SKY, 150);
 	struct picture picture = whole(&sky);
@@ -183,14 +153,14 @@ static void an_even_sky(void **state)
 	assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
 	assert_true(pipeline.lit);
 	for (int i = 0; i < LIGHTS; i++)
-		assert_true(fabs(pipeline.radiance[i][1] - radiance) < 1e-3);
+		expect_below(fabs(pipeline.radiance[i][1] - radiance), 1e-3, "i=%d", i);
 	choose(&pipeline, 0);
 	composite(&pipeline, out);
 	is_light(out[2][3], SHARE * radiance, SHARE * radiance, SHARE * radiance);
 	is_light(out[2][4], SHARE * radiance, SHARE * radiance, SHARE * radiance);
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
 		if (i != 2 * WIDTH + 3 && i != 2 * WIDTH + 4)
-			assert_int_equal(out[i / WIDTH][i % WIDTH][0], 90);
+			expect_equal(out[i / WIDTH][i % WIDTH][0], 90, "i=%d", i);
 	}
 	canvas_free(&sky);
 	pipeline_destroy(&pipeline);
@@ -199,7 +169,7 @@ static void an_even_sky(void **state)
 
 static void given_lights_reach_their_pixels(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline pipeline = made(&settings);
 	const float radiance[LIGHTS][3] = {[0] = {0.2f, 0.4f, 0.6f}, [5] = {9, 9, 9}};
 	static uint8_t out[HEIGHT][WIDTH][4];
@@ -215,8 +185,9 @@ static void given_lights_reach_their_pixels(void **state)
 	is_light(out[2][4], 0, 0, 0);
 	assert_int_equal(pipeline_reference(&pipeline, &picture, &exact[0][0][0], NULL), 0);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(exact[2][3][c] -
-				 255 * transfer_encode(TRANSFER_SRGB, 0.1 * (c + 1))) < 0.1);
+		expect_below(
+			fabs(exact[2][3][c] - 255 * transfer_encode(TRANSFER_SRGB, 0.1 * (c + 1))),
+			0.1, "c=%d", c);
 	canvas_free(&background);
 	pipeline_destroy(&pipeline);
 }
@@ -232,7 +203,7 @@ static void threshold_is_a_level_of_the_picture(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
-		struct pipeline_settings settings = plain();
+		struct pipeline_settings settings = plain_pipeline(1);
 		struct canvas sky = flat(SKY, SKY, 100);
 		struct picture picture = whole(&sky);
 		struct pipeline pipeline;
@@ -242,11 +213,11 @@ static void threshold_is_a_level_of_the_picture(void **state)
 		pipeline = made(&settings);
 		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
 		choose(&pipeline, 99);
-		assert_int_equal(pipeline.selection.used_count, LIGHTS);
+		expect_equal(pipeline.selection.used_count, LIGHTS, "i=%zu", i);
 		choose(&pipeline, 101);
-		assert_int_equal(pipeline.selection.used_count, 0);
+		expect_equal(pipeline.selection.used_count, 0, "i=%zu", i);
 		choose(&pipeline, 0);
-		assert_int_equal(pipeline.selection.used_count, LIGHTS);
+		expect_equal(pipeline.selection.used_count, LIGHTS, "i=%zu", i);
 		canvas_free(&sky);
 		pipeline_destroy(&pipeline);
 	}
@@ -256,7 +227,7 @@ static void threshold_is_a_level_of_the_picture(void **state)
  * is lit; around it is light that must not be read. */
 static void linear_light_is_read_through_its_view(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct view view = {.x = 10,
 			    .y = 6,
 			    .width = SKY,
@@ -286,8 +257,8 @@ static void linear_light_is_read_through_its_view(void **state)
 	for (int i = 1; i < LIGHTS; i++) { /* light 0 is the zenith, on the border */
 		double x = pipeline.dome.direction[i][0];
 
-		assert_true(fabs(x) > 0.2);
-		assert_true(fabs(pipeline.radiance[i][0] - (x < 0 ? 2 : 0)) < 1e-3);
+		expect_above(fabs(x), 0.2, "i=%d", i);
+		expect_below(fabs(pipeline.radiance[i][0] - (x < 0 ? 2 : 0)), 1e-3, "i=%d", i);
 	}
 	image_free(&camera);
 	pipeline_destroy(&pipeline);
@@ -295,7 +266,7 @@ static void linear_light_is_read_through_its_view(void **state)
 
 static void without_the_object_it_is_the_background(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline pipeline = made(&settings);
 	struct pipeline_choice choice = {.object = false};
 	static uint8_t out[HEIGHT][WIDTH][4];
@@ -305,14 +276,14 @@ static void without_the_object_it_is_the_background(void **state)
 	composite(&pipeline, out);
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
 		for (int c = 0; c < 3; c++)
-			assert_int_equal(out[i / WIDTH][i % WIDTH][c], 90);
+			expect_equal(out[i / WIDTH][i % WIDTH][c], 90, "i=%d, c=%d", i, c);
 	}
 	pipeline_destroy(&pipeline);
 }
 
 static void what_does_not_fit_is_said(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline pipeline = made(&settings);
 	struct pipeline_choice choice = {.pose = 1};
 	struct canvas narrow = flat(WIDTH - 1, HEIGHT, 0);
@@ -340,7 +311,7 @@ static void what_does_not_fit_is_said(void **state)
 
 	snprintf(swapped, sizeof(swapped), "%s/swapped.inlay", folder);
 	write_basis(swapped, true);
-	must(basis_open(&other, swapped, BASIS_SHOWN, &fault), &fault);
+	expect_success(basis_open(&other, swapped, BASIS_SHOWN, &fault), &fault);
 	assert_int_equal(pipeline_create(&pipeline, &other, &settings, &fault), -EINVAL);
 	assert_string_equal(fault.text,
 			    "light 1 of the basis is not where the dome of frequency 1 has it");
@@ -351,7 +322,7 @@ static void what_does_not_fit_is_said(void **state)
 /* A camera may come back with another size; the light stays right. */
 static void another_size_of_sky(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline pipeline = made(&settings);
 
 	(void)state;
@@ -361,9 +332,10 @@ static void another_size_of_sky(void **state)
 		double radiance = transfer_decode(TRANSFER_SRGB, (side + 100) / 255.0);
 
 		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
-		assert_int_equal(pipeline.lens_width, side);
+		expect_equal(pipeline.lens_width, side, "side=%d", side);
 		for (int i = 0; i < LIGHTS; i++)
-			assert_true(fabs(pipeline.radiance[i][2] - radiance) < 1e-3);
+			expect_below(fabs(pipeline.radiance[i][2] - radiance), 1e-3,
+				     "side=%d, i=%d", side, i);
 		canvas_free(&sky);
 	}
 	pipeline_destroy(&pipeline);
@@ -383,7 +355,7 @@ static double measure(struct pipeline *pipeline, int side, int code, int64_t at_
 /* Light follows the camera's; the first of a size, and of other settings, is what was measured. */
 static void light_is_followed(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	const double bright = transfer_decode(TRANSFER_SRGB, 200 / 255.0);
 	const double dark = transfer_decode(TRANSFER_SRGB, 50 / 255.0);
 	struct pipeline pipeline;
@@ -407,7 +379,7 @@ static void light_is_followed(void **state)
 /* Threads, kernel and patch of ground: all of the new ones or none. */
 static void a_change_that_fails_changes_nothing(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline pipeline = made(&settings);
 	const struct compositor *const compositor = pipeline.compositor;
 	const struct pool *const pool = pipeline.pool;
@@ -421,7 +393,7 @@ static void a_change_that_fails_changes_nothing(void **state)
 	assert_non_null(strstr(fault.text, "ground_patch: reaches to 4008, 8"));
 	assert_ptr_equal(pipeline.compositor, compositor);
 	assert_ptr_equal(pipeline.pool, pool);
-	assert_true(pipeline.settings.gain == plain().gain);
+	assert_true(pipeline.settings.gain == plain_pipeline(1).gain);
 	settings.patch.width = 0;
 	assert_int_equal(pipeline_change(&pipeline, &settings, &fault), 0);
 	assert_int_equal(pool_threads(pipeline.pool), 3);
@@ -432,7 +404,7 @@ static void a_change_that_fails_changes_nothing(void **state)
 /* Of two pixels of half a light each: what may go is what changes neither by more. */
 static void a_percentage_of_white_may_change(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	const float radiance[LIGHTS][3] = {[0] = {0.016f, 0.016f, 0.016f}, [3] = {1, 1, 1}};
 	struct pipeline_choice choice = {.object = true, .threshold = {.percent = true}};
 	struct pipeline pipeline = made(&settings);

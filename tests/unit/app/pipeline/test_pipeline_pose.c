@@ -19,7 +19,9 @@
 #include "app/pipeline/pipeline.h"
 #include "hal/base/clock.h"
 #include "hal/basis/basis_writer.h"
+#include "tests/support/expect.h"
 #include "tests/support/hand_block.h"
+#include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };
 
@@ -30,12 +32,6 @@ static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis */
 static struct basis basis;
 static struct pipeline pipeline;
 static uint8_t out[HEIGHT][WIDTH][4];
-
-static void must(int err, const struct fault *fault)
-{
-	if (err)
-		fail_msg("%s", fault->text);
-}
 
 static double grey_of(int pose)
 {
@@ -60,10 +56,11 @@ static void write_pose(struct basis_writer *writer, const struct basis_light *li
 	block = hand_block_of_object(0, 256, pixel, LIGHTS, lights, &value[0][0][0]);
 	for (uint32_t t = 0; t < TILES; t++) {
 		block.entry.tile = t;
-		must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
+		expect_success(basis_writer_blocks(writer, &block, 1, &fault), &fault);
 	}
 	free((void *)block.payload);
-	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
+	expect_success(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault),
+		       &fault);
 }
 
 static void write_basis(void)
@@ -78,18 +75,13 @@ static void write_basis(void)
 	struct basis_light lights[LIGHTS];
 	struct fault fault = {.text = ""};
 	struct basis_writer *writer;
-	struct dome dome;
 
-	must(dome_create(&dome, 1, DOME_ANGLES, &fault), &fault);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
-	dome_free(&dome);
-	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
+	hand_block_lights(1, LIGHTS, lights);
+	expect_success(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault),
+		       &fault);
 	for (int pose = 0; pose < POSES; pose++)
 		write_pose(writer, lights, pose);
-	must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	expect_success(basis_writer_finish(writer, &info, "", &fault), &fault);
 }
 
 static int open_basis(void **state)
@@ -102,7 +94,7 @@ static int open_basis(void **state)
 		return -1;
 	close(file);
 	write_basis();
-	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	expect_success(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
 	return 0;
 }
 
@@ -115,21 +107,12 @@ static int close_basis(void **state)
 
 static int begin(void **state)
 {
-	const struct pipeline_settings settings = {
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .curve = {.named = TRANSFER_SRGB},
-			    .gain = 1},
-		.lens = {.field_deg = 90},
-		.threshold_mode = THRESHOLD_DROP,
-		.background = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.threads = 2,
-	};
+	const struct pipeline_settings settings = plain_pipeline(2);
 	static const float light[LIGHTS][3] = {{1, 1, 1}};
 	struct fault fault = {.text = ""};
 
 	(void)state;
-	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
+	expect_success(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
 	pipeline_light_given(&pipeline, light);
 	return 0;
 }
@@ -147,8 +130,8 @@ static void shows(double grey)
 		const uint8_t *pixel = out[at / WIDTH][at % WIDTH];
 
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs(pixel[c] - 255 * transfer_encode(TRANSFER_SRGB, grey)) <=
-				    1);
+			expect_at_most(fabs(pixel[c] - 255 * transfer_encode(TRANSFER_SRGB, grey)),
+				       1, "at=%d, c=%d", at, c);
 	}
 }
 
@@ -163,12 +146,13 @@ static void frame(struct pipeline_choice choice)
 	struct fault fault = {.text = ""};
 
 	choice.object = true;
-	must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+	expect_success(pipeline_choose(&pipeline, &choice, &fault), &fault);
 	if (choice.hold) {
 		assert_true(basis_pose_ready(&basis, shown->pose));
 		assert_true(shown->share == 0 || basis_pose_ready(&basis, shown->next));
 	}
-	must(pipeline_composite(&pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault), &fault);
+	expect_success(pipeline_composite(&pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault),
+		       &fault);
 	shows((1 - shown->share) * grey_of(shown->pose) + shown->share * grey_of(shown->next));
 }
 
@@ -225,7 +209,7 @@ static void a_neighbour_is_there_at_once(void **state)
 		pose = (pose + (k < 2 * POSES ? 1 : POSES - 1)) % POSES;
 		wait_for(pose);
 		frame((struct pipeline_choice){.pose = pose, .hold = true});
-		assert_int_equal(pipeline.choice.pose, pose);
+		expect_equal(pipeline.choice.pose, pose, "k=%d", k);
 	}
 }
 
@@ -252,7 +236,7 @@ static void a_restless_choice_is_followed(void **state)
 	(void)state;
 	frame((struct pipeline_choice){.pose = 0});
 	for (int k = 1; seen < 10; k++) {
-		assert_true(clock_now_ns() - start < LONGEST_NS);
+		expect_below(clock_now_ns() - start, LONGEST_NS, "k=%d", k);
 		frame((struct pipeline_choice){.pose = 3 * k % POSES, .hold = true});
 		seen += pipeline.choice.pose != last;
 		last = pipeline.choice.pose;
@@ -276,7 +260,7 @@ static void choose_unseen(int pose)
 	do {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+		expect_success(pipeline_choose(&pipeline, &choice, &fault), &fault);
 	} while (pipeline.choice.pose != pose);
 }
 

@@ -18,6 +18,7 @@
 
 #include "app/pipeline/pipeline.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/hand_block.h"
 #include "tests/support/random_frame.h"
 
@@ -119,9 +120,7 @@ static struct crossing flicker(struct choice *c, int lights)
 		for (int i = 0; i < lights; i++)
 			set(c, 7 + i, 39 + k % 2);
 		choose(c);
-		assert_int_equal(compositor_run(c->f.compositor, 0, &c->f.lights, &c->f.backdrop,
-						c->f.out, c->f.stride),
-				 0);
+		random_frame_run(&c->f, 0);
 		found.switches += c->f.lights.used[7] != used;
 		used = c->f.lights.used[7];
 		for (size_t b = 0; k > 1 && b < c->f.bytes; b++) {
@@ -148,23 +147,24 @@ static void a_light_at_the_threshold_does_not_flicker(void **state)
 		choice_begin(&c, one_level());
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, 1);
-		assert_int_equal(found.switches, 1);
-		assert_int_equal(found.changes, 0);
+		expect_equal(found.switches, 1, "mode=%d", mode);
+		expect_equal(found.changes, 0, "mode=%d", mode);
 		choice_end(&c);
 
 		choice_begin(&c, one_level()); /* most of the sky: one level of light, no more */
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, COUNT - 10);
-		assert_int_equal(found.switches, 1);
-		assert_true(found.largest <= 2);
+		expect_equal(found.switches, 1, "mode=%d", mode);
+		expect_at_most(found.largest, 2, "mode=%d", mode);
 		choice_end(&c);
 
 		choice_begin(&c, 0); /* and without a band this test would have seen it */
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, COUNT - 10);
-		assert_int_equal(found.switches, FRAMES - 1);
-		assert_true(mode != THRESHOLD_DROP ? found.changes > FRAMES / 2
-						   : found.largest > 10);
+		expect_equal(found.switches, FRAMES - 1, "mode=%d", mode);
+		expect_that(mode != THRESHOLD_DROP ? found.changes > FRAMES / 2
+						   : found.largest > 10,
+			    "mode=%d", mode);
 		choice_end(&c);
 	}
 }
@@ -183,7 +183,7 @@ static void a_light_that_falls_goes_out(void **state)
 	assert_true(uses(&c, 7, 40.1));
 	assert_true(uses(&c, 7, 39.5));
 	for (double grey = 39.5; grey > 38; grey -= 0.01) /* a slow fade goes out once */
-		assert_int_equal(uses(&c, 7, grey), grey > 38.995);
+		expect_equal(uses(&c, 7, grey), grey > 38.995, "grey=%g", grey);
 	assert_false(uses(&c, 7, 0));
 	set(&c, 7, 0);
 	c.radiance[7][1] = level(40); /* any channel */
@@ -257,16 +257,17 @@ static void what_is_said_is_of_what_was_chosen(void **state)
 		const double grey = k ? 38.5 : 39.5, w = c.file.basis.lights[7].solid_angle_sr;
 		const double l = k ? (double)level(grey) : 0;
 
-		assert_int_equal(uses(&c, 7, grey), !k);
-		assert_int_equal(c.f.lights.used_count, COUNT - k);
-		assert_true(c.f.lights.radiance[7][0] == (k ? 0 : (double)level(grey)));
-		assert_true(fabs(c.f.lights.ambient[0] - w * l / (2 * M_PI)) < 1e-12);
+		expect_equal(uses(&c, 7, grey), !k, "k=%d", k);
+		expect_equal(c.f.lights.used_count, COUNT - k, "k=%d", k);
+		expect_equal(c.f.lights.radiance[7][0], (k ? 0 : (double)level(grey)), "k=%d", k);
+		expect_below(fabs(c.f.lights.ambient[0] - w * l / (2 * M_PI)), 1e-12, "k=%d", k);
 		for (int n = 0; n < 3; n++) {
 			const float(*peak)[3] = c.file.basis.poses[0].peak;
 			const double lost = fmax(l * (double)peak[7][n],
 						 c.f.lights.ambient[n] * (double)peak[COUNT][n]);
 
-			assert_true(fabs(c.f.lights.dropped_error[n] - lost) <= 1e-12);
+			expect_at_most(fabs(c.f.lights.dropped_error[n] - lost), 1e-12,
+				       "k=%d, n=%d", k, n);
 		}
 	}
 	choice_end(&c);
@@ -289,23 +290,10 @@ static void write_dome(const char *path)
 	static const uint16_t coverage = 65535, pixel = 0;
 	struct basis_light lights[LIGHTS];
 	struct basis_block_payload block;
-	struct basis_writer *writer;
-	struct fault fault = {""};
-	struct dome dome;
 
-	synthetic_must(dome_create(&dome, 1, DOME_ANGLES, &fault), &fault);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
-	dome_free(&dome);
+	hand_block_lights(1, LIGHTS, lights);
 	block = hand_block_of_object(0, 1, &pixel, LIGHTS, lights, value);
-	synthetic_must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault),
-		       &fault);
-	synthetic_must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
-	synthetic_must(basis_writer_pose_end(writer, &coverage, peak, &fault), &fault);
-	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	free((void *)block.payload);
+	hand_block_file(path, &info, lights, &block, &coverage, peak);
 }
 
 /* How many lights are used under an even sky of this code. */
@@ -326,10 +314,10 @@ static void check_levels(struct pipeline *p, int black)
 {
 	for (int t = black + 4; t < 255; t += t < 40 ? 1 : 9) {
 		assert_int_equal(used_under(p, t - 1, t), 0); /* the first: the threshold alone */
-		assert_int_equal(used_under(p, t + 1, t), LIGHTS);
+		expect_equal(used_under(p, t + 1, t), LIGHTS, "t=%d", t);
 		for (int k = 0; k < 4; k++)
-			assert_int_equal(used_under(p, t - k % 2, t), LIGHTS);
-		assert_int_equal(used_under(p, t - 1, t), LIGHTS);
+			expect_equal(used_under(p, t - k % 2, t), LIGHTS, "t=%d, k=%d", t, k);
+		expect_equal(used_under(p, t - 1, t), LIGHTS, "t=%d", t);
 		assert_int_equal(used_under(p, t - 2, t), 0);
 		assert_int_equal(used_under(p, t - 1, t), 0);
 	}

@@ -18,9 +18,11 @@
 #include "app/view/show.h"
 #include "hal/basis/basis_writer.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/guarded_screen.h"
 #include "tests/support/hand_block.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 50, HEIGHT = 38, LIGHTS = 46, SKY = 61, SCENE_WIDTH = 33, SCENE_HEIGHT = 47 };
 
@@ -30,12 +32,6 @@ static struct source sources[3]; /* fisheye, background, scene */
 static struct eyes eyes;
 
 /* ---- what there is to see ---- */
-
-static void must(int err, const struct fault *fault)
-{
-	if (err)
-		fail_msg("%s", fault->text);
-}
 
 /* The first tile is object, which reflects a quarter of the zenith's light. */
 static void write_basis(const char *path)
@@ -51,18 +47,9 @@ static void write_basis(const char *path)
 	static struct basis_light lights[LIGHTS];
 	static uint16_t coverage[WIDTH * HEIGHT], pixel[PIXELS];
 	static float peak[LIGHTS + 1][3], value[PIXELS][3][LIGHTS];
-	struct fault fault = {.text = ""};
 	struct basis_block_payload block;
-	struct basis_writer *writer;
-	struct dome dome;
 
-	must(dome_create(&dome, 3, DOME_ANGLES, &fault), &fault);
-	assert_int_equal(dome.count, LIGHTS);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
-	dome_free(&dome);
+	hand_block_lights(3, LIGHTS, lights);
 	for (int p = 0; p < PIXELS; p++) {
 		pixel[p] = (uint16_t)p;
 		coverage[p / BASIS_TILE * WIDTH + p % BASIS_TILE] = 65535;
@@ -70,11 +57,7 @@ static void write_basis(const char *path)
 			value[p][c][0] = peak[0][c] = peak[LIGHTS][c] = 0.25f;
 	}
 	block = hand_block_of_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0][0]);
-	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
-	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
-	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
-	must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	free((void *)block.payload);
+	hand_block_file(path, &info, lights, &block, coverage, (const float(*)[3])peak);
 }
 
 /* No two cameras alike, and no pixel of what lay in the screens' memory. */
@@ -97,28 +80,20 @@ static void look(struct eye *eye, struct source *source)
 	struct fault fault = {.text = ""};
 
 	*eye = (struct eye){.section = "test", .source = source, .wanted = {.squash = 1}};
-	must(eye_fit(eye, &fault), &fault);
+	expect_success(eye_fit(eye, &fault), &fault);
 }
 
 static int set_up(void **state)
 {
-	const struct pipeline_settings settings = {
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .curve = {.named = TRANSFER_SRGB},
-			    .gain = 1},
-		.lens = {.field_deg = 90},
-		.threshold_mode = THRESHOLD_DROP,
-		.background = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.threads = 2,
-	};
+	const struct pipeline_settings settings = plain_pipeline(2);
 	struct fault fault = {.text = ""};
 
 	if (own_folder_make(state))
 		return -1;
 	write_basis(own_folder_path("show.inlay"));
-	must(basis_open(&basis, own_folder_path("show.inlay"), BASIS_SHOWN, &fault), &fault);
-	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
+	expect_success(basis_open(&basis, own_folder_path("show.inlay"), BASIS_SHOWN, &fault),
+		       &fault);
+	expect_success(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
 	fill(&sources[0].canvas, SKY, SKY, 60);
 	fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
 	fill(&sources[2].canvas, SCENE_WIDTH, SCENE_HEIGHT, 140);
@@ -149,8 +124,8 @@ static int begin(void **state)
 	look(&eyes.background, &sources[1]);
 	look(&eyes.scene, &sources[2]);
 	sky = eye_picture(&eyes.fisheye);
-	must(pipeline_light_picture(&pipeline, &sky, &fault), &fault);
-	must(pipeline_choose(&pipeline, &choice, &fault), &fault);
+	expect_success(pipeline_light_picture(&pipeline, &sky, &fault), &fault);
+	expect_success(pipeline_choose(&pipeline, &choice, &fault), &fault);
 	assert_true(pipeline.selection.used_count > 5);
 	assert_true(pipeline.selection.used_count < LIGHTS - 5);
 	return 0;
@@ -167,7 +142,7 @@ static struct guarded_screen shown_by(struct show *show, const struct show_reque
 	struct guarded_screen screen = guarded_screen_create(width, height, fill);
 	struct fault fault = {.text = ""};
 
-	must(show_draw(show, request, &pipeline, &eyes, &screen.buffer, &fault), &fault);
+	expect_success(show_draw(show, request, &pipeline, &eyes, &screen.buffer, &fault), &fault);
 	return screen;
 }
 
@@ -225,7 +200,8 @@ static void every_pixel_and_no_other(void **state)
 		other = shown_by(&show, &request, size[0], size[1], 0xee);
 		for (int y = 0; y < size[1]; y++) {
 			for (int x = 0; x < size[0]; x++)
-				assert_true(same_pixel(&one, x, y, &other, x, y));
+				expect_that(same_pixel(&one, x, y, &other, x, y),
+					    "run=%d, y=%d, x=%d", run, y, x);
 		}
 		guarded_screen_free(&one);
 		guarded_screen_free(&other);
@@ -260,7 +236,7 @@ static void composite_is_the_composite(void **state)
 	}
 	assert_int_equal(changed, BASIS_TILE * BASIS_TILE); /* there is an object */
 	for (int x = 0; x < WIDTH + 31; x++)
-		assert_true(is_code(&framed, x, 0, 0, 0, 0));
+		expect_that(is_code(&framed, x, 0, 0, 0, 0), "x=%d", x);
 	guarded_screen_free(&exact);
 	guarded_screen_free(&framed);
 }
@@ -295,9 +271,11 @@ static void split_is_before_and_after(void **state)
 
 			for (int x = 0; x < size[0]; x++) {
 				if (!in_box || x < line.from)
-					assert_true(same_pixel(&split, x, y, &before, x, y));
+					expect_that(same_pixel(&split, x, y, &before, x, y),
+						    "run=%d, y=%d, x=%d", run, y, x);
 				else if (x >= line.to)
-					assert_true(same_pixel(&split, x, y, &after, x, y));
+					expect_that(same_pixel(&split, x, y, &after, x, y),
+						    "run=%d, y=%d, x=%d", run, y, x);
 			}
 		}
 		guarded_screen_free(&before);
@@ -316,9 +294,9 @@ static void a_line_parts_them(void **state)
 	request.split = 0.25;
 	screen = shown(&request, 3 * WIDTH, HEIGHT); /* the picture stands from 50 to 99 */
 	for (int y = 0; y < HEIGHT; y++) {
-		assert_true(is_code(&screen, 61, y, 0, 0, 0));
-		assert_true(is_code(&screen, 62, y, 255, 255, 255));
-		assert_true(is_code(&screen, 63, y, 0, 0, 0));
+		expect_that(is_code(&screen, 61, y, 0, 0, 0), "y=%d", y);
+		expect_that(is_code(&screen, 62, y, 255, 255, 255), "y=%d", y);
+		expect_that(is_code(&screen, 63, y, 0, 0, 0), "y=%d", y);
 		assert_false(is_code(&screen, 64, y, 0, 0, 0));
 		assert_false(is_code(&screen, 60, y, 0, 0, 0));
 	}
@@ -338,7 +316,8 @@ static void off_and_blank_keep_the_text(void **state)
 		screen = shown(&request, 320, 240);
 		for (int y = 0; y < 240; y++) {
 			for (int x = 0; x < 320; x++)
-				assert_true(is_code(&screen, x, y, 0, 0, 0));
+				expect_that(is_code(&screen, x, y, 0, 0, 0), "run=%d, y=%d, x=%d",
+					    run, y, x);
 		}
 		guarded_screen_free(&screen);
 		overlay_information(&overlay, "lights 1 of 2");
@@ -347,7 +326,8 @@ static void off_and_blank_keep_the_text(void **state)
 		assert_int_equal(overlay_draw(&overlay, &black.buffer), 0);
 		for (int y = 0; y < 240; y++) {
 			for (int x = 0; x < 320; x++)
-				assert_true(same_pixel(&screen, x, y, &black, x, y));
+				expect_that(same_pixel(&screen, x, y, &black, x, y),
+					    "run=%d, y=%d, x=%d", run, y, x);
 		}
 		guarded_screen_free(&screen);
 		guarded_screen_free(&black);
@@ -374,7 +354,8 @@ static void text_lies_over_the_picture(void **state)
 			bool text = !is_code(&ink, x, y, 0x11, 0x11, 0x11);
 
 			covered += text;
-			assert_true(same_pixel(&with, x, y, text ? &ink : &without, x, y));
+			expect_that(same_pixel(&with, x, y, text ? &ink : &without, x, y),
+				    "y=%d, x=%d", y, x);
 		}
 	}
 	assert_int_equal(covered > 0, WITH_CAIRO);
@@ -404,8 +385,9 @@ static void quad_is_its_four_views(void **state)
 			one = shown(&request, box.width, box.height);
 			for (int y = 0; y < box.height; y++) {
 				for (int x = 0; x < box.width; x++)
-					assert_true(same_pixel(&quad, box.x + x, box.y + y, &one, x,
-							       y));
+					expect_that(
+						same_pixel(&quad, box.x + x, box.y + y, &one, x, y),
+						"s=%d, q=%d, y=%d, x=%d", s, q, y, x);
 			}
 			guarded_screen_free(&one);
 		}
@@ -437,12 +419,14 @@ static void lights_are_marked(void **state)
 			p = guarded_screen_pixel(&quad, (int)(middle[0] + r * cos(phi)),
 						 (int)(middle[1] + r * sin(phi)));
 			if (pipeline.selection.used[i])
-				assert_true(p[2] > 150 && p[2] > p[0] + 60 && p[2] > p[1] + 60);
+				expect_that(p[2] > 150 && p[2] > p[0] + 60 && p[2] > p[1] + 60,
+					    "s=%d, i=%d", s, i);
 			else
-				assert_true(p[0] > 150 && p[0] > p[2] + 60 && p[0] > p[1] + 40);
+				expect_that(p[0] > 150 && p[0] > p[2] + 60 && p[0] > p[1] + 40,
+					    "s=%d, i=%d", s, i);
 			seen[pipeline.selection.used[i]]++;
 		}
-		assert_true(seen[0] > 3 && seen[1] > 3);
+		expect_that(seen[0] > 3 && seen[1] > 3, "s=%d", s);
 		guarded_screen_free(&quad);
 	}
 }
@@ -465,7 +449,7 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 	fitted = shown(&request, fit.width, fit.height);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++)
-			assert_true(same_pixel(&fitted, x, y, &straight, x, y));
+			expect_that(same_pixel(&fitted, x, y, &straight, x, y), "y=%d, x=%d", y, x);
 	}
 	guarded_screen_free(&fitted);
 	fit = show_fit(SHOW_QUAD, &eyes, &basis);
@@ -475,7 +459,8 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 	fitted = shown(&request, fit.width, fit.height);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++)
-			assert_true(same_pixel(&fitted, after.x + x, after.y + y, &straight, x, y));
+			expect_that(same_pixel(&fitted, after.x + x, after.y + y, &straight, x, y),
+				    "y=%d, x=%d", y, x);
 	}
 	guarded_screen_free(&fitted);
 	guarded_screen_free(&straight);
@@ -509,7 +494,8 @@ static void no_pictures(void **state)
 
 		for (int y = 0; y < 43; y++) {
 			for (int x = 0; x < 61; x++)
-				assert_true(is_code(&screen, x, y, 0, 0, 0));
+				expect_that(is_code(&screen, x, y, 0, 0, 0), "what=%d, y=%d, x=%d",
+					    what, y, x);
 		}
 		guarded_screen_free(&screen);
 	}

@@ -21,6 +21,8 @@
 
 #include "hal/base/log.h"
 #include "hal/base/output.h"
+#include "tests/support/captured_log.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static int files_in_folder(void)
@@ -193,17 +195,10 @@ static void *say_many(void *argument)
 /* What reached stderr during work(). */
 static FILE *captured(void (*work)(void))
 {
-	FILE *stream = tmpfile();
-	const int before = dup(STDERR_FILENO);
+	const struct captured_log log = captured_log_begin();
 
-	assert_non_null(stream);
-	assert_true(before >= 0);
-	assert_true(dup2(fileno(stream), STDERR_FILENO) >= 0);
 	work();
-	assert_true(dup2(before, STDERR_FILENO) >= 0);
-	close(before);
-	rewind(stream);
-	return stream;
+	return captured_log_end(&log);
 }
 
 static void two_threads_say(void)
@@ -336,7 +331,7 @@ static void checked_before(void **state)
 	for (int k = 0; k < 3; k++) {
 		const char *const out[] = {fresh, k == 0 ? input : k == 1 ? hard : soft};
 
-		assert_int_equal(output_check(out, 2, read, 2, &fault), -EINVAL);
+		expect_equal(output_check(out, 2, read, 2, &fault), -EINVAL, "k=%d", k);
 		assert_non_null(strstr(fault.text, "is read, expected another name"));
 	}
 	assert_int_equal(output_check((const char *[]){fresh, again}, 2, read, 2, &fault), -EINVAL);

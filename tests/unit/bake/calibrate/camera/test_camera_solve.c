@@ -15,6 +15,7 @@
 #include "bake/calibrate/camera/camera_model.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/known_camera.h"
 #include "tests/support/thorough.h"
 
@@ -47,23 +48,26 @@ static void slopes_are_differences(void **state)
 			place[k] = chance_real(&chance, -0.7, 0.7);
 		}
 		model_turn(&view, x + MODEL_SHARED);
-		assert_true(model_see(&model, x, &view, place, px, gradient));
+		expect_that(model_see(&model, x, &view, place, px, gradient), "n=%d", n);
 		for (int k = 0; k < MODEL_GRADIENT; k++) {
 			const double was = x[k], step = 1e-6 * fmax(fabs(x[k]), 1e-2);
 			double ahead[2], behind[2];
 
 			x[k] = was + step;
 			model_turn(&view, x + MODEL_SHARED);
-			assert_true(model_see(&model, x, &view, place, ahead, NULL));
+			expect_that(model_see(&model, x, &view, place, ahead, NULL), "n=%d, k=%d",
+				    n, k);
 			x[k] = was - step;
 			model_turn(&view, x + MODEL_SHARED);
-			assert_true(model_see(&model, x, &view, place, behind, NULL));
+			expect_that(model_see(&model, x, &view, place, behind, NULL), "n=%d, k=%d",
+				    n, k);
 			x[k] = was;
 			for (int i = 0; i < 2; i++) {
 				const double slope = (ahead[i] - behind[i]) / (2 * step);
 
-				assert_true(fabs(slope - gradient[i][k]) <
-					    1e-5 * (fabs(slope) + 1) + 1e-9 / step);
+				expect_below(fabs(slope - gradient[i][k]),
+					     1e-5 * (fabs(slope) + 1) + 1e-9 / step,
+					     "n=%d, k=%d, i=%d", n, k, i);
 			}
 		}
 	}
@@ -85,13 +89,14 @@ static void vectors_of_rotations(void **state)
 		rotation_from_vector(vector, rotation, slope);
 		for (int i = 0; i < 3; i++)
 			for (int j = 0; j < 3; j++)
-				assert_true(fabs(vec_dot(rotation + 3 * i, rotation + 3 * j) -
-						 (i == j)) < 1e-14);
+				expect_below(fabs(vec_dot(rotation + 3 * i, rotation + 3 * j) -
+						  (i == j)),
+					     1e-14, "n=%d, i=%d, j=%d", n, i, j);
 		rotation_to_vector(rotation, back);
-		assert_true(vec_length(back) < M_PI + 1e-9);
+		expect_below(vec_length(back), M_PI + 1e-9, "n=%d", n);
 		rotation_from_vector(back, again, slope);
 		for (int k = 0; k < 9; k++)
-			assert_true(fabs(again[k] - rotation[k]) < 1e-14);
+			expect_below(fabs(again[k] - rotation[k]), 1e-14, "n=%d, k=%d", n, k);
 	}
 }
 
@@ -107,13 +112,13 @@ static void assert_camera(const struct tsai_camera *found, const struct tsai_cam
 		    accuracy * fmax(fabs(truth->kappa1), 1e-5));
 	assert_true(fabs(found->aspect / truth->aspect - 1) < accuracy);
 	for (int k = 0; k < 2; k++)
-		assert_true(fabs(found->centre_px[k] - truth->centre_px[k]) <
-			    accuracy * KNOWN_CAMERA_WIDTH);
+		expect_below(fabs(found->centre_px[k] - truth->centre_px[k]),
+			     accuracy * KNOWN_CAMERA_WIDTH, "k=%d", k);
 	for (int k = 0; k < 9; k++)
-		assert_true(fabs(found->rotation[k] - truth->rotation[k]) < accuracy);
+		expect_below(fabs(found->rotation[k] - truth->rotation[k]), accuracy, "k=%d", k);
 	for (int k = 0; k < 3; k++)
-		assert_true(fabs(found->translation[k] - truth->translation[k]) <
-			    accuracy * distance);
+		expect_below(fabs(found->translation[k] - truth->translation[k]),
+			     accuracy * distance, "k=%d", k);
 }
 
 /* What is seen without noise is the true camera, and is trusted. */
@@ -133,29 +138,54 @@ static void assert_solved(struct observations *seen, const struct camera_task *t
 /* Bend at the picture's corner; in the thesis's direction the fold is at -1/3. */
 static const double bends[] = {0, 0.02, -0.02, 0.15, -0.12, 0.6, -0.2};
 
-static void one_plane(void **state)
+/* Calls solve for each direction of the distortion, each bend and each of five places. */
+static void over_cameras(void (*solve)(struct tsai_camera *truth, struct chance *chance),
+			 struct chance *chance)
 {
-	struct chance chance = chance_begin("camera plane");
-
-	(void)state;
 	for (int distortion = 0; distortion < 2; distortion++)
 		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
 			for (int e = 0; e < 5; e++) {
 				struct tsai_camera truth = known_camera(eyes[e], middle, bends[b],
 									distortion);
-				struct observations seen = {0};
-				struct camera_task task;
 
-				if (bends[b] != 0) { /* else no picture tells the axis */
-					truth.centre_px[0] += 9;
-					truth.centre_px[1] -= 6;
-				}
-				task = known_camera_task(&truth);
-				if (bends[b] == 0)
-					task.centre_deviation_px = 0;
-				known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
-				assert_solved(&seen, &task, &truth);
+				solve(&truth, chance);
 			}
+}
+
+static void solve_one_plane(struct tsai_camera *truth, struct chance *chance)
+{
+	const bool straight = truth->kappa1 == 0; /* then no picture tells the axis */
+	struct observations seen = {0};
+	struct camera_task task;
+
+	truth->centre_px[0] += straight ? 0 : 9;
+	truth->centre_px[1] -= straight ? 0 : 6;
+	task = known_camera_task(truth);
+	if (straight)
+		task.centre_deviation_px = 0;
+	known_camera_see_board(&seen, truth, 12, 9, 0, chance);
+	assert_solved(&seen, &task, truth);
+}
+
+static void one_plane(void **state)
+{
+	struct chance chance = chance_begin("camera plane");
+
+	(void)state;
+	over_cameras(solve_one_plane, &chance);
+}
+
+static void solve_points_in_space(struct tsai_camera *truth, struct chance *chance)
+{
+	struct observations seen = {0};
+	struct camera_task task;
+
+	truth->aspect = 1.04;
+	truth->centre_px[0] += 9;
+	truth->centre_px[1] -= 6;
+	task = known_camera_task(truth);
+	known_camera_see_cloud(&seen, truth, 60, 0, chance);
+	assert_solved(&seen, &task, truth);
 }
 
 static void points_in_space(void **state)
@@ -163,21 +193,7 @@ static void points_in_space(void **state)
 	struct chance chance = chance_begin("camera space");
 
 	(void)state;
-	for (int distortion = 0; distortion < 2; distortion++)
-		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
-			for (int e = 0; e < 5; e++) {
-				struct tsai_camera truth = known_camera(eyes[e], middle, bends[b],
-									distortion);
-				struct observations seen = {0};
-				struct camera_task task;
-
-				truth.aspect = 1.04;
-				truth.centre_px[0] += 9;
-				truth.centre_px[1] -= 6;
-				task = known_camera_task(&truth);
-				known_camera_see_cloud(&seen, &truth, 60, 0, &chance);
-				assert_solved(&seen, &task, &truth);
-			}
+	over_cameras(solve_points_in_space, &chance);
 }
 
 static void several_boards(void **state)
@@ -209,32 +225,32 @@ static void several_boards(void **state)
 			for (int e = 0; e < 5; e++)
 				assert_camera(&solution.view[e], &truth[e], 1e-6);
 			assert_camera(&solution.camera, &truth[3], 1e-6);
-			assert_true(known_camera_trusted(&solution));
+			expect_that(known_camera_trusted(&solution), "distortion=%d, b=%u",
+				    distortion, b);
 			camera_solution_free(&solution);
 			observations_free(&seen);
 		}
 }
 
-/* With the lens known, one board says where it is; the smallest, too. */
+static void solve_pose(struct tsai_camera *truth, struct chance *chance)
+{
+	struct tsai_camera lens = *truth;
+	struct observations seen = {0};
+	struct camera_task task = camera_task_default();
+
+	lens.translation[2] = 1; /* the pose of the intrinsics is not used */
+	task.intrinsics = &lens;
+	known_camera_see_board(&seen, truth, 5, 4, 0, chance);
+	assert_solved(&seen, &task, truth);
+}
+
+/* With the lens known, one board says where the camera is; the smallest board, too. */
 static void pose_alone(void **state)
 {
 	struct chance chance = chance_begin("camera pose");
 
 	(void)state;
-	for (int distortion = 0; distortion < 2; distortion++)
-		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
-			for (int e = 0; e < 5; e++) {
-				const struct tsai_camera truth = known_camera(eyes[e], middle,
-									      bends[b], distortion);
-				struct tsai_camera lens = truth;
-				struct observations seen = {0};
-				struct camera_task task = camera_task_default();
-
-				lens.translation[2] = 1; /* of no account */
-				task.intrinsics = &lens;
-				known_camera_see_board(&seen, &truth, 5, 4, 0, &chance);
-				assert_solved(&seen, &task, &truth);
-			}
+	over_cameras(solve_pose, &chance);
 }
 
 /* ---- the world's units and axes ---- */
@@ -270,15 +286,16 @@ static void units_and_places_do_not_matter(void **state)
 					observations_add(&other, world, seen.point[i].px, "p"), 0);
 			}
 			assert_int_equal(camera_calibrate(&other, &task, &solution, NULL), 0);
-			assert_true(known_camera_trusted(&solution));
+			expect_that(known_camera_trusted(&solution), "s=%u, moved=%d", s, moved);
 			/* 1e6 m keep 1e-10 m: of a board seen from 0.5 m 1e-9 */
-			assert_true(fabs(solution.camera.focal / first.camera.focal - 1) <
-				    (moved ? 1e-5 : 1e-7));
+			expect_below(fabs(solution.camera.focal / first.camera.focal - 1),
+				     (moved ? 1e-5 : 1e-7), "s=%u, moved=%d", s, moved);
 			for (int i = 0; i < seen.count; i++) {
 				px_now = solution.finding.expected[i];
-				assert_true(hypot(px_now[0] - first.finding.expected[i][0],
-						  px_now[1] - first.finding.expected[i][1]) <
-					    (moved ? 1e-4 : 1e-6));
+				expect_below(hypot(px_now[0] - first.finding.expected[i][0],
+						   px_now[1] - first.finding.expected[i][1]),
+					     (moved ? 1e-4 : 1e-6), "s=%u, moved=%d, i=%d", s,
+					     moved, i);
 			}
 			camera_solution_free(&solution);
 			observations_free(&other);
@@ -319,7 +336,7 @@ static void y_up_is_the_same_picture(void **state)
 		assert_int_equal(observations_read(&read, path, way ? &up : &down, NULL), 0);
 		assert_int_equal(unlink(path), 0);
 		assert_int_equal(camera_calibrate(&read, &task, &solution[way], NULL), 0);
-		assert_true(known_camera_trusted(&solution[way]));
+		expect_that(known_camera_trusted(&solution[way]), "way=%d", way);
 		observations_free(&read);
 	}
 	assert_camera(&solution[1].camera, &solution[0].camera, 1e-6);
@@ -343,7 +360,7 @@ static void any_plane_any_origin(void **state)
 		double vector[3], turn[9], slope[3][9], shift[3], moved[3];
 
 		if (n % 4 == 0) { /* the world's origin is seen on the axis: Tx = Ty = 0 */
-			assert_true(fabs(truth.translation[1]) < 1e-12);
+			expect_below(fabs(truth.translation[1]), 1e-12, "n=%d", n);
 		} else {
 			truth.centre_px[0] += 4;
 		}
@@ -522,7 +539,8 @@ static void deviations_of_space_and_pose(void **state)
 			else
 				known_camera_see_cloud(&seen, &truth, 150, 0.3, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-			assert_true(known_camera_trusted(&solution));
+			expect_that(known_camera_trusted(&solution), "known=%d, run=%d", known,
+				    run);
 			count_all(tally, &solution, &truth, "");
 			camera_solution_free(&solution);
 			observations_free(&seen);
@@ -557,8 +575,8 @@ static void no_wrong_minimum(void **state)
 			for (int k = 0; k < 2; k++)
 				seen.point[i].px[k] += chance_real(&chance, -60, 60);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(solution.finding.rms_px < 1.1 * M_SQRT2 * 0.05);
-		assert_true(known_camera_trusted(&solution));
+		expect_below(solution.finding.rms_px, 1.1 * M_SQRT2 * 0.05, "run=%d", run);
+		expect_that(known_camera_trusted(&solution), "run=%d", run);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -648,7 +666,7 @@ static void deviations_of_a_held_aspect(void **state)
 					chance_normal(&chance);
 			known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-			assert_true(solution.camera.aspect == 1);
+			expect_equal(solution.camera.aspect, 1, "way=%d, run=%d", way, run);
 			/* held, it is uncertain all the same */
 			solution.finding.estimate.parameter[MODEL_ASPECT].fixed = false;
 			count_all(tally, &solution, &truth, "");
@@ -690,10 +708,10 @@ static void known_aspect(void **state)
 		task.aspect_given = true;
 		task.aspect = 1.07;
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(solution.camera.aspect == 1.07);
+		expect_equal(solution.camera.aspect, 1.07, "way=%d", way);
 		assert_true(solution.finding.estimate.parameter[MODEL_ASPECT].fixed);
-		assert_true(fabs(solution.camera.focal / truth[0].focal - 1) < 0.02);
-		assert_true(known_camera_trusted(&solution));
+		expect_below(fabs(solution.camera.focal / truth[0].focal - 1), 0.02, "way=%d", way);
+		expect_that(known_camera_trusted(&solution), "way=%d", way);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -762,7 +780,9 @@ static void few_boards_of_squashed_pixels(void **state)
 						 0);
 				if (solution.finding.verdict.trusted) {
 					trusted[known][views]++;
-					assert_true(off_by(&solution, &task, &truth[0]) < 5);
+					expect_below(off_by(&solution, &task, &truth[0]), 5,
+						     "run=%d, views=%d, known=%d", run, views,
+						     known);
 				}
 				camera_solution_free(&solution);
 			}

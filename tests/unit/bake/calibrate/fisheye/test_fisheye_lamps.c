@@ -19,6 +19,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/drawn_lamps.h"
+#include "tests/support/expect.h"
 #include "tests/support/fisheye_views.h"
 
 static double error_of(const struct fisheye_settings *truth, const struct fisheye_settings *found)
@@ -77,22 +78,26 @@ static void look(const char *name, const struct drawn_lamps *d, int model, const
 	image_free(&image);
 }
 
+/* Clear lamps before dark walls. */
+static struct drawn_lamps dark_room(int model)
+{
+	return (struct drawn_lamps){
+		.lens = &fisheye_views_lenses[model], .walls = 0.02, .lamp_light = 3, .noise = 1};
+}
+
 static void every_model(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
 
 	(void)state;
 	for (int m = 0; m < FISHEYE_MODEL_COUNT; m++) {
-		struct drawn_lamps d = {.lens = &fisheye_views_lenses[m],
-					.walls = 0.02,
-					.lamp_light = 3,
-					.noise = 1};
+		struct drawn_lamps d = dark_room(m);
 		struct lamps_told told;
 
 		drawn_lamps_place(&d, 24, 84, &chance);
 		look(fisheye_model_names[m], &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told,
 		     &chance);
-		assert_int_equal(told.found, 24);
+		expect_equal(told.found, 24, "m=%d", m);
 	}
 }
 
@@ -129,10 +134,7 @@ static void much_else(void **state)
 static void merged(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUIDISTANT],
-				.walls = 0.02,
-				.lamp_light = 3,
-				.noise = 1};
+	struct drawn_lamps d = dark_room(FISHEYE_EQUIDISTANT);
 	struct lamps_told told;
 
 	(void)state;
@@ -150,10 +152,7 @@ static void merged(void **state)
 static void doubted(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUIDISTANT],
-				.walls = 0.02,
-				.lamp_light = 3,
-				.noise = 1};
+	struct drawn_lamps d = dark_room(FISHEYE_EQUIDISTANT);
 	struct lamps_told told;
 
 	(void)state;
@@ -211,7 +210,7 @@ static void ring(void **state)
 	}
 	look("a ring", &d, FISHEYE_MODEL_AUTO, "which is which cannot be told", 0, &told, &chance);
 	for (int n = 0; n < 2; n++) {
-		assert_true(fisheye_project(&lens, d.lamp[n].dir, d.lamp[n].near_px));
+		expect_that(fisheye_project(&lens, d.lamp[n].dir, d.lamp[n].near_px), "n=%d", n);
 		d.lamp[n].hinted = true;
 		d.lamp[n].near_px[0] += 15;
 	}
