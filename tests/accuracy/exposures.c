@@ -48,7 +48,7 @@ enum way { ONE, ONE_RECOVERED, THREE, THREE_RECOVERED, UNCLIPPED, WAYS };
 static const char *const way_names[] = {"one exposure", "one, recovered", "three exposures",
 					"three, recovered", "a camera without limits"};
 
-/* The camera at that place and what is made of its pictures. */
+/* The camera at a place, and what the program makes of its pictures. */
 struct rig {
 	struct config *config;
 	struct pipeline pipeline;
@@ -139,7 +139,7 @@ static void stop(struct rig *rig)
 	config_destroy(rig->config);
 }
 
-/* Waits for the next picture, and measures it. */
+/* Waits for the next picture and measures its light. */
 static void look(struct rig *rig)
 {
 	struct source *source = &rig->source;
@@ -174,7 +174,7 @@ static void look(struct rig *rig)
 /* ---- the table ---- */
 
 struct figures {
-	double worst[3]; /* error of the irradiance by channel, the worst of the delays, signed */
+	double worst[3]; /* largest error of the irradiance over the delays, by channel, signed */
 	double clipped;
 	struct composite_error composite, traced;
 	int unfit;

@@ -17,14 +17,14 @@
 #define SIDE 480
 #define PIXELS ((size_t)SIDE * SIDE)
 #define THINGS_MAX 13
-#define ALLOWED 0.05 /* of the places */
-#define SAME 0.05    /* levels: no rise */
+#define ALLOWED 0.05 /* largest share of places that may become worse */
+#define SAME 0.05    /* levels; a smaller rise counts as no change */
 
 enum kind { LAMP, WINDOW, WALL, KINDS };
 
 struct thing {
 	enum kind kind;
-	double direction[3], radius_rad; /* of lamps and walls */
+	double direction[3], radius_rad; /* lamps and walls */
 	double azimuth_rad, half_rad, low_rad, high_rad;
 	double rgb[3], glow;
 };
@@ -33,8 +33,8 @@ struct random_place {
 	struct thing thing[THINGS_MAX];
 	int count, lamps;
 	double zenith, horizon, warmth;
-	double lamps_share; /* of the light */
-	double ground;	    /* radiance of a white one */
+	double lamps_share; /* share of the light that the lamps give */
+	double ground;	    /* radiance of a white ground */
 };
 
 /* ---- drawing one ---- */
@@ -119,7 +119,8 @@ static double seen(const struct thing *thing, const double direction[3])
 	       height_rad < thing->high_rad;
 }
 
-/* All but the lamps, or the lamps alone. Returns the radiance of a white ground under it. */
+/* Paints everything but the lamps, or the lamps alone. Returns the radiance of a white ground under
+ * it. */
 static double paint(const struct random_place *place, const struct fisheye *lens, bool lamps,
 		    float (*rgb)[3])
 {
@@ -169,7 +170,7 @@ struct bench {
 	struct truth truth;
 	struct sensor *sensor;
 	float (*sky)[3], (*lamps)[3];
-	uint8_t *camera; /* BGRX */
+	uint8_t *camera; /* [height][width], BGRX */
 	struct canvas out;
 };
 
@@ -240,7 +241,7 @@ static double rms_of(struct bench *b)
 		.rms;
 }
 
-/* With one exposure, and with what the ground tells of it. */
+/* Judges one exposure, and one exposure with what the ground tells. */
 static void judge_place(struct bench *b, int frame, double rms[2])
 {
 	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};

@@ -10,8 +10,8 @@
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/studio.h"
 
-#define TRUE_SIDE 1024	 /* pixels of the fisheye that sees the true lights */
-#define TRUE_SAMPLES 256 /* a pixel */
+#define TRUE_SIDE 1024	 /* pixels a side of the fisheye that sees the true lights */
+#define TRUE_SAMPLES 256 /* samples a pixel */
 
 void die(const char *format, ...)
 {
@@ -119,7 +119,7 @@ struct picture whole(const struct canvas *canvas)
 	return view_picture(&view, canvas->pixels, canvas->stride);
 }
 
-/* The object on the card, path traced. */
+/* Traces paths for the object on the card. */
 static void trace(const struct table *t, const struct place *place, struct truth *truth)
 {
 	const struct truth_settings settings = {.samples = TRUE_SAMPLES,

@@ -23,17 +23,17 @@
 #include "tests/support/synthetic_basis.h"
 
 #define LEVELS_MOST 1.0
-/* Where light thrown on the ground is a hundred times what is there: parts of a hundred times the
- * result take each other back, for which hal/compositor/README.md promises nothing. Of 12 synthetic
- * files two came to 1.1 and 1.7 levels and one to 2.5. */
+/* The bound where light thrown on the ground is a hundred times the light that is there. Terms a
+ * hundred times as large as the result cancel, for which hal/compositor/README.md promises nothing.
+ * Of 12 synthetic files two differed by 1.1 and 1.7 levels and one by 2.5. */
 #define LEVELS_BEYOND 5.0
-/* How near to the border of two codes a level has to lie that rounding may put on either side. */
+/* Distance of a level from a rounding border within which either code is right. */
 #define BORDER 0.03
 
 struct difference {
 	double max, square_sum;
 	size_t count;
-	int x, y, channel; /* where max is */
+	int x, y, channel; /* where max occurs */
 };
 
 struct bench {
@@ -47,7 +47,7 @@ struct bench {
 	struct compositor_settings settings;
 	double threshold;
 	enum threshold_mode mode;
-	double most; /* levels that measure() accepts */
+	double most; /* largest difference that measure() accepts, in levels */
 	struct difference all;
 };
 
@@ -67,7 +67,8 @@ static void bench_open(struct bench *b, const struct synthetic_options *options,
 	b->out = malloc(pixels * 4);
 	b->exact = malloc(pixels * 3 * sizeof(*b->exact));
 	assert_true(b->radiance && b->background && b->out && b->exact);
-	for (size_t i = 0; i < pixels * 4; i++) /* dark codes are where a level is small */
+	for (size_t i = 0; i < pixels * 4;
+	     i++) /* mostly dark codes, where a level is a small step of light */
 		b->background[i] = (uint8_t)chance_int(chance, 0, i % 3 ? 255 : 12);
 	b->settings = (struct compositor_settings){.background = {.named = TRANSFER_SRGB},
 						   .output = {.named = TRANSFER_SRGB},
@@ -93,7 +94,7 @@ static void compare(const struct bench *b, struct difference *d)
 
 		d->square_sum += off * off;
 		d->count++;
-		if (!(off <= d->max)) { /* and a NaN counts */
+		if (!(off <= d->max)) { /* true for NaN, too */
 			d->max = off;
 			d->x = i / 3 % b->width;
 			d->y = i / 3 / b->width;
@@ -153,12 +154,12 @@ enum light_pattern {
 	LIGHTS_RANDOM,
 	LIGHTS_ONE,
 	LIGHTS_HUGE,
-	LIGHTS_LAMP,	   /* one a million times the others */
-	LIGHTS_FAINT_LAMP, /* the same, and the others at the first code of a camera */
-	LIGHTS_NEAR_E,	   /* as much as e: where the ratio turns to 1 */
-	LIGHTS_WIDE,	   /* over twelve decades */
-	LIGHTS_SATURATED,  /* every cell at the camera's limit: all alike, and the object white */
-	LIGHTS_DENORMAL,   /* below the smallest normal float: whoever flushes those is dark */
+	LIGHTS_LAMP,	   /* one light a million times as bright as the others */
+	LIGHTS_FAINT_LAMP, /* the same, the others at the first code of a camera */
+	LIGHTS_NEAR_E,	   /* as much light as e, where the ratio turns to 1 */
+	LIGHTS_WIDE,	   /* spread over twelve decades */
+	LIGHTS_SATURATED, /* every cell at the limit of the camera: all alike, and the object white */
+	LIGHTS_DENORMAL, /* below the smallest normal float: dark where a processor flushes these */
 	LIGHTS_PATTERNS
 };
 
@@ -307,7 +308,7 @@ static void over_transfers_and_gains(void **state)
 	bench_close(&b);
 }
 
-/* Ratios up to their limit: v far beyond -1. */
+/* Ratios up to their limit, with v far below -1. */
 static void over_added_light(void **state)
 {
 	static const double bounces[] = {1, 5, 15, 16, 100};
@@ -355,8 +356,8 @@ static void over_sizes(void **state)
 	printf("# widths 1 to 65: max %.4f levels\n", all.max);
 }
 
-/* Objects and shadows of a pixel here and there, on both sides of tiles' borders and in tiles that
- * the picture's edge cuts: lists of one, where every kernel works on what is mostly padding. */
+/* Objects and shadows in single pixels, on both sides of the borders of tiles and in tiles that the
+ * edge of the picture cuts. Lists have length one, so that kernels work mostly on padding. */
 static void single_pixels(void **state)
 {
 	struct chance chance = chance_begin("single pixels");
@@ -380,10 +381,10 @@ static void single_pixels(void **state)
 		bench_close(&b);
 	}
 	printf("# single pixels: max %.4f levels\n", all.max);
-	assert_true(all.max > 0.3); /* or there were none */
+	assert_true(all.max > 0.3); /* the test saw differences at all */
 }
 
-/* As all light goes out by small steps, neither result may jump. */
+/* While all light goes out in small steps, neither result may jump. */
 static void darkness_comes_without_a_jump(void **state)
 {
 	struct chance chance = chance_begin("darkness");
@@ -397,7 +398,7 @@ static void darkness_comes_without_a_jump(void **state)
 	(void)state;
 	o.lights = 46;
 	o.coarse = 20;
-	o.object_share = 0; /* the ratio alone */
+	o.object_share = 0; /* only the ratio is left */
 	bench_open(&b, &o, &chance);
 	values = (size_t)b.width * (size_t)b.height * 3;
 	before = malloc(values * sizeof(*before));
@@ -422,7 +423,7 @@ static void darkness_comes_without_a_jump(void **state)
 			bytes_before[i] = byte;
 		}
 	}
-	for (size_t i = 0; i < values; i++) /* at last the background itself */
+	for (size_t i = 0; i < values; i++) /* in the end, the background itself */
 		expect_equal(bytes_before[i], b.background[i / 3 * 4 + 2 - i % 3], "i=%zu", i);
 	printf("# light falling by 6 %% a step: largest change %.2f levels, integer %d\n", jump,
 	       byte_jump);
@@ -432,8 +433,8 @@ static void darkness_comes_without_a_jump(void **state)
 	bench_close(&b);
 }
 
-/* The same picture in light a million times dimmer: ratios only, so nothing may change but what e
- * takes; and the integers must follow the exact values there as well. */
+/* The same picture in light a million times dimmer. Only ratios count, so nothing may change except
+ * by e, and the integers must follow the exact values there as well. */
 static void dimness_loses_no_precision(void **state)
 {
 	struct chance chance = chance_begin("dimness");
@@ -457,8 +458,8 @@ static void dimness_loses_no_precision(void **state)
 	bench_close(&b);
 }
 
-/* v near 1 everywhere: what is left is the small difference of large sums; and brightly lit
- * backgrounds make it seen. */
+/* v near 1 everywhere: the result is a small difference of large sums. A bright background makes
+ * its errors visible. */
 static void deficits_may_nearly_cancel(void **state)
 {
 	struct chance chance = chance_begin("cancellation");
@@ -475,7 +476,7 @@ static void deficits_may_nearly_cancel(void **state)
 	bench_close(&b);
 }
 
-/* All coefficients of all patterns, in all channels. */
+/* Makes all coefficients of all patterns equal, in all channels. */
 static void make_constant(const struct basis_block *b, int16_t *lines)
 {
 	const int panels = basis_panels16(b->pixels);
@@ -488,8 +489,8 @@ static void make_constant(const struct basis_block *b, int16_t *lines)
 				      (size_t)(p % BASIS_LINE16)] = 32767;
 }
 
-/* Patterns that are copies of each other, lines that are the same for all pixels, scales of 0 and
- * below the smallest normal float: each is a valid file. */
+/* Patterns that are copies of each other, lines that are equal for all pixels, scales of 0 and
+ * below the smallest normal float: each of these is a valid file. */
 static void duplicate_and_constant_lines(void **state)
 {
 	struct chance chance = chance_begin("degenerate lines");
@@ -538,8 +539,8 @@ static void duplicate_and_constant_lines(void **state)
 	bench_close(&b);
 }
 
-/* What passing over dim columns may change, one light at a time: no more than the cut for each
- * block that holds a column of it. */
+/* Leaving out dim columns may change a pixel by no more than the cut for each block that holds a
+ * column of the light. Tried one light at a time. */
 static void left_out_columns_change_no_more_than_declared(void **state)
 {
 	struct chance chance = chance_begin("left out");
@@ -569,17 +570,17 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 				b.radiance[i / 3][i % 3] *= 0.2F;
 		}
 		d = measure_with(&b, &b.file.basis);
-		/* Every one of the columns of T and V might be left out, to the same side. */
+		/* Every column of T and V may be left out, all with errors of the same sign. */
 		expect_at_most(d.max, LEVELS_MOST + 255 * cut * (k % 2 ? 2 : 2 * 120), "k=%d", k);
 		if (k % 2)
 			most = fmax(most, d.max);
 	}
 	printf("# one light, columns below %g left out: max %.3f levels, linear\n", cut, most);
-	assert_true(most > 0.55); /* or the test sees nothing */
+	assert_true(most > 0.55); /* else no column was left out */
 	bench_close(&b);
 }
 
-/* The change of the picture when the lights change: the most of any code. */
+/* Largest change of any code when the lights change. */
 static int change(struct bench *b, uint8_t *before)
 {
 	const size_t bytes = (size_t)b->width * (size_t)b->height * 4;
@@ -592,7 +593,7 @@ static int change(struct bench *b, uint8_t *before)
 	return most;
 }
 
-/* A camera's noise: one cell of the sky is one level brighter, and is not. */
+/* Camera noise: one cell of the sky flickers by one level. */
 static void a_flicker_does_not_crawl(void **state)
 {
 	struct chance chance = chance_begin("flicker");
@@ -623,15 +624,15 @@ static void a_flicker_does_not_crawl(void **state)
 	bench_close(&b);
 }
 
-/* Light that fades by half a per cent a frame: the object darkens by one level at a time and never
- * comes back, and shadows stay. */
-/* Which channel of which pixel b.out[i] shows: what it should be, in levels; BGRX. */
+/* Light fades by half a per cent a frame. The object must darken by one level at a time and never
+ * brighten, and shadows must stay. */
+/* Exact level, in double precision, of the byte out[i] of a BGRX picture. */
 static double exact_of(const struct bench *b, size_t i)
 {
 	return i % 4 == 3 ? 0 : b->exact[i / 4 * 3 + 2 - i % 4];
 }
 
-/* A level that stays where it is, as the ground's does, may lie on a border of two codes. */
+/* A level that does not change, as the ground's, may lie on a border of two codes. */
 static void slow_fades_show_no_steps(void **state)
 {
 	struct chance chance = {77};
@@ -663,10 +664,9 @@ static void slow_fades_show_no_steps(void **state)
 	bench_close(&b);
 }
 
-/* One light at its threshold, a level above and a level below: what a whole cell gives is taken
- * away and given back with every frame, which shows as a flicker of the whole object, unless the
- * light that is in use stays in use (light_selection's band). Held against what the level alone
- * changes. */
+/* One light at its threshold, a level above and below in turn. Without a band of hysteresis the
+ * whole cell would come and go with each frame, and the object would flicker (light_selection has
+ * the band). The bound is the change of the level itself. */
 static void the_threshold_crosses_its_own_light(void **state)
 {
 	enum { GREY = 200, FRAMES = 40 };
@@ -708,8 +708,8 @@ static void the_threshold_crosses_its_own_light(void **state)
 	bench_close(&b);
 }
 
-/* Partial coverage where a wrong share of the background shows most; and a dark background under
- * so much light that the object saturates. */
+/* Partial coverage where a wrong share of the background shows most, and a dark background under so
+ * much light that the object saturates. */
 static void edges_over_black_and_white(void **state)
 {
 	struct chance chance = chance_begin("edges");
@@ -725,8 +725,8 @@ static void edges_over_black_and_white(void **state)
 	bench_close(&b);
 }
 
-/* The measure must see a compositor that is wrong by a little: here one that reads a file in which
- * the first block of a kind is 5 % too strong. */
+/* A compositor that is wrong by a little must fail. Here it reads a file in which the first block
+ * of a kind is 5 % too strong. */
 static void a_wrong_compositor_is_noticed(void **state)
 {
 	struct chance chance = chance_begin("wrong compositor");
@@ -741,7 +741,7 @@ static void a_wrong_compositor_is_noticed(void **state)
 	bench_open(&b, &o, &chance);
 	fill_lights(&b, LIGHTS_RANDOM, &chance);
 	for (int i = 0; i < b.lights.count * 3; i++)
-		b.radiance[i / 3][i % 3] *= 0.5F; /* dark enough not to be clipped */
+		b.radiance[i / 3][i % 3] *= 0.5F; /* dark enough that nothing clips */
 	copy = aligned_alloc(BASIS_PAGE, (b.file.basis.map_bytes / BASIS_PAGE + 1) * BASIS_PAGE);
 	assert_non_null(copy);
 	memcpy(copy, b.file.basis.map, b.file.basis.map_bytes);

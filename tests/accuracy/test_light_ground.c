@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What it is all for: an object of the ground's own material, lying flat on it, composited with two
- * calibrated cameras, cannot be told from the ground.
- */
+/* The purpose of all calibration: an object of the material of the ground, flat on it and
+ * composited with two calibrated cameras, cannot be told from the ground. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,14 +20,14 @@
 #include "tests/support/patch_chart.h"
 #include "tests/support/small_scene.h"
 
-#define EYE 240 /* px, the fisheye's picture */
+#define EYE 240 /* side of the fisheye picture, px */
 #define EXPOSURES 5
 #define ALBEDO 0.5
 
 static const struct chart_camera fisheye = {CHART_FILM, 12, 0.0005, 0.008};
 static const struct chart_camera background = {CHART_BT709, 16, 0.0005, 0.008};
 
-/* Sky in true units, by direction: bright towards one side, another colour towards another. */
+/* Radiance of the sky, in true units: bright towards one side, another colour towards the other. */
 static void sky_at(const double dir[3], double light[3])
 {
 	light[0] = 0.4 + 0.35 * dir[0];
@@ -37,7 +35,7 @@ static void sky_at(const double dir[3], double light[3])
 	light[2] = 0.5 - 0.3 * dir[1];
 }
 
-/* Of the camera from five exposures of patches. */
+/* Calibrates the response of a camera from five exposures of patches. */
 static struct transfer_curve calibrate(const struct chart_camera *camera, struct chance *chance)
 {
 	struct light_response_settings settings = {.time_deviation = 0};
@@ -103,12 +101,13 @@ static struct canvas photograph_sky(const struct fisheye *lens, double exposure,
 	return canvas;
 }
 
-/* The ground: reflectance / pi * integral of L cos(theta), by 256 x 1024 directions. */
+/* Radiance of the ground: reflectance / pi * integral of L cos(theta), over 256 x 1024 directions.
+ */
 static void ground_light(double exposure, double light[3])
 {
 	memset(light, 0, 3 * sizeof(*light));
 	for (int k = 0; k < 256 * 1024; k++) {
-		/* Uniform by projected solid angle. */
+		/* uniform in projected solid angle */
 		const double r = sqrt((k / 1024 + 0.5) / 256);
 		const double phi = 2 * M_PI * (k % 1024 + 0.5) / 1024;
 		const double dir[3] = {r * cos(phi), r * sin(phi), sqrt(1 - r * r)};
@@ -174,7 +173,7 @@ static void open_pipeline(struct slab *s, const struct transfer_curve curves[2],
 		fail_msg("%s", fault.text);
 }
 
-/* What the kiosk shows of it: mean code values of the object and of the ground around it. */
+/* What the kiosk shows: mean code values of the object and of the ground around it. */
 static void composite(struct slab *s, const struct canvas *sky, const struct canvas *ground,
 		      double object[3], double around[3])
 {
@@ -283,7 +282,7 @@ static void the_slab_is_the_ground(void **state)
 	curves[1] = calibrate(&background, &chance);
 	bake_slab(&s);
 	open_pipeline(&s, curves, find_gain(curves, &lens, &chance));
-	/* In another light than that of the calibration: two stops of it. */
+	/* In light two stops away from the light of the calibration. */
 	for (int k = 0; k < 4; k++) {
 		const double day = 1.2 * pow(0.6, k);
 		struct canvas sky = photograph_sky(&lens, 1.1 * day, &chance), ground;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A small bright lamp that crosses the sky: how much a picture changes from one frame to the next,
- * against what path tracing makes of the same lamp. Lights that are cells hand it over at their
- * border, all at once as far as its size allows; tents do so along the way.
- */
+/* A small bright lamp crosses the sky. How much does a picture change from one frame to the next,
+ * compared with path tracing of the same lamp? Cells hand the lamp over at their border, all at
+ * once as far as its size allows; tents hand it over gradually. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,8 +24,8 @@
 #include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
-/* For a sanitizer the same way with less of each: it sees every step of it, and how large the steps
- * are is measured where the programs are as they are delivered. */
+/* Under a sanitizer there is less of everything: it sees every step all the same, and the figures
+ * are measured without it. */
 enum {
 	FRAMES = SANITIZED ? 10 : 25,
 	WIDTH = SANITIZED ? 32 : 64,
@@ -38,23 +36,24 @@ enum {
 };
 
 #define STEP_DEG (10.0 / 30) /* 10 degrees a second at 30 frames a second */
-#define LAMP_DEG 1.5	     /* across */
+#define LAMP_DEG 1.5	     /* diameter */
 #define SKY_WIDTH 720	     /* half a degree a texel */
-#define PARTS 12	     /* of a texel, a side: the lamp's edge moves by less than a texel */
-#define CODE 170	     /* of the background's pixels */
+#define PARTS 12 /* parts of a texel, a side: the edge of the lamp moves by less than a texel */
+#define CODE 170 /* code value of the pixels of the background */
 #define BETWEEN_FRAMES_NS 33333333
 #define FOLLOW_NS 100000000
 
-/* Of the truth, which takes long, pairs of frames: the largest change of few is no larger. */
+/* Path tracing takes long, so that only pairs of frames have a truth. The largest change of few
+ * frames is no larger than that of all. */
 static bool is_traced(int frame)
 {
 	return frame % 8 < 2;
 }
 
-/* The same path for all. */
+/* The path of the lamp, the same for cells and tents. */
 struct path {
 	struct image fisheye[FRAMES];
-	float *truth; /* [FRAMES][VALUES]: levels, of the frames that are traced */
+	float *truth; /* [FRAMES][VALUES]: levels of the frames that are traced */
 	double truth_noise;
 };
 
@@ -62,14 +61,14 @@ static void lamp_direction(int frame, double d[3])
 {
 	const double along = (15 + frame * STEP_DEG) * M_PI / 180, tilt = 40 * M_PI / 180;
 
-	/* a great circle, tilted out of the vertical: it follows no row of the dome */
+	/* a great circle that is tilted, so that it follows no row of the dome */
 	d[0] = cos(along) * cos(0.3) - sin(along) * sin(0.3) * cos(tilt);
 	d[1] = cos(along) * sin(0.3) + sin(along) * cos(0.3) * cos(tilt);
 	d[2] = sin(along) * sin(tilt) + 0.35;
 	vec_normalize(d);
 }
 
-/* The share of a texel that the lamp fills. */
+/* Share of a texel that the lamp fills. */
 static double lamp_share(const struct panorama *panorama, const double lamp[3], int x, int y)
 {
 	const double least = cos(LAMP_DEG / 2 * M_PI / 180);
@@ -85,7 +84,7 @@ static double lamp_share(const struct panorama *panorama, const double lamp[3], 
 	return (double)inside / (PARTS * PARTS);
 }
 
-/* A dim even sky; on level ground the lamp sends nine times its light. */
+/* Paints a dim even sky and the lamp, which sends nine times its light to level ground. */
 static void paint_sky(struct image *image, const struct panorama *panorama, int frame)
 {
 	const double radius = LAMP_DEG / 2 * M_PI / 180, dim = 0.07;
@@ -239,8 +238,8 @@ static void show_frame(struct kiosk *k, const struct image *fisheye, int frame, 
 /* ---- how much changes ---- */
 
 struct change {
-	double most; /* of any value between two frames */
-	double rms;  /* of all that change in the most restless of them */
+	double most; /* largest change of any value between two frames */
+	double rms;  /* RMS change between the two frames that differ most */
 	double off;  /* RMS error against truth */
 };
 
@@ -344,7 +343,7 @@ static void a_lamp_moves_without_steps(void **state)
 	for (int filtered = 0; filtered < 2; filtered++)
 		expect_at_most(shown[DOME_TENTS][filtered].most, 1.5 * truth.most + 1,
 			       "filtered=%d", filtered);
-	/* the check can fail: cells do, those of a fine dome */
+	/* the check can fail: cells of a fine dome do */
 	assert_true(SANITIZED || shown[DOME_CELLS][0].most > 1.5 * truth.most + 1);
 	for (int f = 0; f < FRAMES; f++)
 		image_free(&path.fisheye[f]);

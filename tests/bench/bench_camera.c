@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How long a camera's calibration takes: a thousand points, and with photographs as arguments
- * (first the board) finding the board in each and solving it alone.
- *     bench_camera [9x6:25mm left01.jpg ...]
+ * Measures the time of a camera's calibration: with a thousand points; with photographs as
+ * arguments (first the board), of finding the board in each and of solving each alone.
+ *
+ *	bench_camera [9x6:25mm left01.jpg ...]
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +18,7 @@
 
 #define REPEATS 10
 
-/* Of the processor: what others do on the machine is not counted. */
+/* Time of the processor, so that other programs on the machine do not count. */
 static double now_ms(void)
 {
 	struct timespec t;

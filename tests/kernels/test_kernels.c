@@ -75,7 +75,7 @@ static int random_between(int low, int high)
 	return low + (int)(random() % (high - low + 1));
 }
 
-/* Against the weights put together again, in 128 bits. */
+/* Against the weights put together again, in 128-bit integers. */
 static void test_sums(struct run *run)
 {
 	enum { LINES = 96, STEP = 3 * KERNEL_LINE16 };
@@ -119,12 +119,12 @@ static void test_sums(struct run *run)
 	result(run, same, "c", "sums16 is what 128 bits give", "it is not");
 }
 
-/* Against double precision: linear light, and encoded without a table. */
+/* Against double precision: linear light, encoded without a table. */
 static void test_mix(struct run *run, const struct transfer_curve *from,
 		     const struct transfer_curve *to, const char *what, double dark, double bright)
 {
 	static struct kernel_curves curves;
-	double worst[2] = {0}, off; /* below 1 / 1020 of white, above */
+	double worst[2] = {0}, off; /* below 1 / 1020 of white, and above */
 	bool unchanged = true;
 	char why[128];
 
@@ -184,7 +184,7 @@ static void test_named_curves(struct run *run)
 	}
 }
 
-/* What a camera with a toe and a shoulder makes of light, inverted. */
+/* Linear light of a code of a camera with a toe and a shoulder. */
 static double film_decode(double code)
 {
 	double low = 0, high = 1;
