@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Output files: whole or not at all, and messages: whole lines. */
+/* Output files appear complete or not at all, and each message is a whole line. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -109,7 +109,7 @@ static void two_at_once(void **state)
 	unlink(own_folder_path("a"));
 }
 
-/* A full disk, played by a limit on the size of files. */
+/* A full disk, simulated by a limit on the size of files. */
 static void full_disk_leaves_the_old_file(void **state)
 {
 	static char block[65536];
@@ -192,7 +192,7 @@ static void *say_many(void *argument)
 	return NULL;
 }
 
-/* What reached stderr during work(). */
+/* What work() wrote to stderr; the caller closes the stream. */
 static FILE *captured(void (*work)(void))
 {
 	const struct captured_log log = captured_log_begin();
@@ -222,7 +222,7 @@ static void lines_stay_whole(void **state)
 	stream = captured(two_threads_say);
 	for (; fgets(line, sizeof(line), stream); count++) {
 		assert_int_equal(sscanf(line, "inlay-test: thread %c says %d", &name, &number), 2);
-		/* the padding is as long as the number says */
+		/* the message holds the length of its padding */
 		snprintf(want, sizeof(want), "inlay-test: thread %c says %d %*s\n", name, number,
 			 number, "");
 		assert_string_equal(line, want);
@@ -256,7 +256,7 @@ static void levels_and_long_lines(void **state)
 	assert_non_null(fgets(line, sizeof(line), stream));
 	assert_non_null(fgets(line, sizeof(line), stream));
 	assert_string_equal(line, "p: info\n");
-	assert_non_null(fgets(line, sizeof(line), stream)); /* cut, but a line */
+	assert_non_null(fgets(line, sizeof(line), stream)); /* cut off, but still a line */
 	assert_true(strlen(line) > 1000 && line[strlen(line) - 1] == '\n');
 	assert_null(fgets(line, sizeof(line), stream));
 	fclose(stream);
@@ -269,7 +269,8 @@ static void speak_in_controls(void)
 	log_error("%s", "");
 }
 
-/* One message is one line, and tells the terminal nothing. UTF-8 stays as it is. */
+/* One message is one line, and control characters cannot reach the terminal. UTF-8 stays as it is.
+ */
 static void controls_are_replaced(void **state)
 {
 	FILE *stream;
@@ -286,7 +287,7 @@ static void controls_are_replaced(void **state)
 	fclose(stream);
 }
 
-/* Whatever ends the program, it leaves nothing. */
+/* However the program ends, it leaves no temporary file. */
 static void killed_without_trace(void **state)
 {
 	const pid_t child = fork();
@@ -308,7 +309,7 @@ static void killed_without_trace(void **state)
 	assert_int_equal(files_in_folder(), 0);
 }
 
-/* Before anything is done: no output takes an input's place, nor another output's. */
+/* Checked before any work: no output may replace an input or another output. */
 static void checked_before(void **state)
 {
 	char input[PATH_MAX], hard[PATH_MAX], soft[PATH_MAX], fresh[PATH_MAX], again[PATH_MAX];

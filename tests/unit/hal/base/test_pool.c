@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The pool: every item once, no two at a time share a worker, nothing is lost between jobs. */
+/* The pool runs every item once, one item at a time on each worker, and loses nothing between jobs.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +25,8 @@ struct record {
 	atomic_int busy[64];
 	atomic_int clashes, strangers;
 	int threads;
-	int scratch[64]; /* plain: the thread sanitizer sees two callers in one worker */
+	/* Not atomic, so that the thread sanitizer sees two callers on one worker. */
+	int scratch[64];
 };
 
 static void note(void *context, int item, int worker)
@@ -91,7 +93,7 @@ static void many_short_jobs(void **state)
 	assert_int_equal(r.clashes, 0);
 }
 
-/* Ends some time after it was claimed. */
+/* An item that ends some time after a worker has claimed it. */
 static void finish_late(void *context, int item, int worker)
 {
 	const struct timespec nap = {0, NS_PER_MS / 2};
@@ -99,7 +101,7 @@ static void finish_late(void *context, int item, int worker)
 
 	(void)worker;
 	nanosleep(&nap, NULL);
-	finished[item] = 1; /* plain: only the end of the job may make it visible */
+	finished[item] = 1; /* not atomic: only the end of the job may make it visible */
 }
 
 static void returns_when_all_are_done(void **state)
@@ -124,7 +126,7 @@ struct meeting {
 	int present, most;
 };
 
-/* Waits, bounded, until all are here at once: only true concurrency can do that. */
+/* Waits up to ten seconds until three workers are here at once, which needs real concurrency. */
 static void meet(void *context, int item, int worker)
 {
 	struct meeting *m = context;

@@ -57,7 +57,7 @@ static void lines_without_their_breaks(void **state)
 	unlink(own_folder_path("text"));
 }
 
-/* The line that is refused is the last of so many. */
+/* Expects that line number `lines`, the last one, is refused. */
 static void expect(const char *path, int lines, int err, const char *says)
 {
 	struct fault fault = {""};
@@ -108,7 +108,7 @@ static void refuse(const char *path, int err, const char *what)
 	assert_string_equal(fault.text, says);
 }
 
-/* What would be waited for, or read, for ever. */
+/* Files that a reader would wait for, or read, for ever. */
 static void no_files(void **state)
 {
 	struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -130,7 +130,7 @@ static void no_files(void **state)
 	alarm(0);
 }
 
-/* As a shell's <(command) gives it, whose command may take its time. */
+/* A pipe as a shell's <(command) gives it; the command may be slow. */
 static void the_pipe_of_a_command(void **state)
 {
 	char path[40];
@@ -157,7 +157,7 @@ static void the_pipe_of_a_command(void **state)
 	assert_int_equal(waitpid(command, NULL, 0), command);
 }
 
-/* Blank lines without end: what no line's bound stops. */
+/* Endless blank lines, which no limit on a line stops. */
 static void large_files(void **state)
 {
 	struct fault fault = {""};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The basis file: what is written is read back, and a writer that fails leaves nothing. */
+/* The basis file: the reader returns what the writer wrote, and a writer that fails leaves no file.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -87,7 +88,7 @@ static struct basis_block_payload exact_block(uint8_t *payload, uint32_t tile)
 	return block;
 }
 
-/* Two poses: one of a shown block and two exact ones, one of nothing. */
+/* Writes two poses: one of a shown block and two exact blocks, one of nothing. */
 static struct basis_info_chunk write_two_poses(const char *path, const uint16_t *coverage,
 					       const float (*peak)[3])
 {
@@ -123,7 +124,7 @@ static struct basis_info_chunk write_two_poses(const char *path, const uint16_t 
 	info.sky_max = 3;
 	info.cell_rms = 4;
 	info.cell_max = 5;
-	assert_int_equal(access(path, F_OK), -1); /* not before it is whole */
+	assert_int_equal(access(path, F_OK), -1); /* the file appears only when it is complete */
 	assert_int_equal(basis_writer_finish(writer, &info, "seed = 1\n", &fault), 0);
 	return info;
 }
@@ -223,7 +224,7 @@ static void writes_and_reads_back(void **state)
 	unlink(path);
 }
 
-/* What waits beside the file for the end of a pose begins anew with each. */
+/* The file in which the writer collects the exact layer starts anew with each pose. */
 static void each_pose_has_its_own_exact_layer(void **state)
 {
 	static const int tiles[3][2] = {{0, 1}, {-1, -1}, {1, -1}};
@@ -262,7 +263,7 @@ static void each_pose_has_its_own_exact_layer(void **state)
 	unlink(path);
 }
 
-/* A kiosk in mode exact shows what it has checked, whatever becomes of its file. */
+/* A kiosk in mode exact shows what it has checked, even when the file changes afterwards. */
 static void the_exact_layer_outlives_its_file(void **state)
 {
 	const struct synthetic *s = *state;
@@ -290,7 +291,7 @@ static void the_exact_layer_outlives_its_file(void **state)
 	unlink(path);
 }
 
-/* Files of every shape that may be are accepted, and both layers say the same. */
+/* The reader accepts files of every valid shape, and both layers say the same. */
 static void accepts_what_may_be(void **state)
 {
 	static const int lights[] = {1, 2, 6, 33, 50, 129};
@@ -314,7 +315,7 @@ static void accepts_what_may_be(void **state)
 		o.vary = n % 3 > 0;
 		o.grey = n % 5 == 0;
 		o.tinted = n % 10 == 0;
-		o.object_share = 1; /* a layer is there when it holds something */
+		o.object_share = 1; /* a layer exists when it holds at least one block */
 		o.seed = chance_bits(&chance);
 		synthetic_open(&s, &o);
 		expect_equal(s.basis.coarse == NULL, o.coarse == o.lights, "n=%d", n);
@@ -325,7 +326,7 @@ static void accepts_what_may_be(void **state)
 	}
 }
 
-/* All that a layer says of one tile and kind: [TILE_PIXELS][3][lights]. */
+/* All values of a layer for one tile and kind: [TILE_PIXELS][3][lights]. */
 static double *tile_values(const struct basis *basis, const struct basis_tile *tile,
 			   enum basis_kind kind)
 {
@@ -374,7 +375,8 @@ static void both_layers_say_the_same(void **state)
 
 static void is_empty_but_for(const struct synthetic *s)
 {
-	assert_int_equal(rmdir(s->folder), -1); /* holds that file, and nothing else: */
+	/* Fails, because the folder still holds that file; after it there is nothing: */
+	assert_int_equal(rmdir(s->folder), -1);
 	assert_int_equal(unlink(s->path), 0);
 	assert_int_equal(rmdir(s->folder), 0);
 	assert_int_equal(mkdir(s->folder, 0700), 0);
@@ -447,7 +449,7 @@ static void the_writer_refuses_what_cannot_be(void **state)
 	block.entry.tile = 0;
 	assert_int_equal(basis_writer_exact_blocks(writer, &block, 1, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "order of tiles"));
-	block.entry.kind = BASIS_KIND_U; /* the other layer has an order of its own */
+	block.entry.kind = BASIS_KIND_U; /* the exact layer has an order of its own */
 	assert_int_equal(basis_writer_blocks(writer, &block, 1, &fault), 0);
 	block.entry.kind = BASIS_KIND_D;
 	assert_int_equal(basis_writer_blocks(writer, &block, 1, &fault), -EINVAL);
@@ -456,7 +458,7 @@ static void the_writer_refuses_what_cannot_be(void **state)
 	is_empty_but_for(s);
 }
 
-/* No room: in the file itself, and in the one beside it. */
+/* The disk is full when the file itself is written, or the temporary file beside it. */
 static void a_full_disk_leaves_nothing(void **state)
 {
 	const struct rlimit little = {1 << 17, RLIM_INFINITY};
@@ -535,7 +537,7 @@ static void names_what_is_not_a_basis(void **state)
 	write_file(path, BASIS_MAGIC "\1\0\0\0abcdefghijklmnopqrstuvwxyz", 36);
 	assert_int_equal(basis_open(&basis, path, BASIS_SHOWN, &fault), -ENOTSUP);
 	assert_non_null(strstr(fault.text, "version 1, expected version 9"));
-	basis_close(&basis); /* after a failure there is nothing to close, and no harm in it */
+	basis_close(&basis); /* after a failure, closing does no harm */
 	unlink(path);
 }
 
@@ -568,7 +570,7 @@ static void unknown_chunks_are_passed_over(void **state)
 	copied_free(&copy);
 }
 
-/* Lines of every code come back, and take the bytes that the format says. */
+/* Packed lines of every code unpack to the same values, and take the bytes that the format says. */
 static void lines_come_back(void **state)
 {
 	struct chance chance = chance_begin("lines");

@@ -14,7 +14,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 
-/* As printed in IEC 61966-2-1 and BT.709-6, knees rounded. */
+/* As printed in IEC 61966-2-1 and BT.709-6, with rounded constants at the knee. */
 static double printed_decode(enum transfer t, double e)
 {
 	switch (t) {
@@ -39,7 +39,7 @@ static double printed_encode(enum transfer t, double l)
 	}
 }
 
-static const double printed_step[] = {1e-7, 3e-4, 0}; /* of the rounded knees */
+static const double printed_step[] = {1e-7, 3e-4, 0}; /* jump at the rounded knee */
 
 static void agrees_with_the_standards(void **state)
 {
@@ -154,7 +154,7 @@ static struct transfer_curve measured_of(double (*decode)(double), double black)
 	return curve;
 }
 
-/* Between its knots a smooth curve is kept to a thousandth, and its inverse is one. */
+/* Between its knots a smooth curve is right to a thousandth, and decoding inverts encoding. */
 static void measured_curves_keep_their_shape(void **state)
 {
 	double (*const shapes[])(double) = {power, srgb, linear};
@@ -182,7 +182,7 @@ static void measured_curves_keep_their_shape(void **state)
 	}
 }
 
-/* Any ascending knots, with jumps of every size between them. */
+/* Any ascending knots, with steps of every size. */
 static void measured_curves_ascend(void **state)
 {
 	struct chance chance = chance_begin("transfer");

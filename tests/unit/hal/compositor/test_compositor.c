@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The compositor: its formula against closed forms, and that nothing but the light decides a
- * picture: no thread, no kernel, no way of reading the background. */
+/* The compositor: its formula against closed forms, and proof that only the light decides a
+ * picture, not threads, kernels or the way in which the background is read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -58,12 +58,12 @@ static void selection_keeps_what_reaches_the_threshold(void **state)
 	for (int i = 0; i < 26; i++)
 		radiance[i][i % 3] = (float)i;
 	radiance[25][0] = NAN;
-	radiance[25][1] = -1; /* and [1] was 25 */
+	radiance[25][1] = -1; /* [1] was 25 before */
 	radiance[24][0] = INFINITY;
 	assert_int_equal(light_selection_create(&sel, &s->basis), 0);
 	light_selection_choose(&sel, &s->basis, 0, (const float(*)[3])radiance, 10,
 			       THRESHOLD_AMBIENT, 2);
-	assert_int_equal(sel.used_count, 14); /* 10 to 23 */
+	assert_int_equal(sel.used_count, 14); /* lights 10 to 23 */
 	for (int i = 0; i < 26; i++) {
 		expect_equal(sel.used[i], i >= 10 && i < 24, "light %d", i);
 		for (int c = 0; c < 3; c++)
@@ -81,7 +81,7 @@ static void selection_keeps_what_reaches_the_threshold(void **state)
 	light_selection_free(&sel);
 }
 
-/* The promise about dropped light, held against every value of the object in a file. */
+/* Checks the bound for dropped light against every value of the object in a file. */
 static void dropped_light_errs_no_more_than_said(void **state)
 {
 	struct chance chance = chance_begin("dropped light");
@@ -128,7 +128,7 @@ static void dropped_light_errs_no_more_than_said(void **state)
 			free(value);
 		}
 	}
-	assert_true(closest > 0.2); /* and is not said much too large */
+	assert_true(closest > 0.2); /* the bound is not much too large either */
 	light_selection_free(&sel);
 }
 
@@ -179,7 +179,8 @@ static void one_begin(struct one *o)
 				  .poses = &o->pose};
 }
 
-/* A block of one pixel, one channel for all, and two values, per unit of L (of V: of u L). */
+/* Adds a block of one pixel, one channel for all three, and two values per unit of L (kind V: of u
+ * L). */
 static void one_add(struct one *o, enum basis_kind kind, double first, double second)
 {
 	const double unit = kind == BASIS_KIND_V ? 1 : 1 / M_PI;
@@ -211,7 +212,7 @@ static void one_add(struct one *o, enum basis_kind kind, double first, double se
 	b->columns = o->patterns ? 0 : 2;
 }
 
-/* Both compositors on one pixel of background 128: linear out, in 0..1. */
+/* Checks compositor and reference on one pixel of background 128. Linear light, 0..1. */
 static void one_expect(struct one *o, double first, double second, double ambient, double gain,
 		       double expected)
 {
@@ -252,7 +253,7 @@ static void one_expect(struct one *o, double first, double second, double ambien
 static void closed_forms(struct one *one)
 {
 	const double b = 128 / 255.0;
-	one_begin(one); /* nothing there: the background */
+	one_begin(one); /* nothing there: the background is shown */
 	one_expect(one, 1, 1, 0, 1, b);
 
 	one_begin(one); /* an opaque object: 0.25 * 1 + 0.5 * 0.5, twice */
@@ -260,13 +261,13 @@ static void closed_forms(struct one *one)
 	one_add(one, BASIS_KIND_T, 0.25, 0.5);
 	one_expect(one, 1, 0.5, 0, 1, 0.5);
 	one_expect(one, 0.5, 0.25, 0, 2, 0.5);
-	one_expect(one, 0, 0, 0.4, 1, 0.3); /* ambient over both */
+	one_expect(one, 0, 0, 0.4, 1, 0.3); /* ambient light over both */
 	one_expect(one, 0.5, 0, 0.4, 1, 0.425);
 	one_expect(one, 0, 0, 0, 1, 0);
 	one_expect(one, 9, 9, 0, 1, 1); /* clipped */
-	one_expect(one, 1, 1, 0, 0, 0); /* no gain, no object */
+	one_expect(one, 1, 1, 0, 0, 0); /* gain 0; then no object */
 
-	one_begin(one); /* half covered by an object that gives off nothing */
+	one_begin(one); /* half covered by an object that gives off no light */
 	one->coverage = 32768;
 	one_expect(one, 1, 1, 0, 1, b / 2);
 
@@ -283,12 +284,12 @@ static void closed_forms(struct one *one)
 	one_expect(one, 0, 1, 0, 1, 0);
 	one_expect(one, 3, 1, 0, 1, 0.5 * b);
 	one_expect(one, 0, 0, 0.5, 1, 0.25 * b);
-	one_expect(one, 2, 0, 1, 1, 0.5 * b); /* (3 * 1) / (1 * 3 + 3 * 1) is taken */
+	one_expect(one, 2, 0, 1, 1, 0.5 * b); /* the shadow takes (3 * 1) / (1 * 3 + 3 * 1) */
 	one_expect(one, 1e6, 1e6, 0, 1, 0.25 * b);
 	one_expect(one, 0, 0, 0, 1, b);			    /* 0/0 */
-	one_expect(one, 0, 0x1p-20 * 4 / 3, 0, 1, 0.5 * b); /* as much as e */
+	one_expect(one, 0, 0x1p-20 * 4 / 3, 0, 1, 0.5 * b); /* as much light as e */
 
-	one_begin(one); /* light 1 is shadowed, the other adds half: u = 1 and 3 */
+	one_begin(one); /* light 1 is shadowed, the other one adds half: u = 1 and 3 */
 	one_add(one, BASIS_KIND_V, -0.5, 1);
 	one_expect(one, 1, 1, 0, 1, (1 - 0.75 + 0.125) * b);
 	one_expect(one, 1, 0, 0, 1, 1.5 * b);
@@ -297,13 +298,13 @@ static void closed_forms(struct one *one)
 	one_expect(one, 0, 0, 0.5, 1, 0.375 * b);
 	one_expect(one, 0, 0, 0, 1, b);
 
-	one_begin(one); /* the same from two blocks: a shadow, and light that is thrown */
+	one_begin(one); /* the same from two blocks: one of shadow, one of added light */
 	one_add(one, BASIS_KIND_V, 0, 1);
 	one_add(one, BASIS_KIND_V, -0.5, 0);
 	one_expect(one, 1, 1, 0, 1, (1 - 0.75 + 0.125) * b);
 	one_expect(one, 3, 1, 0, 1, 0.75 * b);
 
-	one_begin(one); /* parts of an object that take each other back, far beyond white */
+	one_begin(one); /* parts of an object, far beyond white, that cancel each other */
 	one->coverage = 65535;
 	one_add(one, BASIS_KIND_T, 100, 100);
 	one_add(one, BASIS_KIND_T, -99.5, -99.5);
@@ -314,11 +315,11 @@ static void closed_forms(struct one *one)
 	one_add(one, BASIS_KIND_V, -0.5, -0.5);
 	one_expect(one, 1, 1, 0, 1, 1.5 * b);
 
-	one_begin(one); /* no more than 16 times: 1 code becomes 16 */
+	one_begin(one); /* the ratio is at most 16: code 1 becomes 16 */
 	one_add(one, BASIS_KIND_V, -500, -500);
 	one_expect(one, 1, 1, 0, 1, 1);
 
-	one_begin(one); /* a receiver of its own: u = 1, 3 and d = 0, 3 */
+	one_begin(one); /* a receiver with ground terms of its own: u = 1, 3 and d = 0, 3 */
 	one_add(one, BASIS_KIND_D, 0, 3);
 	one_add(one, BASIS_KIND_U, 1, 3);
 	one_expect(one, 1, 1, 0, 1, 0.25 * b);
@@ -346,7 +347,7 @@ static void formula_gives_the_closed_forms(void **state)
 	}
 }
 
-/* k times the light: k times the object, and the same shadow. */
+/* k times the light gives k times the object, and the same shadow. */
 static void brighter_light_scales_the_object_alone(void **state)
 {
 	const double b = 128 / 255.0;
@@ -361,7 +362,7 @@ static void brighter_light_scales_the_object_alone(void **state)
 	for (double k = 1.0 / 4096; k <= 2; k *= 1.37) {
 		one_expect(&object, k, k / 2, 0, 1, k / 2);
 		one_expect(&object, k / 2, k / 4, k / 3, 1, k / 2);
-		if (k > 0.05) /* the residue e shows in less light */
+		if (k > 0.05) /* in less light e has an effect */
 			one_expect(&shadow, k, k, 0, 1, 0.25 * b);
 		one_expect(&shadow, 1e5 * k, 3e5 * k, 0, 1, 0.1 * b);
 	}
@@ -540,7 +541,7 @@ static void threads_do_not_change_a_byte(void **state)
 		if (threads)
 			assert_int_equal(pool_create(&pool, threads), 0);
 		random_frame_begin(&f, &s->basis, pool, &chance);
-		/* so many that they are divided anew, twice */
+		/* many frames, so that the work is divided anew twice */
 		for (int frame = 0; frame < 70; frame++)
 			random_frame_run(&f, 0);
 		if (!alone) {
@@ -604,7 +605,7 @@ static void kernels_do_not_change_a_byte(void **state)
 
 struct maker {
 	const struct random_frame *frame;
-	_Atomic int *made; /* [height][width]: how often */
+	_Atomic int *made; /* [height][width]: how often each pixel was made */
 };
 
 static void make_part(const void *context, int x, int y, int width, int height, uint8_t *out,
@@ -720,7 +721,7 @@ static void wrong_sizes_are_refused(void **state)
 	compositor_destroy(NULL);
 }
 
-/* A block may have a column of every light and every group, and a frame use all of them. */
+/* A block may have a column for every light and every group, and a frame may use all of them. */
 static void every_column_may_be_used(void **state)
 {
 	(void)state;
@@ -739,7 +740,7 @@ static void every_column_may_be_used(void **state)
 		synthetic_open(&s, &o);
 		random_frame_begin(&f, &s.basis, NULL, &chance);
 		random_frame_run(&f, 0);
-		/* A group that is one light has no more to send beside it. */
+		/* A group of one light sends nothing besides that light. */
 		expect_above(compositor_last(f.compositor).columns,
 			     s.basis.poses[0].shown.block_count * o.lights, "bits=%d", bits);
 		random_frame_end(&f);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The background seen through the object: against double precision at every offset and
- * transmission, against closed forms, and that neither threads nor a background that is made piece
- * by piece change a byte. */
+ * transmission, against closed forms, and proof that neither threads nor a background that is made
+ * piece by piece change a byte. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -69,7 +69,8 @@ static double farthest_of(const struct synthetic *s, uint64_t seed)
 	return most;
 }
 
-/* All widths, so that tiles are cut everywhere and offsets leave the picture on every side. */
+/* All widths, so that tiles are cut everywhere and offsets lead out of the picture on every side.
+ */
 static void agrees_with_double_precision(void **state)
 {
 	double most = 0;
@@ -92,7 +93,7 @@ static void agrees_with_double_precision(void **state)
 
 #define SIDE 20
 
-/* A covered picture that gives off no light, with these pixels seen through. */
+/* Writes a file whose object covers all and gives off no light, and is glass at these pixels. */
 static void open_glass(struct synthetic *s, const struct basis_glass *glass, size_t count)
 {
 	const struct basis_info_chunk info = {
@@ -127,7 +128,7 @@ static void shows_the_place_it_says(void **state)
 		{3, 1, {65535, 65535, 65535}, 16 * 5, 16 * 9, {0, 0}}, /* whole pixels */
 		{4, 1, {65535, 65535, 65535}, -32768, 32767, {0, 0}},  /* beyond the edge */
 		{5, 1, {0, 65535, 0}, 0, 0, {0, 0}},
-		{6, 1, {65535, 65535, 65535}, 8, 0, {0, 0}}, /* between two */
+		{6, 1, {65535, 65535, 65535}, 8, 0, {0, 0}}, /* between two pixels */
 	};
 	struct chance chance = {3};
 	struct synthetic s;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A tile whose lights all send alike, so that every weight ends in the same digits: as many lines
- * as count come to as large a sum of them as there may be, below and above the number that becomes
- * Q24 at once.
- */
+/* A tile under lights that all send the same, so that every weight ends in the same digits. The
+ * sums are as large as they can be with that many lights, below and above the number of columns
+ * from which the compositor converts them to Q24 at once. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -85,7 +83,7 @@ static int teardown(void **state)
 	return rmdir(folder);
 }
 
-/* As many lights, which come to a radiance of `bright` together. */
+/* Composites with `lit` equal lights whose radiance adds up to `bright`. */
 static void check(struct compositor *compositor, struct light_selection *selection, int lit,
 		  double bright)
 {

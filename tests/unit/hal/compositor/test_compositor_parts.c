@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the compositor is made of: its arithmetic and the light as integers, against exact numbers.
- */
+/* The parts of the compositor (integer arithmetic, light as integers, choice of columns, division
+ * of work) against exact numbers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -121,8 +121,8 @@ static int64_t y_of(const struct light_vector *v, int c, int k)
 	return sum;
 }
 
-/* X is the light rounded, Y what the coarse lights gather of it, and both keep to their ranges,
- * whatever the light. */
+/* X is the rounded light, Y what the coarse lights gather of X. Both keep to their ranges in any
+ * light. */
 static void light_is_rounded_once(void **state)
 {
 	static const struct synthetic_options o = {.width = 1,
@@ -217,7 +217,7 @@ static void light_is_rounded_once(void **state)
 			for (int n = o.coarse; n < v.stride; n++)
 				expect_equal(y_of(&v, c, n), 0,
 					     "padding %d, channel %d, lighting %d", n, c, k);
-			/* All shares of the ground's light, however little, and e are 1. */
+			/* Shares of the ground's light and e add up to 1, however dim the light. */
 			if (kind > 1 && there > 1e-30)
 				expect_that(v.factor[c] > 1 << 29 && v.factor[c] <= 1 << 30,
 					    "factor %d, channel %d, lighting %d", v.factor[c], c,
@@ -236,7 +236,7 @@ static void light_is_rounded_once(void **state)
 #define CHOICE_LIGHTS 130
 #define CHOICE_BLOCKS 40
 
-/* Blocks of two grounds and of none, with some of the lights' columns each. */
+/* Blocks of two grounds and without ground, with columns for some of the lights. */
 struct choosing {
 	struct basis_block block[CHOICE_BLOCKS];
 	struct block_plan plan[CHOICE_BLOCKS];
@@ -245,7 +245,7 @@ struct choosing {
 	struct light_sent sent[CHOICE_LIGHTS];
 };
 
-/* Zeros of both signs, powers of two, and numbers that lie close together. */
+/* A random number: zero of either sign, a power of two, or a value close to another one. */
 static double any_size(struct chance *chance, int least, int most)
 {
 	const double power = ldexp(1, chance_int(chance, least, most));
@@ -270,7 +270,8 @@ static void fill_choosing(struct choosing *c, struct chance *chance)
 			if (chance_int(chance, 1, 3) > share)
 				continue;
 			c->light[k][b->columns] = (uint16_t)i;
-			/* every fourth reaches next to nothing, some less than a normal float */
+			/* every fourth column has a tiny scale, some below the smallest normal
+			 * float */
 			c->scale[k][b->columns++] = (float)(i % 4 ? any_size(chance, -20, -10)
 								  : any_size(chance, -149, -120));
 		}
@@ -312,7 +313,7 @@ static void check_choice(const struct choosing *c, const struct column_choice *c
 	}
 }
 
-/* A block gets the columns that count by the definition, each of them, and in their order. */
+/* A block gets exactly the columns that count by the definition, in their order. */
 static void columns_that_count_are_chosen(void **state)
 {
 	struct chance chance = chance_begin("columns");
@@ -333,7 +334,9 @@ static void columns_that_count_are_chosen(void **state)
 		for (int frame = 0; frame < 60; frame++) {
 			for (int i = 0; i < CHOICE_LIGHTS; i++)
 				c->sent[i].strength =
-					frame % 10 == 9 && i % 4 == 0 /* none may be left out */
+					frame % 10 == 9 &&
+							i % 4 ==
+								0 /* in some frames no column may be left out */
 						? 0x1p900
 						: fabs(any_size(&chance, 0, 20));
 			for (int k = 0; k < 3; k++) {
@@ -359,7 +362,7 @@ static void check_division(const struct division *d)
 		expect_below(d->first[r], d->first[r + 1], "run %d of %d", r, d->runs);
 }
 
-/* A quarter of the tiles takes ten times as long, which nobody knew. */
+/* A quarter of the tiles takes ten times as long, and the division must adapt. */
 static void runs_are_divided_by_what_they_took(void **state)
 {
 	enum { TILES = 100, RUNS = 8 };

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Lights left out by a budget: no pixel changes by more, in double precision, whatever the light;
- * as many are left out as the bound allows; and the set does not flicker.
- */
+/* Lights left out by a budget: no pixel changes by more than the budget, in double precision, in
+ * any light; as many lights are left out as the bound allows; and the set does not flicker. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +21,7 @@
 
 enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2, MANY = 6486 };
 
-/* What a file would say of an object over two grounds, pixel by pixel. */
+/* An object over two grounds, pixel by pixel, and what a file declares of it. */
 struct scene {
 	struct basis basis;
 	struct basis_pose pose;
@@ -38,7 +36,7 @@ struct scene {
 	double gain;
 };
 
-/* Sparse or even, as objects are: mirrors and matt ones, hard shadows and soft ones. */
+/* Fills a pixel sparsely or evenly: mirrors and matt surfaces, hard and soft shadows. */
 static void fill_pixel(struct chance *chance, struct scene *s, int p)
 {
 	const double sparse = chance_real(chance, 0, 1);
@@ -98,7 +96,7 @@ static void choose(struct scene *s, double budget, enum threshold_mode mode)
 			       s->gain);
 }
 
-/* A pixel over white, in linear light that is not yet clipped at 1. */
+/* A pixel over a white background, in linear light that is not clipped. */
 static double pixel(const struct scene *s, int p, int c, const double (*light)[3],
 		    const double ambient[3])
 {
@@ -143,7 +141,7 @@ static int ascending(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* How many fit, one by one. */
+/* Largest number of lights that fit into a budget, counted one by one. */
 static int most_possible(const struct scene *s, double budget)
 {
 	uint64_t sorted[LIGHTS], sum = 0;
@@ -202,10 +200,10 @@ static void no_pixel_changes_by_more(void **state)
 		scene_end(s);
 	}
 	printf("# the largest change is %.2f of its budget\n", closest);
-	assert_true(closest > 0.05); /* a bound, and not just any number */
+	assert_true(closest > 0.05); /* the bound is near the truth */
 }
 
-/* Each light's bound, worked out anew. */
+/* Each light's bound, computed from the formula of the header. */
 static void the_bound_is_what_the_header_says(void **state)
 {
 	struct chance chance = chance_begin("bound");
@@ -245,9 +243,9 @@ static void ends_of_the_range(void **state)
 
 	(void)state;
 	light(&chance, s, EQUAL);
-	choose(s, 0, THRESHOLD_DROP); /* by the threshold, 0: all */
+	choose(s, 0, THRESHOLD_DROP); /* by threshold 0: all lights are used */
 	assert_int_equal(s->selection.used_count, LIGHTS);
-	choose(s, 1e-13, THRESHOLD_DROP); /* what sends something stays */
+	choose(s, 1e-13, THRESHOLD_DROP); /* every light that sends something stays */
 	assert_int_equal(s->selection.used_count, LIGHTS);
 	s->radiance[3][0] = s->radiance[3][1] = s->radiance[3][2] = 0;
 	s->radiance[4][0] = NAN;
@@ -288,7 +286,7 @@ static void the_cut_is_that_of_sorting(void **state)
 	}
 }
 
-/* A camera's noise of two per cent in all lights. */
+/* Noise of two per cent in all lights. */
 static void the_set_does_not_flicker(void **state)
 {
 	struct chance chance = chance_begin("flicker");
@@ -311,7 +309,7 @@ static void the_set_does_not_flicker(void **state)
 		memcpy(used, s->selection.used, sizeof(used));
 	}
 	assert_true(changes <= 1);
-	choose(s, 0.03, THRESHOLD_DROP); /* another begins anew */
+	choose(s, 0.03, THRESHOLD_DROP); /* another threshold chooses anew */
 	assert_int_equal(LIGHTS - s->selection.used_count, most_possible(s, 0.03));
 	scene_end(s);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is dropped comes back as nine terms: against normal equations solved as they are. */
+/* Dropped light that comes back as nine spherical harmonics, against normal equations solved by
+ * elimination. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,7 +17,7 @@
 
 enum { LIGHTS_MAX = 512, NINE = 9, PIXELS = 40 };
 
-/* A sky, and pixels of an object under it. */
+/* A sky and pixels of an object under it. */
 struct scene {
 	struct dome dome;
 	struct basis_light light[LIGHTS_MAX];
@@ -108,7 +109,7 @@ static void nine_of(const double d[3], double y[NINE])
 	memcpy(y, plain, sizeof(plain));
 }
 
-/* Gauss's elimination with pivots. */
+/* Gaussian elimination with pivots. */
 static void solve(double a[NINE][NINE + 1])
 {
 	for (int k = 0; k < NINE; k++) {
@@ -131,7 +132,7 @@ static void solve(double a[NINE][NINE + 1])
 	}
 }
 
-/* The fit to what this choice drops, at every light. */
+/* Least-squares fit to the dropped lights, evaluated at every light. */
 static void fit_plainly(const struct scene *s, int c, double fit[LIGHTS_MAX])
 {
 	double a[NINE][NINE + 1] = {{0}};
@@ -166,7 +167,7 @@ static double returned(const struct scene *s, int i, int c)
 	return s->selection.radiance[i][c] - kept + s->selection.ambient[c];
 }
 
-/* RMS over the sky of what comes back less what was dropped. */
+/* RMS over the sky of returned minus dropped light. */
 static double miss(const struct scene *s, int c)
 {
 	double sum = 0;
@@ -222,7 +223,7 @@ static void is_the_least_squares_fit(void **state)
 	}
 }
 
-/* Never farther from what was dropped than the one term, and mostly much nearer. */
+/* The fit is never farther from the dropped light than the mean alone, and mostly much nearer. */
 static void nine_are_nearer_than_one(void **state)
 {
 	static struct scene s;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Light vectors of many lights: what the coarse lights gather is exact however it is summed, the
- * order of sums is the one that is written down, and threads that share the work change nothing.
- */
+/* Light vectors of many lights: Y, what coarse lights gather, is exact in any order of sums; other
+ * sums run in the order that is written down; and threads that share the work change nothing. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -45,7 +43,7 @@ static void fill(struct light_selection *s, struct chance *chance, double top)
 					    (chance_int(chance, 0, 9) ? 1 : 0);
 }
 
-/* X as the integer that it stands for. */
+/* X as an integer. */
 static int64_t x_of(const struct light_vector *v, int i, int c)
 {
 	const double x = v->sent[i].amount[c] / v->unit[c];
@@ -82,8 +80,8 @@ static void check_gathered(const struct light_vector *v, const struct basis *bas
 	}
 }
 
-/* From light that is all rounded off to more than doubles hold as whole numbers, of which few
- * would come out another: so many rounds. */
+/* From light that is rounded to nothing up to integers that double cannot hold. Few of them would
+ * show a wrong result, so there are many rounds. */
 static void what_is_gathered_is_exact(void **state)
 {
 	struct chance chance = chance_begin("gathering");
@@ -112,7 +110,8 @@ static void what_is_gathered_is_exact(void **state)
 								  .patterns = true};
 
 				fill(&s, &chance, ldexp(1, power));
-				for (int c = 0; c < kind; c++) /* a few lamps: long sums */
+				/* Few lamps among dark lights: long sums. */
+				for (int c = 0; c < kind; c++)
 					s.radiance[chance_int(&chance, 0, o.lights - 1)][c] =
 						ldexp(chance_real(&chance, 1, 900), power);
 				light_vector_make(&v, &order, &s);
@@ -126,7 +125,7 @@ static void what_is_gathered_is_exact(void **state)
 	}
 }
 
-/* README.md, Roundings: four parts, and part 0 takes the rest. */
+/* The order of README.md, Roundings: four parts, and part 0 takes the rest. */
 static double sum_as_written(const double *term, int count)
 {
 	double part[4] = {0};
@@ -136,7 +135,8 @@ static double sum_as_written(const double *term, int count)
 	return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
-/* The sum of u to the last bit; that of light as far as anything depends on it. */
+/* The sum of u is the same to the last bit, and so is the light's as far as any result depends on
+ * it. */
 static void sums_run_in_the_order_that_is_written_down(void **state)
 {
 	struct chance chance = chance_begin("order of sums");
@@ -183,7 +183,7 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 	synthetic_close(&file);
 }
 
-/* All kinds and three grounds, so that there is something to share. */
+/* All kinds and three grounds, so that there is work to share. */
 static void threads_share_vectors_and_change_nothing(void **state)
 {
 	static const int threads[] = {2, 3, 5, 16};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is wanted of a camera, whichever driver it has: controls and formats. */
+/* What settings ask of a camera, whichever driver it has: controls and formats. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -53,7 +53,7 @@ static void what_is_no_assignment_is_quoted(void **state)
 		assert_string_equal(got.name, "focus");
 	}
 	memset(name, 'n', sizeof(name));
-	for (int spare = -1; spare <= 0; spare++) { /* the longest name, and one more */
+	for (int spare = -1; spare <= 0; spare++) { /* the longest name, and one character more */
 		strcpy(name + CAMERA_CONTROL_NAME_MAX + spare, "=1");
 		text = name;
 		expect_equal(camera_controls_next(&text, &got, &fault), spare ? 1 : -EINVAL,
@@ -83,7 +83,8 @@ static void rate_goes_before_size_and_size_before_cost(void **state)
 				     camera_format_merit(order[i - 1], has > 0, has > 1),
 				     "i=%d, has=%d", i, has);
 	assert_true(camera_format_merit(PIXEL_GREY, true, false) >
-		    camera_format_merit(PIXEL_BGRX, false, true)); /* a rate at another size */
+		    /* This rate exists at another size only. */
+		    camera_format_merit(PIXEL_BGRX, false, true));
 	assert_true(camera_format_merit(PIXEL_GREY, true, true) >
 		    camera_format_merit(PIXEL_BGRX, true, false));
 	assert_true(camera_format_merit(PIXEL_GREY, false, false) > 0);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Interlaced frames into BGRX: every order of fields, every format and every way, against a woven
- * picture that is taken apart here and put together in double precision.
- */
+/* Interlaced frames into BGRX: every order of fields, every format and every method, against a
+ * woven picture that the test takes apart and puts together again in double precision. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +19,7 @@
 
 enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };
 
-/* A picture and the same one taken apart; room between the rows differs from plane to plane. */
+/* A picture and the same one as fields. The padding of rows differs from plane to plane. */
 struct rig {
 	struct frame woven, frame;
 	uint8_t whole[2][ROOM], split[2][2][ROOM * 2];
@@ -49,7 +47,7 @@ static struct frame_plane copy_rows(uint8_t *to, const struct frame_plane *from,
 	return (struct frame_plane){to, stride, stride * (size_t)(rows - 1) + row};
 }
 
-/* Lays the woven picture's rows out as the order of fields says. */
+/* Sets the frame's planes so that they describe the woven picture in that order of fields. */
 static void lay_out(struct rig *r, enum frame_fields fields, bool bottom_first)
 {
 	r->frame = r->woven;
@@ -83,8 +81,8 @@ static uint8_t *pixel_of(const struct canvas *canvas, int x, int y)
 	return canvas->pixels + (size_t)y * canvas->stride + (size_t)x * 4;
 }
 
-/* Each field as a progressive picture of half the height: what decoding those gives is
- * test_frame.c's business. */
+/* Decodes each field as a progressive picture of half the height; test_frame.c checks that
+ * decoding. */
 static void decode_fields_apart(struct rig *r)
 {
 	struct frame_decoder *decoder;
@@ -135,8 +133,8 @@ static double woven_at(const struct rig *r, int x, int y, int c)
 	return pixel_of(&r->expected[y % 2], x, y / 2)[c];
 }
 
-/* Lines of one field stand at every other half of the picture's lines; between two of them lies
- * their mean, beyond the last one the last one. */
+/* Value of a field at line y of the picture. Lines of the field lie at every other line; between
+ * two of them the value is their mean, beyond the last it is the last. */
 static double field_at(const struct rig *r, bool bottom, int x, double y, int c)
 {
 	const int last = r->canvas.height / 2 - 1;
@@ -219,7 +217,7 @@ static void every_order_and_way(void **state)
 		}
 }
 
-/* The check above, shown something wrong. */
+/* The check above must fail on a wrong picture. */
 static void a_field_in_the_wrong_place_is_noticed(void **state)
 {
 	static struct rig rig;
@@ -239,7 +237,7 @@ static void a_field_in_the_wrong_place_is_noticed(void **state)
 	drop(&rig);
 }
 
-/* A slope down the picture stays where it is, whichever field and way: nothing bobs. */
+/* A vertical gradient stays in place, in any field and method: no bobbing by half a line. */
 static void nothing_moves_by_half_a_line(void **state)
 {
 	static struct rig rig;
@@ -262,7 +260,7 @@ static void nothing_moves_by_half_a_line(void **state)
 	drop(&rig);
 }
 
-/* White in one field, black in the other, as a thing that moved leaves them. */
+/* White in one field and black in the other, as a moving object leaves them. */
 static void blending_leaves_no_comb(void **state)
 {
 	static struct rig rig;
@@ -338,7 +336,8 @@ static void short_fields_are_refused(void **state)
 
 /* ---- JPEG ---- */
 
-/* Lines of even number are of one grey, the others of another: JPEG keeps a flat field exactly. */
+/* Compresses a picture whose even lines have one grey and whose odd lines another. JPEG keeps a
+ * flat field exactly. */
 static size_t compress(int width, int height, int even, int odd, uint8_t *to)
 {
 	static uint8_t grey[SIDE_MAX * SIDE_MAX];
@@ -387,7 +386,7 @@ static void jpeg_in_fields(void **state)
 	make(&rig, PIXEL_BGRX, 32, 32);
 	rig.frame = (struct frame){.format = PIXEL_MJPEG, .width = 32, .height = 32};
 
-	/* woven into one picture */
+	/* both fields woven into one picture */
 	bytes = compress(32, 32, 60, 180, pair);
 	rig.frame.planes[0] = (struct frame_plane){pair, 0, bytes};
 	rig.frame.fields = FIELDS_INTERLACED;
@@ -395,7 +394,8 @@ static void jpeg_in_fields(void **state)
 	jpeg_holds(&rig, DEINTERLACE_BOB, 180, 180);
 	jpeg_holds(&rig, DEINTERLACE_BLEND, 120, 120);
 
-	/* two pictures of half the height, stray bytes between them; a thumbnail in the first */
+	/* two pictures of half the height, with stray bytes between them and a thumbnail in the
+	 * first */
 	bytes = compress(32, 16, 60, 60, pair);
 	memmove(pair + 10, pair + 2, bytes - 2);
 	memcpy(pair + 2, "\xff\xe1\x00\x06\xff\xd9\xff\xd8", 8);
@@ -413,14 +413,14 @@ static void jpeg_in_fields(void **state)
 	rig.frame.fields = FIELDS_INTERLACED;
 	jpeg_holds(&rig, DEINTERLACE_WEAVE, 180, 60);
 
-	/* in memory of their own */
+	/* the second field in memory of its own */
 	rig.frame.fields = FIELDS_PAIR;
 	rig.frame.bottom_first = false;
 	rig.frame.planes[0].bytes = second;
 	rig.frame.bottom_planes[0] = (struct frame_plane){pair + second, 0, bytes - second};
 	jpeg_holds(&rig, DEINTERLACE_WEAVE, 60, 180);
 
-	/* one alone */
+	/* one field alone */
 	rig.frame.fields = FIELDS_BOTTOM;
 	jpeg_holds(&rig, DEINTERLACE_WEAVE, 60, 60);
 	drop(&rig);
@@ -448,7 +448,7 @@ static void jpeg_without_its_second_field_is_refused(void **state)
 	rig.frame.planes[0].bytes = bytes;
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EBADMSG);
 	assert_non_null(strstr(fault.text, "32x8"));
-	bytes = compress(32, 32, 60, 60, one); /* a whole picture is no field alone */
+	bytes = compress(32, 32, 60, 60, one); /* a whole picture is not one field */
 	rig.frame.planes[0].bytes = bytes;
 	rig.frame.fields = FIELDS_TOP;
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EBADMSG);

@@ -32,7 +32,7 @@ static void fill_random(uint8_t *data, size_t bytes)
 		data[i] = (uint8_t)(random_bits() >> 11);
 }
 
-/* ITU-R BT.601-7 and BT.709-6, solved for R'G'B'; 0..255, clipped, not rounded. */
+/* RGB by ITU-R BT.601-7 and BT.709-6; 0..255, clipped, not rounded. */
 static void exact_rgb(enum colour_matrix matrix, enum colour_range range, int y, int cb, int cr,
 		      double rgb[3])
 {
@@ -56,7 +56,7 @@ struct fixture {
 	uint8_t *memory[2];
 };
 
-/* A random picture; rows have `extra` bytes to spare, and the last row has none. */
+/* Makes a random picture; rows have `extra` bytes of padding, but the last row has none. */
 static void make(struct fixture *f, enum pixel_format format, int width, int height, size_t extra)
 {
 	memset(f, 0, sizeof(*f));
@@ -139,7 +139,7 @@ static double worst_error(const struct fixture *f, double *rms)
 	return worst;
 }
 
-/* Rounding, and a little for single precision. */
+/* Half a level for rounding, and a little for single precision. */
 static const double error_max = 0.501;
 
 static void video_formats_match_double_precision(void **state)
@@ -169,7 +169,7 @@ static void video_formats_match_double_precision(void **state)
 			}
 }
 
-/* Grey axis: no colour may creep in, black and white are exact. */
+/* Grey stays grey; black and white are exact. */
 static void grey_stays_grey(void **state)
 {
 	(void)state;
@@ -240,7 +240,7 @@ static void rgb_formats_are_exact(void **state)
 		}
 }
 
-/* 16 is black and 235 white; what lies beyond is clipped. */
+/* 16 is black and 235 white; values beyond are clipped. */
 static void limited_rgb_is_expanded(void **state)
 {
 	static const enum pixel_format formats[] = {PIXEL_RGB24, PIXEL_BGR24, PIXEL_BGRX};
@@ -268,7 +268,8 @@ static void limited_rgb_is_expanded(void **state)
 	}
 }
 
-/* Odd sizes, where chroma is shared with a pixel that is not there; memory ends where it must. */
+/* Odd sizes: the last chroma sample belongs to a pixel that does not exist, and memory ends right
+ * behind the picture. */
 static void odd_sizes_decode(void **state)
 {
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12};
@@ -358,7 +359,7 @@ static void other_sizes_and_kinds_are_refused(void **state)
 	drop(&f);
 }
 
-/* A picture with soft colours, as JPEG. */
+/* Compresses a picture with soft colours as JPEG. */
 static size_t make_jpeg(int width, int height, int subsampling, uint8_t *rgb, uint8_t **jpeg)
 {
 	tjhandle handle = tjInitCompress();
@@ -436,7 +437,7 @@ static void jpeg_without_huffman_tables_decodes(void **state)
 	for (size_t i = 2; i < bytes;) {
 		const size_t length = 2 + (size_t)(jpeg[i + 2] << 8 | jpeg[i + 3]);
 
-		if (jpeg[i + 1] == 0xda) { /* the scan: all the rest */
+		if (jpeg[i + 1] == 0xda) { /* the scan: everything from here on */
 			memmove(jpeg + kept, jpeg + i, bytes - i);
 			kept += bytes - i;
 			break;
@@ -476,7 +477,7 @@ static void damaged_jpeg_is_refused(void **state)
 			     "cut=%zu", cut);
 		expect_above(strlen(fault.text), 10, "JPEG cut to %zu bytes", cut);
 	}
-	/* Any flipped bit: a picture or a refusal, never a crash; the decoder goes on. */
+	/* Any flipped bit gives a picture or a refusal, and the decoder still works afterwards. */
 	f.frame.planes[0].bytes = bytes;
 	for (size_t i = 0; i < bytes; i++) {
 		int err;
@@ -493,7 +494,7 @@ static void damaged_jpeg_is_refused(void **state)
 	tjFree(jpeg);
 }
 
-/* What some webcams send in every picture; nothing of it is missing. */
+/* Some webcams send stray bytes in every picture; the picture is complete all the same. */
 static void stray_bytes_before_the_end_are_forgiven(void **state)
 {
 	uint8_t rgb[64 * 48 * 3], *jpeg, *longer;

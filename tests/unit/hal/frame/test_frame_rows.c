@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Rows of video in each instruction set against the specification, and parts of frames against the
- * whole. */
+/* Row conversions of each instruction set against the C ones, and parts of frames against whole
+ * frames. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +18,7 @@
 
 enum { WIDTH_MAX = 131, GUARD = 16 };
 
-/* The i-th table; NULL: this processor does not have it. */
+/* Table number i; NULL: this processor does not support it. */
 static const struct frame_rows *table(int i)
 {
 	const struct frame_rows *rows = frame_rows_all[i];
@@ -47,7 +47,7 @@ static void convert(const struct frame_rows *rows, enum pixel_format format, con
 
 static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12, PIXEL_GREY};
 
-/* What the exact number of bytes holds, so that a sanitizer sees one too many read. */
+/* Memory of exactly that many random bytes, so that a sanitizer sees a read beyond. */
 static uint8_t *random_bytes(struct chance *chance, size_t bytes)
 {
 	uint8_t *data = malloc(bytes ? bytes : 1);
@@ -105,7 +105,7 @@ static void every_table_gives_the_same_bits(void **state)
 	}
 }
 
-/* All 2^24 of them, matrix and range by matrix and range. */
+/* All 2^24 colours, for one matrix and range. */
 static void every_colour(const struct frame_rows *rows, const struct ycbcr *k)
 {
 	enum { COUNT = 256 * 256 };
@@ -158,7 +158,7 @@ static void rows_are_reversed(void **state)
 		}
 }
 
-/* One bit of one pixel: a test that cannot fail would let it pass. */
+/* Wrong in one bit of one pixel, which the comparison must find. */
 static void wrong_yuyv(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
 {
 	ycbcr_row_yuyv(k, from, count, bgrx);
@@ -293,7 +293,7 @@ static void check_views(struct chance *chance, const struct picture_fixture *f)
 	}
 }
 
-/* Odd corners, flips, strides that nothing divides: what a part shows is what the whole shows. */
+/* Odd corners, flips and odd strides: a part shows the same as the whole picture. */
 static void parts_are_those_of_the_whole(void **state)
 {
 	struct chance chance = chance_begin("frame_reader");

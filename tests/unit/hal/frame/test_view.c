@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Views: where the pixels of an upright picture are read from. */
+/* Views: from which place each pixel of an upright picture is read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 #define HEIGHT 23
 #define STRIDE (WIDTH * 4 + 12)
 
-/* Each pixel holds its own place. */
+/* The value of each pixel is its own place. */
 static void fill(uint8_t pixels[HEIGHT * STRIDE])
 {
 	for (int y = 0; y < HEIGHT; y++)
@@ -108,7 +108,7 @@ static void refused(void **state)
 
 		expect_equal(view_resolve(&view, 640, 240, &fault), -EINVAL, "i=%u", i);
 		expect_above(strlen(fault.text), 0, "i=%u", i);
-		assert_memory_equal(&view.x, &bad[i].x, 4 * sizeof(int)); /* untouched */
+		assert_memory_equal(&view.x, &bad[i].x, 4 * sizeof(int)); /* unchanged */
 	}
 	assert_int_equal(view_resolve(&(struct view){.squash = 1}, 0, 240, NULL), -EINVAL);
 }

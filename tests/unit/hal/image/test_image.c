@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Pictures in files, against bytes assembled by hand, files that other programs wrote, and closed
- * forms; and every refusal.
- */
+/* Picture files, against bytes assembled by hand, files that other programs wrote, and closed
+ * forms; and every refusal. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -44,7 +42,7 @@ static void read_fine(const void *data, size_t bytes, struct image *image)
 		fail_msg("%d: %s", err, fault.text);
 }
 
-/* What goes wrong, and a word that its sentence must hold. */
+/* Expects an error and a word in its message. */
 static void read_refused(const void *data, size_t bytes, int expected, const char *word)
 {
 	struct fault fault = {0};
@@ -72,7 +70,7 @@ static void assert_pixel(const struct image *image, int x, int y, double r, doub
 
 static void hdr_flat(void **state)
 {
-	/* 128 2^(129-136) = 1; 255 2^(136-136) = 255; exponent 0 is black. */
+	/* 128 * 2^(129-136) = 1; 255 * 2^(136-136) = 255; exponent 0 is black. */
 	static const char file[] = HDR_HEADER "-Y 2 +X 2\n"
 					      "\x80\x40\x20\x81"
 					      "\xff\x01\x00\x88"
@@ -105,7 +103,7 @@ static void hdr_exposure(void **state)
 	image_free(&image);
 }
 
-/* Blanks around a value, and primaries near enough to be Radiance's own. */
+/* Blanks around a value, and primaries that are nearly Radiance's own. */
 static void hdr_header_words(void **state)
 {
 	static const char file[] =
@@ -138,7 +136,7 @@ static void hdr_header_words(void **state)
 			     refused[i].word);
 }
 
-/* A 2 x 3 picture, numbered in reading order, scanned in each of the eight ways. */
+/* A 2 x 3 picture, numbered in reading order, stored in each of the eight orientations. */
 static void hdr_orientations(void **state)
 {
 	static const struct {
@@ -190,7 +188,7 @@ static void hdr_new_coding(void **state)
 
 static void hdr_old_coding(void **state)
 {
-	/* One pixel, 43 copies, 1 << 8 more: 300. */
+	/* One pixel, 43 copies, then 1 << 8 copies: 300 in all. */
 	static const char file[] = HDR_HEADER "-Y 1 +X 300\n"
 					      "\x0a\x14\x1e\x88"
 					      "\x01\x01\x01\x2b"
@@ -237,8 +235,7 @@ static void hdr_refusals(void **state)
 		read_refused(cases[i].text, cases[i].bytes, cases[i].err, cases[i].word);
 }
 
-/* Written and read again: half a step of a mantissa that is at least 127.75 before it
- * is rounded. */
+/* Written and read again: the error is at most half a step of a mantissa of 127.75 or more. */
 static void hdr_round_trip(void **state)
 {
 	static const int widths[] = {1, 7, 8, 127, 128, 129, 300};
@@ -263,7 +260,7 @@ static void hdr_round_trip(void **state)
 		assert_int_equal(image_read(in_folder("x.hdr"), &in, &fault), 0);
 		expect_equal(in.width, widths[i], "i=%zu", i);
 		expect_equal(in.height, 5, "i=%zu", i);
-		/* The largest RGBE is 255 2^119. */
+		/* The largest RGBE value is 255 * 2^119. */
 		expect_below(fabsf(in.f32[0] - 255 * 0x1p119f), 1e30f, "i=%zu", i);
 		for (int p = 1; p < count; p++) {
 			const float *a = out.f32 + 3 * p, *b = in.f32 + 3 * p;
@@ -278,13 +275,13 @@ static void hdr_round_trip(void **state)
 	}
 }
 
-/* Means and a pixel as an independent decoder has them (RGBE bytes times 2^(e-136)). */
+/* Means and one pixel as an independent decoder reads them (RGBE bytes times 2^(e-136)). */
 static void hdr_real(void **state)
 {
 	static const struct {
 		const char *name;
 		double mean[3], upper[3];
-		float pixel[3]; /* at (700, 100) */
+		float pixel[3]; /* pixel (700, 100) */
 	} truth[] = {
 		{"st_fagans_interior_1k.hdr",
 		 {0.9116973353084177, 0.7051612892537378, 0.43892477761255577},
@@ -337,7 +334,7 @@ static void hdr_real(void **state)
 
 static void pfm_by_hand(void **state)
 {
-	/* Rows from the bottom up; 1 is 3f800000, 2 is 40000000, 0.5 is 3f000000. */
+	/* Rows are stored from the bottom up. 1 is 3f800000, 2 is 40000000, 0.5 is 3f000000. */
 	static const char little[] = "PF\n1 2\n-1.0\n"
 				     "\0\0\x80\x3f\0\0\0\x40\0\0\0\x3f"
 				     "\0\0\0\0\0\0\0\x3f\0\0\x80\x3f";
@@ -384,7 +381,7 @@ static void pfm_round_trip(void **state)
 	assert_int_equal(image_write(in_folder("x.pfm"), &out, &fault), 0);
 	assert_int_equal(image_read(in_folder("x.pfm"), &in, &fault), 0);
 	assert_memory_equal(in.f32, samples, sizeof(samples));
-	/* The file itself: header, lower row, upper row. */
+	/* The file: header, lower row, upper row. */
 	stream = fopen(in_folder("x.pfm"), "rb");
 	assert_non_null(stream);
 	assert_int_equal(fread(file, 1, sizeof(file), stream), sizeof(start) - 1 + 72);
@@ -437,7 +434,7 @@ static void exr_samples(void **state)
 
 	(void)state;
 	for (int i = 0; i < 3; i++) {
-		/* DWAA loses a little. */
+		/* DWAA is lossy. */
 		const double tolerance = i == 2 ? 0.02 : 0;
 		struct image image;
 		struct fault fault;
@@ -463,7 +460,7 @@ static void exr_samples(void **state)
 	}
 }
 
-/* Its pixels are those from (-3, 5) on of a picture of 20 x 20. */
+/* The data window: pixels from (-3, 5) on, of a picture of 20 x 20. */
 static void exr_window(void **state)
 {
 	struct image image;
@@ -484,7 +481,7 @@ static void exr_window(void **state)
 	image_free(&image);
 }
 
-/* A pixel with the chromaticities of ACES, put together by hand. */
+/* One pixel with the primaries of ACES, computed by hand. */
 static void exr_primaries(void **state)
 {
 	static const char file[] =
@@ -511,7 +508,7 @@ static void exr_primaries(void **state)
 	assert_non_null(strstr(fault.text, "other primaries: red 0.7349"));
 }
 
-/* Large enough to be compressed; within what DWA gives up. */
+/* Large enough to be compressed; DWAB is lossy. */
 static void exr_dwab(void **state)
 {
 	struct image image;
@@ -546,7 +543,7 @@ static void exr_grey(void **state)
 	image_free(&image);
 }
 
-/* Noise that does not compress is stored as it is. Halfs of all exponents up to 2. */
+/* Noise does not compress and is stored as it is. Half floats of all exponents, up to 2. */
 static void exr_noise(void **state)
 {
 	struct image image;
@@ -583,7 +580,7 @@ static void exr_refusals(void **state)
 
 /* ---- PNG and JPEG ---- */
 
-/* Rows of any kind through libpng itself. */
+/* Writes rows of any kind through libpng itself. */
 static size_t make_png(uint8_t *out, size_t room, int width, int height, int depth, int kind,
 		       bool interlaced, const uint8_t *rows, size_t stride)
 {
@@ -606,7 +603,7 @@ static size_t make_png(uint8_t *out, size_t room, int width, int height, int dep
 		png_set_PLTE(png, info, palette, 3);
 		png_set_tRNS(png, info, alphas, 2, NULL);
 	}
-	/* Must not change the code values that are read. */
+	/* A gamma chunk must not change the code values. */
 	png_set_gAMA(png, info, 1.0);
 	for (int y = 0; y < height; y++)
 		row[y] = (png_bytep)rows + (size_t)y * stride;
@@ -757,7 +754,7 @@ static void jpeg_reads(void **state)
 		expect_at_most(abs(image.u8[3 * i + 2] - 64), 3, "i=%d", i);
 	}
 	image_free(&image);
-	/* Every prefix is refused, never taken for a grey picture. */
+	/* Every prefix is refused, and never read as a grey picture. */
 	for (size_t cut = 3; cut + 2 < bytes; cut += 7)
 		read_refused(file, cut, -EBADMSG, "JPEG");
 	tjFree(file);
@@ -792,10 +789,10 @@ static uint8_t *slurp(const char *path, size_t *bytes)
 	return data;
 }
 
-/* Cut anywhere: refused, with words, and nothing leaks (seen by the address sanitizer). */
+/* Cut anywhere: refused with a message, and nothing leaks (the address sanitizer checks). */
 static void cut_short(void **state)
 {
-	/* What follows the full-size level of a tiled picture is not missed. */
+	/* A tiled picture without its lower levels is complete. */
 	static const size_t levels_at = 1000;
 	static const char *const names[] = {
 		"rgb.png",
@@ -828,7 +825,7 @@ static void cut_short(void **state)
 		if (!strcmp(names[i], "tiles_zip.exr"))
 			bytes = levels_at;
 		for (size_t cut = 0; cut < bytes; cut++) {
-			/* Exactly as long, so that a sanitizer sees one byte too many. */
+			/* Memory of exactly that length, so that a sanitizer sees a read beyond. */
 			uint8_t *part = malloc(cut ? cut : 1);
 			struct fault fault = {0};
 

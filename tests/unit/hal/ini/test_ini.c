@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* INI files by table: what is accepted, and the exact words for what is not. */
+/* INI files read by tables of keys: what is accepted, and the exact message for what is not. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -329,7 +329,7 @@ static void values_are_checked(void **state)
 		NULL);
 }
 
-/* A list of at most so many numbers, on keys of its own. */
+/* Lists with a limited number of numbers. */
 static void lists_end_where_they_end(void **state)
 {
 	struct shutter {
@@ -365,7 +365,7 @@ static void lists_end_where_they_end(void **state)
 		expect_equal(ini_value_read(&keys[0], bad[k], NULL, &shutter, why), -EINVAL,
 			     "k=%zu", k);
 		assert_non_null(strstr(why, "expected at most 3 numbers 0.5..100"));
-		expect_equal(shutter.times[2], 0.5, "k=%zu", k); /* as it was */
+		expect_equal(shutter.times[2], 0.5, "k=%zu", k); /* unchanged */
 	}
 }
 
@@ -590,7 +590,7 @@ static void sample_equals_the_defaults(void **state)
 	ini_write_sample(stream, tables);
 	fclose(stream);
 	o = parse_bytes(text, bytes);
-	/* A key without a default cannot be in the sample: that alone is missing. */
+	/* A key without a default cannot be in the sample: it is the only one missing. */
 	assert_int_equal(o->said_count, 1);
 	assert_non_null(strstr(o->said[0], "[strict] must: is missing"));
 	assert_memory_equal(&o->root.lamp, &fresh->root.lamp, sizeof(fresh->root.lamp));
@@ -600,7 +600,7 @@ static void sample_equals_the_defaults(void **state)
 	assert_int_equal(o->root.cameras[0].width, 640);
 	assert_string_equal(o->root.cameras[1].name, "right");
 	assert_int_equal(o->root.cameras[1].width, 640);
-	/* The full stop has moved behind the range. */
+	/* The full stop comes after the range. */
 	assert_non_null(strstr(text, "; How many (a whole number 0..255 lamps).\ncount = 7\n"));
 	assert_non_null(strstr(text, "; Tint (one of red, green, blue).\ncolour = green\n"));
 	assert_non_null(strstr(text, "; Of the lamp.\nfile =\n"));
