@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Groups of lights: who is in one, and what is taken to be common to its lights. */
+/* Groups of lights: which lights are in a group, and what counts as common to them. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -64,7 +64,7 @@ static int end(void **state)
 	return 0;
 }
 
-/* Each light is in the group of the coarse light that it gives most to, once. */
+/* Each light is in exactly one group: that of the coarse light with its largest weight. */
 static void all_lights_are_in_groups(void **state)
 {
 	const struct domes *d = *state;
@@ -115,8 +115,8 @@ static int size_of(const struct domes *d, int k)
 	return (int)(d->groups.first[k + 1] - d->groups.first[k]);
 }
 
-/* An even sky is common to all lights; a lamp, or two among three lights and more, changes
- * nothing; neither does one light alone have anything in common with dark ones. */
+/* An even sky is common to all lights. A lamp or two among three or more lights change nothing, and
+ * one light has nothing in common with dark ones. */
 static void a_lamp_is_not_common(void **state)
 {
 	struct domes *d = *state;
@@ -145,8 +145,7 @@ static void a_lamp_is_not_common(void **state)
 	}
 }
 
-/* Whatever light: S is not negative, no more than all that the group sends, and within its limit.
- */
+/* In any light, S is not negative, at most what the whole group sends, and within its limit. */
 static void even_light_is_bounded(void **state)
 {
 	struct chance chance = chance_begin("groups");
@@ -172,7 +171,7 @@ static void even_light_is_bounded(void **state)
 	}
 }
 
-/* Where no light of a group can arrive, none has a share, and nothing is divided by it. */
+/* Where no light of a group can arrive, no light has a share, and nothing is divided by zero. */
 static void groups_without_weight(void **state)
 {
 	struct domes *d = *state;
@@ -188,7 +187,7 @@ static void groups_without_weight(void **state)
 	assert_true(even[0] == 0 && even[1] == 0 && even[2] == 0);
 }
 
-/* As of K lights; a cut that is asked to be larger is everybody's. */
+/* cut_group = max(cut, min(cut * sqrt(N / K), BASIS_GROUP_CUT)) */
 static void cuts_of_groups(void **state)
 {
 	const struct basis_groups many = {.lights = 6400, .count = 400}, none = {.lights = 400};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The lights of a dome gathered over those of a coarser one. */
+/* The lights of a dome gathered in those of a coarser dome. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -44,7 +44,8 @@ static void over_coarse(void **state)
 							   few.light[g->index[k]].direction[x];
 				}
 				expect_equal(sum, BASIS_COARSE_ONE, "a=%zu, b=%zu, i=%d", a, b, i);
-				/* Inside the triangles: the mean lies in the light's direction. */
+				/* inside the triangles, the weighted mean lies in the light's
+				 * direction */
 				if (e.light[i].direction[2] > 1.0 / coarse[b])
 					expect_above(encode_rig_dot(mean, e.light[i].direction),
 						     (1 - 1e-7) * sqrt(encode_rig_dot(mean, mean)),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A bake under many lights, whose columns come in groups, composited: in fast mode it stays as near
- * to double precision as the file declares. */
+/* A bake under many lights, with columns of groups, composited in fast mode: as near to double
+ * precision as the file declares. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 #include "tests/support/thorough.h"
 
 #define COLUMN_CUT 0.0004
-/* The most that compositing adds to what a file declares: hal/compositor/README.md. */
+/* Largest error that compositing adds: hal/compositor/README.md. */
 #define COMPOSITING 0.78
 
 static void write_ball(void)
@@ -34,8 +34,8 @@ static void write_ball(void)
 
 struct column_counts {
 	int groups; /* columns of groups */
-	int beside; /* of lights, in a block that has any of these */
-	int across; /* of lights, where those of their groups lie in another block */
+	int beside; /* columns of lights in blocks that have columns of groups */
+	int across; /* columns of lights whose group has its column in another block */
 };
 
 static bool has_groups(const struct basis *basis, const struct basis_block *b)
@@ -71,7 +71,7 @@ static struct column_counts count_columns(const struct basis *basis)
 	return counts;
 }
 
-/* Light from a direction of chance, soft or a lamp, over a sky of some hue. */
+/* Light from a random direction, soft or a lamp, over a sky of some hue. */
 static void light_up(const struct basis *basis, struct chance *chance, float (*radiance)[3])
 {
 	const double power = ldexp(1, chance_int(chance, 0, 9));
@@ -92,7 +92,8 @@ static void light_up(const struct basis *basis, struct chance *chance, float (*r
 			radiance[i][c] /= (float)level;
 }
 
-/* One light alone: white ground or the object's brightest spot is 1, or darker by some amount. */
+/* One light alone, so bright that white ground or the brightest pixel of the object is 1, or
+ * dimmer. */
 static void light_up_one(const struct basis *basis, struct chance *chance, float (*radiance)[3])
 {
 	const uint32_t cell = (uint32_t)chance_int(chance, 0, (int)basis->info.lights - 1);
@@ -107,7 +108,7 @@ static void light_up_one(const struct basis *basis, struct chance *chance, float
 		radiance[cell][c] = (float)ldexp(1 / brightest, -chance_int(chance, 0, 3));
 }
 
-/* The largest difference in 8-bit levels. */
+/* Largest difference in 8-bit levels. */
 static double farthest(const struct random_frame *f, const double *truth, int width, int height)
 {
 	double most = 0;
@@ -135,7 +136,7 @@ static void fast_is_near_exact(void **state)
 	struct basis basis;
 	struct random_frame f;
 	float(*radiance)[3];
-	double *truth, worst[2] = {0}; /* of skies, of lights alone */
+	double *truth, worst[2] = {0}; /* worst error of skies, and of lights alone */
 	struct column_counts counts;
 	int most_columns = 0;
 
@@ -176,7 +177,8 @@ static void fast_is_near_exact(void **state)
 		      "off, %.2f by one light\n",
 		      counts.groups, counts.beside, counts.across, most_columns, worst[0],
 		      worst[1]);
-	/* What it declares of skies, the picture's own rounding, and that these are others. */
+	/* The declared error of skies, half as much again because these skies are others, and
+	 * rounding. */
 	if (worst[0] > 1.5 * basis.info.sky_max + COMPOSITING)
 		fail_msg("%.2f levels off, declared %.2f", worst[0], basis.info.sky_max);
 	if (worst[1] > basis.info.cell_max + COMPOSITING)
@@ -189,7 +191,7 @@ static void fast_is_near_exact(void **state)
 	free(truth);
 }
 
-/* Without a cut nothing may be left out, and nothing is grouped. */
+/* Without a cut no column may be left out, so there are no groups. */
 static void without_a_cut(void **state)
 {
 	struct basis basis;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The encoder: errors held and declared, against blocks decoded in double precision. */
+/* The encoder keeps and declares its errors: checked on blocks decoded in double precision. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -37,7 +37,7 @@ static void over_scenes(void **state)
 	}
 }
 
-/* Errors asked for are errors got: a tighter one costs more and is held. */
+/* The error that is asked for is kept; a smaller one costs more bytes. */
 static void over_targets(void **state)
 {
 	uint64_t before = UINT64_MAX;
@@ -49,7 +49,7 @@ static void over_targets(void **state)
 		struct encode_result result;
 		uint64_t bytes = 0;
 
-		/* The strongest of the ensemble's suns are nearly a cell alone. */
+		/* The strongest suns of the ensemble are nearly one cell alone. */
 		e.settings.target.cell = cell;
 		e.settings.target.max = fmax(e.settings.target.max, cell);
 		e.settings.target.rms = fmax(e.settings.target.rms, cell / 4);
@@ -63,10 +63,10 @@ static void over_targets(void **state)
 		encode_rig_part_free(part);
 		encode_rig_end(&e);
 	}
-	assert_true(before < 256 * 3 * 186 / 5); /* against a byte a value */
+	assert_true(before < 256 * 3 * 186 / 5); /* less than one byte a value */
 }
 
-/* An error in T and V at once, at a pixel half covered, is measured as it is seen. */
+/* An error in T and V at once, in a half-covered pixel, is measured as it is seen. */
 static void together(void **state)
 {
 	struct encode_rig e = encode_rig_dome(5, 5);
@@ -120,7 +120,7 @@ static void over_pairs(void **state)
 		expect_at_most(result.error.sky_max, e.settings.target.max, "k=%d", k);
 		for (int r = 0; r < 360; r++)
 			for (int i = 0; i < n; i++) {
-				/* Nothing but what rounding makes: 1 is white. */
+				/* Only rounding: 1 is white. */
 				expect_at_least(part[1]->decoded[r * n + i],
 						-2e-3 * e.light[i].solid_angle_sr,
 						"k=%d, r=%d, i=%d", k, r, i);
@@ -169,7 +169,7 @@ static void exact(void **state)
 	}
 }
 
-/* What was encoded before leaves no trace. */
+/* Earlier tiles leave no trace in the encoder. */
 static void repeats(void **state)
 {
 	struct encode_rig e = encode_rig_dome(6, 4), other = encode_rig_dome(6, 4);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The encoder: values that no pattern fits, sizes that fill no line, what it refuses. */
+/* Hard cases of the encoder: values that no pattern fits, sizes that fill no line, and what it
+ * refuses. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +14,7 @@
 #include "tests/support/encode_promises.h"
 #include "tests/support/expect.h"
 
-/* Full rank: no pattern does. */
+/* Noise has full rank, so that no pattern helps. */
 static void over_noise(void **state)
 {
 	struct chance chance = chance_begin("noise");
@@ -39,8 +40,7 @@ static void over_noise(void **state)
 	}
 }
 
-/* Of many lights nearly every column is too dim to be used alone, and what all of them come to is
- * no longer little. */
+/* Of many lights nearly each column is too dim to be used alone, but together they matter. */
 static void over_many_lights(void **state)
 {
 	struct chance chance = chance_begin("many lights");
@@ -65,8 +65,8 @@ static void over_many_lights(void **state)
 	}
 }
 
-/* Lights that shine along the ground: an object that faces them sends there many times what they
- * do, and beside that lies a shadow as dark as any. */
+/* Lights near the horizon: an object that faces them throws many times their light on the ground,
+ * beside a dark shadow. */
 static void over_low_lights(void **state)
 {
 	struct chance chance = chance_begin("low lights");
@@ -91,8 +91,8 @@ static void over_low_lights(void **state)
 	}
 }
 
-/* What mirrors nearly: each pixel sees a few lights, many times as bright as what is diffuse, and
- * of all others next to nothing. Groups of lights have columns that reach as far. */
+/* Near mirrors: each pixel sees a few lights many times brighter than diffuse ones, and nearly
+ * nothing of the others. Columns of groups reach as far. */
 static void over_mirrors(void **state)
 {
 	struct encode_rig e = encode_rig_dome(12, 6);
@@ -139,7 +139,7 @@ static void over_sizes(void **state)
 			}
 }
 
-/* Nothing, all alike, one light a million times the rest, values that hardly are. */
+/* All zeros, all equal, one light a million times the others, and denormal values. */
 static void over_values(void **state)
 {
 	(void)state;
@@ -165,8 +165,8 @@ static void over_values(void **state)
 			}
 		result = encode_promises_hold(&e, part, NULL);
 		expect_that(k != 0 || !result.shown_count, "k=%d", k);
-		/* 6,000 is the largest value of the fourth. Alone in its light it is white, of
-		 * which the two levels that are asked for are 1.8 %. */
+		/* 6,000 is the largest value of the fourth case. Alone in its light the pixel is
+		 * white, and two levels of white are 1.8 %. */
 		expect_below(result.object_error, (k == 3 ? 6000 * 0.018 : 1e-2), "k=%d", k);
 		expect_below(result.ratio_error, 1e-2, "k=%d", k);
 		encode_rig_part_free(part);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Patterns of as many dimensions as there are: the weighted least squares over the coarse lights,
- * in which lights that have lost weight count by the mean of their group. */
+/* Patterns of full rank solve weighted least squares over the coarse lights; lights that have lost
+ * weight count by the mean of their group. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,17 +14,17 @@
 #include "tests/support/chance.h"
 #include "tests/support/encode_rig.h"
 
-#define PIXELS 40 /* more than there are coarse lights: nothing is cut off */
+#define PIXELS 40 /* more than coarse lights, so that nothing is cut off */
 
 struct fit {
 	struct encode_rig e;
 	struct basis_groups groups;
-	struct part part; /* only what a metric asks for */
+	struct part part; /* only the fields that a metric reads */
 	struct rank_metric metric;
 	struct rank_patterns patterns;
 	struct rank_scratch scratch;
 	float *weight, *value; /* [lights], [lights][PIXELS] */
-	double *left;	       /* [lights][PIXELS]: of value */
+	double *left;	       /* [lights][PIXELS]: residual of value */
 };
 
 static void fit_begin(struct fit *f, struct chance *chance)
@@ -92,7 +92,7 @@ static void find(struct fit *f)
 		}
 }
 
-/* RMS over groups and pixels of the mean of what is left of a group's lights. */
+/* RMS, over groups and pixels, of the mean residual of a group's lights. */
 static double left_of_means(const struct fit *f)
 {
 	double square = 0;
@@ -109,7 +109,7 @@ static double left_of_means(const struct fit *f)
 	return sqrt(square / (f->groups.count * PIXELS));
 }
 
-/* Where the sum of weighted squares is least its slope is 0, along every coarse light. */
+/* At the minimum of the weighted squares their slope is 0, along every coarse light. */
 static void is_least(const struct fit *f, double mean_weight)
 {
 	const struct encode_settings *s = &f->e.settings;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The filter of bounced light: it takes noise away, never light. */
+/* The filter of bounced light takes noise away, and never light. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,7 @@
 #define SAMPLES 16
 #define REFERENCE (16 * SAMPLES)
 
-/* Pixels row by row, as many as there are. */
+/* Pixels row by row. */
 static uint16_t every_pixel[TILE_PIXELS];
 
 /* ---- made matrices ---- */
@@ -31,7 +31,7 @@ struct made {
 	double share[2];
 };
 
-/* Near enough to a normal deviate. */
+/* About normal, with standard deviation 1. */
 static double deviate(struct random *random)
 {
 	double sum = -6;
@@ -41,7 +41,7 @@ static double deviate(struct random *random)
 	return sum;
 }
 
-/* Light of some rank, its parts falling off by fall each, with a noise in either half. */
+/* Light of a rank, each part `fall` times the one before, with noise in each half. */
 static struct made make(int rows, int lights, int rank, double fall, double noise, double share)
 {
 	struct random random = {SEED};
@@ -117,7 +117,7 @@ static double distance(const float *a, const float *b, size_t count)
 	return sqrt(square / (double)count);
 }
 
-/* The filtered error as a share of the unfiltered one. */
+/* Filtered error as a share of the unfiltered error. */
 static double error_of(const struct made *m)
 {
 	const size_t count = (size_t)m->rows * (size_t)m->lights;
@@ -125,7 +125,7 @@ static double error_of(const struct made *m)
 	return distance(m->half[0], m->light, count) / distance(m->mean, m->light, count);
 }
 
-/* What the filter leaves alone: each row's sum, each channel's mean of every column. */
+/* The filter keeps each row's sum and, of every column, each channel's mean. */
 static void check_sums(const struct made *m)
 {
 	for (int row = 0; row < m->rows; row++) {
@@ -153,8 +153,8 @@ static void check_sums(const struct made *m)
 		}
 }
 
-/* Few lights and many, low rank and more of it, little noise and much, halves of one size and not.
- */
+/* Few and many lights, low and higher rank, little and much noise, halves of equal and of different
+ * size. */
 static void test_made(void **state)
 {
 	static const struct {
@@ -184,7 +184,7 @@ static void test_made(void **state)
 	}
 }
 
-/* What has no noise, or is light of full rank, stays bit by bit but for rounding. */
+/* Light without noise, or of full rank, stays the same but for rounding. */
 static void test_nothing_to_gain(void **state)
 {
 	(void)state;
@@ -198,7 +198,7 @@ static void test_nothing_to_gain(void **state)
 	}
 }
 
-/* Differences have both signs: rows whose sums are nothing but noise must not be blown up. */
+/* Differences have both signs: rows whose sums are only noise must not grow. */
 static void test_sums_that_cancel(void **state)
 {
 	struct made m = make(300, 200, 3, 0.7, 1, 0.5);
@@ -239,7 +239,7 @@ static void test_odd_values(void **state)
 		m = make(30, 20, 1, 1, 1, 0.5);
 		m.half[0][77] = odd[k];
 		filter(&m);
-		/* what the encoder refuses must reach it */
+		/* NaN and infinity must reach the encoder, which refuses them */
 		expect_equal(isfinite(odd[k]), isfinite(m.half[0][77]), "k=%zu", k);
 		unmake(&m);
 	}
@@ -250,7 +250,8 @@ static void test_odd_values(void **state)
 #define WIDE (2 * BASIS_TILE) /* two tiles side by side */
 #define SEAM_LIGHTS 200
 
-/* Light that is smooth over both tiles: every light has a mean, a slope and a bend of its own. */
+/* Light that is smooth over both tiles: each light has a mean, a slope and a curvature of its own.
+ */
 static double smooth(const double *of_light, int x, int y)
 {
 	const double u = x / (double)WIDE - 0.5, v = y / (double)WIDE - 0.25;
@@ -259,8 +260,8 @@ static double smooth(const double *of_light, int x, int y)
 	       0.1 * of_light[3] * u * u;
 }
 
-/* How far apart the columns of pixels on both sides of x are, beyond what they rise or fall by
- * there; of all lights, the mean over the edge's length, RMS. */
+/* Step between the columns of pixels on both sides of x, beyond the slope there: for each light the
+ * mean over the length of the edge, then RMS over lights. */
 static double step_at(const float *const tile[2], int x)
 {
 	static const double part[] = {0.25, 0, -1.25, 1.25, 0, -0.25};
@@ -281,8 +282,8 @@ static double step_at(const float *const tile[2], int x)
 	return sqrt(square / (3 * SEAM_LIGHTS));
 }
 
-/* Tiles are filtered apart. Their common edge shows no more than what noise leaves of means and
- * slopes; where it is loudest, a filter that keeps means alone exceeds that. */
+/* Tiles are filtered independently. Their common edge shows no more than the noise of means and
+ * slopes; where noise is loudest, a filter that keeps means alone exceeds that. */
 static void test_seam(void **state)
 {
 	static const double noises[] = {0.02, 0.3, 0.5};
@@ -321,7 +322,7 @@ static void test_seam(void **state)
 		print_message("# noise %g: errors %.3f and %.3f of the mean's; step %.4f at the "
 			      "edge, %.4f inside, %.4f unfiltered\n",
 			      noises[k], error_of(&m[0]), error_of(&m[1]), edge, inside, before);
-		/* a plane's noise at the edge is that of (1 + 3) / 256 of a pixel's square */
+		/* the variance of a plane at the edge is (1 + 3) / 256 of a pixel's */
 		expect_below(edge, inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002, "k=%zu",
 			     k);
 		expect_that(error_of(&m[0]) < 0.2 && error_of(&m[1]) < 0.2, "k=%zu", k);
@@ -334,7 +335,7 @@ static void test_seam(void **state)
 
 /* ---- real tiles ---- */
 
-/* Tiles of one sample a pixel are not filtered: sums of them are what no filter has touched. */
+/* Unfiltered tiles of one sample a pixel, summed up. */
 struct sums {
 	float *value[BASIS_KIND_COUNT]; /* [TILE_PIXELS][3][lights] */
 	bool seen[BASIS_KIND_COUNT];
@@ -374,8 +375,8 @@ static void free_sums(struct sums *sums)
 		free(sums->value[kind]);
 }
 
-/* What a sun at one cell and a sky of a tenth of its light come to: the error of the tile's mean is
- * what would show as a step to its neighbours. */
+/* Error of a tile's mean under a sun in one cell and a sky of a tenth of its light: the size of the
+ * step to neighbouring tiles. */
 static double step_of(const float *value, const float *reference, int lights, const float *weight)
 {
 	double worst = 0;
@@ -479,7 +480,7 @@ static void check_scene(const char *what, const char *material, const char *stan
 
 		assert_int_equal(dome_create(&dome, frequencies[k], DOME_ANGLES, &fault), 0);
 		assert_int_equal(cells_create(&cells, &dome), 0);
-		/* the ball's middle, its edge with the ground below */
+		/* the middle of the ball, its edge above the ground */
 		check_tile(scene, &cells, what, 5, &log_sum, &log_count);
 		check_tile(scene, &cells, what, 10, &log_sum, &log_count);
 		cells_free(&cells);

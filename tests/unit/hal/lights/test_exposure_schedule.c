@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which exposure a frame has, of a camera that is played: it obeys some frames later, loses some.
- */
+/* Which exposure a frame has, for a played camera that obeys some frames later and loses some. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,12 +15,12 @@
 
 enum { COUNT = 3, FRAMES = 400 };
 
-/* A camera: what each of its frames has. */
+/* A camera, and the exposure of each of its frames. */
 struct camera {
 	int delay;
-	bool beyond;  /* slower than anybody expects: what is said of its frames may be wrong */
-	int64_t next; /* frame to be captured */
-	int shown[FRAMES + 64]; /* by frame; 0 at first */
+	bool beyond;  /* slower than the schedule allows for, so that its answers may be wrong */
+	int64_t next; /* number of the next frame */
+	int shown[FRAMES + 64]; /* exposure of each frame; 0 at first */
 };
 
 static const double light[COUNT] = {0.6, 0.1, 0.0125};
@@ -32,8 +31,8 @@ static void obey(struct camera *camera, int exposure)
 		camera->shown[k] = exposure;
 }
 
-/* One frame, after `lost` that nobody sees and with `late` more captured before the answer. What it
- * has is said, unless that is not known. */
+/* Captures one frame, after `lost` that are lost and with `late` more before the answer. Checks the
+ * exposure that the schedule says, unless it says that it does not know. */
 static int step(struct exposure_schedule *s, struct camera *camera, int lost, int late,
 		uint32_t offset)
 {
@@ -93,7 +92,7 @@ static void lost_and_late_frames_shift_nothing(void **state)
 	}
 }
 
-/* A source that does not count: frames follow each other. */
+/* A source that does not number its frames: they follow each other. */
 static void numbers_that_stand_still(void **state)
 {
 	struct exposure_schedule s;
@@ -108,7 +107,7 @@ static void numbers_that_stand_still(void **state)
 	}
 }
 
-/* As the kiosk does it: asked with the frame, told its brightness after that. */
+/* Measures the delay as the kiosk does: asks with the frame, then tells its brightness. */
 static int measure(struct camera *camera, struct chance *chance, bool loses, bool shows)
 {
 	struct exposure_schedule s;
@@ -139,7 +138,8 @@ static void a_delay_is_measured(void **state)
 	}
 }
 
-/* Whatever it loses, what it says is right, or it says that it cannot. */
+/* Whatever frames are lost, the measured delay is right, or the schedule says that it cannot tell.
+ */
 static void lost_frames_do_not_spoil_the_measurement(void **state)
 {
 	struct chance chance = chance_begin("measured with losses");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Several exposures of one sky made one light: the sampler's part, the merge, whose frame it is. */
+/* Several exposures of one sky merged into one light: the sampler's part, the merge, and which
+ * exposure a frame has. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,12 +22,12 @@ enum { LIGHTS = 40, COUNT = 3, PIXELS = 64 };
 static const double ratio[COUNT] = {1, 1 / 16.0, 1 / 256.0};
 static const struct transfer_curve curve = {.named = TRANSFER_SRGB};
 
-/* What the sampler would say of the lights in one exposure. */
+/* What the sampler returns for the lights in one exposure. */
 struct taken {
 	float sampled[LIGHTS][3], excess[LIGHTS][3], clipped[LIGHTS];
 };
 
-/* A cell: part of it is a lamp. */
+/* A cell, part of which is a lamp. */
 struct cell {
 	double dim[3], lamp[3], share;
 };
@@ -47,7 +48,7 @@ static struct light_exposures *create(double gain)
 	return e;
 }
 
-/* Without noise; a channel is cut off at white. */
+/* Exposes cells without noise; a channel clips at white. */
 static void expose(const struct light_exposures *e, int k, const struct cell *cell, struct taken *f)
 {
 	const double above = light_exposures_above(e, k);
@@ -102,7 +103,7 @@ static void fill(struct cell *cell, double dim, double lamp, double share)
 
 /* ---- the merge ---- */
 
-/* Powers of two, so that exposures do not round: then the merge must not. */
+/* Exposure times are powers of two, so that nothing rounds: the merge must not either. */
 static void a_constant_sky_is_exact(void **state)
 {
 	static const double levels[] = {0, 0.0009765625, 0.125, 0.75, 2, 24, 200};
@@ -134,7 +135,8 @@ static void a_constant_sky_is_exact(void **state)
 	}
 }
 
-/* A camera that makes other exposures of what it was asked for says so with its first pictures. */
+/* A camera whose exposures differ from those it was asked for reports them with its first pictures.
+ */
 static void other_ratios_count_from_the_next_frame(void **state)
 {
 	static const double wanted[COUNT] = {1, 0.3, 0.03};
@@ -143,7 +145,7 @@ static void other_ratios_count_from_the_next_frame(void **state)
 	struct merged m;
 
 	(void)state;
-	fill(cell, 2, 0, 0); /* the first is clipped */
+	fill(cell, 2, 0, 0); /* the first exposure clips */
 	light_exposures_ratios(e, wanted);
 	show(e, 1, cell, &m);
 	assert_true(m.radiance[0][0] != 2);
@@ -153,7 +155,7 @@ static void other_ratios_count_from_the_next_frame(void **state)
 	light_exposures_destroy(e);
 }
 
-/* One exposure is passed on as it is, bit by bit. */
+/* One exposure passes unchanged, bit by bit. */
 static void one_exposure_is_untouched(void **state)
 {
 	static const double one[] = {1};
@@ -181,7 +183,7 @@ static void one_exposure_is_untouched(void **state)
 	light_exposures_destroy(e);
 }
 
-/* A small lamp in a dim cell, from one that no exposure clips to one that all do. */
+/* A small lamp in a dim cell, from brightnesses that no exposure clips to those that all clip. */
 static void a_lamp_is_found_in_the_shortest(void **state)
 {
 	struct cell cell[LIGHTS];
@@ -215,7 +217,7 @@ static void a_lamp_is_found_in_the_shortest(void **state)
 	light_exposures_destroy(e);
 }
 
-/* Pixels of the light with noise as the model has it; the sampler's mean of them. */
+/* The mean of pixels with noise as the model has it. */
 static double noisy(struct chance *chance, double light, int k)
 {
 	const struct pixel_noise noise = pixel_noise_of(&curve);
@@ -227,7 +229,7 @@ static double noisy(struct chance *chance, double light, int k)
 	       sum / 2 * sqrt((noise.floor + noise.slope * light * ratio[k]) / PIXELS);
 }
 
-/* No worse than the best exposure alone, and without bias. */
+/* The merge is no worse than the best exposure alone, and has no bias. */
 static void weights_follow_the_noise(void **state)
 {
 	enum { TURNS = 200 };
@@ -271,7 +273,8 @@ static void must_be(const struct merged *m, const struct cell *cell)
 				       1e-4 * truth(&cell[i], c) + 1e-5, "i=%d, c=%d", i, c);
 }
 
-/* At once, where the frame shows it whole; in any case within a turn. */
+/* A switched lamp is followed at once where the frame shows it unclipped, else within one round of
+ * exposures. */
 static void a_switched_lamp_is_followed(void **state)
 {
 	struct cell off[LIGHTS], on[LIGHTS];
@@ -300,7 +303,7 @@ static void a_switched_lamp_is_followed(void **state)
 	}
 }
 
-/* Exposures that are 5 % off what they are said to be give light that stands still. */
+/* Exposure times that are 5 % wrong still give steady light. */
 static void exposures_that_are_off_do_not_flicker(void **state)
 {
 	struct light_exposures *e = create(1);
@@ -346,13 +349,14 @@ static void wrong_exposures_are_noticed(void **state)
 					{dims[n], dims[n], dims[n]}, {90, 80, 70}, 0.02};
 			expose(e, 1, cell, &f);
 			expect_that(fits(e, 0, &f), "n=%zu, lamp=%d", n,
-				    lamp); /* nothing is known */
+				    lamp); /* nothing is known yet */
 			for (int k = 0; k < COUNT; k++)
 				show(e, k, cell, &m);
 			for (int is = 0; is < COUNT; is++) {
 				expose(e, is, cell, &f);
 				for (int said = 0; said < COUNT; said++) {
-					/* What is dark in both does not tell them apart. */
+					/* Cells that are dark in both exposures do not tell them
+					 * apart. */
 					const bool dark = dims[n] < 0.1 && !lamp && is && said;
 
 					if (dark || (is && said && dims[n] < 0.5))
@@ -368,8 +372,8 @@ static void wrong_exposures_are_noticed(void **state)
 	}
 }
 
-/* As long as only the longest has been seen, which clips a lamp, nobody knows how bright a shorter
- * one will show it: all of them fit that show what is whole as it is. */
+/* Until a shorter exposure has been seen, a lamp that clips in the longest may have any brightness
+ * in it. Every exposure fits that shows the unclipped cells as they are. */
 static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 {
 	static const double lamps[] = {2, 20, 300};
@@ -399,8 +403,8 @@ static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 	}
 }
 
-/* A room that is lit four times as brightly, or a quarter, is taken in by its own exposures within
- * two turns, none of them mistaken for another. */
+/* The room gets four times brighter or darker. The exposures follow within two rounds, and none is
+ * mistaken for another. */
 static void a_change_of_the_whole_room_is_taken(void **state)
 {
 	(void)state;
@@ -430,7 +434,7 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 
 /* ---- the sampler's part ---- */
 
-/* What is above a level, and what is clipped, against sums of the pixels' own values. */
+/* Light above a level, and clipped light, against sums over the pixels. */
 static void the_sampler_tells_what_is_above(void **state)
 {
 	enum { SIDE = 96 };
@@ -456,7 +460,7 @@ static void the_sampler_tells_what_is_above(void **state)
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++)
 			for (int c = 0; c < 3; c++) {
-				/* No pixel of the right half is clipped. */
+				/* no pixel of the right half clips */
 				const int code = chance_int(&chance, 0, x < SIDE / 2 ? 255 : 254);
 				const double v = transfer_curve_decode(&curve, code / 255.0);
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Light over time: what is constant comes out as it went in, what is switched is there within the
- * set time and no further, noise does not crawl, and nothing sticks.
- */
+/* Light over time: constant light passes unchanged, switched light arrives within the set time and
+ * does not overshoot, noise does not crawl, and nothing sticks. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +38,7 @@ static double code_of(double light)
 struct lamp {
 	struct light_filter *filter;
 	int count;
-	float (*x)[3]; /* in, then out */
+	float (*x)[3]; /* first the input, then the output */
 };
 
 static struct lamp lamp_begin(int count, float pixels)
@@ -71,7 +69,7 @@ static void fill(struct lamp *l, double light)
 			l->x[i][c] = (float)light;
 }
 
-/* A frame of one light for all. */
+/* Filters a frame in which all lights are equal. */
 static double frame(struct lamp *l, int64_t at_ns, double light)
 {
 	fill(l, light);
@@ -97,7 +95,7 @@ static void constant_light_comes_out_as_it_went_in(void **state)
 	lamp_end(&l);
 }
 
-/* One light of them, from dark or half-light, up or down, at several rates. */
+/* One light switches, from dark or half, up or down, at several rates. */
 static void a_switched_lamp_is_there_in_time(void **state)
 {
 	static const double from[] = {0, 0.2, 1, 1, 0.5}, to[] = {1, 0.25, 0, 0.9, 400};
@@ -127,7 +125,7 @@ static void a_switched_lamp_is_there_in_time(void **state)
 			if (since + dt[n / 5] < FOLLOW)
 				expect_at_least(off, 0.0999 * fabs(b - a), "n=%d, since=%lld", n,
 						(long long)since);
-			/* towards it, never past it */
+			/* towards the new value, never beyond it */
 			expect_that(b > a ? now >= before && now <= (double)(float)b
 					  : now <= before && now >= (double)(float)b,
 				    "n=%d, since=%lld", n, (long long)since);
@@ -138,7 +136,7 @@ static void a_switched_lamp_is_there_in_time(void **state)
 	}
 }
 
-/* What is shown at a time does not depend on how many frames there were before it. */
+/* The output at a time does not depend on the number of frames before it. */
 static void time_counts_and_not_frames(void **state)
 {
 	struct chance chance = chance_begin("time");
@@ -171,7 +169,7 @@ static double normal(struct chance *chance)
 	return sum;
 }
 
-/* The mean of that many pixels of an 8-bit camera. */
+/* Mean of that many pixels of an 8-bit camera. */
 static double seen(struct chance *chance, double code, double noise, int pixels)
 {
 	double sum = 0;
@@ -182,8 +180,9 @@ static double seen(struct chance *chance, double code, double noise, int pixels)
 }
 
 struct crawl {
-	int mirror, diffuse; /* the largest change of a pixel that sees one light, and all */
-	double mean;	     /* of all that came out */
+	/* Largest change of a pixel that sees one light, and of one that sees all. */
+	int mirror, diffuse;
+	double mean; /* mean of all outputs */
 	double given;
 };
 
@@ -240,7 +239,7 @@ static void noise_moves_no_pixel_by_more_than_a_level(void **state)
 	}
 }
 
-/* What goes in comes out, later: the sum over time of a flash, and of many. */
+/* The sum over time of a flash, or of several, is kept. */
 static void energy_is_kept(void **state)
 {
 	struct lamp l = lamp_begin(LIGHTS, 50);
@@ -262,7 +261,7 @@ static void energy_is_kept(void **state)
 
 /* ---- what noise hides ---- */
 
-/* A light that grows by a code in ten seconds, in steps far below a camera's noise. */
+/* A light that grows by one code in ten seconds, in steps far below the camera's noise. */
 static void a_slow_lamp_does_not_stick(void **state)
 {
 	struct lamp l = lamp_begin(1, 4);
@@ -270,7 +269,7 @@ static void a_slow_lamp_does_not_stick(void **state)
 	int64_t at = 0;
 
 	(void)state;
-	for (int speed = 0; speed < 3; speed++) { /* codes a second: 0.1, 1, 10 */
+	for (int speed = 0; speed < 3; speed++) { /* 0.1, 1 and 10 codes a second */
 		double before = frame(&l, at, light);
 
 		for (int k = 0; k < 300; k++) {
@@ -294,7 +293,7 @@ static void a_slow_lamp_does_not_stick(void **state)
 	lamp_end(&l);
 }
 
-/* Five per cent of the whole room, which no light shows by itself. */
+/* The whole room changes by five per cent, which no single light shows. */
 static void what_all_lights_say_together_is_heard(void **state)
 {
 	struct chance chance = chance_begin("together");
@@ -328,10 +327,10 @@ static void it_begins_anew(void **state)
 	(void)state;
 	assert_true(frame(&l, 5000 * MS, 1) == 1);
 	assert_true(frame(&l, 5033 * MS, half) > half);
-	assert_true(frame(&l, 5000 * MS, half) == half); /* older */
+	assert_true(frame(&l, 5000 * MS, half) == half); /* an older frame */
 	assert_true(frame(&l, 5300 * MS, 1) < 1);	 /* a slow camera is followed */
-	assert_true(frame(&l, 6401 * MS, half) == half); /* away */
-	assert_true(frame(&l, 6401 * MS, 1) == half);	 /* of the same moment */
+	assert_true(frame(&l, 6401 * MS, half) == half); /* more than a second without frames */
+	assert_true(frame(&l, 6401 * MS, 1) == half);	 /* the same time again */
 	assert_true(frame(&l, 6434 * MS, 1) < 1);
 	light_filter_begin(l.filter);
 	assert_true(frame(&l, 6467 * MS, half) == half);
@@ -340,9 +339,9 @@ static void it_begins_anew(void **state)
 	light_filter_measured(l.filter, &srgb, 2, pixels);
 	assert_true(frame(&l, 6500 * MS, 1) == 1);
 	fill(&l, 0.5);
-	light_filter_run(l.filter, 6533 * MS, 0, l.x); /* off */
+	light_filter_run(l.filter, 6533 * MS, 0, l.x); /* filter off */
 	assert_true(l.x[3][2] == 0.5f);
-	assert_true(frame(&l, 6566 * MS, 1) < 1); /* and on again, from there */
+	assert_true(frame(&l, 6566 * MS, 1) < 1); /* on again, from the last light */
 	lamp_end(&l);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Lights files: to the bit and back, and what is wrong with a bad one. */
+/* Lights files: values come back to the bit, and messages name what is wrong. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,12 +60,12 @@ static void comments_and_blanks(void **state)
 	write_text(path, text, strlen(text));
 	assert_int_equal(lights_file_read(path, lights, 3, NULL), 0);
 	assert_memory_equal(lights, want, sizeof(want));
-	/* more than there is is never read */
+	/* the reader stops behind the last light, even of an endless file */
 	assert_int_equal(lights_file_read("/dev/zero", lights, 3, NULL), -EINVAL);
 	unlink(path);
 }
 
-/* The fault names the line. */
+/* The message names the line. */
 static void refused(void **state)
 {
 	static const struct {

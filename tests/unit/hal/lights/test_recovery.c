@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What clips in the sky, found again on the ground. */
+/* Light that clips in the sky is recovered from the light on the ground. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,15 +14,15 @@
 
 enum { LIGHTS = 20 };
 
-/* Lights of which some are clipped at white = 1, and the ground under them as they are. */
+/* Lights, some clipped at white = 1, and the true light on the ground. */
 struct sky {
 	float radiance[LIGHTS][3], clipped[LIGHTS];
-	double lost[3]; /* above white, by clipped pixel of the light that is right overhead */
+	double lost[3]; /* radiance above white of a clipped pixel in the zenith */
 	double u[3][LIGHTS], solid_sr[LIGHTS], piece_sr[LIGHTS];
 	struct light_ground ground;
 };
 
-/* What is clipped is one piece, and brighter the higher it is: as light_recover() expects. */
+/* One piece clips; its light is brighter the higher it is, as light_recover() assumes. */
 static void fill(struct sky *sky, int clipped, double lost)
 {
 	double piece_sr = 0;
@@ -107,7 +107,7 @@ static void what_is_lost_is_found(void **state)
 	}
 }
 
-/* Two of very different size give the ground as much each. */
+/* Two pieces of very different size give the ground the same light. */
 static void pieces_have_like_powers(void **state)
 {
 	struct sky sky, before;
@@ -115,7 +115,8 @@ static void pieces_have_like_powers(void **state)
 
 	(void)state;
 	fill(&sky, 0, 0);
-	for (int i = 0; i < LIGHTS; i++) { /* lights 9 alone, and 10 to 19, all of one height */
+	/* Light 9 alone, and lights 10 to 19, all at one height. */
+	for (int i = 0; i < LIGHTS; i++) {
 		sky.clipped[i] = i < 9 ? 0 : 1;
 		sky.piece_sr[i] = i < 9 ? 0 : i == 9 ? 0.3 : 3;
 		sky.solid_sr[i] = 0.3;
@@ -135,7 +136,7 @@ static void pieces_have_like_powers(void **state)
 		large += (double)sky.radiance[i][0] - 1;
 	}
 	assert_true(fabs(small / large - 1) < 0.01);
-	/* But not a piece of a few pixels, which noise clips. */
+	/* A piece of a few pixels, clipped by noise, gets nothing. */
 	sky = before;
 	sky.clipped[9] = 1e-4f;
 	sky.piece_sr[9] = 3e-5;
@@ -146,7 +147,7 @@ static void pieces_have_like_powers(void **state)
 	assert_true(small > 0 && small < 0.04 * large);
 }
 
-/* What lies lower gets less for each clipped pixel, on the horizon nothing. */
+/* A clipped pixel near the horizon gets less, on the horizon nothing. */
 static void what_lies_low_gets_less(void **state)
 {
 	struct sky sky;
@@ -167,7 +168,8 @@ static void what_lies_low_gets_less(void **state)
 	assert_true(sky.radiance[0][1] == 1);
 	assert_true(fabs((double)(sky.radiance[2][1] - 1) / (double)(sky.radiance[1][1] - 1) - 2) <
 		    1e-5);
-	/* Nothing else clips: the ground sees none of it, and what is missing stays missing. */
+	/* Only the light on the horizon clips. The ground does not see it, so its missing light
+	 * stays missing. */
 	sky.clipped[1] = sky.clipped[2] = 0;
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
@@ -175,7 +177,7 @@ static void what_lies_low_gets_less(void **state)
 	assert_true(sky.radiance[0][1] == 1);
 }
 
-/* A blue sky clips in blue: red goes to the lamp. */
+/* A blue sky clips in blue only; the missing red goes to the lamp. */
 static void colours_clip_by_themselves(void **state)
 {
 	struct sky sky;
@@ -219,7 +221,7 @@ static void all_may_be_clipped(void **state)
 			     c);
 }
 
-/* A patch that is no number, or lights that are not, change nothing. */
+/* A patch or lights that are NaN change nothing. */
 static void no_number_adds_nothing(void **state)
 {
 	struct sky sky, before;
@@ -245,7 +247,7 @@ static void no_number_adds_nothing(void **state)
 	assert_true(isfinite(sky.radiance[1][0]));
 }
 
-/* One light and its equation: it is that which is missing. */
+/* One light, one equation: it gets exactly the missing light. */
 static void one_light_is_exact(void **state)
 {
 	struct sky sky;
@@ -279,7 +281,7 @@ static void where_nothing_clips_nothing_is_done(void **state)
 	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
 }
 
-/* Nothing is missing, or less than nothing: nothing is taken away. */
+/* If nothing is missing, or less than nothing, no light is taken away. */
 static void light_is_not_taken_away(void **state)
 {
 	struct light_recovery r;
@@ -296,7 +298,8 @@ static void light_is_not_taken_away(void **state)
 	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
 }
 
-/* A calibration that is a percent off makes no lamp of a pixel that clips, and there is no step. */
+/* A calibration that is wrong by a per cent makes no lamp of a clipped pixel, and the correction
+ * has no step. */
 static void small_differences_stay_small(void **state)
 {
 	double last = 0;
@@ -336,7 +339,7 @@ static void bounds_are_said(void **state)
 	for (int c = 0; c < 3; c++)
 		expect_below(fabs(r.factor[c] / LIGHT_RECOVERY_MAX - 1), 1e-9, "c=%d", c);
 	fill(&sky, 2, 100);
-	sky.ground.clipped = 0.1; /* there is more than the patch shows */
+	sky.ground.clipped = 0.1; /* the patch itself clips, so it shows less than there is */
 	r = recover(&sky, 1);
 	assert_true(r.recovered && r.at_bound);
 }

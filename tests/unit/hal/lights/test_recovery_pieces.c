@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which clipped lights are of one piece. */
+/* Which clipped lights belong to one piece. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -58,7 +58,7 @@ static void what_touches_is_one_piece(void **state)
 		size = clipped_pieces_find(pieces, clipped);
 		for (int i = 0; i < dome.count; i++)
 			expect_below(fabs(size[i] / (2 * M_PI) - 1), 1e-12, "n=%zu, i=%d", n, i);
-		/* All cells on the horizon are a ring, which the zenith is far from. */
+		/* The cells on the horizon form a ring, far from the zenith. */
 		top = at(&dome, 90, 0);
 		for (int i = 0; i < dome.count; i++) {
 			clipped[i] = i != top && is_on_horizon(&dome, i) ? 0.5f : 0;
@@ -99,7 +99,7 @@ static void two_lamps_are_two_pieces(void **state)
 	size = clipped_pieces_find(pieces, clipped);
 	assert_true(fabs(size[a] - dome.solid_angle_sr[a] - dome.solid_angle_sr[b]) < 1e-12);
 	assert_true(size[b] == size[a] && size[c] == dome.solid_angle_sr[c]);
-	for (int azimuth = 9; azimuth < 30; azimuth++) /* a bridge */
+	for (int azimuth = 9; azimuth < 30; azimuth++) /* a bridge between two pieces */
 		clipped[at(&dome, 40, azimuth)] = 1;
 	size = clipped_pieces_find(pieces, clipped);
 	assert_true(size[c] == size[a] && size[a] > 4 * dome.solid_angle_sr[a]);

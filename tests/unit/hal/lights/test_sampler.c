@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The light sampler: energy, lamps, rims, flips, and pictures too small for their dome. */
+/* The light sampler: energy, lamps, rims, flips, and pictures too small for the dome. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,10 +36,10 @@ static const struct light_sampler_settings by_node = {
 	.estimator = ESTIMATOR_NODE, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
 static const struct fisheye_settings upright = {.field_deg = 90};
 
-/* A code value is decoded to 1/65535, rounded; and a little for single precision. */
+/* Codes are decoded to 1/65535, rounded; plus a little for single precision. */
 static const double code_error = 0.5001 / 65535;
 
-/* What the tests are about that hold of any shape: they run once for each. */
+/* The shape of lights: tests that hold for any shape run once with each. */
 static enum dome_shape lights_are = DOME_CELLS;
 
 static struct sky sky_of(int f, const struct fisheye_settings *lens, int width, int height,
@@ -81,7 +81,7 @@ static double read_sky(struct sky *s)
 	return clipped;
 }
 
-/* Whether a pixel's centre shows sky; how much, and where. */
+/* Whether the centre of a pixel shows sky; its solid angle and direction. */
 static bool shows_sky(const struct sky *s, int x, int y, double dir[3], double *sr)
 {
 	const double px[2] = {x + 0.5, y + 0.5};
@@ -90,7 +90,7 @@ static bool shows_sky(const struct sky *s, int x, int y, double dir[3], double *
 	return fisheye_ray(&s->lens, px, dir) && dir[2] >= 0;
 }
 
-/* Black outside the image circle, as real pictures are. */
+/* Paints the image circle; outside of it the picture is black, as real ones are. */
 static void paint(struct sky *s, const uint8_t bgr[3])
 {
 	for (int y = 0; y < s->height; y++)
@@ -162,7 +162,7 @@ static void black_level_and_gain(void **state)
 	sky_free(&s);
 }
 
-/* A matrix of each light's colour; what comes out below 0 is 0. A measured curve decodes. */
+/* A colour matrix for each light, whose negative results become 0, and a measured curve. */
 static void colours_and_a_measured_curve(void **state)
 {
 	struct light_sampler_settings settings = {
@@ -199,7 +199,7 @@ static void fill_noise(struct sky *s, struct chance *chance)
 		s->pixels[k] = (uint8_t)chance_int(chance, 0, 254);
 }
 
-/* Light times solid angle over the lights is light times solid angle over the pixels. */
+/* sum over lights of light * solid angle = sum over pixels of light * solid angle */
 static void conserves_energy(void **state)
 {
 	static const int frequency[] = {2, 4, 9, 18};
@@ -227,14 +227,15 @@ static void conserves_energy(void **state)
 							       s.pixels[4 * (y * s.width + x) + 1] /
 								       255.0);
 			}
-		/* A pixel at the rim is sky or not as a whole, here as there, but its cell is not:
-		 * over 54 seeds that is -1.6e-4 at most in the mean, and 7e-5 in the deviation. */
+		/* A pixel at the rim counts as sky or not as a whole, in both sums, but its cell
+		 * does not. Over 54 seeds the mean is off by -1.6e-4 at most, and deviates by 7e-5.
+		 */
 		expect_below(fabs(lights / pixels - 1), 5e-4, "lens %d", (int)k);
 		sky_free(&s);
 	}
 }
 
-/* A lens of each model that fills the picture with a hemisphere. */
+/* A lens of each model whose hemisphere fills the picture. */
 static struct fisheye_settings lens_of_model(int model)
 {
 	return (struct fisheye_settings){
@@ -274,7 +275,7 @@ static void every_model_is_exact(void **state)
 				pixels += sr * transfer_decode(TRANSFER_SRGB,
 							       s.pixels[4 * p + 1] / 255.0);
 		}
-		/* Half-covered pixels are left out: many degrees of an orthographic rim. */
+		/* Half-covered pixels are left out; at an orthographic rim they hold many degrees. */
 		expect_that(k % 2 == 0 || fabs(lights / pixels - 1) <
 						  (k / 2 == FISHEYE_ORTHOGRAPHIC ? 0.05 : 2e-3),
 			    "k=%d", k);
@@ -282,7 +283,7 @@ static void every_model_is_exact(void **state)
 	}
 }
 
-/* What a lens loses towards its rim is made up for: a sky of one colour is of one colour. */
+/* Vignetting is compensated: an even sky stays even. */
 static void falloff_is_made_up_for(void **state)
 {
 	(void)state;
@@ -313,7 +314,7 @@ static void falloff_is_made_up_for(void **state)
 	}
 }
 
-/* One bright pixel anywhere in the sky: its energy arrives, whole, in the cells it lies in. */
+/* One bright pixel anywhere in the sky: all of its energy arrives in the cells that it lies in. */
 static void never_misses_a_lamp(void **state)
 {
 	struct sky cell = sky_of(9, &upright, 240, 240, &by_cell);
@@ -337,7 +338,7 @@ static void never_misses_a_lamp(void **state)
 				energy += cell.radiance[i][0] * cell.dome.solid_angle_sr[i];
 				seen += node.radiance[i][0];
 			}
-			/* cells at the rim lack the pixels that show more than sky */
+			/* cells at the rim miss the pixels that lie partly outside the sky */
 			expect_below(fabs(energy / sr - 1), dir[2] > 0.15 ? 0.01 : 0.05,
 				     "lamp at (%g, %g, %g)", dir[0], dir[1], dir[2]);
 			missed += seen == 0;
@@ -345,19 +346,20 @@ static void never_misses_a_lamp(void **state)
 			memcpy(node.pixels + 4 * (y * 240 + x), pixel, 4);
 		}
 	print_message("# of %d lamps of one pixel the nodes miss %d\n", lamps, missed);
-	assert_true(missed > lamps / 2); /* so the check can fail */
+	/* The node estimator misses lamps, so the check can fail. */
+	assert_true(missed > lamps / 2);
 	sky_free(&cell);
 	sky_free(&node);
 }
 
-/* A sky that varies; brightest to one side, so that mirrored lights would be wrong. */
+/* A smooth sky that is brightest on one side, so that mirrored lights would be wrong. */
 static double sky_radiance(const double dir[3], int channel)
 {
 	return 0.5 + 0.2 * dir[0] - 0.15 * dir[1] + 0.1 * channel * dir[2] +
 	       0.1 * sin(5 * dir[0] + 2 * dir[1]);
 }
 
-/* The mean over each cell, by counting random directions with the nearest node. */
+/* Mean of the sky over each cell, by random directions and their nearest nodes. */
 static void true_means(const struct dome *dome, struct chance *chance, double (*mean)[3])
 {
 	double *hits = calloc((size_t)dome->count, sizeof(*hits));
@@ -432,8 +434,8 @@ static void means_of_a_known_sky(void **state)
 	}
 }
 
-/* The node estimator on the same sky: bilinear is off by the sky's curvature in a pixel, and at the
- * rim by at most its slope. */
+/* The node estimator on the same sky. Bilinear interpolation is off by the sky's curvature within a
+ * pixel, and at the rim by at most its slope. */
 static void nodes_of_a_known_sky(void **state)
 {
 	struct sky s = sky_of(9, &upright, 640, 480, &by_node);
@@ -500,7 +502,8 @@ static void flips_are_free(void **state)
 		const struct view view = {0, 0, 99, 80, flips & 1, flips & 2, 1};
 		struct picture picture;
 
-		for (int y = 0; y < 80; y++) /* as a camera that is mounted that way stores it */
+		/* As a camera that is mounted that way stores the picture. */
+		for (int y = 0; y < 80; y++)
 			for (int x = 0; x < 99; x++)
 				memcpy(stored + 4 * ((flips & 2 ? 79 - y : y) * 99 +
 						     (flips & 1 ? 98 - x : x)),
@@ -515,7 +518,7 @@ static void flips_are_free(void **state)
 	sky_free(&s);
 }
 
-/* A lens of 60 degrees sees neither the horizon nor the cells there. */
+/* A lens of 60 degrees does not see the cells near the horizon. */
 static void outside_the_field_is_dark(void **state)
 {
 	const struct fisheye_settings narrow = {.field_deg = 60};
@@ -549,7 +552,7 @@ static void outside_the_field_is_dark(void **state)
 	}
 }
 
-/* An image circle that the picture cuts off: what lies outside is not seen either. */
+/* An image circle that the picture cuts off: the sky outside is not seen. */
 static void cropped_circle(void **state)
 {
 	const struct fisheye_settings wide = {
@@ -584,12 +587,12 @@ static void clipped_share(void **state)
 		for (int x = 150; x < 350; x++) {
 			double dir[3], sr;
 
-			s.pixels[4 * (y * 480 + x) + x % 3] = 255; /* any one channel */
+			s.pixels[4 * (y * 480 + x) + x % 3] = 255; /* any one of the channels */
 			if (shows_sky(&s, x, y, dir, &sr))
 				want += sr / (2 * M_PI);
 		}
 	assert_true(fabs(read_sky(&s) / want - 1) < 2e-3);
-	for (int k = 0; k < 480 * 480; k++) /* the fourth byte is nobody's */
+	for (int k = 0; k < 480 * 480; k++) /* the fourth byte has no meaning */
 		memcpy(s.pixels + 4 * k, (uint8_t[]){128, 127, 0, 255}, 4);
 	assert_true(read_sky(&s) == 0);
 	memset(s.pixels, 255, 4 * 480 * 480);
@@ -599,8 +602,8 @@ static void clipped_share(void **state)
 
 /* ---- real skies ---- */
 
-/* The colours of the lights by direct integration over the panorama, each pixel in 4 x 4 parts: no
- * lens, no sampler. */
+/* Light of each cell by direct integration over the panorama, each pixel in 4 x 4 parts, without
+ * lens and sampler. */
 static void integrate_panorama(const struct panorama *p, const struct dome *dome, double (*mean)[3])
 {
 	const int parts = 4;
@@ -632,7 +635,7 @@ static void integrate_panorama(const struct panorama *p, const struct dome *dome
 	free(sum_sr);
 }
 
-/* What the lens sees of it, each pixel the mean of 4 x 4 points. */
+/* The fisheye picture of the panorama; each pixel is the mean of 4 x 4 points. */
 static void photograph(const struct sky *s, const struct panorama *p, struct image *image)
 {
 	const int parts = 4;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The light sampler's arithmetic: each instruction set against the specification, the colours
- * against double precision over the same pixels, frames as cameras send them against pictures. */
+/* Kernels of the light sampler: each instruction set against the C ones, colours against double
+ * precision over the same pixels, and camera frames against pictures. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 
-/* The i-th table; NULL: this processor does not have it. */
+/* Table number i; NULL: this processor does not support it. */
 static const struct sampler_kernels *table(int i)
 {
 	const struct sampler_kernels *kernels = sampler_kernels_all[i];
@@ -44,7 +44,7 @@ static struct sampler_decode random_decode(struct chance *chance)
 	return decode;
 }
 
-/* clipped: how many pixels in a hundred have a channel at 255. */
+/* `clipped` per cent of the pixels have a channel at 255. */
 static void check_decode(struct chance *chance, const struct sampler_kernels *kernels, int count,
 			 int clipped)
 {
@@ -100,7 +100,7 @@ struct sums_case {
 	int spans;
 };
 
-/* extreme: everything at the ends of its range, so that what can overflow does. */
+/* `extreme`: all inputs at the ends of their ranges, so that anything that can overflow does. */
 static struct sums_case make_sums(struct chance *chance, bool extreme)
 {
 	struct sums_case s = {.spans = chance_int(chance, 1, SPANS)};
@@ -126,7 +126,7 @@ static struct sums_case make_sums(struct chance *chance, bool extreme)
 	return s;
 }
 
-/* From the definition, apart from the specification. */
+/* From the definition, independently of the C kernels. */
 static void true_sums(const struct sums_case *s, int planes, int64_t sum[SAMPLER_PLANES])
 {
 	for (int c = 0; c < SAMPLER_PLANES; c++) {
@@ -220,7 +220,8 @@ static uint8_t *pixel_at(const struct eye *e, int x, int y)
 	return e->canvas.pixels + (size_t)y * e->canvas.stride + 4 * (size_t)x;
 }
 
-/* Noise, noise with few bright pixels, and those that are hardest: only pixels of small weight. */
+/* Kinds of pictures: noise; noise with few bright pixels; the hardest: only pixels of small weight.
+ */
 enum { NOISE, SPARKS, SMALL_SHARES, SKIES };
 
 static void paint(struct eye *e, struct chance *chance, int sky,
@@ -238,14 +239,14 @@ static void paint(struct eye *e, struct chance *chance, int sky,
 	for (size_t k = 0; sky == SMALL_SHARES && k + 1 < shares->count; k++) {
 		const struct sampler_share *a = &shares->items[k], *b = a + 1;
 
-		/* of a pixel that straddles two */
+		/* shares of a pixel that lies in two cells */
 		if (a->x == b->x && a->y == b->y && a->light != b->light &&
 		    (a->weight < b->weight / 4 || b->weight < a->weight / 4))
 			memset(pixel_at(e, a->x, a->y), 255, 3);
 	}
 }
 
-/* Double precision over the same pixels and shares. */
+/* The colours in double precision over the same pixels and shares. */
 static void true_colours(const struct eye *e, const struct sampler_shares *shares,
 			 double (*colour)[3])
 {
@@ -269,7 +270,7 @@ static void true_colours(const struct eye *e, const struct sampler_shares *share
 	free(whole);
 }
 
-/* The largest part of the bound that an error takes. */
+/* Largest error as a share of its bound. */
 static double check_colours(struct eye *e, const struct sampler_shares *shares)
 {
 	const struct picture picture = picture_of(e);
@@ -348,8 +349,8 @@ static void check_frame(struct eye *e, const struct frame *frame, const struct v
 	free(want);
 }
 
-/* What a camera sends, however it hangs, gives what the picture made of it gives, with any number
- * of threads. */
+/* A camera's frame, mounted in any way, gives the same light as the picture made of it, with any
+ * number of threads. */
 static void frames_give_what_pictures_give(void **state)
 {
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_NV12, PIXEL_BGR24, PIXEL_BGRX,
@@ -383,7 +384,7 @@ static void frames_give_what_pictures_give(void **state)
 	eye_free(&e);
 }
 
-/* A wide picture under few lights: rows of a light that are longer than a span may be. */
+/* A wide picture under few lights: a light's rows are longer than the longest span. */
 static void long_rows(void **state)
 {
 	struct chance chance = chance_begin("sampler_kernels");

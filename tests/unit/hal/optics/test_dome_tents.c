@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Lights that fall off linearly: what they cover, that they are continuous, and what is drawn. */
+/* Tents (lights that fall off linearly): their cover, their continuity, and their samples. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -53,7 +53,7 @@ static void weights_sum_to_the_hemisphere(void **state)
 	}
 }
 
-/* Of a direction: how many lights, none negative, together 1. */
+/* The weights of a direction: at most three lights, none negative, sum 1. */
 static void weigh(const struct dome *dome, const double dir[3], double *all)
 {
 	int light[3];
@@ -71,7 +71,8 @@ static void weigh(const struct dome *dome, const double dir[3], double *all)
 	assert_true(fabs(sum - 1) < 1e-15);
 }
 
-/* A lamp that moves by so much changes no light by more than its share of the way to the next. */
+/* When a lamp moves, no light changes by more than the step's share of the distance to the next
+ * node. */
 static void check_step(const struct dome *dome, struct chance *chance, double *here, double *there)
 {
 	const double step = 1e-6;
@@ -88,8 +89,8 @@ static void check_step(const struct dome *dome, struct chance *chance, double *h
 	weigh(dome, from, here);
 	weigh(dome, to, there);
 	for (int i = 0; i < dome->count; i++)
-		/* the nearest two nodes to any are some way apart; where the horizon is near to
-		 * the rim a triangle may be flat, so that its height is no measure */
+		/* The two nearest nodes to any node are some distance apart. Where the horizon is
+		 * near the rim a triangle may be flat, so that its height gives no bound. */
 		expect_below(fabs(here[i] - there[i]), 4 * sqrt(3) * step / (0.5 * spacing), "i=%d",
 			     i);
 }
@@ -114,7 +115,7 @@ static void continuous_everywhere(void **state)
 	}
 }
 
-/* In the flat triangle of its lights' nodes, the direction's ray meets their weighted mean. */
+/* In the flat triangle of its lights' nodes, the ray of a direction meets their weighted mean. */
 static void linear_between_nodes(void **state)
 {
 	struct chance chance = chance_begin("tents");
@@ -135,7 +136,8 @@ static void linear_between_nodes(void **state)
 				for (int x = 0; x < 3; x++)
 					mean[x] += weight[n] * dome.direction[light[n]][x];
 			vec_cross(mean, dir, across);
-			if (dir[2] > 1.2 * atan(2) / f) { /* above any foot */
+			/* Above all triangles with a foot on the horizon. */
+			if (dir[2] > 1.2 * atan(2) / f) {
 				expect_below(vec_length(across), 1e-14, "f=%d, k=%d", f, k);
 				inside++;
 			}
@@ -173,8 +175,8 @@ static void no_direction(void **state)
 	dome_free(&dome);
 }
 
-/* The mean of weight over density is the solid angle, that of what it is times a height the
- * projected one; and what is drawn is within reach. */
+/* The mean of weight / density is the solid angle, that of weight * height / density the projected
+ * one; and each sample is within reach. */
 static void check_samples(const struct dome *dome, int light, double tolerance)
 {
 	const int side = 64;
@@ -210,7 +212,8 @@ static void samples_keep_their_order(void **state)
 		}
 }
 
-/* Even directions of the hemisphere, against what each light is said to hold. */
+/* Evenly spaced directions of the hemisphere, against the solid angles and densities that each
+ * light declares. */
 static void weights_and_densities_against_counting(void **state)
 {
 	static const int frequency[] = {1, 2, 5};
@@ -269,7 +272,7 @@ static void samples_at_the_limits(void **state)
 	dome_free(&dome);
 }
 
-/* What holds of any shape holds of cells. */
+/* What the tests above check of tents holds of cells. */
 static void cells_are_the_other_shape(void **state)
 {
 	struct chance chance = chance_begin("tents");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The fisheye lens: there and back, and solid angles against triangles on the sphere. */
+/* The fisheye lens: projection and its inverse, and solid angles against triangles on the sphere.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -59,7 +60,7 @@ static void separate_focal_lengths(void **state)
 	assert_true(fabs(px[1] - (60 + 75 * theta * sin(phi))) < 1e-12);
 }
 
-/* v turned about axis 0, 1 or 2, counter-clockwise seen from its end. */
+/* Turns v about axis 0, 1 or 2, counter-clockwise as seen from the tip of the axis. */
 static void turn(double v[3], int axis, double deg)
 {
 	const double c = cos(deg * M_PI / 180), s = sin(deg * M_PI / 180);
@@ -119,7 +120,7 @@ static void round_trip(void **state)
 
 			expect_that(fisheye_ray(&lens, px, dir), "k=%d, n=%d", k, n);
 			expect_below(fabs(vec_length(dir) - 1), 1e-15, "k=%d, n=%d", k, n);
-			/* the angle from the axis is that of the picture */
+			/* the angle from the axis is the picture's */
 			expect_below(fabs(atan2(hypot(vec_dot(lens.rotation, dir),
 						      vec_dot(lens.rotation + 3, dir)),
 						vec_dot(lens.rotation + 6, dir)) -
@@ -176,7 +177,7 @@ static void the_horizon_is_in_the_field(void **state)
 	}
 }
 
-/* Solid angle of a triangle by l'Huilier's theorem: nothing in common with the code. */
+/* Solid angle of a triangle by L'Huilier's theorem, which the code does not use. */
 static double triangle_sr(const double a[3], const double b[3], const double c[3])
 {
 	const double *v[3] = {a, b, c};
@@ -236,7 +237,7 @@ static void a_hemisphere_is_two_pi(void **state)
 	assert_true(fabs(sum / (parts * parts) - 2 * M_PI) < 1e-4 * 2 * M_PI);
 }
 
-/* A lens of each model, with the widest field that it has. */
+/* A lens of each model, with its widest possible field. */
 static const struct fisheye_settings of_models[] = {
 	{.focal_px = {210, 140}, .field_deg = 175, .model = FISHEYE_EQUIDISTANT},
 	{.focal_px = {210, 140}, .field_deg = 175, .model = FISHEYE_EQUISOLID},
@@ -249,7 +250,7 @@ static const struct fisheye_settings of_models[] = {
 };
 #define MODELS (sizeof(of_models) / sizeof(*of_models))
 
-/* As the header prints them. */
+/* Radius in the picture, by the formulas of the header. */
 static double printed_radius(const struct fisheye_settings *s, double t)
 {
 	const double *k = s->polynomial;
@@ -351,13 +352,13 @@ static void every_model_sees_a_hemisphere(void **state)
 		const int parts = 4;
 		double sum = 0;
 
-		/* the field fills the picture */
+		/* the image circle fits the picture */
 		expect_below(fabs(lens.focal_px[0] * lens.rim - 240), 1e-9, "model=%d", model);
 		for (int y = 0; y < 480 * parts; y++)
 			for (int x = 0; x < 480 * parts; x++)
 				sum += fisheye_pixel_sr(
 					&lens, (double[]){(x + 0.5) / parts, (y + 0.5) / parts});
-		/* The orthographic rim has a whole degree and more in its last half pixel. */
+		/* The last half pixel before an orthographic rim holds more than a degree. */
 		expect_below(fabs(sum / (parts * parts) / (2 * M_PI) - 1),
 			     (model == FISHEYE_ORTHOGRAPHIC ? 0.04 : 1e-4), "model=%d", model);
 		expect_that(isfinite(fisheye_pixel_sr(&lens, (double[]){480, 240})), "model=%d",
@@ -373,7 +374,7 @@ static void folds_are_named(void **state)
 	struct fisheye_settings before = fold;
 	const struct fisheye_settings ortho = {.field_deg = 90.1, .model = FISHEYE_ORTHOGRAPHIC};
 	const struct fisheye_settings stereo = {.field_deg = 180, .model = FISHEYE_STEREOGRAPHIC};
-	/* rises at 90 degrees again, but not between */
+	/* r(theta) rises at 90 degrees again, but not in between */
 	const struct fisheye_settings between = {
 		.field_deg = 90, .model = FISHEYE_POLYNOMIAL, .polynomial = {-0.45, 0.08, 0, 0}};
 	const struct fisheye_settings dark = {.field_deg = 90, .falloff = {-1, 0, 0}};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The panorama: which way round it is, and how much sky a row holds. */
+/* The panorama: its orientation, and the solid angle of a row. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,7 +54,8 @@ static void seen_from_inside(void **state)
 	check_direction(&p, 0, HEIGHT / 2, -1, 0, 0);
 	check_direction(&p, 17, 0, 0, 0, 1);
 	check_direction(&p, 17, HEIGHT, 0, 0, -1);
-	p.turn_rad = M_PI / 2; /* counter-clockwise from above: what was at +X is at +Y */
+	/* Counter-clockwise as seen from above: what was at +X is now at +Y. */
+	p.turn_rad = M_PI / 2;
 	check_direction(&p, WIDTH / 2, HEIGHT / 2, 0, 1, 0);
 }
 
@@ -91,7 +92,7 @@ static void bilinear_across_the_seam(void **state)
 	fill_random(&chance);
 	for (int n = 0; n < 5000; n++) {
 		const double x = chance_real(&chance, -0.5,
-					     0.5); /* between the last and the first */
+					     0.5); /* between the last column and the first */
 		const double y = chance_real(&chance, 0.5, HEIGHT - 0.5001);
 		const int row = (int)(y - 0.5);
 		const double s = x + 0.5, t = y - 0.5 - row;
@@ -159,16 +160,16 @@ static void no_direction_is_dark(void **state)
 	assert_true(rgb[0] == 0);
 }
 
-/* What is no panorama is named. */
+/* The message names what makes a picture no panorama. */
 static void read_from_files(void **state)
 {
 	static const struct {
 		int width, height;
 		bool linear;
-		const char *expected; /* NULL: fine */
+		const char *expected; /* part of the message; NULL: accepted */
 	} cases[] = {
 		{64, 32, true, NULL},
-		{65, 32, true, NULL}, /* scaled by hand */
+		{65, 32, true, NULL}, /* a size that somebody scaled by hand */
 		{16, 16, true, "16 x 16 pixels, expected twice as wide as high"},
 		{64, 32, false, "expected linear light"},
 	};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tsai's camera: the thesis's equations, their inverse, and arguments nobody means. */
+/* Tsai's camera: the equations of the thesis, their inverse, and invalid arguments. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -75,9 +75,9 @@ static void looks_at_its_target(void **state)
 	assert_true(hypot(px[0] - 320, px[1] - 240) < 1e-9);
 	assert_int_equal(tsai_project(&c, above, px), 0);
 	assert_true(fabs(px[0] - 320) < 1e-9 && px[1] < 230);
-	assert_int_equal(tsai_project(&c, right, px), 0); /* seen from -Y, +X is to the right */
+	assert_int_equal(tsai_project(&c, right, px), 0); /* seen from -Y, +X is on the right */
 	assert_true(px[0] > 330);
-	/* the left and right edges are the field of view apart */
+	/* between the left and right edges lies the field of view */
 	assert_int_equal(tsai_ray(&c, (double[]){0, 240}, origin, dir), 0);
 	assert_true(fabs(acos(vec_dot(dir, c.rotation + 6)) - 20 * M_PI / 180) < 1e-9);
 	for (int i = 0; i < 3; i++)
@@ -105,8 +105,8 @@ static void round_trip(void **state)
 			for (int i = 0; i < 3; i++)
 				point[i] = origin[i] + far * dir[i];
 			assert_int_equal(tsai_project(&c, point, back), 0);
-			/* beside a camera 5 away from the origin, a point at 1e-2 keeps 13 digits,
-			 * and fewer where the ray leaves nearly across the view */
+			/* At a camera 5 away from the origin, a point at distance 1e-2 keeps 13
+			 * digits, fewer where the ray is nearly perpendicular to the axis. */
 			expect_below(hypot(back[0] - px[0], back[1] - px[1]),
 				     1e-9 / fmin(far, 1) / vec_dot(dir, c.rotation + 6),
 				     "k=%u, n=%d", k, n);
@@ -129,7 +129,7 @@ static void has_no_image(void **state)
 	assert_int_equal(tsai_project(&c, w, px), -ERANGE);
 	assert_true(px[0] == -1 && px[1] == -1);
 
-	/* A fold at radius 10: what lies beyond it would be seen twice, and is not seen. */
+	/* A fold at radius 10: points beyond it would appear twice, and have no image. */
 	c.kappa1 = -1 / (3 * 10.0 * 10.0);
 	for (int k = 0; k < 200; k++) {
 		const double radius = k * 0.1;
@@ -141,7 +141,7 @@ static void has_no_image(void **state)
 		if (fabs(radius - 10) > 1e-9)
 			expect_equal(tsai_project(&c, w, px), radius < 10 ? 0 : -ERANGE, "k=%d", k);
 	}
-	/* distorted radius at most 2/3 of the fold's */
+	/* the distorted radius is at most 2/3 of the fold's */
 	for (int k = 0; k < 200; k++) {
 		const double radius = k * 0.05;
 
@@ -155,7 +155,7 @@ static void has_no_image(void **state)
 	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
 }
 
-/* Tsai's own direction: the undistorted point is printed from the distorted one. */
+/* Tsai's own direction: the equation gives the undistorted point from the distorted one. */
 static void projects_as_tsai_printed(void **state)
 {
 	static const double kappas[] = {0, 2e-4, 0.1, -2e-4};
@@ -184,8 +184,8 @@ static void projects_as_tsai_printed(void **state)
 		}
 }
 
-/* A fold at radius 10 of the distorted picture: nothing is seen beyond it, and nothing that would
- * have to be drawn beyond it has an image. */
+/* A fold at radius 10 of the distorted picture: no ray beyond it, and points whose image would lie
+ * beyond it have none. */
 static void has_no_image_as_tsai_printed(void **state)
 {
 	struct tsai_camera c = example(-1 / (3 * 10.0 * 10.0));
@@ -216,7 +216,7 @@ static void has_no_image_as_tsai_printed(void **state)
 	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
 }
 
-/* The smallest root by bisection in long double, on the rising branch. */
+/* Smallest root by bisection in long double, on the rising branch. */
 static long double bisected(double kappa1, double distorted)
 {
 	long double low = 0, high = distorted;
@@ -332,7 +332,7 @@ static void checks_its_fields(void **state)
 	for (int i = 0; i < 3; i++)
 		c.rotation[i] = -c.rotation[i];
 	assert_int_equal(tsai_check(&c, NULL), -EINVAL);
-	c = good; /* printed with seven digits: made exact */
+	c = good; /* rounded to seven digits, it is made orthonormal again */
 	for (int i = 0; i < 9; i++)
 		c.rotation[i] = rint(c.rotation[i] * 1e7) / 1e7;
 	assert_int_equal(tsai_check(&c, NULL), 0);
@@ -365,7 +365,7 @@ static void *place(void *root, const char *instance)
 	return root;
 }
 
-/* What the keys of a file say arrives in the field they name. */
+/* Each key of a file sets the field that it names. */
 static void keys_fill_every_field(void **state)
 {
 	static const char text[] = "[camera]\n"
@@ -392,7 +392,7 @@ static void keys_fill_every_field(void **state)
 	(void)state;
 	memset(&c, 0, sizeof(c));
 	ini_defaults(tsai_keys, &c);
-	/* an older file says no distortion, and means the thesis's */
+	/* older files give no direction of distortion, and mean the thesis's */
 	assert_true(c.aspect == 1 && c.kappa1 == 0 && c.distortion == TSAI_DISTORTS);
 	assert_int_equal(
 		ini_read_memory(text, strlen(text), "camera.ini", ".", tables, &c, &report), 0);
