@@ -98,7 +98,8 @@ static void gradients_match_differences(void **state)
 				up[i] += h;
 				down[i] -= h;
 				slope = (shapes[s](up).value - shapes[s](down).value) / (2 * h);
-				/* The pseudo-distances bend sharply near their centres. */
+				/* The pseudo-distances bend sharply near their centres, hence the
+				 * tolerance. */
 				expect_below(fabs(slope - f.gradient[i]), 2e-3, "s=%zu, k=%d, i=%d",
 					     s, k, i);
 			}
@@ -106,7 +107,7 @@ static void gradients_match_differences(void **state)
 	}
 }
 
-/* The ball that touches the point gives the distance: sought by brute force along the axis. */
+/* Distance to a cone: the smallest distance to any of the balls along its axis, by brute force. */
 static void cone_is_the_distance(void **state)
 {
 	uint32_t seed = SEED;
@@ -162,7 +163,7 @@ static void ball_is_a_ball(void **state)
 		expect_below(fabs(vec_dot(mesh.position[v], mesh.normal[v]) - 0.5), 1e-8, "v=%d",
 			     v);
 	}
-	/* Euler's formula of a sphere, and a volume a little below the ball's. */
+	/* Euler's formula for a sphere, and a volume a little below the ball's. */
 	assert_int_equal(2 * (mesh.vertex_count - 2), mesh.triangle_count);
 	assert_true(volume(&mesh) < M_PI / 6);
 	assert_true(volume(&mesh) > 0.99 * M_PI / 6);
@@ -181,7 +182,7 @@ static int edge_compare(const void *a, const void *b)
 	return memcmp(a, b, sizeof(struct edge));
 }
 
-/* Each directed edge exactly once, and its opposite too. */
+/* Each directed edge occurs exactly once, and so does its opposite. */
 static void meshes_are_closed(void **state)
 {
 	(void)state;
@@ -202,7 +203,7 @@ static void meshes_are_closed(void **state)
 			assert_non_null(bsearch(&back, edge, count, sizeof(*edge), edge_compare));
 		}
 		free(edge);
-		/* One solid without handles: the collar alone is a ring. */
+		/* Solids without handles; only the collar is a ring. */
 		expect_equal(parts[k].vertex_count - parts[k].triangle_count / 2,
 			     strcmp(cow_parts[k].name, "collar") ? 2 : 0, "k=%d", k);
 	}
@@ -228,7 +229,8 @@ static void triangles_are_sound_and_outward(void **state)
 			vec_cross(a, b, normal);
 			area = vec_normalize(normal) / 2;
 			longest = fmax(vec_length(a), vec_length(b));
-			/* Neither specks nor slivers: a height of a tenth of the longest side. */
+			/* Neither specks nor slivers: heights are a tenth of the longest side or
+			 * more. */
 			expect_above(area, 0.01 * step * step, "k=%d, t=%d", k, t);
 			expect_above(2 * area / longest, 0.05 * longest, "k=%d, t=%d", k, t);
 			for (int i = 0; i < 3; i++)
@@ -261,7 +263,7 @@ static void vertices_lie_on_the_surface(void **state)
 	}
 }
 
-/* Nothing below the floor, and a flat sole on it under each corner of the body. */
+/* Nothing is below the floor, and under each corner of the body a flat sole stands on it. */
 static void four_hooves_stand_on_the_floor(void **state)
 {
 	int touching[4] = {0, 0, 0, 0};
@@ -335,8 +337,8 @@ static void look_up(const struct image *picture, const double uv[2], double rgb[
 	}
 }
 
-/* Points all over the coat, borders of the pieces included, find their own colour in the texture;
- * only where one colour turns into the next within a texel may it be off. */
+/* Points all over the coat, at borders of its pieces too, find their colour in the texture. Only
+ * where colours change within a texel may it differ. */
 static void texture_is_the_coat(void **state)
 {
 	const int points = 100000;

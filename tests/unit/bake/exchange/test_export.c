@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs for other renderers: the meshes read back, the rays that are the camera's, and who covers
- * what. */
+/* Jobs for other renderers: meshes read back, rays of the camera, and coverage. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +27,7 @@
 
 static const char *const camera = "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = 24\n"
 				  "height = 18\n";
-/* Barrel, off its centre. */
+/* Barrel distortion, off centre. */
 static const char *const lens =
 	"[tsai]\nwidth = 24\nheight = 18\n"
 	"rotation = 1 0 0 0 -0.397607437634 -0.917555625310 0 0.917555625310 -0.397607437634\n"
@@ -79,8 +78,8 @@ static float *read_rays(const char *name)
 	return rays;
 }
 
-/* Every ray is the camera's, through its lens, or nothing; no ray meets two things, and each that
- * looks below the horizon meets one. */
+/* Each ray is the camera's, through its lens, or empty. No ray meets two things, and each ray below
+ * the horizon meets one. */
 static void test_rays(void **state)
 {
 	struct scene *scene = open_scene(lens);
@@ -123,7 +122,7 @@ static void test_rays(void **state)
 	scene_close(scene);
 }
 
-/* Coverage is the share of the rays that meet an object, pixel by pixel. */
+/* Coverage of a pixel is the share of its rays that meet an object. */
 static void test_coverage(void **state)
 {
 	struct scene *scene = open_scene(camera);
@@ -152,7 +151,7 @@ static void test_coverage(void **state)
 	scene_close(scene);
 }
 
-/* The meshes that go out are the ones of the scene, where they stand. */
+/* The exported meshes are the scene's, in their places. */
 static void test_meshes(void **state)
 {
 	const struct mesh_placement as_it_is = {.scale = 1, .crease_deg = 180};
@@ -186,7 +185,7 @@ static void test_meshes(void **state)
 	scene_close(scene);
 }
 
-/* The angles are read back as the dome that they are. */
+/* The exported angles read back as the same dome. */
 static void test_angles(void **state)
 {
 	struct scene *scene = open_scene(camera);
@@ -206,7 +205,7 @@ static void test_angles(void **state)
 	scene_close(scene);
 }
 
-/* The solid angle of all suns of a light's file. */
+/* Solid angle of all suns in a light's file. */
 static double suns_sr(const char *path)
 {
 	FILE *stream = fopen(path, "r");
@@ -222,7 +221,7 @@ static double suns_sr(const char *path)
 	return sum;
 }
 
-/* Tents are told by their file of angles, and by as many suns as dense as they are bright. */
+/* A tent is exported as its file of angles, and as suns whose density is its brightness. */
 static void test_tents(void **state)
 {
 	const struct export_radiance_settings settings = {.rays = 1, .suns = 256};
@@ -254,13 +253,13 @@ static void test_tents(void **state)
 	scene_close(scene);
 }
 
-/* A lens that is straight, one that bends by a known amount, and one that Blender has not. */
+/* A lens without distortion, one with a known distortion, and one that Blender does not have. */
 static void test_shift(void **state)
 {
 	struct scene *scene = open_scene(lens);
 	struct tsai_camera straight = scene->camera;
 	struct fault fault = {.text = ""};
-	/* the upper left pixel is the furthest: 12.5 by 9.5 px of 0.25 units */
+	/* the upper left pixel is the farthest: 12.5 by 9.5 px of 0.25 units */
 	const double radius = 0.25 * hypot(12.5, 9.5);
 	double undistorted, expected;
 	struct dome dome;

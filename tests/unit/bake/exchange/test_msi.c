@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The thesis's own files: written, read back in every variant, damaged; its own loop on both sides.
- */
+/* Files of the thesis's program: written, read back in every variant, damaged; and the thesis's own
+ * loop over both. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@
 
 static const struct msi_variant variants[] = {{false, 8}, {false, 4}, {true, 4}, {true, 8}};
 
-/* A bake, and what the thesis's program holds of it. */
+/* A bake, and the same as the thesis's program would hold it. */
 static struct world_of_thesis {
 	struct basis basis;
 	struct dome dome;
@@ -131,7 +131,7 @@ static struct basis import(const char *name)
 	assert_int_equal(msi_open(&msi, small_scene_path(name), &fault), 0);
 	assert_int_equal(msi_source_create(&from, &msi, &own.dome, place, thesis_rate(own.thesis)),
 			 0);
-	assert_non_null(from.ground); /* it is flat, and shows it */
+	assert_non_null(from.ground); /* the ground is flat and visible */
 	{
 		const struct import_source source = {
 			.width = msi.width,
@@ -167,7 +167,7 @@ static void light_up(struct light_selection *lights, const struct basis *basis, 
 	light_selection_choose(lights, basis, 0, (const float(*)[3])radiance, 0, THRESHOLD_DROP, 1);
 }
 
-/* Most levels that the thesis's pictures of both differ by. */
+/* Largest difference in levels of pictures that the thesis's loop makes of both. */
 static int loop_difference(struct thesis *other, const struct basis *basis, int kind)
 {
 	struct canvas background, a, b;
@@ -262,14 +262,14 @@ static void test_damage(void **state)
 		data[first] = 3;
 		refused(data, bytes, "expected 0, 1 or 2");
 		data[first] = 0;
-		data[big ? 3 : 0]++; /* a column more */
+		data[big ? 3 : 0]++; /* one column more */
 		refused(data, bytes, "no .msi, or damaged");
 		memset(data, 0, 12);
 		refused(data, bytes, "no size and count of lights");
 		memset(data, 255, 12);
 		refused(data, bytes, "no size and count of lights");
 	}
-	/* says 24 bytes, has 20 */
+	/* the header says 24 bytes, and there are 20 */
 	refused(tiny, sizeof(tiny), "expected 24");
 	free(data);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What bench and report measure with, and how a report writes what it found: turns, medians, cells
- * of tables. */
+/* What bench and report measure with, and how a report prints it: runs in turn, medians, cells of
+ * tables. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +27,7 @@ struct log {
 	int prepared[WAYS], ran[WAYS];
 	int last_turn, last_way;
 	bool disordered;
-	int fails_at; /* way; -1: none */
+	int fails_at; /* number of the way that fails; -1: none */
 };
 
 static int prepare(void *context, int way, int turn)
@@ -41,7 +41,7 @@ static int prepare(void *context, int way, int turn)
 	return 0;
 }
 
-/* The third way sleeps, which takes the clock's time and not the processor's. */
+/* The third way sleeps, which takes time of the clock and not of the processor. */
 static int run(void *context, int way)
 {
 	struct log *log = context;
@@ -86,7 +86,7 @@ static void ways_take_turns(void **state)
 	}
 	for (int k = 0; k < WAYS * REPEAT; k++)
 		expect_at_least(ms[k], 0, "k=%d", k);
-	/* alone, and asleep: the clock goes on, the processor does other things */
+	/* a sleeping way: the clock goes on, the processor does other work */
 	assert_true(turns.timed_ns >= REPEAT * 2 * NS_PER_MS);
 	assert_true(turns.ran_ns < turns.timed_ns);
 	assert_true(turns_median(ms + (ptrdiff_t)2 * REPEAT, REPEAT) < 2);

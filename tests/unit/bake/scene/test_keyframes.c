@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* [poses] and [keyframe NAME]: what a scene file says of its poses. */
+/* [poses] and [keyframe NAME] of a scene file. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -79,11 +79,11 @@ static void a_turn(void **state)
 		check(p, 2, -12 + 10.0 * p, 0, "a.obj");
 	assert_string_equal(keyframe_pose_name(file, 0), "front");
 	assert_string_equal(keyframe_pose_name(file, 35), "");
-	/* the other mesh stands still */
+	/* the other mesh does not move */
 	assert_true(keyframe_mesh(file, 1, 20).rotate_deg[2] == 0);
 }
 
-/* Each attribute has keyframes of its own; the file stays until the next one. */
+/* Each attribute has keyframes of its own; a file stays until the next keyframe that names one. */
 static void each_attribute_by_itself(void **state)
 {
 	(void)state;

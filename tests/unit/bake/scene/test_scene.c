@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scene files: what they mean, and the words for what is wrong. Meshes of three formats. */
+/* Scene files: their meaning, and the messages about what is wrong. Meshes of three formats. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -78,7 +78,7 @@ static void test_refused_files(void **state)
 				     "property list uchar int vertex_indices\nend_header\n"
 				     "0 0 0\nnan 0 0\n0 0 1\n3 0 1 2\n");
 	refuse(VIEW "[object a]\nfile = nan.ply\n", "not finite");
-	/* what comes after the file is read would take it for the vertex beside it */
+	/* without a refusal, later stages would take the NaN for the vertex beside it */
 	small_scene_write("nan.obj", "v 0 0 0\nv nan 1 0\nv 1 0 0\nf 1 2 3\n");
 	refuse(VIEW "[object a]\nfile = nan.obj\n", "not finite");
 	small_scene_write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nl 1 2\n");
@@ -88,7 +88,7 @@ static void test_refused_files(void **state)
 	write_triangle();
 	refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = m\n[material m]\ntexture = no.png\n",
 	       "no.png");
-	/* the section that names the file, not the one whose mesh it replaces */
+	/* the message names the section with the file, not the one whose mesh it replaces */
 	refuse(VIEW "[object a]\nfile = tri.obj\n[poses]\ncount = 3\n[keyframe first]\n"
 		    "object = a\nfile = none.obj\n",
 	       "[keyframe first] file: cannot open");
@@ -97,7 +97,7 @@ static void test_refused_files(void **state)
 	       "[object a] file: cannot open");
 }
 
-/* A triangle of glTF, whose node is scaled. */
+/* Writes a glTF file: a triangle, whose node is scaled. */
 static void write_scaled(const char *name, const char *scale)
 {
 	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -117,7 +117,7 @@ static void write_scaled(const char *name, const char *scale)
 		scale, scale, scale);
 }
 
-/* What no camera can see, and what is no place. */
+/* Meshes without area, and places too far away. */
 static void test_refused_shapes(void **state)
 {
 	(void)state;
@@ -131,7 +131,7 @@ static void test_refused_shapes(void **state)
 	refuse(VIEW "[object a]\nfile = vast.gltf\n", "vast.gltf: it reaches 1e+38 world units");
 	small_scene_write("away.obj", "v 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 2 3\n");
 	refuse(VIEW "[object a]\nfile = away.obj\n", "away.obj: it reaches 1e+30 world units");
-	/* one face that has an area is enough, and so is a scale that brings it back */
+	/* one face with an area is enough, and so is a scale that brings the mesh back */
 	small_scene_write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\nf 1 2 3\n");
 	small_scene_write("part.ini", VIEW "[object a]\nfile = part.obj\n");
 	scene_close(small_scene_open("part.ini"));
@@ -141,7 +141,7 @@ static void test_refused_shapes(void **state)
 	scene_close(small_scene_open("wide.ini"));
 }
 
-/* Assimp reads beyond its arrays where nobody looks at indices first. */
+/* Assimp reads beyond its arrays where nobody has checked indices. */
 static void test_refused_indices(void **state)
 {
 	static const char head[] = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
@@ -182,7 +182,7 @@ static void refuse_ply(const char *text, const char *words)
 	refuse(VIEW "[object a]\nfile = bad.ply\n", words);
 }
 
-/* Assimp aborts over a face of nothing, and makes up what a line does not have. */
+/* Assimp aborts on an empty face, and invents values that are missing in a line. */
 static void test_refused_ply_faces(void **state)
 {
 	static const struct {
@@ -215,7 +215,7 @@ static void test_refused_ply_faces(void **state)
 	refuse_ply(PLY(1) "0 0 0\n1 zero 0\n0 0 1\n3 0 1 2\n", "vertex 2 has \"zero\"");
 }
 
-/* It reads a header without end for ever, and takes memory for whatever is announced. */
+/* Assimp reads an endless header for ever, and allocates whatever a header announces. */
 static void test_refused_ply_headers(void **state)
 {
 	static const char whole[] = PLY(1) PLY_CORNERS "3 0 1 2\n";
@@ -261,7 +261,7 @@ static void test_refused_mtl(void **state)
 	small_scene_write("rad.obj", "# a\nmtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl rad\n"
 				     "f 1 2 3\n");
 	refuse(VIEW "[object a]\nfile = rad.obj\n", "rad.obj:6: usemtl rad: its libraries");
-	/* what is replaced need not be there */
+	/* a library that is replaced need not exist */
 	small_scene_write("own.ini",
 			  VIEW "[object a]\nfile = lost.obj\nmaterial = m\n[material m]\n");
 	scene_close(small_scene_open("own.ini"));
@@ -269,11 +269,11 @@ static void test_refused_mtl(void **state)
 				      "usemtl light blue\nf 1 2 3\n");
 	small_scene_write("blue.ini", VIEW "[object a]\nfile = blue.obj\n");
 	scene_close(small_scene_open("blue.ini"));
-	/* nor what nothing is made of */
+	/* nor one for meshes without faces */
 	small_scene_write("bare.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
 	small_scene_write("bare.ini", VIEW "[object a]\nfile = bare.obj\n");
 	scene_close(small_scene_open("bare.ini"));
-	/* a mesh that speaks of no library has none */
+	/* a mesh that names no library has none */
 	small_scene_write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
 	small_scene_write("none.ini", VIEW "[object a]\nfile = none.obj\n");
 	scene_close(small_scene_open("none.ini"));
@@ -334,8 +334,8 @@ static void test_formats(void **state)
 	expect_triangle("tri.gltf");
 }
 
-/* Numbers as other programs write them: no digit before the point, blanks and ends of lines of all
- * kinds, comments. What is no vertex keeps its points. */
+/* OBJ files of other programs: no digit before the point, all kinds of blanks and line ends,
+ * comments, and points that are no vertices. */
 static void test_obj_variants(void **state)
 {
 	static const char *const texts[] = {
@@ -354,7 +354,7 @@ static void test_obj_variants(void **state)
 	}
 }
 
-/* What PLYs have besides: other types, other elements, other ends of lines, other bytes' order. */
+/* PLY files of other programs: other types, elements, line ends and byte orders. */
 static void test_ply_variants(void **state)
 {
 	static const char *const texts[] = {
@@ -408,7 +408,7 @@ static void test_ply_variants(void **state)
 	}
 }
 
-/* Two squares that meet at an angle, of vertices that they share or that each has for itself. */
+/* Two squares that meet at an angle, with shared vertices or with vertices of their own. */
 static void expect_fold(const char *file, double crease_deg, bool smooth)
 {
 	const struct mesh_placement placement = {.scale = 1, .crease_deg = crease_deg};
@@ -438,7 +438,7 @@ static void expect_fold(const char *file, double crease_deg, bool smooth)
 	mesh_free(&mesh);
 }
 
-/* Where a file has no normals: crease_deg means the same in every format. */
+/* Without normals in the file, crease_deg means the same in every format. */
 static void test_creases(void **state)
 {
 	(void)state;
@@ -457,7 +457,8 @@ static void test_creases(void **state)
 	expect_fold("fold.ply", 120, true);
 }
 
-/* Of a smooth ball without normals, each is the ball's own, whether vertices are shared or not. */
+/* The normals of a smooth ball without normals are the ball's, whether vertices are shared or not.
+ */
 static void test_smooth_ball(void **state)
 {
 	const struct mesh_placement placement = {.scale = 1e-4, .crease_deg = 60};
@@ -496,7 +497,7 @@ static void test_smooth_ball(void **state)
 			const float *p = mesh.parts[0].position[v];
 			const struct v3 n = mesh.parts[0].normal[v];
 
-			/* those without area, at the poles, have none */
+			/* faces without area, at the poles, have none */
 			expect_that(v3_dot(n, n) == 0 ||
 					    v3_dot(n, v3_unit(v3_make(p[0], p[1], p[2]))) > 0.999f,
 				    "t=%d, k=%d", t, k);
@@ -504,7 +505,7 @@ static void test_smooth_ball(void **state)
 	mesh_free(&mesh);
 }
 
-/* Where a file has no materials, every format is of the same grey. */
+/* Without materials in the file, every format has the same grey. */
 static void test_plain_grey(void **state)
 {
 	static const char *const files[] = {"tri.obj", "tri.ply", "tri.stl"};
@@ -534,7 +535,7 @@ static void test_plain_grey(void **state)
 	}
 }
 
-/* y up to z up, turned, moved, stood on the ground: one vertex followed by hand. */
+/* One vertex followed by hand: y up to z up, turned, scaled, moved, stood on the ground. */
 static void test_placement(void **state)
 {
 	const struct mesh_placement placement = {
@@ -563,7 +564,7 @@ static void test_placement(void **state)
 
 static void write_checker(const char *name)
 {
-	/* red green over blue white */
+	/* red, green above blue, white */
 	static const uint8_t texels[12] = {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255};
 	struct fault fault = {.text = ""};
 	struct image image;
@@ -574,7 +575,8 @@ static void write_checker(const char *name)
 	image_free(&image);
 }
 
-/* A square seen from the front, v upwards as OBJ has it: red is at the upper left. From MTL. */
+/* A square seen from the front, with v upwards as in OBJ: red is at the upper left. Material from
+ * MTL. */
 static void test_texture_upright(void **state)
 {
 	static const int expect[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
@@ -596,13 +598,14 @@ static void test_texture_upright(void **state)
 			const double value = baked_object(&basis, k % 2 ? 24 : 8, k / 2 ? 24 : 8, c,
 							  NULL);
 
-			/* upright in half a sky: one half */
+			/* upright under half a sky: half the light */
 			expect_below(fabs(value - 0.5 * expect[k][c]), 0.06, "k=%d, c=%d", k, c);
 		}
 	basis_close(&basis);
 }
 
-/* A metal's texture is its reflectance; metal and roughness are what their own texture says. */
+/* The texture of a metal is its reflectance; metalness and roughness come from their own texture.
+ */
 static void test_gltf_materials(void **state)
 {
 	static const char gltf[] =
@@ -634,7 +637,7 @@ static void test_gltf_materials(void **state)
 		if (mesh_read(&mesh, small_scene_path("metal.gltf"), &placement, &fault) < 0)
 			fail_msg("%s", fault.text);
 		red = material_at(&mesh.materials[mesh.parts[0].material], 0.25f, 0.75f);
-		/* half of the checker's green and blue are 1 */
+		/* of the checker's green and blue, half are 1 */
 		expect_below(fabsf(red.alpha - (means ? 0.25f : 1)), 1e-5f, "means=%d", means);
 		expect_below(fabsf(red.colour.c[0] - (means ? 0.5f : 0)), 1e-5f, "means=%d", means);
 		expect_below(fabsf(red.specular.c[0] - (means ? 0.52f : 1)), 1e-5f, "means=%d",
@@ -676,7 +679,7 @@ static void test_mtl_materials(void **state)
 
 /* ---- what the scene says ---- */
 
-/* Making a rotation exact may move its last digit. */
+/* Orthonormalising a rotation may change its last digit. */
 static void expect_camera(const struct tsai_camera *a, const struct tsai_camera *b)
 {
 	assert_int_equal(a->width, b->width);
@@ -697,7 +700,7 @@ static void test_camera_kinds(void **state)
 	small_scene_write("look.ini", VIEW "[object a]\nfile = tri.obj\n");
 	look = small_scene_open("look.ini");
 	assert_int_equal(scene_camera_text(look, text, sizeof(text)), 0);
-	/* what goes into the basis file reads back as the same camera, by either way */
+	/* the text in the basis file reads back as the same camera, both ways */
 	small_scene_write("cam.ini", "%s", text);
 	small_scene_write("file.ini", "[camera]\nfile = cam.ini\n[object a]\nfile = tri.obj\n");
 	small_scene_write("tsai.ini", "[tsai]\n%s[object a]\nfile = tri.obj\n",
@@ -712,7 +715,7 @@ static void test_camera_kinds(void **state)
 	scene_close(tsai);
 }
 
-/* The hash follows what is in the scene, not where it lies. */
+/* The hash depends on what the scene contains, not on where its files lie. */
 static void test_hash(void **state)
 {
 	struct scene *a, *b, *c;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The same scene and seed give the same file, byte by byte, whatever the number of threads. */
+/* The same scene and seed give the same file, byte by byte, with any number of threads. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -95,7 +95,7 @@ static void test_seed(void **state)
 	assert_false(same("a.inlay", "b.inlay"));
 }
 
-/* The noise that is declared is the noise that is there: two seeds differ by sqrt(2) of it. */
+/* The declared noise is the real noise: two seeds differ by sqrt(2) of it. */
 static void test_noise_is_true(void **state)
 {
 	struct basis basis[2];

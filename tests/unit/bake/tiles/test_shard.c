@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A shard comes back as it was written; one with any wrong number in it, whose checksums are right,
- * is refused before that number is used. */
+/* A shard is read as it was written. One with a wrong number in it, but right checksums, is refused
+ * before that number is used. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,11 +23,11 @@
 
 struct sample {
 	char folder[64], path[80];
-	struct copied whole, c; /* c is changed, and put back */
+	struct copied whole, c; /* a test changes c and restores it */
 	struct shard_header *header;
-	struct shard_record *record; /* of the first tile */
+	struct shard_record *record; /* record of the first tile */
 	struct tile_account *account;
-	struct basis_block_entry *entry; /* its first */
+	struct basis_block_entry *entry; /* its first entry */
 };
 
 /* ---- a shard of a synthetic file's blocks ---- */
@@ -120,7 +120,7 @@ static int teardown(void **state)
 
 /* ---- reading ---- */
 
-/* All of the changed shard, after its checksums were made right. 0, or why not. */
+/* Repairs the checksums of the changed shard and reads all of it. 0, or the error of the reader. */
 static int read_changed(const struct sample *sample, struct fault *fault)
 {
 	FILE *out = fopen(sample->path, "wb");
@@ -212,7 +212,7 @@ static void refuses_wrong_numbers(void **state)
 	REFUSED(last->pixels += 32);
 }
 
-/* Whatever single bit is wrong: refused in a sentence, or tiles that keep to the rules. */
+/* Any single wrong bit: refused with a message, or the tiles are valid. */
 static void survives_any_bit(void **state)
 {
 	struct sample *s = *state;

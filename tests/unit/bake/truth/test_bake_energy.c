@@ -23,8 +23,8 @@
 
 /* ---- materials by themselves ---- */
 
-/* Over a fine grid of directions: the coat's density is one (less what is drawn below the surface),
- * coat and base together never send back more than arrives. */
+/* Over a fine grid of directions: the coat's density integrates to one, less what is drawn below
+ * the surface, and coat and base together never reflect more than arrives. */
 static void test_glossy_conserves(void **state)
 {
 	const struct bsdf bsdf = {.kind = MATERIAL_GLOSSY,
@@ -58,11 +58,11 @@ static void test_glossy_conserves(void **state)
 		for (int c = 0; c < 3; c++)
 			expect_below(coat[c] + base, 1.002, "k=%d, c=%d", k, c);
 		expect_above(coat[2], 0.85, "k=%d",
-			     k); /* a white metal loses only what bounces twice */
+			     k); /* a white metal loses only the light that bounces twice */
 	}
 }
 
-/* Sampled directions follow the density: the mean of f / density is the integral of f. */
+/* Samples follow the density: the mean of f / density is the integral of f. */
 static void test_glossy_samples(void **state)
 {
 	const struct bsdf bsdf = {.kind = MATERIAL_GLOSSY, .specular = {{1, 1, 1}}, .alpha = 0.3f};
@@ -82,7 +82,7 @@ static void test_glossy_samples(void **state)
 		if (bsdf_coat_sample(&bsdf, n, wo, &random, &wi)) {
 			const struct rgb f = bsdf_coat(&bsdf, n, wo, wi, &d);
 
-			/* weighted by something uneven, so that a wrong lobe cannot hide */
+			/* an uneven weight shows a lobe in the wrong place */
 			mean += f.c[0] / d * (1 + wi.x) / count;
 		}
 	}
@@ -113,7 +113,7 @@ static void check_furnace(const char *what, double rms_limit, double mean_limit)
 		for (int x = 0; x < 48; x++) {
 			const double a = baked_coverage(&basis, x, y);
 
-			/* object and ground together: 1 wherever the edge runs */
+			/* object and ground together give 1, wherever the edge lies */
 			for (int c = 0; c < 3; c++) {
 				const double object = baked_object(&basis, x, y, c, NULL);
 				const double ratio = baked_ratio(&basis, x, y, c, NULL);
@@ -173,7 +173,7 @@ static void test_glass_furnace(void **state)
 	check_furnace("glass", 0.01, 0.001);
 }
 
-/* A convex object over nothing: radiance is albedo * (1 + n_z) / 2, n_z taken from geometry. */
+/* A convex object over nothing has radiance albedo * (1 + n_z) / 2, with n_z from geometry. */
 static void test_half_sky(void **state)
 {
 	struct basis basis;
@@ -188,7 +188,8 @@ static void test_half_sky(void **state)
 	basis = small_scene_bake("half.ini");
 	assert_int_equal(basis.info.grounds, 0);
 	for (int y = 4; y < 20; y++) {
-		/* the middle column: n = (0, -cos, z), z the height of the pixel on the ball */
+		/* the middle column: n = (0, -cos, z), where z is the height of the pixel on the
+		 * ball */
 		const double half = 50 * tan(1.2 * M_PI / 180);
 		const double z = half * (1 - (y + 0.5) / 12);
 		static const double albedo[3] = {0.2, 0.5, 0.8};
@@ -212,8 +213,8 @@ static void test_ground_term(void **state)
 
 	(void)state;
 	small_scene_write_sphere("ball.obj", 0.5, 8);
-	/* The ground's share of each light is of no pixel: as few as a picture can have, of the
-	 * finest dome. */
+	/* The ground's share of each light does not depend on pixels: the smallest possible
+	 * picture, and the finest dome. */
 	small_scene_write(
 		"g.ini",
 		"[camera]\nposition = 0 -6 2\nlook_at = 0 0 0.8\nfield_deg = 30\nwidth = 8\n"
@@ -231,7 +232,7 @@ static void test_ground_term(void **state)
 	basis_close(&basis);
 }
 
-/* Ground right below a black sphere sees it with the form factor (R / h)^2. */
+/* Ground right below a black sphere sees the sphere with form factor (R / h)^2. */
 static void test_form_factor(void **state)
 {
 	const double radius = 0.5, height = 1.25;
@@ -251,13 +252,13 @@ static void test_form_factor(void **state)
 	assert_true(fabs(1 - baked_ratio(&basis, 1, 1, 0, NULL) -
 			 radius * radius / height / height) < 0.001);
 	assert_true(baked_row(&basis, 1, 1, BASIS_KIND_V, 0, v));
-	assert_true(fabs(v[0] - 1) < 1e-4); /* the zenith's cell lies behind it */
-	assert_true(fabs(v[405]) < 1e-4);   /* the horizon's does not */
+	assert_true(fabs(v[0] - 1) < 1e-4); /* the zenith's cell is behind the sphere */
+	assert_true(fabs(v[405]) < 1e-4);   /* a cell on the horizon is not */
 	basis_close(&basis);
 }
 
-/* Where light of everywhere that leaves the middle of the ground ends, by paths of its own: ground
- * of albedo 1/2, over it a square plate that looks straight down. */
+/* Where light from the middle of the ground ends, by independent paths: ground of albedo 1/2, and
+ * above it a square plate that faces straight down. */
 static double below_a_plate(double half_side, double height, double albedo)
 {
 	struct random random = {5};
@@ -283,8 +284,8 @@ static double below_a_plate(double half_side, double height, double albedo)
 	return sum / paths;
 }
 
-/* What looks straight down knows no way that is down its slope. Tilted by next to nothing it is the
- * same plate. */
+/* A surface that faces straight down has no downhill direction. Tilted by next to nothing it must
+ * give the same light. */
 static void test_looks_straight_down(void **state)
 {
 	static const char *const tilts[] = {"0 0 0", "0.01 0 0", "0 0.00001 0"};
@@ -318,7 +319,7 @@ static void test_looks_straight_down(void **state)
 
 /* ---- directions ---- */
 
-/* A mirroring sphere shows in each pixel the cell that the law of reflection says. */
+/* Each pixel of a mirroring sphere shows the cell that the law of reflection gives. */
 static void test_mirror(void **state)
 {
 	struct fault fault = {.text = ""};
@@ -371,7 +372,7 @@ static void test_mirror(void **state)
 			}
 			expect_below(fabs(sum - 1), 0.02, "y=%d, x=%d", y, x);
 			all += sum - 1;
-			strays += near < 0.97 * sum; /* a sample in the lobe's far tail */
+			strays += near < 0.97 * sum; /* a sample in the far tail of the lobe */
 			checked++;
 		}
 	assert_true(checked > 200 && strays < 4 && fabs(all / checked) < 0.002);
@@ -381,7 +382,7 @@ static void test_mirror(void **state)
 
 /* ---- stand-ins ---- */
 
-/* A stand-in where the ground would be catches the same shadow, through D and U instead of V. */
+/* A stand-in in place of the ground receives the same shadow, through D and U instead of V. */
 static void test_standin_is_ground(void **state)
 {
 	static double of_ground[32][32];
@@ -445,8 +446,8 @@ static void test_standin_hides(void **state)
 
 /* ---- the whole against another code path ---- */
 
-/* A panorama that is made of the lights: then they approximate nothing, and bake and truth must
- * agree to their noise. */
+/* A panorama that is constant over each cell, so that cells approximate nothing: bake and truth
+ * must agree to their noise. */
 static void check_truth_agrees(enum dome_shape shape)
 {
 	const int width = 1024, height = 512, side = 64;
@@ -478,7 +479,7 @@ static void check_truth_agrees(enum dome_shape shape)
 			for (int c = 0; c < 3; c++)
 				image.f32[3 * (y * width + x) + c] = (float)(sum / panorama.scale);
 		}
-	/* the texels above the horizon must not take from the black below it */
+	/* texels above the horizon must not take light from the black ones below */
 	for (int x = 0; x < 3 * width; x++)
 		image.f32[3 * width * (height / 2) + x] =
 			image.f32[3 * width * (height / 2 - 1) + x];
@@ -538,7 +539,7 @@ static void test_truth_agrees(void **state)
 	check_truth_agrees(DOME_TENTS);
 }
 
-/* A fisheye picture of the panorama holds the same light as the panorama's upper half. */
+/* The fisheye picture of a panorama holds the same light as its upper half. */
 static void test_fisheye_energy(void **state)
 {
 	const int width = 256, height = 128, side = 100;
@@ -564,7 +565,7 @@ static void test_fisheye_energy(void **state)
 	exact = sky.ground.c[0] * M_PI;
 	for (int y = 0; y < side; y++)
 		for (int x = 0; x < side; x++) {
-			/* the cosine-weighted solid angle of the pixel, finely */
+			/* cosine-weighted solid angle of the pixel, by fine sampling */
 			for (int k = 0; k < 64; k++) {
 				const double px[2] = {x + (k % 8 + 0.5) / 8, y + (k / 8 + 0.5) / 8};
 				double d[3];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Glass of the object and stand-ins for real things: what is baked, composited, against path-traced
- * truth, on a background that shows where light comes from. */
+/* Glass objects and stand-ins for real things: baked, composited and compared with path tracing,
+ * over a background whose pattern shows where light comes from. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +21,7 @@
 #define WIDTH 40
 #define HEIGHT 30
 #define PIXELS (WIDTH * HEIGHT)
-#define SQUARE 5 /* of the background's board */
+#define SQUARE 5 /* side of the background's squares, px */
 
 /* The picture is the same wherever the camera stands. */
 #define SCENE(camera)                                                                              \
@@ -30,10 +30,10 @@
 
 struct comparison {
 	struct basis basis;
-	struct image truth;	 /* linear */
+	struct image truth;	 /* linear light */
 	uint8_t out[PIXELS * 4]; /* BGRX */
 	double rms, most, psnr;
-	int x, y; /* of most */
+	int x, y; /* place of the largest difference */
 };
 
 static int board_code(int x, int y, int c)
@@ -41,7 +41,8 @@ static int board_code(int x, int y, int c)
 	return (x / SQUARE + y / SQUARE) % 2 ? 225 - 12 * c : 50 + 25 * ((x / SQUARE + c) % 3);
 }
 
-/* Even over each cell, so that cells approximate nothing; a strong lamp in one of them. */
+/* Light that is constant over each cell, so that cells approximate nothing; one holds a strong
+ * lamp. */
 static double light_of(int cell, int c)
 {
 	return 0.3 + (cell == 3 ? 2 + 0.3 * c : 0);
@@ -60,7 +61,7 @@ static void make_panorama(struct image *image)
 		for (int x = 0; x < width; x++) {
 			double d[3];
 
-			/* the row below the horizon is as the one above */
+			/* the row below the horizon is like the one above */
 			panorama_direction(&panorama, x + 0.5, fmin(y, height / 2 - 1) + 0.5, d);
 			for (int c = 0; c < 3; c++)
 				image->f32[3 * (y * width + x) + c] =
@@ -113,7 +114,7 @@ static int level(const struct comparison *c, int x, int y, int channel)
 	return c->out[(y * WIDTH + x) * 4 + 2 - channel];
 }
 
-/* Bakes NAME, composites it, and traces the same. */
+/* Bakes NAME, composites it, and traces the same scene. */
 static void compare(struct comparison *to, const char *name)
 {
 	const struct truth_settings settings = {
@@ -176,7 +177,8 @@ static void write_box(const char *name, double x, double y, double z)
 
 /* ---- glass ---- */
 
-/* Straight glass shows each pixel its own background, times colour for each of two surfaces. */
+/* Flat glass shows each pixel its own background, times the colour once for each of two surfaces.
+ */
 static void a_tinted_pane_lets_its_own_background_through(void **state)
 {
 	const double tint[3] = {0.95, 0.7, 0.4};
@@ -207,14 +209,14 @@ static void a_tinted_pane_lets_its_own_background_through(void **state)
 					     tint[channel] * tint[channel]));
 		(off < 1e-4 ? &whole : &foot)[0]++;
 	}
-	/* at its foot rays meet the ground before they leave */
+	/* near its foot, rays meet the ground before they leave the pane */
 	assert_true(foot < 30);
 	assert_true(whole > 100);
 	assert_true(c.rms < 1.5);
 	compared(&c);
 }
 
-/* One surface for a whole pane: it mirrors 2 F / (1 + F), and its mesh is open. */
+/* A pane of one surface, an open mesh: it reflects 2 F / (1 + F). */
 static void a_thin_pane_mirrors_on_both_sides(void **state)
 {
 	const double once = 0.04, both = 2 * once / (1 + once);
@@ -239,7 +241,7 @@ static void a_thin_pane_mirrors_on_both_sides(void **state)
 	compared(&c);
 }
 
-/* A ball of glass stands the background on its head. */
+/* A glass ball shows the background upside down. */
 static void a_ball_bends_the_background(void **state)
 {
 	struct comparison c;
@@ -266,8 +268,8 @@ static void a_ball_bends_the_background(void **state)
 
 /* ---- real things ---- */
 
-/* A real box before the object hides it, where nothing of the picture changes then; a real step
- * receives its shadow. */
+/* A real box in front of the object hides it, and there the picture does not change; a real step
+ * receives the object's shadow. */
 static void real_things_hide_and_receive(void **state)
 {
 	struct comparison c;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Calibration of Tsai's camera: what is known comes back, and the deviations are true. */
+/* Calibration of Tsai's camera: known cameras come back, and the reported deviations are true. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -121,7 +121,7 @@ static void assert_camera(const struct tsai_camera *found, const struct tsai_cam
 			     accuracy * distance, "k=%d", k);
 }
 
-/* What is seen without noise is the true camera, and is trusted. */
+/* Points without noise give the true camera, which is trusted. */
 static void assert_solved(struct observations *seen, const struct camera_task *task,
 			  const struct tsai_camera *truth)
 {
@@ -135,7 +135,7 @@ static void assert_solved(struct observations *seen, const struct camera_task *t
 	observations_free(seen);
 }
 
-/* Bend at the picture's corner; in the thesis's direction the fold is at -1/3. */
+/* Distortion at the corner of the picture; in the thesis's direction the fold is at -1/3. */
 static const double bends[] = {0, 0.02, -0.02, 0.15, -0.12, 0.6, -0.2};
 
 /* Calls solve for each direction of the distortion, each bend and each of five places. */
@@ -209,8 +209,8 @@ static void several_boards(void **state)
 			struct camera_task task;
 
 			for (int e = 0; e < 5; e++) {
-				/* no plane's horizon along the picture's rows in all of them: s
-				 * would not show without distortion */
+				/* No horizon of a plane may lie along the rows in every view:
+				 * without distortion, s would not show. */
 				truth[e] = known_camera_roll(
 					known_camera(eyes[e], middle, bends[b], distortion),
 					0.6 * e);
@@ -255,7 +255,7 @@ static void pose_alone(void **state)
 
 /* ---- the world's units and axes ---- */
 
-/* The same picture from a world that is scaled and moved. */
+/* The same picture from a world that is scaled and shifted. */
 static void units_and_places_do_not_matter(void **state)
 {
 	static const double scales[] = {1e-9, 1e-3, 1, 1000, 1e6};
@@ -287,7 +287,7 @@ static void units_and_places_do_not_matter(void **state)
 			}
 			assert_int_equal(camera_calibrate(&other, &task, &solution, NULL), 0);
 			expect_that(known_camera_trusted(&solution), "s=%u, moved=%d", s, moved);
-			/* 1e6 m keep 1e-10 m: of a board seen from 0.5 m 1e-9 */
+			/* at 1e6 m, double resolves 1e-10 m; the board is seen from 0.5 m */
 			expect_below(fabs(solution.camera.focal / first.camera.focal - 1),
 				     (moved ? 1e-5 : 1e-7), "s=%u, moved=%d", s, moved);
 			for (int i = 0; i < seen.count; i++) {
@@ -304,8 +304,7 @@ static void units_and_places_do_not_matter(void **state)
 	observations_free(&seen);
 }
 
-/* A file whose y counts upwards and whose pixel centres are at whole numbers is the same picture.
- */
+/* A file with y upwards and pixel centres at whole numbers describes the same picture. */
 static void y_up_is_the_same_picture(void **state)
 {
 	static const struct points_convention down = {.pixel_centre = 0.5};
@@ -345,7 +344,7 @@ static void y_up_is_the_same_picture(void **state)
 	observations_free(&seen);
 }
 
-/* Any plane in space, the origin anywhere: on the axis, where Ty is 0, far away. */
+/* Any plane in space, with the origin anywhere: on the axis, where Ty is 0, and far away. */
 static void any_plane_any_origin(void **state)
 {
 	struct chance chance = chance_begin("camera planes");
@@ -359,7 +358,7 @@ static void any_plane_any_origin(void **state)
 		struct camera_task task;
 		double vector[3], turn[9], slope[3][9], shift[3], moved[3];
 
-		if (n % 4 == 0) { /* the world's origin is seen on the axis: Tx = Ty = 0 */
+		if (n % 4 == 0) { /* the world's origin lies on the axis: Tx = Ty = 0 */
 			expect_below(fabs(truth.translation[1]), 1e-12, "n=%d", n);
 		} else {
 			truth.centre_px[0] += 4;
@@ -421,11 +420,13 @@ static void count_parameter(struct tally *tally, const struct estimate *estimate
 	tally->three += off < 3;
 }
 
-/* Of so many runs as many are within one and two deviations as there should be, within five
- * binomial deviations; and 99 of 100 within three, or as near to it as chance lets few runs be.
- * Each of 11 numbers is asked about at each of four noises: one of them is beyond four deviations
- * in up to 3 % of all seeds, beyond five in 0.2 %.
- * slack: share of the runs by which what answers to second order may be off. */
+/*
+ * Checks that the right shares of runs lie within one and two deviations, to five binomial
+ * deviations, and that 99 of 100 lie within three, or as many as chance allows in few runs. Each of
+ * 11 numbers is checked at each of four noises: one of them is beyond four deviations in up to 3 %
+ * of all seeds, beyond five in 0.2 %.
+ * `slack` is the share of runs by which second-order errors may move the counts.
+ */
 static void assert_nearly_honest(const struct tally *tally, double slack)
 {
 	const double n = tally->runs;
@@ -467,7 +468,7 @@ static void count_all(struct tally tally[TALLIES], const struct camera_solution 
 	}
 }
 
-/* INLAY_RUNS=1000 draws as many for each noise. The bounds widen with fewer. */
+/* Runs for each noise: INLAY_RUNS, or a small number. Bounds widen with fewer runs. */
 static int runs_of_test(void)
 {
 	const char *text = getenv("INLAY_RUNS");
@@ -498,7 +499,7 @@ static void deviations_are_honest(void **state)
 				known_camera_see_board(&seen, &truth[e], 12, 9, noises[n], &chance);
 			}
 			task = known_camera_task(&truth[0]);
-			task.aspect_deviation = 0.05; /* nothing that holds it */
+			task.aspect_deviation = 0.05; /* nothing else fixes the aspect */
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			assert_true(solution.solved);
 			count_all(tally, &solution, &truth[0], "view 1 ");
@@ -514,7 +515,7 @@ static void deviations_are_honest(void **state)
 	}
 }
 
-/* The same of points in space, and of a pose alone. */
+/* The same for points in space, and for a pose alone. */
 static void deviations_of_space_and_pose(void **state)
 {
 	struct chance chance = chance_begin("camera noise");
@@ -550,8 +551,8 @@ static void deviations_of_space_and_pose(void **state)
 	}
 }
 
-/* From afar, with outliers: what is found fits as well as the truth does, in spite of wrong minima
- * on the way. */
+/* From afar, with outliers: the result fits as well as the truth, in spite of wrong minima on the
+ * way. */
 static void no_wrong_minimum(void **state)
 {
 	struct chance chance = chance_begin("camera minima");
@@ -582,8 +583,9 @@ static void no_wrong_minimum(void **state)
 	}
 }
 
-/* One plane of a lens without distortion does not tell its axis, which is as far off as it is said
- * to be: by default, by an option, and where pixels are not square. All of the pose has to know. */
+/* One plane and a lens without distortion do not tell the axis. Its error must be as large as
+ * assumed: by default, by an option, and with pixels that are not square. The whole pose must
+ * include that uncertainty. */
 static void deviations_of_a_held_centre(void **state)
 {
 	static const char *const name[] = {"focal",	    "centre x",	     "centre y",
@@ -643,7 +645,8 @@ static void deviations_of_a_held_centre(void **state)
 	}
 }
 
-/* One plane does not tell s, which is as far off as it is said to be: by default, by an option. */
+/* One plane does not tell s. Its error must be as large as assumed: by default, and by an option.
+ */
 static void deviations_of_a_held_aspect(void **state)
 {
 	struct chance chance = chance_begin("camera held aspect");
@@ -667,7 +670,7 @@ static void deviations_of_a_held_aspect(void **state)
 			known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			expect_equal(solution.camera.aspect, 1, "way=%d, run=%d", way, run);
-			/* held, it is uncertain all the same */
+			/* a fixed aspect is uncertain all the same */
 			solution.finding.estimate.parameter[MODEL_ASPECT].fixed = false;
 			count_all(tally, &solution, &truth, "");
 			camera_solution_free(&solution);
@@ -683,7 +686,7 @@ static void deviations_of_a_held_aspect(void **state)
 	}
 }
 
-/* What is known is not looked for, neither in space nor from many boards. */
+/* What is given is not estimated, neither from points in space nor from many boards. */
 static void known_aspect(void **state)
 {
 	struct chance chance = chance_begin("camera known aspect");
@@ -717,7 +720,8 @@ static void known_aspect(void **state)
 	}
 }
 
-/* How far an object is drawn from where it is seen, at most, over what is said of that. */
+/* Distance between drawn and true place of the object, at most, as a multiple of the reported
+ * uncertainty. */
 static double off_by(const struct camera_solution *solution, const struct camera_task *task,
 		     const struct tsai_camera *truth)
 {
@@ -738,8 +742,8 @@ static double off_by(const struct camera_solution *solution, const struct camera
 	return most / solution->finding.figure[0].value;
 }
 
-/* Few boards, seen by cameras whose pixels may or may not be square: what is trusted is right, and
- * enough is, once that is known. */
+/* Few boards, seen by cameras whose pixels may not be square: a trusted result is right, and where
+ * squareness is known enough results are trusted. */
 static void few_boards_of_squashed_pixels(void **state)
 {
 	static const double aspects[] = {1, 1.005, 1.02, 0.95, 0.9};
@@ -795,7 +799,7 @@ static void few_boards_of_squashed_pixels(void **state)
 	assert_true(trusted[1][3] > runs / 2);
 }
 
-/* Each point's error, and the uncertainty that is reported for its place. */
+/* The error of each point against the uncertainty that is reported for its place. */
 static void uncertainty_is_honest(void **state)
 {
 	const double px[2] = {250, 300}, place[3] = {0.03, -0.02, 0.04};
@@ -828,9 +832,9 @@ static void uncertainty_is_honest(void **state)
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
-	/* the longest axis alone is expected: both have between it and sqrt 2 of it */
+	/* only the longest axis is expected: two axes together have between it and sqrt 2 of it */
 	assert_true(squares > 0.85 * expected && squares < 2.2 * expected);
-	/* each half is known sqrt 2 worse, and two of them differ by sqrt 2 of that */
+	/* each half is worse by sqrt 2, and the difference of two halves by sqrt 2 again */
 	assert_true(halves > at_px && halves < 4 * at_px);
 }
 

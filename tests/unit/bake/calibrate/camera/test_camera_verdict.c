@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a camera's calibration fails, and that it says so: each hard case with its verdict. */
+/* Cases in which a camera's calibration fails: each must get its verdict. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,7 @@
 static const double eye[3] = {0.12, -0.38, 0.42}, middle[3] = {0.01, 0.005, 0};
 static const double above[3] = {0.0, -1e-4, 0.6};
 
-/* Solves and frees; says whether the verdict is trust (expected "") or holds this text. */
+/* Solves, and expects the verdict to trust (expected "") or to contain this text. */
 static void expect(struct observations *seen, const struct camera_task *task, const char *expected)
 {
 	struct camera_solution solution;
@@ -32,7 +32,7 @@ static void expect(struct observations *seen, const struct camera_task *task, co
 	if (*expected ? !strstr(sentence, expected) : !solution.finding.verdict.trusted)
 		fail_msg("expected \"%s\", got \"%s\"", expected, sentence);
 	assert_true(solution.finding.verdict.trusted == !*expected);
-	/* what to do about it stands there, too */
+	/* a verdict that does not trust gives advice */
 	assert_true(solution.finding.verdict.trusted || solution.finding.verdict.remedy[0]);
 	camera_solution_free(&solution);
 	observations_free(seen);
@@ -104,7 +104,7 @@ static void no_such_reference(void **state)
 
 /* ---- how they lie ---- */
 
-/* With noise or without. Nearly parallel is as bad as noise makes it. */
+/* With and without noise. A nearly parallel board is as bad as its noise makes it. */
 static void board_parallel_to_the_picture(void **state)
 {
 	static const double noises[] = {0, 0.4, 1};
@@ -183,8 +183,8 @@ static void points_in_a_corner(void **state)
 	}
 }
 
-/* s is held at 1: what lies on the board is drawn right all the same, what stands up from it is not
- * unless the pixels are known to be square. */
+/* s is held at 1: what lies on the board is drawn right all the same, but what stands up from it
+ * only where pixels are known to be square. */
 static void aspect_does_not_show_in_a_plane(void **state)
 {
 	struct chance chance = chance_begin("aspect");
@@ -234,11 +234,11 @@ static void outliers(void **state)
 	struct observations seen;
 
 	(void)state;
-	/* one: named, and it says how to go on */
+	/* one outlier: named, with advice how to go on */
 	seen = board_seen(&truth, 0.1, &chance);
 	seen.point[17].px[0] += 30;
 	expect(&seen, &task, "point 18 is");
-	/* a few, robustly: trusted, and they are named */
+	/* a few outliers, robustly: trusted, and they are named */
 	task.robust = true;
 	for (int count = 1; count <= 20; count += 6) {
 		struct camera_solution solution;
@@ -258,7 +258,7 @@ static void outliers(void **state)
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
-	/* too many */
+	/* too many outliers */
 	seen = board_seen(&truth, 0.1, &chance);
 	for (int i = 0; i < seen.count; i += 3)
 		seen.point[i].px[0] += 20 + i % 7;
@@ -284,7 +284,7 @@ static void points_in_another_order(void **state)
 	expect(&seen, &task, ";");
 }
 
-/* A mirrored board is one seen from behind; mirrored points in space fit nothing. */
+/* A mirrored board is one seen from behind; mirrored points in space fit no camera. */
 static void mirrored(void **state)
 {
 	struct chance chance = chance_begin("mirrored");
@@ -307,8 +307,8 @@ static void mirrored(void **state)
 		}
 }
 
-/* From afar the mirrored picture fits a lens that is known, near and far exchanged: it is the
- * mirror image, which fits better or as well, that says not to trust it. */
+/* From afar a mirrored picture fits a known lens, with near and far exchanged. The mirror image
+ * fits as well or better, and that is why the verdict does not trust. */
 static void mirrored_from_afar(void **state)
 {
 	struct chance chance = chance_begin("afar");
@@ -344,7 +344,7 @@ static void listed_twice(void **state)
 	expect(&seen, &task, "point 4 and again are one point listed twice");
 }
 
-/* Of a view that shows something else there is no pose, however well the others fit. */
+/* A view of something else has no pose, however well the other views fit. */
 static void view_of_outliers(void **state)
 {
 	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
@@ -371,7 +371,7 @@ static void view_of_outliers(void **state)
 	expect(&seen, &task, "points of board do not fit the other views");
 }
 
-/* From a dozen points with much noise a mirror image is not made up. */
+/* A dozen points with much noise are not taken for a mirror image. */
 static void noise_is_no_mirror(void **state)
 {
 	struct chance chance = chance_begin("noise");
@@ -392,7 +392,7 @@ static void noise_is_no_mirror(void **state)
 	}
 }
 
-/* A plane alone does not tell the axis: what stands up from it may be off. */
+/* A plane alone does not tell the axis: what stands up from it may be wrong. */
 static void axis_does_not_show(void **state)
 {
 	struct chance chance = chance_begin("axis");
@@ -410,7 +410,7 @@ static void axis_does_not_show(void **state)
 	expect(&seen, &task, "");
 }
 
-/* The reader refuses what is not a number. */
+/* The reader refuses points that are NaN. */
 static void not_a_number(void **state)
 {
 	static const char *const lines[] = {"0 0 0 nan 4\n", "0 0 inf 3 4\n", "0 0 0 3\n"};
@@ -436,14 +436,14 @@ static void not_a_number(void **state)
 
 /* ---- distortion ---- */
 
-/* Up to just before the fold all is well; points that no kappa explains are no such picture. */
+/* Up to just before the fold all is well; points that no kappa1 explains are refused. */
 static void folds_over(void **state)
 {
 	struct chance chance = chance_begin("fold");
 
 	(void)state;
 	for (int distortion = 0; distortion < 2; distortion++) {
-		/* the board's outermost point is at this part of the fold's radius */
+		/* radius of the board's outermost point, as a share of the fold's radius */
 		static const double parts[] = {0.5, 0.8, 0.9};
 
 		for (int p = 0; p < 3; p++) {
@@ -459,7 +459,7 @@ static void folds_over(void **state)
 					hypot(seen.point[i].px[0] - KNOWN_CAMERA_WIDTH / 2.0,
 					      seen.point[i].px[1] - KNOWN_CAMERA_HEIGHT / 2.0) *
 						truth.pixel[0]);
-			/* undistorted radius over its largest: the fold, or 2/3 of it */
+			/* undistorted radius over its largest value: the fold, or 2/3 of it */
 			truth.kappa1 = -pow(parts[p] / farthest, 2) / 3;
 			if (distortion)
 				truth.kappa1 *= 4.0 / 9;
@@ -543,8 +543,8 @@ static void object_too_uncertain(void **state)
 	expect(&seen, &task, "");
 }
 
-/* With the lens known a board parallel to the picture is as good as any: only its tilt is less
- * sure. */
+/* With a known lens, a board parallel to the picture is as good as any; only its tilt is less
+ * certain. */
 static void parallel_is_no_matter_for_a_known_lens(void **state)
 {
 	struct chance chance = chance_begin("known");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Lenses to and from the files of OpenCV and ROS: exact where they can be, and otherwise how far
- * off they are; whole files, and damaged ones. What OpenCV itself makes of them:
- * test_convert_opencv. */
+/* Lenses to and from the files of OpenCV and ROS: exact where possible, otherwise with the error
+ * that is reported; whole files and damaged ones. test_convert_opencv checks what OpenCV makes of
+ * them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +36,8 @@ static struct tsai_camera some_camera(double kappa1, enum tsai_distortion distor
 				    .aspect = 1.07};
 }
 
-/* Largest distance between what two cameras at the same place see of the first one's picture. */
+/* Largest distance between the images that two cameras at the same place have of a point of the
+ * first one's picture. */
 static double farthest(const struct tsai_camera *a, const struct tsai_camera *b)
 {
 	double worst = 0;
@@ -62,7 +63,7 @@ static void write_file(const char *name, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* Through a file of either kind. */
+/* Writes a lens to a file of either kind and reads it back. */
 static struct lens again(const struct lens *lens, bool ros, double error_px)
 {
 	struct fault fault = {.text = ""};
@@ -122,7 +123,7 @@ static void test_undistorts(void **state)
 		print_message("kappa1 %g that undistorts: %.2g px out, %.2g px in\n", kappa1[k],
 			      out_px, in_px);
 		expect_equal(back.distortion, TSAI_UNDISTORTS, "k=%d", k);
-		/* what is said is what it is */
+		/* the reported errors hold */
 		expect_below(farthest(&camera, &back), out_px + in_px + 1e-9, "k=%d", k);
 		expect_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault), -ERANGE,
 			     "k=%d", k);
@@ -130,12 +131,12 @@ static void test_undistorts(void **state)
 	}
 }
 
-/* Terms that Tsai's camera lacks: the error is that of the camera that comes out. */
+/* Terms that Tsai's camera lacks: the error is that of the resulting camera. */
 static void test_terms(void **state)
 {
 	static const struct {
 		double term[LENS_TERMS];
-		double least, most; /* px */
+		double least, most; /* expected error, px */
 	} cases[] = {
 		{{-0.2, 0, 0, 0, 0, 0, 0, 0}, 0, 0},
 		{{-0.2, 0.001, 0, 0, 0, 0, 0, 0}, 1e-2, 0.3},
@@ -221,7 +222,7 @@ static void test_fields(void **state)
 	double error_px, turn_deg;
 
 	(void)state;
-	/* the picture's corner at 400 / 600 rad */
+	/* the corner of the picture is at 400 / 600 rad */
 	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), 0);
 	assert_true(fabs(settings.field_deg - 400 / 600.0 * 180 / M_PI) < 1e-9);
 	assert_int_equal(settings.model, FISHEYE_EQUIDISTANT);
@@ -251,7 +252,7 @@ static void test_fields(void **state)
 
 static void test_files(void **state)
 {
-	/* as OpenCV's calibration program leaves it, and as ROS's does */
+	/* as the calibration programs of OpenCV and of ROS write it */
 	static const char opencv[] = OPENCV_HEAD
 		"calibration_time: \"Fri 20 Nov 2026 18:00:00\"\n" SIZE
 		"board_width: 9\nflags: 0\n# flags: none\n" OPENCV_CAMERA OPENCV_DISTORTION
@@ -289,7 +290,7 @@ static void test_files(void **state)
 static void test_damaged(void **state)
 {
 	static const struct {
-		const char *text, *fault; /* what follows the file's name */
+		const char *text, *fault; /* fault: the message behind the file's name */
 	} cases[] = {
 		{"", ": has no image_width and image_height, expected them here or by --size"},
 		{SIZE, ": has no camera_matrix"},
@@ -354,7 +355,8 @@ static void test_damaged(void **state)
 		-ENOENT);
 }
 
-/* Cut anywhere, a file is refused or, behind its last number, read. */
+/* A file that is cut anywhere is refused or, when only the end behind its last number is missing,
+ * read. */
 static void test_truncated(void **state)
 {
 	static const char whole[] = OPENCV_HEAD SIZE OPENCV_CAMERA OPENCV_DISTORTION;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What OpenCV makes of our lenses, and we of those that OpenCV writes: its own reader, writer and
- * projection. */
+/* Lenses through OpenCV's own reader, writer and projection, in both directions. */
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -24,7 +23,7 @@ extern "C" {
 namespace
 {
 
-/* What is seen of points at depth 1 is compared, to this. */
+/* Largest difference of images of points at depth 1. */
 constexpr double SAME_PX = 1e-9;
 
 std::vector<cv::Point3d> points()
@@ -55,7 +54,7 @@ tsai_camera some_camera()
 	return camera;
 }
 
-/* What our file says, read by OpenCV. */
+/* Reads our file with OpenCV. */
 void read_back(const char *path, cv::Mat &matrix, cv::Mat &distortion)
 {
 	cv::FileStorage file(path, cv::FileStorage::READ);
@@ -137,8 +136,8 @@ void test_fisheye_read(void **)
 	assert_int_equal(std::remove(own_folder_path("ours.yml")), 0);
 }
 
-/* As its calibration program does, with much that is of no use here, in single and double
- * precision. */
+/* Writes as OpenCV's calibration program does, with many fields that inlay does not use, in single
+ * and double precision. */
 void write_theirs(const char *path, const cv::Mat &matrix, const cv::Mat &distortion)
 {
 	cv::FileStorage file(path, cv::FileStorage::WRITE);

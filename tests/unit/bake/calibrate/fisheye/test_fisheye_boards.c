@@ -17,7 +17,7 @@
 #include "tests/support/expect.h"
 #include "tests/support/fisheye_photographs.h"
 
-/* The farthest from the axis that a corner was seen, rad. */
+/* Largest angle from the axis at which a corner was seen, rad. */
 static double seen_to(const struct observations *seen, const struct fisheye *lens)
 {
 	double most = 0;

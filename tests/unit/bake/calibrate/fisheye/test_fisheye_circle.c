@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The image circle of a fisheye in one picture: right to parts of a pixel, and doubted where it is
- * not to be seen. */
+/* The image circle of a fisheye in one picture: right to a part of a pixel, and doubted where the
+ * circle cannot be seen. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,16 +24,17 @@
 /* A scene through a lens, as an 8-bit camera takes it. */
 struct scene {
 	struct fisheye_settings lens;
-	double exposure, noise;		   /* levels */
-	double blur_px;			   /* standard deviation, of lens and focus */
-	double dark_from_deg, dark_to_deg; /* about the axis: there the scene is dark */
-	bool lamp;			   /* a bright one, cut by the rim */
-	bool open;			   /* no dark surroundings */
+	double exposure, noise; /* levels */
+	double blur_px;		/* standard deviation of the blur of lens and focus */
+	/* The scene is dark between these angles around the axis. */
+	double dark_from_deg, dark_to_deg;
+	bool lamp; /* a bright lamp that the rim cuts */
+	bool open; /* no dark surroundings */
 	bool studio;
 	const struct panorama *panorama;
 };
 
-/* The simulated cameras' own rooms. */
+/* Radiance of the rooms of the simulated cameras. */
 static double light_of_room(const struct scene *scene, const double dir[3])
 {
 	static const double origin[3] = {0, 0, 0.01};
@@ -63,7 +64,7 @@ static double light_of(const struct scene *scene, const struct fisheye *lens, co
 	return scene->exposure * light;
 }
 
-/* Means of pixels, by a Gaussian across and then down. */
+/* Blurs by a Gaussian, first along rows, then along columns. */
 static void soften(double light[480][640], double deviation_px)
 {
 	enum { FAR = 8 };
@@ -121,7 +122,7 @@ static struct image take(const struct scene *scene, struct fisheye *lens, struct
 	return image;
 }
 
-/* The largest distance anywhere in the image circle and in the picture. */
+/* Largest distance of two lenses' images, over the whole image circle in the picture. */
 static double error_of(const struct fisheye *truth, const struct fisheye_settings *found)
 {
 	struct fisheye lens;
@@ -140,7 +141,7 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 	return worst;
 }
 
-/* Expects this of the verdict ("" trusted), and of the lens, if it is. */
+/* Expects this verdict ("": trusted) and, where it trusts, the right lens. */
 static void check(const char *name, const struct scene *scene, const char *expected,
 		  double error_px)
 {
@@ -205,7 +206,7 @@ static void hard_pictures(void **state)
 	scene.exposure = 0.05;
 	check("low light", &scene, "", 0.2);
 	scene.noise = scene.exposure = 1;
-	scene.blur_px = 0.7; /* of any lens, and of demosaicing */
+	scene.blur_px = 0.7; /* the blur of any lens and of demosaicing */
 	check("a little blur", &scene, "", 0.1);
 	scene.blur_px = 1.8; /* out of focus */
 	check("blur", &scene, "", 0.2);
@@ -238,7 +239,7 @@ static void no_circle(void **state)
 	check("lens cap", &scene, "no image circle was found", 0);
 }
 
-/* Rooms as they are: walls, windows and furniture at the rim. */
+/* Real rooms: walls, windows and furniture at the rim. */
 static void studio_and_panoramas(void **state)
 {
 	static const char *const names[] = {"studio_small_03_1k", "venice_sunset_1k",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a lens loses towards its rim, from a uniform view. */
+/* Vignetting (falloff of light towards the rim) from a picture of something uniform. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Fisheye lenses from boards and from lamps: right without noise, honest with it, and doubted where
- * they should be. */
+/* Fisheye lenses from boards and from lamps: right without noise, with honest uncertainty under
+ * noise, and doubted where they should be. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -48,7 +48,7 @@ static void see(struct observations *seen, const struct fisheye_settings *truth,
 		fisheye_see_boards(seen, &lens, 5, 1.15, sigma, chance);
 }
 
-/* The parameters in the order of an estimate. */
+/* Parameters of the lens in the order of an estimate. */
 static int truths(const struct fisheye_settings *s, bool lamps, double number[11])
 {
 	for (int i = 0; i < 2; i++) {
@@ -105,7 +105,8 @@ static void count(struct coverage *c, double deviations)
 	c->within[2] += deviations < 3;
 }
 
-/* As often as chance wants it; numbers of one run depend on each other, so that runs count. */
+/* Checks these shares. The numbers of one run depend on each other, so that the bound counts runs.
+ */
 static void check_coverage(const struct coverage *all, int runs)
 {
 	static const double want[2] = {0.682689, 0.95};
@@ -116,8 +117,7 @@ static void check_coverage(const struct coverage *all, int runs)
 	assert_true(all->within[2] >= 0.99 * all->runs);
 }
 
-/* INLAY_RUNS=1000 makes it so many of each; what tests do every time is less, and its bounds wider.
- */
+/* Number of runs: INLAY_RUNS, else few, with wider bounds. */
 static int runs_of(int usual)
 {
 	const char *text = getenv("INLAY_RUNS");
@@ -142,7 +142,7 @@ static void honest_with_noise(void **state)
 		struct coverage all = {.runs = 0};
 		double truth[11];
 		const int numbers = truths(&fisheye_views_lenses[model], lamps, truth);
-		/* Boards at the rim are hardest for it. */
+		/* boards at the rim are hardest for the fisheye */
 		const int own = runs_of(lamps				? LAMP_RUNS
 					: model == FISHEYE_ORTHOGRAPHIC ? ORTHOGRAPHIC_RUNS
 									: BOARD_RUNS);
@@ -157,7 +157,7 @@ static void honest_with_noise(void **state)
 			assert_int_equal(fisheye_find(&result, &seen, &wanted, NULL), 0);
 			e = &result.finding.estimate;
 			expect_above(e->count, 0, "k=%d, run=%d", k, run);
-			/* It was not stuck on its way. */
+			/* the solver did not end in a wrong minimum */
 			expect_below(result.finding.rms_px, 1.25 * M_SQRT2 * sigma, "k=%d, run=%d",
 				     k, run);
 			for (int n = 0; n < numbers; n++) {
@@ -251,7 +251,8 @@ static void doubted(void **state)
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 60; n++) {
-		const struct observation point = seen.point[n]; /* adding moves them */
+		/* Adding points may move the array. */
+		const struct observation point = seen.point[n];
 
 		assert_int_equal(observations_add(&seen, point.world, point.px, "again %d", n + 1),
 				 0);
@@ -260,7 +261,7 @@ static void doubted(void **state)
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 5; n++)
-		seen.point[7 * n].px[1] += 40; /* outliers do not matter */
+		seen.point[7 * n].px[1] += 40; /* outliers must not matter */
 	expect(&seen, &lamps, "trusted");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);

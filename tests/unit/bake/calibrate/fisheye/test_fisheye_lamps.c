@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Lamps at known directions, found in pictures drawn through known lenses: right to parts of a
- * pixel, with everything in the picture that is no lamp, and doubted where they should be. */
+/* Lamps at known directions, found in pictures drawn through known lenses: right to a part of a
+ * pixel among everything that is no lamp, and doubted where they should be. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -43,9 +43,9 @@ static double error_of(const struct fisheye_settings *truth, const struct fishey
 	return worst;
 }
 
-/* Draws, finds, and expects the verdict to say so; of a lens that is trusted, too, that it is right
- * over the whole circle: to so much, or, where lamps leave more open than that to a model that is
- * not known, to three of the deviations that are reported of it. */
+/* Draws, finds, and expects this verdict. A trusted lens must be right over the whole circle: to
+ * error_px, or to three reported deviations where the lamps leave an unknown model more room than
+ * that. */
 static void look(const char *name, const struct drawn_lamps *d, int model, const char *expected,
 		 double error_px, struct lamps_told *told, struct chance *chance)
 {
@@ -122,7 +122,7 @@ static void much_else(void **state)
 	d.reflections = d.hidden = 0;
 	d.window = false;
 	d.walls = 0.02;
-	d.lamp_light = 400; /* with halos wide enough to be clipped far around */
+	d.lamp_light = 400; /* with halos that clip far around */
 	look("clipped", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
 	d.lamp_light = 0.4;
 	look("dim", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
@@ -186,7 +186,8 @@ static void doubted(void **state)
 	}
 }
 
-/* A ring looks alike after each of its steps, unless it is told about where one is. */
+/* A ring of lamps looks the same after each step of its turn, unless one direction is known about.
+ */
 static void ring(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
@@ -251,7 +252,7 @@ static void files(void **state)
 	expect_fault("0 45\n0 1 0\n1 0 1\n", ":3: is in the direction of line 1");
 }
 
-/* Two soft spots, a hot pixel's worth of light beside them, and something large. */
+/* Two soft spots, a hot pixel's light beside them, and something large. */
 static void spots(void **state)
 {
 	struct image image;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The image circle as the simulated camera shows it: drawn by the driver, with noise, in 8 bits. */
+/* The image circle as the simulated camera draws it, with noise, in 8 bits. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,7 @@ static void set(void *options, const char *option)
 		fail_msg("%s", report.first.text);
 }
 
-/* Options as "key=value", NULL at the end. */
+/* Takes a picture; options are "key=value", NULL at the end. */
 static struct image take(const char *const *options)
 {
 	struct camera_settings settings = {
@@ -65,7 +65,7 @@ static struct image take(const char *const *options)
 	return image;
 }
 
-/* The largest distance anywhere in the image circle. */
+/* Largest distance of two lenses' images in the image circle. */
 static double error_of(const struct fisheye *truth, const struct fisheye_settings *found)
 {
 	struct fisheye lens;

@@ -25,7 +25,7 @@ static void write_config(const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* 8x6, each pixel of its own colour. */
+/* 8x6, each pixel with its own colour. */
 static void write_picture(void)
 {
 	struct fault fault = {{0}};
@@ -67,7 +67,7 @@ static int next(struct live *live, struct image *picture, int64_t *captured_ns)
 	return err;
 }
 
-/* A rectangle of a picture, turned upright. */
+/* A rectangle of the picture, turned upright. */
 static void test_upright(void **state)
 {
 	struct image picture = {0};
@@ -107,7 +107,7 @@ static void test_upright(void **state)
 	clean();
 }
 
-/* Light that comes unencoded is shown as the view's curve has it. */
+/* Linear light is shown with the curve of the view. */
 static void test_light(void **state)
 {
 	struct image light, picture = {0};
@@ -135,7 +135,7 @@ static void test_light(void **state)
 	clean();
 }
 
-/* Under a clock, what was taken before a flush does not come after it. */
+/* With a clock, a picture taken before a flush does not arrive after it. */
 static void test_flush(void **state)
 {
 	const struct timespec wait = {0, 100 * NS_PER_MS};
@@ -240,7 +240,7 @@ static void test_trouble(void **state)
 	assert_int_equal(live_open(&live, own_folder_path("none.conf"), LIVE_BACKGROUND, &fault),
 			 -ENOENT);
 	live_close(NULL);
-	/* One that falls silent, one that goes. */
+	/* a camera that falls silent, and one that goes away */
 	write_config("[camera one]\ndriver=sim\nwidth=64\nheight=48\nsim.stall_after=1\n"
 		     "[background]\ncamera=one\n");
 	live = opened(LIVE_BACKGROUND);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a calibration sees: views and points, and files of points. */
+/* What a calibration sees: views with their points, and files of points. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +37,7 @@ static int read_points(struct observations *all, const char *text,
 	return err;
 }
 
-/* Points of a view follow each other, however many there are. */
+/* The points of a view follow each other, however many there are. */
 static void test_views(void **state)
 {
 	struct observations all = {0};
@@ -112,7 +112,8 @@ static void test_files(void **state)
 	observations_free(&all);
 }
 
-/* The middle of the upper left pixel of a picture of 480 lines, as different programs have it. */
+/* The middle of the upper left pixel in a picture of 480 lines, in the conventions of different
+ * programs. */
 static void test_conventions(void **state)
 {
 	static const struct {
@@ -159,7 +160,7 @@ static void test_wrong_files(void **state)
 
 	(void)state;
 	assert_int_equal(read_points(&all, "1 2 3 4 5", &ours, &fault), 0);
-	/* as some editors save it, which is nothing wrong */
+	/* a byte order mark, which some editors write */
 	assert_int_equal(read_points(&all,
 				     "\xef\xbb\xbf"
 				     "1 2 3 4 5\r\n",
@@ -170,7 +171,7 @@ static void test_wrong_files(void **state)
 		expect_equal(read_points(&all, cases[i].text, &ours, &fault), -EINVAL, "i=%zu", i);
 		if (!strstr(fault.text, cases[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", fault.text, cases[i].says);
-		/* Of a file that is refused nothing is kept. */
+		/* nothing is kept of a refused file */
 		expect_equal(all.views, 2, "i=%zu", i);
 		expect_equal(all.count, 2, "i=%zu", i);
 	}

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of calibrations: of five points, of many views, of what is not known, and what is
- * refused. */
+/* Reports of calibrations: few points, many views, unknown values, and what is refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -202,7 +201,7 @@ static struct image shown(const char *folder, const char *name)
 	return image;
 }
 
-/* Pixels in the colour of outliers, above the legend's line. */
+/* Number of pixels in the colour of outliers, above the line of the legend. */
 static int outlier_pixels(const char *folder, const char *name)
 {
 	struct image image = shown(folder, name);
@@ -296,18 +295,18 @@ static void test_photographs(void **state)
 	assert_true(outlier_pixels("photographs", "view-002.png") > 20);
 	assert_int_equal(outlier_pixels("photographs", "view-003.png"), 0);
 	image = shown("photographs", "view-001.png");
-	/* the photograph is there, paled: its squares, away from all marks */
+	/* the photograph is there, paled: its squares show away from all marks */
 	assert_true(brightness(&image, 20, 20) != brightness(&image, 20, 20 + 29));
 	image_free(&image);
 	image = shown("photographs", "view-002.png");
 	assert_int_equal(brightness(&image, 20, 20), brightness(&image, 20, 20 + 29));
 	image_free(&image);
-	/* from dark to light as it grows, whichever the colours */
+	/* brightness grows with the value, whatever the colours */
 	image = shown("photographs", "uncertainty.png");
 	assert_true(brightness(&image, 482, 361) < brightness(&image, 700, 361));
 	assert_true(brightness(&image, 700, 361) < brightness(&image, 925, 361));
 	image_free(&image);
-	/* an earlier report is replaced; no photograph is asked for where there is none */
+	/* an earlier report is replaced; photographs are optional */
 	write_report("photographs", &f, NULL);
 	assert_int_equal(files("photographs", "view-"), 3);
 	take_away("photographs");
@@ -358,7 +357,7 @@ static void test_fisheye(void **state)
 	observations_free(&seen);
 }
 
-/* Nothing could be solved: what was seen is shown all the same. */
+/* Nothing could be solved: the points are shown all the same. */
 static void test_without_model(void **state)
 {
 	struct observations seen = {.count = 0};

@@ -69,12 +69,13 @@ static void black_is_found_with_its_deviation(void **state)
 	}
 	print_message("# black level: %d and %d of %d within 1 and 2 deviations\n", within[0],
 		      within[1], runs);
-	/* 68 % and 95 %, within four deviations of the binomial: beyond three is 1 seed in 200. */
+	/* 68 % and 95 %, within four deviations of the binomial distribution: 1 seed in 200 is
+	 * beyond three. */
 	assert_true(fabs(within[0] - 0.683 * runs) < 4 * sqrt(0.683 * 0.317 * runs));
 	assert_true(within[1] > 0.954 * runs - 4 * sqrt(0.954 * 0.046 * runs));
 }
 
-/* Noise that the camera cuts off at the level lifts the mean, and not the level. */
+/* Noise that the camera clips at black raises the mean, but not the black level found. */
 static void cut_off_noise_is_seen(void **state)
 {
 	struct chance chance = chance_begin("light");
@@ -115,7 +116,7 @@ static void black_is_doubted(void **state)
 	image_free(&small);
 }
 
-/* Dark on the left, and light that grows to the right with the time. */
+/* Dark on the left; light grows to the right and with time. */
 static struct image ramp(double level, double time, struct chance *chance)
 {
 	struct image picture = dark(level, 1, chance);
@@ -129,7 +130,8 @@ static struct image ramp(double level, double time, struct chance *chance)
 	return picture;
 }
 
-/* Each block lighter than the one before, the longer exposure lighter where it is not darkest. */
+/* Each block is lighter than the one before, and the longer exposure is lighter unless both are
+ * black. */
 static struct image steps(double more)
 {
 	struct image picture;
@@ -279,7 +281,7 @@ static void gain_is_found_with_its_deviation(void **state)
 	}
 	print_message("# gain: %d and %d of %d within 1 and 2.365 deviations\n", within[0],
 		      within[1], runs);
-	/* Student's t of 7 degrees of freedom: 65 % and 95 %. */
+	/* Student's t with 7 degrees of freedom: 65 % and 95 %. */
 	assert_true(fabs(within[0] - 0.649 * runs) < 4 * sqrt(0.649 * 0.351 * runs));
 	assert_true(fabs(within[1] - 0.95 * runs) < 5 * sqrt(0.95 * 0.05 * runs));
 }
@@ -322,7 +324,7 @@ static void gain_is_doubted(void **state)
 	assert_int_equal(light_gain_find(&found, pair, 0, NULL), -EINVAL);
 }
 
-/* A level patch under an even sky gives off its reflectance of it. */
+/* A level patch under an even sky gives off its reflectance times the sky. */
 static void an_even_sky_is_predicted(void **state)
 {
 	static const double reflectance[3] = {0.5, 0.25, 1};
@@ -506,7 +508,7 @@ static void delay_is_doubted(void **state)
 	record = record_of(2, 1, 1, 1, &chance);
 	assert_int_equal(light_delay_find(&found, &record, NULL), -EINVAL);
 	light_record_free(&record);
-	/* A black picture. */
+	/* a black picture */
 	record = record_of(2, 5, 0, 0, &chance);
 	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
 	doubted(&found.verdict, "no change is seen");
@@ -554,7 +556,7 @@ static void files_keep_other_keys(void **state)
 	unlink(path);
 }
 
-/* What somebody wrote at the end stays there, whatever is measured again. */
+/* Text that somebody wrote at the end of the file stays when it is measured again. */
 static void files_keep_their_end(void **state)
 {
 	static const char expected[] =

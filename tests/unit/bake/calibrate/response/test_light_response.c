@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera's response, found from simulated exposures. */
+/* A camera's response curve, found from simulated exposures. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -109,7 +109,7 @@ static void every_shape_is_found(void **state)
 
 /* ---- how sure it is ---- */
 
-/* Knots between 10 % and 90 %, of small scenes: how often the truth lies within the deviations. */
+/* Knots between 10 % and 90 %, from small pictures: the shares of truths within the deviations. */
 static void deviations_are_right(void **state)
 {
 	const struct chart_camera camera = {CHART_SRGB, 0, 0.0005, 0.008};
@@ -138,12 +138,13 @@ static void deviations_are_right(void **state)
 	}
 	print_message("# knots: %.3f and %.3f within 1 and 2 deviations, the worst %.1f\n",
 		      (double)within[0] / all, (double)within[1] / all, worst);
-	/* Knots of one run go together: the binomial of as many runs as there are, 3 deviations. */
+	/* knots of one run depend on each other: the binomial distribution of the number of runs, 3
+	 * deviations */
 	assert_true(fabs((double)within[0] / all - 0.683) < 3 * sqrt(0.683 * 0.317 / runs));
 	assert_true((double)within[1] / all > 0.954 - 3 * sqrt(0.954 * 0.046 / runs));
 }
 
-/* Times off by up to 3 % are found again. */
+/* Exposure times that are wrong by up to 3 % are corrected. */
 static void times_are_refined(void **state)
 {
 	struct light_response_settings settings = exact_times();
@@ -178,7 +179,7 @@ static void doubted(const struct series *s, const char *words)
 	assert_true(strlen(s->found.verdict.remedy) > 0);
 }
 
-/* Every exposure at `factor` times the light, of a scene down to `range`. */
+/* All exposures with `factor` times the light, of a chart whose patches go down to `range`. */
 static struct series series_of(double factor, double range, struct chance *chance)
 {
 	struct series s = {.found = {.samples = 0}};
@@ -224,7 +225,7 @@ static void a_moved_scene_is_doubted(void **state)
 	struct series s = series_of(4, 2e-3, &chance);
 
 	(void)state;
-	/* Picture 3 is shifted by half a patch. */
+	/* picture 3 is shifted by half a patch */
 	memmove(s.picture[2].u8, s.picture[2].u8 + 24, 160 * 128 * 3 - 24);
 	for (int j = 3; j < EXPOSURES; j++)
 		memmove(s.picture[j].u8, s.picture[j].u8 + 48, 160 * 128 * 3 - 48);
@@ -253,7 +254,7 @@ static void channels_of_their_own_are_doubted(void **state)
 	struct series s = series_of(4, 2e-3, &chance);
 
 	(void)state;
-	/* Blue through a contrast of its own, the same in every exposure. */
+	/* blue has a curve of its own, the same in every exposure */
 	for (int j = 0; j < EXPOSURES; j++)
 		for (int k = 2; k < 160 * 128 * 3; k += 3) {
 			const double u = fmax(s.picture[j].u8[k] - 16, 0) / 239.0;
