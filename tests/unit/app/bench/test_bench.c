@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What inlay bench holds frames against: transport light by light, the thesis's algorithm, errors,
- * lightings. */
+/* What `inlay bench` compares frames with: transport light by light, the thesis's algorithm,
+ * errors, lightings. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -61,7 +61,7 @@ static double transport_at(const struct unpacked *t, enum basis_kind kind, int p
 					       : t->taken[row][p]);
 }
 
-/* Takes what the tile's blocks say away from the transport: nothing is left of it. */
+/* Subtracts a tile's blocks from the transport, which must leave nothing. */
 static void check_tile(const struct basis *basis, const struct basis_tile *tile, struct unpacked *t)
 {
 	const int n = (int)basis->info.lights;
@@ -160,7 +160,7 @@ static double code_value(const struct canvas *canvas, int x, int y, int c)
 	return canvas->pixels[(size_t)y * canvas->stride + (size_t)x * 4 + 2 - (size_t)c];
 }
 
-/* What one pixel ought to be, in double precision: bytes stay within half a step, so sums within
+/* A pixel in double precision: each stored byte is right to half a step, so that a sum is right to
  * half a step of all light. */
 static void check_pixel(const struct bench_scene *f, const struct unpacked *t, int x, int y, int p,
 			double step)
@@ -192,7 +192,7 @@ static void check_pixel(const struct bench_scene *f, const struct unpacked *t, i
 		} else if (t->is_receiver[p] && unlit > 0) {
 			const double half = 0.5 * most / 255 * light;
 
-			/* what is beyond a byte and below none is cut */
+			/* clipped to 0..255 */
 			want = behind * fmax(unlit - taken, 0) / unlit;
 			slack = 1.01 + behind * half * (1 + fabs(unlit - taken) / unlit) /
 					       fmax(unlit - half, 1e-9);
@@ -244,7 +244,7 @@ static void thesis_composites(void **state)
 		struct pool *pool;
 		struct bench_scene f;
 
-		/* plain bytes: no light is taken twice, and none comes from nowhere */
+		/* plain bytes: no light counts twice, and none appears from nowhere */
 		options.vary = options.tinted = false;
 		options.layers = 1;
 		options.patterns = 0;
@@ -292,7 +292,7 @@ static void errors_are_those_that_were_made(void **state)
 	assert_non_null(truth);
 	memset(f.background.pixels, 128, f.background.stride * 21);
 	memset(f.out.pixels, 100, f.out.stride * 21);
-	for (int at = 0; at < 37 * 21; at++) /* shadows by 2.5, all others in scope by 0, else 50 */
+	for (int at = 0; at < 37 * 21; at++) /* 2.5 in shadows, 0 elsewhere in scope, 50 outside */
 		for (int c = 0; c < 3; c++)
 			truth[3 * at + c] = scope.pixel[at] == SCOPE_SHADOW   ? 102.5
 					    : scope.pixel[at] == SCOPE_OBJECT ? 100
@@ -347,10 +347,10 @@ static void lightings_are_exposed(void **state)
 							  : fabs(most - 1) < 1e-6);
 		}
 	}
-	/* never more members than lights */
+	/* never more parts than lights */
 	assert_int_equal(l.item[3].members, 45);
 	lightings_free(&l);
-	/* their lights are no dome's */
+	/* the lights are no dome */
 	assert_int_equal(lightings_add_panorama(&l, &s.basis, "none.hdr", &fault), -ENOENT);
 	assert_int_equal(lightings_add_file(&l, &s.basis, "none.txt", &fault), -ENOENT);
 	lightings_free(&l);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera as the program uses it, driven by a camera that does what the test says. */
+/* A camera as the program uses it, driven by a fake camera that the test controls. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
 
-/* What the camera will do next, and what was done to it. */
+/* What the fake camera does next, and what was done to it. */
 static struct {
 	int open_err, grab_err;
 	enum camera_situation situation;
@@ -27,16 +27,17 @@ static struct {
 	double rate_hz;
 	enum pixel_format format;
 	int width, height;
-	size_t bytes; /* readable; 0: all that are needed */
-	int gate;     /* opening waits until it is written; 0: it does not wait */
+	size_t bytes; /* readable bytes; 0: the whole frame */
+	/* An eventfd: opening waits until the test writes to it; 0: opening does not wait. */
+	int gate;
 	const char *name;
 	uint8_t level;
 	float linear[3];
-	int opened, closed, out; /* out: frames that were not given back */
+	int opened, closed, out; /* out: frames not given back yet */
 	uint32_t sequence;
 } fake;
 
-/* Frames take turns, as buffers do. */
+/* Frames alternate between these, like buffers of a driver. */
 static uint8_t buffers[2][64 * 64 * 12];
 
 static int fake_open(struct camera *camera, struct fault *fault)
@@ -147,7 +148,7 @@ static int end(void **state)
 
 static struct fault told;
 
-/* What opening said. */
+/* What opening the source returned. */
 static int opened(void)
 {
 	struct pollfd end;
@@ -170,7 +171,7 @@ static void take(int64_t now_ns)
 	assert_int_equal(source_take(&source, now_ns, &told), 0);
 }
 
-/* The camera is gone. */
+/* The camera has gone: the source closes it. */
 static void must_close(void)
 {
 	int before = fake.grab_err;
@@ -199,8 +200,8 @@ static void newest_frame_is_held(void **state)
 	assert_int_equal(fake.out, 0);
 	assert_int_equal(source.canvas.width, 16);
 	assert_int_equal(source.canvas.pixels[0], 33);
-	assert_int_equal(source.picture_ns, 1002); /* its own time stamp */
-	source_drop(&source);			   /* nothing is held: harmless */
+	assert_int_equal(source.picture_ns, 1002); /* the time stamp of the frame itself */
+	source_drop(&source);			   /* without a held frame: harmless */
 }
 
 static void no_frame_is_no_trouble(void **state)
@@ -225,7 +226,7 @@ static void a_camera_on_demand_is_left_alone_while_its_frame_is_held(void **stat
 	assert_int_equal(source_descriptor(&source), -1);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(source_descriptor(&source), 42);
-	assert_int_equal(source.picture_ns, 777); /* when it was made */
+	assert_int_equal(source.picture_ns, 777); /* the time when it was made */
 	assert_int_equal(source_counts(&source).lost, 0);
 }
 
@@ -249,10 +250,11 @@ static void a_lost_camera_leaves_its_picture(void **state)
 	take(3);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(source.canvas.pixels[0], 7);
-	assert_int_equal(source_counts(&source).frames, 2); /* of both openings */
+	assert_int_equal(source_counts(&source).frames, 2); /* frames of both openings */
 }
 
-/* A camera whose driver names no situation is broken, and its error tells for how long. */
+/* A camera whose driver reports no situation is broken; its error says whether waiting can mend it.
+ */
 static void which_failures_waiting_can_mend(void **state)
 {
 	static const struct {
@@ -305,9 +307,10 @@ static void silence_is_named_and_ended(void **state)
 	source_watch(&source, start + 3 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_STALLED);
 	assert_true(source_is_open(&source));
-	take(start + 4 * NS_PER_S); /* it speaks again */
+	take(start + 4 * NS_PER_S); /* the camera is back */
 	assert_int_equal(source.situation, CAMERA_FINE);
-	source_watch(&source, start + 9 * NS_PER_S); /* we hold its frame: it is not silent */
+	/* The program holds its frame, so it is not silent. */
+	source_watch(&source, start + 9 * NS_PER_S);
 	assert_true(source_is_open(&source));
 	assert_true(source_decode(&source, 99));
 	source_watch(&source, start + 11 * NS_PER_S);
@@ -315,7 +318,7 @@ static void silence_is_named_and_ended(void **state)
 	assert_int_equal(source.situation, CAMERA_STALLED);
 }
 
-/* An exposure of seconds at night is no silence. */
+/* An exposure of some seconds at night is not silence. */
 static void a_slow_camera_is_waited_for(void **state)
 {
 	(void)state;
@@ -358,7 +361,7 @@ static void a_frame_that_does_not_decode_is_passed_over(void **state)
 
 static const struct view all = {.width = 16, .height = 8, .squash = 1};
 
-/* With buffers to spare, what a raw frame shows is read where the camera left it. */
+/* With spare buffers, a raw frame is read where the camera left it. */
 static void show_raw(int level)
 {
 	source.settings.camera.buffers = 4;
@@ -384,9 +387,10 @@ static void a_raw_frame_stays_until_the_next(void **state)
 	assert_true(eye_read(&eye, &reader));
 	frame_reader_make(&reader, 15, 7, 1, 1, (uint8_t *)&pixel, 4);
 	assert_int_equal(pixel, 0xff212121);
-	assert_int_equal(eye_picture(&eye).origin[0], 33); /* somebody wants it whole */
+	/* A caller that wants the whole picture. */
+	assert_int_equal(eye_picture(&eye).origin[0], 33);
 	assert_false(eye_read(&eye, &reader));
-	show_raw(34); /* and so it would have stayed */
+	show_raw(34); /* raw again: nobody wants it whole */
 	fake.level = 35;
 	take(7);
 	assert_int_equal(fake.out, 1);
@@ -405,14 +409,14 @@ static void a_lost_camera_leaves_its_raw_frame(void **state)
 	(void)state;
 	must_open();
 	show_raw(60);
-	fake.grab_err = -EAGAIN; /* it was nothing */
+	fake.grab_err = -EAGAIN; /* a wake-up without a frame */
 	take(2);
 	assert_int_equal(fake.out, 0);
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 60);
 	fake.grab_err = 0;
 	show_raw(61);
-	take(3); /* news that nobody took a picture of yet */
+	take(3); /* a frame whose picture nobody has taken yet */
 	fake.grab_err = -ENODEV;
 	take(4);
 	assert_false(source_is_open(&source));
@@ -442,7 +446,7 @@ static void a_raw_frame_that_is_short_is_passed_over(void **state)
 	assert_int_equal(source_counts(&source).broken, 1);
 }
 
-/* A frozen picture, and that of a camera which waits for others. */
+/* The picture of a frozen camera, and of a camera that others wait for. */
 static void a_kept_picture_outlives_its_frame(void **state)
 {
 	(void)state;
@@ -463,7 +467,7 @@ static void a_kept_picture_outlives_its_frame(void **state)
 	}
 }
 
-/* IEC 61966-2-1 by hand: 0.214041 is code 127.5. */
+/* By IEC 61966-2-1: 0.214041 is code 127.5. */
 static void linear_light_is_kept_and_encoded(void **state)
 {
 	const uint8_t *p = NULL;
@@ -515,7 +519,7 @@ static void the_picture_follows_the_cameras_size(void **state)
 	assert_memory_equal(fault.text, "[fisheye] ", 10);
 }
 
-/* A device that takes its time does not hold up whoever waits for it. */
+/* A device that opens slowly delays nothing except the end of the program. */
 static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 {
 	struct pollfd end;
@@ -524,7 +528,7 @@ static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 	fake.gate = eventfd(0, EFD_CLOEXEC);
 	assert_true(fake.gate >= 0);
 	source_open(&source);
-	source_open(&source); /* once is enough */
+	source_open(&source); /* a second call changes nothing */
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
 	assert_int_equal(poll(&end, 1, 0), 0);
 	take(1); /* nothing yet: harmless */
@@ -533,7 +537,7 @@ static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 	assert_int_equal(source_counts(&source).frames, 0);
 	source_watch(&source, 99 * NS_PER_S);
 	assert_int_equal(eventfd_write(fake.gate, 1), 0);
-	source_destroy(&source); /* waits, and closes what was opened */
+	source_destroy(&source); /* waits, and closes the device that was opened */
 	assert_int_equal(fake.opened, 1);
 	assert_int_equal(fake.closed, 1);
 	close(fake.gate);
@@ -556,10 +560,12 @@ static void another_standard_is_opened_at_once(void **state)
 	assert_int_equal(poll(&end, 1, 20000), 1);
 	take(3);
 	assert_true(source_is_open(&source));
-	assert_int_equal(source.situation, CAMERA_NO_SIGNAL); /* until a frame proves it fine */
+	/* Until a frame shows that the camera works. */
+	assert_int_equal(source.situation, CAMERA_NO_SIGNAL);
 	take(4);
 	assert_int_equal(source.situation, CAMERA_FINE);
-	/* One that says so before it gave a frame would have us do nothing else. */
+	/* if a camera asks for it before its first frame, the program would only open it again and
+	 * again */
 	must_close();
 	must_open();
 	fake.grab_err = -ESTALE;

@@ -141,7 +141,7 @@ static void slots_are_polled(void **state)
 	assert_int_equal(loop_wait(&loop, &fault), 0);
 	assert_true(loop_ready(&loop, 0));
 	assert_false(loop_ready(&loop, 3));
-	/* Closed, and the same number again: out of its slot first. */
+	/* A descriptor is closed and its number used again: the loop must have removed it first. */
 	close(a);
 	assert_int_equal(loop_watch(&loop, 0, -1, &fault), 0);
 	assert_int_equal(dup2(b, a), a);
@@ -162,7 +162,7 @@ static void signals_end_it_and_seconds_tick(void **state)
 	int64_t start;
 
 	(void)state;
-	(void)signal(SIGHUP, SIG_DFL); /* nohup leaves it ignored */
+	(void)signal(SIGHUP, SIG_DFL); /* nohup leaves the signal ignored */
 	assert_int_equal(loop_open(&loop, &fault), 0);
 	start = clock_now_ns();
 	loop_start(&loop);
@@ -172,7 +172,7 @@ static void signals_end_it_and_seconds_tick(void **state)
 	assert_false(loop.stop);
 	assert_int_equal(raise(SIGHUP), 0);
 	assert_int_equal(loop_wait(&loop, &fault), 0);
-	assert_true(loop.reload); /* nobody took our terminal away */
+	assert_true(loop.reload); /* the terminal is still there */
 	assert_false(loop.stop);
 	assert_int_equal(raise(SIGTERM), 0);
 	assert_int_equal(loop_wait(&loop, &fault), 0);
@@ -180,7 +180,7 @@ static void signals_end_it_and_seconds_tick(void **state)
 	loop_close(&loop);
 }
 
-/* In a session of its own, with a terminal of its own. */
+/* Runs in a session of its own, with a terminal of its own. */
 static int hang_up(void)
 {
 	const struct rlimit none = {0, 0};
@@ -202,7 +202,7 @@ static int hang_up(void)
 	return 0;
 }
 
-/* A reload when no descriptor is left is no hang-up. */
+/* A reload while no descriptor is free is not a hang-up. */
 static void only_a_terminal_that_goes_ends_it(void **state)
 {
 	const pid_t child = fork();
@@ -246,7 +246,7 @@ static void lines_say_what_was_counted(void **state)
 	}
 	stats_made(&stats, 0,
 		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS});
-	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* of no new frame: it has no latency */
+	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* without a new frame there is no latency */
 	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &pipeline, &source, 1);
 	source.situation = CAMERA_STALLED;
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &pipeline, &source, 1);
@@ -292,7 +292,7 @@ static int open_stats(struct stats *stats, const char *path)
 {
 	struct fault fault;
 
-	alarm(20); /* it never waits */
+	alarm(20); /* it must not wait */
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGXFSZ, SIG_IGN);
 	return stats_open(stats, path, &fault);
@@ -313,7 +313,7 @@ static void a_full_disk_takes_lines_only(void **state)
 	stats_close(&stats);
 }
 
-/* How many lines are there, each whole, the first saying that so many were lost before it? */
+/* Number of whole lines; the first must say that `lost` lines were lost before it. */
 static int count_lines(int file, int lost)
 {
 	static char text[1 << 17];
@@ -347,7 +347,7 @@ static void a_pipe_is_not_waited_for(void **state)
 	reader = open(path, O_RDONLY | O_NONBLOCK);
 	line(&stats, 2);
 	assert_int_equal(count_lines(reader, 1), 1);
-	for (int k = 0; k < 1000; k++) /* more than it holds: 64 KiB */
+	for (int k = 0; k < 1000; k++) /* more than the pipe holds: 64 KiB */
 		line(&stats, 3);
 	assert_true(stats.lines_lost > 100 && stats.lines_lost < 999);
 	lines = count_lines(reader, 1);
@@ -383,7 +383,7 @@ static void files_are_cut_short_and_moved_away(void **state)
 	line(&stats, 3);
 	stats_reopen(&stats);
 	line(&stats, 4);
-	stats_reopen(&stats); /* which keeps what is there */
+	stats_reopen(&stats); /* reopening keeps the contents */
 	line(&stats, 5);
 	stats_close(&stats);
 	for (int k = 0; k < 2; k++) {
@@ -404,7 +404,7 @@ static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
 
 	(void)state;
 	assert_int_equal(mknod(path, S_IFREG | 0600, 0), 0);
-	assert_int_equal(truncate(path, 100), 0); /* of another run */
+	assert_int_equal(truncate(path, 100), 0); /* a file of another run */
 	assert_int_equal(open_stats(&stats, path), 0);
 	stats_start(&stats, 0);
 	getrlimit(RLIMIT_FSIZE, &before);

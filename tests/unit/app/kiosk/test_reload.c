@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a configuration that is read again changes, key by key. */
+/* What reading the configuration again changes, key by key. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -101,7 +101,7 @@ static void what_can_change_is_taken_over_and_nothing_else(void **state)
 	assert_int_equal(running->basis.pose, 4);
 	assert_true(running->fisheye.lens.focal_px[1] == 8);
 	assert_string_equal(running->state.file, "there");
-	/* What is left is what waits for the next start: nothing of it has an effect. */
+	/* The remaining keys wait for the next start, and have no effect now. */
 	assert_int_equal(reload_compare(running, fresh), 0);
 	end();
 }

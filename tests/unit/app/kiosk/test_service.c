@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the service manager hears; the test plays it. */
+/* What the service manager is told; the test plays the manager. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -65,7 +65,7 @@ static void each_thing_is_told_once(void **state)
 #endif
 	service_start(&service);
 	assert_string_equal(heard(), "");
-	service_reloading(&service, 5); /* before it is ready: not told */
+	service_reloading(&service, 5); /* before it is ready nothing is sent */
 	service_reloaded(&service);
 	assert_string_equal(heard(), "");
 	service_ready(&service);
@@ -116,7 +116,7 @@ static void without_a_watchdog_nothing_is_fed(void **state)
 	assert_string_equal(heard(), "");
 }
 
-/* The journal learns a level, everybody else the program's name. */
+/* The journal gets a level, everybody else the program's name. */
 static void messages_carry_a_level_for_the_journal(void **state)
 {
 	char text[512] = "", name[64];
@@ -134,7 +134,7 @@ static void messages_carry_a_level_for_the_journal(void **state)
 	log_error("a");
 	log_warning("b");
 	log_info("c");
-	setenv("JOURNAL_STREAM", "1:1", 1); /* somebody else's */
+	setenv("JOURNAL_STREAM", "1:1", 1); /* stderr is not the journal */
 	log_setup("inlay", LOG_LEVEL_INFO);
 	log_info("d");
 	unsetenv("JOURNAL_STREAM");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Poses by the clock. */
+/* Which pose is shown at which time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -77,7 +77,7 @@ static void none_stays(void **state)
 	check(&t, 100, 7, 7, 0);
 }
 
-/* Frames that come late leave poses out; nothing adds up, in years neither. */
+/* Late frames skip poses, and no error adds up, even over years. */
 static void keeps_time(void **state)
 {
 	const double year = 365.25 * 24 * 3600;
@@ -85,7 +85,7 @@ static void keeps_time(void **state)
 	const struct timeline slow = begun(TIMELINE_SWING, 0.001, 5, 0);
 
 	(void)state;
-	check(&t, 10 * year, 0, 1, 0); /* whole seconds, of which three are a round */
+	check(&t, 10 * year, 0, 1, 0); /* whole seconds; a round of poses takes three */
 	check(&t, 10 * year + 1.125, 13, 14, 0.5);
 	check(&slow, 8e3 * 1e4 + 1500, 1, 2, 0.5);
 }

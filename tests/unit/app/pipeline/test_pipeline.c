@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The pipeline on a basis made by hand: six lights, one pixel of object that sees the zenith's
- * light alone, one that sees another's; the rest is background.
- */
+/* The pipeline on a basis made by hand: six lights; one object pixel sees only the zenith's light
+ * and one only another light; the rest is background. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,13 +23,13 @@
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
 
-#define SHARE 0.5 /* t of the object's pixels: half of their light's radiance */
+#define SHARE 0.5 /* t of the object's pixels: half of the radiance of its light */
 
 static char folder[] = "/tmp/test_app_pipeline_XXXXXX";
 static char path[80];
 static struct basis basis;
 
-/* Pixel (3, 2) and (4, 2) of the first tile, covered whole. */
+/* Object pixels (3, 2) and (4, 2) of the first tile, wholly covered. */
 static void write_basis(const char *to, bool swapped)
 {
 	struct basis_info_chunk info = {.width = WIDTH,
@@ -117,7 +115,7 @@ static struct picture whole(const struct canvas *canvas)
 	return view_picture(&view, canvas->pixels, canvas->stride);
 }
 
-/* The composite over a flat background of code 90. */
+/* Composites over a flat background of code 90. */
 static void composite(struct pipeline *pipeline, uint8_t out[HEIGHT][WIDTH][4])
 {
 	struct canvas background = flat(WIDTH, HEIGHT, 90);
@@ -138,7 +136,7 @@ static void is_light(const uint8_t bgr[4], double red, double green, double blue
 			       "c=%d", c);
 }
 
-/* An even sky of code 150: each light has its radiance, and the object half of that. */
+/* An even sky of code 150: each light has its radiance, and the object half of it. */
 static void an_even_sky(void **state)
 {
 	struct pipeline_settings settings = plain_pipeline(1);
@@ -192,8 +190,8 @@ static void given_lights_reach_their_pixels(void **state)
 	pipeline_destroy(&pipeline);
 }
 
-/* A light that reaches the level is used; the level is one of the camera's picture, whatever its
- * black level and gain. */
+/* A light that reaches the threshold is used. The threshold is a level of the camera's picture,
+ * whatever its black level and gain. */
 static void threshold_is_a_level_of_the_picture(void **state)
 {
 	static const struct {
@@ -224,7 +222,7 @@ static void threshold_is_a_level_of_the_picture(void **state)
 }
 
 /* A view inside a camera's picture of linear light, turned by 180 degrees. Upright, its left half
- * is lit; around it is light that must not be read. */
+ * is lit; the light around the view must not be read. */
 static void linear_light_is_read_through_its_view(void **state)
 {
 	struct pipeline_settings settings = plain_pipeline(1);
@@ -254,7 +252,7 @@ static void linear_light_is_read_through_its_view(void **state)
 		}
 	}
 	assert_int_equal(pipeline_light_linear(&pipeline, &camera, &view, NULL), 0);
-	for (int i = 1; i < LIGHTS; i++) { /* light 0 is the zenith, on the border */
+	for (int i = 1; i < LIGHTS; i++) { /* light 0, the zenith, is on the border */
 		double x = pipeline.dome.direction[i][0];
 
 		expect_above(fabs(x), 0.2, "i=%d", i);
@@ -352,7 +350,8 @@ static double measure(struct pipeline *pipeline, int side, int code, int64_t at_
 	return (double)pipeline->radiance[0][1];
 }
 
-/* Light follows the camera's; the first of a size, and of other settings, is what was measured. */
+/* Light is filtered over time; the first picture of a size or of other settings is taken as
+ * measured. */
 static void light_is_followed(void **state)
 {
 	struct pipeline_settings settings = plain_pipeline(1);
@@ -376,7 +375,7 @@ static void light_is_followed(void **state)
 	pipeline_destroy(&pipeline);
 }
 
-/* Threads, kernel and patch of ground: all of the new ones or none. */
+/* Threads, kernel and ground patch change together or not at all. */
 static void a_change_that_fails_changes_nothing(void **state)
 {
 	struct pipeline_settings settings = plain_pipeline(1);
@@ -401,7 +400,8 @@ static void a_change_that_fails_changes_nothing(void **state)
 	pipeline_destroy(&pipeline);
 }
 
-/* Of two pixels of half a light each: what may go is what changes neither by more. */
+/* Two pixels, each lit by half of one light: lights are left out as long as neither pixel changes
+ * by more than the budget. */
 static void a_percentage_of_white_may_change(void **state)
 {
 	struct pipeline_settings settings = plain_pipeline(1);
@@ -412,16 +412,17 @@ static void a_percentage_of_white_may_change(void **state)
 	(void)state;
 	pipeline_light_given(&pipeline, radiance);
 	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline.selection.used_count, LIGHTS); /* 0 %: all */
+	assert_int_equal(pipeline.selection.used_count, LIGHTS); /* 0 %: all lights are used */
 	choice.threshold.value = 0.7;
 	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline.selection.used_count, 2); /* dark ones are no loss */
+	/* Leaving out dark lights costs nothing. */
+	assert_int_equal(pipeline.selection.used_count, 2);
 	choice.threshold.value = 0.9;
 	assert_int_equal(pipeline_choose(&pipeline, &choice, NULL), 0);
 	assert_int_equal(pipeline.selection.used_count, 1);
 	assert_true(pipeline.selection.used[3]);
 	assert_true(fabs(pipeline.selection.dropped_error[0] - 0.008) < 1e-6);
-	choose(&pipeline, 0); /* and a grey level again */
+	choose(&pipeline, 0); /* a threshold in grey levels again */
 	assert_int_equal(pipeline.selection.used_count, LIGHTS);
 	pipeline_destroy(&pipeline);
 }

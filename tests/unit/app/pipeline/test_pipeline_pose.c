@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which pose is shown while others are unpacked: a basis made by hand of which each pose is a plane
- * of one grey. Nothing here depends on how long unpacking takes.
- */
+/* Which pose is shown while others are being unpacked. The basis is made by hand: each pose is a
+ * plane of one grey. No result depends on how long unpacking takes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,10 +23,10 @@
 
 enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };
 
-/* Unpacking a pose takes milliseconds. */
+/* Far more than unpacking a pose takes, which is milliseconds. */
 #define LONGEST_NS (60 * NS_PER_S)
 
-static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis */
+static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis file */
 static struct basis basis;
 static struct pipeline pipeline;
 static uint8_t out[HEIGHT][WIDTH][4];
@@ -135,8 +133,8 @@ static void shows(double grey)
 	}
 }
 
-/* One frame, which is of the poses that it says it is of. Where it holds, all that it is made of
- * is in memory before it is composited. */
+/* Composites one frame and checks that it shows the poses that it reports. A held frame has all of
+ * its data in memory before. */
 static void frame(struct pipeline_choice choice)
 {
 	static const uint8_t row[WIDTH * 4];
@@ -156,7 +154,8 @@ static void frame(struct pipeline_choice choice)
 	shows((1 - shown->share) * grey_of(shown->pose) + shown->share * grey_of(shown->next));
 }
 
-/* Held frames until these poses are shown; the first, at a jump, is of what was shown before. */
+/* Held frames until these poses are shown. After a jump, the first frame shows the poses of before.
+ */
 static void jump(struct pipeline_choice choice)
 {
 	const struct pipeline_choice before = pipeline.choice;
@@ -183,7 +182,7 @@ static void no_frame_waits_for_a_jump(void **state)
 	frame((struct pipeline_choice){.pose = 0});
 	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++)
 		jump((struct pipeline_choice){.pose = order[k]});
-	/* To two, that are faded. */
+	/* to a mix of two poses */
 	jump((struct pipeline_choice){.pose = 8, .next = 2, .share = 0.25});
 	jump((struct pipeline_choice){.pose = 5});
 }
@@ -198,7 +197,8 @@ static void wait_for(int pose)
 	}
 }
 
-/* Round in steps either way, each with the time to unpack the next: each is there at once. */
+/* All poses in order, either way round, each with time to unpack the next: each is ready at once.
+ */
 static void a_neighbour_is_there_at_once(void **state)
 {
 	int pose = 3;
@@ -213,7 +213,7 @@ static void a_neighbour_is_there_at_once(void **state)
 	}
 }
 
-/* What holds without a pose to show, and what does not hold, waits. */
+/* A held choice waits when there is no pose to show; a choice that does not hold waits always. */
 static void others_wait(void **state)
 {
 	(void)state;
@@ -227,7 +227,7 @@ static void others_wait(void **state)
 	assert_int_equal(pipeline.choice.pose, 9);
 }
 
-/* A choice that is another one before it can be shown: some are seen all the same. */
+/* The choice changes before it can be shown: some of the choices are shown all the same. */
 static void a_restless_choice_is_followed(void **state)
 {
 	const int64_t start = clock_now_ns();
@@ -241,7 +241,7 @@ static void a_restless_choice_is_followed(void **state)
 		seen += pipeline.choice.pose != last;
 		last = pipeline.choice.pose;
 	}
-	/* The choice of before is not gone back to. */
+	/* an earlier choice is not shown again */
 	while (pipeline.choice.pose != 5) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		frame((struct pipeline_choice){.pose = 5, .hold = true});
@@ -250,7 +250,7 @@ static void a_restless_choice_is_followed(void **state)
 	assert_int_equal(pipeline.choice.pose, 5);
 }
 
-/* A view that composites nothing: poses are chosen, and no picture is made of them. */
+/* A view without composite: poses are chosen, but no picture is made. */
 static void choose_unseen(int pose)
 {
 	const struct pipeline_choice choice = {.pose = pose, .object = true, .hold = true};
@@ -264,7 +264,7 @@ static void choose_unseen(int pose)
 	} while (pipeline.choice.pose != pose);
 }
 
-/* The pose of the last picture has left memory and come back since, to somewhere else. */
+/* The pose of the last picture has left memory and come back to another address. */
 static void a_pose_comes_back_unseen(void **state)
 {
 	static const int unseen[] = {1, 2, 3, 4, 3, 2, 1, 0};
@@ -288,7 +288,7 @@ static void stays(struct pipeline_choice choice, int shown, int missing)
 	assert_non_null(strstr(pipeline.trouble.text, "cut short"));
 }
 
-/* Held frames, until the pose has been tried. */
+/* Held frames until loading the pose has failed. */
 static void try_in_vain(int pose, int shown)
 {
 	const int64_t start = clock_now_ns();
@@ -315,7 +315,7 @@ static void come(int pose)
 	assert_int_equal(pipeline.missing, -1);
 }
 
-/* The file is cut short, and is whole again at the end. */
+/* The file is cut short, and whole again at the end. */
 static void what_is_shown_stays(void **state)
 {
 	struct pipeline_choice fade = {.pose = 0, .next = 6, .share = 0.5};
@@ -331,7 +331,7 @@ static void what_is_shown_stays(void **state)
 	stays((struct pipeline_choice){.pose = 6}, 0, 6);
 	try_in_vain(5, 0);
 	frame((struct pipeline_choice){.pose = 0, .hold = true});
-	assert_int_equal(pipeline.missing, -1); /* nothing that is wanted */
+	assert_int_equal(pipeline.missing, -1); /* no pose that is wanted is missing */
 	try_in_vain(5, 0);
 	write_basis();
 	stays((struct pipeline_choice){.pose = 5, .hold = true}, 0, 5);
@@ -340,7 +340,7 @@ static void what_is_shown_stays(void **state)
 	assert_true(pipeline.choice.share > 0);
 }
 
-/* Where nothing has been shown yet it is an error, and the next choice begins anew. */
+/* Before anything has been shown a missing pose is an error, and the next choice starts anew. */
 static void without_a_picture_it_is_an_error(void **state)
 {
 	struct fault fault = {.text = ""};

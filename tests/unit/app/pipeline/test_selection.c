@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which lights a frame uses, from frame to frame: a light at the threshold must not come and go
- * with a camera's noise, one that falls must go, and a picture without a frame before it is chosen
- * by the threshold alone.
- */
+/* Which lights a frame uses, from frame to frame. A light at the threshold must not come and go
+ * with the noise of a camera, a light that falls must go, and a picture without a frame before it
+ * is chosen by the threshold alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,10 +54,10 @@ struct choice {
 	enum threshold_mode mode;
 };
 
-/* A sky of grey level 120 under a threshold of 40, with one grey level of band. */
+/* A sky of grey level 120, a threshold at grey level 40, and a band of one grey level. */
 static void choice_begin(struct choice *c, double band)
 {
-	struct chance chance = {5}; /* always the same picture */
+	struct chance chance = {5}; /* always the same background */
 
 	*c = (struct choice){.threshold = (double)level(40), .mode = THRESHOLD_DROP};
 	synthetic_open(&c->file, &options);
@@ -97,16 +95,17 @@ static bool uses(struct choice *c, int light, double grey)
 
 static double one_level(void)
 {
-	return (double)(level(40) - level(39)) + 1e-6; /* floats are rounded */
+	/* Tolerance: radiance is in single precision. */
+	return (double)(level(40) - level(39)) + 1e-6;
 }
 
 struct crossing {
-	int switches; /* of the light: used, or not used any more */
-	int changes;  /* of the picture */
-	int largest;  /* of a code value */
+	int switches; /* lights that became used or unused */
+	int changes;  /* frames whose picture changed */
+	int largest;  /* largest change of a code value */
 };
 
-/* `lights` of them flicker between 39 and 40. */
+/* Some lights flicker between grey 39 and 40. */
 static struct crossing flicker(struct choice *c, int lights)
 {
 	uint8_t *before = malloc(c->f.bytes);
@@ -151,14 +150,15 @@ static void a_light_at_the_threshold_does_not_flicker(void **state)
 		expect_equal(found.changes, 0, "mode=%d", mode);
 		choice_end(&c);
 
-		choice_begin(&c, one_level()); /* most of the sky: one level of light, no more */
+		/* Most of the sky: the picture changes by no more than one level of light. */
+		choice_begin(&c, one_level());
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, COUNT - 10);
 		expect_equal(found.switches, 1, "mode=%d", mode);
 		expect_at_most(found.largest, 2, "mode=%d", mode);
 		choice_end(&c);
 
-		choice_begin(&c, 0); /* and without a band this test would have seen it */
+		choice_begin(&c, 0); /* without a band, this test sees the flicker */
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, COUNT - 10);
 		expect_equal(found.switches, FRAMES - 1, "mode=%d", mode);
@@ -175,18 +175,18 @@ static void a_light_that_falls_goes_out(void **state)
 
 	(void)state;
 	choice_begin(&c, one_level());
-	assert_false(uses(&c, 7, 39.5)); /* not used before: the threshold counts */
+	assert_false(uses(&c, 7, 39.5)); /* not used before, so the threshold decides */
 	assert_true(uses(&c, 7, 40));
 	assert_true(uses(&c, 7, 39));
 	assert_false(uses(&c, 7, 38.9));
-	assert_false(uses(&c, 7, 39.9)); /* and is back at the threshold, no sooner */
+	assert_false(uses(&c, 7, 39.9)); /* used again at the threshold, not before */
 	assert_true(uses(&c, 7, 40.1));
 	assert_true(uses(&c, 7, 39.5));
-	for (double grey = 39.5; grey > 38; grey -= 0.01) /* a slow fade goes out once */
+	for (double grey = 39.5; grey > 38; grey -= 0.01) /* a slow fade switches off once */
 		expect_equal(uses(&c, 7, grey), grey > 38.995, "grey=%g", grey);
 	assert_false(uses(&c, 7, 0));
 	set(&c, 7, 0);
-	c.radiance[7][1] = level(40); /* any channel */
+	c.radiance[7][1] = level(40); /* in any channel */
 	choose(&c);
 	assert_true(c.f.lights.used[7]);
 	c.radiance[7][1] = NAN;
@@ -195,7 +195,7 @@ static void a_light_that_falls_goes_out(void **state)
 	choice_end(&c);
 }
 
-/* Another threshold or mode begins anew; a threshold of 0 takes all. */
+/* Another threshold or mode starts anew; threshold 0 uses all lights. */
 static void another_threshold_begins_anew(void **state)
 {
 	struct choice c;
@@ -218,7 +218,7 @@ static void another_threshold_begins_anew(void **state)
 	choice_end(&c);
 }
 
-/* A picture that is shown before any light was measured chooses nothing for those after it. */
+/* A picture before any light was measured does not influence later choices. */
 static void darkness_is_no_state(void **state)
 {
 	bool fresh[COUNT];
@@ -244,7 +244,7 @@ static void darkness_is_no_state(void **state)
 	}
 }
 
-/* What is said of the dropped light is said of those that were dropped. */
+/* What the selection reports of dropped light agrees with the lights that were dropped. */
 static void what_is_said_is_of_what_was_chosen(void **state)
 {
 	struct choice c;
@@ -296,7 +296,7 @@ static void write_dome(const char *path)
 	hand_block_file(path, &info, lights, &block, &coverage, peak);
 }
 
-/* How many lights are used under an even sky of this code. */
+/* Number of lights used under an even sky of this code. */
 static int used_under(struct pipeline *p, int code, double threshold)
 {
 	static uint8_t pixels[SIDE * SIDE * 4];
@@ -313,7 +313,8 @@ static int used_under(struct pipeline *p, int code, double threshold)
 static void check_levels(struct pipeline *p, int black)
 {
 	for (int t = black + 4; t < 255; t += t < 40 ? 1 : 9) {
-		assert_int_equal(used_under(p, t - 1, t), 0); /* the first: the threshold alone */
+		/* The first picture: the threshold alone. */
+		assert_int_equal(used_under(p, t - 1, t), 0);
 		expect_equal(used_under(p, t + 1, t), LIGHTS, "t=%d", t);
 		for (int k = 0; k < 4; k++)
 			expect_equal(used_under(p, t - k % 2, t), LIGHTS, "t=%d, k=%d", t, k);
@@ -323,7 +324,7 @@ static void check_levels(struct pipeline *p, int black)
 	}
 }
 
-/* Whatever the camera's curve, black level and gain: one level of its picture, measured. */
+/* Whatever the curve, black level and gain of the camera, the band is one level of its picture. */
 static void the_band_is_a_level_of_the_picture(void **state)
 {
 	static const double gains[] = {0.02, 1, 9};

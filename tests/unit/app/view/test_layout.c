@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where pictures and marks go: every pixel of a cell is written, none outside it. */
+/* Where pictures and marks are placed: every pixel of a cell is written, and none outside. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -57,13 +57,15 @@ static void boxes_keep_the_shape(void **state)
 	assert_int_equal(box.width, 800);
 	assert_int_equal(box.height, 200);
 	assert_int_equal(box.y, 250);
-	box = layout_box(&cell, 360, 243, 2, SCALE_NONE); /* every other line was lost */
+	/* Lines were doubled, as every other one is missing. */
+	box = layout_box(&cell, 360, 243, 2, SCALE_NONE);
 	assert_int_equal(box.width, 360);
 	assert_int_equal(box.height, 486);
 	box = layout_box(&cell, 720, 486, 2, SCALE_NONE); /* too tall: fitted, not cut */
 	assert_int_equal(box.height, 600);
 	assert_int_equal(box.width, 444);
-	box = layout_box(&cell, 1000, 700, 1, SCALE_NONE); /* larger: cut on both sides */
+	/* Larger than the screen: cut on both sides. */
+	box = layout_box(&cell, 1000, 700, 1, SCALE_NONE);
 	assert_int_equal(box.x, 0);
 	assert_int_equal(box.y, 0);
 	assert_int_equal(box.width, 1000);
@@ -168,7 +170,7 @@ static void a_line_is_always_seen(void **state)
 	}
 }
 
-/* Two fillings and the line between them write what one filling writes, but for the line. */
+/* Two halves and the line between them write what the whole would write, except for the line. */
 static void two_halves_are_the_whole(void **state)
 {
 	struct chance chance = chance_begin("two_halves_are_the_whole");
@@ -246,7 +248,7 @@ static bool is_colour(const struct canvas *canvas, int x, int y, const uint8_t b
 	return !memcmp(canvas->pixels + (size_t)y * canvas->stride + 4 * (size_t)x, bgr, 3);
 }
 
-/* r = f theta, worked out here once more: a dot lies on each light. */
+/* By r = f theta, computed here independently: a dot lies on each light. */
 static void marks_lie_on_the_lights(void **state)
 {
 	static const uint8_t used_bgr[3] = MARK_USED_BGR, unused_bgr[3] = MARK_UNUSED_BGR;
@@ -271,7 +273,7 @@ static void marks_lie_on_the_lights(void **state)
 		double x = SIDE / 2.0 + focal * theta * cos(phi);
 		double y = SIDE / 2.0 + focal * theta * sin(phi);
 
-		if (theta > 1.5) /* on the horizon half a mark lies outside */
+		if (theta > 1.5) /* on the horizon half of a mark is outside */
 			continue;
 		expect_that(is_colour(&canvas, (int)x, (int)y, used[i] ? used_bgr : unused_bgr),
 			    "i=%d", i);
@@ -288,7 +290,7 @@ static void marks_are_squares_of_their_size(void **state)
 	(void)state;
 	assert_int_equal(mark_side_px(243, 1000), 2);
 	assert_int_equal(mark_side_px(480, 480), 4);
-	assert_int_equal(mark_side_px(480, 120), 12); /* 3 of the screen's pixels */
+	assert_int_equal(mark_side_px(480, 120), 12); /* 3 pixels of the screen */
 	assert_int_equal(mark_side_px(120, 120), 3);
 	for (size_t s = 0; s < sizeof(sides) / sizeof(*sides); s++) {
 		struct fisheye lens = lens_of(sides[s], sides[s]);
@@ -299,7 +301,7 @@ static void marks_are_squares_of_their_size(void **state)
 
 		assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
 		expect_equal(dome.count, 6, "s=%zu", s);
-		dome.count = 1; /* the zenith alone: in the middle */
+		dome.count = 1; /* only the zenith: in the middle */
 		assert_int_equal(canvas_create(&canvas, sides[s], sides[s]), 0);
 		memset(canvas.pixels, UNTOUCHED, canvas.stride * (size_t)sides[s]);
 		marks_draw(&canvas, &dome, &lens, used, side);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Text over the picture: where it is drawn, when, and that it can be read. */
+/* Text over the picture: where it is drawn, when it is drawn anew, and that it can be read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,11 +21,11 @@
 #if WITH_CAIRO
 
 static int lines_drawn;
-static int line_letters[64]; /* of the first lines */
+static int line_letters[64]; /* letters of the first lines */
 
 void cairo_show_glyphs(void *cairo, const void *glyphs, int count);
 
-/* In the place of cairo's own: counts, and calls it. */
+/* In place of cairo's own function: counts the glyphs and calls it. */
 void cairo_show_glyphs(void *cairo, const void *glyphs, int count)
 {
 	void (*real)(void *, const void *, int);
@@ -50,8 +50,8 @@ static void give_troubles(struct overlay *overlay, int count)
 	overlay_troubles(overlay, (const char(*)[OVERLAY_TEXT_MAX])texts, count);
 }
 
-/* Draws over two screens that hold different things. What differs afterwards is untouched; the rest
- * is text, and does not depend on what was there. */
+/* Text drawn over two screens with different contents. Pixels that differ afterwards are untouched;
+ * the others are text and do not depend on the contents. */
 struct drawn {
 	struct guarded_screen one, other;
 };
@@ -111,7 +111,8 @@ static void nothing_to_say_draws_nothing(void **state)
 	overlay_free(&overlay);
 }
 
-/* Boxes of whole rows: what is wrong above, figures below, the middle third free, at every size. */
+/* Boxes of whole rows: problems at the top, figures at the bottom, the middle third free, at every
+ * size. */
 static void keeps_to_its_edges(void **state)
 {
 	struct chance chance = chance_begin("keeps_to_its_edges");
@@ -166,7 +167,7 @@ static void is_drawn_only_when_it_changes(void **state)
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	}
 	assert_int_equal(lines_drawn, before);
-	overlay_information(&overlay, "lights 1 of 2"); /* the other panel stands */
+	overlay_information(&overlay, "lights 1 of 2"); /* the other panel stays */
 	assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	assert_int_equal(lines_drawn, before + 1);
 	give_troubles(&overlay, 1);
@@ -203,7 +204,7 @@ static void goes_when_it_is_taken_back(void **state)
 	overlay_free(&overlay);
 }
 
-/* The strip's upper edge and how many lines it has stay while figures get longer and shorter. */
+/* The upper edge of the strip and its number of lines stay while figures get longer and shorter. */
 static void figures_do_not_make_it_jump(void **state)
 {
 	static const int sizes[][2] = {{320, 240}, {640, 480}, {1024, 600}, {1920, 1080}};
@@ -215,7 +216,7 @@ static void figures_do_not_make_it_jump(void **state)
 		char text[OVERLAY_TEXT_MAX];
 
 		for (int i = 0; i < 40; i++) {
-			/* The longest comes first. */
+			/* the longest figures first */
 			const struct words_figures f = {
 				.lights_used = i ? i * 10 : 406,
 				.lights = 406,
@@ -253,8 +254,8 @@ static const char *behind(const char *text, int letters)
 	return text;
 }
 
-/* Figures are parted only where " · " stands, which then goes; sentences between words; what has
- * neither, anywhere. */
+/* Figures break only at " · ", which is then left out; sentences break between words; other texts
+ * break anywhere. */
 static void lines_end_where_they_may(void **state)
 {
 	static const struct {
@@ -289,7 +290,7 @@ static void lines_end_where_they_may(void **state)
 	}
 }
 
-/* What is not shown is counted: so many sentences, and a line that says how many more. */
+/* Sentences for which there is no room are counted, and a last line says how many there are. */
 static void what_is_left_out_is_counted(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
@@ -298,7 +299,7 @@ static void what_is_left_out_is_counted(void **state)
 
 	(void)state;
 	for (int i = 0; i < 6; i++)
-		memcpy(texts[i], "a camera is gone", 17); /* each on a line */
+		memcpy(texts[i], "a camera is gone", 17); /* each on a line of its own */
 	overlay_troubles(&overlay, (const char(*)[OVERLAY_TEXT_MAX])texts, 6);
 	lines_drawn = 0;
 	assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
@@ -322,8 +323,8 @@ static double luminance(const uint8_t bgr[4])
 	return 0.0722 * linear[0] + 0.7152 * linear[1] + 0.2126 * linear[2];
 }
 
-/* Contrast as the Web Content Accessibility Guidelines define it: 7 is their strictest. Letters are
- * as high as promised: rows with bright pixels. */
+/* Contrast by the Web Content Accessibility Guidelines, whose strictest limit is 7. Letters are as
+ * high as promised, counted in rows with bright pixels. */
 static void can_be_read(void **state)
 {
 	static const int sizes[][2] = {{160, 120}, {640, 480}, {1920, 1080}, {3840, 2160}};
@@ -351,7 +352,7 @@ static void can_be_read(void **state)
 			rows += seen;
 		}
 		expect_at_least((bright + 0.05) / (dark + 0.05), 7, "s=%d", s);
-		/* A capital is 0.73 of the size: of a thirtieth of the height, or of 14 pixels. */
+		/* a capital is 0.73 of the size, which is a thirtieth of the height, or 14 pixels */
 		expect_at_least(rows, fmax(height / 30.0, 14) * 0.73 - 1.5, "s=%d", s);
 		expect_above(bright_pixels, rows * 4, "s=%d", s);
 		done(&d);
@@ -359,7 +360,7 @@ static void can_be_read(void **state)
 	}
 }
 
-/* Whatever devices call themselves: it is cut, made valid, and drawn. */
+/* Names of devices may be any bytes: they are cut, made valid and drawn. */
 static void any_bytes(void **state)
 {
 	struct chance chance = chance_begin("any_bytes");
@@ -393,7 +394,7 @@ static void any_bytes(void **state)
 	}
 }
 
-/* The font has few of them; none may keep the others from being drawn. */
+/* The font has few of these characters; none may keep the others from being drawn. */
 static void every_character(void **state)
 {
 	struct guarded_screen screen = guarded_screen_create(320, 240, 0);
@@ -415,7 +416,7 @@ static void every_character(void **state)
 			text[length++] = (char)(0x80 | (c & 0x3f));
 		}
 		text[length] = '\0';
-		/* All planes have the same rules: a sample of each will do. */
+		/* all planes have the same rules, so a sample of each is enough */
 		if (code > 0x11000 && (code & 0xffff) > 0x400 && (code & 0xffff) < 0xff00)
 			continue;
 		overlay_information(&overlay, text);
@@ -444,7 +445,7 @@ static void longer_than_there_is_room_for(void **state)
 
 #else
 
-/* Nothing is drawn, and nothing fails. */
+/* Without cairo nothing is drawn, and nothing fails. */
 static void without_cairo(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scaling pictures: against the filter in double precision, and what any scaler must keep. */
+/* Scaling pictures: against the filter in double precision, and properties of any scaler. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -43,7 +43,7 @@ static double value(const struct picture *p, int x, int y, int c)
 	return p->origin[x * p->x_step + y * p->y_step + c];
 }
 
-/* One weight of the tent filter at destination i and source s, not normalised. */
+/* Weight of the tent filter at destination i and source s, not normalised. */
 static double tent(int from, int to, int i, int s)
 {
 	double scale = (double)from / to, reach = fmax(1, scale);
@@ -79,7 +79,7 @@ static void scale(const struct picture *from, struct canvas *to, struct pool *po
 	scaler_free(&scaler);
 }
 
-/* Two roundings to 8 bits and of the weights to 14: within 1.5 levels of the exact filter. */
+/* Two roundings to 8 bits and weights of 14 bits: within 1.5 levels of the exact filter. */
 static void is_the_filter_it_says(void **state)
 {
 	struct chance chance = chance_begin("is_the_filter_it_says");
@@ -181,7 +181,7 @@ static void threads_change_nothing(void **state)
 	canvas_free(&many);
 }
 
-/* Columns made alone are those of the whole, and nothing beside them is touched. */
+/* Columns made alone are the same as in the whole picture, and nothing beside them is written. */
 static void columns_are_those_of_the_whole(void **state)
 {
 	struct chance chance = chance_begin("columns_are_those_of_the_whole");
@@ -218,7 +218,7 @@ static void columns_are_those_of_the_whole(void **state)
 	}
 }
 
-/* Nothing outside the rectangle is touched. */
+/* Nothing outside the rectangle is written. */
 static void writes_no_further(void **state)
 {
 	struct chance chance = chance_begin("writes_no_further");
@@ -241,7 +241,8 @@ static void writes_no_further(void **state)
 	canvas_free(&from);
 }
 
-/* A pool with more threads than the one it was made ready for: each has its own scratch. */
+/* A pool with more threads than the one the scaler was prepared for: each thread has its own
+ * scratch memory. */
 static void has_room_for_more_threads(void **state)
 {
 	struct chance chance = chance_begin("has_room_for_more_threads");

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What is on the screen, for each way of showing: a basis made by hand, pictures that were never in
- * a camera, screens with guard pages.
- */
+/* What each way of showing puts on the screen: a basis made by hand, pictures without cameras,
+ * screens with guard pages. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,7 +58,7 @@ static void write_basis(const char *path)
 	hand_block_file(path, &info, lights, &block, coverage, (const float(*)[3])peak);
 }
 
-/* No two cameras alike, and no pixel of what lay in the screens' memory. */
+/* The cameras differ from each other and from the former contents of the screens. */
 static void fill(struct canvas *canvas, int width, int height, int red)
 {
 	assert_int_equal(canvas_create(canvas, width, height), 0);
@@ -112,7 +110,7 @@ static int tear_down(void **state)
 	return own_folder_remove(state);
 }
 
-/* All cameras as they are; light measured; half of the lights in use. */
+/* All cameras work, light is measured, and half of the lights are used. */
 static int begin(void **state)
 {
 	const struct pipeline_choice choice = {.threshold = {.value = 120}, .object = true};
@@ -171,8 +169,8 @@ static bool is_code(const struct guarded_screen *s, int x, int y, int blue, int 
 
 /* ---- tests ---- */
 
-/* Whatever lay in the memory before, the picture is the same: each pixel is written; and the guards
- * stand: none besides. Squashed, cut, fitted, on screens down to one pixel. */
+/* Whatever the memory held before, the picture is the same, so each pixel is written; the guards
+ * prove that no other byte is. Squashed, cut, fitted, on screens down to one pixel. */
 static void every_pixel_and_no_other(void **state)
 {
 	struct chance chance = chance_begin("every_pixel_and_no_other");
@@ -210,7 +208,7 @@ static void every_pixel_and_no_other(void **state)
 	}
 }
 
-/* Pixel by pixel it is what the pipeline makes, to the last bit. */
+/* The picture is the pipeline's, pixel by pixel, to the last bit. */
 static void composite_is_the_composite(void **state)
 {
 	struct show_request request = plain(SHOW_COMPOSITE);
@@ -234,14 +232,14 @@ static void composite_is_the_composite(void **state)
 			changed += made[y][x][2] != 100;
 		}
 	}
-	assert_int_equal(changed, BASIS_TILE * BASIS_TILE); /* there is an object */
+	assert_int_equal(changed, BASIS_TILE * BASIS_TILE); /* the object is there */
 	for (int x = 0; x < WIDTH + 31; x++)
 		expect_that(is_code(&framed, x, 0, 0, 0, 0), "x=%d", x);
 	guarded_screen_free(&exact);
 	guarded_screen_free(&framed);
 }
 
-/* Left of the line it is the view before, right of it the view after, at any scale. */
+/* Left of the line is the view before, right of it the view after, at any scale. */
 static void split_is_before_and_after(void **state)
 {
 	struct chance chance = chance_begin("split_is_before_and_after");
@@ -292,7 +290,7 @@ static void a_line_parts_them(void **state)
 
 	(void)state;
 	request.split = 0.25;
-	screen = shown(&request, 3 * WIDTH, HEIGHT); /* the picture stands from 50 to 99 */
+	screen = shown(&request, 3 * WIDTH, HEIGHT); /* the picture covers columns 50 to 99 */
 	for (int y = 0; y < HEIGHT; y++) {
 		expect_that(is_code(&screen, 61, y, 0, 0, 0), "y=%d", y);
 		expect_that(is_code(&screen, 62, y, 255, 255, 255), "y=%d", y);
@@ -303,7 +301,7 @@ static void a_line_parts_them(void **state)
 	guarded_screen_free(&screen);
 }
 
-/* A screen without pictures still says what is wrong. */
+/* A screen without pictures still shows what is wrong. */
 static void off_and_blank_keep_the_text(void **state)
 {
 	(void)state;
@@ -365,7 +363,7 @@ static void text_lies_over_the_picture(void **state)
 	overlay_free(&overlay);
 }
 
-/* Each quarter is what that view shows on a screen of the quarter's size. */
+/* Each quarter shows what its view shows on a screen of that size. */
 static void quad_is_its_four_views(void **state)
 {
 	static const enum config_show views[4] = {SHOW_SCENE, SHOW_FISHEYE, SHOW_BEFORE,
@@ -395,8 +393,8 @@ static void quad_is_its_four_views(void **state)
 	}
 }
 
-/* Used lights are red and the others blue where r = f theta says that they are, on a small quarter
- * of the screen too. */
+/* Used lights are red and the others blue where r = f theta puts them, on a small quarter of the
+ * screen, too. */
 static void lights_are_marked(void **state)
 {
 	static const int sides[] = {120, 240, 480, 960};
@@ -414,7 +412,7 @@ static void lights_are_marked(void **state)
 			double r = radius * acos(d[2]) / (M_PI / 2), phi = atan2(d[1], d[0]);
 			const uint8_t *p;
 
-			if (acos(d[2]) > 1.4) /* at the edge it may be cut */
+			if (acos(d[2]) > 1.4) /* at the edge a mark may be cut */
 				continue;
 			p = guarded_screen_pixel(&quad, (int)(middle[0] + r * cos(phi)),
 						 (int)(middle[1] + r * sin(phi)));
@@ -431,7 +429,7 @@ static void lights_are_marked(void **state)
 	}
 }
 
-/* Where the screen's hardware scales, nothing else does: pixels go there one by one. */
+/* Where the screen's hardware scales, nothing else does: pixels are copied one by one. */
 static void hardware_that_scales_gets_the_plain_pixels(void **state)
 {
 	struct show_request request = plain(SHOW_COMPOSITE);
@@ -480,7 +478,7 @@ static void sizes_are_those_of_what_is_shown(void **state)
 	assert_int_equal(height, 4 * HEIGHT);
 }
 
-/* Cameras that have given nothing are black, and nothing fails. */
+/* Cameras without a picture are black, and nothing fails. */
 static void no_pictures(void **state)
 {
 	struct source none = {.canvas = {.width = 0}};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is UTF-8 and what is not: against an encoder for every code point. */
+/* Which bytes are UTF-8: against an encoder for every code point. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 
-/* The bytes of a code point, by RFC 3629's table. */
+/* Encodes a code point by the table of RFC 3629. */
 static int encode(uint32_t code, char out[5])
 {
 	uint8_t *byte = (uint8_t *)out;
@@ -82,7 +82,7 @@ static void copies_are_clean(void **state)
 	assert_string_equal(to, "a?b?c?");
 }
 
-/* Cut at any length: whole characters, the beginning of the text, nothing behind. */
+/* Cut at any length: whole characters from the start of the text, and nothing after them. */
 static void cut_between_characters(void **state)
 {
 	const char *text = "aä€😀bç";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the program says on the screen. */
+/* Texts that the program shows on the screen. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +34,7 @@ static void each_situation_has_a_sentence(void **state)
 			assert_null(strstr(text[s], "(null)"));
 			for (int other = CAMERA_FINE + 1; other < s; other++)
 				assert_string_not_equal(text[s], text[other]);
-			/* A name that is not known leaves no quotes. */
+			/* an unknown name leaves no empty quotes */
 			words_camera(text[s], sizeof(text[s]), roles[r], "",
 				     (enum camera_situation)s);
 			assert_null(strchr(text[s], '\''));
@@ -95,7 +95,7 @@ static void nothing_to_say(void **state)
 			 0);
 }
 
-/* What is wrong is not pushed out by a name, and no room is overrun. */
+/* A long name does not push out what is wrong, and no buffer overflows. */
 static void long_names_and_little_room(void **state)
 {
 	static const char *const names[] = {
@@ -126,7 +126,7 @@ static void long_names_and_little_room(void **state)
 			assert_memory_equal(cut, whole, strlen(cut));
 			expect_that(strlen(cut) < room && room - strlen(cut) <= 4,
 				    "n=%zu, room=%zu", n, room);
-			/* What follows begins a character. */
+			/* a character starts where the text was cut */
 			assert_int_not_equal(whole[strlen(cut)] & 0xc0, 0x80);
 		}
 	}
@@ -154,7 +154,7 @@ static void figures(void **state)
 	assert_non_null(strstr(text, "threshold 0.25 % ·"));
 	assert_non_null(strstr(text, "error ≤ 0.0 % of white"));
 	assert_non_null(strstr(text, "clipped 0.0 %"));
-	f.clipped = 0.0001; /* a little is not nothing */
+	f.clipped = 0.0001; /* a small share is not shown as none */
 	words_information(text, sizeof(text), &f);
 	assert_non_null(strstr(text, "clipped < 0.1 %"));
 	f.recovered = true;
@@ -165,7 +165,7 @@ static void figures(void **state)
 	assert_string_equal(strstr(text, "clipped"), "clipped < 0.1 %, recovered in part");
 }
 
-/* "at most" stays true when it is rounded. */
+/* "at most" stays true when the number is rounded. */
 static void a_bound_is_rounded_up(void **state)
 {
 	char text[256], expected[64];
