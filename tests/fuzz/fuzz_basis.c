@@ -23,7 +23,7 @@
 #include "tests/support/synthetic_basis.h"
 
 #define CHUNKS_MOST 32
-#define WORK_MOST 2000000 /* pixels times lights */
+#define WORK_MOST 2000000 /* largest number of pixels times lights that is composited */
 
 struct packed {
 	uint32_t type, pose, bytes;
@@ -31,7 +31,7 @@ struct packed {
 
 static void *aligned_copy(const void *data, size_t bytes)
 {
-	/* At its end, so that a sanitizer sees one byte too many where the size allows it. */
+	/* at the end of its memory, so that a sanitizer sees a read beyond where the size allows it */
 	void *copy = aligned_alloc(BASIS_ALIGN,
 				   bytes ? (bytes + BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN
 					 : BASIS_ALIGN);
@@ -80,7 +80,7 @@ static void run(struct scene *s, int pose, enum compositor_mode mode, enum compo
 		abort();
 }
 
-/* A frame, then one that keeps its sums, which must be what it is without them. */
+/* A frame, and then one that starts from its sums; both must be the same. */
 static void composite_pose(struct scene *s, int pose, enum compositor_mode mode)
 {
 	choose(s, pose, 0);
@@ -156,8 +156,8 @@ static void open_file(const void *data, size_t bytes)
 	basis_close(&basis);
 }
 
-/* A kiosk's way: from a file, poses unpacked ahead by a thread. Whatever memory gave this has to
- * give. */
+/* A kiosk's way: from a file, with a thread that unpacks poses ahead. The result must be the same
+ * as from memory. */
 static void open_ahead(const void *data, size_t bytes)
 {
 	static const int order[] = {3, 0, 1, 2, 0};

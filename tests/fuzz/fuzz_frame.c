@@ -29,7 +29,7 @@ static uint8_t *exactly(const uint8_t *data, size_t bytes)
 	return copy;
 }
 
-/* Shares the bytes out: each plane gets what it needs, or what is left. */
+/* Divides the bytes: each plane gets what it needs, or the rest. */
 static void fill(struct frame_plane *plane, const struct frame *frame, int height, int more,
 		 const uint8_t **data, size_t *bytes)
 {
@@ -72,7 +72,7 @@ static void decode(const struct frame *frame, enum deinterlace deinterlace)
 	frame_decoder_destroy(decoder);
 }
 
-/* The view, and a part of it, as a compositor asks for them. */
+/* Reads the view and a part of it, as a compositor does. */
 static void read_view(const struct frame *frame, struct view view)
 {
 	struct fault fault = {""};

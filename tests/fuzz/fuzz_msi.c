@@ -11,7 +11,7 @@
 #include "bake/exchange/msi.h"
 #include "tests/fuzz/as_file.h"
 
-#define LIGHTS 6 /* of the dome of frequency 1 */
+#define LIGHTS 6 /* the dome of frequency 1 */
 
 static void check_tile(const struct msi_source *source)
 {

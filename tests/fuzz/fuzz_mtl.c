@@ -23,7 +23,7 @@ static void clean_up(void)
 	rmdir(folder);
 }
 
-/* Whatever an mtllib names that is not there, fuzz.mtl is taken instead. */
+/* In place of any library that does not exist, fuzz.mtl is read. */
 static void begin(void)
 {
 	if (!mkdtemp(folder))
@@ -49,7 +49,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 
 	if (!obj[0])
 		begin();
-	/* names that lead out of the folder would make it depend on this machine */
+	/* names that lead out of the folder would make the result depend on this machine */
 	if (bytes && (memchr(data, '/', bytes) || memmem(data, bytes, "..", 2)))
 		return 0;
 	put(obj, data, first);

@@ -177,7 +177,7 @@ static void the_real_clock_keeps_time(void **state)
 	camera_release(&rig.camera, &frame);
 	nanosleep(&nap, NULL);
 	grab(&rig, &frame);
-	/* 6 periods went by at least: the newest counts, the rest is lost. */
+	/* at least 6 periods have passed: the newest frame counts, the others are lost */
 	assert_true(frame.sequence >= 6);
 	assert_int_equal(rig.camera.lost, frame.sequence - 1);
 	assert_int_equal(frame.timestamp_ns - first_ns, frame.sequence * (NS_PER_S / 50));
@@ -243,7 +243,7 @@ static void corrupt_frames_are_skipped(void **state)
 	finish(&rig);
 }
 
-/* A grey panorama of one radiance: what comes out is the sensor alone. */
+/* A grey panorama of one radiance: only the sensor decides what comes out. */
 static const char *flat_panorama(float radiance)
 {
 	const char *path = in_folder("flat.pfm");
@@ -314,7 +314,7 @@ static void the_exposure_changes_after_its_delay(void **state)
 		prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file, delay,
 			NULL);
 		must_start(&rig);
-		/* 2 is asked for before frame 3, twice; 0 before frame 4. */
+		/* 2 is asked for before frame 3, twice; 0 before frame 4 */
 		for (int n = 0; n < 40; n++) {
 			const int code = n < 3 + delays[i] ? 64 : n == 3 + delays[i] ? 128 : 0;
 
@@ -339,7 +339,7 @@ static void the_exposure_changes_after_its_delay(void **state)
 	}
 }
 
-/* More changes than frames, for as long as one likes. */
+/* Many more changes of exposure than frames. */
 static void the_last_of_many_exposures_counts(void **state)
 {
 	struct frame frame;
@@ -496,7 +496,7 @@ static void panoramas_show_what_is_there(void **state)
 				const double px[2] = {x + 0.5, y + 0.5};
 				double dir[3], want[3];
 
-				/* At the zenith all azimuths meet in a pixel. */
+				/* at the zenith all azimuths meet in one pixel */
 				if (hypot(px[0] - 64, px[1] - 64) < 6 ||
 				    hypot(px[0] - 64, px[1] - 64) > 62 ||
 				    !fisheye_ray(&lens, px, dir))
@@ -546,7 +546,7 @@ static void yuyv_holds_the_same_picture(void **state)
 				for (int x = 0; x < 64 * 4; x++)
 					sum += abs(canvas.pixels[(size_t)y * canvas.stride + x] -
 						   plain.pixels[(size_t)y * plain.stride + x]);
-			/* Only colour edges within a pair differ. */
+			/* only edges of colour within a pair differ */
 			assert_true(sum / (64 * 48 * 3) < 2);
 			canvas_free(&canvas);
 			canvas_free(&plain);
@@ -601,7 +601,7 @@ static void pictures_play_in_order(void **state)
 	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
 	finish(&rig);
 
-	/* A picture of another size ends it with a reason. */
+	/* a picture of another size ends the camera with a reason */
 	write_picture("p004.png", 22, 10, 30);
 	prepare(&rig, "clock=frames", "source=files", file, NULL);
 	must_start(&rig);
@@ -698,7 +698,7 @@ static void a_pipe_plays_as_it_comes(void **state)
 	(void)state;
 	assert_int_equal(mkfifo(in_folder("pipe"), 0600), 0);
 	option(file, "file", in_folder("pipe"));
-	/* Both ends open, so that neither side waits for the other. */
+	/* both ends are open, so that neither side waits for the other */
 	hold = open(in_folder("pipe"), O_RDWR);
 	assert_true(hold >= 0);
 	f = fdopen(hold, "w");
@@ -805,7 +805,7 @@ static void a_camera_file_sets_the_view(void **state)
 	assert_int_equal(rig.camera.height, 48);
 	grab(&rig, &frame);
 	middle = frame.planes[0].data + (size_t)24 * frame.planes[0].stride + 32 * 4;
-	/* From (0, -2, 1), level, towards +Y: the sage wall is in the middle, green above all. */
+	/* from (0, -2, 1), level, towards +Y: the sage wall in the middle, green most of all */
 	assert_true(middle[0] < middle[1] && middle[2] < middle[1]);
 	camera_release(&rig.camera, &frame);
 	camera_close(&rig.camera);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The V4L2 driver against a played device: formats, frames, faults. Digitizers are in
- * test_v4l2_digitizer.c, controls and what is given up in test_v4l2_settings.c.
- */
+/* The V4L2 driver against a played device: formats, frames, faults. test_v4l2_digitizer.c has
+ * digitizers; test_v4l2_settings.c has controls, and what is given up when the bus is full. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +26,7 @@ static void formats_are_chosen(void **state)
 	struct played_rig rig;
 
 	(void)state;
-	played_prepare(&rig, played_formats); /* the cheapest of those that we read */
+	played_prepare(&rig, played_formats); /* the cheapest format that inlay reads */
 	played_must_start(&rig);
 	assert_int_equal(rig.camera.format, PIXEL_YUYV);
 	assert_int_equal(rig.camera.width, 64);
@@ -42,7 +40,7 @@ static void formats_are_chosen(void **state)
 	rig.settings.rate_hz = 30;
 	played_must_start(&rig);
 	assert_int_equal(rig.camera.format, PIXEL_MJPEG);
-	assert_true(rig.camera.rate_hz == 15); /* what it really does */
+	assert_true(rig.camera.rate_hz == 15); /* the real rate of the device */
 	played_finish(&rig);
 
 	played_prepare(&rig, played_formats);
@@ -68,7 +66,7 @@ static void frames_come_and_go_back(void **state)
 	(void)state;
 	played_prepare(&rig, played_formats);
 	played.stride_extra = 32;
-	played.interrupts = 3; /* signals do no harm */
+	played.interrupts = 3; /* signals do not matter */
 	played_must_start(&rig);
 	assert_int_equal(played_queued(), BUFFERS);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EAGAIN);
@@ -77,7 +75,7 @@ static void frames_come_and_go_back(void **state)
 	assert_int_equal(frame.format, PIXEL_YUYV);
 	assert_int_equal(frame.planes[0].stride, 64 * 2 + 32);
 	assert_int_equal(frame.planes[0].bytes, (64 * 2 + 32) * 48);
-	assert_int_equal(frame.planes[0].data[0], 2 * 2 + 1); /* of buffer 2 */
+	assert_int_equal(frame.planes[0].data[0], 2 * 2 + 1); /* buffer 2 */
 	assert_int_equal(frame.sequence, 7);
 	assert_int_equal(frame.timestamp_ns, shot_ns / 1000 * 1000);
 	assert_int_equal(played_queued(), BUFFERS - 1);
@@ -92,7 +90,7 @@ static void frames_come_and_go_back(void **state)
 	played_finish(&rig);
 }
 
-/* A clock that wrapped around, or another one, would make latency nonsense. */
+/* A clock that has wrapped around, or another clock, would make latency meaningless. */
 static void times_that_cannot_be_are_replaced(void **state)
 {
 	const int64_t now_ns = clock_now_ns();
@@ -110,8 +108,8 @@ static void times_that_cannot_be_are_replaced(void **state)
 		assert_true(llabs(clock_now_ns() - frame.timestamp_ns) < NS_PER_S);
 		camera_release(&rig.camera, &frame);
 	}
-	played_deliver(0, 9, PLAYED_YUYV_BYTES, 0)->time_ns = now_ns -
-							      10 * NS_PER_S; /* we were stopped */
+	played_deliver(0, 9, PLAYED_YUYV_BYTES, 0)->time_ns =
+		now_ns - 10 * NS_PER_S; /* the program was stopped */
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.timestamp_ns, (now_ns - 10 * NS_PER_S) / 1000 * 1000);
 	camera_release(&rig.camera, &frame);
@@ -131,10 +129,10 @@ static void the_newest_wins(void **state)
 	played_deliver(2, 2, PLAYED_YUYV_BYTES, 0); /* the count wrapped; 0 and 1 are missing */
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.sequence, 2);
-	assert_int_equal(rig.camera.lost, 4); /* two overtaken, two never seen */
+	assert_int_equal(rig.camera.lost, 4); /* two overtaken, two never delivered */
 	assert_int_equal(played_queued(), BUFFERS - 1);
 	camera_release(&rig.camera, &frame);
-	played_deliver(3, 0, PLAYED_YUYV_BYTES, 0); /* the driver counts anew: nothing is lost */
+	played_deliver(3, 0, PLAYED_YUYV_BYTES, 0); /* the driver counts anew: no frame is lost */
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(rig.camera.lost, 4);
 	assert_int_equal(rig.camera.frames, 2);
@@ -182,7 +180,7 @@ static void no_byte_beyond_the_buffer(void **state)
 	played_finish(&rig);
 }
 
-/* Writes into buffer 0, puts what was there back afterwards. */
+/* Writes into buffer 0, grabs, and restores the buffer. */
 static int grab_jpeg(struct played_rig *rig, const void *bytes, size_t count, struct frame *frame)
 {
 	uint8_t was[256];
@@ -200,14 +198,14 @@ static void jpeg_begins_and_ends_as_it_should(void **state)
 {
 	static const struct {
 		const char *bytes;
-		size_t count, kept; /* kept 0: broken */
+		size_t count, kept; /* kept 0: a broken frame */
 	} cases[] = {
 		{"\xff\xd8zzzz\xff\xd9", 8, 8},
 		{"\xff\xd8zzzz\xff\xd9\0\0\0", 11, 8},
 		{"\xff\xd8zzzz\xff\xd9stray", 13, 8},
 		{"\xff\xd8\xff\xd9", 4, 4},
 		{"\xff\xd8zzzz\xff\xd8", 8, 0}, /* cut off */
-		{"zzzzzz\xff\xd9", 8, 0},	/* its beginning was lost */
+		{"zzzzzz\xff\xd9", 8, 0},	/* its start was lost */
 		{"\xff\xd8\xff", 3, 0},
 		{"\0\0\0\0\0\0", 6, 0},
 		{"", 0, 0},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Screens: the wrappers' rules on a screen that records, the clock of the null screen, what the
- * file screen leaves behind, the window on SDL's dummy desktop, and the choice of a KMS mode. */
+/* Screens: the wrappers' rules on a screen that records calls, the clock of the null screen, the
+ * files of the file screen, the window on SDL's dummy desktop, and the choice of a KMS mode. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -114,7 +114,7 @@ static void wrappers_refuse(void **state)
 	assert_int_equal(display_open(&display, NULL, &settings, &record, &fault), -EINVAL);
 	assert_int_equal(display_open(&display, &recorder, NULL, &record, &fault), -EINVAL);
 	assert_int_equal(display_open(&display, &recorder, &settings, NULL, &fault), -EINVAL);
-	/* A failed open is closed, once, and leaves nothing to misuse. */
+	/* a failed open is closed once, and leaves nothing to misuse */
 	assert_int_equal(display_open(&display, &recorder, &settings, &record, &fault), -ENODEV);
 	assert_int_equal(record.closed, 1);
 	assert_string_equal(fault.text, "no");
@@ -150,7 +150,7 @@ static void wrappers_lend(void **state)
 	copy = buffer;
 	assert_int_equal(display_submit(&display, &buffer, 42, &fault), 0);
 	assert_null(buffer.pixels);
-	/* Given back is given back. */
+	/* a buffer that was given back cannot be submitted */
 	assert_int_equal(display_submit(&display, &copy, 42, &fault), -EINVAL);
 	assert_int_equal(record.submitted, 1);
 	record.next = DISPLAY_ACTION;
@@ -167,7 +167,7 @@ static void wrappers_lend(void **state)
 	assert_int_equal(record.closed, 1);
 }
 
-/* A driver that says nothing but an error is still understood. */
+/* A driver that returns only an error gets its situation from the wrapper. */
 static void wrappers_name_situations(void **state)
 {
 	static const struct {
@@ -196,13 +196,13 @@ static void wrappers_name_situations(void **state)
 		assert_int_equal(display.situation, cases[i].situation);
 		assert_int_equal(display_may_return(display.situation), cases[i].may_return);
 		assert_int_equal(display_fit(&display, 4, 4, 1), -EBADF);
-		/* Kept when closed, until it is opened again. */
+		/* kept after close, until the display is opened again */
 		display_close(&display, NULL);
 		assert_int_equal(display.situation, cases[i].situation);
 		record.open_result = 0;
 		assert_int_equal(display_open(&display, &recorder, &settings, &record, NULL), 0);
 		assert_int_equal(display.situation, DISPLAY_FINE);
-		/* Most drivers leave scaling to the program. */
+		/* most drivers leave scaling to the program */
 		assert_int_equal(display_fit(&display, 4, 4, 1), -ENOTSUP);
 		display.hidden = true;
 		display_close(&display, NULL);
@@ -229,7 +229,7 @@ static void close_fine(struct display *display)
 		fail_msg("%s", fault.text);
 }
 
-/* Waits, on the descriptor alone, for the frame that was submitted. */
+/* Waits, on the descriptor alone, for the submitted frame. */
 static struct display_event wait_shown(struct display *display)
 {
 	struct pollfd ready = {.fd = display_descriptor(display), .events = POLLIN};
@@ -297,7 +297,7 @@ static void null_flips_on_time(void **state)
 		struct pollfd quiet = {.fd = display_descriptor(&display), .events = POLLIN};
 		int64_t before_ns;
 
-		/* Idle, it wakes nobody. */
+		/* idle, the display wakes nobody */
 		assert_int_equal(poll(&quiet, 1, 0), 0);
 		assert_int_equal(display_acquire(&display, &buffer), 0);
 		assert_int_equal(display_acquire(&display, &again), 0);
@@ -307,7 +307,7 @@ static void null_flips_on_time(void **state)
 		draw(&buffer, i);
 		before_ns = clock_now_ns();
 		assert_int_equal(display_submit(&display, &buffer, 1000 + i, &fault), 0);
-		/* One is on the screen, the other queued. */
+		/* one buffer is on the screen, the other queued */
 		assert_int_equal(display_acquire(&display, &again), -EAGAIN);
 		event = wait_shown(&display);
 		assert_int_equal(event.token, 1000 + i);
@@ -356,7 +356,7 @@ static void null_without_size(void **state)
 	assert_non_null(strstr(fault.text, "size"));
 }
 
-/* As often as it is opened: so many frames, then the trouble, and not before its time. */
+/* Each time that it is opened it shows so many frames, then the fault, and not before. */
 static void null_fails_when_told(void **state)
 {
 	static const struct {
@@ -396,7 +396,7 @@ static void null_fails_when_told(void **state)
 	}
 }
 
-/* The console is switched away under a frame, and back. */
+/* The console is switched away during a frame, and back. */
 static void null_hides_when_told(void **state)
 {
 	const struct display_settings settings = {.width = 8, .height = 8};
@@ -520,7 +520,7 @@ static void file_video_fraction(void **state)
 	fclose(stream);
 	assert_non_null(strstr(line, " F29970:1000 "));
 	unlink(settings.device);
-	/* Nothing shown, nothing left. */
+	/* a frame that was not shown leaves no file */
 	open_fine(&display, &display_file, &settings, NULL);
 	close_fine(&display);
 	assert_int_equal(files_in_folder(), 0);
@@ -609,7 +609,7 @@ static void file_bad_names(void **state)
 	assert_int_equal(files_in_folder(), 0);
 }
 
-/* A disk that is full: no file may grow beyond 64 kB. */
+/* A full disk: no file may grow beyond 64 kB. */
 static void file_disk_full(void **state)
 {
 	struct rlimit old, small;
@@ -730,14 +730,14 @@ static void window_keys(void **state)
 /* ---- kms ---- */
 
 #if WITH_KMS
-/* Refresh of CTA-861's modes: clock / (htotal vtotal). */
+/* Refresh rate of CTA-861's modes: clock / (htotal * vtotal). */
 static const drmModeModeInfo modes[] = {
 	{.clock = 74250,
 	 .hdisplay = 1920,
 	 .vdisplay = 1080,
 	 .htotal = 2200,
 	 .vtotal = 1125,
-	 .flags = DRM_MODE_FLAG_INTERLACE}, /* 60 fields */
+	 .flags = DRM_MODE_FLAG_INTERLACE}, /* 60 fields a second */
 	{.clock = 148500, .hdisplay = 1920, .vdisplay = 1080, .htotal = 2640, .vtotal = 1125},
 	{.clock = 148500, .hdisplay = 1920, .vdisplay = 1080, .htotal = 2200, .vtotal = 1125},
 	{.clock = 148352, .hdisplay = 1920, .vdisplay = 1080, .htotal = 2200, .vtotal = 1125},
@@ -769,7 +769,7 @@ static void kms_modes(void **state)
 		int expected;
 	} cases[] = {
 		{0, 0, 0, 4},				 /* the preferred one */
-		{0, 0, 50, 5},				 /* of its size, the nearest rate */
+		{0, 0, 50, 5},				 /* of that size, the nearest rate */
 		{0, 0, 1000, 4},     {1920, 1080, 0, 1}, /* not the interlaced one */
 		{1920, 1080, 60, 2}, {1920, 1080, 59.94, 3}, {1920, 1080, 49, 1},
 		{1920, 0, 60, 2},    {0, 720, 50, 5},	     {640, 480, 75, 6},
@@ -781,7 +781,7 @@ static void kms_modes(void **state)
 		assert_int_equal(kms_mode_choose(modes, 7, cases[i].width, cases[i].height,
 						 cases[i].rate_hz),
 				 cases[i].expected);
-	/* Without a preferred mode the first progressive one; without any, none. */
+	/* without a preferred mode the first progressive one; without any mode, none */
 	assert_int_equal(kms_mode_choose(modes, 4, 0, 0, 0), 1);
 	assert_int_equal(kms_mode_choose(modes, 1, 0, 0, 0), -1);
 	assert_int_equal(kms_mode_choose(modes, 0, 0, 0, 0), -1);

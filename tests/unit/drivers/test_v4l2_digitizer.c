@@ -73,12 +73,14 @@ static void standards_by_name(void **state)
 {
 	static const struct {
 		const char *text;
-		v4l2_std_id detected, set; /* set 0: refused */
+		v4l2_std_id detected, set; /* set 0: the call is refused */
 	} cases[] = {
 		{"", V4L2_STD_PAL_BG, V4L2_STD_PAL_BG},
-		{"", V4L2_STD_ALL, V4L2_STD_NTSC_M}, /* no signal: what was set stays */
+		{"", V4L2_STD_ALL,
+		 V4L2_STD_NTSC_M}, /* no signal: the standard that was set stays */
 		{"", 0, V4L2_STD_NTSC_M},
-		{"PAL", V4L2_STD_NTSC_M, V4L2_STD_PAL_BG}, /* of PAL what the input knows */
+		{"PAL", V4L2_STD_NTSC_M,
+		 V4L2_STD_PAL_BG}, /* the variants of PAL that the input knows */
 		{"ntsc", V4L2_STD_PAL_BG, V4L2_STD_NTSC_M},
 		{"PAL-BG", 0, V4L2_STD_PAL_BG},
 		{"pal bg", 0, V4L2_STD_PAL_BG},
@@ -155,7 +157,7 @@ static void fields_are_asked_for(void **state)
 		enum v4l2_field_wish wish;
 		v4l2_std_id detected;
 		enum frame_fields fields;
-		unsigned rows; /* of a buffer */
+		unsigned rows; /* rows of a buffer */
 	} cases[] = {
 		{V4L2_WISH_DRIVER, V4L2_STD_PAL_BG, FIELDS_INTERLACED, 48},
 		{V4L2_WISH_NONE, V4L2_STD_PAL_BG, FIELDS_NONE, 48},
@@ -175,7 +177,8 @@ static void fields_are_asked_for(void **state)
 
 		prepare_television(&rig, cases[c].detected);
 		rig.options.field = cases[c].wish;
-		rig.settings.height = i % 2 ? 48 : 0; /* of the whole picture, or as it is */
+		/* Height of the whole picture, or as the device has it. */
+		rig.settings.height = i % 2 ? 48 : 0;
 		played_must_start(&rig);
 		assert_int_equal(rig.camera.height, 48);
 		assert_int_equal(played.height, cases[c].rows);
@@ -205,12 +208,13 @@ static void a_buffer_may_say_more(void **state)
 	assert_int_equal(frame.fields, FIELDS_INTERLACED);
 	assert_true(frame.bottom_first);
 	camera_release(&rig.camera, &frame);
-	played_deliver(0, 1, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_ANY; /* as the format */
+	played_deliver(0, 1, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_ANY; /* as the format says */
 	grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_INTERLACED);
 	assert_false(frame.bottom_first);
 	camera_release(&rig.camera, &frame);
-	played_deliver(0, 2, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_NONE; /* a film, say */
+	/* Progressive, from a film. */
+	played_deliver(0, 2, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_NONE;
 	grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_NONE);
 	camera_release(&rig.camera, &frame);
@@ -229,7 +233,7 @@ static void heights_without_halves_are_refused(void **state)
 	played_finish(&rig);
 }
 
-/* A squeezed picture made of one field is as high as it was asked to be. */
+/* A squeezed picture of one field has the height that was asked for. */
 static void a_field_of_the_wanted_height_is_a_picture(void **state)
 {
 	struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
@@ -306,7 +310,7 @@ static void the_newest_pair_wins(void **state)
 	grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 2);
 	assert_int_equal(rig.camera.lost, 2);
-	assert_int_equal(played_queued(), 5); /* a pair is out, a field waits */
+	assert_int_equal(played_queued(), 5); /* a pair is held, a field waits */
 	camera_release(&rig.camera, &frame);
 	field_comes(7, 3, true, 0);
 	grab(&rig, &frame);
@@ -334,7 +338,7 @@ static void an_orphan_is_broken(void **state)
 	grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 1);
 	camera_release(&rig.camera, &frame);
-	field_comes(0, 2, false, 0); /* bottom of 2 and top of 3 are lost */
+	field_comes(0, 2, false, 0); /* the bottom field of 2 and the top field of 3 are lost */
 	field_comes(1, 3, true, 0);
 	nothing_comes(&rig);
 	assert_int_equal(rig.camera.broken, 2);
@@ -369,7 +373,7 @@ static void a_picture_with_an_unfit_field_is_broken_once(void **state)
 		camera_release(&rig.camera, &frame);
 		played_finish(&rig);
 	}
-	start_pairs(&rig, V4L2_STD_PAL_BG); /* one that does not say which field it is */
+	start_pairs(&rig, V4L2_STD_PAL_BG); /* a buffer that does not say which field it holds */
 	played_deliver(0, 0, FIELD_BYTES, 0)->field = V4L2_FIELD_NONE;
 	nothing_comes(&rig);
 	assert_int_equal(rig.camera.broken, 1);
@@ -399,7 +403,7 @@ static void sequence_numbers_of_pairs_wrap(void **state)
 	played_finish(&rig);
 }
 
-/* Such drivers exist; V4L2 says that both fields of a frame have its number. */
+/* Some drivers number fields; V4L2 says that both fields of a frame have the same number. */
 static void a_driver_that_counts_fields_is_understood(void **state)
 {
 	struct frame frame;
@@ -417,7 +421,7 @@ static void a_driver_that_counts_fields_is_understood(void **state)
 		pictures++;
 	}
 	assert_in_range(pictures, 6, 8);
-	assert_in_range(rig.camera.broken, 1, 5); /* until it was understood */
+	assert_in_range(rig.camera.broken, 1, 5); /* until the driver has understood it */
 	played_finish(&rig);
 }
 
@@ -450,7 +454,7 @@ static void no_signal_is_a_situation(void **state)
 	played_finish(&rig);
 }
 
-/* A device that tells of changes is believed; any other is asked each second. */
+/* A device that sends events is trusted; any other is asked each second. */
 static void a_signal_that_is_lost_is_noticed(void **state)
 {
 	const int64_t limit_ns = clock_now_ns() + 5 * NS_PER_S;

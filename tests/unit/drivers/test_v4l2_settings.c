@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The V4L2 driver against a played device: controls, and what is given up for want of room. */
+/* The V4L2 driver against a played device: controls, and what is given up when the bus is full. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -131,7 +131,7 @@ static void what_is_refused_is_named(void **state)
 	played_finish(&rig);
 }
 
-/* Some webcams begin anew when they start to stream. */
+/* Some webcams reset a control when they start to stream. */
 static void what_starting_undoes_is_set_again(void **state)
 {
 	struct played_rig rig;
@@ -147,7 +147,7 @@ static void what_starting_undoes_is_set_again(void **state)
 	played_finish(&rig);
 }
 
-/* Tried each second, as long as the other one likes. */
+/* Tries each second, until the other program has let go. */
 static int wait_for_it(struct played_rig *rig)
 {
 	int err = -EIO;
@@ -263,7 +263,7 @@ static void controls_change_while_it_streams(void **state)
 	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", NULL, &rig.fault), -EBADF);
 }
 
-/* Exposures in turn, for as long as one likes. */
+/* Exposures in turn, many times. */
 static int change_many_times(struct played_rig *rig)
 {
 	for (int n = 0; n < 100; n++) {
@@ -294,7 +294,7 @@ static void what_is_rounded_is_told_and_said_once(void **state)
 	played_finish(&rig);
 }
 
-/* What an automatic makes of it is nothing that was taken. */
+/* A value that an automatic has set was not taken. */
 static int change_in_vain(struct played_rig *rig)
 {
 	for (int n = 0; n < 10; n++) {
@@ -387,7 +387,7 @@ static void what_goes_goes_in_order(void **state)
 		int format, rate; /* wanted */
 		double room;
 		const char *give_up;
-		int taken_format, width, taken_rate; /* 0: no room */
+		int taken_format, width, taken_rate; /* 0: no room for any */
 	} cases[] = {
 		{PIXEL_YUYV, 5, YUYV_5, "format size rate", PIXEL_YUYV, 64, 5},
 		{PIXEL_YUYV, 5, YUYV_5 - 1, "format", PIXEL_MJPEG, 64, 5},

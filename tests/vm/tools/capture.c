@@ -31,7 +31,7 @@ struct request {
 	struct camera_settings settings;
 	int frames, hold_ms;
 	enum deinterlace deinterlace;
-	struct camera_control change; /* its name empty: none */
+	struct camera_control change; /* an empty name: none */
 	const char *out;
 };
 
@@ -64,7 +64,7 @@ static struct camera_control read_control(const char *text)
 	exit(2);
 }
 
-/* The value when text is "name=value", else NULL. */
+/* The value if text is "name=value", else NULL. */
 static const char *value_of(const char *text, const char *name)
 {
 	const size_t length = strlen(name);
@@ -130,7 +130,7 @@ static int write_canvas(const char *path, const struct canvas *canvas, struct fa
 	return err;
 }
 
-/* What is watched over the frames of one run. */
+/* What is counted over the frames of a run. */
 struct watch {
 	int taken, backwards, sequence_gaps;
 	int64_t first_ns, last_ns;
@@ -150,7 +150,7 @@ static void watch_frame(struct watch *w, const struct frame *frame)
 	w->taken++;
 }
 
-/* One frame, waited for at most 5 s. */
+/* Waits for the next frame, 5 s at most. */
 static int next_frame(struct camera *camera, struct frame *frame, struct fault *fault)
 {
 	const int64_t limit_ns = clock_now_ns() + 5 * NS_PER_S;

@@ -73,7 +73,7 @@ static void plug_in(const char *name)
 		die("device");
 }
 
-/* Its node, by the name that the kernel gave it. */
+/* Prints the device node, found by the name that the kernel gave. */
 static void say_node(void)
 {
 	char name[64] = "", path[128];
@@ -122,5 +122,5 @@ int main(int argc, char **argv)
 			return 2;
 		}
 	}
-	return 0; /* the kernel takes it away */
+	return 0; /* the kernel removes the device when the program ends */
 }

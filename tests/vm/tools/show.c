@@ -69,11 +69,11 @@ static void note(struct flips *flips, const struct display_event *event)
 	flips->shown++;
 }
 
-/* What a kiosk does too: draws what it has, takes in what happened. */
+/* As in a kiosk: draws, and takes in events. */
 struct show {
 	struct display display;
 	const struct image *image;
-	int frames; /* to show before "ready" */
+	int frames; /* frames to show before "ready" */
 	int64_t token;
 	struct flips flips;
 	bool hidden, ready;
@@ -122,7 +122,7 @@ static void say_ready(struct show *show)
 	show->ready = true;
 }
 
-/* Until a signal: 0; or until the screen fails. Signals are let in only while waiting. */
+/* Shows until a signal (0) or until the screen fails. Signals arrive only while waiting. */
 static int run(struct show *show, const sigset_t *waiting, struct fault *fault)
 {
 	const struct timespec patience = {.tv_sec = 5};
@@ -148,7 +148,7 @@ static int run(struct show *show, const sigset_t *waiting, struct fault *fault)
 	return err;
 }
 
-/* Opens it, and with patient again and again while that may help. */
+/* Opens the display; with patient, again and again as long as that may help. */
 static int open_patiently(struct show *show, const struct display_ops *driver,
 			  const struct display_settings *settings, void *options, bool patient,
 			  const sigset_t *waiting, struct fault *fault)
@@ -228,7 +228,7 @@ int main(int argc, char **argv)
 	if (parse(argc, argv, &settings, driver, options, &patient))
 		return 2;
 
-	/* Blocked but while waiting, so that no signal is missed. */
+	/* blocked except while waiting, so that no signal is missed */
 	sigemptyset(&stopping);
 	sigaddset(&stopping, SIGTERM);
 	sigaddset(&stopping, SIGINT);
