@@ -163,18 +163,18 @@ static void paint_place(const struct random_place *place, const struct fisheye *
 
 /* ---- what is made of it ---- */
 
-struct bench {
+struct random_bench {
 	const struct table *table;
 	struct pipeline pipeline;
 	struct fisheye lens;
-	struct truth truth;
+	struct exposures_truth truth;
 	struct sensor *sensor;
 	float (*sky)[3], (*lamps)[3];
 	uint8_t *camera; /* [height][width], BGRX */
 	struct canvas out;
 };
 
-static void prepare(struct bench *b, const struct table *t)
+static void prepare(struct random_bench *b, const struct table *t)
 {
 	const struct fisheye_settings ideal = {.field_deg = 90};
 	struct fault fault = {.text = ""};
@@ -186,7 +186,7 @@ static void prepare(struct bench *b, const struct table *t)
 		.patch = CARD_PATCH,
 	};
 
-	*b = (struct bench){.table = t};
+	*b = (struct random_bench){.table = t};
 	must(pipeline_create(&b->pipeline, &t->basis, &settings, &fault), &fault);
 	must(fisheye_prepare(&b->lens, &ideal, SIDE, SIDE, &fault), &fault);
 	truth_create(&b->truth, t, b->pipeline.dome.count);
@@ -202,7 +202,7 @@ static void prepare(struct bench *b, const struct table *t)
 	b->camera = room_for(PIXELS, 4);
 }
 
-static void end(struct bench *b)
+static void end(struct random_bench *b)
 {
 	pipeline_destroy(&b->pipeline);
 	free_truth(&b->truth);
@@ -213,7 +213,7 @@ static void end(struct bench *b)
 	free(b->camera);
 }
 
-static void find_true_lights(struct bench *b)
+static void find_true_lights(struct random_bench *b)
 {
 	const struct image sky = {.width = SIDE, .height = SIDE, .f32 = &b->sky[0][0]};
 	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};
@@ -228,7 +228,7 @@ static void find_true_lights(struct bench *b)
 	light_exposures_begin(b->pipeline.exposures);
 }
 
-static double rms_of(struct bench *b)
+static double rms_of(struct random_bench *b)
 {
 	const struct picture card = whole(&b->truth.card);
 	const struct backdrop backdrop = backdrop_of(&card);
@@ -242,7 +242,7 @@ static double rms_of(struct bench *b)
 }
 
 /* Judges one exposure, and one exposure with what the ground tells. */
-static void judge_place(struct bench *b, int frame, double rms[2])
+static void judge_place(struct random_bench *b, int frame, double rms[2])
 {
 	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};
 	const struct picture camera = view_picture(&view, b->camera, (size_t)SIDE * 4);
@@ -258,12 +258,12 @@ static void judge_place(struct bench *b, int frame, double rms[2])
 
 /* ---- the table ---- */
 
-struct figures {
+struct random_figures {
 	int places, rises;
 	double sum[2], rise;
 };
 
-static void count_in(struct figures *f, const double rms[2])
+static void count_in(struct random_figures *f, const double rms[2])
 {
 	f->places++;
 	f->rises += rms[1] > rms[0] + SAME;
@@ -272,7 +272,7 @@ static void count_in(struct figures *f, const double rms[2])
 		f->sum[k] += rms[k];
 }
 
-static void print_row(const char *name, const struct figures *f)
+static void print_row(const char *name, const struct random_figures *f)
 {
 	const int n = f->places ? f->places : 1;
 
@@ -284,8 +284,8 @@ bool random_places(const struct table *t)
 {
 	static const char *const names[] = {"no lamp", "one lamp", "2 to 6 lamps", "all"};
 	struct chance chance = {SEED * 2 + 1};
-	struct figures f[4] = {{.places = 0}};
-	struct bench b;
+	struct random_figures f[4] = {{.places = 0}};
+	struct random_bench b;
 
 	prepare(&b, t);
 	for (int k = 0; k < (t->quick ? PLACES_QUICK : PLACES); k++) {

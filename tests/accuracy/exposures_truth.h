@@ -20,7 +20,7 @@
 		.x = 4, .y = 4, .width = 40, .height = 30, .reflectance = { CARD, CARD, CARD }     \
 	}
 
-struct place {
+struct exposures_place {
 	const char *name, *file; /* HDR file; NULL: the room of the project */
 	double exposure;	 /* exposure at which a white ground has a radiance of 0.6 */
 	double step; /* ratio of an exposure to the next; the shortest just does not clip */
@@ -35,7 +35,7 @@ struct table {
 };
 
 /* The light of a place and pictures of the object under it. */
-struct truth {
+struct exposures_truth {
 	float (*lights)[3];
 	double irradiance[3];
 	double *composite,
@@ -54,17 +54,18 @@ struct picture whole(const struct canvas *canvas);
 void choose(struct pipeline *pipeline); /* Uses all lights, without a threshold. */
 
 /* Allocates the pictures; free_truth() frees them. */
-void truth_create(struct truth *truth, const struct table *table, int lights);
+void truth_create(struct exposures_truth *truth, const struct table *table, int lights);
 
 /* Fills card and composite under known lights and irradiance. Leaves the lights in the pipeline. */
-void truth_show(struct truth *truth, struct pipeline *pipeline);
+void truth_show(struct exposures_truth *truth, struct pipeline *pipeline);
 
 /* Finds the lights when the last picture is taken, and what the object looks like under them. */
-void find_truth(const struct table *table, const struct place *place, struct truth *truth);
+void find_truth(const struct table *table, const struct exposures_place *place,
+		struct exposures_truth *truth);
 
 /* Estimates the clipped light from the card, as the 8-bit background camera sees it. */
-void look_at_card(struct pipeline *pipeline, const struct truth *truth);
+void look_at_card(struct pipeline *pipeline, const struct exposures_truth *truth);
 
-void free_truth(struct truth *truth);
+void free_truth(struct exposures_truth *truth);
 
 #endif

@@ -30,13 +30,13 @@
 /* Distance of a level from a rounding border within which either code is right. */
 #define BORDER 0.03
 
-struct difference {
+struct accuracy_difference {
 	double max, square_sum;
 	size_t count;
 	int x, y, channel; /* where max occurs */
 };
 
-struct bench {
+struct accuracy_bench {
 	struct synthetic file;
 	const char *kernel;
 	struct light_selection lights;
@@ -48,10 +48,10 @@ struct bench {
 	double threshold;
 	enum threshold_mode mode;
 	double most; /* largest difference that measure() accepts, in levels */
-	struct difference all;
+	struct accuracy_difference all;
 };
 
-static void bench_open(struct bench *b, const struct synthetic_options *options,
+static void bench_open(struct accuracy_bench *b, const struct synthetic_options *options,
 		       struct chance *chance)
 {
 	const size_t pixels = (size_t)options->width * (size_t)options->height;
@@ -77,7 +77,7 @@ static void bench_open(struct bench *b, const struct synthetic_options *options,
 	b->mode = THRESHOLD_DROP;
 }
 
-static void bench_close(struct bench *b)
+static void bench_close(struct accuracy_bench *b)
 {
 	light_selection_free(&b->lights);
 	free(b->radiance);
@@ -87,7 +87,7 @@ static void bench_close(struct bench *b)
 	synthetic_close(&b->file);
 }
 
-static void compare(const struct bench *b, struct difference *d)
+static void compare(const struct accuracy_bench *b, struct accuracy_difference *d)
 {
 	for (int i = 0; i < b->width * b->height * 3; i++) {
 		const double off = fabs(b->out[i / 3 * 4 + 2 - i % 3] - b->exact[i]);
@@ -104,12 +104,13 @@ static void compare(const struct bench *b, struct difference *d)
 }
 
 /* `integer` is what compositor_run() reads; the reference always reads the file itself. */
-static struct difference measure_with(struct bench *b, const struct basis *integer)
+static struct accuracy_difference measure_with(struct accuracy_bench *b,
+					       const struct basis *integer)
 {
 	const struct picture picture = {b->background, 4, b->width * 4, b->width, b->height};
 	const struct backdrop backdrop = backdrop_of(&picture);
 	const struct compositor_options options = {.kernel = b->kernel};
-	struct difference d = {.max = 0};
+	struct accuracy_difference d = {.max = 0};
 	struct compositor *compositor;
 
 	light_selection_choose(&b->lights, &b->file.basis, 0, (const float(*)[3])b->radiance,
@@ -127,9 +128,9 @@ static struct difference measure_with(struct bench *b, const struct basis *integ
 	return d;
 }
 
-static void measure(struct bench *b, const char *name)
+static void measure(struct accuracy_bench *b, const char *name)
 {
-	const struct difference d = measure_with(b, &b->file.basis);
+	const struct accuracy_difference d = measure_with(b, &b->file.basis);
 
 	if (!(d.max <= b->most))
 		fail_msg("%s: %.3f levels at pixel %d, %d, channel %d (integer %d, exact %.3f)",
@@ -141,7 +142,7 @@ static void measure(struct bench *b, const char *name)
 	b->all.count += d.count;
 }
 
-static void report(const struct bench *b, const char *name)
+static void report(const struct accuracy_bench *b, const char *name)
 {
 	printf("# %-40s max %.4f, RMS %.4f levels\n", name, b->all.max,
 	       sqrt(b->all.square_sum / (double)b->all.count));
@@ -166,7 +167,7 @@ enum light_pattern {
 static const char *const pattern_names[] = {"dark",  "random", "one",  "huge",	    "lamp",
 					    "faint", "near e", "wide", "saturated", "denormal"};
 
-static void fill_lights(struct bench *b, enum light_pattern pattern, struct chance *chance)
+static void fill_lights(struct accuracy_bench *b, enum light_pattern pattern, struct chance *chance)
 {
 	const int n = b->lights.count, chosen = chance_int(chance, 0, n - 1);
 
@@ -191,7 +192,7 @@ static void fill_lights(struct bench *b, enum light_pattern pattern, struct chan
 	}
 }
 
-static void all_patterns(struct bench *b, const char *name, struct chance *chance)
+static void all_patterns(struct accuracy_bench *b, const char *name, struct chance *chance)
 {
 	char label[80];
 
@@ -238,7 +239,7 @@ static const struct synthetic_options usual = {
 static void over_lights_and_thresholds(void **state)
 {
 	struct chance chance = chance_begin("lights and thresholds");
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	bench_open(&b, &usual, &chance);
@@ -251,7 +252,7 @@ static void over_numbers_of_lights(void **state)
 {
 	static const int counts[] = {1, 6, 26, 33, 6500, 20000};
 	struct chance chance = chance_begin("numbers of lights");
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(counts) / sizeof(counts[0]); k++) {
@@ -279,7 +280,7 @@ static void over_transfers_and_gains(void **state)
 	static const double gains[] = {0, 1e-3, 0.7, 5, COMPOSITOR_GAIN_MAX};
 	struct chance chance = chance_begin("transfers and gains");
 	struct synthetic_options o = usual;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.lights = 46;
@@ -317,7 +318,7 @@ static void over_added_light(void **state)
 	(void)state;
 	for (int k = 0; k < 5; k++) {
 		struct synthetic_options o = usual;
-		struct bench b;
+		struct accuracy_bench b;
 		char name[40];
 
 		o.lights = 86;
@@ -335,12 +336,12 @@ static void over_added_light(void **state)
 static void over_sizes(void **state)
 {
 	struct chance chance = chance_begin("sizes");
-	struct difference all = {.max = 0};
+	struct accuracy_difference all = {.max = 0};
 
 	(void)state;
 	for (int width = 1; width <= 65; width++) {
 		struct synthetic_options o = usual;
-		struct bench b;
+		struct accuracy_bench b;
 
 		o.lights = o.columns = 6;
 		o.coarse = 0;
@@ -361,12 +362,12 @@ static void over_sizes(void **state)
 static void single_pixels(void **state)
 {
 	struct chance chance = chance_begin("single pixels");
-	struct difference all = {.max = 0};
+	struct accuracy_difference all = {.max = 0};
 
 	(void)state;
 	for (int k = 0; k < 12; k++) {
 		struct synthetic_options o = usual;
-		struct bench b;
+		struct accuracy_bench b;
 
 		o.lights = 46;
 		o.coarse = 20;
@@ -390,7 +391,7 @@ static void darkness_comes_without_a_jump(void **state)
 	struct chance chance = chance_begin("darkness");
 	struct synthetic_options o = usual;
 	double *before, jump = 0;
-	struct bench b;
+	struct accuracy_bench b;
 	uint8_t *bytes_before;
 	int byte_jump = 0;
 	size_t values;
@@ -439,7 +440,7 @@ static void dimness_loses_no_precision(void **state)
 {
 	struct chance chance = chance_begin("dimness");
 	struct synthetic_options o = usual;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.object_share = 0;
@@ -464,7 +465,7 @@ static void deficits_may_nearly_cancel(void **state)
 {
 	struct chance chance = chance_begin("cancellation");
 	struct synthetic_options o = usual;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.bounce = -0.995; /* v in 0.995..1 */
@@ -497,7 +498,7 @@ static void duplicate_and_constant_lines(void **state)
 	struct synthetic_options o = usual;
 	struct fault fault;
 	struct basis odd;
-	struct bench b;
+	struct accuracy_bench b;
 	uint8_t *copy;
 
 	(void)state;
@@ -524,7 +525,7 @@ static void duplicate_and_constant_lines(void **state)
 	}
 	for (int p = 0; p < LIGHTS_PATTERNS; p++) {
 		const struct basis whole = b.file.basis;
-		struct difference d;
+		struct accuracy_difference d;
 
 		fill_lights(&b, (enum light_pattern)p, &chance);
 		b.file.basis = odd;
@@ -546,7 +547,7 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 	struct chance chance = chance_begin("left out");
 	struct synthetic_options o = usual;
 	const double cut = 0.004;
-	struct bench b;
+	struct accuracy_bench b;
 	double most = 0;
 
 	(void)state;
@@ -558,7 +559,7 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 	bench_open(&b, &o, &chance);
 	b.settings.output.named = TRANSFER_LINEAR;
 	for (int k = 0; k < 60; k++) {
-		struct difference d;
+		struct accuracy_difference d;
 
 		fill_lights(&b, k % 2 ? LIGHTS_ONE : LIGHTS_RANDOM, &chance);
 		if (k % 2) {
@@ -581,7 +582,7 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 }
 
 /* Largest change of any code when the lights change. */
-static int change(struct bench *b, uint8_t *before)
+static int change(struct accuracy_bench *b, uint8_t *before)
 {
 	const size_t bytes = (size_t)b->width * (size_t)b->height * 4;
 	int most = 0;
@@ -599,7 +600,7 @@ static void a_flicker_does_not_crawl(void **state)
 	struct chance chance = chance_begin("flicker");
 	struct synthetic_options o = usual;
 	uint8_t *before;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.column_cut = 0.002;
@@ -627,7 +628,7 @@ static void a_flicker_does_not_crawl(void **state)
 /* Light fades by half a per cent a frame. The object must darken by one level at a time and never
  * brighten, and shadows must stay. */
 /* Exact level, in double precision, of the byte out[i] of a BGRX picture. */
-static double exact_of(const struct bench *b, size_t i)
+static double exact_of(const struct accuracy_bench *b, size_t i)
 {
 	return i % 4 == 3 ? 0 : b->exact[i / 4 * 3 + 2 - i % 4];
 }
@@ -638,7 +639,7 @@ static void slow_fades_show_no_steps(void **state)
 	struct chance chance = {77};
 	struct synthetic_options o = usual;
 	uint8_t *before;
-	struct bench b;
+	struct accuracy_bench b;
 	size_t bytes;
 
 	(void)state;
@@ -676,7 +677,7 @@ static void the_threshold_crosses_its_own_light(void **state)
 	struct synthetic_options o = usual;
 	int most[2] = {0};
 	uint8_t *before;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.lights = 26;
@@ -713,7 +714,7 @@ static void the_threshold_crosses_its_own_light(void **state)
 static void edges_over_black_and_white(void **state)
 {
 	struct chance chance = chance_begin("edges");
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	bench_open(&b, &usual, &chance);
@@ -733,7 +734,7 @@ static void a_wrong_compositor_is_noticed(void **state)
 	struct synthetic_options o = usual;
 	struct basis wrong;
 	struct fault fault;
-	struct bench b;
+	struct accuracy_bench b;
 	uint8_t *copy;
 
 	(void)state;

@@ -151,7 +151,7 @@ static void trace(struct path *path, const struct scene *scene)
 
 /* ---- what the kiosk shows ---- */
 
-struct kiosk {
+struct lamp_kiosk {
 	struct basis basis;
 	struct light_sampler *sampler;
 	struct light_filter *filter;
@@ -161,7 +161,7 @@ struct kiosk {
 	uint8_t background[4 * WIDTH * HEIGHT], out[4 * WIDTH * HEIGHT];
 };
 
-static void open_sampler(struct kiosk *k, enum dome_shape shape)
+static void open_sampler(struct lamp_kiosk *k, enum dome_shape shape)
 {
 	const struct light_sampler_settings settings = {.curve = {.named = TRANSFER_LINEAR},
 							.gain = 1};
@@ -179,7 +179,7 @@ static void open_sampler(struct kiosk *k, enum dome_shape shape)
 	dome_free(&dome);
 }
 
-static void open_kiosk(struct kiosk *k, struct scene *scene, enum dome_shape shape)
+static void open_kiosk(struct lamp_kiosk *k, struct scene *scene, enum dome_shape shape)
 {
 	const struct compositor_settings settings = {.background = {.named = TRANSFER_SRGB},
 						     .output = {.named = TRANSFER_SRGB},
@@ -206,7 +206,7 @@ static void open_kiosk(struct kiosk *k, struct scene *scene, enum dome_shape sha
 	memset(k->background, CODE, sizeof(k->background));
 }
 
-static void close_kiosk(struct kiosk *k)
+static void close_kiosk(struct lamp_kiosk *k)
 {
 	compositor_destroy(k->compositor);
 	light_filter_destroy(k->filter);
@@ -216,7 +216,7 @@ static void close_kiosk(struct kiosk *k)
 	basis_close(&k->basis);
 }
 
-static void show_frame(struct kiosk *k, const struct image *fisheye, int frame, bool filtered,
+static void show_frame(struct lamp_kiosk *k, const struct image *fisheye, int frame, bool filtered,
 		       float *levels)
 {
 	const struct view whole = {.width = WIDTH, .height = HEIGHT, .squash = 1};
@@ -237,13 +237,13 @@ static void show_frame(struct kiosk *k, const struct image *fisheye, int frame, 
 
 /* ---- how much changes ---- */
 
-struct change {
+struct lamp_change {
 	double most; /* largest change of any value between two frames */
 	double rms;  /* RMS change between the two frames that differ most */
 	double off;  /* RMS error against truth */
 };
 
-static void add_change(struct change *change, const float *from, const float *to)
+static void add_change(struct lamp_change *change, const float *from, const float *to)
 {
 	double square = 0;
 
@@ -256,9 +256,9 @@ static void add_change(struct change *change, const float *from, const float *to
 	change->rms = fmax(change->rms, sqrt(square / VALUES));
 }
 
-static struct change change_of_truth(const float *truth)
+static struct lamp_change change_of_truth(const float *truth)
 {
-	struct change change = {0, 0, 0};
+	struct lamp_change change = {0, 0, 0};
 
 	for (int f = 1; f < FRAMES; f++)
 		if (is_traced(f - 1) && is_traced(f))
@@ -266,9 +266,9 @@ static struct change change_of_truth(const float *truth)
 	return change;
 }
 
-static struct change change_of(const float *levels, const float *truth)
+static struct lamp_change change_of(const float *levels, const float *truth)
 {
-	struct change change = {0, 0, 0};
+	struct lamp_change change = {0, 0, 0};
 	int count = 0;
 
 	for (int f = 0; f < FRAMES; f++) {
@@ -281,10 +281,10 @@ static struct change change_of(const float *levels, const float *truth)
 	return change;
 }
 
-static struct change watch(struct kiosk *kiosk, const struct path *path, bool filtered)
+static struct lamp_change watch(struct lamp_kiosk *kiosk, const struct path *path, bool filtered)
 {
 	float *levels = calloc(FRAMES, VALUES * sizeof(*levels));
-	struct change change;
+	struct lamp_change change;
 
 	assert_non_null(levels);
 	light_filter_begin(kiosk->filter);
@@ -295,7 +295,7 @@ static struct change watch(struct kiosk *kiosk, const struct path *path, bool fi
 	return change;
 }
 
-static void print(const char *what, const struct change *change)
+static void print(const char *what, const struct lamp_change *change)
 {
 	print_message(
 		"# %-15s most %5.1f levels between frames, RMS %.2f; off from truth by %.2f\n",
@@ -305,8 +305,8 @@ static void print(const char *what, const struct change *change)
 static void a_lamp_moves_without_steps(void **state)
 {
 	static struct path path;
-	static struct kiosk kiosk;
-	struct change truth, shown[DOME_SHAPE_COUNT][2];
+	static struct lamp_kiosk kiosk;
+	struct lamp_change truth, shown[DOME_SHAPE_COUNT][2];
 	struct scene *scene;
 
 	(void)state;

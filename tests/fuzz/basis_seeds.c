@@ -90,7 +90,7 @@ static const struct {
 };
 
 /* Head of a chunk, as fuzz_basis.c reads it. */
-struct packed {
+struct packed_chunk {
 	uint32_t type, pose, bytes;
 };
 
@@ -103,7 +103,7 @@ static void must_write(FILE *out, const void *data, size_t bytes)
 static void pack_chunk(FILE *out, const struct basis_chunk_entry *chunk, uint32_t pose,
 		       const void *data)
 {
-	const struct packed head = {chunk->type, pose, (uint32_t)chunk->bytes};
+	const struct packed_chunk head = {chunk->type, pose, (uint32_t)chunk->bytes};
 
 	must_write(out, &head, sizeof(head));
 	must_write(out, data, chunk->bytes);

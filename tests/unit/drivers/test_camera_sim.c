@@ -41,7 +41,7 @@ static void *place(void *root, const char *instance)
 	return root;
 }
 
-struct rig {
+struct sim_rig {
 	struct camera camera;
 	struct camera_settings settings;
 	void *options;
@@ -49,7 +49,7 @@ struct rig {
 };
 
 /* Options as "key=value", NULL at the end. */
-static void prepare(struct rig *rig, ...)
+static void prepare(struct sim_rig *rig, ...)
 {
 	const struct ini_table tables[] = {
 		{.section = "sim", .keys = camera_sim.keys, .place = place}, INI_TABLES_END};
@@ -72,25 +72,25 @@ static void prepare(struct rig *rig, ...)
 	va_end(arguments);
 }
 
-static int start(struct rig *rig)
+static int start(struct sim_rig *rig)
 {
 	return camera_open(&rig->camera, &camera_sim, &rig->settings, rig->options, &rig->fault);
 }
 
-static void must_start(struct rig *rig)
+static void must_start(struct sim_rig *rig)
 {
 	if (start(rig))
 		fail_msg("%s", rig->fault.text);
 }
 
-static void finish(struct rig *rig)
+static void finish(struct sim_rig *rig)
 {
 	camera_close(&rig->camera);
 	camera_close(&rig->camera);
 	free(rig->options);
 }
 
-static void grab(struct rig *rig, struct frame *frame)
+static void grab(struct sim_rig *rig, struct frame *frame)
 {
 	struct pollfd p = {.fd = camera_descriptor(&rig->camera), .events = POLLIN};
 
@@ -111,7 +111,7 @@ static uint64_t checksum(const struct frame *frame)
 static void defaults_are_sound(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
 	prepare(&rig, NULL);
@@ -138,7 +138,7 @@ static void same_frames_every_time(void **state)
 	(void)state;
 	for (int run = 0; run < 2; run++) {
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 
 		prepare(&rig, "clock=frames", "read_noise=4", "shot_noise=4", NULL);
 		rig.settings.rate_hz = 50;
@@ -165,7 +165,7 @@ static void the_real_clock_keeps_time(void **state)
 {
 	const struct timespec nap = {0, 130 * 1000 * 1000};
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	int64_t first_ns;
 
 	(void)state;
@@ -195,7 +195,7 @@ static void a_camera_stalls_and_vanishes(void **state)
 	for (int i = 0; i < 2; i++) {
 		struct frame frame;
 		struct pollfd p = {.events = POLLIN};
-		struct rig rig;
+		struct sim_rig rig;
 
 		prepare(&rig, clocks[i], "stall_after=2", NULL);
 		rig.settings.rate_hz = 200;
@@ -228,7 +228,7 @@ static void a_camera_stalls_and_vanishes(void **state)
 static void corrupt_frames_are_skipped(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
 	prepare(&rig, "clock=frames", "corrupt_every=3", NULL);
@@ -287,7 +287,7 @@ static void the_sensor_encodes(void **state)
 	option(file, "file", flat_panorama(0.25f));
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 
 		prepare(&rig, "clock=frames", "source=panorama", file, cases[i].transfer,
 			cases[i].exposure, cases[i].black, NULL);
@@ -308,7 +308,7 @@ static void the_exposure_changes_after_its_delay(void **state)
 	option(file, "file", flat_panorama(0.25f));
 	for (size_t i = 0; i < sizeof(delays) / sizeof(delays[0]); i++) {
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 
 		snprintf(delay, sizeof(delay), "control_delay=%d", delays[i]);
 		prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file, delay,
@@ -343,7 +343,7 @@ static void the_exposure_changes_after_its_delay(void **state)
 static void the_last_of_many_exposures_counts(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -381,7 +381,7 @@ static void wrong_controls_are_named(void **state)
 		{"exposure", "1e7", -ERANGE, "expected 0 to 1e+06"},
 	};
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
 	prepare(&rig, "clock=frames", NULL);
@@ -402,7 +402,7 @@ static void wrong_controls_are_named(void **state)
 static void a_driver_without_controls_says_so(void **state)
 {
 	struct camera_ops without = camera_sim;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
 	without.control = NULL;
@@ -420,7 +420,7 @@ static void noise_is_as_strong_as_said(void **state)
 {
 	double sum = 0, squares = 0;
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 	const int count = 200 * 200 * 3;
 
@@ -472,7 +472,7 @@ static void panoramas_show_what_is_there(void **state)
 	struct fisheye lens;
 	struct image image;
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -522,7 +522,7 @@ static void yuyv_holds_the_same_picture(void **state)
 			struct frame_decoder *decoder;
 			struct canvas canvas, plain;
 			struct frame frame;
-			struct rig rig;
+			struct sim_rig rig;
 			double sum = 0;
 
 			assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
@@ -572,7 +572,7 @@ static void pictures_play_in_order(void **state)
 {
 	static const int looped[] = {10, 20, 30, 10, 20};
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -617,7 +617,7 @@ static void pictures_play_in_order(void **state)
 static void a_picture_stays(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -666,7 +666,7 @@ static void video_plays(void **state)
 	for (size_t k = 0; k < 4; k++) {
 		FILE *f = fopen(in_folder("clip.y4m"), "w");
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 		char file[300];
 
 		write_video(f, kinds[k].name, kinds[k].chroma_bytes, 3);
@@ -690,7 +690,7 @@ static void video_plays(void **state)
 static void a_pipe_plays_as_it_comes(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 	int hold;
 	FILE *f;
@@ -747,7 +747,7 @@ static void bad_files_are_named(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		struct rig rig;
+		struct sim_rig rig;
 		char file[300];
 		int err;
 
@@ -769,7 +769,7 @@ static void bad_files_are_named(void **state)
 static void a_square_panorama_is_refused(void **state)
 {
 	struct image image;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -792,7 +792,7 @@ static void a_camera_file_sets_the_view(void **state)
 {
 	const uint8_t *middle;
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -823,7 +823,7 @@ static void a_camera_file_sets_the_view(void **state)
 
 static void other_formats_are_refused(void **state)
 {
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
 	prepare(&rig, NULL);

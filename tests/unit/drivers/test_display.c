@@ -32,7 +32,7 @@
 
 /* ---- the wrappers ---- */
 
-struct record {
+struct display_record {
 	int open_result, acquire_result, close_result;
 	int closed, submitted;
 	enum display_event_kind next;
@@ -40,7 +40,7 @@ struct record {
 
 static int record_open(struct display *display, struct fault *fault)
 {
-	struct record *record = display->options;
+	struct display_record *record = display->options;
 
 	display->state = record;
 	display->width = display->height = 4;
@@ -58,7 +58,7 @@ static int record_acquire(struct display *display, struct display_buffer *buffer
 	static uint8_t pixels[64];
 
 	*buffer = (struct display_buffer){pixels, 16, 4, 4, 3};
-	return ((struct record *)display->state)->acquire_result;
+	return ((struct display_record *)display->state)->acquire_result;
 }
 
 static int record_submit(struct display *display, struct display_buffer *buffer, int64_t token,
@@ -67,14 +67,14 @@ static int record_submit(struct display *display, struct display_buffer *buffer,
 	(void)fault;
 	assert_int_equal(buffer->index, 3);
 	assert_int_equal(token, 42);
-	((struct record *)display->state)->submitted++;
+	((struct display_record *)display->state)->submitted++;
 	return 0;
 }
 
 static int record_dispatch(struct display *display, struct display_event *event,
 			   struct fault *fault)
 {
-	struct record *record = display->state;
+	struct display_record *record = display->state;
 
 	(void)fault;
 	event->kind = record->next;
@@ -84,7 +84,7 @@ static int record_dispatch(struct display *display, struct display_event *event,
 
 static int record_close(struct display *display, struct fault *fault)
 {
-	struct record *record = display->state;
+	struct display_record *record = display->state;
 
 	record->closed++;
 	return record->close_result ? fault_say(fault, record->close_result, "torn") : 0;
@@ -92,7 +92,7 @@ static int record_close(struct display *display, struct fault *fault)
 
 static const struct display_ops recorder = {
 	.name = "recorder",
-	.options_size = sizeof(struct record),
+	.options_size = sizeof(struct display_record),
 	.open = record_open,
 	.descriptor = record_descriptor,
 	.acquire = record_acquire,
@@ -104,7 +104,7 @@ static const struct display_ops recorder = {
 static void wrappers_refuse(void **state)
 {
 	const struct display_settings settings = {.width = 4};
-	struct record record = {.open_result = -ENODEV};
+	struct display_record record = {.open_result = -ENODEV};
 	struct display display;
 	struct display_buffer buffer;
 	struct display_event event;
@@ -129,7 +129,7 @@ static void wrappers_refuse(void **state)
 static void wrappers_lend(void **state)
 {
 	const struct display_settings settings = {.width = 4};
-	struct record record = {.close_result = -ENOSPC};
+	struct display_record record = {.close_result = -ENOSPC};
 	struct display display;
 	struct display_buffer buffer, copy;
 	struct display_event event;
@@ -188,7 +188,7 @@ static void wrappers_name_situations(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		struct record record = {.open_result = cases[i].err};
+		struct display_record record = {.open_result = cases[i].err};
 		struct display display;
 
 		assert_int_equal(display_open(&display, &recorder, &settings, &record, NULL),

@@ -27,7 +27,7 @@
 #include "hal/image/image.h"
 #include "tests/vm/tools/driver_option.h"
 
-struct request {
+struct capture_request {
 	struct camera_settings settings;
 	int frames, hold_ms;
 	enum deinterlace deinterlace;
@@ -71,11 +71,12 @@ static const char *value_of(const char *text, const char *name)
 	return strncmp(text, name, length) || text[length] != '=' ? NULL : text + length + 1;
 }
 
-static struct request parse(int argc, char **argv, const struct camera_ops *driver, void *options)
+static struct capture_request parse(int argc, char **argv, const struct camera_ops *driver,
+				    void *options)
 {
 	static const char *const matrices[] = {"auto", "bt601", "bt709", NULL};
 	static const char *const ranges[] = {"auto", "limited", "full", NULL};
-	struct request r = {.settings.buffers = 4, .frames = atoi(argv[2]), .out = argv[3]};
+	struct capture_request r = {.settings.buffers = 4, .frames = atoi(argv[2]), .out = argv[3]};
 	const char *value;
 
 	for (int i = 4; i < argc; i++) {
@@ -192,7 +193,7 @@ static void say_lines(const struct canvas *canvas, int parity)
 	printf("%s %d %d\n", parity ? "odd" : "even", lowest, highest);
 }
 
-static int take(struct camera *camera, const struct request *request, struct watch *watch,
+static int take(struct camera *camera, const struct capture_request *request, struct watch *watch,
 		struct fault *fault)
 {
 	struct canvas canvas = {0};
@@ -245,7 +246,7 @@ int main(int argc, char **argv)
 	void *options = calloc(1, driver->options_size + 1);
 	if (driver->keys)
 		ini_defaults(driver->keys, options);
-	const struct request request = parse(argc, argv, driver, options);
+	const struct capture_request request = parse(argc, argv, driver, options);
 	int err = camera_open(&camera, driver, &request.settings, options, &fault);
 	if (!err) {
 		printf("name %s\nformat %s\nsize %dx%d\nrate %g\n", camera.name,

@@ -70,7 +70,7 @@ static void note(struct flips *flips, const struct display_event *event)
 }
 
 /* As in a kiosk: draws, and takes in events. */
-struct show {
+struct show_state {
 	struct display display;
 	const struct image *image;
 	int frames; /* frames to show before "ready" */
@@ -79,7 +79,7 @@ struct show {
 	bool hidden, ready;
 };
 
-static int draw_one(struct show *show, struct fault *fault)
+static int draw_one(struct show_state *show, struct fault *fault)
 {
 	struct display_buffer buffer;
 	int err = display_acquire(&show->display, &buffer);
@@ -90,7 +90,7 @@ static int draw_one(struct show *show, struct fault *fault)
 	return display_submit(&show->display, &buffer, ++show->token, fault);
 }
 
-static int take_events(struct show *show, struct fault *fault)
+static int take_events(struct show_state *show, struct fault *fault)
 {
 	struct display_event event;
 	int err;
@@ -109,7 +109,7 @@ static int take_events(struct show *show, struct fault *fault)
 	return err;
 }
 
-static void say_ready(struct show *show)
+static void say_ready(struct show_state *show)
 {
 	const struct flips *flips = &show->flips;
 
@@ -123,7 +123,7 @@ static void say_ready(struct show *show)
 }
 
 /* Shows until a signal (0) or until the screen fails. Signals arrive only while waiting. */
-static int run(struct show *show, const sigset_t *waiting, struct fault *fault)
+static int run(struct show_state *show, const sigset_t *waiting, struct fault *fault)
 {
 	const struct timespec patience = {.tv_sec = 5};
 	int err = 0;
@@ -149,7 +149,7 @@ static int run(struct show *show, const sigset_t *waiting, struct fault *fault)
 }
 
 /* Opens the display; with patient, again and again as long as that may help. */
-static int open_patiently(struct show *show, const struct display_ops *driver,
+static int open_patiently(struct show_state *show, const struct display_ops *driver,
 			  const struct display_settings *settings, void *options, bool patient,
 			  const sigset_t *waiting, struct fault *fault)
 {
@@ -210,7 +210,7 @@ int main(int argc, char **argv)
 {
 	struct display_settings settings = {0};
 	struct image image = {0};
-	struct show show = {.image = &image};
+	struct show_state show = {.image = &image};
 	struct fault fault = {""};
 	sigset_t stopping, waiting;
 	bool patient = false;

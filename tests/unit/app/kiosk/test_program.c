@@ -27,7 +27,7 @@
 
 /* ---- options ---- */
 
-struct taken {
+struct taken_actions {
 	char words[8][32];
 	int count;
 	long number;
@@ -35,7 +35,7 @@ struct taken {
 
 static int take_word(void *context, const char *argument, const char **expected)
 {
-	struct taken *taken = context;
+	struct taken_actions *taken = context;
 
 	(void)expected;
 	snprintf(taken->words[taken->count++], 32, "%s", argument ? argument : "(none)");
@@ -45,7 +45,7 @@ static int take_word(void *context, const char *argument, const char **expected)
 static int take_number(void *context, const char *argument, const char **expected)
 {
 	*expected = "1..9";
-	return option_integer(argument, 1, 9, &((struct taken *)context)->number);
+	return option_integer(argument, 1, 9, &((struct taken_actions *)context)->number);
 }
 
 static const struct option_row rows[] = {
@@ -56,13 +56,13 @@ static const struct option_row rows[] = {
 
 static const struct command command = {.name = "try", .usage = "", .purpose = "", .options = rows};
 
-static int read_words(struct taken *taken, const char *first, ...)
+static int read_words(struct taken_actions *taken, const char *first, ...)
 {
 	char *argv[12] = {(char *)"try"};
 	va_list args;
 	int argc = 1;
 
-	*taken = (struct taken){.count = 0};
+	*taken = (struct taken_actions){.count = 0};
 	va_start(args, first);
 	for (const char *word = first; word; word = va_arg(args, const char *))
 		argv[argc++] = (char *)word;
@@ -72,7 +72,7 @@ static int read_words(struct taken *taken, const char *first, ...)
 
 static void options_are_read(void **state)
 {
-	struct taken taken;
+	struct taken_actions taken;
 
 	(void)state;
 	assert_int_equal(read_words(&taken, NULL), OPTIONS_GO_ON);
@@ -91,7 +91,7 @@ static void options_are_read(void **state)
 
 static void wrong_options_are_wrong_usage(void **state)
 {
-	struct taken taken;
+	struct taken_actions taken;
 
 	(void)state;
 	assert_int_equal(read_words(&taken, "--wrod", "a", NULL), EXIT_USAGE);

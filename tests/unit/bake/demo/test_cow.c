@@ -173,13 +173,13 @@ static void ball_is_a_ball(void **state)
 
 /* ---- the meshes ---- */
 
-struct edge {
+struct cow_edge {
 	int from, to;
 };
 
 static int edge_compare(const void *a, const void *b)
 {
-	return memcmp(a, b, sizeof(struct edge));
+	return memcmp(a, b, sizeof(struct cow_edge));
 }
 
 /* Each directed edge occurs exactly once, and so does its opposite. */
@@ -188,15 +188,15 @@ static void meshes_are_closed(void **state)
 	(void)state;
 	for (int k = 0; k < COW_PARTS; k++) {
 		const int count = 3 * parts[k].triangle_count;
-		struct edge *edge = malloc(count * sizeof(*edge));
+		struct cow_edge *edge = malloc(count * sizeof(*edge));
 
 		assert_non_null(edge);
 		for (int e = 0; e < count; e++)
-			edge[e] = (struct edge){parts[k].triangle[e / 3][e % 3],
-						parts[k].triangle[e / 3][(e + 1) % 3]};
+			edge[e] = (struct cow_edge){parts[k].triangle[e / 3][e % 3],
+						    parts[k].triangle[e / 3][(e + 1) % 3]};
 		qsort(edge, count, sizeof(*edge), edge_compare);
 		for (int e = 0; e < count; e++) {
-			const struct edge back = {edge[e].to, edge[e].from};
+			const struct cow_edge back = {edge[e].to, edge[e].from};
 
 			if (e)
 				assert_int_not_equal(edge_compare(&edge[e - 1], &edge[e]), 0);

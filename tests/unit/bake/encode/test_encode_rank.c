@@ -16,7 +16,7 @@
 
 #define PIXELS 40 /* more than coarse lights, so that nothing is cut off */
 
-struct fit {
+struct rank_fit {
 	struct encode_rig e;
 	struct basis_groups groups;
 	struct part part; /* only the fields that a metric reads */
@@ -27,12 +27,12 @@ struct fit {
 	double *left;	       /* [lights][PIXELS]: residual of value */
 };
 
-static void fit_begin(struct fit *f, struct chance *chance)
+static void fit_begin(struct rank_fit *f, struct chance *chance)
 {
 	struct encode_settings *s;
 	size_t n;
 
-	*f = (struct fit){.e = encode_rig_dome(6, 2)};
+	*f = (struct rank_fit){.e = encode_rig_dome(6, 2)};
 	s = &f->e.settings;
 	n = (size_t)s->lights;
 	assert_int_equal(basis_groups_create(&f->groups, s->gather, s->lights, s->coarse), 0);
@@ -59,7 +59,7 @@ static void fit_begin(struct fit *f, struct chance *chance)
 	assert_int_equal(rank_scratch_create(&f->scratch, s), 0);
 }
 
-static void fit_end(struct fit *f)
+static void fit_end(struct rank_fit *f)
 {
 	rank_metric_free(&f->metric);
 	rank_patterns_free(&f->patterns);
@@ -73,7 +73,7 @@ static void fit_end(struct fit *f)
 	encode_rig_end(&f->e);
 }
 
-static void find(struct fit *f)
+static void find(struct rank_fit *f)
 {
 	const int n = f->e.settings.lights;
 
@@ -93,7 +93,7 @@ static void find(struct fit *f)
 }
 
 /* RMS, over groups and pixels, of the mean residual of a group's lights. */
-static double left_of_means(const struct fit *f)
+static double left_of_means(const struct rank_fit *f)
 {
 	double square = 0;
 
@@ -110,7 +110,7 @@ static double left_of_means(const struct fit *f)
 }
 
 /* At the minimum of the weighted squares their slope is 0, along every coarse light. */
-static void is_least(const struct fit *f, double mean_weight)
+static void is_least(const struct rank_fit *f, double mean_weight)
 {
 	const struct encode_settings *s = &f->e.settings;
 
@@ -157,7 +157,7 @@ static void is_least(const struct fit *f, double mean_weight)
 static void lost_weight_goes_to_means(void **state)
 {
 	struct chance chance = chance_begin("ranks");
-	struct fit f;
+	struct rank_fit f;
 	double with, without;
 
 	(void)state;

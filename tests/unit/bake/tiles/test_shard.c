@@ -21,7 +21,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/reseal_shard.h"
 
-struct sample {
+struct shard_sample {
 	char folder[64], path[80];
 	struct copied whole, c; /* a test changes c and restores it */
 	struct shard_header *header;
@@ -59,7 +59,7 @@ static void add_tile(struct shard_writer *writer, const struct copied *file, int
 	synthetic_must(shard_writer_add(writer, &tile, &fault), &fault);
 }
 
-static void write_sample(const struct sample *sample)
+static void write_sample(const struct shard_sample *sample)
 {
 	const struct shard_place place = {0, 1};
 	struct synthetic s;
@@ -85,7 +85,7 @@ static void write_sample(const struct sample *sample)
 
 static int setup(void **state)
 {
-	static struct sample sample;
+	static struct shard_sample sample;
 	uint8_t *at;
 	size_t n;
 
@@ -110,7 +110,7 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
-	struct sample *sample = *state;
+	struct shard_sample *sample = *state;
 
 	copied_free(&sample->whole);
 	copied_free(&sample->c);
@@ -121,7 +121,7 @@ static int teardown(void **state)
 /* ---- reading ---- */
 
 /* Repairs the checksums of the changed shard and reads all of it. 0, or the error of the reader. */
-static int read_changed(const struct sample *sample, struct fault *fault)
+static int read_changed(const struct shard_sample *sample, struct fault *fault)
 {
 	FILE *out = fopen(sample->path, "wb");
 	struct finished_tile tile;
@@ -145,7 +145,7 @@ static int read_changed(const struct sample *sample, struct fault *fault)
 
 static void comes_back(void **state)
 {
-	const struct sample *sample = *state;
+	const struct shard_sample *sample = *state;
 	struct fault fault = {""};
 	struct finished_tile tile;
 	struct shard shard;
@@ -174,7 +174,7 @@ static void comes_back(void **state)
 
 static void refuses_wrong_numbers(void **state)
 {
-	struct sample *s = *state;
+	struct shard_sample *s = *state;
 	struct basis_block_entry *last = s->entry + s->record->shown + s->record->exact - 1;
 	struct fault fault;
 
@@ -215,7 +215,7 @@ static void refuses_wrong_numbers(void **state)
 /* Any single wrong bit: refused with a message, or the tiles are valid. */
 static void survives_any_bit(void **state)
 {
-	struct sample *s = *state;
+	struct shard_sample *s = *state;
 	struct chance chance = chance_begin("shard");
 	struct fault fault;
 

@@ -336,13 +336,13 @@ static void test_seam(void **state)
 /* ---- real tiles ---- */
 
 /* Unfiltered tiles of one sample a pixel, summed up. */
-struct sums {
+struct tile_sums {
 	float *value[BASIS_KIND_COUNT]; /* [TILE_PIXELS][3][lights] */
 	bool seen[BASIS_KIND_COUNT];
 };
 
 static void add_tiles(const struct scene *scene, const struct cells *cells, int index, int seed,
-		      int samples, struct sums *sums)
+		      int samples, struct tile_sums *sums)
 {
 	const size_t row = 3 * (size_t)cells->count;
 	struct tile *tile = malloc(sizeof(*tile));
@@ -369,7 +369,7 @@ static void add_tiles(const struct scene *scene, const struct cells *cells, int 
 	free(tile);
 }
 
-static void free_sums(struct sums *sums)
+static void free_sums(struct tile_sums *sums)
 {
 	for (int kind = 0; kind < BASIS_KIND_COUNT; kind++)
 		free(sums->value[kind]);
@@ -403,7 +403,7 @@ static void check_tile(const struct scene *scene, const struct cells *cells, con
 {
 	static const char *const names[] = {"T", "V", "D", "U"};
 	const size_t row = 3 * (size_t)cells->count, count = TILE_PIXELS * row;
-	struct sums half[2] = {0}, reference = {0};
+	struct tile_sums half[2] = {0}, reference = {0};
 	struct bounce bounce;
 	float *sky = malloc(row * sizeof(float)), *scale = malloc(row * sizeof(float));
 	float *mean = malloc(count * sizeof(float));

@@ -28,7 +28,7 @@
 	"[camera]\n" camera "field_deg = 36\nwidth = 40\nheight = 30\n[dome]\nfrequency = 1\n"     \
 	"[render]\nsamples = 64\n[ground]\n"
 
-struct comparison {
+struct glass_comparison {
 	struct basis basis;
 	struct image truth;	 /* linear light */
 	uint8_t out[PIXELS * 4]; /* BGRX */
@@ -70,7 +70,7 @@ static void make_panorama(struct image *image)
 	dome_free(&dome);
 }
 
-static void composite(struct comparison *to)
+static void composite(struct glass_comparison *to)
 {
 	static uint8_t board[PIXELS * 4];
 	const struct picture picture = {board, 4, WIDTH * 4, WIDTH, HEIGHT};
@@ -103,19 +103,19 @@ static void composite(struct comparison *to)
 	free(radiance);
 }
 
-static double true_level(const struct comparison *c, int x, int y, int channel)
+static double true_level(const struct glass_comparison *c, int x, int y, int channel)
 {
 	return 255 *
 	       transfer_encode(TRANSFER_SRGB, (double)c->truth.f32[3 * (y * WIDTH + x) + channel]);
 }
 
-static int level(const struct comparison *c, int x, int y, int channel)
+static int level(const struct glass_comparison *c, int x, int y, int channel)
 {
 	return c->out[(y * WIDTH + x) * 4 + 2 - channel];
 }
 
 /* Bakes NAME, composites it, and traces the same scene. */
-static void compare(struct comparison *to, const char *name)
+static void compare(struct glass_comparison *to, const char *name)
 {
 	const struct truth_settings settings = {
 		.samples = 384, .bounces = 8, .seed = 3, .threads = 2, .quiet = true};
@@ -160,7 +160,7 @@ static void compare(struct comparison *to, const char *name)
 	scene_close(scene);
 }
 
-static void compared(struct comparison *c)
+static void compared(struct glass_comparison *c)
 {
 	basis_close(&c->basis);
 	image_free(&c->truth);
@@ -182,7 +182,7 @@ static void write_box(const char *name, double x, double y, double z)
 static void a_tinted_pane_lets_its_own_background_through(void **state)
 {
 	const double tint[3] = {0.95, 0.7, 0.4};
-	struct comparison c;
+	struct glass_comparison c;
 	int whole = 0, foot = 0;
 
 	(void)state;
@@ -220,7 +220,7 @@ static void a_tinted_pane_lets_its_own_background_through(void **state)
 static void a_thin_pane_mirrors_on_both_sides(void **state)
 {
 	const double once = 0.04, both = 2 * once / (1 + once);
-	struct comparison c;
+	struct glass_comparison c;
 
 	(void)state;
 	small_scene_write("sheet.obj",
@@ -244,7 +244,7 @@ static void a_thin_pane_mirrors_on_both_sides(void **state)
 /* A glass ball shows the background upside down. */
 static void a_ball_bends_the_background(void **state)
 {
-	struct comparison c;
+	struct glass_comparison c;
 	int below = 0;
 
 	(void)state;
@@ -272,7 +272,7 @@ static void a_ball_bends_the_background(void **state)
  * receives the object's shadow. */
 static void real_things_hide_and_receive(void **state)
 {
-	struct comparison c;
+	struct glass_comparison c;
 	int hidden = 0, shown = 0, dark = 0, wrong = 0;
 
 	(void)state;

@@ -20,7 +20,7 @@
 
 #define ITEMS 5000
 
-struct record {
+struct pool_record {
 	atomic_int calls[ITEMS];
 	atomic_int busy[64];
 	atomic_int clashes, strangers;
@@ -31,7 +31,7 @@ struct record {
 
 static void note(void *context, int item, int worker)
 {
-	struct record *r = context;
+	struct pool_record *r = context;
 
 	if (worker < 0 || worker >= r->threads) {
 		r->strangers++;
@@ -47,7 +47,7 @@ static void note(void *context, int item, int worker)
 static void every_item_once(void **state)
 {
 	static const int counts[] = {0, 1, 2, 3, 7, 64, ITEMS};
-	static struct record r;
+	static struct pool_record r;
 
 	(void)state;
 	for (int threads = 1; threads <= 8; threads++) {
@@ -77,7 +77,7 @@ static void every_item_once(void **state)
 
 static void many_short_jobs(void **state)
 {
-	static struct record r;
+	static struct pool_record r;
 	struct pool *pool;
 
 	(void)state;
@@ -120,7 +120,7 @@ static void returns_when_all_are_done(void **state)
 	pool_destroy(pool);
 }
 
-struct meeting {
+struct pool_meeting {
 	pthread_mutex_t lock;
 	pthread_cond_t changed;
 	int present, most;
@@ -129,7 +129,7 @@ struct meeting {
 /* Waits up to ten seconds until three workers are here at once, which needs real concurrency. */
 static void meet(void *context, int item, int worker)
 {
-	struct meeting *m = context;
+	struct pool_meeting *m = context;
 	struct timespec until;
 
 	(void)item;
@@ -149,7 +149,7 @@ static void meet(void *context, int item, int worker)
 
 static void works_side_by_side(void **state)
 {
-	struct meeting m = {PTHREAD_MUTEX_INITIALIZER, PTHREAD_COND_INITIALIZER, 0, 0};
+	struct pool_meeting m = {PTHREAD_MUTEX_INITIALIZER, PTHREAD_COND_INITIALIZER, 0, 0};
 	struct pool *pool;
 
 	(void)state;

@@ -22,7 +22,7 @@
 enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2, MANY = 6486 };
 
 /* An object over two grounds, pixel by pixel, and what a file declares of it. */
-struct scene {
+struct budget_scene {
 	struct basis basis;
 	struct basis_pose pose;
 	struct basis_light light[LIGHTS];
@@ -37,7 +37,7 @@ struct scene {
 };
 
 /* Fills a pixel sparsely or evenly: mirrors and matt surfaces, hard and soft shadows. */
-static void fill_pixel(struct chance *chance, struct scene *s, int p)
+static void fill_pixel(struct chance *chance, struct budget_scene *s, int p)
 {
 	const double sparse = chance_real(chance, 0, 1);
 
@@ -59,9 +59,9 @@ static void fill_pixel(struct chance *chance, struct scene *s, int p)
 	}
 }
 
-static struct scene *scene_begin(struct chance *chance)
+static struct budget_scene *scene_begin(struct chance *chance)
 {
-	struct scene *s = calloc(1, sizeof(*s));
+	struct budget_scene *s = calloc(1, sizeof(*s));
 
 	assert_non_null(s);
 	s->gain = 1;
@@ -83,13 +83,13 @@ static struct scene *scene_begin(struct chance *chance)
 	return s;
 }
 
-static void scene_end(struct scene *s)
+static void scene_end(struct budget_scene *s)
 {
 	light_selection_free(&s->selection);
 	free(s);
 }
 
-static void choose(struct scene *s, double budget, enum threshold_mode mode)
+static void choose(struct budget_scene *s, double budget, enum threshold_mode mode)
 {
 	s->selection.budget = budget;
 	light_selection_choose(&s->selection, &s->basis, 0, (const float(*)[3])s->radiance, 0, mode,
@@ -97,7 +97,7 @@ static void choose(struct scene *s, double budget, enum threshold_mode mode)
 }
 
 /* A pixel over a white background, in linear light that is not clipped. */
-static double pixel(const struct scene *s, int p, int c, const double (*light)[3],
+static double pixel(const struct budget_scene *s, int p, int c, const double (*light)[3],
 		    const double ambient[3])
 {
 	const double *u = s->ground[p % GROUNDS][c];
@@ -113,7 +113,7 @@ static double pixel(const struct scene *s, int p, int c, const double (*light)[3
 	return s->gain * object + (1 - s->coverage[p]) * fmax(1 - less / ground, 0);
 }
 
-static double largest_change(const struct scene *s)
+static double largest_change(const struct budget_scene *s)
 {
 	static const double none[3];
 	double all[LIGHTS][3], most = 0;
@@ -142,7 +142,7 @@ static int ascending(const void *a, const void *b)
 }
 
 /* Largest number of lights that fit into a budget, counted one by one. */
-static int most_possible(const struct scene *s, double budget)
+static int most_possible(const struct budget_scene *s, double budget)
 {
 	uint64_t sorted[LIGHTS], sum = 0;
 	int count = 0;
@@ -157,7 +157,7 @@ static int most_possible(const struct scene *s, double budget)
 
 enum lighting { RANDOM, ONE_LARGE, EQUAL, DARK, STEEP, COLOURED, LIGHTINGS };
 
-static void light(struct chance *chance, struct scene *s, enum lighting lighting)
+static void light(struct chance *chance, struct budget_scene *s, enum lighting lighting)
 {
 	for (int i = 0; i < LIGHTS; i++) {
 		for (int c = 0; c < 3; c++) {
@@ -181,7 +181,7 @@ static void no_pixel_changes_by_more(void **state)
 
 	(void)state;
 	for (int n = 0; n < 4 * LIGHTINGS * THRESHOLD_MODE_COUNT; n++) {
-		struct scene *s = scene_begin(&chance);
+		struct budget_scene *s = scene_begin(&chance);
 		const enum threshold_mode mode =
 			(enum threshold_mode)(n / LIGHTINGS % THRESHOLD_MODE_COUNT);
 
@@ -207,7 +207,7 @@ static void no_pixel_changes_by_more(void **state)
 static void the_bound_is_what_the_header_says(void **state)
 {
 	struct chance chance = chance_begin("bound");
-	struct scene *s = scene_begin(&chance);
+	struct budget_scene *s = scene_begin(&chance);
 
 	(void)state;
 	light(&chance, s, RANDOM);
@@ -239,7 +239,7 @@ static void the_bound_is_what_the_header_says(void **state)
 static void ends_of_the_range(void **state)
 {
 	struct chance chance = chance_begin("ends");
-	struct scene *s = scene_begin(&chance);
+	struct budget_scene *s = scene_begin(&chance);
 
 	(void)state;
 	light(&chance, s, EQUAL);
@@ -290,7 +290,7 @@ static void the_cut_is_that_of_sorting(void **state)
 static void the_set_does_not_flicker(void **state)
 {
 	struct chance chance = chance_begin("flicker");
-	struct scene *s = scene_begin(&chance);
+	struct budget_scene *s = scene_begin(&chance);
 	float still[LIGHTS][3];
 	bool used[LIGHTS];
 	int changes = 0;

@@ -18,7 +18,7 @@
 enum { LIGHTS_MAX = 512, NINE = 9, PIXELS = 40 };
 
 /* A sky and pixels of an object under it. */
-struct scene {
+struct return_scene {
 	struct dome dome;
 	struct basis_light light[LIGHTS_MAX];
 	float object[PIXELS][LIGHTS_MAX][3], peak[LIGHTS_MAX + 1][3];
@@ -28,7 +28,7 @@ struct scene {
 	struct light_selection selection;
 };
 
-static void fill_pixels(struct scene *s, struct chance *chance)
+static void fill_pixels(struct return_scene *s, struct chance *chance)
 {
 	for (int p = 0; p < PIXELS; p++) {
 		for (int c = 0; c < 3; c++) {
@@ -47,7 +47,7 @@ static void fill_pixels(struct scene *s, struct chance *chance)
 	}
 }
 
-static void scene_begin(struct scene *s, int frequency, struct chance *chance)
+static void scene_begin(struct return_scene *s, int frequency, struct chance *chance)
 {
 	memset(s, 0, sizeof(*s));
 	assert_int_equal(dome_create(&s->dome, frequency, DOME_ANGLES, NULL), 0);
@@ -64,14 +64,14 @@ static void scene_begin(struct scene *s, int frequency, struct chance *chance)
 	assert_int_equal(light_selection_create(&s->selection, &s->basis), 0);
 }
 
-static void scene_end(struct scene *s)
+static void scene_end(struct return_scene *s)
 {
 	light_selection_free(&s->selection);
 	dome_free(&s->dome);
 }
 
 /* Dim light that leans to one side, and a few lamps. */
-static void light(struct scene *s, struct chance *chance)
+static void light(struct return_scene *s, struct chance *chance)
 {
 	double towards[3];
 
@@ -88,7 +88,7 @@ static void light(struct scene *s, struct chance *chance)
 	}
 }
 
-static void choose(struct scene *s, double threshold, enum threshold_mode mode)
+static void choose(struct return_scene *s, double threshold, enum threshold_mode mode)
 {
 	light_selection_choose(&s->selection, &s->basis, 0, (const float(*)[3])s->radiance,
 			       threshold, mode, 2);
@@ -133,7 +133,7 @@ static void solve(double a[NINE][NINE + 1])
 }
 
 /* Least-squares fit to the dropped lights, evaluated at every light. */
-static void fit_plainly(const struct scene *s, int c, double fit[LIGHTS_MAX])
+static void fit_plainly(const struct return_scene *s, int c, double fit[LIGHTS_MAX])
 {
 	double a[NINE][NINE + 1] = {{0}};
 
@@ -160,7 +160,7 @@ static void fit_plainly(const struct scene *s, int c, double fit[LIGHTS_MAX])
 	}
 }
 
-static double returned(const struct scene *s, int i, int c)
+static double returned(const struct return_scene *s, int i, int c)
 {
 	const double kept = s->selection.used[i] ? (double)s->radiance[i][c] : 0;
 
@@ -168,7 +168,7 @@ static double returned(const struct scene *s, int i, int c)
 }
 
 /* RMS over the sky of returned minus dropped light. */
-static double miss(const struct scene *s, int c)
+static double miss(const struct return_scene *s, int c)
 {
 	double sum = 0;
 
@@ -180,7 +180,7 @@ static double miss(const struct scene *s, int c)
 	return sqrt(sum / (2 * M_PI));
 }
 
-static void check_fit(const struct scene *s, int c)
+static void check_fit(const struct return_scene *s, int c)
 {
 	double fit[LIGHTS_MAX], mean = 0, back = 0, lowest = 0, share;
 
@@ -205,7 +205,7 @@ static void check_fit(const struct scene *s, int c)
 
 static void is_the_least_squares_fit(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 
 	(void)state;
@@ -226,7 +226,7 @@ static void is_the_least_squares_fit(void **state)
 /* The fit is never farther from the dropped light than the mean alone, and mostly much nearer. */
 static void nine_are_nearer_than_one(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 	double of_one = 0, of_nine = 0;
 
@@ -254,7 +254,7 @@ static void nine_are_nearer_than_one(void **state)
 
 static void no_pixel_is_off_by_more(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 	double closest = 0;
 
@@ -286,7 +286,7 @@ static void no_pixel_is_off_by_more(void **state)
 /* Six lights cannot tell nine terms apart: each light comes back as it was. */
 static void few_lights(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 
 	(void)state;
@@ -301,7 +301,7 @@ static void few_lights(void **state)
 
 static void nothing_dropped_and_nothing_there(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 
 	(void)state;

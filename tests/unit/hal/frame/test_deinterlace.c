@@ -20,7 +20,7 @@
 enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };
 
 /* A picture and the same one as fields. The padding of rows differs from plane to plane. */
-struct rig {
+struct field_rig {
 	struct frame woven, frame;
 	uint8_t whole[2][ROOM], split[2][2][ROOM * 2];
 	struct canvas canvas, expected[2]; /* the fields by themselves, in whole-height canvases */
@@ -48,7 +48,7 @@ static struct frame_plane copy_rows(uint8_t *to, const struct frame_plane *from,
 }
 
 /* Sets the frame's planes so that they describe the woven picture in that order of fields. */
-static void lay_out(struct rig *r, enum frame_fields fields, bool bottom_first)
+static void lay_out(struct field_rig *r, enum frame_fields fields, bool bottom_first)
 {
 	r->frame = r->woven;
 	r->frame.fields = fields;
@@ -83,7 +83,7 @@ static uint8_t *pixel_of(const struct canvas *canvas, int x, int y)
 
 /* Decodes each field as a progressive picture of half the height; test_frame.c checks that
  * decoding. */
-static void decode_fields_apart(struct rig *r)
+static void decode_fields_apart(struct field_rig *r)
 {
 	struct frame_decoder *decoder;
 
@@ -104,7 +104,7 @@ static void decode_fields_apart(struct rig *r)
 	frame_decoder_destroy(decoder);
 }
 
-static void make(struct rig *r, enum pixel_format format, int width, int height)
+static void make(struct field_rig *r, enum pixel_format format, int width, int height)
 {
 	memset(r, 0, sizeof(*r));
 	r->woven = (struct frame){
@@ -121,21 +121,21 @@ static void make(struct rig *r, enum pixel_format format, int width, int height)
 	decode_fields_apart(r);
 }
 
-static void drop(struct rig *r)
+static void drop(struct field_rig *r)
 {
 	canvas_free(&r->canvas);
 	canvas_free(&r->expected[0]);
 	canvas_free(&r->expected[1]);
 }
 
-static double woven_at(const struct rig *r, int x, int y, int c)
+static double woven_at(const struct field_rig *r, int x, int y, int c)
 {
 	return pixel_of(&r->expected[y % 2], x, y / 2)[c];
 }
 
 /* Value of a field at line y of the picture. Lines of the field lie at every other line; between
  * two of them the value is their mean, beyond the last it is the last. */
-static double field_at(const struct rig *r, bool bottom, int x, double y, int c)
+static double field_at(const struct field_rig *r, bool bottom, int x, double y, int c)
 {
 	const int last = r->canvas.height / 2 - 1;
 	const double line = (y - (bottom ? 1 : 0)) / 2;
@@ -147,7 +147,7 @@ static double field_at(const struct rig *r, bool bottom, int x, double y, int c)
 	       2.0;
 }
 
-static double blended_at(const struct rig *r, int x, int y, int c)
+static double blended_at(const struct field_rig *r, int x, int y, int c)
 {
 	const int last = r->canvas.height - 1;
 	const int above = y > 0 ? y - 1 : 1, below = y < last ? y + 1 : last - 1;
@@ -156,7 +156,7 @@ static double blended_at(const struct rig *r, int x, int y, int c)
 	       woven_at(r, x, below, c) / 4;
 }
 
-static double expected_at(const struct rig *r, enum deinterlace way, int x, int y, int c)
+static double expected_at(const struct field_rig *r, enum deinterlace way, int x, int y, int c)
 {
 	const enum frame_fields fields = r->frame.fields;
 
@@ -172,7 +172,7 @@ static double expected_at(const struct rig *r, enum deinterlace way, int x, int 
 	}
 }
 
-static void decodes_as_expected(struct rig *r, enum deinterlace way)
+static void decodes_as_expected(struct field_rig *r, enum deinterlace way)
 {
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
@@ -201,7 +201,7 @@ static void decodes_as_expected(struct rig *r, enum deinterlace way)
 
 static void every_order_and_way(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 
 	(void)state;
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
@@ -220,7 +220,7 @@ static void every_order_and_way(void **state)
 /* The check above must fail on a wrong picture. */
 static void a_field_in_the_wrong_place_is_noticed(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 	int differing = 0;
 
@@ -240,7 +240,7 @@ static void a_field_in_the_wrong_place_is_noticed(void **state)
 /* A vertical gradient stays in place, in any field and method: no bobbing by half a line. */
 static void nothing_moves_by_half_a_line(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 
 	(void)state;
 	make(&rig, PIXEL_GREY, 8, 48);
@@ -263,7 +263,7 @@ static void nothing_moves_by_half_a_line(void **state)
 /* White in one field and black in the other, as a moving object leaves them. */
 static void blending_leaves_no_comb(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 
 	(void)state;
@@ -281,7 +281,7 @@ static void blending_leaves_no_comb(void **state)
 
 static void odd_heights_are_refused(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
 
@@ -307,7 +307,7 @@ static void odd_heights_are_refused(void **state)
 
 static void short_fields_are_refused(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 
 	(void)state;
@@ -364,7 +364,7 @@ static void holds_greys(const struct canvas *canvas, int top, int bottom)
 	}
 }
 
-static void jpeg_holds(struct rig *r, enum deinterlace way, int top, int bottom)
+static void jpeg_holds(struct field_rig *r, enum deinterlace way, int top, int bottom)
 {
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
@@ -378,7 +378,7 @@ static void jpeg_holds(struct rig *r, enum deinterlace way, int top, int bottom)
 
 static void jpeg_in_fields(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	static uint8_t pair[ROOM * 2];
 	size_t bytes, second;
 
@@ -428,7 +428,7 @@ static void jpeg_in_fields(void **state)
 
 static void jpeg_without_its_second_field_is_refused(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	static uint8_t one[ROOM * 2];
 	struct frame_decoder *decoder;
 	struct fault fault = {""};

@@ -21,7 +21,7 @@
 
 static const char *const colours[] = {"red", "green", "blue", NULL};
 
-struct lamp {
+struct ini_lamp {
 	bool on;
 	int count;
 	double power;
@@ -44,7 +44,7 @@ struct camera_part {
 };
 
 struct root {
-	struct lamp lamp;
+	struct ini_lamp lamp;
 	struct extra extra;
 	struct camera_part cameras[2];
 	int camera_count;
@@ -54,16 +54,16 @@ struct root {
 };
 
 static const struct ini_key lamp_keys[] = {
-	{"on", INI_BOOL, offsetof(struct lamp, on), .fallback = "yes", .help = "Lit or not."},
-	{"count", INI_INT, offsetof(struct lamp, count), .min = 0, .max = 255, .fallback = "7",
+	{"on", INI_BOOL, offsetof(struct ini_lamp, on), .fallback = "yes", .help = "Lit or not."},
+	{"count", INI_INT, offsetof(struct ini_lamp, count), .min = 0, .max = 255, .fallback = "7",
 	 .unit = "lamps", .help = "How many."},
-	{"power", INI_REAL, offsetof(struct lamp, power), .min = -1, .max = 1e3, .fallback = "0.1",
-	 .unit = "W", .help = "How strong."},
-	{"place", INI_REALS, offsetof(struct lamp, place), .count = 3, .fallback = "1 2 3",
+	{"power", INI_REAL, offsetof(struct ini_lamp, power), .min = -1, .max = 1e3,
+	 .fallback = "0.1", .unit = "W", .help = "How strong."},
+	{"place", INI_REALS, offsetof(struct ini_lamp, place), .count = 3, .fallback = "1 2 3",
 	 .help = "Where."},
-	{"label", INI_TEXT, offsetof(struct lamp, label), .fallback = "", .help = "Name."},
-	{"file", INI_PATH, offsetof(struct lamp, file), .fallback = "", .help = "Of the lamp."},
-	{"colour", INI_CHOICE, offsetof(struct lamp, colour), .choices = colours,
+	{"label", INI_TEXT, offsetof(struct ini_lamp, label), .fallback = "", .help = "Name."},
+	{"file", INI_PATH, offsetof(struct ini_lamp, file), .fallback = "", .help = "Of the lamp."},
+	{"colour", INI_CHOICE, offsetof(struct ini_lamp, colour), .choices = colours,
 	 .fallback = "green", .help = "Tint."},
 	INI_KEYS_END};
 
@@ -207,7 +207,7 @@ static void every_type_is_read(void **state)
 		"file = a b/c.txt\ncolour=blue\nspin.speed = 9\n"
 		"[camera  one]\nsim.noise=0.5\n[camera two]\nwidth=10\n[camera one]\n"
 		"width=4096\n");
-	const struct lamp *lamp = &o->root.lamp;
+	const struct ini_lamp *lamp = &o->root.lamp;
 
 	(void)state;
 	assert_int_equal(o->said_count, 0);
@@ -230,7 +230,7 @@ static void every_type_is_read(void **state)
 static void defaults_fill_every_field(void **state)
 {
 	struct outcome *o = outcome_fresh();
-	const struct lamp *lamp = &o->root.lamp;
+	const struct ini_lamp *lamp = &o->root.lamp;
 
 	(void)state;
 	assert_true(lamp->on);

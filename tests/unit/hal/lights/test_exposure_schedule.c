@@ -16,7 +16,7 @@
 enum { COUNT = 3, FRAMES = 400 };
 
 /* A camera, and the exposure of each of its frames. */
-struct camera {
+struct scheduled_camera {
 	int delay;
 	bool beyond;  /* slower than the schedule allows for, so that its answers may be wrong */
 	int64_t next; /* number of the next frame */
@@ -25,7 +25,7 @@ struct camera {
 
 static const double light[COUNT] = {0.6, 0.1, 0.0125};
 
-static void obey(struct camera *camera, int exposure)
+static void obey(struct scheduled_camera *camera, int exposure)
 {
 	for (int64_t k = camera->next + camera->delay; k < FRAMES + 64; k++)
 		camera->shown[k] = exposure;
@@ -33,7 +33,7 @@ static void obey(struct camera *camera, int exposure)
 
 /* Captures one frame, after `lost` that are lost and with `late` more before the answer. Checks the
  * exposure that the schedule says, unless it says that it does not know. */
-static int step(struct exposure_schedule *s, struct camera *camera, int lost, int late,
+static int step(struct exposure_schedule *s, struct scheduled_camera *camera, int lost, int late,
 		uint32_t offset)
 {
 	const int64_t frame = camera->next + lost;
@@ -56,7 +56,7 @@ static void every_delay_is_kept_track_of(void **state)
 {
 	(void)state;
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
-		struct camera camera = {.delay = delay};
+		struct scheduled_camera camera = {.delay = delay};
 		struct exposure_schedule s;
 		int count[COUNT] = {0};
 
@@ -80,7 +80,7 @@ static void lost_and_late_frames_shift_nothing(void **state)
 
 	(void)state;
 	for (int delay = 0; delay <= 6; delay++) {
-		struct camera camera = {.delay = delay};
+		struct scheduled_camera camera = {.delay = delay};
 		struct exposure_schedule s;
 		int known = 0;
 
@@ -108,7 +108,7 @@ static void numbers_that_stand_still(void **state)
 }
 
 /* Measures the delay as the kiosk does: asks with the frame, then tells its brightness. */
-static int measure(struct camera *camera, struct chance *chance, bool loses, bool shows)
+static int measure(struct scheduled_camera *camera, struct chance *chance, bool loses, bool shows)
 {
 	struct exposure_schedule s;
 	int err = 0;
@@ -131,7 +131,7 @@ static void a_delay_is_measured(void **state)
 
 	(void)state;
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
-		struct camera camera = {.delay = delay};
+		struct scheduled_camera camera = {.delay = delay};
 
 		expect_equal(measure(&camera, &chance, false, true), delay, "delay=%d", delay);
 		expect_at_most(camera.next, 4 * (EXPOSURE_HOLD + 1) + 2, "delay=%d", delay);
@@ -147,7 +147,7 @@ static void lost_frames_do_not_spoil_the_measurement(void **state)
 
 	(void)state;
 	for (int n = 0; n < 50; n++) {
-		struct camera camera = {.delay = n % 7};
+		struct scheduled_camera camera = {.delay = n % 7};
 		const int found = measure(&camera, &chance, true, true);
 
 		right += found == n % 7;
@@ -159,8 +159,8 @@ static void lost_frames_do_not_spoil_the_measurement(void **state)
 static void what_is_not_seen_is_said(void **state)
 {
 	struct chance chance = chance_begin("not seen");
-	struct camera camera = {.delay = 2},
-		      slow = {.delay = EXPOSURE_DELAY_MAX + 3, .beyond = true};
+	struct scheduled_camera camera = {.delay = 2},
+				slow = {.delay = EXPOSURE_DELAY_MAX + 3, .beyond = true};
 
 	(void)state;
 	assert_int_equal(measure(&camera, &chance, false, false), -ENODATA);

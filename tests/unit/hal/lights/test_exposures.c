@@ -23,7 +23,7 @@ static const double ratio[COUNT] = {1, 1 / 16.0, 1 / 256.0};
 static const struct transfer_curve curve = {.named = TRANSFER_SRGB};
 
 /* What the sampler returns for the lights in one exposure. */
-struct taken {
+struct taken_lights {
 	float sampled[LIGHTS][3], excess[LIGHTS][3], clipped[LIGHTS];
 };
 
@@ -49,7 +49,8 @@ static struct light_exposures *create(double gain)
 }
 
 /* Exposes cells without noise; a channel clips at white. */
-static void expose(const struct light_exposures *e, int k, const struct cell *cell, struct taken *f)
+static void expose(const struct light_exposures *e, int k, const struct cell *cell,
+		   struct taken_lights *f)
 {
 	const double above = light_exposures_above(e, k);
 
@@ -71,20 +72,20 @@ static void expose(const struct light_exposures *e, int k, const struct cell *ce
 	}
 }
 
-static void take(struct light_exposures *e, int k, const struct taken *f, struct merged *m)
+static void take(struct light_exposures *e, int k, const struct taken_lights *f, struct merged *m)
 {
 	light_exposures_take(e, k, (const float(*)[3])f->sampled, (const float(*)[3])f->excess,
 			     f->clipped, m->radiance, m->left);
 }
 
-static bool fits(const struct light_exposures *e, int k, const struct taken *f)
+static bool fits(const struct light_exposures *e, int k, const struct taken_lights *f)
 {
 	return light_exposures_fit(e, k, (const float(*)[3])f->sampled, f->clipped);
 }
 
 static void show(struct light_exposures *e, int k, const struct cell *cell, struct merged *m)
 {
-	struct taken f;
+	struct taken_lights f;
 
 	expose(e, k, cell, &f);
 	take(e, k, &f, m);
@@ -162,7 +163,7 @@ static void one_exposure_is_untouched(void **state)
 	struct light_exposures *e;
 	float pixels[LIGHTS];
 	struct chance chance = chance_begin("one exposure");
-	struct taken f;
+	struct taken_lights f;
 	struct merged m;
 
 	(void)state;
@@ -241,7 +242,7 @@ static void weights_follow_the_noise(void **state)
 	(void)state;
 	for (int turn = 0; turn < TURNS; turn++) {
 		struct light_exposures *e = create(1);
-		struct taken f = {.clipped = {0}};
+		struct taken_lights f = {.clipped = {0}};
 		struct merged m;
 
 		for (int k = 0; k < COUNT; k++) {
@@ -341,7 +342,7 @@ static void wrong_exposures_are_noticed(void **state)
 			struct light_exposures *e = create(1);
 			struct cell cell[LIGHTS];
 			struct merged m;
-			struct taken f;
+			struct taken_lights f;
 
 			fill(cell, dims[n], dims[n], 0);
 			for (int i = 0; lamp && i < 4; i++)
@@ -386,7 +387,7 @@ static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 			struct light_exposures *e = create(1);
 			struct cell cell[LIGHTS];
 			struct merged m;
-			struct taken f;
+			struct taken_lights f;
 
 			fill(cell, 0.5, 0.5, 0);
 			for (int i = 0; i < 6; i++)
@@ -412,7 +413,7 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 		struct light_exposures *e = create(1);
 		struct cell cell[LIGHTS];
 		struct merged m;
-		struct taken f;
+		struct taken_lights f;
 		int taken = 0;
 
 		fill(cell, 0.2, 0.2, 0);

@@ -35,15 +35,15 @@ static double code_of(double light)
 	return 255 * transfer_curve_encode(&srgb, light);
 }
 
-struct lamp {
+struct filtered_lamp {
 	struct light_filter *filter;
 	int count;
 	float (*x)[3]; /* first the input, then the output */
 };
 
-static struct lamp lamp_begin(int count, float pixels)
+static struct filtered_lamp lamp_begin(int count, float pixels)
 {
-	struct lamp l = {.count = count};
+	struct filtered_lamp l = {.count = count};
 	float *seen = malloc(sizeof(*seen) * (size_t)count);
 
 	l.x = calloc((size_t)count, sizeof(*l.x));
@@ -56,13 +56,13 @@ static struct lamp lamp_begin(int count, float pixels)
 	return l;
 }
 
-static void lamp_end(struct lamp *l)
+static void lamp_end(struct filtered_lamp *l)
 {
 	light_filter_destroy(l->filter);
 	free(l->x);
 }
 
-static void fill(struct lamp *l, double light)
+static void fill(struct filtered_lamp *l, double light)
 {
 	for (int i = 0; i < l->count; i++)
 		for (int c = 0; c < 3; c++)
@@ -70,7 +70,7 @@ static void fill(struct lamp *l, double light)
 }
 
 /* Filters a frame in which all lights are equal. */
-static double frame(struct lamp *l, int64_t at_ns, double light)
+static double frame(struct filtered_lamp *l, int64_t at_ns, double light)
 {
 	fill(l, light);
 	light_filter_run(l->filter, at_ns, FOLLOW, l->x);
@@ -80,7 +80,7 @@ static double frame(struct lamp *l, int64_t at_ns, double light)
 static void constant_light_comes_out_as_it_went_in(void **state)
 {
 	struct chance chance = chance_begin("constant light");
-	struct lamp l = lamp_begin(LIGHTS, 20);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 20);
 	float given[LIGHTS][3];
 
 	(void)state;
@@ -104,7 +104,7 @@ static void a_switched_lamp_is_there_in_time(void **state)
 	(void)state;
 	for (int n = 0; n < 25; n++) {
 		const double a = from[n % 5], b = to[n % 5];
-		struct lamp l = lamp_begin(LIGHTS, 50);
+		struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 		double before = a;
 		int64_t at = 0;
 
@@ -144,7 +144,7 @@ static void time_counts_and_not_frames(void **state)
 
 	(void)state;
 	for (int n = 0; n < 20; n++) {
-		struct lamp l = lamp_begin(LIGHTS, 50);
+		struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 		int64_t at = 1;
 
 		frame(&l, 0, 0.1);
@@ -190,7 +190,7 @@ static struct crawl crawl_of(struct chance *chance, int64_t follow_ns, int pixel
 {
 	enum { FRAMES = 300 };
 	static int before[LIGHTS], shone;
-	struct lamp l = lamp_begin(LIGHTS, (float)pixels);
+	struct filtered_lamp l = lamp_begin(LIGHTS, (float)pixels);
 	struct crawl found = {0};
 
 	for (int k = 0; k < FRAMES; k++) {
@@ -242,7 +242,7 @@ static void noise_moves_no_pixel_by_more_than_a_level(void **state)
 /* The sum over time of a flash, or of several, is kept. */
 static void energy_is_kept(void **state)
 {
-	struct lamp l = lamp_begin(LIGHTS, 50);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 	double in = 0, out = 0;
 	int64_t at = 0;
 
@@ -264,7 +264,7 @@ static void energy_is_kept(void **state)
 /* A light that grows by one code in ten seconds, in steps far below the camera's noise. */
 static void a_slow_lamp_does_not_stick(void **state)
 {
-	struct lamp l = lamp_begin(1, 4);
+	struct filtered_lamp l = lamp_begin(1, 4);
 	double light = level(120), now = 0;
 	int64_t at = 0;
 
@@ -297,7 +297,7 @@ static void a_slow_lamp_does_not_stick(void **state)
 static void what_all_lights_say_together_is_heard(void **state)
 {
 	struct chance chance = chance_begin("together");
-	struct lamp l = lamp_begin(LIGHTS, 2);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 2);
 	double sum = 0;
 
 	(void)state;
@@ -320,7 +320,7 @@ static void what_all_lights_say_together_is_heard(void **state)
 
 static void it_begins_anew(void **state)
 {
-	struct lamp l = lamp_begin(LIGHTS, 50);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 	float pixels[LIGHTS];
 	const double half = (double)0.5f;
 
@@ -348,7 +348,7 @@ static void it_begins_anew(void **state)
 static void it_takes_little_time(void **state)
 {
 	struct chance chance = chance_begin("time it takes");
-	struct lamp l = lamp_begin(MANY, 4);
+	struct filtered_lamp l = lamp_begin(MANY, 4);
 	int64_t least = INT64_MAX;
 
 	(void)state;

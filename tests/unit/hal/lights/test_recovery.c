@@ -15,7 +15,7 @@
 enum { LIGHTS = 20 };
 
 /* Lights, some clipped at white = 1, and the true light on the ground. */
-struct sky {
+struct recovery_sky {
 	float radiance[LIGHTS][3], clipped[LIGHTS];
 	double lost[3]; /* radiance above white of a clipped pixel in the zenith */
 	double u[3][LIGHTS], solid_sr[LIGHTS], piece_sr[LIGHTS];
@@ -23,11 +23,11 @@ struct sky {
 };
 
 /* One piece clips; its light is brighter the higher it is, as light_recover() assumes. */
-static void fill(struct sky *sky, int clipped, double lost)
+static void fill(struct recovery_sky *sky, int clipped, double lost)
 {
 	double piece_sr = 0;
 
-	*sky = (struct sky){.lost = {lost, 0.9 * lost, 0.5 * lost}};
+	*sky = (struct recovery_sky){.lost = {lost, 0.9 * lost, 0.5 * lost}};
 	for (int i = 0; i < LIGHTS; i++) {
 		sky->clipped[i] = i < clipped ? 0.25f * (float)(i + 1) / (float)clipped : 0;
 		sky->solid_sr[i] = 2 * M_PI / LIGHTS * (i % 2 ? 1.2 : 0.8);
@@ -47,7 +47,7 @@ static void fill(struct sky *sky, int clipped, double lost)
 	}
 }
 
-static struct light_recovery recover(struct sky *sky, double white)
+static struct light_recovery recover(struct recovery_sky *sky, double white)
 {
 	const struct light_clipping clipping = {
 		.lights = LIGHTS,
@@ -61,7 +61,7 @@ static struct light_recovery recover(struct sky *sky, double white)
 	return light_recover(&sky->ground, &clipping, sky->radiance);
 }
 
-static double ground_of(const struct sky *sky, int c)
+static double ground_of(const struct recovery_sky *sky, int c)
 {
 	double sum = 0;
 
@@ -73,7 +73,7 @@ static double ground_of(const struct sky *sky, int c)
 static void what_is_lost_is_found(void **state)
 {
 	static const double lost[] = {3, 10, 1000, 100000};
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
 	for (size_t n = 0; n < sizeof(lost) / sizeof(*lost); n++) {
@@ -110,7 +110,7 @@ static void what_is_lost_is_found(void **state)
 /* Two pieces of very different size give the ground the same light. */
 static void pieces_have_like_powers(void **state)
 {
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 	double small, large;
 
 	(void)state;
@@ -150,7 +150,7 @@ static void pieces_have_like_powers(void **state)
 /* A clipped pixel near the horizon gets less, on the horizon nothing. */
 static void what_lies_low_gets_less(void **state)
 {
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
 	fill(&sky, 0, 0);
@@ -180,7 +180,7 @@ static void what_lies_low_gets_less(void **state)
 /* A blue sky clips in blue only; the missing red goes to the lamp. */
 static void colours_clip_by_themselves(void **state)
 {
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
 	fill(&sky, 0, 0);
@@ -202,7 +202,7 @@ static void colours_clip_by_themselves(void **state)
 static void all_may_be_clipped(void **state)
 {
 	struct light_recovery r;
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
 	fill(&sky, 0, 0);
@@ -224,7 +224,7 @@ static void all_may_be_clipped(void **state)
 /* A patch or lights that are NaN change nothing. */
 static void no_number_adds_nothing(void **state)
 {
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
 	fill(&sky, 3, 10);
@@ -250,7 +250,7 @@ static void no_number_adds_nothing(void **state)
 /* One light, one equation: it gets exactly the missing light. */
 static void one_light_is_exact(void **state)
 {
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
 	for (int which = 0; which < LIGHTS; which++) {
@@ -269,7 +269,7 @@ static void one_light_is_exact(void **state)
 static void where_nothing_clips_nothing_is_done(void **state)
 {
 	struct light_recovery r;
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
 	fill(&sky, 0, 0);
@@ -285,7 +285,7 @@ static void where_nothing_clips_nothing_is_done(void **state)
 static void light_is_not_taken_away(void **state)
 {
 	struct light_recovery r;
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
 	fill(&sky, 3, 0);
@@ -308,7 +308,7 @@ static void small_differences_stay_small(void **state)
 	for (int n = 0; n <= 300; n++) {
 		const double off = n / 1000.0;
 		double more;
-		struct sky sky;
+		struct recovery_sky sky;
 
 		fill(&sky, 1, 0);
 		for (int c = 0; c < 3; c++)
@@ -328,7 +328,7 @@ static void small_differences_stay_small(void **state)
 static void bounds_are_said(void **state)
 {
 	struct light_recovery r;
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
 	fill(&sky, 2, 100);

@@ -21,7 +21,7 @@
 #include "tests/support/expect.h"
 
 /* A dome, a lens and a picture of the sky. */
-struct sky {
+struct sampled_sky {
 	struct dome dome;
 	struct fisheye lens;
 	int width, height;
@@ -42,10 +42,10 @@ static const double code_error = 0.5001 / 65535;
 /* The shape of lights: tests that hold for any shape run once with each. */
 static enum dome_shape lights_are = DOME_CELLS;
 
-static struct sky sky_of(int f, const struct fisheye_settings *lens, int width, int height,
-			 const struct light_sampler_settings *settings)
+static struct sampled_sky sky_of(int f, const struct fisheye_settings *lens, int width, int height,
+				 const struct light_sampler_settings *settings)
 {
-	struct sky s = {.width = width, .height = height};
+	struct sampled_sky s = {.width = width, .height = height};
 
 	assert_int_equal(dome_create_shaped(&s.dome, f, DOME_ANGLES, lights_are, NULL), 0);
 	assert_int_equal(fisheye_prepare(&s.lens, lens, width, height, NULL), 0);
@@ -59,7 +59,7 @@ static struct sky sky_of(int f, const struct fisheye_settings *lens, int width, 
 	return s;
 }
 
-static void sky_free(struct sky *s)
+static void sky_free(struct sampled_sky *s)
 {
 	light_sampler_destroy(s->sampler);
 	dome_free(&s->dome);
@@ -67,12 +67,12 @@ static void sky_free(struct sky *s)
 	free(s->radiance);
 }
 
-static struct picture picture_of(const struct sky *s)
+static struct picture picture_of(const struct sampled_sky *s)
 {
 	return (struct picture){s->pixels, 4, 4 * (ptrdiff_t)s->width, s->width, s->height};
 }
 
-static double read_sky(struct sky *s)
+static double read_sky(struct sampled_sky *s)
 {
 	const struct picture picture = picture_of(s);
 	double clipped = -1;
@@ -82,7 +82,7 @@ static double read_sky(struct sky *s)
 }
 
 /* Whether the centre of a pixel shows sky; its solid angle and direction. */
-static bool shows_sky(const struct sky *s, int x, int y, double dir[3], double *sr)
+static bool shows_sky(const struct sampled_sky *s, int x, int y, double dir[3], double *sr)
 {
 	const double px[2] = {x + 0.5, y + 0.5};
 
@@ -91,7 +91,7 @@ static bool shows_sky(const struct sky *s, int x, int y, double dir[3], double *
 }
 
 /* Paints the image circle; outside of it the picture is black, as real ones are. */
-static void paint(struct sky *s, const uint8_t bgr[3])
+static void paint(struct sampled_sky *s, const uint8_t bgr[3])
 {
 	for (int y = 0; y < s->height; y++)
 		for (int x = 0; x < s->width; x++) {
@@ -114,8 +114,9 @@ static void constant_sky_is_exact(void **state)
 	for (unsigned k = 0; k < sizeof(cases) / sizeof(*cases); k++)
 		for (int e = 0; e < ESTIMATOR_COUNT; e++) {
 			const uint8_t bgr[3] = {200, 100, 7};
-			struct sky s = sky_of(cases[k].f, &upright, cases[k].width, cases[k].height,
-					      e == ESTIMATOR_CELL ? &by_cell : &by_node);
+			struct sampled_sky s = sky_of(cases[k].f, &upright, cases[k].width,
+						      cases[k].height,
+						      e == ESTIMATOR_CELL ? &by_cell : &by_node);
 
 			paint(&s, bgr);
 			expect_equal(read_sky(&s), 0, "k=%u, e=%d", k, e);
@@ -145,7 +146,7 @@ static void black_level_and_gain(void **state)
 		.curve = {.named = TRANSFER_BT709, .black = 19},
 		.gain = 2.5};
 	const uint8_t codes[][3] = {{19, 18, 0}, {255, 137, 20}};
-	struct sky s = sky_of(4, &upright, 120, 120, &settings);
+	struct sampled_sky s = sky_of(4, &upright, 120, 120, &settings);
 
 	(void)state;
 	for (int k = 0; k < 2; k++) {
@@ -172,7 +173,7 @@ static void colours_and_a_measured_curve(void **state)
 	};
 	const uint8_t bgr[3] = {60, 120, 200};
 	double linear[3];
-	struct sky s;
+	struct sampled_sky s;
 
 	(void)state;
 	for (int k = 0; k < TRANSFER_KNOTS; k++)
@@ -193,7 +194,7 @@ static void colours_and_a_measured_curve(void **state)
 	sky_free(&s);
 }
 
-static void fill_noise(struct sky *s, struct chance *chance)
+static void fill_noise(struct sampled_sky *s, struct chance *chance)
 {
 	for (int k = 0; k < 4 * s->width * s->height; k++)
 		s->pixels[k] = (uint8_t)chance_int(chance, 0, 254);
@@ -209,8 +210,8 @@ static void conserves_energy(void **state)
 
 	(void)state;
 	for (int k = 0; k < 8; k++) {
-		struct sky s = sky_of(frequency[k / 2], k % 2 ? &squashed : &upright, 480,
-				      k % 2 ? 240 : 480, &by_cell);
+		struct sampled_sky s = sky_of(frequency[k / 2], k % 2 ? &squashed : &upright, 480,
+					      k % 2 ? 240 : 480, &by_cell);
 		double lights = 0, pixels = 0;
 
 		fill_noise(&s, &chance);
@@ -250,7 +251,7 @@ static void every_model_is_exact(void **state)
 	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
 		const struct fisheye_settings lens = lens_of_model(k / 2);
 		const uint8_t bgr[3] = {200, 100, 7};
-		struct sky s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
+		struct sampled_sky s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
 		double lights = 0, pixels = 0;
 
 		paint(&s, bgr);
@@ -290,7 +291,7 @@ static void falloff_is_made_up_for(void **state)
 	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
 		struct fisheye_settings lens = lens_of_model(k / 2);
 		struct image image;
-		struct sky s;
+		struct sampled_sky s;
 
 		memcpy(lens.falloff, (double[]){-0.35, 0.08, -0.012}, sizeof(lens.falloff));
 		s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
@@ -317,8 +318,8 @@ static void falloff_is_made_up_for(void **state)
 /* One bright pixel anywhere in the sky: all of its energy arrives in the cells that it lies in. */
 static void never_misses_a_lamp(void **state)
 {
-	struct sky cell = sky_of(9, &upright, 240, 240, &by_cell);
-	struct sky node = sky_of(9, &upright, 240, 240, &by_node);
+	struct sampled_sky cell = sky_of(9, &upright, 240, 240, &by_cell);
+	struct sampled_sky node = sky_of(9, &upright, 240, 240, &by_node);
 	int lamps = 0, missed = 0;
 
 	(void)state;
@@ -389,7 +390,7 @@ static void true_means(const struct dome *dome, struct chance *chance, double (*
 	free(hits);
 }
 
-static void render(const struct sky *s, struct image *image)
+static void render(const struct sampled_sky *s, struct image *image)
 {
 	image->width = s->width;
 	image->height = s->height;
@@ -417,7 +418,7 @@ static void means_of_a_known_sky(void **state)
 
 	(void)state;
 	for (int k = 0; k < 2; k++) {
-		struct sky s = sky_of(4, k ? &tilted : &upright, 640, 480, &by_cell);
+		struct sampled_sky s = sky_of(4, k ? &tilted : &upright, 640, 480, &by_cell);
 		struct image image;
 
 		if (k == 0)
@@ -438,7 +439,7 @@ static void means_of_a_known_sky(void **state)
  * pixel, and at the rim by at most its slope. */
 static void nodes_of_a_known_sky(void **state)
 {
-	struct sky s = sky_of(9, &upright, 640, 480, &by_node);
+	struct sampled_sky s = sky_of(9, &upright, 640, 480, &by_node);
 	struct image image;
 
 	(void)state;
@@ -460,7 +461,7 @@ static void linear_and_8_bit_agree(void **state)
 	const struct light_sampler_settings settings = {
 		.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_LINEAR}, .gain = 1.7};
 	struct chance chance = chance_begin("sampler");
-	struct sky s = sky_of(9, &upright, 200, 160, &settings);
+	struct sampled_sky s = sky_of(9, &upright, 200, 160, &settings);
 	struct image image = {200, 160, NULL, calloc(200 * 160, 3 * sizeof(float))};
 	float(*linear)[3] = calloc((size_t)s.dome.count, sizeof(*linear));
 
@@ -487,7 +488,7 @@ static void linear_and_8_bit_agree(void **state)
 static void flips_are_free(void **state)
 {
 	struct chance chance = chance_begin("sampler");
-	struct sky s = sky_of(6, &upright, 99, 80, &by_cell);
+	struct sampled_sky s = sky_of(6, &upright, 99, 80, &by_cell);
 	float(*want)[3] = calloc((size_t)s.dome.count, sizeof(*want));
 	uint8_t *stored = calloc(99 * 80, 4);
 	const size_t bytes = (size_t)s.dome.count * sizeof(*want);
@@ -525,7 +526,7 @@ static void outside_the_field_is_dark(void **state)
 
 	(void)state;
 	for (int e = 0; e < ESTIMATOR_COUNT; e++) {
-		struct sky s = sky_of(9, &narrow, 300, 300, e ? &by_node : &by_cell);
+		struct sampled_sky s = sky_of(9, &narrow, 300, 300, e ? &by_node : &by_cell);
 		int unseen = 0;
 
 		memset(s.pixels, 200, 4 * 300 * 300);
@@ -557,7 +558,7 @@ static void cropped_circle(void **state)
 {
 	const struct fisheye_settings wide = {
 		.focal_px = {100, 100}, .centre_px = {160, 60}, .field_deg = 90};
-	struct sky s = sky_of(9, &wide, 320, 120, &by_cell);
+	struct sampled_sky s = sky_of(9, &wide, 320, 120, &by_cell);
 
 	(void)state;
 	memset(s.pixels, 200, 4 * 320 * 120);
@@ -577,7 +578,7 @@ static void cropped_circle(void **state)
 
 static void clipped_share(void **state)
 {
-	struct sky s = sky_of(9, &upright, 480, 480, &by_cell);
+	struct sampled_sky s = sky_of(9, &upright, 480, 480, &by_cell);
 	double want = 0;
 
 	(void)state;
@@ -636,7 +637,7 @@ static void integrate_panorama(const struct panorama *p, const struct dome *dome
 }
 
 /* The fisheye picture of the panorama; each pixel is the mean of 4 x 4 points. */
-static void photograph(const struct sky *s, const struct panorama *p, struct image *image)
+static void photograph(const struct sampled_sky *s, const struct panorama *p, struct image *image)
 {
 	const int parts = 4;
 
@@ -659,7 +660,7 @@ static void photograph(const struct sky *s, const struct panorama *p, struct ima
 static void check_real_sky(const char *folder, const char *name)
 {
 	const struct fisheye_settings turned = {.rotation_deg = {0, 0, 70}, .field_deg = 100};
-	struct sky s = sky_of(9, &turned, 640, 640, &by_cell);
+	struct sampled_sky s = sky_of(9, &turned, 640, 640, &by_cell);
 	double(*want)[3] = calloc((size_t)s.dome.count, sizeof(*want));
 	struct image image, photo = {640, 640, NULL, calloc(640 * 640, 3 * sizeof(float))};
 	const struct panorama p = {&image, 0.8, 1};
@@ -730,7 +731,7 @@ static void refused(void **state)
 		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = NAN},
 		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = INFINITY},
 	};
-	struct sky s = sky_of(2, &upright, 64, 48, &by_cell);
+	struct sampled_sky s = sky_of(2, &upright, 64, 48, &by_cell);
 	struct picture picture = picture_of(&s);
 	struct light_sampler *sampler;
 

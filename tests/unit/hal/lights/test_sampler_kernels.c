@@ -169,7 +169,7 @@ static void every_table_adds_alike(void **state)
 
 /* ---- colours ---- */
 
-struct eye {
+struct sampled_eye {
 	struct dome dome;
 	struct fisheye lens;
 	int width, height;
@@ -180,14 +180,14 @@ struct eye {
 
 static const struct fisheye_settings upright = {.field_deg = 90};
 
-static struct eye eye_of(int f, const struct fisheye_settings *lens, int width, int height,
-			 enum light_estimator estimator)
+static struct sampled_eye eye_of(int f, const struct fisheye_settings *lens, int width, int height,
+				 enum light_estimator estimator)
 {
 	const struct light_sampler_settings settings = {
 		.estimator = estimator,
 		.curve = {.named = TRANSFER_SRGB, .black = 11},
 		.gain = 1.5};
-	struct eye e = {.width = width, .height = height};
+	struct sampled_eye e = {.width = width, .height = height};
 
 	assert_int_equal(dome_create(&e.dome, f, DOME_ANGLES, NULL), 0);
 	assert_int_equal(fisheye_prepare(&e.lens, lens, width, height, NULL), 0);
@@ -200,7 +200,7 @@ static struct eye eye_of(int f, const struct fisheye_settings *lens, int width, 
 	return e;
 }
 
-static void eye_free(struct eye *e)
+static void eye_free(struct sampled_eye *e)
 {
 	light_sampler_destroy(e->sampler);
 	dome_free(&e->dome);
@@ -208,14 +208,14 @@ static void eye_free(struct eye *e)
 	free(e->radiance);
 }
 
-static struct picture picture_of(const struct eye *e)
+static struct picture picture_of(const struct sampled_eye *e)
 {
 	const struct view whole = {.width = e->width, .height = e->height, .squash = 1};
 
 	return view_picture(&whole, e->canvas.pixels, e->canvas.stride);
 }
 
-static uint8_t *pixel_at(const struct eye *e, int x, int y)
+static uint8_t *pixel_at(const struct sampled_eye *e, int x, int y)
 {
 	return e->canvas.pixels + (size_t)y * e->canvas.stride + 4 * (size_t)x;
 }
@@ -224,7 +224,7 @@ static uint8_t *pixel_at(const struct eye *e, int x, int y)
  */
 enum { NOISE, SPARKS, SMALL_SHARES, SKIES };
 
-static void paint(struct eye *e, struct chance *chance, int sky,
+static void paint(struct sampled_eye *e, struct chance *chance, int sky,
 		  const struct sampler_shares *shares)
 {
 	for (int y = 0; y < e->height; y++)
@@ -247,7 +247,7 @@ static void paint(struct eye *e, struct chance *chance, int sky,
 }
 
 /* The colours in double precision over the same pixels and shares. */
-static void true_colours(const struct eye *e, const struct sampler_shares *shares,
+static void true_colours(const struct sampled_eye *e, const struct sampler_shares *shares,
 			 double (*colour)[3])
 {
 	double *whole = calloc((size_t)e->dome.count, sizeof(*whole));
@@ -271,7 +271,7 @@ static void true_colours(const struct eye *e, const struct sampler_shares *share
 }
 
 /* Largest error as a share of its bound. */
-static double check_colours(struct eye *e, const struct sampler_shares *shares)
+static double check_colours(struct sampled_eye *e, const struct sampler_shares *shares)
 {
 	const struct picture picture = picture_of(e);
 	double(*want)[3] = calloc((size_t)e->dome.count, sizeof(*want));
@@ -300,8 +300,9 @@ static void colours_are_within_the_bound(void **state)
 	(void)state;
 	for (unsigned k = 0; k < sizeof(cases) / sizeof(*cases); k++)
 		for (int estimator = 0; estimator < ESTIMATOR_COUNT; estimator++) {
-			struct eye e = eye_of(cases[k].f, &upright, cases[k].width, cases[k].height,
-					      (enum light_estimator)estimator);
+			struct sampled_eye e = eye_of(cases[k].f, &upright, cases[k].width,
+						      cases[k].height,
+						      (enum light_estimator)estimator);
 			struct sampler_shares shares;
 			double worst = 0;
 
@@ -325,7 +326,7 @@ static void colours_are_within_the_bound(void **state)
 
 /* ---- frames ---- */
 
-static void check_frame(struct eye *e, const struct frame *frame, const struct view *view,
+static void check_frame(struct sampled_eye *e, const struct frame *frame, const struct view *view,
 			struct pool *pool)
 {
 	const size_t bytes = (size_t)e->dome.count * sizeof(*e->radiance);
@@ -356,7 +357,7 @@ static void frames_give_what_pictures_give(void **state)
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_NV12, PIXEL_BGR24, PIXEL_BGRX,
 						    PIXEL_GREY};
 	struct chance chance = chance_begin("sampler_kernels");
-	struct eye e = eye_of(9, &upright, 181, 143, ESTIMATOR_CELL);
+	struct sampled_eye e = eye_of(9, &upright, 181, 143, ESTIMATOR_CELL);
 	uint8_t *memory = malloc(4 * 200 * 150);
 
 	(void)state;
@@ -389,7 +390,7 @@ static void long_rows(void **state)
 {
 	struct chance chance = chance_begin("sampler_kernels");
 	const struct fisheye_settings wide = {.focal_px = {1600, 5}, .field_deg = 90};
-	struct eye e = eye_of(1, &wide, 5040, 17, ESTIMATOR_CELL);
+	struct sampled_eye e = eye_of(1, &wide, 5040, 17, ESTIMATOR_CELL);
 	struct sampler_shares shares;
 
 	(void)state;

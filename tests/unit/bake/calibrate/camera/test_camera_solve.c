@@ -400,12 +400,12 @@ static void any_plane_any_origin(void **state)
 
 /* ---- noise ---- */
 
-struct tally {
+struct deviation_tally {
 	int runs, one, two, three;
 };
 
-static void count_parameter(struct tally *tally, const struct estimate *estimate, const char *name,
-			    double truth)
+static void count_parameter(struct deviation_tally *tally, const struct estimate *estimate,
+			    const char *name, double truth)
 {
 	const int k = estimate_find(estimate, name);
 	double off;
@@ -427,7 +427,7 @@ static void count_parameter(struct tally *tally, const struct estimate *estimate
  * of all seeds, beyond five in 0.2 %.
  * `slack` is the share of runs by which second-order errors may move the counts.
  */
-static void assert_nearly_honest(const struct tally *tally, double slack)
+static void assert_nearly_honest(const struct deviation_tally *tally, double slack)
 {
 	const double n = tally->runs;
 
@@ -437,14 +437,14 @@ static void assert_nearly_honest(const struct tally *tally, double slack)
 	assert_true(tally->three >= 0.99 * n - (n < 1000 ? 4 * sqrt(n * 0.99 * 0.01) : 0));
 }
 
-static void assert_honest(const struct tally *tally)
+static void assert_honest(const struct deviation_tally *tally)
 {
 	assert_nearly_honest(tally, 0);
 }
 
 enum { OF_FOCAL, OF_KAPPA, OF_CENTRE_X, OF_CENTRE_Y, OF_ASPECT, OF_POSE, TALLIES = OF_POSE + 6 };
 
-static void count_all(struct tally tally[TALLIES], const struct camera_solution *solution,
+static void count_all(struct deviation_tally tally[TALLIES], const struct camera_solution *solution,
 		      const struct tsai_camera *truth, const char *view)
 {
 	static const char *const pose[] = {"rotation x",    "rotation y",    "rotation z",
@@ -484,7 +484,7 @@ static void deviations_are_honest(void **state)
 
 	(void)state;
 	for (int n = 0; n < 4; n++) {
-		struct tally tally[TALLIES] = {{0}};
+		struct deviation_tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
 			struct tsai_camera truth[3];
@@ -523,7 +523,7 @@ static void deviations_of_space_and_pose(void **state)
 
 	(void)state;
 	for (int known = 0; known < 2; known++) {
-		struct tally tally[TALLIES] = {{0}};
+		struct deviation_tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
 			struct tsai_camera truth = known_camera(eyes[run % 5], middle, -0.08,
@@ -596,7 +596,7 @@ static void deviations_of_a_held_centre(void **state)
 
 	(void)state;
 	for (int way = 0; way < 4; way++) {
-		struct tally tally[9] = {{0}};
+		struct deviation_tally tally[9] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
 			struct tsai_camera truth = known_camera(eyes[0], middle, 0, way & 1);
@@ -654,7 +654,7 @@ static void deviations_of_a_held_aspect(void **state)
 
 	(void)state;
 	for (int way = 0; way < 2; way++) {
-		struct tally tally[TALLIES] = {{0}};
+		struct deviation_tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
 			struct tsai_camera truth = known_camera(eyes[1], middle, 0, run & 1);

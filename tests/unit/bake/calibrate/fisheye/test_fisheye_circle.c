@@ -22,7 +22,7 @@
 #include "tests/support/fisheye_views.h"
 
 /* A scene through a lens, as an 8-bit camera takes it. */
-struct scene {
+struct circle_scene {
 	struct fisheye_settings lens;
 	double exposure, noise; /* levels */
 	double blur_px;		/* standard deviation of the blur of lens and focus */
@@ -35,7 +35,7 @@ struct scene {
 };
 
 /* Radiance of the rooms of the simulated cameras. */
-static double light_of_room(const struct scene *scene, const double dir[3])
+static double light_of_room(const struct circle_scene *scene, const double dir[3])
 {
 	static const double origin[3] = {0, 0, 0.01};
 	double rgb[3];
@@ -47,7 +47,8 @@ static double light_of_room(const struct scene *scene, const double dir[3])
 	return scene->exposure * (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
-static double light_of(const struct scene *scene, const struct fisheye *lens, const double px[2])
+static double light_of(const struct circle_scene *scene, const struct fisheye *lens,
+		       const double px[2])
 {
 	double dir[3], phi, light;
 
@@ -92,7 +93,8 @@ static void soften(double light[480][640], double deviation_px)
 	}
 }
 
-static struct image take(const struct scene *scene, struct fisheye *lens, struct chance *chance)
+static struct image take(const struct circle_scene *scene, struct fisheye *lens,
+			 struct chance *chance)
 {
 	enum { PARTS = 4 };
 	static double light[480][640];
@@ -142,7 +144,7 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 }
 
 /* Expects this verdict ("": trusted) and, where it trusts, the right lens. */
-static void check(const char *name, const struct scene *scene, const char *expected,
+static void check(const char *name, const struct circle_scene *scene, const char *expected,
 		  double error_px)
 {
 	struct chance chance = chance_begin(name);
@@ -181,7 +183,7 @@ static void every_model(void **state)
 {
 	(void)state;
 	for (int model = 0; model < FISHEYE_POLYNOMIAL; model++) {
-		struct scene scene = {.lens = whole, .exposure = 1, .noise = 1};
+		struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1};
 
 		scene.lens.model = model;
 		if (model == FISHEYE_STEREOGRAPHIC)
@@ -194,7 +196,7 @@ static void every_model(void **state)
 
 static void hard_pictures(void **state)
 {
-	struct scene scene = {.lens = whole, .exposure = 1, .noise = 1};
+	struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1};
 
 	(void)state;
 	scene.lamp = true;
@@ -231,11 +233,11 @@ static void hard_pictures(void **state)
 
 static void no_circle(void **state)
 {
-	struct scene scene = {.lens = whole, .exposure = 1, .noise = 1, .open = true};
+	struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1, .open = true};
 
 	(void)state;
 	check("no circle", &scene, "no image circle was found", 0);
-	scene = (struct scene){.lens = whole, .exposure = 0, .noise = 2};
+	scene = (struct circle_scene){.lens = whole, .exposure = 0, .noise = 2};
 	check("lens cap", &scene, "no image circle was found", 0);
 }
 
@@ -247,7 +249,7 @@ static void studio_and_panoramas(void **state)
 	static const double exposures[] = {1.5, 0.4, 0.6};
 
 	const char *folder = getenv("INLAY_SHARED_DATA");
-	struct scene scene = {.lens = whole, .exposure = 0.8, .noise = 1, .studio = true};
+	struct circle_scene scene = {.lens = whole, .exposure = 0.8, .noise = 1, .studio = true};
 
 	(void)state;
 	check("studio", &scene, "", 0.2);
