@@ -109,7 +109,7 @@ static void configure(struct exposures_rig *rig, const struct table *t,
 	}
 }
 
-static void start(struct exposures_rig *rig, const struct table *t)
+static void exposures_start(struct exposures_rig *rig, const struct table *t)
 {
 	const struct pipeline_settings settings = pipeline_settings_of(rig->config);
 	struct config_camera *camera = config_camera_named(rig->config, "fisheye");
@@ -132,7 +132,7 @@ static void start(struct exposures_rig *rig, const struct table *t)
 	source_open(&rig->source);
 }
 
-static void stop(struct exposures_rig *rig)
+static void exposures_stop(struct exposures_rig *rig)
 {
 	source_destroy(&rig->source);
 	pipeline_destroy(&rig->pipeline);
@@ -140,7 +140,7 @@ static void stop(struct exposures_rig *rig)
 }
 
 /* Waits for the next picture and measures its light. */
-static void look(struct exposures_rig *rig)
+static void exposures_look(struct exposures_rig *rig)
 {
 	struct source *source = &rig->source;
 	struct fault fault = {.text = ""};
@@ -221,13 +221,13 @@ static void run_way(const struct table *t, const struct exposures_place *place, 
 	struct exposures_rig rig = {.config = NULL};
 
 	configure(&rig, t, place, way, delay);
-	start(&rig, t);
+	exposures_start(&rig, t);
 	for (int k = 0; k < PICTURES; k++)
-		look(&rig);
+		exposures_look(&rig);
 	f->wrong_delay |= rig.exposing.count > 1 && rig.exposing.schedule.delay != delay;
 	look_at_card(&rig.pipeline, truth);
 	judge(t, &rig, truth, f);
-	stop(&rig);
+	exposures_stop(&rig);
 }
 
 static void print_row(const struct exposures_place *place, enum way way,

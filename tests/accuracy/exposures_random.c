@@ -174,7 +174,7 @@ struct random_bench {
 	struct canvas out;
 };
 
-static void prepare(struct random_bench *b, const struct table *t)
+static void exposures_random_prepare(struct random_bench *b, const struct table *t)
 {
 	const struct fisheye_settings ideal = {.field_deg = 90};
 	struct fault fault = {.text = ""};
@@ -202,7 +202,7 @@ static void prepare(struct random_bench *b, const struct table *t)
 	b->camera = room_for(PIXELS, 4);
 }
 
-static void end(struct random_bench *b)
+static void exposures_random_end(struct random_bench *b)
 {
 	pipeline_destroy(&b->pipeline);
 	free_truth(&b->truth);
@@ -287,7 +287,7 @@ bool random_places(const struct table *t)
 	struct random_figures f[4] = {{.places = 0}};
 	struct random_bench b;
 
-	prepare(&b, t);
+	exposures_random_prepare(&b, t);
 	for (int k = 0; k < (t->quick ? PLACES_QUICK : PLACES); k++) {
 		struct random_place place;
 		double rms[2];
@@ -298,7 +298,7 @@ bool random_places(const struct table *t)
 		count_in(&f[place.lamps < 2 ? place.lamps : 2], rms);
 		count_in(&f[3], rms);
 	}
-	end(&b);
+	exposures_random_end(&b);
 	puts("\n| random places | how many | mean RMS: one exposure | one, recovered | worse for "
 	     "it, "
 	     "% | by at most |\n|---|---|---|---|---|---|");

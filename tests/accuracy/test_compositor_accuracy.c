@@ -128,7 +128,7 @@ static struct accuracy_difference measure_with(struct accuracy_bench *b,
 	return d;
 }
 
-static void measure(struct accuracy_bench *b, const char *name)
+static void accuracy_measure(struct accuracy_bench *b, const char *name)
 {
 	const struct accuracy_difference d = measure_with(b, &b->file.basis);
 
@@ -209,7 +209,7 @@ static void all_patterns(struct accuracy_bench *b, const char *name, struct chan
 			snprintf(label, sizeof(label), "%s, %s lights, %s %g, %s", name,
 				 pattern_names[p], threshold_mode_names[b->mode], b->threshold,
 				 compositor_mode_names[b->settings.mode]);
-			measure(b, label);
+			accuracy_measure(b, label);
 		}
 	}
 }
@@ -300,7 +300,7 @@ static void over_transfers_and_gains(void **state)
 					fill_lights(&b, LIGHTS_RANDOM, &chance);
 					for (int i = 0; i < o.lights * 3; i++)
 						b.radiance[i / 3][i % 3] *= (float)pow(0.05, scale);
-					measure(&b, name);
+					accuracy_measure(&b, name);
 				}
 			}
 		}
@@ -350,7 +350,7 @@ static void over_sizes(void **state)
 		o.seed = (uint64_t)width;
 		bench_open(&b, &o, &chance);
 		fill_lights(&b, LIGHTS_RANDOM, &chance);
-		measure(&b, "odd size");
+		accuracy_measure(&b, "odd size");
 		all.max = fmax(all.max, b.all.max);
 		bench_close(&b);
 	}
@@ -410,7 +410,7 @@ static void darkness_comes_without_a_jump(void **state)
 
 		for (int i = 0; i < o.lights * 3; i++)
 			b.radiance[i / 3][i % 3] = (float)(light * (1 + i % 7));
-		measure(&b, "darkness");
+		accuracy_measure(&b, "darkness");
 		for (size_t i = 0; i < values; i++) {
 			const uint8_t byte = b.out[i / 3 * 4 + 2 - i % 3];
 
@@ -452,7 +452,7 @@ static void dimness_loses_no_precision(void **state)
 			fill_lights(&b, LIGHTS_RANDOM, &chance);
 			for (int i = 0; i < o.lights * 3; i++)
 				b.radiance[i / 3][i % 3] *= (float)pow(10, power);
-			measure(&b, "dim light");
+			accuracy_measure(&b, "dim light");
 		}
 	}
 	report(&b, "light of 1e-44 to 1e30, ratios");
@@ -699,7 +699,7 @@ static void the_threshold_crosses_its_own_light(void **state)
 		off = change(&b, before);
 		most[banded] = k > 0 && off > most[banded] ? off : most[banded];
 		expect_equal(b.lights.used[9], k % 2 == 0 || banded, "n=%d", n);
-		measure(&b, "threshold");
+		accuracy_measure(&b, "threshold");
 	}
 	printf("# a light that crosses its threshold by a level: change %d with a band, %d "
 	       "without\n",

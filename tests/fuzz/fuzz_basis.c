@@ -55,7 +55,7 @@ struct fuzzed_scene {
 	size_t pixels;
 };
 
-static void choose(struct fuzzed_scene *s, int pose, uint32_t step)
+static void fuzz_basis_choose(struct fuzzed_scene *s, int pose, uint32_t step)
 {
 	for (uint32_t i = 0; i < s->basis->info.lights; i++)
 		for (uint32_t c = 0; c < 3; c++)
@@ -64,8 +64,8 @@ static void choose(struct fuzzed_scene *s, int pose, uint32_t step)
 			       THRESHOLD_AMBIENT, 2);
 }
 
-static void run(struct fuzzed_scene *s, int pose, enum compositor_mode mode,
-		enum compositor_reuse reuse, uint8_t *out)
+static void fuzz_basis_run(struct fuzzed_scene *s, int pose, enum compositor_mode mode,
+			   enum compositor_reuse reuse, uint8_t *out)
 {
 	const struct compositor_settings settings = {.mode = mode,
 						     .reuse = reuse,
@@ -83,11 +83,11 @@ static void run(struct fuzzed_scene *s, int pose, enum compositor_mode mode,
 /* A frame, and then one that starts from its sums; both must be the same. */
 static void composite_pose(struct fuzzed_scene *s, int pose, enum compositor_mode mode)
 {
-	choose(s, pose, 0);
-	run(s, pose, mode, REUSE_AUTO, s->out);
-	choose(s, pose, 1);
-	run(s, pose, mode, REUSE_ALWAYS, s->out);
-	run(s, pose, mode, REUSE_NEVER, s->again);
+	fuzz_basis_choose(s, pose, 0);
+	fuzz_basis_run(s, pose, mode, REUSE_AUTO, s->out);
+	fuzz_basis_choose(s, pose, 1);
+	fuzz_basis_run(s, pose, mode, REUSE_ALWAYS, s->out);
+	fuzz_basis_run(s, pose, mode, REUSE_NEVER, s->again);
 	if (memcmp(s->out, s->again, s->pixels * 4) != 0)
 		abort();
 }

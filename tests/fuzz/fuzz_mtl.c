@@ -24,7 +24,7 @@ static void clean_up(void)
 }
 
 /* In place of any library that does not exist, fuzz.mtl is read. */
-static void begin(void)
+static void fuzz_mtl_begin(void)
 {
 	if (!mkdtemp(folder))
 		abort();
@@ -33,7 +33,7 @@ static void begin(void)
 	atexit(clean_up);
 }
 
-static void put(const char *path, const uint8_t *data, size_t bytes)
+static void fuzz_mtl_put(const char *path, const uint8_t *data, size_t bytes)
 {
 	FILE *file = fopen(path, "wb");
 
@@ -48,14 +48,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	struct fault fault = {.text = ""};
 
 	if (!obj[0])
-		begin();
+		fuzz_mtl_begin();
 	/* names that lead out of the folder would make the result depend on this machine */
 	if (bytes && (memchr(data, '/', bytes) || memmem(data, bytes, "..", 2)))
 		return 0;
-	put(obj, data, first);
+	fuzz_mtl_put(obj, data, first);
 	unlink(mtl);
 	if (end)
-		put(mtl, end + 1, bytes - first - 1);
+		fuzz_mtl_put(mtl, end + 1, bytes - first - 1);
 	if (mesh_mtl_check(obj, &fault) && !fault.text[0])
 		abort();
 	return 0;

@@ -79,7 +79,7 @@ static void stepped_close8(const int8_t *lines, const struct kernel_weights *w, 
 	kernels_c.sums8(lines, &close, sum);
 }
 
-static void add(int64_t *sum, int64_t more, int shift)
+static void faults_add(int64_t *sum, int64_t more, int shift)
 {
 	*sum = (int64_t)((uint64_t)*sum + ((uint64_t)more << shift));
 }
@@ -102,7 +102,7 @@ static void widened_late16(const int16_t *lines, const struct kernel_weights *w,
 			for (int k = run; k < w->count && k < run + 34; k++)
 				part += (uint32_t)(from[w->line[k] * w->step / 2] *
 						   *kernel_digit(w, k, c, d));
-			add(&sum[c][p], (int32_t)part, d * KERNEL_DIGIT_BITS + w->shift);
+			faults_add(&sum[c][p], (int32_t)part, d * KERNEL_DIGIT_BITS + w->shift);
 		}
 	}
 }
@@ -131,7 +131,7 @@ static void saturated8(const int8_t *lines, const struct kernel_weights *w, sums
 				rest += x * (digit - low) - 128 * low;
 			}
 			pair = pair > 32767 ? 32767 : pair < -32768 ? -32768 : pair;
-			add(&sum[c][p], pair + rest, d * KERNEL_DIGIT_BITS + w->shift);
+			faults_add(&sum[c][p], pair + rest, d * KERNEL_DIGIT_BITS + w->shift);
 		}
 	}
 }

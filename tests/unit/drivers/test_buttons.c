@@ -223,7 +223,7 @@ static void poses(void **state)
 /* ---- a rotary encoder ---- */
 
 /* Edges of one line at a time, "a" or "b" each. Returns the sum of steps. */
-static int turn(struct quadrature *q, const char *edges)
+static int test_buttons_turn(struct quadrature *q, const char *edges)
 {
 	int sum = 0;
 
@@ -285,32 +285,34 @@ static void encoder(void **state)
 
 	(void)state;
 	quadrature_start(&q, 4, false, false);
-	assert_int_equal(turn(&q, "aba"), 0); /* not there yet */
-	assert_int_equal(turn(&q, "b"), 1);
-	assert_int_equal(turn(&q, "abababab"), 2);
-	assert_int_equal(turn(&q, "babababa"), -2);
-	assert_int_equal(turn(&q, "babab"), -1); /* half of the next step, and back: nothing */
-	assert_int_equal(turn(&q, "b"), 0);
+	assert_int_equal(test_buttons_turn(&q, "aba"), 0); /* not there yet */
+	assert_int_equal(test_buttons_turn(&q, "b"), 1);
+	assert_int_equal(test_buttons_turn(&q, "abababab"), 2);
+	assert_int_equal(test_buttons_turn(&q, "babababa"), -2);
+	assert_int_equal(test_buttons_turn(&q, "babab"),
+			 -1); /* half of the next step, and back: nothing */
+	assert_int_equal(test_buttons_turn(&q, "b"), 0);
 	/* each contact bounces on its way */
-	assert_int_equal(turn(&q, "aaabbbaaabbb"), 1);
-	assert_int_equal(turn(&q, "bbbbbaaaaabbbbbaaaaa"), -1);
-	assert_int_equal(turn(&q, "aaaaaaaa"), 0);
+	assert_int_equal(test_buttons_turn(&q, "aaabbbaaabbb"), 1);
+	assert_int_equal(test_buttons_turn(&q, "bbbbbaaaaabbbbbaaaaa"), -1);
+	assert_int_equal(test_buttons_turn(&q, "aaaaaaaa"), 0);
 	/* the knob may rest with both contacts closed, and at each half period */
 	quadrature_start(&q, 4, true, true);
-	assert_int_equal(turn(&q, "abab"), 1);
+	assert_int_equal(test_buttons_turn(&q, "abab"), 1);
 	quadrature_start(&q, 2, false, false);
-	assert_int_equal(turn(&q, "abab"), 2);
+	assert_int_equal(test_buttons_turn(&q, "abab"), 2);
 	quadrature_start(&q, 1, true, false);
-	assert_int_equal(turn(&q, "bab"), 3);
+	assert_int_equal(test_buttons_turn(&q, "bab"), 3);
 	/* Both contacts change at once, so one edge was lost. Later edges count again. */
 	quadrature_start(&q, 1, false, false);
 	assert_int_equal(quadrature_edge(&q, true, true), 0);
-	assert_int_equal(turn(&q, "ab"), 2);
+	assert_int_equal(test_buttons_turn(&q, "ab"), 2);
 	quadrature_start(&q, 4, false, false);
-	assert_int_equal(turn(&q, "a"), 0);
+	assert_int_equal(test_buttons_turn(&q, "a"), 0);
 	assert_int_equal(quadrature_edge(&q, false, true), 0);
-	assert_int_equal(turn(&q, "b"), 0);
-	assert_int_equal(turn(&q, "abab"), 1); /* a step counts at rest, not on the way there */
+	assert_int_equal(test_buttons_turn(&q, "b"), 0);
+	assert_int_equal(test_buttons_turn(&q, "abab"),
+			 1); /* a step counts at rest, not on the way there */
 }
 
 /* ---- lines: levels at times, in milliseconds ---- */

@@ -49,7 +49,7 @@ struct sim_rig {
 };
 
 /* Options as "key=value", NULL at the end. */
-static void prepare(struct sim_rig *rig, ...)
+static void test_sim_prepare(struct sim_rig *rig, ...)
 {
 	const struct ini_table tables[] = {
 		{.section = "sim", .keys = camera_sim.keys, .place = place}, INI_TABLES_END};
@@ -72,14 +72,14 @@ static void prepare(struct sim_rig *rig, ...)
 	va_end(arguments);
 }
 
-static int start(struct sim_rig *rig)
+static int test_sim_start(struct sim_rig *rig)
 {
 	return camera_open(&rig->camera, &camera_sim, &rig->settings, rig->options, &rig->fault);
 }
 
 static void must_start(struct sim_rig *rig)
 {
-	if (start(rig))
+	if (test_sim_start(rig))
 		fail_msg("%s", rig->fault.text);
 }
 
@@ -90,7 +90,7 @@ static void finish(struct sim_rig *rig)
 	free(rig->options);
 }
 
-static void grab(struct sim_rig *rig, struct frame *frame)
+static void test_sim_grab(struct sim_rig *rig, struct frame *frame)
 {
 	struct pollfd p = {.fd = camera_descriptor(&rig->camera), .events = POLLIN};
 
@@ -114,14 +114,14 @@ static void defaults_are_sound(void **state)
 	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.width = rig.settings.height = 0;
 	must_start(&rig);
 	assert_int_equal(rig.camera.width, 640);
 	assert_int_equal(rig.camera.height, 480);
 	assert_int_equal(rig.camera.format, PIXEL_BGRX);
 	assert_true(rig.camera.rate_hz == 25);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	assert_int_equal(frame.width, 640);
 	assert_int_equal(frame.planes[0].bytes, 640 * 480 * 4);
 	assert_int_equal(rig.camera.frames, 1);
@@ -140,11 +140,11 @@ static void same_frames_every_time(void **state)
 		struct frame frame;
 		struct sim_rig rig;
 
-		prepare(&rig, "clock=frames", "read_noise=4", "shot_noise=4", NULL);
+		test_sim_prepare(&rig, "clock=frames", "read_noise=4", "shot_noise=4", NULL);
 		rig.settings.rate_hz = 50;
 		must_start(&rig);
 		for (int i = 0; i < 4; i++) {
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			sums[run][i] = checksum(&frame);
 			assert_int_equal(frame.sequence, i);
 			if (i > 0)
@@ -169,14 +169,14 @@ static void the_real_clock_keeps_time(void **state)
 	int64_t first_ns;
 
 	(void)state;
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.rate_hz = 50;
 	must_start(&rig);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	first_ns = frame.timestamp_ns;
 	camera_release(&rig.camera, &frame);
 	nanosleep(&nap, NULL);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	/* at least 6 periods have passed: the newest frame counts, the others are lost */
 	assert_true(frame.sequence >= 6);
 	assert_int_equal(rig.camera.lost, frame.sequence - 1);
@@ -197,11 +197,11 @@ static void a_camera_stalls_and_vanishes(void **state)
 		struct pollfd p = {.events = POLLIN};
 		struct sim_rig rig;
 
-		prepare(&rig, clocks[i], "stall_after=2", NULL);
+		test_sim_prepare(&rig, clocks[i], "stall_after=2", NULL);
 		rig.settings.rate_hz = 200;
 		must_start(&rig);
 		for (int k = 0; k < 2; k++) {
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			camera_release(&rig.camera, &frame);
 		}
 		assert_int_equal(camera_grab(&rig.camera, &frame, NULL), -EAGAIN);
@@ -209,12 +209,12 @@ static void a_camera_stalls_and_vanishes(void **state)
 		assert_int_equal(poll(&p, 1, 50), 0);
 		finish(&rig);
 
-		prepare(&rig, clocks[i], "vanish_after=2", NULL);
+		test_sim_prepare(&rig, clocks[i], "vanish_after=2", NULL);
 		rig.settings.rate_hz = 200;
 		for (int again = 0; again < 2; again++) {
 			must_start(&rig);
 			for (int k = 0; k < 2; k++) {
-				grab(&rig, &frame);
+				test_sim_grab(&rig, &frame);
 				camera_release(&rig.camera, &frame);
 			}
 			assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ENODEV);
@@ -231,10 +231,10 @@ static void corrupt_frames_are_skipped(void **state)
 	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, "clock=frames", "corrupt_every=3", NULL);
+	test_sim_prepare(&rig, "clock=frames", "corrupt_every=3", NULL);
 	must_start(&rig);
 	for (uint32_t i = 0; i < 6; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.sequence, i + i / 2);
 		camera_release(&rig.camera, &frame);
 	}
@@ -289,10 +289,10 @@ static void the_sensor_encodes(void **state)
 		struct frame frame;
 		struct sim_rig rig;
 
-		prepare(&rig, "clock=frames", "source=panorama", file, cases[i].transfer,
-			cases[i].exposure, cases[i].black, NULL);
+		test_sim_prepare(&rig, "clock=frames", "source=panorama", file, cases[i].transfer,
+				 cases[i].exposure, cases[i].black, NULL);
 		must_start(&rig);
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(middle_code(&frame), cases[i].code);
 		finish(&rig);
 	}
@@ -311,8 +311,8 @@ static void the_exposure_changes_after_its_delay(void **state)
 		struct sim_rig rig;
 
 		snprintf(delay, sizeof(delay), "control_delay=%d", delays[i]);
-		prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file, delay,
-			NULL);
+		test_sim_prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
+				 delay, NULL);
 		must_start(&rig);
 		/* 2 is asked for before frame 3, twice; 0 before frame 4 */
 		for (int n = 0; n < 40; n++) {
@@ -330,7 +330,7 @@ static void the_exposure_changes_after_its_delay(void **state)
 				assert_int_equal(camera_set_control(&rig.camera, "exposure", "0",
 								    NULL, &rig.fault),
 						 0);
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			assert_int_equal(frame.sequence, n);
 			assert_int_equal(middle_code(&frame), code);
 			camera_release(&rig.camera, &frame);
@@ -348,15 +348,15 @@ static void the_last_of_many_exposures_counts(void **state)
 
 	(void)state;
 	option(file, "file", flat_panorama(0.25f));
-	prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
-		"control_delay=30", NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
+			 "control_delay=30", NULL);
 	must_start(&rig);
 	for (int n = 0; n < 100; n++) {
 		for (int i = 0; i < 50; i++)
 			assert_int_equal(camera_set_control(&rig.camera, "exposure",
 							    i % 2 ? "2" : "1", NULL, &rig.fault),
 					 0);
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(middle_code(&frame), n < 30 ? 64 : 128);
 		camera_release(&rig.camera, &frame);
 	}
@@ -384,7 +384,7 @@ static void wrong_controls_are_named(void **state)
 	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, "clock=frames", NULL);
+	test_sim_prepare(&rig, "clock=frames", NULL);
 	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", NULL, &rig.fault),
 			 -EBADF);
 	must_start(&rig);
@@ -394,7 +394,7 @@ static void wrong_controls_are_named(void **state)
 				 cases[i].err);
 		assert_non_null(strstr(rig.fault.text, cases[i].says));
 	}
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	camera_release(&rig.camera, &frame);
 	finish(&rig);
 }
@@ -406,7 +406,7 @@ static void a_driver_without_controls_says_so(void **state)
 
 	(void)state;
 	without.control = NULL;
-	prepare(&rig, "clock=frames", NULL);
+	test_sim_prepare(&rig, "clock=frames", NULL);
 	must_start(&rig);
 	rig.camera.ops = &without;
 	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", NULL, &rig.fault),
@@ -426,11 +426,11 @@ static void noise_is_as_strong_as_said(void **state)
 
 	(void)state;
 	option(file, "file", flat_panorama(0.25f));
-	prepare(&rig, "clock=frames", "source=panorama", "view=perspective", "transfer=linear",
-		"read_noise=6", "shot_noise=16", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=panorama", "view=perspective",
+			 "transfer=linear", "read_noise=6", "shot_noise=16", file, NULL);
 	rig.settings.width = rig.settings.height = 200;
 	must_start(&rig);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	for (int i = 0; i < 200 * 200; i++)
 		for (int c = 0; c < 3; c++) {
 			const double v = frame.planes[0].data[4 * i + c];
@@ -479,7 +479,7 @@ static void panoramas_show_what_is_there(void **state)
 	option(file, "file", coloured_panorama(&image));
 	panorama.image = &image;
 	assert_int_equal(fisheye_prepare(&lens, &settings, 128, 128, NULL), 0);
-	prepare(&rig, "clock=frames", "source=panorama", "turn_rate=90", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=panorama", "turn_rate=90", file, NULL);
 	rig.settings.width = rig.settings.height = 128;
 	rig.settings.rate_hz = 1;
 	rig.settings.format = PIXEL_RGBF;
@@ -487,7 +487,7 @@ static void panoramas_show_what_is_there(void **state)
 	for (int turn = 0; turn < 5; turn++) {
 		const float *rgb;
 
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.format, PIXEL_RGBF);
 		panorama.turn_rad = turn * M_PI / 2;
 		rgb = (const float *)(const void *)frame.planes[0].data;
@@ -529,12 +529,12 @@ static void yuyv_holds_the_same_picture(void **state)
 			assert_int_equal(canvas_create(&canvas, 64, 48), 0);
 			assert_int_equal(canvas_create(&plain, 64, 48), 0);
 			for (int format = 0; format < 2; format++) {
-				prepare(&rig, "clock=frames", "view=perspective", NULL);
+				test_sim_prepare(&rig, "clock=frames", "view=perspective", NULL);
 				rig.settings.format = format ? PIXEL_YUYV : PIXEL_BGRX;
 				rig.settings.matrix = matrix + 1;
 				rig.settings.range = range + 1;
 				must_start(&rig);
-				grab(&rig, &frame);
+				test_sim_grab(&rig, &frame);
 				assert_int_equal(frame.matrix, matrix);
 				assert_int_equal(frame.range, format ? range : RANGE_FULL);
 				assert_int_equal(frame_decode(decoder, &frame,
@@ -580,21 +580,21 @@ static void pictures_play_in_order(void **state)
 	write_picture("p002.png", 20, 10, 20);
 	write_picture("p003.png", 20, 10, 30);
 	option(file, "file", in_folder("p%03d.png"));
-	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 	must_start(&rig);
 	assert_int_equal(rig.camera.width, 20);
 	for (int i = 0; i < 5; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.planes[0].data[2], looped[i]);
 		assert_int_equal(frame.planes[0].data[0], looped[i] + 2);
 		camera_release(&rig.camera, &frame);
 	}
 	finish(&rig);
 
-	prepare(&rig, "clock=frames", "source=files", "loop=no", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", "loop=no", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 3; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		camera_release(&rig.camera, &frame);
 	}
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ENODEV);
@@ -603,10 +603,10 @@ static void pictures_play_in_order(void **state)
 
 	/* a picture of another size ends the camera with a reason */
 	write_picture("p004.png", 22, 10, 30);
-	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 3; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		camera_release(&rig.camera, &frame);
 	}
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EINVAL);
@@ -623,10 +623,10 @@ static void a_picture_stays(void **state)
 	(void)state;
 	write_picture("one.png", 8, 8, 99);
 	option(file, "file", in_folder("one.png"));
-	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 3; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.planes[0].data[2], 99);
 		camera_release(&rig.camera, &frame);
 	}
@@ -672,13 +672,13 @@ static void video_plays(void **state)
 		write_video(f, kinds[k].name, kinds[k].chroma_bytes, 3);
 		fclose(f);
 		option(file, "file", in_folder("clip.y4m"));
-		prepare(&rig, "clock=frames", "source=files", file, NULL);
+		test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 		must_start(&rig);
 		assert_int_equal(rig.camera.width, 16);
 		assert_int_equal(rig.camera.height, 8);
 		assert_true(fabs(rig.camera.rate_hz - 29.97) < 0.01);
 		for (int i = 0; i < 7; i++) {
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			for (int c = 0; c < 3; c++)
 				assert_int_equal(frame.planes[0].data[c], luma_code(50 + i % 3));
 			camera_release(&rig.camera, &frame);
@@ -705,10 +705,10 @@ static void a_pipe_plays_as_it_comes(void **state)
 	write_video(f, "420", 64, 2);
 	fprintf(f, "FRAME\nnot yet");
 	fflush(f);
-	prepare(&rig, "source=files", file, NULL);
+	test_sim_prepare(&rig, "source=files", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 2; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.planes[0].data[0], luma_code(50 + i));
 		camera_release(&rig.camera, &frame);
 	}
@@ -754,8 +754,8 @@ static void bad_files_are_named(void **state)
 		if (cases[i].text)
 			write_text(cases[i].name, cases[i].text);
 		option(file, "file", in_folder(cases[i].name));
-		prepare(&rig, cases[i].source, file, NULL);
-		err = start(&rig);
+		test_sim_prepare(&rig, cases[i].source, file, NULL);
+		err = test_sim_start(&rig);
 		assert_true(err < 0);
 		if (strcmp(cases[i].name, "empty.png") != 0)
 			assert_int_equal(err, cases[i].err);
@@ -777,8 +777,8 @@ static void a_square_panorama_is_refused(void **state)
 	assert_int_equal(image_write(in_folder("square.pfm"), &image, NULL), 0);
 	image_free(&image);
 	option(file, "file", in_folder("square.pfm"));
-	prepare(&rig, "source=panorama", file, NULL);
-	assert_int_equal(start(&rig), -EINVAL);
+	test_sim_prepare(&rig, "source=panorama", file, NULL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "square.pfm"));
 	finish(&rig);
 }
@@ -798,25 +798,25 @@ static void a_camera_file_sets_the_view(void **state)
 	(void)state;
 	write_text("camera.ini", camera_text);
 	option(file, "camera", in_folder("camera.ini"));
-	prepare(&rig, "clock=frames", "view=perspective", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "view=perspective", file, NULL);
 	rig.settings.width = rig.settings.height = 0;
 	must_start(&rig);
 	assert_int_equal(rig.camera.width, 64);
 	assert_int_equal(rig.camera.height, 48);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	middle = frame.planes[0].data + (size_t)24 * frame.planes[0].stride + 32 * 4;
 	/* from (0, -2, 1), level, towards +Y: the sage wall in the middle, green most of all */
 	assert_true(middle[0] < middle[1] && middle[2] < middle[1]);
 	camera_release(&rig.camera, &frame);
 	camera_close(&rig.camera);
 	rig.settings.width = 320;
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "camera.ini"));
 	finish(&rig);
 
 	write_text("camera.ini", "[lens]\n");
-	prepare(&rig, "view=perspective", file, NULL);
-	assert_int_equal(start(&rig), -EINVAL);
+	test_sim_prepare(&rig, "view=perspective", file, NULL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "camera.ini"));
 	finish(&rig);
 }
@@ -826,15 +826,15 @@ static void other_formats_are_refused(void **state)
 	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.format = PIXEL_MJPEG;
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_int_equal(rig.camera.situation, CAMERA_UNSUPPORTED_FORMAT);
 	finish(&rig);
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.format = PIXEL_YUYV;
 	rig.settings.width = 63;
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	finish(&rig);
 }
 

@@ -245,7 +245,7 @@ static struct display_event wait_shown(struct display *display)
 }
 
 /* A chart without symmetry: red grows to the right, green downwards. */
-static void draw(const struct display_buffer *buffer, int number)
+static void test_display_draw(const struct display_buffer *buffer, int number)
 {
 	for (int y = 0; y < buffer->height; y++)
 		for (int x = 0; x < buffer->width; x++) {
@@ -258,13 +258,13 @@ static void draw(const struct display_buffer *buffer, int number)
 		}
 }
 
-static void show(struct display *display, int number)
+static void test_display_show(struct display *display, int number)
 {
 	struct display_buffer buffer;
 	struct fault fault;
 
 	assert_int_equal(display_acquire(display, &buffer), 0);
-	draw(&buffer, number);
+	test_display_draw(&buffer, number);
 	if (display_submit(display, &buffer, number, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(wait_shown(display).token, number);
@@ -304,7 +304,7 @@ static void null_flips_on_time(void **state)
 		assert_ptr_equal(again.pixels, buffer.pixels);
 		assert_int_not_equal(buffer.index, last_index);
 		last_index = buffer.index;
-		draw(&buffer, i);
+		test_display_draw(&buffer, i);
 		before_ns = clock_now_ns();
 		assert_int_equal(display_submit(&display, &buffer, 1000 + i, &fault), 0);
 		/* one buffer is on the screen, the other queued */
@@ -336,7 +336,7 @@ static void null_without_rate(void **state)
 	open_fine(&display, &display_null, &settings, &choice);
 	start_ns = clock_now_ns();
 	for (int i = 0; i < 200; i++)
-		show(&display, i);
+		test_display_show(&display, i);
 	/* 200 refreshes at 60 Hz would be 3.3 s. */
 	assert_true(clock_now_ns() - start_ns < NS_PER_S);
 	assert_true(display.rate_hz == 0);
@@ -382,7 +382,7 @@ static void null_fails_when_told(void **state)
 
 		open_fine(&display, &display_null, &settings, &choice);
 		for (int n = 0; n < 3; n++)
-			show(&display, n);
+			test_display_show(&display, n);
 		assert_int_equal(display_acquire(&display, &buffer), 0);
 		assert_int_equal(display_submit(&display, &buffer, 3, &fault), 0);
 		start_ns = clock_now_ns();
@@ -410,7 +410,7 @@ static void null_hides_when_told(void **state)
 	(void)state;
 	open_fine(&display, &display_null, &settings, &choice);
 	for (int n = 0; n < 3; n++)
-		show(&display, n);
+		test_display_show(&display, n);
 	assert_int_equal(display_acquire(&display, &buffer), 0);
 	assert_int_equal(display_submit(&display, &buffer, 3, &fault), 0);
 	ready.fd = display_descriptor(&display);
@@ -425,7 +425,7 @@ static void null_hides_when_told(void **state)
 	assert_false(display.hidden);
 	assert_int_equal(display.shown, 3);
 	for (int n = 4; n < 7; n++)
-		show(&display, n);
+		test_display_show(&display, n);
 	assert_int_equal(display.shown, 6);
 	close_fine(&display);
 }
@@ -474,8 +474,8 @@ static void file_video(void **state)
 	file_settings(&settings, "clip.y4m");
 	settings.rate_hz = 25;
 	open_fine(&display, &display_file, &settings, NULL);
-	show(&display, 0);
-	show(&display, 1);
+	test_display_show(&display, 0);
+	test_display_show(&display, 1);
 	assert_int_equal(access(settings.device, F_OK), -1);
 	close_fine(&display);
 	stream = fopen(settings.device, "rb");
@@ -512,7 +512,7 @@ static void file_video_fraction(void **state)
 	file_settings(&settings, "clip.y4m");
 	settings.rate_hz = 30000.0 / 1001;
 	open_fine(&display, &display_file, &settings, NULL);
-	show(&display, 0);
+	test_display_show(&display, 0);
 	close_fine(&display);
 	stream = fopen(settings.device, "rb");
 	assert_non_null(stream);
@@ -557,7 +557,7 @@ static void file_pictures(void **state)
 		for (int n = 0; n < 3; n++) {
 			char name[32], path[64];
 
-			show(&display, n);
+			test_display_show(&display, n);
 			switch (k) {
 			case 0:
 				snprintf(name, sizeof(name), "out%03d.png", n);
@@ -631,7 +631,7 @@ static void file_disk_full(void **state)
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
 	for (int i = 0; i < 10 && !err; i++) {
 		assert_int_equal(display_acquire(&display, &buffer), 0);
-		draw(&buffer, i);
+		test_display_draw(&buffer, i);
 		err = display_submit(&display, &buffer, i, &fault);
 		if (!err)
 			assert_int_equal(display_dispatch(&display, &event, &fault), 0);
@@ -657,7 +657,7 @@ static void window_shows(void **state)
 	setenv("SDL_VIDEODRIVER", "dummy", 1);
 	open_fine(&display, &display_window, &settings, NULL);
 	for (int n = 0; n < 3; n++)
-		show(&display, n);
+		test_display_show(&display, n);
 	for (Uint32 id = 0; id < 16 && !renderer; id++)
 		renderer = SDL_GetWindowFromID(id) ? SDL_GetRenderer(SDL_GetWindowFromID(id))
 						   : NULL;

@@ -102,7 +102,7 @@ static int make_map(void **state)
 	       keymap_add(&steps, ACTION_VIEW_NEXT, "v", "x", NULL);
 }
 
-static enum action take(struct keys *keys, unsigned type, unsigned code, int value)
+static enum action keyboard_take(struct keys *keys, unsigned type, unsigned code, int value)
 {
 	const struct input_event event = {
 		.type = (unsigned short)type,
@@ -118,17 +118,18 @@ static void presses(void **state)
 	struct keys keys = {0};
 
 	(void)state;
-	assert_int_equal(take(&keys, EV_MSC, MSC_SCAN, 47), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
-	assert_int_equal(take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 2), ACTION_NONE); /* a toggle does not repeat */
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_A, 1), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, 0xffff, 1), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_REL, KEY_V, 1), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_MSC, MSC_SCAN, 47), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 2),
+			 ACTION_NONE); /* a toggle does not repeat */
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_A, 1), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, 0xffff, 1), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_REL, KEY_V, 1), ACTION_NONE);
 	assert_false(keys.ask);
 }
 
@@ -143,15 +144,15 @@ static void down_at_the_start(void **state)
 	now[KEY_UP / 8] = 1U << (KEY_UP % 8);
 	keys_start(&keys, now);
 	assert_false(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 2), ACTION_NONE);
 	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* still the same press */
 	assert_false(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
 	assert_false(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
 	assert_true(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
 	assert_false(keys_are_idle(&keys));
 }
 
@@ -162,18 +163,18 @@ static void dropped(void **state)
 	struct keys keys = {0};
 
 	(void)state;
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
-	assert_int_equal(take(&keys, EV_SYN, SYN_DROPPED, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_DROPPED, 0), ACTION_NONE);
 	/* An event that is not to be trusted. */
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_NONE);
 	assert_false(keys.ask);
-	assert_int_equal(take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
 	assert_true(keys.ask);
 	now[KEY_UP / 8] = 1U << (KEY_UP % 8);
 	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_THRESHOLD_UP);
 	assert_false(keys.ask);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
 	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* no new event */
 }
 

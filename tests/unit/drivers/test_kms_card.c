@@ -71,7 +71,7 @@ static struct {
 	int64_t flip_ns;		      /* time in the flip event */
 } card;
 
-static int refuse(int err)
+static int test_kms_card_refuse(int err)
 {
 	errno = err;
 	return -1;
@@ -113,7 +113,7 @@ static void answer_properties(uint32_t object, uint64_t ids, uint64_t values, ui
 static int get_connector(struct drm_mode_get_connector *c)
 {
 	if (c->connector_id != CONNECTOR)
-		return refuse(ENOENT);
+		return test_kms_card_refuse(ENOENT);
 	card.probes += !c->count_modes;
 	if (c->modes_ptr && c->count_modes >= (uint32_t)card.mode_count)
 		memcpy((void *)(uintptr_t)c->modes_ptr, card.modes,
@@ -191,10 +191,10 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	if (!card.scales &&
 	    (*property(wanted, PLANE, "SRC_W") >> 16 != *property(wanted, PLANE, "CRTC_W") ||
 	     *property(wanted, PLANE, "SRC_H") >> 16 != *property(wanted, PLANE, "CRTC_H")))
-		return refuse(ERANGE);
+		return test_kms_card_refuse(ERANGE);
 	if (card.cursor_is_gone && *property(wanted, CURSOR, "FB_ID") &&
 	    !*value_of(CURSOR, "FB_ID"))
-		return refuse(ENOENT);
+		return test_kms_card_refuse(ENOENT);
 	if (trial) {
 		card.trials++;
 		return 0;
@@ -205,7 +205,7 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 			poll(NULL, 0, 10);
 	} else if (card.busy) {
 		card.busy--;
-		return refuse(EBUSY);
+		return test_kms_card_refuse(EBUSY);
 	}
 	memcpy(card.values, wanted, sizeof(wanted));
 	if (a->flags & DRM_MODE_PAGE_FLIP_EVENT) {
@@ -242,11 +242,11 @@ static int play(int fd, unsigned long request, void *argument)
 		((struct drm_get_cap *)argument)->value = 1;
 		return 0;
 	case DRM_IOCTL_SET_CLIENT_CAP:
-		return card.no_atomic ? refuse(EOPNOTSUPP) : 0;
+		return card.no_atomic ? test_kms_card_refuse(EOPNOTSUPP) : 0;
 	case DRM_IOCTL_AUTH_MAGIC: /* libdrm's way to ask whether it is master */
-		return refuse(is_master(fd) ? EINVAL : EACCES);
+		return test_kms_card_refuse(is_master(fd) ? EINVAL : EACCES);
 	case DRM_IOCTL_SET_MASTER:
-		return is_master(fd) ? 0 : refuse(EACCES);
+		return is_master(fd) ? 0 : test_kms_card_refuse(EACCES);
 	case DRM_IOCTL_DROP_MASTER:
 		card.master = 0;
 		return 0;

@@ -26,7 +26,7 @@ static void prepare_television(struct played_rig *rig, v4l2_std_id detected)
 	played.standard = V4L2_STD_NTSC_M;
 }
 
-static void grab(struct played_rig *rig, struct frame *frame)
+static void digitizer_grab(struct played_rig *rig, struct frame *frame)
 {
 	if (camera_grab(&rig->camera, frame, &rig->fault))
 		fail_msg("no frame: %s", rig->fault.text);
@@ -184,7 +184,7 @@ static void fields_are_asked_for(void **state)
 		assert_int_equal(played.height, cases[c].rows);
 		if (cases[c].fields != FIELDS_PAIR) {
 			played_deliver(0, 0, 64 * 2 * cases[c].rows, 0);
-			grab(&rig, &frame);
+			digitizer_grab(&rig, &frame);
 			assert_int_equal(frame.fields, cases[c].fields);
 			assert_int_equal(frame.height, 48);
 			camera_release(&rig.camera, &frame);
@@ -204,18 +204,18 @@ static void a_buffer_may_say_more(void **state)
 	prepare_television(&rig, V4L2_STD_PAL_BG);
 	played_must_start(&rig);
 	played_deliver(0, 0, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_INTERLACED_BT;
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_INTERLACED);
 	assert_true(frame.bottom_first);
 	camera_release(&rig.camera, &frame);
 	played_deliver(0, 1, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_ANY; /* as the format says */
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_INTERLACED);
 	assert_false(frame.bottom_first);
 	camera_release(&rig.camera, &frame);
 	/* Progressive, from a film. */
 	played_deliver(0, 2, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_NONE;
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_NONE);
 	camera_release(&rig.camera, &frame);
 	played_finish(&rig);
@@ -282,7 +282,7 @@ static void two_fields_are_a_picture(void **state)
 		nothing_comes(&rig);
 		assert_int_equal(played_queued(), 7);
 		field_comes(5, 7, !bottom_first, 0);
-		grab(&rig, &frame);
+		digitizer_grab(&rig, &frame);
 		assert_int_equal(frame.fields, FIELDS_PAIR);
 		assert_int_equal(frame.bottom_first, bottom_first);
 		assert_int_equal(frame.height, 48);
@@ -307,13 +307,13 @@ static void the_newest_pair_wins(void **state)
 	start_pairs(&rig, V4L2_STD_PAL_BG);
 	for (int i = 0; i < 7; i++) /* three pairs and a half */
 		field_comes(i, (uint32_t)i / 2, i % 2, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 2);
 	assert_int_equal(rig.camera.lost, 2);
 	assert_int_equal(played_queued(), 5); /* a pair is held, a field waits */
 	camera_release(&rig.camera, &frame);
 	field_comes(7, 3, true, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 3);
 	assert_int_equal(frame.planes[0].data[0], 6 * 2 + 1);
 	assert_int_equal(rig.camera.lost, 2);
@@ -335,7 +335,7 @@ static void an_orphan_is_broken(void **state)
 	assert_int_equal(rig.camera.broken, 1);
 	assert_int_equal(played_queued(), 7);
 	field_comes(2, 1, true, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 1);
 	camera_release(&rig.camera, &frame);
 	field_comes(0, 2, false, 0); /* the bottom field of 2 and the top field of 3 are lost */
@@ -344,7 +344,7 @@ static void an_orphan_is_broken(void **state)
 	assert_int_equal(rig.camera.broken, 2);
 	field_comes(2, 4, false, 0);
 	field_comes(3, 4, true, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 4);
 	assert_int_equal(rig.camera.broken, 3);
 	assert_int_equal(rig.camera.lost, 0);
@@ -368,7 +368,7 @@ static void a_picture_with_an_unfit_field_is_broken_once(void **state)
 		assert_int_equal(played_queued(), 8);
 		field_comes(2, 1, false, 0);
 		field_comes(3, 1, true, 0);
-		grab(&rig, &frame);
+		digitizer_grab(&rig, &frame);
 		assert_int_equal(rig.camera.broken, 1);
 		camera_release(&rig.camera, &frame);
 		played_finish(&rig);
@@ -394,7 +394,7 @@ static void sequence_numbers_of_pairs_wrap(void **state)
 		field_comes((int)i, sequence, i % 2, 0);
 		if (i % 2 == 0)
 			continue;
-		grab(&rig, &frame);
+		digitizer_grab(&rig, &frame);
 		assert_int_equal(frame.sequence, sequence);
 		camera_release(&rig.camera, &frame);
 	}

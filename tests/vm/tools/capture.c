@@ -193,8 +193,8 @@ static void say_lines(const struct canvas *canvas, int parity)
 	printf("%s %d %d\n", parity ? "odd" : "even", lowest, highest);
 }
 
-static int take(struct camera *camera, const struct capture_request *request, struct watch *watch,
-		struct fault *fault)
+static int capture_take(struct camera *camera, const struct capture_request *request,
+			struct watch *watch, struct fault *fault)
 {
 	struct canvas canvas = {0};
 	struct frame_decoder *decoder = NULL;
@@ -252,7 +252,7 @@ int main(int argc, char **argv)
 		printf("name %s\nformat %s\nsize %dx%d\nrate %g\n", camera.name,
 		       pixel_format_names[camera.format], camera.width, camera.height,
 		       camera.rate_hz);
-		err = take(&camera, &request, &watch, &fault);
+		err = capture_take(&camera, &request, &watch, &fault);
 		printf("taken %d\nframes %llu\nlost %llu\nbroken %llu\nbackwards %d\ngaps %d\n",
 		       watch.taken, (unsigned long long)camera.frames,
 		       (unsigned long long)camera.lost, (unsigned long long)camera.broken,

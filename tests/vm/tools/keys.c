@@ -39,7 +39,7 @@ static void emit(int type, int code, int value)
 		die("uinput");
 }
 
-static void turn(int code, int value)
+static void keys_turn(int code, int value)
 {
 	emit(EV_KEY, code, value);
 	emit(EV_SYN, SYN_REPORT, 0);
@@ -106,16 +106,16 @@ int main(int argc, char **argv)
 	say_node();
 	while (fgets(line, sizeof(line), stdin) && strcmp(line, "unplug\n")) {
 		if (sscanf(line, "down %63s", key) == 1) {
-			turn(code_of(key), 1);
+			keys_turn(code_of(key), 1);
 		} else if (sscanf(line, "up %63s", key) == 1) {
-			turn(code_of(key), 0);
+			keys_turn(code_of(key), 0);
 		} else if (sscanf(line, "press %63s", key) == 1) {
-			turn(code_of(key), 1);
-			turn(code_of(key), 0);
+			keys_turn(code_of(key), 1);
+			keys_turn(code_of(key), 0);
 		} else if (sscanf(line, "flood %d %63s", &count, key) == 2) {
 			for (; count > 0; count--) {
-				turn(code_of(key), 1);
-				turn(code_of(key), 0);
+				keys_turn(code_of(key), 1);
+				keys_turn(code_of(key), 0);
 			}
 		} else {
 			fprintf(stderr, "keys: what is %s", line);

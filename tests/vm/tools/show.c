@@ -30,13 +30,13 @@ struct flips {
 
 static volatile sig_atomic_t asked_to_stop;
 
-static void stop(int signal_number)
+static void show_stop(int signal_number)
 {
 	(void)signal_number;
 	asked_to_stop = 1;
 }
 
-static void draw(const struct display_buffer *buffer, const struct image *image)
+static void test_show_draw(const struct display_buffer *buffer, const struct image *image)
 {
 	const int left = (buffer->width - image->width) / 2;
 	const int top = (buffer->height - image->height) / 2;
@@ -86,7 +86,7 @@ static int draw_one(struct show_state *show, struct fault *fault)
 
 	if (err)
 		return err == -EAGAIN ? 0 : fault_say(fault, err, "acquire: %s", strerror(-err));
-	draw(&buffer, show->image);
+	test_show_draw(&buffer, show->image);
 	return display_submit(&show->display, &buffer, ++show->token, fault);
 }
 
@@ -123,7 +123,7 @@ static void say_ready(struct show_state *show)
 }
 
 /* Shows until a signal (0) or until the screen fails. Signals arrive only while waiting. */
-static int run(struct show_state *show, const sigset_t *waiting, struct fault *fault)
+static int show_run(struct show_state *show, const sigset_t *waiting, struct fault *fault)
 {
 	const struct timespec patience = {.tv_sec = 5};
 	int err = 0;
@@ -233,8 +233,8 @@ int main(int argc, char **argv)
 	sigaddset(&stopping, SIGTERM);
 	sigaddset(&stopping, SIGINT);
 	sigprocmask(SIG_BLOCK, &stopping, &waiting);
-	signal(SIGTERM, stop);
-	signal(SIGINT, stop);
+	signal(SIGTERM, show_stop);
+	signal(SIGINT, show_stop);
 
 	int err = image_read(argv[2], &image, &fault);
 	show.frames = atoi(argv[3]);
@@ -244,7 +244,7 @@ int main(int argc, char **argv)
 		err = open_patiently(&show, driver, &settings, options, patient, &waiting, &fault);
 		if (err)
 			break;
-		err = run(&show, &waiting, &fault);
+		err = show_run(&show, &waiting, &fault);
 		if (err && patient && display_may_return(show.display.situation)) {
 			printf("lost %s: %s\n", display_situation_names[show.display.situation],
 			       fault.text);

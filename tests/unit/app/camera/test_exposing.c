@@ -40,7 +40,7 @@ static struct config_fisheye config;
 static struct source source;
 static struct exposing exposing;
 
-static void begin(double step, double first, double second, double third)
+static void test_exposing_begin(double step, double first, double second, double third)
 {
 	memset(&fake, 0, sizeof(fake));
 	fake.step = step;
@@ -68,7 +68,7 @@ static void is_about(double value, double expected)
 static void what_is_taken_as_it_is_keeps_its_ratio(void **state)
 {
 	(void)state;
-	begin(0, 16, 5, 2);
+	test_exposing_begin(0, 16, 5, 2);
 	for (uint32_t n = 0; n < 9; n++)
 		(void)picture(n);
 	assert_int_equal(fake.asked, 9);
@@ -84,7 +84,7 @@ static void what_is_rounded_has_another_ratio(void **state)
 	int seen = 0;
 
 	(void)state;
-	begin(3, 17, 7, 2);
+	test_exposing_begin(3, 17, 7, 2);
 	for (uint32_t n = 0; n < 12; n++) {
 		const int exposure = picture(n);
 
@@ -103,7 +103,7 @@ static void two_that_become_one_are_given_up(void **state)
 {
 	(void)state;
 	for (int which = 0; which < 2; which++) {
-		begin(10, which ? 40 : 11, which ? 11 : 7, which ? 4 : 1);
+		test_exposing_begin(10, which ? 40 : 11, which ? 11 : 7, which ? 4 : 1);
 		for (uint32_t n = 0; n < 9; n++)
 			(void)picture(n);
 		assert_true(exposing.single);

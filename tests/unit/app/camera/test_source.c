@@ -124,7 +124,7 @@ static const struct camera_ops fake_ops = {
 
 static struct source source;
 
-static int begin(void **state)
+static int test_source_begin(void **state)
 {
 	struct source_settings settings = {
 		.name = "front", .ops = &fake_ops, .curve = {.named = TRANSFER_SRGB}};
@@ -138,7 +138,7 @@ static int begin(void **state)
 	return source_create(&source, &settings);
 }
 
-static int end(void **state)
+static int test_source_end(void **state)
 {
 	(void)state;
 	source_destroy(&source);
@@ -166,7 +166,7 @@ static void must_open(void)
 	assert_true(source_is_open(&source));
 }
 
-static void take(int64_t now_ns)
+static void test_source_take(int64_t now_ns)
 {
 	assert_int_equal(source_take(&source, now_ns, &told), 0);
 }
@@ -177,7 +177,7 @@ static void must_close(void)
 	int before = fake.grab_err;
 
 	fake.grab_err = -ENODEV;
-	take(1);
+	test_source_take(1);
 	assert_false(source_is_open(&source));
 	fake.grab_err = before;
 }
@@ -188,10 +188,10 @@ static void newest_frame_is_held(void **state)
 	must_open();
 	assert_false(source_has_news(&source));
 	assert_false(source_has_picture(&source));
-	take(5);
-	take(6);
+	test_source_take(5);
+	test_source_take(6);
 	fake.level = 33;
-	take(7);
+	test_source_take(7);
 	assert_true(source_has_news(&source));
 	assert_int_equal(source_counts(&source).frames, 3);
 	assert_int_equal(source_counts(&source).lost, 2);
@@ -209,7 +209,7 @@ static void no_frame_is_no_trouble(void **state)
 	(void)state;
 	must_open();
 	fake.grab_err = -EAGAIN;
-	take(5);
+	test_source_take(5);
 	assert_true(source_is_open(&source));
 	assert_false(source_has_news(&source));
 	assert_int_equal(source_descriptor(&source), 42);
@@ -222,7 +222,7 @@ static void a_camera_on_demand_is_left_alone_while_its_frame_is_held(void **stat
 	assert_int_equal(source_descriptor(&source), -1);
 	must_open();
 	assert_int_equal(source_descriptor(&source), 42);
-	take(777);
+	test_source_take(777);
 	assert_int_equal(source_descriptor(&source), -1);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(source_descriptor(&source), 42);
@@ -234,11 +234,11 @@ static void a_lost_camera_leaves_its_picture(void **state)
 {
 	(void)state;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	fake.grab_err = -ENODEV;
 	fake.situation = CAMERA_NO_DEVICE;
-	take(2);
+	test_source_take(2);
 	assert_false(source_is_open(&source));
 	assert_int_equal(source_descriptor(&source), -1);
 	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
@@ -247,7 +247,7 @@ static void a_lost_camera_leaves_its_picture(void **state)
 	fake.grab_err = 0;
 	must_open();
 	fake.level = 7;
-	take(3);
+	test_source_take(3);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(source.canvas.pixels[0], 7);
 	assert_int_equal(source_counts(&source).frames, 2); /* frames of both openings */
@@ -307,7 +307,7 @@ static void silence_is_named_and_ended(void **state)
 	source_watch(&source, start + 3 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_STALLED);
 	assert_true(source_is_open(&source));
-	take(start + 4 * NS_PER_S); /* the camera is back */
+	test_source_take(start + 4 * NS_PER_S); /* the camera is back */
 	assert_int_equal(source.situation, CAMERA_FINE);
 	/* The program holds its frame, so it is not silent. */
 	source_watch(&source, start + 9 * NS_PER_S);
@@ -324,7 +324,7 @@ static void a_slow_camera_is_waited_for(void **state)
 	(void)state;
 	fake.rate_hz = 0.2;
 	must_open();
-	take(NS_PER_S);
+	test_source_take(NS_PER_S);
 	assert_true(source_decode(&source, NS_PER_S));
 	source_watch(&source, 15 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_FINE);
@@ -337,7 +337,7 @@ static void a_slow_camera_is_waited_for(void **state)
 
 	fake.rate_hz = 1e-300;
 	must_open();
-	take(100 * NS_PER_S);
+	test_source_take(100 * NS_PER_S);
 	assert_true(source_decode(&source, 100 * NS_PER_S));
 	source_watch(&source, 160 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_STALLED);
@@ -347,11 +347,11 @@ static void a_frame_that_does_not_decode_is_passed_over(void **state)
 {
 	(void)state;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	fake.bytes = 10;
 	fake.level = 5;
-	take(2);
+	test_source_take(2);
 	assert_false(source_decode(&source, 99));
 	assert_int_equal(fake.out, 0);
 	assert_int_equal(source.canvas.pixels[0], 100);
@@ -366,7 +366,7 @@ static void show_raw(int level)
 {
 	source.settings.camera.buffers = 4;
 	fake.level = (uint8_t)level;
-	take(level);
+	test_source_take(level);
 	assert_true(source_decode(&source, 99));
 	assert_false(source_has_news(&source));
 	assert_true(source_has_picture(&source));
@@ -392,7 +392,7 @@ static void a_raw_frame_stays_until_the_next(void **state)
 	assert_false(eye_read(&eye, &reader));
 	show_raw(34); /* raw again: nobody wants it whole */
 	fake.level = 35;
-	take(7);
+	test_source_take(7);
 	assert_int_equal(fake.out, 1);
 	assert_true(source_has_news(&source));
 	assert_false(source_has_picture(&source));
@@ -410,15 +410,15 @@ static void a_lost_camera_leaves_its_raw_frame(void **state)
 	must_open();
 	show_raw(60);
 	fake.grab_err = -EAGAIN; /* a wake-up without a frame */
-	take(2);
+	test_source_take(2);
 	assert_int_equal(fake.out, 0);
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 60);
 	fake.grab_err = 0;
 	show_raw(61);
-	take(3); /* a frame whose picture nobody has taken yet */
+	test_source_take(3); /* a frame whose picture nobody has taken yet */
 	fake.grab_err = -ENODEV;
-	take(4);
+	test_source_take(4);
 	assert_false(source_is_open(&source));
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 61);
@@ -438,7 +438,7 @@ static void a_raw_frame_that_is_short_is_passed_over(void **state)
 	show_raw(70);
 	fake.bytes = 10;
 	fake.level = 5;
-	take(2);
+	test_source_take(2);
 	assert_true(source_has_picture(&source));
 	assert_false(source_decode(&source, 99));
 	assert_int_equal(fake.out, 0);
@@ -456,7 +456,7 @@ static void a_kept_picture_outlives_its_frame(void **state)
 		source.kept = way == 0;
 		source.camera.on_demand = way == 1;
 		fake.level = 5;
-		take(2);
+		test_source_take(2);
 		assert_true(source_has_news(&source));
 		assert_true(source_has_picture(&source));
 		assert_int_equal(source.canvas.pixels[0], 80 + way);
@@ -478,7 +478,7 @@ static void linear_light_is_kept_and_encoded(void **state)
 	fake.linear[1] = 0.2158605f; /* code 128 */
 	fake.linear[2] = NAN;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	assert_true(source.is_linear);
 	assert_true(source.linear.f32[0] == 3.5f);
@@ -488,7 +488,7 @@ static void linear_light_is_kept_and_encoded(void **state)
 	assert_int_equal(p[0], 0);
 	assert_int_equal(p[3], 255);
 	fake.bytes = 100;
-	take(2);
+	test_source_take(2);
 	assert_false(source_decode(&source, 99));
 }
 
@@ -500,20 +500,20 @@ static void the_picture_follows_the_cameras_size(void **state)
 	(void)state;
 	assert_int_equal(eye_fit(&eye, &fault), 0); /* no picture yet */
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), 0);
 	assert_int_equal(eye.view.width, 16);
 	fake.width = 32;
 	fake.height = 24;
-	take(2);
+	test_source_take(2);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), 0);
 	assert_int_equal(eye.view.width, 32);
 	assert_int_equal(eye_picture(&eye).height, 24);
 	eye.wanted.x = 20;
 	fake.width = 16;
-	take(3);
+	test_source_take(3);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), -EINVAL);
 	assert_memory_equal(fault.text, "[fisheye] ", 10);
@@ -531,7 +531,7 @@ static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 	source_open(&source); /* a second call changes nothing */
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
 	assert_int_equal(poll(&end, 1, 0), 0);
-	take(1); /* nothing yet: harmless */
+	test_source_take(1); /* nothing yet: harmless */
 	assert_false(source_is_open(&source));
 	assert_false(source.tried);
 	assert_int_equal(source_counts(&source).frames, 0);
@@ -549,27 +549,27 @@ static void another_standard_is_opened_at_once(void **state)
 
 	(void)state;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	fake.grab_err = -ESTALE;
 	fake.situation = CAMERA_NO_SIGNAL;
-	take(2);
+	test_source_take(2);
 	assert_true(source.opening);
 	fake.grab_err = 0;
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
 	assert_int_equal(poll(&end, 1, 20000), 1);
-	take(3);
+	test_source_take(3);
 	assert_true(source_is_open(&source));
 	/* Until a frame shows that the camera works. */
 	assert_int_equal(source.situation, CAMERA_NO_SIGNAL);
-	take(4);
+	test_source_take(4);
 	assert_int_equal(source.situation, CAMERA_FINE);
 	/* if a camera asks for it before its first frame, the program would only open it again and
 	 * again */
 	must_close();
 	must_open();
 	fake.grab_err = -ESTALE;
-	take(5);
+	test_source_take(5);
 	assert_false(source.opening);
 	assert_false(source_is_open(&source));
 }
@@ -604,7 +604,7 @@ static void a_camera_keeps_its_name_while_it_is_away(void **state)
 
 int main(void)
 {
-#define CASE(name) cmocka_unit_test_setup_teardown(name, begin, end)
+#define CASE(name) cmocka_unit_test_setup_teardown(name, test_source_begin, test_source_end)
 	const struct CMUnitTest tests[] = {
 		CASE(newest_frame_is_held),
 		CASE(no_frame_is_no_trouble),

@@ -21,7 +21,7 @@
 
 static int manager = -1;
 
-static int begin(void **state)
+static int test_service_begin(void **state)
 {
 	struct sockaddr_un address = {.sun_family = AF_UNIX};
 
@@ -36,7 +36,7 @@ static int begin(void **state)
 	return 0;
 }
 
-static int end(void **state)
+static int test_service_end(void **state)
 {
 	(void)state;
 	unsetenv("NOTIFY_SOCKET");
@@ -151,10 +151,12 @@ static void messages_carry_a_level_for_the_journal(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(each_thing_is_told_once, begin, end),
-		cmocka_unit_test_setup_teardown(the_watchdog_is_fed_four_times_an_interval, begin,
-						end),
-		cmocka_unit_test_setup_teardown(without_a_watchdog_nothing_is_fed, begin, end),
+		cmocka_unit_test_setup_teardown(each_thing_is_told_once, test_service_begin,
+						test_service_end),
+		cmocka_unit_test_setup_teardown(the_watchdog_is_fed_four_times_an_interval,
+						test_service_begin, test_service_end),
+		cmocka_unit_test_setup_teardown(without_a_watchdog_nothing_is_fed,
+						test_service_begin, test_service_end),
 		cmocka_unit_test(messages_carry_a_level_for_the_journal),
 	};
 

@@ -92,7 +92,7 @@ static struct pipeline made(const struct pipeline_settings *settings)
 	return pipeline;
 }
 
-static void choose(struct pipeline *pipeline, double threshold)
+static void test_pipeline_choose(struct pipeline *pipeline, double threshold)
 {
 	struct pipeline_choice choice = {.threshold = {.value = threshold}, .object = true};
 
@@ -152,7 +152,7 @@ static void an_even_sky(void **state)
 	assert_true(pipeline.lit);
 	for (int i = 0; i < LIGHTS; i++)
 		expect_below(fabs(pipeline.radiance[i][1] - radiance), 1e-3, "i=%d", i);
-	choose(&pipeline, 0);
+	test_pipeline_choose(&pipeline, 0);
 	composite(&pipeline, out);
 	is_light(out[2][3], SHARE * radiance, SHARE * radiance, SHARE * radiance);
 	is_light(out[2][4], SHARE * radiance, SHARE * radiance, SHARE * radiance);
@@ -177,7 +177,7 @@ static void given_lights_reach_their_pixels(void **state)
 
 	(void)state;
 	pipeline_light_given(&pipeline, radiance);
-	choose(&pipeline, 0);
+	test_pipeline_choose(&pipeline, 0);
 	composite(&pipeline, out);
 	is_light(out[2][3], 0.1, 0.2, 0.3);
 	is_light(out[2][4], 0, 0, 0);
@@ -210,11 +210,11 @@ static void threshold_is_a_level_of_the_picture(void **state)
 		settings.sampler.gain = cases[i].gain;
 		pipeline = made(&settings);
 		assert_int_equal(pipeline_light_picture(&pipeline, &picture, NULL), 0);
-		choose(&pipeline, 99);
+		test_pipeline_choose(&pipeline, 99);
 		expect_equal(pipeline.selection.used_count, LIGHTS, "i=%zu", i);
-		choose(&pipeline, 101);
+		test_pipeline_choose(&pipeline, 101);
 		expect_equal(pipeline.selection.used_count, 0, "i=%zu", i);
-		choose(&pipeline, 0);
+		test_pipeline_choose(&pipeline, 0);
 		expect_equal(pipeline.selection.used_count, LIGHTS, "i=%zu", i);
 		canvas_free(&sky);
 		pipeline_destroy(&pipeline);
@@ -339,7 +339,7 @@ static void another_size_of_sky(void **state)
 	pipeline_destroy(&pipeline);
 }
 
-static double measure(struct pipeline *pipeline, int side, int code, int64_t at_ms)
+static double test_pipeline_measure(struct pipeline *pipeline, int side, int code, int64_t at_ms)
 {
 	struct canvas sky = flat(side, side, code);
 	struct picture picture = whole(&sky);
@@ -363,15 +363,16 @@ static void light_is_followed(void **state)
 	(void)state;
 	settings.follow_ns = 100000000;
 	pipeline = made(&settings);
-	first = measure(&pipeline, SKY, 200, 1000);
+	first = test_pipeline_measure(&pipeline, SKY, 200, 1000);
 	assert_true(fabs(first - bright) < 1e-3);
-	assert_true(measure(&pipeline, SKY, 200, 1033) == first);
-	assert_true(measure(&pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
-	assert_true(fabs(measure(&pipeline, SKY, 50, 1133) - dark) < 0.11 * (bright - dark));
-	assert_true(fabs(measure(&pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
+	assert_true(test_pipeline_measure(&pipeline, SKY, 200, 1033) == first);
+	assert_true(test_pipeline_measure(&pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
+	assert_true(fabs(test_pipeline_measure(&pipeline, SKY, 50, 1133) - dark) <
+		    0.11 * (bright - dark));
+	assert_true(fabs(test_pipeline_measure(&pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
 	settings.follow_ns = 0;
 	assert_int_equal(pipeline_change(&pipeline, &settings, NULL), 0);
-	assert_true(fabs(measure(&pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
+	assert_true(fabs(test_pipeline_measure(&pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
 	pipeline_destroy(&pipeline);
 }
 
@@ -422,7 +423,7 @@ static void a_percentage_of_white_may_change(void **state)
 	assert_int_equal(pipeline.selection.used_count, 1);
 	assert_true(pipeline.selection.used[3]);
 	assert_true(fabs(pipeline.selection.dropped_error[0] - 0.008) < 1e-6);
-	choose(&pipeline, 0); /* a threshold in grey levels again */
+	test_pipeline_choose(&pipeline, 0); /* a threshold in grey levels again */
 	assert_int_equal(pipeline.selection.used_count, LIGHTS);
 	pipeline_destroy(&pipeline);
 }

@@ -103,7 +103,7 @@ static int close_basis(void **state)
 	return unlink(path);
 }
 
-static int begin(void **state)
+static int test_pose_begin(void **state)
 {
 	const struct pipeline_settings settings = plain_pipeline(2);
 	static const float light[LIGHTS][3] = {{1, 1, 1}};
@@ -115,7 +115,7 @@ static int begin(void **state)
 	return 0;
 }
 
-static int end(void **state)
+static int test_pose_end(void **state)
 {
 	(void)state;
 	pipeline_destroy(&pipeline);
@@ -135,7 +135,7 @@ static void shows(double grey)
 
 /* Composites one frame and checks that it shows the poses that it reports. A held frame has all of
  * its data in memory before. */
-static void frame(struct pipeline_choice choice)
+static void test_pose_frame(struct pipeline_choice choice)
 {
 	static const uint8_t row[WIDTH * 4];
 	const struct picture black = {.origin = row, .x_step = 4, .width = WIDTH, .height = HEIGHT};
@@ -162,14 +162,14 @@ static void jump(struct pipeline_choice choice)
 	const int64_t start = clock_now_ns();
 
 	choice.hold = true;
-	frame(choice);
+	test_pose_frame(choice);
 	assert_int_equal(pipeline.choice.pose, before.pose);
 	assert_int_equal(pipeline.choice.next, before.next);
 	while (pipeline.choice.pose != choice.pose || pipeline.choice.share != choice.share) {
 		assert_int_equal(pipeline.choice.pose, before.pose);
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		frame(choice);
+		test_pose_frame(choice);
 	}
 	assert_true(choice.share == 0 || pipeline.choice.next == choice.next);
 }
@@ -179,7 +179,7 @@ static void no_frame_waits_for_a_jump(void **state)
 	static const int order[] = {4, 8, 2, 6, 0, 5};
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++)
 		jump((struct pipeline_choice){.pose = order[k]});
 	/* to a mix of two poses */
@@ -204,11 +204,11 @@ static void a_neighbour_is_there_at_once(void **state)
 	int pose = 3;
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = pose});
+	test_pose_frame((struct pipeline_choice){.pose = pose});
 	for (int k = 0; k < 3 * POSES; k++) {
 		pose = (pose + (k < 2 * POSES ? 1 : POSES - 1)) % POSES;
 		wait_for(pose);
-		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
 		expect_equal(pipeline.choice.pose, pose, "k=%d", k);
 	}
 }
@@ -217,13 +217,13 @@ static void a_neighbour_is_there_at_once(void **state)
 static void others_wait(void **state)
 {
 	(void)state;
-	frame((struct pipeline_choice){.pose = 7});
+	test_pose_frame((struct pipeline_choice){.pose = 7});
 	assert_int_equal(pipeline.choice.pose, 7);
-	frame((struct pipeline_choice){.pose = 3});
+	test_pose_frame((struct pipeline_choice){.pose = 3});
 	assert_int_equal(pipeline.choice.pose, 3);
-	end(NULL);
-	begin(NULL);
-	frame((struct pipeline_choice){.pose = 9});
+	test_pose_end(NULL);
+	test_pose_begin(NULL);
+	test_pose_frame((struct pipeline_choice){.pose = 9});
 	assert_int_equal(pipeline.choice.pose, 9);
 }
 
@@ -234,19 +234,19 @@ static void a_restless_choice_is_followed(void **state)
 	int seen = 0, last = 0;
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (int k = 1; seen < 10; k++) {
 		expect_below(clock_now_ns() - start, LONGEST_NS, "k=%d", k);
-		frame((struct pipeline_choice){.pose = 3 * k % POSES, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = 3 * k % POSES, .hold = true});
 		seen += pipeline.choice.pose != last;
 		last = pipeline.choice.pose;
 	}
 	/* an earlier choice is not shown again */
 	while (pipeline.choice.pose != 5) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
-		frame((struct pipeline_choice){.pose = 5, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = 5, .hold = true});
 	}
-	frame((struct pipeline_choice){.pose = 5, .hold = true});
+	test_pose_frame((struct pipeline_choice){.pose = 5, .hold = true});
 	assert_int_equal(pipeline.choice.pose, 5);
 }
 
@@ -270,10 +270,10 @@ static void a_pose_comes_back_unseen(void **state)
 	static const int unseen[] = {1, 2, 3, 4, 3, 2, 1, 0};
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (size_t k = 0; k < sizeof(unseen) / sizeof(*unseen); k++)
 		choose_unseen(unseen[k]);
-	frame((struct pipeline_choice){.pose = 0, .hold = true});
+	test_pose_frame((struct pipeline_choice){.pose = 0, .hold = true});
 	assert_int_equal(pipeline.choice.pose, 0);
 }
 
@@ -281,7 +281,7 @@ static void a_pose_comes_back_unseen(void **state)
 
 static void stays(struct pipeline_choice choice, int shown, int missing)
 {
-	frame(choice);
+	test_pose_frame(choice);
 	assert_int_equal(pipeline.choice.pose, shown);
 	assert_true(pipeline.choice.share == 0);
 	assert_int_equal(pipeline.missing, missing);
@@ -296,7 +296,7 @@ static void try_in_vain(int pose, int shown)
 	do {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
 		assert_int_equal(pipeline.choice.pose, shown);
 	} while (pipeline.missing < 0);
 	stays((struct pipeline_choice){.pose = pose, .hold = true}, shown, pose);
@@ -310,7 +310,7 @@ static void come(int pose)
 	while (pipeline.choice.pose != pose) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
 	}
 	assert_int_equal(pipeline.missing, -1);
 }
@@ -321,7 +321,7 @@ static void what_is_shown_stays(void **state)
 	struct pipeline_choice fade = {.pose = 0, .next = 6, .share = 0.5};
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	assert_int_equal(pipeline.missing, -1);
 	assert_int_equal(truncate(path, 0), 0);
 	try_in_vain(5, 0);
@@ -330,13 +330,13 @@ static void what_is_shown_stays(void **state)
 	pipeline_try_again(&pipeline);
 	stays((struct pipeline_choice){.pose = 6}, 0, 6);
 	try_in_vain(5, 0);
-	frame((struct pipeline_choice){.pose = 0, .hold = true});
+	test_pose_frame((struct pipeline_choice){.pose = 0, .hold = true});
 	assert_int_equal(pipeline.missing, -1); /* no pose that is wanted is missing */
 	try_in_vain(5, 0);
 	write_basis();
 	stays((struct pipeline_choice){.pose = 5, .hold = true}, 0, 5);
 	come(5);
-	frame(fade);
+	test_pose_frame(fade);
 	assert_true(pipeline.choice.share > 0);
 }
 
@@ -353,19 +353,25 @@ static void without_a_picture_it_is_an_error(void **state)
 	assert_non_null(strstr(fault.text, "cut short"));
 	write_basis();
 	basis_poses_expect(&basis, NULL, 0);
-	frame(choice);
+	test_pose_frame(choice);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(a_pose_comes_back_unseen, begin, end),
-		cmocka_unit_test_setup_teardown(no_frame_waits_for_a_jump, begin, end),
-		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, begin, end),
-		cmocka_unit_test_setup_teardown(others_wait, begin, end),
-		cmocka_unit_test_setup_teardown(a_restless_choice_is_followed, begin, end),
-		cmocka_unit_test_setup_teardown(what_is_shown_stays, begin, end),
-		cmocka_unit_test_setup_teardown(without_a_picture_it_is_an_error, begin, end),
+		cmocka_unit_test_setup_teardown(a_pose_comes_back_unseen, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(no_frame_waits_for_a_jump, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(others_wait, test_pose_begin, test_pose_end),
+		cmocka_unit_test_setup_teardown(a_restless_choice_is_followed, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(what_is_shown_stays, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(without_a_picture_it_is_an_error, test_pose_begin,
+						test_pose_end),
 	};
 
 	return cmocka_run_group_tests(tests, open_basis, close_basis);

@@ -74,13 +74,13 @@ static void choice_end(struct choice *c)
 	synthetic_close(&c->file);
 }
 
-static void choose(struct choice *c)
+static void test_selection_choose(struct choice *c)
 {
 	light_selection_choose(&c->f.lights, &c->file.basis, 0, (const float(*)[3])c->radiance,
 			       c->threshold, c->mode, 1);
 }
 
-static void set(struct choice *c, int light, double grey)
+static void test_selection_set(struct choice *c, int light, double grey)
 {
 	for (int k = 0; k < 3; k++)
 		c->radiance[light][k] = level(grey);
@@ -88,8 +88,8 @@ static void set(struct choice *c, int light, double grey)
 
 static bool uses(struct choice *c, int light, double grey)
 {
-	set(c, light, grey);
-	choose(c);
+	test_selection_set(c, light, grey);
+	test_selection_choose(c);
 	return c->f.lights.used[light];
 }
 
@@ -117,8 +117,8 @@ static struct crossing flicker(struct choice *c, int lights)
 		bool changed = false;
 
 		for (int i = 0; i < lights; i++)
-			set(c, 7 + i, 39 + k % 2);
-		choose(c);
+			test_selection_set(c, 7 + i, 39 + k % 2);
+		test_selection_choose(c);
 		random_frame_run(&c->f, 0);
 		found.switches += c->f.lights.used[7] != used;
 		used = c->f.lights.used[7];
@@ -185,12 +185,12 @@ static void a_light_that_falls_goes_out(void **state)
 	for (double grey = 39.5; grey > 38; grey -= 0.01) /* a slow fade switches off once */
 		expect_equal(uses(&c, 7, grey), grey > 38.995, "grey=%g", grey);
 	assert_false(uses(&c, 7, 0));
-	set(&c, 7, 0);
+	test_selection_set(&c, 7, 0);
 	c.radiance[7][1] = level(40); /* in any channel */
-	choose(&c);
+	test_selection_choose(&c);
 	assert_true(c.f.lights.used[7]);
 	c.radiance[7][1] = NAN;
-	choose(&c);
+	test_selection_choose(&c);
 	assert_false(c.f.lights.used[7]);
 	choice_end(&c);
 }
@@ -231,11 +231,11 @@ static void darkness_is_no_state(void **state)
 		c.threshold = 0;
 		if (dark) {
 			memset(c.radiance, 0, sizeof(c.radiance));
-			choose(&c);
+			test_selection_choose(&c);
 		}
 		for (int i = 0; i < COUNT; i++)
-			set(&c, i, 20 + i);
-		choose(&c);
+			test_selection_set(&c, i, 20 + i);
+		test_selection_choose(&c);
 		assert_in_range(c.f.lights.used_count, 1, COUNT - 1);
 		if (dark)
 			assert_memory_equal(fresh, c.f.lights.used, sizeof(fresh));

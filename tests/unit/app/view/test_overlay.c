@@ -56,7 +56,7 @@ struct drawn {
 	struct guarded_screen one, other;
 };
 
-static struct drawn draw(struct overlay *overlay, int width, int height)
+static struct drawn test_overlay_draw(struct overlay *overlay, int width, int height)
 {
 	struct drawn d = {guarded_screen_create(width, height, 0x11),
 			  guarded_screen_create(width, height, 0xee)};
@@ -99,7 +99,7 @@ static void done(struct drawn *d)
 static void nothing_to_say_draws_nothing(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct drawn d = draw(&overlay, 320, 240);
+	struct drawn d = test_overlay_draw(&overlay, 320, 240);
 
 	(void)state;
 	assert_int_equal(text_pixels(&d, 0, 240), 0);
@@ -130,7 +130,7 @@ static void keeps_to_its_edges(void **state)
 
 		overlay_information(&overlay, figures);
 		give_troubles(&overlay, run < listed ? 6 : chance_int(&chance, 0, 6));
-		d = draw(&overlay, width, height);
+		d = test_overlay_draw(&overlay, width, height);
 		assert_int_equal(text_pixels(&d, height / 3, height - height / 3), 0);
 		for (int y = height - height / 3; y < height; y++) {
 			for (int x = 1; x < width; x++)
@@ -188,17 +188,17 @@ static void goes_when_it_is_taken_back(void **state)
 	(void)state;
 	overlay_information(&overlay, figures);
 	give_troubles(&overlay, 2);
-	d = draw(&overlay, 640, 480);
+	d = test_overlay_draw(&overlay, 640, 480);
 	assert_true(text_pixels(&d, 0, 160) > 0);
 	assert_true(text_pixels(&d, 320, 480) > 0);
 	done(&d);
 	give_troubles(&overlay, 0);
-	d = draw(&overlay, 640, 480);
+	d = test_overlay_draw(&overlay, 640, 480);
 	assert_int_equal(text_pixels(&d, 0, 160), 0);
 	assert_true(text_pixels(&d, 320, 480) > 0);
 	done(&d);
 	overlay_information(&overlay, NULL);
-	d = draw(&overlay, 640, 480);
+	d = test_overlay_draw(&overlay, 640, 480);
 	assert_int_equal(text_pixels(&d, 0, 480), 0);
 	done(&d);
 	overlay_free(&overlay);
@@ -232,7 +232,7 @@ static void figures_do_not_make_it_jump(void **state)
 
 			words_information(text, sizeof(text), &f);
 			overlay_information(&overlay, text);
-			d = draw(&overlay, width, height);
+			d = test_overlay_draw(&overlay, width, height);
 			while (y < height && !is_text(&d, 0, y))
 				y++;
 			expect_below(y, height, "s=%d, i=%d", s, i);
@@ -337,7 +337,7 @@ static void can_be_read(void **state)
 		struct drawn d;
 
 		overlay_information(&overlay, "HHHH");
-		d = draw(&overlay, width, height);
+		d = test_overlay_draw(&overlay, width, height);
 		for (int y = height * 2 / 3; y < height; y++) {
 			bool seen = false;
 
@@ -385,7 +385,7 @@ static void any_bytes(void **state)
 		overlay_information(&overlay, texts[0]);
 		for (const char *at = overlay.information; *at; at += utf8_bytes(at))
 			expect_above(utf8_bytes(at), 0, "run=%d", run);
-		d = draw(&overlay, sizes[run % 3][0], sizes[run % 3][1]);
+		d = test_overlay_draw(&overlay, sizes[run % 3][0], sizes[run % 3][1]);
 		assert_int_equal(text_pixels(&d, sizes[run % 3][1] / 3,
 					     sizes[run % 3][1] - sizes[run % 3][1] / 3),
 				 0);
@@ -437,7 +437,7 @@ static void longer_than_there_is_room_for(void **state)
 		memcpy(text + i, "ä", 3);
 	overlay_information(&overlay, text); /* without a blank */
 	assert_int_equal(strlen(overlay.information), OVERLAY_TEXT_MAX - 2);
-	d = draw(&overlay, 320, 240);
+	d = test_overlay_draw(&overlay, 320, 240);
 	assert_true(is_text(&d, 0, 239));
 	done(&d);
 	overlay_free(&overlay);

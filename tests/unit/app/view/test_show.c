@@ -59,7 +59,7 @@ static void write_basis(const char *path)
 }
 
 /* The cameras differ from each other and from the former contents of the screens. */
-static void fill(struct canvas *canvas, int width, int height, int red)
+static void test_show_fill(struct canvas *canvas, int width, int height, int red)
 {
 	assert_int_equal(canvas_create(canvas, width, height), 0);
 	for (int y = 0; y < height; y++) {
@@ -73,7 +73,7 @@ static void fill(struct canvas *canvas, int width, int height, int red)
 	}
 }
 
-static void look(struct eye *eye, struct source *source)
+static void test_show_look(struct eye *eye, struct source *source)
 {
 	struct fault fault = {.text = ""};
 
@@ -92,9 +92,9 @@ static int set_up(void **state)
 	expect_success(basis_open(&basis, own_folder_path("show.inlay"), BASIS_SHOWN, &fault),
 		       &fault);
 	expect_success(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
-	fill(&sources[0].canvas, SKY, SKY, 60);
-	fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
-	fill(&sources[2].canvas, SCENE_WIDTH, SCENE_HEIGHT, 140);
+	test_show_fill(&sources[0].canvas, SKY, SKY, 60);
+	test_show_fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
+	test_show_fill(&sources[2].canvas, SCENE_WIDTH, SCENE_HEIGHT, 140);
 	for (int i = 0; i < 3; i++)
 		sources[i].whole = true;
 	return 0;
@@ -111,16 +111,16 @@ static int tear_down(void **state)
 }
 
 /* All cameras work, light is measured, and half of the lights are used. */
-static int begin(void **state)
+static int test_show_begin(void **state)
 {
 	const struct pipeline_choice choice = {.threshold = {.value = 120}, .object = true};
 	struct fault fault = {.text = ""};
 	struct picture sky;
 
 	(void)state;
-	look(&eyes.fisheye, &sources[0]);
-	look(&eyes.background, &sources[1]);
-	look(&eyes.scene, &sources[2]);
+	test_show_look(&eyes.fisheye, &sources[0]);
+	test_show_look(&eyes.background, &sources[1]);
+	test_show_look(&eyes.scene, &sources[2]);
 	sky = eye_picture(&eyes.fisheye);
 	expect_success(pipeline_light_picture(&pipeline, &sky, &fault), &fault);
 	expect_success(pipeline_choose(&pipeline, &choice, &fault), &fault);
@@ -499,7 +499,7 @@ static void no_pictures(void **state)
 	}
 }
 
-#define SHOW_TEST(test) cmocka_unit_test_setup(test, begin)
+#define SHOW_TEST(test) cmocka_unit_test_setup(test, test_show_begin)
 
 int main(void)
 {

@@ -14,7 +14,7 @@
 #include "tests/support/expect.h"
 
 /* Encodes a code point by the table of RFC 3629. */
-static int encode(uint32_t code, char out[5])
+static int test_utf8_encode(uint32_t code, char out[5])
 {
 	uint8_t *byte = (uint8_t *)out;
 	int bytes = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
@@ -33,7 +33,7 @@ static void every_code_point(void **state)
 	for (uint32_t code = 1; code < 0x120000; code++) {
 		bool surrogate = code >= 0xd800 && code < 0xe000;
 		char text[5];
-		int bytes = encode(code, text);
+		int bytes = test_utf8_encode(code, text);
 
 		expect_equal(utf8_bytes(text), surrogate || code > 0x10ffff ? 0 : bytes, "code=%u",
 			     code);

@@ -26,7 +26,7 @@ struct domes {
 	double (*x)[4];
 };
 
-static int begin(void **state)
+static int groups_begin(void **state)
 {
 	struct domes *d = calloc(1, sizeof(*d));
 	struct fault fault;
@@ -49,7 +49,7 @@ static int begin(void **state)
 	return 0;
 }
 
-static int end(void **state)
+static int groups_end(void **state)
 {
 	struct domes *d = *state;
 
@@ -203,11 +203,11 @@ static void cuts_of_groups(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(all_lights_are_in_groups, begin, end),
+		cmocka_unit_test_setup_teardown(all_lights_are_in_groups, groups_begin, groups_end),
 		cmocka_unit_test(own_lights_have_no_groups),
-		cmocka_unit_test_setup_teardown(a_lamp_is_not_common, begin, end),
-		cmocka_unit_test_setup_teardown(even_light_is_bounded, begin, end),
-		cmocka_unit_test_setup_teardown(groups_without_weight, begin, end),
+		cmocka_unit_test_setup_teardown(a_lamp_is_not_common, groups_begin, groups_end),
+		cmocka_unit_test_setup_teardown(even_light_is_bounded, groups_begin, groups_end),
+		cmocka_unit_test_setup_teardown(groups_without_weight, groups_begin, groups_end),
 		cmocka_unit_test(cuts_of_groups),
 	};
 

@@ -73,7 +73,7 @@ static void fit_end(struct rank_fit *f)
 	encode_rig_end(&f->e);
 }
 
-static void find(struct rank_fit *f)
+static void encode_rank_find(struct rank_fit *f)
 {
 	const int n = f->e.settings.lights;
 
@@ -164,18 +164,18 @@ static void lost_weight_goes_to_means(void **state)
 	fit_begin(&f, &chance);
 	for (int i = 0; i < f.e.settings.lights; i++)
 		f.weight[i] = f.part.weight[i];
-	find(&f);
+	encode_rank_find(&f);
 	is_least(&f, 0);
 
 	for (int i = 0; i < f.e.settings.lights; i++)
 		f.weight[i] *= i % 3 ? 0.001F : 1.5F;
 	f.part.share = NULL; /* a part without groups */
-	find(&f);
+	encode_rank_find(&f);
 	f.part.share = f.part.own_share;
 	without = left_of_means(&f);
 	is_least(&f, 0);
 
-	find(&f);
+	encode_rank_find(&f);
 	with = left_of_means(&f);
 	is_least(&f, RANK_MEAN_WEIGHT);
 	assert_true(with < 0.7 * without);

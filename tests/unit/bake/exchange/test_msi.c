@@ -41,7 +41,7 @@ static struct thesis *thesis_of(const struct basis *basis, struct pool *pool)
 	return thesis;
 }
 
-static int begin(void **state)
+static int test_msi_begin(void **state)
 {
 	if (small_scene_begin(state))
 		return -1;
@@ -60,7 +60,7 @@ static int begin(void **state)
 	return 0;
 }
 
-static int end(void **state)
+static int test_msi_end(void **state)
 {
 	thesis_destroy(own.thesis);
 	pool_destroy(own.pool);
@@ -282,5 +282,5 @@ int main(void)
 		cmocka_unit_test(test_damage),
 	};
 
-	return cmocka_run_group_tests(tests, begin, end);
+	return cmocka_run_group_tests(tests, test_msi_begin, test_msi_end);
 }

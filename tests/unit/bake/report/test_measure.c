@@ -30,7 +30,7 @@ struct log {
 	int fails_at; /* number of the way that fails; -1: none */
 };
 
-static int prepare(void *context, int way, int turn)
+static int test_measure_prepare(void *context, int way, int turn)
 {
 	struct log *log = context;
 
@@ -42,7 +42,7 @@ static int prepare(void *context, int way, int turn)
 }
 
 /* The third way sleeps, which takes time of the clock and not of the processor. */
-static int run(void *context, int way)
+static int test_measure_run(void *context, int way)
 {
 	struct log *log = context;
 
@@ -64,8 +64,8 @@ static struct turns turns_of(struct log *log)
 	return (struct turns){.context = log,
 			      .ways = WAYS,
 			      .repeat = REPEAT,
-			      .prepare = prepare,
-			      .run = run,
+			      .prepare = test_measure_prepare,
+			      .run = test_measure_run,
 			      .is_alone = is_alone};
 }
 
@@ -165,7 +165,7 @@ static void numbers_are_rounded_for_readers(void **state)
 	}
 }
 
-static void fill(struct report_table *table)
+static void test_measure_fill(struct report_table *table)
 {
 	report_table_begin(table, "table");
 	report_table_column(table, "name", "name", NULL);
@@ -189,7 +189,7 @@ static void tables_keep_what_they_are_given(void **state)
 	FILE *file;
 
 	(void)state;
-	fill(&table);
+	test_measure_fill(&table);
 	assert_int_equal(report_table_rows(&table), 2);
 	assert_int_equal(table.marked, 1);
 	assert_true(report_table_value(&table, 1, "hidden") == 6);
@@ -220,7 +220,7 @@ static void tables_are_safe_in_html(void **state)
 
 	(void)state;
 	assert_non_null(file);
-	fill(&table);
+	test_measure_fill(&table);
 	report_table_write_html(&table, file);
 	fclose(file);
 	assert_non_null(strstr(text, "<td>a, &quot;b&quot; &amp; &lt;c&gt;</td>"));

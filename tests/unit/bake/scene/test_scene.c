@@ -26,7 +26,7 @@ static void write_triangle(void)
 
 /* ---- faults ---- */
 
-static void refuse(const char *text, const char *words)
+static void test_scene_refuse(const char *text, const char *words)
 {
 	struct fault fault = {.text = ""};
 	struct scene *scene = NULL;
@@ -46,55 +46,57 @@ static void test_refused_values(void **state)
 {
 	(void)state;
 	write_triangle();
-	refuse(VIEW, "no section [object NAME]");
-	refuse(VIEW "[object a]\n", "file");
-	refuse(VIEW "[object a]\nfile = tri.obj\nscale = 0\n", "bad.ini:8: [object a] scale");
-	refuse(VIEW "[object a]\nfile = tri.obj\nscle = 1\n", "scale");
-	refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = woood\n[material wood]\n",
-	       "[material woood], expected perhaps wood");
-	refuse(VIEW "[dome]\nfrequency = 65\n[object a]\nfile = tri.obj\n", "bad.ini:7");
-	refuse("[camera]\nwidth = 4\n[object a]\nfile = tri.obj\n", "look_at");
-	refuse("[camera]\nfile = none.ini\n[object a]\nfile = tri.obj\n", "none.ini");
-	refuse("[camera]\nposition = 0 -5 -1\n[ground]\n[object a]\nfile = tri.obj\n",
-	       "below the ground");
-	refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
-		    "kind = glass\n",
-	       "expected a diffuse material");
-	refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
-		    "colour = 0 1 1\n",
-	       "at least 0.001");
+	test_scene_refuse(VIEW, "no section [object NAME]");
+	test_scene_refuse(VIEW "[object a]\n", "file");
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nscale = 0\n",
+			  "bad.ini:8: [object a] scale");
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nscle = 1\n", "scale");
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = woood\n[material wood]\n",
+			  "[material woood], expected perhaps wood");
+	test_scene_refuse(VIEW "[dome]\nfrequency = 65\n[object a]\nfile = tri.obj\n", "bad.ini:7");
+	test_scene_refuse("[camera]\nwidth = 4\n[object a]\nfile = tri.obj\n", "look_at");
+	test_scene_refuse("[camera]\nfile = none.ini\n[object a]\nfile = tri.obj\n", "none.ini");
+	test_scene_refuse("[camera]\nposition = 0 -5 -1\n[ground]\n[object a]\nfile = tri.obj\n",
+			  "below the ground");
+	test_scene_refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
+			       "kind = glass\n",
+			  "expected a diffuse material");
+	test_scene_refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
+			       "colour = 0 1 1\n",
+			  "at least 0.001");
 }
 
 static void test_refused_files(void **state)
 {
 	(void)state;
-	refuse(VIEW "[object a]\nfile = none.obj\n", "none.obj");
+	test_scene_refuse(VIEW "[object a]\nfile = none.obj\n", "none.obj");
 	small_scene_write("empty.obj", "v 0 0 0\nv 1 0 0\n");
-	refuse(VIEW "[object a]\nfile = empty.obj\n", "empty.obj");
+	test_scene_refuse(VIEW "[object a]\nfile = empty.obj\n", "empty.obj");
 	small_scene_write("noise.obj", "\x01\x02hello");
-	refuse(VIEW "[object a]\nfile = noise.obj\n", "noise.obj");
+	test_scene_refuse(VIEW "[object a]\nfile = noise.obj\n", "noise.obj");
 	small_scene_write("nan.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
 				     "property float y\nproperty float z\nelement face 1\n"
 				     "property list uchar int vertex_indices\nend_header\n"
 				     "0 0 0\nnan 0 0\n0 0 1\n3 0 1 2\n");
-	refuse(VIEW "[object a]\nfile = nan.ply\n", "not finite");
+	test_scene_refuse(VIEW "[object a]\nfile = nan.ply\n", "not finite");
 	/* without a refusal, later stages would take the NaN for the vertex beside it */
 	small_scene_write("nan.obj", "v 0 0 0\nv nan 1 0\nv 1 0 0\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = nan.obj\n", "not finite");
+	test_scene_refuse(VIEW "[object a]\nfile = nan.obj\n", "not finite");
 	small_scene_write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nl 1 2\n");
-	refuse(VIEW "[object a]\nfile = points.obj\n", "points.obj: no faces");
+	test_scene_refuse(VIEW "[object a]\nfile = points.obj\n", "points.obj: no faces");
 	small_scene_write("far.obj", "v 400000 0 0\nv 400001 0 0\nv 400000 0 1\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = far.obj\n", "far.obj: it is 1 across");
+	test_scene_refuse(VIEW "[object a]\nfile = far.obj\n", "far.obj: it is 1 across");
 	write_triangle();
-	refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = m\n[material m]\ntexture = no.png\n",
-	       "no.png");
+	test_scene_refuse(
+		VIEW "[object a]\nfile = tri.obj\nmaterial = m\n[material m]\ntexture = no.png\n",
+		"no.png");
 	/* the message names the section with the file, not the one whose mesh it replaces */
-	refuse(VIEW "[object a]\nfile = tri.obj\n[poses]\ncount = 3\n[keyframe first]\n"
-		    "object = a\nfile = none.obj\n",
-	       "[keyframe first] file: cannot open");
-	refuse(VIEW "[object a]\nfile = none.obj\n[poses]\ncount = 3\n[keyframe next]\n"
-		    "object = a\npose = 1\nfile = tri.obj\n",
-	       "[object a] file: cannot open");
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\n[poses]\ncount = 3\n[keyframe first]\n"
+			       "object = a\nfile = none.obj\n",
+			  "[keyframe first] file: cannot open");
+	test_scene_refuse(VIEW "[object a]\nfile = none.obj\n[poses]\ncount = 3\n[keyframe next]\n"
+			       "object = a\npose = 1\nfile = tri.obj\n",
+			  "[object a] file: cannot open");
 }
 
 /* Writes a glTF file: a triangle, whose node is scaled. */
@@ -124,19 +126,24 @@ static void test_refused_shapes(void **state)
 	small_scene_write("line.obj",
 			  "v 0 0 0\nv 0.1 0.1 0.1\nv 0.3 0.3 0.3\nv 1 1 1\nf 1 2 3\nf 2 3 4\n"
 			  "f 1 1 4\n");
-	refuse(VIEW "[object a]\nfile = line.obj\n", "line.obj: its faces all have no area");
+	test_scene_refuse(VIEW "[object a]\nfile = line.obj\n",
+			  "line.obj: its faces all have no area");
 	write_scaled("point.gltf", "0");
-	refuse(VIEW "[object a]\nfile = point.gltf\n", "point.gltf: its faces all have no area");
+	test_scene_refuse(VIEW "[object a]\nfile = point.gltf\n",
+			  "point.gltf: its faces all have no area");
 	write_scaled("vast.gltf", "1e38");
-	refuse(VIEW "[object a]\nfile = vast.gltf\n", "vast.gltf: it reaches 1e+38 world units");
+	test_scene_refuse(VIEW "[object a]\nfile = vast.gltf\n",
+			  "vast.gltf: it reaches 1e+38 world units");
 	small_scene_write("away.obj", "v 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = away.obj\n", "away.obj: it reaches 1e+30 world units");
+	test_scene_refuse(VIEW "[object a]\nfile = away.obj\n",
+			  "away.obj: it reaches 1e+30 world units");
 	/* one face with an area is enough, and so is a scale that brings the mesh back */
 	small_scene_write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\nf 1 2 3\n");
 	small_scene_write("part.ini", VIEW "[object a]\nfile = part.obj\n");
 	scene_close(small_scene_open("part.ini"));
 	small_scene_write("wide.obj", "v 0 0 0\nv 1e10 0 0\nv 0 0 1e10\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = wide.obj\n", "wide.obj: it reaches 1e+10 world units");
+	test_scene_refuse(VIEW "[object a]\nfile = wide.obj\n",
+			  "wide.obj: it reaches 1e+10 world units");
 	small_scene_write("wide.ini", VIEW "[object a]\nfile = wide.obj\nscale = 1e-3\n");
 	scene_close(small_scene_open("wide.ini"));
 }
@@ -158,7 +165,7 @@ static void test_refused_indices(void **state)
 			  "property float y\nproperty float z\nelement face 1\n"
 			  "property list uchar int vertex_indices\nend_header\n"
 			  "0 0 0\n1 0 0\n0 0 1\n3 0 1 70000\n");
-	refuse(VIEW "[object a]\nfile = strange.ply\n", "face 1 names vertex 70000");
+	test_scene_refuse(VIEW "[object a]\nfile = strange.ply\n", "face 1 names vertex 70000");
 	for (size_t bytes = 14; bytes < sizeof(faces); bytes++) {
 		FILE *stream = fopen(small_scene_path("cut.ply"), "wb");
 
@@ -167,7 +174,7 @@ static void test_refused_indices(void **state)
 		fwrite(corners, sizeof(corners), 1, stream);
 		fwrite(faces, bytes, 1, stream);
 		fclose(stream);
-		refuse(VIEW "[object a]\nfile = cut.ply\n", "cut.ply");
+		test_scene_refuse(VIEW "[object a]\nfile = cut.ply\n", "cut.ply");
 	}
 }
 
@@ -179,7 +186,7 @@ static void test_refused_indices(void **state)
 static void refuse_ply(const char *text, const char *words)
 {
 	small_scene_write("bad.ply", "%s", text);
-	refuse(VIEW "[object a]\nfile = bad.ply\n", words);
+	test_scene_refuse(VIEW "[object a]\nfile = bad.ply\n", words);
 }
 
 /* Assimp aborts on an empty face, and invents values that are missing in a line. */
@@ -248,7 +255,7 @@ static void test_refused_ply_headers(void **state)
 		   "bad.ply:8: a list counted in float");
 	/* bytes of 0, as a power cut leaves them */
 	small_scene_write("zeros.ply", "%s%c%c", whole, 0, 0);
-	refuse(VIEW "[object a]\nfile = zeros.ply\n", "bytes that are no text");
+	test_scene_refuse(VIEW "[object a]\nfile = zeros.ply\n", "bytes that are no text");
 }
 
 static void test_refused_mtl(void **state)
@@ -257,10 +264,12 @@ static void test_refused_mtl(void **state)
 	small_scene_write("dyes.mtl", "newmtl red\nKd 1 0 0\nnewmtl light blue \r\nKd 0 0 1\n");
 	small_scene_write("lost.obj",
 			  "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = lost.obj\n", "lost.obj:1: mtllib gone.mtl: cannot");
+	test_scene_refuse(VIEW "[object a]\nfile = lost.obj\n",
+			  "lost.obj:1: mtllib gone.mtl: cannot");
 	small_scene_write("rad.obj", "# a\nmtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl rad\n"
 				     "f 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = rad.obj\n", "rad.obj:6: usemtl rad: its libraries");
+	test_scene_refuse(VIEW "[object a]\nfile = rad.obj\n",
+			  "rad.obj:6: usemtl rad: its libraries");
 	/* a library that is replaced need not exist */
 	small_scene_write("own.ini",
 			  VIEW "[object a]\nfile = lost.obj\nmaterial = m\n[material m]\n");

@@ -42,7 +42,8 @@ static double deviate(struct random *random)
 }
 
 /* Light of a rank, each part `fall` times the one before, with noise in each half. */
-static struct made make(int rows, int lights, int rank, double fall, double noise, double share)
+static struct made bake_bounce_make(int rows, int lights, int rank, double fall, double noise,
+				    double share)
 {
 	struct random random = {SEED};
 	const size_t count = (size_t)rows * (size_t)lights;
@@ -171,8 +172,8 @@ static void test_made(void **state)
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
-		struct made m = make(cases[k].rows, cases[k].lights, cases[k].rank, cases[k].fall,
-				     cases[k].noise, cases[k].share);
+		struct made m = bake_bounce_make(cases[k].rows, cases[k].lights, cases[k].rank,
+						 cases[k].fall, cases[k].noise, cases[k].share);
 		const int kept = filter(&m);
 		const double error = error_of(&m);
 
@@ -189,7 +190,7 @@ static void test_nothing_to_gain(void **state)
 {
 	(void)state;
 	for (int k = 0; k < 2; k++) {
-		struct made m = make(300, 200, 200, 1, k ? 1.0 : 0.0, 0.5);
+		struct made m = bake_bounce_make(300, 200, 200, 1, k ? 1.0 : 0.0, 0.5);
 		const size_t count = (size_t)m.rows * (size_t)m.lights;
 
 		expect_equal(filter(&m), -1, "k=%d", k);
@@ -201,7 +202,7 @@ static void test_nothing_to_gain(void **state)
 /* Differences have both signs: rows whose sums are only noise must not grow. */
 static void test_sums_that_cancel(void **state)
 {
-	struct made m = make(300, 200, 3, 0.7, 1, 0.5);
+	struct made m = bake_bounce_make(300, 200, 3, 0.7, 1, 0.5);
 
 	(void)state;
 	for (int row = 0; row < m.rows; row++) {
@@ -230,13 +231,13 @@ static void test_odd_values(void **state)
 	struct made m;
 
 	(void)state;
-	m = make(30, 20, 0, 1, 0, 0.5);
+	m = bake_bounce_make(30, 20, 0, 1, 0, 0.5);
 	assert_int_equal(filter(&m), -1);
 	for (int k = 0; k < 600; k++)
 		expect_equal(m.half[0][k], 0, "k=%d", k);
 	unmake(&m);
 	for (size_t k = 0; k < sizeof(odd) / sizeof(odd[0]); k++) {
-		m = make(30, 20, 1, 1, 1, 0.5);
+		m = bake_bounce_make(30, 20, 1, 1, 1, 0.5);
 		m.half[0][77] = odd[k];
 		filter(&m);
 		/* NaN and infinity must reach the encoder, which refuses them */
@@ -297,7 +298,7 @@ static void test_seam(void **state)
 		for (int i = 0; i < SEAM_LIGHTS * 4; i++)
 			of_light[i / 4][i % 4] = deviate(&random);
 		for (int t = 0; t < 2; t++) {
-			m[t] = make(BOUNCE_ROWS_MAX, SEAM_LIGHTS, 0, 1, noises[k], 0.5);
+			m[t] = bake_bounce_make(BOUNCE_ROWS_MAX, SEAM_LIGHTS, 0, 1, noises[k], 0.5);
 			for (int at = 0; at < BOUNCE_ROWS_MAX * SEAM_LIGHTS; at++) {
 				const int i = at % SEAM_LIGHTS, p = at / SEAM_LIGHTS / 3;
 				const float is = (float)smooth(of_light[i],

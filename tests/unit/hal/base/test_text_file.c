@@ -58,7 +58,7 @@ static void lines_without_their_breaks(void **state)
 }
 
 /* Expects that line number `lines`, the last one, is refused. */
-static void expect(const char *path, int lines, int err, const char *says)
+static void test_text_file_expect(const char *path, int lines, int err, const char *says)
 {
 	struct fault fault = {""};
 	struct text_file file;
@@ -80,7 +80,8 @@ static void no_text(void **state)
 
 	(void)state;
 	write_text("one\nt\0o\n", 8);
-	expect(own_folder_path("text"), 2, -EINVAL, ":2: holds a zero byte, expected a text file");
+	test_text_file_expect(own_folder_path("text"), 2, -EINVAL,
+			      ":2: holds a zero byte, expected a text file");
 	memset(wide, 'x', sizeof(wide));
 	write_text(wide, TEXT_LINE_BYTES_MAX);
 	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
@@ -88,15 +89,15 @@ static void no_text(void **state)
 	assert_int_equal(strlen(file.line), TEXT_LINE_BYTES_MAX);
 	text_file_close(&file);
 	write_text(wide, TEXT_LINE_BYTES_MAX + 1);
-	expect(own_folder_path("text"), 1, -EINVAL,
-	       ":1: the line is too long, expected at most 65536 bytes");
+	test_text_file_expect(own_folder_path("text"), 1, -EINVAL,
+			      ":1: the line is too long, expected at most 65536 bytes");
 	unlink(own_folder_path("text"));
 	assert_int_equal(text_file_open(&file, own_folder_path("none"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "/none: No such file or directory"));
 	text_file_close(&file);
 }
 
-static void refuse(const char *path, int err, const char *what)
+static void test_text_file_refuse(const char *path, int err, const char *what)
 {
 	struct fault fault = {""};
 	struct text_file file;
@@ -116,15 +117,15 @@ static void no_files(void **state)
 
 	(void)state;
 	alarm(20);
-	refuse(own_folder(), -EISDIR, "folder");
-	refuse("/dev/zero", -EINVAL, "device");
+	test_text_file_refuse(own_folder(), -EISDIR, "folder");
+	test_text_file_refuse("/dev/zero", -EINVAL, "device");
 	assert_int_equal(mkfifo(own_folder_path("pipe"), 0600), 0);
-	refuse(own_folder_path("pipe"), -EINVAL, "named pipe");
+	test_text_file_refuse(own_folder_path("pipe"), -EINVAL, "named pipe");
 	unlink(own_folder_path("pipe"));
 	assert_true(snprintf(address.sun_path, sizeof(address.sun_path), "%s",
 			     own_folder_path("socket")) > 0);
 	assert_int_equal(bind(listener, (struct sockaddr *)&address, sizeof(address)), 0);
-	refuse(own_folder_path("socket"), -EINVAL, "socket");
+	test_text_file_refuse(own_folder_path("socket"), -EINVAL, "socket");
 	close(listener);
 	unlink(own_folder_path("socket"));
 	alarm(0);

@@ -353,7 +353,7 @@ struct damaged {
 	struct basis_block_entry *entry;
 };
 
-static void refuse(struct damaged *d, const char *words)
+static void poses_refuse(struct damaged *d, const char *words)
 {
 	struct fault fault;
 
@@ -367,7 +367,7 @@ static void refuse(struct damaged *d, const char *words)
 #define REFUSED(words, change)                                                                     \
 	do {                                                                                       \
 		change;                                                                            \
-		refuse(&d, words);                                                                 \
+		poses_refuse(&d, words);                                                           \
 	} while (0)
 
 static void refuses_a_broken_pack(void **state)

@@ -84,8 +84,8 @@ static int teardown(void **state)
 }
 
 /* Composites with `lit` equal lights whose radiance adds up to `bright`. */
-static void check(struct compositor *compositor, struct light_selection *selection, int lit,
-		  double bright)
+static void test_lines_check(struct compositor *compositor, struct light_selection *selection,
+			     int lit, double bright)
 {
 	static uint8_t background[PIXELS * 4], out[PIXELS * 4];
 	const struct picture picture = {background, 4, BASIS_TILE * 4, BASIS_TILE, BASIS_TILE};
@@ -129,7 +129,7 @@ static void lines_add_up_however_many_count(void **state)
 		assert_int_equal(light_selection_create(&selection, &basis), 0);
 		for (int lit = 1; lit <= LIGHTS; lit++)
 			for (double bright = 0.02; bright < 1; bright *= 1.3)
-				check(compositor, &selection, lit, bright);
+				test_lines_check(compositor, &selection, lit, bright);
 		light_selection_free(&selection);
 		compositor_destroy(compositor);
 	}

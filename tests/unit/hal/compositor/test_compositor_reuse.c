@@ -118,8 +118,8 @@ static int count_changed(struct keeping *k, const struct light_selection *lights
 enum expected { REUSED_NOT, REUSED_MAYBE, REUSED };
 
 /* Predicts the next frame. With `auto`, reuse of kept sums is decided by the cost of each block. */
-static enum expected expect(struct keeping *k, const struct compositor_settings *settings,
-			    const struct light_selection *lights)
+static enum expected reuse_expect(struct keeping *k, const struct compositor_settings *settings,
+				  const struct light_selection *lights)
 {
 	const bool had = k->kept;
 	bool few;
@@ -207,7 +207,7 @@ static void reused_sums_give_the_same_frames(void **state)
 		change_lights(p.radiance, &chance, what);
 		pair_set(&p, now.settings);
 		pair_reuse(&p, &s.basis, 0, now.threshold, now.mode);
-		expected = expect(&keeping, &now.settings, &p.f.lights);
+		expected = reuse_expect(&keeping, &now.settings, &p.f.lights);
 		if (expected != REUSED_MAYBE)
 			expect_equal(p.reused - before, expected == REUSED, "k=%d", k);
 		frames[expected]++;

@@ -89,7 +89,7 @@ static void scene_end(struct budget_scene *s)
 	free(s);
 }
 
-static void choose(struct budget_scene *s, double budget, enum threshold_mode mode)
+static void budget_choose(struct budget_scene *s, double budget, enum threshold_mode mode)
 {
 	s->selection.budget = budget;
 	light_selection_choose(&s->selection, &s->basis, 0, (const float(*)[3])s->radiance, 0, mode,
@@ -97,8 +97,8 @@ static void choose(struct budget_scene *s, double budget, enum threshold_mode mo
 }
 
 /* A pixel over a white background, in linear light that is not clipped. */
-static double pixel(const struct budget_scene *s, int p, int c, const double (*light)[3],
-		    const double ambient[3])
+static double budget_pixel(const struct budget_scene *s, int p, int c, const double (*light)[3],
+			   const double ambient[3])
 {
 	const double *u = s->ground[p % GROUNDS][c];
 	double object = 0, less = 0, ground = 0;
@@ -123,10 +123,10 @@ static double largest_change(const struct budget_scene *s)
 			all[i][c] = (double)s->radiance[i][c];
 	for (int p = 0; p < PIXELS; p++) {
 		for (int c = 0; c < 3; c++) {
-			const double before = pixel(s, p, c, (const double(*)[3])all, none);
-			const double after = pixel(s, p, c,
-						   (const double(*)[3])s->selection.radiance,
-						   s->selection.ambient);
+			const double before = budget_pixel(s, p, c, (const double(*)[3])all, none);
+			const double after = budget_pixel(s, p, c,
+							  (const double(*)[3])s->selection.radiance,
+							  s->selection.ambient);
 
 			most = fmax(most, fabs(after - before));
 		}
@@ -157,7 +157,7 @@ static int most_possible(const struct budget_scene *s, double budget)
 
 enum lighting { RANDOM, ONE_LARGE, EQUAL, DARK, STEEP, COLOURED, LIGHTINGS };
 
-static void light(struct chance *chance, struct budget_scene *s, enum lighting lighting)
+static void budget_light(struct chance *chance, struct budget_scene *s, enum lighting lighting)
 {
 	for (int i = 0; i < LIGHTS; i++) {
 		for (int c = 0; c < 3; c++) {
@@ -186,9 +186,10 @@ static void no_pixel_changes_by_more(void **state)
 			(enum threshold_mode)(n / LIGHTINGS % THRESHOLD_MODE_COUNT);
 
 		s->gain = n % 5 ? 1 : 8;
-		light(&chance, s, (enum lighting)(n % LIGHTINGS));
+		budget_light(&chance, s, (enum lighting)(n % LIGHTINGS));
 		for (size_t k = 0; k < sizeof(budgets) / sizeof(*budgets); k++) {
-			const double change = (choose(s, budgets[k], mode), largest_change(s));
+			const double change = (budget_choose(s, budgets[k], mode),
+					       largest_change(s));
 
 			expect_at_most(change, budgets[k] + 1e-12, "lighting %d, mode %d, round %d",
 				       n % LIGHTINGS, mode, n);
@@ -210,8 +211,8 @@ static void the_bound_is_what_the_header_says(void **state)
 	struct budget_scene *s = scene_begin(&chance);
 
 	(void)state;
-	light(&chance, s, RANDOM);
-	choose(s, 0.01, THRESHOLD_DROP);
+	budget_light(&chance, s, RANDOM);
+	budget_choose(s, 0.01, THRESHOLD_DROP);
 	for (int i = 0; i < LIGHTS; i++) {
 		double most = 0;
 
@@ -242,21 +243,21 @@ static void ends_of_the_range(void **state)
 	struct budget_scene *s = scene_begin(&chance);
 
 	(void)state;
-	light(&chance, s, EQUAL);
-	choose(s, 0, THRESHOLD_DROP); /* by threshold 0: all lights are used */
+	budget_light(&chance, s, EQUAL);
+	budget_choose(s, 0, THRESHOLD_DROP); /* by threshold 0: all lights are used */
 	assert_int_equal(s->selection.used_count, LIGHTS);
-	choose(s, 1e-13, THRESHOLD_DROP); /* every light that sends something stays */
+	budget_choose(s, 1e-13, THRESHOLD_DROP); /* every light that sends something stays */
 	assert_int_equal(s->selection.used_count, LIGHTS);
 	s->radiance[3][0] = s->radiance[3][1] = s->radiance[3][2] = 0;
 	s->radiance[4][0] = NAN;
 	s->radiance[5][1] = FLT_MAX;
-	choose(s, 1e-13, THRESHOLD_AMBIENT);
+	budget_choose(s, 1e-13, THRESHOLD_AMBIENT);
 	assert_false(s->selection.used[3]);
 	assert_true(s->selection.used[5]);
-	choose(s, 1, THRESHOLD_DROP);
+	budget_choose(s, 1, THRESHOLD_DROP);
 	assert_true(s->selection.used[5]);
-	light(&chance, s, DARK);
-	choose(s, 1e-9, THRESHOLD_DROP);
+	budget_light(&chance, s, DARK);
+	budget_choose(s, 1e-9, THRESHOLD_DROP);
 	assert_int_equal(s->selection.used_count, 0);
 	scene_end(s);
 }
@@ -296,20 +297,20 @@ static void the_set_does_not_flicker(void **state)
 	int changes = 0;
 
 	(void)state;
-	light(&chance, s, STEEP);
+	budget_light(&chance, s, STEEP);
 	memcpy(still, s->radiance, sizeof(still));
 	for (int k = 0; k < 1000; k++) {
 		for (int i = 0; i < LIGHTS; i++)
 			for (int c = 0; c < 3; c++)
 				s->radiance[i][c] = still[i][c] *
 						    (float)chance_real(&chance, 0.98, 1.02);
-		choose(s, 0.02, THRESHOLD_DROP);
+		budget_choose(s, 0.02, THRESHOLD_DROP);
 		expect_at_most(largest_change(s), 0.02, "frame %d", k);
 		changes += k && memcmp(used, s->selection.used, sizeof(used)) != 0;
 		memcpy(used, s->selection.used, sizeof(used));
 	}
 	assert_true(changes <= 1);
-	choose(s, 0.03, THRESHOLD_DROP); /* another threshold chooses anew */
+	budget_choose(s, 0.03, THRESHOLD_DROP); /* another threshold chooses anew */
 	assert_int_equal(LIGHTS - s->selection.used_count, most_possible(s, 0.03));
 	scene_end(s);
 }

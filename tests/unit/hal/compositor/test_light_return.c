@@ -71,7 +71,7 @@ static void scene_end(struct return_scene *s)
 }
 
 /* Dim light that leans to one side, and a few lamps. */
-static void light(struct return_scene *s, struct chance *chance)
+static void return_light(struct return_scene *s, struct chance *chance)
 {
 	double towards[3];
 
@@ -88,7 +88,7 @@ static void light(struct return_scene *s, struct chance *chance)
 	}
 }
 
-static void choose(struct return_scene *s, double threshold, enum threshold_mode mode)
+static void return_choose(struct return_scene *s, double threshold, enum threshold_mode mode)
 {
 	light_selection_choose(&s->selection, &s->basis, 0, (const float(*)[3])s->radiance,
 			       threshold, mode, 2);
@@ -110,7 +110,7 @@ static void nine_of(const double d[3], double y[NINE])
 }
 
 /* Gaussian elimination with pivots. */
-static void solve(double a[NINE][NINE + 1])
+static void return_solve(double a[NINE][NINE + 1])
 {
 	for (int k = 0; k < NINE; k++) {
 		int best = k;
@@ -149,7 +149,7 @@ static void fit_plainly(const struct return_scene *s, int c, double fit[LIGHTS_M
 			a[r][NINE] += w * y[r] * f;
 		}
 	}
-	solve(a);
+	return_solve(a);
 	for (int i = 0; i < s->dome.count; i++) {
 		double y[NINE];
 
@@ -212,8 +212,8 @@ static void is_the_least_squares_fit(void **state)
 	for (int f = 2; f <= 9; f++) {
 		scene_begin(&s, f, &chance);
 		for (int n = 0; n < 10; n++) {
-			light(&s, &chance);
-			choose(&s, n % 2 ? 1 : 0.2, THRESHOLD_HARMONICS);
+			return_light(&s, &chance);
+			return_choose(&s, n % 2 ? 1 : 0.2, THRESHOLD_HARMONICS);
 			expect_below(s.selection.used_count, s.dome.count,
 				     "frequency %d, lighting %d", f, n);
 			for (int c = 0; c < 3; c++)
@@ -235,11 +235,11 @@ static void nine_are_nearer_than_one(void **state)
 	for (int n = 0; n < 50; n++) {
 		double one[3];
 
-		light(&s, &chance);
-		choose(&s, 1, THRESHOLD_AMBIENT);
+		return_light(&s, &chance);
+		return_choose(&s, 1, THRESHOLD_AMBIENT);
 		for (int c = 0; c < 3; c++)
 			one[c] = miss(&s, c);
-		choose(&s, 1, THRESHOLD_HARMONICS);
+		return_choose(&s, 1, THRESHOLD_HARMONICS);
 		for (int c = 0; c < 3; c++) {
 			expect_at_most(miss(&s, c), one[c] * (1 + 1e-12), "lighting %d, channel %d",
 				       n, c);
@@ -261,8 +261,8 @@ static void no_pixel_is_off_by_more(void **state)
 	(void)state;
 	scene_begin(&s, 4, &chance);
 	for (int n = 0; n < 30; n++) {
-		light(&s, &chance);
-		choose(&s, 0.1 * (n % 4 + 1), THRESHOLD_HARMONICS);
+		return_light(&s, &chance);
+		return_choose(&s, 0.1 * (n % 4 + 1), THRESHOLD_HARMONICS);
 		for (int p = 0; p < PIXELS; p++)
 			for (int c = 0; c < 3; c++) {
 				double off = 0;
@@ -291,8 +291,8 @@ static void few_lights(void **state)
 
 	(void)state;
 	scene_begin(&s, 1, &chance);
-	light(&s, &chance);
-	choose(&s, 1000, THRESHOLD_HARMONICS);
+	return_light(&s, &chance);
+	return_choose(&s, 1000, THRESHOLD_HARMONICS);
 	assert_int_equal(s.selection.used_count, 0);
 	for (int c = 0; c < 3; c++)
 		expect_below(miss(&s, c), 1e-9, "channel %d", c);
@@ -306,14 +306,14 @@ static void nothing_dropped_and_nothing_there(void **state)
 
 	(void)state;
 	scene_begin(&s, 3, &chance);
-	light(&s, &chance);
-	choose(&s, 0, THRESHOLD_HARMONICS);
+	return_light(&s, &chance);
+	return_choose(&s, 0, THRESHOLD_HARMONICS);
 	for (int i = 0; i < s.dome.count; i++)
 		for (int c = 0; c < 3; c++)
 			expect_equal(s.selection.radiance[i][c], s.radiance[i][c],
 				     "light %d, channel %d", i, c);
 	memset(s.radiance, 0, sizeof(s.radiance));
-	choose(&s, 1, THRESHOLD_HARMONICS);
+	return_choose(&s, 1, THRESHOLD_HARMONICS);
 	for (int c = 0; c < 3; c++)
 		expect_that(s.selection.radiance[5][c] == 0 && s.selection.dropped_error[c] == 0,
 			    "channel %d", c);

@@ -35,7 +35,7 @@ static const struct synthetic_options many = {
 	.seed = 4,
 };
 
-static void fill(struct light_selection *s, struct chance *chance, double top)
+static void test_vector_fill(struct light_selection *s, struct chance *chance, double top)
 {
 	for (int i = 0; i < s->count; i++)
 		for (int c = 0; c < 3; c++)
@@ -109,7 +109,7 @@ static void what_is_gathered_is_exact(void **state)
 								  .gain = power % 2 ? 1 : 40,
 								  .patterns = true};
 
-				fill(&s, &chance, ldexp(1, power));
+				test_vector_fill(&s, &chance, ldexp(1, power));
 				/* Few lamps among dark lights: long sums. */
 				for (int c = 0; c < kind; c++)
 					s.radiance[chance_int(&chance, 0, o.lights - 1)][c] =
@@ -153,7 +153,7 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 	assert_int_equal(light_terms_create(&terms, &file.basis), 0);
 	assert_int_equal(light_vector_create(&v, &terms), 0);
 	for (int k = 0; k < 50; k++) {
-		fill(&s, &chance, 1);
+		test_vector_fill(&s, &chance, 1);
 		light_vector_make(&v, &order, &s);
 		for (int c = 0; c < 3; c++) {
 			const double *u = basis_ground(&file.basis, 2, c);
@@ -207,7 +207,8 @@ static void threads_share_vectors_and_change_nothing(void **state)
 		compositor_set(alone.compositor, &settings);
 		compositor_set(shared.compositor, &settings);
 		for (int k = 0; k < 60; k++) {
-			fill(&alone.lights, &chance, pow(10, chance_real(&chance, -6, 4)));
+			test_vector_fill(&alone.lights, &chance,
+					 pow(10, chance_real(&chance, -6, 4)));
 			random_frame_run(&alone, 0);
 			assert_int_equal(compositor_run(shared.compositor, 0, &alone.lights,
 							&shared.backdrop, shared.out,

@@ -104,7 +104,7 @@ static void decode_fields_apart(struct field_rig *r)
 	frame_decoder_destroy(decoder);
 }
 
-static void make(struct field_rig *r, enum pixel_format format, int width, int height)
+static void deinterlace_make(struct field_rig *r, enum pixel_format format, int width, int height)
 {
 	memset(r, 0, sizeof(*r));
 	r->woven = (struct frame){
@@ -121,7 +121,7 @@ static void make(struct field_rig *r, enum pixel_format format, int width, int h
 	decode_fields_apart(r);
 }
 
-static void drop(struct field_rig *r)
+static void deinterlace_drop(struct field_rig *r)
 {
 	canvas_free(&r->canvas);
 	canvas_free(&r->expected[0]);
@@ -207,13 +207,13 @@ static void every_order_and_way(void **state)
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
 		for (int height = format == PIXEL_NV12 ? 4 : 2; height <= 36;
 		     height += format == PIXEL_NV12 ? 16 : 2) {
-			make(&rig, (enum pixel_format)format, 5 + height, height);
+			deinterlace_make(&rig, (enum pixel_format)format, 5 + height, height);
 			for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++)
 				for (int way = 0; way < DEINTERLACE_COUNT * 2; way++) {
 					lay_out(&rig, (enum frame_fields)fields, way % 2);
 					decodes_as_expected(&rig, (enum deinterlace)(way / 2));
 				}
-			drop(&rig);
+			deinterlace_drop(&rig);
 		}
 }
 
@@ -225,7 +225,7 @@ static void a_field_in_the_wrong_place_is_noticed(void **state)
 	int differing = 0;
 
 	(void)state;
-	make(&rig, PIXEL_BGRX, 16, 16);
+	deinterlace_make(&rig, PIXEL_BGRX, 16, 16);
 	lay_out(&rig, FIELDS_TOP_BOTTOM, false);
 	rig.frame.fields = FIELDS_BOTTOM_TOP;
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
@@ -234,7 +234,7 @@ static void a_field_in_the_wrong_place_is_noticed(void **state)
 		differing += pixel_of(&rig.canvas, 3, y)[0] != (int)woven_at(&rig, 3, y, 0);
 	assert_true(differing > 8);
 	frame_decoder_destroy(decoder);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 /* A vertical gradient stays in place, in any field and method: no bobbing by half a line. */
@@ -243,7 +243,7 @@ static void nothing_moves_by_half_a_line(void **state)
 	static struct field_rig rig;
 
 	(void)state;
-	make(&rig, PIXEL_GREY, 8, 48);
+	deinterlace_make(&rig, PIXEL_GREY, 8, 48);
 	for (int y = 0; y < 48; y++)
 		memset(rig.whole[0] + (size_t)y * rig.woven.planes[0].stride, 4 * y, 8);
 	for (int way = 0; way < DEINTERLACE_COUNT * 2; way++) {
@@ -257,7 +257,7 @@ static void nothing_moves_by_half_a_line(void **state)
 				     way);
 		frame_decoder_destroy(decoder);
 	}
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 /* White in one field and black in the other, as a moving object leaves them. */
@@ -267,7 +267,7 @@ static void blending_leaves_no_comb(void **state)
 	struct frame_decoder *decoder;
 
 	(void)state;
-	make(&rig, PIXEL_GREY, 8, 48);
+	deinterlace_make(&rig, PIXEL_GREY, 8, 48);
 	for (int y = 0; y < 48; y++)
 		memset(rig.whole[0] + (size_t)y * rig.woven.planes[0].stride, y % 2 ? 0 : 255, 8);
 	lay_out(&rig, FIELDS_INTERLACED, false);
@@ -276,7 +276,7 @@ static void blending_leaves_no_comb(void **state)
 	for (int y = 0; y < 48; y++)
 		expect_equal(pixel_of(&rig.canvas, 4, y)[1], 128, "line %d", y);
 	frame_decoder_destroy(decoder);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 static void odd_heights_are_refused(void **state)
@@ -288,20 +288,20 @@ static void odd_heights_are_refused(void **state)
 	(void)state;
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
 	for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++) {
-		make(&rig, PIXEL_YUYV, 16, 16);
+		deinterlace_make(&rig, PIXEL_YUYV, 16, 16);
 		lay_out(&rig, (enum frame_fields)fields, false);
 		rig.frame.height = rig.canvas.height = 15;
 		expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EINVAL,
 			     "fields=%d", fields);
 		assert_non_null(strstr(fault.text, "15"));
-		drop(&rig);
+		deinterlace_drop(&rig);
 	}
-	make(&rig, PIXEL_NV12, 16, 16);
+	deinterlace_make(&rig, PIXEL_NV12, 16, 16);
 	lay_out(&rig, FIELDS_INTERLACED, false);
 	rig.frame.height = rig.canvas.height = 14;
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "multiple of 4"));
-	drop(&rig);
+	deinterlace_drop(&rig);
 	frame_decoder_destroy(decoder);
 }
 
@@ -317,7 +317,7 @@ static void short_fields_are_refused(void **state)
 			for (int p = 0; p < planes_of((enum pixel_format)format); p++) {
 				struct frame_plane *last;
 
-				make(&rig, (enum pixel_format)format, 16, 16);
+				deinterlace_make(&rig, (enum pixel_format)format, 16, 16);
 				lay_out(&rig, (enum frame_fields)fields, false);
 				last = fields == FIELDS_PAIR ? &rig.frame.bottom_planes[p]
 							     : &rig.frame.planes[p];
@@ -329,7 +329,7 @@ static void short_fields_are_refused(void **state)
 				expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
 					     -EINVAL, "format=%d, fields=%d, p=%d", format, fields,
 					     p);
-				drop(&rig);
+				deinterlace_drop(&rig);
 			}
 	frame_decoder_destroy(decoder);
 }
@@ -383,7 +383,7 @@ static void jpeg_in_fields(void **state)
 	size_t bytes, second;
 
 	(void)state;
-	make(&rig, PIXEL_BGRX, 32, 32);
+	deinterlace_make(&rig, PIXEL_BGRX, 32, 32);
 	rig.frame = (struct frame){.format = PIXEL_MJPEG, .width = 32, .height = 32};
 
 	/* both fields woven into one picture */
@@ -423,7 +423,7 @@ static void jpeg_in_fields(void **state)
 	/* one field alone */
 	rig.frame.fields = FIELDS_BOTTOM;
 	jpeg_holds(&rig, DEINTERLACE_WEAVE, 60, 60);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 static void jpeg_without_its_second_field_is_refused(void **state)
@@ -435,7 +435,7 @@ static void jpeg_without_its_second_field_is_refused(void **state)
 	size_t bytes;
 
 	(void)state;
-	make(&rig, PIXEL_BGRX, 32, 32);
+	deinterlace_make(&rig, PIXEL_BGRX, 32, 32);
 	bytes = compress(32, 16, 60, 60, one);
 	rig.frame = (struct frame){.format = PIXEL_MJPEG,
 				   .width = 32,
@@ -453,7 +453,7 @@ static void jpeg_without_its_second_field_is_refused(void **state)
 	rig.frame.fields = FIELDS_TOP;
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EBADMSG);
 	frame_decoder_destroy(decoder);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 int main(void)

@@ -57,7 +57,8 @@ struct fixture {
 };
 
 /* Makes a random picture; rows have `extra` bytes of padding, but the last row has none. */
-static void make(struct fixture *f, enum pixel_format format, int width, int height, size_t extra)
+static void test_frame_make(struct fixture *f, enum pixel_format format, int width, int height,
+			    size_t extra)
 {
 	memset(f, 0, sizeof(*f));
 	assert_int_equal(frame_decoder_create(&f->decoder, DEINTERLACE_WEAVE), 0);
@@ -75,7 +76,7 @@ static void make(struct fixture *f, enum pixel_format format, int width, int hei
 	}
 }
 
-static void drop(struct fixture *f)
+static void test_frame_drop(struct fixture *f)
 {
 	frame_decoder_destroy(f->decoder);
 	canvas_free(&f->canvas);
@@ -153,7 +154,7 @@ static void video_formats_match_double_precision(void **state)
 				struct fixture f;
 				double worst, rms;
 
-				make(&f, formats[i], 642, 358, 24);
+				test_frame_make(&f, formats[i], 642, 358, 24);
 				f.frame.matrix = (enum colour_matrix)matrix;
 				f.frame.range = (enum colour_range)range;
 				assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
@@ -165,7 +166,7 @@ static void video_formats_match_double_precision(void **state)
 					      range ? "full" : "limited", worst, rms);
 				expect_at_most(worst, error_max, "%s, matrix %d, range %d",
 					       pixel_format_names[formats[i]], matrix, range);
-				drop(&f);
+				test_frame_drop(&f);
 			}
 }
 
@@ -177,7 +178,7 @@ static void grey_stays_grey(void **state)
 		for (int range = 0; range < RANGE_COUNT; range++) {
 			struct fixture f;
 
-			make(&f, PIXEL_YUYV, 256, 1, 0);
+			test_frame_make(&f, PIXEL_YUYV, 256, 1, 0);
 			f.frame.matrix = (enum colour_matrix)matrix;
 			f.frame.range = (enum colour_range)range;
 			for (int x = 0; x < 256; x++) {
@@ -197,7 +198,7 @@ static void grey_stays_grey(void **state)
 				     "matrix=%d, range=%d", matrix, range);
 			expect_equal(f.canvas.pixels[(range ? 255 : 235) * 4], 255,
 				     "matrix=%d, range=%d", matrix, range);
-			drop(&f);
+			test_frame_drop(&f);
 		}
 }
 
@@ -213,7 +214,7 @@ static void rgb_formats_are_exact(void **state)
 		for (int width = 1; width <= 65; width++) {
 			struct fixture f;
 
-			make(&f, cases[i].format, width, 5, 7);
+			test_frame_make(&f, cases[i].format, width, 5, 7);
 			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
 			for (int y = 0; y < 5; y++)
 				for (int x = 0; x < width; x++) {
@@ -236,7 +237,7 @@ static void rgb_formats_are_exact(void **state)
 						     "fourth byte of (%d, %d), %d wide, format %d",
 						     x, y, width, cases[i].format);
 				}
-			drop(&f);
+			test_frame_drop(&f);
 		}
 }
 
@@ -250,7 +251,7 @@ static void limited_rgb_is_expanded(void **state)
 		const int bytes = formats[i] == PIXEL_BGRX ? 4 : 3;
 		struct fixture f;
 
-		make(&f, formats[i], 256, 3, 5);
+		test_frame_make(&f, formats[i], 256, 3, 5);
 		f.frame.range = RANGE_LIMITED;
 		for (int x = 0; x < 256; x++)
 			memset(f.memory[0] + x * bytes, x, (size_t)bytes);
@@ -264,7 +265,7 @@ static void limited_rgb_is_expanded(void **state)
 					       "value %d, channel %d, format %d", x, c, formats[i]);
 			expect_equal(got[3], 255, "i=%d, x=%d", i, x);
 		}
-		drop(&f);
+		test_frame_drop(&f);
 	}
 }
 
@@ -281,12 +282,12 @@ static void odd_sizes_decode(void **state)
 				struct fixture f;
 				double rms;
 
-				make(&f, formats[i], width, height, (size_t)(width % 3));
+				test_frame_make(&f, formats[i], width, height, (size_t)(width % 3));
 				assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
 						 0);
 				expect_at_most(worst_error(&f, &rms), error_max, "%dx%d, format %d",
 					       width, height, formats[i]);
-				drop(&f);
+				test_frame_drop(&f);
 			}
 }
 
@@ -317,7 +318,7 @@ static void short_planes_are_refused(void **state)
 			struct fault fault = {""};
 			struct fixture f;
 
-			make(&f, (enum pixel_format)format, 33, 9, 4);
+			test_frame_make(&f, (enum pixel_format)format, 33, 9, 4);
 			whole = f.frame.planes[p];
 			f.frame.planes[p].bytes--;
 			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EINVAL,
@@ -336,7 +337,7 @@ static void short_planes_are_refused(void **state)
 			f.frame.planes[p].data = NULL;
 			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL,
 				     "format=%d, p=%d", format, p);
-			drop(&f);
+			test_frame_drop(&f);
 		}
 }
 
@@ -345,7 +346,7 @@ static void other_sizes_and_kinds_are_refused(void **state)
 	struct fixture f;
 
 	(void)state;
-	make(&f, PIXEL_BGRX, 16, 16, 0);
+	test_frame_make(&f, PIXEL_BGRX, 16, 16, 0);
 	f.frame.width = 15;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL);
 	f.frame.width = 16;
@@ -356,7 +357,7 @@ static void other_sizes_and_kinds_are_refused(void **state)
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -ENOTSUP);
 	f.frame.format = PIXEL_NONE;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -ENOTSUP);
-	drop(&f);
+	test_frame_drop(&f);
 }
 
 /* Compresses a picture with soft colours as JPEG. */
@@ -385,7 +386,7 @@ static void make_jpeg_frame(struct fixture *f, int subsampling, uint8_t *rgb, ui
 {
 	const size_t bytes = make_jpeg(64, 48, subsampling, rgb, jpeg);
 
-	make(f, PIXEL_BGRX, 64, 48, 0);
+	test_frame_make(f, PIXEL_BGRX, 64, 48, 0);
 	f->frame.format = PIXEL_MJPEG;
 	f->frame.planes[0] = (struct frame_plane){*jpeg, 0, bytes};
 }
@@ -415,7 +416,7 @@ static void jpeg_decodes(void **state)
 		}
 		print_message("# JPEG of quality 95: largest error %d levels\n", worst);
 		expect_at_most(worst, 6, "subsampling %d", subsamplings[i]);
-		drop(&f);
+		test_frame_drop(&f);
 		tjFree(jpeg);
 	}
 }
@@ -455,7 +456,7 @@ static void jpeg_without_huffman_tables_decodes(void **state)
 		assert_memory_equal(f.canvas.pixels + (size_t)y * f.canvas.stride,
 				    whole.pixels + (size_t)y * whole.stride, 64 * 4);
 	canvas_free(&whole);
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 
@@ -490,7 +491,7 @@ static void damaged_jpeg_is_refused(void **state)
 	}
 	if (frame_decode(f.decoder, &f.frame, &f.canvas, &fault))
 		fail_msg("after damaged pictures a good one fails: %s", fault.text);
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 
@@ -510,7 +511,7 @@ static void stray_bytes_before_the_end_are_forgiven(void **state)
 	f.frame.planes[0] = (struct frame_plane){longer, 0, bytes + 6};
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
 	free(longer);
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 
@@ -527,7 +528,7 @@ static void jpeg_of_another_size_is_refused(void **state)
 	f.frame.width = 32;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
 	assert_non_null(strstr(fault.text, "64x48"));
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 

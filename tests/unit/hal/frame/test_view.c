@@ -20,7 +20,7 @@
 #define STRIDE (WIDTH * 4 + 12)
 
 /* The value of each pixel is its own place. */
-static void fill(uint8_t pixels[HEIGHT * STRIDE])
+static void test_view_fill(uint8_t pixels[HEIGHT * STRIDE])
 {
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++) {
@@ -60,7 +60,7 @@ static void pixels_and_coordinates_agree(void **state)
 	struct chance chance = chance_begin("view");
 
 	(void)state;
-	fill(pixels);
+	test_view_fill(pixels);
 	for (int k = 0; k < 400; k++) {
 		struct view view = {.squash = 1, .hflip = k & 1, .vflip = k & 2};
 

@@ -33,8 +33,8 @@ static void obey(struct scheduled_camera *camera, int exposure)
 
 /* Captures one frame, after `lost` that are lost and with `late` more before the answer. Checks the
  * exposure that the schedule says, unless it says that it does not know. */
-static int step(struct exposure_schedule *s, struct scheduled_camera *camera, int lost, int late,
-		uint32_t offset)
+static int schedule_step(struct exposure_schedule *s, struct scheduled_camera *camera, int lost,
+			 int late, uint32_t offset)
 {
 	const int64_t frame = camera->next + lost;
 	int exposure, next;
@@ -62,7 +62,7 @@ static void every_delay_is_kept_track_of(void **state)
 
 		exposure_schedule_begin(&s, COUNT, delay);
 		while (camera.next < 100) {
-			const int exposure = step(&s, &camera, 0, 0, UINT32_MAX - 20);
+			const int exposure = schedule_step(&s, &camera, 0, 0, UINT32_MAX - 20);
 
 			if (exposure >= 0)
 				count[exposure]++;
@@ -86,8 +86,8 @@ static void lost_and_late_frames_shift_nothing(void **state)
 
 		exposure_schedule_begin(&s, COUNT, delay);
 		while (camera.next < FRAMES - 10)
-			known += step(&s, &camera, chance_int(&chance, 0, 9) ? 0 : 3,
-				      chance_int(&chance, 0, 5) ? 0 : 2, 7) >= 0;
+			known += schedule_step(&s, &camera, chance_int(&chance, 0, 9) ? 0 : 3,
+					       chance_int(&chance, 0, 5) ? 0 : 2, 7) >= 0;
 		expect_above(known, 150, "delay=%d", delay);
 	}
 }
@@ -108,7 +108,8 @@ static void numbers_that_stand_still(void **state)
 }
 
 /* Measures the delay as the kiosk does: asks with the frame, then tells its brightness. */
-static int measure(struct scheduled_camera *camera, struct chance *chance, bool loses, bool shows)
+static int schedule_measure(struct scheduled_camera *camera, struct chance *chance, bool loses,
+			    bool shows)
 {
 	struct exposure_schedule s;
 	int err = 0;
@@ -117,7 +118,7 @@ static int measure(struct scheduled_camera *camera, struct chance *chance, bool 
 	while (s.delay < 0 && !err && camera->next < FRAMES - 10) {
 		const int lost = loses && !chance_int(chance, 0, 15);
 
-		step(&s, camera, lost, 0, 0);
+		schedule_step(&s, camera, lost, 0, 0);
 		err = exposure_schedule_measure(&s, shows ? light[camera->shown[camera->next - 1]] *
 								    chance_real(chance, 0.97, 1.03)
 							  : 0.5);
@@ -133,7 +134,8 @@ static void a_delay_is_measured(void **state)
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
 		struct scheduled_camera camera = {.delay = delay};
 
-		expect_equal(measure(&camera, &chance, false, true), delay, "delay=%d", delay);
+		expect_equal(schedule_measure(&camera, &chance, false, true), delay, "delay=%d",
+			     delay);
 		expect_at_most(camera.next, 4 * (EXPOSURE_HOLD + 1) + 2, "delay=%d", delay);
 	}
 }
@@ -148,7 +150,7 @@ static void lost_frames_do_not_spoil_the_measurement(void **state)
 	(void)state;
 	for (int n = 0; n < 50; n++) {
 		struct scheduled_camera camera = {.delay = n % 7};
-		const int found = measure(&camera, &chance, true, true);
+		const int found = schedule_measure(&camera, &chance, true, true);
 
 		right += found == n % 7;
 		expect_that(found == n % 7 || found == n % 7 + 1 || found == -ENODATA, "n=%d", n);
@@ -163,8 +165,8 @@ static void what_is_not_seen_is_said(void **state)
 				slow = {.delay = EXPOSURE_DELAY_MAX + 3, .beyond = true};
 
 	(void)state;
-	assert_int_equal(measure(&camera, &chance, false, false), -ENODATA);
-	assert_int_equal(measure(&slow, &chance, false, true), -ENODATA);
+	assert_int_equal(schedule_measure(&camera, &chance, false, false), -ENODATA);
+	assert_int_equal(schedule_measure(&slow, &chance, false, true), -ENODATA);
 }
 
 int main(void)

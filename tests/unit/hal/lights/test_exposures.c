@@ -72,7 +72,8 @@ static void expose(const struct light_exposures *e, int k, const struct cell *ce
 	}
 }
 
-static void take(struct light_exposures *e, int k, const struct taken_lights *f, struct merged *m)
+static void exposures_take(struct light_exposures *e, int k, const struct taken_lights *f,
+			   struct merged *m)
 {
 	light_exposures_take(e, k, (const float(*)[3])f->sampled, (const float(*)[3])f->excess,
 			     f->clipped, m->radiance, m->left);
@@ -83,12 +84,13 @@ static bool fits(const struct light_exposures *e, int k, const struct taken_ligh
 	return light_exposures_fit(e, k, (const float(*)[3])f->sampled, f->clipped);
 }
 
-static void show(struct light_exposures *e, int k, const struct cell *cell, struct merged *m)
+static void exposures_show(struct light_exposures *e, int k, const struct cell *cell,
+			   struct merged *m)
 {
 	struct taken_lights f;
 
 	expose(e, k, cell, &f);
-	take(e, k, &f, m);
+	exposures_take(e, k, &f, m);
 }
 
 static double truth(const struct cell *cell, int c)
@@ -96,7 +98,7 @@ static double truth(const struct cell *cell, int c)
 	return cell->dim[c] + cell->share * (cell->lamp[c] - cell->dim[c]);
 }
 
-static void fill(struct cell *cell, double dim, double lamp, double share)
+static void exposures_fill(struct cell *cell, double dim, double lamp, double share)
 {
 	for (int i = 0; i < LIGHTS; i++)
 		cell[i] = (struct cell){{dim, dim / 2, dim / 4}, {lamp, lamp / 2, lamp / 4}, share};
@@ -115,10 +117,10 @@ static void a_constant_sky_is_exact(void **state)
 	for (size_t n = 0; n < sizeof(levels) / sizeof(*levels); n++) {
 		struct light_exposures *e = create(1);
 
-		fill(cell, levels[n], 0, 0);
+		exposures_fill(cell, levels[n], 0, 0);
 		for (int turn = 0; turn < 2; turn++) {
 			for (int k = 0; k < COUNT; k++) {
-				show(e, k, cell, &m);
+				exposures_show(e, k, cell, &m);
 				if (!turn && k + 1 < COUNT)
 					continue;
 				for (int i = 0; i < LIGHTS; i++) {
@@ -146,12 +148,12 @@ static void other_ratios_count_from_the_next_frame(void **state)
 	struct merged m;
 
 	(void)state;
-	fill(cell, 2, 0, 0); /* the first exposure clips */
+	exposures_fill(cell, 2, 0, 0); /* the first exposure clips */
 	light_exposures_ratios(e, wanted);
-	show(e, 1, cell, &m);
+	exposures_show(e, 1, cell, &m);
 	assert_true(m.radiance[0][0] != 2);
 	light_exposures_ratios(e, ratio);
-	show(e, 1, cell, &m);
+	exposures_show(e, 1, cell, &m);
 	assert_true(m.radiance[0][0] == 2);
 	light_exposures_destroy(e);
 }
@@ -176,7 +178,7 @@ static void one_exposure_is_untouched(void **state)
 	}
 	light_exposures_measured(e, one, 1, &curve, 3, pixels);
 	for (int turn = 0; turn < 2; turn++) {
-		take(e, 0, &f, &m);
+		exposures_take(e, 0, &f, &m);
 		assert_memory_equal(m.radiance, f.sampled, sizeof(f.sampled));
 		assert_memory_equal(m.left, f.clipped, sizeof(f.clipped));
 		expect_that(fits(e, 0, &f), "turn=%d", turn);
@@ -192,14 +194,14 @@ static void a_lamp_is_found_in_the_shortest(void **state)
 	struct light_exposures *e = create(1);
 
 	(void)state;
-	fill(cell, 0.1, 0.1, 0);
+	exposures_fill(cell, 0.1, 0.1, 0);
 	for (int i = 0; i < LIGHTS; i++)
 		for (int c = 0; c < 3; c++) {
 			cell[i].lamp[c] = 0.2 * pow(1.25, i) / (c + 1);
 			cell[i].share = 0.05;
 		}
 	for (int k = 0; k < COUNT; k++)
-		show(e, k, cell, &m);
+		exposures_show(e, k, cell, &m);
 	for (int i = 0; i < LIGHTS; i++) {
 		const bool lost = cell[i].lamp[0] >= 256;
 
@@ -252,7 +254,7 @@ static void weights_follow_the_noise(void **state)
 			if (k == 0)
 				for (int i = 0; i < LIGHTS; i++)
 					alone += pow((double)f.sampled[i][0] - light, 2);
-			take(e, k, &f, &m);
+			exposures_take(e, k, &f, &m);
 		}
 		for (int i = 0; i < LIGHTS; i++, count++) {
 			squares += pow((double)m.radiance[i][0] - light, 2);
@@ -282,23 +284,23 @@ static void a_switched_lamp_is_followed(void **state)
 	struct merged m;
 
 	(void)state;
-	fill(off, 0.3, 0.3, 0);
-	fill(on, 0.3, 40, 0.1);
+	exposures_fill(off, 0.3, 0.3, 0);
+	exposures_fill(on, 0.3, 40, 0.1);
 	for (int first = 0; first < COUNT; first++) {
 		struct light_exposures *e = create(1);
 
 		for (int k = 0; k < COUNT; k++)
-			show(e, k, off, &m);
+			exposures_show(e, k, off, &m);
 		must_be(&m, off);
 		for (int k = 0; k < COUNT; k++) {
-			show(e, (first + k) % COUNT, on, &m);
+			exposures_show(e, (first + k) % COUNT, on, &m);
 			for (int i = 0; i < LIGHTS; i++) /* brighter from the first frame on */
 				expect_above(m.radiance[i][0], 0.3f, "first=%d, k=%d, i=%d", first,
 					     k, i);
 		}
 		must_be(&m, on);
 		for (int k = 0; k < COUNT; k++)
-			show(e, (first + k) % COUNT, off, &m);
+			exposures_show(e, (first + k) % COUNT, off, &m);
 		must_be(&m, off);
 		light_exposures_destroy(e);
 	}
@@ -321,7 +323,7 @@ static void exposures_that_are_off_do_not_flicker(void **state)
 				for (int c = 0; c < 3; c++)
 					seen[i].dim[c] = seen[i].lamp[c] = cell[i].dim[c] *
 									   (1 + 0.05 * k);
-			show(e, k, seen, &m);
+			exposures_show(e, k, seen, &m);
 			if (turn > 1)
 				assert_memory_equal(&before, &m, sizeof(m));
 			before = m;
@@ -344,7 +346,7 @@ static void wrong_exposures_are_noticed(void **state)
 			struct merged m;
 			struct taken_lights f;
 
-			fill(cell, dims[n], dims[n], 0);
+			exposures_fill(cell, dims[n], dims[n], 0);
 			for (int i = 0; lamp && i < 4; i++)
 				cell[i] = (struct cell){
 					{dims[n], dims[n], dims[n]}, {90, 80, 70}, 0.02};
@@ -352,7 +354,7 @@ static void wrong_exposures_are_noticed(void **state)
 			expect_that(fits(e, 0, &f), "n=%zu, lamp=%d", n,
 				    lamp); /* nothing is known yet */
 			for (int k = 0; k < COUNT; k++)
-				show(e, k, cell, &m);
+				exposures_show(e, k, cell, &m);
 			for (int is = 0; is < COUNT; is++) {
 				expose(e, is, cell, &f);
 				for (int said = 0; said < COUNT; said++) {
@@ -389,10 +391,10 @@ static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 			struct merged m;
 			struct taken_lights f;
 
-			fill(cell, 0.5, 0.5, 0);
+			exposures_fill(cell, 0.5, 0.5, 0);
 			for (int i = 0; i < 6; i++)
 				cell[i] = (struct cell){{0.5, 0.5, 0.5}, {l, l, l}, 0.4};
-			show(e, 0, cell, &m);
+			exposures_show(e, 0, cell, &m);
 			expose(e, k, cell, &f);
 			expect_that(fits(e, k, &f), "n=%zu, k=%d", n, k);
 			assert_false(fits(e, 0, &f));
@@ -416,15 +418,15 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 		struct taken_lights f;
 		int taken = 0;
 
-		fill(cell, 0.2, 0.2, 0);
+		exposures_fill(cell, 0.2, 0.2, 0);
 		for (int k = 0; k < COUNT; k++)
-			show(e, k, cell, &m);
-		fill(cell, up ? 0.8 : 0.05, 0, 0);
+			exposures_show(e, k, cell, &m);
+		exposures_fill(cell, up ? 0.8 : 0.05, 0, 0);
 		for (int frame = 0; frame < 2 * COUNT; frame++) {
 			expose(e, frame % COUNT, cell, &f);
 			if (!fits(e, frame % COUNT, &f))
 				continue;
-			take(e, frame % COUNT, &f, &m);
+			exposures_take(e, frame % COUNT, &f, &m);
 			taken++;
 		}
 		expect_at_least(taken, COUNT, "up=%d", up);

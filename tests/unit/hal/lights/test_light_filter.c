@@ -62,7 +62,7 @@ static void lamp_end(struct filtered_lamp *l)
 	free(l->x);
 }
 
-static void fill(struct filtered_lamp *l, double light)
+static void filter_fill(struct filtered_lamp *l, double light)
 {
 	for (int i = 0; i < l->count; i++)
 		for (int c = 0; c < 3; c++)
@@ -70,9 +70,9 @@ static void fill(struct filtered_lamp *l, double light)
 }
 
 /* Filters a frame in which all lights are equal. */
-static double frame(struct filtered_lamp *l, int64_t at_ns, double light)
+static double filter_frame(struct filtered_lamp *l, int64_t at_ns, double light)
 {
-	fill(l, light);
+	filter_fill(l, light);
 	light_filter_run(l->filter, at_ns, FOLLOW, l->x);
 	return (double)l->x[l->count / 2][1];
 }
@@ -109,11 +109,11 @@ static void a_switched_lamp_is_there_in_time(void **state)
 		int64_t at = 0;
 
 		for (; at < 10 * dt[n / 5]; at += dt[n / 5])
-			frame(&l, at, a);
+			filter_frame(&l, at, a);
 		for (int64_t since = 0; since < 1000 * MS; since += dt[n / 5]) {
 			double now, off;
 
-			fill(&l, a);
+			filter_fill(&l, a);
 			for (int c = 0; c < 3; c++)
 				l.x[7][c] = (float)b;
 			light_filter_run(l.filter, at + since, FOLLOW, l.x);
@@ -147,12 +147,12 @@ static void time_counts_and_not_frames(void **state)
 		struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 		int64_t at = 1;
 
-		frame(&l, 0, 0.1);
+		filter_frame(&l, 0, 0.1);
 		while (at < 50 * MS) {
-			frame(&l, at, 0.8);
+			filter_frame(&l, at, 0.8);
 			at += n ? chance_int(&chance, 1, 30) * MS : 50 * MS;
 		}
-		at_50[n] = frame(&l, 50 * MS, 0.8);
+		at_50[n] = filter_frame(&l, 50 * MS, 0.8);
 		expect_below(fabs(at_50[n] - at_50[0]), 2e-5, "n=%d", n);
 		lamp_end(&l);
 	}
@@ -247,13 +247,13 @@ static void energy_is_kept(void **state)
 	int64_t at = 0;
 
 	(void)state;
-	frame(&l, 0, 0);
+	filter_frame(&l, 0, 0);
 	for (int k = 0; k < 4000; k++) {
 		const double light = k < 300 && k % 60 < 30 ? 1 : 0;
 
 		at += 33 * MS;
 		in += light;
-		out += frame(&l, at, light);
+		out += filter_frame(&l, at, light);
 	}
 	assert_true(fabs(out / in - 1) < 0.01);
 	lamp_end(&l);
@@ -270,12 +270,12 @@ static void a_slow_lamp_does_not_stick(void **state)
 
 	(void)state;
 	for (int speed = 0; speed < 3; speed++) { /* 0.1, 1 and 10 codes a second */
-		double before = frame(&l, at, light);
+		double before = filter_frame(&l, at, light);
 
 		for (int k = 0; k < 300; k++) {
 			at += 33 * MS;
 			light += (level(121) - level(120)) * 0.033 * 0.1 * pow(10, speed);
-			now = frame(&l, at, light);
+			now = filter_frame(&l, at, light);
 			expect_that(now >= before && now <= (double)(float)light, "speed=%d, k=%d",
 				    speed, k);
 			/* The line above the slope's square is up to 1.4 above its root. */
@@ -287,7 +287,7 @@ static void a_slow_lamp_does_not_stick(void **state)
 			before = now;
 		}
 		for (int k = 0; k < 200; k++)
-			now = frame(&l, at += 33 * MS, light);
+			now = filter_frame(&l, at += 33 * MS, light);
 		expect_equal(now, (double)(float)light, "speed=%d", speed);
 	}
 	lamp_end(&l);
@@ -325,23 +325,24 @@ static void it_begins_anew(void **state)
 	const double half = (double)0.5f;
 
 	(void)state;
-	assert_true(frame(&l, 5000 * MS, 1) == 1);
-	assert_true(frame(&l, 5033 * MS, half) > half);
-	assert_true(frame(&l, 5000 * MS, half) == half); /* an older frame */
-	assert_true(frame(&l, 5300 * MS, 1) < 1);	 /* a slow camera is followed */
-	assert_true(frame(&l, 6401 * MS, half) == half); /* more than a second without frames */
-	assert_true(frame(&l, 6401 * MS, 1) == half);	 /* the same time again */
-	assert_true(frame(&l, 6434 * MS, 1) < 1);
+	assert_true(filter_frame(&l, 5000 * MS, 1) == 1);
+	assert_true(filter_frame(&l, 5033 * MS, half) > half);
+	assert_true(filter_frame(&l, 5000 * MS, half) == half); /* an older frame */
+	assert_true(filter_frame(&l, 5300 * MS, 1) < 1);	/* a slow camera is followed */
+	assert_true(filter_frame(&l, 6401 * MS, half) ==
+		    half);				     /* more than a second without frames */
+	assert_true(filter_frame(&l, 6401 * MS, 1) == half); /* the same time again */
+	assert_true(filter_frame(&l, 6434 * MS, 1) < 1);
 	light_filter_begin(l.filter);
-	assert_true(frame(&l, 6467 * MS, half) == half);
+	assert_true(filter_frame(&l, 6467 * MS, half) == half);
 	for (int i = 0; i < LIGHTS; i++)
 		pixels[i] = 1;
 	light_filter_measured(l.filter, &srgb, 2, pixels);
-	assert_true(frame(&l, 6500 * MS, 1) == 1);
-	fill(&l, 0.5);
+	assert_true(filter_frame(&l, 6500 * MS, 1) == 1);
+	filter_fill(&l, 0.5);
 	light_filter_run(l.filter, 6533 * MS, 0, l.x); /* filter off */
 	assert_true(l.x[3][2] == 0.5f);
-	assert_true(frame(&l, 6566 * MS, 1) < 1); /* on again, from the last light */
+	assert_true(filter_frame(&l, 6566 * MS, 1) < 1); /* on again, from the last light */
 	lamp_end(&l);
 }
 

@@ -23,7 +23,7 @@ struct recovery_sky {
 };
 
 /* One piece clips; its light is brighter the higher it is, as light_recover() assumes. */
-static void fill(struct recovery_sky *sky, int clipped, double lost)
+static void recovery_fill(struct recovery_sky *sky, int clipped, double lost)
 {
 	double piece_sr = 0;
 
@@ -79,7 +79,7 @@ static void what_is_lost_is_found(void **state)
 	for (size_t n = 0; n < sizeof(lost) / sizeof(*lost); n++) {
 		struct light_recovery r;
 
-		fill(&sky, 3, lost[n]);
+		recovery_fill(&sky, 3, lost[n]);
 		before = sky;
 		r = recover(&sky, 1);
 		expect_that(r.recovered && !r.at_bound, "n=%zu", n);
@@ -114,7 +114,7 @@ static void pieces_have_like_powers(void **state)
 	double small, large;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	/* Light 9 alone, and lights 10 to 19, all at one height. */
 	for (int i = 0; i < LIGHTS; i++) {
 		sky.clipped[i] = i < 9 ? 0 : 1;
@@ -153,7 +153,7 @@ static void what_lies_low_gets_less(void **state)
 	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int i = 0; i < 3; i++) {
 		sky.clipped[i] = 1;
 		sky.piece_sr[i] = sky.solid_sr[i] = 0.3;
@@ -183,7 +183,7 @@ static void colours_clip_by_themselves(void **state)
 	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int i = 18; i < LIGHTS; i++) {
 		sky.clipped[i] = 1;
 		sky.piece_sr[i] = sky.solid_sr[i] = 0.3;
@@ -205,7 +205,7 @@ static void all_may_be_clipped(void **state)
 	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int i = 0; i < LIGHTS; i++) {
 		sky.clipped[i] = 1;
 		sky.piece_sr[i] = 2 * M_PI;
@@ -227,19 +227,19 @@ static void no_number_adds_nothing(void **state)
 	struct recovery_sky sky, before;
 
 	(void)state;
-	fill(&sky, 3, 10);
+	recovery_fill(&sky, 3, 10);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] = c == 0 ? (double)NAN : c == 1 ? -1 : 0;
 	before = sky;
 	assert_false(recover(&sky, 1).recovered);
 	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
-	fill(&sky, 3, 10);
+	recovery_fill(&sky, 3, 10);
 	sky.radiance[5][0] = NAN;
 	before = sky;
 	assert_true(recover(&sky, 1).factor[0] == 1);
 	for (int i = 0; i < LIGHTS; i++)
 		assert_memory_equal(&sky.radiance[i][0], &before.radiance[i][0], sizeof(float));
-	fill(&sky, 3, 10);
+	recovery_fill(&sky, 3, 10);
 	sky.clipped[2] = NAN;
 	before = sky;
 	assert_true(recover(&sky, 1).recovered);
@@ -254,7 +254,7 @@ static void one_light_is_exact(void **state)
 
 	(void)state;
 	for (int which = 0; which < LIGHTS; which++) {
-		fill(&sky, 0, 0);
+		recovery_fill(&sky, 0, 0);
 		sky.clipped[which] = 0.3f;
 		sky.piece_sr[which] = 0.3 * sky.solid_sr[which];
 		for (int c = 0; c < 3; c++)
@@ -272,7 +272,7 @@ static void where_nothing_clips_nothing_is_done(void **state)
 	struct recovery_sky sky, before;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 5;
 	before = sky;
@@ -288,7 +288,7 @@ static void light_is_not_taken_away(void **state)
 	struct recovery_sky sky, before;
 
 	(void)state;
-	fill(&sky, 3, 0);
+	recovery_fill(&sky, 3, 0);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 0.7;
 	before = sky;
@@ -310,7 +310,7 @@ static void small_differences_stay_small(void **state)
 		double more;
 		struct recovery_sky sky;
 
-		fill(&sky, 1, 0);
+		recovery_fill(&sky, 1, 0);
 		for (int c = 0; c < 3; c++)
 			sky.ground.radiance[c] = ground_of(&sky, c) * (1 + off);
 		recover(&sky, 1);
@@ -331,14 +331,14 @@ static void bounds_are_said(void **state)
 	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 2, 100);
+	recovery_fill(&sky, 2, 100);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 1e7;
 	r = recover(&sky, 0.5);
 	assert_true(r.recovered && r.at_bound);
 	for (int c = 0; c < 3; c++)
 		expect_below(fabs(r.factor[c] / LIGHT_RECOVERY_MAX - 1), 1e-9, "c=%d", c);
-	fill(&sky, 2, 100);
+	recovery_fill(&sky, 2, 100);
 	sky.ground.clipped = 0.1; /* the patch itself clips, so it shows less than there is */
 	r = recover(&sky, 1);
 	assert_true(r.recovered && r.at_bound);

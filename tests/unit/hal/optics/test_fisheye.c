@@ -61,7 +61,7 @@ static void separate_focal_lengths(void **state)
 }
 
 /* Turns v about axis 0, 1 or 2, counter-clockwise as seen from the tip of the axis. */
-static void turn(double v[3], int axis, double deg)
+static void test_fisheye_turn(double v[3], int axis, double deg)
 {
 	const double c = cos(deg * M_PI / 180), s = sin(deg * M_PI / 180);
 	const int a = (axis + 1) % 3, b = (axis + 2) % 3;
@@ -86,7 +86,7 @@ static void rotates_about_x_then_y_then_z(void **state)
 		chance_direction(&chance, -0.999, dir);
 		memcpy(turned, dir, sizeof(dir));
 		for (int axis = 0; axis < 3; axis++)
-			turn(turned, axis, settings.rotation_deg[axis]);
+			test_fisheye_turn(turned, axis, settings.rotation_deg[axis]);
 		expect_that(fisheye_project(&lens, dir, px), "k=%d", k);
 		expect_that(fisheye_project(&plain, turned, want), "k=%d", k);
 		expect_below(hypot(px[0] - want[0], px[1] - want[1]), 1e-9, "k=%d", k);

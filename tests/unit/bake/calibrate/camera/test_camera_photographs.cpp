@@ -24,7 +24,7 @@ extern "C" {
 #define FOLDER "/usr/share/doc/opencv-doc/examples/data"
 
 /* Finds the board in all photographs of one camera; there is no tenth. */
-static void look(const char *side, struct observations *seen)
+static void photographs_look(const char *side, struct observations *seen)
 {
 	struct fault fault = {""};
 	struct board board;
@@ -81,7 +81,7 @@ static void no_worse_than_opencv(const char *side)
 	cv::Mat matrix, distortion;
 	double theirs, fx, fy;
 
-	look(side, &seen);
+	photographs_look(side, &seen);
 	task.width = seen.width;
 	task.height = seen.height;
 	assert_int_equal(camera_calibrate(&seen, &task, &solution, &fault), 0);
@@ -118,7 +118,7 @@ static void in_both_directions(void **)
 	struct observations seen = {};
 	double rms[2];
 
-	look("left", &seen);
+	photographs_look("left", &seen);
 	for (int way = 0; way < 2; way++) {
 		struct camera_task task = camera_task_default();
 		struct camera_solution solution;
@@ -144,7 +144,7 @@ static void where_is_the_board_now(void **)
 	struct camera_task task = camera_task_default();
 	struct camera_solution all, pose;
 
-	look("left", &seen);
+	photographs_look("left", &seen);
 	task.width = seen.width;
 	task.height = seen.height;
 	task.reference = 4;

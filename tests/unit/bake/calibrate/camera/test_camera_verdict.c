@@ -21,7 +21,8 @@ static const double eye[3] = {0.12, -0.38, 0.42}, middle[3] = {0.01, 0.005, 0};
 static const double above[3] = {0.0, -1e-4, 0.6};
 
 /* Solves, and expects the verdict to trust (expected "") or to contain this text. */
-static void expect(struct observations *seen, const struct camera_task *task, const char *expected)
+static void test_verdict_expect(struct observations *seen, const struct camera_task *task,
+				const char *expected)
 {
 	struct camera_solution solution;
 	struct fault fault = {""};
@@ -57,20 +58,22 @@ static void fewest_points(void **state)
 		for (int i = 0; i < count; i++)
 			known_camera_see(&seen, &truth, (double[]){wide[i][0], wide[i][1], 0}, 0,
 					 NULL);
-		expect(&seen, &task, count < 5 ? "4 points are too few: points of one plane" : "");
+		test_verdict_expect(&seen, &task,
+				    count < 5 ? "4 points are too few: points of one plane" : "");
 	}
 	for (int count = 6; count <= 7; count++) {
 		struct observations seen = {0};
 
 		known_camera_see_cloud(&seen, &truth, count, 0, &chance);
-		expect(&seen, &task, count < 7 ? "6 points are too few: points in space" : "");
+		test_verdict_expect(&seen, &task,
+				    count < 7 ? "6 points are too few: points in space" : "");
 	}
 	task.method = CAMERA_FULL;
 	for (int count = 10; count <= 11; count++) {
 		struct observations seen = {0};
 
 		known_camera_see_cloud(&seen, &truth, count, 0, &chance);
-		expect(&seen, &task, count < 11 ? "too few for the full" : "");
+		test_verdict_expect(&seen, &task, count < 11 ? "too few for the full" : "");
 	}
 }
 
@@ -82,7 +85,7 @@ static void no_points(void **state)
 
 	(void)state;
 	assert_int_equal(observations_begin_view(&seen, "none"), 0);
-	expect(&seen, &task, "no points");
+	test_verdict_expect(&seen, &task, "no points");
 }
 
 static void no_such_reference(void **state)
@@ -122,7 +125,7 @@ static void board_parallel_to_the_picture(void **state)
 			if (tilt && !(noises[n % 3] > 0))
 				continue;
 			known_camera_see_board(&seen, &truth, 12, 9, noises[n % 3], &chance);
-			expect(&seen, &task, "parallel to the image plane");
+			test_verdict_expect(&seen, &task, "parallel to the image plane");
 		}
 }
 
@@ -145,7 +148,7 @@ static void nearly_orthographic(void **state)
 			else
 				known_camera_see_board(&seen, &truth, 12, 9, 0.3 + 0.3 * n,
 						       &chance);
-			expect(&seen, &task, "nearly orthographic");
+			test_verdict_expect(&seen, &task, "nearly orthographic");
 		}
 }
 
@@ -160,7 +163,7 @@ static void points_on_a_line(void **state)
 	for (int i = 0; i < 20; i++)
 		known_camera_see(&seen, &truth, (double[]){0.01 * i - 0.1, 0.004 * i - 0.04, 0}, 0,
 				 NULL);
-	expect(&seen, &task, "on a line");
+	test_verdict_expect(&seen, &task, "on a line");
 }
 
 static void points_in_a_corner(void **state)
@@ -179,7 +182,7 @@ static void points_in_a_corner(void **state)
 					 (double[]){0.1 + 0.008 * (i % 6), 0.1 + 0.008 * (i / 6),
 						    n ? 0.01 * ((i * 7) % 5) : 0},
 					 0, &chance);
-		expect(&seen, &task, "in one corner");
+		test_verdict_expect(&seen, &task, "in one corner");
 	}
 }
 
@@ -195,10 +198,10 @@ static void aspect_does_not_show_in_a_plane(void **state)
 	(void)state;
 	task.aspect_deviation = 0.05;
 	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
-	expect(&seen, &task, "do not tell whether the pixels are square");
+	test_verdict_expect(&seen, &task, "do not tell whether the pixels are square");
 	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	task.object_given = true;
-	expect(&seen, &task, "");
+	test_verdict_expect(&seen, &task, "");
 	task.object_given = false;
 	for (int way = 0; way < 2; way++) {
 		struct camera_solution solution;
@@ -237,7 +240,7 @@ static void outliers(void **state)
 	/* one outlier: named, with advice how to go on */
 	seen = board_seen(&truth, 0.1, &chance);
 	seen.point[17].px[0] += 30;
-	expect(&seen, &task, "point 18 is");
+	test_verdict_expect(&seen, &task, "point 18 is");
 	/* a few outliers, robustly: trusted, and they are named */
 	task.robust = true;
 	for (int count = 1; count <= 20; count += 6) {
@@ -262,7 +265,7 @@ static void outliers(void **state)
 	seen = board_seen(&truth, 0.1, &chance);
 	for (int i = 0; i < seen.count; i += 3)
 		seen.point[i].px[0] += 20 + i % 7;
-	expect(&seen, &task, "do not fit the others");
+	test_verdict_expect(&seen, &task, "do not fit the others");
 }
 
 static void points_in_another_order(void **state)
@@ -281,7 +284,7 @@ static void points_in_another_order(void **state)
 		memcpy(seen.point[i].px, seen.point[j].px, sizeof(swap));
 		memcpy(seen.point[j].px, swap, sizeof(swap));
 	}
-	expect(&seen, &task, ";");
+	test_verdict_expect(&seen, &task, ";");
 }
 
 /* A mirrored board is one seen from behind; mirrored points in space fit no camera. */
@@ -303,7 +306,7 @@ static void mirrored(void **state)
 				known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 			for (int i = 0; i < seen.count; i++)
 				seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
-			expect(&seen, &task, "mirrored");
+			test_verdict_expect(&seen, &task, "mirrored");
 		}
 }
 
@@ -327,7 +330,7 @@ static void mirrored_from_afar(void **state)
 			known_camera_see_cloud(&seen, &truth, 40, 0.1 + 0.4 * n, &chance);
 			for (int i = 0; i < seen.count; i++)
 				seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
-			expect(&seen, &task, "mirror");
+			test_verdict_expect(&seen, &task, "mirror");
 		}
 }
 
@@ -341,7 +344,7 @@ static void listed_twice(void **state)
 
 	(void)state;
 	assert_int_equal(observations_add(&seen, first.world, first.px, "again"), 0);
-	expect(&seen, &task, "point 4 and again are one point listed twice");
+	test_verdict_expect(&seen, &task, "point 4 and again are one point listed twice");
 }
 
 /* A view of something else has no pose, however well the other views fit. */
@@ -368,7 +371,7 @@ static void view_of_outliers(void **state)
 		known_camera_see_board(&seen, &from, 5, 5, 0.1, &chance);
 	}
 	task.robust = true;
-	expect(&seen, &task, "points of board do not fit the other views");
+	test_verdict_expect(&seen, &task, "points of board do not fit the other views");
 }
 
 /* A dozen points with much noise are not taken for a mirror image. */
@@ -404,10 +407,10 @@ static void axis_does_not_show(void **state)
 	task.object_given = true;
 	task.object_radius = 0.1;
 	task.tolerance_px = 0.3;
-	expect(&seen, &task, "do not tell where the lens's axis is");
+	test_verdict_expect(&seen, &task, "do not tell where the lens's axis is");
 	seen = board_seen(&truth, 0.1, &chance);
 	task.centre_deviation_px = 1;
-	expect(&seen, &task, "");
+	test_verdict_expect(&seen, &task, "");
 }
 
 /* The reader refuses points that are NaN. */
@@ -468,7 +471,7 @@ static void folds_over(void **state)
 			expect_equal(seen.count, 108, "distortion=%d, p=%d", distortion, p);
 			task = known_camera_task(&truth);
 			task.object_given = true;
-			expect(&seen, &task, "");
+			test_verdict_expect(&seen, &task, "");
 		}
 	}
 }
@@ -490,7 +493,7 @@ static void lens_beyond_its_model(void **state)
 		px[0] = 320 + x * bent / r;
 		px[1] = 240 + y * bent / r;
 	}
-	expect(&seen, &task, ";");
+	test_verdict_expect(&seen, &task, ";");
 }
 
 /* ---- the object ---- */
@@ -506,15 +509,15 @@ static void object_beyond_the_points(void **state)
 	task.object_given = true;
 	/* on the board, then far beside it, then behind the camera */
 	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
-	expect(&seen, &task, "");
+	test_verdict_expect(&seen, &task, "");
 	task.object[0] = 0.28;
 	task.tolerance_px = 100;
 	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
-	expect(&seen, &task, "outside of what the points cover");
+	test_verdict_expect(&seen, &task, "outside of what the points cover");
 	task.object[1] = -5;
 	task.object[2] = 3;
 	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
-	expect(&seen, &task, "no image of the object's place");
+	test_verdict_expect(&seen, &task, "no image of the object's place");
 }
 
 static void object_too_uncertain(void **state)
@@ -537,10 +540,10 @@ static void object_too_uncertain(void **state)
 		 "the %s is %.6g px, more than the 0.01 px of --tolerance",
 		 solution.finding.figure[0].label, solution.finding.figure[0].value);
 	camera_solution_free(&solution);
-	expect(&seen, &task, sentence);
+	test_verdict_expect(&seen, &task, sentence);
 	task.tolerance_px = 100;
 	known_camera_see_board(&seen, &truth, 9, 6, 0.5, &chance);
-	expect(&seen, &task, "");
+	test_verdict_expect(&seen, &task, "");
 }
 
 /* With a known lens, a board parallel to the picture is as good as any; only its tilt is less
@@ -555,7 +558,7 @@ static void parallel_is_no_matter_for_a_known_lens(void **state)
 	(void)state;
 	task.intrinsics = &truth;
 	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
-	expect(&seen, &task, "");
+	test_verdict_expect(&seen, &task, "");
 }
 
 int main(void)

@@ -93,8 +93,8 @@ static void soften(double light[480][640], double deviation_px)
 	}
 }
 
-static struct image take(const struct circle_scene *scene, struct fisheye *lens,
-			 struct chance *chance)
+static struct image circle_take(const struct circle_scene *scene, struct fisheye *lens,
+				struct chance *chance)
 {
 	enum { PARTS = 4 };
 	static double light[480][640];
@@ -144,8 +144,8 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 }
 
 /* Expects this verdict ("": trusted) and, where it trusts, the right lens. */
-static void check(const char *name, const struct circle_scene *scene, const char *expected,
-		  double error_px)
+static void circle_check(const char *name, const struct circle_scene *scene, const char *expected,
+			 double error_px)
 {
 	struct chance chance = chance_begin(name);
 	const struct fisheye_wanted wanted = {.model = scene->lens.model,
@@ -155,7 +155,7 @@ static void check(const char *name, const struct circle_scene *scene, const char
 	struct fisheye_result result;
 	struct observations seen;
 	struct fisheye truth;
-	struct image image = take(scene, &truth, &chance);
+	struct image image = circle_take(scene, &truth, &chance);
 	char said[600];
 
 	assert_int_equal(
@@ -190,7 +190,7 @@ static void every_model(void **state)
 			scene.lens.focal_px[0] = scene.lens.focal_px[1] = 110;
 		if (model == FISHEYE_ORTHOGRAPHIC)
 			scene.lens.focal_px[0] = scene.lens.focal_px[1] = 215;
-		check(fisheye_model_names[model], &scene, "", 0.2);
+		circle_check(fisheye_model_names[model], &scene, "", 0.2);
 	}
 }
 
@@ -200,35 +200,35 @@ static void hard_pictures(void **state)
 
 	(void)state;
 	scene.lamp = true;
-	check("lamp at the rim", &scene, "", 0.2);
+	circle_check("lamp at the rim", &scene, "", 0.2);
 	scene.lamp = false;
 	scene.noise = 6;
-	check("noise", &scene, "", 0.2);
+	circle_check("noise", &scene, "", 0.2);
 	scene.noise = 5; /* which black cuts off */
 	scene.exposure = 0.05;
-	check("low light", &scene, "", 0.2);
+	circle_check("low light", &scene, "", 0.2);
 	scene.noise = scene.exposure = 1;
 	scene.blur_px = 0.7; /* the blur of any lens and of demosaicing */
-	check("a little blur", &scene, "", 0.1);
+	circle_check("a little blur", &scene, "", 0.1);
 	scene.blur_px = 1.8; /* out of focus */
-	check("blur", &scene, "", 0.2);
+	circle_check("blur", &scene, "", 0.2);
 	scene.blur_px = 0;
 	scene.dark_from_deg = 100;
 	scene.dark_to_deg = 190;
-	check("a quarter dark", &scene, "", 0.2);
+	circle_check("a quarter dark", &scene, "", 0.2);
 	scene.dark_to_deg = 340;
-	check("mostly dark", &scene, "the rim is dark", 0);
+	circle_check("mostly dark", &scene, "the rim is dark", 0);
 	scene.dark_from_deg = scene.dark_to_deg = 0;
 	scene.exposure = 6;
-	check("over-exposed", &scene, "over-exposed at the rim", 0);
+	circle_check("over-exposed", &scene, "over-exposed at the rim", 0);
 	scene.exposure = 1;
 	scene.lens.focal_px[0] = scene.lens.focal_px[1] = 190;
-	check("cut at top and bottom", &scene, "", 0.2);
+	circle_check("cut at top and bottom", &scene, "", 0.2);
 	scene.lens.focal_px[0] = scene.lens.focal_px[1] = 240;
-	check("cut nearly everywhere", &scene, "no image circle was found", 0);
+	circle_check("cut nearly everywhere", &scene, "no image circle was found", 0);
 	scene.lens.focal_px[0] = 150;
 	scene.lens.focal_px[1] = 75;
-	check("squashed", &scene, "", 0.2);
+	circle_check("squashed", &scene, "", 0.2);
 }
 
 static void no_circle(void **state)
@@ -236,9 +236,9 @@ static void no_circle(void **state)
 	struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1, .open = true};
 
 	(void)state;
-	check("no circle", &scene, "no image circle was found", 0);
+	circle_check("no circle", &scene, "no image circle was found", 0);
 	scene = (struct circle_scene){.lens = whole, .exposure = 0, .noise = 2};
-	check("lens cap", &scene, "no image circle was found", 0);
+	circle_check("lens cap", &scene, "no image circle was found", 0);
 }
 
 /* Real rooms: walls, windows and furniture at the rim. */
@@ -252,7 +252,7 @@ static void studio_and_panoramas(void **state)
 	struct circle_scene scene = {.lens = whole, .exposure = 0.8, .noise = 1, .studio = true};
 
 	(void)state;
-	check("studio", &scene, "", 0.2);
+	circle_check("studio", &scene, "", 0.2);
 	scene.studio = false;
 	for (int k = 0; k < 3; k++) {
 		struct image image = {.width = 0};
@@ -267,7 +267,7 @@ static void studio_and_panoramas(void **state)
 		}
 		scene.panorama = &panorama;
 		scene.exposure = exposures[k];
-		check(names[k], &scene, "", 0.2);
+		circle_check(names[k], &scene, "", 0.2);
 		image_free(&image);
 	}
 }

@@ -20,8 +20,8 @@
 
 static const double truth[FISHEYE_FALLOFF_TERMS] = {-0.22, 0.05, -0.012};
 
-static struct image take(const struct fisheye_settings *settings, double level, double slope,
-			 bool thing, struct chance *chance)
+static struct image fisheye_falloff_take(const struct fisheye_settings *settings, double level,
+					 double slope, bool thing, struct chance *chance)
 {
 	struct fisheye lens;
 	struct image image;
@@ -47,7 +47,7 @@ static struct image take(const struct fisheye_settings *settings, double level, 
 	return image;
 }
 
-static void check(double level, double slope, bool thing, const char *expected)
+static void fisheye_falloff_check(double level, double slope, bool thing, const char *expected)
 {
 	struct chance chance = chance_begin("fisheye_falloff");
 
@@ -58,7 +58,7 @@ static void check(double level, double slope, bool thing, const char *expected)
 		char said[600];
 
 		memcpy(settings.falloff, truth, sizeof(truth));
-		image = take(&settings, level, slope, thing, &chance);
+		image = fisheye_falloff_take(&settings, level, slope, thing, &chance);
 		memset(settings.falloff, 0, sizeof(settings.falloff));
 		assert_int_equal(falloff_find(&falloff, &image, &settings, NULL), 0);
 		verdict_sentence(&falloff.verdict, said, sizeof(said));
@@ -82,16 +82,16 @@ static void check(double level, double slope, bool thing, const char *expected)
 static void uniform_views(void **state)
 {
 	(void)state;
-	check(0.6, 0, false, "");
-	check(0.6, 0, true, ""); /* something dark in a corner */
+	fisheye_falloff_check(0.6, 0, false, "");
+	fisheye_falloff_check(0.6, 0, true, ""); /* something dark in a corner */
 }
 
 static void doubted(void **state)
 {
 	(void)state;
-	check(0.5, 0.4, false, "not equally bright");
-	check(3, 0, false, "over-exposed");
-	check(0, 0, false, "no uniform view");
+	fisheye_falloff_check(0.5, 0.4, false, "not equally bright");
+	fisheye_falloff_check(3, 0, false, "over-exposed");
+	fisheye_falloff_check(0, 0, false, "no uniform view");
 }
 
 int main(void)

@@ -97,7 +97,7 @@ struct coverage {
 	int runs, within[3];
 };
 
-static void count(struct coverage *c, double deviations)
+static void test_find_count(struct coverage *c, double deviations)
 {
 	c->runs++;
 	c->within[0] += deviations < 1;
@@ -163,8 +163,8 @@ static void honest_with_noise(void **state)
 			for (int n = 0; n < numbers; n++) {
 				if (e->parameter[n].fixed)
 					continue;
-				count(&all, fabs(e->parameter[n].value - truth[n]) /
-						    estimate_deviation(e, n));
+				test_find_count(&all, fabs(e->parameter[n].value - truth[n]) /
+							      estimate_deviation(e, n));
 			}
 			fisheye_result_free(&result);
 			observations_free(&seen);
@@ -187,8 +187,8 @@ static void honest_with_noise(void **state)
 	print_message("# %.1f s\n", (double)(clock_now_ns() - start) / 1e9);
 }
 
-static void expect(struct observations *seen, const struct fisheye_wanted *wanted,
-		   const char *expected)
+static void test_find_expect(struct observations *seen, const struct fisheye_wanted *wanted,
+			     const char *expected)
 {
 	struct fisheye_result result;
 	struct fault fault = {""};
@@ -217,27 +217,27 @@ static void doubted(void **state)
 	(void)state;
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
-	expect(&seen, &lamps, "there are 4 points, fewer than");
+	test_find_expect(&seen, &lamps, "there are 4 points, fewer than");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 200, 25, 0.02, &chance);
-	expect(&seen, &lamps, "cannot be told apart");
+	test_find_expect(&seen, &lamps, "cannot be told apart");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 200, 55, 0.02, &chance);
-	expect(&seen, &lamps, "nothing was seen beyond");
+	test_find_expect(&seen, &lamps, "nothing was seen beyond");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.3, &chance);
-	expect(&seen, &wrong, "not where a lens of the stereographic model");
+	test_find_expect(&seen, &wrong, "not where a lens of the stereographic model");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 6, &chance);
-	expect(&seen, &lamps, "the lens is known to");
+	test_find_expect(&seen, &lamps, "the lens is known to");
 	fisheye_views_begin(&seen);
 	fisheye_see_board(&seen, &lens, 0.5, 1, 0.2, &chance);
-	expect(&seen, &boards, "one place only");
+	test_find_expect(&seen, &boards, "one place only");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < seen.count; n++)
 		seen.point[n].px[0] = 640 - seen.point[n].px[0];
-	expect(&seen, &lamps, "mirrored");
+	test_find_expect(&seen, &lamps, "mirrored");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < seen.count; n++) {
@@ -247,7 +247,7 @@ static void doubted(void **state)
 		memcpy(point->world, (double[]){sin(t), 0, cos(t)}, sizeof(point->world));
 		expect_that(fisheye_project(&lens, point->world, point->px), "n=%d", n);
 	}
-	expect(&seen, &lamps, "lie in one plane");
+	test_find_expect(&seen, &lamps, "lie in one plane");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 60; n++) {
@@ -257,12 +257,12 @@ static void doubted(void **state)
 		assert_int_equal(observations_add(&seen, point.world, point.px, "again %d", n + 1),
 				 0);
 	}
-	expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
+	test_find_expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 5; n++)
 		seen.point[7 * n].px[1] += 40; /* outliers must not matter */
-	expect(&seen, &lamps, "trusted");
+	test_find_expect(&seen, &lamps, "trusted");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	seen.point[3].px[0] = NAN;

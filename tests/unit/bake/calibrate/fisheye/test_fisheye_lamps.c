@@ -46,8 +46,9 @@ static double error_of(const struct fisheye_settings *truth, const struct fishey
 /* Draws, finds, and expects this verdict. A trusted lens must be right over the whole circle: to
  * error_px, or to three reported deviations where the lamps leave an unknown model more room than
  * that. */
-static void look(const char *name, const struct drawn_lamps *d, int model, const char *expected,
-		 double error_px, struct lamps_told *told, struct chance *chance)
+static void test_lamps_look(const char *name, const struct drawn_lamps *d, int model,
+			    const char *expected, double error_px, struct lamps_told *told,
+			    struct chance *chance)
 {
 	const struct fisheye_wanted wanted = {
 		.model = model, .field_deg = 88, .tolerance_px = 0.5, .world_view = -1};
@@ -95,8 +96,8 @@ static void every_model(void **state)
 		struct lamps_told told;
 
 		drawn_lamps_place(&d, 24, 84, &chance);
-		look(fisheye_model_names[m], &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told,
-		     &chance);
+		test_lamps_look(fisheye_model_names[m], &d, FISHEYE_MODEL_AUTO, "trusted", 0.2,
+				&told, &chance);
 		expect_equal(told.found, 24, "m=%d", m);
 	}
 }
@@ -115,20 +116,20 @@ static void much_else(void **state)
 
 	(void)state;
 	drawn_lamps_place(&d, 30, 84, &chance);
-	look("reflections, a window, hidden lamps", &d, FISHEYE_MODEL_AUTO, "trusted", 0.25, &told,
-	     &chance);
+	test_lamps_look("reflections, a window, hidden lamps", &d, FISHEYE_MODEL_AUTO, "trusted",
+			0.25, &told, &chance);
 	assert_non_null(strstr(told.missing, "1 at ("));
 	assert_true(*told.strange);
 	d.reflections = d.hidden = 0;
 	d.window = false;
 	d.walls = 0.02;
 	d.lamp_light = 400; /* with halos that clip far around */
-	look("clipped", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	test_lamps_look("clipped", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
 	d.lamp_light = 0.4;
-	look("dim", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	test_lamps_look("dim", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
 	drawn_lamps_place(&d, 6, 80, &chance);
-	look("few, of a model that is known", &d, FISHEYE_EQUISOLID, "trusted", 0.5, &told,
-	     &chance);
+	test_lamps_look("few, of a model that is known", &d, FISHEYE_EQUISOLID, "trusted", 0.5,
+			&told, &chance);
 }
 
 static void merged(void **state)
@@ -144,7 +145,7 @@ static void merged(void **state)
 	for (int i = 0; i < 3; i++)
 		d.lamp[5].dir[i] += i == 2 ? 0.016 : 0.004;
 	vec_normalize(d.lamp[5].dir);
-	look("two in one spot", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	test_lamps_look("two in one spot", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
 	assert_string_equal(told.merged, "5, 6");
 	assert_int_equal(told.found, 18);
 }
@@ -158,18 +159,19 @@ static void doubted(void **state)
 	(void)state;
 	drawn_lamps_place(&d, 20, 84, &chance);
 	d.mirrored = true;
-	look("mirrored", &d, FISHEYE_MODEL_AUTO, "the picture is mirrored", 0, &told, &chance);
+	test_lamps_look("mirrored", &d, FISHEYE_MODEL_AUTO, "the picture is mirrored", 0, &told,
+			&chance);
 	d.mirrored = false;
 	d.hidden = 13;
-	look("most are hidden", &d, FISHEYE_EQUIDISTANT,
-	     "only 7 of the 20 lamps of lamps.txt were found", 0, &told, &chance);
+	test_lamps_look("most are hidden", &d, FISHEYE_EQUIDISTANT,
+			"only 7 of the 20 lamps of lamps.txt were found", 0, &told, &chance);
 	d.hidden = 18;
-	look("two are seen", &d, FISHEYE_MODEL_AUTO, "shows 2 bright spots, fewer than 4", 0, &told,
-	     &chance);
+	test_lamps_look("two are seen", &d, FISHEYE_MODEL_AUTO,
+			"shows 2 bright spots, fewer than 4", 0, &told, &chance);
 	d.hidden = 0;
 	drawn_lamps_place(&d, 5, 84, &chance);
-	look("five, of any model", &d, FISHEYE_MODEL_AUTO, "fewer than the 6 that tell a lens", 0,
-	     &told, &chance);
+	test_lamps_look("five, of any model", &d, FISHEYE_MODEL_AUTO,
+			"fewer than the 6 that tell a lens", 0, &told, &chance);
 	drawn_lamps_place(&d, 12, 84, &chance);
 	for (int n = 0; n < 12; n++)
 		chance_direction(&chance, 0, d.lamp[n].dir);
@@ -181,8 +183,8 @@ static void doubted(void **state)
 		for (int n = 0; n < 12; n++)
 			chance_direction(&chance, 0, other[n].dir);
 		e.lamps.lamp = other;
-		look("other lamps", &e, FISHEYE_MODEL_AUTO, "not where any fisheye shows the lamps",
-		     0, &told, &chance);
+		test_lamps_look("other lamps", &e, FISHEYE_MODEL_AUTO,
+				"not where any fisheye shows the lamps", 0, &told, &chance);
 	}
 }
 
@@ -209,13 +211,15 @@ static void ring(void **state)
 			.line = n + 1,
 			.dir = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)}};
 	}
-	look("a ring", &d, FISHEYE_MODEL_AUTO, "which is which cannot be told", 0, &told, &chance);
+	test_lamps_look("a ring", &d, FISHEYE_MODEL_AUTO, "which is which cannot be told", 0, &told,
+			&chance);
 	for (int n = 0; n < 2; n++) {
 		expect_that(fisheye_project(&lens, d.lamp[n].dir, d.lamp[n].near_px), "n=%d", n);
 		d.lamp[n].hinted = true;
 		d.lamp[n].near_px[0] += 15;
 	}
-	look("a ring with a hint", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	test_lamps_look("a ring with a hint", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told,
+			&chance);
 }
 
 static void expect_fault(const char *text, const char *words)

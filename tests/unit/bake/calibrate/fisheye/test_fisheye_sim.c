@@ -23,7 +23,7 @@ static void *place(void *root, const char *instance)
 	return root;
 }
 
-static void set(void *options, const char *option)
+static void test_sim_set(void *options, const char *option)
 {
 	const struct ini_table tables[] = {
 		{.section = "sim", .keys = camera_sim.keys, .place = place}, INI_TABLES_END};
@@ -36,7 +36,7 @@ static void set(void *options, const char *option)
 }
 
 /* Takes a picture; options are "key=value", NULL at the end. */
-static struct image take(const char *const *options)
+static struct image test_sim_take(const char *const *options)
 {
 	struct camera_settings settings = {
 		.width = 640, .height = 480, .buffers = 2, .format = PIXEL_BGRX};
@@ -49,7 +49,7 @@ static struct image take(const char *const *options)
 
 	ini_defaults(camera_sim.keys, sim);
 	while (*options)
-		set(sim, *options++);
+		test_sim_set(sim, *options++);
 	if (camera_open(&camera, &camera_sim, &settings, sim, &fault))
 		fail_msg("%s", fault.text);
 	waiting.fd = camera_descriptor(&camera);
@@ -86,7 +86,7 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 	return worst;
 }
 
-static void check(const char *name, const char *source, const char *exposure)
+static void test_sim_check(const char *name, const char *source, const char *exposure)
 {
 	const char *const options[] = {"clock=frames",
 				       "focal=140 134",
@@ -104,7 +104,7 @@ static void check(const char *name, const char *source, const char *exposure)
 					      .field_deg = 90,
 					      .tolerance_px = 0.5,
 					      .world_view = -1};
-	struct image image = take(options);
+	struct image image = test_sim_take(options);
 	struct fisheye_result result;
 	struct observations seen;
 	struct fisheye truth;
@@ -127,8 +127,8 @@ static void check(const char *name, const char *source, const char *exposure)
 static void studio(void **state)
 {
 	(void)state;
-	check("studio", NULL, "exposure=0.8");
-	check("studio", NULL, "exposure=0.2");
+	test_sim_check("studio", NULL, "exposure=0.8");
+	test_sim_check("studio", NULL, "exposure=0.2");
 }
 
 static void panoramas(void **state)
@@ -150,7 +150,7 @@ static void panoramas(void **state)
 			if (access(option + strlen("file="), R_OK))
 				print_message("# %s is not there: not looked at\n", option);
 			else
-				check(names[k], option, exposures[k][e]);
+				test_sim_check(names[k], option, exposures[k][e]);
 		}
 }
 

@@ -271,7 +271,7 @@ static void assert_none(const char *spec, const struct image *picture, const cha
 	observations_free(&all);
 }
 
-static void draw(const struct trial *trial, struct image *picture)
+static void boards_draw(const struct trial *trial, struct image *picture)
 {
 	const struct board board = parsed(trial->board);
 	const struct tsai_camera camera = camera_of(trial, &board);
@@ -288,9 +288,9 @@ static void test_other_size(void **state)
 	struct image picture;
 
 	(void)state;
-	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20, .turn_deg = 260,
-			     .away = 5},
-	     &picture);
+	boards_draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20,
+				    .turn_deg = 260, .away = 5},
+		    &picture);
 	for (size_t i = 0; i < sizeof(wanted) / sizeof(wanted[0]); i++)
 		assert_none(wanted[i], &picture, "holds a chessboard of 9x6 inner corners");
 	assert_none("circles:4x11:20mm", &picture, "no such grid of circles");
@@ -321,14 +321,14 @@ static void test_no_board(void **state)
 		image_free(&picture);
 	}
 	/* blurred beyond recognition; and tiny */
-	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 25, .tilt_deg = 20, .turn_deg = 260,
-			     .away = 5},
-	     &picture);
+	boards_draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 25, .tilt_deg = 20,
+				    .turn_deg = 260, .away = 5},
+		    &picture);
 	assert_none("chess:9x6:25mm", &picture, "expected");
 	image_free(&picture);
-	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20, .turn_deg = 260,
-			     .away = 120},
-	     &picture);
+	boards_draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20,
+				    .turn_deg = 260, .away = 120},
+		    &picture);
 	assert_none("chess:9x6:25mm", &picture, "expected");
 	image_free(&picture);
 }
