@@ -123,10 +123,10 @@ static void equal_sizes_are_a_copy(void **state)
 		scale(&picture, &to, NULL);
 		for (int y = 0; y < 11; y++) {
 			for (int x = 0; x < 37; x++)
-				assert_memory_equal(
+				expect_same_picture(
 					to.pixels + (size_t)y * to.stride + 4 * (size_t)x,
-					picture.origin + x * picture.x_step + y * picture.y_step,
-					4);
+					picture.origin + x * picture.x_step + y * picture.y_step, 4,
+					4, "of the pixel at (%d, %d), flips %d", x, y, flips);
 		}
 	}
 	canvas_free(&from);
@@ -173,8 +173,9 @@ static void threads_change_nothing(void **state)
 	scale(&picture, &one, NULL);
 	scale(&picture, &many, pool);
 	for (int y = 0; y < one.height; y++)
-		assert_memory_equal(one.pixels + (size_t)y * one.stride,
-				    many.pixels + (size_t)y * many.stride, 4 * (size_t)one.width);
+		expect_same_picture(many.pixels + (size_t)y * many.stride,
+				    one.pixels + (size_t)y * one.stride, many.stride,
+				    4 * (size_t)one.width, "row %d", y);
 	pool_destroy(pool);
 	canvas_free(&from);
 	canvas_free(&one);
@@ -208,7 +209,10 @@ static void columns_are_those_of_the_whole(void **state)
 			const uint8_t *row = all.pixels + (size_t)y * all.stride;
 			int end = 1 + right - left;
 
-			assert_memory_equal(out[y][1], row + 4 * left, 4 * (size_t)(right - left));
+			expect_same_picture(out[y][1], row + 4 * left, sizeof(out[0]),
+					    4 * (size_t)(right - left),
+					    "row %d, columns %d to %d, run %d", y, left, right,
+					    run);
 			expect_equal(out[y][0][3], 77, "run=%d, y=%d", run, y);
 			expect_equal(out[y][end][0], 77, "run=%d, y=%d", run, y);
 		}

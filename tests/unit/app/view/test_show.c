@@ -226,9 +226,11 @@ static void composite_is_the_composite(void **state)
 			 0);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++) {
-			assert_memory_equal(guarded_screen_pixel(&exact, x, y), made[y][x], 3);
-			assert_memory_equal(guarded_screen_pixel(&framed, x + 15, y + 3),
-					    made[y][x], 3);
+			expect_same_picture(guarded_screen_pixel(&exact, x, y), made[y][x], 4, 3,
+					    "of the pixel at (%d, %d)", x, y);
+			expect_same_picture(guarded_screen_pixel(&framed, x + 15, y + 3),
+					    made[y][x], 4, 3, "of the pixel at (%d, %d), framed", x,
+					    y);
 			changed += made[y][x][2] != 100;
 		}
 	}
