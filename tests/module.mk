@@ -133,7 +133,7 @@ UNIT_TESTS := \
 	tests/unit/hal/optics/test_fisheye.c \
 	tests/unit/hal/optics/test_panorama.c \
 	tests/unit/hal/optics/test_tsai.c
-# Those that try more when INLAY_THOROUGH is set, and one that takes long however little it tries.
+# Tests that try more when INLAY_THOROUGH is set; DEEP_ONLY_TESTS take long in any case.
 THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c tests/unit/bake/calibrate/response/test_light_response.c tests/accuracy/test_moving_lamp.c
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
@@ -144,12 +144,12 @@ UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/drivers/test_kms_mode.c \
 # Their V4L2 device is played: see support/played_v4l2.h.
 $(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_settings): \
 	override LDFLAGS += -Wl,--wrap=ioctl -Wl,--wrap=epoll_ctl
-# Its graphics card is played: see there.
+# The test plays the graphics card.
 $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
 $(BUILD)/tests/unit/bake/calibrate/camera/test_camera_photographs.o $(BUILD)/tests/unit/bake/calibrate/convert/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
 UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/drivers/test_camera_libcamera.cpp \
 	tests/unit/drivers/test_libcamera_parts.c)
-# Its libudev is played: see there.
+# The test plays libudev.
 $(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_angles.c \
@@ -173,8 +173,8 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_state.c \
 	tests/fuzz/fuzz_timing.c \
 	tests/fuzz/fuzz_video.c
-# What they reach of app/ and bake/, beside the whole of hal/, drivers/ and config/: a part that is not
-# named does not link.
+# Sources of app/ and bake/ that fuzz targets reach, beside all of hal/, drivers/ and config/. One that is
+# missing does not link.
 FUZZ_PARTS := \
 	app/driver_list.c \
 	app/kiosk/control.c \
@@ -205,22 +205,22 @@ FUZZ_PARTS := \
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh bombs.sh)
-# By themselves: they hold times against each other.
+# These compare times and run by themselves.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
 TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/test_measure.c
-# What takes a minute or needs packages that building and using inlay does not: parts of install.sh and
-# calibrate.sh, which do without them in the quick tests.
+# These take a minute, or need packages that inlay itself does not need. install.sh and calibrate.sh leave
+# such parts out in the quick tests.
 CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)
 include tests/vm/vm.mk
 
-# How far two pictures are apart, for the accuracy table.
+# Measures how far two pictures are apart, for the accuracy table.
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/compare
 $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
 
-# How right the light is that a camera of several exposures measures: exposures.sh.
+# Measures the error of light from one and several exposures: exposures.sh.
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/exposures
 $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 		$(BUILD)/tests/accuracy/exposures_random.o $(BUILD)/tests/accuracy/exposures_truth.o \
@@ -230,7 +230,7 @@ $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 -include $(BUILD)/tests/accuracy/exposures.d $(BUILD)/tests/accuracy/exposures_random.d \
 	$(BUILD)/tests/accuracy/exposures_truth.d
 
-# How long a camera's calibration takes; run by hand.
+# Measures the time of a camera's calibration; run by hand.
 TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera
 $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT_LIB) \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
@@ -252,7 +252,7 @@ $(BUILD)/tests/cli/tools/allocations.so: tests/cli/tools/allocations.c
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
-# Draws what is photographed for the calibration of a fisheye.
+# Draws the photographs for the calibration of a fisheye.
 TEST_PROGRAMS += $(BUILD)/tests/cli/tools/photographs
 $(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o $(SUPPORT_LIB) \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
